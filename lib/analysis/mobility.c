@@ -1,0 +1,78 @@
+#include "analysis/mobility.h"
+#include "kinematics/closure.h"
+#include "kinematics/loops.h"
+
+/* Past this |B| the null vectors lean so far on the forced columns that digits are lost. */
+static const double largest_good_b = 30.0;
+
+static void set_numbers(const km_mechanism *m, km_state *s, int index) {
+  const km_substructure *sub = &m->substructures[index];
+  const km_partition *p = &s->partition[index];
+  const int *coordinate = m->column_coordinate + sub->column_start;
+  double *Z = km_state_basis(s, sub);
+  km_partition_null(p, m->column_weight + sub->column_start, km_partition_freedom(p), Z);
+  km_mobility_numbers(Z, sub->columns, km_partition_freedom(p), s->work);
+  for (int k = 0; k < sub->columns; ++k)
+    s->numbers[coordinate[k]] = s->work[k];
+}
+
+void km_numbers_update(const km_mechanism *m, km_state *s, int index) {
+  const km_substructure *sub = &m->substructures[index];
+  if (s->pivoted[index] == KM_NEVER || !(s->partition[index].largest_b <= largest_good_b)) {
+    int worst;
+    km_pivot(m, s, index, KM_NO_DRIVER, km_rank_tolerance(m, sub, km_loops_residual(m, s, sub, &worst)));
+  }
+  set_numbers(m, s, index);
+}
+
+static void count_kutzbach(const km_mechanism *m, km_mobility *out) {
+  const km_model *model = m->model;
+  int freedom = 0, lambda = 0;
+  for (int c = 0; c < m->coordinate_count; ++c)
+    freedom += !m->held[c];
+  for (int l = 0; l < m->topology.loop_count; ++l)
+    lambda += m->loops[l].lambda;
+  out->kutzbach = 6 * (model->body_count - 1 - model->joint_count) + freedom - model->coupling_count;
+  out->kutzbach_extended = freedom - lambda - model->coupling_count;
+}
+
+void km_mobility_update(const km_mechanism *m, km_state *s, km_mobility *out) {
+  *out = (km_mobility){0};
+  count_kutzbach(m, out);
+  out->redundant_constraints = 6 * m->topology.loop_count + m->model->coupling_count;
+  for (int c = 0; c < m->coordinate_count; ++c) {
+    bool outside = m->substructure_of[c] < 0 && !m->held[c];
+    s->numbers[c] = outside ? 1.0 : 0.0;
+    out->mobility += outside;
+  }
+  for (int i = 0; i < m->topology.substructure_count; ++i) {
+    const km_substructure *sub = &m->substructures[i];
+    int worst;
+    km_loops_update(m, s, sub);
+    double residual = km_loops_residual(m, s, sub, &worst);
+    km_pivot(m, s, i, KM_NO_DRIVER, km_rank_tolerance(m, sub, residual));
+    set_numbers(m, s, i);
+    out->residual = fmax(out->residual, residual);
+    out->mobility += km_partition_freedom(&s->partition[i]);
+    out->redundant_constraints -= s->partition[i].rank;
+  }
+}
+
+int km_substructure_count(const km_mechanism *m) { return m->topology.substructure_count; }
+
+void km_substructure_evidence(const km_mechanism *m, const km_state *s, int index, km_substructure_mobility *out) {
+  const km_substructure *sub = &m->substructures[index];
+  const km_partition *p = &s->partition[index];
+  const km_topology *t = &m->topology;
+  double scale = p->scale > 0.0 ? p->scale : 1.0;
+  *out = (km_substructure_mobility){.joints = t->joint_start[index + 1] - t->joint_start[index],
+                                    .loops = sub->loop_count,
+                                    .coordinates = sub->columns,
+                                    .rank = p->rank,
+                                    .mobility = km_partition_freedom(p),
+                                    .last_pivot = p->last_pivot / scale,
+                                    .first_dropped = p->first_dropped / scale,
+                                    .tolerance = km_rank_tolerance(m, sub, 0.0)};
+}
+
+double km_mobility_number(const km_state *s, int coordinate) { return s->numbers[coordinate]; }

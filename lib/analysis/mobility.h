@@ -1,0 +1,12 @@
+/* Mobility numbers of one substructure at a time, for sweeps. */
+#ifndef KM_ANALYSIS_MOBILITY_H
+#define KM_ANALYSIS_MOBILITY_H
+
+#include "kinematics/state.h"
+#include "kmech/mobility.h"
+
+/* Mobility numbers of a substructure from the partition that its last closure left. Where a driver forced a
+ * badly conditioned partition, pivots are searched again without it. */
+void km_numbers_update(const km_mechanism *mechanism, km_state *state, int substructure);
+
+#endif

@@ -1,0 +1,89 @@
+#include "base/memory.h"
+
+#include <stdint.h>
+#include <stdlib.h>
+#include <string.h>
+
+enum { BLOCK_SIZE = 1 << 16, ALIGNMENT = 64 };
+
+struct km_arena_block {
+  struct km_arena_block *previous;
+  size_t used, size;
+};
+
+void *km_alloc(size_t count, size_t size) { return calloc(count ? count : 1, size); }
+
+void *km_resize(void *block, size_t count, size_t size) {
+  if (size != 0 && count > SIZE_MAX / size)
+    return NULL;
+  size_t bytes = count * size;
+  return realloc(block, bytes ? bytes : 1);
+}
+
+void km_free(void *block) { free(block); }
+
+static char *block_start(struct km_arena_block *block) {
+  uintptr_t address = (uintptr_t)(block + 1);
+  return (char *)((address + ALIGNMENT - 1) / ALIGNMENT * ALIGNMENT);
+}
+
+static bool new_block(km_arena *arena, size_t size) {
+  struct km_arena_block *block =
+      km_alloc(1, sizeof *block + ALIGNMENT + (size > BLOCK_SIZE ? size : BLOCK_SIZE));
+  if (!block)
+    return false;
+  block->previous = arena->block;
+  block->size = size > BLOCK_SIZE ? size : BLOCK_SIZE;
+  arena->block = block;
+  return true;
+}
+
+void *km_arena_alloc(km_arena *arena, size_t count, size_t size) {
+  if (arena->failed || (size && count > (SIZE_MAX / 2 - ALIGNMENT) / size)) {
+    arena->failed = true;
+    return NULL;
+  }
+  size_t bytes = (count * size + ALIGNMENT - 1) / ALIGNMENT * ALIGNMENT;
+  if (!arena->block || arena->block->size - arena->block->used < bytes) {
+    if (!new_block(arena, bytes)) {
+      arena->failed = true;
+      return NULL;
+    }
+  }
+  void *result = block_start(arena->block) + arena->block->used;
+  arena->block->used += bytes;
+  return result;
+}
+
+char *km_arena_string(km_arena *arena, const char *text) {
+  if (!text)
+    return NULL;
+  size_t size = strlen(text) + 1;
+  char *copy = km_arena_alloc(arena, size, 1);
+  if (copy)
+    memcpy(copy, text, size);
+  return copy;
+}
+
+void km_arena_free(km_arena *arena) {
+  while (arena->block) {
+    struct km_arena_block *previous = arena->block->previous;
+    km_free(arena->block);
+    arena->block = previous;
+  }
+  arena->failed = false;
+}
+
+bool km_reserve(void **data, size_t *capacity, size_t need, size_t size) {
+  if (need <= *capacity)
+    return true;
+  size_t grown = *capacity + *capacity / 2 + 16;
+  if (grown < need)
+    grown = need;
+  void *block = km_resize(*data, grown, size);
+  if (!block)
+    return false;
+  *data = block;
+  *capacity = grown;
+  return true;
+}

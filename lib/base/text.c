@@ -1,0 +1,85 @@
+#include "base/text.h"
+
+#include "base/memory.h"
+
+#include <math.h>
+#include <stdarg.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+static bool grow(km_text *text, size_t more) {
+  void *data = text->data;
+  if (text->failed || !km_reserve(&data, &text->capacity, text->size + more + 1, 1)) {
+    text->failed = true;
+    return false;
+  }
+  text->data = data;
+  return true;
+}
+
+void km_text_free(km_text *text) {
+  km_free(text->data);
+  *text = (km_text){0};
+}
+
+void km_text_bytes(km_text *text, const void *bytes, size_t size) {
+  if (!grow(text, size))
+    return;
+  if (size)
+    memcpy(text->data + text->size, bytes, size);
+  text->size += size;
+  text->data[text->size] = '\0';
+}
+
+void km_text_add(km_text *text, const char *string) { km_text_bytes(text, string, strlen(string)); }
+
+void km_text_format(km_text *text, const char *format, ...) {
+  va_list arguments, again;
+  va_start(arguments, format);
+  va_copy(again, arguments);
+  int length = vsnprintf(NULL, 0, format, arguments);
+  if (length >= 0 && grow(text, (size_t)length)) {
+    vsnprintf(text->data + text->size, (size_t)length + 1, format, again);
+    text->size += (size_t)length;
+  }
+  va_end(again);
+  va_end(arguments);
+}
+
+void km_text_number(km_text *text, double value) {
+  char number[KM_NUMBER_TEXT];
+  km_text_bytes(text, number, km_number_format(number, value));
+}
+
+/* Whatever the locale's decimal point is (it may be several bytes), it becomes one '.'. */
+static size_t neutral_point(char *number) {
+  size_t length = 0;
+  bool point = false;
+  for (const char *c = number; *c; ++c) {
+    if (strchr("0123456789+-e", *c)) {
+      number[length++] = *c;
+    } else if (!point) {
+      number[length++] = '.';
+      point = true;
+    }
+  }
+  number[length] = '\0';
+  return length;
+}
+
+size_t km_number_format(char out[KM_NUMBER_TEXT], double value) {
+  if (isnan(value))
+    return (size_t)snprintf(out, KM_NUMBER_TEXT, "nan");
+  if (isinf(value))
+    return (size_t)snprintf(out, KM_NUMBER_TEXT, value < 0 ? "-inf" : "inf");
+  /* 15 digits always survive a double, so %.15g without its trailing zeros is the shortest text where
+   * it reads back; subnormal numbers have fewer digits than that. */
+  int digits = fabs(value) < 1e-290 && value != 0.0 ? 1 : 15;
+  for (; digits <= 17; ++digits) {
+    snprintf(out, KM_NUMBER_TEXT, "%.*g", digits, value);
+    if (digits == 17 || strtod(out, NULL) == value)
+      break;
+  }
+  return neutral_point(out);
+}

@@ -1,0 +1,26 @@
+/* A growing byte buffer, and numbers as text. */
+#ifndef KM_BASE_TEXT_H
+#define KM_BASE_TEXT_H
+
+#include <stdbool.h>
+#include <stddef.h>
+
+/* Bytes are followed by a NUL that `size` doesn't count. `failed` is sticky (out of memory). */
+typedef struct km_text {
+  char *data;
+  size_t size, capacity;
+  bool failed;
+} km_text;
+
+void km_text_free(km_text *text);
+void km_text_bytes(km_text *text, const void *bytes, size_t size);
+void km_text_add(km_text *text, const char *string);
+void km_text_format(km_text *text, const char *format, ...) __attribute__((format(printf, 2, 3)));
+void km_text_number(km_text *text, double value);
+
+enum { KM_NUMBER_TEXT = 32 };
+/* The shortest decimal text that reads back to the same double, in the C locale whatever the process's
+ * locale is; inf, -inf, nan. Returns the length. */
+size_t km_number_format(char out[KM_NUMBER_TEXT], double value);
+
+#endif

@@ -1,0 +1,38 @@
+/* A compiled mechanism: immutable, shared by threads. And its per-thread state. */
+#ifndef KMECH_MECHANISM_H
+#define KMECH_MECHANISM_H
+
+#include "kmech/model.h"
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+typedef struct km_mechanism km_mechanism;
+typedef struct km_state km_state;
+
+/* A coordinate kept at a value; the joint then counts as rigid in it. In the model's unit. */
+typedef struct km_hold {
+  int coordinate;
+  double value;
+} km_hold;
+
+/* Compiles the model: topology, each loop's own motion space, and the list of operations that kinematics
+ * replays. `holds` keep coordinates at values from the start. The model must outlive the mechanism. The
+ * caller frees `*out`. Cost: linear in joints plus the lengths of the loops. */
+km_status km_mechanism_compile(const km_model *model, const km_hold *holds, int hold_count, km_mechanism **out,
+                               km_error *error);
+void km_mechanism_free(km_mechanism *mechanism);
+
+/* One thread's workspace at the model's initial displacements, not yet assembled. The mechanism must outlive
+ * it. Everything that kinematics needs is allocated here, once. The caller frees `*out`. */
+km_status km_state_create(const km_mechanism *mechanism, km_state **out, km_error *error);
+void km_state_free(km_state *state);
+
+/* Coordinates in the model's units; angles are continuous, never wrapped. */
+double km_state_coordinate(const km_state *state, int coordinate);
+
+#ifdef __cplusplus
+}
+#endif
+#endif

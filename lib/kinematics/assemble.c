@@ -1,0 +1,136 @@
+#include "kinematics/closure.h"
+#include "kinematics/relax.h"
+#include "kmech/kinematics.h"
+
+#include <string.h>
+
+/* From this misfit on (scaled rms), what is left is open geometry and not rounding. */
+static const double rounding = 5e-3;
+
+/* Newton from where the state is, else damped least squares from there and Newton again. The other
+ * substructures' coordinates aren't touched. */
+static km_closure_outcome assemble_one(const km_mechanism *m, km_state *s, int index, double *saved,
+                                       km_closure *evidence, km_status *status, km_error *error) {
+  const km_substructure *sub = &m->substructures[index];
+  km_state_save(s, sub, saved);
+  s->pivoted[index] = KM_NEVER;
+  km_closure_outcome outcome = km_close(m, s, index, KM_NO_DRIVER, evidence);
+  if (outcome == KM_CLOSED)
+    return outcome;
+  km_state_restore(s, sub, saved);
+  *status = km_relax(m, s, index, error);
+  s->pivoted[index] = KM_NEVER;
+  return *status ? KM_OPEN : km_close(m, s, index, KM_NO_DRIVER, evidence);
+}
+
+typedef struct trial {
+  bool closes;
+  int freedom, rank;
+} trial;
+
+/* Would the substructure close with this tolerance, and to which mobility? */
+static trial try_tolerance(const km_mechanism *m, int index, double tolerance) {
+  trial result = {0};
+  km_mechanism *other = NULL;
+  km_state *s = NULL;
+  km_hold *holds = KM_NEW(km_hold, (size_t)m->coordinate_count);
+  double *saved = KM_NEW(double, (size_t)(KM_SAVED_PER_COLUMN * m->largest_columns));
+  int held = 0;
+  for (int c = 0; holds && c < m->coordinate_count; ++c)
+    if (m->held[c])
+      holds[held++] = (km_hold){c, m->start[c] / km_model_coordinate_factor(m->model, c)};
+  if (holds && saved && !km_mechanism_compile_tolerant(m->model, holds, held, tolerance, &other, NULL) &&
+      !km_state_create(other, &s, NULL)) {
+    km_closure evidence;
+    km_status status = KM_OK;
+    result.closes = assemble_one(other, s, index, saved, &evidence, &status, NULL) == KM_CLOSED;
+    result.rank = s->partition[index].rank;
+    result.freedom = km_partition_freedom(&s->partition[index]);
+  }
+  km_state_free(s);
+  km_mechanism_free(other);
+  km_free(saved);
+  km_free(holds);
+  return result;
+}
+
+/* The smallest tolerance of the 1-2-5 ladder that closes, with the same rank two rungs higher, which is the
+ * one to name: the misfit of other poses may be larger than this one's. 0: none. */
+static double fitting_tolerance(const km_mechanism *m, int index, int *mobility) {
+  static const double ladder[] = {1e-9, 2e-9, 5e-9, 1e-8, 2e-8, 5e-8, 1e-7, 2e-7, 5e-7, 1e-6,
+                                  2e-6, 5e-6, 1e-5, 2e-5, 5e-5, 1e-4, 2e-4, 5e-4, 1e-3, 2e-3};
+  for (size_t i = 0; i + 2 < sizeof ladder / sizeof *ladder; ++i) {
+    if (ladder[i] <= m->closure_tolerance)
+      continue;
+    trial tight = try_tolerance(m, index, ladder[i]), loose = try_tolerance(m, index, ladder[i + 2]);
+    if (!tight.closes || !loose.closes || tight.rank != loose.rank)
+      continue;
+    *mobility = loose.freedom;
+    return ladder[i + 2];
+  }
+  return 0.0;
+}
+
+static void describe_loop(const km_mechanism *m, const km_state *s, int loop, km_text *text) {
+  const km_topology *t = &m->topology;
+  const km_model *model = m->model;
+  km_text_format(text, "%s: loop %d (joints", model->joints[t->chord[loop]].where, loop + 1);
+  for (int i = t->member_start[loop]; i < t->member_start[loop + 1]; ++i)
+    km_text_format(text, "%s %.80s", i > t->member_start[loop] ? "," : "", model->joints[t->member[i].joint].label);
+  const km_twist *e = &s->misfit[loop];
+  double size = m->substructures[t->substructure_of_loop[loop]].size;
+  km_text_format(text, ") can't close: %.4g %s and %.4g %s are left", size * km_vec3_norm(e->v),
+                 model->units.length->suffix, km_vec3_norm(e->w) / model->units.angle->si, model->units.angle->suffix);
+}
+
+static km_status report_open(const km_mechanism *m, const km_state *s, int index, const km_closure *evidence,
+                             km_error *error) {
+  km_text text = {0};
+  if (evidence->worst >= 0)
+    describe_loop(m, s, evidence->worst, &text);
+  else
+    km_text_format(&text, "a coupling of substructure %d can't be met: %.4g is left", index + 1, evidence->residual);
+  int mobility = 0;
+  double tolerance = evidence->residual < rounding ? fitting_tolerance(m, index, &mobility) : 0.0;
+  if (tolerance > 0.0)
+    km_text_format(&text,
+                   "; expected closed loops (for rounded data, \"closure_tolerance\": %g in model_parameters would do, "
+                   "with mobility %d in substructure %d)",
+                   tolerance, mobility, index + 1);
+  else
+    km_text_add(&text, "; expected loops that close on the branch of the initial displacements");
+  km_status status = km_fail(error, KM_MODEL, "%s", text.failed ? "out of memory" : text.data);
+  km_text_free(&text);
+  return status;
+}
+
+static km_status assemble_all(const km_mechanism *m, km_state *s, double *saved, km_assembly *total,
+                              km_error *error) {
+  for (int i = 0; i < m->topology.substructure_count; ++i) {
+    km_closure evidence;
+    km_status status = KM_OK;
+    km_closure_outcome outcome = assemble_one(m, s, i, saved, &evidence, &status, error);
+    if (status)
+      return status;
+    if (outcome != KM_CLOSED)
+      return report_open(m, s, i, &evidence, error);
+    if (evidence.residual > total->residual) {
+      total->residual = evidence.residual;
+      total->worst_loop = evidence.worst;
+    }
+    if (evidence.iterations > total->iterations)
+      total->iterations = evidence.iterations;
+  }
+  return KM_OK;
+}
+
+km_status km_assemble(const km_mechanism *m, km_state *s, km_assembly *out, km_error *error) {
+  km_assembly total = {.worst_loop = -1};
+  double *saved = KM_NEW(double, (size_t)(KM_SAVED_PER_COLUMN * m->largest_columns));
+  km_status status = saved ? assemble_all(m, s, saved, &total, error)
+                           : km_fail(error, KM_MEMORY, "out of memory while assembling");
+  km_free(saved);
+  if (out)
+    *out = total;
+  return status;
+}

@@ -1,0 +1,125 @@
+#include "kinematics/closure.h"
+#include "kinematics/loops.h"
+
+#include <string.h>
+
+enum { MOST_ITERATIONS = 60 };
+static const double closed = 1e-12;        /* rms of the primary rows (theory 4) */
+static const double settled = 1e-9;        /* a step below this shows that the pose is found, not just the error small */
+static const double longest_step = 0.6;    /* radians, or substructure sizes */
+
+double km_rank_tolerance(const km_mechanism *m, const km_substructure *sub, double misfit) {
+  int size = sub->rows > sub->columns ? sub->rows : sub->columns;
+  double tolerance = 1e-9 * fmax(size, 1.0);
+  /* A misfit e of the data can make a pivot of a few e. */
+  if (m->closure_tolerance_given)
+    tolerance = fmax(tolerance, 10.0 * m->closure_tolerance);
+  return fmin(fmax(tolerance, 10.0 * misfit), 0.05);
+}
+
+void km_pivot(const km_mechanism *m, km_state *s, int index, int driver, double tolerance) {
+  const km_substructure *sub = &m->substructures[index];
+  if (driver >= 0)
+    s->forced[driver] = true;
+  km_partition_factor(&s->partition[index], km_state_jacobian(s, sub), sub->rows, sub->columns,
+                      driver >= 0 ? s->forced : NULL, tolerance);
+  if (driver >= 0)
+    s->forced[driver] = false;
+  s->pivoted[index] = driver;
+}
+
+double km_step_length(const km_mechanism *m, const km_substructure *sub, const double *x) {
+  const double *weight = m->column_weight + sub->column_start;
+  double sum = 0.0;
+  for (int k = 0; k < sub->columns; ++k)
+    sum += weight[k] * x[k] * weight[k] * x[k];
+  return sqrt(sum);
+}
+
+void km_least_step(const km_mechanism *m, km_state *s, int index, int driver, double *x) {
+  const km_substructure *sub = &m->substructures[index];
+  const km_partition *p = &s->partition[index];
+  const double *weight = m->column_weight + sub->column_start;
+  int count = km_partition_freedom(p) - (driver >= 0 && !p->forced_dependent);
+  if (count <= 0)
+    return;
+  double *Z = km_state_basis(s, sub);
+  km_partition_null(p, weight, count, Z);
+  for (int k = 0; k < count; ++k) {
+    const double *z = Z + (size_t)k * (size_t)sub->columns;
+    double dot = 0.0;
+    for (int j = 0; j < sub->columns; ++j)
+      dot += z[j] * weight[j] * x[j];
+    for (int j = 0; j < sub->columns; ++j)
+      x[j] -= dot * z[j] / weight[j];
+  }
+}
+
+static double primary_rms(const km_partition *p, const double *error) {
+  double sum = 0.0;
+  for (int i = 0; i < p->rank; ++i)
+    sum += error[p->row[i]] * error[p->row[i]];
+  return p->rank ? sqrt(sum / p->rank) : 0.0;
+}
+
+/* The pivots of the last pose serve while the monitor agrees and Newton is near the solution. */
+static void factor(const km_mechanism *m, km_state *s, int index, int driver, double residual) {
+  const km_substructure *sub = &m->substructures[index];
+  bool near = residual < 0.05;
+  if (near && s->pivoted[index] == driver &&
+      km_partition_refactor(&s->partition[index], km_state_jacobian(s, sub)))
+    return;
+  km_pivot(m, s, index, driver, km_rank_tolerance(m, sub, residual));
+}
+
+/* The next step into x; returns its largest entry. */
+static double newton_step(const km_mechanism *m, km_state *s, int index, int driver, double *x) {
+  const km_substructure *sub = &m->substructures[index];
+  double largest = 0.0;
+  km_partition_solve(&s->partition[index], km_state_error(s, sub), x);
+  for (int k = 0; k < sub->columns; ++k)
+    x[k] = -x[k];
+  if (driver >= 0)
+    x[driver] = 0.0;
+  km_least_step(m, s, index, driver, x);
+  for (int k = 0; k < sub->columns; ++k)
+    largest = fmax(largest, fabs(x[k]));
+  return largest;
+}
+
+static km_closure_outcome verdict(const km_mechanism *m, double residual) {
+  return residual <= fmax(m->closure_tolerance, closed) ? KM_CLOSED : KM_INCONSISTENT;
+}
+
+km_closure_outcome km_close(const km_mechanism *m, km_state *s, int index, int driver, km_closure *evidence) {
+  const km_substructure *sub = &m->substructures[index];
+  double *x = s->work, first = 0.0;
+  *evidence = (km_closure){.worst = -1};
+  for (int i = 0; i < MOST_ITERATIONS; ++i) {
+    km_loops_update(m, s, sub);
+    evidence->iterations = i;
+    evidence->residual = km_loops_residual(m, s, sub, &evidence->worst);
+    if (!isfinite(evidence->residual))
+      return KM_OPEN;
+    if (i == 0)
+      first = evidence->residual;
+    factor(m, s, index, driver, evidence->residual);
+    double step = newton_step(m, s, index, driver, x);
+    bool small = primary_rms(&s->partition[index], km_state_error(s, sub)) <= closed;
+    if (small && step <= settled)
+      return verdict(m, evidence->residual);
+    if (!isfinite(step) || evidence->residual > 1e3 * (first + 0.1))
+      return KM_OPEN;
+    if (step > longest_step)
+      for (int k = 0; k < sub->columns; ++k)
+        x[k] *= longest_step / step;
+    if (i + 1 == MOST_ITERATIONS)
+      break;
+    evidence->correction += km_step_length(m, sub, x);
+    km_state_move(m, s, sub, x);
+  }
+  /* At a singular pose Newton only halves its distance: the error is as small as it can be shown to be. */
+  return driver < 0 && primary_rms(&s->partition[index], km_state_error(s, sub)) <= closed
+             ? verdict(m, evidence->residual)
+             : KM_OPEN;
+}

@@ -1,0 +1,40 @@
+/* Closing the loops of a substructure by Newton-Raphson (theory 4). */
+#ifndef KM_KINEMATICS_CLOSURE_H
+#define KM_KINEMATICS_CLOSURE_H
+
+#include "kinematics/state.h"
+
+typedef enum km_closure_outcome {
+  KM_CLOSED,
+  KM_INCONSISTENT, /* the primary equations close, the others keep more than the closure tolerance */
+  KM_OPEN          /* the iteration gave out */
+} km_closure_outcome;
+
+/* Evidence of one closure. */
+typedef struct km_closure {
+  int iterations;
+  double residual;    /* rms loop error of the worst loop, scaled */
+  int worst;          /* that loop; -1: a coupling */
+  double correction;  /* scaled length of all that Newton moved, |D δq| */
+} km_closure;
+
+/* Newton steps from the state's coordinates until the primary rows are below 1e-12 rms; each step has the least
+ * |D δq|, and the coordinate of `driver` (a column, or KM_NO_DRIVER) doesn't move. Leaves error, Jacobian and
+ * partition of the final pose; pivots are kept from call to call while the monitor allows it. */
+km_closure_outcome km_close(const km_mechanism *mechanism, km_state *state, int substructure, int driver,
+                            km_closure *evidence);
+
+/* The relative size below which a pivot counts as 0, with the secondary rows keeping `misfit` (scaled). */
+double km_rank_tolerance(const km_mechanism *mechanism, const km_substructure *sub, double misfit);
+
+/* Searches pivots at the state's Jacobian: forced `driver` column or none. */
+void km_pivot(const km_mechanism *mechanism, km_state *state, int substructure, int driver, double tolerance);
+
+/* x −= D⁻¹ Z Zᵀ D x over the null directions that leave the driver alone: what remains is the least step with
+ * the same effect on the constraints and the driver. */
+void km_least_step(const km_mechanism *mechanism, km_state *state, int substructure, int driver, double *x);
+
+/* |D x| of a scaled step. */
+double km_step_length(const km_mechanism *mechanism, const km_substructure *sub, const double *x);
+
+#endif

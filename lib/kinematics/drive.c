@@ -1,0 +1,359 @@
+#include "kinematics/closure.h"
+#include "kinematics/loops.h"
+#include "kmech/sweep.h"
+
+#include <string.h>
+
+/* Predictor-corrector in the driver s. Symbols: t = dq/ds (scaled, driver's entry 1), h the step in s. */
+
+static const double longest = 0.3;           /* of a step, radians or substructure sizes */
+static const double shortest = 1e-12;        /* a step below this doesn't move: the end is located */
+static const double branch_width = 1e-5;     /* a change of sign that stays below this step is a branch point */
+static const double crossing = 1e-3;         /* distance from a singular pose at which it is crossed */
+static const double halving_tolerance = 1e-4; /* model-format.md: for freedoms that move least */
+
+struct km_drive {
+  km_arena arena;
+  const km_mechanism *mechanism;
+  km_state *state;
+  int coordinate, substructure, column;
+  bool ignore_limits;
+  double s;       /* the driver, scaled */
+  double largest; /* the step that step control allows now */
+  bool known;     /* t belongs to the present pose */
+  double *t, *next_t, *move;         /* [columns] */
+  double *last_t, *last_move;        /* [columns] the step before this pose, for the predictor */
+  double last_h;                     /* 0: none */
+  double *saved, *near, *begin, *first; /* poses to come back to */
+  km_partition reference; /* pivots of the present pose, to compare signs with */
+};
+
+typedef enum attempt { ACCEPTED, OPEN, BENT, LIMITED } attempt;
+
+static bool allocate(km_drive *d, int rows, int columns) {
+  size_t n = (size_t)columns;
+  double **arrays[] = {&d->t, &d->last_t, &d->last_move, &d->next_t, &d->move};
+  double **poses[] = {&d->saved, &d->near, &d->begin, &d->first};
+  for (size_t i = 0; i < sizeof arrays / sizeof *arrays; ++i)
+    *arrays[i] = KM_ARENA_NEW(&d->arena, double, n);
+  for (size_t i = 0; i < sizeof poses / sizeof *poses; ++i)
+    *poses[i] = KM_ARENA_NEW(&d->arena, double, KM_SAVED_PER_COLUMN * n);
+  return km_partition_reserve(&d->reference, rows, columns, &d->arena);
+}
+
+km_status km_drive_create(const km_mechanism *m, km_state *s, int coordinate, bool ignore_limits, km_drive **out,
+                          km_error *error) {
+  *out = NULL;
+  const char *label = m->model->coordinates[coordinate].label;
+  if (m->held[coordinate])
+    return km_fail(error, KM_USAGE, "joint \"%s\" is held; expected a driver that is free to move", label);
+  if (m->ball_of[coordinate] >= 0)
+    return km_fail(error, KM_USAGE,
+                   "\"%s\" is a component of a rotation vector; expected a driver with a coordinate of its own "
+                   "(a spherical joint can be held, not driven)",
+                   label);
+  km_drive *d = KM_NEW(km_drive, 1);
+  if (!d)
+    return km_fail(error, KM_MEMORY, "out of memory for a sweep");
+  *d = (km_drive){.mechanism = m,
+                  .state = s,
+                  .coordinate = coordinate,
+                  .substructure = m->substructure_of[coordinate],
+                  .column = m->column_of[coordinate],
+                  .ignore_limits = ignore_limits,
+                  .s = s->q[coordinate] / m->unit[coordinate],
+                  .largest = longest};
+  const km_substructure *sub = d->substructure >= 0 ? &m->substructures[d->substructure] : NULL;
+  if (sub && !allocate(d, sub->rows, sub->columns)) {
+    km_drive_free(d);
+    return km_fail(error, KM_MEMORY, "out of memory for a sweep");
+  }
+  *out = d;
+  return KM_OK;
+}
+
+void km_drive_free(km_drive *d) {
+  if (!d)
+    return;
+  km_arena_free(&d->arena);
+  km_free(d);
+}
+
+static const km_substructure *driven(const km_drive *d) { return &d->mechanism->substructures[d->substructure]; }
+
+/* t from the partition of the present pose; false at a toggle of the driver. */
+static bool tangent(km_drive *d, double *t) {
+  const km_partition *p = &d->state->partition[d->substructure];
+  if (p->forced_dependent)
+    return false;
+  km_partition_direction(p, d->column, t);
+  km_least_step(d->mechanism, d->state, d->substructure, d->column, t);
+  return true;
+}
+
+static void remember_pivots(km_drive *d) {
+  const km_partition *p = &d->state->partition[d->substructure];
+  km_partition *r = &d->reference;
+  r->rows = p->rows;
+  r->columns = p->columns;
+  r->rank = p->rank;
+  r->sign = p->sign;
+  r->searches = p->searches;
+  memcpy(r->row, p->row, (size_t)p->rows * sizeof *r->row);
+  memcpy(r->column, p->column, (size_t)p->columns * sizeof *r->column);
+}
+
+/* Pivots and tangent of the present pose, searched. */
+static bool start(km_drive *d) {
+  const km_substructure *sub = driven(d);
+  int worst;
+  km_loops_update(d->mechanism, d->state, sub);
+  double residual = km_loops_residual(d->mechanism, d->state, sub, &worst);
+  km_pivot(d->mechanism, d->state, d->substructure, d->column, km_rank_tolerance(d->mechanism, sub, residual));
+  d->known = tangent(d, d->t);
+  remember_pivots(d);
+  d->last_h = 0.0;
+  return d->known;
+}
+
+static double weighted_dot(const km_drive *d, const double *a, const double *b) {
+  const double *weight = d->mechanism->column_weight + driven(d)->column_start;
+  double sum = 0.0;
+  for (int k = 0; k < driven(d)->columns; ++k)
+    sum += weight[k] * weight[k] * a[k] * b[k];
+  return sum;
+}
+
+/* Where the driver has the only freedom, det of the pivot block changes sign only at a singular pose of the
+ * driver: a change over a step that should be regular is a jump to another branch. */
+static bool sign_changed(km_drive *d) {
+  const km_partition *p = &d->state->partition[d->substructure];
+  if (km_partition_freedom(p) != 1 || p->rank != d->reference.rank)
+    return false;
+  if (p->searches == d->reference.searches)
+    return p->sign != d->reference.sign;
+  int before = d->reference.sign;
+  km_partition_refactor(&d->reference, km_state_jacobian(d->state, driven(d)));
+  int after = d->reference.sign;
+  d->reference.sign = before;
+  return before != after;
+}
+
+/* The coordinate that lies outside its limit and further out than at the saved pose; -1 none. */
+static int limit_passed(const km_drive *d, const double *saved) {
+  const km_mechanism *m = d->mechanism;
+  const km_substructure *sub = driven(d);
+  for (int k = 0; k < sub->columns && !d->ignore_limits; ++k) {
+    int c = m->column_coordinate[sub->column_start + k];
+    double q = d->state->q[c], slack = 1e-12 * (m->unit[c] + fabs(q));
+    if ((q > m->high[c] + slack && q > saved[k]) || (q < m->low[c] - slack && q < saved[k]))
+      return c;
+  }
+  return -1;
+}
+
+/* Where Newton decides everything, the cubic through the last two poses and their tangents, continued by h.
+ * Where freedoms are left to the predictor that cubic would be unstable (its other root is -5): there
+ * Adams-Bashforth's second. Without a last pose, the tangent. */
+static void predict(const km_drive *d, double h, double *move) {
+  int columns = driven(d)->columns;
+  bool alone = km_partition_freedom(&d->reference) <= 1;
+  if (d->last_h == 0.0 || !alone) {
+    double slope = d->last_h == 0.0 ? 0.0 : 0.5 * h / d->last_h;
+    for (int k = 0; k < columns; ++k)
+      move[k] = h * (d->t[k] + slope * (d->t[k] - d->last_t[k]));
+    return;
+  }
+  double u = h / d->last_h + 1.0; /* 0 at the last pose, 1 at this one */
+  double h00 = 2 * u * u * u - 3 * u * u + 1, h10 = u * u * u - 2 * u * u + u, h11 = u * u * u - u * u;
+  for (int k = 0; k < columns; ++k)
+    move[k] = -h00 * d->last_move[k] + d->last_h * (h10 * d->last_t[k] + h11 * d->t[k]);
+}
+
+static void place_driver(km_drive *d, double s) { d->state->q[d->coordinate] = s * d->mechanism->unit[d->coordinate]; }
+
+/* One predictor and its correction to s + h; the state is left where it ended. */
+static attempt correct(km_drive *d, double h, double tightness, double *next_t) {
+  const km_substructure *sub = driven(d);
+  km_closure evidence;
+  double predicted = km_step_length(d->mechanism, sub, d->move);
+  km_state_move(d->mechanism, d->state, sub, d->move);
+  place_driver(d, d->s + h);
+  if (km_close(d->mechanism, d->state, d->substructure, d->column, &evidence) != KM_CLOSED || !tangent(d, next_t))
+    return OPEN;
+  if (evidence.correction > tightness * predicted + 1e-9)
+    return BENT;
+  double along = weighted_dot(d, d->t, next_t);
+  double cosine = along / sqrt(weighted_dot(d, d->t, d->t) * weighted_dot(d, next_t, next_t));
+  if (!(cosine >= 1.0 - tightness * 0.4))
+    return BENT;
+  return fabs(h) > branch_width && sign_changed(d) ? BENT : ACCEPTED;
+}
+
+static void accept(km_drive *d, double h) {
+  double *swap = d->last_t;
+  km_state_difference(d->state, driven(d), d->saved, d->last_move);
+  d->last_t = d->t;
+  d->t = d->next_t;
+  d->next_t = swap;
+  d->last_h = h;
+  d->s += h;
+  d->known = true;
+  remember_pivots(d);
+}
+
+/* Tries to advance by h, with one tangent (or, with other freedoms left, two). Restores the pose if refused. */
+static attempt advance(km_drive *d, double h, double tightness, int *limit) {
+  const km_substructure *sub = driven(d);
+  km_state_save(d->state, sub, d->saved);
+  predict(d, h, d->move);
+  attempt result = correct(d, h, tightness, d->next_t);
+  if (result == ACCEPTED) {
+    int passed = limit_passed(d, d->saved);
+    if (passed < 0) {
+      accept(d, h);
+      return ACCEPTED;
+    }
+    *limit = passed;
+    result = LIMITED;
+  }
+  km_state_restore(d->state, sub, d->saved);
+  return result;
+}
+
+/* Passes a singular pose at `target` along the smooth branch: the pose between two regular ones on either
+ * side, by the cubic through both. Near it Newton finds no more than half the digits. */
+static bool cross(km_drive *d, double target, int *limit) {
+  const km_substructure *sub = driven(d);
+  double side = target > d->s ? 1.0 : -1.0;
+  double gap = target - side * crossing - d->s;
+  if (gap != 0.0 && advance(d, gap, 0.25, limit) != ACCEPTED)
+    return false;
+  double h = target + side * crossing - d->s, near = target - d->s;
+  km_state_save(d->state, sub, d->near);
+  if (advance(d, h, 0.05, limit) != ACCEPTED)
+    return false;
+  /* accept() has moved the tangents and the move of this step to last_t, last_move. */
+  km_state_restore(d->state, sub, d->near);
+  double u = near / h, h01 = u * u * (3 - 2 * u), h10 = u * (1 - u) * (1 - u), h11 = u * u * (u - 1);
+  double d01 = 6 * u * (1 - u), d10 = (1 - u) * (1 - 3 * u), d11 = u * (3 * u - 2);
+  for (int k = 0; k < sub->columns; ++k) {
+    d->move[k] = h01 * d->last_move[k] + h * (h10 * d->last_t[k] + h11 * d->t[k]);
+    d->next_t[k] = d01 * d->last_move[k] / h + d10 * d->last_t[k] + d11 * d->t[k];
+  }
+  km_state_move(d->mechanism, d->state, sub, d->move);
+  place_driver(d, target);
+  km_loops_update(d->mechanism, d->state, sub);
+  memcpy(d->t, d->next_t, (size_t)sub->columns * sizeof *d->t);
+  d->state->pivoted[d->substructure] = KM_NEVER;
+  d->s = target;
+  d->last_h = 0.0;
+  return true;
+}
+
+/* Advances to `target` by controlled steps; the step that arrives sets the driver exactly. */
+static attempt walk(km_drive *d, double target, double most, int *limit) {
+  double step = fmin(d->largest, most);
+  bool may_cross = true;
+  while (d->s != target) {
+    double left = target - d->s;
+    bool arrives = fabs(left) <= step;
+    double h = arrives ? left : copysign(step, left);
+    attempt result = advance(d, h, 0.25, limit);
+    if (result == ACCEPTED) {
+      if (arrives)
+        d->s = target;
+      step = fmin(fmin(2.0 * step, longest), most);
+      continue;
+    }
+    if (result == OPEN && arrives && may_cross && cross(d, target, limit))
+      continue;
+    may_cross = may_cross && !arrives;
+    step = 0.5 * fabs(h);
+    if (step < shortest * fmax(1.0, fabs(d->s)))
+      return result;
+  }
+  d->largest = fmax(step, 1e-3);
+  return ACCEPTED;
+}
+
+/* With other freedoms left, the path of least motion is followed by inner steps, halved until that changes
+ * the pose by less than the tolerance. */
+static attempt walk_least(km_drive *d, double target, int *limit) {
+  const km_substructure *sub = driven(d);
+  double from = d->s, length = fabs(target - from);
+  attempt result = ACCEPTED;
+  km_state_save(d->state, sub, d->begin);
+  for (int pieces = 1; pieces <= 1024; pieces *= 2) {
+    km_state_restore(d->state, sub, d->begin);
+    d->s = from;
+    place_driver(d, from);
+    if (!start(d))
+      return OPEN;
+    result = walk(d, target, length / pieces, limit);
+    if (result != ACCEPTED)
+      return result;
+    if (pieces > 1) {
+      km_state_difference(d->state, sub, d->first, d->move);
+      if (km_step_length(d->mechanism, sub, d->move) < halving_tolerance)
+        return ACCEPTED;
+    }
+    km_state_save(d->state, sub, d->first);
+  }
+  return result;
+}
+
+static km_reach drive_tree_joint(km_drive *d, double target) {
+  const km_mechanism *m = d->mechanism;
+  int c = d->coordinate;
+  double factor = km_model_coordinate_factor(m->model, c), now = d->state->q[c], q = target * factor;
+  km_reach reach = {KM_STOP_NONE, target, -1, -1};
+  double slack = 1e-12 * (1.0 + fabs(q));
+  double end = q > now ? fmax(m->high[c], now) : fmin(m->low[c], now);
+  if (!d->ignore_limits && (q > now ? q > end + slack : q < end - slack)) {
+    reach = (km_reach){KM_STOP_LIMIT, end / factor, -1, c};
+    q = end;
+  }
+  d->state->q[c] = q;
+  return reach;
+}
+
+km_reach km_drive_to(km_drive *d, double target) {
+  if (d->substructure < 0)
+    return drive_tree_joint(d, target);
+  const km_mechanism *m = d->mechanism;
+  double factor = km_model_coordinate_factor(m->model, d->coordinate) / m->unit[d->coordinate];
+  double goal = target * factor;
+  int limit = -1;
+  attempt result = ACCEPTED;
+  if (d->s != goal) {
+    bool ready = d->known || start(d);
+    bool alone = km_partition_freedom(&d->state->partition[d->substructure]) <= 1 ||
+                 d->state->pivoted[d->substructure] == KM_NEVER;
+    result = !ready ? OPEN : alone ? walk(d, goal, longest, &limit) : walk_least(d, goal, &limit);
+  }
+  if (result == ACCEPTED)
+    return (km_reach){KM_STOP_NONE, target, -1, -1};
+  /* What was tried last has left another pose's Jacobian behind. */
+  km_loops_update(m, d->state, driven(d));
+  d->state->pivoted[d->substructure] = KM_NEVER;
+  if (result == LIMITED)
+    return (km_reach){KM_STOP_LIMIT, d->s / factor, -1, limit};
+  return (km_reach){KM_STOP_TOGGLE, d->s / factor, d->substructure, -1};
+}
+
+bool km_drive_tangent(km_drive *d, double *rates) {
+  const km_mechanism *m = d->mechanism;
+  memset(rates, 0, (size_t)m->coordinate_count * sizeof *rates);
+  rates[d->coordinate] = 1.0;
+  if (d->substructure < 0)
+    return true;
+  if (!d->known && !start(d))
+    return false;
+  const km_substructure *sub = driven(d);
+  for (int k = 0; k < sub->columns; ++k) {
+    int c = m->column_coordinate[sub->column_start + k];
+    rates[c] = d->t[k] * m->unit[c] / m->unit[d->coordinate];
+  }
+  return true;
+}

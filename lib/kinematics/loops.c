@@ -1,0 +1,199 @@
+#include "kinematics/loops.h"
+
+/* Symbols: X pose of a slot, h unit twist of a step, e = log(X_a X_b⁻¹), J = ±h. */
+
+static inline double wrapped(double angle) {
+  return fabs(angle) <= M_PI ? angle : angle - 2.0 * M_PI * round(angle / (2.0 * M_PI));
+}
+
+static void planar_steps(const km_program *program, const km_planar_step *steps, const double *q, double size,
+                         km_planar_pose *slot, km_twist *h) {
+  double inverse = 1.0 / size;
+  slot[0] = (km_planar_pose){0.0, 1.0, 0.0, 0.0, 0.0};
+  for (int i = 0; i < program->step_count; ++i) {
+    const km_planar_step *step = &steps[i];
+    const km_planar_pose *from = &slot[step->from];
+    double c = from->cosine, s = from->sine, value = step->sign * q[step->coordinate];
+    double x = from->x + c * step->x - s * step->y;
+    double y = from->y + s * step->x + c * step->y;
+    if (step->slides) {
+      double ux = c * step->ux - s * step->uy, uy = s * step->ux + c * step->uy;
+      value *= inverse;
+      slot[step->to] = (km_planar_pose){from->angle, c, s, x + value * ux, y + value * uy};
+      h[i] = (km_twist){{step->sign * ux, step->sign * uy, 0.0}, {0.0, 0.0, 0.0}};
+    } else {
+      double angle = from->angle + value;
+      slot[step->to] = (km_planar_pose){angle, cos(angle), sin(angle), x, y};
+      h[i] = (km_twist){{step->sign * y, -step->sign * x, step->sign}, {0.0, 0.0, 0.0}};
+    }
+  }
+}
+
+/* log in the plane: v = V⁻¹ p, V⁻¹ = [[α, φ/2], [−φ/2, α]], α = (φ/2) cot(φ/2). Out as (v x, v y, φ). */
+static km_vec3 planar_error(const km_loop *loop, const km_planar_pose *slot) {
+  const km_planar_pose *a = &slot[loop->slot[0]], *b = &slot[loop->slot[1]];
+  const double *ca = loop->planar_close[0], *cb = loop->planar_close[1];
+  double ax = a->x + a->cosine * ca[0] - a->sine * ca[1], ay = a->y + a->sine * ca[0] + a->cosine * ca[1];
+  double bx = b->x + b->cosine * cb[0] - b->sine * cb[1], by = b->y + b->sine * cb[0] + b->cosine * cb[1];
+  double turn = wrapped(a->angle - b->angle + loop->planar_turn);
+  double cosine, sine, alpha;
+  if (fabs(turn) < 1e-3) { /* series good to 1e-16 */
+    double t2 = turn * turn;
+    cosine = 1.0 - 0.5 * t2 + t2 * t2 / 24.0;
+    sine = turn * (1.0 - t2 / 6.0 + t2 * t2 / 120.0);
+    alpha = 1.0 - t2 / 12.0 - t2 * t2 / 720.0;
+  } else {
+    cosine = cos(turn);
+    sine = sin(turn);
+    alpha = 0.5 * turn * cos(0.5 * turn) / sin(0.5 * turn);
+  }
+  double px = ax - cosine * bx + sine * by, py = ay - sine * bx - cosine * by;
+  return (km_vec3){alpha * px + 0.5 * turn * py, alpha * py - 0.5 * turn * px, turn};
+}
+
+static void planar_loop(const km_mechanism *m, const km_loop *loop, const km_planar_pose *slot, const km_twist *h,
+                        km_twist *misfit, double *error, double *J, int rows) {
+  km_vec3 e = planar_error(loop, slot);
+  const double values[3] = {e.x, e.y, e.z};
+  *misfit = (km_twist){{e.x, e.y, loop->fixed_misfit[2]}, {loop->fixed_misfit[3], loop->fixed_misfit[4], e.z}};
+  for (int r = 0; r < loop->lambda; ++r)
+    error[loop->row_start + r] = values[loop->rows[r]];
+  for (int i = 0; i < loop->entry_count; ++i) {
+    const km_entry *entry = &m->entries[loop->entry_start + i];
+    const double column[3] = {h[entry->step].v.x, h[entry->step].v.y, h[entry->step].v.z};
+    double *out = J + (size_t)entry->column * (size_t)rows + loop->row_start;
+    for (int r = 0; r < loop->lambda; ++r)
+      out[r] = entry->side * column[loop->rows[r]];
+  }
+}
+
+static void update_planar(const km_mechanism *m, km_state *s, const km_substructure *sub, const km_program *program) {
+  planar_steps(program, m->planar_steps + program->step_start, s->q, sub->size, s->planar_slot, s->twist);
+  for (int i = 0; i < program->loop_count; ++i) {
+    int l = m->loop_order[program->loop_start + i];
+    planar_loop(m, &m->loops[l], s->planar_slot, s->twist, &s->misfit[l], km_state_error(s, sub),
+                km_state_jacobian(s, sub), sub->rows);
+  }
+}
+
+/* One motion from X, its frame: the pose after it. h receives the unit twists, one a coordinate. */
+static km_pose spatial_motion(const km_step *step, km_pose X, const km_state *s, double size, km_twist *h) {
+  double value = step->sign * s->q[step->coordinate];
+  km_vec3 axis = X.R.axis[step->axis];
+  switch (step->primitive) {
+  case KM_PRISMATIC:
+    X.p = km_vec3_axpy(value / size, axis, X.p);
+    h[0] = km_twist_prismatic(km_vec3_scale(step->sign, axis));
+    break;
+  case KM_REVOLUTE:
+    h[0] = km_twist_revolute(km_vec3_scale(step->sign, axis), X.p);
+    X.R = km_rotation_turn(&X.R, step->axis, cos(value), sin(value));
+    break;
+  case KM_HELICAL:
+    h[0] = km_twist_revolute(km_vec3_scale(step->sign, axis), X.p);
+    h[0].v = km_vec3_axpy(step->sign * step->pitch, axis, h[0].v);
+    X.p = km_vec3_axpy(value * step->pitch, axis, X.p);
+    X.R = km_rotation_turn(&X.R, step->axis, cos(value), sin(value));
+    break;
+  case KM_BALL: {
+    /* Rates are about the axes of the joint's parent frame: the frame before the turn, or, passed
+     * against its sense, the frame after it. */
+    km_quaternion q = step->sign > 0.0 ? s->ball[step->ball] : km_quaternion_conjugate(s->ball[step->ball]);
+    km_rotation turn = km_quaternion_rotation(q), before = X.R;
+    X.R = km_rotation_product(&X.R, &turn);
+    const km_rotation *axes = step->sign > 0.0 ? &before : &X.R;
+    for (int k = 0; k < 3; ++k)
+      h[k] = km_twist_revolute(km_vec3_scale(step->sign, axes->axis[k]), X.p);
+    break;
+  }
+  }
+  return X;
+}
+
+static void spatial_steps(const km_mechanism *m, km_state *s, const km_program *program, double size) {
+  s->slot[0] = km_pose_identity();
+  for (int i = 0; i < program->step_count; ++i) {
+    const km_step *step = &m->steps[program->step_start + i];
+    const km_pose *from = &s->slot[step->from];
+    km_pose X = {step->turned ? km_rotation_product(&from->R, &step->before.R) : from->R,
+                 km_pose_point(from, step->before.p)};
+    s->slot[step->to] = spatial_motion(step, X, s, size, s->twist + 3 * i);
+  }
+}
+
+static void spatial_loop(const km_mechanism *m, const km_program *program, const km_loop *loop, const km_state *s,
+                         km_twist *misfit, double *error, double *J, int rows) {
+  km_pose a = km_pose_product(&s->slot[loop->slot[0]], &loop->close[0]);
+  km_pose b = km_pose_product(&s->slot[loop->slot[1]], &loop->close[1]);
+  km_pose back = km_pose_inverse(&b), E = km_pose_product(&a, &back);
+  *misfit = km_twist_log(&E);
+  const double values[6] = {misfit->v.x, misfit->v.y, misfit->v.z, misfit->w.x, misfit->w.y, misfit->w.z};
+  for (int r = 0; r < loop->lambda; ++r)
+    error[loop->row_start + r] = values[loop->rows[r]];
+  for (int i = 0; i < loop->entry_count; ++i) {
+    const km_entry *entry = &m->entries[loop->entry_start + i];
+    int freedom = km_primitive_freedom(m->steps[program->step_start + entry->step].primitive);
+    for (int k = 0; k < freedom; ++k) {
+      const km_twist *h = &s->twist[3 * entry->step + k];
+      const double column[6] = {h->v.x, h->v.y, h->v.z, h->w.x, h->w.y, h->w.z};
+      double *out = J + (size_t)(entry->column + k) * (size_t)rows + loop->row_start;
+      for (int r = 0; r < loop->lambda; ++r)
+        out[r] = entry->side * column[loop->rows[r]];
+    }
+  }
+}
+
+static void update_spatial(const km_mechanism *m, km_state *s, const km_substructure *sub, const km_program *program) {
+  spatial_steps(m, s, program, sub->size);
+  for (int i = 0; i < program->loop_count; ++i) {
+    int l = m->loop_order[program->loop_start + i];
+    spatial_loop(m, program, &m->loops[l], s, &s->misfit[l], km_state_error(s, sub), km_state_jacobian(s, sub),
+                 sub->rows);
+  }
+}
+
+static void update_couplings(const km_mechanism *m, km_state *s, const km_substructure *sub) {
+  double *error = km_state_error(s, sub);
+  for (int i = 0; i < sub->coupling_count; ++i) {
+    const km_coupling *coupling = &m->couplings[sub->coupling_start + i];
+    double sum = -coupling->constant;
+    for (int k = 0; k < coupling->term_count; ++k) {
+      const km_term *term = &m->terms[coupling->term_start + k];
+      sum += term->coefficient * s->q[term->coordinate] / m->unit[term->coordinate];
+    }
+    error[coupling->row] = sum;
+  }
+}
+
+void km_loops_update(const km_mechanism *m, km_state *s, const km_substructure *sub) {
+  for (int i = 0; i < sub->program_count; ++i) {
+    const km_program *program = &m->programs[sub->program_start + i];
+    if (program->planar)
+      update_planar(m, s, sub, program);
+    else
+      update_spatial(m, s, sub, program);
+  }
+  update_couplings(m, s, sub);
+}
+
+double km_loops_residual(const km_mechanism *m, const km_state *s, const km_substructure *sub, int *worst) {
+  double largest = 0.0;
+  *worst = -1;
+  for (int i = 0; i < sub->loop_count; ++i) {
+    int l = m->loop_order[sub->loop_start + i];
+    const km_twist *e = &s->misfit[l];
+    double rms = sqrt((km_vec3_dot(e->v, e->v) + km_vec3_dot(e->w, e->w)) / 6.0);
+    if (!(rms <= largest)) {
+      largest = rms;
+      *worst = l;
+    }
+  }
+  for (int i = 0; i < sub->coupling_count; ++i) {
+    double e = fabs(s->error[sub->error_start + m->couplings[sub->coupling_start + i].row]) / sqrt(6.0);
+    if (!(e <= largest)) {
+      largest = e;
+      *worst = -1;
+    }
+  }
+  return largest;
+}

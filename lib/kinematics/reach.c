@@ -1,0 +1,148 @@
+#include "kinematics/closure.h"
+#include "kmech/sweep.h"
+
+#include <string.h>
+
+static const double same = 1e-12; /* relative: a coordinate that is there already isn't moved */
+
+/* A model on its way to a pose: the coordinates in `locked` have their values already. */
+typedef struct journey {
+  const km_model *model;
+  km_hold *locked;
+  int locked_count;
+  km_mechanism *mechanism;
+  km_state *state;
+} journey;
+
+/* Compiles again with the locked coordinates and takes the pose over. */
+static km_status rebuild(journey *j, int locked_count, km_error *error) {
+  km_mechanism *mechanism = NULL;
+  km_state *state = NULL;
+  km_status status = km_mechanism_compile(j->model, j->locked, locked_count, &mechanism, error);
+  if (!status)
+    status = km_state_create(mechanism, &state, error);
+  if (status) {
+    km_mechanism_free(mechanism);
+    return status;
+  }
+  if (j->state) {
+    km_state_copy(mechanism, state, j->state);
+    for (int i = 0; i < locked_count; ++i)
+      state->q[j->locked[i].coordinate] = mechanism->start[j->locked[i].coordinate];
+    km_state_set(mechanism, state, state->q);
+  }
+  km_state_free(j->state);
+  km_mechanism_free(j->mechanism);
+  j->mechanism = mechanism;
+  j->state = state;
+  return KM_OK;
+}
+
+static double value_of(const journey *j, int coordinate) { return km_state_coordinate(j->state, coordinate); }
+
+static bool is_there(const journey *j, const km_hold *goal) {
+  return fabs(value_of(j, goal->coordinate) - goal->value) <= same * (1.0 + fabs(goal->value));
+}
+
+static km_status unreachable(const journey *j, const km_hold *goal, double end, km_error *error) {
+  const char *label = km_model_coordinate_label(j->model, goal->coordinate);
+  const char *unit = km_model_coordinate_unit(j->model, goal->coordinate);
+  return km_fail(error, KM_PARTIAL, "%s = %.9g %s can't be reached from the file's pose: it ends at %.9g %s", label,
+                 goal->value, unit, end, unit);
+}
+
+static km_status drive_one(journey *j, const km_hold *goal, km_error *error) {
+  if (is_there(j, goal))
+    return KM_OK;
+  km_drive *drive;
+  km_status status = km_drive_create(j->mechanism, j->state, goal->coordinate, true, &drive, error);
+  if (status)
+    return status;
+  km_reach reach = km_drive_to(drive, goal->value);
+  km_drive_free(drive);
+  return reach.stop ? unreachable(j, goal, reach.position, error) : KM_OK;
+}
+
+/* A ball's three components go together, as rigid values that change little by little. */
+static km_status turn_ball(journey *j, const km_hold *goal, km_error *error) {
+  enum { PIECES = 64 };
+  double from[3];
+  bool there = true;
+  for (int k = 0; k < 3; ++k) {
+    from[k] = value_of(j, goal[k].coordinate);
+    there = there && is_there(j, &goal[k]);
+  }
+  for (int i = there ? PIECES : 1; i <= PIECES; ++i) {
+    for (int k = 0; k < 3; ++k)
+      j->locked[j->locked_count + k] =
+          (km_hold){goal[k].coordinate, i == PIECES ? goal[k].value : from[k] + (goal[k].value - from[k]) * i / PIECES};
+    km_status status = rebuild(j, j->locked_count + 3, error);
+    for (int s = 0; s < j->mechanism->topology.substructure_count && !status; ++s) {
+      km_closure evidence;
+      if (km_close(j->mechanism, j->state, s, KM_NO_DRIVER, &evidence) != KM_CLOSED || evidence.correction > 0.5)
+        status = unreachable(j, goal, from[0] + (goal[0].value - from[0]) * (i - 1) / PIECES, error);
+    }
+    if (status)
+      return status;
+  }
+  return KM_OK;
+}
+
+static km_status check_ball(const journey *j, const km_hold *goals, int count, int index, km_error *error) {
+  int ball = j->mechanism->ball_of[goals[index].coordinate], first = j->mechanism->ball_coordinate[ball];
+  for (int k = 0; k < 3; ++k)
+    if (index + k >= count || goals[index + k].coordinate != first + k)
+      return km_fail(error, KM_USAGE, "\"%s\" is a component of a rotation vector; expected all three together, as %s=x,y,z",
+                     km_model_coordinate_label(j->model, goals[index].coordinate),
+                     j->model->joints[j->model->coordinates[first].joint].label);
+  return KM_OK;
+}
+
+static km_status go(journey *j, const km_hold *goals, int count, km_error *error) {
+  for (int i = 0; i < count;) {
+    bool ball = j->mechanism->ball_of[goals[i].coordinate] >= 0;
+    km_status status = ball ? check_ball(j, goals, count, i, error) : KM_OK;
+    if (!status)
+      status = ball ? turn_ball(j, &goals[i], error) : drive_one(j, &goals[i], error);
+    if (status)
+      return status;
+    for (int end = i + (ball ? 3 : 1); i < end; ++i)
+      j->locked[j->locked_count++] = goals[i];
+    status = rebuild(j, j->locked_count, error);
+    if (status)
+      return status;
+  }
+  return KM_OK;
+}
+
+static km_status travel(journey *j, const km_hold *holds, int hold_count, const km_hold *sets, int set_count,
+                        km_error *error) {
+  km_status status = rebuild(j, 0, error);
+  if (!status)
+    status = km_assemble(j->mechanism, j->state, NULL, error);
+  if (!status)
+    status = go(j, holds, hold_count, error);
+  if (!status)
+    status = go(j, sets, set_count, error);
+  if (!status && set_count > 0)
+    status = rebuild(j, hold_count, error);
+  return status;
+}
+
+km_status km_reach_pose(const km_model *model, const km_hold *holds, int hold_count, const km_hold *sets,
+                        int set_count, km_mechanism **mechanism, km_state **state, km_error *error) {
+  journey j = {.model = model, .locked = KM_NEW(km_hold, (size_t)(hold_count + set_count) + 3)};
+  *mechanism = NULL;
+  *state = NULL;
+  km_status status = j.locked ? travel(&j, holds, hold_count, sets, set_count, error)
+                              : km_fail(error, KM_MEMORY, "out of memory while moving to a pose");
+  km_free(j.locked);
+  if (status) {
+    km_state_free(j.state);
+    km_mechanism_free(j.mechanism);
+    return status;
+  }
+  *mechanism = j.mechanism;
+  *state = j.state;
+  return KM_OK;
+}

@@ -1,0 +1,164 @@
+#include "kinematics/state.h"
+
+#include <string.h>
+
+static int longest_program(const km_mechanism *m) {
+  int steps = 0;
+  for (int i = 0; i < m->program_count; ++i)
+    if (m->programs[i].step_count > steps)
+      steps = m->programs[i].step_count;
+  return steps;
+}
+
+static bool allocate(const km_mechanism *m, km_state *s) {
+  km_arena *arena = &s->arena;
+  const km_topology *t = &m->topology;
+  size_t coordinates = (size_t)m->coordinate_count;
+  size_t columns = (size_t)m->largest_columns;
+  s->q = KM_ARENA_NEW(arena, double, coordinates);
+  s->ball = KM_ARENA_NEW(arena, km_quaternion, (size_t)m->ball_count);
+  s->jacobian = KM_ARENA_NEW(arena, double, m->matrix_size);
+  s->error = KM_ARENA_NEW(arena, double, (size_t)m->error_size);
+  s->misfit = KM_ARENA_NEW(arena, km_twist, (size_t)t->loop_count);
+  s->partition = KM_ARENA_NEW(arena, km_partition, (size_t)t->substructure_count);
+  s->pivoted = KM_ARENA_NEW(arena, int, (size_t)t->substructure_count);
+  s->basis = KM_ARENA_NEW(arena, double, m->basis_size);
+  s->numbers = KM_ARENA_NEW(arena, double, coordinates);
+  s->pose = KM_ARENA_NEW(arena, km_pose, (size_t)t->body_count);
+  s->slot = KM_ARENA_NEW(arena, km_pose, (size_t)m->largest_slots);
+  s->planar_slot = KM_ARENA_NEW(arena, km_planar_pose, (size_t)m->largest_slots);
+  s->twist = KM_ARENA_NEW(arena, km_twist, 3 * (size_t)longest_program(m));
+  s->work = KM_ARENA_NEW(arena, double, columns);
+  s->forced = KM_ARENA_NEW(arena, bool, columns);
+  for (int i = 0; i < t->substructure_count && !arena->failed; ++i)
+    km_partition_reserve(&s->partition[i], m->substructures[i].rows, m->substructures[i].columns, arena);
+  for (int i = 0; i < t->substructure_count && !arena->failed; ++i)
+    s->pivoted[i] = KM_NEVER;
+  return !arena->failed;
+}
+
+/* Coupling rows don't change with the pose. */
+static void set_coupling_rows(const km_mechanism *m, km_state *s) {
+  for (int i = 0; i < m->topology.substructure_count; ++i) {
+    const km_substructure *sub = &m->substructures[i];
+    double *J = km_state_jacobian(s, sub);
+    for (int k = 0; k < sub->coupling_count; ++k) {
+      const km_coupling *coupling = &m->couplings[sub->coupling_start + k];
+      for (int n = 0; n < coupling->term_count; ++n) {
+        const km_term *term = &m->terms[coupling->term_start + n];
+        if (term->column >= 0)
+          J[(size_t)term->column * (size_t)sub->rows + (size_t)coupling->row] = term->coefficient;
+      }
+    }
+  }
+}
+
+km_status km_state_create(const km_mechanism *m, km_state **out, km_error *error) {
+  *out = NULL;
+  km_state *s = KM_NEW(km_state, 1);
+  if (!s || !allocate(m, s)) {
+    km_state_free(s);
+    return km_fail(error, KM_MEMORY, "out of memory for a state of the mechanism");
+  }
+  s->mechanism = m;
+  set_coupling_rows(m, s);
+  km_state_set(m, s, m->start);
+  *out = s;
+  return KM_OK;
+}
+
+void km_state_free(km_state *s) {
+  if (!s)
+    return;
+  km_arena_free(&s->arena);
+  km_free(s);
+}
+
+static void turn_ball(const km_mechanism *m, km_state *s, int ball, km_vec3 turn) {
+  int c = m->ball_coordinate[ball];
+  km_quaternion q = km_quaternion_product(km_quaternion_exp(turn), s->ball[ball]);
+  s->ball[ball] = km_quaternion_normalised(q);
+  km_vec3 v = km_quaternion_log_near(s->ball[ball], km_vec3_make(&s->q[c]));
+  s->q[c] = v.x;
+  s->q[c + 1] = v.y;
+  s->q[c + 2] = v.z;
+}
+
+void km_state_move(const km_mechanism *m, km_state *s, const km_substructure *sub, const double *step) {
+  const int *coordinate = m->column_coordinate + sub->column_start;
+  for (int k = 0; k < sub->columns; ++k) {
+    int c = coordinate[k];
+    if (m->ball_of[c] < 0) {
+      s->q[c] += m->unit[c] * step[k];
+    } else {
+      turn_ball(m, s, m->ball_of[c], km_vec3_make(step + k));
+      k += 2;
+    }
+  }
+}
+
+void km_state_set(const km_mechanism *m, km_state *s, const double *q) {
+  memmove(s->q, q, (size_t)m->coordinate_count * sizeof *q);
+  for (int b = 0; b < m->ball_count; ++b)
+    s->ball[b] = km_quaternion_exp(km_vec3_make(&s->q[m->ball_coordinate[b]]));
+}
+
+void km_state_set_one(km_state *s, int coordinate, double value) { s->q[coordinate] = value; }
+
+void km_state_save(const km_state *s, const km_substructure *sub, double *saved) {
+  const km_mechanism *m = s->mechanism;
+  const int *coordinate = m->column_coordinate + sub->column_start;
+  double *ball = saved + sub->columns;
+  for (int k = 0; k < sub->columns; ++k) {
+    int c = coordinate[k];
+    saved[k] = s->q[c];
+    if (m->ball_of[c] < 0 || m->ball_coordinate[m->ball_of[c]] != c)
+      continue;
+    memcpy(ball, &s->ball[m->ball_of[c]], sizeof(km_quaternion));
+    ball += 4;
+  }
+}
+
+void km_state_restore(km_state *s, const km_substructure *sub, const double *saved) {
+  const km_mechanism *m = s->mechanism;
+  const int *coordinate = m->column_coordinate + sub->column_start;
+  const double *ball = saved + sub->columns;
+  for (int k = 0; k < sub->columns; ++k) {
+    int c = coordinate[k];
+    s->q[c] = saved[k];
+    if (m->ball_of[c] < 0 || m->ball_coordinate[m->ball_of[c]] != c)
+      continue;
+    memcpy(&s->ball[m->ball_of[c]], ball, sizeof(km_quaternion));
+    ball += 4;
+  }
+}
+
+void km_state_difference(const km_state *s, const km_substructure *sub, const double *saved, double *step) {
+  const km_mechanism *m = s->mechanism;
+  const int *coordinate = m->column_coordinate + sub->column_start;
+  const double *ball = saved + sub->columns;
+  for (int k = 0; k < sub->columns; ++k) {
+    int c = coordinate[k];
+    if (m->ball_of[c] < 0) {
+      step[k] = (s->q[c] - saved[k]) / m->unit[c];
+      continue;
+    }
+    km_quaternion old;
+    memcpy(&old, ball, sizeof old);
+    ball += 4;
+    km_quaternion turn = km_quaternion_product(s->ball[m->ball_of[c]], km_quaternion_conjugate(old));
+    km_vec3 v = km_quaternion_log(turn);
+    step[k++] = v.x;
+    step[k++] = v.y;
+    step[k] = v.z;
+  }
+}
+
+void km_state_copy(const km_mechanism *m, km_state *to, const km_state *from) {
+  memcpy(to->q, from->q, (size_t)m->coordinate_count * sizeof *to->q);
+  memcpy(to->ball, from->ball, (size_t)m->ball_count * sizeof *to->ball);
+}
+
+double km_state_coordinate(const km_state *s, int coordinate) {
+  return s->q[coordinate] / km_model_coordinate_factor(s->mechanism->model, coordinate);
+}

@@ -1,0 +1,71 @@
+/* The model format as a table: which keys an object may have, what each holds and in which unit. The
+ * reader's checks, the unit conversion and the published JSON schema all come from it. */
+#ifndef KM_MODEL_FORMAT_H
+#define KM_MODEL_FORMAT_H
+
+#include "base/value.h"
+#include "kmech/status.h"
+#include "model/units.h"
+
+typedef enum km_shape {
+  KM_SHAPE_NUMBER,
+  KM_SHAPE_STRING,
+  KM_SHAPE_BOOLEAN,
+  KM_SHAPE_VECTOR,       /* three numbers */
+  KM_SHAPE_MATRIX,       /* three rows of three numbers */
+  KM_SHAPE_NUMBERS,      /* a list of numbers */
+  KM_SHAPE_COORDINATES,  /* a number, or a list of numbers: one for each coordinate of a joint */
+  KM_SHAPE_RANGE,        /* [low, high] */
+  KM_SHAPE_RANGES,       /* [low, high], or one such pair for each coordinate */
+  KM_SHAPE_ROWS,         /* a list of lists of numbers */
+  KM_SHAPE_STRINGS,      /* a string or a list of strings */
+  KM_SHAPE_PATH,         /* a name, or a list of names from the root */
+  KM_SHAPE_PATHS,        /* a list of paths */
+  KM_SHAPE_PATH_PAIR,    /* [parent path, child path] */
+  KM_SHAPE_COORDINATE_MAP, /* {joint label: coordinates} */
+  KM_SHAPE_OBJECT,
+  KM_SHAPE_OBJECTS, /* a list of objects */
+  KM_SHAPE_ANY      /* kept as it is, not looked into */
+} km_shape;
+
+/* How a number's unit is found. */
+typedef enum km_measure {
+  KM_MEASURE_FIXED,      /* `dimension` says it */
+  KM_MEASURE_COORDINATE, /* times the unit of the joint's coordinate, an angle in the angle unit */
+  KM_MEASURE_RADIAN,     /* times the unit of the joint's coordinate, an angle in radians */
+  KM_MEASURE_FORCE,      /* times the joint's generalised force */
+  KM_MEASURE_STIFFNESS,  /* times generalised force over coordinate, an angle in radians */
+  KM_MEASURE_POLYNOMIAL, /* item k: coordinate over (time)^k */
+  KM_MEASURE_TABLE,      /* rows of time and coordinate */
+  KM_MEASURE_MODULE,     /* a force module's own rule */
+  KM_MEASURE_SWEEP       /* the unit of the joint that `analysis.sweep` names */
+} km_measure;
+
+typedef struct km_object_format km_object_format;
+
+typedef struct km_field {
+  const char *key;
+  km_shape shape;
+  bool required;
+  km_dimension dimension;
+  km_measure measure;
+  const km_object_format *object; /* of KM_SHAPE_OBJECT(S) */
+} km_field;
+
+struct km_object_format {
+  const char *name; /* of the definition in the JSON schema */
+  const km_field *fields; /* ended by an entry without key */
+};
+
+extern const km_object_format km_format_model;
+
+const km_field *km_format_field(const km_object_format *format, const char *key); /* NULL if unknown */
+
+/* Checks kinds, required keys and number ranges of the whole tree; unknown keys are warnings with the
+ * nearest known key. Every finding starts with the place, as `assemblies[0].joints[2].type`. */
+void km_format_check(const km_value *root, km_messages *messages);
+
+/* The published JSON schema (draft 2020-12) of the table. */
+const km_value *km_format_schema(km_arena *arena);
+
+#endif

@@ -1,0 +1,219 @@
+#include "model/format.h"
+#include "model/place.h"
+
+#include <math.h>
+#include <stdint.h>
+#include <string.h>
+
+/* Past this a product of a few numbers overflows; no mechanism needs it. */
+static const double largest_number = 1e60;
+
+static void expected(km_messages *m, const km_place *place, const km_value *found, const char *what) {
+  char where[KM_PLACE_TEXT];
+  km_place_text(place, where);
+  if (found->kind == KM_STRING)
+    km_messages_add(m, KM_ERROR, "%s: found the string \"%.60s\"; expected %s", where, found->string,
+                    what);
+  else if (found->kind == KM_NUMBER)
+    km_messages_add(m, KM_ERROR, "%s: found %.17g; expected %s", where, found->number, what);
+  else if (found->kind == KM_LIST)
+    km_messages_add(m, KM_ERROR, "%s: found a list of %zu; expected %s", where, found->count, what);
+  else
+    km_messages_add(m, KM_ERROR, "%s: found %s; expected %s", where, km_kind_name(found->kind), what);
+}
+
+static int check_number(km_messages *m, const km_place *place, const km_value *value) {
+  if (value->kind != KM_NUMBER) {
+    expected(m, place, value, "a number");
+    return 0;
+  }
+  if (!(fabs(value->number) <= largest_number)) {
+    expected(m, place, value, "a number of magnitude up to 1e60");
+    return 0;
+  }
+  return 1;
+}
+
+/* `count` 0: any number of items. */
+static void check_numbers(km_messages *m, const km_place *place, const km_value *value, size_t count,
+                          const char *what) {
+  if (value->kind != KM_LIST || (count && value->count != count)) {
+    expected(m, place, value, what);
+    return;
+  }
+  km_place item = {place, NULL, 0};
+  for (const km_value *v = value->first; v; v = v->next, ++item.index)
+    check_number(m, &item, v);
+}
+
+static void check_rows(km_messages *m, const km_place *place, const km_value *value, size_t rows,
+                       size_t columns, const char *what) {
+  if (value->kind != KM_LIST || (rows && value->count != rows)) {
+    expected(m, place, value, what);
+    return;
+  }
+  km_place item = {place, NULL, 0};
+  for (const km_value *v = value->first; v; v = v->next, ++item.index)
+    check_numbers(m, &item, v, columns, columns ? what : "a list of numbers");
+}
+
+static void check_strings(km_messages *m, const km_place *place, const km_value *value, const char *what) {
+  if (value->kind == KM_STRING)
+    return;
+  if (value->kind != KM_LIST || value->count == 0) {
+    expected(m, place, value, what);
+    return;
+  }
+  km_place item = {place, NULL, 0};
+  for (const km_value *v = value->first; v; v = v->next, ++item.index)
+    if (v->kind != KM_STRING)
+      expected(m, &item, v, what);
+}
+
+static const char path_words[] = "a name or a non-empty list of names";
+
+static void check_paths(km_messages *m, const km_place *place, const km_value *value, size_t count,
+                        const char *what) {
+  if (value->kind != KM_LIST || (count && value->count != count)) {
+    expected(m, place, value, what);
+    return;
+  }
+  km_place item = {place, NULL, 0};
+  for (const km_value *v = value->first; v; v = v->next, ++item.index)
+    check_strings(m, &item, v, path_words);
+}
+
+static void check_coordinates(km_messages *m, const km_place *place, const km_value *value) {
+  if (value->kind == KM_LIST)
+    check_numbers(m, place, value, 0, "a number, or a list with one number a coordinate");
+  else
+    check_number(m, place, value);
+}
+
+static void check_object(km_messages *m, const km_place *place, const km_value *value,
+                         const km_object_format *format);
+
+static void check_objects(km_messages *m, const km_place *place, const km_value *value,
+                          const km_object_format *format) {
+  if (value->kind != KM_LIST) {
+    expected(m, place, value, "a list of objects");
+    return;
+  }
+  km_place item = {place, NULL, 0};
+  for (const km_value *v = value->first; v; v = v->next, ++item.index)
+    check_object(m, &item, v, format);
+}
+
+static void check_map(km_messages *m, const km_place *place, const km_value *value) {
+  if (value->kind != KM_OBJECT) {
+    expected(m, place, value, "an object {joint: value}");
+    return;
+  }
+  for (const km_value *v = value->first; v; v = v->next) {
+    km_place item = {place, v->key, 0};
+    check_coordinates(m, &item, v);
+  }
+}
+
+static void check_range(km_messages *m, const km_place *place, const km_value *value, int many) {
+  if (many && value->kind == KM_LIST && value->first && value->first->kind == KM_LIST)
+    check_rows(m, place, value, 0, 2, "[low, high] for each coordinate");
+  else
+    check_numbers(m, place, value, 2, "two numbers [low, high]");
+}
+
+static void check_field(km_messages *m, const km_place *place, const km_value *value,
+                        const km_field *field) {
+  switch (field->shape) {
+  case KM_SHAPE_NUMBER: check_number(m, place, value); break;
+  case KM_SHAPE_STRING:
+    if (value->kind != KM_STRING)
+      expected(m, place, value, "a string");
+    break;
+  case KM_SHAPE_BOOLEAN:
+    if (value->kind != KM_BOOLEAN)
+      expected(m, place, value, "true or false");
+    break;
+  case KM_SHAPE_VECTOR: check_numbers(m, place, value, 3, "three numbers [x, y, z]"); break;
+  case KM_SHAPE_MATRIX: check_rows(m, place, value, 3, 3, "three rows of three numbers"); break;
+  case KM_SHAPE_NUMBERS: check_numbers(m, place, value, 0, "a list of numbers"); break;
+  case KM_SHAPE_COORDINATES: check_coordinates(m, place, value); break;
+  case KM_SHAPE_RANGE: check_range(m, place, value, 0); break;
+  case KM_SHAPE_RANGES: check_range(m, place, value, 1); break;
+  case KM_SHAPE_ROWS: check_rows(m, place, value, 0, 0, "a list of lists of numbers"); break;
+  case KM_SHAPE_STRINGS: check_strings(m, place, value, "a string or a list of strings"); break;
+  case KM_SHAPE_PATH: check_strings(m, place, value, path_words); break;
+  case KM_SHAPE_PATHS: check_paths(m, place, value, 0, "a list of joints"); break;
+  case KM_SHAPE_PATH_PAIR:
+    check_paths(m, place, value, 2, "two paths [[parent…, frame], [child…, frame]]");
+    break;
+  case KM_SHAPE_COORDINATE_MAP: check_map(m, place, value); break;
+  case KM_SHAPE_OBJECT: check_object(m, place, value, field->object); break;
+  case KM_SHAPE_OBJECTS: check_objects(m, place, value, field->object); break;
+  case KM_SHAPE_ANY: break;
+  }
+}
+
+/* Edit distance, for names short enough to be keys. */
+static size_t distance(const char *a, const char *b) {
+  enum { LONGEST = 40 };
+  size_t n = strlen(a), k = strlen(b), row[LONGEST + 1];
+  if (n > LONGEST || k > LONGEST)
+    return SIZE_MAX;
+  for (size_t j = 0; j <= k; ++j)
+    row[j] = j;
+  for (size_t i = 1; i <= n; ++i) {
+    size_t diagonal = row[0];
+    row[0] = i;
+    for (size_t j = 1; j <= k; ++j) {
+      size_t change = diagonal + (a[i - 1] != b[j - 1]);
+      diagonal = row[j];
+      size_t gap = (row[j] < row[j - 1] ? row[j] : row[j - 1]) + 1;
+      row[j] = change < gap ? change : gap;
+    }
+  }
+  return row[k];
+}
+
+static void warn_unknown(km_messages *m, const km_place *place, const km_object_format *format) {
+  const char *nearest = format->fields[0].key;
+  size_t best = SIZE_MAX;
+  for (const km_field *field = format->fields; field->key; ++field) {
+    size_t d = distance(place->key, field->key);
+    if (d < best) {
+      best = d;
+      nearest = field->key;
+    }
+  }
+  char where[KM_PLACE_TEXT];
+  km_messages_add(m, KM_WARNING,
+                  "%s: the format doesn't know this key; the nearest known one is \"%s\"",
+                  km_place_text(place, where), nearest);
+}
+
+static void check_object(km_messages *m, const km_place *place, const km_value *value,
+                         const km_object_format *format) {
+  if (value->kind != KM_OBJECT) {
+    expected(m, place, value, "an object {…}");
+    return;
+  }
+  for (const km_value *v = value->first; v; v = v->next) {
+    km_place item = {place, v->key, 0};
+    const km_field *field = km_format_field(format, v->key);
+    if (field)
+      check_field(m, &item, v, field);
+    else
+      warn_unknown(m, &item, format);
+  }
+  for (const km_field *field = format->fields; field->key; ++field) {
+    if (!field->required || km_value_get(value, field->key))
+      continue;
+    char where[KM_PLACE_TEXT];
+    km_messages_add(m, KM_ERROR, "%s: \"%s\" is missing; expected it in every %s",
+                    km_place_text(place, where), field->key, format->name);
+  }
+}
+
+void km_format_check(const km_value *root, km_messages *messages) {
+  check_object(messages, NULL, root, &km_format_model);
+}

@@ -1,0 +1,42 @@
+#include "model/joint_type.h"
+
+#include <string.h>
+
+#define R(axis) {KM_REVOLUTE, axis}
+#define T(axis) {KM_PRISMATIC, axis}
+
+static const km_joint_kind kinds[KM_JOINT_TYPES] = {
+    [KM_RX] = {"Rx", 1, 1, {R(0)}},
+    [KM_RY] = {"Ry", 1, 1, {R(1)}},
+    [KM_RZ] = {"Rz", 1, 1, {R(2)}},
+    [KM_TX] = {"Tx", 1, 1, {T(0)}},
+    [KM_TY] = {"Ty", 1, 1, {T(1)}},
+    [KM_TZ] = {"Tz", 1, 1, {T(2)}},
+    [KM_RIGID] = {"rigid", 0, 0, {{0}}},
+    [KM_SPHERICAL] = {"spherical", 3, 1, {{KM_BALL, 0}}},
+    [KM_FLOAT] = {"float", 6, 4, {T(0), T(1), T(2), {KM_BALL, 0}}},
+    [KM_CYLINDRICAL] = {"cylindrical", 2, 2, {T(2), R(2)}},
+    [KM_UNIVERSAL] = {"universal", 2, 2, {R(0), R(1)}},
+    [KM_PLANAR] = {"planar", 3, 3, {T(0), T(1), R(2)}},
+    [KM_SCREW] = {"screw", 1, 1, {{KM_HELICAL, 2}}},
+};
+
+const km_joint_kind *km_joint_kind_of(km_joint_type type) { return &kinds[type]; }
+
+int km_joint_type_find(const char *word) {
+  for (int type = 0; type < KM_JOINT_TYPES; ++type)
+    if (strcmp(kinds[type].word, word) == 0)
+      return type;
+  return -1;
+}
+
+int km_primitive_freedom(km_primitive primitive) { return primitive == KM_BALL ? 3 : 1; }
+
+bool km_joint_is_length(km_joint_type type, int k) {
+  const km_joint_kind *kind = &kinds[type];
+  return k < kind->motion_count && kind->motions[k].primitive == KM_PRISMATIC;
+}
+
+km_dimension km_joint_dimension(km_joint_type type, int k) {
+  return km_joint_is_length(type, k) ? (km_dimension){.length = 1} : (km_dimension){.angle = 1};
+}

@@ -1,0 +1,44 @@
+/* The joint types of the model format and the primitive motions they are made of. */
+#ifndef KM_MODEL_JOINT_TYPE_H
+#define KM_MODEL_JOINT_TYPE_H
+
+#include "model/units.h"
+
+typedef enum km_primitive {
+  KM_REVOLUTE,  /* turn about an axis; one coordinate, an angle */
+  KM_PRISMATIC, /* slide along an axis; one coordinate, a length */
+  KM_HELICAL,   /* turn with a proportional slide; one coordinate, an angle */
+  KM_BALL       /* any rotation; three coordinates, a rotation vector */
+} km_primitive;
+
+typedef struct km_motion {
+  km_primitive primitive;
+  int axis; /* 0 x, 1 y, 2 z of the frame before this motion; unused for a ball */
+} km_motion;
+
+typedef enum km_joint_type {
+  KM_RX, KM_RY, KM_RZ, KM_TX, KM_TY, KM_TZ,
+  KM_RIGID, KM_SPHERICAL, KM_FLOAT, KM_CYLINDRICAL, KM_UNIVERSAL, KM_PLANAR, KM_SCREW,
+  KM_JOINT_TYPES
+} km_joint_type;
+
+enum { KM_MAX_MOTIONS = 4, KM_MAX_FREEDOM = 6 };
+
+/* A joint type: X_child = X_parent · motion_0(q) · motion_1(q) … */
+typedef struct km_joint_kind {
+  const char *word;
+  int freedom; /* number of coordinates */
+  int motion_count;
+  km_motion motions[KM_MAX_MOTIONS];
+} km_joint_kind;
+
+const km_joint_kind *km_joint_kind_of(km_joint_type type);
+int km_joint_type_find(const char *word); /* -1 if there is none */
+int km_primitive_freedom(km_primitive primitive);
+
+/* Is coordinate k of the joint a length (a Tx, Ty or Tz)? Screws and rotations are angles. */
+bool km_joint_is_length(km_joint_type type, int k);
+/* The unit of coordinate k in a file: angle or length. */
+km_dimension km_joint_dimension(km_joint_type type, int k);
+
+#endif

@@ -1,0 +1,114 @@
+/* The model as the other modules see it: checked, resolved, in the file's units (angles too). */
+#ifndef KM_MODEL_MODEL_H
+#define KM_MODEL_MODEL_H
+
+#include "base/file.h"
+#include "base/memory.h"
+#include "base/value.h"
+#include "kmech/model.h"
+#include "model/joint_type.h"
+#include "spatial/pose.h"
+
+enum { KM_NO_ASSEMBLY = -1 };
+
+typedef struct km_assembly_def {
+  const char *name;
+  int parent; /* assembly, or KM_NO_ASSEMBLY */
+} km_assembly_def;
+
+/* Body 0 is the inertial frame, called `fixed`. */
+typedef struct km_body_def {
+  const char *name;
+  int assembly;
+  double mass;
+  km_vec3 center_of_mass;
+  double inertia[6]; /* Ixx Iyy Izz Ixy Iyz Izx about the centre of mass */
+  double density;    /* < 0: not given */
+  const char *where;
+} km_body_def;
+
+/* Every body has its `origin` first. */
+typedef struct km_frame_def {
+  const char *name;
+  int body;
+  km_pose pose; /* in the body's frame; length in the model's unit */
+} km_frame_def;
+
+typedef struct km_joint_def {
+  const char *name, *label;
+  km_joint_type type;
+  int assembly;
+  int frame[2];         /* parent, child */
+  int first_coordinate; /* into the coordinates */
+  double pitch;
+  const char *where;
+} km_joint_def;
+
+typedef struct km_coordinate_def {
+  const char *label;
+  int joint, index;
+  double position, rate, low, high, damping; /* in the file's units; no limit is ∓infinity */
+} km_coordinate_def;
+
+typedef struct km_coupling_def {
+  const char *name, *where;
+  int count;
+  int *coordinates;
+  double *ratios;
+} km_coupling_def;
+
+typedef struct km_load_def {
+  const char *name;
+  int frame;
+  km_vec3 force, torque;
+  bool turning; /* axes turn with the frame */
+} km_load_def;
+
+typedef struct km_hold_def {
+  int coordinate;
+  double value; /* file's unit */
+} km_hold_def;
+
+typedef struct km_sweep_def {
+  int coordinate;     /* -1: none given */
+  double range[2];    /* file's unit */
+  double arclength;   /* 0: none given */
+  int direction;      /* coordinate of `direction`, -1: none */
+  double sign;
+  int steps;
+} km_sweep_def;
+
+struct km_model {
+  km_arena arena;
+  const km_value *root; /* everything as read, for what the engine only keeps */
+  char sha256[KM_SHA256_TEXT];
+  km_units units;
+  km_vec3 gravity;
+  double characteristic_length, closure_tolerance;
+  bool closure_tolerance_given;
+  km_assembly_def *assemblies;
+  km_body_def *bodies;
+  km_frame_def *frames;
+  km_joint_def *joints;
+  km_coordinate_def *coordinates;
+  km_coupling_def *couplings;
+  km_load_def *loads;
+  km_hold_def *holds;
+  int *actuators; /* coordinates */
+  int advantage_input, advantage_output; /* coordinates, -1: none or not a joint */
+  km_sweep_def sweep;
+  int assembly_count, body_count, frame_count, joint_count, coordinate_count, coupling_count;
+  int load_count, hold_count, actuator_count;
+};
+
+static inline int km_model_freedom(const km_model *model, int joint) {
+  return km_joint_kind_of(model->joints[joint].type)->freedom;
+}
+
+/* Radians per angle unit for an angle, 1 for a length: file's value × this = the engine's value. */
+static inline double km_model_coordinate_factor(const km_model *model, int coordinate) {
+  const km_coordinate_def *c = &model->coordinates[coordinate];
+  return km_joint_is_length(model->joints[c->joint].type, c->index) ? 1.0 : model->units.angle->si;
+}
+
+#endif

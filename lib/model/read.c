@@ -1,0 +1,307 @@
+#include "base/json.h"
+#include "model/format.h"
+#include "model/reader.h"
+
+#include <string.h>
+
+static int count_members(const km_value *object, const char *key) {
+  const km_value *list = km_value_get(object, key);
+  return list ? (int)list->count : 0;
+}
+
+typedef struct totals {
+  size_t assemblies, bodies, frames, joints, couplings;
+} totals;
+
+/* Upper bounds: left-out elements count too. */
+static void count_assembly(const km_value *assembly, totals *t) {
+  const km_value *bodies = km_value_get(assembly, "bodies");
+  t->bodies += (size_t)count_members(assembly, "bodies");
+  t->joints += (size_t)count_members(assembly, "joints");
+  t->couplings += (size_t)count_members(assembly, "couplings");
+  for (const km_value *b = bodies ? bodies->first : NULL; b; b = b->next)
+    t->frames += (size_t)count_members(b, "frames");
+  const km_value *nested = km_value_get(assembly, "assemblies");
+  for (const km_value *a = nested ? nested->first : NULL; a; a = a->next) {
+    t->assemblies++;
+    count_assembly(a, t);
+  }
+}
+
+static void allocate(km_model *model, const km_value *root) {
+  totals t = {0};
+  count_assembly(root, &t);
+  t.frames += (size_t)count_members(km_value_get(root, "fixed"), "frames") + t.bodies + 1;
+  km_arena *arena = &model->arena;
+  model->assemblies = KM_ARENA_NEW(arena, km_assembly_def, t.assemblies);
+  model->bodies = KM_ARENA_NEW(arena, km_body_def, t.bodies + 1);
+  model->frames = KM_ARENA_NEW(arena, km_frame_def, t.frames);
+  model->joints = KM_ARENA_NEW(arena, km_joint_def, t.joints);
+  model->coordinates = KM_ARENA_NEW(arena, km_coordinate_def, KM_MAX_FREEDOM * t.joints);
+  model->couplings = KM_ARENA_NEW(arena, km_coupling_def, t.couplings);
+}
+
+static void read_units(km_reader *reader, const km_value *parameters, const km_place *place) {
+  km_units *units = &reader->model->units;
+  *units = km_units_default();
+  const km_value *given = km_value_get(parameters, "units");
+  km_place at = {place, "units", 0};
+  for (int quantity = 0; quantity < KM_QUANTITIES; ++quantity) {
+    const char *key = km_quantity_name((km_quantity)quantity);
+    const char *word = km_reader_string(given, key);
+    if (!word)
+      continue;
+    const km_unit *unit = km_unit_find((km_quantity)quantity, word);
+    if (unit) {
+      *km_units_slot(units, (km_quantity)quantity) = unit;
+      continue;
+    }
+    km_text known = {0};
+    for (const km_unit *u = km_quantity_units((km_quantity)quantity); u->word; ++u)
+      km_text_format(&known, "%s%s", known.size ? ", " : "", u->word);
+    km_place item = {&at, key, 0};
+    km_reader_error(reader, &item, "\"%.60s\" is not a unit of %s; expected one of %s", word, key,
+                    known.data ? known.data : "");
+    km_text_free(&known);
+  }
+}
+
+static void positive(km_reader *reader, const km_place *place, const char *key, double value) {
+  km_place at = {place, key, 0};
+  if (!(value > 0.0))
+    km_reader_error(reader, &at, "found %.17g; expected a number greater than 0", value);
+}
+
+static void read_parameters(km_reader *reader, const km_value *root) {
+  km_model *model = reader->model;
+  const km_value *parameters = km_value_get(root, "model_parameters");
+  km_place place = {NULL, "model_parameters", 0};
+  const char *version = km_reader_string(parameters, "version");
+  km_place at = {&place, "version", 0};
+  if (version && strcmp(version, "0.2") != 0 && strcmp(version, "1.0") != 0)
+    km_reader_error(reader, &at, "version \"%.40s\" is not known; expected \"0.2\" or \"1.0\"", version);
+  read_units(reader, parameters, &place);
+  model->gravity = km_reader_vector(parameters, "gravity");
+  model->characteristic_length = km_reader_number(parameters, "characteristic_length", 1.0);
+  positive(reader, &place, "characteristic_length", model->characteristic_length);
+  model->closure_tolerance_given = km_value_get(parameters, "closure_tolerance") != NULL;
+  model->closure_tolerance = km_reader_number(parameters, "closure_tolerance", 1e-9);
+  km_place tolerance = {&place, "closure_tolerance", 0};
+  if (!(model->closure_tolerance > 0.0 && model->closure_tolerance < 0.1))
+    km_reader_error(reader, &tolerance, "found %.17g; expected a number between 0 and 0.1",
+                    model->closure_tolerance);
+}
+
+static int add_frame(km_reader *reader, const char *name, int body, km_pose pose) {
+  km_model *model = reader->model;
+  int index = model->frame_count++;
+  model->frames[index] = (km_frame_def){name, body, pose};
+  if (!km_names_set(&reader->frames, body, name, index))
+    model->arena.failed = true;
+  return index;
+}
+
+static km_rotation read_rotation(km_reader *reader, const km_value *frame, const km_place *place) {
+  const km_value *rows = km_value_get(frame, "R");
+  if (!rows)
+    return km_rotation_identity();
+  double m[9]; /* by rows */
+  int n = 0;
+  for (const km_value *row = rows->first; row; row = row->next)
+    for (const km_value *entry = row->first; entry; entry = entry->next)
+      m[n++] = entry->number;
+  km_rotation R = {{{m[0], m[3], m[6]}, {m[1], m[4], m[7]}, {m[2], m[5], m[8]}}};
+  double misfit = 0.0;
+  for (int i = 0; i < 3; ++i)
+    for (int j = 0; j < 3; ++j)
+      misfit = fmax(misfit, fabs(km_vec3_dot(R.axis[i], R.axis[j]) - (i == j)));
+  double determinant = km_vec3_dot(R.axis[0], km_vec3_cross(R.axis[1], R.axis[2]));
+  km_place at = {place, "R", 0};
+  if (!(misfit <= 1e-6)) {
+    km_reader_error(reader, &at,
+                    "not a rotation: an entry of RᵀR differs from the identity by %.3g; expected at most 1e-6",
+                    misfit);
+    return km_rotation_identity();
+  }
+  if (determinant < 0.0) {
+    km_reader_error(reader, &at, "a mirrored frame (determinant %.3g); expected a right-handed rotation",
+                    determinant);
+    return km_rotation_identity();
+  }
+  return km_rotation_orthonormal(&R);
+}
+
+static void read_frame(km_reader *reader, const km_value *frame, int body, const km_place *place) {
+  if (!km_reader_active(frame))
+    return;
+  const char *name = km_reader_name(reader, frame, place, &reader->frames, body, "origin");
+  add_frame(reader, name, body, (km_pose){read_rotation(reader, frame, place), km_reader_vector(frame, "T")});
+}
+
+/* Inertias are the matrix's own entries; a principal moment below zero (beyond rounding) is no body's. */
+static bool inertia_is_physical(const double I[6]) {
+  double scale = 0.0;
+  for (int k = 0; k < 6; ++k)
+    scale = fmax(scale, fabs(I[k]));
+  double a = I[0] + 1e-9 * scale, b = I[1] + 1e-9 * scale, c = I[2] + 1e-9 * scale, xy = I[3], yz = I[4], zx = I[5];
+  double minors = fmin(fmin(a * b - xy * xy, b * c - yz * yz), a * c - zx * zx);
+  double determinant = a * (b * c - yz * yz) - xy * (xy * c - yz * zx) + zx * (xy * yz - b * zx);
+  return a >= 0 && b >= 0 && c >= 0 && minors >= 0 && determinant >= 0;
+}
+
+static void read_mass(km_reader *reader, const km_value *value, const km_place *place, km_body_def *body) {
+  static const char *const keys[6] = {"Ixx", "Iyy", "Izz", "Ixy", "Iyz", "Izx"};
+  const km_value *inertia = km_value_get(value, "moment_of_inertia");
+  body->mass = km_reader_number(value, "mass", 0.0);
+  body->center_of_mass = km_reader_vector(value, "center_of_mass");
+  body->density = km_reader_number(value, "density", -1.0);
+  for (int k = 0; k < 6; ++k)
+    body->inertia[k] = km_reader_number(inertia, keys[k], 0.0);
+  km_place mass = {place, "mass", 0}, moments = {place, "moment_of_inertia", 0};
+  if (body->mass < 0.0)
+    km_reader_error(reader, &mass, "found %.17g; expected a mass of at least 0", body->mass);
+  if (km_value_get(value, "density"))
+    positive(reader, place, "density", body->density);
+  if (!inertia_is_physical(body->inertia))
+    km_reader_error(reader, &moments, "a principal moment is negative; expected moments of at least 0");
+}
+
+static void left_out(km_reader *reader, km_names *names, int scope, const km_value *element) {
+  const char *name = km_reader_string(element, "name");
+  if (km_names_get(names, scope, name) == KM_NOT_FOUND && !km_names_set(names, scope, name, KM_LEFT_OUT))
+    reader->model->arena.failed = true;
+}
+
+static void read_body(km_reader *reader, const km_value *value, int assembly, const km_place *place) {
+  km_model *model = reader->model;
+  if (!km_reader_active(value)) {
+    left_out(reader, &reader->bodies, assembly, value);
+    return;
+  }
+  const char *name = km_reader_name(reader, value, place, &reader->bodies, assembly, "fixed");
+  int index = model->body_count++;
+  km_body_def *body = &model->bodies[index];
+  *body = (km_body_def){.name = name, .assembly = assembly, .where = km_reader_where(reader, place)};
+  read_mass(reader, value, place, body);
+  if (!km_names_set(&reader->bodies, assembly, name, index))
+    model->arena.failed = true;
+  add_frame(reader, "origin", index, km_pose_identity());
+  km_reader_each(reader, value, "frames", index, place, read_frame);
+}
+
+static void read_nested(km_reader *reader, const km_value *value, int parent, const km_place *place) {
+  km_model *model = reader->model;
+  if (!km_reader_active(value)) {
+    left_out(reader, &reader->assemblies, parent, value);
+    return;
+  }
+  const char *name = km_reader_name(reader, value, place, &reader->assemblies, parent, "fixed");
+  int index = model->assembly_count++;
+  model->assemblies[index] = (km_assembly_def){name, parent};
+  if (!km_names_set(&reader->assemblies, parent, name, index))
+    model->arena.failed = true;
+  km_reader_each(reader, value, "bodies", index, place, read_body);
+  km_reader_each(reader, value, "assemblies", index, place, read_nested);
+}
+
+static void read_elements(km_reader *reader, const km_value *root) {
+  km_model *model = reader->model;
+  model->bodies[model->body_count++] = (km_body_def){.name = "fixed", .assembly = KM_NO_ASSEMBLY, .where = "fixed"};
+  add_frame(reader, "origin", 0, km_pose_identity());
+  km_place fixed = {NULL, "fixed", 0};
+  km_reader_each(reader, km_value_get(root, "fixed"), "frames", 0, &fixed, read_frame);
+  km_reader_each(reader, root, "assemblies", KM_NO_ASSEMBLY, NULL, read_nested);
+  km_read_joints(reader, root);
+  km_read_couplings(reader, root);
+  km_read_force_modules(reader, root);
+  km_read_analysis(reader, root);
+}
+
+/* The first error found, as the one that a caller without a message list sees. */
+static km_status first_error(const km_messages *messages, km_error *error) {
+  for (size_t i = 0; i < km_messages_count(messages); ++i)
+    if (km_messages_severity(messages, i) == KM_ERROR)
+      return km_fail(error, KM_MODEL, "%s", km_messages_text(messages, i));
+  return KM_OK;
+}
+
+static km_status read_model(km_model *model, const char *bytes, size_t size, km_messages *messages,
+                            km_error *error) {
+  km_status status = km_json_parse(bytes, size, &model->arena, &model->root, error);
+  if (status) {
+    if (status == KM_MODEL)
+      km_messages_add(messages, KM_ERROR, "%s", error->text);
+    return status;
+  }
+  km_sha256(bytes, size, model->sha256);
+  km_format_check(model->root, messages);
+  if (km_messages_errors(messages))
+    return first_error(messages, error);
+  allocate(model, model->root);
+  if (model->arena.failed)
+    return km_fail(error, KM_MEMORY, "out of memory while reading the model");
+  km_reader reader = {.model = model, .messages = messages};
+  read_parameters(&reader, model->root);
+  read_elements(&reader, model->root);
+  km_names_free(&reader.assemblies);
+  km_names_free(&reader.bodies);
+  km_names_free(&reader.frames);
+  km_names_free(&reader.joints);
+  km_names_free(&reader.labels);
+  if (model->arena.failed)
+    return km_fail(error, KM_MEMORY, "out of memory while reading the model");
+  return first_error(messages, error);
+}
+
+km_status km_model_read(const char *bytes, size_t size, km_messages *messages, km_model **out,
+                        km_error *error) {
+  km_error local;
+  km_messages *own = messages ? NULL : km_messages_create();
+  km_model *model = KM_NEW(km_model, 1);
+  *out = NULL;
+  km_status status = model && (messages || own)
+                         ? read_model(model, bytes, size, messages ? messages : own, error ? error : &local)
+                         : km_fail(error, KM_MEMORY, "out of memory while reading the model");
+  km_messages_free(own);
+  if (status)
+    km_model_free(model);
+  else
+    *out = model;
+  return status;
+}
+
+km_status km_model_load(const char *path, km_messages *messages, km_model **out, km_error *error) {
+  km_text text = {0};
+  *out = NULL;
+  km_status status = km_file_read(path, &text, error);
+  if (!status)
+    status = km_model_read(text.data, text.size, messages, out, error);
+  km_text_free(&text);
+  return status;
+}
+
+void km_model_free(km_model *model) {
+  if (!model)
+    return;
+  km_arena_free(&model->arena);
+  km_free(model);
+}
+
+int km_model_body_count(const km_model *model) { return model->body_count - 1; }
+int km_model_joint_count(const km_model *model) { return model->joint_count; }
+int km_model_coordinate_count(const km_model *model) { return model->coordinate_count; }
+const char *km_model_joint_label(const km_model *model, int joint) { return model->joints[joint].label; }
+const char *km_model_coordinate_label(const km_model *model, int coordinate) {
+  return model->coordinates[coordinate].label;
+}
+const char *km_model_coordinate_unit(const km_model *model, int coordinate) {
+  const km_coordinate_def *c = &model->coordinates[coordinate];
+  return km_joint_is_length(model->joints[c->joint].type, c->index) ? model->units.length->suffix
+                                                                    : model->units.angle->suffix;
+}
+int km_model_joint_freedom(const km_model *model, int joint, int *first) {
+  *first = model->joints[joint].first_coordinate;
+  return km_model_freedom(model, joint);
+}
+double km_model_characteristic_length(const km_model *model) { return model->characteristic_length; }
+const char *km_model_sha256(const km_model *model) { return model->sha256; }

@@ -1,0 +1,222 @@
+/* What acts on the mechanism (force modules, loads) and the tools' defaults: checked and kept. */
+#include "model/reader.h"
+
+#include <math.h>
+#include <string.h>
+
+static bool one_of(const char *word, const char *const *words) {
+  for (; *words; ++words)
+    if (strcmp(word, *words) == 0)
+      return true;
+  return false;
+}
+
+static void check_port(km_reader *reader, const km_value *port, int assembly, const km_place *place) {
+  const char *type = km_reader_string(port, "type");
+  const km_value *joint = km_value_get(port, "joint"), *pair = km_value_get(port, "body_frame_pair");
+  km_place type_at = {place, "type", 0}, joint_at = {place, "joint", 0}, pair_at = {place, "body_frame_pair", 0};
+  if (strcmp(type, "joint") == 0) {
+    if (joint)
+      km_reader_coordinate(reader, joint, assembly, &joint_at);
+    else
+      km_reader_error(reader, place, "\"joint\" is missing; expected the joint of this port");
+  } else if (strcmp(type, "frame") == 0) {
+    km_place first = {&pair_at, NULL, 0}, second = {&pair_at, NULL, 1};
+    if (pair) {
+      km_reader_frame(reader, pair->first, assembly, &first);
+      km_reader_frame(reader, pair->last, assembly, &second);
+    } else {
+      km_reader_error(reader, place, "\"body_frame_pair\" is missing; expected the two frames of this port");
+    }
+  } else {
+    km_reader_error(reader, &type_at, "\"%.40s\" is not a kind of port; expected \"joint\" or \"frame\"", type);
+  }
+}
+
+static void check_pieces(km_reader *reader, const km_value *module, const km_place *place) {
+  const km_value *knots = km_value_get(module, "knot_points"), *pieces = km_value_get(module, "coefficients");
+  km_place knots_at = {place, "knot_points", 0}, pieces_at = {place, "coefficients", 0};
+  double last = -INFINITY;
+  for (const km_value *k = knots ? knots->first : NULL; k; k = k->next) {
+    if (!(k->number > last))
+      km_reader_error(reader, &knots_at, "found %.17g after %.17g; expected increasing knots", k->number, last);
+    last = k->number;
+  }
+  size_t wanted = (knots ? knots->count : 0) + 1;
+  if (pieces && pieces->count != wanted)
+    km_reader_error(reader, &pieces_at, "found %zu polynomials; expected %zu, one more than the knots",
+                    pieces->count, wanted);
+}
+
+static void read_module(km_reader *reader, const km_value *module, int assembly, const km_place *place) {
+  static const char *const types[] = {"stiffness", "damping", "friction", "motor", "pid", "fiala_tire", NULL};
+  static const char *const distances[] = {"euclid", "Tx", "Ty", "Tz", NULL};
+  if (!km_reader_active(module))
+    return;
+  const char *type = km_reader_string(module, "type"), *distance = km_reader_string(module, "distance_type");
+  km_place type_at = {place, "type", 0}, distance_at = {place, "distance_type", 0};
+  if (!one_of(type, types))
+    km_reader_error(reader, &type_at,
+                    "\"%.40s\" is not a force module; expected stiffness, damping, friction, motor, pid or fiala_tire",
+                    type);
+  if (distance && !one_of(distance, distances))
+    km_reader_error(reader, &distance_at, "\"%.40s\" is not a distance; expected euclid, Tx, Ty or Tz", distance);
+  const km_value *input = km_value_get(module, "input"), *output = km_value_get(module, "output");
+  km_place input_at = {place, "input", 0}, output_at = {place, "output", 0};
+  if (input)
+    check_port(reader, input, assembly, &input_at);
+  if (output)
+    check_port(reader, output, assembly, &output_at);
+  if (!input && !output)
+    km_reader_error(reader, place, "\"input\" is missing; expected where the force module acts");
+  check_pieces(reader, module, place);
+}
+
+static void modules_of(km_reader *reader, const km_value *assembly, int index, const km_place *place) {
+  km_reader_each(reader, assembly, "force_modules", index, place, read_module);
+}
+
+void km_read_force_modules(km_reader *reader, const km_value *root) {
+  if (!reader->model->arena.failed)
+    km_reader_visit(reader, root, modules_of);
+}
+
+/* A coordinate named in `analysis`; what is left out can't be driven, held or asked for. */
+static int analysis_coordinate(km_reader *reader, const km_value *path, const km_place *place) {
+  char text[KM_PLACE_TEXT];
+  int coordinate = km_reader_coordinate(reader, path, KM_NO_ASSEMBLY, place);
+  if (coordinate == KM_LEFT_OUT)
+    km_reader_error(reader, place, "joint \"%s\" is left out of the model; expected an active joint",
+                    km_path_text(path, text));
+  return coordinate < 0 ? -1 : coordinate;
+}
+
+static int read_steps(km_reader *reader, const km_value *sweep, const km_place *place) {
+  double steps = km_reader_number(sweep, "steps", 100.0);
+  km_place at = {place, "steps", 0};
+  if (steps >= 1.0 && steps <= 1e7 && steps == floor(steps))
+    return (int)steps;
+  km_reader_error(reader, &at, "found %.17g; expected a whole number from 1 to 10000000", steps);
+  return 1;
+}
+
+static void read_sweep(km_reader *reader, const km_value *sweep, const km_place *place) {
+  km_sweep_def *def = &reader->model->sweep;
+  const km_value *joint = km_value_get(sweep, "joint"), *range = km_value_get(sweep, "range");
+  const km_value *arclength = km_value_get(sweep, "arclength"), *direction = km_value_get(sweep, "direction");
+  km_place joint_at = {place, "joint", 0}, arc_at = {place, "arclength", 0}, direction_at = {place, "direction", 0};
+  km_place direction_joint = {&direction_at, "joint", 0};
+  def->steps = read_steps(reader, sweep, place);
+  if ((joint != NULL) == (arclength != NULL) || (joint && !range))
+    km_reader_error(reader, place, "expected either \"joint\" with \"range\", or \"arclength\"");
+  if (joint)
+    def->coordinate = analysis_coordinate(reader, joint, &joint_at);
+  if (range) {
+    def->range[0] = range->first->number;
+    def->range[1] = range->last->number;
+  }
+  if (arclength) {
+    def->arclength = arclength->number;
+    if (!(def->arclength > 0.0))
+      km_reader_error(reader, &arc_at, "found %.17g; expected a length greater than 0", def->arclength);
+  }
+  if (direction) {
+    def->direction = analysis_coordinate(reader, km_value_get(direction, "joint"), &direction_joint);
+    def->sign = km_reader_number(direction, "sign", 1.0) < 0.0 ? -1.0 : 1.0;
+  }
+}
+
+static void read_load(km_reader *reader, const km_value *value, int owner, const km_place *place) {
+  (void)owner;
+  km_model *model = reader->model;
+  km_place at = {place, "frame", 0}, axes_at = {place, "axes", 0};
+  const char *axes = km_reader_string(value, "axes");
+  if (axes && strcmp(axes, "fixed") != 0 && strcmp(axes, "frame") != 0)
+    km_reader_error(reader, &axes_at, "\"%.40s\" is not known; expected \"fixed\" or \"frame\"", axes);
+  const km_value *path = km_value_get(value, "frame");
+  const char *names[64];
+  size_t count = 0;
+  for (const km_value *v = path->kind == KM_LIST ? path->first : path; v && count < 64; v = v->next) {
+    names[count++] = v->string;
+    if (path->kind != KM_LIST)
+      break;
+  }
+  int frame = 0;
+  km_error problem;
+  if (km_model_find_frame(model, names, count, &frame, &problem))
+    km_reader_error(reader, &at, "%s", problem.text);
+  model->loads[model->load_count++] =
+      (km_load_def){.name = km_reader_string(value, "name"),
+                    .frame = frame,
+                    .force = km_reader_vector(value, "force"),
+                    .torque = km_reader_vector(value, "torque"),
+                    .turning = axes && strcmp(axes, "frame") == 0};
+}
+
+/* One entry of `hold`: every coordinate of a joint, or one coordinate of it. */
+static void read_hold(km_reader *reader, const km_value *value, const km_place *place) {
+  km_model *model = reader->model;
+  int coordinate = km_names_get(&reader->labels, 1, value->key);
+  int joint = km_names_get(&reader->labels, 0, value->key);
+  size_t given = value->kind == KM_LIST ? value->count : 1;
+  const km_value *item = value->kind == KM_LIST ? value->first : value;
+  size_t freedom = coordinate >= 0 ? 1 : joint >= 0 ? (size_t)km_model_freedom(model, joint) : 0;
+  if (coordinate < 0 && joint < 0) {
+    km_reader_error(reader, place, "\"%.80s\" names no joint; expected a joint's label", value->key);
+    return;
+  }
+  if (freedom != given) {
+    km_reader_error(reader, place, "found %zu values; expected %zu", given, freedom);
+    return;
+  }
+  int first = coordinate >= 0 ? coordinate : model->joints[joint].first_coordinate;
+  for (int h = 0; h < model->hold_count; ++h) {
+    if (model->holds[h].coordinate >= first && model->holds[h].coordinate < first + (int)freedom) {
+      km_reader_error(reader, place, "this coordinate is held twice; expected each once");
+      return;
+    }
+  }
+  for (size_t k = 0; k < freedom; ++k, item = item->next)
+    model->holds[model->hold_count++] = (km_hold_def){first + (int)k, item->number};
+}
+
+static int advantage_joint(km_reader *reader, const km_value *value, const km_place *place) {
+  return value && (value->kind == KM_STRING || value->kind == KM_LIST) ? analysis_coordinate(reader, value, place)
+                                                                       : -1;
+}
+
+static void allocate(km_model *model, const km_value *analysis) {
+  const km_value *actuators = km_value_get(analysis, "actuators"), *loads = km_value_get(analysis, "loads");
+  model->actuators = KM_ARENA_NEW(&model->arena, int, actuators ? actuators->count : 0);
+  model->loads = KM_ARENA_NEW(&model->arena, km_load_def, loads ? loads->count : 0);
+  model->holds = KM_ARENA_NEW(&model->arena, km_hold_def, (size_t)model->coordinate_count);
+}
+
+void km_read_analysis(km_reader *reader, const km_value *root) {
+  km_model *model = reader->model;
+  const km_value *analysis = km_value_get(root, "analysis");
+  model->sweep = (km_sweep_def){.coordinate = -1, .direction = -1, .sign = 1.0, .steps = 100};
+  model->advantage_input = model->advantage_output = -1;
+  allocate(model, analysis);
+  if (model->arena.failed || !analysis)
+    return;
+  km_place place = {NULL, "analysis", 0};
+  km_place sweep_at = {&place, "sweep", 0}, hold_at = {&place, "hold", 0}, actuators_at = {&place, "actuators", 0};
+  km_place advantage_at = {&place, "mechanical_advantage", 0};
+  km_place input_at = {&advantage_at, "input", 0}, output_at = {&advantage_at, "output", 0};
+  const km_value *sweep = km_value_get(analysis, "sweep"), *hold = km_value_get(analysis, "hold");
+  const km_value *actuators = km_value_get(analysis, "actuators");
+  const km_value *advantage = km_value_get(analysis, "mechanical_advantage");
+  if (sweep)
+    read_sweep(reader, sweep, &sweep_at);
+  km_place item = {&actuators_at, NULL, 0};
+  for (const km_value *a = actuators ? actuators->first : NULL; a; a = a->next, ++item.index)
+    model->actuators[model->actuator_count++] = analysis_coordinate(reader, a, &item);
+  model->advantage_input = advantage_joint(reader, km_value_get(advantage, "input"), &input_at);
+  model->advantage_output = advantage_joint(reader, km_value_get(advantage, "output"), &output_at);
+  for (const km_value *h = hold ? hold->first : NULL; h; h = h->next) {
+    km_place at = {&hold_at, h->key, 0};
+    read_hold(reader, h, &at);
+  }
+  km_reader_each(reader, analysis, "loads", 0, &place, read_load);
+}

@@ -1,0 +1,329 @@
+/* Joints, their coordinates and the couplings between them. */
+#include "model/reader.h"
+
+#include <math.h>
+#include <string.h>
+
+/* Fills `values` with one number a coordinate from a number or a list; reports a wrong count. */
+static void read_coordinates(km_reader *reader, const km_value *joint, const char *key, int freedom,
+                             const km_place *place, double values[KM_MAX_FREEDOM]) {
+  const km_value *value = km_value_get(joint, key);
+  for (int k = 0; k < freedom; ++k)
+    values[k] = 0.0;
+  if (!value)
+    return;
+  km_place at = {place, key, 0};
+  size_t given = value->kind == KM_LIST ? value->count : 1;
+  if (freedom == 0 && (given == 0 || (value->kind == KM_NUMBER && value->number == 0.0)))
+    return;
+  if (given != (size_t)freedom || (freedom > 1 && value->kind != KM_LIST)) {
+    km_reader_error(reader, &at, "found %s%zu; expected %d (one a coordinate of this type)",
+                    value->kind == KM_LIST ? "a list of " : "", given, freedom);
+    return;
+  }
+  const km_value *item = value->kind == KM_LIST ? value->first : value;
+  for (int k = 0; k < freedom; ++k, item = item->next)
+    values[k] = item->number;
+}
+
+static void read_limits(km_reader *reader, const km_value *joint, int freedom, const km_place *place,
+                        km_coordinate_def *coordinates) {
+  const km_value *limits = km_value_get(joint, "limits");
+  for (int k = 0; k < freedom; ++k) {
+    coordinates[k].low = -INFINITY;
+    coordinates[k].high = INFINITY;
+  }
+  if (!limits)
+    return;
+  km_place at = {place, "limits", 0};
+  bool pairs = limits->first && limits->first->kind == KM_LIST;
+  size_t given = pairs ? limits->count : 1;
+  if (given != (size_t)freedom) {
+    km_reader_error(reader, &at, "found %zu ranges; expected %d (one a coordinate of this type)", given, freedom);
+    return;
+  }
+  const km_value *pair = pairs ? limits->first : limits;
+  for (int k = 0; k < freedom; ++k, pair = pair->next) {
+    coordinates[k].low = pair->first->number;
+    coordinates[k].high = pair->last->number;
+    if (coordinates[k].low > coordinates[k].high)
+      km_reader_error(reader, &at, "found [%.17g, %.17g]; expected low ≤ high", coordinates[k].low,
+                      coordinates[k].high);
+  }
+}
+
+static void not_negative(km_reader *reader, const km_value *object, const char *key, const km_place *place) {
+  double value = km_reader_number(object, key, 0.0);
+  km_place at = {place, key, 0};
+  if (value < 0.0)
+    km_reader_error(reader, &at, "found %.17g; expected a number of at least 0", value);
+}
+
+static void check_table(km_reader *reader, const km_value *table, const km_place *place) {
+  double last = -INFINITY;
+  km_place item = {place, NULL, 0};
+  for (const km_value *row = table->first; row; row = row->next, ++item.index) {
+    if (row->count != 2)
+      km_reader_error(reader, &item, "found %zu numbers; expected [time, value]", row->count);
+    else if (!(row->first->number > last))
+      km_reader_error(reader, &item, "time %.17g doesn't come after the last one; expected increasing times",
+                      row->first->number);
+    if (row->first)
+      last = row->first->number;
+  }
+  if (table->count < 2)
+    km_reader_error(reader, place, "found %zu rows; expected at least 2", table->count);
+}
+
+static void check_options(km_reader *reader, const km_value *joint, const km_place *place) {
+  km_place friction = {place, "friction", 0}, stop = {place, "stop", 0}, prescribed = {place, "prescribed", 0};
+  const km_value *f = km_value_get(joint, "friction"), *s = km_value_get(joint, "stop");
+  not_negative(reader, f, "coefficient", &friction);
+  not_negative(reader, f, "radius", &friction);
+  not_negative(reader, f, "stiction_velocity", &friction);
+  not_negative(reader, s, "stiffness", &stop);
+  not_negative(reader, s, "damping", &stop);
+  const km_value *p = km_value_get(joint, "prescribed");
+  if (!p)
+    return;
+  const km_value *table = km_value_get(p, "table");
+  int laws = (table != NULL) + (km_value_get(p, "polynomial") != NULL) + (km_value_get(p, "sine") != NULL);
+  if (laws != 1)
+    km_reader_error(reader, &prescribed, "found %d laws; expected one of \"table\", \"polynomial\", \"sine\"", laws);
+  km_place at = {&prescribed, "table", 0};
+  if (table)
+    check_table(reader, table, &at);
+}
+
+static bool read_type(km_reader *reader, const km_value *value, const km_place *place, km_joint_def *joint) {
+  const char *word = km_reader_string(value, "type");
+  int type = km_joint_type_find(word);
+  km_place at = {place, "type", 0}, pitch_at = {place, "pitch", 0};
+  if (type < 0) {
+    km_text known = {0};
+    for (int t = 0; t < KM_JOINT_TYPES; ++t)
+      km_text_format(&known, "%s%s", t ? ", " : "", km_joint_kind_of((km_joint_type)t)->word);
+    km_reader_error(reader, &at, "\"%.40s\" is not a joint type; expected %s", word, known.data ? known.data : "");
+    km_text_free(&known);
+    return false;
+  }
+  const km_value *pitch = km_value_get(value, "pitch");
+  joint->type = (km_joint_type)type;
+  joint->pitch = pitch ? pitch->number : 0.0;
+  if (type == KM_SCREW && !pitch)
+    km_reader_error(reader, place, "\"pitch\" is missing; expected the travel of a screw in one turn");
+  if (type != KM_SCREW && pitch)
+    km_reader_error(reader, &pitch_at, "found a pitch on a joint of type %s; expected it only on a screw", word);
+  return true;
+}
+
+static bool read_ends(km_reader *reader, const km_value *value, int assembly, const km_place *place,
+                      km_joint_def *joint) {
+  const km_value *pair = km_value_get(value, "body_frame_pairs");
+  km_place at = {place, "body_frame_pairs", 0};
+  km_place first = {&at, NULL, 0}, second = {&at, NULL, 1};
+  joint->frame[0] = km_reader_frame(reader, pair->first, assembly, &first);
+  joint->frame[1] = km_reader_frame(reader, pair->last, assembly, &second);
+  if (joint->frame[0] == KM_LEFT_OUT || joint->frame[1] == KM_LEFT_OUT) {
+    km_reader_note(reader, place, "joint \"%.80s\" is left out with the body that it is on", joint->name);
+    return false;
+  }
+  if (joint->frame[0] < 0 || joint->frame[1] < 0)
+    return false;
+  int body = reader->model->frames[joint->frame[0]].body;
+  if (body == reader->model->frames[joint->frame[1]].body) {
+    km_reader_error(reader, &at, "both ends are on \"%.80s\"; expected two different bodies",
+                    reader->model->bodies[body].name);
+    return false;
+  }
+  return true;
+}
+
+static void add_coordinates(km_reader *reader, const km_value *value, const km_place *place, int index) {
+  km_model *model = reader->model;
+  km_joint_def *joint = &model->joints[index];
+  int freedom = km_model_freedom(model, index);
+  double position[KM_MAX_FREEDOM], rate[KM_MAX_FREEDOM], damping[KM_MAX_FREEDOM];
+  read_coordinates(reader, value, "initial_displacement", freedom, place, position);
+  read_coordinates(reader, value, "initial_velocity", freedom, place, rate);
+  const km_value *given = km_value_get(value, "damping");
+  if (given && given->kind == KM_NUMBER)
+    for (int k = 0; k < freedom; ++k)
+      damping[k] = given->number;
+  else
+    read_coordinates(reader, value, "damping", freedom, place, damping);
+  joint->first_coordinate = model->coordinate_count;
+  model->coordinate_count += freedom;
+  for (int k = 0; k < freedom; ++k)
+    model->coordinates[joint->first_coordinate + k] = (km_coordinate_def){
+        .joint = index, .index = k, .position = position[k], .rate = rate[k], .damping = damping[k]};
+  read_limits(reader, value, freedom, place, &model->coordinates[joint->first_coordinate]);
+}
+
+static void read_joint(km_reader *reader, const km_value *value, int assembly, const km_place *place) {
+  km_model *model = reader->model;
+  km_joint_def joint = {.assembly = assembly, .where = km_reader_where(reader, place)};
+  bool active = km_reader_active(value);
+  if (active) {
+    joint.name = km_reader_name(reader, value, place, &reader->joints, assembly, NULL);
+    bool typed = read_type(reader, value, place, &joint);
+    active = read_ends(reader, value, assembly, place, &joint) && typed;
+  }
+  if (!active) {
+    const char *name = km_reader_string(value, "name");
+    if (km_names_get(&reader->joints, assembly, name) == KM_NOT_FOUND &&
+        !km_names_set(&reader->joints, assembly, name, KM_LEFT_OUT))
+      model->arena.failed = true;
+    return;
+  }
+  int index = model->joint_count++;
+  model->joints[index] = joint;
+  add_coordinates(reader, value, place, index);
+  check_options(reader, value, place);
+  if (!km_names_set(&reader->joints, assembly, joint.name, index))
+    model->arena.failed = true;
+}
+
+static const char *full_path(km_model *model, const km_joint_def *joint) {
+  const char *names[64];
+  int count = 0;
+  for (int a = joint->assembly; a != KM_NO_ASSEMBLY && count < 64; a = model->assemblies[a].parent)
+    names[count++] = model->assemblies[a].name;
+  km_text text = {0};
+  while (count-- > 0)
+    km_text_format(&text, "%s/", names[count]);
+  km_text_add(&text, joint->name);
+  const char *label = text.failed ? NULL : km_arena_string(&model->arena, text.data);
+  km_text_free(&text);
+  return label;
+}
+
+enum { SCOPE_JOINT, SCOPE_COORDINATE, SCOPE_COUNT };
+
+static void label_coordinates(km_reader *reader, int index) {
+  km_model *model = reader->model;
+  const km_joint_def *joint = &model->joints[index];
+  int freedom = km_model_freedom(model, index);
+  for (int k = 0; k < freedom; ++k) {
+    km_text text = {0};
+    km_text_format(&text, freedom == 1 ? "%s" : "%s[%d]", joint->label, k);
+    int coordinate = joint->first_coordinate + k;
+    model->coordinates[coordinate].label = text.failed ? NULL : km_arena_string(&model->arena, text.data);
+    km_text_free(&text);
+    if (model->arena.failed ||
+        !km_names_set(&reader->labels, SCOPE_COORDINATE, model->coordinates[coordinate].label, coordinate))
+      model->arena.failed = true;
+  }
+}
+
+static void assign_labels(km_reader *reader) {
+  km_model *model = reader->model;
+  for (int j = 0; j < model->joint_count; ++j) {
+    int seen = km_names_get(&reader->labels, SCOPE_COUNT, model->joints[j].name);
+    if (!km_names_set(&reader->labels, SCOPE_COUNT, model->joints[j].name, seen < 0 ? 1 : seen + 1))
+      model->arena.failed = true;
+  }
+  for (int j = 0; j < model->joint_count && !model->arena.failed; ++j) {
+    km_joint_def *joint = &model->joints[j];
+    bool unique = km_names_get(&reader->labels, SCOPE_COUNT, joint->name) == 1;
+    joint->label = unique ? joint->name : full_path(model, joint);
+    if (!joint->label || !km_names_set(&reader->labels, SCOPE_JOINT, joint->label, j)) {
+      model->arena.failed = true;
+      return;
+    }
+    label_coordinates(reader, j);
+  }
+}
+
+static int root_of(int *parent, int body) {
+  while (parent[body] != body)
+    body = parent[body] = parent[parent[body]];
+  return body;
+}
+
+/* Every body must be tied to the inertial frame. */
+static void check_ties(km_reader *reader) {
+  km_model *model = reader->model;
+  int *parent = KM_NEW(int, (size_t)model->body_count);
+  if (!parent) {
+    model->arena.failed = true;
+    return;
+  }
+  for (int b = 0; b < model->body_count; ++b)
+    parent[b] = b;
+  for (int j = 0; j < model->joint_count; ++j) {
+    int a = root_of(parent, model->frames[model->joints[j].frame[0]].body);
+    int b = root_of(parent, model->frames[model->joints[j].frame[1]].body);
+    parent[a > b ? a : b] = a < b ? a : b;
+  }
+  for (int b = 1; b < model->body_count; ++b)
+    if (root_of(parent, b) != 0)
+      km_messages_add(reader->messages, KM_ERROR,
+                      "%s: body \"%.80s\" is tied to the inertial frame by no chain of joints; expected at least "
+                      "one (a joint of type float ties a free body to [\"fixed\"])",
+                      model->bodies[b].where, model->bodies[b].name);
+  km_free(parent);
+}
+
+static void joints_of(km_reader *reader, const km_value *assembly, int index, const km_place *place) {
+  km_reader_each(reader, assembly, "joints", index, place, read_joint);
+}
+
+void km_read_joints(km_reader *reader, const km_value *root) {
+  km_reader_visit(reader, root, joints_of);
+  if (km_messages_errors(reader->messages) == 0)
+    check_ties(reader);
+  assign_labels(reader);
+}
+
+/* The coordinates of a coupling; false if the coupling goes (left out, or an error was reported). */
+static bool coupled(km_reader *reader, const km_value *value, int assembly, const km_place *place,
+                    km_coupling_def *coupling) {
+  const km_value *joints = km_value_get(value, "joints"), *ratios = km_value_get(value, "ratios");
+  km_place at = {place, "joints", 0}, ratio_at = {place, "ratios", 0};
+  km_place item = {&at, NULL, 0};
+  if (joints->count == 0 || joints->count != ratios->count) {
+    km_reader_error(reader, &ratio_at, "found %zu ratios for %zu joints; expected one ratio for each of one or more joints",
+                    ratios->count, joints->count);
+    return false;
+  }
+  const km_value *ratio = ratios->first;
+  bool some = false;
+  for (const km_value *j = joints->first; j; j = j->next, ratio = ratio->next, ++item.index) {
+    int coordinate = km_reader_coordinate(reader, j, assembly, &item);
+    if (coordinate == KM_LEFT_OUT)
+      km_reader_note(reader, place, "coupling \"%.80s\" is left out with its joint", coupling->name);
+    if (coordinate < 0)
+      return false;
+    for (int k = 0; k < coupling->count; ++k)
+      if (coupling->coordinates[k] == coordinate)
+        km_reader_error(reader, &item, "the coupling names this joint twice; expected each joint once");
+    coupling->coordinates[coupling->count] = coordinate;
+    coupling->ratios[coupling->count++] = ratio->number;
+    some = some || ratio->number != 0.0;
+  }
+  if (!some)
+    km_reader_error(reader, &ratio_at, "every ratio is 0; expected at least one that isn't");
+  return some;
+}
+
+static void read_coupling(km_reader *reader, const km_value *value, int assembly, const km_place *place) {
+  km_model *model = reader->model;
+  if (!km_reader_active(value))
+    return;
+  size_t count = km_value_get(value, "joints")->count;
+  km_coupling_def coupling = {.name = km_reader_string(value, "name"), .where = km_reader_where(reader, place)};
+  coupling.coordinates = KM_ARENA_NEW(&model->arena, int, count);
+  coupling.ratios = KM_ARENA_NEW(&model->arena, double, count);
+  if (!model->arena.failed && coupled(reader, value, assembly, place, &coupling))
+    model->couplings[model->coupling_count++] = coupling;
+}
+
+static void couplings_of(km_reader *reader, const km_value *assembly, int index, const km_place *place) {
+  km_reader_each(reader, assembly, "couplings", index, place, read_coupling);
+}
+
+void km_read_couplings(km_reader *reader, const km_value *root) {
+  if (!reader->model->arena.failed)
+    km_reader_visit(reader, root, couplings_of);
+}

@@ -1,0 +1,59 @@
+/* What the parts of the model reader share. */
+#ifndef KM_MODEL_READER_H
+#define KM_MODEL_READER_H
+
+#include "base/names.h"
+#include "model/model.h"
+#include "model/place.h"
+
+/* The reader's own bookkeeping. Left-out elements are in the name tables with KM_LEFT_OUT, so that a path
+ * to one can be told from a misspelt one. */
+typedef struct km_reader {
+  km_model *model;
+  km_messages *messages;
+  km_names assemblies, bodies, frames, joints; /* scope: the parent */
+  km_names labels;                             /* scope 0: joint labels, 1: coordinate labels */
+} km_reader;
+
+enum { KM_NOT_FOUND = -1, KM_LEFT_OUT = -2 };
+
+/* Reports an error at a place. */
+void km_reader_error(km_reader *reader, const km_place *place, const char *format, ...)
+    __attribute__((format(printf, 3, 4)));
+void km_reader_note(km_reader *reader, const km_place *place, const char *format, ...)
+    __attribute__((format(printf, 3, 4)));
+const char *km_reader_where(km_reader *reader, const km_place *place); /* kept in the model */
+
+bool km_reader_active(const km_value *object);
+double km_reader_number(const km_value *object, const char *key, double otherwise);
+km_vec3 km_reader_vector(const km_value *object, const char *key);
+const char *km_reader_string(const km_value *object, const char *key); /* NULL if absent */
+/* Name of an element, checked: not empty, not reserved, new among its siblings in `names`. */
+const char *km_reader_name(km_reader *reader, const km_value *object, const km_place *place, km_names *names,
+                           int scope, const char *reserved);
+
+/* Frame of a path seen from an assembly. KM_NOT_FOUND (reported) or KM_LEFT_OUT. */
+int km_reader_frame(km_reader *reader, const km_value *path, int assembly, const km_place *place);
+/* Joint of a path seen from an assembly; KM_NOT_FOUND is reported, KM_LEFT_OUT isn't. */
+int km_reader_joint(km_reader *reader, const km_value *path, int assembly, const km_place *place);
+/* Coordinate of a joint path, where the joint has one, or of `label[k]`. The same results. */
+int km_reader_coordinate(km_reader *reader, const km_value *path, int assembly, const km_place *place);
+/* A path as a person reads it: `a/b/c`. */
+const char *km_path_text(const km_value *path, char out[KM_PLACE_TEXT]);
+
+/* The second pass over the assemblies: joints, then what names joints. */
+void km_read_joints(km_reader *reader, const km_value *root);
+void km_read_couplings(km_reader *reader, const km_value *root);
+void km_read_force_modules(km_reader *reader, const km_value *root);
+void km_read_analysis(km_reader *reader, const km_value *root);
+
+/* Walks the active assemblies, nested ones after their parent, in file order. */
+typedef void (*km_assembly_visit)(km_reader *reader, const km_value *assembly, int index, const km_place *place);
+void km_reader_visit(km_reader *reader, const km_value *root, km_assembly_visit visit);
+
+/* Calls `read` for the members of a list in an object: `bodies`, `joints` … */
+typedef void (*km_element_read)(km_reader *reader, const km_value *element, int owner, const km_place *place);
+void km_reader_each(km_reader *reader, const km_value *object, const char *key, int owner,
+                    const km_place *place, km_element_read read);
+
+#endif

@@ -1,0 +1,212 @@
+/* Paths and labels: which body, frame, joint or coordinate a name means. */
+#include "model/reader.h"
+
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+enum { LONGEST_PATH = 2100 }; /* more than the parser's nesting limit */
+
+typedef struct path {
+  const char *names[LONGEST_PATH];
+  size_t count;
+} path;
+
+static bool gather(const km_value *value, path *out) {
+  out->count = 0;
+  if (value->kind == KM_STRING) {
+    out->names[out->count++] = value->string;
+    return true;
+  }
+  for (const km_value *v = value->first; v; v = v->next) {
+    if (out->count == LONGEST_PATH)
+      return false;
+    out->names[out->count++] = v->string;
+  }
+  return true;
+}
+
+static const char *names_text(const char *const *names, size_t count, char out[KM_PLACE_TEXT]) {
+  size_t used = 0;
+  out[0] = '\0';
+  for (size_t i = 0; i < count && used < KM_PLACE_TEXT - 1; ++i) {
+    int length = snprintf(out + used, KM_PLACE_TEXT - used, "%s%s", i ? "/" : "", names[i]);
+    used += length > 0 ? (size_t)length : 0;
+  }
+  return out;
+}
+
+const char *km_path_text(const km_value *value, char out[KM_PLACE_TEXT]) {
+  path p;
+  gather(value, &p);
+  return names_text(p.names, p.count, out);
+}
+
+/* The assembly at the end of `count` names from the root; KM_NO_ASSEMBLY is the root itself. */
+static int assembly_from_root(const km_reader *reader, const char *const *names, size_t count) {
+  int assembly = KM_NO_ASSEMBLY;
+  for (size_t i = 0; i < count; ++i) {
+    int next = km_names_get(&reader->assemblies, assembly, names[i]);
+    if (next < 0)
+      return next == KM_LEFT_OUT ? KM_LEFT_OUT : -3;
+    assembly = next;
+  }
+  return assembly;
+}
+
+/* Element named by `names` from the root in one of the tables, KM_NOT_FOUND or KM_LEFT_OUT. */
+static int from_root(const km_reader *reader, const km_names *table, const char *const *names, size_t count) {
+  if (count < 2)
+    return KM_NOT_FOUND;
+  int assembly = assembly_from_root(reader, names, count - 1);
+  if (assembly == KM_LEFT_OUT)
+    return KM_LEFT_OUT;
+  return assembly < 0 ? KM_NOT_FOUND : km_names_get(table, assembly, names[count - 1]);
+}
+
+static int frame_of(const km_reader *reader, int body, const char *name) {
+  return body < 0 ? body : km_names_get(&reader->frames, body, name);
+}
+
+/* Keeps the better of two readings: a frame found, else left out, else not found. */
+static int better(int a, int b) { return a >= 0 ? a : b >= 0 ? b : a < b ? a : b; }
+
+static int find_frame(const km_reader *reader, const char *const *names, size_t count, int assembly) {
+  if (strcmp(names[0], "fixed") == 0 && count <= 2)
+    return frame_of(reader, 0, count == 2 ? names[1] : "origin");
+  int named = KM_NOT_FOUND; /* readings whose last name is a frame win */
+  if (count == 2)
+    named = frame_of(reader, km_names_get(&reader->bodies, assembly, names[0]), names[1]);
+  else if (count > 2)
+    named = frame_of(reader, from_root(reader, &reader->bodies, names, count - 1), names[count - 1]);
+  if (named >= 0)
+    return named;
+  int body = count == 1 ? km_names_get(&reader->bodies, assembly, names[0])
+                        : from_root(reader, &reader->bodies, names, count);
+  return better(named, frame_of(reader, body, "origin"));
+}
+
+int km_reader_frame(km_reader *reader, const km_value *value, int assembly, const km_place *place) {
+  path p;
+  char text[KM_PLACE_TEXT];
+  int frame = gather(value, &p) ? find_frame(reader, p.names, p.count, assembly) : KM_NOT_FOUND;
+  if (frame == KM_NOT_FOUND)
+    km_reader_error(reader, place,
+                    "\"%s\" names no body or frame; expected [body, frame] of this assembly, a path from the "
+                    "root, or [\"fixed\", frame]",
+                    names_text(p.names, p.count, text));
+  return frame;
+}
+
+int km_reader_joint(km_reader *reader, const km_value *value, int assembly, const km_place *place) {
+  path p;
+  char text[KM_PLACE_TEXT];
+  int joint = KM_NOT_FOUND;
+  if (gather(value, &p)) {
+    if (p.count == 1) {
+      joint = km_names_get(&reader->joints, assembly, p.names[0]);
+      joint = better(joint, km_names_get(&reader->labels, 0, p.names[0]));
+    } else {
+      joint = from_root(reader, &reader->joints, p.names, p.count);
+    }
+  }
+  if (joint == KM_NOT_FOUND)
+    km_reader_error(reader, place, "\"%s\" names no joint; expected a joint's label or its path from the root",
+                    names_text(p.names, p.count, text));
+  return joint;
+}
+
+int km_reader_coordinate(km_reader *reader, const km_value *value, int assembly, const km_place *place) {
+  if (value->kind == KM_STRING) {
+    int coordinate = km_names_get(&reader->labels, 1, value->string);
+    if (coordinate >= 0)
+      return coordinate;
+  }
+  int joint = km_reader_joint(reader, value, assembly, place);
+  if (joint < 0)
+    return joint;
+  const km_joint_def *def = &reader->model->joints[joint];
+  int freedom = km_model_freedom(reader->model, joint);
+  if (freedom == 1)
+    return def->first_coordinate;
+  if (freedom == 0)
+    km_reader_error(reader, place, "joint \"%s\" is rigid; expected a joint with a coordinate", def->label);
+  else
+    km_reader_error(reader, place, "joint \"%s\" has %d coordinates; expected one of them, as \"%s[0]\"",
+                    def->label, freedom, def->label);
+  return KM_NOT_FOUND;
+}
+
+/* Looking up labels after reading is rare (options, not data), so a scan over the model serves. */
+km_status km_model_find_joint(const km_model *model, const char *label, int *joint, km_error *error) {
+  for (int j = 0; j < model->joint_count; ++j) {
+    if (strcmp(model->joints[j].label, label) == 0) {
+      *joint = j;
+      return KM_OK;
+    }
+  }
+  km_text known = {0};
+  for (int j = 0; j < model->joint_count && j < 30; ++j)
+    km_text_format(&known, "%s%s", j ? ", " : "", model->joints[j].label);
+  km_status status = km_fail(error, KM_USAGE, "\"%s\" names no joint; the model has %s%s", label,
+                             known.data ? known.data : "none", model->joint_count > 30 ? ", …" : "");
+  km_text_free(&known);
+  return status;
+}
+
+km_status km_model_find_coordinate(const km_model *model, const char *label, int *coordinate,
+                                   km_error *error) {
+  for (int c = 0; c < model->coordinate_count; ++c) {
+    if (strcmp(model->coordinates[c].label, label) == 0) {
+      *coordinate = c;
+      return KM_OK;
+    }
+  }
+  int joint;
+  km_status status = km_model_find_joint(model, label, &joint, error);
+  if (status)
+    return status;
+  int freedom = km_model_freedom(model, joint);
+  if (freedom == 0)
+    return km_fail(error, KM_USAGE, "joint \"%s\" is rigid; expected a joint with a coordinate", label);
+  return km_fail(error, KM_USAGE, "joint \"%s\" has %d coordinates; expected one of them, as \"%s[0]\"", label,
+                 freedom, label);
+}
+
+/* Does the body's path from the root end in these names? One name must be the body's own. */
+static bool body_matches(const km_model *model, int body, const char *const *names, size_t count) {
+  if (strcmp(model->bodies[body].name, names[count - 1]) != 0)
+    return false;
+  if (count == 1)
+    return true;
+  int assembly = model->bodies[body].assembly;
+  for (size_t i = count - 1; i-- > 0; assembly = model->assemblies[assembly].parent)
+    if (assembly < 0 || strcmp(model->assemblies[assembly].name, names[i]) != 0)
+      return false;
+  return assembly == KM_NO_ASSEMBLY;
+}
+
+static int frames_named(const km_model *model, const char *const *names, size_t count, const char *frame_name,
+                        int *frame) {
+  int found = 0;
+  for (int f = 0; count > 0 && f < model->frame_count; ++f)
+    if (strcmp(model->frames[f].name, frame_name) == 0 && body_matches(model, model->frames[f].body, names, count)) {
+      *frame = f;
+      ++found;
+    }
+  return found;
+}
+
+km_status km_model_find_frame(const km_model *model, const char *const *names, size_t count, int *frame,
+                              km_error *error) {
+  char text[KM_PLACE_TEXT];
+  int found = count ? frames_named(model, names, count - 1, names[count - 1], frame) : 0;
+  if (!found && count)
+    found = frames_named(model, names, count, "origin", frame);
+  if (found == 1)
+    return KM_OK;
+  names_text(names, count, text);
+  if (found > 1)
+    return km_fail(error, KM_USAGE, "\"%s\" names %d frames; expected the full path from the root", text, found);
+  return km_fail(error, KM_USAGE, "\"%s\" names no frame; expected body/frame or a path from the root", text);
+}

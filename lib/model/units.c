@@ -1,0 +1,44 @@
+#include "model/units.h"
+
+#include <math.h>
+#include <stddef.h>
+#include <string.h>
+
+static const km_unit angles[] = {{"radians", "rad", 1.0}, {"degrees", "deg", M_PI / 180.0}, {0}};
+static const km_unit lengths[] = {
+    {"meters", "m", 1.0}, {"millimeters", "mm", 1e-3}, {"centimeters", "cm", 1e-2}, {"inches", "in", 0.0254}, {0}};
+static const km_unit masses[] = {
+    {"kilograms", "kg", 1.0}, {"grams", "g", 1e-3}, {"pounds", "lb", 0.45359237}, {0}};
+static const km_unit times[] = {{"seconds", "s", 1.0}, {"milliseconds", "ms", 1e-3}, {0}};
+static const km_unit forces[] = {{"newtons", "N", 1.0}, {"pounds-force", "lbf", 4.4482216152605}, {0}};
+
+static const km_unit *const tables[KM_QUANTITIES] = {angles, lengths, masses, times, forces};
+
+km_units km_units_default(void) {
+  return (km_units){angles, lengths, masses, times, forces};
+}
+
+const char *km_quantity_name(km_quantity quantity) {
+  static const char *const names[KM_QUANTITIES] = {"angle", "length", "mass", "time", "force"};
+  return names[quantity];
+}
+
+const km_unit *km_quantity_units(km_quantity quantity) { return tables[quantity]; }
+
+const km_unit *km_unit_find(km_quantity quantity, const char *word) {
+  for (const km_unit *unit = tables[quantity]; unit->word; ++unit)
+    if (strcmp(unit->word, word) == 0)
+      return unit;
+  return NULL;
+}
+
+const km_unit **km_units_slot(km_units *units, km_quantity quantity) {
+  const km_unit **slots[KM_QUANTITIES] = {&units->angle, &units->length, &units->mass, &units->time,
+                                          &units->force};
+  return slots[quantity];
+}
+
+double km_units_factor(const km_units *units, km_dimension d) {
+  return pow(units->angle->si, d.angle) * pow(units->length->si, d.length) * pow(units->mass->si, d.mass) *
+         pow(units->time->si, d.time) * pow(units->force->si, d.force);
+}

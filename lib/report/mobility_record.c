@@ -1,0 +1,124 @@
+#include "report/mobility_record.h"
+
+#include "kmech/version.h"
+#include "topology/mechanism.h"
+
+km_value *km_record_head(const km_model *model, const char *tool, const char *name, km_arena *arena) {
+  km_value *record = km_value_add(arena, NULL, NULL, KM_OBJECT);
+  km_value_string(arena, record, "kmech", KM_VERSION);
+  km_value_string(arena, record, "tool", tool);
+  km_value_string(arena, record, "model", name);
+  km_value_string(arena, record, "model_sha256", model->sha256);
+  km_value *units = km_value_add(arena, record, "units", KM_OBJECT);
+  const km_unit *const given[KM_QUANTITIES] = {model->units.angle, model->units.length, model->units.mass,
+                                               model->units.time, model->units.force};
+  for (int q = 0; q < KM_QUANTITIES; ++q)
+    km_value_string(arena, units, km_quantity_name((km_quantity)q), given[q]->word);
+  km_value_number(arena, record, "characteristic_length", model->characteristic_length);
+  return record;
+}
+
+static void add_loops(const km_mechanism *m, km_value *record, km_arena *arena) {
+  const km_topology *t = &m->topology;
+  km_value *loops = km_value_add(arena, record, "loops", KM_LIST);
+  for (int l = 0; l < t->loop_count && !arena->failed; ++l) {
+    km_value *loop = km_value_add(arena, loops, NULL, KM_OBJECT);
+    km_value_number(arena, loop, "id", l + 1);
+    km_value_string(arena, loop, "chord", m->model->joints[t->chord[l]].label);
+    km_value *joints = km_value_add(arena, loop, "joints", KM_LIST);
+    for (int i = t->member_start[l]; i < t->member_start[l + 1]; ++i)
+      km_value_string(arena, joints, NULL, m->model->joints[t->member[i].joint].label);
+    km_value_number(arena, loop, "lambda", m->loops[l].lambda);
+  }
+}
+
+static void add_substructures(const km_mechanism *m, const km_state *s, km_value *record, km_arena *arena) {
+  const km_topology *t = &m->topology;
+  km_value *list = km_value_add(arena, record, "substructures", KM_LIST);
+  for (int i = 0; i < t->substructure_count && !arena->failed; ++i) {
+    km_substructure_mobility e;
+    km_substructure_evidence(m, s, i, &e);
+    km_value *sub = km_value_add(arena, list, NULL, KM_OBJECT);
+    km_value_number(arena, sub, "id", i + 1);
+    km_value *joints = km_value_add(arena, sub, "joints", KM_LIST);
+    for (int k = t->joint_start[i]; k < t->joint_start[i + 1]; ++k)
+      km_value_string(arena, joints, NULL, m->model->joints[t->joint[k]].label);
+    km_value *loops = km_value_add(arena, sub, "loops", KM_LIST);
+    for (int k = t->loop_start[i]; k < t->loop_start[i + 1]; ++k)
+      km_value_number(arena, loops, NULL, t->loop[k] + 1);
+    km_value_number(arena, sub, "coordinates", e.coordinates);
+    km_value_number(arena, sub, "rank", e.rank);
+    km_value_number(arena, sub, "mobility", e.mobility);
+    km_value_number(arena, sub, "last_pivot", e.last_pivot);
+    if (e.first_dropped > 0.0)
+      km_value_number(arena, sub, "first_dropped", e.first_dropped);
+    else
+      km_value_add(arena, sub, "first_dropped", KM_NULL);
+    km_value_number(arena, sub, "rank_tolerance", e.tolerance);
+  }
+}
+
+static void add_coordinates(const km_mechanism *m, const km_state *s, km_value *record, km_arena *arena) {
+  const km_model *model = m->model;
+  km_value *configuration = km_value_add(arena, record, "configuration", KM_OBJECT);
+  for (int c = 0; c < m->coordinate_count; ++c)
+    km_value_number(arena, configuration, model->coordinates[c].label, km_state_coordinate(s, c));
+  km_value *numbers = km_value_add(arena, record, "mobility_numbers", KM_OBJECT);
+  for (int j = 0; j < model->joint_count; ++j) {
+    const km_joint_def *joint = &model->joints[j];
+    int freedom = km_model_freedom(model, j);
+    if (freedom == 0)
+      km_value_number(arena, numbers, joint->label, 0.0);
+    for (int k = 0; k < freedom; ++k)
+      km_value_number(arena, numbers, model->coordinates[joint->first_coordinate + k].label,
+                      km_mobility_number(s, joint->first_coordinate + k));
+  }
+}
+
+km_value *km_mobility_record(const km_mechanism *m, const km_state *s, const km_mobility *mobility,
+                             const char *name, km_arena *arena) {
+  const km_model *model = m->model;
+  km_value *record = km_record_head(model, "kmob", name, arena);
+  km_value_number(arena, record, "bodies", model->body_count - 1);
+  km_value_number(arena, record, "joints", model->joint_count);
+  km_value_number(arena, record, "coordinates", model->coordinate_count);
+  add_loops(m, record, arena);
+  add_substructures(m, s, record, arena);
+  km_value_number(arena, record, "kutzbach", mobility->kutzbach);
+  km_value_number(arena, record, "kutzbach_extended", mobility->kutzbach_extended);
+  km_value_number(arena, record, "mobility", mobility->mobility);
+  km_value_number(arena, record, "redundant_constraints", mobility->redundant_constraints);
+  km_value_number(arena, record, "residual", mobility->residual);
+  add_coordinates(m, s, record, arena);
+  return arena->failed ? NULL : record;
+}
+
+km_value *km_sweep_record(const km_mechanism *m, const km_mobility_sweep *sweep, const char *stopped_by,
+                          const char *name, km_arena *arena) {
+  km_value *record = km_record_head(m->model, "kmob", name, arena);
+  km_value *columns = km_value_add(arena, record, "columns", KM_LIST);
+  for (size_t c = 0; c < km_table_columns(sweep->table) && !arena->failed; ++c) {
+    km_value *column = km_value_add(arena, columns, NULL, KM_OBJECT);
+    km_value_string(arena, column, "name", km_table_name(sweep->table, c));
+    const char *unit = km_table_unit(sweep->table, c);
+    if (unit[0])
+      km_value_string(arena, column, "unit", unit);
+    else
+      km_value_add(arena, column, "unit", KM_NULL);
+  }
+  km_value *rows = km_value_add(arena, record, "rows", KM_LIST);
+  for (size_t r = 0; r < km_table_rows(sweep->table) && !arena->failed; ++r)
+    km_value_numbers(arena, rows, NULL, km_table_row(sweep->table, r), km_table_columns(sweep->table));
+  km_value *toggles = km_value_add(arena, record, "toggles", KM_LIST);
+  for (size_t i = 0; i < sweep->toggle_count && !arena->failed; ++i) {
+    km_value *toggle = km_value_add(arena, toggles, NULL, KM_OBJECT);
+    km_value_string(arena, toggle, "joint", m->model->coordinates[sweep->toggles[i].coordinate].label);
+    km_value_number(arena, toggle, "s", sweep->toggles[i].s);
+  }
+  km_value_boolean(arena, record, "complete", !sweep->start.stop && !sweep->end.stop);
+  if (stopped_by[0])
+    km_value_string(arena, record, "stopped_by", stopped_by);
+  else
+    km_value_add(arena, record, "stopped_by", KM_NULL);
+  return arena->failed ? NULL : record;
+}

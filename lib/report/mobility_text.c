@@ -1,0 +1,190 @@
+/* Mobility analyses in words and tables for a terminal. */
+#include "report/mobility_record.h"
+
+#include "topology/mechanism.h"
+
+#include <string.h>
+
+static const char *plural(int count) { return count == 1 ? "" : "s"; }
+
+/* A label padded to a width counted in characters, not bytes. */
+static void padded(const char *label, int width, km_text *out) {
+  int shown = 0;
+  for (const char *c = label; *c; ++c)
+    shown += ((unsigned char)*c & 0xC0) != 0x80;
+  km_text_add(out, label);
+  for (; shown < width; ++shown)
+    km_text_add(out, " ");
+}
+
+static int widest_label(const km_model *model) {
+  int width = 5;
+  for (int c = 0; c < model->coordinate_count; ++c) {
+    int length = (int)strlen(model->coordinates[c].label);
+    if (length > width && length < 40)
+      width = length;
+  }
+  return width;
+}
+
+static void print_joints(const km_mechanism *m, int substructure, km_text *out) {
+  const km_topology *t = &m->topology;
+  for (int k = t->joint_start[substructure]; k < t->joint_start[substructure + 1]; ++k)
+    km_text_format(out, " %s", m->model->joints[t->joint[k]].label);
+}
+
+static void print_substructures(const km_mechanism *m, const km_state *s, km_text *out) {
+  for (int i = 0; i < m->topology.substructure_count; ++i) {
+    km_substructure_mobility e;
+    km_substructure_evidence(m, s, i, &e);
+    km_text_format(out, "  %d: mobility %d, rank %d of %d coordinate%s in %d loop%s, joints", i + 1, e.mobility, e.rank,
+                   e.coordinates, plural(e.coordinates), e.loops, plural(e.loops));
+    print_joints(m, i, out);
+    km_text_format(out, "\n     evidence: last pivot kept %.2g, first dropped %.2g, tolerance %.2g\n", e.last_pivot,
+                   e.first_dropped, e.tolerance);
+  }
+}
+
+static void print_loops(const km_mechanism *m, km_text *out) {
+  const km_topology *t = &m->topology;
+  for (int l = 0; l < t->loop_count; ++l) {
+    km_text_format(out, "  %d: lambda %d, chord %s, joints", l + 1, m->loops[l].lambda,
+                   m->model->joints[t->chord[l]].label);
+    for (int i = t->member_start[l]; i < t->member_start[l + 1]; ++i)
+      km_text_format(out, " %s", m->model->joints[t->member[i].joint].label);
+    km_text_add(out, "\n");
+  }
+}
+
+static void print_coordinates(const km_mechanism *m, const km_state *s, km_text *out) {
+  const km_model *model = m->model;
+  int width = widest_label(model);
+  km_text_add(out, "  ");
+  padded("joint", width, out);
+  km_text_add(out, "  type          position            mobility number\n");
+  for (int j = 0; j < model->joint_count; ++j) {
+    const km_joint_def *joint = &model->joints[j];
+    const km_joint_kind *kind = km_joint_kind_of(joint->type);
+    if (kind->freedom == 0) {
+      km_text_add(out, "  ");
+      padded(joint->label, width, out);
+      km_text_format(out, "  %-11s  %12s %-4s  0\n", kind->word, "-", "");
+    }
+    for (int k = 0; k < kind->freedom; ++k) {
+      int c = joint->first_coordinate + k;
+      km_text_add(out, "  ");
+      padded(model->coordinates[c].label, width, out);
+      km_text_format(out, "  %-11s  %12.6g %-4s  %.6f%s\n", kind->word, km_state_coordinate(s, c),
+                     km_model_coordinate_unit(model, c), km_mobility_number(s, c), m->held[c] ? "  (held)" : "");
+    }
+  }
+}
+
+void km_mobility_print(const km_mechanism *m, const km_state *s, const km_mobility *mobility, const char *name,
+                       km_text *out) {
+  const km_model *model = m->model;
+  const km_topology *t = &m->topology;
+  km_text_format(out, "%s: %d bod%s, %d joint%s with %d coordinate%s, %d loop%s, %d substructure%s\n", name,
+                 model->body_count - 1, model->body_count == 2 ? "y" : "ies", model->joint_count,
+                 plural(model->joint_count), model->coordinate_count, plural(model->coordinate_count), t->loop_count,
+                 plural(t->loop_count), t->substructure_count, plural(t->substructure_count));
+  km_text_format(out, "mobility %d at this pose (Kutzbach %d, extended Kutzbach %d), %d redundant constraint%s\n",
+                 mobility->mobility, mobility->kutzbach, mobility->kutzbach_extended, mobility->redundant_constraints,
+                 plural(mobility->redundant_constraints));
+  km_text_format(out, "loops closed to %.2g, characteristic length %g %s\n", mobility->residual,
+                 model->characteristic_length, model->units.length->suffix);
+  if (t->loop_count)
+    km_text_add(out, "\nloops\n");
+  print_loops(m, out);
+  if (t->substructure_count)
+    km_text_add(out, "\nsubstructures\n");
+  print_substructures(m, s, out);
+  if (model->joint_count)
+    km_text_add(out, "\n");
+  if (model->joint_count)
+    print_coordinates(m, s, out);
+}
+
+static void stop_reason(const km_mechanism *m, const km_reach *reach, km_text *out) {
+  const km_model *model = m->model;
+  if (reach->stop == KM_STOP_LIMIT) {
+    km_text_format(out, "joint %s is at its limit", model->coordinates[reach->coordinate].label);
+    return;
+  }
+  km_text_format(out, "the driver is at a toggle: it can't move substructure %d (joints", reach->substructure + 1);
+  print_joints(m, reach->substructure, out);
+  km_text_add(out, ") any further");
+}
+
+void km_sweep_stop_text(const km_mechanism *m, const km_mobility_sweep *sweep, km_text *out) {
+  if (sweep->start.stop) {
+    km_text_add(out, "FROM is out of reach; located bound ");
+    km_text_number(out, sweep->start.position);
+    km_text_add(out, ": ");
+    stop_reason(m, &sweep->start, out);
+  }
+  if (!sweep->end.stop || (sweep->start.stop && km_table_rows(sweep->table) == 1))
+    return;
+  if (sweep->start.stop)
+    km_text_add(out, "; ");
+  km_text_add(out, "TO is out of reach; located end ");
+  km_text_number(out, sweep->end.position);
+  km_text_add(out, ": ");
+  stop_reason(m, &sweep->end, out);
+}
+
+/* Could the coordinate drive everything that moves, over all rows? */
+static bool drives(const km_mechanism *m, const km_mobility_sweep *sweep, int driver, int c) {
+  if (m->substructure_of[c] != m->substructure_of[driver] || m->held[c])
+    return false;
+  for (size_t i = 0; i < sweep->toggle_count; ++i)
+    if (sweep->toggles[i].coordinate == c)
+      return false;
+  return sweep->extremes[c].number > 1e-9;
+}
+
+static void print_drivers(const km_mechanism *m, const km_sweep_plan *plan, const km_mobility_sweep *sweep, int width,
+                          km_text *out) {
+  km_text_add(out, "  could drive the whole range:");
+  int found = 0;
+  for (int c = 0; c < m->coordinate_count; ++c)
+    if (drives(m, sweep, plan->coordinate, c))
+      km_text_format(out, "%s %s (at least %.3f)", found++ ? "," : "", m->model->coordinates[c].label,
+                     sweep->extremes[c].number);
+  km_text_add(out, found ? "\n" : " none\n");
+  const char *unit = km_model_coordinate_unit(m->model, plan->coordinate);
+  for (int c = 0; c < m->coordinate_count; ++c) {
+    int count = 0;
+    for (size_t i = 0; i < sweep->toggle_count; ++i) {
+      if (sweep->toggles[i].coordinate != c)
+        continue;
+      if (count++ == 0) {
+        km_text_add(out, "  ");
+        padded(m->model->coordinates[c].label, width, out);
+        km_text_add(out, " loses its grip at");
+      }
+      km_text_format(out, "%s %.6g %s", count > 1 ? "," : "", sweep->toggles[i].s, unit);
+    }
+    if (count)
+      km_text_add(out, "\n");
+  }
+}
+
+void km_sweep_print(const km_mechanism *m, const km_sweep_plan *plan, const km_mobility_sweep *sweep, const char *name,
+                    km_text *out) {
+  const km_model *model = m->model;
+  const char *label = model->coordinates[plan->coordinate].label;
+  const char *unit = km_model_coordinate_unit(model, plan->coordinate);
+  size_t rows = km_table_rows(sweep->table);
+  int s_column = km_table_find(sweep->table, "s");
+  const double *first = km_table_row(sweep->table, 0), *last = km_table_row(sweep->table, rows - 1);
+  km_text_format(out, "%s: %s from %.6g to %.6g %s, %zu rows\n", name, label, first[s_column], last[s_column], unit,
+                 rows);
+  km_text_format(out, "  mobility %d (Kutzbach %d), %d redundant constraint%s, loops closed to %.2g\n",
+                 sweep->first.mobility, sweep->first.kutzbach, sweep->first.redundant_constraints,
+                 plural(sweep->first.redundant_constraints), sweep->first.residual);
+  if (m->substructure_of[plan->coordinate] < 0)
+    km_text_format(out, "  %s is in no loop: it drives itself, and every mobility number stays as it is\n", label);
+  else
+    print_drivers(m, plan, sweep, widest_label(model), out);
+}

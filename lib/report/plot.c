@@ -1,0 +1,81 @@
+#include "report/plot.h"
+
+#include "report/palette.h"
+#include "report/plot_parts.h"
+
+static const double size_least = 120; /* points: less can't hold axes and a title */
+
+static void draw_curve(const km_plot_layout *layout, const km_plot_series *series,
+                       const km_curve *curve) {
+  const km_pen pen = km_palette_pen(series->colour, series->dash,
+                                    layout->scale * (series->colour < 0 ? 0.7 : 1.3));
+  size_t begin = 0;
+  for (size_t r = 0; r < curve->run_count; r++) {
+    size_t count = curve->run_ends[r] - begin;
+    if (count == 1)
+      km_canvas_circle(layout->canvas, pen.colour, NULL, curve->points[begin], pen.width);
+    else
+      km_canvas_polyline(layout->canvas, &pen, curve->points + begin, count);
+    begin = curve->run_ends[r];
+  }
+}
+
+static void draw_lines(const km_plot_layout *layout, size_t panel) {
+  const km_plot_panel *source = &layout->plot->panels[panel];
+  const km_frame frame = km_plot_layout_frame(layout, panel);
+  km_curve *curves = KM_ARENA_NEW(layout->arena, km_curve, source->series_count + 1);
+  if (!curves)
+    return;
+  bool any = false;
+  for (size_t i = 0; i < source->series_count; i++) {
+    curves[i] = km_curve_make(&frame, &source->series[i], layout->arena);
+    any = any || curves[i].has_end;
+  }
+  for (int context = 1; context >= 0; context--) /* grey lines lie beneath the others */
+    for (size_t i = 0; i < source->series_count; i++)
+      if ((source->series[i].colour < 0) == context)
+        draw_curve(layout, &source->series[i], &curves[i]);
+  km_plot_names_draw(layout, panel, curves);
+  if (!any)
+    km_canvas_text(layout->canvas, &layout->label, km_palette_text(-1), "no data",
+                   (km_canvas_point){frame.left + frame.width / 2, frame.top + frame.height / 2},
+                   (km_anchor){0.5, 0.5, 0});
+}
+
+static km_status draw(const km_plot *plot, km_canvas *canvas, km_arena *arena, double width,
+                      double height, km_error *error) {
+  km_plot_layout layout = {.plot = plot, .canvas = canvas, .arena = arena};
+  km_plot_layout_make(&layout, width, height);
+  if (!arena->failed && !layout.fits)
+    return km_fail(error, KM_USAGE, "%zu panels on %g x %g points; expected a larger page",
+                   plot->panel_count, width, height);
+  for (size_t panel = 0; panel < plot->panel_count && !arena->failed; panel++) {
+    km_plot_axes_draw(&layout, panel);
+    km_plot_flags_draw(&layout, panel);
+    draw_lines(&layout, panel);
+  }
+  if (arena->failed)
+    return km_fail(error, KM_MEMORY, "out of memory for a plot");
+  km_plot_titles_draw(&layout);
+  return KM_OK;
+}
+
+km_status km_plot_render(const km_plot *plot, km_canvas_format format, km_text *out,
+                         km_error *error) {
+  double width, height;
+  km_plot_layout_size(plot, &width, &height);
+  if (!(width >= size_least && height >= size_least))
+    return km_fail(error, KM_USAGE, "a plot of %g x %g points; expected at least %g each", width,
+                   height, size_least);
+  km_canvas *canvas;
+  km_status status = km_canvas_create(format, width, height, out, &canvas, error);
+  if (status != KM_OK)
+    return status;
+  km_arena arena = {0};
+  status = draw(plot, canvas, &arena, width, height, error);
+  if (status == KM_OK)
+    status = km_canvas_finish(canvas, error);
+  km_canvas_free(canvas);
+  km_arena_free(&arena);
+  return status;
+}

@@ -1,0 +1,128 @@
+/* Rotations as three columns (the rotated axes), and as unit quaternions for ball joints. */
+#ifndef KM_SPATIAL_ROTATION_H
+#define KM_SPATIAL_ROTATION_H
+
+#include "spatial/vec3.h"
+
+typedef struct km_rotation {
+  km_vec3 axis[3]; /* axis[k] = R e_k: column k */
+} km_rotation;
+
+typedef struct km_quaternion {
+  double w, x, y, z;
+} km_quaternion;
+
+static inline km_rotation km_rotation_identity(void) {
+  return (km_rotation){{{1, 0, 0}, {0, 1, 0}, {0, 0, 1}}};
+}
+
+static inline km_vec3 km_rotate(const km_rotation *r, km_vec3 a) {
+  return km_vec3_axpy(a.x, r->axis[0], km_vec3_axpy(a.y, r->axis[1], km_vec3_scale(a.z, r->axis[2])));
+}
+
+static inline km_vec3 km_rotate_back(const km_rotation *r, km_vec3 a) {
+  return (km_vec3){km_vec3_dot(r->axis[0], a), km_vec3_dot(r->axis[1], a), km_vec3_dot(r->axis[2], a)};
+}
+
+static inline km_rotation km_rotation_product(const km_rotation *a, const km_rotation *b) {
+  return (km_rotation){{km_rotate(a, b->axis[0]), km_rotate(a, b->axis[1]), km_rotate(a, b->axis[2])}};
+}
+
+static inline km_rotation km_rotation_inverse(const km_rotation *r) {
+  const km_vec3 *a = r->axis;
+  return (km_rotation){{{a[0].x, a[1].x, a[2].x}, {a[0].y, a[1].y, a[2].y}, {a[0].z, a[1].z, a[2].z}}};
+}
+
+/* R turned about its own axis k (0, 1, 2): R · rot_k(angle). Twelve multiplies. */
+static inline km_rotation km_rotation_turn(const km_rotation *r, int k, double cosine, double sine) {
+  int i = (k + 1) % 3, j = (k + 2) % 3;
+  km_rotation out;
+  out.axis[k] = r->axis[k];
+  out.axis[i] = km_vec3_axpy(cosine, r->axis[i], km_vec3_scale(sine, r->axis[j]));
+  out.axis[j] = km_vec3_axpy(cosine, r->axis[j], km_vec3_scale(-sine, r->axis[i]));
+  return out;
+}
+
+/* The nearest rotation to one that is almost orthonormal (Gram-Schmidt from axis 0). */
+static inline km_rotation km_rotation_orthonormal(const km_rotation *r) {
+  km_vec3 x = km_vec3_scale(1.0 / km_vec3_norm(r->axis[0]), r->axis[0]);
+  km_vec3 y = km_vec3_axpy(-km_vec3_dot(x, r->axis[1]), x, r->axis[1]);
+  y = km_vec3_scale(1.0 / km_vec3_norm(y), y);
+  return (km_rotation){{x, y, km_vec3_cross(x, y)}};
+}
+
+static inline km_quaternion km_quaternion_product(km_quaternion a, km_quaternion b) {
+  return (km_quaternion){a.w * b.w - a.x * b.x - a.y * b.y - a.z * b.z,
+                         a.w * b.x + a.x * b.w + a.y * b.z - a.z * b.y,
+                         a.w * b.y - a.x * b.z + a.y * b.w + a.z * b.x,
+                         a.w * b.z + a.x * b.y - a.y * b.x + a.z * b.w};
+}
+
+static inline km_quaternion km_quaternion_conjugate(km_quaternion a) {
+  return (km_quaternion){a.w, -a.x, -a.y, -a.z};
+}
+
+static inline km_quaternion km_quaternion_normalised(km_quaternion a) {
+  double s = 1.0 / sqrt(a.w * a.w + a.x * a.x + a.y * a.y + a.z * a.z);
+  return (km_quaternion){s * a.w, s * a.x, s * a.y, s * a.z};
+}
+
+/* exp of a rotation vector. */
+static inline km_quaternion km_quaternion_exp(km_vec3 v) {
+  double angle = km_vec3_norm(v);
+  double s = angle < 1e-4 ? 0.5 - angle * angle / 48.0 : sin(0.5 * angle) / angle;
+  return (km_quaternion){cos(0.5 * angle), s * v.x, s * v.y, s * v.z};
+}
+
+/* The rotation vector of angle at most π. */
+static inline km_vec3 km_quaternion_log(km_quaternion q) {
+  if (q.w < 0.0)
+    q = (km_quaternion){-q.w, -q.x, -q.y, -q.z};
+  double sine = sqrt(q.x * q.x + q.y * q.y + q.z * q.z);
+  double s = sine < 1e-8 ? 2.0 : 2.0 * atan2(sine, q.w) / sine;
+  return (km_vec3){s * q.x, s * q.y, s * q.z};
+}
+
+/* The same rotation's vector nearest to `near`: the angle plus any number of full turns. */
+static inline km_vec3 km_quaternion_log_near(km_quaternion q, km_vec3 near) {
+  km_vec3 v = km_quaternion_log(q);
+  double angle = km_vec3_norm(v), length = km_vec3_norm(near);
+  km_vec3 axis;
+  if (angle > 1e-9)
+    axis = km_vec3_scale(1.0 / angle, v);
+  else if (length > 1e-9)
+    axis = km_vec3_scale(1.0 / length, near);
+  else
+    return v;
+  double turns = round((km_vec3_dot(axis, near) - angle) / (2.0 * M_PI));
+  return turns == 0.0 ? v : km_vec3_scale(angle + 2.0 * M_PI * turns, axis);
+}
+
+static inline km_rotation km_quaternion_rotation(km_quaternion q) {
+  double xx = q.x * q.x, yy = q.y * q.y, zz = q.z * q.z;
+  double xy = q.x * q.y, yz = q.y * q.z, zx = q.z * q.x;
+  double wx = q.w * q.x, wy = q.w * q.y, wz = q.w * q.z;
+  return (km_rotation){{{1 - 2 * (yy + zz), 2 * (xy + wz), 2 * (zx - wy)},
+                        {2 * (xy - wz), 1 - 2 * (zz + xx), 2 * (yz + wx)},
+                        {2 * (zx + wy), 2 * (yz - wx), 1 - 2 * (xx + yy)}}};
+}
+
+static inline km_quaternion km_rotation_quaternion(const km_rotation *r) {
+  double xx = r->axis[0].x, yy = r->axis[1].y, zz = r->axis[2].z;
+  km_quaternion q;
+  if (xx + yy + zz > 0.0)
+    q = (km_quaternion){1 + xx + yy + zz, r->axis[1].z - r->axis[2].y, r->axis[2].x - r->axis[0].z,
+                        r->axis[0].y - r->axis[1].x};
+  else if (xx >= yy && xx >= zz)
+    q = (km_quaternion){r->axis[1].z - r->axis[2].y, 1 + xx - yy - zz, r->axis[0].y + r->axis[1].x,
+                        r->axis[2].x + r->axis[0].z};
+  else if (yy >= zz)
+    q = (km_quaternion){r->axis[2].x - r->axis[0].z, r->axis[0].y + r->axis[1].x, 1 + yy - zz - xx,
+                        r->axis[1].z + r->axis[2].y};
+  else
+    q = (km_quaternion){r->axis[0].y - r->axis[1].x, r->axis[2].x + r->axis[0].z,
+                        r->axis[1].z + r->axis[2].y, 1 + zz - xx - yy};
+  return km_quaternion_normalised(q);
+}
+
+#endif

@@ -1,0 +1,55 @@
+#include "topology/chain.h"
+
+km_passage km_joint_passage(const km_model *model, int joint, bool against) {
+  const km_joint_def *def = &model->joints[joint];
+  const km_joint_kind *kind = km_joint_kind_of(def->type);
+  km_passage p = {.count = kind->motion_count,
+                  .sign = against ? -1.0 : 1.0,
+                  .entry = def->frame[against],
+                  .exit = def->frame[!against]};
+  int coordinate = def->first_coordinate;
+  for (int i = 0; i < kind->motion_count; ++i) {
+    int at = against ? kind->motion_count - 1 - i : i;
+    p.motion[at] = kind->motions[i];
+    p.coordinate[at] = coordinate;
+    coordinate += km_primitive_freedom(kind->motions[i].primitive);
+  }
+  return p;
+}
+
+km_pose km_frame_to_frame(const km_model *model, int a, int b, double size) {
+  const km_pose *x = &model->frames[a].pose, *y = &model->frames[b].pose;
+  km_rotation back = km_rotation_inverse(&x->R);
+  return (km_pose){km_rotation_product(&back, &y->R),
+                   km_vec3_scale(1.0 / size, km_rotate(&back, km_vec3_sub(y->p, x->p)))};
+}
+
+static km_vec3 along(int axis, double length) {
+  return (km_vec3){axis == 0 ? length : 0.0, axis == 1 ? length : 0.0, axis == 2 ? length : 0.0};
+}
+
+km_pose km_motion_pose(km_motion motion, double pitch, const double *value) {
+  km_pose x = km_pose_identity();
+  switch (motion.primitive) {
+  case KM_PRISMATIC: x.p = along(motion.axis, value[0]); break;
+  case KM_HELICAL: x.p = along(motion.axis, pitch * value[0]); /* fall through */
+  case KM_REVOLUTE: x.R = km_rotation_turn(&x.R, motion.axis, cos(value[0]), sin(value[0])); break;
+  case KM_BALL: x.R = km_quaternion_rotation(km_quaternion_exp(km_vec3_make(value))); break;
+  }
+  return x;
+}
+
+km_pose km_motion_passed(km_motion motion, double pitch, const double *value, double sign) {
+  km_pose x = km_motion_pose(motion, pitch, value);
+  return sign < 0.0 ? km_pose_inverse(&x) : x;
+}
+
+km_twist km_motion_twist(km_motion motion, double pitch, const km_pose *frame, int k) {
+  km_vec3 axis = frame->R.axis[motion.primitive == KM_BALL ? k : motion.axis];
+  if (motion.primitive == KM_PRISMATIC)
+    return km_twist_prismatic(axis);
+  km_twist t = km_twist_revolute(axis, frame->p);
+  if (motion.primitive == KM_HELICAL)
+    t.v = km_vec3_axpy(pitch, axis, t.v);
+  return t;
+}

@@ -1,0 +1,41 @@
+/* Walking along the joints of a loop: what the steps of a program are made from. Shared with the poses in the inertial frame. */
+#ifndef KM_TOPOLOGY_CHAIN_H
+#define KM_TOPOLOGY_CHAIN_H
+
+#include "topology/mechanism.h"
+
+/* Where a walk stands: a frame of the model, reached from a slot by a constant displacement. */
+typedef struct km_stand {
+  int slot;
+  km_pose pose; /* from the slot, scaled */
+  int frame;    /* the model's frame that the walk stands on */
+} km_stand;
+
+/* The motions of a joint in the order in which a walk passes them. */
+typedef struct km_passage {
+  int count;
+  km_motion motion[KM_MAX_MOTIONS];
+  int coordinate[KM_MAX_MOTIONS];
+  double sign;
+  int entry, exit; /* frames */
+} km_passage;
+
+km_passage km_joint_passage(const km_model *model, int joint, bool against);
+
+/* Travel per radian of a helical motion, over `size`. */
+static inline double km_pitch_per_radian(const km_model *model, int joint, double size) {
+  return model->joints[joint].pitch / (2.0 * M_PI * size);
+}
+
+/* From frame `a` to frame `b` of the same body, lengths over `size`. */
+km_pose km_frame_to_frame(const km_model *model, int a, int b, double size);
+
+/* The displacement that a motion makes: `value` in radians or scaled length; a ball's is a rotation vector. */
+km_pose km_motion_pose(km_motion motion, double pitch, const double *value);
+/* The same, undone if sign < 0. */
+km_pose km_motion_passed(km_motion motion, double pitch, const double *value, double sign);
+
+/* The unit twist of a motion's coordinate k at a frame (a ball's about the frame's axis k). */
+km_twist km_motion_twist(km_motion motion, double pitch, const km_pose *frame, int k);
+
+#endif

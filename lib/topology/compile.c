@@ -1,0 +1,284 @@
+#include "topology/compile.h"
+
+#include <string.h>
+
+static km_status build_topology(km_mechanism *m, km_error *error) {
+  const km_model *model = m->model;
+  km_arena scratch = {0};
+  km_edge *edges = KM_ARENA_NEW(&scratch, km_edge, (size_t)model->joint_count);
+  km_tie *ties = KM_ARENA_NEW(&scratch, km_tie, (size_t)model->coupling_count);
+  int *tied = KM_ARENA_NEW(&scratch, int, (size_t)(model->coordinate_count * (model->coupling_count + 1)));
+  if (scratch.failed)
+    return km_fail(error, KM_MEMORY, "out of memory while compiling the mechanism");
+  for (int j = 0; j < model->joint_count; ++j)
+    edges[j] = (km_edge){model->frames[model->joints[j].frame[0]].body, model->frames[model->joints[j].frame[1]].body};
+  for (int i = 0; i < model->coupling_count; ++i) {
+    const km_coupling_def *coupling = &model->couplings[i];
+    ties[i] = (km_tie){tied, coupling->count};
+    for (int k = 0; k < coupling->count; ++k)
+      *tied++ = model->coordinates[coupling->coordinates[k]].joint;
+  }
+  km_graph graph = {model->body_count, model->joint_count, model->coupling_count, edges, ties};
+  km_status status = km_topology_build(&graph, &m->arena, &m->topology, error);
+  km_arena_free(&scratch);
+  return status;
+}
+
+static bool allocate(km_mechanism *m, size_t steps, size_t entries, size_t terms) {
+  km_arena *arena = &m->arena;
+  size_t coordinates = (size_t)m->coordinate_count, loops = (size_t)m->topology.loop_count;
+  size_t substructures = (size_t)m->topology.substructure_count, bodies = (size_t)m->model->body_count;
+  m->held = KM_ARENA_NEW(arena, bool, coordinates);
+  m->start = KM_ARENA_NEW(arena, double, coordinates);
+  m->low = KM_ARENA_NEW(arena, double, coordinates);
+  m->high = KM_ARENA_NEW(arena, double, coordinates);
+  m->scale = KM_ARENA_NEW(arena, double, coordinates);
+  m->unit = KM_ARENA_NEW(arena, double, coordinates);
+  m->ball_of = KM_ARENA_NEW(arena, int, coordinates);
+  m->ball_coordinate = KM_ARENA_NEW(arena, int, coordinates);
+  m->substructure_of = KM_ARENA_NEW(arena, int, coordinates);
+  m->column_of = KM_ARENA_NEW(arena, int, coordinates);
+  m->column_coordinate = KM_ARENA_NEW(arena, int, coordinates);
+  m->column_weight = KM_ARENA_NEW(arena, double, coordinates);
+  m->substructures = KM_ARENA_NEW(arena, km_substructure, substructures);
+  m->programs = KM_ARENA_NEW(arena, km_program, loops);
+  m->loops = KM_ARENA_NEW(arena, km_loop, loops);
+  m->loop_order = KM_ARENA_NEW(arena, int, loops);
+  m->steps = KM_ARENA_NEW(arena, km_step, steps);
+  m->planar_steps = KM_ARENA_NEW(arena, km_planar_step, steps);
+  m->entries = KM_ARENA_NEW(arena, km_entry, entries);
+  m->couplings = KM_ARENA_NEW(arena, km_coupling, (size_t)m->model->coupling_count);
+  m->terms = KM_ARENA_NEW(arena, km_term, terms);
+  m->arcs = KM_ARENA_NEW(arena, km_arc, bodies);
+  m->arc_of = KM_ARENA_NEW(arena, int, bodies);
+  return !arena->failed;
+}
+
+static void set_coordinates(km_mechanism *m, const km_hold *holds, int hold_count) {
+  const km_model *model = m->model;
+  for (int c = 0; c < m->coordinate_count; ++c) {
+    const km_coordinate_def *def = &model->coordinates[c];
+    double factor = km_model_coordinate_factor(model, c);
+    bool length = km_joint_is_length(model->joints[def->joint].type, def->index);
+    m->start[c] = factor * def->position;
+    m->low[c] = factor * def->low;
+    m->high[c] = factor * def->high;
+    m->scale[c] = length ? 1.0 / model->characteristic_length : 1.0;
+    m->unit[c] = 1.0;
+    m->ball_of[c] = -1;
+    m->substructure_of[c] = m->topology.substructure_of_joint[def->joint];
+    m->column_of[c] = -1;
+  }
+  for (int h = 0; h < hold_count; ++h) {
+    m->held[holds[h].coordinate] = true;
+    m->start[holds[h].coordinate] = holds[h].value * km_model_coordinate_factor(model, holds[h].coordinate);
+  }
+}
+
+static void number_balls(km_mechanism *m) {
+  for (int j = 0; j < m->model->joint_count; ++j) {
+    km_passage p = km_joint_passage(m->model, j, false);
+    for (int i = 0; i < p.count; ++i) {
+      if (p.motion[i].primitive != KM_BALL)
+        continue;
+      for (int k = 0; k < 3; ++k)
+        m->ball_of[p.coordinate[i] + k] = m->ball_count;
+      m->ball_coordinate[m->ball_count++] = p.coordinate[i];
+    }
+  }
+}
+
+/* The largest distance between neighbouring joint frames of the loops, or slide at the start: a length that
+ * every pose shares, and that scales with the units. */
+static double substructure_size(const km_mechanism *m, int s) {
+  const km_topology *t = &m->topology;
+  const km_model *model = m->model;
+  double size = 0.0;
+  for (int i = t->loop_start[s]; i < t->loop_start[s + 1]; ++i) {
+    int loop = t->loop[i], first = t->member_start[loop], end = t->member_start[loop + 1];
+    for (int k = first; k < end; ++k) {
+      const km_joint_def *a = &model->joints[t->member[k].joint];
+      for (int e = 0; e < 2; ++e) {
+        for (int o = first; o < k; ++o) {
+          const km_joint_def *b = &model->joints[t->member[o].joint];
+          for (int f = 0; f < 2; ++f)
+            if (model->frames[a->frame[e]].body == model->frames[b->frame[f]].body)
+              size = fmax(size, km_vec3_norm(km_vec3_sub(model->frames[a->frame[e]].pose.p,
+                                                         model->frames[b->frame[f]].pose.p)));
+        }
+      }
+      size = fmax(size, fabs(a->pitch));
+    }
+  }
+  for (int i = t->joint_start[s]; i < t->joint_start[s + 1]; ++i) {
+    const km_joint_def *joint = &model->joints[t->joint[i]];
+    for (int k = 0; k < km_model_freedom(model, t->joint[i]); ++k)
+      if (km_joint_is_length(joint->type, k))
+        size = fmax(size, fabs(m->start[joint->first_coordinate + k]));
+  }
+  return size > 0.0 ? size : 1.0;
+}
+
+static void add_columns(km_mechanism *m, int joint, int *next) {
+  int s = m->topology.substructure_of_joint[joint];
+  if (s < 0)
+    return;
+  int first = m->model->joints[joint].first_coordinate;
+  for (int c = first; c < first + km_model_freedom(m->model, joint); ++c) {
+    if (km_joint_is_length(m->model->joints[joint].type, c - first))
+      m->unit[c] = m->substructures[s].size;
+    if (m->held[c])
+      continue;
+    m->column_of[c] = m->substructures[s].columns++;
+    if (!next)
+      continue;
+    m->column_weight[next[s]] = m->scale[c] * m->unit[c];
+    m->column_coordinate[next[s]++] = c;
+  }
+}
+
+/* Columns by level: tree joints as the tree grows, then chords. */
+static void each_column(km_mechanism *m, int *next) {
+  const km_topology *t = &m->topology;
+  for (int i = 1; i < t->body_count; ++i)
+    add_columns(m, t->arc[t->order[i]], next);
+  for (int l = 0; l < t->loop_count; ++l)
+    add_columns(m, t->chord[l], next);
+}
+
+static void set_columns(km_mechanism *m, km_arena *scratch) {
+  int count = m->topology.substructure_count, used = 0;
+  int *next = KM_ARENA_NEW(scratch, int, (size_t)count);
+  if (!next)
+    return;
+  each_column(m, NULL);
+  for (int s = 0; s < count; ++s) {
+    m->substructures[s].column_start = next[s] = used;
+    used += m->substructures[s].columns;
+    m->substructures[s].columns = 0;
+  }
+  each_column(m, next);
+}
+
+static void set_couplings(km_mechanism *m, int s) {
+  km_substructure *sub = &m->substructures[s];
+  sub->coupling_start = m->coupling_count;
+  for (int i = 0; i < m->model->coupling_count; ++i) {
+    const km_coupling_def *def = &m->model->couplings[i];
+    if (m->substructure_of[def->coordinates[0]] != s)
+      continue;
+    km_coupling *coupling = &m->couplings[m->coupling_count++];
+    *coupling = (km_coupling){.row = sub->rows++, .term_start = m->term_count, .term_count = def->count};
+    double largest = 0.0;
+    for (int k = 0; k < def->count; ++k)
+      largest = fmax(largest, fabs(def->ratios[k] * m->unit[def->coordinates[k]]));
+    for (int k = 0; k < def->count; ++k) {
+      int c = def->coordinates[k];
+      km_term term = {c, m->column_of[c], def->ratios[k] * m->unit[c] / largest};
+      m->terms[m->term_count++] = term;
+      /* The constant is the file's, also where a coordinate is held elsewhere. */
+      coupling->constant += def->ratios[k] / largest * m->model->coordinates[c].position *
+                            km_model_coordinate_factor(m->model, c);
+    }
+  }
+  sub->coupling_count = m->coupling_count - sub->coupling_start;
+}
+
+static void compile_substructure(km_mechanism *m, int s, km_walks *walks) {
+  const km_topology *t = &m->topology;
+  km_substructure *sub = &m->substructures[s];
+  sub->loop_start = t->loop_start[s];
+  sub->loop_count = t->loop_start[s + 1] - t->loop_start[s];
+  for (int i = 0; i < sub->loop_count; ++i)
+    m->loop_order[sub->loop_start + i] = t->loop[sub->loop_start + i];
+  km_compile_loops(m, s, walks);
+  set_couplings(m, s);
+  sub->matrix_start = m->matrix_size;
+  sub->basis_start = m->basis_size;
+  sub->error_start = m->error_size;
+  m->matrix_size += (size_t)sub->rows * (size_t)sub->columns;
+  m->basis_size += (size_t)sub->columns * (size_t)sub->columns;
+  m->error_size += sub->rows;
+  if (sub->rows > m->largest_rows)
+    m->largest_rows = sub->rows;
+  if (sub->columns > m->largest_columns)
+    m->largest_columns = sub->columns;
+}
+
+static void set_arcs(km_mechanism *m) {
+  const km_topology *t = &m->topology;
+  m->arc_of[0] = -1;
+  for (int i = 1; i < t->body_count; ++i) {
+    int body = t->order[i], joint = t->arc[body];
+    m->arc_of[body] = i - 1;
+    bool against = t->against[joint];
+    const km_joint_def *def = &m->model->joints[joint];
+    m->arcs[i - 1] = (km_arc){.body = body,
+                              .parent = t->parent[body],
+                              .joint = joint,
+                              .against = against,
+                              .before = m->model->frames[def->frame[against]].pose,
+                              .after = km_pose_inverse(&m->model->frames[def->frame[!against]].pose)};
+  }
+}
+
+static size_t term_total(const km_model *model) {
+  size_t terms = 0;
+  for (int i = 0; i < model->coupling_count; ++i)
+    terms += (size_t)model->couplings[i].count;
+  return terms;
+}
+
+static km_status compile(km_mechanism *m, const km_hold *holds, int hold_count, km_error *error) {
+  km_status status = build_topology(m, error);
+  if (status)
+    return status;
+  m->coordinate_count = m->model->coordinate_count;
+  size_t steps, entries;
+  km_compile_bounds(m, &steps, &entries);
+  if (!allocate(m, steps, entries, term_total(m->model)))
+    return km_fail(error, KM_MEMORY, "out of memory while compiling the mechanism");
+  set_coordinates(m, holds, hold_count);
+  number_balls(m);
+  for (int s = 0; s < m->topology.substructure_count; ++s)
+    m->substructures[s].size = substructure_size(m, s);
+  km_arena scratch = {0};
+  set_columns(m, &scratch);
+  km_walks walks;
+  if (km_walks_create(m, steps, &scratch, &walks))
+    for (int s = 0; s < m->topology.substructure_count; ++s)
+      compile_substructure(m, s, &walks);
+  set_arcs(m);
+  bool failed = scratch.failed;
+  km_arena_free(&scratch);
+  return failed ? km_fail(error, KM_MEMORY, "out of memory while compiling the mechanism") : KM_OK;
+}
+
+km_status km_mechanism_compile_tolerant(const km_model *model, const km_hold *holds, int hold_count,
+                                        double closure_tolerance, km_mechanism **out, km_error *error) {
+  *out = NULL;
+  km_mechanism *m = KM_NEW(km_mechanism, 1);
+  if (!m)
+    return km_fail(error, KM_MEMORY, "out of memory while compiling the mechanism");
+  m->model = model;
+  m->closure_tolerance = closure_tolerance > 0.0 ? closure_tolerance : model->closure_tolerance;
+  m->closure_tolerance_given = closure_tolerance > 0.0 || model->closure_tolerance_given;
+  km_status status = compile(m, holds, hold_count, error);
+  if (status)
+    km_mechanism_free(m);
+  else
+    *out = m;
+  return status;
+}
+
+km_status km_mechanism_compile(const km_model *model, const km_hold *holds, int hold_count, km_mechanism **out,
+                               km_error *error) {
+  return km_mechanism_compile_tolerant(model, holds, hold_count, 0.0, out, error);
+}
+
+void km_mechanism_free(km_mechanism *m) {
+  if (!m)
+    return;
+  km_arena_free(&m->arena);
+  km_free(m);
+}

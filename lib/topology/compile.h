@@ -1,0 +1,30 @@
+/* The parts of compiling a mechanism. Private to topology/. */
+#ifndef KM_TOPOLOGY_COMPILE_H
+#define KM_TOPOLOGY_COMPILE_H
+
+#include "topology/chain.h"
+
+/* Where walks have been, by body: kept from program to program by a stamp instead of clearing. */
+typedef struct km_walks {
+  int *stamp, *first_step, *step_count; /* [body] */
+  km_stand *stand;                      /* [body] */
+  km_pose *zero;                        /* [slot] poses of a program's slots when all coordinates are 0 */
+  km_twist *twist;                      /* [entry + 2] twists of one loop */
+  int program;                          /* the current stamp */
+} km_walks;
+
+bool km_walks_create(const km_mechanism *mechanism, size_t steps, km_arena *arena, km_walks *out);
+/* Reads every loop's steps, motion space and closing frames of one substructure into the mechanism, whose
+ * arrays are large enough. */
+void km_compile_loops(km_mechanism *mechanism, int substructure, km_walks *walks);
+/* Upper bound of the steps (and entries) that the loops of the mechanism need. */
+void km_compile_bounds(const km_mechanism *mechanism, size_t *steps, size_t *entries);
+/* Do all loops of the program move in one plane, to the last digits? `plane` is then the base frame turned
+ * so that its z is the normal, else the identity. */
+bool km_find_plane(const km_mechanism *mechanism, const km_program *program, const km_walks *walks,
+                   km_rotation *plane);
+/* Rewrites such a program into planar steps. */
+void km_compile_planar(km_mechanism *mechanism, km_program *program, const km_walks *walks,
+                       const km_rotation *plane);
+
+#endif

@@ -1,0 +1,203 @@
+/* Loops into programs of steps. */
+#include "topology/compile.h"
+#include "topology/motion_space.h"
+
+#include <string.h>
+
+void km_compile_bounds(const km_mechanism *m, size_t *steps, size_t *entries) {
+  const km_topology *t = &m->topology;
+  *entries = 0;
+  for (int l = 0; l < t->loop_count; ++l)
+    for (int i = t->member_start[l]; i < t->member_start[l + 1]; ++i)
+      *entries += KM_MAX_MOTIONS;
+  *steps = *entries;
+}
+
+bool km_walks_create(const km_mechanism *m, size_t steps, km_arena *arena, km_walks *w) {
+  size_t bodies = (size_t)m->model->body_count;
+  *w = (km_walks){.stamp = KM_ARENA_NEW(arena, int, bodies),
+                  .first_step = KM_ARENA_NEW(arena, int, bodies),
+                  .step_count = KM_ARENA_NEW(arena, int, bodies),
+                  .stand = KM_ARENA_NEW(arena, km_stand, bodies),
+                  .zero = KM_ARENA_NEW(arena, km_pose, steps + 1),
+                  .twist = KM_ARENA_NEW(arena, km_twist, 3 * steps)};
+  return !arena->failed;
+}
+
+static bool turns(const km_rotation *R) {
+  return R->axis[0].x != 1.0 || R->axis[1].y != 1.0 || R->axis[2].z != 1.0;
+}
+
+/* Passes a joint: free motions become steps, held ones part of the constants. */
+static void pass(km_mechanism *m, km_program *program, int joint, bool against, double size, km_stand *at) {
+  km_passage p = km_joint_passage(m->model, joint, against);
+  double pitch = km_pitch_per_radian(m->model, joint, size);
+  km_pose link = km_frame_to_frame(m->model, at->frame, p.entry, size);
+  at->pose = km_pose_product(&at->pose, &link);
+  at->frame = p.exit;
+  for (int i = 0; i < p.count; ++i) {
+    int c = p.coordinate[i];
+    if (m->held[c]) {
+      double value[3];
+      for (int k = 0; k < km_primitive_freedom(p.motion[i].primitive); ++k)
+        value[k] = m->start[c + k] / m->unit[c + k];
+      km_pose fixed = km_motion_passed(p.motion[i], pitch, value, p.sign);
+      at->pose = km_pose_product(&at->pose, &fixed);
+      continue;
+    }
+    m->steps[program->step_start + program->step_count++] = (km_step){.primitive = p.motion[i].primitive,
+                                                                      .axis = p.motion[i].axis,
+                                                                      .coordinate = c,
+                                                                      .ball = m->ball_of[c],
+                                                                      .sign = p.sign,
+                                                                      .pitch = pitch,
+                                                                      .from = at->slot,
+                                                                      .to = program->slot_count,
+                                                                      .turned = turns(&at->pose.R),
+                                                                      .before = at->pose};
+    *at = (km_stand){program->slot_count++, km_pose_identity(), at->frame};
+  }
+}
+
+static void add_entries(km_mechanism *m, km_program *program, km_loop *loop, int first, int count, int side) {
+  for (int i = first; i < first + count; ++i) {
+    const km_step *step = &m->steps[program->step_start + i];
+    m->entries[loop->entry_start + loop->entry_count++] =
+        (km_entry){i, m->column_of[step->coordinate], (double)side};
+  }
+}
+
+/* Walks from the base down one side of the loop; bodies that another loop has reached are not walked again. */
+static km_stand walk_side(km_mechanism *m, km_program *program, km_loop *loop, int l, int side, km_stand from,
+                          km_walks *w) {
+  const km_topology *t = &m->topology;
+  double size = m->substructures[t->substructure_of_loop[l]].size;
+  km_stand at = from;
+  for (int i = t->member_start[l]; i < t->member_start[l + 1]; ++i) {
+    const km_member *member = &t->member[i];
+    if (member->side != side)
+      continue;
+    bool chord = member->joint == t->chord[l], against = !chord && t->against[member->joint];
+    int first = program->step_count;
+    if (chord) {
+      pass(m, program, member->joint, false, size, &at);
+      add_entries(m, program, loop, first, program->step_count - first, side);
+      continue;
+    }
+    int body = m->model->frames[m->model->joints[member->joint].frame[!against]].body;
+    if (w->stamp[body] != w->program) {
+      pass(m, program, member->joint, against, size, &at);
+      w->stamp[body] = w->program;
+      w->stand[body] = at;
+      w->first_step[body] = first;
+      w->step_count[body] = program->step_count - first;
+    }
+    at = w->stand[body];
+    add_entries(m, program, loop, w->first_step[body], w->step_count[body], side);
+  }
+  return at;
+}
+
+/* Poses of the program's slots when every free coordinate is 0. */
+static void zero_poses(const km_mechanism *m, const km_program *program, km_walks *w) {
+  w->zero[0] = km_pose_identity();
+  for (int i = 0; i < program->step_count; ++i) {
+    const km_step *step = &m->steps[program->step_start + i];
+    w->zero[step->to] = km_pose_product(&w->zero[step->from], &step->before);
+  }
+}
+
+static void find_motion_space(km_mechanism *m, const km_program *program, km_loop *loop, km_walks *w,
+                              const km_rotation *plane) {
+  int count = 0;
+  for (int i = 0; i < loop->entry_count; ++i) {
+    const km_step *step = &m->steps[program->step_start + m->entries[loop->entry_start + i].step];
+    km_motion motion = {step->primitive, step->axis};
+    for (int k = 0; k < km_primitive_freedom(step->primitive); ++k) {
+      km_twist twist = km_motion_twist(motion, step->pitch, &w->zero[step->to], k);
+      w->twist[count++] = (km_twist){km_rotate_back(plane, twist.v), km_rotate_back(plane, twist.w)};
+    }
+  }
+  /* Directions are told apart by what 1e-16 data can blur, or by what the file says it can. */
+  double tolerance = m->closure_tolerance_given ? fmax(3e-8, 30.0 * m->closure_tolerance) : 3e-8;
+  km_motion_space space;
+  km_motion_space_close(w->twist, count, tolerance, &space);
+  loop->lambda = space.dimension;
+  enum { TURN_IN_SPACE = 5, TURN_IN_PLANE = 2 };
+  for (int i = 0; i < space.dimension; ++i)
+    loop->rows[i] = program->planar && space.rows[i] == TURN_IN_SPACE ? TURN_IN_PLANE : space.rows[i];
+  loop->gap = space.kept;
+  loop->gap_dropped = space.dropped;
+}
+
+static void compile_loop(km_mechanism *m, km_program *program, int l, km_stand base, km_walks *w, int *entries) {
+  km_loop *loop = &m->loops[l];
+  const km_edge ends = {m->model->joints[m->topology.chord[l]].frame[0], m->model->joints[m->topology.chord[l]].frame[1]};
+  double size = m->substructures[m->topology.substructure_of_loop[l]].size;
+  loop->entry_start = *entries;
+  km_stand out = walk_side(m, program, loop, l, +1, base, w);
+  km_stand back = walk_side(m, program, loop, l, -1, base, w);
+  km_pose link = km_frame_to_frame(m->model, back.frame, ends.head, size);
+  loop->slot[0] = out.slot;
+  loop->close[0] = out.pose;
+  loop->slot[1] = back.slot;
+  loop->close[1] = km_pose_product(&back.pose, &link);
+  *entries += loop->entry_count;
+}
+
+static void compile_program(km_mechanism *m, km_program *program, km_walks *w) {
+  const km_topology *t = &m->topology;
+  int first = m->loop_order[program->loop_start];
+  const km_member *member = &t->member[t->member_start[first]];
+  bool against = member->joint != t->chord[first] && t->against[member->joint];
+  int base_frame = m->model->joints[member->joint].frame[against];
+  km_stand base = {0, km_pose_identity(), base_frame};
+  program->step_start = m->step_count;
+  program->slot_count = 1;
+  w->program++;
+  for (int i = 0; i < program->loop_count; ++i)
+    compile_loop(m, program, m->loop_order[program->loop_start + i], base, w, &m->entry_count);
+  zero_poses(m, program, w);
+  km_rotation plane;
+  program->planar = km_find_plane(m, program, w, &plane);
+  for (int i = 0; i < program->loop_count; ++i)
+    find_motion_space(m, program, &m->loops[m->loop_order[program->loop_start + i]], w, &plane);
+  if (program->planar)
+    km_compile_planar(m, program, w, &plane);
+  else
+    m->step_count += program->step_count;
+  if (program->slot_count > m->largest_slots)
+    m->largest_slots = program->slot_count;
+}
+
+/* Orders the substructure's loops so that those with one base stand together. */
+static void group_by_base(km_mechanism *m, km_substructure *sub) {
+  int *order = m->loop_order + sub->loop_start;
+  sub->program_start = m->program_count;
+  for (int i = 0; i < sub->loop_count;) {
+    km_program *program = &m->programs[m->program_count++];
+    int base = m->topology.base[order[i]], end = i;
+    for (int k = i; k < sub->loop_count; ++k) {
+      if (m->topology.base[order[k]] != base)
+        continue;
+      int loop = order[k];
+      memmove(order + end + 1, order + end, (size_t)(k - end) * sizeof *order);
+      order[end++] = loop;
+    }
+    *program = (km_program){.loop_start = sub->loop_start + i, .loop_count = end - i};
+    i = end;
+  }
+  sub->program_count = m->program_count - sub->program_start;
+}
+
+void km_compile_loops(km_mechanism *m, int s, km_walks *walks) {
+  km_substructure *sub = &m->substructures[s];
+  group_by_base(m, sub);
+  for (int i = 0; i < sub->program_count; ++i)
+    compile_program(m, &m->programs[sub->program_start + i], walks);
+  for (int i = 0; i < sub->loop_count; ++i) {
+    km_loop *loop = &m->loops[m->loop_order[sub->loop_start + i]];
+    loop->row_start = sub->rows;
+    sub->rows += loop->lambda;
+  }
+}

@@ -1,0 +1,114 @@
+/* Recognising loops that move in one plane, and rewriting their steps for it. */
+#include "topology/compile.h"
+
+/* Axes that should be parallel may differ by the rounding of a few products of exact rotations. */
+static const double exactly = 1e-13;
+
+/* The axis of a step when all coordinates are 0, in the base frame. */
+static km_vec3 axis_of(const km_step *step, const km_walks *w) { return w->zero[step->to].R.axis[step->axis]; }
+
+static bool find_normal(const km_mechanism *m, const km_program *program, const km_walks *w, km_vec3 *normal) {
+  const km_step *steps = &m->steps[program->step_start];
+  for (int i = 0; i < program->step_count; ++i) {
+    if (steps[i].primitive == KM_REVOLUTE) {
+      *normal = axis_of(&steps[i], w);
+      return true;
+    }
+  }
+  for (int i = 0; i < program->step_count; ++i) {
+    km_vec3 n = km_vec3_cross(axis_of(&steps[0], w), axis_of(&steps[i], w));
+    double size = km_vec3_norm(n);
+    if (size > 1e-3) {
+      *normal = km_vec3_scale(1.0 / size, n);
+      return true;
+    }
+  }
+  *normal = program->step_count ? km_vec3_perpendicular(axis_of(&steps[0], w)) : (km_vec3){0, 0, 1};
+  return program->step_count > 0;
+}
+
+static bool all_in_plane(const km_mechanism *m, const km_program *program, const km_walks *w, km_vec3 normal) {
+  for (int i = 0; i < program->step_count; ++i) {
+    const km_step *step = &m->steps[program->step_start + i];
+    km_vec3 axis = axis_of(step, w);
+    if (step->primitive == KM_REVOLUTE ? km_vec3_norm(km_vec3_cross(axis, normal)) > exactly
+                                       : fabs(km_vec3_dot(axis, normal)) > exactly)
+      return false;
+    if (step->primitive != KM_REVOLUTE && step->primitive != KM_PRISMATIC)
+      return false;
+  }
+  return true;
+}
+
+/* The base frame turned so that its z is the normal; an axis of the base frame is kept exactly. */
+static km_rotation plane_frame(km_vec3 normal) {
+  const double n[3] = {normal.x, normal.y, normal.z};
+  for (int k = 0; k < 3; ++k) {
+    if (fabs(fabs(n[k]) - 1.0) > exactly)
+      continue;
+    km_rotation unit = km_rotation_identity();
+    km_vec3 z = unit.axis[k], x = unit.axis[(k + 1) % 3];
+    if (n[k] < 0.0)
+      z = km_vec3_scale(-1.0, z);
+    return (km_rotation){{x, km_vec3_cross(z, x), z}};
+  }
+  km_vec3 x = km_vec3_perpendicular(normal);
+  return (km_rotation){{x, km_vec3_cross(normal, x), normal}};
+}
+
+static void planar_step(const km_step *step, const km_walks *w, const km_rotation *plane, km_planar_step *out) {
+  km_vec3 shift = km_rotate_back(plane, km_vec3_sub(w->zero[step->to].p, w->zero[step->from].p));
+  km_vec3 axis = km_rotate_back(plane, axis_of(step, w));
+  bool slides = step->primitive == KM_PRISMATIC;
+  *out = (km_planar_step){.slides = slides,
+                          .coordinate = step->coordinate,
+                          .sign = slides || axis.z > 0.0 ? step->sign : -step->sign,
+                          .from = step->from,
+                          .to = step->to,
+                          .x = shift.x,
+                          .y = shift.y,
+                          .ux = slides ? axis.x : 0.0,
+                          .uy = slides ? axis.y : 0.0};
+}
+
+static void planar_loop(km_loop *loop, const km_walks *w, const km_rotation *plane) {
+  km_pose end[2];
+  for (int side = 0; side < 2; ++side) {
+    const km_pose *slot = &w->zero[loop->slot[side]];
+    end[side] = km_pose_product(slot, &loop->close[side]);
+    km_vec3 shift = km_rotate_back(plane, km_vec3_sub(end[side].p, slot->p));
+    loop->planar_close[side][0] = shift.x;
+    loop->planar_close[side][1] = shift.y;
+  }
+  km_pose back = km_pose_inverse(&end[1]);
+  km_rotation turn = km_rotation_product(&end[0].R, &back.R);
+  km_vec3 x = km_rotate_back(plane, km_rotate(&turn, plane->axis[0]));
+  km_vec3 z = km_rotate_back(plane, km_rotate(&turn, plane->axis[2]));
+  loop->planar_turn = atan2(x.y, x.x);
+  /* Out of the plane nothing moves: the height between the frames, and the tilt z × z′ (its length kept
+   * an angle, so that a frame upside down doesn't pass). */
+  double tilt = atan2(hypot(z.x, z.y), z.z), sine = hypot(z.x, z.y);
+  double s = sine > 0.0 ? tilt / sine : 0.0;
+  loop->fixed_misfit[2] = km_vec3_dot(plane->axis[2], km_vec3_sub(end[0].p, end[1].p));
+  loop->fixed_misfit[3] = z.z < 0.0 && sine == 0.0 ? M_PI : -s * z.y;
+  loop->fixed_misfit[4] = s * z.x;
+}
+
+bool km_find_plane(const km_mechanism *m, const km_program *program, const km_walks *w, km_rotation *plane) {
+  km_vec3 normal;
+  *plane = km_rotation_identity();
+  if (!find_normal(m, program, w, &normal) || !all_in_plane(m, program, w, normal))
+    return false;
+  *plane = plane_frame(normal);
+  return true;
+}
+
+void km_compile_planar(km_mechanism *m, km_program *program, const km_walks *w, const km_rotation *plane) {
+  int start = m->planar_step_count;
+  for (int i = 0; i < program->step_count; ++i)
+    planar_step(&m->steps[program->step_start + i], w, plane, &m->planar_steps[start + i]);
+  for (int i = 0; i < program->loop_count; ++i)
+    planar_loop(&m->loops[m->loop_order[program->loop_start + i]], w, plane);
+  program->step_start = start;
+  m->planar_step_count += program->step_count;
+}

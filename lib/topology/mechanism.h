@@ -1,0 +1,136 @@
+/* The compiled mechanism. Built once, then read only; contiguous arrays, indices instead of pointers.
+ *
+ * A substructure is computed by itself: its lengths are divided by its own size, and each of its loops is
+ * seen from the loop's base body, near the loop's own joints. Neither the inertial frame nor other
+ * substructures touch its digits. Loops with the same base share one program of steps. */
+#ifndef KM_TOPOLOGY_MECHANISM_H
+#define KM_TOPOLOGY_MECHANISM_H
+
+#include "kmech/mechanism.h"
+#include "model/model.h"
+#include "spatial/twist.h"
+#include "topology/topology.h"
+
+/* One primitive motion on the way out from a base. Slot 0 of a program is its base. */
+typedef struct km_step {
+  km_primitive primitive;
+  int axis;
+  int coordinate; /* first coordinate of the primitive */
+  int ball;       /* index among the ball motions, for KM_BALL */
+  double sign;    /* -1: the joint is passed against its sense */
+  double pitch;   /* scaled travel per radian of a helical motion */
+  int from, to;   /* pose slots of the program */
+  bool turned;    /* `before` turns, not only shifts */
+  km_pose before; /* from slot `from` to the frame of the motion, scaled */
+} km_step;
+
+/* The same in a plane, from the configuration in which every coordinate is 0: orientations there count as 0,
+ * so no constant rotation is left. */
+typedef struct km_planar_step {
+  bool slides;
+  int coordinate;
+  double sign;
+  int from, to;
+  double x, y;   /* the joint's place less that of `from`, when all coordinates are 0, scaled */
+  double ux, uy; /* direction of a slide, when all coordinates are 0 */
+} km_planar_step;
+
+/* Loops seen from one base body. */
+typedef struct km_program {
+  bool planar;
+  int step_start, step_count; /* into steps or planar_steps */
+  int loop_start, loop_count; /* into loop_order */
+  int slot_count;
+} km_program;
+
+/* A step's column in a loop's block: +1 on the virtual side, -1 on the other. */
+typedef struct km_entry {
+  int step;   /* into the program's steps */
+  int column; /* first column in the substructure's Jacobian */
+  double side;
+} km_entry;
+
+typedef struct km_loop {
+  int lambda;    /* dimension of the motion space */
+  int rows[6];   /* which of v x y z, w x y z are independent; planar programs: x, y, turn */
+  int row_start; /* in the substructure's Jacobian */
+  int slot[2];   /* where the virtual body and the embedding body end */
+  km_pose close[2];          /* from those slots to the two frames that must meet, scaled */
+  double planar_close[2][2]; /* the same points in a planar program */
+  double planar_turn;        /* turn of the one frame against the other when all coordinates are 0 */
+  double fixed_misfit[6];    /* planar: what no coordinate can change (v z, w x, w y in the plane's frame) */
+  int entry_start, entry_count;
+  double gap; /* smallest direction that counted as a motion, largest that didn't: evidence for lambda */
+  double gap_dropped;
+} km_loop;
+
+typedef struct km_coupling {
+  int row;
+  int term_start, term_count;
+  double constant; /* of the scaled row */
+} km_coupling;
+
+typedef struct km_term {
+  int coordinate, column; /* column -1: held */
+  double coefficient;     /* of the scaled coordinate, scaled so that the largest of a row is 1 */
+} km_term;
+
+typedef struct km_substructure {
+  int rows, columns;
+  double size;         /* length scale, in the model's unit */
+  int column_start;    /* into column_coordinate */
+  int program_start, program_count;
+  int loop_start, loop_count; /* into loop_order */
+  int coupling_start, coupling_count;
+  size_t matrix_start; /* into the states' Jacobian store */
+  size_t basis_start;  /* into the states' null space store */
+  int error_start;     /* into the states' error store */
+} km_substructure;
+
+/* A joint on the way from the inertial frame to a body, for poses in the inertial frame. */
+typedef struct km_arc {
+  int body, parent, joint;
+  bool against;
+  km_pose before, after; /* parent body to joint frame, joint frame to body; unscaled */
+} km_arc;
+
+struct km_mechanism {
+  km_arena arena;
+  const km_model *model;
+  km_topology topology;
+  double closure_tolerance;     /* of secondary rows, scaled */
+  bool closure_tolerance_given; /* by the file or the caller: pivots and motion spaces then follow it */
+  int coordinate_count, ball_count;
+  bool *held;           /* [coordinate] */
+  double *start;        /* [coordinate] initial displacement: radians, or the model's length unit */
+  double *low, *high;   /* [coordinate] limits, the same units */
+  double *scale;        /* [coordinate] D of theory 4: 1, or 1/characteristic length for lengths */
+  double *unit;         /* [coordinate] 1, or the substructure's size for lengths: coordinate = unit · scaled */
+  int *ball_of;         /* [coordinate] ball motion that it belongs to, -1 */
+  int *ball_coordinate; /* [ball] its first coordinate */
+  int *substructure_of; /* [coordinate] -1: in none */
+  int *column_of;       /* [coordinate] column in its substructure; -1: held or in none */
+  km_substructure *substructures;
+  int *column_coordinate; /* coordinates of the substructures' columns */
+  double *column_weight;  /* D of a column's scaled coordinate: scale · unit */
+  km_program *programs;
+  km_step *steps;
+  km_planar_step *planar_steps;
+  km_loop *loops;  /* [topology.loop_count] */
+  int *loop_order; /* loops by substructure */
+  km_entry *entries;
+  km_coupling *couplings;
+  km_term *terms;
+  km_arc *arcs;  /* bodies by level, without the inertial frame */
+  int *arc_of;   /* [body] into arcs; -1 for the inertial frame */
+  int program_count, step_count, planar_step_count, entry_count, coupling_count, term_count;
+  int largest_slots, largest_rows, largest_columns;
+  size_t matrix_size, basis_size;
+  int error_size;
+};
+
+/* km_mechanism_compile with another closure tolerance than the model's (0: the model's). */
+km_status km_mechanism_compile_tolerant(const km_model *model, const km_hold *holds, int hold_count,
+                                        double closure_tolerance, km_mechanism **out, km_error *error);
+
+#endif

@@ -1,0 +1,111 @@
+#include "topology/motion_space.h"
+
+static double dot(km_twist a, km_twist b) { return km_vec3_dot(a.v, b.v) + km_vec3_dot(a.w, b.w); }
+
+static km_twist scaled(double s, km_twist a) {
+  return (km_twist){km_vec3_scale(s, a.v), km_vec3_scale(s, a.w)};
+}
+
+/* Gram-Schmidt, twice: once leaves rounding of the size of what is subtracted. */
+static km_twist reduced(const km_motion_space *g, km_twist t) {
+  for (int pass = 0; pass < 2; ++pass)
+    for (int k = 0; k < g->dimension; ++k)
+      t = km_twist_axpy(-dot(g->basis[k], t), g->basis[k], t);
+  return t;
+}
+
+static void accept(km_motion_space *g, km_twist rest, double size) {
+  g->basis[g->dimension++] = scaled(1.0 / size, rest);
+  g->kept = fmin(g->kept, size);
+}
+
+/* Adds the candidate that stands out most, if any does; candidates are replaced by what is left of them. */
+static int add_largest(km_motion_space *g, km_twist *candidates, int count, double tolerance) {
+  int best = -1;
+  double largest = 0.0;
+  for (int i = 0; i < count; ++i) {
+    candidates[i] = reduced(g, candidates[i]);
+    double size = sqrt(dot(candidates[i], candidates[i]));
+    if (size > largest) {
+      largest = size;
+      best = i;
+    }
+  }
+  if (best < 0 || g->dimension == 6)
+    return 0;
+  if (!(largest > tolerance)) {
+    g->dropped = fmax(g->dropped, largest);
+    return 0;
+  }
+  accept(g, candidates[best], largest);
+  return 1;
+}
+
+static void close_span(km_motion_space *g, double tolerance) {
+  km_twist brackets[15];
+  int grown = 1;
+  while (grown && g->dimension < 6) {
+    int count = 0;
+    grown = 0;
+    for (int i = 0; i < g->dimension; ++i)
+      for (int j = 0; j < i; ++j)
+        brackets[count++] = km_twist_bracket(g->basis[i], g->basis[j]);
+    while (add_largest(g, brackets, count, tolerance))
+      grown = 1;
+  }
+}
+
+static double *entry(km_twist *t, int row) {
+  double *const entries[6] = {&t->v.x, &t->v.y, &t->v.z, &t->w.x, &t->w.y, &t->w.z};
+  return entries[row];
+}
+
+/* Elimination with complete pivoting on the basis: its pivot rows determine the rest. Near ties go to the
+ * lower row, so that equal loops get equal rows. */
+static void choose_rows(km_motion_space *g) {
+  km_twist work[6];
+  int used[6] = {0};
+  for (int k = 0; k < g->dimension; ++k)
+    work[k] = g->basis[k];
+  for (int n = 0; n < g->dimension; ++n) {
+    int row = 0, column = n;
+    double largest = 0.0;
+    for (int r = 0; r < 6; ++r)
+      for (int k = n; k < g->dimension && !used[r]; ++k)
+        if (fabs(*entry(&work[k], r)) > 1.0001 * largest) {
+          largest = fabs(*entry(&work[k], r));
+          row = r;
+          column = k;
+        }
+    km_twist pivot = work[column];
+    work[column] = work[n];
+    work[n] = pivot;
+    used[row] = 1;
+    for (int k = n + 1; k < g->dimension; ++k)
+      work[k] = km_twist_axpy(-*entry(&work[k], row) / *entry(&pivot, row), pivot, work[k]);
+  }
+  for (int r = 0, n = 0; r < 6; ++r)
+    if (used[r])
+      g->rows[n++] = r;
+}
+
+void km_motion_space_close(const km_twist *twists, int count, double tolerance, km_motion_space *out) {
+  *out = (km_motion_space){.kept = INFINITY};
+  for (int i = 0; i < count; ++i) {
+    double size = sqrt(dot(twists[i], twists[i]));
+    km_twist rest = reduced(out, scaled(1.0 / size, twists[i]));
+    double left = sqrt(dot(rest, rest));
+    if (left > tolerance && out->dimension < 6)
+      accept(out, rest, left);
+    else
+      out->dropped = fmax(out->dropped, left);
+  }
+  close_span(out, tolerance);
+  if (out->dimension == 5) { /* no subalgebra of rigid motions has dimension 5 (theory 5): rounding */
+    out->dimension = 6;
+    for (int r = 0; r < 6; ++r)
+      out->rows[r] = r;
+    return;
+  }
+  choose_rows(out);
+}

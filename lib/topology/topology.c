@@ -1,0 +1,215 @@
+#include "topology/topology.h"
+
+#include <string.h>
+
+/* Joints at each body in file order: the items of body b are item[start[b]] … item[start[b + 1] - 1]. */
+typedef struct incidence {
+  int *start, *item;
+} incidence;
+
+static void build_incidence(const km_graph *g, incidence *at) {
+  for (int j = 0; j < g->joint_count; ++j) {
+    at->start[g->edges[j].tail + 1]++;
+    at->start[g->edges[j].head + 1]++;
+  }
+  for (int b = 0; b < g->body_count; ++b)
+    at->start[b + 1] += at->start[b];
+  for (int j = g->joint_count - 1; j >= 0; --j) {
+    at->item[--at->start[g->edges[j].tail + 1]] = j;
+    at->item[--at->start[g->edges[j].head + 1]] = j;
+  }
+  /* start[b + 1] now holds the first item of b: move it to start[b]. */
+  memmove(at->start, at->start + 1, (size_t)g->body_count * sizeof *at->start);
+  at->start[g->body_count] = 2 * g->joint_count;
+}
+
+/* Breadth-first from the inertial frame. */
+static void grow_tree(const km_graph *g, const incidence *at, km_topology *t) {
+  for (int b = 0; b < g->body_count; ++b)
+    t->parent[b] = t->arc[b] = t->level[b] = -1;
+  int tail = 1;
+  t->order[0] = 0;
+  t->level[0] = 0;
+  for (int head = 0; head < tail; ++head) {
+    int body = t->order[head];
+    for (int i = at->start[body]; i < at->start[body + 1]; ++i) {
+      int joint = at->item[i];
+      bool forward = g->edges[joint].tail == body;
+      int next = forward ? g->edges[joint].head : g->edges[joint].tail;
+      if (t->level[next] >= 0)
+        continue;
+      t->level[next] = t->level[body] + 1;
+      t->parent[next] = body;
+      t->arc[next] = joint;
+      t->against[joint] = !forward;
+      t->order[tail++] = next;
+    }
+  }
+}
+
+static bool is_arc(const km_graph *g, const km_topology *t, int joint) {
+  return t->arc[g->edges[joint].head] == joint || t->arc[g->edges[joint].tail] == joint;
+}
+
+static int common_ancestor(const km_topology *t, int a, int b) {
+  while (a != b) {
+    if (t->level[a] >= t->level[b])
+      a = t->parent[a];
+    else
+      b = t->parent[b];
+  }
+  return a;
+}
+
+static void find_chords(const km_graph *g, km_topology *t, int *members) {
+  *members = 0;
+  for (int j = 0; j < g->joint_count; ++j) {
+    if (is_arc(g, t, j))
+      continue;
+    int a = g->edges[j].tail, b = g->edges[j].head, base = common_ancestor(t, a, b);
+    t->chord[t->loop_count] = j;
+    t->base[t->loop_count++] = base;
+    *members += 1 + t->level[a] + t->level[b] - 2 * t->level[base];
+  }
+}
+
+/* Writes the tree joints from `base` down to `body`, ending just before *end; returns the first. */
+static km_member *write_path(const km_topology *t, int base, int body, int side, km_member *end) {
+  for (; body != base; body = t->parent[body])
+    *--end = (km_member){t->arc[body], side};
+  return end;
+}
+
+static void list_members(const km_graph *g, km_topology *t) {
+  int used = 0;
+  for (int l = 0; l < t->loop_count; ++l) {
+    const km_edge *edge = &g->edges[t->chord[l]];
+    int base = t->base[l];
+    int out = t->level[edge->tail] - t->level[base], back = t->level[edge->head] - t->level[base];
+    t->member_start[l] = used;
+    write_path(t, base, edge->tail, +1, t->member + used + out);
+    t->member[used + out] = (km_member){t->chord[l], +1};
+    used += out + 1 + back;
+    write_path(t, base, edge->head, -1, t->member + used);
+  }
+  t->member_start[t->loop_count] = used;
+}
+
+/* Union-find over joints. Loops that share a joint are one substructure: the classes are the biconnected
+ * components, since those are the connected components of the fundamental cycles (matroid theory). */
+static int find(int *set, int joint) {
+  while (set[joint] != joint)
+    joint = set[joint] = set[set[joint]];
+  return joint;
+}
+
+static void unite(int *set, int a, int b) {
+  a = find(set, a);
+  b = find(set, b);
+  set[a > b ? a : b] = a < b ? a : b; /* the smallest joint stands for the class */
+}
+
+static void unite_loops(const km_graph *g, const km_topology *t, int *set, bool *inside) {
+  for (int l = 0; l < t->loop_count; ++l) {
+    for (int i = t->member_start[l]; i < t->member_start[l + 1]; ++i) {
+      inside[t->member[i].joint] = true;
+      unite(set, t->chord[l], t->member[i].joint);
+    }
+  }
+  for (int i = 0; i < g->tie_count; ++i) {
+    for (int k = 0; k < g->ties[i].count; ++k) {
+      inside[g->ties[i].joints[k]] = true;
+      unite(set, g->ties[i].joints[0], g->ties[i].joints[k]);
+    }
+  }
+}
+
+static void number_substructures(km_topology *t, int *set, const bool *inside) {
+  for (int j = 0; j < t->joint_count; ++j) {
+    int root = find(set, j);
+    if (!inside[j])
+      t->substructure_of_joint[j] = -1;
+    else
+      t->substructure_of_joint[j] = root == j ? t->substructure_count++ : t->substructure_of_joint[root];
+  }
+  for (int l = 0; l < t->loop_count; ++l)
+    t->substructure_of_loop[l] = t->substructure_of_joint[t->chord[l]];
+}
+
+/* Groups 0 … count-1 by their class: item[start[c]] … are the members of class c in order. */
+static void group(const int *class_of, int count, int classes, int *start, int *item) {
+  for (int i = 0; i < count; ++i)
+    if (class_of[i] >= 0)
+      start[class_of[i] + 1]++;
+  for (int c = 0; c < classes; ++c)
+    start[c + 1] += start[c];
+  for (int i = count - 1, filled; i >= 0; --i) {
+    if (class_of[i] < 0)
+      continue;
+    filled = --start[class_of[i] + 1];
+    item[filled] = i;
+  }
+  memmove(start, start + 1, (size_t)classes * sizeof *start);
+}
+
+static void group_all(km_topology *t) {
+  int grouped = 0;
+  for (int j = 0; j < t->joint_count; ++j)
+    grouped += t->substructure_of_joint[j] >= 0;
+  group(t->substructure_of_joint, t->joint_count, t->substructure_count, t->joint_start, t->joint);
+  group(t->substructure_of_loop, t->loop_count, t->substructure_count, t->loop_start, t->loop);
+  t->joint_start[t->substructure_count] = grouped;
+  t->loop_start[t->substructure_count] = t->loop_count;
+}
+
+static bool allocate(const km_graph *g, km_arena *arena, km_topology *t) {
+  size_t bodies = (size_t)g->body_count, joints = (size_t)g->joint_count;
+  t->body_count = g->body_count;
+  t->joint_count = g->joint_count;
+  t->order = KM_ARENA_NEW(arena, int, bodies);
+  t->level = KM_ARENA_NEW(arena, int, bodies);
+  t->parent = KM_ARENA_NEW(arena, int, bodies);
+  t->arc = KM_ARENA_NEW(arena, int, bodies);
+  t->against = KM_ARENA_NEW(arena, bool, joints);
+  t->chord = KM_ARENA_NEW(arena, int, joints);
+  t->base = KM_ARENA_NEW(arena, int, joints);
+  t->member_start = KM_ARENA_NEW(arena, int, joints + 1);
+  t->substructure_of_joint = KM_ARENA_NEW(arena, int, joints);
+  t->substructure_of_loop = KM_ARENA_NEW(arena, int, joints);
+  t->joint_start = KM_ARENA_NEW(arena, int, joints + 2);
+  t->joint = KM_ARENA_NEW(arena, int, joints);
+  t->loop_start = KM_ARENA_NEW(arena, int, joints + 2);
+  t->loop = KM_ARENA_NEW(arena, int, joints);
+  return !arena->failed;
+}
+
+static bool build(const km_graph *g, km_arena *arena, km_arena *scratch, km_topology *t) {
+  incidence at = {KM_ARENA_NEW(scratch, int, (size_t)g->body_count + 2),
+                  KM_ARENA_NEW(scratch, int, 2 * (size_t)g->joint_count)};
+  int *set = KM_ARENA_NEW(scratch, int, (size_t)g->joint_count);
+  bool *inside = KM_ARENA_NEW(scratch, bool, (size_t)g->joint_count);
+  if (scratch->failed || !allocate(g, arena, t))
+    return false;
+  int members;
+  build_incidence(g, &at);
+  grow_tree(g, &at, t);
+  find_chords(g, t, &members);
+  t->member = KM_ARENA_NEW(arena, km_member, (size_t)members);
+  if (arena->failed)
+    return false;
+  list_members(g, t);
+  for (int j = 0; j < g->joint_count; ++j)
+    set[j] = j;
+  unite_loops(g, t, set, inside);
+  number_substructures(t, set, inside);
+  group_all(t);
+  return true;
+}
+
+km_status km_topology_build(const km_graph *graph, km_arena *arena, km_topology *out, km_error *error) {
+  km_arena scratch = {0};
+  *out = (km_topology){0};
+  bool done = build(graph, arena, &scratch, out);
+  km_arena_free(&scratch);
+  return done ? KM_OK : km_fail(error, KM_MEMORY, "out of memory while analysing the topology");
+}

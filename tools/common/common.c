@@ -1,0 +1,147 @@
+#include "common/common.h"
+
+#include "base/file.h"
+#include "base/memory.h"
+#include "kmech/version.h"
+
+#include <stdarg.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+kt_exit kt_exit_of(km_status status) {
+  switch (status) {
+  case KM_OK: return KT_DONE;
+  case KM_PARTIAL: return KT_PARTIAL;
+  case KM_USAGE:
+  case KM_IO: return KT_USAGE;
+  case KM_MODEL: return KT_BAD_MODEL;
+  case KM_DIVERGED:
+  case KM_CANCELLED: return KT_GAVE_OUT;
+  default: return KT_INTERNAL;
+  }
+}
+
+enum { OPTION_JOBS = 0x1001, OPTION_SEED };
+
+static const struct argp_option common_options[] = {
+    {"quiet", 'q', NULL, 0, "No notes, warnings, summaries or progress", 90},
+    {"jobs", OPTION_JOBS, "N", 0, "Work on N models at once (default 1); results don't depend on it", 90},
+    {"seed", OPTION_SEED, "N", 0, "Seed of whatever is random (default 1)", 90},
+    {0}};
+
+static error_t parse_common(int key, char *arg, struct argp_state *state) {
+  kt_common *common = state->input;
+  char *end = NULL;
+  switch (key) {
+  case 'q': common->quiet = true; return 0;
+  case OPTION_JOBS:
+    common->jobs = (int)strtol(arg, &end, 10);
+    if (*end || end == arg || common->jobs < 1 || common->jobs > 1024)
+      argp_error(state, "--jobs: found \"%s\"; expected a whole number from 1 to 1024", arg);
+    return 0;
+  case OPTION_SEED:
+    common->seed = strtoul(arg, &end, 10);
+    if (*end || end == arg || *arg == '-')
+      argp_error(state, "--seed: found \"%s\"; expected a whole number of at least 0", arg);
+    return 0;
+  default: return ARGP_ERR_UNKNOWN;
+  }
+}
+
+const struct argp kt_common_argp = {.options = common_options, .parser = parse_common};
+
+void kt_say(const kt_common *common, km_severity severity, const char *format, ...) {
+  if (common->quiet && severity != KM_ERROR)
+    return;
+  va_list arguments;
+  va_start(arguments, format);
+  fprintf(stderr, "%s: %s", common->tool, severity == KM_NOTE ? "note: " : severity == KM_WARNING ? "warning: " : "");
+  vfprintf(stderr, format, arguments);
+  fputc('\n', stderr);
+  va_end(arguments);
+}
+
+static void print_version(FILE *stream, struct argp_state *state) {
+  (void)state;
+  fprintf(stream, "kmech %s\n", KM_VERSION);
+}
+
+static void print_help(const char *tool, const char *about, const kt_command *commands) {
+  printf("Usage: %s COMMAND [OPTION...] MODEL...\n%s\n\n", tool, about);
+  for (const kt_command *c = commands; c->name; ++c)
+    printf("  %-9s %s\n", c->name, c->summary);
+  printf("\n`%s COMMAND --help` tells a command's options. A model of - is the standard input.\n"
+         "Exit status: 0 done, 1 done but the answer is no or partial, 2 usage or files, 3 the model is bad,\n"
+         "4 an iteration gave out, 5 internal.\n",
+         tool);
+}
+
+kt_exit kt_run(const char *tool, const char *about, const kt_command *commands, int argc, char **argv) {
+  argp_err_exit_status = KT_USAGE;
+  argp_program_version_hook = print_version;
+  const char *word = argc > 1 ? argv[1] : "";
+  if (strcmp(word, "--help") == 0 || strcmp(word, "-?") == 0) {
+    print_help(tool, about, commands);
+    return KT_DONE;
+  }
+  if (strcmp(word, "--version") == 0 || strcmp(word, "-V") == 0) {
+    print_version(stdout, NULL);
+    return KT_DONE;
+  }
+  for (const kt_command *c = commands; c->name; ++c) {
+    if (strcmp(c->name, word) != 0)
+      continue;
+    char name[64];
+    snprintf(name, sizeof name, "%s %s", tool, c->name);
+    argv[1] = name;
+    return c->run(argc - 1, argv + 1);
+  }
+  fprintf(stderr, "%s: %s%s%s; expected one of", tool, argc > 1 ? "\"" : "no command", word,
+          argc > 1 ? "\" is not a command" : "");
+  for (const kt_command *c = commands; c->name; ++c)
+    fprintf(stderr, " %s", c->name);
+  fprintf(stderr, " (%s --help)\n", tool);
+  return KT_USAGE;
+}
+
+void kt_parse(const struct argp *argp, int argc, char **argv, void *input) {
+  if (argp_parse(argp, argc, argv, 0, NULL, input))
+    exit(KT_USAGE);
+}
+
+km_model *kt_load(const kt_common *common, const char *path, kt_exit *status_out) {
+  km_model *model = NULL;
+  km_error error;
+  km_messages *messages = km_messages_create();
+  km_status status = km_model_load(path, messages, &model, &error);
+  const char *name = strcmp(path, "-") == 0 ? "standard input" : path;
+  for (size_t i = 0; i < km_messages_count(messages); ++i)
+    kt_say(common, km_messages_severity(messages, i), "%s: %s", name, km_messages_text(messages, i));
+  size_t kept = 0;
+  for (size_t i = 0; i < km_messages_count(messages); ++i)
+    kept += km_messages_severity(messages, i) == KM_ERROR;
+  if (km_messages_errors(messages) > kept)
+    kt_say(common, KM_ERROR, "%s: and %zu more errors", name, km_messages_errors(messages) - kept);
+  if (status && kept == 0)
+    kt_say(common, KM_ERROR, "%s", error.text);
+  km_messages_free(messages);
+  *status_out = kt_exit_of(status);
+  return model;
+}
+
+void kt_base_name(const char *path, char *out, size_t size) {
+  const char *slash = strrchr(path, '/'), *name = slash ? slash + 1 : path;
+  snprintf(out, size, "%s", strcmp(path, "-") == 0 ? "model" : name);
+  char *dot = strrchr(out, '.');
+  if (dot && dot != out)
+    *dot = '\0';
+}
+
+kt_exit kt_print(const kt_common *common, const km_text *text) {
+  km_error error;
+  km_status status = km_file_write("-", text, &error);
+  if (status)
+    kt_say(common, KM_ERROR, "%s", error.text);
+  return kt_exit_of(status);
+}

@@ -1,0 +1,101 @@
+/* What the tools share: the common options, exit codes, messages, labels on the command line, output files. */
+#ifndef KT_COMMON_H
+#define KT_COMMON_H
+
+#include "base/text.h"
+#include "base/value.h"
+#include "kmech/mechanism.h"
+#include "report/canvas.h"
+
+#include <argp.h>
+
+/* Exit codes of every tool (cli.md). */
+typedef enum kt_exit {
+  KT_DONE = 0,
+  KT_PARTIAL = 1,
+  KT_USAGE = 2,
+  KT_BAD_MODEL = 3,
+  KT_GAVE_OUT = 4,
+  KT_INTERNAL = 5
+} kt_exit;
+
+kt_exit kt_exit_of(km_status status);
+
+/* --quiet --jobs --seed, as a child parser of every command: its input is a kt_common. */
+typedef struct kt_common {
+  const char *tool; /* how messages begin */
+  bool quiet;
+  int jobs;
+  unsigned long seed;
+} kt_common;
+
+extern const struct argp kt_common_argp;
+
+/* `tool: text` on the standard error. Notes and warnings are silent with --quiet. */
+void kt_say(const kt_common *common, km_severity severity, const char *format, ...)
+    __attribute__((format(printf, 3, 4)));
+
+/* One subcommand of a tool. */
+typedef struct kt_command {
+  const char *name, *summary;
+  kt_exit (*run)(int argc, char **argv);
+} kt_command;
+
+/* Runs the subcommand that argv[1] names, with argv[0] as "tool name"; --help and --version of the tool. */
+kt_exit kt_run(const char *tool, const char *about, const kt_command *commands, int argc, char **argv);
+
+/* Parses a command's options; what argp refuses ends the process with KT_USAGE. */
+void kt_parse(const struct argp *argp, int argc, char **argv, void *input);
+
+/* Reads a model and says what is wrong with it. NULL and *exit otherwise. The caller frees it. */
+km_model *kt_load(const kt_common *common, const char *path, kt_exit *exit);
+/* "models/brake.json" → "brake"; "-" → "model". Into the caller's buffer of `size`. */
+void kt_base_name(const char *path, char *out, size_t size);
+
+/* A piece of a command-line text up to an unescaped separator; backslashes before , = / [ are undone. */
+typedef struct kt_piece {
+  char *text;
+  char separator; /* what ended it, 0 at the end */
+} kt_piece;
+/* Splits off the first piece of *rest and moves *rest behind it. The caller frees piece.text. */
+kt_piece kt_split(const char **rest, const char *separators);
+
+/* label=value or label=v,v,v : the values of a joint's coordinates, in the model's units. */
+typedef struct kt_setting {
+  int coordinate;
+  double value;
+} kt_setting;
+
+typedef struct kt_settings {
+  kt_setting *items;
+  int count;
+} kt_settings;
+
+/* Adds what `texts` (as given to --set or --hold) says; KT_USAGE with a message. */
+kt_exit kt_settings_add(const kt_common *common, const km_model *model, const char *option, char **texts,
+                        int count, kt_settings *out);
+void kt_settings_free(kt_settings *settings);
+
+/* A coordinate by its label on the command line. */
+kt_exit kt_coordinate(const kt_common *common, const km_model *model, const char *option, const char *text,
+                      int *coordinate);
+bool kt_number(const char *text, double *out);
+
+/* Which files --format asks for. */
+typedef enum kt_format { KT_CSV, KT_JSON, KT_SVG, KT_PDF, KT_PNG, KT_FORMATS } kt_format;
+typedef struct kt_formats {
+  bool wanted[KT_FORMATS];
+} kt_formats;
+/* "csv,svg"; false and a message if a word is unknown. */
+bool kt_formats_parse(const kt_common *common, const char *text, kt_formats *out);
+int kt_formats_count(const kt_formats *formats);
+const char *kt_format_word(kt_format format);
+km_canvas_format kt_canvas_format(kt_format format);
+
+/* Writes BASE.RESULT.FORMAT, or the standard output for base "-"; tells where unless quiet. */
+kt_exit kt_write(const kt_common *common, const char *base, const char *result, const char *format,
+                 const km_text *bytes);
+/* Writes text to the standard output. */
+kt_exit kt_print(const kt_common *common, const km_text *text);
+
+#endif

@@ -1,0 +1,122 @@
+/* Labels, values and lists on the command line. */
+#include "common/common.h"
+
+#include "base/memory.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+kt_piece kt_split(const char **rest, const char *separators) {
+  km_text text = {0};
+  const char *c = *rest;
+  km_text_add(&text, "");
+  for (; *c && !strchr(separators, *c); ++c) {
+    if (c[0] == '\\' && c[1] && strchr(",=/[\\", c[1]))
+      ++c;
+    km_text_bytes(&text, c, 1);
+  }
+  kt_piece piece = {text.data, *c};
+  *rest = *c ? c + 1 : c;
+  return piece;
+}
+
+bool kt_number(const char *text, double *out) {
+  char *end = NULL;
+  *out = strtod(text, &end); /* the tools never leave the C locale */
+  return end != text && *end == '\0' && isfinite(*out) && fabs(*out) <= 1e60;
+}
+
+kt_exit kt_coordinate(const kt_common *common, const km_model *model, const char *option, const char *text,
+                      int *coordinate) {
+  km_error error;
+  const char *rest = text;
+  kt_piece label = kt_split(&rest, "");
+  km_status status = label.text ? km_model_find_coordinate(model, label.text, coordinate, &error)
+                                : km_fail(&error, KM_MEMORY, "out of memory");
+  km_free(label.text);
+  if (status)
+    kt_say(common, KM_ERROR, "%s %s: %s", option, text, error.text);
+  return kt_exit_of(status);
+}
+
+static bool add(kt_settings *out, int coordinate, double value) {
+  for (int i = 0; i < out->count; ++i) {
+    if (out->items[i].coordinate != coordinate)
+      continue;
+    out->items[i].value = value; /* the last word counts */
+    return true;
+  }
+  kt_setting *items = km_resize(out->items, (size_t)out->count + 1, sizeof *items);
+  if (!items)
+    return false;
+  out->items = items;
+  out->items[out->count++] = (kt_setting){coordinate, value};
+  return true;
+}
+
+/* Coordinates that a label means: one, or all of a joint with several. */
+static kt_exit find(const kt_common *common, const km_model *model, const char *option, const char *text,
+                    const char *label, int *first, int *count) {
+  km_error error;
+  if (km_model_find_coordinate(model, label, first, NULL) == KM_OK) {
+    *count = 1;
+    return KT_DONE;
+  }
+  int joint;
+  km_status status = km_model_find_joint(model, label, &joint, &error);
+  if (!status) {
+    *count = km_model_joint_freedom(model, joint, first);
+    if (*count > 0)
+      return KT_DONE;
+    status = km_fail(&error, KM_USAGE, "joint \"%s\" is rigid; expected a joint with a coordinate", label);
+  }
+  kt_say(common, KM_ERROR, "%s %s: %s", option, text, error.text);
+  return kt_exit_of(status);
+}
+
+static kt_exit add_text(const kt_common *common, const km_model *model, const char *option, const char *text,
+                        kt_settings *out) {
+  const char *rest = text;
+  int first, count;
+  kt_piece label = kt_split(&rest, "=");
+  if (label.separator != '=') {
+    kt_say(common, KM_ERROR, "%s %s: expected JOINT=VALUE", option, text);
+    km_free(label.text);
+    return KT_USAGE;
+  }
+  kt_exit result = find(common, model, option, text, label.text, &first, &count);
+  km_free(label.text);
+  int given = 0;
+  char last = ',';
+  for (; result == KT_DONE && last == ','; ++given) {
+    kt_piece item = kt_split(&rest, ",");
+    double value;
+    last = item.separator;
+    if (!item.text || !kt_number(item.text, &value)) {
+      kt_say(common, KM_ERROR, "%s %s: \"%s\" is not a number", option, text, item.text ? item.text : "");
+      result = KT_USAGE;
+    } else if (given < count && !add(out, first + given, value)) {
+      result = KT_INTERNAL;
+    }
+    km_free(item.text);
+  }
+  if (result == KT_DONE && given != count) {
+    kt_say(common, KM_ERROR, "%s %s: found %d values; expected %d", option, text, given, count);
+    return KT_USAGE;
+  }
+  return result;
+}
+
+kt_exit kt_settings_add(const kt_common *common, const km_model *model, const char *option, char **texts,
+                        int count, kt_settings *out) {
+  kt_exit result = KT_DONE;
+  for (int i = 0; i < count && result == KT_DONE; ++i)
+    result = add_text(common, model, option, texts[i], out);
+  return result;
+}
+
+void kt_settings_free(kt_settings *settings) {
+  km_free(settings->items);
+  *settings = (kt_settings){0};
+}

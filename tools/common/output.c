@@ -1,0 +1,61 @@
+/* Output files and their formats. */
+#include "common/common.h"
+
+#include "base/file.h"
+#include "base/memory.h"
+
+#include <stdio.h>
+#include <string.h>
+
+static const char *const words[KT_FORMATS] = {"csv", "json", "svg", "pdf", "png"};
+
+const char *kt_format_word(kt_format format) { return words[format]; }
+
+km_canvas_format kt_canvas_format(kt_format format) {
+  return format == KT_PDF ? KM_CANVAS_PDF : format == KT_PNG ? KM_CANVAS_PNG : KM_CANVAS_SVG;
+}
+
+bool kt_formats_parse(const kt_common *common, const char *text, kt_formats *out) {
+  *out = (kt_formats){{0}};
+  const char *rest = text;
+  for (char last = ','; last == ',';) {
+    kt_piece piece = kt_split(&rest, ",");
+    int found = -1;
+    last = piece.separator;
+    for (int f = 0; f < KT_FORMATS; ++f)
+      if (piece.text && strcmp(piece.text, words[f]) == 0)
+        found = f;
+    if (found < 0)
+      kt_say(common, KM_ERROR, "--format %s: \"%s\" is not a format; expected some of csv,json,svg,pdf,png", text,
+             piece.text ? piece.text : "");
+    else
+      out->wanted[found] = true;
+    km_free(piece.text);
+    if (found < 0)
+      return false;
+  }
+  return true;
+}
+
+int kt_formats_count(const kt_formats *formats) {
+  int count = 0;
+  for (int f = 0; f < KT_FORMATS; ++f)
+    count += formats->wanted[f];
+  return count;
+}
+
+kt_exit kt_write(const kt_common *common, const char *base, const char *result, const char *format,
+                 const km_text *bytes) {
+  if (strcmp(base, "-") == 0)
+    return kt_print(common, bytes);
+  km_text path = {0};
+  km_error error;
+  km_text_format(&path, "%s.%s.%s", base, result, format);
+  km_status status = path.failed ? km_fail(&error, KM_MEMORY, "out of memory") : km_file_write(path.data, bytes, &error);
+  if (status)
+    kt_say(common, KM_ERROR, "%s", error.text);
+  else if (!common->quiet)
+    printf("  wrote %s\n", path.data);
+  km_text_free(&path);
+  return kt_exit_of(status);
+}

@@ -1,0 +1,12 @@
+#include "kmob/kmob.h"
+
+static const kt_command commands[] = {
+    {"info", "topology, substructures, mobility and mobility numbers at the file's pose", kmob_info},
+    {"at", "the same at a pose: --set JOINT=VALUE", kmob_at},
+    {"sweep", "every mobility number over a driver's range: tables and plots", kmob_sweep},
+    {0}};
+
+int main(int argc, char **argv) {
+  return (int)kt_run("kmob", "Mobility of mechanisms: which joint can drive a linkage, and where it loses its grip.",
+                     commands, argc, argv);
+}

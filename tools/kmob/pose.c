@@ -1,0 +1,82 @@
+#include "kmob/kmob.h"
+
+#include "base/memory.h"
+#include "model/model.h"
+
+void kmob_texts_add(kmob_texts *texts, char *text, struct argp_state *state) {
+  if (texts->count == KMOB_MOST_TEXTS)
+    argp_error(state, "an option is given more than %d times", KMOB_MOST_TEXTS);
+  texts->items[texts->count++] = text;
+}
+
+/* The model's own holds, overridden by the command line's. */
+static kt_exit gather_holds(const kt_common *common, const km_model *model, const kmob_texts *texts,
+                            kt_settings *out) {
+  if (model->hold_count) {
+    out->items = KM_NEW(kt_setting, (size_t)model->hold_count);
+    if (!out->items)
+      return KT_INTERNAL;
+    for (int h = 0; h < model->hold_count; ++h)
+      out->items[out->count++] = (kt_setting){model->holds[h].coordinate, model->holds[h].value};
+  }
+  return kt_settings_add(common, model, "--hold", (char **)(size_t)texts->items, texts->count, out);
+}
+
+static km_hold *as_holds(const kt_settings *settings) {
+  km_hold *holds = KM_NEW(km_hold, (size_t)settings->count);
+  for (int i = 0; holds && i < settings->count; ++i)
+    holds[i] = (km_hold){settings->items[i].coordinate, settings->items[i].value};
+  return holds;
+}
+
+static kt_exit check_conflicts(const kt_common *common, const km_model *model, const kt_settings *holds,
+                               const kt_settings *sets) {
+  for (int i = 0; i < sets->count; ++i)
+    for (int k = 0; k < holds->count; ++k)
+      if (sets->items[i].coordinate == holds->items[k].coordinate) {
+        kt_say(common, KM_ERROR, "--set: \"%s\" is held; expected a joint that is free to move",
+               km_model_coordinate_label(model, sets->items[i].coordinate));
+        return KT_USAGE;
+      }
+  return KT_DONE;
+}
+
+static kt_exit reach(const kt_common *common, const char *path, const kt_settings *holds, const kt_settings *sets,
+                     kmob_pose *out) {
+  km_error error;
+  km_hold *held = as_holds(holds), *set = as_holds(sets);
+  km_status status = held && set ? km_reach_pose(out->model, held, holds->count, set, sets->count, &out->mechanism,
+                                                 &out->state, &error)
+                                 : km_fail(&error, KM_MEMORY, "out of memory");
+  km_free(held);
+  km_free(set);
+  if (status)
+    kt_say(common, KM_ERROR, "%s: %s", path, error.text);
+  return kt_exit_of(status);
+}
+
+kt_exit kmob_open(const kt_common *common, const char *path, const kmob_texts *holds, const kmob_texts *sets,
+                  kmob_pose *out) {
+  kt_exit result;
+  kt_settings held = {0}, set = {0};
+  *out = (kmob_pose){0};
+  out->model = kt_load(common, path, &result);
+  if (!out->model)
+    return result;
+  result = gather_holds(common, out->model, holds, &held);
+  if (result == KT_DONE && sets)
+    result = kt_settings_add(common, out->model, "--set", (char **)(size_t)sets->items, sets->count, &set);
+  if (result == KT_DONE)
+    result = check_conflicts(common, out->model, &held, &set);
+  if (result == KT_DONE)
+    result = reach(common, path, &held, &set, out);
+  kt_settings_free(&held);
+  kt_settings_free(&set);
+  return result;
+}
+
+void kmob_close(kmob_pose *pose) {
+  km_state_free(pose->state);
+  km_mechanism_free(pose->mechanism);
+  km_model_free(pose->model);
+}

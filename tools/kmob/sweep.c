@@ -1,0 +1,278 @@
+/* kmob sweep: mobility numbers over a driver's range. */
+#include "kmob/kmob.h"
+
+#include "base/json.h"
+#include "base/memory.h"
+#include "model/model.h"
+#include "report/csv.h"
+#include "report/mobility_plot.h"
+#include "report/mobility_record.h"
+
+#include <stdio.h>
+#include <string.h>
+
+enum { OPTION_HOLD = 0x3001, OPTION_FORMAT, OPTION_RANGE, OPTION_STEPS, OPTION_POINT, OPTION_DERIVATIVES, OPTION_IGNORE,
+       OPTION_JOINT, MOST_MODELS = 64, MOST_POINTS = 64 };
+
+typedef struct options {
+  kt_common common;
+  kmob_texts holds, points, models;
+  const char *joint, *range, *steps, *base;
+  kt_formats formats;
+  bool derivatives, ignore_limits;
+} options;
+
+static const struct argp_option table[] = {
+    {"joint", OPTION_JOINT, "JOINT", 0, "The driver (default: the model's analysis.sweep)", 1},
+    {"range", OPTION_RANGE, "FROM:TO", 0, "Its range in the model's unit", 1},
+    {"steps", OPTION_STEPS, "N", 0, "Number of intervals; N + 1 rows", 1},
+    {"hold", OPTION_HOLD, "JOINT=VALUE", 0, "Keep a joint rigid at a value (x,y,… for several coordinates)", 1},
+    {"ignore-limits", OPTION_IGNORE, NULL, 0, "Pass joint limits", 1},
+    {"point", OPTION_POINT, "BODY/FRAME", 0, "Add the path of a frame's origin (repeatable)", 1},
+    {"derivatives", OPTION_DERIVATIVES, NULL, 0, "Add the points' derivatives along the driver", 1},
+    {"format", OPTION_FORMAT, "LIST", 0, "Some of csv,json,svg,pdf,png (default csv,svg)", 2},
+    {"output", 'o', "BASE", 0, "Files are BASE.mobility.FORMAT (default: the model's name); - is the standard output", 2},
+    {0}};
+
+static error_t parse(int key, char *arg, struct argp_state *state) {
+  options *o = state->input;
+  switch (key) {
+  case ARGP_KEY_INIT: state->child_inputs[0] = &o->common; return 0;
+  case OPTION_JOINT: o->joint = arg; return 0;
+  case OPTION_RANGE: o->range = arg; return 0;
+  case OPTION_STEPS: o->steps = arg; return 0;
+  case OPTION_HOLD: kmob_texts_add(&o->holds, arg, state); return 0;
+  case OPTION_POINT: kmob_texts_add(&o->points, arg, state); return 0;
+  case OPTION_DERIVATIVES: o->derivatives = true; return 0;
+  case OPTION_IGNORE: o->ignore_limits = true; return 0;
+  case OPTION_FORMAT:
+    if (!kt_formats_parse(&o->common, arg, &o->formats))
+      argp_failure(state, KT_USAGE, 0, "try --help");
+    return 0;
+  case 'o': o->base = arg; return 0;
+  case ARGP_KEY_ARG: kmob_texts_add(&o->models, arg, state); return 0;
+  case ARGP_KEY_NO_ARGS: argp_error(state, "no model is given"); return 0;
+  default: return ARGP_ERR_UNKNOWN;
+  }
+}
+
+/* One model of the sweep, with all that its files are made of. */
+typedef struct job {
+  const options *options;
+  const char *path;
+  char base[256];
+  kmob_pose pose;
+  km_sweep_plan plan;
+  km_sweep_point points[MOST_POINTS];
+  km_mobility_sweep sweep;
+  km_text stopped_by;
+  kt_exit result;
+} job;
+
+static kt_exit usage(const options *o, const char *option, const char *found, const char *expected) {
+  kt_say(&o->common, KM_ERROR, "%s %s: expected %s", option, found, expected);
+  return KT_USAGE;
+}
+
+static kt_exit read_range(const options *o, km_sweep_plan *plan) {
+  const char *colon = strchr(o->range, ':');
+  char from[64];
+  if (!colon || (size_t)(colon - o->range) >= sizeof from)
+    return usage(o, "--range", o->range, "FROM:TO");
+  snprintf(from, sizeof from, "%.*s", (int)(colon - o->range), o->range);
+  if (!kt_number(from, &plan->from) || !kt_number(colon + 1, &plan->to))
+    return usage(o, "--range", o->range, "two numbers FROM:TO");
+  return KT_DONE;
+}
+
+static kt_exit read_steps(const options *o, km_sweep_plan *plan) {
+  double steps;
+  if (!kt_number(o->steps, &steps) || steps < 1.0 || steps > 1e7 || steps != (double)(int)steps)
+    return usage(o, "--steps", o->steps, "a whole number from 1 to 10000000");
+  plan->steps = (int)steps;
+  return KT_DONE;
+}
+
+static kt_exit read_point(const options *o, job *j, const char *text) {
+  const char *names[64], *rest = text;
+  char *owned[64];
+  size_t count = 0;
+  km_error error;
+  for (char last = '/'; last == '/' && count < 64;) {
+    kt_piece piece = kt_split(&rest, "/");
+    names[count] = owned[count] = piece.text;
+    last = piece.separator;
+    ++count;
+  }
+  km_sweep_point *point = &j->points[j->plan.point_count];
+  km_status status = km_model_find_frame(j->pose.model, names, count, &point->frame, &error);
+  for (size_t i = 0; i < count; ++i)
+    km_free(owned[i]);
+  if (status) {
+    kt_say(&o->common, KM_ERROR, "--point %s: %s", text, error.text);
+    return kt_exit_of(status);
+  }
+  point->name = text;
+  j->plan.point_count++;
+  return KT_DONE;
+}
+
+static kt_exit make_plan(job *j) {
+  const options *o = j->options;
+  const km_model *model = j->pose.model;
+  kt_exit result = KT_DONE;
+  j->plan = km_sweep_plan_default(model);
+  if (o->joint) {
+    int own = j->plan.coordinate;
+    result = kt_coordinate(&o->common, model, "--joint", o->joint, &j->plan.coordinate);
+    if (result == KT_DONE && j->plan.coordinate != own && !o->range)
+      return usage(o, "--joint", o->joint, "a --range with it, since the model has none for this joint");
+  }
+  if (result == KT_DONE && j->plan.coordinate < 0) {
+    kt_say(&o->common, KM_ERROR, "%s: the model has no analysis.sweep with a joint; expected --joint and --range",
+           j->path);
+    return KT_USAGE;
+  }
+  if (result == KT_DONE && o->range)
+    result = read_range(o, &j->plan);
+  if (result == KT_DONE && o->steps)
+    result = read_steps(o, &j->plan);
+  j->plan.ignore_limits = o->ignore_limits;
+  j->plan.derivatives = o->derivatives;
+  j->plan.points = j->points;
+  for (int i = 0; i < o->points.count && result == KT_DONE; ++i)
+    result = i < MOST_POINTS ? read_point(o, j, o->points.items[i]) : usage(o, "--point", "", "at most 64 points");
+  return result;
+}
+
+static void run_sweep(job *j) {
+  const options *o = j->options;
+  km_error error;
+  km_status status = km_mobility_sweep_run(j->pose.mechanism, j->pose.state, &j->plan, &j->sweep, &error);
+  if (status == KM_OK || status == KM_PARTIAL) {
+    km_sweep_stop_text(j->pose.mechanism, &j->sweep, &j->stopped_by);
+    if (status == KM_PARTIAL)
+      kt_say(&o->common, KM_ERROR, "%s: %s", j->path, j->stopped_by.data);
+    if (j->sweep.freedom > 1)
+      kt_say(&o->common, KM_NOTE, "%s: more than one freedom is left; the others move least (--hold keeps joints)",
+             j->path);
+  } else {
+    kt_say(&o->common, KM_ERROR, "%s: %s", j->path, error.text);
+  }
+  j->result = kt_exit_of(status);
+}
+
+static void start_job(job *j) {
+  const options *o = j->options;
+  kt_base_name(j->path, j->base, sizeof j->base);
+  j->result = kmob_open(&o->common, j->path, &o->holds, NULL, &j->pose);
+  if (j->result == KT_DONE)
+    j->result = make_plan(j);
+  if (j->result == KT_DONE)
+    run_sweep(j);
+}
+
+static bool delivers(const job *j) { return j->result == KT_DONE || j->result == KT_PARTIAL; }
+
+static kt_exit write_table(const job *j, const char *base, kt_format format) {
+  km_text out = {0};
+  if (format == KT_CSV) {
+    km_csv_write(j->sweep.table, &out);
+  } else {
+    km_arena arena = {0};
+    const km_value *record = km_sweep_record(j->pose.mechanism, &j->sweep, j->stopped_by.data ? j->stopped_by.data : "",
+                                             j->path, &arena);
+    if (record)
+      km_json_write(record, &out);
+    else
+      out.failed = true;
+    km_arena_free(&arena);
+  }
+  kt_exit result = kt_write(&j->options->common, base, "mobility", kt_format_word(format), &out);
+  km_text_free(&out);
+  return result;
+}
+
+/* One plot for all the models that were swept. */
+static kt_exit write_plot(const options *o, job *jobs, int count, const char *base, kt_format format) {
+  km_plotted_sweep plotted[MOST_MODELS];
+  int shown = 0;
+  for (int i = 0; i < count; ++i)
+    if (delivers(&jobs[i]))
+      plotted[shown++] = (km_plotted_sweep){jobs[i].pose.mechanism, &jobs[i].plan, &jobs[i].sweep, jobs[i].base};
+  km_text out = {0};
+  km_error error;
+  km_status status = km_mobility_plot(plotted, shown, kt_canvas_format(format), &out, &error);
+  kt_exit result = kt_exit_of(status);
+  if (status)
+    kt_say(&o->common, KM_ERROR, "%s", error.text);
+  else
+    result = kt_write(&o->common, base, "mobility", kt_format_word(format), &out);
+  km_text_free(&out);
+  return result;
+}
+
+static kt_exit worse(kt_exit a, kt_exit b) { return a > b ? a : b; }
+
+static kt_exit deliver(const options *o, job *jobs, int count) {
+  kt_exit result = KT_DONE;
+  int first = -1;
+  for (int i = 0; i < count; ++i) {
+    const job *j = &jobs[i];
+    if (!delivers(j))
+      continue;
+    first = first < 0 ? i : first;
+    km_text summary = {0};
+    if (!o->common.quiet && !(o->base && strcmp(o->base, "-") == 0)) {
+      km_sweep_print(j->pose.mechanism, &j->plan, &j->sweep, j->path, &summary);
+      result = worse(result, kt_print(&o->common, &summary));
+    }
+    km_text_free(&summary);
+    /* Several models keep their own names; -o then names the plot that they share. */
+    const char *base = o->base && count == 1 ? o->base : j->base;
+    for (int f = KT_CSV; f <= KT_JSON; ++f)
+      if (o->formats.wanted[f])
+        result = worse(result, write_table(j, base, (kt_format)f));
+  }
+  for (int f = KT_SVG; f <= KT_PNG && first >= 0; ++f)
+    if (o->formats.wanted[f])
+      result = worse(result, write_plot(o, jobs, count, o->base ? o->base : jobs[first].base, (kt_format)f));
+  return result;
+}
+
+static kt_exit run(const options *o) {
+  int count = o->models.count;
+  job *jobs = KM_NEW(job, (size_t)count);
+  kt_exit result = jobs ? KT_DONE : KT_INTERNAL;
+  for (int i = 0; i < count && jobs; ++i) {
+    jobs[i].options = o;
+    jobs[i].path = o->models.items[i];
+    start_job(&jobs[i]);
+    result = worse(result, jobs[i].result);
+  }
+  if (jobs)
+    result = worse(result, deliver(o, jobs, count));
+  for (int i = 0; i < count && jobs; ++i) {
+    km_mobility_sweep_free(&jobs[i].sweep);
+    km_text_free(&jobs[i].stopped_by);
+    kmob_close(&jobs[i].pose);
+  }
+  km_free(jobs);
+  return result;
+}
+
+kt_exit kmob_sweep(int argc, char **argv) {
+  const struct argp_child children[] = {{&kt_common_argp, 0, NULL, 90}, {0}};
+  const struct argp argp = {table, parse, "MODEL...", "Mobility numbers of every joint over the range of a driver.",
+                            children, NULL, NULL};
+  options o = {.common = {.tool = "kmob", .jobs = 1, .seed = 1}};
+  o.formats.wanted[KT_CSV] = o.formats.wanted[KT_SVG] = true;
+  kt_parse(&argp, argc, argv, &o);
+  if (o.models.count > MOST_MODELS)
+    return usage(&o, "MODEL", "…", "at most 64 models");
+  bool tables_only = !o.formats.wanted[KT_SVG] && !o.formats.wanted[KT_PDF] && !o.formats.wanted[KT_PNG];
+  if (o.base && strcmp(o.base, "-") == 0 &&
+      (o.models.count > 1 || kt_formats_count(&o.formats) != 1 || !tables_only))
+    return usage(&o, "-o", "-", "one model and --format csv or json");
+  return run(&o);
+}
