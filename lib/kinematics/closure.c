@@ -62,14 +62,17 @@ static double primary_rms(const km_partition *p, const double *error) {
   return p->rank ? sqrt(sum / p->rank) : 0.0;
 }
 
-/* The pivots of the last pose serve while the monitor agrees and Newton is near the solution. */
+/* The pivots of the last pose serve while the monitor agrees and Newton is near the solution. Those that were
+ * searched with the loose tolerance of an open pose may leave out rows that count: they aren't kept. */
 static void factor(const km_mechanism *m, km_state *s, int index, int driver, double residual) {
   const km_substructure *sub = &m->substructures[index];
-  bool near = residual < 0.05;
-  if (near && s->pivoted[index] == driver &&
+  if (residual < 0.05 && s->pivoted[index] == driver &&
       km_partition_refactor(&s->partition[index], km_state_jacobian(s, sub)))
     return;
-  km_pivot(m, s, index, driver, km_rank_tolerance(m, sub, residual));
+  double tolerance = km_rank_tolerance(m, sub, residual);
+  km_pivot(m, s, index, driver, tolerance);
+  if (tolerance > km_rank_tolerance(m, sub, 0.0))
+    s->pivoted[index] = KM_NEVER;
 }
 
 /* The next step into x; returns its largest entry. */

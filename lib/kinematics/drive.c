@@ -7,9 +7,13 @@
 /* Predictor-corrector in the driver s. Symbols: t = dq/ds (scaled, driver's entry 1), h the step in s. */
 
 static const double longest = 0.3;           /* of a step, radians or substructure sizes */
-static const double shortest = 1e-12;        /* a step below this doesn't move: the end is located */
+static const double furthest = 0.6;          /* that any coordinate may go in a step, scaled */
+static const double shortest = 1e-11;        /* a step below this doesn't move: the end is located */
+static const double leaving = 1e-14;         /* the same for the first step away from a located end */
+static const double singular = 1e-7;          /* last pivot, relative: closer to a singular pose the tangent is noise */
 static const double branch_width = 1e-5;     /* a change of sign that stays below this step is a branch point */
 static const double crossing = 1e-3;         /* distance from a singular pose at which it is crossed */
+static const double between = 1e-12;         /* residual that shows the pose between two regular ones to be on the branch */
 static const double halving_tolerance = 1e-4; /* model-format.md: for freedoms that move least */
 
 struct km_drive {
@@ -20,11 +24,13 @@ struct km_drive {
   bool ignore_limits;
   double s;       /* the driver, scaled */
   double largest; /* the step that step control allows now */
+  bool passing;   /* this step goes over a singular pose on purpose */
+  bool stopped;   /* the pose is a located end */
   bool known;     /* t belongs to the present pose */
   double *t, *next_t, *move;         /* [columns] */
   double *last_t, *last_move;        /* [columns] the step before this pose, for the predictor */
   double last_h;                     /* 0: none */
-  double *saved, *near, *begin, *first; /* poses to come back to */
+  double *saved, *near, *far, *begin, *first; /* poses to come back to */
   km_partition reference; /* pivots of the present pose, to compare signs with */
 };
 
@@ -33,7 +39,7 @@ typedef enum attempt { ACCEPTED, OPEN, BENT, LIMITED } attempt;
 static bool allocate(km_drive *d, int rows, int columns) {
   size_t n = (size_t)columns;
   double **arrays[] = {&d->t, &d->last_t, &d->last_move, &d->next_t, &d->move};
-  double **poses[] = {&d->saved, &d->near, &d->begin, &d->first};
+  double **poses[] = {&d->saved, &d->near, &d->far, &d->begin, &d->first};
   for (size_t i = 0; i < sizeof arrays / sizeof *arrays; ++i)
     *arrays[i] = KM_ARENA_NEW(&d->arena, double, n);
   for (size_t i = 0; i < sizeof poses / sizeof *poses; ++i)
@@ -158,8 +164,9 @@ static int limit_passed(const km_drive *d, const double *saved) {
 static void predict(const km_drive *d, double h, double *move) {
   int columns = driven(d)->columns;
   bool alone = km_partition_freedom(&d->reference) <= 1;
-  if (d->last_h == 0.0 || !alone) {
-    double slope = d->last_h == 0.0 ? 0.0 : 0.5 * h / d->last_h;
+  bool known = fabs(h) <= 4.0 * fabs(d->last_h); /* further out the last step says nothing */
+  if (!known || !alone) {
+    double slope = known ? 0.5 * h / d->last_h : 0.0;
     for (int k = 0; k < columns; ++k)
       move[k] = h * (d->t[k] + slope * (d->t[k] - d->last_t[k]));
     return;
@@ -177,17 +184,23 @@ static attempt correct(km_drive *d, double h, double tightness, double *next_t) 
   const km_substructure *sub = driven(d);
   km_closure evidence;
   double predicted = km_step_length(d->mechanism, sub, d->move);
+  for (int k = 0; k < sub->columns; ++k)
+    if (!(fabs(d->move[k]) <= furthest))
+      return BENT;
   km_state_move(d->mechanism, d->state, sub, d->move);
   place_driver(d, d->s + h);
   if (km_close(d->mechanism, d->state, d->substructure, d->column, &evidence) != KM_CLOSED || !tangent(d, next_t))
     return OPEN;
+  const km_partition *p = &d->state->partition[d->substructure];
+  if (p->rank < d->reference.rank || p->last_pivot < singular * p->scale)
+    return OPEN; /* a singular pose has no tangent of its own */
   if (evidence.correction > tightness * predicted + 1e-9)
     return BENT;
   double along = weighted_dot(d, d->t, next_t);
   double cosine = along / sqrt(weighted_dot(d, d->t, d->t) * weighted_dot(d, next_t, next_t));
   if (!(cosine >= 1.0 - tightness * 0.4))
     return BENT;
-  return fabs(h) > branch_width && sign_changed(d) ? BENT : ACCEPTED;
+  return !d->passing && fabs(h) > branch_width && sign_changed(d) ? BENT : ACCEPTED;
 }
 
 static void accept(km_drive *d, double h) {
@@ -218,6 +231,7 @@ static attempt advance(km_drive *d, double h, double tightness, int *limit) {
     result = LIMITED;
   }
   km_state_restore(d->state, sub, d->saved);
+  d->state->pivoted[d->substructure] = KM_NEVER;
   return result;
 }
 
@@ -231,9 +245,13 @@ static bool cross(km_drive *d, double target, int *limit) {
     return false;
   double h = target + side * crossing - d->s, near = target - d->s;
   km_state_save(d->state, sub, d->near);
-  if (advance(d, h, 0.05, limit) != ACCEPTED)
+  d->passing = true;
+  attempt beyond = advance(d, h, 0.05, limit);
+  d->passing = false;
+  if (beyond != ACCEPTED)
     return false;
   /* accept() has moved the tangents and the move of this step to last_t, last_move. */
+  km_state_save(d->state, sub, d->far);
   km_state_restore(d->state, sub, d->near);
   double u = near / h, h01 = u * u * (3 - 2 * u), h10 = u * (1 - u) * (1 - u), h11 = u * u * (u - 1);
   double d01 = 6 * u * (1 - u), d10 = (1 - u) * (1 - 3 * u), d11 = u * (3 * u - 2);
@@ -244,8 +262,13 @@ static bool cross(km_drive *d, double target, int *limit) {
   km_state_move(d->mechanism, d->state, sub, d->move);
   place_driver(d, target);
   km_loops_update(d->mechanism, d->state, sub);
-  memcpy(d->t, d->next_t, (size_t)sub->columns * sizeof *d->t);
   d->state->pivoted[d->substructure] = KM_NEVER;
+  int worst;
+  if (km_loops_residual(d->mechanism, d->state, sub, &worst) > between) {
+    km_state_restore(d->state, sub, d->far);
+    return false;
+  }
+  memcpy(d->t, d->next_t, (size_t)sub->columns * sizeof *d->t);
   d->s = target;
   d->last_h = 0.0;
   return true;
@@ -261,6 +284,7 @@ static attempt walk(km_drive *d, double target, double most, int *limit) {
     double h = arrives ? left : copysign(step, left);
     attempt result = advance(d, h, 0.25, limit);
     if (result == ACCEPTED) {
+      d->stopped = false;
       if (arrives)
         d->s = target;
       step = fmin(fmin(2.0 * step, longest), most);
@@ -270,8 +294,10 @@ static attempt walk(km_drive *d, double target, double most, int *limit) {
       continue;
     may_cross = may_cross && !arrives;
     step = 0.5 * fabs(h);
-    if (step < shortest * fmax(1.0, fabs(d->s)))
+    if (step < (d->stopped ? leaving : shortest) * fmax(1.0, fabs(d->s))) {
+      d->stopped = true;
       return result;
+    }
   }
   d->largest = fmax(step, 1e-3);
   return ACCEPTED;
@@ -318,6 +344,24 @@ static km_reach drive_tree_joint(km_drive *d, double target) {
   return reach;
 }
 
+/* Is the goal the end itself? Then the pose there, which Newton approaches only slowly, is as good as any. */
+static bool touches(km_drive *d, double goal) {
+  const km_substructure *sub = driven(d);
+  if (!(fabs(d->s - goal) <= 1e-9))
+    return false;
+  km_closure evidence;
+  int worst;
+  km_state_save(d->state, sub, d->saved);
+  place_driver(d, goal);
+  km_close(d->mechanism, d->state, d->substructure, d->column, &evidence);
+  km_loops_update(d->mechanism, d->state, sub);
+  d->state->pivoted[d->substructure] = KM_NEVER;
+  if (km_loops_residual(d->mechanism, d->state, sub, &worst) <= between)
+    return true;
+  km_state_restore(d->state, sub, d->saved);
+  return false;
+}
+
 km_reach km_drive_to(km_drive *d, double target) {
   if (d->substructure < 0)
     return drive_tree_joint(d, target);
@@ -328,11 +372,10 @@ km_reach km_drive_to(km_drive *d, double target) {
   attempt result = ACCEPTED;
   if (d->s != goal) {
     bool ready = d->known || start(d);
-    bool alone = km_partition_freedom(&d->state->partition[d->substructure]) <= 1 ||
-                 d->state->pivoted[d->substructure] == KM_NEVER;
+    bool alone = km_partition_freedom(&d->reference) <= 1;
     result = !ready ? OPEN : alone ? walk(d, goal, longest, &limit) : walk_least(d, goal, &limit);
   }
-  if (result == ACCEPTED)
+  if (result == ACCEPTED || (result != LIMITED && touches(d, goal)))
     return (km_reach){KM_STOP_NONE, target, -1, -1};
   /* What was tried last has left another pose's Jacobian behind. */
   km_loops_update(m, d->state, driven(d));

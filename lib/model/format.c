@@ -106,14 +106,14 @@ static const km_field joint_fields[] = {
     {"pitch", NUMBER, UNIT(.length = 1)},
     {"active", BOOLEAN},
     {0}};
-static const km_object_format joint_format = {"joint", joint_fields};
+const km_object_format km_format_joint = {"joint", joint_fields};
 
 static const km_field coupling_fields[] = {{"name", STRING, REQUIRED},
                                            {"joints", SHAPE(PATHS), REQUIRED},
-                                           {"ratios", SHAPE(NUMBERS), REQUIRED, BY(RADIAN), UNIT(.length = -2)},
+                                           {"ratios", SHAPE(NUMBERS), REQUIRED, BY(RATIO)},
                                            {"active", BOOLEAN},
                                            {0}};
-static const km_object_format coupling_format = {"coupling", coupling_fields};
+const km_object_format km_format_coupling = {"coupling", coupling_fields};
 
 static const km_field port_fields[] = {{"type", STRING, REQUIRED},
                                        {"joint", SHAPE(PATH)},
@@ -121,31 +121,45 @@ static const km_field port_fields[] = {{"type", STRING, REQUIRED},
                                        {0}};
 static const km_object_format port_format = {"force_module_port", port_fields};
 
+static const km_field tire_fields[] = {{"unloaded_radius", NUMBER, UNIT(.length = 1)},
+                                       {"vertical_stiffness", NUMBER, UNIT(.force = 1, .length = -1)},
+                                       {"vertical_damping", NUMBER, UNIT(.force = 1, .time = 1, .length = -1)},
+                                       {"rolling_resistance", NUMBER, UNIT(.length = 1)},
+                                       {"width", NUMBER, UNIT(.length = 1)},
+                                       {"longitudinal_stiffness", NUMBER, UNIT(.force = 1)},
+                                       {"lateral_stiffness", NUMBER, UNIT(.force = 1)},
+                                       {"friction_peak", NUMBER},
+                                       {"friction_sliding", NUMBER},
+                                       {"relaxation_length_x", NUMBER, UNIT(.length = 1)},
+                                       {"relaxation_length_y", NUMBER, UNIT(.length = 1)},
+                                       {0}};
+static const km_object_format tire_format = {"tire", tire_fields};
+
 static const km_field module_fields[] = {{"name", STRING, REQUIRED},
                                          {"type", STRING, REQUIRED},
                                          {"input", OBJECT(port_format)},
                                          {"output", OBJECT(port_format)},
                                          {"distance_type", STRING},
-                                         {"knot_points", SHAPE(NUMBERS), BY(MODULE)},
-                                         {"coefficients", SHAPE(ROWS), BY(MODULE)},
-                                         {"table", SHAPE(ROWS), BY(MODULE)},
-                                         {"polynomial", SHAPE(NUMBERS), BY(MODULE)},
-                                         {"reference", SHAPE(ANY), BY(MODULE)},
-                                         {"kp", NUMBER, BY(MODULE)},
-                                         {"ki", NUMBER, BY(MODULE)},
-                                         {"kd", NUMBER, BY(MODULE)},
-                                         {"tire", SHAPE(ANY)},
+                                         {"knot_points", SHAPE(NUMBERS), BY(KNOTS)},
+                                         {"coefficients", SHAPE(ROWS), BY(PIECES)},
+                                         {"table", SHAPE(ROWS), BY(LAW_TABLE)},
+                                         {"polynomial", SHAPE(NUMBERS), BY(LAW_POLYNOMIAL)},
+                                         {"reference", NUMBER, BY(REFERENCE)},
+                                         {"kp", NUMBER, BY(GAIN)},
+                                         {"ki", NUMBER, BY(GAIN), UNIT(.time = -1)},
+                                         {"kd", NUMBER, BY(GAIN), UNIT(.time = 1)},
+                                         {"tire", OBJECT(tire_format)},
                                          {"active", BOOLEAN},
                                          {0}};
-static const km_object_format module_format = {"force_module", module_fields};
+const km_object_format km_format_module = {"force_module", module_fields};
 
 static const km_object_format assembly_format;
 static const km_field assembly_fields[] = {{"name", STRING, REQUIRED},
                                            {"active", BOOLEAN},
                                            {"bodies", OBJECTS(body_format)},
-                                           {"joints", OBJECTS(joint_format)},
-                                           {"couplings", OBJECTS(coupling_format)},
-                                           {"force_modules", OBJECTS(module_format)},
+                                           {"joints", OBJECTS(km_format_joint)},
+                                           {"couplings", OBJECTS(km_format_coupling)},
+                                           {"force_modules", OBJECTS(km_format_module)},
                                            {"lights", OBJECTS(light_format)},
                                            {"assemblies", OBJECTS(assembly_format)},
                                            {0}};

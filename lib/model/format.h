@@ -28,17 +28,21 @@ typedef enum km_shape {
   KM_SHAPE_ANY      /* kept as it is, not looked into */
 } km_shape;
 
-/* How a number's unit is found. */
+/* How a number's unit is found. All are multiplied by the field's own `dimension`. */
 typedef enum km_measure {
-  KM_MEASURE_FIXED,      /* `dimension` says it */
-  KM_MEASURE_COORDINATE, /* times the unit of the joint's coordinate, an angle in the angle unit */
-  KM_MEASURE_RADIAN,     /* times the unit of the joint's coordinate, an angle in radians */
-  KM_MEASURE_FORCE,      /* times the joint's generalised force */
-  KM_MEASURE_STIFFNESS,  /* times generalised force over coordinate, an angle in radians */
-  KM_MEASURE_POLYNOMIAL, /* item k: coordinate over (time)^k */
-  KM_MEASURE_TABLE,      /* rows of time and coordinate */
-  KM_MEASURE_MODULE,     /* a force module's own rule */
-  KM_MEASURE_SWEEP       /* the unit of the joint that `analysis.sweep` names */
+  KM_MEASURE_FIXED,          /* `dimension` alone */
+  KM_MEASURE_COORDINATE,     /* the joint's coordinate, an angle in the angle unit */
+  KM_MEASURE_RATIO,          /* one over the coupled coordinate, an angle in radians */
+  KM_MEASURE_STIFFNESS,      /* the joint's generalised force over its coordinate, an angle in radians */
+  KM_MEASURE_POLYNOMIAL,     /* item k: the joint's coordinate over time^k */
+  KM_MEASURE_TABLE,          /* rows of time and the joint's coordinate */
+  KM_MEASURE_SWEEP,          /* the coordinate that `analysis.sweep` drives */
+  KM_MEASURE_KNOTS,          /* a force module's variable */
+  KM_MEASURE_PIECES,         /* rows; item k: the module's force over its variable^k */
+  KM_MEASURE_LAW_TABLE,      /* rows of time and the module's force */
+  KM_MEASURE_LAW_POLYNOMIAL, /* item k: the module's force over time^k */
+  KM_MEASURE_REFERENCE,      /* the module's variable */
+  KM_MEASURE_GAIN            /* the module's force over its variable */
 } km_measure;
 
 typedef struct km_object_format km_object_format;
@@ -58,6 +62,8 @@ struct km_object_format {
 };
 
 extern const km_object_format km_format_model;
+/* Objects whose contents decide the units of numbers inside. */
+extern const km_object_format km_format_joint, km_format_coupling, km_format_module;
 
 const km_field *km_format_field(const km_object_format *format, const char *key); /* NULL if unknown */
 

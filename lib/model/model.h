@@ -42,6 +42,7 @@ typedef struct km_joint_def {
   int first_coordinate; /* into the coordinates */
   double pitch;
   const char *where;
+  const km_value *source; /* what was read */
 } km_joint_def;
 
 typedef struct km_coordinate_def {
@@ -52,6 +53,7 @@ typedef struct km_coordinate_def {
 
 typedef struct km_coupling_def {
   const char *name, *where;
+  const km_value *source; /* what was read */
   int count;
   int *coordinates;
   double *ratios;

@@ -146,12 +146,7 @@ static void add_coordinates(km_reader *reader, const km_value *value, const km_p
   double position[KM_MAX_FREEDOM], rate[KM_MAX_FREEDOM], damping[KM_MAX_FREEDOM];
   read_coordinates(reader, value, "initial_displacement", freedom, place, position);
   read_coordinates(reader, value, "initial_velocity", freedom, place, rate);
-  const km_value *given = km_value_get(value, "damping");
-  if (given && given->kind == KM_NUMBER)
-    for (int k = 0; k < freedom; ++k)
-      damping[k] = given->number;
-  else
-    read_coordinates(reader, value, "damping", freedom, place, damping);
+  read_coordinates(reader, value, "damping", freedom, place, damping);
   joint->first_coordinate = model->coordinate_count;
   model->coordinate_count += freedom;
   for (int k = 0; k < freedom; ++k)
@@ -162,7 +157,7 @@ static void add_coordinates(km_reader *reader, const km_value *value, const km_p
 
 static void read_joint(km_reader *reader, const km_value *value, int assembly, const km_place *place) {
   km_model *model = reader->model;
-  km_joint_def joint = {.assembly = assembly, .where = km_reader_where(reader, place)};
+  km_joint_def joint = {.assembly = assembly, .source = value, .where = km_reader_where(reader, place)};
   bool active = km_reader_active(value);
   if (active) {
     joint.name = km_reader_name(reader, value, place, &reader->joints, assembly, NULL);
@@ -312,7 +307,7 @@ static void read_coupling(km_reader *reader, const km_value *value, int assembly
   if (!km_reader_active(value))
     return;
   size_t count = km_value_get(value, "joints")->count;
-  km_coupling_def coupling = {.name = km_reader_string(value, "name"), .where = km_reader_where(reader, place)};
+  km_coupling_def coupling = {.source = value, .name = km_reader_string(value, "name"), .where = km_reader_where(reader, place)};
   coupling.coordinates = KM_ARENA_NEW(&model->arena, int, count);
   coupling.ratios = KM_ARENA_NEW(&model->arena, double, count);
   if (!model->arena.failed && coupled(reader, value, assembly, place, &coupling))

@@ -14,6 +14,7 @@ typedef struct path {
 
 static bool gather(const km_value *value, path *out) {
   out->count = 0;
+  out->names[0] = "";
   if (value->kind == KM_STRING) {
     out->names[out->count++] = value->string;
     return true;

@@ -1,8 +1,12 @@
 /* Coordinate partitioning of one constraint matrix: rank, dependent and independent columns, null space.
  * Knows matrices, never mechanisms. Sources: thesis 3.4, 4.1, 9.1; equations (163), (271), (275)-(279).
  *
- * Matrices are column-major. With P_r J P_cᵀ = [L; L_R][U U_R] the pivot rows are the primary constraints, the
- * pivot columns the dependent coordinates; B = U⁻¹U_R, q̇_d = −B q̇_i, N = [−B; I]. */
+ * Matrices are column-major. With P_r J P_cᵀ = [J_pd J_pi; …] the pivot rows p are the primary constraints, the
+ * pivot columns d the dependent coordinates; B = J_pd⁻¹J_pi, q̇_d = −B q̇_i, N = [−B; I].
+ *
+ * Gauss-Jordan: a pivot clears its column in the rows of earlier pivots too. The pivots are those of LU with the
+ * same order, and B stands ready when the last one is done. Rows and columns stay where they are; `row` and
+ * `column` say in which order they were used. */
 #ifndef KM_PARTITION_PARTITION_H
 #define KM_PARTITION_PARTITION_H
 
@@ -16,10 +20,15 @@ typedef struct km_partition {
   int rank;
   int *row;     /* [rows] row[0 … rank-1] are the primary constraints, in pivot order */
   int *column;  /* [columns] first the dependent coordinates in pivot order, then the independent ones */
-  double *lu;   /* [columns × rows, leading dimension `rows`] L (unit diagonal, below) and U, U_R of the primary rows */
+  int stride;   /* leading dimension of `reduced`: rows, rounded up to even */
+  double *reduced; /* [columns × stride] rows and columns in the matrix's order. Dependent column i: the multiples of
+                    * row[i] that step i subtracted from the others, 0 for itself. Independent: B before `inverse` */
+  double *inverse; /* [rank] reciprocals of the pivots */
   double *B;    /* [freedom × rank, leading dimension `rank`] */
+  double *work; /* [stride] */
   double scale; /* largest entry of the matrix */
   double first_pivot, last_pivot, first_dropped; /* magnitudes; first_dropped 0: nothing was left */
+  double smallest_pivot;       /* magnitude at the last search */
   double largest_b, pivoted_b; /* max |B_ij|, and its value when pivots were last searched */
   int sign;                    /* of the product of the pivots: flips where det of the pivot block does */
   unsigned searches;           /* how often pivots were searched */
@@ -34,8 +43,8 @@ bool km_partition_reserve(km_partition *partition, int rows, int columns, km_are
 void km_partition_factor(km_partition *partition, const double *matrix, int rows, int columns,
                          const bool *forced, double tolerance);
 
-/* The same pivots on new values, primary rows only, no search. False where max |B| passes twice its value at
- * the last search (or a pivot vanishes): then factor again. O(rank²·columns). */
+/* The same pivots on new values, no search. False where max |B| passes twice its value at the last search, a pivot
+ * vanishes or a value is not finite: then factor again. O(rows·rank·columns). */
 bool km_partition_refactor(km_partition *partition, const double *matrix);
 
 static inline int km_partition_freedom(const km_partition *p) { return p->columns - p->rank; }

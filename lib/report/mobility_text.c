@@ -143,15 +143,37 @@ static bool drives(const km_mechanism *m, const km_mobility_sweep *sweep, int dr
   return sweep->extremes[c].number > 1e-9;
 }
 
+/* The next best driver after the one of the given rank, by smallest number; ties in file order. */
+static int next_driver(const km_mechanism *m, const km_mobility_sweep *sweep, int driver, int last) {
+  int best = -1;
+  for (int c = 0; c < m->coordinate_count; ++c) {
+    if (!drives(m, sweep, driver, c))
+      continue;
+    double number = sweep->extremes[c].number;
+    bool after = last < 0 || number < sweep->extremes[last].number || (number == sweep->extremes[last].number && c > last);
+    if (after && (best < 0 || number > sweep->extremes[best].number))
+      best = c;
+  }
+  return best;
+}
+
 static void print_drivers(const km_mechanism *m, const km_sweep_plan *plan, const km_mobility_sweep *sweep, int width,
                           km_text *out) {
-  km_text_add(out, "  could drive the whole range:");
+  enum { MOST_NAMED = 10 };
   int found = 0;
   for (int c = 0; c < m->coordinate_count; ++c)
-    if (drives(m, sweep, plan->coordinate, c))
-      km_text_format(out, "%s %s (at least %.3f)", found++ ? "," : "", m->model->coordinates[c].label,
-                     sweep->extremes[c].number);
-  km_text_add(out, found ? "\n" : " none\n");
+    found += drives(m, sweep, plan->coordinate, c);
+  km_text_add(out, sweep->freedom > 1 ? "  keep their grip over the whole range:" : "  could drive the whole range:");
+  if (found == 0)
+    km_text_add(out, " none");
+  for (int i = 0, c = -1; i < found && i < MOST_NAMED; ++i) {
+    c = next_driver(m, sweep, plan->coordinate, c);
+    km_text_format(out, "%s %s (%s%.2g)", i ? "," : "", m->model->coordinates[c].label, i ? "" : "least number ",
+                   sweep->extremes[c].number);
+  }
+  if (found > MOST_NAMED)
+    km_text_format(out, " and %d more", found - MOST_NAMED);
+  km_text_add(out, "\n");
   const char *unit = km_model_coordinate_unit(m->model, plan->coordinate);
   for (int c = 0; c < m->coordinate_count; ++c) {
     int count = 0;

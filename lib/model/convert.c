@@ -1,0 +1,286 @@
+#include "model/convert.h"
+
+#include "model/format.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+/* What decides the units of numbers inside the object at hand. */
+typedef struct context {
+  km_joint_type type;                        /* inside a joint */
+  int joint;                                 /* its index, -1: left out */
+  const km_coupling_def *coupling;           /* inside a coupling; NULL: left out */
+  km_dimension variable, force;              /* inside a force module */
+} context;
+
+typedef struct indexed {
+  const km_value *source;
+  int index;
+} indexed;
+
+typedef struct converter {
+  const km_model *model;
+  const km_units *units;
+  const double *q;
+  km_arena *arena;
+  indexed *joints; /* sorted by source */
+} converter;
+
+static km_dimension product(km_dimension a, km_dimension b) {
+  return (km_dimension){(signed char)(a.angle + b.angle), (signed char)(a.length + b.length),
+                        (signed char)(a.mass + b.mass), (signed char)(a.time + b.time),
+                        (signed char)(a.force + b.force)};
+}
+
+static km_dimension power(km_dimension a, int n) {
+  km_dimension result = {0};
+  for (int i = 0; i < abs(n); ++i)
+    result = product(result, n < 0 ? (km_dimension){(signed char)-a.angle, (signed char)-a.length, (signed char)-a.mass,
+                                                    (signed char)-a.time, (signed char)-a.force}
+                                   : a);
+  return result;
+}
+
+static const km_dimension time_1 = {.time = 1}, length_1 = {.length = 1};
+
+/* A coordinate that counts radians. */
+static km_dimension plain(km_joint_type type, int k) {
+  return km_joint_is_length(type, k) ? length_1 : (km_dimension){0};
+}
+
+static km_dimension generalised_force(bool length) {
+  return length ? (km_dimension){.force = 1} : (km_dimension){.force = 1, .length = 1};
+}
+
+static int by_source(const void *a, const void *b) {
+  const km_value *x = ((const indexed *)a)->source, *y = ((const indexed *)b)->source;
+  return (x > y) - (x < y);
+}
+
+static int joint_of(const converter *c, const km_value *source) {
+  indexed key = {source, 0};
+  const indexed *found =
+      bsearch(&key, c->joints, (size_t)c->model->joint_count, sizeof key, by_source);
+  return found ? found->index : -1;
+}
+
+/* The dimension of number `item` of list `row` in a field. */
+static km_dimension measured(const converter *c, const context *at, const km_field *field, int row, int item) {
+  const km_sweep_def *sweep = &c->model->sweep;
+  switch (field->measure) {
+  case KM_MEASURE_COORDINATE:
+    return km_joint_dimension(at->type, field->shape == KM_SHAPE_COORDINATES ? item : row);
+  case KM_MEASURE_RATIO: {
+    if (!at->coupling)
+      return (km_dimension){0};
+    const km_coordinate_def *def = &c->model->coordinates[at->coupling->coordinates[item]];
+    return power(plain(c->model->joints[def->joint].type, def->index), -1);
+  }
+  case KM_MEASURE_STIFFNESS: {
+    bool length = km_joint_is_length(at->type, item);
+    return product(generalised_force(length), power(plain(at->type, item), -1));
+  }
+  case KM_MEASURE_POLYNOMIAL: return product(km_joint_dimension(at->type, 0), power(time_1, -item));
+  case KM_MEASURE_TABLE: return item == 0 ? time_1 : km_joint_dimension(at->type, 0);
+  case KM_MEASURE_SWEEP: {
+    if (sweep->coordinate < 0)
+      return (km_dimension){0};
+    const km_coordinate_def *def = &c->model->coordinates[sweep->coordinate];
+    return km_joint_dimension(c->model->joints[def->joint].type, def->index);
+  }
+  case KM_MEASURE_KNOTS:
+  case KM_MEASURE_REFERENCE: return at->variable;
+  case KM_MEASURE_PIECES: return product(at->force, power(at->variable, -item));
+  case KM_MEASURE_LAW_TABLE: return item == 0 ? time_1 : at->force;
+  case KM_MEASURE_LAW_POLYNOMIAL: return product(at->force, power(time_1, -item));
+  case KM_MEASURE_GAIN: return product(at->force, power(at->variable, -1));
+  default: return (km_dimension){0};
+  }
+}
+
+static double in_new_units(const converter *c, double number, km_dimension dimension) {
+  double from = km_units_factor(&c->model->units, dimension), to = km_units_factor(c->units, dimension);
+  return from == to ? number : number * (from / to);
+}
+
+static void copy(const converter *c, km_value *parent, const char *key, const km_value *value) {
+  km_value *twin = km_value_add(c->arena, parent, key, value->kind);
+  if (!twin)
+    return;
+  twin->number = value->number;
+  twin->string = km_arena_string(c->arena, value->string);
+  for (const km_value *v = value->first; v; v = v->next)
+    copy(c, twin, v->key, v);
+}
+
+/* A number, a list of them or a list of such lists, each in its unit. */
+static void convert_numbers(const converter *c, const context *at, const km_field *field, km_value *parent,
+                            const char *key, const km_value *value, int depth, int row, int item) {
+  if (value->kind == KM_NUMBER) {
+    km_dimension dimension = product(measured(c, at, field, row, item), field->dimension);
+    km_value_number(c->arena, parent, key, in_new_units(c, value->number, dimension));
+    return;
+  }
+  if (value->kind != KM_LIST) {
+    copy(c, parent, key, value);
+    return;
+  }
+  km_value *list = km_value_add(c->arena, parent, key, KM_LIST);
+  bool rows = depth == 0 && value->first && value->first->kind == KM_LIST;
+  int index = 0;
+  for (const km_value *v = value->first; v; v = v->next, ++index)
+    convert_numbers(c, at, field, list, NULL, v, depth + 1, rows ? index : row, rows ? 0 : index);
+}
+
+/* {label: coordinates} of `hold`. */
+static void convert_map(const converter *c, const km_value *value, km_value *parent) {
+  static const km_field field = {.key = "hold", .shape = KM_SHAPE_COORDINATES, .measure = KM_MEASURE_COORDINATE};
+  km_value *map = km_value_add(c->arena, parent, value->key, KM_OBJECT);
+  for (const km_value *v = value->first; v; v = v->next) {
+    int joint, coordinate;
+    context at = {0};
+    if (km_model_find_coordinate(c->model, v->key, &coordinate, NULL) == KM_OK) {
+      const km_coordinate_def *def = &c->model->coordinates[coordinate];
+      bool length = km_joint_is_length(c->model->joints[def->joint].type, def->index);
+      at.type = length ? KM_TX : KM_RX;
+    } else if (km_model_find_joint(c->model, v->key, &joint, NULL) == KM_OK) {
+      at.type = c->model->joints[joint].type;
+    }
+    convert_numbers(c, &at, &field, map, v->key, v, 0, 0, 0);
+  }
+}
+
+/* Does a port measure or push along a length (and not about an angle)? */
+static bool port_is_length(const converter *c, const km_value *port) {
+  const km_value *joint = port ? km_value_get(port, "joint") : NULL;
+  if (!joint)
+    return true;
+  const km_value *name = joint->kind == KM_LIST ? joint->last : joint;
+  int coordinate;
+  if (!name || km_model_find_coordinate(c->model, name->string, &coordinate, NULL) != KM_OK)
+    return false;
+  const km_coordinate_def *def = &c->model->coordinates[coordinate];
+  return km_joint_is_length(c->model->joints[def->joint].type, def->index);
+}
+
+static void enter_module(const converter *c, const km_value *module, context *at) {
+  const km_value *input = km_value_get(module, "input"), *output = km_value_get(module, "output");
+  const km_value *type = km_value_get(module, "type");
+  const char *word = type && type->string ? type->string : "";
+  bool rate = strcmp(word, "damping") == 0 || strcmp(word, "friction") == 0;
+  at->variable = port_is_length(c, input ? input : output) ? length_1 : (km_dimension){0};
+  at->force = generalised_force(port_is_length(c, output ? output : input));
+  if (rate)
+    at->variable = product(at->variable, power(time_1, -1));
+  if (strcmp(word, "motor") == 0)
+    at->variable = time_1;
+}
+
+static void enter(const converter *c, const km_object_format *format, const km_value *object, context *at) {
+  if (format == &km_format_joint) {
+    const km_value *type = km_value_get(object, "type");
+    int found = type && type->string ? km_joint_type_find(type->string) : -1;
+    at->type = found < 0 ? KM_RIGID : (km_joint_type)found;
+    at->joint = joint_of(c, object);
+  } else if (format == &km_format_module) {
+    enter_module(c, object, at);
+  } else if (format == &km_format_coupling) {
+    at->coupling = NULL;
+    for (int i = 0; i < c->model->coupling_count; ++i)
+      if (c->model->couplings[i].source == object)
+        at->coupling = &c->model->couplings[i];
+  }
+}
+
+static void convert_object(const converter *c, const context *outer, const km_object_format *format,
+                           const km_value *object, km_value *parent, const char *key);
+
+static void convert_field(const converter *c, const context *at, const km_field *field, const km_value *value,
+                          km_value *parent) {
+  switch (field ? field->shape : KM_SHAPE_ANY) {
+  case KM_SHAPE_OBJECT: convert_object(c, at, field->object, value, parent, value->key); break;
+  case KM_SHAPE_OBJECTS: {
+    km_value *list = km_value_add(c->arena, parent, value->key, KM_LIST);
+    for (const km_value *v = value->first; v; v = v->next)
+      convert_object(c, at, field->object, v, list, NULL);
+    break;
+  }
+  case KM_SHAPE_COORDINATE_MAP: convert_map(c, value, parent); break;
+  case KM_SHAPE_NUMBER:
+  case KM_SHAPE_VECTOR:
+  case KM_SHAPE_NUMBERS:
+  case KM_SHAPE_COORDINATES:
+  case KM_SHAPE_RANGE:
+  case KM_SHAPE_RANGES:
+  case KM_SHAPE_ROWS: convert_numbers(c, at, field, parent, value->key, value, 0, 0, 0); break;
+  default: copy(c, parent, value->key, value);
+  }
+}
+
+/* The pose of a joint that is in the model, in the new units. */
+static void write_displacement(const converter *c, int joint, km_value *parent) {
+  const km_joint_def *def = &c->model->joints[joint];
+  int freedom = km_model_freedom(c->model, joint);
+  double values[KM_MAX_FREEDOM];
+  for (int k = 0; k < freedom; ++k)
+    values[k] = in_new_units(c, c->q[def->first_coordinate + k], km_joint_dimension(def->type, k));
+  if (freedom == 1)
+    km_value_number(c->arena, parent, "initial_displacement", values[0]);
+  else if (freedom > 1)
+    km_value_numbers(c->arena, parent, "initial_displacement", values, (size_t)freedom);
+}
+
+static void convert_object(const converter *c, const context *outer, const km_object_format *format,
+                           const km_value *object, km_value *parent, const char *key) {
+  context at = *outer;
+  enter(c, format, object, &at);
+  km_value *twin = km_value_add(c->arena, parent, key, KM_OBJECT);
+  bool posed = format == &km_format_joint && c->q && at.joint >= 0;
+  for (const km_value *v = object->first; v && twin; v = v->next)
+    if (!posed || strcmp(v->key, "initial_displacement") != 0)
+      convert_field(c, &at, km_format_field(format, v->key), v, twin);
+  if (posed && twin)
+    write_displacement(c, at.joint, twin);
+}
+
+/* model_parameters with everything that a reader would otherwise assume. */
+static void convert_parameters(const converter *c, const km_value *parameters, km_value *parent) {
+  static const char *const stated[] = {"version", "units", "characteristic_length", NULL};
+  const km_field *field = km_format_field(&km_format_model, "model_parameters");
+  context at = {0};
+  km_value *twin = km_value_add(c->arena, parent, "model_parameters", KM_OBJECT);
+  if (!twin)
+    return;
+  km_value_string(c->arena, twin, "version", "1.0");
+  km_value *units = km_value_add(c->arena, twin, "units", KM_OBJECT);
+  km_units new = *c->units;
+  for (int q = 0; q < KM_QUANTITIES && units; ++q)
+    km_value_string(c->arena, units, km_quantity_name((km_quantity)q), (*km_units_slot(&new, (km_quantity)q))->word);
+  km_value_number(c->arena, twin, "characteristic_length",
+                  in_new_units(c, c->model->characteristic_length, length_1));
+  for (const km_value *v = parameters ? parameters->first : NULL; v; v = v->next) {
+    bool done = false;
+    for (const char *const *word = stated; *word; ++word)
+      done = done || strcmp(v->key, *word) == 0;
+    if (!done)
+      convert_field(c, &at, km_format_field(field->object, v->key), v, twin);
+  }
+}
+
+km_status km_model_convert(const km_model *model, const km_units *units, const double *q, km_arena *arena,
+                           const km_value **out, km_error *error) {
+  converter c = {model, units, q, arena, KM_ARENA_NEW(arena, indexed, (size_t)model->joint_count)};
+  km_value *root = km_value_add(arena, NULL, NULL, KM_OBJECT);
+  context at = {.joint = -1};
+  if (!arena->failed) {
+    for (int j = 0; j < model->joint_count; ++j)
+      c.joints[j] = (indexed){model->joints[j].source, j};
+    qsort(c.joints, (size_t)model->joint_count, sizeof *c.joints, by_source);
+    convert_parameters(&c, km_value_get(model->root, "model_parameters"), root);
+    for (const km_value *v = model->root->first; v; v = v->next)
+      if (strcmp(v->key, "model_parameters") != 0)
+        convert_field(&c, &at, km_format_field(&km_format_model, v->key), v, root);
+  }
+  *out = root;
+  return arena->failed ? km_fail(error, KM_MEMORY, "out of memory while converting the model") : KM_OK;
+}

@@ -1,0 +1,59 @@
+/* Orthonormal null spaces from a partition, and mobility numbers. */
+#include "partition/partition.h"
+
+#include <math.h>
+
+static double dot_of(const double *a, const double *b, int count) {
+  double sum = 0.0;
+  for (int i = 0; i < count; ++i)
+    sum += a[i] * b[i];
+  return sum;
+}
+
+static void normalise(double *z, int count) {
+  double inverse = 1.0 / sqrt(dot_of(z, z, count));
+  for (int i = 0; i < count; ++i)
+    z[i] *= inverse;
+}
+
+/* Modified Gram-Schmidt, twice: with a forced driver near its toggle N is badly conditioned, and one pass
+ * would leave its columns that much out of square. */
+static void orthonormalise(double *Z, int columns, int freedom) {
+  size_t n = (size_t)columns;
+  for (int k = 0; k < freedom; ++k) {
+    double *z = Z + (size_t)k * n;
+    for (int pass = 0; pass < (k ? 2 : 0); ++pass) {
+      for (int o = 0; o < k; ++o) {
+        const double *y = Z + (size_t)o * n;
+        double dot = dot_of(y, z, columns);
+        for (size_t i = 0; i < n; ++i)
+          z[i] -= dot * y[i];
+      }
+    }
+    normalise(z, columns);
+  }
+}
+
+void km_partition_null(const km_partition *p, const double *weight, int count, double *Z) {
+  const int rank = p->rank, *column = p->column;
+  for (int k = 0; k < count; ++k) {
+    double *z = Z + (size_t)k * (size_t)p->columns;
+    const double *b = p->B + (size_t)k * (size_t)rank;
+    for (int c = rank; c < p->columns; ++c)
+      z[column[c]] = 0.0;
+    for (int i = 0; i < rank; ++i)
+      z[column[i]] = -b[i] * weight[column[i]];
+    z[column[rank + k]] = weight[column[rank + k]];
+  }
+  orthonormalise(Z, p->columns, count);
+}
+
+void km_mobility_numbers(const double *Z, int columns, int freedom, double *numbers) {
+  for (int j = 0; j < columns; ++j)
+    numbers[j] = 0.0;
+  for (int k = 0; k < freedom; ++k) {
+    const double *z = Z + (size_t)k * (size_t)columns;
+    for (int j = 0; j < columns; ++j)
+      numbers[j] += z[j] * z[j];
+  }
+}

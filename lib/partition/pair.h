@@ -1,0 +1,66 @@
+/* Two doubles at a time, and the search for the largest entry of a matrix as a maximum of keys.
+ *
+ * A key is |x| with its lowest bits replaced by the entry's place, so that the maximum brings its place along and
+ * needs no branch. Two entries that agree to 2^-42 are a tie, which the earlier place wins. Lanes never mix before
+ * the last maximum, which doesn't depend on the order: the result is the same for any vector width. */
+#ifndef KM_PARTITION_PAIR_H
+#define KM_PARTITION_PAIR_H
+
+#include <stdint.h>
+#include <string.h>
+
+#ifdef __SSE2__
+#include <emmintrin.h>
+#endif
+
+typedef double km_pair __attribute__((vector_size(16), may_alias));
+typedef int64_t km_bits __attribute__((vector_size(16), may_alias));
+
+enum { KM_SLOT_BITS = 6, KM_ROW_BITS = 4, KM_PLACE_BITS = KM_SLOT_BITS + KM_ROW_BITS };
+#define KM_MAGNITUDE INT64_MAX
+#define KM_KEY       (INT64_MAX >> KM_PLACE_BITS << KM_PLACE_BITS)
+
+/* The larger in each lane; b where a is not a number. */
+static inline km_pair km_pair_larger(km_pair a, km_pair b) {
+#ifdef __SSE2__
+  return (km_pair)_mm_max_pd((__m128d)a, (__m128d)b);
+#else
+  return (km_pair){a[0] > b[0] ? a[0] : b[0], a[1] > b[1] ? a[1] : b[1]};
+#endif
+}
+
+static inline km_pair km_pair_masked(km_pair a, km_bits mask) { return (km_pair)((km_bits)a & mask); }
+
+static inline km_pair km_pair_key(km_pair a, km_bits mask, km_bits place) {
+  return (km_pair)(((km_bits)a & mask) | place);
+}
+
+static inline km_pair km_pair_load(const double *from) { /* from anywhere */
+  km_pair a;
+  memcpy(&a, from, sizeof a);
+  return a;
+}
+
+/* What a key says: the place, and whether it is one at all. An entry of 0 and a masked one have no place. */
+static inline int64_t km_key_bits(km_pair best) {
+  double key = best[0] > best[1] ? best[0] : best[1];
+  int64_t bits;
+  memcpy(&bits, &key, sizeof bits);
+  return bits;
+}
+static inline bool km_key_valid(int64_t bits) { return bits >> KM_PLACE_BITS != 0; }
+static inline int km_key_slot(int64_t bits) {
+  return (int)(~(bits >> KM_ROW_BITS) & ((1 << KM_SLOT_BITS) - 1));
+}
+static inline int km_key_row(int64_t bits) { return (int)(~bits & ((1 << KM_ROW_BITS) - 1)); }
+/* The place of rows `row` and row + 1 in slot 0, and what slot s takes away from it. */
+static inline km_bits km_place(int row) {
+  int64_t last = (1 << KM_PLACE_BITS) - 1;
+  return (km_bits){last - row, last - row - 1};
+}
+static inline km_bits km_place_slot(int slot) {
+  int64_t s = (int64_t)slot << KM_ROW_BITS;
+  return (km_bits){s, s};
+}
+
+#endif

@@ -1,0 +1,94 @@
+/* The `known` facts of every shipped model. */
+#include "support/support.h"
+
+#include "model/model.h"
+
+#include <string.h>
+
+static void expect(const km_value *known, const char *key, double found, double tolerance) {
+  const km_value *value = km_value_get(known, key);
+  if (value)
+    assert_near(found, value->number, tolerance);
+}
+
+static void check_model(const char *name) {
+  fixture f = fixture_open(name);
+  km_mobility mobility;
+  km_mobility_update(f.mechanism, f.state, &mobility);
+  const km_value *known = km_value_get(f.model->root, "known");
+  assert_non_null(known);
+  assert_non_null(km_value_get(f.model->root, "source"));
+  expect(known, "kutzbach", mobility.kutzbach, 0.0);
+  expect(known, "kutzbach_extended", mobility.kutzbach_extended, 0.0);
+  expect(known, "mobility", mobility.mobility, 0.0);
+  expect(known, "redundant_constraints", mobility.redundant_constraints, 0.0);
+  assert_true(mobility.residual <= 1e-12);
+  int rank = 0;
+  for (int s = 0; s < f.mechanism->topology.substructure_count; ++s)
+    rank += f.state->partition[s].rank;
+  expect(known, "rank", rank, 0.0);
+  const km_value *numbers = km_value_get(known, "mobility_numbers");
+  for (const km_value *n = numbers ? numbers->first : NULL; n; n = n->next) {
+    int coordinate;
+    km_error error;
+    if (km_model_find_coordinate(f.model, n->key, &coordinate, &error)) {
+      int joint;
+      assert_int_equal(km_model_find_joint(f.model, n->key, &joint, NULL), KM_OK);
+      assert_near(0.0, n->number, 0.0); /* a rigid joint's number */
+      continue;
+    }
+    assert_near(km_mobility_number(f.state, coordinate), n->number, 1e-9);
+  }
+  fixture_close(&f);
+}
+
+static void every_known_fact_holds(void **state) {
+  (void)state;
+  for (const char *const *name = all_models; *name; ++name)
+    check_model(*name);
+}
+
+/* Excavator, Table 7. */
+static void excavator_substructures(void **state) {
+  (void)state;
+  static const char *const expected[3] = {"C H I L M P Q ", "D J N R ", "E F G K O S T "};
+  fixture f = fixture_open("excavator");
+  const km_topology *t = &f.mechanism->topology;
+  assert_int_equal(t->substructure_count, 3);
+  for (int s = 0; s < 3; ++s) {
+    km_text text = {0};
+    for (int i = t->joint_start[s]; i < t->joint_start[s + 1]; ++i)
+      km_text_format(&text, "%s ", f.model->joints[t->joint[i]].label);
+    assert_string_equal(text.data, expected[s]);
+    km_text_free(&text);
+  }
+  fixture_close(&f);
+}
+
+/* theory.md 6: the robot's columns, v then ω. */
+static void robot_columns(void **state) {
+  (void)state;
+  static const double expected[6][7] = {{0.0000, -0.0134, -0.1356, -0.0256, 0.1756, -0.0123, -0.0936},
+                                        {0.0000, 0.0200, 0.0000, 0.1821, 0.0073, -0.3956, -0.0074},
+                                        {0.0000, -0.1343, 0.0136, 0.1766, -0.0106, -0.1770, 0.0040},
+                                        {0.0000, 0.9950, -0.0978, -0.9791, 0.0604, 0.9981, -0.0584},
+                                        {1.0000, 0.0000, 0.1986, -0.1947, -0.0038, -0.0040, 0.2024},
+                                        {0.0000, -0.0998, -0.9751, 0.0585, 0.9981, -0.0604, -0.9775}};
+  fixture f = fixture_open("robot7r");
+  km_poses_update(f.mechanism, f.state);
+  for (int c = 0; c < 7; ++c) {
+    km_twist h = column_in_space(&f, c);
+    /* The column is how the joint moves the effector: against the user's sense where that runs inwards. */
+    double sign = f.mechanism->topology.against[f.model->coordinates[c].joint] ? -1.0 : 1.0;
+    const double column[6] = {h.v.x, h.v.y, h.v.z, h.w.x, h.w.y, h.w.z};
+    for (int r = 0; r < 6; ++r)
+      assert_near(sign * column[r], expected[r][c], 5e-4);
+  }
+  fixture_close(&f);
+}
+
+int main(void) {
+  const struct CMUnitTest tests[] = {cmocka_unit_test(every_known_fact_holds),
+                                     cmocka_unit_test(excavator_substructures), cmocka_unit_test(robot_columns)};
+  return cmocka_run_group_tests(tests, NULL, NULL);
+}

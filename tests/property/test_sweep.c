@@ -1,0 +1,170 @@
+/* Driving: exact, on one branch, and independent of how the range is cut. */
+#include "support/support.h"
+
+#include "model/model.h"
+
+#include <stdio.h>
+#include <string.h>
+
+static km_mobility_sweep run(const char *name, int steps, double from_share, double to_share, bool ignore_limits) {
+  fixture f = fixture_open(name);
+  km_sweep_plan plan = km_sweep_plan_default(f.model);
+  double from = plan.from, length = plan.to - plan.from;
+  plan.from = from + from_share * length;
+  plan.to = from + to_share * length;
+  plan.steps = steps;
+  plan.ignore_limits = ignore_limits;
+  km_mobility_sweep sweep;
+  km_error error = {0};
+  km_status status = km_mobility_sweep_run(f.mechanism, f.state, &plan, &sweep, &error);
+  if (status && status != KM_PARTIAL)
+    fail_msg("%s: %s", name, error.text);
+  fixture_close(&f);
+  return sweep;
+}
+
+static bool has_one_freedom(const char *name) {
+  static const char *const several[] = {"stewart", "delta", NULL};
+  for (const char *const *s = several; *s; ++s)
+    if (strcmp(*s, name) == 0)
+      return false;
+  return true;
+}
+
+static void rows_do_not_depend_on_steps(void **state) {
+  (void)state;
+  for (const char *const *name = all_models; *name; ++name) {
+    if (!has_one_freedom(*name))
+      continue;
+    km_mobility_sweep coarse = run(*name, 12, 0.0, 1.0, false), fine = run(*name, 12 * 37, 0.0, 1.0, false);
+    assert_int_equal(coarse.end.stop, KM_STOP_NONE);
+    assert_int_equal(fine.end.stop, KM_STOP_NONE);
+    for (size_t r = 0; r <= 12; ++r)
+      for (size_t c = 1; c < km_table_columns(coarse.table); ++c)
+        assert_near(km_table_row(coarse.table, r)[c], km_table_row(fine.table, 37 * r)[c], 1e-8);
+    km_mobility_sweep_free(&coarse);
+    km_mobility_sweep_free(&fine);
+  }
+}
+
+/* With other freedoms the path of least motion is followed to 1e-4 a row. */
+static void least_motion_converges(void **state) {
+  (void)state;
+  for (const char *const *name = all_models; *name; ++name) {
+    if (has_one_freedom(*name))
+      continue;
+    km_mobility_sweep coarse = run(*name, 10, 0.4, 0.6, false), fine = run(*name, 80, 0.4, 0.6, false);
+    for (size_t r = 0; r <= 10; ++r)
+      for (size_t c = 1; c < km_table_columns(coarse.table); ++c)
+        assert_near(km_table_row(coarse.table, r)[c], km_table_row(fine.table, 8 * r)[c], 2e-3);
+    km_mobility_sweep_free(&coarse);
+    km_mobility_sweep_free(&fine);
+  }
+}
+
+static void the_way_back_is_the_way_there(void **state) {
+  (void)state;
+  for (const char *const *name = all_models; *name; ++name) {
+    if (!has_one_freedom(*name))
+      continue;
+    km_mobility_sweep there = run(*name, 40, 0.0, 1.0, false), back = run(*name, 40, 1.0, 0.0, false);
+    for (size_t r = 0; r <= 40; ++r)
+      for (size_t c = 1; c < km_table_columns(there.table); ++c)
+        assert_near(km_table_row(there.table, r)[c], km_table_row(back.table, 40 - r)[c], 1e-8);
+    km_mobility_sweep_free(&there);
+    km_mobility_sweep_free(&back);
+  }
+}
+
+static void same_input_same_bits(void **state) {
+  (void)state;
+  for (const char *const *name = all_models; *name; ++name) {
+    km_mobility_sweep a = run(*name, 30, 0.2, 0.4, false), b = run(*name, 30, 0.2, 0.4, false);
+    for (size_t r = 0; r < km_table_rows(a.table); ++r)
+      assert_memory_equal(km_table_row(a.table, r), km_table_row(b.table, r), km_table_columns(a.table) * sizeof(double));
+    km_mobility_sweep_free(&a);
+    km_mobility_sweep_free(&b);
+  }
+}
+
+/* A four-bar whose crank can only rock: the ends are where coupler and rocker stretch, by the cosine rule. */
+static void ends_are_located(void **state) {
+  (void)state;
+  static const char text[] =
+      "{\"fixed\": {\"frames\": [{\"name\": \"p\", \"T\": [4, 0, 0]}]}, \"assemblies\": [{\"name\": \"a\", \"bodies\": ["
+      "{\"name\": \"l\", \"frames\": [{\"name\": \"t\", \"T\": [3, 0, 0]}]}, {\"name\": \"c\", \"frames\": [{\"name\": \"t\", \"T\": [2, 0, 0]}]},"
+      "{\"name\": \"r\", \"frames\": [{\"name\": \"t\", \"T\": [2.5, 0, 0]}]}], \"joints\": ["
+      "{\"name\": \"A\", \"type\": \"Rz\", \"body_frame_pairs\": [\"fixed\", \"l\"], \"initial_displacement\": 0.9%s},"
+      "{\"name\": \"B\", \"type\": \"Rz\", \"body_frame_pairs\": [[\"l\", \"t\"], \"c\"], \"initial_displacement\": -1.0},"
+      "{\"name\": \"C\", \"type\": \"Rz\", \"body_frame_pairs\": [[\"c\", \"t\"], [\"r\", \"t\"]], \"initial_displacement\": 2.0},"
+      "{\"name\": \"D\", \"type\": \"Rz\", \"body_frame_pairs\": [[\"fixed\", \"p\"], \"r\"], \"initial_displacement\": 2.0}]}]}";
+  char buffer[2048];
+  for (int limited = 0; limited < 2; ++limited) {
+    snprintf(buffer, sizeof buffer, text, limited ? ", \"limits\": [0.4, 1.1]" : "");
+    fixture f = fixture_read(buffer);
+    double stretched = acos((16.0 + 9.0 - 4.5 * 4.5) / 24.0);
+    km_drive *drive;
+    assert_int_equal(km_drive_create(f.mechanism, f.state, 0, false, &drive, NULL), KM_OK);
+    km_reach reach = km_drive_to(drive, 3.0);
+    assert_int_equal(reach.stop, limited ? KM_STOP_LIMIT : KM_STOP_TOGGLE);
+    assert_near(reach.position, limited ? fmin(1.1, stretched) : stretched, 1e-9);
+    reach = km_drive_to(drive, 0.41); /* and back again */
+    assert_int_equal(reach.stop, KM_STOP_NONE);
+    assert_near(km_state_coordinate(f.state, 0), 0.41, 0.0);
+    km_drive_free(drive);
+    fixture_close(&f);
+  }
+}
+
+/* A parallelogram passes its change points as a parallelogram, also where a row stands exactly on one. */
+static void parallelogram_stays_one(void **state) {
+  (void)state;
+  static const char text[] =
+      "{\"fixed\": {\"frames\": [{\"name\": \"p\", \"T\": [2, 0, 0]}]}, \"assemblies\": [{\"name\": \"a\", \"bodies\": ["
+      "{\"name\": \"l\", \"frames\": [{\"name\": \"t\", \"T\": [1, 0, 0]}]}, {\"name\": \"c\", \"frames\": [{\"name\": \"t\", \"T\": [2, 0, 0]}]},"
+      "{\"name\": \"r\", \"frames\": [{\"name\": \"t\", \"T\": [1, 0, 0]}]}], \"joints\": ["
+      "{\"name\": \"A\", \"type\": \"Rz\", \"body_frame_pairs\": [\"fixed\", \"l\"], \"initial_displacement\": 1},"
+      "{\"name\": \"B\", \"type\": \"Rz\", \"body_frame_pairs\": [[\"l\", \"t\"], \"c\"], \"initial_displacement\": -1},"
+      "{\"name\": \"C\", \"type\": \"Rz\", \"body_frame_pairs\": [[\"c\", \"t\"], [\"r\", \"t\"]], \"initial_displacement\": 1},"
+      "{\"name\": \"D\", \"type\": \"Rz\", \"body_frame_pairs\": [[\"fixed\", \"p\"], \"r\"], \"initial_displacement\": 1}]}]}";
+  for (int steps = 30; steps < 40; ++steps) {
+    fixture f = fixture_read(text);
+    km_sweep_plan plan = {.coordinate = 0, .from = -2.0 * M_PI, .to = 2.0 * M_PI, .steps = steps};
+    km_mobility_sweep sweep;
+    assert_int_equal(km_mobility_sweep_run(f.mechanism, f.state, &plan, &sweep, NULL), KM_OK);
+    int a = km_table_find(sweep.table, "q.A"), d = km_table_find(sweep.table, "q.D");
+    for (size_t r = 0; r < km_table_rows(sweep.table); ++r)
+      assert_near(km_table_row(sweep.table, r)[a], km_table_row(sweep.table, r)[d], 1e-8);
+    km_mobility_sweep_free(&sweep);
+    fixture_close(&f);
+  }
+}
+
+static bool cancel(void *context, double done) {
+  (void)done;
+  return --*(int *)context > 0;
+}
+
+static void a_sweep_can_be_cancelled(void **state) {
+  (void)state;
+  fixture f = fixture_open("fourbar");
+  km_sweep_plan plan = km_sweep_plan_default(f.model);
+  int left = 5;
+  plan.progress = cancel;
+  plan.context = &left;
+  km_mobility_sweep sweep;
+  assert_int_equal(km_mobility_sweep_run(f.mechanism, f.state, &plan, &sweep, NULL), KM_CANCELLED);
+  assert_true(km_table_rows(sweep.table) < 10);
+  km_mobility_sweep_free(&sweep);
+  fixture_close(&f);
+}
+
+int main(void) {
+  const struct CMUnitTest tests[] = {
+      cmocka_unit_test(rows_do_not_depend_on_steps),   cmocka_unit_test(least_motion_converges),
+      cmocka_unit_test(the_way_back_is_the_way_there), cmocka_unit_test(same_input_same_bits),
+      cmocka_unit_test(ends_are_located),              cmocka_unit_test(parallelogram_stays_one),
+      cmocka_unit_test(a_sweep_can_be_cancelled),
+  };
+  return cmocka_run_group_tests(tests, NULL, NULL);
+}

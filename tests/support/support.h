@@ -1,0 +1,57 @@
+/* What the tests share: models as fixtures, random poses, an independent Jacobian. */
+#ifndef KM_TESTS_SUPPORT_H
+#define KM_TESTS_SUPPORT_H
+
+/* cmocka wants these first. */
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+
+#include <cmocka.h>
+
+#include "kinematics/state.h"
+#include "kmech/mobility_sweep.h"
+
+#include <stdbool.h>
+
+/* A model with its mechanism and an assembled state. */
+typedef struct fixture {
+  km_model *model;
+  km_mechanism *mechanism;
+  km_state *state;
+} fixture;
+
+/* Models of models/, without ending; NULL at the end. */
+extern const char *const all_models[];
+
+fixture fixture_open(const char *name);            /* models/NAME.json */
+fixture fixture_read(const char *json);            /* text */
+fixture fixture_of(km_model *model);               /* takes the model */
+void fixture_close(fixture *f);
+char *read_model_text(const char *name);           /* the caller frees it (km_free) */
+
+/* |a − b| ≤ tolerance, and neither is NaN. */
+#define assert_near(a, b, tolerance) assert_near_at((a), (b), (tolerance), #a, __FILE__, __LINE__)
+void assert_near_at(double a, double b, double tolerance, const char *what, const char *file, int line);
+
+/* Deterministic numbers: splitmix64. */
+typedef struct randomness {
+  uint64_t state;
+} randomness;
+double uniform(randomness *r, double low, double high);
+int below(randomness *r, int count);
+
+/* Drives random coordinates of every substructure by random amounts; the state stays closed. */
+void go_somewhere(fixture *f, randomness *r);
+
+/* Column of a coordinate in the inertial frame, from the bodies' poses: independent of the loop programs. */
+km_twist column_in_space(const fixture *f, int coordinate);
+/* The whole six-row Jacobian of a substructure (lengths over its size, about its first joint), rows × columns
+ * column-major; the caller frees it. rows = 6 · loops + couplings. */
+double *whole_jacobian(const fixture *f, int substructure, int *rows);
+
+/* Mobility numbers and rank of a substructure by LAPACKE's SVD of the whole Jacobian. */
+int numbers_by_svd(const fixture *f, int substructure, double *numbers);
+
+#endif

@@ -1,0 +1,124 @@
+/* Base services: numbers as text, names, records, JSON, tables, CSV. */
+#include "support/support.h"
+
+#include "base/json.h"
+#include "base/names.h"
+#include "report/csv.h"
+
+#include <float.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+static void check_number(double value, const char *expected) {
+  char text[KM_NUMBER_TEXT];
+  size_t length = km_number_format(text, value);
+  assert_int_equal(length, strlen(text));
+  if (expected)
+    assert_string_equal(text, expected);
+  assert_true(strtod(text, NULL) == value);
+}
+
+static void numbers_are_shortest_and_exact(void **state) {
+  (void)state;
+  check_number(0.1, "0.1");
+  check_number(1.0 / 3.0, "0.3333333333333333");
+  check_number(0.1 + 0.2, "0.30000000000000004");
+  check_number(-0.0, "-0");
+  check_number(1e22, "1e+22");
+  check_number(5e-324, "5e-324");
+  check_number(DBL_MAX, "1.7976931348623157e+308");
+  check_number(INFINITY, "inf");
+  check_number(-INFINITY, "-inf");
+  randomness r = {1};
+  for (int i = 0; i < 20000; ++i)
+    check_number(uniform(&r, -1.0, 1.0) * pow(10.0, uniform(&r, -300.0, 300.0)), NULL);
+}
+
+static void names_keep_their_scopes(void **state) {
+  (void)state;
+  km_names names = {0};
+  char text[1000][8];
+  for (int i = 0; i < 1000; ++i) {
+    snprintf(text[i], sizeof text[i], "n%d", i);
+    assert_true(km_names_set(&names, i % 7, text[i], i));
+  }
+  for (int i = 0; i < 1000; ++i) {
+    assert_int_equal(km_names_get(&names, i % 7, text[i]), i);
+    assert_int_equal(km_names_get(&names, i % 7 + 1, text[i]), -1);
+  }
+  km_names_free(&names);
+}
+
+static const km_value *parse(const char *text, km_arena *arena) {
+  const km_value *root = NULL;
+  km_error error;
+  if (km_json_parse(text, strlen(text), arena, &root, &error))
+    fail_msg("%s", error.text);
+  return root;
+}
+
+static void json_comes_back(void **state) {
+  (void)state;
+  const char *text = "\xEF\xBB\xBF{\"a\": [1, 2.5, -3e-7], \"b\\\"\\n\": {\"c\": null, \"d\": true}, \"e\": \"ä\\u0007\"}";
+  km_arena arena = {0};
+  km_text first = {0}, second = {0};
+  km_json_write(parse(text, &arena), &first);
+  km_json_write(parse(first.data, &arena), &second);
+  assert_string_equal(first.data, second.data);
+  assert_non_null(strstr(first.data, "\\u0007"));
+  km_text_free(&first);
+  km_text_free(&second);
+  km_arena_free(&arena);
+}
+
+static void bad_json_has_a_place(void **state) {
+  (void)state;
+  static const char *const bad[] = {"", "{", "[1,", "{\"a\": 1, \"a\": 2}", "[NaN]", "[1e999]", "[01]", "\"\\u0000\"", "[1] x"};
+  for (size_t i = 0; i < sizeof bad / sizeof *bad; ++i) {
+    km_arena arena = {0};
+    const km_value *root;
+    km_error error;
+    assert_int_equal(km_json_parse(bad[i], strlen(bad[i]), &arena, &root, &error), KM_MODEL);
+    assert_non_null(strstr(error.text, "line 1, column"));
+    km_arena_free(&arena);
+  }
+}
+
+static void csv_quotes_what_needs_it(void **state) {
+  (void)state;
+  km_table *table = km_table_create();
+  assert_int_equal(km_table_add_column(table, "s", NULL), 0);
+  assert_int_equal(km_table_add_column(table, "q.a,\"b\"", "mm"), 1);
+  double *row = km_table_add_row(table);
+  row[0] = 0.5;
+  row[1] = INFINITY;
+  km_table_add_row(table);
+  km_text out = {0};
+  km_csv_write(table, &out);
+  assert_string_equal(out.data, "s,\"q.a,\"\"b\"\"_mm\"\r\n0.5,inf\r\nnan,nan\r\n");
+  assert_int_equal(km_table_find(table, "q.a,\"b\""), 1);
+  km_text_free(&out);
+  km_table_free(table);
+}
+
+static void messages_stop_at_twenty_errors(void **state) {
+  (void)state;
+  km_messages *messages = km_messages_create();
+  for (int i = 0; i < 50; ++i)
+    km_messages_add(messages, KM_ERROR, "error %d", i);
+  km_messages_add(messages, KM_NOTE, "a note");
+  assert_int_equal(km_messages_errors(messages), 50);
+  assert_int_equal(km_messages_count(messages), 21);
+  assert_string_equal(km_messages_text(messages, 19), "error 19");
+  km_messages_free(messages);
+}
+
+int main(void) {
+  const struct CMUnitTest tests[] = {
+      cmocka_unit_test(numbers_are_shortest_and_exact), cmocka_unit_test(names_keep_their_scopes),
+      cmocka_unit_test(json_comes_back),                cmocka_unit_test(bad_json_has_a_place),
+      cmocka_unit_test(csv_quotes_what_needs_it),       cmocka_unit_test(messages_stop_at_twenty_errors),
+  };
+  return cmocka_run_group_tests(tests, NULL, NULL);
+}

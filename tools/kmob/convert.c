@@ -1,0 +1,206 @@
+/* kmob convert, new, schema: model files out. */
+#include "kmob/kmob.h"
+
+#include "base/file.h"
+#include "base/json.h"
+#include "base/memory.h"
+#include "model/convert.h"
+#include "model/format.h"
+
+#include <stdio.h>
+#include <string.h>
+#include <unistd.h>
+
+enum { OPTION_SET = 0x4001, OPTION_HOLD, OPTION_UNITS };
+
+typedef struct options {
+  kt_common common;
+  kmob_texts holds, sets;
+  const char *model, *file, *units;
+} options;
+
+static const struct argp_option convert_options[] = {
+    {"units", OPTION_UNITS, "LIST", 0, "Units to write: words or symbols, as millimeters,deg (default: the model's own)", 1},
+    {"set", OPTION_SET, "JOINT=VALUE", 0, "Write another pose: move a joint to a value", 1},
+    {"hold", OPTION_HOLD, "JOINT=VALUE", 0, "Keep a joint rigid at a value on the way", 1},
+    {"output", 'o', "FILE", 0, "Write FILE instead of the standard output", 1},
+    {0}};
+
+static const struct argp_option plain_options[] = {
+    {"output", 'o', "FILE", 0, "Write FILE instead of the standard output", 1}, {0}};
+
+static error_t parse(int key, char *arg, struct argp_state *state) {
+  options *o = state->input;
+  switch (key) {
+  case ARGP_KEY_INIT: state->child_inputs[0] = &o->common; return 0;
+  case OPTION_SET: kmob_texts_add(&o->sets, arg, state); return 0;
+  case OPTION_HOLD: kmob_texts_add(&o->holds, arg, state); return 0;
+  case OPTION_UNITS: o->units = arg; return 0;
+  case 'o': o->file = arg; return 0;
+  case ARGP_KEY_ARG:
+    if (o->model)
+      argp_error(state, "found a second argument \"%s\"; expected one", arg);
+    o->model = arg;
+    return 0;
+  default: return ARGP_ERR_UNKNOWN;
+  }
+}
+
+static kt_exit write_file(const options *o, const km_text *text) {
+  km_error error;
+  km_status status = km_file_write(o->file ? o->file : "-", text, &error);
+  if (status)
+    kt_say(&o->common, KM_ERROR, "%s", error.text);
+  return kt_exit_of(status);
+}
+
+static kt_exit write_value(const options *o, const km_value *value) {
+  km_text text = {0};
+  km_json_write(value, &text);
+  kt_exit result = write_file(o, &text);
+  km_text_free(&text);
+  return result;
+}
+
+/* A unit's word or symbol decides which quantity it is for. */
+static bool choose_unit(const char *word, km_units *units) {
+  for (int q = 0; q < KM_QUANTITIES; ++q) {
+    for (const km_unit *u = km_quantity_units((km_quantity)q); u->word; ++u) {
+      if (strcmp(u->word, word) != 0 && strcmp(u->suffix, word) != 0)
+        continue;
+      *km_units_slot(units, (km_quantity)q) = u;
+      return true;
+    }
+  }
+  return false;
+}
+
+static kt_exit choose_units(const options *o, km_units *units) {
+  const char *rest = o->units;
+  for (char last = o->units ? ',' : 0; last == ',';) {
+    kt_piece piece = kt_split(&rest, ",");
+    last = piece.separator;
+    bool known = piece.text && choose_unit(piece.text, units);
+    if (!known)
+      kt_say(&o->common, KM_ERROR,
+             "--units %s: \"%s\" is not a unit; expected some of radians degrees, meters millimeters centimeters inches, "
+             "kilograms grams pounds, seconds milliseconds, newtons pounds-force",
+             o->units, piece.text ? piece.text : "");
+    km_free(piece.text);
+    if (!known)
+      return KT_USAGE;
+  }
+  return KT_DONE;
+}
+
+static kt_exit convert_pose(const options *o, const kmob_pose *pose) {
+  km_units units = pose->model->units;
+  kt_exit result = choose_units(o, &units);
+  if (result != KT_DONE)
+    return result;
+  km_arena arena = {0};
+  km_error error;
+  const km_value *value = NULL;
+  double *q = KM_ARENA_NEW(&arena, double, (size_t)pose->model->coordinate_count);
+  for (int c = 0; q && c < pose->model->coordinate_count; ++c)
+    q[c] = km_state_coordinate(pose->state, c);
+  km_status status = q ? km_model_convert(pose->model, &units, q, &arena, &value, &error)
+                       : km_fail(&error, KM_MEMORY, "out of memory");
+  if (status)
+    kt_say(&o->common, KM_ERROR, "%s: %s", o->model, error.text);
+  result = status ? kt_exit_of(status) : write_value(o, value);
+  km_arena_free(&arena);
+  return result;
+}
+
+static options read_options(const struct argp_option *table, const char *arguments, const char *about, int argc,
+                            char **argv) {
+  const struct argp_child children[] = {{&kt_common_argp, 0, NULL, 90}, {0}};
+  const struct argp argp = {table, parse, arguments, about, children, NULL, NULL};
+  options o = {.common = {.tool = "kmob", .jobs = 1, .seed = 1}};
+  kt_parse(&argp, argc, argv, &o);
+  return o;
+}
+
+kt_exit kmob_convert(int argc, char **argv) {
+  options o = read_options(convert_options, "MODEL", "Write the checked model: other units, the assembled pose.", argc, argv);
+  if (!o.model) {
+    kt_say(&o.common, KM_ERROR, "no model is given (kmob convert --help)");
+    return KT_USAGE;
+  }
+  kmob_pose pose;
+  kt_exit result = kmob_open(&o.common, o.model, &o.holds, &o.sets, &pose);
+  if (result == KT_DONE)
+    result = convert_pose(&o, &pose);
+  kmob_close(&pose);
+  return result;
+}
+
+/* A crank-rocker: small enough to read, complete enough to change. */
+static const char starter[] =
+    "{\n"
+    "  \"model_parameters\": {\n"
+    "    \"version\": \"1.0\",\n"
+    "    \"units\": {\"angle\": \"degrees\", \"length\": \"millimeters\"}\n"
+    "  },\n"
+    "  \"fixed\": {\"frames\": [{\"name\": \"rocker_pivot\", \"T\": [80, 0, 0]}]},\n"
+    "  \"assemblies\": [{\n"
+    "    \"name\": \"linkage\",\n"
+    "    \"bodies\": [\n"
+    "      {\"name\": \"crank\", \"frames\": [{\"name\": \"tip\", \"T\": [20, 0, 0]}]},\n"
+    "      {\"name\": \"coupler\", \"frames\": [{\"name\": \"tip\", \"T\": [70, 0, 0]}, {\"name\": \"tracer\", \"T\": [35, 30, 0]}]},\n"
+    "      {\"name\": \"rocker\", \"frames\": [{\"name\": \"tip\", \"T\": [50, 0, 0]}]}\n"
+    "    ],\n"
+    "    \"joints\": [\n"
+    "      {\"name\": \"A\", \"type\": \"Rz\", \"body_frame_pairs\": [[\"fixed\", \"origin\"], [\"crank\", \"origin\"]], \"initial_displacement\": 60},\n"
+    "      {\"name\": \"B\", \"type\": \"Rz\", \"body_frame_pairs\": [[\"crank\", \"tip\"], [\"coupler\", \"origin\"]], \"initial_displacement\": -30},\n"
+    "      {\"name\": \"C\", \"type\": \"Rz\", \"body_frame_pairs\": [[\"coupler\", \"tip\"], [\"rocker\", \"tip\"]], \"initial_displacement\": 70},\n"
+    "      {\"name\": \"D\", \"type\": \"Rz\", \"body_frame_pairs\": [[\"fixed\", \"rocker_pivot\"], [\"rocker\", \"origin\"]], \"initial_displacement\": 100}\n"
+    "    ]\n"
+    "  }],\n"
+    "  \"analysis\": {\n"
+    "    \"sweep\": {\"joint\": \"A\", \"range\": [0, 360], \"steps\": 180},\n"
+    "    \"mechanical_advantage\": {\"input\": \"A\", \"output\": \"D\"}\n"
+    "  }\n"
+    "}\n";
+
+kt_exit kmob_new(int argc, char **argv) {
+  static const struct argp_option none[] = {{0}};
+  options o = read_options(none, "NAME", "Write NAME.json, a four-bar linkage to start from; - is the standard output.",
+                           argc, argv);
+  if (!o.model) {
+    kt_say(&o.common, KM_ERROR, "no name is given (kmob new --help)");
+    return KT_USAGE;
+  }
+  km_text text = {0}, path = {0};
+  km_text_add(&text, starter);
+  size_t length = strlen(o.model);
+  bool named = length > 5 && strcmp(o.model + length - 5, ".json") == 0;
+  km_text_format(&path, "%s%s", o.model, named || strcmp(o.model, "-") == 0 ? "" : ".json");
+  kt_exit result = KT_INTERNAL;
+  o.file = path.data;
+  if (path.data && strcmp(path.data, "-") != 0 && access(path.data, F_OK) == 0) {
+    kt_say(&o.common, KM_ERROR, "%s: exists already; expected a new name", path.data);
+    result = KT_USAGE;
+  } else if (path.data) {
+    result = write_file(&o, &text);
+    if (result == KT_DONE && strcmp(path.data, "-") != 0 && !o.common.quiet)
+      printf("wrote %s; try: kmob sweep %s\n", path.data, path.data);
+  }
+  km_text_free(&text);
+  km_text_free(&path);
+  return result;
+}
+
+kt_exit kmob_schema(int argc, char **argv) {
+  options o = read_options(plain_options, "", "The JSON schema of the model format.", argc, argv);
+  if (o.model) {
+    kt_say(&o.common, KM_ERROR, "found \"%s\"; expected no argument", o.model);
+    return KT_USAGE;
+  }
+  km_arena arena = {0};
+  const km_value *schema = km_format_schema(&arena);
+  kt_exit result = schema ? write_value(&o, schema) : KT_INTERNAL;
+  km_arena_free(&arena);
+  return result;
+}
