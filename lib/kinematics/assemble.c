@@ -7,15 +7,16 @@
 /* From this misfit on (scaled rms), what is left is open geometry and not rounding. */
 static const double rounding = 5e-3;
 
-/* Newton from where the state is, else damped least squares from there and Newton again. The other
- * substructures' coordinates aren't touched. */
+/* Newton from where the state is, else damped least squares from there and Newton again. Equations that
+ * contradict each other by rounding alone are left to the caller: least squares would wander off along the
+ * motion that they hide. The other substructures' coordinates aren't touched. */
 static km_closure_outcome assemble_one(const km_mechanism *m, km_state *s, int index, double *saved,
                                        km_closure *evidence, km_status *status, km_error *error) {
   const km_substructure *sub = &m->substructures[index];
   km_state_save(s, sub, saved);
   s->pivoted[index] = KM_NEVER;
   km_closure_outcome outcome = km_close(m, s, index, KM_NO_DRIVER, evidence);
-  if (outcome == KM_CLOSED)
+  if (outcome == KM_CLOSED || (outcome == KM_INCONSISTENT && evidence->residual < rounding))
     return outcome;
   km_state_restore(s, sub, saved);
   *status = km_relax(m, s, index, error);
@@ -56,14 +57,14 @@ static trial try_tolerance(const km_mechanism *m, int index, double tolerance) {
 
 /* The smallest tolerance of the 1-2-5 ladder that closes, with the same rank two rungs higher, which is the
  * one to name: the misfit of other poses may be larger than this one's. 0: none. */
-static double fitting_tolerance(const km_mechanism *m, int index, int *mobility) {
+static double fitting_tolerance(const km_mechanism *m, int index, int least_mobility, int *mobility) {
   static const double ladder[] = {1e-9, 2e-9, 5e-9, 1e-8, 2e-8, 5e-8, 1e-7, 2e-7, 5e-7, 1e-6,
                                   2e-6, 5e-6, 1e-5, 2e-5, 5e-5, 1e-4, 2e-4, 5e-4, 1e-3, 2e-3};
   for (size_t i = 0; i + 2 < sizeof ladder / sizeof *ladder; ++i) {
     if (ladder[i] <= m->closure_tolerance)
       continue;
     trial tight = try_tolerance(m, index, ladder[i]), loose = try_tolerance(m, index, ladder[i + 2]);
-    if (!tight.closes || !loose.closes || tight.rank != loose.rank)
+    if (!tight.closes || !loose.closes || tight.rank != loose.rank || tight.freedom < least_mobility)
       continue;
     *mobility = loose.freedom;
     return ladder[i + 2];
@@ -91,7 +92,7 @@ static km_status report_open(const km_mechanism *m, const km_state *s, int index
   else
     km_text_format(&text, "a coupling of substructure %d can't be met: %.4g is left", index + 1, evidence->residual);
   int mobility = 0;
-  double tolerance = evidence->residual < rounding ? fitting_tolerance(m, index, &mobility) : 0.0;
+  double tolerance = evidence->residual < rounding ? fitting_tolerance(m, index, 0, &mobility) : 0.0;
   if (tolerance > 0.0)
     km_text_format(&text,
                    "; expected closed loops (for rounded data, \"closure_tolerance\": %g in model_parameters would do, "
@@ -104,6 +105,25 @@ static km_status report_open(const km_mechanism *m, const km_state *s, int index
   return status;
 }
 
+/* A structure whose last pivot is as small as rounding makes it, and that would move without it, is a
+ * mechanism whose file was rounded: a loop of six hinges closes even then, but stands still. A file that states
+ * its closure tolerance has had its say. */
+static km_status check_rigid(const km_mechanism *m, const km_state *s, int index, km_error *error) {
+  const km_partition *p = &s->partition[index];
+  if (m->closure_tolerance_given || p->rank == 0 || km_partition_freedom(p) > 0 || p->last_pivot > 1e-4 * p->scale)
+    return KM_OK;
+  int mobility;
+  double tolerance = fitting_tolerance(m, index, 1, &mobility);
+  if (tolerance == 0.0)
+    return KM_OK;
+  return km_fail(error, KM_MODEL,
+                 "substructure %d (joint %s and others) is rigid by a constraint of size %.2g alone, as rounded data "
+                 "makes it; expected exact data, or \"closure_tolerance\": %g in model_parameters, which gives it "
+                 "mobility %d (1e-9 keeps it rigid)",
+                 index + 1, m->model->joints[m->topology.joint[m->topology.joint_start[index]]].label,
+                 p->last_pivot / p->scale, tolerance, mobility);
+}
+
 static km_status assemble_all(const km_mechanism *m, km_state *s, double *saved, km_assembly *total,
                               km_error *error) {
   for (int i = 0; i < m->topology.substructure_count; ++i) {
@@ -114,6 +134,9 @@ static km_status assemble_all(const km_mechanism *m, km_state *s, double *saved,
       return status;
     if (outcome != KM_CLOSED)
       return report_open(m, s, i, &evidence, error);
+    status = check_rigid(m, s, i, error);
+    if (status)
+      return status;
     if (evidence.residual > total->residual) {
       total->residual = evidence.residual;
       total->worst_loop = evidence.worst;

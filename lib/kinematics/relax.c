@@ -75,8 +75,9 @@ km_status km_relax(const km_mechanism *m, km_state *s, int substructure, km_erro
   const km_substructure *sub = &m->substructures[substructure];
   if (sub->columns == 0)
     return KM_OK;
-  /* An iteration that stalls is an outcome here, not a reason to abort. */
-  gsl_error_handler_t *handler = gsl_set_error_handler_off();
+  /* An iteration that stalls is an outcome here, not a reason to abort. The handler is the process's: it
+   * stays off, since putting it back would race with other threads. */
+  gsl_set_error_handler_off();
   km_arena scratch = {0};
   problem p = {m, s, sub, KM_ARENA_NEW(&scratch, double, (size_t)(KM_SAVED_PER_COLUMN * sub->columns)),
                KM_ARENA_NEW(&scratch, double, (size_t)sub->columns)};
@@ -88,6 +89,5 @@ km_status km_relax(const km_mechanism *m, km_state *s, int substructure, km_erro
     status = minimise(&p, error);
   }
   km_arena_free(&scratch);
-  gsl_set_error_handler(handler);
   return status;
 }

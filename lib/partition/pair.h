@@ -20,20 +20,18 @@ enum { KM_SLOT_BITS = 6, KM_ROW_BITS = 4, KM_PLACE_BITS = KM_SLOT_BITS + KM_ROW_
 #define KM_MAGNITUDE INT64_MAX
 #define KM_KEY       (INT64_MAX >> KM_PLACE_BITS << KM_PLACE_BITS)
 
-/* The larger in each lane; b where a is not a number. */
-static inline km_pair km_pair_larger(km_pair a, km_pair b) {
+/* The larger in each lane, b where a is not a number; and logic on the bits. */
 #ifdef __SSE2__
-  return (km_pair)_mm_max_pd((__m128d)a, (__m128d)b);
+static inline km_pair km_pair_larger(km_pair a, km_pair b) { return (km_pair)_mm_max_pd((__m128d)a, (__m128d)b); }
+static inline km_pair km_pair_and(km_pair a, km_pair b) { return (km_pair)_mm_and_pd((__m128d)a, (__m128d)b); }
+static inline km_pair km_pair_or(km_pair a, km_pair b) { return (km_pair)_mm_or_pd((__m128d)a, (__m128d)b); }
 #else
+static inline km_pair km_pair_larger(km_pair a, km_pair b) {
   return (km_pair){a[0] > b[0] ? a[0] : b[0], a[1] > b[1] ? a[1] : b[1]};
+}
+static inline km_pair km_pair_and(km_pair a, km_pair b) { return (km_pair)((km_bits)a & (km_bits)b); }
+static inline km_pair km_pair_or(km_pair a, km_pair b) { return (km_pair)((km_bits)a | (km_bits)b); }
 #endif
-}
-
-static inline km_pair km_pair_masked(km_pair a, km_bits mask) { return (km_pair)((km_bits)a & mask); }
-
-static inline km_pair km_pair_key(km_pair a, km_bits mask, km_bits place) {
-  return (km_pair)(((km_bits)a & mask) | place);
-}
 
 static inline km_pair km_pair_load(const double *from) { /* from anywhere */
   km_pair a;
@@ -48,19 +46,20 @@ static inline int64_t km_key_bits(km_pair best) {
   memcpy(&bits, &key, sizeof bits);
   return bits;
 }
-static inline bool km_key_valid(int64_t bits) { return bits >> KM_PLACE_BITS != 0; }
-static inline int km_key_slot(int64_t bits) {
-  return (int)(~(bits >> KM_ROW_BITS) & ((1 << KM_SLOT_BITS) - 1));
-}
-static inline int km_key_row(int64_t bits) { return (int)(~bits & ((1 << KM_ROW_BITS) - 1)); }
-/* The place of rows `row` and row + 1 in slot 0, and what slot s takes away from it. */
-static inline km_bits km_place(int row) {
-  int64_t last = (1 << KM_PLACE_BITS) - 1;
-  return (km_bits){last - row, last - row - 1};
-}
-static inline km_bits km_place_slot(int slot) {
-  int64_t s = (int64_t)slot << KM_ROW_BITS;
+static inline bool km_key_valid(int64_t key) { return key >> KM_PLACE_BITS != 0; }
+static inline int km_key_place(int64_t key) { return (int)(~key & ((1 << KM_PLACE_BITS) - 1)); }
+static inline int km_place_slot(int place) { return place >> KM_ROW_BITS; }
+static inline int km_place_row(int place) { return place & ((1 << KM_ROW_BITS) - 1); }
+
+/* What to mix into the keys: of any row in slot s (and of the next slot: less KM_NEXT_SLOT), and of rows r, r + 1. */
+static inline km_bits km_slot_bits(int slot) {
+  int64_t s = (int64_t)(((1 << KM_SLOT_BITS) - 1 - slot) << KM_ROW_BITS);
   return (km_bits){s, s};
+}
+#define KM_NEXT_SLOT ((km_bits){1 << KM_ROW_BITS, 1 << KM_ROW_BITS})
+static inline km_pair km_row_bits(int row) {
+  int64_t last = (1 << KM_ROW_BITS) - 1;
+  return (km_pair)(km_bits){last - row, last - row - 1};
 }
 
 #endif

@@ -12,6 +12,7 @@ bool km_partition_reserve(km_partition *p, int rows, int columns, km_arena *aren
                       .reduced = KM_ARENA_NEW(arena, double, stride *c),
                       .inverse = KM_ARENA_NEW(arena, double, r < c ? r : c),
                       .B = KM_ARENA_NEW(arena, double, r *c),
+                      .place = KM_ARENA_NEW(arena, int, r < c ? r : c),
                       .work = KM_ARENA_NEW(arena, double, stride)};
   return !arena->failed;
 }

@@ -25,6 +25,7 @@ typedef struct km_partition {
                     * row[i] that step i subtracted from the others, 0 for itself. Independent: B before `inverse` */
   double *inverse; /* [rank] reciprocals of the pivots */
   double *B;    /* [freedom × rank, leading dimension `rank`] */
+  int *place;   /* [rank] where the last search found each pivot: a guess for the next one */
   double *work; /* [stride] */
   double scale; /* largest entry of the matrix */
   double first_pivot, last_pivot, first_dropped; /* magnitudes; first_dropped 0: nothing was left */

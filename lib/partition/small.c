@@ -3,28 +3,41 @@
 
 #include <math.h>
 
-/* Every function below takes the stride as a constant and is inlined, once for each stride: the loops over a
- * column's pairs are then unrolled, and what is kept for each row stays in registers. */
-#define INLINE  static inline __attribute__((always_inline))
-#define EACH(i) _Pragma("GCC unroll 6") for (int i = 0; i < stride / 2; ++i)
+/* Every function below takes the stride as a constant and is inlined, once for each stride: what is kept for each
+ * pair of rows then stays in registers. gcc -O2 leaves such loops rolled up, hence the macro: statements for each
+ * pair i of a column. */
+#define INLINE static inline __attribute__((always_inline))
+#define PAIR(number, ...)                                                                                              \
+  if (2 * number < stride) {                                                                                           \
+    enum { i = number };                                                                                               \
+    __VA_ARGS__                                                                                                        \
+  }
+#define EACH_PAIR(...)                                                                                                 \
+  do {                                                                                                                 \
+    PAIR(0, __VA_ARGS__)                                                                                               \
+    PAIR(1, __VA_ARGS__)                                                                                               \
+    PAIR(2, __VA_ARGS__)                                                                                               \
+    PAIR(3, __VA_ARGS__)                                                                                               \
+    PAIR(4, __VA_ARGS__)                                                                                               \
+    PAIR(5, __VA_ARGS__)                                                                                               \
+  } while (0)
 enum { PAIRS = KM_SMALL_ROWS / 2 };
 
 typedef struct search {
-  km_bits open[PAIRS];  /* key mask of rows that hold no pivot yet, 0 of the others */
-  km_bits place[PAIRS]; /* of slot 0 */
-  km_pair best[PAIRS];
+  km_pair open[PAIRS]; /* key mask of rows that hold no pivot yet, 0 of the others */
+  km_pair best[PAIRS]; /* the largest key so far, without its row */
 } search;
 
-INLINE void note(search *s, int slot, int i, km_pair x) {
-  s->best[i] = km_pair_larger(km_pair_key(x, s->open[i], s->place[i] - km_place_slot(slot)), s->best[i]);
+INLINE void note(search *s, km_bits slot, int i, km_pair x) {
+  s->best[i] = km_pair_larger(km_pair_or(km_pair_and(x, s->open[i]), (km_pair)slot), s->best[i]);
 }
 
 INLINE int64_t take_best(search *s, const int stride) {
-  km_pair best = s->best[0];
-  EACH(i) {
-    best = km_pair_larger(s->best[i], best);
+  km_pair best = {0.0, 0.0};
+  EACH_PAIR(
+    best = km_pair_larger(km_pair_or(s->best[i], km_row_bits(2 * i)), best);
     s->best[i] = (km_pair){0.0, 0.0};
-  }
+  );
   return km_key_bits(best);
 }
 
@@ -36,24 +49,25 @@ INLINE km_pair read(const double *column, int rows, int i, const int stride) {
 }
 
 INLINE int64_t load(km_partition *p, const double *matrix, search *s, int candidates, const int stride) {
+  const km_pair magnitude = (km_pair)(km_bits){KM_MAGNITUDE, KM_MAGNITUDE};
   km_pair scale = {0.0, 0.0};
-  EACH(i) {
-    s->open[i] = (km_bits){KM_KEY, 2 * i + 1 < p->rows ? KM_KEY : 0};
-    s->place[i] = km_place(2 * i);
+  EACH_PAIR(
+    s->open[i] = (km_pair)(km_bits){KM_KEY, 2 * i + 1 < p->rows ? KM_KEY : 0};
     s->best[i] = (km_pair){0.0, 0.0};
-  }
+  );
   const int rows = p->rows, columns = p->columns, *const column = p->column;
   double *const reduced = p->reduced;
-  for (int k = 0; k < columns; ++k) {
+  km_bits slot = km_slot_bits(0);
+  for (int k = 0; k < columns; ++k, slot -= KM_NEXT_SLOT) {
     const double *from = matrix + (size_t)(column[k] * rows);
     km_pair *to = (km_pair *)(reduced + (size_t)(column[k] * stride));
-    EACH(i) {
+    EACH_PAIR(
       km_pair x = read(from, rows, i, stride);
       to[i] = x;
-      scale = km_pair_larger(km_pair_masked(x, (km_bits){KM_MAGNITUDE, KM_MAGNITUDE}), scale);
+      scale = km_pair_larger(km_pair_and(x, magnitude), scale);
       if (k < candidates)
-        note(s, k, i, x);
-    }
+        note(s, slot, i, x);
+  );
   }
   p->scale = scale[0] > scale[1] ? scale[0] : scale[1];
   return take_best(s, stride);
@@ -61,52 +75,67 @@ INLINE int64_t load(km_partition *p, const double *matrix, search *s, int candid
 
 /* Only the columns from … columns-1, when those before are used up. */
 INLINE int64_t look(const km_partition *p, search *s, int from, const int stride) {
-  for (int k = from; k < p->columns; ++k) {
+  km_bits slot = km_slot_bits(from);
+  for (int k = from; k < p->columns; ++k, slot -= KM_NEXT_SLOT) {
     const km_pair *x = (const km_pair *)(p->reduced + (size_t)(p->column[k] * stride));
-    EACH(i) note(s, k, i, x[i]);
+    EACH_PAIR(note(s, slot, i, x[i]);
+  );
   }
   return take_best(s, stride);
 }
 
 /* Subtracts the pivot row from the others; the multiples take the pivot column's place. */
-INLINE void multiples(km_partition *p, int step, int row, km_pair *l, km_bits *others, const int stride) {
+INLINE void multiples(km_partition *p, int step, int row, km_pair *l, km_pair *others, const int stride) {
   double *column = p->reduced + (size_t)(p->column[step] * stride);
   double inverse = 1.0 / column[row], r = row;
   p->inverse[step] = inverse;
   p->row[step] = row;
-  EACH(i) {
-    others[i] = (km_bits)((km_pair){2 * i, 2 * i + 1} != (km_pair){r, r});
-    l[i] = km_pair_masked(((km_pair *)column)[i] * (km_pair){inverse, inverse}, others[i]);
+  EACH_PAIR(
+    others[i] = (km_pair)((km_pair){2 * i, 2 * i + 1} != (km_pair){r, r});
+    l[i] = km_pair_and(((km_pair *)column)[i] * (km_pair){inverse, inverse}, others[i]);
     ((km_pair *)column)[i] = l[i];
-  }
+  );
 }
 
 /* A step of elimination, and the search for the next one among columns step+1 … candidates-1. */
 INLINE int64_t eliminate(km_partition *p, search *s, int step, int row, int candidates, const int stride) {
   km_pair l[PAIRS];
-  km_bits others[PAIRS];
+  km_pair others[PAIRS];
   multiples(p, step, row, l, others, stride);
-  EACH(i) s->open[i] &= others[i];
+  EACH_PAIR(s->open[i] = km_pair_and(s->open[i], others[i]);
+  );
   const int columns = p->columns, *const order = p->column;
   double *const reduced = p->reduced;
+  km_bits slot = km_slot_bits(step + 1);
   int k = step + 1;
-  for (; k < candidates; ++k) {
+  for (; k < candidates; ++k, slot -= KM_NEXT_SLOT) {
     double *column = reduced + (size_t)(order[k] * stride), u = column[row];
-    EACH(i) {
+    EACH_PAIR(
       km_pair x = ((km_pair *)column)[i] - l[i] * (km_pair){u, u};
       ((km_pair *)column)[i] = x;
-      note(s, k, i, x);
-    }
+      note(s, slot, i, x);
+  );
   }
   for (; k < columns; ++k) {
     double *column = reduced + (size_t)(order[k] * stride), u = column[row];
-    EACH(i)((km_pair *)column)[i] -= l[i] * (km_pair){u, u};
+    EACH_PAIR(((km_pair *)column)[i] -= l[i] * (km_pair){u, u};
+  );
   }
   return take_best(s, stride);
 }
 
-INLINE double size_of(const km_partition *p, int64_t key, const int stride) {
-  return km_key_valid(key) ? fabs(p->reduced[p->column[km_key_slot(key)] * stride + km_key_row(key)]) : 0.0;
+INLINE double size_at(const km_partition *p, int place, const int stride) {
+  return fabs(p->reduced[p->column[km_place_slot(place)] * stride + km_place_row(place)]);
+}
+
+/* The place that the key names. Mostly it is that of the last search, and a processor that bets on a branch goes on
+ * from there while the maximum is still being found. The result is the same either way. */
+INLINE int take_place(km_partition *p, int step, int64_t key) {
+  int found = km_key_place(key), last = p->place[step], place = last;
+  __asm__("" : "+r"(place)); /* that place is `last` is nothing to reason from: the branch must stay */
+  if (__builtin_expect(found != last, 0))
+    p->place[step] = place = found;
+  return place;
 }
 
 INLINE void factor(km_partition *p, const double *matrix, int candidates, double tolerance, const int stride) {
@@ -115,10 +144,16 @@ INLINE void factor(km_partition *p, const double *matrix, int candidates, double
   double threshold = tolerance * p->scale;
   int most = p->rows < p->columns ? p->rows : p->columns, step = 0;
   for (; step < most; ++step) {
-    double size = size_of(p, key, stride);
+    int place = 0;
+    double size = 0.0;
+    if (km_key_valid(key)) {
+      place = take_place(p, step, key);
+      size = size_at(p, place, stride);
+    }
     if (!(size > threshold) && candidates < p->columns) {
       key = look(p, &s, candidates, stride);
-      size = size_of(p, key, stride);
+      place = km_key_place(key);
+      size = km_key_valid(key) ? size_at(p, place, stride) : 0.0;
       candidates = p->columns;
       p->forced_dependent = size > threshold;
     }
@@ -126,10 +161,10 @@ INLINE void factor(km_partition *p, const double *matrix, int candidates, double
       p->first_dropped = size > 0.0 ? size : 0.0;
       break;
     }
-    int slot = km_key_slot(key), column = p->column[slot];
+    int slot = km_place_slot(place), column = p->column[slot];
     p->column[slot] = p->column[step];
     p->column[step] = column;
-    key = eliminate(p, &s, step, km_key_row(key), candidates, stride);
+    key = eliminate(p, &s, step, km_place_row(place), candidates, stride);
     p->first_pivot = step == 0 ? size : p->first_pivot;
     p->last_pivot = size;
   }
@@ -140,20 +175,21 @@ INLINE bool refactor(km_partition *p, const double *matrix, const int stride) {
   km_pair poison = {0.0, 0.0}; /* x − x: 0, or not a number */
   for (int k = 0; k < p->columns; ++k) {
     km_pair *to = (km_pair *)(p->reduced + (size_t)(k * stride));
-    EACH(i) {
+    EACH_PAIR(
       km_pair x = read(matrix + (size_t)(k * p->rows), p->rows, i, stride);
       to[i] = x;
       poison += x - x;
-    }
+  );
   }
   for (int step = 0; step < p->rank; ++step) {
     km_pair l[PAIRS];
-    km_bits others[PAIRS];
+    km_pair others[PAIRS];
     int row = p->row[step];
     multiples(p, step, row, l, others, stride);
     for (int k = step + 1; k < p->columns; ++k) {
       double *column = p->reduced + (size_t)(p->column[k] * stride), u = column[row];
-      EACH(i)((km_pair *)column)[i] -= l[i] * (km_pair){u, u};
+      EACH_PAIR(((km_pair *)column)[i] -= l[i] * (km_pair){u, u};
+  );
     }
   }
   return poison[0] + poison[1] == 0.0;

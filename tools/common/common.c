@@ -52,14 +52,25 @@ static error_t parse_common(int key, char *arg, struct argp_state *state) {
 const struct argp kt_common_argp = {.options = common_options, .parser = parse_common};
 
 void kt_say(const kt_common *common, km_severity severity, const char *format, ...) {
+  static const char *const words[] = {"note: ", "warning: ", ""};
   if (common->quiet && severity != KM_ERROR)
     return;
+  char text[2 * KM_ERROR_TEXT];
   va_list arguments;
   va_start(arguments, format);
-  fprintf(stderr, "%s: %s", common->tool, severity == KM_NOTE ? "note: " : severity == KM_WARNING ? "warning: " : "");
-  vfprintf(stderr, format, arguments);
-  fputc('\n', stderr);
+  vsnprintf(text, sizeof text, format, arguments);
   va_end(arguments);
+  if (common->log)
+    km_text_format(common->log, "%s: %s%s\n", common->tool, words[severity], text);
+  else
+    fprintf(stderr, "%s: %s%s\n", common->tool, words[severity], text);
+}
+
+void kt_flush(kt_common *common) {
+  if (common->log && common->log->size)
+    fwrite(common->log->data, 1, common->log->size, stderr);
+  if (common->log)
+    km_text_free(common->log);
 }
 
 static void print_version(FILE *stream, struct argp_state *state) {

@@ -27,6 +27,7 @@ typedef struct kt_common {
   bool quiet;
   int jobs;
   unsigned long seed;
+  km_text *log; /* where messages are gathered, so that parallel work reports in order; NULL: straight out */
 } kt_common;
 
 extern const struct argp kt_common_argp;
@@ -34,6 +35,18 @@ extern const struct argp kt_common_argp;
 /* `tool: text` on the standard error. Notes and warnings are silent with --quiet. */
 void kt_say(const kt_common *common, km_severity severity, const char *format, ...)
     __attribute__((format(printf, 3, 4)));
+
+/* Writes the gathered messages to the standard error. */
+void kt_flush(kt_common *common);
+
+/* A progress bar on the standard error: on a terminal only, and only after one second. */
+typedef struct kt_progress {
+  bool shown, drawn;
+  double start, last;
+} kt_progress;
+kt_progress kt_progress_start(const kt_common *common);
+bool kt_progress_show(void *context, double done); /* a km_progress; context: the kt_progress */
+void kt_progress_end(kt_progress *progress);
 
 /* One subcommand of a tool. */
 typedef struct kt_command {

@@ -3,6 +3,7 @@
 
 #include "base/json.h"
 #include "base/memory.h"
+#include "base/parallel.h"
 #include "model/model.h"
 #include "report/csv.h"
 #include "report/mobility_plot.h"
@@ -59,6 +60,8 @@ static error_t parse(int key, char *arg, struct argp_state *state) {
 /* One model of the sweep, with all that its files are made of. */
 typedef struct job {
   const options *options;
+  kt_common common; /* with a log of its own */
+  km_text log;
   const char *path;
   char base[256];
   kmob_pose pose;
@@ -69,35 +72,36 @@ typedef struct job {
   kt_exit result;
 } job;
 
-static kt_exit usage(const options *o, const char *option, const char *found, const char *expected) {
-  kt_say(&o->common, KM_ERROR, "%s %s: expected %s", option, found, expected);
+static kt_exit usage(const kt_common *common, const char *option, const char *found, const char *expected) {
+  kt_say(common, KM_ERROR, "%s %s: expected %s", option, found, expected);
   return KT_USAGE;
 }
 
-static kt_exit read_range(const options *o, km_sweep_plan *plan) {
+static kt_exit read_range(const kt_common *common, const options *o, km_sweep_plan *plan) {
   const char *colon = strchr(o->range, ':');
   char from[64];
   if (!colon || (size_t)(colon - o->range) >= sizeof from)
-    return usage(o, "--range", o->range, "FROM:TO");
+    return usage(common, "--range", o->range, "FROM:TO");
   snprintf(from, sizeof from, "%.*s", (int)(colon - o->range), o->range);
   if (!kt_number(from, &plan->from) || !kt_number(colon + 1, &plan->to))
-    return usage(o, "--range", o->range, "two numbers FROM:TO");
+    return usage(common, "--range", o->range, "two numbers FROM:TO");
   return KT_DONE;
 }
 
-static kt_exit read_steps(const options *o, km_sweep_plan *plan) {
+static kt_exit read_steps(const kt_common *common, const options *o, km_sweep_plan *plan) {
   double steps;
   if (!kt_number(o->steps, &steps) || steps < 1.0 || steps > 1e7 || steps != (double)(int)steps)
-    return usage(o, "--steps", o->steps, "a whole number from 1 to 10000000");
+    return usage(common, "--steps", o->steps, "a whole number from 1 to 10000000");
   plan->steps = (int)steps;
   return KT_DONE;
 }
 
-static kt_exit read_point(const options *o, job *j, const char *text) {
+static kt_exit read_point(job *j, const char *text) {
   const char *names[64], *rest = text;
   char *owned[64];
   size_t count = 0;
   km_error error;
+  const kt_common *common = &j->common;
   for (char last = '/'; last == '/' && count < 64;) {
     kt_piece piece = kt_split(&rest, "/");
     names[count] = owned[count] = piece.text;
@@ -109,7 +113,7 @@ static kt_exit read_point(const options *o, job *j, const char *text) {
   for (size_t i = 0; i < count; ++i)
     km_free(owned[i]);
   if (status) {
-    kt_say(&o->common, KM_ERROR, "--point %s: %s", text, error.text);
+    kt_say(common, KM_ERROR, "--point %s: %s", text, error.text);
     return kt_exit_of(status);
   }
   point->name = text;
@@ -119,53 +123,59 @@ static kt_exit read_point(const options *o, job *j, const char *text) {
 
 static kt_exit make_plan(job *j) {
   const options *o = j->options;
+  const kt_common *common = &j->common;
   const km_model *model = j->pose.model;
   kt_exit result = KT_DONE;
   j->plan = km_sweep_plan_default(model);
   if (o->joint) {
     int own = j->plan.coordinate;
-    result = kt_coordinate(&o->common, model, "--joint", o->joint, &j->plan.coordinate);
+    result = kt_coordinate(common, model, "--joint", o->joint, &j->plan.coordinate);
     if (result == KT_DONE && j->plan.coordinate != own && !o->range)
-      return usage(o, "--joint", o->joint, "a --range with it, since the model has none for this joint");
+      return usage(common, "--joint", o->joint, "a --range with it, since the model has none for this joint");
   }
   if (result == KT_DONE && j->plan.coordinate < 0) {
-    kt_say(&o->common, KM_ERROR, "%s: the model has no analysis.sweep with a joint; expected --joint and --range",
+    kt_say(common, KM_ERROR, "%s: the model has no analysis.sweep with a joint; expected --joint and --range",
            j->path);
     return KT_USAGE;
   }
   if (result == KT_DONE && o->range)
-    result = read_range(o, &j->plan);
+    result = read_range(common, o, &j->plan);
   if (result == KT_DONE && o->steps)
-    result = read_steps(o, &j->plan);
+    result = read_steps(common, o, &j->plan);
   j->plan.ignore_limits = o->ignore_limits;
   j->plan.derivatives = o->derivatives;
   j->plan.points = j->points;
   for (int i = 0; i < o->points.count && result == KT_DONE; ++i)
-    result = i < MOST_POINTS ? read_point(o, j, o->points.items[i]) : usage(o, "--point", "", "at most 64 points");
+    result = i < MOST_POINTS ? read_point(j, o->points.items[i]) : usage(common, "--point", "", "at most 64 points");
   return result;
 }
 
 static void run_sweep(job *j) {
-  const options *o = j->options;
+  const kt_common *common = &j->common;
+  kt_progress progress = kt_progress_start(common);
+  j->plan.progress = kt_progress_show;
+  j->plan.context = &progress;
   km_error error;
   km_status status = km_mobility_sweep_run(j->pose.mechanism, j->pose.state, &j->plan, &j->sweep, &error);
+  kt_progress_end(&progress);
   if (status == KM_OK || status == KM_PARTIAL) {
     km_sweep_stop_text(j->pose.mechanism, &j->sweep, &j->stopped_by);
     if (status == KM_PARTIAL)
-      kt_say(&o->common, KM_ERROR, "%s: %s", j->path, j->stopped_by.data);
+      kt_say(common, KM_ERROR, "%s: %s", j->path, j->stopped_by.data);
     if (j->sweep.freedom > 1)
-      kt_say(&o->common, KM_NOTE, "%s: more than one freedom is left; the others move least (--hold keeps joints)",
+      kt_say(common, KM_NOTE, "%s: more than one freedom is left; the others move least (--hold keeps joints)",
              j->path);
   } else {
-    kt_say(&o->common, KM_ERROR, "%s: %s", j->path, error.text);
+    kt_say(common, KM_ERROR, "%s: %s", j->path, error.text);
   }
   j->result = kt_exit_of(status);
 }
 
-static void start_job(job *j) {
+static void start_job(void *context, int index) {
+  job *j = (job *)context + index;
   const options *o = j->options;
   kt_base_name(j->path, j->base, sizeof j->base);
-  j->result = kmob_open(&o->common, j->path, &o->holds, NULL, &j->pose);
+  j->result = kmob_open(&j->common, j->path, &o->holds, NULL, &j->pose);
   if (j->result == KT_DONE)
     j->result = make_plan(j);
   if (j->result == KT_DONE)
@@ -240,6 +250,23 @@ static kt_exit deliver(const options *o, job *jobs, int count) {
   return result;
 }
 
+/* Tables are named after their models: two of one name would overwrite each other. */
+static bool names_differ(const options *o) {
+  char a[256], b[256];
+  for (int i = 0; i < o->models.count; ++i) {
+    kt_base_name(o->models.items[i], a, sizeof a);
+    for (int k = 0; k < i; ++k) {
+      kt_base_name(o->models.items[k], b, sizeof b);
+      if (strcmp(a, b) == 0) {
+        kt_say(&o->common, KM_ERROR, "%s and %s would write the same files; expected models of different names",
+               o->models.items[k], o->models.items[i]);
+        return false;
+      }
+    }
+  }
+  return true;
+}
+
 static kt_exit run(const options *o) {
   int count = o->models.count;
   job *jobs = KM_NEW(job, (size_t)count);
@@ -247,7 +274,13 @@ static kt_exit run(const options *o) {
   for (int i = 0; i < count && jobs; ++i) {
     jobs[i].options = o;
     jobs[i].path = o->models.items[i];
-    start_job(&jobs[i]);
+    jobs[i].common = o->common;
+    jobs[i].common.log = count > 1 ? &jobs[i].log : NULL;
+  }
+  if (jobs)
+    km_parallel_for(count, o->common.jobs, start_job, jobs);
+  for (int i = 0; i < count && jobs; ++i) {
+    kt_flush(&jobs[i].common);
     result = worse(result, jobs[i].result);
   }
   if (jobs)
@@ -269,10 +302,10 @@ kt_exit kmob_sweep(int argc, char **argv) {
   o.formats.wanted[KT_CSV] = o.formats.wanted[KT_SVG] = true;
   kt_parse(&argp, argc, argv, &o);
   if (o.models.count > MOST_MODELS)
-    return usage(&o, "MODEL", "…", "at most 64 models");
+    return usage(&o.common, "MODEL", "…", "at most 64 models");
   bool tables_only = !o.formats.wanted[KT_SVG] && !o.formats.wanted[KT_PDF] && !o.formats.wanted[KT_PNG];
   if (o.base && strcmp(o.base, "-") == 0 &&
       (o.models.count > 1 || kt_formats_count(&o.formats) != 1 || !tables_only))
-    return usage(&o, "-o", "-", "one model and --format csv or json");
-  return run(&o);
+    return usage(&o.common, "-o", "-", "one model and --format csv or json");
+  return names_differ(&o) ? run(&o) : KT_USAGE;
 }

@@ -1,0 +1,9 @@
+/* Independent pieces of work on several threads. */
+#ifndef KM_BASE_PARALLEL_H
+#define KM_BASE_PARALLEL_H
+
+/* Calls work(context, i) once for every i below `count`, on up to `jobs` threads (1: on the caller's). Pieces
+ * must not share anything that they change; then the results don't depend on `jobs`. */
+void km_parallel_for(int count, int jobs, void (*work)(void *context, int index), void *context);
+
+#endif

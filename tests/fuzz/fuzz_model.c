@@ -1,0 +1,394 @@
+/* Feeds damaged models to the reader and, what it accepts, to the compiler, the assembly, the mobility analysis
+ * and a short sweep.
+ *
+ *   fuzz_model N SEED FILES...      N inputs; input i is made from SEED + i alone, so each can be made again
+ *   fuzz_model --replay FILES...    the files as they are (the corpus)
+ *   fuzz_model --emit SEED FILES... writes the input of that seed to the standard output
+ *
+ * Run it under sanitizers: it ends by itself only on a wrong answer (an error without words, a status that no
+ * bad model may give, a mobility that can't be) or on an input that takes longer than a minute, and then says
+ * which seed it was. */
+#include "kmech/mobility_sweep.h"
+
+#include <errno.h>
+#include <signal.h>
+#include <stdbool.h>
+#include <stdint.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <unistd.h>
+
+enum { LONGEST = 1 << 18, MOST_FILES = 1024, SECONDS = 60 };
+
+typedef struct input {
+  char *bytes;
+  size_t size;
+} input;
+
+static const char *current = "?";       /* what is being read, for the last words */
+static unsigned long long current_seed; /* with a file name instead: 0 */
+
+static void say(const char *text) {
+  ssize_t written = write(STDERR_FILENO, text, strlen(text));
+  (void)written;
+}
+
+static void last_words(void) {
+  char digits[24];
+  size_t i = sizeof digits - 1;
+  digits[i] = '\0';
+  unsigned long long n = current_seed;
+  do
+    digits[--i] = (char)('0' + n % 10);
+  while ((n /= 10) > 0);
+  say("\nfuzz_model: it happened with ");
+  say(current);
+  say(" ");
+  say(current_seed ? digits + i : "");
+  say("\n");
+}
+
+static void on_signal(int number) {
+  say(number == SIGALRM ? "\nfuzz_model: too slow" : "");
+  last_words();
+  _exit(1);
+}
+
+/* Called by the sanitizers' runtime; without one the reference stays null. */
+extern void __sanitizer_set_death_callback(void (*callback)(void)) __attribute__((weak));
+
+static _Noreturn void fail(const char *what) {
+  say("fuzz_model: ");
+  say(what);
+  last_words();
+  exit(1);
+}
+
+static input read_file(const char *path) {
+  FILE *file = fopen(path, "rb");
+  input in = {malloc(LONGEST), 0};
+  if (!file || !in.bytes) {
+    fprintf(stderr, "fuzz_model: %s: %s\n", path, strerror(errno));
+    exit(2);
+  }
+  in.size = fread(in.bytes, 1, LONGEST, file);
+  fclose(file);
+  return in;
+}
+
+/* splitmix64: every seed gives a good sequence, neighbours too. */
+static uint64_t next(uint64_t *state) {
+  uint64_t z = (*state += 0x9e3779b97f4a7c15u);
+  z = (z ^ (z >> 30)) * 0xbf58476d1ce4e5b9u;
+  z = (z ^ (z >> 27)) * 0x94d049bb133111ebu;
+  return z ^ (z >> 31);
+}
+
+static size_t below(uint64_t *state, size_t n) { return n ? (size_t)(next(state) % n) : 0; }
+
+static void replace(input *in, size_t at, size_t length, const char *with, size_t size) {
+  if (in->size - length + size > LONGEST)
+    return;
+  memmove(in->bytes + at + size, in->bytes + at + length, in->size - at - length);
+  memcpy(in->bytes + at, with, size);
+  in->size += size - length;
+}
+
+static const char *const numbers[] = {"0",      "-0.0",   "1",      "-1",    "1e308", "-1e308", "1e999", "1e-320",
+                                      "1e60",   "-1e60",  "1e30",   "1e-30", "1e-9",  "0.5",    "90",    "360",
+                                      "1e15",   "NaN",    "null",   "true",  "[]",    "{}",     "\"x\"", "[0,0]",
+                                      "[0,0,0]", "2147483648", "-9223372036854775809", "3.141592653589793"};
+static const char *const words[] = {
+    "\"fixed\"",    "\"origin\"",  "\"Rx\"",        "\"Ry\"",      "\"Rz\"",    "\"Tx\"",   "\"Ty\"",     "\"Tz\"",
+    "\"rigid\"",    "\"float\"",   "\"spherical\"", "\"screw\"",   "\"planar\"", "\"pitch\"", "\"limits\"", "\"active\"",
+    "\"universal\"", "\"cylindrical\"", "\"degrees\"", "\"inches\"", "\"hold\"", "\"couplings\"", "\"\"", "\"a\\u0000\"",
+    "\"0.2\"",      "\"1.0\"",     "[]",            "{}",          "null",      "\"\\ud83d\\ude00\"", "\"A\"", "\"B[0]\""};
+
+typedef struct span {
+  size_t at, length;
+} span;
+
+/* Some token of the kind that lies behind a random place: a string with its quotes, or a number. */
+static bool token(const input *in, uint64_t *state, bool string, span *out) {
+  size_t i = below(state, in->size);
+  const char *b = in->bytes;
+  for (; i < in->size; ++i) {
+    size_t end = i + 1;
+    if (string && b[i] == '"') {
+      while (end < in->size && b[end] != '"')
+        ++end;
+      *out = (span){i, end < in->size ? end + 1 - i : end - i};
+      return true;
+    }
+    if (!string && (b[i] == '-' || (b[i] >= '0' && b[i] <= '9')) && i > 0 && strchr(" ,[:", b[i - 1])) {
+      while (end < in->size && strchr("+-.eE0123456789", b[end]) && b[end])
+        ++end;
+      *out = (span){i, end - i};
+      return true;
+    }
+  }
+  return false;
+}
+
+static void swap_tokens(input *in, uint64_t *state, bool strings) {
+  span a, b;
+  char copy[256];
+  if (!token(in, state, strings, &a) || !token(in, state, strings, &b) || a.at == b.at)
+    return;
+  span first = a.at < b.at ? a : b, second = a.at < b.at ? b : a;
+  if (first.at + first.length > second.at || second.length > sizeof copy || first.length > sizeof copy)
+    return;
+  char other[256];
+  memcpy(copy, in->bytes + second.at, second.length);
+  memcpy(other, in->bytes + first.at, first.length);
+  replace(in, second.at, second.length, other, first.length);
+  replace(in, first.at, first.length, copy, second.length);
+}
+
+/* A piece from one bracket or comma to a later one, so that the result often parses. */
+static span piece(const input *in, uint64_t *state) {
+  size_t from = below(state, in->size), to;
+  while (from < in->size && !strchr(",[{", in->bytes[from]))
+    ++from;
+  to = from + 1 + below(state, 400);
+  while (to < in->size && !strchr(",]}", in->bytes[to]))
+    ++to;
+  return to < in->size ? (span){from, to - from} : (span){0, 0};
+}
+
+static void copy_piece(input *in, uint64_t *state, bool remove) {
+  char copy[1024];
+  span p = piece(in, state);
+  if (p.length == 0 || p.length > sizeof copy)
+    return;
+  memcpy(copy, in->bytes + p.at, p.length);
+  if (remove)
+    replace(in, p.at, p.length, "", 0);
+  else
+    replace(in, p.at + p.length, 0, copy, p.length);
+}
+
+static void mutate(input *in, uint64_t *state) {
+  span t;
+  char byte;
+  switch (below(state, 16)) {
+  case 0:
+    if (in->size)
+      in->bytes[below(state, in->size)] ^= (char)(1 << below(state, 8));
+    break;
+  case 1: in->size = below(state, in->size + 1); break;
+  case 2:
+    byte = (char)next(state);
+    replace(in, below(state, in->size + 1), 0, &byte, 1);
+    break;
+  case 3: swap_tokens(in, state, false); break;
+  case 4:
+  case 5: swap_tokens(in, state, true); break;
+  case 6: copy_piece(in, state, true); break;
+  case 7: copy_piece(in, state, false); break;
+  case 8:
+  case 9:
+    if (token(in, state, true, &t)) {
+      const char *word = words[below(state, sizeof words / sizeof *words)];
+      replace(in, t.at, t.length, word, strlen(word));
+    }
+    break;
+  default:
+    if (token(in, state, false, &t)) {
+      const char *number = numbers[below(state, sizeof numbers / sizeof *numbers)];
+      replace(in, t.at, t.length, number, strlen(number));
+    }
+  }
+}
+
+/* A change that leaves the model readable: another finite number, another type of joint, or a number a little off. */
+static void mutate_gently(input *in, uint64_t *state) {
+  enum { FINITE = 18, TYPES = 12 };
+  static const char *const types[TYPES] = {"\"Rx\"", "\"Ry\"", "\"Rz\"", "\"Tx\"", "\"Ty\"", "\"Tz\"",
+                                           "\"rigid\"", "\"spherical\"", "\"float\"", "\"universal\"", "\"planar\"",
+                                           "\"cylindrical\""};
+  span t;
+  char text[32];
+  size_t choice = below(state, 8);
+  if (choice < 3) { /* the next known type becomes another */
+    for (int tries = 0; tries < 40 && token(in, state, true, &t); ++tries)
+      for (size_t k = 0; k < TYPES; ++k)
+        if (t.length == strlen(types[k]) && memcmp(in->bytes + t.at, types[k], t.length) == 0) {
+          const char *type = types[below(state, TYPES)];
+          replace(in, t.at, t.length, type, strlen(type));
+          return;
+        }
+  } else if (token(in, state, false, &t)) {
+    const char *number = numbers[below(state, FINITE - 1)];
+    if (choice < 7) {
+      snprintf(text, sizeof text, "%.3g", (double)(int)below(state, 20001) * 1e-3 - 10.0);
+      number = text;
+    }
+    replace(in, t.at, t.length, number, strlen(number));
+  }
+}
+
+static input make(uint64_t seed, const input *files, size_t count) {
+  uint64_t state = seed;
+  const input *from = &files[below(&state, count)];
+  input in = {malloc(LONGEST), from->size};
+  if (!in.bytes)
+    exit(2);
+  memcpy(in.bytes, from->bytes, from->size);
+  bool gently = below(&state, 2) == 0;
+  for (size_t n = 1 + below(&state, 4); n > 0; --n) {
+    if (gently)
+      mutate_gently(&in, &state);
+    else
+      mutate(&in, &state);
+  }
+  return in;
+}
+
+static void check_refusal(km_status status, const km_error *error) {
+  if (status != KM_MODEL && status != KM_DIVERGED && status != KM_USAGE)
+    fail("a status that no bad model may give");
+  if (!error->text[0] || memchr(error->text, '\0', sizeof error->text) == NULL)
+    fail("a refusal without words");
+}
+
+/* Laws that hold at every pose of every mechanism. */
+static void check_mobility(const km_model *model, const km_state *state, const km_mobility *mobility) {
+  int coordinates = km_model_coordinate_count(model);
+  double sum = 0.0;
+  for (int c = 0; c < coordinates; ++c) {
+    double number = km_mobility_number(state, c);
+    if (!(number >= -1e-9 && number <= 1.0 + 1e-9))
+      fail("a mobility number outside 0 ... 1");
+    sum += number;
+  }
+  if (mobility->mobility < 0 || mobility->mobility > coordinates || mobility->redundant_constraints < 0)
+    fail("an impossible mobility");
+  if (!(sum - mobility->mobility < 1e-6 && sum - mobility->mobility > -1e-6))
+    fail("the mobility numbers don't add up to the mobility");
+}
+
+static void sweep(const km_model *model, const km_mechanism *mechanism, km_state *state, size_t choice) {
+  km_sweep_plan plan = km_sweep_plan_default(model);
+  km_mobility_sweep result = {0};
+  km_error error = {0};
+  int coordinates = km_model_coordinate_count(model);
+  if (plan.coordinate < 0 && coordinates > 0) {
+    plan.coordinate = (int)(choice % (size_t)coordinates);
+    plan.from = -1.0;
+    plan.to = 1.0;
+  }
+  plan.steps = 4;
+  if (plan.coordinate < 0)
+    return;
+  km_status status = km_mobility_sweep_run(mechanism, state, &plan, &result, &error);
+  if (status && status != KM_PARTIAL)
+    check_refusal(status, &error);
+  int residual = result.table ? km_table_find(result.table, "residual") : -1;
+  for (size_t r = 0; residual >= 0 && r < km_table_rows(result.table); ++r) {
+    const double *row = km_table_row(result.table, r);
+    for (size_t k = 0; k < km_table_columns(result.table); ++k)
+      if (!(row[k] == row[k]))
+        fail("a row of a sweep has a value that isn't a number");
+    if (!(row[residual] < 0.1))
+      fail("a row of a sweep is open");
+  }
+  km_mobility_sweep_free(&result);
+}
+
+static bool assemble(const km_model *model, size_t choice) {
+  km_mechanism *mechanism = NULL;
+  km_state *state = NULL;
+  km_assembly evidence;
+  km_mobility mobility;
+  km_error error = {0};
+  int coordinates = km_model_coordinate_count(model);
+  km_hold hold = {coordinates ? (int)(choice / 7 % (size_t)coordinates) : 0, 0.0};
+  bool held = coordinates > 0 && choice % 7 == 0;
+  km_status status = km_mechanism_compile(model, &hold, held, &mechanism, &error);
+  if (!status)
+    status = km_state_create(mechanism, &state, &error);
+  if (!status)
+    status = km_assemble(mechanism, state, &evidence, &error);
+  if (status) {
+    check_refusal(status, &error);
+  } else {
+    if (!(evidence.residual < 0.1))
+      fail("loops that are said to be closed have a large residual");
+    km_mobility_update(mechanism, state, &mobility);
+    check_mobility(model, state, &mobility);
+    sweep(model, mechanism, state, choice);
+  }
+  km_state_free(state);
+  km_mechanism_free(mechanism);
+  return !status;
+}
+
+/* How far an input came: 0 refused, 1 read, 2 assembled. */
+static int feed(const input *in, size_t choice) {
+  km_model *model = NULL;
+  km_error error = {0};
+  km_messages *messages = km_messages_create();
+  char *exact = malloc(in->size ? in->size : 1); /* of its own size, so that a byte too far is seen */
+  int depth = 0;
+  if (!exact || !messages)
+    exit(2);
+  memcpy(exact, in->bytes, in->size);
+  alarm(SECONDS);
+  km_status status = km_model_read(exact, in->size, messages, &model, &error);
+  if (status) {
+    check_refusal(status, &error);
+    if (model || km_messages_errors(messages) == 0)
+      fail("a refusal leaves a model, or no message");
+  } else {
+    depth = 1 + assemble(model, choice);
+  }
+  alarm(0);
+  km_model_free(model);
+  km_messages_free(messages);
+  free(exact);
+  return depth;
+}
+
+static void listen_for_trouble(void) {
+  signal(SIGALRM, on_signal);
+  signal(SIGABRT, on_signal);
+  if (__sanitizer_set_death_callback)
+    __sanitizer_set_death_callback(last_words);
+}
+
+int main(int argc, char **argv) {
+  bool replay = argc > 2 && strcmp(argv[1], "--replay") == 0, emit = argc > 3 && strcmp(argv[1], "--emit") == 0;
+  int first = replay ? 2 : 3;
+  size_t count = argc > first ? (size_t)(argc - first) : 0, depths[3] = {0};
+  input files[MOST_FILES];
+  if (count == 0 || count > MOST_FILES) {
+    fprintf(stderr, "usage: fuzz_model N SEED FILES... | --replay FILES... | --emit SEED FILES...\n");
+    return 2;
+  }
+  for (size_t i = 0; i < count; ++i)
+    files[i] = read_file(argv[first + (int)i]);
+  listen_for_trouble();
+  unsigned long long seed = replay ? 0 : strtoull(argv[2], NULL, 10);
+  unsigned long long inputs = replay ? count : emit ? 0 : strtoull(argv[1], NULL, 10);
+  for (unsigned long long i = 0; i < inputs; ++i) {
+    input in = replay ? files[i] : make(seed + i, files, count);
+    current = replay ? argv[first + (int)i] : "seed";
+    current_seed = replay ? 0 : seed + i;
+    depths[feed(&in, (size_t)(seed + i))]++;
+    if (!replay)
+      free(in.bytes);
+  }
+  if (emit) {
+    input in = make(seed, files, count);
+    fwrite(in.bytes, 1, in.size, stdout);
+    free(in.bytes);
+  } else {
+    printf("%llu inputs: %zu refused, %zu read but not assembled, %zu assembled\n", inputs, depths[0], depths[1],
+           depths[2]);
+  }
+  for (size_t i = 0; i < count; ++i)
+    free(files[i].bytes);
+  return 0;
+}

@@ -1,0 +1,32 @@
+/* A progress bar on a terminal, after the first second. */
+#include "common/common.h"
+
+#include <stdio.h>
+#include <time.h>
+#include <unistd.h>
+
+static double now(void) {
+  struct timespec t;
+  clock_gettime(CLOCK_MONOTONIC, &t);
+  return (double)t.tv_sec + 1e-9 * (double)t.tv_nsec;
+}
+
+kt_progress kt_progress_start(const kt_common *common) {
+  return (kt_progress){.shown = !common->quiet && common->jobs == 1 && isatty(STDERR_FILENO), .start = now(), .last = now()};
+}
+
+bool kt_progress_show(void *context, double done) {
+  kt_progress *p = context;
+  double time = p->shown ? now() : 0.0;
+  if (!p->shown || time - p->start < 1.0 || time - p->last < 0.1)
+    return true;
+  p->last = time;
+  p->drawn = true;
+  fprintf(stderr, "\r%3.0f %% ", 100.0 * done);
+  return true;
+}
+
+void kt_progress_end(kt_progress *p) {
+  if (p->drawn)
+    fputs("\r      \r", stderr);
+}
