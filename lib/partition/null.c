@@ -10,19 +10,18 @@ static double dot_of(const double *a, const double *b, int count) {
   return sum;
 }
 
-static void normalise(double *z, int count) {
-  double inverse = 1.0 / sqrt(dot_of(z, z, count));
+static void scale(double *z, int count, double factor) {
   for (int i = 0; i < count; ++i)
-    z[i] *= inverse;
+    z[i] *= factor;
 }
 
 /* Modified Gram-Schmidt, twice: with a forced driver near its toggle N is badly conditioned, and one pass
  * would leave its columns that much out of square. */
 static void orthonormalise(double *Z, int columns, int freedom) {
   size_t n = (size_t)columns;
-  for (int k = 0; k < freedom; ++k) {
+  for (int k = 1; k < freedom; ++k) {
     double *z = Z + (size_t)k * n;
-    for (int pass = 0; pass < (k ? 2 : 0); ++pass) {
+    for (int pass = 0; pass < 2; ++pass) {
       for (int o = 0; o < k; ++o) {
         const double *y = Z + (size_t)o * n;
         double dot = dot_of(y, z, columns);
@@ -30,28 +29,39 @@ static void orthonormalise(double *Z, int columns, int freedom) {
           z[i] -= dot * y[i];
       }
     }
-    normalise(z, columns);
+    scale(z, columns, 1.0 / sqrt(dot_of(z, z, columns)));
   }
 }
 
+/* diag(weight) times null vector k; returns its square. */
+static double null_vector(const km_partition *p, const double *weight, int k, double *z) {
+  const int rank = p->rank, *const column = p->column;
+  const double *b = p->B + (size_t)k * (size_t)rank;
+  for (int c = rank; c < p->columns; ++c)
+    z[column[c]] = 0.0;
+  double own = weight[column[rank + k]], sum = own * own;
+  z[column[rank + k]] = own;
+  for (int i = 0; i < rank; ++i) {
+    double value = -b[i] * weight[column[i]];
+    z[column[i]] = value;
+    sum += value * value;
+  }
+  return sum;
+}
+
 void km_partition_null(const km_partition *p, const double *weight, int count, double *Z) {
-  const int rank = p->rank, *column = p->column;
   for (int k = 0; k < count; ++k) {
-    double *z = Z + (size_t)k * (size_t)p->columns;
-    const double *b = p->B + (size_t)k * (size_t)rank;
-    for (int c = rank; c < p->columns; ++c)
-      z[column[c]] = 0.0;
-    for (int i = 0; i < rank; ++i)
-      z[column[i]] = -b[i] * weight[column[i]];
-    z[column[rank + k]] = weight[column[rank + k]];
+    double square = null_vector(p, weight, k, Z + (size_t)k * (size_t)p->columns);
+    if (k == 0)
+      scale(Z, p->columns, 1.0 / sqrt(square));
   }
   orthonormalise(Z, p->columns, count);
 }
 
 void km_mobility_numbers(const double *Z, int columns, int freedom, double *numbers) {
   for (int j = 0; j < columns; ++j)
-    numbers[j] = 0.0;
-  for (int k = 0; k < freedom; ++k) {
+    numbers[j] = freedom > 0 ? Z[j] * Z[j] : 0.0;
+  for (int k = 1; k < freedom; ++k) {
     const double *z = Z + (size_t)k * (size_t)columns;
     for (int j = 0; j < columns; ++j)
       numbers[j] += z[j] * z[j];

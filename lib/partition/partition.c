@@ -109,6 +109,7 @@ static void factor(km_partition *p, const double *matrix, int candidates, double
     p->work[best.row] = 0.0;
     p->first_pivot = step == 0 ? best.size : p->first_pivot;
     p->last_pivot = best.size;
+    p->smallest_pivot = fmin(p->smallest_pivot, best.size);
   }
   p->rank = step;
 }
@@ -135,34 +136,35 @@ static void order_rows(km_partition *p) {
       p->row[i++] = r;
 }
 
-static double smallest_pivot(const km_partition *p) {
+/* B, largest_b and sign from what elimination left. Returns whether B is finite. */
+static bool finish(km_partition *p) {
+  const int rank = p->rank, columns = p->columns, *const row = p->row;
+  const double *const inverse = p->inverse;
+  double largest = 0.0, sum = 0.0, *b = p->B;
+  int negative = 0;
+  for (int i = 0; i < rank; ++i)
+    negative ^= inverse[i] < 0.0;
+  for (int k = rank; k < columns; ++k) {
+    const double *x = reduced_column(p, p->column[k]);
+    for (int i = 0; i < rank; ++i, ++b) {
+      double value = x[row[i]] * inverse[i], size = fabs(value);
+      *b = value;
+      largest = size > largest ? size : largest;
+      sum += value;
+    }
+  }
+  p->largest_b = largest;
+  p->sign = negative ? -1 : 1;
+  return isfinite(sum);
+}
+
+static double largest_inverse(const km_partition *p) {
   double largest = 0.0;
   for (int i = 0; i < p->rank; ++i) {
     double size = fabs(p->inverse[i]);
     largest = size > largest ? size : largest;
   }
-  return 1.0 / largest;
-}
-
-/* B, largest_b and sign; returns a sum that is not finite if an entry of B isn't. */
-static double finish(km_partition *p) {
-  const int rank = p->rank, freedom = km_partition_freedom(p);
-  double largest = 0.0, sum = 0.0, *b = p->B;
-  int negative = 0;
-  for (int i = 0; i < rank; ++i)
-    negative += p->inverse[i] < 0.0;
-  for (int k = 0; k < freedom; ++k) {
-    const double *x = reduced_column(p, p->column[rank + k]);
-    for (int i = 0; i < rank; ++i, ++b) {
-      *b = x[p->row[i]] * p->inverse[i];
-      double size = fabs(*b);
-      largest = size > largest ? size : largest;
-      sum += *b;
-    }
-  }
-  p->largest_b = largest;
-  p->sign = 1 - 2 * (negative % 2);
-  return sum;
+  return largest;
 }
 
 void km_partition_factor(km_partition *p, const double *matrix, int rows, int columns, const bool *forced,
@@ -171,6 +173,7 @@ void km_partition_factor(km_partition *p, const double *matrix, int rows, int co
   p->columns = columns;
   p->stride = stride_of(rows);
   p->first_pivot = p->last_pivot = p->first_dropped = 0.0;
+  p->smallest_pivot = (double)INFINITY;
   p->forced_dependent = false;
   int candidates = order_columns(p, forced);
   if (is_small(p))
@@ -181,16 +184,15 @@ void km_partition_factor(km_partition *p, const double *matrix, int rows, int co
   p->searches++;
   finish(p);
   p->pivoted_b = p->largest_b;
-  p->smallest_pivot = smallest_pivot(p);
 }
 
 bool km_partition_refactor(km_partition *p, const double *matrix) {
   p->stride = stride_of(p->rows);
   bool finite = is_small(p) ? km_small_refactor(p, matrix) : refactor(p, matrix);
-  double sum = finish(p);
+  finite = finish(p) && finite;
   /* A rank that drops shrinks a pivot together with what stands right of it: B alone needn't show it. */
-  return finite && isfinite(sum) && p->largest_b <= 2.0 * fmax(p->pivoted_b, 1.0) &&
-         smallest_pivot(p) >= 0.1 * p->smallest_pivot;
+  return finite && p->largest_b <= 2.0 * fmax(p->pivoted_b, 1.0) &&
+         (p->rank == 0 || largest_inverse(p) * p->smallest_pivot <= 10.0);
 }
 
 void km_partition_solve(const km_partition *p, const double *rhs, double *x) {

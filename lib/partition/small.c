@@ -48,10 +48,12 @@ INLINE km_pair read(const double *column, int rows, int i, const int stride) {
   return km_pair_load(column + 2 * i);
 }
 
-INLINE int64_t load(km_partition *p, const double *matrix, search *s, int candidates, const int stride) {
+INLINE int64_t load(const km_partition *p, const double *matrix, search *s, int candidates, double *largest,
+                    const int stride) {
   const km_pair magnitude = (km_pair)(km_bits){KM_MAGNITUDE, KM_MAGNITUDE};
-  km_pair scale = {0.0, 0.0};
+  km_pair scale[PAIRS];
   EACH_PAIR(
+    scale[i] = (km_pair){0.0, 0.0};
     s->open[i] = (km_pair)(km_bits){KM_KEY, 2 * i + 1 < p->rows ? KM_KEY : 0};
     s->best[i] = (km_pair){0.0, 0.0};
   );
@@ -59,17 +61,18 @@ INLINE int64_t load(km_partition *p, const double *matrix, search *s, int candid
   double *const reduced = p->reduced;
   km_bits slot = km_slot_bits(0);
   for (int k = 0; k < columns; ++k, slot -= KM_NEXT_SLOT) {
-    const double *from = matrix + (size_t)(column[k] * rows);
-    km_pair *to = (km_pair *)(reduced + (size_t)(column[k] * stride));
+    const double *from = matrix + (ptrdiff_t)column[k] * rows;
+    km_pair *to = (km_pair *)(reduced + (ptrdiff_t)column[k] * stride);
     EACH_PAIR(
       km_pair x = read(from, rows, i, stride);
       to[i] = x;
-      scale = km_pair_larger(km_pair_and(x, magnitude), scale);
+      scale[i] = km_pair_larger(km_pair_and(x, magnitude), scale[i]);
       if (k < candidates)
         note(s, slot, i, x);
   );
   }
-  p->scale = scale[0] > scale[1] ? scale[0] : scale[1];
+  EACH_PAIR(scale[0] = km_pair_larger(scale[i], scale[0]););
+  *largest = scale[0][0] > scale[0][1] ? scale[0][0] : scale[0][1];
   return take_best(s, stride);
 }
 
@@ -77,7 +80,7 @@ INLINE int64_t load(km_partition *p, const double *matrix, search *s, int candid
 INLINE int64_t look(const km_partition *p, search *s, int from, const int stride) {
   km_bits slot = km_slot_bits(from);
   for (int k = from; k < p->columns; ++k, slot -= KM_NEXT_SLOT) {
-    const km_pair *x = (const km_pair *)(p->reduced + (size_t)(p->column[k] * stride));
+    const km_pair *x = (const km_pair *)(p->reduced + (ptrdiff_t)p->column[k] * stride);
     EACH_PAIR(note(s, slot, i, x[i]);
   );
   }
@@ -85,8 +88,8 @@ INLINE int64_t look(const km_partition *p, search *s, int from, const int stride
 }
 
 /* Subtracts the pivot row from the others; the multiples take the pivot column's place. */
-INLINE void multiples(km_partition *p, int step, int row, km_pair *l, km_pair *others, const int stride) {
-  double *column = p->reduced + (size_t)(p->column[step] * stride);
+INLINE void multiples(const km_partition *p, int step, int row, km_pair *l, km_pair *others, const int stride) {
+  double *column = p->reduced + (ptrdiff_t)p->column[step] * stride;
   double inverse = 1.0 / column[row], r = row;
   p->inverse[step] = inverse;
   p->row[step] = row;
@@ -98,7 +101,7 @@ INLINE void multiples(km_partition *p, int step, int row, km_pair *l, km_pair *o
 }
 
 /* A step of elimination, and the search for the next one among columns step+1 … candidates-1. */
-INLINE int64_t eliminate(km_partition *p, search *s, int step, int row, int candidates, const int stride) {
+INLINE int64_t eliminate(const km_partition *p, search *s, int step, int row, int candidates, const int stride) {
   km_pair l[PAIRS];
   km_pair others[PAIRS];
   multiples(p, step, row, l, others, stride);
@@ -109,7 +112,7 @@ INLINE int64_t eliminate(km_partition *p, search *s, int step, int row, int cand
   km_bits slot = km_slot_bits(step + 1);
   int k = step + 1;
   for (; k < candidates; ++k, slot -= KM_NEXT_SLOT) {
-    double *column = reduced + (size_t)(order[k] * stride), u = column[row];
+    double *column = reduced + (ptrdiff_t)order[k] * stride, u = column[row];
     EACH_PAIR(
       km_pair x = ((km_pair *)column)[i] - l[i] * (km_pair){u, u};
       ((km_pair *)column)[i] = x;
@@ -117,7 +120,7 @@ INLINE int64_t eliminate(km_partition *p, search *s, int step, int row, int cand
   );
   }
   for (; k < columns; ++k) {
-    double *column = reduced + (size_t)(order[k] * stride), u = column[row];
+    double *column = reduced + (ptrdiff_t)order[k] * stride, u = column[row];
     EACH_PAIR(((km_pair *)column)[i] -= l[i] * (km_pair){u, u};
   );
   }
@@ -125,12 +128,12 @@ INLINE int64_t eliminate(km_partition *p, search *s, int step, int row, int cand
 }
 
 INLINE double size_at(const km_partition *p, int place, const int stride) {
-  return fabs(p->reduced[p->column[km_place_slot(place)] * stride + km_place_row(place)]);
+  return fabs(p->reduced[(ptrdiff_t)p->column[km_place_slot(place)] * stride + km_place_row(place)]);
 }
 
 /* The place that the key names. Mostly it is that of the last search, and a processor that bets on a branch goes on
  * from there while the maximum is still being found. The result is the same either way. */
-INLINE int take_place(km_partition *p, int step, int64_t key) {
+INLINE int take_place(const km_partition *p, int step, int64_t key) {
   int found = km_key_place(key), last = p->place[step], place = last;
   __asm__("" : "+r"(place)); /* that place is `last` is nothing to reason from: the branch must stay */
   if (__builtin_expect(found != last, 0))
@@ -140,7 +143,7 @@ INLINE int take_place(km_partition *p, int step, int64_t key) {
 
 INLINE void factor(km_partition *p, const double *matrix, int candidates, double tolerance, const int stride) {
   search s;
-  int64_t key = load(p, matrix, &s, candidates, stride);
+  int64_t key = load(p, matrix, &s, candidates, &p->scale, stride);
   double threshold = tolerance * p->scale;
   int most = p->rows < p->columns ? p->rows : p->columns, step = 0;
   for (; step < most; ++step) {
@@ -167,16 +170,18 @@ INLINE void factor(km_partition *p, const double *matrix, int candidates, double
     key = eliminate(p, &s, step, km_place_row(place), candidates, stride);
     p->first_pivot = step == 0 ? size : p->first_pivot;
     p->last_pivot = size;
+    p->smallest_pivot = size < p->smallest_pivot ? size : p->smallest_pivot;
   }
   p->rank = step;
 }
 
-INLINE bool refactor(km_partition *p, const double *matrix, const int stride) {
+INLINE bool refactor(const km_partition *in, const double *matrix, const int stride) {
+  const km_partition own = *in, *const p = &own; /* in registers: nothing that is stored below can change it */
   km_pair poison = {0.0, 0.0}; /* x − x: 0, or not a number */
   for (int k = 0; k < p->columns; ++k) {
-    km_pair *to = (km_pair *)(p->reduced + (size_t)(k * stride));
+    km_pair *to = (km_pair *)(p->reduced + (ptrdiff_t)k * stride);
     EACH_PAIR(
-      km_pair x = read(matrix + (size_t)(k * p->rows), p->rows, i, stride);
+      km_pair x = read(matrix + (ptrdiff_t)k * p->rows, p->rows, i, stride);
       to[i] = x;
       poison += x - x;
   );
@@ -187,7 +192,7 @@ INLINE bool refactor(km_partition *p, const double *matrix, const int stride) {
     int row = p->row[step];
     multiples(p, step, row, l, others, stride);
     for (int k = step + 1; k < p->columns; ++k) {
-      double *column = p->reduced + (size_t)(p->column[k] * stride), u = column[row];
+      double *column = p->reduced + (ptrdiff_t)p->column[k] * stride, u = column[row];
       EACH_PAIR(((km_pair *)column)[i] -= l[i] * (km_pair){u, u};
   );
     }
@@ -206,7 +211,7 @@ void km_small_factor(km_partition *p, const double *matrix, int candidates, doub
   }
 }
 
-bool km_small_refactor(km_partition *p, const double *matrix) {
+bool km_small_refactor(const km_partition *p, const double *matrix) {
   switch (p->stride) {
   case 2: return refactor(p, matrix, 2);
   case 4: return refactor(p, matrix, 4);

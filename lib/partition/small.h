@@ -11,6 +11,6 @@ enum { KM_SMALL_ROWS = 12, KM_SMALL_COLUMNS = 64 };
 void km_small_factor(km_partition *p, const double *matrix, int candidates, double tolerance);
 
 /* The same pivots again: fills reduced and inverse; false if a value is not finite. */
-bool km_small_refactor(km_partition *p, const double *matrix);
+bool km_small_refactor(const km_partition *p, const double *matrix);
 
 #endif
