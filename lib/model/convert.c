@@ -151,25 +151,23 @@ static void convert_map(const converter *c, const km_value *value, km_value *par
 }
 
 /* Does a port measure or push along a length (and not about an angle)? */
-static bool port_is_length(const converter *c, const km_value *port) {
-  const km_value *joint = port ? km_value_get(port, "joint") : NULL;
-  if (!joint)
+static bool port_is_length(const converter *c, int port) {
+  if (port < 0)
     return true;
-  const km_value *name = joint->kind == KM_LIST ? joint->last : joint;
-  int coordinate;
-  if (!name || km_model_find_coordinate(c->model, name->string, &coordinate, NULL) != KM_OK)
-    return false;
-  const km_coordinate_def *def = &c->model->coordinates[coordinate];
+  const km_coordinate_def *def = &c->model->coordinates[port];
   return km_joint_is_length(c->model->joints[def->joint].type, def->index);
 }
 
 static void enter_module(const converter *c, const km_value *module, context *at) {
-  const km_value *input = km_value_get(module, "input"), *output = km_value_get(module, "output");
   const km_value *type = km_value_get(module, "type");
   const char *word = type && type->string ? type->string : "";
   bool rate = strcmp(word, "damping") == 0 || strcmp(word, "friction") == 0;
-  at->variable = port_is_length(c, input ? input : output) ? length_1 : (km_dimension){0};
-  at->force = generalised_force(port_is_length(c, output ? output : input));
+  km_module_def def = {module, KM_PORT_FRAMES, KM_PORT_FRAMES}; /* left out: taken for lengths */
+  for (int i = 0; i < c->model->module_count; ++i)
+    if (c->model->modules[i].source == module)
+      def = c->model->modules[i];
+  at->variable = port_is_length(c, def.input) ? length_1 : (km_dimension){0};
+  at->force = generalised_force(port_is_length(c, def.output));
   if (rate)
     at->variable = product(at->variable, power(time_1, -1));
   if (strcmp(word, "motor") == 0)

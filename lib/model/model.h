@@ -59,6 +59,13 @@ typedef struct km_coupling_def {
   double *ratios;
 } km_coupling_def;
 
+typedef struct km_module_def {
+  const km_value *source; /* what was read */
+  int input, output;      /* coordinates; KM_PORT_FRAMES: between two frames */
+} km_module_def;
+
+enum { KM_PORT_FRAMES = -1 };
+
 typedef struct km_load_def {
   const char *name;
   int frame;
@@ -94,12 +101,13 @@ struct km_model {
   km_joint_def *joints;
   km_coordinate_def *coordinates;
   km_coupling_def *couplings;
+  km_module_def *modules;
   km_load_def *loads;
   km_hold_def *holds;
   int *actuators; /* coordinates */
   int advantage_input, advantage_output; /* coordinates, -1: none or not a joint */
   km_sweep_def sweep;
-  int assembly_count, body_count, frame_count, joint_count, coordinate_count, coupling_count;
+  int assembly_count, body_count, frame_count, joint_count, coordinate_count, coupling_count, module_count;
   int load_count, hold_count, actuator_count;
 };
 

@@ -10,7 +10,7 @@ static int count_members(const km_value *object, const char *key) {
 }
 
 typedef struct totals {
-  size_t assemblies, bodies, frames, joints, couplings;
+  size_t assemblies, bodies, frames, joints, couplings, modules;
 } totals;
 
 /* Upper bounds: left-out elements count too. */
@@ -19,6 +19,7 @@ static void count_assembly(const km_value *assembly, totals *t) {
   t->bodies += (size_t)count_members(assembly, "bodies");
   t->joints += (size_t)count_members(assembly, "joints");
   t->couplings += (size_t)count_members(assembly, "couplings");
+  t->modules += (size_t)count_members(assembly, "force_modules");
   for (const km_value *b = bodies ? bodies->first : NULL; b; b = b->next)
     t->frames += (size_t)count_members(b, "frames");
   const km_value *nested = km_value_get(assembly, "assemblies");
@@ -39,6 +40,7 @@ static void allocate(km_model *model, const km_value *root) {
   model->joints = KM_ARENA_NEW(arena, km_joint_def, t.joints);
   model->coordinates = KM_ARENA_NEW(arena, km_coordinate_def, KM_MAX_FREEDOM * t.joints);
   model->couplings = KM_ARENA_NEW(arena, km_coupling_def, t.couplings);
+  model->modules = KM_ARENA_NEW(arena, km_module_def, t.modules);
 }
 
 static void read_units(km_reader *reader, const km_value *parameters, const km_place *place) {

@@ -11,26 +11,26 @@ static bool one_of(const char *word, const char *const *words) {
   return false;
 }
 
-static void check_port(km_reader *reader, const km_value *port, int assembly, const km_place *place) {
+/* The coordinate of a port, KM_PORT_FRAMES between frames; KM_LEFT_OUT where it names what is left out. */
+static int read_port(km_reader *reader, const km_value *port, int assembly, const km_place *place) {
   const char *type = km_reader_string(port, "type");
   const km_value *joint = km_value_get(port, "joint"), *pair = km_value_get(port, "body_frame_pair");
   km_place type_at = {place, "type", 0}, joint_at = {place, "joint", 0}, pair_at = {place, "body_frame_pair", 0};
   if (strcmp(type, "joint") == 0) {
     if (joint)
-      km_reader_coordinate(reader, joint, assembly, &joint_at);
-    else
-      km_reader_error(reader, place, "\"joint\" is missing; expected the joint of this port");
+      return km_reader_coordinate(reader, joint, assembly, &joint_at);
+    km_reader_error(reader, place, "\"joint\" is missing; expected the joint of this port");
   } else if (strcmp(type, "frame") == 0) {
     km_place first = {&pair_at, NULL, 0}, second = {&pair_at, NULL, 1};
-    if (pair) {
-      km_reader_frame(reader, pair->first, assembly, &first);
-      km_reader_frame(reader, pair->last, assembly, &second);
-    } else {
+    if (!pair)
       km_reader_error(reader, place, "\"body_frame_pair\" is missing; expected the two frames of this port");
-    }
+    else if (km_reader_frame(reader, pair->first, assembly, &first) == KM_LEFT_OUT ||
+             km_reader_frame(reader, pair->last, assembly, &second) == KM_LEFT_OUT)
+      return KM_LEFT_OUT;
   } else {
     km_reader_error(reader, &type_at, "\"%.40s\" is not a kind of port; expected \"joint\" or \"frame\"", type);
   }
+  return KM_PORT_FRAMES;
 }
 
 static void check_pieces(km_reader *reader, const km_value *module, const km_place *place) {
@@ -63,11 +63,18 @@ static void read_module(km_reader *reader, const km_value *module, int assembly,
     km_reader_error(reader, &distance_at, "\"%.40s\" is not a distance; expected euclid, Tx, Ty or Tz", distance);
   const km_value *input = km_value_get(module, "input"), *output = km_value_get(module, "output");
   km_place input_at = {place, "input", 0}, output_at = {place, "output", 0};
-  if (input)
-    check_port(reader, input, assembly, &input_at);
-  if (output)
-    check_port(reader, output, assembly, &output_at);
-  if (!input && !output)
+  const km_value *either = input ? input : output;
+  km_module_def def = {module, KM_PORT_FRAMES, KM_PORT_FRAMES};
+  if (either)
+    def.input = def.output = read_port(reader, either, assembly, input ? &input_at : &output_at);
+  if (input && output)
+    def.output = read_port(reader, output, assembly, &output_at);
+  if (def.input == KM_LEFT_OUT || def.output == KM_LEFT_OUT) {
+    km_reader_note(reader, place, "force module \"%.80s\" is left out with what it acts on", km_reader_string(module, "name"));
+    return;
+  }
+  reader->model->modules[reader->model->module_count++] = def;
+  if (!either)
     km_reader_error(reader, place, "\"input\" is missing; expected where the force module acts");
   check_pieces(reader, module, place);
 }

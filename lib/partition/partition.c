@@ -26,11 +26,13 @@ static double *reduced_column(const km_partition *p, int column) {
 /* Moves the forced columns behind the others; returns how many columns are free to be chosen. */
 static int order_columns(km_partition *p, const bool *forced) {
   int free = 0, behind = p->columns;
-  for (int c = 0; c < p->columns; ++c) {
-    if (forced && forced[c])
-      p->column[--behind] = c;
-    else
-      p->column[free++] = c;
+  for (int c = 0; !forced && c < p->columns; ++c)
+    p->column[free++] = c;
+  for (int c = 0; forced && c < p->columns; ++c) {
+    bool last = forced[c];
+    p->column[last ? behind - 1 : free] = c;
+    behind -= last;
+    free += !last;
   }
   return free;
 }

@@ -63,13 +63,13 @@ INLINE int64_t load(const km_partition *p, const double *matrix, search *s, int 
   for (int k = 0; k < columns; ++k, slot -= KM_NEXT_SLOT) {
     const double *from = matrix + (ptrdiff_t)column[k] * rows;
     km_pair *to = (km_pair *)(reduced + (ptrdiff_t)column[k] * stride);
+    km_pair x[PAIRS];
     EACH_PAIR(
-      km_pair x = read(from, rows, i, stride);
-      to[i] = x;
-      scale[i] = km_pair_larger(km_pair_and(x, magnitude), scale[i]);
-      if (k < candidates)
-        note(s, slot, i, x);
-  );
+      to[i] = x[i] = read(from, rows, i, stride);
+      scale[i] = km_pair_larger(km_pair_and(x[i], magnitude), scale[i]);
+    );
+    if (k < candidates)
+      EACH_PAIR(note(s, slot, i, x[i]););
   }
   EACH_PAIR(scale[0] = km_pair_larger(scale[i], scale[0]););
   *largest = scale[0][0] > scale[0][1] ? scale[0][0] : scale[0][1];
