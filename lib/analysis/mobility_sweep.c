@@ -289,6 +289,12 @@ static km_status rows(runner *r, km_error *error) {
     if (end->stop)
       break;
   }
+  for (int i = 0; i < 2 && !status; ++i) { /* where the driver itself gives out */
+    const km_reach *reach = i ? end : start;
+    bool again = i && end->position == start->position;
+    if (reach->stop == KM_STOP_TOGGLE && !again && !add_toggle(r->out, plan->coordinate, reach->position))
+      status = km_fail(error, KM_MEMORY, "out of memory for the toggles");
+  }
   if (status)
     return status;
   return start->stop || end->stop ? KM_PARTIAL : KM_OK;

@@ -179,14 +179,23 @@ static size_t make_panels(lines *l, const km_plotted_sweep *sweeps, int count, k
   return (size_t)substructures;
 }
 
+static bool some_toggle(const km_plotted_sweep *sweeps, int count) {
+  for (int i = 0; i < count; ++i)
+    if (sweeps[i].sweep->toggle_count)
+      return true;
+  return false;
+}
+
 static const char *subtitle(lines *l, const km_plotted_sweep *sweeps, int count) {
   const km_model *model = sweeps[0].mechanism->model;
   km_text text = {0};
   for (int i = 0; i < count; ++i)
     km_text_format(&text, "%s%s", i ? ", " : "", sweeps[i].name);
-  km_text_format(&text, " · mobility %d · %s, %s · characteristic length %g %s · ▲ a joint loses its grip",
-                 sweeps[0].sweep->first.mobility, model->units.angle->word, model->units.length->word,
-                 model->characteristic_length, model->units.length->suffix);
+  km_text_format(&text, " · mobility %d · %s, %s · characteristic length %g %s", sweeps[0].sweep->first.mobility,
+                 model->units.angle->word, model->units.length->word, model->characteristic_length,
+                 model->units.length->suffix);
+  if (some_toggle(sweeps, count))
+    km_text_add(&text, " · ▲ a joint loses its grip");
   const char *result = text.failed ? NULL : km_arena_string(&l->arena, text.data);
   km_text_free(&text);
   return result;
