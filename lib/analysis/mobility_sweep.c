@@ -64,7 +64,7 @@ static km_status add_columns(const runner *r, km_error *error) {
   km_table *table = r->out->table;
   bool failed = false;
   add_named(table, "", "step", "", NULL, &failed);
-  add_named(table, "", "s", "", NULL, &failed);
+  failed = km_table_add_plain_column(table, "s", km_model_coordinate_unit(model, r->plan->coordinate)) < 0 || failed;
   for (int c = 0; c < model->coordinate_count; ++c)
     add_named(table, "q.", model->coordinates[c].label, "", km_model_coordinate_unit(model, c), &failed);
   for (int j = 0; j < model->joint_count; ++j) {
@@ -278,6 +278,7 @@ static km_status rows(runner *r, km_error *error) {
   *start = *end = km_drive_to(r->drive, plan->from);
   km_status status = write_row(r, 0, start->position, error);
   int row = 1;
+  double last = start->position;
   for (int i = 1; i <= plan->steps && !status; ++i) {
     double s = i == plan->steps ? plan->to : plan->from + (plan->to - plan->from) * i / plan->steps;
     if (start->stop && !reachable(r, s))
@@ -285,7 +286,10 @@ static km_status rows(runner *r, km_error *error) {
     if (!carries_on(r, i))
       return km_fail(error, KM_CANCELLED, "stopped at %g", s);
     *end = km_drive_to(r->drive, s);
-    status = write_row(r, row++, end->position, error);
+    bool again = end->stop && fabs(end->position - last) <= 1e-9 * (1.0 + fabs(last));
+    if (!again) /* the end may be where the last row stands already */
+      status = write_row(r, row++, end->position, error);
+    last = end->position;
     if (end->stop)
       break;
   }

@@ -7,6 +7,7 @@
 
 typedef struct column {
   const char *name, *unit;
+  int plain;
 } column;
 
 struct km_table {
@@ -27,17 +28,27 @@ void km_table_free(km_table *table) {
   km_free(table);
 }
 
-int km_table_add_column(km_table *table, const char *name, const char *unit) {
+static int add_column(km_table *table, const char *name, const char *unit, int plain) {
   void *columns = table->columns;
   if (!km_reserve(&columns, &table->column_capacity, table->column_count + 1, sizeof(column)))
     return -1;
   table->columns = columns;
-  column new = {km_arena_string(&table->arena, name), km_arena_string(&table->arena, unit ? unit : "")};
+  column new = {km_arena_string(&table->arena, name), km_arena_string(&table->arena, unit ? unit : ""), plain};
   if (table->arena.failed)
     return -1;
   table->columns[table->column_count] = new;
   return (int)table->column_count++;
 }
+
+int km_table_add_column(km_table *table, const char *name, const char *unit) {
+  return add_column(table, name, unit, 0);
+}
+
+int km_table_add_plain_column(km_table *table, const char *name, const char *unit) {
+  return add_column(table, name, unit, 1);
+}
+
+int km_table_is_plain(const km_table *table, size_t index) { return table->columns[index].plain; }
 
 double *km_table_add_row(km_table *table) {
   void *data = table->data;

@@ -9,7 +9,7 @@
 static const double longest = 0.3;           /* of a step, radians or substructure sizes */
 static const double furthest = 0.6;          /* that any coordinate may go in a step, scaled */
 static const double shortest = 1e-11;        /* a step below this doesn't move: the end is located */
-static const double leaving = 1e-14;         /* the same for the first step away from a located end */
+static const double leaving = 1e-14;         /* the same on the way back from a located end, where all is steep */
 static const double singular = 1e-7;          /* last pivot, relative: closer to a singular pose the tangent is noise */
 static const double branch_width = 1e-5;     /* a change of sign that stays below this step is a branch point */
 static const double crossing = 1e-3;         /* distance from a singular pose at which it is crossed */
@@ -25,7 +25,7 @@ struct km_drive {
   double s;       /* the driver, scaled */
   double largest; /* the step that step control allows now */
   bool passing;   /* this step goes over a singular pose on purpose */
-  bool stopped;   /* the pose is a located end */
+  double stopped; /* the direction that ended here, ±1, while the pose is close to that end; else 0 */
   bool known;     /* t belongs to the present pose */
   double *t, *next_t, *move;         /* [columns] */
   double *last_t, *last_move;        /* [columns] the step before this pose, for the predictor */
@@ -284,7 +284,8 @@ static attempt walk(km_drive *d, double target, double most, int *limit) {
     double h = arrives ? left : copysign(step, left);
     attempt result = advance(d, h, 0.25, limit);
     if (result == ACCEPTED) {
-      d->stopped = false;
+      if (fabs(h) > 1e-6)
+        d->stopped = 0.0;
       if (arrives)
         d->s = target;
       step = fmin(fmin(2.0 * step, longest), most);
@@ -294,8 +295,9 @@ static attempt walk(km_drive *d, double target, double most, int *limit) {
       continue;
     may_cross = may_cross && !arrives;
     step = 0.5 * fabs(h);
-    if (step < (d->stopped ? leaving : shortest) * fmax(1.0, fabs(d->s))) {
-      d->stopped = true;
+    double least = d->stopped * left < 0.0 ? leaving : shortest;
+    if (step < least * fmax(1.0, fabs(d->s))) {
+      d->stopped = copysign(1.0, left);
       return result;
     }
   }

@@ -159,6 +159,10 @@ void km_state_copy(const km_mechanism *m, km_state *to, const km_state *from) {
   memcpy(to->ball, from->ball, (size_t)m->ball_count * sizeof *to->ball);
 }
 
+/* Of the numbers that are this coordinate in the file's unit, one with few digits where there is one: 30 degrees
+ * come back as 30, though 30 · (π/180) / (π/180) doesn't. */
 double km_state_coordinate(const km_state *s, int coordinate) {
-  return s->q[coordinate] / km_model_coordinate_factor(s->mechanism->model, coordinate);
+  double factor = km_model_coordinate_factor(s->mechanism->model, coordinate), q = s->q[coordinate];
+  double exact = q / factor, rounded = nearbyint(exact * 1e10) / 1e10;
+  return rounded * factor == q ? rounded : exact;
 }

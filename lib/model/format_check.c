@@ -1,3 +1,4 @@
+#include "base/text.h"
 #include "model/format.h"
 #include "model/place.h"
 
@@ -9,14 +10,15 @@
 static const double largest_number = 1e60;
 
 static void expected(km_messages *m, const km_place *place, const km_value *found, const char *what) {
-  char where[KM_PLACE_TEXT];
+  char where[KM_PLACE_TEXT], number[KM_NUMBER_TEXT];
   km_place_text(place, where);
   if (found->kind == KM_STRING)
     km_messages_add(m, KM_ERROR, "%s: found the string \"%.60s\"; expected %s", where, found->string,
                     what);
-  else if (found->kind == KM_NUMBER)
-    km_messages_add(m, KM_ERROR, "%s: found %.17g; expected %s", where, found->number, what);
-  else if (found->kind == KM_LIST)
+  else if (found->kind == KM_NUMBER) {
+    km_number_format(number, found->number);
+    km_messages_add(m, KM_ERROR, "%s: found %s; expected %s", where, number, what);
+  } else if (found->kind == KM_LIST)
     km_messages_add(m, KM_ERROR, "%s: found a list of %zu; expected %s", where, found->count, what);
   else
     km_messages_add(m, KM_ERROR, "%s: found %s; expected %s", where, km_kind_name(found->kind), what);

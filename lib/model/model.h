@@ -24,6 +24,7 @@ typedef struct km_body_def {
   km_vec3 center_of_mass;
   double inertia[6]; /* Ixx Iyy Izz Ixy Iyz Izx about the centre of mass */
   double density;    /* < 0: not given */
+  const char *mesh;  /* file name of the definition, NULL: none */
   const char *where;
 } km_body_def;
 
@@ -91,6 +92,7 @@ struct km_model {
   km_arena arena;
   const km_value *root; /* everything as read, for what the engine only keeps */
   char sha256[KM_SHA256_TEXT];
+  const char *folder; /* of the file, where include_dir starts */
   km_units units;
   km_vec3 gravity;
   double characteristic_length, closure_tolerance;
@@ -110,6 +112,9 @@ struct km_model {
   int assembly_count, body_count, frame_count, joint_count, coordinate_count, coupling_count, module_count;
   int load_count, hold_count, actuator_count;
 };
+
+/* Appends the path at which a mesh file is found: in the file's folder or one of include_dir. False if nowhere. */
+bool km_model_find_mesh(const km_model *model, const char *name, km_text *path);
 
 static inline int km_model_freedom(const km_model *model, int joint) {
   return km_joint_kind_of(model->joints[joint].type)->freedom;

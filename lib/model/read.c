@@ -71,7 +71,7 @@ static void read_units(km_reader *reader, const km_value *parameters, const km_p
 static void positive(km_reader *reader, const km_place *place, const char *key, double value) {
   km_place at = {place, key, 0};
   if (!(value > 0.0))
-    km_reader_error(reader, &at, "found %.17g; expected a number greater than 0", value);
+    km_reader_error(reader, &at, "found %s; expected a number greater than 0", KM_SHOWN(value));
 }
 
 static void read_parameters(km_reader *reader, const km_value *root) {
@@ -90,8 +90,8 @@ static void read_parameters(km_reader *reader, const km_value *root) {
   model->closure_tolerance = km_reader_number(parameters, "closure_tolerance", 1e-9);
   km_place tolerance = {&place, "closure_tolerance", 0};
   if (!(model->closure_tolerance > 0.0 && model->closure_tolerance < 0.1))
-    km_reader_error(reader, &tolerance, "found %.17g; expected a number between 0 and 0.1",
-                    model->closure_tolerance);
+    km_reader_error(reader, &tolerance, "found %s; expected a number between 0 and 0.1",
+                    KM_SHOWN(model->closure_tolerance));
 }
 
 static int add_frame(km_reader *reader, const char *name, int body, km_pose pose) {
@@ -161,7 +161,7 @@ static void read_mass(km_reader *reader, const km_value *value, const km_place *
     body->inertia[k] = km_reader_number(inertia, keys[k], 0.0);
   km_place mass = {place, "mass", 0}, moments = {place, "moment_of_inertia", 0};
   if (body->mass < 0.0)
-    km_reader_error(reader, &mass, "found %.17g; expected a mass of at least 0", body->mass);
+    km_reader_error(reader, &mass, "found %s; expected a mass of at least 0", KM_SHOWN(body->mass));
   if (km_value_get(value, "density"))
     positive(reader, place, "density", body->density);
   if (!inertia_is_physical(body->inertia))
@@ -185,6 +185,9 @@ static void read_body(km_reader *reader, const km_value *value, int assembly, co
   km_body_def *body = &model->bodies[index];
   *body = (km_body_def){.name = name, .assembly = assembly, .where = km_reader_where(reader, place)};
   read_mass(reader, value, place, body);
+  const km_value *definition = km_value_get(value, "definition");
+  if (definition)
+    body->mesh = definition->kind == KM_LIST ? definition->first->string : definition->string;
   if (!km_names_set(&reader->bodies, assembly, name, index))
     model->arena.failed = true;
   add_frame(reader, "origin", index, km_pose_identity());
@@ -236,6 +239,7 @@ static km_status read_model(km_model *model, const char *bytes, size_t size, km_
     return status;
   }
   km_sha256(bytes, size, model->sha256);
+  model->folder = ".";
   km_format_check(model->root, messages);
   if (km_messages_errors(messages))
     return first_error(messages, error);
@@ -272,6 +276,29 @@ km_status km_model_read(const char *bytes, size_t size, km_messages *messages, k
   return status;
 }
 
+/* The part of a path before its last slash. */
+static const char *folder_of(km_model *model, const char *path) {
+  const char *slash = strrchr(path, '/');
+  if (!slash)
+    return ".";
+  char *folder = km_arena_string(&model->arena, path);
+  if (folder)
+    folder[slash == path ? 1 : slash - path] = '\0';
+  return folder;
+}
+
+/* A mesh that isn't there is no error until something needs it. */
+static void warn_of_meshes(const km_model *model, km_messages *messages) {
+  km_text path = {0};
+  for (int b = 1; b < model->body_count; ++b) {
+    const km_body_def *body = &model->bodies[b];
+    if (body->mesh && !km_model_find_mesh(model, body->mesh, &path))
+      km_messages_add(messages, KM_WARNING, "%s.definition: mesh \"%.200s\" is found neither beside the file nor in include_dir",
+                      body->where, body->mesh);
+  }
+  km_text_free(&path);
+}
+
 km_status km_model_load(const char *path, km_messages *messages, km_model **out, km_error *error) {
   km_text text = {0};
   *out = NULL;
@@ -279,6 +306,11 @@ km_status km_model_load(const char *path, km_messages *messages, km_model **out,
   if (!status)
     status = km_model_read(text.data, text.size, messages, out, error);
   km_text_free(&text);
+  if (!status) {
+    (*out)->folder = folder_of(*out, path);
+    if ((*out)->folder)
+      warn_of_meshes(*out, messages);
+  }
   return status;
 }
 

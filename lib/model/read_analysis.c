@@ -39,7 +39,7 @@ static void check_pieces(km_reader *reader, const km_value *module, const km_pla
   double last = -INFINITY;
   for (const km_value *k = knots ? knots->first : NULL; k; k = k->next) {
     if (!(k->number > last))
-      km_reader_error(reader, &knots_at, "found %.17g after %.17g; expected increasing knots", k->number, last);
+      km_reader_error(reader, &knots_at, "found %s after %s; expected increasing knots", KM_SHOWN(k->number), KM_SHOWN(last));
     last = k->number;
   }
   size_t wanted = (knots ? knots->count : 0) + 1;
@@ -48,11 +48,30 @@ static void check_pieces(km_reader *reader, const km_value *module, const km_pla
                     pieces->count, wanted);
 }
 
+/* What a type of force module can't do without: any one of the keys. */
+static void check_law(km_reader *reader, const km_value *module, const char *type, const km_place *place) {
+  static const struct {
+    const char *type, *keys[3], *words;
+  } laws[] = {{"stiffness", {"coefficients"}, "\"coefficients\""},
+              {"damping", {"coefficients"}, "\"coefficients\""},
+              {"friction", {"coefficients"}, "\"coefficients\""},
+              {"motor", {"polynomial", "table", "coefficients"}, "\"polynomial\" or \"table\""},
+              {"pid", {"kp", "ki", "kd"}, "\"kp\", \"ki\" or \"kd\""}};
+  for (size_t i = 0; i < sizeof laws / sizeof *laws; ++i) {
+    bool given = strcmp(laws[i].type, type) != 0;
+    for (size_t k = 0; k < 3 && laws[i].keys[k]; ++k)
+      given = given || km_value_get(module, laws[i].keys[k]);
+    if (!given)
+      km_reader_error(reader, place, "%s is missing; expected the law of a %s", laws[i].words, type);
+  }
+}
+
 static void read_module(km_reader *reader, const km_value *module, int assembly, const km_place *place) {
   static const char *const types[] = {"stiffness", "damping", "friction", "motor", "pid", "fiala_tire", NULL};
   static const char *const distances[] = {"euclid", "Tx", "Ty", "Tz", NULL};
   if (!km_reader_active(module))
     return;
+  km_reader_named(reader, module, place);
   const char *type = km_reader_string(module, "type"), *distance = km_reader_string(module, "distance_type");
   km_place type_at = {place, "type", 0}, distance_at = {place, "distance_type", 0};
   if (!one_of(type, types))
@@ -76,6 +95,7 @@ static void read_module(km_reader *reader, const km_value *module, int assembly,
   reader->model->modules[reader->model->module_count++] = def;
   if (!either)
     km_reader_error(reader, place, "\"input\" is missing; expected where the force module acts");
+  check_law(reader, module, type, place);
   check_pieces(reader, module, place);
 }
 
@@ -103,7 +123,7 @@ static int read_steps(km_reader *reader, const km_value *sweep, const km_place *
   km_place at = {place, "steps", 0};
   if (steps >= 1.0 && steps <= 1e7 && steps == floor(steps))
     return (int)steps;
-  km_reader_error(reader, &at, "found %.17g; expected a whole number from 1 to 10000000", steps);
+  km_reader_error(reader, &at, "found %s; expected a whole number from 1 to 10000000", KM_SHOWN(steps));
   return 1;
 }
 
@@ -125,25 +145,31 @@ static void read_sweep(km_reader *reader, const km_value *sweep, const km_place 
   if (arclength) {
     def->arclength = arclength->number;
     if (!(def->arclength > 0.0))
-      km_reader_error(reader, &arc_at, "found %.17g; expected a length greater than 0", def->arclength);
+      km_reader_error(reader, &arc_at, "found %s; expected a length greater than 0", KM_SHOWN(def->arclength));
   }
   if (direction) {
     def->direction = analysis_coordinate(reader, km_value_get(direction, "joint"), &direction_joint);
-    def->sign = km_reader_number(direction, "sign", 1.0) < 0.0 ? -1.0 : 1.0;
+    double sign = km_reader_number(direction, "sign", 1.0);
+    km_place sign_at = {&direction_at, "sign", 0};
+    if (sign == 0.0)
+      km_reader_error(reader, &sign_at, "found 0; expected 1 or -1");
+    def->sign = sign < 0.0 ? -1.0 : 1.0;
   }
 }
 
 static void read_load(km_reader *reader, const km_value *value, int owner, const km_place *place) {
   (void)owner;
   km_model *model = reader->model;
+  km_reader_named(reader, value, place);
   km_place at = {place, "frame", 0}, axes_at = {place, "axes", 0};
   const char *axes = km_reader_string(value, "axes");
   if (axes && strcmp(axes, "fixed") != 0 && strcmp(axes, "frame") != 0)
     km_reader_error(reader, &axes_at, "\"%.40s\" is not known; expected \"fixed\" or \"frame\"", axes);
   const km_value *path = km_value_get(value, "frame");
-  const char *names[64];
+  enum { LONGEST = 2100 }; /* more than the parser's nesting limit */
+  const char *names[LONGEST];
   size_t count = 0;
-  for (const km_value *v = path->kind == KM_LIST ? path->first : path; v && count < 64; v = v->next) {
+  for (const km_value *v = path->kind == KM_LIST ? path->first : path; v && count < LONGEST; v = v->next) {
     names[count++] = v->string;
     if (path->kind != KM_LIST)
       break;
@@ -163,13 +189,14 @@ static void read_load(km_reader *reader, const km_value *value, int owner, const
 /* One entry of `hold`: every coordinate of a joint, or one coordinate of it. */
 static void read_hold(km_reader *reader, const km_value *value, const km_place *place) {
   km_model *model = reader->model;
-  int coordinate = km_names_get(&reader->labels, 1, value->key);
-  int joint = km_names_get(&reader->labels, 0, value->key);
+  int coordinate = km_names_get(&reader->labels, KM_LABEL_COORDINATE, value->key);
+  int joint = km_names_get(&reader->labels, KM_LABEL_JOINT, value->key);
   size_t given = value->kind == KM_LIST ? value->count : 1;
   const km_value *item = value->kind == KM_LIST ? value->first : value;
   size_t freedom = coordinate >= 0 ? 1 : joint >= 0 ? (size_t)km_model_freedom(model, joint) : 0;
   if (coordinate < 0 && joint < 0) {
-    km_reader_error(reader, place, "\"%.80s\" names no joint; expected a joint's label", value->key);
+    if (km_names_get(&reader->labels, KM_LABEL_FAULTY, value->key) < 0)
+      km_reader_error(reader, place, "\"%.80s\" names no joint; expected a joint's label", value->key);
     return;
   }
   if (freedom != given) {
@@ -187,9 +214,45 @@ static void read_hold(km_reader *reader, const km_value *value, const km_place *
     model->holds[model->hold_count++] = (km_hold_def){first + (int)k, item->number};
 }
 
+/* The components of a rotation vector can be held only together. */
+static void check_held_balls(km_reader *reader, const km_place *place) {
+  const km_model *model = reader->model;
+  for (int h = 0; h < model->hold_count; ++h) {
+    int coordinate = model->holds[h].coordinate, joint = model->coordinates[coordinate].joint, together = 0;
+    if (!km_reader_turns(reader, coordinate))
+      continue;
+    for (int k = 0; k < model->hold_count; ++k)
+      together += model->coordinates[model->holds[k].coordinate].joint == joint &&
+                  km_reader_turns(reader, model->holds[k].coordinate);
+    km_place at = {place, model->coordinates[coordinate].label, 0};
+    if (together != 3)
+      km_reader_error(reader, &at, "a component of a rotation vector; expected all of joint \"%s\" together, as a list",
+                      model->joints[joint].label);
+  }
+}
+
+static void read_actuator(km_reader *reader, const km_value *value, const km_place *place) {
+  km_model *model = reader->model;
+  int coordinate = analysis_coordinate(reader, value, place);
+  for (int a = 0; a < model->actuator_count && coordinate >= 0; ++a)
+    if (model->actuators[a] == coordinate)
+      km_reader_error(reader, place, "this joint is named twice; expected each once");
+  model->actuators[model->actuator_count++] = coordinate;
+}
+
 static int advantage_joint(km_reader *reader, const km_value *value, const km_place *place) {
-  return value && (value->kind == KM_STRING || value->kind == KM_LIST) ? analysis_coordinate(reader, value, place)
-                                                                       : -1;
+  if (!value || value->kind == KM_OBJECT) /* a point of a body along a direction */
+    return -1;
+  bool names = value->kind == KM_STRING || (value->kind == KM_LIST && value->first);
+  for (const km_value *v = value->kind == KM_LIST ? value->first : NULL; v; v = v->next)
+    names = names && v->kind == KM_STRING;
+  if (names)
+    return analysis_coordinate(reader, value, place);
+  if (value->kind == KM_NUMBER)
+    km_reader_error(reader, place, "found %s; expected a joint", KM_SHOWN(value->number));
+  else
+    km_reader_error(reader, place, "found %s; expected a joint", km_kind_name(value->kind));
+  return -1;
 }
 
 static void allocate(km_model *model, const km_value *analysis) {
@@ -218,12 +281,13 @@ void km_read_analysis(km_reader *reader, const km_value *root) {
     read_sweep(reader, sweep, &sweep_at);
   km_place item = {&actuators_at, NULL, 0};
   for (const km_value *a = actuators ? actuators->first : NULL; a; a = a->next, ++item.index)
-    model->actuators[model->actuator_count++] = analysis_coordinate(reader, a, &item);
+    read_actuator(reader, a, &item);
   model->advantage_input = advantage_joint(reader, km_value_get(advantage, "input"), &input_at);
   model->advantage_output = advantage_joint(reader, km_value_get(advantage, "output"), &output_at);
   for (const km_value *h = hold ? hold->first : NULL; h; h = h->next) {
     km_place at = {&hold_at, h->key, 0};
     read_hold(reader, h, &at);
   }
+  check_held_balls(reader, &hold_at);
   km_reader_each(reader, analysis, "loads", 0, &place, read_load);
 }

@@ -47,8 +47,8 @@ static void read_limits(km_reader *reader, const km_value *joint, int freedom, c
     coordinates[k].low = pair->first->number;
     coordinates[k].high = pair->last->number;
     if (coordinates[k].low > coordinates[k].high)
-      km_reader_error(reader, &at, "found [%.17g, %.17g]; expected low ≤ high", coordinates[k].low,
-                      coordinates[k].high);
+      km_reader_error(reader, &at, "found [%s, %s]; expected low ≤ high", KM_SHOWN(coordinates[k].low),
+                      KM_SHOWN(coordinates[k].high));
   }
 }
 
@@ -56,7 +56,7 @@ static void not_negative(km_reader *reader, const km_value *object, const char *
   double value = km_reader_number(object, key, 0.0);
   km_place at = {place, key, 0};
   if (value < 0.0)
-    km_reader_error(reader, &at, "found %.17g; expected a number of at least 0", value);
+    km_reader_error(reader, &at, "found %s; expected a number of at least 0", KM_SHOWN(value));
 }
 
 static void check_table(km_reader *reader, const km_value *table, const km_place *place) {
@@ -66,8 +66,8 @@ static void check_table(km_reader *reader, const km_value *table, const km_place
     if (row->count != 2)
       km_reader_error(reader, &item, "found %zu numbers; expected [time, value]", row->count);
     else if (!(row->first->number > last))
-      km_reader_error(reader, &item, "time %.17g doesn't come after the last one; expected increasing times",
-                      row->first->number);
+      km_reader_error(reader, &item, "time %s doesn't come after the last one; expected increasing times",
+                      KM_SHOWN(row->first->number));
     if (row->first)
       last = row->first->number;
   }
@@ -90,9 +90,12 @@ static void check_options(km_reader *reader, const km_value *joint, const km_pla
   int laws = (table != NULL) + (km_value_get(p, "polynomial") != NULL) + (km_value_get(p, "sine") != NULL);
   if (laws != 1)
     km_reader_error(reader, &prescribed, "found %d laws; expected one of \"table\", \"polynomial\", \"sine\"", laws);
-  km_place at = {&prescribed, "table", 0};
+  km_place at = {&prescribed, "table", 0}, polynomial_at = {&prescribed, "polynomial", 0};
   if (table)
     check_table(reader, table, &at);
+  const km_value *polynomial = km_value_get(p, "polynomial");
+  if (polynomial && polynomial->count == 0)
+    km_reader_error(reader, &polynomial_at, "found a list of 0; expected at least one coefficient");
 }
 
 static bool read_type(km_reader *reader, const km_value *value, const km_place *place, km_joint_def *joint) {
@@ -159,15 +162,19 @@ static void read_joint(km_reader *reader, const km_value *value, int assembly, c
   km_model *model = reader->model;
   km_joint_def joint = {.assembly = assembly, .source = value, .where = km_reader_where(reader, place)};
   bool active = km_reader_active(value);
+  size_t errors = km_messages_errors(reader->messages);
   if (active) {
     joint.name = km_reader_name(reader, value, place, &reader->joints, assembly, NULL);
     bool typed = read_type(reader, value, place, &joint);
     active = read_ends(reader, value, assembly, place, &joint) && typed;
   }
+  const char *name = km_reader_string(value, "name");
+  bool faulty = km_messages_errors(reader->messages) > errors;
+  if (faulty && !km_names_set(&reader->labels, KM_LABEL_FAULTY, name, 1))
+    model->arena.failed = true;
   if (!active) {
-    const char *name = km_reader_string(value, "name");
     if (km_names_get(&reader->joints, assembly, name) == KM_NOT_FOUND &&
-        !km_names_set(&reader->joints, assembly, name, KM_LEFT_OUT))
+        !km_names_set(&reader->joints, assembly, name, faulty ? KM_FAULTY : KM_LEFT_OUT))
       model->arena.failed = true;
     return;
   }
@@ -179,53 +186,94 @@ static void read_joint(km_reader *reader, const km_value *value, int assembly, c
     model->arena.failed = true;
 }
 
+/* Recursion as deep as the parser's limit on nesting. */
+static void add_assembly_path(const km_model *model, int assembly, km_text *text) {
+  if (assembly == KM_NO_ASSEMBLY)
+    return;
+  add_assembly_path(model, model->assemblies[assembly].parent, text);
+  km_text_format(text, "%s/", model->assemblies[assembly].name);
+}
+
 static const char *full_path(km_model *model, const km_joint_def *joint) {
-  const char *names[64];
-  int count = 0;
-  for (int a = joint->assembly; a != KM_NO_ASSEMBLY && count < 64; a = model->assemblies[a].parent)
-    names[count++] = model->assemblies[a].name;
   km_text text = {0};
-  while (count-- > 0)
-    km_text_format(&text, "%s/", names[count]);
+  add_assembly_path(model, joint->assembly, &text);
   km_text_add(&text, joint->name);
   const char *label = text.failed ? NULL : km_arena_string(&model->arena, text.data);
   km_text_free(&text);
   return label;
 }
 
-enum { SCOPE_JOINT, SCOPE_COORDINATE, SCOPE_COUNT };
+/* Enters a label in one of the tables; two joints can't have the same. */
+static void enter_label(km_reader *reader, int scope, const char *label, int index, int joint) {
+  km_model *model = reader->model;
+  if (km_names_get(&reader->labels, scope, label) >= 0 && km_messages_errors(reader->messages) == 0)
+    km_messages_add(reader->messages, KM_ERROR, "%s: the label \"%.80s\" is that of another joint; expected another name",
+                    model->joints[joint].where, label);
+  if (!km_names_set(&reader->labels, scope, label, index))
+    model->arena.failed = true;
+}
 
 static void label_coordinates(km_reader *reader, int index) {
   km_model *model = reader->model;
   const km_joint_def *joint = &model->joints[index];
   int freedom = km_model_freedom(model, index);
-  for (int k = 0; k < freedom; ++k) {
+  for (int k = 0; k < freedom && !model->arena.failed; ++k) {
     km_text text = {0};
     km_text_format(&text, freedom == 1 ? "%s" : "%s[%d]", joint->label, k);
     int coordinate = joint->first_coordinate + k;
-    model->coordinates[coordinate].label = text.failed ? NULL : km_arena_string(&model->arena, text.data);
+    const char *label = text.failed ? NULL : km_arena_string(&model->arena, text.data);
     km_text_free(&text);
-    if (model->arena.failed ||
-        !km_names_set(&reader->labels, SCOPE_COORDINATE, model->coordinates[coordinate].label, coordinate))
+    model->coordinates[coordinate].label = label;
+    if (label)
+      enter_label(reader, KM_LABEL_COORDINATE, label, coordinate, index);
+    else
       model->arena.failed = true;
   }
 }
 
+/* Notes the labels of a joint that aren't its own name: a path, and those of several coordinates. */
+static void reserve_labels(km_reader *reader, int index) {
+  km_model *model = reader->model;
+  const km_joint_def *joint = &model->joints[index];
+  int freedom = km_model_freedom(model, index);
+  if (joint->label != joint->name && !km_names_set(&reader->labels, KM_LABEL_TAKEN, joint->label, index))
+    model->arena.failed = true;
+  for (int k = 0; k < freedom && freedom > 1; ++k) {
+    km_text text = {0};
+    km_text_format(&text, "%s[%d]", joint->label, k);
+    const char *label = text.failed ? NULL : km_arena_string(&model->arena, text.data);
+    km_text_free(&text);
+    if (!label || !km_names_set(&reader->labels, KM_LABEL_TAKEN, label, index))
+      model->arena.failed = true;
+  }
+}
+
+/* A joint's label is its name where no other joint has that name or label, else its full path. */
 static void assign_labels(km_reader *reader) {
   km_model *model = reader->model;
   for (int j = 0; j < model->joint_count; ++j) {
-    int seen = km_names_get(&reader->labels, SCOPE_COUNT, model->joints[j].name);
-    if (!km_names_set(&reader->labels, SCOPE_COUNT, model->joints[j].name, seen < 0 ? 1 : seen + 1))
+    int seen = km_names_get(&reader->labels, KM_LABEL_COUNT, model->joints[j].name);
+    if (!km_names_set(&reader->labels, KM_LABEL_COUNT, model->joints[j].name, seen < 0 ? 1 : seen + 1))
       model->arena.failed = true;
   }
   for (int j = 0; j < model->joint_count && !model->arena.failed; ++j) {
     km_joint_def *joint = &model->joints[j];
-    bool unique = km_names_get(&reader->labels, SCOPE_COUNT, joint->name) == 1;
+    bool unique = km_names_get(&reader->labels, KM_LABEL_COUNT, joint->name) == 1;
     joint->label = unique ? joint->name : full_path(model, joint);
-    if (!joint->label || !km_names_set(&reader->labels, SCOPE_JOINT, joint->label, j)) {
+    if (joint->label)
+      reserve_labels(reader, j);
+    else
+      model->arena.failed = true;
+  }
+  for (int j = 0; j < model->joint_count && !model->arena.failed; ++j) {
+    km_joint_def *joint = &model->joints[j];
+    if (joint->label == joint->name && km_names_get(&reader->labels, KM_LABEL_TAKEN, joint->name) >= 0)
+      joint->label = full_path(model, joint);
+    if (!joint->label) {
       model->arena.failed = true;
       return;
     }
+    enter_label(reader, KM_LABEL_JOINT, joint->label, j, j);
     label_coordinates(reader, j);
   }
 }
@@ -290,6 +338,9 @@ static bool coupled(km_reader *reader, const km_value *value, int assembly, cons
       km_reader_note(reader, place, "coupling \"%.80s\" is left out with its joint", coupling->name);
     if (coordinate < 0)
       return false;
+    if (km_reader_turns(reader, coordinate))
+      km_reader_error(reader, &item, "\"%s\" is a component of a rotation vector; expected a coordinate of its own",
+                      reader->model->coordinates[coordinate].label);
     for (int k = 0; k < coupling->count; ++k)
       if (coupling->coordinates[k] == coordinate)
         km_reader_error(reader, &item, "the coupling names this joint twice; expected each joint once");
@@ -306,6 +357,7 @@ static void read_coupling(km_reader *reader, const km_value *value, int assembly
   km_model *model = reader->model;
   if (!km_reader_active(value))
     return;
+  km_reader_named(reader, value, place);
   size_t count = km_value_get(value, "joints")->count;
   km_coupling_def coupling = {.source = value, .name = km_reader_string(value, "name"), .where = km_reader_where(reader, place)};
   coupling.coordinates = KM_ARENA_NEW(&model->arena, int, count);

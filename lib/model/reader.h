@@ -3,6 +3,7 @@
 #define KM_MODEL_READER_H
 
 #include "base/names.h"
+#include "base/text.h"
 #include "model/model.h"
 #include "model/place.h"
 
@@ -12,10 +13,17 @@ typedef struct km_reader {
   km_model *model;
   km_messages *messages;
   km_names assemblies, bodies, frames, joints; /* scope: the parent */
-  km_names labels;                             /* scope 0: joint labels, 1: coordinate labels */
+  km_names labels;                             /* scopes below */
 } km_reader;
 
-enum { KM_NOT_FOUND = -1, KM_LEFT_OUT = -2 };
+enum { KM_NOT_FOUND = -1, KM_LEFT_OUT = -2, KM_FAULTY = -5 };
+
+/* Scopes of `labels`. Faulty: names of joints that an error was reported for; what names them is not judged. */
+enum { KM_LABEL_JOINT, KM_LABEL_COORDINATE, KM_LABEL_COUNT, KM_LABEL_FAULTY, KM_LABEL_TAKEN };
+
+/* A number as its shortest text, for a message. */
+#define KM_SHOWN(x) km_reader_shown((char[KM_NUMBER_TEXT]){0}, x)
+const char *km_reader_shown(char out[KM_NUMBER_TEXT], double value);
 
 /* Reports an error at a place. */
 void km_reader_error(km_reader *reader, const km_place *place, const char *format, ...)
@@ -32,12 +40,17 @@ const char *km_reader_string(const km_value *object, const char *key); /* NULL i
 const char *km_reader_name(km_reader *reader, const km_value *object, const km_place *place, km_names *names,
                            int scope, const char *reserved);
 
+/* Reports an empty name. */
+void km_reader_named(km_reader *reader, const km_value *object, const km_place *place);
+
 /* Frame of a path seen from an assembly. KM_NOT_FOUND (reported) or KM_LEFT_OUT. */
 int km_reader_frame(km_reader *reader, const km_value *path, int assembly, const km_place *place);
-/* Joint of a path seen from an assembly; KM_NOT_FOUND is reported, KM_LEFT_OUT isn't. */
+/* Joint of a path seen from an assembly; KM_NOT_FOUND is reported, KM_LEFT_OUT and KM_FAULTY aren't. */
 int km_reader_joint(km_reader *reader, const km_value *path, int assembly, const km_place *place);
 /* Coordinate of a joint path, where the joint has one, or of `label[k]`. The same results. */
 int km_reader_coordinate(km_reader *reader, const km_value *path, int assembly, const km_place *place);
+/* Is the coordinate a component of a rotation vector? */
+bool km_reader_turns(const km_reader *reader, int coordinate);
 /* A path as a person reads it: `a/b/c`. */
 const char *km_path_text(const km_value *path, char out[KM_PLACE_TEXT]);
 

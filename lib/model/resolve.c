@@ -106,7 +106,10 @@ int km_reader_joint(km_reader *reader, const km_value *value, int assembly, cons
   if (gather(value, &p)) {
     if (p.count == 1) {
       joint = km_names_get(&reader->joints, assembly, p.names[0]);
-      joint = better(joint, km_names_get(&reader->labels, 0, p.names[0]));
+      if (joint == KM_NOT_FOUND)
+        joint = km_names_get(&reader->labels, KM_LABEL_JOINT, p.names[0]);
+      if (joint == KM_NOT_FOUND && km_names_get(&reader->labels, KM_LABEL_FAULTY, p.names[0]) >= 0)
+        joint = KM_FAULTY;
     } else {
       joint = from_root(reader, &reader->joints, p.names, p.count);
     }
@@ -118,8 +121,8 @@ int km_reader_joint(km_reader *reader, const km_value *value, int assembly, cons
 }
 
 int km_reader_coordinate(km_reader *reader, const km_value *value, int assembly, const km_place *place) {
-  if (value->kind == KM_STRING) {
-    int coordinate = km_names_get(&reader->labels, 1, value->string);
+  if (value->kind == KM_STRING && km_names_get(&reader->joints, assembly, value->string) == KM_NOT_FOUND) {
+    int coordinate = km_names_get(&reader->labels, KM_LABEL_COORDINATE, value->string);
     if (coordinate >= 0)
       return coordinate;
   }
@@ -138,12 +141,37 @@ int km_reader_coordinate(km_reader *reader, const km_value *value, int assembly,
   return KM_NOT_FOUND;
 }
 
+bool km_reader_turns(const km_reader *reader, int coordinate) {
+  const km_coordinate_def *c = &reader->model->coordinates[coordinate];
+  km_joint_type type = reader->model->joints[c->joint].type;
+  return type == KM_SPHERICAL || (type == KM_FLOAT && c->index >= 3);
+}
+
+/* Is `text` the joint's path from the root, its names joined with slashes? Compared from the end. */
+static bool is_path_of(const km_model *model, const km_joint_def *joint, const char *text) {
+  const char *end = text + strlen(text), *name = joint->name;
+  for (int assembly = joint->assembly;; assembly = model->assemblies[assembly].parent) {
+    size_t length = strlen(name);
+    if ((size_t)(end - text) < length || memcmp(end - length, name, length) != 0)
+      return false;
+    end -= length;
+    if (assembly == KM_NO_ASSEMBLY)
+      return end == text;
+    if (end == text || *--end != '/')
+      return false;
+    name = model->assemblies[assembly].name;
+  }
+}
+
 /* Looking up labels after reading is rare (options, not data), so a scan over the model serves. */
 km_status km_model_find_joint(const km_model *model, const char *label, int *joint, km_error *error) {
-  for (int j = 0; j < model->joint_count; ++j) {
-    if (strcmp(model->joints[j].label, label) == 0) {
-      *joint = j;
-      return KM_OK;
+  for (int pass = 0; pass < 2; ++pass) {
+    for (int j = 0; j < model->joint_count; ++j) {
+      const km_joint_def *def = &model->joints[j];
+      if (pass == 0 ? strcmp(def->label, label) == 0 : is_path_of(model, def, label)) {
+        *joint = j;
+        return KM_OK;
+      }
     }
   }
   km_text known = {0};
@@ -168,6 +196,9 @@ km_status km_model_find_coordinate(const km_model *model, const char *label, int
   if (status)
     return status;
   int freedom = km_model_freedom(model, joint);
+  *coordinate = model->joints[joint].first_coordinate;
+  if (freedom == 1)
+    return KM_OK;
   if (freedom == 0)
     return km_fail(error, KM_USAGE, "joint \"%s\" is rigid; expected a joint with a coordinate", label);
   return km_fail(error, KM_USAGE, "joint \"%s\" has %d coordinates; expected one of them, as \"%s[0]\"", label,

@@ -6,6 +6,7 @@
 #ifndef KM_PARTITION_PAIR_H
 #define KM_PARTITION_PAIR_H
 
+#include <stdbool.h>
 #include <stdint.h>
 #include <string.h>
 

@@ -197,18 +197,19 @@ bool km_partition_refactor(km_partition *p, const double *matrix) {
          (p->rank == 0 || largest_inverse(p) * p->smallest_pivot <= 10.0);
 }
 
+/* The steps of elimination on the right side alone. */
 void km_partition_solve(const km_partition *p, const double *rhs, double *x) {
-  const int rank = p->rank, rows = p->rows;
-  double *y = p->work;
+  const int rank = p->rank, rows = p->rows, *const row = p->row;
+  double *const y = p->work;
   for (int r = 0; r < rows; ++r)
     y[r] = rhs[r];
-  for (int i = 0; i < rank; ++i) {
-    const double *l = reduced_column(p, p->column[i]), u = y[p->row[i]];
+  for (int step = 0; step < rank; ++step) {
+    const double *l = reduced_column(p, p->column[step]), u = y[row[step]];
     for (int r = 0; r < rows; ++r)
       y[r] -= l[r] * u;
   }
   for (int i = 0; i < rank; ++i)
-    x[p->column[i]] = y[p->row[i]] * p->inverse[i];
+    x[p->column[i]] = y[row[i]] * p->inverse[i];
   for (int c = rank; c < p->columns; ++c)
     x[p->column[c]] = 0.0;
 }

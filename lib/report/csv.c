@@ -22,7 +22,7 @@ void km_csv_write(const km_table *table, km_text *out) {
   for (size_t c = 0; c < columns; ++c) {
     if (c)
       km_text_add(out, ",");
-    write_field(km_table_name(table, c), km_table_unit(table, c), out);
+    write_field(km_table_name(table, c), km_table_is_plain(table, c) ? "" : km_table_unit(table, c), out);
   }
   km_text_add(out, "\r\n");
   for (size_t r = 0; r < km_table_rows(table); ++r) {

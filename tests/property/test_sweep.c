@@ -108,6 +108,7 @@ static void ends_are_located(void **state) {
     km_reach reach = km_drive_to(drive, 3.0);
     assert_int_equal(reach.stop, limited ? KM_STOP_LIMIT : KM_STOP_TOGGLE);
     assert_near(reach.position, limited ? fmin(1.1, stretched) : stretched, 1e-9);
+    assert_int_equal(km_drive_to(drive, 3.0).stop, reach.stop); /* no further the second time */
     reach = km_drive_to(drive, 0.41); /* and back again */
     assert_int_equal(reach.stop, KM_STOP_NONE);
     assert_near(km_state_coordinate(f.state, 0), 0.41, 0.0);

@@ -4,10 +4,13 @@
 #include "base/memory.h"
 #include "kmech/version.h"
 
+#include <errno.h>
 #include <stdarg.h>
 #include <stdio.h>
+#include <stdio_ext.h>
 #include <stdlib.h>
 #include <string.h>
+#include <unistd.h>
 
 kt_exit kt_exit_of(km_status status) {
   switch (status) {
@@ -33,16 +36,19 @@ static const struct argp_option common_options[] = {
 static error_t parse_common(int key, char *arg, struct argp_state *state) {
   kt_common *common = state->input;
   char *end = NULL;
+  long jobs;
   switch (key) {
   case 'q': common->quiet = true; return 0;
   case OPTION_JOBS:
-    common->jobs = (int)strtol(arg, &end, 10);
-    if (*end || end == arg || common->jobs < 1 || common->jobs > 1024)
+    jobs = strtol(arg, &end, 10);
+    common->jobs = (int)jobs;
+    if (*end || end == arg || jobs < 1 || jobs > 1024)
       argp_error(state, "--jobs: found \"%s\"; expected a whole number from 1 to 1024", arg);
     return 0;
   case OPTION_SEED:
+    errno = 0;
     common->seed = strtoul(arg, &end, 10);
-    if (*end || end == arg || *arg == '-')
+    if (*end || end == arg || *arg == '-' || errno == ERANGE)
       argp_error(state, "--seed: found \"%s\"; expected a whole number of at least 0", arg);
     return 0;
   default: return ARGP_ERR_UNKNOWN;
@@ -88,7 +94,16 @@ static void print_help(const char *tool, const char *about, const kt_command *co
          tool);
 }
 
+/* What the C library still holds must reach the standard output, or the user must know. */
+static void close_output(void) {
+  if (fflush(stdout) == 0 && !ferror(stdout))
+    return;
+  fputs("the standard output can't be written\n", stderr);
+  _exit(KT_USAGE);
+}
+
 kt_exit kt_run(const char *tool, const char *about, const kt_command *commands, int argc, char **argv) {
+  atexit(close_output);
   argp_err_exit_status = KT_USAGE;
   argp_program_version_hook = print_version;
   const char *word = argc > 1 ? argv[1] : "";
@@ -152,7 +167,10 @@ void kt_base_name(const char *path, char *out, size_t size) {
 kt_exit kt_print(const kt_common *common, const km_text *text) {
   km_error error;
   km_status status = km_file_write("-", text, &error);
-  if (status)
+  if (status) {
     kt_say(common, KM_ERROR, "%s", error.text);
+    __fpurge(stdout); /* told once is enough */
+    clearerr(stdout);
+  }
   return kt_exit_of(status);
 }

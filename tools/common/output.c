@@ -4,7 +4,6 @@
 #include "base/file.h"
 #include "base/memory.h"
 
-#include <stdio.h>
 #include <string.h>
 
 static const char *const words[KT_FORMATS] = {"csv", "json", "svg", "pdf", "png"};
@@ -54,8 +53,8 @@ kt_exit kt_write(const kt_common *common, const char *base, const char *result, 
   km_status status = path.failed ? km_fail(&error, KM_MEMORY, "out of memory") : km_file_write(path.data, bytes, &error);
   if (status)
     kt_say(common, KM_ERROR, "%s", error.text);
-  else if (!common->quiet)
-    printf("  wrote %s\n", path.data);
+  else
+    kt_say(common, KM_NOTE, "wrote %s", path.data);
   km_text_free(&path);
   return kt_exit_of(status);
 }

@@ -7,7 +7,6 @@
 #include "model/convert.h"
 #include "model/format.h"
 
-#include <stdio.h>
 #include <string.h>
 #include <unistd.h>
 
@@ -184,8 +183,8 @@ kt_exit kmob_new(int argc, char **argv) {
     result = KT_USAGE;
   } else if (path.data) {
     result = write_file(&o, &text);
-    if (result == KT_DONE && strcmp(path.data, "-") != 0 && !o.common.quiet)
-      printf("wrote %s; try: kmob sweep %s\n", path.data, path.data);
+    if (result == KT_DONE && strcmp(path.data, "-") != 0)
+      kt_say(&o.common, KM_NOTE, "wrote %s; try: kmob sweep %s", path.data, path.data);
   }
   km_text_free(&text);
   km_text_free(&path);

@@ -64,7 +64,7 @@ kt_exit kmob_open(const kt_common *common, const char *path, const kmob_texts *h
   if (!out->model)
     return result;
   result = gather_holds(common, out->model, holds, &held);
-  if (result == KT_DONE && sets)
+  if (result == KT_DONE)
     result = kt_settings_add(common, out->model, "--set", (char **)(size_t)sets->items, sets->count, &set);
   if (result == KT_DONE)
     result = check_conflicts(common, out->model, &held, &set);

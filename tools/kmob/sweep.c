@@ -13,11 +13,11 @@
 #include <string.h>
 
 enum { OPTION_HOLD = 0x3001, OPTION_FORMAT, OPTION_RANGE, OPTION_STEPS, OPTION_POINT, OPTION_DERIVATIVES, OPTION_IGNORE,
-       OPTION_JOINT, MOST_MODELS = 64, MOST_POINTS = 64 };
+       OPTION_JOINT, OPTION_SET, MOST_MODELS = 64, MOST_POINTS = 64 };
 
 typedef struct options {
   kt_common common;
-  kmob_texts holds, points, models;
+  kmob_texts holds, sets, points, models;
   const char *joint, *range, *steps, *base;
   kt_formats formats;
   bool derivatives, ignore_limits;
@@ -28,6 +28,7 @@ static const struct argp_option table[] = {
     {"range", OPTION_RANGE, "FROM:TO", 0, "Its range in the model's unit", 1},
     {"steps", OPTION_STEPS, "N", 0, "Number of intervals; N + 1 rows", 1},
     {"hold", OPTION_HOLD, "JOINT=VALUE", 0, "Keep a joint rigid at a value (x,y,… for several coordinates)", 1},
+    {"set", OPTION_SET, "JOINT=VALUE", 0, "Start from another pose: move a joint to a value first", 1},
     {"ignore-limits", OPTION_IGNORE, NULL, 0, "Pass joint limits", 1},
     {"point", OPTION_POINT, "BODY/FRAME", 0, "Add the path of a frame's origin (repeatable)", 1},
     {"derivatives", OPTION_DERIVATIVES, NULL, 0, "Add the points' derivatives along the driver", 1},
@@ -43,6 +44,7 @@ static error_t parse(int key, char *arg, struct argp_state *state) {
   case OPTION_RANGE: o->range = arg; return 0;
   case OPTION_STEPS: o->steps = arg; return 0;
   case OPTION_HOLD: kmob_texts_add(&o->holds, arg, state); return 0;
+  case OPTION_SET: kmob_texts_add(&o->sets, arg, state); return 0;
   case OPTION_POINT: kmob_texts_add(&o->points, arg, state); return 0;
   case OPTION_DERIVATIVES: o->derivatives = true; return 0;
   case OPTION_IGNORE: o->ignore_limits = true; return 0;
@@ -175,7 +177,7 @@ static void start_job(void *context, int index) {
   job *j = (job *)context + index;
   const options *o = j->options;
   kt_base_name(j->path, j->base, sizeof j->base);
-  j->result = kmob_open(&j->common, j->path, &o->holds, NULL, &j->pose);
+  j->result = kmob_open(&j->common, j->path, &o->holds, &o->sets, &j->pose);
   if (j->result == KT_DONE)
     j->result = make_plan(j);
   if (j->result == KT_DONE)
@@ -257,6 +259,10 @@ static bool names_differ(const options *o) {
     kt_base_name(o->models.items[i], a, sizeof a);
     for (int k = 0; k < i; ++k) {
       kt_base_name(o->models.items[k], b, sizeof b);
+      if (strcmp(o->models.items[i], "-") == 0 && strcmp(o->models.items[k], "-") == 0) {
+        kt_say(&o->common, KM_ERROR, "the standard input (-) is given twice; it can be read only once");
+        return false;
+      }
       if (strcmp(a, b) == 0) {
         kt_say(&o->common, KM_ERROR, "%s and %s would write the same files; expected models of different names",
                o->models.items[k], o->models.items[i]);
