@@ -10,12 +10,17 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
+static const size_t largest_file = (size_t)512 << 20; /* a device that never ends is no model */
+
 static km_status read_all(FILE *file, const char *path, km_text *out, km_error *error) {
   char chunk[1 << 16];
   size_t size;
   errno = 0;
-  while ((size = fread(chunk, 1, sizeof chunk, file)) > 0)
+  while ((size = fread(chunk, 1, sizeof chunk, file)) > 0) {
+    if (out->size + size > largest_file)
+      return km_fail(error, KM_IO, "%s: is larger than %zu MiB; expected a model file", path, largest_file >> 20);
     km_text_bytes(out, chunk, size);
+  }
   if (ferror(file))
     return km_fail(error, KM_IO, "%s: can't be read: %s", path, strerror(errno));
   km_text_bytes(out, "", 0);

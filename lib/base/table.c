@@ -57,7 +57,7 @@ double *km_table_add_row(km_table *table) {
     return NULL;
   table->data = data;
   for (size_t c = 0; c < table->column_count; ++c)
-    table->data[used + c] = NAN;
+    table->data[used + c] = nan("");
   table->row_count++;
   return table->data + used;
 }

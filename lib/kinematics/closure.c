@@ -90,13 +90,22 @@ static double newton_step(const km_mechanism *m, km_state *s, int index, int dri
   return largest;
 }
 
-static km_closure_outcome verdict(const km_mechanism *m, double residual) {
-  return residual <= fmax(m->closure_tolerance, closed) ? KM_CLOSED : KM_INCONSISTENT;
+/* Coordinates of many turns carry their rounding into the loops: thresholds grow with it. */
+static double grain(const km_mechanism *m, const km_state *s, const km_substructure *sub) {
+  const int *coordinate = m->column_coordinate + sub->column_start;
+  double largest = 0.0;
+  for (int k = 0; k < sub->columns; ++k)
+    largest = fmax(largest, fabs(s->q[coordinate[k]] / m->unit[coordinate[k]]));
+  return 1.0 + 1e-3 * largest;
+}
+
+static km_closure_outcome verdict(const km_mechanism *m, double residual, double coarse) {
+  return residual <= fmax(m->closure_tolerance, coarse * closed) ? KM_CLOSED : KM_INCONSISTENT;
 }
 
 km_closure_outcome km_close(const km_mechanism *m, km_state *s, int index, int driver, km_closure *evidence) {
   const km_substructure *sub = &m->substructures[index];
-  double *x = s->work, first = 0.0;
+  double *x = s->work, first = 0.0, coarse = grain(m, s, sub);
   *evidence = (km_closure){.worst = -1};
   for (int i = 0; i < MOST_ITERATIONS; ++i) {
     km_loops_update(m, s, sub);
@@ -108,9 +117,9 @@ km_closure_outcome km_close(const km_mechanism *m, km_state *s, int index, int d
       first = evidence->residual;
     factor(m, s, index, driver, evidence->residual);
     double step = newton_step(m, s, index, driver, x);
-    bool small = primary_rms(&s->partition[index], km_state_error(s, sub)) <= closed;
-    if (small && step <= settled)
-      return verdict(m, evidence->residual);
+    bool small = primary_rms(&s->partition[index], km_state_error(s, sub)) <= coarse * closed;
+    if (small && step <= coarse * settled)
+      return verdict(m, evidence->residual, coarse);
     if (!isfinite(step) || evidence->residual > 1e3 * (first + 0.1))
       return KM_OPEN;
     if (step > longest_step)
@@ -122,7 +131,7 @@ km_closure_outcome km_close(const km_mechanism *m, km_state *s, int index, int d
     km_state_move(m, s, sub, x);
   }
   /* At a singular pose Newton only halves its distance: the error is as small as it can be shown to be. */
-  return driver < 0 && primary_rms(&s->partition[index], km_state_error(s, sub)) <= closed
-             ? verdict(m, evidence->residual)
+  return driver < 0 && primary_rms(&s->partition[index], km_state_error(s, sub)) <= coarse * closed
+             ? verdict(m, evidence->residual, coarse)
              : KM_OPEN;
 }

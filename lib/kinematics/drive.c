@@ -1,4 +1,5 @@
 #include "kinematics/closure.h"
+#include "kinematics/curve.h"
 #include "kinematics/loops.h"
 #include "kmech/sweep.h"
 
@@ -34,7 +35,9 @@ struct km_drive {
   km_partition reference; /* pivots of the present pose, to compare signs with */
 };
 
-typedef enum attempt { ACCEPTED, OPEN, BENT, LIMITED } attempt;
+typedef enum attempt { ACCEPTED, OPEN, BENT, LIMITED, EXHAUSTED } attempt;
+
+enum { MOST_STEPS = 200000 }; /* towards one target */
 
 static bool allocate(km_drive *d, int rows, int columns) {
   size_t n = (size_t)columns;
@@ -98,15 +101,7 @@ static bool tangent(km_drive *d, double *t) {
 }
 
 static void remember_pivots(km_drive *d) {
-  const km_partition *p = &d->state->partition[d->substructure];
-  km_partition *r = &d->reference;
-  r->rows = p->rows;
-  r->columns = p->columns;
-  r->rank = p->rank;
-  r->sign = p->sign;
-  r->searches = p->searches;
-  memcpy(r->row, p->row, (size_t)p->rows * sizeof *r->row);
-  memcpy(r->column, p->column, (size_t)p->columns * sizeof *r->column);
+  km_partition_copy_pivots(&d->reference, &d->state->partition[d->substructure]);
 }
 
 /* Pivots and tangent of the present pose, searched. */
@@ -171,10 +166,7 @@ static void predict(const km_drive *d, double h, double *move) {
       move[k] = h * (d->t[k] + slope * (d->t[k] - d->last_t[k]));
     return;
   }
-  double u = h / d->last_h + 1.0; /* 0 at the last pose, 1 at this one */
-  double h00 = 2 * u * u * u - 3 * u * u + 1, h10 = u * u * u - 2 * u * u + u, h11 = u * u * u - u * u;
-  for (int k = 0; k < columns; ++k)
-    move[k] = -h00 * d->last_move[k] + d->last_h * (h10 * d->last_t[k] + h11 * d->t[k]);
+  km_curve_ahead(columns, d->last_h, d->last_move, d->last_t, d->t, h, move);
 }
 
 static void place_driver(km_drive *d, double s) { d->state->q[d->coordinate] = s * d->mechanism->unit[d->coordinate]; }
@@ -253,12 +245,7 @@ static bool cross(km_drive *d, double target, int *limit) {
   /* accept() has moved the tangents and the move of this step to last_t, last_move. */
   km_state_save(d->state, sub, d->far);
   km_state_restore(d->state, sub, d->near);
-  double u = near / h, h01 = u * u * (3 - 2 * u), h10 = u * (1 - u) * (1 - u), h11 = u * u * (u - 1);
-  double d01 = 6 * u * (1 - u), d10 = (1 - u) * (1 - 3 * u), d11 = u * (3 * u - 2);
-  for (int k = 0; k < sub->columns; ++k) {
-    d->move[k] = h01 * d->last_move[k] + h * (h10 * d->last_t[k] + h11 * d->t[k]);
-    d->next_t[k] = d01 * d->last_move[k] / h + d10 * d->last_t[k] + d11 * d->t[k];
-  }
+  km_curve_between(sub->columns, h, d->last_move, d->last_t, d->t, near, d->move, d->next_t);
   km_state_move(d->mechanism, d->state, sub, d->move);
   place_driver(d, target);
   km_loops_update(d->mechanism, d->state, sub);
@@ -278,7 +265,9 @@ static bool cross(km_drive *d, double target, int *limit) {
 static attempt walk(km_drive *d, double target, double most, int *limit) {
   double step = fmin(d->largest, most);
   bool may_cross = true;
-  while (d->s != target) {
+  for (int steps = 0; d->s != target; ++steps) {
+    if (steps == MOST_STEPS)
+      return EXHAUSTED;
     double left = target - d->s;
     bool arrives = fabs(left) <= step;
     double h = arrives ? left : copysign(step, left);
@@ -311,6 +300,7 @@ static attempt walk_least(km_drive *d, double target, int *limit) {
   const km_substructure *sub = driven(d);
   double from = d->s, length = fabs(target - from);
   attempt result = ACCEPTED;
+  double change = HUGE_VAL;
   km_state_save(d->state, sub, d->begin);
   for (int pieces = 1; pieces <= 1024; pieces *= 2) {
     km_state_restore(d->state, sub, d->begin);
@@ -323,7 +313,9 @@ static attempt walk_least(km_drive *d, double target, int *limit) {
       return result;
     if (pieces > 1) {
       km_state_difference(d->state, sub, d->first, d->move);
-      if (km_step_length(d->mechanism, sub, d->move) < halving_tolerance)
+      double last = change;
+      change = km_step_length(d->mechanism, sub, d->move);
+      if (change < halving_tolerance || change > 0.9 * last) /* done, or rounding is all that changes */
         return ACCEPTED;
     }
     km_state_save(d->state, sub, d->first);
@@ -377,11 +369,13 @@ km_reach km_drive_to(km_drive *d, double target) {
     bool alone = km_partition_freedom(&d->reference) <= 1;
     result = !ready ? OPEN : alone ? walk(d, goal, longest, &limit) : walk_least(d, goal, &limit);
   }
-  if (result == ACCEPTED || (result != LIMITED && touches(d, goal)))
+  if (result == ACCEPTED || ((result == OPEN || result == BENT) && touches(d, goal)))
     return (km_reach){KM_STOP_NONE, target, -1, -1};
   /* What was tried last has left another pose's Jacobian behind. */
   km_loops_update(m, d->state, driven(d));
   d->state->pivoted[d->substructure] = KM_NEVER;
+  if (result == EXHAUSTED)
+    return (km_reach){KM_STOP_GAVE_OUT, d->s / factor, d->substructure, -1};
   if (result == LIMITED)
     return (km_reach){KM_STOP_LIMIT, d->s / factor, -1, limit};
   return (km_reach){KM_STOP_TOGGLE, d->s / factor, d->substructure, -1};

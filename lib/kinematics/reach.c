@@ -60,6 +60,9 @@ static km_status drive_one(journey *j, const km_hold *goal, km_error *error) {
     return status;
   km_reach reach = km_drive_to(drive, goal->value);
   km_drive_free(drive);
+  if (reach.stop == KM_STOP_GAVE_OUT)
+    return km_fail(error, KM_DIVERGED, "moving %s to %.9g gave out at %.9g: too many steps",
+                   km_model_coordinate_label(j->model, goal->coordinate), goal->value, reach.position);
   return reach.stop ? unreachable(j, goal, reach.position, error) : KM_OK;
 }
 

@@ -36,7 +36,7 @@ static int read_port(km_reader *reader, const km_value *port, int assembly, cons
 static void check_pieces(km_reader *reader, const km_value *module, const km_place *place) {
   const km_value *knots = km_value_get(module, "knot_points"), *pieces = km_value_get(module, "coefficients");
   km_place knots_at = {place, "knot_points", 0}, pieces_at = {place, "coefficients", 0};
-  double last = -INFINITY;
+  double last = -HUGE_VAL;
   for (const km_value *k = knots ? knots->first : NULL; k; k = k->next) {
     if (!(k->number > last))
       km_reader_error(reader, &knots_at, "found %s after %s; expected increasing knots", KM_SHOWN(k->number), KM_SHOWN(last));

@@ -30,8 +30,8 @@ static void read_limits(km_reader *reader, const km_value *joint, int freedom, c
                         km_coordinate_def *coordinates) {
   const km_value *limits = km_value_get(joint, "limits");
   for (int k = 0; k < freedom; ++k) {
-    coordinates[k].low = -INFINITY;
-    coordinates[k].high = INFINITY;
+    coordinates[k].low = -HUGE_VAL;
+    coordinates[k].high = HUGE_VAL;
   }
   if (!limits)
     return;
@@ -60,7 +60,7 @@ static void not_negative(km_reader *reader, const km_value *object, const char *
 }
 
 static void check_table(km_reader *reader, const km_value *table, const km_place *place) {
-  double last = -INFINITY;
+  double last = -HUGE_VAL;
   km_place item = {place, NULL, 0};
   for (const km_value *row = table->first; row; row = row->next, ++item.index) {
     if (row->count != 2)

@@ -147,9 +147,9 @@ bool km_reader_turns(const km_reader *reader, int coordinate) {
   return type == KM_SPHERICAL || (type == KM_FLOAT && c->index >= 3);
 }
 
-/* Is `text` the joint's path from the root, its names joined with slashes? Compared from the end. */
-static bool is_path_of(const km_model *model, const km_joint_def *joint, const char *text) {
-  const char *end = text + strlen(text), *name = joint->name;
+/* Is text … end the joint's path from the root, its names joined with slashes? Compared from the end. */
+static bool is_path_of(const km_model *model, const km_joint_def *joint, const char *text, const char *end) {
+  const char *name = joint->name;
   for (int assembly = joint->assembly;; assembly = model->assemblies[assembly].parent) {
     size_t length = strlen(name);
     if ((size_t)(end - text) < length || memcmp(end - length, name, length) != 0)
@@ -168,7 +168,7 @@ km_status km_model_find_joint(const km_model *model, const char *label, int *joi
   for (int pass = 0; pass < 2; ++pass) {
     for (int j = 0; j < model->joint_count; ++j) {
       const km_joint_def *def = &model->joints[j];
-      if (pass == 0 ? strcmp(def->label, label) == 0 : is_path_of(model, def, label)) {
+      if (pass == 0 ? strcmp(def->label, label) == 0 : is_path_of(model, def, label, label + strlen(label))) {
         *joint = j;
         return KM_OK;
       }
@@ -187,6 +187,17 @@ km_status km_model_find_coordinate(const km_model *model, const char *label, int
                                    km_error *error) {
   for (int c = 0; c < model->coordinate_count; ++c) {
     if (strcmp(model->coordinates[c].label, label) == 0) {
+      *coordinate = c;
+      return KM_OK;
+    }
+  }
+  const char *bracket = strrchr(label, '[');
+  for (int c = 0; c < model->coordinate_count && bracket; ++c) { /* path[k] */
+    const km_coordinate_def *def = &model->coordinates[c];
+    char index[16];
+    snprintf(index, sizeof index, "[%d]", def->index);
+    if (strcmp(bracket, index) == 0 && km_model_freedom(model, def->joint) > 1 &&
+        is_path_of(model, &model->joints[def->joint], label, bracket)) {
       *coordinate = c;
       return KM_OK;
     }

@@ -1,9 +1,11 @@
+#include "partition/pair.h"
 #include "partition/partition.h"
 #include "partition/small.h"
 
 #include <math.h>
+#include <string.h>
 
-static int stride_of(int rows) { return (rows + 1) & ~1; }
+static int stride_of(int rows) { return rows > 0 ? (rows + 1) & ~1 : 2; }
 
 bool km_partition_reserve(km_partition *p, int rows, int columns, km_arena *arena) {
   size_t r = (size_t)rows, c = (size_t)columns, stride = (size_t)stride_of(rows);
@@ -17,7 +19,9 @@ bool km_partition_reserve(km_partition *p, int rows, int columns, km_arena *aren
   return !arena->failed;
 }
 
-static bool is_small(const km_partition *p) { return p->rows <= KM_SMALL_ROWS && p->columns <= KM_SMALL_COLUMNS; }
+static bool is_small(const km_partition *p) {
+  return p->rows > 0 && p->rows <= KM_SMALL_ROWS && p->columns <= KM_SMALL_COLUMNS;
+}
 
 static double *reduced_column(const km_partition *p, int column) {
   return p->reduced + (size_t)column * (size_t)p->stride;
@@ -42,17 +46,25 @@ typedef struct pivot {
   double size;
 } pivot;
 
-/* Largest entry of the columns in slots from … to-1, in rows that hold no pivot yet (open). */
-static pivot search(const km_partition *p, const double *open, int from, int to) {
+/* Largest magnitude of a column in the rows that are open: hold no pivot yet (bit mask in work). */
+static double column_size(const km_partition *p, const double *x) {
+  km_pair best = {0.0, 0.0};
+  for (int r = 0; r < p->stride; r += 2)
+    best = km_pair_larger(km_pair_and(*(const km_pair *)(x + r), *(const km_pair *)(p->work + r)), best);
+  return best[0] > best[1] ? best[0] : best[1];
+}
+
+/* Largest open entry of the columns in slots from … to-1. */
+static pivot search(const km_partition *p, int from, int to) {
   pivot best = {0, from, 0.0};
   for (int k = from; k < to; ++k) {
-    const double *x = reduced_column(p, p->column[k]);
-    for (int r = 0; r < p->rows; ++r) {
-      double size = fabs(x[r]) * open[r];
-      if (size > best.size)
-        best = (pivot){r, k, size};
-    }
+    double size = column_size(p, reduced_column(p, p->column[k]));
+    if (size > best.size)
+      best = (pivot){0, k, size};
   }
+  const double *x = reduced_column(p, p->column[best.slot]);
+  while (best.size > 0.0 && (p->work[best.row] == 0.0 || fabs(x[best.row]) != best.size))
+    ++best.row;
   return best;
 }
 
@@ -66,37 +78,42 @@ static void eliminate(km_partition *p, int step, int row) {
   l[row] = 0.0;
   for (int k = step + 1; k < p->columns; ++k) {
     double *x = reduced_column(p, p->column[k]), u = x[row];
-    for (int r = 0; r < p->rows; ++r)
-      x[r] -= l[r] * u;
+    for (int r = 0; r < p->stride; r += 2)
+      *(km_pair *)(x + r) -= *(const km_pair *)(l + r) * (km_pair){u, u};
   }
 }
 
 /* False if a value is not finite. */
 static bool load(km_partition *p, const double *matrix) {
-  double poison = 0.0; /* x − x: 0, or not a number */
-  p->scale = 0.0;
+  double poison = 0.0, largest = 0.0; /* poison: sum of x − x, 0 or not a number */
   for (int c = 0; c < p->columns; ++c) {
+    const double *from = matrix + (size_t)c * (size_t)p->rows;
     double *to = reduced_column(p, c);
+    to[p->stride - 1] = 0.0;
     for (int r = 0; r < p->rows; ++r) {
-      to[r] = matrix[(size_t)c * (size_t)p->rows + (size_t)r];
-      p->scale = fmax(p->scale, fabs(to[r]));
-      poison += to[r] - to[r];
+      double size = fabs(from[r]);
+      to[r] = from[r];
+      largest = size > largest ? size : largest;
+      poison += size - size;
     }
   }
+  p->scale = largest;
   return poison == 0.0;
 }
 
 /* km_small_factor for any size. */
 static void factor(km_partition *p, const double *matrix, int candidates, double tolerance) {
   load(p, matrix);
+  const int64_t magnitude = KM_MAGNITUDE;
+  memset(p->work, 0, (size_t)p->stride * sizeof *p->work);
   for (int r = 0; r < p->rows; ++r)
-    p->work[r] = 1.0;
+    memcpy(p->work + r, &magnitude, sizeof magnitude);
   double threshold = tolerance * p->scale;
   int step = 0;
   for (; step < p->rows && step < p->columns; ++step) {
-    pivot best = search(p, p->work, step, candidates);
+    pivot best = search(p, step, candidates);
     if (!(best.size > threshold) && candidates < p->columns) {
-      best = search(p, p->work, candidates, p->columns);
+      best = search(p, candidates, p->columns);
       candidates = p->columns;
       p->forced_dependent = best.size > threshold;
     }
@@ -111,7 +128,7 @@ static void factor(km_partition *p, const double *matrix, int candidates, double
     p->work[best.row] = 0.0;
     p->first_pivot = step == 0 ? best.size : p->first_pivot;
     p->last_pivot = best.size;
-    p->smallest_pivot = fmin(p->smallest_pivot, best.size);
+    p->smallest_pivot = best.size < p->smallest_pivot ? best.size : p->smallest_pivot;
   }
   p->rank = step;
 }
@@ -193,7 +210,8 @@ bool km_partition_refactor(km_partition *p, const double *matrix) {
   bool finite = is_small(p) ? km_small_refactor(p, matrix) : refactor(p, matrix);
   finite = finish(p) && finite;
   /* A rank that drops shrinks a pivot together with what stands right of it: B alone needn't show it. */
-  return finite && p->largest_b <= 2.0 * fmax(p->pivoted_b, 1.0) &&
+  double usual = p->pivoted_b > 1.0 ? p->pivoted_b : 1.0;
+  return finite && p->largest_b <= 2.0 * usual &&
          (p->rank == 0 || largest_inverse(p) * p->smallest_pivot <= 10.0);
 }
 
@@ -224,4 +242,15 @@ void km_partition_direction(const km_partition *p, int column, double *direction
   for (int i = 0; i < rank; ++i)
     direction[p->column[i]] = -b[i];
   direction[column] = 1.0;
+}
+
+void km_partition_copy_pivots(km_partition *to, const km_partition *from) {
+  to->rows = from->rows;
+  to->columns = from->columns;
+  to->rank = from->rank;
+  to->stride = from->stride;
+  to->sign = from->sign;
+  to->searches = from->searches;
+  memcpy(to->row, from->row, (size_t)from->rows * sizeof *to->row);
+  memcpy(to->column, from->column, (size_t)from->columns * sizeof *to->column);
 }

@@ -40,13 +40,19 @@ typedef struct km_partition {
 bool km_partition_reserve(km_partition *partition, int rows, int columns, km_arena *arena);
 
 /* Complete pivoting. Pivots stop at |pivot| ≤ tolerance · (largest entry). Columns with forced[c] (may be
- * NULL) stay independent while the others can give full rank. `matrix` is kept. O(rows·columns·rank). */
+ * NULL) stay independent while the others can give full rank. Equal entries (up to 12 × 64: equal to 2^-42, so that
+ * rounding doesn't decide between symmetric joints) go by place; what was factored before has no influence.
+ * `matrix` is kept. With entries that are not finite the rank means nothing, but stays in range.
+ * O(rows·columns·rank). */
 void km_partition_factor(km_partition *partition, const double *matrix, int rows, int columns,
                          const bool *forced, double tolerance);
 
 /* The same pivots on new values, no search. False where max |B| passes twice its value at the last search, a pivot
  * vanishes or a value is not finite: then factor again. O(rows·rank·columns). */
 bool km_partition_refactor(km_partition *partition, const double *matrix);
+
+/* Takes over which pivots another partition of the same size uses, for a refactor of its own. */
+void km_partition_copy_pivots(km_partition *to, const km_partition *from);
 
 static inline int km_partition_freedom(const km_partition *p) { return p->columns - p->rank; }
 

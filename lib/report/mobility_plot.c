@@ -204,12 +204,15 @@ static const char *subtitle(lines *l, const km_plotted_sweep *sweeps, int count)
 static km_status draw(lines *l, const km_plotted_sweep *sweeps, int count, km_canvas_format format, km_text *out,
                       km_error *error) {
   const km_model *model = sweeps[0].mechanism->model;
-  int driver = sweeps[0].plan->coordinate;
   km_plot_panel panels[MOST_PANELS] = {{0}};
   char x_label[2 * NAME_SIZE];
-  snprintf(x_label, sizeof x_label, "driver %s (%s)", model->coordinates[driver].label,
-           km_model_coordinate_unit(model, driver));
-  km_plot plot = {.title = "Mobility numbers over the stroke",
+  int driver = sweeps[0].plan->coordinate;
+  if (sweeps[0].plan->arclength > 0.0)
+    snprintf(x_label, sizeof x_label, "arc length (radians, lengths over the characteristic length)");
+  else
+    snprintf(x_label, sizeof x_label, "driver %s (%s)", model->coordinates[driver].label,
+             km_model_coordinate_unit(model, driver));
+  km_plot plot = {.title = sweeps[0].plan->arclength > 0.0 ? "Mobility numbers along the motion" : "Mobility numbers over the stroke",
                   .subtitle = subtitle(l, sweeps, count),
                   .x_label = x_label,
                   .y_label = "mobility number",

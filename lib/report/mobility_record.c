@@ -115,6 +115,16 @@ km_value *km_sweep_record(const km_mechanism *m, const km_mobility_sweep *sweep,
     km_value_string(arena, toggle, "joint", m->model->coordinates[sweep->toggles[i].coordinate].label);
     km_value_number(arena, toggle, "s", sweep->toggles[i].s);
   }
+  km_value *branches = km_value_add(arena, record, "branch_points", KM_LIST);
+  for (size_t i = 0; i < sweep->branch_count && !arena->failed; ++i) {
+    km_value *branch = km_value_add(arena, branches, NULL, KM_OBJECT);
+    km_value_number(arena, branch, "s", sweep->branches[i].s);
+    km_value_number(arena, branch, "mobility", sweep->branches[i].mobility);
+  }
+  if (sweep->cycle > 0.0)
+    km_value_number(arena, record, "cycle", sweep->cycle);
+  else
+    km_value_add(arena, record, "cycle", KM_NULL);
   km_value_boolean(arena, record, "complete", !sweep->start.stop && !sweep->end.stop);
   if (stopped_by[0])
     km_value_string(arena, record, "stopped_by", stopped_by);

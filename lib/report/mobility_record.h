@@ -19,7 +19,8 @@ void km_mobility_print(const km_mechanism *mechanism, const km_state *state, con
 km_value *km_sweep_record(const km_mechanism *mechanism, const km_mobility_sweep *sweep, const char *stopped_by,
                           const char *name, km_arena *arena);
 /* Why the sweep ended where it did, in words: empty where the whole range was reached. */
-void km_sweep_stop_text(const km_mechanism *mechanism, const km_mobility_sweep *sweep, km_text *out);
+void km_sweep_stop_text(const km_mechanism *mechanism, const km_sweep_plan *plan, const km_mobility_sweep *sweep,
+                        km_text *out);
 /* A summary to act on: freedoms, which joints could drive the range, where the others lose their grip. */
 void km_sweep_print(const km_mechanism *mechanism, const km_sweep_plan *plan, const km_mobility_sweep *sweep,
                     const char *name, km_text *out);

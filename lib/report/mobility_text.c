@@ -116,26 +116,32 @@ static void stop_reason(const km_mechanism *m, const km_reach *reach, km_text *o
   km_text_add(out, ") any further");
 }
 
-void km_sweep_stop_text(const km_mechanism *m, const km_mobility_sweep *sweep, km_text *out) {
+void km_sweep_stop_text(const km_mechanism *m, const km_sweep_plan *plan, const km_mobility_sweep *sweep, km_text *out) {
+  bool by_length = plan->arclength > 0.0;
   if (sweep->start.stop) {
     km_text_add(out, "FROM is out of reach; located bound ");
     km_text_number(out, sweep->start.position);
     km_text_add(out, ": ");
     stop_reason(m, &sweep->start, out);
   }
+  if (by_length && plan->cycle && sweep->cycle == 0.0 && !sweep->end.stop)
+    km_text_add(out, "the motion doesn't come back to its start in so many rows");
   if (!sweep->end.stop || (sweep->start.stop && km_table_rows(sweep->table) == 1))
     return;
   if (sweep->start.stop)
     km_text_add(out, "; ");
-  km_text_add(out, "TO is out of reach; located end ");
+  km_text_add(out, by_length ? "the motion ends at arc length " : "TO is out of reach; located end ");
   km_text_number(out, sweep->end.position);
   km_text_add(out, ": ");
-  stop_reason(m, &sweep->end, out);
+  if (by_length && sweep->end.stop == KM_STOP_TOGGLE)
+    km_text_add(out, "no further step can be found");
+  else
+    stop_reason(m, &sweep->end, out);
 }
 
 /* Could the coordinate drive everything that moves, over all rows? */
-static bool drives(const km_mechanism *m, const km_mobility_sweep *sweep, int driver, int c) {
-  if (m->substructure_of[c] != m->substructure_of[driver] || m->held[c])
+static bool drives(const km_mechanism *m, const km_mobility_sweep *sweep, int c) {
+  if (m->substructure_of[c] != sweep->substructure || m->held[c])
     return false;
   for (size_t i = 0; i < sweep->toggle_count; ++i)
     if (sweep->toggles[i].coordinate == c)
@@ -144,10 +150,10 @@ static bool drives(const km_mechanism *m, const km_mobility_sweep *sweep, int dr
 }
 
 /* The next best driver after the one of the given rank, by smallest number; ties in file order. */
-static int next_driver(const km_mechanism *m, const km_mobility_sweep *sweep, int driver, int last) {
+static int next_driver(const km_mechanism *m, const km_mobility_sweep *sweep, int last) {
   int best = -1;
   for (int c = 0; c < m->coordinate_count; ++c) {
-    if (!drives(m, sweep, driver, c))
+    if (!drives(m, sweep, c))
       continue;
     double number = sweep->extremes[c].number;
     bool after = last < 0 || number < sweep->extremes[last].number || (number == sweep->extremes[last].number && c > last);
@@ -157,24 +163,33 @@ static int next_driver(const km_mechanism *m, const km_mobility_sweep *sweep, in
   return best;
 }
 
+/* " mm", or nothing for an arc length. */
+static const char *s_unit(const km_mechanism *m, const km_sweep_plan *plan) {
+  static const char *const units[] = {" rad", " deg", " m", " mm", " cm", " in"};
+  for (size_t i = 0; i < sizeof units / sizeof *units && plan->arclength <= 0.0; ++i)
+    if (strcmp(units[i] + 1, km_model_coordinate_unit(m->model, plan->coordinate)) == 0)
+      return units[i];
+  return "";
+}
+
 static void print_drivers(const km_mechanism *m, const km_sweep_plan *plan, const km_mobility_sweep *sweep, int width,
                           km_text *out) {
   enum { MOST_NAMED = 10 };
   int found = 0;
   for (int c = 0; c < m->coordinate_count; ++c)
-    found += drives(m, sweep, plan->coordinate, c);
+    found += drives(m, sweep, c);
   km_text_add(out, sweep->freedom > 1 ? "  keep their grip over the whole range:" : "  could drive the whole range:");
   if (found == 0)
     km_text_add(out, " none");
   for (int i = 0, c = -1; i < found && i < MOST_NAMED; ++i) {
-    c = next_driver(m, sweep, plan->coordinate, c);
+    c = next_driver(m, sweep, c);
     km_text_format(out, "%s %s (%s%.2g)", i ? "," : "", m->model->coordinates[c].label, i ? "" : "least number ",
                    sweep->extremes[c].number);
   }
   if (found > MOST_NAMED)
     km_text_format(out, " and %d more", found - MOST_NAMED);
   km_text_add(out, "\n");
-  const char *unit = km_model_coordinate_unit(m->model, plan->coordinate);
+  const char *unit = s_unit(m, plan);
   for (int c = 0; c < m->coordinate_count; ++c) {
     int count = 0;
     for (size_t i = 0; i < sweep->toggle_count; ++i) {
@@ -185,28 +200,38 @@ static void print_drivers(const km_mechanism *m, const km_sweep_plan *plan, cons
         padded(m->model->coordinates[c].label, width, out);
         km_text_add(out, " loses its grip at");
       }
-      km_text_format(out, "%s %.6g %s", count > 1 ? "," : "", sweep->toggles[i].s, unit);
+      km_text_format(out, "%s %.6g%s", count > 1 ? "," : "", sweep->toggles[i].s, unit);
     }
     if (count)
       km_text_add(out, "\n");
   }
 }
 
+static void print_cycle(const km_mobility_sweep *sweep, const km_sweep_plan *plan, km_text *out) {
+  if (sweep->cycle > 0.0)
+    km_text_format(out, "  the cycle closes at %.9g\n", sweep->cycle);
+  else if (plan->cycle)
+    km_text_add(out, "  the cycle isn't closed\n");
+  for (size_t i = 0; i < sweep->branch_count; ++i)
+    km_text_format(out, "  branch point at %.9g: mobility %d there, the smooth motion was followed\n", sweep->branches[i].s,
+                   sweep->branches[i].mobility);
+}
+
 void km_sweep_print(const km_mechanism *m, const km_sweep_plan *plan, const km_mobility_sweep *sweep, const char *name,
                     km_text *out) {
-  const km_model *model = m->model;
-  const char *label = model->coordinates[plan->coordinate].label;
-  const char *unit = km_model_coordinate_unit(model, plan->coordinate);
+  bool by_length = plan->arclength > 0.0;
+  const char *label = by_length ? "arc length" : m->model->coordinates[plan->coordinate].label;
   size_t rows = km_table_rows(sweep->table);
   int s_column = km_table_find(sweep->table, "s");
   const double *first = km_table_row(sweep->table, 0), *last = km_table_row(sweep->table, rows - 1);
-  km_text_format(out, "%s: %s from %.6g to %.6g %s, %zu rows\n", name, label, first[s_column], last[s_column], unit,
-                 rows);
+  km_text_format(out, "%s: %s from %.6g to %.6g%s, %zu row%s\n", name, label, first[s_column], last[s_column],
+                 s_unit(m, plan), rows, rows == 1 ? "" : "s");
   km_text_format(out, "  mobility %d (Kutzbach %d), %d redundant constraint%s, loops closed to %.2g\n",
                  sweep->first.mobility, sweep->first.kutzbach, sweep->first.redundant_constraints,
                  plural(sweep->first.redundant_constraints), sweep->first.residual);
-  if (m->substructure_of[plan->coordinate] < 0)
+  print_cycle(sweep, plan, out);
+  if (sweep->substructure < 0)
     km_text_format(out, "  %s is in no loop: it drives itself, and every mobility number stays as it is\n", label);
   else
-    print_drivers(m, plan, sweep, widest_label(model), out);
+    print_drivers(m, plan, sweep, widest_label(m->model), out);
 }

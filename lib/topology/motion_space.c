@@ -90,7 +90,7 @@ static void choose_rows(km_motion_space *g) {
 }
 
 void km_motion_space_close(const km_twist *twists, int count, double tolerance, km_motion_space *out) {
-  *out = (km_motion_space){.kept = INFINITY};
+  *out = (km_motion_space){.kept = HUGE_VAL};
   for (int i = 0; i < count; ++i) {
     double size = sqrt(dot(twists[i], twists[i]));
     km_twist rest = reduced(out, scaled(1.0 / size, twists[i]));

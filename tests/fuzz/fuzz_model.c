@@ -1,13 +1,13 @@
-/* Feeds damaged models to the reader and, what it accepts, to the compiler, the assembly, the mobility analysis
- * and a short sweep.
+/* Feeds damaged models to the reader and, what it accepts, to the compiler, the assembly, the
+ * mobility analysis and a short sweep.
  *
- *   fuzz_model N SEED FILES...      N inputs; input i is made from SEED + i alone, so each can be made again
- *   fuzz_model --replay FILES...    the files as they are (the corpus)
- *   fuzz_model --emit SEED FILES... writes the input of that seed to the standard output
+ *   fuzz_model N SEED FILES...      N inputs; input i is made from SEED + i alone, so each can be
+ * made again fuzz_model --replay FILES...    the files as they are (the corpus) fuzz_model --emit
+ * SEED FILES... writes the input of that seed to the standard output
  *
- * Run it under sanitizers: it ends by itself only on a wrong answer (an error without words, a status that no
- * bad model may give, a mobility that can't be) or on an input that takes longer than 20 s of processor time,
- * and then says which seed it was. */
+ * Run it under sanitizers: it ends by itself only on a wrong answer (an error without words, a
+ * status that no bad model may give, a mobility that can't be) or on an input that takes longer
+ * than 20 s of processor time, and then says which seed it was. */
 #include "kmech/mobility_sweep.h"
 
 #include <errno.h>
@@ -86,7 +86,9 @@ static uint64_t next(uint64_t *state) {
   return z ^ (z >> 31);
 }
 
-static size_t below(uint64_t *state, size_t n) { return n ? (size_t)(next(state) % n) : 0; }
+static size_t below(uint64_t *state, size_t n) {
+  return n ? (size_t)(next(state) % n) : 0;
+}
 
 static void replace(input *in, size_t at, size_t length, const char *with, size_t size) {
   if (in->size - length + size > LONGEST)
@@ -96,15 +98,66 @@ static void replace(input *in, size_t at, size_t length, const char *with, size_
   in->size += size - length;
 }
 
-static const char *const numbers[] = {"0",      "-0.0",   "1",      "-1",    "1e308", "-1e308", "1e999", "1e-320",
-                                      "1e60",   "-1e60",  "1e30",   "1e-30", "1e-9",  "0.5",    "90",    "360",
-                                      "1e15",   "NaN",    "null",   "true",  "[]",    "{}",     "\"x\"", "[0,0]",
-                                      "[0,0,0]", "2147483648", "-9223372036854775809", "3.141592653589793"};
-static const char *const words[] = {
-    "\"fixed\"",    "\"origin\"",  "\"Rx\"",        "\"Ry\"",      "\"Rz\"",    "\"Tx\"",   "\"Ty\"",     "\"Tz\"",
-    "\"rigid\"",    "\"float\"",   "\"spherical\"", "\"screw\"",   "\"planar\"", "\"pitch\"", "\"limits\"", "\"active\"",
-    "\"universal\"", "\"cylindrical\"", "\"degrees\"", "\"inches\"", "\"hold\"", "\"couplings\"", "\"\"", "\"a\\u0000\"",
-    "\"0.2\"",      "\"1.0\"",     "[]",            "{}",          "null",      "\"\\ud83d\\ude00\"", "\"A\"", "\"B[0]\""};
+static const char *const numbers[] = {"0",
+                                      "-0.0",
+                                      "1",
+                                      "-1",
+                                      "1e308",
+                                      "-1e308",
+                                      "1e999",
+                                      "1e-320",
+                                      "1e60",
+                                      "-1e60",
+                                      "1e30",
+                                      "1e-30",
+                                      "1e-9",
+                                      "0.5",
+                                      "90",
+                                      "360",
+                                      "1e15",
+                                      "NaN",
+                                      "null",
+                                      "true",
+                                      "[]",
+                                      "{}",
+                                      "\"x\"",
+                                      "[0,0]",
+                                      "[0,0,0]",
+                                      "2147483648",
+                                      "-9223372036854775809",
+                                      "3.141592653589793"};
+static const char *const words[] = {"\"fixed\"",
+                                    "\"origin\"",
+                                    "\"Rx\"",
+                                    "\"Ry\"",
+                                    "\"Rz\"",
+                                    "\"Tx\"",
+                                    "\"Ty\"",
+                                    "\"Tz\"",
+                                    "\"rigid\"",
+                                    "\"float\"",
+                                    "\"spherical\"",
+                                    "\"screw\"",
+                                    "\"planar\"",
+                                    "\"pitch\"",
+                                    "\"limits\"",
+                                    "\"active\"",
+                                    "\"universal\"",
+                                    "\"cylindrical\"",
+                                    "\"degrees\"",
+                                    "\"inches\"",
+                                    "\"hold\"",
+                                    "\"couplings\"",
+                                    "\"\"",
+                                    "\"a\\u0000\"",
+                                    "\"0.2\"",
+                                    "\"1.0\"",
+                                    "[]",
+                                    "{}",
+                                    "null",
+                                    "\"\\ud83d\\ude00\"",
+                                    "\"A\"",
+                                    "\"B[0]\""};
 
 typedef struct span {
   size_t at, length;
@@ -122,7 +175,8 @@ static bool token(const input *in, uint64_t *state, bool string, span *out) {
       *out = (span){i, end < in->size ? end + 1 - i : end - i};
       return true;
     }
-    if (!string && (b[i] == '-' || (b[i] >= '0' && b[i] <= '9')) && i > 0 && strchr(" ,[:", b[i - 1])) {
+    if (!string && (b[i] == '-' || (b[i] >= '0' && b[i] <= '9')) && i > 0 &&
+        strchr(" ,[:", b[i - 1])) {
       while (end < in->size && strchr("+-.eE0123456789", b[end]) && b[end])
         ++end;
       *out = (span){i, end - i};
@@ -138,7 +192,8 @@ static void swap_tokens(input *in, uint64_t *state, bool strings) {
   if (!token(in, state, strings, &a) || !token(in, state, strings, &b) || a.at == b.at)
     return;
   span first = a.at < b.at ? a : b, second = a.at < b.at ? b : a;
-  if (first.at + first.length > second.at || second.length > sizeof copy || first.length > sizeof copy)
+  if (first.at + first.length > second.at || second.length > sizeof copy ||
+      first.length > sizeof copy)
     return;
   char other[256];
   memcpy(copy, in->bytes + second.at, second.length);
@@ -178,16 +233,26 @@ static void mutate(input *in, uint64_t *state) {
     if (in->size)
       in->bytes[below(state, in->size)] ^= (char)(1 << below(state, 8));
     break;
-  case 1: in->size = below(state, in->size + 1); break;
+  case 1:
+    in->size = below(state, in->size + 1);
+    break;
   case 2:
     byte = (char)next(state);
     replace(in, below(state, in->size + 1), 0, &byte, 1);
     break;
-  case 3: swap_tokens(in, state, false); break;
+  case 3:
+    swap_tokens(in, state, false);
+    break;
   case 4:
-  case 5: swap_tokens(in, state, true); break;
-  case 6: copy_piece(in, state, true); break;
-  case 7: copy_piece(in, state, false); break;
+  case 5:
+    swap_tokens(in, state, true);
+    break;
+  case 6:
+    copy_piece(in, state, true);
+    break;
+  case 7:
+    copy_piece(in, state, false);
+    break;
   case 8:
   case 9:
     if (token(in, state, true, &t)) {
@@ -203,12 +268,13 @@ static void mutate(input *in, uint64_t *state) {
   }
 }
 
-/* A change that leaves the model readable: another finite number, another type of joint, or a number a little off. */
+/* A change that leaves the model readable: another finite number, another type of joint, or a
+ * number a little off. */
 static void mutate_gently(input *in, uint64_t *state) {
   enum { FINITE = 18, TYPES = 12 };
-  static const char *const types[TYPES] = {"\"Rx\"", "\"Ry\"", "\"Rz\"", "\"Tx\"", "\"Ty\"", "\"Tz\"",
-                                           "\"rigid\"", "\"spherical\"", "\"float\"", "\"universal\"", "\"planar\"",
-                                           "\"cylindrical\""};
+  static const char *const types[TYPES] = {
+      "\"Rx\"",    "\"Ry\"",        "\"Rz\"",    "\"Tx\"",        "\"Ty\"",     "\"Tz\"",
+      "\"rigid\"", "\"spherical\"", "\"float\"", "\"universal\"", "\"planar\"", "\"cylindrical\""};
   span t;
   char text[32];
   size_t choice = below(state, 8);
@@ -255,7 +321,8 @@ static void check_refusal(km_status status, const km_error *error) {
 }
 
 /* Laws that hold at every pose of every mechanism. */
-static void check_mobility(const km_model *model, const km_state *state, const km_mobility *mobility) {
+static void check_mobility(const km_model *model, const km_state *state,
+                           const km_mobility *mobility) {
   int coordinates = km_model_coordinate_count(model);
   double sum = 0.0;
   for (int c = 0; c < coordinates; ++c) {
@@ -264,13 +331,15 @@ static void check_mobility(const km_model *model, const km_state *state, const k
       fail("a mobility number outside 0 ... 1");
     sum += number;
   }
-  if (mobility->mobility < 0 || mobility->mobility > coordinates || mobility->redundant_constraints < 0)
+  if (mobility->mobility < 0 || mobility->mobility > coordinates ||
+      mobility->redundant_constraints < 0)
     fail("an impossible mobility");
   if (!(sum - mobility->mobility < 1e-6 && sum - mobility->mobility > -1e-6))
     fail("the mobility numbers don't add up to the mobility");
 }
 
-static void sweep(const km_model *model, const km_mechanism *mechanism, km_state *state, size_t choice) {
+static void sweep(const km_model *model, const km_mechanism *mechanism, km_state *state,
+                  size_t choice) {
   km_sweep_plan plan = km_sweep_plan_default(model);
   km_mobility_sweep result = {0};
   km_error error = {0};
@@ -281,7 +350,8 @@ static void sweep(const km_model *model, const km_mechanism *mechanism, km_state
     plan.to = 1.0;
   }
   plan.steps = 4;
-  if (plan.coordinate < 0 || !(plan.from > -1e3 && plan.from < 1e3 && plan.to > -1e3 && plan.to < 1e3))
+  if (plan.coordinate < 0 ||
+      !(plan.from > -1e3 && plan.from < 1e3 && plan.to > -1e3 && plan.to < 1e3))
     return; /* a billion turns take their time */
   for (int c = 0; c < coordinates; ++c)
     if (!(km_state_coordinate(state, c) > -1e4 && km_state_coordinate(state, c) < 1e4))
@@ -339,7 +409,8 @@ static int feed(const input *in, size_t choice) {
   km_model *model = NULL;
   km_error error = {0};
   km_messages *messages = km_messages_create();
-  char *exact = malloc(in->size ? in->size : 1); /* of its own size, so that a byte too far is seen */
+  char *exact =
+      malloc(in->size ? in->size : 1); /* of its own size, so that a byte too far is seen */
   int depth = 0;
   if (!exact || !messages)
     exit(2);
@@ -368,12 +439,14 @@ static void listen_for_trouble(void) {
 }
 
 int main(int argc, char **argv) {
-  bool replay = argc > 2 && strcmp(argv[1], "--replay") == 0, emit = argc > 3 && strcmp(argv[1], "--emit") == 0;
+  bool replay = argc > 2 && strcmp(argv[1], "--replay") == 0,
+       emit = argc > 3 && strcmp(argv[1], "--emit") == 0;
   int first = replay ? 2 : 3;
   size_t count = argc > first ? (size_t)(argc - first) : 0, depths[3] = {0};
   input files[MOST_FILES];
   if (count == 0 || count > MOST_FILES) {
-    fprintf(stderr, "usage: fuzz_model N SEED FILES... | --replay FILES... | --emit SEED FILES...\n");
+    fprintf(stderr,
+            "usage: fuzz_model N SEED FILES... | --replay FILES... | --emit SEED FILES...\n");
     return 2;
   }
   for (size_t i = 0; i < count; ++i)
@@ -394,8 +467,8 @@ int main(int argc, char **argv) {
     fwrite(in.bytes, 1, in.size, stdout);
     free(in.bytes);
   } else {
-    printf("%llu inputs: %zu refused, %zu read but not assembled, %zu assembled\n", inputs, depths[0], depths[1],
-           depths[2]);
+    printf("%llu inputs: %zu refused, %zu read but not assembled, %zu assembled\n", inputs,
+           depths[0], depths[1], depths[2]);
   }
   for (size_t i = 0; i < count; ++i)
     free(files[i].bytes);

@@ -376,6 +376,23 @@ static void ties(void **state) {
   }
 }
 
+/* No rows: everything is free. No columns: nothing is. */
+static void empty(void **state) {
+  (void)state;
+  for (int columns = 0; columns <= 3; ++columns)
+    for (int rows = columns ? 0 : 3; rows <= (columns ? 0 : 30); rows += 9) {
+      fill(rows, columns, 0);
+      reserve();
+      factor(&f.p);
+      assert_int_equal(f.p.rank, 0);
+      assert_true(km_partition_refactor(&f.p, f.J));
+      km_partition_null(&f.p, f.D, columns, f.Z);
+      km_mobility_numbers(f.Z, columns, columns, f.numbers);
+      for (int c = 0; c < columns; ++c)
+        assert_near(f.numbers[c], 1.0, 1e-15);
+    }
+}
+
 static int clean(void **state) {
   (void)state;
   km_arena_free(&f.arena);
@@ -387,6 +404,7 @@ int main(void) {
       cmocka_unit_test(every_size),    cmocka_unit_test(large_ones),        cmocka_unit_test(forced_columns),
       cmocka_unit_test(kept_pivots), cmocka_unit_test(refused_pivots),      cmocka_unit_test(not_finite),
       cmocka_unit_test(extreme_sizes), cmocka_unit_test(ties),
+      cmocka_unit_test(empty),
   };
   return cmocka_run_group_tests(tests, NULL, clean);
 }

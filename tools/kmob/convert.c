@@ -61,33 +61,38 @@ static kt_exit write_value(const options *o, const km_value *value) {
   return result;
 }
 
-/* A unit's word or symbol decides which quantity it is for. */
-static bool choose_unit(const char *word, km_units *units) {
+/* A unit's word or symbol decides which quantity it is for: -1 if none. */
+static int choose_unit(const char *word, km_units *units) {
   for (int q = 0; q < KM_QUANTITIES; ++q) {
     for (const km_unit *u = km_quantity_units((km_quantity)q); u->word; ++u) {
       if (strcmp(u->word, word) != 0 && strcmp(u->suffix, word) != 0)
         continue;
       *km_units_slot(units, (km_quantity)q) = u;
-      return true;
+      return q;
     }
   }
-  return false;
+  return -1;
 }
 
 static kt_exit choose_units(const options *o, km_units *units) {
   const char *rest = o->units;
+  bool chosen[KM_QUANTITIES] = {false};
   for (char last = o->units ? ',' : 0; last == ',';) {
     kt_piece piece = kt_split(&rest, ",");
+    int quantity = piece.text ? choose_unit(piece.text, units) : -1;
     last = piece.separator;
-    bool known = piece.text && choose_unit(piece.text, units);
-    if (!known)
+    if (quantity < 0)
       kt_say(&o->common, KM_ERROR,
              "--units %s: \"%s\" is not a unit; expected some of radians degrees, meters millimeters centimeters inches, "
              "kilograms grams pounds, seconds milliseconds, newtons pounds-force",
              o->units, piece.text ? piece.text : "");
+    else if (chosen[quantity])
+      kt_say(&o->common, KM_ERROR, "--units %s: \"%s\" is a second unit of %s; expected one", o->units, piece.text,
+             km_quantity_name((km_quantity)quantity));
     km_free(piece.text);
-    if (!known)
+    if (quantity < 0 || chosen[quantity])
       return KT_USAGE;
+    chosen[quantity] = true;
   }
   return KT_DONE;
 }
@@ -167,7 +172,7 @@ kt_exit kmob_new(int argc, char **argv) {
   static const struct argp_option none[] = {{0}};
   options o = read_options(none, "NAME", "Write NAME.json, a four-bar linkage to start from; - is the standard output.",
                            argc, argv);
-  if (!o.model) {
+  if (!o.model || !o.model[0]) {
     kt_say(&o.common, KM_ERROR, "no name is given (kmob new --help)");
     return KT_USAGE;
   }

@@ -13,20 +13,23 @@
 #include <string.h>
 
 enum { OPTION_HOLD = 0x3001, OPTION_FORMAT, OPTION_RANGE, OPTION_STEPS, OPTION_POINT, OPTION_DERIVATIVES, OPTION_IGNORE,
-       OPTION_JOINT, OPTION_SET, MOST_MODELS = 64, MOST_POINTS = 64 };
+       OPTION_JOINT, OPTION_SET, OPTION_ARCLENGTH, OPTION_DIRECTION, OPTION_CYCLE, MOST_MODELS = 64, MOST_POINTS = 64 };
 
 typedef struct options {
   kt_common common;
   kmob_texts holds, sets, points, models;
-  const char *joint, *range, *steps, *base;
+  const char *joint, *range, *steps, *base, *arclength, *direction;
   kt_formats formats;
-  bool derivatives, ignore_limits;
+  bool derivatives, ignore_limits, cycle;
 } options;
 
 static const struct argp_option table[] = {
     {"joint", OPTION_JOINT, "JOINT", 0, "The driver (default: the model's analysis.sweep)", 1},
     {"range", OPTION_RANGE, "FROM:TO", 0, "Its range in the model's unit", 1},
     {"steps", OPTION_STEPS, "N", 0, "Number of intervals; N + 1 rows", 1},
+    {"arclength", OPTION_ARCLENGTH, "DS", 0, "Follow the motion by arc length instead, DS a row: through toggles", 1},
+    {"direction", OPTION_DIRECTION, "JOINT=+1", 0, "Start so that this joint moves forwards (or -1: backwards)", 1},
+    {"cycle", OPTION_CYCLE, NULL, 0, "Follow until the motion meets its start (at most --steps rows, default 100000)", 1},
     {"hold", OPTION_HOLD, "JOINT=VALUE", 0, "Keep a joint rigid at a value (x,y,… for several coordinates)", 1},
     {"set", OPTION_SET, "JOINT=VALUE", 0, "Start from another pose: move a joint to a value first", 1},
     {"ignore-limits", OPTION_IGNORE, NULL, 0, "Pass joint limits", 1},
@@ -43,6 +46,9 @@ static error_t parse(int key, char *arg, struct argp_state *state) {
   case OPTION_JOINT: o->joint = arg; return 0;
   case OPTION_RANGE: o->range = arg; return 0;
   case OPTION_STEPS: o->steps = arg; return 0;
+  case OPTION_ARCLENGTH: o->arclength = arg; return 0;
+  case OPTION_DIRECTION: o->direction = arg; return 0;
+  case OPTION_CYCLE: o->cycle = true; return 0;
   case OPTION_HOLD: kmob_texts_add(&o->holds, arg, state); return 0;
   case OPTION_SET: kmob_texts_add(&o->sets, arg, state); return 0;
   case OPTION_POINT: kmob_texts_add(&o->points, arg, state); return 0;
@@ -123,6 +129,33 @@ static kt_exit read_point(job *j, const char *text) {
   return KT_DONE;
 }
 
+/* --arclength --direction --cycle over the model's own. */
+static kt_exit read_length(const kt_common *common, const options *o, const km_model *model, km_sweep_plan *plan) {
+  bool driven = o->joint || o->range;
+  if (o->arclength && driven)
+    return usage(common, "--arclength", o->arclength, "it without --joint and --range");
+  if (o->arclength && (!kt_number(o->arclength, &plan->arclength) || plan->arclength <= 0.0))
+    return usage(common, "--arclength", o->arclength, "a number greater than 0");
+  if (driven)
+    plan->arclength = 0.0;
+  if ((o->direction || o->cycle) && plan->arclength <= 0.0)
+    return usage(common, o->cycle ? "--cycle" : "--direction", "", "--arclength with it");
+  if (o->cycle && !o->steps)
+    plan->steps = 100000;
+  plan->cycle = o->cycle;
+  if (!o->direction)
+    return KT_DONE;
+  const char *rest = o->direction;
+  kt_piece label = kt_split(&rest, "=");
+  kt_exit result = KT_DONE;
+  if (label.separator != '=' || !kt_number(rest, &plan->sign) || plan->sign == 0.0)
+    result = usage(common, "--direction", o->direction, "JOINT=+1 or JOINT=-1");
+  else
+    result = kt_coordinate(common, model, "--direction", label.text, &plan->direction);
+  km_free(label.text);
+  return result;
+}
+
 static kt_exit make_plan(job *j) {
   const options *o = j->options;
   const kt_common *common = &j->common;
@@ -135,8 +168,10 @@ static kt_exit make_plan(job *j) {
     if (result == KT_DONE && j->plan.coordinate != own && !o->range)
       return usage(common, "--joint", o->joint, "a --range with it, since the model has none for this joint");
   }
-  if (result == KT_DONE && j->plan.coordinate < 0) {
-    kt_say(common, KM_ERROR, "%s: the model has no analysis.sweep with a joint; expected --joint and --range",
+  if (result == KT_DONE)
+    result = read_length(common, o, model, &j->plan);
+  if (result == KT_DONE && j->plan.coordinate < 0 && j->plan.arclength <= 0.0) {
+    kt_say(common, KM_ERROR, "%s: the model has no analysis.sweep; expected --joint and --range, or --arclength",
            j->path);
     return KT_USAGE;
   }
@@ -161,10 +196,10 @@ static void run_sweep(job *j) {
   km_status status = km_mobility_sweep_run(j->pose.mechanism, j->pose.state, &j->plan, &j->sweep, &error);
   kt_progress_end(&progress);
   if (status == KM_OK || status == KM_PARTIAL) {
-    km_sweep_stop_text(j->pose.mechanism, &j->sweep, &j->stopped_by);
+    km_sweep_stop_text(j->pose.mechanism, &j->plan, &j->sweep, &j->stopped_by);
     if (status == KM_PARTIAL)
       kt_say(common, KM_ERROR, "%s: %s", j->path, j->stopped_by.data);
-    if (j->sweep.freedom > 1)
+    if (j->sweep.freedom > 1 && j->plan.arclength <= 0.0)
       kt_say(common, KM_NOTE, "%s: more than one freedom is left; the others move least (--hold keeps joints)",
              j->path);
   } else {

@@ -2,6 +2,7 @@
 #ifndef KMECH_MOBILITY_SWEEP_H
 #define KMECH_MOBILITY_SWEEP_H
 
+#include "kmech/follow.h"
 #include "kmech/mobility.h"
 #include "kmech/sweep.h"
 #include "kmech/table.h"
@@ -23,6 +24,10 @@ typedef struct km_sweep_plan {
   int coordinate;   /* the driver; -1: the model's analysis.sweep */
   double from, to;  /* model's unit */
   int steps;        /* intervals; rows = steps + 1 */
+  double arclength; /* > 0: by arc length instead, `steps` times this much; coordinate, from, to don't count */
+  int direction;    /* the coordinate that starts the motion, -1: the one with the largest mobility number */
+  double sign;      /* +1 or -1 */
+  bool cycle;       /* by arc length: KM_PARTIAL unless the motion comes back to its start */
   bool ignore_limits;
   const km_sweep_point *points;
   int point_count;
@@ -44,10 +49,14 @@ typedef struct km_extreme {
 typedef struct km_mobility_sweep {
   km_table *table;       /* columns as cli.md: step, s, q., m., dof, dof.k, residual, point. */
   km_mobility first;     /* at the pose from which the sweep started */
+  int substructure;      /* the one that moves, -1: a joint in no loop */
   int freedom;           /* of the driven substructure there: above 1 the others move least */
   km_reach start, end;   /* how FROM and TO were reached */
   km_toggle *toggles;    /* in the order of the sweep */
   size_t toggle_count, toggle_capacity;
+  km_branch_point *branches; /* by arc length: where several motions meet */
+  size_t branch_count, branch_capacity;
+  double cycle;          /* by arc length: length of the closed cycle, 0 if it wasn't closed */
   km_extreme *extremes;  /* [coordinate] */
 } km_mobility_sweep;
 

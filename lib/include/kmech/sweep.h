@@ -13,7 +13,8 @@ extern "C" {
 typedef enum km_stop {
   KM_STOP_NONE,   /* the whole range was reached */
   KM_STOP_TOGGLE, /* the driver can't move its substructure any further */
-  KM_STOP_LIMIT   /* a joint is at its limit */
+  KM_STOP_LIMIT,  /* a joint is at its limit */
+  KM_STOP_GAVE_OUT /* too many steps: a target millions of steps away, or angles whose rounding drowns the motion */
 } km_stop;
 
 /* How far a motion came. */

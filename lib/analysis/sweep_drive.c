@@ -1,0 +1,66 @@
+/* Sweeps by one driven coordinate. */
+#include "analysis/sweeper.h"
+
+#include <math.h>
+
+/* FROM is out of reach and the motion towards it ended at a bound: does s lie in what is left of the range? */
+static bool reachable(const km_sweeper *r, double s) {
+  const km_sweep_plan *plan = r->plan;
+  double bound = r->out->start.position;
+  return plan->to >= plan->from ? bound > plan->from && s > bound : bound < plan->from && s < bound;
+}
+
+static km_status rows(km_sweeper *r, km_error *error) {
+  km_drive *drive = r->mover.self;
+  const km_sweep_plan *plan = r->plan;
+  km_reach *start = &r->out->start, *end = &r->out->end;
+  *start = *end = km_drive_to(drive, plan->from);
+  km_status status = km_sweeper_row(r, 0, start->position, error);
+  int row = 1;
+  double last = start->position;
+  for (int i = 1; i <= plan->steps && !status; ++i) {
+    double s = i == plan->steps ? plan->to : plan->from + (plan->to - plan->from) * i / plan->steps;
+    if (start->stop && !reachable(r, s))
+      continue;
+    if (!km_sweeper_goes_on(r, i))
+      return km_fail(error, KM_CANCELLED, "stopped at %g", s);
+    *end = km_drive_to(drive, s);
+    bool again = end->stop && fabs(end->position - last) <= 1e-9 * (1.0 + fabs(last));
+    if (!again) /* the end may be where the last row stands already */
+      status = km_sweeper_row(r, row++, end->position, error);
+    last = end->position;
+    if (end->stop)
+      break;
+  }
+  for (int i = 0; i < 2 && !status; ++i) { /* where the driver itself gives out */
+    const km_reach *reach = i ? end : start;
+    bool again = i && end->position == start->position;
+    if (reach->stop == KM_STOP_TOGGLE && !again && !km_sweeper_add_toggle(r->out, plan->coordinate, reach->position))
+      status = km_fail(error, KM_MEMORY, "out of memory for the toggles");
+  }
+  if (status)
+    return status;
+  if (start->stop == KM_STOP_GAVE_OUT || end->stop == KM_STOP_GAVE_OUT)
+    return km_fail(error, KM_DIVERGED, "the sweep gave out at %.9g: too many steps to the next row; expected a range that "
+                   "so many rows resolve", end->position);
+  return start->stop || end->stop ? KM_PARTIAL : KM_OK;
+}
+
+static bool rates(void *self, double *out) { return km_drive_tangent(self, out); }
+
+static bool probe(void *self, double s, double *out) { return !km_drive_to(self, s).stop && km_drive_tangent(self, out); }
+
+static void settle(void *self, double s) { km_drive_to(self, s); }
+
+km_status km_sweep_by_driver(km_sweeper *r, km_error *error) {
+  km_drive *drive;
+  r->substructure = r->out->substructure = r->m->substructure_of[r->plan->coordinate];
+  km_status status = km_drive_create(r->m, r->s, r->plan->coordinate, r->plan->ignore_limits, &drive, error);
+  if (status)
+    return status;
+  r->mover = (km_mover){drive, rates, probe, settle};
+  km_sweeper_prepare(r);
+  status = rows(r, error);
+  km_drive_free(drive);
+  return status;
+}

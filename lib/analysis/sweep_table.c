@@ -1,0 +1,164 @@
+/* The table of a mobility sweep: its columns and rows. */
+#include "analysis/mobility.h"
+#include "analysis/sweeper.h"
+#include "base/text.h"
+#include "kinematics/loops.h"
+#include "kinematics/poses.h"
+
+#include <stdio.h>
+#include <string.h>
+
+static void add_named(km_table *table, const char *prefix, const char *name, const char *suffix, const char *unit,
+                      bool *failed) {
+  km_text text = {0};
+  km_text_format(&text, "%s%s%s", prefix, name, suffix);
+  if (text.failed || km_table_add_column(table, text.data, unit) < 0)
+    *failed = true;
+  km_text_free(&text);
+}
+
+/* Arc length mixes radians and lengths over the characteristic length: it has no unit. */
+static const char *s_unit(const km_sweeper *r) {
+  return r->plan->arclength > 0.0 ? "" : km_model_coordinate_unit(r->m->model, r->plan->coordinate);
+}
+
+static void add_point_columns(const km_sweeper *r, const km_sweep_point *point, bool *failed) {
+  static const char *const places[3] = {".x", ".y", ".z"}, *const slopes[3] = {".dx", ".dy", ".dz"};
+  const char *length = r->m->model->units.length->suffix;
+  km_table *table = r->out->table;
+  for (int k = 0; k < 3; ++k)
+    add_named(table, "point.", point->name, places[k], length, failed);
+  if (!r->plan->derivatives)
+    return;
+  km_text unit = {0};
+  bool by_length = r->plan->arclength > 0.0;
+  km_text_format(&unit, by_length ? "%s" : "%s/%s", length, s_unit(r));
+  for (int k = 0; k < 3 && !unit.failed; ++k)
+    add_named(table, "point.", point->name, slopes[k], unit.data, failed);
+  km_text_free(&unit);
+}
+
+km_status km_sweeper_columns(const km_sweeper *r, km_error *error) {
+  const km_model *model = r->m->model;
+  km_table *table = r->out->table;
+  bool failed = false;
+  add_named(table, "", "step", "", NULL, &failed);
+  failed = km_table_add_plain_column(table, "s", s_unit(r)) < 0 || failed;
+  for (int c = 0; c < model->coordinate_count; ++c)
+    add_named(table, "q.", model->coordinates[c].label, "", km_model_coordinate_unit(model, c), &failed);
+  for (int j = 0; j < model->joint_count; ++j) {
+    const km_joint_def *joint = &model->joints[j];
+    int freedom = km_model_freedom(model, j);
+    if (freedom == 0)
+      add_named(table, "m.", joint->label, "", NULL, &failed);
+    for (int k = 0; k < freedom; ++k)
+      add_named(table, "m.", model->coordinates[joint->first_coordinate + k].label, "", NULL, &failed);
+  }
+  add_named(table, "", "dof", "", NULL, &failed);
+  for (int i = 0; i < r->m->topology.substructure_count; ++i) {
+    char name[32];
+    snprintf(name, sizeof name, "dof.%d", i + 1);
+    add_named(table, name, "", "", NULL, &failed);
+  }
+  add_named(table, "", "residual", "", NULL, &failed);
+  for (int i = 0; i < r->plan->point_count; ++i)
+    add_point_columns(r, &r->plan->points[i], &failed);
+  return failed ? km_fail(error, KM_MEMORY, "out of memory for the table") : KM_OK;
+}
+
+/* Velocity of a frame's origin per unit rate of the driver: the twists of the chain to it, added up. */
+static void point_rates(const km_sweeper *r, int frame, double out[3]) {
+  const km_mechanism *m = r->m;
+  const km_frame_def *def = &m->model->frames[frame];
+  km_twist t = {{0, 0, 0}, {0, 0, 0}};
+  for (int body = def->body; body > 0; body = m->topology.parent[body])
+    t = km_twist_axpy(1.0, km_body_twist(m, r->s, body, r->rates), t);
+  km_vec3 p = km_pose_point(&r->s->pose[def->body], def->pose.p);
+  km_vec3 v = km_vec3_add(t.v, km_vec3_cross(t.w, p));
+  out[0] = v.x;
+  out[1] = v.y;
+  out[2] = v.z;
+}
+
+static double *write_points(const km_sweeper *r, double *cell) {
+  if (r->plan->point_count == 0)
+    return cell;
+  km_poses_update(r->m, r->s);
+  double factor = r->plan->arclength > 0.0 ? 1.0 : km_model_coordinate_factor(r->m->model, r->plan->coordinate);
+  for (int i = 0; i < r->plan->point_count; ++i) {
+    km_frame_position(r->m, r->s, r->plan->points[i].frame, cell);
+    cell += 3;
+    if (!r->plan->derivatives)
+      continue;
+    point_rates(r, r->plan->points[i].frame, cell);
+    for (int k = 0; k < 3; ++k)
+      *cell++ *= factor;
+  }
+  return cell;
+}
+
+static double *write_numbers(const km_sweeper *r, double *cell) {
+  const km_model *model = r->m->model;
+  for (int j = 0; j < model->joint_count; ++j) {
+    int first = model->joints[j].first_coordinate, freedom = km_model_freedom(model, j);
+    if (freedom == 0)
+      *cell++ = 0.0;
+    for (int k = 0; k < freedom; ++k)
+      *cell++ = r->s->numbers[first + k];
+  }
+  return cell;
+}
+
+static void note_extremes(const km_sweeper *r, double s) {
+  for (int c = 0; c < r->m->coordinate_count; ++c)
+    if (r->s->numbers[c] < r->out->extremes[c].number)
+      r->out->extremes[c] = (km_extreme){r->s->numbers[c], s};
+}
+
+km_status km_sweeper_row(km_sweeper *r, int step, double s, km_error *error) {
+  const km_mechanism *m = r->m;
+  double *cell = km_table_add_row(r->out->table);
+  if (!cell)
+    return km_fail(error, KM_MEMORY, "out of memory for the table");
+  int mobility = r->other_mobility, worst;
+  double residual = r->other_residual;
+  /* The direction of motion first: the numbers may search other pivots. */
+  bool tangent = r->plan->derivatives && r->mover.rates(r->mover.self, r->rates);
+  if (r->plan->derivatives && !tangent)
+    for (int c = 0; c < m->coordinate_count; ++c)
+      r->rates[c] = nan("");
+  if (r->substructure >= 0) {
+    const km_substructure *sub = &m->substructures[r->substructure];
+    km_numbers_update(m, r->s, r->substructure);
+    residual = fmax(residual, km_loops_residual(m, r->s, sub, &worst));
+    mobility += km_partition_freedom(&r->s->partition[r->substructure]);
+  }
+  *cell++ = step;
+  *cell++ = s;
+  for (int c = 0; c < m->coordinate_count; ++c)
+    *cell++ = km_state_coordinate(r->s, c);
+  cell = write_numbers(r, cell);
+  *cell++ = mobility;
+  for (int i = 0; i < m->topology.substructure_count; ++i)
+    *cell++ = km_partition_freedom(&r->s->partition[i]);
+  *cell++ = residual;
+  write_points(r, cell);
+  note_extremes(r, s);
+  return km_sweeper_toggles(r, s, error);
+}
+
+void km_sweeper_prepare(km_sweeper *r) {
+  km_mobility_update(r->m, r->s, &r->out->first);
+  r->other_mobility = r->out->first.mobility;
+  if (r->substructure >= 0)
+    r->out->freedom = km_partition_freedom(&r->s->partition[r->substructure]);
+  r->other_mobility -= r->out->freedom;
+  for (int i = 0; i < r->m->topology.substructure_count; ++i) {
+    int worst;
+    if (i != r->substructure)
+      r->other_residual =
+          fmax(r->other_residual, km_loops_residual(r->m, r->s, &r->m->substructures[i], &worst));
+  }
+  for (int c = 0; c < r->m->coordinate_count; ++c)
+    r->out->extremes[c] = (km_extreme){HUGE_VAL, nan("")};
+}

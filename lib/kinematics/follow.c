@@ -1,0 +1,466 @@
+#include "kmech/follow.h"
+
+#include "kinematics/closure.h"
+#include "kinematics/curve.h"
+#include "kinematics/follow.h"
+#include "kinematics/loops.h"
+
+#include <string.h>
+
+/* Predictor-corrector on the configuration manifold of one substructure. Symbols: t tangent of unit length |D t|,
+ * h a step of arc length, g = det(pivot block) / t_i of the pivots at hand (i the independent coordinate), which
+ * passes through 0 at a branch point: up to a constant it is det of J bordered by t. */
+
+static const double longest = 0.05;  /* of a step: the arc of the cubic between two poses errs by about h⁵/1000 */
+static const double shortest = 1e-9; /* of a step: below, the motion ends */
+static const double furthest_bend = 0.98; /* least cosine between the tangents of a step */
+static const double singular = 1e-7; /* last pivot, relative: closer to a singular pose the tangent is noise */
+static const double narrow = 4e-3;   /* width to which a branch point is bracketed before it is interpolated */
+static const double aside = 1e-3;    /* distance of the poses that it is interpolated from */
+static const double closing = 1e-9;  /* distance at which a cycle counts as closed */
+
+static const km_substructure *sub_of(const km_follow *f) { return &f->mechanism->substructures[f->substructure]; }
+static const double *weight_of(const km_follow *f) { return f->mechanism->column_weight + sub_of(f)->column_start; }
+
+static double weighted(const km_follow *f, const double *a, const double *b) {
+  const double *weight = weight_of(f);
+  double sum = 0.0;
+  for (int k = 0; k < sub_of(f)->columns; ++k)
+    sum += weight[k] * weight[k] * a[k] * b[k];
+  return sum;
+}
+
+/* The part of `t` that the loops allow, at unit length; false if hardly anything is left. */
+static bool project(km_follow *f, const double *from, double *t) {
+  const km_substructure *sub = sub_of(f);
+  const km_partition *p = &f->state->partition[f->substructure];
+  const double *weight = weight_of(f);
+  double *Z = km_state_basis(f->state, sub);
+  int freedom = km_partition_freedom(p);
+  km_partition_null(p, weight, freedom, Z);
+  memset(f->scratch, 0, (size_t)sub->columns * sizeof *f->scratch);
+  for (int i = 0; i < freedom; ++i) {
+    const double *z = Z + (size_t)i * (size_t)sub->columns;
+    double dot = 0.0;
+    for (int k = 0; k < sub->columns; ++k)
+      dot += z[k] * weight[k] * from[k];
+    for (int k = 0; k < sub->columns; ++k)
+      f->scratch[k] += dot * z[k];
+  }
+  double size = 0.0;
+  for (int k = 0; k < sub->columns; ++k)
+    size += f->scratch[k] * f->scratch[k];
+  size = sqrt(size);
+  for (int k = 0; k < sub->columns; ++k)
+    t[k] = f->scratch[k] / (size * weight[k]);
+  return size > 1e-6;
+}
+
+/* Length of the cubic from one pose to the next, whose tangents t0, t1 are per unit length: the length that
+ * reproduces itself; negative where the move runs against the tangents. Five-point Gauss-Legendre. */
+static double arc_length(const km_follow *f, const double *move, const double *t0, const double *t1) {
+  static const double node[5] = {0.5, 0.23076534494715845, 0.7692346550528415, 0.046910077030668, 0.953089922969332};
+  static const double share[5] = {0.28444444444444444, 0.23931433524968324, 0.23931433524968324, 0.11846344252809454,
+                                  0.11846344252809454};
+  const double *weight = weight_of(f);
+  double sign = weighted(f, move, t0) < 0.0 ? -1.0 : 1.0, length = sign * sqrt(weighted(f, move, move));
+  for (int pass = 0; pass < 4; ++pass) {
+    double sum = 0.0;
+    for (int i = 0; i < 5; ++i) {
+      double u = node[i], d01 = 6 * u * (1 - u), d10 = (1 - u) * (1 - 3 * u), d11 = u * (3 * u - 2), square = 0.0;
+      for (int k = 0; k < sub_of(f)->columns; ++k) {
+        double d = weight[k] * (d01 * move[k] + length * (d10 * t0[k] + d11 * t1[k]));
+        square += d * d;
+      }
+      sum += share[i] * sqrt(square);
+    }
+    length = sign * sum;
+  }
+  return length;
+}
+
+static double bordered(const km_follow *f, const double *t) {
+  const km_partition *p = &f->state->partition[f->substructure];
+  double g = 1.0 / t[p->column[p->rank]];
+  for (int i = 0; i < p->rank; ++i)
+    g /= p->inverse[i];
+  return g;
+}
+
+typedef enum attempt { ACCEPTED, REFUSED } attempt;
+
+/* From the saved pose by a step whose length is about h. On success the state stands there, f->next_t is its
+ * tangent, f->move the way and *length its arc; else the state is back. */
+static attempt step(km_follow *f, double h, double *length) {
+  const km_substructure *sub = sub_of(f);
+  bool known = f->last_h != 0.0 && fabs(h) <= 4.0 * fabs(f->last_h);
+  km_closure evidence;
+  if (known)
+    km_curve_ahead(sub->columns, f->last_h, f->last_move, f->last_t, f->t, h, f->move);
+  for (int k = 0; k < sub->columns && !known; ++k)
+    f->move[k] = h * f->t[k];
+  km_state_restore(f->state, sub, f->here);
+  km_state_move(f->mechanism, f->state, sub, f->move);
+  attempt result = REFUSED;
+  if (km_close(f->mechanism, f->state, f->substructure, KM_NO_DRIVER, &evidence) == KM_CLOSED &&
+      evidence.correction <= 0.2 * fabs(h) + 1e-9 && project(f, f->t, f->next_t)) {
+    const km_partition *p = &f->state->partition[f->substructure];
+    bool regular = km_partition_freedom(p) == f->freedom && p->last_pivot >= singular * p->scale;
+    bool smooth = weighted(f, f->t, f->next_t) >= furthest_bend;
+    result = regular && smooth ? ACCEPTED : REFUSED;
+  }
+  if (result == REFUSED) {
+    km_state_restore(f->state, sub, f->here);
+    f->state->pivoted[f->substructure] = KM_NEVER;
+    return REFUSED;
+  }
+  km_state_difference(f->state, sub, f->here, f->move);
+  *length = arc_length(f, f->move, f->t, f->next_t);
+  return ACCEPTED;
+}
+
+/* The same, to an exact length: the secant method on the step. */
+static attempt step_exactly(km_follow *f, double length, double *reached) {
+  double h = length;
+  for (int i = 0; i < 8; ++i) {
+    if (step(f, h, reached) == REFUSED)
+      return REFUSED;
+    if (fabs(*reached - length) <= 1e-14 + 1e-11 * fabs(length))
+      return ACCEPTED;
+    h *= length / *reached;
+  }
+  return ACCEPTED;
+}
+
+static void remember(km_follow *f) {
+  km_state_save(f->state, sub_of(f), f->here);
+  km_partition_copy_pivots(&f->reference, &f->state->partition[f->substructure]);
+  f->g = f->freedom == 1 ? bordered(f, f->t) : 0.0;
+}
+
+static void accept(km_follow *f, double length) {
+  double *spare = f->last_t;
+  f->last_t = f->t;
+  f->t = f->next_t;
+  f->next_t = spare;
+  memcpy(f->last_move, f->move, (size_t)sub_of(f)->columns * sizeof *f->move);
+  f->last_h = length;
+  f->s += length;
+  remember(f);
+}
+
+/* g at the pose just reached, with the pivots of the saved pose. */
+static double g_of_saved_pivots(km_follow *f) {
+  const km_partition *p = &f->state->partition[f->substructure];
+  if (p->searches == f->reference.searches)
+    return bordered(f, f->next_t);
+  km_partition *r = &f->reference;
+  km_partition_refactor(r, km_state_jacobian(f->state, sub_of(f)));
+  double g = 1.0 / f->next_t[r->column[r->rank]];
+  for (int i = 0; i < r->rank; ++i)
+    g /= r->inverse[i];
+  return g;
+}
+
+/* Root of the cubic through four equally spaced values, near the middle, by Newton on Lagrange's form. */
+static double cubic_root(const double g[4], double x, double spacing, double middle) {
+  for (int i = 0; i < 20; ++i) {
+    double u = (x - middle) / spacing, value = 0.0, slope = 0.0; /* nodes at u = -1.5, -0.5, 0.5, 1.5 */
+    for (int k = 0; k < 4; ++k) {
+      double product = g[k], derivative = 0.0, at = k - 1.5;
+      for (int o = 0; o < 4; ++o)
+        if (o != k)
+          product *= (u - (o - 1.5)) / (at - (o - 1.5));
+      for (int o = 0; o < 4; ++o) {
+        if (o == k)
+          continue;
+        double partial = g[k] / (at - (o - 1.5));
+        for (int n = 0; n < 4; ++n)
+          if (n != k && n != o)
+            partial *= (u - (n - 1.5)) / (at - (n - 1.5));
+        derivative += partial;
+      }
+      value += product;
+      slope += derivative;
+    }
+    x -= value / slope * spacing;
+  }
+  return x;
+}
+
+/* A branch point lies between the saved pose and the one `length` further: locates it by the cubic through g on
+ * either side, and interpolates its pose. Leaves the state at the saved pose; false if it escapes. */
+static bool locate_branch(km_follow *f, double length, double g_end) {
+  const km_substructure *sub = sub_of(f);
+  double guess = length * f->g / (f->g - g_end), g[4], reached;
+  for (int k = 0; k < 4; ++k) {
+    if (step_exactly(f, guess + (2.0 * k - 3.0) * aside, &reached) == REFUSED)
+      return false;
+    g[k] = g_of_saved_pivots(f);
+    if (k != 1 && k != 2)
+      continue;
+    memcpy(k == 1 ? f->near_t : f->far_t, f->next_t, (size_t)sub->columns * sizeof *f->t);
+    km_state_save(f->state, sub, k == 1 ? f->near : f->far);
+  }
+  double root = cubic_root(g, guess, 2.0 * aside, guess);
+  if (!(fabs(root - guess) < 2.0 * aside))
+    return false;
+  km_state_restore(f->state, sub, f->far);
+  km_state_difference(f->state, sub, f->near, f->move);
+  km_state_restore(f->state, sub, f->near);
+  double width = arc_length(f, f->move, f->near_t, f->far_t);
+  km_curve_between(sub->columns, width, f->move, f->near_t, f->far_t, root - guess + aside, f->scratch, f->next_t);
+  km_state_move(f->mechanism, f->state, sub, f->scratch);
+  km_loops_update(f->mechanism, f->state, sub);
+  int worst;
+  double residual = km_loops_residual(f->mechanism, f->state, sub, &worst);
+  km_pivot(f->mechanism, f->state, f->substructure, KM_NO_DRIVER, fmax(1e-7, km_rank_tolerance(f->mechanism, sub, residual)));
+  /* Where constraints are redundant it may just be the pivot rows that become dependent. */
+  int mobility = km_partition_freedom(&f->state->partition[f->substructure]);
+  if (mobility > f->freedom && f->branch_count < KM_MOST_BRANCH_POINTS) {
+    f->branches[f->branch_count++] = (km_branch_point){f->s + root, mobility};
+    km_state_save(f->state, sub, f->branch_pose);
+    memcpy(f->branch_t, f->next_t, (size_t)sub->columns * sizeof *f->t);
+  }
+  km_state_restore(f->state, sub, f->here);
+  f->state->pivoted[f->substructure] = KM_NEVER;
+  return true;
+}
+
+/* The way from the start pose to this one, full turns of hinges left out. */
+static void from_start(km_follow *f, double *way) {
+  km_state_difference(f->state, sub_of(f), f->origin, way);
+  for (int k = 0; k < sub_of(f)->columns; ++k)
+    if (f->turns[k])
+      way[k] -= 2.0 * M_PI * round(way[k] / (2.0 * M_PI));
+}
+
+/* Does the step just taken, `length` long, pass the start? */
+static bool passes_start(km_follow *f, double length) {
+  double *way = f->scratch;
+  from_start(f, way);
+  double after = weighted(f, f->origin_t, way);
+  return f->s + length > 2.0 * longest && after >= -1e-12 && after <= 1.5 * length &&
+         weighted(f, f->origin_t, f->next_t) > 0.9 && weighted(f, way, way) < 4.0 * length * length;
+}
+
+/* Goes to where the start must be, by the secant method on the distance along its tangent; true if it is there. */
+static bool meet_start(km_follow *f, double length) {
+  double *way = f->scratch, reached = length;
+  from_start(f, way);
+  for (int i = 0; i < 12; ++i) {
+    double along = weighted(f, f->origin_t, way);
+    if (i > 0 && fabs(along) < 1e-14)
+      break;
+    if (reached - along <= 0.0 || step_exactly(f, reached - along, &reached) == REFUSED)
+      return false;
+    from_start(f, way);
+  }
+  if (weighted(f, way, way) > closing * closing)
+    return false;
+  accept(f, reached);
+  f->closed = true;
+  return true;
+}
+
+/* The coordinate outside its limit, and further out than at the saved pose; -1 none. */
+static int limit_passed(const km_follow *f) {
+  const km_mechanism *m = f->mechanism;
+  const km_substructure *sub = sub_of(f);
+  for (int k = 0; k < sub->columns && !f->ignore_limits; ++k) {
+    int c = m->column_coordinate[sub->column_start + k];
+    double q = f->state->q[c], slack = 1e-12 * (m->unit[c] + fabs(q));
+    if ((q > m->high[c] + slack && q > f->here[k]) || (q < m->low[c] - slack && q < f->here[k]))
+      return c;
+  }
+  return -1;
+}
+
+/* Goes as far as the limit of coordinate c allows, less than `length`. */
+static void stop_at_limit(km_follow *f, int c, double length) {
+  double inside = 0.0, outside = length, reached;
+  f->limit = c;
+  for (int i = 0; i < 60 && outside - inside > 1e-11; ++i) {
+    double middle = 0.5 * (inside + outside);
+    if (step_exactly(f, middle, &reached) == ACCEPTED && limit_passed(f) < 0)
+      inside = middle;
+    else
+      outside = middle;
+  }
+  if (inside > 0.0 && step_exactly(f, inside, &reached) == ACCEPTED)
+    accept(f, reached);
+  else
+    km_state_restore(f->state, sub_of(f), f->here);
+}
+
+/* One controlled step of at most `most`; false if the motion can't go on. */
+static bool one_step(km_follow *f, double most) {
+  double first = most / ceil(most / f->largest * (1.0 - 1e-9)); /* equal steps leave no crumb at the end */
+  for (double h = first; h >= fmin(shortest, most); h *= 0.5) {
+    double length;
+    if ((h == most ? step_exactly(f, h, &length) : step(f, h, &length)) == REFUSED || length > most * (1.0 + 1e-9))
+      continue;
+    if (f->freedom == 1) {
+      double g = g_of_saved_pivots(f);
+      if (g * f->g < 0.0 && length > narrow)
+        continue;
+      if (g * f->g < 0.0) {
+        locate_branch(f, length, g);
+        if (step_exactly(f, length, &length) == REFUSED)
+          continue;
+      }
+    }
+    if (passes_start(f, length)) {
+      if (meet_start(f, length))
+        return true;
+      if (step_exactly(f, length, &length) == REFUSED)
+        continue;
+    }
+    int limit = limit_passed(f);
+    if (limit >= 0) {
+      stop_at_limit(f, limit, length);
+      return false;
+    }
+    accept(f, length);
+    f->largest = fmin(longest, h == first ? 2.0 * f->largest : h);
+    return true;
+  }
+  return false;
+}
+
+km_status km_follow_advance(km_follow *f, double length) {
+  double target = f->s + length;
+  f->branch_count = 0;
+  while (!f->closed && target - f->s > 1e-10 * length)
+    if (!one_step(f, target - f->s))
+      return KM_PARTIAL;
+  return KM_OK;
+}
+
+static bool allocate(km_follow *f, int rows, int columns) {
+  size_t n = (size_t)columns;
+  double **vectors[] = {&f->t,      &f->next_t, &f->last_t, &f->last_move, &f->move,
+                        &f->near_t, &f->far_t,  &f->origin_t, &f->scratch, &f->branch_t};
+  double **poses[] = {&f->here, &f->near, &f->far, &f->origin, &f->branch_pose};
+  for (size_t i = 0; i < sizeof vectors / sizeof *vectors; ++i)
+    *vectors[i] = KM_ARENA_NEW(&f->arena, double, n);
+  for (size_t i = 0; i < sizeof poses / sizeof *poses; ++i)
+    *poses[i] = KM_ARENA_NEW(&f->arena, double, KM_SAVED_PER_COLUMN * n);
+  f->turns = KM_ARENA_NEW(&f->arena, bool, n);
+  return km_partition_reserve(&f->reference, rows, columns, &f->arena);
+}
+
+/* Hinges come round after a full turn; slides and screws don't. */
+static void mark_turns(km_follow *f) {
+  const km_mechanism *m = f->mechanism;
+  for (int k = 0; k < sub_of(f)->columns; ++k) {
+    int c = m->column_coordinate[sub_of(f)->column_start + k];
+    const km_coordinate_def *def = &m->model->coordinates[c];
+    km_joint_type type = m->model->joints[def->joint].type;
+    f->turns[k] = m->ball_of[c] < 0 && type != KM_SCREW && !km_joint_is_length(type, def->index);
+  }
+}
+
+/* The direction in which column k moves with `sign` and the others move least. */
+static bool first_tangent(km_follow *f, int column, double sign) {
+  memset(f->move, 0, (size_t)sub_of(f)->columns * sizeof *f->move);
+  f->move[column] = sign;
+  return project(f, f->move, f->t);
+}
+
+static int liveliest(const km_follow *f) {
+  const km_mechanism *m = f->mechanism;
+  int best = 0;
+  for (int k = 1; k < sub_of(f)->columns; ++k)
+    if (f->state->numbers[m->column_coordinate[sub_of(f)->column_start + k]] >
+        1.000001 * f->state->numbers[m->column_coordinate[sub_of(f)->column_start + best]])
+      best = k;
+  return best;
+}
+
+/* The first substructure that moves, for a direction that names none. */
+static int first_moving(const km_mechanism *m, km_state *s) {
+  for (int i = 0; i < m->topology.substructure_count; ++i) {
+    km_loops_update(m, s, &m->substructures[i]);
+    km_pivot(m, s, i, KM_NO_DRIVER, km_rank_tolerance(m, &m->substructures[i], 0.0));
+    if (km_partition_freedom(&s->partition[i]) > 0)
+      return i;
+  }
+  return -1;
+}
+
+static km_status start(km_follow *f, int coordinate, double sign, km_error *error) {
+  const km_mechanism *m = f->mechanism;
+  const km_substructure *sub = sub_of(f);
+  if (!allocate(f, sub->rows, sub->columns))
+    return km_fail(error, KM_MEMORY, "out of memory for following a motion");
+  mark_turns(f);
+  km_loops_update(m, f->state, sub);
+  km_pivot(m, f->state, f->substructure, KM_NO_DRIVER, km_rank_tolerance(m, sub, 0.0));
+  f->freedom = km_partition_freedom(&f->state->partition[f->substructure]);
+  int column = coordinate >= 0 ? m->column_of[coordinate] : liveliest(f);
+  if (f->freedom == 0 || !first_tangent(f, column, sign))
+    return km_fail(error, KM_PARTIAL, "nothing moves: %s",
+                   f->freedom ? "the joint that should is at a toggle" : "the mechanism is a structure at this pose");
+  memcpy(f->origin_t, f->t, (size_t)sub->columns * sizeof *f->t);
+  remember(f);
+  memcpy(f->origin, f->here, (size_t)(KM_SAVED_PER_COLUMN * sub->columns) * sizeof *f->here);
+  return KM_OK;
+}
+
+km_status km_follow_create(const km_mechanism *m, km_state *s, int coordinate, double sign, bool ignore_limits,
+                           km_follow **out, km_error *error) {
+  *out = NULL;
+  int substructure = coordinate >= 0 ? m->substructure_of[coordinate] : first_moving(m, s);
+  if (coordinate >= 0 && (substructure < 0 || m->held[coordinate]))
+    return km_fail(error, KM_USAGE, "joint \"%s\" is %s; expected a free joint of a loop",
+                   m->model->coordinates[coordinate].label, m->held[coordinate] ? "held" : "in no loop");
+  if (substructure < 0)
+    return km_fail(error, KM_PARTIAL, "nothing moves: the mechanism has no loop with a freedom at this pose");
+  km_follow *f = KM_NEW(km_follow, 1);
+  if (!f)
+    return km_fail(error, KM_MEMORY, "out of memory for following a motion");
+  *f = (km_follow){.mechanism = m, .state = s, .substructure = substructure, .largest = longest, .ignore_limits = ignore_limits, .limit = -1};
+  km_status status = start(f, coordinate, sign < 0.0 ? -1.0 : 1.0, error);
+  if (status)
+    km_follow_free(f);
+  else
+    *out = f;
+  return status;
+}
+
+void km_follow_free(km_follow *f) {
+  if (!f)
+    return;
+  km_arena_free(&f->arena);
+  km_free(f);
+}
+
+int km_follow_substructure(const km_follow *f) { return f->substructure; }
+double km_follow_length(const km_follow *f) { return f->s; }
+bool km_follow_closed(const km_follow *f) { return f->closed; }
+int km_follow_limit(const km_follow *f) { return f->limit; }
+int km_follow_branch_count(const km_follow *f) { return f->branch_count; }
+km_branch_point km_follow_branch(const km_follow *f, int index) { return f->branches[index]; }
+
+static void write_rates(const km_follow *f, const double *t, double *rates) {
+  const km_mechanism *m = f->mechanism;
+  memset(rates, 0, (size_t)m->coordinate_count * sizeof *rates);
+  for (int k = 0; k < sub_of(f)->columns; ++k) {
+    int c = m->column_coordinate[sub_of(f)->column_start + k];
+    rates[c] = t[k] * m->unit[c];
+  }
+}
+
+void km_follow_tangent(const km_follow *f, double *rates) { write_rates(f, f->t, rates); }
+
+bool km_follow_probe(km_follow *f, double offset, double *rates) {
+  double reached;
+  bool there = step_exactly(f, offset, &reached) == ACCEPTED;
+  if (there)
+    write_rates(f, f->next_t, rates);
+  km_state_restore(f->state, sub_of(f), f->here);
+  km_loops_update(f->mechanism, f->state, sub_of(f));
+  f->state->pivoted[f->substructure] = KM_NEVER;
+  return there;
+}

@@ -1,0 +1,105 @@
+/* Following by arc length: cycles close, branch points are where they are known to be. */
+#include "support/support.h"
+
+#include "kmech/follow.h"
+#include "model/model.h"
+
+#include <string.h>
+
+static km_mobility_sweep follow(fixture *f, double length, int steps, bool cycle) {
+  km_sweep_plan plan = {.coordinate = -1, .steps = steps, .arclength = length, .direction = -1, .sign = 1.0, .cycle = cycle};
+  km_mobility_sweep sweep;
+  km_error error = {0};
+  km_status status = km_mobility_sweep_run(f->mechanism, f->state, &plan, &sweep, &error);
+  if (status)
+    fail_msg("%d %s", status, error.text);
+  return sweep;
+}
+
+/* After the cycle every joint is where it was, up to full turns. */
+static void cycles_close(void **state) {
+  (void)state;
+  static const char *const names[] = {"fourbar", "slider_crank", "bricard", "klann", "bennett", NULL};
+  for (const char *const *name = names; *name; ++name) {
+    fixture f = fixture_open(*name);
+    km_mobility_sweep sweep = follow(&f, 0.05, 2000, true);
+    assert_true(sweep.cycle > 1.0);
+    const double *first = km_table_row(sweep.table, 0);
+    for (int c = 0; c < f.model->coordinate_count; ++c) {
+      double way = km_state_coordinate(f.state, c) - first[2 + c];
+      if (strcmp(km_model_coordinate_unit(f.model, c), "rad") == 0)
+        way -= 2.0 * M_PI * round(way / (2.0 * M_PI));
+      assert_near(way, 0.0, 1e-9);
+    }
+    int residual = km_table_find(sweep.table, "residual");
+    for (size_t r = 0; r < km_table_rows(sweep.table); ++r)
+      assert_true(km_table_row(sweep.table, r)[residual] <= 1e-12);
+    km_mobility_sweep_free(&sweep);
+    fixture_close(&f);
+  }
+}
+
+/* The length of a cycle doesn't depend on the rows that it is cut into. */
+static void length_is_a_property_of_the_motion(void **state) {
+  (void)state;
+  static const double steps[] = {0.02, 0.05, 0.13, 0.5};
+  double length = 0.0;
+  for (size_t i = 0; i < sizeof steps / sizeof *steps; ++i) {
+    fixture f = fixture_open("fourbar");
+    km_mobility_sweep sweep = follow(&f, steps[i], 2000, true);
+    if (i == 0)
+      length = sweep.cycle;
+    assert_near(sweep.cycle, length, 1e-6 * length);
+    km_mobility_sweep_free(&sweep);
+    fixture_close(&f);
+  }
+}
+
+/* A parallelogram with links 2 and 1, driven at `angle`: A = D = θ, B = -θ, C = θ; each turns at the same rate, so
+ * that the arc is 2θ, and the branch points stand at θ = π and 2π. */
+static void parallelogram_branches(void **state) {
+  (void)state;
+  static const char text[] =
+      "{\"fixed\": {\"frames\": [{\"name\": \"p\", \"T\": [2, 0, 0]}]}, \"assemblies\": [{\"name\": \"a\", \"bodies\": ["
+      "{\"name\": \"l\", \"frames\": [{\"name\": \"t\", \"T\": [1, 0, 0]}]}, {\"name\": \"c\", \"frames\": [{\"name\": \"t\", \"T\": [2, 0, 0]}]},"
+      "{\"name\": \"r\", \"frames\": [{\"name\": \"t\", \"T\": [1, 0, 0]}]}], \"joints\": ["
+      "{\"name\": \"A\", \"type\": \"Rz\", \"body_frame_pairs\": [\"fixed\", \"l\"], \"initial_displacement\": 1},"
+      "{\"name\": \"B\", \"type\": \"Rz\", \"body_frame_pairs\": [[\"l\", \"t\"], \"c\"], \"initial_displacement\": -1},"
+      "{\"name\": \"C\", \"type\": \"Rz\", \"body_frame_pairs\": [[\"c\", \"t\"], [\"r\", \"t\"]], \"initial_displacement\": 1},"
+      "{\"name\": \"D\", \"type\": \"Rz\", \"body_frame_pairs\": [[\"fixed\", \"p\"], \"r\"], \"initial_displacement\": 1}]}]}";
+  fixture f = fixture_read(text);
+  km_mobility_sweep sweep = follow(&f, 0.1, 1000, true);
+  assert_near(sweep.cycle, 4.0 * M_PI, 1e-9);
+  assert_int_equal(sweep.branch_count, 2);
+  assert_near(sweep.branches[0].s, 2.0 * (M_PI - 1.0), 1e-8);
+  assert_near(sweep.branches[1].s, 2.0 * (2.0 * M_PI - 1.0), 1e-8);
+  assert_int_equal(sweep.branches[0].mobility, 2);
+  int a = km_table_find(sweep.table, "q.A"), d = km_table_find(sweep.table, "q.D");
+  for (size_t r = 0; r < km_table_rows(sweep.table); ++r)
+    assert_near(km_table_row(sweep.table, r)[a], km_table_row(sweep.table, r)[d], 1e-8);
+  km_mobility_sweep_free(&sweep);
+  fixture_close(&f);
+}
+
+/* The drivers' toggles don't stop it: the four-bar of test_sweep whose crank can only rock goes round its cycle. */
+static void toggles_are_passed(void **state) {
+  (void)state;
+  fixture f = fixture_open("slider_crank");
+  km_mobility_sweep sweep = follow(&f, 0.05, 2000, true);
+  int slider = 0, rod = 0;
+  for (size_t i = 0; i < sweep.toggle_count; ++i) {
+    const char *label = km_model_coordinate_label(f.model, sweep.toggles[i].coordinate);
+    slider += strcmp(label, "B") == 0;
+    rod += strcmp(label, "C") == 0;
+  }
+  assert_int_equal(slider, 2);
+  assert_int_equal(rod, 2);
+  km_mobility_sweep_free(&sweep);
+  fixture_close(&f);
+}
+
+int main(void) {
+  const struct CMUnitTest tests[] = {cmocka_unit_test(cycles_close), cmocka_unit_test(length_is_a_property_of_the_motion),
+                                     cmocka_unit_test(parallelogram_branches), cmocka_unit_test(toggles_are_passed)};
+  return cmocka_run_group_tests(tests, NULL, NULL);
+}
