@@ -90,13 +90,14 @@ static double newton_step(const km_mechanism *m, km_state *s, int index, int dri
   return largest;
 }
 
-/* Coordinates of many turns carry their rounding into the loops: thresholds grow with it. */
+/* Coordinates of many turns carry their rounding into the loops: thresholds grow with it,
+ * up to the 1e6 radians where it drowns the geometry. */
 static double grain(const km_mechanism *m, const km_state *s, const km_substructure *sub) {
   const int *coordinate = m->column_coordinate + sub->column_start;
   double largest = 0.0;
   for (int k = 0; k < sub->columns; ++k)
     largest = fmax(largest, fabs(s->q[coordinate[k]] / m->unit[coordinate[k]]));
-  return 1.0 + 1e-3 * largest;
+  return fmin(1.0 + 1e-3 * largest, 1e3);
 }
 
 static km_closure_outcome verdict(const km_mechanism *m, double residual, double coarse) {

@@ -142,12 +142,23 @@ static bool read_ends(km_reader *reader, const km_value *value, int assembly, co
   return true;
 }
 
+/* Past a million radians an angle's rounding is larger than what loops are closed to. */
+static void check_turns(km_reader *reader, km_joint_type type, const double *position, int freedom,
+                        const km_place *place) {
+  static const double most = 1e6;
+  km_place at = {place, "initial_displacement", 0};
+  for (int k = 0; k < freedom; ++k)
+    if (!km_joint_is_length(type, k) && fabs(position[k]) * reader->model->units.angle->si > most)
+      km_reader_error(reader, &at, "found an angle of %.6g; expected less than a million radians", position[k]);
+}
+
 static void add_coordinates(km_reader *reader, const km_value *value, const km_place *place, int index) {
   km_model *model = reader->model;
   km_joint_def *joint = &model->joints[index];
   int freedom = km_model_freedom(model, index);
   double position[KM_MAX_FREEDOM], rate[KM_MAX_FREEDOM], damping[KM_MAX_FREEDOM];
   read_coordinates(reader, value, "initial_displacement", freedom, place, position);
+  check_turns(reader, joint->type, position, freedom, place);
   read_coordinates(reader, value, "initial_velocity", freedom, place, rate);
   read_coordinates(reader, value, "damping", freedom, place, damping);
   joint->first_coordinate = model->coordinate_count;
