@@ -38,7 +38,7 @@ static void numbers_are_shortest_and_exact(void **state) {
 static void names_keep_their_scopes(void **state) {
   (void)state;
   km_names names = {0};
-  char text[1000][8];
+  char text[1000][16];
   for (int i = 0; i < 1000; ++i) {
     snprintf(text[i], sizeof text[i], "n%d", i);
     assert_true(km_names_set(&names, i % 7, text[i], i));

@@ -4,6 +4,7 @@ static const kt_command commands[] = {
     {"info", "topology, substructures, mobility and mobility numbers at the file's pose", kmob_info},
     {"at", "the same at a pose: --set JOINT=VALUE", kmob_at},
     {"sweep", "every mobility number over a driver's range: tables and plots", kmob_sweep},
+    {"graph", "bodies, joints, loops and substructures as a graph for graphviz", kmob_graph},
     {"convert", "write the checked model: other units, the assembled pose", kmob_convert},
     {"new", "a starter model that runs", kmob_new},
     {"schema", "the JSON schema of the model format", kmob_schema},
