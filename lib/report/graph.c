@@ -49,26 +49,27 @@ static void add_couplings(const km_model *model, int joint, km_text *out) {
     for (int k = 0; k < coupling->count && !named; ++k) {
       named = model->coordinates[coupling->coordinates[k]].joint == joint;
       if (named) {
-        km_text_add(out, "\\n= ");
+        km_text_add(out, " \\n = ");
         add_label(coupling->name, out);
       }
     }
   }
 }
 
-/* Label, type, and where colours alone would have to tell substructures apart their number. */
+/* Label, type, and where colours alone would have to tell substructures apart their number. The blanks keep the
+ * text off its line. */
 static void add_joint(const km_mechanism *m, int joint, km_text *out) {
   const km_joint_def *def = &m->model->joints[joint];
   const char *word = km_joint_kind_of(def->type)->word;
   int substructure = m->topology.substructure_of_joint[joint];
   bool stiff = is_stiff(m, joint);
-  km_text_add(out, "label=\"");
+  km_text_add(out, "label=\" ");
   add_label(def->label, out);
-  km_text_format(out, "\\n%s%s", word, stiff && def->type != KM_RIGID ? " held" : "");
+  km_text_format(out, " \\n %s%s", word, stiff && def->type != KM_RIGID ? " held" : "");
   if (substructure >= 0 && m->topology.substructure_count > 1)
     km_text_format(out, " #%d", substructure + 1);
   add_couplings(m->model, joint, out);
-  km_text_add(out, "\" color=\"");
+  km_text_add(out, " \" color=\"");
   if (stiff)
     km_text_add(out, held_colour);
   else
@@ -107,7 +108,7 @@ static void add_loop(const km_mechanism *m, int loop, km_text *out) {
   int tail = m->model->frames[def->frame[0]].body, head = m->model->frames[def->frame[1]].body;
   km_text_format(out, "  v%d [label=\"", loop);
   add_label(m->model->bodies[head].name, out);
-  km_text_format(out, "\xE2\x80\xB2\\nloop %d\" style=dotted fontsize=9 margin=\"0.03,0.02\" height=0.3];\n", loop + 1);
+  km_text_format(out, "\xE2\x80\xB2\\nloop %d\" shape=box style=\"rounded,dotted\" fontsize=9 height=0.3];\n", loop + 1);
   km_text_format(out, "  b%d -> v%d [", tail, loop);
   add_joint(m, joint, out);
   km_text_add(out, is_stiff(m, joint) ? " style=\"dashed,bold\"];\n" : " style=dashed];\n");

@@ -1,0 +1,171 @@
+#include "analysis/second_order.h"
+
+#include "kinematics/closure.h"
+#include "kinematics/loops.h"
+
+#include <string.h>
+
+static const double step = 1e-4; /* central differences of J err by its square and by 1e-16 over it */
+
+static bool left_null(const km_substructure *sub, const double *J, double tolerance, km_arena *arena, double **W, int *count) {
+  size_t rows = (size_t)sub->rows, columns = (size_t)sub->columns;
+  double *T = KM_ARENA_NEW(arena, double, rows *columns), *weight = KM_ARENA_NEW(arena, double, rows);
+  km_partition p;
+  if (!km_partition_reserve(&p, sub->columns, sub->rows, arena))
+    return false;
+  for (size_t r = 0; r < rows; ++r) {
+    weight[r] = 1.0;
+    for (size_t c = 0; c < columns; ++c)
+      T[r * columns + c] = J[c * rows + r];
+  }
+  km_partition_factor(&p, T, sub->columns, sub->rows, NULL, tolerance);
+  *count = km_partition_freedom(&p);
+  *W = KM_ARENA_NEW(arena, double, rows *(size_t)*count);
+  if (arena->failed)
+    return false;
+  km_partition_null(&p, weight, *count, *W);
+  return true;
+}
+
+/* dJ/dε along scaled direction x, at the saved pose. */
+static void jacobian_rate(const km_mechanism *m, km_state *s, const km_substructure *sub, const double *saved,
+                          const double *x, double *move, double *rate) {
+  size_t size = (size_t)sub->rows * (size_t)sub->columns;
+  for (int side = 1; side >= -1; side -= 2) {
+    for (int k = 0; k < sub->columns; ++k)
+      move[k] = side * step * x[k];
+    km_state_restore(s, sub, saved);
+    km_state_move(m, s, sub, move);
+    km_loops_update(m, s, sub);
+    const double *J = km_state_jacobian(s, sub);
+    for (size_t i = 0; i < size; ++i)
+      rate[i] = (side > 0 ? 0.0 : rate[i]) + side * J[i] / (2.0 * step);
+  }
+}
+
+/* Q_i(a, b) += w_iᵀ rate_a x_b, made symmetric. */
+static void add_conditions(const km_substructure *sub, const double *W, const double *rate, int a, const double *x,
+                           km_second_order *out) {
+  int n = sub->columns, k = out->freedom;
+  for (int i = 0; i < out->conditions; ++i) {
+    const double *w = W + (size_t)i * (size_t)sub->rows;
+    double *Q = out->Q + (size_t)i * (size_t)(k * k);
+    for (int b = 0; b < k; ++b) {
+      double sum = 0.0;
+      for (int c = 0; c < n; ++c)
+        for (int r = 0; r < sub->rows; ++r)
+          sum += w[r] * rate[(size_t)c * (size_t)sub->rows + (size_t)r] * x[(size_t)b * (size_t)n + (size_t)c];
+      Q[a * k + b] += 0.5 * sum;
+      Q[b * k + a] += 0.5 * sum;
+    }
+  }
+}
+
+bool km_second_order_build(const km_mechanism *m, km_state *s, int index, km_arena *arena, km_second_order *out) {
+  const km_substructure *sub = &m->substructures[index];
+  const double *weight = m->column_weight + sub->column_start;
+  size_t n = (size_t)sub->columns, rows = (size_t)sub->rows;
+  int worst;
+  km_loops_update(m, s, sub);
+  double tolerance = km_rank_tolerance(m, sub, km_loops_residual(m, s, sub, &worst));
+  km_pivot(m, s, index, KM_NO_DRIVER, tolerance);
+  *out = (km_second_order){.columns = sub->columns, .freedom = km_partition_freedom(&s->partition[index])};
+  size_t k = (size_t)out->freedom;
+  double *W, *saved = KM_ARENA_NEW(arena, double, KM_SAVED_PER_COLUMN * n);
+  double *x = KM_ARENA_NEW(arena, double, n *k), *move = KM_ARENA_NEW(arena, double, n);
+  double *rate = KM_ARENA_NEW(arena, double, n *rows);
+  out->Z = KM_ARENA_NEW(arena, double, n *k);
+  if (arena->failed || !left_null(sub, km_state_jacobian(s, sub), tolerance, arena, &W, &out->conditions))
+    return false;
+  out->Q = KM_ARENA_NEW(arena, double, (size_t)out->conditions * k * k);
+  if (arena->failed)
+    return false;
+  km_partition_null(&s->partition[index], weight, out->freedom, out->Z);
+  for (size_t i = 0; i < n * k; ++i)
+    x[i] = out->Z[i] / weight[i % n];
+  km_state_save(s, sub, saved);
+  for (int a = 0; a < out->freedom; ++a) {
+    jacobian_rate(m, s, sub, saved, x + (size_t)a * n, move, rate);
+    add_conditions(sub, W, rate, a, x, out);
+  }
+  km_state_restore(s, sub, saved);
+  km_loops_update(m, s, sub);
+  s->pivoted[index] = KM_NEVER;
+  for (size_t i = 0; i < (size_t)out->conditions * k * k; ++i)
+    out->size = fmax(out->size, fabs(out->Q[i]));
+  return true;
+}
+
+static double condition(const km_second_order *c, int i, const double *a, double *slope) {
+  int k = c->freedom;
+  const double *Q = c->Q + (size_t)i * (size_t)(k * k);
+  double value = 0.0;
+  for (int r = 0; r < k; ++r) {
+    double sum = 0.0;
+    for (int o = 0; o < k; ++o)
+      sum += Q[r * k + o] * a[o];
+    slope[r] = 2.0 * sum;
+    value += a[r] * sum;
+  }
+  return value;
+}
+
+/* Solves the damped normal equations (A + μ) d = -b in place by Cholesky; k × k. */
+static void damped_step(double *A, const double *b, int k, double damping, double *d) {
+  for (int i = 0; i < k; ++i)
+    A[i * k + i] += damping;
+  for (int i = 0; i < k; ++i) {
+    for (int j = 0; j <= i; ++j) {
+      double sum = A[i * k + j];
+      for (int o = 0; o < j; ++o)
+        sum -= A[i * k + o] * A[j * k + o];
+      A[i * k + j] = i == j ? sqrt(fmax(sum, 1e-300)) : sum / A[j * k + j];
+    }
+  }
+  for (int i = 0; i < k; ++i) {
+    d[i] = -b[i];
+    for (int o = 0; o < i; ++o)
+      d[i] -= A[i * k + o] * d[o];
+    d[i] /= A[i * k + i];
+  }
+  for (int i = k - 1; i >= 0; --i) {
+    for (int o = i + 1; o < k; ++o)
+      d[i] -= A[o * k + i] * d[o];
+    d[i] /= A[i * k + i];
+  }
+}
+
+bool km_second_order_solve(const km_second_order *c, double *a, double *work) {
+  int k = c->freedom;
+  double *A = work, *b = A + k * k, *d = b + k, *slope = d + k;
+  if (c->conditions == 0 || c->size < 1e-7)
+    return true;
+  for (int pass = 0; pass < 60; ++pass) {
+    double worst = 0.0, norm = 0.0;
+    memset(A, 0, (size_t)(k * k) * sizeof *A);
+    memset(b, 0, (size_t)k * sizeof *b);
+    for (int i = 0; i < c->conditions; ++i) {
+      double value = condition(c, i, a, slope) / c->size;
+      worst = fmax(worst, fabs(value));
+      for (int r = 0; r < k; ++r) {
+        b[r] += value * slope[r] / c->size;
+        for (int o = 0; o < k; ++o)
+          A[r * k + o] += slope[r] * slope[o] / (c->size * c->size);
+      }
+    }
+    if (worst < 1e-9)
+      return true;
+    damped_step(A, b, k, 1e-9 + 1e-3 * worst, d);
+    for (int r = 0; r < k; ++r) {
+      a[r] += d[r];
+      norm += a[r] * a[r];
+    }
+    for (int r = 0; r < k; ++r)
+      a[r] /= sqrt(norm);
+  }
+  /* A condition that is a square meets 0 only slowly, but well enough to be tried. */
+  double worst = 0.0;
+  for (int i = 0; i < c->conditions; ++i)
+    worst = fmax(worst, fabs(condition(c, i, a, slope)) / c->size);
+  return worst < 1e-5;
+}

@@ -1,0 +1,24 @@
+/* The tangents of a substructure that first and second order allow. Private to analysis/. */
+#ifndef KM_ANALYSIS_SECOND_ORDER_H
+#define KM_ANALYSIS_SECOND_ORDER_H
+
+#include "kinematics/state.h"
+
+/* Quadratic conditions on the null space: for a unit vector a (freedom entries), direction D⁻¹Z a, condition i is
+ * aᵀ Q_i a = 0, Q_i = Zᵀ w_iᵀ(∂J/∂q) Z, w_i the left null vectors of J. */
+typedef struct km_second_order {
+  int columns, freedom, conditions;
+  double *Z; /* [freedom × columns] D·range(N), orthonormal */
+  double *Q; /* [conditions × freedom × freedom] symmetric */
+  double size; /* largest entry of Q: what a condition is compared with */
+} km_second_order;
+
+/* At the state's (closed) pose, which stays. False when out of memory. */
+bool km_second_order_build(const km_mechanism *mechanism, km_state *state, int substructure, km_arena *arena,
+                           km_second_order *out);
+
+/* Starting from the unit vector a, goes to a nearby one that meets all conditions (Gauss-Newton on the sphere);
+ * false if there is none. work[4 · freedom² + conditions]. */
+bool km_second_order_solve(const km_second_order *conditions, double *a, double *work);
+
+#endif

@@ -1,0 +1,47 @@
+/* Which of the motions that first order allows are real. */
+#ifndef KMECH_FINITE_MOBILITY_H
+#define KMECH_FINITE_MOBILITY_H
+
+#include "kmech/mobility.h"
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+typedef enum km_motion_kind {
+  KM_MOTION_REGULAR, /* every direction of the null space is one of a smooth family */
+  KM_MOTION_BRANCH,  /* one of several motions that meet at the pose */
+  KM_MOTION_SHAKY    /* allowed to first order only: the structure shakes, but doesn't move */
+} km_motion_kind;
+
+/* One direction of motion, and how far it was followed with the loops closed. */
+typedef struct km_finite_motion {
+  km_motion_kind kind;
+  int substructure;
+  double *direction;        /* [coordinate] unit rates: radians, lengths over the characteristic length */
+  double confirmed_length;  /* of arc; 0 for shaky ones */
+} km_finite_motion;
+
+enum { KM_MOST_MOTIONS = 64 };
+
+typedef struct km_finite_mobility {
+  int mobility; /* dimension of the set of real motions through the pose */
+  int motion_count;
+  int truncated; /* there are more motions than are listed */
+  km_finite_motion motions[KM_MOST_MOTIONS];
+  double *store; /* of the directions */
+} km_finite_mobility;
+
+/* The finite mobility at an assembled pose (theory 5). A substructure without redundant constraints has its
+ * instantaneous mobility. Else the tangents are tried: all of them, and where that fails those that satisfy the
+ * second-order condition wᵀ(J̇ q̇) = 0 for every left null vector w of J; each is confirmed by following it a
+ * short way with the loops closed to 1e-12. The state keeps its pose. Free `*out` in any case. KM_MEMORY. */
+km_status km_finite_mobility_find(const km_mechanism *mechanism, km_state *state, km_finite_mobility *out,
+                                  km_error *error);
+void km_finite_mobility_free(km_finite_mobility *mobility);
+const char *km_motion_kind_name(km_motion_kind kind);
+
+#ifdef __cplusplus
+}
+#endif
+#endif

@@ -1,0 +1,101 @@
+/* Finite mobility of mechanisms for which it is known. */
+#include "support/support.h"
+
+#include "kmech/finite_mobility.h"
+#include "model/model.h"
+
+#include <stdio.h>
+#include <string.h>
+
+static km_finite_mobility find(fixture *f) {
+  km_finite_mobility found;
+  km_error error;
+  if (km_finite_mobility_find(f->mechanism, f->state, &found, &error))
+    fail_msg("%s", error.text);
+  return found;
+}
+
+static void expect(fixture f, int mobility, int motions, km_motion_kind kind) {
+  km_finite_mobility found = find(&f);
+  assert_int_equal(found.mobility, mobility);
+  assert_int_equal(found.motion_count, motions);
+  for (int i = 0; i < found.motion_count; ++i) {
+    assert_int_equal(found.motions[i].kind, kind);
+    assert_true(kind == KM_MOTION_SHAKY ? found.motions[i].confirmed_length == 0.0 : found.motions[i].confirmed_length > 0.01);
+  }
+  km_mobility mobility_there; /* the state is where it was */
+  km_mobility_update(f.mechanism, f.state, &mobility_there);
+  assert_true(mobility_there.residual < 1e-11);
+  km_finite_mobility_free(&found);
+  fixture_close(&f);
+}
+
+static void regular_models(void **state) {
+  (void)state;
+  static const struct {
+    const char *name;
+    int mobility, listed;
+  } models[] = {{"fourbar", 1, 1}, {"brake", 1, 1},   {"klann", 1, 1},  {"excavator", 4, 3}, {"bennett", 1, 1},
+                {"bricard", 1, 1}, {"sarrus3", 1, 1}, {"sarrus4", 1, 1}, {"stewart", 6, 6},   {"delta", 3, 3}, {"panda", 7, 0}};
+  for (size_t i = 0; i < sizeof models / sizeof *models; ++i)
+    expect(fixture_open(models[i].name), models[i].mobility, models[i].listed, KM_MOTION_REGULAR);
+}
+
+/* Bricard's linkage in a planar pose still moves with one freedom. */
+static void bricard_in_its_plane(void **state) {
+  (void)state;
+  fixture f = fixture_open("bricard");
+  km_drive *drive;
+  int b;
+  assert_int_equal(km_model_find_coordinate(f.model, "B", &b, NULL), KM_OK);
+  assert_int_equal(km_drive_create(f.mechanism, f.state, b, true, &drive, NULL), KM_OK);
+  assert_int_equal(km_drive_to(drive, 0.0).stop, KM_STOP_NONE);
+  km_drive_free(drive);
+  expect(f, 1, 1, KM_MOTION_REGULAR);
+}
+
+/* A planar chain of hinges between two fixed points: `angles` are the joints', `lengths` the links'. */
+static fixture chain(int links, const double *lengths, const double *angles, double distance) {
+  km_text t = {0};
+  km_text_format(&t, "{\"fixed\": {\"frames\": [{\"name\": \"p\", \"T\": [%.17g, 0, 0]}]}, \"assemblies\": [{\"name\": \"a\", \"bodies\": [", distance);
+  for (int i = 0; i < links; ++i)
+    km_text_format(&t, "%s{\"name\": \"b%d\", \"frames\": [{\"name\": \"t\", \"T\": [%.17g, 0, 0]}]}", i ? ", " : "", i, lengths[i]);
+  km_text_add(&t, "], \"joints\": [");
+  for (int i = 0; i <= links; ++i) {
+    char parent[32], child[32];
+    snprintf(parent, sizeof parent, i ? "\"b%d\", \"t\"" : "\"fixed\"", i - 1);
+    snprintf(child, sizeof child, i < links ? "\"b%d\"" : "\"fixed\", \"p\"", i);
+    km_text_format(&t, "%s{\"name\": \"J%d\", \"type\": \"Rz\", \"body_frame_pairs\": [[%s], [%s]], \"initial_displacement\": %.17g}",
+                   i ? ", " : "", i, parent, child, angles[i]);
+  }
+  km_text_add(&t, "]}]}");
+  fixture f = fixture_read(t.data);
+  km_text_free(&t);
+  return f;
+}
+
+/* Two collinear bars: first order lets the middle hinge move, nothing else does. */
+static void collinear_bars_shake(void **state) {
+  (void)state;
+  expect(chain(2, (const double[]){1, 1}, (const double[]){0, 0, 0}, 2.0), 0, 1, KM_MOTION_SHAKY);
+  expect(chain(2, (const double[]){1, 0.6}, (const double[]){0, 0, 0}, 1.6), 0, 1, KM_MOTION_SHAKY);
+  expect(chain(4, (const double[]){1, 0.5, 0.7, 0.4}, (const double[]){0, 0, 0, 0, 0}, 2.6), 0, 3, KM_MOTION_SHAKY);
+}
+
+static void a_truss_stands(void **state) {
+  (void)state;
+  expect(chain(2, (const double[]){1, 1}, (const double[]){M_PI / 3, -2 * M_PI / 3, M_PI / 3}, 1.0), 0, 0, KM_MOTION_REGULAR);
+}
+
+/* A parallelogram laid flat: two motions meet, each of one freedom. */
+static void change_point_branches(void **state) {
+  (void)state;
+  expect(chain(3, (const double[]){1, 2, 1}, (const double[]){0, 0, M_PI, -M_PI}, 2.0), 1, 2, KM_MOTION_BRANCH);
+}
+
+int main(void) {
+  const struct CMUnitTest tests[] = {cmocka_unit_test(regular_models), cmocka_unit_test(bricard_in_its_plane),
+                                     cmocka_unit_test(collinear_bars_shake), cmocka_unit_test(a_truss_stands),
+                                     cmocka_unit_test(change_point_branches)};
+  return cmocka_run_group_tests(tests, NULL, NULL);
+}
