@@ -71,16 +71,20 @@ bool km_second_order_build(const km_mechanism *m, km_state *s, int index, km_are
   km_pivot(m, s, index, KM_NO_DRIVER, tolerance);
   *out = (km_second_order){.columns = sub->columns, .freedom = km_partition_freedom(&s->partition[index])};
   size_t k = (size_t)out->freedom;
+  out->Z = KM_ARENA_NEW(arena, double, n *k);
+  if (arena->failed)
+    return false;
+  km_partition_null(&s->partition[index], weight, out->freedom, out->Z);
+  if (s->partition[index].rank == sub->rows)
+    return true; /* no constraint is redundant: every tangent is one of a motion */
   double *W, *saved = KM_ARENA_NEW(arena, double, KM_SAVED_PER_COLUMN * n);
   double *x = KM_ARENA_NEW(arena, double, n *k), *move = KM_ARENA_NEW(arena, double, n);
   double *rate = KM_ARENA_NEW(arena, double, n *rows);
-  out->Z = KM_ARENA_NEW(arena, double, n *k);
   if (arena->failed || !left_null(sub, km_state_jacobian(s, sub), tolerance, arena, &W, &out->conditions))
     return false;
   out->Q = KM_ARENA_NEW(arena, double, (size_t)out->conditions * k * k);
   if (arena->failed)
     return false;
-  km_partition_null(&s->partition[index], weight, out->freedom, out->Z);
   for (size_t i = 0; i < n * k; ++i)
     x[i] = out->Z[i] / weight[i % n];
   km_state_save(s, sub, saved);

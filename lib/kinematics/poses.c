@@ -37,6 +37,24 @@ km_twist km_body_twist(const km_mechanism *m, const km_state *s, int body, const
   return sum;
 }
 
+km_pose km_joint_pose(const km_mechanism *m, const km_state *s, int joint) {
+  const km_frame_def *frame = &m->model->frames[m->model->joints[joint].frame[0]];
+  return km_pose_product(&s->pose[frame->body], &frame->pose);
+}
+
+km_twist km_coordinate_twist(const km_mechanism *m, const km_state *s, int coordinate) {
+  int joint = m->model->coordinates[coordinate].joint;
+  km_passage p = km_joint_passage(m->model, joint, false);
+  double pitch = km_pitch_per_radian(m->model, joint, 1.0);
+  km_pose X = km_joint_pose(m, s, joint);
+  int i = 0;
+  for (; coordinate >= p.coordinate[i] + km_primitive_freedom(p.motion[i].primitive); ++i) {
+    km_pose motion = motion_pose(m, s, &p, i, pitch);
+    X = km_pose_product(&X, &motion);
+  }
+  return km_motion_twist(p.motion[i], pitch, &X, coordinate - p.coordinate[i]);
+}
+
 void km_poses_update(const km_mechanism *m, km_state *s) {
   s->pose[0] = km_pose_identity();
   for (int i = 0; i < m->topology.body_count - 1; ++i) {

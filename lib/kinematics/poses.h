@@ -9,4 +9,10 @@
  * at its origin, from the rates of all coordinates (radians, model's length). After km_poses_update. */
 km_twist km_body_twist(const km_mechanism *mechanism, const km_state *state, int body, const double *rates);
 
+/* The twist of a coordinate's unit rate, child against parent in the user's sense, in the inertial frame at its
+ * origin; lengths in the model's unit. After km_poses_update. */
+km_twist km_coordinate_twist(const km_mechanism *mechanism, const km_state *state, int coordinate);
+/* The frame that a joint starts from (its parent frame), in the inertial frame. */
+km_pose km_joint_pose(const km_mechanism *mechanism, const km_state *state, int joint);
+
 #endif

@@ -2,6 +2,7 @@
 #include "kmob/kmob.h"
 
 #include "base/json.h"
+#include "report/diagnosis_record.h"
 #include "report/mobility_record.h"
 
 #include <string.h>
@@ -51,17 +52,27 @@ static error_t parse(int key, char *arg, struct argp_state *state) {
 
 static kt_exit describe(const options *o, const kmob_pose *pose, km_text *out) {
   km_mobility mobility;
-  km_mobility_update(pose->mechanism, pose->state, &mobility);
-  if (strcmp(o->format, "json") != 0) {
-    km_mobility_print(pose->mechanism, pose->state, &mobility, o->model, out);
-    return KT_DONE;
-  }
+  km_diagnosis diagnosis;
+  km_error error;
   km_arena arena = {0};
-  const km_value *record = km_mobility_record(pose->mechanism, pose->state, &mobility, o->model, &arena);
-  if (record)
-    km_json_write(record, out);
+  km_status status = km_diagnosis_find(pose->mechanism, pose->state, &diagnosis, &error);
+  km_mobility_update(pose->mechanism, pose->state, &mobility);
+  if (status) {
+    kt_say(&o->common, KM_ERROR, "%s: %s", o->model, error.text);
+  } else if (strcmp(o->format, "json") == 0) {
+    km_value *record = km_mobility_record(pose->mechanism, pose->state, &mobility, o->model, &arena);
+    if (record)
+      km_diagnosis_record(pose->mechanism, &diagnosis, record, &arena);
+    if (!arena.failed)
+      km_json_write(record, out);
+    status = arena.failed ? KM_MEMORY : KM_OK;
+  } else {
+    km_mobility_print(pose->mechanism, pose->state, &mobility, o->model, out);
+    km_diagnosis_print(pose->mechanism, &diagnosis, out);
+  }
   km_arena_free(&arena);
-  return record ? KT_DONE : KT_INTERNAL;
+  km_diagnosis_free(&diagnosis);
+  return kt_exit_of(status);
 }
 
 static kt_exit run(options *o) {
