@@ -142,8 +142,13 @@ km_model *kt_load(const kt_common *common, const char *path, kt_exit *status_out
   km_messages *messages = km_messages_create();
   km_status status = km_model_load(path, messages, &model, &error);
   const char *name = strcmp(path, "-") == 0 ? "standard input" : path;
-  for (size_t i = 0; i < km_messages_count(messages); ++i)
-    kt_say(common, km_messages_severity(messages, i), "%s: %s", name, km_messages_text(messages, i));
+  for (size_t i = 0; i < km_messages_count(messages); ++i) {
+    km_severity severity = km_messages_severity(messages, i);
+    if (common->found && severity != KM_ERROR)
+      km_messages_add(common->found, severity, "%s", km_messages_text(messages, i));
+    else
+      kt_say(common, severity, "%s: %s", name, km_messages_text(messages, i));
+  }
   size_t kept = 0;
   for (size_t i = 0; i < km_messages_count(messages); ++i)
     kept += km_messages_severity(messages, i) == KM_ERROR;

@@ -27,6 +27,7 @@ typedef struct kt_common {
   bool quiet;
   int jobs;
   unsigned long seed;
+  km_messages *found; /* receives the reader's warnings and notes instead of the standard error; NULL: doesn't */
   km_text *log; /* where messages are gathered, so that parallel work reports in order; NULL: straight out */
 } kt_common;
 

@@ -5,6 +5,7 @@ static const kt_command commands[] = {
     {"at", "the same at a pose: --set JOINT=VALUE", kmob_at},
     {"sweep", "every mobility number over a driver's range: tables and plots", kmob_sweep},
     {"graph", "bodies, joints, loops and substructures as a graph for graphviz", kmob_graph},
+    {"check", "everything suspicious about a model, and what to do", kmob_check},
     {"convert", "write the checked model: other units, the assembled pose", kmob_convert},
     {"new", "a starter model that runs", kmob_new},
     {"schema", "the JSON schema of the model format", kmob_schema},
