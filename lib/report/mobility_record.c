@@ -93,6 +93,29 @@ km_value *km_mobility_record(const km_mechanism *m, const km_state *s, const km_
   return arena->failed ? NULL : record;
 }
 
+bool km_sweep_drives(const km_mechanism *m, const km_mobility_sweep *sweep, int c) {
+  if (m->substructure_of[c] != sweep->substructure || m->held[c])
+    return false;
+  for (size_t i = 0; i < sweep->toggle_count; ++i)
+    if (sweep->toggles[i].coordinate == c)
+      return false;
+  return sweep->extremes[c].number > 1e-9;
+}
+
+/* Which joints could drive the range: smallest number, where, and the verdict in words. */
+static void add_drivers(const km_mechanism *m, const km_mobility_sweep *sweep, km_value *record, km_arena *arena) {
+  km_value *drivers = km_value_add(arena, record, "drivers", KM_LIST);
+  for (int c = 0; c < m->coordinate_count && !arena->failed; ++c) {
+    if (m->substructure_of[c] != sweep->substructure || sweep->substructure < 0 || m->held[c])
+      continue;
+    km_value *driver = km_value_add(arena, drivers, NULL, KM_OBJECT);
+    km_value_string(arena, driver, "joint", m->model->coordinates[c].label);
+    km_value_number(arena, driver, "smallest", sweep->extremes[c].number);
+    km_value_number(arena, driver, "at", sweep->extremes[c].s);
+    km_value_string(arena, driver, "verdict", km_sweep_drives(m, sweep, c) ? "keeps its grip" : "loses its grip");
+  }
+}
+
 km_value *km_sweep_record(const km_mechanism *m, const km_mobility_sweep *sweep, const char *stopped_by,
                           const char *name, km_arena *arena) {
   km_value *record = km_record_head(m->model, "kmob", name, arena);
@@ -115,6 +138,7 @@ km_value *km_sweep_record(const km_mechanism *m, const km_mobility_sweep *sweep,
     km_value_string(arena, toggle, "joint", m->model->coordinates[sweep->toggles[i].coordinate].label);
     km_value_number(arena, toggle, "s", sweep->toggles[i].s);
   }
+  add_drivers(m, sweep, record, arena);
   km_value *branches = km_value_add(arena, record, "branch_points", KM_LIST);
   for (size_t i = 0; i < sweep->branch_count && !arena->failed; ++i) {
     km_value *branch = km_value_add(arena, branches, NULL, KM_OBJECT);

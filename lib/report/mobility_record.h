@@ -18,6 +18,8 @@ void km_mobility_print(const km_mechanism *mechanism, const km_state *state, con
 /* What `kmob sweep --format json` gives. */
 km_value *km_sweep_record(const km_mechanism *mechanism, const km_mobility_sweep *sweep, const char *stopped_by,
                           const char *name, km_arena *arena);
+/* Could the coordinate drive everything that moves, over all rows? */
+bool km_sweep_drives(const km_mechanism *mechanism, const km_mobility_sweep *sweep, int coordinate);
 /* Why the sweep ended where it did, in words: empty where the whole range was reached. */
 void km_sweep_stop_text(const km_mechanism *mechanism, const km_sweep_plan *plan, const km_mobility_sweep *sweep,
                         km_text *out);

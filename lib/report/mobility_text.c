@@ -139,21 +139,11 @@ void km_sweep_stop_text(const km_mechanism *m, const km_sweep_plan *plan, const 
     stop_reason(m, &sweep->end, out);
 }
 
-/* Could the coordinate drive everything that moves, over all rows? */
-static bool drives(const km_mechanism *m, const km_mobility_sweep *sweep, int c) {
-  if (m->substructure_of[c] != sweep->substructure || m->held[c])
-    return false;
-  for (size_t i = 0; i < sweep->toggle_count; ++i)
-    if (sweep->toggles[i].coordinate == c)
-      return false;
-  return sweep->extremes[c].number > 1e-9;
-}
-
 /* The next best driver after the one of the given rank, by smallest number; ties in file order. */
 static int next_driver(const km_mechanism *m, const km_mobility_sweep *sweep, int last) {
   int best = -1;
   for (int c = 0; c < m->coordinate_count; ++c) {
-    if (!drives(m, sweep, c))
+    if (!km_sweep_drives(m, sweep, c))
       continue;
     double number = sweep->extremes[c].number;
     bool after = last < 0 || number < sweep->extremes[last].number || (number == sweep->extremes[last].number && c > last);
@@ -177,7 +167,7 @@ static void print_drivers(const km_mechanism *m, const km_sweep_plan *plan, cons
   enum { MOST_NAMED = 10 };
   int found = 0;
   for (int c = 0; c < m->coordinate_count; ++c)
-    found += drives(m, sweep, c);
+    found += km_sweep_drives(m, sweep, c);
   km_text_add(out, sweep->freedom > 1 ? "  keep their grip over the whole range:" : "  could drive the whole range:");
   if (found == 0)
     km_text_add(out, " none");
