@@ -18,18 +18,20 @@ typedef struct space {
   double *J;                /* rows × columns */
   double *T, *W, *one;      /* transposed; left null vectors; ones */
   int null_count;
+  double *all, *reach;      /* all left null vectors of J, [all_count × rows]; [2 · all_count] */
+  int all_count;
   km_partition p;
 } space;
 
 static bool allocate(space *a, km_arena *arena) {
   size_t rows = (size_t)a->rows, columns = (size_t)a->columns;
-  a->J = KM_ARENA_NEW(arena, double, rows *(columns + 3));
-  a->T = KM_ARENA_NEW(arena, double, rows *(columns + 3));
+  a->J = KM_ARENA_NEW(arena, double, rows *columns);
+  a->T = KM_ARENA_NEW(arena, double, rows *columns);
   a->W = KM_ARENA_NEW(arena, double, rows *rows);
   a->one = KM_ARENA_NEW(arena, double, rows);
   for (size_t i = 0; i < rows && a->one; ++i)
     a->one[i] = 1.0;
-  return km_partition_reserve(&a->p, a->columns + 3, a->rows, arena);
+  return km_partition_reserve(&a->p, a->columns, a->rows, arena);
 }
 
 /* A twist as six entries about `about`, lengths over the size. */
@@ -89,23 +91,40 @@ static int left_null(space *a, int from, int to, int columns) {
   return a->p.rank;
 }
 
-/* Would `count` new freedoms h of a joint, as columns in the loops that it lies in, each raise the rank? */
-static bool raises_rank(space *a, int joint, const km_twist *h, int count) {
+/* The part Wᵀh of a new freedom's column that no constraint row combination of the others reaches: W are all left
+ * null vectors. */
+static void beyond_reach(const space *a, int joint, km_twist h, double *out) {
   const km_topology *t = &a->m->topology;
   int first = t->loop_start[a->index];
-  for (int k = 0; k < count; ++k) {
-    double column[6], *out = a->J + (a->columns + k) * a->rows;
-    memset(out, 0, (size_t)a->rows * sizeof *out);
-    entries(a, h[k], 1.0, column);
-    for (int i = 0; i < a->sub->loop_count; ++i) {
-      int loop = t->loop[first + i];
-      for (int n = t->member_start[loop]; n < t->member_start[loop + 1]; ++n)
-        for (int r = 0; r < 6 && t->member[n].joint == joint; ++r)
-          out[6 * i + r] = sense(t, loop, &t->member[n]) * column[r];
+  double column[6];
+  entries(a, h, 1.0, column);
+  memset(out, 0, (size_t)a->all_count * sizeof *out);
+  for (int i = 0; i < a->sub->loop_count; ++i) {
+    int loop = t->loop[first + i];
+    for (int n = t->member_start[loop]; n < t->member_start[loop + 1]; ++n) {
+      if (t->member[n].joint != joint)
+        continue;
+      double s = sense(t, loop, &t->member[n]);
+      for (int k = 0; k < a->all_count; ++k)
+        for (int r = 0; r < 6; ++r)
+          out[k] += s * column[r] * a->all[(size_t)k * (size_t)a->rows + (size_t)(6 * i + r)];
     }
   }
-  km_partition_factor(&a->p, a->J, a->rows, a->columns + count, NULL, a->tolerance);
-  return a->p.rank == a->rank + count;
+}
+
+/* Would one or two new freedoms of a joint, as columns in the loops that it lies in, each raise the rank? */
+static bool raises_rank(const space *a, int joint, const km_twist *h, int count) {
+  double *x = a->reach, *y = a->reach + a->all_count, xx = 0.0, xy = 0.0, yy = 0.0;
+  beyond_reach(a, joint, h[0], x);
+  if (count > 1)
+    beyond_reach(a, joint, h[1], y);
+  for (int k = 0; k < a->all_count; ++k) {
+    xx += x[k] * x[k];
+    xy += count > 1 ? x[k] * y[k] : 0.0;
+    yy += count > 1 ? y[k] * y[k] : 0.0;
+  }
+  const double least = 1e-10; /* squared: of columns of size about 1 */
+  return xx > least && (count == 1 || xx * yy - xy * xy > least * fmax(xx, yy));
 }
 
 /* How squarely a twist meets the redundant wrench w (six entries): power over both sizes. */
@@ -261,14 +280,13 @@ static double orthogonalise(double *vectors, int count, int rows) {
 }
 
 /* What several loops have only together. */
-static bool several_loops(space *a, double *own, int own_count, double *all, int all_count, km_redundancies *out,
-                          size_t *capacity) {
+static bool several_loops(space *a, double *own, int own_count, km_redundancies *out, size_t *capacity) {
   const km_topology *t = &a->m->topology;
   for (int i = 0; i < own_count; ++i)
     orthogonalise(own, i, a->rows);
-  for (int n = 0; n < all_count; ++n) {
+  for (int n = 0; n < a->all_count; ++n) {
     double *v = own + (size_t)own_count * (size_t)a->rows;
-    memcpy(v, all + (size_t)n * (size_t)a->rows, (size_t)a->rows * sizeof *v);
+    memcpy(v, a->all + (size_t)n * (size_t)a->rows, (size_t)a->rows * sizeof *v);
     if (orthogonalise(own, own_count, a->rows) < 1e-6)
       continue;
     ++own_count;
@@ -331,18 +349,22 @@ static bool find_in(const km_mechanism *m, km_state *s, int index, km_arena *are
   a.tolerance = km_rank_tolerance(m, sub, km_loops_residual(m, s, sub, &worst));
   a.about = km_joint_pose(m, s, t->joint[t->joint_start[index]]).p;
   double *own = KM_ARENA_NEW(arena, double, (size_t)a.rows * (size_t)(a.rows + 1));
-  double *all = KM_ARENA_NEW(arena, double, (size_t)a.rows * (size_t)a.rows);
   if (!allocate(&a, arena))
     return false;
   fill(&a);
   a.rank = left_null(&a, 0, a.rows, a.columns);
-  int all_count = a.null_count, own_count = 0;
-  memcpy(all, a.W, (size_t)all_count * (size_t)a.rows * sizeof *all);
-  if (all_count == 0)
+  int own_count = 0;
+  a.all_count = a.null_count;
+  a.all = KM_ARENA_NEW(arena, double, (size_t)a.all_count * (size_t)a.rows);
+  a.reach = KM_ARENA_NEW(arena, double, 2 * (size_t)a.all_count);
+  if (arena->failed)
+    return false;
+  memcpy(a.all, a.W, (size_t)a.all_count * (size_t)a.rows * sizeof *a.all);
+  if (a.all_count == 0)
     return true;
   int missing = rank_nearby(&a, arena) - a.rank; /* redundancies of this pose alone come last */
   if (!single_loops(&a, own, &own_count, out, capacity) ||
-      !several_loops(&a, own, own_count, all, all_count, out, capacity))
+      !several_loops(&a, own, own_count, out, capacity))
     return false;
   for (int i = first; i < out->count; ++i)
     out->items[i].lasting = i < out->count - missing;
