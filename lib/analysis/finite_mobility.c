@@ -1,5 +1,6 @@
 #include "kmech/finite_mobility.h"
 
+#include "analysis/branches.h"
 #include "analysis/second_order.h"
 #include "kinematics/closure.h"
 #include "kinematics/loops.h"
@@ -222,6 +223,32 @@ static int find_branches(finder *f, km_arena *arena, km_finite_mobility *out) {
   }
   out->truncated = out->truncated || found == KM_MOST_MOTIONS;
   return best;
+}
+
+int km_branch_directions(const km_mechanism *m, km_state *s, int index, double *directions, int most) {
+  km_arena arena = {0};
+  finder f;
+  int found = 0, n = m->substructures[index].columns;
+  const double *weight = m->column_weight + m->substructures[index].column_start;
+  if (make_finder(&f, m, s, index, &arena)) {
+    for (int start = 0; start < STARTS_PER_FREEDOM * f.conditions.freedom && found < most; ++start) {
+      if (!random_motion(&f))
+        continue;
+      double *x = directions + (size_t)found * (size_t)n;
+      direction(&f, f.a, x);
+      bool known = false;
+      for (int i = 0; i < found && !known; ++i) {
+        double dot = 0.0;
+        for (int k = 0; k < n; ++k)
+          dot += weight[k] * weight[k] * x[k] * directions[i * n + k];
+        known = fabs(dot) > 0.999;
+      }
+      found += !known;
+    }
+    km_state_restore(s, f.sub, f.pose);
+  }
+  km_arena_free(&arena);
+  return found;
 }
 
 static int find_in(const km_mechanism *m, km_state *s, int index, km_arena *arena, km_finite_mobility *out) {

@@ -1,6 +1,9 @@
 /* Sweeps by arc length. */
+#include "analysis/branches.h"
 #include "analysis/sweeper.h"
-#include "kmech/follow.h"
+#include "kinematics/follow.h"
+
+#include <math.h>
 
 static bool rates(void *self, double *out) {
   km_follow_tangent(self, out);
@@ -14,15 +17,77 @@ static void settle(void *self, double s) {
   (void)s;
 }
 
-static km_status add_branches(km_mobility_sweep *out, const km_follow *follow, km_error *error) {
-  for (int i = 0; i < km_follow_branch_count(follow); ++i) {
-    void *branches = out->branches;
-    if (!km_reserve(&branches, &out->branch_capacity, out->branch_count + 1, sizeof *out->branches))
-      return km_fail(error, KM_MEMORY, "out of memory for the branch points");
-    out->branches = branches;
-    out->branches[out->branch_count++] = km_follow_branch(follow, i);
+enum { MOST_BRANCHES = 16 };
+
+static double dot(const km_sweeper *r, const double *a, const double *b) {
+  const km_substructure *sub = &r->m->substructures[r->substructure];
+  const double *weight = r->m->column_weight + sub->column_start;
+  double sum = 0.0;
+  for (int k = 0; k < sub->columns; ++k)
+    sum += weight[k] * weight[k] * a[k] * b[k];
+  return sum;
+}
+
+/* The plan's branch: 1 goes on smoothly; 2, 3 are the next motion ahead and back, 4, 5 the one after. */
+static const double *chosen(const km_sweeper *r, double *directions, int count, const double *smooth) {
+  const km_substructure *sub = &r->m->substructures[r->substructure];
+  int other = 0;
+  for (int i = 0; i < count; ++i) {
+    double *x = directions + (size_t)i * (size_t)sub->columns;
+    if (fabs(dot(r, x, smooth)) > 0.99 * sqrt(dot(r, smooth, smooth)))
+      continue;
+    if (other++ != (r->plan->branch - 2) / 2)
+      continue;
+    double sense = dot(r, x, smooth) < 0.0 ? -1.0 : 1.0;
+    if (r->plan->branch % 2 == 1)
+      sense = -sense;
+    for (int k = 0; k < sub->columns; ++k)
+      x[k] *= sense;
+    return x;
   }
-  return KM_OK;
+  return NULL;
+}
+
+/* Looks at the branch point that was passed, and turns there if the plan says so. */
+static km_status meet_branch(km_sweeper *r, km_follow *follow, km_error *error) {
+  km_branch_point point;
+  void *branches = r->out->branches;
+  size_t columns = (size_t)r->m->substructures[r->substructure].columns;
+  if (!km_follow_branch(follow, &point))
+    return KM_OK;
+  double *directions = KM_NEW(double, (MOST_BRANCHES + 1) * columns), *smooth = directions + MOST_BRANCHES * columns;
+  if (!directions || !km_reserve(&branches, &r->out->branch_capacity, r->out->branch_count + 1, sizeof point)) {
+    km_free(directions);
+    return km_fail(error, KM_MEMORY, "out of memory for the branch points");
+  }
+  r->out->branches = branches;
+  km_follow_at_branch(follow, smooth);
+  point.branches = km_branch_directions(r->m, r->s, r->substructure, directions, MOST_BRANCHES);
+  r->out->branches[r->out->branch_count++] = point;
+  const double *turn = r->plan->branch > 1 && r->out->branch_count == 1
+                           ? chosen(r, directions, point.branches, smooth) : NULL;
+  bool missing = r->plan->branch > 1 && r->out->branch_count == 1 && !turn;
+  if (turn) {
+    km_follow_turn(follow, turn);
+    r->have_last = false; /* directions before and after the corner have nothing to do with each other */
+  } else {
+    km_follow_go_on(follow);
+  }
+  km_free(directions);
+  return missing ? km_fail(error, KM_USAGE, "--branch %d: %d motions meet at %.9g; expected at most %d", r->plan->branch,
+                           point.branches, point.s, 2 * point.branches - 1)
+                 : KM_OK;
+}
+
+/* To an arc length, through the branch points on the way. */
+static km_status advance_to(km_sweeper *r, km_follow *follow, double length, km_status *moved, km_error *error) {
+  km_status status = KM_OK;
+  *moved = KM_OK;
+  while (!status && !*moved && !km_follow_closed(follow) && length - km_follow_length(follow) > 1e-9 * r->plan->arclength) {
+    *moved = km_follow_advance(follow, length - km_follow_length(follow));
+    status = meet_branch(r, follow, error);
+  }
+  return status;
 }
 
 static km_stop reason(const km_follow *follow, km_status moved) {
@@ -35,8 +100,8 @@ static km_status rows(km_sweeper *r, km_follow *follow, km_error *error) {
   for (int i = 1; i <= plan->steps && !status; ++i) {
     if (!km_sweeper_goes_on(r, i))
       return km_fail(error, KM_CANCELLED, "stopped at %g", km_follow_length(follow));
-    km_status moved = km_follow_advance(follow, plan->arclength * i - km_follow_length(follow));
-    status = add_branches(r->out, follow, error);
+    km_status moved;
+    status = advance_to(r, follow, plan->arclength * i, &moved, error);
     r->out->end = (km_reach){reason(follow, moved), km_follow_length(follow), r->substructure, km_follow_limit(follow)};
     if (km_follow_closed(follow)) {
       r->out->cycle = km_follow_length(follow);

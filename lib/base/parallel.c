@@ -32,3 +32,10 @@ void km_parallel_for(int count, int jobs, void (*work)(void *context, int index)
   for (int i = 0; i < started; ++i)
     pthread_join(threads[i], NULL);
 }
+
+void km_serially(void (*work)(void *context), void *context) {
+  static pthread_mutex_t mutex = PTHREAD_MUTEX_INITIALIZER;
+  pthread_mutex_lock(&mutex);
+  work(context);
+  pthread_mutex_unlock(&mutex);
+}

@@ -6,4 +6,7 @@
  * must not share anything that they change; then the results don't depend on `jobs`. */
 void km_parallel_for(int count, int jobs, void (*work)(void *context, int index), void *context);
 
+/* Calls work(context) while no other thread is in here: for libraries that keep things for the whole process. */
+void km_serially(void (*work)(void *context), void *context);
+
 #endif

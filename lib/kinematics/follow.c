@@ -149,8 +149,10 @@ static void accept(km_follow *f, double length) {
   remember(f);
 }
 
-/* g at the pose just reached, with the pivots of the saved pose. */
+/* g at the pose just reached, with the pivots of the saved pose; just turned at a branch point there are none. */
 static double g_of_saved_pivots(km_follow *f) {
+  if (f->g == 0.0)
+    return 0.0;
   const km_partition *p = &f->state->partition[f->substructure];
   if (p->searches == f->reference.searches)
     return bordered(f, f->next_t);
@@ -217,8 +219,9 @@ static bool locate_branch(km_follow *f, double length, double g_end) {
   km_pivot(f->mechanism, f->state, f->substructure, KM_NO_DRIVER, fmax(1e-7, km_rank_tolerance(f->mechanism, sub, residual)));
   /* Where constraints are redundant it may just be the pivot rows that become dependent. */
   int mobility = km_partition_freedom(&f->state->partition[f->substructure]);
-  if (mobility > f->freedom && f->branch_count < KM_MOST_BRANCH_POINTS) {
-    f->branches[f->branch_count++] = (km_branch_point){f->s + root, mobility};
+  if (mobility > f->freedom) {
+    f->branch = (km_branch_point){f->s + root, mobility, 0};
+    f->branched = true;
     km_state_save(f->state, sub, f->branch_pose);
     memcpy(f->branch_t, f->next_t, (size_t)sub->columns * sizeof *f->t);
   }
@@ -330,8 +333,8 @@ static bool one_step(km_follow *f, double most) {
 
 km_status km_follow_advance(km_follow *f, double length) {
   double target = f->s + length;
-  f->branch_count = 0;
-  while (!f->closed && target - f->s > 1e-10 * length)
+  f->branched = false;
+  while (!f->closed && !f->branched && target - f->s > 1e-10 * length)
     if (!one_step(f, target - f->s))
       return KM_PARTIAL;
   return KM_OK;
@@ -440,8 +443,37 @@ int km_follow_substructure(const km_follow *f) { return f->substructure; }
 double km_follow_length(const km_follow *f) { return f->s; }
 bool km_follow_closed(const km_follow *f) { return f->closed; }
 int km_follow_limit(const km_follow *f) { return f->limit; }
-int km_follow_branch_count(const km_follow *f) { return f->branch_count; }
-km_branch_point km_follow_branch(const km_follow *f, int index) { return f->branches[index]; }
+
+bool km_follow_branch(const km_follow *f, km_branch_point *out) {
+  if (f->branched)
+    *out = f->branch;
+  return f->branched;
+}
+
+void km_follow_at_branch(km_follow *f, double *tangent) {
+  km_state_restore(f->state, sub_of(f), f->branch_pose);
+  memcpy(tangent, f->branch_t, (size_t)sub_of(f)->columns * sizeof *tangent);
+  f->state->pivoted[f->substructure] = KM_NEVER;
+}
+
+void km_follow_go_on(km_follow *f) {
+  km_state_restore(f->state, sub_of(f), f->here);
+  km_loops_update(f->mechanism, f->state, sub_of(f));
+  f->state->pivoted[f->substructure] = KM_NEVER;
+}
+
+void km_follow_turn(km_follow *f, const double *direction) {
+  double size = sqrt(weighted(f, direction, direction));
+  for (int k = 0; k < sub_of(f)->columns; ++k)
+    f->t[k] = direction[k] / size;
+  km_state_restore(f->state, sub_of(f), f->branch_pose);
+  km_state_save(f->state, sub_of(f), f->here);
+  f->state->pivoted[f->substructure] = KM_NEVER;
+  f->s = f->branch.s;
+  f->last_h = 0.0; /* the step before was on another branch */
+  f->g = 0.0;
+  f->closed = false;
+}
 
 static void write_rates(const km_follow *f, const double *t, double *rates) {
   const km_mechanism *m = f->mechanism;

@@ -20,8 +20,16 @@ struct km_follow {
   double *here, *origin, *near, *far, *branch_pose; /* saved poses */
   km_partition reference;               /* pivots of this pose */
   double g;                             /* see follow.c; at this pose with those pivots */
-  km_branch_point branches[KM_MOST_BRANCH_POINTS];
-  int branch_count;
+  km_branch_point branch;               /* passed during the last advance, if `branched` */
+  bool branched;
 };
+
+/* Puts the state at the branch point that was passed last; `tangent` is that of the smooth motion there. Then
+ * km_follow_turn or km_follow_go_on. */
+void km_follow_at_branch(km_follow *follow, double *tangent);
+/* Puts the state back to where the smooth motion has come to. */
+void km_follow_go_on(km_follow *follow);
+/* Continues from the branch point along another direction (scaled step). */
+void km_follow_turn(km_follow *follow, const double *direction);
 
 #endif

@@ -68,12 +68,6 @@ static void read_units(km_reader *reader, const km_value *parameters, const km_p
   }
 }
 
-static void positive(km_reader *reader, const km_place *place, const char *key, double value) {
-  km_place at = {place, key, 0};
-  if (!(value > 0.0))
-    km_reader_error(reader, &at, "found %s; expected a number greater than 0", KM_SHOWN(value));
-}
-
 static void read_parameters(km_reader *reader, const km_value *root) {
   km_model *model = reader->model;
   const km_value *parameters = km_value_get(root, "model_parameters");
@@ -85,7 +79,7 @@ static void read_parameters(km_reader *reader, const km_value *root) {
   read_units(reader, parameters, &place);
   model->gravity = km_reader_vector(parameters, "gravity");
   model->characteristic_length = km_reader_number(parameters, "characteristic_length", 1.0);
-  positive(reader, &place, "characteristic_length", model->characteristic_length);
+  km_reader_positive(reader, &place, "characteristic_length", model->characteristic_length);
   model->closure_tolerance_given = km_value_get(parameters, "closure_tolerance") != NULL;
   model->closure_tolerance = km_reader_number(parameters, "closure_tolerance", 1e-9);
   km_place tolerance = {&place, "closure_tolerance", 0};
@@ -103,69 +97,11 @@ static int add_frame(km_reader *reader, const char *name, int body, km_pose pose
   return index;
 }
 
-static km_rotation read_rotation(km_reader *reader, const km_value *frame, const km_place *place) {
-  const km_value *rows = km_value_get(frame, "R");
-  if (!rows)
-    return km_rotation_identity();
-  double m[9]; /* by rows */
-  int n = 0;
-  for (const km_value *row = rows->first; row; row = row->next)
-    for (const km_value *entry = row->first; entry; entry = entry->next)
-      m[n++] = entry->number;
-  km_rotation R = {{{m[0], m[3], m[6]}, {m[1], m[4], m[7]}, {m[2], m[5], m[8]}}};
-  double misfit = 0.0;
-  for (int i = 0; i < 3; ++i)
-    for (int j = 0; j < 3; ++j)
-      misfit = fmax(misfit, fabs(km_vec3_dot(R.axis[i], R.axis[j]) - (i == j)));
-  double determinant = km_vec3_dot(R.axis[0], km_vec3_cross(R.axis[1], R.axis[2]));
-  km_place at = {place, "R", 0};
-  if (!(misfit <= 1e-6)) {
-    km_reader_error(reader, &at,
-                    "not a rotation: an entry of RᵀR differs from the identity by %.3g; expected at most 1e-6",
-                    misfit);
-    return km_rotation_identity();
-  }
-  if (determinant < 0.0) {
-    km_reader_error(reader, &at, "a mirrored frame (determinant %.3g); expected a right-handed rotation",
-                    determinant);
-    return km_rotation_identity();
-  }
-  return km_rotation_orthonormal(&R);
-}
-
 static void read_frame(km_reader *reader, const km_value *frame, int body, const km_place *place) {
   if (!km_reader_active(frame))
     return;
   const char *name = km_reader_name(reader, frame, place, &reader->frames, body, "origin");
-  add_frame(reader, name, body, (km_pose){read_rotation(reader, frame, place), km_reader_vector(frame, "T")});
-}
-
-/* Inertias are the matrix's own entries; a principal moment below zero (beyond rounding) is no body's. */
-static bool inertia_is_physical(const double I[6]) {
-  double scale = 0.0;
-  for (int k = 0; k < 6; ++k)
-    scale = fmax(scale, fabs(I[k]));
-  double a = I[0] + 1e-9 * scale, b = I[1] + 1e-9 * scale, c = I[2] + 1e-9 * scale, xy = I[3], yz = I[4], zx = I[5];
-  double minors = fmin(fmin(a * b - xy * xy, b * c - yz * yz), a * c - zx * zx);
-  double determinant = a * (b * c - yz * yz) - xy * (xy * c - yz * zx) + zx * (xy * yz - b * zx);
-  return a >= 0 && b >= 0 && c >= 0 && minors >= 0 && determinant >= 0;
-}
-
-static void read_mass(km_reader *reader, const km_value *value, const km_place *place, km_body_def *body) {
-  static const char *const keys[6] = {"Ixx", "Iyy", "Izz", "Ixy", "Iyz", "Izx"};
-  const km_value *inertia = km_value_get(value, "moment_of_inertia");
-  body->mass = km_reader_number(value, "mass", 0.0);
-  body->center_of_mass = km_reader_vector(value, "center_of_mass");
-  body->density = km_reader_number(value, "density", -1.0);
-  for (int k = 0; k < 6; ++k)
-    body->inertia[k] = km_reader_number(inertia, keys[k], 0.0);
-  km_place mass = {place, "mass", 0}, moments = {place, "moment_of_inertia", 0};
-  if (body->mass < 0.0)
-    km_reader_error(reader, &mass, "found %s; expected a mass of at least 0", KM_SHOWN(body->mass));
-  if (km_value_get(value, "density"))
-    positive(reader, place, "density", body->density);
-  if (!inertia_is_physical(body->inertia))
-    km_reader_error(reader, &moments, "a principal moment is negative; expected moments of at least 0");
+  add_frame(reader, name, body, (km_pose){km_reader_rotation(reader, frame, place), km_reader_vector(frame, "T")});
 }
 
 static void left_out(km_reader *reader, km_names *names, int scope, const km_value *element) {
@@ -184,7 +120,7 @@ static void read_body(km_reader *reader, const km_value *value, int assembly, co
   int index = model->body_count++;
   km_body_def *body = &model->bodies[index];
   *body = (km_body_def){.name = name, .assembly = assembly, .where = km_reader_where(reader, place)};
-  read_mass(reader, value, place, body);
+  km_read_mass(reader, value, place, body);
   const km_value *definition = km_value_get(value, "definition");
   if (definition)
     body->mesh = definition->kind == KM_LIST ? definition->first->string : definition->string;
@@ -230,6 +166,14 @@ static km_status first_error(const km_messages *messages, km_error *error) {
   return KM_OK;
 }
 
+static void free_names(km_reader *reader) {
+  km_names_free(&reader->assemblies);
+  km_names_free(&reader->bodies);
+  km_names_free(&reader->frames);
+  km_names_free(&reader->joints);
+  km_names_free(&reader->labels);
+}
+
 static km_status read_model(km_model *model, const char *bytes, size_t size, km_messages *messages,
                             km_error *error) {
   km_status status = km_json_parse(bytes, size, &model->arena, &model->root, error);
@@ -239,7 +183,6 @@ static km_status read_model(km_model *model, const char *bytes, size_t size, km_
     return status;
   }
   km_sha256(bytes, size, model->sha256);
-  model->folder = ".";
   km_format_check(model->root, messages);
   if (km_messages_errors(messages))
     return first_error(messages, error);
@@ -249,31 +192,12 @@ static km_status read_model(km_model *model, const char *bytes, size_t size, km_
   km_reader reader = {.model = model, .messages = messages};
   read_parameters(&reader, model->root);
   read_elements(&reader, model->root);
-  km_names_free(&reader.assemblies);
-  km_names_free(&reader.bodies);
-  km_names_free(&reader.frames);
-  km_names_free(&reader.joints);
-  km_names_free(&reader.labels);
+  free_names(&reader);
+  if (!model->arena.failed)
+    km_read_meshes(&reader);
   if (model->arena.failed)
     return km_fail(error, KM_MEMORY, "out of memory while reading the model");
   return first_error(messages, error);
-}
-
-km_status km_model_read(const char *bytes, size_t size, km_messages *messages, km_model **out,
-                        km_error *error) {
-  km_error local;
-  km_messages *own = messages ? NULL : km_messages_create();
-  km_model *model = KM_NEW(km_model, 1);
-  *out = NULL;
-  km_status status = model && (messages || own)
-                         ? read_model(model, bytes, size, messages ? messages : own, error ? error : &local)
-                         : km_fail(error, KM_MEMORY, "out of memory while reading the model");
-  km_messages_free(own);
-  if (status)
-    km_model_free(model);
-  else
-    *out = model;
-  return status;
 }
 
 /* The part of a path before its last slash. */
@@ -287,16 +211,29 @@ static const char *folder_of(km_model *model, const char *path) {
   return folder;
 }
 
-/* A mesh that isn't there is no error until something needs it. */
-static void warn_of_meshes(const km_model *model, km_messages *messages) {
-  km_text path = {0};
-  for (int b = 1; b < model->body_count; ++b) {
-    const km_body_def *body = &model->bodies[b];
-    if (body->mesh && !km_model_find_mesh(model, body->mesh, &path))
-      km_messages_add(messages, KM_WARNING, "%s.definition: mesh \"%.200s\" is found neither beside the file nor in include_dir",
-                      body->where, body->mesh);
-  }
-  km_text_free(&path);
+/* `path`: of the file that the bytes are from; NULL: none. */
+static km_status read_bytes(const char *bytes, size_t size, const char *path, km_messages *messages, km_model **out,
+                            km_error *error) {
+  km_error local;
+  km_messages *own = messages ? NULL : km_messages_create();
+  km_model *model = KM_NEW(km_model, 1);
+  *out = NULL;
+  if (model)
+    model->folder = path ? folder_of(model, path) : ".";
+  km_status status = model && model->folder && (messages || own)
+                         ? read_model(model, bytes, size, messages ? messages : own, error ? error : &local)
+                         : km_fail(error, KM_MEMORY, "out of memory while reading the model");
+  km_messages_free(own);
+  if (status)
+    km_model_free(model);
+  else
+    *out = model;
+  return status;
+}
+
+km_status km_model_read(const char *bytes, size_t size, km_messages *messages, km_model **out,
+                        km_error *error) {
+  return read_bytes(bytes, size, NULL, messages, out, error);
 }
 
 km_status km_model_load(const char *path, km_messages *messages, km_model **out, km_error *error) {
@@ -304,13 +241,10 @@ km_status km_model_load(const char *path, km_messages *messages, km_model **out,
   *out = NULL;
   km_status status = km_file_read(path, &text, error);
   if (!status)
-    status = km_model_read(text.data, text.size, messages, out, error);
+    status = read_bytes(text.data, text.size, path, messages, out, error);
   km_text_free(&text);
-  if (!status) {
-    (*out)->folder = folder_of(*out, path);
-    if ((*out)->folder)
-      warn_of_meshes(*out, messages);
-  }
+  if (!status)
+    km_model_miss_meshes(*out, messages);
   return status;
 }
 

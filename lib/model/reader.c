@@ -25,6 +25,13 @@ void km_reader_note(km_reader *reader, const km_place *place, const char *format
   va_end(arguments);
 }
 
+void km_reader_warning(km_reader *reader, const km_place *place, const char *format, ...) {
+  va_list arguments;
+  va_start(arguments, format);
+  report(reader, KM_WARNING, place, format, arguments);
+  va_end(arguments);
+}
+
 const char *km_reader_where(km_reader *reader, const km_place *place) {
   char where[KM_PLACE_TEXT];
   return km_arena_string(&reader->model->arena, km_place_text(place, where));
@@ -40,12 +47,48 @@ double km_reader_number(const km_value *object, const char *key, double otherwis
   return value ? value->number : otherwise;
 }
 
+void km_reader_positive(km_reader *reader, const km_place *place, const char *key, double value) {
+  km_place at = {place, key, 0};
+  if (!(value > 0.0))
+    km_reader_error(reader, &at, "found %s; expected a number greater than 0", KM_SHOWN(value));
+}
+
 km_vec3 km_reader_vector(const km_value *object, const char *key) {
   const km_value *list = km_value_get(object, key);
   if (!list)
     return (km_vec3){0, 0, 0};
   const km_value *x = list->first;
   return (km_vec3){x->number, x->next->number, x->next->next->number};
+}
+
+km_rotation km_reader_rotation(km_reader *reader, const km_value *frame, const km_place *place) {
+  const km_value *rows = km_value_get(frame, "R");
+  if (!rows)
+    return km_rotation_identity();
+  double m[9]; /* by rows */
+  int n = 0;
+  for (const km_value *row = rows->first; row; row = row->next)
+    for (const km_value *entry = row->first; entry; entry = entry->next)
+      m[n++] = entry->number;
+  km_rotation R = {{{m[0], m[3], m[6]}, {m[1], m[4], m[7]}, {m[2], m[5], m[8]}}};
+  double misfit = 0.0;
+  for (int i = 0; i < 3; ++i)
+    for (int j = 0; j < 3; ++j)
+      misfit = fmax(misfit, fabs(km_vec3_dot(R.axis[i], R.axis[j]) - (i == j)));
+  double determinant = km_vec3_dot(R.axis[0], km_vec3_cross(R.axis[1], R.axis[2]));
+  km_place at = {place, "R", 0};
+  if (!(misfit <= 1e-6)) {
+    km_reader_error(reader, &at,
+                    "not a rotation: an entry of RᵀR differs from the identity by %.3g; expected at most 1e-6",
+                    misfit);
+    return km_rotation_identity();
+  }
+  if (determinant < 0.0) {
+    km_reader_error(reader, &at, "a mirrored frame (determinant %.3g); expected a right-handed rotation",
+                    determinant);
+    return km_rotation_identity();
+  }
+  return km_rotation_orthonormal(&R);
 }
 
 const char *km_reader_string(const km_value *object, const char *key) {

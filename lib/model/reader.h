@@ -30,12 +30,18 @@ void km_reader_error(km_reader *reader, const km_place *place, const char *forma
     __attribute__((format(printf, 3, 4)));
 void km_reader_note(km_reader *reader, const km_place *place, const char *format, ...)
     __attribute__((format(printf, 3, 4)));
+void km_reader_warning(km_reader *reader, const km_place *place, const char *format, ...)
+    __attribute__((format(printf, 3, 4)));
 const char *km_reader_where(km_reader *reader, const km_place *place); /* kept in the model */
 
 bool km_reader_active(const km_value *object);
 double km_reader_number(const km_value *object, const char *key, double otherwise);
 km_vec3 km_reader_vector(const km_value *object, const char *key);
+/* R of a frame, made exactly orthonormal; the identity if it is absent or (reported) no rotation. */
+km_rotation km_reader_rotation(km_reader *reader, const km_value *frame, const km_place *place);
 const char *km_reader_string(const km_value *object, const char *key); /* NULL if absent */
+/* Reports a value that isn't greater than 0. */
+void km_reader_positive(km_reader *reader, const km_place *place, const char *key, double value);
 /* Name of an element, checked: not empty, not reserved, new among its siblings in `names`. */
 const char *km_reader_name(km_reader *reader, const km_value *object, const km_place *place, km_names *names,
                            int scope, const char *reserved);
@@ -53,6 +59,13 @@ int km_reader_coordinate(km_reader *reader, const km_value *path, int assembly, 
 bool km_reader_turns(const km_reader *reader, int coordinate);
 /* A path as a person reads it: `a/b/c`. */
 const char *km_path_text(const km_value *path, char out[KM_PLACE_TEXT]);
+
+/* Mass, centre of mass and inertia as the file states them; a density. */
+void km_read_mass(km_reader *reader, const km_value *body, const km_place *place, km_body_def *out);
+/* Mass properties of the bodies with a density, from their meshes. */
+void km_read_meshes(km_reader *reader);
+/* One warning of the meshes that aren't found: no error until something needs them. */
+void km_model_miss_meshes(const km_model *model, km_messages *messages);
 
 /* The second pass over the assemblies: joints, then what names joints. */
 void km_read_joints(km_reader *reader, const km_value *root);

@@ -13,8 +13,8 @@ typedef struct km_spot {
 /* How the inertial frame lies on the page. */
 typedef struct km_projection {
   km_vec3 right, up, toward;
-  bool planar;         /* the view is along the axes of a planar mechanism, or asked to be flat */
-  const char *name;    /* of the view */
+  bool planar;         /* the view is along the axes of a planar mechanism */
+  const char *name;    /* of the view, in words */
   km_vec3 centre;      /* shown at `middle` */
   km_canvas_point middle;
   double scale;        /* points per length unit */
@@ -68,7 +68,7 @@ typedef struct km_item {
   km_item_kind kind;
   int layer;       /* painted first: the lowest */
   int joint, body; /* -1: none */
-  km_spot *spots;  /* ends of a bar, corners of a plate, place of a symbol */
+  km_spot *spots;  /* ends of a bar or rail, corners of a plate, place of a symbol */
   int count;
   double reach;    /* half its width on the page */
   double depth;    /* mean */
@@ -78,6 +78,8 @@ typedef struct km_item {
 typedef struct km_scene {
   const km_mechanism *mechanism;
   const km_pose *pose; /* [body] */
+  const km_pose *poses; /* [pose_count · bodies] all poses that are shown: rails reach along them */
+  size_t pose_count;
   const km_shape *shapes;
   const km_mark *marks;
   const km_projection *view;
@@ -96,10 +98,31 @@ typedef struct km_label {
   int colour;    /* of the palette; -2 black */
   km_canvas_point size;
   km_canvas_point box; /* left top corner, once placed */
+  bool inside;   /* may lie over its spot */
   bool placed;
 } km_label;
 
 enum { KM_BLACK = -2 };
+
+/* What stays the same from pose to pose. */
+typedef struct km_studio {
+  const km_drawing *drawing;
+  km_canvas *canvas;
+  km_rectangle place;
+  km_arena arena;
+  km_shape *shapes;
+  km_mark *marks;
+  km_projection view;
+  km_extent extent;
+  double size;   /* of letters and lines: 1 on a page of the default size */
+  double radius; /* of a pin */
+} km_studio;
+
+/* Fills everything but drawing, canvas and place from them; the canvas isn't touched. False when
+ * memory fails: the close tells. */
+bool km_studio_open(km_studio *studio);
+void km_studio_draw(km_studio *studio);
+km_status km_studio_close(km_studio *studio, km_error *error);
 
 /* Views. */
 km_projection km_view_make(const km_drawing *drawing);
@@ -117,9 +140,13 @@ km_mark *km_marks_make(const km_model *model, const km_shape *shapes, km_arena *
 void km_scene_build(km_scene *scene);
 /* Orders items so that what lies in front is painted last. */
 void km_scene_order(km_scene *scene);
+/* The base lies under everything, ghosts and paths too; then comes the rest. */
+void km_scene_paint_base(const km_scene *scene, km_canvas *canvas);
 void km_scene_paint(const km_scene *scene, km_canvas *canvas);
 /* Where a joint's symbol stands. */
 km_vec3 km_joint_place(const km_scene *scene, int joint);
+/* Half the size of a joint's symbol on the page. */
+double km_symbol_reach(const km_scene *scene, int joint);
 km_pose km_joint_frame(const km_scene *scene, int joint, int end);
 /* Of joint `joint`: the body at end 0 (parent) or 1 (child). */
 int km_joint_body(const km_model *model, int joint, int end);
@@ -128,6 +155,8 @@ int km_joint_body(const km_model *model, int joint, int end);
 km_colour km_mix(km_colour colour, km_colour other, double part);
 km_colour km_faded(const km_scene *scene, km_colour colour);
 void km_symbol_paint(const km_scene *scene, km_canvas *canvas, const km_item *item);
+/* On which side of a rail the ground lies: the direction across it, of length 1. */
+km_spot km_rail_side(const km_item *rail);
 void km_ground_paint(const km_scene *scene, km_canvas *canvas, const km_item *item);
 
 /* Finds places for labels that touch neither each other nor, if they can help it, the scene; then

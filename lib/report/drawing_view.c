@@ -113,7 +113,7 @@ static void look_along(km_projection *view, const km_model *model, km_vec3 norma
   look(view, normal, up);
   if (view->right.x < -parallel || (view->right.x < parallel && view->right.y < 0.0))
     look(view, km_vec3_scale(-1.0, normal), up);
-  view->name = "plane of motion";
+  view->name = "view of the plane of motion";
 }
 
 /* Not exactly isometric: what is symmetric about 45 degrees would hide behind itself. */
@@ -126,18 +126,19 @@ static void look_from_corner(km_projection *view, const km_model *model) {
   km_vec3 front = km_vec3_cross(side, up);
   km_vec3 level = km_vec3_axpy(sin(azimuth), side, km_vec3_scale(cos(azimuth), front));
   look(view, km_vec3_axpy(cos(elevation), level, km_vec3_scale(sin(elevation), up)), up);
-  view->planar = false;
-  view->name = words[KM_VIEW_ISO];
+  view->name = "iso view";
 }
 
 km_projection km_view_make(const km_drawing *drawing) {
   static const km_vec3 normals[] = {{0, 0, 1}, {0, -1, 0}, {1, 0, 0}};
+  static const char *const names[] = {"view of the xy plane", "view of the xz plane", "view of the yz plane"};
   const km_model *model = drawing->mechanism->model;
-  km_projection view = {.planar = true, .scale = 1.0};
+  km_projection view = {.scale = 1.0};
   km_view asked = drawing->view;
   km_vec3 normal;
-  if (asked == KM_VIEW_AUTO)
-    asked = find_plane(drawing, &normal) ? KM_VIEW_AUTO : KM_VIEW_ISO;
+  bool plane = find_plane(drawing, &normal);
+  if (asked == KM_VIEW_AUTO && !plane)
+    asked = KM_VIEW_ISO;
   for (int i = 0; i < 3 && asked == KM_VIEW_AUTO; ++i)
     if (along(normal, normals[i]))
       asked = (km_view)(KM_VIEW_XY + i);
@@ -147,8 +148,9 @@ km_projection km_view_make(const km_drawing *drawing) {
     look_from_corner(&view, model);
   } else {
     look(&view, normals[asked - KM_VIEW_XY], asked == KM_VIEW_XY ? (km_vec3){0, 1, 0} : (km_vec3){0, 0, 1});
-    view.name = words[asked];
+    view.name = names[asked - KM_VIEW_XY];
   }
+  view.planar = plane && along(normal, view.toward);
   return view;
 }
 
@@ -187,7 +189,7 @@ km_extent km_extent_of(const km_drawing *drawing, const km_shape *shapes, const 
 
 void km_projection_fit(km_projection *view, const km_extent *extent, km_rectangle inner) {
   double width = extent->high[0] - extent->low[0], height = extent->high[1] - extent->low[1];
-  double scale = fmin(width > 0.0 ? inner.width / width : INFINITY, height > 0.0 ? inner.height / height : INFINITY);
+  double scale = fmin(width > 0.0 ? inner.width / width : HUGE_VAL, height > 0.0 ? inner.height / height : HUGE_VAL);
   view->scale = isfinite(scale) && scale > 0.0 ? scale : 1.0;
   view->middle = (km_canvas_point){inner.left + 0.5 * inner.width, inner.top + 0.5 * inner.height};
   km_vec3 middle = km_vec3_axpy(0.5 * (extent->low[0] + extent->high[0]), view->right,

@@ -144,6 +144,7 @@ km_value *km_sweep_record(const km_mechanism *m, const km_mobility_sweep *sweep,
     km_value *branch = km_value_add(arena, branches, NULL, KM_OBJECT);
     km_value_number(arena, branch, "s", sweep->branches[i].s);
     km_value_number(arena, branch, "mobility", sweep->branches[i].mobility);
+    km_value_number(arena, branch, "branches", sweep->branches[i].branches);
   }
   if (sweep->cycle > 0.0)
     km_value_number(arena, record, "cycle", sweep->cycle);

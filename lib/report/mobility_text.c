@@ -203,8 +203,9 @@ static void print_cycle(const km_mobility_sweep *sweep, const km_sweep_plan *pla
   else if (plan->cycle)
     km_text_add(out, "  the cycle isn't closed\n");
   for (size_t i = 0; i < sweep->branch_count; ++i)
-    km_text_format(out, "  branch point at %.9g: mobility %d there, the smooth motion was followed\n", sweep->branches[i].s,
-                   sweep->branches[i].mobility);
+    km_text_format(out, "  branch point at %.9g: mobility %d there, %d motions meet; %s\n", sweep->branches[i].s,
+                   sweep->branches[i].mobility, sweep->branches[i].branches,
+                   i == 0 && plan->branch > 1 ? "turned there" : "the smooth one was followed");
 }
 
 void km_sweep_print(const km_mechanism *m, const km_sweep_plan *plan, const km_mobility_sweep *sweep, const char *name,

@@ -74,6 +74,7 @@ static void parallelogram_branches(void **state) {
   assert_near(sweep.branches[0].s, 2.0 * (M_PI - 1.0), 1e-8);
   assert_near(sweep.branches[1].s, 2.0 * (2.0 * M_PI - 1.0), 1e-8);
   assert_int_equal(sweep.branches[0].mobility, 2);
+  assert_int_equal(sweep.branches[0].branches, 2);
   int a = km_table_find(sweep.table, "q.A"), d = km_table_find(sweep.table, "q.D");
   for (size_t r = 0; r < km_table_rows(sweep.table); ++r)
     assert_near(km_table_row(sweep.table, r)[a], km_table_row(sweep.table, r)[d], 1e-8);

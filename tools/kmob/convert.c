@@ -97,6 +97,16 @@ static kt_exit choose_units(const options *o, km_units *units) {
   return KT_DONE;
 }
 
+/* Meshes are files of their own, in the model's length unit. */
+static void tell_of_meshes(const options *o, const km_model *model, const km_units *units) {
+  bool any = false;
+  for (int b = 1; b < model->body_count; ++b)
+    any = any || model->bodies[b].mesh;
+  if (any && units->length != model->units.length)
+    kt_say(&o->common, KM_WARNING, "%s: its meshes stay in %s; they need a scale of %g", o->model, model->units.length->word,
+           model->units.length->si / units->length->si);
+}
+
 static kt_exit convert_pose(const options *o, const kmob_pose *pose) {
   km_units units = pose->model->units;
   kt_exit result = choose_units(o, &units);
@@ -112,6 +122,8 @@ static kt_exit convert_pose(const options *o, const kmob_pose *pose) {
                        : km_fail(&error, KM_MEMORY, "out of memory");
   if (status)
     kt_say(&o->common, KM_ERROR, "%s: %s", o->model, error.text);
+  else
+    tell_of_meshes(o, pose->model, &units);
   result = status ? kt_exit_of(status) : write_value(o, value);
   km_arena_free(&arena);
   return result;

@@ -55,15 +55,10 @@ static kt_exit reach(const kt_common *common, const char *path, const kt_setting
   return kt_exit_of(status);
 }
 
-kt_exit kmob_open(const kt_common *common, const char *path, const kmob_texts *holds, const kmob_texts *sets,
-                  kmob_pose *out) {
-  kt_exit result;
+kt_exit kmob_bring(const kt_common *common, const char *path, const kmob_texts *holds, const kmob_texts *sets,
+                   kmob_pose *out) {
   kt_settings held = {0}, set = {0};
-  *out = (kmob_pose){0};
-  out->model = kt_load(common, path, &result);
-  if (!out->model)
-    return result;
-  result = gather_holds(common, out->model, holds, &held);
+  kt_exit result = gather_holds(common, out->model, holds, &held);
   if (result == KT_DONE)
     result = kt_settings_add(common, out->model, "--set", (char **)(size_t)sets->items, sets->count, &set);
   if (result == KT_DONE)
@@ -73,6 +68,14 @@ kt_exit kmob_open(const kt_common *common, const char *path, const kmob_texts *h
   kt_settings_free(&held);
   kt_settings_free(&set);
   return result;
+}
+
+kt_exit kmob_open(const kt_common *common, const char *path, const kmob_texts *holds, const kmob_texts *sets,
+                  kmob_pose *out) {
+  kt_exit result;
+  *out = (kmob_pose){0};
+  out->model = kt_load(common, path, &result);
+  return out->model ? kmob_bring(common, path, holds, sets, out) : result;
 }
 
 void kmob_close(kmob_pose *pose) {

@@ -13,12 +13,12 @@
 #include <string.h>
 
 enum { OPTION_HOLD = 0x3001, OPTION_FORMAT, OPTION_RANGE, OPTION_STEPS, OPTION_POINT, OPTION_DERIVATIVES, OPTION_IGNORE,
-       OPTION_JOINT, OPTION_SET, OPTION_ARCLENGTH, OPTION_DIRECTION, OPTION_CYCLE, MOST_MODELS = 64, MOST_POINTS = 64 };
+       OPTION_JOINT, OPTION_SET, OPTION_ARCLENGTH, OPTION_DIRECTION, OPTION_CYCLE, OPTION_BRANCH, MOST_MODELS = 64, MOST_POINTS = 64 };
 
 typedef struct options {
   kt_common common;
   kmob_texts holds, sets, points, models;
-  const char *joint, *range, *steps, *base, *arclength, *direction;
+  const char *joint, *range, *steps, *base, *arclength, *direction, *branch;
   kt_formats formats;
   bool derivatives, ignore_limits, cycle;
 } options;
@@ -30,6 +30,7 @@ static const struct argp_option table[] = {
     {"arclength", OPTION_ARCLENGTH, "DS", 0, "Follow the motion by arc length instead, DS a row: through toggles", 1},
     {"direction", OPTION_DIRECTION, "JOINT=+1", 0, "Start so that this joint moves forwards (or -1: backwards)", 1},
     {"cycle", OPTION_CYCLE, NULL, 0, "Follow until the motion meets its start (at most --steps rows, default 100000)", 1},
+    {"branch", OPTION_BRANCH, "K", 0, "Motion to take at the first branch point: 1 goes on smoothly (default), 2 and 3 are the next one ahead and back, …", 1},
     {"hold", OPTION_HOLD, "JOINT=VALUE", 0, "Keep a joint rigid at a value (x,y,… for several coordinates)", 1},
     {"set", OPTION_SET, "JOINT=VALUE", 0, "Start from another pose: move a joint to a value first", 1},
     {"ignore-limits", OPTION_IGNORE, NULL, 0, "Pass joint limits", 1},
@@ -49,6 +50,7 @@ static error_t parse(int key, char *arg, struct argp_state *state) {
   case OPTION_ARCLENGTH: o->arclength = arg; return 0;
   case OPTION_DIRECTION: o->direction = arg; return 0;
   case OPTION_CYCLE: o->cycle = true; return 0;
+  case OPTION_BRANCH: o->branch = arg; return 0;
   case OPTION_HOLD: kmob_texts_add(&o->holds, arg, state); return 0;
   case OPTION_SET: kmob_texts_add(&o->sets, arg, state); return 0;
   case OPTION_POINT: kmob_texts_add(&o->points, arg, state); return 0;
@@ -140,6 +142,11 @@ static kt_exit read_length(const kt_common *common, const options *o, const km_m
     plan->arclength = 0.0;
   if ((o->direction || o->cycle) && plan->arclength <= 0.0)
     return usage(common, o->cycle ? "--cycle" : "--direction", "", "--arclength with it");
+  double branch = 1.0;
+  if (o->branch && (plan->arclength <= 0.0 || !kt_number(o->branch, &branch) || branch < 1.0 || branch > 31.0 ||
+                    branch != (double)(int)branch))
+    return usage(common, "--branch", o->branch, "a whole number from 1 to 31, with --arclength");
+  plan->branch = (int)branch;
   if (o->cycle && !o->steps)
     plan->steps = 100000;
   plan->cycle = o->cycle;

@@ -16,9 +16,8 @@ typedef struct km_follow km_follow;
 typedef struct km_branch_point {
   double s;        /* arc length from the start */
   int mobility;    /* of the substructure at the pose */
+  int branches;    /* motions that meet there, the followed one among them; 0: not looked for */
 } km_branch_point;
-
-enum { KM_MOST_BRANCH_POINTS = 8 }; /* that one advance reports */
 
 /* Prepares to follow the motion of one substructure of an assembled state, which must outlive it and is moved by
  * it. Arc length is Euclidean over the substructure's coordinates: radians, lengths over the characteristic
@@ -31,16 +30,16 @@ km_status km_follow_create(const km_mechanism *mechanism, km_state *state, int c
 void km_follow_free(km_follow *follow);
 int km_follow_substructure(const km_follow *follow);
 
-/* Advances by `length` > 0 (to 1e-9 of it), stopping early where the cycle closes. KM_PARTIAL: a joint is at its
+/* Advances by `length` > 0 (to 1e-9 of it), stopping early where the cycle closes,
+ * and after a branch point. KM_PARTIAL: a joint is at its
  * limit, or no further step can be found. Never allocates. */
 km_status km_follow_advance(km_follow *follow, double length);
 
 double km_follow_length(const km_follow *follow);    /* arc length so far */
 bool km_follow_closed(const km_follow *follow);      /* the start was met again, to 1e-9; length is the cycle's */
 int km_follow_limit(const km_follow *follow);        /* the coordinate whose limit ended the motion, -1 none */
-/* The branch points passed during the last advance; the smooth motion was continued. */
-int km_follow_branch_count(const km_follow *follow);
-km_branch_point km_follow_branch(const km_follow *follow, int index);
+/* The branch point that the last advance passed, on the smooth motion; false if there was none. */
+bool km_follow_branch(const km_follow *follow, km_branch_point *out);
 /* The direction of motion a short way (up to 0.05) along from here, or back if offset < 0; the state stays where
  * it is. False if no single step leads there. */
 bool km_follow_probe(km_follow *follow, double offset, double *rates);

@@ -27,6 +27,8 @@ typedef struct km_sweep_plan {
   double arclength; /* > 0: by arc length instead, `steps` times this much; coordinate, from, to don't count */
   int direction;    /* the coordinate that starts the motion, -1: the one with the largest mobility number */
   double sign;      /* +1 or -1 */
+  int branch;       /* by arc length, at the first branch point: 1 (or 0) goes on smoothly; 2, 3 take the next motion
+                     * ahead and back, 4, 5 the one after, … */
   bool cycle;       /* by arc length: KM_PARTIAL unless the motion comes back to its start */
   bool ignore_limits;
   const km_sweep_point *points;

@@ -1,0 +1,108 @@
+/* A tetrahedron 0abc has the signed volume V = d/6, d = a·(b × c), and with s = a + b + c
+ *   ∫ x dV    = d/24 s
+ *   ∫ x xᵀ dV = d/120 (s sᵀ + a aᵀ + b bᵀ + c cᵀ),
+ * quadratic in the corners, so exact. Summed over a closed surface only the inside remains. */
+#include "model/mass_properties.h"
+
+#include "base/memory.h"
+
+#include <stdlib.h>
+
+typedef struct side {
+  int low, high; /* vertices */
+  int sense;     /* +1: run through from low to high */
+} side;
+
+static int by_ends(const void *a, const void *b) {
+  const side *x = a, *y = b;
+  if (x->low != y->low)
+    return x->low < y->low ? -1 : 1;
+  return (x->high > y->high) - (x->high < y->high);
+}
+
+static void list_sides(const km_mesh *mesh, side *sides) {
+  for (int t = 0; t < mesh->triangle_count; ++t)
+    for (int k = 0; k < 3; ++k) {
+      int from = mesh->triangles[t].corner[k], to = mesh->triangles[t].corner[(k + 1) % 3];
+      *sides++ = from < to ? (side){from, to, +1} : (side){to, from, -1};
+    }
+}
+
+km_status km_mesh_check(const km_mesh *mesh, km_mesh_faults *out, km_error *error) {
+  size_t count = 3 * (size_t)mesh->triangle_count;
+  side *sides = KM_NEW(side, count);
+  *out = (km_mesh_faults){0};
+  if (!sides)
+    return km_fail(error, KM_MEMORY, "out of memory while checking a mesh");
+  list_sides(mesh, sides);
+  qsort(sides, count, sizeof *sides, by_ends);
+  for (size_t i = 0, next; i < count; i = next) {
+    int turns = 0; /* how much oftener the edge is run through one way than the other */
+    for (next = i; next < count && by_ends(&sides[i], &sides[next]) == 0; ++next)
+      turns += sides[next].sense;
+    if (turns % 2 != 0)
+      out->open_edges++;
+    else if (turns != 0)
+      out->mixed_edges++;
+  }
+  km_free(sides);
+  return KM_OK;
+}
+
+/* Sums over the tetrahedra, about `origin`. */
+typedef struct integrals {
+  double d;         /* 6 ∫ 1 dV */
+  km_vec3 first;    /* 24 ∫ x dV */
+  double second[6]; /* 120 ∫ xx yy zz xy yz zx dV */
+} integrals;
+
+static void add_tetrahedron(integrals *sum, km_vec3 a, km_vec3 b, km_vec3 c) {
+  double d = km_vec3_dot(a, km_vec3_cross(b, c));
+  km_vec3 s = km_vec3_add(a, km_vec3_add(b, c));
+  const km_vec3 points[4] = {s, a, b, c};
+  sum->d += d;
+  sum->first = km_vec3_axpy(d, s, sum->first);
+  for (int i = 0; i < 4; ++i) {
+    km_vec3 p = points[i];
+    const double products[6] = {p.x * p.x, p.y * p.y, p.z * p.z, p.x * p.y, p.y * p.z, p.z * p.x};
+    for (int k = 0; k < 6; ++k)
+      sum->second[k] += d * products[k];
+  }
+}
+
+/* Second moments about the origin → inertia about the centre c of a body of volume V. */
+static void inertia_about_centre(const double second[6], double volume, km_vec3 c, double inertia[6]) {
+  double xx = second[0] - volume * c.x * c.x, yy = second[1] - volume * c.y * c.y, zz = second[2] - volume * c.z * c.z;
+  inertia[0] = yy + zz;
+  inertia[1] = zz + xx;
+  inertia[2] = xx + yy;
+  inertia[3] = volume * c.x * c.y - second[3];
+  inertia[4] = volume * c.y * c.z - second[4];
+  inertia[5] = volume * c.z * c.x - second[5];
+}
+
+km_status km_mass_properties_of(const km_mesh *mesh, km_mass_properties *out, km_error *error) {
+  static const double least_volume = 1e-12; /* over size³; below it rounding of the corners decides */
+  double second[6];
+  km_vec3 low, high;
+  integrals sum = {0};
+  *out = (km_mass_properties){0};
+  km_mesh_box(mesh, &low, &high);
+  double size = km_vec3_norm(km_vec3_sub(high, low));
+  km_vec3 origin = km_vec3_axpy(0.5, km_vec3_sub(high, low), low); /* near, so that no digits cancel */
+  for (int t = 0; t < mesh->triangle_count; ++t) {
+    const int *corner = mesh->triangles[t].corner;
+    add_tetrahedron(&sum, km_vec3_sub(mesh->vertices[corner[0]], origin),
+                    km_vec3_sub(mesh->vertices[corner[1]], origin), km_vec3_sub(mesh->vertices[corner[2]], origin));
+  }
+  if (!(fabs(sum.d) > 6.0 * least_volume * size * size * size))
+    return km_fail(error, KM_MODEL, "encloses no volume");
+  out->inside_out = sum.d < 0.0;
+  out->volume = fabs(sum.d) / 6.0;
+  km_vec3 centre = km_vec3_scale(1.0 / (4.0 * sum.d), sum.first);
+  out->center = km_vec3_add(origin, centre);
+  for (int k = 0; k < 6; ++k)
+    second[k] = (out->inside_out ? -1.0 : 1.0) * sum.second[k] / 120.0;
+  inertia_about_centre(second, out->volume, centre, out->inertia);
+  return KM_OK;
+}

@@ -1,0 +1,29 @@
+/* Mass properties of a body of uniform density from its surface. */
+#ifndef KM_MODEL_MASS_PROPERTIES_H
+#define KM_MODEL_MASS_PROPERTIES_H
+
+#include "model/mesh.h"
+
+typedef struct km_mass_properties {
+  double volume;     /* length³, positive */
+  km_vec3 center;    /* length */
+  double inertia[6]; /* length⁵: Ixx Iyy Izz Ixy Iyz Izx for density 1, the matrix's own entries, about the centre */
+  bool inside_out;   /* the faces looked inwards; they were turned round */
+} km_mass_properties;
+
+/* What keeps a surface from enclosing a volume. */
+typedef struct km_mesh_faults {
+  int open_edges;  /* sides of an odd number of triangles */
+  int mixed_edges; /* sides whose triangles don't face the same way */
+} km_mesh_faults;
+
+/* KM_MEMORY only. Cost: n log n. */
+km_status km_mesh_check(const km_mesh *mesh, km_mesh_faults *out, km_error *error);
+
+/* Exact for the polyhedron: ∫ 1, x, x xᵀ dV over the signed tetrahedra between the triangles and a point inside
+ * the mesh's box (divergence theorem; B. Mirtich, Fast and accurate computation of polyhedral mass properties,
+ * 1996; D. Eberly, Polyhedral mass properties, 2002). Precondition: the mesh has no faults. KM_MODEL if it
+ * encloses no volume. Cost: linear. */
+km_status km_mass_properties_of(const km_mesh *mesh, km_mass_properties *out, km_error *error);
+
+#endif

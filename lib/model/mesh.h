@@ -1,0 +1,37 @@
+/* A body's surface as triangles. */
+#ifndef KM_MODEL_MESH_H
+#define KM_MODEL_MESH_H
+
+#include "kmech/status.h"
+#include "spatial/vec3.h"
+
+#include <stdbool.h>
+
+typedef struct km_triangle {
+  int corner[3]; /* vertices, counter-clockwise seen from outside */
+} km_triangle;
+
+typedef struct km_mesh {
+  int vertex_count, triangle_count;
+  km_vec3 *vertices; /* [vertex_count] in the body's frame and the model's length unit */
+  km_triangle *triangles;
+} km_mesh;
+
+/* Room for so many vertices and triangles, all zero. The caller frees it; NULL when out of memory. */
+km_mesh *km_mesh_create(int vertex_count, int triangle_count);
+void km_mesh_free(km_mesh *mesh);
+
+/* Corners of the smallest box along the axes; both 0 for a mesh without vertices. */
+void km_mesh_box(const km_mesh *mesh, km_vec3 *low, km_vec3 *high);
+
+/* Makes one vertex of those that lie within a millionth of the mesh's size of each other, and drops triangles
+ * that are left without area between three vertices: files repeat a vertex for each of its normals, and round.
+ * False when out of memory. */
+bool km_mesh_weld(km_mesh *mesh);
+
+/* Reads a file of any format that assimp knows, all of its parts where the file's scene puts them, welded.
+ * Coordinates are rounded to single precision (assimp's). The caller frees `*out`. KM_IO with the file's name
+ * and assimp's reason. */
+km_status km_mesh_read(const char *path, km_mesh **out, km_error *error);
+
+#endif

@@ -1,0 +1,123 @@
+/* Masses and inertias: as the file states them, or from a mesh and a density. */
+#include "model/mass_properties.h"
+#include "model/reader.h"
+
+/* Inertias are the matrix's own entries; a principal moment below zero (beyond rounding) is no body's. */
+static bool inertia_is_physical(const double I[6]) {
+  double scale = 0.0;
+  for (int k = 0; k < 6; ++k)
+    scale = fmax(scale, fabs(I[k]));
+  double a = I[0] + 1e-9 * scale, b = I[1] + 1e-9 * scale, c = I[2] + 1e-9 * scale, xy = I[3], yz = I[4], zx = I[5];
+  double minors = fmin(fmin(a * b - xy * xy, b * c - yz * yz), a * c - zx * zx);
+  double determinant = a * (b * c - yz * yz) - xy * (xy * c - yz * zx) + zx * (xy * yz - b * zx);
+  return a >= 0 && b >= 0 && c >= 0 && minors >= 0 && determinant >= 0;
+}
+
+/* The mesh is weighed later, when the model's folder and include_dir are known to be good. */
+static void read_density(km_reader *reader, const km_value *value, const km_place *place, const km_body_def *body) {
+  static const char *const instead[] = {"mass", "center_of_mass", "moment_of_inertia", NULL};
+  km_place density = {place, "density", 0};
+  km_reader_positive(reader, place, "density", body->density);
+  if (body->density > 0.0 && !km_value_get(value, "definition"))
+    km_reader_error(reader, &density, "there is no mesh to go with it; expected a definition");
+  for (const char *const *key = instead; *key; ++key) {
+    km_place given = {place, *key, 0};
+    if (km_value_get(value, *key))
+      km_reader_warning(reader, &given, "doesn't count: density and mesh give it");
+  }
+}
+
+void km_read_mass(km_reader *reader, const km_value *value, const km_place *place, km_body_def *body) {
+  static const char *const keys[6] = {"Ixx", "Iyy", "Izz", "Ixy", "Iyz", "Izx"};
+  const km_value *inertia = km_value_get(value, "moment_of_inertia");
+  body->mass = km_reader_number(value, "mass", 0.0);
+  body->center_of_mass = km_reader_vector(value, "center_of_mass");
+  body->density = km_reader_number(value, "density", -1.0);
+  for (int k = 0; k < 6; ++k)
+    body->inertia[k] = km_reader_number(inertia, keys[k], 0.0);
+  km_place mass = {place, "mass", 0}, moments = {place, "moment_of_inertia", 0};
+  if (body->mass < 0.0)
+    km_reader_error(reader, &mass, "found %s; expected a mass of at least 0", KM_SHOWN(body->mass));
+  if (km_value_get(value, "density"))
+    read_density(reader, value, place, body);
+  if (!inertia_is_physical(body->inertia))
+    km_reader_error(reader, &moments, "a principal moment is negative; expected moments of at least 0");
+}
+
+static const char not_found[] = "is found neither beside the file nor in include_dir";
+
+static km_status check_closed(const km_mesh *mesh, const char *path, km_error *error) {
+  km_mesh_faults faults;
+  km_status status = km_mesh_check(mesh, &faults, error);
+  if (status)
+    return status;
+  if (faults.open_edges)
+    return km_fail(error, KM_MODEL, "%s: has %d open edge%s; expected a closed surface to go with a density", path,
+                   faults.open_edges, faults.open_edges == 1 ? "" : "s");
+  if (faults.mixed_edges)
+    return km_fail(error, KM_MODEL, "%s: has %d edge%s between faces that look opposite ways; expected all to look "
+                   "outwards", path, faults.mixed_edges, faults.mixed_edges == 1 ? "" : "s");
+  return KM_OK;
+}
+
+static km_status weigh_mesh(const km_mesh *mesh, const char *path, km_mass_properties *out, km_error *error) {
+  km_error local;
+  km_status status = check_closed(mesh, path, error);
+  if (!status && km_mass_properties_of(mesh, out, &local))
+    status = km_fail(error, KM_MODEL, "%s: %.200s; expected a closed surface to go with a density", path, local.text);
+  return status;
+}
+
+static km_status weigh(const char *path, km_body_def *body, km_error *error) {
+  km_mesh *mesh = NULL;
+  km_mass_properties found;
+  km_status status = km_mesh_read(path, &mesh, error);
+  if (!status)
+    status = weigh_mesh(mesh, path, &found, error);
+  km_mesh_free(mesh);
+  if (status)
+    return status;
+  body->mass = body->density * found.volume;
+  body->center_of_mass = found.center;
+  for (int k = 0; k < 6; ++k)
+    body->inertia[k] = body->density * found.inertia[k];
+  return KM_OK;
+}
+
+void km_read_meshes(km_reader *reader) {
+  km_model *model = reader->model;
+  km_text path = {0};
+  for (int b = 1; b < model->body_count; ++b) {
+    km_body_def *body = &model->bodies[b];
+    km_error error = {0};
+    if (!body->mesh || !(body->density > 0.0))
+      continue;
+    if (!km_model_find_mesh(model, body->mesh, &path))
+      km_messages_add(reader->messages, KM_ERROR, "%s.definition: mesh \"%.200s\" %s; its density needs it",
+                      body->where, body->mesh, not_found);
+    else if (weigh(path.data, body, &error) == KM_MEMORY)
+      model->arena.failed = true;
+    else if (error.status)
+      km_messages_add(reader->messages, KM_ERROR, "%s.definition: %.900s", body->where, error.text);
+  }
+  km_text_free(&path);
+}
+
+void km_model_miss_meshes(const km_model *model, km_messages *messages) {
+  const km_body_def *first = NULL;
+  int missed = 0;
+  km_text path = {0};
+  for (int b = 1; b < model->body_count; ++b) {
+    const km_body_def *body = &model->bodies[b];
+    if (!body->mesh || km_model_find_mesh(model, body->mesh, &path))
+      continue;
+    first = first ? first : body;
+    ++missed;
+  }
+  km_text_free(&path);
+  if (missed == 1)
+    km_messages_add(messages, KM_WARNING, "%s.definition: mesh \"%.200s\" %s", first->where, first->mesh, not_found);
+  else if (missed)
+    km_messages_add(messages, KM_WARNING, "%s.definition: mesh \"%.200s\" %s, nor are the meshes of %d other bodies",
+                    first->where, first->mesh, not_found, missed - 1);
+}

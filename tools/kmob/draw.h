@@ -1,0 +1,37 @@
+/* What the files of kmob draw share. */
+#ifndef KMOB_DRAW_H
+#define KMOB_DRAW_H
+
+#include "kmob/kmob.h"
+#include "report/drawing.h"
+
+typedef struct kmob_draw_options {
+  kt_common common;
+  kmob_texts holds, sets, at, traces;
+  const char *path, *poses, *view, *size, *base;
+  kt_formats formats;
+  bool bodies, ignore_limits;
+} kmob_draw_options;
+
+/* The poses and paths of a picture. */
+typedef struct kmob_shots {
+  const kmob_draw_options *options;
+  int asked; /* poses along the sweep; 0: none */
+  kmob_pose pose;
+  km_pose *poses; /* [count · bodies] */
+  size_t count;
+  km_drawing_trace *traces;
+  km_vec3 **paths; /* [trace] what the traces' points borrow */
+  size_t trace_count;
+  km_text title;
+  char name[256];
+} kmob_shots;
+
+/* Loads the model and moves it through everything that is asked. KT_PARTIAL: some of it is out of
+ * reach. Says what went wrong. Free in any case. */
+kt_exit kmob_shots_take(kmob_shots *shots);
+/* Puts them into the drawing, which borrows them. */
+void kmob_shots_show(const kmob_shots *shots, km_drawing *drawing);
+void kmob_shots_free(kmob_shots *shots);
+
+#endif

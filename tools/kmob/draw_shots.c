@@ -1,0 +1,259 @@
+/* The poses and paths of a picture: the model moved through what was asked. */
+#include "kmob/draw.h"
+
+#include "base/memory.h"
+#include "kinematics/state.h"
+
+#include <math.h>
+#include <string.h>
+
+enum { PATH_STEPS = 360 };
+
+static kt_exit out_of_memory(const kmob_shots *s) {
+  kt_say(&s->options->common, KM_ERROR, "out of memory");
+  return KT_INTERNAL;
+}
+
+static kt_exit report(const kmob_shots *s, km_status status, const km_error *error) {
+  if (status)
+    kt_say(&s->options->common, KM_ERROR, "%s: %s", s->options->path, error->text);
+  return kt_exit_of(status);
+}
+
+/* Keeps the bodies' places of a state as the next pose. */
+static kt_exit keep_pose(kmob_shots *s, const km_mechanism *mechanism, km_state *state) {
+  size_t bodies = (size_t)mechanism->model->body_count;
+  km_pose *poses = km_resize(s->poses, (s->count + 1) * bodies, sizeof *poses);
+  if (!poses)
+    return out_of_memory(s);
+  s->poses = poses;
+  km_poses_update(mechanism, state);
+  memcpy(poses + s->count * bodies, state->pose, bodies * sizeof *poses);
+  s->count++;
+  return KT_DONE;
+}
+
+/* One pose for every --at. */
+static kt_exit take_at(kmob_shots *s) {
+  const kmob_draw_options *o = s->options;
+  kt_exit result = KT_DONE;
+  for (int i = 0; i < o->at.count && result == KT_DONE; ++i) {
+    kmob_texts sets = o->sets;
+    kmob_pose there = {.model = s->pose.model};
+    if (sets.count == KMOB_MOST_TEXTS)
+      return KT_USAGE;
+    sets.items[sets.count++] = o->at.items[i];
+    result = kmob_bring(&o->common, o->path, &o->holds, &sets, &there);
+    if (result == KT_DONE)
+      result = keep_pose(s, there.mechanism, there.state);
+    there.model = NULL; /* it stays */
+    kmob_close(&there);
+    km_text_format(&s->title, "%s%s", i ? ", " : "Pose at ", o->at.items[i]);
+  }
+  return result;
+}
+
+/* The motion of the model's analysis.sweep, on a state of its own. */
+typedef struct motion {
+  const kmob_shots *shots;
+  km_sweep_plan plan;
+  km_state *state;
+  km_drive *drive;
+  km_follow *follow;
+} motion;
+
+static kt_exit start(motion *m) {
+  const kmob_shots *s = m->shots;
+  km_error error;
+  m->plan = km_sweep_plan_default(s->pose.model);
+  if (m->plan.coordinate < 0 && m->plan.arclength <= 0.0) {
+    kt_say(&s->options->common, KM_ERROR, "%s: the model has no analysis.sweep, which --poses and --trace need",
+           s->options->path);
+    return KT_USAGE;
+  }
+  km_status status = km_state_create(s->pose.mechanism, &m->state, &error);
+  if (!status)
+    km_state_copy(s->pose.mechanism, m->state, s->pose.state);
+  if (!status && m->plan.arclength > 0.0)
+    status = km_follow_create(s->pose.mechanism, m->state, m->plan.direction, m->plan.sign, s->options->ignore_limits,
+                              &m->follow, &error);
+  else if (!status)
+    status = km_drive_create(s->pose.mechanism, m->state, m->plan.coordinate, s->options->ignore_limits, &m->drive,
+                             &error);
+  return report(s, status, &error);
+}
+
+static void stop(motion *m) {
+  km_drive_free(m->drive);
+  km_follow_free(m->follow);
+  km_state_free(m->state);
+}
+
+/* A full turn ends where it began: its last pose would hide the first. */
+static bool full_turn(const motion *m) {
+  const km_model *model = m->shots->pose.model;
+  int c = m->plan.coordinate;
+  if (m->follow || km_joint_is_length(model->joints[model->coordinates[c].joint].type, model->coordinates[c].index))
+    return false;
+  return fabs(fabs(m->plan.to - m->plan.from) * km_model_coordinate_factor(model, c) - 2.0 * M_PI) < 1e-6;
+}
+
+/* Moves to a part (0 … 1) of the range; false at its end within reach. */
+static bool go(motion *m, double part) {
+  if (m->follow) {
+    double length = m->plan.arclength * m->plan.steps * part - km_follow_length(m->follow);
+    return length <= 0.0 || (!km_follow_closed(m->follow) && km_follow_advance(m->follow, length) == KM_OK);
+  }
+  return km_drive_to(m->drive, m->plan.from + (m->plan.to - m->plan.from) * part).stop == KM_STOP_NONE;
+}
+
+/* Goes to FROM, or as near as it gets, where the range then begins. False if that is all there is. */
+static bool go_to_start(motion *m) {
+  if (m->follow || go(m, 0.0))
+    return true;
+  double bound = km_state_coordinate(m->state, m->plan.coordinate);
+  bool forwards = m->plan.to >= m->plan.from;
+  bool within = forwards ? bound > m->plan.from && bound < m->plan.to : bound < m->plan.from && bound > m->plan.to;
+  m->plan.from = bound;
+  return within;
+}
+
+typedef kt_exit (*visit)(void *context, const km_mechanism *mechanism, km_state *state);
+
+/* Visits `count` poses from the beginning of the range; the last part of it is `last`. */
+static kt_exit travel(motion *m, int count, double last, visit at, void *context) {
+  double from = m->plan.from;
+  bool whole = go_to_start(m);
+  bool cut = !m->follow && (!whole || m->plan.from != from);
+  kt_exit result = at(context, m->shots->pose.mechanism, m->state);
+  for (int i = 1; i < count && whole && result == KT_DONE; ++i) {
+    whole = go(m, last * i / (count - 1));
+    result = at(context, m->shots->pose.mechanism, m->state);
+  }
+  bool closed = m->follow && km_follow_closed(m->follow);
+  if (result != KT_DONE || closed || (whole && !cut))
+    return result;
+  kt_say(&m->shots->options->common, KM_ERROR, "%s: a part of the range of analysis.sweep is out of reach",
+         m->shots->options->path);
+  return KT_PARTIAL;
+}
+
+static kt_exit visit_pose(void *context, const km_mechanism *mechanism, km_state *state) {
+  return keep_pose(context, mechanism, state);
+}
+
+static void name_poses(kmob_shots *s, const motion *m) {
+  const km_model *model = s->pose.model;
+  if (m->follow)
+    km_text_format(&s->title, "Poses along the motion");
+  else
+    km_text_format(&s->title, "Poses for %s from %g to %g %s", km_model_coordinate_label(model, m->plan.coordinate),
+                   m->plan.from, m->plan.to, km_model_coordinate_unit(model, m->plan.coordinate));
+}
+
+static kt_exit take_poses(kmob_shots *s) {
+  motion m = {.shots = s};
+  kt_exit result = start(&m);
+  if (result == KT_DONE) {
+    int n = s->asked;
+    name_poses(s, &m);
+    result = travel(&m, n, full_turn(&m) ? (n - 1.0) / n : 1.0, visit_pose, s);
+  }
+  stop(&m);
+  return result;
+}
+
+static kt_exit visit_points(void *context, const km_mechanism *mechanism, km_state *state) {
+  kmob_shots *s = context;
+  km_poses_update(mechanism, state);
+  for (size_t t = 0; t < s->trace_count; ++t) {
+    double at[3];
+    km_frame_position(mechanism, state, s->traces[t].frame, at);
+    s->paths[t][s->traces[t].count++] = km_vec3_make(at);
+  }
+  return KT_DONE;
+}
+
+static kt_exit find_frame(kmob_shots *s, const char *text, int *frame) {
+  const char *names[64], *rest = text;
+  char *owned[64];
+  size_t count = 0;
+  km_error error;
+  for (char last = '/'; last == '/' && count < 64; ++count) {
+    kt_piece piece = kt_split(&rest, "/");
+    names[count] = owned[count] = piece.text;
+    last = piece.separator;
+  }
+  km_status status = km_model_find_frame(s->pose.model, names, count, frame, &error);
+  for (size_t i = 0; i < count; ++i)
+    km_free(owned[i]);
+  if (status)
+    kt_say(&s->options->common, KM_ERROR, "--trace %s: %s", text, error.text);
+  return kt_exit_of(status);
+}
+
+static kt_exit take_paths(kmob_shots *s) {
+  const kmob_texts *texts = &s->options->traces;
+  kt_exit result = KT_DONE;
+  motion m = {.shots = s};
+  s->traces = KM_NEW(km_drawing_trace, (size_t)texts->count);
+  s->paths = KM_NEW(km_vec3 *, (size_t)texts->count);
+  for (int t = 0; t < texts->count && s->traces && s->paths && result == KT_DONE; ++t) {
+    s->traces[t].name = texts->items[t];
+    s->traces[t].points = s->paths[t] = KM_NEW(km_vec3, PATH_STEPS + 1);
+    if (!s->paths[t])
+      return out_of_memory(s);
+    s->trace_count++;
+    result = find_frame(s, texts->items[t], &s->traces[t].frame);
+  }
+  if (!s->traces || !s->paths)
+    return out_of_memory(s);
+  if (result == KT_DONE)
+    result = start(&m);
+  if (result == KT_DONE)
+    result = travel(&m, PATH_STEPS + 1, 1.0, visit_points, s);
+  stop(&m);
+  return result;
+}
+
+static kt_exit take_file_pose(kmob_shots *s) {
+  km_text_format(&s->title, s->options->sets.count ? "Pose at " : "Mechanism at its model's pose");
+  for (int i = 0; i < s->options->sets.count; ++i)
+    km_text_format(&s->title, "%s%s", i ? ", " : "", s->options->sets.items[i]);
+  return keep_pose(s, s->pose.mechanism, s->pose.state);
+}
+
+kt_exit kmob_shots_take(kmob_shots *s) {
+  const kmob_draw_options *o = s->options;
+  kt_base_name(o->path, s->name, sizeof s->name);
+  kt_exit result = kmob_open(&o->common, o->path, &o->holds, &o->sets, &s->pose);
+  if (result != KT_DONE)
+    return result;
+  result = o->at.count ? take_at(s) : s->asked ? take_poses(s) : take_file_pose(s);
+  if (o->traces.count && (result == KT_DONE || result == KT_PARTIAL)) {
+    kt_exit paths = take_paths(s);
+    result = paths > result ? paths : result;
+  }
+  return result == KT_DONE && s->title.failed ? out_of_memory(s) : result;
+}
+
+void kmob_shots_show(const kmob_shots *s, km_drawing *drawing) {
+  drawing->mechanism = s->pose.mechanism;
+  drawing->poses = s->poses;
+  drawing->pose_count = s->count;
+  drawing->traces = s->traces;
+  drawing->trace_count = s->trace_count;
+  drawing->bodies = s->options->bodies;
+  drawing->title = s->title.data;
+  drawing->name = s->name;
+}
+
+void kmob_shots_free(kmob_shots *s) {
+  for (size_t t = 0; t < s->trace_count; ++t)
+    km_free(s->paths[t]);
+  km_free(s->paths);
+  km_free(s->traces);
+  km_free(s->poses);
+  km_text_free(&s->title);
+  kmob_close(&s->pose);
+}
