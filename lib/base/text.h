@@ -18,7 +18,7 @@ void km_text_add(km_text *text, const char *string);
 void km_text_format(km_text *text, const char *format, ...) __attribute__((format(printf, 2, 3)));
 void km_text_number(km_text *text, double value);
 
-enum { KM_NUMBER_TEXT = 32 };
+enum { KM_NUMBER_TEXT = 48 };
 /* The shortest decimal text that reads back to the same double, in the C locale whatever the process's
  * locale is; inf, -inf, nan. Returns the length. */
 size_t km_number_format(char out[KM_NUMBER_TEXT], double value);

@@ -12,8 +12,16 @@ static const km_pose *pose_of(const km_studio *s, size_t index) {
 
 static km_scene scene_of(km_studio *s, size_t index, double fade) {
   bool alone = s->drawing->alone;
-  return (km_scene){.mechanism = s->drawing->mechanism, .pose = pose_of(s, index), .poses = pose_of(s, alone ? index : 0),
-                    .pose_count = alone ? 1 : s->drawing->pose_count, .shapes = s->shapes, .marks = s->marks, .view = &s->view, .arena = &s->arena, .radius = s->radius, .fade = fade,
+  return (km_scene){.mechanism = s->drawing->mechanism,
+                    .pose = pose_of(s, index),
+                    .poses = pose_of(s, alone ? index : 0),
+                    .pose_count = alone ? 1 : s->drawing->pose_count,
+                    .shapes = s->shapes,
+                    .marks = s->marks,
+                    .view = &s->view,
+                    .arena = &s->arena,
+                    .radius = s->radius,
+                    .fade = fade,
                     .halo = !s->view.planar};
 }
 
@@ -22,7 +30,8 @@ static int by_size(const void *a, const void *b) {
   return (x > y) - (x < y);
 }
 
-/* The distance on the page from joints to their next neighbours in another place: the lower quartile. */
+/* The distance on the page from joints to their next neighbours in another place: the lower
+ * quartile. */
 static double crowding(km_studio *s, const km_spot *spots, int count) {
   double *nearest = KM_ARENA_NEW(&s->arena, double, (size_t)count), least = 0.5 * s->radius;
   int found = 0;
@@ -77,6 +86,18 @@ bool km_studio_open(km_studio *s) {
   return !s->arena.failed;
 }
 
+/* There may be hundreds: each gives its memory back. */
+static void draw_ghost(km_studio *s, size_t index, double fade) {
+  km_arena arena = {0};
+  km_scene ghost = scene_of(s, index, fade);
+  ghost.arena = &arena;
+  km_scene_build(&ghost);
+  if (!arena.failed)
+    km_scene_paint(&ghost, s->canvas);
+  s->arena.failed = s->arena.failed || arena.failed;
+  km_arena_free(&arena);
+}
+
 /* The farther from the full pose, the paler. */
 static void draw_ghosts(km_studio *s) {
   size_t count = s->drawing->pose_count, full = s->drawing->full;
@@ -86,15 +107,14 @@ static void draw_ghosts(km_studio *s) {
       size_t index = side < 0 ? full - away : full + away;
       if (index >= count) /* below 0 too */
         continue;
-      km_scene ghost = scene_of(s, index, 0.55 + 0.3 * (double)away / (double)most);
-      km_scene_build(&ghost);
-      km_scene_paint(&ghost, s->canvas);
+      draw_ghost(s, index, 0.55 + 0.3 * (double)away / (double)most);
     }
 }
 
 static km_spot trace_spot(const km_studio *s, const km_drawing_trace *trace) {
   const km_frame_def *frame = &s->drawing->mechanism->model->frames[trace->frame];
-  return km_project(&s->view, km_pose_point(&pose_of(s, s->drawing->full)[frame->body], frame->pose.p));
+  return km_project(&s->view,
+                    km_pose_point(&pose_of(s, s->drawing->full)[frame->body], frame->pose.p));
 }
 
 static int trace_colour(const km_studio *s, const km_drawing_trace *trace) {
@@ -130,7 +150,8 @@ static km_spot middle_of(const km_studio *s, const km_scene *scene, int body) {
   double largest = 0.0;
   for (size_t i = 0; i < scene->count; ++i) {
     const km_item *item = &scene->items[i];
-    double size = item->body == body ? km_spot_distance(item->spots[0], item->spots[item->count / 2]) : 0.0;
+    double size =
+        item->body == body ? km_spot_distance(item->spots[0], item->spots[item->count / 2]) : 0.0;
     if (size <= largest)
       continue;
     largest = size;
@@ -151,18 +172,25 @@ static void draw_labels(km_studio *s, const km_scene *scene) {
   if (!labels || d->bare)
     return;
   for (size_t t = 0; t < d->trace_count; ++t)
-    labels[count++] = (km_label){.text = d->traces[t].name, .at = trace_spot(s, &d->traces[t]), .radius = s->radius,
+    labels[count++] = (km_label){.text = d->traces[t].name,
+                                 .at = trace_spot(s, &d->traces[t]),
+                                 .radius = s->radius,
                                  .colour = trace_colour(s, &d->traces[t])};
   for (int j = 0; j < model->joint_count; ++j)
-    labels[count++] = (km_label){.text = model->joints[j].label, .at = km_project(&s->view, km_joint_place(scene, j)),
-                                 .radius = km_symbol_reach(scene, j), .colour = KM_BLACK};
+    labels[count++] = (km_label){.text = model->joints[j].label,
+                                 .at = km_project(&s->view, km_joint_place(scene, j)),
+                                 .radius = km_symbol_reach(scene, j),
+                                 .colour = KM_BLACK};
   for (int b = 1; b < model->body_count && d->bodies; ++b)
-    labels[count++] = (km_label){.text = model->bodies[b].name, .at = middle_of(s, scene, b), .radius = s->radius,
-                                 .colour = s->shapes[b].colour, .inside = true};
+    labels[count++] = (km_label){.text = model->bodies[b].name,
+                                 .at = middle_of(s, scene, b),
+                                 .radius = s->radius,
+                                 .colour = s->shapes[b].colour,
+                                 .inside = true};
   km_font font = {.size = fmin(fmax(8.0 * s->size, 6.5), 11.0)};
   font.width = fmin(16.0 * font.size, 0.3 * s->place.width);
-  km_labels_draw(s->canvas, scene, d->traces, d->trace_count, labels, count < MOST_LABELS ? count : MOST_LABELS, &font,
-                 s->place);
+  km_labels_draw(s->canvas, scene, d->traces, d->trace_count, labels,
+                 count < MOST_LABELS ? count : MOST_LABELS, &font, s->place);
 }
 
 void km_studio_draw(km_studio *s) {
@@ -184,15 +212,17 @@ km_status km_studio_close(km_studio *s, km_error *error) {
   return failed ? km_fail(error, KM_MEMORY, "out of memory for a drawing") : KM_OK;
 }
 
-km_status km_drawing_place(const km_drawing *drawing, km_canvas *canvas, km_rectangle place, km_error *error) {
+km_status km_drawing_place(const km_drawing *drawing, km_canvas *canvas, km_rectangle place,
+                           km_error *error) {
   km_studio s = {.drawing = drawing, .canvas = canvas, .place = place};
   if (km_studio_open(&s))
     km_studio_draw(&s);
   return km_studio_close(&s, error);
 }
 
-km_status km_drawing_into(km_canvas *canvas, const km_mechanism *mechanism, const km_state *state, km_view view,
-                          km_rectangle place, km_error *error) {
-  const km_drawing drawing = {.mechanism = mechanism, .poses = state->pose, .pose_count = 1, .view = view, .bare = true};
+km_status km_drawing_into(km_canvas *canvas, const km_mechanism *mechanism, const km_state *state,
+                          km_view view, km_rectangle place, km_error *error) {
+  const km_drawing drawing = {
+      .mechanism = mechanism, .poses = state->pose, .pose_count = 1, .view = view, .bare = true};
   return km_drawing_place(&drawing, canvas, place, error);
 }

@@ -31,14 +31,14 @@ typedef struct km_drawing {
   const km_drawing_trace *traces;
   size_t trace_count;
   km_view view;
-  bool bodies; /* names them too */
-  bool bare;   /* without any names */
+  bool bodies;              /* names them too */
+  bool bare;                /* without any names */
   const char *title, *name; /* what is shown; the model's name. Of km_drawing_render only */
   double width, height;     /* points; 0: chosen from the shape. Of km_drawing_render only */
 } km_drawing;
 
-/* Appends a page with the drawing, its title, scale bar and axes to `out`. The same drawing gives the
- * same bytes. KM_USAGE (a page too small or too large), KM_MEMORY, KM_INTERNAL. */
+/* Appends a page with the drawing, its title, scale bar and axes to `out`. The same drawing gives
+ * the same bytes. KM_USAGE (a page too small or too large), KM_MEMORY, KM_INTERNAL. */
 km_status km_drawing_render(const km_drawing *drawing, km_canvas_format format, km_text *out,
                             km_error *error);
 

@@ -4,7 +4,7 @@
 #include "report/palette.h"
 
 enum { DIRECTIONS = 16, RINGS = 7, ROUNDS = 3 };
-static const double clash = 1e6;  /* overlapping another name: rather none at all */
+static const double clash = 1e6; /* overlapping another name: rather none at all */
 static const double cost_symbol = 100.0, cost_edge = 3.0, cost_leader = 25.0, cost_distance = 1.1;
 
 /* Part of the picture, as a segment with a width. */
@@ -29,7 +29,8 @@ static void add_ground(board *b, const km_item *item, double radius) {
   km_spot away = rail ? km_rail_side(item) : item->axis[0];
   double off = rail ? 2.0 * radius : 2.4 * radius;
   obstacle *o = &b->obstacles[b->obstacle_count++];
-  *o = (obstacle){item->spots[0], item->spots[item->count - 1], rail ? 1.6 * radius : 2.3 * radius, true};
+  *o = (obstacle){item->spots[0], item->spots[item->count - 1], rail ? 1.6 * radius : 2.3 * radius,
+                  true};
   o->a.x += off * away.x;
   o->a.y += off * away.y;
   o->b.x += off * away.x;
@@ -48,13 +49,15 @@ enum { TRACE_STEPS = 48 };
 
 static void add_trace(board *b, const km_projection *view, const km_drawing_trace *trace) {
   for (size_t i = 0; i < TRACE_STEPS && trace->count; ++i) {
-    size_t from = i * (trace->count - 1) / TRACE_STEPS, to = (i + 1) * (trace->count - 1) / TRACE_STEPS;
-    b->obstacles[b->obstacle_count++] =
-        (obstacle){km_project(view, trace->points[from]), km_project(view, trace->points[to]), 0.5, false};
+    size_t from = i * (trace->count - 1) / TRACE_STEPS,
+           to = (i + 1) * (trace->count - 1) / TRACE_STEPS;
+    b->obstacles[b->obstacle_count++] = (obstacle){km_project(view, trace->points[from]),
+                                                   km_project(view, trace->points[to]), 0.5, false};
   }
 }
 
-static bool gather(board *b, const km_scene *scene, const km_drawing_trace *traces, size_t trace_count) {
+static bool gather(board *b, const km_scene *scene, const km_drawing_trace *traces,
+                   size_t trace_count) {
   size_t most = trace_count * TRACE_STEPS;
   for (size_t i = 0; i < scene->count; ++i)
     most += (size_t)scene->items[i].count;
@@ -99,13 +102,16 @@ static double picture_cost(const board *b, km_canvas_point box, km_canvas_point 
   return cost;
 }
 
-static bool overlap(km_canvas_point a, km_canvas_point size_a, km_canvas_point b, km_canvas_point size_b) {
-  return a.x < b.x + size_b.x && b.x < a.x + size_a.x && a.y < b.y + size_b.y && b.y < a.y + size_a.y;
+static bool overlap(km_canvas_point a, km_canvas_point size_a, km_canvas_point b,
+                    km_canvas_point size_b) {
+  return a.x < b.x + size_b.x && b.x < a.x + size_a.x && a.y < b.y + size_b.y &&
+         b.y < a.y + size_a.y;
 }
 
 static bool outside(const board *b, km_canvas_point box, km_canvas_point size) {
   const km_rectangle *p = &b->place;
-  return box.x < p->left || box.y < p->top || box.x + size.x > p->left + p->width || box.y + size.y > p->top + p->height;
+  return box.x < p->left || box.y < p->top || box.x + size.x > p->left + p->width ||
+         box.y + size.y > p->top + p->height;
 }
 
 /* The point of a label's box that is nearest to its spot. */
@@ -124,8 +130,10 @@ static bool has_leader(const board *b, const km_label *label, km_canvas_point bo
 }
 
 static bool crosses(km_canvas_point a, km_canvas_point b, km_canvas_point c, km_canvas_point d) {
-  double abc = (b.x - a.x) * (c.y - a.y) - (b.y - a.y) * (c.x - a.x), abd = (b.x - a.x) * (d.y - a.y) - (b.y - a.y) * (d.x - a.x);
-  double cda = (d.x - c.x) * (a.y - c.y) - (d.y - c.y) * (a.x - c.x), cdb = (d.x - c.x) * (b.y - c.y) - (d.y - c.y) * (b.x - c.x);
+  double abc = (b.x - a.x) * (c.y - a.y) - (b.y - a.y) * (c.x - a.x),
+         abd = (b.x - a.x) * (d.y - a.y) - (b.y - a.y) * (d.x - a.x);
+  double cda = (d.x - c.x) * (a.y - c.y) - (d.y - c.y) * (a.x - c.x),
+         cdb = (d.x - c.x) * (b.y - c.y) - (d.y - c.y) * (b.x - c.x);
   return abc * abd < 0.0 && cda * cdb < 0.0;
 }
 
@@ -140,14 +148,16 @@ static double leader_cost(const board *b, const km_label *label, km_canvas_point
       continue;
     km_canvas_point other_at = {other->at.x, other->at.y};
     cost += inside(&leader, other->box, other->size) >= 0.0 ? 4.0 * cost_symbol : 0.0;
-    if (has_leader(b, other, other->box) && crosses(at, end, other_at, leader_end(other, other->box)))
+    if (has_leader(b, other, other->box) &&
+        crosses(at, end, other_at, leader_end(other, other->box)))
       cost += 2.0 * cost_symbol;
   }
   for (size_t i = 0; i < b->obstacle_count; ++i) {
     const obstacle *o = &b->obstacles[i];
     if (!o->symbol || km_spot_distance(o->a, label->at) < 0.5)
       continue;
-    km_canvas_point corner = {o->a.x - o->reach, o->a.y - o->reach}, size = {2.0 * o->reach, 2.0 * o->reach};
+    km_canvas_point corner = {o->a.x - o->reach, o->a.y - o->reach},
+                    size = {2.0 * o->reach, 2.0 * o->reach};
     cost += inside(&leader, corner, size) >= 0.0 ? 0.7 * cost_symbol : 0.0;
   }
   return cost;
@@ -160,7 +170,10 @@ static double cost_of(const board *b, const km_label *label, km_canvas_point box
     if (other == label || !other->placed)
       continue;
     cost += overlap(box, label->size, other->box, other->size) ? clash : 0.0;
-    obstacle leader = {other->at, {leader_end(other, other->box).x, leader_end(other, other->box).y, 0.0}, 0.0, false};
+    obstacle leader = {other->at,
+                       {leader_end(other, other->box).x, leader_end(other, other->box).y, 0.0},
+                       0.0,
+                       false};
     if (has_leader(b, other, other->box) && inside(&leader, box, label->size) >= 0.0)
       cost += 4.0 * cost_symbol;
   }
@@ -170,7 +183,8 @@ static double cost_of(const board *b, const km_label *label, km_canvas_point box
 
 static km_canvas_point box_at(const board *b, const km_label *label, int ring, int direction) {
   static const double rings[RINGS] = {0.15, 0.45, 1.1, 2.0, 3.2, 4.8, 7.0};
-  double angle = 2.0 * M_PI * (direction + 0.5 * (ring % 2)) / DIRECTIONS - 0.25 * M_PI; /* right above first */
+  double angle = 2.0 * M_PI * (direction + 0.5 * (ring % 2)) / DIRECTIONS -
+                 0.25 * M_PI; /* right above first */
   double x = cos(angle), y = sin(angle), off = label->radius + rings[ring] * b->em;
   /* The box touches the circle about the spot with the side or corner that faces it. */
   double across = fmin(fmax(1.3 * x, -1.0), 1.0), down = fmin(fmax(1.3 * y, -1.0), 1.0);
@@ -199,20 +213,27 @@ static void place_label(board *b, km_label *label) {
     }
 }
 
-static void draw_label(const board *b, km_canvas *canvas, const km_label *label, const km_font *font) {
+static void draw_label(const board *b, km_canvas *canvas, const km_label *label,
+                       const km_font *font) {
   km_pen thin = {.colour = {0.45, 0.45, 0.45, 1}, .width = 0.07 * b->em};
   km_canvas_point end = leader_end(label, label->box);
   double x = end.x - label->at.x, y = end.y - label->at.y, length = hypot(x, y);
   if (has_leader(b, label, label->box) && length > 0.0)
-    km_canvas_line(canvas, &thin, (km_canvas_point){label->at.x + x / length * 0.8 * label->radius, label->at.y + y / length * 0.8 * label->radius}, end);
+    km_canvas_line(canvas, &thin,
+                   (km_canvas_point){label->at.x + x / length * 0.8 * label->radius,
+                                     label->at.y + y / length * 0.8 * label->radius},
+                   end);
   if (picture_cost(b, label->box, label->size) > 0.0)
-    km_canvas_rectangle(canvas, (km_colour){1, 1, 1, 0.7}, label->box.x, label->box.y, label->size.x, label->size.y);
-  km_colour colour = label->colour == KM_BLACK ? (km_colour){0.1, 0.1, 0.1, 1} : km_palette_text(label->colour);
+    km_canvas_rectangle(canvas, (km_colour){1, 1, 1, 0.7}, label->box.x, label->box.y,
+                        label->size.x, label->size.y);
+  km_colour colour =
+      label->colour == KM_BLACK ? (km_colour){0.1, 0.1, 0.1, 1} : km_palette_text(label->colour);
   km_canvas_text(canvas, font, colour, label->text, label->box, (km_anchor){0, 0, 0});
 }
 
-void km_labels_draw(km_canvas *canvas, const km_scene *scene, const km_drawing_trace *traces, size_t trace_count,
-                    km_label *labels, size_t count, const km_font *font, km_rectangle place) {
+void km_labels_draw(km_canvas *canvas, const km_scene *scene, const km_drawing_trace *traces,
+                    size_t trace_count, km_label *labels, size_t count, const km_font *font,
+                    km_rectangle place) {
   board b = {.labels = labels, .count = count, .place = place, .em = font->size};
   if (!gather(&b, scene, traces, trace_count))
     return;

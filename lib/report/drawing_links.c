@@ -9,9 +9,13 @@ km_colour km_mix(km_colour a, km_colour b, double part) {
                      a.blue + part * (b.blue - a.blue), a.alpha};
 }
 
-km_colour km_faded(const km_scene *scene, km_colour colour) { return km_mix(colour, white, scene->fade); }
+km_colour km_faded(const km_scene *scene, km_colour colour) {
+  return km_mix(colour, white, scene->fade);
+}
 
-static km_pen pen_of(km_colour colour, double width) { return (km_pen){.colour = colour, .width = width}; }
+static km_pen pen_of(km_colour colour, double width) {
+  return (km_pen){.colour = colour, .width = width};
+}
 
 typedef struct tint {
   km_colour rim, fill, streak;
@@ -19,7 +23,8 @@ typedef struct tint {
 
 static tint tint_of(const km_scene *scene, int body) {
   km_colour colour = km_palette_colour(scene->shapes[body].colour);
-  return (tint){km_faded(scene, km_mix(colour, dark, 0.55)), km_faded(scene, km_mix(colour, white, 0.38)),
+  return (tint){km_faded(scene, km_mix(colour, dark, 0.55)),
+                km_faded(scene, km_mix(colour, white, 0.38)),
                 km_faded(scene, km_mix(colour, white, 0.72))};
 }
 
@@ -32,15 +37,18 @@ static void paint_seam(const km_scene *scene, km_canvas *canvas, const km_item *
   if (!scene->halo || length <= 2.0 * end + seam.width)
     return;
   double x = (b->x - a->x) / length * end, y = (b->y - a->y) / length * end;
-  km_canvas_line(canvas, &seam, (km_canvas_point){a->x + x, a->y + y}, (km_canvas_point){b->x - x, b->y - y});
+  km_canvas_line(canvas, &seam, (km_canvas_point){a->x + x, a->y + y},
+                 (km_canvas_point){b->x - x, b->y - y});
 }
 
 /* A rounded bar along a line, lit from above. */
 static void paint_bar(const km_scene *scene, km_canvas *canvas, const km_item *item, tint t) {
   double width = 2.0 * item->reach, rim = 0.16 * scene->radius;
-  km_canvas_point a = {item->spots[0].x, item->spots[0].y}, b = {item->spots[1].x, item->spots[1].y};
+  km_canvas_point a = {item->spots[0].x, item->spots[0].y},
+                  b = {item->spots[1].x, item->spots[1].y};
   paint_seam(scene, canvas, item);
-  km_pen outline = pen_of(t.rim, width + 2.0 * rim), fill = pen_of(t.fill, width), streak = pen_of(t.streak, 0.3 * width);
+  km_pen outline = pen_of(t.rim, width + 2.0 * rim), fill = pen_of(t.fill, width),
+         streak = pen_of(t.streak, 0.3 * width);
   km_canvas_line(canvas, &outline, a, b);
   km_canvas_line(canvas, &fill, a, b);
   double length = hypot(b.x - a.x, b.y - a.y), shift = 0.2 * width;
@@ -51,7 +59,8 @@ static void paint_bar(const km_scene *scene, km_canvas *canvas, const km_item *i
     x = -x;
     y = -y;
   }
-  km_canvas_line(canvas, &streak, (km_canvas_point){a.x + x, a.y + y}, (km_canvas_point){b.x + x, b.y + y});
+  km_canvas_line(canvas, &streak, (km_canvas_point){a.x + x, a.y + y},
+                 (km_canvas_point){b.x + x, b.y + y});
 }
 
 static km_canvas_point *corners(const km_scene *scene, const km_item *item) {
@@ -92,7 +101,8 @@ static void paint_barrel(const km_scene *scene, km_canvas *canvas, const km_item
   paint_seam(scene, canvas, item);
   km_canvas_polygon(canvas, t.fill, box, 4);
   double side = x > 0.0 || (x == 0.0 && y > 0.0) ? 0.35 * r : -0.35 * r; /* the upper side */
-  km_canvas_line(canvas, &streak, (km_canvas_point){a->x + side * y + r * x, a->y - side * x + r * y},
+  km_canvas_line(canvas, &streak,
+                 (km_canvas_point){a->x + side * y + r * x, a->y - side * x + r * y},
                  (km_canvas_point){b->x + side * y - r * x, b->y - side * x - r * y});
   km_canvas_polyline(canvas, &outline, box, 6);
 }
@@ -104,20 +114,33 @@ static void paint_base(const km_scene *scene, km_canvas *canvas, const km_item *
   if (!points)
     return;
   km_pen edge = {.colour = grey, .width = 0.3 * scene->radius, .dash = dashes, .dash_count = 2};
-  km_canvas_polygon(canvas, km_faded(scene, (km_colour){0.93, 0.93, 0.93, 1}), points, (size_t)item->count);
+  km_canvas_polygon(canvas, km_faded(scene, (km_colour){0.93, 0.93, 0.93, 1}), points,
+                    (size_t)item->count);
   km_canvas_polyline(canvas, &edge, points, (size_t)item->count + (item->count > 2));
 }
 
 static void paint_item(const km_scene *scene, km_canvas *canvas, const km_item *item) {
   switch (item->kind) {
-  case KM_ITEM_BASE: paint_base(scene, canvas, item); return;
+  case KM_ITEM_BASE:
+    paint_base(scene, canvas, item);
+    return;
   case KM_ITEM_MOUNT:
-  case KM_ITEM_RAIL: km_ground_paint(scene, canvas, item); return;
-  case KM_ITEM_PLATE: paint_plate(scene, canvas, item, tint_of(scene, item->body)); return;
+  case KM_ITEM_RAIL:
+    km_ground_paint(scene, canvas, item);
+    return;
+  case KM_ITEM_PLATE:
+    paint_plate(scene, canvas, item, tint_of(scene, item->body));
+    return;
   case KM_ITEM_BAR:
-  case KM_ITEM_ROD: paint_bar(scene, canvas, item, tint_of(scene, item->body)); return;
-  case KM_ITEM_BARREL: paint_barrel(scene, canvas, item, tint_of(scene, item->body)); return;
-  case KM_ITEM_SYMBOL: km_symbol_paint(scene, canvas, item); return;
+  case KM_ITEM_ROD:
+    paint_bar(scene, canvas, item, tint_of(scene, item->body));
+    return;
+  case KM_ITEM_BARREL:
+    paint_barrel(scene, canvas, item, tint_of(scene, item->body));
+    return;
+  case KM_ITEM_SYMBOL:
+    km_symbol_paint(scene, canvas, item);
+    return;
   }
 }
 

@@ -11,7 +11,9 @@ typedef struct meeting {
   double distance, depth;
 } meeting;
 
-static double limited(double t) { return fmin(fmax(t, 0.0), 1.0); }
+static double limited(double t) {
+  return fmin(fmax(t, 0.0), 1.0);
+}
 
 /* Parameter of the point of a-b that is nearest to p. */
 static double nearest(km_spot a, km_spot b, km_spot p) {
@@ -51,7 +53,9 @@ static void edge(const km_item *item, int i, km_spot out[2]) {
   out[1] = item->spots[(i + 1) % item->count];
 }
 
-static int edges(const km_item *item) { return item->count > 2 ? item->count : 1; }
+static int edges(const km_item *item) {
+  return item->count > 2 ? item->count : 1;
+}
 
 /* > 0: a lies in front of b where they overlap, < 0 behind, 0: neither. */
 static double in_front(const km_item *a, const km_item *b) {
@@ -81,9 +85,10 @@ static int by_depth(const void *x, const void *y) {
   return a->body != b->body ? a->body - b->body : a->joint - b->joint;
 }
 
-/* Takes again and again the farthest item with nothing left behind it; where items hide each other in
- * a ring, simply the farthest. */
-static void take_in_order(km_scene *scene, km_item *ordered, int *behind, const signed char *front) {
+/* Takes again and again the farthest item with nothing left behind it; where items hide each other
+ * in a ring, simply the farthest. */
+static void take_in_order(km_scene *scene, km_item *ordered, int *behind,
+                          const signed char *front) {
   size_t n = scene->count;
   for (size_t taken = 0; taken < n; ++taken) {
     size_t choice = n;
@@ -104,8 +109,8 @@ void km_scene_order(km_scene *scene) {
   if (scene->view->planar || n > MOST_COMPARED)
     return;
   km_item *ordered = KM_ARENA_NEW(scene->arena, km_item, n);
-  int *behind = KM_ARENA_NEW(scene->arena, int, n);             /* how many items must come first */
-  signed char *front = KM_ARENA_NEW(scene->arena, signed char, n * n); /* [i, k] i in front of k */
+  int *behind = KM_ARENA_NEW(scene->arena, int, n); /* how many items must come first */
+  signed char *front = KM_ARENA_NEW(scene->arena, signed char, n *n); /* [i, k] i in front of k */
   if (scene->arena->failed)
     return;
   for (size_t i = 0; i < n; ++i)

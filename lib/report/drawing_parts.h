@@ -1,5 +1,5 @@
-/* What the files of the drawing module share: the projection, the shapes of the bodies, and the scene
- * of one pose, whose items are painted in order. */
+/* What the files of the drawing module share: the projection, the shapes of the bodies, and the
+ * scene of one pose, whose items are painted in order. */
 #ifndef KM_REPORT_DRAWING_PARTS_H
 #define KM_REPORT_DRAWING_PARTS_H
 
@@ -13,11 +13,11 @@ typedef struct km_spot {
 /* How the inertial frame lies on the page. */
 typedef struct km_projection {
   km_vec3 right, up, toward;
-  bool planar;         /* the view is along the axes of a planar mechanism */
-  const char *name;    /* of the view, in words */
-  km_vec3 centre;      /* shown at `middle` */
+  bool planar;      /* the view is along the axes of a planar mechanism */
+  const char *name; /* of the view, in words */
+  km_vec3 centre;   /* shown at `middle` */
   km_canvas_point middle;
-  double scale;        /* points per length unit */
+  double scale; /* points per length unit */
 } km_projection;
 
 typedef struct km_extent {
@@ -54,9 +54,9 @@ typedef struct km_mark {
 } km_mark;
 
 typedef enum km_item_kind {
-  KM_ITEM_BASE,   /* the ground between three joints or more of a spatial mechanism */
-  KM_ITEM_MOUNT,  /* ground under a joint: a triangle with hatching */
-  KM_ITEM_RAIL,   /* ground along a slide */
+  KM_ITEM_BASE,  /* the ground between three joints or more of a spatial mechanism */
+  KM_ITEM_MOUNT, /* ground under a joint: a triangle with hatching */
+  KM_ITEM_RAIL,  /* ground along a slide */
   KM_ITEM_PLATE,
   KM_ITEM_BAR,
   KM_ITEM_ROD,
@@ -70,14 +70,15 @@ typedef struct km_item {
   int joint, body; /* -1: none */
   km_spot *spots;  /* ends of a bar or rail, corners of a plate, place of a symbol */
   int count;
-  double reach;    /* half its width on the page */
-  double depth;    /* mean */
-  km_spot axis[2]; /* SYMBOL, RAIL: the joint's unit axes on the page; MOUNT: direction of the ground */
+  double reach; /* half its width on the page */
+  double depth; /* mean */
+  km_spot
+      axis[2]; /* SYMBOL, RAIL: the joint's unit axes on the page; MOUNT: direction of the ground */
 } km_item;
 
 typedef struct km_scene {
   const km_mechanism *mechanism;
-  const km_pose *pose; /* [body] */
+  const km_pose *pose;  /* [body] */
   const km_pose *poses; /* [pose_count · bodies] all poses that are shown: rails reach along them */
   size_t pose_count;
   const km_shape *shapes;
@@ -98,7 +99,7 @@ typedef struct km_label {
   int colour;    /* of the palette; -2 black */
   km_canvas_point size;
   km_canvas_point box; /* left top corner, once placed */
-  bool inside;   /* may lie over its spot */
+  bool inside;         /* may lie over its spot */
   bool placed;
 } km_label;
 
@@ -126,7 +127,8 @@ km_status km_studio_close(km_studio *studio, km_error *error);
 
 /* Views. */
 km_projection km_view_make(const km_drawing *drawing);
-km_extent km_extent_of(const km_drawing *drawing, const km_shape *shapes, const km_projection *view);
+km_extent km_extent_of(const km_drawing *drawing, const km_shape *shapes,
+                       const km_projection *view);
 void km_projection_fit(km_projection *view, const km_extent *extent, km_rectangle inner);
 km_spot km_project(const km_projection *view, km_vec3 point);
 /* A direction on the page: x right, y down, depth. */
@@ -138,6 +140,9 @@ km_mark *km_marks_make(const km_model *model, const km_shape *shapes, km_arena *
 
 /* The scene of a pose, in the order of painting. */
 void km_scene_build(km_scene *scene);
+/* The corners of the convex hull of spots on the page, which are sorted on the way; `hull` has room
+ * for 2 * count + 1. Returns how many; 2 where all are in line. */
+int km_convex_hull(km_spot *spots, int count, km_spot *hull);
 /* Orders items so that what lies in front is painted last. */
 void km_scene_order(km_scene *scene);
 /* The base lies under everything, ghosts and paths too; then comes the rest. */
@@ -165,7 +170,9 @@ void km_labels_draw(km_canvas *canvas, const km_scene *scene, const km_drawing_t
                     size_t trace_count, km_label *labels, size_t count, const km_font *font,
                     km_rectangle place);
 
-static inline double km_spot_distance(km_spot a, km_spot b) { return hypot(a.x - b.x, a.y - b.y); }
+static inline double km_spot_distance(km_spot a, km_spot b) {
+  return hypot(a.x - b.x, a.y - b.y);
+}
 /* a + s·b */
 static inline km_canvas_point km_page(km_spot a, double s, km_spot b) {
   return (km_canvas_point){a.x + s * b.x, a.y + s * b.y};

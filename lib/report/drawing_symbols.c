@@ -1,7 +1,8 @@
 /* The symbols of textbooks for joints and the ground. Sizes are in radii of a pin. */
 #include "report/drawing_parts.h"
 
-static const km_colour paper = {1, 1, 1, 1}, ink = {0.13, 0.13, 0.13, 1}, stone = {0.86, 0.86, 0.86, 1};
+static const km_colour paper = {1, 1, 1, 1}, ink = {0.13, 0.13, 0.13, 1},
+                       stone = {0.86, 0.86, 0.86, 1};
 static const double end_on = 0.97; /* cosine: an axis that steep is seen from its end */
 
 typedef struct brush {
@@ -27,7 +28,8 @@ static km_canvas_point spot(const brush *b, km_spot direction, double along, dou
 /* The direction of an axis on the page, of length 1; across the page where it has none. */
 static km_spot flat(km_spot axis) {
   double length = hypot(axis.x, axis.y);
-  return length > 1e-9 ? (km_spot){axis.x / length, axis.y / length, axis.depth} : (km_spot){1, 0, axis.depth};
+  return length > 1e-9 ? (km_spot){axis.x / length, axis.y / length, axis.depth}
+                       : (km_spot){1, 0, axis.depth};
 }
 
 static void disc(const brush *b, km_colour fill, double radius) {
@@ -40,9 +42,10 @@ static void line(const brush *b, km_canvas_point from, km_canvas_point to) {
 
 enum { ARC = 25 };
 
-/* Part of an ellipse about (along, 0): half axes `flatness` along the direction, `radius` across. */
-static void arc(const brush *b, km_spot direction, double along, double flatness, double radius, double from,
-                double to, km_canvas_point out[ARC]) {
+/* Part of an ellipse about (along, 0): half axes `flatness` along the direction, `radius` across.
+ */
+static void arc(const brush *b, km_spot direction, double along, double flatness, double radius,
+                double from, double to, km_canvas_point out[ARC]) {
   for (int i = 0; i < ARC; ++i) {
     double angle = from + (to - from) * i / (ARC - 1);
     out[i] = spot(b, direction, along + flatness * cos(angle), radius * sin(angle));
@@ -159,16 +162,34 @@ static void loose(const brush *b) {
 void km_symbol_paint(const km_scene *scene, km_canvas *canvas, const km_item *item) {
   brush b = brush_of(scene, canvas, item);
   switch (scene->marks[item->joint].look) {
-  case KM_LOOK_PIN: pin(&b, item->axis[0]); return;
+  case KM_LOOK_PIN:
+    pin(&b, item->axis[0]);
+    return;
   case KM_LOOK_ACTUATOR:
-  case KM_LOOK_SLIDER: slider(&b, item->axis[0]); return;
-  case KM_LOOK_WELD: disc(&b, b.pen.colour, 0.75); return;
-  case KM_LOOK_BALL: ball(&b); return;
-  case KM_LOOK_FREE: loose(&b); return;
-  case KM_LOOK_SLEEVE: sleeve(&b, item->axis[0]); return;
-  case KM_LOOK_CROSS: cross(&b, item->axis); return;
-  case KM_LOOK_TABLE: tile(&b, item->axis); return;
-  case KM_LOOK_SCREW: screw(&b, item->axis[0]); return;
+  case KM_LOOK_SLIDER:
+    slider(&b, item->axis[0]);
+    return;
+  case KM_LOOK_WELD:
+    disc(&b, b.pen.colour, 0.75);
+    return;
+  case KM_LOOK_BALL:
+    ball(&b);
+    return;
+  case KM_LOOK_FREE:
+    loose(&b);
+    return;
+  case KM_LOOK_SLEEVE:
+    sleeve(&b, item->axis[0]);
+    return;
+  case KM_LOOK_CROSS:
+    cross(&b, item->axis);
+    return;
+  case KM_LOOK_TABLE:
+    tile(&b, item->axis);
+    return;
+  case KM_LOOK_SCREW:
+    screw(&b, item->axis[0]);
+    return;
   }
 }
 
@@ -186,7 +207,8 @@ static void hatching(const brush *b, km_spot d, double half, double away) {
 }
 
 static void mount(const brush *b, km_spot down) {
-  const km_spot d = {down.y, -down.x, 0}; /* along the ground, so that `across` is away from the joint */
+  const km_spot d = {down.y, -down.x,
+                     0}; /* along the ground, so that `across` is away from the joint */
   const km_canvas_point feet[] = {spot(b, d, 0, 0), spot(b, d, -1.7, 3.0), spot(b, d, 1.7, 3.0)};
   outline(b, km_faded(b->scene, stone), feet, 3);
   hatching(b, d, 2.8, 3.0);

@@ -8,9 +8,19 @@
 #include <stdlib.h>
 #include <string.h>
 
+/* Under LeakSanitizer: fontconfig and Pango keep their caches until the process ends. */
+const char *__lsan_default_suppressions(void);
+const char *__lsan_default_suppressions(void) {
+  return "leak:libfontconfig\nleak:libpango\n";
+}
+
 static km_drawing drawing_of(fixture *f) {
   km_poses_update(f->mechanism, f->state);
-  return (km_drawing){.mechanism = f->mechanism, .poses = f->state->pose, .pose_count = 1, .title = "title", .name = "name"};
+  return (km_drawing){.mechanism = f->mechanism,
+                      .poses = f->state->pose,
+                      .pose_count = 1,
+                      .title = "title",
+                      .name = "name"};
 }
 
 static void render(const km_drawing *drawing, km_canvas_format format, km_text *out) {
@@ -42,10 +52,14 @@ static void the_plane_of_motion_is_found(void **state) {
   static const struct {
     const char *model, *view;
     bool planar;
-  } cases[] = {{"fourbar", "view of the xy plane", true},   {"klann", "view of the xy plane", true},
-               {"brake", "view of the xy plane", true},     {"slider_crank", "view of the yz plane", true},
-               {"excavator", "view of the xz plane", true}, {"stewart", "iso view", false},
-               {"bennett", "iso view", false},              {"iiwa14", "iso view", false}};
+  } cases[] = {{"fourbar", "view of the xy plane", true},
+               {"klann", "view of the xy plane", true},
+               {"brake", "view of the xy plane", true},
+               {"slider_crank", "view of the yz plane", true},
+               {"excavator", "view of the xz plane", true},
+               {"stewart", "iso view", false},
+               {"bennett", "iso view", false},
+               {"iiwa14", "iso view", false}};
   for (size_t i = 0; i < sizeof cases / sizeof cases[0]; ++i) {
     fixture f = fixture_open(cases[i].model);
     km_drawing drawing = drawing_of(&f);
@@ -76,9 +90,12 @@ static const char *const crossing =
     "{\"name\": \"a\", \"T\": [0, 0, 1]}, {\"name\": \"b\", \"T\": [0, 0, 2]}]},"
     "\"assemblies\": [{\"name\": \"x\", \"bodies\": ["
     "{\"name\": \"near\", \"frames\": [{\"name\": \"t\", \"T\": [4, 4, -20]}]},"
-    "{\"name\": \"far\", \"frames\": [{\"name\": \"s\", \"T\": [0.4, 0, 0]}, {\"name\": \"t\", \"T\": [0.4, 4, 0]}]}],"
-    "\"joints\": [{\"name\": \"A\", \"type\": \"spherical\", \"body_frame_pairs\": [[\"fixed\", \"b\"], \"near\"]},"
-    "{\"name\": \"B\", \"type\": \"spherical\", \"body_frame_pairs\": [[\"fixed\", \"a\"], [\"far\", \"s\"]]}]}]}";
+    "{\"name\": \"far\", \"frames\": [{\"name\": \"s\", \"T\": [0.4, 0, 0]}, {\"name\": \"t\", "
+    "\"T\": [0.4, 4, 0]}]}],"
+    "\"joints\": [{\"name\": \"A\", \"type\": \"spherical\", \"body_frame_pairs\": [[\"fixed\", "
+    "\"b\"], \"near\"]},"
+    "{\"name\": \"B\", \"type\": \"spherical\", \"body_frame_pairs\": [[\"fixed\", \"a\"], "
+    "[\"far\", \"s\"]]}]}]}";
 
 static void what_lies_in_front_comes_last(void **state) {
   (void)state;
@@ -89,15 +106,40 @@ static void what_lies_in_front_comes_last(void **state) {
   km_studio studio = {.drawing = &drawing, .place = {0, 0, 400, 300}};
   assert_true(km_studio_open(&studio));
   km_spot crossed[2][2] = {{{0, 0, 0}, {10, 10, 10}}, {{0, 10, 100}, {10, 0, -92}}};
-  km_item items[2] = {{.kind = KM_ITEM_BAR, .joint = -1, .body = 1, .spots = crossed[0], .count = 2, .depth = 5, .reach = 1},
-                      {.kind = KM_ITEM_BAR, .joint = -1, .body = 2, .spots = crossed[1], .count = 2, .depth = 4, .reach = 1}};
+  km_item items[2] = {{.kind = KM_ITEM_BAR,
+                       .joint = -1,
+                       .body = 1,
+                       .spots = crossed[0],
+                       .count = 2,
+                       .depth = 5,
+                       .reach = 1},
+                      {.kind = KM_ITEM_BAR,
+                       .joint = -1,
+                       .body = 2,
+                       .spots = crossed[1],
+                       .count = 2,
+                       .depth = 4,
+                       .reach = 1}};
   /* They cross where both are at about 5 and 4: body 2 lies behind, and mean depths agree. */
-  km_scene scene = {.mechanism = f.mechanism, .view = &studio.view, .arena = &arena, .items = items, .count = 2};
+  km_scene scene = {
+      .mechanism = f.mechanism, .view = &studio.view, .arena = &arena, .items = items, .count = 2};
   km_scene_order(&scene);
   assert_int_equal(scene.items[1].body, 1);
   crossed[1][0].depth = 108; /* now it crosses at 8, in front, although its mean may say less */
-  items[0] = (km_item){.kind = KM_ITEM_BAR, .joint = -1, .body = 1, .spots = crossed[0], .count = 2, .depth = 50, .reach = 1};
-  items[1] = (km_item){.kind = KM_ITEM_BAR, .joint = -1, .body = 2, .spots = crossed[1], .count = 2, .depth = 4, .reach = 1};
+  items[0] = (km_item){.kind = KM_ITEM_BAR,
+                       .joint = -1,
+                       .body = 1,
+                       .spots = crossed[0],
+                       .count = 2,
+                       .depth = 50,
+                       .reach = 1};
+  items[1] = (km_item){.kind = KM_ITEM_BAR,
+                       .joint = -1,
+                       .body = 2,
+                       .spots = crossed[1],
+                       .count = 2,
+                       .depth = 4,
+                       .reach = 1};
   scene.items = items;
   km_scene_order(&scene);
   assert_int_equal(scene.items[1].body, 2);
@@ -120,8 +162,12 @@ static void names_do_not_overlap(void **state) {
   char texts[NAMES][64];
   assert_int_equal(km_canvas_create(KM_CANVAS_SVG, 400, 300, &out, &canvas, NULL), KM_OK);
   for (int i = 0; i < NAMES; ++i) {
-    snprintf(texts[i], sizeof texts[i], "joint %d%s", i, i % 7 ? "" : " with a much longer name than the others have");
-    labels[i] = (km_label){.text = texts[i], .at = {150 + 9.0 * (i % 10), 120 + 9.0 * (i / 10), 0}, .radius = 3, .colour = KM_BLACK};
+    snprintf(texts[i], sizeof texts[i], "joint %d%s", i,
+             i % 7 ? "" : " with a much longer name than the others have");
+    labels[i] = (km_label){.text = texts[i],
+                           .at = {150 + 9.0 * (i % 10), 120 + 9.0 * (i / 10), 0},
+                           .radius = 3,
+                           .colour = KM_BLACK};
   }
   km_projection view = km_view_make(&drawing);
   km_scene scene = {.mechanism = f.mechanism, .view = &view, .arena = &arena};
@@ -132,8 +178,9 @@ static void names_do_not_overlap(void **state) {
     placed += a->placed;
     for (int k = 0; k < i && a->placed; ++k) {
       const km_label *b = &labels[k];
-      assert_false(b->placed && a->box.x < b->box.x + b->size.x && b->box.x < a->box.x + a->size.x &&
-                   a->box.y < b->box.y + b->size.y && b->box.y < a->box.y + a->size.y);
+      assert_false(b->placed && a->box.x < b->box.x + b->size.x &&
+                   b->box.x < a->box.x + a->size.x && a->box.y < b->box.y + b->size.y &&
+                   b->box.y < a->box.y + a->size.y);
     }
   }
   assert_true(placed > NAMES / 2);
@@ -144,14 +191,17 @@ static void names_do_not_overlap(void **state) {
   fixture_close(&f);
 }
 
-static const char *const pendulum =
-    "{\"model_parameters\": {\"version\": \"1.0\"}, \"fixed\": {\"frames\": [{\"name\": \"a\", \"T\": [%s, 0, 0]}]},"
-    "\"assemblies\": [{\"name\": \"x\", \"bodies\": [{\"name\": \"bob\", \"frames\": [{\"name\": \"t\", \"T\": [%s, 0, 0]}]}],"
-    "\"joints\": [{\"name\": \"A\", \"type\": \"Rz\", \"body_frame_pairs\": [[\"fixed\", \"a\"], \"bob\"]}]}]}";
+static const char *const pendulum = "{\"model_parameters\": {\"version\": \"1.0\"}, \"fixed\": "
+                                    "{\"frames\": [{\"name\": \"a\", \"T\": [%s, 0, 0]}]},"
+                                    "\"assemblies\": [{\"name\": \"x\", \"bodies\": [{\"name\": "
+                                    "\"bob\", \"frames\": [{\"name\": \"t\", \"T\": [%s, 0, 0]}]}],"
+                                    "\"joints\": [{\"name\": \"A\", \"type\": \"Rz\", "
+                                    "\"body_frame_pairs\": [[\"fixed\", \"a\"], \"bob\"]}]}]}";
 
 static void any_size_can_be_drawn(void **state) {
   (void)state;
-  static const char *const sizes[][2] = {{"0", "1e-12"}, {"0", "1e50"}, {"1e6", "0.001"}, {"0", "0"}, {"1e50", "1e-50"}};
+  static const char *const sizes[][2] = {
+      {"0", "1e-12"}, {"0", "1e50"}, {"1e6", "0.001"}, {"0", "0"}, {"1e50", "1e-50"}};
   for (size_t i = 0; i < sizeof sizes / sizeof sizes[0]; ++i) {
     char json[1024];
     snprintf(json, sizeof json, pendulum, sizes[i][0], sizes[i][1]);
@@ -188,7 +238,8 @@ static void thumbnails_of_any_size(void **state) {
     fixture f = fixture_open(all_models[m]);
     km_poses_update(f.mechanism, f.state);
     km_rectangle place = {10 + 120 * (m % 5), 10 + 100 * (m / 5), 110, 90}, tiny = {600, 10, 2, 1};
-    assert_int_equal(km_drawing_into(canvas, f.mechanism, f.state, KM_VIEW_AUTO, place, NULL), KM_OK);
+    assert_int_equal(km_drawing_into(canvas, f.mechanism, f.state, KM_VIEW_AUTO, place, NULL),
+                     KM_OK);
     assert_int_equal(km_drawing_into(canvas, f.mechanism, f.state, KM_VIEW_ISO, tiny, NULL), KM_OK);
     fixture_close(&f);
   }
@@ -205,10 +256,14 @@ static void thumbnails_of_any_size(void **state) {
 
 int main(void) {
   const struct CMUnitTest tests[] = {
-      cmocka_unit_test(the_same_bytes_for_every_model), cmocka_unit_test(the_plane_of_motion_is_found),
-      cmocka_unit_test(views_are_right_handed),         cmocka_unit_test(what_lies_in_front_comes_last),
-      cmocka_unit_test(names_do_not_overlap),           cmocka_unit_test(any_size_can_be_drawn),
-      cmocka_unit_test(a_page_too_small_is_refused),    cmocka_unit_test(thumbnails_of_any_size),
+      cmocka_unit_test(the_same_bytes_for_every_model),
+      cmocka_unit_test(the_plane_of_motion_is_found),
+      cmocka_unit_test(views_are_right_handed),
+      cmocka_unit_test(what_lies_in_front_comes_last),
+      cmocka_unit_test(names_do_not_overlap),
+      cmocka_unit_test(any_size_can_be_drawn),
+      cmocka_unit_test(a_page_too_small_is_refused),
+      cmocka_unit_test(thumbnails_of_any_size),
   };
   return cmocka_run_group_tests(tests, NULL, NULL);
 }
