@@ -4,6 +4,7 @@
 #include "report/palette.h"
 
 enum { DIRECTIONS = 16, RINGS = 7, ROUNDS = 3 };
+static const double ring_sizes[RINGS] = {0.15, 0.45, 1.1, 2.0, 3.2, 4.8, 7.0}; /* em */
 static const double clash = 1e6; /* overlapping another name: rather none at all */
 static const double cost_symbol = 100.0, cost_edge = 3.0, cost_leader = 25.0, cost_distance = 1.1;
 
@@ -19,8 +20,11 @@ typedef struct board {
   size_t count;
   obstacle *obstacles;
   size_t obstacle_count;
+  const obstacle **near; /* those in reach of the label that is being placed */
+  size_t near_count;
   km_rectangle place;
-  double em; /* size of the letters */
+  double em;    /* size of the letters */
+  double worst; /* what a place may cost at most: a name that finds none is left out */
 } board;
 
 /* Ground lies beside the spots of its item. */
@@ -69,7 +73,8 @@ static bool gather(board *b, const km_scene *scene, const km_drawing_trace *trac
       add_edges(b, &scene->items[i]);
   for (size_t t = 0; b->obstacles && t < trace_count; ++t)
     add_trace(b, scene->view, &traces[t]);
-  return b->obstacles != NULL;
+  b->near = KM_ARENA_NEW(scene->arena, const obstacle *, most);
+  return b->obstacles && b->near;
 }
 
 /* Narrows the part low..high of a segment that lies within from..to in one direction. */
@@ -94,10 +99,10 @@ static double inside(const obstacle *o, km_canvas_point box, km_canvas_point siz
 
 static double picture_cost(const board *b, km_canvas_point box, km_canvas_point size) {
   double cost = 0.0;
-  for (size_t i = 0; i < b->obstacle_count; ++i) {
-    double length = inside(&b->obstacles[i], box, size);
+  for (size_t i = 0; i < b->near_count; ++i) {
+    double length = inside(b->near[i], box, size);
     if (length >= 0.0)
-      cost += b->obstacles[i].symbol ? cost_symbol : 4.0 + cost_edge * length;
+      cost += b->near[i]->symbol ? cost_symbol : 4.0 + cost_edge * length;
   }
   return cost;
 }
@@ -152,8 +157,8 @@ static double leader_cost(const board *b, const km_label *label, km_canvas_point
         crosses(at, end, other_at, leader_end(other, other->box)))
       cost += 2.0 * cost_symbol;
   }
-  for (size_t i = 0; i < b->obstacle_count; ++i) {
-    const obstacle *o = &b->obstacles[i];
+  for (size_t i = 0; i < b->near_count; ++i) {
+    const obstacle *o = b->near[i];
     if (!o->symbol || km_spot_distance(o->a, label->at) < 0.5)
       continue;
     km_canvas_point corner = {o->a.x - o->reach, o->a.y - o->reach},
@@ -163,29 +168,50 @@ static double leader_cost(const board *b, const km_label *label, km_canvas_point
   return cost;
 }
 
-static double cost_of(const board *b, const km_label *label, km_canvas_point box) {
-  double cost = cost_distance * fmax(leader_length(label, box), 0.0);
+/* Of a box against the other names and their leaders. */
+static double names_cost(const board *b, const km_label *label, km_canvas_point box) {
+  double cost = 0.0;
   for (size_t i = 0; i < b->count; ++i) {
     const km_label *other = &b->labels[i];
     if (other == label || !other->placed)
       continue;
     cost += overlap(box, label->size, other->box, other->size) ? clash : 0.0;
-    obstacle leader = {other->at,
-                       {leader_end(other, other->box).x, leader_end(other, other->box).y, 0.0},
-                       0.0,
-                       false};
-    if (has_leader(b, other, other->box) && inside(&leader, box, label->size) >= 0.0)
-      cost += 4.0 * cost_symbol;
+    if (!has_leader(b, other, other->box))
+      continue;
+    km_canvas_point end = leader_end(other, other->box);
+    const obstacle leader = {other->at, {end.x, end.y, 0.0}, 0.0, false};
+    cost += inside(&leader, box, label->size) >= 0.0 ? 4.0 * cost_symbol : 0.0;
   }
-  cost += picture_cost(b, box, label->size);
-  return has_leader(b, label, box) ? cost + leader_cost(b, label, box) : cost;
+  return cost;
+}
+
+/* The cheap parts first: what reaches `bound` needs no closer look. */
+static double cost_of(const board *b, const km_label *label, km_canvas_point box, double bound) {
+  double cost = cost_distance * fmax(leader_length(label, box), 0.0);
+  if (cost < bound)
+    cost += picture_cost(b, box, label->size);
+  if (cost < bound)
+    cost += names_cost(b, label, box);
+  if (cost < bound && has_leader(b, label, box))
+    cost += leader_cost(b, label, box);
+  return cost;
+}
+
+/* Gathers the obstacles that a box or leader of the label can meet. */
+static void look_around(board *b, const km_label *label) {
+  double far = label->radius + (ring_sizes[RINGS - 1] + 0.5) * b->em;
+  km_canvas_point reach = {far + label->size.x, far + label->size.y};
+  km_canvas_point corner = {label->at.x - reach.x, label->at.y - reach.y};
+  b->near_count = 0;
+  for (size_t i = 0; i < b->obstacle_count; ++i)
+    if (inside(&b->obstacles[i], corner, (km_canvas_point){2.0 * reach.x, 2.0 * reach.y}) >= 0.0)
+      b->near[b->near_count++] = &b->obstacles[i];
 }
 
 static km_canvas_point box_at(const board *b, const km_label *label, int ring, int direction) {
-  static const double rings[RINGS] = {0.15, 0.45, 1.1, 2.0, 3.2, 4.8, 7.0};
   double angle = 2.0 * M_PI * (direction + 0.5 * (ring % 2)) / DIRECTIONS -
                  0.25 * M_PI; /* right above first */
-  double x = cos(angle), y = sin(angle), off = label->radius + rings[ring] * b->em;
+  double x = cos(angle), y = sin(angle), off = label->radius + ring_sizes[ring] * b->em;
   /* The box touches the circle about the spot with the side or corner that faces it. */
   double across = fmin(fmax(1.3 * x, -1.0), 1.0), down = fmin(fmax(1.3 * y, -1.0), 1.0);
   return (km_canvas_point){label->at.x + off * x + 0.5 * (across - 1.0) * label->size.x,
@@ -197,14 +223,15 @@ static km_canvas_point box_over(const km_label *label) {
 }
 
 static void place_label(board *b, km_label *label) {
-  double least = clash;
+  double least = b->worst;
   label->placed = false;
+  look_around(b, label);
   for (int ring = label->inside ? -1 : 0; ring < RINGS; ++ring)
     for (int d = 0; d < (ring < 0 ? 1 : DIRECTIONS); ++d) {
       km_canvas_point box = ring < 0 ? box_over(label) : box_at(b, label, ring, d);
       if (outside(b, box, label->size))
         continue;
-      double cost = cost_of(b, label, box) + 0.02 * d;
+      double cost = cost_of(b, label, box, least) + 0.02 * d;
       if (cost >= least)
         continue;
       least = cost;
@@ -213,8 +240,8 @@ static void place_label(board *b, km_label *label) {
     }
 }
 
-static void draw_label(const board *b, km_canvas *canvas, const km_label *label,
-                       const km_font *font) {
+static void draw_label(board *b, km_canvas *canvas, const km_label *label, const km_font *font) {
+  look_around(b, label);
   km_pen thin = {.colour = {0.45, 0.45, 0.45, 1}, .width = 0.07 * b->em};
   km_canvas_point end = leader_end(label, label->box);
   double x = end.x - label->at.x, y = end.y - label->at.y, length = hypot(x, y);
@@ -235,6 +262,9 @@ void km_labels_draw(km_canvas *canvas, const km_scene *scene, const km_drawing_t
                     size_t trace_count, km_label *labels, size_t count, const km_font *font,
                     km_rectangle place) {
   board b = {.labels = labels, .count = count, .place = place, .em = font->size};
+  double needed = 16.0 * b.em * b.em * (double)count;
+  b.worst =
+      needed > place.width * place.height ? 0.4 * cost_symbol : clash; /* no thicket of leaders */
   if (!gather(&b, scene, traces, trace_count))
     return;
   for (size_t i = 0; i < count; ++i)

@@ -35,16 +35,6 @@ km_vec3 km_joint_place(const km_scene *scene, int joint) {
   return mark->look == KM_LOOK_ACTUATOR ? km_vec3_scale(0.5, km_vec3_add(guide, guided)) : guided;
 }
 
-double km_symbol_reach(const km_scene *scene, int joint) {
-  static const double reaches[] = {
-      [KM_LOOK_PIN] = 1.3,    [KM_LOOK_ACTUATOR] = 1.5, [KM_LOOK_SLIDER] = 2.0,
-      [KM_LOOK_WELD] = 1.2,   [KM_LOOK_BALL] = 1.9,     [KM_LOOK_FREE] = 1.7,
-      [KM_LOOK_SLEEVE] = 2.3, [KM_LOOK_CROSS] = 1.8,    [KM_LOOK_TABLE] = 2.5,
-      [KM_LOOK_SCREW] = 2.5};
-  km_look look = scene->marks[joint].look;
-  return scene->radius * (look == KM_LOOK_PIN && !scene->view->planar ? 1.9 : reaches[look]);
-}
-
 static void add_bar(km_scene *scene, int body, km_spot a, km_spot b) {
   km_item *item = add_item(scene, KM_ITEM_BAR, LAYER_LINKS, 2);
   if (!item)

@@ -159,6 +159,16 @@ static void loose(const brush *b) {
   disc(b, b->pen.colour, 0.3);
 }
 
+double km_symbol_reach(const km_scene *scene, int joint) {
+  static const double reaches[] = {
+      [KM_LOOK_PIN] = 1.3,    [KM_LOOK_ACTUATOR] = 1.5, [KM_LOOK_SLIDER] = 2.0,
+      [KM_LOOK_WELD] = 1.2,   [KM_LOOK_BALL] = 1.9,     [KM_LOOK_FREE] = 1.7,
+      [KM_LOOK_SLEEVE] = 2.3, [KM_LOOK_CROSS] = 1.8,    [KM_LOOK_TABLE] = 2.5,
+      [KM_LOOK_SCREW] = 2.5};
+  km_look look = scene->marks[joint].look;
+  return scene->radius * (look == KM_LOOK_PIN && !scene->view->planar ? 1.9 : reaches[look]);
+}
+
 void km_symbol_paint(const km_scene *scene, km_canvas *canvas, const km_item *item) {
   brush b = brush_of(scene, canvas, item);
   switch (scene->marks[item->joint].look) {
