@@ -229,7 +229,6 @@ int km_branch_directions(const km_mechanism *m, km_state *s, int index, double *
   km_arena arena = {0};
   finder f;
   int found = 0, n = m->substructures[index].columns;
-  const double *weight = m->column_weight + m->substructures[index].column_start;
   if (make_finder(&f, m, s, index, &arena)) {
     for (int start = 0; start < STARTS_PER_FREEDOM * f.conditions.freedom && found < most; ++start) {
       if (!random_motion(&f))
@@ -238,10 +237,7 @@ int km_branch_directions(const km_mechanism *m, km_state *s, int index, double *
       direction(&f, f.a, x);
       bool known = false;
       for (int i = 0; i < found && !known; ++i) {
-        double dot = 0.0;
-        for (int k = 0; k < n; ++k)
-          dot += weight[k] * weight[k] * x[k] * directions[i * n + k];
-        known = fabs(dot) > 0.999;
+        known = fabs(km_step_dot(m, f.sub, x, directions + (size_t)i * (size_t)n)) > 0.999;
       }
       found += !known;
     }

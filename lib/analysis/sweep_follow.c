@@ -1,6 +1,7 @@
 /* Sweeps by arc length. */
 #include "analysis/branches.h"
 #include "analysis/sweeper.h"
+#include "kinematics/closure.h"
 #include "kinematics/follow.h"
 
 #include <math.h>
@@ -20,12 +21,7 @@ static void settle(void *self, double s) {
 enum { MOST_BRANCHES = 16 };
 
 static double dot(const km_sweeper *r, const double *a, const double *b) {
-  const km_substructure *sub = &r->m->substructures[r->substructure];
-  const double *weight = r->m->column_weight + sub->column_start;
-  double sum = 0.0;
-  for (int k = 0; k < sub->columns; ++k)
-    sum += weight[k] * weight[k] * a[k] * b[k];
-  return sum;
+  return km_step_dot(r->m, &r->m->substructures[r->substructure], a, b);
 }
 
 /* The plan's branch: 1 goes on smoothly; 2, 3 are the next motion ahead and back, 4, 5 the one after. */

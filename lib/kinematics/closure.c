@@ -28,12 +28,16 @@ void km_pivot(const km_mechanism *m, km_state *s, int index, int driver, double 
   s->pivoted[index] = driver;
 }
 
-double km_step_length(const km_mechanism *m, const km_substructure *sub, const double *x) {
+double km_step_dot(const km_mechanism *m, const km_substructure *sub, const double *a, const double *b) {
   const double *weight = m->column_weight + sub->column_start;
   double sum = 0.0;
   for (int k = 0; k < sub->columns; ++k)
-    sum += weight[k] * x[k] * weight[k] * x[k];
-  return sqrt(sum);
+    sum += weight[k] * a[k] * weight[k] * b[k];
+  return sum;
+}
+
+double km_step_length(const km_mechanism *m, const km_substructure *sub, const double *x) {
+  return sqrt(km_step_dot(m, sub, x, x));
 }
 
 void km_least_step(const km_mechanism *m, km_state *s, int index, int driver, double *x) {

@@ -34,6 +34,8 @@ void km_pivot(const km_mechanism *mechanism, km_state *state, int substructure, 
  * the same effect on the constraints and the driver. */
 void km_least_step(const km_mechanism *mechanism, km_state *state, int substructure, int driver, double *x);
 
+/* (D a)·(D b) of two scaled steps. */
+double km_step_dot(const km_mechanism *mechanism, const km_substructure *sub, const double *a, const double *b);
 /* |D x| of a scaled step. */
 double km_step_length(const km_mechanism *mechanism, const km_substructure *sub, const double *x);
 

@@ -117,12 +117,8 @@ static bool start(km_drive *d) {
   return d->known;
 }
 
-static double weighted_dot(const km_drive *d, const double *a, const double *b) {
-  const double *weight = d->mechanism->column_weight + driven(d)->column_start;
-  double sum = 0.0;
-  for (int k = 0; k < driven(d)->columns; ++k)
-    sum += weight[k] * weight[k] * a[k] * b[k];
-  return sum;
+static double dot(const km_drive *d, const double *a, const double *b) {
+  return km_step_dot(d->mechanism, driven(d), a, b);
 }
 
 /* Where the driver has the only freedom, det of the pivot block changes sign only at a singular pose of the
@@ -138,19 +134,6 @@ static bool sign_changed(km_drive *d) {
   int after = d->reference.sign;
   d->reference.sign = before;
   return before != after;
-}
-
-/* The coordinate that lies outside its limit and further out than at the saved pose; -1 none. */
-static int limit_passed(const km_drive *d, const double *saved) {
-  const km_mechanism *m = d->mechanism;
-  const km_substructure *sub = driven(d);
-  for (int k = 0; k < sub->columns && !d->ignore_limits; ++k) {
-    int c = m->column_coordinate[sub->column_start + k];
-    double q = d->state->q[c], slack = 1e-12 * (m->unit[c] + fabs(q));
-    if ((q > m->high[c] + slack && q > saved[k]) || (q < m->low[c] - slack && q < saved[k]))
-      return c;
-  }
-  return -1;
 }
 
 /* Where Newton decides everything, the cubic through the last two poses and their tangents, continued by h.
@@ -188,8 +171,8 @@ static attempt correct(km_drive *d, double h, double tightness, double *next_t) 
     return OPEN; /* a singular pose has no tangent of its own */
   if (evidence.correction > tightness * predicted + 1e-9)
     return BENT;
-  double along = weighted_dot(d, d->t, next_t);
-  double cosine = along / sqrt(weighted_dot(d, d->t, d->t) * weighted_dot(d, next_t, next_t));
+  double along = dot(d, d->t, next_t);
+  double cosine = along / sqrt(dot(d, d->t, d->t) * dot(d, next_t, next_t));
   if (!(cosine >= 1.0 - tightness * 0.4))
     return BENT;
   return !d->passing && fabs(h) > branch_width && sign_changed(d) ? BENT : ACCEPTED;
@@ -207,14 +190,14 @@ static void accept(km_drive *d, double h) {
   remember_pivots(d);
 }
 
-/* Tries to advance by h, with one tangent (or, with other freedoms left, two). Restores the pose if refused. */
+/* Tries to advance by h. Restores the pose if refused. */
 static attempt advance(km_drive *d, double h, double tightness, int *limit) {
   const km_substructure *sub = driven(d);
   km_state_save(d->state, sub, d->saved);
   predict(d, h, d->move);
   attempt result = correct(d, h, tightness, d->next_t);
   if (result == ACCEPTED) {
-    int passed = limit_passed(d, d->saved);
+    int passed = d->ignore_limits ? -1 : km_state_limit_passed(d->state, sub, d->saved);
     if (passed < 0) {
       accept(d, h);
       return ACCEPTED;
@@ -252,7 +235,7 @@ static bool cross(km_drive *d, double target, int *limit) {
   d->state->pivoted[d->substructure] = KM_NEVER;
   int worst;
   if (km_loops_residual(d->mechanism, d->state, sub, &worst) > between) {
-    km_state_restore(d->state, sub, d->far);
+    km_state_restore(d->state, sub, d->far); /* a regular pose, if on the other side */
     return false;
   }
   memcpy(d->t, d->next_t, (size_t)sub->columns * sizeof *d->t);
@@ -275,8 +258,10 @@ static attempt walk(km_drive *d, double target, double most, int *limit) {
     if (result == ACCEPTED) {
       if (fabs(h) > 1e-6)
         d->stopped = 0.0;
-      if (arrives)
+      if (arrives) { /* s + (target - s) may be the next number */
         d->s = target;
+        place_driver(d, target);
+      }
       step = fmin(fmin(2.0 * step, longest), most);
       continue;
     }

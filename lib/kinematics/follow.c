@@ -23,11 +23,7 @@ static const km_substructure *sub_of(const km_follow *f) { return &f->mechanism-
 static const double *weight_of(const km_follow *f) { return f->mechanism->column_weight + sub_of(f)->column_start; }
 
 static double weighted(const km_follow *f, const double *a, const double *b) {
-  const double *weight = weight_of(f);
-  double sum = 0.0;
-  for (int k = 0; k < sub_of(f)->columns; ++k)
-    sum += weight[k] * weight[k] * a[k] * b[k];
-  return sum;
+  return km_step_dot(f->mechanism, sub_of(f), a, b);
 }
 
 /* The part of `t` that the loops allow, at unit length; false if hardly anything is left. */
@@ -266,17 +262,8 @@ static bool meet_start(km_follow *f, double length) {
   return true;
 }
 
-/* The coordinate outside its limit, and further out than at the saved pose; -1 none. */
 static int limit_passed(const km_follow *f) {
-  const km_mechanism *m = f->mechanism;
-  const km_substructure *sub = sub_of(f);
-  for (int k = 0; k < sub->columns && !f->ignore_limits; ++k) {
-    int c = m->column_coordinate[sub->column_start + k];
-    double q = f->state->q[c], slack = 1e-12 * (m->unit[c] + fabs(q));
-    if ((q > m->high[c] + slack && q > f->here[k]) || (q < m->low[c] - slack && q < f->here[k]))
-      return c;
-  }
-  return -1;
+  return f->ignore_limits ? -1 : km_state_limit_passed(f->state, sub_of(f), f->here);
 }
 
 /* Goes as far as the limit of coordinate c allows, less than `length`. */

@@ -154,6 +154,17 @@ void km_state_difference(const km_state *s, const km_substructure *sub, const do
   }
 }
 
+int km_state_limit_passed(const km_state *s, const km_substructure *sub, const double *saved) {
+  const km_mechanism *m = s->mechanism;
+  for (int k = 0; k < sub->columns; ++k) {
+    int c = m->column_coordinate[sub->column_start + k];
+    double q = s->q[c], slack = 1e-12 * (m->unit[c] + fabs(q));
+    if ((q > m->high[c] + slack && q > saved[k]) || (q < m->low[c] - slack && q < saved[k]))
+      return c;
+  }
+  return -1;
+}
+
 void km_state_copy(const km_mechanism *m, km_state *to, const km_state *from) {
   memcpy(to->q, from->q, (size_t)m->coordinate_count * sizeof *to->q);
   memcpy(to->ball, from->ball, (size_t)m->ball_count * sizeof *to->ball);

@@ -55,6 +55,8 @@ void km_state_save(const km_state *state, const km_substructure *sub, double *sa
 void km_state_restore(km_state *state, const km_substructure *sub, const double *saved);
 /* The scaled step that leads from the saved coordinates to the present ones. */
 void km_state_difference(const km_state *state, const km_substructure *sub, const double *saved, double *step);
+/* The coordinate of the substructure that is outside its limit, and further out than at the saved pose; -1 none. */
+int km_state_limit_passed(const km_state *state, const km_substructure *sub, const double *saved);
 /* Copies the coordinates of one state to another of the same model. */
 void km_state_copy(const km_mechanism *mechanism, km_state *to, const km_state *from);
 

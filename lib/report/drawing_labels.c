@@ -89,17 +89,28 @@ static void narrow(double start, double run, double from, double to, double *low
   *high = fmin(*high, fmax(a, b));
 }
 
+/* Whether two places both lie before `low` or both past `high`: most obstacles are dismissed so. */
+static bool beside(double a, double b, double low, double high) {
+  return (a < low && b < low) || (a > high && b > high);
+}
+
 /* Length of a segment within a rectangle that is `reach` larger all around; negative: none. */
 static double inside(const obstacle *o, km_canvas_point box, km_canvas_point size) {
+  double left = box.x - o->reach, right = box.x + size.x + o->reach;
+  double top = box.y - o->reach, bottom = box.y + size.y + o->reach;
+  if (beside(o->a.x, o->b.x, left, right) || beside(o->a.y, o->b.y, top, bottom))
+    return -1.0;
   double low = 0.0, high = 1.0;
-  narrow(o->a.x, o->b.x - o->a.x, box.x - o->reach, box.x + size.x + o->reach, &low, &high);
-  narrow(o->a.y, o->b.y - o->a.y, box.y - o->reach, box.y + size.y + o->reach, &low, &high);
+  narrow(o->a.x, o->b.x - o->a.x, left, right, &low, &high);
+  narrow(o->a.y, o->b.y - o->a.y, top, bottom, &low, &high);
   return high < low ? -1.0 : (high - low) * km_spot_distance(o->a, o->b);
 }
 
-static double picture_cost(const board *b, km_canvas_point box, km_canvas_point size) {
+/* Counted until it reaches `bound`. */
+static double picture_cost(const board *b, km_canvas_point box, km_canvas_point size,
+                           double bound) {
   double cost = 0.0;
-  for (size_t i = 0; i < b->near_count; ++i) {
+  for (size_t i = 0; i < b->near_count && cost < bound; ++i) {
     double length = inside(b->near[i], box, size);
     if (length >= 0.0)
       cost += b->near[i]->symbol ? cost_symbol : 4.0 + cost_edge * length;
@@ -189,7 +200,7 @@ static double names_cost(const board *b, const km_label *label, km_canvas_point 
 static double cost_of(const board *b, const km_label *label, km_canvas_point box, double bound) {
   double cost = cost_distance * fmax(leader_length(label, box), 0.0);
   if (cost < bound)
-    cost += picture_cost(b, box, label->size);
+    cost += picture_cost(b, box, label->size, bound - cost);
   if (cost < bound)
     cost += names_cost(b, label, box);
   if (cost < bound && has_leader(b, label, box))
@@ -250,7 +261,7 @@ static void draw_label(board *b, km_canvas *canvas, const km_label *label, const
                    (km_canvas_point){label->at.x + x / length * 0.8 * label->radius,
                                      label->at.y + y / length * 0.8 * label->radius},
                    end);
-  if (picture_cost(b, label->box, label->size) > 0.0)
+  if (picture_cost(b, label->box, label->size, clash) > 0.0)
     km_canvas_rectangle(canvas, (km_colour){1, 1, 1, 0.7}, label->box.x, label->box.y,
                         label->size.x, label->size.y);
   km_colour colour =

@@ -169,8 +169,16 @@ double km_symbol_reach(const km_scene *scene, int joint) {
   return scene->radius * (look == KM_LOOK_PIN && !scene->view->planar ? 1.9 : reaches[look]);
 }
 
+/* A joint that is held is as good as welded, and filled as a weld is. */
+static bool is_held(const km_scene *scene, int joint) {
+  const km_mechanism *m = scene->mechanism;
+  return km_model_freedom(m->model, joint) > 0 && m->held[m->model->joints[joint].first_coordinate];
+}
+
 void km_symbol_paint(const km_scene *scene, km_canvas *canvas, const km_item *item) {
   brush b = brush_of(scene, canvas, item);
+  if (is_held(scene, item->joint))
+    b.fill = b.pen.colour;
   switch (scene->marks[item->joint].look) {
   case KM_LOOK_PIN:
     pin(&b, item->axis[0]);

@@ -254,6 +254,39 @@ static void thumbnails_of_any_size(void **state) {
   km_text_free(&out);
 }
 
+/* A row of thumbnails shows a motion: same scale, one pose each. */
+static void a_row_of_poses_shares_its_scale(void **state) {
+  (void)state;
+  fixture f = fixture_open("klann");
+  size_t bodies = (size_t)f.model->body_count;
+  km_pose *poses = KM_NEW(km_pose, 2 * bodies);
+  km_drawing drawing = drawing_of(&f);
+  memcpy(poses, f.state->pose, bodies * sizeof *poses);
+  km_drive *drive;
+  assert_int_equal(km_drive_create(f.mechanism, f.state, 0, true, &drive, NULL), KM_OK);
+  km_drive_to(drive, 5.0);
+  km_drive_free(drive);
+  km_poses_update(f.mechanism, f.state);
+  memcpy(poses + bodies, f.state->pose, bodies * sizeof *poses);
+  drawing.poses = poses;
+  drawing.pose_count = 2;
+  drawing.alone = drawing.bare = true;
+  double scale[2];
+  for (size_t k = 0; k < 2; ++k) {
+    drawing.full = k;
+    km_studio studio = {.drawing = &drawing, .place = {0, 0, 100, 80}};
+    assert_true(km_studio_open(&studio));
+    scale[k] = studio.view.scale;
+    assert_int_equal(km_studio_close(&studio, NULL), KM_OK);
+    km_text out = {0};
+    render(&drawing, KM_CANVAS_SVG, &out);
+    km_text_free(&out);
+  }
+  assert_near(scale[0], scale[1], 0.0);
+  km_free(poses);
+  fixture_close(&f);
+}
+
 int main(void) {
   const struct CMUnitTest tests[] = {
       cmocka_unit_test(the_same_bytes_for_every_model),
@@ -264,6 +297,7 @@ int main(void) {
       cmocka_unit_test(any_size_can_be_drawn),
       cmocka_unit_test(a_page_too_small_is_refused),
       cmocka_unit_test(thumbnails_of_any_size),
+      cmocka_unit_test(a_row_of_poses_shares_its_scale),
   };
   return cmocka_run_group_tests(tests, NULL, NULL);
 }
