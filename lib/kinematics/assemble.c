@@ -1,3 +1,4 @@
+#include "kinematics/assemble.h"
 #include "kinematics/closure.h"
 #include "kinematics/relax.h"
 #include "kmech/kinematics.h"
@@ -22,6 +23,12 @@ static km_closure_outcome assemble_one(const km_mechanism *m, km_state *s, int i
   *status = km_relax(m, s, index, error);
   s->pivoted[index] = KM_NEVER;
   return *status ? KM_OPEN : km_close(m, s, index, KM_NO_DRIVER, evidence);
+}
+
+bool km_assemble_one(const km_mechanism *m, km_state *s, int substructure, double *saved) {
+  km_closure evidence;
+  km_status status = KM_OK;
+  return assemble_one(m, s, substructure, saved, &evidence, &status, NULL) == KM_CLOSED && !status;
 }
 
 typedef struct trial {

@@ -230,7 +230,7 @@ static bool locate_branch(km_follow *f, double length, double g_end) {
 static void from_start(km_follow *f, double *way) {
   km_state_difference(f->state, sub_of(f), f->origin, way);
   for (int k = 0; k < sub_of(f)->columns; ++k)
-    if (f->turns[k])
+    if (km_coordinate_turns(f->mechanism, f->mechanism->column_coordinate[sub_of(f)->column_start + k]))
       way[k] -= 2.0 * M_PI * round(way[k] / (2.0 * M_PI));
 }
 
@@ -336,19 +336,7 @@ static bool allocate(km_follow *f, int rows, int columns) {
     *vectors[i] = KM_ARENA_NEW(&f->arena, double, n);
   for (size_t i = 0; i < sizeof poses / sizeof *poses; ++i)
     *poses[i] = KM_ARENA_NEW(&f->arena, double, KM_SAVED_PER_COLUMN * n);
-  f->turns = KM_ARENA_NEW(&f->arena, bool, n);
   return km_partition_reserve(&f->reference, rows, columns, &f->arena);
-}
-
-/* Hinges come round after a full turn; slides and screws don't. */
-static void mark_turns(km_follow *f) {
-  const km_mechanism *m = f->mechanism;
-  for (int k = 0; k < sub_of(f)->columns; ++k) {
-    int c = m->column_coordinate[sub_of(f)->column_start + k];
-    const km_coordinate_def *def = &m->model->coordinates[c];
-    km_joint_type type = m->model->joints[def->joint].type;
-    f->turns[k] = m->ball_of[c] < 0 && type != KM_SCREW && !km_joint_is_length(type, def->index);
-  }
 }
 
 /* The direction in which column k moves with `sign` and the others move least. */
@@ -384,7 +372,6 @@ static km_status start(km_follow *f, int coordinate, double sign, km_error *erro
   const km_substructure *sub = sub_of(f);
   if (!allocate(f, sub->rows, sub->columns))
     return km_fail(error, KM_MEMORY, "out of memory for following a motion");
-  mark_turns(f);
   km_loops_update(m, f->state, sub);
   km_pivot(m, f->state, f->substructure, KM_NO_DRIVER, km_rank_tolerance(m, sub, 0.0));
   f->freedom = km_partition_freedom(&f->state->partition[f->substructure]);

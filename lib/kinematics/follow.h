@@ -13,7 +13,6 @@ struct km_follow {
   double s, largest; /* arc length so far; the step that step control allows now */
   bool closed, ignore_limits;
   int limit;                            /* the coordinate whose limit ended the motion, -1 */
-  bool *turns;                          /* [column] a hinge: full turns don't count */
   double *t, *next_t, *move, *scratch;  /* [column] */
   double *last_t, *last_move, last_h;   /* the step before this pose; 0: none */
   double *origin_t, *near_t, *far_t, *branch_t;

@@ -154,6 +154,12 @@ void km_state_difference(const km_state *s, const km_substructure *sub, const do
   }
 }
 
+bool km_coordinate_turns(const km_mechanism *m, int c) {
+  const km_coordinate_def *def = &m->model->coordinates[c];
+  km_joint_type type = m->model->joints[def->joint].type;
+  return m->ball_of[c] < 0 && type != KM_SCREW && !km_joint_is_length(type, def->index);
+}
+
 int km_state_limit_passed(const km_state *s, const km_substructure *sub, const double *saved) {
   const km_mechanism *m = s->mechanism;
   for (int k = 0; k < sub->columns; ++k) {

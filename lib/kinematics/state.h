@@ -57,6 +57,8 @@ void km_state_restore(km_state *state, const km_substructure *sub, const double 
 void km_state_difference(const km_state *state, const km_substructure *sub, const double *saved, double *step);
 /* The coordinate of the substructure that is outside its limit, and further out than at the saved pose; -1 none. */
 int km_state_limit_passed(const km_state *state, const km_substructure *sub, const double *saved);
+/* Does a full turn of the coordinate bring the mechanism back? True for hinges, not for slides, screws, balls. */
+bool km_coordinate_turns(const km_mechanism *mechanism, int coordinate);
 /* Copies the coordinates of one state to another of the same model. */
 void km_state_copy(const km_mechanism *mechanism, km_state *to, const km_state *from);
 

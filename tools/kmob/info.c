@@ -2,15 +2,63 @@
 #include "kmob/kmob.h"
 
 #include "base/json.h"
+#include "base/memory.h"
+#include "kmech/modes.h"
+#include "model/model.h"
 #include "report/diagnosis_record.h"
 #include "report/mobility_record.h"
+
+static void print_modes(const km_model *model, const km_modes *modes, int driver, km_text *out) {
+  km_text_format(out, "\n%s assembly mode%s with %s where it is%s\n", modes->count == 1 ? "one" : "different",
+                 modes->count == 1 ? "" : "s", km_model_coordinate_label(model, driver),
+                 modes->isolated ? "" : " (something still moves: these are samples)");
+  for (int i = 0; i < modes->count; ++i) {
+    km_text_format(out, "  %d:", i + 1);
+    for (int c = 0; c < model->coordinate_count; ++c)
+      km_text_format(out, " %s %.6g", model->coordinates[c].label, modes->coordinates[i * model->coordinate_count + c]);
+    km_text_add(out, "\n");
+  }
+}
+
+static void add_modes(const km_model *model, const km_modes *modes, int driver, km_value *record, km_arena *arena) {
+  km_value_string(arena, record, "modes_driver", km_model_coordinate_label(model, driver));
+  km_value_boolean(arena, record, "modes_isolated", modes->isolated);
+  km_value *list = km_value_add(arena, record, "modes", KM_LIST);
+  for (int i = 0; i < modes->count && !arena->failed; ++i) {
+    km_value *mode = km_value_add(arena, list, NULL, KM_OBJECT);
+    for (int c = 0; c < model->coordinate_count; ++c)
+      km_value_number(arena, mode, model->coordinates[c].label, modes->coordinates[i * model->coordinate_count + c]);
+  }
+}
+
+/* The driver of the modes: the first joint of --set, else that of analysis.sweep. */
+static km_status find_modes(const kmob_request *o, const kmob_pose *pose, int *driver, km_modes *modes, km_error *error) {
+  enum { STARTS = 300 };
+  *modes = (km_modes){0};
+  *driver = pose->model->sweep.coordinate;
+  if (o->sets.count > 0) {
+    const char *rest = o->sets.items[0];
+    kt_piece label = kt_split(&rest, "=");
+    km_status status = km_model_find_coordinate(pose->model, label.text, driver, error);
+    km_free(label.text);
+    if (status)
+      return status;
+  }
+  if (*driver < 0)
+    return km_fail(error, KM_USAGE, "--modes: the model has no analysis.sweep with a joint; expected a driver by --set");
+  return km_modes_find(pose->model, pose->state, *driver, STARTS, o->common.seed, modes, error);
+}
 
 static kt_exit describe(const kmob_request *o, const kmob_pose *pose, km_text *out) {
   km_mobility mobility;
   km_diagnosis diagnosis;
   km_error error;
   km_arena arena = {0};
+  km_modes modes = {0};
+  int driver = -1;
   km_status status = km_diagnosis_find(pose->mechanism, pose->state, &diagnosis, &error);
+  if (!status && o->modes)
+    status = find_modes(o, pose, &driver, &modes, &error);
   km_mobility_update(pose->mechanism, pose->state, &mobility);
   if (status) {
     kt_say(&o->common, KM_ERROR, "%s: %s", o->model, error.text);
@@ -18,15 +66,20 @@ static kt_exit describe(const kmob_request *o, const kmob_pose *pose, km_text *o
     km_value *record = km_mobility_record(pose->mechanism, pose->state, &mobility, o->model, &arena);
     if (record)
       km_diagnosis_record(pose->mechanism, &diagnosis, record, &arena);
+    if (!arena.failed && o->modes)
+      add_modes(pose->model, &modes, driver, record, &arena);
     if (!arena.failed)
       km_json_write(record, out);
     status = arena.failed ? KM_MEMORY : KM_OK;
   } else {
     km_mobility_print(pose->mechanism, pose->state, &mobility, o->model, out);
     km_diagnosis_print(pose->mechanism, &diagnosis, out);
+    if (o->modes)
+      print_modes(pose->model, &modes, driver, out);
   }
   km_arena_free(&arena);
   km_diagnosis_free(&diagnosis);
+  km_modes_free(&modes);
   return kt_exit_of(status);
 }
 

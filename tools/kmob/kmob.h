@@ -36,7 +36,8 @@ typedef struct kmob_request {
   kt_common common;
   kmob_texts holds, sets;
   const char *model, *base;
-  bool json; /* else a table for people */
+  bool json;  /* else a table for people */
+  bool modes; /* list the other assembly modes too */
 } kmob_request;
 
 /* Reads the options of such a command; usage errors end the process. `settable`: it takes --set. */

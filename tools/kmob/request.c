@@ -3,10 +3,11 @@
 
 #include <string.h>
 
-enum { OPTION_SET = 0x2001, OPTION_HOLD, OPTION_FORMAT };
+enum { OPTION_SET = 0x2001, OPTION_HOLD, OPTION_FORMAT, OPTION_MODES };
 
 #define SHARED                                                                                                   \
   {"hold", OPTION_HOLD, "JOINT=VALUE", 0, "Keep a joint rigid at a value (x,y,… for several coordinates)", 1},   \
+      {"modes", OPTION_MODES, NULL, 0, "List the other assembly modes at this value of the driver", 1},          \
       {"format", OPTION_FORMAT, "FORMAT", 0, "table (default) or json", 1},                                      \
       {"output", 'o', "BASE", 0, "Write BASE.RESULT.txt or .json instead of the standard output", 1}, {0}
 
@@ -25,6 +26,7 @@ static error_t parse(int key, char *arg, struct argp_state *state) {
     if (!r->json && strcmp(arg, "table") != 0)
       argp_error(state, "--format %s: expected table or json", arg);
     return 0;
+  case OPTION_MODES: r->modes = true; return 0;
   case 'o': r->base = arg; return 0;
   case ARGP_KEY_ARG:
     if (r->model)

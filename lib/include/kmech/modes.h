@@ -1,0 +1,28 @@
+/* Assembly modes: the different ways in which loops close for one value of the driver. */
+#ifndef KMECH_MODES_H
+#define KMECH_MODES_H
+
+#include "kmech/kinematics.h"
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+typedef struct km_modes {
+  int count;           /* different configurations; the first is the state's own */
+  double *coordinates; /* [count × coordinate count] model's units */
+  int isolated;        /* 1: each stands alone; 0: with the driver fixed something still moves, and these are samples */
+} km_modes;
+
+/* Fixes `driver` where the state has it, starts the other coordinates of its substructure at random places (the
+ * same for the same seed), closes the loops, and keeps what differs by more than 1e-6 (full turns of hinges don't
+ * count). The state must be assembled and keeps its pose. KM_USAGE if the driver is held or in no loop; KM_MEMORY.
+ * Free `*out` in any case. */
+km_status km_modes_find(const km_model *model, const km_state *state, int driver, int starts, unsigned long seed,
+                        km_modes *out, km_error *error);
+void km_modes_free(km_modes *modes);
+
+#ifdef __cplusplus
+}
+#endif
+#endif
