@@ -107,7 +107,7 @@ static void draw_ghosts(km_studio *s) {
       size_t index = side < 0 ? full - away : full + away;
       if (index >= count) /* below 0 too */
         continue;
-      draw_ghost(s, index, 0.55 + 0.3 * (double)away / (double)most);
+      draw_ghost(s, index, 0.52 + 0.3 * (double)away / (double)(most + 1));
     }
 }
 

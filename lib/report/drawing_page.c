@@ -59,29 +59,46 @@ static void draw_scale(const km_studio *s, const page *p) {
   km_text_free(&label);
 }
 
+/* The direction on the page in which an axis has its name: past the tip, but aside where a longer
+ * axis runs the same way. */
+static km_spot name_direction(const km_spot axes[3], int k, double length) {
+  km_spot past = {axes[k].x / length, axes[k].y / length, 0};
+  for (int i = 0; i < 3; ++i) {
+    double other = hypot(axes[i].x, axes[i].y);
+    double along = other > length ? (past.x * axes[i].x + past.y * axes[i].y) / other : 0.0;
+    if (along > 0.9)
+      return (km_spot){-past.y, past.x, 0};
+  }
+  return past;
+}
+
 /* Which way the inertial axes run. */
 static void draw_axes(const km_studio *s, const page *p) {
   static const km_vec3 units[] = {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}};
   static const char *const names[] = {"x", "y", "z"};
   const km_pen pen = {.colour = {0.3, 0.3, 0.3, 1}, .width = 0.9 * p->size};
-  double arm = 15.0 * p->size;
-  km_spot from = {p->width - p->margin - 1.6 * arm, p->margin + 1.5 * arm, 0};
+  const double arm = 15.0 * p->size;
+  const km_spot from = {p->width - p->margin - 1.6 * arm, p->margin + 1.5 * arm, 0};
+  km_spot axes[3];
+  for (int k = 0; k < 3; ++k)
+    axes[k] = km_project_direction(&s->view, units[k]);
   for (int k = 0; k < 3; ++k) {
-    km_spot d = km_project_direction(&s->view, units[k]);
-    double length = hypot(d.x, d.y);
+    double length = hypot(axes[k].x, axes[k].y);
     if (length < 0.1)
       continue;
-    km_canvas_point tip = km_page(from, arm, d),
-                    name = km_page(from, arm + 7.5 * p->size / length, d);
+    const km_spot d = {axes[k].x / length, axes[k].y / length, 0};
+    const km_canvas_point tip = km_page(from, arm, axes[k]);
+    const km_spot at = {tip.x, tip.y, 0}, side = {-d.y, d.x, 0};
+    const km_canvas_point back = km_page(at, -2.5 * p->size, d);
+    const km_spot behind = {back.x, back.y, 0};
+    const km_canvas_point head[] = {km_page(at, 2.0 * p->size, d),
+                                    km_page(behind, 1.6 * p->size, side),
+                                    km_page(behind, -1.6 * p->size, side)};
     km_canvas_line(s->canvas, &pen, (km_canvas_point){from.x, from.y}, tip);
-    const km_spot along = {d.x / length, d.y / length, 0}, at = {tip.x, tip.y, 0};
-    const km_canvas_point head[] = {km_page(at, 2.0 * p->size, along),
-                                    {tip.x - p->size * (2.5 * along.x - 1.6 * along.y),
-                                     tip.y - p->size * (2.5 * along.y + 1.6 * along.x)},
-                                    {tip.x - p->size * (2.5 * along.x + 1.6 * along.y),
-                                     tip.y - p->size * (2.5 * along.y - 1.6 * along.x)}};
     km_canvas_polygon(s->canvas, pen.colour, head, 3);
-    km_canvas_text(s->canvas, &p->note, pen.colour, names[k], name, (km_anchor){0.5, 0.5, 0});
+    km_canvas_text(s->canvas, &p->note, pen.colour, names[k],
+                   km_page(at, 7.5 * p->size, name_direction(axes, k, length)),
+                   (km_anchor){0.5, 0.5, 0});
   }
 }
 

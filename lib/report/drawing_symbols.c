@@ -11,12 +11,12 @@ typedef struct brush {
   km_spot at;
   double r;
   km_pen pen;
-  km_colour fill;
+  km_colour fill, side; /* of faces towards the viewer, and of others */
 } brush;
 
 static brush brush_of(const km_scene *scene, km_canvas *canvas, const km_item *item) {
   km_pen pen = {.colour = km_faded(scene, ink), .width = 0.34 * scene->radius};
-  return (brush){scene, canvas, item->spots[0], scene->radius, pen, paper};
+  return (brush){scene, canvas, item->spots[0], scene->radius, pen, paper, km_faded(scene, stone)};
 }
 
 /* A point of the symbol: `along` and `across` a direction on the page. */
@@ -67,7 +67,7 @@ static void cylinder(const brush *b, km_spot axis, double half, double radius) {
   km_canvas_point side[2 * ARC], cap[ARC];
   arc(b, d, length, lean * radius, radius, -0.5 * M_PI, 0.5 * M_PI, side);
   arc(b, d, -length, lean * radius, radius, 0.5 * M_PI, 1.5 * M_PI, side + ARC);
-  outline(b, km_faded(b->scene, stone), side, 2 * ARC);
+  outline(b, b->side, side, 2 * ARC);
   arc(b, d, length, lean * radius, radius, 0.0, 2.0 * M_PI, cap);
   outline(b, b->fill, cap, ARC);
 }
@@ -144,7 +144,7 @@ static void tile(const brush *b, const km_spot axis[2]) {
     points[i] = (km_canvas_point){b->at.x + b->r * (u * axis[0].x + v * axis[1].x),
                                   b->at.y + b->r * (u * axis[0].y + v * axis[1].y)};
   }
-  outline(b, km_faded(b->scene, stone), points, 4);
+  outline(b, b->side, points, 4);
   disc(b, b->fill, 0.7);
 }
 
@@ -178,7 +178,7 @@ static bool is_held(const km_scene *scene, int joint) {
 void km_symbol_paint(const km_scene *scene, km_canvas *canvas, const km_item *item) {
   brush b = brush_of(scene, canvas, item);
   if (is_held(scene, item->joint))
-    b.fill = b.pen.colour;
+    b.fill = b.side = km_mix(b.pen.colour, paper, 0.25);
   switch (scene->marks[item->joint].look) {
   case KM_LOOK_PIN:
     pin(&b, item->axis[0]);
@@ -228,7 +228,7 @@ static void mount(const brush *b, km_spot down) {
   const km_spot d = {down.y, -down.x,
                      0}; /* along the ground, so that `across` is away from the joint */
   const km_canvas_point feet[] = {spot(b, d, 0, 0), spot(b, d, -1.7, 3.0), spot(b, d, 1.7, 3.0)};
-  outline(b, km_faded(b->scene, stone), feet, 3);
+  outline(b, b->side, feet, 3);
   hatching(b, d, 2.8, 3.0);
 }
 

@@ -15,7 +15,7 @@ static const char name[] = "command/brake";
 
 static void become_kmob(const char *directory) {
   int null = open("/dev/null", O_WRONLY);
-  if (chdir(directory) || null < 0 || dup2(null, STDOUT_FILENO) < 0)
+  if (chdir(directory) || null < 0 || dup2(null, STDOUT_FILENO) < 0 || dup2(null, STDERR_FILENO) < 0)
     _exit(126);
   execl(BENCH_KMOB, "kmob", "sweep", "--steps", "200", "--format", "csv,svg", BENCH_MODELS "/brake.json", (char *)NULL);
   _exit(127);

@@ -48,7 +48,11 @@ static kt_exit take_at(kmob_shots *s) {
       result = keep_pose(s, there.mechanism, there.state);
     there.model = NULL; /* it stays */
     kmob_close(&there);
-    km_text_format(&s->title, "%s%s", i ? ", " : "Pose at ", o->at.items[i]);
+    km_text_format(&s->title, "%s%s",
+                   i                 ? ", "
+                   : o->at.count > 1 ? "Poses at "
+                                     : "Pose at ",
+                   o->at.items[i]);
   }
   return result;
 }
