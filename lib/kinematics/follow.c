@@ -16,7 +16,6 @@ static const double shortest = 1e-9; /* of a step: below, the motion ends */
 static const double furthest_bend = 0.98; /* least cosine between the tangents of a step */
 static const double singular = 1e-7; /* last pivot, relative: closer to a singular pose the tangent is noise */
 static const double narrow = 4e-3;   /* width to which a branch point is bracketed before it is interpolated */
-static const double aside = 1e-3;    /* distance of the poses that it is interpolated from */
 static const double closing = 1e-9;  /* distance at which a cycle counts as closed */
 
 static const km_substructure *sub_of(const km_follow *f) { return &f->mechanism->substructures[f->substructure]; }
@@ -54,7 +53,7 @@ static bool project(km_follow *f, const double *from, double *t) {
 
 /* Length of the cubic from one pose to the next, whose tangents t0, t1 are per unit length: the length that
  * reproduces itself; negative where the move runs against the tangents. Five-point Gauss-Legendre. */
-static double arc_length(const km_follow *f, const double *move, const double *t0, const double *t1) {
+double km_follow_arc(const km_follow *f, const double *move, const double *t0, const double *t1) {
   static const double node[5] = {0.5, 0.23076534494715845, 0.7692346550528415, 0.046910077030668, 0.953089922969332};
   static const double share[5] = {0.28444444444444444, 0.23931433524968324, 0.23931433524968324, 0.11846344252809454,
                                   0.11846344252809454};
@@ -75,19 +74,9 @@ static double arc_length(const km_follow *f, const double *move, const double *t
   return length;
 }
 
-static double bordered(const km_follow *f, const double *t) {
-  const km_partition *p = &f->state->partition[f->substructure];
-  double g = 1.0 / t[p->column[p->rank]];
-  for (int i = 0; i < p->rank; ++i)
-    g /= p->inverse[i];
-  return g;
-}
-
-typedef enum attempt { ACCEPTED, REFUSED } attempt;
-
 /* From the saved pose by a step whose length is about h. On success the state stands there, f->next_t is its
  * tangent, f->move the way and *length its arc; else the state is back. */
-static attempt step(km_follow *f, double h, double *length) {
+static bool step(km_follow *f, double h, double *length) {
   const km_substructure *sub = sub_of(f);
   bool known = f->last_h != 0.0 && fabs(h) <= 4.0 * fabs(f->last_h);
   km_closure evidence;
@@ -97,41 +86,41 @@ static attempt step(km_follow *f, double h, double *length) {
     f->move[k] = h * f->t[k];
   km_state_restore(f->state, sub, f->here);
   km_state_move(f->mechanism, f->state, sub, f->move);
-  attempt result = REFUSED;
+  bool accepted = false;
   if (km_close(f->mechanism, f->state, f->substructure, KM_NO_DRIVER, &evidence) == KM_CLOSED &&
       evidence.correction <= 0.2 * fabs(h) + 1e-9 && project(f, f->t, f->next_t)) {
     const km_partition *p = &f->state->partition[f->substructure];
     bool regular = km_partition_freedom(p) == f->freedom && p->last_pivot >= singular * p->scale;
     bool smooth = weighted(f, f->t, f->next_t) >= furthest_bend;
-    result = regular && smooth ? ACCEPTED : REFUSED;
+    accepted = regular && smooth;
   }
-  if (result == REFUSED) {
+  if (!accepted) {
     km_state_restore(f->state, sub, f->here);
     f->state->pivoted[f->substructure] = KM_NEVER;
-    return REFUSED;
+    return false;
   }
   km_state_difference(f->state, sub, f->here, f->move);
-  *length = arc_length(f, f->move, f->t, f->next_t);
-  return ACCEPTED;
+  *length = km_follow_arc(f, f->move, f->t, f->next_t);
+  return true;
 }
 
-/* The same, to an exact length: the secant method on the step. */
-static attempt step_exactly(km_follow *f, double length, double *reached) {
+/* The secant method on the step. */
+bool km_follow_step(km_follow *f, double length, double *reached) {
   double h = length;
   for (int i = 0; i < 8; ++i) {
-    if (step(f, h, reached) == REFUSED)
-      return REFUSED;
+    if (!step(f, h, reached))
+      return false;
     if (fabs(*reached - length) <= 1e-14 + 1e-11 * fabs(length))
-      return ACCEPTED;
+      return true;
     h *= length / *reached;
   }
-  return ACCEPTED;
+  return true;
 }
 
 static void remember(km_follow *f) {
   km_state_save(f->state, sub_of(f), f->here);
   km_partition_copy_pivots(&f->reference, &f->state->partition[f->substructure]);
-  f->g = f->freedom == 1 ? bordered(f, f->t) : 0.0;
+  f->g = f->freedom == 1 ? km_follow_g(f, f->t) : 0.0;
 }
 
 static void accept(km_follow *f, double length) {
@@ -143,87 +132,6 @@ static void accept(km_follow *f, double length) {
   f->last_h = length;
   f->s += length;
   remember(f);
-}
-
-/* g at the pose just reached, with the pivots of the saved pose; just turned at a branch point there are none. */
-static double g_of_saved_pivots(km_follow *f) {
-  if (f->g == 0.0)
-    return 0.0;
-  const km_partition *p = &f->state->partition[f->substructure];
-  if (p->searches == f->reference.searches)
-    return bordered(f, f->next_t);
-  km_partition *r = &f->reference;
-  km_partition_refactor(r, km_state_jacobian(f->state, sub_of(f)));
-  double g = 1.0 / f->next_t[r->column[r->rank]];
-  for (int i = 0; i < r->rank; ++i)
-    g /= r->inverse[i];
-  return g;
-}
-
-/* Root of the cubic through four equally spaced values, near the middle, by Newton on Lagrange's form. */
-static double cubic_root(const double g[4], double x, double spacing, double middle) {
-  for (int i = 0; i < 20; ++i) {
-    double u = (x - middle) / spacing, value = 0.0, slope = 0.0; /* nodes at u = -1.5, -0.5, 0.5, 1.5 */
-    for (int k = 0; k < 4; ++k) {
-      double product = g[k], derivative = 0.0, at = k - 1.5;
-      for (int o = 0; o < 4; ++o)
-        if (o != k)
-          product *= (u - (o - 1.5)) / (at - (o - 1.5));
-      for (int o = 0; o < 4; ++o) {
-        if (o == k)
-          continue;
-        double partial = g[k] / (at - (o - 1.5));
-        for (int n = 0; n < 4; ++n)
-          if (n != k && n != o)
-            partial *= (u - (n - 1.5)) / (at - (n - 1.5));
-        derivative += partial;
-      }
-      value += product;
-      slope += derivative;
-    }
-    x -= value / slope * spacing;
-  }
-  return x;
-}
-
-/* A branch point lies between the saved pose and the one `length` further: locates it by the cubic through g on
- * either side, and interpolates its pose. Leaves the state at the saved pose; false if it escapes. */
-static bool locate_branch(km_follow *f, double length, double g_end) {
-  const km_substructure *sub = sub_of(f);
-  double guess = length * f->g / (f->g - g_end), g[4], reached;
-  for (int k = 0; k < 4; ++k) {
-    if (step_exactly(f, guess + (2.0 * k - 3.0) * aside, &reached) == REFUSED)
-      return false;
-    g[k] = g_of_saved_pivots(f);
-    if (k != 1 && k != 2)
-      continue;
-    memcpy(k == 1 ? f->near_t : f->far_t, f->next_t, (size_t)sub->columns * sizeof *f->t);
-    km_state_save(f->state, sub, k == 1 ? f->near : f->far);
-  }
-  double root = cubic_root(g, guess, 2.0 * aside, guess);
-  if (!(fabs(root - guess) < 2.0 * aside))
-    return false;
-  km_state_restore(f->state, sub, f->far);
-  km_state_difference(f->state, sub, f->near, f->move);
-  km_state_restore(f->state, sub, f->near);
-  double width = arc_length(f, f->move, f->near_t, f->far_t);
-  km_curve_between(sub->columns, width, f->move, f->near_t, f->far_t, root - guess + aside, f->scratch, f->next_t);
-  km_state_move(f->mechanism, f->state, sub, f->scratch);
-  km_loops_update(f->mechanism, f->state, sub);
-  int worst;
-  double residual = km_loops_residual(f->mechanism, f->state, sub, &worst);
-  km_pivot(f->mechanism, f->state, f->substructure, KM_NO_DRIVER, fmax(1e-7, km_rank_tolerance(f->mechanism, sub, residual)));
-  /* Where constraints are redundant it may just be the pivot rows that become dependent. */
-  int mobility = km_partition_freedom(&f->state->partition[f->substructure]);
-  if (mobility > f->freedom) {
-    f->branch = (km_branch_point){f->s + root, mobility, 0};
-    f->branched = true;
-    km_state_save(f->state, sub, f->branch_pose);
-    memcpy(f->branch_t, f->next_t, (size_t)sub->columns * sizeof *f->t);
-  }
-  km_state_restore(f->state, sub, f->here);
-  f->state->pivoted[f->substructure] = KM_NEVER;
-  return true;
 }
 
 /* The way from the start pose to this one, full turns of hinges left out. */
@@ -251,7 +159,7 @@ static bool meet_start(km_follow *f, double length) {
     double along = weighted(f, f->origin_t, way);
     if (i > 0 && fabs(along) < 1e-14)
       break;
-    if (reached - along <= 0.0 || step_exactly(f, reached - along, &reached) == REFUSED)
+    if (reached - along <= 0.0 || !km_follow_step(f, reached - along, &reached))
       return false;
     from_start(f, way);
   }
@@ -272,12 +180,12 @@ static void stop_at_limit(km_follow *f, int c, double length) {
   f->limit = c;
   for (int i = 0; i < 60 && outside - inside > 1e-11; ++i) {
     double middle = 0.5 * (inside + outside);
-    if (step_exactly(f, middle, &reached) == ACCEPTED && limit_passed(f) < 0)
+    if (km_follow_step(f, middle, &reached) && limit_passed(f) < 0)
       inside = middle;
     else
       outside = middle;
   }
-  if (inside > 0.0 && step_exactly(f, inside, &reached) == ACCEPTED)
+  if (inside > 0.0 && km_follow_step(f, inside, &reached))
     accept(f, reached);
   else
     km_state_restore(f->state, sub_of(f), f->here);
@@ -288,22 +196,22 @@ static bool one_step(km_follow *f, double most) {
   double first = most / ceil(most / f->largest * (1.0 - 1e-9)); /* equal steps leave no crumb at the end */
   for (double h = first; h >= fmin(shortest, most); h *= 0.5) {
     double length;
-    if ((h == most ? step_exactly(f, h, &length) : step(f, h, &length)) == REFUSED || length > most * (1.0 + 1e-9))
+    if (!(h == most ? km_follow_step(f, h, &length) : step(f, h, &length)) || length > most * (1.0 + 1e-9))
       continue;
     if (f->freedom == 1) {
-      double g = g_of_saved_pivots(f);
+      double g = km_follow_saved_g(f);
       if (g * f->g < 0.0 && length > narrow)
         continue;
       if (g * f->g < 0.0) {
-        locate_branch(f, length, g);
-        if (step_exactly(f, length, &length) == REFUSED)
+        km_follow_locate_branch(f, length, g);
+        if (!km_follow_step(f, length, &length))
           continue;
       }
     }
     if (passes_start(f, length)) {
       if (meet_start(f, length))
         return true;
-      if (step_exactly(f, length, &length) == REFUSED)
+      if (!km_follow_step(f, length, &length))
         continue;
     }
     int limit = limit_passed(f);
@@ -418,37 +326,6 @@ double km_follow_length(const km_follow *f) { return f->s; }
 bool km_follow_closed(const km_follow *f) { return f->closed; }
 int km_follow_limit(const km_follow *f) { return f->limit; }
 
-bool km_follow_branch(const km_follow *f, km_branch_point *out) {
-  if (f->branched)
-    *out = f->branch;
-  return f->branched;
-}
-
-void km_follow_at_branch(km_follow *f, double *tangent) {
-  km_state_restore(f->state, sub_of(f), f->branch_pose);
-  memcpy(tangent, f->branch_t, (size_t)sub_of(f)->columns * sizeof *tangent);
-  f->state->pivoted[f->substructure] = KM_NEVER;
-}
-
-void km_follow_go_on(km_follow *f) {
-  km_state_restore(f->state, sub_of(f), f->here);
-  km_loops_update(f->mechanism, f->state, sub_of(f));
-  f->state->pivoted[f->substructure] = KM_NEVER;
-}
-
-void km_follow_turn(km_follow *f, const double *direction) {
-  double size = sqrt(weighted(f, direction, direction));
-  for (int k = 0; k < sub_of(f)->columns; ++k)
-    f->t[k] = direction[k] / size;
-  km_state_restore(f->state, sub_of(f), f->branch_pose);
-  km_state_save(f->state, sub_of(f), f->here);
-  f->state->pivoted[f->substructure] = KM_NEVER;
-  f->s = f->branch.s;
-  f->last_h = 0.0; /* the step before was on another branch */
-  f->g = 0.0;
-  f->closed = false;
-}
-
 static void write_rates(const km_follow *f, const double *t, double *rates) {
   const km_mechanism *m = f->mechanism;
   memset(rates, 0, (size_t)m->coordinate_count * sizeof *rates);
@@ -462,7 +339,7 @@ void km_follow_tangent(const km_follow *f, double *rates) { write_rates(f, f->t,
 
 bool km_follow_probe(km_follow *f, double offset, double *rates) {
   double reached;
-  bool there = step_exactly(f, offset, &reached) == ACCEPTED;
+  bool there = km_follow_step(f, offset, &reached);
   if (there)
     write_rates(f, f->next_t, rates);
   km_state_restore(f->state, sub_of(f), f->here);

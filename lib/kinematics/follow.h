@@ -23,6 +23,20 @@ struct km_follow {
   bool branched;
 };
 
+/* From the saved pose `here` by an arc of exactly `length` (either sign), without accepting it: on success the state
+ * stands there, next_t is its tangent, move the way; else the state is back at `here`. */
+bool km_follow_step(km_follow *follow, double length, double *reached);
+/* Arc of the cubic through two poses with tangents t0, t1; negative where the move runs against them. */
+double km_follow_arc(const km_follow *follow, const double *move, const double *t0, const double *t1);
+
+/* g = det(pivot block) / t_i with the partition's pivots; and, at the pose just stepped to, with those of `here`
+ * (0 just after a turn, where there are none). */
+double km_follow_g(const km_follow *follow, const double *t);
+double km_follow_saved_g(km_follow *follow);
+/* A branch point lies between `here` and the pose `length` further, where g is g_end: locates it by the cubic
+ * through g on either side, and interpolates its pose. Leaves the state at `here`; false if it escapes. */
+bool km_follow_locate_branch(km_follow *follow, double length, double g_end);
+
 /* Puts the state at the branch point that was passed last; `tangent` is that of the smooth motion there. Then
  * km_follow_turn or km_follow_go_on. */
 void km_follow_at_branch(km_follow *follow, double *tangent);

@@ -1,0 +1,128 @@
+/* Branch points on a followed motion: where they are, and which way to go. */
+#include "kinematics/closure.h"
+#include "kinematics/curve.h"
+#include "kinematics/follow.h"
+#include "kinematics/loops.h"
+
+#include <string.h>
+
+static const double aside = 1e-3; /* distance of the poses that a branch point is interpolated from */
+
+static const km_substructure *sub_of(const km_follow *f) { return &f->mechanism->substructures[f->substructure]; }
+
+double km_follow_g(const km_follow *f, const double *t) {
+  const km_partition *p = &f->state->partition[f->substructure];
+  double g = 1.0 / t[p->column[p->rank]];
+  for (int i = 0; i < p->rank; ++i)
+    g /= p->inverse[i];
+  return g;
+}
+
+double km_follow_saved_g(km_follow *f) {
+  if (f->g == 0.0)
+    return 0.0;
+  const km_partition *p = &f->state->partition[f->substructure];
+  if (p->searches == f->reference.searches)
+    return km_follow_g(f, f->next_t);
+  km_partition *r = &f->reference;
+  km_partition_refactor(r, km_state_jacobian(f->state, sub_of(f)));
+  double g = 1.0 / f->next_t[r->column[r->rank]];
+  for (int i = 0; i < r->rank; ++i)
+    g /= r->inverse[i];
+  return g;
+}
+
+/* Root of the cubic through four equally spaced values, near the middle, by Newton on Lagrange's form. */
+static double cubic_root(const double g[4], double x, double spacing, double middle) {
+  for (int i = 0; i < 20; ++i) {
+    double u = (x - middle) / spacing, value = 0.0, slope = 0.0; /* nodes at u = -1.5, -0.5, 0.5, 1.5 */
+    for (int k = 0; k < 4; ++k) {
+      double product = g[k], derivative = 0.0, at = k - 1.5;
+      for (int o = 0; o < 4; ++o)
+        if (o != k)
+          product *= (u - (o - 1.5)) / (at - (o - 1.5));
+      for (int o = 0; o < 4; ++o) {
+        if (o == k)
+          continue;
+        double partial = g[k] / (at - (o - 1.5));
+        for (int n = 0; n < 4; ++n)
+          if (n != k && n != o)
+            partial *= (u - (n - 1.5)) / (at - (n - 1.5));
+        derivative += partial;
+      }
+      value += product;
+      slope += derivative;
+    }
+    x -= value / slope * spacing;
+  }
+  return x;
+}
+
+bool km_follow_locate_branch(km_follow *f, double length, double g_end) {
+  const km_substructure *sub = sub_of(f);
+  double guess = length * f->g / (f->g - g_end), g[4], reached;
+  for (int k = 0; k < 4; ++k) {
+    if (!km_follow_step(f, guess + (2.0 * k - 3.0) * aside, &reached))
+      return false;
+    g[k] = km_follow_saved_g(f);
+    if (k != 1 && k != 2)
+      continue;
+    memcpy(k == 1 ? f->near_t : f->far_t, f->next_t, (size_t)sub->columns * sizeof *f->t);
+    km_state_save(f->state, sub, k == 1 ? f->near : f->far);
+  }
+  double root = cubic_root(g, guess, 2.0 * aside, guess);
+  if (!(fabs(root - guess) < 2.0 * aside))
+    return false;
+  km_state_restore(f->state, sub, f->far);
+  km_state_difference(f->state, sub, f->near, f->move);
+  km_state_restore(f->state, sub, f->near);
+  double width = km_follow_arc(f, f->move, f->near_t, f->far_t);
+  km_curve_between(sub->columns, width, f->move, f->near_t, f->far_t, root - guess + aside, f->scratch, f->next_t);
+  km_state_move(f->mechanism, f->state, sub, f->scratch);
+  km_loops_update(f->mechanism, f->state, sub);
+  int worst;
+  double residual = km_loops_residual(f->mechanism, f->state, sub, &worst);
+  km_pivot(f->mechanism, f->state, f->substructure, KM_NO_DRIVER, fmax(1e-7, km_rank_tolerance(f->mechanism, sub, residual)));
+  /* Where constraints are redundant it may just be the pivot rows that become dependent. */
+  int mobility = km_partition_freedom(&f->state->partition[f->substructure]);
+  if (mobility > f->freedom) {
+    f->branch = (km_branch_point){f->s + root, mobility, 0};
+    f->branched = true;
+    km_state_save(f->state, sub, f->branch_pose);
+    memcpy(f->branch_t, f->next_t, (size_t)sub->columns * sizeof *f->t);
+  }
+  km_state_restore(f->state, sub, f->here);
+  f->state->pivoted[f->substructure] = KM_NEVER;
+  return true;
+}
+
+bool km_follow_branch(const km_follow *f, km_branch_point *out) {
+  if (f->branched)
+    *out = f->branch;
+  return f->branched;
+}
+
+void km_follow_at_branch(km_follow *f, double *tangent) {
+  km_state_restore(f->state, sub_of(f), f->branch_pose);
+  memcpy(tangent, f->branch_t, (size_t)sub_of(f)->columns * sizeof *tangent);
+  f->state->pivoted[f->substructure] = KM_NEVER;
+}
+
+void km_follow_go_on(km_follow *f) {
+  km_state_restore(f->state, sub_of(f), f->here);
+  km_loops_update(f->mechanism, f->state, sub_of(f));
+  f->state->pivoted[f->substructure] = KM_NEVER;
+}
+
+void km_follow_turn(km_follow *f, const double *direction) {
+  double size = km_step_length(f->mechanism, sub_of(f), direction);
+  for (int k = 0; k < sub_of(f)->columns; ++k)
+    f->t[k] = direction[k] / size;
+  km_state_restore(f->state, sub_of(f), f->branch_pose);
+  km_state_save(f->state, sub_of(f), f->here);
+  f->state->pivoted[f->substructure] = KM_NEVER;
+  f->s = f->branch.s;
+  f->last_h = 0.0; /* the step before was on another branch */
+  f->g = 0.0;
+  f->closed = false;
+}
