@@ -1,5 +1,6 @@
 #include "report/mobility_plot.h"
 
+#include "report/mobility_strip.h"
 #include "report/plot.h"
 #include "topology/mechanism.h"
 
@@ -220,6 +221,8 @@ static km_status draw(lines *l, const km_plotted_sweep *sweeps, int count, km_ca
                   .y_high = 1.0,
                   .panels = panels,
                   .panel_count = make_panels(l, sweeps, count, panels)};
+  km_mobility_strip strip;
+  plot.strip = km_mobility_strip_make(sweeps[0].mechanism, sweeps[0].plan, sweeps[0].sweep, &l->arena, &strip);
   if (l->arena.failed)
     return km_fail(error, KM_MEMORY, "out of memory for the plot");
   return km_plot_render(&plot, format, out, error);

@@ -68,11 +68,13 @@ km_status km_plot_render(const km_plot *plot, km_canvas_format format, km_text *
     return km_fail(error, KM_USAGE, "a plot of %g x %g points; expected at least %g each", width,
                    height, size_least);
   km_canvas *canvas;
-  km_status status = km_canvas_create(format, width, height, out, &canvas, error);
+  km_status status = km_canvas_create(format, width, height + plot->strip.height, out, &canvas, error);
   if (status != KM_OK)
     return status;
   km_arena arena = {0};
   status = draw(plot, canvas, &arena, width, height, error);
+  if (status == KM_OK && plot->strip.height > 0)
+    plot->strip.draw(plot->strip.context, canvas, height, width);
   if (status == KM_OK)
     status = km_canvas_finish(canvas, error);
   km_canvas_free(canvas);

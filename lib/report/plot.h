@@ -30,13 +30,21 @@ typedef struct km_plot_panel {
   size_t mark_count;
 } km_plot_panel;
 
+/* Pictures in a strip beneath the axes: drawn by the caller into the room that is told. */
+typedef struct km_plot_strip {
+  double height; /* points; 0: no strip */
+  void (*draw)(void *context, km_canvas *canvas, double top, double width);
+  void *context;
+} km_plot_strip;
+
 typedef struct km_plot {
   const char *title, *subtitle;
   const char *x_label, *y_label; /* with their units: "driver K (mm)" */
   double y_low, y_high;          /* both 0: fitted to the data with round ticks */
   const km_plot_panel *panels;   /* small multiples with common axes */
   size_t panel_count;
-  double width, height; /* in points (1/72 inch); 0: chosen from the number of panels */
+  km_plot_strip strip;
+  double width, height; /* in points (1/72 inch), without the strip; 0: chosen from the number of panels */
 } km_plot;
 
 /* Appends the picture's bytes to `out`. The same plot gives the same bytes (no date, no random id).

@@ -1,0 +1,69 @@
+#include "report/mobility_strip.h"
+
+#include "kmech/kinematics.h"
+#include "report/drawing.h"
+#include "report/palette.h"
+
+#include <string.h>
+
+static const double strip_height = 132, caption_height = 14, margin = 10; /* points */
+enum { MOST_BODIES = 60 };
+
+/* Sets the state to a row of the table: step, s, then every coordinate. */
+static void pose_of_row(const km_mechanism *m, km_state *state, const double *row, double *q, km_pose *poses) {
+  for (int c = 0; c < m->coordinate_count; ++c)
+    q[c] = row[2 + c] * km_model_coordinate_factor(m->model, c);
+  km_state_set(m, state, q);
+  km_poses_update(m, state);
+  memcpy(poses, state->pose, (size_t)m->topology.body_count * sizeof *poses);
+}
+
+static void caption(const km_mobility_strip *strip, int k, km_text *out) {
+  if (strip->plan->arclength > 0.0)
+    km_text_format(out, "arc length %.4g", strip->s[k]);
+  else
+    km_text_format(out, "%s = %.4g %s", km_model_coordinate_label(strip->mechanism->model, strip->plan->coordinate),
+                   strip->s[k], km_model_coordinate_unit(strip->mechanism->model, strip->plan->coordinate));
+}
+
+static void draw(void *context, km_canvas *canvas, double top, double width) {
+  const km_mobility_strip *strip = context;
+  const km_font font = {.size = 8, .width = width / KM_STRIP_POSES};
+  double each = (width - 2 * margin) / KM_STRIP_POSES;
+  km_drawing drawing = {.mechanism = strip->mechanism, .poses = strip->poses, .pose_count = KM_STRIP_POSES,
+                        .alone = true, .bare = true};
+  for (int k = 0; k < KM_STRIP_POSES; ++k) {
+    km_text text = {0};
+    double left = margin + k * each;
+    drawing.full = (size_t)k;
+    /* A drawing that fails leaves its place empty; the canvas keeps its own failures. */
+    km_drawing_place(&drawing, canvas,
+                     (km_rectangle){left + 8, top, each - 16, strip_height - caption_height - margin}, NULL);
+    caption(strip, k, &text);
+    if (text.data)
+      km_canvas_text(canvas, &font, km_palette_text(-1), text.data,
+                     (km_canvas_point){left + each / 2, top + strip_height - margin}, (km_anchor){0.5, 1, 0});
+    km_text_free(&text);
+  }
+}
+
+km_plot_strip km_mobility_strip_make(const km_mechanism *m, const km_sweep_plan *plan, const km_mobility_sweep *sweep,
+                                     km_arena *arena, km_mobility_strip *out) {
+  size_t bodies = (size_t)m->topology.body_count, rows = km_table_rows(sweep->table);
+  *out = (km_mobility_strip){m, plan, NULL, {0}};
+  if (bodies < 2 || bodies > MOST_BODIES || rows == 0)
+    return (km_plot_strip){0};
+  km_state *state = NULL;
+  double *q = KM_ARENA_NEW(arena, double, (size_t)m->coordinate_count);
+  out->poses = KM_ARENA_NEW(arena, km_pose, KM_STRIP_POSES * bodies);
+  if (arena->failed || km_state_create(m, &state, NULL))
+    return (km_plot_strip){0};
+  const size_t shown[KM_STRIP_POSES] = {0, rows / 2, rows - 1};
+  for (int k = 0; k < KM_STRIP_POSES; ++k) {
+    const double *row = km_table_row(sweep->table, shown[k]);
+    out->s[k] = row[1];
+    pose_of_row(m, state, row, q, out->poses + (size_t)k * bodies);
+  }
+  km_state_free(state);
+  return (km_plot_strip){strip_height, draw, out};
+}
