@@ -6,6 +6,7 @@
 
 /* Real motions through the state's pose, different up to their sense: unit directions (scaled steps) into
  * directions[most × columns]. Returns their number; the state stays. */
-int km_branch_directions(const km_mechanism *mechanism, km_state *state, int substructure, double *directions, int most);
+int km_branch_directions(const km_mechanism *mechanism, km_state *state, int substructure, double *directions,
+                         int most);
 
 #endif

@@ -20,7 +20,7 @@ typedef struct finder {
   int index;
   const km_substructure *sub;
   km_second_order conditions;
-  double *pose, *last;            /* saved coordinates */
+  double *pose, *last; /* saved coordinates */
   double *x, *move, *a, *work;
   uint64_t random;
 } finder;
@@ -37,8 +37,8 @@ static bool make_finder(finder *f, const km_mechanism *m, km_state *s, int index
   if (!km_second_order_build(m, s, index, arena, &f->conditions))
     return false;
   size_t k = (size_t)f->conditions.freedom;
-  f->pose = KM_ARENA_NEW(arena, double, KM_SAVED_PER_COLUMN * n);
-  f->last = KM_ARENA_NEW(arena, double, KM_SAVED_PER_COLUMN * n);
+  f->pose = KM_ARENA_NEW(arena, double, KM_SAVED_PER_COLUMN *n);
+  f->last = KM_ARENA_NEW(arena, double, KM_SAVED_PER_COLUMN *n);
   f->x = KM_ARENA_NEW(arena, double, n);
   f->move = KM_ARENA_NEW(arena, double, n);
   f->a = KM_ARENA_NEW(arena, double, k);
@@ -89,7 +89,9 @@ static double follow(finder *f, const double *a, double sign, double length) {
   return done;
 }
 
-static bool is_real(finder *f, const double *a) { return follow(f, a, 1.0, trial) >= trial && follow(f, a, -1.0, trial) >= trial; }
+static bool is_real(finder *f, const double *a) {
+  return follow(f, a, 1.0, trial) >= trial && follow(f, a, -1.0, trial) >= trial;
+}
 
 static void normalise(double *a, int k) {
   double sum = 0.0;
@@ -269,7 +271,7 @@ static int find_in(const km_mechanism *m, km_state *s, int index, km_arena *aren
 
 km_status km_finite_mobility_find(const km_mechanism *m, km_state *s, km_finite_mobility *out, km_error *error) {
   *out = (km_finite_mobility){0};
-  out->store = KM_NEW(double, (size_t)KM_MOST_MOTIONS * (size_t)(m->coordinate_count + 1));
+  out->store = KM_NEW(double, (size_t)KM_MOST_MOTIONS *(size_t)(m->coordinate_count + 1));
   bool failed = !out->store;
   for (int c = 0; c < m->coordinate_count; ++c)
     out->mobility += m->substructure_of[c] < 0 && !m->held[c];

@@ -58,7 +58,9 @@ void km_mobility_update(const km_mechanism *m, km_state *s, km_mobility *out) {
   }
 }
 
-int km_substructure_count(const km_mechanism *m) { return m->topology.substructure_count; }
+int km_substructure_count(const km_mechanism *m) {
+  return m->topology.substructure_count;
+}
 
 void km_substructure_evidence(const km_mechanism *m, const km_state *s, int index, km_substructure_mobility *out) {
   const km_substructure *sub = &m->substructures[index];
@@ -75,4 +77,6 @@ void km_substructure_evidence(const km_mechanism *m, const km_state *s, int inde
                                     .tolerance = km_rank_tolerance(m, sub, 0.0)};
 }
 
-double km_mobility_number(const km_state *s, int coordinate) { return s->numbers[coordinate]; }
+double km_mobility_number(const km_state *s, int coordinate) {
+  return s->numbers[coordinate];
+}

@@ -27,8 +27,8 @@ static km_status run(km_sweeper *r, km_error *error) {
   return r->plan->arclength > 0.0 ? km_sweep_by_length(r, error) : km_sweep_by_driver(r, error);
 }
 
-km_status km_mobility_sweep_run(const km_mechanism *m, km_state *s, const km_sweep_plan *plan,
-                                km_mobility_sweep *out, km_error *error) {
+km_status km_mobility_sweep_run(const km_mechanism *m, km_state *s, const km_sweep_plan *plan, km_mobility_sweep *out,
+                                km_error *error) {
   km_sweeper r = {.m = m, .s = s, .plan = plan, .out = out, .substructure = -1};
   *out = (km_mobility_sweep){.substructure = -1};
   km_status status = run(&r, error);

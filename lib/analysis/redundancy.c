@@ -15,10 +15,10 @@ typedef struct space {
   const km_substructure *sub;
   km_vec3 about;
   double tolerance;
-  double *J;                /* rows × columns */
-  double *T, *W, *one;      /* transposed; left null vectors; ones */
+  double *J;           /* rows × columns */
+  double *T, *W, *one; /* transposed; left null vectors; ones */
   int null_count;
-  double *all, *reach;      /* all left null vectors of J, [all_count × rows]; [2 · all_count] */
+  double *all, *reach; /* all left null vectors of J, [all_count × rows]; [2 · all_count] */
   int all_count;
   km_partition p;
 } space;
@@ -343,19 +343,23 @@ static bool find_in(const km_mechanism *m, km_state *s, int index, km_arena *are
                     size_t *capacity) {
   const km_substructure *sub = &m->substructures[index];
   const km_topology *t = &m->topology;
-  space a = {.m = m, .s = s, .index = index, .sub = sub, .columns = sub->columns,
+  space a = {.m = m,
+             .s = s,
+             .index = index,
+             .sub = sub,
+             .columns = sub->columns,
              .rows = 6 * sub->loop_count + sub->coupling_count};
   int worst, first = out->count;
   a.tolerance = km_rank_tolerance(m, sub, km_loops_residual(m, s, sub, &worst));
   a.about = km_joint_pose(m, s, t->joint[t->joint_start[index]]).p;
-  double *own = KM_ARENA_NEW(arena, double, (size_t)a.rows * (size_t)(a.rows + 1));
+  double *own = KM_ARENA_NEW(arena, double, (size_t)a.rows *(size_t)(a.rows + 1));
   if (!allocate(&a, arena))
     return false;
   fill(&a);
   a.rank = left_null(&a, 0, a.rows, a.columns);
   int own_count = 0;
   a.all_count = a.null_count;
-  a.all = KM_ARENA_NEW(arena, double, (size_t)a.all_count * (size_t)a.rows);
+  a.all = KM_ARENA_NEW(arena, double, (size_t)a.all_count *(size_t)a.rows);
   a.reach = KM_ARENA_NEW(arena, double, 2 * (size_t)a.all_count);
   if (arena->failed)
     return false;
@@ -363,8 +367,7 @@ static bool find_in(const km_mechanism *m, km_state *s, int index, km_arena *are
   if (a.all_count == 0)
     return true;
   int missing = rank_nearby(&a, arena) - a.rank; /* redundancies of this pose alone come last */
-  if (!single_loops(&a, own, &own_count, out, capacity) ||
-      !several_loops(&a, own, own_count, out, capacity))
+  if (!single_loops(&a, own, &own_count, out, capacity) || !several_loops(&a, own, own_count, out, capacity))
     return false;
   for (int i = first; i < out->count; ++i)
     out->items[i].lasting = i < out->count - missing;

@@ -7,7 +7,8 @@
 
 static const double step = 1e-4; /* central differences of J err by its square and by 1e-16 over it */
 
-static bool left_null(const km_substructure *sub, const double *J, double tolerance, km_arena *arena, double **W, int *count) {
+static bool left_null(const km_substructure *sub, const double *J, double tolerance, km_arena *arena, double **W,
+                      int *count) {
   size_t rows = (size_t)sub->rows, columns = (size_t)sub->columns;
   double *T = KM_ARENA_NEW(arena, double, rows *columns), *weight = KM_ARENA_NEW(arena, double, rows);
   km_partition p;
@@ -77,12 +78,12 @@ bool km_second_order_build(const km_mechanism *m, km_state *s, int index, km_are
   km_partition_null(&s->partition[index], weight, out->freedom, out->Z);
   if (s->partition[index].rank == sub->rows)
     return true; /* no constraint is redundant: every tangent is one of a motion */
-  double *W, *saved = KM_ARENA_NEW(arena, double, KM_SAVED_PER_COLUMN * n);
+  double *W, *saved = KM_ARENA_NEW(arena, double, KM_SAVED_PER_COLUMN *n);
   double *x = KM_ARENA_NEW(arena, double, n *k), *move = KM_ARENA_NEW(arena, double, n);
   double *rate = KM_ARENA_NEW(arena, double, n *rows);
   if (arena->failed || !left_null(sub, km_state_jacobian(s, sub), tolerance, arena, &W, &out->conditions))
     return false;
-  out->Q = KM_ARENA_NEW(arena, double, (size_t)out->conditions * k * k);
+  out->Q = KM_ARENA_NEW(arena, double, (size_t)out->conditions *k *k);
   if (arena->failed)
     return false;
   for (size_t i = 0; i < n * k; ++i)

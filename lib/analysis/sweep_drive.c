@@ -41,16 +41,24 @@ static km_status rows(km_sweeper *r, km_error *error) {
   if (status)
     return status;
   if (start->stop == KM_STOP_GAVE_OUT || end->stop == KM_STOP_GAVE_OUT)
-    return km_fail(error, KM_DIVERGED, "the sweep gave out at %.9g: too many steps to the next row; expected a range that "
-                   "so many rows resolve", end->position);
+    return km_fail(error, KM_DIVERGED,
+                   "the sweep gave out at %.9g: too many steps to the next row; expected a range that "
+                   "so many rows resolve",
+                   end->position);
   return start->stop || end->stop ? KM_PARTIAL : KM_OK;
 }
 
-static bool rates(void *self, double *out) { return km_drive_tangent(self, out); }
+static bool rates(void *self, double *out) {
+  return km_drive_tangent(self, out);
+}
 
-static bool probe(void *self, double s, double *out) { return !km_drive_to(self, s).stop && km_drive_tangent(self, out); }
+static bool probe(void *self, double s, double *out) {
+  return !km_drive_to(self, s).stop && km_drive_tangent(self, out);
+}
 
-static void settle(void *self, double s) { km_drive_to(self, s); }
+static void settle(void *self, double s) {
+  km_drive_to(self, s);
+}
 
 km_status km_sweep_by_driver(km_sweeper *r, km_error *error) {
   km_drive *drive;

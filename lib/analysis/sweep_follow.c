@@ -11,7 +11,9 @@ static bool rates(void *self, double *out) {
   return true;
 }
 
-static bool probe(void *self, double s, double *out) { return km_follow_probe(self, s - km_follow_length(self), out); }
+static bool probe(void *self, double s, double *out) {
+  return km_follow_probe(self, s - km_follow_length(self), out);
+}
 
 static void settle(void *self, double s) {
   (void)self; /* a probe doesn't leave the row */
@@ -60,8 +62,8 @@ static km_status meet_branch(km_sweeper *r, km_follow *follow, km_error *error) 
   km_follow_at_branch(follow, smooth);
   point.branches = km_branch_directions(r->m, r->s, r->substructure, directions, MOST_BRANCHES);
   r->out->branches[r->out->branch_count++] = point;
-  const double *turn = r->plan->branch > 1 && r->out->branch_count == 1
-                           ? chosen(r, directions, point.branches, smooth) : NULL;
+  const double *turn =
+      r->plan->branch > 1 && r->out->branch_count == 1 ? chosen(r, directions, point.branches, smooth) : NULL;
   bool missing = r->plan->branch > 1 && r->out->branch_count == 1 && !turn;
   if (turn) {
     km_follow_turn(follow, turn);
@@ -70,8 +72,8 @@ static km_status meet_branch(km_sweeper *r, km_follow *follow, km_error *error) 
     km_follow_go_on(follow);
   }
   km_free(directions);
-  return missing ? km_fail(error, KM_USAGE, "--branch %d: %d motions meet at %.9g; expected at most %d", r->plan->branch,
-                           point.branches, point.s, 2 * point.branches - 1)
+  return missing ? km_fail(error, KM_USAGE, "--branch %d: %d motions meet at %.9g; expected at most %d",
+                           r->plan->branch, point.branches, point.s, 2 * point.branches - 1)
                  : KM_OK;
 }
 
@@ -79,7 +81,8 @@ static km_status meet_branch(km_sweeper *r, km_follow *follow, km_error *error) 
 static km_status advance_to(km_sweeper *r, km_follow *follow, double length, km_status *moved, km_error *error) {
   km_status status = KM_OK;
   *moved = KM_OK;
-  while (!status && !*moved && !km_follow_closed(follow) && length - km_follow_length(follow) > 1e-9 * r->plan->arclength) {
+  while (!status && !*moved && !km_follow_closed(follow) &&
+         length - km_follow_length(follow) > 1e-9 * r->plan->arclength) {
     *moved = km_follow_advance(follow, length - km_follow_length(follow));
     status = meet_branch(r, follow, error);
   }
@@ -114,7 +117,8 @@ static km_status rows(km_sweeper *r, km_follow *follow, km_error *error) {
 km_status km_sweep_by_length(km_sweeper *r, km_error *error) {
   km_follow *follow;
   km_sweeper_prepare(r);
-  km_status status = km_follow_create(r->m, r->s, r->plan->direction, r->plan->sign, r->plan->ignore_limits, &follow, error);
+  km_status status =
+      km_follow_create(r->m, r->s, r->plan->direction, r->plan->sign, r->plan->ignore_limits, &follow, error);
   if (status)
     return status;
   r->mover = (km_mover){follow, rates, probe, settle};

@@ -156,8 +156,7 @@ void km_sweeper_prepare(km_sweeper *r) {
   for (int i = 0; i < r->m->topology.substructure_count; ++i) {
     int worst;
     if (i != r->substructure)
-      r->other_residual =
-          fmax(r->other_residual, km_loops_residual(r->m, r->s, &r->m->substructures[i], &worst));
+      r->other_residual = fmax(r->other_residual, km_loops_residual(r->m, r->s, &r->m->substructures[i], &worst));
   }
   for (int c = 0; c < r->m->coordinate_count; ++c)
     r->out->extremes[c] = (km_extreme){HUGE_VAL, nan("")};

@@ -22,13 +22,13 @@ typedef struct km_sweeper {
   const km_sweep_plan *plan;
   km_mobility_sweep *out;
   km_mover mover;
-  int substructure;       /* the one that moves, -1: none */
-  double *rates;          /* [coordinate] */
-  double *z, *last_z;     /* [coordinate] unit direction of motion at the row and at the row before */
-  double *scratch;        /* [coordinate] */
+  int substructure;   /* the one that moves, -1: none */
+  double *rates;      /* [coordinate] */
+  double *z, *last_z; /* [coordinate] unit direction of motion at the row and at the row before */
+  double *scratch;    /* [coordinate] */
   double last_s;
   bool have_last;
-  double other_residual;  /* of the substructures that stand still */
+  double other_residual; /* of the substructures that stand still */
   int other_mobility;
 } km_sweeper;
 

@@ -68,8 +68,7 @@ km_status km_file_write(const char *path, const km_text *bytes, km_error *error)
   if (bytes->failed)
     return km_fail(error, KM_MEMORY, "%s: out of memory", path);
   if (strcmp(path, "-") == 0)
-    return write_all(stdout, bytes) ? km_fail(error, KM_IO, "standard output: can't be written: %s",
-                                              strerror(errno))
+    return write_all(stdout, bytes) ? km_fail(error, KM_IO, "standard output: can't be written: %s", strerror(errno))
                                     : KM_OK;
   struct stat info;
   if (stat(path, &info) == 0 && !S_ISREG(info.st_mode)) {

@@ -23,28 +23,31 @@ static km_value *convert(km_arena *arena, km_value *parent, const char *key, con
       convert(arena, list, NULL, json_array_get(json, i));
     return list;
   }
-  case JSON_STRING: return km_value_string(arena, parent, key, json_string_value(json));
+  case JSON_STRING:
+    return km_value_string(arena, parent, key, json_string_value(json));
   case JSON_INTEGER:
-  case JSON_REAL: return km_value_number(arena, parent, key, json_number_value(json));
-  case JSON_TRUE: return km_value_boolean(arena, parent, key, 1);
-  case JSON_FALSE: return km_value_boolean(arena, parent, key, 0);
-  default: return km_value_add(arena, parent, key, KM_NULL);
+  case JSON_REAL:
+    return km_value_number(arena, parent, key, json_number_value(json));
+  case JSON_TRUE:
+    return km_value_boolean(arena, parent, key, 1);
+  case JSON_FALSE:
+    return km_value_boolean(arena, parent, key, 0);
+  default:
+    return km_value_add(arena, parent, key, KM_NULL);
   }
 }
 
-km_status km_json_parse(const char *bytes, size_t size, km_arena *arena, const km_value **root,
-                        km_error *error) {
+km_status km_json_parse(const char *bytes, size_t size, km_arena *arena, const km_value **root, km_error *error) {
   static const char mark[] = "\xEF\xBB\xBF";
   if (size >= 3 && memcmp(bytes, mark, 3) == 0) {
     bytes += 3;
     size -= 3;
   }
   json_error_t problem;
-  json_t *json = json_loadb(bytes, size,
-                            JSON_REJECT_DUPLICATES | JSON_DECODE_INT_AS_REAL | JSON_DECODE_ANY, &problem);
+  json_t *json = json_loadb(bytes, size, JSON_REJECT_DUPLICATES | JSON_DECODE_INT_AS_REAL | JSON_DECODE_ANY, &problem);
   if (!json)
-    return km_fail(error, KM_MODEL, "line %d, column %d: %s; expected JSON text", problem.line,
-                   problem.column, problem.text);
+    return km_fail(error, KM_MODEL, "line %d, column %d: %s; expected JSON text", problem.line, problem.column,
+                   problem.text);
   *root = convert(arena, NULL, NULL, json);
   json_decref(json);
   return arena->failed ? km_fail(error, KM_MEMORY, "out of memory while reading JSON") : KM_OK;
@@ -98,15 +101,21 @@ static void write_members(const km_value *value, int level, int flat, km_text *o
 
 static void write_value(const km_value *value, int level, km_text *out) {
   switch (value->kind) {
-  case KM_NULL: km_text_add(out, "null"); break;
-  case KM_BOOLEAN: km_text_add(out, value->number != 0.0 ? "true" : "false"); break;
+  case KM_NULL:
+    km_text_add(out, "null");
+    break;
+  case KM_BOOLEAN:
+    km_text_add(out, value->number != 0.0 ? "true" : "false");
+    break;
   case KM_NUMBER:
     if (isfinite(value->number))
       km_text_number(out, value->number);
     else
       km_text_add(out, "null");
     break;
-  case KM_STRING: write_string(value->string, out); break;
+  case KM_STRING:
+    write_string(value->string, out);
+    break;
   case KM_LIST:
     km_text_add(out, "[");
     write_members(value, level, is_flat(value), out);

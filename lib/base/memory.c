@@ -11,7 +11,9 @@ struct km_arena_block {
   size_t used, size;
 };
 
-void *km_alloc(size_t count, size_t size) { return calloc(count ? count : 1, size); }
+void *km_alloc(size_t count, size_t size) {
+  return calloc(count ? count : 1, size);
+}
 
 void *km_resize(void *block, size_t count, size_t size) {
   if (size != 0 && count > SIZE_MAX / size)
@@ -20,7 +22,9 @@ void *km_resize(void *block, size_t count, size_t size) {
   return realloc(block, bytes ? bytes : 1);
 }
 
-void km_free(void *block) { free(block); }
+void km_free(void *block) {
+  free(block);
+}
 
 static char *block_start(struct km_arena_block *block) {
   uintptr_t address = (uintptr_t)(block + 1);
@@ -28,8 +32,7 @@ static char *block_start(struct km_arena_block *block) {
 }
 
 static bool new_block(km_arena *arena, size_t size) {
-  struct km_arena_block *block =
-      km_alloc(1, sizeof *block + ALIGNMENT + (size > BLOCK_SIZE ? size : BLOCK_SIZE));
+  struct km_arena_block *block = km_alloc(1, sizeof *block + ALIGNMENT + (size > BLOCK_SIZE ? size : BLOCK_SIZE));
   if (!block)
     return false;
   block->previous = arena->block;

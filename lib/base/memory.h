@@ -5,7 +5,7 @@
 #include <stdbool.h>
 #include <stddef.h>
 
-void *km_alloc(size_t count, size_t size);           /* zeroed; NULL when out of memory */
+void *km_alloc(size_t count, size_t size);               /* zeroed; NULL when out of memory */
 void *km_resize(void *block, size_t count, size_t size); /* new space is not zeroed */
 void km_free(void *block);
 

@@ -22,8 +22,7 @@ static size_t hash(int scope, const char *name) {
 /* The entry of the name, or the empty one where it would go. The capacity is a power of two. */
 static km_name_entry *slot(const km_names *names, int scope, const char *name) {
   size_t i = hash(scope, name) & (names->capacity - 1);
-  while (names->entries[i].name &&
-         (names->entries[i].scope != scope || strcmp(names->entries[i].name, name) != 0))
+  while (names->entries[i].name && (names->entries[i].scope != scope || strcmp(names->entries[i].name, name) != 0))
     i = (i + 1) & (names->capacity - 1);
   return &names->entries[i];
 }

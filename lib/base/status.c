@@ -29,7 +29,9 @@ km_status km_fail(km_error *error, km_status status, const char *format, ...) {
   return status;
 }
 
-km_messages *km_messages_create(void) { return KM_NEW(km_messages, 1); }
+km_messages *km_messages_create(void) {
+  return KM_NEW(km_messages, 1);
+}
 
 void km_messages_free(km_messages *messages) {
   if (!messages)
@@ -55,9 +57,13 @@ void km_messages_add(km_messages *messages, km_severity severity, const char *fo
   va_end(arguments);
 }
 
-size_t km_messages_count(const km_messages *messages) { return messages ? messages->count : 0; }
+size_t km_messages_count(const km_messages *messages) {
+  return messages ? messages->count : 0;
+}
 
-size_t km_messages_errors(const km_messages *messages) { return messages ? messages->errors : 0; }
+size_t km_messages_errors(const km_messages *messages) {
+  return messages ? messages->errors : 0;
+}
 
 km_severity km_messages_severity(const km_messages *messages, size_t index) {
   return messages->items[index].severity;

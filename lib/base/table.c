@@ -17,7 +17,9 @@ struct km_table {
   size_t column_count, column_capacity, row_count, data_capacity;
 };
 
-km_table *km_table_create(void) { return KM_NEW(km_table, 1); }
+km_table *km_table_create(void) {
+  return KM_NEW(km_table, 1);
+}
 
 void km_table_free(km_table *table) {
   if (!table)
@@ -48,7 +50,9 @@ int km_table_add_plain_column(km_table *table, const char *name, const char *uni
   return add_column(table, name, unit, 1);
 }
 
-int km_table_is_plain(const km_table *table, size_t index) { return table->columns[index].plain; }
+int km_table_is_plain(const km_table *table, size_t index) {
+  return table->columns[index].plain;
+}
 
 double *km_table_add_row(km_table *table) {
   void *data = table->data;
@@ -62,11 +66,21 @@ double *km_table_add_row(km_table *table) {
   return table->data + used;
 }
 
-size_t km_table_rows(const km_table *table) { return table->row_count; }
-size_t km_table_columns(const km_table *table) { return table->column_count; }
-const char *km_table_name(const km_table *table, size_t index) { return table->columns[index].name; }
-const char *km_table_unit(const km_table *table, size_t index) { return table->columns[index].unit; }
-const double *km_table_row(const km_table *table, size_t row) { return table->data + row * table->column_count; }
+size_t km_table_rows(const km_table *table) {
+  return table->row_count;
+}
+size_t km_table_columns(const km_table *table) {
+  return table->column_count;
+}
+const char *km_table_name(const km_table *table, size_t index) {
+  return table->columns[index].name;
+}
+const char *km_table_unit(const km_table *table, size_t index) {
+  return table->columns[index].unit;
+}
+const double *km_table_row(const km_table *table, size_t row) {
+  return table->data + row * table->column_count;
+}
 
 int km_table_find(const km_table *table, const char *name) {
   for (size_t c = 0; c < table->column_count; ++c)

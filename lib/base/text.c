@@ -32,7 +32,9 @@ void km_text_bytes(km_text *text, const void *bytes, size_t size) {
   text->data[text->size] = '\0';
 }
 
-void km_text_add(km_text *text, const char *string) { km_text_bytes(text, string, strlen(string)); }
+void km_text_add(km_text *text, const char *string) {
+  km_text_bytes(text, string, strlen(string));
+}
 
 void km_text_format(km_text *text, const char *format, ...) {
   va_list arguments, again;

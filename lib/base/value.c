@@ -42,8 +42,7 @@ km_value *km_value_boolean(km_arena *arena, km_value *parent, const char *key, i
   return value;
 }
 
-km_value *km_value_numbers(km_arena *arena, km_value *parent, const char *key, const double *numbers,
-                           size_t count) {
+km_value *km_value_numbers(km_arena *arena, km_value *parent, const char *key, const double *numbers, size_t count) {
   km_value *list = km_value_add(arena, parent, key, KM_LIST);
   for (size_t i = 0; i < count; ++i)
     km_value_number(arena, list, NULL, numbers[i]);
@@ -60,7 +59,6 @@ const km_value *km_value_get(const km_value *object, const char *key) {
 }
 
 const char *km_kind_name(km_kind kind) {
-  static const char *const names[] = {"null", "true or false", "a number",
-                                      "a string", "a list", "an object"};
+  static const char *const names[] = {"null", "true or false", "a number", "a string", "a list", "an object"};
   return names[kind];
 }

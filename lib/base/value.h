@@ -23,8 +23,7 @@ km_value *km_value_number(km_arena *arena, km_value *parent, const char *key, do
 km_value *km_value_string(km_arena *arena, km_value *parent, const char *key, const char *string);
 km_value *km_value_boolean(km_arena *arena, km_value *parent, const char *key, int truth);
 /* A list of numbers. */
-km_value *km_value_numbers(km_arena *arena, km_value *parent, const char *key, const double *numbers,
-                           size_t count);
+km_value *km_value_numbers(km_arena *arena, km_value *parent, const char *key, const double *numbers, size_t count);
 
 const km_value *km_value_get(const km_value *object, const char *key); /* NULL if absent */
 const char *km_kind_name(km_kind kind);                                /* "a number", … */

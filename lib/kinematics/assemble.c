@@ -131,8 +131,7 @@ static km_status check_rigid(const km_mechanism *m, const km_state *s, int index
                  p->last_pivot / p->scale, tolerance, mobility);
 }
 
-static km_status assemble_all(const km_mechanism *m, km_state *s, double *saved, km_assembly *total,
-                              km_error *error) {
+static km_status assemble_all(const km_mechanism *m, km_state *s, double *saved, km_assembly *total, km_error *error) {
   for (int i = 0; i < m->topology.substructure_count; ++i) {
     km_closure evidence;
     km_status status = KM_OK;
@@ -157,8 +156,8 @@ static km_status assemble_all(const km_mechanism *m, km_state *s, double *saved,
 km_status km_assemble(const km_mechanism *m, km_state *s, km_assembly *out, km_error *error) {
   km_assembly total = {.worst_loop = -1};
   double *saved = KM_NEW(double, (size_t)(KM_SAVED_PER_COLUMN * m->largest_columns));
-  km_status status = saved ? assemble_all(m, s, saved, &total, error)
-                           : km_fail(error, KM_MEMORY, "out of memory while assembling");
+  km_status status =
+      saved ? assemble_all(m, s, saved, &total, error) : km_fail(error, KM_MEMORY, "out of memory while assembling");
   km_free(saved);
   if (out)
     *out = total;

@@ -4,9 +4,9 @@
 #include <string.h>
 
 enum { MOST_ITERATIONS = 60 };
-static const double closed = 1e-12;        /* rms of the primary rows (theory 4) */
-static const double settled = 1e-9;        /* a step below this shows that the pose is found, not just the error small */
-static const double longest_step = 0.6;    /* radians, or substructure sizes */
+static const double closed = 1e-12;     /* rms of the primary rows (theory 4) */
+static const double settled = 1e-9;     /* a step below this shows that the pose is found, not just the error small */
+static const double longest_step = 0.6; /* radians, or substructure sizes */
 
 double km_rank_tolerance(const km_mechanism *m, const km_substructure *sub, double misfit) {
   int size = sub->rows > sub->columns ? sub->rows : sub->columns;

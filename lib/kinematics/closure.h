@@ -13,9 +13,9 @@ typedef enum km_closure_outcome {
 /* Evidence of one closure. */
 typedef struct km_closure {
   int iterations;
-  double residual;    /* rms loop error of the worst loop, scaled */
-  int worst;          /* that loop; -1: a coupling */
-  double correction;  /* scaled length of all that Newton moved, |D δq| */
+  double residual;   /* rms loop error of the worst loop, scaled */
+  int worst;         /* that loop; -1: a coupling */
+  double correction; /* scaled length of all that Newton moved, |D δq| */
 } km_closure;
 
 /* Newton steps from the state's coordinates until the primary rows are below 1e-12 rms; each step has the least

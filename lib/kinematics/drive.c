@@ -7,14 +7,14 @@
 
 /* Predictor-corrector in the driver s. Symbols: t = dq/ds (scaled, driver's entry 1), h the step in s. */
 
-static const double longest = 0.3;           /* of a step, radians or substructure sizes */
-static const double furthest = 0.6;          /* that any coordinate may go in a step, scaled */
-static const double shortest = 1e-11;        /* a step below this doesn't move: the end is located */
-static const double leaving = 1e-14;         /* the same on the way back from a located end, where all is steep */
-static const double singular = 1e-7;          /* last pivot, relative: closer to a singular pose the tangent is noise */
-static const double branch_width = 1e-5;     /* a change of sign that stays below this step is a branch point */
-static const double crossing = 1e-3;         /* distance from a singular pose at which it is crossed */
-static const double between = 1e-12;         /* residual that shows the pose between two regular ones to be on the branch */
+static const double longest = 0.3;       /* of a step, radians or substructure sizes */
+static const double furthest = 0.6;      /* that any coordinate may go in a step, scaled */
+static const double shortest = 1e-11;    /* a step below this doesn't move: the end is located */
+static const double leaving = 1e-14;     /* the same on the way back from a located end, where all is steep */
+static const double singular = 1e-7;     /* last pivot, relative: closer to a singular pose the tangent is noise */
+static const double branch_width = 1e-5; /* a change of sign that stays below this step is a branch point */
+static const double crossing = 1e-3;     /* distance from a singular pose at which it is crossed */
+static const double between = 1e-12;     /* residual that shows the pose between two regular ones to be on the branch */
 static const double halving_tolerance = 1e-4; /* model-format.md: for freedoms that move least */
 
 struct km_drive {
@@ -23,16 +23,16 @@ struct km_drive {
   km_state *state;
   int coordinate, substructure, column;
   bool ignore_limits;
-  double s;       /* the driver, scaled */
-  double largest; /* the step that step control allows now */
-  bool passing;   /* this step goes over a singular pose on purpose */
-  double stopped; /* the direction that ended here, ±1, while the pose is close to that end; else 0 */
-  bool known;     /* t belongs to the present pose */
-  double *t, *next_t, *move;         /* [columns] */
-  double *last_t, *last_move;        /* [columns] the step before this pose, for the predictor */
-  double last_h;                     /* 0: none */
+  double s;                   /* the driver, scaled */
+  double largest;             /* the step that step control allows now */
+  bool passing;               /* this step goes over a singular pose on purpose */
+  double stopped;             /* the direction that ended here, ±1, while the pose is close to that end; else 0 */
+  bool known;                 /* t belongs to the present pose */
+  double *t, *next_t, *move;  /* [columns] */
+  double *last_t, *last_move; /* [columns] the step before this pose, for the predictor */
+  double last_h;              /* 0: none */
   double *saved, *near, *far, *begin, *first; /* poses to come back to */
-  km_partition reference; /* pivots of the present pose, to compare signs with */
+  km_partition reference;                     /* pivots of the present pose, to compare signs with */
 };
 
 typedef enum attempt { ACCEPTED, OPEN, BENT, LIMITED, EXHAUSTED } attempt;
@@ -46,7 +46,7 @@ static bool allocate(km_drive *d, int rows, int columns) {
   for (size_t i = 0; i < sizeof arrays / sizeof *arrays; ++i)
     *arrays[i] = KM_ARENA_NEW(&d->arena, double, n);
   for (size_t i = 0; i < sizeof poses / sizeof *poses; ++i)
-    *poses[i] = KM_ARENA_NEW(&d->arena, double, KM_SAVED_PER_COLUMN * n);
+    *poses[i] = KM_ARENA_NEW(&d->arena, double, KM_SAVED_PER_COLUMN *n);
   return km_partition_reserve(&d->reference, rows, columns, &d->arena);
 }
 
@@ -88,7 +88,9 @@ void km_drive_free(km_drive *d) {
   km_free(d);
 }
 
-static const km_substructure *driven(const km_drive *d) { return &d->mechanism->substructures[d->substructure]; }
+static const km_substructure *driven(const km_drive *d) {
+  return &d->mechanism->substructures[d->substructure];
+}
 
 /* t from the partition of the present pose; false at a toggle of the driver. */
 static bool tangent(km_drive *d, double *t) {
@@ -152,7 +154,9 @@ static void predict(const km_drive *d, double h, double *move) {
   km_curve_ahead(columns, d->last_h, d->last_move, d->last_t, d->t, h, move);
 }
 
-static void place_driver(km_drive *d, double s) { d->state->q[d->coordinate] = s * d->mechanism->unit[d->coordinate]; }
+static void place_driver(km_drive *d, double s) {
+  d->state->q[d->coordinate] = s * d->mechanism->unit[d->coordinate];
+}
 
 /* One predictor and its correction to s + h; the state is left where it ended. */
 static attempt correct(km_drive *d, double h, double tightness, double *next_t) {

@@ -14,12 +14,16 @@
 static const double longest = 0.05;  /* of a step: the arc of the cubic between two poses errs by about h⁵/1000 */
 static const double shortest = 1e-9; /* of a step: below, the motion ends */
 static const double furthest_bend = 0.98; /* least cosine between the tangents of a step */
-static const double singular = 1e-7; /* last pivot, relative: closer to a singular pose the tangent is noise */
-static const double narrow = 4e-3;   /* width to which a branch point is bracketed before it is interpolated */
-static const double closing = 1e-9;  /* distance at which a cycle counts as closed */
+static const double singular = 1e-7;      /* last pivot, relative: closer to a singular pose the tangent is noise */
+static const double narrow = 4e-3;        /* width to which a branch point is bracketed before it is interpolated */
+static const double closing = 1e-9;       /* distance at which a cycle counts as closed */
 
-static const km_substructure *sub_of(const km_follow *f) { return &f->mechanism->substructures[f->substructure]; }
-static const double *weight_of(const km_follow *f) { return f->mechanism->column_weight + sub_of(f)->column_start; }
+static const km_substructure *sub_of(const km_follow *f) {
+  return &f->mechanism->substructures[f->substructure];
+}
+static const double *weight_of(const km_follow *f) {
+  return f->mechanism->column_weight + sub_of(f)->column_start;
+}
 
 static double weighted(const km_follow *f, const double *a, const double *b) {
   return km_step_dot(f->mechanism, sub_of(f), a, b);
@@ -237,13 +241,13 @@ km_status km_follow_advance(km_follow *f, double length) {
 
 static bool allocate(km_follow *f, int rows, int columns) {
   size_t n = (size_t)columns;
-  double **vectors[] = {&f->t,      &f->next_t, &f->last_t, &f->last_move, &f->move,
-                        &f->near_t, &f->far_t,  &f->origin_t, &f->scratch, &f->branch_t};
+  double **vectors[] = {&f->t,      &f->next_t, &f->last_t,   &f->last_move, &f->move,
+                        &f->near_t, &f->far_t,  &f->origin_t, &f->scratch,   &f->branch_t};
   double **poses[] = {&f->here, &f->near, &f->far, &f->origin, &f->branch_pose};
   for (size_t i = 0; i < sizeof vectors / sizeof *vectors; ++i)
     *vectors[i] = KM_ARENA_NEW(&f->arena, double, n);
   for (size_t i = 0; i < sizeof poses / sizeof *poses; ++i)
-    *poses[i] = KM_ARENA_NEW(&f->arena, double, KM_SAVED_PER_COLUMN * n);
+    *poses[i] = KM_ARENA_NEW(&f->arena, double, KM_SAVED_PER_COLUMN *n);
   return km_partition_reserve(&f->reference, rows, columns, &f->arena);
 }
 
@@ -305,7 +309,12 @@ km_status km_follow_create(const km_mechanism *m, km_state *s, int coordinate, d
   km_follow *f = KM_NEW(km_follow, 1);
   if (!f)
     return km_fail(error, KM_MEMORY, "out of memory for following a motion");
-  *f = (km_follow){.mechanism = m, .state = s, .substructure = substructure, .largest = longest, .ignore_limits = ignore_limits, .limit = -1};
+  *f = (km_follow){.mechanism = m,
+                   .state = s,
+                   .substructure = substructure,
+                   .largest = longest,
+                   .ignore_limits = ignore_limits,
+                   .limit = -1};
   km_status status = start(f, coordinate, sign < 0.0 ? -1.0 : 1.0, error);
   if (status)
     km_follow_free(f);
@@ -321,10 +330,18 @@ void km_follow_free(km_follow *f) {
   km_free(f);
 }
 
-int km_follow_substructure(const km_follow *f) { return f->substructure; }
-double km_follow_length(const km_follow *f) { return f->s; }
-bool km_follow_closed(const km_follow *f) { return f->closed; }
-int km_follow_limit(const km_follow *f) { return f->limit; }
+int km_follow_substructure(const km_follow *f) {
+  return f->substructure;
+}
+double km_follow_length(const km_follow *f) {
+  return f->s;
+}
+bool km_follow_closed(const km_follow *f) {
+  return f->closed;
+}
+int km_follow_limit(const km_follow *f) {
+  return f->limit;
+}
 
 static void write_rates(const km_follow *f, const double *t, double *rates) {
   const km_mechanism *m = f->mechanism;
@@ -335,7 +352,9 @@ static void write_rates(const km_follow *f, const double *t, double *rates) {
   }
 }
 
-void km_follow_tangent(const km_follow *f, double *rates) { write_rates(f, f->t, rates); }
+void km_follow_tangent(const km_follow *f, double *rates) {
+  write_rates(f, f->t, rates);
+}
 
 bool km_follow_probe(km_follow *f, double offset, double *rates) {
   double reached;

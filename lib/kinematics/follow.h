@@ -12,14 +12,14 @@ struct km_follow {
   int substructure, freedom;
   double s, largest; /* arc length so far; the step that step control allows now */
   bool closed, ignore_limits;
-  int limit;                            /* the coordinate whose limit ended the motion, -1 */
-  double *t, *next_t, *move, *scratch;  /* [column] */
-  double *last_t, *last_move, last_h;   /* the step before this pose; 0: none */
+  int limit;                           /* the coordinate whose limit ended the motion, -1 */
+  double *t, *next_t, *move, *scratch; /* [column] */
+  double *last_t, *last_move, last_h;  /* the step before this pose; 0: none */
   double *origin_t, *near_t, *far_t, *branch_t;
   double *here, *origin, *near, *far, *branch_pose; /* saved poses */
-  km_partition reference;               /* pivots of this pose */
-  double g;                             /* see follow.c; at this pose with those pivots */
-  km_branch_point branch;               /* passed during the last advance, if `branched` */
+  km_partition reference;                           /* pivots of this pose */
+  double g;                                         /* see follow.c; at this pose with those pivots */
+  km_branch_point branch;                           /* passed during the last advance, if `branched` */
   bool branched;
 };
 

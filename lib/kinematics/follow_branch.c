@@ -8,7 +8,9 @@
 
 static const double aside = 1e-3; /* distance of the poses that a branch point is interpolated from */
 
-static const km_substructure *sub_of(const km_follow *f) { return &f->mechanism->substructures[f->substructure]; }
+static const km_substructure *sub_of(const km_follow *f) {
+  return &f->mechanism->substructures[f->substructure];
+}
 
 double km_follow_g(const km_follow *f, const double *t) {
   const km_partition *p = &f->state->partition[f->substructure];
@@ -82,7 +84,8 @@ bool km_follow_locate_branch(km_follow *f, double length, double g_end) {
   km_loops_update(f->mechanism, f->state, sub);
   int worst;
   double residual = km_loops_residual(f->mechanism, f->state, sub, &worst);
-  km_pivot(f->mechanism, f->state, f->substructure, KM_NO_DRIVER, fmax(1e-7, km_rank_tolerance(f->mechanism, sub, residual)));
+  km_pivot(f->mechanism, f->state, f->substructure, KM_NO_DRIVER,
+           fmax(1e-7, km_rank_tolerance(f->mechanism, sub, residual)));
   /* Where constraints are redundant it may just be the pivot rows that become dependent. */
   int mobility = km_partition_freedom(&f->state->partition[f->substructure]);
   if (mobility > f->freedom) {

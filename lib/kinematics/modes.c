@@ -27,7 +27,9 @@ static double uniform(search *f) {
   return (double)((z ^ (z >> 31)) >> 11) * 0x1p-52 - 1.0;
 }
 
-static const km_substructure *sub_of(const search *f) { return &f->m->substructures[f->substructure]; }
+static const km_substructure *sub_of(const search *f) {
+  return &f->m->substructures[f->substructure];
+}
 
 /* A random start: hinges anywhere, slides within the size of the substructure around the first pose. */
 static void scatter(search *f) {
@@ -86,7 +88,7 @@ static double written(const search *f, const km_state *original, int c) {
 
 static bool write_out(search *f, const km_state *original, km_modes *out) {
   int n = f->m->coordinate_count;
-  out->coordinates = KM_NEW(double, (size_t)f->count * (size_t)n);
+  out->coordinates = KM_NEW(double, (size_t)f->count *(size_t)n);
   if (!out->coordinates)
     return false;
   for (int i = 0; i < f->count; ++i) {
@@ -100,7 +102,7 @@ static bool write_out(search *f, const km_state *original, km_modes *out) {
 
 static km_status search_modes(search *f, const km_state *original, int starts, km_modes *out, km_error *error) {
   size_t columns = (size_t)sub_of(f)->columns;
-  f->saved = KM_NEW(double, KM_SAVED_PER_COLUMN * columns);
+  f->saved = KM_NEW(double, KM_SAVED_PER_COLUMN *columns);
   f->way = KM_NEW(double, columns);
   km_state_copy(f->m, f->s, original);
   bool done = f->saved && f->way && km_assemble_one(f->m, f->s, f->substructure, f->saved);
@@ -113,7 +115,8 @@ static km_status search_modes(search *f, const km_state *original, int starts, k
 }
 
 /* The driver and all that the state's mechanism holds, held at their present values. */
-static km_status hold_driver(const km_model *model, const km_state *s, int driver, km_mechanism **out, km_error *error) {
+static km_status hold_driver(const km_model *model, const km_state *s, int driver, km_mechanism **out,
+                             km_error *error) {
   km_hold *holds = KM_NEW(km_hold, (size_t)model->coordinate_count);
   int count = 0;
   for (int c = 0; holds && c < model->coordinate_count; ++c)
@@ -132,7 +135,8 @@ km_status km_modes_find(const km_model *model, const km_state *s, int driver, in
   km_state *state = NULL;
   *out = (km_modes){0};
   if (own->held[driver] || own->substructure_of[driver] < 0 || own->ball_of[driver] >= 0)
-    return km_fail(error, KM_USAGE, "joint \"%s\" can't be the driver of assembly modes; expected a free joint of a loop",
+    return km_fail(error, KM_USAGE,
+                   "joint \"%s\" can't be the driver of assembly modes; expected a free joint of a loop",
                    model->coordinates[driver].label);
   km_status status = hold_driver(model, s, driver, &m, error);
   if (!status)

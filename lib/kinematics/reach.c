@@ -38,7 +38,9 @@ static km_status rebuild(journey *j, int locked_count, km_error *error) {
   return KM_OK;
 }
 
-static double value_of(const journey *j, int coordinate) { return km_state_coordinate(j->state, coordinate); }
+static double value_of(const journey *j, int coordinate) {
+  return km_state_coordinate(j->state, coordinate);
+}
 
 static bool is_there(const journey *j, const km_hold *goal) {
   return fabs(value_of(j, goal->coordinate) - goal->value) <= same * (1.0 + fabs(goal->value));
@@ -95,7 +97,8 @@ static km_status check_ball(const journey *j, const km_hold *goals, int count, i
   int ball = j->mechanism->ball_of[goals[index].coordinate], first = j->mechanism->ball_coordinate[ball];
   for (int k = 0; k < 3; ++k)
     if (index + k >= count || goals[index + k].coordinate != first + k)
-      return km_fail(error, KM_USAGE, "\"%s\" is a component of a rotation vector; expected all three together, as %s=x,y,z",
+      return km_fail(error, KM_USAGE,
+                     "\"%s\" is a component of a rotation vector; expected all three together, as %s=x,y,z",
                      km_model_coordinate_label(j->model, goals[index].coordinate),
                      j->model->joints[j->model->coordinates[first].joint].label);
   return KM_OK;
@@ -132,8 +135,8 @@ static km_status travel(journey *j, const km_hold *holds, int hold_count, const 
   return status;
 }
 
-km_status km_reach_pose(const km_model *model, const km_hold *holds, int hold_count, const km_hold *sets,
-                        int set_count, km_mechanism **mechanism, km_state **state, km_error *error) {
+km_status km_reach_pose(const km_model *model, const km_hold *holds, int hold_count, const km_hold *sets, int set_count,
+                        km_mechanism **mechanism, km_state **state, km_error *error) {
   journey j = {.model = model, .locked = KM_NEW(km_hold, (size_t)(hold_count + set_count) + 3)};
   *mechanism = NULL;
   *state = NULL;

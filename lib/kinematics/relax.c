@@ -56,8 +56,7 @@ static km_status minimise(problem *p, km_error *error) {
   gsl_vector *x = gsl_vector_calloc(columns);
   km_status status = KM_OK;
   if (w && x) {
-    gsl_multifit_nlinear_fdf fdf = {
-        .f = residuals, .df = derivatives, .n = rows + columns, .p = columns, .params = p};
+    gsl_multifit_nlinear_fdf fdf = {.f = residuals, .df = derivatives, .n = rows + columns, .p = columns, .params = p};
     int info;
     gsl_multifit_nlinear_init(x, &fdf, w);
     gsl_multifit_nlinear_driver(MOST_ITERATIONS, 1e-12, 1e-14, 0.0, NULL, NULL, &info, w);

@@ -103,7 +103,9 @@ void km_state_set(const km_mechanism *m, km_state *s, const double *q) {
     s->ball[b] = km_quaternion_exp(km_vec3_make(&s->q[m->ball_coordinate[b]]));
 }
 
-void km_state_set_one(km_state *s, int coordinate, double value) { s->q[coordinate] = value; }
+void km_state_set_one(km_state *s, int coordinate, double value) {
+  s->q[coordinate] = value;
+}
 
 void km_state_save(const km_state *s, const km_substructure *sub, double *saved) {
   const km_mechanism *m = s->mechanism;

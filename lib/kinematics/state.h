@@ -13,21 +13,21 @@ typedef struct km_planar_pose {
 struct km_state {
   km_arena arena;
   const km_mechanism *mechanism;
-  double *q;             /* [coordinate] radians, or the model's length unit. A ball's: rotation vector, derived */
-  km_quaternion *ball;   /* [ball] what a ball's coordinates really are. By km_state_move, km_state_set */
-  double *jacobian;      /* [matrix_size] by substructure, rows × columns. By km_loops_update */
-  double *error;         /* [error_size] by substructure, the rows' errors. By km_loops_update */
-  km_twist *misfit;      /* [loop] whole error screws, scaled. By km_loops_update */
+  double *q;               /* [coordinate] radians, or the model's length unit. A ball's: rotation vector, derived */
+  km_quaternion *ball;     /* [ball] what a ball's coordinates really are. By km_state_move, km_state_set */
+  double *jacobian;        /* [matrix_size] by substructure, rows × columns. By km_loops_update */
+  double *error;           /* [error_size] by substructure, the rows' errors. By km_loops_update */
+  km_twist *misfit;        /* [loop] whole error screws, scaled. By km_loops_update */
   km_partition *partition; /* [substructure] of the Jacobian. By km_closure */
-  int *pivoted;          /* [substructure] driver column that its pivots were searched for; KM_NEVER */
-  double *basis;         /* [basis_size] by substructure, Z: columns × freedom. By km_mobility_update */
-  double *numbers;       /* [coordinate] mobility numbers. By km_mobility_update */
-  km_pose *pose;         /* [body] in the inertial frame, model's length unit. By km_poses_update */
-  km_pose *slot;         /* [largest_slots] workspace of spatial programs */
+  int *pivoted;            /* [substructure] driver column that its pivots were searched for; KM_NEVER */
+  double *basis;           /* [basis_size] by substructure, Z: columns × freedom. By km_mobility_update */
+  double *numbers;         /* [coordinate] mobility numbers. By km_mobility_update */
+  km_pose *pose;           /* [body] in the inertial frame, model's length unit. By km_poses_update */
+  km_pose *slot;           /* [largest_slots] workspace of spatial programs */
   km_planar_pose *planar_slot;
-  km_twist *twist;       /* [3 · longest program] columns of the steps */
-  double *work;          /* [largest_columns] */
-  bool *forced;          /* [largest_columns] */
+  km_twist *twist; /* [3 · longest program] columns of the steps */
+  double *work;    /* [largest_columns] */
+  bool *forced;    /* [largest_columns] */
 };
 
 enum { KM_NO_DRIVER = -1, KM_NEVER = -2 };

@@ -7,10 +7,10 @@
 
 /* What decides the units of numbers inside the object at hand. */
 typedef struct context {
-  km_joint_type type;                        /* inside a joint */
-  int joint;                                 /* its index, -1: left out */
-  const km_coupling_def *coupling;           /* inside a coupling; NULL: left out */
-  km_dimension variable, force;              /* inside a force module */
+  km_joint_type type;              /* inside a joint */
+  int joint;                       /* its index, -1: left out */
+  const km_coupling_def *coupling; /* inside a coupling; NULL: left out */
+  km_dimension variable, force;    /* inside a force module */
 } context;
 
 typedef struct indexed {
@@ -59,8 +59,7 @@ static int by_source(const void *a, const void *b) {
 
 static int joint_of(const converter *c, const km_value *source) {
   indexed key = {source, 0};
-  const indexed *found =
-      bsearch(&key, c->joints, (size_t)c->model->joint_count, sizeof key, by_source);
+  const indexed *found = bsearch(&key, c->joints, (size_t)c->model->joint_count, sizeof key, by_source);
   return found ? found->index : -1;
 }
 
@@ -80,8 +79,10 @@ static km_dimension measured(const converter *c, const context *at, const km_fie
     bool length = km_joint_is_length(at->type, item);
     return product(generalised_force(length), power(plain(at->type, item), -1));
   }
-  case KM_MEASURE_POLYNOMIAL: return product(km_joint_dimension(at->type, 0), power(time_1, -item));
-  case KM_MEASURE_TABLE: return item == 0 ? time_1 : km_joint_dimension(at->type, 0);
+  case KM_MEASURE_POLYNOMIAL:
+    return product(km_joint_dimension(at->type, 0), power(time_1, -item));
+  case KM_MEASURE_TABLE:
+    return item == 0 ? time_1 : km_joint_dimension(at->type, 0);
   case KM_MEASURE_SWEEP: {
     if (sweep->coordinate < 0)
       return (km_dimension){0};
@@ -89,12 +90,18 @@ static km_dimension measured(const converter *c, const context *at, const km_fie
     return km_joint_dimension(c->model->joints[def->joint].type, def->index);
   }
   case KM_MEASURE_KNOTS:
-  case KM_MEASURE_REFERENCE: return at->variable;
-  case KM_MEASURE_PIECES: return product(at->force, power(at->variable, -item));
-  case KM_MEASURE_LAW_TABLE: return item == 0 ? time_1 : at->force;
-  case KM_MEASURE_LAW_POLYNOMIAL: return product(at->force, power(time_1, -item));
-  case KM_MEASURE_GAIN: return product(at->force, power(at->variable, -1));
-  default: return (km_dimension){0};
+  case KM_MEASURE_REFERENCE:
+    return at->variable;
+  case KM_MEASURE_PIECES:
+    return product(at->force, power(at->variable, -item));
+  case KM_MEASURE_LAW_TABLE:
+    return item == 0 ? time_1 : at->force;
+  case KM_MEASURE_LAW_POLYNOMIAL:
+    return product(at->force, power(time_1, -item));
+  case KM_MEASURE_GAIN:
+    return product(at->force, power(at->variable, -1));
+  default:
+    return (km_dimension){0};
   }
 }
 
@@ -196,22 +203,29 @@ static void convert_object(const converter *c, const context *outer, const km_ob
 static void convert_field(const converter *c, const context *at, const km_field *field, const km_value *value,
                           km_value *parent) {
   switch (field ? field->shape : KM_SHAPE_ANY) {
-  case KM_SHAPE_OBJECT: convert_object(c, at, field->object, value, parent, value->key); break;
+  case KM_SHAPE_OBJECT:
+    convert_object(c, at, field->object, value, parent, value->key);
+    break;
   case KM_SHAPE_OBJECTS: {
     km_value *list = km_value_add(c->arena, parent, value->key, KM_LIST);
     for (const km_value *v = value->first; v; v = v->next)
       convert_object(c, at, field->object, v, list, NULL);
     break;
   }
-  case KM_SHAPE_COORDINATE_MAP: convert_map(c, value, parent); break;
+  case KM_SHAPE_COORDINATE_MAP:
+    convert_map(c, value, parent);
+    break;
   case KM_SHAPE_NUMBER:
   case KM_SHAPE_VECTOR:
   case KM_SHAPE_NUMBERS:
   case KM_SHAPE_COORDINATES:
   case KM_SHAPE_RANGE:
   case KM_SHAPE_RANGES:
-  case KM_SHAPE_ROWS: convert_numbers(c, at, field, parent, value->key, value, 0, 0, 0); break;
-  default: copy(c, parent, value->key, value);
+  case KM_SHAPE_ROWS:
+    convert_numbers(c, at, field, parent, value->key, value, 0, 0, 0);
+    break;
+  default:
+    copy(c, parent, value->key, value);
   }
 }
 
@@ -254,8 +268,7 @@ static void convert_parameters(const converter *c, const km_value *parameters, k
   km_units new = *c->units;
   for (int q = 0; q < KM_QUANTITIES && units; ++q)
     km_value_string(c->arena, units, km_quantity_name((km_quantity)q), (*km_units_slot(&new, (km_quantity)q))->word);
-  km_value_number(c->arena, twin, "characteristic_length",
-                  in_new_units(c, c->model->characteristic_length, length_1));
+  km_value_number(c->arena, twin, "characteristic_length", in_new_units(c, c->model->characteristic_length, length_1));
   for (const km_value *v = parameters ? parameters->first : NULL; v; v = v->next) {
     bool done = false;
     for (const char *const *word = stated; *word; ++word)

@@ -3,19 +3,19 @@
 #include <string.h>
 
 /* Abbreviations for the rows below: the shape, then what it measures. */
-#define NUMBER       .shape = KM_SHAPE_NUMBER
-#define STRING       .shape = KM_SHAPE_STRING
-#define BOOLEAN      .shape = KM_SHAPE_BOOLEAN
-#define VECTOR       .shape = KM_SHAPE_VECTOR
-#define OBJECT(f)    .shape = KM_SHAPE_OBJECT, .object = &(f)
-#define OBJECTS(f)   .shape = KM_SHAPE_OBJECTS, .object = &(f)
-#define SHAPE(s)     .shape = KM_SHAPE_##s
-#define UNIT(...)    .dimension = {__VA_ARGS__}
-#define BY(m)        .measure = KM_MEASURE_##m
-#define REQUIRED     .required = true
+#define NUMBER     .shape = KM_SHAPE_NUMBER
+#define STRING     .shape = KM_SHAPE_STRING
+#define BOOLEAN    .shape = KM_SHAPE_BOOLEAN
+#define VECTOR     .shape = KM_SHAPE_VECTOR
+#define OBJECT(f)  .shape = KM_SHAPE_OBJECT, .object = &(f)
+#define OBJECTS(f) .shape = KM_SHAPE_OBJECTS, .object = &(f)
+#define SHAPE(s)   .shape = KM_SHAPE_##s
+#define UNIT(...)  .dimension = {__VA_ARGS__}
+#define BY(m)      .measure = KM_MEASURE_##m
+#define REQUIRED   .required = true
 
-static const km_field units_fields[] = {
-    {"angle", STRING}, {"length", STRING}, {"mass", STRING}, {"time", STRING}, {"force", STRING}, {0}};
+static const km_field units_fields[] = {{"angle", STRING}, {"length", STRING}, {"mass", STRING},
+                                        {"time", STRING},  {"force", STRING},  {0}};
 static const km_object_format units_format = {"units", units_fields};
 
 static const km_field simulation_fields[] = {{"integration_type", STRING},
@@ -26,36 +26,30 @@ static const km_field simulation_fields[] = {{"integration_type", STRING},
                                              {0}};
 static const km_object_format simulation_format = {"simulation", simulation_fields};
 
-static const km_field parameters_fields[] = {
-    {"version", STRING},
-    {"units", OBJECT(units_format)},
-    {"gravity", VECTOR, UNIT(.length = 1, .time = -2)},
-    {"include_dir", SHAPE(STRINGS)},
-    {"closure_tolerance", NUMBER},
-    {"simulation", OBJECT(simulation_format)},
-    {"characteristic_length", NUMBER, UNIT(.length = 1)},
-    {0}};
+static const km_field parameters_fields[] = {{"version", STRING},
+                                             {"units", OBJECT(units_format)},
+                                             {"gravity", VECTOR, UNIT(.length = 1, .time = -2)},
+                                             {"include_dir", SHAPE(STRINGS)},
+                                             {"closure_tolerance", NUMBER},
+                                             {"simulation", OBJECT(simulation_format)},
+                                             {"characteristic_length", NUMBER, UNIT(.length = 1)},
+                                             {0}};
 static const km_object_format parameters_format = {"model_parameters", parameters_fields};
 
-static const km_field frame_fields[] = {{"name", STRING, REQUIRED},
-                                        {"T", VECTOR, UNIT(.length = 1)},
-                                        {"R", SHAPE(MATRIX)},
-                                        {"active", BOOLEAN},
-                                        {0}};
+static const km_field frame_fields[] = {
+    {"name", STRING, REQUIRED}, {"T", VECTOR, UNIT(.length = 1)}, {"R", SHAPE(MATRIX)}, {"active", BOOLEAN}, {0}};
 static const km_object_format frame_format = {"frame", frame_fields};
 
-static const km_field light_fields[] = {{"name", STRING}, {"type", STRING}, {"parent", SHAPE(PATH)},
-                                        {"Ka", VECTOR},   {"Kd", VECTOR},   {"Ks", VECTOR},
-                                        {"active", BOOLEAN}, {0}};
+static const km_field light_fields[] = {{"name", STRING}, {"type", STRING}, {"parent", SHAPE(PATH)}, {"Ka", VECTOR},
+                                        {"Kd", VECTOR},   {"Ks", VECTOR},   {"active", BOOLEAN},     {0}};
 static const km_object_format light_format = {"light", light_fields};
 
-static const km_field fixed_fields[] = {
-    {"frames", OBJECTS(frame_format)}, {"lights", OBJECTS(light_format)}, {0}};
+static const km_field fixed_fields[] = {{"frames", OBJECTS(frame_format)}, {"lights", OBJECTS(light_format)}, {0}};
 static const km_object_format fixed_format = {"fixed", fixed_fields};
 
 #define INERTIA NUMBER, UNIT(.mass = 1, .length = 2)
-static const km_field inertia_fields[] = {{"Ixx", INERTIA}, {"Iyy", INERTIA}, {"Izz", INERTIA}, {"Ixy", INERTIA},
-                                          {"Iyz", INERTIA}, {"Izx", INERTIA}, {0}};
+static const km_field inertia_fields[] = {
+    {"Ixx", INERTIA}, {"Iyy", INERTIA}, {"Izz", INERTIA}, {"Ixy", INERTIA}, {"Iyz", INERTIA}, {"Izx", INERTIA}, {0}};
 static const km_object_format inertia_format = {"moment_of_inertia", inertia_fields};
 
 static const km_field body_fields[] = {{"name", STRING, REQUIRED},
@@ -92,20 +86,19 @@ static const km_field prescribed_fields[] = {{"table", SHAPE(ROWS), BY(TABLE)},
                                              {0}};
 static const km_object_format prescribed_format = {"prescribed", prescribed_fields};
 
-static const km_field joint_fields[] = {
-    {"name", STRING, REQUIRED},
-    {"type", STRING, REQUIRED},
-    {"body_frame_pairs", SHAPE(PATH_PAIR), REQUIRED},
-    {"initial_displacement", SHAPE(COORDINATES), BY(COORDINATE)},
-    {"initial_velocity", SHAPE(COORDINATES), BY(COORDINATE), UNIT(.time = -1)},
-    {"damping", SHAPE(COORDINATES), BY(STIFFNESS), UNIT(.time = 1)},
-    {"friction", OBJECT(friction_format)},
-    {"limits", SHAPE(RANGES), BY(COORDINATE)},
-    {"stop", OBJECT(stop_format)},
-    {"prescribed", OBJECT(prescribed_format)},
-    {"pitch", NUMBER, UNIT(.length = 1)},
-    {"active", BOOLEAN},
-    {0}};
+static const km_field joint_fields[] = {{"name", STRING, REQUIRED},
+                                        {"type", STRING, REQUIRED},
+                                        {"body_frame_pairs", SHAPE(PATH_PAIR), REQUIRED},
+                                        {"initial_displacement", SHAPE(COORDINATES), BY(COORDINATE)},
+                                        {"initial_velocity", SHAPE(COORDINATES), BY(COORDINATE), UNIT(.time = -1)},
+                                        {"damping", SHAPE(COORDINATES), BY(STIFFNESS), UNIT(.time = 1)},
+                                        {"friction", OBJECT(friction_format)},
+                                        {"limits", SHAPE(RANGES), BY(COORDINATE)},
+                                        {"stop", OBJECT(stop_format)},
+                                        {"prescribed", OBJECT(prescribed_format)},
+                                        {"pitch", NUMBER, UNIT(.length = 1)},
+                                        {"active", BOOLEAN},
+                                        {0}};
 const km_object_format km_format_joint = {"joint", joint_fields};
 
 static const km_field coupling_fields[] = {{"name", STRING, REQUIRED},
@@ -115,10 +108,8 @@ static const km_field coupling_fields[] = {{"name", STRING, REQUIRED},
                                            {0}};
 const km_object_format km_format_coupling = {"coupling", coupling_fields};
 
-static const km_field port_fields[] = {{"type", STRING, REQUIRED},
-                                       {"joint", SHAPE(PATH)},
-                                       {"body_frame_pair", SHAPE(PATH_PAIR)},
-                                       {0}};
+static const km_field port_fields[] = {
+    {"type", STRING, REQUIRED}, {"joint", SHAPE(PATH)}, {"body_frame_pair", SHAPE(PATH_PAIR)}, {0}};
 static const km_object_format port_format = {"force_module_port", port_fields};
 
 static const km_field tire_fields[] = {{"unloaded_radius", NUMBER, UNIT(.length = 1)},
@@ -168,12 +159,9 @@ static const km_object_format assembly_format = {"assembly", assembly_fields};
 static const km_field direction_fields[] = {{"joint", SHAPE(PATH), REQUIRED}, {"sign", NUMBER, REQUIRED}, {0}};
 static const km_object_format direction_format = {"sweep_direction", direction_fields};
 
-static const km_field sweep_fields[] = {{"joint", SHAPE(PATH)},
-                                        {"range", SHAPE(RANGE), BY(SWEEP)},
-                                        {"steps", NUMBER},
-                                        {"arclength", NUMBER},
-                                        {"direction", OBJECT(direction_format)},
-                                        {0}};
+static const km_field sweep_fields[] = {
+    {"joint", SHAPE(PATH)}, {"range", SHAPE(RANGE), BY(SWEEP)},      {"steps", NUMBER},
+    {"arclength", NUMBER},  {"direction", OBJECT(direction_format)}, {0}};
 static const km_object_format sweep_format = {"sweep", sweep_fields};
 
 static const km_field advantage_fields[] = {{"input", SHAPE(ANY)}, {"output", SHAPE(ANY)}, {0}};
@@ -187,12 +175,10 @@ static const km_field load_fields[] = {{"name", STRING, REQUIRED},
                                        {0}};
 static const km_object_format load_format = {"load", load_fields};
 
-static const km_field analysis_fields[] = {{"sweep", OBJECT(sweep_format)},
-                                           {"mechanical_advantage", OBJECT(advantage_format)},
-                                           {"actuators", SHAPE(PATHS)},
-                                           {"loads", OBJECTS(load_format)},
-                                           {"hold", SHAPE(COORDINATE_MAP)},
-                                           {0}};
+static const km_field analysis_fields[] = {
+    {"sweep", OBJECT(sweep_format)}, {"mechanical_advantage", OBJECT(advantage_format)},
+    {"actuators", SHAPE(PATHS)},     {"loads", OBJECTS(load_format)},
+    {"hold", SHAPE(COORDINATE_MAP)}, {0}};
 static const km_object_format analysis_format = {"analysis", analysis_fields};
 
 static const km_field model_fields[] = {{"model_parameters", OBJECT(parameters_format)},

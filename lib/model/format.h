@@ -11,17 +11,17 @@ typedef enum km_shape {
   KM_SHAPE_NUMBER,
   KM_SHAPE_STRING,
   KM_SHAPE_BOOLEAN,
-  KM_SHAPE_VECTOR,       /* three numbers */
-  KM_SHAPE_MATRIX,       /* three rows of three numbers */
-  KM_SHAPE_NUMBERS,      /* a list of numbers */
-  KM_SHAPE_COORDINATES,  /* a number, or a list of numbers: one for each coordinate of a joint */
-  KM_SHAPE_RANGE,        /* [low, high] */
-  KM_SHAPE_RANGES,       /* [low, high], or one such pair for each coordinate */
-  KM_SHAPE_ROWS,         /* a list of lists of numbers */
-  KM_SHAPE_STRINGS,      /* a string or a list of strings */
-  KM_SHAPE_PATH,         /* a name, or a list of names from the root */
-  KM_SHAPE_PATHS,        /* a list of paths */
-  KM_SHAPE_PATH_PAIR,    /* [parent path, child path] */
+  KM_SHAPE_VECTOR,         /* three numbers */
+  KM_SHAPE_MATRIX,         /* three rows of three numbers */
+  KM_SHAPE_NUMBERS,        /* a list of numbers */
+  KM_SHAPE_COORDINATES,    /* a number, or a list of numbers: one for each coordinate of a joint */
+  KM_SHAPE_RANGE,          /* [low, high] */
+  KM_SHAPE_RANGES,         /* [low, high], or one such pair for each coordinate */
+  KM_SHAPE_ROWS,           /* a list of lists of numbers */
+  KM_SHAPE_STRINGS,        /* a string or a list of strings */
+  KM_SHAPE_PATH,           /* a name, or a list of names from the root */
+  KM_SHAPE_PATHS,          /* a list of paths */
+  KM_SHAPE_PATH_PAIR,      /* [parent path, child path] */
   KM_SHAPE_COORDINATE_MAP, /* {joint label: coordinates} */
   KM_SHAPE_OBJECT,
   KM_SHAPE_OBJECTS, /* a list of objects */
@@ -57,7 +57,7 @@ typedef struct km_field {
 } km_field;
 
 struct km_object_format {
-  const char *name; /* of the definition in the JSON schema */
+  const char *name;       /* of the definition in the JSON schema */
   const km_field *fields; /* ended by an entry without key */
 };
 

@@ -13,8 +13,7 @@ static void expected(km_messages *m, const km_place *place, const km_value *foun
   char where[KM_PLACE_TEXT], number[KM_NUMBER_TEXT];
   km_place_text(place, where);
   if (found->kind == KM_STRING)
-    km_messages_add(m, KM_ERROR, "%s: found the string \"%.60s\"; expected %s", where, found->string,
-                    what);
+    km_messages_add(m, KM_ERROR, "%s: found the string \"%.60s\"; expected %s", where, found->string, what);
   else if (found->kind == KM_NUMBER) {
     km_number_format(number, found->number);
     km_messages_add(m, KM_ERROR, "%s: found %s; expected %s", where, number, what);
@@ -48,8 +47,8 @@ static void check_numbers(km_messages *m, const km_place *place, const km_value 
     check_number(m, &item, v);
 }
 
-static void check_rows(km_messages *m, const km_place *place, const km_value *value, size_t rows,
-                       size_t columns, const char *what) {
+static void check_rows(km_messages *m, const km_place *place, const km_value *value, size_t rows, size_t columns,
+                       const char *what) {
   if (value->kind != KM_LIST || (rows && value->count != rows)) {
     expected(m, place, value, what);
     return;
@@ -74,8 +73,7 @@ static void check_strings(km_messages *m, const km_place *place, const km_value 
 
 static const char path_words[] = "a name or a non-empty list of names";
 
-static void check_paths(km_messages *m, const km_place *place, const km_value *value, size_t count,
-                        const char *what) {
+static void check_paths(km_messages *m, const km_place *place, const km_value *value, size_t count, const char *what) {
   if (value->kind != KM_LIST || (count && value->count != count)) {
     expected(m, place, value, what);
     return;
@@ -92,8 +90,7 @@ static void check_coordinates(km_messages *m, const km_place *place, const km_va
     check_number(m, place, value);
 }
 
-static void check_object(km_messages *m, const km_place *place, const km_value *value,
-                         const km_object_format *format);
+static void check_object(km_messages *m, const km_place *place, const km_value *value, const km_object_format *format);
 
 static void check_objects(km_messages *m, const km_place *place, const km_value *value,
                           const km_object_format *format) {
@@ -124,10 +121,11 @@ static void check_range(km_messages *m, const km_place *place, const km_value *v
     check_numbers(m, place, value, 2, "two numbers [low, high]");
 }
 
-static void check_field(km_messages *m, const km_place *place, const km_value *value,
-                        const km_field *field) {
+static void check_field(km_messages *m, const km_place *place, const km_value *value, const km_field *field) {
   switch (field->shape) {
-  case KM_SHAPE_NUMBER: check_number(m, place, value); break;
+  case KM_SHAPE_NUMBER:
+    check_number(m, place, value);
+    break;
   case KM_SHAPE_STRING:
     if (value->kind != KM_STRING)
       expected(m, place, value, "a string");
@@ -136,23 +134,50 @@ static void check_field(km_messages *m, const km_place *place, const km_value *v
     if (value->kind != KM_BOOLEAN)
       expected(m, place, value, "true or false");
     break;
-  case KM_SHAPE_VECTOR: check_numbers(m, place, value, 3, "three numbers [x, y, z]"); break;
-  case KM_SHAPE_MATRIX: check_rows(m, place, value, 3, 3, "three rows of three numbers"); break;
-  case KM_SHAPE_NUMBERS: check_numbers(m, place, value, 0, "a list of numbers"); break;
-  case KM_SHAPE_COORDINATES: check_coordinates(m, place, value); break;
-  case KM_SHAPE_RANGE: check_range(m, place, value, 0); break;
-  case KM_SHAPE_RANGES: check_range(m, place, value, 1); break;
-  case KM_SHAPE_ROWS: check_rows(m, place, value, 0, 0, "a list of lists of numbers"); break;
-  case KM_SHAPE_STRINGS: check_strings(m, place, value, "a string or a list of strings"); break;
-  case KM_SHAPE_PATH: check_strings(m, place, value, path_words); break;
-  case KM_SHAPE_PATHS: check_paths(m, place, value, 0, "a list of joints"); break;
+  case KM_SHAPE_VECTOR:
+    check_numbers(m, place, value, 3, "three numbers [x, y, z]");
+    break;
+  case KM_SHAPE_MATRIX:
+    check_rows(m, place, value, 3, 3, "three rows of three numbers");
+    break;
+  case KM_SHAPE_NUMBERS:
+    check_numbers(m, place, value, 0, "a list of numbers");
+    break;
+  case KM_SHAPE_COORDINATES:
+    check_coordinates(m, place, value);
+    break;
+  case KM_SHAPE_RANGE:
+    check_range(m, place, value, 0);
+    break;
+  case KM_SHAPE_RANGES:
+    check_range(m, place, value, 1);
+    break;
+  case KM_SHAPE_ROWS:
+    check_rows(m, place, value, 0, 0, "a list of lists of numbers");
+    break;
+  case KM_SHAPE_STRINGS:
+    check_strings(m, place, value, "a string or a list of strings");
+    break;
+  case KM_SHAPE_PATH:
+    check_strings(m, place, value, path_words);
+    break;
+  case KM_SHAPE_PATHS:
+    check_paths(m, place, value, 0, "a list of joints");
+    break;
   case KM_SHAPE_PATH_PAIR:
     check_paths(m, place, value, 2, "two paths [[parent…, frame], [child…, frame]]");
     break;
-  case KM_SHAPE_COORDINATE_MAP: check_map(m, place, value); break;
-  case KM_SHAPE_OBJECT: check_object(m, place, value, field->object); break;
-  case KM_SHAPE_OBJECTS: check_objects(m, place, value, field->object); break;
-  case KM_SHAPE_ANY: break;
+  case KM_SHAPE_COORDINATE_MAP:
+    check_map(m, place, value);
+    break;
+  case KM_SHAPE_OBJECT:
+    check_object(m, place, value, field->object);
+    break;
+  case KM_SHAPE_OBJECTS:
+    check_objects(m, place, value, field->object);
+    break;
+  case KM_SHAPE_ANY:
+    break;
   }
 }
 
@@ -188,13 +213,11 @@ static void warn_unknown(km_messages *m, const km_place *place, const km_object_
     }
   }
   char where[KM_PLACE_TEXT];
-  km_messages_add(m, KM_WARNING,
-                  "%s: the format doesn't know this key; the nearest known one is \"%s\"",
+  km_messages_add(m, KM_WARNING, "%s: the format doesn't know this key; the nearest known one is \"%s\"",
                   km_place_text(place, where), nearest);
 }
 
-static void check_object(km_messages *m, const km_place *place, const km_value *value,
-                         const km_object_format *format) {
+static void check_object(km_messages *m, const km_place *place, const km_value *value, const km_object_format *format) {
   if (value->kind != KM_OBJECT) {
     expected(m, place, value, "an object {…}");
     return;
@@ -211,8 +234,8 @@ static void check_object(km_messages *m, const km_place *place, const km_value *
     if (!field->required || km_value_get(value, field->key))
       continue;
     char where[KM_PLACE_TEXT];
-    km_messages_add(m, KM_ERROR, "%s: \"%s\" is missing; expected it in every %s",
-                    km_place_text(place, where), field->key, format->name);
+    km_messages_add(m, KM_ERROR, "%s: \"%s\" is missing; expected it in every %s", km_place_text(place, where),
+                    field->key, format->name);
   }
 }
 

@@ -33,9 +33,13 @@ static void reference(const schema *s, km_value *object, const char *name) {
   km_value_string(s->arena, object, "$ref", text);
 }
 
-static void numbers(const schema *s, km_value *object, int count) { type(s, list(s, object, count), "number"); }
+static void numbers(const schema *s, km_value *object, int count) {
+  type(s, list(s, object, count), "number");
+}
 
-static void path(const schema *s, km_value *object) { reference(s, object, "path"); }
+static void path(const schema *s, km_value *object) {
+  reference(s, object, "path");
+}
 
 /* "anyOf" with two alternatives. */
 static void either(const schema *s, km_value *object, km_value **a, km_value **b) {
@@ -65,7 +69,8 @@ static void words(const schema *s, km_value *object, const km_object_format *for
   } else if (strcmp(format->name, "units") == 0) {
     list_of = km_value_add(s->arena, object, "enum", KM_LIST);
     for (int q = 0; q < KM_QUANTITIES; ++q)
-      for (const km_unit *u = km_quantity_units((km_quantity)q); u->word && strcmp(km_quantity_name((km_quantity)q), key) == 0; ++u)
+      for (const km_unit *u = km_quantity_units((km_quantity)q);
+           u->word && strcmp(km_quantity_name((km_quantity)q), key) == 0; ++u)
         km_value_string(s->arena, list_of, NULL, u->word);
   } else {
     type(s, object, "string");
@@ -77,24 +82,48 @@ static void define(const schema *s, const km_object_format *format);
 static void describe(const schema *s, km_value *object, const km_object_format *format, const km_field *field) {
   km_value *a, *b;
   switch (field->shape) {
-  case KM_SHAPE_NUMBER: type(s, object, "number"); break;
-  case KM_SHAPE_STRING: words(s, object, format, field->key); break;
-  case KM_SHAPE_BOOLEAN: type(s, object, "boolean"); break;
-  case KM_SHAPE_VECTOR: numbers(s, object, 3); break;
-  case KM_SHAPE_MATRIX: numbers(s, list(s, object, 3), 3); break;
-  case KM_SHAPE_NUMBERS: numbers(s, object, 0); break;
-  case KM_SHAPE_COORDINATES: coordinates(s, object); break;
-  case KM_SHAPE_RANGE: numbers(s, object, 2); break;
+  case KM_SHAPE_NUMBER:
+    type(s, object, "number");
+    break;
+  case KM_SHAPE_STRING:
+    words(s, object, format, field->key);
+    break;
+  case KM_SHAPE_BOOLEAN:
+    type(s, object, "boolean");
+    break;
+  case KM_SHAPE_VECTOR:
+    numbers(s, object, 3);
+    break;
+  case KM_SHAPE_MATRIX:
+    numbers(s, list(s, object, 3), 3);
+    break;
+  case KM_SHAPE_NUMBERS:
+    numbers(s, object, 0);
+    break;
+  case KM_SHAPE_COORDINATES:
+    coordinates(s, object);
+    break;
+  case KM_SHAPE_RANGE:
+    numbers(s, object, 2);
+    break;
   case KM_SHAPE_RANGES:
     either(s, object, &a, &b);
     numbers(s, a, 2);
     numbers(s, list(s, b, 0), 2);
     break;
-  case KM_SHAPE_ROWS: numbers(s, list(s, object, 0), 0); break;
+  case KM_SHAPE_ROWS:
+    numbers(s, list(s, object, 0), 0);
+    break;
   case KM_SHAPE_STRINGS:
-  case KM_SHAPE_PATH: path(s, object); break;
-  case KM_SHAPE_PATHS: path(s, list(s, object, 0)); break;
-  case KM_SHAPE_PATH_PAIR: path(s, list(s, object, 2)); break;
+  case KM_SHAPE_PATH:
+    path(s, object);
+    break;
+  case KM_SHAPE_PATHS:
+    path(s, list(s, object, 0));
+    break;
+  case KM_SHAPE_PATH_PAIR:
+    path(s, list(s, object, 2));
+    break;
   case KM_SHAPE_COORDINATE_MAP:
     type(s, object, "object");
     coordinates(s, member(s, object, "additionalProperties"));
@@ -107,7 +136,8 @@ static void describe(const schema *s, km_value *object, const km_object_format *
     reference(s, list(s, object, 0), field->object->name);
     define(s, field->object);
     break;
-  case KM_SHAPE_ANY: break;
+  case KM_SHAPE_ANY:
+    break;
   }
 }
 

@@ -2,8 +2,10 @@
 
 #include <string.h>
 
-#define R(axis) {KM_REVOLUTE, axis}
-#define T(axis) {KM_PRISMATIC, axis}
+#define R(axis)                                                                                                        \
+  { KM_REVOLUTE, axis }
+#define T(axis)                                                                                                        \
+  { KM_PRISMATIC, axis }
 
 static const km_joint_kind kinds[KM_JOINT_TYPES] = {
     [KM_RX] = {"Rx", 1, 1, {R(0)}},
@@ -21,7 +23,9 @@ static const km_joint_kind kinds[KM_JOINT_TYPES] = {
     [KM_SCREW] = {"screw", 1, 1, {{KM_HELICAL, 2}}},
 };
 
-const km_joint_kind *km_joint_kind_of(km_joint_type type) { return &kinds[type]; }
+const km_joint_kind *km_joint_kind_of(km_joint_type type) {
+  return &kinds[type];
+}
 
 int km_joint_type_find(const char *word) {
   for (int type = 0; type < KM_JOINT_TYPES; ++type)
@@ -30,7 +34,9 @@ int km_joint_type_find(const char *word) {
   return -1;
 }
 
-int km_primitive_freedom(km_primitive primitive) { return primitive == KM_BALL ? 3 : 1; }
+int km_primitive_freedom(km_primitive primitive) {
+  return primitive == KM_BALL ? 3 : 1;
+}
 
 bool km_joint_is_length(km_joint_type type, int k) {
   const km_joint_kind *kind = &kinds[type];

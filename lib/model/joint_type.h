@@ -17,8 +17,19 @@ typedef struct km_motion {
 } km_motion;
 
 typedef enum km_joint_type {
-  KM_RX, KM_RY, KM_RZ, KM_TX, KM_TY, KM_TZ,
-  KM_RIGID, KM_SPHERICAL, KM_FLOAT, KM_CYLINDRICAL, KM_UNIVERSAL, KM_PLANAR, KM_SCREW,
+  KM_RX,
+  KM_RY,
+  KM_RZ,
+  KM_TX,
+  KM_TY,
+  KM_TZ,
+  KM_RIGID,
+  KM_SPHERICAL,
+  KM_FLOAT,
+  KM_CYLINDRICAL,
+  KM_UNIVERSAL,
+  KM_PLANAR,
+  KM_SCREW,
   KM_JOINT_TYPES
 } km_joint_type;
 

@@ -29,11 +29,11 @@ static bool find_function(void *handle, const char *name, void *function) {
 static km_status load_library(library *out, km_error *error) {
   void *handle = dlopen(KM_ASSIMP, RTLD_NOW | RTLD_LOCAL);
   if (handle && find_function(handle, "aiImportFile", &out->import) &&
-      find_function(handle, "aiReleaseImport", &out->release) &&
-      find_function(handle, "aiGetErrorString", &out->error))
+      find_function(handle, "aiReleaseImport", &out->release) && find_function(handle, "aiGetErrorString", &out->error))
     return KM_OK;
   const char *reason = dlerror();
-  return km_fail(error, KM_IO, "meshes can't be read: %.300s; expected assimp to be installed", reason ? reason : KM_ASSIMP);
+  return km_fail(error, KM_IO, "meshes can't be read: %.300s; expected assimp to be installed",
+                 reason ? reason : KM_ASSIMP);
 }
 
 static void count_parts(const struct aiScene *scene, int64_t *vertices, int64_t *triangles) {
@@ -91,7 +91,8 @@ static km_status copy_scene(const struct aiScene *scene, const char *path, km_me
   }
   *out = mesh;
   if (!sound)
-    return km_fail(error, KM_IO, "%s: a coordinate is not a finite number, or a face has a corner that isn't there", path);
+    return km_fail(error, KM_IO, "%s: a coordinate is not a finite number, or a face has a corner that isn't there",
+                   path);
   return mesh && km_mesh_weld(mesh) ? KM_OK : km_fail(error, KM_MEMORY, "%s: out of memory", path);
 }
 

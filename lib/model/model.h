@@ -80,10 +80,10 @@ typedef struct km_hold_def {
 } km_hold_def;
 
 typedef struct km_sweep_def {
-  int coordinate;     /* -1: none given */
-  double range[2];    /* file's unit */
-  double arclength;   /* 0: none given */
-  int direction;      /* coordinate of `direction`, -1: none */
+  int coordinate;   /* -1: none given */
+  double range[2];  /* file's unit */
+  double arclength; /* 0: none given */
+  int direction;    /* coordinate of `direction`, -1: none */
   double sign;
   int steps;
 } km_sweep_def;
@@ -106,7 +106,7 @@ struct km_model {
   km_module_def *modules;
   km_load_def *loads;
   km_hold_def *holds;
-  int *actuators; /* coordinates */
+  int *actuators;                        /* coordinates */
   int advantage_input, advantage_output; /* coordinates, -1: none or not a joint */
   km_sweep_def sweep;
   int assembly_count, body_count, frame_count, joint_count, coordinate_count, coupling_count, module_count;

@@ -174,8 +174,7 @@ static void free_names(km_reader *reader) {
   km_names_free(&reader->labels);
 }
 
-static km_status read_model(km_model *model, const char *bytes, size_t size, km_messages *messages,
-                            km_error *error) {
+static km_status read_model(km_model *model, const char *bytes, size_t size, km_messages *messages, km_error *error) {
   km_status status = km_json_parse(bytes, size, &model->arena, &model->root, error);
   if (status) {
     if (status == KM_MODEL)
@@ -231,8 +230,7 @@ static km_status read_bytes(const char *bytes, size_t size, const char *path, km
   return status;
 }
 
-km_status km_model_read(const char *bytes, size_t size, km_messages *messages, km_model **out,
-                        km_error *error) {
+km_status km_model_read(const char *bytes, size_t size, km_messages *messages, km_model **out, km_error *error) {
   return read_bytes(bytes, size, NULL, messages, out, error);
 }
 
@@ -255,10 +253,18 @@ void km_model_free(km_model *model) {
   km_free(model);
 }
 
-int km_model_body_count(const km_model *model) { return model->body_count - 1; }
-int km_model_joint_count(const km_model *model) { return model->joint_count; }
-int km_model_coordinate_count(const km_model *model) { return model->coordinate_count; }
-const char *km_model_joint_label(const km_model *model, int joint) { return model->joints[joint].label; }
+int km_model_body_count(const km_model *model) {
+  return model->body_count - 1;
+}
+int km_model_joint_count(const km_model *model) {
+  return model->joint_count;
+}
+int km_model_coordinate_count(const km_model *model) {
+  return model->coordinate_count;
+}
+const char *km_model_joint_label(const km_model *model, int joint) {
+  return model->joints[joint].label;
+}
 const char *km_model_coordinate_label(const km_model *model, int coordinate) {
   return model->coordinates[coordinate].label;
 }
@@ -271,5 +277,9 @@ int km_model_joint_freedom(const km_model *model, int joint, int *first) {
   *first = model->joints[joint].first_coordinate;
   return km_model_freedom(model, joint);
 }
-double km_model_characteristic_length(const km_model *model) { return model->characteristic_length; }
-const char *km_model_sha256(const km_model *model) { return model->sha256; }
+double km_model_characteristic_length(const km_model *model) {
+  return model->characteristic_length;
+}
+const char *km_model_sha256(const km_model *model) {
+  return model->sha256;
+}

@@ -39,13 +39,14 @@ static void check_pieces(km_reader *reader, const km_value *module, const km_pla
   double last = -HUGE_VAL;
   for (const km_value *k = knots ? knots->first : NULL; k; k = k->next) {
     if (!(k->number > last))
-      km_reader_error(reader, &knots_at, "found %s after %s; expected increasing knots", KM_SHOWN(k->number), KM_SHOWN(last));
+      km_reader_error(reader, &knots_at, "found %s after %s; expected increasing knots", KM_SHOWN(k->number),
+                      KM_SHOWN(last));
     last = k->number;
   }
   size_t wanted = (knots ? knots->count : 0) + 1;
   if (pieces && pieces->count != wanted)
-    km_reader_error(reader, &pieces_at, "found %zu polynomials; expected %zu, one more than the knots",
-                    pieces->count, wanted);
+    km_reader_error(reader, &pieces_at, "found %zu polynomials; expected %zu, one more than the knots", pieces->count,
+                    wanted);
 }
 
 /* What a type of force module can't do without: any one of the keys. */
@@ -89,7 +90,8 @@ static void read_module(km_reader *reader, const km_value *module, int assembly,
   if (input && output)
     def.output = read_port(reader, output, assembly, &output_at);
   if (def.input == KM_LEFT_OUT || def.output == KM_LEFT_OUT) {
-    km_reader_note(reader, place, "force module \"%.80s\" is left out with what it acts on", km_reader_string(module, "name"));
+    km_reader_note(reader, place, "force module \"%.80s\" is left out with what it acts on",
+                   km_reader_string(module, "name"));
     return;
   }
   reader->model->modules[reader->model->module_count++] = def;
@@ -178,12 +180,11 @@ static void read_load(km_reader *reader, const km_value *value, int owner, const
   km_error problem;
   if (km_model_find_frame(model, names, count, &frame, &problem))
     km_reader_error(reader, &at, "%s", problem.text);
-  model->loads[model->load_count++] =
-      (km_load_def){.name = km_reader_string(value, "name"),
-                    .frame = frame,
-                    .force = km_reader_vector(value, "force"),
-                    .torque = km_reader_vector(value, "torque"),
-                    .turning = axes && strcmp(axes, "frame") == 0};
+  model->loads[model->load_count++] = (km_load_def){.name = km_reader_string(value, "name"),
+                                                    .frame = frame,
+                                                    .force = km_reader_vector(value, "force"),
+                                                    .torque = km_reader_vector(value, "torque"),
+                                                    .turning = axes && strcmp(axes, "frame") == 0};
 }
 
 /* One entry of `hold`: every coordinate of a joint, or one coordinate of it. */

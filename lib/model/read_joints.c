@@ -218,7 +218,8 @@ static const char *full_path(km_model *model, const km_joint_def *joint) {
 static void enter_label(km_reader *reader, int scope, const char *label, int index, int joint) {
   km_model *model = reader->model;
   if (km_names_get(&reader->labels, scope, label) >= 0 && km_messages_errors(reader->messages) == 0)
-    km_messages_add(reader->messages, KM_ERROR, "%s: the label \"%.80s\" is that of another joint; expected another name",
+    km_messages_add(reader->messages, KM_ERROR,
+                    "%s: the label \"%.80s\" is that of another joint; expected another name",
                     model->joints[joint].where, label);
   if (!km_names_set(&reader->labels, scope, label, index))
     model->arena.failed = true;
@@ -337,8 +338,9 @@ static bool coupled(km_reader *reader, const km_value *value, int assembly, cons
   km_place at = {place, "joints", 0}, ratio_at = {place, "ratios", 0};
   km_place item = {&at, NULL, 0};
   if (joints->count == 0 || joints->count != ratios->count) {
-    km_reader_error(reader, &ratio_at, "found %zu ratios for %zu joints; expected one ratio for each of one or more joints",
-                    ratios->count, joints->count);
+    km_reader_error(reader, &ratio_at,
+                    "found %zu ratios for %zu joints; expected one ratio for each of one or more joints", ratios->count,
+                    joints->count);
     return false;
   }
   const km_value *ratio = ratios->first;
@@ -370,7 +372,8 @@ static void read_coupling(km_reader *reader, const km_value *value, int assembly
     return;
   km_reader_named(reader, value, place);
   size_t count = km_value_get(value, "joints")->count;
-  km_coupling_def coupling = {.source = value, .name = km_reader_string(value, "name"), .where = km_reader_where(reader, place)};
+  km_coupling_def coupling = {
+      .source = value, .name = km_reader_string(value, "name"), .where = km_reader_where(reader, place)};
   coupling.coordinates = KM_ARENA_NEW(&model->arena, int, count);
   coupling.ratios = KM_ARENA_NEW(&model->arena, double, count);
   if (!model->arena.failed && coupled(reader, value, assembly, place, &coupling))

@@ -55,8 +55,10 @@ static km_status check_closed(const km_mesh *mesh, const char *path, km_error *e
     return km_fail(error, KM_MODEL, "%s: has %d open edge%s; expected a closed surface to go with a density", path,
                    faults.open_edges, faults.open_edges == 1 ? "" : "s");
   if (faults.mixed_edges)
-    return km_fail(error, KM_MODEL, "%s: has %d edge%s between faces that look opposite ways; expected all to look "
-                   "outwards", path, faults.mixed_edges, faults.mixed_edges == 1 ? "" : "s");
+    return km_fail(error, KM_MODEL,
+                   "%s: has %d edge%s between faces that look opposite ways; expected all to look "
+                   "outwards",
+                   path, faults.mixed_edges, faults.mixed_edges == 1 ? "" : "s");
   return KM_OK;
 }
 

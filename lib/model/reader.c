@@ -79,13 +79,11 @@ km_rotation km_reader_rotation(km_reader *reader, const km_value *frame, const k
   km_place at = {place, "R", 0};
   if (!(misfit <= 1e-6)) {
     km_reader_error(reader, &at,
-                    "not a rotation: an entry of RᵀR differs from the identity by %.3g; expected at most 1e-6",
-                    misfit);
+                    "not a rotation: an entry of RᵀR differs from the identity by %.3g; expected at most 1e-6", misfit);
     return km_rotation_identity();
   }
   if (determinant < 0.0) {
-    km_reader_error(reader, &at, "a mirrored frame (determinant %.3g); expected a right-handed rotation",
-                    determinant);
+    km_reader_error(reader, &at, "a mirrored frame (determinant %.3g); expected a right-handed rotation", determinant);
     return km_rotation_identity();
   }
   return km_rotation_orthonormal(&R);
@@ -96,8 +94,8 @@ const char *km_reader_string(const km_value *object, const char *key) {
   return value ? value->string : NULL;
 }
 
-const char *km_reader_name(km_reader *reader, const km_value *object, const km_place *place, km_names *names,
-                           int scope, const char *reserved) {
+const char *km_reader_name(km_reader *reader, const km_value *object, const km_place *place, km_names *names, int scope,
+                           const char *reserved) {
   const char *name = km_reader_string(object, "name");
   km_place at = {place, "name", 0};
   if (!name[0])
@@ -120,8 +118,8 @@ const char *km_reader_shown(char out[KM_NUMBER_TEXT], double value) {
   return out;
 }
 
-void km_reader_each(km_reader *reader, const km_value *object, const char *key, int owner,
-                    const km_place *place, km_element_read read) {
+void km_reader_each(km_reader *reader, const km_value *object, const char *key, int owner, const km_place *place,
+                    km_element_read read) {
   const km_value *list = km_value_get(object, key);
   if (!list)
     return;
@@ -131,7 +129,8 @@ void km_reader_each(km_reader *reader, const km_value *object, const char *key, 
     read(reader, element, owner, &item);
 }
 
-static void visit_list(km_reader *reader, const km_value *parent, const km_place *place, int *next, km_assembly_visit visit) {
+static void visit_list(km_reader *reader, const km_value *parent, const km_place *place, int *next,
+                       km_assembly_visit visit) {
   const km_value *list = km_value_get(parent, "assemblies");
   if (!list)
     return;

@@ -43,8 +43,8 @@ const char *km_reader_string(const km_value *object, const char *key); /* NULL i
 /* Reports a value that isn't greater than 0. */
 void km_reader_positive(km_reader *reader, const km_place *place, const char *key, double value);
 /* Name of an element, checked: not empty, not reserved, new among its siblings in `names`. */
-const char *km_reader_name(km_reader *reader, const km_value *object, const km_place *place, km_names *names,
-                           int scope, const char *reserved);
+const char *km_reader_name(km_reader *reader, const km_value *object, const km_place *place, km_names *names, int scope,
+                           const char *reserved);
 
 /* Reports an empty name. */
 void km_reader_named(km_reader *reader, const km_value *object, const km_place *place);
@@ -79,7 +79,7 @@ void km_reader_visit(km_reader *reader, const km_value *root, km_assembly_visit 
 
 /* Calls `read` for the members of a list in an object: `bodies`, `joints` … */
 typedef void (*km_element_read)(km_reader *reader, const km_value *element, int owner, const km_place *place);
-void km_reader_each(km_reader *reader, const km_value *object, const char *key, int owner,
-                    const km_place *place, km_element_read read);
+void km_reader_each(km_reader *reader, const km_value *object, const char *key, int owner, const km_place *place,
+                    km_element_read read);
 
 #endif

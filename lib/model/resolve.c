@@ -70,7 +70,9 @@ static int frame_of(const km_reader *reader, int body, const char *name) {
 }
 
 /* Keeps the better of two readings: a frame found, else left out, else not found. */
-static int better(int a, int b) { return a >= 0 ? a : b >= 0 ? b : a < b ? a : b; }
+static int better(int a, int b) {
+  return a >= 0 ? a : b >= 0 ? b : a < b ? a : b;
+}
 
 static int find_frame(const km_reader *reader, const char *const *names, size_t count, int assembly) {
   if (strcmp(names[0], "fixed") == 0 && count <= 2)
@@ -82,8 +84,8 @@ static int find_frame(const km_reader *reader, const char *const *names, size_t 
     named = frame_of(reader, from_root(reader, &reader->bodies, names, count - 1), names[count - 1]);
   if (named >= 0)
     return named;
-  int body = count == 1 ? km_names_get(&reader->bodies, assembly, names[0])
-                        : from_root(reader, &reader->bodies, names, count);
+  int body =
+      count == 1 ? km_names_get(&reader->bodies, assembly, names[0]) : from_root(reader, &reader->bodies, names, count);
   return better(named, frame_of(reader, body, "origin"));
 }
 
@@ -136,8 +138,8 @@ int km_reader_coordinate(km_reader *reader, const km_value *value, int assembly,
   if (freedom == 0)
     km_reader_error(reader, place, "joint \"%s\" is rigid; expected a joint with a coordinate", def->label);
   else
-    km_reader_error(reader, place, "joint \"%s\" has %d coordinates; expected one of them, as \"%s[0]\"",
-                    def->label, freedom, def->label);
+    km_reader_error(reader, place, "joint \"%s\" has %d coordinates; expected one of them, as \"%s[0]\"", def->label,
+                    freedom, def->label);
   return KM_NOT_FOUND;
 }
 
@@ -183,8 +185,7 @@ km_status km_model_find_joint(const km_model *model, const char *label, int *joi
   return status;
 }
 
-km_status km_model_find_coordinate(const km_model *model, const char *label, int *coordinate,
-                                   km_error *error) {
+km_status km_model_find_coordinate(const km_model *model, const char *label, int *coordinate, km_error *error) {
   for (int c = 0; c < model->coordinate_count; ++c) {
     if (strcmp(model->coordinates[c].label, label) == 0) {
       *coordinate = c;
@@ -212,8 +213,8 @@ km_status km_model_find_coordinate(const km_model *model, const char *label, int
     return KM_OK;
   if (freedom == 0)
     return km_fail(error, KM_USAGE, "joint \"%s\" is rigid; expected a joint with a coordinate", label);
-  return km_fail(error, KM_USAGE, "joint \"%s\" has %d coordinates; expected one of them, as \"%s[0]\"", label,
-                 freedom, label);
+  return km_fail(error, KM_USAGE, "joint \"%s\" has %d coordinates; expected one of them, as \"%s[0]\"", label, freedom,
+                 label);
 }
 
 /* Does the body's path from the root end in these names? One name must be the body's own. */

@@ -7,8 +7,7 @@
 static const km_unit angles[] = {{"radians", "rad", 1.0}, {"degrees", "deg", M_PI / 180.0}, {0}};
 static const km_unit lengths[] = {
     {"meters", "m", 1.0}, {"millimeters", "mm", 1e-3}, {"centimeters", "cm", 1e-2}, {"inches", "in", 0.0254}, {0}};
-static const km_unit masses[] = {
-    {"kilograms", "kg", 1.0}, {"grams", "g", 1e-3}, {"pounds", "lb", 0.45359237}, {0}};
+static const km_unit masses[] = {{"kilograms", "kg", 1.0}, {"grams", "g", 1e-3}, {"pounds", "lb", 0.45359237}, {0}};
 static const km_unit times[] = {{"seconds", "s", 1.0}, {"milliseconds", "ms", 1e-3}, {0}};
 static const km_unit forces[] = {{"newtons", "N", 1.0}, {"pounds-force", "lbf", 4.4482216152605}, {0}};
 
@@ -23,7 +22,9 @@ const char *km_quantity_name(km_quantity quantity) {
   return names[quantity];
 }
 
-const km_unit *km_quantity_units(km_quantity quantity) { return tables[quantity]; }
+const km_unit *km_quantity_units(km_quantity quantity) {
+  return tables[quantity];
+}
 
 const km_unit *km_unit_find(km_quantity quantity, const char *word) {
   for (const km_unit *unit = tables[quantity]; unit->word; ++unit)
@@ -33,8 +34,7 @@ const km_unit *km_unit_find(km_quantity quantity, const char *word) {
 }
 
 const km_unit **km_units_slot(km_units *units, km_quantity quantity) {
-  const km_unit **slots[KM_QUANTITIES] = {&units->angle, &units->length, &units->mass, &units->time,
-                                          &units->force};
+  const km_unit **slots[KM_QUANTITIES] = {&units->angle, &units->length, &units->mass, &units->time, &units->force};
   return slots[quantity];
 }
 

@@ -23,15 +23,25 @@ enum { KM_SLOT_BITS = 6, KM_ROW_BITS = 4, KM_PLACE_BITS = KM_SLOT_BITS + KM_ROW_
 
 /* The larger in each lane, b where a is not a number; and logic on the bits. */
 #ifdef __SSE2__
-static inline km_pair km_pair_larger(km_pair a, km_pair b) { return (km_pair)_mm_max_pd((__m128d)a, (__m128d)b); }
-static inline km_pair km_pair_and(km_pair a, km_pair b) { return (km_pair)_mm_and_pd((__m128d)a, (__m128d)b); }
-static inline km_pair km_pair_or(km_pair a, km_pair b) { return (km_pair)_mm_or_pd((__m128d)a, (__m128d)b); }
+static inline km_pair km_pair_larger(km_pair a, km_pair b) {
+  return (km_pair)_mm_max_pd((__m128d)a, (__m128d)b);
+}
+static inline km_pair km_pair_and(km_pair a, km_pair b) {
+  return (km_pair)_mm_and_pd((__m128d)a, (__m128d)b);
+}
+static inline km_pair km_pair_or(km_pair a, km_pair b) {
+  return (km_pair)_mm_or_pd((__m128d)a, (__m128d)b);
+}
 #else
 static inline km_pair km_pair_larger(km_pair a, km_pair b) {
   return (km_pair){a[0] > b[0] ? a[0] : b[0], a[1] > b[1] ? a[1] : b[1]};
 }
-static inline km_pair km_pair_and(km_pair a, km_pair b) { return (km_pair)((km_bits)a & (km_bits)b); }
-static inline km_pair km_pair_or(km_pair a, km_pair b) { return (km_pair)((km_bits)a | (km_bits)b); }
+static inline km_pair km_pair_and(km_pair a, km_pair b) {
+  return (km_pair)((km_bits)a & (km_bits)b);
+}
+static inline km_pair km_pair_or(km_pair a, km_pair b) {
+  return (km_pair)((km_bits)a | (km_bits)b);
+}
 #endif
 
 static inline km_pair km_pair_load(const double *from) { /* from anywhere */
@@ -47,10 +57,18 @@ static inline int64_t km_key_bits(km_pair best) {
   memcpy(&bits, &key, sizeof bits);
   return bits;
 }
-static inline bool km_key_valid(int64_t key) { return key >> KM_PLACE_BITS != 0; }
-static inline int km_key_place(int64_t key) { return (int)(~key & ((1 << KM_PLACE_BITS) - 1)); }
-static inline int km_place_slot(int place) { return place >> KM_ROW_BITS; }
-static inline int km_place_row(int place) { return place & ((1 << KM_ROW_BITS) - 1); }
+static inline bool km_key_valid(int64_t key) {
+  return key >> KM_PLACE_BITS != 0;
+}
+static inline int km_key_place(int64_t key) {
+  return (int)(~key & ((1 << KM_PLACE_BITS) - 1));
+}
+static inline int km_place_slot(int place) {
+  return place >> KM_ROW_BITS;
+}
+static inline int km_place_row(int place) {
+  return place & ((1 << KM_ROW_BITS) - 1);
+}
 
 /* What to mix into the keys: of any row in slot s (and of the next slot: less KM_NEXT_SLOT), and of rows r, r + 1. */
 static inline km_bits km_slot_bits(int slot) {

@@ -1,11 +1,13 @@
-#include "partition/pair.h"
 #include "partition/partition.h"
+#include "partition/pair.h"
 #include "partition/small.h"
 
 #include <math.h>
 #include <string.h>
 
-static int stride_of(int rows) { return rows > 0 ? (rows + 1) & ~1 : 2; }
+static int stride_of(int rows) {
+  return rows > 0 ? (rows + 1) & ~1 : 2;
+}
 
 bool km_partition_reserve(km_partition *p, int rows, int columns, km_arena *arena) {
   size_t r = (size_t)rows, c = (size_t)columns, stride = (size_t)stride_of(rows);
@@ -211,8 +213,7 @@ bool km_partition_refactor(km_partition *p, const double *matrix) {
   finite = finish(p) && finite;
   /* A rank that drops shrinks a pivot together with what stands right of it: B alone needn't show it. */
   double usual = p->pivoted_b > 1.0 ? p->pivoted_b : 1.0;
-  return finite && p->largest_b <= 2.0 * usual &&
-         (p->rank == 0 || largest_inverse(p) * p->smallest_pivot <= 10.0);
+  return finite && p->largest_b <= 2.0 * usual && (p->rank == 0 || largest_inverse(p) * p->smallest_pivot <= 10.0);
 }
 
 /* The steps of elimination on the right side alone. */

@@ -18,22 +18,22 @@
 typedef struct km_partition {
   int rows, columns; /* of the matrix */
   int rank;
-  int *row;     /* [rows] row[0 … rank-1] are the primary constraints, in pivot order */
-  int *column;  /* [columns] first the dependent coordinates in pivot order, then the independent ones */
-  int stride;   /* leading dimension of `reduced`: rows, rounded up to even */
+  int *row;        /* [rows] row[0 … rank-1] are the primary constraints, in pivot order */
+  int *column;     /* [columns] first the dependent coordinates in pivot order, then the independent ones */
+  int stride;      /* leading dimension of `reduced`: rows, rounded up to even */
   double *reduced; /* [columns × stride] rows and columns in the matrix's order. Dependent column i: the multiples of
                     * row[i] that step i subtracted from the others, 0 for itself. Independent: B before `inverse` */
   double *inverse; /* [rank] reciprocals of the pivots */
-  double *B;    /* [freedom × rank, leading dimension `rank`] */
-  int *place;   /* [rank] where the last search found each pivot: a guess for the next one */
-  double *work; /* [stride] */
-  double scale; /* largest entry of the matrix */
+  double *B;       /* [freedom × rank, leading dimension `rank`] */
+  int *place;      /* [rank] where the last search found each pivot: a guess for the next one */
+  double *work;    /* [stride] */
+  double scale;    /* largest entry of the matrix */
   double first_pivot, last_pivot, first_dropped; /* magnitudes; first_dropped 0: nothing was left */
-  double smallest_pivot;       /* magnitude at the last search */
-  double largest_b, pivoted_b; /* max |B_ij|, and its value when pivots were last searched */
-  int sign;                    /* of the product of the pivots: flips where det of the pivot block does */
-  unsigned searches;           /* how often pivots were searched */
-  bool forced_dependent;       /* a column that should be independent had to be a pivot */
+  double smallest_pivot;                         /* magnitude at the last search */
+  double largest_b, pivoted_b;                   /* max |B_ij|, and its value when pivots were last searched */
+  int sign;              /* of the product of the pivots: flips where det of the pivot block does */
+  unsigned searches;     /* how often pivots were searched */
+  bool forced_dependent; /* a column that should be independent had to be a pivot */
 } km_partition;
 
 /* Space for matrices of up to rows × columns; false (and arena->failed) when out of memory. */
@@ -44,8 +44,8 @@ bool km_partition_reserve(km_partition *partition, int rows, int columns, km_are
  * rounding doesn't decide between symmetric joints) go by place; what was factored before has no influence.
  * `matrix` is kept. With entries that are not finite the rank means nothing, but stays in range.
  * O(rows·columns·rank). */
-void km_partition_factor(km_partition *partition, const double *matrix, int rows, int columns,
-                         const bool *forced, double tolerance);
+void km_partition_factor(km_partition *partition, const double *matrix, int rows, int columns, const bool *forced,
+                         double tolerance);
 
 /* The same pivots on new values, no search. False where max |B| passes twice its value at the last search, a pivot
  * vanishes or a value is not finite: then factor again. O(rows·rank·columns). */
@@ -54,7 +54,9 @@ bool km_partition_refactor(km_partition *partition, const double *matrix);
 /* Takes over which pivots another partition of the same size uses, for a refactor of its own. */
 void km_partition_copy_pivots(km_partition *to, const km_partition *from);
 
-static inline int km_partition_freedom(const km_partition *p) { return p->columns - p->rank; }
+static inline int km_partition_freedom(const km_partition *p) {
+  return p->columns - p->rank;
+}
 
 /* Particular solution of the primary rows of J x = rhs with the independent coordinates 0.
  * rhs[rows], x[columns]. */

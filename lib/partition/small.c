@@ -34,10 +34,7 @@ INLINE void note(search *s, km_bits slot, int i, km_pair x) {
 
 INLINE int64_t take_best(search *s, const int stride) {
   km_pair best = {0.0, 0.0};
-  EACH_PAIR(
-    best = km_pair_larger(km_pair_or(s->best[i], km_row_bits(2 * i)), best);
-    s->best[i] = (km_pair){0.0, 0.0};
-  );
+  EACH_PAIR(best = km_pair_larger(km_pair_or(s->best[i], km_row_bits(2 * i)), best); s->best[i] = (km_pair){0.0, 0.0};);
   return km_key_bits(best);
 }
 
@@ -52,11 +49,8 @@ INLINE int64_t load(const km_partition *p, const double *matrix, search *s, int 
                     const int stride) {
   const km_pair magnitude = (km_pair)(km_bits){KM_MAGNITUDE, KM_MAGNITUDE};
   km_pair scale[PAIRS];
-  EACH_PAIR(
-    scale[i] = (km_pair){0.0, 0.0};
-    s->open[i] = (km_pair)(km_bits){KM_KEY, 2 * i + 1 < p->rows ? KM_KEY : 0};
-    s->best[i] = (km_pair){0.0, 0.0};
-  );
+  EACH_PAIR(scale[i] = (km_pair){0.0, 0.0}; s->open[i] = (km_pair)(km_bits){KM_KEY, 2 * i + 1 < p->rows ? KM_KEY : 0};
+            s->best[i] = (km_pair){0.0, 0.0};);
   const int rows = p->rows, columns = p->columns, *const column = p->column;
   double *const reduced = p->reduced;
   km_bits slot = km_slot_bits(0);
@@ -64,10 +58,8 @@ INLINE int64_t load(const km_partition *p, const double *matrix, search *s, int 
     const double *from = matrix + (ptrdiff_t)column[k] * rows;
     km_pair *to = (km_pair *)(reduced + (ptrdiff_t)column[k] * stride);
     km_pair x[PAIRS];
-    EACH_PAIR(
-      to[i] = x[i] = read(from, rows, i, stride);
-      scale[i] = km_pair_larger(km_pair_and(x[i], magnitude), scale[i]);
-    );
+    EACH_PAIR(to[i] = x[i] = read(from, rows, i, stride);
+              scale[i] = km_pair_larger(km_pair_and(x[i], magnitude), scale[i]););
     if (k < candidates)
       EACH_PAIR(note(s, slot, i, x[i]););
   }
@@ -81,8 +73,7 @@ INLINE int64_t look(const km_partition *p, search *s, int from, const int stride
   km_bits slot = km_slot_bits(from);
   for (int k = from; k < p->columns; ++k, slot -= KM_NEXT_SLOT) {
     const km_pair *x = (const km_pair *)(p->reduced + (ptrdiff_t)p->column[k] * stride);
-    EACH_PAIR(note(s, slot, i, x[i]);
-  );
+    EACH_PAIR(note(s, slot, i, x[i]););
   }
   return take_best(s, stride);
 }
@@ -93,11 +84,9 @@ INLINE void multiples(const km_partition *p, int step, int row, km_pair *l, km_p
   double inverse = 1.0 / column[row], r = row;
   p->inverse[step] = inverse;
   p->row[step] = row;
-  EACH_PAIR(
-    others[i] = (km_pair)((km_pair){2 * i, 2 * i + 1} != (km_pair){r, r});
-    l[i] = km_pair_and(((km_pair *)column)[i] * (km_pair){inverse, inverse}, others[i]);
-    ((km_pair *)column)[i] = l[i];
-  );
+  EACH_PAIR(others[i] = (km_pair)((km_pair){2 * i, 2 * i + 1} != (km_pair){r, r});
+            l[i] = km_pair_and(((km_pair *)column)[i] * (km_pair){inverse, inverse}, others[i]);
+            ((km_pair *)column)[i] = l[i];);
 }
 
 /* A step of elimination, and the search for the next one among columns step+1 … candidates-1. */
@@ -105,24 +94,19 @@ INLINE int64_t eliminate(const km_partition *p, search *s, int step, int row, in
   km_pair l[PAIRS];
   km_pair others[PAIRS];
   multiples(p, step, row, l, others, stride);
-  EACH_PAIR(s->open[i] = km_pair_and(s->open[i], others[i]);
-  );
+  EACH_PAIR(s->open[i] = km_pair_and(s->open[i], others[i]););
   const int columns = p->columns, *const order = p->column;
   double *const reduced = p->reduced;
   km_bits slot = km_slot_bits(step + 1);
   int k = step + 1;
   for (; k < candidates; ++k, slot -= KM_NEXT_SLOT) {
     double *column = reduced + (ptrdiff_t)order[k] * stride, u = column[row];
-    EACH_PAIR(
-      km_pair x = ((km_pair *)column)[i] - l[i] * (km_pair){u, u};
-      ((km_pair *)column)[i] = x;
-      note(s, slot, i, x);
-  );
+    EACH_PAIR(km_pair x = ((km_pair *)column)[i] - l[i] * (km_pair){u, u}; ((km_pair *)column)[i] = x;
+              note(s, slot, i, x););
   }
   for (; k < columns; ++k) {
     double *column = reduced + (ptrdiff_t)order[k] * stride, u = column[row];
-    EACH_PAIR(((km_pair *)column)[i] -= l[i] * (km_pair){u, u};
-  );
+    EACH_PAIR(((km_pair *)column)[i] -= l[i] * (km_pair){u, u};);
   }
   return take_best(s, stride);
 }
@@ -177,14 +161,10 @@ INLINE void factor(km_partition *p, const double *matrix, int candidates, double
 
 INLINE bool refactor(const km_partition *in, const double *matrix, const int stride) {
   const km_partition own = *in, *const p = &own; /* in registers: nothing that is stored below can change it */
-  km_pair poison = {0.0, 0.0}; /* x − x: 0, or not a number */
+  km_pair poison = {0.0, 0.0};                   /* x − x: 0, or not a number */
   for (int k = 0; k < p->columns; ++k) {
     km_pair *to = (km_pair *)(p->reduced + (ptrdiff_t)k * stride);
-    EACH_PAIR(
-      km_pair x = read(matrix + (ptrdiff_t)k * p->rows, p->rows, i, stride);
-      to[i] = x;
-      poison += x - x;
-  );
+    EACH_PAIR(km_pair x = read(matrix + (ptrdiff_t)k * p->rows, p->rows, i, stride); to[i] = x; poison += x - x;);
   }
   for (int step = 0; step < p->rank; ++step) {
     km_pair l[PAIRS];
@@ -193,8 +173,7 @@ INLINE bool refactor(const km_partition *in, const double *matrix, const int str
     multiples(p, step, row, l, others, stride);
     for (int k = step + 1; k < p->columns; ++k) {
       double *column = p->reduced + (ptrdiff_t)p->column[k] * stride, u = column[row];
-      EACH_PAIR(((km_pair *)column)[i] -= l[i] * (km_pair){u, u};
-  );
+      EACH_PAIR(((km_pair *)column)[i] -= l[i] * (km_pair){u, u};);
     }
   }
   return poison[0] + poison[1] == 0.0;
@@ -202,22 +181,40 @@ INLINE bool refactor(const km_partition *in, const double *matrix, const int str
 
 void km_small_factor(km_partition *p, const double *matrix, int candidates, double tolerance) {
   switch (p->stride) {
-  case 2: factor(p, matrix, candidates, tolerance, 2); break;
-  case 4: factor(p, matrix, candidates, tolerance, 4); break;
-  case 6: factor(p, matrix, candidates, tolerance, 6); break;
-  case 8: factor(p, matrix, candidates, tolerance, 8); break;
-  case 10: factor(p, matrix, candidates, tolerance, 10); break;
-  default: factor(p, matrix, candidates, tolerance, 12); break;
+  case 2:
+    factor(p, matrix, candidates, tolerance, 2);
+    break;
+  case 4:
+    factor(p, matrix, candidates, tolerance, 4);
+    break;
+  case 6:
+    factor(p, matrix, candidates, tolerance, 6);
+    break;
+  case 8:
+    factor(p, matrix, candidates, tolerance, 8);
+    break;
+  case 10:
+    factor(p, matrix, candidates, tolerance, 10);
+    break;
+  default:
+    factor(p, matrix, candidates, tolerance, 12);
+    break;
   }
 }
 
 bool km_small_refactor(const km_partition *p, const double *matrix) {
   switch (p->stride) {
-  case 2: return refactor(p, matrix, 2);
-  case 4: return refactor(p, matrix, 4);
-  case 6: return refactor(p, matrix, 6);
-  case 8: return refactor(p, matrix, 8);
-  case 10: return refactor(p, matrix, 10);
-  default: return refactor(p, matrix, 12);
+  case 2:
+    return refactor(p, matrix, 2);
+  case 4:
+    return refactor(p, matrix, 4);
+  case 6:
+    return refactor(p, matrix, 6);
+  case 8:
+    return refactor(p, matrix, 8);
+  case 10:
+    return refactor(p, matrix, 10);
+  default:
+    return refactor(p, matrix, 12);
   }
 }

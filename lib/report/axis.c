@@ -88,8 +88,8 @@ void km_axis_label(const km_axis *axis, size_t index, char out[KM_AXIS_LABEL]) {
     count *= 10;
   char digits[KM_AXIS_LABEL / 2];
   int length = snprintf(digits, sizeof digits, "%0*lld", decimals + 1, llabs(count));
-  snprintf(out, KM_AXIS_LABEL, "%s%.*s%s%s", count < 0 ? "−" : "", length - decimals, digits,
-           decimals ? "." : "", digits + length - decimals);
+  snprintf(out, KM_AXIS_LABEL, "%s%.*s%s%s", count < 0 ? "−" : "", length - decimals, digits, decimals ? "." : "",
+           digits + length - decimals);
 }
 
 void km_axis_multiplier(const km_axis *axis, char out[KM_AXIS_LABEL]) {

@@ -73,12 +73,11 @@ static bool size_fits(double width, double height) {
   return width >= 1 && height >= 1 && width <= page_limit && height <= page_limit;
 }
 
-km_status km_canvas_create(km_canvas_format format, double width, double height, km_text *out,
-                           km_canvas **canvas, km_error *error) {
+km_status km_canvas_create(km_canvas_format format, double width, double height, km_text *out, km_canvas **canvas,
+                           km_error *error) {
   *canvas = NULL;
   if (!size_fits(width, height))
-    return km_fail(error, KM_USAGE, "a page of %g x %g points; expected 1 to %g each", width,
-                   height, page_limit);
+    return km_fail(error, KM_USAGE, "a page of %g x %g points; expected 1 to %g each", width, height, page_limit);
   km_canvas *made = KM_NEW(km_canvas, 1);
   if (!made)
     return km_fail(error, KM_MEMORY, "out of memory for a page");
@@ -148,9 +147,7 @@ km_status km_canvas_finish(km_canvas *canvas, km_error *error) {
   if (canvas->out->data)
     canvas->out->data[canvas->start] = 0;
   if (canvas->page_refused)
-    return km_fail(error, KM_USAGE,
-                   "a second page that can't be; only PDF has several, of 1 to %g points",
-                   page_limit);
+    return km_fail(error, KM_USAGE, "a second page that can't be; only PDF has several, of 1 to %g points", page_limit);
   if (status == CAIRO_STATUS_NO_MEMORY)
     return km_fail(error, KM_MEMORY, "out of memory for a picture");
   return km_fail(error, KM_INTERNAL, "the picture failed: %s", cairo_status_to_string(status));
@@ -200,33 +197,28 @@ static void trace(km_canvas *canvas, const km_canvas_point *points, size_t count
     cairo_line_to(canvas->cairo, points[i].x, points[i].y);
 }
 
-void km_canvas_line(km_canvas *canvas, const km_pen *pen, km_canvas_point from,
-                    km_canvas_point to) {
+void km_canvas_line(km_canvas *canvas, const km_pen *pen, km_canvas_point from, km_canvas_point to) {
   km_canvas_polyline(canvas, pen, (const km_canvas_point[]){from, to}, 2);
 }
 
-void km_canvas_polyline(km_canvas *canvas, const km_pen *pen, const km_canvas_point *points,
-                        size_t count) {
+void km_canvas_polyline(km_canvas *canvas, const km_pen *pen, const km_canvas_point *points, size_t count) {
   trace(canvas, points, count);
   stroke(canvas, pen);
 }
 
-void km_canvas_polygon(km_canvas *canvas, km_colour fill, const km_canvas_point *points,
-                       size_t count) {
+void km_canvas_polygon(km_canvas *canvas, km_colour fill, const km_canvas_point *points, size_t count) {
   trace(canvas, points, count);
   set_colour(canvas, fill);
   cairo_fill(canvas->cairo);
 }
 
-void km_canvas_rectangle(km_canvas *canvas, km_colour fill, double x, double y, double width,
-                         double height) {
+void km_canvas_rectangle(km_canvas *canvas, km_colour fill, double x, double y, double width, double height) {
   cairo_rectangle(canvas->cairo, x, y, width, height);
   set_colour(canvas, fill);
   cairo_fill(canvas->cairo);
 }
 
-void km_canvas_circle(km_canvas *canvas, km_colour fill, const km_pen *pen, km_canvas_point centre,
-                      double radius) {
+void km_canvas_circle(km_canvas *canvas, km_colour fill, const km_pen *pen, km_canvas_point centre, double radius) {
   cairo_new_sub_path(canvas->cairo);
   cairo_arc(canvas->cairo, centre.x, centre.y, radius, 0, 2 * G_PI);
   set_colour(canvas, fill);
@@ -258,16 +250,15 @@ typedef struct text_box {
 
 static text_box lay_text(km_canvas *canvas, const km_font *font, const char *text) {
   pango_font_description_set_absolute_size(canvas->font, font->size * PANGO_SCALE);
-  pango_font_description_set_weight(canvas->font,
-                                    font->bold ? PANGO_WEIGHT_BOLD : PANGO_WEIGHT_NORMAL);
+  pango_font_description_set_weight(canvas->font, font->bold ? PANGO_WEIGHT_BOLD : PANGO_WEIGHT_NORMAL);
   pango_layout_set_font_description(canvas->layout, canvas->font);
   pango_layout_set_width(canvas->layout, font->width > 0 ? (int)(font->width * PANGO_SCALE) : -1);
   pango_layout_set_height(canvas->layout, font->lines > 1 ? -font->lines : -1);
   set_text(canvas, text);
   PangoRectangle box;
   pango_layout_get_extents(canvas->layout, NULL, &box);
-  text_box result = {(double)box.x / PANGO_SCALE, (double)box.y / PANGO_SCALE,
-                     (double)box.width / PANGO_SCALE, (double)box.height / PANGO_SCALE};
+  text_box result = {(double)box.x / PANGO_SCALE, (double)box.y / PANGO_SCALE, (double)box.width / PANGO_SCALE,
+                     (double)box.height / PANGO_SCALE};
   if (pango_layout_get_line_count(canvas->layout) == 1) {
     double baseline = (double)pango_layout_get_baseline(canvas->layout) / PANGO_SCALE;
     result.top = baseline - font_ascent * font->size;
@@ -276,14 +267,13 @@ static text_box lay_text(km_canvas *canvas, const km_font *font, const char *tex
   return result;
 }
 
-void km_canvas_text(km_canvas *canvas, const km_font *font, km_colour colour, const char *text,
-                    km_canvas_point at, km_anchor anchor) {
+void km_canvas_text(km_canvas *canvas, const km_font *font, km_colour colour, const char *text, km_canvas_point at,
+                    km_anchor anchor) {
   text_box box = lay_text(canvas, font, text);
   cairo_save(canvas->cairo);
   cairo_translate(canvas->cairo, at.x, at.y);
   cairo_rotate(canvas->cairo, anchor.angle);
-  cairo_move_to(canvas->cairo, -box.left - anchor.across * box.width,
-                -box.top - anchor.down * box.height);
+  cairo_move_to(canvas->cairo, -box.left - anchor.across * box.width, -box.top - anchor.down * box.height);
   set_colour(canvas, colour);
   pango_cairo_show_layout(canvas->cairo, canvas->layout);
   cairo_restore(canvas->cairo);

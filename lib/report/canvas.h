@@ -42,8 +42,8 @@ typedef struct km_anchor {
 
 /* A white page of width x height points, each from 1 to 14400. Bytes are appended to the borrowed
  * `out` until the canvas is freed. KM_USAGE (size), KM_MEMORY, KM_INTERNAL. */
-km_status km_canvas_create(km_canvas_format format, double width, double height, km_text *out,
-                           km_canvas **canvas, km_error *error);
+km_status km_canvas_create(km_canvas_format format, double width, double height, km_text *out, km_canvas **canvas,
+                           km_error *error);
 /* Completes the bytes and tells whether everything since the creation went well; if it did not,
  * `out` is as it was before. KM_USAGE (a second page outside PDF), KM_MEMORY, KM_INTERNAL. */
 km_status km_canvas_finish(km_canvas *canvas, km_error *error);
@@ -53,15 +53,11 @@ void km_canvas_free(km_canvas *canvas);
 void km_canvas_page(km_canvas *canvas, double width, double height);
 
 void km_canvas_line(km_canvas *canvas, const km_pen *pen, km_canvas_point from, km_canvas_point to);
-void km_canvas_polyline(km_canvas *canvas, const km_pen *pen, const km_canvas_point *points,
-                        size_t count);
-void km_canvas_polygon(km_canvas *canvas, km_colour fill, const km_canvas_point *points,
-                       size_t count);
-void km_canvas_rectangle(km_canvas *canvas, km_colour fill, double x, double y, double width,
-                         double height);
+void km_canvas_polyline(km_canvas *canvas, const km_pen *pen, const km_canvas_point *points, size_t count);
+void km_canvas_polygon(km_canvas *canvas, km_colour fill, const km_canvas_point *points, size_t count);
+void km_canvas_rectangle(km_canvas *canvas, km_colour fill, double x, double y, double width, double height);
 /* A filled disc; `pen` (may be NULL) draws its rim. */
-void km_canvas_circle(km_canvas *canvas, km_colour fill, const km_pen *pen, km_canvas_point centre,
-                      double radius);
+void km_canvas_circle(km_canvas *canvas, km_colour fill, const km_pen *pen, km_canvas_point centre, double radius);
 
 /* Everything until the matching release is cut to the rectangle. Clips nest. */
 void km_canvas_clip(km_canvas *canvas, double x, double y, double width, double height);
@@ -69,8 +65,8 @@ void km_canvas_release(km_canvas *canvas);
 
 /* UTF-8 in any script; markup is not interpreted, bad bytes become U+FFFD. Sizes don't depend on
  * the format: nothing is hinted. */
-void km_canvas_text(km_canvas *canvas, const km_font *font, km_colour colour, const char *text,
-                    km_canvas_point at, km_anchor anchor);
+void km_canvas_text(km_canvas *canvas, const km_font *font, km_colour colour, const char *text, km_canvas_point at,
+                    km_anchor anchor);
 /* The box that km_canvas_text would fill: x across, y down. */
 km_canvas_point km_canvas_measure(km_canvas *canvas, const km_font *font, const char *text);
 

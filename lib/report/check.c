@@ -1,7 +1,7 @@
 #include "report/check.h"
 
-#include "kmech/mobility.h"
 #include "kinematics/state.h"
+#include "kmech/mobility.h"
 
 #include <math.h>
 #include <stdarg.h>
@@ -58,7 +58,8 @@ static void check_finite(const km_mobility *mobility, const km_finite_mobility *
   }
   if (shaky)
     add(f, "shaky", "change a length or an angle so that the parts don't line up",
-        "the structure shakes: first order allows mobility %d, but only %d is real", mobility->mobility, finite->mobility);
+        "the structure shakes: first order allows mobility %d, but only %d is real", mobility->mobility,
+        finite->mobility);
   if (branches)
     add(f, "branch", "start from another pose, or follow one motion through it with kmob sweep --arclength",
         "the pose is a branch point: %d motions meet, mobility %d there", branches, mobility->mobility);
@@ -95,8 +96,9 @@ static void check_lengths(const km_model *model, km_findings *f) {
   for (int i = 0; i < model->frame_count; ++i) {
     double size = km_vec3_norm(model->frames[i].pose.p);
     if (model->frames[i].body != 0 && size > 0.0 && (size > 300.0 * middle || size < middle / 300.0))
-      add(f, "units", "check its unit", "frame %s of body %s is %.4g %s from its body's origin, where most are about %.2g",
-          model->frames[i].name, model->bodies[model->frames[i].body].name, size, model->units.length->suffix, middle);
+      add(f, "units", "check its unit",
+          "frame %s of body %s is %.4g %s from its body's origin, where most are about %.2g", model->frames[i].name,
+          model->bodies[model->frames[i].body].name, size, model->units.length->suffix, middle);
   }
 }
 
@@ -142,8 +144,9 @@ static void check_frames(const km_model *model, km_findings *f) {
     used[model->loads[i].frame] = true;
   for (int i = 0; used && i < model->frame_count; ++i)
     if (!used[i] && strcmp(model->frames[i].name, "origin") != 0)
-      add(f, "unused-frame", "keep it for --point or views, or remove it", "frame %s of body %s is used by no joint and no load",
-          model->frames[i].name, model->bodies[model->frames[i].body].name);
+      add(f, "unused-frame", "keep it for --point or views, or remove it",
+          "frame %s of body %s is used by no joint and no load", model->frames[i].name,
+          model->bodies[model->frames[i].body].name);
 }
 
 static void check_start(const km_mechanism *m, const km_state *s, km_findings *f) {
@@ -153,8 +156,8 @@ static void check_start(const km_mechanism *m, const km_state *s, km_findings *f
     double q = km_state_coordinate(s, c), slack = 1e-9 * (1.0 + fabs(q));
     const char *unit = km_model_coordinate_unit(model, c);
     if (q < def->low - slack || q > def->high + slack)
-      add(f, "limits", "start inside the limits, or widen them", "joint %s starts at %.6g %s, outside its limits [%g, %g]",
-          def->label, q, unit, def->low, def->high);
+      add(f, "limits", "start inside the limits, or widen them",
+          "joint %s starts at %.6g %s, outside its limits [%g, %g]", def->label, q, unit, def->low, def->high);
     if (!m->held[c] && fabs(s->q[c] - m->start[c]) > 1e-3 * m->unit[c])
       add(f, "start", "write the closed pose with kmob convert",
           "joint %s is given at %.6g %s, but the loops close at %.6g %s", def->label, def->position, unit, q, unit);

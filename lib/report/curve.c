@@ -19,11 +19,9 @@ typedef struct sleeve {
 } sleeve;
 
 km_canvas_point km_frame_map(const km_frame *frame, double x, double y) {
-  double across =
-      x / (frame->x_high - frame->x_low) - frame->x_low / (frame->x_high - frame->x_low);
+  double across = x / (frame->x_high - frame->x_low) - frame->x_low / (frame->x_high - frame->x_low);
   double up = y / (frame->y_high - frame->y_low) - frame->y_low / (frame->y_high - frame->y_low);
-  return (km_canvas_point){frame->left + across * frame->width,
-                           frame->top + (1 - up) * frame->height};
+  return (km_canvas_point){frame->left + across * frame->width, frame->top + (1 - up) * frame->height};
 }
 
 static void emit(sleeve *s, km_canvas_point point) {
@@ -98,8 +96,7 @@ static bool inside(const km_frame *frame, km_canvas_point point) {
   return point.y >= frame->top - slack && point.y <= frame->top + frame->height + slack;
 }
 
-static void add_segment(sleeve *s, const km_frame *frame, km_canvas_point from,
-                        km_canvas_point to) {
+static void add_segment(sleeve *s, const km_frame *frame, km_canvas_point from, km_canvas_point to) {
   km_canvas_point a = from, b = to;
   if (!cut(frame, &a, &b)) {
     close_run(s);
@@ -164,16 +161,13 @@ km_curve km_curve_make(const km_frame *frame, const km_plot_series *series, km_a
   return curve;
 }
 
-static bool crosses(km_canvas_point a, km_canvas_point b, double left, double top, double right,
-                    double bottom) {
-  if (fmax(a.x, b.x) < left || fmin(a.x, b.x) > right || fmax(a.y, b.y) < top ||
-      fmin(a.y, b.y) > bottom)
+static bool crosses(km_canvas_point a, km_canvas_point b, double left, double top, double right, double bottom) {
+  if (fmax(a.x, b.x) < left || fmin(a.x, b.x) > right || fmax(a.y, b.y) < top || fmin(a.y, b.y) > bottom)
     return false;
   /* The corners' sides of the line: all on one side means no contact. */
   double dx = b.x - a.x, dy = b.y - a.y;
   double corners[4] = {dx * (top - a.y) - dy * (left - a.x), dx * (top - a.y) - dy * (right - a.x),
-                       dx * (bottom - a.y) - dy * (left - a.x),
-                       dx * (bottom - a.y) - dy * (right - a.x)};
+                       dx * (bottom - a.y) - dy * (left - a.x), dx * (bottom - a.y) - dy * (right - a.x)};
   double least = fmin(fmin(corners[0], corners[1]), fmin(corners[2], corners[3]));
   double most = fmax(fmax(corners[0], corners[1]), fmax(corners[2], corners[3]));
   return least <= 0 && most >= 0;

@@ -35,7 +35,9 @@ void km_redundancy_statement(const km_mechanism *m, const km_redundancy *r, km_t
   if (r->loops > 1)
     km_text_format(out, ", together with %d other loop%s,", r->loops - 1, r->loops > 2 ? "s" : "");
   bool screw = !r->rotation && fabs(r->pitch) > 1e-6 * size;
-  km_text_add(out, r->rotation ? " constrains the rotation about " : screw ? " constrains the screw along " : " constrains the translation along ");
+  km_text_add(out, r->rotation ? " constrains the rotation about "
+                   : screw     ? " constrains the screw along "
+                               : " constrains the translation along ");
   vector(r->direction, 1.0, out);
   if (!r->rotation) {
     km_text_add(out, " through ");
@@ -111,8 +113,8 @@ static void print_finite(const km_finite_mobility *finite, km_text *out) {
   if (branches)
     km_text_format(out, ": a branch point, where %s%d motions meet", finite->truncated ? "at least " : "", branches);
   if (shaky)
-    km_text_format(out, "%s it shakes: %d direction%s that first order allows, but no motion follows", branches ? "; also" : ":",
-                   shaky, shaky == 1 ? "" : "s");
+    km_text_format(out, "%s it shakes: %d direction%s that first order allows, but no motion follows",
+                   branches ? "; also" : ":", shaky, shaky == 1 ? "" : "s");
   km_text_add(out, "\n");
 }
 

@@ -113,8 +113,7 @@ static void draw_ghosts(km_studio *s) {
 
 static km_spot trace_spot(const km_studio *s, const km_drawing_trace *trace) {
   const km_frame_def *frame = &s->drawing->mechanism->model->frames[trace->frame];
-  return km_project(&s->view,
-                    km_pose_point(&pose_of(s, s->drawing->full)[frame->body], frame->pose.p));
+  return km_project(&s->view, km_pose_point(&pose_of(s, s->drawing->full)[frame->body], frame->pose.p));
 }
 
 static int trace_colour(const km_studio *s, const km_drawing_trace *trace) {
@@ -150,8 +149,7 @@ static km_spot middle_of(const km_studio *s, const km_scene *scene, int body) {
   double largest = 0.0;
   for (size_t i = 0; i < scene->count; ++i) {
     const km_item *item = &scene->items[i];
-    double size =
-        item->body == body ? km_spot_distance(item->spots[0], item->spots[item->count / 2]) : 0.0;
+    double size = item->body == body ? km_spot_distance(item->spots[0], item->spots[item->count / 2]) : 0.0;
     if (size <= largest)
       continue;
     largest = size;
@@ -189,8 +187,8 @@ static void draw_labels(km_studio *s, const km_scene *scene) {
                                  .inside = true};
   km_font font = {.size = fmin(fmax(8.0 * s->size, 6.5), 11.0)};
   font.width = fmin(16.0 * font.size, 0.3 * s->place.width);
-  km_labels_draw(s->canvas, scene, d->traces, d->trace_count, labels,
-                 count < MOST_LABELS ? count : MOST_LABELS, &font, s->place);
+  km_labels_draw(s->canvas, scene, d->traces, d->trace_count, labels, count < MOST_LABELS ? count : MOST_LABELS, &font,
+                 s->place);
 }
 
 void km_studio_draw(km_studio *s) {
@@ -212,16 +210,15 @@ km_status km_studio_close(km_studio *s, km_error *error) {
   return failed ? km_fail(error, KM_MEMORY, "out of memory for a drawing") : KM_OK;
 }
 
-km_status km_drawing_place(const km_drawing *drawing, km_canvas *canvas, km_rectangle place,
-                           km_error *error) {
+km_status km_drawing_place(const km_drawing *drawing, km_canvas *canvas, km_rectangle place, km_error *error) {
   km_studio s = {.drawing = drawing, .canvas = canvas, .place = place};
   if (km_studio_open(&s))
     km_studio_draw(&s);
   return km_studio_close(&s, error);
 }
 
-km_status km_drawing_into(km_canvas *canvas, const km_mechanism *mechanism, const km_state *state,
-                          km_view view, km_rectangle place, km_error *error) {
+km_status km_drawing_into(km_canvas *canvas, const km_mechanism *mechanism, const km_state *state, km_view view,
+                          km_rectangle place, km_error *error) {
   const km_drawing drawing = {
       .mechanism = mechanism, .poses = state->pose, .pose_count = 1, .view = view, .bare = true};
   return km_drawing_place(&drawing, canvas, place, error);

@@ -39,16 +39,14 @@ typedef struct km_drawing {
 
 /* Appends a page with the drawing, its title, scale bar and axes to `out`. The same drawing gives
  * the same bytes. KM_USAGE (a page too small or too large), KM_MEMORY, KM_INTERNAL. */
-km_status km_drawing_render(const km_drawing *drawing, km_canvas_format format, km_text *out,
-                            km_error *error);
+km_status km_drawing_render(const km_drawing *drawing, km_canvas_format format, km_text *out, km_error *error);
 
 /* Draws into a rectangle of a page, nothing around it. Drawings that differ only in `full` share
  * scale and view: with `alone`, a row of them shows a motion. KM_MEMORY. */
-km_status km_drawing_place(const km_drawing *drawing, km_canvas *canvas, km_rectangle place,
-                           km_error *error);
+km_status km_drawing_place(const km_drawing *drawing, km_canvas *canvas, km_rectangle place, km_error *error);
 /* A thumbnail of one state, without names. The state's poses must be up to date. KM_MEMORY. */
-km_status km_drawing_into(km_canvas *canvas, const km_mechanism *mechanism, const km_state *state,
-                          km_view view, km_rectangle place, km_error *error);
+km_status km_drawing_into(km_canvas *canvas, const km_mechanism *mechanism, const km_state *state, km_view view,
+                          km_rectangle place, km_error *error);
 
 /* "xy", "iso", "auto" ...; false if the word is no view. */
 bool km_view_find(const char *word, km_view *view);

@@ -33,8 +33,7 @@ static void add_ground(board *b, const km_item *item, double radius) {
   km_spot away = rail ? km_rail_side(item) : item->axis[0];
   double off = rail ? 2.0 * radius : 2.4 * radius;
   obstacle *o = &b->obstacles[b->obstacle_count++];
-  *o = (obstacle){item->spots[0], item->spots[item->count - 1], rail ? 1.6 * radius : 2.3 * radius,
-                  true};
+  *o = (obstacle){item->spots[0], item->spots[item->count - 1], rail ? 1.6 * radius : 2.3 * radius, true};
   o->a.x += off * away.x;
   o->a.y += off * away.y;
   o->b.x += off * away.x;
@@ -53,15 +52,13 @@ enum { TRACE_STEPS = 48 };
 
 static void add_trace(board *b, const km_projection *view, const km_drawing_trace *trace) {
   for (size_t i = 0; i < TRACE_STEPS && trace->count; ++i) {
-    size_t from = i * (trace->count - 1) / TRACE_STEPS,
-           to = (i + 1) * (trace->count - 1) / TRACE_STEPS;
-    b->obstacles[b->obstacle_count++] = (obstacle){km_project(view, trace->points[from]),
-                                                   km_project(view, trace->points[to]), 0.5, false};
+    size_t from = i * (trace->count - 1) / TRACE_STEPS, to = (i + 1) * (trace->count - 1) / TRACE_STEPS;
+    b->obstacles[b->obstacle_count++] =
+        (obstacle){km_project(view, trace->points[from]), km_project(view, trace->points[to]), 0.5, false};
   }
 }
 
-static bool gather(board *b, const km_scene *scene, const km_drawing_trace *traces,
-                   size_t trace_count) {
+static bool gather(board *b, const km_scene *scene, const km_drawing_trace *traces, size_t trace_count) {
   size_t most = trace_count * TRACE_STEPS;
   for (size_t i = 0; i < scene->count; ++i)
     most += (size_t)scene->items[i].count;
@@ -107,8 +104,7 @@ static double inside(const obstacle *o, km_canvas_point box, km_canvas_point siz
 }
 
 /* Counted until it reaches `bound`. */
-static double picture_cost(const board *b, km_canvas_point box, km_canvas_point size,
-                           double bound) {
+static double picture_cost(const board *b, km_canvas_point box, km_canvas_point size, double bound) {
   double cost = 0.0;
   for (size_t i = 0; i < b->near_count && cost < bound; ++i) {
     double length = inside(b->near[i], box, size);
@@ -118,10 +114,8 @@ static double picture_cost(const board *b, km_canvas_point box, km_canvas_point 
   return cost;
 }
 
-static bool overlap(km_canvas_point a, km_canvas_point size_a, km_canvas_point b,
-                    km_canvas_point size_b) {
-  return a.x < b.x + size_b.x && b.x < a.x + size_a.x && a.y < b.y + size_b.y &&
-         b.y < a.y + size_a.y;
+static bool overlap(km_canvas_point a, km_canvas_point size_a, km_canvas_point b, km_canvas_point size_b) {
+  return a.x < b.x + size_b.x && b.x < a.x + size_a.x && a.y < b.y + size_b.y && b.y < a.y + size_a.y;
 }
 
 static bool outside(const board *b, km_canvas_point box, km_canvas_point size) {
@@ -164,16 +158,14 @@ static double leader_cost(const board *b, const km_label *label, km_canvas_point
       continue;
     km_canvas_point other_at = {other->at.x, other->at.y};
     cost += inside(&leader, other->box, other->size) >= 0.0 ? 4.0 * cost_symbol : 0.0;
-    if (has_leader(b, other, other->box) &&
-        crosses(at, end, other_at, leader_end(other, other->box)))
+    if (has_leader(b, other, other->box) && crosses(at, end, other_at, leader_end(other, other->box)))
       cost += 2.0 * cost_symbol;
   }
   for (size_t i = 0; i < b->near_count; ++i) {
     const obstacle *o = b->near[i];
     if (!o->symbol || km_spot_distance(o->a, label->at) < 0.5)
       continue;
-    km_canvas_point corner = {o->a.x - o->reach, o->a.y - o->reach},
-                    size = {2.0 * o->reach, 2.0 * o->reach};
+    km_canvas_point corner = {o->a.x - o->reach, o->a.y - o->reach}, size = {2.0 * o->reach, 2.0 * o->reach};
     cost += inside(&leader, corner, size) >= 0.0 ? 0.7 * cost_symbol : 0.0;
   }
   return cost;
@@ -220,8 +212,7 @@ static void look_around(board *b, const km_label *label) {
 }
 
 static km_canvas_point box_at(const board *b, const km_label *label, int ring, int direction) {
-  double angle = 2.0 * M_PI * (direction + 0.5 * (ring % 2)) / DIRECTIONS -
-                 0.25 * M_PI; /* right above first */
+  double angle = 2.0 * M_PI * (direction + 0.5 * (ring % 2)) / DIRECTIONS - 0.25 * M_PI; /* right above first */
   double x = cos(angle), y = sin(angle), off = label->radius + ring_sizes[ring] * b->em;
   /* The box touches the circle about the spot with the side or corner that faces it. */
   double across = fmin(fmax(1.3 * x, -1.0), 1.0), down = fmin(fmax(1.3 * y, -1.0), 1.0);
@@ -262,20 +253,16 @@ static void draw_label(board *b, km_canvas *canvas, const km_label *label, const
                                      label->at.y + y / length * 0.8 * label->radius},
                    end);
   if (picture_cost(b, label->box, label->size, clash) > 0.0)
-    km_canvas_rectangle(canvas, (km_colour){1, 1, 1, 0.7}, label->box.x, label->box.y,
-                        label->size.x, label->size.y);
-  km_colour colour =
-      label->colour == KM_BLACK ? (km_colour){0.1, 0.1, 0.1, 1} : km_palette_text(label->colour);
+    km_canvas_rectangle(canvas, (km_colour){1, 1, 1, 0.7}, label->box.x, label->box.y, label->size.x, label->size.y);
+  km_colour colour = label->colour == KM_BLACK ? (km_colour){0.1, 0.1, 0.1, 1} : km_palette_text(label->colour);
   km_canvas_text(canvas, font, colour, label->text, label->box, (km_anchor){0, 0, 0});
 }
 
-void km_labels_draw(km_canvas *canvas, const km_scene *scene, const km_drawing_trace *traces,
-                    size_t trace_count, km_label *labels, size_t count, const km_font *font,
-                    km_rectangle place) {
+void km_labels_draw(km_canvas *canvas, const km_scene *scene, const km_drawing_trace *traces, size_t trace_count,
+                    km_label *labels, size_t count, const km_font *font, km_rectangle place) {
   board b = {.labels = labels, .count = count, .place = place, .em = font->size};
   double needed = 16.0 * b.em * b.em * (double)count;
-  b.worst =
-      needed > place.width * place.height ? 0.4 * cost_symbol : clash; /* no thicket of leaders */
+  b.worst = needed > place.width * place.height ? 0.4 * cost_symbol : clash; /* no thicket of leaders */
   if (!gather(&b, scene, traces, trace_count))
     return;
   for (size_t i = 0; i < count; ++i)

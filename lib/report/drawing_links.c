@@ -23,8 +23,7 @@ typedef struct tint {
 
 static tint tint_of(const km_scene *scene, int body) {
   km_colour colour = km_palette_colour(scene->shapes[body].colour);
-  return (tint){km_faded(scene, km_mix(colour, dark, 0.55)),
-                km_faded(scene, km_mix(colour, white, 0.38)),
+  return (tint){km_faded(scene, km_mix(colour, dark, 0.55)), km_faded(scene, km_mix(colour, white, 0.38)),
                 km_faded(scene, km_mix(colour, white, 0.72))};
 }
 
@@ -37,15 +36,13 @@ static void paint_seam(const km_scene *scene, km_canvas *canvas, const km_item *
   if (!scene->halo || length <= 2.0 * end + seam.width)
     return;
   double x = (b->x - a->x) / length * end, y = (b->y - a->y) / length * end;
-  km_canvas_line(canvas, &seam, (km_canvas_point){a->x + x, a->y + y},
-                 (km_canvas_point){b->x - x, b->y - y});
+  km_canvas_line(canvas, &seam, (km_canvas_point){a->x + x, a->y + y}, (km_canvas_point){b->x - x, b->y - y});
 }
 
 /* A rounded bar along a line, lit from above. */
 static void paint_bar(const km_scene *scene, km_canvas *canvas, const km_item *item, tint t) {
   double width = 2.0 * item->reach, rim = 0.16 * scene->radius;
-  km_canvas_point a = {item->spots[0].x, item->spots[0].y},
-                  b = {item->spots[1].x, item->spots[1].y};
+  km_canvas_point a = {item->spots[0].x, item->spots[0].y}, b = {item->spots[1].x, item->spots[1].y};
   paint_seam(scene, canvas, item);
   km_pen outline = pen_of(t.rim, width + 2.0 * rim), fill = pen_of(t.fill, width),
          streak = pen_of(t.streak, 0.3 * width);
@@ -59,8 +56,7 @@ static void paint_bar(const km_scene *scene, km_canvas *canvas, const km_item *i
     x = -x;
     y = -y;
   }
-  km_canvas_line(canvas, &streak, (km_canvas_point){a.x + x, a.y + y},
-                 (km_canvas_point){b.x + x, b.y + y});
+  km_canvas_line(canvas, &streak, (km_canvas_point){a.x + x, a.y + y}, (km_canvas_point){b.x + x, b.y + y});
 }
 
 static km_canvas_point *corners(const km_scene *scene, const km_item *item) {
@@ -101,8 +97,7 @@ static void paint_barrel(const km_scene *scene, km_canvas *canvas, const km_item
   paint_seam(scene, canvas, item);
   km_canvas_polygon(canvas, t.fill, box, 4);
   double side = x > 0.0 || (x == 0.0 && y > 0.0) ? 0.35 * r : -0.35 * r; /* the upper side */
-  km_canvas_line(canvas, &streak,
-                 (km_canvas_point){a->x + side * y + r * x, a->y - side * x + r * y},
+  km_canvas_line(canvas, &streak, (km_canvas_point){a->x + side * y + r * x, a->y - side * x + r * y},
                  (km_canvas_point){b->x + side * y - r * x, b->y - side * x - r * y});
   km_canvas_polyline(canvas, &outline, box, 6);
 }
@@ -114,8 +109,7 @@ static void paint_base(const km_scene *scene, km_canvas *canvas, const km_item *
   if (!points)
     return;
   km_pen edge = {.colour = grey, .width = 0.3 * scene->radius, .dash = dashes, .dash_count = 2};
-  km_canvas_polygon(canvas, km_faded(scene, (km_colour){0.93, 0.93, 0.93, 1}), points,
-                    (size_t)item->count);
+  km_canvas_polygon(canvas, km_faded(scene, (km_colour){0.93, 0.93, 0.93, 1}), points, (size_t)item->count);
   km_canvas_polyline(canvas, &edge, points, (size_t)item->count + (item->count > 2));
 }
 

@@ -87,8 +87,7 @@ static int by_depth(const void *x, const void *y) {
 
 /* Takes again and again the farthest item with nothing left behind it; where items hide each other
  * in a ring, simply the farthest. */
-static void take_in_order(km_scene *scene, km_item *ordered, int *behind,
-                          const signed char *front) {
+static void take_in_order(km_scene *scene, km_item *ordered, int *behind, const signed char *front) {
   size_t n = scene->count;
   for (size_t taken = 0; taken < n; ++taken) {
     size_t choice = n;
@@ -109,7 +108,7 @@ void km_scene_order(km_scene *scene) {
   if (scene->view->planar || n > MOST_COMPARED)
     return;
   km_item *ordered = KM_ARENA_NEW(scene->arena, km_item, n);
-  int *behind = KM_ARENA_NEW(scene->arena, int, n); /* how many items must come first */
+  int *behind = KM_ARENA_NEW(scene->arena, int, n);                   /* how many items must come first */
   signed char *front = KM_ARENA_NEW(scene->arena, signed char, n *n); /* [i, k] i in front of k */
   if (scene->arena->failed)
     return;

@@ -26,8 +26,7 @@ static double round_length(double most) {
   double power = floor(log10(most));
   for (int i = 0; i < 4; ++i) {
     static const double mantissas[] = {10, 5, 2, 1};
-    double length =
-        power < 0.0 ? mantissas[i] / pow(10.0, -power) : mantissas[i] * pow(10.0, power);
+    double length = power < 0.0 ? mantissas[i] / pow(10.0, -power) : mantissas[i] * pow(10.0, power);
     if (length <= most * (1.0 + 1e-9))
       return length;
   }
@@ -54,8 +53,8 @@ static void draw_scale(const km_studio *s, const page *p) {
     km_canvas_line(s->canvas, &pen, (km_canvas_point){k ? end : x, y - 2.5 * p->size},
                    (km_canvas_point){k ? end : x, y + 2.5 * p->size});
   if (!label.failed)
-    km_canvas_text(s->canvas, &p->note, pen.colour, label.data,
-                   (km_canvas_point){end + 5.0 * p->size, y}, (km_anchor){0, 0.5, 0});
+    km_canvas_text(s->canvas, &p->note, pen.colour, label.data, (km_canvas_point){end + 5.0 * p->size, y},
+                   (km_anchor){0, 0.5, 0});
   km_text_free(&label);
 }
 
@@ -91,26 +90,22 @@ static void draw_axes(const km_studio *s, const page *p) {
     const km_spot at = {tip.x, tip.y, 0}, side = {-d.y, d.x, 0};
     const km_canvas_point back = km_page(at, -2.5 * p->size, d);
     const km_spot behind = {back.x, back.y, 0};
-    const km_canvas_point head[] = {km_page(at, 2.0 * p->size, d),
-                                    km_page(behind, 1.6 * p->size, side),
+    const km_canvas_point head[] = {km_page(at, 2.0 * p->size, d), km_page(behind, 1.6 * p->size, side),
                                     km_page(behind, -1.6 * p->size, side)};
     km_canvas_line(s->canvas, &pen, (km_canvas_point){from.x, from.y}, tip);
     km_canvas_polygon(s->canvas, pen.colour, head, 3);
     km_canvas_text(s->canvas, &p->note, pen.colour, names[k],
-                   km_page(at, 7.5 * p->size, name_direction(axes, k, length)),
-                   (km_anchor){0.5, 0.5, 0});
+                   km_page(at, 7.5 * p->size, name_direction(axes, k, length)), (km_anchor){0.5, 0.5, 0});
   }
 }
 
 /* As high as the shape asks for, within reason. */
 static void choose_size(const km_studio *s, page *p) {
   const km_drawing *d = s->drawing;
-  double width = s->extent.high[0] - s->extent.low[0],
-         height = s->extent.high[1] - s->extent.low[1];
+  double width = s->extent.high[0] - s->extent.low[0], height = s->extent.high[1] - s->extent.low[1];
   double shape = width > 0.0 ? height / width : height > 0.0 ? 1.0 : 0.0;
   p->width = d->width > 0.0 ? d->width : width_default;
-  p->height = d->height > 0.0 ? d->height
-                              : 130.0 + fmin(fmax((width_default - 78.0) * shape, 100.0), 360.0);
+  p->height = d->height > 0.0 ? d->height : 130.0 + fmin(fmax((width_default - 78.0) * shape, 100.0), 360.0);
 }
 
 static void choose_fonts(page *p) {
@@ -133,10 +128,8 @@ static void draw_titles(const km_studio *s, const page *p) {
   const km_colour black = {0, 0, 0, 1}, grey = {0.3, 0.3, 0.3, 1};
   double title = km_canvas_measure(s->canvas, &p->title, title_of(s->drawing)).y;
   const km_anchor corner = {0, 0, 0};
-  km_canvas_text(s->canvas, &p->title, black, title_of(s->drawing),
-                 (km_canvas_point){p->margin, p->margin}, corner);
-  km_canvas_text(s->canvas, &p->subtitle, grey, about_of(p),
-                 (km_canvas_point){p->margin, p->margin + title}, corner);
+  km_canvas_text(s->canvas, &p->title, black, title_of(s->drawing), (km_canvas_point){p->margin, p->margin}, corner);
+  km_canvas_text(s->canvas, &p->subtitle, grey, about_of(p), (km_canvas_point){p->margin, p->margin + title}, corner);
 }
 
 /* What is left between titles and scale. */
@@ -145,12 +138,10 @@ static km_rectangle place_of(km_canvas *canvas, const km_drawing *d, page *p) {
   double subtitle = km_canvas_measure(canvas, &p->subtitle, about_of(p)).y;
   p->head = p->margin + fmax(title + subtitle + 3.0 * p->size, 30.0 * p->size);
   p->foot = p->margin + 1.5 * p->note.size;
-  return (km_rectangle){p->margin, p->head, p->width - 2.0 * p->margin,
-                        p->height - p->head - p->foot};
+  return (km_rectangle){p->margin, p->head, p->width - 2.0 * p->margin, p->height - p->head - p->foot};
 }
 
-static void draw_page(const km_drawing *d, km_canvas *canvas, page *p, km_status *status,
-                      km_error *error) {
+static void draw_page(const km_drawing *d, km_canvas *canvas, page *p, km_status *status, km_error *error) {
   km_studio s = {.drawing = d, .canvas = canvas, .place = place_of(canvas, d, p)};
   if (km_studio_open(&s)) {
     km_studio_draw(&s);
@@ -175,12 +166,11 @@ static km_status plan_page(const km_drawing *d, page *p, km_error *error) {
   return km_studio_close(&s, error);
 }
 
-static km_status render(const km_drawing *d, page *p, km_canvas_format format, km_text *out,
-                        km_error *error) {
+static km_status render(const km_drawing *d, page *p, km_canvas_format format, km_text *out, km_error *error) {
   km_canvas *canvas;
   if (!(p->width >= size_least && p->height >= size_least))
-    return km_fail(error, KM_USAGE, "a drawing of %g x %g points; expected at least %g each",
-                   p->width, p->height, size_least);
+    return km_fail(error, KM_USAGE, "a drawing of %g x %g points; expected at least %g each", p->width, p->height,
+                   size_least);
   km_status status = km_canvas_create(format, p->width, p->height, out, &canvas, error);
   if (status != KM_OK)
     return status;
@@ -191,8 +181,7 @@ static km_status render(const km_drawing *d, page *p, km_canvas_format format, k
   return status;
 }
 
-km_status km_drawing_render(const km_drawing *drawing, km_canvas_format format, km_text *out,
-                            km_error *error) {
+km_status km_drawing_render(const km_drawing *drawing, km_canvas_format format, km_text *out, km_error *error) {
   page p = {0};
   km_status status = plan_page(drawing, &p, error);
   if (status == KM_OK)

@@ -70,10 +70,9 @@ typedef struct km_item {
   int joint, body; /* -1: none */
   km_spot *spots;  /* ends of a bar or rail, corners of a plate, place of a symbol */
   int count;
-  double reach; /* half its width on the page */
-  double depth; /* mean */
-  km_spot
-      axis[2]; /* SYMBOL, RAIL: the joint's unit axes on the page; MOUNT: direction of the ground */
+  double reach;    /* half its width on the page */
+  double depth;    /* mean */
+  km_spot axis[2]; /* SYMBOL, RAIL: the joint's unit axes on the page; MOUNT: direction of the ground */
 } km_item;
 
 typedef struct km_scene {
@@ -127,8 +126,7 @@ km_status km_studio_close(km_studio *studio, km_error *error);
 
 /* Views. */
 km_projection km_view_make(const km_drawing *drawing);
-km_extent km_extent_of(const km_drawing *drawing, const km_shape *shapes,
-                       const km_projection *view);
+km_extent km_extent_of(const km_drawing *drawing, const km_shape *shapes, const km_projection *view);
 void km_projection_fit(km_projection *view, const km_extent *extent, km_rectangle inner);
 km_spot km_project(const km_projection *view, km_vec3 point);
 /* A direction on the page: x right, y down, depth. */
@@ -166,9 +164,8 @@ void km_ground_paint(const km_scene *scene, km_canvas *canvas, const km_item *it
 
 /* Finds places for labels that touch neither each other nor, if they can help it, the scene; then
  * draws them, with leaders where they stand off. Those for which there is no room are left out. */
-void km_labels_draw(km_canvas *canvas, const km_scene *scene, const km_drawing_trace *traces,
-                    size_t trace_count, km_label *labels, size_t count, const km_font *font,
-                    km_rectangle place);
+void km_labels_draw(km_canvas *canvas, const km_scene *scene, const km_drawing_trace *traces, size_t trace_count,
+                    km_label *labels, size_t count, const km_font *font, km_rectangle place);
 
 static inline double km_spot_distance(km_spot a, km_spot b) {
   return hypot(a.x - b.x, a.y - b.y);

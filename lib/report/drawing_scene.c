@@ -2,14 +2,9 @@
  * it is read, takes the place of its bars and plates in add_body. */
 #include "report/drawing_parts.h"
 
-static const double bar_half = 0.85; /* of a pin's radius: half the width of a bar */
-static const double far_apart = 5.0; /* of a pin's radius: nearer slides have no cylinder */
-enum {
-  LAYER_BASE,
-  LAYER_LINKS,
-  LAYER_GROUND,
-  LAYER_SYMBOLS
-}; /* in a plane; in space depth rules */
+static const double bar_half = 0.85;                           /* of a pin's radius: half the width of a bar */
+static const double far_apart = 5.0;                           /* of a pin's radius: nearer slides have no cylinder */
+enum { LAYER_BASE, LAYER_LINKS, LAYER_GROUND, LAYER_SYMBOLS }; /* in a plane; in space depth rules */
 
 /* An item with room for `count` spots; NULL when memory fails. */
 static km_item *add_item(km_scene *scene, km_item_kind kind, int layer, int count) {
@@ -17,8 +12,7 @@ static km_item *add_item(km_scene *scene, km_item_kind kind, int layer, int coun
   if (!spots || scene->count == scene->capacity)
     return NULL;
   km_item *item = &scene->items[scene->count++];
-  *item = (km_item){
-      .kind = kind, .layer = layer, .joint = -1, .body = -1, .spots = spots, .count = count};
+  *item = (km_item){.kind = kind, .layer = layer, .joint = -1, .body = -1, .spots = spots, .count = count};
   return item;
 }
 
@@ -47,8 +41,7 @@ static void add_bar(km_scene *scene, int body, km_spot a, km_spot b) {
 
 /* Bodies of three points or more are plates, but bars where these are in line on the page. */
 static void add_outline(km_scene *scene, int body, km_spot *spots, int count) {
-  km_item *item = add_item(scene, body ? KM_ITEM_PLATE : KM_ITEM_BASE,
-                           body ? LAYER_LINKS : LAYER_BASE, 2 * count + 1);
+  km_item *item = add_item(scene, body ? KM_ITEM_PLATE : KM_ITEM_BASE, body ? LAYER_LINKS : LAYER_BASE, 2 * count + 1);
   if (!item)
     return;
   item->body = body;
@@ -90,14 +83,10 @@ static km_spot ground_direction(const km_scene *scene, int body, km_spot at) {
   for (int d = 0; d < 4; ++d) {
     double worst = 0.0;
     for (int i = 0; i < scene->shapes[body].count; ++i) {
-      km_spot other =
-          km_project(scene->view, km_pose_point(&scene->pose[body], scene->shapes[body].points[i]));
+      km_spot other = km_project(scene->view, km_pose_point(&scene->pose[body], scene->shapes[body].points[i]));
       double length = km_spot_distance(at, other);
       if (length > scene->radius)
-        worst =
-            fmax(worst, (directions[d].x * (other.x - at.x) + directions[d].y * (other.y - at.y)) /
-                                length -
-                            0.2);
+        worst = fmax(worst, (directions[d].x * (other.x - at.x) + directions[d].y * (other.y - at.y)) / length - 0.2);
     }
     if (worst + dislike[d] < least) {
       least = worst + dislike[d];
@@ -110,8 +99,7 @@ static km_spot ground_direction(const km_scene *scene, int body, km_spot at) {
 /* Ground under a joint, once for all joints in one place. */
 static void add_mount(km_scene *scene, int joint, int body, km_spot at) {
   for (size_t i = 0; i < scene->count; ++i)
-    if (scene->items[i].kind == KM_ITEM_MOUNT &&
-        km_spot_distance(scene->items[i].spots[0], at) < 0.5 * scene->radius)
+    if (scene->items[i].kind == KM_ITEM_MOUNT && km_spot_distance(scene->items[i].spots[0], at) < 0.5 * scene->radius)
       return;
   km_item *item = add_item(scene, KM_ITEM_MOUNT, LAYER_GROUND, 1);
   if (!item)
@@ -142,16 +130,14 @@ static void add_rail(km_scene *scene, int joint, km_vec3 axis) {
   item->axis[0] = km_project_direction(scene->view, axis);
   double past = 5.0 * scene->radius / scene->view->scale;
   for (int k = 0; k < 2; ++k)
-    item->spots[k] =
-        km_project(scene->view, km_vec3_axpy(reach[k] + (k ? past : -past), axis, place));
+    item->spots[k] = km_project(scene->view, km_vec3_axpy(reach[k] + (k ? past : -past), axis, place));
 }
 
 static void add_ground(km_scene *scene, int joint) {
   const km_model *model = scene->mechanism->model;
   const km_mark *mark = &scene->marks[joint];
   int end = km_joint_body(model, joint, 0) == 0 ? 0 : 1;
-  if (km_joint_body(model, joint, end) != 0 || mark->look == KM_LOOK_FREE ||
-      mark->look == KM_LOOK_TABLE)
+  if (km_joint_body(model, joint, end) != 0 || mark->look == KM_LOOK_FREE || mark->look == KM_LOOK_TABLE)
     return;
   km_pose frame = km_joint_frame(scene, joint, end);
   if (mark->look == KM_LOOK_SLIDER) {
@@ -173,8 +159,7 @@ static void add_actuator(km_scene *scene, int joint) {
   double length = km_spot_distance(a, b);
   if (length < far_apart * scene->radius)
     return;
-  double reach = fabs(km_vec3_norm(
-      km_vec3_sub(km_joint_frame(scene, joint, 1).p, km_joint_frame(scene, joint, 0).p)));
+  double reach = fabs(km_vec3_norm(km_vec3_sub(km_joint_frame(scene, joint, 1).p, km_joint_frame(scene, joint, 0).p)));
   double part = fmin(fmax(scene->marks[joint].barrel / reach, 0.3), 0.85);
   km_item *rod = add_item(scene, KM_ITEM_ROD, LAYER_LINKS, 2);
   km_item *barrel = add_item(scene, KM_ITEM_BARREL, LAYER_LINKS, 2);
@@ -200,13 +185,11 @@ static void add_guide(km_scene *scene, int joint) {
     return;
   km_pose frame = km_joint_frame(scene, joint, mark->guide);
   km_spot axis = km_project_direction(scene->view, frame.R.axis[model->joints[joint].type - KM_TX]);
-  km_spot a = km_project(scene->view, frame.p),
-          b = km_project(scene->view, km_joint_place(scene, joint));
+  km_spot a = km_project(scene->view, frame.p), b = km_project(scene->view, km_joint_place(scene, joint));
   double past = (axis.x * (b.x - a.x) + axis.y * (b.y - a.y) < 0.0 ? -3.5 : 3.5) * scene->radius;
   if (km_spot_distance(a, b) < 3.5 * scene->radius) /* at the same place the guide goes both ways */
     a = (km_spot){b.x - past * axis.x, b.y - past * axis.y, b.depth - past * axis.depth};
-  add_bar(scene, body, a,
-          (km_spot){b.x + past * axis.x, b.y + past * axis.y, b.depth + past * axis.depth});
+  add_bar(scene, body, a, (km_spot){b.x + past * axis.x, b.y + past * axis.y, b.depth + past * axis.depth});
 }
 
 /* The rod on which a sleeve or nut has moved away from the frame of the guide. */
@@ -214,8 +197,7 @@ static void add_spindle(km_scene *scene, int joint) {
   const km_mark *mark = &scene->marks[joint];
   km_spot a = km_project(scene->view, km_joint_frame(scene, joint, mark->guide).p);
   km_spot b = km_project(scene->view, km_joint_place(scene, joint));
-  km_item *rod =
-      km_spot_distance(a, b) > scene->radius ? add_item(scene, KM_ITEM_ROD, LAYER_LINKS, 2) : NULL;
+  km_item *rod = km_spot_distance(a, b) > scene->radius ? add_item(scene, KM_ITEM_ROD, LAYER_LINKS, 2) : NULL;
   if (!rod)
     return;
   rod->body = km_joint_body(scene->mechanism->model, joint, mark->guide);
@@ -234,8 +216,7 @@ static void symbol_axes(const km_scene *scene, int joint, km_item *item) {
   if (def->type == KM_UNIVERSAL || def->type == KM_PLANAR)
     item->axis[0] = km_project_direction(scene->view, parent.R.axis[0]);
   /* The second axis of a cross turns with the child. */
-  item->axis[1] = km_project_direction(scene->view, def->type == KM_UNIVERSAL ? child.R.axis[1]
-                                                                              : parent.R.axis[1]);
+  item->axis[1] = km_project_direction(scene->view, def->type == KM_UNIVERSAL ? child.R.axis[1] : parent.R.axis[1]);
 }
 
 static void add_symbol(km_scene *scene, int joint) {
@@ -245,8 +226,7 @@ static void add_symbol(km_scene *scene, int joint) {
   item->joint = joint;
   item->spots[0] = km_project(scene->view, km_joint_place(scene, joint));
   /* In front of the links that it joins; a pin in front of the box or weld that it sits on. */
-  bool carries =
-      scene->marks[joint].look == KM_LOOK_SLIDER || scene->marks[joint].look == KM_LOOK_WELD;
+  bool carries = scene->marks[joint].look == KM_LOOK_SLIDER || scene->marks[joint].look == KM_LOOK_WELD;
   item->spots[0].depth += (carries ? 1.6 : 2.0) * scene->radius;
   item->reach = km_symbol_reach(scene, joint);
   symbol_axes(scene, joint, item);

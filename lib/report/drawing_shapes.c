@@ -61,8 +61,8 @@ static void choose_colours(const km_model *model, km_shape *shapes) {
       for (int end = 0; end < 2; ++end) {
         int other = km_joint_body(model, j, !end);
         for (int c = 0; c < COLOURS; ++c)
-          taken[c] = taken[c] || (km_joint_body(model, j, end) == b && other && other < b &&
-                                  shapes[other].colour == palette[c]);
+          taken[c] = taken[c] ||
+                     (km_joint_body(model, j, end) == b && other && other < b && shapes[other].colour == palette[c]);
       }
     int choice = next;
     for (int c = 0; c < COLOURS && taken[choice]; ++c)
@@ -98,8 +98,7 @@ static km_vec3 slide_axis(const km_model *model, int joint, int end) {
 }
 
 /* Whether all of the body lies on the line of the slide: then it looks like a cylinder or a rod. */
-static bool is_slender(const km_model *model, const km_shape *shapes, int joint, int end,
-                       double near) {
+static bool is_slender(const km_model *model, const km_shape *shapes, int joint, int end, double near) {
   const km_frame_def *frame = &model->frames[model->joints[joint].frame[end]];
   const km_shape *shape = &shapes[frame->body];
   km_vec3 axis = slide_axis(model, joint, end);
@@ -116,20 +115,17 @@ static double barrel_length(const km_model *model, int joint) {
 }
 
 static km_mark slide_mark(const km_model *model, const km_shape *shapes, int joint, double near) {
-  bool slender[2] = {is_slender(model, shapes, joint, 0, near),
-                     is_slender(model, shapes, joint, 1, near)};
+  bool slender[2] = {is_slender(model, shapes, joint, 0, near), is_slender(model, shapes, joint, 1, near)};
   if (slender[0] && slender[1])
     return (km_mark){KM_LOOK_ACTUATOR, 0, barrel_length(model, joint)};
-  bool child_guides =
-      km_joint_body(model, joint, 1) == 0 || (slender[0] && km_joint_body(model, joint, 0) != 0);
+  bool child_guides = km_joint_body(model, joint, 1) == 0 || (slender[0] && km_joint_body(model, joint, 0) != 0);
   return (km_mark){KM_LOOK_SLIDER, child_guides, 0.0};
 }
 
 km_mark *km_marks_make(const km_model *model, const km_shape *shapes, km_arena *arena) {
   static const km_look looks[KM_JOINT_TYPES] = {
-      [KM_RIGID] = KM_LOOK_WELD,      [KM_SPHERICAL] = KM_LOOK_BALL,
-      [KM_FLOAT] = KM_LOOK_FREE,      [KM_CYLINDRICAL] = KM_LOOK_SLEEVE,
-      [KM_UNIVERSAL] = KM_LOOK_CROSS, [KM_PLANAR] = KM_LOOK_TABLE,
+      [KM_RIGID] = KM_LOOK_WELD,         [KM_SPHERICAL] = KM_LOOK_BALL,  [KM_FLOAT] = KM_LOOK_FREE,
+      [KM_CYLINDRICAL] = KM_LOOK_SLEEVE, [KM_UNIVERSAL] = KM_LOOK_CROSS, [KM_PLANAR] = KM_LOOK_TABLE,
       [KM_SCREW] = KM_LOOK_SCREW}; /* Rx, Ry, Rz: KM_LOOK_PIN */
   km_mark *marks = KM_ARENA_NEW(arena, km_mark, (size_t)model->joint_count);
   double near = same * size_of(model);

@@ -1,8 +1,7 @@
 /* The symbols of textbooks for joints and the ground. Sizes are in radii of a pin. */
 #include "report/drawing_parts.h"
 
-static const km_colour paper = {1, 1, 1, 1}, ink = {0.13, 0.13, 0.13, 1},
-                       stone = {0.86, 0.86, 0.86, 1};
+static const km_colour paper = {1, 1, 1, 1}, ink = {0.13, 0.13, 0.13, 1}, stone = {0.86, 0.86, 0.86, 1};
 static const double end_on = 0.97; /* cosine: an axis that steep is seen from its end */
 
 typedef struct brush {
@@ -28,8 +27,7 @@ static km_canvas_point spot(const brush *b, km_spot direction, double along, dou
 /* The direction of an axis on the page, of length 1; across the page where it has none. */
 static km_spot flat(km_spot axis) {
   double length = hypot(axis.x, axis.y);
-  return length > 1e-9 ? (km_spot){axis.x / length, axis.y / length, axis.depth}
-                       : (km_spot){1, 0, axis.depth};
+  return length > 1e-9 ? (km_spot){axis.x / length, axis.y / length, axis.depth} : (km_spot){1, 0, axis.depth};
 }
 
 static void disc(const brush *b, km_colour fill, double radius) {
@@ -44,8 +42,8 @@ enum { ARC = 25 };
 
 /* Part of an ellipse about (along, 0): half axes `flatness` along the direction, `radius` across.
  */
-static void arc(const brush *b, km_spot direction, double along, double flatness, double radius,
-                double from, double to, km_canvas_point out[ARC]) {
+static void arc(const brush *b, km_spot direction, double along, double flatness, double radius, double from, double to,
+                km_canvas_point out[ARC]) {
   for (int i = 0; i < ARC; ++i) {
     double angle = from + (to - from) * i / (ARC - 1);
     out[i] = spot(b, direction, along + flatness * cos(angle), radius * sin(angle));
@@ -80,8 +78,8 @@ static void pin(const brush *b, km_spot axis) {
 }
 
 static void box(const brush *b, km_spot d, double along, double across) {
-  const km_canvas_point points[] = {spot(b, d, -along, -across), spot(b, d, along, -across),
-                                    spot(b, d, along, across), spot(b, d, -along, across)};
+  const km_canvas_point points[] = {spot(b, d, -along, -across), spot(b, d, along, -across), spot(b, d, along, across),
+                                    spot(b, d, -along, across)};
   outline(b, b->fill, points, 4);
 }
 
@@ -161,10 +159,9 @@ static void loose(const brush *b) {
 
 double km_symbol_reach(const km_scene *scene, int joint) {
   static const double reaches[] = {
-      [KM_LOOK_PIN] = 1.3,    [KM_LOOK_ACTUATOR] = 1.5, [KM_LOOK_SLIDER] = 2.0,
-      [KM_LOOK_WELD] = 1.2,   [KM_LOOK_BALL] = 1.9,     [KM_LOOK_FREE] = 1.7,
-      [KM_LOOK_SLEEVE] = 2.3, [KM_LOOK_CROSS] = 1.8,    [KM_LOOK_TABLE] = 2.5,
-      [KM_LOOK_SCREW] = 2.5};
+      [KM_LOOK_PIN] = 1.3,   [KM_LOOK_ACTUATOR] = 1.5, [KM_LOOK_SLIDER] = 2.0, [KM_LOOK_WELD] = 1.2,
+      [KM_LOOK_BALL] = 1.9,  [KM_LOOK_FREE] = 1.7,     [KM_LOOK_SLEEVE] = 2.3, [KM_LOOK_CROSS] = 1.8,
+      [KM_LOOK_TABLE] = 2.5, [KM_LOOK_SCREW] = 2.5};
   km_look look = scene->marks[joint].look;
   return scene->radius * (look == KM_LOOK_PIN && !scene->view->planar ? 1.9 : reaches[look]);
 }
@@ -225,8 +222,7 @@ static void hatching(const brush *b, km_spot d, double half, double away) {
 }
 
 static void mount(const brush *b, km_spot down) {
-  const km_spot d = {down.y, -down.x,
-                     0}; /* along the ground, so that `across` is away from the joint */
+  const km_spot d = {down.y, -down.x, 0}; /* along the ground, so that `across` is away from the joint */
   const km_canvas_point feet[] = {spot(b, d, 0, 0), spot(b, d, -1.7, 3.0), spot(b, d, 1.7, 3.0)};
   outline(b, b->side, feet, 3);
   hatching(b, d, 2.8, 3.0);

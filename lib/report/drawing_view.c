@@ -34,8 +34,7 @@ static axes axes_of(const km_drawing *drawing, int joint) {
   const km_model *model = drawing->mechanism->model;
   const km_joint_def *def = &model->joints[joint];
   const km_frame_def *frame = &model->frames[def->frame[0]];
-  const km_pose *pose =
-      drawing->poses + drawing->full * (size_t)model->body_count + (size_t)frame->body;
+  const km_pose *pose = drawing->poses + drawing->full * (size_t)model->body_count + (size_t)frame->body;
   km_rotation R = km_rotation_product(&pose->R, &frame->pose.R);
   axes a = {0};
   switch (def->type) {
@@ -64,8 +63,7 @@ static axes axes_of(const km_drawing *drawing, int joint) {
 }
 
 static bool moves_in(const axes *a, km_vec3 normal) {
-  return !a->spatial && (!a->turns || along(a->turn, normal)) &&
-         (!a->slides || across(a->slide, normal));
+  return !a->spatial && (!a->turns || along(a->turn, normal)) && (!a->slides || across(a->slide, normal));
 }
 
 /* Whether every joint that counts moves in the plane: those in loops, if there are any, and then
@@ -110,8 +108,7 @@ static km_vec3 unit(km_vec3 a) {
 
 /* Against gravity; without any, z. */
 static km_vec3 upwards(const km_model *model) {
-  return km_vec3_norm(model->gravity) > 0.0 ? unit(km_vec3_scale(-1.0, model->gravity))
-                                            : (km_vec3){0, 0, 1};
+  return km_vec3_norm(model->gravity) > 0.0 ? unit(km_vec3_scale(-1.0, model->gravity)) : (km_vec3){0, 0, 1};
 }
 
 static void look(km_projection *view, km_vec3 toward, km_vec3 up) {
@@ -146,8 +143,7 @@ static void look_from_corner(km_projection *view, const km_model *model) {
 
 km_projection km_view_make(const km_drawing *drawing) {
   static const km_vec3 normals[] = {{0, 0, 1}, {0, -1, 0}, {1, 0, 0}};
-  static const char *const names[] = {"view of the xy plane", "view of the xz plane",
-                                      "view of the yz plane"};
+  static const char *const names[] = {"view of the xy plane", "view of the xz plane", "view of the yz plane"};
   const km_model *model = drawing->mechanism->model;
   km_projection view = {.scale = 1.0};
   km_view asked = drawing->view;
@@ -163,8 +159,7 @@ km_projection km_view_make(const km_drawing *drawing) {
   } else if (asked == KM_VIEW_ISO) {
     look_from_corner(&view, model);
   } else {
-    look(&view, normals[asked - KM_VIEW_XY],
-         asked == KM_VIEW_XY ? (km_vec3){0, 1, 0} : (km_vec3){0, 0, 1});
+    look(&view, normals[asked - KM_VIEW_XY], asked == KM_VIEW_XY ? (km_vec3){0, 1, 0} : (km_vec3){0, 0, 1});
     view.name = names[asked - KM_VIEW_XY];
   }
   view.planar = plane && along(normal, view.toward);
@@ -190,15 +185,13 @@ static km_vec3 some_point(const km_drawing *drawing, const km_shape *shapes) {
   return (km_vec3){0, 0, 0};
 }
 
-km_extent km_extent_of(const km_drawing *drawing, const km_shape *shapes,
-                       const km_projection *view) {
+km_extent km_extent_of(const km_drawing *drawing, const km_shape *shapes, const km_projection *view) {
   int bodies = drawing->mechanism->model->body_count;
   km_extent extent = {.origin = some_point(drawing, shapes)};
   for (size_t p = 0; p < drawing->pose_count; ++p)
     for (int b = 0; b < bodies; ++b)
       for (int i = 0; i < shapes[b].count; ++i)
-        take(&extent, view,
-             km_pose_point(&drawing->poses[p * (size_t)bodies + (size_t)b], shapes[b].points[i]));
+        take(&extent, view, km_pose_point(&drawing->poses[p * (size_t)bodies + (size_t)b], shapes[b].points[i]));
   for (size_t t = 0; t < drawing->trace_count; ++t)
     for (size_t i = 0; i < drawing->traces[t].count; ++i)
       take(&extent, view, drawing->traces[t].points[i]);
@@ -207,8 +200,7 @@ km_extent km_extent_of(const km_drawing *drawing, const km_shape *shapes,
 
 void km_projection_fit(km_projection *view, const km_extent *extent, km_rectangle inner) {
   double width = extent->high[0] - extent->low[0], height = extent->high[1] - extent->low[1];
-  double scale = fmin(width > 0.0 ? inner.width / width : HUGE_VAL,
-                      height > 0.0 ? inner.height / height : HUGE_VAL);
+  double scale = fmin(width > 0.0 ? inner.width / width : HUGE_VAL, height > 0.0 ? inner.height / height : HUGE_VAL);
   view->scale = isfinite(scale) && scale > 0.0 ? scale : 1.0;
   view->middle = (km_canvas_point){inner.left + 0.5 * inner.width, inner.top + 0.5 * inner.height};
   km_vec3 middle = km_vec3_axpy(0.5 * (extent->low[0] + extent->high[0]), view->right,
@@ -223,6 +215,5 @@ km_spot km_project_direction(const km_projection *view, km_vec3 direction) {
 
 km_spot km_project(const km_projection *view, km_vec3 point) {
   km_spot at = km_project_direction(view, km_vec3_sub(point, view->centre));
-  return (km_spot){view->middle.x + view->scale * at.x, view->middle.y + view->scale * at.y,
-                   view->scale * at.depth};
+  return (km_spot){view->middle.x + view->scale * at.x, view->middle.y + view->scale * at.y, view->scale * at.depth};
 }

@@ -108,7 +108,8 @@ static void add_loop(const km_mechanism *m, int loop, km_text *out) {
   int tail = m->model->frames[def->frame[0]].body, head = m->model->frames[def->frame[1]].body;
   km_text_format(out, "  v%d [label=\"", loop);
   add_label(m->model->bodies[head].name, out);
-  km_text_format(out, "\xE2\x80\xB2\\nloop %d\" shape=box style=\"rounded,dotted\" fontsize=9 height=0.3];\n", loop + 1);
+  km_text_format(out, "\xE2\x80\xB2\\nloop %d\" shape=box style=\"rounded,dotted\" fontsize=9 height=0.3];\n",
+                 loop + 1);
   km_text_format(out, "  b%d -> v%d [", tail, loop);
   add_joint(m, joint, out);
   km_text_add(out, is_stiff(m, joint) ? " style=\"dashed,bold\"];\n" : " style=dashed];\n");

@@ -133,7 +133,9 @@ static void fill_panel(lines *l, const km_plotted_sweep *sweeps, int count, int 
                                       .y = item->y,
                                       .count = item->count,
                                       .colour = colour,
-                                      .dash = count > 1 ? item->sweep : colour > 0 ? colour : 0};
+                                      .dash = count > 1    ? item->sweep
+                                              : colour > 0 ? colour
+                                                           : 0};
   }
   panel->series = series;
   panel->series_count = used;
@@ -213,7 +215,8 @@ static km_status draw(lines *l, const km_plotted_sweep *sweeps, int count, km_ca
   else
     snprintf(x_label, sizeof x_label, "driver %s (%s)", model->coordinates[driver].label,
              km_model_coordinate_unit(model, driver));
-  km_plot plot = {.title = sweeps[0].plan->arclength > 0.0 ? "Mobility numbers along the motion" : "Mobility numbers over the stroke",
+  km_plot plot = {.title = sweeps[0].plan->arclength > 0.0 ? "Mobility numbers along the motion"
+                                                           : "Mobility numbers over the stroke",
                   .subtitle = subtitle(l, sweeps, count),
                   .x_label = x_label,
                   .y_label = "mobility number",

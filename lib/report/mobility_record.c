@@ -75,8 +75,8 @@ static void add_coordinates(const km_mechanism *m, const km_state *s, km_value *
   }
 }
 
-km_value *km_mobility_record(const km_mechanism *m, const km_state *s, const km_mobility *mobility,
-                             const char *name, km_arena *arena) {
+km_value *km_mobility_record(const km_mechanism *m, const km_state *s, const km_mobility *mobility, const char *name,
+                             km_arena *arena) {
   const km_model *model = m->model;
   km_value *record = km_record_head(model, "kmob", name, arena);
   km_value_number(arena, record, "bodies", model->body_count - 1);

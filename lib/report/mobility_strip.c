@@ -30,15 +30,15 @@ static void draw(void *context, km_canvas *canvas, double top, double width) {
   const km_mobility_strip *strip = context;
   const km_font font = {.size = 8, .width = width / KM_STRIP_POSES};
   double each = (width - 2 * margin) / KM_STRIP_POSES;
-  km_drawing drawing = {.mechanism = strip->mechanism, .poses = strip->poses, .pose_count = KM_STRIP_POSES,
-                        .alone = true, .bare = true};
+  km_drawing drawing = {
+      .mechanism = strip->mechanism, .poses = strip->poses, .pose_count = KM_STRIP_POSES, .alone = true, .bare = true};
   for (int k = 0; k < KM_STRIP_POSES; ++k) {
     km_text text = {0};
     double left = margin + k * each;
     drawing.full = (size_t)k;
     /* A drawing that fails leaves its place empty; the canvas keeps its own failures. */
-    km_drawing_place(&drawing, canvas,
-                     (km_rectangle){left + 8, top, each - 16, strip_height - caption_height - margin}, NULL);
+    km_drawing_place(&drawing, canvas, (km_rectangle){left + 8, top, each - 16, strip_height - caption_height - margin},
+                     NULL);
     caption(strip, k, &text);
     if (text.data)
       km_canvas_text(canvas, &font, km_palette_text(-1), text.data,

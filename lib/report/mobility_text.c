@@ -5,7 +5,9 @@
 
 #include <string.h>
 
-static const char *plural(int count) { return count == 1 ? "" : "s"; }
+static const char *plural(int count) {
+  return count == 1 ? "" : "s";
+}
 
 /* A label padded to a width counted in characters, not bytes. */
 static void padded(const char *label, int width, km_text *out) {
@@ -116,7 +118,8 @@ static void stop_reason(const km_mechanism *m, const km_reach *reach, km_text *o
   km_text_add(out, ") any further");
 }
 
-void km_sweep_stop_text(const km_mechanism *m, const km_sweep_plan *plan, const km_mobility_sweep *sweep, km_text *out) {
+void km_sweep_stop_text(const km_mechanism *m, const km_sweep_plan *plan, const km_mobility_sweep *sweep,
+                        km_text *out) {
   bool by_length = plan->arclength > 0.0;
   if (sweep->start.stop) {
     km_text_add(out, "FROM is out of reach; located bound ");
@@ -146,7 +149,8 @@ static int next_driver(const km_mechanism *m, const km_mobility_sweep *sweep, in
     if (!km_sweep_drives(m, sweep, c))
       continue;
     double number = sweep->extremes[c].number;
-    bool after = last < 0 || number < sweep->extremes[last].number || (number == sweep->extremes[last].number && c > last);
+    bool after =
+        last < 0 || number < sweep->extremes[last].number || (number == sweep->extremes[last].number && c > last);
     if (after && (best < 0 || number > sweep->extremes[best].number))
       best = c;
   }

@@ -5,10 +5,8 @@
 
 static const double size_least = 120; /* points: less can't hold axes and a title */
 
-static void draw_curve(const km_plot_layout *layout, const km_plot_series *series,
-                       const km_curve *curve) {
-  const km_pen pen = km_palette_pen(series->colour, series->dash,
-                                    layout->scale * (series->colour < 0 ? 0.7 : 1.3));
+static void draw_curve(const km_plot_layout *layout, const km_plot_series *series, const km_curve *curve) {
+  const km_pen pen = km_palette_pen(series->colour, series->dash, layout->scale * (series->colour < 0 ? 0.7 : 1.3));
   size_t begin = 0;
   for (size_t r = 0; r < curve->run_count; r++) {
     size_t count = curve->run_ends[r] - begin;
@@ -42,13 +40,13 @@ static void draw_lines(const km_plot_layout *layout, size_t panel) {
                    (km_anchor){0.5, 0.5, 0});
 }
 
-static km_status draw(const km_plot *plot, km_canvas *canvas, km_arena *arena, double width,
-                      double height, km_error *error) {
+static km_status draw(const km_plot *plot, km_canvas *canvas, km_arena *arena, double width, double height,
+                      km_error *error) {
   km_plot_layout layout = {.plot = plot, .canvas = canvas, .arena = arena};
   km_plot_layout_make(&layout, width, height);
   if (!arena->failed && !layout.fits)
-    return km_fail(error, KM_USAGE, "%zu panels on %g x %g points; expected a larger page",
-                   plot->panel_count, width, height);
+    return km_fail(error, KM_USAGE, "%zu panels on %g x %g points; expected a larger page", plot->panel_count, width,
+                   height);
   for (size_t panel = 0; panel < plot->panel_count && !arena->failed; panel++) {
     km_plot_axes_draw(&layout, panel);
     km_plot_flags_draw(&layout, panel);
@@ -60,13 +58,11 @@ static km_status draw(const km_plot *plot, km_canvas *canvas, km_arena *arena, d
   return KM_OK;
 }
 
-km_status km_plot_render(const km_plot *plot, km_canvas_format format, km_text *out,
-                         km_error *error) {
+km_status km_plot_render(const km_plot *plot, km_canvas_format format, km_text *out, km_error *error) {
   double width, height;
   km_plot_layout_size(plot, &width, &height);
   if (!(width >= size_least && height >= size_least))
-    return km_fail(error, KM_USAGE, "a plot of %g x %g points; expected at least %g each", width,
-                   height, size_least);
+    return km_fail(error, KM_USAGE, "a plot of %g x %g points; expected at least %g each", width, height, size_least);
   km_canvas *canvas;
   km_status status = km_canvas_create(format, width, height + plot->strip.height, out, &canvas, error);
   if (status != KM_OK)

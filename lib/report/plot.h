@@ -50,7 +50,6 @@ typedef struct km_plot {
 /* Appends the picture's bytes to `out`. The same plot gives the same bytes (no date, no random id).
  * KM_USAGE (a page too small or too large), KM_MEMORY or KM_INTERNAL (the graphics library's own
  * failure, in words); `out` then is as it was. */
-km_status km_plot_render(const km_plot *plot, km_canvas_format format, km_text *out,
-                         km_error *error);
+km_status km_plot_render(const km_plot *plot, km_canvas_format format, km_text *out, km_error *error);
 
 #endif

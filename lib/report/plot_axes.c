@@ -6,8 +6,8 @@ static const km_colour ink = {0.15, 0.15, 0.15, 1}, grey = {0.40, 0.40, 0.40, 1}
 static const km_colour light = {0.88, 0.88, 0.88, 1};
 static const double tick_length = 2.5;
 
-static void line(const km_plot_layout *layout, km_colour colour, double width, double x1, double y1,
-                 double x2, double y2) {
+static void line(const km_plot_layout *layout, km_colour colour, double width, double x1, double y1, double x2,
+                 double y2) {
   const km_pen pen = {.colour = colour, .width = width};
   km_canvas_line(layout->canvas, &pen, (km_canvas_point){x1, y1}, (km_canvas_point){x2, y2});
 }
@@ -26,8 +26,8 @@ static void draw_x(const km_plot_layout *layout, const km_frame *frame, bool lab
     line(layout, ink, 0.6, x, bottom, x, bottom + tick_length);
     km_axis_label(&layout->x, i, text);
     if (labelled)
-      km_canvas_text(layout->canvas, &layout->tick, ink, text,
-                     (km_canvas_point){x, bottom + layout->mark_room + 3}, (km_anchor){0.5, 0, 0});
+      km_canvas_text(layout->canvas, &layout->tick, ink, text, (km_canvas_point){x, bottom + layout->mark_room + 3},
+                     (km_anchor){0.5, 0, 0});
   }
 }
 
@@ -39,14 +39,13 @@ static void draw_y(const km_plot_layout *layout, const km_frame *frame, bool lab
     line(layout, ink, 0.6, frame->left, y, frame->left - tick_length, y);
     km_axis_label(&layout->y, i, text);
     if (labelled)
-      km_canvas_text(layout->canvas, &layout->tick, ink, text,
-                     (km_canvas_point){frame->left - 5, y}, (km_anchor){1, 0.5, 0});
+      km_canvas_text(layout->canvas, &layout->tick, ink, text, (km_canvas_point){frame->left - 5, y},
+                     (km_anchor){1, 0.5, 0});
   }
   km_axis_multiplier(&layout->y, text);
   if (labelled && *text)
     km_canvas_text(layout->canvas, &layout->tick, ink, text,
-                   (km_canvas_point){frame->left - 5, frame->top - 0.6 * layout->tick.size},
-                   (km_anchor){1, 1, 0});
+                   (km_canvas_point){frame->left - 5, frame->top - 0.6 * layout->tick.size}, (km_anchor){1, 1, 0});
 }
 
 void km_plot_axes_draw(const km_plot_layout *layout, size_t panel) {
@@ -87,14 +86,13 @@ static void draw_axis_labels(const km_plot_layout *layout) {
     km_canvas_text(layout->canvas, &font, ink, label, below, (km_anchor){0.5, 0, 0});
   }
   if (*multiplier)
-    km_canvas_text(layout->canvas, &layout->tick, ink, multiplier,
-                   (km_canvas_point){right, below.y}, (km_anchor){1, 0, 0});
+    km_canvas_text(layout->canvas, &layout->tick, ink, multiplier, (km_canvas_point){right, below.y},
+                   (km_anchor){1, 0, 0});
   label = layout->plot->y_label;
   if (label) {
     km_font font = fit_label(layout, label, bottom - layout->grid_top);
     km_canvas_text(layout->canvas, &font, ink, label,
-                   (km_canvas_point){layout->margin, 0.5 * (layout->grid_top + bottom)},
-                   (km_anchor){0.5, 0, -acos(0)});
+                   (km_canvas_point){layout->margin, 0.5 * (layout->grid_top + bottom)}, (km_anchor){0.5, 0, -acos(0)});
   }
 }
 
@@ -106,7 +104,6 @@ void km_plot_titles_draw(const km_plot_layout *layout) {
     at.y += km_canvas_measure(layout->canvas, &layout->title, plot->title).y;
   }
   if (plot->subtitle && *plot->subtitle)
-    km_canvas_text(layout->canvas, &layout->subtitle, grey, plot->subtitle, at,
-                   (km_anchor){0, 0, 0});
+    km_canvas_text(layout->canvas, &layout->subtitle, grey, plot->subtitle, at, (km_anchor){0, 0, 0});
   draw_axis_labels(layout);
 }

@@ -57,8 +57,7 @@ static void insert(km_plot_flags *flags, km_plot_flag flag) {
 }
 
 /* A joined name may be longer than the room made for single ones: it ends at the cell's border. */
-static void merge(const km_plot_layout *layout, km_plot_flags *flags, size_t i,
-                  double frame_width) {
+static void merge(const km_plot_layout *layout, km_plot_flags *flags, size_t i, double frame_width) {
   km_plot_flag *flag = &flags->flags[i];
   flag->name = join(layout->arena, flag->name, flag[1].name);
   flag->width = fmin(name_width(layout, flag->name), frame_width + layout->right - flag->at);
@@ -69,8 +68,7 @@ static void merge(const km_plot_layout *layout, km_plot_flags *flags, size_t i,
 static size_t nearest_pair(const km_plot_flags *flags) {
   size_t best = 0;
   for (size_t i = 1; i + 1 < flags->count; i++)
-    if (flags->flags[i + 1].at - flags->flags[i].at <
-        flags->flags[best + 1].at - flags->flags[best].at)
+    if (flags->flags[i + 1].at - flags->flags[i].at < flags->flags[best + 1].at - flags->flags[best].at)
       best = i;
   return best;
 }
@@ -83,16 +81,14 @@ static void choose_rows(km_plot_flags *flags) {
     km_plot_flag *flag = &flags->flags[i];
     flag->row = 0;
     for (size_t j = i + 1; j < flags->count; j++)
-      if (flags->flags[j].at < flag->at + flag->width + name_gap &&
-          flags->flags[j].row >= flag->row)
+      if (flags->flags[j].at < flag->at + flag->width + name_gap && flags->flags[j].row >= flag->row)
         flag->row = flags->flags[j].row + 1;
     if (flag->row + 1 > flags->rows)
       flags->rows = flag->row + 1;
   }
 }
 
-km_plot_flags km_plot_flags_make(const km_plot_layout *layout, const km_plot_panel *panel,
-                                 double frame_width) {
+km_plot_flags km_plot_flags_make(const km_plot_layout *layout, const km_plot_panel *panel, double frame_width) {
   km_plot_flags flags = {.flags = KM_ARENA_NEW(layout->arena, km_plot_flag, panel->mark_count + 1)};
   if (!flags.flags)
     return flags;
@@ -121,11 +117,9 @@ static void draw_sign(const km_plot_layout *layout, const km_frame *frame, doubl
   static const double dash[] = {1, 2.5};
   const km_pen pen = {.colour = ink, .width = 0.6, .dash = dash, .dash_count = 2};
   double bottom = frame->top + frame->height, half = 0.42 * layout->mark_room;
-  km_canvas_line(layout->canvas, &pen, (km_canvas_point){x, bottom},
-                 (km_canvas_point){x, frame->top});
-  const km_canvas_point triangle[] = {{x, bottom + 0.8},
-                                      {x + half, bottom + layout->mark_room},
-                                      {x - half, bottom + layout->mark_room}};
+  km_canvas_line(layout->canvas, &pen, (km_canvas_point){x, bottom}, (km_canvas_point){x, frame->top});
+  const km_canvas_point triangle[] = {
+      {x, bottom + 0.8}, {x + half, bottom + layout->mark_room}, {x - half, bottom + layout->mark_room}};
   km_canvas_polygon(layout->canvas, ink, triangle, 3);
 }
 
@@ -145,7 +139,6 @@ void km_plot_flags_draw(const km_plot_layout *layout, size_t panel) {
                    (km_canvas_point){x, base - 0.8 * row_height});
     km_font font = layout->mark;
     font.width = fmax(flag->width - pole_gap, 1) + 0.5; /* rounding must not cost a letter */
-    km_canvas_text(layout->canvas, &font, ink, flag->name, (km_canvas_point){x + pole_gap, base},
-                   (km_anchor){0, 1, 0});
+    km_canvas_text(layout->canvas, &font, ink, flag->name, (km_canvas_point){x + pole_gap, base}, (km_anchor){0, 1, 0});
   }
 }

@@ -60,8 +60,7 @@ static void choose_grid(km_plot_layout *layout, double height) {
     size_t rows = (panels + columns - 1) / columns;
     double across = fmax(layout->width / (double)columns - beside, 1);
     double down = fmax(height / (double)rows - above_below, 1);
-    double cost =
-        fabs(log(across / down / best_shape)) + emptiness * (double)(rows * columns - panels);
+    double cost = fabs(log(across / down / best_shape)) + emptiness * (double)(rows * columns - panels);
     if (cost < least) {
       least = cost;
       layout->columns = columns;
@@ -113,8 +112,7 @@ static void fit_x(km_plot_layout *layout, plot_range x) {
 
 static void fit_y(km_plot_layout *layout, plot_range y, double frame_height) {
   const km_plot *plot = layout->plot;
-  bool given =
-      plot->y_low < plot->y_high && km_axis_takes(plot->y_low) && km_axis_takes(plot->y_high);
+  bool given = plot->y_low < plot->y_high && km_axis_takes(plot->y_low) && km_axis_takes(plot->y_high);
   size_t most = (size_t)fmax(1, fmin(8, frame_height / (2.6 * layout->tick.size)));
   if (given)
     layout->y = km_axis_fit(plot->y_low, plot->y_high, most, false);
@@ -125,14 +123,13 @@ static void fit_y(km_plot_layout *layout, plot_range y, double frame_height) {
 static void measure_axes(km_plot_layout *layout) {
   char multiplier[KM_AXIS_LABEL];
   km_axis_multiplier(&layout->y, multiplier);
-  double ticks = fmax(widest_tick(layout, &layout->y),
-                      km_canvas_measure(layout->canvas, &layout->tick, multiplier).x);
+  double ticks = fmax(widest_tick(layout, &layout->y), km_canvas_measure(layout->canvas, &layout->tick, multiplier).x);
   double label = text_height(layout, &layout->label, layout->plot->y_label);
   layout->axis_left = ticks + 5 + (label > 0 ? label + 3 : 0);
   layout->left = layout->columns > 1 ? 1.2 * layout->tick.size : 0;
   km_axis_multiplier(&layout->x, multiplier);
-  layout->axis_bottom = fmax(text_height(layout, &layout->label, layout->plot->x_label),
-                             text_height(layout, &layout->tick, multiplier));
+  layout->axis_bottom =
+      fmax(text_height(layout, &layout->label, layout->plot->x_label), text_height(layout, &layout->tick, multiplier));
 }
 
 /* Frame and right side together, before the right side is known. */
@@ -198,8 +195,7 @@ void km_plot_layout_make(km_plot_layout *layout, double width, double height) {
   measure_rows(layout);
   double row = (grid_height - layout->axis_bottom) / (double)layout->rows;
   layout->frame_height = row - layout->head - layout->foot;
-  layout->fits =
-      layout->frame_height >= frame_least && cell_width(layout) > layout->right + frame_least;
+  layout->fits = layout->frame_height >= frame_least && cell_width(layout) > layout->right + frame_least;
 }
 
 km_frame km_plot_layout_frame(const km_plot_layout *layout, size_t panel) {

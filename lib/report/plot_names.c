@@ -34,8 +34,7 @@ typedef struct name_list {
   km_font font;
 } name_list;
 
-void km_plot_spread(double *places, size_t count, double gap, double low, double high,
-                    km_arena *arena) {
+void km_plot_spread(double *places, size_t count, double gap, double low, double high, km_arena *arena) {
   /* Less i gaps, the places need only ascend: pool adjacent violators, then move into the bounds.
    */
   double *means = KM_ARENA_NEW(arena, double, count + 1);
@@ -62,8 +61,7 @@ double km_plot_names_room(const km_plot_layout *layout, const km_plot_panel *pan
   double widest = 0;
   for (size_t i = 0; i < panel->series_count; i++)
     if (panel->series[i].name)
-      widest =
-          fmax(widest, km_canvas_measure(layout->canvas, &layout->name, panel->series[i].name).x);
+      widest = fmax(widest, km_canvas_measure(layout->canvas, &layout->name, panel->series[i].name).x);
   return widest > 0 ? widest + lead : 0;
 }
 
@@ -95,8 +93,7 @@ static void draw_name(const name_list *list, const line_name *name, double middl
   km_pen leader = km_palette_pen(name->series->colour, 0, 0.5);
   km_canvas_point end = name->curve->end;
   if (name->left - end.x > lead_straight + moved)
-    km_canvas_line(canvas, &leader, (km_canvas_point){end.x + 1, end.y},
-                   (km_canvas_point){name->left - 1.5, middle});
+    km_canvas_line(canvas, &leader, (km_canvas_point){end.x + 1, end.y}, (km_canvas_point){name->left - 1.5, middle});
   km_canvas_text(canvas, &list->font, km_palette_text(name->series->colour), name->series->name,
                  (km_canvas_point){name->left, middle}, (km_anchor){0, 0.5, 0});
 }
@@ -112,13 +109,12 @@ static size_t fit_beside(name_list *list, size_t count, double room) {
 static void draw_more(const name_list *list, size_t missing, double left, double middle) {
   char text[32];
   snprintf(text, sizeof text, "+ %zu more", missing);
-  km_canvas_text(list->layout->canvas, &list->font, km_palette_text(-1), text,
-                 (km_canvas_point){left, middle}, (km_anchor){0, 0.5, 0});
+  km_canvas_text(list->layout->canvas, &list->font, km_palette_text(-1), text, (km_canvas_point){left, middle},
+                 (km_anchor){0, 0.5, 0});
 }
 
 /* Whether every name stands right at its line's end, so that none needs a leader. */
-static bool all_straight(const name_list *list, line_name *const *names, const double *places,
-                         size_t count) {
+static bool all_straight(const name_list *list, line_name *const *names, const double *places, size_t count) {
   double right = list->frame.left + list->frame.width;
   for (size_t i = 0; i < count; i++)
     if (fabs(places[i] - names[i]->curve->end.y) > moved || names[i]->curve->end.x < right - moved)
@@ -148,8 +144,7 @@ static void draw_beside(name_list *list, bool below_flags) {
   for (size_t i = 0; i < count; i++)
     places[i] = names[i]->curve->end.y;
   places[count] = bottom; /* for the number of names left out, if any */
-  km_plot_spread(places, count < all ? count + 1 : count, spacing * list->font.size, top, bottom,
-                 arena);
+  km_plot_spread(places, count < all ? count + 1 : count, spacing * list->font.size, top, bottom, arena);
   bool straight = all_straight(list, names, places, count);
   double left = list->frame.left + list->frame.width + (straight ? lead_straight : lead);
   for (size_t i = 0; i < count; i++) {
@@ -173,16 +168,16 @@ static double hidden(const name_list *list, const line_name *name, double left, 
     cost += (double)km_curve_hits(&list->curves[i], left - 1, top, right + 1, bottom);
   for (size_t i = 0; i < list->count; i++) {
     const line_name *other = &list->names[i];
-    if (other->placed && left < other->left + other->width && other->left < right &&
-        top < other->top + 2 * half && other->top < bottom)
+    if (other->placed && left < other->left + other->width && other->left < right && top < other->top + 2 * half &&
+        other->top < bottom)
       cost += worse;
   }
   return cost;
 }
 
 /* The shift of a whole column of names, up or down, that hides least; the least such shift. */
-static double best_shift(const name_list *list, line_name *const *names, const double *places,
-                         size_t count, double left) {
+static double best_shift(const name_list *list, line_name *const *names, const double *places, size_t count,
+                         double left) {
   const double dearness = 0.1; /* of half a row's shift, against one crossing hidden */
   double half_row = 0.5 * spacing * list->font.size;
   double best = 0, best_cost = DBL_MAX;
@@ -221,8 +216,7 @@ static void draw_inside(name_list *list, size_t first) {
   }
   const km_frame *frame = &list->frame;
   double gap = spacing * list->font.size;
-  km_plot_spread(places, count, gap, frame->top + gap / 2, frame->top + frame->height - gap / 2,
-                 arena);
+  km_plot_spread(places, count, gap, frame->top + gap / 2, frame->top + frame->height - gap / 2, arena);
   double offset = count > 1 ? lead : lead_straight;
   double shift = best_shift(list, names, places, count, left + offset);
   if (shift != 0 && offset < lead) {
@@ -235,8 +229,8 @@ static void draw_inside(name_list *list, size_t first) {
     names[i]->left = left;
     names[i]->top = middle - gap / 2;
     names[i]->placed = true;
-    km_canvas_rectangle(list->layout->canvas, (km_colour){1, 1, 1, 0.85}, left - 1, names[i]->top,
-                        names[i]->width + 2, gap);
+    km_canvas_rectangle(list->layout->canvas, (km_colour){1, 1, 1, 0.85}, left - 1, names[i]->top, names[i]->width + 2,
+                        gap);
     draw_name(list, names[i], middle);
   }
 }

@@ -32,10 +32,10 @@ typedef struct km_plot_layout {
   km_font title, subtitle, heading, label, tick, name, mark;
   size_t columns, rows;
   double margin;
-  double grid_top;             /* top of the first row of cells */
-  double head, heading_height; /* above each frame; the part of it that the panel's title takes */
-  double foot, mark_room;      /* beneath each frame; the part of it that mark signs take */
-  double left, right;          /* beside each frame; the first column's `left` is axis_left more */
+  double grid_top;               /* top of the first row of cells */
+  double head, heading_height;   /* above each frame; the part of it that the panel's title takes */
+  double foot, mark_room;        /* beneath each frame; the part of it that mark signs take */
+  double left, right;            /* beside each frame; the first column's `left` is axis_left more */
   double axis_left, axis_bottom; /* for y ticks and label, beneath all: x label */
   double frame_width, frame_height;
   km_axis x, y;
@@ -49,8 +49,7 @@ km_frame km_plot_layout_frame(const km_plot_layout *layout, size_t panel);
 void km_plot_layout_size(const km_plot *plot, double *width, double *height);
 
 /* Names of marks as flags on a frame `frame_width` wide whose x axis goes from low to high. */
-km_plot_flags km_plot_flags_make(const km_plot_layout *layout, const km_plot_panel *panel,
-                                 double frame_width);
+km_plot_flags km_plot_flags_make(const km_plot_layout *layout, const km_plot_panel *panel, double frame_width);
 /* Room that the flags need to the right of a frame whose width and right side make `width`. */
 double km_plot_flags_room(const km_plot_layout *layout, const km_plot_panel *panel, double width);
 void km_plot_flags_draw(const km_plot_layout *layout, size_t panel);
@@ -67,7 +66,6 @@ void km_plot_names_draw(const km_plot_layout *layout, size_t panel, const km_cur
 
 /* Moves ascending places apart, to `gap` at least and into low..high, as little as possible (least
  * squares). When they don't fit, they begin at low and go past high. */
-void km_plot_spread(double *places, size_t count, double gap, double low, double high,
-                    km_arena *arena);
+void km_plot_spread(double *places, size_t count, double gap, double low, double high, km_arena *arena);
 
 #endif

@@ -52,10 +52,8 @@ static inline km_rotation km_rotation_orthonormal(const km_rotation *r) {
 }
 
 static inline km_quaternion km_quaternion_product(km_quaternion a, km_quaternion b) {
-  return (km_quaternion){a.w * b.w - a.x * b.x - a.y * b.y - a.z * b.z,
-                         a.w * b.x + a.x * b.w + a.y * b.z - a.z * b.y,
-                         a.w * b.y - a.x * b.z + a.y * b.w + a.z * b.x,
-                         a.w * b.z + a.x * b.y - a.y * b.x + a.z * b.w};
+  return (km_quaternion){a.w * b.w - a.x * b.x - a.y * b.y - a.z * b.z, a.w * b.x + a.x * b.w + a.y * b.z - a.z * b.y,
+                         a.w * b.y - a.x * b.z + a.y * b.w + a.z * b.x, a.w * b.z + a.x * b.y - a.y * b.x + a.z * b.w};
 }
 
 static inline km_quaternion km_quaternion_conjugate(km_quaternion a) {
@@ -120,8 +118,8 @@ static inline km_quaternion km_rotation_quaternion(const km_rotation *r) {
     q = (km_quaternion){r->axis[2].x - r->axis[0].z, r->axis[0].y + r->axis[1].x, 1 + yy - zz - xx,
                         r->axis[1].z + r->axis[2].y};
   else
-    q = (km_quaternion){r->axis[0].y - r->axis[1].x, r->axis[2].x + r->axis[0].z,
-                        r->axis[1].z + r->axis[2].y, 1 + zz - xx - yy};
+    q = (km_quaternion){r->axis[0].y - r->axis[1].x, r->axis[2].x + r->axis[0].z, r->axis[1].z + r->axis[2].y,
+                        1 + zz - xx - yy};
   return km_quaternion_normalised(q);
 }
 

@@ -13,7 +13,9 @@ typedef struct km_twist {
 static inline km_twist km_twist_revolute(km_vec3 axis, km_vec3 point) {
   return (km_twist){km_vec3_cross(point, axis), axis};
 }
-static inline km_twist km_twist_prismatic(km_vec3 axis) { return (km_twist){axis, {0, 0, 0}}; }
+static inline km_twist km_twist_prismatic(km_vec3 axis) {
+  return (km_twist){axis, {0, 0, 0}};
+}
 
 static inline km_twist km_twist_axpy(double s, km_twist a, km_twist b) {
   return (km_twist){km_vec3_axpy(s, a.v, b.v), km_vec3_axpy(s, a.w, b.w)};
@@ -35,8 +37,8 @@ static inline km_twist km_twist_log(const km_pose *x) {
   km_vec3 w = km_quaternion_log(km_rotation_quaternion(&x->R));
   double angle2 = km_vec3_dot(w, w), angle = sqrt(angle2);
   /* v = p − ½ ω×p + c ω×(ω×p), c = (1 − (θ/2) cot(θ/2)) / θ² */
-  double c = angle < 1e-3 ? 1.0 / 12.0 + angle2 / 720.0
-                          : (1.0 - 0.5 * angle * cos(0.5 * angle) / sin(0.5 * angle)) / angle2;
+  double c =
+      angle < 1e-3 ? 1.0 / 12.0 + angle2 / 720.0 : (1.0 - 0.5 * angle * cos(0.5 * angle) / sin(0.5 * angle)) / angle2;
   km_vec3 wp = km_vec3_cross(w, x->p);
   return (km_twist){km_vec3_axpy(c, km_vec3_cross(w, wp), km_vec3_axpy(-0.5, wp, x->p)), w};
 }

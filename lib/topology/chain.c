@@ -31,10 +31,17 @@ static km_vec3 along(int axis, double length) {
 km_pose km_motion_pose(km_motion motion, double pitch, const double *value) {
   km_pose x = km_pose_identity();
   switch (motion.primitive) {
-  case KM_PRISMATIC: x.p = along(motion.axis, value[0]); break;
-  case KM_HELICAL: x.p = along(motion.axis, pitch * value[0]); /* fall through */
-  case KM_REVOLUTE: x.R = km_rotation_turn(&x.R, motion.axis, cos(value[0]), sin(value[0])); break;
-  case KM_BALL: x.R = km_quaternion_rotation(km_quaternion_exp(km_vec3_make(value))); break;
+  case KM_PRISMATIC:
+    x.p = along(motion.axis, value[0]);
+    break;
+  case KM_HELICAL:
+    x.p = along(motion.axis, pitch * value[0]); /* fall through */
+  case KM_REVOLUTE:
+    x.R = km_rotation_turn(&x.R, motion.axis, cos(value[0]), sin(value[0]));
+    break;
+  case KM_BALL:
+    x.R = km_quaternion_rotation(km_quaternion_exp(km_vec3_make(value)));
+    break;
   }
   return x;
 }

@@ -1,4 +1,5 @@
-/* Walking along the joints of a loop: what the steps of a program are made from. Shared with the poses in the inertial frame. */
+/* Walking along the joints of a loop: what the steps of a program are made from. Shared with the poses in the inertial
+ * frame. */
 #ifndef KM_TOPOLOGY_CHAIN_H
 #define KM_TOPOLOGY_CHAIN_H
 

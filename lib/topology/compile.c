@@ -103,8 +103,9 @@ static double substructure_size(const km_mechanism *m, int s) {
           const km_joint_def *b = &model->joints[t->member[o].joint];
           for (int f = 0; f < 2; ++f)
             if (model->frames[a->frame[e]].body == model->frames[b->frame[f]].body)
-              size = fmax(size, km_vec3_norm(km_vec3_sub(model->frames[a->frame[e]].pose.p,
-                                                         model->frames[b->frame[f]].pose.p)));
+              size =
+                  fmax(size,
+                       km_vec3_norm(km_vec3_sub(model->frames[a->frame[e]].pose.p, model->frames[b->frame[f]].pose.p)));
         }
       }
       size = fmax(size, fabs(a->pitch));
@@ -177,8 +178,8 @@ static void set_couplings(km_mechanism *m, int s) {
       km_term term = {c, m->column_of[c], def->ratios[k] * m->unit[c] / largest};
       m->terms[m->term_count++] = term;
       /* The constant is the file's, also where a coordinate is held elsewhere. */
-      coupling->constant += def->ratios[k] / largest * m->model->coordinates[c].position *
-                            km_model_coordinate_factor(m->model, c);
+      coupling->constant +=
+          def->ratios[k] / largest * m->model->coordinates[c].position * km_model_coordinate_factor(m->model, c);
     }
   }
   sub->coupling_count = m->coupling_count - sub->coupling_start;

@@ -21,10 +21,8 @@ void km_compile_loops(km_mechanism *mechanism, int substructure, km_walks *walks
 void km_compile_bounds(const km_mechanism *mechanism, size_t *steps, size_t *entries);
 /* Do all loops of the program move in one plane, to the last digits? `plane` is then the base frame turned
  * so that its z is the normal, else the identity. */
-bool km_find_plane(const km_mechanism *mechanism, const km_program *program, const km_walks *walks,
-                   km_rotation *plane);
+bool km_find_plane(const km_mechanism *mechanism, const km_program *program, const km_walks *walks, km_rotation *plane);
 /* Rewrites such a program into planar steps. */
-void km_compile_planar(km_mechanism *mechanism, km_program *program, const km_walks *walks,
-                       const km_rotation *plane);
+void km_compile_planar(km_mechanism *mechanism, km_program *program, const km_walks *walks, const km_rotation *plane);
 
 #endif

@@ -62,8 +62,7 @@ static void pass(km_mechanism *m, km_program *program, int joint, bool against, 
 static void add_entries(km_mechanism *m, km_program *program, km_loop *loop, int first, int count, int side) {
   for (int i = first; i < first + count; ++i) {
     const km_step *step = &m->steps[program->step_start + i];
-    m->entries[loop->entry_start + loop->entry_count++] =
-        (km_entry){i, m->column_of[step->coordinate], (double)side};
+    m->entries[loop->entry_start + loop->entry_count++] = (km_entry){i, m->column_of[step->coordinate], (double)side};
   }
 }
 
@@ -132,7 +131,8 @@ static void find_motion_space(km_mechanism *m, const km_program *program, km_loo
 
 static void compile_loop(km_mechanism *m, km_program *program, int l, km_stand base, km_walks *w, int *entries) {
   km_loop *loop = &m->loops[l];
-  const km_edge ends = {m->model->joints[m->topology.chord[l]].frame[0], m->model->joints[m->topology.chord[l]].frame[1]};
+  const km_edge ends = {m->model->joints[m->topology.chord[l]].frame[0],
+                        m->model->joints[m->topology.chord[l]].frame[1]};
   double size = m->substructures[m->topology.substructure_of_loop[l]].size;
   loop->entry_start = *entries;
   km_stand out = walk_side(m, program, loop, l, +1, base, w);

@@ -5,7 +5,9 @@
 static const double exactly = 1e-13;
 
 /* The axis of a step when all coordinates are 0, in the base frame. */
-static km_vec3 axis_of(const km_step *step, const km_walks *w) { return w->zero[step->to].R.axis[step->axis]; }
+static km_vec3 axis_of(const km_step *step, const km_walks *w) {
+  return w->zero[step->to].R.axis[step->axis];
+}
 
 static bool find_normal(const km_mechanism *m, const km_program *program, const km_walks *w, km_vec3 *normal) {
   const km_step *steps = &m->steps[program->step_start];

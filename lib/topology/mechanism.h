@@ -51,10 +51,10 @@ typedef struct km_entry {
 } km_entry;
 
 typedef struct km_loop {
-  int lambda;    /* dimension of the motion space */
-  int rows[6];   /* which of v x y z, w x y z are independent; planar programs: x, y, turn */
-  int row_start; /* in the substructure's Jacobian */
-  int slot[2];   /* where the virtual body and the embedding body end */
+  int lambda;                /* dimension of the motion space */
+  int rows[6];               /* which of v x y z, w x y z are independent; planar programs: x, y, turn */
+  int row_start;             /* in the substructure's Jacobian */
+  int slot[2];               /* where the virtual body and the embedding body end */
   km_pose close[2];          /* from those slots to the two frames that must meet, scaled */
   double planar_close[2][2]; /* the same points in a planar program */
   double planar_turn;        /* turn of the one frame against the other when all coordinates are 0 */
@@ -77,8 +77,8 @@ typedef struct km_term {
 
 typedef struct km_substructure {
   int rows, columns;
-  double size;         /* length scale, in the model's unit */
-  int column_start;    /* into column_coordinate */
+  double size;      /* length scale, in the model's unit */
+  int column_start; /* into column_coordinate */
   int program_start, program_count;
   int loop_start, loop_count; /* into loop_order */
   int coupling_start, coupling_count;
@@ -121,8 +121,8 @@ struct km_mechanism {
   km_entry *entries;
   km_coupling *couplings;
   km_term *terms;
-  km_arc *arcs;  /* bodies by level, without the inertial frame */
-  int *arc_of;   /* [body] into arcs; -1 for the inertial frame */
+  km_arc *arcs; /* bodies by level, without the inertial frame */
+  int *arc_of;  /* [body] into arcs; -1 for the inertial frame */
   int program_count, step_count, planar_step_count, entry_count, coupling_count, term_count;
   int largest_slots, largest_rows, largest_columns;
   size_t matrix_size, basis_size;

@@ -1,6 +1,8 @@
 #include "topology/motion_space.h"
 
-static double dot(km_twist a, km_twist b) { return km_vec3_dot(a.v, b.v) + km_vec3_dot(a.w, b.w); }
+static double dot(km_twist a, km_twist b) {
+  return km_vec3_dot(a.v, b.v) + km_vec3_dot(a.w, b.w);
+}
 
 static km_twist scaled(double s, km_twist a) {
   return (km_twist){km_vec3_scale(s, a.v), km_vec3_scale(s, a.w)};

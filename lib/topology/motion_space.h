@@ -6,8 +6,8 @@
 
 typedef struct km_motion_space {
   int dimension;
-  km_twist basis[6];   /* orthonormal */
-  int rows[6];         /* `dimension` of v x y z w x y z that are independent on the space */
+  km_twist basis[6];    /* orthonormal */
+  int rows[6];          /* `dimension` of v x y z w x y z that are independent on the space */
   double kept, dropped; /* smallest new direction accepted, largest refused: evidence */
 } km_motion_space;
 

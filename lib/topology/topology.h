@@ -30,20 +30,20 @@ typedef struct km_member {
 
 typedef struct km_topology {
   int body_count, joint_count, loop_count, substructure_count;
-  int *order;  /* [body] bodies in level order; order[0] = 0 */
-  int *level;  /* [body] number of joints from the inertial frame */
-  int *parent; /* [body] next body towards the inertial frame; -1 for body 0 */
-  int *arc;    /* [body] the joint to `parent`; -1 for body 0 */
-  bool *against; /* [joint] a tree joint whose user sense runs towards the inertial frame */
-  int *chord;  /* [loop] the joint that closes it */
-  int *base;   /* [loop] lowest common ancestor of the chord's bodies */
-  int *member_start;  /* [loop + 1] into `member` */
-  km_member *member;  /* base to virtual body in order, then base to embedding body in order */
+  int *order;                 /* [body] bodies in level order; order[0] = 0 */
+  int *level;                 /* [body] number of joints from the inertial frame */
+  int *parent;                /* [body] next body towards the inertial frame; -1 for body 0 */
+  int *arc;                   /* [body] the joint to `parent`; -1 for body 0 */
+  bool *against;              /* [joint] a tree joint whose user sense runs towards the inertial frame */
+  int *chord;                 /* [loop] the joint that closes it */
+  int *base;                  /* [loop] lowest common ancestor of the chord's bodies */
+  int *member_start;          /* [loop + 1] into `member` */
+  km_member *member;          /* base to virtual body in order, then base to embedding body in order */
   int *substructure_of_joint; /* [joint] -1: in no loop and no coupling */
   int *substructure_of_loop;  /* [loop] */
-  int *joint_start;   /* [substructure + 1] into `joint`, which is in file order within a substructure */
+  int *joint_start;           /* [substructure + 1] into `joint`, which is in file order within a substructure */
   int *joint;
-  int *loop_start;    /* [substructure + 1] into `loop` */
+  int *loop_start; /* [substructure + 1] into `loop` */
   int *loop;
 } km_topology;
 

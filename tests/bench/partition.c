@@ -84,7 +84,9 @@ static void read_problem(problem *p, bench_machine *machine) {
   km_partition_reserve(&p->dense, ROWS, COLUMNS, &p->arena);
 }
 
-static int next_pose(problem *p) { return p->pose = (p->pose + 1) % POSES; }
+static int next_pose(problem *p) {
+  return p->pose = (p->pose + 1) % POSES;
+}
 
 static void read_numbers(part *a, const km_partition *partition) {
   int freedom = km_partition_freedom(partition);

@@ -1,9 +1,9 @@
 /* Whole points of a sweep: the driver moved by a step, the loops closed, the driven substructure's mobility
  * numbers. The slider-crank against its reduction by hand. */
+#include "kmech/sweep.h"
 #include "analysis/mobility.h"
 #include "bench.h"
 #include "hand.h"
-#include "kmech/sweep.h"
 #include "machine.h"
 
 #include <math.h>

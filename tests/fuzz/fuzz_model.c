@@ -175,8 +175,7 @@ static bool token(const input *in, uint64_t *state, bool string, span *out) {
       *out = (span){i, end < in->size ? end + 1 - i : end - i};
       return true;
     }
-    if (!string && (b[i] == '-' || (b[i] >= '0' && b[i] <= '9')) && i > 0 &&
-        strchr(" ,[:", b[i - 1])) {
+    if (!string && (b[i] == '-' || (b[i] >= '0' && b[i] <= '9')) && i > 0 && strchr(" ,[:", b[i - 1])) {
       while (end < in->size && strchr("+-.eE0123456789", b[end]) && b[end])
         ++end;
       *out = (span){i, end - i};
@@ -192,8 +191,7 @@ static void swap_tokens(input *in, uint64_t *state, bool strings) {
   if (!token(in, state, strings, &a) || !token(in, state, strings, &b) || a.at == b.at)
     return;
   span first = a.at < b.at ? a : b, second = a.at < b.at ? b : a;
-  if (first.at + first.length > second.at || second.length > sizeof copy ||
-      first.length > sizeof copy)
+  if (first.at + first.length > second.at || second.length > sizeof copy || first.length > sizeof copy)
     return;
   char other[256];
   memcpy(copy, in->bytes + second.at, second.length);
@@ -272,9 +270,9 @@ static void mutate(input *in, uint64_t *state) {
  * number a little off. */
 static void mutate_gently(input *in, uint64_t *state) {
   enum { FINITE = 18, TYPES = 12 };
-  static const char *const types[TYPES] = {
-      "\"Rx\"",    "\"Ry\"",        "\"Rz\"",    "\"Tx\"",        "\"Ty\"",     "\"Tz\"",
-      "\"rigid\"", "\"spherical\"", "\"float\"", "\"universal\"", "\"planar\"", "\"cylindrical\""};
+  static const char *const types[TYPES] = {"\"Rx\"",    "\"Ry\"",        "\"Rz\"",     "\"Tx\"",
+                                           "\"Ty\"",    "\"Tz\"",        "\"rigid\"",  "\"spherical\"",
+                                           "\"float\"", "\"universal\"", "\"planar\"", "\"cylindrical\""};
   span t;
   char text[32];
   size_t choice = below(state, 8);
@@ -321,8 +319,7 @@ static void check_refusal(km_status status, const km_error *error) {
 }
 
 /* Laws that hold at every pose of every mechanism. */
-static void check_mobility(const km_model *model, const km_state *state,
-                           const km_mobility *mobility) {
+static void check_mobility(const km_model *model, const km_state *state, const km_mobility *mobility) {
   int coordinates = km_model_coordinate_count(model);
   double sum = 0.0;
   for (int c = 0; c < coordinates; ++c) {
@@ -331,15 +328,13 @@ static void check_mobility(const km_model *model, const km_state *state,
       fail("a mobility number outside 0 ... 1");
     sum += number;
   }
-  if (mobility->mobility < 0 || mobility->mobility > coordinates ||
-      mobility->redundant_constraints < 0)
+  if (mobility->mobility < 0 || mobility->mobility > coordinates || mobility->redundant_constraints < 0)
     fail("an impossible mobility");
   if (!(sum - mobility->mobility < 1e-6 && sum - mobility->mobility > -1e-6))
     fail("the mobility numbers don't add up to the mobility");
 }
 
-static void sweep(const km_model *model, const km_mechanism *mechanism, km_state *state,
-                  size_t choice) {
+static void sweep(const km_model *model, const km_mechanism *mechanism, km_state *state, size_t choice) {
   km_sweep_plan plan = km_sweep_plan_default(model);
   km_mobility_sweep result = {0};
   km_error error = {0};
@@ -350,8 +345,7 @@ static void sweep(const km_model *model, const km_mechanism *mechanism, km_state
     plan.to = 1.0;
   }
   plan.steps = 4;
-  if (plan.coordinate < 0 ||
-      !(plan.from > -1e3 && plan.from < 1e3 && plan.to > -1e3 && plan.to < 1e3))
+  if (plan.coordinate < 0 || !(plan.from > -1e3 && plan.from < 1e3 && plan.to > -1e3 && plan.to < 1e3))
     return; /* a billion turns take their time */
   for (int c = 0; c < coordinates; ++c)
     if (!(km_state_coordinate(state, c) > -1e4 && km_state_coordinate(state, c) < 1e4))
@@ -409,8 +403,7 @@ static int feed(const input *in, size_t choice) {
   km_model *model = NULL;
   km_error error = {0};
   km_messages *messages = km_messages_create();
-  char *exact =
-      malloc(in->size ? in->size : 1); /* of its own size, so that a byte too far is seen */
+  char *exact = malloc(in->size ? in->size : 1); /* of its own size, so that a byte too far is seen */
   int depth = 0;
   if (!exact || !messages)
     exit(2);
@@ -439,14 +432,12 @@ static void listen_for_trouble(void) {
 }
 
 int main(int argc, char **argv) {
-  bool replay = argc > 2 && strcmp(argv[1], "--replay") == 0,
-       emit = argc > 3 && strcmp(argv[1], "--emit") == 0;
+  bool replay = argc > 2 && strcmp(argv[1], "--replay") == 0, emit = argc > 3 && strcmp(argv[1], "--emit") == 0;
   int first = replay ? 2 : 3;
   size_t count = argc > first ? (size_t)(argc - first) : 0, depths[3] = {0};
   input files[MOST_FILES];
   if (count == 0 || count > MOST_FILES) {
-    fprintf(stderr,
-            "usage: fuzz_model N SEED FILES... | --replay FILES... | --emit SEED FILES...\n");
+    fprintf(stderr, "usage: fuzz_model N SEED FILES... | --replay FILES... | --emit SEED FILES...\n");
     return 2;
   }
   for (size_t i = 0; i < count; ++i)
@@ -467,8 +458,8 @@ int main(int argc, char **argv) {
     fwrite(in.bytes, 1, in.size, stdout);
     free(in.bytes);
   } else {
-    printf("%llu inputs: %zu refused, %zu read but not assembled, %zu assembled\n", inputs,
-           depths[0], depths[1], depths[2]);
+    printf("%llu inputs: %zu refused, %zu read but not assembled, %zu assembled\n", inputs, depths[0], depths[1],
+           depths[2]);
   }
   for (size_t i = 0; i < count; ++i)
     free(files[i].bytes);

@@ -29,12 +29,17 @@ static fixture slider_crank(double alpha, double theta) {
       "{\"fixed\": {\"frames\": [{\"name\": \"slide\", \"R\": [[0, 0, 1], [0, 1, 0], [-1, 0, 0]]}]},"
       " \"assemblies\": [{\"name\": \"a\", \"bodies\": ["
       "  {\"name\": \"crank\", \"frames\": [{\"name\": \"tip\", \"T\": [%.17g, 0, 0]}]},"
-      "  {\"name\": \"rod\", \"frames\": [{\"name\": \"tip\", \"T\": [1, 0, 0]}]}, {\"name\": \"piston\", \"frames\": [{\"name\": \"pin\", \"R\": [[0, 0, 1], [0, 1, 0], [-1, 0, 0]]}]}],"
+      "  {\"name\": \"rod\", \"frames\": [{\"name\": \"tip\", \"T\": [1, 0, 0]}]}, {\"name\": \"piston\", \"frames\": "
+      "[{\"name\": \"pin\", \"R\": [[0, 0, 1], [0, 1, 0], [-1, 0, 0]]}]}],"
       " \"joints\": ["
-      "  {\"name\": \"t1\", \"type\": \"Rz\", \"body_frame_pairs\": [[\"fixed\"], [\"crank\"]], \"initial_displacement\": %.17g},"
-      "  {\"name\": \"t2\", \"type\": \"Rz\", \"body_frame_pairs\": [[\"crank\", \"tip\"], [\"rod\"]], \"initial_displacement\": %.17g},"
-      "  {\"name\": \"t3\", \"type\": \"Rz\", \"body_frame_pairs\": [[\"rod\", \"tip\"], [\"piston\"]], \"initial_displacement\": %.17g},"
-      "  {\"name\": \"x\", \"type\": \"Tz\", \"body_frame_pairs\": [[\"fixed\", \"slide\"], [\"piston\", \"pin\"]], \"initial_displacement\": %.17g}]}]}";
+      "  {\"name\": \"t1\", \"type\": \"Rz\", \"body_frame_pairs\": [[\"fixed\"], [\"crank\"]], "
+      "\"initial_displacement\": %.17g},"
+      "  {\"name\": \"t2\", \"type\": \"Rz\", \"body_frame_pairs\": [[\"crank\", \"tip\"], [\"rod\"]], "
+      "\"initial_displacement\": %.17g},"
+      "  {\"name\": \"t3\", \"type\": \"Rz\", \"body_frame_pairs\": [[\"rod\", \"tip\"], [\"piston\"]], "
+      "\"initial_displacement\": %.17g},"
+      "  {\"name\": \"x\", \"type\": \"Tz\", \"body_frame_pairs\": [[\"fixed\", \"slide\"], [\"piston\", \"pin\"]], "
+      "\"initial_displacement\": %.17g}]}]}";
   char buffer[2048];
   double beta = -asin(alpha * sin(theta)); /* the rod's angle */
   snprintf(buffer, sizeof buffer, text, alpha, theta, beta - theta, -beta, alpha * cos(theta) + cos(beta));
@@ -61,7 +66,7 @@ static void slider_crank_closed_form(void **state) {
         assert_near(cell(&sweep, r, columns[k]), rates[k] * rates[k] / sum, 1e-9);
       assert_true(cell(&sweep, r, "residual") <= 1e-12);
     }
-    assert_near(cell(&sweep, 0, "m.x"), 0.0, 1e-12);   /* both dead centres */
+    assert_near(cell(&sweep, 0, "m.x"), 0.0, 1e-12); /* both dead centres */
     assert_near(cell(&sweep, 180, "m.x"), 0.0, 1e-12);
     km_mobility_sweep_free(&sweep);
     fixture_close(&f);
@@ -181,9 +186,12 @@ static void excavator_twins_are_equal(void **state) {
 
 int main(void) {
   const struct CMUnitTest tests[] = {
-      cmocka_unit_test(slider_crank_closed_form),        cmocka_unit_test(long_crank_stops_where_it_must),
-      cmocka_unit_test(equal_crank_passes_its_branch_point), cmocka_unit_test(sarrus_numbers_are_constant),
-      cmocka_unit_test(bricard_square_and_triangle),     cmocka_unit_test(klann_turns_round_on_one_branch),
+      cmocka_unit_test(slider_crank_closed_form),
+      cmocka_unit_test(long_crank_stops_where_it_must),
+      cmocka_unit_test(equal_crank_passes_its_branch_point),
+      cmocka_unit_test(sarrus_numbers_are_constant),
+      cmocka_unit_test(bricard_square_and_triangle),
+      cmocka_unit_test(klann_turns_round_on_one_branch),
       cmocka_unit_test(excavator_twins_are_equal),
   };
   return cmocka_run_group_tests(tests, NULL, NULL);

@@ -21,7 +21,8 @@ static void expect(fixture f, int mobility, int motions, km_motion_kind kind) {
   assert_int_equal(found.motion_count, motions);
   for (int i = 0; i < found.motion_count; ++i) {
     assert_int_equal(found.motions[i].kind, kind);
-    assert_true(kind == KM_MOTION_SHAKY ? found.motions[i].confirmed_length == 0.0 : found.motions[i].confirmed_length > 0.01);
+    assert_true(kind == KM_MOTION_SHAKY ? found.motions[i].confirmed_length == 0.0
+                                        : found.motions[i].confirmed_length > 0.01);
   }
   km_mobility mobility_there; /* the state is where it was */
   km_mobility_update(f.mechanism, f.state, &mobility_there);
@@ -35,8 +36,9 @@ static void regular_models(void **state) {
   static const struct {
     const char *name;
     int mobility, listed;
-  } models[] = {{"fourbar", 1, 1}, {"brake", 1, 1},   {"klann", 1, 1},  {"excavator", 4, 3}, {"bennett", 1, 1},
-                {"bricard", 1, 1}, {"sarrus3", 1, 1}, {"sarrus4", 1, 1}, {"stewart", 6, 6},   {"delta", 3, 3}, {"panda", 7, 0}};
+  } models[] = {{"fourbar", 1, 1}, {"brake", 1, 1},   {"klann", 1, 1},   {"excavator", 4, 3},
+                {"bennett", 1, 1}, {"bricard", 1, 1}, {"sarrus3", 1, 1}, {"sarrus4", 1, 1},
+                {"stewart", 6, 6}, {"delta", 3, 3},   {"panda", 7, 0}};
   for (size_t i = 0; i < sizeof models / sizeof *models; ++i)
     expect(fixture_open(models[i].name), models[i].mobility, models[i].listed, KM_MOTION_REGULAR);
 }
@@ -57,16 +59,22 @@ static void bricard_in_its_plane(void **state) {
 /* A planar chain of hinges between two fixed points: `angles` are the joints', `lengths` the links'. */
 static fixture chain(int links, const double *lengths, const double *angles, double distance) {
   km_text t = {0};
-  km_text_format(&t, "{\"fixed\": {\"frames\": [{\"name\": \"p\", \"T\": [%.17g, 0, 0]}]}, \"assemblies\": [{\"name\": \"a\", \"bodies\": [", distance);
+  km_text_format(&t,
+                 "{\"fixed\": {\"frames\": [{\"name\": \"p\", \"T\": [%.17g, 0, 0]}]}, \"assemblies\": [{\"name\": "
+                 "\"a\", \"bodies\": [",
+                 distance);
   for (int i = 0; i < links; ++i)
-    km_text_format(&t, "%s{\"name\": \"b%d\", \"frames\": [{\"name\": \"t\", \"T\": [%.17g, 0, 0]}]}", i ? ", " : "", i, lengths[i]);
+    km_text_format(&t, "%s{\"name\": \"b%d\", \"frames\": [{\"name\": \"t\", \"T\": [%.17g, 0, 0]}]}", i ? ", " : "", i,
+                   lengths[i]);
   km_text_add(&t, "], \"joints\": [");
   for (int i = 0; i <= links; ++i) {
     char parent[32], child[32];
     snprintf(parent, sizeof parent, i ? "\"b%d\", \"t\"" : "\"fixed\"", i - 1);
     snprintf(child, sizeof child, i < links ? "\"b%d\"" : "\"fixed\", \"p\"", i);
-    km_text_format(&t, "%s{\"name\": \"J%d\", \"type\": \"Rz\", \"body_frame_pairs\": [[%s], [%s]], \"initial_displacement\": %.17g}",
-                   i ? ", " : "", i, parent, child, angles[i]);
+    km_text_format(
+        &t,
+        "%s{\"name\": \"J%d\", \"type\": \"Rz\", \"body_frame_pairs\": [[%s], [%s]], \"initial_displacement\": %.17g}",
+        i ? ", " : "", i, parent, child, angles[i]);
   }
   km_text_add(&t, "]}]}");
   fixture f = fixture_read(t.data);
@@ -84,7 +92,8 @@ static void collinear_bars_shake(void **state) {
 
 static void a_truss_stands(void **state) {
   (void)state;
-  expect(chain(2, (const double[]){1, 1}, (const double[]){M_PI / 3, -2 * M_PI / 3, M_PI / 3}, 1.0), 0, 0, KM_MOTION_REGULAR);
+  expect(chain(2, (const double[]){1, 1}, (const double[]){M_PI / 3, -2 * M_PI / 3, M_PI / 3}, 1.0), 0, 0,
+         KM_MOTION_REGULAR);
 }
 
 /* A parallelogram laid flat: two motions meet, each of one freedom. */

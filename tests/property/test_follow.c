@@ -7,7 +7,8 @@
 #include <string.h>
 
 static km_mobility_sweep follow(fixture *f, double length, int steps, bool cycle) {
-  km_sweep_plan plan = {.coordinate = -1, .steps = steps, .arclength = length, .direction = -1, .sign = 1.0, .cycle = cycle};
+  km_sweep_plan plan = {
+      .coordinate = -1, .steps = steps, .arclength = length, .direction = -1, .sign = 1.0, .cycle = cycle};
   km_mobility_sweep sweep;
   km_error error = {0};
   km_status status = km_mobility_sweep_run(f->mechanism, f->state, &plan, &sweep, &error);
@@ -60,13 +61,18 @@ static void length_is_a_property_of_the_motion(void **state) {
 static void parallelogram_branches(void **state) {
   (void)state;
   static const char text[] =
-      "{\"fixed\": {\"frames\": [{\"name\": \"p\", \"T\": [2, 0, 0]}]}, \"assemblies\": [{\"name\": \"a\", \"bodies\": ["
-      "{\"name\": \"l\", \"frames\": [{\"name\": \"t\", \"T\": [1, 0, 0]}]}, {\"name\": \"c\", \"frames\": [{\"name\": \"t\", \"T\": [2, 0, 0]}]},"
+      "{\"fixed\": {\"frames\": [{\"name\": \"p\", \"T\": [2, 0, 0]}]}, \"assemblies\": [{\"name\": \"a\", \"bodies\": "
+      "["
+      "{\"name\": \"l\", \"frames\": [{\"name\": \"t\", \"T\": [1, 0, 0]}]}, {\"name\": \"c\", \"frames\": [{\"name\": "
+      "\"t\", \"T\": [2, 0, 0]}]},"
       "{\"name\": \"r\", \"frames\": [{\"name\": \"t\", \"T\": [1, 0, 0]}]}], \"joints\": ["
       "{\"name\": \"A\", \"type\": \"Rz\", \"body_frame_pairs\": [\"fixed\", \"l\"], \"initial_displacement\": 1},"
-      "{\"name\": \"B\", \"type\": \"Rz\", \"body_frame_pairs\": [[\"l\", \"t\"], \"c\"], \"initial_displacement\": -1},"
-      "{\"name\": \"C\", \"type\": \"Rz\", \"body_frame_pairs\": [[\"c\", \"t\"], [\"r\", \"t\"]], \"initial_displacement\": 1},"
-      "{\"name\": \"D\", \"type\": \"Rz\", \"body_frame_pairs\": [[\"fixed\", \"p\"], \"r\"], \"initial_displacement\": 1}]}]}";
+      "{\"name\": \"B\", \"type\": \"Rz\", \"body_frame_pairs\": [[\"l\", \"t\"], \"c\"], \"initial_displacement\": "
+      "-1},"
+      "{\"name\": \"C\", \"type\": \"Rz\", \"body_frame_pairs\": [[\"c\", \"t\"], [\"r\", \"t\"]], "
+      "\"initial_displacement\": 1},"
+      "{\"name\": \"D\", \"type\": \"Rz\", \"body_frame_pairs\": [[\"fixed\", \"p\"], \"r\"], "
+      "\"initial_displacement\": 1}]}]}";
   fixture f = fixture_read(text);
   km_mobility_sweep sweep = follow(&f, 0.1, 1000, true);
   assert_near(sweep.cycle, 4.0 * M_PI, 1e-9);
@@ -100,7 +106,8 @@ static void toggles_are_passed(void **state) {
 }
 
 int main(void) {
-  const struct CMUnitTest tests[] = {cmocka_unit_test(cycles_close), cmocka_unit_test(length_is_a_property_of_the_motion),
+  const struct CMUnitTest tests[] = {cmocka_unit_test(cycles_close),
+                                     cmocka_unit_test(length_is_a_property_of_the_motion),
                                      cmocka_unit_test(parallelogram_branches), cmocka_unit_test(toggles_are_passed)};
   return cmocka_run_group_tests(tests, NULL, NULL);
 }

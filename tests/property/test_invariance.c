@@ -86,7 +86,8 @@ static void assert_same(fixture *a, fixture *b, const char *driver, double toler
 /* The joint that the model sweeps, where it has one freedom to sweep with. */
 static const char *driver_of(const fixture *f, const char *name) {
   bool several = strcmp(name, "stewart") == 0 || strcmp(name, "delta") == 0;
-  return several || f->model->sweep.coordinate < 0 ? NULL : km_model_coordinate_label(f->model, f->model->sweep.coordinate);
+  return several || f->model->sweep.coordinate < 0 ? NULL
+                                                   : km_model_coordinate_label(f->model, f->model->sweep.coordinate);
 }
 
 static void compare(const char *name, edit *e, bool driven, double tolerance) {
@@ -258,8 +259,10 @@ static void units_do_not_matter(void **state) {
       fixture b = fixture_read(text.data);
       assert_same(&a, &b, NULL, 1e-10);
       for (int c = 0; c < a.model->coordinate_count; ++c) {
-        double in_b = b.state->q[c] * (km_joint_is_length(a.model->joints[a.model->coordinates[c].joint].type, a.model->coordinates[c].index)
-                                           ? units.length->si / a.model->units.length->si : 1.0);
+        double in_b = b.state->q[c] * (km_joint_is_length(a.model->joints[a.model->coordinates[c].joint].type,
+                                                          a.model->coordinates[c].index)
+                                           ? units.length->si / a.model->units.length->si
+                                           : 1.0);
         assert_near(in_b, a.state->q[c], 1e-12 * (1.0 + fabs(a.state->q[c])));
       }
       km_free(q);
@@ -272,8 +275,8 @@ static void units_do_not_matter(void **state) {
 }
 
 int main(void) {
-  const struct CMUnitTest tests[] = {
-      cmocka_unit_test(order_does_not_matter), cmocka_unit_test(senses_do_not_matter),
-      cmocka_unit_test(the_inertial_frame_does_not_matter), cmocka_unit_test(units_do_not_matter)};
+  const struct CMUnitTest tests[] = {cmocka_unit_test(order_does_not_matter), cmocka_unit_test(senses_do_not_matter),
+                                     cmocka_unit_test(the_inertial_frame_does_not_matter),
+                                     cmocka_unit_test(units_do_not_matter)};
   return cmocka_run_group_tests(tests, NULL, NULL);
 }

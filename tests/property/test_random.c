@@ -26,11 +26,12 @@ static const double pitch = 0.3;
 static void add_frame(maker *m, int body, const char *end, const km_pose *X) {
   const km_vec3 *a = X->R.axis;
   km_text *out = &m->frames[body];
-  km_text_format(out,
-                 "%s{\"name\": \"%s%d\", \"T\": [%.17g, %.17g, %.17g], \"R\": [[%.17g, %.17g, %.17g], [%.17g, %.17g, %.17g], "
-                 "[%.17g, %.17g, %.17g]]}",
-                 out->size ? ", " : "", end, m->joint_count, X->p.x, X->p.y, X->p.z, a[0].x, a[1].x, a[2].x, a[0].y, a[1].y,
-                 a[2].y, a[0].z, a[1].z, a[2].z);
+  km_text_format(
+      out,
+      "%s{\"name\": \"%s%d\", \"T\": [%.17g, %.17g, %.17g], \"R\": [[%.17g, %.17g, %.17g], [%.17g, %.17g, %.17g], "
+      "[%.17g, %.17g, %.17g]]}",
+      out->size ? ", " : "", end, m->joint_count, X->p.x, X->p.y, X->p.z, a[0].x, a[1].x, a[2].x, a[0].y, a[1].y,
+      a[2].y, a[0].z, a[1].z, a[2].z);
 }
 
 static const char *body_name(int body, char out[8]) {
@@ -50,7 +51,8 @@ static km_pose add_joint(maker *m, int parent, int child, km_joint_type type) {
     km_pose motion = km_motion_pose(kind->motions[i], pitch / (2.0 * M_PI), &q[k]);
     X = km_pose_product(&X, &motion);
   }
-  km_text_format(&m->joints, "%s{\"name\": \"j%d\", \"type\": \"%s\", \"body_frame_pairs\": [[\"%s\", \"p%d\"], [\"%s\", \"c%d\"]]",
+  km_text_format(&m->joints,
+                 "%s{\"name\": \"j%d\", \"type\": \"%s\", \"body_frame_pairs\": [[\"%s\", \"p%d\"], [\"%s\", \"c%d\"]]",
                  m->joint_count ? ", " : "", m->joint_count, kind->word, body_name(parent, p), m->joint_count,
                  body_name(child, c), m->joint_count);
   if (type == KM_SCREW)
@@ -134,14 +136,29 @@ static void on_random_mechanisms(law check) {
   }
 }
 
-static void jacobian(void **state) { (void)state; on_random_mechanisms(law_jacobian); }
-static void null_space(void **state) { (void)state; on_random_mechanisms(law_null_space); }
-static void numbers(void **state) { (void)state; on_random_mechanisms(law_numbers); }
-static void forced(void **state) { (void)state; on_random_mechanisms(law_forced); }
-static void twists(void **state) { (void)state; on_random_mechanisms(law_twists); }
+static void jacobian(void **state) {
+  (void)state;
+  on_random_mechanisms(law_jacobian);
+}
+static void null_space(void **state) {
+  (void)state;
+  on_random_mechanisms(law_null_space);
+}
+static void numbers(void **state) {
+  (void)state;
+  on_random_mechanisms(law_numbers);
+}
+static void forced(void **state) {
+  (void)state;
+  on_random_mechanisms(law_forced);
+}
+static void twists(void **state) {
+  (void)state;
+  on_random_mechanisms(law_twists);
+}
 
 int main(void) {
-  const struct CMUnitTest tests[] = {cmocka_unit_test(jacobian), cmocka_unit_test(null_space), cmocka_unit_test(numbers),
-                                     cmocka_unit_test(forced), cmocka_unit_test(twists)};
+  const struct CMUnitTest tests[] = {cmocka_unit_test(jacobian), cmocka_unit_test(null_space),
+                                     cmocka_unit_test(numbers), cmocka_unit_test(forced), cmocka_unit_test(twists)};
   return cmocka_run_group_tests(tests, NULL, NULL);
 }

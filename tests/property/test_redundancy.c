@@ -67,8 +67,8 @@ static fixture swapped(const char *name, const fixture *f, const km_remedy *reme
       joint = j;
   assert_non_null(joint);
   for (km_value *v = joint->first; v; v = v->next) {
-    if (strcmp(v->key, "initial_displacement") == 0 || strcmp(v->key, "limits") == 0 || strcmp(v->key, "damping") == 0 ||
-        strcmp(v->key, "initial_velocity") == 0)
+    if (strcmp(v->key, "initial_displacement") == 0 || strcmp(v->key, "limits") == 0 ||
+        strcmp(v->key, "damping") == 0 || strcmp(v->key, "initial_velocity") == 0)
       v->key = v->key[0] == 'd' ? "old_d" : v->key[0] == 'l' ? "old_l" : v->key[8] == 'd' ? "old_id" : "old_iv";
     if (strcmp(v->key, "type") == 0)
       v->string = remedy->to;

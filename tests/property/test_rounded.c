@@ -21,11 +21,12 @@ static km_pose random_pose(randomness *r, double size) {
 
 static void write_frame(km_text *out, const char *name, int index, const km_pose *X) {
   const km_vec3 *a = X->R.axis;
-  km_text_format(out,
-                 "{\"name\": \"%s%d\", \"T\": [%.17g, %.17g, %.17g], \"R\": [[%.17g, %.17g, %.17g], [%.17g, %.17g, %.17g], "
-                 "[%.17g, %.17g, %.17g]]}",
-                 name, index, cut(X->p.x), cut(X->p.y), cut(X->p.z), cut(a[0].x), cut(a[1].x), cut(a[2].x), cut(a[0].y),
-                 cut(a[1].y), cut(a[2].y), cut(a[0].z), cut(a[1].z), cut(a[2].z));
+  km_text_format(
+      out,
+      "{\"name\": \"%s%d\", \"T\": [%.17g, %.17g, %.17g], \"R\": [[%.17g, %.17g, %.17g], [%.17g, %.17g, %.17g], "
+      "[%.17g, %.17g, %.17g]]}",
+      name, index, cut(X->p.x), cut(X->p.y), cut(X->p.z), cut(a[0].x), cut(a[1].x), cut(a[2].x), cut(a[0].y),
+      cut(a[1].y), cut(a[2].y), cut(a[0].z), cut(a[1].z), cut(a[2].z));
 }
 
 /* Would the reader still take the cut matrix for a rotation? Six digits come close to what it allows. */
@@ -69,7 +70,8 @@ static char *rounded(const fixture *f, randomness *r, double tolerance) {
     if (b == 0)
       km_text_add(&out, "}, \"fixed\": {\"frames\": [");
     else
-      km_text_format(&out, "%s{\"name\": \"b%d\", \"frames\": [", b > 1 ? ", " : "]}, \"assemblies\": [{\"name\": \"a\", \"bodies\": [", b);
+      km_text_format(&out, "%s{\"name\": \"b%d\", \"frames\": [",
+                     b > 1 ? ", " : "]}, \"assemblies\": [{\"name\": \"a\", \"bodies\": [", b);
     int written = 0;
     for (int j = 0; j < model->joint_count; ++j) {
       for (int end = 0; end < 2; ++end) {
@@ -93,8 +95,9 @@ static char *rounded(const fixture *f, randomness *r, double tolerance) {
       snprintf(parent, sizeof parent, "b%d", pb);
     if (cb)
       snprintf(child, sizeof child, "b%d", cb);
-    km_text_format(&out, "%s{\"name\": \"%s\", \"type\": \"%s\", \"body_frame_pairs\": [[\"%s\", \"p%d\"], [\"%s\", \"c%d\"]]",
-                   j ? ", " : "", joint->name, km_joint_kind_of(joint->type)->word, parent, j, child, j);
+    km_text_format(
+        &out, "%s{\"name\": \"%s\", \"type\": \"%s\", \"body_frame_pairs\": [[\"%s\", \"p%d\"], [\"%s\", \"c%d\"]]",
+        j ? ", " : "", joint->name, km_joint_kind_of(joint->type)->word, parent, j, child, j);
     if (km_model_freedom(model, j) == 1)
       km_text_format(&out, ", \"initial_displacement\": %.17g", cut(f->state->q[joint->first_coordinate]));
     km_text_add(&out, "}");

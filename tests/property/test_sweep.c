@@ -81,7 +81,8 @@ static void same_input_same_bits(void **state) {
   for (const char *const *name = all_models; *name; ++name) {
     km_mobility_sweep a = run(*name, 30, 0.2, 0.4, false), b = run(*name, 30, 0.2, 0.4, false);
     for (size_t r = 0; r < km_table_rows(a.table); ++r)
-      assert_memory_equal(km_table_row(a.table, r), km_table_row(b.table, r), km_table_columns(a.table) * sizeof(double));
+      assert_memory_equal(km_table_row(a.table, r), km_table_row(b.table, r),
+                          km_table_columns(a.table) * sizeof(double));
     km_mobility_sweep_free(&a);
     km_mobility_sweep_free(&b);
   }
@@ -91,13 +92,18 @@ static void same_input_same_bits(void **state) {
 static void ends_are_located(void **state) {
   (void)state;
   static const char text[] =
-      "{\"fixed\": {\"frames\": [{\"name\": \"p\", \"T\": [4, 0, 0]}]}, \"assemblies\": [{\"name\": \"a\", \"bodies\": ["
-      "{\"name\": \"l\", \"frames\": [{\"name\": \"t\", \"T\": [3, 0, 0]}]}, {\"name\": \"c\", \"frames\": [{\"name\": \"t\", \"T\": [2, 0, 0]}]},"
+      "{\"fixed\": {\"frames\": [{\"name\": \"p\", \"T\": [4, 0, 0]}]}, \"assemblies\": [{\"name\": \"a\", \"bodies\": "
+      "["
+      "{\"name\": \"l\", \"frames\": [{\"name\": \"t\", \"T\": [3, 0, 0]}]}, {\"name\": \"c\", \"frames\": [{\"name\": "
+      "\"t\", \"T\": [2, 0, 0]}]},"
       "{\"name\": \"r\", \"frames\": [{\"name\": \"t\", \"T\": [2.5, 0, 0]}]}], \"joints\": ["
       "{\"name\": \"A\", \"type\": \"Rz\", \"body_frame_pairs\": [\"fixed\", \"l\"], \"initial_displacement\": 0.9%s},"
-      "{\"name\": \"B\", \"type\": \"Rz\", \"body_frame_pairs\": [[\"l\", \"t\"], \"c\"], \"initial_displacement\": -1.0},"
-      "{\"name\": \"C\", \"type\": \"Rz\", \"body_frame_pairs\": [[\"c\", \"t\"], [\"r\", \"t\"]], \"initial_displacement\": 2.0},"
-      "{\"name\": \"D\", \"type\": \"Rz\", \"body_frame_pairs\": [[\"fixed\", \"p\"], \"r\"], \"initial_displacement\": 2.0}]}]}";
+      "{\"name\": \"B\", \"type\": \"Rz\", \"body_frame_pairs\": [[\"l\", \"t\"], \"c\"], \"initial_displacement\": "
+      "-1.0},"
+      "{\"name\": \"C\", \"type\": \"Rz\", \"body_frame_pairs\": [[\"c\", \"t\"], [\"r\", \"t\"]], "
+      "\"initial_displacement\": 2.0},"
+      "{\"name\": \"D\", \"type\": \"Rz\", \"body_frame_pairs\": [[\"fixed\", \"p\"], \"r\"], "
+      "\"initial_displacement\": 2.0}]}]}";
   char buffer[2048];
   for (int limited = 0; limited < 2; ++limited) {
     snprintf(buffer, sizeof buffer, text, limited ? ", \"limits\": [0.4, 1.1]" : "");
@@ -109,7 +115,7 @@ static void ends_are_located(void **state) {
     assert_int_equal(reach.stop, limited ? KM_STOP_LIMIT : KM_STOP_TOGGLE);
     assert_near(reach.position, limited ? fmin(1.1, stretched) : stretched, 1e-9);
     assert_int_equal(km_drive_to(drive, 3.0).stop, reach.stop); /* no further the second time */
-    reach = km_drive_to(drive, 0.41); /* and back again */
+    reach = km_drive_to(drive, 0.41);                           /* and back again */
     assert_int_equal(reach.stop, KM_STOP_NONE);
     assert_near(km_state_coordinate(f.state, 0), 0.41, 0.0);
     km_drive_free(drive);
@@ -121,13 +127,18 @@ static void ends_are_located(void **state) {
 static void parallelogram_stays_one(void **state) {
   (void)state;
   static const char text[] =
-      "{\"fixed\": {\"frames\": [{\"name\": \"p\", \"T\": [2, 0, 0]}]}, \"assemblies\": [{\"name\": \"a\", \"bodies\": ["
-      "{\"name\": \"l\", \"frames\": [{\"name\": \"t\", \"T\": [1, 0, 0]}]}, {\"name\": \"c\", \"frames\": [{\"name\": \"t\", \"T\": [2, 0, 0]}]},"
+      "{\"fixed\": {\"frames\": [{\"name\": \"p\", \"T\": [2, 0, 0]}]}, \"assemblies\": [{\"name\": \"a\", \"bodies\": "
+      "["
+      "{\"name\": \"l\", \"frames\": [{\"name\": \"t\", \"T\": [1, 0, 0]}]}, {\"name\": \"c\", \"frames\": [{\"name\": "
+      "\"t\", \"T\": [2, 0, 0]}]},"
       "{\"name\": \"r\", \"frames\": [{\"name\": \"t\", \"T\": [1, 0, 0]}]}], \"joints\": ["
       "{\"name\": \"A\", \"type\": \"Rz\", \"body_frame_pairs\": [\"fixed\", \"l\"], \"initial_displacement\": 1},"
-      "{\"name\": \"B\", \"type\": \"Rz\", \"body_frame_pairs\": [[\"l\", \"t\"], \"c\"], \"initial_displacement\": -1},"
-      "{\"name\": \"C\", \"type\": \"Rz\", \"body_frame_pairs\": [[\"c\", \"t\"], [\"r\", \"t\"]], \"initial_displacement\": 1},"
-      "{\"name\": \"D\", \"type\": \"Rz\", \"body_frame_pairs\": [[\"fixed\", \"p\"], \"r\"], \"initial_displacement\": 1}]}]}";
+      "{\"name\": \"B\", \"type\": \"Rz\", \"body_frame_pairs\": [[\"l\", \"t\"], \"c\"], \"initial_displacement\": "
+      "-1},"
+      "{\"name\": \"C\", \"type\": \"Rz\", \"body_frame_pairs\": [[\"c\", \"t\"], [\"r\", \"t\"]], "
+      "\"initial_displacement\": 1},"
+      "{\"name\": \"D\", \"type\": \"Rz\", \"body_frame_pairs\": [[\"fixed\", \"p\"], \"r\"], "
+      "\"initial_displacement\": 1}]}]}";
   for (int steps = 30; steps < 40; ++steps) {
     fixture f = fixture_read(text);
     km_sweep_plan plan = {.coordinate = 0, .from = -2.0 * M_PI, .to = 2.0 * M_PI, .steps = steps};
@@ -162,9 +173,12 @@ static void a_sweep_can_be_cancelled(void **state) {
 
 int main(void) {
   const struct CMUnitTest tests[] = {
-      cmocka_unit_test(rows_do_not_depend_on_steps),   cmocka_unit_test(least_motion_converges),
-      cmocka_unit_test(the_way_back_is_the_way_there), cmocka_unit_test(same_input_same_bits),
-      cmocka_unit_test(ends_are_located),              cmocka_unit_test(parallelogram_stays_one),
+      cmocka_unit_test(rows_do_not_depend_on_steps),
+      cmocka_unit_test(least_motion_converges),
+      cmocka_unit_test(the_way_back_is_the_way_there),
+      cmocka_unit_test(same_input_same_bits),
+      cmocka_unit_test(ends_are_located),
+      cmocka_unit_test(parallelogram_stays_one),
       cmocka_unit_test(a_sweep_can_be_cancelled),
   };
   return cmocka_run_group_tests(tests, NULL, NULL);

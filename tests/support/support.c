@@ -6,8 +6,9 @@
 #include <lapacke.h>
 #include <string.h>
 
-const char *const all_models[] = {"fourbar", "slider_crank", "bricard", "sarrus3", "sarrus4", "klann", "excavator", "brake",
-                                  "bennett", "stewart", "delta",   "robot7r", "panda",   "iiwa14", NULL};
+const char *const all_models[] = {"fourbar", "slider_crank", "bricard", "sarrus3", "sarrus4",
+                                  "klann",   "excavator",    "brake",   "bennett", "stewart",
+                                  "delta",   "robot7r",      "panda",   "iiwa14",  NULL};
 
 char *read_model_text(const char *name) {
   km_text path = {0}, text = {0};
@@ -67,7 +68,9 @@ double uniform(randomness *r, double low, double high) {
   return low + (high - low) * ((double)(next(r) >> 11) * 0x1p-53);
 }
 
-int below(randomness *r, int count) { return (int)(next(r) % (uint64_t)count); }
+int below(randomness *r, int count) {
+  return (int)(next(r) % (uint64_t)count);
+}
 
 static void drive_a_bit(fixture *f, int coordinate, double by) {
   km_drive *drive;
@@ -141,7 +144,8 @@ double *whole_jacobian(const fixture *f, int substructure, int *rows) {
     int loop = t->loop[t->loop_start[substructure] + i];
     for (int k = t->member_start[loop]; k < t->member_start[loop + 1]; ++k) {
       const km_joint_def *joint = &f->model->joints[t->member[k].joint];
-      for (int c = joint->first_coordinate; c < joint->first_coordinate + km_model_freedom(f->model, t->member[k].joint); ++c) {
+      for (int c = joint->first_coordinate;
+           c < joint->first_coordinate + km_model_freedom(f->model, t->member[k].joint); ++c) {
         if (m->column_of[c] < 0)
           continue;
         km_twist h = column_in_space(f, c);

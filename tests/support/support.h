@@ -25,11 +25,11 @@ typedef struct fixture {
 /* Models of models/, without ending; NULL at the end. */
 extern const char *const all_models[];
 
-fixture fixture_open(const char *name);            /* models/NAME.json */
-fixture fixture_read(const char *json);            /* text */
-fixture fixture_of(km_model *model);               /* takes the model */
+fixture fixture_open(const char *name); /* models/NAME.json */
+fixture fixture_read(const char *json); /* text */
+fixture fixture_of(km_model *model);    /* takes the model */
 void fixture_close(fixture *f);
-char *read_model_text(const char *name);           /* the caller frees it (km_free) */
+char *read_model_text(const char *name); /* the caller frees it (km_free) */
 
 /* |a − b| ≤ tolerance, and neither is NaN. */
 #define assert_near(a, b, tolerance) assert_near_at((a), (b), (tolerance), #a, __FILE__, __LINE__)

@@ -60,7 +60,8 @@ static const km_value *parse(const char *text, km_arena *arena) {
 
 static void json_comes_back(void **state) {
   (void)state;
-  const char *text = "\xEF\xBB\xBF{\"a\": [1, 2.5, -3e-7], \"b\\\"\\n\": {\"c\": null, \"d\": true}, \"e\": \"ä\\u0007\"}";
+  const char *text =
+      "\xEF\xBB\xBF{\"a\": [1, 2.5, -3e-7], \"b\\\"\\n\": {\"c\": null, \"d\": true}, \"e\": \"ä\\u0007\"}";
   km_arena arena = {0};
   km_text first = {0}, second = {0};
   km_json_write(parse(text, &arena), &first);
@@ -74,7 +75,8 @@ static void json_comes_back(void **state) {
 
 static void bad_json_has_a_place(void **state) {
   (void)state;
-  static const char *const bad[] = {"", "{", "[1,", "{\"a\": 1, \"a\": 2}", "[NaN]", "[1e999]", "[01]", "\"\\u0000\"", "[1] x"};
+  static const char *const bad[] = {"",     "{",           "[1,",  "{\"a\": 1, \"a\": 2}", "[NaN]", "[1e999]",
+                                    "[01]", "\"\\u0000\"", "[1] x"};
   for (size_t i = 0; i < sizeof bad / sizeof *bad; ++i) {
     km_arena arena = {0};
     const km_value *root;
@@ -116,9 +118,12 @@ static void messages_stop_at_twenty_errors(void **state) {
 
 int main(void) {
   const struct CMUnitTest tests[] = {
-      cmocka_unit_test(numbers_are_shortest_and_exact), cmocka_unit_test(names_keep_their_scopes),
-      cmocka_unit_test(json_comes_back),                cmocka_unit_test(bad_json_has_a_place),
-      cmocka_unit_test(csv_quotes_what_needs_it),       cmocka_unit_test(messages_stop_at_twenty_errors),
+      cmocka_unit_test(numbers_are_shortest_and_exact),
+      cmocka_unit_test(names_keep_their_scopes),
+      cmocka_unit_test(json_comes_back),
+      cmocka_unit_test(bad_json_has_a_place),
+      cmocka_unit_test(csv_quotes_what_needs_it),
+      cmocka_unit_test(messages_stop_at_twenty_errors),
   };
   return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -16,11 +16,8 @@ const char *__lsan_default_suppressions(void) {
 
 static km_drawing drawing_of(fixture *f) {
   km_poses_update(f->mechanism, f->state);
-  return (km_drawing){.mechanism = f->mechanism,
-                      .poses = f->state->pose,
-                      .pose_count = 1,
-                      .title = "title",
-                      .name = "name"};
+  return (km_drawing){
+      .mechanism = f->mechanism, .poses = f->state->pose, .pose_count = 1, .title = "title", .name = "name"};
 }
 
 static void render(const km_drawing *drawing, km_canvas_format format, km_text *out) {
@@ -106,40 +103,18 @@ static void what_lies_in_front_comes_last(void **state) {
   km_studio studio = {.drawing = &drawing, .place = {0, 0, 400, 300}};
   assert_true(km_studio_open(&studio));
   km_spot crossed[2][2] = {{{0, 0, 0}, {10, 10, 10}}, {{0, 10, 100}, {10, 0, -92}}};
-  km_item items[2] = {{.kind = KM_ITEM_BAR,
-                       .joint = -1,
-                       .body = 1,
-                       .spots = crossed[0],
-                       .count = 2,
-                       .depth = 5,
-                       .reach = 1},
-                      {.kind = KM_ITEM_BAR,
-                       .joint = -1,
-                       .body = 2,
-                       .spots = crossed[1],
-                       .count = 2,
-                       .depth = 4,
-                       .reach = 1}};
+  km_item items[2] = {
+      {.kind = KM_ITEM_BAR, .joint = -1, .body = 1, .spots = crossed[0], .count = 2, .depth = 5, .reach = 1},
+      {.kind = KM_ITEM_BAR, .joint = -1, .body = 2, .spots = crossed[1], .count = 2, .depth = 4, .reach = 1}};
   /* They cross where both are at about 5 and 4: body 2 lies behind, and mean depths agree. */
-  km_scene scene = {
-      .mechanism = f.mechanism, .view = &studio.view, .arena = &arena, .items = items, .count = 2};
+  km_scene scene = {.mechanism = f.mechanism, .view = &studio.view, .arena = &arena, .items = items, .count = 2};
   km_scene_order(&scene);
   assert_int_equal(scene.items[1].body, 1);
   crossed[1][0].depth = 108; /* now it crosses at 8, in front, although its mean may say less */
-  items[0] = (km_item){.kind = KM_ITEM_BAR,
-                       .joint = -1,
-                       .body = 1,
-                       .spots = crossed[0],
-                       .count = 2,
-                       .depth = 50,
-                       .reach = 1};
-  items[1] = (km_item){.kind = KM_ITEM_BAR,
-                       .joint = -1,
-                       .body = 2,
-                       .spots = crossed[1],
-                       .count = 2,
-                       .depth = 4,
-                       .reach = 1};
+  items[0] =
+      (km_item){.kind = KM_ITEM_BAR, .joint = -1, .body = 1, .spots = crossed[0], .count = 2, .depth = 50, .reach = 1};
+  items[1] =
+      (km_item){.kind = KM_ITEM_BAR, .joint = -1, .body = 2, .spots = crossed[1], .count = 2, .depth = 4, .reach = 1};
   scene.items = items;
   km_scene_order(&scene);
   assert_int_equal(scene.items[1].body, 2);
@@ -162,12 +137,9 @@ static void names_do_not_overlap(void **state) {
   char texts[NAMES][64];
   assert_int_equal(km_canvas_create(KM_CANVAS_SVG, 400, 300, &out, &canvas, NULL), KM_OK);
   for (int i = 0; i < NAMES; ++i) {
-    snprintf(texts[i], sizeof texts[i], "joint %d%s", i,
-             i % 7 ? "" : " with a much longer name than the others have");
-    labels[i] = (km_label){.text = texts[i],
-                           .at = {150 + 9.0 * (i % 10), 120 + 9.0 * (i / 10), 0},
-                           .radius = 3,
-                           .colour = KM_BLACK};
+    snprintf(texts[i], sizeof texts[i], "joint %d%s", i, i % 7 ? "" : " with a much longer name than the others have");
+    labels[i] = (km_label){
+        .text = texts[i], .at = {150 + 9.0 * (i % 10), 120 + 9.0 * (i / 10), 0}, .radius = 3, .colour = KM_BLACK};
   }
   km_projection view = km_view_make(&drawing);
   km_scene scene = {.mechanism = f.mechanism, .view = &view, .arena = &arena};
@@ -178,9 +150,8 @@ static void names_do_not_overlap(void **state) {
     placed += a->placed;
     for (int k = 0; k < i && a->placed; ++k) {
       const km_label *b = &labels[k];
-      assert_false(b->placed && a->box.x < b->box.x + b->size.x &&
-                   b->box.x < a->box.x + a->size.x && a->box.y < b->box.y + b->size.y &&
-                   b->box.y < a->box.y + a->size.y);
+      assert_false(b->placed && a->box.x < b->box.x + b->size.x && b->box.x < a->box.x + a->size.x &&
+                   a->box.y < b->box.y + b->size.y && b->box.y < a->box.y + a->size.y);
     }
   }
   assert_true(placed > NAMES / 2);
@@ -238,8 +209,7 @@ static void thumbnails_of_any_size(void **state) {
     fixture f = fixture_open(all_models[m]);
     km_poses_update(f.mechanism, f.state);
     km_rectangle place = {10 + 120 * (m % 5), 10 + 100 * (m / 5), 110, 90}, tiny = {600, 10, 2, 1};
-    assert_int_equal(km_drawing_into(canvas, f.mechanism, f.state, KM_VIEW_AUTO, place, NULL),
-                     KM_OK);
+    assert_int_equal(km_drawing_into(canvas, f.mechanism, f.state, KM_VIEW_AUTO, place, NULL), KM_OK);
     assert_int_equal(km_drawing_into(canvas, f.mechanism, f.state, KM_VIEW_ISO, tiny, NULL), KM_OK);
     fixture_close(&f);
   }

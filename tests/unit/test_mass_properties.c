@@ -4,7 +4,9 @@
 
 #include <math.h>
 
-static km_vec3 on_sphere(km_vec3 v) { return km_vec3_scale(1.0 / km_vec3_norm(v), v); }
+static km_vec3 on_sphere(km_vec3 v) {
+  return km_vec3_scale(1.0 / km_vec3_norm(v), v);
+}
 
 /* An octahedron, each triangle parted into four `levels` times; vertices repeated, so that welding has work. */
 static km_mesh *sphere(int levels) {
@@ -60,7 +62,8 @@ static void a_cylinder(void **state) {
   static const int sides[] = {3, 5, 64, 4096};
   for (int i = 0; i < 4; ++i) {
     int n = sides[i];
-    double angle = 2.0 * solid_pi / n, area = 0.5 * n * r * r * sin(angle), polar = area * r * r / 6.0 * (2.0 + cos(angle));
+    double angle = 2.0 * solid_pi / n, area = 0.5 * n * r * r * sin(angle),
+           polar = area * r * r / 6.0 * (2.0 + cos(angle));
     double across = h * polar / 2.0 + area * h * h * h / 12.0;
     km_mesh *m = solid_prism(n, r, h, 0.3);
     km_mass_properties p = solid_weigh(m);
@@ -115,7 +118,9 @@ static void far_away(void **state) {
   km_mesh_free(m);
 }
 
-static void turn_round(km_triangle *t) { *t = (km_triangle){{t->corner[0], t->corner[2], t->corner[1]}}; }
+static void turn_round(km_triangle *t) {
+  *t = (km_triangle){{t->corner[0], t->corner[2], t->corner[1]}};
+}
 
 static void inside_out(void **state) {
   (void)state;
@@ -168,8 +173,9 @@ static void no_volume(void **state) {
 
 int main(void) {
   const struct CMUnitTest tests[] = {
-      cmocka_unit_test(a_box),      cmocka_unit_test(a_cylinder), cmocka_unit_test(a_sphere),  cmocka_unit_test(far_away),
-      cmocka_unit_test(inside_out), cmocka_unit_test(faults),     cmocka_unit_test(no_volume),
+      cmocka_unit_test(a_box),     cmocka_unit_test(a_cylinder), cmocka_unit_test(a_sphere),
+      cmocka_unit_test(far_away),  cmocka_unit_test(inside_out), cmocka_unit_test(faults),
+      cmocka_unit_test(no_volume),
   };
   return cmocka_run_group_tests_name("mass_properties", tests, NULL, NULL);
 }

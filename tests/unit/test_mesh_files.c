@@ -51,13 +51,15 @@ static void put_obj(const km_mesh *m, const char *name) {
 
 static void put_ply(const km_mesh *m, const char *name) {
   km_text text = {0};
-  km_text_format(&text, "ply\nformat ascii 1.0\nelement vertex %d\nproperty float x\nproperty float y\nproperty float z\n"
-                        "element face %d\nproperty list uchar int vertex_indices\nend_header\n",
+  km_text_format(&text,
+                 "ply\nformat ascii 1.0\nelement vertex %d\nproperty float x\nproperty float y\nproperty float z\n"
+                 "element face %d\nproperty list uchar int vertex_indices\nend_header\n",
                  m->vertex_count, m->triangle_count);
   for (int i = 0; i < m->vertex_count; ++i)
     km_text_format(&text, "%.9g %.9g %.9g\n", m->vertices[i].x, m->vertices[i].y, m->vertices[i].z);
   for (int t = 0; t < m->triangle_count; ++t)
-    km_text_format(&text, "3 %d %d %d\n", m->triangles[t].corner[0], m->triangles[t].corner[1], m->triangles[t].corner[2]);
+    km_text_format(&text, "3 %d %d %d\n", m->triangles[t].corner[0], m->triangles[t].corner[1],
+                   m->triangles[t].corner[2]);
   put(name, &text);
 }
 
@@ -101,9 +103,12 @@ static km_status load(const char *mesh, km_model **out, km_error *error) {
   char path[64];
   km_text text = {0};
   km_text_format(&text,
-                 "{\"model_parameters\": {\"units\": {\"length\": \"millimeters\", \"mass\": \"grams\"}}, \"assemblies\": [{\"name\": \"a\","
-                 " \"bodies\": [{\"name\": \"b\", \"definition\": [\"%s\"], \"density\": 0.5}], \"joints\": [{\"name\": \"J\", \"type\": \"Rz\","
-                 " \"body_frame_pairs\": [\"fixed\", \"b\"]}]}]}", mesh);
+                 "{\"model_parameters\": {\"units\": {\"length\": \"millimeters\", \"mass\": \"grams\"}}, "
+                 "\"assemblies\": [{\"name\": \"a\","
+                 " \"bodies\": [{\"name\": \"b\", \"definition\": [\"%s\"], \"density\": 0.5}], \"joints\": "
+                 "[{\"name\": \"J\", \"type\": \"Rz\","
+                 " \"body_frame_pairs\": [\"fixed\", \"b\"]}]}]}",
+                 mesh);
   put("m.json", &text);
   snprintf(path, sizeof path, "%s/m.json", folder);
   return km_model_load(path, NULL, out, error);

@@ -10,29 +10,48 @@
 
 /* One of everything. */
 static const char everything[] =
-    "{\"model_parameters\": {\"version\": \"1.0\", \"units\": {\"angle\": \"degrees\", \"length\": \"inches\", \"mass\": \"pounds\","
-    " \"time\": \"milliseconds\", \"force\": \"pounds-force\"}, \"gravity\": [0, 0, -0.000386], \"include_dir\": [\"meshes\"],"
-    " \"closure_tolerance\": 1e-8, \"simulation\": {\"time_span\": 2000, \"time_step\": 3}, \"characteristic_length\": 2},"
-    " \"fixed\": {\"frames\": [{\"name\": \"p\", \"T\": [1, 2, 3]}], \"lights\": [{\"name\": \"sun\", \"Ka\": [1, 1, 1]}]},"
-    " \"assemblies\": [{\"name\": \"left\", \"bodies\": [{\"name\": \"arm\", \"mass\": 2, \"center_of_mass\": [1, 0, 0],"
-    "   \"moment_of_inertia\": {\"Ixx\": 1, \"Iyy\": 2, \"Izz\": 2}, \"frames\": [{\"name\": \"tip\", \"T\": [3, 0, 0]}]},"
+    "{\"model_parameters\": {\"version\": \"1.0\", \"units\": {\"angle\": \"degrees\", \"length\": \"inches\", "
+    "\"mass\": \"pounds\","
+    " \"time\": \"milliseconds\", \"force\": \"pounds-force\"}, \"gravity\": [0, 0, -0.000386], \"include_dir\": "
+    "[\"meshes\"],"
+    " \"closure_tolerance\": 1e-8, \"simulation\": {\"time_span\": 2000, \"time_step\": 3}, \"characteristic_length\": "
+    "2},"
+    " \"fixed\": {\"frames\": [{\"name\": \"p\", \"T\": [1, 2, 3]}], \"lights\": [{\"name\": \"sun\", \"Ka\": [1, 1, "
+    "1]}]},"
+    " \"assemblies\": [{\"name\": \"left\", \"bodies\": [{\"name\": \"arm\", \"mass\": 2, \"center_of_mass\": [1, 0, "
+    "0],"
+    "   \"moment_of_inertia\": {\"Ixx\": 1, \"Iyy\": 2, \"Izz\": 2}, \"frames\": [{\"name\": \"tip\", \"T\": [3, 0, "
+    "0]}]},"
     "  {\"name\": \"slider\"}, {\"name\": \"ball\"}, {\"name\": \"nut\"}],"
-    "  \"joints\": [{\"name\": \"turn\", \"type\": \"Rz\", \"body_frame_pairs\": [[\"fixed\", \"p\"], [\"arm\"]], \"initial_displacement\": 30,"
-    "    \"initial_velocity\": 0.5, \"damping\": 0.1, \"limits\": [-90, 90], \"friction\": {\"coefficient\": 0.2, \"radius\": 0.5, \"stiction_velocity\": 0.001},"
-    "    \"stop\": {\"stiffness\": 10, \"damping\": 1}, \"prescribed\": {\"sine\": {\"offset\": 5, \"amplitude\": 10, \"frequency\": 0.001, \"phase\": 90}}},"
-    "   {\"name\": \"slide\", \"type\": \"Tx\", \"body_frame_pairs\": [[\"arm\", \"tip\"], \"slider\"], \"initial_displacement\": 0.25, \"damping\": 3,"
+    "  \"joints\": [{\"name\": \"turn\", \"type\": \"Rz\", \"body_frame_pairs\": [[\"fixed\", \"p\"], [\"arm\"]], "
+    "\"initial_displacement\": 30,"
+    "    \"initial_velocity\": 0.5, \"damping\": 0.1, \"limits\": [-90, 90], \"friction\": {\"coefficient\": 0.2, "
+    "\"radius\": 0.5, \"stiction_velocity\": 0.001},"
+    "    \"stop\": {\"stiffness\": 10, \"damping\": 1}, \"prescribed\": {\"sine\": {\"offset\": 5, \"amplitude\": 10, "
+    "\"frequency\": 0.001, \"phase\": 90}}},"
+    "   {\"name\": \"slide\", \"type\": \"Tx\", \"body_frame_pairs\": [[\"arm\", \"tip\"], \"slider\"], "
+    "\"initial_displacement\": 0.25, \"damping\": 3,"
     "    \"prescribed\": {\"polynomial\": [0.25, 0.1, 0.01]}},"
-    "   {\"name\": \"round\", \"type\": \"spherical\", \"body_frame_pairs\": [\"slider\", \"ball\"], \"initial_displacement\": [10, 20, 30]},"
-    "   {\"name\": \"thread\", \"type\": \"screw\", \"pitch\": 0.1, \"body_frame_pairs\": [\"arm\", \"nut\"], \"initial_displacement\": 720,"
+    "   {\"name\": \"round\", \"type\": \"spherical\", \"body_frame_pairs\": [\"slider\", \"ball\"], "
+    "\"initial_displacement\": [10, 20, 30]},"
+    "   {\"name\": \"thread\", \"type\": \"screw\", \"pitch\": 0.1, \"body_frame_pairs\": [\"arm\", \"nut\"], "
+    "\"initial_displacement\": 720,"
     "    \"prescribed\": {\"table\": [[0, 720], [10, 710]]}}],"
     "  \"couplings\": [{\"name\": \"gear\", \"joints\": [\"turn\", \"slide\"], \"ratios\": [1, -2]}],"
-    "  \"force_modules\": [{\"name\": \"spring\", \"type\": \"stiffness\", \"input\": {\"type\": \"joint\", \"joint\": \"slide\"}, \"knot_points\": [0.1], \"coefficients\": [[0, -5], [1, -6]]},"
-    "   {\"name\": \"drag\", \"type\": \"damping\", \"input\": {\"type\": \"joint\", \"joint\": \"turn\"}, \"coefficients\": [[0, -5, 0.1]]},"
-    "   {\"name\": \"push\", \"type\": \"motor\", \"output\": {\"type\": \"joint\", \"joint\": \"slide\"}, \"polynomial\": [1, 2]},"
-    "   {\"name\": \"control\", \"type\": \"pid\", \"input\": {\"type\": \"joint\", \"joint\": \"turn\"}, \"reference\": 0.5, \"kp\": 1, \"ki\": 2, \"kd\": 3}]},"
-    " {\"name\": \"right\", \"bodies\": [{\"name\": \"arm\"}], \"joints\": [{\"name\": \"turn\", \"type\": \"Ry\", \"body_frame_pairs\": [[\"left\", \"arm\", \"tip\"], [\"arm\"]]}]}],"
-    " \"analysis\": {\"sweep\": {\"joint\": \"left/turn\", \"range\": [0, 45], \"steps\": 9}, \"actuators\": [\"slide\", [\"right\", \"turn\"]],"
-    "  \"loads\": [{\"name\": \"w\", \"frame\": [\"left\", \"arm\", \"tip\"], \"force\": [0, 0, -5], \"torque\": [1, 0, 0]}], \"hold\": {\"round\": [10, 20, 30]}},"
+    "  \"force_modules\": [{\"name\": \"spring\", \"type\": \"stiffness\", \"input\": {\"type\": \"joint\", \"joint\": "
+    "\"slide\"}, \"knot_points\": [0.1], \"coefficients\": [[0, -5], [1, -6]]},"
+    "   {\"name\": \"drag\", \"type\": \"damping\", \"input\": {\"type\": \"joint\", \"joint\": \"turn\"}, "
+    "\"coefficients\": [[0, -5, 0.1]]},"
+    "   {\"name\": \"push\", \"type\": \"motor\", \"output\": {\"type\": \"joint\", \"joint\": \"slide\"}, "
+    "\"polynomial\": [1, 2]},"
+    "   {\"name\": \"control\", \"type\": \"pid\", \"input\": {\"type\": \"joint\", \"joint\": \"turn\"}, "
+    "\"reference\": 0.5, \"kp\": 1, \"ki\": 2, \"kd\": 3}]},"
+    " {\"name\": \"right\", \"bodies\": [{\"name\": \"arm\"}], \"joints\": [{\"name\": \"turn\", \"type\": \"Ry\", "
+    "\"body_frame_pairs\": [[\"left\", \"arm\", \"tip\"], [\"arm\"]]}]}],"
+    " \"analysis\": {\"sweep\": {\"joint\": \"left/turn\", \"range\": [0, 45], \"steps\": 9}, \"actuators\": "
+    "[\"slide\", [\"right\", \"turn\"]],"
+    "  \"loads\": [{\"name\": \"w\", \"frame\": [\"left\", \"arm\", \"tip\"], \"force\": [0, 0, -5], \"torque\": [1, "
+    "0, 0]}], \"hold\": {\"round\": [10, 20, 30]}},"
     " \"source\": \"made up\", \"known\": {\"mobility\": 6}}";
 
 static km_model *read(const char *text) {
@@ -177,7 +196,8 @@ static void every_table_entry_is_in_the_schema(void **state) {
 }
 
 int main(void) {
-  const struct CMUnitTest tests[] = {cmocka_unit_test(labels_paths_and_units), cmocka_unit_test(conversion_knows_every_unit),
-                                     cmocka_unit_test(writing_is_stable), cmocka_unit_test(every_table_entry_is_in_the_schema)};
+  const struct CMUnitTest tests[] = {cmocka_unit_test(labels_paths_and_units),
+                                     cmocka_unit_test(conversion_knows_every_unit), cmocka_unit_test(writing_is_stable),
+                                     cmocka_unit_test(every_table_entry_is_in_the_schema)};
   return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -24,7 +24,8 @@ static void check(const km_twist *twists, int count, int dimension, randomness *
     km_motion_space_close(moved, count, 3e-8, &space);
     assert_int_equal(space.dimension, dimension);
     /* Rounding grows by one over the smallest direction kept; random ones come as close as 1e-4. */
-    if (!(space.kept > 1e-5 && space.dropped < 1e-10)) print_message("%g %g\n", space.kept, space.dropped);
+    if (!(space.kept > 1e-5 && space.dropped < 1e-10))
+      print_message("%g %g\n", space.kept, space.dropped);
   }
 }
 
@@ -57,7 +58,8 @@ static void rows_are_independent(void **state) {
   for (int i = 0; i < 200; ++i) {
     km_pose X = random_pose(&r);
     km_twist twists[2] = {km_twist_revolute((km_vec3){0, 0, 1}, (km_vec3){0, 0, 0}),
-                          i % 2 ? km_twist_prismatic((km_vec3){1, 0, 0}) : km_twist_revolute((km_vec3){1, 0, 0}, (km_vec3){0, 0, 0})};
+                          i % 2 ? km_twist_prismatic((km_vec3){1, 0, 0})
+                                : km_twist_revolute((km_vec3){1, 0, 0}, (km_vec3){0, 0, 0})};
     for (int k = 0; k < 2; ++k)
       twists[k] = km_twist_move(&X, twists[k]);
     km_motion_space space;

@@ -21,11 +21,17 @@ typedef struct problem {
 static problem f;
 static randomness source = {1};
 
-static double any(void) { return uniform(&source, -1.0, 1.0); }
+static double any(void) {
+  return uniform(&source, -1.0, 1.0);
+}
 
-static int index_below(int count) { return below(&source, count); }
+static int index_below(int count) {
+  return below(&source, count);
+}
 
-static int least(int a, int b) { return a < b ? a : b; }
+static int least(int a, int b) {
+  return a < b ? a : b;
+}
 
 /* A random rows × columns matrix of the given rank, some of its entries 0. */
 static void fill(int rows, int columns, int rank) {
@@ -72,8 +78,7 @@ static void run_svd(void) {
   for (int c = 0; c < n; ++c)
     for (int r = 0; r < f.rows; ++r)
       A[c * f.rows + r] = f.J[c * f.rows + r] / f.D[c];
-  assert_int_equal(
-      LAPACKE_dgesdd(LAPACK_COL_MAJOR, 'A', f.rows, n, A, f.rows, sigma, U, f.rows, VT, n), 0);
+  assert_int_equal(LAPACKE_dgesdd(LAPACK_COL_MAJOR, 'A', f.rows, n, A, f.rows, sigma, U, f.rows, VT, n), 0);
   f.svd_rank = 0;
   while (f.svd_rank < least(f.rows, n) && sigma[f.svd_rank] > 1e-9 * sigma[0])
     ++f.svd_rank;
@@ -401,10 +406,9 @@ static int clean(void **state) {
 
 int main(void) {
   const struct CMUnitTest tests[] = {
-      cmocka_unit_test(every_size),    cmocka_unit_test(large_ones),        cmocka_unit_test(forced_columns),
-      cmocka_unit_test(kept_pivots), cmocka_unit_test(refused_pivots),      cmocka_unit_test(not_finite),
-      cmocka_unit_test(extreme_sizes), cmocka_unit_test(ties),
-      cmocka_unit_test(empty),
+      cmocka_unit_test(every_size),    cmocka_unit_test(large_ones),     cmocka_unit_test(forced_columns),
+      cmocka_unit_test(kept_pivots),   cmocka_unit_test(refused_pivots), cmocka_unit_test(not_finite),
+      cmocka_unit_test(extreme_sizes), cmocka_unit_test(ties),           cmocka_unit_test(empty),
   };
   return cmocka_run_group_tests(tests, NULL, clean);
 }

@@ -60,8 +60,7 @@ static bool share_a_cycle(const graph *g, int a, int b) {
     const int ea[2] = {g->edges[a].tail, g->edges[a].head}, eb[2] = {g->edges[b].tail, g->edges[b].head};
     for (int i = 0; i < 2; ++i)
       for (int k = 0; k < 2; ++k)
-        if (ea[i] != body && eb[k] != body &&
-            connected_without(g, ea[i], eb[k], body, 1u << a | 1u << b))
+        if (ea[i] != body && eb[k] != body && connected_without(g, ea[i], eb[k], body, 1u << a | 1u << b))
           joined = true;
     if (!joined)
       return false;

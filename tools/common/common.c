@@ -14,14 +14,20 @@
 
 kt_exit kt_exit_of(km_status status) {
   switch (status) {
-  case KM_OK: return KT_DONE;
-  case KM_PARTIAL: return KT_PARTIAL;
+  case KM_OK:
+    return KT_DONE;
+  case KM_PARTIAL:
+    return KT_PARTIAL;
   case KM_USAGE:
-  case KM_IO: return KT_USAGE;
-  case KM_MODEL: return KT_BAD_MODEL;
+  case KM_IO:
+    return KT_USAGE;
+  case KM_MODEL:
+    return KT_BAD_MODEL;
   case KM_DIVERGED:
-  case KM_CANCELLED: return KT_GAVE_OUT;
-  default: return KT_INTERNAL;
+  case KM_CANCELLED:
+    return KT_GAVE_OUT;
+  default:
+    return KT_INTERNAL;
   }
 }
 
@@ -38,7 +44,9 @@ static error_t parse_common(int key, char *arg, struct argp_state *state) {
   char *end = NULL;
   long jobs;
   switch (key) {
-  case 'q': common->quiet = true; return 0;
+  case 'q':
+    common->quiet = true;
+    return 0;
   case OPTION_JOBS:
     jobs = strtol(arg, &end, 10);
     common->jobs = (int)jobs;
@@ -51,7 +59,8 @@ static error_t parse_common(int key, char *arg, struct argp_state *state) {
     if (*end || end == arg || *arg == '-' || errno == ERANGE)
       argp_error(state, "--seed: found \"%s\"; expected a whole number of at least 0", arg);
     return 0;
-  default: return ARGP_ERR_UNKNOWN;
+  default:
+    return ARGP_ERR_UNKNOWN;
   }
 }
 

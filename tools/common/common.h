@@ -28,7 +28,7 @@ typedef struct kt_common {
   int jobs;
   unsigned long seed;
   km_messages *found; /* receives the reader's warnings and notes instead of the standard error; NULL: doesn't */
-  km_text *log; /* where messages are gathered, so that parallel work reports in order; NULL: straight out */
+  km_text *log;       /* where messages are gathered, so that parallel work reports in order; NULL: straight out */
 } kt_common;
 
 extern const struct argp kt_common_argp;
@@ -86,8 +86,8 @@ typedef struct kt_settings {
 } kt_settings;
 
 /* Adds what `texts` (as given to --set or --hold) says; KT_USAGE with a message. */
-kt_exit kt_settings_add(const kt_common *common, const km_model *model, const char *option, char **texts,
-                        int count, kt_settings *out);
+kt_exit kt_settings_add(const kt_common *common, const km_model *model, const char *option, char **texts, int count,
+                        kt_settings *out);
 void kt_settings_free(kt_settings *settings);
 
 /* A coordinate by its label on the command line. */

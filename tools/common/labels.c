@@ -108,8 +108,8 @@ static kt_exit add_text(const kt_common *common, const km_model *model, const ch
   return result;
 }
 
-kt_exit kt_settings_add(const kt_common *common, const km_model *model, const char *option, char **texts,
-                        int count, kt_settings *out) {
+kt_exit kt_settings_add(const kt_common *common, const km_model *model, const char *option, char **texts, int count,
+                        kt_settings *out) {
   kt_exit result = KT_DONE;
   for (int i = 0; i < count && result == KT_DONE; ++i)
     result = add_text(common, model, option, texts[i], out);

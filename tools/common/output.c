@@ -8,7 +8,9 @@
 
 static const char *const words[KT_FORMATS] = {"csv", "json", "svg", "pdf", "png"};
 
-const char *kt_format_word(kt_format format) { return words[format]; }
+const char *kt_format_word(kt_format format) {
+  return words[format];
+}
 
 km_canvas_format kt_canvas_format(kt_format format) {
   return format == KT_PDF ? KM_CANVAS_PDF : format == KT_PNG ? KM_CANVAS_PNG : KM_CANVAS_SVG;
@@ -50,7 +52,8 @@ kt_exit kt_write(const kt_common *common, const char *base, const char *result, 
   km_text path = {0};
   km_error error;
   km_text_format(&path, "%s.%s.%s", base, result, format);
-  km_status status = path.failed ? km_fail(&error, KM_MEMORY, "out of memory") : km_file_write(path.data, bytes, &error);
+  km_status status =
+      path.failed ? km_fail(&error, KM_MEMORY, "out of memory") : km_file_write(path.data, bytes, &error);
   if (status)
     kt_say(common, KM_ERROR, "%s", error.text);
   else

@@ -12,7 +12,8 @@ static double now(void) {
 }
 
 kt_progress kt_progress_start(const kt_common *common) {
-  return (kt_progress){.shown = !common->quiet && common->jobs == 1 && isatty(STDERR_FILENO), .start = now(), .last = now()};
+  return (kt_progress){
+      .shown = !common->quiet && common->jobs == 1 && isatty(STDERR_FILENO), .start = now(), .last = now()};
 }
 
 bool kt_progress_show(void *context, double done) {

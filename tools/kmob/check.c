@@ -41,7 +41,8 @@ static kt_exit check(const kmob_request *o, const kmob_pose *pose, const km_mess
 
 kt_exit kmob_check(int argc, char **argv) {
   kmob_request o = kmob_read_request(
-      argc, argv, "Everything suspicious about a model, each with what to do. Exit status 1 if there is anything.", true);
+      argc, argv, "Everything suspicious about a model, each with what to do. Exit status 1 if there is anything.",
+      true);
   kmob_pose pose;
   km_messages *messages = km_messages_create();
   o.common.found = messages;

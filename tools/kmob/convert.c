@@ -19,7 +19,8 @@ typedef struct options {
 } options;
 
 static const struct argp_option convert_options[] = {
-    {"units", OPTION_UNITS, "LIST", 0, "Units to write: words or symbols, as millimeters,deg (default: the model's own)", 1},
+    {"units", OPTION_UNITS, "LIST", 0,
+     "Units to write: words or symbols, as millimeters,deg (default: the model's own)", 1},
     {"set", OPTION_SET, "JOINT=VALUE", 0, "Write another pose: move a joint to a value", 1},
     {"hold", OPTION_HOLD, "JOINT=VALUE", 0, "Keep a joint rigid at a value on the way", 1},
     {"output", 'o', "FILE", 0, "Write FILE instead of the standard output", 1},
@@ -31,17 +32,28 @@ static const struct argp_option plain_options[] = {
 static error_t parse(int key, char *arg, struct argp_state *state) {
   options *o = state->input;
   switch (key) {
-  case ARGP_KEY_INIT: state->child_inputs[0] = &o->common; return 0;
-  case OPTION_SET: kmob_texts_add(&o->sets, arg, state); return 0;
-  case OPTION_HOLD: kmob_texts_add(&o->holds, arg, state); return 0;
-  case OPTION_UNITS: o->units = arg; return 0;
-  case 'o': o->file = arg; return 0;
+  case ARGP_KEY_INIT:
+    state->child_inputs[0] = &o->common;
+    return 0;
+  case OPTION_SET:
+    kmob_texts_add(&o->sets, arg, state);
+    return 0;
+  case OPTION_HOLD:
+    kmob_texts_add(&o->holds, arg, state);
+    return 0;
+  case OPTION_UNITS:
+    o->units = arg;
+    return 0;
+  case 'o':
+    o->file = arg;
+    return 0;
   case ARGP_KEY_ARG:
     if (o->model)
       argp_error(state, "found a second argument \"%s\"; expected one", arg);
     o->model = arg;
     return 0;
-  default: return ARGP_ERR_UNKNOWN;
+  default:
+    return ARGP_ERR_UNKNOWN;
   }
 }
 
@@ -82,10 +94,11 @@ static kt_exit choose_units(const options *o, km_units *units) {
     int quantity = piece.text ? choose_unit(piece.text, units) : -1;
     last = piece.separator;
     if (quantity < 0)
-      kt_say(&o->common, KM_ERROR,
-             "--units %s: \"%s\" is not a unit; expected some of radians degrees, meters millimeters centimeters inches, "
-             "kilograms grams pounds, seconds milliseconds, newtons pounds-force",
-             o->units, piece.text ? piece.text : "");
+      kt_say(
+          &o->common, KM_ERROR,
+          "--units %s: \"%s\" is not a unit; expected some of radians degrees, meters millimeters centimeters inches, "
+          "kilograms grams pounds, seconds milliseconds, newtons pounds-force",
+          o->units, piece.text ? piece.text : "");
     else if (chosen[quantity])
       kt_say(&o->common, KM_ERROR, "--units %s: \"%s\" is a second unit of %s; expected one", o->units, piece.text,
              km_quantity_name((km_quantity)quantity));
@@ -103,8 +116,8 @@ static void tell_of_meshes(const options *o, const km_model *model, const km_uni
   for (int b = 1; b < model->body_count; ++b)
     any = any || model->bodies[b].mesh;
   if (any && units->length != model->units.length)
-    kt_say(&o->common, KM_WARNING, "%s: its meshes stay in %s; they need a scale of %g", o->model, model->units.length->word,
-           model->units.length->si / units->length->si);
+    kt_say(&o->common, KM_WARNING, "%s: its meshes stay in %s; they need a scale of %g", o->model,
+           model->units.length->word, model->units.length->si / units->length->si);
 }
 
 static kt_exit convert_pose(const options *o, const kmob_pose *pose) {
@@ -139,7 +152,8 @@ static options read_options(const struct argp_option *table, const char *argumen
 }
 
 kt_exit kmob_convert(int argc, char **argv) {
-  options o = read_options(convert_options, "MODEL", "Write the checked model: other units, the assembled pose.", argc, argv);
+  options o =
+      read_options(convert_options, "MODEL", "Write the checked model: other units, the assembled pose.", argc, argv);
   if (!o.model) {
     kt_say(&o.common, KM_ERROR, "no model is given (kmob convert --help)");
     return KT_USAGE;
@@ -153,32 +167,36 @@ kt_exit kmob_convert(int argc, char **argv) {
 }
 
 /* A crank-rocker: small enough to read, complete enough to change. */
-static const char starter[] =
-    "{\n"
-    "  \"model_parameters\": {\n"
-    "    \"version\": \"1.0\",\n"
-    "    \"units\": {\"angle\": \"degrees\", \"length\": \"millimeters\"}\n"
-    "  },\n"
-    "  \"fixed\": {\"frames\": [{\"name\": \"rocker_pivot\", \"T\": [80, 0, 0]}]},\n"
-    "  \"assemblies\": [{\n"
-    "    \"name\": \"linkage\",\n"
-    "    \"bodies\": [\n"
-    "      {\"name\": \"crank\", \"frames\": [{\"name\": \"tip\", \"T\": [20, 0, 0]}]},\n"
-    "      {\"name\": \"coupler\", \"frames\": [{\"name\": \"tip\", \"T\": [70, 0, 0]}, {\"name\": \"tracer\", \"T\": [35, 30, 0]}]},\n"
-    "      {\"name\": \"rocker\", \"frames\": [{\"name\": \"tip\", \"T\": [50, 0, 0]}]}\n"
-    "    ],\n"
-    "    \"joints\": [\n"
-    "      {\"name\": \"A\", \"type\": \"Rz\", \"body_frame_pairs\": [[\"fixed\", \"origin\"], [\"crank\", \"origin\"]], \"initial_displacement\": 60},\n"
-    "      {\"name\": \"B\", \"type\": \"Rz\", \"body_frame_pairs\": [[\"crank\", \"tip\"], [\"coupler\", \"origin\"]], \"initial_displacement\": -30},\n"
-    "      {\"name\": \"C\", \"type\": \"Rz\", \"body_frame_pairs\": [[\"coupler\", \"tip\"], [\"rocker\", \"tip\"]], \"initial_displacement\": 70},\n"
-    "      {\"name\": \"D\", \"type\": \"Rz\", \"body_frame_pairs\": [[\"fixed\", \"rocker_pivot\"], [\"rocker\", \"origin\"]], \"initial_displacement\": 100}\n"
-    "    ]\n"
-    "  }],\n"
-    "  \"analysis\": {\n"
-    "    \"sweep\": {\"joint\": \"A\", \"range\": [0, 360], \"steps\": 180},\n"
-    "    \"mechanical_advantage\": {\"input\": \"A\", \"output\": \"D\"}\n"
-    "  }\n"
-    "}\n";
+static const char starter[] = "{\n"
+                              "  \"model_parameters\": {\n"
+                              "    \"version\": \"1.0\",\n"
+                              "    \"units\": {\"angle\": \"degrees\", \"length\": \"millimeters\"}\n"
+                              "  },\n"
+                              "  \"fixed\": {\"frames\": [{\"name\": \"rocker_pivot\", \"T\": [80, 0, 0]}]},\n"
+                              "  \"assemblies\": [{\n"
+                              "    \"name\": \"linkage\",\n"
+                              "    \"bodies\": [\n"
+                              "      {\"name\": \"crank\", \"frames\": [{\"name\": \"tip\", \"T\": [20, 0, 0]}]},\n"
+                              "      {\"name\": \"coupler\", \"frames\": [{\"name\": \"tip\", \"T\": [70, 0, 0]}, "
+                              "{\"name\": \"tracer\", \"T\": [35, 30, 0]}]},\n"
+                              "      {\"name\": \"rocker\", \"frames\": [{\"name\": \"tip\", \"T\": [50, 0, 0]}]}\n"
+                              "    ],\n"
+                              "    \"joints\": [\n"
+                              "      {\"name\": \"A\", \"type\": \"Rz\", \"body_frame_pairs\": [[\"fixed\", "
+                              "\"origin\"], [\"crank\", \"origin\"]], \"initial_displacement\": 60},\n"
+                              "      {\"name\": \"B\", \"type\": \"Rz\", \"body_frame_pairs\": [[\"crank\", \"tip\"], "
+                              "[\"coupler\", \"origin\"]], \"initial_displacement\": -30},\n"
+                              "      {\"name\": \"C\", \"type\": \"Rz\", \"body_frame_pairs\": [[\"coupler\", "
+                              "\"tip\"], [\"rocker\", \"tip\"]], \"initial_displacement\": 70},\n"
+                              "      {\"name\": \"D\", \"type\": \"Rz\", \"body_frame_pairs\": [[\"fixed\", "
+                              "\"rocker_pivot\"], [\"rocker\", \"origin\"]], \"initial_displacement\": 100}\n"
+                              "    ]\n"
+                              "  }],\n"
+                              "  \"analysis\": {\n"
+                              "    \"sweep\": {\"joint\": \"A\", \"range\": [0, 360], \"steps\": 180},\n"
+                              "    \"mechanical_advantage\": {\"input\": \"A\", \"output\": \"D\"}\n"
+                              "  }\n"
+                              "}\n";
 
 kt_exit kmob_new(int argc, char **argv) {
   static const struct argp_option none[] = {{0}};

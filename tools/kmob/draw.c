@@ -26,14 +26,12 @@ static const struct argp_option table[] = {
      "the first in full, the others pale",
      1},
     {"poses", OPTION_POSES, "N", 0, "Draw N poses along the model's analysis.sweep", 1},
-    {"trace", OPTION_TRACE, "BODY/FRAME", 0,
-     "Draw the path of a frame's origin over the model's sweep (repeatable)", 1},
-    {"hold", OPTION_HOLD, "JOINT=VALUE", 0, "Keep a joint rigid at a value", 1},
-    {"set", OPTION_SET, "JOINT=VALUE", 0, "Start from another pose: move a joint to a value first",
+    {"trace", OPTION_TRACE, "BODY/FRAME", 0, "Draw the path of a frame's origin over the model's sweep (repeatable)",
      1},
+    {"hold", OPTION_HOLD, "JOINT=VALUE", 0, "Keep a joint rigid at a value", 1},
+    {"set", OPTION_SET, "JOINT=VALUE", 0, "Start from another pose: move a joint to a value first", 1},
     {"ignore-limits", OPTION_IGNORE, NULL, 0, "Pass joint limits", 1},
-    {"view", OPTION_VIEW, "VIEW", 0,
-     "xy, xz, yz, iso, or auto: the plane of motion, if there is one (default)", 2},
+    {"view", OPTION_VIEW, "VIEW", 0, "xy, xz, yz, iso, or auto: the plane of motion, if there is one (default)", 2},
     {"bodies", OPTION_BODIES, NULL, 0, "Name the bodies too", 2},
     {"size", OPTION_SIZE, "WxH", 0, "Size of the page in points (1/72 inch)", 2},
     {"format", OPTION_FORMAT, "LIST", 0, "Some of svg,pdf,png (default svg)", 2},
@@ -93,8 +91,7 @@ static error_t parse(int key, char *arg, struct argp_state *state) {
   }
 }
 
-static kt_exit usage(const kt_common *common, const char *option, const char *found,
-                     const char *expected) {
+static kt_exit usage(const kt_common *common, const char *option, const char *found, const char *expected) {
   kt_say(common, KM_ERROR, "%s %s: expected %s", option, found, expected);
   return KT_USAGE;
 }
@@ -105,8 +102,8 @@ static kt_exit read_size(const kmob_draw_options *o, km_drawing *drawing) {
   if (!x || (size_t)(x - o->size) >= sizeof width)
     return usage(&o->common, "--size", o->size, "WIDTHxHEIGHT in points");
   snprintf(width, sizeof width, "%.*s", (int)(x - o->size), o->size);
-  if (!kt_number(width, &drawing->width) || !kt_number(x + 1, &drawing->height) ||
-      drawing->width <= 0.0 || drawing->height <= 0.0)
+  if (!kt_number(width, &drawing->width) || !kt_number(x + 1, &drawing->height) || drawing->width <= 0.0 ||
+      drawing->height <= 0.0)
     return usage(&o->common, "--size", o->size, "WIDTHxHEIGHT in points");
   return KT_DONE;
 }
@@ -115,14 +112,12 @@ static kt_exit read_size(const kmob_draw_options *o, km_drawing *drawing) {
 static kt_exit read_options(const kmob_draw_options *o, km_drawing *drawing, int *poses) {
   double count = 0.0;
   if (o->formats.wanted[KT_CSV] || o->formats.wanted[KT_JSON])
-    return usage(&o->common, "--format", o->formats.wanted[KT_CSV] ? "csv" : "json",
-                 "some of svg,pdf,png");
+    return usage(&o->common, "--format", o->formats.wanted[KT_CSV] ? "csv" : "json", "some of svg,pdf,png");
   if (o->base && strcmp(o->base, "-") == 0)
     return usage(&o->common, "-o", "-", "a file's name: pictures don't go to the standard output");
   if (o->view && !km_view_find(o->view, &drawing->view))
     return usage(&o->common, "--view", o->view, "xy, xz, yz, iso or auto");
-  if (o->poses && (!kt_number(o->poses, &count) || count < 1.0 || count > KMOB_MOST_TEXTS ||
-                   count != floor(count)))
+  if (o->poses && (!kt_number(o->poses, &count) || count < 1.0 || count > KMOB_MOST_TEXTS || count != floor(count)))
     return usage(&o->common, "--poses", o->poses, "a whole number from 1 to 256");
   if (o->poses && o->at.count)
     return usage(&o->common, "--poses", o->poses, "it without --at");
@@ -144,8 +139,7 @@ static kt_exit write_files(const kmob_draw_options *o, const km_drawing *drawing
     if (status)
       kt_say(&o->common, KM_ERROR, "%s", error.text);
     else
-      written = kt_write(&o->common, o->base ? o->base : base, "motion",
-                         kt_format_word((kt_format)f), &out);
+      written = kt_write(&o->common, o->base ? o->base : base, "motion", kt_format_word((kt_format)f), &out);
     km_text_free(&out);
     result = written > result ? written : result;
   }
@@ -155,10 +149,8 @@ static kt_exit write_files(const kmob_draw_options *o, const km_drawing *drawing
 kt_exit kmob_draw(int argc, char **argv) {
   const struct argp_child children[] = {{&kt_common_argp, 0, NULL, 90}, {0}};
   const struct argp argp = {
-      table,    parse,
-      "MODEL",  "A picture of the mechanism: links, joints, poses, paths of points.",
-      children, NULL,
-      NULL};
+      table,    parse, "MODEL", "A picture of the mechanism: links, joints, poses, paths of points.",
+      children, NULL,  NULL};
   kmob_draw_options o = {.common = {.tool = "kmob", .jobs = 1, .seed = 1}};
   o.formats.wanted[KT_SVG] = true;
   kt_parse(&argp, argc, argv, &o);

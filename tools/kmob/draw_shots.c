@@ -48,11 +48,7 @@ static kt_exit take_at(kmob_shots *s) {
       result = keep_pose(s, there.mechanism, there.state);
     there.model = NULL; /* it stays */
     kmob_close(&there);
-    km_text_format(&s->title, "%s%s",
-                   i                 ? ", "
-                   : o->at.count > 1 ? "Poses at "
-                                     : "Pose at ",
-                   o->at.items[i]);
+    km_text_format(&s->title, "%s%s", i ? ", " : o->at.count > 1 ? "Poses at " : "Pose at ", o->at.items[i]);
   }
   return result;
 }
@@ -71,19 +67,19 @@ static kt_exit start(motion *m) {
   km_error error;
   m->plan = km_sweep_plan_default(s->pose.model);
   if (m->plan.coordinate < 0 && m->plan.arclength <= 0.0) {
-    kt_say(&s->options->common, KM_ERROR,
-           "%s: the model has no analysis.sweep, which --poses and --trace need", s->options->path);
+    kt_say(&s->options->common, KM_ERROR, "%s: the model has no analysis.sweep, which --poses and --trace need",
+           s->options->path);
     return KT_USAGE;
   }
   km_status status = km_state_create(s->pose.mechanism, &m->state, &error);
   if (!status)
     km_state_copy(s->pose.mechanism, m->state, s->pose.state);
   if (!status && m->plan.arclength > 0.0)
-    status = km_follow_create(s->pose.mechanism, m->state, m->plan.direction, m->plan.sign,
-                              s->options->ignore_limits, &m->follow, &error);
+    status = km_follow_create(s->pose.mechanism, m->state, m->plan.direction, m->plan.sign, s->options->ignore_limits,
+                              &m->follow, &error);
   else if (!status)
-    status = km_drive_create(s->pose.mechanism, m->state, m->plan.coordinate,
-                             s->options->ignore_limits, &m->drive, &error);
+    status =
+        km_drive_create(s->pose.mechanism, m->state, m->plan.coordinate, s->options->ignore_limits, &m->drive, &error);
   return report(s, status, &error);
 }
 
@@ -97,22 +93,18 @@ static void stop(motion *m) {
 static bool full_turn(const motion *m) {
   const km_model *model = m->shots->pose.model;
   int c = m->plan.coordinate;
-  if (m->follow || km_joint_is_length(model->joints[model->coordinates[c].joint].type,
-                                      model->coordinates[c].index))
+  if (m->follow || km_joint_is_length(model->joints[model->coordinates[c].joint].type, model->coordinates[c].index))
     return false;
-  return fabs(fabs(m->plan.to - m->plan.from) * km_model_coordinate_factor(model, c) - 2.0 * M_PI) <
-         1e-6;
+  return fabs(fabs(m->plan.to - m->plan.from) * km_model_coordinate_factor(model, c) - 2.0 * M_PI) < 1e-6;
 }
 
 /* Moves to a part (0 … 1) of the range; false at its end within reach. */
 static bool go(motion *m, double part) {
   if (m->follow) {
     double length = m->plan.arclength * m->plan.steps * part - km_follow_length(m->follow);
-    return length <= 0.0 ||
-           (!km_follow_closed(m->follow) && km_follow_advance(m->follow, length) == KM_OK);
+    return length <= 0.0 || (!km_follow_closed(m->follow) && km_follow_advance(m->follow, length) == KM_OK);
   }
-  return km_drive_to(m->drive, m->plan.from + (m->plan.to - m->plan.from) * part).stop ==
-         KM_STOP_NONE;
+  return km_drive_to(m->drive, m->plan.from + (m->plan.to - m->plan.from) * part).stop == KM_STOP_NONE;
 }
 
 /* Goes to FROM, or as near as it gets, where the range then begins. False if that is all there is.
@@ -122,8 +114,7 @@ static bool go_to_start(motion *m) {
     return true;
   double bound = km_state_coordinate(m->state, m->plan.coordinate);
   bool forwards = m->plan.to >= m->plan.from;
-  bool within = forwards ? bound > m->plan.from && bound < m->plan.to
-                         : bound < m->plan.from && bound > m->plan.to;
+  bool within = forwards ? bound > m->plan.from && bound < m->plan.to : bound < m->plan.from && bound > m->plan.to;
   m->plan.from = bound;
   return within;
 }
@@ -143,8 +134,8 @@ static kt_exit travel(motion *m, int count, double last, visit at, void *context
   bool closed = m->follow && km_follow_closed(m->follow);
   if (result != KT_DONE || closed || (whole && !cut))
     return result;
-  kt_say(&m->shots->options->common, KM_ERROR,
-         "%s: a part of the range of analysis.sweep is out of reach", m->shots->options->path);
+  kt_say(&m->shots->options->common, KM_ERROR, "%s: a part of the range of analysis.sweep is out of reach",
+         m->shots->options->path);
   return KT_PARTIAL;
 }
 
@@ -157,9 +148,8 @@ static void name_poses(kmob_shots *s, const motion *m) {
   if (m->follow)
     km_text_format(&s->title, "Poses along the motion");
   else
-    km_text_format(&s->title, "Poses for %s from %g to %g %s",
-                   km_model_coordinate_label(model, m->plan.coordinate), m->plan.from, m->plan.to,
-                   km_model_coordinate_unit(model, m->plan.coordinate));
+    km_text_format(&s->title, "Poses for %s from %g to %g %s", km_model_coordinate_label(model, m->plan.coordinate),
+                   m->plan.from, m->plan.to, km_model_coordinate_unit(model, m->plan.coordinate));
 }
 
 static kt_exit take_poses(kmob_shots *s) {

@@ -23,8 +23,10 @@ typedef struct options {
 
 static const struct argp_option table[] = {
     {"format", OPTION_FORMAT, "LIST", 0, "Some of dot,svg (default dot); svg needs graphviz' program `dot`", 1},
-    {"output", 'o', "BASE", 0, "Write BASE.graph.FORMAT (default: one format goes to the standard output, several into "
-                               "files with the model's name)", 1},
+    {"output", 'o', "BASE", 0,
+     "Write BASE.graph.FORMAT (default: one format goes to the standard output, several into "
+     "files with the model's name)",
+     1},
     {0}};
 
 static void parse_formats(options *o, const char *text, struct argp_state *state) {
@@ -46,16 +48,25 @@ static void parse_formats(options *o, const char *text, struct argp_state *state
 static error_t parse(int key, char *arg, struct argp_state *state) {
   options *o = state->input;
   switch (key) {
-  case ARGP_KEY_INIT: state->child_inputs[0] = &o->common; return 0;
-  case OPTION_FORMAT: parse_formats(o, arg, state); return 0;
-  case 'o': o->base = arg; return 0;
+  case ARGP_KEY_INIT:
+    state->child_inputs[0] = &o->common;
+    return 0;
+  case OPTION_FORMAT:
+    parse_formats(o, arg, state);
+    return 0;
+  case 'o':
+    o->base = arg;
+    return 0;
   case ARGP_KEY_ARG:
     if (o->model)
       argp_error(state, "found a second model \"%s\"; expected one", arg);
     o->model = arg;
     return 0;
-  case ARGP_KEY_NO_ARGS: argp_error(state, "no model is given"); return 0;
-  default: return ARGP_ERR_UNKNOWN;
+  case ARGP_KEY_NO_ARGS:
+    argp_error(state, "no model is given");
+    return 0;
+  default:
+    return ARGP_ERR_UNKNOWN;
   }
 }
 
@@ -126,8 +137,9 @@ static bool run_graphviz(const options *o, FILE *in, km_text *svg) {
     read_all(ends[0], svg);
   close(ends[0]);
   if (failed == ENOENT)
-    kt_say(&o->common, KM_ERROR, "--format svg: the program \"dot\" isn't found; expected graphviz to be installed "
-                                 "(Debian: apt-get install graphviz), or --format dot");
+    kt_say(&o->common, KM_ERROR,
+           "--format svg: the program \"dot\" isn't found; expected graphviz to be installed "
+           "(Debian: apt-get install graphviz), or --format dot");
   else if (failed)
     kt_say(&o->common, KM_ERROR, "graphviz can't be started: %s", strerror(failed));
   if (failed)
@@ -180,8 +192,14 @@ static kt_exit run(const options *o) {
 
 kt_exit kmob_graph(int argc, char **argv) {
   const struct argp_child children[] = {{&kt_common_argp, 0, NULL, 90}, {0}};
-  const struct argp argp = {table, parse, "MODEL", "Bodies, joints, loops and kinematic substructures as a graph, in "
-                                                   "the DOT language or drawn by graphviz.", children, NULL, NULL};
+  const struct argp argp = {table,
+                            parse,
+                            "MODEL",
+                            "Bodies, joints, loops and kinematic substructures as a graph, in "
+                            "the DOT language or drawn by graphviz.",
+                            children,
+                            NULL,
+                            NULL};
   options o = {.common = {.tool = "kmob", .jobs = 1, .seed = 1}, .dot = true};
   kt_parse(&argp, argc, argv, &o);
   return run(&o);

@@ -32,7 +32,8 @@ static void add_modes(const km_model *model, const km_modes *modes, int driver, 
 }
 
 /* The driver of the modes: the first joint of --set, else that of analysis.sweep. */
-static km_status find_modes(const kmob_request *o, const kmob_pose *pose, int *driver, km_modes *modes, km_error *error) {
+static km_status find_modes(const kmob_request *o, const kmob_pose *pose, int *driver, km_modes *modes,
+                            km_error *error) {
   enum { STARTS = 300 };
   *modes = (km_modes){0};
   *driver = pose->model->sweep.coordinate;
@@ -45,7 +46,8 @@ static km_status find_modes(const kmob_request *o, const kmob_pose *pose, int *d
       return status;
   }
   if (*driver < 0)
-    return km_fail(error, KM_USAGE, "--modes: the model has no analysis.sweep with a joint; expected a driver by --set");
+    return km_fail(error, KM_USAGE,
+                   "--modes: the model has no analysis.sweep with a joint; expected a driver by --set");
   return km_modes_find(pose->model, pose->state, *driver, STARTS, o->common.seed, modes, error);
 }
 

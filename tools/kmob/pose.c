@@ -10,8 +10,7 @@ void kmob_texts_add(kmob_texts *texts, char *text, struct argp_state *state) {
 }
 
 /* The model's own holds, overridden by the command line's. */
-static kt_exit gather_holds(const kt_common *common, const km_model *model, const kmob_texts *texts,
-                            kt_settings *out) {
+static kt_exit gather_holds(const kt_common *common, const km_model *model, const kmob_texts *texts, kt_settings *out) {
   if (model->hold_count) {
     out->items = KM_NEW(kt_setting, (size_t)model->hold_count);
     if (!out->items)

@@ -5,11 +5,13 @@
 
 enum { OPTION_SET = 0x2001, OPTION_HOLD, OPTION_FORMAT, OPTION_MODES };
 
-#define SHARED                                                                                                   \
-  {"hold", OPTION_HOLD, "JOINT=VALUE", 0, "Keep a joint rigid at a value (x,y,… for several coordinates)", 1},   \
-      {"modes", OPTION_MODES, NULL, 0, "List the other assembly modes at this value of the driver", 1},          \
-      {"format", OPTION_FORMAT, "FORMAT", 0, "table (default) or json", 1},                                      \
-      {"output", 'o', "BASE", 0, "Write BASE.RESULT.txt or .json instead of the standard output", 1}, {0}
+#define SHARED                                                                                                         \
+  {"hold", OPTION_HOLD, "JOINT=VALUE", 0, "Keep a joint rigid at a value (x,y,… for several coordinates)", 1},         \
+      {"modes", OPTION_MODES, NULL, 0, "List the other assembly modes at this value of the driver", 1},                \
+      {"format", OPTION_FORMAT, "FORMAT", 0, "table (default) or json", 1},                                            \
+      {"output", 'o', "BASE", 0, "Write BASE.RESULT.txt or .json instead of the standard output", 1}, {                \
+    0                                                                                                                  \
+  }
 
 static const struct argp_option fixed_options[] = {SHARED};
 static const struct argp_option settable_options[] = {
@@ -18,23 +20,36 @@ static const struct argp_option settable_options[] = {
 static error_t parse(int key, char *arg, struct argp_state *state) {
   kmob_request *r = state->input;
   switch (key) {
-  case ARGP_KEY_INIT: state->child_inputs[0] = &r->common; return 0;
-  case OPTION_SET: kmob_texts_add(&r->sets, arg, state); return 0;
-  case OPTION_HOLD: kmob_texts_add(&r->holds, arg, state); return 0;
+  case ARGP_KEY_INIT:
+    state->child_inputs[0] = &r->common;
+    return 0;
+  case OPTION_SET:
+    kmob_texts_add(&r->sets, arg, state);
+    return 0;
+  case OPTION_HOLD:
+    kmob_texts_add(&r->holds, arg, state);
+    return 0;
   case OPTION_FORMAT:
     r->json = strcmp(arg, "json") == 0;
     if (!r->json && strcmp(arg, "table") != 0)
       argp_error(state, "--format %s: expected table or json", arg);
     return 0;
-  case OPTION_MODES: r->modes = true; return 0;
-  case 'o': r->base = arg; return 0;
+  case OPTION_MODES:
+    r->modes = true;
+    return 0;
+  case 'o':
+    r->base = arg;
+    return 0;
   case ARGP_KEY_ARG:
     if (r->model)
       argp_error(state, "found a second model \"%s\"; expected one", arg);
     r->model = arg;
     return 0;
-  case ARGP_KEY_NO_ARGS: argp_error(state, "no model is given"); return 0;
-  default: return ARGP_ERR_UNKNOWN;
+  case ARGP_KEY_NO_ARGS:
+    argp_error(state, "no model is given");
+    return 0;
+  default:
+    return ARGP_ERR_UNKNOWN;
   }
 }
 

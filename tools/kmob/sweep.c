@@ -12,8 +12,23 @@
 #include <stdio.h>
 #include <string.h>
 
-enum { OPTION_HOLD = 0x3001, OPTION_FORMAT, OPTION_RANGE, OPTION_STEPS, OPTION_POINT, OPTION_DERIVATIVES, OPTION_IGNORE,
-       OPTION_JOINT, OPTION_SET, OPTION_ARCLENGTH, OPTION_DIRECTION, OPTION_CYCLE, OPTION_BRANCH, MOST_MODELS = 64, MOST_POINTS = 64 };
+enum {
+  OPTION_HOLD = 0x3001,
+  OPTION_FORMAT,
+  OPTION_RANGE,
+  OPTION_STEPS,
+  OPTION_POINT,
+  OPTION_DERIVATIVES,
+  OPTION_IGNORE,
+  OPTION_JOINT,
+  OPTION_SET,
+  OPTION_ARCLENGTH,
+  OPTION_DIRECTION,
+  OPTION_CYCLE,
+  OPTION_BRANCH,
+  MOST_MODELS = 64,
+  MOST_POINTS = 64
+};
 
 typedef struct options {
   kt_common common;
@@ -29,41 +44,79 @@ static const struct argp_option table[] = {
     {"steps", OPTION_STEPS, "N", 0, "Number of intervals; N + 1 rows", 1},
     {"arclength", OPTION_ARCLENGTH, "DS", 0, "Follow the motion by arc length instead, DS a row: through toggles", 1},
     {"direction", OPTION_DIRECTION, "JOINT=+1", 0, "Start so that this joint moves forwards (or -1: backwards)", 1},
-    {"cycle", OPTION_CYCLE, NULL, 0, "Follow until the motion meets its start (at most --steps rows, default 100000)", 1},
-    {"branch", OPTION_BRANCH, "K", 0, "Motion to take at the first branch point: 1 goes on smoothly (default), 2 and 3 are the next one ahead and back, …", 1},
+    {"cycle", OPTION_CYCLE, NULL, 0, "Follow until the motion meets its start (at most --steps rows, default 100000)",
+     1},
+    {"branch", OPTION_BRANCH, "K", 0,
+     "Motion to take at the first branch point: 1 goes on smoothly (default), 2 and 3 are the next one ahead and back, "
+     "…",
+     1},
     {"hold", OPTION_HOLD, "JOINT=VALUE", 0, "Keep a joint rigid at a value (x,y,… for several coordinates)", 1},
     {"set", OPTION_SET, "JOINT=VALUE", 0, "Start from another pose: move a joint to a value first", 1},
     {"ignore-limits", OPTION_IGNORE, NULL, 0, "Pass joint limits", 1},
     {"point", OPTION_POINT, "BODY/FRAME", 0, "Add the path of a frame's origin (repeatable)", 1},
     {"derivatives", OPTION_DERIVATIVES, NULL, 0, "Add the points' derivatives along the driver", 1},
     {"format", OPTION_FORMAT, "LIST", 0, "Some of csv,json,svg,pdf,png (default csv,svg)", 2},
-    {"output", 'o', "BASE", 0, "Files are BASE.mobility.FORMAT (default: the model's name); - is the standard output", 2},
+    {"output", 'o', "BASE", 0, "Files are BASE.mobility.FORMAT (default: the model's name); - is the standard output",
+     2},
     {0}};
 
 static error_t parse(int key, char *arg, struct argp_state *state) {
   options *o = state->input;
   switch (key) {
-  case ARGP_KEY_INIT: state->child_inputs[0] = &o->common; return 0;
-  case OPTION_JOINT: o->joint = arg; return 0;
-  case OPTION_RANGE: o->range = arg; return 0;
-  case OPTION_STEPS: o->steps = arg; return 0;
-  case OPTION_ARCLENGTH: o->arclength = arg; return 0;
-  case OPTION_DIRECTION: o->direction = arg; return 0;
-  case OPTION_CYCLE: o->cycle = true; return 0;
-  case OPTION_BRANCH: o->branch = arg; return 0;
-  case OPTION_HOLD: kmob_texts_add(&o->holds, arg, state); return 0;
-  case OPTION_SET: kmob_texts_add(&o->sets, arg, state); return 0;
-  case OPTION_POINT: kmob_texts_add(&o->points, arg, state); return 0;
-  case OPTION_DERIVATIVES: o->derivatives = true; return 0;
-  case OPTION_IGNORE: o->ignore_limits = true; return 0;
+  case ARGP_KEY_INIT:
+    state->child_inputs[0] = &o->common;
+    return 0;
+  case OPTION_JOINT:
+    o->joint = arg;
+    return 0;
+  case OPTION_RANGE:
+    o->range = arg;
+    return 0;
+  case OPTION_STEPS:
+    o->steps = arg;
+    return 0;
+  case OPTION_ARCLENGTH:
+    o->arclength = arg;
+    return 0;
+  case OPTION_DIRECTION:
+    o->direction = arg;
+    return 0;
+  case OPTION_CYCLE:
+    o->cycle = true;
+    return 0;
+  case OPTION_BRANCH:
+    o->branch = arg;
+    return 0;
+  case OPTION_HOLD:
+    kmob_texts_add(&o->holds, arg, state);
+    return 0;
+  case OPTION_SET:
+    kmob_texts_add(&o->sets, arg, state);
+    return 0;
+  case OPTION_POINT:
+    kmob_texts_add(&o->points, arg, state);
+    return 0;
+  case OPTION_DERIVATIVES:
+    o->derivatives = true;
+    return 0;
+  case OPTION_IGNORE:
+    o->ignore_limits = true;
+    return 0;
   case OPTION_FORMAT:
     if (!kt_formats_parse(&o->common, arg, &o->formats))
       argp_failure(state, KT_USAGE, 0, "try --help");
     return 0;
-  case 'o': o->base = arg; return 0;
-  case ARGP_KEY_ARG: kmob_texts_add(&o->models, arg, state); return 0;
-  case ARGP_KEY_NO_ARGS: argp_error(state, "no model is given"); return 0;
-  default: return ARGP_ERR_UNKNOWN;
+  case 'o':
+    o->base = arg;
+    return 0;
+  case ARGP_KEY_ARG:
+    kmob_texts_add(&o->models, arg, state);
+    return 0;
+  case ARGP_KEY_NO_ARGS:
+    argp_error(state, "no model is given");
+    return 0;
+  default:
+    return ARGP_ERR_UNKNOWN;
   }
 }
 
@@ -226,7 +279,9 @@ static void start_job(void *context, int index) {
     run_sweep(j);
 }
 
-static bool delivers(const job *j) { return j->result == KT_DONE || j->result == KT_PARTIAL; }
+static bool delivers(const job *j) {
+  return j->result == KT_DONE || j->result == KT_PARTIAL;
+}
 
 static kt_exit write_table(const job *j, const char *base, kt_format format) {
   km_text out = {0};
@@ -234,8 +289,8 @@ static kt_exit write_table(const job *j, const char *base, kt_format format) {
     km_csv_write(j->sweep.table, &out);
   } else {
     km_arena arena = {0};
-    const km_value *record = km_sweep_record(j->pose.mechanism, &j->sweep, j->stopped_by.data ? j->stopped_by.data : "",
-                                             j->path, &arena);
+    const km_value *record =
+        km_sweep_record(j->pose.mechanism, &j->sweep, j->stopped_by.data ? j->stopped_by.data : "", j->path, &arena);
     if (record)
       km_json_write(record, &out);
     else
@@ -266,7 +321,9 @@ static kt_exit write_plot(const options *o, job *jobs, int count, const char *ba
   return result;
 }
 
-static kt_exit worse(kt_exit a, kt_exit b) { return a > b ? a : b; }
+static kt_exit worse(kt_exit a, kt_exit b) {
+  return a > b ? a : b;
+}
 
 static kt_exit deliver(const options *o, job *jobs, int count) {
   kt_exit result = KT_DONE;
@@ -344,16 +401,15 @@ static kt_exit run(const options *o) {
 
 kt_exit kmob_sweep(int argc, char **argv) {
   const struct argp_child children[] = {{&kt_common_argp, 0, NULL, 90}, {0}};
-  const struct argp argp = {table, parse, "MODEL...", "Mobility numbers of every joint over the range of a driver.",
-                            children, NULL, NULL};
+  const struct argp argp = {table,    parse, "MODEL...", "Mobility numbers of every joint over the range of a driver.",
+                            children, NULL,  NULL};
   options o = {.common = {.tool = "kmob", .jobs = 1, .seed = 1}};
   o.formats.wanted[KT_CSV] = o.formats.wanted[KT_SVG] = true;
   kt_parse(&argp, argc, argv, &o);
   if (o.models.count > MOST_MODELS)
     return usage(&o.common, "MODEL", "…", "at most 64 models");
   bool tables_only = !o.formats.wanted[KT_SVG] && !o.formats.wanted[KT_PDF] && !o.formats.wanted[KT_PNG];
-  if (o.base && strcmp(o.base, "-") == 0 &&
-      (o.models.count > 1 || kt_formats_count(&o.formats) != 1 || !tables_only))
+  if (o.base && strcmp(o.base, "-") == 0 && (o.models.count > 1 || kt_formats_count(&o.formats) != 1 || !tables_only))
     return usage(&o.common, "-o", "-", "one model and --format csv or json");
   return names_differ(&o) ? run(&o) : KT_USAGE;
 }

@@ -18,8 +18,8 @@ typedef enum km_motion_kind {
 typedef struct km_finite_motion {
   km_motion_kind kind;
   int substructure;
-  double *direction;        /* [coordinate] unit rates: radians, lengths over the characteristic length */
-  double confirmed_length;  /* of arc; 0 for shaky ones */
+  double *direction;       /* [coordinate] unit rates: radians, lengths over the characteristic length */
+  double confirmed_length; /* of arc; 0 for shaky ones */
 } km_finite_motion;
 
 enum { KM_MOST_MOTIONS = 64 };

@@ -14,9 +14,9 @@ typedef struct km_follow km_follow;
 
 /* Where several motions meet. */
 typedef struct km_branch_point {
-  double s;        /* arc length from the start */
-  int mobility;    /* of the substructure at the pose */
-  int branches;    /* motions that meet there, the followed one among them; 0: not looked for */
+  double s;     /* arc length from the start */
+  int mobility; /* of the substructure at the pose */
+  int branches; /* motions that meet there, the followed one among them; 0: not looked for */
 } km_branch_point;
 
 /* Prepares to follow the motion of one substructure of an assembled state, which must outlive it and is moved by
@@ -35,9 +35,9 @@ int km_follow_substructure(const km_follow *follow);
  * limit, or no further step can be found. Never allocates. */
 km_status km_follow_advance(km_follow *follow, double length);
 
-double km_follow_length(const km_follow *follow);    /* arc length so far */
-bool km_follow_closed(const km_follow *follow);      /* the start was met again, to 1e-9; length is the cycle's */
-int km_follow_limit(const km_follow *follow);        /* the coordinate whose limit ended the motion, -1 none */
+double km_follow_length(const km_follow *follow); /* arc length so far */
+bool km_follow_closed(const km_follow *follow);   /* the start was met again, to 1e-9; length is the cycle's */
+int km_follow_limit(const km_follow *follow);     /* the coordinate whose limit ended the motion, -1 none */
 /* The branch point that the last advance passed, on the smooth motion; false if there was none. */
 bool km_follow_branch(const km_follow *follow, km_branch_point *out);
 /* The direction of motion a short way (up to 0.05) along from here, or back if offset < 0; the state stays where

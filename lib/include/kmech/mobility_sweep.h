@@ -49,17 +49,17 @@ typedef struct km_extreme {
 } km_extreme;
 
 typedef struct km_mobility_sweep {
-  km_table *table;       /* columns as cli.md: step, s, q., m., dof, dof.k, residual, point. */
-  km_mobility first;     /* at the pose from which the sweep started */
-  int substructure;      /* the one that moves, -1: a joint in no loop */
-  int freedom;           /* of the driven substructure there: above 1 the others move least */
-  km_reach start, end;   /* how FROM and TO were reached */
-  km_toggle *toggles;    /* in the order of the sweep */
+  km_table *table;     /* columns as cli.md: step, s, q., m., dof, dof.k, residual, point. */
+  km_mobility first;   /* at the pose from which the sweep started */
+  int substructure;    /* the one that moves, -1: a joint in no loop */
+  int freedom;         /* of the driven substructure there: above 1 the others move least */
+  km_reach start, end; /* how FROM and TO were reached */
+  km_toggle *toggles;  /* in the order of the sweep */
   size_t toggle_count, toggle_capacity;
   km_branch_point *branches; /* by arc length: where several motions meet */
   size_t branch_count, branch_capacity;
-  double cycle;          /* by arc length: length of the closed cycle, 0 if it wasn't closed */
-  km_extreme *extremes;  /* [coordinate] */
+  double cycle;         /* by arc length: length of the closed cycle, 0 if it wasn't closed */
+  km_extreme *extremes; /* [coordinate] */
 } km_mobility_sweep;
 
 /* The model's own plan: analysis.sweep with a driver. coordinate -1 where it has none. */

@@ -11,9 +11,9 @@ extern "C" {
 #endif
 
 typedef enum km_stop {
-  KM_STOP_NONE,   /* the whole range was reached */
-  KM_STOP_TOGGLE, /* the driver can't move its substructure any further */
-  KM_STOP_LIMIT,  /* a joint is at its limit */
+  KM_STOP_NONE,    /* the whole range was reached */
+  KM_STOP_TOGGLE,  /* the driver can't move its substructure any further */
+  KM_STOP_LIMIT,   /* a joint is at its limit */
   KM_STOP_GAVE_OUT /* too many steps: a target millions of steps away, or angles whose rounding drowns the motion */
 } km_stop;
 
@@ -50,8 +50,8 @@ bool km_drive_tangent(km_drive *drive, double *rates);
  * the mechanism that comes out, set ones are free again. Limits don't count. KM_MODEL: the file's own pose can't
  * be closed; KM_PARTIAL: a value can't be reached (with the end that was located); KM_USAGE: a rotation vector
  * is held or set only in part. The caller frees both. */
-km_status km_reach_pose(const km_model *model, const km_hold *holds, int hold_count, const km_hold *sets,
-                        int set_count, km_mechanism **mechanism, km_state **state, km_error *error);
+km_status km_reach_pose(const km_model *model, const km_hold *holds, int hold_count, const km_hold *sets, int set_count,
+                        km_mechanism **mechanism, km_state **state, km_error *error);
 
 #ifdef __cplusplus
 }

@@ -26,7 +26,7 @@ size_t km_table_columns(const km_table *table);
 const char *km_table_name(const km_table *table, size_t column); /* borrowed, without unit */
 const char *km_table_unit(const km_table *table, size_t column); /* "": dimensionless */
 int km_table_is_plain(const km_table *table, size_t column);
-const double *km_table_row(const km_table *table, size_t row);   /* borrowed */
+const double *km_table_row(const km_table *table, size_t row); /* borrowed */
 /* Index of a column by its name without unit, -1 if there is none. */
 int km_table_find(const km_table *table, const char *name);
 
