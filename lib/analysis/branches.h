@@ -4,8 +4,8 @@
 
 #include "kinematics/state.h"
 
-/* Real motions through the state's pose, different up to their sense: unit directions (scaled steps) into
- * directions[most × columns]. Returns their number; the state stays. */
+/* Where several motions meet at the state's pose: those that differ in more than their sense, as unit directions
+ * (scaled steps) into directions[most × columns]. Returns their number, 0 at a regular pose; the state stays. */
 int km_branch_directions(const km_mechanism *mechanism, km_state *state, int substructure, double *directions,
                          int most);
 

@@ -231,7 +231,7 @@ int km_branch_directions(const km_mechanism *m, km_state *s, int index, double *
   km_arena arena = {0};
   finder f;
   int found = 0, n = m->substructures[index].columns;
-  if (make_finder(&f, m, s, index, &arena)) {
+  if (make_finder(&f, m, s, index, &arena) && f.conditions.conditions > 0 && !all_real(&f)) {
     for (int start = 0; start < STARTS_PER_FREEDOM * f.conditions.freedom && found < most; ++start) {
       if (!random_motion(&f))
         continue;
@@ -243,8 +243,9 @@ int km_branch_directions(const km_mechanism *m, km_state *s, int index, double *
       }
       found += !known;
     }
-    km_state_restore(s, f.sub, f.pose);
   }
+  if (!arena.failed)
+    km_state_restore(s, f.sub, f.pose);
   km_arena_free(&arena);
   return found;
 }

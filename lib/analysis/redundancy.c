@@ -20,6 +20,8 @@ typedef struct space {
   int null_count;
   double *all, *reach; /* all left null vectors of J, [all_count × rows]; [2 · all_count] */
   int all_count;
+  double *nearby;           /* the same a short way along the motion, [nearby_count × rows] */
+  int nearby_count;
   km_partition p;
 } space;
 
@@ -184,6 +186,56 @@ static void find_remedies(space *a, const double *w, km_redundancy *item) {
     try_joint(a, t->member[i].joint, w, item);
 }
 
+/* The left null vectors a short way along the motion: a redundancy that isn't among them was the pose's. */
+static void look_nearby(space *a, km_arena *arena) {
+  int k = km_partition_freedom(&a->s->partition[a->index]);
+  double *saved = KM_ARENA_NEW(arena, double, (size_t)(KM_SAVED_PER_COLUMN * a->columns));
+  double *move = KM_ARENA_NEW(arena, double, (size_t)a->columns);
+  a->nearby = KM_ARENA_NEW(arena, double, (size_t)a->all_count * (size_t)a->rows);
+  a->nearby_count = a->all_count;
+  if (arena->failed)
+    return;
+  memcpy(a->nearby, a->all, (size_t)a->all_count * (size_t)a->rows * sizeof *a->nearby);
+  const double *Z = km_state_basis(a->s, a->sub), *weight = a->m->column_weight + a->sub->column_start;
+  for (int c = 0; c < a->columns; ++c) {
+    move[c] = 0.0;
+    for (int i = 0; i < k; ++i)
+      move[c] += 0.02 * (1.0 + 0.3 * i) * Z[i * a->columns + c] / weight[c];
+  }
+  km_closure evidence;
+  km_state_save(a->s, a->sub, saved);
+  km_state_move(a->m, a->s, a->sub, move);
+  a->s->pivoted[a->index] = KM_NEVER;
+  if (k > 0 && km_close(a->m, a->s, a->index, KM_NO_DRIVER, &evidence) == KM_CLOSED) {
+    km_poses_update(a->m, a->s);
+    memset(a->J, 0, (size_t)a->rows * (size_t)a->columns * sizeof *a->J);
+    fill(a);
+    left_null(a, 0, a->rows, a->columns);
+    a->nearby_count = a->null_count < a->all_count ? a->null_count : a->all_count;
+    memcpy(a->nearby, a->W, (size_t)a->nearby_count * (size_t)a->rows * sizeof *a->nearby);
+  }
+  km_state_restore(a->s, a->sub, saved);
+  km_loops_update(a->m, a->s, a->sub);
+  a->s->pivoted[a->index] = KM_NEVER;
+  km_poses_update(a->m, a->s);
+  memset(a->J, 0, (size_t)a->rows * (size_t)a->columns * sizeof *a->J);
+  fill(a);
+}
+
+/* Is the (unit) left null vector v one of the nearby pose too? Its frame has turned by a few hundredths. */
+static bool lasts(const space *a, const double *v) {
+  double along = 0.0, size = 0.0;
+  for (int r = 0; r < a->rows; ++r)
+    size += v[r] * v[r];
+  for (int i = 0; i < a->nearby_count; ++i) {
+    double dot = 0.0;
+    for (int r = 0; r < a->rows; ++r)
+      dot += v[r] * a->nearby[(size_t)i * (size_t)a->rows + (size_t)r];
+    along += dot * dot;
+  }
+  return a->nearby_count == a->all_count || along > 0.5 * size;
+}
+
 /* The physical meaning of a loop's wrench w: a force on a line, with a pitch, or a couple. */
 static void describe(const space *a, const double *w, km_redundancy *item) {
   km_vec3 f = {w[0], w[1], w[2]}, c = {w[3], w[4], w[5]};
@@ -250,11 +302,12 @@ static bool single_loops(space *a, double *own, int *own_count, km_redundancies 
       km_redundancy item = {.substructure = a->index, .loop = t->loop[t->loop_start[a->index] + i], .loops = 1};
       describe(a, wrenches + 6 * k, &item);
       find_remedies(a, wrenches + 6 * k, &item);
-      if (!add_item(out, capacity, item))
-        return false;
       double *v = own + (size_t)(*own_count)++ * (size_t)a->rows;
       memset(v, 0, (size_t)a->rows * sizeof *v);
       memcpy(v + 6 * i, wrenches + 6 * k, 6 * sizeof *v);
+      item.lasting = lasts(a, v);
+      if (!add_item(out, capacity, item))
+        return false;
     }
   }
   return true;
@@ -308,35 +361,11 @@ static bool several_loops(space *a, double *own, int own_count, km_redundancies 
       continue; /* couplings among themselves */
     describe(a, wrench, &item);
     find_remedies(a, wrench, &item);
+    item.lasting = lasts(a, v);
     if (!add_item(out, capacity, item))
       return false;
   }
   return true;
-}
-
-/* Rank of the substructure a short way along its motion: a redundancy that goes there was the pose's. */
-static int rank_nearby(space *a, km_arena *arena) {
-  int k = km_partition_freedom(&a->s->partition[a->index]), rank = a->rank;
-  double *saved = KM_ARENA_NEW(arena, double, (size_t)(KM_SAVED_PER_COLUMN * a->columns));
-  double *move = KM_ARENA_NEW(arena, double, (size_t)a->columns);
-  if (arena->failed || k == 0)
-    return rank;
-  const double *Z = km_state_basis(a->s, a->sub), *weight = a->m->column_weight + a->sub->column_start;
-  for (int c = 0; c < a->columns; ++c) {
-    move[c] = 0.0;
-    for (int i = 0; i < k; ++i)
-      move[c] += 0.02 * (1.0 + 0.3 * i) * Z[i * a->columns + c] / weight[c];
-  }
-  km_closure evidence;
-  km_state_save(a->s, a->sub, saved);
-  km_state_move(a->m, a->s, a->sub, move);
-  a->s->pivoted[a->index] = KM_NEVER;
-  if (km_close(a->m, a->s, a->index, KM_NO_DRIVER, &evidence) == KM_CLOSED)
-    rank = a->s->partition[a->index].rank;
-  km_state_restore(a->s, a->sub, saved);
-  km_loops_update(a->m, a->s, a->sub);
-  a->s->pivoted[a->index] = KM_NEVER;
-  return rank;
 }
 
 static bool find_in(const km_mechanism *m, km_state *s, int index, km_arena *arena, km_redundancies *out,
@@ -349,7 +378,7 @@ static bool find_in(const km_mechanism *m, km_state *s, int index, km_arena *are
              .sub = sub,
              .columns = sub->columns,
              .rows = 6 * sub->loop_count + sub->coupling_count};
-  int worst, first = out->count;
+  int worst;
   a.tolerance = km_rank_tolerance(m, sub, km_loops_residual(m, s, sub, &worst));
   a.about = km_joint_pose(m, s, t->joint[t->joint_start[index]]).p;
   double *own = KM_ARENA_NEW(arena, double, (size_t)a.rows *(size_t)(a.rows + 1));
@@ -366,12 +395,9 @@ static bool find_in(const km_mechanism *m, km_state *s, int index, km_arena *are
   memcpy(a.all, a.W, (size_t)a.all_count * (size_t)a.rows * sizeof *a.all);
   if (a.all_count == 0)
     return true;
-  int missing = rank_nearby(&a, arena) - a.rank; /* redundancies of this pose alone come last */
-  if (!single_loops(&a, own, &own_count, out, capacity) || !several_loops(&a, own, own_count, out, capacity))
-    return false;
-  for (int i = first; i < out->count; ++i)
-    out->items[i].lasting = i < out->count - missing;
-  return true;
+  look_nearby(&a, arena);
+  return !arena->failed && single_loops(&a, own, &own_count, out, capacity) &&
+         several_loops(&a, own, own_count, out, capacity);
 }
 
 km_status km_redundancies_find(const km_mechanism *m, km_state *s, km_redundancies *out, km_error *error) {

@@ -53,6 +53,7 @@ typedef struct km_mobility_sweep {
   km_mobility first;   /* at the pose from which the sweep started */
   int substructure;    /* the one that moves, -1: a joint in no loop */
   int freedom;         /* of the driven substructure there: above 1 the others move least */
+  int start_branches;    /* motions that meet at the starting pose, where it is a branch point; else 0 */
   km_reach start, end; /* how FROM and TO were reached */
   km_toggle *toggles;  /* in the order of the sweep */
   size_t toggle_count, toggle_capacity;
