@@ -60,20 +60,7 @@ static void length_is_a_property_of_the_motion(void **state) {
  * that the arc is 2θ, and the branch points stand at θ = π and 2π. */
 static void parallelogram_branches(void **state) {
   (void)state;
-  static const char text[] =
-      "{\"fixed\": {\"frames\": [{\"name\": \"p\", \"T\": [2, 0, 0]}]}, \"assemblies\": [{\"name\": \"a\", \"bodies\": "
-      "["
-      "{\"name\": \"l\", \"frames\": [{\"name\": \"t\", \"T\": [1, 0, 0]}]}, {\"name\": \"c\", \"frames\": [{\"name\": "
-      "\"t\", \"T\": [2, 0, 0]}]},"
-      "{\"name\": \"r\", \"frames\": [{\"name\": \"t\", \"T\": [1, 0, 0]}]}], \"joints\": ["
-      "{\"name\": \"A\", \"type\": \"Rz\", \"body_frame_pairs\": [\"fixed\", \"l\"], \"initial_displacement\": 1},"
-      "{\"name\": \"B\", \"type\": \"Rz\", \"body_frame_pairs\": [[\"l\", \"t\"], \"c\"], \"initial_displacement\": "
-      "-1},"
-      "{\"name\": \"C\", \"type\": \"Rz\", \"body_frame_pairs\": [[\"c\", \"t\"], [\"r\", \"t\"]], "
-      "\"initial_displacement\": 1},"
-      "{\"name\": \"D\", \"type\": \"Rz\", \"body_frame_pairs\": [[\"fixed\", \"p\"], \"r\"], "
-      "\"initial_displacement\": 1}]}]}";
-  fixture f = fixture_read(text);
+  fixture f = parallelogram(1.0);
   km_mobility_sweep sweep = follow(&f, 0.1, 1000, true);
   assert_near(sweep.cycle, 4.0 * M_PI, 1e-9);
   assert_int_equal(sweep.branch_count, 2);

@@ -51,6 +51,25 @@ static void planar_loops(void **state) {
   }
 }
 
+/* Laid flat, a parallelogram has one more: along its links, and only there. */
+static void a_pose_can_have_its_own(void **state) {
+  (void)state;
+  fixture f = parallelogram(0.0);
+  km_redundancies found = find(&f);
+  int own = 0;
+  assert_int_equal(found.count, 4);
+  for (int i = 0; i < found.count; ++i) {
+    if (found.items[i].lasting)
+      continue;
+    ++own;
+    assert_false(found.items[i].rotation);
+    assert_near(found.items[i].direction[0], 1.0, 1e-9);
+  }
+  assert_int_equal(own, 1);
+  km_redundancies_free(&found);
+  fixture_close(&f);
+}
+
 /* Writes the joint of the text anew as `to`, and reads the model again. */
 static fixture swapped(const char *name, const fixture *f, const km_remedy *remedy) {
   km_arena arena = {0};
@@ -119,6 +138,6 @@ static void remedies_work(void **state) {
 
 int main(void) {
   const struct CMUnitTest tests[] = {cmocka_unit_test(as_many_as_the_rank_says), cmocka_unit_test(planar_loops),
-                                     cmocka_unit_test(remedies_work)};
+                                     cmocka_unit_test(a_pose_can_have_its_own), cmocka_unit_test(remedies_work)};
   return cmocka_run_group_tests(tests, NULL, NULL);
 }

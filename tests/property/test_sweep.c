@@ -126,21 +126,8 @@ static void ends_are_located(void **state) {
 /* A parallelogram passes its change points as a parallelogram, also where a row stands exactly on one. */
 static void parallelogram_stays_one(void **state) {
   (void)state;
-  static const char text[] =
-      "{\"fixed\": {\"frames\": [{\"name\": \"p\", \"T\": [2, 0, 0]}]}, \"assemblies\": [{\"name\": \"a\", \"bodies\": "
-      "["
-      "{\"name\": \"l\", \"frames\": [{\"name\": \"t\", \"T\": [1, 0, 0]}]}, {\"name\": \"c\", \"frames\": [{\"name\": "
-      "\"t\", \"T\": [2, 0, 0]}]},"
-      "{\"name\": \"r\", \"frames\": [{\"name\": \"t\", \"T\": [1, 0, 0]}]}], \"joints\": ["
-      "{\"name\": \"A\", \"type\": \"Rz\", \"body_frame_pairs\": [\"fixed\", \"l\"], \"initial_displacement\": 1},"
-      "{\"name\": \"B\", \"type\": \"Rz\", \"body_frame_pairs\": [[\"l\", \"t\"], \"c\"], \"initial_displacement\": "
-      "-1},"
-      "{\"name\": \"C\", \"type\": \"Rz\", \"body_frame_pairs\": [[\"c\", \"t\"], [\"r\", \"t\"]], "
-      "\"initial_displacement\": 1},"
-      "{\"name\": \"D\", \"type\": \"Rz\", \"body_frame_pairs\": [[\"fixed\", \"p\"], \"r\"], "
-      "\"initial_displacement\": 1}]}]}";
   for (int steps = 30; steps < 40; ++steps) {
-    fixture f = fixture_read(text);
+    fixture f = parallelogram(1.0);
     km_sweep_plan plan = {.coordinate = 0, .from = -2.0 * M_PI, .to = 2.0 * M_PI, .steps = steps};
     km_mobility_sweep sweep;
     assert_int_equal(km_mobility_sweep_run(f.mechanism, f.state, &plan, &sweep, NULL), KM_OK);
@@ -150,6 +137,26 @@ static void parallelogram_stays_one(void **state) {
     km_mobility_sweep_free(&sweep);
     fixture_close(&f);
   }
+}
+
+/* From a branch point two motions lead away: the sweep stays on one of them, through it and back. */
+static void a_branch_point_can_be_the_start(void **state) {
+  (void)state;
+  fixture f = parallelogram(0.0);
+  km_sweep_plan plan = {.coordinate = 0, .from = -1.0, .to = 1.0, .steps = 8};
+  km_mobility_sweep sweep;
+  assert_int_equal(km_mobility_sweep_run(f.mechanism, f.state, &plan, &sweep, NULL), KM_OK);
+  assert_int_equal(sweep.start_branches, 2);
+  int a = km_table_find(sweep.table, "q.A"), d = km_table_find(sweep.table, "q.D");
+  const double *first = km_table_row(sweep.table, 0);
+  bool parallel = fabs(first[a] - first[d]) < 1e-8;
+  for (size_t r = 0; r < km_table_rows(sweep.table); ++r) {
+    const double *row = km_table_row(sweep.table, r);
+    /* crossed: tan(D/2) = (1 + 2)/(1 - 2) tan(A/2) = -3 tan(A/2) for links 1 and 2 */
+    assert_near(parallel ? row[d] : tan(0.5 * row[d]), parallel ? row[a] : -3.0 * tan(0.5 * row[a]), 1e-8);
+  }
+  km_mobility_sweep_free(&sweep);
+  fixture_close(&f);
 }
 
 static bool cancel(void *context, double done) {
@@ -179,6 +186,7 @@ int main(void) {
       cmocka_unit_test(same_input_same_bits),
       cmocka_unit_test(ends_are_located),
       cmocka_unit_test(parallelogram_stays_one),
+      cmocka_unit_test(a_branch_point_can_be_the_start),
       cmocka_unit_test(a_sweep_can_be_cancelled),
   };
   return cmocka_run_group_tests(tests, NULL, NULL);

@@ -4,6 +4,7 @@
 #include "topology/chain.h"
 
 #include <lapacke.h>
+#include <stdio.h>
 #include <string.h>
 
 const char *const all_models[] = {"fourbar", "slider_crank", "bricard", "sarrus3", "sarrus4",
@@ -42,6 +43,25 @@ fixture fixture_open(const char *name) {
   fixture f = fixture_read(text);
   km_free(text);
   return f;
+}
+
+fixture parallelogram(double angle) {
+  static const char text[] =
+      "{\"fixed\": {\"frames\": [{\"name\": \"p\", \"T\": [2, 0, 0]}]}, \"assemblies\": [{\"name\": \"a\", \"bodies\": "
+      "["
+      "{\"name\": \"l\", \"frames\": [{\"name\": \"t\", \"T\": [1, 0, 0]}]}, {\"name\": \"c\", \"frames\": [{\"name\": "
+      "\"t\", \"T\": [2, 0, 0]}]},"
+      "{\"name\": \"r\", \"frames\": [{\"name\": \"t\", \"T\": [1, 0, 0]}]}], \"joints\": ["
+      "{\"name\": \"A\", \"type\": \"Rz\", \"body_frame_pairs\": [\"fixed\", \"l\"], \"initial_displacement\": %.17g},"
+      "{\"name\": \"B\", \"type\": \"Rz\", \"body_frame_pairs\": [[\"l\", \"t\"], \"c\"], \"initial_displacement\": "
+      "%.17g},"
+      "{\"name\": \"C\", \"type\": \"Rz\", \"body_frame_pairs\": [[\"c\", \"t\"], [\"r\", \"t\"]], "
+      "\"initial_displacement\": %.17g},"
+      "{\"name\": \"D\", \"type\": \"Rz\", \"body_frame_pairs\": [[\"fixed\", \"p\"], \"r\"], "
+      "\"initial_displacement\": %.17g}]}]}";
+  char buffer[2048];
+  snprintf(buffer, sizeof buffer, text, angle, -angle, angle, angle);
+  return fixture_read(buffer);
 }
 
 void fixture_close(fixture *f) {

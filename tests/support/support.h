@@ -31,6 +31,9 @@ fixture fixture_of(km_model *model);    /* takes the model */
 void fixture_close(fixture *f);
 char *read_model_text(const char *name); /* the caller frees it (km_free) */
 
+/* A parallelogram with links 2 and 1 (joints A, B, C, D), its crank turned by `angle`; 0 and π are its change points. */
+fixture parallelogram(double angle);
+
 /* |a − b| ≤ tolerance, and neither is NaN. */
 #define assert_near(a, b, tolerance) assert_near_at((a), (b), (tolerance), #a, __FILE__, __LINE__)
 void assert_near_at(double a, double b, double tolerance, const char *what, const char *file, int line);
