@@ -20,7 +20,7 @@ typedef struct space {
   int null_count;
   double *all, *reach; /* all left null vectors of J, [all_count × rows]; [2 · all_count] */
   int all_count;
-  double *nearby;           /* the same a short way along the motion, [nearby_count × rows] */
+  double *nearby; /* the same a short way along the motion, [nearby_count × rows] */
   int nearby_count;
   km_partition p;
 } space;
@@ -191,7 +191,7 @@ static void look_nearby(space *a, km_arena *arena) {
   int k = km_partition_freedom(&a->s->partition[a->index]);
   double *saved = KM_ARENA_NEW(arena, double, (size_t)(KM_SAVED_PER_COLUMN * a->columns));
   double *move = KM_ARENA_NEW(arena, double, (size_t)a->columns);
-  a->nearby = KM_ARENA_NEW(arena, double, (size_t)a->all_count * (size_t)a->rows);
+  a->nearby = KM_ARENA_NEW(arena, double, (size_t)a->all_count *(size_t)a->rows);
   a->nearby_count = a->all_count;
   if (arena->failed)
     return;

@@ -1,7 +1,5 @@
 /* Sweeps by one driven coordinate. */
-#include "analysis/branches.h"
 #include "analysis/sweeper.h"
-#include "kinematics/closure.h"
 
 #include <math.h>
 
@@ -26,10 +24,13 @@ static km_status rows(km_sweeper *r, km_error *error) {
       continue;
     if (!km_sweeper_goes_on(r, i))
       return km_fail(error, KM_CANCELLED, "stopped at %g", s);
+    int crossings = km_drive_crossings(drive);
     *end = km_drive_to(drive, s);
     bool again = end->stop && fabs(end->position - last) <= 1e-9 * (1.0 + fabs(last));
     if (!again) /* the end may be where the last row stands already */
       status = km_sweeper_row(r, row++, end->position, error);
+    if (!status && km_drive_crossings(drive) > crossings && r->substructure >= 0)
+      status = km_sweeper_find_branch(r, error);
     last = end->position;
     if (end->stop)
       break;
@@ -62,44 +63,10 @@ static void settle(void *self, double s) {
   km_drive_to(self, s);
 }
 
-/* At a branch point no direction is the mechanism's own: a short step leads onto the motion that moves the driver
- * most, from where the branch point can be passed smoothly. */
-static km_status leave_branch_point(km_sweeper *r, km_error *error) {
-  enum { MOST_BRANCHES = 16 };
-  static const double short_step = 5e-3;
-  const km_mechanism *m = r->m;
-  if (r->substructure < 0)
-    return KM_OK;
-  const km_substructure *sub = &m->substructures[r->substructure];
-  double *directions = KM_NEW(double, (size_t)MOST_BRANCHES * (size_t)sub->columns), largest = 0.0;
-  if (!directions)
-    return km_fail(error, KM_MEMORY, "out of memory for a sweep");
-  int column = m->column_of[r->plan->coordinate], best = -1;
-  r->out->start_branches = km_branch_directions(m, r->s, r->substructure, directions, MOST_BRANCHES);
-  for (int i = 0; i < r->out->start_branches; ++i) {
-    double rate = fabs(directions[(size_t)i * (size_t)sub->columns + (size_t)column]);
-    if (rate > 1.000001 * largest) {
-      largest = rate;
-      best = i;
-    }
-  }
-  if (best >= 0) {
-    km_closure evidence;
-    double *step = directions + (size_t)best * (size_t)sub->columns;
-    for (int k = 0; k < sub->columns; ++k)
-      step[k] *= short_step;
-    km_state_move(m, r->s, sub, step);
-    r->s->pivoted[r->substructure] = KM_NEVER;
-    km_close(m, r->s, r->substructure, KM_NO_DRIVER, &evidence);
-  }
-  km_free(directions);
-  return KM_OK;
-}
-
 km_status km_sweep_by_driver(km_sweeper *r, km_error *error) {
   km_drive *drive;
   r->substructure = r->out->substructure = r->m->substructure_of[r->plan->coordinate];
-  km_status status = leave_branch_point(r, error);
+  km_status status = km_sweeper_leave_branch(r, error);
   if (status)
     return status;
   status = km_drive_create(r->m, r->s, r->plan->coordinate, r->plan->ignore_limits, &drive, error);

@@ -25,6 +25,7 @@ struct km_drive {
   bool ignore_limits;
   double s;                   /* the driver, scaled */
   double largest;             /* the step that step control allows now */
+  int crossings;              /* singular poses passed so far */
   bool passing;               /* this step goes over a singular pose on purpose */
   double stopped;             /* the direction that ended here, ±1, while the pose is close to that end; else 0 */
   bool known;                 /* t belongs to the present pose */
@@ -179,7 +180,11 @@ static attempt correct(km_drive *d, double h, double tightness, double *next_t) 
   double cosine = along / sqrt(dot(d, d->t, d->t) * dot(d, next_t, next_t));
   if (!(cosine >= 1.0 - tightness * 0.4))
     return BENT;
-  return !d->passing && fabs(h) > branch_width && sign_changed(d) ? BENT : ACCEPTED;
+  bool changed = !d->passing && sign_changed(d);
+  if (changed && fabs(h) > branch_width)
+    return BENT;
+  d->crossings += changed;
+  return ACCEPTED;
 }
 
 static void accept(km_drive *d, double h) {
@@ -243,6 +248,7 @@ static bool cross(km_drive *d, double target, int *limit) {
     return false;
   }
   memcpy(d->t, d->next_t, (size_t)sub->columns * sizeof *d->t);
+  d->crossings++;
   d->s = target;
   d->last_h = 0.0;
   return true;
@@ -384,4 +390,8 @@ bool km_drive_tangent(km_drive *d, double *rates) {
     rates[c] = d->t[k] * m->unit[c] / m->unit[d->coordinate];
   }
   return true;
+}
+
+int km_drive_crossings(const km_drive *d) {
+  return d->crossings;
 }

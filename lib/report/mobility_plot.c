@@ -144,7 +144,7 @@ static void fill_panel(lines *l, const km_plotted_sweep *sweeps, int count, int 
 static void fill_marks(lines *l, const km_plotted_sweep *sweeps, int count, int substructure, km_plot_panel *panel) {
   size_t total = 0;
   for (int i = 0; i < count; ++i)
-    total += sweeps[i].sweep->toggle_count;
+    total += sweeps[i].sweep->toggle_count + sweeps[i].sweep->branch_count;
   km_plot_mark *marks = KM_ARENA_NEW(&l->arena, km_plot_mark, total);
   if (!marks)
     return;
@@ -157,6 +157,10 @@ static void fill_marks(lines *l, const km_plotted_sweep *sweeps, int count, int 
       marks[panel->mark_count++] = (km_plot_mark){toggle->s, m->model->coordinates[toggle->coordinate].label};
     }
   }
+  for (int i = 0; i < count; ++i)
+    for (size_t k = 0;
+         k < sweeps[i].sweep->branch_count && (substructure < 0 || sweeps[i].sweep->substructure == substructure); ++k)
+      marks[panel->mark_count++] = (km_plot_mark){sweeps[i].sweep->branches[k].s, "branch point"};
   panel->marks = marks;
 }
 

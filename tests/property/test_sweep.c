@@ -134,6 +134,12 @@ static void parallelogram_stays_one(void **state) {
     int a = km_table_find(sweep.table, "q.A"), d = km_table_find(sweep.table, "q.D");
     for (size_t r = 0; r < km_table_rows(sweep.table); ++r)
       assert_near(km_table_row(sweep.table, r)[a], km_table_row(sweep.table, r)[d], 1e-8);
+    for (size_t i = 0; i < sweep.branch_count; ++i) { /* at the multiples of π */
+      assert_near(remainder(sweep.branches[i].s, M_PI), 0.0, 1e-8);
+      assert_int_equal(sweep.branches[i].mobility, 2);
+      assert_int_equal(sweep.branches[i].branches, 2);
+    }
+    assert_in_range(sweep.branch_count, 3, 5); /* the range's ends are two of them */
     km_mobility_sweep_free(&sweep);
     fixture_close(&f);
   }

@@ -57,7 +57,7 @@ typedef struct km_mobility_sweep {
   km_reach start, end; /* how FROM and TO were reached */
   km_toggle *toggles;  /* in the order of the sweep */
   size_t toggle_count, toggle_capacity;
-  km_branch_point *branches; /* by arc length: where several motions meet */
+  km_branch_point *branches; /* where several motions meet; s is the driver's value, or the arc length */
   size_t branch_count, branch_capacity;
   double cycle;         /* by arc length: length of the closed cycle, 0 if it wasn't closed */
   km_extreme *extremes; /* [coordinate] */

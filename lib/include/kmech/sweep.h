@@ -45,6 +45,9 @@ km_reach km_drive_to(km_drive *drive, double target);
  * engine's units (radians, model's length). rates[coordinate count]. False at a toggle of the driver. */
 bool km_drive_tangent(km_drive *drive, double *rates);
 
+/* How many singular poses (branch points) the drive has passed, on the smooth motion. */
+int km_drive_crossings(const km_drive *drive);
+
 /* Compiles the model and brings it to a pose: assembled at the file's pose, then moved along its branch, one
  * coordinate after the other, until every `hold` and every `set` has its value. Held coordinates stay rigid in
  * the mechanism that comes out, set ones are free again. Limits don't count. KM_MODEL: the file's own pose can't

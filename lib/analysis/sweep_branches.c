@@ -1,0 +1,100 @@
+/* Branch points of sweeps by a driver: where they are, and how to start from one. */
+#include "analysis/branches.h"
+#include "analysis/sweeper.h"
+#include "kinematics/closure.h"
+#include "kinematics/follow.h"
+
+#include <math.h>
+
+enum { MOST_BRANCHES = 16 };
+
+static km_status add_branch(km_sweeper *r, km_state *state, double s, int mobility, km_error *error) {
+  void *branches = r->out->branches;
+  size_t columns = (size_t)r->m->substructures[r->substructure].columns;
+  double *directions = KM_NEW(double, MOST_BRANCHES *columns);
+  if (!directions ||
+      !km_reserve(&branches, &r->out->branch_capacity, r->out->branch_count + 1, sizeof *r->out->branches)) {
+    km_free(directions);
+    return km_fail(error, KM_MEMORY, "out of memory for the branch points");
+  }
+  r->out->branches = branches;
+  int count = km_branch_directions(r->m, state, r->substructure, directions, MOST_BRANCHES);
+  r->out->branches[r->out->branch_count++] = (km_branch_point){s, mobility, count};
+  km_free(directions);
+  return KM_OK;
+}
+
+/* Follows the motion from a row of the table to the branch point that lies behind it, at most to driver value
+ * `to`, on a state of its own. */
+static km_status follow_to_branch(km_sweeper *r, km_state *state, size_t row, double to, km_error *error) {
+  const double *cells = km_table_row(r->out->table, row);
+  double from = cells[1], most = 1000.0;
+  for (int c = 0; c < r->m->coordinate_count; ++c)
+    r->scratch[c] = cells[2 + c] * km_model_coordinate_factor(r->m->model, c);
+  km_state_set(r->m, state, r->scratch);
+  km_follow *follow;
+  km_branch_point point;
+  if (km_follow_create(r->m, state, r->plan->coordinate, to - from, true, &follow, NULL))
+    return KM_OK; /* a row that is singular itself has been added as such */
+  km_status status = KM_OK;
+  bool found = false, past = false;
+  while (!found && !past && km_follow_length(follow) < most && !km_follow_advance(follow, 0.05)) {
+    found = km_follow_branch(follow, &point);
+    past = (km_state_coordinate(state, r->plan->coordinate) - to) * (to - from) > 0.0;
+  }
+  if (found) {
+    km_follow_at_branch(follow, r->scratch);
+    status = add_branch(r, state, km_state_coordinate(state, r->plan->coordinate), point.mobility, error);
+  }
+  km_follow_free(follow);
+  return status;
+}
+
+/* The drive has passed a singular pose on the way to the last row: finds where, and what meets there. */
+km_status km_sweeper_find_branch(km_sweeper *r, km_error *error) {
+  size_t rows = km_table_rows(r->out->table);
+  const double *last = km_table_row(r->out->table, rows - 1);
+  int mobility = km_partition_freedom(&r->s->partition[r->substructure]);
+  if (mobility > 1) /* it is the row's own pose */
+    return add_branch(r, r->s, last[1], mobility, error);
+  km_state *state;
+  km_status status = rows > 1 ? km_state_create(r->m, &state, error) : KM_OK;
+  if (status || rows < 2)
+    return status;
+  status = follow_to_branch(r, state, rows - 2, last[1], error);
+  km_state_free(state);
+  return status;
+}
+
+/* At a branch point no direction is the mechanism's own: a short step leads onto the motion that moves the driver
+ * most, from where the branch point can be passed smoothly. */
+km_status km_sweeper_leave_branch(km_sweeper *r, km_error *error) {
+  static const double short_step = 5e-3;
+  const km_mechanism *m = r->m;
+  if (r->substructure < 0)
+    return KM_OK;
+  const km_substructure *sub = &m->substructures[r->substructure];
+  double *directions = KM_NEW(double, (size_t)MOST_BRANCHES *(size_t)sub->columns), largest = 0.0;
+  if (!directions)
+    return km_fail(error, KM_MEMORY, "out of memory for a sweep");
+  int column = m->column_of[r->plan->coordinate], best = -1;
+  r->out->start_branches = km_branch_directions(m, r->s, r->substructure, directions, MOST_BRANCHES);
+  for (int i = 0; i < r->out->start_branches; ++i) {
+    double rate = fabs(directions[(size_t)i * (size_t)sub->columns + (size_t)column]);
+    if (rate > 1.000001 * largest) {
+      largest = rate;
+      best = i;
+    }
+  }
+  if (best >= 0) {
+    km_closure evidence;
+    double *step = directions + (size_t)best * (size_t)sub->columns;
+    for (int k = 0; k < sub->columns; ++k)
+      step[k] *= short_step;
+    km_state_move(m, r->s, sub, step);
+    r->s->pivoted[r->substructure] = KM_NEVER;
+    km_close(m, r->s, r->substructure, KM_NO_DRIVER, &evidence);
+  }
+  km_free(directions);
+  return KM_OK;
+}
