@@ -38,5 +38,6 @@ void bench_agree(const char *bench, const char *what, const double *a, const dou
 void bench_partition(void);
 void bench_sweep(void);
 void bench_command(void);
+void bench_scale(void);
 
 #endif
