@@ -66,26 +66,30 @@ km_status km_sweeper_find_branch(km_sweeper *r, km_error *error) {
   return status;
 }
 
-/* At a branch point no direction is the mechanism's own: a short step leads onto the motion that moves the driver
- * most, from where the branch point can be passed smoothly. */
-km_status km_sweeper_leave_branch(km_sweeper *r, km_error *error) {
-  static const double short_step = 5e-3;
-  const km_mechanism *m = r->m;
-  if (r->substructure < 0)
-    return KM_OK;
-  const km_substructure *sub = &m->substructures[r->substructure];
-  double *directions = KM_NEW(double, (size_t)MOST_BRANCHES *(size_t)sub->columns), largest = 0.0;
-  if (!directions)
-    return km_fail(error, KM_MEMORY, "out of memory for a sweep");
-  int column = m->column_of[r->plan->coordinate], best = -1;
-  r->out->start_branches = km_branch_directions(m, r->s, r->substructure, directions, MOST_BRANCHES);
-  for (int i = 0; i < r->out->start_branches; ++i) {
-    double rate = fabs(directions[(size_t)i * (size_t)sub->columns + (size_t)column]);
+static int fastest(const double *directions, int count, int columns, int column) {
+  int best = -1;
+  double largest = 0.0;
+  for (int i = 0; i < count; ++i) {
+    double rate = fabs(directions[(size_t)i * (size_t)columns + (size_t)column]);
     if (rate > 1.000001 * largest) {
       largest = rate;
       best = i;
     }
   }
+  return best;
+}
+
+km_status km_sweeper_leave_branch(km_sweeper *r, int coordinate, km_error *error) {
+  static const double short_step = 5e-3;
+  const km_mechanism *m = r->m;
+  if (r->substructure < 0)
+    return KM_OK;
+  const km_substructure *sub = &m->substructures[r->substructure];
+  double *directions = KM_NEW(double, (size_t)MOST_BRANCHES *(size_t)sub->columns);
+  if (!directions)
+    return km_fail(error, KM_MEMORY, "out of memory for a sweep");
+  r->out->start_branches = km_branch_directions(m, r->s, r->substructure, directions, MOST_BRANCHES);
+  int best = fastest(directions, r->out->start_branches, sub->columns, m->column_of[coordinate]);
   if (best >= 0) {
     km_closure evidence;
     double *step = directions + (size_t)best * (size_t)sub->columns;

@@ -66,7 +66,7 @@ static void settle(void *self, double s) {
 km_status km_sweep_by_driver(km_sweeper *r, km_error *error) {
   km_drive *drive;
   r->substructure = r->out->substructure = r->m->substructure_of[r->plan->coordinate];
-  km_status status = km_sweeper_leave_branch(r, error);
+  km_status status = km_sweeper_leave_branch(r, r->plan->coordinate, error);
   if (status)
     return status;
   status = km_drive_create(r->m, r->s, r->plan->coordinate, r->plan->ignore_limits, &drive, error);

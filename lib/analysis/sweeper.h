@@ -44,9 +44,9 @@ bool km_sweeper_add_toggle(km_mobility_sweep *out, int coordinate, double s);
 
 /* The drive has passed a singular pose on the way to the last row: finds where, and what meets there. */
 km_status km_sweeper_find_branch(km_sweeper *sweeper, km_error *error);
-/* At a branch point no direction is the mechanism's own: a short step leads onto the motion that moves the driver
- * most, from where the branch point can be passed smoothly. */
-km_status km_sweeper_leave_branch(km_sweeper *sweeper, km_error *error);
+/* At a branch point no direction is the mechanism's own: a short step leads onto the motion that moves the
+ * coordinate most, from where the branch point can be passed smoothly. */
+km_status km_sweeper_leave_branch(km_sweeper *sweeper, int coordinate, km_error *error);
 
 /* The rows of a driven sweep, and of one by arc length. */
 km_status km_sweep_by_driver(km_sweeper *sweeper, km_error *error);

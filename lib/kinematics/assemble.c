@@ -140,7 +140,7 @@ static km_status assemble_all(const km_mechanism *m, km_state *s, double *saved,
       return status;
     if (outcome != KM_CLOSED)
       return report_open(m, s, i, &evidence, error);
-    status = check_rigid(m, s, i, error);
+    status = evidence.iterations > 0 ? check_rigid(m, s, i, error) : KM_OK;
     if (status)
       return status;
     if (evidence.residual > total->residual) {

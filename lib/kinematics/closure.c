@@ -86,9 +86,9 @@ static double newton_step(const km_mechanism *m, km_state *s, int index, int dri
   km_partition_solve(&s->partition[index], km_state_error(s, sub), x);
   for (int k = 0; k < sub->columns; ++k)
     x[k] = -x[k];
-  if (driver >= 0)
-    x[driver] = 0.0;
   km_least_step(m, s, index, driver, x);
+  if (driver >= 0) /* where it came out dependent, the step wants to move it */
+    x[driver] = 0.0;
   for (int k = 0; k < sub->columns; ++k)
     largest = fmax(largest, fabs(x[k]));
   return largest;

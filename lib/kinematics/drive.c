@@ -31,6 +31,7 @@ struct km_drive {
   bool known;                 /* t belongs to the present pose */
   double *t, *next_t, *move;  /* [columns] */
   double *last_t, *last_move; /* [columns] the step before this pose, for the predictor */
+  double *begin_t;            /* [columns] the tangent that a walk of many freedoms began with */
   double last_h;              /* 0: none */
   double *saved, *near, *far, *begin, *first; /* poses to come back to */
   km_partition reference;                     /* pivots of the present pose, to compare signs with */
@@ -42,7 +43,7 @@ enum { MOST_STEPS = 200000 }; /* towards one target */
 
 static bool allocate(km_drive *d, int rows, int columns) {
   size_t n = (size_t)columns;
-  double **arrays[] = {&d->t, &d->last_t, &d->last_move, &d->next_t, &d->move};
+  double **arrays[] = {&d->t, &d->last_t, &d->last_move, &d->next_t, &d->move, &d->begin_t};
   double **poses[] = {&d->saved, &d->near, &d->far, &d->begin, &d->first};
   for (size_t i = 0; i < sizeof arrays / sizeof *arrays; ++i)
     *arrays[i] = KM_ARENA_NEW(&d->arena, double, n);
@@ -289,19 +290,31 @@ static attempt walk(km_drive *d, double target, double most, int *limit) {
   return ACCEPTED;
 }
 
+/* At an end of the driver the pose has no tangent of its own, but the walk may have come with one. */
+static bool start_again(km_drive *d, bool came_with_tangent) {
+  if (!start(d) && came_with_tangent) {
+    memcpy(d->t, d->begin_t, (size_t)driven(d)->columns * sizeof *d->t);
+    d->known = true;
+  }
+  return d->known;
+}
+
 /* With other freedoms left, the path of least motion is followed by inner steps, halved until that changes
  * the pose by less than the tolerance. */
 static attempt walk_least(km_drive *d, double target, int *limit) {
   const km_substructure *sub = driven(d);
-  double from = d->s, length = fabs(target - from);
+  double from = d->s, length = fabs(target - from), stopped = d->stopped;
+  bool known = d->known;
   attempt result = ACCEPTED;
   double change = HUGE_VAL;
   km_state_save(d->state, sub, d->begin);
+  memcpy(d->begin_t, d->t, (size_t)sub->columns * sizeof *d->t);
   for (int pieces = 1; pieces <= 1024; pieces *= 2) {
     km_state_restore(d->state, sub, d->begin);
     d->s = from;
+    d->stopped = stopped;
     place_driver(d, from);
-    if (!start(d))
+    if (!start_again(d, known))
       return OPEN;
     result = walk(d, target, length / pieces, limit);
     if (result != ACCEPTED)

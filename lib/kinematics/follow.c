@@ -127,6 +127,15 @@ static void remember(km_follow *f) {
   f->g = f->freedom == 1 ? km_follow_g(f, f->t) : 0.0;
 }
 
+/* What the cycle has to come back to. */
+static void set_origin(km_follow *f) {
+  size_t columns = (size_t)sub_of(f)->columns;
+  memcpy(f->origin_t, f->t, columns * sizeof *f->t);
+  memcpy(f->origin, f->here, KM_SAVED_PER_COLUMN * columns * sizeof *f->here);
+  f->origin_s = f->s;
+  f->origin_waits = false;
+}
+
 static void accept(km_follow *f, double length) {
   double *spare = f->last_t;
   f->last_t = f->t;
@@ -136,6 +145,8 @@ static void accept(km_follow *f, double length) {
   f->last_h = length;
   f->s += length;
   remember(f);
+  if (f->origin_waits)
+    set_origin(f);
 }
 
 /* The way from the start pose to this one, full turns of hinges left out. */
@@ -151,7 +162,7 @@ static bool passes_start(km_follow *f, double length) {
   double *way = f->scratch;
   from_start(f, way);
   double after = weighted(f, f->origin_t, way);
-  return f->s + length > 2.0 * longest && after >= -1e-12 && after <= 1.5 * length &&
+  return f->s - f->origin_s + length > 2.0 * longest && after >= -1e-12 && after <= 1.5 * length &&
          weighted(f, f->origin_t, f->next_t) > 0.9 && weighted(f, way, way) < 4.0 * length * length;
 }
 
@@ -170,6 +181,7 @@ static bool meet_start(km_follow *f, double length) {
   if (weighted(f, way, way) > closing * closing)
     return false;
   accept(f, reached);
+  f->s -= f->origin_s;
   f->closed = true;
   return true;
 }
@@ -291,9 +303,8 @@ static km_status start(km_follow *f, int coordinate, double sign, km_error *erro
   if (f->freedom == 0 || !first_tangent(f, column, sign))
     return km_fail(error, KM_PARTIAL, "nothing moves: %s",
                    f->freedom ? "the joint that should is at a toggle" : "the mechanism is a structure at this pose");
-  memcpy(f->origin_t, f->t, (size_t)sub->columns * sizeof *f->t);
   remember(f);
-  memcpy(f->origin, f->here, (size_t)(KM_SAVED_PER_COLUMN * sub->columns) * sizeof *f->here);
+  set_origin(f);
   return KM_OK;
 }
 

@@ -11,10 +11,11 @@ struct km_follow {
   km_state *state;
   int substructure, freedom;
   double s, largest; /* arc length so far; the step that step control allows now */
-  bool closed, ignore_limits;
-  int limit;                           /* the coordinate whose limit ended the motion, -1 */
-  double *t, *next_t, *move, *scratch; /* [column] */
-  double *last_t, *last_move, last_h;  /* the step before this pose; 0: none */
+  double origin_s;   /* arc length of the pose whose return closes the cycle: at a branch point, the first after it */
+  bool closed, ignore_limits, origin_waits; /* for that first pose */
+  int limit;                                /* the coordinate whose limit ended the motion, -1 */
+  double *t, *next_t, *move, *scratch;      /* [column] */
+  double *last_t, *last_move, last_h;       /* the step before this pose; 0: none */
   double *origin_t, *near_t, *far_t, *branch_t;
   double *here, *origin, *near, *far, *branch_pose; /* saved poses */
   km_partition reference;                           /* pivots of this pose */
@@ -44,5 +45,8 @@ void km_follow_at_branch(km_follow *follow, double *tangent);
 void km_follow_go_on(km_follow *follow);
 /* Continues from the branch point along another direction (scaled step). */
 void km_follow_turn(km_follow *follow, const double *direction);
+/* The pose of km_follow_create is a branch point: starts along that one of the motions that meet there,
+ * directions[count × columns] (scaled steps), which is nearest to the direction that was asked for. */
+void km_follow_set_out(km_follow *follow, const double *directions, int count);
 
 #endif

@@ -7,6 +7,8 @@
 #include <string.h>
 
 static const double aside = 1e-3; /* distance of the poses that a branch point is interpolated from */
+static const double short_step = 5e-3;
+static const double first_step = 1e-3; /* away from a branch point */
 
 static const km_substructure *sub_of(const km_follow *f) {
   return &f->mechanism->substructures[f->substructure];
@@ -117,15 +119,52 @@ void km_follow_go_on(km_follow *f) {
   f->state->pivoted[f->substructure] = KM_NEVER;
 }
 
-void km_follow_turn(km_follow *f, const double *direction) {
-  double size = km_step_length(f->mechanism, sub_of(f), direction);
+/* Continues from the pose `here`, a branch point, along `direction`. */
+static void set_out(km_follow *f, const double *direction, double sense) {
+  double size = sense * km_step_length(f->mechanism, sub_of(f), direction);
   for (int k = 0; k < sub_of(f)->columns; ++k)
     f->t[k] = direction[k] / size;
-  km_state_restore(f->state, sub_of(f), f->branch_pose);
-  km_state_save(f->state, sub_of(f), f->here);
   f->state->pivoted[f->substructure] = KM_NEVER;
-  f->s = f->branch.s;
   f->last_h = 0.0; /* the step before was on another branch */
   f->g = 0.0;
+}
+
+void km_follow_turn(km_follow *f, const double *direction) {
+  km_state_restore(f->state, sub_of(f), f->branch_pose);
+  km_state_save(f->state, sub_of(f), f->here);
+  set_out(f, direction, 1.0);
+  f->s = f->branch.s;
   f->closed = false;
+}
+
+/* Freedom of the motion along t, which at its branch point drowns among the others. */
+static int freedom_ahead(km_follow *f) {
+  const km_substructure *sub = sub_of(f);
+  km_closure evidence;
+  for (int k = 0; k < sub->columns; ++k)
+    f->move[k] = short_step * f->t[k];
+  km_state_move(f->mechanism, f->state, sub, f->move);
+  km_close(f->mechanism, f->state, f->substructure, KM_NO_DRIVER, &evidence);
+  int freedom = km_partition_freedom(&f->state->partition[f->substructure]);
+  km_state_restore(f->state, sub, f->here);
+  km_loops_update(f->mechanism, f->state, sub);
+  km_pivot(f->mechanism, f->state, f->substructure, KM_NO_DRIVER, km_rank_tolerance(f->mechanism, sub, 0.0));
+  return freedom;
+}
+
+void km_follow_set_out(km_follow *f, const double *directions, int count) {
+  const double *best = directions;
+  double nearest = 0.0;
+  for (int i = 0; i < count; ++i) {
+    const double *x = directions + (size_t)i * (size_t)sub_of(f)->columns;
+    double along = km_step_dot(f->mechanism, sub_of(f), x, f->t);
+    if (fabs(along) > 1.000001 * fabs(nearest)) {
+      nearest = along;
+      best = x;
+    }
+  }
+  set_out(f, best, nearest < 0.0 ? -1.0 : 1.0);
+  f->freedom = freedom_ahead(f);
+  f->largest = first_step;
+  f->origin_waits = true;
 }

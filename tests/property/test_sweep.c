@@ -165,6 +165,24 @@ static void a_branch_point_can_be_the_start(void **state) {
   fixture_close(&f);
 }
 
+/* The parallelogram's motion has A = D, B = -A, C = A: arc length 2|A|, round after 4π. */
+static void arc_length_can_start_at_a_branch_point(void **state) {
+  (void)state;
+  fixture f = parallelogram(0.0);
+  km_sweep_plan plan = {.coordinate = 0, .direction = 0, .sign = 1.0, .arclength = 0.1, .steps = 200, .cycle = true};
+  km_mobility_sweep sweep;
+  assert_int_equal(km_mobility_sweep_run(f.mechanism, f.state, &plan, &sweep, NULL), KM_OK);
+  assert_int_equal(sweep.start_branches, 2);
+  int a = km_table_find(sweep.table, "q.A"), d = km_table_find(sweep.table, "q.D");
+  const double *first = km_table_row(sweep.table, 1);
+  assert_near(first[a], 0.05, 1e-8); /* the crossed motion would move A less */
+  assert_near(first[d], 0.05, 1e-8);
+  assert_near(sweep.cycle, 4.0 * M_PI, 1e-8);
+  assert_int_equal(km_table_rows(sweep.table), 126);
+  km_mobility_sweep_free(&sweep);
+  fixture_close(&f);
+}
+
 static bool cancel(void *context, double done) {
   (void)done;
   return --*(int *)context > 0;
@@ -193,6 +211,7 @@ int main(void) {
       cmocka_unit_test(ends_are_located),
       cmocka_unit_test(parallelogram_stays_one),
       cmocka_unit_test(a_branch_point_can_be_the_start),
+      cmocka_unit_test(arc_length_can_start_at_a_branch_point),
       cmocka_unit_test(a_sweep_can_be_cancelled),
   };
   return cmocka_run_group_tests(tests, NULL, NULL);

@@ -259,9 +259,12 @@ static void run_sweep(job *j) {
     km_sweep_stop_text(j->pose.mechanism, &j->plan, &j->sweep, &j->stopped_by);
     if (status == KM_PARTIAL)
       kt_say(common, KM_ERROR, "%s: %s", j->path, j->stopped_by.data);
-    if (j->sweep.start_branches > 0 && j->plan.arclength <= 0.0)
-      kt_say(common, KM_NOTE, "%s: the starting pose is a branch point; of %d motions the one that moves the driver most "
-             "is taken (--set starts from another pose)", j->path, j->sweep.start_branches);
+    if (j->sweep.start_branches > 0)
+      kt_say(common, KM_NOTE,
+             "%s: the starting pose is a branch point; of %d motions the one %s "
+             "is taken (--set starts from another pose)",
+             j->path, j->sweep.start_branches,
+             j->plan.arclength > 0.0 ? "nearest to the direction asked for" : "that moves the driver most");
     else if (j->sweep.freedom > 1 && j->plan.arclength <= 0.0)
       kt_say(common, KM_NOTE, "%s: more than one freedom is left; the others move least (--hold keeps joints)",
              j->path);
