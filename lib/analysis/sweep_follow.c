@@ -114,6 +114,20 @@ static km_status rows(km_sweeper *r, km_follow *follow, km_error *error) {
   return !status && plan->cycle ? KM_PARTIAL : status;
 }
 
+static bool stands(void *self, double *out) {
+  (void)self;
+  (void)out;
+  return false;
+}
+
+/* Nothing moves: the starting pose is all there is. */
+static km_status only_row(km_sweeper *r, km_error *error) {
+  r->mover = (km_mover){NULL, stands, NULL, NULL};
+  r->out->end = (km_reach){KM_STOP_TOGGLE, 0.0, -1, -1};
+  km_status status = km_sweeper_row(r, 0, 0.0, error);
+  return status ? status : KM_PARTIAL;
+}
+
 static km_status leave_branch(km_sweeper *r, km_follow *follow, km_error *error) {
   double *directions = KM_NEW(double, MOST_BRANCHES *(size_t)r->m->substructures[r->substructure].columns);
   if (!directions)
@@ -131,7 +145,7 @@ km_status km_sweep_by_length(km_sweeper *r, km_error *error) {
   km_status status =
       km_follow_create(r->m, r->s, r->plan->direction, r->plan->sign, r->plan->ignore_limits, &follow, error);
   if (status)
-    return status;
+    return status == KM_PARTIAL ? only_row(r, error) : status;
   r->mover = (km_mover){follow, rates, probe, settle};
   r->substructure = r->out->substructure = km_follow_substructure(follow);
   km_sweeper_prepare(r);

@@ -137,7 +137,7 @@ void km_sweep_stop_text(const km_mechanism *m, const km_sweep_plan *plan, const 
   km_text_number(out, sweep->end.position);
   km_text_add(out, ": ");
   if (by_length && sweep->end.stop == KM_STOP_TOGGLE)
-    km_text_add(out, "no further step can be found");
+    km_text_add(out, sweep->end.position > 0.0 ? "no further step can be found" : "no loop moves at this pose");
   else
     stop_reason(m, &sweep->end, out);
 }
@@ -225,8 +225,8 @@ void km_sweep_print(const km_mechanism *m, const km_sweep_plan *plan, const km_m
                  sweep->first.mobility, sweep->first.kutzbach, sweep->first.redundant_constraints,
                  plural(sweep->first.redundant_constraints), sweep->first.residual);
   print_cycle(sweep, plan, out);
-  if (sweep->substructure < 0)
-    km_text_format(out, "  %s is in no loop: it drives itself, and every mobility number stays as it is\n", label);
-  else
+  if (sweep->substructure >= 0)
     print_drivers(m, plan, sweep, widest_label(m->model), out);
+  else if (plan->arclength <= 0.0)
+    km_text_format(out, "  %s is in no loop: it drives itself, and every mobility number stays as it is\n", label);
 }
