@@ -244,8 +244,11 @@ int km_branch_directions(const km_mechanism *m, km_state *s, int index, double *
       found += !known;
     }
   }
-  if (!arena.failed)
+  if (!arena.failed) {
     km_state_restore(s, f.sub, f.pose);
+    km_loops_update(m, s, f.sub);
+    km_pivot(m, s, index, KM_NO_DRIVER, km_rank_tolerance(m, f.sub, 0.0));
+  }
   km_arena_free(&arena);
   return found;
 }

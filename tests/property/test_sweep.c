@@ -183,6 +183,41 @@ static void arc_length_can_start_at_a_branch_point(void **state) {
   fixture_close(&f);
 }
 
+/* Every row's numbers are those of its pose, the start's too, for which nothing has to move. */
+static void numbers_belong_to_their_rows(void **state) {
+  (void)state;
+  for (const char *const *name = all_models; *name; ++name) {
+    for (int by_length = 0; by_length < 2; ++by_length) {
+      fixture f = fixture_open(*name), at = fixture_open(*name);
+      int count = km_model_coordinate_count(f.model);
+      double now = km_state_coordinate(f.state, 0);
+      km_sweep_plan plan = {.coordinate = 0, .from = now, .to = now + 0.01, .steps = 2, .direction = -1, .sign = 1.0};
+      plan.arclength = by_length ? 0.01 : 0.0;
+      km_mobility_sweep sweep;
+      km_status status = km_mobility_sweep_run(f.mechanism, f.state, &plan, &sweep, NULL);
+      assert_true(status == KM_OK || status == KM_PARTIAL);
+      for (size_t r = 0; r < km_table_rows(sweep.table); ++r) {
+        const double *row = km_table_row(sweep.table, r);
+        double *q = KM_NEW(double, (size_t)count);
+        km_mobility mobility;
+        for (int c = 0; c < count; ++c)
+          q[c] = row[2 + c] * km_model_coordinate_factor(at.model, c);
+        km_state_set(at.mechanism, at.state, q);
+        km_mobility_update(at.mechanism, at.state, &mobility);
+        for (int c = 0; c < count; ++c) {
+          char column[64];
+          snprintf(column, sizeof column, "m.%s", km_model_coordinate_label(at.model, c));
+          assert_near(row[km_table_find(sweep.table, column)], km_mobility_number(at.state, c), 1e-7);
+        }
+        km_free(q);
+      }
+      km_mobility_sweep_free(&sweep);
+      fixture_close(&f);
+      fixture_close(&at);
+    }
+  }
+}
+
 static bool cancel(void *context, double done) {
   (void)done;
   return --*(int *)context > 0;
@@ -210,6 +245,7 @@ int main(void) {
       cmocka_unit_test(same_input_same_bits),
       cmocka_unit_test(ends_are_located),
       cmocka_unit_test(parallelogram_stays_one),
+      cmocka_unit_test(numbers_belong_to_their_rows),
       cmocka_unit_test(a_branch_point_can_be_the_start),
       cmocka_unit_test(arc_length_can_start_at_a_branch_point),
       cmocka_unit_test(a_sweep_can_be_cancelled),
