@@ -227,12 +227,12 @@ static int find_branches(finder *f, km_arena *arena, km_finite_mobility *out) {
   return best;
 }
 
-int km_branch_directions(const km_mechanism *m, km_state *s, int index, double *directions, int most) {
+int km_branch_directions(const km_mechanism *m, km_state *s, int index, double *directions) {
   km_arena arena = {0};
   finder f;
   int found = 0, n = m->substructures[index].columns;
   if (make_finder(&f, m, s, index, &arena) && f.conditions.conditions > 0 && !all_real(&f)) {
-    for (int start = 0; start < STARTS_PER_FREEDOM * f.conditions.freedom && found < most; ++start) {
+    for (int start = 0; start < STARTS_PER_FREEDOM * f.conditions.freedom && found < KM_MOST_BRANCHES; ++start) {
       if (!random_motion(&f))
         continue;
       double *x = directions + (size_t)found * (size_t)n;

@@ -6,22 +6,23 @@
 
 #include <math.h>
 
-enum { MOST_BRANCHES = 16 };
+km_status km_sweeper_add_branch(km_sweeper *r, km_branch_point point, km_error *error) {
+  void *branches = r->out->branches;
+  if (!km_reserve(&branches, &r->out->branch_capacity, r->out->branch_count + 1, sizeof point))
+    return km_fail(error, KM_MEMORY, "out of memory for the branch points");
+  r->out->branches = branches;
+  r->out->branches[r->out->branch_count++] = point;
+  return KM_OK;
+}
 
 static km_status add_branch(km_sweeper *r, km_state *state, double s, int mobility, km_error *error) {
-  void *branches = r->out->branches;
   size_t columns = (size_t)r->m->substructures[r->substructure].columns;
-  double *directions = KM_NEW(double, MOST_BRANCHES *columns);
-  if (!directions ||
-      !km_reserve(&branches, &r->out->branch_capacity, r->out->branch_count + 1, sizeof *r->out->branches)) {
-    km_free(directions);
+  double *directions = KM_NEW(double, KM_MOST_BRANCHES *columns);
+  if (!directions)
     return km_fail(error, KM_MEMORY, "out of memory for the branch points");
-  }
-  r->out->branches = branches;
-  int count = km_branch_directions(r->m, state, r->substructure, directions, MOST_BRANCHES);
-  r->out->branches[r->out->branch_count++] = (km_branch_point){s, mobility, count};
+  int count = km_branch_directions(r->m, state, r->substructure, directions);
   km_free(directions);
-  return KM_OK;
+  return km_sweeper_add_branch(r, (km_branch_point){s, mobility, count}, error);
 }
 
 /* Follows the motion from a row of the table to the branch point that lies behind it, at most to driver value
@@ -85,10 +86,10 @@ km_status km_sweeper_leave_branch(km_sweeper *r, int coordinate, km_error *error
   if (r->substructure < 0)
     return KM_OK;
   const km_substructure *sub = &m->substructures[r->substructure];
-  double *directions = KM_NEW(double, (size_t)MOST_BRANCHES *(size_t)sub->columns);
+  double *directions = KM_NEW(double, (size_t)KM_MOST_BRANCHES *(size_t)sub->columns);
   if (!directions)
     return km_fail(error, KM_MEMORY, "out of memory for a sweep");
-  r->out->start_branches = km_branch_directions(m, r->s, r->substructure, directions, MOST_BRANCHES);
+  r->out->start_branches = km_branch_directions(m, r->s, r->substructure, directions);
   int best = fastest(directions, r->out->start_branches, sub->columns, m->column_of[coordinate]);
   if (best >= 0) {
     km_closure evidence;

@@ -20,8 +20,6 @@ static void settle(void *self, double s) {
   (void)s;
 }
 
-enum { MOST_BRANCHES = 16 };
-
 static double dot(const km_sweeper *r, const double *a, const double *b) {
   return km_step_dot(r->m, &r->m->substructures[r->substructure], a, b);
 }
@@ -49,22 +47,18 @@ static const double *chosen(const km_sweeper *r, double *directions, int count, 
 /* Looks at the branch point that was passed, and turns there if the plan says so. */
 static km_status meet_branch(km_sweeper *r, km_follow *follow, km_error *error) {
   km_branch_point point;
-  void *branches = r->out->branches;
   size_t columns = (size_t)r->m->substructures[r->substructure].columns;
   if (!km_follow_branch(follow, &point))
     return KM_OK;
-  double *directions = KM_NEW(double, (MOST_BRANCHES + 1) * columns), *smooth = directions + MOST_BRANCHES * columns;
-  if (!directions || !km_reserve(&branches, &r->out->branch_capacity, r->out->branch_count + 1, sizeof point)) {
-    km_free(directions);
+  double *directions = KM_NEW(double, (KM_MOST_BRANCHES + 1) * columns),
+         *smooth = directions + KM_MOST_BRANCHES * columns;
+  if (!directions)
     return km_fail(error, KM_MEMORY, "out of memory for the branch points");
-  }
-  r->out->branches = branches;
   km_follow_at_branch(follow, smooth);
-  point.branches = km_branch_directions(r->m, r->s, r->substructure, directions, MOST_BRANCHES);
-  r->out->branches[r->out->branch_count++] = point;
-  const double *turn =
-      r->plan->branch > 1 && r->out->branch_count == 1 ? chosen(r, directions, point.branches, smooth) : NULL;
-  bool missing = r->plan->branch > 1 && r->out->branch_count == 1 && !turn;
+  point.branches = km_branch_directions(r->m, r->s, r->substructure, directions);
+  km_status status = km_sweeper_add_branch(r, point, error);
+  bool here = r->plan->branch > 1 && r->out->branch_count == 1;
+  const double *turn = here ? chosen(r, directions, point.branches, smooth) : NULL;
   if (turn) {
     km_follow_turn(follow, turn);
     r->have_last = false; /* directions before and after the corner have nothing to do with each other */
@@ -72,9 +66,11 @@ static km_status meet_branch(km_sweeper *r, km_follow *follow, km_error *error) 
     km_follow_go_on(follow);
   }
   km_free(directions);
-  return missing ? km_fail(error, KM_USAGE, "--branch %d: %d motions meet at %.9g; expected at most %d",
-                           r->plan->branch, point.branches, point.s, 2 * point.branches - 1)
-                 : KM_OK;
+  if (status)
+    return status;
+  return here && !turn ? km_fail(error, KM_USAGE, "--branch %d: %d motions meet at %.9g; expected at most %d",
+                                 r->plan->branch, point.branches, point.s, 2 * point.branches - 1)
+                       : KM_OK;
 }
 
 /* To an arc length, through the branch points on the way. */
@@ -129,10 +125,10 @@ static km_status only_row(km_sweeper *r, km_error *error) {
 }
 
 static km_status leave_branch(km_sweeper *r, km_follow *follow, km_error *error) {
-  double *directions = KM_NEW(double, MOST_BRANCHES *(size_t)r->m->substructures[r->substructure].columns);
+  double *directions = KM_NEW(double, KM_MOST_BRANCHES *(size_t)r->m->substructures[r->substructure].columns);
   if (!directions)
     return km_fail(error, KM_MEMORY, "out of memory for the branch points");
-  r->out->start_branches = km_branch_directions(r->m, r->s, r->substructure, directions, MOST_BRANCHES);
+  r->out->start_branches = km_branch_directions(r->m, r->s, r->substructure, directions);
   if (r->out->start_branches > 0)
     km_follow_set_out(follow, directions, r->out->start_branches);
   km_free(directions);

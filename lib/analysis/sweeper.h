@@ -42,6 +42,8 @@ km_status km_sweeper_row(km_sweeper *sweeper, int step, double s, km_error *erro
 km_status km_sweeper_toggles(km_sweeper *sweeper, double s, km_error *error);
 bool km_sweeper_add_toggle(km_mobility_sweep *out, int coordinate, double s);
 
+/* Lists a branch point. KM_MEMORY. */
+km_status km_sweeper_add_branch(km_sweeper *sweeper, km_branch_point point, km_error *error);
 /* The drive has passed a singular pose on the way to the last row: finds where, and what meets there. */
 km_status km_sweeper_find_branch(km_sweeper *sweeper, km_error *error);
 /* At a branch point no direction is the mechanism's own: a short step leads onto the motion that moves the

@@ -31,6 +31,10 @@ kt_exit kt_exit_of(km_status status) {
   }
 }
 
+kt_exit kt_worse(kt_exit a, kt_exit b) {
+  return a > b ? a : b;
+}
+
 enum { OPTION_JOBS = 0x1001, OPTION_SEED };
 
 static const struct argp_option common_options[] = {
@@ -79,6 +83,11 @@ void kt_say(const kt_common *common, km_severity severity, const char *format, .
     km_text_format(common->log, "%s: %s%s\n", common->tool, words[severity], text);
   else
     fprintf(stderr, "%s: %s%s\n", common->tool, words[severity], text);
+}
+
+kt_exit kt_usage(const kt_common *common, const char *option, const char *found, const char *expected) {
+  kt_say(common, KM_ERROR, "%s %s: expected %s", option, found, expected);
+  return KT_USAGE;
 }
 
 void kt_flush(kt_common *common) {

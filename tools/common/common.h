@@ -20,6 +20,8 @@ typedef enum kt_exit {
 } kt_exit;
 
 kt_exit kt_exit_of(km_status status);
+/* Of two parts of a command, the code that says more. */
+kt_exit kt_worse(kt_exit a, kt_exit b);
 
 /* --quiet --jobs --seed, as a child parser of every command: its input is a kt_common. */
 typedef struct kt_common {
@@ -36,6 +38,9 @@ extern const struct argp kt_common_argp;
 /* `tool: text` on the standard error. Notes and warnings are silent with --quiet. */
 void kt_say(const kt_common *common, km_severity severity, const char *format, ...)
     __attribute__((format(printf, 3, 4)));
+
+/* `OPTION FOUND: expected EXPECTED`; KT_USAGE. */
+kt_exit kt_usage(const kt_common *common, const char *option, const char *found, const char *expected);
 
 /* Writes the gathered messages to the standard error. */
 void kt_flush(kt_common *common);
@@ -93,6 +98,8 @@ void kt_settings_free(kt_settings *settings);
 /* A coordinate by its label on the command line. */
 kt_exit kt_coordinate(const kt_common *common, const km_model *model, const char *option, const char *text,
                       int *coordinate);
+/* A frame by BODY/FRAME on the command line. */
+kt_exit kt_frame(const kt_common *common, const km_model *model, const char *option, const char *text, int *frame);
 bool kt_number(const char *text, double *out);
 
 /* Which files --format asks for. */

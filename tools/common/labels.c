@@ -40,6 +40,27 @@ kt_exit kt_coordinate(const kt_common *common, const km_model *model, const char
   return kt_exit_of(status);
 }
 
+kt_exit kt_frame(const kt_common *common, const km_model *model, const char *option, const char *text, int *frame) {
+  const char *names[64], *rest = text;
+  char *owned[64];
+  size_t count = 0;
+  bool whole = true;
+  km_error error;
+  for (char last = '/'; last == '/' && count < 64; ++count) {
+    kt_piece piece = kt_split(&rest, "/");
+    names[count] = owned[count] = piece.text;
+    whole = whole && piece.text;
+    last = piece.separator;
+  }
+  km_status status =
+      whole ? km_model_find_frame(model, names, count, frame, &error) : km_fail(&error, KM_MEMORY, "out of memory");
+  for (size_t i = 0; i < count; ++i)
+    km_free(owned[i]);
+  if (status)
+    kt_say(common, KM_ERROR, "%s %s: %s", option, text, error.text);
+  return kt_exit_of(status);
+}
+
 static bool add(kt_settings *out, int coordinate, double value) {
   for (int i = 0; i < out->count; ++i) {
     if (out->items[i].coordinate != coordinate)

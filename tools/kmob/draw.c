@@ -91,20 +91,15 @@ static error_t parse(int key, char *arg, struct argp_state *state) {
   }
 }
 
-static kt_exit usage(const kt_common *common, const char *option, const char *found, const char *expected) {
-  kt_say(common, KM_ERROR, "%s %s: expected %s", option, found, expected);
-  return KT_USAGE;
-}
-
 static kt_exit read_size(const kmob_draw_options *o, km_drawing *drawing) {
   const char *x = strchr(o->size, 'x');
   char width[32];
   if (!x || (size_t)(x - o->size) >= sizeof width)
-    return usage(&o->common, "--size", o->size, "WIDTHxHEIGHT in points");
+    return kt_usage(&o->common, "--size", o->size, "WIDTHxHEIGHT in points");
   snprintf(width, sizeof width, "%.*s", (int)(x - o->size), o->size);
   if (!kt_number(width, &drawing->width) || !kt_number(x + 1, &drawing->height) || drawing->width <= 0.0 ||
       drawing->height <= 0.0)
-    return usage(&o->common, "--size", o->size, "WIDTHxHEIGHT in points");
+    return kt_usage(&o->common, "--size", o->size, "WIDTHxHEIGHT in points");
   return KT_DONE;
 }
 
@@ -112,15 +107,15 @@ static kt_exit read_size(const kmob_draw_options *o, km_drawing *drawing) {
 static kt_exit read_options(const kmob_draw_options *o, km_drawing *drawing, int *poses) {
   double count = 0.0;
   if (o->formats.wanted[KT_CSV] || o->formats.wanted[KT_JSON])
-    return usage(&o->common, "--format", o->formats.wanted[KT_CSV] ? "csv" : "json", "some of svg,pdf,png");
+    return kt_usage(&o->common, "--format", o->formats.wanted[KT_CSV] ? "csv" : "json", "some of svg,pdf,png");
   if (o->base && strcmp(o->base, "-") == 0)
-    return usage(&o->common, "-o", "-", "a file's name: pictures don't go to the standard output");
+    return kt_usage(&o->common, "-o", "-", "a file's name: pictures don't go to the standard output");
   if (o->view && !km_view_find(o->view, &drawing->view))
-    return usage(&o->common, "--view", o->view, "xy, xz, yz, iso or auto");
+    return kt_usage(&o->common, "--view", o->view, "xy, xz, yz, iso or auto");
   if (o->poses && (!kt_number(o->poses, &count) || count < 1.0 || count > KMOB_MOST_TEXTS || count != floor(count)))
-    return usage(&o->common, "--poses", o->poses, "a whole number from 1 to 256");
+    return kt_usage(&o->common, "--poses", o->poses, "a whole number from 1 to 256");
   if (o->poses && o->at.count)
-    return usage(&o->common, "--poses", o->poses, "it without --at");
+    return kt_usage(&o->common, "--poses", o->poses, "it without --at");
   *poses = (int)count;
   return o->size ? read_size(o, drawing) : KT_DONE;
 }
@@ -141,7 +136,7 @@ static kt_exit write_files(const kmob_draw_options *o, const km_drawing *drawing
     else
       written = kt_write(&o->common, o->base ? o->base : base, "motion", kt_format_word((kt_format)f), &out);
     km_text_free(&out);
-    result = written > result ? written : result;
+    result = kt_worse(written, result);
   }
   return result;
 }
@@ -162,7 +157,7 @@ kt_exit kmob_draw(int argc, char **argv) {
   if (result == KT_DONE || (result == KT_PARTIAL && shots.count)) {
     kmob_shots_show(&shots, &drawing);
     kt_exit written = write_files(&o, &drawing);
-    result = written > result ? written : result;
+    result = kt_worse(written, result);
   }
   kmob_shots_free(&shots);
   return result;

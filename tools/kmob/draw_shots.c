@@ -175,24 +175,6 @@ static kt_exit visit_points(void *context, const km_mechanism *mechanism, km_sta
   return KT_DONE;
 }
 
-static kt_exit find_frame(kmob_shots *s, const char *text, int *frame) {
-  const char *names[64], *rest = text;
-  char *owned[64];
-  size_t count = 0;
-  km_error error;
-  for (char last = '/'; last == '/' && count < 64; ++count) {
-    kt_piece piece = kt_split(&rest, "/");
-    names[count] = owned[count] = piece.text;
-    last = piece.separator;
-  }
-  km_status status = km_model_find_frame(s->pose.model, names, count, frame, &error);
-  for (size_t i = 0; i < count; ++i)
-    km_free(owned[i]);
-  if (status)
-    kt_say(&s->options->common, KM_ERROR, "--trace %s: %s", text, error.text);
-  return kt_exit_of(status);
-}
-
 static kt_exit take_paths(kmob_shots *s) {
   const kmob_texts *texts = &s->options->traces;
   kt_exit result = KT_DONE;
@@ -205,7 +187,7 @@ static kt_exit take_paths(kmob_shots *s) {
     if (!s->paths[t])
       return out_of_memory(s);
     s->trace_count++;
-    result = find_frame(s, texts->items[t], &s->traces[t].frame);
+    result = kt_frame(&s->options->common, s->pose.model, "--trace", texts->items[t], &s->traces[t].frame);
   }
   if (!s->traces || !s->paths)
     return out_of_memory(s);
@@ -232,8 +214,7 @@ kt_exit kmob_shots_take(kmob_shots *s) {
     return result;
   result = o->at.count ? take_at(s) : s->asked ? take_poses(s) : take_file_pose(s);
   if (o->traces.count && (result == KT_DONE || result == KT_PARTIAL)) {
-    kt_exit paths = take_paths(s);
-    result = paths > result ? paths : result;
+    result = kt_worse(result, take_paths(s));
   }
   return result == KT_DONE && s->title.failed ? out_of_memory(s) : result;
 }

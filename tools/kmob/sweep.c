@@ -135,50 +135,30 @@ typedef struct job {
   kt_exit result;
 } job;
 
-static kt_exit usage(const kt_common *common, const char *option, const char *found, const char *expected) {
-  kt_say(common, KM_ERROR, "%s %s: expected %s", option, found, expected);
-  return KT_USAGE;
-}
-
 static kt_exit read_range(const kt_common *common, const options *o, km_sweep_plan *plan) {
   const char *colon = strchr(o->range, ':');
   char from[64];
   if (!colon || (size_t)(colon - o->range) >= sizeof from)
-    return usage(common, "--range", o->range, "FROM:TO");
+    return kt_usage(common, "--range", o->range, "FROM:TO");
   snprintf(from, sizeof from, "%.*s", (int)(colon - o->range), o->range);
   if (!kt_number(from, &plan->from) || !kt_number(colon + 1, &plan->to))
-    return usage(common, "--range", o->range, "two numbers FROM:TO");
+    return kt_usage(common, "--range", o->range, "two numbers FROM:TO");
   return KT_DONE;
 }
 
 static kt_exit read_steps(const kt_common *common, const options *o, km_sweep_plan *plan) {
   double steps;
   if (!kt_number(o->steps, &steps) || steps < 1.0 || steps > 1e7 || steps != (double)(int)steps)
-    return usage(common, "--steps", o->steps, "a whole number from 1 to 10000000");
+    return kt_usage(common, "--steps", o->steps, "a whole number from 1 to 10000000");
   plan->steps = (int)steps;
   return KT_DONE;
 }
 
 static kt_exit read_point(job *j, const char *text) {
-  const char *names[64], *rest = text;
-  char *owned[64];
-  size_t count = 0;
-  km_error error;
-  const kt_common *common = &j->common;
-  for (char last = '/'; last == '/' && count < 64;) {
-    kt_piece piece = kt_split(&rest, "/");
-    names[count] = owned[count] = piece.text;
-    last = piece.separator;
-    ++count;
-  }
   km_sweep_point *point = &j->points[j->plan.point_count];
-  km_status status = km_model_find_frame(j->pose.model, names, count, &point->frame, &error);
-  for (size_t i = 0; i < count; ++i)
-    km_free(owned[i]);
-  if (status) {
-    kt_say(common, KM_ERROR, "--point %s: %s", text, error.text);
-    return kt_exit_of(status);
-  }
+  kt_exit result = kt_frame(&j->common, j->pose.model, "--point", text, &point->frame);
+  if (result != KT_DONE)
+    return result;
   point->name = text;
   j->plan.point_count++;
   return KT_DONE;
@@ -188,17 +168,17 @@ static kt_exit read_point(job *j, const char *text) {
 static kt_exit read_length(const kt_common *common, const options *o, const km_model *model, km_sweep_plan *plan) {
   bool driven = o->joint || o->range;
   if (o->arclength && driven)
-    return usage(common, "--arclength", o->arclength, "it without --joint and --range");
+    return kt_usage(common, "--arclength", o->arclength, "it without --joint and --range");
   if (o->arclength && (!kt_number(o->arclength, &plan->arclength) || plan->arclength <= 0.0))
-    return usage(common, "--arclength", o->arclength, "a number greater than 0");
+    return kt_usage(common, "--arclength", o->arclength, "a number greater than 0");
   if (driven)
     plan->arclength = 0.0;
   if ((o->direction || o->cycle) && plan->arclength <= 0.0)
-    return usage(common, o->cycle ? "--cycle" : "--direction", "", "--arclength with it");
+    return kt_usage(common, o->cycle ? "--cycle" : "--direction", "", "--arclength with it");
   double branch = 1.0;
   if (o->branch && (plan->arclength <= 0.0 || !kt_number(o->branch, &branch) || branch < 1.0 || branch > 31.0 ||
                     branch != (double)(int)branch))
-    return usage(common, "--branch", o->branch, "a whole number from 1 to 31, with --arclength");
+    return kt_usage(common, "--branch", o->branch, "a whole number from 1 to 31, with --arclength");
   plan->branch = (int)branch;
   if (o->cycle && !o->steps)
     plan->steps = 100000;
@@ -209,7 +189,7 @@ static kt_exit read_length(const kt_common *common, const options *o, const km_m
   kt_piece label = kt_split(&rest, "=");
   kt_exit result = KT_DONE;
   if (label.separator != '=' || !kt_number(rest, &plan->sign) || plan->sign == 0.0)
-    result = usage(common, "--direction", o->direction, "JOINT=+1 or JOINT=-1");
+    result = kt_usage(common, "--direction", o->direction, "JOINT=+1 or JOINT=-1");
   else
     result = kt_coordinate(common, model, "--direction", label.text, &plan->direction);
   km_free(label.text);
@@ -226,7 +206,7 @@ static kt_exit make_plan(job *j) {
     int own = j->plan.coordinate;
     result = kt_coordinate(common, model, "--joint", o->joint, &j->plan.coordinate);
     if (result == KT_DONE && j->plan.coordinate != own && !o->range)
-      return usage(common, "--joint", o->joint, "a --range with it, since the model has none for this joint");
+      return kt_usage(common, "--joint", o->joint, "a --range with it, since the model has none for this joint");
   }
   if (result == KT_DONE)
     result = read_length(common, o, model, &j->plan);
@@ -243,7 +223,7 @@ static kt_exit make_plan(job *j) {
   j->plan.derivatives = o->derivatives;
   j->plan.points = j->points;
   for (int i = 0; i < o->points.count && result == KT_DONE; ++i)
-    result = i < MOST_POINTS ? read_point(j, o->points.items[i]) : usage(common, "--point", "", "at most 64 points");
+    result = i < MOST_POINTS ? read_point(j, o->points.items[i]) : kt_usage(common, "--point", "", "at most 64 points");
   return result;
 }
 
@@ -327,10 +307,6 @@ static kt_exit write_plot(const options *o, job *jobs, int count, const char *ba
   return result;
 }
 
-static kt_exit worse(kt_exit a, kt_exit b) {
-  return a > b ? a : b;
-}
-
 static kt_exit deliver(const options *o, job *jobs, int count) {
   kt_exit result = KT_DONE;
   int first = -1;
@@ -342,18 +318,18 @@ static kt_exit deliver(const options *o, job *jobs, int count) {
     km_text summary = {0};
     if (!o->common.quiet && !(o->base && strcmp(o->base, "-") == 0)) {
       km_sweep_print(j->pose.mechanism, &j->plan, &j->sweep, j->path, &summary);
-      result = worse(result, kt_print(&o->common, &summary));
+      result = kt_worse(result, kt_print(&o->common, &summary));
     }
     km_text_free(&summary);
     /* Several models keep their own names; -o then names the plot that they share. */
     const char *base = o->base && count == 1 ? o->base : j->base;
     for (int f = KT_CSV; f <= KT_JSON; ++f)
       if (o->formats.wanted[f])
-        result = worse(result, write_table(j, base, (kt_format)f));
+        result = kt_worse(result, write_table(j, base, (kt_format)f));
   }
   for (int f = KT_SVG; f <= KT_PNG && first >= 0; ++f)
     if (o->formats.wanted[f])
-      result = worse(result, write_plot(o, jobs, count, o->base ? o->base : jobs[first].base, (kt_format)f));
+      result = kt_worse(result, write_plot(o, jobs, count, o->base ? o->base : jobs[first].base, (kt_format)f));
   return result;
 }
 
@@ -392,10 +368,10 @@ static kt_exit run(const options *o) {
     km_parallel_for(count, o->common.jobs, start_job, jobs);
   for (int i = 0; i < count && jobs; ++i) {
     kt_flush(&jobs[i].common);
-    result = worse(result, jobs[i].result);
+    result = kt_worse(result, jobs[i].result);
   }
   if (jobs)
-    result = worse(result, deliver(o, jobs, count));
+    result = kt_worse(result, deliver(o, jobs, count));
   for (int i = 0; i < count && jobs; ++i) {
     km_mobility_sweep_free(&jobs[i].sweep);
     km_text_free(&jobs[i].stopped_by);
@@ -413,9 +389,9 @@ kt_exit kmob_sweep(int argc, char **argv) {
   o.formats.wanted[KT_CSV] = o.formats.wanted[KT_SVG] = true;
   kt_parse(&argp, argc, argv, &o);
   if (o.models.count > MOST_MODELS)
-    return usage(&o.common, "MODEL", "…", "at most 64 models");
+    return kt_usage(&o.common, "MODEL", "…", "at most 64 models");
   bool tables_only = !o.formats.wanted[KT_SVG] && !o.formats.wanted[KT_PDF] && !o.formats.wanted[KT_PNG];
   if (o.base && strcmp(o.base, "-") == 0 && (o.models.count > 1 || kt_formats_count(&o.formats) != 1 || !tables_only))
-    return usage(&o.common, "-o", "-", "one model and --format csv or json");
+    return kt_usage(&o.common, "-o", "-", "one model and --format csv or json");
   return names_differ(&o) ? run(&o) : KT_USAGE;
 }
