@@ -153,6 +153,7 @@ void km_sweeper_prepare(km_sweeper *r) {
   if (r->substructure >= 0)
     r->out->freedom = km_partition_freedom(&r->s->partition[r->substructure]);
   r->other_mobility -= r->out->freedom;
+  r->other_residual = 0.0;
   for (int i = 0; i < r->m->topology.substructure_count; ++i) {
     int worst;
     if (i != r->substructure)
