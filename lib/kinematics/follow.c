@@ -367,13 +367,17 @@ void km_follow_tangent(const km_follow *f, double *rates) {
   write_rates(f, f->t, rates);
 }
 
-bool km_follow_probe(km_follow *f, double offset, double *rates) {
+bool km_follow_visit(km_follow *f, double offset, double *rates) {
   double reached;
   bool there = km_follow_step(f, offset, &reached);
   if (there)
     write_rates(f, f->next_t, rates);
+  f->state->pivoted[f->substructure] = KM_NEVER;
+  return there;
+}
+
+void km_follow_return(km_follow *f) {
   km_state_restore(f->state, sub_of(f), f->here);
   km_loops_update(f->mechanism, f->state, sub_of(f));
   f->state->pivoted[f->substructure] = KM_NEVER;
-  return there;
 }

@@ -47,19 +47,19 @@ static error_t parse(int key, char *arg, struct argp_state *state) {
     state->child_inputs[0] = &o->common;
     return 0;
   case OPTION_AT:
-    kmob_texts_add(&o->at, arg, state);
+    kt_texts_add(&o->at, arg, state);
     return 0;
   case OPTION_POSES:
     o->poses = arg;
     return 0;
   case OPTION_TRACE:
-    kmob_texts_add(&o->traces, arg, state);
+    kt_texts_add(&o->traces, arg, state);
     return 0;
   case OPTION_HOLD:
-    kmob_texts_add(&o->holds, arg, state);
+    kt_texts_add(&o->holds, arg, state);
     return 0;
   case OPTION_SET:
-    kmob_texts_add(&o->sets, arg, state);
+    kt_texts_add(&o->sets, arg, state);
     return 0;
   case OPTION_IGNORE:
     o->ignore_limits = true;
@@ -117,7 +117,7 @@ static kt_exit read_options(const kmob_draw_options *o, km_drawing *drawing, int
     return kt_usage(&o->common, "-o", "-", "a file's name: pictures don't go to the standard output");
   if (o->view && !km_view_find(o->view, &drawing->view))
     return kt_usage(&o->common, "--view", o->view, "xy, xz, yz, iso or auto");
-  if (o->poses && (!kt_number(o->poses, &count) || count < 1.0 || count > KMOB_MOST_TEXTS || count != floor(count)))
+  if (o->poses && (!kt_number(o->poses, &count) || count < 1.0 || count > KT_MOST_TEXTS || count != floor(count)))
     return kt_usage(&o->common, "--poses", o->poses, "a whole number from 1 to 256");
   if (o->poses && o->at.count)
     return kt_usage(&o->common, "--poses", o->poses, "it without --at");

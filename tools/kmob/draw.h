@@ -7,7 +7,7 @@
 
 typedef struct kmob_draw_options {
   kt_common common;
-  kmob_texts holds, sets, at, traces;
+  kt_texts holds, sets, at, traces;
   const char *path, *poses, *view, *size, *base;
   kt_formats formats;
   bool bodies, meshes, ignore_limits;
@@ -17,7 +17,7 @@ typedef struct kmob_draw_options {
 typedef struct kmob_shots {
   const kmob_draw_options *options;
   int asked; /* poses along the sweep; 0: none */
-  kmob_pose pose;
+  kt_pose pose;
   km_pose *poses; /* [count · bodies] */
   size_t count;
   km_drawing_trace *traces;
