@@ -1,45 +1,164 @@
+/* Mobility numbers over a sweep, and where a joint loses its grip: roots of its entry in the direction of motion. */
+#include "kmech/mobility_sweep.h"
 #include "analysis/sweeper.h"
 
-km_sweep_plan km_sweep_plan_default(const km_model *model) {
-  const km_sweep_def *sweep = &model->sweep;
-  return (km_sweep_plan){.coordinate = sweep->coordinate,
-                         .from = sweep->range[0],
-                         .to = sweep->range[1],
-                         .steps = sweep->steps,
-                         .arclength = sweep->arclength,
-                         .direction = sweep->direction,
-                         .sign = sweep->sign};
+/* |z| below this is 0: z = Z_j of the one free direction, known to about 1e-12. */
+static const double zero = 1e-9;
+
+/* What a mobility sweep remembers from row to row. */
+typedef struct watch {
+  km_mobility_sweep *out;
+  double *z, *last_z; /* [coordinate] unit direction of motion at the row and at the row before */
+  double last_s;
+  bool have_last;
+} watch;
+
+static bool add_columns(void *self, const km_sweeper *r, km_table *table) {
+  (void)self;
+  const km_model *model = r->m->model;
+  bool added = true;
+  for (int j = 0; j < model->joint_count; ++j) {
+    const km_joint_def *joint = &model->joints[j];
+    int freedom = km_model_freedom(model, j);
+    if (freedom == 0)
+      added = km_sweeper_column(table, "m.", joint->label, "", NULL) && added;
+    for (int k = 0; k < freedom; ++k)
+      added = km_sweeper_column(table, "m.", model->coordinates[joint->first_coordinate + k].label, "", NULL) && added;
+  }
+  return added;
 }
 
-static km_status run(km_sweeper *r, km_error *error) {
-  size_t count = (size_t)r->m->coordinate_count;
-  r->out->table = km_table_create();
-  r->out->extremes = KM_NEW(km_extreme, count);
-  r->rates = KM_NEW(double, 4 * count);
-  if (!r->out->table || !r->out->extremes || !r->rates)
-    return km_fail(error, KM_MEMORY, "out of memory for a sweep");
-  r->z = r->rates + count;
-  r->last_z = r->z + count;
-  r->scratch = r->last_z + count;
-  km_status status = km_sweeper_columns(r, error);
-  if (status)
-    return status;
-  return r->plan->arclength > 0.0 ? km_sweep_by_length(r, error) : km_sweep_by_driver(r, error);
+static double *write_numbers(void *self, km_sweeper *r, double *cell) {
+  (void)self;
+  const km_model *model = r->m->model;
+  for (int j = 0; j < model->joint_count; ++j) {
+    int first = model->joints[j].first_coordinate, freedom = km_model_freedom(model, j);
+    if (freedom == 0)
+      *cell++ = 0.0;
+    for (int k = 0; k < freedom; ++k)
+      *cell++ = r->s->numbers[first + k];
+  }
+  return cell;
+}
+
+static bool add_toggle(km_mobility_sweep *out, int coordinate, double s) {
+  void *toggles = out->toggles;
+  if (!km_reserve(&toggles, &out->toggle_capacity, out->toggle_count + 1, sizeof *out->toggles))
+    return false;
+  out->toggles = toggles;
+  out->toggles[out->toggle_count++] = (km_toggle){coordinate, s};
+  return true;
+}
+
+static void normalise(const km_mechanism *m, const double *rates, double *z) {
+  double sum = 0.0;
+  for (int c = 0; c < m->coordinate_count; ++c) {
+    z[c] = m->scale[c] * rates[c];
+    sum += z[c] * z[c];
+  }
+  for (int c = 0; c < m->coordinate_count; ++c)
+    z[c] /= sqrt(sum);
+}
+
+/* The unit direction of the one free motion, in the order of the coordinates; false where there is more than
+ * one, or the driver stands at its own toggle. */
+static bool direction(const km_sweeper *r, double *z) {
+  if (r->substructure < 0 || km_partition_freedom(&r->s->partition[r->substructure]) != 1 ||
+      !r->mover.rates(r->mover.self, r->rates))
+    return false;
+  normalise(r->m, r->rates, z);
+  return true;
+}
+
+/* Between last_s and s the sign of z_c changes: where exactly, by regula falsi (Illinois) on the closed pose. */
+static double locate(const watch *w, const km_sweeper *r, int c, double s) {
+  double a = w->last_s, b = s, fa = w->last_z[c], fb = w->z[c], root = b;
+  for (int i = 0; i < 60 && fabs(b - a) > 1e-13 * (fabs(a) + fabs(b)); ++i) {
+    root = (a * fb - b * fa) / (fb - fa);
+    if (!r->mover.probe(r->mover.self, root, r->rates))
+      break;
+    normalise(r->m, r->rates, r->scratch);
+    double f = r->scratch[c];
+    if (fabs(f) < 1e-14)
+      break;
+    if (f * fb < 0.0) {
+      a = b;
+      fa = fb;
+    } else {
+      fa *= 0.5;
+    }
+    b = root;
+    fb = f;
+  }
+  return root;
+}
+
+static void note_extremes(const watch *w, const km_sweeper *r, double s) {
+  for (int c = 0; c < r->m->coordinate_count; ++c)
+    if (r->s->numbers[c] < w->out->extremes[c].number)
+      w->out->extremes[c] = (km_extreme){r->s->numbers[c], s};
+}
+
+/* Looks for toggles since the last row, and comes back to this one. */
+static km_status see(void *self, km_sweeper *r, double s, km_error *error) {
+  watch *w = self;
+  note_extremes(w, r, s);
+  if (!direction(r, w->z)) {
+    w->have_last = false;
+    return KM_OK;
+  }
+  bool moved = false, failed = false;
+  for (int c = 0; c < r->m->coordinate_count; ++c) {
+    if (r->m->substructure_of[c] != r->substructure || r->m->held[c])
+      continue;
+    bool here = fabs(w->z[c]) < zero, before = w->have_last && fabs(w->last_z[c]) < zero;
+    bool between = w->have_last && !here && !before && w->z[c] * w->last_z[c] < 0.0;
+    if (here && !before)
+      failed = !add_toggle(w->out, c, s) || failed;
+    if (between)
+      failed = !add_toggle(w->out, c, locate(w, r, c, s)) || failed;
+    moved = moved || between;
+  }
+  if (moved)
+    r->mover.settle(r->mover.self, s);
+  double *swap = w->last_z;
+  w->last_z = w->z;
+  w->z = swap;
+  w->last_s = s;
+  w->have_last = true;
+  return failed ? km_fail(error, KM_MEMORY, "out of memory for the toggles") : KM_OK;
+}
+
+static void forget(void *self) {
+  ((watch *)self)->have_last = false;
+}
+
+static km_status end_at(void *self, km_sweeper *r, double s, km_error *error) {
+  const watch *w = self;
+  return add_toggle(w->out, r->plan->coordinate, s) ? KM_OK
+                                                    : km_fail(error, KM_MEMORY, "out of memory for the toggles");
 }
 
 km_status km_mobility_sweep_run(const km_mechanism *m, km_state *s, const km_sweep_plan *plan, km_mobility_sweep *out,
                                 km_error *error) {
-  km_sweeper r = {.m = m, .s = s, .plan = plan, .out = out, .substructure = -1};
-  *out = (km_mobility_sweep){.substructure = -1};
-  km_status status = run(&r, error);
-  km_free(r.rates);
+  size_t count = (size_t)m->coordinate_count;
+  *out = (km_mobility_sweep){.motion = {.substructure = -1}, .extremes = KM_NEW(km_extreme, count)};
+  double *z = KM_NEW(double, 2 * count);
+  km_status status = z && out->extremes ? KM_OK : km_fail(error, KM_MEMORY, "out of memory for a sweep");
+  if (!status) {
+    watch w = {.out = out, .z = z, .last_z = z + count};
+    km_observer observer = {&w, add_columns, write_numbers, see, forget, end_at};
+    for (size_t c = 0; c < count; ++c)
+      out->extremes[c] = (km_extreme){HUGE_VAL, nan("")};
+    status = km_sweep_run(m, s, plan, &observer, &out->motion, error);
+  }
+  km_free(z);
   return status;
 }
 
 void km_mobility_sweep_free(km_mobility_sweep *sweep) {
-  km_table_free(sweep->table);
+  km_sweep_free(&sweep->motion);
   km_free(sweep->toggles);
-  km_free(sweep->branches);
   km_free(sweep->extremes);
   *sweep = (km_mobility_sweep){0};
 }

@@ -207,7 +207,7 @@ static void look_nearby(space *a, km_arena *arena) {
   km_state_move(a->m, a->s, a->sub, move);
   a->s->pivoted[a->index] = KM_NEVER;
   if (k > 0 && km_close(a->m, a->s, a->index, KM_NO_DRIVER, &evidence) == KM_CLOSED) {
-    km_poses_update(a->m, a->s);
+    km_poses_update_in(a->m, a->s, a->index);
     memset(a->J, 0, (size_t)a->rows * (size_t)a->columns * sizeof *a->J);
     fill(a);
     left_null(a, 0, a->rows, a->columns);
@@ -217,7 +217,7 @@ static void look_nearby(space *a, km_arena *arena) {
   km_state_restore(a->s, a->sub, saved);
   km_loops_update(a->m, a->s, a->sub);
   a->s->pivoted[a->index] = KM_NEVER;
-  km_poses_update(a->m, a->s);
+  km_poses_update_in(a->m, a->s, a->index);
   memset(a->J, 0, (size_t)a->rows * (size_t)a->columns * sizeof *a->J);
   fill(a);
 }

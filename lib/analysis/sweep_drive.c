@@ -38,8 +38,8 @@ static km_status rows(km_sweeper *r, km_error *error) {
   for (int i = 0; i < 2 && !status; ++i) { /* where the driver itself gives out */
     const km_reach *reach = i ? end : start;
     bool again = i && end->position == start->position;
-    if (reach->stop == KM_STOP_TOGGLE && !again && !km_sweeper_add_toggle(r->out, plan->coordinate, reach->position))
-      status = km_fail(error, KM_MEMORY, "out of memory for the toggles");
+    if (reach->stop == KM_STOP_TOGGLE && !again && r->observer->ended)
+      status = r->observer->ended(r->observer->self, r, reach->position, error);
   }
   if (status)
     return status;

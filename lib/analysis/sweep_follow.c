@@ -12,12 +12,12 @@ static bool rates(void *self, double *out) {
 }
 
 static bool probe(void *self, double s, double *out) {
-  return km_follow_probe(self, s - km_follow_length(self), out);
+  return km_follow_visit(self, s - km_follow_length(self), out);
 }
 
 static void settle(void *self, double s) {
-  (void)self; /* a probe doesn't leave the row */
   (void)s;
+  km_follow_return(self);
 }
 
 static double dot(const km_sweeper *r, const double *a, const double *b) {
@@ -61,7 +61,8 @@ static km_status meet_branch(km_sweeper *r, km_follow *follow, km_error *error) 
   const double *turn = here ? chosen(r, directions, point.branches, smooth) : NULL;
   if (turn) {
     km_follow_turn(follow, turn);
-    r->have_last = false; /* directions before and after the corner have nothing to do with each other */
+    if (r->observer->corner)
+      r->observer->corner(r->observer->self);
   } else {
     km_follow_go_on(follow);
   }

@@ -1,4 +1,4 @@
-/* The table of a mobility sweep: its columns and rows. */
+/* The table of a sweep: its columns and rows. */
 #include "analysis/mobility.h"
 #include "analysis/sweeper.h"
 #include "base/text.h"
@@ -8,13 +8,17 @@
 #include <stdio.h>
 #include <string.h>
 
-static void add_named(km_table *table, const char *prefix, const char *name, const char *suffix, const char *unit,
-                      bool *failed) {
+bool km_sweeper_column(km_table *table, const char *prefix, const char *name, const char *suffix, const char *unit) {
   km_text text = {0};
   km_text_format(&text, "%s%s%s", prefix, name, suffix);
-  if (text.failed || km_table_add_column(table, text.data, unit) < 0)
-    *failed = true;
+  bool added = !text.failed && km_table_add_column(table, text.data, unit) >= 0;
   km_text_free(&text);
+  return added;
+}
+
+static void add_named(km_table *table, const char *prefix, const char *name, const char *suffix, const char *unit,
+                      bool *failed) {
+  *failed = !km_sweeper_column(table, prefix, name, suffix, unit) || *failed;
 }
 
 /* Arc length mixes radians and lengths over the characteristic length: it has no unit. */
@@ -46,14 +50,7 @@ km_status km_sweeper_columns(const km_sweeper *r, km_error *error) {
   failed = km_table_add_plain_column(table, "s", s_unit(r)) < 0 || failed;
   for (int c = 0; c < model->coordinate_count; ++c)
     add_named(table, "q.", model->coordinates[c].label, "", km_model_coordinate_unit(model, c), &failed);
-  for (int j = 0; j < model->joint_count; ++j) {
-    const km_joint_def *joint = &model->joints[j];
-    int freedom = km_model_freedom(model, j);
-    if (freedom == 0)
-      add_named(table, "m.", joint->label, "", NULL, &failed);
-    for (int k = 0; k < freedom; ++k)
-      add_named(table, "m.", model->coordinates[joint->first_coordinate + k].label, "", NULL, &failed);
-  }
+  failed = !r->observer->columns(r->observer->self, r, table) || failed;
   add_named(table, "", "dof", "", NULL, &failed);
   for (int i = 0; i < r->m->topology.substructure_count; ++i) {
     char name[32];
@@ -97,24 +94,6 @@ static double *write_points(const km_sweeper *r, double *cell) {
   return cell;
 }
 
-static double *write_numbers(const km_sweeper *r, double *cell) {
-  const km_model *model = r->m->model;
-  for (int j = 0; j < model->joint_count; ++j) {
-    int first = model->joints[j].first_coordinate, freedom = km_model_freedom(model, j);
-    if (freedom == 0)
-      *cell++ = 0.0;
-    for (int k = 0; k < freedom; ++k)
-      *cell++ = r->s->numbers[first + k];
-  }
-  return cell;
-}
-
-static void note_extremes(const km_sweeper *r, double s) {
-  for (int c = 0; c < r->m->coordinate_count; ++c)
-    if (r->s->numbers[c] < r->out->extremes[c].number)
-      r->out->extremes[c] = (km_extreme){r->s->numbers[c], s};
-}
-
 km_status km_sweeper_row(km_sweeper *r, int step, double s, km_error *error) {
   const km_mechanism *m = r->m;
   double *cell = km_table_add_row(r->out->table);
@@ -137,14 +116,13 @@ km_status km_sweeper_row(km_sweeper *r, int step, double s, km_error *error) {
   *cell++ = s;
   for (int c = 0; c < m->coordinate_count; ++c)
     *cell++ = km_state_coordinate(r->s, c);
-  cell = write_numbers(r, cell);
+  cell = r->observer->cells(r->observer->self, r, cell);
   *cell++ = mobility;
   for (int i = 0; i < m->topology.substructure_count; ++i)
     *cell++ = km_partition_freedom(&r->s->partition[i]);
   *cell++ = residual;
   write_points(r, cell);
-  note_extremes(r, s);
-  return km_sweeper_toggles(r, s, error);
+  return r->observer->seen ? r->observer->seen(r->observer->self, r, s, error) : KM_OK;
 }
 
 void km_sweeper_prepare(km_sweeper *r) {
@@ -159,6 +137,4 @@ void km_sweeper_prepare(km_sweeper *r) {
     if (i != r->substructure)
       r->other_residual = fmax(r->other_residual, km_loops_residual(r->m, r->s, &r->m->substructures[i], &worst));
   }
-  for (int c = 0; c < r->m->coordinate_count; ++c)
-    r->out->extremes[c] = (km_extreme){HUGE_VAL, nan("")};
 }

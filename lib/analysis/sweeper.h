@@ -1,46 +1,63 @@
-/* The parts of a mobility sweep. Private to analysis/. */
+/* The parts of a sweep: what moves the mechanism from row to row, and what looks at it there. Private to analysis/. */
 #ifndef KM_ANALYSIS_SWEEPER_H
 #define KM_ANALYSIS_SWEEPER_H
 
 #include "kinematics/state.h"
-#include "kmech/mobility_sweep.h"
+#include "kmech/sweep_plan.h"
 
 /* How the mechanism moves from row to row: by a driver or by arc length. */
 typedef struct km_mover {
   void *self;
   /* Rates of all coordinates per unit of s at the row; false where there is no direction. */
   bool (*rates)(void *self, double *rates);
-  /* The same at another s near the row. May leave the row; `settle` comes back to it. */
+  /* The same at another s near the row, where the state then stands; `settle` comes back to the row. */
   bool (*probe)(void *self, double s, double *rates);
   void (*settle)(void *self, double s);
 } km_mover;
 
+typedef struct km_sweeper km_sweeper;
+
+/* What is looked at: mobility numbers, leverage, forces. Any function but `columns` and `cells` may be NULL. */
+typedef struct km_observer {
+  void *self;
+  bool (*columns)(void *self, const km_sweeper *sweeper, km_table *table); /* false: out of memory */
+  /* Writes the cells of its columns at the row's pose, and returns the one behind them. The moving substructure has
+   * its partition and null space. */
+  double *(*cells)(void *self, km_sweeper *sweeper, double *cell);
+  /* After each row: what lies between it and the last one. Leaves the state at the row. */
+  km_status (*seen)(void *self, km_sweeper *sweeper, double s, km_error *error);
+  /* The motion turns a corner: directions before and after it have nothing to do with each other. */
+  void (*corner)(void *self);
+  /* The driver itself gives out at s. */
+  km_status (*ended)(void *self, km_sweeper *sweeper, double s, km_error *error);
+} km_observer;
+
 /* Everything that one sweep needs at hand. */
-typedef struct km_sweeper {
+struct km_sweeper {
   const km_mechanism *m;
   km_state *s;
   const km_sweep_plan *plan;
-  km_mobility_sweep *out;
+  const km_observer *observer;
+  km_sweep *out;
   km_mover mover;
-  int substructure;   /* the one that moves, -1: none */
-  double *rates;      /* [coordinate] */
-  double *z, *last_z; /* [coordinate] unit direction of motion at the row and at the row before */
-  double *scratch;    /* [coordinate] */
-  double last_s;
-  bool have_last;
+  int substructure;      /* the one that moves, -1: none */
+  double *rates;         /* [coordinate] */
+  double *scratch;       /* [coordinate] */
   double other_residual; /* of the substructures that stand still */
   int other_mobility;
-} km_sweeper;
+};
 
+/* Moves the assembled state over the plan's range; see km_mobility_sweep_run. Free `*out` in any case. */
+km_status km_sweep_run(const km_mechanism *mechanism, km_state *state, const km_sweep_plan *plan,
+                       const km_observer *observer, km_sweep *out, km_error *error);
+
+/* A column called prefix + name + suffix; false when out of memory. */
+bool km_sweeper_column(km_table *table, const char *prefix, const char *name, const char *suffix, const char *unit);
 km_status km_sweeper_columns(const km_sweeper *sweeper, km_error *error);
 /* The numbers of what stands still, once. */
 void km_sweeper_prepare(km_sweeper *sweeper);
-/* A row at the state's pose, and the toggles since the last one. */
+/* A row at the state's pose, shown to the observer. */
 km_status km_sweeper_row(km_sweeper *sweeper, int step, double s, km_error *error);
-
-/* Looks for toggles since the last row. KM_MEMORY. */
-km_status km_sweeper_toggles(km_sweeper *sweeper, double s, km_error *error);
-bool km_sweeper_add_toggle(km_mobility_sweep *out, int coordinate, double s);
 
 /* Lists a branch point. KM_MEMORY. */
 km_status km_sweeper_add_branch(km_sweeper *sweeper, km_branch_point point, km_error *error);

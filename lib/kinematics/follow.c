@@ -251,8 +251,8 @@ km_status km_follow_advance(km_follow *f, double length) {
   return KM_OK;
 }
 
-static bool allocate(km_follow *f, int rows, int columns) {
-  size_t n = (size_t)columns;
+static bool allocate(km_follow *f, const km_substructure *sub) {
+  size_t n = (size_t)sub->columns;
   double **vectors[] = {&f->t,      &f->next_t, &f->last_t,   &f->last_move, &f->move,
                         &f->near_t, &f->far_t,  &f->origin_t, &f->scratch,   &f->branch_t};
   double **poses[] = {&f->here, &f->near, &f->far, &f->origin, &f->branch_pose};
@@ -260,7 +260,8 @@ static bool allocate(km_follow *f, int rows, int columns) {
     *vectors[i] = KM_ARENA_NEW(&f->arena, double, n);
   for (size_t i = 0; i < sizeof poses / sizeof *poses; ++i)
     *poses[i] = KM_ARENA_NEW(&f->arena, double, KM_SAVED_PER_COLUMN *n);
-  return km_partition_reserve(&f->reference, rows, columns, &f->arena);
+  return km_partition_reserve_like(&f->reference, &f->state->partition[f->substructure], sub->rows, sub->columns,
+                                   &f->arena);
 }
 
 /* The direction in which column k moves with `sign` and the others move least. */
@@ -294,7 +295,7 @@ static int first_moving(const km_mechanism *m, km_state *s) {
 static km_status start(km_follow *f, int coordinate, double sign, km_error *error) {
   const km_mechanism *m = f->mechanism;
   const km_substructure *sub = sub_of(f);
-  if (!allocate(f, sub->rows, sub->columns))
+  if (!allocate(f, sub))
     return km_fail(error, KM_MEMORY, "out of memory for following a motion");
   km_loops_update(m, f->state, sub);
   km_pivot(m, f->state, f->substructure, KM_NO_DRIVER, km_rank_tolerance(m, sub, 0.0));
@@ -367,13 +368,17 @@ void km_follow_tangent(const km_follow *f, double *rates) {
   write_rates(f, f->t, rates);
 }
 
-bool km_follow_probe(km_follow *f, double offset, double *rates) {
+bool km_follow_visit(km_follow *f, double offset, double *rates) {
   double reached;
   bool there = km_follow_step(f, offset, &reached);
   if (there)
     write_rates(f, f->next_t, rates);
+  f->state->pivoted[f->substructure] = KM_NEVER;
+  return there;
+}
+
+void km_follow_return(km_follow *f) {
   km_state_restore(f->state, sub_of(f), f->here);
   km_loops_update(f->mechanism, f->state, sub_of(f));
   f->state->pivoted[f->substructure] = KM_NEVER;
-  return there;
 }

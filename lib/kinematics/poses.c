@@ -55,13 +55,21 @@ km_twist km_coordinate_twist(const km_mechanism *m, const km_state *s, int coord
   return km_motion_twist(p.motion[i], pitch, &X, coordinate - p.coordinate[i]);
 }
 
+static void update_body(const km_mechanism *m, km_state *s, const km_arc *arc) {
+  km_pose step = across(m, s, arc);
+  s->pose[arc->body] = km_pose_product(&s->pose[arc->parent], &step);
+}
+
 void km_poses_update(const km_mechanism *m, km_state *s) {
   s->pose[0] = km_pose_identity();
-  for (int i = 0; i < m->topology.body_count - 1; ++i) {
-    const km_arc *arc = &m->arcs[i];
-    km_pose step = across(m, s, arc);
-    s->pose[arc->body] = km_pose_product(&s->pose[arc->parent], &step);
-  }
+  for (int i = 0; i < m->topology.body_count - 1; ++i)
+    update_body(m, s, &m->arcs[i]);
+}
+
+void km_poses_update_in(const km_mechanism *m, km_state *s, int substructure) {
+  const km_topology *t = &m->topology;
+  for (int i = t->body_start[substructure]; i < t->body_start[substructure + 1]; ++i)
+    update_body(m, s, &m->arcs[m->arc_of[t->body[i]]]);
 }
 
 void km_frame_position(const km_mechanism *m, const km_state *s, int frame, double position[3]) {

@@ -1,7 +1,7 @@
 #include "report/mobility_plot.h"
 
-#include "report/mobility_strip.h"
 #include "report/plot.h"
+#include "report/sweep_strip.h"
 #include "topology/mechanism.h"
 
 #include <math.h>
@@ -47,8 +47,8 @@ static bool agree(const double *a, const double *b, size_t count) {
 static void add_line(lines *l, const km_plotted_sweep *p, int sweep, int coordinate, int table_column) {
   const char *label = p->mechanism->model->coordinates[coordinate].label;
   int substructure = p->mechanism->substructure_of[coordinate];
-  size_t rows = km_table_rows(p->sweep->table);
-  double *y = column_of(l, p->sweep->table, table_column);
+  size_t rows = km_table_rows(p->sweep->motion.table);
+  double *y = column_of(l, p->sweep->motion.table, table_column);
   if (!y)
     return;
   for (size_t i = 0; i < l->count; ++i) {
@@ -72,7 +72,7 @@ static void gather(lines *l, const km_plotted_sweep *sweeps, int count) {
   for (int i = 0; i < count && !l->arena.failed; ++i) {
     const km_plotted_sweep *p = &sweeps[i];
     const km_mechanism *m = p->mechanism;
-    l->x[i] = column_of(l, p->sweep->table, km_table_find(p->sweep->table, "s"));
+    l->x[i] = column_of(l, p->sweep->motion.table, km_table_find(p->sweep->motion.table, "s"));
     int column = 2 + m->coordinate_count; /* after step, s and the q. columns */
     for (int j = 0; j < m->model->joint_count && !l->arena.failed; ++j) {
       int freedom = km_model_freedom(m->model, j);
@@ -144,7 +144,7 @@ static void fill_panel(lines *l, const km_plotted_sweep *sweeps, int count, int 
 static void fill_marks(lines *l, const km_plotted_sweep *sweeps, int count, int substructure, km_plot_panel *panel) {
   size_t total = 0;
   for (int i = 0; i < count; ++i)
-    total += sweeps[i].sweep->toggle_count + sweeps[i].sweep->branch_count;
+    total += sweeps[i].sweep->toggle_count + sweeps[i].sweep->motion.branch_count;
   km_plot_mark *marks = KM_ARENA_NEW(&l->arena, km_plot_mark, total);
   if (!marks)
     return;
@@ -158,9 +158,10 @@ static void fill_marks(lines *l, const km_plotted_sweep *sweeps, int count, int 
     }
   }
   for (int i = 0; i < count; ++i)
-    for (size_t k = 0;
-         k < sweeps[i].sweep->branch_count && (substructure < 0 || sweeps[i].sweep->substructure == substructure); ++k)
-      marks[panel->mark_count++] = (km_plot_mark){sweeps[i].sweep->branches[k].s, "branch point"};
+    for (size_t k = 0; k < sweeps[i].sweep->motion.branch_count &&
+                       (substructure < 0 || sweeps[i].sweep->motion.substructure == substructure);
+         ++k)
+      marks[panel->mark_count++] = (km_plot_mark){sweeps[i].sweep->motion.branches[k].s, "branch point"};
   panel->marks = marks;
 }
 
@@ -198,7 +199,7 @@ static const char *subtitle(lines *l, const km_plotted_sweep *sweeps, int count)
   km_text text = {0};
   for (int i = 0; i < count; ++i)
     km_text_format(&text, "%s%s", i ? ", " : "", sweeps[i].name);
-  km_text_format(&text, " · mobility %d · %s, %s · characteristic length %g %s", sweeps[0].sweep->first.mobility,
+  km_text_format(&text, " · mobility %d · %s, %s · characteristic length %g %s", sweeps[0].sweep->motion.first.mobility,
                  model->units.angle->word, model->units.length->word, model->characteristic_length,
                  model->units.length->suffix);
   if (some_toggle(sweeps, count))
@@ -228,8 +229,8 @@ static km_status draw(lines *l, const km_plotted_sweep *sweeps, int count, km_ca
                   .y_high = 1.0,
                   .panels = panels,
                   .panel_count = make_panels(l, sweeps, count, panels)};
-  km_mobility_strip strip;
-  plot.strip = km_mobility_strip_make(sweeps[0].mechanism, sweeps[0].plan, sweeps[0].sweep, &l->arena, &strip);
+  km_sweep_strip strip;
+  plot.strip = km_sweep_strip_make(sweeps[0].mechanism, sweeps[0].plan, &sweeps[0].sweep->motion, &l->arena, &strip);
   if (l->arena.failed)
     return km_fail(error, KM_MEMORY, "out of memory for the plot");
   return km_plot_render(&plot, format, out, error);

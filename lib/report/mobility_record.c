@@ -1,22 +1,6 @@
 #include "report/mobility_record.h"
 
-#include "kmech/version.h"
 #include "topology/mechanism.h"
-
-km_value *km_record_head(const km_model *model, const char *tool, const char *name, km_arena *arena) {
-  km_value *record = km_value_add(arena, NULL, NULL, KM_OBJECT);
-  km_value_string(arena, record, "kmech", KM_VERSION);
-  km_value_string(arena, record, "tool", tool);
-  km_value_string(arena, record, "model", name);
-  km_value_string(arena, record, "model_sha256", model->sha256);
-  km_value *units = km_value_add(arena, record, "units", KM_OBJECT);
-  const km_unit *const given[KM_QUANTITIES] = {model->units.angle, model->units.length, model->units.mass,
-                                               model->units.time, model->units.force};
-  for (int q = 0; q < KM_QUANTITIES; ++q)
-    km_value_string(arena, units, km_quantity_name((km_quantity)q), given[q]->word);
-  km_value_number(arena, record, "characteristic_length", model->characteristic_length);
-  return record;
-}
 
 static void add_loops(const km_mechanism *m, km_value *record, km_arena *arena) {
   const km_topology *t = &m->topology;
@@ -94,7 +78,7 @@ km_value *km_mobility_record(const km_mechanism *m, const km_state *s, const km_
 }
 
 bool km_sweep_drives(const km_mechanism *m, const km_mobility_sweep *sweep, int c) {
-  if (m->substructure_of[c] != sweep->substructure || m->held[c])
+  if (m->substructure_of[c] != sweep->motion.substructure || m->held[c])
     return false;
   for (size_t i = 0; i < sweep->toggle_count; ++i)
     if (sweep->toggles[i].coordinate == c)
@@ -106,7 +90,7 @@ bool km_sweep_drives(const km_mechanism *m, const km_mobility_sweep *sweep, int 
 static void add_drivers(const km_mechanism *m, const km_mobility_sweep *sweep, km_value *record, km_arena *arena) {
   km_value *drivers = km_value_add(arena, record, "drivers", KM_LIST);
   for (int c = 0; c < m->coordinate_count && !arena->failed; ++c) {
-    if (m->substructure_of[c] != sweep->substructure || sweep->substructure < 0 || m->held[c])
+    if (m->substructure_of[c] != sweep->motion.substructure || sweep->motion.substructure < 0 || m->held[c])
       continue;
     km_value *driver = km_value_add(arena, drivers, NULL, KM_OBJECT);
     km_value_string(arena, driver, "joint", m->model->coordinates[c].label);
@@ -116,22 +100,10 @@ static void add_drivers(const km_mechanism *m, const km_mobility_sweep *sweep, k
   }
 }
 
-km_value *km_sweep_record(const km_mechanism *m, const km_mobility_sweep *sweep, const char *stopped_by,
-                          const char *name, km_arena *arena) {
+km_value *km_mobility_sweep_record(const km_mechanism *m, const km_mobility_sweep *sweep, const char *stopped_by,
+                                   const char *name, km_arena *arena) {
   km_value *record = km_record_head(m->model, "kmob", name, arena);
-  km_value *columns = km_value_add(arena, record, "columns", KM_LIST);
-  for (size_t c = 0; c < km_table_columns(sweep->table) && !arena->failed; ++c) {
-    km_value *column = km_value_add(arena, columns, NULL, KM_OBJECT);
-    km_value_string(arena, column, "name", km_table_name(sweep->table, c));
-    const char *unit = km_table_unit(sweep->table, c);
-    if (unit[0])
-      km_value_string(arena, column, "unit", unit);
-    else
-      km_value_add(arena, column, "unit", KM_NULL);
-  }
-  km_value *rows = km_value_add(arena, record, "rows", KM_LIST);
-  for (size_t r = 0; r < km_table_rows(sweep->table) && !arena->failed; ++r)
-    km_value_numbers(arena, rows, NULL, km_table_row(sweep->table, r), km_table_columns(sweep->table));
+  km_table_record(sweep->motion.table, record, arena);
   km_value *toggles = km_value_add(arena, record, "toggles", KM_LIST);
   for (size_t i = 0; i < sweep->toggle_count && !arena->failed; ++i) {
     km_value *toggle = km_value_add(arena, toggles, NULL, KM_OBJECT);
@@ -139,21 +111,6 @@ km_value *km_sweep_record(const km_mechanism *m, const km_mobility_sweep *sweep,
     km_value_number(arena, toggle, "s", sweep->toggles[i].s);
   }
   add_drivers(m, sweep, record, arena);
-  km_value *branches = km_value_add(arena, record, "branch_points", KM_LIST);
-  for (size_t i = 0; i < sweep->branch_count && !arena->failed; ++i) {
-    km_value *branch = km_value_add(arena, branches, NULL, KM_OBJECT);
-    km_value_number(arena, branch, "s", sweep->branches[i].s);
-    km_value_number(arena, branch, "mobility", sweep->branches[i].mobility);
-    km_value_number(arena, branch, "branches", sweep->branches[i].branches);
-  }
-  if (sweep->cycle > 0.0)
-    km_value_number(arena, record, "cycle", sweep->cycle);
-  else
-    km_value_add(arena, record, "cycle", KM_NULL);
-  km_value_boolean(arena, record, "complete", !sweep->start.stop && !sweep->end.stop);
-  if (stopped_by[0])
-    km_value_string(arena, record, "stopped_by", stopped_by);
-  else
-    km_value_add(arena, record, "stopped_by", KM_NULL);
+  km_sweep_record(&sweep->motion, stopped_by, record, arena);
   return arena->failed ? NULL : record;
 }

@@ -2,12 +2,9 @@
 #ifndef KM_REPORT_MOBILITY_RECORD_H
 #define KM_REPORT_MOBILITY_RECORD_H
 
-#include "base/text.h"
-#include "base/value.h"
 #include "kmech/mobility_sweep.h"
-
-/* The head that every record starts with: kmech, tool, model, model_sha256, units, characteristic_length. */
-km_value *km_record_head(const km_model *model, const char *tool, const char *name, km_arena *arena);
+#include "report/record.h"
+#include "report/sweep_text.h"
 
 /* What `kmob info` and `kmob at` give (cli.md). NULL when out of memory (arena->failed). */
 km_value *km_mobility_record(const km_mechanism *mechanism, const km_state *state, const km_mobility *mobility,
@@ -16,15 +13,12 @@ void km_mobility_print(const km_mechanism *mechanism, const km_state *state, con
                        const char *name, km_text *out);
 
 /* What `kmob sweep --format json` gives. */
-km_value *km_sweep_record(const km_mechanism *mechanism, const km_mobility_sweep *sweep, const char *stopped_by,
-                          const char *name, km_arena *arena);
+km_value *km_mobility_sweep_record(const km_mechanism *mechanism, const km_mobility_sweep *sweep,
+                                   const char *stopped_by, const char *name, km_arena *arena);
 /* Could the coordinate drive everything that moves, over all rows? */
 bool km_sweep_drives(const km_mechanism *mechanism, const km_mobility_sweep *sweep, int coordinate);
-/* Why the sweep ended where it did, in words: empty where the whole range was reached. */
-void km_sweep_stop_text(const km_mechanism *mechanism, const km_sweep_plan *plan, const km_mobility_sweep *sweep,
-                        km_text *out);
 /* A summary to act on: freedoms, which joints could drive the range, where the others lose their grip. */
-void km_sweep_print(const km_mechanism *mechanism, const km_sweep_plan *plan, const km_mobility_sweep *sweep,
-                    const char *name, km_text *out);
+void km_mobility_sweep_print(const km_mechanism *mechanism, const km_sweep_plan *plan, const km_mobility_sweep *sweep,
+                             const char *name, km_text *out);
 
 #endif

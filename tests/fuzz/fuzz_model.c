@@ -353,10 +353,10 @@ static void sweep(const km_model *model, const km_mechanism *mechanism, km_state
   km_status status = km_mobility_sweep_run(mechanism, state, &plan, &result, &error);
   if (status && status != KM_PARTIAL)
     check_refusal(status, &error);
-  int residual = result.table ? km_table_find(result.table, "residual") : -1;
-  for (size_t r = 0; residual >= 0 && r < km_table_rows(result.table); ++r) {
-    const double *row = km_table_row(result.table, r);
-    for (size_t k = 0; k < km_table_columns(result.table); ++k)
+  int residual = result.motion.table ? km_table_find(result.motion.table, "residual") : -1;
+  for (size_t r = 0; residual >= 0 && r < km_table_rows(result.motion.table); ++r) {
+    const double *row = km_table_row(result.motion.table, r);
+    for (size_t k = 0; k < km_table_columns(result.motion.table); ++k)
       if (!(row[k] == row[k]))
         fail("a row of a sweep has a value that isn't a number");
     if (!(row[residual] < 0.1))

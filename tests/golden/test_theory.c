@@ -18,9 +18,9 @@ static km_mobility_sweep sweep_of(fixture *f, const char *joint, double from, do
 }
 
 static double cell(const km_mobility_sweep *sweep, size_t row, const char *column) {
-  int index = km_table_find(sweep->table, column);
+  int index = km_table_find(sweep->motion.table, column);
   assert_true(index >= 0);
-  return km_table_row(sweep->table, row)[index];
+  return km_table_row(sweep->motion.table, row)[index];
 }
 
 /* All coordinates in the plane by a Rz chain: crank `alpha`, rod 1, slider along x. */
@@ -54,8 +54,8 @@ static void slider_crank_closed_form(void **state) {
     double alpha = alphas[i];
     fixture f = slider_crank(alpha, 0.3);
     km_mobility_sweep sweep = sweep_of(&f, "t1", 0.0, 2.0 * M_PI, 360);
-    assert_int_equal(sweep.end.stop, KM_STOP_NONE);
-    for (size_t r = 0; r < km_table_rows(sweep.table); ++r) {
+    assert_int_equal(sweep.motion.end.stop, KM_STOP_NONE);
+    for (size_t r = 0; r < km_table_rows(sweep.motion.table); ++r) {
       double theta = cell(&sweep, r, "s"), sine = alpha * sin(theta), cosine = sqrt(1.0 - sine * sine);
       double beta_rate = -alpha * cos(theta) / cosine;
       double rates[4] = {1.0, beta_rate - 1.0, -beta_rate, -alpha * sin(theta) + beta_rate * sine}, sum = 0.0;
@@ -80,9 +80,9 @@ static void long_crank_stops_where_it_must(void **state) {
   for (size_t i = 0; i < sizeof alphas / sizeof *alphas; ++i) {
     fixture f = slider_crank(alphas[i], 0.05);
     km_mobility_sweep sweep = sweep_of(&f, "t1", 0.0, 2.0, 50);
-    assert_int_equal(sweep.end.stop, KM_STOP_TOGGLE);
-    assert_near(sweep.end.position, asin(1.0 / alphas[i]), 1e-9);
-    assert_near(cell(&sweep, km_table_rows(sweep.table) - 1, "m.t1"), 0.0, 1e-4);
+    assert_int_equal(sweep.motion.end.stop, KM_STOP_TOGGLE);
+    assert_near(sweep.motion.end.position, asin(1.0 / alphas[i]), 1e-9);
+    assert_near(cell(&sweep, km_table_rows(sweep.motion.table) - 1, "m.t1"), 0.0, 1e-4);
     km_mobility_sweep_free(&sweep);
     fixture_close(&f);
   }
@@ -94,8 +94,8 @@ static void equal_crank_passes_its_branch_point(void **state) {
   for (int steps = 100; steps <= 102; ++steps) { /* 100 lands on the branch points, the others between */
     fixture f = slider_crank(1.0, 0.3);
     km_mobility_sweep sweep = sweep_of(&f, "t1", 0.0, 2.0 * M_PI, steps);
-    assert_int_equal(sweep.end.stop, KM_STOP_NONE);
-    for (size_t r = 0; r < km_table_rows(sweep.table); ++r) {
+    assert_int_equal(sweep.motion.end.stop, KM_STOP_NONE);
+    for (size_t r = 0; r < km_table_rows(sweep.motion.table); ++r) {
       double theta = cell(&sweep, r, "s");
       assert_near(cell(&sweep, r, "q.x"), 2.0 * cos(theta), 1e-8);
       assert_true(cell(&sweep, r, "residual") <= 1e-12);
@@ -112,8 +112,8 @@ static void sarrus_numbers_are_constant(void **state) {
   for (int legs = 3; legs <= 4; ++legs) {
     fixture f = fixture_open(legs == 3 ? "sarrus3" : "sarrus4");
     km_mobility_sweep sweep = sweep_of(&f, "B", -2.8, -0.3, 60);
-    assert_int_equal(sweep.end.stop, KM_STOP_NONE);
-    for (size_t r = 0; r < km_table_rows(sweep.table); ++r)
+    assert_int_equal(sweep.motion.end.stop, KM_STOP_NONE);
+    for (size_t r = 0; r < km_table_rows(sweep.motion.table); ++r)
       for (int j = 0; j < f.model->joint_count; ++j) {
         char column[16];
         snprintf(column, sizeof column, "m.%s", f.model->joints[j].label);
@@ -130,9 +130,9 @@ static void bricard_square_and_triangle(void **state) {
   (void)state;
   fixture f = fixture_open("bricard");
   km_mobility_sweep sweep = sweep_of(&f, "B", -2.0, 2.0, 80);
-  assert_int_equal(sweep.end.stop, KM_STOP_NONE);
+  assert_int_equal(sweep.motion.end.stop, KM_STOP_NONE);
   double nearest = 1.0;
-  for (size_t r = 0; r < km_table_rows(sweep.table); ++r) {
+  for (size_t r = 0; r < km_table_rows(sweep.motion.table); ++r) {
     assert_near(cell(&sweep, r, "dof"), 1.0, 0.0);
     assert_near(cell(&sweep, r, "m.A"), cell(&sweep, r, "m.C"), 1e-10);
     assert_near(cell(&sweep, r, "m.B"), cell(&sweep, r, "m.D"), 1e-10);
@@ -150,7 +150,7 @@ static void klann_turns_round_on_one_branch(void **state) {
   (void)state;
   fixture f = fixture_open("klann");
   km_mobility_sweep sweep = sweep_of(&f, "A", 0.0, 2.0 * M_PI, 240);
-  assert_int_equal(sweep.end.stop, KM_STOP_NONE);
+  assert_int_equal(sweep.motion.end.stop, KM_STOP_NONE);
   for (int c = 0; c < f.model->coordinate_count; ++c) {
     const char *label = f.model->coordinates[c].label;
     char column[16];
@@ -162,7 +162,7 @@ static void klann_turns_round_on_one_branch(void **state) {
       toggles += sweep.toggles[i].coordinate == c;
     assert_int_equal(toggles == 0, turns != 0.0);
   }
-  for (size_t r = 0; r < km_table_rows(sweep.table); ++r) {
+  for (size_t r = 0; r < km_table_rows(sweep.motion.table); ++r) {
     assert_true(cell(&sweep, r, "residual") <= 1e-12);
     assert_true(cell(&sweep, r, "m.A") > 0.05 && cell(&sweep, r, "m.D") > 0.05);
   }
@@ -174,7 +174,7 @@ static void excavator_twins_are_equal(void **state) {
   (void)state;
   fixture f = fixture_open("excavator");
   km_mobility_sweep sweep = sweep_of(&f, "M", 1.9, 3.0, 40);
-  for (size_t r = 0; r < km_table_rows(sweep.table); ++r) {
+  for (size_t r = 0; r < km_table_rows(sweep.motion.table); ++r) {
     assert_near(cell(&sweep, r, "m.L"), cell(&sweep, r, "m.M"), 1e-10);
     assert_near(cell(&sweep, r, "m.H"), cell(&sweep, r, "m.I"), 1e-10);
     assert_near(cell(&sweep, r, "m.B"), 1.0, 0.0);

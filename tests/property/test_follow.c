@@ -24,17 +24,17 @@ static void cycles_close(void **state) {
   for (const char *const *name = names; *name; ++name) {
     fixture f = fixture_open(*name);
     km_mobility_sweep sweep = follow(&f, 0.05, 2000, true);
-    assert_true(sweep.cycle > 1.0);
-    const double *first = km_table_row(sweep.table, 0);
+    assert_true(sweep.motion.cycle > 1.0);
+    const double *first = km_table_row(sweep.motion.table, 0);
     for (int c = 0; c < f.model->coordinate_count; ++c) {
       double way = km_state_coordinate(f.state, c) - first[2 + c];
       if (strcmp(km_model_coordinate_unit(f.model, c), "rad") == 0)
         way -= 2.0 * M_PI * round(way / (2.0 * M_PI));
       assert_near(way, 0.0, 1e-9);
     }
-    int residual = km_table_find(sweep.table, "residual");
-    for (size_t r = 0; r < km_table_rows(sweep.table); ++r)
-      assert_true(km_table_row(sweep.table, r)[residual] <= 1e-12);
+    int residual = km_table_find(sweep.motion.table, "residual");
+    for (size_t r = 0; r < km_table_rows(sweep.motion.table); ++r)
+      assert_true(km_table_row(sweep.motion.table, r)[residual] <= 1e-12);
     km_mobility_sweep_free(&sweep);
     fixture_close(&f);
   }
@@ -49,8 +49,8 @@ static void length_is_a_property_of_the_motion(void **state) {
     fixture f = fixture_open("fourbar");
     km_mobility_sweep sweep = follow(&f, steps[i], 2000, true);
     if (i == 0)
-      length = sweep.cycle;
-    assert_near(sweep.cycle, length, 1e-6 * length);
+      length = sweep.motion.cycle;
+    assert_near(sweep.motion.cycle, length, 1e-6 * length);
     km_mobility_sweep_free(&sweep);
     fixture_close(&f);
   }
@@ -62,15 +62,15 @@ static void parallelogram_branches(void **state) {
   (void)state;
   fixture f = parallelogram(1.0);
   km_mobility_sweep sweep = follow(&f, 0.1, 1000, true);
-  assert_near(sweep.cycle, 4.0 * M_PI, 1e-9);
-  assert_int_equal(sweep.branch_count, 2);
-  assert_near(sweep.branches[0].s, 2.0 * (M_PI - 1.0), 1e-8);
-  assert_near(sweep.branches[1].s, 2.0 * (2.0 * M_PI - 1.0), 1e-8);
-  assert_int_equal(sweep.branches[0].mobility, 2);
-  assert_int_equal(sweep.branches[0].branches, 2);
-  int a = km_table_find(sweep.table, "q.A"), d = km_table_find(sweep.table, "q.D");
-  for (size_t r = 0; r < km_table_rows(sweep.table); ++r)
-    assert_near(km_table_row(sweep.table, r)[a], km_table_row(sweep.table, r)[d], 1e-8);
+  assert_near(sweep.motion.cycle, 4.0 * M_PI, 1e-9);
+  assert_int_equal(sweep.motion.branch_count, 2);
+  assert_near(sweep.motion.branches[0].s, 2.0 * (M_PI - 1.0), 1e-8);
+  assert_near(sweep.motion.branches[1].s, 2.0 * (2.0 * M_PI - 1.0), 1e-8);
+  assert_int_equal(sweep.motion.branches[0].mobility, 2);
+  assert_int_equal(sweep.motion.branches[0].branches, 2);
+  int a = km_table_find(sweep.motion.table, "q.A"), d = km_table_find(sweep.motion.table, "q.D");
+  for (size_t r = 0; r < km_table_rows(sweep.motion.table); ++r)
+    assert_near(km_table_row(sweep.motion.table, r)[a], km_table_row(sweep.motion.table, r)[d], 1e-8);
   km_mobility_sweep_free(&sweep);
   fixture_close(&f);
 }

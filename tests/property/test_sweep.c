@@ -37,11 +37,11 @@ static void rows_do_not_depend_on_steps(void **state) {
     if (!has_one_freedom(*name))
       continue;
     km_mobility_sweep coarse = run(*name, 12, 0.0, 1.0, false), fine = run(*name, 12 * 37, 0.0, 1.0, false);
-    assert_int_equal(coarse.end.stop, KM_STOP_NONE);
-    assert_int_equal(fine.end.stop, KM_STOP_NONE);
+    assert_int_equal(coarse.motion.end.stop, KM_STOP_NONE);
+    assert_int_equal(fine.motion.end.stop, KM_STOP_NONE);
     for (size_t r = 0; r <= 12; ++r)
-      for (size_t c = 1; c < km_table_columns(coarse.table); ++c)
-        assert_near(km_table_row(coarse.table, r)[c], km_table_row(fine.table, 37 * r)[c], 1e-8);
+      for (size_t c = 1; c < km_table_columns(coarse.motion.table); ++c)
+        assert_near(km_table_row(coarse.motion.table, r)[c], km_table_row(fine.motion.table, 37 * r)[c], 1e-8);
     km_mobility_sweep_free(&coarse);
     km_mobility_sweep_free(&fine);
   }
@@ -55,8 +55,8 @@ static void least_motion_converges(void **state) {
       continue;
     km_mobility_sweep coarse = run(*name, 10, 0.4, 0.6, false), fine = run(*name, 80, 0.4, 0.6, false);
     for (size_t r = 0; r <= 10; ++r)
-      for (size_t c = 1; c < km_table_columns(coarse.table); ++c)
-        assert_near(km_table_row(coarse.table, r)[c], km_table_row(fine.table, 8 * r)[c], 2e-3);
+      for (size_t c = 1; c < km_table_columns(coarse.motion.table); ++c)
+        assert_near(km_table_row(coarse.motion.table, r)[c], km_table_row(fine.motion.table, 8 * r)[c], 2e-3);
     km_mobility_sweep_free(&coarse);
     km_mobility_sweep_free(&fine);
   }
@@ -69,8 +69,8 @@ static void the_way_back_is_the_way_there(void **state) {
       continue;
     km_mobility_sweep there = run(*name, 40, 0.0, 1.0, false), back = run(*name, 40, 1.0, 0.0, false);
     for (size_t r = 0; r <= 40; ++r)
-      for (size_t c = 1; c < km_table_columns(there.table); ++c)
-        assert_near(km_table_row(there.table, r)[c], km_table_row(back.table, 40 - r)[c], 1e-8);
+      for (size_t c = 1; c < km_table_columns(there.motion.table); ++c)
+        assert_near(km_table_row(there.motion.table, r)[c], km_table_row(back.motion.table, 40 - r)[c], 1e-8);
     km_mobility_sweep_free(&there);
     km_mobility_sweep_free(&back);
   }
@@ -80,9 +80,9 @@ static void same_input_same_bits(void **state) {
   (void)state;
   for (const char *const *name = all_models; *name; ++name) {
     km_mobility_sweep a = run(*name, 30, 0.2, 0.4, false), b = run(*name, 30, 0.2, 0.4, false);
-    for (size_t r = 0; r < km_table_rows(a.table); ++r)
-      assert_memory_equal(km_table_row(a.table, r), km_table_row(b.table, r),
-                          km_table_columns(a.table) * sizeof(double));
+    for (size_t r = 0; r < km_table_rows(a.motion.table); ++r)
+      assert_memory_equal(km_table_row(a.motion.table, r), km_table_row(b.motion.table, r),
+                          km_table_columns(a.motion.table) * sizeof(double));
     km_mobility_sweep_free(&a);
     km_mobility_sweep_free(&b);
   }
@@ -131,15 +131,15 @@ static void parallelogram_stays_one(void **state) {
     km_sweep_plan plan = {.coordinate = 0, .from = -2.0 * M_PI, .to = 2.0 * M_PI, .steps = steps};
     km_mobility_sweep sweep;
     assert_int_equal(km_mobility_sweep_run(f.mechanism, f.state, &plan, &sweep, NULL), KM_OK);
-    int a = km_table_find(sweep.table, "q.A"), d = km_table_find(sweep.table, "q.D");
-    for (size_t r = 0; r < km_table_rows(sweep.table); ++r)
-      assert_near(km_table_row(sweep.table, r)[a], km_table_row(sweep.table, r)[d], 1e-8);
-    for (size_t i = 0; i < sweep.branch_count; ++i) { /* at the multiples of π */
-      assert_near(remainder(sweep.branches[i].s, M_PI), 0.0, 1e-8);
-      assert_int_equal(sweep.branches[i].mobility, 2);
-      assert_int_equal(sweep.branches[i].branches, 2);
+    int a = km_table_find(sweep.motion.table, "q.A"), d = km_table_find(sweep.motion.table, "q.D");
+    for (size_t r = 0; r < km_table_rows(sweep.motion.table); ++r)
+      assert_near(km_table_row(sweep.motion.table, r)[a], km_table_row(sweep.motion.table, r)[d], 1e-8);
+    for (size_t i = 0; i < sweep.motion.branch_count; ++i) { /* at the multiples of π */
+      assert_near(remainder(sweep.motion.branches[i].s, M_PI), 0.0, 1e-8);
+      assert_int_equal(sweep.motion.branches[i].mobility, 2);
+      assert_int_equal(sweep.motion.branches[i].branches, 2);
     }
-    assert_in_range(sweep.branch_count, 3, 5); /* the range's ends are two of them */
+    assert_in_range(sweep.motion.branch_count, 3, 5); /* the range's ends are two of them */
     km_mobility_sweep_free(&sweep);
     fixture_close(&f);
   }
@@ -152,12 +152,12 @@ static void a_branch_point_can_be_the_start(void **state) {
   km_sweep_plan plan = {.coordinate = 0, .from = -1.0, .to = 1.0, .steps = 8};
   km_mobility_sweep sweep;
   assert_int_equal(km_mobility_sweep_run(f.mechanism, f.state, &plan, &sweep, NULL), KM_OK);
-  assert_int_equal(sweep.start_branches, 2);
-  int a = km_table_find(sweep.table, "q.A"), d = km_table_find(sweep.table, "q.D");
-  const double *first = km_table_row(sweep.table, 0);
+  assert_int_equal(sweep.motion.start_branches, 2);
+  int a = km_table_find(sweep.motion.table, "q.A"), d = km_table_find(sweep.motion.table, "q.D");
+  const double *first = km_table_row(sweep.motion.table, 0);
   bool parallel = fabs(first[a] - first[d]) < 1e-8;
-  for (size_t r = 0; r < km_table_rows(sweep.table); ++r) {
-    const double *row = km_table_row(sweep.table, r);
+  for (size_t r = 0; r < km_table_rows(sweep.motion.table); ++r) {
+    const double *row = km_table_row(sweep.motion.table, r);
     /* crossed: tan(D/2) = (1 + 2)/(1 - 2) tan(A/2) = -3 tan(A/2) for links 1 and 2 */
     assert_near(parallel ? row[d] : tan(0.5 * row[d]), parallel ? row[a] : -3.0 * tan(0.5 * row[a]), 1e-8);
   }
@@ -172,13 +172,13 @@ static void arc_length_can_start_at_a_branch_point(void **state) {
   km_sweep_plan plan = {.coordinate = 0, .direction = 0, .sign = 1.0, .arclength = 0.1, .steps = 200, .cycle = true};
   km_mobility_sweep sweep;
   assert_int_equal(km_mobility_sweep_run(f.mechanism, f.state, &plan, &sweep, NULL), KM_OK);
-  assert_int_equal(sweep.start_branches, 2);
-  int a = km_table_find(sweep.table, "q.A"), d = km_table_find(sweep.table, "q.D");
-  const double *first = km_table_row(sweep.table, 1);
+  assert_int_equal(sweep.motion.start_branches, 2);
+  int a = km_table_find(sweep.motion.table, "q.A"), d = km_table_find(sweep.motion.table, "q.D");
+  const double *first = km_table_row(sweep.motion.table, 1);
   assert_near(first[a], 0.05, 1e-8); /* the crossed motion would move A less */
   assert_near(first[d], 0.05, 1e-8);
-  assert_near(sweep.cycle, 4.0 * M_PI, 1e-8);
-  assert_int_equal(km_table_rows(sweep.table), 126);
+  assert_near(sweep.motion.cycle, 4.0 * M_PI, 1e-8);
+  assert_int_equal(km_table_rows(sweep.motion.table), 126);
   km_mobility_sweep_free(&sweep);
   fixture_close(&f);
 }
@@ -201,8 +201,8 @@ static void numbers_belong_to_their_rows(void **state) {
       km_mobility_sweep sweep;
       km_status status = km_mobility_sweep_run(f.mechanism, f.state, &plan, &sweep, NULL);
       assert_true(status == KM_OK || status == KM_PARTIAL);
-      for (size_t r = 0; r < km_table_rows(sweep.table); ++r) {
-        const double *row = km_table_row(sweep.table, r);
+      for (size_t r = 0; r < km_table_rows(sweep.motion.table); ++r) {
+        const double *row = km_table_row(sweep.motion.table, r);
         km_mobility mobility;
         for (int c = 0; c < count; ++c)
           q[c] = row[2 + c] * km_model_coordinate_factor(at.model, c);
@@ -211,10 +211,10 @@ static void numbers_belong_to_their_rows(void **state) {
         for (int c = 0; c < count; ++c) {
           char column[64];
           snprintf(column, sizeof column, "m.%s", km_model_coordinate_label(at.model, c));
-          assert_near(row[km_table_find(sweep.table, column)], km_mobility_number(at.state, c), 1e-7);
+          assert_near(row[km_table_find(sweep.motion.table, column)], km_mobility_number(at.state, c), 1e-7);
         }
         /* setting the pose again may round differently */
-        assert_near(row[km_table_find(sweep.table, "residual")], mobility.residual, 1e-15);
+        assert_near(row[km_table_find(sweep.motion.table, "residual")], mobility.residual, 1e-15);
       }
       km_free(q);
       km_mobility_sweep_free(&sweep);
@@ -238,7 +238,7 @@ static void a_sweep_can_be_cancelled(void **state) {
   plan.context = &left;
   km_mobility_sweep sweep;
   assert_int_equal(km_mobility_sweep_run(f.mechanism, f.state, &plan, &sweep, NULL), KM_CANCELLED);
-  assert_true(km_table_rows(sweep.table) < 10);
+  assert_true(km_table_rows(sweep.motion.table) < 10);
   km_mobility_sweep_free(&sweep);
   fixture_close(&f);
 }

@@ -38,10 +38,10 @@ static void threads_share_a_mechanism(void **state) {
     km_parallel_for(RUNS, 4, sweep, &s);
     for (int i = 0; i < RUNS; ++i) {
       assert_int_equal(s.status[i], KM_OK);
-      assert_int_equal(km_table_rows(s.sweeps[i].table), km_table_rows(alone.table));
-      for (size_t r = 0; r < km_table_rows(alone.table); ++r)
-        assert_memory_equal(km_table_row(s.sweeps[i].table, r), km_table_row(alone.table, r),
-                            km_table_columns(alone.table) * sizeof(double));
+      assert_int_equal(km_table_rows(s.sweeps[i].motion.table), km_table_rows(alone.motion.table));
+      for (size_t r = 0; r < km_table_rows(alone.motion.table); ++r)
+        assert_memory_equal(km_table_row(s.sweeps[i].motion.table, r), km_table_row(alone.motion.table, r),
+                            km_table_columns(alone.motion.table) * sizeof(double));
       km_mobility_sweep_free(&s.sweeps[i]);
     }
     km_mobility_sweep_free(&alone);

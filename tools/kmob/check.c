@@ -5,32 +5,32 @@
 #include "report/check.h"
 #include "report/mobility_record.h"
 
-static kt_exit write_findings(const kmob_request *o, const kmob_pose *pose, const km_findings *findings) {
+static kt_exit write_findings(const kmob_request *o, const kt_pose *pose, const km_findings *findings) {
   km_text out = {0};
   km_arena arena = {0};
-  if (o->json) {
-    km_value *record = km_record_head(pose->model, "kmob", o->model, &arena);
+  if (o->pose.json) {
+    km_value *record = km_record_head(pose->model, "kmob", o->pose.model, &arena);
     if (!arena.failed)
       km_findings_record(findings, record, &arena);
     if (!arena.failed)
       km_json_write(record, &out);
     out.failed = out.failed || arena.failed;
   } else {
-    km_findings_print(findings, o->model, &out);
+    km_findings_print(findings, o->pose.model, &out);
   }
-  kt_exit result = kmob_answer(o, "check", &out);
+  kt_exit result = kt_answer(&o->pose, "check", &out);
   km_arena_free(&arena);
   km_text_free(&out);
   return result;
 }
 
-static kt_exit check(const kmob_request *o, const kmob_pose *pose, const km_messages *messages) {
+static kt_exit check(const kmob_request *o, const kt_pose *pose, const km_messages *messages) {
   km_findings findings;
   km_error error;
   km_status status = km_check(pose->mechanism, pose->state, messages, &findings, &error);
   kt_exit result = kt_exit_of(status);
   if (status)
-    kt_say(&o->common, KM_ERROR, "%s: %s", o->model, error.text);
+    kt_say(&o->pose.common, KM_ERROR, "%s: %s", o->pose.model, error.text);
   else
     result = write_findings(o, pose, &findings);
   if (result == KT_DONE && findings.count > 0)
@@ -43,13 +43,13 @@ kt_exit kmob_check(int argc, char **argv) {
   kmob_request o = kmob_read_request(
       argc, argv, "Everything suspicious about a model, each with what to do. Exit status 1 if there is anything.",
       true);
-  kmob_pose pose;
+  kt_pose pose;
   km_messages *messages = km_messages_create();
-  o.common.found = messages;
-  kt_exit result = kmob_open(&o.common, o.model, &o.holds, &o.sets, &pose);
+  o.pose.common.found = messages;
+  kt_exit result = kt_request_open(&o.pose, &pose);
   if (result == KT_DONE)
     result = check(&o, &pose, messages);
-  kmob_close(&pose);
+  kt_close(&pose);
   km_messages_free(messages);
   return result;
 }

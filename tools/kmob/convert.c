@@ -14,7 +14,7 @@ enum { OPTION_SET = 0x4001, OPTION_HOLD, OPTION_UNITS };
 
 typedef struct options {
   kt_common common;
-  kmob_texts holds, sets;
+  kt_texts holds, sets;
   const char *model, *file, *units;
 } options;
 
@@ -36,10 +36,10 @@ static error_t parse(int key, char *arg, struct argp_state *state) {
     state->child_inputs[0] = &o->common;
     return 0;
   case OPTION_SET:
-    kmob_texts_add(&o->sets, arg, state);
+    kt_texts_add(&o->sets, arg, state);
     return 0;
   case OPTION_HOLD:
-    kmob_texts_add(&o->holds, arg, state);
+    kt_texts_add(&o->holds, arg, state);
     return 0;
   case OPTION_UNITS:
     o->units = arg;
@@ -120,7 +120,7 @@ static void tell_of_meshes(const options *o, const km_model *model, const km_uni
            model->units.length->word, model->units.length->si / units->length->si);
 }
 
-static kt_exit convert_pose(const options *o, const kmob_pose *pose) {
+static kt_exit convert_pose(const options *o, const kt_pose *pose) {
   km_units units = pose->model->units;
   kt_exit result = choose_units(o, &units);
   if (result != KT_DONE)
@@ -158,11 +158,11 @@ kt_exit kmob_convert(int argc, char **argv) {
     kt_say(&o.common, KM_ERROR, "no model is given (kmob convert --help)");
     return KT_USAGE;
   }
-  kmob_pose pose;
-  kt_exit result = kmob_open(&o.common, o.model, &o.holds, &o.sets, &pose);
+  kt_pose pose;
+  kt_exit result = kt_open(&o.common, o.model, &o.holds, &o.sets, &pose);
   if (result == KT_DONE)
     result = convert_pose(&o, &pose);
-  kmob_close(&pose);
+  kt_close(&pose);
   return result;
 }
 

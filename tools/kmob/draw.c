@@ -15,6 +15,7 @@ enum {
   OPTION_TRACE,
   OPTION_VIEW,
   OPTION_BODIES,
+  OPTION_MESHES,
   OPTION_SIZE,
   OPTION_IGNORE,
   OPTION_FORMAT
@@ -33,6 +34,7 @@ static const struct argp_option table[] = {
     {"ignore-limits", OPTION_IGNORE, NULL, 0, "Pass joint limits", 1},
     {"view", OPTION_VIEW, "VIEW", 0, "xy, xz, yz, iso, or auto: the plane of motion, if there is one (default)", 2},
     {"bodies", OPTION_BODIES, NULL, 0, "Name the bodies too", 2},
+    {"meshes", OPTION_MESHES, NULL, 0, "Draw bodies by their meshes, where they have one", 2},
     {"size", OPTION_SIZE, "WxH", 0, "Size of the page in points (1/72 inch)", 2},
     {"format", OPTION_FORMAT, "LIST", 0, "Some of svg,pdf,png (default svg)", 2},
     {"output", 'o', "BASE", 0, "Files are BASE.motion.FORMAT (default: the model's name)", 2},
@@ -45,19 +47,19 @@ static error_t parse(int key, char *arg, struct argp_state *state) {
     state->child_inputs[0] = &o->common;
     return 0;
   case OPTION_AT:
-    kmob_texts_add(&o->at, arg, state);
+    kt_texts_add(&o->at, arg, state);
     return 0;
   case OPTION_POSES:
     o->poses = arg;
     return 0;
   case OPTION_TRACE:
-    kmob_texts_add(&o->traces, arg, state);
+    kt_texts_add(&o->traces, arg, state);
     return 0;
   case OPTION_HOLD:
-    kmob_texts_add(&o->holds, arg, state);
+    kt_texts_add(&o->holds, arg, state);
     return 0;
   case OPTION_SET:
-    kmob_texts_add(&o->sets, arg, state);
+    kt_texts_add(&o->sets, arg, state);
     return 0;
   case OPTION_IGNORE:
     o->ignore_limits = true;
@@ -67,6 +69,9 @@ static error_t parse(int key, char *arg, struct argp_state *state) {
     return 0;
   case OPTION_BODIES:
     o->bodies = true;
+    return 0;
+  case OPTION_MESHES:
+    o->meshes = true;
     return 0;
   case OPTION_SIZE:
     o->size = arg;
@@ -112,7 +117,7 @@ static kt_exit read_options(const kmob_draw_options *o, km_drawing *drawing, int
     return kt_usage(&o->common, "-o", "-", "a file's name: pictures don't go to the standard output");
   if (o->view && !km_view_find(o->view, &drawing->view))
     return kt_usage(&o->common, "--view", o->view, "xy, xz, yz, iso or auto");
-  if (o->poses && (!kt_number(o->poses, &count) || count < 1.0 || count > KMOB_MOST_TEXTS || count != floor(count)))
+  if (o->poses && (!kt_number(o->poses, &count) || count < 1.0 || count > KT_MOST_TEXTS || count != floor(count)))
     return kt_usage(&o->common, "--poses", o->poses, "a whole number from 1 to 256");
   if (o->poses && o->at.count)
     return kt_usage(&o->common, "--poses", o->poses, "it without --at");

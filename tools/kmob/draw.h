@@ -7,22 +7,23 @@
 
 typedef struct kmob_draw_options {
   kt_common common;
-  kmob_texts holds, sets, at, traces;
+  kt_texts holds, sets, at, traces;
   const char *path, *poses, *view, *size, *base;
   kt_formats formats;
-  bool bodies, ignore_limits;
+  bool bodies, meshes, ignore_limits;
 } kmob_draw_options;
 
 /* The poses and paths of a picture. */
 typedef struct kmob_shots {
   const kmob_draw_options *options;
   int asked; /* poses along the sweep; 0: none */
-  kmob_pose pose;
+  kt_pose pose;
   km_pose *poses; /* [count · bodies] */
   size_t count;
   km_drawing_trace *traces;
   km_vec3 **paths; /* [trace] what the traces' points borrow */
   size_t trace_count;
+  km_mesh **meshes; /* [body], NULL: not asked for */
   km_text title;
   char name[256];
 } kmob_shots;

@@ -3,6 +3,7 @@
 
 #include "base/memory.h"
 #include "kinematics/state.h"
+#include "kmech/sweep_plan.h"
 
 #include <math.h>
 #include <string.h>
@@ -38,16 +39,16 @@ static kt_exit take_at(kmob_shots *s) {
   const kmob_draw_options *o = s->options;
   kt_exit result = KT_DONE;
   for (int i = 0; i < o->at.count && result == KT_DONE; ++i) {
-    kmob_texts sets = o->sets;
-    kmob_pose there = {.model = s->pose.model};
-    if (sets.count == KMOB_MOST_TEXTS)
+    kt_texts sets = o->sets;
+    kt_pose there = {.model = s->pose.model};
+    if (sets.count == KT_MOST_TEXTS)
       return KT_USAGE;
     sets.items[sets.count++] = o->at.items[i];
-    result = kmob_bring(&o->common, o->path, &o->holds, &sets, &there);
+    result = kt_bring(&o->common, o->path, &o->holds, &sets, &there);
     if (result == KT_DONE)
       result = keep_pose(s, there.mechanism, there.state);
     there.model = NULL; /* it stays */
-    kmob_close(&there);
+    kt_close(&there);
     km_text_format(&s->title, "%s%s", i ? ", " : o->at.count > 1 ? "Poses at " : "Pose at ", o->at.items[i]);
   }
   return result;
@@ -176,7 +177,7 @@ static kt_exit visit_points(void *context, const km_mechanism *mechanism, km_sta
 }
 
 static kt_exit take_paths(kmob_shots *s) {
-  const kmob_texts *texts = &s->options->traces;
+  const kt_texts *texts = &s->options->traces;
   kt_exit result = KT_DONE;
   motion m = {.shots = s};
   s->traces = KM_NEW(km_drawing_trace, (size_t)texts->count);
@@ -206,10 +207,17 @@ static kt_exit take_file_pose(kmob_shots *s) {
   return keep_pose(s, s->pose.mechanism, s->pose.state);
 }
 
+static kt_exit take_meshes(kmob_shots *s) {
+  km_error error;
+  return report(s, km_model_read_meshes(s->pose.model, &s->meshes, &error), &error);
+}
+
 kt_exit kmob_shots_take(kmob_shots *s) {
   const kmob_draw_options *o = s->options;
   kt_base_name(o->path, s->name, sizeof s->name);
-  kt_exit result = kmob_open(&o->common, o->path, &o->holds, &o->sets, &s->pose);
+  kt_exit result = kt_open(&o->common, o->path, &o->holds, &o->sets, &s->pose);
+  if (result == KT_DONE && o->meshes)
+    result = take_meshes(s);
   if (result != KT_DONE)
     return result;
   result = o->at.count ? take_at(s) : s->asked ? take_poses(s) : take_file_pose(s);
@@ -225,6 +233,7 @@ void kmob_shots_show(const kmob_shots *s, km_drawing *drawing) {
   drawing->pose_count = s->count;
   drawing->traces = s->traces;
   drawing->trace_count = s->trace_count;
+  drawing->meshes = (const km_mesh *const *)s->meshes;
   drawing->bodies = s->options->bodies;
   drawing->title = s->title.data;
   drawing->name = s->name;
@@ -236,6 +245,8 @@ void kmob_shots_free(kmob_shots *s) {
   km_free(s->paths);
   km_free(s->traces);
   km_free(s->poses);
+  if (s->meshes)
+    km_meshes_free(s->pose.model, s->meshes);
   km_text_free(&s->title);
-  kmob_close(&s->pose);
+  kt_close(&s->pose);
 }

@@ -32,13 +32,12 @@ static void add_modes(const km_model *model, const km_modes *modes, int driver, 
 }
 
 /* The driver of the modes: the first joint of --set, else that of analysis.sweep. */
-static km_status find_modes(const kmob_request *o, const kmob_pose *pose, int *driver, km_modes *modes,
-                            km_error *error) {
+static km_status find_modes(const kmob_request *o, const kt_pose *pose, int *driver, km_modes *modes, km_error *error) {
   enum { STARTS = 300 };
   *modes = (km_modes){0};
   *driver = pose->model->sweep.coordinate;
-  if (o->sets.count > 0) {
-    const char *rest = o->sets.items[0];
+  if (o->pose.sets.count > 0) {
+    const char *rest = o->pose.sets.items[0];
     kt_piece label = kt_split(&rest, "=");
     km_status status = km_model_find_coordinate(pose->model, label.text, driver, error);
     km_free(label.text);
@@ -48,10 +47,10 @@ static km_status find_modes(const kmob_request *o, const kmob_pose *pose, int *d
   if (*driver < 0)
     return km_fail(error, KM_USAGE,
                    "--modes: the model has no analysis.sweep with a joint; expected a driver by --set");
-  return km_modes_find(pose->model, pose->state, *driver, STARTS, o->common.seed, modes, error);
+  return km_modes_find(pose->model, pose->state, *driver, STARTS, o->pose.common.seed, modes, error);
 }
 
-static kt_exit describe(const kmob_request *o, const kmob_pose *pose, km_text *out) {
+static kt_exit describe(const kmob_request *o, const kt_pose *pose, km_text *out) {
   km_mobility mobility;
   km_diagnosis diagnosis;
   km_error error;
@@ -63,9 +62,9 @@ static kt_exit describe(const kmob_request *o, const kmob_pose *pose, km_text *o
     status = find_modes(o, pose, &driver, &modes, &error);
   km_mobility_update(pose->mechanism, pose->state, &mobility);
   if (status) {
-    kt_say(&o->common, KM_ERROR, "%s: %s", o->model, error.text);
-  } else if (o->json) {
-    km_value *record = km_mobility_record(pose->mechanism, pose->state, &mobility, o->model, &arena);
+    kt_say(&o->pose.common, KM_ERROR, "%s: %s", o->pose.model, error.text);
+  } else if (o->pose.json) {
+    km_value *record = km_mobility_record(pose->mechanism, pose->state, &mobility, o->pose.model, &arena);
     if (record)
       km_diagnosis_record(pose->mechanism, &diagnosis, record, &arena);
     if (!arena.failed && o->modes)
@@ -74,7 +73,7 @@ static kt_exit describe(const kmob_request *o, const kmob_pose *pose, km_text *o
       km_json_write(record, out);
     status = arena.failed ? KM_MEMORY : KM_OK;
   } else {
-    km_mobility_print(pose->mechanism, pose->state, &mobility, o->model, out);
+    km_mobility_print(pose->mechanism, pose->state, &mobility, o->pose.model, out);
     km_diagnosis_print(pose->mechanism, &diagnosis, out);
     if (o->modes)
       print_modes(pose->model, &modes, driver, out);
@@ -86,15 +85,15 @@ static kt_exit describe(const kmob_request *o, const kmob_pose *pose, km_text *o
 }
 
 static kt_exit run(const kmob_request *o) {
-  kmob_pose pose;
+  kt_pose pose;
   km_text out = {0};
-  kt_exit result = kmob_open(&o->common, o->model, &o->holds, &o->sets, &pose);
+  kt_exit result = kt_request_open(&o->pose, &pose);
   if (result == KT_DONE)
     result = describe(o, &pose, &out);
   if (result == KT_DONE)
-    result = kmob_answer(o, "mobility", &out);
+    result = kt_answer(&o->pose, "mobility", &out);
   km_text_free(&out);
-  kmob_close(&pose);
+  kt_close(&pose);
   return result;
 }
 

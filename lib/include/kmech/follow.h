@@ -40,9 +40,10 @@ bool km_follow_closed(const km_follow *follow);   /* the start was met again, to
 int km_follow_limit(const km_follow *follow);     /* the coordinate whose limit ended the motion, -1 none */
 /* The branch point that the last advance passed, on the smooth motion; false if there was none. */
 bool km_follow_branch(const km_follow *follow, km_branch_point *out);
-/* The direction of motion a short way (up to 0.05) along from here, or back if offset < 0; the state stays where
- * it is. False if no single step leads there. */
-bool km_follow_probe(km_follow *follow, double offset, double *rates);
+/* Goes a short way (up to 0.05) along from here, or back if offset < 0, until km_follow_return; rates: the direction of
+ * motion there. The state stands there, its mobility numbers are stale. False if no single step leads there. */
+bool km_follow_visit(km_follow *follow, double offset, double *rates);
+void km_follow_return(km_follow *follow);
 /* The unit direction of motion: rates of all coordinates per arc length, engine's units. */
 void km_follow_tangent(const km_follow *follow, double *rates);
 

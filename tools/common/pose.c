@@ -1,16 +1,17 @@
-#include "kmob/kmob.h"
+#include "common/pose.h"
 
 #include "base/memory.h"
+#include "kmech/sweep.h"
 #include "model/model.h"
 
-void kmob_texts_add(kmob_texts *texts, char *text, struct argp_state *state) {
-  if (texts->count == KMOB_MOST_TEXTS)
-    argp_error(state, "an option is given more than %d times", KMOB_MOST_TEXTS);
+void kt_texts_add(kt_texts *texts, char *text, struct argp_state *state) {
+  if (texts->count == KT_MOST_TEXTS)
+    argp_error(state, "an option is given more than %d times", KT_MOST_TEXTS);
   texts->items[texts->count++] = text;
 }
 
 /* The model's own holds, overridden by the command line's. */
-static kt_exit gather_holds(const kt_common *common, const km_model *model, const kmob_texts *texts, kt_settings *out) {
+static kt_exit gather_holds(const kt_common *common, const km_model *model, const kt_texts *texts, kt_settings *out) {
   if (model->hold_count) {
     out->items = KM_NEW(kt_setting, (size_t)model->hold_count);
     if (!out->items)
@@ -41,7 +42,7 @@ static kt_exit check_conflicts(const kt_common *common, const km_model *model, c
 }
 
 static kt_exit reach(const kt_common *common, const char *path, const kt_settings *holds, const kt_settings *sets,
-                     kmob_pose *out) {
+                     kt_pose *out) {
   km_error error;
   km_hold *held = as_holds(holds), *set = as_holds(sets);
   km_status status = held && set ? km_reach_pose(out->model, held, holds->count, set, sets->count, &out->mechanism,
@@ -54,8 +55,7 @@ static kt_exit reach(const kt_common *common, const char *path, const kt_setting
   return kt_exit_of(status);
 }
 
-kt_exit kmob_bring(const kt_common *common, const char *path, const kmob_texts *holds, const kmob_texts *sets,
-                   kmob_pose *out) {
+kt_exit kt_bring(const kt_common *common, const char *path, const kt_texts *holds, const kt_texts *sets, kt_pose *out) {
   kt_settings held = {0}, set = {0};
   kt_exit result = gather_holds(common, out->model, holds, &held);
   if (result == KT_DONE)
@@ -69,15 +69,14 @@ kt_exit kmob_bring(const kt_common *common, const char *path, const kmob_texts *
   return result;
 }
 
-kt_exit kmob_open(const kt_common *common, const char *path, const kmob_texts *holds, const kmob_texts *sets,
-                  kmob_pose *out) {
+kt_exit kt_open(const kt_common *common, const char *path, const kt_texts *holds, const kt_texts *sets, kt_pose *out) {
   kt_exit result;
-  *out = (kmob_pose){0};
+  *out = (kt_pose){0};
   out->model = kt_load(common, path, &result);
-  return out->model ? kmob_bring(common, path, holds, sets, out) : result;
+  return out->model ? kt_bring(common, path, holds, sets, out) : result;
 }
 
-void kmob_close(kmob_pose *pose) {
+void kt_close(kt_pose *pose) {
   km_state_free(pose->state);
   km_mechanism_free(pose->mechanism);
   km_model_free(pose->model);

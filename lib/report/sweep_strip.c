@@ -1,4 +1,4 @@
-#include "report/mobility_strip.h"
+#include "report/sweep_strip.h"
 
 #include "kmech/kinematics.h"
 #include "report/drawing.h"
@@ -18,7 +18,7 @@ static void pose_of_row(const km_mechanism *m, km_state *state, const double *ro
   memcpy(poses, state->pose, (size_t)m->topology.body_count * sizeof *poses);
 }
 
-static void caption(const km_mobility_strip *strip, int k, km_text *out) {
+static void caption(const km_sweep_strip *strip, int k, km_text *out) {
   if (strip->plan->arclength > 0.0)
     km_text_format(out, "arc length %.4g", strip->s[k]);
   else
@@ -27,7 +27,7 @@ static void caption(const km_mobility_strip *strip, int k, km_text *out) {
 }
 
 static void draw(void *context, km_canvas *canvas, double top, double width) {
-  const km_mobility_strip *strip = context;
+  const km_sweep_strip *strip = context;
   const km_font font = {.size = 8, .width = width / KM_STRIP_POSES};
   double each = (width - 2 * margin) / KM_STRIP_POSES;
   km_drawing drawing = {
@@ -47,10 +47,10 @@ static void draw(void *context, km_canvas *canvas, double top, double width) {
   }
 }
 
-km_plot_strip km_mobility_strip_make(const km_mechanism *m, const km_sweep_plan *plan, const km_mobility_sweep *sweep,
-                                     km_arena *arena, km_mobility_strip *out) {
+km_plot_strip km_sweep_strip_make(const km_mechanism *m, const km_sweep_plan *plan, const km_sweep *sweep,
+                                  km_arena *arena, km_sweep_strip *out) {
   size_t bodies = (size_t)m->topology.body_count, rows = km_table_rows(sweep->table);
-  *out = (km_mobility_strip){m, plan, NULL, {0}};
+  *out = (km_sweep_strip){m, plan, NULL, {0}};
   if (bodies < 2 || bodies > MOST_BODIES || rows == 0)
     return (km_plot_strip){0};
   km_state *state = NULL;

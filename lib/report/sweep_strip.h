@@ -1,23 +1,23 @@
 /* Small drawings of a sweep's first, middle and last pose, for the strip beneath its plot. */
-#ifndef KM_REPORT_MOBILITY_STRIP_H
-#define KM_REPORT_MOBILITY_STRIP_H
+#ifndef KM_REPORT_SWEEP_STRIP_H
+#define KM_REPORT_SWEEP_STRIP_H
 
 #include "base/memory.h"
-#include "kmech/mobility_sweep.h"
+#include "kmech/sweep_plan.h"
 #include "report/plot.h"
 
 enum { KM_STRIP_POSES = 3 };
 
-typedef struct km_mobility_strip {
+typedef struct km_sweep_strip {
   const km_mechanism *mechanism;
   const km_sweep_plan *plan;
   struct km_pose *poses; /* [KM_STRIP_POSES · bodies] */
   double s[KM_STRIP_POSES];
-} km_mobility_strip;
+} km_sweep_strip;
 
 /* Poses of three rows of the sweep, from the table's coordinates. A strip without height where there is nothing
  * to draw, or too much for its size. `out` is the strip's context and must outlive it. */
-km_plot_strip km_mobility_strip_make(const km_mechanism *mechanism, const km_sweep_plan *plan,
-                                     const km_mobility_sweep *sweep, km_arena *arena, km_mobility_strip *out);
+km_plot_strip km_sweep_strip_make(const km_mechanism *mechanism, const km_sweep_plan *plan, const km_sweep *sweep,
+                                  km_arena *arena, km_sweep_strip *out);
 
 #endif

@@ -1,0 +1,40 @@
+#include "analysis/sweeper.h"
+
+km_sweep_plan km_sweep_plan_default(const km_model *model) {
+  const km_sweep_def *sweep = &model->sweep;
+  return (km_sweep_plan){.coordinate = sweep->coordinate,
+                         .from = sweep->range[0],
+                         .to = sweep->range[1],
+                         .steps = sweep->steps,
+                         .arclength = sweep->arclength,
+                         .direction = sweep->direction,
+                         .sign = sweep->sign};
+}
+
+static km_status run(km_sweeper *r, km_error *error) {
+  size_t count = (size_t)r->m->coordinate_count;
+  r->out->table = km_table_create();
+  r->rates = KM_NEW(double, 2 * count);
+  if (!r->out->table || !r->rates)
+    return km_fail(error, KM_MEMORY, "out of memory for a sweep");
+  r->scratch = r->rates + count;
+  km_status status = km_sweeper_columns(r, error);
+  if (status)
+    return status;
+  return r->plan->arclength > 0.0 ? km_sweep_by_length(r, error) : km_sweep_by_driver(r, error);
+}
+
+km_status km_sweep_run(const km_mechanism *m, km_state *s, const km_sweep_plan *plan, const km_observer *observer,
+                       km_sweep *out, km_error *error) {
+  km_sweeper r = {.m = m, .s = s, .plan = plan, .observer = observer, .out = out, .substructure = -1};
+  *out = (km_sweep){.substructure = -1};
+  km_status status = run(&r, error);
+  km_free(r.rates);
+  return status;
+}
+
+void km_sweep_free(km_sweep *sweep) {
+  km_table_free(sweep->table);
+  km_free(sweep->branches);
+  *sweep = (km_sweep){0};
+}

@@ -1,0 +1,61 @@
+/* Sweeps: what to move, over which range, and what every sweep gives, whatever it looks at. */
+#ifndef KMECH_SWEEP_PLAN_H
+#define KMECH_SWEEP_PLAN_H
+
+#include "kmech/follow.h"
+#include "kmech/mobility.h"
+#include "kmech/sweep.h"
+#include "kmech/table.h"
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+/* Asked now and then during long work with how much is done (0 … 1); returns false to cancel. */
+typedef bool (*km_progress)(void *context, double done);
+
+typedef struct km_sweep_point {
+  int frame;        /* of the model */
+  const char *name; /* "body/frame", as the columns call it */
+} km_sweep_point;
+
+/* What to sweep. Start from km_sweep_plan_default(). */
+typedef struct km_sweep_plan {
+  int coordinate;   /* the driver; -1: the model's analysis.sweep */
+  double from, to;  /* model's unit */
+  int steps;        /* intervals; rows = steps + 1 */
+  double arclength; /* > 0: by arc length instead, `steps` times this much; coordinate, from, to don't count */
+  int direction;    /* the coordinate that starts the motion, -1: the one with the largest mobility number */
+  double sign;      /* +1 or -1 */
+  int branch;       /* by arc length, at the first branch point: 1 (or 0) goes on smoothly; 2, 3 take the next motion
+                     * ahead and back, 4, 5 the one after, … */
+  bool cycle;       /* by arc length: KM_PARTIAL unless the motion comes back to its start */
+  bool ignore_limits;
+  const km_sweep_point *points;
+  int point_count;
+  bool derivatives; /* of the points along s */
+  km_progress progress;
+  void *context;
+} km_sweep_plan;
+
+/* The rows of a sweep, and how the mechanism moved. */
+typedef struct km_sweep {
+  km_table *table;           /* step, s, q.; the columns of what is looked at; dof, dof.k, residual, point. (cli.md) */
+  km_mobility first;         /* at the pose from which the sweep started */
+  int substructure;          /* the one that moves, -1: a joint in no loop */
+  int freedom;               /* of the driven substructure there: above 1 the others move least */
+  int start_branches;        /* motions that meet at the starting pose, where it is a branch point; else 0 */
+  km_reach start, end;       /* how FROM and TO were reached */
+  km_branch_point *branches; /* where several motions meet; s is the driver's value, or the arc length */
+  size_t branch_count, branch_capacity;
+  double cycle; /* by arc length: length of the closed cycle, 0 if it wasn't closed */
+} km_sweep;
+
+/* The model's own plan: analysis.sweep with a driver. coordinate -1 where it has none. */
+km_sweep_plan km_sweep_plan_default(const km_model *model);
+void km_sweep_free(km_sweep *sweep);
+
+#ifdef __cplusplus
+}
+#endif
+#endif

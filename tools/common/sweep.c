@@ -1,0 +1,183 @@
+#include "common/sweep.h"
+
+#include "base/json.h"
+#include "base/parallel.h"
+#include "report/csv.h"
+#include "report/sweep_text.h"
+
+#include <string.h>
+
+typedef struct work {
+  const kt_sweeping *sweeping;
+  kt_sweep_job *jobs;
+} work;
+
+/* What the user should know of how the mechanism moved. */
+static void tell(kt_sweep_job *j, const km_sweep *motion, bool partial) {
+  const kt_common *common = &j->common;
+  km_sweep_stop_text(j->pose.mechanism, &j->plan, motion, &j->stopped_by);
+  if (partial)
+    kt_say(common, KM_ERROR, "%s: %s", j->path, j->stopped_by.data);
+  if (motion->start_branches > 0)
+    kt_say(common, KM_NOTE,
+           "%s: the starting pose is a branch point; of %d motions the one %s "
+           "is taken (--set starts from another pose)",
+           j->path, motion->start_branches,
+           j->plan.arclength > 0.0 ? "nearest to the direction asked for" : "that moves the driver most");
+  else if (motion->freedom > 1 && j->plan.arclength <= 0.0)
+    kt_say(common, KM_NOTE, "%s: more than one freedom is left; the others move least (--hold keeps joints)", j->path);
+}
+
+static void run_sweep(const kt_sweeping *sweeping, kt_sweep_job *j) {
+  kt_progress progress = kt_progress_start(&j->common);
+  const km_sweep *motion = NULL;
+  km_error error;
+  j->plan.progress = kt_progress_show;
+  j->plan.context = &progress;
+  km_status status = sweeping->run(j, &motion, &error);
+  kt_progress_end(&progress);
+  if (status == KM_OK || status == KM_PARTIAL)
+    tell(j, motion, status == KM_PARTIAL);
+  else
+    kt_say(&j->common, KM_ERROR, "%s: %s", j->path, error.text);
+  j->result = kt_exit_of(status);
+}
+
+static void start_job(void *context, int index) {
+  const work *w = context;
+  kt_sweep_job *j = w->jobs + index;
+  const kt_sweep_options *o = j->options;
+  kt_base_name(j->path, j->base, sizeof j->base);
+  j->result = kt_open(&j->common, j->path, &o->holds, &o->sets, &j->pose);
+  if (j->result == KT_DONE)
+    j->result = kt_sweep_plan(j);
+  if (j->result == KT_DONE && w->sweeping->prepare)
+    j->result = w->sweeping->prepare(j);
+  if (j->result == KT_DONE)
+    run_sweep(w->sweeping, j);
+}
+
+static bool delivers(const kt_sweep_job *j) {
+  return j->result == KT_DONE || j->result == KT_PARTIAL;
+}
+
+static kt_exit write_table(const kt_sweeping *sweeping, const kt_sweep_job *j, const char *base, kt_format format) {
+  km_text out = {0};
+  if (format == KT_CSV) {
+    km_csv_write(sweeping->table(j), &out);
+  } else {
+    km_arena arena = {0};
+    const km_value *record = sweeping->record(j, &arena);
+    if (record)
+      km_json_write(record, &out);
+    else
+      out.failed = true;
+    km_arena_free(&arena);
+  }
+  kt_exit result = kt_write(&j->options->common, base, sweeping->word, kt_format_word(format), &out);
+  km_text_free(&out);
+  return result;
+}
+
+static kt_exit write_plot(const kt_sweep_options *o, const work *w, const char *base, kt_format format) {
+  const kt_sweep_job *shown[KT_MOST_MODELS];
+  int count = 0;
+  for (int i = 0; i < o->models.count; ++i)
+    if (delivers(&w->jobs[i]))
+      shown[count++] = &w->jobs[i];
+  km_text out = {0};
+  km_error error;
+  km_status status = w->sweeping->plot(shown, count, kt_canvas_format(format), &out, &error);
+  kt_exit result = kt_exit_of(status);
+  if (status)
+    kt_say(&o->common, KM_ERROR, "%s", error.text);
+  else
+    result = kt_write(&o->common, base, w->sweeping->word, kt_format_word(format), &out);
+  km_text_free(&out);
+  return result;
+}
+
+static kt_exit deliver(const kt_sweep_options *o, const work *w) {
+  kt_exit result = KT_DONE;
+  int first = -1;
+  for (int i = 0; i < o->models.count; ++i) {
+    const kt_sweep_job *j = &w->jobs[i];
+    if (!delivers(j))
+      continue;
+    first = first < 0 ? i : first;
+    km_text summary = {0};
+    if (!o->common.quiet && !(o->base && strcmp(o->base, "-") == 0)) {
+      w->sweeping->print(j, &summary);
+      result = kt_worse(result, kt_print(&o->common, &summary));
+    }
+    km_text_free(&summary);
+    /* Several models keep their own names; -o then names the plot that they share. */
+    const char *base = o->base && o->models.count == 1 ? o->base : j->base;
+    for (int f = KT_CSV; f <= KT_JSON; ++f)
+      if (o->formats.wanted[f])
+        result = kt_worse(result, write_table(w->sweeping, j, base, (kt_format)f));
+  }
+  for (int f = KT_SVG; f <= KT_PNG && first >= 0; ++f)
+    if (o->formats.wanted[f])
+      result = kt_worse(result, write_plot(o, w, o->base ? o->base : w->jobs[first].base, (kt_format)f));
+  return result;
+}
+
+/* Tables are named after their models: two of one name would overwrite each other. */
+static bool names_differ(const kt_sweep_options *o) {
+  char a[256], b[256];
+  for (int i = 0; i < o->models.count; ++i) {
+    kt_base_name(o->models.items[i], a, sizeof a);
+    for (int k = 0; k < i; ++k) {
+      kt_base_name(o->models.items[k], b, sizeof b);
+      if (strcmp(o->models.items[i], "-") == 0 && strcmp(o->models.items[k], "-") == 0) {
+        kt_say(&o->common, KM_ERROR, "the standard input (-) is given twice; it can be read only once");
+        return false;
+      }
+      if (strcmp(a, b) == 0) {
+        kt_say(&o->common, KM_ERROR, "%s and %s would write the same files; expected models of different names",
+               o->models.items[k], o->models.items[i]);
+        return false;
+      }
+    }
+  }
+  return true;
+}
+
+static kt_exit run(const kt_sweep_options *o, const kt_sweeping *sweeping) {
+  int count = o->models.count;
+  work w = {sweeping, KM_NEW(kt_sweep_job, (size_t)count)};
+  kt_exit result = KT_DONE;
+  if (!w.jobs)
+    return KT_INTERNAL;
+  for (int i = 0; i < count; ++i) {
+    kt_sweep_job *j = &w.jobs[i];
+    j->options = o;
+    j->path = o->models.items[i];
+    j->common = o->common;
+    j->common.log = count > 1 ? &j->log : NULL;
+  }
+  km_parallel_for(count, o->common.jobs, start_job, &w);
+  for (int i = 0; i < count; ++i) {
+    kt_flush(&w.jobs[i].common);
+    result = kt_worse(result, w.jobs[i].result);
+  }
+  result = kt_worse(result, deliver(o, &w));
+  for (int i = 0; i < count; ++i) {
+    sweeping->free(&w.jobs[i]);
+    km_text_free(&w.jobs[i].stopped_by);
+    kt_close(&w.jobs[i].pose);
+  }
+  km_free(w.jobs);
+  return result;
+}
+
+kt_exit kt_sweep(const kt_sweep_options *o, const kt_sweeping *sweeping) {
+  if (o->models.count > KT_MOST_MODELS)
+    return kt_usage(&o->common, "MODEL", "…", "at most 64 models");
+  bool tables_only = !o->formats.wanted[KT_SVG] && !o->formats.wanted[KT_PDF] && !o->formats.wanted[KT_PNG];
+  if (o->base && strcmp(o->base, "-") == 0 &&
+      (o->models.count > 1 || kt_formats_count(&o->formats) != 1 || !tables_only))
+    return kt_usage(&o->common, "-o", "-", "one model and --format csv or json");
+  return names_differ(o) ? run(o, sweeping) : KT_USAGE;
+}

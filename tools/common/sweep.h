@@ -1,0 +1,60 @@
+/* What the sweep commands of the tools share: options, models swept at once, files. */
+#ifndef KT_SWEEP_H
+#define KT_SWEEP_H
+
+#include "common/pose.h"
+#include "kmech/sweep_plan.h"
+
+enum { KT_MOST_MODELS = 64, KT_MOST_POINTS = 64 };
+
+/* --joint --range --steps --arclength --direction --cycle --branch --hold --set --ignore-limits --derivatives --format
+ * and the models: a child parser whose input is a kt_sweep_options; a command's own parser has --point and -o. */
+typedef struct kt_sweep_options {
+  kt_common common;
+  kt_texts holds, sets, points, models;
+  const char *joint, *range, *steps, *arclength, *direction, *branch;
+  const char *base; /* of -o, or NULL */
+  kt_formats formats;
+  bool derivatives, ignore_limits, cycle;
+  const void *own; /* the command's own options */
+} kt_sweep_options;
+
+extern const struct argp kt_sweep_argp;
+
+/* One model of the sweep, with all that its files are made of. */
+typedef struct kt_sweep_job {
+  const kt_sweep_options *options;
+  kt_common common; /* with a log of its own */
+  km_text log;
+  const char *path;
+  char base[256];
+  kt_pose pose;
+  km_sweep_plan plan;
+  km_sweep_point points[KT_MOST_POINTS];
+  km_text stopped_by;
+  kt_exit result;
+  void *own; /* what the command makes of it */
+} kt_sweep_job;
+
+/* A sweep command: what to do with one model, and with all of them. */
+typedef struct kt_sweeping {
+  const char *word; /* of the result, as in BASE.WORD.csv */
+  /* Prepares `own` from the options, at the pose; says what is wrong. May be NULL. */
+  kt_exit (*prepare)(kt_sweep_job *job);
+  /* Runs the sweep into `own`; *motion is its rows. */
+  km_status (*run)(kt_sweep_job *job, const km_sweep **motion, km_error *error);
+  void (*print)(const kt_sweep_job *job, km_text *out); /* a summary */
+  const km_table *(*table)(const kt_sweep_job *job);
+  km_value *(*record)(const kt_sweep_job *job, km_arena *arena);
+  /* One plot for all the models that were swept. */
+  km_status (*plot)(const kt_sweep_job *const *jobs, int count, km_canvas_format format, km_text *out, km_error *error);
+  void (*free)(kt_sweep_job *job);
+} kt_sweeping;
+
+/* Sweeps every model, --jobs at once, and writes what was asked for. */
+kt_exit kt_sweep(const kt_sweep_options *options, const kt_sweeping *sweeping);
+
+/* Reads the plan of a model from the options over the model's own. Says what is wrong. */
+kt_exit kt_sweep_plan(kt_sweep_job *job);
+
+#endif

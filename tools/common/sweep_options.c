@@ -1,0 +1,192 @@
+/* The options of the sweep commands, and the plan that they make. */
+#include "common/sweep.h"
+
+#include "model/model.h"
+
+#include <stdio.h>
+#include <string.h>
+
+enum {
+  OPTION_HOLD = 0x3001,
+  OPTION_FORMAT,
+  OPTION_RANGE,
+  OPTION_STEPS,
+  OPTION_DERIVATIVES,
+  OPTION_IGNORE,
+  OPTION_JOINT,
+  OPTION_SET,
+  OPTION_ARCLENGTH,
+  OPTION_DIRECTION,
+  OPTION_CYCLE,
+  OPTION_BRANCH
+};
+
+static const struct argp_option table[] = {
+    {"joint", OPTION_JOINT, "JOINT", 0, "The driver (default: the model's analysis.sweep)", 1},
+    {"range", OPTION_RANGE, "FROM:TO", 0, "Its range in the model's unit", 1},
+    {"steps", OPTION_STEPS, "N", 0, "Number of intervals; N + 1 rows", 1},
+    {"arclength", OPTION_ARCLENGTH, "DS", 0, "Follow the motion by arc length instead, DS a row: through toggles", 1},
+    {"direction", OPTION_DIRECTION, "JOINT=+1", 0, "Start so that this joint moves forwards (or -1: backwards)", 1},
+    {"cycle", OPTION_CYCLE, NULL, 0, "Follow until the motion meets its start (at most --steps rows, default 100000)",
+     1},
+    {"branch", OPTION_BRANCH, "K", 0,
+     "Motion to take at the first branch point: 1 goes on smoothly (default), 2 and 3 are the next one ahead and back, "
+     "…",
+     1},
+    {"hold", OPTION_HOLD, "JOINT=VALUE", 0, "Keep a joint rigid at a value (x,y,… for several coordinates)", 1},
+    {"set", OPTION_SET, "JOINT=VALUE", 0, "Start from another pose: move a joint to a value first", 1},
+    {"ignore-limits", OPTION_IGNORE, NULL, 0, "Pass joint limits", 1},
+    {"derivatives", OPTION_DERIVATIVES, NULL, 0, "Add the points' derivatives along the driver", 1},
+    {"format", OPTION_FORMAT, "LIST", 0, "Some of csv,json,svg,pdf,png (default csv,svg)", 2},
+    {0}};
+
+static error_t parse(int key, char *arg, struct argp_state *state) {
+  kt_sweep_options *o = state->input;
+  switch (key) {
+  case ARGP_KEY_INIT:
+    state->child_inputs[0] = &o->common;
+    return 0;
+  case OPTION_JOINT:
+    o->joint = arg;
+    return 0;
+  case OPTION_RANGE:
+    o->range = arg;
+    return 0;
+  case OPTION_STEPS:
+    o->steps = arg;
+    return 0;
+  case OPTION_ARCLENGTH:
+    o->arclength = arg;
+    return 0;
+  case OPTION_DIRECTION:
+    o->direction = arg;
+    return 0;
+  case OPTION_CYCLE:
+    o->cycle = true;
+    return 0;
+  case OPTION_BRANCH:
+    o->branch = arg;
+    return 0;
+  case OPTION_HOLD:
+    kt_texts_add(&o->holds, arg, state);
+    return 0;
+  case OPTION_SET:
+    kt_texts_add(&o->sets, arg, state);
+    return 0;
+  case OPTION_DERIVATIVES:
+    o->derivatives = true;
+    return 0;
+  case OPTION_IGNORE:
+    o->ignore_limits = true;
+    return 0;
+  case OPTION_FORMAT:
+    if (!kt_formats_parse(&o->common, arg, &o->formats))
+      argp_failure(state, KT_USAGE, 0, "try --help");
+    return 0;
+  case ARGP_KEY_ARG:
+    kt_texts_add(&o->models, arg, state);
+    return 0;
+  case ARGP_KEY_NO_ARGS:
+    argp_error(state, "no model is given");
+    return 0;
+  default:
+    return ARGP_ERR_UNKNOWN;
+  }
+}
+
+static const struct argp_child children[] = {{&kt_common_argp, 0, NULL, 90}, {0}};
+const struct argp kt_sweep_argp = {.options = table, .parser = parse, .children = children};
+
+static kt_exit read_range(const kt_common *common, const kt_sweep_options *o, km_sweep_plan *plan) {
+  const char *colon = strchr(o->range, ':');
+  char from[64];
+  if (!colon || (size_t)(colon - o->range) >= sizeof from)
+    return kt_usage(common, "--range", o->range, "FROM:TO");
+  snprintf(from, sizeof from, "%.*s", (int)(colon - o->range), o->range);
+  if (!kt_number(from, &plan->from) || !kt_number(colon + 1, &plan->to))
+    return kt_usage(common, "--range", o->range, "two numbers FROM:TO");
+  return KT_DONE;
+}
+
+static kt_exit read_steps(const kt_common *common, const kt_sweep_options *o, km_sweep_plan *plan) {
+  double steps;
+  if (!kt_number(o->steps, &steps) || steps < 1.0 || steps > 1e7 || steps != (double)(int)steps)
+    return kt_usage(common, "--steps", o->steps, "a whole number from 1 to 10000000");
+  plan->steps = (int)steps;
+  return KT_DONE;
+}
+
+static kt_exit read_point(kt_sweep_job *j, const char *text) {
+  km_sweep_point *point = &j->points[j->plan.point_count];
+  kt_exit result = kt_frame(&j->common, j->pose.model, "--point", text, &point->frame);
+  if (result != KT_DONE)
+    return result;
+  point->name = text;
+  j->plan.point_count++;
+  return KT_DONE;
+}
+
+/* --arclength --direction --cycle over the model's own. */
+static kt_exit read_length(const kt_common *common, const kt_sweep_options *o, const km_model *model,
+                           km_sweep_plan *plan) {
+  bool driven = o->joint || o->range;
+  if (o->arclength && driven)
+    return kt_usage(common, "--arclength", o->arclength, "it without --joint and --range");
+  if (o->arclength && (!kt_number(o->arclength, &plan->arclength) || plan->arclength <= 0.0))
+    return kt_usage(common, "--arclength", o->arclength, "a number greater than 0");
+  if (driven)
+    plan->arclength = 0.0;
+  if ((o->direction || o->cycle) && plan->arclength <= 0.0)
+    return kt_usage(common, o->cycle ? "--cycle" : "--direction", "", "--arclength with it");
+  double branch = 1.0;
+  if (o->branch && (plan->arclength <= 0.0 || !kt_number(o->branch, &branch) || branch < 1.0 || branch > 31.0 ||
+                    branch != (double)(int)branch))
+    return kt_usage(common, "--branch", o->branch, "a whole number from 1 to 31, with --arclength");
+  plan->branch = (int)branch;
+  if (o->cycle && !o->steps)
+    plan->steps = 100000;
+  plan->cycle = o->cycle;
+  if (!o->direction)
+    return KT_DONE;
+  const char *rest = o->direction;
+  kt_piece label = kt_split(&rest, "=");
+  kt_exit result = KT_DONE;
+  if (label.separator != '=' || !kt_number(rest, &plan->sign) || plan->sign == 0.0)
+    result = kt_usage(common, "--direction", o->direction, "JOINT=+1 or JOINT=-1");
+  else
+    result = kt_coordinate(common, model, "--direction", label.text, &plan->direction);
+  km_free(label.text);
+  return result;
+}
+
+kt_exit kt_sweep_plan(kt_sweep_job *j) {
+  const kt_sweep_options *o = j->options;
+  const kt_common *common = &j->common;
+  const km_model *model = j->pose.model;
+  kt_exit result = KT_DONE;
+  j->plan = km_sweep_plan_default(model);
+  if (o->joint) {
+    int own = j->plan.coordinate;
+    result = kt_coordinate(common, model, "--joint", o->joint, &j->plan.coordinate);
+    if (result == KT_DONE && j->plan.coordinate != own && !o->range)
+      return kt_usage(common, "--joint", o->joint, "a --range with it, since the model has none for this joint");
+  }
+  if (result == KT_DONE)
+    result = read_length(common, o, model, &j->plan);
+  if (result == KT_DONE && j->plan.coordinate < 0 && j->plan.arclength <= 0.0) {
+    kt_say(common, KM_ERROR, "%s: the model has no analysis.sweep; expected --joint and --range, or --arclength",
+           j->path);
+    return KT_USAGE;
+  }
+  if (result == KT_DONE && o->range)
+    result = read_range(common, o, &j->plan);
+  if (result == KT_DONE && o->steps)
+    result = read_steps(common, o, &j->plan);
+  j->plan.ignore_limits = o->ignore_limits;
+  j->plan.derivatives = o->derivatives;
+  j->plan.points = j->points;
+  for (int i = 0; i < o->points.count && result == KT_DONE; ++i)
+    result =
+        i < KT_MOST_POINTS ? read_point(j, o->points.items[i]) : kt_usage(common, "--point", "", "at most 64 points");
+  return result;
+}
