@@ -46,6 +46,10 @@ static km_path_point point_of(const km_path *path, const km_segment *segment, do
   return point;
 }
 
+static double u_at(const km_segment *segment, int k) {
+  return segment->at_knots ? segment->knot[k] : (double)k / segment->steps;
+}
+
 static const km_segment *segment_at(const km_path *path, int i) {
   return &path->segments[path->segment_of[i]];
 }
@@ -55,9 +59,9 @@ km_path_point km_path_at(const km_path *path, int i, double fraction) {
   const km_path_point *a = &path->points[i], *b = &path->points[i + 1];
   if (fraction <= 0.0)
     return *a;
-  double u0 = (double)(i - segment->first) / segment->steps, u = u0 + fraction / segment->steps;
-  double all = b->s - a->s;
-  km_path_point point = point_of(path, segment, u, all * segment->steps);
+  double u0 = u_at(segment, i - segment->first), u1 = u_at(segment, i + 1 - segment->first);
+  double all = b->s - a->s, u = u0 + fraction * (u1 - u0);
+  km_path_point point = point_of(path, segment, u, all / (u1 - u0));
   double part = all * fraction;
   if (segment->kind == KM_SEGMENT_SPLINE || segment->kind == KM_SEGMENT_WEAVE)
     part = length_between(path, segment, u0, u);
@@ -74,13 +78,13 @@ static bool sample(km_path *path, int index) {
   if (!(length > 1e-9))
     return false;
   for (int k = 0; k <= segment->steps; ++k) {
-    double u = (double)k / segment->steps, s = last.s, t = last.t;
+    double u = u_at(segment, k), s = last.s, t = last.t;
     if (k > 0) {
-      double part = length_between(path, segment, (double)(k - 1) / segment->steps, u);
+      double part = length_between(path, segment, u_at(segment, k - 1), u);
       if (!(part > 1e-12 * length))
         return false;
       s += part;
-      t += segment->seconds > 0.0 ? segment->seconds / segment->steps : part / path->speed;
+      t += segment->seconds > 0.0 ? segment->seconds * (u - u_at(segment, k - 1)) : part / path->speed;
     }
     int i = segment->first + k;
     path->points[i] = last = point_of(path, segment, u, length);

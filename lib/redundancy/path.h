@@ -38,7 +38,8 @@ typedef struct km_segment {
   double angle, rise;   /* HELIX: radians; travel along the axis */
   km_vec3 sideways;     /* WEAVE: amplitude and direction */
   double waves;
-  int knots;    /* SPLINE */
+  bool at_knots; /* SPLINE: samples are the knots; else evenly in u */
+  int knots;
   double *knot; /* [knots] 0 … 1 */
   gsl_spline *spline[3];
   km_turn_piece *piece; /* [knots − 1] */

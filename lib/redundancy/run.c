@@ -6,7 +6,8 @@
 
 bool km_run_create(const km_arm *a, const km_track_plan *plan, km_run *run) {
   size_t n = (size_t)a->n;
-  *run = (km_run){.arm = a, .plan = plan, .walk = {a, plan->path, &plan->objective}, .column = -1, .converged = NAN};
+  *run = (km_run){
+      .arm = a, .plan = plan, .walk = {a, plan->path, &plan->objective}, .column = -1, .converged = (double)NAN};
   run->start = KM_ARENA_NEW(&run->arena, double, n);
   run->last = KM_ARENA_NEW(&run->arena, double, n);
   run->q = KM_ARENA_NEW(&run->arena, double, n *(size_t)plan->path->samples);
