@@ -79,7 +79,8 @@ static void lead_some(void *context, int worker) {
 static bool better(const grid *g, const state *a, const state *b) {
   if (a->samples != b->samples)
     return a->samples > b->samples;
-  double x[2] = {a->least, a->sum}, y[2] = {b->least, b->sum};
+  double x[2] = {km_run_rounded(a->least), km_run_rounded(a->sum)};
+  double y[2] = {km_run_rounded(b->least), km_run_rounded(b->sum)};
   int first = by_mean(g);
   if (x[first] != y[first])
     return x[first] > y[first];

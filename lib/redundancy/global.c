@@ -41,7 +41,7 @@ static double cost(unsigned count, const double *x, double *gradient, void *cont
   p->status = km_run_try(run, &plain, choose, p);
   double value = (double)INFINITY;
   if (p->status == KM_OK)
-    value = -km_run_score(run, km_run_evaluate(run));
+    value = -km_run_rounded(km_run_score(run, km_run_evaluate(run)));
   else if (p->status == KM_PARTIAL)
     value = 1e3 * (2.0 - (double)run->reached / plan->path->samples);
   else

@@ -230,11 +230,11 @@ static km_status follow(tree *t, km_error *error) {
   return KM_OK;
 }
 
-/* Of two tracks the one that goes further wins, whatever the objective. */
+/* Of two tracks the one that goes further wins, whatever the objective; where they are as good, look-ahead's. */
 static bool beats(const km_run *greedy, km_run_value theirs, const km_run *own, km_run_value ours) {
   if (greedy->reached != own->reached)
     return greedy->reached > own->reached;
-  return km_run_score(own, theirs) > km_run_score(own, ours);
+  return compare(km_run_score(own, theirs), km_run_score(own, ours)) > 0;
 }
 
 /* Greedy's track where it is better. */

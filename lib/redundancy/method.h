@@ -58,4 +58,10 @@ km_run_value km_run_evaluate(km_run *run);
 /* What counts of a track: min, or mean of path-control. */
 double km_run_score(const km_run *run, km_run_value value);
 
+/* Without the digits that rounding may have changed, so that units and symmetric postures don't decide what an
+ * optimisation prefers. */
+static inline double km_run_rounded(double value) {
+  return nearbyint(value * 0x1p33) * 0x1p-33;
+}
+
 #endif
