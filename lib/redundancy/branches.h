@@ -20,6 +20,7 @@ typedef struct km_loop_curve {
   const km_arm *arm;
   km_arm_space *space;
   km_pose target;
+  const double *sense; /* [n] along which u grows; NULL: the tangent's largest entry is positive */
   int count, capacity;
   double *u, *q, *t; /* [count], [count × n], [count × n] unit tangents */
   bool closed, failed;

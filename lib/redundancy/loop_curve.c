@@ -164,8 +164,9 @@ bool km_loop_curve_follow(km_loop_curve *c, const double *q, double longest) {
   double start[KM_ARM_MOST], t[KM_ARM_MOST];
   memcpy(start, q, (size_t)n * sizeof *q);
   km_arm_update(c->arm, c->space, start);
-  tangent(c->arm, c->space, NULL, t);
-  set_sense(t, n);
+  tangent(c->arm, c->space, c->sense, t);
+  if (!c->sense)
+    set_sense(t, n);
   c->count = 0;
   c->closed = c->failed = false;
   if (!add(c, 0.0, start, t))

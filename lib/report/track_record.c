@@ -195,20 +195,14 @@ static void print_line(const km_tracks *all, int index, km_text *out) {
                  s->limit_margin, s->violations, s->evaluations, 1e6 * s->seconds / (double)rows);
 }
 
+/* How good the reference is. */
 static void print_remarks(const km_tracks *all, int index, km_text *out) {
-  const km_track *t = all->items[index];
+  double change = all->items[index]->summary.converged;
   char label[64];
-  km_text why = {0};
   km_tracks_label(all, index, ' ', label, sizeof label);
-  km_track_end_text(t, &why);
-  if (why.size)
-    km_text_format(out, "  %s %s\n", label, why.data);
-  if (t->summary.greedy_instead)
-    km_text_format(out, "  %s: greedy's track is better here and is given instead\n", label);
-  if (isfinite(t->summary.converged))
-    km_text_format(out, "  %s: half the spacing and stage change%s the value by %.2g%%%s\n", label, "",
-                   100.0 * t->summary.converged, t->summary.converged < 0.02 ? "" : ": no reference yet");
-  km_text_free(&why);
+  if (isfinite(change))
+    km_text_format(out, "  %s: half the spacing and stage change the value by %.2g%%%s\n", label, 100.0 * change,
+                   change < 0.02 ? "" : ": no reference yet");
 }
 
 void km_tracks_print(const km_tracks *t, km_text *out) {
@@ -260,14 +254,13 @@ km_value *km_selfmotion_record(const km_arm *a, const km_selfmotion *m, const ch
   return arena->failed ? NULL : record;
 }
 
-km_table *km_selfmotion_table(const km_arm *a, const km_selfmotion *m, const km_objective *objective) {
+km_table *km_selfmotion_table(const km_arm *a, const km_selfmotion *m) {
   km_table *table = km_table_create();
   km_arm_space space;
   if (!table || !km_arm_space_create(a, &space)) {
     km_table_free(table);
     return NULL;
   }
-  (void)objective;
   km_table_add_column(table, "step", NULL);
   km_table_add_plain_column(table, "s", "rad");
   for (int k = 0; k < a->n; ++k) {

@@ -27,7 +27,7 @@ void km_track_end_text(const km_track *track, km_text *out);
 /* A self-motion's curve and arcs; the branches of inverse kinematics. */
 km_value *km_selfmotion_record(const km_arm *arm, const km_selfmotion *motion, const char *model, km_arena *arena);
 void km_selfmotion_print(const km_arm *arm, const km_selfmotion *motion, const char *name, km_text *out);
-km_table *km_selfmotion_table(const km_arm *arm, const km_selfmotion *motion, const km_objective *objective);
+km_table *km_selfmotion_table(const km_arm *arm, const km_selfmotion *motion);
 km_value *km_branches_record(const km_arm *arm, const km_branches *branches, const char *model, km_arena *arena);
 void km_branches_print(const km_arm *arm, const km_branches *branches, const char *name, km_text *out);
 

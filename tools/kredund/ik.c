@@ -133,10 +133,14 @@ static kt_exit run(const kredund_request *r, const kredund_open *open) {
 
 kt_exit kredund_ik(int argc, char **argv) {
   const struct argp_child children[] = {{&kredund_request_argp, 0, NULL, 0}, {0}};
-  const struct argp argp = {table, parse, "STUDY",
+  const struct argp argp = {table,
+                            parse,
+                            "STUDY",
                             "Every branch of poses that reach a pose of the effector: one self-motion each, with its "
                             "closed length or its arcs within the limits.",
-                            children, NULL, NULL};
+                            children,
+                            NULL,
+                            NULL};
   kredund_request r = {.common = {.tool = "kredund", .jobs = 1, .seed = 1}};
   kt_parse(&argp, argc, argv, &r);
   kredund_open open;

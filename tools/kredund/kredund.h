@@ -20,6 +20,7 @@ typedef struct kredund_request {
   const char *branches, *levels, *angle, *stride, *value; /* of look-ahead */
   const char *pose;                                       /* ik: x,y,z,rx,ry,rz */
   const char *formats, *base;
+  bool everything; /* without methods: all of them */
 } kredund_request;
 
 /* Child parsers whose input is a kredund_request: the arm and the path; and the methods too. */

@@ -201,11 +201,13 @@ static void add_method(kredund_open *open, const kredund_request *r, const km_va
 }
 
 static const km_value *as_methods(kredund_open *open, const kredund_request *r, kt_exit *exit) {
-  const km_value *given = r->methods ? as_list(open, r->methods, false, &r->common, "--method", exit)
-                                     : km_value_get(open->study->root, "methods");
+  static const char all[] = "greedy,lookahead,fixed,dls,gradient,dp,global";
+  const km_value *own = km_value_get(open->study->root, "methods");
+  const char *named = r->methods ? r->methods : r->everything && !own ? all : NULL;
+  const km_value *given = named ? as_list(open, named, false, &r->common, "--method", exit) : own;
   bool set = r->branches || r->levels || r->angle || r->stride || r->value;
   if (!set || !given)
-    return r->methods ? given : NULL;
+    return named ? given : NULL;
   km_value *list = km_value_add(&open->arena, NULL, NULL, KM_LIST);
   if (given->kind != KM_LIST)
     add_method(open, r, given, list, exit);

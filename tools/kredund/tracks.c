@@ -3,6 +3,7 @@
 #include "base/json.h"
 #include "base/memory.h"
 #include "report/csv.h"
+#include "report/motion_map_plot.h"
 #include "report/track_plot.h"
 
 #include <stdio.h>
@@ -127,8 +128,8 @@ static kt_exit write_record(const kredund_tracks *t, const char *base) {
   return result;
 }
 
-static kt_exit write_picture(const kredund_tracks *t, const char *base, const char *word, kt_format format,
-                             km_status (*draw)(const km_tracks *, km_canvas_format, km_text *, km_error *)) {
+kt_exit kredund_tracks_picture(const kredund_tracks *t, const char *base, const char *word, kt_format format,
+                               kredund_draw draw) {
   km_text out = {0};
   km_error error;
   km_status status = draw(&t->all, kt_canvas_format(format), &out, &error);
@@ -151,6 +152,7 @@ static bool anything(const kredund_tracks *t) {
 kt_exit kredund_tracks_deliver(kredund_tracks *t, const char *base) {
   const kt_common *common = &t->request->common;
   kt_exit result = KT_DONE;
+  kredund_draw draw = t->map && t->open->study->arm->freedom == 1 ? km_motion_map_plot : km_tracks_draw;
   bool piped = strcmp(base, "-") == 0;
   if (piped && t->formats.wanted[KT_CSV] && t->count > 1)
     return kt_usage(common, "-o", "-", "one method with --format csv");
@@ -167,8 +169,8 @@ kt_exit kredund_tracks_deliver(kredund_tracks *t, const char *base) {
   for (int f = KT_SVG; f <= KT_PNG && anything(t); ++f) {
     if (!t->formats.wanted[f])
       continue;
-    result = kt_worse(result, write_picture(t, base, "track", (kt_format)f, km_tracks_plot));
-    result = kt_worse(result, write_picture(t, base, "motion", (kt_format)f, km_tracks_draw));
+    result = kt_worse(result, kredund_tracks_picture(t, base, "track", (kt_format)f, km_tracks_plot));
+    result = kt_worse(result, kredund_tracks_picture(t, base, "motion", (kt_format)f, draw));
   }
   return result;
 }

@@ -11,12 +11,16 @@ typedef struct kredund_tracks {
   kt_formats formats;
   km_track **items;
   int count, complete;
+  bool map;      /* the motion picture is the map of self-motions, not the arm */
   km_tracks all; /* for the reports */
 } kredund_tracks;
 
 /* Runs every method of the study. The caller frees it in any case. */
 kt_exit kredund_tracks_run(kredund_tracks *tracks);
 void kredund_tracks_free(kredund_tracks *tracks);
+typedef km_status (*kredund_draw)(const km_tracks *, km_canvas_format, km_text *, km_error *);
+kt_exit kredund_tracks_picture(const kredund_tracks *tracks, const char *base, const char *word, kt_format format,
+                               kredund_draw draw);
 /* Tables and pictures by the formats; the summary on the standard output. */
 kt_exit kredund_tracks_deliver(kredund_tracks *tracks, const char *base);
 
