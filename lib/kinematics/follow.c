@@ -1,5 +1,6 @@
 #include "kmech/follow.h"
 
+#include "kinematics/branches.h"
 #include "kinematics/closure.h"
 #include "kinematics/curve.h"
 #include "kinematics/follow.h"
@@ -309,6 +310,18 @@ static km_status start(km_follow *f, int coordinate, double sign, km_error *erro
   return KM_OK;
 }
 
+/* At a branch point the null space mixes the motions that meet there. */
+static km_status leave_branch(km_follow *f, km_error *error) {
+  double *directions = KM_NEW(double, KM_MOST_BRANCHES *(size_t)sub_of(f)->columns);
+  if (!directions)
+    return km_fail(error, KM_MEMORY, "out of memory for the branch points");
+  f->start_branches = km_branch_directions(f->mechanism, f->state, f->substructure, directions);
+  if (f->start_branches > 0)
+    km_follow_set_out(f, directions, f->start_branches);
+  km_free(directions);
+  return KM_OK;
+}
+
 km_status km_follow_create(const km_mechanism *m, km_state *s, int coordinate, double sign, bool ignore_limits,
                            km_follow **out, km_error *error) {
   *out = NULL;
@@ -328,6 +341,8 @@ km_status km_follow_create(const km_mechanism *m, km_state *s, int coordinate, d
                    .ignore_limits = ignore_limits,
                    .limit = -1};
   km_status status = start(f, coordinate, sign < 0.0 ? -1.0 : 1.0, error);
+  if (!status)
+    status = leave_branch(f, error);
   if (status)
     km_follow_free(f);
   else
@@ -340,6 +355,10 @@ void km_follow_free(km_follow *f) {
     return;
   km_arena_free(&f->arena);
   km_free(f);
+}
+
+int km_follow_start_branches(const km_follow *f) {
+  return f->start_branches;
 }
 
 int km_follow_substructure(const km_follow *f) {

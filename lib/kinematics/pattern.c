@@ -3,7 +3,7 @@
 #include "kinematics/state.h"
 
 /* From there on it is faster than the dense engine on chains of four-bars (scripts/bench scale). */
-enum { LEAST_ROWS = 48, LEAST_SHARE = 6 /* rows · columns over entries */ };
+enum { LEAST_ROWS = 24, LEAST_SHARE = 5 /* rows · columns over entries */ };
 
 /* Calls `visit` with a run of rows for each place where a column of the substructure has entries. */
 static void visit_entries(const km_mechanism *m, const km_substructure *sub, int *start, int *row,

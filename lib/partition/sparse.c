@@ -10,6 +10,10 @@ enum { MOST_PASSES = 4 };
 
 /* The column order of least fill, as COLAMD finds it (T. Davis, J. Gilbert, S. Larimore, E. Ng, 2004). */
 static bool order_columns(int rows, int columns, const int *start, const int *row, int *order) {
+  for (int c = 0; c < columns; ++c)
+    order[c] = c;
+  if (start[columns] == 0)
+    return true;
   size_t room = colamd_recommended(start[columns], rows, columns);
   int *work = KM_NEW(int, room), *pointers = KM_NEW(int, (size_t)columns + 1), stats[COLAMD_STATS];
   bool done = room > 0 && work && pointers;
@@ -31,6 +35,7 @@ static bool reserve(km_sparse *s, int rows, int columns, km_arena *arena) {
                    .row = s->row,
                    .order = s->order,
                    .lead = KM_ARENA_NEW(arena, int, c),
+                   .dropped = KM_ARENA_NEW(arena, int, c),
                    .late = KM_ARENA_NEW(arena, bool, c),
                    .upper = KM_ARENA_NEW(arena, km_run, c),
                    .lower = KM_ARENA_NEW(arena, km_run, c),
@@ -118,6 +123,17 @@ static void scatter(const km_partition *p, const double *matrix, int c) {
     s->x[s->row[i]] = from[s->row[i]];
 }
 
+static bool is_finite(const km_partition *p, const double *matrix) {
+  const km_sparse *s = p->sparse;
+  double poison = 0.0; /* sum of x − x: 0, or not a number */
+  for (int c = 0; c < p->columns; ++c)
+    for (int i = s->start[c]; i < s->start[c + 1]; ++i) {
+      double x = matrix[(size_t)c * (size_t)p->rows + (size_t)s->row[i]];
+      poison += x - x;
+    }
+  return poison == 0.0;
+}
+
 /* Subtracts a step from the accumulators. */
 static void subtract(const km_partition *p, int step, double u) {
   const km_sparse *s = p->sparse;
@@ -194,7 +210,7 @@ static void arrange(km_partition *p, const bool *forced) {
 
 static void eliminate(km_partition *p, const double *matrix, const bool *forced, double threshold) {
   km_sparse *s = p->sparse;
-  int upper_end = 0, lower_end = 0, behind = p->columns;
+  int upper_end = 0, lower_end = 0, dropped = 0;
   p->rank = 0;
   p->first_pivot = p->first_dropped = 0.0;
   p->smallest_pivot = HUGE_VAL;
@@ -212,10 +228,11 @@ static void eliminate(km_partition *p, const double *matrix, const bool *forced,
       p->smallest_pivot = fmin(p->smallest_pivot, size);
     } else {
       drop(p, c);
-      p->column[--behind] = c;
+      s->dropped[dropped++] = c;
       p->first_dropped = fmax(p->first_dropped, size);
     }
   }
+  memcpy(p->column + p->rank, s->dropped, (size_t)dropped * sizeof *p->column);
   p->last_pivot = p->rank ? p->smallest_pivot : 0.0;
 }
 
@@ -335,6 +352,8 @@ void km_sparse_factor(km_partition *p, const double *matrix, const bool *forced,
 
 bool km_sparse_refactor(km_partition *p, const double *matrix) {
   km_sparse *s = p->sparse;
+  if (!is_finite(p, matrix))
+    return false;
   for (int k = 0; k < p->columns; ++k) {
     int c = p->column[k];
     scatter(p, matrix, c);

@@ -17,6 +17,7 @@ struct km_sparse {
   const int *start, *row; /* pattern: rows of column c are row[start[c] … start[c+1]-1] */
   const int *order;       /* [columns] that keeps L sparse */
   int *lead;              /* [columns] the order of this factorisation */
+  int *dropped;           /* [columns] those that became independent, in that order */
   bool *late;             /* [columns] is to come last, since it should stay independent */
   km_run *upper,
       *lower; /* [columns] of each: its entries of U, by step in an order that replays it, and of L, by row */
