@@ -54,7 +54,10 @@ static void say_end(const kredund_tracks *t, int index) {
   km_text why = {0};
   km_tracks_label(&t->all, index, ' ', label, sizeof label);
   km_track_end_text(track, &why);
-  if (why.size)
+  if (track->end.stop == KM_TRACK_START)
+    kt_say(&t->request->common, KM_ERROR, "%s: %s: nowhere to start, at s = 0, t = 0 s: %s", t->open->name, label,
+           t->open->study->start_error.text);
+  else if (why.size)
     kt_say(&t->request->common, KM_ERROR, "%s: %s %s", t->open->name, label, why.data);
   if (track->summary.greedy_instead)
     kt_say(&t->request->common, KM_NOTE, "%s: %s isn't as good as greedy on this path; greedy's track is given",
