@@ -13,8 +13,7 @@ static double scatter(const km_arm *a, int k, km_random *r) {
   return km_random_between(r, middle - half, middle + half);
 }
 
-/* Hinges come back to within a half turn of the middle of their limits. */
-static void unwind(const km_arm *a, double *q) {
+void km_arm_unwind(const km_arm *a, double *q) {
   for (int k = 0; k < a->n; ++k) {
     bool limited = a->high[k] - a->low[k] < (double)INFINITY;
     double middle = limited ? 0.5 * (a->low[k] + a->high[k]) : 0.0;
@@ -28,7 +27,7 @@ static bool try_start(const km_arm *a, km_arm_space *s, const km_pose *target, k
     q[k] = scatter(a, k, r);
   if (!km_arm_reach(a, s, target, NULL, 80, 0.7, q))
     return false;
-  unwind(a, q);
+  km_arm_unwind(a, q);
   return km_arm_reach(a, s, target, NULL, 3, 0.7, q);
 }
 
@@ -148,7 +147,7 @@ static int best_point(const km_arm *a, const km_loop_curve *c, double *margin) {
   for (int i = 0; i < c->count; ++i) {
     double q[KM_ARM_MOST];
     memcpy(q, c->q + i * a->n, (size_t)a->n * sizeof *q);
-    unwind(a, q);
+    km_arm_unwind(a, q);
     double distance = km_arm_limit_distance(a, q);
     if (distance > *margin) {
       *margin = distance;
@@ -171,7 +170,7 @@ static double middle_of_arc(const km_arm *a, const km_loop_curve *c, const km_se
     double span = i == c->count - 1 ? c->length - c->u[i] : c->u[i + 1] - c->u[i];
     if (!(span > 0.0) || !km_loop_curve_between(c, i, (u - c->u[i]) / span, at, NULL))
       continue;
-    unwind(a, at);
+    km_arm_unwind(a, at);
     double distance = km_arm_limit_distance(a, at);
     if (distance > best) {
       best = distance;
@@ -197,7 +196,7 @@ static km_status describe(finder *f, const km_loop_curve *c, km_selfmotion *out,
       memcpy(q, middle, (size_t)a->n * sizeof *q);
     }
   }
-  unwind(a, q);
+  km_arm_unwind(a, q);
   for (int k = 0; k < a->n; ++k)
     pose[k] = km_arm_shown(a, k, q[k]);
   return KM_OK;
@@ -315,7 +314,7 @@ static bool nearest_of(finder *f, const double *near, double *q) {
     const km_loop_curve *c = &f->curves[b];
     for (int i = 0; i < c->count; ++i) {
       memcpy(at, c->q + i * f->arm->n, (size_t)f->arm->n * sizeof *at);
-      unwind(f->arm, at);
+      km_arm_unwind(f->arm, at);
       double distance = distance_between(f->arm, at, near);
       if (km_arm_limit_passed(f->arm, at) >= 0 || distance >= best)
         continue;

@@ -64,7 +64,8 @@ static void read_method(km_reader *reader, const km_arm *arm, const km_value *va
   out->damping = read_between(reader, value, place, "damping", out->damping, 1e-9, 10, false);
   out->below = read_between(reader, value, place, "below", out->below, 1e-9, 10, false);
   out->gain = read_between(reader, value, place, "gain", out->gain, -1e6, 1e6, false);
-  out->spacing = read_between(reader, value, place, "spacing", out->spacing, 1e-3, 10, false);
+  if (km_value_get(value, "spacing"))
+    out->spacing = read_between(reader, value, place, "spacing", 0.1, 1e-3, 10, false);
   out->knots = (int)read_between(reader, value, place, "knots", out->knots, 2, 64, true);
   out->evaluations = (int)read_between(reader, value, place, "evaluations", out->evaluations, 10, 1e6, true);
   const char *aggregate = km_reader_string(value, "value");
