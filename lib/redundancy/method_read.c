@@ -17,7 +17,7 @@ static double read_between(km_reader *reader, const km_value *object, const km_p
 
 static void read_joints(km_reader *reader, const km_arm *arm, const km_value *value, const km_place *place,
                         km_method *out) {
-  km_place at = {place, "joints", 0};
+  km_place at = {place, value->key, 0};
   const km_value *label = value->kind == KM_LIST ? value->first : value;
   for (; label; label = value->kind == KM_LIST ? label->next : NULL) {
     int found = -1;
@@ -82,7 +82,7 @@ static void read_method(km_reader *reader, const km_arm *arm, const km_value *va
     km_reader_error(reader, &angle_at, "the outermost of %d branches turns by %s degrees; expected less than 90",
                     out->branches, KM_SHOWN(round(widest * 1e6) / 1e6));
   }
-  const km_value *joints = km_value_get(value, "joints");
+  const km_value *joints = km_value_get(value, km_value_get(value, "joint") ? "joint" : "joints");
   if (joints)
     read_joints(reader, arm, joints, place, out);
 }
