@@ -3,6 +3,7 @@
 
 typedef double lane4 __attribute__((vector_size(32)));
 typedef int64_t bits4 __attribute__((vector_size(32)));
+typedef uint64_t word4 __attribute__((vector_size(32)));
 
 static inline lane4 root4(lane4 x) {
   return (lane4){sqrt(x[0]), sqrt(x[1]), sqrt(x[2]), sqrt(x[3])};
@@ -12,14 +13,15 @@ static inline lane4 pick4(bits4 mask, lane4 a, lane4 b) { /* a where the mask is
 }
 
 #define T               lane4
-#define BITS            bits4
+#define BITS            word4
 #define FN(name)        four_##name
 #define ZERO            ((lane4){0.0, 0.0, 0.0, 0.0})
-#define SIGN            ((bits4){INT64_MIN, INT64_MIN, INT64_MIN, INT64_MIN})
+#define SIGN            (NONE + ((uint64_t)1 << 63))
+#define NONE            ((word4){0, 0, 0, 0})
 #define ROOT(x)         root4(x)
 #define SMALLER(a, b)   pick4((bits4)((a) < (b)), (a), (b))
 #define LARGER(a, b)    pick4((bits4)((a) > (b)), (a), (b))
-#define km_bits_of(x)   ((bits4)(x))
+#define km_bits_of(x)   ((word4)(x))
 #define km_number_of(x) ((lane4)(x))
 #include "redundancy/seven_body.h"
 

@@ -25,19 +25,20 @@ static inline bool km_seven_fits(const km_arm *arm) {
 #define KM_SEVEN_REGULAR 1e-6
 
 #define T             double
-#define BITS          int64_t
+#define BITS          uint64_t
 #define FN(name)      km_one_##name
 #define ZERO          0.0
-#define SIGN          INT64_MIN
+#define SIGN          ((uint64_t)1 << 63)
+#define NONE          ((uint64_t)0)
 #define ROOT(x)       sqrt(x)
 #define SMALLER(a, b) ((a) < (b) ? (a) : (b))
 #define LARGER(a, b)  ((a) > (b) ? (a) : (b))
-static inline int64_t km_one_bits(double x) {
-  int64_t bits;
+static inline uint64_t km_one_bits(double x) {
+  uint64_t bits;
   memcpy(&bits, &x, sizeof bits);
   return bits;
 }
-static inline double km_one_number(int64_t bits) {
+static inline double km_one_number(uint64_t bits) {
   double x;
   memcpy(&x, &bits, sizeof x);
   return x;
@@ -50,6 +51,7 @@ static inline double km_one_number(int64_t bits) {
 #undef FN
 #undef ZERO
 #undef SIGN
+#undef NONE
 #undef ROOT
 #undef SMALLER
 #undef LARGER

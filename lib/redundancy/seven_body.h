@@ -2,8 +2,8 @@
  * included once for each kind of number T (a double, or a vector of them). Every operation is the same for each lane,
  * nothing is contracted and nothing is summed across lanes: so a lane has the bits of the plain double.
  *
- * What the includer defines: T; BITS, an integer of the same size; FN(name); km_bits_of(x), km_number_of(bits);
- * ROOT(x).
+ * What the includer defines: T; BITS, an unsigned integer of the same size, and NONE, 0 of it; FN(name); km_bits_of(x),
+ * km_number_of(bits); ROOT(x).
  *
  *   Jᵀ = Q [R; 0] by Householder's reflections (7 × 6). The last column of Q spans J's null space, and
  *   x = Q [R⁻ᵀ b; 0] is the least x with J x = b. */
@@ -59,7 +59,7 @@ static inline void FN(sincos)(T x, T *sine, T *cosine) {
                                    z * (2.48015872894767294178e-05 +
                                         z * (-2.75573143513906633035e-07 +
                                              z * (2.08757232129817482790e-09 + z * -1.13596475577881948265e-11))))));
-  BITS quadrant = km_bits_of(shifted), odd = -(quadrant & 1);
+  BITS quadrant = km_bits_of(shifted), odd = NONE - (quadrant & 1);
   BITS sine_bits = (km_bits_of(c) & odd) | (km_bits_of(s) & ~odd);
   BITS cosine_bits = (km_bits_of(s) & odd) | (km_bits_of(c) & ~odd);
   *sine = km_number_of(sine_bits ^ ((quadrant & 2) << 62));
