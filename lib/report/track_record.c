@@ -240,29 +240,23 @@ static void add_motion(const km_arm *a, const km_selfmotion *m, km_value *record
   }
 }
 
-km_value *km_selfmotion_record(const km_arm *a, const km_selfmotion *m, const char *model, km_arena *arena) {
+km_value *km_selfmotion_record(const km_arm *a, const km_selfmotion *m, bool all, const char *model, km_arena *arena) {
   km_value *record = arm_record(a, model, arena);
+  km_table *table = km_selfmotion_table(a, m, all);
   add_motion(a, m, record, arena);
   km_value_number(arena, record, "error", m->error);
-  km_value *rows = km_value_add(arena, record, "rows", KM_LIST);
-  for (int i = 0; i < m->count && !arena->failed; ++i) {
-    km_value *row = km_value_add(arena, rows, NULL, KM_LIST);
-    km_value_number(arena, row, NULL, m->u[i]);
-    for (int k = 0; k < m->columns; ++k)
-      km_value_number(arena, row, NULL, m->q[i * m->columns + k]);
-  }
+  if (table)
+    add_table(table, record, arena);
+  else
+    arena->failed = true;
+  km_table_free(table);
   return arena->failed ? NULL : record;
 }
 
-km_table *km_selfmotion_table(const km_arm *a, const km_selfmotion *m) {
-  km_table *table = km_table_create();
-  km_arm_space space;
-  if (!table || !km_arm_space_create(a, &space)) {
-    km_table_free(table);
-    return NULL;
-  }
+static void add_motion_columns(const km_arm *a, km_table *table) {
   km_table_add_column(table, "step", NULL);
   km_table_add_plain_column(table, "s", "rad");
+  km_table_add_column(table, "arc", NULL);
   for (int k = 0; k < a->n; ++k) {
     km_text name = {0};
     km_text_format(&name, "q.%s", km_arm_label(a, k));
@@ -273,27 +267,44 @@ km_table *km_selfmotion_table(const km_arm *a, const km_selfmotion *m) {
   km_table_add_column(table, "objective.manipulability", NULL);
   km_table_add_column(table, "objective.singular-value", NULL);
   km_table_add_column(table, "limit_margin", NULL);
-  bool whole = true;
-  for (int i = 0; i < m->count && whole; ++i) {
-    double q[KM_ARM_MOST], sigma[KM_ARM_ROWS], product = 1.0, *row = km_table_add_row(table);
-    whole = row != NULL;
-    if (!whole)
-      break;
-    for (int k = 0; k < a->n; ++k)
-      q[k] = km_arm_read(a, k, m->q[i * a->n + k]);
-    km_arm_unwind(a, q);
-    km_arm_update(a, &space, q);
-    km_arm_singular_values(a, &space, sigma);
-    for (int r = 0; r < a->rows; ++r)
-      product *= sigma[r];
-    *row++ = i;
-    *row++ = m->u[i];
-    memcpy(row, m->q + i * a->n, (size_t)a->n * sizeof *row);
-    row += a->n;
-    *row++ = product;
-    *row++ = sigma[a->rows - 1];
-    *row = km_arm_limit_distance(a, q);
+}
+
+/* A row; `shown` in the model's units. */
+static bool add_motion_row(const km_arm *a, km_arm_space *space, km_table *table, double arc, double u,
+                           const double *shown) {
+  double q[KM_ARM_MOST], sigma[KM_ARM_ROWS], product = 1.0, *row = km_table_add_row(table);
+  if (!row)
+    return false;
+  for (int k = 0; k < a->n; ++k)
+    q[k] = km_arm_read(a, k, shown[k]);
+  km_arm_update(a, space, q);
+  km_arm_singular_values(a, space, sigma);
+  for (int r = 0; r < a->rows; ++r)
+    product *= sigma[r];
+  km_arm_unwind(a, q);
+  *row++ = (double)km_table_rows(table) - 1.0;
+  *row++ = u;
+  *row++ = arc;
+  memcpy(row, shown, (size_t)a->n * sizeof *row);
+  row += a->n;
+  *row++ = product;
+  *row++ = sigma[a->rows - 1];
+  *row = km_arm_limit_distance(a, q);
+  return true;
+}
+
+km_table *km_selfmotion_table(const km_arm *a, const km_selfmotion *m, bool all) {
+  km_table *table = km_table_create();
+  km_arm_space space;
+  if (!table || !km_arm_space_create(a, &space)) {
+    km_table_free(table);
+    return NULL;
   }
+  add_motion_columns(a, table);
+  bool whole = true;
+  for (int i = 0; i < (all ? m->count : m->row_count) && whole; ++i)
+    whole = all ? add_motion_row(a, &space, table, (double)NAN, m->u[i], m->q + i * a->n)
+                : add_motion_row(a, &space, table, m->row_arc[i] + 1, m->row_u[i], m->row_q + i * a->n);
   km_arm_space_free(&space);
   if (whole)
     return table;

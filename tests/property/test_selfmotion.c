@@ -37,11 +37,21 @@ static void curves_hold_the_effector(void **state) {
       assert_true(km_vec3_norm(km_vec3_sub(at.R.axis[k], target.R.axis[k])) < 1e-9);
     bool inside = false;
     for (int k = 0; k < motion.arc_count; ++k)
-      for (int turn = 0; turn < 2; ++turn) {
+      for (int turn = -1; turn <= 0; ++turn) {
         double u = motion.u[i] + turn * motion.length;
         inside = inside || (u >= motion.arcs[k].from && u <= motion.arcs[k].to);
       }
     assert_int_equal(inside, limit_distance(arm, motion.q + 7 * i) <= 0.0);
+  }
+  for (int i = 0; i < motion.row_count; ++i) { /* what is delivered keeps the limits, and its ends are at them */
+    const double *q = motion.row_q + 7 * i;
+    km_pose at = effector_by_bodies(&f, arm, q);
+    assert_true(km_vec3_norm(km_vec3_sub(at.p, target.p)) < 1e-9);
+    assert_true(limit_distance(arm, q) <= 1e-9);
+    bool first = i == 0 || motion.row_arc[i] != motion.row_arc[i - 1];
+    bool last = i + 1 == motion.row_count || motion.row_arc[i] != motion.row_arc[i + 1];
+    if (first || last)
+      assert_near(limit_distance(arm, q), 0.0, 1e-9);
   }
   km_selfmotion_free(&motion);
   km_arm_free(arm);

@@ -12,7 +12,7 @@ extern "C" {
 
 /* A stretch of a self-motion on which every joint is within its limits. */
 typedef struct km_arc_span {
-  double from, to; /* arc length; to may pass the closed length, where the start is inside */
+  double from, to; /* arc length; `from` is below 0 where the start of a closed curve is inside */
   int column[2];   /* whose limits end it; -1: the motion itself ends, or nothing does */
 } km_arc_span;
 
@@ -27,7 +27,10 @@ typedef struct km_selfmotion {
   double error;  /* of the effector's pose, the largest along it: lengths over L */
   km_arc_span *arcs;
   int arc_count;
-  bool whole; /* closed, and within the limits all the way */
+  bool whole;            /* closed, and within the limits all the way */
+  int row_count;         /* the arcs' poses, from located end to located end; of a whole curve back to its start */
+  int *row_arc;          /* [row_count] which arc */
+  double *row_u, *row_q; /* [row_count], [row_count × columns]; limited hinges within their limits */
   unsigned long evaluations;
 } km_selfmotion;
 
