@@ -302,6 +302,7 @@ km_table *km_selfmotion_table(const km_arm *a, const km_selfmotion *m, bool all)
   }
   add_motion_columns(a, table);
   bool whole = true;
+  all = all && m->count > 0; /* a surface has no whole curve */
   for (int i = 0; i < (all ? m->count : m->row_count) && whole; ++i)
     whole = all ? add_motion_row(a, &space, table, (double)NAN, m->u[i], m->q + i * a->n)
                 : add_motion_row(a, &space, table, m->row_arc[i] + 1, m->row_u[i], m->row_q + i * a->n);
@@ -312,7 +313,26 @@ km_table *km_selfmotion_table(const km_arm *a, const km_selfmotion *m, bool all)
   return NULL;
 }
 
+static void print_arcs(const km_arm *a, const km_selfmotion *m, const char *indent, km_text *out) {
+  for (int i = 0; i < m->arc_count; ++i) {
+    const km_arc_span *arc = &m->arcs[i];
+    km_text_format(out, "%s%.9g to %.9g rad (length %.6g)", indent, arc->from, arc->to, arc->to - arc->from);
+    if (arc->column[0] >= 0 || arc->column[1] >= 0)
+      km_text_format(out, ", ended by %s and %s",
+                     arc->column[0] >= 0 ? km_arm_label(a, arc->column[0])
+                     : a->freedom == 2   ? "the start"
+                                         : "the curve's end",
+                     arc->column[1] >= 0 ? km_arm_label(a, arc->column[1]) : "the curve's end");
+    km_text_add(out, "\n");
+  }
+}
+
 static void print_motion(const km_arm *a, const km_selfmotion *m, const char *indent, km_text *out) {
+  if (a->freedom == 2) {
+    km_text_format(out, "a surface of poses; in %d directions round the start:\n", m->arc_count);
+    print_arcs(a, m, indent, out);
+    return;
+  }
   if (m->closed)
     km_text_format(out, "a closed curve of %.6g rad", m->length);
   else
@@ -323,21 +343,13 @@ static void print_motion(const km_arm *a, const km_selfmotion *m, const char *in
   }
   km_text_format(out, "; %d arc%s within the limits%s\n", m->arc_count, m->arc_count == 1 ? "" : "s",
                  m->arc_count ? ":" : "");
-  for (int i = 0; i < m->arc_count; ++i) {
-    const km_arc_span *arc = &m->arcs[i];
-    km_text_format(out, "%s%.9g to %.9g rad (length %.6g)", indent, arc->from, arc->to, arc->to - arc->from);
-    if (arc->column[0] >= 0 || arc->column[1] >= 0)
-      km_text_format(out, ", ended by %s and %s",
-                     arc->column[0] >= 0 ? km_arm_label(a, arc->column[0]) : "the curve's end",
-                     arc->column[1] >= 0 ? km_arm_label(a, arc->column[1]) : "the curve's end");
-    km_text_add(out, "\n");
-  }
+  print_arcs(a, m, indent, out);
 }
 
 void km_selfmotion_print(const km_arm *a, const km_selfmotion *m, const char *name, km_text *out) {
   km_text_format(out, "%s: self-motion, ", name);
   print_motion(a, m, "  ", out);
-  km_text_format(out, "  effector held to %.2g; %d poses\n", m->error, m->count);
+  km_text_format(out, "  effector held to %.2g; %d poses\n", m->error, a->freedom == 2 ? m->row_count : m->count);
 }
 
 km_value *km_branches_record(const km_arm *a, const km_branches *b, const char *model, km_arena *arena) {

@@ -41,7 +41,7 @@ static kt_exit write_map(const kredund_request *r, const kredund_open *open, con
                          const char *base) {
   kredund_tracks tracks = {.request = r, .open = open, .formats = *formats};
   bool pictures = formats->wanted[KT_SVG] || formats->wanted[KT_PDF] || formats->wanted[KT_PNG];
-  if (!open->study->path || !pictures)
+  if (!open->study->path || !pictures || open->study->arm->freedom != 1)
     return KT_DONE;
   kt_exit result = kredund_tracks_run(&tracks);
   if (result == KT_PARTIAL)
