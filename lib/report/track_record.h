@@ -15,6 +15,9 @@ typedef struct km_tracks {
   int count;
 } km_tracks;
 
+/* The head of every record about an arm. */
+km_value *km_arm_record(const km_arm *arm, const char *model, km_arena *arena);
+
 /* What `kredund track --format json` gives. NULL when out of memory (arena->failed). */
 km_value *km_tracks_record(const km_tracks *tracks, const char *model, km_arena *arena);
 /* The table of summaries. */
