@@ -1,5 +1,6 @@
 #include "kmech/redundancy.h"
 
+#include "analysis/whole_jacobian.h"
 #include "kinematics/closure.h"
 #include "kinematics/loops.h"
 #include "kinematics/poses.h"
@@ -16,6 +17,7 @@ typedef struct space {
   km_vec3 about;
   double tolerance;
   double *J;           /* rows × columns */
+  km_twist *twist;     /* [coordinate] */
   double *T, *W, *one; /* transposed; left null vectors; ones */
   int null_count;
   double *all, *reach; /* all left null vectors of J, [all_count × rows]; [2 · all_count] */
@@ -28,6 +30,7 @@ typedef struct space {
 static bool allocate(space *a, km_arena *arena) {
   size_t rows = (size_t)a->rows, columns = (size_t)a->columns;
   a->J = KM_ARENA_NEW(arena, double, rows *columns);
+  a->twist = KM_ARENA_NEW(arena, km_twist, (size_t)a->m->coordinate_count);
   a->T = KM_ARENA_NEW(arena, double, rows *columns);
   a->W = KM_ARENA_NEW(arena, double, rows *rows);
   a->one = KM_ARENA_NEW(arena, double, rows);
@@ -36,49 +39,15 @@ static bool allocate(space *a, km_arena *arena) {
   return km_partition_reserve(&a->p, a->columns, a->rows, arena);
 }
 
-/* A twist as six entries about `about`, lengths over the size. */
-static void entries(const space *a, km_twist h, double unit, double out[6]) {
-  double scale = unit / a->sub->size;
-  km_vec3 v = km_vec3_add(h.v, km_vec3_cross(h.w, a->about));
-  const double values[6] = {v.x * scale, v.y * scale, v.z * scale, h.w.x, h.w.y, h.w.z};
-  memcpy(out, values, sizeof values);
-}
-
-/* +1 where a walk round the loop passes the joint in the user's sense. */
-static double sense(const km_topology *t, int loop, const km_member *member) {
-  bool against = member->joint != t->chord[loop] && t->against[member->joint];
-  return member->side * (against ? -1.0 : 1.0);
-}
-
-static void fill_loop(space *a, int position, int loop) {
-  const km_topology *t = &a->m->topology;
-  for (int i = t->member_start[loop]; i < t->member_start[loop + 1]; ++i) {
-    const km_member *member = &t->member[i];
-    int first = a->m->model->joints[member->joint].first_coordinate;
-    for (int c = first; c < first + km_model_freedom(a->m->model, member->joint); ++c) {
-      if (a->m->column_of[c] < 0)
-        continue;
-      double column[6], s = sense(t, loop, member);
-      entries(a, km_coordinate_twist(a->m, a->s, c), a->m->unit[c], column);
-      for (int r = 0; r < 6; ++r)
-        a->J[a->m->column_of[c] * a->rows + 6 * position + r] = s * column[r];
-    }
-  }
+static void entries(const space *a, km_twist h, double out[6]) {
+  km_twist_entries(a->sub, h, a->about, 1.0, out);
 }
 
 static void fill(space *a) {
-  const km_topology *t = &a->m->topology;
-  int first = t->loop_start[a->index];
-  for (int i = 0; i < a->sub->loop_count; ++i)
-    fill_loop(a, i, t->loop[first + i]);
-  for (int i = 0; i < a->sub->coupling_count; ++i) {
-    const km_coupling *coupling = &a->m->couplings[a->sub->coupling_start + i];
-    for (int k = 0; k < coupling->term_count; ++k) {
-      const km_term *term = &a->m->terms[coupling->term_start + k];
-      if (term->column >= 0)
-        a->J[term->column * a->rows + 6 * a->sub->loop_count + i] = term->coefficient;
-    }
-  }
+  const int *coordinate = a->m->column_coordinate + a->sub->column_start;
+  for (int k = 0; k < a->columns; ++k)
+    a->twist[coordinate[k]] = km_coordinate_twist(a->m, a->s, coordinate[k]);
+  km_whole_jacobian(a->m, a->index, a->twist, a->about, a->J);
 }
 
 /* Rank of rows from … to-1 of J with `columns` columns, and their left null vectors into W (to - from entries each). */
@@ -99,14 +68,14 @@ static void beyond_reach(const space *a, int joint, km_twist h, double *out) {
   const km_topology *t = &a->m->topology;
   int first = t->loop_start[a->index];
   double column[6];
-  entries(a, h, 1.0, column);
+  entries(a, h, column);
   memset(out, 0, (size_t)a->all_count * sizeof *out);
   for (int i = 0; i < a->sub->loop_count; ++i) {
     int loop = t->loop[first + i];
     for (int n = t->member_start[loop]; n < t->member_start[loop + 1]; ++n) {
       if (t->member[n].joint != joint)
         continue;
-      double s = sense(t, loop, &t->member[n]);
+      double s = km_member_sense(t, loop, &t->member[n]);
       for (int k = 0; k < a->all_count; ++k)
         for (int r = 0; r < 6; ++r)
           out[k] += s * column[r] * a->all[(size_t)k * (size_t)a->rows + (size_t)(6 * i + r)];
@@ -132,7 +101,7 @@ static bool raises_rank(const space *a, int joint, const km_twist *h, int count)
 /* How squarely a twist meets the redundant wrench w (six entries): power over both sizes. */
 static double meets(const space *a, km_twist h, const double *w) {
   double column[6], power = 0.0, size = 0.0, wrench = 0.0;
-  entries(a, h, 1.0, column);
+  entries(a, h, column);
   for (int r = 0; r < 6; ++r) {
     power += w[r] * column[r];
     size += column[r] * column[r];
