@@ -103,7 +103,7 @@ static void gather_loads(const km_mechanism *m, const km_state *s, const km_forc
 static void least_norm(const km_mechanism *m, km_state *s, km_statics *st) {
   const double *tau = st->work->tau;
   for (int c = 0; c < m->coordinate_count; ++c)
-    st->least_norm[c] = m->substructure_of[c] < 0 && !m->held[c] ? -tau[c] : 0.0;
+    st->least_norm[c] = m->substructure_of[c] < 0 && !m->held[c] ? 0.0 - tau[c] : 0.0;
   for (int i = 0; i < m->topology.substructure_count; ++i) {
     const km_substructure *sub = &m->substructures[i];
     const int *coordinate = m->column_coordinate + sub->column_start;

@@ -130,8 +130,9 @@ static bool straighten(const double *basis, int count, int size, double *v) {
   return left > 1e-6; /* of unit vectors: one of them is spanned by the others, the rest are well apart */
 }
 
-/* Motions out of reach: if loads act on them, the one in which they fall, then others at right angles to it. */
-static void unreached(const km_mechanism *m, const km_state *s, int index, const km_holding *h, int freedom, int rank,
+/* Motions out of reach: if loads act on them, the one in which they fall, then others at right angles to it. Returns
+ * whether nothing falls. */
+static bool unreached(const km_mechanism *m, const km_state *s, int index, const km_holding *h, int freedom, int rank,
                       double noise, km_statics *st) {
   double size = 0.0, *basis = h->basis;
   int kept = 0;
@@ -152,7 +153,7 @@ static void unreached(const km_mechanism *m, const km_state *s, int index, const
       ++kept;
     }
   }
-  st->held = st->held && !falls;
+  return !falls;
 }
 
 static void hold_substructure(const km_mechanism *m, const km_state *s, int index, km_statics *st) {
@@ -176,7 +177,10 @@ static void hold_substructure(const km_mechanism *m, const km_state *s, int inde
       F -= gsl_matrix_get(&U, (size_t)a, i) * gsl_vector_get(&load, i) / gsl_vector_get(&S, i);
     st->actuator_forces[actuator] = F * m->scale[st->actuators[actuator]];
   }
-  unreached(m, s, index, h, freedom, rank, noise, st);
+  bool holds = unreached(m, s, index, h, freedom, rank, noise, st);
+  for (int a = 0; a < h->count && !holds; ++a)
+    st->actuator_forces[h->actuator[a]] = nan("");
+  st->held = st->held && holds;
 }
 
 void km_statics_hold(const km_mechanism *m, const km_state *s, km_statics *st) {
@@ -185,7 +189,7 @@ void km_statics_hold(const km_mechanism *m, const km_state *s, km_statics *st) {
   st->redundant = false;
   st->direction_count = 0;
   for (int a = 0; a < st->actuator_count; ++a)
-    st->actuator_forces[a] = m->substructure_of[st->actuators[a]] < 0 ? -w->tau[st->actuators[a]] : 0.0;
+    st->actuator_forces[a] = m->substructure_of[st->actuators[a]] < 0 ? 0.0 - w->tau[st->actuators[a]] : 0.0;
   for (int c = 0; c < m->coordinate_count; ++c) {
     if (m->substructure_of[c] >= 0 || m->held[c] || w->actuated[c])
       continue;

@@ -85,6 +85,7 @@ typedef struct km_load_def {
 typedef struct km_handle_def {
   int coordinate, frame; /* -1: not this kind; both -1: none given */
   km_vec3 direction;     /* inertial axes */
+  const char *name;      /* of a point: body/frame:dx,dy,dz */
 } km_handle_def;
 
 typedef struct km_hold_def {

@@ -251,7 +251,7 @@ static void read_actuator(km_reader *reader, const km_value *value, const km_pla
 
 /* {"frame": path, "direction": [x, y, z]}: a point of a body along a direction. */
 static km_handle_def read_point(km_reader *reader, const km_value *value, const km_place *place) {
-  km_handle_def handle = {-1, -1, {0, 0, 0}};
+  km_handle_def handle = {-1, -1, {0, 0, 0}, NULL};
   const km_value *frame = km_value_get(value, "frame"), *direction = km_value_get(value, "direction");
   km_place frame_at = {place, "frame", 0}, direction_at = {place, "direction", 0};
   bool vector = direction && direction->kind == KM_LIST && direction->count == 3;
@@ -265,11 +265,20 @@ static km_handle_def read_point(km_reader *reader, const km_value *value, const 
   handle.direction = km_reader_vector(value, "direction");
   if (km_vec3_norm(handle.direction) == 0.0)
     km_reader_error(reader, &direction_at, "found no length; expected a direction");
+  if (handle.frame >= 0) {
+    const km_frame_def *def = &reader->model->frames[handle.frame];
+    km_text name = {0};
+    km_text_format(&name, "%s/%s:%g,%g,%g", reader->model->bodies[def->body].name, def->name, handle.direction.x,
+                   handle.direction.y, handle.direction.z);
+    handle.name = name.failed ? NULL : km_arena_string(&reader->model->arena, name.data);
+    reader->model->arena.failed = reader->model->arena.failed || name.failed;
+    km_text_free(&name);
+  }
   return handle;
 }
 
 static km_handle_def read_handle(km_reader *reader, const km_value *value, const km_place *place) {
-  km_handle_def none = {-1, -1, {0, 0, 0}};
+  km_handle_def none = {-1, -1, {0, 0, 0}, NULL};
   if (!value)
     return none;
   if (value->kind == KM_OBJECT)
@@ -278,7 +287,7 @@ static km_handle_def read_handle(km_reader *reader, const km_value *value, const
   for (const km_value *v = value->kind == KM_LIST ? value->first : NULL; v; v = v->next)
     names = names && v->kind == KM_STRING;
   if (names)
-    return (km_handle_def){analysis_coordinate(reader, value, place), -1, {0, 0, 0}};
+    return (km_handle_def){analysis_coordinate(reader, value, place), -1, {0, 0, 0}, NULL};
   if (value->kind == KM_NUMBER)
     km_reader_error(reader, place, "found %s; expected a joint", KM_SHOWN(value->number));
   else
@@ -297,7 +306,7 @@ void km_read_analysis(km_reader *reader, const km_value *root) {
   km_model *model = reader->model;
   const km_value *analysis = km_value_get(root, "analysis");
   model->sweep = (km_sweep_def){.coordinate = -1, .direction = -1, .sign = 1.0, .steps = 100};
-  model->advantage_input = model->advantage_output = (km_handle_def){-1, -1, {0, 0, 0}};
+  model->advantage_input = model->advantage_output = (km_handle_def){-1, -1, {0, 0, 0}, NULL};
   allocate(model, analysis);
   if (model->arena.failed || !analysis)
     return;

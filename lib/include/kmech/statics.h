@@ -26,7 +26,7 @@ enum { KM_MOST_DIRECTIONS = 64 };
 typedef struct km_statics {
   int actuator_count;
   const int *actuators;    /* coordinates */
-  double *actuator_forces; /* [actuator] NaN where the set can't hold the pose */
+  double *actuator_forces; /* [actuator] NaN where the set can't hold its substructure */
   double *least_norm;      /* [coordinate] f̄; 0 of held ones */
   bool held;               /* the actuators balance the loads */
   bool redundant;          /* the actuators are more than needed: theirs is the least-norm answer */

@@ -1,0 +1,8 @@
+#include "kstatic/kstatic.h"
+
+static const kt_command commands[] = {{"at", "actuator forces and reactions at a pose", kstatic_at}, {0}};
+
+int main(int argc, char **argv) {
+  return (int)kt_run("kstatic", "Static forces: what actuators must hold, and what every joint carries.", commands,
+                     argc, argv);
+}
