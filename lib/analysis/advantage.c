@@ -237,17 +237,23 @@ double km_largest_rate(const km_mechanism *m, const double *rates) {
   return largest;
 }
 
-double km_lever_rate(const km_mechanism *m, const km_lever_end *end, const double *rates) {
-  double rate = 0.0, size = 0.0;
+double km_lever_rate(const km_mechanism *m, const km_lever_end *end, const double *rates, double *size) {
+  double rate = 0.0;
+  *size = 0.0;
   int own = end->handle.coordinate;
   for (int c = 0; c < m->coordinate_count && own < 0; ++c) {
     rate += end->row[c] * rates[c];
-    size += end->speed[c] * fabs(rates[c]);
+    *size += end->speed[c] * fabs(rates[c]);
   }
   if (own >= 0) {
     rate = rates[own];
-    size = m->unit[own] * km_largest_rate(m, rates);
+    *size = m->unit[own] * km_largest_rate(m, rates);
   }
+  return rate;
+}
+
+static double clear_rate(const km_mechanism *m, const km_lever_end *end, const double *rates) {
+  double size, rate = km_lever_rate(m, end, rates, &size);
   return fabs(rate) > still * size ? rate : 0.0;
 }
 
@@ -263,8 +269,8 @@ void km_lever_update(const km_mechanism *m, km_state *s, km_lever *l, km_advanta
   *out = (km_advantage){.method = freedom == 1 ? KM_ADVANTAGE_SINGLE_FREEDOM : KM_ADVANTAGE_LEAST_MOTION};
   /* Where the input has no part in several freedoms there is no motion of its own. */
   bool moves = largest > (freedom == 1 ? 0.0 : still);
-  out->input_rate = moves ? km_lever_rate(m, &l->input, l->rates) : 0.0;
-  out->output_rate = moves ? km_lever_rate(m, &l->output, l->rates) : 0.0;
+  out->input_rate = moves ? clear_rate(m, &l->input, l->rates) : 0.0;
+  out->output_rate = moves ? clear_rate(m, &l->output, l->rates) : 0.0;
   bool in = out->input_rate != 0.0, outwards = out->output_rate != 0.0;
   out->state = in && outwards ? KM_ADVANTAGE_FINITE
                : in           ? KM_ADVANTAGE_INFINITE

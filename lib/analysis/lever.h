@@ -22,7 +22,7 @@ struct km_lever {
 
 /* The largest scaled rate. */
 double km_largest_rate(const km_mechanism *mechanism, const double *rates);
-/* The rate of an end in a motion; 0 where it is rounding. */
-double km_lever_rate(const km_mechanism *mechanism, const km_lever_end *end, const double *rates);
+/* The rate of an end in a motion, and what rounding is measured by. */
+double km_lever_rate(const km_mechanism *mechanism, const km_lever_end *end, const double *rates, double *size);
 
 #endif

@@ -1,6 +1,9 @@
 #include "report/advantage_record.h"
 
+#include "report/sweep_text.h"
 #include "topology/mechanism.h"
+
+#include <math.h>
 
 km_value *km_advantage_record(const km_mechanism *m, const km_state *s, const km_handle *input, const km_handle *output,
                               const km_advantage *a, const char *name, km_arena *arena) {
@@ -57,4 +60,57 @@ void km_advantage_print(const km_mechanism *m, const km_handle *input, const km_
     if (m->held[c])
       km_text_format(out, "%s %s", held++ ? "," : "  held:", m->model->coordinates[c].label);
   km_text_add(out, held ? "\n" : "");
+}
+
+static void add_peak(km_value *record, const char *key, const km_peak *peak, km_arena *arena) {
+  km_value *item = km_value_add(arena, record, key, KM_OBJECT);
+  km_value_number(arena, item, "value", peak->value);
+  km_value_number(arena, item, "s", peak->s);
+}
+
+km_value *km_advantage_sweep_record(const km_mechanism *m, const km_advantage_sweep *sweep, const char *stopped_by,
+                                    const char *name, km_arena *arena) {
+  km_value *record = km_record_head(m->model, "kma", name, arena);
+  km_value_string(arena, record, "input", sweep->input.name);
+  km_value_string(arena, record, "output", sweep->output.name);
+  km_value_string(arena, record, "method", km_advantage_method_name(sweep->method));
+  km_table_record(sweep->motion.table, record, arena);
+  km_value *toggles = km_value_add(arena, record, "toggles", KM_LIST);
+  for (size_t i = 0; i < sweep->toggle_count && !arena->failed; ++i) {
+    km_value *toggle = km_value_add(arena, toggles, NULL, KM_OBJECT);
+    km_value_string(arena, toggle, "state", km_advantage_state_name(sweep->toggles[i].state));
+    km_value_number(arena, toggle, "s", sweep->toggles[i].s);
+  }
+  add_peak(record, "minimum", &sweep->lowest, arena);
+  add_peak(record, "maximum", &sweep->highest, arena);
+  km_held_record(m, record, arena);
+  km_sweep_record(&sweep->motion, stopped_by, record, arena);
+  return arena->failed ? NULL : record;
+}
+
+void km_advantage_sweep_print(const km_mechanism *m, const km_sweep_plan *plan, const km_advantage_sweep *sweep,
+                              const char *name, km_text *out) {
+  const char *unit = km_advantage_unit(m->model, &sweep->input, &sweep->output), *s_unit = km_sweep_unit(m, plan);
+  km_sweep_print(m, plan, &sweep->motion, name, out);
+  km_text_format(out, "  mechanical advantage of %s over %s%s%s%s: ", sweep->input.name, sweep->output.name,
+                 unit[0] ? " (" : "", unit, unit[0] ? ")" : "");
+  if (isnan(sweep->lowest.s))
+    km_text_add(out, "nowhere finite\n");
+  else
+    km_text_format(out, "from %.6g at %.6g%s to %.6g at %.6g%s\n", sweep->lowest.value, sweep->lowest.s, s_unit,
+                   sweep->highest.value, sweep->highest.s, s_unit);
+  if (sweep->method == KM_ADVANTAGE_LEAST_MOTION)
+    km_text_add(out, "  several freedoms: the others move least (--hold keeps joints)\n");
+  for (int state = KM_ADVANTAGE_ZERO; state <= KM_ADVANTAGE_UNDEFINED; ++state) {
+    int count = 0;
+    for (size_t i = 0; i < sweep->toggle_count; ++i)
+      if ((int)sweep->toggles[i].state == state)
+        km_text_format(out, "%s %.6g%s",
+                       count++                          ? ","
+                       : state == KM_ADVANTAGE_ZERO     ? "  zero at"
+                       : state == KM_ADVANTAGE_INFINITE ? "  infinite at"
+                                                        : "  undefined at",
+                       sweep->toggles[i].s, s_unit);
+    km_text_add(out, count ? "\n" : "");
+  }
 }

@@ -31,6 +31,10 @@ static const char *direction_of(const char *text) {
   return colon && colon > text && colon[-1] != '\\' ? colon + 1 : NULL;
 }
 
+bool kma_has_direction(const char *text) {
+  return direction_of(text) != NULL;
+}
+
 static kt_exit read_point(const kt_common *common, const km_model *model, const char *option, const char *text,
                           km_handle *out, char **owned) {
   const char *direction = direction_of(text);

@@ -26,6 +26,9 @@ enum { KMA_OPTION_INPUT = 0x4001, KMA_OPTION_OUTPUT, KMA_OPTION_POINT };
    1},                                                                                                                 \
       {"output", KMA_OPTION_OUTPUT, "JOINT", 0, "What pushes: a joint, or a point in the same way", 1},
 
+/* Does a point end with a direction? */
+bool kma_has_direction(const char *text);
+
 /* Input and output of one model. Names of points are owned by it. */
 typedef struct kma_ends {
   km_handle input, output;
