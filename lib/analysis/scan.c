@@ -9,6 +9,9 @@
 
 enum { MOST_ITERATIONS = 100 };
 
+/* A function that changes less, relatively, is constant. */
+static const double least_swing = 1e-9;
+
 /* A value that exceeds its neighbours' by so much is a pole. */
 static const double unbounded = 1e5;
 
@@ -127,7 +130,7 @@ static km_status look(km_scan *scan, km_sweeper *r, int i, bool *probed, km_erro
   if (!scan->extremes || scan->have < 3 || status || crossed || !isfinite(new *old * scan->f[2][i]) ||
       old * scan->f[2][i] < 0.0)
     return status;
-  double older = scan->f[2][i], grain = 1e-12 * (fabs(new) + fabs(old));
+  double older = scan->f[2][i], grain = least_swing * (fabs(new) + fabs(old));
   if (old - new > grain && old - older > grain) {
     *probed = true;
     status = find_extreme(scan, r, i, -1.0, error);

@@ -102,3 +102,15 @@ void km_forces_on_body(const km_forces *f, int body, double wrench[6]) {
 double km_forces_in_joint(const km_forces *f, int coordinate) {
   return f->joint[coordinate];
 }
+
+void km_torque_unit(const km_model *model, km_text *out) {
+  km_text_format(out, "%s*%s", model->units.force->suffix, model->units.length->suffix);
+}
+
+void km_force_unit(const km_model *model, int coordinate, km_text *out) {
+  const km_coordinate_def *def = &model->coordinates[coordinate];
+  if (km_joint_is_length(model->joints[def->joint].type, def->index))
+    km_text_add(out, model->units.force->suffix);
+  else
+    km_torque_unit(model, out);
+}

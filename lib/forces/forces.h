@@ -2,6 +2,7 @@
 #ifndef KM_FORCES_FORCES_H
 #define KM_FORCES_FORCES_H
 
+#include "base/text.h"
 #include "kinematics/state.h"
 #include "kmech/forces.h"
 #include "spatial/wrench.h"
@@ -37,6 +38,10 @@ struct km_forces {
   double force_size;  /* Σ of the forces' lengths, … */
   double couple_size; /* … and of the couples': what rounding is measured by */
 };
+
+/* "N", "N*mm": the unit of a coordinate's generalised force, and of a torque. Appended. */
+void km_force_unit(const km_model *model, int coordinate, km_text *out);
+void km_torque_unit(const km_model *model, km_text *out);
 
 double km_law_force(const km_law *law, double displacement);
 /* Reads the model's modules of type stiffness into forces->springs. */

@@ -1,24 +1,14 @@
 #include "report/statics_record.h"
 
+#include "forces/forces.h"
 #include "report/sweep_text.h"
 #include "topology/mechanism.h"
 
 #include <math.h>
 
-void km_torque_unit(const km_model *model, km_text *out) {
-  km_text_format(out, "%s*%s", model->units.force->suffix, model->units.length->suffix);
-}
-
 static bool is_length(const km_model *model, int coordinate) {
   const km_coordinate_def *def = &model->coordinates[coordinate];
   return km_joint_is_length(model->joints[def->joint].type, def->index);
-}
-
-void km_force_unit(const km_model *model, int coordinate, km_text *out) {
-  if (is_length(model, coordinate))
-    km_text_add(out, model->units.force->suffix);
-  else
-    km_torque_unit(model, out);
 }
 
 static void add_directions(const km_mechanism *m, const km_statics *st, km_value *record, km_arena *arena) {
@@ -161,4 +151,62 @@ void km_statics_print(const km_mechanism *m, const km_statics *st, km_axes axes,
       print_force(m, c, width, st->least_norm[c], out);
   if (m->model->joint_count)
     print_reactions(m, st, axes, width, out);
+}
+
+static const char *event_word(km_force_event_kind kind) {
+  return kind == KM_FORCE_BALANCED ? "zero" : kind == KM_FORCE_PEAK ? "peak" : "unbounded";
+}
+
+km_value *km_statics_sweep_record(const km_mechanism *m, const km_statics_sweep *sweep, const char *stopped_by,
+                                  const char *name, km_arena *arena) {
+  km_value *record = km_record_head(m->model, "kstatic", name, arena);
+  km_table_record(sweep->motion.table, record, arena);
+  km_value *events = km_value_add(arena, record, "events", KM_LIST);
+  for (size_t i = 0; i < sweep->event_count && !arena->failed; ++i) {
+    const km_force_event *e = &sweep->events[i];
+    km_value *item = km_value_add(arena, events, NULL, KM_OBJECT);
+    km_value_string(arena, item, "actuator", m->model->coordinates[sweep->actuators[e->actuator]].label);
+    km_value_string(arena, item, "event", event_word(e->kind));
+    km_value_number(arena, item, "s", e->s);
+    km_value_number(arena, item, "force", e->value);
+  }
+  km_value_number(arena, record, "degree_of_indeterminacy", sweep->degree);
+  km_value_number(arena, record, "rows_not_held", (double)sweep->unheld);
+  km_held_record(m, record, arena);
+  km_sweep_record(&sweep->motion, stopped_by, record, arena);
+  return arena->failed ? NULL : record;
+}
+
+static void print_events(const km_statics_sweep *sweep, int actuator, km_force_event_kind kind, const char *words,
+                         const char *unit, km_text *out) {
+  int count = 0;
+  for (size_t i = 0; i < sweep->event_count; ++i)
+    if (sweep->events[i].actuator == actuator && sweep->events[i].kind == kind)
+      km_text_format(out, "%s %.6g%s", count++ ? "," : words, sweep->events[i].s, unit);
+}
+
+void km_statics_sweep_print(const km_mechanism *m, const km_sweep_plan *plan, const km_statics_sweep *sweep,
+                            const char *name, km_text *out) {
+  const char *unit = km_sweep_unit(m, plan);
+  int width = km_widest_label(m->model);
+  km_sweep_print(m, plan, &sweep->motion, name, out);
+  for (int i = 0; i < sweep->actuator_count; ++i) {
+    const km_force_event *largest = &sweep->largest[i];
+    int c = sweep->actuators[i];
+    km_text_add(out, "  ");
+    km_text_padded(m->model->coordinates[c].label, width, out);
+    if (isnan(largest->s)) {
+      km_text_add(out, " holds nothing");
+    } else {
+      km_text_format(out, " holds at most %.6g ", largest->value);
+      km_force_unit(m->model, c, out);
+      km_text_format(out, " at %.6g%s", largest->s, unit);
+    }
+    print_events(sweep, i, KM_FORCE_BALANCED, "; nothing at", unit, out);
+    print_events(sweep, i, KM_FORCE_UNBOUNDED, "; without bound at", unit, out);
+    km_text_add(out, "\n");
+  }
+  if (sweep->unheld)
+    km_text_format(out, "  not held at %zu of %zu rows, first at %.6g%s\n", sweep->unheld,
+                   km_table_rows(sweep->motion.table), sweep->first_unheld, unit);
 }
