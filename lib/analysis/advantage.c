@@ -109,7 +109,7 @@ static km_status check(const km_mechanism *m, const km_lever *l, bool *other, km
     meet = meet || (l->moves[c] && other[c]);
   list(m, l->moves, in->coordinate, &choice);
   name_of(m, out, &names);
-  const char *known = choice.data && choice.size ? choice.data : "a point that moves with it";
+  const char *known = choice.data && choice.size ? choice.data : "a point of a body that it moves";
   if (same(in, out))
     status = km_fail(error, KM_USAGE, "input and output are both %s; expected another output: %s", names.data, known);
   else if (!meet)
@@ -257,6 +257,11 @@ static double clear_rate(const km_mechanism *m, const km_lever_end *end, const d
   return fabs(rate) > still * size ? rate : 0.0;
 }
 
+/* Of two rates that are 0 where they count as 0. */
+static double ratio(double a, double b) {
+  return a == 0.0 ? (b == 0.0 ? nan("") : 0.0) : b == 0.0 ? HUGE_VAL : a / b;
+}
+
 void km_lever_update(const km_mechanism *m, km_state *s, km_lever *l, km_advantage *out) {
   km_poses_about(m, s, (km_vec3){0, 0, 0}, l->pose);
   km_poses_about(m, s, l->pose[m->arcs[0].body].p, l->pose);
@@ -276,8 +281,8 @@ void km_lever_update(const km_mechanism *m, km_state *s, km_lever *l, km_advanta
                : in           ? KM_ADVANTAGE_INFINITE
                : outwards     ? KM_ADVANTAGE_ZERO
                               : KM_ADVANTAGE_UNDEFINED;
-  out->value = in || outwards ? (outwards ? out->input_rate / out->output_rate : HUGE_VAL) : nan("");
-  out->velocity_ratio = in || outwards ? (in ? out->output_rate / out->input_rate : HUGE_VAL) : nan("");
+  out->value = ratio(out->input_rate, out->output_rate);
+  out->velocity_ratio = ratio(out->output_rate, out->input_rate);
 }
 
 static bool is_angle(const km_model *model, const km_handle *h) {

@@ -12,10 +12,10 @@ static const double rounding = 1e-10; /* of all applied forces: a generalised fo
 static km_status take_actuators(const km_mechanism *m, const int *actuators, int count, km_statics *st,
                                 km_error *error) {
   km_statics_work *w = st->work;
-  for (int c = 0; c < m->coordinate_count && count == 0; ++c)
+  for (int c = 0; c < m->coordinate_count && !actuators; ++c)
     if (!m->held[c])
       w->actuators[st->actuator_count++] = c;
-  for (int i = 0; i < count; ++i) {
+  for (int i = 0; i < count && actuators; ++i) {
     const char *label = m->model->coordinates[actuators[i]].label;
     if (m->held[actuators[i]])
       return km_fail(error, KM_USAGE, "actuator \"%s\" is held; expected a joint that is free to move", label);

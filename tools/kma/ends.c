@@ -61,9 +61,10 @@ static kt_exit read_end(const kt_common *common, const km_model *model, const ch
                         km_handle *out, char **owned) {
   const char *rest = text;
   kt_piece label = kt_split(&rest, "");
-  bool known = label.text && km_model_find_coordinate(model, label.text, &out->coordinate, NULL) == KM_OK;
+  bool point = strcmp(option, "--point") == 0;
+  bool known = !point && label.text && km_model_find_coordinate(model, label.text, &out->coordinate, NULL) == KM_OK;
   km_free(label.text);
-  if (!known && direction_of(text))
+  if (point || (!known && direction_of(text)))
     return read_point(common, model, option, text, out, owned);
   kt_exit result = kt_coordinate(common, model, option, text, &out->coordinate);
   if (result == KT_DONE)
@@ -92,9 +93,10 @@ kt_exit kma_ends_read(const kt_common *common, const char *path, const km_model 
   *out = (kma_ends){0};
   kt_exit result = place_points(common, o, &input, &output);
   if (result == KT_DONE && input)
-    result = read_end(common, model, "--input", input, &out->input, &out->owned[0]);
+    result = read_end(common, model, input == o->input ? "--input" : "--point", input, &out->input, &out->owned[0]);
   if (result == KT_DONE && output)
-    result = read_end(common, model, "--output", output, &out->output, &out->owned[1]);
+    result =
+        read_end(common, model, output == o->output ? "--output" : "--point", output, &out->output, &out->owned[1]);
   if (result != KT_DONE)
     return result;
   bool have_input = input || km_handle_default(model, false, &out->input);

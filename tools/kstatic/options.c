@@ -2,7 +2,7 @@
 #include "kstatic/loads.h"
 
 #include "base/memory.h"
-#include "model/model.h"
+#include "topology/mechanism.h"
 
 #include <string.h>
 
@@ -77,32 +77,41 @@ static kt_exit make_forces(const kt_common *common, const char *path, const kt_p
 }
 
 /* The actuators: of --actuators, else the model's, else every free coordinate. */
-static kt_exit read_actuators(const kt_common *common, const char *path, const km_model *model, const char *text,
-                              int *out, int *count) {
+static kt_exit read_actuators(const kt_common *common, const char *path, const km_mechanism *m, const char *text,
+                              int *out, int *count, bool *all) {
+  const km_model *model = m->model;
   const km_value *given = km_value_get(km_value_get(model->root, "analysis"), "actuators");
   if (text)
     return kt_coordinates(common, model, "--actuators", text, out, count);
-  *count = model->actuator_count;
-  memcpy(out, model->actuators, (size_t)model->actuator_count * sizeof *out);
-  if (given && *count == 0) {
+  if (given && model->actuator_count == 0) {
     kt_say(common, KM_ERROR, "%s: analysis.actuators is empty; expected at least one joint, or --actuators", path);
     return KT_USAGE;
   }
-  if (*count == 0)
+  if (!given)
     kt_say(common, KM_NOTE, "%s: no analysis.actuators and no --actuators: every free joint holds", path);
+  *all = !given;
+  for (int i = 0; i < model->actuator_count; ++i) {
+    if (!m->held[model->actuators[i]])
+      out[(*count)++] = model->actuators[i];
+    else
+      kt_say(common, KM_NOTE, "%s: actuator %s is held and so rigid", path,
+             km_model_coordinate_label(model, model->actuators[i]));
+  }
   return KT_DONE;
 }
 
 kt_exit kstatic_prepare(const kt_common *common, const char *path, const kt_pose *pose, const kstatic_options *o,
                         kstatic_balance *out) {
   km_error error;
+  bool all = false;
   int count = 0, *actuators = KM_NEW(int, (size_t)pose->model->coordinate_count);
   *out = (kstatic_balance){0};
   kt_exit result = actuators ? make_forces(common, path, pose, o, &out->forces) : KT_INTERNAL;
   if (result == KT_DONE)
-    result = read_actuators(common, path, pose->model, o->actuators, actuators, &count);
+    result = read_actuators(common, path, pose->mechanism, o->actuators, actuators, &count, &all);
   if (result == KT_DONE) {
-    km_status status = km_statics_create(pose->mechanism, actuators, count, o->axes, &out->statics, &error);
+    km_status status =
+        km_statics_create(pose->mechanism, all ? NULL : actuators, count, o->axes, &out->statics, &error);
     if (status)
       kt_say(common, KM_ERROR, "%s: %s", path, error.text);
     result = kt_exit_of(status);

@@ -38,7 +38,7 @@ typedef struct km_statics {
   km_statics_work *work;
 } km_statics;
 
-/* Prepares for a set of actuators (coordinates, copied; none: every free coordinate). KM_USAGE: an actuator is held
+/* Prepares for a set of actuators (coordinates, copied; NULL: every free coordinate). KM_USAGE: an actuator is held
  * or named twice; KM_MEMORY. Free `*out` in any case. */
 km_status km_statics_create(const km_mechanism *mechanism, const int *actuators, int actuator_count, km_axes axes,
                             km_statics *out, km_error *error);
