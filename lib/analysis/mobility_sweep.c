@@ -159,7 +159,7 @@ km_status km_mobility_sweep_run(const km_mechanism *m, km_state *s, const km_swe
   bool ready = z && out->extremes && (w.singular.singular || !plan->singularities);
   km_status status = ready ? KM_OK : km_fail(error, KM_MEMORY, "out of memory for a sweep");
   if (!status) {
-    km_observer observer = {&w, add_columns, write_numbers, see, forget, end_at};
+    km_observer observer = {&w, add_columns, write_numbers, see, NULL, forget, end_at};
     for (size_t c = 0; c < count; ++c)
       out->extremes[c] = (km_extreme){HUGE_VAL, nan("")};
     status = km_sweep_run(m, s, plan, &observer, &out->motion, error);

@@ -1,0 +1,10 @@
+#include "kma/kma.h"
+
+static const kt_command commands[] = {
+    {"at", "mechanical advantage at a pose", kma_at},
+    {"sweep", "mechanical advantage over a driver's range, with its toggles and extremes", kma_sweep},
+    {0}};
+
+int main(int argc, char **argv) {
+  return (int)kt_run("kma", "Mechanical advantage: how a mechanism trades speed for force.", commands, argc, argv);
+}

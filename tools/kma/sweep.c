@@ -1,0 +1,114 @@
+/* kma sweep: mechanical advantage over a driver's range. */
+#include "common/sweep.h"
+#include "kma/kma.h"
+
+#include "kmech/advantage_sweep.h"
+#include "report/advantage_plot.h"
+#include "report/advantage_record.h"
+
+#include <string.h>
+
+typedef struct options {
+  kt_sweep_options sweep;
+  kma_ends_options ends;
+} options;
+
+/* What is made of one model. */
+typedef struct product {
+  kma_ends ends;
+  km_advantage_sweep sweep;
+} product;
+
+static const struct argp_option table[] = {
+    KMA_ENDS_OPTIONS{"point", KMA_OPTION_POINT, "BODY/FRAME[:DX,DY,DZ]", 0,
+                     "With a direction: a point as output (a second one: as input before it); without: add the path of "
+                     "a frame's origin (repeatable)",
+                     1},
+    {NULL, 'o', "BASE", 0, "Files are BASE.advantage.FORMAT (default: the model's name); - is the standard output", 2},
+    {0}};
+
+static error_t parse(int key, char *arg, struct argp_state *state) {
+  options *o = state->input;
+  switch (key) {
+  case ARGP_KEY_INIT:
+    state->child_inputs[0] = &o->sweep;
+    return 0;
+  case KMA_OPTION_INPUT:
+    o->ends.input = arg;
+    return 0;
+  case KMA_OPTION_OUTPUT:
+    o->ends.output = arg;
+    return 0;
+  case KMA_OPTION_POINT:
+    kt_texts_add(kma_has_direction(arg) ? &o->ends.points : &o->sweep.points, arg, state);
+    return 0;
+  case 'o':
+    o->sweep.base = arg;
+    return 0;
+  default:
+    return ARGP_ERR_UNKNOWN;
+  }
+}
+
+static kt_exit prepare(kt_sweep_job *j) {
+  product *p = j->own = KM_NEW(product, 1);
+  return p ? kma_ends_read(&j->common, j->path, j->pose.model, j->options->own, &p->ends) : KT_INTERNAL;
+}
+
+static km_status run(kt_sweep_job *j, const km_sweep **motion, km_error *error) {
+  product *p = j->own;
+  *motion = &p->sweep.motion;
+  return km_advantage_sweep_run(j->pose.mechanism, j->pose.state, &j->plan, &p->ends.input, &p->ends.output, &p->sweep,
+                                error);
+}
+
+static void print(const kt_sweep_job *j, km_text *out) {
+  km_advantage_sweep_print(j->pose.mechanism, &j->plan, &((const product *)j->own)->sweep, j->path, out);
+}
+
+static const km_table *rows(const kt_sweep_job *j) {
+  return ((const product *)j->own)->sweep.motion.table;
+}
+
+static km_value *record(const kt_sweep_job *j, km_arena *arena) {
+  return km_advantage_sweep_record(j->pose.mechanism, &((const product *)j->own)->sweep,
+                                   j->stopped_by.data ? j->stopped_by.data : "", j->path, arena);
+}
+
+static km_status plot(const kt_sweep_job *const *jobs, int count, km_canvas_format format, km_text *out,
+                      km_error *error) {
+  km_plotted_advantage plotted[KT_MOST_MODELS];
+  for (int i = 0; i < count; ++i) {
+    const km_advantage_sweep *sweep = &((const product *)jobs[i]->own)->sweep;
+    plotted[i] =
+        (km_plotted_advantage){{jobs[i]->pose.mechanism, &jobs[i]->plan, &sweep->motion, jobs[i]->base}, sweep};
+  }
+  return km_advantage_plot(plotted, count, format, out, error);
+}
+
+static void free_own(kt_sweep_job *j) {
+  product *p = j->own;
+  if (p) {
+    km_advantage_sweep_free(&p->sweep);
+    kma_ends_free(&p->ends);
+  }
+  km_free(p);
+}
+
+kt_exit kma_sweep(int argc, char **argv) {
+  static const kt_sweeping sweeping = {"advantage", prepare, run, print, rows, record, plot, free_own};
+  const struct argp_child children[] = {{&kt_sweep_argp, 0, NULL, 0}, {0}};
+  const struct argp argp = {
+      table,
+      parse,
+      "MODEL...",
+      "Mechanical advantage of an input over an output over the range of a driver, with its toggles and extremes.",
+      children,
+      NULL,
+      NULL};
+  options o = {.sweep = {.common = {.tool = "kma", .jobs = 1, .seed = 1}}};
+  o.sweep.own = &o.ends;
+  o.sweep.formats.wanted[KT_CSV] = o.sweep.formats.wanted[KT_SVG] = true;
+  kt_parse(&argp, argc, argv, &o);
+  return kt_sweep(&o.sweep, &sweeping);
+}
