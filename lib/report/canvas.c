@@ -238,6 +238,10 @@ void km_canvas_release(km_canvas *canvas) {
   cairo_restore(canvas->cairo);
 }
 
+void km_canvas_shift(km_canvas *canvas, double right, double down) {
+  cairo_translate(canvas->cairo, right, down);
+}
+
 static void set_text(km_canvas *canvas, const char *text) {
   char *valid = g_utf8_make_valid(text, -1); /* Pango would complain on stderr */
   pango_layout_set_text(canvas->layout, valid, -1);
