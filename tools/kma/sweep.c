@@ -11,7 +11,10 @@
 typedef struct options {
   kt_sweep_options sweep;
   kma_ends_options ends;
+  bool transmission;
 } options;
+
+enum { OPTION_TRANSMISSION = 0x4101 };
 
 /* What is made of one model. */
 typedef struct product {
@@ -24,6 +27,11 @@ static const struct argp_option table[] = {
                      "With a direction: a point as output (a second one: as input before it); without: add the path of "
                      "a frame's origin (repeatable)",
                      1},
+    {"transmission", OPTION_TRANSMISSION, NULL, 0,
+     "Add transmission angle, virtual coefficient, Sutherland-Roth and Chen-Angeles indices, manipulability and "
+     "condition "
+     "number as columns; nan where undefined",
+     1},
     {NULL, 'o', "BASE", 0, "Files are BASE.advantage.FORMAT (default: the model's name); - is the standard output", 2},
     {0}};
 
@@ -42,6 +50,9 @@ static error_t parse(int key, char *arg, struct argp_state *state) {
   case KMA_OPTION_POINT:
     kt_texts_add(kma_has_direction(arg) ? &o->ends.points : &o->sweep.points, arg, state);
     return 0;
+  case OPTION_TRANSMISSION:
+    o->transmission = true;
+    return 0;
   case 'o':
     o->sweep.base = arg;
     return 0;
@@ -52,14 +63,15 @@ static error_t parse(int key, char *arg, struct argp_state *state) {
 
 static kt_exit prepare(kt_sweep_job *j) {
   product *p = j->own = KM_NEW(product, 1);
-  return p ? kma_ends_read(&j->common, j->path, j->pose.model, j->options->own, &p->ends) : KT_INTERNAL;
+  return p ? kma_ends_read(&j->common, j->path, j->pose.model, &((const options *)j->options->own)->ends, &p->ends)
+           : KT_INTERNAL;
 }
 
 static km_status run(kt_sweep_job *j, const km_sweep **motion, km_error *error) {
   product *p = j->own;
   *motion = &p->sweep.motion;
-  return km_advantage_sweep_run(j->pose.mechanism, j->pose.state, &j->plan, &p->ends.input, &p->ends.output, &p->sweep,
-                                error);
+  return km_advantage_sweep_run(j->pose.mechanism, j->pose.state, &j->plan, &p->ends.input, &p->ends.output,
+                                ((const options *)j->options->own)->transmission, &p->sweep, error);
 }
 
 static void print(const kt_sweep_job *j, km_text *out) {
@@ -107,7 +119,7 @@ kt_exit kma_sweep(int argc, char **argv) {
       NULL,
       NULL};
   options o = {.sweep = {.common = {.tool = "kma", .jobs = 1, .seed = 1}}};
-  o.sweep.own = &o.ends;
+  o.sweep.own = &o;
   o.sweep.formats.wanted[KT_CSV] = o.sweep.formats.wanted[KT_SVG] = true;
   kt_parse(&argp, argc, argv, &o);
   return kt_sweep(&o.sweep, &sweeping);
