@@ -58,6 +58,13 @@ static km_status draw(const km_plot *plot, km_canvas *canvas, km_arena *arena, d
   return KM_OK;
 }
 
+km_status km_plot_place(const km_plot *plot, km_canvas *canvas, double width, double height, km_error *error) {
+  km_arena arena = {0};
+  km_status status = draw(plot, canvas, &arena, width, height, error);
+  km_arena_free(&arena);
+  return status;
+}
+
 km_status km_plot_render(const km_plot *plot, km_canvas_format format, km_text *out, km_error *error) {
   double width, height;
   km_plot_layout_size(plot, &width, &height);

@@ -172,7 +172,9 @@ static kt_exit run(const kt_sweep_options *o, const kt_sweeping *sweeping) {
   return result;
 }
 
-kt_exit kt_sweep(const kt_sweep_options *o, const kt_sweeping *sweeping) {
+kt_exit kt_sweep(kt_sweep_options *o, const kt_sweeping *sweeping) {
+  if (!kt_formats_parse(&o->common, o->format ? o->format : "csv,svg", &o->formats))
+    return KT_USAGE;
   if (o->models.count > KT_MOST_MODELS)
     return kt_usage(&o->common, "MODEL", "…", "at most 64 models");
   bool tables_only = !o->formats.wanted[KT_SVG] && !o->formats.wanted[KT_PDF] && !o->formats.wanted[KT_PNG];

@@ -32,6 +32,7 @@ static const struct argp_option table[] = {
      "condition "
      "number as columns; nan where undefined",
      1},
+    KT_FORMAT_OPTION,
     {NULL, 'o', "BASE", 0, "Files are BASE.advantage.FORMAT (default: the model's name); - is the standard output", 2},
     {0}};
 
@@ -52,6 +53,9 @@ static error_t parse(int key, char *arg, struct argp_state *state) {
     return 0;
   case OPTION_TRANSMISSION:
     o->transmission = true;
+    return 0;
+  case KT_OPTION_FORMAT:
+    o->sweep.format = arg;
     return 0;
   case 'o':
     o->sweep.base = arg;
@@ -120,7 +124,6 @@ kt_exit kma_sweep(int argc, char **argv) {
       NULL};
   options o = {.sweep = {.common = {.tool = "kma", .jobs = 1, .seed = 1}}};
   o.sweep.own = &o;
-  o.sweep.formats.wanted[KT_CSV] = o.sweep.formats.wanted[KT_SVG] = true;
   kt_parse(&argp, argc, argv, &o);
   return kt_sweep(&o.sweep, &sweeping);
 }

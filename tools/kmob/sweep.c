@@ -9,6 +9,7 @@ enum { OPTION_POINT = 0x3101 };
 
 static const struct argp_option table[] = {
     {"point", OPTION_POINT, "BODY/FRAME", 0, "Add the path of a frame's origin (repeatable)", 1},
+    KT_FORMAT_OPTION,
     {"output", 'o', "BASE", 0, "Files are BASE.mobility.FORMAT (default: the model's name); - is the standard output",
      2},
     {0}};
@@ -21,6 +22,9 @@ static error_t parse(int key, char *arg, struct argp_state *state) {
     return 0;
   case OPTION_POINT:
     kt_texts_add(&o->points, arg, state);
+    return 0;
+  case KT_OPTION_FORMAT:
+    o->format = arg;
     return 0;
   case 'o':
     o->base = arg;
@@ -71,7 +75,6 @@ kt_exit kmob_sweep(int argc, char **argv) {
   const struct argp argp = {table,    parse, "MODEL...", "Mobility numbers of every joint over the range of a driver.",
                             children, NULL,  NULL};
   kt_sweep_options o = {.common = {.tool = "kmob", .jobs = 1, .seed = 1}};
-  o.formats.wanted[KT_CSV] = o.formats.wanted[KT_SVG] = true;
   kt_parse(&argp, argc, argv, &o);
   return kt_sweep(&o, &sweeping);
 }

@@ -20,6 +20,7 @@ enum { OPTION_POINT = 0x5101 };
 
 static const struct argp_option table[] = {
     {"point", OPTION_POINT, "BODY/FRAME", 0, "Add the path of a frame's origin (repeatable)", 1},
+    KT_FORMAT_OPTION,
     {"output", 'o', "BASE", 0, "Files are BASE.forces.FORMAT (default: the model's name); - is the standard output", 2},
     {0}};
 
@@ -32,6 +33,9 @@ static error_t parse(int key, char *arg, struct argp_state *state) {
     return 0;
   case OPTION_POINT:
     kt_texts_add(&o->sweep.points, arg, state);
+    return 0;
+  case KT_OPTION_FORMAT:
+    o->sweep.format = arg;
     return 0;
   case 'o':
     o->sweep.base = arg;
@@ -99,7 +103,6 @@ kt_exit kstatic_sweep(int argc, char **argv) {
       NULL};
   options o = {.sweep = {.common = {.tool = "kstatic", .jobs = 1, .seed = 1}}};
   o.sweep.own = &o.acting;
-  o.sweep.formats.wanted[KT_CSV] = o.sweep.formats.wanted[KT_SVG] = true;
   kt_parse(&argp, argc, argv, &o);
   return kt_sweep(&o.sweep, &sweeping);
 }
