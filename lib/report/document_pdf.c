@@ -73,15 +73,6 @@ static void write_titles(writer *w) {
   w->y += height_of(w, &subtitle, w->document->subtitle) + 1.6 * gap;
 }
 
-static void write_heading(writer *w, const km_block *block, const km_block *next) {
-  const km_font font = {.size = 12, .bold = true, .width = text_width()};
-  double height = height_of(w, &font, block->text);
-  double after = next && next->kind == KM_BLOCK_PICTURE ? next->height : 60;
-  need(w, height + 4 + after);
-  write(w, &font, black, block->text, margin, w->y, 0);
-  w->y += height + 5;
-}
-
 static void write_text(writer *w, const km_block *block) {
   const km_font font = {.size = 9, .width = text_width(), .lines = 40};
   double height = height_of(w, &font, block->text);
@@ -174,15 +165,47 @@ static void write_picture(writer *w, const km_block *block) {
   w->y += block->height + gap;
 }
 
+/* What a block will take of a page. */
+static double block_height(const writer *w, const km_block *block) {
+  const km_font paragraph = {.size = 9, .width = text_width(), .lines = 40};
+  double width[MOST_COLUMNS];
+  km_font font;
+  switch (block->kind) {
+  case KM_BLOCK_TEXT:
+    return height_of(w, &paragraph, block->text) + gap;
+  case KM_BLOCK_TABLE:
+    font = fit_columns(w, block, width);
+    return (double)block->rows * (height_of(w, &font, "Ag") + 2 * cell_pad) + 1.4 * gap;
+  case KM_BLOCK_PICTURE:
+    return block->height + gap;
+  default:
+    return 15.0 * (double)block->rows;
+  }
+}
+
+/* A heading stays with all that is under it, if that fits on a page, else with what comes first. */
+static void write_heading(writer *w, const km_block *block, const km_block *end) {
+  const km_font font = {.size = 12, .bold = true, .width = text_width()};
+  double height = height_of(w, &font, block->text) + 5, section = height, first = height;
+  for (const km_block *b = block + 1; b < end && b->kind != KM_BLOCK_HEADING; ++b) {
+    section += block_height(w, b);
+    if (b == block + 1)
+      first += fmin(block_height(w, b), b->kind == KM_BLOCK_PICTURE ? HUGE_VAL : 60.0);
+  }
+  need(w, section <= page_height - margin - foot ? section - gap : first);
+  write(w, &font, black, block->text, margin, w->y, 0);
+  w->y += height;
+}
+
 static void lay_out(writer *w) {
   w->page = 1;
   w->y = margin;
   write_titles(w);
   for (size_t i = 0; i < w->document->count && !w->status; ++i) {
-    const km_block *block = &w->document->blocks[i], *next = i + 1 < w->document->count ? block + 1 : NULL;
+    const km_block *block = &w->document->blocks[i];
     switch (block->kind) {
     case KM_BLOCK_HEADING:
-      write_heading(w, block, next);
+      write_heading(w, block, w->document->blocks + w->document->count);
       break;
     case KM_BLOCK_TEXT:
       write_text(w, block);

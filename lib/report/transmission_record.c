@@ -6,9 +6,9 @@
 
 void km_transmission_list(const km_mechanism *m, const km_transmission *t, const km_handle *output,
                           km_named_metric out[KM_TRANSMISSION_METRICS]) {
-  static const char *const words[KM_TRANSMISSION_METRICS] = {"transmission angle",         "virtual coefficient",
-                                                             "Sutherland-Roth index",      "Chen-Angeles index",
-                                                             "manipulability (Yoshikawa)", "condition number"};
+  static const char *const words[KM_TRANSMISSION_METRICS] = {"transmission angle",    "virtual coefficient",
+                                                             "Sutherland-Roth index", "Chen-Angeles index",
+                                                             "manipulability",        "condition number"};
   const km_metric *const metrics[KM_TRANSMISSION_METRICS] = {
       &t->angle, &t->virtual_coefficient, &t->sutherland_roth, &t->chen_angeles, &t->manipulability, &t->condition};
   for (int i = 0; i < KM_TRANSMISSION_METRICS; ++i)

@@ -60,6 +60,10 @@ enum { KT_OPTION_FORMAT = 0x3201 };
 /* Sweeps every model, --jobs at once, and writes what was asked for. */
 kt_exit kt_sweep(kt_sweep_options *options, const kt_sweeping *sweeping);
 
+/* Opens the job's model, makes its plan and runs the sweep; job->result says how it went. `prepare` may be NULL. */
+void kt_sweep_job_run(kt_sweep_job *job, kt_exit (*prepare)(kt_sweep_job *job),
+                      km_status (*run)(kt_sweep_job *job, const km_sweep **motion, km_error *error));
+
 /* Reads the plan of a model from the options over the model's own. Says what is wrong. */
 kt_exit kt_sweep_plan(kt_sweep_job *job);
 

@@ -1,10 +1,11 @@
-/* kma sweep: mechanical advantage over a driver's range. */
-#include "common/sweep.h"
+/* kma sweep and kma report: mechanical advantage over a driver's range. */
+#include "common/report.h"
 #include "kma/kma.h"
 
 #include "kmech/advantage_sweep.h"
 #include "report/advantage_plot.h"
 #include "report/advantage_record.h"
+#include "report/advantage_report.h"
 
 #include <string.h>
 
@@ -20,13 +21,19 @@ enum { OPTION_TRANSMISSION = 0x4101 };
 typedef struct product {
   kma_ends ends;
   km_advantage_sweep sweep;
+  km_transmission transmission; /* of the last row; for a report */
 } product;
 
+#define POINT_OPTION                                                                                                   \
+  {                                                                                                                    \
+    "point", KMA_OPTION_POINT, "BODY/FRAME[:DX,DY,DZ]", 0,                                                             \
+        "With a direction: a point as output (a second one: as input before it); without: add the path of a frame's "  \
+        "origin (repeatable)",                                                                                         \
+        1                                                                                                              \
+  }
+
 static const struct argp_option table[] = {
-    KMA_ENDS_OPTIONS{"point", KMA_OPTION_POINT, "BODY/FRAME[:DX,DY,DZ]", 0,
-                     "With a direction: a point as output (a second one: as input before it); without: add the path of "
-                     "a frame's origin (repeatable)",
-                     1},
+    KMA_ENDS_OPTIONS POINT_OPTION,
     {"transmission", OPTION_TRANSMISSION, NULL, 0,
      "Add transmission angle, virtual coefficient, Sutherland-Roth and Chen-Angeles indices, manipulability and "
      "condition "
@@ -35,6 +42,9 @@ static const struct argp_option table[] = {
     KT_FORMAT_OPTION,
     {NULL, 'o', "BASE", 0, "Files are BASE.advantage.FORMAT (default: the model's name); - is the standard output", 2},
     {0}};
+
+static const struct argp_option report_table[] = {
+    KMA_ENDS_OPTIONS POINT_OPTION, KT_REPORT_FORMAT_OPTION, {NULL, 'o', "BASE", 0, KT_REPORT_BASE, 2}, {0}};
 
 static error_t parse(int key, char *arg, struct argp_state *state) {
   options *o = state->input;
@@ -126,4 +136,47 @@ kt_exit kma_sweep(int argc, char **argv) {
   o.sweep.own = &o;
   kt_parse(&argp, argc, argv, &o);
   return kt_sweep(&o.sweep, &sweeping);
+}
+
+/* The sweep with its metrics, and why they are undefined where the sweep ends. */
+static km_status run_report(kt_sweep_job *j, const km_sweep **motion, km_error *error) {
+  product *p = j->own;
+  *motion = &p->sweep.motion;
+  km_status status = km_advantage_sweep_run(j->pose.mechanism, j->pose.state, &j->plan, &p->ends.input, &p->ends.output,
+                                            true, &p->sweep, error);
+  km_transmission_work *work;
+  km_mobility mobility;
+  if (status && status != KM_PARTIAL)
+    return status;
+  km_status made = km_transmission_create(j->pose.mechanism, &p->ends.input, &p->ends.output, &work, error);
+  if (made)
+    return made;
+  km_mobility_update(j->pose.mechanism, j->pose.state, &mobility);
+  km_transmission_update(j->pose.mechanism, j->pose.state, work, &p->transmission);
+  km_transmission_free(work);
+  return status;
+}
+
+static km_status write_report(const kt_sweep_job *j, bool html, km_text *out, km_error *error) {
+  const product *p = j->own;
+  km_plotted_advantage plotted = {{j->pose.mechanism, &j->plan, &p->sweep.motion, j->base}, &p->sweep};
+  return km_advantage_report(&plotted, &p->transmission, j->stopped_by.data ? j->stopped_by.data : "", html, out,
+                             error);
+}
+
+kt_exit kma_report(int argc, char **argv) {
+  static const kt_reporting reporting = {prepare, run_report, write_report, free_own};
+  const struct argp_child children[] = {{&kt_sweep_argp, 0, NULL, 0}, {0}};
+  const struct argp argp = {report_table,
+                            parse,
+                            "MODEL",
+                            "A report to hand on: the mechanism in its poses, the leverage curve with its extremes and "
+                            "toggles, transmission metrics and a table, as PDF pages or one HTML file.",
+                            children,
+                            NULL,
+                            NULL};
+  options o = {.sweep = {.common = {.tool = "kma", .jobs = 1, .seed = 1}}};
+  o.sweep.own = &o;
+  kt_parse(&argp, argc, argv, &o);
+  return kt_report(&o.sweep, &reporting);
 }
