@@ -1,6 +1,6 @@
 /* Mobility numbers over a sweep, and where a joint loses its grip: roots of its entry in the direction of motion. */
 #include "kmech/mobility_sweep.h"
-#include "analysis/sweeper.h"
+#include "analysis/singular.h"
 
 /* |z| below this is 0: z = Z_j of the one free direction, known to about 1e-12. */
 static const double zero = 1e-9;
@@ -11,6 +11,7 @@ typedef struct watch {
   double *z, *last_z; /* [coordinate] unit direction of motion at the row and at the row before */
   double last_s;
   bool have_last;
+  km_singular_watch singular;
 } watch;
 
 static bool add_columns(void *self, const km_sweeper *r, km_table *table) {
@@ -25,11 +26,11 @@ static bool add_columns(void *self, const km_sweeper *r, km_table *table) {
     for (int k = 0; k < freedom; ++k)
       added = km_sweeper_column(table, "m.", model->coordinates[joint->first_coordinate + k].label, "", NULL) && added;
   }
-  return added;
+  return (!r->plan->singularities || km_sweeper_column(table, "", "singular_value", "", NULL)) && added;
 }
 
 static double *write_numbers(void *self, km_sweeper *r, double *cell) {
-  (void)self;
+  watch *w = self;
   const km_model *model = r->m->model;
   for (int j = 0; j < model->joint_count; ++j) {
     int first = model->joints[j].first_coordinate, freedom = km_model_freedom(model, j);
@@ -38,6 +39,8 @@ static double *write_numbers(void *self, km_sweeper *r, double *cell) {
     for (int k = 0; k < freedom; ++k)
       *cell++ = r->s->numbers[first + k];
   }
+  if (r->plan->singularities)
+    *cell++ = km_singular_kept(&w->singular, r);
   return cell;
 }
 
@@ -102,6 +105,9 @@ static void note_extremes(const watch *w, const km_sweeper *r, double s) {
 /* Looks for toggles since the last row, and comes back to this one. */
 static km_status see(void *self, km_sweeper *r, double s, km_error *error) {
   watch *w = self;
+  km_status status = km_singular_see(&w->singular, r, s, w->out, error);
+  if (status)
+    return status;
   note_extremes(w, r, s);
   if (!direction(r, w->z)) {
     w->have_last = false;
@@ -129,8 +135,15 @@ static km_status see(void *self, km_sweeper *r, double s, km_error *error) {
   return failed ? km_fail(error, KM_MEMORY, "out of memory for the toggles") : KM_OK;
 }
 
+static km_status pass(void *self, km_sweeper *r, double s, km_error *error) {
+  watch *w = self;
+  return km_singular_see(&w->singular, r, s, w->out, error);
+}
+
 static void forget(void *self) {
-  ((watch *)self)->have_last = false;
+  watch *w = self;
+  w->have_last = false;
+  w->singular.scan.have = 0;
 }
 
 static km_status end_at(void *self, km_sweeper *r, double s, km_error *error) {
@@ -142,16 +155,19 @@ static km_status end_at(void *self, km_sweeper *r, double s, km_error *error) {
 km_status km_mobility_sweep_run(const km_mechanism *m, km_state *s, const km_sweep_plan *plan, km_mobility_sweep *out,
                                 km_error *error) {
   size_t count = (size_t)m->coordinate_count;
-  *out = (km_mobility_sweep){.motion = {.substructure = -1}, .extremes = KM_NEW(km_extreme, count)};
+  *out = (km_mobility_sweep){
+      .motion = {.substructure = -1}, .extremes = KM_NEW(km_extreme, count), .smallest = {nan(""), nan("")}};
   double *z = KM_NEW(double, 2 * count);
-  km_status status = z && out->extremes ? KM_OK : km_fail(error, KM_MEMORY, "out of memory for a sweep");
+  watch w = {.out = out, .z = z, .last_z = z + count};
+  bool ready = z && out->extremes && (!plan->singularities || km_singular_watch_make(&w.singular, m));
+  km_status status = ready ? KM_OK : km_fail(error, KM_MEMORY, "out of memory for a sweep");
   if (!status) {
-    watch w = {.out = out, .z = z, .last_z = z + count};
-    km_observer observer = {&w, add_columns, write_numbers, see, NULL, forget, end_at};
+    km_observer observer = {&w, add_columns, write_numbers, see, plan->singularities ? pass : NULL, forget, end_at};
     for (size_t c = 0; c < count; ++c)
       out->extremes[c] = (km_extreme){HUGE_VAL, nan("")};
     status = km_sweep_run(m, s, plan, &observer, &out->motion, error);
   }
+  km_singular_watch_free(&w.singular);
   km_free(z);
   return status;
 }
@@ -160,5 +176,6 @@ void km_mobility_sweep_free(km_mobility_sweep *sweep) {
   km_sweep_free(&sweep->motion);
   km_free(sweep->toggles);
   km_free(sweep->extremes);
+  km_free(sweep->minima);
   *sweep = (km_mobility_sweep){0};
 }

@@ -41,7 +41,7 @@ static double at(double s, void *context) {
   search *q = context;
   if (!q->r->mover.probe(q->r->mover.self, s, q->r->rates)) {
     q->lost = true;
-    return 0.0;
+    return (double)NAN; /* ends the search */
   }
   if (q->r->substructure >= 0)
     km_numbers_update(q->r->m, q->r->s, q->r->substructure);
@@ -104,7 +104,7 @@ static km_status find_extreme(km_scan *scan, km_sweeper *r, int i, double sign, 
   }
   double s = gsl_min_fminimizer_x_minimum(solver), value = sign * gsl_min_fminimizer_f_minimum(solver);
   gsl_min_fminimizer_free(solver);
-  if (q.lost)
+  if (q.lost && !scan->best_counts)
     return KM_OK;
   double around = fabs(scan->f[0][i]) + fabs(scan->f[2][i]);
   km_event_kind kind = fabs(value) > unbounded * around ? KM_EVENT_POLE

@@ -31,6 +31,7 @@ typedef struct km_scan {
   /* f[count] at the state's pose; NaN where one has no value. */
   void (*values)(void *self, km_sweeper *sweeper, double *f);
   bool zeros, extremes; /* what to look for */
+  bool best_counts;     /* an extreme next to which poses can't be reached is the best one found */
   km_events *events;
   double s[3], *f[3]; /* the last samples, the newest first */
   int have;

@@ -1,7 +1,6 @@
 /* Branch points of sweeps by a driver: where they are, and how to start from one. */
-#include "analysis/branches.h"
 #include "analysis/sweeper.h"
-#include "kinematics/closure.h"
+#include "kinematics/branches.h"
 #include "kinematics/follow.h"
 
 #include <math.h>
@@ -67,39 +66,8 @@ km_status km_sweeper_find_branch(km_sweeper *r, km_error *error) {
   return status;
 }
 
-static int fastest(const double *directions, int count, int columns, int column) {
-  int best = -1;
-  double largest = 0.0;
-  for (int i = 0; i < count; ++i) {
-    double rate = fabs(directions[(size_t)i * (size_t)columns + (size_t)column]);
-    if (rate > 1.000001 * largest) {
-      largest = rate;
-      best = i;
-    }
-  }
-  return best;
-}
-
 km_status km_sweeper_leave_branch(km_sweeper *r, int coordinate, km_error *error) {
-  static const double short_step = 5e-3;
-  const km_mechanism *m = r->m;
-  if (r->substructure < 0)
-    return KM_OK;
-  const km_substructure *sub = &m->substructures[r->substructure];
-  double *directions = KM_NEW(double, (size_t)KM_MOST_BRANCHES *(size_t)sub->columns);
-  if (!directions)
-    return km_fail(error, KM_MEMORY, "out of memory for a sweep");
-  r->out->start_branches = km_branch_directions(m, r->s, r->substructure, directions);
-  int best = fastest(directions, r->out->start_branches, sub->columns, m->column_of[coordinate]);
-  if (best >= 0) {
-    km_closure evidence;
-    double *step = directions + (size_t)best * (size_t)sub->columns;
-    for (int k = 0; k < sub->columns; ++k)
-      step[k] *= short_step;
-    km_state_move(m, r->s, sub, step);
-    r->s->pivoted[r->substructure] = KM_NEVER;
-    km_close(m, r->s, r->substructure, KM_NO_DRIVER, &evidence);
-  }
-  km_free(directions);
-  return KM_OK;
+  int count = km_branch_leave(r->m, r->s, coordinate);
+  r->out->start_branches = count;
+  return count < 0 ? km_fail(error, KM_MEMORY, "out of memory for a sweep") : KM_OK;
 }

@@ -1,6 +1,6 @@
 /* Sweeps by arc length. */
-#include "analysis/branches.h"
 #include "analysis/sweeper.h"
+#include "kinematics/branches.h"
 #include "kinematics/closure.h"
 #include "kinematics/follow.h"
 
@@ -134,17 +134,6 @@ static km_status only_row(km_sweeper *r, km_error *error) {
   return status ? status : KM_PARTIAL;
 }
 
-static km_status leave_branch(km_sweeper *r, km_follow *follow, km_error *error) {
-  double *directions = KM_NEW(double, KM_MOST_BRANCHES *(size_t)r->m->substructures[r->substructure].columns);
-  if (!directions)
-    return km_fail(error, KM_MEMORY, "out of memory for the branch points");
-  r->out->start_branches = km_branch_directions(r->m, r->s, r->substructure, directions);
-  if (r->out->start_branches > 0)
-    km_follow_set_out(follow, directions, r->out->start_branches);
-  km_free(directions);
-  return KM_OK;
-}
-
 km_status km_sweep_by_length(km_sweeper *r, km_error *error) {
   km_follow *follow;
   km_sweeper_prepare(r);
@@ -155,9 +144,8 @@ km_status km_sweep_by_length(km_sweeper *r, km_error *error) {
   r->mover = (km_mover){follow, rates, probe, settle};
   r->substructure = r->out->substructure = km_follow_substructure(follow);
   km_sweeper_prepare(r);
-  status = leave_branch(r, follow, error);
-  if (!status)
-    status = rows(r, follow, error);
+  r->out->start_branches = km_follow_start_branches(follow);
+  status = rows(r, follow, error);
   km_follow_free(follow);
   return status;
 }

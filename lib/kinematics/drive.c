@@ -41,15 +41,16 @@ typedef enum attempt { ACCEPTED, OPEN, BENT, LIMITED, EXHAUSTED } attempt;
 
 enum { MOST_STEPS = 200000 }; /* towards one target */
 
-static bool allocate(km_drive *d, int rows, int columns) {
-  size_t n = (size_t)columns;
+static bool allocate(km_drive *d, const km_substructure *sub) {
+  size_t n = (size_t)sub->columns;
   double **arrays[] = {&d->t, &d->last_t, &d->last_move, &d->next_t, &d->move, &d->begin_t};
   double **poses[] = {&d->saved, &d->near, &d->far, &d->begin, &d->first};
   for (size_t i = 0; i < sizeof arrays / sizeof *arrays; ++i)
     *arrays[i] = KM_ARENA_NEW(&d->arena, double, n);
   for (size_t i = 0; i < sizeof poses / sizeof *poses; ++i)
     *poses[i] = KM_ARENA_NEW(&d->arena, double, KM_SAVED_PER_COLUMN *n);
-  return km_partition_reserve(&d->reference, rows, columns, &d->arena);
+  return km_partition_reserve_like(&d->reference, &d->state->partition[d->substructure], sub->rows, sub->columns,
+                                   &d->arena);
 }
 
 km_status km_drive_create(const km_mechanism *m, km_state *s, int coordinate, bool ignore_limits, km_drive **out,
@@ -75,7 +76,7 @@ km_status km_drive_create(const km_mechanism *m, km_state *s, int coordinate, bo
                   .s = s->q[coordinate] / m->unit[coordinate],
                   .largest = longest};
   const km_substructure *sub = d->substructure >= 0 ? &m->substructures[d->substructure] : NULL;
-  if (sub && !allocate(d, sub->rows, sub->columns)) {
+  if (sub && !allocate(d, sub)) {
     km_drive_free(d);
     return km_fail(error, KM_MEMORY, "out of memory for a sweep");
   }

@@ -1,5 +1,6 @@
 #include "kmech/follow.h"
 
+#include "kinematics/branches.h"
 #include "kinematics/closure.h"
 #include "kinematics/curve.h"
 #include "kinematics/follow.h"
@@ -251,8 +252,8 @@ km_status km_follow_advance(km_follow *f, double length) {
   return KM_OK;
 }
 
-static bool allocate(km_follow *f, int rows, int columns) {
-  size_t n = (size_t)columns;
+static bool allocate(km_follow *f, const km_substructure *sub) {
+  size_t n = (size_t)sub->columns;
   double **vectors[] = {&f->t,      &f->next_t, &f->last_t,   &f->last_move, &f->move,
                         &f->near_t, &f->far_t,  &f->origin_t, &f->scratch,   &f->branch_t};
   double **poses[] = {&f->here, &f->near, &f->far, &f->origin, &f->branch_pose};
@@ -260,7 +261,8 @@ static bool allocate(km_follow *f, int rows, int columns) {
     *vectors[i] = KM_ARENA_NEW(&f->arena, double, n);
   for (size_t i = 0; i < sizeof poses / sizeof *poses; ++i)
     *poses[i] = KM_ARENA_NEW(&f->arena, double, KM_SAVED_PER_COLUMN *n);
-  return km_partition_reserve(&f->reference, rows, columns, &f->arena);
+  return km_partition_reserve_like(&f->reference, &f->state->partition[f->substructure], sub->rows, sub->columns,
+                                   &f->arena);
 }
 
 /* The direction in which column k moves with `sign` and the others move least. */
@@ -294,7 +296,7 @@ static int first_moving(const km_mechanism *m, km_state *s) {
 static km_status start(km_follow *f, int coordinate, double sign, km_error *error) {
   const km_mechanism *m = f->mechanism;
   const km_substructure *sub = sub_of(f);
-  if (!allocate(f, sub->rows, sub->columns))
+  if (!allocate(f, sub))
     return km_fail(error, KM_MEMORY, "out of memory for following a motion");
   km_loops_update(m, f->state, sub);
   km_pivot(m, f->state, f->substructure, KM_NO_DRIVER, km_rank_tolerance(m, sub, 0.0));
@@ -305,6 +307,18 @@ static km_status start(km_follow *f, int coordinate, double sign, km_error *erro
                    f->freedom ? "the joint that should is at a toggle" : "the mechanism is a structure at this pose");
   remember(f);
   set_origin(f);
+  return KM_OK;
+}
+
+/* At a branch point the null space mixes the motions that meet there. */
+static km_status leave_branch(km_follow *f, km_error *error) {
+  double *directions = KM_NEW(double, KM_MOST_BRANCHES *(size_t)sub_of(f)->columns);
+  if (!directions)
+    return km_fail(error, KM_MEMORY, "out of memory for the branch points");
+  f->start_branches = km_branch_directions(f->mechanism, f->state, f->substructure, directions);
+  if (f->start_branches > 0)
+    km_follow_set_out(f, directions, f->start_branches);
+  km_free(directions);
   return KM_OK;
 }
 
@@ -327,6 +341,8 @@ km_status km_follow_create(const km_mechanism *m, km_state *s, int coordinate, d
                    .ignore_limits = ignore_limits,
                    .limit = -1};
   km_status status = start(f, coordinate, sign < 0.0 ? -1.0 : 1.0, error);
+  if (!status)
+    status = leave_branch(f, error);
   if (status)
     km_follow_free(f);
   else
@@ -339,6 +355,10 @@ void km_follow_free(km_follow *f) {
     return;
   km_arena_free(&f->arena);
   km_free(f);
+}
+
+int km_follow_start_branches(const km_follow *f) {
+  return f->start_branches;
 }
 
 int km_follow_substructure(const km_follow *f) {

@@ -10,8 +10,9 @@ struct km_follow {
   const km_mechanism *mechanism;
   km_state *state;
   int substructure, freedom;
-  double s, largest; /* arc length so far; the step that step control allows now */
-  double origin_s;   /* arc length of the pose whose return closes the cycle: at a branch point, the first after it */
+  int start_branches; /* motions that meet at the starting pose; 0: it is regular */
+  double s, largest;  /* arc length so far; the step that step control allows now */
+  double origin_s;    /* arc length of the pose whose return closes the cycle: at a branch point, the first after it */
   bool closed, ignore_limits, origin_waits; /* for that first pose */
   int limit;                                /* the coordinate whose limit ended the motion, -1 */
   double *t, *next_t, *move, *scratch;      /* [column] */

@@ -1,6 +1,8 @@
 #include "kinematics/loops.h"
 
-/* Symbols: X pose of a slot, h unit twist of a step, e = log(X_a X_b⁻¹), J = ±h. */
+/* Symbols: X pose of a slot, h unit twist of a step, e = log(X_a X_b⁻¹), J = ±h. Loops that have all rows of v and w
+ * take both at a point of their own, o: in a chain of many loops on one base they would lose digits about a common one.
+ */
 
 static inline double wrapped(double angle) {
   return fabs(angle) <= M_PI ? angle : angle - 2.0 * M_PI * round(angle / (2.0 * M_PI));
@@ -54,13 +56,16 @@ static km_vec3 planar_error(const km_loop *loop, const km_planar_pose *slot) {
 static void planar_loop(const km_mechanism *m, const km_loop *loop, const km_planar_pose *slot, const km_twist *h,
                         km_twist *misfit, double *error, double *J, int rows) {
   km_vec3 e = planar_error(loop, slot);
-  const double values[3] = {e.x, e.y, e.z};
+  const km_planar_pose *o = &slot[loop->slot[0]];
+  double ox = loop->local ? o->x : 0.0, oy = loop->local ? o->y : 0.0;
+  const double values[3] = {e.x - e.z * oy, e.y + e.z * ox, e.z};
   *misfit = (km_twist){{e.x, e.y, loop->fixed_misfit[2]}, {loop->fixed_misfit[3], loop->fixed_misfit[4], e.z}};
   for (int r = 0; r < loop->lambda; ++r)
     error[loop->row_start + r] = values[loop->rows[r]];
   for (int i = 0; i < loop->entry_count; ++i) {
     const km_entry *entry = &m->entries[loop->entry_start + i];
-    const double column[3] = {h[entry->step].v.x, h[entry->step].v.y, h[entry->step].v.z};
+    km_vec3 v = h[entry->step].v;
+    const double column[3] = {v.x - v.z * oy, v.y + v.z * ox, v.z};
     double *out = J + (size_t)entry->column * (size_t)rows + loop->row_start;
     for (int r = 0; r < loop->lambda; ++r)
       out[r] = entry->side * column[loop->rows[r]];
@@ -127,7 +132,8 @@ static void spatial_loop(const km_mechanism *m, const km_program *program, const
   km_pose b = km_pose_product(&s->slot[loop->slot[1]], &loop->close[1]);
   km_pose back = km_pose_inverse(&b), E = km_pose_product(&a, &back);
   *misfit = km_twist_log(&E);
-  const double values[6] = {misfit->v.x, misfit->v.y, misfit->v.z, misfit->w.x, misfit->w.y, misfit->w.z};
+  km_vec3 o = loop->local ? a.p : (km_vec3){0, 0, 0}, e = km_vec3_add(misfit->v, km_vec3_cross(misfit->w, o));
+  const double values[6] = {e.x, e.y, e.z, misfit->w.x, misfit->w.y, misfit->w.z};
   for (int r = 0; r < loop->lambda; ++r)
     error[loop->row_start + r] = values[loop->rows[r]];
   for (int i = 0; i < loop->entry_count; ++i) {
@@ -135,7 +141,8 @@ static void spatial_loop(const km_mechanism *m, const km_program *program, const
     int freedom = km_primitive_freedom(m->steps[program->step_start + entry->step].primitive);
     for (int k = 0; k < freedom; ++k) {
       const km_twist *h = &s->twist[3 * entry->step + k];
-      const double column[6] = {h->v.x, h->v.y, h->v.z, h->w.x, h->w.y, h->w.z};
+      km_vec3 v = km_vec3_add(h->v, km_vec3_cross(h->w, o));
+      const double column[6] = {v.x, v.y, v.z, h->w.x, h->w.y, h->w.z};
       double *out = J + (size_t)(entry->column + k) * (size_t)rows + loop->row_start;
       for (int r = 0; r < loop->lambda; ++r)
         out[r] = entry->side * column[loop->rows[r]];

@@ -63,13 +63,21 @@ km_twist km_coordinate_twist_about(const km_mechanism *m, const km_state *s, con
   return km_motion_twist(p.motion[i], pitch, &X, coordinate - p.coordinate[i]);
 }
 
+static void update_body(const km_mechanism *m, const km_state *s, const km_arc *arc, km_pose *pose) {
+  km_pose step = across(m, s, arc);
+  pose[arc->body] = km_pose_product(&pose[arc->parent], &step);
+}
+
 void km_poses_about(const km_mechanism *m, const km_state *s, km_vec3 origin, km_pose *pose) {
   pose[0] = (km_pose){km_rotation_identity(), km_vec3_scale(-1.0, origin)};
-  for (int i = 0; i < m->topology.body_count - 1; ++i) {
-    const km_arc *arc = &m->arcs[i];
-    km_pose step = across(m, s, arc);
-    pose[arc->body] = km_pose_product(&pose[arc->parent], &step);
-  }
+  for (int i = 0; i < m->topology.body_count - 1; ++i)
+    update_body(m, s, &m->arcs[i], pose);
+}
+
+void km_poses_update_in(const km_mechanism *m, km_state *s, int substructure) {
+  const km_topology *t = &m->topology;
+  for (int i = t->body_start[substructure]; i < t->body_start[substructure + 1]; ++i)
+    update_body(m, s, &m->arcs[m->arc_of[t->body[i]]], s->pose);
 }
 
 void km_poses_update(const km_mechanism *m, km_state *s) {

@@ -9,6 +9,9 @@
  * at its origin, from the rates of all coordinates (radians, model's length). After km_poses_update. */
 km_twist km_body_twist(const km_mechanism *mechanism, const km_state *state, int body, const double *rates);
 
+/* The bodies that a substructure carries, where its base stands; what hangs on them stays behind. */
+void km_poses_update_in(const km_mechanism *mechanism, km_state *state, int substructure);
+
 /* The twist of a coordinate's unit rate, child against parent in the user's sense, in the inertial frame at its
  * origin; lengths in the model's unit. After km_poses_update. */
 km_twist km_coordinate_twist(const km_mechanism *mechanism, const km_state *state, int coordinate);

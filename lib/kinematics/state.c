@@ -31,7 +31,7 @@ static bool allocate(const km_mechanism *m, km_state *s) {
   s->work = KM_ARENA_NEW(arena, double, columns);
   s->forced = KM_ARENA_NEW(arena, bool, columns);
   for (int i = 0; i < t->substructure_count && !arena->failed; ++i)
-    km_partition_reserve(&s->partition[i], m->substructures[i].rows, m->substructures[i].columns, arena);
+    km_state_reserve_partition(m, s, i);
   for (int i = 0; i < t->substructure_count && !arena->failed; ++i)
     s->pivoted[i] = KM_NEVER;
   return !arena->failed;

@@ -42,6 +42,10 @@ static inline double *km_state_basis(km_state *s, const km_substructure *sub) {
   return s->basis + sub->basis_start;
 }
 
+/* Space for the partition of one substructure's Jacobian, dense or sparse, whichever is faster. False when out of
+ * memory. */
+bool km_state_reserve_partition(const km_mechanism *mechanism, km_state *state, int substructure);
+
 /* Adds a step to the coordinates of a substructure: step[column] scaled; a ball turns about the axes of the
  * joint's parent frame. */
 void km_state_move(const km_mechanism *mechanism, km_state *state, const km_substructure *sub, const double *step);

@@ -5,6 +5,7 @@
 
 #include "base/value.h"
 #include "kmech/status.h"
+#include "model/place.h"
 #include "model/units.h"
 
 typedef enum km_shape {
@@ -70,6 +71,9 @@ const km_field *km_format_field(const km_object_format *format, const char *key)
 /* Checks kinds, required keys and number ranges of the whole tree; unknown keys are warnings with the
  * nearest known key. Every finding starts with the place, as `assemblies[0].joints[2].type`. */
 void km_format_check(const km_value *root, km_messages *messages);
+/* The same of an object with another table, at a place (NULL: the root). */
+void km_format_check_as(const km_value *root, const km_object_format *format, const km_place *place,
+                        km_messages *messages);
 
 /* The published JSON schema (draft 2020-12) of the table. */
 const km_value *km_format_schema(km_arena *arena);

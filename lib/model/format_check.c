@@ -239,6 +239,11 @@ static void check_object(km_messages *m, const km_place *place, const km_value *
   }
 }
 
+void km_format_check_as(const km_value *root, const km_object_format *format, const km_place *place,
+                        km_messages *messages) {
+  check_object(messages, place, root, format);
+}
+
 void km_format_check(const km_value *root, km_messages *messages) {
-  check_object(messages, NULL, root, &km_format_model);
+  km_format_check_as(root, &km_format_model, NULL, messages);
 }

@@ -1,3 +1,5 @@
+#include "base/memory.h"
+#include "model/mesh.h"
 #include "model/model.h"
 
 #include <string.h>
@@ -23,4 +25,38 @@ bool km_model_find_mesh(const km_model *model, const char *name, km_text *path) 
     if (try_folder(model, d->string, name, path))
       return true;
   return false;
+}
+
+static km_status read_mesh(const km_model *model, const km_body_def *body, km_mesh **out, km_error *error) {
+  km_text path = {0};
+  km_status status = KM_OK;
+  if (!km_model_find_mesh(model, body->mesh, &path))
+    status = km_fail(error, KM_IO, "%s.definition: mesh \"%.200s\" is found neither beside the file nor in include_dir",
+                     body->where, body->mesh);
+  else
+    status = km_mesh_read(path.data, out, error);
+  km_text_free(&path);
+  return status;
+}
+
+km_status km_model_read_meshes(const km_model *model, km_mesh ***meshes, km_error *error) {
+  int count = 0;
+  km_status status = KM_OK;
+  km_mesh **list = *meshes = KM_NEW(km_mesh *, (size_t)model->body_count);
+  if (!list)
+    return km_fail(error, KM_MEMORY, "out of memory for meshes");
+  for (int b = 1; b < model->body_count && !status; ++b)
+    if (model->bodies[b].mesh) {
+      ++count;
+      status = read_mesh(model, &model->bodies[b], &list[b], error);
+    }
+  if (!status && count == 0)
+    return km_fail(error, KM_USAGE, "no body has a mesh; expected a definition, such as \"definition\": [\"arm.obj\"]");
+  return status;
+}
+
+void km_meshes_free(const km_model *model, km_mesh **meshes) {
+  for (int b = 0; meshes && b < model->body_count; ++b)
+    km_mesh_free(meshes[b]);
+  km_free(meshes);
 }

@@ -7,6 +7,7 @@
 #include "base/value.h"
 #include "kmech/model.h"
 #include "model/joint_type.h"
+#include "model/mesh.h"
 #include "spatial/pose.h"
 
 enum { KM_NO_ASSEMBLY = -1 };
@@ -129,6 +130,10 @@ struct km_model {
 
 /* Appends the path at which a mesh file is found: in the file's folder or one of include_dir. False if nowhere. */
 bool km_model_find_mesh(const km_model *model, const char *name, km_text *path);
+/* Reads the meshes of all bodies that name one: meshes[body], NULL for the others. KM_USAGE: there is none; KM_IO: one
+ * can't be found or read. The caller frees the list and each of them in any case: km_meshes_free. */
+km_status km_model_read_meshes(const km_model *model, km_mesh ***meshes, km_error *error);
+void km_meshes_free(const km_model *model, km_mesh **meshes);
 
 static inline int km_model_freedom(const km_model *model, int joint) {
   return km_joint_kind_of(model->joints[joint].type)->freedom;

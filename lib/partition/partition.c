@@ -1,6 +1,7 @@
 #include "partition/partition.h"
 #include "partition/pair.h"
 #include "partition/small.h"
+#include "partition/sparse.h"
 
 #include <math.h>
 #include <string.h>
@@ -196,21 +197,30 @@ void km_partition_factor(km_partition *p, const double *matrix, int rows, int co
   p->first_pivot = p->last_pivot = p->first_dropped = 0.0;
   p->smallest_pivot = (double)INFINITY;
   p->forced_dependent = false;
-  int candidates = order_columns(p, forced);
-  if (is_small(p))
-    km_small_factor(p, matrix, candidates, tolerance);
-  else
-    factor(p, matrix, candidates, tolerance);
+  if (p->sparse) {
+    km_sparse_factor(p, matrix, forced, tolerance);
+  } else {
+    int candidates = order_columns(p, forced);
+    if (is_small(p))
+      km_small_factor(p, matrix, candidates, tolerance);
+    else
+      factor(p, matrix, candidates, tolerance);
+    finish(p);
+  }
   order_rows(p);
   p->searches++;
-  finish(p);
   p->pivoted_b = p->largest_b;
 }
 
 bool km_partition_refactor(km_partition *p, const double *matrix) {
   p->stride = stride_of(p->rows);
-  bool finite = is_small(p) ? km_small_refactor(p, matrix) : refactor(p, matrix);
-  finite = finish(p) && finite;
+  bool finite;
+  if (p->sparse) {
+    finite = km_sparse_refactor(p, matrix);
+  } else {
+    finite = is_small(p) ? km_small_refactor(p, matrix) : refactor(p, matrix);
+    finite = finish(p) && finite;
+  }
   /* A rank that drops shrinks a pivot together with what stands right of it: B alone needn't show it. */
   double usual = p->pivoted_b > 1.0 ? p->pivoted_b : 1.0;
   return finite && p->largest_b <= 2.0 * usual && (p->rank == 0 || largest_inverse(p) * p->smallest_pivot <= 10.0);
@@ -218,6 +228,10 @@ bool km_partition_refactor(km_partition *p, const double *matrix) {
 
 /* The steps of elimination on the right side alone. */
 void km_partition_solve(const km_partition *p, const double *rhs, double *x) {
+  if (p->sparse) {
+    km_sparse_solve(p, rhs, x);
+    return;
+  }
   const int rank = p->rank, rows = p->rows, *const row = p->row;
   double *const y = p->work;
   for (int r = 0; r < rows; ++r)
@@ -254,4 +268,6 @@ void km_partition_copy_pivots(km_partition *to, const km_partition *from) {
   to->searches = from->searches;
   memcpy(to->row, from->row, (size_t)from->rows * sizeof *to->row);
   memcpy(to->column, from->column, (size_t)from->columns * sizeof *to->column);
+  if (to->sparse)
+    km_sparse_copy(to, from);
 }

@@ -14,13 +14,17 @@
 
 #include <stdbool.h>
 
+typedef struct km_sparse km_sparse;
+
 /* The result of a factorisation, with its evidence. */
 typedef struct km_partition {
   int rows, columns; /* of the matrix */
   int rank;
-  int *row;        /* [rows] row[0 … rank-1] are the primary constraints, in pivot order */
-  int *column;     /* [columns] first the dependent coordinates in pivot order, then the independent ones */
-  int stride;      /* leading dimension of `reduced`: rows, rounded up to even */
+  int *row;    /* [rows] row[0 … rank-1] are the primary constraints, in pivot order */
+  int *column; /* [columns] first the dependent coordinates in pivot order, then the independent ones */
+  int stride;  /* leading dimension of `reduced`: rows, rounded up to even */
+  km_sparse
+      *sparse;     /* the engine for large matrices with few entries; NULL: dense, and then `reduced`, `place` count */
   double *reduced; /* [columns × stride] rows and columns in the matrix's order. Dependent column i: the multiples of
                     * row[i] that step i subtracted from the others, 0 for itself. Independent: B before `inverse` */
   double *inverse; /* [rank] reciprocals of the pivots */
@@ -39,11 +43,20 @@ typedef struct km_partition {
 /* Space for matrices of up to rows × columns; false (and arena->failed) when out of memory. */
 bool km_partition_reserve(km_partition *partition, int rows, int columns, km_arena *arena);
 
+/* The same for matrices of one pattern, by the sparse engine: the rows of column c that can hold something else than 0
+ * are row[start[c] … start[c+1]-1], borrowed. O(entries) and COLAMD's order. */
+bool km_partition_reserve_sparse(km_partition *partition, int rows, int columns, const int *start, const int *row,
+                                 km_arena *arena);
+/* Space for the matrices of `other`, by the same engine. */
+bool km_partition_reserve_like(km_partition *partition, const km_partition *other, int rows, int columns,
+                               km_arena *arena);
+
 /* Complete pivoting. Pivots stop at |pivot| ≤ tolerance · (largest entry). Columns with forced[c] (may be
  * NULL) stay independent while the others can give full rank. Equal entries (up to 12 × 64: equal to 2^-42, so that
  * rounding doesn't decide between symmetric joints) go by place; what was factored before has no influence.
  * `matrix` is kept. With entries that are not finite the rank means nothing, but stays in range.
- * O(rows·columns·rank). */
+ * O(rows·columns·rank). The sparse engine pivots by rows, and completely only among the independent columns: the pivots
+ * are others, rank, null space and the size of B the same; last_pivot is then the smallest. O(entries of L and U). */
 void km_partition_factor(km_partition *partition, const double *matrix, int rows, int columns, const bool *forced,
                          double tolerance);
 

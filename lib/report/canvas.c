@@ -234,13 +234,12 @@ void km_canvas_clip(km_canvas *canvas, double x, double y, double width, double 
   cairo_clip(canvas->cairo);
 }
 
-void km_canvas_shift(km_canvas *canvas, double x, double y) {
-  cairo_save(canvas->cairo);
-  cairo_translate(canvas->cairo, x, y);
-}
-
 void km_canvas_release(km_canvas *canvas) {
   cairo_restore(canvas->cairo);
+}
+
+void km_canvas_shift(km_canvas *canvas, double right, double down) {
+  cairo_translate(canvas->cairo, right, down);
 }
 
 static void set_text(km_canvas *canvas, const char *text) {

@@ -62,9 +62,8 @@ void km_canvas_circle(km_canvas *canvas, km_colour fill, const km_pen *pen, km_c
 /* Everything until the matching release is cut to the rectangle. Clips nest. */
 void km_canvas_clip(km_canvas *canvas, double x, double y, double width, double height);
 void km_canvas_release(km_canvas *canvas);
-
-/* Everything until the matching release is drawn with its origin at x, y. */
-void km_canvas_shift(km_canvas *canvas, double x, double y);
+/* Moves the origin of whatever is drawn from now on. */
+void km_canvas_shift(km_canvas *canvas, double right, double down);
 
 /* UTF-8 in any script; markup is not interpreted, bad bytes become U+FFFD. Sizes don't depend on
  * the format: nothing is hinted. */

@@ -71,8 +71,8 @@ static void add_motions(const km_mechanism *m, const km_finite_mobility *finite,
   }
 }
 
-static void add_redundancies(const km_mechanism *m, const km_redundancies *redundancies, km_value *record,
-                             km_arena *arena) {
+void km_redundancies_record(const km_mechanism *m, const km_redundancies *redundancies, km_value *record,
+                            km_arena *arena) {
   km_value *list = km_value_add(arena, record, "redundancies", KM_LIST);
   for (int i = 0; i < redundancies->count && !arena->failed; ++i) {
     const km_redundancy *r = &redundancies->items[i];
@@ -100,7 +100,7 @@ void km_diagnosis_record(const km_mechanism *m, const km_diagnosis *d, km_value 
   km_value_number(arena, record, "finite_mobility", d->finite.mobility);
   add_motions(m, &d->finite, record, arena);
   km_value_boolean(arena, record, "truncated", d->finite.truncated);
-  add_redundancies(m, &d->redundancies, record, arena);
+  km_redundancies_record(m, &d->redundancies, record, arena);
 }
 
 static void print_finite(const km_finite_mobility *finite, km_text *out) {

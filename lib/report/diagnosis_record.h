@@ -19,6 +19,9 @@ void km_diagnosis_free(km_diagnosis *diagnosis);
 /* Adds finite_mobility, motions, truncated and redundancies to a record (cli.md). */
 void km_diagnosis_record(const km_mechanism *mechanism, const km_diagnosis *diagnosis, km_value *record,
                          km_arena *arena);
+/* Adds `redundancies` to a record. */
+void km_redundancies_record(const km_mechanism *mechanism, const km_redundancies *redundancies, km_value *record,
+                            km_arena *arena);
 void km_diagnosis_print(const km_mechanism *mechanism, const km_diagnosis *diagnosis, km_text *out);
 /* One redundancy in words: which loop, what is constrained twice, where. */
 void km_redundancy_statement(const km_mechanism *mechanism, const km_redundancy *redundancy, km_text *out);

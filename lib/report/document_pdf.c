@@ -160,7 +160,7 @@ static void write_picture(writer *w, const km_block *block) {
   if (w->drawing) {
     km_canvas_shift(w->canvas, margin, w->y);
     w->status = block->draw(block->context, w->canvas, text_width(), block->height, w->error);
-    km_canvas_release(w->canvas);
+    km_canvas_shift(w->canvas, -margin, -w->y);
   }
   w->y += block->height + gap;
 }

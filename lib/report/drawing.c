@@ -18,6 +18,7 @@ static km_scene scene_of(km_studio *s, size_t index, double fade) {
                     .pose_count = alone ? 1 : s->drawing->pose_count,
                     .shapes = s->shapes,
                     .marks = s->marks,
+                    .surfaces = s->surfaces,
                     .view = &s->view,
                     .arena = &s->arena,
                     .radius = s->radius,
@@ -77,6 +78,7 @@ bool km_studio_open(km_studio *s) {
   s->size = size_of(s->place);
   s->shapes = km_shapes_make(s->drawing->mechanism->model, &s->arena);
   s->marks = s->shapes ? km_marks_make(s->drawing->mechanism->model, s->shapes, &s->arena) : NULL;
+  s->surfaces = km_surfaces_make(s->drawing, &s->arena);
   if (s->arena.failed)
     return false;
   s->view = km_view_make(s->drawing);

@@ -4,6 +4,7 @@
 #define KM_REPORT_DRAWING_H
 
 #include "kinematics/state.h"
+#include "model/mesh.h"
 #include "report/canvas.h"
 
 /* AUTO is the plane in which the mechanism moves, or ISO where it moves in none. */
@@ -30,6 +31,7 @@ typedef struct km_drawing {
   bool alone;           /* the others aren't drawn at all, not even as ghosts */
   const km_drawing_trace *traces;
   size_t trace_count;
+  const km_mesh *const *meshes; /* [body] drawn instead of its bars and plates; NULL: none of it, or of any */
   km_view view;
   bool bodies;              /* names them too */
   bool bare;                /* without any names */

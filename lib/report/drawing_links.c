@@ -145,6 +145,8 @@ void km_scene_paint_base(const km_scene *scene, km_canvas *canvas) {
 }
 
 void km_scene_paint(const km_scene *scene, km_canvas *canvas) {
+  for (const km_face *face = scene->faces; face; face = face->next)
+    km_face_paint(scene, canvas, face);
   for (size_t i = 0; i < scene->count; ++i)
     if (scene->items[i].kind != KM_ITEM_BASE)
       paint_item(scene, canvas, &scene->items[i]);

@@ -75,6 +75,25 @@ typedef struct km_item {
   km_spot axis[2]; /* SYMBOL, RAIL: the joint's unit axes on the page; MOUNT: direction of the ground */
 } km_item;
 
+/* A body's mesh, prepared for drawing. */
+typedef struct km_surface {
+  const km_mesh *mesh;  /* NULL: none */
+  bool closed;          /* faces that look away are hidden by others */
+  bool inwards;         /* the file's faces look inwards */
+  unsigned char *shown; /* [triangle] bit k: the edge from corner k on shows */
+} km_surface;
+
+/* A flat convex piece of a surface that the viewer sees. */
+typedef struct km_face {
+  struct km_face *next;
+  km_spot *spots;
+  int count;
+  unsigned shown; /* bit k: the edge from corner k on */
+  int body;
+  km_spot normal; /* of length 1, towards the viewer */
+  double shade;   /* 0 dark … 1 light */
+} km_face;
+
 typedef struct km_scene {
   const km_mechanism *mechanism;
   const km_pose *pose;  /* [body] */
@@ -82,11 +101,13 @@ typedef struct km_scene {
   size_t pose_count;
   const km_shape *shapes;
   const km_mark *marks;
+  const km_surface *surfaces;
   const km_projection *view;
   km_arena *arena;
-  double radius; /* of a pin */
-  double fade;   /* 0 full colour, 1 white */
-  bool halo;     /* what lies in front is set off by a white seam */
+  double radius;  /* of a pin */
+  double fade;    /* 0 full colour, 1 white */
+  bool halo;      /* what lies in front is set off by a white seam */
+  km_face *faces; /* of the meshes, the farthest first; they lie under all items */
   km_item *items;
   size_t count, capacity;
 } km_scene;
@@ -112,6 +133,7 @@ typedef struct km_studio {
   km_arena arena;
   km_shape *shapes;
   km_mark *marks;
+  km_surface *surfaces;
   km_projection view;
   km_extent extent;
   double size;   /* of letters and lines: 1 on a page of the default size */
@@ -136,8 +158,14 @@ km_spot km_project_direction(const km_projection *view, km_vec3 direction);
 km_shape *km_shapes_make(const km_model *model, km_arena *arena);
 km_mark *km_marks_make(const km_model *model, const km_shape *shapes, km_arena *arena);
 
+km_surface *km_surfaces_make(const km_drawing *drawing, km_arena *arena);
+
 /* The scene of a pose, in the order of painting. */
 void km_scene_build(km_scene *scene);
+/* The faces of the scene's meshes, in the order of painting. */
+void km_scene_add_faces(km_scene *scene);
+/* Orders faces so that what lies in front comes last, cutting some. Cost: n log n to n², by their shape. */
+km_face *km_faces_order(km_face *faces, km_arena *arena);
 /* The corners of the convex hull of spots on the page, which are sorted on the way; `hull` has room
  * for 2 * count + 1. Returns how many; 2 where all are in line. */
 int km_convex_hull(km_spot *spots, int count, km_spot *hull);
@@ -148,6 +176,8 @@ void km_scene_paint_base(const km_scene *scene, km_canvas *canvas);
 void km_scene_paint(const km_scene *scene, km_canvas *canvas);
 /* Where a joint's symbol stands. */
 km_vec3 km_joint_place(const km_scene *scene, int joint);
+/* Whether meshes show both bodies of a joint: then no cylinder and rod are drawn for it. */
+bool km_joint_is_solid(const km_scene *scene, int joint);
 /* Half the size of a joint's symbol on the page. */
 double km_symbol_reach(const km_scene *scene, int joint);
 km_pose km_joint_frame(const km_scene *scene, int joint, int end);
@@ -157,6 +187,7 @@ int km_joint_body(const km_model *model, int joint, int end);
 /* Painting. */
 km_colour km_mix(km_colour colour, km_colour other, double part);
 km_colour km_faded(const km_scene *scene, km_colour colour);
+void km_face_paint(const km_scene *scene, km_canvas *canvas, const km_face *face);
 void km_symbol_paint(const km_scene *scene, km_canvas *canvas, const km_item *item);
 /* On which side of a rail the ground lies: the direction across it, of length 1. */
 km_spot km_rail_side(const km_item *rail);

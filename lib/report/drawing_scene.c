@@ -1,5 +1,5 @@
-/* One pose as items on the page: bars, plates, cylinders, the ground, symbols. A body's mesh, once
- * it is read, takes the place of its bars and plates in add_body. */
+/* One pose as items on the page: bars, plates, cylinders, the ground, symbols. A body's mesh takes the place of its
+ * links. */
 #include "report/drawing_parts.h"
 
 static const double bar_half = 0.85;                           /* of a pin's radius: half the width of a bar */
@@ -27,6 +27,15 @@ km_vec3 km_joint_place(const km_scene *scene, int joint) {
   km_vec3 guide = km_joint_frame(scene, joint, mark->guide).p;
   km_vec3 guided = km_joint_frame(scene, joint, !mark->guide).p;
   return mark->look == KM_LOOK_ACTUATOR ? km_vec3_scale(0.5, km_vec3_add(guide, guided)) : guided;
+}
+
+static bool has_mesh(const km_scene *scene, int body) {
+  return scene->surfaces[body].mesh != NULL;
+}
+
+bool km_joint_is_solid(const km_scene *scene, int joint) {
+  const km_model *model = scene->mechanism->model;
+  return has_mesh(scene, km_joint_body(model, joint, 0)) && has_mesh(scene, km_joint_body(model, joint, 1));
 }
 
 static void add_bar(km_scene *scene, int body, km_spot a, km_spot b) {
@@ -181,7 +190,7 @@ static void add_guide(km_scene *scene, int joint) {
   const km_model *model = scene->mechanism->model;
   const km_mark *mark = &scene->marks[joint];
   int body = km_joint_body(model, joint, mark->guide);
-  if (body == 0)
+  if (body == 0 || has_mesh(scene, body))
     return;
   km_pose frame = km_joint_frame(scene, joint, mark->guide);
   km_spot axis = km_project_direction(scene->view, frame.R.axis[model->joints[joint].type - KM_TX]);
@@ -239,7 +248,7 @@ static void add_joint(km_scene *scene, int joint) {
   if (mark->look == KM_LOOK_SLEEVE || mark->look == KM_LOOK_SCREW)
     add_spindle(scene, joint);
   size_t before = scene->count;
-  if (mark->look == KM_LOOK_ACTUATOR)
+  if (mark->look == KM_LOOK_ACTUATOR && !km_joint_is_solid(scene, joint))
     add_actuator(scene, joint);
   if (mark->look == KM_LOOK_SLIDER)
     add_guide(scene, joint);
@@ -266,10 +275,12 @@ void km_scene_build(km_scene *scene) {
     return;
   add_base(scene);
   for (int b = 1; b < model->body_count; ++b)
-    add_body(scene, b);
+    if (!has_mesh(scene, b))
+      add_body(scene, b);
   for (int j = 0; j < model->joint_count; ++j)
     add_joint(scene, j);
   find_depths(scene);
+  km_scene_add_faces(scene);
   if (!scene->arena->failed)
     km_scene_order(scene);
 }

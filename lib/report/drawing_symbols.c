@@ -163,6 +163,8 @@ double km_symbol_reach(const km_scene *scene, int joint) {
       [KM_LOOK_BALL] = 1.9,  [KM_LOOK_FREE] = 1.7,     [KM_LOOK_SLEEVE] = 2.3, [KM_LOOK_CROSS] = 1.8,
       [KM_LOOK_TABLE] = 2.5, [KM_LOOK_SCREW] = 2.5};
   km_look look = scene->marks[joint].look;
+  if (look == KM_LOOK_ACTUATOR && km_joint_is_solid(scene, joint))
+    look = KM_LOOK_SLIDER;
   return scene->radius * (look == KM_LOOK_PIN && !scene->view->planar ? 1.9 : reaches[look]);
 }
 

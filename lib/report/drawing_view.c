@@ -192,6 +192,11 @@ km_extent km_extent_of(const km_drawing *drawing, const km_shape *shapes, const 
     for (int b = 0; b < bodies; ++b)
       for (int i = 0; i < shapes[b].count; ++i)
         take(&extent, view, km_pose_point(&drawing->poses[p * (size_t)bodies + (size_t)b], shapes[b].points[i]));
+  for (size_t p = 0; p < drawing->pose_count && drawing->meshes; ++p)
+    for (int b = 0; b < bodies; ++b)
+      for (int i = 0; drawing->meshes[b] && i < drawing->meshes[b]->vertex_count; ++i)
+        take(&extent, view,
+             km_pose_point(&drawing->poses[p * (size_t)bodies + (size_t)b], drawing->meshes[b]->vertices[i]));
   for (size_t t = 0; t < drawing->trace_count; ++t)
     for (size_t i = 0; i < drawing->traces[t].count; ++i)
       take(&extent, view, drawing->traces[t].points[i]);

@@ -1,5 +1,7 @@
 #include "report/mobility_record.h"
 
+#include "report/diagnosis_record.h"
+#include "report/singularities.h"
 #include "topology/mechanism.h"
 
 static void add_loops(const km_mechanism *m, km_value *record, km_arena *arena) {
@@ -98,8 +100,20 @@ static void add_drivers(const km_mechanism *m, const km_mobility_sweep *sweep, k
   }
 }
 
-km_value *km_mobility_sweep_record(const km_mechanism *m, const km_mobility_sweep *sweep, const char *stopped_by,
-                                   const char *name, km_arena *arena) {
+/* Those of every pose, named; and where there are more. */
+static void add_redundancies(const km_mechanism *m, const km_sweep_redundancies *r, km_value *record, km_arena *arena) {
+  km_redundancies_record(m, &r->lasting, record, arena);
+  km_value *extra = km_value_add(arena, record, "redundant_at_poses", KM_LIST);
+  for (size_t i = 0; i < r->extra_count && !arena->failed; ++i) {
+    km_value *item = km_value_add(arena, extra, NULL, KM_OBJECT);
+    km_value_number(arena, item, "s", r->extra[i].s);
+    km_value_number(arena, item, "more", r->extra[i].more);
+  }
+}
+
+km_value *km_mobility_sweep_record(const km_mechanism *m, const km_mobility_sweep *sweep,
+                                   const km_sweep_redundancies *redundancies, const char *stopped_by, const char *name,
+                                   km_arena *arena) {
   km_value *record = km_record_head(m->model, "kmob", name, arena);
   km_table_record(sweep->motion.table, record, arena);
   km_value *toggles = km_value_add(arena, record, "toggles", KM_LIST);
@@ -109,6 +123,8 @@ km_value *km_mobility_sweep_record(const km_mechanism *m, const km_mobility_swee
     km_value_number(arena, toggle, "s", sweep->toggles[i].s);
   }
   add_drivers(m, sweep, record, arena);
+  km_singularities_record(m, sweep, record, arena);
+  add_redundancies(m, redundancies, record, arena);
   km_sweep_record(&sweep->motion, stopped_by, record, arena);
   return arena->failed ? NULL : record;
 }

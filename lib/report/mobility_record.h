@@ -3,6 +3,7 @@
 #define KM_REPORT_MOBILITY_RECORD_H
 
 #include "kmech/mobility_sweep.h"
+#include "kmech/sweep_redundancy.h"
 #include "report/record.h"
 #include "report/sweep_text.h"
 
@@ -14,11 +15,12 @@ void km_mobility_print(const km_mechanism *mechanism, const km_state *state, con
 
 /* What `kmob sweep --format json` gives. */
 km_value *km_mobility_sweep_record(const km_mechanism *mechanism, const km_mobility_sweep *sweep,
-                                   const char *stopped_by, const char *name, km_arena *arena);
+                                   const km_sweep_redundancies *redundancies, const char *stopped_by, const char *name,
+                                   km_arena *arena);
 /* Could the coordinate drive everything that moves, over all rows? */
 bool km_sweep_drives(const km_mechanism *mechanism, const km_mobility_sweep *sweep, int coordinate);
 /* A summary to act on: freedoms, which joints could drive the range, where the others lose their grip. */
 void km_mobility_sweep_print(const km_mechanism *mechanism, const km_sweep_plan *plan, const km_mobility_sweep *sweep,
-                             const char *name, km_text *out);
+                             const km_sweep_redundancies *redundancies, const char *name, km_text *out);
 
 #endif

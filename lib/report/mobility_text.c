@@ -1,6 +1,7 @@
 /* Mobility analyses in words and tables for a terminal. */
 #include "report/mobility_record.h"
 
+#include "report/singularities.h"
 #include "topology/mechanism.h"
 
 #include <string.h>
@@ -128,9 +129,24 @@ static void print_drivers(const km_mechanism *m, const km_sweep_plan *plan, cons
   }
 }
 
+/* Where more constraints are redundant than over the rest of the sweep. */
+static void print_extra(const km_sweep_redundancies *r, const char *unit, km_text *out) {
+  enum { MOST_SHOWN = 8 };
+  if (r->extra_count == 0)
+    return;
+  km_text_add(out, "  redundant at poses only:");
+  for (size_t i = 0; i < r->extra_count && i < MOST_SHOWN; ++i)
+    km_text_format(out, "%s %d more at %.6g%s", i ? "," : "", r->extra[i].more, r->extra[i].s, unit);
+  if (r->extra_count > MOST_SHOWN)
+    km_text_format(out, " and at %zu other poses", r->extra_count - MOST_SHOWN);
+  km_text_add(out, "\n");
+}
+
 void km_mobility_sweep_print(const km_mechanism *m, const km_sweep_plan *plan, const km_mobility_sweep *sweep,
-                             const char *name, km_text *out) {
+                             const km_sweep_redundancies *redundancies, const char *name, km_text *out) {
   km_sweep_print(m, plan, &sweep->motion, name, out);
+  print_extra(redundancies, km_sweep_unit(m, plan), out);
+  km_singularities_print(sweep, km_sweep_unit(m, plan), out);
   if (sweep->motion.substructure >= 0)
     print_drivers(m, plan, sweep, km_widest_label(m->model), out);
   else if (plan->arclength <= 0.0)

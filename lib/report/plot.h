@@ -52,7 +52,7 @@ typedef struct km_plot {
  * failure, in words); `out` then is as it was. */
 km_status km_plot_render(const km_plot *plot, km_canvas_format format, km_text *out, km_error *error);
 
-/* Draws it into width × height points of a page, from its origin, without the strip. The same statuses. */
+/* Draws the plot, without its strip, at the origin of a page that is there already. */
 km_status km_plot_place(const km_plot *plot, km_canvas *canvas, double width, double height, km_error *error);
 
 #endif

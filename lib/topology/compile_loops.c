@@ -122,6 +122,7 @@ static void find_motion_space(km_mechanism *m, const km_program *program, km_loo
   km_motion_space space;
   km_motion_space_close(w->twist, count, tolerance, &space);
   loop->lambda = space.dimension;
+  loop->local = loop->lambda == (program->planar ? 3 : 6);
   enum { TURN_IN_SPACE = 5, TURN_IN_PLANE = 2 };
   for (int i = 0; i < space.dimension; ++i)
     loop->rows[i] = program->planar && space.rows[i] == TURN_IN_SPACE ? TURN_IN_PLANE : space.rows[i];

@@ -53,6 +53,7 @@ typedef struct km_entry {
 typedef struct km_loop {
   int lambda;                /* dimension of the motion space */
   int rows[6];               /* which of v x y z, w x y z are independent; planar programs: x, y, turn */
+  bool local;                /* all of v and w: the rows may be taken at any point */
   int row_start;             /* in the substructure's Jacobian */
   int slot[2];               /* where the virtual body and the embedding body end */
   km_pose close[2];          /* from those slots to the two frames that must meet, scaled */

@@ -162,6 +162,18 @@ static void group_all(km_topology *t) {
   t->loop_start[t->substructure_count] = t->loop_count;
 }
 
+static void group_bodies(km_topology *t, int *class_of) {
+  int grouped = 0;
+  for (int i = 0; i < t->body_count; ++i) {
+    class_of[i] = i ? t->substructure_of_joint[t->arc[t->order[i]]] : -1;
+    grouped += class_of[i] >= 0;
+  }
+  group(class_of, t->body_count, t->substructure_count, t->body_start, t->body);
+  t->body_start[t->substructure_count] = grouped;
+  for (int i = 0; i < grouped; ++i)
+    t->body[i] = t->order[t->body[i]];
+}
+
 static bool allocate(const km_graph *g, km_arena *arena, km_topology *t) {
   size_t bodies = (size_t)g->body_count, joints = (size_t)g->joint_count;
   t->body_count = g->body_count;
@@ -180,6 +192,8 @@ static bool allocate(const km_graph *g, km_arena *arena, km_topology *t) {
   t->joint = KM_ARENA_NEW(arena, int, joints);
   t->loop_start = KM_ARENA_NEW(arena, int, joints + 2);
   t->loop = KM_ARENA_NEW(arena, int, joints);
+  t->body_start = KM_ARENA_NEW(arena, int, joints + 2);
+  t->body = KM_ARENA_NEW(arena, int, bodies);
   return !arena->failed;
 }
 
@@ -187,6 +201,7 @@ static bool build(const km_graph *g, km_arena *arena, km_arena *scratch, km_topo
   incidence at = {KM_ARENA_NEW(scratch, int, (size_t)g->body_count + 2),
                   KM_ARENA_NEW(scratch, int, 2 * (size_t)g->joint_count)};
   int *set = KM_ARENA_NEW(scratch, int, (size_t)g->joint_count);
+  int *class_of = KM_ARENA_NEW(scratch, int, (size_t)g->body_count);
   bool *inside = KM_ARENA_NEW(scratch, bool, (size_t)g->joint_count);
   if (scratch->failed || !allocate(g, arena, t))
     return false;
@@ -203,6 +218,7 @@ static bool build(const km_graph *g, km_arena *arena, km_arena *scratch, km_topo
   unite_loops(g, t, set, inside);
   number_substructures(t, set, inside);
   group_all(t);
+  group_bodies(t, class_of);
   return true;
 }
 

@@ -45,6 +45,8 @@ typedef struct km_topology {
   int *joint;
   int *loop_start; /* [substructure + 1] into `loop` */
   int *loop;
+  int *body_start; /* [substructure + 1] into `body`: those whose arc lies in the substructure, in level order */
+  int *body;
 } km_topology;
 
 /* Level-ordered spanning tree (ties in file order: widest tree, shortest loops), chords, loops and

@@ -1,58 +1,14 @@
-/* Many four-bars: in substructures of their own (time must be linear), and coupled into one (still dense). */
+/* Many four-bars: in substructures of their own, and chained into one. Time must be linear in both. The chain's
+ * partition beside the dense engine and SuiteSparse's rank-revealing sparse QR. */
 #include "bench.h"
 
 #include "base/text.h"
+#include "kinematics/closure.h"
 #include "kmech/mobility.h"
+#include "support/chains.h"
 
 #include <stdio.h>
-
-/* N crank-rockers side by side on the ground. */
-static void write_separate(km_text *t, int n) {
-  km_text_add(t, "{\"fixed\": {\"frames\": [{\"name\": \"p\", \"T\": [0.4, 0, 0]}]}, \"assemblies\": [");
-  for (int i = 0; i < n; ++i)
-    km_text_format(
-        t,
-        "%s{\"name\": \"n%d\", \"bodies\": [{\"name\": \"l\", \"frames\": [{\"name\": \"t\", \"T\": [0.15, 0, 0]}]},"
-        "{\"name\": \"c\", \"frames\": [{\"name\": \"t\", \"T\": [0.5, 0, 0]}]},"
-        "{\"name\": \"r\", \"frames\": [{\"name\": \"t\", \"T\": [0.45, 0, 0]}]}], \"joints\": ["
-        "{\"name\": \"A\", \"type\": \"Rz\", \"body_frame_pairs\": [\"fixed\", \"l\"], \"initial_displacement\": "
-        "1.5707963267948966},"
-        "{\"name\": \"B\", \"type\": \"Rz\", \"body_frame_pairs\": [[\"l\", \"t\"], \"c\"], \"initial_displacement\": "
-        "-0.9272952180016122},"
-        "{\"name\": \"C\", \"type\": \"Rz\", \"body_frame_pairs\": [[\"c\", \"t\"], [\"r\", \"t\"]], "
-        "\"initial_displacement\": 0.9272952180016122},"
-        "{\"name\": \"D\", \"type\": \"Rz\", \"body_frame_pairs\": [[\"fixed\", \"p\"], \"r\"], "
-        "\"initial_displacement\": 1.5707963267948966}]}",
-        i ? ", " : "", i);
-  km_text_add(t, "]}");
-}
-
-/* N parallelograms, each rocker the next one's crank: one substructure of mobility 1. */
-static void write_chain(km_text *t, int n) {
-  km_text_add(t, "{\"fixed\": {\"frames\": [");
-  for (int i = 0; i <= n; ++i)
-    km_text_format(t, "%s{\"name\": \"p%d\", \"T\": [%d, 0, 0]}", i ? ", " : "", i, 2 * i);
-  km_text_add(t, "]}, \"assemblies\": [{\"name\": \"a\", \"bodies\": [");
-  for (int i = 0; i <= n; ++i)
-    km_text_format(t,
-                   "%s{\"name\": \"b%d\", \"frames\": [{\"name\": \"t\", \"T\": [1, 0, 0]}]}, {\"name\": \"c%d\", "
-                   "\"frames\": [{\"name\": \"t\", \"T\": [2, 0, 0]}]}",
-                   i ? ", " : "", i, i);
-  km_text_add(t, "], \"joints\": [");
-  for (int i = 0; i <= n; ++i)
-    km_text_format(t,
-                   "%s{\"name\": \"P%d\", \"type\": \"Rz\", \"body_frame_pairs\": [[\"fixed\", \"p%d\"], \"b%d\"], "
-                   "\"initial_displacement\": 1},"
-                   "{\"name\": \"Q%d\", \"type\": \"Rz\", \"body_frame_pairs\": [[\"b%d\", \"t\"], \"c%d\"], "
-                   "\"initial_displacement\": -1}",
-                   i ? ", " : "", i, i, i, i, i, i);
-  for (int i = 0; i < n; ++i)
-    km_text_format(t,
-                   ", {\"name\": \"R%d\", \"type\": \"Rz\", \"body_frame_pairs\": [[\"c%d\", \"t\"], [\"b%d\", "
-                   "\"t\"]], \"initial_displacement\": 1}",
-                   i, i, i + 1);
-  km_text_add(t, "]}]}");
-}
+#include <SuiteSparseQR_C.h>
 
 /* Seconds to read, compile, assemble and analyse. */
 static double whole(const char *bench, const km_text *text, int mobility) {
@@ -89,10 +45,111 @@ static void measure(const char *bench, void (*write)(km_text *, int), int n, int
   bench_figure(bench, figure, 1e6 * bench_median(seconds, RUNS) / n);
 }
 
+/* One factorisation of a chain's Jacobian by three engines. */
+typedef struct engines {
+  km_model *model;
+  km_mechanism *mechanism;
+  km_state *state;
+  km_partition dense;
+  km_arena arena;
+  cholmod_common common;
+  cholmod_sparse *J;
+} engines;
+
+static void run_sparse(void *context) {
+  engines *e = context;
+  km_pivot(e->mechanism, e->state, 0, KM_NO_DRIVER,
+           km_rank_tolerance(e->mechanism, &e->mechanism->substructures[0], 0));
+}
+
+static void run_kept(void *context) {
+  engines *e = context;
+  if (!km_partition_refactor(&e->state->partition[0], km_state_jacobian(e->state, &e->mechanism->substructures[0])))
+    bench_fail("scale/engines", "the pivots of the same values are refused");
+}
+
+static void run_dense(void *context) {
+  engines *e = context;
+  const km_substructure *sub = &e->mechanism->substructures[0];
+  km_partition_factor(&e->dense, km_state_jacobian(e->state, sub), sub->rows, sub->columns, NULL,
+                      km_rank_tolerance(e->mechanism, sub, 0));
+}
+
+/* R and the column order: what the null space needs. */
+static void run_spqr(void *context) {
+  engines *e = context;
+  cholmod_sparse *R = NULL;
+  SuiteSparse_long *E = NULL;
+  SuiteSparseQR_C(SPQR_ORDERING_COLAMD, 1e-9, 0, 0, e->J, NULL, NULL, NULL, NULL, &R, &E, NULL, NULL, NULL, &e->common);
+  cholmod_l_free((size_t)e->J->ncol, sizeof *E, E, &e->common);
+  cholmod_l_free_sparse(&R, &e->common);
+}
+
+static void open_engines(engines *e, int n) {
+  km_text text = {0};
+  km_error error;
+  write_chain(&text, n);
+  if (km_model_read(text.data, text.size, NULL, &e->model, &error) ||
+      km_mechanism_compile(e->model, NULL, 0, &e->mechanism, &error) ||
+      km_state_create(e->mechanism, &e->state, &error) || km_assemble(e->mechanism, e->state, NULL, &error))
+    bench_fail("scale/engines", "%s", error.text);
+  km_text_free(&text);
+  const km_substructure *sub = &e->mechanism->substructures[0];
+  const double *J = km_state_jacobian(e->state, sub);
+  cholmod_l_start(&e->common);
+  e->common.SPQR_nthreads = 1;
+  cholmod_dense whole = {.nrow = (size_t)sub->rows,
+                         .ncol = (size_t)sub->columns,
+                         .nzmax = (size_t)sub->rows * (size_t)sub->columns,
+                         .d = (size_t)sub->rows,
+                         .x = (double *)(size_t)J,
+                         .xtype = CHOLMOD_REAL};
+  e->J = cholmod_l_dense_to_sparse(&whole, 1, &e->common);
+  if (!km_partition_reserve(&e->dense, sub->rows, sub->columns, &e->arena))
+    bench_fail("scale/engines", "out of memory");
+}
+
+static void close_engines(engines *e) {
+  km_arena_free(&e->arena);
+  cholmod_l_free_sparse(&e->J, &e->common);
+  cholmod_l_finish(&e->common);
+  km_state_free(e->state);
+  km_mechanism_free(e->mechanism);
+  km_model_free(e->model);
+}
+
+static void compare_engines(int n) {
+  enum { MOST_DENSE = 40 };
+  const char *const bench = "scale/engines";
+  char figure[40];
+  engines e = {0};
+  open_engines(&e, n);
+  bench_contender all[4] = {{.name = "sparse", .run = run_sparse, .context = &e},
+                            {.name = "sparse, pivots kept", .run = run_kept, .context = &e},
+                            {.name = "SPQR", .run = run_spqr, .context = &e},
+                            {.name = "dense", .run = run_dense, .context = &e}};
+  bench_time(all, n <= MOST_DENSE ? 4 : 3);
+  const km_partition *p = &e.state->partition[0];
+  if (e.common.SPQR_istat[4] != p->rank || (n <= MOST_DENSE && e.dense.rank != p->rank))
+    bench_fail(bench, "rank %d, by SPQR %d, dense %d", p->rank, (int)e.common.SPQR_istat[4], e.dense.rank);
+  snprintf(figure, sizeof figure, "over_spqr_%d", n);
+  bench_figure(bench, figure, bench_ratio(&all[2], &all[0]));
+  snprintf(figure, sizeof figure, "kept_over_spqr_%d", n);
+  bench_figure(bench, figure, bench_ratio(&all[2], &all[1]));
+  if (n <= MOST_DENSE) {
+    snprintf(figure, sizeof figure, "over_dense_%d", n);
+    bench_figure(bench, figure, bench_ratio(&all[3], &all[0]));
+  }
+  close_engines(&e);
+}
+
 void bench_scale(void) {
   for (int n = 10; n <= 10000; n *= 10)
     measure("scale/separate", write_separate, n, n);
+  static const int lengths[] = {10, 20, 40, 100, 300, 1000};
   /* The last chain link's coupler hangs free: one freedom more. */
-  for (int n = 10; n <= 160; n *= 2)
-    measure("scale/chain", write_chain, n, 2);
+  for (size_t i = 0; i < sizeof lengths / sizeof *lengths; ++i)
+    measure("scale/chain", write_chain, lengths[i], 2);
+  for (size_t i = 0; i < sizeof lengths / sizeof *lengths; ++i)
+    compare_engines(lengths[i]);
 }

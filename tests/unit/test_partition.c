@@ -1,5 +1,5 @@
 /* Properties of the partition on random matrices of every small size and some larger ones, with LAPACK's singular
- * value decomposition as the judge of rank and null space. */
+ * value decomposition as the judge of rank and null space. All of it by the dense engines and by the sparse one. */
 #include "support/support.h"
 
 #include <lapacke.h>
@@ -19,6 +19,7 @@ typedef struct problem {
 } problem;
 
 static problem f;
+static bool sparse;
 static randomness source = {1};
 
 static double any(void) {
@@ -89,11 +90,26 @@ static void run_svd(void) {
   }
 }
 
+/* For matrices in which every entry may be something else than 0. */
+static void reserve_one(km_partition *p, int rows, int columns) {
+  if (!sparse) {
+    assert_true(km_partition_reserve(p, rows, columns, &f.arena));
+    return;
+  }
+  int *start = KM_ARENA_NEW(&f.arena, int, (size_t)columns + 1);
+  int *row = KM_ARENA_NEW(&f.arena, int, (size_t)(rows * columns));
+  for (int i = 0; i < rows * columns; ++i)
+    row[i] = i % rows;
+  for (int c = 0; c <= columns; ++c)
+    start[c] = c * rows;
+  assert_true(km_partition_reserve_sparse(p, rows, columns, start, row, &f.arena));
+}
+
 static void reserve(void) {
   km_arena_free(&f.arena);
   f.arena = (km_arena){0};
-  assert_true(km_partition_reserve(&f.p, f.rows, f.columns, &f.arena));
-  assert_true(km_partition_reserve(&f.q, f.rows, f.columns, &f.arena));
+  reserve_one(&f.p, f.rows, f.columns);
+  reserve_one(&f.q, f.rows, f.columns);
 }
 
 static void factor(km_partition *p) {
@@ -204,7 +220,7 @@ static void check_evidence(const km_partition *p) {
   assert_true(p->first_dropped <= 1e-9 * p->scale);
   if (p->rank == least(p->rows, p->columns))
     assert_true(p->first_dropped == 0.0);
-  if (p->rank > 0)
+  if (p->rank > 0 && !sparse)
     assert_true(fabs(p->first_pivot - p->scale) <= 1e-11 * p->scale); /* nothing is forced here */
 }
 
@@ -261,6 +277,7 @@ static void forced_columns(void **state) {
     for (int c = 0; c < columns; ++c)
       if (!f.forced[c])
         memcpy(others + rows * n++, f.J + rows * c, (size_t)rows * sizeof(double));
+    reserve_one(&f.q, rows, n);
     km_partition_factor(&f.q, others, rows, n, NULL, 1e-9);
     assert_int_equal(f.p.forced_dependent, f.q.rank < f.p.rank);
     int behind = columns;
@@ -320,6 +337,7 @@ static void refused_pivots(void **state) {
   J[3] = 0.01, J[5] = 0.005; /* B as before, but the pivot has shrunk */
   assert_false(km_partition_refactor(&f.p, J));
   double square[] = {2.0, 0.0, 0.0, 1.0}; /* no freedom left: no B to look at */
+  reserve_one(&f.p, 2, 2);
   km_partition_factor(&f.p, square, 2, 2, NULL, 1e-9);
   square[3] = 0.0;
   assert_false(km_partition_refactor(&f.p, square));
@@ -398,6 +416,66 @@ static void empty(void **state) {
     }
 }
 
+/* A band with some entries far off, of a rank that is less than full: as a substructure of many loops. */
+static void fill_band(int rows, int columns, int *start, int *row) {
+  int entries = 0;
+  f.rows = rows;
+  f.columns = columns;
+  memset(f.J, 0, sizeof f.J);
+  for (int c = 0; c < columns; ++c) {
+    f.D[c] = 0.3 + fabs(any());
+    f.forced[c] = false;
+    start[c] = entries;
+    for (int r = 0; r < rows; ++r) {
+      bool near = abs(r * columns - c * rows) <= 2 * columns, far = index_below(40) == 0;
+      bool twin = c % 10 == 9 && f.J[(c - 1) * rows + r] != 0.0; /* a multiple of the column before */
+      if (c % 10 == 9 ? twin : near || far) {
+        f.J[c * rows + r] = twin ? -0.7 * f.J[(c - 1) * rows + r] : any();
+        row[entries++] = r;
+      }
+    }
+  }
+  start[columns] = entries;
+}
+
+/* The sparse engine on patterns with holes, against LAPACK's and against the dense one. */
+static void sparse_patterns(void **state) {
+  (void)state;
+  static int start[MOST + 1], row[MOST * MOST];
+  for (int i = 0; i < 400; ++i) {
+    fill_band(20 + index_below(50), 20 + index_below(60), start, row);
+    reserve();
+    assert_true(km_partition_reserve_sparse(&f.p, f.rows, f.columns, start, row, &f.arena));
+    if (i % 2)
+      f.forced[index_below(f.columns)] = true;
+    run_svd();
+    factor(&f.p);
+    km_partition_factor(&f.q, f.J, f.rows, f.columns, f.forced, 1e-9);
+    assert_int_equal(f.p.rank, f.q.rank);
+    assert_int_equal(f.p.forced_dependent, f.q.forced_dependent);
+    if (f.p.largest_b < 1e3)
+      check_all(&f.p, 1e-9);
+    if (!(i % 2)) /* as small as complete pivoting keeps it, or nearly */
+      assert_true(f.p.largest_b <= 2.0 * fmax(f.q.largest_b, 1.0));
+    assert_true(km_partition_reserve_like(&f.q, &f.p, f.rows, f.columns, &f.arena));
+    km_partition_copy_pivots(&f.q, &f.p);
+    for (int k = 0; k < f.rows * f.columns; ++k)
+      f.J[k] *= 1.0 + 1e-7 * any();
+    f.q.smallest_pivot = f.p.smallest_pivot;
+    f.q.pivoted_b = f.p.pivoted_b;
+    bool kept = km_partition_refactor(&f.p, f.J);
+    assert_int_equal(km_partition_refactor(&f.q, f.J), kept);
+    for (int k = 0; k < f.p.rank * km_partition_freedom(&f.p); ++k)
+      assert_true(f.p.B[k] == f.q.B[k]);
+  }
+}
+
+static int use_sparse(void **state) {
+  (void)state;
+  sparse = true;
+  return 0;
+}
+
 static int clean(void **state) {
   (void)state;
   km_arena_free(&f.arena);
@@ -405,10 +483,13 @@ static int clean(void **state) {
 }
 
 int main(void) {
-  const struct CMUnitTest tests[] = {
+  const struct CMUnitTest both[] = {
       cmocka_unit_test(every_size),    cmocka_unit_test(large_ones),     cmocka_unit_test(forced_columns),
       cmocka_unit_test(kept_pivots),   cmocka_unit_test(refused_pivots), cmocka_unit_test(not_finite),
-      cmocka_unit_test(extreme_sizes), cmocka_unit_test(ties),           cmocka_unit_test(empty),
+      cmocka_unit_test(extreme_sizes), cmocka_unit_test(empty),
   };
-  return cmocka_run_group_tests(tests, NULL, clean);
+  const struct CMUnitTest dense[] = {cmocka_unit_test(ties)}, holes[] = {cmocka_unit_test(sparse_patterns)};
+  int failed = cmocka_run_group_tests(both, NULL, clean) + cmocka_run_group_tests(dense, NULL, clean) +
+               cmocka_run_group_tests(holes, NULL, clean);
+  return failed + cmocka_run_group_tests(both, use_sparse, clean);
 }

@@ -8,6 +8,12 @@
 
 #include <string.h>
 
+/* Under LeakSanitizer: fontconfig and Pango keep their caches until the process ends. */
+const char *__lsan_default_suppressions(void);
+const char *__lsan_default_suppressions(void) {
+  return "leak:libfontconfig\nleak:libpango\n";
+}
+
 static void leverage(const char *model, bool html, km_text *out) {
   fixture f = fixture_open(model);
   km_handle input, output;

@@ -15,6 +15,7 @@ enum {
   OPTION_TRACE,
   OPTION_VIEW,
   OPTION_BODIES,
+  OPTION_MESHES,
   OPTION_SIZE,
   OPTION_IGNORE,
   OPTION_FORMAT
@@ -33,6 +34,7 @@ static const struct argp_option table[] = {
     {"ignore-limits", OPTION_IGNORE, NULL, 0, "Pass joint limits", 1},
     {"view", OPTION_VIEW, "VIEW", 0, "xy, xz, yz, iso, or auto: the plane of motion, if there is one (default)", 2},
     {"bodies", OPTION_BODIES, NULL, 0, "Name the bodies too", 2},
+    {"meshes", OPTION_MESHES, NULL, 0, "Draw bodies by their meshes, where they have one", 2},
     {"size", OPTION_SIZE, "WxH", 0, "Size of the page in points (1/72 inch)", 2},
     {"format", OPTION_FORMAT, "LIST", 0, "Some of svg,pdf,png (default svg)", 2},
     {"output", 'o', "BASE", 0, "Files are BASE.motion.FORMAT (default: the model's name)", 2},
@@ -67,6 +69,9 @@ static error_t parse(int key, char *arg, struct argp_state *state) {
     return 0;
   case OPTION_BODIES:
     o->bodies = true;
+    return 0;
+  case OPTION_MESHES:
+    o->meshes = true;
     return 0;
   case OPTION_SIZE:
     o->size = arg;

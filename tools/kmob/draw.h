@@ -10,7 +10,7 @@ typedef struct kmob_draw_options {
   kt_texts holds, sets, at, traces;
   const char *path, *poses, *view, *size, *base;
   kt_formats formats;
-  bool bodies, ignore_limits;
+  bool bodies, meshes, ignore_limits;
 } kmob_draw_options;
 
 /* The poses and paths of a picture. */
@@ -23,6 +23,7 @@ typedef struct kmob_shots {
   km_drawing_trace *traces;
   km_vec3 **paths; /* [trace] what the traces' points borrow */
   size_t trace_count;
+  km_mesh **meshes; /* [body], NULL: not asked for */
   km_text title;
   char name[256];
 } kmob_shots;

@@ -42,7 +42,7 @@ static kt_exit take_at(kmob_shots *s) {
     kt_texts sets = o->sets;
     kt_pose there = {.model = s->pose.model};
     if (sets.count == KT_MOST_TEXTS)
-      return KT_USAGE;
+      return kt_usage(&o->common, "--set", sets.items[0], "fewer of them beside --at");
     sets.items[sets.count++] = o->at.items[i];
     result = kt_bring(&o->common, o->path, &o->holds, &sets, &there);
     if (result == KT_DONE)
@@ -207,10 +207,17 @@ static kt_exit take_file_pose(kmob_shots *s) {
   return keep_pose(s, s->pose.mechanism, s->pose.state);
 }
 
+static kt_exit take_meshes(kmob_shots *s) {
+  km_error error;
+  return report(s, km_model_read_meshes(s->pose.model, &s->meshes, &error), &error);
+}
+
 kt_exit kmob_shots_take(kmob_shots *s) {
   const kmob_draw_options *o = s->options;
   kt_base_name(o->path, s->name, sizeof s->name);
   kt_exit result = kt_open(&o->common, o->path, &o->holds, &o->sets, &s->pose);
+  if (result == KT_DONE && o->meshes)
+    result = take_meshes(s);
   if (result != KT_DONE)
     return result;
   result = o->at.count ? take_at(s) : s->asked ? take_poses(s) : take_file_pose(s);
@@ -226,6 +233,7 @@ void kmob_shots_show(const kmob_shots *s, km_drawing *drawing) {
   drawing->pose_count = s->count;
   drawing->traces = s->traces;
   drawing->trace_count = s->trace_count;
+  drawing->meshes = (const km_mesh *const *)s->meshes;
   drawing->bodies = s->options->bodies;
   drawing->title = s->title.data;
   drawing->name = s->name;
@@ -237,6 +245,8 @@ void kmob_shots_free(kmob_shots *s) {
   km_free(s->paths);
   km_free(s->traces);
   km_free(s->poses);
+  if (s->meshes)
+    km_meshes_free(s->pose.model, s->meshes);
   km_text_free(&s->title);
   kt_close(&s->pose);
 }

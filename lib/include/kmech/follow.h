@@ -23,12 +23,13 @@ typedef struct km_branch_point {
  * it. Arc length is Euclidean over the substructure's coordinates: radians, lengths over the characteristic
  * length. The direction is that in which `coordinate` (-1: the one with the largest mobility number) moves with
  * `sign`; with several freedoms, the direction of that coordinate that moves the others least, carried along
- * without turning. KM_USAGE if the coordinate is held or in no loop; KM_PARTIAL if nothing moves.
- * The caller frees `*out`. */
+ * without turning. At a branch point, along the motion nearest to it. KM_USAGE if the coordinate is held or in no loop;
+ * KM_PARTIAL if nothing moves. The caller frees `*out`. */
 km_status km_follow_create(const km_mechanism *mechanism, km_state *state, int coordinate, double sign,
                            bool ignore_limits, km_follow **out, km_error *error);
 void km_follow_free(km_follow *follow);
 int km_follow_substructure(const km_follow *follow);
+int km_follow_start_branches(const km_follow *follow); /* motions that meet at the starting pose; 0: it is regular */
 
 /* Advances by `length` > 0 (to 1e-9 of it), stopping early where the cycle closes,
  * and after a branch point. KM_PARTIAL: a joint is at its

@@ -33,7 +33,8 @@ typedef struct km_sweep_plan {
   bool ignore_limits;
   const km_sweep_point *points;
   int point_count;
-  bool derivatives; /* of the points along s */
+  bool derivatives;   /* of the points along s */
+  bool singularities; /* of mobility sweeps: the smallest kept singular value too */
   km_progress progress;
   void *context;
 } km_sweep_plan;

@@ -1,4 +1,4 @@
-#include "analysis/second_order.h"
+#include "kinematics/second_order.h"
 
 #include "kinematics/closure.h"
 #include "kinematics/loops.h"

@@ -1,6 +1,6 @@
-/* The tangents of a substructure that first and second order allow. Private to analysis/. */
-#ifndef KM_ANALYSIS_SECOND_ORDER_H
-#define KM_ANALYSIS_SECOND_ORDER_H
+/* The tangents of a substructure that first and second order allow. Private to kinematics/. */
+#ifndef KM_KINEMATICS_SECOND_ORDER_H
+#define KM_KINEMATICS_SECOND_ORDER_H
 
 #include "kinematics/state.h"
 

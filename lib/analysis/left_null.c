@@ -1,0 +1,171 @@
+#include "analysis/left_null.h"
+
+#include "analysis/whole_jacobian.h"
+#include "kinematics/closure.h"
+#include "kinematics/loops.h"
+#include "kinematics/poses.h"
+
+#include <string.h>
+
+km_left_space km_left_space_make(const km_mechanism *m, km_state *s, int index) {
+  const km_substructure *sub = &m->substructures[index];
+  const km_topology *t = &m->topology;
+  int worst;
+  return (km_left_space){.m = m,
+                         .s = s,
+                         .index = index,
+                         .sub = sub,
+                         .rows = 6 * sub->loop_count + sub->coupling_count,
+                         .about = km_joint_pose(m, s, t->joint[t->joint_start[index]]).p,
+                         .tolerance = km_rank_tolerance(m, sub, km_loops_residual(m, s, sub, &worst))};
+}
+
+/* Calls `take` with the six entries of each column of a loop. */
+static void visit_loop(const km_left_space *a, int loop, void (*take)(void *out, int column, const double entry[6]),
+                       void *out) {
+  const km_topology *t = &a->m->topology;
+  for (int i = t->member_start[loop]; i < t->member_start[loop + 1]; ++i) {
+    const km_member *member = &t->member[i];
+    int first = a->m->model->joints[member->joint].first_coordinate;
+    for (int c = first; c < first + km_model_freedom(a->m->model, member->joint); ++c) {
+      if (a->m->column_of[c] < 0)
+        continue;
+      double column[6], sense = km_member_sense(t, loop, member);
+      km_twist_entries(a->sub, km_coordinate_twist(a->m, a->s, c), a->about, a->m->unit[c], column);
+      for (int r = 0; r < 6; ++r)
+        column[r] *= sense;
+      take(out, a->m->column_of[c], column);
+    }
+  }
+}
+
+static int loop_of(const km_left_space *a, int place) {
+  return a->m->topology.loop[a->m->topology.loop_start[a->index] + place];
+}
+
+/* J transposed: row `column` holds the constraints' entries of a column. */
+typedef struct transposed {
+  double *entries; /* column-major: a constraint after the other */
+  int height, at;  /* columns of J; the next row, or the first constraint of a loop */
+} transposed;
+
+static void take_next(void *out, int column, const double entry[6]) {
+  transposed *T = out;
+  (void)column;
+  for (int r = 0; r < 6; ++r)
+    T->entries[r * T->height + T->at] = entry[r];
+  T->at++;
+}
+
+static void count_one(void *out, int column, const double entry[6]) {
+  (void)column;
+  (void)entry;
+  ++*(int *)out;
+}
+
+/* Orthonormal left null vectors from a transposed matrix of `rows` constraints. Returns how many; -1: out of memory. */
+static int solve(const transposed *T, int rows, double tolerance, km_arena *arena, double *W) {
+  km_partition p;
+  double *one = KM_ARENA_NEW(arena, double, (size_t)rows);
+  if (!one || !km_partition_reserve(&p, T->height, rows, arena))
+    return -1;
+  for (int r = 0; r < rows; ++r)
+    one[r] = 1.0;
+  km_partition_factor(&p, T->entries, T->height, rows, NULL, tolerance);
+  km_partition_null(&p, one, km_partition_freedom(&p), W);
+  return km_partition_freedom(&p);
+}
+
+/* What a loop has by itself, 36 entries at most. Returns how many vectors; -1: out of memory. */
+static int solve_loop(const km_left_space *a, int loop, double *W) {
+  km_arena scratch = {0};
+  int columns = 0;
+  visit_loop(a, loop, count_one, &columns);
+  transposed T = {KM_ARENA_NEW(&scratch, double, 6 * (size_t)columns), columns, 0};
+  int count = -1;
+  if (!scratch.failed) {
+    visit_loop(a, loop, take_next, &T);
+    count = solve(&T, 6, a->tolerance, &scratch, W);
+  }
+  km_arena_free(&scratch);
+  return count;
+}
+
+/* False when out of memory. */
+static bool fill_whole(const km_left_space *a, km_arena *scratch, transposed *T) {
+  int rows = a->rows, columns = a->sub->columns;
+  const int *coordinate = a->m->column_coordinate + a->sub->column_start;
+  double *J = KM_ARENA_NEW(scratch, double, (size_t)rows *(size_t)columns);
+  km_twist *twist = KM_ARENA_NEW(scratch, km_twist, (size_t)a->m->coordinate_count);
+  *T = (transposed){KM_ARENA_NEW(scratch, double, (size_t)rows *(size_t)columns), columns, 0};
+  if (scratch->failed)
+    return false;
+  for (int k = 0; k < columns; ++k)
+    twist[coordinate[k]] = km_coordinate_twist(a->m, a->s, coordinate[k]);
+  km_whole_jacobian(a->m, a->index, twist, a->about, J);
+  for (int k = 0; k < columns; ++k)
+    for (int r = 0; r < rows; ++r)
+      T->entries[(size_t)r * (size_t)columns + (size_t)k] = J[(size_t)k * (size_t)rows + (size_t)r];
+  return true;
+}
+
+/* Subtracts from v what a unit vector of `count` entries, which meets it from `at` on, has of it. */
+static void subtract(double *v, int at, const double *unit, int count) {
+  double dot = 0.0;
+  for (int r = 0; r < count; ++r)
+    dot += unit[r] * v[at + r];
+  for (int r = 0; r < count; ++r)
+    v[at + r] -= dot * unit[r];
+}
+
+/* Leaves of v what is at right angles to all vectors so far, of length 1; false if nothing is. */
+static bool orthogonalise(const km_left_space *a, const km_left_null *null, double *v) {
+  double sum = 0.0;
+  for (int pass = 0; pass < 2; ++pass) {
+    for (int i = 0; i < a->sub->loop_count; ++i)
+      for (int k = null->first[i]; k < null->first[i + 1]; ++k)
+        subtract(v, 6 * i, null->local + 6 * k, 6);
+    for (int k = 0; k < null->whole_count; ++k)
+      subtract(v, 0, null->whole + (size_t)k * (size_t)a->rows, a->rows);
+  }
+  for (int r = 0; r < a->rows; ++r)
+    sum += v[r] * v[r];
+  if (!(sum > 1e-12))
+    return false;
+  for (int r = 0; r < a->rows; ++r)
+    v[r] /= sqrt(sum);
+  return true;
+}
+
+/* What several loops have only together: all left null vectors, less the local ones. */
+static bool find_whole(const km_left_space *a, km_arena *arena, km_left_null *out) {
+  km_arena scratch = {0};
+  size_t rows = (size_t)a->rows;
+  transposed T;
+  double *W = KM_ARENA_NEW(&scratch, double, rows *rows);
+  int count = fill_whole(a, &scratch, &T) ? solve(&T, a->rows, a->tolerance, &scratch, W) : -1;
+  out->whole = count > 0 ? KM_ARENA_NEW(arena, double, (size_t)count *rows) : NULL;
+  for (int n = 0; n < count && out->whole; ++n) {
+    double *v = out->whole + (size_t)out->whole_count * rows;
+    memcpy(v, W + (size_t)n * rows, rows * sizeof *v);
+    out->whole_count += orthogonalise(a, out, v);
+  }
+  km_arena_free(&scratch);
+  return count >= 0 && !arena->failed;
+}
+
+bool km_left_null_find(const km_left_space *a, km_arena *arena, km_left_null *out) {
+  size_t loops = (size_t)a->sub->loop_count;
+  *out = (km_left_null){.first = KM_ARENA_NEW(arena, int, loops + 1), .local = KM_ARENA_NEW(arena, double, 36 * loops)};
+  if (arena->failed)
+    return false;
+  for (int i = 0; i < a->sub->loop_count; ++i) {
+    int count = solve_loop(a, loop_of(a, i), out->local + 6 * out->local_count);
+    if (count < 0)
+      return false;
+    out->first[i] = out->local_count;
+    out->local_count += count;
+  }
+  out->first[loops] = out->local_count;
+  return a->rows - a->s->partition[a->index].rank <= out->local_count || find_whole(a, arena, out);
+}

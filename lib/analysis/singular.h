@@ -1,0 +1,40 @@
+/* Singular values of a substructure's Jacobian, for reports: they cost a hundred times what the partition does. Private
+ * to analysis/. */
+#ifndef KM_ANALYSIS_SINGULAR_H
+#define KM_ANALYSIS_SINGULAR_H
+
+#include "analysis/scan.h"
+#include "kmech/mobility_sweep.h"
+
+typedef struct km_singular km_singular;
+
+/* Workspace for any substructure of up to KM_MOST_SINGULAR rows and columns. NULL when out of memory. */
+km_singular *km_singular_create(const km_mechanism *mechanism);
+bool km_singular_fits(const km_substructure *sub);
+void km_singular_free(km_singular *singular);
+
+/* The singular values of J D⁻¹ in falling order, D as in theory 4 (rows: lengths over the substructure's size, each
+ * loop about a point of its own), at the state's Jacobian. Borrowed, until the next call; *count of them. O(n³). */
+const double *km_singular_values(km_singular *singular, const km_mechanism *mechanism, const km_state *state,
+                                 const km_substructure *sub, int *count);
+
+/* The smallest singular value over a sweep. */
+typedef struct km_singular_watch {
+  km_singular *singular; /* NULL: not asked for */
+  int generic;           /* how many values the poses keep that have the least freedom so far */
+  km_scan scan;
+  km_events events;
+} km_singular_watch;
+
+/* False when out of memory. */
+bool km_singular_watch_make(km_singular_watch *watch, const km_mechanism *mechanism);
+void km_singular_watch_free(km_singular_watch *watch);
+
+/* The smallest singular value that is kept at the state's pose: the rank'th. NaN where nothing moves. */
+double km_singular_kept(km_singular_watch *watch, const km_sweeper *sweeper);
+/* At a row or a pose between rows: notes the least value so far, and where it has a minimum. Leaves the state there.
+ * KM_MEMORY; KM_USAGE for a substructure that doesn't fit. */
+km_status km_singular_see(km_singular_watch *watch, km_sweeper *sweeper, double s, km_mobility_sweep *out,
+                          km_error *error);
+
+#endif

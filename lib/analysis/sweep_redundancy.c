@@ -1,0 +1,84 @@
+#include "kmech/sweep_redundancy.h"
+
+#include "kinematics/state.h"
+
+#include <math.h>
+#include <stdlib.h>
+
+static int mobility_of(const km_table *table, size_t row) {
+  return (int)km_table_row(table, row)[km_table_find(table, "dof")];
+}
+
+/* The first row of the least mobility. */
+static size_t plainest_row(const km_table *table) {
+  size_t best = 0;
+  for (size_t r = 1; r < km_table_rows(table); ++r)
+    if (mobility_of(table, r) < mobility_of(table, best))
+      best = r;
+  return best;
+}
+
+/* The state at a row of the table, closed again: in other units than the engine's a cell may be rounded. */
+static km_status stand_at(const km_mechanism *m, const km_table *table, size_t row, km_state **state, km_error *error) {
+  const double *cells = km_table_row(table, row) + 2; /* behind step and s */
+  double *q = KM_NEW(double, (size_t)m->coordinate_count);
+  km_status status = q ? km_state_create(m, state, error) : km_fail(error, KM_MEMORY, "out of memory for a pose");
+  for (int c = 0; c < m->coordinate_count && !status; ++c)
+    q[c] = cells[c] * km_model_coordinate_factor(m->model, c);
+  if (!status) {
+    km_state_set(m, *state, q);
+    status = km_assemble(m, *state, NULL, error);
+  }
+  km_free(q);
+  return status;
+}
+
+static int by_place(const void *a, const void *b) {
+  double x = ((const km_extra_redundancy *)a)->s, y = ((const km_extra_redundancy *)b)->s;
+  return (x > y) - (x < y);
+}
+
+static bool near(double a, double b) {
+  return fabs(a - b) <= 1e-6 * (1.0 + fabs(a));
+}
+
+/* Branch points as well as rows, those of one place once. */
+static km_status list_extra(const km_sweep *sweep, int least, km_sweep_redundancies *out, km_error *error) {
+  const km_table *table = sweep->table;
+  size_t rows = km_table_rows(table), count = 0;
+  out->extra = KM_NEW(km_extra_redundancy, rows + sweep->branch_count);
+  if (!out->extra)
+    return km_fail(error, KM_MEMORY, "out of memory for the redundant constraints");
+  int s = km_table_find(table, "s");
+  for (size_t r = 0; r < rows; ++r)
+    if (mobility_of(table, r) > least)
+      out->extra[count++] = (km_extra_redundancy){km_table_row(table, r)[s], mobility_of(table, r) - least};
+  for (size_t i = 0; i < sweep->branch_count; ++i)
+    if (sweep->branches[i].mobility > sweep->freedom)
+      out->extra[count++] = (km_extra_redundancy){sweep->branches[i].s, sweep->branches[i].mobility - sweep->freedom};
+  qsort(out->extra, count, sizeof *out->extra, by_place);
+  for (size_t i = 0; i < count; ++i)
+    if (out->extra_count == 0 || !near(out->extra[i].s, out->extra[out->extra_count - 1].s))
+      out->extra[out->extra_count++] = out->extra[i];
+  return KM_OK;
+}
+
+km_status km_sweep_redundancies_find(const km_mechanism *m, const km_sweep *sweep, km_sweep_redundancies *out,
+                                     km_error *error) {
+  *out = (km_sweep_redundancies){0};
+  km_state *state = NULL;
+  size_t row = plainest_row(sweep->table);
+  km_status status = list_extra(sweep, mobility_of(sweep->table, row), out, error);
+  if (!status)
+    status = stand_at(m, sweep->table, row, &state, error);
+  if (!status)
+    status = km_redundancies_find(m, state, &out->lasting, error);
+  km_state_free(state);
+  return status;
+}
+
+void km_sweep_redundancies_free(km_sweep_redundancies *redundancies) {
+  km_redundancies_free(&redundancies->lasting);
+  km_free(redundancies->extra);
+  *redundancies = (km_sweep_redundancies){0};
+}

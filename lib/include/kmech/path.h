@@ -1,0 +1,28 @@
+/* The path that an effector is to follow. */
+#ifndef KMECH_PATH_H
+#define KMECH_PATH_H
+
+#include "kmech/arm.h"
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+typedef struct km_path km_path;
+
+/* A pose in the inertial frame: rotation by rows, position in the model's length unit. */
+typedef struct km_effector_pose {
+  double R[9], p[3];
+} km_effector_pose;
+
+void km_path_free(km_path *path);
+int km_path_samples(const km_path *path);
+/* Path length s up to a sample, model's unit: ds² = |dp|² + L²dθ² (theory 6); time in seconds; the pose. */
+double km_path_length(const km_path *path, int sample);
+double km_path_time(const km_path *path, int sample);
+void km_path_pose(const km_path *path, int sample, km_effector_pose *pose);
+
+#ifdef __cplusplus
+}
+#endif
+#endif

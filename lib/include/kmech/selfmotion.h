@@ -1,0 +1,59 @@
+/* Motions of an arm that leave its effector where it is, and all the ways in which an arm reaches a pose. */
+#ifndef KMECH_SELFMOTION_H
+#define KMECH_SELFMOTION_H
+
+#include "kmech/path.h"
+
+#include <stdbool.h>
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+/* A stretch of a self-motion on which every joint is within its limits. */
+typedef struct km_arc_span {
+  double from, to; /* arc length; to may pass the closed length, where the start is inside */
+  int column[2];   /* whose limits end it; -1: the motion itself ends, or nothing does */
+} km_arc_span;
+
+/* One component: a curve of poses. Arc length u is Euclidean over the coordinates: radians, slides over L. Full turns
+ * of hinges don't count as a difference. */
+typedef struct km_selfmotion {
+  int count, columns;
+  double *u; /* [count] increasing; 0 at the pose that it was followed from */
+  double *q; /* [count × columns] model's units, base first; continuous */
+  bool closed;
+  double length; /* of the closed curve, or from end to end */
+  double error;  /* of the effector's pose, the largest along it: lengths over L */
+  km_arc_span *arcs;
+  int arc_count;
+  bool whole; /* closed, and within the limits all the way */
+  unsigned long evaluations;
+} km_selfmotion;
+
+/* Follows the self-motion through q[n] (model's units, base first) in both senses: round its closed curve, or until it
+ * ends in a singular pose. Where limits are crossed is found as roots along the curve. KM_USAGE: the arm has no
+ * self-motion of one parameter for its task; KM_DIVERGED; KM_MEMORY. Free `*out` in any case. */
+km_status km_selfmotion_follow(const km_arm *arm, const double *q, km_selfmotion *out, km_error *error);
+void km_selfmotion_free(km_selfmotion *motion);
+
+/* All components of the poses that hold the effector at a pose. */
+typedef struct km_branches {
+  int count;
+  km_selfmotion *items;  /* with one freedom: curves; else single poses (count 1, length 0) */
+  double *pose;          /* [count × columns] of each branch: within the limits, as far from them as it gets */
+  double *margin;        /* [count] limit distance there; below 0: no pose within the limits */
+  int within;            /* how many have poses within the limits; they come first */
+  int starts, converged; /* evidence */
+} km_branches;
+
+/* By Newton's method from many starts (the same for the same seed), each solution that lies on no known curve being
+ * followed along its own. KM_PARTIAL: out of reach; KM_MEMORY. Free `*out` in any case. */
+km_status km_branches_find(const km_arm *arm, const km_effector_pose *pose, unsigned long seed, km_branches *out,
+                           km_error *error);
+void km_branches_free(km_branches *branches);
+
+#ifdef __cplusplus
+}
+#endif
+#endif

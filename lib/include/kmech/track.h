@@ -1,0 +1,128 @@
+/* Following a path with a redundant arm: methods, objectives, tracks. */
+#ifndef KMECH_TRACK_H
+#define KMECH_TRACK_H
+
+#include "kmech/path.h"
+#include "kmech/table.h"
+
+#include <stdbool.h>
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+/* Functions of a pose q and the path's unit twist ξ alone (theory 6); larger is better. */
+typedef enum km_objective_kind {
+  KM_PATH_CONTROL,   /* min over all |entries| of the path-control column, the path's included */
+  KM_MANIPULABILITY, /* product of the scaled Jacobian's singular values */
+  KM_SINGULAR_VALUE, /* the smallest of them */
+  KM_LIMIT_DISTANCE, /* min over limited joints of (distance to the nearer limit)/(half range) */
+  KM_JOINT_TRAVEL,   /* the path entry z = 1/√(1 + |q′|²): less joint travel for the same way is better */
+  KM_RATE_MARGIN,    /* min over rated joints of 1 − |q̇|/rate, at the least rates that follow the path */
+  KM_OBJECTIVES
+} km_objective_kind;
+
+const char *km_objective_word(km_objective_kind kind); /* "path-control" … */
+int km_objective_find(const char *word);               /* -1: none */
+
+/* A weighted sum of them. */
+typedef struct km_objective {
+  double weight[KM_OBJECTIVES];
+} km_objective;
+km_objective km_objective_of(km_objective_kind kind);
+/* "singular-value", or "weighted" of several. */
+const char *km_objective_name(const km_objective *objective);
+
+typedef enum km_method_kind {
+  KM_GREEDY,    /* the path-control column: the pseudo-inverse method, found without one (318) */
+  KM_LOOKAHEAD, /* a tree of branches that turn the path-control column, receding with the path */
+  KM_FIXED,     /* as many joints held as there are spare freedoms (Uicker) */
+  KM_DLS,       /* damped least squares, damped near singular poses only */
+  KM_GRADIENT,  /* greedy, and up the objective's slope in the null space */
+  KM_DP,        /* dynamic programming over the self-motions: the reference */
+  KM_GLOBAL,    /* NLopt over the whole path's turns */
+  KM_METHODS
+} km_method_kind;
+
+const char *km_method_word(km_method_kind kind);
+int km_method_find(const char *word); /* -1: none; "pinv" is greedy */
+
+enum { KM_METHOD_JOINTS = 8 };
+
+typedef struct km_method {
+  km_method_kind kind;
+  int branches, levels;         /* lookahead: odd; 3 and 3 */
+  double angle;                 /* radians between branches, and the most of gradient, dp, global: 30° */
+  int stride;                   /* lookahead: samples a level, 0: 1/12 of the path; dp: a stage, 0: 1/24 */
+  bool sum;                     /* lookahead: a leaf's value is the sum, not the min, over its samples */
+  double damping;               /* dls: λ at singular poses: 0.05 */
+  double below;                 /* dls: damped where the smallest singular value is below: 0.1 */
+  double gain;                  /* gradient: tilt per unit of slope: 2 */
+  double spacing;               /* dp: of states along self-motions, radians: 0.1 */
+  int knots;                    /* global: turns along the path: 12 */
+  int evaluations;              /* global: most tracks tried: 400 */
+  int joints[KM_METHOD_JOINTS]; /* fixed: held columns of the arm; joint_count 0: those that pivoting leaves free */
+  int joint_count;
+} km_method;
+km_method km_method_default(km_method_kind kind);
+
+typedef enum km_track_stop {
+  KM_TRACK_COMPLETE,
+  KM_TRACK_LIMIT,    /* a joint is at its limit */
+  KM_TRACK_RATE,     /* a joint would be faster than it may */
+  KM_TRACK_SINGULAR, /* the pose can't move along the path, though another one could */
+  KM_TRACK_EDGE,     /* the workspace ends here: no pose of the arm reaches what follows */
+  KM_TRACK_START     /* nowhere to begin: the first pose is out of reach or outside the limits */
+} km_track_stop;
+
+/* How a track ended. */
+typedef struct km_track_end {
+  km_track_stop stop;
+  int column;  /* LIMIT, RATE: of the arm; else -1 */
+  int sample;  /* the last sample that was reached, -1 none */
+  double s, t; /* where it ended, model's length unit and seconds */
+} km_track_end;
+
+typedef struct km_track km_track;
+
+typedef struct km_track_plan {
+  const km_path *path;
+  const double *start; /* [n] model's units: reaches the first pose */
+  km_method method;
+  km_objective objective;
+  int jobs;
+  unsigned long seed;
+  bool (*progress)(void *context, double done);
+  void *context;
+} km_track_plan;
+
+/* Follows the path. KM_PARTIAL: not to its end (the track holds what was reached, km_track_end why it stops);
+ * KM_CANCELLED; KM_MEMORY. The pose error is below 1e-12 at every row; the result doesn't depend on `jobs`, to the bit.
+ * The caller frees `*out`. */
+km_status km_track_run(const km_arm *arm, const km_track_plan *plan, km_track **out, km_error *error);
+void km_track_free(km_track *track);
+
+km_track_end km_track_ending(const km_track *track);
+/* Columns as cli.md: step, s, t_s, q., v., z., z.path, objective., error_position, error_rotation, limit_margin. */
+const km_table *km_track_rows(const km_track *track); /* borrowed */
+
+/* What a summary tells. Objectives are the plan's. */
+typedef struct km_track_summary {
+  double error_position, error_rotation; /* largest; model's length unit, radians */
+  double objective_min, objective_mean;
+  double joint_travel; /* Σ|Δq|, slides over L */
+  double rate;         /* largest joint speed, slides over L a second */
+  int rate_column;
+  double limit_margin;
+  int violations;            /* rows outside a limit or a rate: 0, or a fault */
+  unsigned long evaluations; /* Jacobians */
+  double seconds;            /* of work */
+  bool greedy_instead;       /* look-ahead: greedy's track was better and is given */
+  double converged;          /* dp: relative change of the value at half the spacing and stage; else NaN */
+} km_track_summary;
+km_track_summary km_track_summarise(const km_track *track);
+
+#ifdef __cplusplus
+}
+#endif
+#endif

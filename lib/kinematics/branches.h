@@ -1,0 +1,19 @@
+/* The motions that meet at a branch point. Private to kinematics/ and analysis/. */
+#ifndef KM_KINEMATICS_BRANCHES_H
+#define KM_KINEMATICS_BRANCHES_H
+
+#include "kinematics/state.h"
+
+enum { KM_MOST_BRANCHES = 16 };
+
+/* Where several motions meet at the state's pose: those that differ in more than their sense, as unit directions
+ * (scaled steps) into directions[KM_MOST_BRANCHES × columns]. Returns their number, 0 at a regular pose; the state
+ * stays, with its pivots searched afresh. */
+int km_branch_directions(const km_mechanism *mechanism, km_state *state, int substructure, double *directions);
+
+/* At a branch point no direction is the mechanism's own: a short step leads onto the motion that moves the coordinate
+ * most, from where the branch point can be passed smoothly. Returns how many motions meet, 0 at a regular pose, where
+ * the state stays; -1 when out of memory. */
+int km_branch_leave(const km_mechanism *mechanism, km_state *state, int coordinate);
+
+#endif

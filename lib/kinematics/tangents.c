@@ -1,0 +1,99 @@
+#include "kinematics/tangents.h"
+
+#include "kinematics/closure.h"
+
+static const double first_step = 1e-3; /* of a trial, arc length */
+static const double trial = 4e-3;      /* length that tells a real tangent from one that isn't */
+
+double km_tangents_uniform(km_tangents *f) { /* -1 … 1, always the same sequence */
+  f->random = f->random * 6364136223846793005u + 1442695040888963407u;
+  return (double)(f->random >> 11) * 0x1p-52 - 1.0;
+}
+
+bool km_tangents_make(km_tangents *f, const km_mechanism *m, km_state *s, int index, km_arena *arena) {
+  const km_substructure *sub = &m->substructures[index];
+  size_t n = (size_t)sub->columns;
+  *f = (km_tangents){.m = m, .s = s, .index = index, .sub = sub, .random = 1};
+  if (!km_second_order_build(m, s, index, arena, &f->conditions))
+    return false;
+  size_t k = (size_t)f->conditions.freedom;
+  f->pose = KM_ARENA_NEW(arena, double, KM_SAVED_PER_COLUMN *n);
+  f->last = KM_ARENA_NEW(arena, double, KM_SAVED_PER_COLUMN *n);
+  f->x = KM_ARENA_NEW(arena, double, n);
+  f->move = KM_ARENA_NEW(arena, double, n);
+  f->a = KM_ARENA_NEW(arena, double, k);
+  f->work = KM_ARENA_NEW(arena, double, 4 * k * k + 8 * k);
+  if (arena->failed)
+    return false;
+  km_state_save(s, sub, f->pose);
+  return true;
+}
+
+void km_tangents_direction(const km_tangents *f, const double *a, double *x) {
+  const double *weight = f->m->column_weight + f->sub->column_start;
+  int n = f->sub->columns;
+  for (int c = 0; c < n; ++c) {
+    double sum = 0.0;
+    for (int k = 0; k < f->conditions.freedom; ++k)
+      sum += f->conditions.Z[(size_t)k * (size_t)n + (size_t)c] * a[k];
+    x[c] = sum / weight[c];
+  }
+}
+
+double km_tangents_follow(km_tangents *f, const double *a, double sign, double length) {
+  double h = first_step, done = 0.0;
+  km_tangents_direction(f, a, f->x);
+  for (int c = 0; c < f->sub->columns; ++c)
+    f->move[c] = sign * h * f->x[c];
+  km_state_restore(f->s, f->sub, f->pose);
+  while (done < length) {
+    km_closure evidence;
+    km_state_save(f->s, f->sub, f->last);
+    km_state_move(f->m, f->s, f->sub, f->move);
+    f->s->pivoted[f->index] = KM_NEVER;
+    bool closed = km_close(f->m, f->s, f->index, KM_NO_DRIVER, &evidence) == KM_CLOSED;
+    if (!closed || evidence.correction > (done == 0.0 ? 0.05 : 0.3) * h) {
+      km_state_restore(f->s, f->sub, f->last);
+      return done;
+    }
+    km_state_difference(f->s, f->sub, f->last, f->move);
+    done += km_step_length(f->m, f->sub, f->move);
+    double next = fmin(1.5 * h, 0.01);
+    for (int c = 0; c < f->sub->columns; ++c)
+      f->move[c] *= next / h;
+    h = next;
+  }
+  return done;
+}
+
+bool km_tangents_is_real(km_tangents *f, const double *a) {
+  return km_tangents_follow(f, a, 1.0, trial) >= trial && km_tangents_follow(f, a, -1.0, trial) >= trial;
+}
+
+void km_tangents_normalise(double *a, int k) {
+  double sum = 0.0;
+  for (int i = 0; i < k; ++i)
+    sum += a[i] * a[i];
+  for (int i = 0; i < k; ++i)
+    a[i] /= sqrt(sum);
+}
+
+bool km_tangents_all_real(km_tangents *f) {
+  int k = f->conditions.freedom;
+  for (int trial_index = 0; trial_index < 2 * k; ++trial_index) {
+    for (int i = 0; i < k; ++i)
+      f->a[i] = trial_index < k ? trial_index == i : km_tangents_uniform(f);
+    km_tangents_normalise(f->a, k);
+    if (!km_tangents_is_real(f, f->a))
+      return false;
+  }
+  return true;
+}
+
+bool km_tangents_random(km_tangents *f) {
+  int k = f->conditions.freedom;
+  for (int i = 0; i < k; ++i)
+    f->a[i] = km_tangents_uniform(f);
+  km_tangents_normalise(f->a, k);
+  return km_second_order_solve(&f->conditions, f->a, f->work) && km_tangents_is_real(f, f->a);
+}

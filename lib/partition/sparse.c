@@ -1,0 +1,408 @@
+#include "partition/sparse.h"
+
+#include <math.h>
+#include <string.h>
+#include <suitesparse/colamd.h>
+
+/* Smaller |B| than that is as good as complete pivoting gives. */
+static const double good_b = 2.0;
+enum { MOST_PASSES = 4 };
+
+/* The column order of least fill, as COLAMD finds it (T. Davis, J. Gilbert, S. Larimore, E. Ng, 2004). */
+static bool order_columns(int rows, int columns, const int *start, const int *row, int *order) {
+  for (int c = 0; c < columns; ++c)
+    order[c] = c;
+  if (start[columns] == 0)
+    return true;
+  size_t room = colamd_recommended(start[columns], rows, columns);
+  int *work = KM_NEW(int, room), *pointers = KM_NEW(int, (size_t)columns + 1), stats[COLAMD_STATS];
+  bool done = room > 0 && work && pointers;
+  if (done) {
+    memcpy(work, row, (size_t)start[columns] * sizeof *work);
+    memcpy(pointers, start, ((size_t)columns + 1) * sizeof *pointers);
+    done = colamd(rows, columns, (int)room, work, pointers, NULL, stats);
+    memcpy(order, pointers, (size_t)columns * sizeof *order);
+  }
+  km_free(work);
+  km_free(pointers);
+  return done;
+}
+
+/* Space for fill is asked for as if L and U were full: the system gives a page only when it is written to. */
+static bool reserve(km_sparse *s, int rows, int columns, km_arena *arena) {
+  size_t r = (size_t)rows, c = (size_t)columns, fill = r * c;
+  *s = (km_sparse){.start = s->start,
+                   .row = s->row,
+                   .order = s->order,
+                   .lead = KM_ARENA_NEW(arena, int, c),
+                   .dropped = KM_ARENA_NEW(arena, int, c),
+                   .late = KM_ARENA_NEW(arena, bool, c),
+                   .upper = KM_ARENA_NEW(arena, km_run, c),
+                   .lower = KM_ARENA_NEW(arena, km_run, c),
+                   .upper_step = KM_ARENA_NEW(arena, int, fill),
+                   .lower_row = KM_ARENA_NEW(arena, int, fill),
+                   .upper_value = KM_ARENA_NEW(arena, double, fill),
+                   .lower_value = KM_ARENA_NEW(arena, double, fill),
+                   .step_of = KM_ARENA_NEW(arena, int, r),
+                   .x = KM_ARENA_NEW(arena, double, r),
+                   .list = KM_ARENA_NEW(arena, int, r),
+                   .stack = KM_ARENA_NEW(arena, int, r),
+                   .next = KM_ARENA_NEW(arena, int, r),
+                   .seen = KM_ARENA_NEW(arena, bool, r),
+                   .null = KM_ARENA_NEW(arena, double, c *c)};
+  return !arena->failed;
+}
+
+static bool reserve_partition(km_partition *p, const km_sparse *pattern, int rows, int columns, km_arena *arena) {
+  size_t r = (size_t)rows, c = (size_t)columns;
+  *p = (km_partition){.row = KM_ARENA_NEW(arena, int, r),
+                      .column = KM_ARENA_NEW(arena, int, c),
+                      .inverse = KM_ARENA_NEW(arena, double, r < c ? r : c),
+                      .B = KM_ARENA_NEW(arena, double, r *c),
+                      .work = KM_ARENA_NEW(arena, double, r < c ? c : r),
+                      .sparse = KM_ARENA_NEW(arena, km_sparse, 1)};
+  if (arena->failed)
+    return false;
+  *p->sparse = *pattern;
+  return reserve(p->sparse, rows, columns, arena);
+}
+
+bool km_partition_reserve_sparse(km_partition *p, int rows, int columns, const int *start, const int *row,
+                                 km_arena *arena) {
+  int *order = KM_ARENA_NEW(arena, int, (size_t)columns + 1);
+  km_sparse pattern = {.start = start, .row = row, .order = order};
+  if (!order || !order_columns(rows, columns, start, row, order)) {
+    arena->failed = true;
+    return false;
+  }
+  return reserve_partition(p, &pattern, rows, columns, arena);
+}
+
+bool km_partition_reserve_like(km_partition *p, const km_partition *other, int rows, int columns, km_arena *arena) {
+  return other->sparse ? reserve_partition(p, other->sparse, rows, columns, arena)
+                       : km_partition_reserve(p, rows, columns, arena);
+}
+
+/* All rows that column c of the matrix comes to hold when the steps so far are subtracted, into list[top … rows-1]:
+ * each row behind those whose steps change it. */
+static int reach(km_partition *p, int c) {
+  km_sparse *s = p->sparse;
+  int top = p->rows;
+  for (int i = s->start[c]; i < s->start[c + 1]; ++i) {
+    if (s->seen[s->row[i]])
+      continue;
+    int depth = 0;
+    s->stack[0] = s->row[i];
+    s->next[0] = -1;
+    while (depth >= 0) {
+      int row = s->stack[depth], step = s->step_of[row];
+      const km_run *below = step < 0 ? NULL : &s->lower[p->column[step]];
+      if (s->next[depth] < 0) {
+        s->seen[row] = true;
+        s->next[depth] = below ? below->start : 0;
+      }
+      while (below && s->next[depth] < below->end && s->seen[s->lower_row[s->next[depth]]])
+        s->next[depth]++;
+      if (below && s->next[depth] < below->end) {
+        int child = s->lower_row[s->next[depth]++];
+        s->stack[++depth] = child;
+        s->next[depth] = -1;
+      } else {
+        s->list[--top] = row;
+        --depth;
+      }
+    }
+  }
+  return top;
+}
+
+static void scatter(const km_partition *p, const double *matrix, int c) {
+  const km_sparse *s = p->sparse;
+  const double *from = matrix + (size_t)c * (size_t)p->rows;
+  for (int i = s->start[c]; i < s->start[c + 1]; ++i)
+    s->x[s->row[i]] = from[s->row[i]];
+}
+
+static bool is_finite(const km_partition *p, const double *matrix) {
+  const km_sparse *s = p->sparse;
+  double poison = 0.0; /* sum of x − x: 0, or not a number */
+  for (int c = 0; c < p->columns; ++c)
+    for (int i = s->start[c]; i < s->start[c + 1]; ++i) {
+      double x = matrix[(size_t)c * (size_t)p->rows + (size_t)s->row[i]];
+      poison += x - x;
+    }
+  return poison == 0.0;
+}
+
+/* Subtracts a step from the accumulators. */
+static void subtract(const km_partition *p, int step, double u) {
+  const km_sparse *s = p->sparse;
+  const km_run *below = &s->lower[p->column[step]];
+  for (int i = below->start; i < below->end; ++i)
+    s->x[s->lower_row[i]] -= s->lower_value[i] * u;
+}
+
+/* Reduces column c by the steps so far: its part in U is stored, the rest stays in x. Returns the row of the largest
+ * entry that is left, -1 if all are 0. */
+static int reduce(km_partition *p, const double *matrix, int c, int *upper_end, int *lower_end) {
+  km_sparse *s = p->sparse;
+  int top = reach(p, c), best = -1;
+  scatter(p, matrix, c);
+  s->upper[c] = (km_run){*upper_end, *upper_end};
+  s->lower[c] = (km_run){*lower_end, *lower_end};
+  for (int i = top; i < p->rows; ++i) {
+    int row = s->list[i], step = s->step_of[row];
+    s->seen[row] = false;
+    if (step >= 0) {
+      s->upper_step[*upper_end] = step;
+      s->upper_value[(*upper_end)++] = s->x[row];
+      subtract(p, step, s->x[row]);
+      s->x[row] = 0.0;
+    } else {
+      s->lower_row[(*lower_end)++] = row;
+      if (fabs(s->x[row]) > (best < 0 ? 0.0 : fabs(s->x[best])))
+        best = row;
+    }
+  }
+  s->upper[c].end = *upper_end;
+  s->lower[c].end = *lower_end;
+  return best;
+}
+
+/* Column c, reduced in x, becomes the next step with a pivot in `row`. */
+static void use(km_partition *p, int c, int row) {
+  km_sparse *s = p->sparse;
+  int step = p->rank++, kept = s->lower[c].start;
+  p->row[step] = row;
+  p->column[step] = c;
+  p->inverse[step] = 1.0 / s->x[row];
+  s->step_of[row] = step;
+  for (int i = s->lower[c].start; i < s->lower[c].end; ++i) {
+    int r = s->lower_row[i];
+    if (r == row)
+      continue;
+    s->lower_row[kept] = r;
+    s->lower_value[kept++] = s->x[r] * p->inverse[step];
+    s->x[r] = 0.0;
+  }
+  s->x[row] = 0.0;
+  s->lower[c].end = kept;
+}
+
+static void drop(km_partition *p, int c) {
+  km_sparse *s = p->sparse;
+  for (int i = s->lower[c].start; i < s->lower[c].end; ++i)
+    s->x[s->lower_row[i]] = 0.0;
+}
+
+/* Those that shall stay independent behind the others, the forced ones last. */
+static void arrange(km_partition *p, const bool *forced) {
+  km_sparse *s = p->sparse;
+  int n = 0;
+  for (int group = 0; group < 3; ++group)
+    for (int i = 0; i < p->columns; ++i) {
+      int c = s->order[i];
+      bool last = forced && forced[c];
+      if (group == (last ? 2 : s->late[c] ? 1 : 0))
+        s->lead[n++] = c;
+    }
+}
+
+static void eliminate(km_partition *p, const double *matrix, const bool *forced, double threshold) {
+  km_sparse *s = p->sparse;
+  int upper_end = 0, lower_end = 0, dropped = 0;
+  p->rank = 0;
+  p->first_pivot = p->first_dropped = 0.0;
+  p->smallest_pivot = HUGE_VAL;
+  p->forced_dependent = false;
+  for (int r = 0; r < p->rows; ++r)
+    s->step_of[r] = -1;
+  for (int i = 0; i < p->columns; ++i) {
+    int c = s->lead[i], row = reduce(p, matrix, c, &upper_end, &lower_end);
+    double size = row < 0 ? 0.0 : fabs(s->x[row]);
+    if (size > threshold) {
+      use(p, c, row);
+      lower_end = s->lower[c].end;
+      p->forced_dependent = p->forced_dependent || (forced && forced[c]);
+      p->first_pivot = fmax(p->first_pivot, size);
+      p->smallest_pivot = fmin(p->smallest_pivot, size);
+    } else {
+      drop(p, c);
+      s->dropped[dropped++] = c;
+      p->first_dropped = fmax(p->first_dropped, size);
+    }
+  }
+  memcpy(p->column + p->rank, s->dropped, (size_t)dropped * sizeof *p->column);
+  p->last_pivot = p->rank ? p->smallest_pivot : 0.0;
+}
+
+/* U⁻¹ times the column of U that is scattered over work, by step. */
+static void solve_upper(const km_partition *p, double *y) {
+  const km_sparse *s = p->sparse;
+  for (int k = p->rank - 1; k >= 0; --k) {
+    double value = y[k] * p->inverse[k];
+    const km_run *above = &s->upper[p->column[k]];
+    y[k] = value;
+    if (value == 0.0)
+      continue;
+    for (int i = above->start; i < above->end; ++i)
+      y[s->upper_step[i]] -= s->upper_value[i] * value;
+  }
+}
+
+/* The columns of B. False where a value is not finite. */
+static bool find_b(km_partition *p) {
+  const km_sparse *s = p->sparse;
+  double sum = 0.0;
+  bool negative = false;
+  p->largest_b = 0.0;
+  for (int i = 0; i < p->rank; ++i)
+    negative = negative != (p->inverse[i] < 0.0);
+  for (int k = p->rank; k < p->columns; ++k) {
+    double *b = p->B + (size_t)(k - p->rank) * (size_t)p->rank;
+    const km_run *own = &s->upper[p->column[k]];
+    memset(b, 0, (size_t)p->rank * sizeof *b);
+    for (int i = own->start; i < own->end; ++i)
+      b[s->upper_step[i]] = s->upper_value[i];
+    solve_upper(p, b);
+    for (int i = 0; i < p->rank; ++i) {
+      p->largest_b = fmax(p->largest_b, fabs(b[i]));
+      sum += b[i];
+    }
+  }
+  p->sign = negative ? -1 : 1;
+  return isfinite(sum);
+}
+
+/* The null vectors of the independent columns that aren't forced, by column of the matrix. Returns how many. */
+static int list_null(const km_partition *p, const bool *forced) {
+  int count = 0;
+  for (int k = p->rank; k < p->columns; ++k) {
+    if (forced && forced[p->column[k]])
+      continue;
+    const double *b = p->B + (size_t)(k - p->rank) * (size_t)p->rank;
+    double *n = p->sparse->null + (size_t)count++ * (size_t)p->columns;
+    memset(n, 0, (size_t)p->columns * sizeof *n);
+    for (int i = 0; i < p->rank; ++i)
+      n[p->column[i]] = -b[i];
+    n[p->column[k]] = 1.0;
+  }
+  return count;
+}
+
+/* Complete pivoting on N: the columns of the matrix that serve best as independent ones become late. Returns whether
+ * they aren't those that are independent now. */
+static bool choose_late(km_partition *p, const bool *forced) {
+  km_sparse *s = p->sparse;
+  int count = list_null(p, forced), n = p->columns;
+  bool changed = false;
+  memset(s->late, 0, (size_t)n * sizeof *s->late);
+  for (int step = 0; step < count; ++step) {
+    int best = -1, vector = step;
+    for (int k = step; k < count; ++k)
+      for (int c = 0; c < n; ++c) {
+        double size = fabs(s->null[(size_t)k * (size_t)n + (size_t)c]);
+        if (!s->late[c] && !(forced && forced[c]) &&
+            (best < 0 || size > fabs(s->null[(size_t)vector * (size_t)n + (size_t)best]))) {
+          best = c;
+          vector = k;
+        }
+      }
+    double *own = s->null + (size_t)step * (size_t)n, *other = s->null + (size_t)vector * (size_t)n;
+    s->late[best] = true;
+    for (int c = 0; c < n && vector != step; ++c) {
+      double swap = own[c];
+      own[c] = other[c];
+      other[c] = swap;
+    }
+    for (int k = step + 1; k < count && own[best] != 0.0; ++k) {
+      double *v = s->null + (size_t)k * (size_t)n, share = v[best] / own[best];
+      for (int c = 0; c < n; ++c)
+        v[c] -= share * own[c];
+    }
+  }
+  for (int k = 0; k < p->rank; ++k)
+    changed = changed || s->late[p->column[k]];
+  return changed;
+}
+
+/* Of the independent columns that aren't forced. */
+static double largest_free_b(const km_partition *p, const bool *forced) {
+  double largest = 0.0;
+  for (int k = p->rank; k < p->columns; ++k)
+    for (int i = 0; i < p->rank && !(forced && forced[p->column[k]]); ++i)
+      largest = fmax(largest, fabs(p->B[(size_t)(k - p->rank) * (size_t)p->rank + (size_t)i]));
+  return largest;
+}
+
+void km_sparse_factor(km_partition *p, const double *matrix, const bool *forced, double tolerance) {
+  km_sparse *s = p->sparse;
+  p->scale = 0.0;
+  for (int c = 0; c < p->columns; ++c)
+    for (int i = s->start[c]; i < s->start[c + 1]; ++i)
+      p->scale = fmax(p->scale, fabs(matrix[(size_t)c * (size_t)p->rows + (size_t)s->row[i]]));
+  memset(s->late, 0, (size_t)p->columns * sizeof *s->late);
+  for (int pass = 0; pass < MOST_PASSES; ++pass) {
+    arrange(p, forced);
+    eliminate(p, matrix, forced, tolerance * p->scale);
+    if (!find_b(p) || largest_free_b(p, forced) <= good_b || !choose_late(p, forced))
+      break;
+  }
+}
+
+bool km_sparse_refactor(km_partition *p, const double *matrix) {
+  km_sparse *s = p->sparse;
+  if (!is_finite(p, matrix))
+    return false;
+  for (int k = 0; k < p->columns; ++k) {
+    int c = p->column[k];
+    scatter(p, matrix, c);
+    for (int i = s->upper[c].start; i < s->upper[c].end; ++i) {
+      int step = s->upper_step[i], row = p->row[step];
+      s->upper_value[i] = s->x[row];
+      s->x[row] = 0.0;
+      subtract(p, step, s->upper_value[i]);
+    }
+    if (k < p->rank) {
+      p->inverse[k] = 1.0 / s->x[p->row[k]];
+      s->x[p->row[k]] = 0.0;
+    }
+    for (int i = s->lower[c].start; i < s->lower[c].end; ++i) {
+      if (k < p->rank)
+        s->lower_value[i] = s->x[s->lower_row[i]] * p->inverse[k];
+      s->x[s->lower_row[i]] = 0.0;
+    }
+  }
+  return find_b(p);
+}
+
+void km_sparse_solve(const km_partition *p, const double *rhs, double *x) {
+  const km_sparse *s = p->sparse;
+  double *y = p->work;
+  memcpy(s->x, rhs, (size_t)p->rows * sizeof *s->x);
+  for (int k = 0; k < p->rank; ++k) {
+    y[k] = s->x[p->row[k]];
+    if (y[k] != 0.0)
+      subtract(p, k, y[k]);
+  }
+  memset(s->x, 0, (size_t)p->rows * sizeof *s->x);
+  solve_upper(p, y);
+  for (int i = 0; i < p->rank; ++i)
+    x[p->column[i]] = y[i];
+  for (int c = p->rank; c < p->columns; ++c)
+    x[p->column[c]] = 0.0;
+}
+
+void km_sparse_copy(km_partition *to, const km_partition *from) {
+  km_sparse *t = to->sparse;
+  const km_sparse *f = from->sparse;
+  int upper = 0, lower = 0;
+  for (int c = 0; c < from->columns; ++c) {
+    upper = f->upper[c].end > upper ? f->upper[c].end : upper;
+    lower = f->lower[c].end > lower ? f->lower[c].end : lower;
+  }
+  memcpy(t->upper, f->upper, (size_t)from->columns * sizeof *t->upper);
+  memcpy(t->lower, f->lower, (size_t)from->columns * sizeof *t->lower);
+  memcpy(t->upper_step, f->upper_step, (size_t)upper * sizeof *t->upper_step);
+  memcpy(t->lower_row, f->lower_row, (size_t)lower * sizeof *t->lower_row);
+}

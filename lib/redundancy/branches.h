@@ -1,0 +1,50 @@
+/* Poses that reach a target, and the curves they lie on. */
+#ifndef KM_REDUNDANCY_BRANCHES_H
+#define KM_REDUNDANCY_BRANCHES_H
+
+#include "kmech/selfmotion.h"
+#include "redundancy/control.h"
+
+/* A pose that reaches the target, from up to `starts` places; false if none is found. Hinges come within a half turn
+ * of the middle of their limits. */
+bool km_arm_search(const km_arm *arm, km_arm_space *space, const km_pose *target, int starts, unsigned long seed,
+                   double *q);
+
+/* The pose nearest to `near`[n] within the limits that reaches the target: by Newton's method from there, else of all
+ * branches. KM_PARTIAL: out of reach, or never within the limits. */
+km_status km_arm_nearest(const km_arm *arm, const km_pose *target, const double *near, unsigned long seed, double *q,
+                         km_error *error);
+
+/* A curve of poses that hold the effector at `target`; arrays as km_selfmotion, but q in the arm's own units. */
+typedef struct km_loop_curve {
+  const km_arm *arm;
+  km_arm_space *space;
+  km_pose target;
+  const double *sense; /* [n] along which u grows; NULL: the tangent's largest entry is positive */
+  int count, capacity;
+  double *u, *q, *t; /* [count], [count × n], [count × n] unit tangents */
+  bool closed, failed;
+  double length;
+} km_loop_curve;
+
+/* From q along its self-motion: forward, and, if that doesn't close, back from q too. `longest` bounds the way in
+ * either sense. False when out of memory. */
+bool km_loop_curve_follow(km_loop_curve *curve, const double *q, double longest);
+void km_loop_curve_free(km_loop_curve *curve);
+/* The pose a fraction x of the way from point i to i + 1, on the manifold; t[n] its tangent (may be NULL). */
+bool km_loop_curve_between(const km_loop_curve *curve, int i, double x, double *q, double *t);
+/* Does the curve pass through q (but for full turns)? */
+bool km_loop_curve_passes(const km_loop_curve *curve, const double *q);
+
+/* The stretches within the limits. NULL and *count −1 when out of memory; the caller frees them. */
+km_arc_span *km_loop_curve_arcs(const km_loop_curve *curve, int *count);
+
+/* The curve as the public record. */
+km_status km_selfmotion_export(const km_loop_curve *curve, km_selfmotion *out, km_error *error);
+
+/* How far a coordinate is beyond its limits, hinges but for full turns: ≤ 0 within. */
+double km_arm_beyond(const km_arm *arm, int column, double q);
+/* b − a, hinges but for full turns. */
+double km_arm_difference(const km_arm *arm, int column, double a, double b);
+
+#endif

@@ -1,0 +1,313 @@
+/* Dynamic programming over the self-motions: the reference that the other methods are measured by.
+ *
+ * Stage by stage every state is led on with a range of tilts, along real tracks whose samples all keep the limits, and
+ * of the states that arrive within `spacing` of each other on the self-motions only the best goes on. There is no
+ * global redundancy parameter: components merge and split as they like. Where half the spacing on half the stage
+ * changes the value by little, the result is the optimum to about that much. */
+#include "base/parallel.h"
+#include "redundancy/method.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+enum { MOST_STATES = 4000 };
+
+typedef struct state {
+  double least, sum;
+  int parent;  /* in the stage before */
+  int samples; /* reached since the start */
+  double *q;   /* [stage length × n] of the stage that ends here */
+  km_node node;
+} state;
+
+typedef struct stage {
+  state *states;
+  int count, first, length; /* samples first + 1 … first + length */
+} stage;
+
+typedef struct grid {
+  km_run *run;
+  km_arena arena;
+  double spacing;
+  int length, stage_count, actions, workers;
+  stage *stages;
+  int now;         /* the stage being filled */
+  double *tilts;   /* [actions × freedom] */
+  state *arrivals; /* [states · actions] */
+  size_t arrival_capacity;
+  km_walk_space *spaces;
+  km_node *here;
+} grid;
+
+static bool by_mean(const grid *g) {
+  return km_objective_by_mean(&g->run->plan->objective);
+}
+
+/* Lead one state of the last stage on by one action. */
+static void lead(grid *g, int worker, int index) {
+  km_run *run = g->run;
+  const size_t n = (size_t)run->arm->n;
+  const stage *last = &g->stages[g->now - 1], *now = &g->stages[g->now];
+  const state *from = &last->states[index / g->actions];
+  state *to = &g->arrivals[index];
+  const km_way way = {.tilt = g->tilts + (index % g->actions) * run->arm->freedom};
+  to->least = from->least;
+  to->sum = from->sum;
+  to->parent = index / g->actions;
+  to->samples = from->samples;
+  km_node *here = &g->here[worker];
+  km_node_copy(run->arm, here, &from->node);
+  for (int k = 0; k < now->length; ++k) {
+    if (km_walk_step(&run->walk, &g->spaces[worker], now->first + k, 1.0, here, &way, &to->node).stop)
+      return;
+    memcpy(to->q + (size_t)k * n, to->node.q, n * sizeof *to->q);
+    to->least = fmin(to->least, to->node.value);
+    to->sum += to->node.value;
+    to->samples++;
+    km_node_copy(run->arm, here, &to->node);
+  }
+}
+
+static void lead_some(void *context, int worker) {
+  grid *g = context;
+  int count = g->stages[g->now - 1].count * g->actions;
+  for (int i = worker; i < count; i += g->workers)
+    lead(g, worker, i);
+}
+
+/* Better first: further, then the value, then the other aggregate; else the order of the work. */
+static bool better(const grid *g, const state *a, const state *b) {
+  if (a->samples != b->samples)
+    return a->samples > b->samples;
+  double x[2] = {km_run_rounded(a->least), km_run_rounded(a->sum)};
+  double y[2] = {km_run_rounded(b->least), km_run_rounded(b->sum)};
+  int first = by_mean(g);
+  if (x[first] != y[first])
+    return x[first] > y[first];
+  return x[!first] > y[!first];
+}
+
+static bool near(const km_arm *a, const double *x, const double *y, double spacing) {
+  double sum = 0.0;
+  for (int k = 0; k < a->n && sum < spacing * spacing; ++k)
+    sum += (x[k] - y[k]) * (x[k] - y[k]);
+  return sum < spacing * spacing;
+}
+
+static state make_state(grid *g, int length) {
+  state s = {.q = KM_ARENA_NEW(&g->arena, double, (size_t)length *(size_t)g->run->arm->n)};
+  km_node_create(g->run->arm, &g->arena, &s.node);
+  return s;
+}
+
+static void copy_state(const grid *g, state *to, const state *from, int length) {
+  double *q = to->q;
+  km_node node = to->node;
+  memcpy(q, from->q, (size_t)length * (size_t)g->run->arm->n * sizeof *q);
+  km_node_copy(g->run->arm, &node, &from->node);
+  *to = *from;
+  to->q = q;
+  to->node = node;
+}
+
+/* The order of arrivals from the best, without moving them. */
+typedef struct ranked {
+  const grid *grid;
+  int index;
+} ranked;
+
+static int by_rank(const void *a, const void *b) {
+  const ranked *x = a, *y = b;
+  const state *p = &x->grid->arrivals[x->index], *q = &y->grid->arrivals[y->index];
+  if (better(x->grid, p, q))
+    return -1;
+  return better(x->grid, q, p) ? 1 : x->index - y->index;
+}
+
+/* Of those that arrive, the best of each neighbourhood. */
+static bool keep_best(grid *g, int arrived) {
+  stage *now = &g->stages[g->now];
+  ranked *order = KM_NEW(ranked, (size_t)arrived + 1);
+  now->states = KM_ARENA_NEW(&g->arena, state, (size_t)(arrived < MOST_STATES ? arrived : MOST_STATES));
+  for (int i = 0; order && i < arrived; ++i)
+    order[i] = (ranked){g, i};
+  if (order)
+    qsort(order, (size_t)arrived, sizeof *order, by_rank);
+  int full = now->first + now->length;
+  for (int i = 0; order && !g->arena.failed && i < arrived && now->count < MOST_STATES; ++i) {
+    const state *one = &g->arrivals[order[i].index];
+    bool taken = one->samples < full;
+    for (int k = 0; k < now->count && !taken; ++k)
+      taken = near(g->run->arm, now->states[k].node.q, one->node.q, g->spacing);
+    if (taken)
+      continue;
+    now->states[now->count] = make_state(g, now->length);
+    if (!g->arena.failed)
+      copy_state(g, &now->states[now->count++], one, now->length);
+  }
+  bool whole = order && !g->arena.failed;
+  km_free(order);
+  return whole;
+}
+
+/* So many tilts that neighbours land no further apart than the spacing. */
+static bool choose_actions(grid *g) {
+  const km_arm *a = g->run->arm;
+  const stage *last = &g->stages[g->now - 1], *now = &g->stages[g->now];
+  const km_path_point *points = g->run->plan->path->points;
+  double ds = points[now->first + now->length].s - points[now->first].s, way = 0.0,
+         most = tan(g->run->plan->method.angle);
+  for (int i = 0; i < last->count; ++i)
+    way = fmax(way, ds * most / fmax(last->states[i].node.z, 1e-3));
+  int each = (int)ceil(way / g->spacing);
+  each = a->freedom == 0 ? 0 : each < 1 ? 1 : each > 8 ? 8 : each;
+  g->actions = a->freedom <= 1 ? 2 * each + 1 : 1 + 8 * (each > 2 ? 2 : each);
+  g->tilts = KM_ARENA_NEW(&g->arena, double, (size_t)g->actions *(size_t)(a->freedom + 1));
+  if (!g->tilts)
+    return false;
+  for (int k = 1; k < g->actions; ++k) {
+    double *tilt = g->tilts + k * a->freedom;
+    if (a->freedom == 1) {
+      tilt[0] = (k % 2 ? -1.0 : 1.0) * most * ((k + 1) / 2) / each;
+    } else {
+      double around = M_PI * 0.25 * ((k - 1) % 8), size = most * (k > 8 ? 0.5 : 1.0);
+      tilt[(k - 1) / 4 % a->freedom] += size * cos(around);
+      tilt[((k - 1) / 4 + 1) % a->freedom] += size * sin(around);
+    }
+  }
+  return true;
+}
+
+static bool fill_stage(grid *g) {
+  if (!choose_actions(g))
+    return false;
+  size_t count = (size_t)g->stages[g->now - 1].count * (size_t)g->actions, had = g->arrival_capacity;
+  if (count > had) {
+    state *grown = KM_ARENA_NEW(&g->arena, state, count);
+    if (!grown)
+      return false;
+    if (had)
+      memcpy(grown, g->arrivals, had * sizeof *grown);
+    g->arrivals = grown;
+    g->arrival_capacity = count;
+    for (size_t i = had; i < count; ++i)
+      g->arrivals[i] = make_state(g, g->length);
+  }
+  if (g->arena.failed)
+    return false;
+  km_parallel_for(g->workers, g->workers, lead_some, g);
+  return keep_best(g, (int)count);
+}
+
+/* The track that leads to a state; q of its own stage up to what it reached. */
+static void trace(grid *g, int stage_index, const state *end) {
+  km_run *run = g->run;
+  const size_t n = (size_t)run->arm->n;
+  run->reached = end->samples + 1;
+  for (int k = stage_index; k > 0; --k) {
+    const stage *at = &g->stages[k];
+    int count = end->samples - at->first < at->length ? end->samples - at->first : at->length;
+    memcpy(run->q + (size_t)(at->first + 1) * n, end->q, (size_t)count * n * sizeof *run->q);
+    if (k > 1)
+      end = &g->stages[k - 1].states[end->parent];
+  }
+}
+
+/* Nothing comes to the end of the stage: the track that goes furthest, and why it ends there. */
+static km_status stop_short(grid *g) {
+  km_run *run = g->run;
+  int count = g->stages[g->now - 1].count * g->actions, best = 0;
+  for (int i = 1; i < count; ++i)
+    if (better(g, &g->arrivals[i], &g->arrivals[best]))
+      best = i;
+  trace(g, g->now, &g->arrivals[best]);
+  const km_way way = {.tilt = g->tilts + (best % g->actions) * run->arm->freedom};
+  km_node node = g->here[0], next = run->space.here;
+  static const km_way plain = {0};
+  int sample = run->reached - 1;
+  km_walk_begin(&run->walk, &run->space, sample, run->q + (size_t)sample * (size_t)run->arm->n, &plain, &node);
+  km_arena arena = {0};
+  if (km_node_create(run->arm, &arena, &next))
+    km_run_stop(run, &node, &way, km_walk_step(&run->walk, &run->space, sample, 1.0, &node, &way, &next));
+  km_arena_free(&arena);
+  if (run->stop == KM_TRACK_COMPLETE) /* the sense of its columns was another: greedy's way tells then */
+    run->stop = KM_TRACK_SINGULAR;
+  return KM_PARTIAL;
+}
+
+static bool begin(grid *g) {
+  static const km_way plain = {0};
+  km_run *run = g->run;
+  int intervals = run->plan->path->samples - 1;
+  g->stage_count = (intervals + g->length - 1) / g->length;
+  g->workers = run->plan->jobs > 1 ? run->plan->jobs : 1;
+  g->stages = KM_ARENA_NEW(&g->arena, stage, (size_t)g->stage_count + 1);
+  g->spaces = KM_ARENA_NEW(&g->arena, km_walk_space, (size_t)g->workers);
+  g->here = KM_ARENA_NEW(&g->arena, km_node, (size_t)g->workers);
+  bool whole = !g->arena.failed;
+  for (int i = 0; i < g->workers && whole; ++i)
+    whole = km_walk_space_create(run->arm, &g->spaces[i]) && km_node_create(run->arm, &g->arena, &g->here[i]);
+  if (whole)
+    g->stages[0].states = KM_ARENA_NEW(&g->arena, state, 1);
+  whole = whole && !g->arena.failed;
+  if (!whole)
+    return false;
+  state *start = &g->stages[0].states[0];
+  *start = make_state(g, 1);
+  if (g->arena.failed)
+    return false;
+  g->stages[0].count = 1;
+  km_walk_begin(&run->walk, &run->space, 0, run->start, &plain, &start->node);
+  start->least = start->sum = start->node.value;
+  memcpy(run->q, run->start, (size_t)run->arm->n * sizeof *run->q);
+  run->reached = 1;
+  return true;
+}
+
+static km_status solve(grid *g, km_error *error) {
+  km_run *run = g->run;
+  if (!begin(g))
+    return km_fail(error, KM_MEMORY, "out of memory for dynamic programming");
+  int intervals = run->plan->path->samples - 1;
+  for (g->now = 1; g->now <= g->stage_count; ++g->now) {
+    stage *now = &g->stages[g->now];
+    now->first = (g->now - 1) * g->length;
+    now->length = intervals - now->first < g->length ? intervals - now->first : g->length;
+    if (!fill_stage(g))
+      return km_fail(error, KM_MEMORY, "out of memory for dynamic programming");
+    if (now->count == 0)
+      return stop_short(g);
+    if (!km_run_goes_on(run, now->first))
+      return km_fail(error, KM_CANCELLED, "cancelled");
+  }
+  trace(g, g->stage_count, &g->stages[g->stage_count].states[0]);
+  run->stop = KM_TRACK_COMPLETE;
+  run->column = -1;
+  return KM_OK;
+}
+
+static km_status solve_at(km_run *run, double spacing, int length, km_error *error) {
+  grid g = {.run = run, .spacing = spacing, .length = length < 1 ? 1 : length};
+  km_status status = solve(&g, error);
+  for (int i = 0; i < g.workers && g.spaces; ++i) {
+    run->evaluations += g.spaces[i].arm.evaluations;
+    km_walk_space_free(&g.spaces[i]);
+  }
+  km_arena_free(&g.arena);
+  return status;
+}
+
+km_status km_method_dp(km_run *run, km_error *error) {
+  const km_method *method = &run->plan->method;
+  int length = method->stride > 0 ? method->stride : run->plan->path->samples / 24;
+  km_status status = solve_at(run, method->spacing, length, error);
+  if (status != KM_OK && status != KM_PARTIAL)
+    return status;
+  double coarse = km_run_score(run, km_run_evaluate(run));
+  status = solve_at(run, 0.5 * method->spacing, length / 2, error);
+  if (status == KM_OK) {
+    double fine = km_run_score(run, km_run_evaluate(run));
+    run->converged = fabs(fine - coarse) / fmax(fabs(fine), 1e-300);
+  }
+  return status;
+}

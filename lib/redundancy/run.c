@@ -1,0 +1,125 @@
+/* What all methods do alike: step, stop, count. */
+#include "redundancy/branches.h"
+#include "redundancy/method.h"
+
+#include <string.h>
+
+bool km_run_create(const km_arm *a, const km_track_plan *plan, km_run *run) {
+  size_t n = (size_t)a->n;
+  *run = (km_run){
+      .arm = a, .plan = plan, .walk = {a, plan->path, &plan->objective}, .column = -1, .converged = (double)NAN};
+  run->start = KM_ARENA_NEW(&run->arena, double, n);
+  run->last = KM_ARENA_NEW(&run->arena, double, n);
+  run->q = KM_ARENA_NEW(&run->arena, double, n *(size_t)plan->path->samples);
+  if (km_node_create(a, &run->arena, &run->node) && km_node_create(a, &run->arena, &run->next) &&
+      km_walk_space_create(a, &run->space)) {
+    for (int k = 0; k < a->n; ++k)
+      run->start[k] = km_arm_read(a, k, plan->start[k]);
+    return true;
+  }
+  km_run_free(run);
+  return false;
+}
+
+void km_run_free(km_run *run) {
+  km_walk_space_free(&run->space);
+  km_arena_free(&run->arena);
+}
+
+bool km_run_goes_on(const km_run *run, int sample) {
+  return !run->plan->progress ||
+         run->plan->progress(run->plan->context, (double)sample / (run->plan->path->samples - 1));
+}
+
+/* No pose at all reaches the sample after the last one? */
+static bool beyond_edge(km_run *run, int next) {
+  double q[KM_ARM_MOST];
+  return !km_arm_search(run->arm, &run->space.arm, &run->plan->path->points[next].pose, 300, run->plan->seed, q);
+}
+
+void km_run_stop(km_run *run, const km_node *node, const km_way *way, km_step_end end) {
+  km_node at = {.q = run->last};
+  km_arena arena = {0};
+  int sample = run->reached - 1;
+  run->stop = end.stop;
+  run->column = end.column;
+  run->fraction = 0.0;
+  if (!km_node_create(run->arm, &arena, &at))
+    return;
+  if (end.stop == KM_TRACK_LIMIT)
+    run->fraction = km_walk_find_limit(&run->walk, &run->space, sample, end.column, node, way, &at);
+  else if (end.stop == KM_TRACK_SINGULAR && end.fraction > 1e-9) {
+    km_step_end back = km_walk_step(&run->walk, &run->space, sample, end.fraction, node, way, &at);
+    run->fraction = back.stop == KM_TRACK_COMPLETE ? end.fraction : 0.0;
+  }
+  memcpy(run->last, at.q, (size_t)run->arm->n * sizeof *at.q);
+  if (end.stop == KM_TRACK_SINGULAR && beyond_edge(run, sample + 1))
+    run->stop = KM_TRACK_EDGE;
+  km_arena_free(&arena);
+}
+
+static void keep(km_run *run, const km_node *node) {
+  memcpy(run->q + (size_t)run->reached * (size_t)run->arm->n, node->q, (size_t)run->arm->n * sizeof *node->q);
+  run->reached++;
+}
+
+/* From the last sample to the next one. */
+static km_step_end advance(km_run *run, const km_way *first, km_run_choose choose, void *context, km_way *way) {
+  *way = *first;
+  if (choose)
+    choose(context, run, run->reached - 1, &run->node, way);
+  km_step_end end = km_walk_step(&run->walk, &run->space, run->reached - 1, 1.0, &run->node, way, &run->next);
+  if (!end.stop) {
+    km_node_copy(run->arm, &run->node, &run->next);
+    keep(run, &run->node);
+  }
+  return end;
+}
+
+static void begin(km_run *run, const km_way *first) {
+  km_walk_begin(&run->walk, &run->space, 0, run->start, first, &run->node);
+  run->reached = 0;
+  run->fraction = 0.0;
+  run->stop = KM_TRACK_COMPLETE;
+  run->column = -1;
+  keep(run, &run->node);
+}
+
+km_status km_run_try(km_run *run, const km_way *first, km_run_choose choose, void *context) {
+  km_way way;
+  for (begin(run, first); run->reached < run->plan->path->samples;)
+    if (advance(run, first, choose, context, &way).stop)
+      return KM_PARTIAL;
+  return KM_OK;
+}
+
+km_status km_run_steps(km_run *run, const km_way *first, km_run_choose choose, void *context, km_error *error) {
+  km_way way;
+  for (begin(run, first); run->reached < run->plan->path->samples;) {
+    km_step_end end = advance(run, first, choose, context, &way);
+    if (end.stop) {
+      km_run_stop(run, &run->node, &way, end);
+      return KM_PARTIAL;
+    }
+    if (!km_run_goes_on(run, run->reached))
+      return km_fail(error, KM_CANCELLED, "cancelled");
+  }
+  return KM_OK;
+}
+
+km_run_value km_run_evaluate(km_run *run) {
+  km_run_value value = {(double)INFINITY, 0.0, run->reached};
+  static const km_way plain = {0};
+  for (int i = 0; i < run->reached; ++i) {
+    km_walk_begin(&run->walk, &run->space, i, run->q + (size_t)i * (size_t)run->arm->n, &plain, &run->next);
+    value.least = fmin(value.least, run->next.value);
+    value.sum += run->next.value;
+  }
+  return value;
+}
+
+double km_run_score(const km_run *run, km_run_value value) {
+  if (value.samples == 0)
+    return -(double)INFINITY;
+  return km_objective_by_mean(&run->plan->objective) ? value.sum / value.samples : value.least;
+}

@@ -1,0 +1,15 @@
+/* The record of one method on one path. */
+#ifndef KM_REDUNDANCY_TRACK_H
+#define KM_REDUNDANCY_TRACK_H
+
+#include "redundancy/method.h"
+
+struct km_track {
+  const km_arm *arm;
+  km_track_plan plan;
+  km_table *table;
+  km_track_end end;
+  km_track_summary summary;
+};
+
+#endif

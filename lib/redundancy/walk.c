@@ -1,0 +1,250 @@
+#include "redundancy/walk.h"
+
+#include <string.h>
+
+bool km_node_create(const km_arm *a, km_arena *arena, km_node *node) {
+  size_t n = (size_t)a->n, freedom = (size_t)a->freedom;
+  *node = (km_node){.q = KM_ARENA_NEW(arena, double, n),
+                    .path = KM_ARENA_NEW(arena, double, n + 1),
+                    .self = KM_ARENA_NEW(arena, double, freedom *n)};
+  return !arena->failed;
+}
+
+void km_node_copy(const km_arm *a, km_node *to, const km_node *from) {
+  size_t n = (size_t)a->n;
+  memcpy(to->q, from->q, n * sizeof *to->q);
+  memcpy(to->path, from->path, (n + 1) * sizeof *to->path);
+  if (a->freedom > 0)
+    memcpy(to->self, from->self, (size_t)a->freedom * n * sizeof *to->self);
+  to->z = from->z;
+  to->value = from->value;
+}
+
+bool km_walk_space_create(const km_arm *a, km_walk_space *s) {
+  *s = (km_walk_space){0};
+  if (km_arm_space_create(a, &s->arm) && km_node_create(a, &s->arm.arena, &s->here))
+    return true;
+  km_walk_space_free(s);
+  return false;
+}
+
+void km_walk_space_free(km_walk_space *s) {
+  km_arm_space_free(&s->arm);
+}
+
+static double length(const double *x, int n) {
+  double sum = 0.0;
+  for (int i = 0; i < n; ++i)
+    sum += x[i] * x[i];
+  return sqrt(sum);
+}
+
+/* Columns and value of a node at whose q the space's Jacobian stands. */
+static void look_around(const km_walk *w, km_walk_space *s, const km_path_point *point, const km_way *way,
+                        const double *guide, km_node *node) {
+  double xi[KM_ARM_ROWS], values[KM_OBJECTIVES];
+  km_arm_task_rows(w->arm, &s->arm.pose.R, point->twist, xi);
+  km_control_factor(w->arm, &s->arm, xi, way->held);
+  node->z = km_control_columns(w->arm, &s->arm, guide, node->path, node->self);
+  if (!w->objective)
+    return;
+  km_objective_values(w->arm, &s->arm, node->q, node->path, point->speed, w->objective, values);
+  node->value = km_objective_sum(w->objective, values);
+}
+
+/* The first pose-control columns have no node to follow: their largest entry is positive. */
+static void set_senses(const km_arm *a, double *self) {
+  for (int k = 0; k < a->freedom; ++k) {
+    double *c = self + k * a->n, largest = 0.0;
+    for (int i = 0; i < a->n; ++i)
+      if (fabs(c[i]) > 1.000001 * fabs(largest))
+        largest = c[i];
+    for (int i = 0; i < a->n && largest < 0.0; ++i)
+      c[i] = -c[i];
+  }
+}
+
+void km_walk_begin(const km_walk *w, km_walk_space *s, int sample, const double *q, const km_way *way, km_node *out) {
+  memmove(out->q, q, (size_t)w->arm->n * sizeof *q);
+  km_arm_update(w->arm, &s->arm, q);
+  look_around(w, s, &w->path->points[sample], way, NULL, out);
+  set_senses(w->arm, out->self);
+}
+
+/* δ = Jᵀ(JJᵀ + λ²)⁻¹ξ, by Cholesky's factors of the small matrix. The Jacobian is that of the last update. */
+static void damped_rates(const km_arm *a, const km_arm_space *s, const double *xi, double lambda, double *out) {
+  const int rows = a->rows, n = a->n;
+  double A[KM_ARM_ROWS][KM_ARM_ROWS], y[KM_ARM_ROWS];
+  for (int i = 0; i < rows; ++i)
+    for (int j = 0; j <= i; ++j) {
+      double sum = i == j ? lambda * lambda : 0.0;
+      for (int k = 0; k < n; ++k)
+        sum += s->jacobian[k * rows + i] * s->jacobian[k * rows + j];
+      for (int k = 0; k < j; ++k)
+        sum -= A[i][k] * A[j][k];
+      A[i][j] = i == j ? sqrt(sum) : sum / A[j][j];
+    }
+  for (int i = 0; i < rows; ++i) {
+    y[i] = xi[i];
+    for (int k = 0; k < i; ++k)
+      y[i] -= A[i][k] * y[k];
+    y[i] /= A[i][i];
+  }
+  for (int i = rows - 1; i >= 0; --i) {
+    for (int k = i + 1; k < rows; ++k)
+      y[i] -= A[k][i] * y[k];
+    y[i] /= A[i][i];
+  }
+  for (int k = 0; k < n; ++k) {
+    out[k] = 0.0;
+    for (int r = 0; r < rows; ++r)
+      out[k] += s->jacobian[k * rows + r] * y[r];
+  }
+}
+
+/* Damped rates where the pose is near a singular one; false where it isn't. */
+static bool damp(const km_walk *w, km_walk_space *s, const km_path_point *point, const km_way *way, const km_node *here,
+                 double *rates) {
+  double sigma[KM_ARM_ROWS], xi[KM_ARM_ROWS];
+  km_arm_update(w->arm, &s->arm, here->q);
+  km_arm_singular_values(w->arm, &s->arm, sigma);
+  double part = sigma[w->arm->rows - 1] / way->below;
+  if (part >= 1.0)
+    return false;
+  km_arm_task_rows(w->arm, &s->arm.pose.R, point->twist, xi);
+  damped_rates(w->arm, &s->arm, xi, way->damping * sqrt(1.0 - part * part), rates);
+  return true;
+}
+
+/* Newton steps to a point of the path, none of them far: at most `most` away from where it begins. Leaves the Jacobian
+ * of the pose. */
+static bool correct(const km_walk *w, km_walk_space *s, const km_path_point *point, const km_way *way, double most,
+                    double *q) {
+  enum { MOST_STEPS = 16 };
+  double e[KM_ARM_ROWS], x[KM_ARM_MOST], xi[KM_ARM_ROWS], moved[KM_ARM_MOST] = {0};
+  const int n = w->arm->n;
+  for (int step = 0; step <= MOST_STEPS; ++step) {
+    km_arm_update(w->arm, &s->arm, q);
+    double left = km_arm_error(w->arm, &s->arm, &point->pose, e, NULL, NULL);
+    if (left <= 1e-12)
+      return true;
+    if (!(left < 10.0))
+      return false;
+    km_arm_task_rows(w->arm, &s->arm.pose.R, point->twist, xi);
+    km_control_factor(w->arm, &s->arm, xi, way->held);
+    km_control_solve(w->arm, &s->arm, e, way->held, x);
+    for (int k = 0; k < n; ++k) {
+      moved[k] += x[k];
+      q[k] += x[k];
+    }
+    if (!(length(moved, n) <= most))
+      return false;
+  }
+  return false;
+}
+
+/* One step from space->here by dσ to a point; false if it is refused. */
+static bool try_step(const km_walk *w, km_walk_space *s, const km_path_point *from, const km_path_point *point,
+                     const km_way *way, double *q) {
+  const km_arm *a = w->arm;
+  const km_node *here = &s->here;
+  double ds = point->s - from->s, step[KM_ARM_MOST], inverse = 1.0 / here->z;
+  bool damped = way->damping > 0.0 && damp(w, s, from, way, here, step);
+  for (int k = 0; k < a->n && !damped; ++k) {
+    double rate = here->path[k];
+    for (int j = 0; way->tilt && j < a->freedom; ++j)
+      rate += way->tilt[j] * here->self[j * a->n + k];
+    step[k] = rate * inverse;
+  }
+  for (int k = 0; k < a->n; ++k) {
+    step[k] *= ds;
+    q[k] = here->q[k] + step[k];
+  }
+  /* What damping leaves undone is the corrector's: it may be as long as a step. */
+  return correct(w, s, point, way, damped ? 1.0 : 0.5 * length(step, a->n) + 1e-12, q);
+}
+
+static km_step_end check(const km_walk *w, const km_walk_space *s, int sample, const km_path_point *point,
+                         const km_node *from, const km_node *to, const km_way *way) {
+  const km_arm *a = w->arm;
+  km_step_end end = {KM_TRACK_COMPLETE, -1, 1.0};
+  end.column = km_arm_limit_passed(a, to->q);
+  if (end.column >= 0) {
+    end.stop = KM_TRACK_LIMIT;
+    return end;
+  }
+  double dt = point->t - w->path->points[sample].t, rest[KM_ARM_MOST];
+  for (int k = 0; k < a->n; ++k)
+    rest[k] = (to->q[k] - from->q[k]) / dt;
+  for (int k = 0; k < a->n && end.column < 0; ++k)
+    if (fabs(rest[k]) > a->rate[k] * (1.0 + 1e-9))
+      end.column = k;
+  if (!way->held && to->z > 0.0) { /* the speed at the end itself */
+    double self[KM_ARM_MOST];
+    memcpy(self, rest, (size_t)a->n * sizeof *self);
+    km_control_project_out(a, &s->arm, self);
+    for (int k = 0; k < a->n && end.column < 0; ++k)
+      if (fabs(to->path[k] / to->z * point->speed + rest[k] - self[k]) > a->rate[k] * (1.0 + 1e-9))
+        end.column = k;
+  }
+  end.stop = end.column >= 0 ? KM_TRACK_RATE : KM_TRACK_COMPLETE;
+  return end;
+}
+
+km_step_end km_walk_step(const km_walk *w, km_walk_space *s, int sample, double fraction, const km_node *from,
+                         const km_way *way, km_node *to) {
+  enum { MOST_TRIES = 400 };
+  static const double least = 1e-10; /* of the interval: what is less can't be told from where it stands */
+  km_path_point here = w->path->points[sample];
+  double done = 0.0, h = fraction;
+  km_node_copy(w->arm, &s->here, from);
+  for (int tries = 0; done < fraction; ++tries) {
+    if (tries == MOST_TRIES || h < least * fraction || s->here.z < KM_PATH_ENTRY_LEAST)
+      return (km_step_end){KM_TRACK_SINGULAR, -1, done};
+    double next = fraction - done <= h * (1.0 + 1e-9) ? fraction : done + h;
+    km_path_point point = next < 1.0 ? km_path_at(w->path, sample, next) : w->path->points[sample + 1];
+    if (!try_step(w, s, &here, &point, way, to->q)) {
+      h *= 0.5;
+      continue;
+    }
+    look_around(w, s, &point, way, s->here.self, to);
+    km_node_copy(w->arm, &s->here, to);
+    here = point;
+    done = next;
+    h *= 2.0;
+  }
+  return check(w, s, sample, &here, from, to, way);
+}
+
+/* Regula falsi, its ends drawn in alternately (Illinois), until the fraction is known to 1e-13. */
+double km_walk_find_limit(const km_walk *w, km_walk_space *s, int sample, int column, const km_node *from,
+                          const km_way *way, km_node *to) {
+  const km_arm *a = w->arm;
+  km_walk_step(w, s, sample, 1.0, from, way, to);
+  bool high = to->q[column] > a->high[column];
+  double limit = high ? a->high[column] : a->low[column];
+  double x0 = 0.0, x1 = 1.0, f0 = from->q[column] - limit, f1 = to->q[column] - limit;
+  for (int i = 0; i < 100 && x1 - x0 > 1e-13; ++i) {
+    double x = f0 == 0.0 ? x0 : x0 - f0 * (x1 - x0) / (f1 - f0);
+    if (!(x > x0 && x < x1))
+      x = 0.5 * (x0 + x1);
+    km_walk_step(w, s, sample, x, from, way, to);
+    double f = to->q[column] - limit;
+    if ((f > 0.0) == high && f != 0.0) {
+      x1 = x;
+      f1 = f;
+      f0 *= 0.5;
+    } else {
+      x0 = x;
+      f0 = f;
+      f1 *= 0.5;
+      if (fabs(f) < 1e-13)
+        break;
+    }
+  }
+  if (x0 > 0.0)
+    km_walk_step(w, s, sample, x0, from, way, to);
+  else
+    km_node_copy(a, to, from);
+  return x0;
+}

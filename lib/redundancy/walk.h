@@ -1,0 +1,65 @@
+/* Walking along a path, sample by sample: what every method is made of. */
+#ifndef KM_REDUNDANCY_WALK_H
+#define KM_REDUNDANCY_WALK_H
+
+#include "redundancy/control.h"
+#include "redundancy/objective.h"
+#include "redundancy/path.h"
+
+/* A pose on the path, with the directions that lead on. Arrays belong to a km_arena. */
+typedef struct km_node {
+  double *q;    /* [n] */
+  double *path; /* [n + 1] path-control column */
+  double *self; /* [freedom × n] pose-control columns, following those of the node before */
+  double z;     /* path entry */
+  double value; /* of the objective */
+} km_node;
+
+bool km_node_create(const km_arm *arm, km_arena *arena, km_node *node);
+void km_node_copy(const km_arm *arm, km_node *to, const km_node *from);
+
+typedef struct km_walk {
+  const km_arm *arm;
+  const km_path *path;
+  const km_objective *objective;
+} km_walk;
+
+/* One thread's workspace of a walk. */
+typedef struct km_walk_space {
+  km_arm_space arm;
+  km_node here; /* between samples */
+} km_walk_space;
+
+bool km_walk_space_create(const km_arm *arm, km_walk_space *space);
+void km_walk_space_free(km_walk_space *space);
+
+/* How to leave a node. Zeros are greedy's way. */
+typedef struct km_way {
+  const double *tilt; /* [freedom] tan φ towards each pose-control column; NULL: 0 */
+  const bool *held;   /* [n] columns that don't move; NULL: none */
+  double damping;     /* dls: λ at singular poses, 0: none */
+  double below;       /* dls: smallest singular value from which on it is damped */
+} km_way;
+
+/* Why a step doesn't lead to its end, and how far it leads. */
+typedef struct km_step_end {
+  km_track_stop stop;
+  int column;
+  double fraction; /* of the interval that was covered, limits and rates not counted */
+} km_step_end;
+
+/* The node at q on a sample, q being there already. */
+void km_walk_begin(const km_walk *walk, km_walk_space *space, int sample, const double *q, const km_way *way,
+                   km_node *out);
+
+/* From a node at `sample` to a fraction of the interval after it: predictor (c₁/z + tan φ·c₂/z)Δσ, then Newton steps
+ * of least norm to 1e-12; a corrector longer than half the predictor is refused and the step halved. Limits and rates
+ * are checked at the end only. */
+km_step_end km_walk_step(const km_walk *walk, km_walk_space *space, int sample, double fraction, const km_node *from,
+                         const km_way *way, km_node *to);
+
+/* The fraction of the interval at which the step's column meets its limit: found as a root. */
+double km_walk_find_limit(const km_walk *walk, km_walk_space *space, int sample, int column, const km_node *from,
+                          const km_way *way, km_node *to);
+
+#endif

@@ -1,0 +1,368 @@
+#include "report/track_record.h"
+
+#include "report/mobility_record.h"
+
+#include <stdio.h>
+#include <string.h>
+
+void km_tracks_label(const km_tracks *t, int index, char separator, char *out, size_t size) {
+  int kind = (int)t->study->methods[index].kind, before = 0;
+  for (int i = 0; i < index; ++i)
+    before += (int)t->study->methods[i].kind == kind;
+  if (before)
+    snprintf(out, size, "%s%c%d", km_method_word((km_method_kind)kind), separator, before + 1);
+  else
+    snprintf(out, size, "%s", km_method_word((km_method_kind)kind));
+}
+
+static const char *length_unit(const km_arm *a) {
+  return a->mechanism->model->units.length->suffix;
+}
+
+void km_track_end_text(const km_track *t, km_text *out) {
+  const km_arm *a = t->arm;
+  const km_track_end *end = &t->end;
+  if (end->stop == KM_TRACK_COMPLETE)
+    return;
+  const char *label = end->column >= 0 ? km_arm_label(a, end->column) : "";
+  km_text_format(out, "stops at s = %.9g %s, t = %.9g s (sample %d of %d): ", end->s, length_unit(a), end->t,
+                 end->sample < 0 ? 0 : end->sample, t->plan.path->samples - 1);
+  switch (end->stop) {
+  case KM_TRACK_LIMIT: {
+    const double *last = km_table_row(t->table, km_table_rows(t->table) - 1);
+    double q = last[3 + end->column], low = km_arm_shown(a, end->column, a->low[end->column]),
+           high = km_arm_shown(a, end->column, a->high[end->column]);
+    km_text_format(out, "joint %s is at its limit, %.9g %s", label, fabs(q - low) < fabs(q - high) ? low : high,
+                   km_model_coordinate_unit(a->mechanism->model, a->coordinate[end->column]));
+    break;
+  }
+  case KM_TRACK_RATE:
+    km_text_format(out, "joint %s would have to move faster than its %.9g %s/s", label,
+                   km_arm_shown(a, end->column, a->rate[end->column]),
+                   km_model_coordinate_unit(a->mechanism->model, a->coordinate[end->column]));
+    break;
+  case KM_TRACK_SINGULAR:
+    km_text_add(out,
+                "singular pose: the arm can't go on along the path from here, though the poses ahead are in reach");
+    break;
+  case KM_TRACK_EDGE:
+    km_text_add(out, "workspace edge: no pose of the arm reaches what follows");
+    break;
+  default:
+    km_text_add(out,
+                "there is no pose to start from: the path's first pose is out of reach, or never within the limits");
+  }
+}
+
+static void add_settings(const km_method *m, const km_track *t, km_value *record, km_arena *arena) {
+  const double degrees = 180.0 / M_PI;
+  switch (m->kind) {
+  case KM_LOOKAHEAD: {
+    int samples = t->plan.path->samples, stride = m->stride > 0 ? m->stride : samples / 12 > 1 ? samples / 12 : 1;
+    km_value_number(arena, record, "branches", m->branches);
+    km_value_number(arena, record, "levels", m->levels);
+    km_value_number(arena, record, "angle", round(m->angle * degrees * 1e9) / 1e9);
+    km_value_number(arena, record, "stride", stride);
+    km_value_string(arena, record, "value", m->sum ? "sum" : "min");
+    km_value_boolean(arena, record, "greedy_instead", t->summary.greedy_instead);
+    break;
+  }
+  case KM_DLS:
+    km_value_number(arena, record, "damping", m->damping);
+    km_value_number(arena, record, "below", m->below);
+    break;
+  case KM_GRADIENT:
+    km_value_number(arena, record, "gain", m->gain);
+    break;
+  case KM_DP:
+    km_value_number(arena, record, "spacing", m->spacing);
+    km_value_number(arena, record, "converged_to", t->summary.converged);
+    break;
+  case KM_GLOBAL:
+    km_value_number(arena, record, "knots", m->knots);
+    km_value_number(arena, record, "evaluations", m->evaluations);
+    break;
+  default:
+    break;
+  }
+}
+
+static void add_summary(const km_track *t, km_value *record, km_arena *arena) {
+  const km_track_summary *s = &t->summary;
+  size_t rows = km_table_rows(t->table);
+  km_value *out = km_value_add(arena, record, "summary", KM_OBJECT);
+  km_value_number(arena, out, "error_position", s->error_position);
+  km_value_number(arena, out, "error_rotation", s->error_rotation);
+  km_value_number(arena, out, "objective_min", s->objective_min);
+  km_value_number(arena, out, "objective_mean", s->objective_mean);
+  km_value_number(arena, out, "joint_travel", s->joint_travel);
+  km_value_number(arena, out, "max_rate", s->rate);
+  km_value_string(arena, out, "max_rate_joint", rows ? km_arm_label(t->arm, s->rate_column) : "");
+  km_value_number(arena, out, "limit_margin", s->limit_margin);
+  km_value_number(arena, out, "violations", s->violations);
+  km_value_number(arena, out, "evaluations", (double)s->evaluations);
+  km_value_number(arena, out, "seconds_per_step", rows ? s->seconds / (double)rows : 0.0);
+}
+
+static void add_table(const km_table *table, km_value *record, km_arena *arena) {
+  km_value *columns = km_value_add(arena, record, "columns", KM_LIST);
+  for (size_t c = 0; c < km_table_columns(table) && !arena->failed; ++c) {
+    km_value *column = km_value_add(arena, columns, NULL, KM_OBJECT);
+    km_value_string(arena, column, "name", km_table_name(table, c));
+    if (km_table_unit(table, c)[0])
+      km_value_string(arena, column, "unit", km_table_unit(table, c));
+    else
+      km_value_add(arena, column, "unit", KM_NULL);
+  }
+  km_value *rows = km_value_add(arena, record, "rows", KM_LIST);
+  for (size_t r = 0; r < km_table_rows(table) && !arena->failed; ++r)
+    km_value_numbers(arena, rows, NULL, km_table_row(table, r), km_table_columns(table));
+}
+
+static void add_track(const km_tracks *all, int index, km_value *list, km_arena *arena) {
+  const km_track *t = all->items[index];
+  char label[64];
+  km_value *record = km_value_add(arena, list, NULL, KM_OBJECT);
+  km_tracks_label(all, index, '-', label, sizeof label);
+  km_value_string(arena, record, "method", km_method_word(t->plan.method.kind));
+  km_value_string(arena, record, "label", label);
+  add_settings(&t->plan.method, t, record, arena);
+  add_summary(t, record, arena);
+  add_table(t->table, record, arena);
+  km_text why = {0};
+  km_track_end_text(t, &why);
+  km_value_boolean(arena, record, "complete", t->end.stop == KM_TRACK_COMPLETE);
+  if (why.size)
+    km_value_string(arena, record, "stopped_by", why.data);
+  else
+    km_value_add(arena, record, "stopped_by", KM_NULL);
+  km_text_free(&why);
+}
+
+/* The head of every record about an arm. */
+static km_value *arm_record(const km_arm *a, const char *model, km_arena *arena) {
+  static const char *const tasks[] = {"pose", "position", "axis"};
+  const km_frame_def *frame = &a->mechanism->model->frames[a->frame];
+  km_value *record = km_record_head(a->mechanism->model, "kredund", model, arena);
+  km_value *effector = km_value_add(arena, record, "effector", KM_LIST);
+  km_value_string(arena, effector, NULL, a->mechanism->model->bodies[frame->body].name);
+  km_value_string(arena, effector, NULL, frame->name);
+  km_value_string(arena, record, "task", tasks[a->task]);
+  km_value_number(arena, record, "scale", a->length);
+  km_value *joints = km_value_add(arena, record, "joints", KM_LIST);
+  for (int k = 0; k < a->n; ++k)
+    km_value_string(arena, joints, NULL, km_arm_label(a, k));
+  return record;
+}
+
+km_value *km_tracks_record(const km_tracks *t, const char *model, km_arena *arena) {
+  const km_path *path = t->study->path;
+  km_value *record = arm_record(t->study->arm, model, arena);
+  km_value_string(arena, record, "objective", km_objective_name(&t->study->objective));
+  km_value *about = km_value_add(arena, record, "path", KM_OBJECT);
+  km_value_number(arena, about, "samples", path->samples);
+  km_value_number(arena, about, "length", km_path_length(path, path->samples - 1));
+  km_value_number(arena, about, "seconds", km_path_time(path, path->samples - 1));
+  km_value *list = km_value_add(arena, record, "tracks", KM_LIST);
+  for (int i = 0; i < t->count && !arena->failed; ++i)
+    if (t->items[i])
+      add_track(t, i, list, arena);
+  return arena->failed ? NULL : record;
+}
+
+static void print_head(const km_tracks *t, km_text *out) {
+  const km_arm *a = t->study->arm;
+  const km_path *path = t->study->path;
+  km_text_format(out, "%s: %d samples over %.6g %s in %.6g s; %d joints, %d to spare; lengths over L = %.6g %s%s\n",
+                 t->name, path->samples, km_path_length(path, path->samples - 1), length_unit(a),
+                 km_path_time(path, path->samples - 1), a->n, a->freedom, a->length, length_unit(a),
+                 a->length_given ? " (characteristic length)" : " (one metre)");
+}
+
+static void print_line(const km_tracks *all, int index, km_text *out) {
+  const km_track *t = all->items[index];
+  const km_track_summary *s = &t->summary;
+  char label[64];
+  km_tracks_label(all, index, ' ', label, sizeof label);
+  size_t rows = km_table_rows(t->table);
+  if (!rows) {
+    km_text_format(out, "  %-12s nothing was reached\n", label);
+    return;
+  }
+  double part = 100.0 * t->end.s / km_path_length(t->plan.path, t->plan.path->samples - 1);
+  km_text_format(out, "  %-12s %6.1f%%  %9.3g %8.2g  %9.4g %9.4g  %8.4g %8.4g  %9.4g %10d  %11lu  %8.3g\n", label, part,
+                 s->error_position, s->error_rotation, s->objective_min, s->objective_mean, s->joint_travel, s->rate,
+                 s->limit_margin, s->violations, s->evaluations, 1e6 * s->seconds / (double)rows);
+}
+
+/* How good the reference is. */
+static void print_remarks(const km_tracks *all, int index, km_text *out) {
+  double change = all->items[index]->summary.converged;
+  char label[64];
+  km_tracks_label(all, index, ' ', label, sizeof label);
+  if (isfinite(change))
+    km_text_format(out, "  %s: half the spacing and stage change the value by %.2g%%%s\n", label, 100.0 * change,
+                   change < 0.02 ? "" : ": no reference yet");
+}
+
+void km_tracks_print(const km_tracks *t, km_text *out) {
+  print_head(t, out);
+  const char *name = km_objective_name(&t->study->objective);
+  km_text_format(out, "  %-12s %7s  %9s %8s  %19s  %8s %8s  %9s %10s  %11s  %8s\n", "", "", "error", "error", name,
+                 "joint", "largest", "smallest", "", "", "us a");
+  km_text_format(out, "  %-12s %7s  %9s %8s  %9s %9s  %8s %8s  %9s %10s  %11s  %8s\n", "method", "reached",
+                 length_unit(t->study->arm), "rad", "min", "mean", "travel", "rate", "margin", "violations",
+                 "evaluations", "step");
+  for (int i = 0; i < t->count; ++i)
+    if (t->items[i])
+      print_line(t, i, out);
+  for (int i = 0; i < t->count; ++i)
+    if (t->items[i])
+      print_remarks(t, i, out);
+}
+
+static void add_motion(const km_arm *a, const km_selfmotion *m, km_value *record, km_arena *arena) {
+  km_value_boolean(arena, record, "closed", m->closed);
+  km_value_number(arena, record, "length", m->length);
+  km_value_boolean(arena, record, "within_limits_all_round", m->whole);
+  km_value *arcs = km_value_add(arena, record, "arcs", KM_LIST);
+  for (int i = 0; i < m->arc_count && !arena->failed; ++i) {
+    km_value *arc = km_value_add(arena, arcs, NULL, KM_OBJECT);
+    km_value_number(arena, arc, "from", m->arcs[i].from);
+    km_value_number(arena, arc, "to", m->arcs[i].to);
+    for (int end = 0; end < 2; ++end) {
+      int column = m->arcs[i].column[end];
+      if (column >= 0)
+        km_value_string(arena, arc, end ? "to_limit" : "from_limit", km_arm_label(a, column));
+      else
+        km_value_add(arena, arc, end ? "to_limit" : "from_limit", KM_NULL);
+    }
+  }
+}
+
+km_value *km_selfmotion_record(const km_arm *a, const km_selfmotion *m, const char *model, km_arena *arena) {
+  km_value *record = arm_record(a, model, arena);
+  add_motion(a, m, record, arena);
+  km_value_number(arena, record, "error", m->error);
+  km_value *rows = km_value_add(arena, record, "rows", KM_LIST);
+  for (int i = 0; i < m->count && !arena->failed; ++i) {
+    km_value *row = km_value_add(arena, rows, NULL, KM_LIST);
+    km_value_number(arena, row, NULL, m->u[i]);
+    for (int k = 0; k < m->columns; ++k)
+      km_value_number(arena, row, NULL, m->q[i * m->columns + k]);
+  }
+  return arena->failed ? NULL : record;
+}
+
+km_table *km_selfmotion_table(const km_arm *a, const km_selfmotion *m) {
+  km_table *table = km_table_create();
+  km_arm_space space;
+  if (!table || !km_arm_space_create(a, &space)) {
+    km_table_free(table);
+    return NULL;
+  }
+  km_table_add_column(table, "step", NULL);
+  km_table_add_plain_column(table, "s", "rad");
+  for (int k = 0; k < a->n; ++k) {
+    km_text name = {0};
+    km_text_format(&name, "q.%s", km_arm_label(a, k));
+    km_table_add_column(table, name.data ? name.data : "",
+                        km_model_coordinate_unit(a->mechanism->model, a->coordinate[k]));
+    km_text_free(&name);
+  }
+  km_table_add_column(table, "objective.manipulability", NULL);
+  km_table_add_column(table, "objective.singular-value", NULL);
+  km_table_add_column(table, "limit_margin", NULL);
+  bool whole = true;
+  for (int i = 0; i < m->count && whole; ++i) {
+    double q[KM_ARM_MOST], sigma[KM_ARM_ROWS], product = 1.0, *row = km_table_add_row(table);
+    whole = row != NULL;
+    if (!whole)
+      break;
+    for (int k = 0; k < a->n; ++k)
+      q[k] = km_arm_read(a, k, m->q[i * a->n + k]);
+    km_arm_update(a, &space, q);
+    km_arm_singular_values(a, &space, sigma);
+    for (int r = 0; r < a->rows; ++r)
+      product *= sigma[r];
+    *row++ = i;
+    *row++ = m->u[i];
+    memcpy(row, m->q + i * a->n, (size_t)a->n * sizeof *row);
+    row += a->n;
+    *row++ = product;
+    *row++ = sigma[a->rows - 1];
+    *row = km_arm_limit_distance(a, q);
+  }
+  km_arm_space_free(&space);
+  if (whole)
+    return table;
+  km_table_free(table);
+  return NULL;
+}
+
+static void print_motion(const km_arm *a, const km_selfmotion *m, const char *indent, km_text *out) {
+  if (m->closed)
+    km_text_format(out, "a closed curve of %.6g rad", m->length);
+  else
+    km_text_format(out, "a curve of %.6g rad that ends in singular poses", m->length);
+  if (m->whole) {
+    km_text_add(out, ", within the limits all the way round\n");
+    return;
+  }
+  km_text_format(out, "; %d arc%s within the limits%s\n", m->arc_count, m->arc_count == 1 ? "" : "s",
+                 m->arc_count ? ":" : "");
+  for (int i = 0; i < m->arc_count; ++i) {
+    const km_arc_span *arc = &m->arcs[i];
+    km_text_format(out, "%s%.9g to %.9g rad (length %.6g)", indent, arc->from, arc->to, arc->to - arc->from);
+    if (arc->column[0] >= 0 || arc->column[1] >= 0)
+      km_text_format(out, ", ended by %s and %s",
+                     arc->column[0] >= 0 ? km_arm_label(a, arc->column[0]) : "the curve's end",
+                     arc->column[1] >= 0 ? km_arm_label(a, arc->column[1]) : "the curve's end");
+    km_text_add(out, "\n");
+  }
+}
+
+void km_selfmotion_print(const km_arm *a, const km_selfmotion *m, const char *name, km_text *out) {
+  km_text_format(out, "%s: self-motion, ", name);
+  print_motion(a, m, "  ", out);
+  km_text_format(out, "  effector held to %.2g; %d poses\n", m->error, m->count);
+}
+
+km_value *km_branches_record(const km_arm *a, const km_branches *b, const char *model, km_arena *arena) {
+  km_value *record = arm_record(a, model, arena);
+  km_value_number(arena, record, "count", b->count);
+  km_value_number(arena, record, "within_limits", b->within);
+  km_value_number(arena, record, "starts", b->starts);
+  km_value_number(arena, record, "converged", b->converged);
+  km_value *list = km_value_add(arena, record, "branches", KM_LIST);
+  for (int i = 0; i < b->count && !arena->failed; ++i) {
+    km_value *branch = km_value_add(arena, list, NULL, KM_OBJECT);
+    km_value_number(arena, branch, "id", i + 1);
+    if (a->freedom == 1)
+      add_motion(a, &b->items[i], branch, arena);
+    km_value_boolean(arena, branch, "within_limits", b->margin[i] >= 0.0);
+    km_value_number(arena, branch, "limit_margin", b->margin[i]);
+    km_value *pose = km_value_add(arena, branch, "configuration", KM_OBJECT);
+    for (int k = 0; k < a->n; ++k)
+      km_value_number(arena, pose, km_arm_label(a, k), b->pose[i * a->n + k]);
+  }
+  return arena->failed ? NULL : record;
+}
+
+void km_branches_print(const km_arm *a, const km_branches *b, const char *name, km_text *out) {
+  km_text_format(out, "%s: %d branch%s", name, b->count, b->count == 1 ? "" : "es");
+  if (b->within < b->count)
+    km_text_format(out, ", %d of them with poses within the limits", b->within);
+  km_text_format(out, " (%d solutions from %d starts)\n", b->converged, b->starts);
+  for (int i = 0; i < b->count; ++i) {
+    km_text_format(out, "  %d: ", i + 1);
+    if (a->freedom == 1)
+      print_motion(a, &b->items[i], "       ", out);
+    else
+      km_text_format(out, "%s\n", a->freedom == 0 ? "a pose" : "one pose of a family");
+    km_text_format(out, "     %s:", b->margin[i] >= 0.0 ? "best pose" : "never within the limits; nearest");
+    for (int k = 0; k < a->n; ++k)
+      km_text_format(out, " %s %.6g", km_arm_label(a, k), b->pose[i * a->n + k]);
+    km_text_format(out, " (limit distance %.4g)\n", b->margin[i]);
+  }
+}

@@ -1,0 +1,31 @@
+/* kredund compare: methods side by side. */
+#include "kredund/tracks.h"
+
+static kt_exit run(const kredund_request *request, kt_formats formats) {
+  kredund_open open;
+  kredund_tracks tracks = {.request = request, .open = &open, .formats = formats, .map = true};
+  kt_exit result = kredund_bring(request, true, &open);
+  if (result == KT_DONE) {
+    result = kredund_tracks_run(&tracks);
+    if (result == KT_PARTIAL && tracks.complete > 0)
+      result = KT_DONE; /* that a method fails is what a comparison is for */
+    if (result == KT_DONE || result == KT_PARTIAL)
+      result = kt_worse(result, kredund_tracks_deliver(&tracks, request->base ? request->base : open.base));
+  }
+  kredund_tracks_free(&tracks);
+  kredund_close(&open);
+  return result;
+}
+
+kt_exit kredund_compare(int argc, char **argv) {
+  kredund_request request;
+  kt_formats formats;
+  if (!kredund_tracks_read(argc, argv,
+                           "Several methods on one path: their tracks, a table, and the map of self-motions with the "
+                           "tracks on it. Without methods in the study: greedy, lookahead, fixed, dls, gradient, "
+                           "dp, global.",
+                           &request, &formats))
+    return KT_USAGE;
+  request.everything = true;
+  return run(&request, formats);
+}

@@ -1,0 +1,152 @@
+/* kredund ik: all branches of poses that reach one pose of the effector. kredund selfmotion: one of them. */
+#include "kredund/kredund.h"
+
+#include "base/json.h"
+#include "base/memory.h"
+#include "report/csv.h"
+#include "report/track_record.h"
+
+#include <string.h>
+
+enum { OPTION_FORMAT = 0x3001, OPTION_POSE };
+
+static const struct argp_option table[] = {
+    {"pose", OPTION_POSE, "X,Y,Z,RX,RY,RZ", 0,
+     "The effector's pose in the inertial frame: place and rotation vector, in the model's units", 1},
+    {"format", OPTION_FORMAT, "FORMAT", 0, "table (default) or json", 3},
+    {"output", 'o', "BASE", 0, "Write BASE.motion.txt or .json instead of the standard output", 3},
+    {0}};
+
+static error_t parse(int key, char *arg, struct argp_state *state) {
+  kredund_request *r = state->input;
+  switch (key) {
+  case ARGP_KEY_INIT:
+    state->child_inputs[0] = r;
+    return 0;
+  case OPTION_FORMAT:
+    r->formats = arg;
+    if (strcmp(arg, "json") != 0 && strcmp(arg, "table") != 0)
+      argp_error(state, "--format %s: expected table or json", arg);
+    return 0;
+  case OPTION_POSE:
+    r->pose = arg;
+    return 0;
+  case 'o':
+    r->base = arg;
+    return 0;
+  default:
+    return ARGP_ERR_UNKNOWN;
+  }
+}
+
+static void fill(const km_pose *pose, km_effector_pose *out) {
+  for (int k = 0; k < 3; ++k) {
+    out->R[k] = pose->R.axis[k].x;
+    out->R[3 + k] = pose->R.axis[k].y;
+    out->R[6 + k] = pose->R.axis[k].z;
+  }
+  out->p[0] = pose->p.x;
+  out->p[1] = pose->p.y;
+  out->p[2] = pose->p.z;
+}
+
+static kt_exit read_pose(const kredund_request *r, const kredund_open *open, km_effector_pose *out) {
+  double value[6];
+  const char *rest = r->pose;
+  int count = 0;
+  bool fine = true;
+  for (char last = ','; last == ',' && fine; ++count) {
+    kt_piece piece = kt_split(&rest, ",");
+    last = piece.separator;
+    fine = count < 6 && piece.text && kt_number(piece.text, &value[count]);
+    km_free(piece.text);
+  }
+  if (!fine || count != 6)
+    return kt_usage(&r->common, "--pose", r->pose, "six numbers X,Y,Z,RX,RY,RZ");
+  double unit = open->pose.model->units.angle->si;
+  km_vec3 turn = {value[3] * unit, value[4] * unit, value[5] * unit};
+  km_pose pose = {km_quaternion_rotation(km_quaternion_exp(turn)), km_vec3_make(value)};
+  fill(&pose, out);
+  return KT_DONE;
+}
+
+/* --pose, the path's first pose, or where the arm is. */
+static kt_exit find_target(const kredund_request *r, const kredund_open *open, km_effector_pose *out) {
+  const km_study *s = open->study;
+  if (r->pose)
+    return read_pose(r, open, out);
+  if (s->path) {
+    km_path_pose(s->path, 0, out);
+    return KT_DONE;
+  }
+  km_arm_space space;
+  double q[KM_ARM_MOST];
+  if (!km_arm_space_create(s->arm, &space))
+    return KT_INTERNAL;
+  for (int k = 0; k < s->arm->n; ++k)
+    q[k] = km_arm_read(s->arm, k, s->start[k]);
+  km_arm_update(s->arm, &space, q);
+  km_pose pose = km_arm_to_model(s->arm, &space.pose);
+  fill(&pose, out);
+  km_arm_space_free(&space);
+  return KT_DONE;
+}
+
+static kt_exit answer(const kredund_request *r, const km_value *record, km_text *text, km_arena *arena) {
+  bool json = r->formats && strcmp(r->formats, "json") == 0;
+  if (json && record)
+    km_json_write(record, text);
+  if (arena->failed)
+    text->failed = true;
+  return r->base ? kt_write(&r->common, r->base, "motion", json ? "json" : "txt", text) : kt_print(&r->common, text);
+}
+
+static kt_exit run(const kredund_request *r, const kredund_open *open) {
+  km_effector_pose target;
+  km_branches branches;
+  km_error error;
+  km_arena arena = {0};
+  km_text text = {0};
+  const km_arm *arm = open->study->arm;
+  kt_exit result = find_target(r, open, &target);
+  if (result != KT_DONE)
+    return result;
+  km_status status = km_branches_find(arm, &target, r->common.seed, &branches, &error);
+  if (status) {
+    kt_say(&r->common, KM_ERROR, "%s: %s", open->name, error.text);
+    result = kt_exit_of(status);
+  } else {
+    bool json = r->formats && strcmp(r->formats, "json") == 0;
+    if (!json)
+      km_branches_print(arm, &branches, open->name, &text);
+    result = answer(r, json ? km_branches_record(arm, &branches, open->model, &arena) : NULL, &text, &arena);
+    if (result == KT_DONE && branches.within == 0) {
+      kt_say(&r->common, KM_ERROR, "%s: no branch has a pose within the joint limits", open->name);
+      result = KT_PARTIAL;
+    }
+  }
+  km_branches_free(&branches);
+  km_arena_free(&arena);
+  km_text_free(&text);
+  return result;
+}
+
+kt_exit kredund_ik(int argc, char **argv) {
+  const struct argp_child children[] = {{&kredund_request_argp, 0, NULL, 0}, {0}};
+  const struct argp argp = {table,
+                            parse,
+                            "STUDY",
+                            "Every branch of poses that reach a pose of the effector: one self-motion each, with its "
+                            "closed length or its arcs within the limits.",
+                            children,
+                            NULL,
+                            NULL};
+  kredund_request r = {.common = {.tool = "kredund", .jobs = 1, .seed = 1}};
+  kt_parse(&argp, argc, argv, &r);
+  kredund_open open;
+  kt_exit result = kredund_bring(&r, false, &open);
+  if (result == KT_DONE)
+    result = run(&r, &open);
+  kredund_close(&open);
+  return result;
+}

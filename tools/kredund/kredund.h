@@ -1,0 +1,44 @@
+/* What kredund's commands share. */
+#ifndef KREDUND_H
+#define KREDUND_H
+
+#include "common/pose.h"
+#include "redundancy/study.h"
+
+kt_exit kredund_track(int argc, char **argv);
+kt_exit kredund_compare(int argc, char **argv);
+kt_exit kredund_selfmotion(int argc, char **argv);
+kt_exit kredund_ik(int argc, char **argv);
+kt_exit kredund_matrix(int argc, char **argv);
+
+/* What the commands about an arm are asked: a study, or a model with options that say the same. */
+typedef struct kredund_request {
+  kt_common common;
+  kt_texts holds, sets;
+  const char *study; /* the argument */
+  const char *model, *path, *effector, *q, *task, *methods, *objective, *rates;
+  const char *branches, *levels, *angle, *stride, *value; /* of look-ahead */
+  const char *pose;                                       /* ik: x,y,z,rx,ry,rz */
+  const char *formats, *base;
+  bool everything; /* without methods: all of them */
+} kredund_request;
+
+/* Child parsers whose input is a kredund_request: the arm and the path; and the methods too. */
+extern const struct argp kredund_request_argp, kredund_methods_argp;
+
+/* A study on its model, at its pose. */
+typedef struct kredund_open {
+  kt_pose pose;
+  km_study *study;
+  km_arena arena;
+  const char *name; /* of the study or the model, for messages */
+  char model[4096];
+  char base[256];
+} kredund_open;
+
+/* Reads the study (or makes one from the options), its model, and binds them. `needs_path`: false for commands that can
+ * do with the arm's own pose. Says what is wrong. The caller closes it in any case. */
+kt_exit kredund_bring(const kredund_request *request, bool needs_path, kredund_open *out);
+void kredund_close(kredund_open *open);
+
+#endif

@@ -1,0 +1,97 @@
+/* kredund selfmotion: every pose that holds the effector where it is. */
+#include "kredund/tracks.h"
+
+#include "base/json.h"
+#include "report/csv.h"
+#include "report/motion_map_plot.h"
+
+#include <string.h>
+
+static kt_exit write_curve(const kredund_request *r, const kredund_open *open, const kt_formats *formats,
+                           const km_selfmotion *motion, const char *base) {
+  kt_exit result = KT_DONE;
+  if (formats->wanted[KT_CSV]) {
+    km_text out = {0};
+    km_table *table = km_selfmotion_table(open->study->arm, motion);
+    if (table)
+      km_csv_write(table, &out);
+    else
+      out.failed = true;
+    result = kt_write(&r->common, base, "motion", "csv", &out);
+    km_table_free(table);
+    km_text_free(&out);
+  }
+  if (formats->wanted[KT_JSON]) {
+    km_arena arena = {0};
+    km_text out = {0};
+    const km_value *record = km_selfmotion_record(open->study->arm, motion, open->model, &arena);
+    if (record)
+      km_json_write(record, &out);
+    else
+      out.failed = true;
+    result = kt_worse(result, kt_write(&r->common, base, "motion", "json", &out));
+    km_arena_free(&arena);
+    km_text_free(&out);
+  }
+  return result;
+}
+
+/* The map along the path, with the tracks of the study's methods. */
+static kt_exit write_map(const kredund_request *r, const kredund_open *open, const kt_formats *formats,
+                         const char *base) {
+  kredund_tracks tracks = {.request = r, .open = open, .formats = *formats};
+  bool pictures = formats->wanted[KT_SVG] || formats->wanted[KT_PDF] || formats->wanted[KT_PNG];
+  if (!open->study->path || !pictures)
+    return KT_DONE;
+  kt_exit result = kredund_tracks_run(&tracks);
+  if (result == KT_PARTIAL)
+    result = KT_DONE; /* the map shows where a method ends */
+  for (int f = KT_SVG; f <= KT_PNG && result == KT_DONE; ++f)
+    if (formats->wanted[f])
+      result = kredund_tracks_picture(&tracks, base, "motion", (kt_format)f, km_motion_map_plot);
+  kredund_tracks_free(&tracks);
+  return result;
+}
+
+static kt_exit run(const kredund_request *r, const kt_formats *formats, const kredund_open *open) {
+  const char *base = r->base ? r->base : open->base;
+  km_selfmotion motion;
+  km_error error;
+  if (open->study->start_status) {
+    kt_say(&r->common, KM_ERROR, "%s: %s", open->name, open->study->start_error.text);
+    return kt_exit_of(open->study->start_status);
+  }
+  km_status status = km_selfmotion_follow(open->study->arm, open->study->start, &motion, &error);
+  kt_exit result = kt_exit_of(status);
+  if (status) {
+    kt_say(&r->common, KM_ERROR, "%s: %s", open->name, error.text);
+  } else {
+    if (!r->common.quiet && strcmp(base, "-") != 0) {
+      km_text text = {0};
+      km_selfmotion_print(open->study->arm, &motion, open->name, &text);
+      result = kt_print(&r->common, &text);
+      km_text_free(&text);
+    }
+    result = kt_worse(result, write_curve(r, open, formats, &motion, base));
+    result = kt_worse(result, write_map(r, open, formats, base));
+  }
+  km_selfmotion_free(&motion);
+  return result;
+}
+
+kt_exit kredund_selfmotion(int argc, char **argv) {
+  kredund_request request;
+  kt_formats formats;
+  if (!kredund_tracks_read(
+          argc, argv,
+          "The poses that hold the effector at the path's start (or where the arm is): their curve, "
+          "closed or to its ends, and its arcs within the joint limits. With a path, a map of them along it.",
+          &request, &formats))
+    return KT_USAGE;
+  kredund_open open;
+  kt_exit result = kredund_bring(&request, false, &open);
+  if (result == KT_DONE)
+    result = run(&request, &formats, &open);
+  kredund_close(&open);
+  return result;
+}

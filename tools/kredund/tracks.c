@@ -1,0 +1,176 @@
+#include "kredund/tracks.h"
+
+#include "base/json.h"
+#include "base/memory.h"
+#include "report/csv.h"
+#include "report/motion_map_plot.h"
+#include "report/track_plot.h"
+
+#include <stdio.h>
+#include <string.h>
+
+enum { OPTION_FORMAT = 0x3001 };
+
+static const struct argp_option table[] = {
+    {"format", OPTION_FORMAT, "LIST", 0, "Some of csv,json,svg,pdf,png (default csv,svg)", 3},
+    {"output", 'o', "BASE", 0, "Begin of the files' names (default: the model's name); - is the standard output", 3},
+    {0}};
+
+static error_t parse(int key, char *arg, struct argp_state *state) {
+  kredund_request *r = state->input;
+  switch (key) {
+  case ARGP_KEY_INIT:
+    state->child_inputs[0] = r;
+    return 0;
+  case OPTION_FORMAT:
+    r->formats = arg;
+    return 0;
+  case 'o':
+    r->base = arg;
+    return 0;
+  default:
+    return ARGP_ERR_UNKNOWN;
+  }
+}
+
+bool kredund_tracks_read(int argc, char **argv, const char *about, kredund_request *r, kt_formats *formats) {
+  const struct argp_child children[] = {{&kredund_methods_argp, 0, NULL, 0}, {0}};
+  const struct argp argp = {table, parse, "STUDY", about, children, NULL, NULL};
+  *r = (kredund_request){.common = {.tool = "kredund", .jobs = 1, .seed = 1}};
+  kt_parse(&argp, argc, argv, r);
+  if (!kt_formats_parse(&r->common, r->formats ? r->formats : "csv,svg", formats))
+    return false;
+  bool tables_only = !formats->wanted[KT_SVG] && !formats->wanted[KT_PDF] && !formats->wanted[KT_PNG];
+  if (r->base && strcmp(r->base, "-") == 0 && (kt_formats_count(formats) != 1 || !tables_only)) {
+    kt_usage(&r->common, "-o", "-", "--format csv or json");
+    return false;
+  }
+  return true;
+}
+
+static void say_end(const kredund_tracks *t, int index) {
+  const km_track *track = t->items[index];
+  char label[64];
+  km_text why = {0};
+  km_tracks_label(&t->all, index, ' ', label, sizeof label);
+  km_track_end_text(track, &why);
+  if (why.size)
+    kt_say(&t->request->common, KM_ERROR, "%s: %s %s", t->open->name, label, why.data);
+  if (track->summary.greedy_instead)
+    kt_say(&t->request->common, KM_NOTE, "%s: %s isn't as good as greedy on this path; greedy's track is given",
+           t->open->name, label);
+  km_text_free(&why);
+}
+
+static kt_exit run_one(kredund_tracks *t, int index) {
+  const kt_common *common = &t->request->common;
+  kt_progress progress = kt_progress_start(common);
+  km_track_plan plan = km_study_plan(t->open->study, index);
+  km_error error;
+  plan.jobs = common->jobs;
+  plan.seed = common->seed;
+  plan.progress = kt_progress_show;
+  plan.context = &progress;
+  km_status status = km_track_run(t->open->study->arm, &plan, &t->items[index], &error);
+  kt_progress_end(&progress);
+  if (t->items[index])
+    say_end(t, index);
+  else
+    kt_say(common, KM_ERROR, "%s: %s: %s", t->open->name, km_method_word(plan.method.kind), error.text);
+  t->complete += status == KM_OK;
+  return kt_exit_of(status);
+}
+
+kt_exit kredund_tracks_run(kredund_tracks *t) {
+  kt_exit result = KT_DONE;
+  t->count = t->open->study->method_count;
+  t->items = KM_NEW(km_track *, (size_t)t->count);
+  t->all = (km_tracks){t->open->study, t->open->name, t->items, t->count};
+  for (int i = 0; i < t->count && t->items; ++i)
+    result = kt_worse(result, run_one(t, i));
+  return t->items ? result : KT_INTERNAL;
+}
+
+void kredund_tracks_free(kredund_tracks *t) {
+  for (int i = 0; i < t->count && t->items; ++i)
+    km_track_free(t->items[i]);
+  km_free(t->items);
+}
+
+/* One method: BASE.track.csv; several: BASE.METHOD.track.csv. */
+static kt_exit write_tables(const kredund_tracks *t, const char *base) {
+  kt_exit result = KT_DONE;
+  for (int i = 0; i < t->count; ++i) {
+    char label[64], name[4096];
+    km_text out = {0};
+    if (!t->items[i])
+      continue;
+    km_tracks_label(&t->all, i, '-', label, sizeof label);
+    snprintf(name, sizeof name, t->count > 1 ? "%s.%s" : "%s", base, label);
+    km_csv_write(t->items[i]->table, &out);
+    result = kt_worse(result, kt_write(&t->request->common, name, "track", "csv", &out));
+    km_text_free(&out);
+  }
+  return result;
+}
+
+static kt_exit write_record(const kredund_tracks *t, const char *base) {
+  km_arena arena = {0};
+  km_text out = {0};
+  const km_value *record = km_tracks_record(&t->all, t->open->model, &arena);
+  if (record)
+    km_json_write(record, &out);
+  else
+    out.failed = true;
+  km_arena_free(&arena);
+  kt_exit result = kt_write(&t->request->common, base, "track", "json", &out);
+  km_text_free(&out);
+  return result;
+}
+
+kt_exit kredund_tracks_picture(const kredund_tracks *t, const char *base, const char *word, kt_format format,
+                               kredund_draw draw) {
+  km_text out = {0};
+  km_error error;
+  km_status status = draw(&t->all, kt_canvas_format(format), &out, &error);
+  kt_exit result = kt_exit_of(status);
+  if (status)
+    kt_say(&t->request->common, KM_ERROR, "%s", error.text);
+  else
+    result = kt_write(&t->request->common, base, word, kt_format_word(format), &out);
+  km_text_free(&out);
+  return result;
+}
+
+static bool anything(const kredund_tracks *t) {
+  for (int i = 0; i < t->count; ++i)
+    if (t->items[i] && km_table_rows(t->items[i]->table) > 1)
+      return true;
+  return false;
+}
+
+kt_exit kredund_tracks_deliver(kredund_tracks *t, const char *base) {
+  const kt_common *common = &t->request->common;
+  kt_exit result = KT_DONE;
+  kredund_draw draw = t->map && t->open->study->arm->freedom == 1 ? km_motion_map_plot : km_tracks_draw;
+  bool piped = strcmp(base, "-") == 0;
+  if (piped && t->formats.wanted[KT_CSV] && t->count > 1)
+    return kt_usage(common, "-o", "-", "one method with --format csv");
+  if (!common->quiet && !piped) {
+    km_text summary = {0};
+    km_tracks_print(&t->all, &summary);
+    result = kt_print(common, &summary);
+    km_text_free(&summary);
+  }
+  if (t->formats.wanted[KT_CSV])
+    result = kt_worse(result, write_tables(t, base));
+  if (t->formats.wanted[KT_JSON])
+    result = kt_worse(result, write_record(t, base));
+  for (int f = KT_SVG; f <= KT_PNG && anything(t); ++f) {
+    if (!t->formats.wanted[f])
+      continue;
+    result = kt_worse(result, kredund_tracks_picture(t, base, "track", (kt_format)f, km_tracks_plot));
+    result = kt_worse(result, kredund_tracks_picture(t, base, "motion", (kt_format)f, draw));
+  }
+  return result;
+}

@@ -1,0 +1,30 @@
+/* Running several methods, and delivering what they give. */
+#ifndef KREDUND_TRACKS_H
+#define KREDUND_TRACKS_H
+
+#include "kredund/kredund.h"
+#include "report/track_record.h"
+
+typedef struct kredund_tracks {
+  const kredund_request *request;
+  const kredund_open *open;
+  kt_formats formats;
+  km_track **items;
+  int count, complete;
+  bool map;      /* the motion picture is the map of self-motions, not the arm */
+  km_tracks all; /* for the reports */
+} kredund_tracks;
+
+/* Runs every method of the study. The caller frees it in any case. */
+kt_exit kredund_tracks_run(kredund_tracks *tracks);
+void kredund_tracks_free(kredund_tracks *tracks);
+typedef km_status (*kredund_draw)(const km_tracks *, km_canvas_format, km_text *, km_error *);
+kt_exit kredund_tracks_picture(const kredund_tracks *tracks, const char *base, const char *word, kt_format format,
+                               kredund_draw draw);
+/* Tables and pictures by the formats; the summary on the standard output. */
+kt_exit kredund_tracks_deliver(kredund_tracks *tracks, const char *base);
+
+/* Reads the options of a command that runs methods. False: a usage error, told. */
+bool kredund_tracks_read(int argc, char **argv, const char *about, kredund_request *request, kt_formats *formats);
+
+#endif
