@@ -101,7 +101,7 @@ static void read_frame(km_reader *reader, const km_value *frame, int body, const
   if (!km_reader_active(frame))
     return;
   const char *name = km_reader_name(reader, frame, place, &reader->frames, body, "origin");
-  add_frame(reader, name, body, (km_pose){km_reader_rotation(reader, frame, place), km_reader_vector(frame, "T")});
+  add_frame(reader, name, body, (km_pose){km_reader_rotation(reader, frame, "R", place), km_reader_vector(frame, "T")});
 }
 
 static void left_out(km_reader *reader, km_names *names, int scope, const km_value *element) {

@@ -61,8 +61,8 @@ km_vec3 km_reader_vector(const km_value *object, const char *key) {
   return (km_vec3){x->number, x->next->number, x->next->next->number};
 }
 
-km_rotation km_reader_rotation(km_reader *reader, const km_value *frame, const km_place *place) {
-  const km_value *rows = km_value_get(frame, "R");
+km_rotation km_reader_rotation(km_reader *reader, const km_value *frame, const char *key, const km_place *place) {
+  const km_value *rows = km_value_get(frame, key);
   if (!rows)
     return km_rotation_identity();
   double m[9]; /* by rows */
@@ -76,7 +76,7 @@ km_rotation km_reader_rotation(km_reader *reader, const km_value *frame, const k
     for (int j = 0; j < 3; ++j)
       misfit = fmax(misfit, fabs(km_vec3_dot(R.axis[i], R.axis[j]) - (i == j)));
   double determinant = km_vec3_dot(R.axis[0], km_vec3_cross(R.axis[1], R.axis[2]));
-  km_place at = {place, "R", 0};
+  km_place at = {place, key, 0};
   if (!(misfit <= 1e-6)) {
     km_reader_error(reader, &at,
                     "not a rotation: an entry of RᵀR differs from the identity by %.3g; expected at most 1e-6", misfit);

@@ -37,8 +37,9 @@ const char *km_reader_where(km_reader *reader, const km_place *place); /* kept i
 bool km_reader_active(const km_value *object);
 double km_reader_number(const km_value *object, const char *key, double otherwise);
 km_vec3 km_reader_vector(const km_value *object, const char *key);
-/* R of a frame, made exactly orthonormal; the identity if it is absent or (reported) no rotation. */
-km_rotation km_reader_rotation(km_reader *reader, const km_value *frame, const km_place *place);
+/* R of a frame (or the member `key` that is one), made exactly orthonormal; the identity if it is absent or (reported)
+ * no rotation. */
+km_rotation km_reader_rotation(km_reader *reader, const km_value *frame, const char *key, const km_place *place);
 const char *km_reader_string(const km_value *object, const char *key); /* NULL if absent */
 /* Reports a value that isn't greater than 0. */
 void km_reader_positive(km_reader *reader, const km_place *place, const char *key, double value);

@@ -13,8 +13,7 @@ static double scatter(const km_arm *a, int k, km_random *r) {
   return km_random_between(r, middle - half, middle + half);
 }
 
-/* Hinges come back to within a half turn of the middle of their limits. */
-static void unwind(const km_arm *a, double *q) {
+void km_arm_unwind(const km_arm *a, double *q) {
   for (int k = 0; k < a->n; ++k) {
     bool limited = a->high[k] - a->low[k] < (double)INFINITY;
     double middle = limited ? 0.5 * (a->low[k] + a->high[k]) : 0.0;
@@ -28,7 +27,7 @@ static bool try_start(const km_arm *a, km_arm_space *s, const km_pose *target, k
     q[k] = scatter(a, k, r);
   if (!km_arm_reach(a, s, target, NULL, 80, 0.7, q))
     return false;
-  unwind(a, q);
+  km_arm_unwind(a, q);
   return km_arm_reach(a, s, target, NULL, 3, 0.7, q);
 }
 
@@ -148,7 +147,7 @@ static int best_point(const km_arm *a, const km_loop_curve *c, double *margin) {
   for (int i = 0; i < c->count; ++i) {
     double q[KM_ARM_MOST];
     memcpy(q, c->q + i * a->n, (size_t)a->n * sizeof *q);
-    unwind(a, q);
+    km_arm_unwind(a, q);
     double distance = km_arm_limit_distance(a, q);
     if (distance > *margin) {
       *margin = distance;
@@ -158,20 +157,27 @@ static int best_point(const km_arm *a, const km_loop_curve *c, double *margin) {
   return best;
 }
 
+/* The pose in the middle of an arc, hinges unwound. */
+static bool middle_of(const km_arm *a, const km_loop_curve *c, const km_arc_span *arc, double *q) {
+  double u = 0.5 * (arc->from + arc->to);
+  if (c->closed && u >= c->length)
+    u -= c->length;
+  int i = 0;
+  while (i + 1 < c->count && c->u[i + 1] <= u)
+    ++i;
+  double span = i == c->count - 1 ? c->length - c->u[i] : c->u[i + 1] - c->u[i];
+  if (!(span > 0.0) || !km_loop_curve_between(c, i, (u - c->u[i]) / span, q, NULL))
+    return false;
+  km_arm_unwind(a, q);
+  return true;
+}
+
 /* A narrow arc may hold none of the curve's points: then its middle stands for it. */
-static double middle_of_arc(const km_arm *a, const km_loop_curve *c, const km_selfmotion *m, double *q) {
+static double best_middle(const km_arm *a, const km_loop_curve *c, const km_selfmotion *m, double *q) {
   double best = -(double)INFINITY, at[KM_ARM_MOST];
   for (int k = 0; k < m->arc_count; ++k) {
-    double u = 0.5 * (m->arcs[k].from + m->arcs[k].to);
-    if (c->closed && u >= c->length)
-      u -= c->length;
-    int i = 0;
-    while (i + 1 < c->count && c->u[i + 1] <= u)
-      ++i;
-    double span = i == c->count - 1 ? c->length - c->u[i] : c->u[i + 1] - c->u[i];
-    if (!(span > 0.0) || !km_loop_curve_between(c, i, (u - c->u[i]) / span, at, NULL))
+    if (!middle_of(a, c, &m->arcs[k], at))
       continue;
-    unwind(a, at);
     double distance = km_arm_limit_distance(a, at);
     if (distance > best) {
       best = distance;
@@ -191,13 +197,13 @@ static km_status describe(finder *f, const km_loop_curve *c, km_selfmotion *out,
     km_status status = km_selfmotion_export(c, out, error);
     if (status)
       return status;
-    double middle[KM_ARM_MOST], there = middle_of_arc(a, c, out, middle);
+    double middle[KM_ARM_MOST], there = best_middle(a, c, out, middle);
     if (there > *margin) {
       *margin = there;
       memcpy(q, middle, (size_t)a->n * sizeof *q);
     }
   }
-  unwind(a, q);
+  km_arm_unwind(a, q);
   for (int k = 0; k < a->n; ++k)
     pose[k] = km_arm_shown(a, k, q[k]);
   return KM_OK;
@@ -308,20 +314,31 @@ static double distance_between(const km_arm *a, const double *x, const double *y
   return sqrt(sum);
 }
 
-/* Of all branches' points within the limits the nearest. */
+/* Takes a pose over if it is within the limits and nearer than the best so far. */
+static void take_nearer(const km_arm *a, const double *at, const double *near, double *best, double *q) {
+  double distance = distance_between(a, at, near);
+  if (km_arm_limit_passed(a, at) >= 0 || distance >= *best)
+    return;
+  *best = distance;
+  memcpy(q, at, (size_t)a->n * sizeof *q);
+}
+
+/* Of all branches' points within the limits, and of the middles of their arcs, however narrow, the nearest. */
 static bool nearest_of(finder *f, const double *near, double *q) {
   double best = (double)INFINITY, at[KM_ARM_MOST];
   for (int b = 0; b < f->count; ++b) {
     const km_loop_curve *c = &f->curves[b];
     for (int i = 0; i < c->count; ++i) {
       memcpy(at, c->q + i * f->arm->n, (size_t)f->arm->n * sizeof *at);
-      unwind(f->arm, at);
-      double distance = distance_between(f->arm, at, near);
-      if (km_arm_limit_passed(f->arm, at) >= 0 || distance >= best)
-        continue;
-      best = distance;
-      memcpy(q, at, (size_t)f->arm->n * sizeof *q);
+      km_arm_unwind(f->arm, at);
+      take_nearer(f->arm, at, near, &best, q);
     }
+    int arc_count = 0;
+    km_arc_span *arcs = f->arm->freedom == 1 ? km_loop_curve_arcs(c, &arc_count) : NULL;
+    for (int k = 0; arcs && k < arc_count; ++k)
+      if (middle_of(f->arm, c, &arcs[k], at))
+        take_nearer(f->arm, at, near, &best, q);
+    km_free(arcs);
   }
   return best < (double)INFINITY;
 }

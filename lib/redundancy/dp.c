@@ -297,14 +297,22 @@ static km_status solve_at(km_run *run, double spacing, int length, km_error *err
   return status;
 }
 
+/* What the tilts can reach over the whole path is cut into some forty states, none further than a tenth of a radian. */
+static double choose_spacing(const km_run *run) {
+  const km_path *path = run->plan->path;
+  double reach = tan(run->plan->method.angle) * path->points[path->samples - 1].s / 0.5; /* path entries about 0.5 */
+  return fmin(fmax(reach / 40.0, 0.005), 0.1);
+}
+
 km_status km_method_dp(km_run *run, km_error *error) {
   const km_method *method = &run->plan->method;
   int length = method->stride > 0 ? method->stride : run->plan->path->samples / 24;
-  km_status status = solve_at(run, method->spacing, length, error);
+  double spacing = method->spacing > 0.0 ? method->spacing : choose_spacing(run);
+  km_status status = solve_at(run, spacing, length, error);
   if (status != KM_OK && status != KM_PARTIAL)
     return status;
   double coarse = km_run_score(run, km_run_evaluate(run));
-  status = solve_at(run, 0.5 * method->spacing, length / 2, error);
+  status = solve_at(run, 0.5 * spacing, length / 2, error);
   if (status == KM_OK) {
     double fine = km_run_score(run, km_run_evaluate(run));
     run->converged = fabs(fine - coarse) / fmax(fabs(fine), 1e-300);

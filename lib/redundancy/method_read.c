@@ -17,7 +17,7 @@ static double read_between(km_reader *reader, const km_value *object, const km_p
 
 static void read_joints(km_reader *reader, const km_arm *arm, const km_value *value, const km_place *place,
                         km_method *out) {
-  km_place at = {place, "joints", 0};
+  km_place at = {place, value->key, 0};
   const km_value *label = value->kind == KM_LIST ? value->first : value;
   for (; label; label = value->kind == KM_LIST ? label->next : NULL) {
     int found = -1;
@@ -64,7 +64,8 @@ static void read_method(km_reader *reader, const km_arm *arm, const km_value *va
   out->damping = read_between(reader, value, place, "damping", out->damping, 1e-9, 10, false);
   out->below = read_between(reader, value, place, "below", out->below, 1e-9, 10, false);
   out->gain = read_between(reader, value, place, "gain", out->gain, -1e6, 1e6, false);
-  out->spacing = read_between(reader, value, place, "spacing", out->spacing, 1e-3, 10, false);
+  if (km_value_get(value, "spacing"))
+    out->spacing = read_between(reader, value, place, "spacing", 0.1, 1e-3, 10, false);
   out->knots = (int)read_between(reader, value, place, "knots", out->knots, 2, 64, true);
   out->evaluations = (int)read_between(reader, value, place, "evaluations", out->evaluations, 10, 1e6, true);
   const char *aggregate = km_reader_string(value, "value");
@@ -81,7 +82,7 @@ static void read_method(km_reader *reader, const km_arm *arm, const km_value *va
     km_reader_error(reader, &angle_at, "the outermost of %d branches turns by %s degrees; expected less than 90",
                     out->branches, KM_SHOWN(round(widest * 1e6) / 1e6));
   }
-  const km_value *joints = km_value_get(value, "joints");
+  const km_value *joints = km_value_get(value, km_value_get(value, "joint") ? "joint" : "joints");
   if (joints)
     read_joints(reader, arm, joints, place, out);
 }

@@ -29,9 +29,10 @@ static void copy_points(maker *m, const km_loop_curve *c, const km_path_point *p
   for (int i = 0; i < c->count; ++i) {
     int from = (first + i) % c->count;
     double xi[KM_ARM_ROWS], columns[KM_ARM_MOST + 1], self[KM_ARM_MOST * KM_ARM_MOST] = {0}, values[KM_OBJECTIVES];
-    const double *q = c->q + from * n;
+    double *q = s->q + i * n;
     s->u[i] = wrapped(c, c->u[from]);
-    memcpy(s->q + i * n, q, (size_t)n * sizeof *q);
+    memcpy(q, c->q + from * n, (size_t)n * sizeof *q);
+    km_arm_unwind(m->out->arm, q);
     km_arm_update(m->out->arm, &m->space, q);
     km_arm_task_rows(m->out->arm, &m->space.pose.R, point->twist, xi);
     km_control_factor(m->out->arm, &m->space, xi, NULL);
@@ -138,7 +139,8 @@ void km_motion_map_free(km_motion_map *map) {
 
 double km_station_find(const km_motion_map *map, const km_station *s, const double *q) {
   const int n = map->arm->n;
-  double best = (double)INFINITY, at = (double)NAN;
+  double best = (double)INFINITY;
+  int nearest = -1;
   for (int i = 0; i < s->count; ++i) {
     double distance = 0.0;
     for (int k = 0; k < n; ++k) {
@@ -147,8 +149,17 @@ double km_station_find(const km_motion_map *map, const km_station *s, const doub
     }
     if (distance < best) {
       best = distance;
-      at = s->u[i];
+      nearest = i;
     }
   }
-  return best < 0.1 * 0.1 ? at : (double)NAN;
+  if (nearest < 0 || best >= 0.1 * 0.1)
+    return (double)NAN;
+  int other = nearest + 1 < s->count ? nearest + 1 : nearest - 1; /* along the chord to a neighbour */
+  double along = 0.0, chord = 0.0;
+  for (int k = 0; other >= 0 && k < n; ++k) {
+    double side = km_arm_difference(map->arm, k, s->q[nearest * n + k], s->q[other * n + k]);
+    along += side * km_arm_difference(map->arm, k, s->q[nearest * n + k], q[k]);
+    chord += side * side;
+  }
+  return s->u[nearest] + (chord > 0.0 ? along / chord * (s->u[other] - s->u[nearest]) : 0.0);
 }

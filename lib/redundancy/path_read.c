@@ -27,15 +27,9 @@ static bool missing(builder *b, const km_value *g, const km_place *place, const 
 
 /* Where the segment's turn ends, as a rotation vector about a fixed axis. */
 static km_vec3 turn_to(builder *b, const km_value *g, const km_place *place) {
-  const km_value *rows = km_value_get(g, "R_to");
-  if (!rows)
+  if (!km_value_get(g, "R_to"))
     return (km_vec3){0, 0, 0};
-  km_value frame = {.kind = KM_OBJECT}, member = *rows; /* R_to is read as a frame's R is */
-  member.key = "R";
-  member.next = NULL;
-  frame.first = frame.last = &member;
-  frame.count = 1;
-  km_rotation to = km_reader_rotation(b->reader, &frame, place), back = km_rotation_inverse(&b->at.R);
+  km_rotation to = km_reader_rotation(b->reader, g, "R_to", place), back = km_rotation_inverse(&b->at.R);
   km_rotation difference = km_rotation_product(&to, &back);
   return km_quaternion_log(km_rotation_quaternion(&difference));
 }
@@ -162,7 +156,7 @@ static void read_spline(builder *b, const km_value *g, const km_place *place, bo
   for (const km_value *v = list->first; v; v = v->next, ++item.index) {
     km_pose *pose = &poses[++count];
     pose->p = place_of(b, v, "T");
-    pose->R = km_value_get(v, "R") ? km_reader_rotation(b->reader, v, &item) : poses[count - 1].R;
+    pose->R = km_value_get(v, "R") ? km_reader_rotation(b->reader, v, "R", &item) : poses[count - 1].R;
     timed += km_value_get(v, "time") != NULL;
     times[count] = km_reader_number(v, "time", 0.0);
   }
@@ -256,7 +250,7 @@ static km_pose read_start(builder *b, const km_value *start, const km_place *pla
   if (km_value_get(start, "T"))
     pose.p = place_of(b, start, "T");
   if (km_value_get(start, "R"))
-    pose.R = km_reader_rotation(b->reader, start, &at);
+    pose.R = km_reader_rotation(b->reader, start, "R", &at);
   return pose;
 }
 

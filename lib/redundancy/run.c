@@ -44,14 +44,27 @@ void km_run_stop(km_run *run, const km_node *node, const km_way *way, km_step_en
   run->stop = end.stop;
   run->column = end.column;
   run->fraction = 0.0;
+  if (end.stop == KM_TRACK_COMPLETE)
+    return;
   if (!km_node_create(run->arm, &arena, &at))
     return;
-  if (end.stop == KM_TRACK_LIMIT)
-    run->fraction = km_walk_find_limit(&run->walk, &run->space, sample, end.column, node, way, &at);
-  else if (end.stop == KM_TRACK_SINGULAR && end.fraction > 1e-9) {
-    km_step_end back = km_walk_step(&run->walk, &run->space, sample, end.fraction, node, way, &at);
-    run->fraction = back.stop == KM_TRACK_COMPLETE ? end.fraction : 0.0;
+  double outside = 1.0;
+  /* The way runs out at end.fraction; other steps run out a little sooner, and a limit may come before. */
+  for (double short_of = 1e-9; end.stop == KM_TRACK_SINGULAR && end.fraction > 0.0 && short_of < 0.1; short_of *= 4.0) {
+    outside = end.fraction * (1.0 - short_of);
+    km_step_end back = km_walk_step(&run->walk, &run->space, sample, outside, node, way, &at);
+    run->fraction = back.stop == KM_TRACK_COMPLETE ? outside : 0.0;
+    if (back.stop == KM_TRACK_COMPLETE)
+      break;
+    if (back.stop != KM_TRACK_SINGULAR)
+      end = back;
   }
+  if (end.stop == KM_TRACK_LIMIT) {
+    end = km_walk_find_end(&run->walk, &run->space, sample, node, way, end, outside, &at);
+    run->fraction = end.fraction;
+  }
+  run->stop = end.stop;
+  run->column = end.column;
   memcpy(run->last, at.q, (size_t)run->arm->n * sizeof *at.q);
   if (end.stop == KM_TRACK_SINGULAR && beyond_edge(run, sample + 1))
     run->stop = KM_TRACK_EDGE;

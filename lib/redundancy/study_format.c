@@ -41,6 +41,7 @@ static const km_field method_fields[] = {{"method", .shape = KM_SHAPE_STRING, .r
                                          {"stride", .shape = KM_SHAPE_NUMBER},
                                          {"value", .shape = KM_SHAPE_STRING},
                                          {"joints", .shape = KM_SHAPE_STRINGS},
+                                         {"joint", .shape = KM_SHAPE_STRING},
                                          {"damping", .shape = KM_SHAPE_NUMBER},
                                          {"below", .shape = KM_SHAPE_NUMBER},
                                          {"gain", .shape = KM_SHAPE_NUMBER},

@@ -35,7 +35,6 @@ km_method km_method_default(km_method_kind kind) {
                      .damping = 0.05,
                      .below = 0.1,
                      .gain = 2.0,
-                     .spacing = 0.1,
                      .knots = 12,
                      .evaluations = 400};
 }

@@ -216,35 +216,25 @@ km_step_end km_walk_step(const km_walk *w, km_walk_space *s, int sample, double 
   return check(w, s, sample, &here, from, to, way);
 }
 
-/* Regula falsi, its ends drawn in alternately (Illinois), until the fraction is known to 1e-13. */
-double km_walk_find_limit(const km_walk *w, km_walk_space *s, int sample, int column, const km_node *from,
-                          const km_way *way, km_node *to) {
-  const km_arm *a = w->arm;
-  km_walk_step(w, s, sample, 1.0, from, way, to);
-  bool high = to->q[column] > a->high[column];
-  double limit = high ? a->high[column] : a->low[column];
-  double x0 = 0.0, x1 = 1.0, f0 = from->q[column] - limit, f1 = to->q[column] - limit;
-  for (int i = 0; i < 100 && x1 - x0 > 1e-13; ++i) {
-    double x = f0 == 0.0 ? x0 : x0 - f0 * (x1 - x0) / (f1 - f0);
-    if (!(x > x0 && x < x1))
-      x = 0.5 * (x0 + x1);
-    km_walk_step(w, s, sample, x, from, way, to);
-    double f = to->q[column] - limit;
-    if ((f > 0.0) == high && f != 0.0) {
-      x1 = x;
-      f1 = f;
-      f0 *= 0.5;
+/* By halving what is left between a way that keeps everything and one that doesn't: other limits may come first, and a
+ * long step may bend, so nothing is taken for smooth. */
+km_step_end km_walk_find_end(const km_walk *w, km_walk_space *s, int sample, const km_node *from, const km_way *way,
+                             km_step_end end, double outside, km_node *to) {
+  double inside = 0.0;
+  while (outside - inside > 1e-13) {
+    double x = 0.5 * (inside + outside);
+    km_step_end there = km_walk_step(w, s, sample, x, from, way, to);
+    if (there.stop) {
+      outside = x;
+      end = there;
     } else {
-      x0 = x;
-      f0 = f;
-      f1 *= 0.5;
-      if (fabs(f) < 1e-13)
-        break;
+      inside = x;
     }
   }
-  if (x0 > 0.0)
-    km_walk_step(w, s, sample, x0, from, way, to);
+  end.fraction = inside;
+  if (inside > 0.0)
+    km_walk_step(w, s, sample, inside, from, way, to);
   else
-    km_node_copy(a, to, from);
-  return x0;
+    km_node_copy(w->arm, to, from);
+  return end;
 }

@@ -58,8 +58,9 @@ void km_walk_begin(const km_walk *walk, km_walk_space *space, int sample, const 
 km_step_end km_walk_step(const km_walk *walk, km_walk_space *space, int sample, double fraction, const km_node *from,
                          const km_way *way, km_node *to);
 
-/* The fraction of the interval at which the step's column meets its limit: found as a root. */
-double km_walk_find_limit(const km_walk *walk, km_walk_space *space, int sample, int column, const km_node *from,
-                          const km_way *way, km_node *to);
+/* A step to the fraction `outside` fails with `end`: the largest fraction that keeps everything (end.fraction), the
+ * node there, and what stops it just past it. */
+km_step_end km_walk_find_end(const km_walk *walk, km_walk_space *space, int sample, const km_node *from,
+                             const km_way *way, km_step_end end, double outside, km_node *to);
 
 #endif

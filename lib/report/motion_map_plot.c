@@ -8,7 +8,7 @@
 #include <stdio.h>
 #include <string.h>
 
-enum { STATIONS = 140, CELLS = 120, SHADES = 24 };
+enum { STATIONS = 80, CELLS = 80, SHADES = 16 };
 static const km_colour ink = {0.15, 0.15, 0.15, 1}, grey = {0.40, 0.40, 0.40, 1};
 static const double page_width = 560, page_height = 380, margin = 14;
 
@@ -118,7 +118,7 @@ static int station_at(const picture *p, double s) {
 static void hatch(const picture *p) {
   const km_frame *f = &p->frame;
   const km_pen pen = {.colour = {0.25, 0.25, 0.25, 0.8}, .width = 0.5};
-  const double gap = 6.0, step = 0.75;
+  const double gap = 7.0, step = 0.75;
   for (double start = f->left - f->height; start < f->left + f->width; start += gap) {
     km_canvas_point from = {0, 0}, to = {0, 0};
     bool on = false;
@@ -165,15 +165,22 @@ static void outline(const picture *p) {
   }
 }
 
+/* Black, red and what stands out on the map. */
+static km_pen track_pen(int number) {
+  static const int colours[] = {3, 1, 2, 4, 5, 6, 0};
+  km_pen pen = km_palette_pen(colours[number % 7], number, 1.7);
+  if (number == 1)
+    pen.colour = (km_colour){0.85, 0.1, 0.1, 1};
+  return pen;
+}
+
 /* A track over the map, broken where it is on another component or passes where the curve is cut open. */
 static void draw_track(const picture *p, int index, int number) {
   const km_track *t = p->tracks->items[index];
   km_canvas_point points[STATIONS + 3];
-  km_pen halo = {.colour = {1, 1, 1, 0.9}, .width = 4.0};
-  km_pen pen = km_palette_pen(number == 3 ? 4 : number, number, 1.8);
+  const km_pen halo = {.colour = {1, 1, 1, 0.9}, .width = 3.4}, pen = track_pen(number);
   size_t count = 0;
   double last = 0.0;
-  pen.colour = number == 0 ? (km_colour){0, 0, 0, 1} : number == 1 ? (km_colour){0.85, 0.1, 0.1, 1} : pen.colour;
   for (int i = 0; i <= p->map->count; ++i) {
     double u = (double)NAN;
     const km_station *s = i < p->map->count ? &p->map->stations[i] : NULL;
@@ -208,8 +215,7 @@ static void legend(const picture *p, double left, double top) {
     if (!p->tracks->items[i])
       continue;
     km_tracks_label(p->tracks, i, ' ', label, sizeof label);
-    km_pen pen = km_palette_pen(number == 3 ? 4 : number, number, 1.8);
-    pen.colour = number == 0 ? (km_colour){0, 0, 0, 1} : number == 1 ? (km_colour){0.85, 0.1, 0.1, 1} : pen.colour;
+    const km_pen pen = track_pen(number);
     double y = top + 13.0 * number++;
     km_canvas_line(p->canvas, &pen, (km_canvas_point){left, y}, (km_canvas_point){left + 22, y});
     km_canvas_text(p->canvas, &font, ink, label, (km_canvas_point){left + 27, y}, (km_anchor){0, 0.5, 0});
@@ -317,8 +323,10 @@ static void paint(picture *p) {
   outline(p);
   int number = 0;
   for (int i = 0; i < p->tracks->count; ++i)
+    number += p->tracks->items[i] != NULL;
+  for (int i = p->tracks->count - 1; i >= 0; --i) /* the first lie on top */
     if (p->tracks->items[i])
-      draw_track(p, i, number++);
+      draw_track(p, i, --number);
   km_canvas_release(p->canvas);
   axes(p);
   double right = p->frame.left + p->frame.width + 16;

@@ -281,6 +281,7 @@ km_table *km_selfmotion_table(const km_arm *a, const km_selfmotion *m) {
       break;
     for (int k = 0; k < a->n; ++k)
       q[k] = km_arm_read(a, k, m->q[i * a->n + k]);
+    km_arm_unwind(a, q);
     km_arm_update(a, &space, q);
     km_arm_singular_values(a, &space, sigma);
     for (int r = 0; r < a->rows; ++r)

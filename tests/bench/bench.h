@@ -39,5 +39,6 @@ void bench_partition(void);
 void bench_sweep(void);
 void bench_command(void);
 void bench_scale(void);
+void bench_arm(void);
 
 #endif

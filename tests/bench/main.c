@@ -9,8 +9,11 @@
 static const struct {
   const char *name;
   void (*run)(void);
-} benches[] = {
-    {"partition", bench_partition}, {"sweep", bench_sweep}, {"command", bench_command}, {"scale", bench_scale}};
+} benches[] = {{"partition", bench_partition},
+               {"sweep", bench_sweep},
+               {"command", bench_command},
+               {"scale", bench_scale},
+               {"arm", bench_arm}};
 
 /* The BLAS reads its number of threads when it is loaded: start again with that set. */
 static void pin_blas(char **argv) {
@@ -33,6 +36,6 @@ int main(int argc, char **argv) {
     ++found;
   }
   if (!found)
-    fprintf(stderr, "kmech_bench: no bench \"%s\"; there are partition, sweep, command, scale\n", wanted);
+    fprintf(stderr, "kmech_bench: no bench \"%s\"; there are partition, sweep, command, scale, arm\n", wanted);
   return found ? EXIT_SUCCESS : EXIT_FAILURE;
 }

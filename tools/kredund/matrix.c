@@ -110,9 +110,6 @@ static kt_exit read_sheet(const options *o, sheet *out) {
       result = read_row(o, line, number, out);
     line = next;
   }
-  if (result == KT_DONE && text.size && strlen(text.data) < text.size && !memchr(text.data, '\n', text.size) &&
-      out->rows == 0)
-    result = complain(o, 1, 1, "", "numbers");
   km_text_free(&text);
   if (result == KT_DONE && (out->rows < 1 || out->columns < 2 || out->rows > MOST_SIDE || out->columns > MOST_SIDE)) {
     kt_say(&o->common, KM_ERROR,

@@ -6,6 +6,7 @@
 #include "report/motion_map_plot.h"
 #include "report/track_plot.h"
 
+#include <math.h>
 #include <stdio.h>
 #include <string.h>
 
@@ -54,7 +55,10 @@ static void say_end(const kredund_tracks *t, int index) {
   km_text why = {0};
   km_tracks_label(&t->all, index, ' ', label, sizeof label);
   km_track_end_text(track, &why);
-  if (why.size)
+  if (track->end.stop == KM_TRACK_START)
+    kt_say(&t->request->common, KM_ERROR, "%s: %s: nowhere to start, at s = 0, t = 0 s: %s", t->open->name, label,
+           t->open->study->start_error.text);
+  else if (why.size)
     kt_say(&t->request->common, KM_ERROR, "%s: %s %s", t->open->name, label, why.data);
   if (track->summary.greedy_instead)
     kt_say(&t->request->common, KM_NOTE, "%s: %s isn't as good as greedy on this path; greedy's track is given",
@@ -97,21 +101,45 @@ void kredund_tracks_free(kredund_tracks *t) {
   km_free(t->items);
 }
 
-/* One method: BASE.track.csv; several: BASE.METHOD.track.csv. */
+/* Of several tracks the one that goes furthest, then the best by the objective; of equals the later one. */
+static int best_track(const kredund_tracks *t) {
+  int best = -1;
+  double best_score = 0.0;
+  for (int i = 0; i < t->count; ++i) {
+    if (!t->items[i])
+      continue;
+    const km_track_summary *s = &t->items[i]->summary;
+    double score = km_objective_by_mean(&t->items[i]->plan.objective) ? s->objective_mean : s->objective_min;
+    int further = best < 0 ? 1 : t->items[i]->end.sample - t->items[best]->end.sample;
+    if (further > 0 || (further == 0 && score >= best_score - 1e-9 * fabs(best_score))) {
+      best = i;
+      best_score = score;
+    }
+  }
+  return best;
+}
+
+static kt_exit write_table(const kredund_tracks *t, int index, const char *name) {
+  km_text out = {0};
+  km_csv_write(t->items[index]->table, &out);
+  kt_exit result = kt_write(&t->request->common, name, "track", "csv", &out);
+  km_text_free(&out);
+  return result;
+}
+
+/* BASE.track.csv; of several methods the best track's, and beside it BASE.METHOD.track.csv of each. */
 static kt_exit write_tables(const kredund_tracks *t, const char *base) {
   kt_exit result = KT_DONE;
-  for (int i = 0; i < t->count; ++i) {
+  int best = best_track(t);
+  for (int i = 0; i < t->count && t->count > 1; ++i) {
     char label[64], name[4096];
-    km_text out = {0};
     if (!t->items[i])
       continue;
     km_tracks_label(&t->all, i, '-', label, sizeof label);
-    snprintf(name, sizeof name, t->count > 1 ? "%s.%s" : "%s", base, label);
-    km_csv_write(t->items[i]->table, &out);
-    result = kt_worse(result, kt_write(&t->request->common, name, "track", "csv", &out));
-    km_text_free(&out);
+    snprintf(name, sizeof name, "%s.%s", base, label);
+    result = kt_worse(result, write_table(t, i, name));
   }
-  return result;
+  return best < 0 ? result : kt_worse(result, write_table(t, best, base));
 }
 
 static kt_exit write_record(const kredund_tracks *t, const char *base) {

@@ -58,7 +58,7 @@ typedef struct km_method {
   double damping;               /* dls: λ at singular poses: 0.05 */
   double below;                 /* dls: damped where the smallest singular value is below: 0.1 */
   double gain;                  /* gradient: tilt per unit of slope: 2 */
-  double spacing;               /* dp: of states along self-motions, radians: 0.1 */
+  double spacing;               /* dp: of states along self-motions, radians; 0: by what the tilts can reach */
   int knots;                    /* global: turns along the path: 12 */
   int evaluations;              /* global: most tracks tried: 400 */
   int joints[KM_METHOD_JOINTS]; /* fixed: held columns of the arm; joint_count 0: those that pivoting leaves free */

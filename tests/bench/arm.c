@@ -1,0 +1,214 @@
+/* A greedy step of a 7R arm (forward kinematics, Jacobian, partition, rotation onto the path) against the same rates by
+ * LAPACK's singular values and by Orocos KDL; and the nodes of look-ahead against greedy steps. */
+#include "bench.h"
+#include "machine.h"
+
+#ifdef BENCH_KDL
+#include "kdl.h"
+#endif
+#include "redundancy/control.h"
+#include "redundancy/study.h"
+#include "redundancy/track.h"
+
+#include <lapacke.h>
+#include <string.h>
+
+enum { POSES = 16, N = 7 };
+static const char name[] = "arm/iiwa14";
+
+typedef struct problem {
+  bench_machine machine;
+  km_arm *arm;
+  km_arm_space space;
+  double q[POSES][N], xi[POSES][6], rates[N];
+  double path[N + 1], self[N];
+  double J[6 * N], U[36], VT[6 * N], sigma[6], work[1024];
+  lapack_int integers[64];
+  int pose;
+#ifdef BENCH_KDL
+  bench_kdl *kdl;
+#endif
+} problem;
+
+static int frame_of(const bench_machine *machine) {
+  const char *names[2] = {"flange", "tool"};
+  int frame;
+  if (km_model_find_frame(machine->model, names, 2, &frame, NULL))
+    bench_fail(name, "the model has no flange/tool");
+  return frame;
+}
+
+static void read_problem(problem *p) {
+  p->machine = bench_machine_load("iiwa14");
+  if (km_arm_create(p->machine.mechanism, p->machine.state, frame_of(&p->machine), KM_TASK_POSE, &p->arm, NULL) ||
+      !km_arm_space_create(p->arm, &p->space))
+    bench_fail(name, "no arm");
+  for (int i = 0; i < POSES; ++i) {
+    double size = 0.0;
+    for (int k = 0; k < N; ++k)
+      p->q[i][k] = 0.4 * sin(1.0 + 0.3 * i + 1.7 * k) + (k == 3 ? -1.4 : 0.3);
+    for (int r = 0; r < 6; ++r) {
+      p->xi[i][r] = cos(0.5 * i + 2.3 * r);
+      size += p->xi[i][r] * p->xi[i][r];
+    }
+    for (int r = 0; r < 6; ++r)
+      p->xi[i][r] /= sqrt(size);
+  }
+}
+
+static void run_own(void *context) {
+  problem *p = context;
+  int i = p->pose = (p->pose + 1) % POSES;
+  km_arm_update(p->arm, &p->space, p->q[i]);
+  km_control_factor(p->arm, &p->space, p->xi[i], NULL);
+  double z = km_control_columns(p->arm, &p->space, p->self, p->path, p->self);
+  for (int k = 0; k < N; ++k)
+    p->rates[k] = p->path[k] / z;
+}
+
+/* q̇ = V Σ⁻¹ Uᵀ ξ. */
+static void run_svd(void *context) {
+  problem *p = context;
+  int i = p->pose = (p->pose + 1) % POSES;
+  km_arm_update(p->arm, &p->space, p->q[i]);
+  memcpy(p->J, p->space.jacobian, sizeof p->J);
+  LAPACKE_dgesdd_work(LAPACK_COL_MAJOR, 'S', 6, N, p->J, 6, p->sigma, p->U, 6, p->VT, 6, p->work, 1024, p->integers);
+  memset(p->rates, 0, sizeof p->rates);
+  for (int r = 0; r < 6; ++r) {
+    double along = 0.0;
+    for (int c = 0; c < 6; ++c)
+      along += p->U[6 * r + c] * p->xi[i][c];
+    for (int k = 0; k < N; ++k)
+      p->rates[k] += along / p->sigma[r] * p->VT[6 * k + r];
+  }
+}
+
+#ifdef BENCH_KDL
+static void make_kdl(problem *p) {
+  double zero[N] = {0}, axis[3 * N], point[3 * N], tip[3] = {p->space.pose.p.x, p->space.pose.p.y, p->space.pose.p.z};
+  km_arm_update(p->arm, &p->space, zero);
+  tip[0] = p->space.pose.p.x;
+  tip[1] = p->space.pose.p.y;
+  tip[2] = p->space.pose.p.z;
+  for (int k = 0; k < N; ++k) {
+    memcpy(axis + 3 * k, &p->space.axis[k], 3 * sizeof *axis);
+    memcpy(point + 3 * k, &p->space.point[k], 3 * sizeof *point);
+  }
+  p->kdl = bench_kdl_create(N, axis, point, tip);
+}
+
+static void run_kdl_pinv(void *context) {
+  problem *p = context;
+  int i = p->pose = (p->pose + 1) % POSES;
+  bench_kdl_pinv(p->kdl, p->q[i], p->xi[i], p->rates);
+}
+
+static void run_kdl_wdls(void *context) {
+  problem *p = context;
+  int i = p->pose = (p->pose + 1) % POSES;
+  bench_kdl_wdls(p->kdl, p->q[i], p->xi[i], p->rates);
+}
+#endif
+
+static void agree(problem *p, const bench_contender *a, const bench_contender *b, double tolerance) {
+  double rates[N];
+  for (int i = 0; i < POSES; ++i) {
+    p->pose = i;
+    a->run(p);
+    memcpy(rates, p->rates, sizeof rates);
+    p->pose = i;
+    b->run(p);
+    bench_agree(name, b->name, rates, p->rates, N, tolerance);
+  }
+}
+
+static void bench_step(void) {
+  static problem p;
+  read_problem(&p);
+  bench_contender c[] = {
+      {.name = "greedy step", .run = run_own, .context = &p},
+      {.name = "by LAPACK's singular values", .run = run_svd, .context = &p},
+#ifdef BENCH_KDL
+      {.name = "KDL pinv", .run = run_kdl_pinv, .context = &p},
+      {.name = "KDL wdls", .run = run_kdl_wdls, .context = &p},
+#endif
+  };
+  int count = sizeof c / sizeof *c;
+#ifdef BENCH_KDL
+  make_kdl(&p);
+#endif
+  for (int i = 1; i < count; ++i)
+    agree(&p, &c[0], &c[i], 1e-9);
+  bench_time(c, count);
+  bench_figure(name, "greedy step, ns", c[0].median);
+  bench_figure(name, "by LAPACK's singular values / greedy step", bench_ratio(&c[1], &c[0]));
+#ifdef BENCH_KDL
+  bench_figure(name, "KDL pinv / greedy step", bench_ratio(&c[2], &c[0]));
+  bench_figure(name, "KDL wdls / greedy step", bench_ratio(&c[3], &c[0]));
+  bench_kdl_free(p.kdl);
+#endif
+  km_arm_space_free(&p.space);
+  km_arm_free(p.arm);
+  bench_machine_free(&p.machine);
+}
+
+static const char study_text[] =
+    "{\"effector\": [\"flange\", \"tool\"], \"q0\": [0.2, 0.6, 0.1, -1.4, 0.3, 0.9, 0],"
+    "\"path\": {\"segments\": [{\"type\": \"line\", \"to\": [0.4, 0.45, 0.5], \"steps\": 96}]},"
+    "\"methods\": [\"greedy\", \"lookahead\"], \"objective\": \"path-control\"}";
+
+typedef struct walker {
+  const km_study *study;
+  int method, jobs;
+  double steps; /* samples walked in a run */
+} walker;
+
+static void run_track(void *context) {
+  walker *w = context;
+  km_track_plan plan = km_study_plan(w->study, w->method);
+  km_track *track;
+  plan.jobs = w->jobs;
+  if (km_track_run(km_study_arm(w->study), &plan, &track, NULL))
+    bench_fail(name, "the track stops");
+  km_track_free(track);
+}
+
+/* Steps of all the trees of a run: levels of `stride` samples, cut at the path's end. */
+static double tree_steps(int samples, int branches, int levels) {
+  int stride = samples / 12;
+  double steps = 0.0;
+  for (int i = 0; i < samples - 1; ++i) {
+    int left = samples - 1 - i;
+    double nodes = 1.0;
+    for (int l = 0; l < levels && left > 0; ++l) {
+      nodes *= branches;
+      steps += nodes * (left < stride ? left : stride);
+      left -= stride;
+    }
+  }
+  return steps;
+}
+
+static void bench_nodes(void) {
+  bench_machine machine = bench_machine_load("iiwa14");
+  km_study *study;
+  if (km_study_read(study_text, strlen(study_text), "", NULL, &study, NULL) ||
+      km_study_bind(study, machine.mechanism, machine.state, 1, NULL, NULL))
+    bench_fail(name, "no study");
+  walker w[] = {{study, 0, 1, 96.0}, {study, 1, 1, tree_steps(97, 3, 3)}, {study, 1, 2, tree_steps(97, 3, 3)}};
+  bench_contender c[] = {{.name = "greedy track", .run = run_track, .context = &w[0]},
+                         {.name = "look-ahead", .run = run_track, .context = &w[1]},
+                         {.name = "look-ahead on two threads", .run = run_track, .context = &w[2]}};
+  bench_time(c, 3);
+  bench_figure(name, "greedy, steps a second", w[0].steps / c[0].median * 1e9);
+  bench_figure(name, "look-ahead, nodes a second", w[1].steps / c[1].median * 1e9);
+  bench_figure(name, "look-ahead, nodes a second on two threads", w[2].steps / c[2].median * 1e9);
+  bench_figure(name, "greedy step / look-ahead node", bench_ratio(&c[0], &c[1]) * w[1].steps / w[0].steps);
+  km_study_free(study);
+  bench_machine_free(&machine);
+}
+
+void bench_arm(void) {
+  bench_step();
+  bench_nodes();
+}

@@ -1,0 +1,286 @@
+/* Serial chains: kinematics, and the columns of the null space, against the bodies' poses and LAPACK. */
+#include "support/arms.h"
+
+#include "kinematics/poses.h"
+#include "kmech/control.h"
+#include "redundancy/control.h"
+#include "redundancy/objective.h"
+
+#include <lapacke.h>
+#include <string.h>
+
+typedef struct subject {
+  fixture f;
+  km_arm *arm;
+  km_arm_space space;
+} subject;
+
+static subject subject_of(int index, km_task task) {
+  static const char *const models[] = {"iiwa14", "panda", "robot7r"}, *const bodies[] = {"flange", "flange", "link_7"};
+  subject s = {.f = index < 3 ? fixture_open(models[index]) : odd_arm()};
+  s.arm = index < 3 ? arm_of(&s.f, bodies[index], "tool", task) : arm_of(&s.f, "hand", "tip", task);
+  assert_true(km_arm_space_create(s.arm, &s.space));
+  return s;
+}
+
+static void subject_close(subject *s) {
+  km_arm_space_free(&s->space);
+  km_arm_free(s->arm);
+  fixture_close(&s->f);
+}
+
+enum { SUBJECTS = 4 };
+
+static void pose_is_that_of_the_bodies(void **state) {
+  (void)state;
+  randomness r = {7};
+  for (int i = 0; i < SUBJECTS; ++i) {
+    subject s = subject_of(i, KM_TASK_POSE);
+    double far = km_vec3_norm(s.arm->origin);
+    for (int trial = 0; trial < 20; ++trial) {
+      double q[KM_ARM_MOST];
+      random_pose(s.arm, &r, q);
+      km_arm_update(s.arm, &s.space, q);
+      km_pose own = km_arm_to_model(s.arm, &s.space.pose), theirs = effector_by_bodies(&s.f, s.arm, q);
+      assert_true(km_vec3_norm(km_vec3_sub(own.p, theirs.p)) < 1e-14 * (1.0 + 4.0 * far));
+      for (int k = 0; k < 3; ++k)
+        assert_true(km_vec3_norm(km_vec3_sub(own.R.axis[k], theirs.R.axis[k])) < 1e-14);
+    }
+    subject_close(&s);
+  }
+}
+
+/* Columns are the coordinates' twists at the effector's origin, v over L, slides times L. */
+static void jacobian_is_that_of_the_twists(void **state) {
+  (void)state;
+  randomness r = {8};
+  for (int i = 0; i < SUBJECTS; ++i) {
+    subject s = subject_of(i, KM_TASK_POSE);
+    double L = s.arm->length;
+    for (int trial = 0; trial < 20; ++trial) {
+      double q[KM_ARM_MOST];
+      random_pose(s.arm, &r, q);
+      km_arm_update(s.arm, &s.space, q);
+      km_pose at = effector_by_bodies(&s.f, s.arm, q);
+      for (int k = 0; k < s.arm->n; ++k) {
+        const km_arc *arc = NULL;
+        for (int b = 0; b < s.f.mechanism->topology.body_count - 1; ++b)
+          if (s.f.mechanism->arcs[b].joint == s.f.model->coordinates[s.arm->coordinate[k]].joint)
+            arc = &s.f.mechanism->arcs[b];
+        km_twist t = km_coordinate_twist(s.f.mechanism, s.f.state, s.arm->coordinate[k]);
+        double sign = arc->against ? -1.0 : 1.0, unit = s.arm->unit[k], far = 1e-13 * (1.0 + km_vec3_norm(at.p));
+        km_vec3 v = km_vec3_scale(sign * unit / L, km_vec3_add(t.v, km_vec3_cross(t.w, at.p)));
+        km_vec3 w = km_vec3_scale(sign * unit, t.w);
+        const double *c = s.space.jacobian + 6 * k;
+        assert_true(km_vec3_norm(km_vec3_sub(v, km_vec3_make(c))) < far);
+        assert_true(km_vec3_norm(km_vec3_sub(w, km_vec3_make(c + 3))) < 1e-13);
+      }
+    }
+    subject_close(&s);
+  }
+}
+
+static double dot(const double *a, const double *b, int n) {
+  double sum = 0.0;
+  for (int i = 0; i < n; ++i)
+    sum += a[i] * b[i];
+  return sum;
+}
+
+/* c₁ = (J⁺ξ, 1)/√(1 + |J⁺ξ|²), J⁺ by LAPACK's singular values; c₂ … are unit null vectors of J. For every task. */
+static void path_control_is_the_pseudo_inverse(void **state) {
+  (void)state;
+  randomness r = {9};
+  for (int i = 0; i < SUBJECTS * 3; ++i) {
+    subject s = subject_of(i % SUBJECTS, (km_task)(i / SUBJECTS));
+    const int n = s.arm->n, rows = s.arm->rows, freedom = s.arm->freedom;
+    for (int trial = 0; trial < 10; ++trial) {
+      double q[KM_ARM_MOST], xi[6], path[KM_ARM_MOST + 1], self[KM_ARM_MOST * KM_ARM_MOST], J[6 * KM_ARM_MOST];
+      double sigma[6], S[6], x[KM_ARM_MOST] = {0}, size = 0.0;
+      random_pose(s.arm, &r, q);
+      for (int k = 0; k < rows; ++k) {
+        xi[k] = uniform(&r, -1.0, 1.0);
+        size += xi[k] * xi[k];
+      }
+      for (int k = 0; k < rows; ++k)
+        xi[k] /= sqrt(size);
+      km_arm_update(s.arm, &s.space, q);
+      memcpy(J, s.space.jacobian, (size_t)(rows * n) * sizeof *J);
+      km_arm_singular_values(s.arm, &s.space, sigma);
+      km_control_factor(s.arm, &s.space, xi, NULL);
+      double z = km_control_columns(s.arm, &s.space, NULL, path, self);
+      for (int f = 0; f < freedom; ++f) {
+        assert_near(dot(self + f * n, self + f * n, n), 1.0, 1e-13);
+        assert_near(dot(self + f * n, path, n), 0.0, 1e-12);
+        for (int k = 0; k < rows; ++k) {
+          double sum = 0.0;
+          for (int c = 0; c < n; ++c)
+            sum += J[c * rows + k] * self[f * n + c];
+          assert_near(sum, 0.0, 1e-12);
+        }
+      }
+      lapack_int rank;
+      memcpy(x, xi, (size_t)rows * sizeof *x);
+      double copy[6 * KM_ARM_MOST];
+      memcpy(copy, J, sizeof copy);
+      assert_int_equal(LAPACKE_dgelsd(LAPACK_COL_MAJOR, rows, n, 1, copy, rows, x, n, S, 1e-14, &rank), 0);
+      for (int k = 0; k < rows; ++k)
+        assert_near(sigma[k], S[k], 1e-13);
+      double scale = 1.0 / sqrt(1.0 + dot(x, x, n)), worst = 1e-13 / (S[rows - 1] * scale);
+      assert_near(z, scale, worst);
+      for (int k = 0; k < n; ++k)
+        assert_near(path[k], scale * x[k], worst);
+    }
+    subject_close(&s);
+  }
+}
+
+/* Moving along c₁ moves the effector by +ξ. */
+static void effector_moves_along_the_path(void **state) {
+  (void)state;
+  subject s = subject_of(2, KM_TASK_POSE);
+  static const double xi[6] = {0.3, -0.4, 0.5, 0.2, 0.6, -0.3};
+  const double h = 1e-8;
+  double q[KM_ARM_MOST], path[KM_ARM_MOST + 1], self[KM_ARM_MOST * KM_ARM_MOST];
+  for (int k = 0; k < s.arm->n; ++k)
+    q[k] = s.f.state->q[s.arm->coordinate[k]];
+  km_arm_update(s.arm, &s.space, q);
+  km_pose before = s.space.pose;
+  km_control_factor(s.arm, &s.space, xi, NULL);
+  double z = km_control_columns(s.arm, &s.space, NULL, path, self), e[6];
+  for (int k = 0; k < s.arm->n; ++k)
+    q[k] -= h * path[k] / z; /* back: the error to where it was is then +ξ h */
+  km_arm_update(s.arm, &s.space, q);
+  km_arm_error(s.arm, &s.space, &before, e, NULL, NULL);
+  for (int k = 0; k < 6; ++k)
+    assert_near(e[k] / h, xi[k], 1e-5); /* |q′|² h, and rounding over h */
+  subject_close(&s);
+}
+
+static const double golden_rows[6][8] = {{0.0000, -0.0134, -0.1356, -0.0256, 0.1756, -0.0123, -0.0936, 0.2853},
+                                         {0.0000, 0.0200, 0.0000, 0.1821, 0.0073, -0.3956, -0.0074, 0.6905},
+                                         {0.0000, -0.1343, 0.0136, 0.1766, -0.0106, -0.1770, 0.0040, -0.0611},
+                                         {0.0000, 0.9950, -0.0978, -0.9791, 0.0604, 0.9981, -0.0584, 0.2548},
+                                         {1.0000, 0.0000, 0.1986, -0.1947, -0.0038, -0.0040, 0.2024, -0.6369},
+                                         {0.0000, -0.0998, -0.9751, 0.0585, 0.9981, -0.0604, -0.9775, -0.1671}};
+
+static void thesis_columns(void **state) {
+  (void)state;
+  static const double want[8][2] = {{.2906, -.0847}, {-.0348, .0148}, {.0217, .8156},   {.5621, -.0026},
+                                    {-.3434, .4313}, {.5439, .0146},  {-.3967, -.3758}, {.1638, 0}};
+  double J[48], Z[64];
+  km_control control;
+  for (int r = 0; r < 6; ++r)
+    for (int c = 0; c < 8; ++c)
+      J[c * 6 + r] = golden_rows[r][c];
+  assert_int_equal(km_control_of_matrix(J, 6, 8, Z, &control, NULL), KM_OK);
+  assert_int_equal(control.freedom, 2);
+  double sign = Z[8 + 2] < 0.0 ? -1.0 : 1.0;
+  for (int r = 0; r < 8; ++r) {
+    assert_near(Z[r], want[r][0], 1e-4);
+    assert_near(sign * Z[8 + r], want[r][1], 1e-4);
+  }
+}
+
+/* The model's own columns about the inertial origin are the thesis's (C and D against their joints' sense). */
+static void thesis_robot(void **state) {
+  (void)state;
+  subject s = subject_of(2, KM_TASK_POSE);
+  double q[KM_ARM_MOST];
+  for (int k = 0; k < 7; ++k)
+    q[k] = s.f.state->q[s.arm->coordinate[k]];
+  km_arm_update(s.arm, &s.space, q);
+  km_vec3 p = km_arm_to_model(s.arm, &s.space.pose).p;
+  for (int k = 0; k < 7; ++k) {
+    const double *c = s.space.jacobian + 6 * k;
+    km_vec3 w = km_vec3_make(c + 3), v = km_vec3_add(km_vec3_make(c), km_vec3_cross(p, w));
+    double found[6] = {v.x, v.y, v.z, w.x, w.y, w.z};
+    for (int r = 0; r < 6; ++r)
+      assert_near(found[r], golden_rows[r][k], 5e-4);
+  }
+  subject_close(&s);
+}
+
+/* A Z′ = 0, Z′ᵀZ′ = 1, last entries 0 but the first: for random matrices of every shape and rank. */
+static void control_of_random_matrices(void **state) {
+  (void)state;
+  randomness r = {11};
+  enum { MOST = 12 };
+  for (int trial = 0; trial < 300; ++trial) {
+    int columns = 2 + below(&r, MOST - 1), rows = 1 + below(&r, MOST), rank = 1 + below(&r, rows);
+    double A[MOST * MOST] = {0}, Z[MOST * MOST];
+    rank = rank < columns ? rank : columns - 1;
+    for (int k = 0; k < rank; ++k) {
+      double left[MOST], right[MOST];
+      for (int i = 0; i < MOST; ++i) {
+        left[i] = uniform(&r, -1.0, 1.0);
+        right[i] = uniform(&r, -1.0, 1.0);
+      }
+      for (int c = 0; c < columns; ++c)
+        for (int i = 0; i < rows; ++i)
+          A[c * rows + i] += left[i] * right[c];
+    }
+    km_control control;
+    assert_int_equal(km_control_of_matrix(A, rows, columns, Z, &control, NULL), KM_OK);
+    assert_int_equal(control.rank, rank);
+    assert_true(Z[columns - 1] > 0.0);
+    for (int k = 0; k < control.freedom; ++k) {
+      const double *z = Z + k * columns;
+      assert_true(k == 0 || z[columns - 1] == 0.0);
+      for (int j = 0; j <= k; ++j)
+        assert_near(dot(z, Z + j * columns, columns), j == k, 1e-11);
+      for (int i = 0; i < rows; ++i) {
+        double sum = 0.0;
+        for (int c = 0; c < columns; ++c)
+          sum += A[c * rows + i] * z[c];
+        assert_near(sum, 0.0, 1e-8); /* rank 1e-9 · 12: pivots below count as 0 */
+      }
+    }
+  }
+}
+
+static void control_refuses(void **state) {
+  (void)state;
+  double Z[16], bad[2] = {1.0, (double)NAN}, full[4] = {1, 0, 0, 1}, blocked[2] = {0.0, 1.0};
+  km_control control;
+  km_error error;
+  assert_int_equal(km_control_of_matrix(bad, 1, 2, Z, &control, &error), KM_USAGE);
+  assert_non_null(strstr(error.text, "row 1, column 2"));
+  assert_int_equal(km_control_of_matrix(full, 2, 2, Z, &control, &error), KM_PARTIAL);
+  assert_int_equal(km_control_of_matrix(blocked, 1, 2, Z, &control, &error), KM_PARTIAL);
+  assert_int_equal(km_control_of_matrix(full, 4, 1, Z, &control, &error), KM_USAGE);
+}
+
+static void arms_that_are_none(void **state) {
+  (void)state;
+  km_arm *arm;
+  km_error error;
+  fixture f = fixture_open("fourbar");
+  int frame = f.model->frame_count - 1;
+  assert_int_equal(km_arm_create(f.mechanism, f.state, frame, KM_TASK_POSE, &arm, &error), KM_USAGE);
+  assert_null(arm);
+  fixture_close(&f);
+  f = odd_arm();
+  const char *names[2] = {"l3", "t"};
+  assert_int_equal(km_model_find_frame(f.model, names, 2, &frame, &error), KM_OK);
+  assert_int_equal(km_arm_create(f.mechanism, f.state, frame, KM_TASK_POSE, &arm, &error), KM_USAGE);
+  assert_non_null(strstr(error.text, "3 free coordinates; expected at least 6"));
+  assert_int_equal(km_arm_create(f.mechanism, f.state, frame, KM_TASK_POSITION, &arm, &error), KM_OK);
+  km_arm_free(arm);
+  fixture_close(&f);
+}
+
+int main(void) {
+  const struct CMUnitTest tests[] = {
+      cmocka_unit_test(pose_is_that_of_the_bodies),
+      cmocka_unit_test(jacobian_is_that_of_the_twists),
+      cmocka_unit_test(path_control_is_the_pseudo_inverse),
+      cmocka_unit_test(effector_moves_along_the_path),
+      cmocka_unit_test(thesis_columns),
+      cmocka_unit_test(thesis_robot),
+      cmocka_unit_test(control_of_random_matrices),
+      cmocka_unit_test(control_refuses),
+      cmocka_unit_test(arms_that_are_none),
+  };
+  return cmocka_run_group_tests(tests, NULL, NULL);
+}

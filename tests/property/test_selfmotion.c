@@ -1,0 +1,204 @@
+/* Self-motions and branches of inverse kinematics. */
+#include "support/arms.h"
+
+#include "redundancy/branches.h"
+
+#include <string.h>
+
+static const double well_inside[7] = {0.2, 0.6, 0.1, -1.4, 0.3, 0.9, 0.0};
+
+static km_selfmotion follow(const km_arm *arm, const double *q) {
+  km_selfmotion motion;
+  km_error error = {0};
+  if (km_selfmotion_follow(arm, q, &motion, &error))
+    fail_msg("%s", error.text);
+  return motion;
+}
+
+static double limit_distance(const km_arm *arm, const double *q) {
+  double worst = -(double)INFINITY;
+  for (int k = 0; k < arm->n; ++k)
+    worst = fmax(worst, km_arm_beyond(arm, k, q[k]));
+  return worst;
+}
+
+/* Closed, the effector held, and the ends of arcs exactly where a joint meets its limit. */
+static void curves_hold_the_effector(void **state) {
+  (void)state;
+  fixture f = fixture_open("iiwa14");
+  km_arm *arm = arm_of(&f, "flange", "tool", KM_TASK_POSE);
+  km_pose target = effector_by_bodies(&f, arm, well_inside);
+  km_selfmotion motion = follow(arm, well_inside);
+  assert_true(motion.closed && motion.error <= 1e-9 && motion.arc_count >= 1);
+  for (int i = 0; i < motion.count; ++i) {
+    km_pose at = effector_by_bodies(&f, arm, motion.q + 7 * i);
+    assert_true(km_vec3_norm(km_vec3_sub(at.p, target.p)) < 1e-9);
+    for (int k = 0; k < 3; ++k)
+      assert_true(km_vec3_norm(km_vec3_sub(at.R.axis[k], target.R.axis[k])) < 1e-9);
+    bool inside = false;
+    for (int k = 0; k < motion.arc_count; ++k)
+      for (int turn = 0; turn < 2; ++turn) {
+        double u = motion.u[i] + turn * motion.length;
+        inside = inside || (u >= motion.arcs[k].from && u <= motion.arcs[k].to);
+      }
+    assert_int_equal(inside, limit_distance(arm, motion.q + 7 * i) <= 0.0);
+  }
+  km_selfmotion_free(&motion);
+  km_arm_free(arm);
+  fixture_close(&f);
+}
+
+/* An S-R-S arm with the wrist at a distance has joint 4 at rest: two of its limits never end a curve. The closed length
+ * doesn't depend on where one starts. */
+static void lengths_dont_depend_on_the_start(void **state) {
+  (void)state;
+  fixture f = fixture_open("iiwa14");
+  km_arm *arm = arm_of(&f, "flange", "tool", KM_TASK_POSE);
+  km_selfmotion one = follow(arm, well_inside);
+  for (int i = 10; i < one.count; i += one.count / 5) {
+    km_selfmotion other = follow(arm, one.q + 7 * i);
+    assert_true(other.closed);
+    assert_near(other.length, one.length, 1e-5); /* arcs over chords: steps⁴ */
+    assert_int_equal(other.arc_count, one.arc_count);
+    km_selfmotion_free(&other);
+  }
+  km_selfmotion_free(&one);
+  km_arm_free(arm);
+  fixture_close(&f);
+}
+
+/* A limit that cuts off all but the tip of a coordinate's swing leaves an arc far narrower than the steps. */
+static void narrow_arcs_are_found(void **state) {
+  (void)state;
+  fixture f = fixture_open("iiwa14");
+  km_arm *arm = arm_of(&f, "flange", "tool", KM_TASK_POSE);
+  for (int k = 0; k < 7; ++k) { /* free but for joint 2 */
+    arm->low[k] = -(double)INFINITY;
+    arm->high[k] = (double)INFINITY;
+  }
+  km_arm_space space;
+  assert_true(km_arm_space_create(arm, &space));
+  km_arm_update(arm, &space, well_inside);
+  km_loop_curve curve = {.arm = arm, .space = &space, .target = space.pose};
+  assert_true(km_loop_curve_follow(&curve, well_inside, 100.0));
+  double top = -(double)INFINITY;
+  for (int i = 0; i < curve.count; ++i)
+    for (int part = 0; part < 50; ++part) {
+      double q[KM_ARM_MOST];
+      assert_true(km_loop_curve_between(&curve, i, part / 50.0, q, NULL));
+      top = fmax(top, q[1]);
+    }
+  for (double depth = 1e-2; depth > 1e-6; depth *= 0.1) {
+    int count;
+    arm->low[1] = top - depth;
+    arm->high[1] = top + 0.5;
+    km_arc_span *arcs = km_loop_curve_arcs(&curve, &count);
+    assert_true(count >= 1);
+    for (int k = 0; k < count; ++k) {
+      double width = arcs[k].to - arcs[k].from;
+      assert_true(width > 0.0 && width < 20.0 * sqrt(depth));
+      assert_int_equal(arcs[k].column[0], 1);
+    }
+    km_free(arcs);
+  }
+  km_loop_curve_free(&curve);
+  km_arm_space_free(&space);
+  km_arm_free(arm);
+  fixture_close(&f);
+}
+
+static km_branches find(const km_arm *arm, const km_pose *at, unsigned long seed) {
+  km_effector_pose pose;
+  for (int k = 0; k < 3; ++k) {
+    pose.R[k] = at->R.axis[k].x;
+    pose.R[3 + k] = at->R.axis[k].y;
+    pose.R[6 + k] = at->R.axis[k].z;
+  }
+  pose.p[0] = at->p.x;
+  pose.p[1] = at->p.y;
+  pose.p[2] = at->p.z;
+  km_branches branches;
+  km_error error = {0};
+  if (km_branches_find(arm, &pose, seed, &branches, &error))
+    fail_msg("%s", error.text);
+  return branches;
+}
+
+static void iiwa_has_eight_branches(void **state) {
+  (void)state;
+  randomness r = {5};
+  fixture f = fixture_open("iiwa14");
+  km_arm *arm = arm_of(&f, "flange", "tool", KM_TASK_POSE);
+  for (int trial = 0; trial < 6; ++trial) {
+    double q[KM_ARM_MOST];
+    for (int k = 0; k < 7; ++k)
+      q[k] = well_inside[k] + (trial ? uniform(&r, -0.1, 0.1) : 0.0);
+    km_pose at = effector_by_bodies(&f, arm, q);
+    km_branches branches = find(arm, &at, (unsigned long)trial);
+    assert_int_equal(branches.count, 8);
+    assert_int_equal(branches.within, 8);
+    for (int b = 0; b < branches.count; ++b) {
+      km_pose there = effector_by_bodies(&f, arm, branches.pose + 7 * b);
+      assert_true(km_vec3_norm(km_vec3_sub(at.p, there.p)) < 1e-9);
+      assert_int_equal(km_arm_limit_passed(arm, branches.pose + 7 * b), -1);
+    }
+    km_branches_free(&branches);
+  }
+  km_arm_free(arm);
+  fixture_close(&f);
+}
+
+/* Six coordinates: single poses, of which one is where we came from. */
+static void six_joints_have_single_poses(void **state) {
+  (void)state;
+  static const double q[KM_ARM_MOST] = {0.2, 0.6, -1.4, 0.3, 0.9, 0.2};
+  fixture f = fixture_open("iiwa14");
+  int third;
+  km_error error;
+  assert_int_equal(km_model_find_coordinate(f.model, "A3", &third, &error), KM_OK);
+  km_hold hold = {third, 0.1};
+  km_state_free(f.state);
+  km_mechanism_free(f.mechanism);
+  assert_int_equal(km_mechanism_compile(f.model, &hold, 1, &f.mechanism, &error), KM_OK);
+  assert_int_equal(km_state_create(f.mechanism, &f.state, &error), KM_OK);
+  f.state->q[third] = 0.1;
+  km_arm *arm = arm_of(&f, "flange", "tool", KM_TASK_POSE);
+  assert_int_equal(arm->n, 6);
+  km_pose at = effector_by_bodies(&f, arm, q);
+  km_branches branches = find(arm, &at, 1);
+  double nearest = (double)INFINITY;
+  for (int b = 0; b < branches.count; ++b) {
+    double distance = 0.0;
+    for (int k = 0; k < 6; ++k)
+      distance += fabs(branches.pose[6 * b + k] - q[k]);
+    nearest = fmin(nearest, distance);
+  }
+  assert_true(nearest < 1e-9);
+  assert_true(branches.count >= 2 && branches.count <= 16);
+  km_branches_free(&branches);
+  km_arm_free(arm);
+  fixture_close(&f);
+}
+
+static void out_of_reach(void **state) {
+  (void)state;
+  fixture f = fixture_open("iiwa14");
+  km_arm *arm = arm_of(&f, "flange", "tool", KM_TASK_POSE);
+  km_effector_pose pose = {{1, 0, 0, 0, 1, 0, 0, 0, 1}, {2.0, 0, 0.5}};
+  km_branches branches;
+  km_error error;
+  assert_int_equal(km_branches_find(arm, &pose, 1, &branches, &error), KM_PARTIAL);
+  assert_non_null(strstr(error.text, "out of reach"));
+  km_branches_free(&branches);
+  km_arm_free(arm);
+  fixture_close(&f);
+}
+
+int main(void) {
+  const struct CMUnitTest tests[] = {
+      cmocka_unit_test(curves_hold_the_effector),     cmocka_unit_test(lengths_dont_depend_on_the_start),
+      cmocka_unit_test(narrow_arcs_are_found),        cmocka_unit_test(iiwa_has_eight_branches),
+      cmocka_unit_test(six_joints_have_single_poses), cmocka_unit_test(out_of_reach),
+  };
+  return cmocka_run_group_tests(tests, NULL, NULL);
+}

@@ -1,0 +1,87 @@
+#include "support/arms.h"
+
+#include "kinematics/poses.h"
+
+#include <string.h>
+
+km_arm *arm_of(const fixture *f, const char *body, const char *frame, km_task task) {
+  const char *names[2] = {body, frame};
+  int index;
+  km_arm *arm;
+  km_error error = {0};
+  if (km_model_find_frame(f->model, names, 2, &index, &error) ||
+      km_arm_create(f->mechanism, f->state, index, task, &arm, &error))
+    fail_msg("%s", error.text);
+  return arm;
+}
+
+fixture odd_arm(void) {
+  return fixture_read(
+      "{\"fixed\": {\"frames\": [{\"name\": \"far\", \"T\": [300, -200, 50], \"R\": [[0, 0, 1], [1, 0, 0], [0, 1, "
+      "0]]}]},"
+      "\"assemblies\": [{\"name\": \"a\", \"bodies\": ["
+      "{\"name\": \"base\"}, {\"name\": \"l1\", \"frames\": [{\"name\": \"t\", \"T\": [0.1, 0.4, 0.2]}]},"
+      "{\"name\": \"l2\", \"frames\": [{\"name\": \"t\", \"T\": [0.5, 0, 0.1], \"R\": [[0, -1, 0], [1, 0, 0], [0, 0, "
+      "1]]}]},"
+      "{\"name\": \"l3\", \"frames\": [{\"name\": \"t\", \"T\": [0, 0.3, 0]}]},"
+      "{\"name\": \"l4\", \"frames\": [{\"name\": \"t\", \"T\": [0.2, 0, 0.3], \"R\": [[1, 0, 0], [0, 0, -1], [0, 1, "
+      "0]]}]},"
+      "{\"name\": \"l5\", \"frames\": [{\"name\": \"t\", \"T\": [0, 0, 0.25]}]},"
+      "{\"name\": \"hand\", \"frames\": [{\"name\": \"tip\", \"T\": [0.1, 0, 0.1], \"R\": [[0, 1, 0], [0, 0, 1], [1, "
+      "0, 0]]}]}],"
+      "\"joints\": ["
+      "{\"name\": \"bolt\", \"type\": \"rigid\", \"body_frame_pairs\": [[\"fixed\", \"far\"], \"base\"]},"
+      "{\"name\": \"rail\", \"type\": \"Tx\", \"body_frame_pairs\": [\"base\", \"l1\"], \"limits\": [-2, 2]},"
+      "{\"name\": \"back\", \"type\": \"Ry\", \"body_frame_pairs\": [\"l2\", [\"l1\", \"t\"]], "
+      "\"initial_displacement\": 0.4},"
+      "{\"name\": \"screw\", \"type\": \"screw\", \"pitch\": 0.2, \"body_frame_pairs\": [[\"l2\", \"t\"], \"l3\"]},"
+      "{\"name\": \"pair\", \"type\": \"universal\", \"body_frame_pairs\": [[\"l4\", \"t\"], [\"l3\", \"t\"]],"
+      " \"initial_displacement\": [0.3, -0.5]},"
+      "{\"name\": \"tube\", \"type\": \"cylindrical\", \"body_frame_pairs\": [\"l4\", \"l5\"], "
+      "\"initial_displacement\": [0.1, 0.2]},"
+      "{\"name\": \"wrist\", \"type\": \"Rx\", \"body_frame_pairs\": [[\"l5\", \"t\"], \"hand\"], \"limits\": [-2.5, "
+      "2]}]}]}");
+}
+
+void random_pose(const km_arm *arm, randomness *r, double *q) {
+  for (int k = 0; k < arm->n; ++k)
+    q[k] = uniform(r, fmax(arm->low[k], -2.0), fmin(arm->high[k], 2.0));
+}
+
+km_study *study_of(const fixture *f, const char *json) {
+  km_study *study;
+  km_error error = {0};
+  if (km_study_read(json, strlen(json), "", NULL, &study, &error) ||
+      km_study_bind(study, f->mechanism, f->state, 1, NULL, &error))
+    fail_msg("%s", error.text);
+  return study;
+}
+
+km_track *track_of(const km_study *study, int method, int jobs) {
+  km_track_plan plan = km_study_plan(study, method);
+  km_track *track = NULL;
+  km_error error = {0};
+  plan.jobs = jobs;
+  km_status status = km_track_run(km_study_arm(study), &plan, &track, &error);
+  if (status && status != KM_PARTIAL)
+    fail_msg("%s", error.text);
+  return track;
+}
+
+double track_cell(const km_track *track, size_t row, const char *column) {
+  int index = km_table_find(km_track_rows(track), column);
+  if (index < 0)
+    fail_msg("no column %s", column);
+  return km_table_row(km_track_rows(track), row)[index];
+}
+
+km_pose effector_by_bodies(const fixture *f, const km_arm *arm, const double *q) {
+  const km_frame_def *frame = &f->model->frames[arm->frame];
+  double all[128];
+  memcpy(all, f->state->q, (size_t)f->mechanism->coordinate_count * sizeof *all);
+  for (int k = 0; k < arm->n; ++k)
+    all[arm->coordinate[k]] = q[k] * arm->unit[k];
+  km_state_set(f->mechanism, f->state, all);
+  km_poses_update(f->mechanism, f->state);
+  return km_pose_product(&f->state->pose[frame->body], &frame->pose);
+}
