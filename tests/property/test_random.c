@@ -3,10 +3,10 @@
 #include "support/laws.h"
 #include "support/random_mechanism.h"
 
-static void on_random_mechanisms(law check) {
+static void on_random_mechanisms(law check, bool gears) {
   for (uint64_t seed = 1; seed <= 150; ++seed) {
     randomness r = {seed};
-    char *text = random_mechanism(&r);
+    char *text = random_mechanism(&r, gears);
     fixture f = fixture_read(text);
     km_free(text);
     for (int c = 0; c < f.model->coordinate_count; ++c) /* it was closed, so assembly had nothing to do */
@@ -21,40 +21,40 @@ static void on_random_mechanisms(law check) {
 
 static void jacobian(void **state) {
   (void)state;
-  on_random_mechanisms(law_jacobian);
+  on_random_mechanisms(law_jacobian, false);
 }
 static void null_space(void **state) {
   (void)state;
-  on_random_mechanisms(law_null_space);
+  on_random_mechanisms(law_null_space, false);
 }
 static void numbers(void **state) {
   (void)state;
-  on_random_mechanisms(law_numbers);
+  on_random_mechanisms(law_numbers, false);
 }
 static void forced(void **state) {
   (void)state;
-  on_random_mechanisms(law_forced);
+  on_random_mechanisms(law_forced, false);
 }
 static void twists(void **state) {
   (void)state;
-  on_random_mechanisms(law_twists);
+  on_random_mechanisms(law_twists, false);
 }
 
 static void equilibrium(void **state) {
   (void)state;
-  on_random_mechanisms(law_equilibrium);
+  on_random_mechanisms(law_equilibrium, true);
 }
 static void transmitted(void **state) {
   (void)state;
-  on_random_mechanisms(law_transmitted);
+  on_random_mechanisms(law_transmitted, true);
 }
 static void virtual_work(void **state) {
   (void)state;
-  on_random_mechanisms(law_virtual_work);
+  on_random_mechanisms(law_virtual_work, true);
 }
 static void reactions(void **state) {
   (void)state;
-  on_random_mechanisms(law_reactions);
+  on_random_mechanisms(law_reactions, true);
 }
 
 int main(void) {

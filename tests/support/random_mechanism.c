@@ -1,11 +1,11 @@
-/* Random mechanisms: any topology, any joint types, any senses, some gears, closed by construction. */
+/* Random mechanisms: any topology, any joint types, any senses, perhaps gears, closed by construction. */
 #include "support/random_mechanism.h"
 
 #include "topology/chain.h"
 
 #include <stdio.h>
 
-enum { MOST_BODIES = 8 };
+enum { MOST_BODIES = 8, MOST_JOINTS = 16 };
 
 static km_pose random_pose(randomness *r) {
   km_vec3 v = {uniform(r, -1.5, 1.5), uniform(r, -1.5, 1.5), uniform(r, -1.5, 1.5)};
@@ -19,6 +19,7 @@ typedef struct maker {
   km_text frames[MOST_BODIES], joints;
   km_pose body[MOST_BODIES]; /* in the inertial frame */
   int bodies, joint_count;
+  int scalar[MOST_JOINTS], scalars; /* joints of one coordinate */
 } maker;
 
 static const double pitch = 0.3;
@@ -45,6 +46,8 @@ static km_pose add_joint(maker *m, int parent, int child, km_joint_type type) {
   double q[KM_MAX_FREEDOM];
   char p[8], c[8];
   km_pose X = km_pose_identity();
+  if (kind->freedom == 1)
+    m->scalar[m->scalars++] = m->joint_count;
   for (int k = 0; k < kind->freedom; ++k)
     q[k] = uniform(m->r, -1.2, 1.2);
   for (int i = 0, k = 0; i < kind->motion_count; k += km_primitive_freedom(kind->motions[i++].primitive)) {
@@ -99,7 +102,18 @@ static void close(maker *m) {
   m->joint_count++;
 }
 
-char *random_mechanism(randomness *r) {
+/* A gear between two joints, now and then. */
+static void couple(maker *m, km_text *out) {
+  if (m->scalars < 2 || below(m->r, 2))
+    return;
+  int a = below(m->r, m->scalars), b = below(m->r, m->scalars - 1);
+  b += b >= a;
+  km_text_format(out,
+                 ", \"couplings\": [{\"name\": \"gear\", \"joints\": [\"j%d\", \"j%d\"], \"ratios\": [%.17g, %.17g]}]",
+                 m->scalar[a], m->scalar[b], uniform(m->r, 0.3, 2.0), uniform(m->r, -2.0, -0.3));
+}
+
+char *random_mechanism(randomness *r, bool gears) {
   maker m = {.r = r, .bodies = 1};
   km_text out = {0};
   int bodies = 3 + below(r, MOST_BODIES - 2), chords = 1 + below(r, 3);
@@ -113,7 +127,10 @@ char *random_mechanism(randomness *r) {
   for (int b = 1; b < m.bodies; ++b)
     km_text_format(&out, "%s{\"name\": \"b%d\", \"frames\": [%s]}", b > 1 ? ", " : "", b,
                    m.frames[b].data ? m.frames[b].data : "");
-  km_text_format(&out, "], \"joints\": [%s]}]}", m.joints.data);
+  km_text_format(&out, "], \"joints\": [%s]", m.joints.data);
+  if (gears)
+    couple(&m, &out);
+  km_text_add(&out, "}]}");
   for (int b = 0; b < m.bodies; ++b)
     km_text_free(&m.frames[b]);
   km_text_free(&m.joints);
