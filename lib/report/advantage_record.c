@@ -86,6 +86,10 @@ static void add_peak(km_value *record, const char *key, const km_peak *peak, km_
   km_value *item = km_value_add(arena, record, key, KM_OBJECT);
   km_value_number(arena, item, "value", peak->value);
   km_value_number(arena, item, "s", peak->s);
+  if (isnan(peak->s))
+    km_value_string(arena, item, "state", "undefined");
+  else
+    km_value_string(arena, item, "state", isfinite(peak->value) ? "finite" : "infinite");
 }
 
 km_value *km_advantage_sweep_record(const km_mechanism *m, const km_advantage_sweep *sweep, const char *stopped_by,

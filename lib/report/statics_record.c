@@ -210,14 +210,14 @@ void km_statics_sweep_print(const km_mechanism *m, const km_sweep_plan *plan, co
     km_text_add(out, "  ");
     km_text_padded(m->model->coordinates[c].label, width, out);
     if (isnan(largest->s)) {
-      km_text_add(out, " holds nothing");
-    } else {
+      km_text_add(out, " never holds");
+    } else if (isfinite(largest->value)) {
       km_text_format(out, " holds at most %.6g ", largest->value);
       km_force_unit(m->model, c, out);
       km_text_format(out, " at %.6g%s", largest->s, unit);
     }
+    print_events(sweep, i, KM_FORCE_UNBOUNDED, " has no bound at", unit, out);
     print_events(sweep, i, KM_FORCE_BALANCED, "; nothing at", unit, out);
-    print_events(sweep, i, KM_FORCE_UNBOUNDED, "; without bound at", unit, out);
     km_text_add(out, "\n");
   }
   if (sweep->unheld)
