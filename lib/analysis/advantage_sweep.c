@@ -2,7 +2,9 @@
 #include "kmech/advantage_sweep.h"
 #include "analysis/lever.h"
 #include "analysis/scan.h"
+#include "analysis/transmission.h"
 #include "base/text.h"
+#include "kmech/losses.h"
 
 #include <string.h>
 
@@ -14,7 +16,9 @@ enum { INPUT_RATE, OUTPUT_RATE };
 typedef struct watch {
   km_advantage_sweep *out;
   km_lever *lever;
-  double *reference; /* [coordinate] the motion at the last sample: a basis has no sense of its own */
+  km_transmission_work *transmission; /* NULL: not asked for */
+  km_losses_work *losses;             /* NULL: no joint has friction */
+  double *reference;                  /* [coordinate] the motion at the last sample: a basis has no sense of its own */
   km_scan rates, value;
   km_events toggles, extremes;
 } watch;
@@ -26,7 +30,13 @@ static bool add_columns(void *self, const km_sweeper *r, km_table *table) {
   km_text_format(&name, "%s/%s", w->out->input.name, w->out->output.name);
   w->out->column = km_table_columns(table);
   bool added = !name.failed && km_sweeper_column(table, "ma.", name.data, "", unit[0] ? unit : NULL);
+  if (w->losses)
+    added = added && km_sweeper_column(table, "force_ratio.", name.data, "", unit[0] ? unit : NULL);
   km_text_free(&name);
+  for (int i = 0; i < KM_METRIC_COLUMNS && w->transmission; ++i) {
+    unit = km_transmission_unit(r->m->model, &w->out->output, i);
+    added = added && km_sweeper_column(table, km_transmission_name(i), "", "", unit[0] ? unit : NULL);
+  }
   return added;
 }
 
@@ -37,6 +47,17 @@ static double *write_value(void *self, km_sweeper *r, double *cell) {
   if (km_table_rows(w->out->motion.table) == 1)
     w->out->method = a.method;
   *cell++ = a.value;
+  if (w->losses) {
+    km_losses losses;
+    km_losses_update(r->m, r->s, w->losses, &losses);
+    *cell++ = losses.ratio;
+  }
+  if (w->transmission) {
+    km_transmission t;
+    km_transmission_update(r->m, r->s, w->transmission, &t);
+    km_transmission_values(&t, cell);
+    cell += KM_METRIC_COLUMNS;
+  }
   return cell;
 }
 
@@ -188,14 +209,21 @@ static km_status run(const km_mechanism *m, km_state *s, const km_sweep_plan *pl
 }
 
 km_status km_advantage_sweep_run(const km_mechanism *m, km_state *s, const km_sweep_plan *plan, const km_handle *input,
-                                 const km_handle *output, km_advantage_sweep *out, km_error *error) {
+                                 const km_handle *output, bool transmission, km_advantage_sweep *out, km_error *error) {
   km_peak none = {nan(""), nan("")};
   *out = (km_advantage_sweep){
       .motion = {.substructure = -1}, .input = *input, .output = *output, .lowest = none, .highest = none};
   watch w = {.out = out};
   km_status status = km_lever_create(m, input, output, &w.lever, error);
+  if (!status && transmission)
+    status = km_transmission_create(m, input, output, &w.transmission, error);
+  out->friction = km_model_has_friction(m->model);
+  if (!status && out->friction)
+    status = km_losses_create(m, input, output, &w.losses, error);
   if (!status)
     status = run(m, s, plan, &w, error);
+  km_losses_free(w.losses);
+  km_transmission_free(w.transmission);
   km_lever_free(w.lever);
   km_scan_free(&w.rates);
   km_scan_free(&w.value);

@@ -59,6 +59,13 @@ static km_status add(km_scan *scan, km_event event, km_error *error) {
   return KM_OK;
 }
 
+/* Beside a pole the function is larger than at either end of the interval, beside a zero smaller. */
+static bool is_pole(search *q, double root, double low, double high) {
+  double most = 2.0 * fmax(fabs(q->scan->f[0][q->function]), fabs(q->scan->f[1][q->function]));
+  double aside = 1e-4 * (high - low);
+  return fabs(at(fmax(root - aside, low), q)) > most || fabs(at(fmin(root + aside, high), q)) > most;
+}
+
 /* Between the last two samples function i changes its sign: at a zero, or across a pole. */
 static km_status find_zero(km_scan *scan, km_sweeper *r, int i, km_error *error) {
   search q = {scan, r, i, 1.0, false};
@@ -67,7 +74,7 @@ static km_status find_zero(km_scan *scan, km_sweeper *r, int i, km_error *error)
   gsl_root_fsolver *solver = gsl_root_fsolver_alloc(gsl_root_fsolver_brent);
   if (!solver)
     return km_fail(error, KM_MEMORY, "out of memory for a sweep");
-  double root = low, value = 0.0;
+  double root = low;
   bool found = gsl_root_fsolver_set(solver, &f, low, high) == GSL_SUCCESS;
   for (int k = 0; found && k < MOST_ITERATIONS && !q.lost; ++k) {
     found = gsl_root_fsolver_iterate(solver) == GSL_SUCCESS;
@@ -79,9 +86,9 @@ static km_status find_zero(km_scan *scan, km_sweeper *r, int i, km_error *error)
   gsl_root_fsolver_free(solver);
   if (!found || q.lost)
     return KM_OK;
-  value = at(root, &q);
-  bool pole = fabs(value) > 2.0 * fmax(fabs(scan->f[0][i]), fabs(scan->f[1][i]));
-  return add(scan, (km_event){pole ? KM_EVENT_POLE : KM_EVENT_ZERO, i, root, pole ? HUGE_VAL : 0.0}, error);
+  bool pole = is_pole(&q, root, low, high);
+  return q.lost ? KM_OK
+                : add(scan, (km_event){pole ? KM_EVENT_POLE : KM_EVENT_ZERO, i, root, pole ? HUGE_VAL : 0.0}, error);
 }
 
 /* The middle one of the last three samples is the largest (sign -1: of -f, smallest) or smallest. */
@@ -117,11 +124,21 @@ static bool is_zero(double f) {
   return f == 0.0;
 }
 
+/* A sample without a value: the function has a pole there. Where it has none at the first sample, the second tells. */
+static km_status look_at_gap(km_scan *scan, int i, km_error *error) {
+  bool now = isnan(scan->f[0][i]), before = scan->have > 1 && isnan(scan->f[1][i]);
+  double s = now ? scan->s[0] : scan->s[1];
+  bool gap = now ? scan->have > 1 && !before : before && scan->have == 2;
+  return gap ? add(scan, (km_event){KM_EVENT_POLE, i, s, HUGE_VAL}, error) : KM_OK;
+}
+
 static km_status look(km_scan *scan, km_sweeper *r, int i, bool *probed, km_error *error) {
   double new = scan->f[0][i], old = scan->have > 1 ? scan->f[1][i] : nan("");
   km_status status = KM_OK;
   if (scan->zeros && is_zero(new) && !is_zero(old))
     status = add(scan, (km_event){KM_EVENT_ZERO, i, scan->s[0], 0.0}, error);
+  if (scan->zeros && !status)
+    status = look_at_gap(scan, i, error);
   bool crossed = new *old < 0.0;
   if (scan->zeros && crossed && !status) {
     *probed = true;

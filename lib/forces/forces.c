@@ -10,6 +10,7 @@ static bool allocate(km_forces *f, const km_mechanism *m, int load_count) {
   f->pose = KM_ARENA_NEW(&f->arena, km_pose, bodies);
   f->body = KM_ARENA_NEW(&f->arena, km_wrench, bodies);
   f->joint = KM_ARENA_NEW(&f->arena, double, (size_t)m->coordinate_count);
+  f->extra = KM_ARENA_NEW(&f->arena, double, (size_t)m->coordinate_count);
   return !f->arena.failed;
 }
 
@@ -55,6 +56,14 @@ const char *km_model_load_name(const km_model *model, int index) {
   return model->loads[index].name;
 }
 
+void km_forces_add_joint(const km_model *model, km_forces *f, int c, double force) {
+  f->joint[c] += force;
+  if (km_joint_is_length(model->joints[model->coordinates[c].joint].type, model->coordinates[c].index))
+    f->force_size += fabs(force);
+  else
+    f->couple_size += fabs(force);
+}
+
 static void add_weights(const km_mechanism *m, km_forces *f) {
   for (int b = 1; b < m->topology.body_count; ++b) {
     const km_body_def *body = &m->model->bodies[b];
@@ -88,6 +97,9 @@ void km_forces_update(const km_mechanism *m, const km_state *s, km_forces *f) {
   memset(f->body, 0, (size_t)m->topology.body_count * sizeof *f->body);
   memset(f->joint, 0, (size_t)m->coordinate_count * sizeof *f->joint);
   f->force_size = f->couple_size = 0.0;
+  for (int c = 0; c < m->coordinate_count; ++c)
+    if (f->extra[c] != 0.0)
+      km_forces_add_joint(m->model, f, c, f->extra[c]);
   add_weights(m, f);
   add_loads(m, f);
   km_springs_add(m, s, f);

@@ -28,6 +28,7 @@ struct km_forces {
   km_arena arena;
   km_vec3 gravity; /* force a unit of mass, model's units */
   int load_count, spring_count;
+  double *extra; /* [coordinate] forces in joints along +q that an analysis sets; 0 at first */
   km_load *loads;
   km_spring *springs;
   /* At the last pose, by km_forces_update. Wrenches along the inertial axes, moments about `origin`. */
@@ -48,6 +49,9 @@ double km_law_force(const km_law *law, double displacement);
 km_status km_springs_read(const km_model *model, km_forces *forces, km_error *error);
 /* Adds their forces at the poses. */
 void km_springs_add(const km_mechanism *mechanism, const km_state *state, km_forces *forces);
+
+/* Adds a force in a joint along +q of a coordinate. */
+void km_forces_add_joint(const km_model *model, km_forces *forces, int coordinate, double force);
 
 /* Adds a force on a body at a point (about `origin`), and a couple. */
 static inline void km_forces_add(km_forces *f, int body, km_vec3 force, km_vec3 couple, km_vec3 point) {

@@ -101,14 +101,9 @@ void km_springs_add(const km_mechanism *m, const km_state *s, km_forces *f) {
     const km_spring *spring = &f->springs[i];
     double force = km_law_force(&spring->law, displacement(m, s, f, spring));
     int c = spring->output.coordinate;
-    if (c < 0) {
+    if (c < 0)
       push(m, f, spring, force);
-      continue;
-    }
-    f->joint[c] += force;
-    if (km_joint_is_length(m->model->joints[m->model->coordinates[c].joint].type, m->model->coordinates[c].index))
-      f->force_size += fabs(force);
     else
-      f->couple_size += fabs(force);
+      km_forces_add_joint(m->model, f, c, force);
   }
 }

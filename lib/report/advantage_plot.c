@@ -18,11 +18,11 @@ static const char *text_in(km_arena *arena, const char *format, const char *a, c
 bool km_advantage_plot_make(const km_plotted_advantage *sweeps, int count, bool strip, km_arena *arena, km_plot *out) {
   const km_advantage_sweep *first = sweeps[0].sweep;
   const char *unit = km_advantage_unit(sweeps[0].swept.mechanism->model, &first->input, &first->output);
-  size_t marks = 0, gaps = 0;
+  size_t marks = 0, gaps = 0, lines = 0;
   for (int i = 0; i < count; ++i)
     marks += sweeps[i].sweep->toggle_count;
   km_swept *swept = KM_ARENA_NEW(arena, km_swept, (size_t)count);
-  km_swept_line *line = KM_ARENA_NEW(arena, km_swept_line, (size_t)count);
+  km_swept_line *line = KM_ARENA_NEW(arena, km_swept_line, 2 * (size_t)count);
   km_swept_mark *mark = KM_ARENA_NEW(arena, km_swept_mark, marks);
   km_swept_break *gap = KM_ARENA_NEW(arena, km_swept_break, marks);
   if (arena->failed)
@@ -31,9 +31,14 @@ bool km_advantage_plot_make(const km_plotted_advantage *sweeps, int count, bool 
   for (int i = 0; i < count; ++i) {
     const km_advantage_sweep *s = sweeps[i].sweep;
     swept[i] = sweeps[i].swept;
-    line[i] = (km_swept_line){i, s->column, text_in(arena, "%.300s/%.300s", s->input.name, s->output.name), 0};
+    line[lines++] = (km_swept_line){i, s->column, text_in(arena, "%.300s/%.300s", s->input.name, s->output.name), 0};
     if (count > 1)
-      line[i].name = text_in(arena, "%.300s (%.300s)", line[i].name, swept[i].name);
+      line[lines - 1].name = text_in(arena, "%.300s (%.300s)", line[lines - 1].name, swept[i].name);
+    if (s->friction) {
+      line[lines] =
+          (km_swept_line){i, s->column + 1, text_in(arena, "%s%s", line[lines - 1].name, " with friction"), 0};
+      ++lines;
+    }
     for (size_t k = 0; k < s->toggle_count; ++k) {
       mark[marks++] = (km_swept_mark){0, s->toggles[k].s, km_advantage_toggle_name(&s->toggles[k])};
       if (s->toggles[k].state != KM_ADVANTAGE_ZERO)
@@ -47,7 +52,7 @@ bool km_advantage_plot_make(const km_plotted_advantage *sweeps, int count, bool 
       .sweeps = swept,
       .sweep_count = count,
       .lines = line,
-      .line_count = (size_t)count,
+      .line_count = lines,
       .marks = mark,
       .mark_count = marks,
       .breaks = gap,

@@ -1,12 +1,24 @@
 #include "report/advantage_record.h"
 
 #include "report/sweep_text.h"
+#include "report/transmission_record.h"
 #include "topology/mechanism.h"
 
 #include <math.h>
 
+static void add_losses(const km_losses *losses, const km_advantage *a, km_value *record, km_arena *arena) {
+  km_value *item = km_value_add(arena, record, "force_ratio", KM_OBJECT);
+  km_value_number(arena, item, "ideal", a->value);
+  km_value_number(arena, item, "actual", losses->ratio);
+  km_value_number(arena, item, "efficiency", losses->efficiency);
+  if (losses->why)
+    km_value_string(arena, item, "undefined", losses->why);
+  km_value_boolean(arena, item, "locks_itself", losses->locks);
+}
+
 km_value *km_advantage_record(const km_mechanism *m, const km_state *s, const km_handle *input, const km_handle *output,
-                              const km_advantage *a, const char *name, km_arena *arena) {
+                              const km_advantage *a, const km_transmission *t, const km_losses *losses,
+                              const char *name, km_arena *arena) {
   km_value *record = km_record_head(m->model, "kma", name, arena);
   const char *unit = km_advantage_unit(m->model, input, output);
   km_value_string(arena, record, "input", input->name);
@@ -19,6 +31,8 @@ km_value *km_advantage_record(const km_mechanism *m, const km_state *s, const km
     km_value_string(arena, record, "unit", unit);
   else
     km_value_add(arena, record, "unit", KM_NULL);
+  add_losses(losses, a, record, arena);
+  km_transmission_record(m, t, output, record, arena);
   km_held_record(m, record, arena);
   km_configuration_record(m, s, record, arena);
   return arena->failed ? NULL : record;
@@ -44,7 +58,7 @@ void km_advantage_words(const km_mechanism *m, const km_handle *input, const km_
 }
 
 void km_advantage_print(const km_mechanism *m, const km_handle *input, const km_handle *output, const km_advantage *a,
-                        const char *name, km_text *out) {
+                        const km_transmission *t, const km_losses *losses, const char *name, km_text *out) {
   const char *unit = km_advantage_unit(m->model, output, input);
   km_text_format(out, "%s: %s over %s\n  ", name, input->name, output->name);
   km_advantage_words(m, input, output, a, out);
@@ -60,12 +74,22 @@ void km_advantage_print(const km_mechanism *m, const km_handle *input, const km_
     if (m->held[c])
       km_text_format(out, "%s %s", held++ ? "," : "  held:", m->model->coordinates[c].label);
   km_text_add(out, held ? "\n" : "");
+  if (losses->locks)
+    km_text_add(out, "  with friction it locks itself: no input force is enough\n");
+  else if (!losses->why)
+    km_text_format(out, "  with friction the force ratio is %.6g: efficiency %.4g\n", losses->ratio,
+                   losses->efficiency);
+  km_transmission_print(m, t, output, out);
 }
 
 static void add_peak(km_value *record, const char *key, const km_peak *peak, km_arena *arena) {
   km_value *item = km_value_add(arena, record, key, KM_OBJECT);
   km_value_number(arena, item, "value", peak->value);
   km_value_number(arena, item, "s", peak->s);
+  if (isnan(peak->s))
+    km_value_string(arena, item, "state", "undefined");
+  else
+    km_value_string(arena, item, "state", isfinite(peak->value) ? "finite" : "infinite");
 }
 
 km_value *km_advantage_sweep_record(const km_mechanism *m, const km_advantage_sweep *sweep, const char *stopped_by,

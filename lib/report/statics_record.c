@@ -108,6 +108,9 @@ static void print_directions(const km_mechanism *m, const km_statics *st, km_tex
   }
 }
 
+/* In tables for people a component below this share of the largest is 0. */
+static const double rounding = 1e-12;
+
 static void print_reactions(const km_mechanism *m, const km_statics *st, km_axes axes, int width, km_text *out) {
   const km_model *model = m->model;
   km_text_format(out, "\nreactions of parent on child, about the child's joint frame, %s axes, with %s (%s, ",
@@ -118,12 +121,23 @@ static void print_reactions(const km_mechanism *m, const km_statics *st, km_axes
   km_text_padded("joint", width, out);
   km_text_add(out, "             fx            fy            fz            tx            ty            tz\n");
   bool open = false;
+  double largest[2] = {0.0, 0.0}, size = 0.0;
+  for (int i = 0; i < m->topology.substructure_count; ++i)
+    size = fmax(size, m->substructures[i].size);
+  for (int j = 0; j < model->joint_count; ++j)
+    for (int k = 0; k < 3; ++k) {
+      largest[0] = fmax(largest[0], fabs(st->reactions[j].force[k]));
+      largest[1] = fmax(largest[1], fabs(st->reactions[j].torque[k]));
+    }
   for (int j = 0; j < model->joint_count; ++j) {
     const km_reaction *r = &st->reactions[j];
     km_text_add(out, "  ");
     km_text_padded(model->joints[j].label, width, out);
     for (int k = 0; k < 6; ++k) {
-      km_text_format(out, " %12.5g%s", k < 3 ? r->force[k] : r->torque[k - 3], r->indeterminate[k] ? "?" : " ");
+      double value = k < 3 ? r->force[k] : r->torque[k - 3];
+      double grain = rounding * (k < 3 ? largest[0] : largest[1] + size * largest[0]);
+      value = fabs(value) < grain ? 0.0 : value;
+      km_text_format(out, " %12.5g%s", value, r->indeterminate[k] ? "?" : " ");
       open = open || r->indeterminate[k];
     }
     km_text_add(out, "\n");
@@ -196,14 +210,14 @@ void km_statics_sweep_print(const km_mechanism *m, const km_sweep_plan *plan, co
     km_text_add(out, "  ");
     km_text_padded(m->model->coordinates[c].label, width, out);
     if (isnan(largest->s)) {
-      km_text_add(out, " holds nothing");
-    } else {
+      km_text_add(out, " never holds");
+    } else if (isfinite(largest->value)) {
       km_text_format(out, " holds at most %.6g ", largest->value);
       km_force_unit(m->model, c, out);
       km_text_format(out, " at %.6g%s", largest->s, unit);
     }
+    print_events(sweep, i, KM_FORCE_UNBOUNDED, " has no bound at", unit, out);
     print_events(sweep, i, KM_FORCE_BALANCED, "; nothing at", unit, out);
-    print_events(sweep, i, KM_FORCE_UNBOUNDED, "; without bound at", unit, out);
     km_text_add(out, "\n");
   }
   if (sweep->unheld)

@@ -151,7 +151,7 @@ bool km_sweep_plot_make(const km_sweep_picture *p, km_arena *arena, km_plot *out
     limit_axis(out, arena);
   km_sweep_strip *strip = KM_ARENA_NEW(arena, km_sweep_strip, 1);
   if (p->strip && !arena->failed)
-    out->strip = km_sweep_strip_make(p->sweeps[0].mechanism, p->sweeps[0].plan, p->sweeps[0].motion, arena, strip);
+    out->strip = km_sweep_strip_make(p->sweeps[0].mechanism, p->sweeps[0].plan, p->sweeps[0].motion, 3, arena, strip);
   return !arena->failed;
 }
 

@@ -4,7 +4,9 @@
 #include "forces/forces.h"
 #include "kinematics/poses.h"
 #include "kmech/advantage.h"
+#include "kmech/losses.h"
 #include "kmech/statics.h"
+#include "kmech/transmission.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -242,6 +244,66 @@ static void double_cardan_joint(void **state) {
   }
 }
 
+/* Planar four-bars: the transmission angle by the cosine rule, and both indices its sine. */
+static void transmission_of_a_four_bar(void **state) {
+  (void)state;
+  fixture f = fixture_open("fourbar");
+  km_handle input = joint(f.model, 0), output = joint(f.model, 3);
+  km_transmission_work *work;
+  km_drive *drive;
+  assert_int_equal(km_transmission_create(f.mechanism, &input, &output, &work, NULL), KM_OK);
+  assert_int_equal(km_drive_create(f.mechanism, f.state, 0, false, &drive, NULL), KM_OK);
+  for (int i = 0; i < 12; ++i) {
+    km_transmission t;
+    km_mobility mobility;
+    assert_int_equal(km_drive_to(drive, 0.5 * i).stop, KM_STOP_NONE);
+    km_mobility_update(f.mechanism, f.state, &mobility);
+    km_transmission_update(f.mechanism, f.state, work, &t);
+    double diagonal = 0.4 * 0.4 + 0.15 * 0.15 - 2.0 * 0.4 * 0.15 * cos(0.5 * i);
+    double angle = acos((0.5 * 0.5 + 0.45 * 0.45 - diagonal) / (2.0 * 0.5 * 0.45));
+    assert_near(t.angle.value, angle, 1e-12);
+    assert_near(t.sutherland_roth.value, sin(angle), 1e-12);
+    assert_near(t.chen_angeles.value, sin(angle), 1e-12);
+    assert_near(t.virtual_coefficient.value, 0.5 * 0.45 * sin(angle), 1e-12);
+  }
+  km_drive_free(drive);
+  km_transmission_free(work);
+  fixture_close(&f);
+}
+
+/* A slide with friction: the rod at angle β to it pushes R = 1 / (cos β − μ sin β), so the efficiency is 1 − μ tan β.
+ */
+static void friction_of_a_slide(void **state) {
+  (void)state;
+  char *text = read_model_text("slider_crank"), *place = strstr(text, "\"damping\": 1.0");
+  km_text edited = {0};
+  km_text_bytes(&edited, text, (size_t)(place - text));
+  km_text_add(&edited, "\"friction\": {\"coefficient\": 0.2}");
+  km_text_add(&edited, place + strlen("\"damping\": 1.0"));
+  fixture f = fixture_read(edited.data);
+  km_handle input = joint(f.model, 0), output = joint(f.model, 1);
+  km_losses_work *work;
+  km_drive *drive;
+  assert_int_equal(km_losses_create(f.mechanism, &input, &output, &work, NULL), KM_OK);
+  assert_int_equal(km_drive_create(f.mechanism, f.state, 0, false, &drive, NULL), KM_OK);
+  for (int i = 1; i < 6; ++i) {
+    km_losses losses;
+    km_mobility mobility;
+    assert_int_equal(km_drive_to(drive, 0.5 * i).stop, KM_STOP_NONE);
+    km_mobility_update(f.mechanism, f.state, &mobility);
+    km_losses_update(f.mechanism, f.state, work, &losses);
+    double beta = asin(0.6 * sin(0.5 * i) / 1.5);
+    assert_null(losses.why);
+    assert_false(losses.locks);
+    assert_near(losses.efficiency, 1.0 - 0.2 * tan(beta), 1e-10);
+  }
+  km_drive_free(drive);
+  km_losses_free(work);
+  fixture_close(&f);
+  km_text_free(&edited);
+  km_free(text);
+}
+
 int main(void) {
   const struct CMUnitTest tests[] = {
       cmocka_unit_test(inverse_of_the_rate),
@@ -249,6 +311,8 @@ int main(void) {
       cmocka_unit_test(characteristic_length_does_not_count),
       cmocka_unit_test(single_cardan_joint),
       cmocka_unit_test(double_cardan_joint),
+      cmocka_unit_test(transmission_of_a_four_bar),
+      cmocka_unit_test(friction_of_a_slide),
   };
   return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -4,6 +4,8 @@
 #include "base/json.h"
 #include "report/advantage_record.h"
 
+#include <math.h>
+
 typedef struct options {
   kt_request request;
   kma_ends_options ends;
@@ -38,9 +40,33 @@ static error_t parse(int key, char *arg, struct argp_state *state) {
   }
 }
 
+static km_status transmission_at(const kt_pose *pose, const kma_ends *ends, km_transmission *out, km_error *error) {
+  km_transmission_work *work;
+  km_status status = km_transmission_create(pose->mechanism, &ends->input, &ends->output, &work, error);
+  if (!status)
+    km_transmission_update(pose->mechanism, pose->state, work, out);
+  km_transmission_free(work);
+  return status;
+}
+
+/* `why` of losses that aren't asked for is the model's lack of friction. */
+static km_status losses_at(const kt_pose *pose, const kma_ends *ends, km_losses *out, km_error *error) {
+  km_losses_work *work;
+  *out = (km_losses){.ratio = nan(""), .efficiency = nan(""), .why = "no joint has friction"};
+  if (!km_model_has_friction(pose->model))
+    return KM_OK;
+  km_status status = km_losses_create(pose->mechanism, &ends->input, &ends->output, &work, error);
+  if (!status)
+    km_losses_update(pose->mechanism, pose->state, work, out);
+  km_losses_free(work);
+  return status;
+}
+
 static km_status describe(const options *o, const kt_pose *pose, const kma_ends *ends, km_text *out, km_error *error) {
   km_lever *lever;
   km_advantage advantage;
+  km_transmission transmission;
+  km_losses losses;
   km_mobility mobility;
   km_arena arena = {0};
   km_status status = km_lever_create(pose->mechanism, &ends->input, &ends->output, &lever, error);
@@ -48,18 +74,24 @@ static km_status describe(const options *o, const kt_pose *pose, const kma_ends 
     return status;
   km_mobility_update(pose->mechanism, pose->state, &mobility);
   km_lever_update(pose->mechanism, pose->state, lever, &advantage);
+  km_lever_free(lever);
+  status = transmission_at(pose, ends, &transmission, error);
+  if (!status)
+    status = losses_at(pose, ends, &losses, error);
+  if (status)
+    return status;
   if (o->request.json) {
     const km_value *record = km_advantage_record(pose->mechanism, pose->state, &ends->input, &ends->output, &advantage,
-                                                 o->request.model, &arena);
+                                                 &transmission, &losses, o->request.model, &arena);
     if (record)
       km_json_write(record, out);
     else
       status = km_fail(error, KM_MEMORY, "out of memory");
   } else {
-    km_advantage_print(pose->mechanism, &ends->input, &ends->output, &advantage, o->request.model, out);
+    km_advantage_print(pose->mechanism, &ends->input, &ends->output, &advantage, &transmission, &losses,
+                       o->request.model, out);
   }
   km_arena_free(&arena);
-  km_lever_free(lever);
   return status;
 }
 

@@ -7,6 +7,7 @@
 
 kt_exit kma_at(int argc, char **argv);
 kt_exit kma_sweep(int argc, char **argv);
+kt_exit kma_report(int argc, char **argv);
 
 /* --input --output --point as they were given. */
 typedef struct kma_ends_options {

@@ -124,3 +124,25 @@ void kstatic_free(kstatic_balance *balance) {
   km_statics_free(&balance->statics);
   km_forces_free(balance->forces);
 }
+
+void kstatic_words(const km_model *model, const kstatic_options *o, km_text *out) {
+  km_text_format(out, "gravity (%g, %g, %g) %s/%s²", model->gravity.x, model->gravity.y, model->gravity.z,
+                 model->units.length->suffix, model->units.time->suffix);
+  if (o->gravity) {
+    out->size = 0;
+    km_text_format(out, "gravity (%s) %s/%s²", o->gravity, model->units.length->suffix, model->units.time->suffix);
+  }
+  for (int i = 0; i < model->load_count; ++i) {
+    const km_load_def *load = &model->loads[i];
+    km_text_format(out, "; %s: force (%g, %g, %g) %s on %s%s", load->name, load->force.x, load->force.y, load->force.z,
+                   model->units.force->suffix, model->bodies[model->frames[load->frame].body].name,
+                   load->turning ? ", turning with it" : "");
+  }
+  for (int i = 0; i < o->loads.count; ++i)
+    km_text_format(out, "; --load %s", o->loads.items[i]);
+  int springs = 0;
+  for (int i = 0; i < model->module_count; ++i)
+    springs += strcmp(km_value_get(model->modules[i].source, "type")->string, "stiffness") == 0;
+  if (springs)
+    km_text_format(out, "; %d spring%s", springs, springs == 1 ? "" : "s");
+}

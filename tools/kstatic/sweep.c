@@ -1,9 +1,10 @@
-/* kstatic sweep: the balance of forces over a driver's range. */
-#include "common/sweep.h"
+/* kstatic sweep and kstatic report: the balance of forces over a driver's range. */
+#include "common/report.h"
 #include "kstatic/kstatic.h"
 
 #include "report/statics_plot.h"
 #include "report/statics_record.h"
+#include "report/statics_report.h"
 
 typedef struct options {
   kt_sweep_options sweep;
@@ -20,8 +21,12 @@ enum { OPTION_POINT = 0x5101 };
 
 static const struct argp_option table[] = {
     {"point", OPTION_POINT, "BODY/FRAME", 0, "Add the path of a frame's origin (repeatable)", 1},
+    KT_FORMAT_OPTION,
     {"output", 'o', "BASE", 0, "Files are BASE.forces.FORMAT (default: the model's name); - is the standard output", 2},
     {0}};
+
+static const struct argp_option report_table[] = {
+    KT_REPORT_FORMAT_OPTION, {"output", 'o', "BASE", 0, KT_REPORT_BASE, 2}, {0}};
 
 static error_t parse(int key, char *arg, struct argp_state *state) {
   options *o = state->input;
@@ -33,6 +38,9 @@ static error_t parse(int key, char *arg, struct argp_state *state) {
   case OPTION_POINT:
     kt_texts_add(&o->sweep.points, arg, state);
     return 0;
+  case KT_OPTION_FORMAT:
+    o->sweep.format = arg;
+    return 0;
   case 'o':
     o->sweep.base = arg;
     return 0;
@@ -43,14 +51,19 @@ static error_t parse(int key, char *arg, struct argp_state *state) {
 
 static kt_exit prepare(kt_sweep_job *j) {
   product *p = j->own = KM_NEW(product, 1);
-  return p ? kstatic_prepare(&j->common, j->path, &j->pose, j->options->own, &p->balance) : KT_INTERNAL;
+  return p ? kstatic_prepare(&j->common, j->path, &j->pose, &((const options *)j->options->own)->acting, &p->balance)
+           : KT_INTERNAL;
 }
 
 static km_status run(kt_sweep_job *j, const km_sweep **motion, km_error *error) {
   product *p = j->own;
   *motion = &p->sweep.motion;
-  return km_statics_sweep_run(j->pose.mechanism, j->pose.state, &j->plan, p->balance.forces, &p->balance.statics,
-                              &p->sweep, error);
+  km_status status = km_statics_sweep_run(j->pose.mechanism, j->pose.state, &j->plan, p->balance.forces,
+                                          &p->balance.statics, &p->sweep, error);
+  if (status == KM_PARTIAL && p->sweep.unheld)
+    kt_say(&j->common, KM_ERROR, "%s: the actuators can't hold %zu of %zu rows, first at %.9g (kstatic at tells why)",
+           j->path, p->sweep.unheld, km_table_rows(p->sweep.motion.table), p->sweep.first_unheld);
+  return status;
 }
 
 static void print(const kt_sweep_job *j, km_text *out) {
@@ -98,8 +111,35 @@ kt_exit kstatic_sweep(int argc, char **argv) {
       NULL,
       NULL};
   options o = {.sweep = {.common = {.tool = "kstatic", .jobs = 1, .seed = 1}}};
-  o.sweep.own = &o.acting;
-  o.sweep.formats.wanted[KT_CSV] = o.sweep.formats.wanted[KT_SVG] = true;
+  o.sweep.own = &o;
   kt_parse(&argp, argc, argv, &o);
   return kt_sweep(&o.sweep, &sweeping);
+}
+
+static km_status write_report(const kt_sweep_job *j, bool html, km_text *out, km_error *error) {
+  const product *p = j->own;
+  km_plotted_statics plotted = {{j->pose.mechanism, &j->plan, &p->sweep.motion, j->base}, &p->sweep};
+  km_text acting = {0};
+  kstatic_words(j->pose.model, &((const options *)j->options->own)->acting, &acting);
+  km_status status = km_statics_report(&plotted, &p->balance.statics, acting.data ? acting.data : "",
+                                       j->stopped_by.data ? j->stopped_by.data : "", html, out, error);
+  km_text_free(&acting);
+  return status;
+}
+
+kt_exit kstatic_report(int argc, char **argv) {
+  static const kt_reporting reporting = {prepare, run, write_report, free_own};
+  const struct argp_child children[] = {{&kt_sweep_argp, 0, NULL, 0}, {&kstatic_argp, 0, NULL, 0}, {0}};
+  const struct argp argp = {report_table,
+                            parse,
+                            "MODEL",
+                            "A report to hand on: the mechanism in its poses, what every actuator must hold, where it "
+                            "rests or peaks, and the reactions at the worst pose, as PDF pages or one HTML file.",
+                            children,
+                            NULL,
+                            NULL};
+  options o = {.sweep = {.common = {.tool = "kstatic", .jobs = 1, .seed = 1}}};
+  o.sweep.own = &o;
+  kt_parse(&argp, argc, argv, &o);
+  return kt_report(&o.sweep, &reporting);
 }
