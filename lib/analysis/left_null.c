@@ -1,5 +1,6 @@
 #include "analysis/left_null.h"
 
+#include "analysis/whole_jacobian.h"
 #include "kinematics/closure.h"
 #include "kinematics/loops.h"
 #include "kinematics/poses.h"
@@ -19,18 +20,6 @@ km_left_space km_left_space_make(const km_mechanism *m, km_state *s, int index) 
                          .tolerance = km_rank_tolerance(m, sub, km_loops_residual(m, s, sub, &worst))};
 }
 
-void km_left_entries(const km_left_space *a, km_twist h, double unit, double out[6]) {
-  double scale = unit / a->sub->size;
-  km_vec3 v = km_vec3_add(h.v, km_vec3_cross(h.w, a->about));
-  const double values[6] = {v.x * scale, v.y * scale, v.z * scale, h.w.x, h.w.y, h.w.z};
-  memcpy(out, values, sizeof values);
-}
-
-double km_left_sense(const km_topology *t, int loop, const km_member *member) {
-  bool against = member->joint != t->chord[loop] && t->against[member->joint];
-  return member->side * (against ? -1.0 : 1.0);
-}
-
 /* Calls `take` with the six entries of each column of a loop. */
 static void visit_loop(const km_left_space *a, int loop, void (*take)(void *out, int column, const double entry[6]),
                        void *out) {
@@ -41,8 +30,10 @@ static void visit_loop(const km_left_space *a, int loop, void (*take)(void *out,
     for (int c = first; c < first + km_model_freedom(a->m->model, member->joint); ++c) {
       if (a->m->column_of[c] < 0)
         continue;
-      double column[6], s = km_left_sense(t, loop, member);
-      km_left_entries(a, km_coordinate_twist(a->m, a->s, c), s * a->m->unit[c], column);
+      double column[6], sense = km_member_sense(t, loop, member);
+      km_twist_entries(a->sub, km_coordinate_twist(a->m, a->s, c), a->about, a->m->unit[c], column);
+      for (int r = 0; r < 6; ++r)
+        column[r] *= sense;
       take(out, a->m->column_of[c], column);
     }
   }
@@ -64,12 +55,6 @@ static void take_next(void *out, int column, const double entry[6]) {
   for (int r = 0; r < 6; ++r)
     T->entries[r * T->height + T->at] = entry[r];
   T->at++;
-}
-
-static void take_at(void *out, int column, const double entry[6]) {
-  transposed *T = out;
-  for (int r = 0; r < 6; ++r)
-    T->entries[(size_t)(T->at + r) * (size_t)T->height + (size_t)column] = entry[r];
 }
 
 static void count_one(void *out, int column, const double entry[6]) {
@@ -106,19 +91,22 @@ static int solve_loop(const km_left_space *a, int loop, double *W) {
   return count;
 }
 
-static void fill_whole(const km_left_space *a, transposed *T) {
-  for (int i = 0; i < a->sub->loop_count; ++i) {
-    T->at = 6 * i;
-    visit_loop(a, loop_of(a, i), take_at, T);
-  }
-  for (int i = 0; i < a->sub->coupling_count; ++i) {
-    const km_coupling *coupling = &a->m->couplings[a->sub->coupling_start + i];
-    for (int k = 0; k < coupling->term_count; ++k) {
-      const km_term *term = &a->m->terms[coupling->term_start + k];
-      if (term->column >= 0)
-        T->entries[(size_t)(6 * a->sub->loop_count + i) * (size_t)T->height + (size_t)term->column] = term->coefficient;
-    }
-  }
+/* False when out of memory. */
+static bool fill_whole(const km_left_space *a, km_arena *scratch, transposed *T) {
+  int rows = a->rows, columns = a->sub->columns;
+  const int *coordinate = a->m->column_coordinate + a->sub->column_start;
+  double *J = KM_ARENA_NEW(scratch, double, (size_t)rows *(size_t)columns);
+  km_twist *twist = KM_ARENA_NEW(scratch, km_twist, (size_t)a->m->coordinate_count);
+  *T = (transposed){KM_ARENA_NEW(scratch, double, (size_t)rows *(size_t)columns), columns, 0};
+  if (scratch->failed)
+    return false;
+  for (int k = 0; k < columns; ++k)
+    twist[coordinate[k]] = km_coordinate_twist(a->m, a->s, coordinate[k]);
+  km_whole_jacobian(a->m, a->index, twist, a->about, J);
+  for (int k = 0; k < columns; ++k)
+    for (int r = 0; r < rows; ++r)
+      T->entries[(size_t)r * (size_t)columns + (size_t)k] = J[(size_t)k * (size_t)rows + (size_t)r];
+  return true;
 }
 
 /* Subtracts from v what a unit vector of `count` entries, which meets it from `at` on, has of it. */
@@ -152,14 +140,10 @@ static bool orthogonalise(const km_left_space *a, const km_left_null *null, doub
 /* What several loops have only together: all left null vectors, less the local ones. */
 static bool find_whole(const km_left_space *a, km_arena *arena, km_left_null *out) {
   km_arena scratch = {0};
-  size_t rows = (size_t)a->rows, columns = (size_t)a->sub->columns;
-  transposed T = {KM_ARENA_NEW(&scratch, double, rows *columns), a->sub->columns, 0};
+  size_t rows = (size_t)a->rows;
+  transposed T;
   double *W = KM_ARENA_NEW(&scratch, double, rows *rows);
-  int count = -1;
-  if (!scratch.failed) {
-    fill_whole(a, &T);
-    count = solve(&T, a->rows, a->tolerance, &scratch, W);
-  }
+  int count = fill_whole(a, &scratch, &T) ? solve(&T, a->rows, a->tolerance, &scratch, W) : -1;
   out->whole = count > 0 ? KM_ARENA_NEW(arena, double, (size_t)count *rows) : NULL;
   for (int n = 0; n < count && out->whole; ++n) {
     double *v = out->whole + (size_t)out->whole_count * rows;

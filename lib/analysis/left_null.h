@@ -5,8 +5,7 @@
 #include "kinematics/state.h"
 #include "kmech/redundancy.h"
 
-/* The whole Jacobian J of a substructure has six rows a loop (force and moment balance in the inertial frame's axes
- * about a point near the substructure, lengths over its size), then the couplings. */
+/* The whole Jacobian J of a substructure, see whole_jacobian.h, about a point near it. */
 typedef struct km_left_space {
   const km_mechanism *m;
   km_state *s;
@@ -31,11 +30,6 @@ bool km_left_null_find(const km_left_space *space, km_arena *arena, km_left_null
 static inline int km_left_null_count(const km_left_null *null) {
   return null->local_count + null->whole_count;
 }
-
-/* A twist as six entries about `about`, lengths over the size. */
-void km_left_entries(const km_left_space *space, km_twist h, double unit, double out[6]);
-/* +1 where a walk round the loop passes the joint in the user's sense. */
-double km_left_sense(const km_topology *topology, int loop, const km_member *member);
 
 /* Swaps of the loop's joints that would end a redundancy with the wrench w of the loop, by test. `null` are all left
  * null vectors; `work` has room for 2 · km_left_null_count. */

@@ -135,10 +135,15 @@ static km_status see(void *self, km_sweeper *r, double s, km_error *error) {
   return failed ? km_fail(error, KM_MEMORY, "out of memory for the toggles") : KM_OK;
 }
 
+static km_status pass(void *self, km_sweeper *r, double s, km_error *error) {
+  watch *w = self;
+  return km_singular_see(&w->singular, r, s, w->out, error);
+}
+
 static void forget(void *self) {
   watch *w = self;
   w->have_last = false;
-  w->singular.rows = 0;
+  w->singular.scan.have = 0;
 }
 
 static km_status end_at(void *self, km_sweeper *r, double s, km_error *error) {
@@ -154,17 +159,15 @@ km_status km_mobility_sweep_run(const km_mechanism *m, km_state *s, const km_swe
       .motion = {.substructure = -1}, .extremes = KM_NEW(km_extreme, count), .smallest = {nan(""), nan("")}};
   double *z = KM_NEW(double, 2 * count);
   watch w = {.out = out, .z = z, .last_z = z + count};
-  if (plan->singularities)
-    w.singular.singular = km_singular_create(m);
-  bool ready = z && out->extremes && (w.singular.singular || !plan->singularities);
+  bool ready = z && out->extremes && (!plan->singularities || km_singular_watch_make(&w.singular, m));
   km_status status = ready ? KM_OK : km_fail(error, KM_MEMORY, "out of memory for a sweep");
   if (!status) {
-    km_observer observer = {&w, add_columns, write_numbers, see, forget, end_at};
+    km_observer observer = {&w, add_columns, write_numbers, see, plan->singularities ? pass : NULL, forget, end_at};
     for (size_t c = 0; c < count; ++c)
       out->extremes[c] = (km_extreme){HUGE_VAL, nan("")};
     status = km_sweep_run(m, s, plan, &observer, &out->motion, error);
   }
-  km_singular_free(w.singular.singular);
+  km_singular_watch_free(&w.singular);
   km_free(z);
   return status;
 }

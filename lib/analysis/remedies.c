@@ -1,5 +1,6 @@
 /* Which other type of a joint would end a redundancy. */
 #include "analysis/left_null.h"
+#include "analysis/whole_jacobian.h"
 #include "kinematics/poses.h"
 
 /* Wᵀh: what a new freedom h of a joint, as a column in the loops that it lies in, does along each left null vector, and
@@ -8,7 +9,7 @@ static void beyond_reach(const km_left_space *a, const km_left_null *null, int j
   const km_topology *t = &a->m->topology;
   int first = t->loop_start[a->index];
   double column[6];
-  km_left_entries(a, h, 1.0, column);
+  km_twist_entries(a->sub, h, a->about, 1.0, column);
   for (int k = 0; k < km_left_null_count(null); ++k)
     out[k] = 0.0;
   for (int i = 0; i < a->sub->loop_count; ++i) {
@@ -16,7 +17,7 @@ static void beyond_reach(const km_left_space *a, const km_left_null *null, int j
     for (int n = t->member_start[loop]; n < t->member_start[loop + 1]; ++n) {
       if (t->member[n].joint != joint)
         continue;
-      double s = km_left_sense(t, loop, &t->member[n]);
+      double s = km_member_sense(t, loop, &t->member[n]);
       for (int r = 0; r < 6; ++r) {
         for (int k = null->first[i]; k < null->first[i + 1]; ++k)
           out[k] += s * column[r] * null->local[6 * k + r];
@@ -47,7 +48,7 @@ static bool raises_rank(const km_left_space *a, const km_left_null *null, int jo
 /* How squarely a twist meets the redundant wrench w (six entries): power over both sizes. */
 static double meets(const km_left_space *a, km_twist h, const double *w) {
   double column[6], power = 0.0, size = 0.0, wrench = 0.0;
-  km_left_entries(a, h, 1.0, column);
+  km_twist_entries(a->sub, h, a->about, 1.0, column);
   for (int r = 0; r < 6; ++r) {
     power += w[r] * column[r];
     size += column[r] * column[r];

@@ -3,7 +3,7 @@
 #ifndef KM_ANALYSIS_SINGULAR_H
 #define KM_ANALYSIS_SINGULAR_H
 
-#include "analysis/sweeper.h"
+#include "analysis/scan.h"
 #include "kmech/mobility_sweep.h"
 
 typedef struct km_singular km_singular;
@@ -18,18 +18,22 @@ void km_singular_free(km_singular *singular);
 const double *km_singular_values(km_singular *singular, const km_mechanism *mechanism, const km_state *state,
                                  const km_substructure *sub, int *count);
 
-/* The smallest singular value over a sweep: the last rows' values, between which minima are located. */
+/* The smallest singular value over a sweep. */
 typedef struct km_singular_watch {
   km_singular *singular; /* NULL: not asked for */
   int generic;           /* how many values the poses keep that have the least freedom so far */
-  double s[3], value[3]; /* of the last rows, the newest first */
-  int rows;
+  km_scan scan;
+  km_events events;
 } km_singular_watch;
+
+/* False when out of memory. */
+bool km_singular_watch_make(km_singular_watch *watch, const km_mechanism *mechanism);
+void km_singular_watch_free(km_singular_watch *watch);
 
 /* The smallest singular value that is kept at the state's pose: the rank'th. NaN where nothing moves. */
 double km_singular_kept(km_singular_watch *watch, const km_sweeper *sweeper);
-/* After each row: notes the least value so far, and where it has a minimum, between the rows. KM_MEMORY. Leaves the
- * state at the row. */
+/* At a row or a pose between rows: notes the least value so far, and where it has a minimum. Leaves the state there.
+ * KM_MEMORY; KM_USAGE for a substructure that doesn't fit. */
 km_status km_singular_see(km_singular_watch *watch, km_sweeper *sweeper, double s, km_mobility_sweep *out,
                           km_error *error);
 

@@ -10,6 +10,19 @@ static bool reachable(const km_sweeper *r, double s) {
   return plan->to >= plan->from ? bound > plan->from && s > bound : bound < plan->from && s < bound;
 }
 
+/* Shows the observer the poses on the way to the next row, if it asks for them. */
+static km_status pass(km_sweeper *r, double from, double to, km_error *error) {
+  int pieces = (KM_LEAST_SAMPLES + r->plan->steps - 1) / r->plan->steps;
+  km_status status = KM_OK;
+  for (int k = 1; k < pieces && r->observer->passed && !status; ++k) {
+    double s = from + (to - from) * k / pieces;
+    if (km_drive_to(r->mover.self, s).stop)
+      return KM_OK; /* the row will end there too */
+    status = r->observer->passed(r->observer->self, r, s, error);
+  }
+  return status;
+}
+
 static km_status rows(km_sweeper *r, km_error *error) {
   km_drive *drive = r->mover.self;
   const km_sweep_plan *plan = r->plan;
@@ -25,6 +38,9 @@ static km_status rows(km_sweeper *r, km_error *error) {
     if (!km_sweeper_goes_on(r, i))
       return km_fail(error, KM_CANCELLED, "stopped at %g", s);
     int crossings = km_drive_crossings(drive);
+    status = pass(r, last, s, error);
+    if (status)
+      return status;
     *end = km_drive_to(drive, s);
     bool again = end->stop && fabs(end->position - last) <= 1e-9 * (1.0 + fabs(last));
     if (!again) /* the end may be where the last row stands already */

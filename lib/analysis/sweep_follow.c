@@ -74,14 +74,23 @@ static km_status meet_branch(km_sweeper *r, km_follow *follow, km_error *error) 
                        : KM_OK;
 }
 
+/* How far to go at once: all of it, or as far as the observer may miss. */
+static double stretch(const km_sweeper *r, double left) {
+  double longest = fmin(KM_LONGEST_ARC, r->plan->arclength * r->plan->steps / KM_LEAST_SAMPLES);
+  return r->observer->passed && left > 1.5 * longest ? longest : left;
+}
+
 /* To an arc length, through the branch points on the way. */
 static km_status advance_to(km_sweeper *r, km_follow *follow, double length, km_status *moved, km_error *error) {
   km_status status = KM_OK;
   *moved = KM_OK;
   while (!status && !*moved && !km_follow_closed(follow) &&
          length - km_follow_length(follow) > 1e-9 * r->plan->arclength) {
-    *moved = km_follow_advance(follow, length - km_follow_length(follow));
+    double left = length - km_follow_length(follow), step = stretch(r, left);
+    *moved = km_follow_advance(follow, step);
     status = meet_branch(r, follow, error);
+    if (!status && !*moved && step < left && !km_follow_closed(follow))
+      status = r->observer->passed(r->observer->self, r, km_follow_length(follow), error);
   }
   return status;
 }

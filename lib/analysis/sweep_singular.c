@@ -1,9 +1,6 @@
 /* Where a sweep comes nearest to gaining a mobility: minima of the smallest singular value. */
 #include "analysis/singular.h"
 
-#include <gsl/gsl_errno.h>
-#include <gsl/gsl_min.h>
-
 static const km_substructure *moving(const km_sweeper *r) {
   return &r->m->substructures[r->substructure];
 }
@@ -15,46 +12,27 @@ static double value_at(km_singular_watch *w, const km_sweeper *r, int index) {
   return index > 0 && index <= count ? values[index - 1] : nan("");
 }
 
+static void generic_value(void *self, km_sweeper *r, double *value) {
+  km_singular_watch *w = self;
+  *value = value_at(w, r, w->generic);
+}
+
+bool km_singular_watch_make(km_singular_watch *w, const km_mechanism *m) {
+  *w = (km_singular_watch){.singular = km_singular_create(m)};
+  w->scan = (km_scan){.self = w, .values = generic_value, .extremes = true, .best_counts = true, .events = &w->events};
+  return km_scan_reserve(&w->scan, 1) && w->singular;
+}
+
+void km_singular_watch_free(km_singular_watch *w) {
+  km_singular_free(w->singular);
+  km_scan_free(&w->scan);
+  km_free(w->events.items);
+}
+
 double km_singular_kept(km_singular_watch *w, const km_sweeper *r) {
   if (r->substructure < 0 || !km_singular_fits(moving(r)))
     return nan("");
   return value_at(w, r, r->s->partition[r->substructure].rank);
-}
-
-typedef struct search {
-  km_singular_watch *watch;
-  km_sweeper *sweeper;
-} search;
-
-static double probe(double s, void *context) {
-  search *x = context;
-  km_sweeper *r = x->sweeper;
-  return r->mover.probe(r->mover.self, s, r->rates) ? value_at(x->watch, r, x->watch->generic) : (double)NAN;
-}
-
-/* The minimum that the middle one of the last three rows brackets, by Brent's method. Where a pose between them can't
- * be reached in one go, that row itself. */
-static km_extreme locate(km_singular_watch *w, km_sweeper *r) {
-  search x = {w, r};
-  gsl_function f = {probe, &x};
-  km_extreme best = {w->value[1], w->s[1]};
-  bool up = w->s[0] > w->s[2];
-  gsl_min_fminimizer *minimiser = gsl_min_fminimizer_alloc(gsl_min_fminimizer_brent);
-  if (!minimiser)
-    return best;
-  int status = gsl_min_fminimizer_set_with_values(minimiser, &f, w->s[1], w->value[1], w->s[up ? 2 : 0],
-                                                  w->value[up ? 2 : 0], w->s[up ? 0 : 2], w->value[up ? 0 : 2]);
-  for (int i = 0; i < 100 && !status; ++i) {
-    status = gsl_min_fminimizer_iterate(minimiser);
-    double low = gsl_min_fminimizer_x_lower(minimiser), high = gsl_min_fminimizer_x_upper(minimiser);
-    if (!status)
-      best = (km_extreme){gsl_min_fminimizer_f_minimum(minimiser), gsl_min_fminimizer_x_minimum(minimiser)};
-    if (high - low <= 1e-10 * (fabs(low) + fabs(high)) || best.number < 1e-12)
-      break;
-  }
-  gsl_min_fminimizer_free(minimiser);
-  r->mover.settle(r->mover.self, w->s[0]);
-  return best;
 }
 
 static bool add_minimum(km_mobility_sweep *out, km_extreme minimum) {
@@ -80,19 +58,18 @@ km_status km_singular_see(km_singular_watch *w, km_sweeper *r, double s, km_mobi
   int rank = r->s->partition[r->substructure].rank;
   if (rank > w->generic) { /* values of different places in the order can't be compared */
     w->generic = rank;
-    w->rows = 0;
+    w->scan.have = 0;
   }
-  for (int i = 2; i > 0; --i) {
-    w->s[i] = w->s[i - 1];
-    w->value[i] = w->value[i - 1];
+  size_t known = w->events.count;
+  km_status status = km_scan_sample(&w->scan, r, s, error);
+  take_smaller(&out->smallest, (km_extreme){w->scan.f[0][0], s});
+  for (size_t i = known; i < w->events.count && !status; ++i) {
+    km_extreme minimum = {w->events.items[i].value, w->events.items[i].s};
+    if (w->events.items[i].kind != KM_EVENT_MINIMUM)
+      continue;
+    take_smaller(&out->smallest, minimum);
+    if (!add_minimum(out, minimum))
+      status = km_fail(error, KM_MEMORY, "out of memory for the singular values");
   }
-  w->s[0] = s;
-  w->value[0] = value_at(w, r, w->generic);
-  w->rows++;
-  take_smaller(&out->smallest, (km_extreme){w->value[0], s});
-  if (w->rows < 3 || !(w->value[1] < w->value[0] && w->value[1] < w->value[2]))
-    return KM_OK;
-  km_extreme minimum = locate(w, r);
-  take_smaller(&out->smallest, minimum);
-  return add_minimum(out, minimum) ? KM_OK : km_fail(error, KM_MEMORY, "out of memory for the singular values");
+  return status;
 }

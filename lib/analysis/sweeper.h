@@ -26,6 +26,8 @@ typedef struct km_observer {
   double *(*cells)(void *self, km_sweeper *sweeper, double *cell);
   /* After each row: what lies between it and the last one. Leaves the state at the row. */
   km_status (*seen)(void *self, km_sweeper *sweeper, double s, km_error *error);
+  /* At poses between rows, close enough to show what happens there; an observer without it isn't shown any. */
+  km_status (*passed)(void *self, km_sweeper *sweeper, double s, km_error *error);
   /* The motion turns a corner: directions before and after it have nothing to do with each other. */
   void (*corner)(void *self);
   /* The driver itself gives out at s. */
@@ -46,6 +48,10 @@ struct km_sweeper {
   double other_residual; /* of the substructures that stand still */
   int other_mobility;
 };
+
+/* Poses that an observer sees at least over the whole range, and the longest arc between them. */
+enum { KM_LEAST_SAMPLES = 360 };
+#define KM_LONGEST_ARC 0.02
 
 /* Moves the assembled state over the plan's range; see km_mobility_sweep_run. Free `*out` in any case. */
 km_status km_sweep_run(const km_mechanism *mechanism, km_state *state, const km_sweep_plan *plan,

@@ -37,16 +37,24 @@ km_twist km_body_twist(const km_mechanism *m, const km_state *s, int body, const
   return sum;
 }
 
+static km_pose frame_pose(const km_mechanism *m, const km_pose *pose, int frame) {
+  const km_frame_def *def = &m->model->frames[frame];
+  return km_pose_product(&pose[def->body], &def->pose);
+}
+
 km_pose km_joint_pose(const km_mechanism *m, const km_state *s, int joint) {
-  const km_frame_def *frame = &m->model->frames[m->model->joints[joint].frame[0]];
-  return km_pose_product(&s->pose[frame->body], &frame->pose);
+  return frame_pose(m, s->pose, m->model->joints[joint].frame[0]);
 }
 
 km_twist km_coordinate_twist(const km_mechanism *m, const km_state *s, int coordinate) {
+  return km_coordinate_twist_about(m, s, s->pose, coordinate);
+}
+
+km_twist km_coordinate_twist_about(const km_mechanism *m, const km_state *s, const km_pose *pose, int coordinate) {
   int joint = m->model->coordinates[coordinate].joint;
   km_passage p = km_joint_passage(m->model, joint, false);
   double pitch = km_pitch_per_radian(m->model, joint, 1.0);
-  km_pose X = km_joint_pose(m, s, joint);
+  km_pose X = frame_pose(m, pose, m->model->joints[joint].frame[0]);
   int i = 0;
   for (; coordinate >= p.coordinate[i] + km_primitive_freedom(p.motion[i].primitive); ++i) {
     km_pose motion = motion_pose(m, s, &p, i, pitch);
@@ -55,21 +63,25 @@ km_twist km_coordinate_twist(const km_mechanism *m, const km_state *s, int coord
   return km_motion_twist(p.motion[i], pitch, &X, coordinate - p.coordinate[i]);
 }
 
-static void update_body(const km_mechanism *m, km_state *s, const km_arc *arc) {
+static void update_body(const km_mechanism *m, const km_state *s, const km_arc *arc, km_pose *pose) {
   km_pose step = across(m, s, arc);
-  s->pose[arc->body] = km_pose_product(&s->pose[arc->parent], &step);
+  pose[arc->body] = km_pose_product(&pose[arc->parent], &step);
 }
 
-void km_poses_update(const km_mechanism *m, km_state *s) {
-  s->pose[0] = km_pose_identity();
+void km_poses_about(const km_mechanism *m, const km_state *s, km_vec3 origin, km_pose *pose) {
+  pose[0] = (km_pose){km_rotation_identity(), km_vec3_scale(-1.0, origin)};
   for (int i = 0; i < m->topology.body_count - 1; ++i)
-    update_body(m, s, &m->arcs[i]);
+    update_body(m, s, &m->arcs[i], pose);
 }
 
 void km_poses_update_in(const km_mechanism *m, km_state *s, int substructure) {
   const km_topology *t = &m->topology;
   for (int i = t->body_start[substructure]; i < t->body_start[substructure + 1]; ++i)
-    update_body(m, s, &m->arcs[m->arc_of[t->body[i]]]);
+    update_body(m, s, &m->arcs[m->arc_of[t->body[i]]], s->pose);
+}
+
+void km_poses_update(const km_mechanism *m, km_state *s) {
+  km_poses_about(m, s, (km_vec3){0, 0, 0}, s->pose);
 }
 
 void km_frame_position(const km_mechanism *m, const km_state *s, int frame, double position[3]) {

@@ -15,6 +15,12 @@ void km_poses_update_in(const km_mechanism *mechanism, km_state *state, int subs
 /* The twist of a coordinate's unit rate, child against parent in the user's sense, in the inertial frame at its
  * origin; lengths in the model's unit. After km_poses_update. */
 km_twist km_coordinate_twist(const km_mechanism *mechanism, const km_state *state, int coordinate);
+/* Poses of all bodies in the inertial frame moved to `origin`: near the mechanism they keep their digits.
+ * pose[body count]. */
+void km_poses_about(const km_mechanism *mechanism, const km_state *state, km_vec3 origin, km_pose *pose);
+/* km_coordinate_twist about that origin. */
+km_twist km_coordinate_twist_about(const km_mechanism *mechanism, const km_state *state, const km_pose *pose,
+                                   int coordinate);
 /* The frame that a joint starts from (its parent frame), in the inertial frame. */
 km_pose km_joint_pose(const km_mechanism *mechanism, const km_state *state, int joint);
 

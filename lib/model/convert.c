@@ -169,12 +169,13 @@ static void enter_module(const converter *c, const km_value *module, context *at
   const km_value *type = km_value_get(module, "type");
   const char *word = type && type->string ? type->string : "";
   bool rate = strcmp(word, "damping") == 0 || strcmp(word, "friction") == 0;
-  km_module_def def = {module, KM_PORT_FRAMES, KM_PORT_FRAMES}; /* left out: taken for lengths */
+  const km_port frames = {KM_PORT_FRAMES, {0, 0}}; /* left out: taken for lengths */
+  km_module_def def = {module, NULL, frames, frames};
   for (int i = 0; i < c->model->module_count; ++i)
     if (c->model->modules[i].source == module)
       def = c->model->modules[i];
-  at->variable = port_is_length(c, def.input) ? length_1 : (km_dimension){0};
-  at->force = generalised_force(port_is_length(c, def.output));
+  at->variable = port_is_length(c, def.input.coordinate) ? length_1 : (km_dimension){0};
+  at->force = generalised_force(port_is_length(c, def.output.coordinate));
   if (rate)
     at->variable = product(at->variable, power(time_1, -1));
   if (strcmp(word, "motor") == 0)

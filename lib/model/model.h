@@ -61,12 +61,19 @@ typedef struct km_coupling_def {
   double *ratios;
 } km_coupling_def;
 
+enum { KM_PORT_FRAMES = -1 };
+
+/* Where a force module measures or acts: a coordinate, or between two frames. */
+typedef struct km_port {
+  int coordinate; /* KM_PORT_FRAMES: between two frames */
+  int frame[2];   /* the parent's, the child's */
+} km_port;
+
 typedef struct km_module_def {
   const km_value *source; /* what was read */
-  int input, output;      /* coordinates; KM_PORT_FRAMES: between two frames */
+  const char *where;
+  km_port input, output;
 } km_module_def;
-
-enum { KM_PORT_FRAMES = -1 };
 
 typedef struct km_load_def {
   const char *name;
@@ -74,6 +81,13 @@ typedef struct km_load_def {
   km_vec3 force, torque;
   bool turning; /* axes turn with the frame */
 } km_load_def;
+
+/* An end of a mechanical advantage: a joint, or a frame's origin along a direction. */
+typedef struct km_handle_def {
+  int coordinate, frame; /* -1: not this kind; both -1: none given */
+  km_vec3 direction;     /* inertial axes */
+  const char *name;      /* of a point: body/frame:dx,dy,dz */
+} km_handle_def;
 
 typedef struct km_hold_def {
   int coordinate;
@@ -107,8 +121,8 @@ struct km_model {
   km_module_def *modules;
   km_load_def *loads;
   km_hold_def *holds;
-  int *actuators;                        /* coordinates */
-  int advantage_input, advantage_output; /* coordinates, -1: none or not a joint */
+  int *actuators; /* coordinates */
+  km_handle_def advantage_input, advantage_output;
   km_sweep_def sweep;
   int assembly_count, body_count, frame_count, joint_count, coordinate_count, coupling_count, module_count;
   int load_count, hold_count, actuator_count;

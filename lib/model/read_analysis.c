@@ -11,26 +11,29 @@ static bool one_of(const char *word, const char *const *words) {
   return false;
 }
 
-/* The coordinate of a port, KM_PORT_FRAMES between frames; KM_LEFT_OUT where it names what is left out. */
-static int read_port(km_reader *reader, const km_value *port, int assembly, const km_place *place) {
+/* False where the port names what is left out. */
+static bool read_port(km_reader *reader, const km_value *port, int assembly, const km_place *place, km_port *out) {
   const char *type = km_reader_string(port, "type");
   const km_value *joint = km_value_get(port, "joint"), *pair = km_value_get(port, "body_frame_pair");
   km_place type_at = {place, "type", 0}, joint_at = {place, "joint", 0}, pair_at = {place, "body_frame_pair", 0};
+  *out = (km_port){KM_PORT_FRAMES, {0, 0}};
   if (strcmp(type, "joint") == 0) {
     if (joint)
-      return km_reader_coordinate(reader, joint, assembly, &joint_at);
-    km_reader_error(reader, place, "\"joint\" is missing; expected the joint of this port");
-  } else if (strcmp(type, "frame") == 0) {
-    km_place first = {&pair_at, NULL, 0}, second = {&pair_at, NULL, 1};
-    if (!pair)
-      km_reader_error(reader, place, "\"body_frame_pair\" is missing; expected the two frames of this port");
-    else if (km_reader_frame(reader, pair->first, assembly, &first) == KM_LEFT_OUT ||
-             km_reader_frame(reader, pair->last, assembly, &second) == KM_LEFT_OUT)
-      return KM_LEFT_OUT;
-  } else {
-    km_reader_error(reader, &type_at, "\"%.40s\" is not a kind of port; expected \"joint\" or \"frame\"", type);
+      out->coordinate = km_reader_coordinate(reader, joint, assembly, &joint_at);
+    else
+      km_reader_error(reader, place, "\"joint\" is missing; expected the joint of this port");
+    return out->coordinate != KM_LEFT_OUT;
   }
-  return KM_PORT_FRAMES;
+  if (strcmp(type, "frame") != 0) {
+    km_reader_error(reader, &type_at, "\"%.40s\" is not a kind of port; expected \"joint\" or \"frame\"", type);
+  } else if (!pair) {
+    km_reader_error(reader, place, "\"body_frame_pair\" is missing; expected the two frames of this port");
+  } else {
+    km_place first = {&pair_at, NULL, 0}, second = {&pair_at, NULL, 1};
+    out->frame[0] = km_reader_frame(reader, pair->first, assembly, &first);
+    out->frame[1] = km_reader_frame(reader, pair->last, assembly, &second);
+  }
+  return out->frame[0] != KM_LEFT_OUT && out->frame[1] != KM_LEFT_OUT;
 }
 
 static void check_pieces(km_reader *reader, const km_value *module, const km_place *place) {
@@ -84,12 +87,12 @@ static void read_module(km_reader *reader, const km_value *module, int assembly,
   const km_value *input = km_value_get(module, "input"), *output = km_value_get(module, "output");
   km_place input_at = {place, "input", 0}, output_at = {place, "output", 0};
   const km_value *either = input ? input : output;
-  km_module_def def = {module, KM_PORT_FRAMES, KM_PORT_FRAMES};
-  if (either)
-    def.input = def.output = read_port(reader, either, assembly, input ? &input_at : &output_at);
+  km_module_def def = {.source = module, .where = km_reader_where(reader, place), .input = {KM_PORT_FRAMES, {0, 0}}};
+  bool complete = !either || read_port(reader, either, assembly, input ? &input_at : &output_at, &def.input);
+  def.output = def.input;
   if (input && output)
-    def.output = read_port(reader, output, assembly, &output_at);
-  if (def.input == KM_LEFT_OUT || def.output == KM_LEFT_OUT) {
+    complete = read_port(reader, output, assembly, &output_at, &def.output) && complete;
+  if (!complete) {
     km_reader_note(reader, place, "force module \"%.80s\" is left out with what it acts on",
                    km_reader_string(module, "name"));
     return;
@@ -159,6 +162,23 @@ static void read_sweep(km_reader *reader, const km_value *sweep, const km_place 
   }
 }
 
+/* A frame by its path from the root, or [body, frame] where the body is unique. */
+static int analysis_frame(km_reader *reader, const km_value *path, const km_place *place) {
+  enum { LONGEST = 2100 }; /* more than the parser's nesting limit */
+  const char *names[LONGEST];
+  size_t count = 0;
+  int frame = -1;
+  km_error problem;
+  for (const km_value *v = path->kind == KM_LIST ? path->first : path; v && count < LONGEST; v = v->next) {
+    names[count++] = v->kind == KM_STRING ? v->string : "";
+    if (path->kind != KM_LIST)
+      break;
+  }
+  if (km_model_find_frame(reader->model, names, count, &frame, &problem))
+    km_reader_error(reader, place, "%s", problem.text);
+  return frame;
+}
+
 static void read_load(km_reader *reader, const km_value *value, int owner, const km_place *place) {
   (void)owner;
   km_model *model = reader->model;
@@ -167,21 +187,9 @@ static void read_load(km_reader *reader, const km_value *value, int owner, const
   const char *axes = km_reader_string(value, "axes");
   if (axes && strcmp(axes, "fixed") != 0 && strcmp(axes, "frame") != 0)
     km_reader_error(reader, &axes_at, "\"%.40s\" is not known; expected \"fixed\" or \"frame\"", axes);
-  const km_value *path = km_value_get(value, "frame");
-  enum { LONGEST = 2100 }; /* more than the parser's nesting limit */
-  const char *names[LONGEST];
-  size_t count = 0;
-  for (const km_value *v = path->kind == KM_LIST ? path->first : path; v && count < LONGEST; v = v->next) {
-    names[count++] = v->string;
-    if (path->kind != KM_LIST)
-      break;
-  }
-  int frame = 0;
-  km_error problem;
-  if (km_model_find_frame(model, names, count, &frame, &problem))
-    km_reader_error(reader, &at, "%s", problem.text);
+  int frame = analysis_frame(reader, km_value_get(value, "frame"), &at);
   model->loads[model->load_count++] = (km_load_def){.name = km_reader_string(value, "name"),
-                                                    .frame = frame,
+                                                    .frame = frame < 0 ? 0 : frame,
                                                     .force = km_reader_vector(value, "force"),
                                                     .torque = km_reader_vector(value, "torque"),
                                                     .turning = axes && strcmp(axes, "frame") == 0};
@@ -241,19 +249,50 @@ static void read_actuator(km_reader *reader, const km_value *value, const km_pla
   model->actuators[model->actuator_count++] = coordinate;
 }
 
-static int advantage_joint(km_reader *reader, const km_value *value, const km_place *place) {
-  if (!value || value->kind == KM_OBJECT) /* a point of a body along a direction */
-    return -1;
+/* {"frame": path, "direction": [x, y, z]}: a point of a body along a direction. */
+static km_handle_def read_point(km_reader *reader, const km_value *value, const km_place *place) {
+  km_handle_def handle = {-1, -1, {0, 0, 0}, NULL};
+  const km_value *frame = km_value_get(value, "frame"), *direction = km_value_get(value, "direction");
+  km_place frame_at = {place, "frame", 0}, direction_at = {place, "direction", 0};
+  bool vector = direction && direction->kind == KM_LIST && direction->count == 3;
+  for (const km_value *v = vector ? direction->first : NULL; v; v = v->next)
+    vector = vector && v->kind == KM_NUMBER;
+  if (!frame || !vector) {
+    km_reader_error(reader, place, "expected a joint, or a point of a body as \"frame\" and \"direction\" [x, y, z]");
+    return handle;
+  }
+  handle.frame = analysis_frame(reader, frame, &frame_at);
+  handle.direction = km_reader_vector(value, "direction");
+  if (km_vec3_norm(handle.direction) == 0.0)
+    km_reader_error(reader, &direction_at, "found no length; expected a direction");
+  if (handle.frame >= 0) {
+    const km_frame_def *def = &reader->model->frames[handle.frame];
+    km_text name = {0};
+    km_text_format(&name, "%s/%s:%g,%g,%g", reader->model->bodies[def->body].name, def->name, handle.direction.x,
+                   handle.direction.y, handle.direction.z);
+    handle.name = name.failed ? NULL : km_arena_string(&reader->model->arena, name.data);
+    reader->model->arena.failed = reader->model->arena.failed || name.failed;
+    km_text_free(&name);
+  }
+  return handle;
+}
+
+static km_handle_def read_handle(km_reader *reader, const km_value *value, const km_place *place) {
+  km_handle_def none = {-1, -1, {0, 0, 0}, NULL};
+  if (!value)
+    return none;
+  if (value->kind == KM_OBJECT)
+    return read_point(reader, value, place);
   bool names = value->kind == KM_STRING || (value->kind == KM_LIST && value->first);
   for (const km_value *v = value->kind == KM_LIST ? value->first : NULL; v; v = v->next)
     names = names && v->kind == KM_STRING;
   if (names)
-    return analysis_coordinate(reader, value, place);
+    return (km_handle_def){analysis_coordinate(reader, value, place), -1, {0, 0, 0}, NULL};
   if (value->kind == KM_NUMBER)
     km_reader_error(reader, place, "found %s; expected a joint", KM_SHOWN(value->number));
   else
     km_reader_error(reader, place, "found %s; expected a joint", km_kind_name(value->kind));
-  return -1;
+  return none;
 }
 
 static void allocate(km_model *model, const km_value *analysis) {
@@ -267,7 +306,7 @@ void km_read_analysis(km_reader *reader, const km_value *root) {
   km_model *model = reader->model;
   const km_value *analysis = km_value_get(root, "analysis");
   model->sweep = (km_sweep_def){.coordinate = -1, .direction = -1, .sign = 1.0, .steps = 100};
-  model->advantage_input = model->advantage_output = -1;
+  model->advantage_input = model->advantage_output = (km_handle_def){-1, -1, {0, 0, 0}, NULL};
   allocate(model, analysis);
   if (model->arena.failed || !analysis)
     return;
@@ -283,8 +322,8 @@ void km_read_analysis(km_reader *reader, const km_value *root) {
   km_place item = {&actuators_at, NULL, 0};
   for (const km_value *a = actuators ? actuators->first : NULL; a; a = a->next, ++item.index)
     read_actuator(reader, a, &item);
-  model->advantage_input = advantage_joint(reader, km_value_get(advantage, "input"), &input_at);
-  model->advantage_output = advantage_joint(reader, km_value_get(advantage, "output"), &output_at);
+  model->advantage_input = read_handle(reader, km_value_get(advantage, "input"), &input_at);
+  model->advantage_output = read_handle(reader, km_value_get(advantage, "output"), &output_at);
   for (const km_value *h = hold ? hold->first : NULL; h; h = h->next) {
     km_place at = {&hold_at, h->key, 0};
     read_hold(reader, h, &at);

@@ -230,7 +230,7 @@ static km_status draw(lines *l, const km_plotted_sweep *sweeps, int count, km_ca
                   .panels = panels,
                   .panel_count = make_panels(l, sweeps, count, panels)};
   km_sweep_strip strip;
-  plot.strip = km_sweep_strip_make(sweeps[0].mechanism, sweeps[0].plan, &sweeps[0].sweep->motion, &l->arena, &strip);
+  plot.strip = km_sweep_strip_make(sweeps[0].mechanism, sweeps[0].plan, &sweeps[0].sweep->motion, 3, &l->arena, &strip);
   if (l->arena.failed)
     return km_fail(error, KM_MEMORY, "out of memory for the plot");
   return km_plot_render(&plot, format, out, error);

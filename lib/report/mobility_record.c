@@ -46,9 +46,7 @@ static void add_substructures(const km_mechanism *m, const km_state *s, km_value
 
 static void add_coordinates(const km_mechanism *m, const km_state *s, km_value *record, km_arena *arena) {
   const km_model *model = m->model;
-  km_value *configuration = km_value_add(arena, record, "configuration", KM_OBJECT);
-  for (int c = 0; c < m->coordinate_count; ++c)
-    km_value_number(arena, configuration, model->coordinates[c].label, km_state_coordinate(s, c));
+  km_configuration_record(m, s, record, arena);
   km_value *numbers = km_value_add(arena, record, "mobility_numbers", KM_OBJECT);
   for (int j = 0; j < model->joint_count; ++j) {
     const km_joint_def *joint = &model->joints[j];

@@ -52,3 +52,16 @@ void km_sweep_record(const km_sweep *sweep, const char *stopped_by, km_value *re
   else
     km_value_add(arena, record, "stopped_by", KM_NULL);
 }
+
+void km_held_record(const km_mechanism *m, km_value *record, km_arena *arena) {
+  km_value *held = km_value_add(arena, record, "held_joints", KM_LIST);
+  for (int c = 0; c < m->coordinate_count; ++c)
+    if (m->held[c])
+      km_value_string(arena, held, NULL, m->model->coordinates[c].label);
+}
+
+void km_configuration_record(const km_mechanism *m, const km_state *s, km_value *record, km_arena *arena) {
+  km_value *configuration = km_value_add(arena, record, "configuration", KM_OBJECT);
+  for (int c = 0; c < m->coordinate_count; ++c)
+    km_value_number(arena, configuration, m->model->coordinates[c].label, km_state_coordinate(s, c));
+}

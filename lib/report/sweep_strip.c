@@ -28,11 +28,14 @@ static void caption(const km_sweep_strip *strip, int k, km_text *out) {
 
 static void draw(void *context, km_canvas *canvas, double top, double width) {
   const km_sweep_strip *strip = context;
-  const km_font font = {.size = 8, .width = width / KM_STRIP_POSES};
-  double each = (width - 2 * margin) / KM_STRIP_POSES;
-  km_drawing drawing = {
-      .mechanism = strip->mechanism, .poses = strip->poses, .pose_count = KM_STRIP_POSES, .alone = true, .bare = true};
-  for (int k = 0; k < KM_STRIP_POSES; ++k) {
+  const km_font font = {.size = 8, .width = width / strip->count};
+  double each = (width - 2 * margin) / strip->count;
+  km_drawing drawing = {.mechanism = strip->mechanism,
+                        .poses = strip->poses,
+                        .pose_count = (size_t)strip->count,
+                        .alone = true,
+                        .bare = true};
+  for (int k = 0; k < strip->count; ++k) {
     km_text text = {0};
     double left = margin + k * each;
     drawing.full = (size_t)k;
@@ -47,20 +50,20 @@ static void draw(void *context, km_canvas *canvas, double top, double width) {
   }
 }
 
-km_plot_strip km_sweep_strip_make(const km_mechanism *m, const km_sweep_plan *plan, const km_sweep *sweep,
+km_plot_strip km_sweep_strip_make(const km_mechanism *m, const km_sweep_plan *plan, const km_sweep *sweep, int count,
                                   km_arena *arena, km_sweep_strip *out) {
   size_t bodies = (size_t)m->topology.body_count, rows = km_table_rows(sweep->table);
-  *out = (km_sweep_strip){m, plan, NULL, {0}};
+  *out = (km_sweep_strip){m, plan, count, NULL, {0}};
   if (bodies < 2 || bodies > MOST_BODIES || rows == 0)
     return (km_plot_strip){0};
   km_state *state = NULL;
   double *q = KM_ARENA_NEW(arena, double, (size_t)m->coordinate_count);
-  out->poses = KM_ARENA_NEW(arena, km_pose, KM_STRIP_POSES * bodies);
+  out->poses = KM_ARENA_NEW(arena, km_pose, (size_t)count * bodies);
   if (arena->failed || km_state_create(m, &state, NULL))
     return (km_plot_strip){0};
-  const size_t shown[KM_STRIP_POSES] = {0, rows / 2, rows - 1};
-  for (int k = 0; k < KM_STRIP_POSES; ++k) {
-    const double *row = km_table_row(sweep->table, shown[k]);
+  for (int k = 0; k < count; ++k) {
+    size_t shown = k + 1 == count ? rows - 1 : (size_t)k * rows / (size_t)(count - 1);
+    const double *row = km_table_row(sweep->table, shown);
     out->s[k] = row[1];
     pose_of_row(m, state, row, q, out->poses + (size_t)k * bodies);
   }

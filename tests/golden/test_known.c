@@ -1,14 +1,31 @@
 /* The `known` facts of every shipped model. */
 #include "support/support.h"
 
+#include "kmech/advantage.h"
 #include "model/model.h"
 
+#include <math.h>
 #include <string.h>
 
 static void expect(const km_value *known, const char *key, double found, double tolerance) {
   const km_value *value = km_value_get(known, key);
   if (value)
     assert_near(found, value->number, tolerance);
+}
+
+/* The advantage that the model's own analysis asks for. */
+static void check_advantage(fixture *f, const km_value *known) {
+  const km_value *value = km_value_get(known, "mechanical_advantage");
+  km_handle input, output;
+  km_lever *lever;
+  km_advantage advantage;
+  if (!value)
+    return;
+  assert_true(km_handle_default(f->model, false, &input) && km_handle_default(f->model, true, &output));
+  assert_int_equal(km_lever_create(f->mechanism, &input, &output, &lever, NULL), KM_OK);
+  km_lever_update(f->mechanism, f->state, lever, &advantage);
+  assert_near(advantage.value, value->number, 1e-9 * fabs(value->number));
+  km_lever_free(lever);
 }
 
 static void check_model(const char *name) {
@@ -23,6 +40,7 @@ static void check_model(const char *name) {
   expect(known, "mobility", mobility.mobility, 0.0);
   expect(known, "redundant_constraints", mobility.redundant_constraints, 0.0);
   assert_true(mobility.residual <= 1e-12);
+  check_advantage(&f, known);
   int rank = 0;
   for (int s = 0; s < f.mechanism->topology.substructure_count; ++s)
     rank += f.state->partition[s].rank;

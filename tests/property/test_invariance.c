@@ -85,9 +85,9 @@ static void assert_same(fixture *a, fixture *b, const char *driver, double toler
 
 /* The joint that the model sweeps, where it has one freedom to sweep with. */
 static const char *driver_of(const fixture *f, const char *name) {
-  bool several = strcmp(name, "stewart") == 0 || strcmp(name, "delta") == 0;
-  return several || f->model->sweep.coordinate < 0 ? NULL
-                                                   : km_model_coordinate_label(f->model, f->model->sweep.coordinate);
+  return has_one_freedom(name) && f->model->sweep.coordinate >= 0
+             ? km_model_coordinate_label(f->model, f->model->sweep.coordinate)
+             : NULL;
 }
 
 static void compare(const char *name, edit *e, bool driven, double tolerance) {

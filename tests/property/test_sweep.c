@@ -23,14 +23,6 @@ static km_mobility_sweep run(const char *name, int steps, double from_share, dou
   return sweep;
 }
 
-static bool has_one_freedom(const char *name) {
-  static const char *const several[] = {"stewart", "delta", NULL};
-  for (const char *const *s = several; *s; ++s)
-    if (strcmp(*s, name) == 0)
-      return false;
-  return true;
-}
-
 static void rows_do_not_depend_on_steps(void **state) {
   (void)state;
   for (const char *const *name = all_models; *name; ++name) {

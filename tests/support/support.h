@@ -24,6 +24,8 @@ typedef struct fixture {
 
 /* Models of models/, without ending; NULL at the end. */
 extern const char *const all_models[];
+/* Does the model's own sweep drive the only freedom of its substructure? */
+bool has_one_freedom(const char *name);
 
 fixture fixture_open(const char *name); /* models/NAME.json */
 fixture fixture_read(const char *json); /* text */
@@ -31,7 +33,8 @@ fixture fixture_of(km_model *model);    /* takes the model */
 void fixture_close(fixture *f);
 char *read_model_text(const char *name); /* the caller frees it (km_free) */
 
-/* A parallelogram with links 2 and 1 (joints A, B, C, D), its crank turned by `angle`; 0 and π are its change points. */
+/* A parallelogram with links 2 and 1 (joints A, B, C, D), its crank turned by `angle`; 0 and π are its change points.
+ */
 fixture parallelogram(double angle);
 
 /* |a − b| ≤ tolerance, and neither is NaN. */

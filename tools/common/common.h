@@ -95,6 +95,10 @@ kt_exit kt_settings_add(const kt_common *common, const km_model *model, const ch
                         kt_settings *out);
 void kt_settings_free(kt_settings *settings);
 
+/* Coordinates by a list of labels (LABEL,LABEL; a joint with several means all of them) into out[coordinates of the
+ * model]. KT_USAGE if one is named twice or none is. */
+kt_exit kt_coordinates(const kt_common *common, const km_model *model, const char *option, const char *text, int *out,
+                       int *count);
 /* A coordinate by its label on the command line. */
 kt_exit kt_coordinate(const kt_common *common, const km_model *model, const char *option, const char *text,
                       int *coordinate);

@@ -141,3 +141,39 @@ void kt_settings_free(kt_settings *settings) {
   km_free(settings->items);
   *settings = (kt_settings){0};
 }
+
+static kt_exit add_coordinates(const kt_common *common, const char *option, const char *text, const km_model *model,
+                               int first, int freedom, int *out, int *count) {
+  for (int c = first; c < first + freedom; ++c) {
+    for (int i = 0; i < *count; ++i) {
+      if (out[i] != c)
+        continue;
+      kt_say(common, KM_ERROR, "%s %s: joint \"%s\" is named twice; expected each once", option, text,
+             km_model_coordinate_label(model, c));
+      return KT_USAGE;
+    }
+    out[(*count)++] = c;
+  }
+  return KT_DONE;
+}
+
+kt_exit kt_coordinates(const kt_common *common, const km_model *model, const char *option, const char *text, int *out,
+                       int *count) {
+  kt_exit result = KT_DONE;
+  const char *rest = text;
+  *count = 0;
+  if (!*text) {
+    kt_say(common, KM_ERROR, "%s: no joint is named; expected at least one, as A,B,…", option);
+    return KT_USAGE;
+  }
+  for (char last = ','; last == ',' && result == KT_DONE;) {
+    kt_piece label = kt_split(&rest, ",");
+    int first = 0, freedom = 0;
+    last = label.separator;
+    result = label.text ? find(common, model, option, text, label.text, &first, &freedom) : KT_INTERNAL;
+    if (result == KT_DONE)
+      result = add_coordinates(common, option, text, model, first, freedom, out, count);
+    km_free(label.text);
+  }
+  return result;
+}

@@ -16,7 +16,7 @@ typedef struct work {
 static void tell(kt_sweep_job *j, const km_sweep *motion, bool partial) {
   const kt_common *common = &j->common;
   km_sweep_stop_text(j->pose.mechanism, &j->plan, motion, &j->stopped_by);
-  if (partial)
+  if (partial && j->stopped_by.size)
     kt_say(common, KM_ERROR, "%s: %s", j->path, j->stopped_by.data);
   if (motion->start_branches > 0)
     kt_say(common, KM_NOTE,
@@ -28,13 +28,13 @@ static void tell(kt_sweep_job *j, const km_sweep *motion, bool partial) {
     kt_say(common, KM_NOTE, "%s: more than one freedom is left; the others move least (--hold keeps joints)", j->path);
 }
 
-static void run_sweep(const kt_sweeping *sweeping, kt_sweep_job *j) {
+static void run_sweep(kt_sweep_job *j, km_status (*run)(kt_sweep_job *, const km_sweep **, km_error *)) {
   kt_progress progress = kt_progress_start(&j->common);
   const km_sweep *motion = NULL;
   km_error error;
   j->plan.progress = kt_progress_show;
   j->plan.context = &progress;
-  km_status status = sweeping->run(j, &motion, &error);
+  km_status status = run(j, &motion, &error);
   kt_progress_end(&progress);
   if (status == KM_OK || status == KM_PARTIAL)
     tell(j, motion, status == KM_PARTIAL);
@@ -43,18 +43,22 @@ static void run_sweep(const kt_sweeping *sweeping, kt_sweep_job *j) {
   j->result = kt_exit_of(status);
 }
 
-static void start_job(void *context, int index) {
-  const work *w = context;
-  kt_sweep_job *j = w->jobs + index;
+void kt_sweep_job_run(kt_sweep_job *j, kt_exit (*prepare)(kt_sweep_job *),
+                      km_status (*run)(kt_sweep_job *, const km_sweep **, km_error *)) {
   const kt_sweep_options *o = j->options;
   kt_base_name(j->path, j->base, sizeof j->base);
   j->result = kt_open(&j->common, j->path, &o->holds, &o->sets, &j->pose);
   if (j->result == KT_DONE)
     j->result = kt_sweep_plan(j);
-  if (j->result == KT_DONE && w->sweeping->prepare)
-    j->result = w->sweeping->prepare(j);
+  if (j->result == KT_DONE && prepare)
+    j->result = prepare(j);
   if (j->result == KT_DONE)
-    run_sweep(w->sweeping, j);
+    run_sweep(j, run);
+}
+
+static void start_job(void *context, int index) {
+  const work *w = context;
+  kt_sweep_job_run(w->jobs + index, w->sweeping->prepare, w->sweeping->run);
 }
 
 static bool delivers(const kt_sweep_job *j) {
@@ -172,7 +176,9 @@ static kt_exit run(const kt_sweep_options *o, const kt_sweeping *sweeping) {
   return result;
 }
 
-kt_exit kt_sweep(const kt_sweep_options *o, const kt_sweeping *sweeping) {
+kt_exit kt_sweep(kt_sweep_options *o, const kt_sweeping *sweeping) {
+  if (!kt_formats_parse(&o->common, o->format ? o->format : "csv,svg", &o->formats))
+    return KT_USAGE;
   if (o->models.count > KT_MOST_MODELS)
     return kt_usage(&o->common, "MODEL", "…", "at most 64 models");
   bool tables_only = !o->formats.wanted[KT_SVG] && !o->formats.wanted[KT_PDF] && !o->formats.wanted[KT_PNG];

@@ -7,14 +7,15 @@
 
 enum { KT_MOST_MODELS = 64, KT_MOST_POINTS = 64 };
 
-/* --joint --range --steps --arclength --direction --cycle --branch --hold --set --ignore-limits --derivatives --format
- * and the models: a child parser whose input is a kt_sweep_options; a command's own parser has --point and -o. */
+/* --joint --range --steps --arclength --direction --cycle --branch --hold --set --ignore-limits --derivatives and
+ * the models: a child parser whose input is a kt_sweep_options; a command's own parser has --point, --format and -o. */
 typedef struct kt_sweep_options {
   kt_common common;
   kt_texts holds, sets, points, models;
   const char *joint, *range, *steps, *arclength, *direction, *branch;
-  const char *base; /* of -o, or NULL */
-  kt_formats formats;
+  const char *base;   /* of -o, or NULL */
+  const char *format; /* of --format, or NULL */
+  kt_formats formats; /* what it says. By kt_sweep */
   bool derivatives, ignore_limits, cycle;
   const void *own; /* the command's own options */
 } kt_sweep_options;
@@ -51,8 +52,17 @@ typedef struct kt_sweeping {
   void (*free)(kt_sweep_job *job);
 } kt_sweeping;
 
+enum { KT_OPTION_FORMAT = 0x3201 };
+/* The entry of --format in the parser of a command that takes the formats of tables and plots. */
+#define KT_FORMAT_OPTION                                                                                               \
+  { "format", KT_OPTION_FORMAT, "LIST", 0, "Some of csv,json,svg,pdf,png (default csv,svg)", 2 }
+
 /* Sweeps every model, --jobs at once, and writes what was asked for. */
-kt_exit kt_sweep(const kt_sweep_options *options, const kt_sweeping *sweeping);
+kt_exit kt_sweep(kt_sweep_options *options, const kt_sweeping *sweeping);
+
+/* Opens the job's model, makes its plan and runs the sweep; job->result says how it went. `prepare` may be NULL. */
+void kt_sweep_job_run(kt_sweep_job *job, kt_exit (*prepare)(kt_sweep_job *job),
+                      km_status (*run)(kt_sweep_job *job, const km_sweep **motion, km_error *error));
 
 /* Reads the plan of a model from the options over the model's own. Says what is wrong. */
 kt_exit kt_sweep_plan(kt_sweep_job *job);

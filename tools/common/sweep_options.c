@@ -8,7 +8,6 @@
 
 enum {
   OPTION_HOLD = 0x3001,
-  OPTION_FORMAT,
   OPTION_RANGE,
   OPTION_STEPS,
   OPTION_DERIVATIVES,
@@ -37,7 +36,6 @@ static const struct argp_option table[] = {
     {"set", OPTION_SET, "JOINT=VALUE", 0, "Start from another pose: move a joint to a value first", 1},
     {"ignore-limits", OPTION_IGNORE, NULL, 0, "Pass joint limits", 1},
     {"derivatives", OPTION_DERIVATIVES, NULL, 0, "Add the points' derivatives along the driver", 1},
-    {"format", OPTION_FORMAT, "LIST", 0, "Some of csv,json,svg,pdf,png (default csv,svg)", 2},
     {0}};
 
 static error_t parse(int key, char *arg, struct argp_state *state) {
@@ -78,10 +76,6 @@ static error_t parse(int key, char *arg, struct argp_state *state) {
     return 0;
   case OPTION_IGNORE:
     o->ignore_limits = true;
-    return 0;
-  case OPTION_FORMAT:
-    if (!kt_formats_parse(&o->common, arg, &o->formats))
-      argp_failure(state, KT_USAGE, 0, "try --help");
     return 0;
   case ARGP_KEY_ARG:
     kt_texts_add(&o->models, arg, state);

@@ -42,7 +42,7 @@ static kt_exit take_at(kmob_shots *s) {
     kt_texts sets = o->sets;
     kt_pose there = {.model = s->pose.model};
     if (sets.count == KT_MOST_TEXTS)
-      return KT_USAGE;
+      return kt_usage(&o->common, "--set", sets.items[0], "fewer of them beside --at");
     sets.items[sets.count++] = o->at.items[i];
     result = kt_bring(&o->common, o->path, &o->holds, &sets, &there);
     if (result == KT_DONE)

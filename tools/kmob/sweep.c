@@ -22,6 +22,7 @@ static const struct argp_option table[] = {
     {"point", OPTION_POINT, "BODY/FRAME", 0, "Add the path of a frame's origin (repeatable)", 1},
     {"singularities", OPTION_SINGULARITIES, NULL, 0,
      "Add the smallest kept singular value, and locate its minima: where mobility is nearly gained", 1},
+    KT_FORMAT_OPTION,
     {"output", 'o', "BASE", 0, "Files are BASE.mobility.FORMAT (default: the model's name); - is the standard output",
      2},
     {0}};
@@ -37,6 +38,9 @@ static error_t parse(int key, char *arg, struct argp_state *state) {
     return 0;
   case OPTION_SINGULARITIES:
     o->singularities = true;
+    return 0;
+  case KT_OPTION_FORMAT:
+    o->sweep.format = arg;
     return 0;
   case 'o':
     o->sweep.base = arg;
@@ -100,7 +104,6 @@ kt_exit kmob_sweep(int argc, char **argv) {
                             children, NULL,  NULL};
   options o = {.sweep = {.common = {.tool = "kmob", .jobs = 1, .seed = 1}}};
   o.sweep.own = &o;
-  o.sweep.formats.wanted[KT_CSV] = o.sweep.formats.wanted[KT_SVG] = true;
   kt_parse(&argp, argc, argv, &o);
   return kt_sweep(&o.sweep, &sweeping);
 }

@@ -1,0 +1,313 @@
+#include "analysis/lever.h"
+
+#include "base/text.h"
+#include "kinematics/poses.h"
+
+#include <string.h>
+
+/* Symbols: D the characteristic length's scale, Z the null space's basis, Y = D⁻¹ Z physical rates, a, b the rows of
+ * input and output on the free motions. */
+
+static const double still = 1e-9; /* of the largest rate: below this an end stands */
+
+bool km_handle_default(const km_model *model, bool output, km_handle *out) {
+  const km_handle_def *d = output ? &model->advantage_output : &model->advantage_input;
+  double length = km_vec3_norm(d->direction);
+  *out = (km_handle){.coordinate = d->coordinate, .frame = d->frame, .name = d->name};
+  if (d->coordinate >= 0)
+    out->name = model->coordinates[d->coordinate].label;
+  if (d->coordinate < 0 && d->frame >= 0) {
+    out->direction[0] = d->direction.x / length;
+    out->direction[1] = d->direction.y / length;
+    out->direction[2] = d->direction.z / length;
+  }
+  return d->coordinate >= 0 || d->frame >= 0;
+}
+
+/* The coordinates that an end's rate is made of: its own, or those on the way to the point's body. */
+static void mark_direct(const km_mechanism *m, const km_handle *h, bool *marks) {
+  const km_topology *t = &m->topology;
+  if (h->coordinate >= 0) {
+    marks[h->coordinate] = true;
+    return;
+  }
+  for (int body = m->model->frames[h->frame].body; body > 0; body = t->parent[body]) {
+    int joint = t->arc[body], first = m->model->joints[joint].first_coordinate;
+    for (int c = first; c < first + km_model_freedom(m->model, joint); ++c)
+      marks[c] = !m->held[c];
+  }
+}
+
+/* All free coordinates that move with an end: whole substructures. */
+static void mark_moving(const km_mechanism *m, const km_handle *h, bool *marks) {
+  memset(marks, 0, (size_t)m->coordinate_count * sizeof *marks);
+  mark_direct(m, h, marks);
+  for (int i = 0; i < m->topology.substructure_count; ++i) {
+    const km_substructure *sub = &m->substructures[i];
+    const int *coordinate = m->column_coordinate + sub->column_start;
+    bool any = false;
+    for (int k = 0; k < sub->columns; ++k)
+      any = any || marks[coordinate[k]];
+    for (int k = 0; k < sub->columns; ++k)
+      marks[coordinate[k]] = any;
+  }
+}
+
+static const char *kind(bool output) {
+  return output ? "output" : "input";
+}
+
+/* "joint \"A\"" or "point of body \"b\"". */
+static void name_of(const km_mechanism *m, const km_handle *h, km_text *out) {
+  if (h->coordinate >= 0)
+    km_text_format(out, "joint \"%s\"", m->model->coordinates[h->coordinate].label);
+  else
+    km_text_format(out, "the point of body \"%s\"", m->model->bodies[m->model->frames[h->frame].body].name);
+}
+
+static km_status check_end(const km_mechanism *m, const km_handle *h, bool output, const bool *marks, km_error *error) {
+  bool any = false;
+  for (int c = 0; c < m->coordinate_count; ++c)
+    any = any || marks[c];
+  if (h->coordinate >= 0 && m->held[h->coordinate])
+    return km_fail(error, KM_USAGE, "%s \"%s\" is held; expected a joint that is free to move", kind(output),
+                   m->model->coordinates[h->coordinate].label);
+  if (!any)
+    return km_fail(error, KM_USAGE, "%s: nothing moves body \"%s\"; expected a point of a body that moves",
+                   kind(output), m->model->bodies[m->model->frames[h->frame].body].name);
+  return KM_OK;
+}
+
+static bool same(const km_handle *a, const km_handle *b) {
+  if (a->coordinate >= 0 || b->coordinate >= 0)
+    return a->coordinate == b->coordinate;
+  km_vec3 difference = km_vec3_cross(km_vec3_make(a->direction), km_vec3_make(b->direction));
+  return a->frame == b->frame && km_vec3_norm(difference) < 1e-12;
+}
+
+/* The labels of the free coordinates in `marks`, as a list of what would be right. */
+static void list(const km_mechanism *m, const bool *marks, int but, km_text *out) {
+  int shown = 0;
+  for (int c = 0; c < m->coordinate_count; ++c)
+    if (marks[c] && c != but && shown++ < 30)
+      km_text_format(out, "%s%s", shown > 1 ? ", " : "", m->model->coordinates[c].label);
+  if (shown > 30)
+    km_text_add(out, ", …");
+}
+
+static km_status check(const km_mechanism *m, const km_lever *l, bool *other, km_error *error) {
+  const km_handle *in = &l->input.handle, *out = &l->output.handle;
+  mark_moving(m, out, other);
+  km_status status = check_end(m, in, false, l->moves, error);
+  if (!status)
+    status = check_end(m, out, true, other, error);
+  if (status)
+    return status;
+  km_text names = {0}, choice = {0};
+  bool meet = false;
+  for (int c = 0; c < m->coordinate_count; ++c)
+    meet = meet || (l->moves[c] && other[c]);
+  list(m, l->moves, in->coordinate, &choice);
+  name_of(m, out, &names);
+  const char *known = choice.data && choice.size ? choice.data : "a point of a body that it moves";
+  if (same(in, out))
+    status = km_fail(error, KM_USAGE, "input and output are both %s; expected another output: %s", names.data, known);
+  else if (!meet)
+    status = km_fail(error, KM_USAGE,
+                     "the output, %s, doesn't move with the input: they are in different substructures; expected an "
+                     "output that moves with it: %s",
+                     names.data, known);
+  km_text_free(&names);
+  km_text_free(&choice);
+  return status;
+}
+
+static bool allocate(const km_mechanism *m, km_lever *l) {
+  size_t coordinates = (size_t)m->coordinate_count;
+  km_lever_end *ends[2] = {&l->input, &l->output};
+  for (int i = 0; i < 2; ++i) {
+    ends[i]->row = KM_ARENA_NEW(&l->arena, double, coordinates);
+    ends[i]->speed = KM_ARENA_NEW(&l->arena, double, coordinates);
+  }
+  l->rates = KM_ARENA_NEW(&l->arena, double, coordinates);
+  l->moves = KM_ARENA_NEW(&l->arena, bool, coordinates);
+  l->pose = KM_ARENA_NEW(&l->arena, km_pose, (size_t)m->topology.body_count);
+  return !l->arena.failed;
+}
+
+km_status km_lever_create(const km_mechanism *m, const km_handle *input, const km_handle *output, km_lever **out,
+                          km_error *error) {
+  *out = NULL;
+  km_lever *l = KM_NEW(km_lever, 1);
+  bool *other = KM_NEW(bool, (size_t)m->coordinate_count);
+  km_status status = KM_OK;
+  if (!l || !other || !allocate(m, l)) {
+    status = km_fail(error, KM_MEMORY, "out of memory for a mechanical advantage");
+  } else {
+    l->input.handle = *input;
+    l->output.handle = *output;
+    mark_moving(m, input, l->moves);
+    status = check(m, l, other, error);
+  }
+  km_free(other);
+  if (status)
+    km_lever_free(l);
+  else
+    *out = l;
+  return status;
+}
+
+void km_lever_free(km_lever *l) {
+  if (!l)
+    return;
+  km_arena_free(&l->arena);
+  km_free(l);
+}
+
+const double *km_lever_rates(const km_lever *l) {
+  return l->rates;
+}
+
+static void point_row(const km_mechanism *m, const km_state *s, const km_lever *l, km_lever_end *end) {
+  const km_topology *t = &m->topology;
+  const km_frame_def *frame = &m->model->frames[end->handle.frame];
+  km_vec3 p = km_pose_point(&l->pose[frame->body], frame->pose.p), along = km_vec3_make(end->handle.direction);
+  for (int body = frame->body; body > 0; body = t->parent[body]) {
+    int joint = t->arc[body], first = m->model->joints[joint].first_coordinate;
+    for (int c = first; c < first + km_model_freedom(m->model, joint); ++c) {
+      km_twist h = km_coordinate_twist_about(m, s, l->pose, c);
+      km_vec3 v = km_vec3_add(h.v, km_vec3_cross(h.w, p));
+      end->row[c] = (t->against[joint] ? -1.0 : 1.0) * km_vec3_dot(along, v);
+      end->speed[c] = km_vec3_norm(v);
+    }
+  }
+}
+
+static void update_row(const km_mechanism *m, const km_state *s, const km_lever *l, km_lever_end *end) {
+  memset(end->row, 0, (size_t)m->coordinate_count * sizeof *end->row);
+  if (end->handle.coordinate >= 0)
+    end->row[end->handle.coordinate] = 1.0;
+  else
+    point_row(m, s, l, end);
+}
+
+/* Adds the free motion Y_k of a substructure, or of a joint in no loop, to the rates: once, or as often as it moves the
+ * input. */
+static void add_motion(const km_mechanism *m, km_lever *l, const double *z, const int *coordinate, int count,
+                       bool alone) {
+  double a = 0.0;
+  for (int j = 0; j < count; ++j)
+    a += l->input.row[coordinate[j]] * z[j] / m->scale[coordinate[j]];
+  for (int j = 0; j < count; ++j)
+    l->rates[coordinate[j]] += (alone ? 1.0 : a) * z[j] / m->scale[coordinate[j]];
+}
+
+/* The motion that the advantage is about; returns the freedoms that it was chosen from. */
+static int choose_motion(const km_mechanism *m, km_state *s, km_lever *l) {
+  static const double one = 1.0;
+  int freedom = 0;
+  memset(l->rates, 0, (size_t)m->coordinate_count * sizeof *l->rates);
+  for (int pass = 0; pass < 2; ++pass) { /* first to count, then to add */
+    bool alone = freedom == 1;
+    for (int c = 0; c < m->coordinate_count; ++c) {
+      if (!l->moves[c] || m->substructure_of[c] >= 0)
+        continue;
+      freedom += pass == 0;
+      if (pass)
+        add_motion(m, l, &one, &c, 1, alone);
+    }
+    for (int i = 0; i < m->topology.substructure_count; ++i) {
+      const km_substructure *sub = &m->substructures[i];
+      const int *coordinate = m->column_coordinate + sub->column_start;
+      const double *Z = km_state_basis(s, sub);
+      for (int k = 0; k < km_partition_freedom(&s->partition[i]) && l->moves[coordinate[0]]; ++k) {
+        freedom += pass == 0;
+        if (pass)
+          add_motion(m, l, Z + (size_t)k * (size_t)sub->columns, coordinate, sub->columns, alone);
+      }
+    }
+  }
+  return freedom;
+}
+
+double km_largest_rate(const km_mechanism *m, const double *rates) {
+  double largest = 0.0;
+  for (int c = 0; c < m->coordinate_count; ++c)
+    largest = fmax(largest, fabs(rates[c] / m->unit[c]));
+  return largest;
+}
+
+double km_lever_rate(const km_mechanism *m, const km_lever_end *end, const double *rates, double *size) {
+  double rate = 0.0;
+  *size = 0.0;
+  int own = end->handle.coordinate;
+  for (int c = 0; c < m->coordinate_count && own < 0; ++c) {
+    rate += end->row[c] * rates[c];
+    *size += end->speed[c] * fabs(rates[c]);
+  }
+  if (own >= 0) {
+    rate = rates[own];
+    *size = m->unit[own] * km_largest_rate(m, rates);
+  }
+  return rate;
+}
+
+static double clear_rate(const km_mechanism *m, const km_lever_end *end, const double *rates) {
+  double size, rate = km_lever_rate(m, end, rates, &size);
+  return fabs(rate) > still * size ? rate : 0.0;
+}
+
+/* Of two rates that are 0 where they count as 0. */
+static double ratio(double a, double b) {
+  return a == 0.0 ? (b == 0.0 ? nan("") : 0.0) : b == 0.0 ? HUGE_VAL : a / b;
+}
+
+void km_lever_update(const km_mechanism *m, km_state *s, km_lever *l, km_advantage *out) {
+  km_poses_about(m, s, (km_vec3){0, 0, 0}, l->pose);
+  km_poses_about(m, s, l->pose[m->arcs[0].body].p, l->pose);
+  update_row(m, s, l, &l->input);
+  update_row(m, s, l, &l->output);
+  int freedom = choose_motion(m, s, l);
+  double largest = km_largest_rate(m, l->rates);
+  for (int c = 0; c < m->coordinate_count && largest > 0.0; ++c)
+    l->rates[c] /= largest;
+  *out = (km_advantage){.method = freedom == 1 ? KM_ADVANTAGE_SINGLE_FREEDOM : KM_ADVANTAGE_LEAST_MOTION};
+  /* Where the input has no part in several freedoms there is no motion of its own. */
+  bool moves = largest > (freedom == 1 ? 0.0 : still);
+  out->input_rate = moves ? clear_rate(m, &l->input, l->rates) : 0.0;
+  out->output_rate = moves ? clear_rate(m, &l->output, l->rates) : 0.0;
+  bool in = out->input_rate != 0.0, outwards = out->output_rate != 0.0;
+  out->state = in && outwards ? KM_ADVANTAGE_FINITE
+               : in           ? KM_ADVANTAGE_INFINITE
+               : outwards     ? KM_ADVANTAGE_ZERO
+                              : KM_ADVANTAGE_UNDEFINED;
+  out->value = ratio(out->input_rate, out->output_rate);
+  out->velocity_ratio = ratio(out->output_rate, out->input_rate);
+}
+
+static bool is_angle(const km_model *model, const km_handle *h) {
+  if (h->coordinate < 0)
+    return false;
+  const km_coordinate_def *def = &model->coordinates[h->coordinate];
+  return !km_joint_is_length(model->joints[def->joint].type, def->index);
+}
+
+const char *km_advantage_unit(const km_model *model, const km_handle *input, const km_handle *output) {
+  static const char *const over[4] = {"rad/m", "rad/mm", "rad/cm", "rad/in"}, *const under[4] = {"m/rad", "mm/rad",
+                                                                                                 "cm/rad", "in/rad"};
+  bool in = is_angle(model, input), out = is_angle(model, output);
+  for (int i = 0; i < 4 && in != out; ++i)
+    if (strcmp(model->units.length->suffix, over[i] + 4) == 0)
+      return in ? over[i] : under[i];
+  return "";
+}
+
+const char *km_advantage_state_name(km_advantage_state state) {
+  static const char *const names[] = {"finite", "zero", "infinite", "undefined"};
+  return names[state];
+}
+
+const char *km_advantage_method_name(km_advantage_method method) {
+  static const char *const names[] = {"single freedom", "least motion"};
+  return names[method];
+}

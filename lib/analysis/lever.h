@@ -1,0 +1,28 @@
+/* An input and an output at a pose. Private to analysis/. */
+#ifndef KM_ANALYSIS_LEVER_H
+#define KM_ANALYSIS_LEVER_H
+
+#include "kinematics/state.h"
+#include "kmech/advantage.h"
+
+/* How an end moves with the coordinates: its rate is Σ row[c] q̇_c. */
+typedef struct km_lever_end {
+  km_handle handle;
+  double *row;   /* [coordinate] */
+  double *speed; /* [coordinate] of a point: its whole speed at unit rate; what rounding is measured by */
+} km_lever_end;
+
+struct km_lever {
+  km_arena arena;
+  km_lever_end input, output;
+  bool *moves;   /* [coordinate] the input's rate depends on it, or on its substructure */
+  double *rates; /* [coordinate] */
+  km_pose *pose; /* [body] about a point near the mechanism */
+};
+
+/* The largest scaled rate. */
+double km_largest_rate(const km_mechanism *mechanism, const double *rates);
+/* The rate of an end in a motion, and what rounding is measured by. */
+double km_lever_rate(const km_mechanism *mechanism, const km_lever_end *end, const double *rates, double *size);
+
+#endif

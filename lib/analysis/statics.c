@@ -1,0 +1,134 @@
+#include "analysis/statics.h"
+
+#include "kinematics/poses.h"
+
+#include <string.h>
+
+/* Symbols: h unit twist of a coordinate, τ generalised force of what is applied, g = Yᵀτ that of a free motion, D the
+ * characteristic length's scale, Y = D⁻¹Z. */
+
+static const double rounding = 1e-10; /* of all applied forces: a generalised force below this is 0 */
+
+static km_status take_actuators(const km_mechanism *m, const int *actuators, int count, km_statics *st,
+                                km_error *error) {
+  km_statics_work *w = st->work;
+  for (int c = 0; c < m->coordinate_count && !actuators; ++c)
+    if (!m->held[c])
+      w->actuators[st->actuator_count++] = c;
+  for (int i = 0; i < count && actuators; ++i) {
+    const char *label = m->model->coordinates[actuators[i]].label;
+    if (m->held[actuators[i]])
+      return km_fail(error, KM_USAGE, "actuator \"%s\" is held; expected a joint that is free to move", label);
+    if (w->actuated[actuators[i]])
+      return km_fail(error, KM_USAGE, "actuator \"%s\" is named twice; expected each joint once", label);
+    w->actuators[st->actuator_count++] = actuators[i];
+    w->actuated[actuators[i]] = true;
+  }
+  for (int i = 0; i < st->actuator_count; ++i)
+    w->actuated[w->actuators[i]] = true;
+  st->actuators = w->actuators;
+  return KM_OK;
+}
+
+static bool allocate(const km_mechanism *m, km_statics *st) {
+  km_statics_work *w = st->work;
+  size_t coordinates = (size_t)m->coordinate_count;
+  w->actuators = KM_ARENA_NEW(&w->arena, int, coordinates);
+  w->actuated = KM_ARENA_NEW(&w->arena, bool, coordinates);
+  w->twist = KM_ARENA_NEW(&w->arena, km_twist, coordinates);
+  w->subtree = KM_ARENA_NEW(&w->arena, km_wrench, (size_t)m->topology.body_count);
+  w->tau = KM_ARENA_NEW(&w->arena, double, coordinates);
+  w->force = KM_ARENA_NEW(&w->arena, double, coordinates);
+  w->least_load = KM_ARENA_NEW(&w->arena, double, coordinates);
+  st->actuator_forces = KM_ARENA_NEW(&w->arena, double, coordinates);
+  st->least_norm = KM_ARENA_NEW(&w->arena, double, coordinates);
+  st->directions = KM_ARENA_NEW(&w->arena, double, KM_MOST_DIRECTIONS *coordinates);
+  st->falls = KM_ARENA_NEW(&w->arena, bool, KM_MOST_DIRECTIONS);
+  st->reactions = KM_ARENA_NEW(&w->arena, km_reaction, (size_t)m->topology.joint_count);
+  return !w->arena.failed && km_carrying_reserve(m, w);
+}
+
+km_status km_statics_create(const km_mechanism *m, const int *actuators, int actuator_count, km_axes axes,
+                            km_statics *out, km_error *error) {
+  *out = (km_statics){.work = KM_NEW(km_statics_work, 1)};
+  if (!out->work || !allocate(m, out))
+    return km_fail(error, KM_MEMORY, "out of memory for the balance of forces");
+  out->work->axes = axes;
+  km_status status = take_actuators(m, actuators, actuator_count, out, error);
+  if (!status && !km_holding_reserve(m, out))
+    status = km_fail(error, KM_MEMORY, "out of memory for the actuators");
+  return status;
+}
+
+void km_statics_free(km_statics *st) {
+  if (st->work)
+    km_arena_free(&st->work->arena);
+  km_free(st->work);
+  *st = (km_statics){0};
+}
+
+/* How far the mechanism reaches from its origin: what turns forces into moments. */
+static double reach(const km_mechanism *m, const km_forces *f) {
+  double size = 0.0;
+  for (int b = 1; b < m->topology.body_count; ++b)
+    size = fmax(size, km_vec3_norm(f->pose[b].p));
+  for (int i = 0; i < m->topology.substructure_count; ++i)
+    size = fmax(size, m->substructures[i].size);
+  return size > 0.0 ? size : 1.0;
+}
+
+/* τ = Hᵀ C⁻ᵀ g by one pass from the leaves (theory 5), and what rounding can make of it. */
+static void gather_loads(const km_mechanism *m, const km_state *s, const km_forces *f, km_statics_work *w) {
+  const km_topology *t = &m->topology;
+  double size = reach(m, f);
+  memcpy(w->subtree, f->body, (size_t)t->body_count * sizeof *f->body);
+  memcpy(w->tau, f->joint, (size_t)m->coordinate_count * sizeof *w->tau);
+  for (int c = 0; c < m->coordinate_count; ++c) {
+    const km_coordinate_def *def = &m->model->coordinates[c];
+    bool length = km_joint_is_length(m->model->joints[def->joint].type, def->index);
+    w->twist[c] = km_coordinate_twist_about(m, s, f->pose, c);
+    w->least_load[c] =
+        rounding * (length ? f->force_size + f->couple_size / size : f->force_size * size + f->couple_size);
+  }
+  for (int i = t->body_count - 2; i >= 0; --i) {
+    const km_arc *arc = &m->arcs[i];
+    int first = m->model->joints[arc->joint].first_coordinate;
+    for (int c = first; c < first + km_model_freedom(m->model, arc->joint); ++c)
+      w->tau[c] += (arc->against ? -1.0 : 1.0) * km_wrench_power(w->subtree[arc->body], w->twist[c]);
+    w->subtree[arc->parent] = km_wrench_axpy(1.0, w->subtree[arc->body], w->subtree[arc->parent]);
+  }
+}
+
+/* f̄ = −D Z Zᵀ D⁻¹ τ; outside loops and couplings Z is 1. */
+static void least_norm(const km_mechanism *m, km_state *s, km_statics *st) {
+  const double *tau = st->work->tau;
+  for (int c = 0; c < m->coordinate_count; ++c)
+    st->least_norm[c] = m->substructure_of[c] < 0 && !m->held[c] ? 0.0 - tau[c] : 0.0;
+  for (int i = 0; i < m->topology.substructure_count; ++i) {
+    const km_substructure *sub = &m->substructures[i];
+    const int *coordinate = m->column_coordinate + sub->column_start;
+    const double *z = km_state_basis(s, sub);
+    for (int k = 0; k < km_partition_freedom(&s->partition[i]); ++k, z += sub->columns) {
+      double g = 0.0;
+      for (int j = 0; j < sub->columns; ++j)
+        g += z[j] * tau[coordinate[j]] / m->scale[coordinate[j]];
+      for (int j = 0; j < sub->columns; ++j)
+        st->least_norm[coordinate[j]] -= m->scale[coordinate[j]] * z[j] * g;
+    }
+  }
+}
+
+void km_statics_update(const km_mechanism *m, km_state *s, km_forces *f, km_statics *st) {
+  km_statics_work *w = st->work;
+  km_forces_update(m, s, f);
+  gather_loads(m, s, f, w);
+  least_norm(m, s, st);
+  km_statics_hold(m, s, st);
+  memcpy(w->force, st->least_norm, (size_t)m->coordinate_count * sizeof *w->force);
+  if (st->held) {
+    memset(w->force, 0, (size_t)m->coordinate_count * sizeof *w->force);
+    for (int i = 0; i < st->actuator_count; ++i)
+      w->force[st->actuators[i]] = st->actuator_forces[i];
+  }
+  km_statics_carry(m, s, f, st);
+}

@@ -1,0 +1,55 @@
+/* The parts of a static balance. Private to analysis/. */
+#ifndef KM_ANALYSIS_STATICS_H
+#define KM_ANALYSIS_STATICS_H
+
+#include "forces/forces.h"
+#include "kmech/statics.h"
+
+#include <gsl/gsl_matrix.h>
+
+/* Solving for the actuators of one substructure: a motion x of its freedoms moves them by Z_A x. */
+typedef struct km_holding {
+  int count;                     /* actuators in this substructure */
+  int *actuator;                 /* [count] into the statics' actuators */
+  gsl_matrix *U, *V;             /* of Z_A = U S Vᵀ, padded with rows of 0 to at least as many as columns */
+  gsl_vector *S, *load, *answer; /* load: Vᵀ g */
+  double *basis;                 /* of the motions out of reach */
+} km_holding;
+
+/* Reactions of one substructure. */
+typedef struct km_carrying {
+  int rows, columns; /* of J: 6 · loops + couplings */
+  int joints;
+  double *J, *T;    /* J, and its transpose */
+  double *rhs, *mu; /* [columns], [rows] */
+  double *null;     /* [rows × rows] self-stresses: columns of the null space of Jᵀ */
+  double *field;    /* [rows × 6 · joints] what they do in every joint */
+  double *carried;  /* [6 · joints] of the particular solution */
+  double *ones;     /* [rows] */
+  km_partition partition;
+} km_carrying;
+
+struct km_statics_work {
+  km_arena arena;
+  km_axes axes;
+  int *actuators;
+  bool *actuated;     /* [coordinate] */
+  km_twist *twist;    /* [coordinate] child against parent, about the forces' origin */
+  km_wrench *subtree; /* [body] applied wrenches on it and all that hangs on it in the tree */
+  double *tau;        /* [coordinate] generalised forces of what is applied, springs in joints included */
+  double *force;      /* [coordinate] of the actuators, or f̄ */
+  double *least_load; /* [coordinate] below this a generalised force is rounding */
+  km_holding *holding;
+  km_carrying *carrying;
+};
+
+/* Space for the parts; false when out of memory. */
+bool km_holding_reserve(const km_mechanism *mechanism, km_statics *statics);
+bool km_carrying_reserve(const km_mechanism *mechanism, km_statics_work *work);
+
+/* Actuator forces, directions out of their reach, and whether they hold. */
+void km_statics_hold(const km_mechanism *mechanism, const km_state *state, km_statics *statics);
+/* Reactions from work->force. */
+void km_statics_carry(const km_mechanism *mechanism, km_state *state, const km_forces *forces, km_statics *statics);
+
+#endif

@@ -1,0 +1,203 @@
+/* What every joint carries: Jᵀ μ = f + τ for the wrenches μ of the loops' chords, then down the tree. */
+#include "analysis/statics.h"
+#include "analysis/whole_jacobian.h"
+#include "kinematics/closure.h"
+#include "kinematics/loops.h"
+
+#include <string.h>
+
+/* A component of a self-stress below this share of its largest is rounding. */
+static const double no_part = 1e-9;
+
+bool km_carrying_reserve(const km_mechanism *m, km_statics_work *w) {
+  const km_topology *t = &m->topology;
+  km_arena *arena = &w->arena;
+  w->carrying = KM_ARENA_NEW(arena, km_carrying, (size_t)t->substructure_count);
+  for (int i = 0; i < t->substructure_count && !arena->failed; ++i) {
+    const km_substructure *sub = &m->substructures[i];
+    km_carrying *c = &w->carrying[i];
+    c->rows = 6 * sub->loop_count + sub->coupling_count;
+    c->columns = sub->columns;
+    c->joints = t->joint_start[i + 1] - t->joint_start[i];
+    size_t rows = (size_t)c->rows, columns = (size_t)c->columns, parts = 6 * (size_t)c->joints;
+    c->J = KM_ARENA_NEW(arena, double, rows *columns);
+    c->T = KM_ARENA_NEW(arena, double, rows *columns);
+    c->rhs = KM_ARENA_NEW(arena, double, columns);
+    c->mu = KM_ARENA_NEW(arena, double, rows);
+    c->null = KM_ARENA_NEW(arena, double, rows *rows);
+    c->field = KM_ARENA_NEW(arena, double, rows *parts);
+    c->carried = KM_ARENA_NEW(arena, double, parts);
+    c->ones = KM_ARENA_NEW(arena, double, rows);
+    for (size_t r = 0; r < rows && c->ones; ++r)
+      c->ones[r] = 1.0;
+    km_partition_reserve(&c->partition, c->columns, c->rows, arena);
+  }
+  return !arena->failed;
+}
+
+/* The frame that a reaction is reported in. */
+static km_pose report_frame(const km_mechanism *m, const km_forces *f, int joint, km_axes axes) {
+  const km_frame_def *frame = &m->model->frames[m->model->joints[joint].frame[1]];
+  km_pose X = km_pose_product(&f->pose[frame->body], &frame->pose);
+  if (axes == KM_AXES_FIXED)
+    X.R = km_rotation_identity();
+  return X;
+}
+
+static void reported(const km_pose *frame, km_wrench w, double out[6]) {
+  w = km_wrench_turned_back(&frame->R, km_wrench_about(w, frame->p));
+  const double values[6] = {w.f.x, w.f.y, w.f.z, w.t.x, w.t.y, w.t.z};
+  memcpy(out, values, sizeof values);
+}
+
+/* What a tree joint carries without any loop: its parent holds all that hangs on the child. */
+static km_wrench from_tree(const km_mechanism *m, const km_statics_work *w, int joint) {
+  const km_joint_def *def = &m->model->joints[joint];
+  bool against = m->topology.against[joint];
+  int body = m->model->frames[def->frame[!against]].body;
+  if (m->topology.arc[body] != joint)
+    return (km_wrench){{0, 0, 0}, {0, 0, 0}}; /* a chord */
+  return km_wrench_axpy(against ? 1.0 : -1.0, w->subtree[body], (km_wrench){{0, 0, 0}, {0, 0, 0}});
+}
+
+/* The wrench of six scaled entries (f · size; τ about `about`), about the origin. */
+static km_wrench unscaled(const km_substructure *sub, const double *mu, km_vec3 about) {
+  km_wrench w = {km_vec3_scale(1.0 / sub->size, km_vec3_make(mu)), km_vec3_make(mu + 3)};
+  return (km_wrench){w.f, km_vec3_add(w.t, km_vec3_cross(about, w.f))};
+}
+
+/* What the chords' wrenches do in every joint of the substructure, added to out[6 · joints]. */
+static void spread(const km_mechanism *m, const km_forces *f, int index, km_axes axes, km_vec3 about, const double *mu,
+                   double *out) {
+  const km_topology *t = &m->topology;
+  for (int i = t->loop_start[index]; i < t->loop_start[index + 1]; ++i) {
+    int loop = t->loop[i];
+    km_wrench w = unscaled(&m->substructures[index], mu + 6 * (i - t->loop_start[index]), about);
+    for (int n = t->member_start[loop]; n < t->member_start[loop + 1]; ++n) {
+      double part[6], sense = km_member_sense(t, loop, &t->member[n]);
+      km_pose frame = report_frame(m, f, t->member[n].joint, axes);
+      int place = t->joint_start[index];
+      while (t->joint[place] != t->member[n].joint)
+        ++place;
+      reported(&frame, w, part);
+      for (int k = 0; k < 6; ++k)
+        out[6 * (place - t->joint_start[index]) + k] += sense * part[k];
+    }
+  }
+}
+
+/* f·f' + τ·τ'/L² over all joints. */
+static double product(const km_carrying *c, double length, const double *a, const double *b) {
+  double forces = 0.0, torques = 0.0;
+  for (int j = 0; j < c->joints; ++j)
+    for (int k = 0; k < 3; ++k) {
+      forces += a[6 * j + k] * b[6 * j + k];
+      torques += a[6 * j + 3 + k] * b[6 * j + 3 + k];
+    }
+  return forces + torques / (length * length);
+}
+
+static void subtract(const km_carrying *c, double factor, const double *b, double *a) {
+  for (int k = 0; k < 6 * c->joints; ++k)
+    a[k] -= factor * b[k];
+}
+
+/* Takes the self-stresses out of what is carried: what remains is of least norm. One that lies in couplings alone
+ * stresses no joint. */
+static void make_least(const km_carrying *c, int degree, double length) {
+  size_t parts = 6 * (size_t)c->joints;
+  double largest = 0.0;
+  for (int k = 0; k < degree; ++k)
+    largest = fmax(largest, product(c, length, c->field + (size_t)k * parts, c->field + (size_t)k * parts));
+  for (int k = 0; k < degree; ++k) {
+    double *field = c->field + (size_t)k * parts;
+    for (int pass = 0; pass < 2; ++pass)
+      for (int o = 0; o < k; ++o)
+        subtract(c, product(c, length, c->field + (size_t)o * parts, field), c->field + (size_t)o * parts, field);
+    double square = product(c, length, field, field), size = square > 1e-18 * largest ? sqrt(square) : HUGE_VAL;
+    for (size_t i = 0; i < parts; ++i)
+      field[i] /= size;
+  }
+  for (int pass = 0; pass < 2; ++pass)
+    for (int k = 0; k < degree; ++k) {
+      const double *field = c->field + (size_t)k * parts;
+      subtract(c, product(c, length, field, c->carried), field, c->carried);
+    }
+}
+
+/* A component is determined if no self-stress has a part in it. */
+static void mark(const km_mechanism *m, const km_carrying *c, int index, int degree, km_statics *st) {
+  double size = m->substructures[index].size;
+  size_t parts = 6 * (size_t)c->joints;
+  for (int k = 0; k < degree; ++k) {
+    const double *field = c->field + (size_t)k * parts;
+    double largest = 0.0;
+    for (size_t i = 0; i < parts; ++i)
+      largest = fmax(largest, fabs(field[i]) / (i % 6 < 3 ? 1.0 : size));
+    for (size_t i = 0; i < parts; ++i)
+      if (fabs(field[i]) / (i % 6 < 3 ? 1.0 : size) > no_part * largest)
+        st->reactions[m->topology.joint[m->topology.joint_start[index] + (int)(i / 6)]].indeterminate[i % 6] = true;
+  }
+}
+
+/* Chord wrenches of one substructure, and the self-stresses that leave every joint free of force along its motion. */
+static int solve(const km_mechanism *m, km_state *s, int index, km_vec3 about, km_statics_work *w) {
+  const km_substructure *sub = &m->substructures[index];
+  km_carrying *c = &w->carrying[index];
+  int worst;
+  km_whole_jacobian(m, index, w->twist, about, c->J);
+  for (int r = 0; r < c->rows; ++r)
+    for (int k = 0; k < c->columns; ++k)
+      c->T[(size_t)r * (size_t)c->columns + (size_t)k] = c->J[(size_t)k * (size_t)c->rows + (size_t)r];
+  for (int k = 0; k < c->columns; ++k) { /* τ holds the force of a spring in the joint already */
+    int coordinate = m->column_coordinate[sub->column_start + k];
+    c->rhs[k] = m->unit[coordinate] * (w->force[coordinate] + w->tau[coordinate]);
+  }
+  double tolerance = km_rank_tolerance(m, sub, km_loops_residual(m, s, sub, &worst));
+  km_partition_factor(&c->partition, c->T, c->columns, c->rows, NULL, tolerance);
+  km_partition_solve(&c->partition, c->rhs, c->mu);
+  int degree = km_partition_freedom(&c->partition);
+  km_partition_null(&c->partition, c->ones, degree, c->null);
+  return degree;
+}
+
+static void carry_substructure(const km_mechanism *m, km_state *s, const km_forces *f, int index, km_statics *st) {
+  const km_topology *t = &m->topology;
+  km_statics_work *w = st->work;
+  km_carrying *c = &w->carrying[index];
+  int first = t->joint_start[index];
+  const km_frame_def *frame = &m->model->frames[m->model->joints[t->joint[first]].frame[0]];
+  km_vec3 about = km_pose_point(&f->pose[frame->body], frame->pose.p);
+  int degree = solve(m, s, index, about, w);
+  st->degree += degree;
+  for (int j = 0; j < c->joints; ++j) {
+    km_pose X = report_frame(m, f, t->joint[first + j], w->axes);
+    reported(&X, from_tree(m, w, t->joint[first + j]), c->carried + 6 * j);
+  }
+  spread(m, f, index, w->axes, about, c->mu, c->carried);
+  memset(c->field, 0, (size_t)degree * 6 * (size_t)c->joints * sizeof *c->field);
+  for (int k = 0; k < degree; ++k)
+    spread(m, f, index, w->axes, about, c->null + (size_t)k * (size_t)c->rows,
+           c->field + (size_t)k * 6 * (size_t)c->joints);
+  make_least(c, degree, m->model->characteristic_length);
+  for (int j = 0; j < c->joints; ++j) {
+    km_reaction *r = &st->reactions[t->joint[first + j]];
+    memcpy(r->force, c->carried + 6 * j, sizeof r->force);
+    memcpy(r->torque, c->carried + 6 * j + 3, sizeof r->torque);
+  }
+  mark(m, c, index, degree, st);
+}
+
+void km_statics_carry(const km_mechanism *m, km_state *s, const km_forces *f, km_statics *st) {
+  st->degree = 0;
+  for (int j = 0; j < m->topology.joint_count; ++j) {
+    double part[6];
+    km_pose X = report_frame(m, f, j, st->work->axes);
+    st->reactions[j] = (km_reaction){{0}, {0}, {0}};
+    reported(&X, from_tree(m, st->work, j), part);
+    memcpy(st->reactions[j].force, part, sizeof st->reactions[j].force);
+    memcpy(st->reactions[j].torque, part + 3, sizeof st->reactions[j].torque);
+  }
+  for (int i = 0; i < m->topology.substructure_count; ++i)
+    carry_substructure(m, s, f, i, st);
+}

@@ -1,0 +1,202 @@
+/* Actuators against loads: Y_Aᵀ f_A = −Yᵀ τ, block by block. */
+#include "analysis/statics.h"
+
+#include <gsl/gsl_blas.h>
+#include <gsl/gsl_linalg.h>
+#include <string.h>
+
+/* A motion whose largest actuator moves less than this share of it is out of the actuators' reach. */
+static const double out_of_reach = 1e-9;
+
+static gsl_matrix *matrix(km_arena *arena, int rows, int columns) {
+  gsl_matrix *a = KM_ARENA_NEW(arena, gsl_matrix, 1);
+  double *data = KM_ARENA_NEW(arena, double, (size_t)rows *(size_t)columns);
+  if (a && data)
+    *a = (gsl_matrix){.size1 = (size_t)rows, .size2 = (size_t)columns, .tda = (size_t)columns, .data = data};
+  return a;
+}
+
+static gsl_vector *vector(km_arena *arena, int size) {
+  gsl_vector *a = KM_ARENA_NEW(arena, gsl_vector, 1);
+  double *data = KM_ARENA_NEW(arena, double, (size_t)size);
+  if (a && data)
+    *a = (gsl_vector){.size = (size_t)size, .stride = 1, .data = data};
+  return a;
+}
+
+bool km_holding_reserve(const km_mechanism *m, km_statics *st) {
+  km_statics_work *w = st->work;
+  km_arena *arena = &w->arena;
+  w->holding = KM_ARENA_NEW(arena, km_holding, (size_t)m->topology.substructure_count);
+  for (int i = 0; i < m->topology.substructure_count && !arena->failed; ++i) {
+    km_holding *h = &w->holding[i];
+    int columns = m->substructures[i].columns;
+    h->actuator = KM_ARENA_NEW(arena, int, (size_t)st->actuator_count);
+    for (int a = 0; a < st->actuator_count && !arena->failed; ++a)
+      if (m->substructure_of[st->actuators[a]] == i)
+        h->actuator[h->count++] = a;
+    h->U = matrix(arena, columns, columns);
+    h->V = matrix(arena, columns, columns);
+    h->S = vector(arena, columns);
+    h->load = vector(arena, columns);
+    h->answer = vector(arena, columns);
+    h->basis = KM_ARENA_NEW(arena, double, (size_t)columns *(size_t)columns);
+  }
+  return !arena->failed;
+}
+
+/* The part of a matrix or vector that a substructure of so many freedoms needs now. */
+static gsl_matrix top(const gsl_matrix *a, int rows, int columns) {
+  return (gsl_matrix){.size1 = (size_t)rows, .size2 = (size_t)columns, .tda = a->tda, .data = a->data};
+}
+static gsl_vector first(const gsl_vector *a, int size) {
+  return (gsl_vector){.size = (size_t)size, .stride = 1, .data = a->data};
+}
+
+/* Adds the motion Z x as a direction. */
+static void add_direction(const km_mechanism *m, const km_state *s, int index, const double *x, int freedom, bool falls,
+                          km_statics *st) {
+  const km_substructure *sub = &m->substructures[index];
+  const double *Z = s->basis + sub->basis_start;
+  if (st->direction_count++ >= KM_MOST_DIRECTIONS)
+    return;
+  st->falls[st->direction_count - 1] = falls;
+  double *rates = st->directions + (size_t)(st->direction_count - 1) * (size_t)m->coordinate_count, largest = 0.0;
+  memset(rates, 0, (size_t)m->coordinate_count * sizeof *rates);
+  for (int j = 0; j < sub->columns; ++j) {
+    int c = m->column_coordinate[sub->column_start + j];
+    for (int k = 0; k < freedom; ++k)
+      rates[c] += Z[(size_t)k * (size_t)sub->columns + (size_t)j] * x[k] / m->scale[c];
+    largest = fmax(largest, fabs(rates[c] / m->unit[c]));
+  }
+  for (int j = 0; j < sub->columns; ++j)
+    rates[m->column_coordinate[sub->column_start + j]] /= largest;
+}
+
+/* The same for a joint in no loop. */
+static void add_joint(const km_mechanism *m, int coordinate, double sense, bool falls, km_statics *st) {
+  if (st->direction_count++ >= KM_MOST_DIRECTIONS)
+    return;
+  st->falls[st->direction_count - 1] = falls;
+  double *rates = st->directions + (size_t)(st->direction_count - 1) * (size_t)m->coordinate_count;
+  memset(rates, 0, (size_t)m->coordinate_count * sizeof *rates);
+  rates[coordinate] = sense * m->unit[coordinate];
+}
+
+/* The loads g = Yᵀτ of the free motions into h->load; returns what rounding can make of them. */
+static double loads_on(const km_mechanism *m, const km_state *s, int index, const km_statics_work *w, gsl_vector *g) {
+  const km_substructure *sub = &m->substructures[index];
+  const double *z = s->basis + sub->basis_start;
+  double noise = 0.0;
+  for (size_t k = 0; k < g->size; ++k, z += sub->columns) {
+    double sum = 0.0, least = 0.0;
+    for (int j = 0; j < sub->columns; ++j) {
+      int c = m->column_coordinate[sub->column_start + j];
+      sum += z[j] * w->tau[c] / m->scale[c];
+      least += fabs(z[j]) * w->least_load[c] / m->scale[c];
+    }
+    g->data[k] = sum;
+    noise = fmax(noise, least);
+  }
+  return noise;
+}
+
+/* Z_A, a row an actuator, scaled: f_A = D F makes Z_Aᵀ F = −g. */
+static void fill(const km_mechanism *m, const km_state *s, int index, const km_statics *st, const km_holding *h,
+                 gsl_matrix *U) {
+  const km_substructure *sub = &m->substructures[index];
+  const double *Z = s->basis + sub->basis_start;
+  gsl_matrix_set_zero(U);
+  for (int a = 0; a < h->count; ++a)
+    for (size_t k = 0; k < U->size2; ++k)
+      gsl_matrix_set(U, (size_t)a, k,
+                     Z[k * (size_t)sub->columns + (size_t)m->column_of[st->actuators[h->actuator[a]]]]);
+}
+
+/* A unit vector at right angles to the `count` rows of `basis`, from v: false if nothing is left of it. */
+static bool straighten(const double *basis, int count, int size, double *v) {
+  double left = 0.0;
+  for (int i = 0; i < count; ++i) {
+    double along = 0.0;
+    for (int k = 0; k < size; ++k)
+      along += basis[i * size + k] * v[k];
+    for (int k = 0; k < size; ++k)
+      v[k] -= along * basis[i * size + k];
+  }
+  for (int k = 0; k < size; ++k)
+    left += v[k] * v[k];
+  for (int k = 0; k < size; ++k)
+    v[k] /= sqrt(left);
+  return left > 1e-6; /* of unit vectors: one of them is spanned by the others, the rest are well apart */
+}
+
+/* Motions out of reach: if loads act on them, the one in which they fall, then others at right angles to it. Returns
+ * whether nothing falls. */
+static bool unreached(const km_mechanism *m, const km_state *s, int index, const km_holding *h, int freedom, int rank,
+                      double noise, km_statics *st) {
+  double size = 0.0, *basis = h->basis;
+  int kept = 0;
+  for (int i = rank; i < freedom; ++i)
+    size = hypot(size, h->load->data[i]);
+  bool falls = size > noise;
+  for (int i = falls ? rank - 1 : rank; i < freedom && kept < freedom - rank; ++i) {
+    double *x = basis + (size_t)kept * (size_t)freedom;
+    memset(x, 0, (size_t)freedom * sizeof *x);
+    for (int k = 0; k < freedom; ++k) {
+      if (i >= rank)
+        x[k] = gsl_matrix_get(h->V, (size_t)k, (size_t)i);
+      for (int n = rank; n < freedom && i < rank; ++n)
+        x[k] += gsl_matrix_get(h->V, (size_t)k, (size_t)n) * h->load->data[n] / size;
+    }
+    if (straighten(basis, kept, freedom, x)) {
+      add_direction(m, s, index, x, freedom, i < rank, st);
+      ++kept;
+    }
+  }
+  return !falls;
+}
+
+static void hold_substructure(const km_mechanism *m, const km_state *s, int index, km_statics *st) {
+  const km_holding *h = &st->work->holding[index];
+  int freedom = km_partition_freedom(&s->partition[index]), rank = 0;
+  if (freedom == 0)
+    return; /* nothing moves: the actuators have nothing to do */
+  gsl_matrix U = top(h->U, h->count > freedom ? h->count : freedom, freedom), V = top(h->V, freedom, freedom);
+  gsl_vector S = first(h->S, freedom), g = first(h->answer, freedom), load = first(h->load, freedom);
+  double noise = loads_on(m, s, index, st->work, &g);
+  fill(m, s, index, st, h, &U);
+  gsl_linalg_SV_decomp_jacobi(&U, &V, &S);
+  gsl_blas_dgemv(CblasTrans, 1.0, &V, &g, 0.0, &load);
+  while (rank < freedom && gsl_vector_get(&S, (size_t)rank) > out_of_reach)
+    ++rank;
+  st->redundant = st->redundant || h->count > rank;
+  for (int a = 0; a < h->count; ++a) {
+    int actuator = h->actuator[a];
+    double F = 0.0;
+    for (size_t i = 0; i < (size_t)rank; ++i)
+      F -= gsl_matrix_get(&U, (size_t)a, i) * gsl_vector_get(&load, i) / gsl_vector_get(&S, i);
+    st->actuator_forces[actuator] = F * m->scale[st->actuators[actuator]];
+  }
+  bool holds = unreached(m, s, index, h, freedom, rank, noise, st);
+  for (int a = 0; a < h->count && !holds; ++a)
+    st->actuator_forces[h->actuator[a]] = nan("");
+  st->held = st->held && holds;
+}
+
+void km_statics_hold(const km_mechanism *m, const km_state *s, km_statics *st) {
+  const km_statics_work *w = st->work;
+  st->held = true;
+  st->redundant = false;
+  st->direction_count = 0;
+  for (int a = 0; a < st->actuator_count; ++a)
+    st->actuator_forces[a] = m->substructure_of[st->actuators[a]] < 0 ? 0.0 - w->tau[st->actuators[a]] : 0.0;
+  for (int c = 0; c < m->coordinate_count; ++c) {
+    if (m->substructure_of[c] >= 0 || m->held[c] || w->actuated[c])
+      continue;
+    bool falls = fabs(w->tau[c]) > w->least_load[c];
+    add_joint(m, c, falls && w->tau[c] < 0.0 ? -1.0 : 1.0, falls, st);
+    st->held = st->held && !falls;
+  }
+  for (int i = 0; i < m->topology.substructure_count; ++i)
+    hold_substructure(m, s, i, st);
+}

@@ -1,0 +1,166 @@
+/* Static balance over a sweep: where actuators rest, peak, or can't hold. */
+#include "kmech/statics_sweep.h"
+#include "analysis/scan.h"
+#include "base/text.h"
+#include "forces/forces.h"
+
+#include <string.h>
+
+static const double rounding = 1e-11; /* of all applied forces: an actuator's force below this is 0 */
+
+typedef struct watch {
+  km_statics_sweep *out;
+  km_forces *forces;
+  km_statics *statics;
+  km_scan scan;
+  km_events events;
+} watch;
+
+static bool add_forces(const watch *w, const km_model *model, km_table *table) {
+  bool added = true;
+  km_text unit = {0};
+  for (int pass = 0; pass < 2; ++pass) {
+    int count = pass ? model->coordinate_count : w->statics->actuator_count;
+    for (int i = 0; i < count; ++i) {
+      int c = pass ? i : w->statics->actuators[i];
+      unit.size = 0;
+      km_force_unit(model, c, &unit);
+      added = !unit.failed &&
+              km_sweeper_column(table, pass ? "fbar." : "f.", model->coordinates[c].label, "", unit.data) && added;
+    }
+  }
+  km_text_free(&unit);
+  return added;
+}
+
+static bool add_columns(void *self, const km_sweeper *r, km_table *table) {
+  static const char *const parts[6] = {".fx", ".fy", ".fz", ".tx", ".ty", ".tz"};
+  const watch *w = self;
+  const km_model *model = r->m->model;
+  km_text torque = {0};
+  km_torque_unit(model, &torque);
+  w->out->first_column = km_table_columns(table);
+  bool added = !torque.failed && add_forces(w, model, table);
+  for (int j = 0; j < model->joint_count; ++j)
+    for (int k = 0; k < 6; ++k)
+      added = added && km_sweeper_column(table, "r.", model->joints[j].label, parts[k],
+                                         k < 3 ? model->units.force->suffix : torque.data);
+  km_text_free(&torque);
+  return added && km_sweeper_column(table, "held", "", "", NULL);
+}
+
+static double *write_cells(void *self, km_sweeper *r, double *cell) {
+  watch *w = self;
+  const km_statics *st = w->statics;
+  km_statics_update(r->m, r->s, w->forces, w->statics);
+  if (km_table_rows(w->out->motion.table) == 1)
+    w->out->degree = st->degree;
+  for (int i = 0; i < st->actuator_count; ++i)
+    *cell++ = st->actuator_forces[i];
+  for (int c = 0; c < r->m->coordinate_count; ++c)
+    *cell++ = st->least_norm[c];
+  for (int j = 0; j < r->m->topology.joint_count; ++j) {
+    memcpy(cell, st->reactions[j].force, sizeof st->reactions[j].force);
+    memcpy(cell + 3, st->reactions[j].torque, sizeof st->reactions[j].torque);
+    cell += 6;
+  }
+  *cell++ = st->held ? 1.0 : 0.0;
+  return cell;
+}
+
+static void values(void *self, km_sweeper *r, double *f) {
+  const watch *w = self;
+  km_statics_update(r->m, r->s, w->forces, w->statics);
+  for (int i = 0; i < w->statics->actuator_count; ++i) {
+    int c = w->statics->actuators[i];
+    double size = rounding * (w->forces->force_size * r->m->unit[c] + w->forces->couple_size) / r->m->unit[c];
+    f[i] = w->statics->actuator_forces[i];
+    if (fabs(f[i]) <= size)
+      f[i] = 0.0;
+  }
+}
+
+static km_status look(void *self, km_sweeper *r, double s, km_error *error) {
+  watch *w = self;
+  return km_scan_sample(&w->scan, r, s, error);
+}
+
+static km_status see(void *self, km_sweeper *r, double s, km_error *error) {
+  watch *w = self;
+  if (!w->statics->held && w->out->unheld++ == 0)
+    w->out->first_unheld = s;
+  for (int i = 0; i < w->statics->actuator_count; ++i) {
+    double f = w->statics->actuator_forces[i];
+    if (!(fabs(f) <= fabs(w->out->largest[i].value)) && !isnan(f))
+      w->out->largest[i] = (km_force_event){KM_FORCE_PEAK, i, s, f};
+  }
+  return look(self, r, s, error);
+}
+
+static void forget(void *self) {
+  ((watch *)self)->scan.have = 0;
+}
+
+static bool keep(const km_statics_sweep *out, const km_event *e, km_force_event *event) {
+  *event = (km_force_event){KM_FORCE_BALANCED, e->function, e->s, e->value};
+  if (e->kind == KM_EVENT_ZERO)
+    return out->largest[e->function].value != 0.0; /* not of one that never holds anything */
+  event->kind = e->kind == KM_EVENT_POLE ? KM_FORCE_UNBOUNDED : KM_FORCE_PEAK;
+  bool outwards = e->kind == KM_EVENT_MAXIMUM ? e->value > 0.0 : e->value < 0.0;
+  return e->kind == KM_EVENT_POLE || outwards;
+}
+
+static km_status take_events(watch *w, km_error *error) {
+  km_statics_sweep *out = w->out;
+  out->events = KM_NEW(km_force_event, w->events.count);
+  if (!out->events)
+    return km_fail(error, KM_MEMORY, "out of memory for a sweep");
+  for (size_t i = 0; i < w->events.count; ++i) {
+    km_force_event event;
+    if (!keep(out, &w->events.items[i], &event))
+      continue;
+    out->events[out->event_count++] = event;
+    km_force_event *largest = &out->largest[event.actuator];
+    if (event.kind != KM_FORCE_BALANCED && fabs(event.value) > fabs(largest->value))
+      *largest = event;
+  }
+  return KM_OK;
+}
+
+static km_status run(const km_mechanism *m, km_state *s, const km_sweep_plan *plan, watch *w, km_error *error) {
+  km_statics_sweep *out = w->out;
+  const km_statics *st = w->statics;
+  km_observer observer = {w, add_columns, write_cells, see, look, forget, NULL};
+  w->scan = (km_scan){.self = w, .values = values, .zeros = true, .extremes = true, .events = &w->events};
+  out->actuators = KM_NEW(int, (size_t)st->actuator_count);
+  out->largest = KM_NEW(km_force_event, (size_t)st->actuator_count);
+  if (!out->actuators || !out->largest || !km_scan_reserve(&w->scan, st->actuator_count))
+    return km_fail(error, KM_MEMORY, "out of memory for a sweep");
+  for (int i = 0; i < st->actuator_count; ++i) {
+    out->actuators[out->actuator_count++] = st->actuators[i];
+    out->largest[i] = (km_force_event){KM_FORCE_PEAK, i, nan(""), 0.0};
+  }
+  km_status status = km_sweep_run(m, s, plan, &observer, &out->motion, error);
+  if (status && status != KM_PARTIAL)
+    return status;
+  km_status taken = take_events(w, error);
+  return taken ? taken : out->unheld ? KM_PARTIAL : status;
+}
+
+km_status km_statics_sweep_run(const km_mechanism *m, km_state *s, const km_sweep_plan *plan, km_forces *forces,
+                               km_statics *statics, km_statics_sweep *out, km_error *error) {
+  *out = (km_statics_sweep){.motion = {.substructure = -1}, .first_unheld = nan("")};
+  watch w = {.out = out, .forces = forces, .statics = statics};
+  km_status status = run(m, s, plan, &w, error);
+  km_scan_free(&w.scan);
+  km_free(w.events.items);
+  return status;
+}
+
+void km_statics_sweep_free(km_statics_sweep *sweep) {
+  km_sweep_free(&sweep->motion);
+  km_free(sweep->actuators);
+  km_free(sweep->events);
+  km_free(sweep->largest);
+  *sweep = (km_statics_sweep){0};
+}

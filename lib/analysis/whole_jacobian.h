@@ -1,0 +1,20 @@
+/* The Jacobian of a substructure with all six rows of every loop. Private to analysis/. */
+#ifndef KM_ANALYSIS_WHOLE_JACOBIAN_H
+#define KM_ANALYSIS_WHOLE_JACOBIAN_H
+
+#include "kinematics/state.h"
+
+/* +1 where a walk round the loop (out to the virtual body, back along the other side) passes the joint in the user's
+ * sense. */
+double km_member_sense(const km_topology *topology, int loop, const km_member *member);
+
+/* Six entries (v; ω) of a twist about `about`, lengths over the substructure's size, of a coordinate in units of
+ * `unit`. */
+void km_twist_entries(const km_substructure *sub, km_twist twist, km_vec3 about, double unit, double out[6]);
+
+/* J: six rows a loop in the order of the substructure's loops (along the inertial axes, moments about `about`), then
+ * the couplings; rows = 6 · loops + couplings, by the substructure's columns. twist[coordinate] of every coordinate. */
+void km_whole_jacobian(const km_mechanism *mechanism, int substructure, const km_twist *twist, km_vec3 about,
+                       double *J);
+
+#endif

@@ -1,0 +1,128 @@
+#include "forces/forces.h"
+
+#include "kinematics/poses.h"
+
+#include <string.h>
+
+static bool allocate(km_forces *f, const km_mechanism *m, int load_count) {
+  size_t bodies = (size_t)m->topology.body_count;
+  f->loads = KM_ARENA_NEW(&f->arena, km_load, (size_t)load_count);
+  f->pose = KM_ARENA_NEW(&f->arena, km_pose, bodies);
+  f->body = KM_ARENA_NEW(&f->arena, km_wrench, bodies);
+  f->joint = KM_ARENA_NEW(&f->arena, double, (size_t)m->coordinate_count);
+  f->extra = KM_ARENA_NEW(&f->arena, double, (size_t)m->coordinate_count);
+  return !f->arena.failed;
+}
+
+km_status km_forces_create(const km_mechanism *m, const double gravity[3], const km_load *loads, int load_count,
+                           km_forces **out, km_error *error) {
+  static const km_dimension acceleration = {.length = 1, .mass = 1, .time = -2, .force = -1};
+  *out = NULL;
+  km_forces *f = KM_NEW(km_forces, 1);
+  if (!f || !allocate(f, m, load_count)) {
+    km_forces_free(f);
+    return km_fail(error, KM_MEMORY, "out of memory for the forces");
+  }
+  km_vec3 g = gravity ? km_vec3_make(gravity) : m->model->gravity;
+  f->gravity = km_vec3_scale(km_units_factor(&m->model->units, acceleration), g);
+  f->load_count = load_count;
+  if (load_count)
+    memcpy(f->loads, loads, (size_t)load_count * sizeof *loads);
+  km_status status = km_springs_read(m->model, f, error);
+  if (status)
+    km_forces_free(f);
+  else
+    *out = f;
+  return status;
+}
+
+void km_forces_free(km_forces *f) {
+  if (!f)
+    return;
+  km_arena_free(&f->arena);
+  km_free(f);
+}
+
+int km_model_load_count(const km_model *model) {
+  return model->load_count;
+}
+
+km_load km_model_load_at(const km_model *model, int index) {
+  const km_load_def *d = &model->loads[index];
+  return (km_load){d->frame, {d->force.x, d->force.y, d->force.z}, {d->torque.x, d->torque.y, d->torque.z}, d->turning};
+}
+
+const char *km_model_load_name(const km_model *model, int index) {
+  return model->loads[index].name;
+}
+
+void km_forces_add_joint(const km_model *model, km_forces *f, int c, double force) {
+  f->joint[c] += force;
+  if (km_joint_is_length(model->joints[model->coordinates[c].joint].type, model->coordinates[c].index))
+    f->force_size += fabs(force);
+  else
+    f->couple_size += fabs(force);
+}
+
+static void add_weights(const km_mechanism *m, km_forces *f) {
+  for (int b = 1; b < m->topology.body_count; ++b) {
+    const km_body_def *body = &m->model->bodies[b];
+    if (body->mass > 0.0)
+      km_forces_add(f, b, km_vec3_scale(body->mass, f->gravity), (km_vec3){0, 0, 0},
+                    km_pose_point(&f->pose[b], body->center_of_mass));
+  }
+}
+
+static void add_loads(const km_mechanism *m, km_forces *f) {
+  for (int i = 0; i < f->load_count; ++i) {
+    const km_load *load = &f->loads[i];
+    const km_frame_def *frame = &m->model->frames[load->frame];
+    km_pose X = km_pose_product(&f->pose[frame->body], &frame->pose);
+    km_vec3 force = km_vec3_make(load->force), torque = km_vec3_make(load->torque);
+    if (load->turning) {
+      force = km_rotate(&X.R, force);
+      torque = km_rotate(&X.R, torque);
+    }
+    km_forces_add(f, frame->body, force, torque, X.p);
+  }
+}
+
+void km_forces_update(const km_mechanism *m, const km_state *s, km_forces *f) {
+  f->origin = (km_vec3){0, 0, 0};
+  if (m->topology.body_count > 1) {
+    km_poses_about(m, s, f->origin, f->pose);
+    f->origin = f->pose[m->arcs[0].body].p;
+  }
+  km_poses_about(m, s, f->origin, f->pose);
+  memset(f->body, 0, (size_t)m->topology.body_count * sizeof *f->body);
+  memset(f->joint, 0, (size_t)m->coordinate_count * sizeof *f->joint);
+  f->force_size = f->couple_size = 0.0;
+  for (int c = 0; c < m->coordinate_count; ++c)
+    if (f->extra[c] != 0.0)
+      km_forces_add_joint(m->model, f, c, f->extra[c]);
+  add_weights(m, f);
+  add_loads(m, f);
+  km_springs_add(m, s, f);
+}
+
+void km_forces_on_body(const km_forces *f, int body, double wrench[6]) {
+  km_wrench w = km_wrench_about(f->body[body], km_vec3_scale(-1.0, f->origin));
+  const double values[6] = {w.f.x, w.f.y, w.f.z, w.t.x, w.t.y, w.t.z};
+  memcpy(wrench, values, sizeof values);
+}
+
+double km_forces_in_joint(const km_forces *f, int coordinate) {
+  return f->joint[coordinate];
+}
+
+void km_torque_unit(const km_model *model, km_text *out) {
+  km_text_format(out, "%s*%s", model->units.force->suffix, model->units.length->suffix);
+}
+
+void km_force_unit(const km_model *model, int coordinate, km_text *out) {
+  const km_coordinate_def *def = &model->coordinates[coordinate];
+  if (km_joint_is_length(model->joints[def->joint].type, def->index))
+    km_text_add(out, model->units.force->suffix);
+  else
+    km_torque_unit(model, out);
+}

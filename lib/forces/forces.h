@@ -1,0 +1,63 @@
+/* Forces at a pose, about a point near the mechanism. Kinds of force add their own parts to the same sums. */
+#ifndef KM_FORCES_FORCES_H
+#define KM_FORCES_FORCES_H
+
+#include "base/text.h"
+#include "kinematics/state.h"
+#include "kmech/forces.h"
+#include "spatial/wrench.h"
+
+/* A force law: polynomials between knots of a displacement. */
+typedef struct km_law {
+  int knot_count;
+  const double *knots;
+  const int *start;           /* [knot_count + 2] where each polynomial begins in `coefficients` */
+  const double *coefficients; /* lowest power first */
+} km_law;
+
+typedef enum km_distance { KM_DISTANCE_EUCLID, KM_DISTANCE_X, KM_DISTANCE_Y, KM_DISTANCE_Z } km_distance;
+
+/* A force module of type stiffness. */
+typedef struct km_spring {
+  km_port input, output;
+  km_distance distance; /* of a port between frames */
+  km_law law;
+} km_spring;
+
+struct km_forces {
+  km_arena arena;
+  km_vec3 gravity; /* force a unit of mass, model's units */
+  int load_count, spring_count;
+  double *extra; /* [coordinate] forces in joints along +q that an analysis sets; 0 at first */
+  km_load *loads;
+  km_spring *springs;
+  /* At the last pose, by km_forces_update. Wrenches along the inertial axes, moments about `origin`. */
+  km_vec3 origin;     /* near the mechanism: far from the inertial origin digits would be lost */
+  km_pose *pose;      /* [body] in the inertial frame moved to `origin` */
+  km_wrench *body;    /* [body] applied wrenches */
+  double *joint;      /* [coordinate] forces in joints along +q */
+  double force_size;  /* Σ of the forces' lengths, … */
+  double couple_size; /* … and of the couples': what rounding is measured by */
+};
+
+/* "N", "N*mm": the unit of a coordinate's generalised force, and of a torque. Appended. */
+void km_force_unit(const km_model *model, int coordinate, km_text *out);
+void km_torque_unit(const km_model *model, km_text *out);
+
+double km_law_force(const km_law *law, double displacement);
+/* Reads the model's modules of type stiffness into forces->springs. */
+km_status km_springs_read(const km_model *model, km_forces *forces, km_error *error);
+/* Adds their forces at the poses. */
+void km_springs_add(const km_mechanism *mechanism, const km_state *state, km_forces *forces);
+
+/* Adds a force in a joint along +q of a coordinate. */
+void km_forces_add_joint(const km_model *model, km_forces *forces, int coordinate, double force);
+
+/* Adds a force on a body at a point (about `origin`), and a couple. */
+static inline void km_forces_add(km_forces *f, int body, km_vec3 force, km_vec3 couple, km_vec3 point) {
+  f->body[body] = km_wrench_axpy(1.0, km_wrench_at(force, couple, point), f->body[body]);
+  f->force_size += km_vec3_norm(force);
+  f->couple_size += km_vec3_norm(couple);
+}
+
+#endif

@@ -1,0 +1,38 @@
+/* What friction in the joints takes from a mechanical advantage. */
+#ifndef KMECH_LOSSES_H
+#define KMECH_LOSSES_H
+
+#include "kmech/advantage.h"
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+/* The force that the output gives for one at the input, while the input moves the output against its load. */
+typedef struct km_losses {
+  double ratio;      /* −τ_out / f_in with friction; 0: it locks itself; NaN: undefined */
+  double efficiency; /* over the mechanical advantage: 0 … 1 */
+  bool locks;        /* no input force is enough */
+  const char *why;   /* why it is undefined; NULL: it isn't */
+} km_losses;
+
+typedef struct km_losses_work km_losses_work;
+
+/* Does any joint of the model have friction? */
+bool km_model_has_friction(const km_model *model);
+
+/* KM_MEMORY, KM_USAGE. The caller frees `*out`. */
+km_status km_losses_create(const km_mechanism *mechanism, const km_handle *input, const km_handle *output,
+                           km_losses_work **out, km_error *error);
+void km_losses_free(km_losses_work *work);
+
+/* At the state's pose, whose mobility is up to date. Coulomb friction (`friction`: coefficient μ, radius r): a turning
+ * coordinate resists with μ r N, a sliding one with μ N, N the force of its reaction across its axis (of ball joints
+ * and screws: all of it); weights, loads and springs don't count. By iteration, since N depends on friction; what is
+ * statically indeterminate counts as its least-norm part. Never allocates. */
+void km_losses_update(const km_mechanism *mechanism, km_state *state, km_losses_work *work, km_losses *out);
+
+#ifdef __cplusplus
+}
+#endif
+#endif

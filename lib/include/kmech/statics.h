@@ -1,0 +1,58 @@
+/* Static balance: what joints and actuators must hold at a pose, and what every joint then carries. */
+#ifndef KMECH_STATICS_H
+#define KMECH_STATICS_H
+
+#include "kmech/forces.h"
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+typedef enum km_axes { KM_AXES_JOINT, KM_AXES_FIXED } km_axes;
+
+/* The wrench of parent on child through a joint, actuator and spring parts included: moment about the origin of the
+ * child's joint frame, along that frame's axes or the inertial frame's. */
+typedef struct km_reaction {
+  double force[3], torque[3];
+  bool indeterminate[6]; /* fx fy fz tx ty tz: statics alone doesn't determine it; the least-norm one is given */
+} km_reaction;
+
+typedef struct km_statics_work km_statics_work;
+
+enum { KM_MOST_DIRECTIONS = 64 };
+
+/* The balance of one thread. Forces in the model's units, those of angles per radian; rates in radians and the
+ * model's length. */
+typedef struct km_statics {
+  int actuator_count;
+  const int *actuators;    /* coordinates */
+  double *actuator_forces; /* [actuator] NaN where the set can't hold its substructure */
+  double *least_norm;      /* [coordinate] f̄; 0 of held ones */
+  bool held;               /* the actuators balance the loads */
+  bool redundant;          /* the actuators are more than needed: theirs is the least-norm answer */
+  int direction_count;     /* independent motions that the actuators have no force against … */
+  double *directions; /* … [KM_MOST_DIRECTIONS × coordinate] the first of them: rates, the largest scaled one 1 */
+  bool *falls;        /* [KM_MOST_DIRECTIONS] the loads push in this one: the pose isn't held */
+  km_reaction *reactions; /* [joint] */
+  int degree;             /* of static indeterminacy: redundant constraints */
+  km_statics_work *work;
+} km_statics;
+
+/* Prepares for a set of actuators (coordinates, copied; NULL: every free coordinate). KM_USAGE: an actuator is held
+ * or named twice; KM_MEMORY. Free `*out` in any case. */
+km_status km_statics_create(const km_mechanism *mechanism, const int *actuators, int actuator_count, km_axes axes,
+                            km_statics *out, km_error *error);
+void km_statics_free(km_statics *statics);
+
+/* Balances the forces at the state's pose, where mobility is up to date (km_mobility_update or a sweep's row).
+ * f̄ = −D Z Zᵀ D⁻¹ τ, τ = Hᵀ C⁻ᵀ g (296). Actuators: Y_Aᵀ f_A = −Yᵀ τ, Y = D⁻¹ Z, of least |D⁻¹ f_A| where they are
+ * redundant: all joints as actuators give f̄. Reactions: Jᵀ μ = f + τ for the wrenches μ of the loops' chords; where
+ * the structure is indeterminate, of least Σ |force|² + |torque / L|² over all joints, L the characteristic length.
+ * With the actuators' forces where they hold the pose, else with f̄. Updates the forces too.
+ * O(coordinates · (6 loops + couplings)²) a substructure; never allocates. */
+void km_statics_update(const km_mechanism *mechanism, km_state *state, km_forces *forces, km_statics *statics);
+
+#ifdef __cplusplus
+}
+#endif
+#endif

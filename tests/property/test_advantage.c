@@ -1,0 +1,318 @@
+/* Mechanical advantage against the closed loops, against the balance of forces, and against closed forms. */
+#include "support/support.h"
+
+#include "forces/forces.h"
+#include "kinematics/poses.h"
+#include "kmech/advantage.h"
+#include "kmech/losses.h"
+#include "kmech/statics.h"
+#include "kmech/transmission.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <string.h>
+
+static km_handle joint(const km_model *model, int coordinate) {
+  return (km_handle){.coordinate = coordinate, .name = model->coordinates[coordinate].label};
+}
+
+static km_advantage advantage_of(fixture *f, const km_handle *input, const km_handle *output) {
+  km_lever *lever;
+  km_advantage a;
+  km_error error;
+  km_mobility mobility;
+  if (km_lever_create(f->mechanism, input, output, &lever, &error))
+    fail_msg("%s", error.text);
+  km_mobility_update(f->mechanism, f->state, &mobility);
+  km_lever_update(f->mechanism, f->state, lever, &a);
+  km_lever_free(lever);
+  return a;
+}
+
+/* Two different free coordinates of one substructure with one freedom; false if the model has none. */
+static bool choose(const fixture *f, randomness *r, int *in, int *out) {
+  const km_mechanism *m = f->mechanism;
+  km_mobility mobility;
+  km_mobility_update(m, f->state, &mobility);
+  for (int tries = 0; tries < 50 && m->topology.substructure_count; ++tries) {
+    int s = below(r, m->topology.substructure_count);
+    const km_substructure *sub = &m->substructures[s];
+    if (km_partition_freedom(&f->state->partition[s]) != 1)
+      continue;
+    *in = m->column_coordinate[sub->column_start + below(r, sub->columns)];
+    *out = m->column_coordinate[sub->column_start + below(r, sub->columns)];
+    /* near a toggle of the driver its neighbours are out of reach or far away */
+    if (*in != *out && m->ball_of[*in] < 0 && m->ball_of[*out] < 0 && f->state->numbers[*in] > 1e-4 &&
+        fabs(km_state_coordinate(f->state, *in)) < 1e6)
+      return true;
+  }
+  return false;
+}
+
+/* The output where the input is driven to start + h; *reached is cleared if it can't go there. */
+static double output_at(fixture *f, km_drive *drive, double start, double h, int out, bool *reached) {
+  *reached = !km_drive_to(drive, start + h).stop && *reached;
+  return f->state->q[out];
+}
+
+/* The fourth-order difference over steps of h. */
+static double difference(fixture *f, km_drive *drive, double start, double h, int out, bool *reached) {
+  double y[4];
+  for (int k = 0; k < 4; ++k)
+    y[k] = output_at(f, drive, start, h * (k < 2 ? k - 2 : k - 1), out, reached);
+  return (8.0 * (y[2] - y[1]) - (y[3] - y[0])) / (12.0 * h);
+}
+
+/* It errs by a fifteenth of its change when h doubles, and by rounding, 1e-12/h = 1e-9 at most. */
+static void inverse_of_the_rate(void **state) {
+  (void)state;
+  randomness r = {11};
+  int compared = 0;
+  for (const char *const *name = all_models; *name; ++name) {
+    for (int i = 0; i < 8; ++i) {
+      fixture f = fixture_open(*name);
+      int in, out;
+      go_somewhere(&f, &r);
+      if (choose(&f, &r, &in, &out)) {
+        km_handle input = joint(f.model, in), output = joint(f.model, out);
+        km_advantage a = advantage_of(&f, &input, &output);
+        double factor = km_model_coordinate_factor(f.model, in), start = km_state_coordinate(f.state, in);
+        double h = 1e-3 * f.mechanism->unit[in] / factor;
+        bool reached = true;
+        km_drive *drive;
+        assert_int_equal(km_drive_create(f.mechanism, f.state, in, true, &drive, NULL), KM_OK);
+        double rate = difference(&f, drive, start, h, out, &reached) / factor;
+        double coarse = difference(&f, drive, start, 2.0 * h, out, &reached) / factor;
+        km_drive_free(drive);
+        double scale = f.mechanism->unit[out] / f.mechanism->unit[in];
+        double ratio = a.state == KM_ADVANTAGE_INFINITE ? 0.0 : a.velocity_ratio;
+        if (reached && fabs(rate) < 30.0 * scale) {
+          assert_near(rate, ratio, 1e-8 * (1.0 + fabs(rate / scale)) * scale + fabs(coarse - rate) / 15.0);
+          if (a.state == KM_ADVANTAGE_FINITE)
+            assert_near(a.value * a.velocity_ratio, 1.0, 1e-14);
+          ++compared;
+        }
+      }
+      fixture_close(&f);
+    }
+  }
+  assert_true(compared > 40);
+}
+
+/* A generalised force of 1 on a coordinate: its axis' force or couple on the child, the opposite on the parent. */
+static void pair_of_loads(const fixture *f, int c, km_load out[2]) {
+  const km_joint_def *def = &f->model->joints[f->model->coordinates[c].joint];
+  km_twist h = km_coordinate_twist(f->mechanism, f->state, c);
+  bool turns = km_vec3_norm(h.w) > 0.5;
+  km_vec3 axis = turns ? h.w : h.v, none = {0, 0, 0}, moment = none;
+  const km_frame_def *a = &f->model->frames[def->frame[0]], *b = &f->model->frames[def->frame[1]];
+  if (!turns) {
+    km_vec3 from = km_pose_point(&f->state->pose[a->body], a->pose.p);
+    km_vec3 to = km_pose_point(&f->state->pose[b->body], b->pose.p);
+    moment = km_vec3_scale(-1.0, km_vec3_cross(km_vec3_sub(to, from), axis)); /* of the opposite force at `to` */
+  }
+  km_vec3 force = turns ? none : axis, couple = turns ? axis : none;
+  km_vec3 back = turns ? km_vec3_scale(-1.0, axis) : moment;
+  out[0] = (km_load){def->frame[1], {force.x, force.y, force.z}, {couple.x, couple.y, couple.z}, false};
+  out[1] = (km_load){def->frame[0], {-force.x, -force.y, -force.z}, {back.x, back.y, back.z}, false};
+}
+
+/* The input force that balances an output force τ is −τ / MA. */
+static void minus_the_ratio_of_forces(void **state) {
+  (void)state;
+  static const double weightless[3] = {0, 0, 0};
+  randomness r = {12};
+  int compared = 0;
+  for (const char *const *name = all_models; *name; ++name) {
+    for (int i = 0; i < 8; ++i) {
+      fixture f = fixture_open(*name);
+      int in, out;
+      go_somewhere(&f, &r);
+      bool chosen = choose(&f, &r, &in, &out);
+      const km_joint_def *def = chosen ? &f.model->joints[f.model->coordinates[out].joint] : NULL;
+      if (chosen && def->type != KM_SCREW && f.model->module_count == 0) {
+        km_handle input = joint(f.model, in), output = joint(f.model, out);
+        km_advantage a = advantage_of(&f, &input, &output);
+        km_load loads[2];
+        km_forces *forces;
+        km_statics statics;
+        km_poses_update(f.mechanism, f.state);
+        pair_of_loads(&f, out, loads);
+        assert_int_equal(km_forces_create(f.mechanism, weightless, loads, 2, &forces, NULL), KM_OK);
+        assert_int_equal(km_statics_create(f.mechanism, &in, 1, KM_AXES_JOINT, &statics, NULL), KM_OK);
+        km_statics_update(f.mechanism, f.state, forces, &statics);
+        double scale = f.mechanism->unit[out] / f.mechanism->unit[in];
+        if (a.state == KM_ADVANTAGE_FINITE)
+          assert_near(statics.actuator_forces[0], -a.velocity_ratio, 1e-8 * (fabs(a.velocity_ratio) + scale));
+        compared += a.state == KM_ADVANTAGE_FINITE;
+        km_statics_free(&statics);
+        km_forces_free(forces);
+      }
+      fixture_close(&f);
+    }
+  }
+  assert_true(compared > 40);
+}
+
+static void characteristic_length_does_not_count(void **state) {
+  (void)state;
+  randomness r = {13};
+  for (const char *const *name = all_models; *name; ++name) {
+    fixture f = fixture_open(*name), g = fixture_open(*name);
+    int in, out;
+    g.model->characteristic_length = 0.037;
+    km_mechanism_free(g.mechanism);
+    km_state_free(g.state);
+    g = fixture_of(g.model);
+    go_somewhere(&f, &r);
+    if (choose(&f, &r, &in, &out)) {
+      km_handle input = joint(f.model, in), output = joint(f.model, out);
+      km_state_copy(g.mechanism, g.state, f.state);
+      km_advantage a = advantage_of(&f, &input, &output), b = advantage_of(&g, &input, &output);
+      assert_int_equal(a.state, b.state);
+      if (a.state == KM_ADVANTAGE_FINITE)
+        assert_near(a.value, b.value, 1e-9 * fabs(a.value));
+    }
+    fixture_close(&f);
+    fixture_close(&g);
+  }
+}
+
+/* A frame turned about y, its origin at (x, 0, z). */
+static void turned(char *out, size_t size, const char *name, double angle, double x, double z) {
+  snprintf(out, size,
+           "{\"name\": \"%s\", \"T\": [%.17g, 0, %.17g], \"R\": [[%.17g, 0, %.17g], [0, 1, 0], [%.17g, 0, %.17g]]}",
+           name, x, z, cos(angle), sin(angle), -sin(angle), cos(angle));
+}
+
+/* theory.md 5: ω_out / ω_in = cos β / (1 − sin²β cos²θ). */
+static void single_cardan_joint(void **state) {
+  (void)state;
+  const double beta = 0.6;
+  char frame[512], text[2048];
+  turned(frame, sizeof frame, "out", beta, 0.0, 0.0);
+  snprintf(text, sizeof text,
+           "{\"fixed\": {\"frames\": [%s]}, \"assemblies\": [{\"name\": \"a\", \"bodies\": [{\"name\": \"in\"}, "
+           "{\"name\": \"out\"}], \"joints\": ["
+           "{\"name\": \"A\", \"type\": \"Rz\", \"body_frame_pairs\": [\"fixed\", \"in\"]},"
+           "{\"name\": \"U\", \"type\": \"universal\", \"body_frame_pairs\": [\"in\", \"out\"], "
+           "\"initial_displacement\": [0, %.17g]},"
+           "{\"name\": \"B\", \"type\": \"Rz\", \"body_frame_pairs\": [[\"fixed\", \"out\"], \"out\"]}]}]}",
+           frame, beta);
+  fixture f = fixture_read(text);
+  km_handle input = joint(f.model, 0), output = joint(f.model, 3);
+  km_drive *drive;
+  assert_int_equal(km_drive_create(f.mechanism, f.state, 0, false, &drive, NULL), KM_OK);
+  for (int i = 0; i <= 24; ++i) {
+    double theta = 2.0 * M_PI * i / 24, c = cos(theta), s = sin(beta);
+    assert_int_equal(km_drive_to(drive, theta).stop, KM_STOP_NONE);
+    km_advantage a = advantage_of(&f, &input, &output);
+    assert_near(a.velocity_ratio, cos(beta) / (1.0 - s * s * c * c), 1e-12);
+  }
+  km_drive_free(drive);
+  fixture_close(&f);
+}
+
+/* Two Cardan joints with an even middle shaft in Z or W turn alike. */
+static void double_cardan_joint(void **state) {
+  (void)state;
+  const double beta = 0.5, length = 2.0;
+  for (int w = 0; w < 2; ++w) {
+    double bend = w ? -beta : beta;
+    char frame[512], text[3072];
+    turned(frame, sizeof frame, "out", w ? 2.0 * beta : 0.0, length * sin(beta), length * cos(beta));
+    snprintf(text, sizeof text,
+             "{\"fixed\": {\"frames\": [%s]}, \"assemblies\": [{\"name\": \"a\", \"bodies\": [{\"name\": \"in\"}, "
+             "{\"name\": \"mid\", \"frames\": [{\"name\": \"end\", \"T\": [0, 0, %.17g]}]}, {\"name\": \"out\"}], "
+             "\"joints\": [{\"name\": \"A\", \"type\": \"Rz\", \"body_frame_pairs\": [\"fixed\", \"in\"]},"
+             "{\"name\": \"U\", \"type\": \"universal\", \"body_frame_pairs\": [\"in\", \"mid\"], "
+             "\"initial_displacement\": [0, %.17g]},"
+             "{\"name\": \"V\", \"type\": \"universal\", \"body_frame_pairs\": [\"out\", [\"mid\", \"end\"]], "
+             "\"initial_displacement\": [0, %.17g]},"
+             "{\"name\": \"B\", \"type\": \"Rz\", \"body_frame_pairs\": [[\"fixed\", \"out\"], \"out\"]}]}]}",
+             frame, length, beta, bend);
+    fixture f = fixture_read(text);
+    km_handle input = joint(f.model, 0), output = joint(f.model, 5);
+    km_drive *drive;
+    assert_int_equal(km_drive_create(f.mechanism, f.state, 0, false, &drive, NULL), KM_OK);
+    for (int i = 0; i <= 12; ++i) {
+      assert_int_equal(km_drive_to(drive, 0.5 * i).stop, KM_STOP_NONE);
+      assert_near(advantage_of(&f, &input, &output).value, 1.0, 1e-9);
+    }
+    km_drive_free(drive);
+    fixture_close(&f);
+  }
+}
+
+/* Planar four-bars: the transmission angle by the cosine rule, and both indices its sine. */
+static void transmission_of_a_four_bar(void **state) {
+  (void)state;
+  fixture f = fixture_open("fourbar");
+  km_handle input = joint(f.model, 0), output = joint(f.model, 3);
+  km_transmission_work *work;
+  km_drive *drive;
+  assert_int_equal(km_transmission_create(f.mechanism, &input, &output, &work, NULL), KM_OK);
+  assert_int_equal(km_drive_create(f.mechanism, f.state, 0, false, &drive, NULL), KM_OK);
+  for (int i = 0; i < 12; ++i) {
+    km_transmission t;
+    km_mobility mobility;
+    assert_int_equal(km_drive_to(drive, 0.5 * i).stop, KM_STOP_NONE);
+    km_mobility_update(f.mechanism, f.state, &mobility);
+    km_transmission_update(f.mechanism, f.state, work, &t);
+    double diagonal = 0.4 * 0.4 + 0.15 * 0.15 - 2.0 * 0.4 * 0.15 * cos(0.5 * i);
+    double angle = acos((0.5 * 0.5 + 0.45 * 0.45 - diagonal) / (2.0 * 0.5 * 0.45));
+    assert_near(t.angle.value, angle, 1e-12);
+    assert_near(t.sutherland_roth.value, sin(angle), 1e-12);
+    assert_near(t.chen_angeles.value, sin(angle), 1e-12);
+    assert_near(t.virtual_coefficient.value, 0.5 * 0.45 * sin(angle), 1e-12);
+  }
+  km_drive_free(drive);
+  km_transmission_free(work);
+  fixture_close(&f);
+}
+
+/* A slide with friction: the rod at angle β to it pushes R = 1 / (cos β − μ sin β), so the efficiency is 1 − μ tan β.
+ */
+static void friction_of_a_slide(void **state) {
+  (void)state;
+  char *text = read_model_text("slider_crank"), *place = strstr(text, "\"damping\": 1.0");
+  km_text edited = {0};
+  km_text_bytes(&edited, text, (size_t)(place - text));
+  km_text_add(&edited, "\"friction\": {\"coefficient\": 0.2}");
+  km_text_add(&edited, place + strlen("\"damping\": 1.0"));
+  fixture f = fixture_read(edited.data);
+  km_handle input = joint(f.model, 0), output = joint(f.model, 1);
+  km_losses_work *work;
+  km_drive *drive;
+  assert_int_equal(km_losses_create(f.mechanism, &input, &output, &work, NULL), KM_OK);
+  assert_int_equal(km_drive_create(f.mechanism, f.state, 0, false, &drive, NULL), KM_OK);
+  for (int i = 1; i < 6; ++i) {
+    km_losses losses;
+    km_mobility mobility;
+    assert_int_equal(km_drive_to(drive, 0.5 * i).stop, KM_STOP_NONE);
+    km_mobility_update(f.mechanism, f.state, &mobility);
+    km_losses_update(f.mechanism, f.state, work, &losses);
+    double beta = asin(0.6 * sin(0.5 * i) / 1.5);
+    assert_null(losses.why);
+    assert_false(losses.locks);
+    assert_near(losses.efficiency, 1.0 - 0.2 * tan(beta), 1e-10);
+  }
+  km_drive_free(drive);
+  km_losses_free(work);
+  fixture_close(&f);
+  km_text_free(&edited);
+  km_free(text);
+}
+
+int main(void) {
+  const struct CMUnitTest tests[] = {
+      cmocka_unit_test(inverse_of_the_rate),
+      cmocka_unit_test(minus_the_ratio_of_forces),
+      cmocka_unit_test(characteristic_length_does_not_count),
+      cmocka_unit_test(single_cardan_joint),
+      cmocka_unit_test(double_cardan_joint),
+      cmocka_unit_test(transmission_of_a_four_bar),
+      cmocka_unit_test(friction_of_a_slide),
+  };
+  return cmocka_run_group_tests(tests, NULL, NULL);
+}

@@ -1,0 +1,10 @@
+/* Random mechanisms: any topology, any joint types, any senses, perhaps gears, closed by construction. */
+#ifndef KM_TESTS_RANDOM_MECHANISM_H
+#define KM_TESTS_RANDOM_MECHANISM_H
+
+#include "support/support.h"
+
+/* The text of one; the caller frees it (km_free). */
+char *random_mechanism(randomness *r, bool gears);
+
+#endif

@@ -1,0 +1,115 @@
+/* Springs of every kind against differences of their displacement, and force laws piece by piece. */
+#include "support/support.h"
+
+#include "forces/forces.h"
+#include "kmech/statics.h"
+
+#include <math.h>
+#include <stdio.h>
+
+static void pieces_of_a_law(void **state) {
+  (void)state;
+  const double knots[2] = {-1.0, 2.0}, coefficients[6] = {3.0, 1.0, -2.0, 0.5, 7.0, 4.0};
+  const int start[4] = {0, 1, 4, 6};
+  const km_law law = {2, knots, start, coefficients};
+  assert_near(km_law_force(&law, -5.0), 3.0, 0.0);
+  assert_near(km_law_force(&law, 1.0), 1.0 - 2.0 + 0.5, 1e-15);
+  assert_near(km_law_force(&law, 3.0), 7.0 + 12.0, 1e-15);
+  const km_law plain = {0, NULL, (const int[]){0, 2}, (const double[]){0.0, -4.0}};
+  assert_near(km_law_force(&plain, 0.5), -2.0, 1e-15);
+}
+
+/* An arm of three joints in space with one spring: %s are its input, the rest of its module. */
+static const char arm[] =
+    "{\"fixed\": {\"frames\": [{\"name\": \"wall\", \"T\": [0.3, -0.4, 0.2], \"R\": [[0, -1, 0], [1, 0, 0], [0, 0, "
+    "1]]}]}, \"assemblies\": [{\"name\": \"a\", \"bodies\": ["
+    "{\"name\": \"one\", \"frames\": [{\"name\": \"end\", \"T\": [1, 0, 0.1]}, {\"name\": \"eye\", \"T\": [0.4, 0.2, "
+    "0]}]},"
+    "{\"name\": \"two\", \"frames\": [{\"name\": \"end\", \"T\": [0.7, 0, 0]}]},"
+    "{\"name\": \"three\", \"frames\": [{\"name\": \"hook\", \"T\": [0.3, 0.1, 0.5]}]}],"
+    "\"joints\": [{\"name\": \"A\", \"type\": \"Rz\", \"body_frame_pairs\": [\"fixed\", \"one\"], "
+    "\"initial_displacement\": 0.3},"
+    "{\"name\": \"B\", \"type\": \"Ry\", \"body_frame_pairs\": [\"two\", [\"one\", \"end\"]], "
+    "\"initial_displacement\": "
+    "0.7},"
+    "{\"name\": \"C\", \"type\": \"Tx\", \"body_frame_pairs\": [[\"two\", \"end\"], \"three\"], "
+    "\"initial_displacement\": 0.4}],"
+    "\"force_modules\": [{\"name\": \"s\", \"type\": \"stiffness\", \"knot_points\": [0.5], \"coefficients\": [[1, "
+    "-2], "
+    "[3, 0.5, -1]], %s}]}]}";
+
+static double force_at(double x) {
+  return x < 0.5 ? 1.0 - 2.0 * x : 3.0 + 0.5 * x - x * x;
+}
+
+/* The displacement of a port between frames, from the frames' positions alone. */
+static double displacement(const fixture *f, const km_port *port, const char *distance) {
+  if (port->coordinate >= 0)
+    return f->state->q[port->coordinate];
+  km_poses_update(f->mechanism, f->state);
+  double a[3], b[3];
+  km_frame_position(f->mechanism, f->state, port->frame[0], a);
+  km_frame_position(f->mechanism, f->state, port->frame[1], b);
+  km_vec3 way = km_vec3_sub(km_vec3_make(b), km_vec3_make(a));
+  if (distance[0] == 'e')
+    return km_vec3_norm(way);
+  const km_frame_def *frame = &f->model->frames[port->frame[0]];
+  km_pose X = km_pose_product(&f->state->pose[frame->body], &frame->pose);
+  return km_vec3_dot(X.R.axis[distance[1] - 'x'], way);
+}
+
+/* τ_c = force(input) · ∂(output)/∂q_c by central differences, which err by h² = 1e-10. */
+static void springs_push_along_their_displacement(void **state) {
+  (void)state;
+  static const struct {
+    const char *ports, *distance;
+  } cases[] = {
+      {"\"input\": {\"type\": \"joint\", \"joint\": \"B\"}", "euclid"},
+      {"\"input\": {\"type\": \"joint\", \"joint\": \"C\"}", "euclid"},
+      {"\"input\": {\"type\": \"frame\", \"body_frame_pair\": [[\"fixed\", \"wall\"], [\"three\", \"hook\"]]}",
+       "euclid"},
+      {"\"input\": {\"type\": \"frame\", \"body_frame_pair\": [[\"one\", \"eye\"], [\"three\", \"hook\"]]}", "Tx"},
+      {"\"input\": {\"type\": \"frame\", \"body_frame_pair\": [[\"three\", \"hook\"], [\"one\", \"eye\"]]}", "Ty"},
+      {"\"input\": {\"type\": \"frame\", \"body_frame_pair\": [[\"fixed\", \"wall\"], [\"three\", \"hook\"]]}", "Tz"},
+      {"\"input\": {\"type\": \"joint\", \"joint\": \"A\"}, \"output\": {\"type\": \"frame\", \"body_frame_pair\": "
+       "[[\"one\", \"eye\"], [\"three\", \"hook\"]]}",
+       "euclid"},
+      {"\"input\": {\"type\": \"frame\", \"body_frame_pair\": [[\"one\", \"eye\"], [\"three\", \"hook\"]]}, "
+       "\"output\": "
+       "{\"type\": \"joint\", \"joint\": \"A\"}",
+       "euclid"},
+  };
+  for (size_t i = 0; i < sizeof cases / sizeof *cases; ++i) {
+    char ports[600], text[4096];
+    snprintf(ports, sizeof ports, "\"distance_type\": \"%s\", %s", cases[i].distance, cases[i].ports);
+    snprintf(text, sizeof text, arm, ports);
+    fixture f = fixture_read(text);
+    km_forces *forces;
+    km_statics statics;
+    km_mobility mobility;
+    km_mobility_update(f.mechanism, f.state, &mobility);
+    assert_int_equal(km_forces_create(f.mechanism, NULL, NULL, 0, &forces, NULL), KM_OK);
+    assert_int_equal(km_statics_create(f.mechanism, NULL, 0, KM_AXES_JOINT, &statics, NULL), KM_OK);
+    km_statics_update(f.mechanism, f.state, forces, &statics);
+    const km_module_def *module = &f.model->modules[0];
+    double force = force_at(displacement(&f, &module->input, cases[i].distance));
+    for (int c = 0; c < 3; ++c) {
+      double q = f.state->q[c], h = 1e-5, there[2];
+      for (int k = 0; k < 2; ++k) {
+        km_state_set_one(f.state, c, q + (k ? h : -h));
+        there[k] = displacement(&f, &module->output, cases[i].distance);
+      }
+      km_state_set_one(f.state, c, q);
+      assert_near(-statics.least_norm[c], force * (there[1] - there[0]) / (2.0 * h), 1e-8);
+    }
+    km_statics_free(&statics);
+    km_forces_free(forces);
+    fixture_close(&f);
+  }
+}
+
+int main(void) {
+  const struct CMUnitTest tests[] = {cmocka_unit_test(pieces_of_a_law),
+                                     cmocka_unit_test(springs_push_along_their_displacement)};
+  return cmocka_run_group_tests(tests, NULL, NULL);
+}

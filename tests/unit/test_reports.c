@@ -1,0 +1,122 @@
+/* Reports: the same input gives the same bytes, HTML needs no other file, every page is there. */
+#include "support/support.h"
+
+#include "kmech/advantage_sweep.h"
+#include "kmech/statics_sweep.h"
+#include "report/advantage_report.h"
+#include "report/statics_report.h"
+
+#include <string.h>
+
+/* Under LeakSanitizer: fontconfig and Pango keep their caches until the process ends. */
+const char *__lsan_default_suppressions(void);
+const char *__lsan_default_suppressions(void) {
+  return "leak:libfontconfig\nleak:libpango\n";
+}
+
+static void leverage(const char *model, bool html, km_text *out) {
+  fixture f = fixture_open(model);
+  km_handle input, output;
+  km_transmission_work *work;
+  km_transmission transmission;
+  km_advantage_sweep sweep;
+  km_sweep_plan plan = km_sweep_plan_default(f.model);
+  km_error error = {0};
+  assert_true(km_handle_default(f.model, false, &input) && km_handle_default(f.model, true, &output));
+  assert_int_equal(km_advantage_sweep_run(f.mechanism, f.state, &plan, &input, &output, true, &sweep, &error), KM_OK);
+  assert_int_equal(km_transmission_create(f.mechanism, &input, &output, &work, &error), KM_OK);
+  km_transmission_update(f.mechanism, f.state, work, &transmission);
+  km_plotted_advantage plotted = {{f.mechanism, &plan, &sweep.motion, model}, &sweep};
+  if (km_advantage_report(&plotted, &transmission, "", html, out, &error))
+    fail_msg("%s", error.text);
+  km_transmission_free(work);
+  km_advantage_sweep_free(&sweep);
+  fixture_close(&f);
+}
+
+static void holding(const char *model, bool html, km_text *out) {
+  fixture f = fixture_open(model);
+  km_forces *forces;
+  km_statics statics;
+  km_statics_sweep sweep;
+  km_sweep_plan plan = km_sweep_plan_default(f.model);
+  km_error error = {0};
+  assert_int_equal(km_forces_create(f.mechanism, NULL, NULL, 0, &forces, &error), KM_OK);
+  assert_int_equal(km_statics_create(f.mechanism, NULL, 0, KM_AXES_JOINT, &statics, &error), KM_OK);
+  assert_int_equal(km_statics_sweep_run(f.mechanism, f.state, &plan, forces, &statics, &sweep, &error), KM_OK);
+  km_plotted_statics plotted = {{f.mechanism, &plan, &sweep.motion, model}, &sweep};
+  if (km_statics_report(&plotted, &statics, "gravity", "", html, out, &error))
+    fail_msg("%s", error.text);
+  km_statics_sweep_free(&sweep);
+  km_statics_free(&statics);
+  km_forces_free(forces);
+  fixture_close(&f);
+}
+
+static void same_input_same_bytes(void **state) {
+  (void)state;
+  static void (*const reports[])(const char *, bool, km_text *) = {leverage, holding};
+  for (int r = 0; r < 2; ++r) {
+    for (int html = 0; html < 2; ++html) {
+      km_text a = {0}, b = {0};
+      reports[r]("brake", html, &a);
+      reports[r]("brake", html, &b);
+      assert_int_equal(a.size, b.size);
+      assert_memory_equal(a.data, b.data, a.size);
+      assert_memory_equal(a.data, html ? "<!DOCTYPE html>" : "%PDF-", html ? 15 : 5);
+      km_text_free(&a);
+      km_text_free(&b);
+    }
+  }
+}
+
+/* Every picture is inside, and the file asks for nothing. */
+static void html_stands_alone(void **state) {
+  (void)state;
+  km_text text = {0};
+  leverage("fourbar", true, &text);
+  for (const char *src = strstr(text.data, "src="); src; src = strstr(src + 1, "src="))
+    assert_memory_equal(src, "src=\"data:", 10);
+  assert_null(strstr(text.data, "href="));
+  assert_null(strstr(text.data, "<script"));
+  assert_null(strstr(text.data, "url("));
+  assert_non_null(strstr(text.data, "MA ∞ at 0.751348182"));
+  assert_non_null(strstr(text.data, "</html>"));
+  km_text_free(&text);
+}
+
+static km_status nothing(void *context, km_canvas *canvas, double width, double height, km_error *error) {
+  (void)canvas;
+  *(double *)context = width * height;
+  (void)error;
+  return KM_OK;
+}
+
+/* Names from a model are text, whatever they look like. */
+static void markup_is_escaped(void **state) {
+  (void)state;
+  static const char *const cells[] = {"a<b", "c&d", "<script>", "\"e\""};
+  double area = 0.0;
+  const km_block blocks[] = {
+      {.kind = KM_BLOCK_HEADING, .text = "<h>"},
+      {.kind = KM_BLOCK_TABLE, .cells = cells, .rows = 2, .columns = 2},
+      {.kind = KM_BLOCK_FACTS, .cells = cells, .rows = 2, .columns = 2},
+      {.kind = KM_BLOCK_PICTURE, .text = "\">", .height = 50, .draw = nothing, .context = &area}};
+  const km_document document = {"<title>", "&", "<f>", blocks, 4};
+  km_text html = {0}, pdf = {0};
+  assert_int_equal(km_document_html(&document, &html, NULL), KM_OK);
+  assert_null(strstr(html.data, "<script>"));
+  assert_null(strstr(html.data, "<h>"));
+  assert_null(strstr(html.data, "alt=\"\">"));
+  assert_non_null(strstr(html.data, "a&lt;b"));
+  assert_int_equal(km_document_pdf(&document, &pdf, NULL), KM_OK);
+  assert_true(area > 0.0);
+  km_text_free(&html);
+  km_text_free(&pdf);
+}
+
+int main(void) {
+  const struct CMUnitTest tests[] = {cmocka_unit_test(same_input_same_bytes), cmocka_unit_test(html_stands_alone),
+                                     cmocka_unit_test(markup_is_escaped)};
+  return cmocka_run_group_tests(tests, NULL, NULL);
+}

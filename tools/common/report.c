@@ -1,0 +1,68 @@
+#include "common/report.h"
+
+#include "base/file.h"
+
+#include <string.h>
+
+static bool ends_with(const char *text, const char *end) {
+  size_t a = strlen(text), b = strlen(end);
+  return a > b && strcmp(text + a - b, end) == 0;
+}
+
+/* Which of the two formats, from --format or the file's name; false if --format is neither. */
+static bool choose_format(const kt_sweep_options *o, bool *html) {
+  const char *word = o->format ? o->format : o->base && ends_with(o->base, ".html") ? "html" : "pdf";
+  *html = strcmp(word, "html") == 0;
+  return *html || strcmp(word, "pdf") == 0;
+}
+
+/* Writes the file that -o names, or BASE.report.FORMAT. */
+static kt_exit write_file(const kt_sweep_job *j, bool html, const km_text *bytes) {
+  const kt_common *common = &j->options->common;
+  const char *base = j->options->base, *format = html ? "html" : "pdf";
+  km_error error;
+  if (!base || (!ends_with(base, ".pdf") && !ends_with(base, ".html")))
+    return kt_write(common, base ? base : j->base, "report", format, bytes);
+  km_status status = km_file_write(base, bytes, &error);
+  if (status)
+    kt_say(common, KM_ERROR, "%s", error.text);
+  else
+    kt_say(common, KM_NOTE, "wrote %s", base);
+  return kt_exit_of(status);
+}
+
+static kt_exit deliver(const kt_reporting *reporting, const kt_sweep_job *j, bool html) {
+  km_text out = {0};
+  km_error error;
+  km_status status = reporting->write(j, html, &out, &error);
+  kt_exit result = kt_exit_of(status);
+  if (status)
+    kt_say(&j->options->common, KM_ERROR, "%s: %s", j->path, error.text);
+  else
+    result = write_file(j, html, &out);
+  km_text_free(&out);
+  return result;
+}
+
+kt_exit kt_report(kt_sweep_options *o, const kt_reporting *reporting) {
+  bool html;
+  if (!choose_format(o, &html))
+    return kt_usage(&o->common, "--format", o->format, "pdf or html");
+  if (o->models.count > 1)
+    return kt_usage(&o->common, "MODEL", o->models.items[1], "one model for a report");
+  if (o->base && strcmp(o->base, "-") == 0)
+    return kt_usage(&o->common, "-o", "-", "a file");
+  kt_sweep_job *j = KM_NEW(kt_sweep_job, 1);
+  if (!j)
+    return KT_INTERNAL;
+  *j = (kt_sweep_job){.options = o, .path = o->models.items[0], .common = o->common};
+  kt_sweep_job_run(j, reporting->prepare, reporting->run);
+  kt_exit result = j->result;
+  if (result == KT_DONE || result == KT_PARTIAL)
+    result = kt_worse(result, deliver(reporting, j, html));
+  reporting->free(j);
+  km_text_free(&j->stopped_by);
+  kt_close(&j->pose);
+  km_free(j);
+  return result;
+}

@@ -1,0 +1,135 @@
+/* kma at: mechanical advantage at one pose. */
+#include "kma/kma.h"
+
+#include "base/json.h"
+#include "report/advantage_record.h"
+
+#include <math.h>
+
+typedef struct options {
+  kt_request request;
+  kma_ends_options ends;
+} options;
+
+static const struct argp_option table[] = {
+    KMA_ENDS_OPTIONS{"point", KMA_OPTION_POINT, "BODY/FRAME:DX,DY,DZ", 0,
+                     "A point along a direction of the inertial frame as output; a second one: as input before it", 1},
+    {NULL, 'o', "BASE", 0, "Write BASE.advantage.txt or .json instead of the standard output", 2},
+    {0}};
+
+static error_t parse(int key, char *arg, struct argp_state *state) {
+  options *o = state->input;
+  switch (key) {
+  case ARGP_KEY_INIT:
+    state->child_inputs[0] = &o->request;
+    return 0;
+  case KMA_OPTION_INPUT:
+    o->ends.input = arg;
+    return 0;
+  case KMA_OPTION_OUTPUT:
+    o->ends.output = arg;
+    return 0;
+  case KMA_OPTION_POINT:
+    kt_texts_add(&o->ends.points, arg, state);
+    return 0;
+  case 'o':
+    o->request.base = arg;
+    return 0;
+  default:
+    return ARGP_ERR_UNKNOWN;
+  }
+}
+
+static km_status transmission_at(const kt_pose *pose, const kma_ends *ends, km_transmission *out, km_error *error) {
+  km_transmission_work *work;
+  km_status status = km_transmission_create(pose->mechanism, &ends->input, &ends->output, &work, error);
+  if (!status)
+    km_transmission_update(pose->mechanism, pose->state, work, out);
+  km_transmission_free(work);
+  return status;
+}
+
+/* `why` of losses that aren't asked for is the model's lack of friction. */
+static km_status losses_at(const kt_pose *pose, const kma_ends *ends, km_losses *out, km_error *error) {
+  km_losses_work *work;
+  *out = (km_losses){.ratio = nan(""), .efficiency = nan(""), .why = "no joint has friction"};
+  if (!km_model_has_friction(pose->model))
+    return KM_OK;
+  km_status status = km_losses_create(pose->mechanism, &ends->input, &ends->output, &work, error);
+  if (!status)
+    km_losses_update(pose->mechanism, pose->state, work, out);
+  km_losses_free(work);
+  return status;
+}
+
+static km_status describe(const options *o, const kt_pose *pose, const kma_ends *ends, km_text *out, km_error *error) {
+  km_lever *lever;
+  km_advantage advantage;
+  km_transmission transmission;
+  km_losses losses;
+  km_mobility mobility;
+  km_arena arena = {0};
+  km_status status = km_lever_create(pose->mechanism, &ends->input, &ends->output, &lever, error);
+  if (status)
+    return status;
+  km_mobility_update(pose->mechanism, pose->state, &mobility);
+  km_lever_update(pose->mechanism, pose->state, lever, &advantage);
+  km_lever_free(lever);
+  status = transmission_at(pose, ends, &transmission, error);
+  if (!status)
+    status = losses_at(pose, ends, &losses, error);
+  if (status)
+    return status;
+  if (o->request.json) {
+    const km_value *record = km_advantage_record(pose->mechanism, pose->state, &ends->input, &ends->output, &advantage,
+                                                 &transmission, &losses, o->request.model, &arena);
+    if (record)
+      km_json_write(record, out);
+    else
+      status = km_fail(error, KM_MEMORY, "out of memory");
+  } else {
+    km_advantage_print(pose->mechanism, &ends->input, &ends->output, &advantage, &transmission, &losses,
+                       o->request.model, out);
+  }
+  km_arena_free(&arena);
+  return status;
+}
+
+static kt_exit run(const options *o, const kt_pose *pose) {
+  const kt_common *common = &o->request.common;
+  kma_ends ends;
+  km_text out = {0};
+  km_error error;
+  kt_exit result = kma_ends_read(common, o->request.model, pose->model, &o->ends, &ends);
+  if (result == KT_DONE) {
+    km_status status = describe(o, pose, &ends, &out, &error);
+    if (status)
+      kt_say(common, KM_ERROR, "%s: %s", o->request.model, error.text);
+    result = kt_exit_of(status);
+  }
+  if (result == KT_DONE)
+    result = kt_answer(&o->request, "advantage", &out);
+  km_text_free(&out);
+  kma_ends_free(&ends);
+  return result;
+}
+
+kt_exit kma_at(int argc, char **argv) {
+  const struct argp_child children[] = {{&kt_settable_argp, 0, NULL, 0}, {0}};
+  const struct argp argp = {
+      table,
+      parse,
+      "MODEL",
+      "Mechanical advantage of an input over an output at a pose: the input's rate over the output's, signed.",
+      children,
+      NULL,
+      NULL};
+  options o = {.request = {.common = {.tool = "kma", .jobs = 1, .seed = 1}}};
+  kt_parse(&argp, argc, argv, &o);
+  kt_pose pose;
+  kt_exit result = kt_request_open(&o.request, &pose);
+  if (result == KT_DONE)
+    result = run(&o, &pose);
+  kt_close(&pose);
+  return result;
+}

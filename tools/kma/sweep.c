@@ -1,0 +1,182 @@
+/* kma sweep and kma report: mechanical advantage over a driver's range. */
+#include "common/report.h"
+#include "kma/kma.h"
+
+#include "kmech/advantage_sweep.h"
+#include "report/advantage_plot.h"
+#include "report/advantage_record.h"
+#include "report/advantage_report.h"
+
+#include <string.h>
+
+typedef struct options {
+  kt_sweep_options sweep;
+  kma_ends_options ends;
+  bool transmission;
+} options;
+
+enum { OPTION_TRANSMISSION = 0x4101 };
+
+/* What is made of one model. */
+typedef struct product {
+  kma_ends ends;
+  km_advantage_sweep sweep;
+  km_transmission transmission; /* of the last row; for a report */
+} product;
+
+#define POINT_OPTION                                                                                                   \
+  {                                                                                                                    \
+    "point", KMA_OPTION_POINT, "BODY/FRAME[:DX,DY,DZ]", 0,                                                             \
+        "With a direction: a point as output (a second one: as input before it); without: add the path of a frame's "  \
+        "origin (repeatable)",                                                                                         \
+        1                                                                                                              \
+  }
+
+static const struct argp_option table[] = {
+    KMA_ENDS_OPTIONS POINT_OPTION,
+    {"transmission", OPTION_TRANSMISSION, NULL, 0,
+     "Add transmission angle, virtual coefficient, Sutherland-Roth and Chen-Angeles indices, manipulability and "
+     "condition "
+     "number as columns; nan where undefined",
+     1},
+    KT_FORMAT_OPTION,
+    {NULL, 'o', "BASE", 0, "Files are BASE.advantage.FORMAT (default: the model's name); - is the standard output", 2},
+    {0}};
+
+static const struct argp_option report_table[] = {
+    KMA_ENDS_OPTIONS POINT_OPTION, KT_REPORT_FORMAT_OPTION, {NULL, 'o', "BASE", 0, KT_REPORT_BASE, 2}, {0}};
+
+static error_t parse(int key, char *arg, struct argp_state *state) {
+  options *o = state->input;
+  switch (key) {
+  case ARGP_KEY_INIT:
+    state->child_inputs[0] = &o->sweep;
+    return 0;
+  case KMA_OPTION_INPUT:
+    o->ends.input = arg;
+    return 0;
+  case KMA_OPTION_OUTPUT:
+    o->ends.output = arg;
+    return 0;
+  case KMA_OPTION_POINT:
+    kt_texts_add(kma_has_direction(arg) ? &o->ends.points : &o->sweep.points, arg, state);
+    return 0;
+  case OPTION_TRANSMISSION:
+    o->transmission = true;
+    return 0;
+  case KT_OPTION_FORMAT:
+    o->sweep.format = arg;
+    return 0;
+  case 'o':
+    o->sweep.base = arg;
+    return 0;
+  default:
+    return ARGP_ERR_UNKNOWN;
+  }
+}
+
+static kt_exit prepare(kt_sweep_job *j) {
+  product *p = j->own = KM_NEW(product, 1);
+  return p ? kma_ends_read(&j->common, j->path, j->pose.model, &((const options *)j->options->own)->ends, &p->ends)
+           : KT_INTERNAL;
+}
+
+static km_status run(kt_sweep_job *j, const km_sweep **motion, km_error *error) {
+  product *p = j->own;
+  *motion = &p->sweep.motion;
+  return km_advantage_sweep_run(j->pose.mechanism, j->pose.state, &j->plan, &p->ends.input, &p->ends.output,
+                                ((const options *)j->options->own)->transmission, &p->sweep, error);
+}
+
+static void print(const kt_sweep_job *j, km_text *out) {
+  km_advantage_sweep_print(j->pose.mechanism, &j->plan, &((const product *)j->own)->sweep, j->path, out);
+}
+
+static const km_table *rows(const kt_sweep_job *j) {
+  return ((const product *)j->own)->sweep.motion.table;
+}
+
+static km_value *record(const kt_sweep_job *j, km_arena *arena) {
+  return km_advantage_sweep_record(j->pose.mechanism, &((const product *)j->own)->sweep,
+                                   j->stopped_by.data ? j->stopped_by.data : "", j->path, arena);
+}
+
+static km_status plot(const kt_sweep_job *const *jobs, int count, km_canvas_format format, km_text *out,
+                      km_error *error) {
+  km_plotted_advantage plotted[KT_MOST_MODELS];
+  for (int i = 0; i < count; ++i) {
+    const km_advantage_sweep *sweep = &((const product *)jobs[i]->own)->sweep;
+    plotted[i] =
+        (km_plotted_advantage){{jobs[i]->pose.mechanism, &jobs[i]->plan, &sweep->motion, jobs[i]->base}, sweep};
+  }
+  return km_advantage_plot(plotted, count, format, out, error);
+}
+
+static void free_own(kt_sweep_job *j) {
+  product *p = j->own;
+  if (p) {
+    km_advantage_sweep_free(&p->sweep);
+    kma_ends_free(&p->ends);
+  }
+  km_free(p);
+}
+
+kt_exit kma_sweep(int argc, char **argv) {
+  static const kt_sweeping sweeping = {"advantage", prepare, run, print, rows, record, plot, free_own};
+  const struct argp_child children[] = {{&kt_sweep_argp, 0, NULL, 0}, {0}};
+  const struct argp argp = {
+      table,
+      parse,
+      "MODEL...",
+      "Mechanical advantage of an input over an output over the range of a driver, with its toggles and extremes.",
+      children,
+      NULL,
+      NULL};
+  options o = {.sweep = {.common = {.tool = "kma", .jobs = 1, .seed = 1}}};
+  o.sweep.own = &o;
+  kt_parse(&argp, argc, argv, &o);
+  return kt_sweep(&o.sweep, &sweeping);
+}
+
+/* The sweep with its metrics, and why they are undefined where the sweep ends. */
+static km_status run_report(kt_sweep_job *j, const km_sweep **motion, km_error *error) {
+  product *p = j->own;
+  *motion = &p->sweep.motion;
+  km_status status = km_advantage_sweep_run(j->pose.mechanism, j->pose.state, &j->plan, &p->ends.input, &p->ends.output,
+                                            true, &p->sweep, error);
+  km_transmission_work *work;
+  km_mobility mobility;
+  if (status && status != KM_PARTIAL)
+    return status;
+  km_status made = km_transmission_create(j->pose.mechanism, &p->ends.input, &p->ends.output, &work, error);
+  if (made)
+    return made;
+  km_mobility_update(j->pose.mechanism, j->pose.state, &mobility);
+  km_transmission_update(j->pose.mechanism, j->pose.state, work, &p->transmission);
+  km_transmission_free(work);
+  return status;
+}
+
+static km_status write_report(const kt_sweep_job *j, bool html, km_text *out, km_error *error) {
+  const product *p = j->own;
+  km_plotted_advantage plotted = {{j->pose.mechanism, &j->plan, &p->sweep.motion, j->base}, &p->sweep};
+  return km_advantage_report(&plotted, &p->transmission, j->stopped_by.data ? j->stopped_by.data : "", html, out,
+                             error);
+}
+
+kt_exit kma_report(int argc, char **argv) {
+  static const kt_reporting reporting = {prepare, run_report, write_report, free_own};
+  const struct argp_child children[] = {{&kt_sweep_argp, 0, NULL, 0}, {0}};
+  const struct argp argp = {report_table,
+                            parse,
+                            "MODEL",
+                            "A report to hand on: the mechanism in its poses, the leverage curve with its extremes and "
+                            "toggles, transmission metrics and a table, as PDF pages or one HTML file.",
+                            children,
+                            NULL,
+                            NULL};
+  options o = {.sweep = {.common = {.tool = "kma", .jobs = 1, .seed = 1}}};
+  o.sweep.own = &o;
+  kt_parse(&argp, argc, argv, &o);
+  return kt_report(&o.sweep, &reporting);
+}

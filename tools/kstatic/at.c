@@ -1,0 +1,97 @@
+/* kstatic at: the balance of forces at one pose. */
+#include "kstatic/kstatic.h"
+
+#include "base/json.h"
+#include "report/statics_record.h"
+
+typedef struct options {
+  kt_request request;
+  kstatic_options acting;
+} options;
+
+static const struct argp_option table[] = {
+    {"output", 'o', "BASE", 0, "Write BASE.forces.txt or .json instead of the standard output", 2}, {0}};
+
+static error_t parse(int key, char *arg, struct argp_state *state) {
+  options *o = state->input;
+  switch (key) {
+  case ARGP_KEY_INIT:
+    state->child_inputs[0] = &o->request;
+    state->child_inputs[1] = &o->acting;
+    return 0;
+  case 'o':
+    o->request.base = arg;
+    return 0;
+  default:
+    return ARGP_ERR_UNKNOWN;
+  }
+}
+
+static kt_exit describe(const options *o, const kt_pose *pose, const km_statics *statics) {
+  km_text out = {0};
+  km_arena arena = {0};
+  if (o->request.json) {
+    const km_value *record =
+        km_statics_record(pose->mechanism, pose->state, statics, o->acting.axes, o->request.model, &arena);
+    if (record)
+      km_json_write(record, &out);
+    out.failed = out.failed || !record;
+  } else {
+    km_statics_print(pose->mechanism, statics, o->acting.axes, o->request.model, &out);
+  }
+  kt_exit result = kt_answer(&o->request, "forces", &out);
+  km_arena_free(&arena);
+  km_text_free(&out);
+  return result;
+}
+
+/* What the actuators can't hold, on the standard error. */
+static void tell_falls(const options *o, const kt_pose *pose, const km_statics *statics) {
+  for (int d = 0; d < statics->direction_count && d < KM_MOST_DIRECTIONS; ++d) {
+    km_text words = {0};
+    if (!statics->falls[d])
+      continue;
+    km_direction_words(pose->mechanism, statics, d, &words);
+    kt_say(&o->request.common, KM_ERROR,
+           "%s: the actuators can't hold this pose: the loads move %s; expected an actuator among these joints",
+           o->request.model, words.data ? words.data : "");
+    km_text_free(&words);
+  }
+}
+
+static kt_exit run(const options *o, const kt_pose *pose) {
+  kstatic_balance balance;
+  km_mobility mobility;
+  kt_exit result = kstatic_prepare(&o->request.common, o->request.model, pose, &o->acting, &balance);
+  if (result == KT_DONE) {
+    km_mobility_update(pose->mechanism, pose->state, &mobility);
+    km_statics_update(pose->mechanism, pose->state, balance.forces, &balance.statics);
+    tell_falls(o, pose, &balance.statics);
+    result = describe(o, pose, &balance.statics);
+    if (result == KT_DONE && !balance.statics.held)
+      result = KT_PARTIAL;
+  }
+  kstatic_free(&balance);
+  return result;
+}
+
+kt_exit kstatic_at(int argc, char **argv) {
+  const struct argp_child children[] = {{&kt_settable_argp, 0, NULL, 0}, {&kstatic_argp, 0, NULL, 0}, {0}};
+  const struct argp argp = {
+      table,
+      parse,
+      "MODEL",
+      "What actuators and joints must hold at a pose against gravity, loads and springs, and the reaction in every "
+      "joint. Exit status 1 if the actuators can't hold it.",
+      children,
+      NULL,
+      NULL};
+  options o = {.request = {.common = {.tool = "kstatic", .jobs = 1, .seed = 1}}};
+  kt_parse(&argp, argc, argv, &o);
+  kt_pose pose;
+  kt_exit result = kt_request_open(&o.request, &pose);
+  if (result == KT_DONE)
+    result = run(&o, &pose);
+  kt_close(&pose);
+  return result;
+}

@@ -1,0 +1,132 @@
+#include "kstatic/loads.h"
+
+#include "base/memory.h"
+#include "base/text.h"
+
+#include <string.h>
+
+/* What follows the = of --load: numbers, then perhaps :frame or :fixed. */
+typedef struct values {
+  double items[6];
+  int count;
+  bool turning, axes_given;
+} values;
+
+static bool read_values(const char *text, values *out) {
+  const char *colon = strchr(text, ':');
+  *out = (values){0};
+  if (colon) {
+    out->axes_given = true;
+    out->turning = strcmp(colon + 1, "frame") == 0;
+    if (!out->turning && strcmp(colon + 1, "fixed") != 0)
+      return false;
+  }
+  const char *rest = text;
+  for (char last = ','; last == ',' && out->count < 6;) {
+    kt_piece item = kt_split(&rest, ",:");
+    bool good = item.text && kt_number(item.text, &out->items[out->count]);
+    last = item.separator;
+    km_free(item.text);
+    if (!good)
+      return false;
+    ++out->count;
+    if (last != ',')
+      return out->count == 1 || out->count == 3 || out->count == 6;
+  }
+  return false;
+}
+
+static km_load *named(const km_model *model, const char *name, kstatic_loads *out) {
+  for (int i = 0; i < km_model_load_count(model); ++i)
+    if (strcmp(km_model_load_name(model, i), name) == 0)
+      return &out->items[i];
+  return NULL;
+}
+
+static kt_exit unknown(const kt_common *common, const km_model *model, const char *text, const char *name) {
+  km_text known = {0};
+  km_text_add(&known, "");
+  for (int i = 0; i < km_model_load_count(model); ++i)
+    km_text_format(&known, "%s\"%s\"", i ? ", " : "", km_model_load_name(model, i));
+  kt_say(common, KM_ERROR,
+         "--load %s: \"%s\" is neither a load of the model (it has %s) nor a BODY/FRAME with a force FX,FY,FZ", text,
+         name, known.size ? known.data : "none");
+  km_text_free(&known);
+  return KT_USAGE;
+}
+
+static void set(km_load *load, const values *v) {
+  for (int k = 0; k < 3; ++k) {
+    if (v->count == 1) {
+      load->force[k] *= v->items[0];
+      load->torque[k] *= v->items[0];
+    } else {
+      load->force[k] = v->items[k];
+    }
+    if (v->count == 6)
+      load->torque[k] = v->items[3 + k];
+  }
+  if (v->axes_given)
+    load->turning = v->turning;
+}
+
+static bool is_frame(const kt_common *common, const km_model *model, const char *text, int *frame) {
+  kt_common silent = *common;
+  km_text log = {0};
+  silent.log = &log;
+  bool found = kt_frame(&silent, model, "--load", text, frame) == KT_DONE;
+  km_text_free(&log);
+  return found;
+}
+
+static km_load *add(kstatic_loads *out, int frame) {
+  out->items[out->count] = (km_load){.frame = frame};
+  return &out->items[out->count++];
+}
+
+static kt_exit read_one(const kt_common *common, const km_model *model, const char *text, kstatic_loads *out) {
+  const char *rest = text;
+  kt_piece name = kt_split(&rest, "=");
+  values v;
+  kt_exit result = KT_DONE;
+  km_load *load = name.text ? named(model, name.text, out) : NULL;
+  if (name.separator != '=' || !read_values(rest, &v)) {
+    result = kt_usage(common, "--load", text,
+                      "NAME=FX,FY,FZ or NAME=FX,FY,FZ,TX,TY,TZ, or NAME=FACTOR for a load of the model; :frame behind "
+                      "it for axes that turn with the frame");
+  } else if (load) {
+    set(load, &v);
+  } else {
+    int frame;
+    size_t size = (size_t)(rest - 1 - text);
+    char *place = KM_NEW(char, size + 1);
+    if (place)
+      memcpy(place, text, size);
+    if (!place)
+      result = KT_INTERNAL;
+    else if (v.count == 1 || !is_frame(common, model, place, &frame))
+      result = unknown(common, model, text, name.text);
+    else
+      set(add(out, frame), &v);
+    km_free(place);
+  }
+  km_free(name.text);
+  return result;
+}
+
+kt_exit kstatic_loads_read(const kt_common *common, const km_model *model, const kt_texts *texts, kstatic_loads *out) {
+  int own = km_model_load_count(model);
+  kt_exit result = KT_DONE;
+  *out = (kstatic_loads){.items = KM_NEW(km_load, (size_t)(own + texts->count)), .count = own};
+  if (!out->items)
+    return KT_INTERNAL;
+  for (int i = 0; i < own; ++i)
+    out->items[i] = km_model_load_at(model, i);
+  for (int i = 0; i < texts->count && result == KT_DONE; ++i)
+    result = read_one(common, model, texts->items[i], out);
+  return result;
+}
+
+void kstatic_loads_free(kstatic_loads *loads) {
+  km_free(loads->items);
+}

@@ -1,0 +1,148 @@
+/* What acts on the model and what holds it: the options that kstatic's commands share. */
+#include "kstatic/loads.h"
+
+#include "base/memory.h"
+#include "topology/mechanism.h"
+
+#include <string.h>
+
+enum { OPTION_ACTUATORS = 0x5001, OPTION_LOAD, OPTION_GRAVITY, OPTION_AXES };
+
+static const struct argp_option table[] = {
+    {"actuators", OPTION_ACTUATORS, "JOINT,JOINT", 0,
+     "The joints that hold the mechanism (default: the model's analysis.actuators, else every free joint)", 1},
+    {"load", OPTION_LOAD, "NAME=FX,FY,FZ[,TX,TY,TZ]", 0,
+     "Give a load of the model another force (and torque), NAME=FACTOR: scale it; BODY/FRAME=… adds one at a frame's "
+     "origin. :frame behind the numbers turns its axes with the frame (repeatable)",
+     1},
+    {"gravity", OPTION_GRAVITY, "X,Y,Z", 0, "Another gravity than the model's, length/time²", 1},
+    {"axes", OPTION_AXES, "AXES", 0, "Axes of the reactions: joint (of the child's joint frame, default) or fixed", 1},
+    {0}};
+
+static error_t parse(int key, char *arg, struct argp_state *state) {
+  kstatic_options *o = state->input;
+  switch (key) {
+  case OPTION_ACTUATORS:
+    o->actuators = arg;
+    return 0;
+  case OPTION_LOAD:
+    kt_texts_add(&o->loads, arg, state);
+    return 0;
+  case OPTION_GRAVITY:
+    o->gravity = arg;
+    return 0;
+  case OPTION_AXES:
+    o->axes = strcmp(arg, "fixed") == 0 ? KM_AXES_FIXED : KM_AXES_JOINT;
+    if (strcmp(arg, "fixed") != 0 && strcmp(arg, "joint") != 0)
+      argp_error(state, "--axes %s: expected joint or fixed", arg);
+    return 0;
+  default:
+    return ARGP_ERR_UNKNOWN;
+  }
+}
+
+const struct argp kstatic_argp = {.options = table, .parser = parse};
+
+static kt_exit read_gravity(const kt_common *common, const char *text, double out[3]) {
+  const char *rest = text;
+  char last = ',';
+  for (int k = 0; k < 3; ++k) {
+    kt_piece item = kt_split(&rest, ",");
+    bool good = last == ',' && item.text && kt_number(item.text, &out[k]);
+    last = item.separator;
+    km_free(item.text);
+    if (!good)
+      return kt_usage(common, "--gravity", text, "three numbers X,Y,Z");
+  }
+  return last ? kt_usage(common, "--gravity", text, "three numbers X,Y,Z") : KT_DONE;
+}
+
+static kt_exit make_forces(const kt_common *common, const char *path, const kt_pose *pose, const kstatic_options *o,
+                           km_forces **out) {
+  kstatic_loads loads = {0};
+  double gravity[3];
+  km_error error;
+  kt_exit result = o->gravity ? read_gravity(common, o->gravity, gravity) : KT_DONE;
+  if (result == KT_DONE)
+    result = kstatic_loads_read(common, pose->model, &o->loads, &loads);
+  if (result == KT_DONE) {
+    km_status status =
+        km_forces_create(pose->mechanism, o->gravity ? gravity : NULL, loads.items, loads.count, out, &error);
+    if (status)
+      kt_say(common, KM_ERROR, "%s: %s", path, error.text);
+    result = kt_exit_of(status);
+  }
+  kstatic_loads_free(&loads);
+  return result;
+}
+
+/* The actuators: of --actuators, else the model's, else every free coordinate. */
+static kt_exit read_actuators(const kt_common *common, const char *path, const km_mechanism *m, const char *text,
+                              int *out, int *count, bool *all) {
+  const km_model *model = m->model;
+  const km_value *given = km_value_get(km_value_get(model->root, "analysis"), "actuators");
+  if (text)
+    return kt_coordinates(common, model, "--actuators", text, out, count);
+  if (given && model->actuator_count == 0) {
+    kt_say(common, KM_ERROR, "%s: analysis.actuators is empty; expected at least one joint, or --actuators", path);
+    return KT_USAGE;
+  }
+  if (!given)
+    kt_say(common, KM_NOTE, "%s: no analysis.actuators and no --actuators: every free joint holds", path);
+  *all = !given;
+  for (int i = 0; i < model->actuator_count; ++i) {
+    if (!m->held[model->actuators[i]])
+      out[(*count)++] = model->actuators[i];
+    else
+      kt_say(common, KM_NOTE, "%s: actuator %s is held and so rigid", path,
+             km_model_coordinate_label(model, model->actuators[i]));
+  }
+  return KT_DONE;
+}
+
+kt_exit kstatic_prepare(const kt_common *common, const char *path, const kt_pose *pose, const kstatic_options *o,
+                        kstatic_balance *out) {
+  km_error error;
+  bool all = false;
+  int count = 0, *actuators = KM_NEW(int, (size_t)pose->model->coordinate_count);
+  *out = (kstatic_balance){0};
+  kt_exit result = actuators ? make_forces(common, path, pose, o, &out->forces) : KT_INTERNAL;
+  if (result == KT_DONE)
+    result = read_actuators(common, path, pose->mechanism, o->actuators, actuators, &count, &all);
+  if (result == KT_DONE) {
+    km_status status =
+        km_statics_create(pose->mechanism, all ? NULL : actuators, count, o->axes, &out->statics, &error);
+    if (status)
+      kt_say(common, KM_ERROR, "%s: %s", path, error.text);
+    result = kt_exit_of(status);
+  }
+  km_free(actuators);
+  return result;
+}
+
+void kstatic_free(kstatic_balance *balance) {
+  km_statics_free(&balance->statics);
+  km_forces_free(balance->forces);
+}
+
+void kstatic_words(const km_model *model, const kstatic_options *o, km_text *out) {
+  km_text_format(out, "gravity (%g, %g, %g) %s/%s²", model->gravity.x, model->gravity.y, model->gravity.z,
+                 model->units.length->suffix, model->units.time->suffix);
+  if (o->gravity) {
+    out->size = 0;
+    km_text_format(out, "gravity (%s) %s/%s²", o->gravity, model->units.length->suffix, model->units.time->suffix);
+  }
+  for (int i = 0; i < model->load_count; ++i) {
+    const km_load_def *load = &model->loads[i];
+    km_text_format(out, "; %s: force (%g, %g, %g) %s on %s%s", load->name, load->force.x, load->force.y, load->force.z,
+                   model->units.force->suffix, model->bodies[model->frames[load->frame].body].name,
+                   load->turning ? ", turning with it" : "");
+  }
+  for (int i = 0; i < o->loads.count; ++i)
+    km_text_format(out, "; --load %s", o->loads.items[i]);
+  int springs = 0;
+  for (int i = 0; i < model->module_count; ++i)
+    springs += strcmp(km_value_get(model->modules[i].source, "type")->string, "stiffness") == 0;
+  if (springs)
+    km_text_format(out, "; %d spring%s", springs, springs == 1 ? "" : "s");
+}
