@@ -35,6 +35,7 @@ typedef struct grid {
   double *tilts;   /* [actions × freedom] */
   state *arrivals; /* [states · actions] */
   size_t arrival_capacity;
+  km_team *team;
   km_walk_space *spaces;
   km_node *here;
 } grid;
@@ -218,7 +219,7 @@ static bool fill_stage(grid *g) {
   }
   if (g->arena.failed)
     return false;
-  km_parallel_for(g->workers, g->workers, lead_some, g);
+  km_team_run(g->team, g->workers, lead_some, g);
   return keep_best(g, (int)count);
 }
 
@@ -313,7 +314,9 @@ static km_status solve(grid *g, km_error *error) {
 
 static km_status solve_at(km_run *run, double spacing, int length, km_error *error) {
   grid g = {.run = run, .spacing = spacing, .length = length < 1 ? 1 : length};
+  g.team = run->plan->jobs > 1 ? km_team_create(run->plan->jobs) : NULL;
   km_status status = solve(&g, error);
+  km_team_free(g.team);
   for (int i = 0; i < g.workers && g.spaces; ++i) {
     run->evaluations += g.spaces[i].arm.evaluations;
     km_walk_space_free(&g.spaces[i]);
