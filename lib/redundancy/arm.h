@@ -50,8 +50,11 @@ typedef struct km_arm_space {
   double *ones;           /* [n + 1] */
   double *null;           /* [n × (n + 1)] orthonormal null space of the Jacobian. By km_control_update */
   int null_count;
-  double *rotated;           /* [rows × n] workspace of singular values */
-  unsigned long evaluations; /* Jacobians so far */
+  double *rotated;            /* [rows × n] workspace of singular values */
+  unsigned long evaluations;  /* Jacobians so far */
+  struct km_one_seven *seven; /* the kernel of seven joints; NULL: not for this arm */
+  bool seven_stands;          /* its Jacobian is the space's. By km_arm_update */
+  bool seven_factored;        /* and its reflections are those of the last km_control_factor */
 } km_arm_space;
 
 bool km_arm_space_create(const km_arm *arm, km_arm_space *space);

@@ -1,5 +1,6 @@
 /* Forward kinematics, Jacobian, Newton. */
 #include "redundancy/arm.h"
+#include "redundancy/seven.h"
 
 #include <string.h>
 
@@ -13,6 +14,8 @@ bool km_arm_space_create(const km_arm *a, km_arm_space *s) {
   s->ones = KM_ARENA_NEW(&s->arena, double, n + 1);
   s->null = KM_ARENA_NEW(&s->arena, double, n *(n + 1));
   s->rotated = KM_ARENA_NEW(&s->arena, double, rows *n);
+  if (km_seven_fits(a))
+    s->seven = KM_ARENA_NEW(&s->arena, km_one_seven, 1);
   if (!km_partition_reserve(&s->partition, a->rows, a->n + 1, &s->arena)) {
     km_arm_space_free(s);
     return false;
@@ -69,9 +72,25 @@ void km_arm_task_rows(const km_arm *a, const km_rotation *effector, km_twist twi
   rows[5] = twist.w.z;
 }
 
+/* The same by the kernel of seven joints; false if an angle is too large for its sines. */
+static bool update_seven(const km_arm *a, km_arm_space *s, const double *q) {
+  for (int k = 0; k < SEVEN; ++k)
+    if (!(fabs(q[k]) <= KM_SEVEN_ANGLE))
+      return false;
+  km_one_forward(a, q, s->seven);
+  memcpy(&s->pose.R, s->seven->R, sizeof s->pose.R);
+  memcpy(&s->pose.p, &s->seven->p, sizeof s->pose.p);
+  memcpy(s->jacobian, s->seven->jacobian, sizeof s->seven->jacobian);
+  return true;
+}
+
 void km_arm_update(const km_arm *a, km_arm_space *s, const double *q) {
-  go_out(a, s, q);
   s->evaluations++;
+  s->seven_factored = false;
+  s->seven_stands = s->seven && update_seven(a, s, q);
+  if (s->seven_stands)
+    return;
+  go_out(a, s, q);
   for (int k = 0; k < a->n; ++k) {
     const km_arm_motion *m = &a->motions[k];
     km_twist t = {s->axis[k], {0, 0, 0}};
@@ -92,6 +111,12 @@ static km_vec3 turn_left(const km_arm *a, const km_rotation *R, const km_rotatio
       return km_vec3_scale(atan2(sine, cosine) / sine, across);
     return cosine > 0.0 ? across : km_vec3_scale(M_PI, R->axis[0]);
   }
+  km_one_vec axes[3];
+  double sine2, trace;
+  memcpy(axes, R, sizeof axes);
+  km_one_vec small = km_one_turn_left(axes, target, &sine2, &trace);
+  if (sine2 < KM_SMALL_TURN && trace > 1.0)
+    return (km_vec3){small.x, small.y, small.z};
   km_rotation back = km_rotation_inverse(R), difference = km_rotation_product(target, &back);
   return km_quaternion_log(km_rotation_quaternion(&difference));
 }

@@ -1,4 +1,5 @@
 #include "redundancy/control.h"
+#include "redundancy/seven.h"
 
 #include <string.h>
 
@@ -14,9 +15,30 @@ static void subtract(double *a, double s, const double *b, int n) {
     a[i] -= s * b[i];
 }
 
+/* By the kernel of seven joints; false where the Jacobian is near a rank that drops, and pivoting must tell. */
+static bool factor_seven(km_arm_space *s) {
+  km_one_factor(s->seven);
+  if (!(s->seven->least > s->seven->largest * KM_SEVEN_REGULAR))
+    return false;
+  memcpy(s->null, s->seven->null, sizeof s->seven->null);
+  s->null[SEVEN] = 0.0;
+  s->null_count = 1;
+  return true;
+}
+
 void km_control_factor(const km_arm *a, km_arm_space *s, const double *xi, const bool *held) {
+  double *path = s->jacobian + a->n * a->rows;
+  for (int r = 0; r < a->rows; ++r)
+    path[r] = -xi[r];
+  s->seven_factored = s->seven_stands && !held && factor_seven(s);
+  if (!s->seven_factored)
+    km_control_pivot(a, s, xi, held);
+}
+
+void km_control_pivot(const km_arm *a, km_arm_space *s, const double *xi, const bool *held) {
   const int rows = a->rows, n = a->n;
   double *path = s->jacobian + n * rows;
+  s->seven_factored = false;
   for (int r = 0; r < rows; ++r)
     path[r] = -xi[r];
   for (int k = 0; held && k < n; ++k)
@@ -71,6 +93,14 @@ static void follow_guide(const km_arm *a, const km_arm_space *s, const double *g
 double km_control_columns(const km_arm *a, const km_arm_space *s, const double *guide, double *path, double *self) {
   const int n = a->n;
   follow_guide(a, s, guide, self);
+  if (s->seven_factored) {
+    double xi[6], rates[SEVEN];
+    for (int r = 0; r < 6; ++r)
+      xi[r] = -s->jacobian[6 * SEVEN + r];
+    km_one_solve(s->seven, xi, rates);
+    km_one_path_column(rates, path);
+    return path[SEVEN];
+  }
   if (s->partition.forced_dependent) { /* the path's direction is out of J's range */
     memset(path, 0, (size_t)(n + 1) * sizeof *path);
     return 0.0;
@@ -85,6 +115,10 @@ double km_control_columns(const km_arm *a, const km_arm_space *s, const double *
 
 void km_control_solve(const km_arm *a, km_arm_space *s, const double *rhs, const bool *held, double *x) {
   double all[KM_ARM_MOST + 1];
+  if (s->seven_factored) {
+    km_one_solve(s->seven, rhs, x);
+    return;
+  }
   km_partition_solve(&s->partition, rhs, all);
   memcpy(x, all, (size_t)a->n * sizeof *x);
   km_control_project_out(a, s, x);

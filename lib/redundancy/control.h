@@ -8,9 +8,12 @@
 #define KM_ARM_PIVOT        1e-9
 #define KM_PATH_ENTRY_LEAST 1e-9
 
-/* Partitions the space's Jacobian with −xi[rows] as its path column; the null space of J itself. `held` columns (may
- * be NULL) count as 0. After km_arm_update. O(rows² n), no allocation. */
+/* Factors the space's Jacobian, by the kernel of its size or by pivoting, with −xi[rows] as its path column; the null
+ * space of J itself. `held` columns (may be NULL) count as 0. After km_arm_update. O(rows² n), no allocation. */
 void km_control_factor(const km_arm *arm, km_arm_space *space, const double *xi, const bool *held);
+
+/* The same by complete pivoting whatever the arm: leaves the space's partition. */
+void km_control_pivot(const km_arm *arm, km_arm_space *space, const double *xi, const bool *held);
 
 /* After km_control_factor: path[n + 1] = c₁ = (q′, 1)/√(1 + |q′|²), q′ the least rates that follow the path, and
  * self[freedom × n] the pose-control columns (without their last entries 0), following `guide` [freedom × n] without

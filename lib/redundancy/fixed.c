@@ -11,7 +11,7 @@ km_status km_method_fixed(km_run *run, km_error *error) {
     held[method->joints[i]] = true;
   if (method->joint_count == 0) {
     km_arm_update(a, &run->space.arm, run->start);
-    km_control_factor(a, &run->space.arm, none, NULL);
+    km_control_pivot(a, &run->space.arm, none, NULL);
     const km_partition *p = &run->space.arm.partition;
     for (int c = p->rank; c <= a->n; ++c) /* the path's column is one of them, and no joint */
       if (p->column[c] < a->n)

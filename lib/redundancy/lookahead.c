@@ -8,7 +8,7 @@
 
 #include <string.h>
 
-enum { MOST_NODES = 2000000 };
+enum { MOST_NODES = 2000000, THREADS_PAY = 40 }; /* fewer steps abreast are done before a thread has begun */
 
 typedef struct tree_node {
   km_node end;       /* where its level ends */
@@ -25,10 +25,11 @@ typedef struct tree {
   km_node *first;        /* [branches] one sample after the root */
   double *tilts;         /* [branches × freedom] */
   km_walk_space *spaces; /* [workers] */
-  km_node *here;         /* [workers] */
+  km_node *here;         /* [workers × KM_WALK_ABREAST] */
   km_node root;
   km_step_end middle; /* how the untilted branch ended, if on its first step */
   int sample, level, level_count, depth;
+  int sharing; /* workers of this level */
 } tree;
 
 /* tan φ towards each pose-control column. One freedom: kφ from −(n−1)/2 to (n−1)/2. Two: the middle and a circle of
@@ -58,44 +59,69 @@ static tree_node *node_at(const tree *t, int level, int index) {
   return &t->nodes[t->level_start[level] + index];
 }
 
-/* Follows a branch over one level, or as far as it goes. */
-static void grow_one(tree *t, int worker, int index) {
-  km_run *run = t->run;
-  km_walk_space *space = &t->spaces[worker];
-  km_node *here = &t->here[worker];
-  int branch = index % t->branches, done = t->level * t->stride;
-  int end = done + t->stride < t->depth ? done + t->stride : t->depth;
+/* A node of the level being grown, at its parent's end. */
+static tree_node *begin_node(tree *t, int index, km_node *here) {
   tree_node *node = node_at(t, t->level, index);
   const tree_node *parent = t->level > 0 ? node_at(t, t->level - 1, index / t->branches) : NULL;
-  const km_way way = {.tilt = t->tilts + branch * run->arm->freedom};
   node->least = parent ? parent->least : (double)INFINITY;
   node->sum = parent ? parent->sum : 0.0;
   node->samples = parent ? parent->samples : 0;
   node->alive = !parent || parent->alive;
-  if (!node->alive)
+  if (node->alive)
+    km_node_copy(t->run->arm, here, parent ? &parent->end : &t->root);
+  return node;
+}
+
+/* A step of sample k has led to node->end, or has failed. */
+static void take_step(tree *t, int index, int k, tree_node *node, km_step_end step, km_node *here) {
+  if (k == 0 && index == (t->branches - 1) / 2)
+    t->middle = step;
+  if (step.stop) {
+    node->alive = false;
     return;
-  km_node_copy(run->arm, here, parent ? &parent->end : &t->root);
+  }
+  if (k == 0)
+    km_node_copy(t->run->arm, &t->first[index], &node->end);
+  node->least = fmin(node->least, node->end.value);
+  node->sum += node->end.value;
+  node->samples++;
+  km_node_copy(t->run->arm, here, &node->end);
+}
+
+/* Follows up to four branches over one level, side by side, each as far as it goes. */
+static void grow(tree *t, int worker, int first, int count) {
+  km_run *run = t->run;
+  tree_node *node[KM_WALK_ABREAST];
+  km_node *here = &t->here[worker * KM_WALK_ABREAST];
+  int done = t->level * t->stride, end = done + t->stride < t->depth ? done + t->stride : t->depth;
+  for (int l = 0; l < count; ++l)
+    node[l] = begin_node(t, first + l, &here[l]);
   for (int k = done; k < end; ++k) {
-    km_step_end step = km_walk_step(&run->walk, space, t->sample + k, 1.0, here, &way, &node->end);
-    if (k == 0 && branch == (t->branches - 1) / 2)
-      t->middle = step;
-    if (step.stop) {
-      node->alive = false;
-      return;
+    const km_node *from[KM_WALK_ABREAST];
+    km_node *to[KM_WALK_ABREAST];
+    km_way ways[KM_WALK_ABREAST];
+    km_step_end ends[KM_WALK_ABREAST];
+    int lane[KM_WALK_ABREAST], abreast = 0;
+    for (int l = 0; l < count; ++l) {
+      if (!node[l]->alive)
+        continue;
+      lane[abreast] = l;
+      from[abreast] = &here[l];
+      to[abreast] = &node[l]->end;
+      ways[abreast++] = (km_way){.tilt = t->tilts + (first + l) % t->branches * run->arm->freedom};
     }
-    if (k == 0)
-      km_node_copy(run->arm, &t->first[index], &node->end);
-    node->least = fmin(node->least, node->end.value);
-    node->sum += node->end.value;
-    node->samples++;
-    km_node_copy(run->arm, here, &node->end);
+    if (abreast == 0)
+      return;
+    km_walk_steps(&run->walk, &t->spaces[worker], t->sample + k, abreast, from, ways, to, ends);
+    for (int i = 0; i < abreast; ++i)
+      take_step(t, first + lane[i], k, node[lane[i]], ends[i], &here[lane[i]]);
   }
 }
 
 static void grow_some(void *context, int worker) {
   tree *t = context;
-  for (int i = worker; i < t->level_count; i += t->workers)
-    grow_one(t, worker, i);
+  for (int i = worker * KM_WALK_ABREAST; i < t->level_count; i += t->sharing * KM_WALK_ABREAST)
+    grow(t, worker, i, t->level_count - i < KM_WALK_ABREAST ? t->level_count - i : KM_WALK_ABREAST);
 }
 
 /* The branch of level 1 that a node descends from, and φ of any level on the way, counted from the middle. */
@@ -173,14 +199,16 @@ static bool create(tree *t, km_run *run) {
   t->first = KM_ARENA_NEW(arena, km_node, (size_t)t->branches);
   t->tilts = KM_ARENA_NEW(arena, double, (size_t)t->branches *(size_t)(a->freedom > 0 ? a->freedom : 1));
   t->spaces = KM_ARENA_NEW(arena, km_walk_space, (size_t)t->workers);
-  t->here = KM_ARENA_NEW(arena, km_node, (size_t)t->workers);
+  t->here = KM_ARENA_NEW(arena, km_node, (size_t)t->workers * KM_WALK_ABREAST);
   bool whole = !arena->failed && km_node_create(a, arena, &t->root);
   for (long long i = 0; i < count && whole; ++i)
     whole = km_node_create(a, arena, &t->nodes[i].end);
   for (int i = 0; i < t->branches && whole; ++i)
     whole = km_node_create(a, arena, &t->first[i]);
   for (int i = 0; i < t->workers && whole; ++i)
-    whole = km_walk_space_create(a, &t->spaces[i]) && km_node_create(a, arena, &t->here[i]);
+    whole = km_walk_space_create(a, &t->spaces[i]);
+  for (int i = 0; i < t->workers * KM_WALK_ABREAST && whole; ++i)
+    whole = km_node_create(a, arena, &t->here[i]);
   if (whole)
     set_tilts(t);
   return whole;
@@ -203,8 +231,11 @@ static int look_ahead(tree *t) {
   t->middle = (km_step_end){KM_TRACK_COMPLETE, -1, 0.0};
   for (t->level = 0; t->level < levels; ++t->level) {
     t->level_count = t->level_start[t->level + 1] - t->level_start[t->level];
-    int workers = t->level_count < t->workers ? t->level_count : t->workers;
-    km_parallel_for(t->workers, workers, grow_some, t);
+    int groups = (t->level_count + KM_WALK_ABREAST - 1) / KM_WALK_ABREAST;
+    bool worth = groups * t->stride >= THREADS_PAY;
+    int workers = !worth ? 1 : groups < t->workers ? groups : t->workers;
+    t->sharing = workers;
+    km_parallel_for(workers, workers, grow_some, t);
   }
   choice best = choose(t, levels);
   return best.level < 0 ? -1 : branch_of(t, best.level, best.index, 0);

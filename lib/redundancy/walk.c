@@ -1,4 +1,5 @@
 #include "redundancy/walk.h"
+#include "redundancy/seven.h"
 
 #include <string.h>
 
@@ -120,15 +121,14 @@ static bool damp(const km_walk *w, km_walk_space *s, const km_path_point *point,
  * of the pose. */
 static bool correct(const km_walk *w, km_walk_space *s, const km_path_point *point, const km_way *way, double most,
                     double *q) {
-  enum { MOST_STEPS = 16 };
   double e[KM_ARM_ROWS], x[KM_ARM_MOST], xi[KM_ARM_ROWS], moved[KM_ARM_MOST] = {0};
   const int n = w->arm->n;
-  for (int step = 0; step <= MOST_STEPS; ++step) {
+  for (int step = 0; step <= KM_NEWTON_MOST; ++step) {
     km_arm_update(w->arm, &s->arm, q);
     double left = km_arm_error(w->arm, &s->arm, &point->pose, e, NULL, NULL);
-    if (left <= 1e-12)
+    if (left <= KM_NEWTON_DONE)
       return true;
-    if (!(left < 10.0))
+    if (!(left < KM_NEWTON_FAR))
       return false;
     km_arm_task_rows(w->arm, &s->arm.pose.R, point->twist, xi);
     km_control_factor(w->arm, &s->arm, xi, way->held);
@@ -143,25 +143,38 @@ static bool correct(const km_walk *w, km_walk_space *s, const km_path_point *poi
   return false;
 }
 
+/* δ = (c₁/z + tan φ·c₂/z)Δσ. */
+static void predict(const km_arm *a, const km_node *here, const km_way *way, double ds, double *step) {
+  double inverse = 1.0 / here->z;
+  for (int k = 0; k < a->n; ++k) {
+    double rate = here->path[k];
+    for (int j = 0; way->tilt && j < a->freedom; ++j)
+      rate += way->tilt[j] * here->self[j * a->n + k];
+    step[k] = rate * inverse * ds;
+  }
+}
+
+/* How long a corrector may be: half the predictor, but for rounding. */
+static double corrector_most(const double *step, int n) {
+  return 0.5 * length(step, n) + 1e-12;
+}
+
 /* One step from space->here by dσ to a point; false if it is refused. */
 static bool try_step(const km_walk *w, km_walk_space *s, const km_path_point *from, const km_path_point *point,
                      const km_way *way, double *q) {
   const km_arm *a = w->arm;
   const km_node *here = &s->here;
-  double ds = point->s - from->s, step[KM_ARM_MOST], inverse = 1.0 / here->z;
+  double ds = point->s - from->s, step[KM_ARM_MOST];
   bool damped = way->damping > 0.0 && damp(w, s, from, way, here, step);
-  for (int k = 0; k < a->n && !damped; ++k) {
-    double rate = here->path[k];
-    for (int j = 0; way->tilt && j < a->freedom; ++j)
-      rate += way->tilt[j] * here->self[j * a->n + k];
-    step[k] = rate * inverse;
-  }
-  for (int k = 0; k < a->n; ++k) {
-    step[k] *= ds;
+  if (damped)
+    for (int k = 0; k < a->n; ++k)
+      step[k] *= ds;
+  else
+    predict(a, here, way, ds, step);
+  for (int k = 0; k < a->n; ++k)
     q[k] = here->q[k] + step[k];
-  }
   /* What damping leaves undone is the corrector's: it may be as long as a step. */
-  return correct(w, s, point, way, damped ? 1.0 : 0.5 * length(step, a->n) + 1e-12, q);
+  return correct(w, s, point, way, damped ? 1.0 : corrector_most(step, a->n), q);
 }
 
 static km_step_end check(const km_walk *w, const km_walk_space *s, int sample, const km_path_point *point,
@@ -216,6 +229,88 @@ km_step_end km_walk_step(const km_walk *w, km_walk_space *s, int sample, double 
   return check(w, s, sample, &here, from, to, way);
 }
 
+/* Puts a lane's pose into the space and its columns into a node. */
+static void take_lane(const km_walk *w, km_walk_space *s, const km_path_point *point, const km_lanes *lanes, int l,
+                      const km_node *from, km_node *to) {
+  double side = 0.0, values[KM_OBJECTIVES];
+  for (int i = 0; i < SEVEN; ++i) {
+    to->q[i] = lanes->q[i][l];
+    to->path[i] = lanes->path[i][l];
+    s->arm.null[i] = lanes->null[i][l];
+    side += from->self[i] * s->arm.null[i];
+    for (int r = 0; r < 6; ++r)
+      s->arm.jacobian[6 * i + r] = lanes->jacobian[i][r][l];
+  }
+  s->arm.null[SEVEN] = 0.0;
+  s->arm.null_count = 1;
+  for (int i = 0; i < SEVEN; ++i)
+    to->self[i] = (side < 0.0 ? -1.0 : 1.0) * s->arm.null[i];
+  to->z = to->path[SEVEN] = lanes->path[SEVEN][l];
+  if (!w->objective)
+    return;
+  km_objective_values(w->arm, &s->arm, to->q, to->path, point->speed, w->objective, values);
+  to->value = km_objective_sum(w->objective, values);
+}
+
+/* Lanes that can't take part are filled with what another one has. */
+static unsigned fill_lanes(const km_walk *w, double ds, int count, const km_node *const *from, const km_way *ways,
+                           km_lanes *lanes) {
+  unsigned used = 0;
+  for (int l = 0; l < count; ++l) {
+    double step[SEVEN], q[SEVEN];
+    bool near = from[l]->z >= KM_PATH_ENTRY_LEAST;
+    predict(w->arm, from[l], &ways[l], ds, step);
+    for (int i = 0; i < SEVEN; ++i) {
+      q[i] = from[l]->q[i] + step[i];
+      near = near && fabs(q[i]) <= 0.5 * KM_SEVEN_ANGLE;
+    }
+    if (!near)
+      continue;
+    for (int k = used ? l : 0; k < KM_LANES; ++k) { /* the first one stands in for all */
+      lanes->most[k] = corrector_most(step, SEVEN);
+      for (int i = 0; i < SEVEN; ++i)
+        lanes->q[i][k] = q[i];
+      if (used)
+        break;
+    }
+    used |= 1u << l;
+  }
+  return used;
+}
+
+void km_walk_steps(const km_walk *w, km_walk_space *s, int sample, int count, const km_node *const *from,
+                   const km_way *ways, km_node *const *to, km_step_end *ends) {
+  const km_path_point *here = &w->path->points[sample], *point = here + 1;
+  km_lanes lanes;
+  unsigned done = 0;
+  if (count > 1 && s->arm.seven) {
+    double xi[6];
+    done = fill_lanes(w, point->s - here->s, count, from, ways, &lanes);
+    km_arm_task_rows(w->arm, &point->pose.R, point->twist, xi);
+    lanes.used = done;
+    lanes.evaluations = 0;
+    if (done)
+      done &= km_lanes_reach(w->arm, &point->pose, xi, &lanes);
+    s->arm.evaluations += lanes.evaluations;
+  }
+  for (int l = 0; l < count; ++l) {
+    if (done & 1u << l) {
+      take_lane(w, s, point, &lanes, l, from[l], to[l]);
+      ends[l] = check(w, s, sample, point, from[l], to[l], &ways[l]);
+    } else {
+      ends[l] = km_walk_step(w, s, sample, 1.0, from[l], &ways[l], to[l]);
+    }
+  }
+}
+
+/* A coordinate beyond its limit, be it by rounding; -1: none. */
+static int just_beyond(const km_arm *a, const double *q) {
+  for (int k = 0; k < a->n; ++k)
+    if (q[k] > a->high[k] || q[k] < a->low[k])
+      return k;
+  return -1;
+}
+
 /* By halving what is left between a way that keeps everything and one that doesn't: other limits may come first, and a
  * long step may bend, so nothing is taken for smooth. */
 km_step_end km_walk_find_end(const km_walk *w, km_walk_space *s, int sample, const km_node *from, const km_way *way,
@@ -224,6 +319,9 @@ km_step_end km_walk_find_end(const km_walk *w, km_walk_space *s, int sample, con
   while (outside - inside > 1e-13) {
     double x = 0.5 * (inside + outside);
     km_step_end there = km_walk_step(w, s, sample, x, from, way, to);
+    int beyond = there.stop ? -1 : just_beyond(w->arm, to->q);
+    if (beyond >= 0)
+      there = (km_step_end){KM_TRACK_LIMIT, beyond, 0.0};
     if (there.stop) {
       outside = x;
       end = there;

@@ -58,6 +58,12 @@ void km_walk_begin(const km_walk *walk, km_walk_space *space, int sample, const 
 km_step_end km_walk_step(const km_walk *walk, km_walk_space *space, int sample, double fraction, const km_node *from,
                          const km_way *way, km_node *to);
 
+/* Up to four whole steps from nodes at one sample, side by side where the arm is one of seven joints; ways with a tilt
+ * only. The same bits as km_walk_step one by one. */
+enum { KM_WALK_ABREAST = 4 };
+void km_walk_steps(const km_walk *walk, km_walk_space *space, int sample, int count, const km_node *const *from,
+                   const km_way *ways, km_node *const *to, km_step_end *ends);
+
 /* A step to the fraction `outside` fails with `end`: the largest fraction that keeps everything (end.fraction), the
  * node there, and what stops it just past it. */
 km_step_end km_walk_find_end(const km_walk *walk, km_walk_space *space, int sample, const km_node *from,

@@ -7,8 +7,10 @@
 #include "kdl.h"
 #endif
 #include "redundancy/control.h"
+#include "redundancy/seven.h"
 #include "redundancy/study.h"
 #include "redundancy/track.h"
+#include "redundancy/walk.h"
 
 #include <lapacke.h>
 #include <string.h>
@@ -91,8 +93,8 @@ static void make_kdl(problem *p) {
   tip[1] = p->space.pose.p.y;
   tip[2] = p->space.pose.p.z;
   for (int k = 0; k < N; ++k) {
-    memcpy(axis + 3 * k, &p->space.axis[k], 3 * sizeof *axis);
-    memcpy(point + 3 * k, &p->space.point[k], 3 * sizeof *point);
+    memcpy(axis + 3 * k, &p->space.seven->axis[k], 3 * sizeof *axis);
+    memcpy(point + 3 * k, &p->space.seven->point[k], 3 * sizeof *point);
   }
   p->kdl = bench_kdl_create(N, axis, point, tip);
 }
@@ -155,17 +157,54 @@ static void bench_step(void) {
 static const char study_text[] =
     "{\"effector\": [\"flange\", \"tool\"], \"q0\": [0.2, 0.6, 0.1, -1.4, 0.3, 0.9, 0],"
     "\"path\": {\"segments\": [{\"type\": \"line\", \"to\": [0.4, 0.45, 0.5], \"steps\": 96}]},"
-    "\"methods\": [\"greedy\", \"lookahead\"], \"objective\": \"path-control\"}";
+    "\"methods\": \"lookahead\", \"objective\": \"path-control\"}";
 
 typedef struct walker {
   const km_study *study;
-  int method, jobs;
-  double steps; /* samples walked in a run */
+  int jobs;
+  km_walk walk;
+  km_walk_space space;
+  km_arena arena;
+  km_node start, nodes[2], four[KM_WALK_ABREAST];
 } walker;
 
-static void run_track(void *context) {
+static void run_steps(void *context) {
+  static const km_way plain = {0};
   walker *w = context;
-  km_track_plan plan = km_study_plan(w->study, w->method);
+  km_node_copy(w->walk.arm, &w->nodes[0], &w->start);
+  for (int i = 0; i < w->study->path->samples - 1; ++i)
+    if (km_walk_step(&w->walk, &w->space, i, 1.0, &w->nodes[i % 2], &plain, &w->nodes[1 - i % 2]).stop)
+      bench_fail(name, "the track stops");
+}
+
+/* Four branches from the start, and the same one by one. */
+static const double tilts[KM_WALK_ABREAST] = {-0.5, 0.0, 0.3, 0.5};
+
+static void run_abreast(void *context) {
+  walker *w = context;
+  const km_node *from[KM_WALK_ABREAST];
+  km_node *to[KM_WALK_ABREAST];
+  km_way ways[KM_WALK_ABREAST];
+  km_step_end ends[KM_WALK_ABREAST];
+  for (int i = 0; i < KM_WALK_ABREAST; ++i) {
+    from[i] = &w->start;
+    to[i] = &w->four[i];
+    ways[i] = (km_way){.tilt = &tilts[i]};
+  }
+  km_walk_steps(&w->walk, &w->space, 0, KM_WALK_ABREAST, from, ways, to, ends);
+}
+
+static void run_one_by_one(void *context) {
+  walker *w = context;
+  for (int i = 0; i < KM_WALK_ABREAST; ++i) {
+    const km_way way = {.tilt = &tilts[i]};
+    km_walk_step(&w->walk, &w->space, 0, 1.0, &w->start, &way, &w->four[i]);
+  }
+}
+
+static void run_look_ahead(void *context) {
+  walker *w = context;
+  km_track_plan plan = km_study_plan(w->study, 0);
   km_track *track;
   plan.jobs = w->jobs;
   if (km_track_run(km_study_arm(w->study), &plan, &track, NULL))
@@ -189,21 +228,61 @@ static double tree_steps(int samples, int branches, int levels) {
   return steps;
 }
 
+static walker walker_of(const km_study *study, int jobs) {
+  static const km_way plain = {0};
+  walker w = {.study = study, .jobs = jobs, .walk = {study->arm, study->path, &study->objective}};
+  double q[N];
+  bool whole = km_walk_space_create(study->arm, &w.space) && km_node_create(study->arm, &w.arena, &w.start);
+  for (int i = 0; i < 2 && whole; ++i)
+    whole = km_node_create(study->arm, &w.arena, &w.nodes[i]);
+  for (int i = 0; i < KM_WALK_ABREAST && whole; ++i)
+    whole = km_node_create(study->arm, &w.arena, &w.four[i]);
+  if (!whole)
+    bench_fail(name, "out of memory");
+  for (int k = 0; k < N; ++k)
+    q[k] = km_arm_read(study->arm, k, study->start[k]);
+  km_walk_begin(&w.walk, &w.space, 0, q, &plain, &w.start);
+  return w;
+}
+
+static void walker_free(walker *w) {
+  km_walk_space_free(&w->space);
+  km_arena_free(&w->arena);
+}
+
+static void agree_abreast(walker *w) {
+  double q[KM_WALK_ABREAST][N];
+  run_abreast(w);
+  for (int i = 0; i < KM_WALK_ABREAST; ++i)
+    memcpy(q[i], w->four[i].q, sizeof q[i]);
+  run_one_by_one(w);
+  for (int i = 0; i < KM_WALK_ABREAST; ++i)
+    bench_agree(name, "siblings side by side", q[i], w->four[i].q, N, 0.0);
+}
+
 static void bench_nodes(void) {
   bench_machine machine = bench_machine_load("iiwa14");
   km_study *study;
   if (km_study_read(study_text, strlen(study_text), "", NULL, &study, NULL) ||
       km_study_bind(study, machine.mechanism, machine.state, 1, NULL, NULL))
     bench_fail(name, "no study");
-  walker w[] = {{study, 0, 1, 96.0}, {study, 1, 1, tree_steps(97, 3, 3)}, {study, 1, 2, tree_steps(97, 3, 3)}};
-  bench_contender c[] = {{.name = "greedy track", .run = run_track, .context = &w[0]},
-                         {.name = "look-ahead", .run = run_track, .context = &w[1]},
-                         {.name = "look-ahead on two threads", .run = run_track, .context = &w[2]}};
-  bench_time(c, 3);
-  bench_figure(name, "greedy, steps a second", w[0].steps / c[0].median * 1e9);
-  bench_figure(name, "look-ahead, nodes a second", w[1].steps / c[1].median * 1e9);
-  bench_figure(name, "look-ahead, nodes a second on two threads", w[2].steps / c[2].median * 1e9);
-  bench_figure(name, "greedy step / look-ahead node", bench_ratio(&c[0], &c[1]) * w[1].steps / w[0].steps);
+  walker one = walker_of(study, 1), two = walker_of(study, 2);
+  agree_abreast(&one);
+  bench_contender c[] = {{.name = "96 greedy steps on a path", .run = run_steps, .context = &one},
+                         {.name = "four siblings one by one", .run = run_one_by_one, .context = &one},
+                         {.name = "four siblings side by side", .run = run_abreast, .context = &one},
+                         {.name = "look-ahead", .run = run_look_ahead, .context = &one},
+                         {.name = "look-ahead on two threads", .run = run_look_ahead, .context = &two}};
+  int intervals = study->path->samples - 1;
+  double nodes = tree_steps(study->path->samples, 3, 3);
+  bench_time(c, 5);
+  bench_figure(name, "greedy, steps on a path a second", intervals / c[0].median * 1e9);
+  bench_figure(name, "siblings one by one / side by side", bench_ratio(&c[1], &c[2]));
+  bench_figure(name, "look-ahead, nodes a second", nodes / c[3].median * 1e9);
+  bench_figure(name, "look-ahead, nodes a second on two threads", nodes / c[4].median * 1e9);
+  bench_figure(name, "greedy step on a path / look-ahead node", bench_ratio(&c[0], &c[3]) * nodes / intervals);
+  walker_free(&one);
+  walker_free(&two);
   km_study_free(study);
   bench_machine_free(&machine);
 }

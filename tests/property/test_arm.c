@@ -5,8 +5,11 @@
 #include "kmech/control.h"
 #include "redundancy/control.h"
 #include "redundancy/objective.h"
+#include "redundancy/seven.h"
+#include "redundancy/walk.h"
 
 #include <lapacke.h>
+#include <stdio.h>
 #include <string.h>
 
 typedef struct subject {
@@ -251,6 +254,93 @@ static void control_refuses(void **state) {
   assert_int_equal(km_control_of_matrix(full, 4, 1, Z, &control, &error), KM_USAGE);
 }
 
+/* The kernel's own sine and cosine, within an ulp or so of the library's. */
+static void sines(void **state) {
+  (void)state;
+  randomness r = {3};
+  for (int trial = 0; trial < 20000; ++trial) {
+    double size = trial % 3 == 0 ? 7.0 : trial % 3 == 1 ? 1e5 : 1e-3, x = uniform(&r, -size, size), sine, cosine;
+    x = trial % 50 == 0 ? below(&r, 1000) * (M_PI / 4.0) : x;
+    km_one_sincos(x, &sine, &cosine);
+    assert_near(sine, sin(x), 2.3e-16);
+    assert_near(cosine, cos(x), 2.3e-16);
+  }
+}
+
+unsigned km_lanes_reach_plain(const km_arm *arm, const km_pose *target, const double *xi, km_lanes *lanes);
+
+/* Siblings side by side have the bits of one by one, also where some of them fail, on every kind of register. */
+static void lanes_have_the_same_bits(void **state) {
+  (void)state;
+  static const char *const objectives[] = {"path-control", "singular-value"};
+  randomness r = {17};
+  int failed = 0, compared = 0;
+  for (int trial = 0; trial < 60; ++trial) {
+    fixture f = fixture_open(trial % 2 ? "panda" : "iiwa14");
+    char text[1024];
+    snprintf(
+        text, sizeof text,
+        "{\"effector\": [\"flange\", \"tool\"], \"path\": {\"segments\": [{\"type\": \"line\", \"to\": [%g, %g, %g],"
+        "\"steps\": %d}]}, \"objective\": \"%s\"}",
+        uniform(&r, -0.7, 0.7), uniform(&r, -0.7, 0.7), uniform(&r, 0.0, 1.0), 2 + below(&r, 30),
+        objectives[trial % 2]);
+    km_study *study = study_of(&f, text);
+    const km_walk walk = {study->arm, study->path, &study->objective};
+    km_walk_space space;
+    km_arena arena = {0};
+    km_node from[4], to[4], one;
+    assert_true(km_walk_space_create(study->arm, &space) && km_node_create(study->arm, &arena, &one));
+    const km_node *starts[4];
+    km_node *ends_at[4];
+    km_way ways[4];
+    km_step_end ends[4];
+    double tilt[4], q[7];
+    for (int k = 0; k < 7; ++k)
+      q[k] = km_arm_read(study->arm, k, study->start[k]);
+    int count = 2 + below(&r, 3);
+    for (int l = 0; l < 4; ++l) {
+      static const km_way plain = {0};
+      assert_true(km_node_create(study->arm, &arena, &from[l]) && km_node_create(study->arm, &arena, &to[l]));
+      km_walk_begin(&walk, &space, 0, q, &plain, &from[l]);
+      tilt[l] = uniform(&r, -3.0, 3.0);
+      ways[l] = (km_way){.tilt = &tilt[l]};
+      starts[l] = &from[l];
+      ends_at[l] = &to[l];
+    }
+    km_walk_steps(&walk, &space, 0, count, starts, ways, ends_at, ends);
+    for (int l = 0; l < count; ++l) {
+      km_step_end end = km_walk_step(&walk, &space, 0, 1.0, &from[l], &ways[l], &one);
+      assert_int_equal(end.stop, ends[l].stop);
+      assert_int_equal(end.column, ends[l].column);
+      failed += end.stop != KM_TRACK_COMPLETE;
+      if (end.stop == KM_TRACK_SINGULAR)
+        continue;
+      ++compared;
+      assert_memory_equal(one.q, to[l].q, 7 * sizeof(double));
+      assert_memory_equal(one.path, to[l].path, 8 * sizeof(double));
+      assert_memory_equal(one.self, to[l].self, 7 * sizeof(double));
+      assert_memory_equal(&one.value, &to[l].value, sizeof(double));
+    }
+    km_lanes a = {.most = {1, 1, 1, 1}}, b;
+    double xi[6];
+    for (int l = 0; l < 4; ++l)
+      for (int k = 0; k < 7; ++k)
+        a.q[k][l] = q[k] + uniform(&r, -1e-3, 1e-3);
+    b = a;
+    const km_path_point *point = &study->path->points[0];
+    km_arm_task_rows(study->arm, &point->pose.R, point->twist, xi);
+    unsigned done = km_lanes_reach(study->arm, &point->pose, xi, &a);
+    assert_int_equal(done, km_lanes_reach_plain(study->arm, &point->pose, xi, &b));
+    assert_true(done == 15);
+    assert_memory_equal(&a, &b, sizeof a);
+    km_walk_space_free(&space);
+    km_arena_free(&arena);
+    km_study_free(study);
+    fixture_close(&f);
+  }
+  assert_true(failed > 5 && compared > 50); /* both kinds were met */
+}
+
 static void arms_that_are_none(void **state) {
   (void)state;
   km_arm *arm;
@@ -280,6 +370,8 @@ int main(void) {
       cmocka_unit_test(thesis_robot),
       cmocka_unit_test(control_of_random_matrices),
       cmocka_unit_test(control_refuses),
+      cmocka_unit_test(sines),
+      cmocka_unit_test(lanes_have_the_same_bits),
       cmocka_unit_test(arms_that_are_none),
   };
   return cmocka_run_group_tests(tests, NULL, NULL);
