@@ -118,12 +118,16 @@ static void least_norm(const km_mechanism *m, km_state *s, km_statics *st) {
   }
 }
 
+void km_statics_hold(const km_mechanism *m, const km_state *s, km_forces *f, km_statics *st) {
+  km_forces_update(m, s, f);
+  gather_loads(m, s, f, st->work);
+  km_actuators_hold(m, s, st);
+}
+
 void km_statics_update(const km_mechanism *m, km_state *s, km_forces *f, km_statics *st) {
   km_statics_work *w = st->work;
-  km_forces_update(m, s, f);
-  gather_loads(m, s, f, w);
+  km_statics_hold(m, s, f, st);
   least_norm(m, s, st);
-  km_statics_hold(m, s, st);
   memcpy(w->force, st->least_norm, (size_t)m->coordinate_count * sizeof *w->force);
   if (st->held) {
     memset(w->force, 0, (size_t)m->coordinate_count * sizeof *w->force);

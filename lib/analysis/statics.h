@@ -47,8 +47,10 @@ struct km_statics_work {
 bool km_holding_reserve(const km_mechanism *mechanism, km_statics *statics);
 bool km_carrying_reserve(const km_mechanism *mechanism, km_statics_work *work);
 
-/* Actuator forces, directions out of their reach, and whether they hold. */
-void km_statics_hold(const km_mechanism *mechanism, const km_state *state, km_statics *statics);
+/* Actuator forces, directions out of their reach, and whether they hold, from work->tau. */
+void km_actuators_hold(const km_mechanism *mechanism, const km_state *state, km_statics *statics);
+/* The part of km_statics_update that finds the actuators' forces; f̄ and reactions stay as they were. */
+void km_statics_hold(const km_mechanism *mechanism, const km_state *state, km_forces *forces, km_statics *statics);
 /* Reactions from work->force. */
 void km_statics_carry(const km_mechanism *mechanism, km_state *state, const km_forces *forces, km_statics *statics);
 

@@ -183,7 +183,7 @@ static void hold_substructure(const km_mechanism *m, const km_state *s, int inde
   st->held = st->held && holds;
 }
 
-void km_statics_hold(const km_mechanism *m, const km_state *s, km_statics *st) {
+void km_actuators_hold(const km_mechanism *m, const km_state *s, km_statics *st) {
   const km_statics_work *w = st->work;
   st->held = true;
   st->redundant = false;

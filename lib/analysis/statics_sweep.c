@@ -1,8 +1,8 @@
 /* Static balance over a sweep: where actuators rest, peak, or can't hold. */
 #include "kmech/statics_sweep.h"
 #include "analysis/scan.h"
+#include "analysis/statics.h"
 #include "base/text.h"
-#include "forces/forces.h"
 
 #include <string.h>
 
@@ -70,7 +70,7 @@ static double *write_cells(void *self, km_sweeper *r, double *cell) {
 
 static void values(void *self, km_sweeper *r, double *f) {
   const watch *w = self;
-  km_statics_update(r->m, r->s, w->forces, w->statics);
+  km_statics_hold(r->m, r->s, w->forces, w->statics);
   for (int i = 0; i < w->statics->actuator_count; ++i) {
     int c = w->statics->actuators[i];
     double size = rounding * (w->forces->force_size * r->m->unit[c] + w->forces->couple_size) / r->m->unit[c];

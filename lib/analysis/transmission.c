@@ -1,11 +1,11 @@
 #include "analysis/transmission.h"
+#include "analysis/singular.h"
 #include "analysis/whole_jacobian.h"
 #include "kinematics/closure.h"
 #include "kinematics/loops.h"
 #include "kinematics/poses.h"
 #include "spatial/wrench.h"
 
-#include <gsl/gsl_linalg.h>
 #include <string.h>
 
 /* Symbols: w the transmission wrench (f; τ), s_o the output's unit twist, h pitches, P the wrench's point on the output
@@ -23,8 +23,7 @@ struct km_transmission_work {
   km_twist *twist;
   double *T; /* passive columns and what keeps w in the loop's motion space, as rows */
   km_partition partition;
-  gsl_matrix U, V;
-  gsl_vector S;
+  km_singular *singular; /* NULL: the substructure is too large for it, or there is none */
 };
 
 /* The loop's joints in the order of a walk round it, without those that don't move. */
@@ -73,19 +72,15 @@ static const char *find_loop(const km_mechanism *m, km_transmission_work *w) {
 static bool allocate(const km_mechanism *m, km_transmission_work *w) {
   km_arena *arena = &w->arena;
   size_t coordinates = (size_t)m->coordinate_count;
-  int rows = w->substructure >= 0 ? m->substructures[w->substructure].rows : 0;
   int columns = w->substructure >= 0 ? m->substructures[w->substructure].columns : 0;
-  size_t larger = (size_t)(rows > columns ? rows : columns), smaller = (size_t)(rows > columns ? columns : rows);
   w->ring = KM_ARENA_NEW(arena, int, (size_t)m->topology.joint_count);
   w->pose = KM_ARENA_NEW(arena, km_pose, (size_t)m->topology.body_count);
   w->twist = KM_ARENA_NEW(arena, km_twist, coordinates);
   w->T = KM_ARENA_NEW(arena, double, 6 * (size_t)(columns + 3));
-  w->U = (gsl_matrix){.size1 = larger, .size2 = smaller, .tda = smaller};
-  w->V = (gsl_matrix){.size1 = smaller, .size2 = smaller, .tda = smaller};
-  w->S = (gsl_vector){.size = smaller, .stride = 1};
-  w->U.data = KM_ARENA_NEW(arena, double, larger *smaller);
-  w->V.data = KM_ARENA_NEW(arena, double, smaller *smaller);
-  w->S.data = KM_ARENA_NEW(arena, double, smaller);
+  bool fits = w->substructure >= 0 && km_singular_fits(&m->substructures[w->substructure]);
+  w->singular = fits ? km_singular_create(m) : NULL;
+  if (fits && !w->singular)
+    return false;
   return km_partition_reserve(&w->partition, columns + 3, 6, arena);
 }
 
@@ -110,6 +105,7 @@ km_status km_transmission_create(const km_mechanism *m, const km_handle *input, 
 void km_transmission_free(km_transmission_work *w) {
   if (!w)
     return;
+  km_singular_free(w->singular);
   km_arena_free(&w->arena);
   km_free(w);
 }
@@ -260,29 +256,21 @@ static void find_angle(const km_mechanism *m, const km_transmission_work *w, km_
 }
 
 static void find_condition(const km_mechanism *m, km_state *s, km_transmission_work *w, km_transmission *out) {
-  if (w->substructure < 0) {
-    out->manipulability.why = out->condition.why = "the input is in no loop";
+  int rank = w->substructure >= 0 ? s->partition[w->substructure].rank : 0, count;
+  out->manipulability.why = out->condition.why = w->substructure < 0 ? "the input is in no loop"
+                                                 : rank == 0         ? "the loops constrain nothing"
+                                                 : !w->singular ? "the substructure is too large for singular values"
+                                                                : NULL;
+  if (out->condition.why)
     return;
-  }
   const km_substructure *sub = &m->substructures[w->substructure];
-  const double *J = km_state_jacobian(s, sub);
-  bool tall = sub->rows > sub->columns;
   km_loops_update(m, s, sub);
-  for (int r = 0; r < sub->rows; ++r)
-    for (int c = 0; c < sub->columns; ++c)
-      gsl_matrix_set(&w->U, (size_t)(tall ? r : c), (size_t)(tall ? c : r),
-                     J[(size_t)c * (size_t)sub->rows + (size_t)r]);
-  int rank = s->partition[w->substructure].rank;
-  if (rank == 0) {
-    out->manipulability.why = out->condition.why = "the loops constrain nothing";
-    return;
-  }
-  gsl_linalg_SV_decomp_jacobi(&w->U, &w->V, &w->S);
+  const double *sigma = km_singular_values(w->singular, m, s, sub, &count);
   double product = 1.0;
   for (int i = 0; i < rank; ++i)
-    product *= gsl_vector_get(&w->S, (size_t)i);
+    product *= sigma[i];
   out->manipulability = (km_metric){product, NULL};
-  out->condition = (km_metric){gsl_vector_get(&w->S, 0) / gsl_vector_get(&w->S, (size_t)rank - 1), NULL};
+  out->condition = (km_metric){sigma[0] / sigma[rank - 1], NULL};
 }
 
 static const char *no_wrench(const km_mechanism *m, const km_state *s, const km_transmission_work *w) {

@@ -160,8 +160,13 @@ static void build(km_document_maker *k, const km_plotted_advantage *p, const km_
     km_report_plot(k, &plot, "mechanical advantage over the sweep", 230);
   km_document_text(k, "Mechanical advantage is the input's rate over the output's, signed, angles in radians. Without "
                       "losses an input force f balances an output force −MA · f.");
+  /* Three plots of the transmission fill a page of their own; one leaves room for the table behind it. */
+  bool many = defined(p->swept.motion->table, km_table_find(p->swept.motion->table, "sutherland_roth"));
+  if (many)
+    add_table(k, p);
   add_transmission(k, p, transmission);
-  add_table(k, p);
+  if (!many)
+    add_table(k, p);
 }
 
 km_status km_advantage_report(const km_plotted_advantage *p, const km_transmission *transmission,

@@ -8,7 +8,9 @@
  * Run it under sanitizers: it ends by itself only on a wrong answer (an error without words, a
  * status that no bad model may give, a mobility that can't be) or on an input that takes longer
  * than 20 s of processor time, and then says which seed it was. */
+#include "kmech/advantage.h"
 #include "kmech/mobility_sweep.h"
+#include "kmech/statics.h"
 
 #include <errno.h>
 #include <signal.h>
@@ -365,6 +367,57 @@ static void sweep(const km_model *model, const km_mechanism *mechanism, km_state
   km_mobility_sweep_free(&result);
 }
 
+/* With every joint as actuator the forces of any model balance. */
+static void balance(const km_model *model, const km_mechanism *mechanism, km_state *state, size_t choice) {
+  enum { MOST_LOADS = 16 };
+  km_load loads[MOST_LOADS];
+  int count = km_model_load_count(model), coordinates = km_model_coordinate_count(model);
+  km_forces *forces = NULL;
+  km_statics statics;
+  km_error error = {0};
+  for (int i = 0; i < count && i < MOST_LOADS; ++i)
+    loads[i] = km_model_load_at(model, i);
+  km_status status = km_forces_create(mechanism, NULL, loads, count < MOST_LOADS ? count : MOST_LOADS, &forces, &error);
+  if (status)
+    check_refusal(status, &error);
+  int one = coordinates ? (int)(choice % (size_t)coordinates) : 0;
+  bool alone = coordinates > 0 && choice % 3 == 0;
+  status = status ? status : km_statics_create(mechanism, alone ? &one : NULL, 1, KM_AXES_JOINT, &statics, &error);
+  if (!status) {
+    km_statics_update(mechanism, state, forces, &statics);
+    if (!statics.held && !alone)
+      fail("all joints together can't hold the mechanism");
+    if (statics.degree < 0 || statics.direction_count < 0 || statics.direction_count > coordinates)
+      fail("an impossible balance");
+  } else if (forces) {
+    check_refusal(status, &error);
+  }
+  if (forces)
+    km_statics_free(&statics);
+  km_forces_free(forces);
+}
+
+static void lever(const km_model *model, const km_mechanism *mechanism, km_state *state, size_t choice) {
+  int coordinates = km_model_coordinate_count(model);
+  km_lever *made;
+  km_advantage a;
+  km_error error = {0};
+  if (coordinates < 2)
+    return;
+  km_handle from = {.coordinate = (int)(choice % (size_t)coordinates), .name = "in"};
+  km_handle to = {.coordinate = (int)(choice / 5 % (size_t)coordinates), .name = "out"};
+  km_status status = km_lever_create(mechanism, &from, &to, &made, &error);
+  if (status) {
+    check_refusal(status, &error);
+    return;
+  }
+  km_lever_update(mechanism, state, made, &a);
+  bool number = a.value == a.value;
+  if (number != (a.state != KM_ADVANTAGE_UNDEFINED))
+    fail("an advantage and its state don't agree");
+  km_lever_free(made);
+}
+
 static bool assemble(const km_model *model, size_t choice) {
   km_mechanism *mechanism = NULL;
   km_state *state = NULL;
@@ -386,6 +439,8 @@ static bool assemble(const km_model *model, size_t choice) {
       fail("loops that are said to be closed have a large residual");
     km_mobility_update(mechanism, state, &mobility);
     check_mobility(model, state, &mobility);
+    balance(model, mechanism, state, choice);
+    lever(model, mechanism, state, choice);
     sweep(model, mechanism, state, choice);
   }
   km_state_free(state);

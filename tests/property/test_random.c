@@ -48,6 +48,10 @@ static void transmitted(void **state) {
   (void)state;
   on_random_mechanisms(law_transmitted, true);
 }
+static void least_norm(void **state) {
+  (void)state;
+  on_random_mechanisms(law_least_norm, true);
+}
 static void virtual_work(void **state) {
   (void)state;
   on_random_mechanisms(law_virtual_work, true);
@@ -58,9 +62,10 @@ static void reactions(void **state) {
 }
 
 int main(void) {
-  const struct CMUnitTest tests[] = {
-      cmocka_unit_test(jacobian),    cmocka_unit_test(null_space),   cmocka_unit_test(numbers),
-      cmocka_unit_test(forced),      cmocka_unit_test(twists),       cmocka_unit_test(equilibrium),
-      cmocka_unit_test(transmitted), cmocka_unit_test(virtual_work), cmocka_unit_test(reactions)};
+  const struct CMUnitTest tests[] = {cmocka_unit_test(jacobian),     cmocka_unit_test(null_space),
+                                     cmocka_unit_test(numbers),      cmocka_unit_test(forced),
+                                     cmocka_unit_test(twists),       cmocka_unit_test(equilibrium),
+                                     cmocka_unit_test(transmitted),  cmocka_unit_test(least_norm),
+                                     cmocka_unit_test(virtual_work), cmocka_unit_test(reactions)};
   return cmocka_run_group_tests(tests, NULL, NULL);
 }

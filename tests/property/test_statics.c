@@ -2,6 +2,8 @@
  */
 #include "support/balance.h"
 
+#include "model/model.h"
+
 static void on_all_models(void (*law)(fixture *, randomness *)) {
   randomness r = {1};
   for (const char *const *name = all_models; *name; ++name) {
@@ -27,6 +29,22 @@ static void virtual_work(void **state) {
   (void)state;
   on_all_models(law_virtual_work);
 }
+/* Also with lengths weighed by another characteristic length. */
+static void least_norm(void **state) {
+  (void)state;
+  randomness r = {5};
+  on_all_models(law_least_norm);
+  for (const char *const *name = all_models; *name; ++name) {
+    fixture f = fixture_open(*name);
+    f.model->characteristic_length = 3.7;
+    km_mechanism_free(f.mechanism);
+    km_state_free(f.state);
+    f = fixture_of(f.model);
+    law_least_norm(&f, &r);
+    law_virtual_work(&f, &r);
+    fixture_close(&f);
+  }
+}
 static void reactions(void **state) {
   (void)state;
   on_all_models(law_reactions);
@@ -34,6 +52,7 @@ static void reactions(void **state) {
 
 int main(void) {
   const struct CMUnitTest tests[] = {cmocka_unit_test(equilibrium), cmocka_unit_test(transmitted),
-                                     cmocka_unit_test(virtual_work), cmocka_unit_test(reactions)};
+                                     cmocka_unit_test(virtual_work), cmocka_unit_test(least_norm),
+                                     cmocka_unit_test(reactions)};
   return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -107,6 +107,29 @@ void law_transmitted(fixture *f, randomness *r) {
   balance_close(&b);
 }
 
+/* f̄ = D Z y, and the range of Z is D times the null space of J: J D⁻² f̄ = 0 (scaled by the columns' units). */
+void law_least_norm(fixture *f, randomness *r) {
+  balance b = balance_open(f, r, KM_AXES_JOINT);
+  const km_mechanism *m = f->mechanism;
+  for (int s = 0; s < m->topology.substructure_count; ++s) {
+    const km_substructure *sub = &m->substructures[s];
+    int rows;
+    double *J = whole_jacobian(f, s, &rows);
+    for (int i = 0; i < rows; ++i) {
+      double sum = 0.0, size = 0.0;
+      for (int k = 0; k < sub->columns; ++k) {
+        int c = m->column_coordinate[sub->column_start + k];
+        double x = b.statics.least_norm[c] / (m->scale[c] * m->scale[c] * m->unit[c]);
+        sum += J[k * rows + i] * x;
+        size += fabs(J[k * rows + i] * x);
+      }
+      assert_near(sum, 0.0, 1e-10 * size + 1e-13 * b.size * fmax(b.reach, 1.0) / (m->scale[0] * m->scale[0]));
+    }
+    km_free(J);
+  }
+  balance_close(&b);
+}
+
 static km_twist twist_of(const balance *b, int body, const double *rates) {
   km_twist t = {{0, 0, 0}, {0, 0, 0}};
   for (; body > 0; body = b->f->mechanism->topology.parent[body])

@@ -108,8 +108,35 @@ static void springs_push_along_their_displacement(void **state) {
   }
 }
 
+/* By hand: a load along the frame's axes turns with it; both act at the frame's origin. */
+static void loads_act_at_their_frames(void **state) {
+  (void)state;
+  char text[4096];
+  snprintf(text, sizeof text, arm, "\"input\": {\"type\": \"joint\", \"joint\": \"B\"}");
+  fixture f = fixture_read(text);
+  static const char *const path[2] = {"one", "eye"};
+  km_load load = {0, {2.0, 0.0, 0.0}, {0.0, 0.0, 0.5}, false};
+  assert_int_equal(km_model_find_frame(f.model, path, 2, &load.frame, NULL), KM_OK);
+  double c = cos(0.3), s = sin(0.3), x = 0.4 * c - 0.2 * s, y = 0.4 * s + 0.2 * c;
+  for (int turning = 0; turning < 2; ++turning) {
+    km_forces *forces;
+    double w[6];
+    load.turning = turning;
+    assert_int_equal(km_forces_create(f.mechanism, NULL, &load, 1, &forces, NULL), KM_OK);
+    km_forces_update(f.mechanism, f.state, forces);
+    km_forces_on_body(forces, f.model->frames[load.frame].body, w);
+    double fx = turning ? 2.0 * c : 2.0, fy = turning ? 2.0 * s : 0.0;
+    const double expected[6] = {fx, fy, 0.0, 0.0, 0.0, 0.5 + x * fy - y * fx};
+    for (int k = 0; k < 6; ++k)
+      assert_near(w[k], expected[k], 1e-14);
+    km_forces_free(forces);
+  }
+  fixture_close(&f);
+}
+
 int main(void) {
   const struct CMUnitTest tests[] = {cmocka_unit_test(pieces_of_a_law),
-                                     cmocka_unit_test(springs_push_along_their_displacement)};
+                                     cmocka_unit_test(springs_push_along_their_displacement),
+                                     cmocka_unit_test(loads_act_at_their_frames)};
   return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -9,11 +9,12 @@ static bool ends_with(const char *text, const char *end) {
   return a > b && strcmp(text + a - b, end) == 0;
 }
 
-/* Which of the two formats, from --format or the file's name; false if --format is neither. */
+/* Which of the two formats, from --format or the file's name; false if --format is neither, or not the file's. */
 static bool choose_format(const kt_sweep_options *o, bool *html) {
-  const char *word = o->format ? o->format : o->base && ends_with(o->base, ".html") ? "html" : "pdf";
+  bool named_html = o->base && ends_with(o->base, ".html"), named_pdf = o->base && ends_with(o->base, ".pdf");
+  const char *word = o->format ? o->format : named_html ? "html" : "pdf";
   *html = strcmp(word, "html") == 0;
-  return *html || strcmp(word, "pdf") == 0;
+  return *html ? !named_pdf : strcmp(word, "pdf") == 0 && !named_html;
 }
 
 /* Writes the file that -o names, or BASE.report.FORMAT. */
@@ -47,7 +48,7 @@ static kt_exit deliver(const kt_reporting *reporting, const kt_sweep_job *j, boo
 kt_exit kt_report(kt_sweep_options *o, const kt_reporting *reporting) {
   bool html;
   if (!choose_format(o, &html))
-    return kt_usage(&o->common, "--format", o->format, "pdf or html");
+    return kt_usage(&o->common, "--format", o->format, "pdf or html, as -o says");
   if (o->models.count > 1)
     return kt_usage(&o->common, "MODEL", o->models.items[1], "one model for a report");
   if (o->base && strcmp(o->base, "-") == 0)

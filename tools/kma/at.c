@@ -120,7 +120,14 @@ kt_exit kma_at(int argc, char **argv) {
       table,
       parse,
       "MODEL",
-      "Mechanical advantage of an input over an output at a pose: the input's rate over the output's, signed.",
+      "Mechanical advantage of an input over an output at a pose: the input's rate over the output's, signed."
+      "\vJSON keys beside those of every record: input, output, mechanical_advantage and velocity_ratio (null where "
+      "infinite or undefined), state (finite, zero, infinite, undefined), method (single freedom, least motion), unit, "
+      "force_ratio {ideal, actual, efficiency, locks_itself} with the joints' friction, transmission "
+      "{transmission_angle, "
+      "virtual_coefficient, sutherland_roth, chen_angeles, manipulability, condition_number, wrench}, each with a "
+      "value, "
+      "or null and why it is undefined; held_joints, configuration.",
       children,
       NULL,
       NULL};

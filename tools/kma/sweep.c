@@ -128,7 +128,14 @@ kt_exit kma_sweep(int argc, char **argv) {
       table,
       parse,
       "MODEL...",
-      "Mechanical advantage of an input over an output over the range of a driver, with its toggles and extremes.",
+      "Mechanical advantage of an input over an output over the range of a driver, with its toggles and extremes."
+      "\vColumns beside those of every sweep: ma.INPUT/OUTPUT, with a unit such as _rad/mm where it mixes an angle and "
+      "a "
+      "length (inf, nan where infinite, undefined); force_ratio.INPUT/OUTPUT with the joints' friction, where there is "
+      "some; with --transmission transmission_angle, virtual_coefficient, sutherland_roth, chen_angeles, "
+      "manipulability, "
+      "condition_number. JSON adds input, output, method, toggles [{state, s}], minimum and maximum {value, s, state}, "
+      "held_joints.",
       children,
       NULL,
       NULL};

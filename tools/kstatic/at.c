@@ -82,7 +82,13 @@ kt_exit kstatic_at(int argc, char **argv) {
       parse,
       "MODEL",
       "What actuators and joints must hold at a pose against gravity, loads and springs, and the reaction in every "
-      "joint. Exit status 1 if the actuators can't hold it.",
+      "joint. Exit status 1 if the actuators can't hold it."
+      "\vJSON keys beside those of every record: held, undetermined_directions [{falls, statement, direction}], "
+      "actuator_forces (null where they can't hold), actuator_set (unique; redundant, least norm; can't hold), "
+      "least_norm_forces, axes, reactions {force, torque, indeterminate}, reactions_with, degree_of_indeterminacy, "
+      "held_joints, configuration. Forces are positive along +q, those of angles per radian; a reaction is the wrench "
+      "of "
+      "parent on child about the origin of the child's joint frame.",
       children,
       NULL,
       NULL};

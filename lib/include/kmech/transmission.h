@@ -24,7 +24,7 @@ typedef struct km_transmission {
                              /* where that joint is a point of the link; 0 … 1 */
   km_metric chen_angeles;    /* the same with the wrench's own point nearest to that joint's axis */
   km_metric angle;           /* of planar four-bars: between coupler and output link, model's angle unit */
-  km_metric manipulability;  /* ∏σ of the substructure's Jacobian, lengths over its size (Yoshikawa) */
+  km_metric manipulability;  /* ∏σ of J D⁻¹ of the substructure, rows over its size (Yoshikawa) */
   km_metric condition;       /* σ_max / σ_min of the same */
 } km_transmission;
 
