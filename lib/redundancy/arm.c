@@ -86,13 +86,18 @@ static km_status add_motion(km_arm *a, const km_state *s, int joint, const km_pa
   return KM_OK;
 }
 
-/* Longer arms can't be placed to 1e-12 L. */
-static double shrink_of(const km_arm *a) {
-  double reach = km_vec3_norm(a->tool.p);
-  for (int k = 0; k < a->n; ++k)
+/* What depends on the arm's size over L. */
+static void set_sizes(km_arm *a) {
+  double reach = km_vec3_norm(a->tool.p), slides = 0.0;
+  for (int k = 0; k < a->n; ++k) {
     reach += km_vec3_norm(a->motions[k].before.p);
+    double most = fmax(fabs(a->low[k]), fabs(a->high[k]));
+    if (a->motions[k].primitive == KM_PRISMATIC && most < (double)INFINITY)
+      slides += most;
+  }
   double size = fmax(1.0, reach / 100.0);
-  return 1.0 / (size * size);
+  a->shrink = 1.0 / (size * size);
+  a->slide_most = 3.0 * (1.0 + reach + slides);
 }
 
 static km_status build(km_arm *a, const km_state *s, const km_arc **arcs, km_error *error) {
@@ -113,7 +118,7 @@ static km_status build(km_arm *a, const km_state *s, const km_arc **arcs, km_err
   X = km_pose_product(&X, &effector->pose);
   X.p = km_vec3_scale(1.0 / a->length, X.p);
   a->tool = X;
-  a->shrink = shrink_of(a);
+  set_sizes(a);
   a->freedom = a->n - a->rows;
   if (a->freedom < 0)
     return km_fail(error, KM_USAGE,

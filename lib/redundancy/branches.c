@@ -28,7 +28,7 @@ static bool try_start(const km_arm *a, km_arm_space *s, const km_pose *target, k
   if (!km_arm_reach(a, s, target, NULL, 80, 0.7, q))
     return false;
   km_arm_unwind(a, q);
-  return km_arm_reach(a, s, target, NULL, 3, 0.7, q);
+  return !km_arm_slides_away(a, q) && km_arm_reach(a, s, target, NULL, 3, 0.7, q);
 }
 
 bool km_arm_search(const km_arm *a, km_arm_space *s, const km_pose *target, int starts, unsigned long seed, double *q) {
@@ -38,6 +38,8 @@ bool km_arm_search(const km_arm *a, km_arm_space *s, const km_pose *target, int 
       return true;
   return false;
 }
+
+enum { LONGEST = 200 }; /* radians: of a curve that doesn't close */
 
 /* A search in progress. */
 typedef struct finder {
@@ -71,7 +73,7 @@ static bool leads(finder *f, const double *from, const double *to) {
   const km_arm *a = f->arm;
   double q[KM_ARM_MOST], way[KM_ARM_MOST], last = (double)INFINITY;
   memcpy(q, from, (size_t)a->n * sizeof *q);
-  for (int step = 0; step < 400; ++step) {
+  for (int step = 0; step < 150; ++step) {
     double left = 0.0, along[KM_ARM_MOST], size = 0.0;
     for (int k = 0; k < a->n; ++k) {
       way[k] = km_arm_difference(a, k, q[k], to[k]);
@@ -100,41 +102,54 @@ static bool leads(finder *f, const double *from, const double *to) {
   return false;
 }
 
+/* More directions than the arm has to spare: singular poses, which may fill surfaces. */
+static bool is_singular(finder *f, double *q) {
+  static const double none[KM_ARM_ROWS] = {0};
+  km_arm_update(f->arm, &f->space, q);
+  km_control_factor(f->arm, &f->space, none, NULL);
+  return f->space.null_count > f->arm->freedom;
+}
+
+/* Of poses that can be led to each other the one furthest from the limits stands for all. */
 static bool is_led_to(finder *f, const double *q) {
-  for (int i = 0; i < f->count && f->arm->freedom > 1; ++i)
-    if (leads(f, q, f->curves[i].q) || leads(f, f->curves[i].q, q))
-      return true;
+  for (int i = 0; i < f->count; ++i) {
+    double *other = f->curves[i].q;
+    if (!leads(f, q, other) && !leads(f, other, q))
+      continue;
+    if (f->curves[i].count == 1 && km_arm_limit_distance(f->arm, q) > km_arm_limit_distance(f->arm, other))
+      memcpy(other, q, (size_t)f->arm->n * sizeof *q);
+    return true;
+  }
   return false;
 }
 
-static bool add(finder *f, const double *q) {
+static bool add(finder *f, const double *q, double longest) {
   if (!km_reserve((void **)&f->curves, &f->capacity, (size_t)f->count + 1, sizeof *f->curves))
     return false;
   km_loop_curve *c = &f->curves[f->count];
   *c = (km_loop_curve){.arm = f->arm, .space = &f->space, .target = f->target};
   f->count++;
-  if (km_loop_curve_follow(c, q, f->arm->freedom == 1 ? 1e3 : 0.0))
-    return true;
-  return false;
+  return km_loop_curve_follow(c, q, longest);
 }
 
 /* Until so many solutions in a row are on known branches. */
 static bool search(finder *f, unsigned long seed) {
-  enum { MOST_STARTS = 4000, HOPELESS = 600 };
-  int idle = 0, patience = f->arm->freedom == 1 ? 250 : 100;
+  enum { MOST_STARTS = 4000, HOPELESS = 600, MOST_BRANCHES = 128 };
+  int idle = 0, patience = f->arm->freedom == 1 ? 250 : 60;
   km_random r = {seed};
   double q[KM_ARM_MOST];
-  for (f->starts = 0; f->starts < MOST_STARTS && idle < patience; ++f->starts) {
+  for (f->starts = 0; f->starts < MOST_STARTS && idle < patience && f->count < MOST_BRANCHES; ++f->starts) {
     if (f->starts == HOPELESS && f->converged == 0)
       return true;
     if (!try_start(f->arm, &f->space, &f->target, &r, q))
       continue;
     f->converged++;
     ++idle;
-    if (is_known(f, q) || is_led_to(f, q))
+    bool spreads = f->arm->freedom > 1 || is_singular(f, q);
+    if (is_known(f, q) || (spreads && is_led_to(f, q)))
       continue;
     idle = 0;
-    if (!add(f, q))
+    if (!add(f, q, spreads ? 0.0 : LONGEST))
       return false;
   }
   return true;

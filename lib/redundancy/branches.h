@@ -44,6 +44,8 @@ km_status km_selfmotion_export(const km_loop_curve *curve, km_selfmotion *out, k
 
 /* How far a coordinate is beyond its limits, hinges but for full turns: ≤ 0 within. */
 double km_arm_beyond(const km_arm *arm, int column, double q);
+/* Has a slide left for infinity? Two of them can, hand in hand. */
+bool km_arm_slides_away(const km_arm *arm, const double *q);
 /* Brings hinges by full turns to within a half turn of the middle of their limits. */
 void km_arm_unwind(const km_arm *arm, double *q);
 /* b − a, hinges but for full turns. */

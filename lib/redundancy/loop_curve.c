@@ -110,6 +110,13 @@ static bool returns(const km_loop_curve *c, const double *start, const double *s
   return true;
 }
 
+bool km_arm_slides_away(const km_arm *a, const double *q) {
+  for (int k = 0; k < a->n; ++k)
+    if (a->motions[k].primitive == KM_PRISMATIC && fabs(q[k]) > a->slide_most)
+      return true;
+  return false;
+}
+
 /* Points from the start in the sense of t until the curve closes, gets longer than `longest` or can't go on. */
 static void run(km_loop_curve *c, const double *start, const double *start_t, double longest, double sense) {
   enum { MOST_POINTS = 40000 };
@@ -133,6 +140,8 @@ static void run(km_loop_curve *c, const double *start, const double *start_t, do
     for (int k = 0; k < n; ++k)
       shown[k] = sense * t[k];
     if (!add(c, sense * u, q, shown))
+      return;
+    if (km_arm_slides_away(c->arm, q))
       return;
     h = fmin(1.5 * h, largest_step);
     if (c->arm->freedom == 1 && sense > 0.0 && u > 2.0 * way && returns(c, start, start_t, q, t, 1.01 * h, &left)) {

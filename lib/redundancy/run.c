@@ -49,15 +49,14 @@ void km_run_stop(km_run *run, const km_node *node, const km_way *way, km_step_en
   if (!km_node_create(run->arm, &arena, &at))
     return;
   double outside = 1.0;
-  /* The way runs out at end.fraction; other steps run out a little sooner, and a limit may come before. */
-  for (double short_of = 1e-9; end.stop == KM_TRACK_SINGULAR && end.fraction > 0.0 && short_of < 0.1; short_of *= 4.0) {
-    outside = end.fraction * (1.0 - short_of);
-    km_step_end back = km_walk_step(&run->walk, &run->space, sample, outside, node, way, &at);
-    run->fraction = back.stop == KM_TRACK_COMPLETE ? outside : 0.0;
-    if (back.stop == KM_TRACK_COMPLETE)
-      break;
-    if (back.stop != KM_TRACK_SINGULAR)
-      end = back;
+  if (end.stop ==
+      KM_TRACK_SINGULAR) { /* the same step again stands where it runs out of ways; a limit may come before */
+    end = km_walk_step(&run->walk, &run->space, sample, 1.0, node, way, &at);
+    km_node_copy(run->arm, &at, &run->space.here);
+    run->fraction = outside = end.fraction;
+    int column = km_arm_limit_passed(run->arm, at.q);
+    if (column >= 0)
+      end = (km_step_end){KM_TRACK_LIMIT, column, 0.0};
   }
   if (end.stop == KM_TRACK_LIMIT) {
     end = km_walk_find_end(&run->walk, &run->space, sample, node, way, end, outside, &at);

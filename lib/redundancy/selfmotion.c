@@ -152,8 +152,8 @@ km_status km_selfmotion_follow(const km_arm *a, const double *q, km_selfmotion *
     status = follow_circle(a, &space, start, out, error);
   } else {
     km_loop_curve curve = {.arm = a, .space = &space, .target = space.pose};
-    status = km_loop_curve_follow(&curve, start, 1e3) ? km_selfmotion_export(&curve, out, error)
-                                                      : km_fail(error, KM_MEMORY, "out of memory for a curve");
+    status = km_loop_curve_follow(&curve, start, 200.0) ? km_selfmotion_export(&curve, out, error)
+                                                        : km_fail(error, KM_MEMORY, "out of memory for a curve");
     km_loop_curve_free(&curve);
   }
   km_arm_space_free(&space);

@@ -206,7 +206,7 @@ static km_step_end check(const km_walk *w, const km_walk_space *s, int sample, c
 
 km_step_end km_walk_step(const km_walk *w, km_walk_space *s, int sample, double fraction, const km_node *from,
                          const km_way *way, km_node *to) {
-  enum { MOST_TRIES = 400 };
+  enum { MOST_TRIES = 5000 };
   static const double least = 1e-10; /* of the interval: what is less can't be told from where it stands */
   km_path_point here = w->path->points[sample];
   double done = 0.0, h = fraction;

@@ -119,7 +119,7 @@ static void print_motion(const km_arm *a, const km_selfmotion *m, const char *in
   if (m->closed)
     km_text_format(out, "a closed curve of %.6g rad", m->length);
   else
-    km_text_format(out, "a curve of %.6g rad that ends in singular poses", m->length);
+    km_text_format(out, "an open curve of %.6g rad", m->length);
   if (m->whole) {
     km_text_add(out, ", within the limits all the way round\n");
     return;
@@ -163,7 +163,9 @@ void km_branches_print(const km_arm *a, const km_branches *b, const char *name, 
   km_text_format(out, " (%d solutions from %d starts)\n", b->converged, b->starts);
   for (int i = 0; i < b->count; ++i) {
     km_text_format(out, "  %d: ", i + 1);
-    if (a->freedom == 1)
+    if (a->freedom == 1 && b->items[i].count == 1)
+      km_text_add(out, "singular poses: more than a curve\n");
+    else if (a->freedom == 1)
       print_motion(a, &b->items[i], "       ", out);
     else
       km_text_format(out, "%s\n", a->freedom == 0 ? "a pose" : "one pose of a family");

@@ -37,9 +37,10 @@ typedef struct km_selfmotion {
 enum { KM_SELFMOTION_DIRECTIONS = 12 };
 
 /* Follows the self-motion through q[n] (model's units, base first) in both senses: round its closed curve, or until it
- * ends in a singular pose. Where limits are crossed is found as roots along the curve. With two spare freedoms: in
- * KM_SELFMOTION_DIRECTIONS directions of a circle, each carried on without turning to a limit or up to π; an arc a
- * direction. KM_USAGE: none or more than two spare freedoms; KM_MEMORY. Free `*out` in any case. */
+ * ends in a singular pose, or its slides leave for infinity. Where limits are crossed is found as roots along the
+ * curve. With two spare freedoms: in KM_SELFMOTION_DIRECTIONS directions of a circle, each carried on without turning
+ * to a limit or up to π; an arc a direction. KM_USAGE: none or more than two spare freedoms; KM_MEMORY. Free `*out` in
+ * any case. */
 km_status km_selfmotion_follow(const km_arm *arm, const double *q, km_selfmotion *out, km_error *error);
 void km_selfmotion_free(km_selfmotion *motion);
 
