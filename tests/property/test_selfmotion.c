@@ -220,6 +220,43 @@ static void surfaces_are_sampled_on_a_circle(void **state) {
   fixture_close(&f);
 }
 
+/* Two slides in line go hand in hand for ever: the curve is cut where they are of no use any more. */
+static void slides_that_leave(void **state) {
+  (void)state;
+  fixture f = fixture_read(
+      "{\"assemblies\": [{\"name\": \"a\", \"bodies\": [{\"name\": \"s\"}, {\"name\": \"t\"},"
+      "{\"name\": \"b\", \"frames\": [{\"name\": \"n\", \"T\": [0.3, 0, 0.2]}]},"
+      "{\"name\": \"c\", \"frames\": [{\"name\": \"n\", \"T\": [0, 0.2, 0.3]}]},"
+      "{\"name\": \"d\", \"frames\": [{\"name\": \"n\", \"T\": [0.1, 0, 0.2]}]},"
+      "{\"name\": \"e\"}, {\"name\": \"h\", \"frames\": [{\"name\": \"n\", \"T\": [0.1, 0.1, 0.1]}]}], \"joints\": ["
+      "{\"name\": \"S\", \"type\": \"Tz\", \"body_frame_pairs\": [\"fixed\", \"s\"]},"
+      "{\"name\": \"T\", \"type\": \"Tz\", \"body_frame_pairs\": [\"s\", \"t\"], \"limits\": [-0.5, 0.5]},"
+      "{\"name\": \"A\", \"type\": \"Rz\", \"body_frame_pairs\": [\"t\", \"b\"], \"initial_displacement\": 0.3},"
+      "{\"name\": \"B\", \"type\": \"Ry\", \"body_frame_pairs\": [[\"b\", \"n\"], \"c\"], \"initial_displacement\": "
+      "0.7},"
+      "{\"name\": \"C\", \"type\": \"Rx\", \"body_frame_pairs\": [[\"c\", \"n\"], \"d\"], \"initial_displacement\": "
+      "0.5},"
+      "{\"name\": \"D\", \"type\": \"Ry\", \"body_frame_pairs\": [[\"d\", \"n\"], \"e\"], \"initial_displacement\": "
+      "0.4},"
+      "{\"name\": \"E\", \"type\": \"Rz\", \"body_frame_pairs\": [\"e\", \"h\"], \"initial_displacement\": 0.2}]}]}");
+  km_arm *arm = arm_of(&f, "h", "n", KM_TASK_POSE);
+  double q[KM_ARM_MOST];
+  for (int k = 0; k < arm->n; ++k)
+    q[k] = f.mechanism->start[arm->coordinate[k]];
+  km_selfmotion motion = follow(arm, q);
+  assert_false(motion.closed);
+  assert_true(motion.length > arm->slide_most && motion.length < 4.0 * arm->slide_most);
+  assert_int_equal(motion.arc_count, 1);
+  assert_near(motion.arcs[0].to - motion.arcs[0].from, sqrt(2.0), 1e-9); /* T over its metre, S against it */
+  km_selfmotion_free(&motion);
+  km_pose at = effector_by_bodies(&f, arm, q);
+  km_branches branches = find(arm, &at, 1);
+  assert_true(branches.count >= 1 && branches.count <= 16);
+  km_branches_free(&branches);
+  km_arm_free(arm);
+  fixture_close(&f);
+}
+
 static void out_of_reach(void **state) {
   (void)state;
   fixture f = fixture_open("iiwa14");
@@ -242,6 +279,7 @@ int main(void) {
       cmocka_unit_test(iiwa_has_eight_branches),
       cmocka_unit_test(six_joints_have_single_poses),
       cmocka_unit_test(surfaces_are_sampled_on_a_circle),
+      cmocka_unit_test(slides_that_leave),
       cmocka_unit_test(out_of_reach),
   };
   return cmocka_run_group_tests(tests, NULL, NULL);

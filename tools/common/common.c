@@ -39,7 +39,7 @@ enum { OPTION_JOBS = 0x1001, OPTION_SEED };
 
 static const struct argp_option common_options[] = {
     {"quiet", 'q', NULL, 0, "No notes, warnings, summaries or progress", 90},
-    {"jobs", OPTION_JOBS, "N", 0, "Work on N models at once (default 1); results don't depend on it", 90},
+    {"jobs", OPTION_JOBS, "N", 0, "Work on up to N threads (default 1); results don't depend on it", 90},
     {"seed", OPTION_SEED, "N", 0, "Seed of whatever is random (default 1)", 90},
     {0}};
 
