@@ -16,20 +16,23 @@ static bool broken(const km_sweep_picture *p, int sweep, double from, double to)
   return false;
 }
 
-/* A line's points; a point that is none breaks it. */
+/* A line's points from left to right, so that its name stands at its right end; a point that is none breaks it. */
 static void fill_series(const km_sweep_picture *p, const km_swept_line *line, km_arena *arena, km_plot_series *out) {
   const km_table *table = p->sweeps[line->sweep].motion->table;
   size_t rows = km_table_rows(table);
   double *x = KM_ARENA_NEW(arena, double, 2 * rows), *y = KM_ARENA_NEW(arena, double, 2 * rows);
   *out = (km_plot_series){.name = line->name, .x = x, .y = y, .dash = p->sweep_count > 1 ? line->sweep : 0};
+  bool backwards = rows > 1 && km_table_row(table, rows - 1)[1] < km_table_row(table, 0)[1];
+  const double *last = NULL;
   for (size_t r = 0; r < rows && !arena->failed; ++r) {
-    const double *row = km_table_row(table, r);
-    if (r > 0 && broken(p, line->sweep, km_table_row(table, r - 1)[1], row[1])) {
+    const double *row = km_table_row(table, backwards ? rows - 1 - r : r);
+    if (last && broken(p, line->sweep, last[1], row[1])) {
       x[out->count] = row[1];
       y[out->count++] = nan("");
     }
     x[out->count] = row[1];
     y[out->count++] = row[line->column];
+    last = row;
   }
 }
 
