@@ -51,6 +51,8 @@ typedef struct km_arm_space {
   double *null;           /* [n × (n + 1)] orthonormal null space of the Jacobian. By km_control_update */
   int null_count;
   double *rotated;            /* [rows × n] workspace of singular values */
+  double sigma[KM_ARM_ROWS];  /* singular values in no order, */
+  bool sigma_stands;          /* if they are known already */
   unsigned long evaluations;  /* Jacobians so far */
   struct km_one_seven *seven; /* the kernel of seven joints; NULL: not for this arm */
   bool seven_stands;          /* its Jacobian is the space's. By km_arm_update */

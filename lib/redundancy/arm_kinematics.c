@@ -86,7 +86,7 @@ static bool update_seven(const km_arm *a, km_arm_space *s, const double *q) {
 
 void km_arm_update(const km_arm *a, km_arm_space *s, const double *q) {
   s->evaluations++;
-  s->seven_factored = false;
+  s->seven_factored = s->sigma_stands = false;
   s->seven_stands = s->seven && update_seven(a, s, q);
   if (s->seven_stands)
     return;
@@ -135,8 +135,8 @@ double km_arm_error(const km_arm *a, const km_arm_space *s, const km_pose *targe
   return sqrt(km_vec3_dot(e.v, e.v) + km_vec3_dot(e.w, e.w));
 }
 
-/* One-sided Jacobi: turns pairs of rows until all are at right angles; their lengths are the singular values. */
-void km_arm_singular_values(const km_arm *a, km_arm_space *s, double *sigma) {
+/* One-sided Jacobi for any number of rows and columns. */
+static void turn_rows(const km_arm *a, km_arm_space *s, double *sigma) {
   enum { MOST_SWEEPS = 30 };
   const int n = a->n, rows = a->rows;
   double *G = s->rotated;
@@ -173,6 +173,17 @@ void km_arm_singular_values(const km_arm *a, km_arm_space *s, double *sigma) {
     for (int k = 0; k < n; ++k)
       sum += G[r * n + k] * G[r * n + k];
     sigma[r] = sqrt(sum);
+  }
+}
+
+void km_arm_singular_values(const km_arm *a, km_arm_space *s, double *sigma) {
+  if (!s->sigma_stands && s->seven_stands)
+    km_one_singular_values(s->seven, s->sigma);
+  else if (!s->sigma_stands)
+    turn_rows(a, s, s->sigma);
+  s->sigma_stands = true;
+  for (int r = 0; r < a->rows; ++r) { /* in order */
+    sigma[r] = s->sigma[r];
     for (int i = r; i > 0 && sigma[i] > sigma[i - 1]; --i) {
       double swap = sigma[i];
       sigma[i] = sigma[i - 1];

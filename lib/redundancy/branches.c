@@ -160,8 +160,8 @@ static int best_point(const km_arm *a, const km_loop_curve *c, double *margin) {
 /* The pose in the middle of an arc, hinges unwound. */
 static bool middle_of(const km_arm *a, const km_loop_curve *c, const km_arc_span *arc, double *q) {
   double u = 0.5 * (arc->from + arc->to);
-  if (c->closed && u >= c->length)
-    u -= c->length;
+  if (c->closed && u < 0.0)
+    u += c->length;
   int i = 0;
   while (i + 1 < c->count && c->u[i + 1] <= u)
     ++i;

@@ -28,7 +28,7 @@ typedef struct km_loop_curve {
 } km_loop_curve;
 
 /* From q along its self-motion: forward, and, if that doesn't close, back from q too. `longest` bounds the way in
- * either sense. False when out of memory. */
+ * either sense. With more than one spare freedom forward only, along `sense`. False when out of memory. */
 bool km_loop_curve_follow(km_loop_curve *curve, const double *q, double longest);
 void km_loop_curve_free(km_loop_curve *curve);
 /* The pose a fraction x of the way from point i to i + 1, on the manifold; t[n] its tangent (may be NULL). */

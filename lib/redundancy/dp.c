@@ -43,36 +43,59 @@ static bool by_mean(const grid *g) {
   return km_objective_by_mean(&g->run->plan->objective);
 }
 
-/* Lead one state of the last stage on by one action. */
-static void lead(grid *g, int worker, int index) {
+/* Lead up to four states of the last stage on, side by side, each by an action of its own. */
+static void lead(grid *g, int worker, int first, int count) {
   km_run *run = g->run;
   const size_t n = (size_t)run->arm->n;
   const stage *last = &g->stages[g->now - 1], *now = &g->stages[g->now];
-  const state *from = &last->states[index / g->actions];
-  state *to = &g->arrivals[index];
-  const km_way way = {.tilt = g->tilts + (index % g->actions) * run->arm->freedom};
-  to->least = from->least;
-  to->sum = from->sum;
-  to->parent = index / g->actions;
-  to->samples = from->samples;
-  km_node *here = &g->here[worker];
-  km_node_copy(run->arm, here, &from->node);
+  km_node *here = &g->here[worker * KM_WALK_ABREAST];
+  bool alive[KM_WALK_ABREAST];
+  for (int l = 0; l < count; ++l) {
+    const state *from = &last->states[(first + l) / g->actions];
+    state *to = &g->arrivals[first + l];
+    to->least = from->least;
+    to->sum = from->sum;
+    to->parent = (first + l) / g->actions;
+    to->samples = from->samples;
+    alive[l] = true;
+    km_node_copy(run->arm, &here[l], &from->node);
+  }
   for (int k = 0; k < now->length; ++k) {
-    if (km_walk_step(&run->walk, &g->spaces[worker], now->first + k, 1.0, here, &way, &to->node).stop)
+    const km_node *from[KM_WALK_ABREAST];
+    km_node *at[KM_WALK_ABREAST];
+    km_way ways[KM_WALK_ABREAST];
+    km_step_end ends[KM_WALK_ABREAST];
+    int lane[KM_WALK_ABREAST], abreast = 0;
+    for (int l = 0; l < count; ++l) {
+      if (!alive[l])
+        continue;
+      lane[abreast] = l;
+      from[abreast] = &here[l];
+      at[abreast] = &g->arrivals[first + l].node;
+      ways[abreast++] = (km_way){.tilt = g->tilts + (first + l) % g->actions * run->arm->freedom};
+    }
+    if (abreast == 0)
       return;
-    memcpy(to->q + (size_t)k * n, to->node.q, n * sizeof *to->q);
-    to->least = fmin(to->least, to->node.value);
-    to->sum += to->node.value;
-    to->samples++;
-    km_node_copy(run->arm, here, &to->node);
+    km_walk_steps(&run->walk, &g->spaces[worker], now->first + k, abreast, from, ways, at, ends);
+    for (int i = 0; i < abreast; ++i) {
+      state *to = &g->arrivals[first + lane[i]];
+      alive[lane[i]] = !ends[i].stop;
+      if (ends[i].stop)
+        continue;
+      memcpy(to->q + (size_t)k * n, to->node.q, n * sizeof *to->q);
+      to->least = fmin(to->least, to->node.value);
+      to->sum += to->node.value;
+      to->samples++;
+      km_node_copy(run->arm, &here[lane[i]], &to->node);
+    }
   }
 }
 
 static void lead_some(void *context, int worker) {
   grid *g = context;
   int count = g->stages[g->now - 1].count * g->actions;
-  for (int i = worker; i < count; i += g->workers)
-    lead(g, worker, i);
+  for (int i = worker * KM_WALK_ABREAST; i < count; i += g->workers * KM_WALK_ABREAST)
+    lead(g, worker, i, count - i < KM_WALK_ABREAST ? count - i : KM_WALK_ABREAST);
 }
 
 /* Better first: further, then the value, then the other aggregate; else the order of the work. */
@@ -243,10 +266,12 @@ static bool begin(grid *g) {
   g->workers = run->plan->jobs > 1 ? run->plan->jobs : 1;
   g->stages = KM_ARENA_NEW(&g->arena, stage, (size_t)g->stage_count + 1);
   g->spaces = KM_ARENA_NEW(&g->arena, km_walk_space, (size_t)g->workers);
-  g->here = KM_ARENA_NEW(&g->arena, km_node, (size_t)g->workers);
+  g->here = KM_ARENA_NEW(&g->arena, km_node, (size_t)g->workers * KM_WALK_ABREAST);
   bool whole = !g->arena.failed;
   for (int i = 0; i < g->workers && whole; ++i)
-    whole = km_walk_space_create(run->arm, &g->spaces[i]) && km_node_create(run->arm, &g->arena, &g->here[i]);
+    whole = km_walk_space_create(run->arm, &g->spaces[i]);
+  for (int i = 0; i < g->workers * KM_WALK_ABREAST && whole; ++i)
+    whole = km_node_create(run->arm, &g->arena, &g->here[i]);
   if (whole)
     g->stages[0].states = KM_ARENA_NEW(&g->arena, state, 1);
   whole = whole && !g->arena.failed;

@@ -12,25 +12,28 @@ static inline lane4 pick4(bits4 mask, lane4 a, lane4 b) { /* a where the mask is
   return (lane4)(((bits4)a & mask) | ((bits4)b & ~mask));
 }
 
-#define T               lane4
-#define BITS            word4
-#define FN(name)        four_##name
-#define ZERO            ((lane4){0.0, 0.0, 0.0, 0.0})
-#define SIGN            (NONE + ((uint64_t)1 << 63))
-#define NONE            ((word4){0, 0, 0, 0})
-#define ROOT(x)         root4(x)
-#define SMALLER(a, b)   pick4((bits4)((a) < (b)), (a), (b))
-#define LARGER(a, b)    pick4((bits4)((a) > (b)), (a), (b))
-#define km_bits_of(x)   ((word4)(x))
-#define km_number_of(x) ((lane4)(x))
+static inline bool any4(bits4 mask) {
+  return (mask[0] | mask[1] | mask[2] | mask[3]) != 0;
+}
+
+#define T                lane4
+#define BITS             word4
+#define FN(name)         four_##name
+#define ZERO             ((lane4){0.0, 0.0, 0.0, 0.0})
+#define SIGN             (NONE + ((uint64_t)1 << 63))
+#define NONE             ((word4){0, 0, 0, 0})
+#define ROOT(x)          root4(x)
+#define MASK             bits4
+#define ANY(mask)        any4(mask)
+#define PICK(mask, a, b) pick4((mask), (a), (b))
+#define SMALLER(a, b)    pick4((bits4)((a) < (b)), (a), (b))
+#define LARGER(a, b)     pick4((bits4)((a) > (b)), (a), (b))
+#define km_bits_of(x)    ((word4)(x))
+#define km_number_of(x)  ((lane4)(x))
 #include "redundancy/seven_body.h"
 
 static inline unsigned set4(bits4 mask) { /* lane by lane a bit */
   return (mask[0] ? 1u : 0u) | (mask[1] ? 2u : 0u) | (mask[2] ? 4u : 0u) | (mask[3] ? 8u : 0u);
-}
-
-static inline bool any4(bits4 mask) {
-  return (mask[0] | mask[1] | mask[2] | mask[3]) != 0;
 }
 
 /* What is left to the target: e[6]; lanes whose turn isn't small are taken out. Returns its length. */
@@ -97,5 +100,10 @@ unsigned NAME(const km_arm *a, const km_pose *target, const double *xi, km_lanes
     memcpy(io->jacobian[i], k.jacobian[i], sizeof io->jacobian[i]);
   }
   memcpy(io->path, path, sizeof io->path);
+  if (io->want_sigma) {
+    lane4 sigma[6];
+    four_singular_values(&k, sigma);
+    memcpy(io->sigma, sigma, sizeof io->sigma);
+  }
   return set4(fit);
 }

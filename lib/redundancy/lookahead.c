@@ -265,6 +265,8 @@ static km_status follow(tree *t, km_error *error) {
 static bool beats(const km_run *greedy, km_run_value theirs, const km_run *own, km_run_value ours) {
   if (greedy->reached != own->reached)
     return greedy->reached > own->reached;
+  if (fabs(greedy->fraction - own->fraction) > 1e-6)
+    return greedy->fraction > own->fraction;
   return compare(km_run_score(own, theirs), km_run_score(own, ours)) > 0;
 }
 

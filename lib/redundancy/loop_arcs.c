@@ -134,11 +134,9 @@ static int gather(const crossings *all, int out, km_arc_span *arcs) {
   if (out == 0)
     arcs[count++] = (km_arc_span){from, end, {column, -1}};
   if (c->closed && count > 1 && arcs[0].from == c->u[0] && arcs[count - 1].column[1] < 0) { /* one, through the start */
-    arcs[count - 1].to = c->length + arcs[0].to;
-    arcs[count - 1].column[1] = arcs[0].column[1];
-    for (int k = 1; k < count; ++k)
-      arcs[k - 1] = arcs[k];
     --count;
+    arcs[0].from = arcs[count].from - c->length;
+    arcs[0].column[0] = arcs[count].column[0];
   }
   return count;
 }

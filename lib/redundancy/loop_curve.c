@@ -21,6 +21,18 @@ static bool tangent(const km_arm *a, km_arm_space *s, const double *guide, doubl
   static const double none[KM_ARM_ROWS] = {0};
   double path[KM_ARM_MOST + 1], self[KM_ARM_MOST * KM_ARM_MOST] = {0};
   km_control_factor(a, s, none, NULL);
+  if (a->freedom > 1 && guide) { /* of many directions the one that goes on as it came */
+    double size = 0.0;
+    memcpy(path, guide, (size_t)a->n * sizeof *path);
+    km_control_project_out(a, s, path);
+    for (int k = 0; k < a->n; ++k) {
+      t[k] = guide[k] - path[k];
+      size += t[k] * t[k];
+    }
+    for (int k = 0; k < a->n; ++k)
+      t[k] /= sqrt(size);
+    return size > 0.0;
+  }
   km_control_columns(a, s, guide, path, self);
   memcpy(t, self, (size_t)a->n * sizeof *t);
   return s->null_count == 1;
@@ -123,7 +135,7 @@ static void run(km_loop_curve *c, const double *start, const double *start_t, do
     if (!add(c, sense * u, q, shown))
       return;
     h = fmin(1.5 * h, largest_step);
-    if (sense > 0.0 && u > 2.0 * way && returns(c, start, start_t, q, t, 1.01 * h, &left)) {
+    if (c->arm->freedom == 1 && sense > 0.0 && u > 2.0 * way && returns(c, start, start_t, q, t, 1.01 * h, &left)) {
       c->closed = true;
       c->length = u + left;
       return;
@@ -172,8 +184,10 @@ bool km_loop_curve_follow(km_loop_curve *c, const double *q, double longest) {
   if (!add(c, 0.0, start, t))
     return false;
   run(c, start, t, longest, 1.0);
-  if (c->closed || c->failed)
+  if (c->closed || c->failed || c->arm->freedom > 1) {
+    c->length = c->closed ? c->length : c->u[c->count - 1];
     return !c->failed;
+  }
   km_loop_curve back = *c;
   back.count = back.capacity = 0;
   back.u = back.q = back.t = NULL;

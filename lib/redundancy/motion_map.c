@@ -46,12 +46,8 @@ static void copy_points(maker *m, const km_loop_curve *c, const km_path_point *p
 /* Arcs cut at the ends of u, where a closed curve is cut open. */
 static void copy_arcs(const km_arc_span *arcs, int count, double length, km_station *s) {
   for (int i = 0; i < count; ++i)
-    for (int turn = -1; turn <= 0; ++turn) {
-      double by = s->closed ? turn * length : 0.0, from = arcs[i].from + by, to = arcs[i].to + by;
-      if (!s->closed && turn < 0)
-        continue;
-      from = fmax(from, s->low);
-      to = fmin(to, s->high);
+    for (int turn = s->closed ? -1 : 0; turn <= (s->closed ? 1 : 0); ++turn) {
+      double from = fmax(arcs[i].from + turn * length, s->low), to = fmin(arcs[i].to + turn * length, s->high);
       if (to > from)
         s->arcs[s->arc_count++] = (km_arc_span){from, to, {arcs[i].column[0], arcs[i].column[1]}};
     }
@@ -75,7 +71,7 @@ static bool add_station(maker *m, int sample) {
   s->u = KM_ARENA_NEW(&out->arena, double, count);
   s->value = KM_ARENA_NEW(&out->arena, double, count);
   s->q = KM_ARENA_NEW(&out->arena, double, count *(size_t)out->arm->n);
-  s->arcs = KM_ARENA_NEW(&out->arena, km_arc_span, 2 * (size_t)(arc_count > 0 ? arc_count : 0) + 1);
+  s->arcs = KM_ARENA_NEW(&out->arena, km_arc_span, 3 * (size_t)(arc_count > 0 ? arc_count : 0) + 1);
   bool whole = arcs && !out->arena.failed;
   if (whole) {
     copy_points(m, &curve, point, s);

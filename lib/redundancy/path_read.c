@@ -107,13 +107,14 @@ static double apart(const km_pose *a, const km_pose *b) {
 }
 
 /* Knots by the times, or by the length of the chords; from 0 to 1. */
-static bool set_knots(builder *b, km_segment *out, const km_pose *poses, const double *times, const km_place *points) {
+static bool set_knots(builder *b, km_segment *out, const km_pose *poses, const double *times, const km_place *points,
+                      size_t first) {
   const km_model *model = b->path->arm->mechanism->model;
   km_place at = {points, NULL, 0};
   out->knot = KM_ARENA_NEW(&b->path->arena, double, (size_t)out->knots);
   for (int k = 1; out->knot && k < out->knots; ++k) {
     double way = apart(&poses[k - 1], &poses[k]);
-    at.index = (size_t)k;
+    at.index = (size_t)k - first;
     if (!(way > 1e-9)) {
       km_reader_error(b->reader, &at, "the same pose as the one before; expected a way to go");
       return false;
@@ -132,9 +133,11 @@ static bool set_knots(builder *b, km_segment *out, const km_pose *poses, const d
   return out->knot != NULL;
 }
 
-static void fit(builder *b, km_segment *out, const km_pose *poses, const double *times, const km_place *place) {
+/* `first` knots stand before the list's first item. */
+static void fit(builder *b, km_segment *out, const km_pose *poses, const double *times, const km_place *place,
+                size_t first) {
   km_error error;
-  if (!set_knots(b, out, poses, times, place))
+  if (!set_knots(b, out, poses, times, place, first))
     return;
   if (km_segment_fit(out, poses, &b->path->arena, &error))
     km_reader_error(b->reader, place, "%s", error.text);
@@ -171,8 +174,7 @@ static void read_spline(builder *b, const km_value *g, const km_place *place, bo
     return;
   }
   out->knots = (int)count + !own_start;
-  km_place at = {own_start ? &points : place, own_start ? NULL : "points", 0};
-  fit(b, out, poses + own_start, timed ? times + own_start : NULL, own_start ? &points : at.parent ? &at : &points);
+  fit(b, out, poses + own_start, timed ? times + own_start : NULL, &points, !own_start);
   if (own_start && !there)
     b->at = poses[1];
 }
@@ -241,7 +243,7 @@ static void read_csv(builder *b, const km_value *path, const km_place *place) {
     return;
   out->segment_count = 1;
   out->segments[0] = (km_segment){.kind = KM_SEGMENT_SPLINE, .steps = count - 1, .knots = count, .at_knots = true};
-  fit(b, &out->segments[0], poses, times, &at);
+  fit(b, &out->segments[0], poses, times, &at, 0);
 }
 
 static km_pose read_start(builder *b, const km_value *start, const km_place *place) {

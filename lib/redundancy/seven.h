@@ -24,15 +24,18 @@ static inline bool km_seven_fits(const km_arm *arm) {
 /* Below this ratio of R's diagonal the Jacobian is left to pivoting. */
 #define KM_SEVEN_REGULAR 1e-6
 
-#define T             double
-#define BITS          uint64_t
-#define FN(name)      km_one_##name
-#define ZERO          0.0
-#define SIGN          ((uint64_t)1 << 63)
-#define NONE          ((uint64_t)0)
-#define ROOT(x)       sqrt(x)
-#define SMALLER(a, b) ((a) < (b) ? (a) : (b))
-#define LARGER(a, b)  ((a) > (b) ? (a) : (b))
+#define T                double
+#define BITS             uint64_t
+#define FN(name)         km_one_##name
+#define ZERO             0.0
+#define SIGN             ((uint64_t)1 << 63)
+#define NONE             ((uint64_t)0)
+#define ROOT(x)          sqrt(x)
+#define MASK             bool
+#define ANY(mask)        (mask)
+#define PICK(mask, a, b) ((mask) ? (a) : (b))
+#define SMALLER(a, b)    ((a) < (b) ? (a) : (b))
+#define LARGER(a, b)     ((a) > (b) ? (a) : (b))
 static inline uint64_t km_one_bits(double x) {
   uint64_t bits;
   memcpy(&bits, &x, sizeof bits);
@@ -53,6 +56,9 @@ static inline double km_one_number(uint64_t bits) {
 #undef SIGN
 #undef NONE
 #undef ROOT
+#undef MASK
+#undef ANY
+#undef PICK
 #undef SMALLER
 #undef LARGER
 #undef km_bits_of
@@ -65,6 +71,8 @@ typedef struct km_lanes {
   double most[KM_LANES];     /* how far it may go */
   double jacobian[SEVEN][6][KM_LANES];
   double path[SEVEN + 1][KM_LANES], null[SEVEN][KM_LANES];
+  bool want_sigma;
+  double sigma[6][KM_LANES];  /* singular values in no order, if they are wanted */
   unsigned used, evaluations; /* lanes (bits) that count; Jacobians that these took */
 } km_lanes;
 

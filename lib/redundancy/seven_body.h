@@ -212,3 +212,45 @@ static inline void FN(path_column)(const T *rates, T *path) {
     path[i] = rates[i] * scale;
   path[SEVEN] = scale;
 }
+
+/* Singular values of the Jacobian, in no order: one-sided Jacobi, which turns pairs of rows until all are at right
+ * angles; their lengths are then the singular values. A pair at right angles stays as it is, to the bit. */
+static inline void FN(singular_values)(const FN(seven) * k, T *sigma) {
+  enum { MOST_SWEEPS = 30 };
+  T G[6][SEVEN];
+  for (int r = 0; r < 6; ++r)
+    for (int j = 0; j < SEVEN; ++j)
+      G[r][j] = k->jacobian[j][r];
+  bool turned = true;
+  for (int sweep = 0; turned && sweep < MOST_SWEEPS; ++sweep) {
+    turned = false;
+    for (int i = 0; i < 5; ++i)
+      for (int j = i + 1; j < 6; ++j) {
+        T *x = G[i], *y = G[j], xx = x[0] * x[0], yy = y[0] * y[0], xy = x[0] * y[0];
+        for (int c = 1; c < SEVEN; ++c) {
+          xx += x[c] * x[c];
+          yy += y[c] * y[c];
+          xy += x[c] * y[c];
+        }
+        MASK askew = xy * xy > xx * yy * 1e-27;
+        if (!ANY(askew))
+          continue;
+        turned = true;
+        T zeta = (yy - xx) / (2.0 * xy), size = km_number_of(km_bits_of(zeta) & ~SIGN);
+        T t = 1.0 / (size + ROOT(1.0 + zeta * zeta));
+        t = km_number_of(km_bits_of(t) | (km_bits_of(zeta) & SIGN));
+        T cosine = 1.0 / ROOT(1.0 + t * t), sine = cosine * t;
+        for (int c = 0; c < SEVEN; ++c) {
+          T old = x[c];
+          x[c] = PICK(askew, cosine * old - sine * y[c], old);
+          y[c] = PICK(askew, sine * old + cosine * y[c], y[c]);
+        }
+      }
+  }
+  for (int r = 0; r < 6; ++r) {
+    T sum = G[r][0] * G[r][0];
+    for (int c = 1; c < SEVEN; ++c)
+      sum += G[r][c] * G[r][c];
+    sigma[r] = ROOT(sum);
+  }
+}

@@ -89,8 +89,10 @@ static bool find_effector(binder *b) {
   if (b->study->effector >= 0)
     return true;
   if (!path) {
-    km_reader_error(&b->reader, &place, "is missing; expected the frame that follows the path, as [\"%s\", \"tool\"]",
-                    model->body_count > 1 ? model->bodies[model->body_count - 1].name : "flange");
+    km_reader_error(
+        &b->reader, &place,
+        "is missing; expected the frame that follows the path, as [\"%s\", \"tool\"] (or --effector BODY/FRAME)",
+        model->body_count > 1 ? model->bodies[model->body_count - 1].name : "flange");
     return false;
   }
   for (const km_value *v = path->kind == KM_LIST ? path->first : path; v && count < LONGEST;

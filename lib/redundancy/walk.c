@@ -243,6 +243,9 @@ static void take_lane(const km_walk *w, km_walk_space *s, const km_path_point *p
   }
   s->arm.null[SEVEN] = 0.0;
   s->arm.null_count = 1;
+  for (int r = 0; r < 6; ++r)
+    s->arm.sigma[r] = lanes->sigma[r][l];
+  s->arm.sigma_stands = lanes->want_sigma;
   for (int i = 0; i < SEVEN; ++i)
     to->self[i] = (side < 0.0 ? -1.0 : 1.0) * s->arm.null[i];
   to->z = to->path[SEVEN] = lanes->path[SEVEN][l];
@@ -281,13 +284,15 @@ static unsigned fill_lanes(const km_walk *w, double ds, int count, const km_node
 void km_walk_steps(const km_walk *w, km_walk_space *s, int sample, int count, const km_node *const *from,
                    const km_way *ways, km_node *const *to, km_step_end *ends) {
   const km_path_point *here = &w->path->points[sample], *point = here + 1;
-  km_lanes lanes;
+  km_lanes lanes = {.used = 0};
   unsigned done = 0;
   if (count > 1 && s->arm.seven) {
     double xi[6];
     done = fill_lanes(w, point->s - here->s, count, from, ways, &lanes);
     km_arm_task_rows(w->arm, &point->pose.R, point->twist, xi);
     lanes.used = done;
+    lanes.want_sigma = w->objective && (w->objective->weight[KM_SINGULAR_VALUE] != 0.0 ||
+                                        w->objective->weight[KM_MANIPULABILITY] != 0.0);
     lanes.evaluations = 0;
     if (done)
       done &= km_lanes_reach(w->arm, &point->pose, xi, &lanes);

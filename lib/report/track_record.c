@@ -1,6 +1,6 @@
 #include "report/track_record.h"
 
-#include "report/mobility_record.h"
+#include "report/record.h"
 
 #include <stdio.h>
 #include <string.h>
@@ -104,21 +104,6 @@ static void add_summary(const km_track *t, km_value *record, km_arena *arena) {
   km_value_number(arena, out, "seconds_per_step", rows ? s->seconds / (double)rows : 0.0);
 }
 
-static void add_table(const km_table *table, km_value *record, km_arena *arena) {
-  km_value *columns = km_value_add(arena, record, "columns", KM_LIST);
-  for (size_t c = 0; c < km_table_columns(table) && !arena->failed; ++c) {
-    km_value *column = km_value_add(arena, columns, NULL, KM_OBJECT);
-    km_value_string(arena, column, "name", km_table_name(table, c));
-    if (km_table_unit(table, c)[0])
-      km_value_string(arena, column, "unit", km_table_unit(table, c));
-    else
-      km_value_add(arena, column, "unit", KM_NULL);
-  }
-  km_value *rows = km_value_add(arena, record, "rows", KM_LIST);
-  for (size_t r = 0; r < km_table_rows(table) && !arena->failed; ++r)
-    km_value_numbers(arena, rows, NULL, km_table_row(table, r), km_table_columns(table));
-}
-
 static void add_track(const km_tracks *all, int index, km_value *list, km_arena *arena) {
   const km_track *t = all->items[index];
   char label[64];
@@ -128,7 +113,7 @@ static void add_track(const km_tracks *all, int index, km_value *list, km_arena 
   km_value_string(arena, record, "label", label);
   add_settings(&t->plan.method, t, record, arena);
   add_summary(t, record, arena);
-  add_table(t->table, record, arena);
+  km_table_record(t->table, record, arena);
   km_text why = {0};
   km_track_end_text(t, &why);
   km_value_boolean(arena, record, "complete", t->end.stop == KM_TRACK_COMPLETE);
@@ -139,8 +124,7 @@ static void add_track(const km_tracks *all, int index, km_value *list, km_arena 
   km_text_free(&why);
 }
 
-/* The head of every record about an arm. */
-static km_value *arm_record(const km_arm *a, const char *model, km_arena *arena) {
+km_value *km_arm_record(const km_arm *a, const char *model, km_arena *arena) {
   static const char *const tasks[] = {"pose", "position", "axis"};
   const km_frame_def *frame = &a->mechanism->model->frames[a->frame];
   km_value *record = km_record_head(a->mechanism->model, "kredund", model, arena);
@@ -157,7 +141,7 @@ static km_value *arm_record(const km_arm *a, const char *model, km_arena *arena)
 
 km_value *km_tracks_record(const km_tracks *t, const char *model, km_arena *arena) {
   const km_path *path = t->study->path;
-  km_value *record = arm_record(t->study->arm, model, arena);
+  km_value *record = km_arm_record(t->study->arm, model, arena);
   km_value_string(arena, record, "objective", km_objective_name(&t->study->objective));
   km_value *about = km_value_add(arena, record, "path", KM_OBJECT);
   km_value_number(arena, about, "samples", path->samples);
@@ -219,151 +203,4 @@ void km_tracks_print(const km_tracks *t, km_text *out) {
   for (int i = 0; i < t->count; ++i)
     if (t->items[i])
       print_remarks(t, i, out);
-}
-
-static void add_motion(const km_arm *a, const km_selfmotion *m, km_value *record, km_arena *arena) {
-  km_value_boolean(arena, record, "closed", m->closed);
-  km_value_number(arena, record, "length", m->length);
-  km_value_boolean(arena, record, "within_limits_all_round", m->whole);
-  km_value *arcs = km_value_add(arena, record, "arcs", KM_LIST);
-  for (int i = 0; i < m->arc_count && !arena->failed; ++i) {
-    km_value *arc = km_value_add(arena, arcs, NULL, KM_OBJECT);
-    km_value_number(arena, arc, "from", m->arcs[i].from);
-    km_value_number(arena, arc, "to", m->arcs[i].to);
-    for (int end = 0; end < 2; ++end) {
-      int column = m->arcs[i].column[end];
-      if (column >= 0)
-        km_value_string(arena, arc, end ? "to_limit" : "from_limit", km_arm_label(a, column));
-      else
-        km_value_add(arena, arc, end ? "to_limit" : "from_limit", KM_NULL);
-    }
-  }
-}
-
-km_value *km_selfmotion_record(const km_arm *a, const km_selfmotion *m, const char *model, km_arena *arena) {
-  km_value *record = arm_record(a, model, arena);
-  add_motion(a, m, record, arena);
-  km_value_number(arena, record, "error", m->error);
-  km_value *rows = km_value_add(arena, record, "rows", KM_LIST);
-  for (int i = 0; i < m->count && !arena->failed; ++i) {
-    km_value *row = km_value_add(arena, rows, NULL, KM_LIST);
-    km_value_number(arena, row, NULL, m->u[i]);
-    for (int k = 0; k < m->columns; ++k)
-      km_value_number(arena, row, NULL, m->q[i * m->columns + k]);
-  }
-  return arena->failed ? NULL : record;
-}
-
-km_table *km_selfmotion_table(const km_arm *a, const km_selfmotion *m) {
-  km_table *table = km_table_create();
-  km_arm_space space;
-  if (!table || !km_arm_space_create(a, &space)) {
-    km_table_free(table);
-    return NULL;
-  }
-  km_table_add_column(table, "step", NULL);
-  km_table_add_plain_column(table, "s", "rad");
-  for (int k = 0; k < a->n; ++k) {
-    km_text name = {0};
-    km_text_format(&name, "q.%s", km_arm_label(a, k));
-    km_table_add_column(table, name.data ? name.data : "",
-                        km_model_coordinate_unit(a->mechanism->model, a->coordinate[k]));
-    km_text_free(&name);
-  }
-  km_table_add_column(table, "objective.manipulability", NULL);
-  km_table_add_column(table, "objective.singular-value", NULL);
-  km_table_add_column(table, "limit_margin", NULL);
-  bool whole = true;
-  for (int i = 0; i < m->count && whole; ++i) {
-    double q[KM_ARM_MOST], sigma[KM_ARM_ROWS], product = 1.0, *row = km_table_add_row(table);
-    whole = row != NULL;
-    if (!whole)
-      break;
-    for (int k = 0; k < a->n; ++k)
-      q[k] = km_arm_read(a, k, m->q[i * a->n + k]);
-    km_arm_unwind(a, q);
-    km_arm_update(a, &space, q);
-    km_arm_singular_values(a, &space, sigma);
-    for (int r = 0; r < a->rows; ++r)
-      product *= sigma[r];
-    *row++ = i;
-    *row++ = m->u[i];
-    memcpy(row, m->q + i * a->n, (size_t)a->n * sizeof *row);
-    row += a->n;
-    *row++ = product;
-    *row++ = sigma[a->rows - 1];
-    *row = km_arm_limit_distance(a, q);
-  }
-  km_arm_space_free(&space);
-  if (whole)
-    return table;
-  km_table_free(table);
-  return NULL;
-}
-
-static void print_motion(const km_arm *a, const km_selfmotion *m, const char *indent, km_text *out) {
-  if (m->closed)
-    km_text_format(out, "a closed curve of %.6g rad", m->length);
-  else
-    km_text_format(out, "a curve of %.6g rad that ends in singular poses", m->length);
-  if (m->whole) {
-    km_text_add(out, ", within the limits all the way round\n");
-    return;
-  }
-  km_text_format(out, "; %d arc%s within the limits%s\n", m->arc_count, m->arc_count == 1 ? "" : "s",
-                 m->arc_count ? ":" : "");
-  for (int i = 0; i < m->arc_count; ++i) {
-    const km_arc_span *arc = &m->arcs[i];
-    km_text_format(out, "%s%.9g to %.9g rad (length %.6g)", indent, arc->from, arc->to, arc->to - arc->from);
-    if (arc->column[0] >= 0 || arc->column[1] >= 0)
-      km_text_format(out, ", ended by %s and %s",
-                     arc->column[0] >= 0 ? km_arm_label(a, arc->column[0]) : "the curve's end",
-                     arc->column[1] >= 0 ? km_arm_label(a, arc->column[1]) : "the curve's end");
-    km_text_add(out, "\n");
-  }
-}
-
-void km_selfmotion_print(const km_arm *a, const km_selfmotion *m, const char *name, km_text *out) {
-  km_text_format(out, "%s: self-motion, ", name);
-  print_motion(a, m, "  ", out);
-  km_text_format(out, "  effector held to %.2g; %d poses\n", m->error, m->count);
-}
-
-km_value *km_branches_record(const km_arm *a, const km_branches *b, const char *model, km_arena *arena) {
-  km_value *record = arm_record(a, model, arena);
-  km_value_number(arena, record, "count", b->count);
-  km_value_number(arena, record, "within_limits", b->within);
-  km_value_number(arena, record, "starts", b->starts);
-  km_value_number(arena, record, "converged", b->converged);
-  km_value *list = km_value_add(arena, record, "branches", KM_LIST);
-  for (int i = 0; i < b->count && !arena->failed; ++i) {
-    km_value *branch = km_value_add(arena, list, NULL, KM_OBJECT);
-    km_value_number(arena, branch, "id", i + 1);
-    if (a->freedom == 1)
-      add_motion(a, &b->items[i], branch, arena);
-    km_value_boolean(arena, branch, "within_limits", b->margin[i] >= 0.0);
-    km_value_number(arena, branch, "limit_margin", b->margin[i]);
-    km_value *pose = km_value_add(arena, branch, "configuration", KM_OBJECT);
-    for (int k = 0; k < a->n; ++k)
-      km_value_number(arena, pose, km_arm_label(a, k), b->pose[i * a->n + k]);
-  }
-  return arena->failed ? NULL : record;
-}
-
-void km_branches_print(const km_arm *a, const km_branches *b, const char *name, km_text *out) {
-  km_text_format(out, "%s: %d branch%s", name, b->count, b->count == 1 ? "" : "es");
-  if (b->within < b->count)
-    km_text_format(out, ", %d of them with poses within the limits", b->within);
-  km_text_format(out, " (%d solutions from %d starts)\n", b->converged, b->starts);
-  for (int i = 0; i < b->count; ++i) {
-    km_text_format(out, "  %d: ", i + 1);
-    if (a->freedom == 1)
-      print_motion(a, &b->items[i], "       ", out);
-    else
-      km_text_format(out, "%s\n", a->freedom == 0 ? "a pose" : "one pose of a family");
-    km_text_format(out, "     %s:", b->margin[i] >= 0.0 ? "best pose" : "never within the limits; nearest");
-    for (int k = 0; k < a->n; ++k)
-      km_text_format(out, " %s %.6g", km_arm_label(a, k), b->pose[i * a->n + k]);
-    km_text_format(out, " (limit distance %.4g)\n", b->margin[i]);
-  }
 }

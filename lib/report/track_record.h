@@ -15,6 +15,9 @@ typedef struct km_tracks {
   int count;
 } km_tracks;
 
+/* The head of every record about an arm. */
+km_value *km_arm_record(const km_arm *arm, const char *model, km_arena *arena);
+
 /* What `kredund track --format json` gives. NULL when out of memory (arena->failed). */
 km_value *km_tracks_record(const km_tracks *tracks, const char *model, km_arena *arena);
 /* The table of summaries. */
@@ -24,10 +27,12 @@ void km_tracks_label(const km_tracks *tracks, int index, char separator, char *o
 /* Why and where a track ends: empty if it is complete. */
 void km_track_end_text(const km_track *track, km_text *out);
 
-/* A self-motion's curve and arcs; the branches of inverse kinematics. */
-km_value *km_selfmotion_record(const km_arm *arm, const km_selfmotion *motion, const char *model, km_arena *arena);
+/* A self-motion's curve and arcs; the branches of inverse kinematics. Rows are the poses within the limits, or the
+ * whole curve with `all`. */
+km_value *km_selfmotion_record(const km_arm *arm, const km_selfmotion *motion, bool all, const char *model,
+                               km_arena *arena);
 void km_selfmotion_print(const km_arm *arm, const km_selfmotion *motion, const char *name, km_text *out);
-km_table *km_selfmotion_table(const km_arm *arm, const km_selfmotion *motion);
+km_table *km_selfmotion_table(const km_arm *arm, const km_selfmotion *motion, bool all);
 km_value *km_branches_record(const km_arm *arm, const km_branches *branches, const char *model, km_arena *arena);
 void km_branches_print(const km_arm *arm, const km_branches *branches, const char *name, km_text *out);
 

@@ -156,7 +156,7 @@ static void bench_step(void) {
 
 static const char study_text[] =
     "{\"effector\": [\"flange\", \"tool\"], \"q0\": [0.2, 0.6, 0.1, -1.4, 0.3, 0.9, 0],"
-    "\"path\": {\"segments\": [{\"type\": \"line\", \"to\": [0.4, 0.45, 0.5], \"steps\": 96}]},"
+    "\"path\": {\"segments\": [{\"type\": \"line\", \"to\": [0.4, 0.45, 0.5], \"steps\": 192}]},"
     "\"methods\": \"lookahead\", \"objective\": \"path-control\"}";
 
 typedef struct walker {
@@ -268,7 +268,7 @@ static void bench_nodes(void) {
     bench_fail(name, "no study");
   walker one = walker_of(study, 1), two = walker_of(study, 2);
   agree_abreast(&one);
-  bench_contender c[] = {{.name = "96 greedy steps on a path", .run = run_steps, .context = &one},
+  bench_contender c[] = {{.name = "192 greedy steps on a path", .run = run_steps, .context = &one},
                          {.name = "four siblings one by one", .run = run_one_by_one, .context = &one},
                          {.name = "four siblings side by side", .run = run_abreast, .context = &one},
                          {.name = "look-ahead", .run = run_look_ahead, .context = &one},

@@ -37,11 +37,21 @@ static void curves_hold_the_effector(void **state) {
       assert_true(km_vec3_norm(km_vec3_sub(at.R.axis[k], target.R.axis[k])) < 1e-9);
     bool inside = false;
     for (int k = 0; k < motion.arc_count; ++k)
-      for (int turn = 0; turn < 2; ++turn) {
+      for (int turn = -1; turn <= 0; ++turn) {
         double u = motion.u[i] + turn * motion.length;
         inside = inside || (u >= motion.arcs[k].from && u <= motion.arcs[k].to);
       }
     assert_int_equal(inside, limit_distance(arm, motion.q + 7 * i) <= 0.0);
+  }
+  for (int i = 0; i < motion.row_count; ++i) { /* what is delivered keeps the limits, and its ends are at them */
+    const double *q = motion.row_q + 7 * i;
+    km_pose at = effector_by_bodies(&f, arm, q);
+    assert_true(km_vec3_norm(km_vec3_sub(at.p, target.p)) < 1e-9);
+    assert_true(limit_distance(arm, q) <= 1e-9);
+    bool first = i == 0 || motion.row_arc[i] != motion.row_arc[i - 1];
+    bool last = i + 1 == motion.row_count || motion.row_arc[i] != motion.row_arc[i + 1];
+    if (first || last)
+      assert_near(limit_distance(arm, q), 0.0, 1e-9);
   }
   km_selfmotion_free(&motion);
   km_arm_free(arm);
@@ -180,6 +190,36 @@ static void six_joints_have_single_poses(void **state) {
   fixture_close(&f);
 }
 
+/* Two to spare: directions round the start, each held to the effector and ended by a limit or at π. */
+static void surfaces_are_sampled_on_a_circle(void **state) {
+  (void)state;
+  fixture f = fixture_open("iiwa14");
+  km_arm *arm = arm_of(&f, "flange", "tool", KM_TASK_AXIS);
+  km_pose target = effector_by_bodies(&f, arm, well_inside);
+  km_selfmotion motion = follow(arm, well_inside);
+  assert_int_equal(motion.arc_count, KM_SELFMOTION_DIRECTIONS);
+  assert_true(motion.error <= 1e-9);
+  int ended = 0;
+  for (int i = 0; i < motion.row_count; ++i) {
+    const double *q = motion.row_q + 7 * i;
+    km_pose at = effector_by_bodies(&f, arm, q);
+    assert_true(km_vec3_norm(km_vec3_sub(at.p, target.p)) < 1e-9);
+    assert_true(km_vec3_norm(km_vec3_sub(at.R.axis[2], target.R.axis[2])) < 1e-9);
+    assert_true(limit_distance(arm, q) <= 1e-9);
+    bool last = i + 1 == motion.row_count || motion.row_arc[i] != motion.row_arc[i + 1];
+    if (last && motion.arcs[motion.row_arc[i]].column[1] >= 0) {
+      assert_near(limit_distance(arm, q), 0.0, 1e-9);
+      ++ended;
+    } else if (last) {
+      assert_near(motion.row_u[i], M_PI, 1e-9);
+    }
+  }
+  assert_true(ended > 0);
+  km_selfmotion_free(&motion);
+  km_arm_free(arm);
+  fixture_close(&f);
+}
+
 static void out_of_reach(void **state) {
   (void)state;
   fixture f = fixture_open("iiwa14");
@@ -196,9 +236,13 @@ static void out_of_reach(void **state) {
 
 int main(void) {
   const struct CMUnitTest tests[] = {
-      cmocka_unit_test(curves_hold_the_effector),     cmocka_unit_test(lengths_dont_depend_on_the_start),
-      cmocka_unit_test(narrow_arcs_are_found),        cmocka_unit_test(iiwa_has_eight_branches),
-      cmocka_unit_test(six_joints_have_single_poses), cmocka_unit_test(out_of_reach),
+      cmocka_unit_test(curves_hold_the_effector),
+      cmocka_unit_test(lengths_dont_depend_on_the_start),
+      cmocka_unit_test(narrow_arcs_are_found),
+      cmocka_unit_test(iiwa_has_eight_branches),
+      cmocka_unit_test(six_joints_have_single_poses),
+      cmocka_unit_test(surfaces_are_sampled_on_a_circle),
+      cmocka_unit_test(out_of_reach),
   };
   return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -20,7 +20,8 @@ typedef struct kredund_request {
   const char *branches, *levels, *angle, *stride, *value; /* of look-ahead */
   const char *pose;                                       /* ik: x,y,z,rx,ry,rz */
   const char *formats, *base;
-  bool everything; /* without methods: all of them */
+  bool everything;    /* without methods: all of them */
+  bool ignore_limits; /* selfmotion: rows outside the limits too */
 } kredund_request;
 
 /* Child parsers whose input is a kredund_request: the arm and the path; and the methods too. */

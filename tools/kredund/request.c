@@ -350,6 +350,8 @@ kt_exit kredund_bring(const kredund_request *r, bool needs_path, kredund_open *o
       km_study_bind_as(out->study, out->pose.mechanism, out->pose.state, &changes, r->common.seed, messages, &error);
   result = tell(&r->common, out->name, messages, status == KM_PARTIAL ? KM_OK : status, error.text);
   km_messages_free(messages);
+  if (!r->study && result == KT_BAD_MODEL)
+    result = KT_USAGE; /* there is no file that could be bad */
   if (result == KT_DONE)
     note_start(r, out);
   return result;

@@ -12,7 +12,7 @@ static kt_exit write_curve(const kredund_request *r, const kredund_open *open, c
   kt_exit result = KT_DONE;
   if (formats->wanted[KT_CSV]) {
     km_text out = {0};
-    km_table *table = km_selfmotion_table(open->study->arm, motion);
+    km_table *table = km_selfmotion_table(open->study->arm, motion, r->ignore_limits);
     if (table)
       km_csv_write(table, &out);
     else
@@ -24,7 +24,7 @@ static kt_exit write_curve(const kredund_request *r, const kredund_open *open, c
   if (formats->wanted[KT_JSON]) {
     km_arena arena = {0};
     km_text out = {0};
-    const km_value *record = km_selfmotion_record(open->study->arm, motion, open->model, &arena);
+    const km_value *record = km_selfmotion_record(open->study->arm, motion, r->ignore_limits, open->model, &arena);
     if (record)
       km_json_write(record, &out);
     else
@@ -41,7 +41,7 @@ static kt_exit write_map(const kredund_request *r, const kredund_open *open, con
                          const char *base) {
   kredund_tracks tracks = {.request = r, .open = open, .formats = *formats};
   bool pictures = formats->wanted[KT_SVG] || formats->wanted[KT_PDF] || formats->wanted[KT_PNG];
-  if (!open->study->path || !pictures)
+  if (!open->study->path || !pictures || open->study->arm->freedom != 1)
     return KT_DONE;
   kt_exit result = kredund_tracks_run(&tracks);
   if (result == KT_PARTIAL)
@@ -79,14 +79,37 @@ static kt_exit run(const kredund_request *r, const kt_formats *formats, const kr
   return result;
 }
 
+enum { OPTION_IGNORE_LIMITS = 0x4001 };
+
+static const struct argp_option table[] = {{"ignore-limits", OPTION_IGNORE_LIMITS, NULL, 0,
+                                            "Rows of the whole curve, also where joints are outside their limits", 3},
+                                           {0}};
+
+static error_t parse(int key, char *arg, struct argp_state *state) {
+  kredund_request *r = state->input;
+  (void)arg;
+  if (key == ARGP_KEY_INIT)
+    state->child_inputs[0] = r;
+  if (key != OPTION_IGNORE_LIMITS)
+    return key == ARGP_KEY_INIT ? 0 : ARGP_ERR_UNKNOWN;
+  r->ignore_limits = true;
+  return 0;
+}
+
 kt_exit kredund_selfmotion(int argc, char **argv) {
+  const struct argp_child children[] = {{&kredund_tracks_argp, 0, NULL, 0}, {0}};
+  const struct argp argp = {
+      table,
+      parse,
+      "STUDY",
+      "The poses that hold the effector at the path's start (or where the arm is): their curve, closed "
+      "or to its ends, and its arcs within the joint limits. With a path, a map of them along it.",
+      children,
+      NULL,
+      NULL};
   kredund_request request;
   kt_formats formats;
-  if (!kredund_tracks_read(
-          argc, argv,
-          "The poses that hold the effector at the path's start (or where the arm is): their curve, "
-          "closed or to its ends, and its arcs within the joint limits. With a path, a map of them along it.",
-          &request, &formats))
+  if (!kredund_tracks_read(&argp, argc, argv, &request, &formats))
     return KT_USAGE;
   kredund_open open;
   kt_exit result = kredund_bring(&request, false, &open);

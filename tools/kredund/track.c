@@ -16,10 +16,12 @@ static kt_exit run(const kredund_request *request, kt_formats formats) {
 }
 
 kt_exit kredund_track(int argc, char **argv) {
+  struct argp argp = kredund_tracks_argp;
+  argp.args_doc = "STUDY";
+  argp.doc = "Follows an effector path with a redundant arm, by one or more methods.";
   kredund_request request;
   kt_formats formats;
-  if (!kredund_tracks_read(argc, argv, "Follows an effector path with a redundant arm, by one or more methods.",
-                           &request, &formats))
+  if (!kredund_tracks_read(&argp, argc, argv, &request, &formats))
     return KT_USAGE;
   return run(&request, formats);
 }

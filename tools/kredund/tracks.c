@@ -34,11 +34,12 @@ static error_t parse(int key, char *arg, struct argp_state *state) {
   }
 }
 
-bool kredund_tracks_read(int argc, char **argv, const char *about, kredund_request *r, kt_formats *formats) {
-  const struct argp_child children[] = {{&kredund_methods_argp, 0, NULL, 0}, {0}};
-  const struct argp argp = {table, parse, "STUDY", about, children, NULL, NULL};
+static const struct argp_child tracks_children[] = {{&kredund_methods_argp, 0, NULL, 0}, {0}};
+const struct argp kredund_tracks_argp = {.options = table, .parser = parse, .children = tracks_children};
+
+bool kredund_tracks_read(const struct argp *argp, int argc, char **argv, kredund_request *r, kt_formats *formats) {
   *r = (kredund_request){.common = {.tool = "kredund", .jobs = 1, .seed = 1}};
-  kt_parse(&argp, argc, argv, r);
+  kt_parse(argp, argc, argv, r);
   if (!kt_formats_parse(&r->common, r->formats ? r->formats : "csv,svg", formats))
     return false;
   bool tables_only = !formats->wanted[KT_SVG] && !formats->wanted[KT_PDF] && !formats->wanted[KT_PNG];

@@ -1,0 +1,175 @@
+/* Self-motions and branches of inverse kinematics. */
+#include "report/record.h"
+#include "report/track_record.h"
+
+#include <string.h>
+
+static void add_motion(const km_arm *a, const km_selfmotion *m, km_value *record, km_arena *arena) {
+  km_value_boolean(arena, record, "closed", m->closed);
+  km_value_number(arena, record, "length", m->length);
+  km_value_boolean(arena, record, "within_limits_all_round", m->whole);
+  km_value *arcs = km_value_add(arena, record, "arcs", KM_LIST);
+  for (int i = 0; i < m->arc_count && !arena->failed; ++i) {
+    km_value *arc = km_value_add(arena, arcs, NULL, KM_OBJECT);
+    km_value_number(arena, arc, "from", m->arcs[i].from);
+    km_value_number(arena, arc, "to", m->arcs[i].to);
+    for (int end = 0; end < 2; ++end) {
+      int column = m->arcs[i].column[end];
+      if (column >= 0)
+        km_value_string(arena, arc, end ? "to_limit" : "from_limit", km_arm_label(a, column));
+      else
+        km_value_add(arena, arc, end ? "to_limit" : "from_limit", KM_NULL);
+    }
+  }
+}
+
+km_value *km_selfmotion_record(const km_arm *a, const km_selfmotion *m, bool all, const char *model, km_arena *arena) {
+  km_value *record = km_arm_record(a, model, arena);
+  km_table *table = km_selfmotion_table(a, m, all);
+  add_motion(a, m, record, arena);
+  km_value_number(arena, record, "error", m->error);
+  if (table)
+    km_table_record(table, record, arena);
+  else
+    arena->failed = true;
+  km_table_free(table);
+  return arena->failed ? NULL : record;
+}
+
+static void add_motion_columns(const km_arm *a, km_table *table) {
+  km_table_add_column(table, "step", NULL);
+  km_table_add_plain_column(table, "s", "rad");
+  km_table_add_column(table, "arc", NULL);
+  for (int k = 0; k < a->n; ++k) {
+    km_text name = {0};
+    km_text_format(&name, "q.%s", km_arm_label(a, k));
+    km_table_add_column(table, name.data ? name.data : "",
+                        km_model_coordinate_unit(a->mechanism->model, a->coordinate[k]));
+    km_text_free(&name);
+  }
+  km_table_add_column(table, "objective.manipulability", NULL);
+  km_table_add_column(table, "objective.singular-value", NULL);
+  km_table_add_column(table, "limit_margin", NULL);
+}
+
+/* A row; `shown` in the model's units. */
+static bool add_motion_row(const km_arm *a, km_arm_space *space, km_table *table, double arc, double u,
+                           const double *shown) {
+  double q[KM_ARM_MOST], sigma[KM_ARM_ROWS], product = 1.0, *row = km_table_add_row(table);
+  if (!row)
+    return false;
+  for (int k = 0; k < a->n; ++k)
+    q[k] = km_arm_read(a, k, shown[k]);
+  km_arm_update(a, space, q);
+  km_arm_singular_values(a, space, sigma);
+  for (int r = 0; r < a->rows; ++r)
+    product *= sigma[r];
+  km_arm_unwind(a, q);
+  *row++ = (double)km_table_rows(table) - 1.0;
+  *row++ = u;
+  *row++ = arc;
+  memcpy(row, shown, (size_t)a->n * sizeof *row);
+  row += a->n;
+  *row++ = product;
+  *row++ = sigma[a->rows - 1];
+  *row = km_arm_limit_distance(a, q);
+  return true;
+}
+
+km_table *km_selfmotion_table(const km_arm *a, const km_selfmotion *m, bool all) {
+  km_table *table = km_table_create();
+  km_arm_space space;
+  if (!table || !km_arm_space_create(a, &space)) {
+    km_table_free(table);
+    return NULL;
+  }
+  add_motion_columns(a, table);
+  bool whole = true;
+  all = all && m->count > 0; /* a surface has no whole curve */
+  for (int i = 0; i < (all ? m->count : m->row_count) && whole; ++i)
+    whole = all ? add_motion_row(a, &space, table, (double)NAN, m->u[i], m->q + i * a->n)
+                : add_motion_row(a, &space, table, m->row_arc[i] + 1, m->row_u[i], m->row_q + i * a->n);
+  km_arm_space_free(&space);
+  if (whole)
+    return table;
+  km_table_free(table);
+  return NULL;
+}
+
+static void print_arcs(const km_arm *a, const km_selfmotion *m, const char *indent, km_text *out) {
+  for (int i = 0; i < m->arc_count; ++i) {
+    const km_arc_span *arc = &m->arcs[i];
+    km_text_format(out, "%s%.9g to %.9g rad (length %.6g)", indent, arc->from, arc->to, arc->to - arc->from);
+    if (arc->column[0] >= 0 || arc->column[1] >= 0)
+      km_text_format(out, ", ended by %s and %s",
+                     arc->column[0] >= 0 ? km_arm_label(a, arc->column[0])
+                     : a->freedom == 2   ? "the start"
+                                         : "the curve's end",
+                     arc->column[1] >= 0 ? km_arm_label(a, arc->column[1]) : "the curve's end");
+    km_text_add(out, "\n");
+  }
+}
+
+static void print_motion(const km_arm *a, const km_selfmotion *m, const char *indent, km_text *out) {
+  if (a->freedom == 2) {
+    km_text_format(out, "a surface of poses; in %d directions round the start:\n", m->arc_count);
+    print_arcs(a, m, indent, out);
+    return;
+  }
+  if (m->closed)
+    km_text_format(out, "a closed curve of %.6g rad", m->length);
+  else
+    km_text_format(out, "a curve of %.6g rad that ends in singular poses", m->length);
+  if (m->whole) {
+    km_text_add(out, ", within the limits all the way round\n");
+    return;
+  }
+  km_text_format(out, "; %d arc%s within the limits%s\n", m->arc_count, m->arc_count == 1 ? "" : "s",
+                 m->arc_count ? ":" : "");
+  print_arcs(a, m, indent, out);
+}
+
+void km_selfmotion_print(const km_arm *a, const km_selfmotion *m, const char *name, km_text *out) {
+  km_text_format(out, "%s: self-motion, ", name);
+  print_motion(a, m, "  ", out);
+  km_text_format(out, "  effector held to %.2g; %d poses\n", m->error, a->freedom == 2 ? m->row_count : m->count);
+}
+
+km_value *km_branches_record(const km_arm *a, const km_branches *b, const char *model, km_arena *arena) {
+  km_value *record = km_arm_record(a, model, arena);
+  km_value_number(arena, record, "count", b->count);
+  km_value_number(arena, record, "within_limits", b->within);
+  km_value_number(arena, record, "starts", b->starts);
+  km_value_number(arena, record, "converged", b->converged);
+  km_value *list = km_value_add(arena, record, "branches", KM_LIST);
+  for (int i = 0; i < b->count && !arena->failed; ++i) {
+    km_value *branch = km_value_add(arena, list, NULL, KM_OBJECT);
+    km_value_number(arena, branch, "id", i + 1);
+    if (a->freedom == 1)
+      add_motion(a, &b->items[i], branch, arena);
+    km_value_boolean(arena, branch, "within_limits", b->margin[i] >= 0.0);
+    km_value_number(arena, branch, "limit_margin", b->margin[i]);
+    km_value *pose = km_value_add(arena, branch, "configuration", KM_OBJECT);
+    for (int k = 0; k < a->n; ++k)
+      km_value_number(arena, pose, km_arm_label(a, k), b->pose[i * a->n + k]);
+  }
+  return arena->failed ? NULL : record;
+}
+
+void km_branches_print(const km_arm *a, const km_branches *b, const char *name, km_text *out) {
+  km_text_format(out, "%s: %d branch%s", name, b->count, b->count == 1 ? "" : "es");
+  if (b->within < b->count)
+    km_text_format(out, ", %d of them with poses within the limits", b->within);
+  km_text_format(out, " (%d solutions from %d starts)\n", b->converged, b->starts);
+  for (int i = 0; i < b->count; ++i) {
+    km_text_format(out, "  %d: ", i + 1);
+    if (a->freedom == 1)
+      print_motion(a, &b->items[i], "       ", out);
+    else
+      km_text_format(out, "%s\n", a->freedom == 0 ? "a pose" : "one pose of a family");
+    km_text_format(out, "     %s:", b->margin[i] >= 0.0 ? "best pose" : "never within the limits; nearest");
+    for (int k = 0; k < a->n; ++k)
+      km_text_format(out, " %s %.6g", km_arm_label(a, k), b->pose[i * a->n + k]);
+    km_text_format(out, " (limit distance %.4g)\n", b->margin[i]);
+  }
+}

@@ -1,0 +1,74 @@
+/* The shipped studies: look-ahead is at least greedy's, and near the reference of dynamic programming. */
+#include "support/arms.h"
+
+#include "base/file.h"
+
+#include <stdio.h>
+#include <string.h>
+
+typedef struct opened {
+  fixture f;
+  km_study *study;
+} opened;
+
+static opened open_study(const char *name) {
+  char path[1024], model[2048];
+  km_text text = {0};
+  km_error error = {0};
+  opened o = {0};
+  snprintf(path, sizeof path, "%s/%s", STUDIES_DIR, name);
+  snprintf(model, sizeof model, "%s/study.json", path);
+  if (km_file_read(model, &text, &error) || km_study_read(text.data, text.size, path, NULL, &o.study, &error))
+    fail_msg("%s", error.text);
+  km_text_free(&text);
+  snprintf(model, sizeof model, "%s/%s", path, km_study_model(o.study));
+  km_model *read;
+  if (km_model_load(model, NULL, &read, &error))
+    fail_msg("%s", error.text);
+  o.f = fixture_of(read);
+  if (km_study_bind(o.study, o.f.mechanism, o.f.state, 1, NULL, &error))
+    fail_msg("%s", error.text);
+  return o;
+}
+
+static km_track *run_method(const opened *o, km_method_kind kind) {
+  for (int i = 0; i < km_study_methods(o->study); ++i)
+    if (o->study->methods[i].kind == kind)
+      return track_of(o->study, i, 2);
+  fail_msg("no %s in the study", km_method_word(kind));
+  return NULL;
+}
+
+static double score(const km_track *track) {
+  km_track_summary s = km_track_summarise(track);
+  return km_objective_by_mean(&track->plan.objective) ? s.objective_mean : s.objective_min;
+}
+
+static void look_ahead_is_near_the_reference(void **state) {
+  (void)state;
+  static const char *const names[] = {"iiwa_weld",  "thesis_line", "panda_circle",
+                                      "iiwa_helix", "iiwa_reach",  "panda_limit"};
+  for (size_t i = 0; i < sizeof names / sizeof *names; ++i) {
+    opened o = open_study(names[i]);
+    km_track *greedy = run_method(&o, KM_GREEDY), *ahead = run_method(&o, KM_LOOKAHEAD);
+    km_track *reference = run_method(&o, KM_DP);
+    assert_int_equal(ahead->end.stop, KM_TRACK_COMPLETE);
+    assert_int_equal(reference->end.stop, KM_TRACK_COMPLETE);
+    assert_int_equal(greedy->end.stop, strcmp(names[i], "panda_limit") == 0 ? KM_TRACK_LIMIT : KM_TRACK_COMPLETE);
+    assert_true(km_track_summarise(reference).converged < 0.02);
+    assert_true(score(ahead) >= score(greedy) * (1.0 - 1e-9));
+    double share = km_objective_by_mean(&ahead->plan.objective) ? 0.85 : 0.95;
+    assert_true(score(ahead) >= share * score(reference));
+    assert_true(o.study->start_moved < 1e-6); /* the study's own start */
+    km_track_free(greedy);
+    km_track_free(ahead);
+    km_track_free(reference);
+    km_study_free(o.study);
+    fixture_close(&o.f);
+  }
+}
+
+int main(void) {
+  const struct CMUnitTest tests[] = {cmocka_unit_test(look_ahead_is_near_the_reference)};
+  return cmocka_run_group_tests(tests, NULL, NULL);
+}
