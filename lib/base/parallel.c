@@ -1,5 +1,7 @@
 #include "base/parallel.h"
 
+#include "base/memory.h"
+
 #include <pthread.h>
 #include <stdatomic.h>
 
@@ -31,6 +33,112 @@ void km_parallel_for(int count, int jobs, void (*work)(void *context, int index)
   run(&q);
   for (int i = 0; i < started; ++i)
     pthread_join(threads[i], NULL);
+}
+
+/* A round has a number; who has seen it takes part once. Between rounds a thread watches for a moment, then sleeps. */
+struct km_team {
+  pthread_t threads[MOST_THREADS];
+  int started;
+  pthread_mutex_t mutex;
+  pthread_cond_t begins, ends;
+  atomic_uint round;
+  atomic_int busy; /* threads that haven't finished the round */
+  bool over;
+  queue work;
+};
+
+enum { WATCH = 2000 };
+
+static void breathe(void) {
+#if defined(__x86_64__) || defined(__i386__)
+  __builtin_ia32_pause();
+#endif
+}
+
+/* Waits for a round other than `seen`; its number. */
+static unsigned await_round(km_team *team, unsigned seen) {
+  for (int i = 0; i < WATCH; ++i, breathe())
+    if (atomic_load(&team->round) != seen)
+      return atomic_load(&team->round);
+  pthread_mutex_lock(&team->mutex);
+  while (atomic_load(&team->round) == seen)
+    pthread_cond_wait(&team->begins, &team->mutex);
+  pthread_mutex_unlock(&team->mutex);
+  return atomic_load(&team->round);
+}
+
+static void *stand_by(void *data) {
+  km_team *team = data;
+  for (unsigned seen = 0;;) {
+    seen = await_round(team, seen);
+    if (team->over)
+      return NULL;
+    run(&team->work);
+    if (atomic_fetch_sub(&team->busy, 1) != 1)
+      continue;
+    pthread_mutex_lock(&team->mutex);
+    pthread_cond_signal(&team->ends);
+    pthread_mutex_unlock(&team->mutex);
+  }
+}
+
+km_team *km_team_create(int jobs) {
+  km_team *team = KM_NEW(km_team, 1);
+  if (!team)
+    return NULL;
+  pthread_mutex_init(&team->mutex, NULL);
+  pthread_cond_init(&team->begins, NULL);
+  pthread_cond_init(&team->ends, NULL);
+  while (team->started + 1 < jobs && team->started < MOST_THREADS &&
+         pthread_create(&team->threads[team->started], NULL, stand_by, team) == 0)
+    ++team->started;
+  return team;
+}
+
+static void begin_round(km_team *team) {
+  pthread_mutex_lock(&team->mutex);
+  atomic_fetch_add(&team->round, 1);
+  pthread_cond_broadcast(&team->begins);
+  pthread_mutex_unlock(&team->mutex);
+}
+
+void km_team_free(km_team *team) {
+  if (!team)
+    return;
+  team->over = true;
+  begin_round(team);
+  for (int i = 0; i < team->started; ++i)
+    pthread_join(team->threads[i], NULL);
+  pthread_cond_destroy(&team->begins);
+  pthread_cond_destroy(&team->ends);
+  pthread_mutex_destroy(&team->mutex);
+  km_free(team);
+}
+
+static void await_end(km_team *team) {
+  for (int i = 0; i < WATCH; ++i, breathe())
+    if (atomic_load(&team->busy) == 0)
+      return;
+  pthread_mutex_lock(&team->mutex);
+  while (atomic_load(&team->busy) != 0)
+    pthread_cond_wait(&team->ends, &team->mutex);
+  pthread_mutex_unlock(&team->mutex);
+}
+
+void km_team_run(km_team *team, int count, void (*work)(void *context, int index), void *context) {
+  if (!team || team->started == 0 || count < 2) {
+    for (int i = 0; i < count; ++i)
+      work(context, i);
+    return;
+  }
+  team->work.count = count;
+  team->work.work = work;
+  team->work.context = context;
+  atomic_store(&team->work.next, 0);
+  atomic_store(&team->busy, team->started);
+  begin_round(team);
+  run(&team->work);
+  await_end(team);
 }
 
 void km_serially(void (*work)(void *context), void *context) {

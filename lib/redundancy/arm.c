@@ -86,6 +86,15 @@ static km_status add_motion(km_arm *a, const km_state *s, int joint, const km_pa
   return KM_OK;
 }
 
+/* Longer arms can't be placed to 1e-12 L. */
+static double shrink_of(const km_arm *a) {
+  double reach = km_vec3_norm(a->tool.p);
+  for (int k = 0; k < a->n; ++k)
+    reach += km_vec3_norm(a->motions[k].before.p);
+  double size = fmax(1.0, reach / 100.0);
+  return 1.0 / (size * size);
+}
+
 static km_status build(km_arm *a, const km_state *s, const km_arc **arcs, km_error *error) {
   const km_model *model = a->mechanism->model;
   const km_frame_def *effector = &model->frames[a->frame];
@@ -104,6 +113,7 @@ static km_status build(km_arm *a, const km_state *s, const km_arc **arcs, km_err
   X = km_pose_product(&X, &effector->pose);
   X.p = km_vec3_scale(1.0 / a->length, X.p);
   a->tool = X;
+  a->shrink = shrink_of(a);
   a->freedom = a->n - a->rows;
   if (a->freedom < 0)
     return km_fail(error, KM_USAGE,

@@ -30,7 +30,8 @@ struct km_arm {
   int freedom;   /* n − rows: dimension of the self-motion at regular poses */
   double length; /* L, in the model's unit */
   bool length_given;
-  km_vec3 origin;         /* of everything here, in the inertial frame and the model's unit */
+  double shrink;  /* of position errors, squared: 1 but for arms of more than 100 L, whose rounding is as large */
+  km_vec3 origin; /* of everything here, in the inertial frame and the model's unit */
   km_arm_motion *motions; /* [n] */
   km_pose tool;           /* from the last motion to the effector */
   int *coordinate;        /* [n] of the mechanism */
@@ -66,7 +67,7 @@ void km_arm_space_free(km_arm_space *space);
  * position v alone; of an axis v, then ω across the effector's z axis, along its x and y. */
 void km_arm_update(const km_arm *arm, km_arm_space *space, const double *q);
 
-/* What is left from the pose to a target: error[rows], and its length and angle. */
+/* What is left from the pose to a target: error[rows], and its length and angle. Returns √(shrink·length² + angle²). */
 double km_arm_error(const km_arm *arm, const km_arm_space *space, const km_pose *target, double *error,
                     double *position, double *rotation);
 

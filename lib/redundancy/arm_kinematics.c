@@ -132,7 +132,7 @@ double km_arm_error(const km_arm *a, const km_arm_space *s, const km_pose *targe
     *position = km_vec3_norm(e.v);
   if (rotation)
     *rotation = km_vec3_norm(e.w);
-  return sqrt(km_vec3_dot(e.v, e.v) + km_vec3_dot(e.w, e.w));
+  return sqrt(a->shrink * km_vec3_dot(e.v, e.v) + km_vec3_dot(e.w, e.w));
 }
 
 /* One-sided Jacobi for any number of rows and columns. */

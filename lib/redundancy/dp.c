@@ -10,7 +10,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum { MOST_STATES = 4000 };
+enum { MOST_STATES = 4000, MOST_SPREAD = 250 }; /* on curves; on surfaces and more, where there is no end of them */
 
 typedef struct state {
   double least, sum;
@@ -35,6 +35,7 @@ typedef struct grid {
   double *tilts;   /* [actions × freedom] */
   state *arrivals; /* [states · actions] */
   size_t arrival_capacity;
+  km_team *team;
   km_walk_space *spaces;
   km_node *here;
 } grid;
@@ -149,15 +150,16 @@ static int by_rank(const void *a, const void *b) {
 
 /* Of those that arrive, the best of each neighbourhood. */
 static bool keep_best(grid *g, int arrived) {
+  int most = g->run->arm->freedom > 1 ? MOST_SPREAD : MOST_STATES;
   stage *now = &g->stages[g->now];
   ranked *order = KM_NEW(ranked, (size_t)arrived + 1);
-  now->states = KM_ARENA_NEW(&g->arena, state, (size_t)(arrived < MOST_STATES ? arrived : MOST_STATES));
+  now->states = KM_ARENA_NEW(&g->arena, state, (size_t)(arrived < most ? arrived : most));
   for (int i = 0; order && i < arrived; ++i)
     order[i] = (ranked){g, i};
   if (order)
     qsort(order, (size_t)arrived, sizeof *order, by_rank);
   int full = now->first + now->length;
-  for (int i = 0; order && !g->arena.failed && i < arrived && now->count < MOST_STATES; ++i) {
+  for (int i = 0; order && !g->arena.failed && i < arrived && now->count < most; ++i) {
     const state *one = &g->arrivals[order[i].index];
     bool taken = one->samples < full;
     for (int k = 0; k < now->count && !taken; ++k)
@@ -218,7 +220,7 @@ static bool fill_stage(grid *g) {
   }
   if (g->arena.failed)
     return false;
-  km_parallel_for(g->workers, g->workers, lead_some, g);
+  km_team_run(g->team, g->workers, lead_some, g);
   return keep_best(g, (int)count);
 }
 
@@ -313,7 +315,9 @@ static km_status solve(grid *g, km_error *error) {
 
 static km_status solve_at(km_run *run, double spacing, int length, km_error *error) {
   grid g = {.run = run, .spacing = spacing, .length = length < 1 ? 1 : length};
+  g.team = run->plan->jobs > 1 ? km_team_create(run->plan->jobs) : NULL;
   km_status status = solve(&g, error);
+  km_team_free(g.team);
   for (int i = 0; i < g.workers && g.spaces; ++i) {
     run->evaluations += g.spaces[i].arm.evaluations;
     km_walk_space_free(&g.spaces[i]);

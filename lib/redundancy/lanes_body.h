@@ -37,7 +37,7 @@ static inline unsigned set4(bits4 mask) { /* lane by lane a bit */
 }
 
 /* What is left to the target: e[6]; lanes whose turn isn't small are taken out. Returns its length. */
-static inline lane4 left4(const four_seven *k, const km_pose *target, lane4 *e, bits4 *fit) {
+static inline lane4 left4(const km_arm *a, const four_seven *k, const km_pose *target, lane4 *e, bits4 *fit) {
   lane4 sine2, trace;
   four_vec v = {target->p.x - k->p.x, target->p.y - k->p.y, target->p.z - k->p.z};
   four_vec w = four_turn_left(k->R, &target->R, &sine2, &trace);
@@ -48,7 +48,7 @@ static inline lane4 left4(const four_seven *k, const km_pose *target, lane4 *e, 
   e[3] = w.x;
   e[4] = w.y;
   e[5] = w.z;
-  return root4(four_dot(v, v) + four_dot(w, w));
+  return root4(a->shrink * four_dot(v, v) + four_dot(w, w));
 }
 
 static inline bits4 regular4(const four_seven *k) {
@@ -68,7 +68,7 @@ unsigned NAME(const km_arm *a, const km_pose *target, const double *xi, km_lanes
   for (int step = 0;; ++step) {
     four_forward(a, q, &k);
     io->evaluations += (unsigned)__builtin_popcount(set4(active) & io->used);
-    lane4 left = left4(&k, target, e, &fit);
+    lane4 left = left4(a, &k, target, e, &fit);
     fit &= (bits4)(left < ZERO + KM_NEWTON_FAR);
     active = fit & (bits4)(left > ZERO + KM_NEWTON_DONE);
     if (!any4(active))

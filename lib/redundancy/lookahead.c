@@ -8,7 +8,7 @@
 
 #include <string.h>
 
-enum { MOST_NODES = 2000000, THREADS_PAY = 40 }; /* fewer steps abreast are done before a thread has begun */
+enum { MOST_NODES = 2000000, THREADS_PAY = 16 }; /* fewer steps abreast are done before a thread has begun */
 
 typedef struct tree_node {
   km_node end;       /* where its level ends */
@@ -20,10 +20,11 @@ typedef struct tree_node {
 typedef struct tree {
   km_run *run;
   int branches, levels, stride, workers;
-  tree_node *nodes;      /* by level, level 1 first; the children of node i of a level are i · branches … */
-  int *level_start;      /* [levels + 1] */
-  km_node *first;        /* [branches] one sample after the root */
-  double *tilts;         /* [branches × freedom] */
+  tree_node *nodes; /* by level, level 1 first; the children of node i of a level are i · branches … */
+  int *level_start; /* [levels + 1] */
+  km_node *first;   /* [branches] one sample after the root */
+  double *tilts;    /* [branches × freedom] */
+  km_team *team;
   km_walk_space *spaces; /* [workers] */
   km_node *here;         /* [workers × KM_WALK_ABREAST] */
   km_node root;
@@ -211,10 +212,12 @@ static bool create(tree *t, km_run *run) {
     whole = km_node_create(a, arena, &t->here[i]);
   if (whole)
     set_tilts(t);
+  t->team = t->workers > 1 ? km_team_create(t->workers) : NULL;
   return whole;
 }
 
 static void destroy(tree *t) {
+  km_team_free(t->team);
   for (int i = 0; i < t->workers && t->spaces; ++i) {
     t->run->evaluations += t->spaces[i].arm.evaluations;
     km_walk_space_free(&t->spaces[i]);
@@ -235,7 +238,7 @@ static int look_ahead(tree *t) {
     bool worth = groups * t->stride >= THREADS_PAY;
     int workers = !worth ? 1 : groups < t->workers ? groups : t->workers;
     t->sharing = workers;
-    km_parallel_for(workers, workers, grow_some, t);
+    km_team_run(t->team, workers, grow_some, t);
   }
   choice best = choose(t, levels);
   return best.level < 0 ? -1 : branch_of(t, best.level, best.index, 0);

@@ -25,15 +25,6 @@ typedef struct sheet {
   size_t plot_count;
 } sheet;
 
-/* Complete ones first, then the longest. */
-static int main_track(const km_tracks *t) {
-  int best = -1;
-  for (int i = 0; i < t->count; ++i)
-    if (t->items[i] && (best < 0 || t->items[i]->end.sample > t->items[best]->end.sample))
-      best = i;
-  return best;
-}
-
 static double *column(sheet *s, const km_table *table, int index, double factor, double offset) {
   size_t rows = km_table_rows(table);
   double *out = KM_ARENA_NEW(&s->arena, double, rows);
@@ -101,6 +92,29 @@ static void add_all(sheet *s, const char *title, const char *y_label, const char
   s->plot_count++;
 }
 
+/* The fastest joint of every track. */
+static void add_speeds(sheet *s) {
+  begin(s, "Fastest joint", "largest |v| (rad/s, slides over L)", 0.0, 0.0);
+  for (int i = 0; i < s->tracks->count; ++i) {
+    char label[64];
+    const km_track *t = s->tracks->items[i];
+    if (!t || km_table_rows(t->table) == 0)
+      continue;
+    km_tracks_label(s->tracks, i, ' ', label, sizeof label);
+    size_t at = s->plots[s->plot_count].count;
+    add(s, t->table, 3 + t->arm->n, 1.0, 0.0, label);
+    if (s->plots[s->plot_count].count == at)
+      continue;
+    double *y = (double *)(size_t)s->plots[s->plot_count].series[at].y; /* made by add, ours to fill */
+    for (size_t r = 0; r < km_table_rows(t->table); ++r) {
+      y[r] = 0.0;
+      for (int k = 0; k < t->arm->n; ++k)
+        y[r] = fmax(y[r], fabs(km_arm_read(t->arm, k, km_table_row(t->table, r)[3 + t->arm->n + k])));
+    }
+  }
+  s->plot_count++;
+}
+
 static void gather(sheet *s) {
   const km_track *t = s->tracks->items[s->first];
   const char *unit = t->arm->mechanism->model->units.length->suffix, *name = km_objective_name(&t->plan.objective);
@@ -115,6 +129,7 @@ static void gather(sheet *s) {
   add_all(s, "Manipulability", "product of singular values", "objective.manipulability", 0.0, 0.0);
   add_all(s, "Limit margin", "nearest limit / half range", "limit_margin", 0.0, 1.0);
   snprintf(text, sizeof text, "position error (%s)", unit);
+  add_speeds(s);
   add_all(s, "Tracking error", text, "error_position", 0.0, 0.0);
 }
 
@@ -160,7 +175,7 @@ km_status km_tracks_plot(const km_tracks *tracks, km_canvas_format format, km_te
   if (!s)
     return km_fail(error, KM_MEMORY, "out of memory for a plot");
   s->tracks = tracks;
-  s->first = main_track(tracks);
+  s->first = km_tracks_best(tracks);
   gather(s);
   size_t down = (s->plot_count + ACROSS - 1) / ACROSS;
   km_status status = s->arena.failed ? km_fail(error, KM_MEMORY, "out of memory for a plot")
@@ -223,7 +238,7 @@ static km_status draw_arm(const km_tracks *tracks, const km_track *t, km_arena *
 }
 
 km_status km_tracks_draw(const km_tracks *tracks, km_canvas_format format, km_text *out, km_error *error) {
-  const km_track *t = tracks->items[main_track(tracks)];
+  const km_track *t = tracks->items[km_tracks_best(tracks)];
   km_arena arena = {0};
   km_state *state = NULL;
   km_status status = km_state_create(t->arm->mechanism, &state, error);

@@ -15,6 +15,23 @@ void km_tracks_label(const km_tracks *t, int index, char separator, char *out, s
     snprintf(out, size, "%s", km_method_word((km_method_kind)kind));
 }
 
+int km_tracks_best(const km_tracks *t) {
+  int best = -1;
+  double best_score = 0.0;
+  for (int i = 0; i < t->count; ++i) {
+    if (!t->items[i])
+      continue;
+    const km_track_summary *s = &t->items[i]->summary;
+    double score = km_objective_by_mean(&t->items[i]->plan.objective) ? s->objective_mean : s->objective_min;
+    int further = best < 0 ? 1 : t->items[i]->end.sample - t->items[best]->end.sample;
+    if (further > 0 || (further == 0 && score >= best_score - 1e-9 * fabs(best_score))) {
+      best = i;
+      best_score = score;
+    }
+  }
+  return best;
+}
+
 static const char *length_unit(const km_arm *a) {
   return a->mechanism->model->units.length->suffix;
 }

@@ -24,6 +24,8 @@ km_value *km_tracks_record(const km_tracks *tracks, const char *model, km_arena 
 void km_tracks_print(const km_tracks *tracks, km_text *out);
 /* "lookahead", or "lookahead 2" for the second of its kind. */
 void km_tracks_label(const km_tracks *tracks, int index, char separator, char *out, size_t size);
+/* The track that goes furthest, then the best by the objective; of equals the later one. −1: none. */
+int km_tracks_best(const km_tracks *tracks);
 /* Why and where a track ends: empty if it is complete. */
 void km_track_end_text(const km_track *track, km_text *out);
 

@@ -332,7 +332,20 @@ static void note_start(const kredund_request *r, const kredund_open *out) {
            out->name, s->start_moved);
 }
 
-kt_exit kredund_bring(const kredund_request *r, bool needs_path, kredund_open *out) {
+/* Is --path a whole study? Then it says everything that the options don't. */
+static bool is_study(const char *path) {
+  km_text bytes = {0};
+  km_arena arena = {0};
+  const km_value *root = NULL;
+  bool found = km_file_read(path, &bytes, NULL) == KM_OK &&
+               km_json_parse(bytes.data ? bytes.data : "", bytes.size, &arena, &root, NULL) == KM_OK &&
+               km_value_get(root, "path");
+  km_text_free(&bytes);
+  km_arena_free(&arena);
+  return found;
+}
+
+static kt_exit bring(const kredund_request *r, bool needs_path, kredund_open *out) {
   *out = (kredund_open){.name = r->study ? strcmp(r->study, "-") == 0 ? "standard input" : r->study : r->model};
   km_study_changes changes = {.path_optional = !needs_path};
   kt_exit result = read_study(r, out);
@@ -355,6 +368,15 @@ kt_exit kredund_bring(const kredund_request *r, bool needs_path, kredund_open *o
   if (result == KT_DONE)
     note_start(r, out);
   return result;
+}
+
+kt_exit kredund_bring(const kredund_request *given, bool needs_path, kredund_open *out) {
+  kredund_request r = *given;
+  if (!r.study && r.path && strcmp(r.path, "-") != 0 && is_study(r.path)) {
+    r.study = r.path;
+    r.path = NULL;
+  }
+  return bring(&r, needs_path, out);
 }
 
 void kredund_close(kredund_open *open) {

@@ -6,7 +6,6 @@
 #include "report/motion_map_plot.h"
 #include "report/track_plot.h"
 
-#include <math.h>
 #include <stdio.h>
 #include <string.h>
 
@@ -102,24 +101,6 @@ void kredund_tracks_free(kredund_tracks *t) {
   km_free(t->items);
 }
 
-/* Of several tracks the one that goes furthest, then the best by the objective; of equals the later one. */
-static int best_track(const kredund_tracks *t) {
-  int best = -1;
-  double best_score = 0.0;
-  for (int i = 0; i < t->count; ++i) {
-    if (!t->items[i])
-      continue;
-    const km_track_summary *s = &t->items[i]->summary;
-    double score = km_objective_by_mean(&t->items[i]->plan.objective) ? s->objective_mean : s->objective_min;
-    int further = best < 0 ? 1 : t->items[i]->end.sample - t->items[best]->end.sample;
-    if (further > 0 || (further == 0 && score >= best_score - 1e-9 * fabs(best_score))) {
-      best = i;
-      best_score = score;
-    }
-  }
-  return best;
-}
-
 static kt_exit write_table(const kredund_tracks *t, int index, const char *name) {
   km_text out = {0};
   km_csv_write(t->items[index]->table, &out);
@@ -131,7 +112,7 @@ static kt_exit write_table(const kredund_tracks *t, int index, const char *name)
 /* BASE.track.csv; of several methods the best track's, and beside it BASE.METHOD.track.csv of each. */
 static kt_exit write_tables(const kredund_tracks *t, const char *base) {
   kt_exit result = KT_DONE;
-  int best = best_track(t);
+  int best = km_tracks_best(&t->all);
   for (int i = 0; i < t->count && t->count > 1; ++i) {
     char label[64], name[4096];
     if (!t->items[i])
