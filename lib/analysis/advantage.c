@@ -262,12 +262,15 @@ static double ratio(double a, double b) {
   return a == 0.0 ? (b == 0.0 ? nan("") : 0.0) : b == 0.0 ? HUGE_VAL : a / b;
 }
 
-void km_lever_update(const km_mechanism *m, km_state *s, km_lever *l, km_advantage *out) {
+static void update_rows(const km_mechanism *m, const km_state *s, km_lever *l) {
   km_poses_about(m, s, (km_vec3){0, 0, 0}, l->pose);
   km_poses_about(m, s, l->pose[m->arcs[0].body].p, l->pose);
   update_row(m, s, l, &l->input);
   update_row(m, s, l, &l->output);
-  int freedom = choose_motion(m, s, l);
+}
+
+/* The advantage in the motion l->rates, which was chosen from so many freedoms. */
+static void measure(const km_mechanism *m, km_lever *l, int freedom, km_advantage *out) {
   double largest = km_largest_rate(m, l->rates);
   for (int c = 0; c < m->coordinate_count && largest > 0.0; ++c)
     l->rates[c] /= largest;
@@ -283,6 +286,17 @@ void km_lever_update(const km_mechanism *m, km_state *s, km_lever *l, km_advanta
                               : KM_ADVANTAGE_UNDEFINED;
   out->value = ratio(out->input_rate, out->output_rate);
   out->velocity_ratio = ratio(out->output_rate, out->input_rate);
+}
+
+void km_lever_update(const km_mechanism *m, km_state *s, km_lever *l, km_advantage *out) {
+  update_rows(m, s, l);
+  measure(m, l, choose_motion(m, s, l), out);
+}
+
+void km_lever_along(const km_mechanism *m, const km_state *s, km_lever *l, const double *rates, km_advantage *out) {
+  update_rows(m, s, l);
+  memcpy(l->rates, rates, (size_t)m->coordinate_count * sizeof *rates);
+  measure(m, l, 1, out);
 }
 
 static bool is_angle(const km_model *model, const km_handle *h) {

@@ -18,6 +18,7 @@ typedef struct watch {
   km_lever *lever;
   km_transmission_work *transmission; /* NULL: not asked for */
   km_losses_work *losses;             /* NULL: no joint has friction */
+  bool followed;                      /* r->rates is the motion at the pose that is looked at */
   double *reference;                  /* [coordinate] the motion at the last sample: a basis has no sense of its own */
   km_scan rates, value;
   km_events toggles, extremes;
@@ -40,10 +41,22 @@ static bool add_columns(void *self, const km_sweeper *r, km_table *table) {
   return added;
 }
 
+/* At a branch point there are more freedoms for an instant: the motion that is followed counts, r->rates. */
+static void look(const watch *w, const km_sweeper *r, km_advantage *out) {
+  const km_substructure *sub = r->substructure >= 0 ? &r->m->substructures[r->substructure] : NULL;
+  bool meeting = sub && r->out->freedom == 1 && km_partition_freedom(&r->s->partition[r->substructure]) > 1 &&
+                 w->lever->moves[r->m->column_coordinate[sub->column_start]];
+  if (meeting && w->followed)
+    km_lever_along(r->m, r->s, w->lever, r->rates, out);
+  else
+    km_lever_update(r->m, r->s, w->lever, out);
+}
+
 static double *write_value(void *self, km_sweeper *r, double *cell) {
   watch *w = self;
   km_advantage a;
-  km_lever_update(r->m, r->s, w->lever, &a);
+  w->followed = r->mover.rates(r->mover.self, r->rates);
+  look(w, r, &a);
   if (km_table_rows(w->out->motion.table) == 1)
     w->out->method = a.method;
   *cell++ = a.value;
@@ -65,7 +78,7 @@ static double *write_value(void *self, km_sweeper *r, double *cell) {
 static double update(const watch *w, km_sweeper *r) {
   km_advantage a;
   double along = 0.0;
-  km_lever_update(r->m, r->s, w->lever, &a);
+  look(w, r, &a);
   for (int c = 0; c < r->m->coordinate_count; ++c)
     along += w->lever->rates[c] * w->reference[c] / (r->m->unit[c] * r->m->unit[c]);
   return along < 0.0 ? -1.0 : 1.0;
@@ -84,15 +97,18 @@ static void rates(void *self, km_sweeper *r, double *f) {
 static void value(void *self, km_sweeper *r, double *f) {
   const watch *w = self;
   km_advantage a;
-  km_lever_update(r->m, r->s, w->lever, &a);
+  look(w, r, &a);
   f[0] = a.state == KM_ADVANTAGE_FINITE ? a.value : nan("");
 }
 
 static km_status see(void *self, km_sweeper *r, double s, km_error *error) {
   watch *w = self;
+  w->followed = r->mover.rates(r->mover.self, r->rates);
   km_status status = km_scan_sample(&w->rates, r, s, error);
+  w->followed = r->mover.rates(r->mover.self, r->rates); /* what probes have left there isn't the row's */
   if (!status)
     status = km_scan_sample(&w->value, r, s, error);
+  w->followed = r->mover.rates(r->mover.self, r->rates);
   double sense = update(w, r);
   for (int c = 0; c < r->m->coordinate_count; ++c)
     w->reference[c] = sense * w->lever->rates[c];

@@ -20,6 +20,10 @@ struct km_lever {
   km_pose *pose; /* [body] about a point near the mechanism */
 };
 
+/* The advantage in a given motion, rates[coordinate]: at a branch point the one that is followed. */
+void km_lever_along(const km_mechanism *mechanism, const km_state *state, km_lever *lever, const double *rates,
+                    km_advantage *out);
+
 /* The largest scaled rate. */
 double km_largest_rate(const km_mechanism *mechanism, const double *rates);
 /* The rate of an end in a motion, and what rounding is measured by. */

@@ -39,6 +39,8 @@ struct km_statics_work {
   double *tau;        /* [coordinate] generalised forces of what is applied, springs in joints included */
   double *force;      /* [coordinate] of the actuators, or f̄ */
   double *least_load; /* [coordinate] below this a generalised force is rounding */
+  km_pose *frame;     /* [joint] in which its reaction is reported, about the forces' origin */
+  int *place;         /* [joint] among the joints of its substructure */
   km_holding *holding;
   km_carrying *carrying;
 };

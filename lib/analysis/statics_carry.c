@@ -13,12 +13,16 @@ bool km_carrying_reserve(const km_mechanism *m, km_statics_work *w) {
   const km_topology *t = &m->topology;
   km_arena *arena = &w->arena;
   w->carrying = KM_ARENA_NEW(arena, km_carrying, (size_t)t->substructure_count);
+  w->frame = KM_ARENA_NEW(arena, km_pose, (size_t)t->joint_count);
+  w->place = KM_ARENA_NEW(arena, int, (size_t)t->joint_count);
   for (int i = 0; i < t->substructure_count && !arena->failed; ++i) {
     const km_substructure *sub = &m->substructures[i];
     km_carrying *c = &w->carrying[i];
     c->rows = 6 * sub->loop_count + sub->coupling_count;
     c->columns = sub->columns;
     c->joints = t->joint_start[i + 1] - t->joint_start[i];
+    for (int j = 0; j < c->joints; ++j)
+      w->place[t->joint[t->joint_start[i] + j]] = j;
     size_t rows = (size_t)c->rows, columns = (size_t)c->columns, parts = 6 * (size_t)c->joints;
     c->J = KM_ARENA_NEW(arena, double, rows *columns);
     c->T = KM_ARENA_NEW(arena, double, rows *columns);
@@ -67,21 +71,18 @@ static km_wrench unscaled(const km_substructure *sub, const double *mu, km_vec3 
 }
 
 /* What the chords' wrenches do in every joint of the substructure, added to out[6 · joints]. */
-static void spread(const km_mechanism *m, const km_forces *f, int index, km_axes axes, km_vec3 about, const double *mu,
+static void spread(const km_mechanism *m, const km_statics_work *w, int index, km_vec3 about, const double *mu,
                    double *out) {
   const km_topology *t = &m->topology;
   for (int i = t->loop_start[index]; i < t->loop_start[index + 1]; ++i) {
     int loop = t->loop[i];
-    km_wrench w = unscaled(&m->substructures[index], mu + 6 * (i - t->loop_start[index]), about);
+    km_wrench wrench = unscaled(&m->substructures[index], mu + 6 * (i - t->loop_start[index]), about);
     for (int n = t->member_start[loop]; n < t->member_start[loop + 1]; ++n) {
+      int joint = t->member[n].joint;
       double part[6], sense = km_member_sense(t, loop, &t->member[n]);
-      km_pose frame = report_frame(m, f, t->member[n].joint, axes);
-      int place = t->joint_start[index];
-      while (t->joint[place] != t->member[n].joint)
-        ++place;
-      reported(&frame, w, part);
+      reported(&w->frame[joint], wrench, part);
       for (int k = 0; k < 6; ++k)
-        out[6 * (place - t->joint_start[index]) + k] += sense * part[k];
+        out[6 * w->place[joint] + k] += sense * part[k];
     }
   }
 }
@@ -171,14 +172,13 @@ static void carry_substructure(const km_mechanism *m, km_state *s, const km_forc
   int degree = solve(m, s, index, about, w);
   st->degree += degree;
   for (int j = 0; j < c->joints; ++j) {
-    km_pose X = report_frame(m, f, t->joint[first + j], w->axes);
-    reported(&X, from_tree(m, w, t->joint[first + j]), c->carried + 6 * j);
+    int joint = t->joint[first + j];
+    reported(&w->frame[joint], from_tree(m, w, joint), c->carried + 6 * j);
   }
-  spread(m, f, index, w->axes, about, c->mu, c->carried);
+  spread(m, w, index, about, c->mu, c->carried);
   memset(c->field, 0, (size_t)degree * 6 * (size_t)c->joints * sizeof *c->field);
   for (int k = 0; k < degree; ++k)
-    spread(m, f, index, w->axes, about, c->null + (size_t)k * (size_t)c->rows,
-           c->field + (size_t)k * 6 * (size_t)c->joints);
+    spread(m, w, index, about, c->null + (size_t)k * (size_t)c->rows, c->field + (size_t)k * 6 * (size_t)c->joints);
   make_least(c, degree, m->model->characteristic_length);
   for (int j = 0; j < c->joints; ++j) {
     km_reaction *r = &st->reactions[t->joint[first + j]];
@@ -192,9 +192,9 @@ void km_statics_carry(const km_mechanism *m, km_state *s, const km_forces *f, km
   st->degree = 0;
   for (int j = 0; j < m->topology.joint_count; ++j) {
     double part[6];
-    km_pose X = report_frame(m, f, j, st->work->axes);
+    st->work->frame[j] = report_frame(m, f, j, st->work->axes);
     st->reactions[j] = (km_reaction){{0}, {0}, {0}};
-    reported(&X, from_tree(m, st->work, j), part);
+    reported(&st->work->frame[j], from_tree(m, st->work, j), part);
     memcpy(st->reactions[j].force, part, sizeof st->reactions[j].force);
     memcpy(st->reactions[j].torque, part + 3, sizeof st->reactions[j].torque);
   }

@@ -2,6 +2,7 @@
 
 #include "topology/mechanism.h"
 
+#include <math.h>
 #include <stdio.h>
 #include <string.h>
 
@@ -15,6 +16,16 @@ static const char *text_in(km_arena *arena, const char *format, const char *a, c
   return km_arena_string(arena, text);
 }
 
+/* The extreme of a single sweep, if it is finite, named with its value. */
+static size_t mark_peak(km_arena *arena, const char *word, const km_peak *peak, km_swept_mark *out) {
+  char number[40];
+  if (!isfinite(peak->value) || !isfinite(peak->s))
+    return 0;
+  snprintf(number, sizeof number, "%s%.4g", peak->value < 0.0 ? "−" : "", fabs(peak->value));
+  *out = (km_swept_mark){0, peak->s, text_in(arena, "%s %s", word, number)};
+  return 1;
+}
+
 bool km_advantage_plot_make(const km_plotted_advantage *sweeps, int count, bool strip, km_arena *arena, km_plot *out) {
   const km_advantage_sweep *first = sweeps[0].sweep;
   const char *unit = km_advantage_unit(sweeps[0].swept.mechanism->model, &first->input, &first->output);
@@ -23,7 +34,7 @@ bool km_advantage_plot_make(const km_plotted_advantage *sweeps, int count, bool 
     marks += sweeps[i].sweep->toggle_count;
   km_swept *swept = KM_ARENA_NEW(arena, km_swept, (size_t)count);
   km_swept_line *line = KM_ARENA_NEW(arena, km_swept_line, 2 * (size_t)count);
-  km_swept_mark *mark = KM_ARENA_NEW(arena, km_swept_mark, marks);
+  km_swept_mark *mark = KM_ARENA_NEW(arena, km_swept_mark, marks + 2);
   km_swept_break *gap = KM_ARENA_NEW(arena, km_swept_break, marks);
   if (arena->failed)
     return false;
@@ -45,9 +56,14 @@ bool km_advantage_plot_make(const km_plotted_advantage *sweeps, int count, bool 
         gap[gaps++] = (km_swept_break){i, s->toggles[k].s};
     }
   }
+  size_t toggles = marks;
+  if (count == 1) {
+    marks += mark_peak(arena, "min", &first->lowest, &mark[marks]);
+    marks += mark_peak(arena, "max", &first->highest, &mark[marks]);
+  }
   km_sweep_picture picture = {
       .title = text_in(arena, "Mechanical advantage of %.300s over %.300s", first->input.name, first->output.name),
-      .note = marks ? "▲ a toggle: MA 0 or infinite" : NULL,
+      .note = toggles ? "▲ a toggle: MA 0 or infinite" : NULL,
       .y_label = unit[0] ? text_in(arena, "mechanical advantage (%s)%s", unit, "") : "mechanical advantage",
       .sweeps = swept,
       .sweep_count = count,

@@ -34,8 +34,8 @@ static void add_facts(km_document_maker *k, const km_plotted_advantage *p, const
   km_report_facts facts = {.rows = 0};
   km_report_fact(&facts, "Input", p->sweep->input.name);
   km_report_fact(&facts, "Output", p->sweep->output.name);
-  km_report_fact(&facts, "Least", peak_words(k, p, &p->sweep->lowest));
-  km_report_fact(&facts, "Greatest", peak_words(k, p, &p->sweep->highest));
+  km_report_fact(&facts, "Minimum", peak_words(k, p, &p->sweep->lowest));
+  km_report_fact(&facts, "Maximum", peak_words(k, p, &p->sweep->highest));
   km_report_fact(&facts, "Toggles", toggle_words(k, p));
   km_report_fact(&facts, "Method",
                  p->sweep->method == KM_ADVANTAGE_SINGLE_FREEDOM

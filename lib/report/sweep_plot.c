@@ -16,20 +16,23 @@ static bool broken(const km_sweep_picture *p, int sweep, double from, double to)
   return false;
 }
 
-/* A line's points; a point that is none breaks it. */
+/* A line's points from left to right, so that its name stands at its right end; a point that is none breaks it. */
 static void fill_series(const km_sweep_picture *p, const km_swept_line *line, km_arena *arena, km_plot_series *out) {
   const km_table *table = p->sweeps[line->sweep].motion->table;
   size_t rows = km_table_rows(table);
   double *x = KM_ARENA_NEW(arena, double, 2 * rows), *y = KM_ARENA_NEW(arena, double, 2 * rows);
   *out = (km_plot_series){.name = line->name, .x = x, .y = y, .dash = p->sweep_count > 1 ? line->sweep : 0};
+  bool backwards = rows > 1 && km_table_row(table, rows - 1)[1] < km_table_row(table, 0)[1];
+  const double *last = NULL;
   for (size_t r = 0; r < rows && !arena->failed; ++r) {
-    const double *row = km_table_row(table, r);
-    if (r > 0 && broken(p, line->sweep, km_table_row(table, r - 1)[1], row[1])) {
+    const double *row = km_table_row(table, backwards ? rows - 1 - r : r);
+    if (last && broken(p, line->sweep, last[1], row[1])) {
       x[out->count] = row[1];
       y[out->count++] = nan("");
     }
     x[out->count] = row[1];
     y[out->count++] = row[line->column];
+    last = row;
   }
 }
 
@@ -81,33 +84,39 @@ static int ascending(const void *a, const void *b) {
   return (x > y) - (x < y);
 }
 
-/* Where values shoot up, the axis ends at three times the size that nine tenths of them keep to. */
-static void limit_axis(km_plot *plot, km_arena *arena) {
-  size_t total = 0, used = 0;
-  for (size_t p = 0; p < plot->panel_count; ++p)
-    for (size_t i = 0; i < plot->panels[p].series_count; ++i)
-      total += plot->panels[p].series[i].count;
-  double *sizes = KM_ARENA_NEW(arena, double, total), low = HUGE_VAL, high = -HUGE_VAL;
-  for (size_t p = 0; p < plot->panel_count && sizes; ++p)
-    for (size_t i = 0; i < plot->panels[p].series_count; ++i)
-      for (size_t k = 0; k < plot->panels[p].series[i].count; ++k) {
-        double y = plot->panels[p].series[i].y[k];
-        if (!isfinite(y))
-          continue;
-        sizes[used++] = fabs(y);
-        low = fmin(low, y);
-        high = fmax(high, y);
-      }
+/* What of a line must be seen: all of it, or where values shoot up three times the size that nine tenths of them keep
+ * to. */
+static double seen_size(const km_plot_series *line, double *sizes) {
+  size_t used = 0;
+  for (size_t k = 0; k < line->count; ++k)
+    if (isfinite(line->y[k]))
+      sizes[used++] = fabs(line->y[k]);
   if (used == 0)
-    return;
+    return 0.0;
   qsort(sizes, used, sizeof *sizes, ascending);
-  double usual = sizes[(used - 1) * 9 / 10], limit = 3.0 * usual;
-  if (sizes[used - 1] <= 2.0 * limit || usual == 0.0)
+  double usual = sizes[(used - 1) * 9 / 10], largest = sizes[used - 1];
+  return largest > 6.0 * usual && usual > 0.0 ? 3.0 * usual : largest;
+}
+
+/* The axis ends where every line is seen. */
+static void limit_axis(km_plot *plot, km_arena *arena) {
+  double limit = 0.0, low = HUGE_VAL, high = -HUGE_VAL;
+  for (size_t p = 0; p < plot->panel_count; ++p)
+    for (size_t i = 0; i < plot->panels[p].series_count; ++i) {
+      const km_plot_series *line = &plot->panels[p].series[i];
+      double *sizes = KM_ARENA_NEW(arena, double, line->count);
+      if (!sizes)
+        return;
+      limit = fmax(limit, seen_size(line, sizes));
+      for (size_t k = 0; k < line->count; ++k) {
+        low = isfinite(line->y[k]) ? fmin(low, line->y[k]) : low;
+        high = isfinite(line->y[k]) ? fmax(high, line->y[k]) : high;
+      }
+    }
+  if (fmax(high, -low) <= limit)
     return;
-  plot->y_low = fmax(low, -limit);
-  plot->y_high = fmin(high, limit);
-  plot->y_low = low >= 0.0 ? 0.0 : plot->y_low;
-  plot->y_high = high <= 0.0 ? 0.0 : plot->y_high;
+  plot->y_low = low >= 0.0 ? 0.0 : fmax(low, -limit);
+  plot->y_high = high <= 0.0 ? 0.0 : fmin(high, limit);
 }
 
 static const char *subtitle(const km_sweep_picture *p, km_arena *arena) {

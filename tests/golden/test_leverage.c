@@ -77,6 +77,29 @@ static void toggles_by_arc_length(void **state) {
   }
 }
 
+/* A parallelogram's cranks turn alike, also at its change points, where for an instant there are two freedoms: the
+ * motion that is followed counts. */
+static void through_change_points(void **state) {
+  (void)state;
+  for (int by_length = 0; by_length < 2; ++by_length) {
+    fixture f = parallelogram(0.3);
+    km_sweep_plan plan = {
+        .coordinate = 0, .from = -2.0 * M_PI, .to = 2.0 * M_PI, .steps = 8, .direction = 0, .sign = 1.0};
+    if (by_length) {
+      plan.arclength = 0.25;
+      plan.steps = 60;
+    }
+    km_advantage_sweep sweep = lever(&f, 0, 3, plan);
+    assert_int_equal(sweep.toggle_count, 0);
+    for (size_t r = 0; r < km_table_rows(sweep.motion.table); ++r)
+      assert_near(km_table_row(sweep.motion.table, r)[sweep.column], 1.0, 1e-8);
+    assert_near(sweep.lowest.value, 1.0, 1e-8);
+    assert_near(sweep.highest.value, 1.0, 1e-8);
+    km_advantage_sweep_free(&sweep);
+    fixture_close(&f);
+  }
+}
+
 static size_t count(const km_statics_sweep *s, km_force_event_kind kind) {
   size_t found = 0;
   for (size_t i = 0; i < s->event_count; ++i)
@@ -183,8 +206,9 @@ static void excavator_under_gravity(void **state) {
 }
 
 int main(void) {
-  const struct CMUnitTest tests[] = {cmocka_unit_test(toggles_are_located), cmocka_unit_test(toggles_by_arc_length),
-                                     cmocka_unit_test(balances_and_peaks), cmocka_unit_test(forces_without_bound),
-                                     cmocka_unit_test(excavator_under_gravity)};
+  const struct CMUnitTest tests[] = {
+      cmocka_unit_test(toggles_are_located),   cmocka_unit_test(toggles_by_arc_length),
+      cmocka_unit_test(through_change_points), cmocka_unit_test(balances_and_peaks),
+      cmocka_unit_test(forces_without_bound),  cmocka_unit_test(excavator_under_gravity)};
   return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -2,8 +2,10 @@
 #include "support/support.h"
 
 #include "base/json.h"
+#include "kmech/statics.h"
 #include "model/convert.h"
 
+#include <math.h>
 #include <string.h>
 
 /* An edited description of a model: the tree is changed in place, then read again. */
@@ -81,6 +83,41 @@ static void assert_same(fixture *a, fixture *b, const char *driver, double toler
       km_drive_free(drive);
     }
   }
+}
+
+static km_statics balance(fixture *f, const double *gravity) {
+  km_forces *forces;
+  km_statics statics;
+  km_mobility mobility;
+  km_mobility_update(f->mechanism, f->state, &mobility);
+  assert_int_equal(km_forces_create(f->mechanism, gravity, NULL, 0, &forces, NULL), KM_OK);
+  assert_int_equal(km_statics_create(f->mechanism, NULL, 0, KM_AXES_JOINT, &statics, NULL), KM_OK);
+  km_statics_update(f->mechanism, f->state, forces, &statics);
+  km_forces_free(forces);
+  return statics;
+}
+
+/* The weights' balance of two descriptions of one mechanism agrees, joint by joint and in the joints' own axes.
+ * `length` is a's length unit over b's, `gravity` b's. */
+static void assert_same_forces(fixture *a, fixture *b, const double *gravity, double length, double tolerance) {
+  km_statics x = balance(a, NULL), y = balance(b, gravity);
+  double size = 0.0;
+  for (int j = 0; j < a->model->joint_count; ++j)
+    for (int k = 0; k < 3; ++k)
+      size = fmax(size, fmax(fabs(x.reactions[j].force[k]), fabs(x.reactions[j].torque[k])));
+  assert_int_equal(x.degree, y.degree);
+  for (int c = 0; c < a->model->coordinate_count; ++c) {
+    const km_coordinate_def *def = &a->model->coordinates[c];
+    double factor = km_joint_is_length(a->model->joints[def->joint].type, def->index) ? 1.0 : length;
+    assert_near(y.least_norm[c] / factor, x.least_norm[c], tolerance * size);
+  }
+  for (int j = 0; j < a->model->joint_count; ++j)
+    for (int k = 0; k < 3; ++k) {
+      assert_near(y.reactions[j].force[k], x.reactions[j].force[k], tolerance * size);
+      assert_near(y.reactions[j].torque[k] / length, x.reactions[j].torque[k], tolerance * size);
+    }
+  km_statics_free(&x);
+  km_statics_free(&y);
 }
 
 /* The joint that the model sweeps, where it has one freedom to sweep with. */
@@ -234,6 +271,13 @@ static void the_inertial_frame_does_not_matter(void **state) {
       space.p = (km_vec3){distances[i] / unit, -0.4 * distances[i] / unit, 0.2 * distances[i] / unit};
       edit e = edit_open(*name);
       move_everything(&e, *name);
+      edit again = edit_open(*name);
+      move_everything(&again, *name);
+      fixture a = fixture_open(*name), b = edit_close(&again);
+      km_vec3 g = km_rotate(&space.R, a.model->gravity);
+      assert_same_forces(&a, &b, (const double[]){g.x, g.y, g.z}, 1.0, 1e-9 + 1e5 * ulp * unit);
+      fixture_close(&a);
+      fixture_close(&b);
       /* The file itself rounds places 1 km away to 1e-13 m: that much geometry has really changed. */
       compare(*name, &e, true, 1e-10 + 1e3 * ulp * unit);
     }
@@ -258,6 +302,7 @@ static void units_do_not_matter(void **state) {
       km_json_write(tree, &text);
       fixture b = fixture_read(text.data);
       assert_same(&a, &b, NULL, 1e-10);
+      assert_same_forces(&a, &b, NULL, a.model->units.length->si / units.length->si, 1e-9);
       for (int c = 0; c < a.model->coordinate_count; ++c) {
         double in_b = b.state->q[c] * (km_joint_is_length(a.model->joints[a.model->coordinates[c].joint].type,
                                                           a.model->coordinates[c].index)

@@ -3,6 +3,7 @@
 #include "forces/forces.h"
 #include "kinematics/poses.h"
 #include "kmech/statics.h"
+#include "support/bordered.h"
 
 #include <lapacke.h>
 #include <math.h>
@@ -62,18 +63,12 @@ static km_wrench reaction(const balance *b, int joint) {
   return km_wrench_at(km_vec3_make(r->force), km_vec3_make(r->torque), p);
 }
 
-static km_wrench applied(const balance *b, int body) {
-  double w[6];
-  km_forces_on_body(b->forces, body, w);
-  return (km_wrench){km_vec3_make(w), km_vec3_make(w + 3)};
-}
-
 /* Force and moment of every body add up to nothing. */
 void law_equilibrium(fixture *f, randomness *r) {
   balance b = balance_open(f, r, KM_AXES_FIXED);
   const km_model *model = b.f->model;
   for (int body = 1; body < model->body_count; ++body) {
-    km_wrench sum = applied(&b, body);
+    km_wrench sum = applied_to(b.forces, body);
     for (int j = 0; j < model->joint_count; ++j)
       for (int end = 0; end < 2; ++end)
         if (model->frames[model->joints[j].frame[end]].body == body)
@@ -153,7 +148,7 @@ void law_virtual_work(fixture *f, randomness *r) {
         size += fabs(b.statics.least_norm[i] * rates[i]);
       }
       for (int body = 1; body < b.f->model->body_count; ++body) {
-        km_wrench w = applied(&b, body);
+        km_wrench w = applied_to(b.forces, body);
         km_twist t = twist_of(&b, body, rates);
         power += km_wrench_power(w, t);
         size += km_vec3_norm(w.f) * km_vec3_norm(t.v) + km_vec3_norm(w.t) * km_vec3_norm(t.w);
@@ -166,64 +161,10 @@ void law_virtual_work(fixture *f, randomness *r) {
   balance_close(&b);
 }
 
-/* All equations at once: six a body, one a free coordinate; unknown are the reactions in the axes and about the point
- * that they are reported in, lengths as they are (L = 1), and the couplings' multipliers. */
-typedef struct bordered {
-  int rows, columns, wrenches;
-  double *A, *rhs;
-} bordered;
-
-static void fill_joint(const balance *b, bordered *e, int j) {
-  const km_model *model = b->f->model;
-  const km_joint_def *joint = &model->joints[j];
-  const km_frame_def *frame = &model->frames[joint->frame[1]];
-  km_pose X = km_pose_product(&b->f->state->pose[frame->body], &frame->pose);
-  size_t ld = (size_t)e->rows;
-  for (int k = 0; k < 6; ++k) {
-    km_vec3 axis = X.R.axis[k % 3], none = {0, 0, 0};
-    km_wrench w = k < 3 ? km_wrench_at(axis, none, X.p) : (km_wrench){none, axis};
-    const double parts[6] = {w.f.x, w.f.y, w.f.z, w.t.x / b->reach, w.t.y / b->reach, w.t.z / b->reach};
-    double *column = e->A + (size_t)(6 * j + k) * ld;
-    for (int end = 0; end < 2; ++end) {
-      int body = model->frames[joint->frame[end]].body;
-      for (int i = 0; i < 6 && body > 0; ++i)
-        column[6 * (body - 1) + i] = (end ? 1.0 : -1.0) * parts[i];
-    }
-    for (int c = joint->first_coordinate; c < joint->first_coordinate + km_model_freedom(model, j); ++c) {
-      km_twist h = km_coordinate_twist(b->f->mechanism, b->f->state, c);
-      column[6 * (model->body_count - 1) + c] = km_wrench_power(w, h);
-    }
-  }
-}
-
-static bordered bordered_make(const balance *b) {
-  const km_model *model = b->f->model;
-  int bodies = model->body_count - 1;
-  bordered e = {.rows = 6 * bodies + model->coordinate_count,
-                .columns = 6 * model->joint_count + model->coupling_count};
-  e.A = KM_NEW(double, (size_t)e.rows *(size_t)e.columns);
-  e.rhs = KM_NEW(double, (size_t)(e.rows > e.columns ? e.rows : e.columns));
-  for (int j = 0; j < model->joint_count; ++j)
-    fill_joint(b, &e, j);
-  for (int i = 0; i < model->coupling_count; ++i)
-    for (int k = 0; k < model->couplings[i].count; ++k)
-      e.A[(size_t)(6 * model->joint_count + i) * (size_t)e.rows +
-          (size_t)(6 * bodies + model->couplings[i].coordinates[k])] = -model->couplings[i].ratios[k];
-  for (int body = 1; body <= bodies; ++body) {
-    km_wrench w = applied(b, body);
-    const double parts[6] = {w.f.x, w.f.y, w.f.z, w.t.x / b->reach, w.t.y / b->reach, w.t.z / b->reach};
-    for (int i = 0; i < 6; ++i)
-      e.rhs[6 * (body - 1) + i] = -parts[i];
-  }
-  for (int c = 0; c < model->coordinate_count; ++c)
-    e.rhs[6 * bodies + c] = b->statics.least_norm[c] + km_forces_in_joint(b->forces, c);
-  return e;
-}
-
 /* The least-norm solution of LAPACK, and the components that its null space leaves open. */
 void law_reactions(fixture *f, randomness *r) {
   balance b = balance_open(f, r, KM_AXES_JOINT);
-  bordered e = bordered_make(&b);
+  bordered e = bordered_make(f->mechanism, f->state, b.forces, b.statics.least_norm, b.reach);
   lapack_int rank;
   int least = e.rows < e.columns ? e.rows : e.columns, m = e.rows, n = e.columns;
   double *s = KM_NEW(double, (size_t)least), *A = KM_NEW(double, (size_t)m *(size_t)n);
@@ -247,7 +188,6 @@ void law_reactions(fixture *f, randomness *r) {
   km_free(A);
   km_free(U);
   km_free(Vt);
-  km_free(e.A);
-  km_free(e.rhs);
+  bordered_free(&e);
   balance_close(&b);
 }
