@@ -64,7 +64,23 @@ static void fill(const picture *p, double left, double right, double u0, double 
   km_canvas_rectangle(p->canvas, colour, left, top, right - left + 0.3, bottom - top + 0.3);
 }
 
-/* One strip: cells of one shade in a row become one rectangle. */
+/* What is outside the limits lies in a mist. */
+static km_colour misty(km_colour c) {
+  const double mist = 0.55;
+  return (km_colour){c.red + mist * (1 - c.red), c.green + mist * (1 - c.green), c.blue + mist * (1 - c.blue), 1};
+}
+
+/* An arc narrower than a cell shows as one. */
+static bool holds_narrow(const km_station *s, double u, double h) {
+  for (int i = 0; i < s->arc_count; ++i) {
+    double middle = 0.5 * (s->arcs[i].from + s->arcs[i].to);
+    if (s->arcs[i].to - s->arcs[i].from < h && fabs(middle - u) <= 0.5 * h)
+      return true;
+  }
+  return false;
+}
+
+/* One strip: cells of one colour in a row become one rectangle. */
 static void paint_station(const picture *p, int i) {
   const km_station *s = &p->map->stations[i];
   double left, right, h = (s->high - s->low) / CELLS, from = s->low;
@@ -72,38 +88,14 @@ static void paint_station(const picture *p, int i) {
   strip(p, i, &left, &right);
   for (int c = 0; c <= CELLS; ++c) {
     double u = s->low + h * (c + 0.5), part = (value_at(s, u) - p->low) / (p->high - p->low);
-    int now = c == CELLS ? -2 : part >= 1.0 ? SHADES - 1 : part <= 0.0 ? 0 : (int)(part * SHADES);
+    int now = part >= 1.0 ? SHADES - 1 : part <= 0.0 ? 0 : (int)(part * SHADES);
+    now = c == CELLS ? -2 : inside(s, u) || holds_narrow(s, u, h) ? now : now + SHADES;
     if (c > 0 && now != last) {
-      fill(p, left, right, from, s->low + h * c, shade((last + 0.5) / SHADES));
+      km_colour colour = shade((last % SHADES + 0.5) / SHADES);
+      fill(p, left, right, from, s->low + h * c, last < SHADES ? colour : misty(colour));
       from = s->low + h * c;
     }
     last = now;
-  }
-}
-
-/* White mist over what is outside the limits. */
-static void fog_station(const picture *p, int i) {
-  const km_station *s = &p->map->stations[i];
-  double left, right, from = s->low;
-  strip(p, i, &left, &right);
-  const km_colour mist = {1, 1, 1, 0.55};
-  for (;;) {
-    double to = s->high, next = (double)INFINITY;
-    for (int k = 0; k < s->arc_count; ++k)
-      if (s->arcs[k].to > from && s->arcs[k].from < fmin(to, next)) {
-        to = fmax(s->arcs[k].from, from);
-        next = s->arcs[k].from;
-        to = s->arcs[k].from > from ? s->arcs[k].from : from;
-      }
-    if (to > from)
-      fill(p, left, right, from, to, mist);
-    double after = to;
-    for (int k = 0; k < s->arc_count; ++k)
-      if (s->arcs[k].from <= to && s->arcs[k].to > to)
-        after = fmax(after, s->arcs[k].to);
-    if (!(after > to) || after >= s->high)
-      return;
-    from = after;
   }
 }
 
@@ -308,8 +300,10 @@ static void paint(picture *p) {
   km_canvas_text(p->canvas, &title, ink, "Every pose that holds the effector, along the path",
                  (km_canvas_point){margin, margin}, (km_anchor){0, 0, 0});
   km_text about = {0};
-  km_text_format(&about, "%s · hatched: outside the joint limits · dots: where a track ends · L = %g %s",
-                 p->tracks->name, p->map->arm->length, p->map->arm->mechanism->model->units.length->suffix);
+  const km_model *model = p->map->arm->mechanism->model;
+  km_text_format(&about, "%s · %s, %s · L = %g %s · hatched: outside the joint limits · dots: where a track ends",
+                 p->tracks->model, model->units.angle->word, model->units.length->word, p->map->arm->length,
+                 model->units.length->suffix);
   if (about.data)
     km_canvas_text(p->canvas, &subtitle, grey, about.data, (km_canvas_point){margin, margin + 18},
                    (km_anchor){0, 0, 0});
@@ -317,8 +311,6 @@ static void paint(picture *p) {
   km_canvas_clip(p->canvas, p->frame.left, p->frame.top, p->frame.width, p->frame.height);
   for (int i = 0; i < p->map->count; ++i)
     paint_station(p, i);
-  for (int i = 0; i < p->map->count; ++i)
-    fog_station(p, i);
   hatch(p);
   outline(p);
   int number = 0;

@@ -159,8 +159,9 @@ static void draw_head(const sheet *s, km_canvas *canvas) {
   char label[64];
   km_text about = {0};
   km_tracks_label(s->tracks, s->first, ' ', label, sizeof label);
-  km_text_format(&about, "%s · joints of the %s track · lengths over L = %g %s · %s", s->tracks->name, label,
-                 t->arm->length, t->arm->mechanism->model->units.length->suffix,
+  const km_units *units = &t->arm->mechanism->model->units;
+  km_text_format(&about, "%s · %s, %s · L = %g %s · joints of the %s track · %s", s->tracks->model, units->angle->word,
+                 units->length->word, t->arm->length, units->length->suffix, label,
                  t->end.stop ? "the path isn't followed to its end" : "the whole path is followed");
   km_canvas_text(canvas, &title, ink, "Along the effector's path", (km_canvas_point){margin, margin},
                  (km_anchor){0, 0, 0});
@@ -233,7 +234,7 @@ static km_status draw_arm(const km_tracks *tracks, const km_track *t, km_arena *
                         .traces = &trace,
                         .trace_count = 1,
                         .title = "The arm along the path",
-                        .name = tracks->name};
+                        .name = tracks->model};
   return km_drawing_render(&drawing, format, out, error);
 }
 

@@ -10,7 +10,8 @@
 /* The tracks of one study, method by method; an entry may be NULL where a method failed. */
 typedef struct km_tracks {
   const km_study *study;
-  const char *name; /* of the study or model, for people */
+  const char *name;  /* of the study or model, for people */
+  const char *model; /* for pictures */
   km_track *const *items;
   int count;
 } km_tracks;
