@@ -38,7 +38,8 @@ static km_status follow_to_branch(km_sweeper *r, km_state *state, size_t row, do
     return KM_OK; /* a row that is singular itself has been added as such */
   km_status status = KM_OK;
   bool found = false, past = false;
-  while (!found && !past && km_follow_length(follow) < most && !km_follow_advance(follow, 0.05)) {
+  while (!found && !past && !km_follow_closed(follow) && km_follow_length(follow) < most &&
+         !km_follow_advance(follow, 0.05)) {
     found = km_follow_branch(follow, &point);
     past = (km_state_coordinate(state, r->plan->coordinate) - to) * (to - from) > 0.0;
   }
