@@ -14,6 +14,7 @@ typedef struct km_reader {
   km_messages *messages;
   km_names assemblies, bodies, frames, joints; /* scope: the parent */
   km_names labels;                             /* scopes below */
+  bool unreadable;                             /* a file that the text names can't be read */
 } km_reader;
 
 enum { KM_NOT_FOUND = -1, KM_LEFT_OUT = -2, KM_FAULTY = -5 };

@@ -41,6 +41,8 @@ static void read_name(km_reader *reader, const char *word, const km_place *place
         reader, place,
         "\"%.40s\" is not a method; expected greedy (or pinv), lookahead, fixed, dls, gradient, dp or global", word);
   *out = km_method_default(kind < 0 ? KM_GREEDY : (km_method_kind)kind);
+  if (strcmp(word, "pinv") == 0)
+    out->word = "pinv";
 }
 
 static void read_method(km_reader *reader, const km_arm *arm, const km_value *value, const km_place *place,

@@ -183,6 +183,7 @@ int km_poses_read(km_reader *reader, const km_arm *arm, const char *file, const 
     s.column[m] = -1;
   if (km_file_read(file, &text, &error)) {
     km_reader_error(reader, place, "%s", error.text);
+    reader->unreadable = true;
   } else if (text.size && strlen(text.data) < text.size) {
     km_reader_error(reader, place, "%s holds a NUL byte; expected text", file);
   } else if (text.size) {

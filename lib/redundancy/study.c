@@ -6,12 +6,13 @@
 
 #include <string.h>
 
-static km_status first_error(const km_messages *messages, size_t from, km_error *error) {
+/* `status`, unless the fault is in an option. */
+static km_status first_error(const km_messages *messages, size_t from, km_status status, km_error *error) {
   for (size_t i = from; i < km_messages_count(messages); ++i)
     if (km_messages_severity(messages, i) == KM_ERROR)
-      return km_fail(error, strncmp(km_messages_text(messages, i), "--", 2) == 0 ? KM_USAGE : KM_MODEL, "%s",
+      return km_fail(error, strncmp(km_messages_text(messages, i), "--", 2) == 0 ? KM_USAGE : status, "%s",
                      km_messages_text(messages, i));
-  return km_fail(error, KM_MODEL, "the study is faulty");
+  return km_fail(error, status, "the study is faulty");
 }
 
 static km_status read(km_study *study, const char *bytes, size_t size, km_messages *messages, km_error *error) {
@@ -20,7 +21,7 @@ static km_status read(km_study *study, const char *bytes, size_t size, km_messag
   if (status)
     return status;
   km_format_check_as(study->root, &km_format_study, NULL, messages);
-  return km_messages_errors(messages) > errors ? first_error(messages, had, error) : KM_OK;
+  return km_messages_errors(messages) > errors ? first_error(messages, had, KM_MODEL, error) : KM_OK;
 }
 
 km_status km_study_read(const char *bytes, size_t size, const char *folder, km_messages *messages, km_study **out,
@@ -294,8 +295,9 @@ km_status km_study_bind_as(km_study *study, const km_mechanism *mechanism, const
   size_t had = km_messages_count(b.reader.messages), errors = km_messages_errors(b.reader.messages);
   km_status status = KM_OK;
   if (!bind(&b))
-    status = km_messages_errors(b.reader.messages) > errors ? first_error(b.reader.messages, had, error)
-                                                            : km_fail(error, KM_MEMORY, "out of memory for a study");
+    status = km_messages_errors(b.reader.messages) > errors
+                 ? first_error(b.reader.messages, had, b.reader.unreadable ? KM_IO : KM_MODEL, error)
+                 : km_fail(error, KM_MEMORY, "out of memory for a study");
   if (!messages)
     km_messages_free(b.reader.messages);
   if (!status && study->start_status)

@@ -29,6 +29,7 @@ int km_method_find(const char *word) {
 
 km_method km_method_default(km_method_kind kind) {
   return (km_method){.kind = kind,
+                     .word = km_method_word(kind),
                      .branches = 3,
                      .levels = 3,
                      .angle = M_PI / 6.0,

@@ -6,13 +6,14 @@
 #include <string.h>
 
 void km_tracks_label(const km_tracks *t, int index, char separator, char *out, size_t size) {
-  int kind = (int)t->study->methods[index].kind, before = 0;
+  const char *word = t->study->methods[index].word;
+  int before = 0;
   for (int i = 0; i < index; ++i)
-    before += (int)t->study->methods[i].kind == kind;
+    before += strcmp(t->study->methods[i].word, word) == 0;
   if (before)
-    snprintf(out, size, "%s%c%d", km_method_word((km_method_kind)kind), separator, before + 1);
+    snprintf(out, size, "%s%c%d", word, separator, before + 1);
   else
-    snprintf(out, size, "%s", km_method_word((km_method_kind)kind));
+    snprintf(out, size, "%s", word);
 }
 
 int km_tracks_best(const km_tracks *t) {
@@ -126,7 +127,7 @@ static void add_track(const km_tracks *all, int index, km_value *list, km_arena 
   char label[64];
   km_value *record = km_value_add(arena, list, NULL, KM_OBJECT);
   km_tracks_label(all, index, '-', label, sizeof label);
-  km_value_string(arena, record, "method", km_method_word(t->plan.method.kind));
+  km_value_string(arena, record, "method", t->plan.method.word);
   km_value_string(arena, record, "label", label);
   add_settings(&t->plan.method, t, record, arena);
   add_summary(t, record, arena);

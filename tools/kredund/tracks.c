@@ -80,7 +80,7 @@ static kt_exit run_one(kredund_tracks *t, int index) {
   if (t->items[index])
     say_end(t, index);
   else
-    kt_say(common, KM_ERROR, "%s: %s: %s", t->open->name, km_method_word(plan.method.kind), error.text);
+    kt_say(common, KM_ERROR, "%s: %s: %s", t->open->name, plan.method.word, error.text);
   t->complete += status == KM_OK;
   return kt_exit_of(status);
 }

@@ -51,6 +51,7 @@ enum { KM_METHOD_JOINTS = 8 };
 
 typedef struct km_method {
   km_method_kind kind;
+  const char *word;             /* what it was asked for by: "pinv" for greedy, too */
   int branches, levels;         /* lookahead: odd; 3 and 3 */
   double angle;                 /* radians between branches, and the most of gradient, dp, global: 30° */
   int stride;                   /* lookahead: samples a level, 0: 1/12 of the path; dp: a stage, 0: 1/24 */
