@@ -1,0 +1,80 @@
+/* Space for the sparse engine, and the order in which it takes the columns. */
+#include "partition/sparse.h"
+
+#include <string.h>
+#include <suitesparse/colamd.h>
+
+/* The column order of least fill, as COLAMD finds it (T. Davis, J. Gilbert, S. Larimore, E. Ng, 2004). */
+static bool order_columns(int rows, int columns, const int *start, const int *row, int *order) {
+  for (int c = 0; c < columns; ++c)
+    order[c] = c;
+  if (start[columns] == 0)
+    return true;
+  size_t room = colamd_recommended(start[columns], rows, columns);
+  int *work = KM_NEW(int, room), *pointers = KM_NEW(int, (size_t)columns + 1), stats[COLAMD_STATS];
+  bool done = room > 0 && work && pointers;
+  if (done) {
+    memcpy(work, row, (size_t)start[columns] * sizeof *work);
+    memcpy(pointers, start, ((size_t)columns + 1) * sizeof *pointers);
+    done = colamd(rows, columns, (int)room, work, pointers, NULL, stats);
+    memcpy(order, pointers, (size_t)columns * sizeof *order);
+  }
+  km_free(work);
+  km_free(pointers);
+  return done;
+}
+
+/* Space for fill is asked for as if L and U were full: the system gives a page only when it is written to. */
+static bool reserve(km_sparse *s, int rows, int columns, km_arena *arena) {
+  size_t r = (size_t)rows, c = (size_t)columns, fill = r * c;
+  *s = (km_sparse){.start = s->start,
+                   .row = s->row,
+                   .order = s->order,
+                   .lead = KM_ARENA_NEW(arena, int, c),
+                   .dropped = KM_ARENA_NEW(arena, int, c),
+                   .late = KM_ARENA_NEW(arena, bool, c),
+                   .upper = KM_ARENA_NEW(arena, km_run, c),
+                   .lower = KM_ARENA_NEW(arena, km_run, c),
+                   .upper_step = KM_ARENA_NEW(arena, int, fill),
+                   .lower_row = KM_ARENA_NEW(arena, int, fill),
+                   .upper_value = KM_ARENA_NEW(arena, double, fill),
+                   .lower_value = KM_ARENA_NEW(arena, double, fill),
+                   .step_of = KM_ARENA_NEW(arena, int, r),
+                   .x = KM_ARENA_NEW(arena, double, r),
+                   .list = KM_ARENA_NEW(arena, int, r),
+                   .stack = KM_ARENA_NEW(arena, int, r),
+                   .next = KM_ARENA_NEW(arena, int, r),
+                   .seen = KM_ARENA_NEW(arena, bool, r),
+                   .null = KM_ARENA_NEW(arena, double, c *c)};
+  return !arena->failed;
+}
+
+static bool reserve_partition(km_partition *p, const km_sparse *pattern, int rows, int columns, km_arena *arena) {
+  size_t r = (size_t)rows, c = (size_t)columns;
+  *p = (km_partition){.row = KM_ARENA_NEW(arena, int, r),
+                      .column = KM_ARENA_NEW(arena, int, c),
+                      .inverse = KM_ARENA_NEW(arena, double, r < c ? r : c),
+                      .B = KM_ARENA_NEW(arena, double, r *c),
+                      .work = KM_ARENA_NEW(arena, double, r < c ? c : r),
+                      .sparse = KM_ARENA_NEW(arena, km_sparse, 1)};
+  if (arena->failed)
+    return false;
+  *p->sparse = *pattern;
+  return reserve(p->sparse, rows, columns, arena);
+}
+
+bool km_partition_reserve_sparse(km_partition *p, int rows, int columns, const int *start, const int *row,
+                                 km_arena *arena) {
+  int *order = KM_ARENA_NEW(arena, int, (size_t)columns + 1);
+  km_sparse pattern = {.start = start, .row = row, .order = order};
+  if (!order || !order_columns(rows, columns, start, row, order)) {
+    arena->failed = true;
+    return false;
+  }
+  return reserve_partition(p, &pattern, rows, columns, arena);
+}
+
+bool km_partition_reserve_like(km_partition *p, const km_partition *other, int rows, int columns, km_arena *arena) {
+  return other->sparse ? reserve_partition(p, other->sparse, rows, columns, arena)
+                       : km_partition_reserve(p, rows, columns, arena);
+}
