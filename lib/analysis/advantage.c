@@ -238,16 +238,17 @@ double km_largest_rate(const km_mechanism *m, const double *rates) {
 }
 
 double km_lever_rate(const km_mechanism *m, const km_lever_end *end, const double *rates, double *size) {
-  double rate = 0.0;
-  *size = 0.0;
+  double rate = 0.0, largest = km_largest_rate(m, rates);
   int own = end->handle.coordinate;
-  for (int c = 0; c < m->coordinate_count && own < 0; ++c) {
-    rate += end->row[c] * rates[c];
-    *size += end->speed[c] * fabs(rates[c]);
-  }
   if (own >= 0) {
-    rate = rates[own];
-    *size = m->unit[own] * km_largest_rate(m, rates);
+    *size = m->unit[own] * largest;
+    return rates[own];
+  }
+  /* A coordinate that stands has a rate of rounding: of the largest one, not of its own. */
+  *size = 0.0;
+  for (int c = 0; c < m->coordinate_count; ++c) {
+    rate += end->row[c] * rates[c];
+    *size += end->speed[c] * m->unit[c] * largest;
   }
   return rate;
 }
