@@ -83,8 +83,11 @@ static void values(void *self, km_sweeper *r, double *f) {
     f[i] = clear_force(w, r->m, i);
 }
 
+/* A branch point has freedoms for an instant that no actuator may hold: that says nothing of the forces around it. */
 static km_status look(void *self, km_sweeper *r, double s, km_error *error) {
   watch *w = self;
+  if (r->substructure >= 0 && km_partition_freedom(&r->s->partition[r->substructure]) > r->out->freedom)
+    return KM_OK;
   return km_scan_sample(&w->scan, r, s, error);
 }
 
