@@ -23,7 +23,7 @@ void km_arm_unwind(const km_arm *a, double *q) {
 }
 
 bool km_arm_turns_once(const km_arm *a, int column) {
-  return km_arm_turns(a, column) && a->high[column] - a->low[column] < 2.0 * M_PI;
+  return km_arm_turns(a, column) && a->high[column] - a->low[column] < 2.0 * M_PI - 1e-9;
 }
 
 void km_arm_bring_within(const km_arm *a, double *q) {

@@ -52,7 +52,8 @@ km_arc_span *km_loop_curve_arcs(const km_loop_curve *curve, int *count);
 /* The curve as the public record. */
 km_status km_selfmotion_export(const km_loop_curve *curve, km_selfmotion *out, km_error *error);
 
-/* Has a hinge limits with less than a full turn between them? At most one of its angles is then within them. */
+/* Has a hinge limits with less than a full turn (by 1e-9 and more) between them? At most one of its angles is then
+ * within them. */
 bool km_arm_turns_once(const km_arm *arm, int column);
 /* How far a coordinate is beyond its limits: ≤ 0 within. Of hinges that turn once but for full turns. */
 double km_arm_beyond(const km_arm *arm, int column, double q);

@@ -74,6 +74,42 @@ static void look_monotone(crossings *all, int i, double x0, double x1, double f0
   add(all, i, 0.5 * (x0 + x1), column, change);
 }
 
+/* Where a hinge that turns once is half a turn from the middle of its limits, between x0 and x1 if it is so there: then
+ * it is outside, however little its limits leave out. -1: nowhere. */
+static double opposite(const crossings *all, int i, double x0, double x1, int column) {
+  const km_loop_curve *c = all->curve;
+  const km_arm *a = c->arm;
+  double q[KM_ARM_MOST], middle = 0.5 * (a->low[column] + a->high[column]);
+  if (!km_arm_turns_once(a, column) || !km_loop_curve_between(c, i, x0, q, NULL))
+    return -1.0;
+  double side = km_arm_difference(a, column, middle, q[column]);
+  if (fabs(side) < 0.5 * M_PI || !km_loop_curve_between(c, i, x1, q, NULL) ||
+      side * km_arm_difference(a, column, middle, q[column]) > 0.0)
+    return -1.0;
+  for (int k = 0; k < 60 && x1 - x0 > 1e-13; ++k) {
+    double x = 0.5 * (x0 + x1);
+    if (!km_loop_curve_between(c, i, x, q, NULL))
+      return -1.0;
+    if (side * km_arm_difference(a, column, middle, q[column]) > 0.0)
+      x0 = x;
+    else
+      x1 = x;
+  }
+  return 0.5 * (x0 + x1);
+}
+
+/* As look_monotone, but a gap between the limits that is crossed within the step counts too. */
+static void look_between(crossings *all, int i, double x0, double x1, double f0, double f1, int column) {
+  double x = f0 <= 0.0 && f1 <= 0.0 ? opposite(all, i, x0, x1, column) : -1.0;
+  if (x < 0.0) {
+    look_monotone(all, i, x0, x1, f0, f1, column);
+    return;
+  }
+  double f = beyond_at(all, i, x, column);
+  look_monotone(all, i, x0, x, f0, f, column);
+  look_monotone(all, i, x, x1, f, f1, column);
+}
+
 static double slope_at(const km_loop_curve *c, int i, double x, int column) {
   double q[KM_ARM_MOST], t[KM_ARM_MOST];
   return km_loop_curve_between(c, i, x, q, t) ? t[column] : 0.0;
@@ -109,12 +145,12 @@ static void look(crossings *all, int i, int column) {
   s[2] = c->t[next * n + column];
   for (int half = 0; half < 2; ++half) {
     if ((s[half] > 0.0) == (s[half + 1] > 0.0)) {
-      look_monotone(all, i, x[half], x[half + 1], f[half], f[half + 1], column);
+      look_between(all, i, x[half], x[half + 1], f[half], f[half + 1], column);
       continue;
     }
     double turn = turning_point(c, i, x[half], x[half + 1], s[half], column), f_turn = beyond_at(all, i, turn, column);
-    look_monotone(all, i, x[half], turn, f[half], f_turn, column);
-    look_monotone(all, i, turn, x[half + 1], f_turn, f[half + 1], column);
+    look_between(all, i, x[half], turn, f[half], f_turn, column);
+    look_between(all, i, turn, x[half + 1], f_turn, f[half + 1], column);
   }
 }
 

@@ -210,6 +210,33 @@ static void hinges_turn_on_to_their_limits(void **state) {
   fixture_close(&f);
 }
 
+/* Limits that leave next to nothing of the turn out, far less than a step, end arcs on either side of it. */
+static void narrow_gaps_are_found(void **state) {
+  (void)state;
+  fixture f = fixture_open("iiwa14");
+  km_arm *arm = arm_of(&f, "flange", "tool", KM_TASK_POSE);
+  for (double gap = 1e-2; gap > 1e-8; gap *= 0.1) {
+    for (int k = 0; k < arm->n; ++k) {
+      arm->high[k] = M_PI - gap;
+      arm->low[k] = -arm->high[k];
+    }
+    km_selfmotion motion = follow(arm, well_inside);
+    assert_true(motion.arc_count > 0 && !motion.whole);
+    double missing = motion.length;
+    for (int k = 0; k < motion.arc_count; ++k)
+      missing -= motion.arcs[k].to - motion.arcs[k].from;
+    assert_true(missing > 0.0 && missing < 100.0 * gap);
+    for (int i = 0; i < motion.row_count; ++i) {
+      assert_int_equal(km_arm_limit_passed(arm, motion.row_q + 7 * i), -1);
+      for (int k = 0; k < 7 && i > 0 && motion.row_arc[i] == motion.row_arc[i - 1]; ++k)
+        assert_true(fabs(motion.row_q[7 * i + k] - motion.row_q[7 * (i - 1) + k]) < 0.06);
+    }
+    km_selfmotion_free(&motion);
+  }
+  km_arm_free(arm);
+  fixture_close(&f);
+}
+
 static km_branches find(const km_arm *arm, const km_pose *at, unsigned long seed) {
   km_effector_pose pose;
   for (int k = 0; k < 3; ++k) {
@@ -398,6 +425,7 @@ int main(void) {
       cmocka_unit_test(narrow_arcs_are_found),
       cmocka_unit_test(margins_are_those_of_the_row),
       cmocka_unit_test(hinges_turn_on_to_their_limits),
+      cmocka_unit_test(narrow_gaps_are_found),
       cmocka_unit_test(iiwa_has_eight_branches),
       cmocka_unit_test(wide_limits_keep_the_branches),
       cmocka_unit_test(six_joints_have_single_poses),
