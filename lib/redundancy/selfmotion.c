@@ -52,6 +52,7 @@ km_status km_selfmotion_export(const km_loop_curve *c, km_selfmotion *out, km_er
   out->count = c->count;
   out->columns = n;
   out->closed = c->closed;
+  out->turns_on = km_loop_curve_runs_on(c);
   out->length = c->length;
   out->u = KM_NEW(double, (size_t)c->count);
   out->q = KM_NEW(double, (size_t)(c->count * n));
@@ -61,7 +62,7 @@ km_status km_selfmotion_export(const km_loop_curve *c, km_selfmotion *out, km_er
   if (!add_rows(c, out))
     return km_fail(error, KM_MEMORY, "out of memory for a self-motion");
   const km_arc_span *only = out->arc_count == 1 ? &out->arcs[0] : NULL;
-  out->whole = c->closed && !km_loop_curve_runs_on(c) && only && only->column[0] < 0 && only->column[1] < 0;
+  out->whole = c->closed && !out->turns_on && only && only->column[0] < 0 && only->column[1] < 0;
   for (int i = 0; i < c->count; ++i) {
     out->u[i] = c->u[i];
     for (int k = 0; k < n; ++k)

@@ -6,6 +6,7 @@
 
 static void add_motion(const km_arm *a, const km_selfmotion *m, km_value *record, km_arena *arena) {
   km_value_boolean(arena, record, "closed", m->closed);
+  km_value_boolean(arena, record, "but_for_full_turns", m->turns_on);
   km_value_number(arena, record, "length", m->length);
   km_value_boolean(arena, record, "within_limits_all_round", m->whole);
   km_value *arcs = km_value_add(arena, record, "arcs", KM_LIST);
@@ -116,7 +117,8 @@ static void print_motion(const km_arm *a, const km_selfmotion *m, const char *in
     return;
   }
   if (m->closed)
-    km_text_format(out, "a closed curve of %.6g rad", m->length);
+    km_text_format(out, "a closed curve of %.6g rad%s", m->length,
+                   m->turns_on ? " but for full turns of joints within limits" : "");
   else
     km_text_format(out, "an open curve of %.6g rad", m->length);
   if (m->whole) {

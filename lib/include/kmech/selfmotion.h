@@ -24,6 +24,7 @@ typedef struct km_selfmotion {
   double *u; /* [count] increasing; 0 at the pose that it was followed from */
   double *q; /* [count × columns] model's units, base first; continuous */
   bool closed;
+  bool turns_on; /* closed but for full turns of hinges with limits that leave room for them: only limits end it */
   double length; /* of the closed curve, or from end to end */
   double error;  /* of the effector's pose, the largest along it: lengths over L */
   km_arc_span *arcs;
