@@ -22,6 +22,19 @@ void km_arm_unwind(const km_arm *a, double *q) {
   }
 }
 
+bool km_arm_turns_once(const km_arm *a, int column) {
+  return km_arm_turns(a, column) && a->high[column] - a->low[column] < 2.0 * M_PI - 1e-9;
+}
+
+void km_arm_bring_within(const km_arm *a, double *q) {
+  double all[KM_ARM_MOST];
+  memcpy(all, q, (size_t)a->n * sizeof *q);
+  km_arm_unwind(a, all);
+  for (int k = 0; k < a->n; ++k)
+    if (km_arm_turns_once(a, k))
+      q[k] = all[k];
+}
+
 static bool try_start(const km_arm *a, km_arm_space *s, const km_pose *target, km_random *r, double *q) {
   for (int k = 0; k < a->n; ++k)
     q[k] = scatter(a, k, r);
@@ -174,14 +187,7 @@ static int best_point(const km_arm *a, const km_loop_curve *c, double *margin) {
 
 /* The pose in the middle of an arc, hinges unwound. */
 static bool middle_of(const km_arm *a, const km_loop_curve *c, const km_arc_span *arc, double *q) {
-  double u = 0.5 * (arc->from + arc->to);
-  if (c->closed && u < 0.0)
-    u += c->length;
-  int i = 0;
-  while (i + 1 < c->count && c->u[i + 1] <= u)
-    ++i;
-  double span = i == c->count - 1 ? c->length - c->u[i] : c->u[i + 1] - c->u[i];
-  if (!(span > 0.0) || !km_loop_curve_between(c, i, (u - c->u[i]) / span, q, NULL))
+  if (!km_loop_curve_at(c, 0.5 * (arc->from + arc->to), q))
     return false;
   km_arm_unwind(a, q);
   return true;
@@ -202,11 +208,24 @@ static double best_middle(const km_arm *a, const km_loop_curve *c, const km_self
   return best;
 }
 
-static km_status describe(finder *f, const km_loop_curve *c, km_selfmotion *out, double *pose, double *margin,
+/* The same curve by full turns, so that point i is unwound: its arcs are then those that pass there. */
+static void unwind_at(const km_arm *a, km_loop_curve *c, int i) {
+  double turn[KM_ARM_MOST];
+  memcpy(turn, c->q + i * a->n, (size_t)a->n * sizeof *turn);
+  km_arm_unwind(a, turn);
+  for (int k = 0; k < a->n; ++k)
+    turn[k] -= c->q[i * a->n + k];
+  for (int j = 0; j < c->count; ++j)
+    for (int k = 0; k < a->n; ++k)
+      c->q[j * a->n + k] += turn[k];
+}
+
+static km_status describe(finder *f, km_loop_curve *c, km_selfmotion *out, double *pose, double *margin,
                           km_error *error) {
   const km_arm *a = f->arm;
   double q[KM_ARM_MOST];
   int best = best_point(a, c, margin);
+  unwind_at(a, c, best);
   memcpy(q, c->q + best * a->n, (size_t)a->n * sizeof *q);
   if (a->freedom == 1) {
     km_status status = km_selfmotion_export(c, out, error);

@@ -36,18 +36,33 @@ bool km_loop_curve_between(const km_loop_curve *curve, int i, double x, double *
 /* Does the curve pass through q (but for full turns)? */
 bool km_loop_curve_passes(const km_loop_curve *curve, const double *q);
 
-/* The stretches within the limits. NULL and *count −1 when out of memory; the caller frees them. */
+/* By how much a hinge has turned once round a closed curve: full turns, in radians. */
+double km_loop_curve_turn(const km_loop_curve *curve, int column);
+/* The pose at u; on a closed curve also rounds before its start and after its end, hinges turning on. */
+bool km_loop_curve_at(const km_loop_curve *curve, double u, double *q);
+
+/* Does a hinge that has room for it turn over a closed curve? Only limits then end the motion. */
+bool km_loop_curve_runs_on(const km_loop_curve *curve);
+
+/* The stretches within the limits, of hinges that have room for a full turn those of the angles as they come from the
+ * start. If such a hinge turns over a closed curve, they run on for as many rounds as its limits leave. NULL and *count
+ * −1 when out of memory; the caller frees them. */
 km_arc_span *km_loop_curve_arcs(const km_loop_curve *curve, int *count);
 
 /* The curve as the public record. */
 km_status km_selfmotion_export(const km_loop_curve *curve, km_selfmotion *out, km_error *error);
 
-/* How far a coordinate is beyond its limits, hinges but for full turns: ≤ 0 within. */
+/* Has a hinge limits with less than a full turn (by 1e-9 and more) between them? At most one of its angles is then
+ * within them. */
+bool km_arm_turns_once(const km_arm *arm, int column);
+/* How far a coordinate is beyond its limits: ≤ 0 within. Of hinges that turn once but for full turns. */
 double km_arm_beyond(const km_arm *arm, int column, double q);
 /* Has a slide left for infinity? Two of them can, hand in hand. */
 bool km_arm_slides_away(const km_arm *arm, const double *q);
 /* Brings hinges by full turns to within a half turn of the middle of their limits. */
 void km_arm_unwind(const km_arm *arm, double *q);
+/* The same for the hinges that turn once only; the others stay as they are. */
+void km_arm_bring_within(const km_arm *arm, double *q);
 /* b − a, hinges but for full turns. */
 double km_arm_difference(const km_arm *arm, int column, double a, double b);
 

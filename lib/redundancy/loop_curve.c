@@ -244,6 +244,29 @@ bool km_loop_curve_between(const km_loop_curve *c, int i, double x, double *q, d
   return true;
 }
 
+double km_loop_curve_turn(const km_loop_curve *c, int column) {
+  const int n = c->arm->n;
+  if (!c->closed || !km_arm_turns(c->arm, column))
+    return 0.0;
+  double first = c->q[column], last = c->q[(c->count - 1) * n + column];
+  double round_trip = last - first + km_arm_difference(c->arm, column, last, first);
+  return 2.0 * M_PI * round(round_trip / (2.0 * M_PI));
+}
+
+bool km_loop_curve_at(const km_loop_curve *c, double u, double *q) {
+  double rounds = c->closed ? floor(u / c->length) : 0.0;
+  int i = 0;
+  u -= rounds * c->length;
+  while (i + 1 < c->count && c->u[i + 1] <= u)
+    ++i;
+  double span = i == c->count - 1 ? c->length - c->u[i] : c->u[i + 1] - c->u[i];
+  if (!km_loop_curve_between(c, i, span > 0.0 ? fmin(fmax((u - c->u[i]) / span, 0.0), 1.0) : 0.0, q, NULL))
+    return false;
+  for (int k = 0; k < c->arm->n && rounds != 0.0; ++k)
+    q[k] += rounds * km_loop_curve_turn(c, k);
+  return true;
+}
+
 bool km_loop_curve_passes(const km_loop_curve *c, const double *q) {
   const int n = c->arm->n;
   double way[KM_ARM_MOST], at[KM_ARM_MOST];

@@ -32,7 +32,9 @@ static void copy_points(maker *m, const km_loop_curve *c, const km_path_point *p
     double *q = s->q + i * n;
     s->u[i] = wrapped(c, c->u[from]);
     memcpy(q, c->q + from * n, (size_t)n * sizeof *q);
-    km_arm_unwind(m->out->arm, q);
+    for (int k = 0; k < n && s->u[i] < c->u[from]; ++k)
+      q[k] -= km_loop_curve_turn(c, k);
+    km_arm_bring_within(m->out->arm, q);
     km_arm_update(m->out->arm, &m->space, q);
     km_arm_task_rows(m->out->arm, &m->space.pose.R, point->twist, xi);
     km_control_factor(m->out->arm, &m->space, xi, NULL);
@@ -44,10 +46,11 @@ static void copy_points(maker *m, const km_loop_curve *c, const km_path_point *p
 }
 
 /* Arcs cut at the ends of u, where a closed curve is cut open. */
-static void copy_arcs(const km_arc_span *arcs, int count, double length, km_station *s) {
+static void copy_arcs(const km_loop_curve *c, const km_arc_span *arcs, int count, km_station *s) {
+  int turns = c->closed && !km_loop_curve_runs_on(c) ? 1 : 0;
   for (int i = 0; i < count; ++i)
-    for (int turn = s->closed ? -1 : 0; turn <= (s->closed ? 1 : 0); ++turn) {
-      double from = fmax(arcs[i].from + turn * length, s->low), to = fmin(arcs[i].to + turn * length, s->high);
+    for (int turn = -turns; turn <= turns; ++turn) {
+      double from = fmax(arcs[i].from + turn * c->length, s->low), to = fmin(arcs[i].to + turn * c->length, s->high);
       if (to > from)
         s->arcs[s->arc_count++] = (km_arc_span){from, to, {arcs[i].column[0], arcs[i].column[1]}};
     }
@@ -75,7 +78,7 @@ static bool add_station(maker *m, int sample) {
   bool whole = arcs && !out->arena.failed;
   if (whole) {
     copy_points(m, &curve, point, s);
-    copy_arcs(arcs, arc_count, curve.length, s);
+    copy_arcs(&curve, arcs, arc_count, s);
   }
   km_free(arcs);
   km_loop_curve_free(&curve);

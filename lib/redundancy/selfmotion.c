@@ -1,18 +1,7 @@
 #include "redundancy/branches.h"
 
-/* Hinges with limits come within them by full turns; the others stay continuous. */
-static void bring_within(const km_arm *a, double *q) {
-  double all[KM_ARM_MOST];
-  for (int k = 0; k < a->n; ++k)
-    all[k] = q[k];
-  km_arm_unwind(a, all);
-  for (int k = 0; k < a->n; ++k)
-    if (a->high[k] - a->low[k] < 2.0 * M_PI)
-      q[k] = all[k];
-}
-
 static void add_row(const km_loop_curve *c, km_selfmotion *out, int arc, double u, double *q) {
-  bring_within(c->arm, q);
+  km_arm_bring_within(c->arm, q);
   out->row_arc[out->row_count] = arc;
   out->row_u[out->row_count] = u;
   for (int k = 0; k < c->arm->n; ++k)
@@ -20,37 +9,34 @@ static void add_row(const km_loop_curve *c, km_selfmotion *out, int arc, double 
   out->row_count++;
 }
 
-/* The pose at u, which on a closed curve may be below 0. */
-static bool pose_at(const km_loop_curve *c, double u, double *q) {
-  u += c->closed && u < 0.0 ? c->length : 0.0;
-  int i = 0;
-  while (i + 1 < c->count && c->u[i + 1] <= u)
-    ++i;
-  double span = i == c->count - 1 ? c->length - c->u[i] : c->u[i + 1] - c->u[i];
-  return km_loop_curve_between(c, i, span > 0.0 ? fmin(fmax((u - c->u[i]) / span, 0.0), 1.0) : 0.0, q, NULL);
+/* The first and last round that an arc has poses of. */
+static int round_of(const km_loop_curve *c, double u) {
+  return c->closed ? (int)floor(u / c->length) : 0;
 }
 
 /* End, points between, end. */
 static void add_arc(const km_loop_curve *c, km_selfmotion *out, int arc) {
   const int n = c->arm->n;
   double from = out->arcs[arc].from, to = out->arcs[arc].to, q[KM_ARM_MOST];
-  if (pose_at(c, from, q))
+  if (km_loop_curve_at(c, from, q))
     add_row(c, out, arc, from, q);
-  for (int turn = -1; turn <= 0; ++turn)
+  for (int round = round_of(c, from); round <= round_of(c, to); ++round)
     for (int i = 0; i < c->count; ++i) {
-      double u = c->u[i] + turn * c->length;
-      if ((turn && !c->closed) || u <= from + 1e-9 || u >= to - 1e-9)
+      double u = c->u[i] + round * c->length;
+      if (u <= from + 1e-9 || u >= to - 1e-9)
         continue;
       for (int k = 0; k < n; ++k)
-        q[k] = c->q[i * n + k];
+        q[k] = c->q[i * n + k] + round * km_loop_curve_turn(c, k);
       add_row(c, out, arc, u, q);
     }
-  if (pose_at(c, to, q))
+  if (km_loop_curve_at(c, to, q))
     add_row(c, out, arc, to, q);
 }
 
 static bool add_rows(const km_loop_curve *c, km_selfmotion *out) {
-  size_t most = 2 * (size_t)c->count + 2 * (size_t)out->arc_count + 2;
+  size_t most = 2;
+  for (int arc = 0; arc < out->arc_count; ++arc)
+    most += (size_t)(round_of(c, out->arcs[arc].to) - round_of(c, out->arcs[arc].from) + 1) * (size_t)c->count + 2;
   out->row_arc = KM_NEW(int, most);
   out->row_u = KM_NEW(double, most);
   out->row_q = KM_NEW(double, most *(size_t)c->arm->n);
@@ -66,6 +52,7 @@ km_status km_selfmotion_export(const km_loop_curve *c, km_selfmotion *out, km_er
   out->count = c->count;
   out->columns = n;
   out->closed = c->closed;
+  out->turns_on = km_loop_curve_runs_on(c);
   out->length = c->length;
   out->u = KM_NEW(double, (size_t)c->count);
   out->q = KM_NEW(double, (size_t)(c->count * n));
@@ -74,7 +61,8 @@ km_status km_selfmotion_export(const km_loop_curve *c, km_selfmotion *out, km_er
     return km_fail(error, KM_MEMORY, "out of memory for a self-motion");
   if (!add_rows(c, out))
     return km_fail(error, KM_MEMORY, "out of memory for a self-motion");
-  out->whole = c->closed && out->arc_count == 1 && out->arcs[0].column[0] < 0 && out->arcs[0].column[1] < 0;
+  const km_arc_span *only = out->arc_count == 1 ? &out->arcs[0] : NULL;
+  out->whole = c->closed && !out->turns_on && only && only->column[0] < 0 && only->column[1] < 0;
   for (int i = 0; i < c->count; ++i) {
     out->u[i] = c->u[i];
     for (int k = 0; k < n; ++k)

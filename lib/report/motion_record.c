@@ -6,6 +6,7 @@
 
 static void add_motion(const km_arm *a, const km_selfmotion *m, km_value *record, km_arena *arena) {
   km_value_boolean(arena, record, "closed", m->closed);
+  km_value_boolean(arena, record, "but_for_full_turns", m->turns_on);
   km_value_number(arena, record, "length", m->length);
   km_value_boolean(arena, record, "within_limits_all_round", m->whole);
   km_value *arcs = km_value_add(arena, record, "arcs", KM_LIST);
@@ -64,7 +65,6 @@ static bool add_motion_row(const km_arm *a, km_arm_space *space, km_table *table
   km_arm_singular_values(a, space, sigma);
   for (int r = 0; r < a->rows; ++r)
     product *= sigma[r];
-  km_arm_unwind(a, q);
   *row++ = (double)km_table_rows(table) - 1.0;
   *row++ = u;
   *row++ = arc;
@@ -117,7 +117,8 @@ static void print_motion(const km_arm *a, const km_selfmotion *m, const char *in
     return;
   }
   if (m->closed)
-    km_text_format(out, "a closed curve of %.6g rad", m->length);
+    km_text_format(out, "a closed curve of %.6g rad%s", m->length,
+                   m->turns_on ? " but for full turns of joints within limits" : "");
   else
     km_text_format(out, "an open curve of %.6g rad", m->length);
   if (m->whole) {
@@ -135,9 +136,15 @@ void km_selfmotion_print(const km_arm *a, const km_selfmotion *m, const char *na
   km_text_format(out, "  effector held to %.2g; %d poses\n", m->error, a->freedom == 2 ? m->row_count : m->count);
 }
 
+/* With two spare freedoms and more the poses fill surfaces: which of their points are found is chance. */
+static bool is_sampled(const km_arm *a) {
+  return a->freedom > 1;
+}
+
 km_value *km_branches_record(const km_arm *a, const km_branches *b, const char *model, km_arena *arena) {
   km_value *record = km_arm_record(a, model, arena);
   km_value_number(arena, record, "count", b->count);
+  km_value_boolean(arena, record, "sampled", is_sampled(a));
   km_value_number(arena, record, "within_limits", b->within);
   km_value_number(arena, record, "starts", b->starts);
   km_value_number(arena, record, "converged", b->converged);
@@ -157,10 +164,13 @@ km_value *km_branches_record(const km_arm *a, const km_branches *b, const char *
 }
 
 void km_branches_print(const km_arm *a, const km_branches *b, const char *name, km_text *out) {
-  km_text_format(out, "%s: %d branch%s", name, b->count, b->count == 1 ? "" : "es");
+  bool sampled = is_sampled(a);
+  km_text_format(out, "%s: %s%d branch%s", name, sampled ? "a sample of " : "", b->count, b->count == 1 ? "" : "es");
   if (b->within < b->count)
     km_text_format(out, ", %d of them with poses within the limits", b->within);
   km_text_format(out, " (%d solutions from %d starts)\n", b->converged, b->starts);
+  if (sampled)
+    km_text_add(out, "  each is one pose of a family; how many are found depends on --seed\n");
   for (int i = 0; i < b->count; ++i) {
     km_text_format(out, "  %d: ", i + 1);
     if (a->freedom == 1 && b->items[i].count == 1)

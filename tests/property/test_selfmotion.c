@@ -2,7 +2,9 @@
 #include "support/arms.h"
 
 #include "redundancy/branches.h"
+#include "report/track_record.h"
 
+#include <stdio.h>
 #include <string.h>
 
 static const double well_inside[7] = {0.2, 0.6, 0.1, -1.4, 0.3, 0.9, 0.0};
@@ -117,6 +119,124 @@ static void narrow_arcs_are_found(void **state) {
   fixture_close(&f);
 }
 
+/* Hinges with room for more than a full turn. */
+static void widen(km_arm *arm) {
+  for (int k = 0; k < arm->n; ++k) {
+    arm->high[k] = k % 2 ? 3.0 : 3.6;
+    arm->low[k] = -arm->high[k];
+  }
+}
+
+/* min over joints of the distance to the nearer limit over half the range, from a table's row alone. */
+static double margin_of(const km_arm *arm, const km_table *table, size_t row) {
+  double least = 1.0;
+  for (int k = 0; k < arm->n; ++k) {
+    char name[32];
+    int column;
+    snprintf(name, sizeof name, "q.A%d", k + 1);
+    assert_true((column = km_table_find(table, name)) >= 0);
+    double q = km_table_row(table, row)[column];
+    least = fmin(least, fmin(q - arm->low[k], arm->high[k] - q) / (0.5 * (arm->high[k] - arm->low[k])));
+  }
+  return least;
+}
+
+static void check_margins(const km_arm *arm, const km_selfmotion *motion, bool all) {
+  km_table *table = km_selfmotion_table(arm, motion, all);
+  assert_non_null(table);
+  int margin = km_table_find(table, "limit_margin");
+  assert_true(margin >= 0 && km_table_rows(table) > 100);
+  for (size_t i = 0; i < km_table_rows(table); ++i) {
+    assert_near(km_table_row(table, i)[margin], margin_of(arm, table, i), 1e-12);
+    if (!all)
+      assert_true(km_table_row(table, i)[margin] > -1e-9);
+  }
+  km_table_free(table);
+}
+
+/* A row's margin is that of its own angles, whatever room the limits leave. */
+static void margins_are_those_of_the_row(void **state) {
+  (void)state;
+  fixture f = fixture_open("iiwa14");
+  km_arm *arm = arm_of(&f, "flange", "tool", KM_TASK_POSE);
+  for (int wide = 0; wide < 2; ++wide) {
+    if (wide)
+      widen(arm);
+    km_selfmotion motion = follow(arm, well_inside);
+    check_margins(arm, &motion, false);
+    check_margins(arm, &motion, true);
+    km_selfmotion_free(&motion);
+  }
+  km_arm_free(arm);
+  fixture_close(&f);
+}
+
+/* A hinge that turns round a closed curve goes on turning till its limit ends the arc, past one round if there is room;
+ * without limits the same curve is closed. */
+static void hinges_turn_on_to_their_limits(void **state) {
+  (void)state;
+  fixture f = fixture_open("iiwa14");
+  km_arm *arm = arm_of(&f, "flange", "tool", KM_TASK_POSE);
+  for (int k = 0; k < arm->n; ++k) {
+    arm->low[k] = -(double)INFINITY;
+    arm->high[k] = (double)INFINITY;
+  }
+  km_selfmotion free_motion = follow(arm, well_inside);
+  assert_true(free_motion.closed && !free_motion.turns_on && free_motion.whole);
+  int turning = -1;
+  for (int k = 0; k < 7; ++k)
+    if (fabs(free_motion.q[7 * (free_motion.count - 1) + k] - well_inside[k]) > 6.0)
+      turning = k;
+  assert_true(turning >= 0);
+  for (double high = 3.6; high < 30.0; high += 6.0) {
+    arm->low[turning] = -high;
+    arm->high[turning] = high;
+    km_selfmotion motion = follow(arm, well_inside);
+    assert_true(motion.closed && motion.turns_on && !motion.whole);
+    assert_near(motion.length, free_motion.length, 1e-12);
+    assert_int_equal(motion.arc_count, 1);
+    assert_int_equal(motion.arcs[0].column[0], turning);
+    assert_int_equal(motion.arcs[0].column[1], turning);
+    const double *first = motion.row_q, *last = motion.row_q + 7 * (motion.row_count - 1);
+    assert_near(fabs(first[turning]), high, 1e-9);
+    assert_near(fabs(last[turning]), high, 1e-9);
+    assert_near(fabs(last[turning] - first[turning]), 2.0 * high, 1e-9);
+    for (int i = 7; i < 7 * motion.row_count; ++i)
+      assert_true(fabs(motion.row_q[i] - motion.row_q[i - 7]) < 0.06);
+    km_selfmotion_free(&motion);
+  }
+  km_selfmotion_free(&free_motion);
+  km_arm_free(arm);
+  fixture_close(&f);
+}
+
+/* Limits that leave next to nothing of the turn out, far less than a step, end arcs on either side of it. */
+static void narrow_gaps_are_found(void **state) {
+  (void)state;
+  fixture f = fixture_open("iiwa14");
+  km_arm *arm = arm_of(&f, "flange", "tool", KM_TASK_POSE);
+  for (double gap = 1e-2; gap > 1e-8; gap *= 0.1) {
+    for (int k = 0; k < arm->n; ++k) {
+      arm->high[k] = M_PI - gap;
+      arm->low[k] = -arm->high[k];
+    }
+    km_selfmotion motion = follow(arm, well_inside);
+    assert_true(motion.arc_count > 0 && !motion.whole);
+    double missing = motion.length;
+    for (int k = 0; k < motion.arc_count; ++k)
+      missing -= motion.arcs[k].to - motion.arcs[k].from;
+    assert_true(missing > 0.0 && missing < 100.0 * gap);
+    for (int i = 0; i < motion.row_count; ++i) {
+      assert_int_equal(km_arm_limit_passed(arm, motion.row_q + 7 * i), -1);
+      for (int k = 0; k < 7 && i > 0 && motion.row_arc[i] == motion.row_arc[i - 1]; ++k)
+        assert_true(fabs(motion.row_q[7 * i + k] - motion.row_q[7 * (i - 1) + k]) < 0.06);
+    }
+    km_selfmotion_free(&motion);
+  }
+  km_arm_free(arm);
+  fixture_close(&f);
+}
+
 static km_branches find(const km_arm *arm, const km_pose *at, unsigned long seed) {
   km_effector_pose pose;
   for (int k = 0; k < 3; ++k) {
@@ -154,6 +274,33 @@ static void iiwa_has_eight_branches(void **state) {
     }
     km_branches_free(&branches);
   }
+  km_arm_free(arm);
+  fixture_close(&f);
+}
+
+/* The branches of hinges with room for more than a full turn: as many, every arc ended by limits, every pose real. */
+static void wide_limits_keep_the_branches(void **state) {
+  (void)state;
+  fixture f = fixture_open("iiwa14");
+  km_arm *arm = arm_of(&f, "flange", "tool", KM_TASK_POSE);
+  widen(arm);
+  km_pose at = effector_by_bodies(&f, arm, well_inside);
+  km_branches branches = find(arm, &at, 1);
+  assert_int_equal(branches.count, 8);
+  assert_int_equal(branches.within, 8);
+  for (int b = 0; b < branches.count; ++b) {
+    const km_selfmotion *m = &branches.items[b];
+    assert_int_equal(km_arm_limit_passed(arm, branches.pose + 7 * b), -1);
+    assert_near(branches.margin[b], km_arm_limit_distance(arm, branches.pose + 7 * b), 1e-12);
+    assert_true(m->arc_count > 0 && !m->whole);
+    for (int i = 0; i < m->row_count; ++i) {
+      bool first = i == 0 || m->row_arc[i] != m->row_arc[i - 1];
+      bool last = i + 1 == m->row_count || m->row_arc[i] != m->row_arc[i + 1];
+      double margin = km_arm_limit_distance(arm, m->row_q + 7 * i);
+      assert_true(margin > -1e-9 && (margin < 1e-9 || !(first || last)));
+    }
+  }
+  km_branches_free(&branches);
   km_arm_free(arm);
   fixture_close(&f);
 }
@@ -276,7 +423,11 @@ int main(void) {
       cmocka_unit_test(curves_hold_the_effector),
       cmocka_unit_test(lengths_dont_depend_on_the_start),
       cmocka_unit_test(narrow_arcs_are_found),
+      cmocka_unit_test(margins_are_those_of_the_row),
+      cmocka_unit_test(hinges_turn_on_to_their_limits),
+      cmocka_unit_test(narrow_gaps_are_found),
       cmocka_unit_test(iiwa_has_eight_branches),
+      cmocka_unit_test(wide_limits_keep_the_branches),
       cmocka_unit_test(six_joints_have_single_poses),
       cmocka_unit_test(surfaces_are_sampled_on_a_circle),
       cmocka_unit_test(slides_that_leave),
