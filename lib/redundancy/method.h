@@ -18,6 +18,7 @@ typedef struct km_run {
   double fraction;    /* of the interval after the last sample; 0: it ends on the sample */
   km_track_stop stop;
   int column;
+  bool held[KM_ARM_MOST]; /* fixed: columns that don't move */
   bool greedy_instead;
   double converged;
   unsigned long evaluations; /* of other workspaces than `space` */

@@ -31,10 +31,22 @@ bool km_run_goes_on(const km_run *run, int sample) {
          run->plan->progress(run->plan->context, (double)sample / (run->plan->path->samples - 1));
 }
 
-/* No pose at all reaches the sample after the last one? */
-static bool beyond_edge(km_run *run, int next) {
+/* No pose at all reaches the path just after where the track ends? The next sample may lie where the path is back. */
+static bool beyond_edge(km_run *run) {
+  static const double ahead = 1e-3; /* of the interval: far more than the end's own error */
+  km_path_point just =
+      km_path_at(run->plan->path, run->reached - 1, fmin(run->fraction + ahead, 0.5 * (1.0 + run->fraction)));
   double q[KM_ARM_MOST];
-  return !km_arm_search(run->arm, &run->space.arm, &run->plan->path->points[next].pose, 300, run->plan->seed, q);
+  return !km_arm_search(run->arm, &run->space.arm, &just.pose, 300, run->plan->seed, q);
+}
+
+/* The whole arm is far from singular at q: only what is held keeps it from going on. */
+static bool regular(km_run *run, const double *q) {
+  static const double far = 1e-3; /* an end at a singular pose is located to the root of 1e-10 */
+  double sigma[KM_ARM_ROWS];
+  km_arm_update(run->arm, &run->space.arm, q);
+  km_arm_singular_values(run->arm, &run->space.arm, sigma);
+  return sigma[run->arm->rows - 1] > far;
 }
 
 void km_run_stop(km_run *run, const km_node *node, const km_way *way, km_step_end end) {
@@ -49,24 +61,32 @@ void km_run_stop(km_run *run, const km_node *node, const km_way *way, km_step_en
   if (!km_node_create(run->arm, &arena, &at))
     return;
   double outside = 1.0;
+  bool between = false; /* a limit or a rate ends the track before a singular pose does */
   if (end.stop ==
       KM_TRACK_SINGULAR) { /* the same step again stands where it runs out of ways; a limit may come before */
     end = km_walk_step(&run->walk, &run->space, sample, 1.0, node, way, &at);
     km_node_copy(run->arm, &at, &run->space.here);
     run->fraction = outside = end.fraction;
-    int column = km_arm_limit_passed(run->arm, at.q);
-    if (column >= 0)
-      end = (km_step_end){KM_TRACK_LIMIT, column, 0.0};
+    km_step_end there = outside > 0.0 ? km_walk_step(&run->walk, &run->space, sample, outside, node, way, &at) : end;
+    between = there.stop == KM_TRACK_LIMIT || there.stop == KM_TRACK_RATE;
+    if (between)
+      end = there;
+    else
+      km_node_copy(run->arm, &at, &run->space.here);
   }
-  if (end.stop == KM_TRACK_LIMIT) {
+  if (end.stop == KM_TRACK_LIMIT || between) {
     end = km_walk_find_end(&run->walk, &run->space, sample, node, way, end, outside, &at);
     run->fraction = end.fraction;
   }
+  if (run->fraction < 1e-9) /* a step so short has no rates that stand out of rounding */
+    run->fraction = 0.0;
   run->stop = end.stop;
   run->column = end.column;
   memcpy(run->last, at.q, (size_t)run->arm->n * sizeof *at.q);
-  if (end.stop == KM_TRACK_SINGULAR && beyond_edge(run, sample + 1))
+  if (end.stop == KM_TRACK_SINGULAR && beyond_edge(run))
     run->stop = KM_TRACK_EDGE;
+  else if (end.stop == KM_TRACK_SINGULAR && way->held && regular(run, run->last))
+    run->stop = KM_TRACK_HELD;
   km_arena_free(&arena);
 }
 

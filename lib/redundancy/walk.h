@@ -41,6 +41,11 @@ typedef struct km_way {
   double below;       /* dls: smallest singular value from which on it is damped */
 } km_way;
 
+/* Joint rates [n] of a track that passes a pose with these columns, at the mean rates [n] of a step that begins or ends
+ * there: the least that follow the path, and the self-motion of the step. Held joints' columns give theirs. */
+void km_node_rates(const km_arm *arm, const double *path, const double *self, double speed, const double *mean,
+                   double *rates);
+
 /* Why a step doesn't lead to its end, and how far it leads. */
 typedef struct km_step_end {
   km_track_stop stop;
