@@ -210,12 +210,17 @@ static void print_line(const km_tracks *all, int index, km_text *out) {
 
 /* How good the reference is. */
 static void print_remarks(const km_tracks *all, int index, km_text *out) {
-  double change = all->items[index]->summary.converged;
+  const km_track *track = all->items[index];
+  double change = track->summary.converged;
   char label[64];
   km_tracks_label(all, index, ' ', label, sizeof label);
   if (isfinite(change))
     km_text_format(out, "  %s: half the spacing and stage change the value by %.2g%%%s\n", label, 100.0 * change,
                    change < 0.02 ? "" : ": no reference yet");
+  else if (track->plan.method.kind == KM_DP && track->end.stop != KM_TRACK_START)
+    km_text_format(out, "  %s: %s\n", label,
+                   track->end.stop ? "stops short: no reference"
+                                   : "stops short at twice the spacing: no reference yet");
 }
 
 void km_tracks_print(const km_tracks *t, km_text *out) {

@@ -310,6 +310,58 @@ static void rates_are_those_of_the_track(void **state) {
   fixture_close(&f);
 }
 
+/* Greedy comes to an end by the rates; a small self-motion, other than 30° asks for, leads on. With one branch there is
+ * none. */
+static void small_self_motions_are_found(void **state) {
+  (void)state;
+  static const double rate[7] = {0.2, 0.2, 0.2, 0.2, 0.2, 0.2, 0.2};
+  fixture f = fixture_open("iiwa14");
+  km_study *study = study_of(
+      &f, "{\"effector\": [\"flange\", \"tool\"], \"q0\": [0.2, 0.5, 0.1, -1.6, 0.2, 0.9, 0],"
+          "\"path\": {\"speed\": 0.1, \"segments\": [{\"type\": \"line\", \"to\": [0.5, 0.4, 0.4], \"steps\": 60}]},"
+          "\"methods\": [\"greedy\", {\"method\": \"lookahead\", \"branches\": 1}, \"lookahead\", \"dp\"],"
+          "\"objective\": {\"singular-value\": 1, \"rate-margin\": 1e-6}, \"rates\": [0.2, 0.2, 0.2, 0.2, 0.2, 0.2, "
+          "0.2]}");
+  km_track *greedy = track_of(study, 0, 1), *one = track_of(study, 1, 1);
+  assert_int_equal(greedy->end.stop, KM_TRACK_RATE);
+  assert_same_rows(greedy, one);
+  km_track_free(greedy);
+  km_track_free(one);
+  for (int i = 2; i < 4; ++i) {
+    km_track *track = track_of(study, i, 1), *threads = track_of(study, i, 3);
+    assert_int_equal(track->end.stop, KM_TRACK_COMPLETE);
+    check_rows(&f, study, track);
+    check_rates(track, rate);
+    assert_same_rows(track, threads);
+    assert_true(i == 2 || track->summary.converged < 0.02);
+    km_track_free(track);
+    km_track_free(threads);
+  }
+  km_study_free(study);
+  fixture_close(&f);
+}
+
+/* Where no self-motion keeps the rates every method stops, and dynamic programming is no reference. */
+static void too_small_rates_stop_all(void **state) {
+  (void)state;
+  static const double rate[7] = {0.05, 0.05, 0.05, 0.05, 0.05, 0.05, 0.05};
+  fixture f = fixture_open("iiwa14");
+  km_study *study = study_of(
+      &f, "{\"effector\": [\"flange\", \"tool\"], \"q0\": [0.2, 0.5, 0.1, -1.6, 0.2, 0.9, 0],"
+          "\"path\": {\"speed\": 0.1, \"segments\": [{\"type\": \"line\", \"to\": [0.5, 0.4, 0.4], \"steps\": 60}]},"
+          "\"methods\": [\"lookahead\", \"dp\"], \"objective\": {\"singular-value\": 1, \"rate-margin\": 1e-6},"
+          "\"rates\": [0.05, 0.05, 0.05, 0.05, 0.05, 0.05, 0.05]}");
+  for (int i = 0; i < 2; ++i) {
+    km_track *track = track_of(study, i, 1);
+    assert_int_equal(track->end.stop, KM_TRACK_RATE);
+    assert_true(isnan(track->summary.converged));
+    check_rates(track, rate);
+    km_track_free(track);
+  }
+  km_study_free(study);
+  fixture_close(&f);
+}
+
 /* Greedy's rates are q′ ds/dt, its path-control column's. */
 static void greedy_moves_by_its_column(void **state) {
   (void)state;
@@ -449,7 +501,8 @@ int main(void) {
       cmocka_unit_test(look_ahead_is_at_least_greedy), cmocka_unit_test(a_limit_is_located),
       cmocka_unit_test(the_edge_is_located),           cmocka_unit_test(rates_are_kept),
       cmocka_unit_test(rates_are_those_of_the_track),  cmocka_unit_test(greedy_moves_by_its_column),
-      cmocka_unit_test(a_held_joint_is_named),         cmocka_unit_test(the_edge_is_told_by_what_lies_just_ahead),
+      cmocka_unit_test(a_held_joint_is_named),         cmocka_unit_test(small_self_motions_are_found),
+      cmocka_unit_test(too_small_rates_stop_all),      cmocka_unit_test(the_edge_is_told_by_what_lies_just_ahead),
       cmocka_unit_test(paths_have_their_lengths),      cmocka_unit_test(other_arms_and_tasks),
   };
   return cmocka_run_group_tests(tests, NULL, NULL);
