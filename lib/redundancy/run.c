@@ -67,12 +67,15 @@ void km_run_stop(km_run *run, const km_node *node, const km_way *way, km_step_en
     end = km_walk_step(&run->walk, &run->space, sample, 1.0, node, way, &at);
     km_node_copy(run->arm, &at, &run->space.here);
     run->fraction = outside = end.fraction;
-    km_step_end there = outside > 0.0 ? km_walk_step(&run->walk, &run->space, sample, outside, node, way, &at) : end;
+    km_step_end there = {KM_TRACK_COMPLETE, -1, 0.0};
+    there.column = km_arm_limit_passed(run->arm, at.q);
+    if (there.column >= 0)
+      there.stop = KM_TRACK_LIMIT;
+    else if (outside > 0.0)
+      there = km_walk_step(&run->walk, &run->space, sample, outside, node, way, &run->next);
     between = there.stop == KM_TRACK_LIMIT || there.stop == KM_TRACK_RATE;
     if (between)
       end = there;
-    else
-      km_node_copy(run->arm, &at, &run->space.here);
   }
   if (end.stop == KM_TRACK_LIMIT || between) {
     end = km_walk_find_end(&run->walk, &run->space, sample, node, way, end, outside, &at);
@@ -139,13 +142,33 @@ km_status km_run_steps(km_run *run, const km_way *first, km_run_choose choose, v
   return KM_OK;
 }
 
+/* What the rate margin of the track's own rates adds to the value of run->next, the node at a sample, where the margin
+ * of the least rates counts. */
+static double own_margin(km_run *run, int sample) {
+  static const km_objective only = {.weight[KM_RATE_MARGIN] = 1.0};
+  const km_arm *a = run->arm;
+  const km_path_point *points = run->plan->path->points;
+  double weight = run->plan->objective.weight[KM_RATE_MARGIN], values[KM_OBJECTIVES], mean[KM_ARM_MOST],
+         rates[KM_ARM_MOST];
+  if (weight == 0.0 || run->reached < 2)
+    return 0.0;
+  int first = sample > 0 ? sample - 1 : 0;
+  const double *q = run->q + (size_t)first * (size_t)a->n;
+  for (int k = 0; k < a->n; ++k)
+    mean[k] = (q[a->n + k] - q[k]) / (points[first + 1].t - points[first].t);
+  km_node_rates(a, run->next.path, run->next.self, points[sample].speed, mean, rates);
+  km_objective_values(a, &run->space.arm, run->next.q, run->next.path, points[sample].speed, &only, values);
+  return weight * (km_objective_rate_margin(a, rates) - values[KM_RATE_MARGIN]);
+}
+
 km_run_value km_run_evaluate(km_run *run) {
   km_run_value value = {(double)INFINITY, 0.0, run->reached};
   static const km_way plain = {0};
   for (int i = 0; i < run->reached; ++i) {
     km_walk_begin(&run->walk, &run->space, i, run->q + (size_t)i * (size_t)run->arm->n, &plain, &run->next);
-    value.least = fmin(value.least, run->next.value);
-    value.sum += run->next.value;
+    double here = run->next.value + own_margin(run, i);
+    value.least = fmin(value.least, here);
+    value.sum += here;
   }
   return value;
 }
