@@ -1,6 +1,7 @@
 #include "analysis/lever.h"
 
 #include "base/text.h"
+#include "kinematics/branches.h"
 #include "kinematics/poses.h"
 
 #include <string.h>
@@ -238,16 +239,17 @@ double km_largest_rate(const km_mechanism *m, const double *rates) {
 }
 
 double km_lever_rate(const km_mechanism *m, const km_lever_end *end, const double *rates, double *size) {
-  double rate = 0.0;
-  *size = 0.0;
+  double rate = 0.0, largest = km_largest_rate(m, rates);
   int own = end->handle.coordinate;
-  for (int c = 0; c < m->coordinate_count && own < 0; ++c) {
-    rate += end->row[c] * rates[c];
-    *size += end->speed[c] * fabs(rates[c]);
-  }
   if (own >= 0) {
-    rate = rates[own];
-    *size = m->unit[own] * km_largest_rate(m, rates);
+    *size = m->unit[own] * largest;
+    return rates[own];
+  }
+  /* A coordinate that stands has a rate of rounding: of the largest one, not of its own. */
+  *size = 0.0;
+  for (int c = 0; c < m->coordinate_count; ++c) {
+    rate += end->row[c] * rates[c];
+    *size += end->speed[c] * m->unit[c] * largest;
   }
   return rate;
 }
@@ -297,6 +299,29 @@ void km_lever_along(const km_mechanism *m, const km_state *s, km_lever *l, const
   update_rows(m, s, l);
   memcpy(l->rates, rates, (size_t)m->coordinate_count * sizeof *rates);
   measure(m, l, 1, out);
+}
+
+int km_lever_branches(const km_mechanism *m, km_state *s, km_lever *l, km_advantage *out, int most) {
+  int index = -1, count = 0;
+  for (int c = 0; c < m->coordinate_count && index < 0; ++c)
+    index = l->moves[c] ? m->substructure_of[c] : -1;
+  if (index < 0 || km_partition_freedom(&s->partition[index]) < 2)
+    return 0;
+  const km_substructure *sub = &m->substructures[index];
+  double *directions = KM_NEW(double, KM_MOST_BRANCHES *(size_t)sub->columns);
+  double *rates = KM_NEW(double, (size_t)m->coordinate_count);
+  if (directions && rates)
+    count = km_branch_directions(m, s, index, directions);
+  for (int i = 0; i < count && i < most; ++i) {
+    for (int k = 0; k < sub->columns; ++k) {
+      int c = m->column_coordinate[sub->column_start + k];
+      rates[c] = directions[(size_t)i * (size_t)sub->columns + (size_t)k] * m->unit[c];
+    }
+    km_lever_along(m, s, l, rates, &out[i]);
+  }
+  km_free(directions);
+  km_free(rates);
+  return count < most ? count : most;
 }
 
 static bool is_angle(const km_model *model, const km_handle *h) {

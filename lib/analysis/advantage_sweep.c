@@ -55,7 +55,7 @@ static void look(const watch *w, const km_sweeper *r, km_advantage *out) {
 static double *write_value(void *self, km_sweeper *r, double *cell) {
   watch *w = self;
   km_advantage a;
-  w->followed = r->mover.rates(r->mover.self, r->rates);
+  w->followed = km_sweeper_motion(r);
   look(w, r, &a);
   if (km_table_rows(w->out->motion.table) == 1)
     w->out->method = a.method;
@@ -103,12 +103,12 @@ static void value(void *self, km_sweeper *r, double *f) {
 
 static km_status see(void *self, km_sweeper *r, double s, km_error *error) {
   watch *w = self;
-  w->followed = r->mover.rates(r->mover.self, r->rates);
+  w->followed = km_sweeper_motion(r);
   km_status status = km_scan_sample(&w->rates, r, s, error);
-  w->followed = r->mover.rates(r->mover.self, r->rates); /* what probes have left there isn't the row's */
+  w->followed = km_sweeper_motion(r); /* what probes have left there isn't the row's */
   if (!status)
     status = km_scan_sample(&w->value, r, s, error);
-  w->followed = r->mover.rates(r->mover.self, r->rates);
+  w->followed = km_sweeper_motion(r);
   double sense = update(w, r);
   for (int c = 0; c < r->m->coordinate_count; ++c)
     w->reference[c] = sense * w->lever->rates[c];

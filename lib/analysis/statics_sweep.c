@@ -68,20 +68,26 @@ static double *write_cells(void *self, km_sweeper *r, double *cell) {
   return cell;
 }
 
+/* Force of an actuator, 0 where rounding is all there is. */
+static double clear_force(const watch *w, const km_mechanism *m, int actuator) {
+  int c = w->statics->actuators[actuator];
+  double size = rounding * (w->forces->force_size * m->unit[c] + w->forces->couple_size) / m->unit[c];
+  double force = w->statics->actuator_forces[actuator];
+  return fabs(force) <= size ? 0.0 : force;
+}
+
 static void values(void *self, km_sweeper *r, double *f) {
   const watch *w = self;
   km_statics_hold(r->m, r->s, w->forces, w->statics);
-  for (int i = 0; i < w->statics->actuator_count; ++i) {
-    int c = w->statics->actuators[i];
-    double size = rounding * (w->forces->force_size * r->m->unit[c] + w->forces->couple_size) / r->m->unit[c];
-    f[i] = w->statics->actuator_forces[i];
-    if (fabs(f[i]) <= size)
-      f[i] = 0.0;
-  }
+  for (int i = 0; i < w->statics->actuator_count; ++i)
+    f[i] = clear_force(w, r->m, i);
 }
 
+/* A branch point has freedoms for an instant that no actuator may hold: that says nothing of the forces around it. */
 static km_status look(void *self, km_sweeper *r, double s, km_error *error) {
   watch *w = self;
+  if (r->substructure >= 0 && km_partition_freedom(&r->s->partition[r->substructure]) > r->out->freedom)
+    return KM_OK;
   return km_scan_sample(&w->scan, r, s, error);
 }
 
@@ -90,7 +96,7 @@ static km_status see(void *self, km_sweeper *r, double s, km_error *error) {
   if (!w->statics->held && w->out->unheld++ == 0)
     w->out->first_unheld = s;
   for (int i = 0; i < w->statics->actuator_count; ++i) {
-    double f = w->statics->actuator_forces[i];
+    double f = clear_force(w, r->m, i);
     if (!(fabs(f) <= fabs(w->out->largest[i].value)) && !isnan(f))
       w->out->largest[i] = (km_force_event){KM_FORCE_PEAK, i, s, f};
   }

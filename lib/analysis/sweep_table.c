@@ -94,6 +94,13 @@ static double *write_points(const km_sweeper *r, double *cell) {
   return cell;
 }
 
+bool km_sweeper_motion(km_sweeper *r) {
+  bool moves = r->mover.rates(r->mover.self, r->rates);
+  if (r->substructure >= 0)
+    km_numbers_update(r->m, r->s, r->substructure);
+  return moves;
+}
+
 km_status km_sweeper_row(km_sweeper *r, int step, double s, km_error *error) {
   const km_mechanism *m = r->m;
   double *cell = km_table_add_row(r->out->table);

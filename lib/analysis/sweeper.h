@@ -65,6 +65,10 @@ void km_sweeper_prepare(km_sweeper *sweeper);
 /* A row at the state's pose, shown to the observer. */
 km_status km_sweeper_row(km_sweeper *sweeper, int step, double s, km_error *error);
 
+/* The motion at the state's pose into `rates`, with the null space of the pose up to date: finding a motion may leave
+ * that of the coordinates beside the driver behind. False where there is no direction. */
+bool km_sweeper_motion(km_sweeper *sweeper);
+
 /* Lists a branch point. KM_MEMORY. */
 km_status km_sweeper_add_branch(km_sweeper *sweeper, km_branch_point point, km_error *error);
 /* The drive has passed a singular pose on the way to the last row: finds where, and what meets there. */

@@ -15,6 +15,8 @@ static const double singular = 1e-7;     /* last pivot, relative: closer to a si
 static const double branch_width = 1e-5; /* a change of sign that stays below this step is a branch point */
 static const double crossing = 1e-3;     /* distance from a singular pose at which it is crossed */
 static const double between = 1e-12;     /* residual that shows the pose between two regular ones to be on the branch */
+static const double negligible =
+    1e-12; /* way to a target, relative: halves of it would be lost in the driver's digits */
 static const double halving_tolerance = 1e-4; /* model-format.md: for freedoms that move least */
 
 struct km_drive {
@@ -308,9 +310,10 @@ static attempt walk_least(km_drive *d, double target, int *limit) {
   bool known = d->known;
   attempt result = ACCEPTED;
   double change = HUGE_VAL;
+  int most_pieces = length > negligible * fmax(1.0, fabs(from)) ? 1024 : 1;
   km_state_save(d->state, sub, d->begin);
   memcpy(d->begin_t, d->t, (size_t)sub->columns * sizeof *d->t);
-  for (int pieces = 1; pieces <= 1024; pieces *= 2) {
+  for (int pieces = 1; pieces <= most_pieces; pieces *= 2) {
     km_state_restore(d->state, sub, d->begin);
     d->s = from;
     d->stopped = stopped;

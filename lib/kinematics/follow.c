@@ -79,16 +79,27 @@ double km_follow_arc(const km_follow *f, const double *move, const double *t0, c
   return length;
 }
 
+/* The cubic through the last two poses and their tangents, continued by h; with freedoms that are left to the predictor
+ * that would be unstable (its other root is -5), and Adams-Bashforth's second serves. Without a last pose, the tangent.
+ */
+static void predict(const km_follow *f, double h, double *move) {
+  int columns = sub_of(f)->columns;
+  bool known = f->last_h != 0.0 && fabs(h) <= 4.0 * fabs(f->last_h);
+  if (known && f->freedom == 1) {
+    km_curve_ahead(columns, f->last_h, f->last_move, f->last_t, f->t, h, move);
+    return;
+  }
+  double slope = known ? 0.5 * h / f->last_h : 0.0;
+  for (int k = 0; k < columns; ++k)
+    move[k] = h * (f->t[k] + slope * (f->t[k] - f->last_t[k]));
+}
+
 /* From the saved pose by a step whose length is about h. On success the state stands there, f->next_t is its
  * tangent, f->move the way and *length its arc; else the state is back. */
 static bool step(km_follow *f, double h, double *length) {
   const km_substructure *sub = sub_of(f);
-  bool known = f->last_h != 0.0 && fabs(h) <= 4.0 * fabs(f->last_h);
   km_closure evidence;
-  if (known)
-    km_curve_ahead(sub->columns, f->last_h, f->last_move, f->last_t, f->t, h, f->move);
-  for (int k = 0; k < sub->columns && !known; ++k)
-    f->move[k] = h * f->t[k];
+  predict(f, h, f->move);
   km_state_restore(f->state, sub, f->here);
   km_state_move(f->mechanism, f->state, sub, f->move);
   bool accepted = false;

@@ -324,6 +324,8 @@ void km_read_analysis(km_reader *reader, const km_value *root) {
     read_actuator(reader, a, &item);
   model->advantage_input = read_handle(reader, km_value_get(advantage, "input"), &input_at);
   model->advantage_output = read_handle(reader, km_value_get(advantage, "output"), &output_at);
+  if (model->advantage_input.coordinate >= 0 && model->advantage_input.coordinate == model->advantage_output.coordinate)
+    km_reader_error(reader, &output_at, "is the input too; expected another joint or a point of a body");
   for (const km_value *h = hold ? hold->first : NULL; h; h = h->next) {
     km_place at = {&hold_at, h->key, 0};
     read_hold(reader, h, &at);

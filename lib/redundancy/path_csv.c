@@ -126,6 +126,22 @@ static int count_lines(const char *text) {
   return count;
 }
 
+/* Is there a way, and time, from the pose before to this one? */
+static bool goes_on(const sheet *s, int line, const km_pose *poses, const double *times, int index) {
+  if (index == 0)
+    return true;
+  if (!(km_poses_apart(&poses[index - 1], &poses[index]) > KM_SAME_POSE)) {
+    complain(s, line, 0, "the same pose as the one before; expected a way to go");
+    return false;
+  }
+  if (s->column[TIME] < 0 || times[index] > times[index - 1])
+    return true;
+  char what[100];
+  snprintf(what, sizeof what, "time %.9g after %.9g; expected increasing times", times[index], times[index - 1]);
+  complain(s, line, s->column[TIME] + 1, what);
+  return false;
+}
+
 static int read_lines(sheet *s, const km_arm *arm, char *text, km_pose *poses, double *times) {
   int count = 0, line = 1;
   if (strncmp(text, "\xEF\xBB\xBF", 3) == 0)
@@ -168,7 +184,10 @@ static int read_lines(sheet *s, const km_arm *arm, char *text, km_pose *poses, d
       }
     if (!read_row(s, arm, line, value, &poses[count]))
       return 0;
-    times[count++] = s->column[TIME] >= 0 ? value[s->column[TIME]] : 0.0;
+    times[count] = s->column[TIME] >= 0 ? value[s->column[TIME]] : 0.0;
+    if (!goes_on(s, line, poses, times, count))
+      return 0;
+    ++count;
   }
   return count;
 }

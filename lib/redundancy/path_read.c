@@ -100,7 +100,7 @@ static void read_weave(builder *b, const km_value *g, const km_place *place, km_
     km_reader_error(b->reader, &at, "found %s; expected a number above 0 up to 10000", KM_SHOWN(out->waves));
 }
 
-static double apart(const km_pose *a, const km_pose *b) {
+double km_poses_apart(const km_pose *a, const km_pose *b) {
   km_rotation back = km_rotation_inverse(&a->R), difference = km_rotation_product(&b->R, &back);
   km_vec3 turn = km_quaternion_log(km_rotation_quaternion(&difference)), way = km_vec3_sub(b->p, a->p);
   return sqrt(km_vec3_dot(way, way) + km_vec3_dot(turn, turn));
@@ -113,9 +113,9 @@ static bool set_knots(builder *b, km_segment *out, const km_pose *poses, const d
   km_place at = {points, NULL, 0};
   out->knot = KM_ARENA_NEW(&b->path->arena, double, (size_t)out->knots);
   for (int k = 1; out->knot && k < out->knots; ++k) {
-    double way = apart(&poses[k - 1], &poses[k]);
+    double way = km_poses_apart(&poses[k - 1], &poses[k]);
     at.index = (size_t)k - first;
-    if (!(way > 1e-9)) {
+    if (!(way > KM_SAME_POSE)) {
       km_reader_error(b->reader, &at, "the same pose as the one before; expected a way to go");
       return false;
     }
@@ -167,7 +167,7 @@ static void read_spline(builder *b, const km_value *g, const km_place *place, bo
     km_reader_error(b->reader, &points, "%zu of %zu points have a \"time\"; expected all or none", timed, count);
     return;
   }
-  bool there = count > 0 && apart(&poses[0], &poses[1]) <= 1e-6;
+  bool there = count > 0 && km_poses_apart(&poses[0], &poses[1]) <= 1e-6;
   bool own_start = there || (count > 0 && first_segment && !b->start_given && !(timed && times[1] > 0.0));
   if (count < (own_start ? 2u : 1u)) {
     km_reader_error(b->reader, &points, "found %zu points; expected at least %d", count, own_start ? 2 : 1);

@@ -66,9 +66,10 @@ void km_advantage_print(const km_mechanism *m, const km_handle *input, const km_
   if (a->state == KM_ADVANTAGE_FINITE)
     km_text_format(out, "  velocity ratio %.9g%s%s: %s moves so far while %s moves by 1\n", a->velocity_ratio,
                    unit[0] ? " " : "", unit, output->name, input->name);
-  km_text_add(out, a->method == KM_ADVANTAGE_SINGLE_FREEDOM
-                       ? "  one freedom: both move in the only way there is\n"
-                       : "  several freedoms: the others move least (--hold keeps joints)\n");
+  if (a->state != KM_ADVANTAGE_UNDEFINED)
+    km_text_add(out, a->method == KM_ADVANTAGE_SINGLE_FREEDOM
+                         ? "  one freedom: the input moves in one way only\n"
+                         : "  several freedoms: the others move least (--hold keeps joints)\n");
   int held = 0;
   for (int c = 0; c < m->coordinate_count; ++c)
     if (m->held[c])

@@ -18,12 +18,19 @@ static void pose_of_row(const km_mechanism *m, km_state *state, const double *ro
   memcpy(poses, state->pose, (size_t)m->topology.body_count * sizeof *poses);
 }
 
+/* The value matters: a long name gives way to it. */
 static void caption(const km_sweep_strip *strip, int k, km_text *out) {
-  if (strip->plan->arclength > 0.0)
+  enum { LONGEST_NAME = 12 }; /* bytes */
+  if (strip->plan->arclength > 0.0) {
     km_text_format(out, "arc length %.4g", strip->s[k]);
+    return;
+  }
+  const char *label = km_model_coordinate_label(strip->mechanism->model, strip->plan->coordinate);
+  const char *unit = km_model_coordinate_unit(strip->mechanism->model, strip->plan->coordinate);
+  if (strlen(label) > LONGEST_NAME)
+    km_text_format(out, "%.4g %s", strip->s[k], unit);
   else
-    km_text_format(out, "%s = %.4g %s", km_model_coordinate_label(strip->mechanism->model, strip->plan->coordinate),
-                   strip->s[k], km_model_coordinate_unit(strip->mechanism->model, strip->plan->coordinate));
+    km_text_format(out, "%s = %.4g %s", label, strip->s[k], unit);
 }
 
 static void draw(void *context, km_canvas *canvas, double top, double width) {

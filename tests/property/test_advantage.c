@@ -4,6 +4,7 @@
 #include "forces/forces.h"
 #include "kinematics/poses.h"
 #include "kmech/advantage.h"
+#include "kmech/advantage_sweep.h"
 #include "kmech/losses.h"
 #include "kmech/statics.h"
 #include "kmech/transmission.h"
@@ -304,15 +305,41 @@ static void friction_of_a_slide(void **state) {
   km_free(text);
 }
 
+/* With several freedoms, too, the first row of a sweep is what its pose gives: in the vehicle's steering, in a delta.
+ */
+static void rows_are_those_of_their_poses(void **state) {
+  (void)state;
+  static const char *const cases[][3] = {{"vehicle", "L", "J"}, {"delta", "A1", "A2"}};
+  for (size_t i = 0; i < sizeof cases / sizeof *cases; ++i) {
+    fixture f = fixture_open(cases[i][0]);
+    int in, out;
+    assert_int_equal(km_model_find_coordinate(f.model, cases[i][1], &in, NULL), KM_OK);
+    assert_int_equal(km_model_find_coordinate(f.model, cases[i][2], &out, NULL), KM_OK);
+    km_handle input = joint(f.model, in), output = joint(f.model, out);
+    km_advantage at_pose = advantage_of(&f, &input, &output);
+    km_sweep_plan plan = {.coordinate = in, .direction = -1, .steps = 2};
+    plan.from = km_state_coordinate(f.state, in);
+    plan.to = plan.from + 0.01;
+    km_advantage_sweep sweep;
+    km_error error;
+    assert_int_equal(km_advantage_sweep_run(f.mechanism, f.state, &plan, &input, &output, false, &sweep, &error),
+                     KM_OK);
+    double first = km_table_row(sweep.motion.table, 0)[sweep.column];
+    double last = km_table_row(sweep.motion.table, 2)[sweep.column];
+    assert_near(first, at_pose.value, 1e-9 * fabs(at_pose.value));
+    at_pose = advantage_of(&f, &input, &output);
+    assert_near(last, at_pose.value, 1e-9 * fabs(at_pose.value));
+    km_advantage_sweep_free(&sweep);
+    fixture_close(&f);
+  }
+}
+
 int main(void) {
   const struct CMUnitTest tests[] = {
-      cmocka_unit_test(inverse_of_the_rate),
-      cmocka_unit_test(minus_the_ratio_of_forces),
-      cmocka_unit_test(characteristic_length_does_not_count),
-      cmocka_unit_test(single_cardan_joint),
-      cmocka_unit_test(double_cardan_joint),
-      cmocka_unit_test(transmission_of_a_four_bar),
-      cmocka_unit_test(friction_of_a_slide),
+      cmocka_unit_test(inverse_of_the_rate),        cmocka_unit_test(rows_are_those_of_their_poses),
+      cmocka_unit_test(minus_the_ratio_of_forces),  cmocka_unit_test(characteristic_length_does_not_count),
+      cmocka_unit_test(single_cardan_joint),        cmocka_unit_test(double_cardan_joint),
+      cmocka_unit_test(transmission_of_a_four_bar), cmocka_unit_test(friction_of_a_slide),
   };
   return cmocka_run_group_tests(tests, NULL, NULL);
 }

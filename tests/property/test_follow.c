@@ -130,9 +130,47 @@ static void toggles_are_passed(void **state) {
   fixture_close(&f);
 }
 
+/* Two freedoms, in many small steps as in few: the freedoms that the predictor decides don't drift off. */
+static void small_steps_with_two_freedoms(void **state) {
+  (void)state;
+  static const double steps[] = {0.001, 0.01, 0.1};
+  double end[3];
+  for (int i = 0; i < 3; ++i) {
+    fixture f = fixture_read(
+        "{\"fixed\": {\"frames\": [{\"name\": \"p\", \"T\": [2, 0, 0]}]}, \"assemblies\": [{\"name\": \"a\", "
+        "\"bodies\": ["
+        "{\"name\": \"b1\", \"frames\": [{\"name\": \"t\", \"T\": [1, 0, 0]}]},"
+        "{\"name\": \"b2\", \"frames\": [{\"name\": \"t\", \"T\": [1.2, 0, 0]}]},"
+        "{\"name\": \"b3\", \"frames\": [{\"name\": \"t\", \"T\": [1.2, 0, 0]}]},"
+        "{\"name\": \"b4\", \"frames\": [{\"name\": \"t\", \"T\": [1, 0, 0]}]}], \"joints\": ["
+        "{\"name\": \"A\", \"type\": \"Rz\", \"body_frame_pairs\": [\"fixed\", \"b1\"], \"initial_displacement\": 1.8},"
+        "{\"name\": \"B\", \"type\": \"Rz\", \"body_frame_pairs\": [[\"b1\", \"t\"], \"b2\"], "
+        "\"initial_displacement\": -1.3},"
+        "{\"name\": \"C\", \"type\": \"Rz\", \"body_frame_pairs\": [[\"b2\", \"t\"], [\"b3\", \"t\"]], "
+        "\"initial_displacement\": 2.1},"
+        "{\"name\": \"D\", \"type\": \"Rz\", \"body_frame_pairs\": [[\"b4\", \"t\"], \"b3\"], "
+        "\"initial_displacement\": 1.3},"
+        "{\"name\": \"E\", \"type\": \"Rz\", \"body_frame_pairs\": [[\"fixed\", \"p\"], \"b4\"], "
+        "\"initial_displacement\": "
+        "1.3}]}]}");
+    km_mobility_sweep sweep = follow(&f, steps[i], (int)(0.5 / steps[i] + 0.5), false);
+    assert_int_equal(sweep.motion.freedom, 2);
+    assert_int_equal(sweep.motion.end.stop, KM_STOP_NONE);
+    end[i] = km_state_coordinate(f.state, 0);
+    km_mobility_sweep_free(&sweep);
+    fixture_close(&f);
+  }
+  /* Adams-Bashforth's second errs by the square of its steps. */
+  assert_near(end[1], end[0], 1e-3);
+  assert_near(end[2], end[0], 2e-2);
+}
+
 int main(void) {
-  const struct CMUnitTest tests[] = {cmocka_unit_test(cycles_close), cmocka_unit_test(a_held_platform_comes_back),
+  const struct CMUnitTest tests[] = {cmocka_unit_test(cycles_close),
+                                     cmocka_unit_test(a_held_platform_comes_back),
                                      cmocka_unit_test(length_is_a_property_of_the_motion),
-                                     cmocka_unit_test(parallelogram_branches), cmocka_unit_test(toggles_are_passed)};
+                                     cmocka_unit_test(parallelogram_branches),
+                                     cmocka_unit_test(toggles_are_passed),
+                                     cmocka_unit_test(small_steps_with_two_freedoms)};
   return cmocka_run_group_tests(tests, NULL, NULL);
 }

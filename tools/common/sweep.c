@@ -5,6 +5,7 @@
 #include "report/csv.h"
 #include "report/sweep_text.h"
 
+#include <stdio.h>
 #include <string.h>
 
 typedef struct work {
@@ -101,6 +102,13 @@ static kt_exit write_plot(const kt_sweep_options *o, const work *w, const char *
   return result;
 }
 
+/* Several models keep their own names, in the folder of -o's BASE, which names the plot that they share. */
+static const char *beside(const char *base, const char *name, char *out, size_t size) {
+  const char *slash = base ? strrchr(base, '/') : NULL;
+  snprintf(out, size, "%.*s%s", slash ? (int)(slash + 1 - base) : 0, base ? base : "", name);
+  return out;
+}
+
 static kt_exit deliver(const kt_sweep_options *o, const work *w) {
   kt_exit result = KT_DONE;
   int first = -1;
@@ -115,8 +123,8 @@ static kt_exit deliver(const kt_sweep_options *o, const work *w) {
       result = kt_worse(result, kt_print(&o->common, &summary));
     }
     km_text_free(&summary);
-    /* Several models keep their own names; -o then names the plot that they share. */
-    const char *base = o->base && o->models.count == 1 ? o->base : j->base;
+    char own[4096];
+    const char *base = o->base && o->models.count == 1 ? o->base : beside(o->base, j->base, own, sizeof own);
     for (int f = KT_CSV; f <= KT_JSON; ++f)
       if (o->formats.wanted[f])
         result = kt_worse(result, write_table(w->sweeping, j, base, (kt_format)f));

@@ -62,6 +62,26 @@ static km_status losses_at(const kt_pose *pose, const kma_ends *ends, km_losses 
   return status;
 }
 
+/* What is said of the pose belongs to none of the motions that meet there. */
+static void tell_branches(const options *o, const kt_pose *pose, km_lever *lever) {
+  enum { MOST = 8 };
+  km_advantage each[MOST];
+  km_text words = {0};
+  int count = km_lever_branches(pose->mechanism, pose->state, lever, each, MOST);
+  for (int i = 0; i < count; ++i) {
+    km_text_add(&words, i ? ", " : "");
+    if (each[i].state == KM_ADVANTAGE_FINITE)
+      km_text_format(&words, "%.6g", each[i].value);
+    else
+      km_text_add(&words, km_advantage_state_name(each[i].state));
+  }
+  if (count && !words.failed)
+    kt_say(&o->request.common, KM_WARNING,
+           "%s: this pose is a branch point; in the motions that meet the mechanical advantage is %s", o->request.model,
+           words.data);
+  km_text_free(&words);
+}
+
 static km_status describe(const options *o, const kt_pose *pose, const kma_ends *ends, km_text *out, km_error *error) {
   km_lever *lever;
   km_advantage advantage;
@@ -74,6 +94,7 @@ static km_status describe(const options *o, const kt_pose *pose, const kma_ends 
     return status;
   km_mobility_update(pose->mechanism, pose->state, &mobility);
   km_lever_update(pose->mechanism, pose->state, lever, &advantage);
+  tell_branches(o, pose, lever);
   km_lever_free(lever);
   status = transmission_at(pose, ends, &transmission, error);
   if (!status)

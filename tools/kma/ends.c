@@ -69,6 +69,8 @@ static kt_exit read_end(const kt_common *common, const km_model *model, const ch
   kt_exit result = kt_coordinate(common, model, option, text, &out->coordinate);
   if (result == KT_DONE)
     out->name = km_model_coordinate_label(model, out->coordinate);
+  else if (strchr(text, '/'))
+    kt_say(common, KM_NOTE, "a point of a body needs a direction: BODY/FRAME:DX,DY,DZ");
   return result;
 }
 

@@ -129,27 +129,43 @@ static void write_csv(const double *Z, int rows, int columns, km_text *out) {
     }
 }
 
-static void write_json(const options *o, const double *Z, const sheet *in, const km_control *control, km_text *out) {
+static void add_columns(km_value *record, const double *Z, const sheet *in, const km_control *control,
+                        km_arena *arena) {
+  km_value_number(arena, record, "rank", control->rank);
+  km_value_number(arena, record, "last_pivot", control->last_pivot);
+  km_value_number(arena, record, "first_dropped", control->first_dropped);
+  km_value_number(arena, record, "path_entry", control->path_entry);
+  km_value *rows = km_value_add(arena, record, "Z", KM_LIST);
+  for (int r = 0; r < in->columns && !arena->failed; ++r) {
+    km_value *row = km_value_add(arena, rows, NULL, KM_LIST);
+    for (int c = 0; c < control->freedom; ++c)
+      km_value_number(arena, row, NULL, Z[c * in->columns + r]);
+  }
+}
+
+/* Without a control the columns are null, and `why` says so. */
+static void write_json(const options *o, const double *Z, const sheet *in, const km_control *control, const char *why,
+                       km_text *out) {
   km_arena arena = {0};
   km_value *record = km_value_add(&arena, NULL, NULL, KM_OBJECT);
   km_value_string(&arena, record, "kmech", KM_VERSION);
   km_value_string(&arena, record, "tool", "kredund");
   km_value_string(&arena, record, "matrix", o->file);
-  km_value_number(&arena, record, "rank", control->rank);
-  km_value_number(&arena, record, "last_pivot", control->last_pivot);
-  km_value_number(&arena, record, "first_dropped", control->first_dropped);
-  km_value_number(&arena, record, "path_entry", control->path_entry);
-  km_value *rows = km_value_add(&arena, record, "Z", KM_LIST);
-  for (int r = 0; r < in->columns && !arena.failed; ++r) {
-    km_value *row = km_value_add(&arena, rows, NULL, KM_LIST);
-    for (int c = 0; c < control->freedom; ++c)
-      km_value_number(&arena, row, NULL, Z[c * in->columns + r]);
+  if (control) {
+    add_columns(record, Z, in, control, &arena);
+  } else {
+    km_value_add(&arena, record, "Z", KM_NULL);
+    km_value_string(&arena, record, "why", why);
   }
   if (arena.failed)
     out->failed = true;
   else
     km_json_write(record, out);
   km_arena_free(&arena);
+}
+
+static kt_exit deliver(const options *o, const km_text *out) {
+  return o->base ? kt_write(&o->common, o->base, "matrix", o->json ? "json" : "csv", out) : kt_print(&o->common, out);
 }
 
 static kt_exit solve(const options *o, const sheet *in) {
@@ -164,16 +180,14 @@ static kt_exit solve(const options *o, const sheet *in) {
   km_status status = matrix && Z ? km_control_of_matrix(matrix, in->rows, in->columns, Z, &control, &error)
                                  : km_fail(&error, KM_MEMORY, "out of memory");
   kt_exit result = kt_exit_of(status);
-  if (status) {
+  if (status)
     kt_say(&o->common, KM_ERROR, "%s: %s", o->file, error.text);
-  } else {
-    if (o->json)
-      write_json(o, Z, in, &control, &out);
-    else
-      write_csv(Z, in->columns, control.freedom, &out);
-    result =
-        o->base ? kt_write(&o->common, o->base, "matrix", o->json ? "json" : "csv", &out) : kt_print(&o->common, &out);
-  }
+  if (o->json && (!status || status == KM_PARTIAL))
+    write_json(o, Z, in, status ? NULL : &control, error.text, &out);
+  else if (!status)
+    write_csv(Z, in->columns, control.freedom, &out);
+  if (out.size)
+    result = kt_worse(result, deliver(o, &out));
   km_text_free(&out);
   km_free(matrix);
   km_free(Z);

@@ -41,8 +41,14 @@ static kt_exit write_map(const kredund_request *r, const kredund_open *open, con
                          const char *base) {
   kredund_tracks tracks = {.request = r, .open = open, .formats = *formats};
   bool pictures = formats->wanted[KT_SVG] || formats->wanted[KT_PDF] || formats->wanted[KT_PNG];
-  if (!open->study->path || !pictures || open->study->arm->freedom != 1)
+  if (!pictures)
     return KT_DONE;
+  if (!open->study->path || open->study->arm->freedom != 1) {
+    bool alone = !formats->wanted[KT_CSV] && !formats->wanted[KT_JSON];
+    kt_say(&r->common, alone ? KM_ERROR : KM_NOTE, "%s: there is no map to draw: it needs %s", open->name,
+           open->study->path ? "one spare freedom" : "a path");
+    return alone ? KT_PARTIAL : KT_DONE;
+  }
   kt_exit result = kredund_tracks_run(&tracks);
   if (result == KT_PARTIAL)
     result = KT_DONE; /* the map shows where a method ends */
@@ -60,6 +66,10 @@ static kt_exit run(const kredund_request *r, const kt_formats *formats, const kr
   if (open->study->start_status) {
     kt_say(&r->common, KM_ERROR, "%s: %s", open->name, open->study->start_error.text);
     return kt_exit_of(open->study->start_status);
+  }
+  if (open->study->arm->freedom < 1) {
+    kt_say(&r->common, KM_ERROR, "%s: the arm has no freedom to spare for its task: it has no self-motion", open->name);
+    return KT_PARTIAL;
   }
   km_status status = km_selfmotion_follow(open->study->arm, open->study->start, &motion, &error);
   kt_exit result = kt_exit_of(status);

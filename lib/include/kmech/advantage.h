@@ -55,6 +55,9 @@ void km_lever_free(km_lever *lever);
  * points: rows of the point's Jacobian). Rates below 1e-9 of the largest, each over its substructure's size, count as
  * 0. Never allocates. O(coordinates · freedoms). */
 void km_lever_update(const km_mechanism *mechanism, km_state *state, km_lever *lever, km_advantage *out);
+/* Where several motions meet at the state's pose (a branch point), the advantages in each of them: their number, at
+ * most `most`; 0 at a regular pose. The state stays. */
+int km_lever_branches(const km_mechanism *mechanism, km_state *state, km_lever *lever, km_advantage *out, int most);
 /* The motion that the last update was about: rates[coordinate], radians and model's length, largest scaled one 1.
  * Borrowed. */
 const double *km_lever_rates(const km_lever *lever);
