@@ -10,10 +10,10 @@ bool km_walk_rated(const km_arm *a) {
   return false;
 }
 
-/* Moves a tilt by least distances, joint after joint, until every rate at the node is `margin` below what it may be: of
- * one freedom that is the nearest such tilt. False: there is none, or it isn't found. */
+/* Moves a tilt by least distances, joint after joint, to where each rate at the node is `margin` below what it may be,
+ * until all are half of that: of one freedom that is the nearest such tilt. False: there is none, or it isn't found. */
 static bool turn(const km_arm *a, const km_node *node, double speed, double margin, double *tilt) {
-  enum { MOST_SWEEPS = 40 };
+  enum { MOST_SWEEPS = 100 };
   const double scale = speed / node->z;
   for (int sweep = 0; sweep < MOST_SWEEPS; ++sweep) {
     bool within = true;
@@ -24,7 +24,7 @@ static bool turn(const km_arm *a, const km_node *node, double speed, double marg
         rate += tilt[j] * side;
         size += side * side;
       }
-      if (!(fabs(rate) > most * (1.0 + 1e-12)))
+      if (!(fabs(rate) > (1.0 - 0.5 * margin) * a->rate[k] / scale))
         continue;
       if (size < 1e-12)
         return false;

@@ -343,6 +343,26 @@ static void small_self_motions_are_found(void **state) {
   fixture_close(&f);
 }
 
+/* The same with four freedoms to spare: greedy's first step is too fast, look-ahead's isn't. */
+static void small_self_motions_of_several_freedoms(void **state) {
+  (void)state;
+  static const double rate[7] = {0.09, 0.09, 0.09, 0.09, 0.09, 0.09, 0.09};
+  fixture f = fixture_open("iiwa14");
+  km_study *study = study_of(
+      &f, "{\"effector\": [\"flange\", \"tool\"], \"q0\": [0.2, 0.5, 0.1, -1.6, 0.2, 0.9, 0], \"task\": \"position\","
+          "\"path\": {\"speed\": 0.1, \"segments\": [{\"type\": \"line\", \"to\": [0.5, 0.4, 0.4], \"steps\": 60}]},"
+          "\"methods\": [\"greedy\", \"lookahead\"], \"objective\": \"rate-margin\","
+          "\"rates\": [0.09, 0.09, 0.09, 0.09, 0.09, 0.09, 0.09]}");
+  km_track *greedy = track_of(study, 0, 1), *ahead = track_of(study, 1, 1);
+  assert_int_equal(greedy->end.sample, 0);
+  assert_true(ahead->end.sample > 30);
+  check_rates(ahead, rate);
+  km_track_free(greedy);
+  km_track_free(ahead);
+  km_study_free(study);
+  fixture_close(&f);
+}
+
 /* Where no self-motion keeps the rates every method stops, and dynamic programming is no reference. */
 static void too_small_rates_stop_all(void **state) {
   (void)state;
@@ -498,14 +518,23 @@ static void other_arms_and_tasks(void **state) {
 
 int main(void) {
   const struct CMUnitTest tests[] = {
-      cmocka_unit_test(all_methods_stay_on_the_path),  cmocka_unit_test(one_branch_is_greedy),
-      cmocka_unit_test(threads_dont_matter),           cmocka_unit_test(units_dont_matter),
-      cmocka_unit_test(look_ahead_is_at_least_greedy), cmocka_unit_test(a_limit_is_located),
-      cmocka_unit_test(the_edge_is_located),           cmocka_unit_test(rates_are_kept),
-      cmocka_unit_test(rates_are_those_of_the_track),  cmocka_unit_test(greedy_moves_by_its_column),
-      cmocka_unit_test(a_held_joint_is_named),         cmocka_unit_test(small_self_motions_are_found),
-      cmocka_unit_test(too_small_rates_stop_all),      cmocka_unit_test(the_edge_is_told_by_what_lies_just_ahead),
-      cmocka_unit_test(paths_have_their_lengths),      cmocka_unit_test(other_arms_and_tasks),
+      cmocka_unit_test(all_methods_stay_on_the_path),
+      cmocka_unit_test(one_branch_is_greedy),
+      cmocka_unit_test(threads_dont_matter),
+      cmocka_unit_test(units_dont_matter),
+      cmocka_unit_test(look_ahead_is_at_least_greedy),
+      cmocka_unit_test(a_limit_is_located),
+      cmocka_unit_test(the_edge_is_located),
+      cmocka_unit_test(rates_are_kept),
+      cmocka_unit_test(rates_are_those_of_the_track),
+      cmocka_unit_test(greedy_moves_by_its_column),
+      cmocka_unit_test(a_held_joint_is_named),
+      cmocka_unit_test(small_self_motions_are_found),
+      cmocka_unit_test(small_self_motions_of_several_freedoms),
+      cmocka_unit_test(too_small_rates_stop_all),
+      cmocka_unit_test(the_edge_is_told_by_what_lies_just_ahead),
+      cmocka_unit_test(paths_have_their_lengths),
+      cmocka_unit_test(other_arms_and_tasks),
   };
   return cmocka_run_group_tests(tests, NULL, NULL);
 }
