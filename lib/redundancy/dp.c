@@ -29,6 +29,7 @@ typedef struct grid {
   km_run *run;
   km_arena arena;
   double spacing;
+  bool eased; /* tilts turn back as far as the rates ask */
   int length, stage_count, actions, workers;
   stage *stages;
   int now;         /* the stage being filled */
@@ -78,6 +79,8 @@ static void lead(grid *g, int worker, int first, int count) {
     if (abreast == 0)
       return;
     km_walk_steps(&run->walk, &g->spaces[worker], now->first + k, abreast, from, ways, at, ends);
+    for (int i = 0; i < abreast && g->eased; ++i)
+      ends[i] = km_walk_ease(&run->walk, &g->spaces[worker], now->first + k, from[i], &ways[i], ends[i], at[i]);
     for (int i = 0; i < abreast; ++i) {
       state *to = &g->arrivals[first + lane[i]];
       alive[lane[i]] = !ends[i].stop;
@@ -313,8 +316,8 @@ static km_status solve(grid *g, km_error *error) {
   return KM_OK;
 }
 
-static km_status solve_at(km_run *run, double spacing, int length, km_error *error) {
-  grid g = {.run = run, .spacing = spacing, .length = length < 1 ? 1 : length};
+static km_status solve_at(km_run *run, double spacing, int length, bool eased, km_error *error) {
+  grid g = {.run = run, .spacing = spacing, .length = length < 1 ? 1 : length, .eased = eased};
   g.team = run->plan->jobs > 1 ? km_team_create(run->plan->jobs) : NULL;
   km_status status = solve(&g, error);
   km_team_free(g.team);
@@ -333,18 +336,29 @@ static double choose_spacing(const km_run *run) {
   return fmin(fmax(reach / 40.0, 0.005), 0.1);
 }
 
-km_status km_method_dp(km_run *run, km_error *error) {
+/* At two spacings and stages. */
+static km_status solve_twice(km_run *run, bool eased, km_error *error) {
   const km_method *method = &run->plan->method;
   int length = method->stride > 0 ? method->stride : run->plan->path->samples / 24;
   double spacing = method->spacing > 0.0 ? method->spacing : choose_spacing(run);
-  km_status status = solve_at(run, spacing, length, error);
-  if (status != KM_OK && status != KM_PARTIAL)
-    return status;
+  km_status first = solve_at(run, spacing, length, eased, error);
+  if (first != KM_OK && first != KM_PARTIAL)
+    return first;
   double coarse = km_run_score(run, km_run_evaluate(run));
-  status = solve_at(run, 0.5 * spacing, length / 2, error);
-  if (status == KM_OK) {
+  km_status status = solve_at(run, 0.5 * spacing, length / 2, eased, error);
+  if (first == KM_OK && status == KM_OK) {
     double fine = km_run_score(run, km_run_evaluate(run));
     run->converged = fabs(fine - coarse) / fmax(fabs(fine), 1e-300);
   }
   return status;
+}
+
+/* Where it stops short under rates, again with tilts that keep them. */
+km_status km_method_dp(km_run *run, km_error *error) {
+  km_status status = solve_twice(run, false, error);
+  int reached = run->reached;
+  if (status != KM_PARTIAL || !km_walk_rated(run->arm))
+    return status;
+  status = solve_twice(run, true, error);
+  return status == KM_PARTIAL && run->reached < reached ? solve_twice(run, false, error) : status;
 }

@@ -1,5 +1,6 @@
 /* Look-ahead: at every sample a tree of branches that turn the path-control column by kφ is grown over the horizon, the
- * first sample of the best leaf's branch is executed, and the horizon recedes (theory 6).
+ * first sample of the best leaf's branch is executed, and the horizon recedes (theory 6). Where that stops short under
+ * rates, it is tried again with branches that turn back as far as the rates ask.
  *
  * A level is one batch of work: its nodes depend on the level above only, and each has a place of its own, so the
  * result is the same for any number of threads. */
@@ -31,6 +32,7 @@ typedef struct tree {
   km_step_end middle; /* how the untilted branch ended, if on its first step */
   int sample, level, level_count, depth;
   int sharing; /* workers of this level */
+  bool eased;  /* branches turn back as far as the rates ask */
 } tree;
 
 /* tan φ towards each pose-control column. One freedom: kφ from −(n−1)/2 to (n−1)/2. Two: the middle and a circle of
@@ -114,6 +116,8 @@ static void grow(tree *t, int worker, int first, int count) {
     if (abreast == 0)
       return;
     km_walk_steps(&run->walk, &t->spaces[worker], t->sample + k, abreast, from, ways, to, ends);
+    for (int i = 0; i < abreast && t->eased; ++i)
+      ends[i] = km_walk_ease(&run->walk, &t->spaces[worker], t->sample + k, from[i], &ways[i], ends[i], to[i]);
     for (int i = 0; i < abreast; ++i)
       take_step(t, first + lane[i], k, node[lane[i]], ends[i], &here[lane[i]]);
   }
@@ -264,39 +268,52 @@ static km_status follow(tree *t, km_error *error) {
   return KM_OK;
 }
 
-/* Of two tracks the one that goes further wins, whatever the objective; where they are as good, look-ahead's. */
-static bool beats(const km_run *greedy, km_run_value theirs, const km_run *own, km_run_value ours) {
-  if (greedy->reached != own->reached)
-    return greedy->reached > own->reached;
-  if (fabs(greedy->fraction - own->fraction) > 1e-6)
-    return greedy->fraction > own->fraction;
-  return compare(km_run_score(own, theirs), km_run_score(own, ours)) > 0;
-}
-
-/* Greedy's track where it is better. */
-static km_status prefer_greedy(km_run *run, km_status status, km_error *error) {
-  km_run greedy;
-  if (!km_run_create(run->arm, run->plan, &greedy))
-    return km_fail(error, KM_MEMORY, "out of memory for a track");
-  km_status other = km_method_greedy(&greedy, error);
-  if ((other == KM_OK || other == KM_PARTIAL) && beats(&greedy, km_run_evaluate(&greedy), run, km_run_evaluate(run))) {
-    size_t n = (size_t)run->arm->n;
-    memcpy(run->q, greedy.q, (size_t)greedy.reached * n * sizeof *run->q);
-    memcpy(run->last, greedy.last, n * sizeof *run->last);
-    run->reached = greedy.reached;
-    run->fraction = greedy.fraction;
-    run->stop = greedy.stop;
-    run->column = greedy.column;
-    run->greedy_instead = true;
-    status = other;
-  }
-  run->evaluations += greedy.evaluations + greedy.space.arm.evaluations;
-  km_run_free(&greedy);
+static km_status look(km_run *run, bool eased, km_error *error) {
+  tree t;
+  bool whole = create(&t, run);
+  t.eased = eased;
+  km_status status = whole ? follow(&t, error) : km_fail(error, KM_MEMORY, "out of memory for a look-ahead tree");
+  destroy(&t);
   return status;
 }
 
+static km_status look_eased(km_run *run, km_error *error) {
+  return look(run, true, error);
+}
+
+/* Of two tracks the one that goes further wins, whatever the objective; where they are as good, look-ahead's. */
+static bool beats(const km_run *other, km_run_value theirs, const km_run *own, km_run_value ours) {
+  if (other->reached != own->reached)
+    return other->reached > own->reached;
+  if (fabs(other->fraction - own->fraction) > 1e-6)
+    return other->fraction > own->fraction;
+  return compare(km_run_score(own, theirs), km_run_score(own, ours)) > 0;
+}
+
+/* Another method's track where it is better; `taken` tells. */
+static km_status prefer(km_run *run, km_status status, km_method_run method, bool *taken, km_error *error) {
+  km_run other;
+  *taken = false;
+  if (!km_run_create(run->arm, run->plan, &other))
+    return km_fail(error, KM_MEMORY, "out of memory for a track");
+  km_status ended = method(&other, error);
+  bool tracked = ended == KM_OK || ended == KM_PARTIAL;
+  if (tracked && beats(&other, km_run_evaluate(&other), run, km_run_evaluate(run))) {
+    size_t n = (size_t)run->arm->n;
+    memcpy(run->q, other.q, (size_t)other.reached * n * sizeof *run->q);
+    memcpy(run->last, other.last, n * sizeof *run->last);
+    run->reached = other.reached;
+    run->fraction = other.fraction;
+    run->stop = other.stop;
+    run->column = other.column;
+    *taken = true;
+  }
+  run->evaluations += other.evaluations + other.space.arm.evaluations;
+  km_run_free(&other);
+  return !tracked || *taken ? ended : status;
+}
+
 km_status km_method_lookahead(km_run *run, km_error *error) {
-  tree t;
   const km_method *method = &run->plan->method;
   double nodes = 0.0;
   for (int l = 1; l <= method->levels; ++l)
@@ -304,10 +321,11 @@ km_status km_method_lookahead(km_run *run, km_error *error) {
   if (nodes > MOST_NODES)
     return km_fail(error, KM_USAGE, "%d branches over %d levels make %.3g nodes; expected at most %d", method->branches,
                    method->levels, nodes, MOST_NODES);
-  km_status status =
-      create(&t, run) ? follow(&t, error) : km_fail(error, KM_MEMORY, "out of memory for a look-ahead tree");
-  destroy(&t);
-  if ((status == KM_OK || status == KM_PARTIAL) && t.branches > 1)
-    status = prefer_greedy(run, status, error);
+  km_status status = look(run, false, error);
+  bool branches = run->arm->freedom > 0 && method->branches > 1, eased;
+  if (status == KM_PARTIAL && branches && km_walk_rated(run->arm))
+    status = prefer(run, status, look_eased, &eased, error);
+  if ((status == KM_OK || status == KM_PARTIAL) && branches)
+    status = prefer(run, status, km_method_greedy, &run->greedy_instead, error);
   return status;
 }

@@ -18,6 +18,7 @@ typedef struct km_run {
   double fraction;    /* of the interval after the last sample; 0: it ends on the sample */
   km_track_stop stop;
   int column;
+  bool held[KM_ARM_MOST]; /* fixed: columns that don't move */
   bool greedy_instead;
   double converged;
   unsigned long evaluations; /* of other workspaces than `space` */
@@ -49,7 +50,7 @@ void km_run_stop(km_run *run, const km_node *node, const km_way *way, km_step_en
 /* Asks the progress callback; false: cancelled. */
 bool km_run_goes_on(const km_run *run, int sample);
 
-/* Min and sum of the objective over the samples, at greedy's own columns. */
+/* Min and sum of the objective over the samples, at greedy's own columns; the rate margin is the track's. */
 typedef struct km_run_value {
   double least, sum;
   int samples;

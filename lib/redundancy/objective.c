@@ -49,12 +49,20 @@ static double smallest_entry(const double *path, int n) {
   return least;
 }
 
-static double rate_margin(const km_arm *a, const double *path, double speed) {
-  double least = 1.0, z = path[a->n];
+double km_objective_rate_margin(const km_arm *a, const double *rates) {
+  double least = 1.0;
   for (int k = 0; k < a->n; ++k)
     if (a->rate[k] < (double)INFINITY)
-      least = fmin(least, z > 0.0 ? 1.0 - fabs(path[k]) / z * speed / a->rate[k] : -(double)INFINITY);
+      least = fmin(least, 1.0 - fabs(rates[k]) / a->rate[k]);
   return least;
+}
+
+/* At the least rates that follow the path. */
+static double rate_margin(const km_arm *a, const double *path, double speed) {
+  double rates[KM_ARM_MOST], z = path[a->n];
+  for (int k = 0; k < a->n; ++k)
+    rates[k] = z > 0.0 ? path[k] / z * speed : (double)INFINITY;
+  return km_objective_rate_margin(a, rates);
 }
 
 void km_objective_values(const km_arm *a, km_arm_space *s, const double *q, const double *path, double speed,

@@ -10,6 +10,9 @@
 void km_objective_values(const km_arm *arm, km_arm_space *space, const double *q, const double *path, double speed,
                          const km_objective *wanted, double *values);
 
+/* min over rated joints of 1 − |rate|/(what it may), at joint rates [n]. */
+double km_objective_rate_margin(const km_arm *arm, const double *rates);
+
 /* Σ weight · value. */
 double km_objective_sum(const km_objective *objective, const double *values);
 /* Over a path its min counts; of path-control, whose min tends to 0 with the steps, the mean. */

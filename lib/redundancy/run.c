@@ -31,10 +31,22 @@ bool km_run_goes_on(const km_run *run, int sample) {
          run->plan->progress(run->plan->context, (double)sample / (run->plan->path->samples - 1));
 }
 
-/* No pose at all reaches the sample after the last one? */
-static bool beyond_edge(km_run *run, int next) {
+/* No pose at all reaches the path just after where the track ends? The next sample may lie where the path is back. */
+static bool beyond_edge(km_run *run) {
+  static const double ahead = 1e-3; /* of the interval: far more than the end's own error */
+  km_path_point just =
+      km_path_at(run->plan->path, run->reached - 1, fmin(run->fraction + ahead, 0.5 * (1.0 + run->fraction)));
   double q[KM_ARM_MOST];
-  return !km_arm_search(run->arm, &run->space.arm, &run->plan->path->points[next].pose, 300, run->plan->seed, q);
+  return !km_arm_search(run->arm, &run->space.arm, &just.pose, 300, run->plan->seed, q);
+}
+
+/* The whole arm is far from singular at q: only what is held keeps it from going on. */
+static bool regular(km_run *run, const double *q) {
+  static const double far = 1e-3; /* an end at a singular pose is located to the root of 1e-10 */
+  double sigma[KM_ARM_ROWS];
+  km_arm_update(run->arm, &run->space.arm, q);
+  km_arm_singular_values(run->arm, &run->space.arm, sigma);
+  return sigma[run->arm->rows - 1] > far;
 }
 
 void km_run_stop(km_run *run, const km_node *node, const km_way *way, km_step_end end) {
@@ -49,24 +61,35 @@ void km_run_stop(km_run *run, const km_node *node, const km_way *way, km_step_en
   if (!km_node_create(run->arm, &arena, &at))
     return;
   double outside = 1.0;
+  bool between = false; /* a limit or a rate ends the track before a singular pose does */
   if (end.stop ==
       KM_TRACK_SINGULAR) { /* the same step again stands where it runs out of ways; a limit may come before */
     end = km_walk_step(&run->walk, &run->space, sample, 1.0, node, way, &at);
     km_node_copy(run->arm, &at, &run->space.here);
     run->fraction = outside = end.fraction;
-    int column = km_arm_limit_passed(run->arm, at.q);
-    if (column >= 0)
-      end = (km_step_end){KM_TRACK_LIMIT, column, 0.0};
+    km_step_end there = {KM_TRACK_COMPLETE, -1, 0.0};
+    there.column = km_arm_limit_passed(run->arm, at.q);
+    if (there.column >= 0)
+      there.stop = KM_TRACK_LIMIT;
+    else if (outside > 0.0)
+      there = km_walk_step(&run->walk, &run->space, sample, outside, node, way, &run->next);
+    between = there.stop == KM_TRACK_LIMIT || there.stop == KM_TRACK_RATE;
+    if (between)
+      end = there;
   }
-  if (end.stop == KM_TRACK_LIMIT) {
+  if (end.stop == KM_TRACK_LIMIT || between) {
     end = km_walk_find_end(&run->walk, &run->space, sample, node, way, end, outside, &at);
     run->fraction = end.fraction;
   }
+  if (run->fraction < 1e-9) /* a step so short has no rates that stand out of rounding */
+    run->fraction = 0.0;
   run->stop = end.stop;
   run->column = end.column;
   memcpy(run->last, at.q, (size_t)run->arm->n * sizeof *at.q);
-  if (end.stop == KM_TRACK_SINGULAR && beyond_edge(run, sample + 1))
+  if (end.stop == KM_TRACK_SINGULAR && beyond_edge(run))
     run->stop = KM_TRACK_EDGE;
+  else if (end.stop == KM_TRACK_SINGULAR && way->held && regular(run, run->last))
+    run->stop = KM_TRACK_HELD;
   km_arena_free(&arena);
 }
 
@@ -119,13 +142,33 @@ km_status km_run_steps(km_run *run, const km_way *first, km_run_choose choose, v
   return KM_OK;
 }
 
+/* What the rate margin of the track's own rates adds to the value of run->next, the node at a sample, where the margin
+ * of the least rates counts. */
+static double own_margin(km_run *run, int sample) {
+  static const km_objective only = {.weight[KM_RATE_MARGIN] = 1.0};
+  const km_arm *a = run->arm;
+  const km_path_point *points = run->plan->path->points;
+  double weight = run->plan->objective.weight[KM_RATE_MARGIN], values[KM_OBJECTIVES], mean[KM_ARM_MOST],
+         rates[KM_ARM_MOST];
+  if (weight == 0.0 || run->reached < 2)
+    return 0.0;
+  int first = sample > 0 ? sample - 1 : 0;
+  const double *q = run->q + (size_t)first * (size_t)a->n;
+  for (int k = 0; k < a->n; ++k)
+    mean[k] = (q[a->n + k] - q[k]) / (points[first + 1].t - points[first].t);
+  km_node_rates(a, run->next.path, run->next.self, points[sample].speed, mean, rates);
+  km_objective_values(a, &run->space.arm, run->next.q, run->next.path, points[sample].speed, &only, values);
+  return weight * (km_objective_rate_margin(a, rates) - values[KM_RATE_MARGIN]);
+}
+
 km_run_value km_run_evaluate(km_run *run) {
   km_run_value value = {(double)INFINITY, 0.0, run->reached};
   static const km_way plain = {0};
   for (int i = 0; i < run->reached; ++i) {
     km_walk_begin(&run->walk, &run->space, i, run->q + (size_t)i * (size_t)run->arm->n, &plain, &run->next);
-    value.least = fmin(value.least, run->next.value);
-    value.sum += run->next.value;
+    double here = run->next.value + own_margin(run, i);
+    value.least = fmin(value.least, here);
+    value.sum += here;
   }
   return value;
 }

@@ -99,20 +99,22 @@ static km_table *make_table(const km_track *t) {
   return table;
 }
 
-/* Joint rates: the least ones that follow the path, and the self-motion that led here from the row before. */
-static void rates_at(const km_arm *a, const km_arm_space *space, const double *path, const row *r, const row *last,
-                     double *v) {
-  double self[KM_ARM_MOST] = {0}, off[KM_ARM_MOST];
-  if (last) {
-    double dt = r->point.t - last->point.t;
-    for (int k = 0; k < a->n; ++k)
-      off[k] = self[k] = dt > 0.0 ? (r->q[k] - last->q[k]) / dt : 0.0;
-    km_control_project_out(a, space, off);
-    for (int k = 0; k < a->n; ++k)
-      self[k] -= off[k];
-  }
+/* Joint rates of the track where `space` stands: of the step that led here, at the start of the one that leads on. A
+ * track that doesn't leave its start stands still. */
+static void rates_at(const km_track *t, km_arm_space *space, const double *xi, const row *r, const row *last,
+                     const row *next, double *v) {
+  const km_arm *a = t->arm;
+  const row *from = last ? last : r, *to = last ? r : next;
+  double path[KM_ARM_MOST + 1], self[KM_ARM_MOST * KM_ARM_MOST], mean[KM_ARM_MOST];
+  memset(v, 0, (size_t)a->n * sizeof *v);
+  if (!to)
+    return;
   for (int k = 0; k < a->n; ++k)
-    v[k] = (path[a->n] > 0.0 ? path[k] / path[a->n] * r->point.speed : 0.0) + self[k];
+    mean[k] = (to->q[k] - from->q[k]) / (to->point.t - from->point.t);
+  if (t->plan.method.kind == KM_FIXED)
+    km_control_factor(a, space, xi, t->held);
+  km_control_columns(a, space, NULL, path, self);
+  km_node_rates(a, path, self, r->point.speed, mean, v);
 }
 
 static void count_row(km_track *t, const row *r, const row *last, const double *v, double value) {
@@ -134,7 +136,7 @@ static void count_row(km_track *t, const row *r, const row *last, const double *
   s->objective_mean += value;
 }
 
-static bool add_row(km_track *t, km_arm_space *space, const row *r, const row *last) {
+static bool add_row(km_track *t, km_arm_space *space, const row *r, const row *last, const row *next) {
   const km_arm *a = t->arm;
   double xi[KM_ARM_ROWS], path[KM_ARM_MOST + 1], self[KM_ARM_MOST * KM_ARM_MOST], values[KM_OBJECTIVES], v[KM_ARM_MOST];
   double position, rotation;
@@ -144,7 +146,8 @@ static bool add_row(km_track *t, km_arm_space *space, const row *r, const row *l
   km_control_factor(a, space, xi, NULL);
   km_control_columns(a, space, NULL, path, self);
   km_objective_values(a, space, r->q, path, r->point.speed, NULL, values);
-  rates_at(a, space, path, r, last, v);
+  rates_at(t, space, xi, r, last, next, v);
+  values[KM_RATE_MARGIN] = km_objective_rate_margin(a, v);
   double *out = km_table_add_row(t->table), value = km_objective_sum(&t->plan.objective, values);
   if (!out)
     return false;
@@ -171,25 +174,28 @@ static bool add_row(km_track *t, km_arm_space *space, const row *r, const row *l
   return true;
 }
 
+/* Of the samples that were reached, and of the end between two if there is one. */
+static row row_of(const km_run *run, int index) {
+  const km_path *path = run->plan->path;
+  if (index < run->reached)
+    return (row){run->q + (size_t)index * (size_t)run->arm->n, path->points[index], index};
+  return (row){run->last, km_path_at(path, run->reached - 1, run->fraction), index};
+}
+
 static km_status fill(km_track *t, km_run *run, km_error *error) {
-  const size_t n = (size_t)t->arm->n;
-  const km_path *path = t->plan.path;
+  int count = run->reached + (run->stop && run->reached > 0 && run->fraction > 0.0);
+  memcpy(t->held, run->held, sizeof t->held);
   t->table = make_table(t);
   bool whole = t->table != NULL;
-  row r = {0}, last = {0};
-  for (int i = 0; i < run->reached && whole; ++i) {
-    r = (row){run->q + (size_t)i * n, path->points[i], i};
-    whole = add_row(t, &run->space.arm, &r, i > 0 ? &last : NULL);
-    last = r;
+  row last = {0}, here = {0}, next = {0};
+  for (int i = 0; i < count && whole; ++i) {
+    last = here;
+    here = i > 0 ? next : row_of(run, 0);
+    if (i + 1 < count)
+      next = row_of(run, i + 1);
+    whole = add_row(t, &run->space.arm, &here, i > 0 ? &last : NULL, i + 1 < count ? &next : NULL);
   }
-  t->end = (km_track_end){run->stop, run->column, run->reached - 1, last.point.s, last.point.t};
-  if (whole && run->stop && run->fraction > 0.0) {
-    r = (row){run->last, km_path_at(path, run->reached - 1, run->fraction), run->reached};
-    whole = add_row(t, &run->space.arm, &r, &last);
-    t->end.s = r.point.s;
-    t->end.t = r.point.t;
-  }
-  t->end.s *= t->arm->length;
+  t->end = (km_track_end){run->stop, run->column, run->reached - 1, here.point.s * t->arm->length, here.point.t};
   size_t rows = whole ? km_table_rows(t->table) : 0;
   if (rows)
     t->summary.objective_mean /= (double)rows;

@@ -10,6 +10,7 @@ struct km_track {
   km_table *table;
   km_track_end end;
   km_track_summary summary;
+  bool held[KM_ARM_MOST]; /* fixed: columns that don't move */
 };
 
 #endif

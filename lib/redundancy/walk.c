@@ -177,8 +177,30 @@ static bool try_step(const km_walk *w, km_walk_space *s, const km_path_point *fr
   return correct(w, s, point, way, damped ? 1.0 : corrector_most(step, a->n), q);
 }
 
-static km_step_end check(const km_walk *w, const km_walk_space *s, int sample, const km_path_point *point,
-                         const km_node *from, const km_node *to, const km_way *way) {
+void km_node_rates(const km_arm *a, const double *path, const double *self, double speed, const double *mean,
+                   double *rates) {
+  for (int k = 0; k < a->n; ++k)
+    rates[k] = path[a->n] > 0.0 ? path[k] / path[a->n] * speed : 0.0;
+  for (int j = 0; j < a->freedom; ++j) {
+    const double *c = self + j * a->n;
+    double along = 0.0;
+    for (int k = 0; k < a->n; ++k)
+      along += c[k] * mean[k];
+    for (int k = 0; k < a->n; ++k)
+      rates[k] += along * c[k];
+  }
+}
+
+/* A joint that is faster than it may; -1: none. */
+static int too_fast(const km_arm *a, const double *rates) {
+  for (int k = 0; k < a->n; ++k)
+    if (fabs(rates[k]) > a->rate[k] * (1.0 + 1e-9))
+      return k;
+  return -1;
+}
+
+static km_step_end check(const km_walk *w, int sample, const km_path_point *point, const km_node *from,
+                         const km_node *to) {
   const km_arm *a = w->arm;
   km_step_end end = {KM_TRACK_COMPLETE, -1, 1.0};
   end.column = km_arm_limit_passed(a, to->q);
@@ -186,19 +208,17 @@ static km_step_end check(const km_walk *w, const km_walk_space *s, int sample, c
     end.stop = KM_TRACK_LIMIT;
     return end;
   }
-  double dt = point->t - w->path->points[sample].t, rest[KM_ARM_MOST];
+  double dt = point->t - w->path->points[sample].t, mean[KM_ARM_MOST], rates[KM_ARM_MOST];
   for (int k = 0; k < a->n; ++k)
-    rest[k] = (to->q[k] - from->q[k]) / dt;
-  for (int k = 0; k < a->n && end.column < 0; ++k)
-    if (fabs(rest[k]) > a->rate[k] * (1.0 + 1e-9))
-      end.column = k;
-  if (!way->held && to->z > 0.0) { /* the speed at the end itself */
-    double self[KM_ARM_MOST];
-    memcpy(self, rest, (size_t)a->n * sizeof *self);
-    km_control_project_out(a, &s->arm, self);
-    for (int k = 0; k < a->n && end.column < 0; ++k)
-      if (fabs(to->path[k] / to->z * point->speed + rest[k] - self[k]) > a->rate[k] * (1.0 + 1e-9))
-        end.column = k;
+    mean[k] = (to->q[k] - from->q[k]) / dt;
+  end.column = too_fast(a, mean);
+  if (end.column < 0) {
+    km_node_rates(a, to->path, to->self, point->speed, mean, rates);
+    end.column = too_fast(a, rates);
+  }
+  if (end.column < 0 && sample == 0) { /* every other sample has been an end */
+    km_node_rates(a, from->path, from->self, w->path->points[0].speed, mean, rates);
+    end.column = too_fast(a, rates);
   }
   end.stop = end.column >= 0 ? KM_TRACK_RATE : KM_TRACK_COMPLETE;
   return end;
@@ -226,7 +246,7 @@ km_step_end km_walk_step(const km_walk *w, km_walk_space *s, int sample, double 
     done = next;
     h *= 2.0;
   }
-  return check(w, s, sample, &here, from, to, way);
+  return check(w, sample, &here, from, to);
 }
 
 /* Puts a lane's pose into the space and its columns into a node. */
@@ -301,7 +321,7 @@ void km_walk_steps(const km_walk *w, km_walk_space *s, int sample, int count, co
   for (int l = 0; l < count; ++l) {
     if (done & 1u << l) {
       take_lane(w, s, point, &lanes, l, from[l], to[l]);
-      ends[l] = check(w, s, sample, point, from[l], to[l], &ways[l]);
+      ends[l] = check(w, sample, point, from[l], to[l]);
     } else {
       ends[l] = km_walk_step(w, s, sample, 1.0, from[l], &ways[l], to[l]);
     }

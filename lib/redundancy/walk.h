@@ -41,6 +41,11 @@ typedef struct km_way {
   double below;       /* dls: smallest singular value from which on it is damped */
 } km_way;
 
+/* Joint rates [n] of a track that passes a pose with these columns, at the mean rates [n] of a step that begins or ends
+ * there: the least that follow the path, and the self-motion of the step. Held joints' columns give theirs. */
+void km_node_rates(const km_arm *arm, const double *path, const double *self, double speed, const double *mean,
+                   double *rates);
+
 /* Why a step doesn't lead to its end, and how far it leads. */
 typedef struct km_step_end {
   km_track_stop stop;
@@ -63,6 +68,13 @@ km_step_end km_walk_step(const km_walk *walk, km_walk_space *space, int sample, 
 enum { KM_WALK_ABREAST = 4 };
 void km_walk_steps(const km_walk *walk, km_walk_space *space, int sample, int count, const km_node *const *from,
                    const km_way *ways, km_node *const *to, km_step_end *ends);
+
+/* A whole step fails with `end`; if that is a rate, again with the nearest tilt that keeps the rates at the node, and a
+ * little more and more below them. How it ends at last. */
+km_step_end km_walk_ease(const km_walk *walk, km_walk_space *space, int sample, const km_node *from, const km_way *way,
+                         km_step_end end, km_node *to);
+/* Has the arm a joint with a rate? */
+bool km_walk_rated(const km_arm *arm);
 
 /* A step to the fraction `outside` fails with `end`: the largest fraction that keeps everything (end.fraction), the
  * node there, and what stops it just past it. */

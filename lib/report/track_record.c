@@ -37,6 +37,14 @@ static const char *length_unit(const km_arm *a) {
   return a->mechanism->model->units.length->suffix;
 }
 
+static void add_held(const km_track *t, km_text *out) {
+  int count = 0;
+  for (int k = 0; k < t->arm->n; ++k)
+    if (t->held[k])
+      km_text_format(out, "%s %s", count++ ? "," : "with joint", km_arm_label(t->arm, k));
+  km_text_add(out, " held the arm can't follow the path any further; with all its joints it could");
+}
+
 void km_track_end_text(const km_track *t, km_text *out) {
   const km_arm *a = t->arm;
   const km_track_end *end = &t->end;
@@ -62,6 +70,9 @@ void km_track_end_text(const km_track *t, km_text *out) {
   case KM_TRACK_SINGULAR:
     km_text_add(out,
                 "singular pose: the arm can't go on along the path from here, though the poses ahead are in reach");
+    break;
+  case KM_TRACK_HELD:
+    add_held(t, out);
     break;
   case KM_TRACK_EDGE:
     km_text_add(out, "workspace edge: no pose of the arm reaches what follows");
@@ -199,12 +210,17 @@ static void print_line(const km_tracks *all, int index, km_text *out) {
 
 /* How good the reference is. */
 static void print_remarks(const km_tracks *all, int index, km_text *out) {
-  double change = all->items[index]->summary.converged;
+  const km_track *track = all->items[index];
+  double change = track->summary.converged;
   char label[64];
   km_tracks_label(all, index, ' ', label, sizeof label);
   if (isfinite(change))
     km_text_format(out, "  %s: half the spacing and stage change the value by %.2g%%%s\n", label, 100.0 * change,
                    change < 0.02 ? "" : ": no reference yet");
+  else if (track->plan.method.kind == KM_DP && track->end.stop != KM_TRACK_START)
+    km_text_format(out, "  %s: %s\n", label,
+                   track->end.stop ? "stops short: no reference"
+                                   : "stops short at twice the spacing: no reference yet");
 }
 
 void km_tracks_print(const km_tracks *t, km_text *out) {

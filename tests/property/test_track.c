@@ -3,6 +3,7 @@
 
 #include "base/json.h"
 #include "model/convert.h"
+#include "report/track_record.h"
 
 #include <stdio.h>
 #include <string.h>
@@ -11,6 +12,12 @@
   "[\"greedy\", \"lookahead\", \"fixed\", \"dls\", \"gradient\", {\"method\": \"dp\", \"spacing\": 0.4},"              \
   " {\"method\": \"global\", \"evaluations\": 40}]"
 enum { METHODS = 7 };
+
+#define PANDA_CIRCLE                                                                                                   \
+  "{\"effector\": [\"flange\", \"tool\"], \"path\": {\"start\": {\"T\": [0.5, 0.0, 0.45], \"R\": [[1, 0, 0], "         \
+  "[0, -1, 0], [0, 0, -1]]}, \"segments\": [{\"type\": \"circle\", \"center\": [0.4, 0.0, 0.45], \"axis\": [0, 0, "    \
+  "1], "                                                                                                               \
+  "\"steps\": 96}]}, \"q0\": [1.188359, -0.3642308, -1.092908, -2.1855599, -0.3532835, 1.987876, 0.2719783]"
 
 /* A line, a helix that turns the effector, and a line that turns it to straight down; k is a metre. */
 static void iiwa_study(char *out, size_t size, double k, double angle, const char *methods, const char *objective) {
@@ -163,21 +170,23 @@ static void units_dont_matter(void **state) {
 /* Where look-ahead isn't at least as good it gives greedy's track. */
 static void look_ahead_is_at_least_greedy(void **state) {
   (void)state;
-  static const char *const objectives[] = {"singular-value", "limit-distance", "path-control", "manipulability"};
+  static const char *const objectives[] = {"singular-value", "limit-distance", "path-control", "manipulability",
+                                           "rate-margin"};
   randomness r = {21};
   fixture f = fixture_open("panda");
-  for (int trial = 0; trial < 12; ++trial) {
+  for (int trial = 0; trial < 15; ++trial) {
     char text[1024];
     snprintf(
         text, sizeof text,
         "{\"effector\": [\"flange\", \"tool\"], \"path\": {\"segments\": [{\"type\": \"line\", \"to\": [%g, %g, %g],"
-        "\"steps\": 24}]}, \"methods\": [\"greedy\", \"lookahead\"], \"objective\": \"%s\"}",
-        uniform(&r, 0.2, 0.6), uniform(&r, -0.5, 0.5), uniform(&r, 0.2, 0.7), objectives[trial % 4]);
+        "\"steps\": 24}]}, \"rates\": [9, 9, 9, 9, 9, 9, 9], \"methods\": [\"greedy\", \"lookahead\"], \"objective\": "
+        "\"%s\"}",
+        uniform(&r, 0.2, 0.6), uniform(&r, -0.5, 0.5), uniform(&r, 0.2, 0.7), objectives[trial % 5]);
     km_study *study = study_of(&f, text);
     km_track *greedy = track_of(study, 0, 1), *ahead = track_of(study, 1, 1);
     km_track_summary a = km_track_summarise(greedy), b = km_track_summarise(ahead);
     assert_true(ahead->end.sample >= greedy->end.sample);
-    if (ahead->end.sample == greedy->end.sample && trial % 4 == 2)
+    if (ahead->end.sample == greedy->end.sample && trial % 5 == 2)
       assert_true(b.objective_mean >= a.objective_mean * (1.0 - 1e-8));
     else if (ahead->end.sample == greedy->end.sample)
       assert_true(b.objective_min >= a.objective_min * (1.0 - 1e-8));
@@ -247,6 +256,187 @@ static void rates_are_kept(void **state) {
     km_track_free(track);
   }
   km_study_free(study);
+  fixture_close(&f);
+}
+
+/* No row of a track is faster than the rates, between its samples neither, and its rate margin says so. */
+static void check_rates(const km_track *track, const double *rate) {
+  const km_arm *arm = track->arm;
+  const km_table *table = track->table;
+  assert_int_equal(km_track_summarise(track).violations, 0);
+  for (size_t r = 0; r < km_table_rows(table); ++r) {
+    const double *row = km_table_row(table, r);
+    double margin = 1.0;
+    for (int k = 0; k < arm->n; ++k) {
+      margin = fmin(margin, 1.0 - fabs(row[3 + arm->n + k]) / rate[k]);
+      if (r + 1 < km_table_rows(table)) {
+        const double *next = km_table_row(table, r + 1);
+        assert_true(fabs(next[3 + k] - row[3 + k]) / (next[2] - row[2]) <= rate[k] * (1.0 + 1e-9));
+      }
+    }
+    assert_true(margin >= -1e-9);
+    assert_near(track_cell(track, r, "objective.rate-margin"), margin, 1e-12);
+  }
+}
+
+/* At the start greedy's rate of A7 is .2147: only a track that leaves it otherwise keeps .2; and fixed, which nears a
+ * singular pose between samples. */
+static void rates_are_those_of_the_track(void **state) {
+  (void)state;
+  static const double slow[7] = {0.2, 0.2, 0.2, 0.2, 0.2, 0.2, 0.2}, fast[7] = {3, 3, 3, 3, 3, 3, 3};
+  fixture f = fixture_open("iiwa14");
+  km_study *study = study_of(
+      &f, "{\"effector\": [\"flange\", \"tool\"], \"q0\": [0.23349215770225018, 0.26035290052477955, "
+          "-0.3627097588915864, -1.0297798799285236, -0.5355568075983933, -0.891974004983985, 0.7161869578901001],"
+          "\"path\": {\"speed\": 0.1, \"segments\": [{\"type\": \"line\", \"to\": [0.6597432320109469, "
+          "0.18715067349256231, 0.8623306490231781], \"steps\": 60}]}, \"methods\": [\"lookahead\", \"greedy\"],"
+          "\"objective\": {\"singular-value\": 1, \"rate-margin\": 1e-6}, \"rates\": [0.2, 0.2, 0.2, 0.2, 0.2, "
+          "0.2, 0.2]}");
+  for (int i = 0; i < 2; ++i) {
+    km_track *track = track_of(study, i, 1);
+    assert_int_equal(track->end.stop, i ? KM_TRACK_RATE : KM_TRACK_COMPLETE);
+    assert_int_equal(track->end.sample, i ? 0 : 60);
+    check_rates(track, slow);
+    km_track_free(track);
+  }
+  km_study_free(study);
+  fixture_close(&f);
+  f = fixture_open("panda");
+  study = study_of(&f, PANDA_CIRCLE ", \"objective\": {\"singular-value\": 1, \"rate-margin\": 1e-6}, \"methods\": "
+                                    "[\"fixed\"], \"rates\": [3, 3, 3, 3, 3, 3, 3]}");
+  km_track *track = track_of(study, 0, 1);
+  assert_int_equal(track->end.stop, KM_TRACK_RATE);
+  check_rates(track, fast);
+  km_track_free(track);
+  km_study_free(study);
+  fixture_close(&f);
+}
+
+/* Greedy comes to an end by the rates; a small self-motion, other than 30° asks for, leads on. With one branch there is
+ * none. */
+static void small_self_motions_are_found(void **state) {
+  (void)state;
+  static const double rate[7] = {0.2, 0.2, 0.2, 0.2, 0.2, 0.2, 0.2};
+  fixture f = fixture_open("iiwa14");
+  km_study *study = study_of(
+      &f, "{\"effector\": [\"flange\", \"tool\"], \"q0\": [0.2, 0.5, 0.1, -1.6, 0.2, 0.9, 0],"
+          "\"path\": {\"speed\": 0.1, \"segments\": [{\"type\": \"line\", \"to\": [0.5, 0.4, 0.4], \"steps\": 60}]},"
+          "\"methods\": [\"greedy\", {\"method\": \"lookahead\", \"branches\": 1}, \"lookahead\", \"dp\"],"
+          "\"objective\": {\"singular-value\": 1, \"rate-margin\": 1e-6}, \"rates\": [0.2, 0.2, 0.2, 0.2, 0.2, 0.2, "
+          "0.2]}");
+  km_track *greedy = track_of(study, 0, 1), *one = track_of(study, 1, 1);
+  assert_int_equal(greedy->end.stop, KM_TRACK_RATE);
+  assert_same_rows(greedy, one);
+  km_track_free(greedy);
+  km_track_free(one);
+  for (int i = 2; i < 4; ++i) {
+    km_track *track = track_of(study, i, 1), *threads = track_of(study, i, 3);
+    assert_int_equal(track->end.stop, KM_TRACK_COMPLETE);
+    check_rows(&f, study, track);
+    check_rates(track, rate);
+    assert_same_rows(track, threads);
+    assert_true(i == 2 || track->summary.converged < 0.02);
+    km_track_free(track);
+    km_track_free(threads);
+  }
+  km_study_free(study);
+  fixture_close(&f);
+}
+
+/* The same with four freedoms to spare: greedy's first step is too fast, look-ahead's isn't. */
+static void small_self_motions_of_several_freedoms(void **state) {
+  (void)state;
+  static const double rate[7] = {0.09, 0.09, 0.09, 0.09, 0.09, 0.09, 0.09};
+  fixture f = fixture_open("iiwa14");
+  km_study *study = study_of(
+      &f, "{\"effector\": [\"flange\", \"tool\"], \"q0\": [0.2, 0.5, 0.1, -1.6, 0.2, 0.9, 0], \"task\": \"position\","
+          "\"path\": {\"speed\": 0.1, \"segments\": [{\"type\": \"line\", \"to\": [0.5, 0.4, 0.4], \"steps\": 60}]},"
+          "\"methods\": [\"greedy\", \"lookahead\"], \"objective\": \"rate-margin\","
+          "\"rates\": [0.09, 0.09, 0.09, 0.09, 0.09, 0.09, 0.09]}");
+  km_track *greedy = track_of(study, 0, 1), *ahead = track_of(study, 1, 1);
+  assert_int_equal(greedy->end.sample, 0);
+  assert_true(ahead->end.sample > 30);
+  check_rates(ahead, rate);
+  km_track_free(greedy);
+  km_track_free(ahead);
+  km_study_free(study);
+  fixture_close(&f);
+}
+
+/* Where no self-motion keeps the rates every method stops, and dynamic programming is no reference. */
+static void too_small_rates_stop_all(void **state) {
+  (void)state;
+  static const double rate[7] = {0.05, 0.05, 0.05, 0.05, 0.05, 0.05, 0.05};
+  fixture f = fixture_open("iiwa14");
+  km_study *study = study_of(
+      &f, "{\"effector\": [\"flange\", \"tool\"], \"q0\": [0.2, 0.5, 0.1, -1.6, 0.2, 0.9, 0],"
+          "\"path\": {\"speed\": 0.1, \"segments\": [{\"type\": \"line\", \"to\": [0.5, 0.4, 0.4], \"steps\": 60}]},"
+          "\"methods\": [\"lookahead\", \"dp\"], \"objective\": {\"singular-value\": 1, \"rate-margin\": 1e-6},"
+          "\"rates\": [0.05, 0.05, 0.05, 0.05, 0.05, 0.05, 0.05]}");
+  for (int i = 0; i < 2; ++i) {
+    km_track *track = track_of(study, i, 1);
+    assert_int_equal(track->end.stop, KM_TRACK_RATE);
+    assert_true(isnan(track->summary.converged));
+    check_rates(track, rate);
+    km_track_free(track);
+  }
+  km_study_free(study);
+  fixture_close(&f);
+}
+
+/* Greedy's rates are q′ ds/dt, its path-control column's. */
+static void greedy_moves_by_its_column(void **state) {
+  (void)state;
+  fixture f = fixture_open("iiwa14");
+  km_study *study =
+      study_of(&f, "{\"effector\": [\"flange\", \"tool\"], \"q0\": [0.2, 0.6, 0.1, -1.4, 0.3, 0.9, 0], \"path\": "
+                   "{\"speed\": 0.5, \"segments\": [{\"type\": \"line\", \"to\": [0.4, 0.45, 0.5], \"steps\": 60}]}}");
+  km_track *track = track_of(study, 0, 1);
+  for (size_t r = 0; r < km_table_rows(track->table); ++r)
+    for (int k = 0; k < 7; ++k) {
+      const double *row = km_table_row(track->table, r);
+      assert_near(row[10 + k], row[17 + k] / row[24] * 0.5, 0.01); /* a step's share of the rate */
+    }
+  km_track_free(track);
+  km_study_free(study);
+  fixture_close(&f);
+}
+
+/* The arm itself is far from singular where the joint that is held keeps it from going on. */
+static void a_held_joint_is_named(void **state) {
+  (void)state;
+  fixture f = fixture_open("panda");
+  km_study *study = study_of(&f, PANDA_CIRCLE ", \"objective\": \"singular-value\", \"methods\": [\"fixed\"]}");
+  km_track *track = track_of(study, 0, 1);
+  km_text text = {0};
+  km_track_end_text(track, &text);
+  assert_int_equal(track->end.stop, KM_TRACK_HELD);
+  assert_true(track_cell(track, km_table_rows(track->table) - 1, "objective.singular-value") > 0.1);
+  assert_non_null(strstr(text.data, "with joint joint3 held"));
+  km_text_free(&text);
+  km_track_free(track);
+  km_study_free(study);
+  fixture_close(&f);
+}
+
+/* However far the next sample: this circle leaves the workspace and is back by then. */
+static void the_edge_is_told_by_what_lies_just_ahead(void **state) {
+  (void)state;
+  fixture f = fixture_open("iiwa14");
+  for (int steps = 3; steps <= 30; steps += 27) {
+    char text[512];
+    snprintf(
+        text, sizeof text,
+        "{\"effector\": [\"flange\", \"tool\"], \"q0\": [0.2, 0.5, 0.1, -1.6, 0.2, 0.9, 0], \"path\": {\"segments\":"
+        "[{\"type\": \"circle\", \"center\": [0.6871171117835274, 0.17720173726286242, 0.40568237642953714],"
+        "\"axis\": [0, 0, 1], \"steps\": %d}]}}",
+        steps);
+    km_study *study = study_of(&f, text);
+    km_track *track = track_of(study, 0, 1);
+    assert_int_equal(track->end.stop, KM_TRACK_EDGE);
+    km_track_free(track);
+    km_study_free(study);
+  }
   fixture_close(&f);
 }
 
@@ -328,11 +518,23 @@ static void other_arms_and_tasks(void **state) {
 
 int main(void) {
   const struct CMUnitTest tests[] = {
-      cmocka_unit_test(all_methods_stay_on_the_path),  cmocka_unit_test(one_branch_is_greedy),
-      cmocka_unit_test(threads_dont_matter),           cmocka_unit_test(units_dont_matter),
-      cmocka_unit_test(look_ahead_is_at_least_greedy), cmocka_unit_test(a_limit_is_located),
-      cmocka_unit_test(the_edge_is_located),           cmocka_unit_test(rates_are_kept),
-      cmocka_unit_test(paths_have_their_lengths),      cmocka_unit_test(other_arms_and_tasks),
+      cmocka_unit_test(all_methods_stay_on_the_path),
+      cmocka_unit_test(one_branch_is_greedy),
+      cmocka_unit_test(threads_dont_matter),
+      cmocka_unit_test(units_dont_matter),
+      cmocka_unit_test(look_ahead_is_at_least_greedy),
+      cmocka_unit_test(a_limit_is_located),
+      cmocka_unit_test(the_edge_is_located),
+      cmocka_unit_test(rates_are_kept),
+      cmocka_unit_test(rates_are_those_of_the_track),
+      cmocka_unit_test(greedy_moves_by_its_column),
+      cmocka_unit_test(a_held_joint_is_named),
+      cmocka_unit_test(small_self_motions_are_found),
+      cmocka_unit_test(small_self_motions_of_several_freedoms),
+      cmocka_unit_test(too_small_rates_stop_all),
+      cmocka_unit_test(the_edge_is_told_by_what_lies_just_ahead),
+      cmocka_unit_test(paths_have_their_lengths),
+      cmocka_unit_test(other_arms_and_tasks),
   };
   return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -11,7 +11,8 @@
 extern "C" {
 #endif
 
-/* Functions of a pose q and the path's unit twist ξ alone (theory 6); larger is better. */
+/* Functions of a pose q and the path's unit twist ξ alone (theory 6); larger is better. The rate margin of a track's
+ * rows is that of the track's own rates. */
 typedef enum km_objective_kind {
   KM_PATH_CONTROL,   /* min over all |entries| of the path-control column, the path's included */
   KM_MANIPULABILITY, /* product of the scaled Jacobian's singular values */
@@ -72,6 +73,7 @@ typedef enum km_track_stop {
   KM_TRACK_LIMIT,    /* a joint is at its limit */
   KM_TRACK_RATE,     /* a joint would be faster than it may */
   KM_TRACK_SINGULAR, /* the pose can't move along the path, though another one could */
+  KM_TRACK_HELD,     /* fixed: the pose can't move along the path with the joints that are held */
   KM_TRACK_EDGE,     /* the workspace ends here: no pose of the arm reaches what follows */
   KM_TRACK_START     /* nowhere to begin: the first pose is out of reach or outside the limits */
 } km_track_stop;
