@@ -9,7 +9,9 @@
 /* Symbols: D the characteristic length's scale, Z the null space's basis, Y = D⁻¹ Z physical rates, a, b the rows of
  * input and output on the free motions. */
 
-static const double still = 1e-9; /* of the largest rate: below this an end stands */
+/* Of the largest rate: below this an end stands. Where it is the end that drives, its own digits don't tell such a pose
+ * from its dead centre: they differ by the square. */
+static const double still = 3e-8;
 
 bool km_handle_default(const km_model *model, bool output, km_handle *out) {
   const km_handle_def *d = output ? &model->advantage_output : &model->advantage_input;

@@ -22,6 +22,7 @@ typedef struct watch {
   double *reference;                  /* [coordinate] the motion at the last sample: a basis has no sense of its own */
   km_scan rates, value;
   km_events toggles, extremes;
+  km_advantage_state last_state; /* of the row before */
 } watch;
 
 static bool add_columns(void *self, const km_sweeper *r, km_table *table) {
@@ -101,6 +102,27 @@ static void value(void *self, km_sweeper *r, double *f) {
   f[0] = a.state == KM_ADVANTAGE_FINITE ? a.value : nan("");
 }
 
+static km_status add_toggle(watch *w, int function, double s, km_error *error) {
+  void *items = w->toggles.items;
+  if (!km_reserve(&items, &w->toggles.capacity, w->toggles.count + 1, sizeof *w->toggles.items))
+    return km_fail(error, KM_MEMORY, "out of memory for the toggles");
+  w->toggles.items = items;
+  w->toggles.items[w->toggles.count++] = (km_event){KM_EVENT_ZERO, function, s, 0.0};
+  return KM_OK;
+}
+
+/* A row at the dead centre of its own driver: the rate that vanishes there comes no nearer to 0 than the driver's
+ * digits allow, and the search between rows has nothing to find. */
+static km_status note_dead_centre(watch *w, const km_sweeper *r, double s, km_error *error) {
+  km_advantage a;
+  look(w, r, &a);
+  bool toggle = a.state == KM_ADVANTAGE_ZERO || a.state == KM_ADVANTAGE_INFINITE, known = a.state == w->last_state;
+  for (size_t i = 0; i < w->toggles.count; ++i)
+    known = known || fabs(w->toggles.items[i].s - s) <= 1e-6 * (1.0 + fabs(s));
+  w->last_state = a.state;
+  return toggle && !known ? add_toggle(w, a.state == KM_ADVANTAGE_ZERO ? INPUT_RATE : OUTPUT_RATE, s, error) : KM_OK;
+}
+
 static km_status see(void *self, km_sweeper *r, double s, km_error *error) {
   watch *w = self;
   w->followed = km_sweeper_motion(r);
@@ -112,7 +134,7 @@ static km_status see(void *self, km_sweeper *r, double s, km_error *error) {
   double sense = update(w, r);
   for (int c = 0; c < r->m->coordinate_count; ++c)
     w->reference[c] = sense * w->lever->rates[c];
-  return status;
+  return status ? status : note_dead_centre(w, r, s, error);
 }
 
 static void forget(void *self) {
@@ -125,14 +147,7 @@ static km_status end_at(void *self, km_sweeper *r, double s, km_error *error) {
   watch *w = self;
   bool input = w->out->input.coordinate == r->plan->coordinate,
        output = w->out->output.coordinate == r->plan->coordinate;
-  if (!input && !output)
-    return KM_OK;
-  void *items = w->toggles.items;
-  if (!km_reserve(&items, &w->toggles.capacity, w->toggles.count + 1, sizeof *w->toggles.items))
-    return km_fail(error, KM_MEMORY, "out of memory for the toggles");
-  w->toggles.items = items;
-  w->toggles.items[w->toggles.count++] = (km_event){KM_EVENT_ZERO, input ? INPUT_RATE : OUTPUT_RATE, s, 0.0};
-  return KM_OK;
+  return input || output ? add_toggle(w, input ? INPUT_RATE : OUTPUT_RATE, s, error) : KM_OK;
 }
 
 static int along_sweep(const km_event *a, const km_event *b, bool backwards) {
