@@ -63,15 +63,15 @@ static km_status list_extra(const km_sweep *sweep, int least, km_sweep_redundanc
   return KM_OK;
 }
 
-km_status km_sweep_redundancies_find(const km_mechanism *m, const km_sweep *sweep, km_sweep_redundancies *out,
-                                     km_error *error) {
+km_status km_sweep_redundancies_find(const km_mechanism *m, const km_sweep *sweep, bool named,
+                                     km_sweep_redundancies *out, km_error *error) {
   *out = (km_sweep_redundancies){0};
   km_state *state = NULL;
   size_t row = plainest_row(sweep->table);
   km_status status = list_extra(sweep, mobility_of(sweep->table, row), out, error);
-  if (!status)
+  if (!status && named)
     status = stand_at(m, sweep->table, row, &state, error);
-  if (!status)
+  if (!status && named)
     status = km_redundancies_find(m, state, &out->lasting, error);
   km_state_free(state);
   return status;

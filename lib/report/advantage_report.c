@@ -1,6 +1,5 @@
 #include "report/advantage_report.h"
 
-#include "kmech/version.h"
 #include "report/sweep_report.h"
 #include "report/sweep_text.h"
 #include "report/transmission_record.h"
@@ -175,17 +174,7 @@ km_status km_advantage_report(const km_plotted_advantage *p, const km_transmissi
   if (!k)
     return km_fail(error, KM_MEMORY, "out of memory for a report");
   build(k, p, transmission, stopped_by);
-  km_document document = {.title = km_document_format(k, "%s: leverage of %s over %s", p->swept.name,
-                                                      p->sweep->input.name, p->sweep->output.name),
-                          .subtitle = km_document_format(k, "Report by kma %s", KM_VERSION),
-                          .footer = km_document_format(k, "%s · SHA-256 %.16s… · kma %s", p->swept.name,
-                                                       p->swept.mechanism->model->sha256, KM_VERSION),
-                          .blocks = k->blocks,
-                          .count = k->count};
-  km_status status = k->arena.failed ? km_fail(error, KM_MEMORY, "out of memory for a report")
-                     : html          ? km_document_html(&document, out, error)
-                                     : km_document_pdf(&document, out, error);
-  km_arena_free(&k->arena);
-  km_free(k);
-  return status;
+  const char *title =
+      km_document_format(k, "%s: leverage of %s over %s", p->swept.name, p->sweep->input.name, p->sweep->output.name);
+  return km_report_finish(k, &p->swept, "kma", title, html, out, error);
 }

@@ -1,7 +1,6 @@
 #include "report/statics_report.h"
 
 #include "forces/forces.h"
-#include "kmech/version.h"
 #include "report/sweep_report.h"
 #include "report/sweep_text.h"
 #include "topology/mechanism.h"
@@ -171,16 +170,6 @@ km_status km_statics_report(const km_plotted_statics *p, const km_statics *stati
   if (!k)
     return km_fail(error, KM_MEMORY, "out of memory for a report");
   build(k, p, statics, acting, stopped_by);
-  km_document document = {.title = km_document_format(k, "%s: what its actuators hold", p->swept.name),
-                          .subtitle = km_document_format(k, "Report by kstatic %s", KM_VERSION),
-                          .footer = km_document_format(k, "%s · SHA-256 %.16s… · kstatic %s", p->swept.name,
-                                                       p->swept.mechanism->model->sha256, KM_VERSION),
-                          .blocks = k->blocks,
-                          .count = k->count};
-  km_status status = k->arena.failed ? km_fail(error, KM_MEMORY, "out of memory for a report")
-                     : html          ? km_document_html(&document, out, error)
-                                     : km_document_pdf(&document, out, error);
-  km_arena_free(&k->arena);
-  km_free(k);
-  return status;
+  const char *title = km_document_format(k, "%s: what its actuators hold", p->swept.name);
+  return km_report_finish(k, &p->swept, "kstatic", title, html, out, error);
 }

@@ -1,5 +1,6 @@
 #include "report/sweep_report.h"
 
+#include "kmech/version.h"
 #include "report/drawing.h"
 #include "report/sweep_strip.h"
 #include "report/sweep_text.h"
@@ -164,4 +165,20 @@ void km_report_rows(km_document_maker *maker, const km_swept *s, const km_report
           km_report_number(maker, km_table_row(table, row_of(table, r, shown))[columns[c].column]);
   if (cells)
     km_document_cells(maker, KM_BLOCK_TABLE, cells, shown + 1, count);
+}
+
+km_status km_report_finish(km_document_maker *k, const km_swept *swept, const char *tool, const char *title, bool html,
+                           km_text *out, km_error *error) {
+  km_document document = {.title = title,
+                          .subtitle = km_document_format(k, "Report by %s %s", tool, KM_VERSION),
+                          .footer = km_document_format(k, "%s · SHA-256 %.16s… · %s %s", swept->name,
+                                                       swept->mechanism->model->sha256, tool, KM_VERSION),
+                          .blocks = k->blocks,
+                          .count = k->count};
+  km_status status = k->arena.failed ? km_fail(error, KM_MEMORY, "out of memory for a report")
+                     : html          ? km_document_html(&document, out, error)
+                                     : km_document_pdf(&document, out, error);
+  km_arena_free(&k->arena);
+  km_free(k);
+  return status;
 }

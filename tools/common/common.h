@@ -105,6 +105,8 @@ kt_exit kt_coordinate(const kt_common *common, const km_model *model, const char
 /* A frame by BODY/FRAME on the command line. */
 kt_exit kt_frame(const kt_common *common, const km_model *model, const char *option, const char *text, int *frame);
 bool kt_number(const char *text, double *out);
+/* Just so many numbers with commas between them. */
+bool kt_numbers(const char *text, int count, double *out);
 
 /* Which files --format asks for. */
 typedef enum kt_format { KT_CSV, KT_JSON, KT_SVG, KT_PDF, KT_PNG, KT_FORMATS } kt_format;

@@ -27,6 +27,20 @@ bool kt_number(const char *text, double *out) {
   return end != text && *end == '\0' && isfinite(*out) && fabs(*out) <= 1e60;
 }
 
+bool kt_numbers(const char *text, int count, double *out) {
+  const char *rest = text;
+  char last = ',';
+  for (int k = 0; k < count; ++k) {
+    kt_piece item = kt_split(&rest, ",");
+    bool good = last == ',' && item.text && kt_number(item.text, &out[k]);
+    last = item.separator;
+    km_free(item.text);
+    if (!good)
+      return false;
+  }
+  return last == '\0';
+}
+
 kt_exit kt_coordinate(const kt_common *common, const km_model *model, const char *option, const char *text,
                       int *coordinate) {
   km_error error;

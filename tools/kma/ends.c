@@ -8,21 +8,12 @@
 
 /* Three numbers of a direction, made a unit vector. */
 static bool read_direction(const char *text, double out[3]) {
-  const char *rest = text;
-  double square = 0.0;
-  char last = ',';
-  for (int k = 0; k < 3; ++k) {
-    kt_piece item = kt_split(&rest, ",");
-    bool good = last == ',' && item.text && kt_number(item.text, &out[k]);
-    last = item.separator;
-    km_free(item.text);
-    if (!good)
-      return false;
-    square += out[k] * out[k];
-  }
-  for (int k = 0; k < 3 && square > 0.0; ++k)
-    out[k] /= sqrt(square);
-  return last == '\0' && square > 0.0;
+  if (!kt_numbers(text, 3, out))
+    return false;
+  double size = sqrt(out[0] * out[0] + out[1] * out[1] + out[2] * out[2]);
+  for (int k = 0; k < 3 && size > 0.0; ++k)
+    out[k] /= size;
+  return size > 0.0;
 }
 
 /* The last colon parts a point from its direction; a backslash before it makes it a part of a name. */

@@ -60,7 +60,8 @@ static km_status run(kt_sweep_job *j, const km_sweep **motion, km_error *error) 
   km_status status = km_mobility_sweep_run(j->pose.mechanism, j->pose.state, &j->plan, &f->sweep, error);
   if (status != KM_OK && status != KM_PARTIAL)
     return status;
-  km_status found = km_sweep_redundancies_find(j->pose.mechanism, *motion, &f->redundancies, error);
+  km_status found =
+      km_sweep_redundancies_find(j->pose.mechanism, *motion, o->sweep.formats.wanted[KT_JSON], &f->redundancies, error);
   return found ? found : status;
 }
 

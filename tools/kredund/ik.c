@@ -52,16 +52,7 @@ static void fill(const km_pose *pose, km_effector_pose *out) {
 
 static kt_exit read_pose(const kredund_request *r, const kredund_open *open, km_effector_pose *out) {
   double value[6];
-  const char *rest = r->pose;
-  int count = 0;
-  bool fine = true;
-  for (char last = ','; last == ',' && fine; ++count) {
-    kt_piece piece = kt_split(&rest, ",");
-    last = piece.separator;
-    fine = count < 6 && piece.text && kt_number(piece.text, &value[count]);
-    km_free(piece.text);
-  }
-  if (!fine || count != 6)
+  if (!kt_numbers(r->pose, 6, value))
     return kt_usage(&r->common, "--pose", r->pose, "six numbers X,Y,Z,RX,RY,RZ");
   double unit = open->pose.model->units.angle->si;
   km_vec3 turn = {value[3] * unit, value[4] * unit, value[5] * unit};

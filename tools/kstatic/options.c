@@ -44,17 +44,7 @@ static error_t parse(int key, char *arg, struct argp_state *state) {
 const struct argp kstatic_argp = {.options = table, .parser = parse};
 
 static kt_exit read_gravity(const kt_common *common, const char *text, double out[3]) {
-  const char *rest = text;
-  char last = ',';
-  for (int k = 0; k < 3; ++k) {
-    kt_piece item = kt_split(&rest, ",");
-    bool good = last == ',' && item.text && kt_number(item.text, &out[k]);
-    last = item.separator;
-    km_free(item.text);
-    if (!good)
-      return kt_usage(common, "--gravity", text, "three numbers X,Y,Z");
-  }
-  return last ? kt_usage(common, "--gravity", text, "three numbers X,Y,Z") : KT_DONE;
+  return kt_numbers(text, 3, out) ? KT_DONE : kt_usage(common, "--gravity", text, "three numbers X,Y,Z");
 }
 
 static kt_exit make_forces(const kt_common *common, const char *path, const kt_pose *pose, const kstatic_options *o,

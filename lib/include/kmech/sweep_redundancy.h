@@ -16,15 +16,15 @@ typedef struct km_extra_redundancy {
 } km_extra_redundancy;
 
 typedef struct km_sweep_redundancies {
-  km_redundancies lasting;    /* named at a pose of the least mobility; as many are redundant at every pose */
+  km_redundancies lasting;    /* if asked for: named at a pose of the least mobility, redundant at every pose */
   km_extra_redundancy *extra; /* rows and branch points, by s in the order of the sweep */
   size_t extra_count;
 } km_sweep_redundancies;
 
 /* From the rows of a sweep: the rank of each pose says how many constraints are redundant there (6 · loops + couplings
- * − rank). Names them on a state of its own. Free `*out` in any case. */
-km_status km_sweep_redundancies_find(const km_mechanism *mechanism, const km_sweep *sweep, km_sweep_redundancies *out,
-                                     km_error *error);
+ * − rank). `named`: the lasting ones are named too, on a state of its own. Free `*out` in any case. */
+km_status km_sweep_redundancies_find(const km_mechanism *mechanism, const km_sweep *sweep, bool named,
+                                     km_sweep_redundancies *out, km_error *error);
 void km_sweep_redundancies_free(km_sweep_redundancies *redundancies);
 
 #ifdef __cplusplus
