@@ -222,7 +222,7 @@ static int choose_motion(const km_mechanism *m, km_state *s, km_lever *l) {
     for (int i = 0; i < m->topology.substructure_count; ++i) {
       const km_substructure *sub = &m->substructures[i];
       const int *coordinate = m->column_coordinate + sub->column_start;
-      const double *Z = km_state_basis(s, sub);
+      const double *Z = km_state_basis(s, i);
       for (int k = 0; k < km_partition_freedom(&s->partition[i]) && l->moves[coordinate[0]]; ++k) {
         freedom += pass == 0;
         if (pass)

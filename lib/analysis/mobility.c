@@ -9,9 +9,8 @@ static void set_numbers(const km_mechanism *m, km_state *s, int index) {
   const km_substructure *sub = &m->substructures[index];
   const km_partition *p = &s->partition[index];
   const int *coordinate = m->column_coordinate + sub->column_start;
-  double *Z = km_state_basis(s, sub);
-  km_partition_null(p, m->column_weight + sub->column_start, km_partition_freedom(p), Z);
-  km_mobility_numbers(Z, sub->columns, km_partition_freedom(p), s->work);
+  const double *Z = km_state_null(m, s, index, km_partition_freedom(p));
+  km_mobility_numbers(Z, sub->columns, Z ? km_partition_freedom(p) : 0, s->work);
   for (int k = 0; k < sub->columns; ++k)
     s->numbers[coordinate[k]] = s->work[k];
 }

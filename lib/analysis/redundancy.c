@@ -17,7 +17,7 @@ typedef struct finder {
 /* A step along the motions, of a few hundredths. */
 static void choose_move(const km_left_space *a, double *move) {
   int k = km_partition_freedom(&a->s->partition[a->index]), n = a->sub->columns;
-  const double *Z = km_state_basis(a->s, a->sub), *weight = a->m->column_weight + a->sub->column_start;
+  const double *Z = km_state_basis(a->s, a->index), *weight = a->m->column_weight + a->sub->column_start;
   for (int c = 0; c < n; ++c)
     for (int i = 0; i < k; ++i)
       move[c] += 0.02 * (1.0 + 0.3 * i) * Z[(size_t)i * (size_t)n + (size_t)c] / weight[c];

@@ -4,7 +4,7 @@
 
 struct km_singular {
   km_arena arena;
-  double *A, *V, *values, *work; /* A: J or its transpose, whichever is tall, by rows */
+  double *J, *A, *V, *values, *work; /* A: J or its transpose, whichever is tall, by rows */
 };
 
 static int least(int a, int b) {
@@ -22,6 +22,7 @@ km_singular *km_singular_create(const km_mechanism *m) {
     return NULL;
   size_t rows = (size_t)least(m->largest_rows, KM_MOST_SINGULAR);
   size_t columns = (size_t)least(m->largest_columns, KM_MOST_SINGULAR), most = rows > columns ? rows : columns;
+  w->J = KM_ARENA_NEW(&w->arena, double, rows *columns);
   w->A = KM_ARENA_NEW(&w->arena, double, rows *columns);
   w->V = KM_ARENA_NEW(&w->arena, double, most *most);
   w->values = KM_ARENA_NEW(&w->arena, double, most);
@@ -39,12 +40,13 @@ void km_singular_free(km_singular *w) {
 }
 
 static void load(km_singular *w, const km_mechanism *m, const km_state *s, const km_substructure *sub, size_t wide) {
-  const double *J = s->jacobian + sub->matrix_start, *weight = m->column_weight + sub->column_start;
+  const double *weight = m->column_weight + sub->column_start;
+  km_state_jacobian_dense(s, sub, w->J);
   bool transposed = sub->columns >= sub->rows;
   for (int c = 0; c < sub->columns; ++c)
     for (int r = 0; r < sub->rows; ++r) {
       size_t at = transposed ? (size_t)c * wide + (size_t)r : (size_t)r * wide + (size_t)c;
-      w->A[at] = J[(size_t)c * (size_t)sub->rows + (size_t)r] / weight[c];
+      w->A[at] = w->J[(size_t)c * (size_t)sub->rows + (size_t)r] / weight[c];
     }
 }
 

@@ -107,7 +107,7 @@ static void least_norm(const km_mechanism *m, km_state *s, km_statics *st) {
   for (int i = 0; i < m->topology.substructure_count; ++i) {
     const km_substructure *sub = &m->substructures[i];
     const int *coordinate = m->column_coordinate + sub->column_start;
-    const double *z = km_state_basis(s, sub);
+    const double *z = km_state_basis(s, i);
     for (int k = 0; k < km_partition_freedom(&s->partition[i]); ++k, z += sub->columns) {
       double g = 0.0;
       for (int j = 0; j < sub->columns; ++j)

@@ -57,7 +57,7 @@ static gsl_vector first(const gsl_vector *a, int size) {
 static void add_direction(const km_mechanism *m, const km_state *s, int index, const double *x, int freedom, bool falls,
                           km_statics *st) {
   const km_substructure *sub = &m->substructures[index];
-  const double *Z = s->basis + sub->basis_start;
+  const double *Z = km_state_basis(s, index);
   if (st->direction_count++ >= KM_MOST_DIRECTIONS)
     return;
   st->falls[st->direction_count - 1] = falls;
@@ -86,7 +86,7 @@ static void add_joint(const km_mechanism *m, int coordinate, double sense, bool 
 /* The loads g = Yᵀτ of the free motions into h->load; returns what rounding can make of them. */
 static double loads_on(const km_mechanism *m, const km_state *s, int index, const km_statics_work *w, gsl_vector *g) {
   const km_substructure *sub = &m->substructures[index];
-  const double *z = s->basis + sub->basis_start;
+  const double *z = km_state_basis(s, index);
   double noise = 0.0;
   for (size_t k = 0; k < g->size; ++k, z += sub->columns) {
     double sum = 0.0, least = 0.0;
@@ -105,7 +105,7 @@ static double loads_on(const km_mechanism *m, const km_state *s, int index, cons
 static void fill(const km_mechanism *m, const km_state *s, int index, const km_statics *st, const km_holding *h,
                  gsl_matrix *U) {
   const km_substructure *sub = &m->substructures[index];
-  const double *Z = s->basis + sub->basis_start;
+  const double *Z = km_state_basis(s, index);
   gsl_matrix_set_zero(U);
   for (int a = 0; a < h->count; ++a)
     for (size_t k = 0; k < U->size2; ++k)

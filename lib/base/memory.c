@@ -77,6 +77,20 @@ void km_arena_free(km_arena *arena) {
   arena->failed = false;
 }
 
+bool km_arena_grow(km_arena *arena, void **data, size_t *capacity, size_t need, size_t size) {
+  if (need <= *capacity && *data)
+    return true;
+  size_t grown = need > 2 * *capacity ? need : 2 * *capacity;
+  void *bigger = km_arena_alloc(arena, grown, size);
+  if (!bigger)
+    return false;
+  if (*capacity > 0)
+    memcpy(bigger, *data, *capacity * size);
+  *data = bigger;
+  *capacity = grown;
+  return true;
+}
+
 bool km_reserve(void **data, size_t *capacity, size_t need, size_t size) {
   if (need <= *capacity)
     return true;

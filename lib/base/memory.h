@@ -22,6 +22,10 @@ void *km_arena_alloc(km_arena *arena, size_t count, size_t size);
 char *km_arena_string(km_arena *arena, const char *text); /* NULL gives NULL */
 void km_arena_free(km_arena *arena);
 
+/* Grows `*data`, which lies in the arena, to hold at least `need` elements; what it held stays, the old space is lost
+ * until the arena goes. False when out of memory (data unchanged). */
+bool km_arena_grow(km_arena *arena, void **data, size_t *capacity, size_t need, size_t size);
+
 #define KM_ARENA_NEW(arena, type, count) ((type *)km_arena_alloc((arena), (count), sizeof(type)))
 
 /* Grows `*data` to hold at least `need` elements; false when out of memory (data unchanged). */

@@ -45,10 +45,9 @@ void km_least_step(const km_mechanism *m, km_state *s, int index, int driver, do
   const km_partition *p = &s->partition[index];
   const double *weight = m->column_weight + sub->column_start;
   int count = km_partition_freedom(p) - (driver >= 0 && !p->forced_dependent);
-  if (count <= 0)
+  const double *Z = count > 0 ? km_state_null(m, s, index, count) : NULL;
+  if (!Z)
     return;
-  double *Z = km_state_basis(s, sub);
-  km_partition_null(p, weight, count, Z);
   for (int k = 0; k < count; ++k) {
     const double *z = Z + (size_t)k * (size_t)sub->columns;
     double dot = 0.0;

@@ -35,9 +35,10 @@ static bool project(km_follow *f, const double *from, double *t) {
   const km_substructure *sub = sub_of(f);
   const km_partition *p = &f->state->partition[f->substructure];
   const double *weight = weight_of(f);
-  double *Z = km_state_basis(f->state, sub);
   int freedom = km_partition_freedom(p);
-  km_partition_null(p, weight, freedom, Z);
+  const double *Z = km_state_null(f->mechanism, f->state, f->substructure, freedom);
+  if (!Z)
+    return false;
   memset(f->scratch, 0, (size_t)sub->columns * sizeof *f->scratch);
   for (int i = 0; i < freedom; ++i) {
     const double *z = Z + (size_t)i * (size_t)sub->columns;

@@ -1,8 +1,8 @@
 #include "kinematics/loops.h"
 
-/* Symbols: X pose of a slot, h unit twist of a step, e = log(X_a X_b⁻¹), J = ±h. Loops that have all rows of v and w
- * take both at a point of their own, o: in a chain of many loops on one base they would lose digits about a common one.
- */
+/* Symbols: X pose of a slot, h unit twist of a step, e = log(X_a X_b⁻¹), J = ±h. Each loop takes e and h at a point o of
+ * its own: loops far from each other on one base would lose digits about a common one. A loop that has all rows of v
+ * and w takes its point where its frames meet; for the others o must be fixed in the base. */
 
 static inline double wrapped(double angle) {
   return fabs(angle) <= M_PI ? angle : angle - 2.0 * M_PI * round(angle / (2.0 * M_PI));
@@ -31,13 +31,17 @@ static void planar_steps(const km_program *program, const km_planar_step *steps,
   }
 }
 
-/* log in the plane: v = V⁻¹ p, V⁻¹ = [[α, φ/2], [−φ/2, α]], α = (φ/2) cot(φ/2). Out as (v x, v y, φ). */
-static km_vec3 planar_error(const km_loop *loop, const km_planar_pose *slot) {
+/* log in the plane: v = V⁻¹ p, V⁻¹ = [[α, φ/2], [−φ/2, α]], α = (φ/2) cot(φ/2), about the place (x, y) of the first
+ * frame. Out as (v x, v y, φ). */
+static km_vec3 planar_error(const km_loop *loop, const km_planar_pose *slot, double place[2]) {
   const km_planar_pose *a = &slot[loop->slot[0]], *b = &slot[loop->slot[1]];
   const double *ca = loop->planar_close[0], *cb = loop->planar_close[1];
   double ax = a->x + a->cosine * ca[0] - a->sine * ca[1], ay = a->y + a->sine * ca[0] + a->cosine * ca[1];
   double bx = b->x + b->cosine * cb[0] - b->sine * cb[1], by = b->y + b->sine * cb[0] + b->cosine * cb[1];
+  double dx = ax - bx - loop->planar_apart[0], dy = ay - by - loop->planar_apart[1];
   double turn = wrapped(a->angle - b->angle + loop->planar_turn);
+  place[0] = ax;
+  place[1] = ay;
   double cosine, sine, alpha;
   if (fabs(turn) < 1e-3) { /* series good to 1e-16 */
     double t2 = turn * turn;
@@ -49,24 +53,26 @@ static km_vec3 planar_error(const km_loop *loop, const km_planar_pose *slot) {
     sine = sin(turn);
     alpha = 0.5 * turn * cos(0.5 * turn) / sin(0.5 * turn);
   }
-  double px = ax - cosine * bx + sine * by, py = ay - sine * bx - cosine * by;
+  double px = cosine * dx - sine * dy, py = sine * dx + cosine * dy;
   return (km_vec3){alpha * px + 0.5 * turn * py, alpha * py - 0.5 * turn * px, turn};
 }
 
 static void planar_loop(const km_mechanism *m, const km_loop *loop, const km_planar_pose *slot, const km_twist *h,
-                        km_twist *misfit, double *error, double *J, int rows) {
-  km_vec3 e = planar_error(loop, slot);
-  const km_planar_pose *o = &slot[loop->slot[0]];
-  double ox = loop->local ? o->x : 0.0, oy = loop->local ? o->y : 0.0;
-  const double values[3] = {e.x - e.z * oy, e.y + e.z * ox, e.z};
+                        km_twist *misfit, double *error, double *J) {
+  double place[2];
+  km_vec3 e = planar_error(loop, slot, place);
+  const double *o = loop->local ? place : loop->planar_point;
+  const double ox[2] = {o[0], o[0] - loop->planar_apart[0]}, oy[2] = {o[1], o[1] - loop->planar_apart[1]};
+  const double values[3] = {e.x - e.z * (oy[0] - place[1]), e.y + e.z * (ox[0] - place[0]), e.z};
   *misfit = (km_twist){{e.x, e.y, loop->fixed_misfit[2]}, {loop->fixed_misfit[3], loop->fixed_misfit[4], e.z}};
   for (int r = 0; r < loop->lambda; ++r)
     error[loop->row_start + r] = values[loop->rows[r]];
   for (int i = 0; i < loop->entry_count; ++i) {
     const km_entry *entry = &m->entries[loop->entry_start + i];
+    int back = entry->side < 0.0;
     km_vec3 v = h[entry->step].v;
-    const double column[3] = {v.x - v.z * oy, v.y + v.z * ox, v.z};
-    double *out = J + (size_t)entry->column * (size_t)rows + loop->row_start;
+    const double column[3] = {v.x - v.z * oy[back], v.y + v.z * ox[back], v.z};
+    double *out = J + entry->at;
     for (int r = 0; r < loop->lambda; ++r)
       out[r] = entry->side * column[loop->rows[r]];
   }
@@ -77,7 +83,7 @@ static void update_planar(const km_mechanism *m, km_state *s, const km_substruct
   for (int i = 0; i < program->loop_count; ++i) {
     int l = m->loop_order[program->loop_start + i];
     planar_loop(m, &m->loops[l], s->planar_slot, s->twist, &s->misfit[l], km_state_error(s, sub),
-                km_state_jacobian(s, sub), sub->rows);
+                km_state_jacobian(s, sub));
   }
 }
 
@@ -127,23 +133,27 @@ static void spatial_steps(const km_mechanism *m, km_state *s, const km_program *
 }
 
 static void spatial_loop(const km_mechanism *m, const km_program *program, const km_loop *loop, const km_state *s,
-                         km_twist *misfit, double *error, double *J, int rows) {
+                         km_twist *misfit, double *error, double *J) {
   km_pose a = km_pose_product(&s->slot[loop->slot[0]], &loop->close[0]);
   km_pose b = km_pose_product(&s->slot[loop->slot[1]], &loop->close[1]);
-  km_pose back = km_pose_inverse(&b), E = km_pose_product(&a, &back);
+  km_vec3 first = loop->local ? a.p : loop->point[0];
+  const km_vec3 o[2] = {first, km_vec3_sub(first, loop->apart)};
+  b.p = km_vec3_add(km_vec3_sub(b.p, a.p), loop->apart);
+  km_pose back = km_pose_inverse(&b), E = {km_rotation_product(&a.R, &back.R), km_rotate(&a.R, back.p)};
   *misfit = km_twist_log(&E);
-  km_vec3 o = loop->local ? a.p : (km_vec3){0, 0, 0}, e = km_vec3_add(misfit->v, km_vec3_cross(misfit->w, o));
+  km_vec3 e = km_vec3_add(misfit->v, km_vec3_cross(misfit->w, km_vec3_sub(first, a.p)));
   const double values[6] = {e.x, e.y, e.z, misfit->w.x, misfit->w.y, misfit->w.z};
   for (int r = 0; r < loop->lambda; ++r)
     error[loop->row_start + r] = values[loop->rows[r]];
   for (int i = 0; i < loop->entry_count; ++i) {
     const km_entry *entry = &m->entries[loop->entry_start + i];
     int freedom = km_primitive_freedom(m->steps[program->step_start + entry->step].primitive);
+    int side = entry->side < 0.0;
     for (int k = 0; k < freedom; ++k) {
       const km_twist *h = &s->twist[3 * entry->step + k];
-      km_vec3 v = km_vec3_add(h->v, km_vec3_cross(h->w, o));
+      km_vec3 v = km_vec3_add(h->v, km_vec3_cross(h->w, o[side]));
       const double column[6] = {v.x, v.y, v.z, h->w.x, h->w.y, h->w.z};
-      double *out = J + (size_t)(entry->column + k) * (size_t)rows + loop->row_start;
+      double *out = J + entry->at + (size_t)k * entry->next;
       for (int r = 0; r < loop->lambda; ++r)
         out[r] = entry->side * column[loop->rows[r]];
     }
@@ -154,8 +164,7 @@ static void update_spatial(const km_mechanism *m, km_state *s, const km_substruc
   spatial_steps(m, s, program, sub->size);
   for (int i = 0; i < program->loop_count; ++i) {
     int l = m->loop_order[program->loop_start + i];
-    spatial_loop(m, program, &m->loops[l], s, &s->misfit[l], km_state_error(s, sub), km_state_jacobian(s, sub),
-                 sub->rows);
+    spatial_loop(m, program, &m->loops[l], s, &s->misfit[l], km_state_error(s, sub), km_state_jacobian(s, sub));
   }
 }
 

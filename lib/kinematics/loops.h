@@ -6,7 +6,7 @@
 
 /* At the state's coordinates: error screws e = log(X_a X_b⁻¹) of every loop (misfit), their independent rows
  * and the couplings' (error), and J (jacobian) with ė = J q̇ near e = 0; (163). Rows in each loop's motion space
- * about its base body, lengths over the substructure's size. No allocation; O(steps + entries of J). */
+ * about a point of the loop, lengths over the substructure's size. No allocation; O(steps + entries of J). */
 void km_loops_update(const km_mechanism *mechanism, km_state *state, const km_substructure *sub);
 
 /* √(eᵀe/6) of the substructure's worst loop (235), coupling errors alike, and which loop that is (-1: a coupling

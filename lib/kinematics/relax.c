@@ -13,6 +13,7 @@ typedef struct problem {
   const km_substructure *sub;
   double *start; /* saved coordinates */
   double *step;  /* [columns] */
+  double *J;     /* [rows × columns] */
 } problem;
 
 /* The unknowns are scaled steps from the start. */
@@ -40,9 +41,10 @@ static int derivatives(const gsl_vector *x, void *data, gsl_matrix *df) {
   size_t rows = (size_t)p->sub->rows;
   go(p, x);
   gsl_matrix_set_zero(df);
+  km_state_jacobian_dense(p->state, p->sub, p->J);
   for (size_t k = 0; k < (size_t)p->sub->columns; ++k) {
     for (size_t r = 0; r < rows; ++r)
-      gsl_matrix_set(df, r, k, km_state_jacobian(p->state, p->sub)[k * rows + r]);
+      gsl_matrix_set(df, r, k, p->J[k * rows + r]);
     gsl_matrix_set(df, rows + k, k, pull);
   }
   return GSL_SUCCESS;
@@ -79,7 +81,8 @@ km_status km_relax(const km_mechanism *m, km_state *s, int substructure, km_erro
   gsl_set_error_handler_off();
   km_arena scratch = {0};
   problem p = {m, s, sub, KM_ARENA_NEW(&scratch, double, (size_t)(KM_SAVED_PER_COLUMN * sub->columns)),
-               KM_ARENA_NEW(&scratch, double, (size_t)sub->columns)};
+               KM_ARENA_NEW(&scratch, double, (size_t)sub->columns),
+               KM_ARENA_NEW(&scratch, double, (size_t)sub->rows *(size_t)sub->columns)};
   km_status status;
   if (scratch.failed) {
     status = km_fail(error, KM_MEMORY, "out of memory while assembling");

@@ -30,7 +30,7 @@ static bool left_null(const km_substructure *sub, const double *J, double tolera
 
 /* dJ/dε along scaled direction x, at the saved pose. */
 static void jacobian_rate(const km_mechanism *m, km_state *s, const km_substructure *sub, const double *saved,
-                          const double *x, double *move, double *rate) {
+                          const double *x, double *move, double *J, double *rate) {
   size_t size = (size_t)sub->rows * (size_t)sub->columns;
   for (int side = 1; side >= -1; side -= 2) {
     for (int k = 0; k < sub->columns; ++k)
@@ -38,7 +38,7 @@ static void jacobian_rate(const km_mechanism *m, km_state *s, const km_substruct
     km_state_restore(s, sub, saved);
     km_state_move(m, s, sub, move);
     km_loops_update(m, s, sub);
-    const double *J = km_state_jacobian(s, sub);
+    km_state_jacobian_dense(s, sub, J);
     for (size_t i = 0; i < size; ++i)
       rate[i] = (side > 0 ? 0.0 : rate[i]) + side * J[i] / (2.0 * step);
   }
@@ -80,8 +80,11 @@ bool km_second_order_build(const km_mechanism *m, km_state *s, int index, km_are
     return true; /* no constraint is redundant: every tangent is one of a motion */
   double *W, *saved = KM_ARENA_NEW(arena, double, KM_SAVED_PER_COLUMN *n);
   double *x = KM_ARENA_NEW(arena, double, n *k), *move = KM_ARENA_NEW(arena, double, n);
-  double *rate = KM_ARENA_NEW(arena, double, n *rows);
-  if (arena->failed || !left_null(sub, km_state_jacobian(s, sub), tolerance, arena, &W, &out->conditions))
+  double *rate = KM_ARENA_NEW(arena, double, n *rows), *J = KM_ARENA_NEW(arena, double, n *rows);
+  if (arena->failed)
+    return false;
+  km_state_jacobian_dense(s, sub, J);
+  if (!left_null(sub, J, tolerance, arena, &W, &out->conditions))
     return false;
   out->Q = KM_ARENA_NEW(arena, double, (size_t)out->conditions *k *k);
   if (arena->failed)
@@ -90,7 +93,7 @@ bool km_second_order_build(const km_mechanism *m, km_state *s, int index, km_are
     x[i] = out->Z[i] / weight[i % n];
   km_state_save(s, sub, saved);
   for (int a = 0; a < out->freedom; ++a) {
-    jacobian_rate(m, s, sub, saved, x + (size_t)a * n, move, rate);
+    jacobian_rate(m, s, sub, saved, x + (size_t)a * n, move, J, rate);
     add_conditions(sub, W, rate, a, x, out);
   }
   km_state_restore(s, sub, saved);

@@ -10,6 +10,12 @@ static int longest_program(const km_mechanism *m) {
   return steps;
 }
 
+static bool reserve_partition(const km_substructure *sub, km_partition *p, km_arena *arena) {
+  return sub->pattern.start ? km_partition_reserve_sparse(p, sub->rows, sub->columns, sub->pattern.start,
+                                                          sub->pattern.row, arena)
+                            : km_partition_reserve(p, sub->rows, sub->columns, arena);
+}
+
 static bool allocate(const km_mechanism *m, km_state *s) {
   km_arena *arena = &s->arena;
   const km_topology *t = &m->topology;
@@ -22,7 +28,7 @@ static bool allocate(const km_mechanism *m, km_state *s) {
   s->misfit = KM_ARENA_NEW(arena, km_twist, (size_t)t->loop_count);
   s->partition = KM_ARENA_NEW(arena, km_partition, (size_t)t->substructure_count);
   s->pivoted = KM_ARENA_NEW(arena, int, (size_t)t->substructure_count);
-  s->basis = KM_ARENA_NEW(arena, double, m->basis_size);
+  s->basis = KM_ARENA_NEW(arena, km_basis, (size_t)t->substructure_count);
   s->numbers = KM_ARENA_NEW(arena, double, coordinates);
   s->pose = KM_ARENA_NEW(arena, km_pose, (size_t)t->body_count);
   s->slot = KM_ARENA_NEW(arena, km_pose, (size_t)m->largest_slots);
@@ -31,7 +37,12 @@ static bool allocate(const km_mechanism *m, km_state *s) {
   s->work = KM_ARENA_NEW(arena, double, columns);
   s->forced = KM_ARENA_NEW(arena, bool, columns);
   for (int i = 0; i < t->substructure_count && !arena->failed; ++i)
-    km_state_reserve_partition(m, s, i);
+    reserve_partition(&m->substructures[i], &s->partition[i], arena);
+  /* Small ones never grow: kernels don't allocate. */
+  for (int i = 0; i < t->substructure_count && !arena->failed; ++i)
+    if (!m->substructures[i].pattern.start)
+      km_arena_grow(arena, (void **)&s->basis[i].Z, &s->basis[i].capacity,
+                    (size_t)m->substructures[i].columns * (size_t)m->substructures[i].columns, sizeof(double));
   for (int i = 0; i < t->substructure_count && !arena->failed; ++i)
     s->pivoted[i] = KM_NEVER;
   return !arena->failed;
@@ -47,7 +58,7 @@ static void set_coupling_rows(const km_mechanism *m, km_state *s) {
       for (int n = 0; n < coupling->term_count; ++n) {
         const km_term *term = &m->terms[coupling->term_start + n];
         if (term->column >= 0)
-          J[(size_t)term->column * (size_t)sub->rows + (size_t)coupling->row] = term->coefficient;
+          J[term->at] = term->coefficient;
       }
     }
   }
@@ -72,6 +83,29 @@ void km_state_free(km_state *s) {
     return;
   km_arena_free(&s->arena);
   km_free(s);
+}
+
+void km_state_jacobian_dense(const km_state *s, const km_substructure *sub, double *J) {
+  const km_pattern *pattern = &sub->pattern;
+  const double *values = s->jacobian + sub->matrix_start;
+  if (!pattern->start) {
+    memcpy(J, values, pattern->size * sizeof *J);
+    return;
+  }
+  memset(J, 0, (size_t)sub->rows * (size_t)sub->columns * sizeof *J);
+  for (int c = 0; c < sub->columns; ++c)
+    for (int i = pattern->start[c]; i < pattern->start[c + 1]; ++i)
+      J[(size_t)c * (size_t)sub->rows + (size_t)pattern->row[i]] = values[i];
+}
+
+double *km_state_null(const km_mechanism *m, km_state *s, int index, int count) {
+  const km_substructure *sub = &m->substructures[index];
+  km_basis *basis = &s->basis[index];
+  if (!km_arena_grow(&s->arena, (void **)&basis->Z, &basis->capacity, (size_t)count * (size_t)sub->columns,
+                     sizeof *basis->Z))
+    return NULL;
+  km_partition_null(&s->partition[index], m->column_weight + sub->column_start, count, basis->Z);
+  return basis->Z;
 }
 
 static void turn_ball(const km_mechanism *m, km_state *s, int ball, km_vec3 turn) {

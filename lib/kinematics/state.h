@@ -10,17 +10,23 @@ typedef struct km_planar_pose {
   double angle, cosine, sine, x, y;
 } km_planar_pose;
 
+/* A null space basis that grows with the freedom. */
+typedef struct km_basis {
+  double *Z;
+  size_t capacity;
+} km_basis;
+
 struct km_state {
   km_arena arena;
   const km_mechanism *mechanism;
   double *q;               /* [coordinate] radians, or the model's length unit. A ball's: rotation vector, derived */
   km_quaternion *ball;     /* [ball] what a ball's coordinates really are. By km_state_move, km_state_set */
-  double *jacobian;        /* [matrix_size] by substructure, rows × columns. By km_loops_update */
+  double *jacobian;        /* [matrix_size] by substructure, in its pattern. By km_loops_update */
   double *error;           /* [error_size] by substructure, the rows' errors. By km_loops_update */
   km_twist *misfit;        /* [loop] whole error screws, scaled. By km_loops_update */
   km_partition *partition; /* [substructure] of the Jacobian. By km_closure */
   int *pivoted;            /* [substructure] driver column that its pivots were searched for; KM_NEVER */
-  double *basis;           /* [basis_size] by substructure, Z: columns × freedom. By km_mobility_update */
+  km_basis *basis;         /* [substructure] Z: columns × freedom. By km_state_null */
   double *numbers;         /* [coordinate] mobility numbers. By km_mobility_update */
   km_pose *pose;           /* [body] in the inertial frame, model's length unit. By km_poses_update */
   km_pose *slot;           /* [largest_slots] workspace of spatial programs */
@@ -38,13 +44,16 @@ static inline double *km_state_jacobian(km_state *s, const km_substructure *sub)
 static inline double *km_state_error(km_state *s, const km_substructure *sub) {
   return s->error + sub->error_start;
 }
-static inline double *km_state_basis(km_state *s, const km_substructure *sub) {
-  return s->basis + sub->basis_start;
+/* The basis that km_state_null made last. */
+static inline const double *km_state_basis(const km_state *s, int substructure) {
+  return s->basis[substructure].Z;
 }
 
-/* Space for the partition of one substructure's Jacobian, dense or sparse, whichever is faster. False when out of
- * memory. */
-bool km_state_reserve_partition(const km_mechanism *mechanism, km_state *state, int substructure);
+/* J as a whole matrix: J[rows × columns], column-major. */
+void km_state_jacobian_dense(const km_state *state, const km_substructure *sub, double *J);
+/* km_partition_null of a substructure's partition with the weights D, into the state: Z[count × columns]. NULL when out
+ * of memory (then km_partition_freedom is 0 too). */
+double *km_state_null(const km_mechanism *mechanism, km_state *state, int substructure, int count);
 
 /* Adds a step to the coordinates of a substructure: step[column] scaled; a ball turns about the axes of the
  * joint's parent frame. */

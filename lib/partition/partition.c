@@ -196,7 +196,7 @@ void km_partition_factor(km_partition *p, const double *matrix, int rows, int co
   p->stride = stride_of(rows);
   p->first_pivot = p->last_pivot = p->first_dropped = 0.0;
   p->smallest_pivot = (double)INFINITY;
-  p->forced_dependent = false;
+  p->forced_dependent = p->failed = false;
   if (p->sparse) {
     km_sparse_factor(p, matrix, forced, tolerance);
   } else {

@@ -28,7 +28,7 @@ typedef struct km_partition {
   double *reduced; /* [columns × stride] rows and columns in the matrix's order. Dependent column i: the multiples of
                     * row[i] that step i subtracted from the others, 0 for itself. Independent: B before `inverse` */
   double *inverse; /* [rank] reciprocals of the pivots */
-  double *B;       /* [freedom × rank, leading dimension `rank`] */
+  double *B;       /* [freedom × rank, leading dimension `rank`]; the sparse engine's grows with the freedom */
   int *place;      /* [rank] where the last search found each pivot: a guess for the next one */
   double *work;    /* [stride] */
   double scale;    /* largest entry of the matrix */
@@ -38,13 +38,16 @@ typedef struct km_partition {
   int sign;              /* of the product of the pivots: flips where det of the pivot block does */
   unsigned searches;     /* how often pivots were searched */
   bool forced_dependent; /* a column that should be independent had to be a pivot */
+  bool failed;           /* out of memory while the sparse engine grew: the rank means nothing, no freedom is given */
 } km_partition;
 
 /* Space for matrices of up to rows × columns; false (and arena->failed) when out of memory. */
 bool km_partition_reserve(km_partition *partition, int rows, int columns, km_arena *arena);
 
 /* The same for matrices of one pattern, by the sparse engine: the rows of column c that can hold something else than 0
- * are row[start[c] … start[c+1]-1], borrowed. O(entries) and COLAMD's order. */
+ * are row[start[c] … start[c+1]-1], borrowed. `matrix` is then these entries' values, in that order, everywhere below.
+ * What grows with fill and freedom grows in the arena, which must outlive the partition. O(entries) and COLAMD's
+ * order. */
 bool km_partition_reserve_sparse(km_partition *partition, int rows, int columns, const int *start, const int *row,
                                  km_arena *arena);
 /* Space for the matrices of `other`, by the same engine. */
@@ -68,7 +71,7 @@ bool km_partition_refactor(km_partition *partition, const double *matrix);
 void km_partition_copy_pivots(km_partition *to, const km_partition *from);
 
 static inline int km_partition_freedom(const km_partition *p) {
-  return p->columns - p->rank;
+  return p->failed ? 0 : p->columns - p->rank;
 }
 
 /* Particular solution of the primary rows of J x = rhs with the independent coordinates 0.

@@ -25,10 +25,10 @@ static int reach(km_partition *p, int c) {
         s->seen[row] = true;
         s->next[depth] = below ? below->start : 0;
       }
-      while (below && s->next[depth] < below->end && s->seen[s->lower_row[s->next[depth]]])
+      while (below && s->next[depth] < below->end && s->seen[s->lower_store.index[s->next[depth]]])
         s->next[depth]++;
       if (below && s->next[depth] < below->end) {
-        int child = s->lower_row[s->next[depth]++];
+        int child = s->lower_store.index[s->next[depth]++];
         s->stack[++depth] = child;
         s->next[depth] = -1;
       } else {
@@ -42,19 +42,15 @@ static int reach(km_partition *p, int c) {
 
 static void scatter(const km_partition *p, const double *matrix, int c) {
   const km_sparse *s = p->sparse;
-  const double *from = matrix + (size_t)c * (size_t)p->rows;
   for (int i = s->start[c]; i < s->start[c + 1]; ++i)
-    s->x[s->row[i]] = from[s->row[i]];
+    s->x[s->row[i]] = matrix[i];
 }
 
 static bool is_finite(const km_partition *p, const double *matrix) {
   const km_sparse *s = p->sparse;
   double poison = 0.0; /* sum of x − x: 0, or not a number */
-  for (int c = 0; c < p->columns; ++c)
-    for (int i = s->start[c]; i < s->start[c + 1]; ++i) {
-      double x = matrix[(size_t)c * (size_t)p->rows + (size_t)s->row[i]];
-      poison += x - x;
-    }
+  for (int i = 0; i < s->start[p->columns]; ++i)
+    poison += matrix[i] - matrix[i];
   return poison == 0.0;
 }
 
@@ -63,7 +59,20 @@ static void subtract(const km_partition *p, int step, double u) {
   const km_sparse *s = p->sparse;
   const km_run *below = &s->lower[p->column[step]];
   for (int i = below->start; i < below->end; ++i)
-    s->x[s->lower_row[i]] -= s->lower_value[i] * u;
+    s->x[s->lower_store.index[i]] -= s->lower_store.value[i] * u;
+}
+
+/* Room for `more` entries behind those of L and U. */
+static bool make_room(km_sparse *s, int upper_end, int lower_end, int more) {
+  km_store *stores[2] = {&s->upper_store, &s->lower_store};
+  size_t need[2] = {(size_t)(upper_end + more), (size_t)(lower_end + more)};
+  for (int i = 0; i < 2; ++i) {
+    size_t values = stores[i]->capacity; /* both arrays of a store grow together */
+    if (!km_arena_grow(s->arena, (void **)&stores[i]->value, &values, need[i], sizeof(double)) ||
+        !km_arena_grow(s->arena, (void **)&stores[i]->index, &stores[i]->capacity, need[i], sizeof(int)))
+      return false;
+  }
+  return true;
 }
 
 /* Reduces column c by the steps so far: its part in U is stored, the rest stays in x. Returns the row of the largest
@@ -71,19 +80,25 @@ static void subtract(const km_partition *p, int step, double u) {
 static int reduce(km_partition *p, const double *matrix, int c, int *upper_end, int *lower_end) {
   km_sparse *s = p->sparse;
   int top = reach(p, c), best = -1;
-  scatter(p, matrix, c);
   s->upper[c] = (km_run){*upper_end, *upper_end};
   s->lower[c] = (km_run){*lower_end, *lower_end};
+  if (!make_room(s, *upper_end, *lower_end, p->rows - top)) {
+    for (int i = top; i < p->rows; ++i)
+      s->seen[s->list[i]] = false;
+    p->failed = true;
+    return -1;
+  }
+  scatter(p, matrix, c);
   for (int i = top; i < p->rows; ++i) {
     int row = s->list[i], step = s->step_of[row];
     s->seen[row] = false;
     if (step >= 0) {
-      s->upper_step[*upper_end] = step;
-      s->upper_value[(*upper_end)++] = s->x[row];
+      s->upper_store.index[*upper_end] = step;
+      s->upper_store.value[(*upper_end)++] = s->x[row];
       subtract(p, step, s->x[row]);
       s->x[row] = 0.0;
     } else {
-      s->lower_row[(*lower_end)++] = row;
+      s->lower_store.index[(*lower_end)++] = row;
       if (fabs(s->x[row]) > (best < 0 ? 0.0 : fabs(s->x[best])))
         best = row;
     }
@@ -102,11 +117,11 @@ static void use(km_partition *p, int c, int row) {
   p->inverse[step] = 1.0 / s->x[row];
   s->step_of[row] = step;
   for (int i = s->lower[c].start; i < s->lower[c].end; ++i) {
-    int r = s->lower_row[i];
+    int r = s->lower_store.index[i];
     if (r == row)
       continue;
-    s->lower_row[kept] = r;
-    s->lower_value[kept++] = s->x[r] * p->inverse[step];
+    s->lower_store.index[kept] = r;
+    s->lower_store.value[kept++] = s->x[r] * p->inverse[step];
     s->x[r] = 0.0;
   }
   s->x[row] = 0.0;
@@ -116,7 +131,7 @@ static void use(km_partition *p, int c, int row) {
 static void drop(km_partition *p, int c) {
   km_sparse *s = p->sparse;
   for (int i = s->lower[c].start; i < s->lower[c].end; ++i)
-    s->x[s->lower_row[i]] = 0.0;
+    s->x[s->lower_store.index[i]] = 0.0;
 }
 
 /* Those that shall stay independent behind the others, the forced ones last. */
@@ -170,16 +185,21 @@ static void solve_upper(const km_partition *p, double *y) {
     if (value == 0.0)
       continue;
     for (int i = above->start; i < above->end; ++i)
-      y[s->upper_step[i]] -= s->upper_value[i] * value;
+      y[s->upper_store.index[i]] -= s->upper_store.value[i] * value;
   }
 }
 
 /* The columns of B. False where a value is not finite. */
 static bool find_b(km_partition *p) {
-  const km_sparse *s = p->sparse;
+  km_sparse *s = p->sparse;
   double sum = 0.0;
   bool negative = false;
   p->largest_b = 0.0;
+  if (p->failed || !km_arena_grow(s->arena, (void **)&p->B, &s->b_capacity,
+                                  (size_t)(p->columns - p->rank) * (size_t)p->rank, sizeof *p->B)) {
+    p->failed = true;
+    return false;
+  }
   for (int i = 0; i < p->rank; ++i)
     negative = negative != (p->inverse[i] < 0.0);
   for (int k = p->rank; k < p->columns; ++k) {
@@ -187,7 +207,7 @@ static bool find_b(km_partition *p) {
     const km_run *own = &s->upper[p->column[k]];
     memset(b, 0, (size_t)p->rank * sizeof *b);
     for (int i = own->start; i < own->end; ++i)
-      b[s->upper_step[i]] = s->upper_value[i];
+      b[s->upper_store.index[i]] = s->upper_store.value[i];
     solve_upper(p, b);
     for (int i = 0; i < p->rank; ++i) {
       p->largest_b = fmax(p->largest_b, fabs(b[i]));
@@ -199,8 +219,13 @@ static bool find_b(km_partition *p) {
 }
 
 /* The null vectors of the independent columns that aren't forced, by column of the matrix. Returns how many. */
-static int list_null(const km_partition *p, const bool *forced) {
+static int list_null(km_partition *p, const bool *forced) {
   int count = 0;
+  if (!km_arena_grow(p->sparse->arena, (void **)&p->sparse->null, &p->sparse->null_capacity,
+                     (size_t)(p->columns - p->rank) * (size_t)p->columns, sizeof(double))) {
+    p->failed = true;
+    return 0;
+  }
   for (int k = p->rank; k < p->columns; ++k) {
     if (forced && forced[p->column[k]])
       continue;
@@ -262,9 +287,8 @@ static double largest_free_b(const km_partition *p, const bool *forced) {
 void km_sparse_factor(km_partition *p, const double *matrix, const bool *forced, double tolerance) {
   km_sparse *s = p->sparse;
   p->scale = 0.0;
-  for (int c = 0; c < p->columns; ++c)
-    for (int i = s->start[c]; i < s->start[c + 1]; ++i)
-      p->scale = fmax(p->scale, fabs(matrix[(size_t)c * (size_t)p->rows + (size_t)s->row[i]]));
+  for (int i = 0; i < s->start[p->columns]; ++i)
+      p->scale = fmax(p->scale, fabs(matrix[i]));
   memset(s->late, 0, (size_t)p->columns * sizeof *s->late);
   for (int pass = 0; pass < MOST_PASSES; ++pass) {
     arrange(p, forced);
@@ -276,16 +300,16 @@ void km_sparse_factor(km_partition *p, const double *matrix, const bool *forced,
 
 bool km_sparse_refactor(km_partition *p, const double *matrix) {
   km_sparse *s = p->sparse;
-  if (!is_finite(p, matrix))
+  if (p->failed || !is_finite(p, matrix))
     return false;
   for (int k = 0; k < p->columns; ++k) {
     int c = p->column[k];
     scatter(p, matrix, c);
     for (int i = s->upper[c].start; i < s->upper[c].end; ++i) {
-      int step = s->upper_step[i], row = p->row[step];
-      s->upper_value[i] = s->x[row];
+      int step = s->upper_store.index[i], row = p->row[step];
+      s->upper_store.value[i] = s->x[row];
       s->x[row] = 0.0;
-      subtract(p, step, s->upper_value[i]);
+      subtract(p, step, s->upper_store.value[i]);
     }
     if (k < p->rank) {
       p->inverse[k] = 1.0 / s->x[p->row[k]];
@@ -293,8 +317,8 @@ bool km_sparse_refactor(km_partition *p, const double *matrix) {
     }
     for (int i = s->lower[c].start; i < s->lower[c].end; ++i) {
       if (k < p->rank)
-        s->lower_value[i] = s->x[s->lower_row[i]] * p->inverse[k];
-      s->x[s->lower_row[i]] = 0.0;
+        s->lower_store.value[i] = s->x[s->lower_store.index[i]] * p->inverse[k];
+      s->x[s->lower_store.index[i]] = 0.0;
     }
   }
   return find_b(p);
@@ -327,6 +351,9 @@ void km_sparse_copy(km_partition *to, const km_partition *from) {
   }
   memcpy(t->upper, f->upper, (size_t)from->columns * sizeof *t->upper);
   memcpy(t->lower, f->lower, (size_t)from->columns * sizeof *t->lower);
-  memcpy(t->upper_step, f->upper_step, (size_t)upper * sizeof *t->upper_step);
-  memcpy(t->lower_row, f->lower_row, (size_t)lower * sizeof *t->lower_row);
+  to->failed = from->failed || !make_room(t, upper, lower, 0);
+  if (to->failed)
+    return;
+  memcpy(t->upper_store.index, f->upper_store.index, (size_t)upper * sizeof *t->upper_store.index);
+  memcpy(t->lower_store.index, f->lower_store.index, (size_t)lower * sizeof *t->lower_store.index);
 }

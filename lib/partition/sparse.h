@@ -13,7 +13,15 @@ typedef struct km_run {
   int start, end;
 } km_run;
 
+/* Entries of L or U, each with its row or step. Grows with the fill. */
+typedef struct km_store {
+  int *index;
+  double *value;
+  size_t capacity;
+} km_store;
+
 struct km_sparse {
+  km_arena *arena;        /* what grows, grows there */
   const int *start, *row; /* pattern: rows of column c are row[start[c] … start[c+1]-1] */
   const int *order;       /* [columns] that keeps L sparse */
   int *lead;              /* [columns] the order of this factorisation */
@@ -21,17 +29,18 @@ struct km_sparse {
   bool *late;             /* [columns] is to come last, since it should stay independent */
   km_run *upper,
       *lower; /* [columns] of each: its entries of U, by step in an order that replays it, and of L, by row */
-  int *upper_step, *lower_row;
-  double *upper_value, *lower_value; /* lower: multiples, of the independent columns too, where they mean nothing */
+  km_store upper_store, lower_store; /* index: the step, the row. L holds multiples, of the independent columns too,
+                                      * where they mean nothing */
   int *step_of;                      /* [rows] that used the row, -1: none yet */
   double *x;                         /* [rows] accumulators, 0 between columns */
   int *list, *stack, *next;          /* [rows] rows that a column reaches; walking them */
   bool *seen;                        /* [rows] */
   double *null;                      /* [columns × freedom] to choose independent columns by */
+  size_t null_capacity, b_capacity;
 };
 
 void km_sparse_factor(km_partition *partition, const double *matrix, const bool *forced, double tolerance);
-/* False where a value is not finite. */
+/* False where a value is not finite, or when out of memory. */
 bool km_sparse_refactor(km_partition *partition, const double *matrix);
 void km_sparse_solve(const km_partition *partition, const double *rhs, double *x);
 void km_sparse_copy(km_partition *to, const km_partition *from);

@@ -24,10 +24,10 @@ static bool order_columns(int rows, int columns, const int *start, const int *ro
   return done;
 }
 
-/* Space for fill is asked for as if L and U were full: the system gives a page only when it is written to. */
 static bool reserve(km_sparse *s, int rows, int columns, km_arena *arena) {
-  size_t r = (size_t)rows, c = (size_t)columns, fill = r * c;
-  *s = (km_sparse){.start = s->start,
+  size_t r = (size_t)rows, c = (size_t)columns;
+  *s = (km_sparse){.arena = arena,
+                   .start = s->start,
                    .row = s->row,
                    .order = s->order,
                    .lead = KM_ARENA_NEW(arena, int, c),
@@ -35,17 +35,12 @@ static bool reserve(km_sparse *s, int rows, int columns, km_arena *arena) {
                    .late = KM_ARENA_NEW(arena, bool, c),
                    .upper = KM_ARENA_NEW(arena, km_run, c),
                    .lower = KM_ARENA_NEW(arena, km_run, c),
-                   .upper_step = KM_ARENA_NEW(arena, int, fill),
-                   .lower_row = KM_ARENA_NEW(arena, int, fill),
-                   .upper_value = KM_ARENA_NEW(arena, double, fill),
-                   .lower_value = KM_ARENA_NEW(arena, double, fill),
                    .step_of = KM_ARENA_NEW(arena, int, r),
                    .x = KM_ARENA_NEW(arena, double, r),
                    .list = KM_ARENA_NEW(arena, int, r),
                    .stack = KM_ARENA_NEW(arena, int, r),
                    .next = KM_ARENA_NEW(arena, int, r),
-                   .seen = KM_ARENA_NEW(arena, bool, r),
-                   .null = KM_ARENA_NEW(arena, double, c *c)};
+                   .seen = KM_ARENA_NEW(arena, bool, r)};
   return !arena->failed;
 }
 
@@ -54,7 +49,6 @@ static bool reserve_partition(km_partition *p, const km_sparse *pattern, int row
   *p = (km_partition){.row = KM_ARENA_NEW(arena, int, r),
                       .column = KM_ARENA_NEW(arena, int, c),
                       .inverse = KM_ARENA_NEW(arena, double, r < c ? r : c),
-                      .B = KM_ARENA_NEW(arena, double, r *c),
                       .work = KM_ARENA_NEW(arena, double, r < c ? c : r),
                       .sparse = KM_ARENA_NEW(arena, km_sparse, 1)};
   if (arena->failed)

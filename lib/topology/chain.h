@@ -8,8 +8,9 @@
 /* Where a walk stands: a frame of the model, reached from a slot by a constant displacement. */
 typedef struct km_stand {
   int slot;
-  km_pose pose; /* from the slot, scaled */
-  int frame;    /* the model's frame that the walk stands on */
+  km_pose pose;   /* from the slot, scaled */
+  int frame;      /* the model's frame that the walk stands on */
+  km_vec3 origin; /* where on the base body slot positions are counted from, in that body's frame, unscaled */
 } km_stand;
 
 /* The motions of a joint in the order in which a walk passes them. */

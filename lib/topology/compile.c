@@ -175,8 +175,8 @@ static void set_couplings(km_mechanism *m, int s) {
       largest = fmax(largest, fabs(def->ratios[k] * m->unit[def->coordinates[k]]));
     for (int k = 0; k < def->count; ++k) {
       int c = def->coordinates[k];
-      km_term term = {c, m->column_of[c], def->ratios[k] * m->unit[c] / largest};
-      m->terms[m->term_count++] = term;
+      m->terms[m->term_count++] =
+          (km_term){.coordinate = c, .column = m->column_of[c], .coefficient = def->ratios[k] * m->unit[c] / largest};
       /* The constant is the file's, also where a coordinate is held elsewhere. */
       coupling->constant +=
           def->ratios[k] / largest * m->model->coordinates[c].position * km_model_coordinate_factor(m->model, c);
@@ -185,7 +185,7 @@ static void set_couplings(km_mechanism *m, int s) {
   sub->coupling_count = m->coupling_count - sub->coupling_start;
 }
 
-static void compile_substructure(km_mechanism *m, int s, km_walks *walks) {
+static bool compile_substructure(km_mechanism *m, int s, km_walks *walks) {
   const km_topology *t = &m->topology;
   km_substructure *sub = &m->substructures[s];
   sub->loop_start = t->loop_start[s];
@@ -194,16 +194,17 @@ static void compile_substructure(km_mechanism *m, int s, km_walks *walks) {
     m->loop_order[sub->loop_start + i] = t->loop[sub->loop_start + i];
   km_compile_loops(m, s, walks);
   set_couplings(m, s);
+  if (!km_compile_pattern(m, sub))
+    return false;
   sub->matrix_start = m->matrix_size;
-  sub->basis_start = m->basis_size;
   sub->error_start = m->error_size;
-  m->matrix_size += (size_t)sub->rows * (size_t)sub->columns;
-  m->basis_size += (size_t)sub->columns * (size_t)sub->columns;
+  m->matrix_size += sub->pattern.size;
   m->error_size += sub->rows;
   if (sub->rows > m->largest_rows)
     m->largest_rows = sub->rows;
   if (sub->columns > m->largest_columns)
     m->largest_columns = sub->columns;
+  return true;
 }
 
 static void set_arcs(km_mechanism *m) {
@@ -246,13 +247,12 @@ static km_status compile(km_mechanism *m, const km_hold *holds, int hold_count, 
   km_arena scratch = {0};
   set_columns(m, &scratch);
   km_walks walks;
-  if (km_walks_create(m, steps, &scratch, &walks))
-    for (int s = 0; s < m->topology.substructure_count; ++s)
-      compile_substructure(m, s, &walks);
+  bool done = km_walks_create(m, steps, &scratch, &walks);
+  for (int s = 0; s < m->topology.substructure_count && done; ++s)
+    done = compile_substructure(m, s, &walks);
   set_arcs(m);
-  bool failed = scratch.failed;
   km_arena_free(&scratch);
-  return failed ? km_fail(error, KM_MEMORY, "out of memory while compiling the mechanism") : KM_OK;
+  return !done ? km_fail(error, KM_MEMORY, "out of memory while compiling the mechanism") : KM_OK;
 }
 
 km_status km_mechanism_compile_tolerant(const km_model *model, const km_hold *holds, int hold_count,

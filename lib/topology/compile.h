@@ -17,6 +17,9 @@ bool km_walks_create(const km_mechanism *mechanism, size_t steps, km_arena *aren
 /* Reads every loop's steps, motion space and closing frames of one substructure into the mechanism, whose
  * arrays are large enough. */
 void km_compile_loops(km_mechanism *mechanism, int substructure, km_walks *walks);
+/* Chooses how the substructure's Jacobian is stored, and tells its entries and couplings where. False when out of
+ * memory. */
+bool km_compile_pattern(km_mechanism *mechanism, km_substructure *sub);
 /* Upper bound of the steps (and entries) that the loops of the mechanism need. */
 void km_compile_bounds(const km_mechanism *mechanism, size_t *steps, size_t *entries);
 /* Do all loops of the program move in one plane, to the last digits? `plane` is then the base frame turned

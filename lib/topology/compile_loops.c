@@ -28,12 +28,24 @@ static bool turns(const km_rotation *R) {
   return R->axis[0].x != 1.0 || R->axis[1].y != 1.0 || R->axis[2].z != 1.0;
 }
 
+/* Goes to another frame of the body that the walk stands on. On the base body the origin goes along: positions are
+ * counted from the place where a branch leaves the base, so that a branch far from the others keeps its digits. */
+static void go_to_frame(const km_mechanism *m, int base_frame, int frame, double size, km_stand *at) {
+  const km_frame_def *frames = m->model->frames;
+  km_pose link = km_frame_to_frame(m->model, at->frame, frame, size);
+  if (frames[at->frame].body == frames[base_frame].body) {
+    link.p = (km_vec3){0, 0, 0};
+    at->origin = frames[frame].pose.p;
+  }
+  at->pose = km_pose_product(&at->pose, &link);
+  at->frame = frame;
+}
+
 /* Passes a joint: free motions become steps, held ones part of the constants. */
 static void pass(km_mechanism *m, km_program *program, int joint, bool against, double size, km_stand *at) {
   km_passage p = km_joint_passage(m->model, joint, against);
   double pitch = km_pitch_per_radian(m->model, joint, size);
-  km_pose link = km_frame_to_frame(m->model, at->frame, p.entry, size);
-  at->pose = km_pose_product(&at->pose, &link);
+  go_to_frame(m, program->base_frame, p.entry, size, at);
   at->frame = p.exit;
   for (int i = 0; i < p.count; ++i) {
     int c = p.coordinate[i];
@@ -55,14 +67,15 @@ static void pass(km_mechanism *m, km_program *program, int joint, bool against, 
                                                                       .to = program->slot_count,
                                                                       .turned = turns(&at->pose.R),
                                                                       .before = at->pose};
-    *at = (km_stand){program->slot_count++, km_pose_identity(), at->frame};
+    at->slot = program->slot_count++;
+    at->pose = km_pose_identity();
   }
 }
 
 static void add_entries(km_mechanism *m, km_program *program, km_loop *loop, int first, int count, int side) {
   for (int i = first; i < first + count; ++i) {
     const km_step *step = &m->steps[program->step_start + i];
-    m->entries[loop->entry_start + loop->entry_count++] = (km_entry){i, m->column_of[step->coordinate], (double)side};
+    m->entries[loop->entry_start + loop->entry_count++] = (km_entry){.step = i, .column = m->column_of[step->coordinate], .side = side};
   }
 }
 
@@ -97,7 +110,7 @@ static km_stand walk_side(km_mechanism *m, km_program *program, km_loop *loop, i
   return at;
 }
 
-/* Poses of the program's slots when every free coordinate is 0. */
+/* Poses of the program's slots when every free coordinate is 0, each about the origin of its branch. */
 static void zero_poses(const km_mechanism *m, const km_program *program, km_walks *w) {
   w->zero[0] = km_pose_identity();
   for (int i = 0; i < program->step_count; ++i) {
@@ -106,17 +119,32 @@ static void zero_poses(const km_mechanism *m, const km_program *program, km_walk
   }
 }
 
-static void find_motion_space(km_mechanism *m, const km_program *program, km_loop *loop, km_walks *w,
-                              const km_rotation *plane) {
+/* The unit twists of a loop's steps about its point when all coordinates are 0, lengths over the loop's own radius: the
+ * motion space doesn't depend on where the loop is, nor on how long its chain of joints is. */
+static int list_twists(const km_mechanism *m, const km_program *program, const km_loop *loop, km_walks *w,
+                       const km_rotation *plane) {
+  double radius = 1.0;
   int count = 0;
   for (int i = 0; i < loop->entry_count; ++i) {
-    const km_step *step = &m->steps[program->step_start + m->entries[loop->entry_start + i].step];
+    const km_entry *entry = &m->entries[loop->entry_start + i];
+    const km_step *step = &m->steps[program->step_start + entry->step];
     km_motion motion = {step->primitive, step->axis};
+    km_pose X = w->zero[step->to];
+    X.p = km_vec3_sub(X.p, loop->point[entry->side < 0.0]);
+    radius = fmax(radius, km_vec3_norm(X.p));
     for (int k = 0; k < km_primitive_freedom(step->primitive); ++k) {
-      km_twist twist = km_motion_twist(motion, step->pitch, &w->zero[step->to], k);
+      km_twist twist = km_motion_twist(motion, step->pitch, &X, k);
       w->twist[count++] = (km_twist){km_rotate_back(plane, twist.v), km_rotate_back(plane, twist.w)};
     }
   }
+  for (int i = 0; i < count; ++i)
+    w->twist[i].v = km_vec3_scale(1.0 / radius, w->twist[i].v);
+  return count;
+}
+
+static void find_motion_space(km_mechanism *m, const km_program *program, km_loop *loop, km_walks *w,
+                              const km_rotation *plane) {
+  int count = list_twists(m, program, loop, w, plane);
   /* Directions are told apart by what 1e-16 data can blur, or by what the file says it can. */
   double tolerance = m->closure_tolerance_given ? fmax(3e-8, 30.0 * m->closure_tolerance) : 3e-8;
   km_motion_space space;
@@ -138,12 +166,20 @@ static void compile_loop(km_mechanism *m, km_program *program, int l, km_stand b
   loop->entry_start = *entries;
   km_stand out = walk_side(m, program, loop, l, +1, base, w);
   km_stand back = walk_side(m, program, loop, l, -1, base, w);
-  km_pose link = km_frame_to_frame(m->model, back.frame, ends.head, size);
+  go_to_frame(m, program->base_frame, ends.head, size, &back);
   loop->slot[0] = out.slot;
   loop->close[0] = out.pose;
   loop->slot[1] = back.slot;
-  loop->close[1] = km_pose_product(&back.pose, &link);
+  loop->close[1] = back.pose;
+  loop->apart = km_vec3_scale(1.0 / size, km_rotate_back(&m->model->frames[program->base_frame].pose.R,
+                                                         km_vec3_sub(back.origin, out.origin)));
   *entries += loop->entry_count;
+}
+
+/* The point of the loop about which its rows are taken: where its frames meet when every coordinate is 0. */
+static void set_point(const km_walks *w, km_loop *loop) {
+  loop->point[0] = km_pose_point(&w->zero[loop->slot[0]], loop->close[0].p);
+  loop->point[1] = km_vec3_sub(loop->point[0], loop->apart);
 }
 
 static void compile_program(km_mechanism *m, km_program *program, km_walks *w) {
@@ -152,7 +188,8 @@ static void compile_program(km_mechanism *m, km_program *program, km_walks *w) {
   const km_member *member = &t->member[t->member_start[first]];
   bool against = member->joint != t->chord[first] && t->against[member->joint];
   int base_frame = m->model->joints[member->joint].frame[against];
-  km_stand base = {0, km_pose_identity(), base_frame};
+  km_stand base = {0, km_pose_identity(), base_frame, m->model->frames[base_frame].pose.p};
+  program->base_frame = base_frame;
   program->step_start = m->step_count;
   program->slot_count = 1;
   w->program++;
@@ -161,8 +198,11 @@ static void compile_program(km_mechanism *m, km_program *program, km_walks *w) {
   zero_poses(m, program, w);
   km_rotation plane;
   program->planar = km_find_plane(m, program, w, &plane);
-  for (int i = 0; i < program->loop_count; ++i)
-    find_motion_space(m, program, &m->loops[m->loop_order[program->loop_start + i]], w, &plane);
+  for (int i = 0; i < program->loop_count; ++i) {
+    km_loop *loop = &m->loops[m->loop_order[program->loop_start + i]];
+    set_point(w, loop);
+    find_motion_space(m, program, loop, w, &plane);
+  }
   if (program->planar)
     km_compile_planar(m, program, w, &plane);
   else

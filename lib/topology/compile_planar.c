@@ -82,6 +82,12 @@ static void planar_loop(km_loop *loop, const km_walks *w, const km_rotation *pla
     loop->planar_close[side][0] = shift.x;
     loop->planar_close[side][1] = shift.y;
   }
+  km_vec3 apart = km_rotate_back(plane, loop->apart), point = km_rotate_back(plane, loop->point[0]);
+  loop->planar_apart[0] = apart.x;
+  loop->planar_apart[1] = apart.y;
+  loop->planar_point[0] = point.x;
+  loop->planar_point[1] = point.y;
+  end[1].p = km_vec3_add(end[1].p, loop->apart);
   km_pose back = km_pose_inverse(&end[1]);
   km_rotation turn = km_rotation_product(&end[0].R, &back.R);
   km_vec3 x = km_rotate_back(plane, km_rotate(&turn, plane->axis[0]));

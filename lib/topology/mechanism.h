@@ -35,19 +35,22 @@ typedef struct km_planar_step {
   double ux, uy; /* direction of a slide, when all coordinates are 0 */
 } km_planar_step;
 
-/* Loops seen from one base body. */
+/* Loops seen from one base body. Slots have the base frame's axes; their positions are counted from where their branch
+ * leaves the base body. */
 typedef struct km_program {
   bool planar;
+  int base_frame;             /* the frame of the base body whose axes slot 0 has */
   int step_start, step_count; /* into steps or planar_steps */
   int loop_start, loop_count; /* into loop_order */
   int slot_count;
 } km_program;
 
-/* A step's column in a loop's block: +1 on the virtual side, -1 on the other. */
+/* A step's columns in a loop's block: +1 on the virtual side, -1 on the other. */
 typedef struct km_entry {
   int step;   /* into the program's steps */
   int column; /* first column in the substructure's Jacobian */
   double side;
+  size_t at, next; /* where its first value is stored, and how far behind it that of the next column is */
 } km_entry;
 
 typedef struct km_loop {
@@ -57,7 +60,10 @@ typedef struct km_loop {
   int row_start;             /* in the substructure's Jacobian */
   int slot[2];               /* where the virtual body and the embedding body end */
   km_pose close[2];          /* from those slots to the two frames that must meet, scaled */
-  double planar_close[2][2]; /* the same points in a planar program */
+  km_vec3 apart;             /* from the origin of the first slot's branch to that of the second's, scaled */
+  km_vec3 point[2];          /* the loop's own point, about which its rows are taken, from each of the two origins */
+  double planar_close[2][2]; /* the same in a planar program, in the plane's axes */
+  double planar_apart[2], planar_point[2];
   double planar_turn;        /* turn of the one frame against the other when all coordinates are 0 */
   double fixed_misfit[6];    /* planar: what no coordinate can change (v z, w x, w y in the plane's frame) */
   int entry_start, entry_count;
@@ -74,7 +80,15 @@ typedef struct km_coupling {
 typedef struct km_term {
   int coordinate, column; /* column -1: held */
   double coefficient;     /* of the scaled coordinate, scaled so that the largest of a row is 1 */
+  size_t at;              /* where its value is stored in the Jacobian */
 } km_term;
+
+/* Which entries of a Jacobian are stored: all, column by column, or of a large one with few entries other than 0 just
+ * those: the rows of column c are row[start[c] … start[c+1]-1]. */
+typedef struct km_pattern {
+  int *start, *row; /* NULL: all */
+  size_t size;      /* stored values */
+} km_pattern;
 
 typedef struct km_substructure {
   int rows, columns;
@@ -83,8 +97,8 @@ typedef struct km_substructure {
   int program_start, program_count;
   int loop_start, loop_count; /* into loop_order */
   int coupling_start, coupling_count;
+  km_pattern pattern;
   size_t matrix_start; /* into the states' Jacobian store */
-  size_t basis_start;  /* into the states' null space store */
   int error_start;     /* into the states' error store */
 } km_substructure;
 
@@ -126,7 +140,7 @@ struct km_mechanism {
   int *arc_of;  /* [body] into arcs; -1 for the inertial frame */
   int program_count, step_count, planar_step_count, entry_count, coupling_count, term_count;
   int largest_slots, largest_rows, largest_columns;
-  size_t matrix_size, basis_size;
+  size_t matrix_size;
   int error_size;
 };
 

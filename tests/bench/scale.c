@@ -54,6 +54,7 @@ typedef struct engines {
   km_arena arena;
   cholmod_common common;
   cholmod_sparse *J;
+  double *whole;
 } engines;
 
 static void run_sparse(void *context) {
@@ -71,7 +72,7 @@ static void run_kept(void *context) {
 static void run_dense(void *context) {
   engines *e = context;
   const km_substructure *sub = &e->mechanism->substructures[0];
-  km_partition_factor(&e->dense, km_state_jacobian(e->state, sub), sub->rows, sub->columns, NULL,
+  km_partition_factor(&e->dense, e->whole, sub->rows, sub->columns, NULL,
                       km_rank_tolerance(e->mechanism, sub, 0));
 }
 
@@ -95,14 +96,17 @@ static void open_engines(engines *e, int n) {
     bench_fail("scale/engines", "%s", error.text);
   km_text_free(&text);
   const km_substructure *sub = &e->mechanism->substructures[0];
-  const double *J = km_state_jacobian(e->state, sub);
+  e->whole = KM_NEW(double, (size_t)sub->rows *(size_t)sub->columns);
+  if (!e->whole)
+    bench_fail("scale/engines", "out of memory");
+  km_state_jacobian_dense(e->state, sub, e->whole);
   cholmod_l_start(&e->common);
   e->common.SPQR_nthreads = 1;
   cholmod_dense whole = {.nrow = (size_t)sub->rows,
                          .ncol = (size_t)sub->columns,
                          .nzmax = (size_t)sub->rows * (size_t)sub->columns,
                          .d = (size_t)sub->rows,
-                         .x = (double *)(size_t)J,
+                         .x = e->whole,
                          .xtype = CHOLMOD_REAL};
   e->J = cholmod_l_dense_to_sparse(&whole, 1, &e->common);
   if (!km_partition_reserve(&e->dense, sub->rows, sub->columns, &e->arena))
@@ -111,6 +115,7 @@ static void open_engines(engines *e, int n) {
 
 static void close_engines(engines *e) {
   km_arena_free(&e->arena);
+  km_free(e->whole);
   cholmod_l_free_sparse(&e->J, &e->common);
   cholmod_l_finish(&e->common);
   km_state_free(e->state);

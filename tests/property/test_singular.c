@@ -11,10 +11,10 @@ static double kept_by_lapacke(const fixture *f, int index) {
   const km_substructure *sub = &f->mechanism->substructures[index];
   int rows = sub->rows, columns = sub->columns, most = rows < columns ? rows : columns;
   double *A = KM_NEW(double, (size_t)(rows * columns)), *values = KM_NEW(double, (size_t)most + 1), none[1];
+  km_state_jacobian_dense(f->state, sub, A);
   for (int c = 0; c < columns; ++c)
     for (int r = 0; r < rows; ++r)
-      A[c * rows + r] =
-          km_state_jacobian(f->state, sub)[c * rows + r] / f->mechanism->column_weight[sub->column_start + c];
+      A[c * rows + r] /= f->mechanism->column_weight[sub->column_start + c];
   assert_int_equal(LAPACKE_dgesdd(LAPACK_COL_MAJOR, 'N', rows, columns, A, rows, values, none, 1, none, 1), 0);
   double kept = values[f->state->partition[index].rank - 1];
   km_free(A);

@@ -18,7 +18,7 @@ void law_jacobian(fixture *f, randomness *r) {
     km_loops_update(m, f->state, sub);
     double *J = KM_NEW(double, rows *columns), *saved = KM_NEW(double, 3 * columns), *step = KM_NEW(double, columns);
     double *plus = KM_NEW(double, rows);
-    memcpy(J, km_state_jacobian(f->state, sub), rows * columns * sizeof *J);
+    km_state_jacobian_dense(f->state, sub, J);
     km_state_save(f->state, sub, saved);
     for (size_t c = 0; c < columns; ++c) {
       memset(step, 0, columns * sizeof *step);
@@ -50,7 +50,7 @@ void law_null_space(fixture *f, randomness *r) {
   for (int s = 0; s < m->topology.substructure_count; ++s) {
     const km_substructure *sub = &m->substructures[s];
     const km_partition *p = &f->state->partition[s];
-    const double *Z = km_state_basis(f->state, sub), *weight = m->column_weight + sub->column_start;
+    const double *Z = km_state_basis(f->state, s), *weight = m->column_weight + sub->column_start;
     int rows;
     double *J = whole_jacobian(f, s, &rows);
     for (int k = 0; k < km_partition_freedom(p); ++k) {
