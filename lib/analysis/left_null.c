@@ -7,23 +7,51 @@
 
 #include <string.h>
 
-km_left_space km_left_space_make(const km_mechanism *m, km_state *s, int index) {
+/* Lists the loops of every joint. False when out of memory. */
+static bool find_places(km_left_space *a, km_arena *arena) {
+  const km_topology *t = &a->m->topology;
+  const int *loops = t->loop + t->loop_start[a->index];
+  size_t joints = (size_t)a->m->model->joint_count, members = 0;
+  for (int i = 0; i < a->sub->loop_count; ++i)
+    members += (size_t)(t->member_start[loops[i] + 1] - t->member_start[loops[i]]);
+  int *first = KM_ARENA_NEW(arena, int, joints + 2);
+  a->place = KM_ARENA_NEW(arena, km_loop_place, members);
+  a->first_place = first;
+  if (arena->failed)
+    return false;
+  for (int i = 0; i < a->sub->loop_count; ++i)
+    for (int k = t->member_start[loops[i]]; k < t->member_start[loops[i] + 1]; ++k)
+      first[t->member[k].joint + 2]++;
+  for (size_t j = 0; j < joints; ++j)
+    first[j + 2] += first[j + 1];
+  /* First[j + 1] is where the next place of joint j goes, and ends up where the joint's places end. */
+  for (int i = 0; i < a->sub->loop_count; ++i)
+    for (int k = t->member_start[loops[i]]; k < t->member_start[loops[i] + 1]; ++k)
+      a->place[first[t->member[k].joint + 1]++] = (km_loop_place){i, k};
+  return true;
+}
+
+bool km_left_space_make(const km_mechanism *m, km_state *s, int index, km_arena *arena, km_left_space *out) {
   const km_substructure *sub = &m->substructures[index];
   const km_topology *t = &m->topology;
   int worst;
-  return (km_left_space){.m = m,
+  *out = (km_left_space){.m = m,
                          .s = s,
                          .index = index,
                          .sub = sub,
                          .rows = 6 * sub->loop_count + sub->coupling_count,
-                         .about = km_joint_pose(m, s, t->joint[t->joint_start[index]]).p,
                          .tolerance = km_rank_tolerance(m, sub, km_loops_residual(m, s, sub, &worst))};
+  out->about = KM_ARENA_NEW(arena, km_vec3, (size_t)sub->loop_count);
+  for (int i = 0; i < sub->loop_count && out->about; ++i)
+    out->about[i] = km_joint_pose(m, s, t->chord[t->loop[t->loop_start[index] + i]]).p;
+  return find_places(out, arena);
 }
 
-/* Calls `take` with the six entries of each column of a loop. */
-static void visit_loop(const km_left_space *a, int loop, void (*take)(void *out, int column, const double entry[6]),
+/* Calls `take` with the six entries of each column of the loop at a place. */
+static void visit_loop(const km_left_space *a, int place, void (*take)(void *out, int column, const double entry[6]),
                        void *out) {
   const km_topology *t = &a->m->topology;
+  int loop = t->loop[t->loop_start[a->index] + place];
   for (int i = t->member_start[loop]; i < t->member_start[loop + 1]; ++i) {
     const km_member *member = &t->member[i];
     int first = a->m->model->joints[member->joint].first_coordinate;
@@ -31,16 +59,12 @@ static void visit_loop(const km_left_space *a, int loop, void (*take)(void *out,
       if (a->m->column_of[c] < 0)
         continue;
       double column[6], sense = km_member_sense(t, loop, member);
-      km_twist_entries(a->sub, km_coordinate_twist(a->m, a->s, c), a->about, a->m->unit[c], column);
+      km_twist_entries(a->sub, km_coordinate_twist(a->m, a->s, c), a->about[place], a->m->unit[c], column);
       for (int r = 0; r < 6; ++r)
         column[r] *= sense;
       take(out, a->m->column_of[c], column);
     }
   }
-}
-
-static int loop_of(const km_left_space *a, int place) {
-  return a->m->topology.loop[a->m->topology.loop_start[a->index] + place];
 }
 
 /* J transposed: row `column` holds the constraints' entries of a column. */
@@ -77,35 +101,42 @@ static int solve(const transposed *T, int rows, double tolerance, km_arena *aren
 }
 
 /* What a loop has by itself, 36 entries at most. Returns how many vectors; -1: out of memory. */
-static int solve_loop(const km_left_space *a, int loop, double *W) {
+static int solve_loop(const km_left_space *a, int place, double *W) {
   km_arena scratch = {0};
   int columns = 0;
-  visit_loop(a, loop, count_one, &columns);
+  visit_loop(a, place, count_one, &columns);
   transposed T = {KM_ARENA_NEW(&scratch, double, 6 * (size_t)columns), columns, 0};
   int count = -1;
   if (!scratch.failed) {
-    visit_loop(a, loop, take_next, &T);
+    visit_loop(a, place, take_next, &T);
     count = solve(&T, 6, a->tolerance, &scratch, W);
   }
   km_arena_free(&scratch);
   return count;
 }
 
-/* False when out of memory. */
+static void take_column(void *out, int column, const double entry[6]) {
+  transposed *T = out;
+  for (int r = 0; r < 6; ++r)
+    T->entries[(size_t)(T->at + r) * (size_t)T->height + (size_t)column] = entry[r];
+}
+
+/* The whole Jacobian. False when out of memory. */
 static bool fill_whole(const km_left_space *a, km_arena *scratch, transposed *T) {
-  int rows = a->rows, columns = a->sub->columns;
-  const int *coordinate = a->m->column_coordinate + a->sub->column_start;
-  double *J = KM_ARENA_NEW(scratch, double, (size_t)rows *(size_t)columns);
-  km_twist *twist = KM_ARENA_NEW(scratch, km_twist, (size_t)a->m->coordinate_count);
-  *T = (transposed){KM_ARENA_NEW(scratch, double, (size_t)rows *(size_t)columns), columns, 0};
+  const km_substructure *sub = a->sub;
+  *T = (transposed){KM_ARENA_NEW(scratch, double, (size_t)a->rows *(size_t)sub->columns), sub->columns, 0};
   if (scratch->failed)
     return false;
-  for (int k = 0; k < columns; ++k)
-    twist[coordinate[k]] = km_coordinate_twist(a->m, a->s, coordinate[k]);
-  km_whole_jacobian(a->m, a->index, twist, a->about, J);
-  for (int k = 0; k < columns; ++k)
-    for (int r = 0; r < rows; ++r)
-      T->entries[(size_t)r * (size_t)columns + (size_t)k] = J[(size_t)k * (size_t)rows + (size_t)r];
+  for (int i = 0; i < sub->loop_count; ++i, T->at += 6)
+    visit_loop(a, i, take_column, T);
+  for (int i = 0; i < sub->coupling_count; ++i) {
+    const km_coupling *coupling = &a->m->couplings[sub->coupling_start + i];
+    for (int k = 0; k < coupling->term_count; ++k) {
+      const km_term *term = &a->m->terms[coupling->term_start + k];
+      if (term->column >= 0)
+        T->entries[(size_t)(T->at + i) * (size_t)T->height + (size_t)term->column] = term->coefficient;
+    }
+  }
   return true;
 }
 
@@ -160,7 +191,7 @@ bool km_left_null_find(const km_left_space *a, km_arena *arena, km_left_null *ou
   if (arena->failed)
     return false;
   for (int i = 0; i < a->sub->loop_count; ++i) {
-    int count = solve_loop(a, loop_of(a, i), out->local + 6 * out->local_count);
+    int count = solve_loop(a, i, out->local + 6 * out->local_count);
     if (count < 0)
       return false;
     out->first[i] = out->local_count;

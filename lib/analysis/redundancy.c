@@ -9,7 +9,7 @@
 typedef struct finder {
   km_left_space space;
   km_left_null null, nearby; /* at the pose, and a short way along the motion */
-  double *work;              /* [2 · km_left_null_count] */
+  double *work;              /* [2 · whole_count] */
   km_redundancies *out;
   size_t *capacity;
 } finder;
@@ -73,7 +73,7 @@ static bool lasts(const finder *f, const double *v, int at, int count) {
 }
 
 /* The physical meaning of a loop's wrench w: a force on a line, with a pitch, or a couple. */
-static void describe(const km_left_space *a, const double *w, km_redundancy *item) {
+static void describe(const km_left_space *a, int place, const double *w, km_redundancy *item) {
   km_vec3 f = {w[0], w[1], w[2]}, c = {w[3], w[4], w[5]};
   double force = km_vec3_norm(f), couple = km_vec3_norm(c);
   item->rotation = force < 1e-6 * couple;
@@ -85,7 +85,7 @@ static void describe(const km_left_space *a, const double *w, km_redundancy *ite
   memcpy(item->direction, &(double[3]){d.x, d.y, d.z}, sizeof item->direction);
   if (item->rotation)
     return;
-  km_vec3 p = km_vec3_axpy(a->sub->size / (force * force), km_vec3_cross(f, c), a->about);
+  km_vec3 p = km_vec3_axpy(a->sub->size / (force * force), km_vec3_cross(f, c), a->about[place]);
   memcpy(item->point, &(double[3]){p.x, p.y, p.z}, sizeof item->point);
   item->pitch = a->sub->size * km_vec3_dot(f, c) / (force * force);
 }
@@ -137,8 +137,8 @@ static bool single_loops(const finder *f) {
       const double *w = wrenches + 6 * k;
       km_redundancy item = {
           .substructure = f->space.index, .loop = t->loop[t->loop_start[f->space.index] + i], .loops = 1};
-      describe(&f->space, w, &item);
-      km_remedies_find(&f->space, &f->null, w, f->work, &item);
+      describe(&f->space, i, w, &item);
+      km_remedies_find(&f->space, &f->null, i, w, f->work, &item);
       item.lasting = lasts(f, w, 6 * i, 6);
       if (!add_item(f, item))
         return false;
@@ -173,8 +173,8 @@ static bool several_loops(const finder *f) {
     if (chief < 0)
       continue;
     item.loop = t->loop[t->loop_start[f->space.index] + chief];
-    describe(&f->space, v + 6 * chief, &item);
-    km_remedies_find(&f->space, &f->null, v + 6 * chief, f->work, &item);
+    describe(&f->space, chief, v + 6 * chief, &item);
+    km_remedies_find(&f->space, &f->null, chief, v + 6 * chief, f->work, &item);
     item.lasting = lasts(f, v, 0, f->space.rows);
     if (!add_item(f, item))
       return false;
@@ -187,7 +187,7 @@ static bool find_in(finder *f, km_arena *arena) {
     return false;
   if (km_left_null_count(&f->null) == 0)
     return true;
-  f->work = KM_ARENA_NEW(arena, double, 2 * (size_t)km_left_null_count(&f->null));
+  f->work = KM_ARENA_NEW(arena, double, 2 * (size_t)f->null.whole_count);
   return look_nearby(f, arena) && !arena->failed && single_loops(f) && several_loops(f);
 }
 
@@ -200,8 +200,8 @@ km_status km_redundancies_find(const km_mechanism *m, km_state *s, km_redundanci
   km_mobility_update(m, s, &mobility);
   for (int i = 0; i < m->topology.substructure_count && found; ++i) {
     km_arena arena = {0};
-    finder f = {.space = km_left_space_make(m, s, i), .out = out, .capacity = &capacity};
-    found = find_in(&f, &arena);
+    finder f = {.out = out, .capacity = &capacity};
+    found = km_left_space_make(m, s, i, &arena, &f.space) && find_in(&f, &arena);
     km_arena_free(&arena);
   }
   return found ? KM_OK : km_fail(error, KM_MEMORY, "out of memory for the redundant constraints");

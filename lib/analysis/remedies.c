@@ -3,52 +3,63 @@
 #include "analysis/whole_jacobian.h"
 #include "kinematics/poses.h"
 
-/* Wᵀh: what a new freedom h of a joint, as a column in the loops that it lies in, does along each left null vector, and
- * so beyond the reach of all other columns. */
-static void beyond_reach(const km_left_space *a, const km_left_null *null, int joint, km_twist h, double *out) {
+/* Wᵀh for one or two new freedoms h of a joint, as columns in the loops that it lies in: what they do along the left
+ * null vectors W, and so beyond the reach of all other columns. Kept as the squares and the product of the two. */
+typedef struct reach {
+  double xx, xy, yy;
+} reach;
+
+static void add_reach(reach *out, double x, double y) {
+  out->xx += x * x;
+  out->xy += x * y;
+  out->yy += y * y;
+}
+
+static double dot6(const double *a, const double *b) {
+  double sum = 0.0;
+  for (int r = 0; r < 6; ++r)
+    sum += a[r] * b[r];
+  return sum;
+}
+
+/* `work` has room for 2 · whole_count. */
+static reach beyond_reach(const km_left_space *a, const km_left_null *null, int joint, const km_twist *h, int count,
+                          double *work) {
   const km_topology *t = &a->m->topology;
-  int first = t->loop_start[a->index];
-  double column[6];
-  km_twist_entries(a->sub, h, a->about, 1.0, column);
-  for (int k = 0; k < km_left_null_count(null); ++k)
-    out[k] = 0.0;
-  for (int i = 0; i < a->sub->loop_count; ++i) {
-    int loop = t->loop[first + i];
-    for (int n = t->member_start[loop]; n < t->member_start[loop + 1]; ++n) {
-      if (t->member[n].joint != joint)
-        continue;
-      double s = km_member_sense(t, loop, &t->member[n]);
-      for (int r = 0; r < 6; ++r) {
-        for (int k = null->first[i]; k < null->first[i + 1]; ++k)
-          out[k] += s * column[r] * null->local[6 * k + r];
-        for (int k = 0; k < null->whole_count; ++k)
-          out[null->local_count + k] += s * column[r] * null->whole[(size_t)k * (size_t)a->rows + (size_t)(6 * i + r)];
-      }
+  double column[2][6] = {{0}}, *x = work, *y = work + null->whole_count;
+  reach out = {0};
+  for (int k = 0; k < 2 * null->whole_count; ++k)
+    work[k] = 0.0;
+  for (int n = a->first_place[joint]; n < a->first_place[joint + 1]; ++n) {
+    const km_loop_place *place = &a->place[n];
+    double s = km_member_sense(t, t->loop[t->loop_start[a->index] + place->loop], &t->member[place->member]);
+    for (int i = 0; i < count; ++i)
+      km_twist_entries(a->sub, h[i], a->about[place->loop], 1.0, column[i]);
+    for (int k = null->first[place->loop]; k < null->first[place->loop + 1]; ++k)
+      add_reach(&out, s * dot6(column[0], null->local + 6 * k), s * dot6(column[1], null->local + 6 * k));
+    for (int k = 0; k < null->whole_count; ++k) {
+      const double *w = null->whole + (size_t)k * (size_t)a->rows + (size_t)(6 * place->loop);
+      x[k] += s * dot6(column[0], w);
+      y[k] += s * dot6(column[1], w);
     }
   }
+  for (int k = 0; k < null->whole_count; ++k)
+    add_reach(&out, x[k], y[k]);
+  return out;
 }
 
 /* Would one or two new freedoms of a joint each raise the rank? */
 static bool raises_rank(const km_left_space *a, const km_left_null *null, int joint, double *work, const km_twist *h,
                         int count) {
-  int vectors = km_left_null_count(null);
-  double *x = work, *y = work + vectors, xx = 0.0, xy = 0.0, yy = 0.0;
-  beyond_reach(a, null, joint, h[0], x);
-  if (count > 1)
-    beyond_reach(a, null, joint, h[1], y);
-  for (int k = 0; k < vectors; ++k) {
-    xx += x[k] * x[k];
-    xy += count > 1 ? x[k] * y[k] : 0.0;
-    yy += count > 1 ? y[k] * y[k] : 0.0;
-  }
+  reach r = beyond_reach(a, null, joint, h, count, work);
   const double least = 1e-10; /* squared: of columns of size about 1 */
-  return xx > least && (count == 1 || xx * yy - xy * xy > least * fmax(xx, yy));
+  return r.xx > least && (count == 1 || r.xx * r.yy - r.xy * r.xy > least * fmax(r.xx, r.yy));
 }
 
-/* How squarely a twist meets the redundant wrench w (six entries): power over both sizes. */
-static double meets(const km_left_space *a, km_twist h, const double *w) {
+/* How squarely a twist meets the redundant wrench w (six entries, about `about`): power over both sizes. */
+static double meets(const km_left_space *a, km_vec3 about, km_twist h, const double *w) {
   double column[6], power = 0.0, size = 0.0, wrench = 0.0;
-  km_twist_entries(a->sub, h, a->about, 1.0, column);
+  km_twist_entries(a->sub, h, about, 1.0, column);
   for (int r = 0; r < 6; ++r) {
     power += w[r] * column[r];
     size += column[r] * column[r];
@@ -74,8 +85,9 @@ static void add_remedy(km_redundancy *item, km_remedy remedy) {
 }
 
 /* Tries the swaps of one hinge or slide of the loop against the wrench. */
-static void try_joint(const km_left_space *a, const km_left_null *null, int joint, const double *w, double *work,
-                      km_redundancy *item) {
+static void try_joint(const km_left_space *a, const km_left_null *null, int joint, int place, const double *w,
+                      double *work, km_redundancy *item) {
+  km_vec3 point = a->about[place];
   const km_joint_kind *kind = km_joint_kind_of(a->m->model->joints[joint].type);
   if (kind->freedom != 1 || a->m->held[a->m->model->joints[joint].first_coordinate] ||
       kind->motions[0].primitive == KM_HELICAL)
@@ -85,11 +97,11 @@ static void try_joint(const km_left_space *a, const km_left_null *null, int join
   km_pose X = km_joint_pose(a->m, a->s, joint);
   km_twist along = km_twist_prismatic(X.R.axis[k]), about = km_twist_revolute(X.R.axis[k], X.p);
   km_twist other = hinge ? along : about; /* what makes the joint cylindrical */
-  double strength = meets(a, other, w);
+  double strength = meets(a, point, other, w);
   if (strength > 0.02 && raises_rank(a, null, joint, work, &other, 1))
     add_remedy(item, (km_remedy){joint, "cylindrical", 1, strength});
   km_twist turns[2] = {km_twist_revolute(X.R.axis[(k + 1) % 3], X.p), km_twist_revolute(X.R.axis[(k + 2) % 3], X.p)};
-  double each[2] = {meets(a, turns[0], w), meets(a, turns[1], w)};
+  double each[2] = {meets(a, point, turns[0], w), meets(a, point, turns[1], w)};
   int best = each[1] > each[0];
   if (hinge && each[best] > 0.02 && raises_rank(a, null, joint, work, &turns[best], 1))
     add_remedy(item, (km_remedy){joint, "universal", 1, each[best]});
@@ -97,9 +109,9 @@ static void try_joint(const km_left_space *a, const km_left_null *null, int join
     add_remedy(item, (km_remedy){joint, "spherical", 2, each[best]});
 }
 
-void km_remedies_find(const km_left_space *a, const km_left_null *null, const double w[6], double *work,
+void km_remedies_find(const km_left_space *a, const km_left_null *null, int place, const double w[6], double *work,
                       km_redundancy *item) {
   const km_topology *t = &a->m->topology;
   for (int i = t->member_start[item->loop]; i < t->member_start[item->loop + 1]; ++i)
-    try_joint(a, null, t->member[i].joint, w, work, item);
+    try_joint(a, null, t->member[i].joint, place, w, work, item);
 }
