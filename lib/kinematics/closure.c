@@ -40,22 +40,35 @@ double km_step_length(const km_mechanism *m, const km_substructure *sub, const d
   return sqrt(km_step_dot(m, sub, x, x));
 }
 
+/* The part of D x along the `count` orthonormal vectors of Y, into `sum` [columns]. */
+static void project(const km_substructure *sub, const double *weight, const double *Y, int count, const double *x,
+                    double *sum) {
+  memset(sum, 0, (size_t)sub->columns * sizeof *sum);
+  for (int k = 0; k < count; ++k) {
+    const double *y = Y + (size_t)k * (size_t)sub->columns;
+    double dot = 0.0;
+    for (int j = 0; j < sub->columns; ++j)
+      dot += y[j] * weight[j] * x[j];
+    for (int j = 0; j < sub->columns; ++j)
+      sum[j] += dot * y[j];
+  }
+}
+
+/* D x loses what it has of the null space Z, or keeps what it has of the row space R: whichever has fewer vectors. */
 void km_least_step(const km_mechanism *m, km_state *s, int index, int driver, double *x) {
   const km_substructure *sub = &m->substructures[index];
   const km_partition *p = &s->partition[index];
   const double *weight = m->column_weight + sub->column_start;
   int count = km_partition_freedom(p) - (driver >= 0 && !p->forced_dependent);
-  const double *Z = count > 0 ? km_state_null(m, s, index, count) : NULL;
-  if (!Z)
+  if (count <= 0)
     return;
-  for (int k = 0; k < count; ++k) {
-    const double *z = Z + (size_t)k * (size_t)sub->columns;
-    double dot = 0.0;
-    for (int j = 0; j < sub->columns; ++j)
-      dot += z[j] * weight[j] * x[j];
-    for (int j = 0; j < sub->columns; ++j)
-      x[j] -= dot * z[j] / weight[j];
-  }
+  bool by_rows = p->rank < count;
+  const double *Y = by_rows ? km_state_rows(m, s, index, count) : km_state_null(m, s, index, count);
+  if (!Y)
+    return;
+  project(sub, weight, Y, by_rows ? p->rank : count, x, s->part);
+  for (int j = 0; j < sub->columns; ++j)
+    x[j] = by_rows ? s->part[j] / weight[j] : x[j] - s->part[j] / weight[j];
 }
 
 static double primary_rms(const km_partition *p, const double *error) {

@@ -35,6 +35,7 @@ static bool allocate(const km_mechanism *m, km_state *s) {
   s->planar_slot = KM_ARENA_NEW(arena, km_planar_pose, (size_t)m->largest_slots);
   s->twist = KM_ARENA_NEW(arena, km_twist, 3 * (size_t)longest_program(m));
   s->work = KM_ARENA_NEW(arena, double, columns);
+  s->part = KM_ARENA_NEW(arena, double, columns);
   s->forced = KM_ARENA_NEW(arena, bool, columns);
   for (int i = 0; i < t->substructure_count && !arena->failed; ++i)
     reserve_partition(&m->substructures[i], &s->partition[i], arena);
@@ -98,14 +99,28 @@ void km_state_jacobian_dense(const km_state *s, const km_substructure *sub, doub
       J[(size_t)c * (size_t)sub->rows + (size_t)pattern->row[i]] = values[i];
 }
 
+static double *basis_room(km_state *s, const km_substructure *sub, int index, int count) {
+  km_basis *basis = &s->basis[index];
+  return km_arena_grow(&s->arena, (void **)&basis->Z, &basis->capacity, (size_t)count * (size_t)sub->columns,
+                       sizeof *basis->Z)
+             ? basis->Z
+             : NULL;
+}
+
 double *km_state_null(const km_mechanism *m, km_state *s, int index, int count) {
   const km_substructure *sub = &m->substructures[index];
-  km_basis *basis = &s->basis[index];
-  if (!km_arena_grow(&s->arena, (void **)&basis->Z, &basis->capacity, (size_t)count * (size_t)sub->columns,
-                     sizeof *basis->Z))
-    return NULL;
-  km_partition_null(&s->partition[index], m->column_weight + sub->column_start, count, basis->Z);
-  return basis->Z;
+  double *Z = basis_room(s, sub, index, count);
+  if (Z)
+    km_partition_null(&s->partition[index], m->column_weight + sub->column_start, count, Z);
+  return Z;
+}
+
+double *km_state_rows(const km_mechanism *m, km_state *s, int index, int count) {
+  const km_substructure *sub = &m->substructures[index];
+  double *R = basis_room(s, sub, index, s->partition[index].rank);
+  if (R)
+    km_partition_rows(&s->partition[index], m->column_weight + sub->column_start, count, R);
+  return R;
 }
 
 static void turn_ball(const km_mechanism *m, km_state *s, int ball, km_vec3 turn) {

@@ -33,6 +33,7 @@ struct km_state {
   km_planar_pose *planar_slot;
   km_twist *twist; /* [3 · longest program] columns of the steps */
   double *work;    /* [largest_columns] */
+  double *part;    /* [largest_columns] of km_least_step */
   bool *forced;    /* [largest_columns] */
 };
 
@@ -54,6 +55,8 @@ void km_state_jacobian_dense(const km_state *state, const km_substructure *sub, 
 /* km_partition_null of a substructure's partition with the weights D, into the state: Z[count × columns]. NULL when out
  * of memory (then km_partition_freedom is 0 too). */
 double *km_state_null(const km_mechanism *mechanism, km_state *state, int substructure, int count);
+/* km_partition_rows in the same place: R[rank × columns]. NULL when out of memory. */
+double *km_state_rows(const km_mechanism *mechanism, km_state *state, int substructure, int count);
 
 /* Adds a step to the coordinates of a substructure: step[column] scaled; a ball turns about the axes of the
  * joint's parent frame. */

@@ -2,6 +2,7 @@
 #include "partition/partition.h"
 
 #include <math.h>
+#include <string.h>
 
 static double dot_of(const double *a, const double *b, int count) {
   double sum = 0.0;
@@ -16,10 +17,10 @@ static void scale(double *z, int count, double factor) {
 }
 
 /* Modified Gram-Schmidt, twice: with a forced driver near its toggle N is badly conditioned, and one pass
- * would leave its columns that much out of square. */
-static void orthonormalise(double *Z, int columns, int freedom) {
+ * would leave its columns that much out of square. The first vector has length 1 already. */
+static void orthonormalise(double *Z, int columns, int count) {
   size_t n = (size_t)columns;
-  for (int k = 1; k < freedom; ++k) {
+  for (int k = 1; k < count; ++k) {
     double *z = Z + (size_t)k * n;
     for (int pass = 0; pass < 2; ++pass) {
       for (int o = 0; o < k; ++o) {
@@ -56,6 +57,29 @@ void km_partition_null(const km_partition *p, const double *weight, int count, d
       scale(Z, p->columns, 1.0 / sqrt(square));
   }
   orthonormalise(Z, p->columns, count);
+}
+
+/* Row i of [I B], that is of J's row space, over the weights; returns its square. */
+static double row_vector(const km_partition *p, const double *weight, int count, int i, double *r) {
+  const int rank = p->rank, *const column = p->column;
+  memset(r, 0, (size_t)p->columns * sizeof *r);
+  double own = 1.0 / weight[column[i]], sum = own * own;
+  r[column[i]] = own;
+  for (int k = 0; k < count; ++k) {
+    int c = column[rank + k];
+    r[c] = p->B[(size_t)k * (size_t)rank + (size_t)i] / weight[c];
+    sum += r[c] * r[c];
+  }
+  return sum;
+}
+
+void km_partition_rows(const km_partition *p, const double *weight, int count, double *R) {
+  for (int i = 0; i < p->rank; ++i) {
+    double square = row_vector(p, weight, count, i, R + (size_t)i * (size_t)p->columns);
+    if (i == 0)
+      scale(R, p->columns, 1.0 / sqrt(square));
+  }
+  orthonormalise(R, p->columns, p->rank);
 }
 
 void km_mobility_numbers(const double *Z, int columns, int freedom, double *numbers) {

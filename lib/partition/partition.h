@@ -83,6 +83,11 @@ void km_partition_solve(const km_partition *partition, const double *rhs, double
  * is not unique, its range is. */
 void km_partition_null(const km_partition *partition, const double *weight, int count, double *Z);
 
+/* Orthonormal basis of the row space of J·diag(weight)⁻¹ over the dependent columns and the first `count` independent
+ * ones, the entries of the others 0: R[rank × columns, leading dimension columns]. What is at right angles to it is
+ * diag(weight) times a null vector. O(columns·rank²): cheaper than km_partition_null where rank < count. */
+void km_partition_rows(const km_partition *partition, const double *weight, int count, double *R);
+
 /* The null vector that moves independent column `column` by 1 and the other independent ones not at all. */
 void km_partition_direction(const km_partition *partition, int column, double *direction);
 

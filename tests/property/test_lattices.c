@@ -1,0 +1,98 @@
+/* Ranks of substructures of up to ten thousand loops, anywhere in space, against SuiteSparse's rank-revealing QR. */
+#include "support/lattices.h"
+#include "support/support.h"
+
+#include "kmech/mobility.h"
+
+#include <SuiteSparseQR_C.h>
+
+/* SPQR's rank of the Jacobian that the partition had, with the same tolerance. */
+static int rank_by_spqr(fixture *f, double tolerance) {
+  const km_substructure *sub = &f->mechanism->substructures[0];
+  const km_pattern *pattern = &sub->pattern;
+  cholmod_common common;
+  cholmod_l_start(&common);
+  cholmod_triplet *T = cholmod_l_allocate_triplet((size_t)sub->rows, (size_t)sub->columns, pattern->size, 0,
+                                                  CHOLMOD_REAL, &common);
+  const double *values = km_state_jacobian(f->state, sub);
+  for (int c = 0, k = 0; c < sub->columns; ++c) {
+    int first = pattern->start ? pattern->start[c] : c * sub->rows;
+    int end = pattern->start ? pattern->start[c + 1] : first + sub->rows;
+    for (int i = first; i < end; ++i, ++k) {
+      ((SuiteSparse_long *)T->i)[k] = pattern->start ? pattern->row[i] : i - first;
+      ((SuiteSparse_long *)T->j)[k] = c;
+      ((double *)T->x)[k] = values[i];
+    }
+  }
+  T->nnz = pattern->size;
+  cholmod_sparse *J = cholmod_l_triplet_to_sparse(T, 0, &common), *R = NULL;
+  SuiteSparse_long *E = NULL;
+  SuiteSparseQR_C(SPQR_ORDERING_COLAMD, tolerance, 0, 0, J, NULL, NULL, NULL, NULL, &R, &E, NULL, NULL, NULL, &common);
+  int rank = (int)common.SPQR_istat[4];
+  cholmod_l_free((size_t)sub->columns, sizeof *E, E, &common);
+  cholmod_l_free_sparse(&R, &common);
+  cholmod_l_free_sparse(&J, &common);
+  cholmod_l_free_triplet(&T, &common);
+  cholmod_l_finish(&common);
+  return rank;
+}
+
+/* One substructure of `loops` loops, in the plane if `planar`; mobility 1. */
+static void check(const km_text *text, int loops, bool planar) {
+  assert_false(text->failed);
+  fixture f = fixture_read(text->data);
+  km_mobility mobility;
+  km_substructure_mobility evidence;
+  km_mobility_update(f.mechanism, f.state, &mobility);
+  assert_int_equal(km_substructure_count(f.mechanism), 1);
+  km_substructure_evidence(f.mechanism, f.state, 0, &evidence);
+  assert_int_equal(evidence.loops, loops);
+  for (int l = 0; l < loops && planar; ++l)
+    assert_int_equal(f.mechanism->loops[l].lambda, 3);
+  assert_int_equal(rank_by_spqr(&f, evidence.tolerance * f.state->partition[0].scale), evidence.rank);
+  assert_int_equal(mobility.mobility, 1);
+  assert_true(mobility.residual < 1e-9);
+  fixture_close(&f);
+}
+
+typedef void (*writer)(km_text *out, int rows, int columns, double away);
+
+static void chain(km_text *out, int rows, int columns, double away) {
+  write_drawn_chain(out, rows * columns, away);
+}
+
+/* `more`: bodies more than loops in each direction; panels share corners, bars don't. */
+static void check_sizes(writer write, int most, int more) {
+  static const double away[] = {0.0, 1000.0};
+  for (int n = 2; n <= most; n *= 3)
+    for (size_t i = 0; i < sizeof away / sizeof *away; ++i) {
+      km_text text = {0};
+      write(&text, n + more, n + 1 + more, away[i]);
+      check(&text, n * (n + 1), more == 0);
+      km_text_free(&text);
+    }
+}
+
+static void chains(void **state) {
+  (void)state;
+  check_sizes(chain, 99, 0);
+}
+
+static void trellises(void **state) {
+  (void)state;
+  check_sizes(write_trellis, 99, 0);
+}
+
+static void miuras(void **state) {
+  (void)state;
+  check_sizes(write_miura, 99, 1);
+}
+
+int main(void) {
+  const struct CMUnitTest tests[] = {
+      cmocka_unit_test(chains),
+      cmocka_unit_test(trellises),
+      cmocka_unit_test(miuras),
+  };
+  return cmocka_run_group_tests(tests, NULL, NULL);
+}
