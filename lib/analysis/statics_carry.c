@@ -179,7 +179,7 @@ static void carry_substructure(const km_mechanism *m, km_state *s, const km_forc
   memset(c->field, 0, (size_t)degree * 6 * (size_t)c->joints * sizeof *c->field);
   for (int k = 0; k < degree; ++k)
     spread(m, w, index, about, c->null + (size_t)k * (size_t)c->rows, c->field + (size_t)k * 6 * (size_t)c->joints);
-  make_least(c, degree, m->model->characteristic_length);
+  make_least(c, degree, m->length);
   for (int j = 0; j < c->joints; ++j) {
     km_reaction *r = &st->reactions[t->joint[first + j]];
     memcpy(r->force, c->carried + 6 * j, sizeof r->force);

@@ -47,7 +47,8 @@ static trial try_tolerance(const km_mechanism *m, int index, double tolerance) {
   for (int c = 0; holds && c < m->coordinate_count; ++c)
     if (m->held[c])
       holds[held++] = (km_hold){c, m->start[c] / km_model_coordinate_factor(m->model, c)};
-  if (holds && saved && !km_mechanism_compile_tolerant(m->model, holds, held, tolerance, &other, NULL) &&
+  km_compiling how = {holds, held, tolerance, m->length, m->length_source};
+  if (holds && saved && !km_mechanism_compile_as(m->model, &how, &other, NULL) &&
       !km_state_create(other, &s, NULL)) {
     km_closure evidence;
     km_status status = KM_OK;

@@ -122,7 +122,11 @@ static km_status hold_driver(const km_model *model, const km_state *s, int drive
   for (int c = 0; holds && c < model->coordinate_count; ++c)
     if (c == driver || s->mechanism->held[c])
       holds[count++] = (km_hold){c, km_state_coordinate(s, c)};
-  km_status status = holds ? km_mechanism_compile(model, holds, count, out, error)
+  km_compiling how = {.holds = holds,
+                      .hold_count = count,
+                      .length = s->mechanism->length,
+                      .length_source = s->mechanism->length_source};
+  km_status status = holds ? km_mechanism_compile_as(model, &how, out, error)
                            : km_fail(error, KM_MEMORY, "out of memory for the assembly modes");
   km_free(holds);
   return status;

@@ -19,7 +19,13 @@ typedef struct journey {
 static km_status rebuild(journey *j, int locked_count, km_error *error) {
   km_mechanism *mechanism = NULL;
   km_state *state = NULL;
-  km_status status = km_mechanism_compile(j->model, j->locked, locked_count, &mechanism, error);
+  km_compiling how = {.holds = j->locked, .hold_count = locked_count};
+  if (j->mechanism) {
+    how.length = j->mechanism->length;
+    how.length_source = j->mechanism->length_source;
+  }
+  km_status status = j->mechanism ? km_mechanism_compile_as(j->model, &how, &mechanism, error)
+                                  : km_mechanism_compile(j->model, j->locked, locked_count, &mechanism, error);
   if (!status)
     status = km_state_create(mechanism, &state, error);
   if (status) {

@@ -269,7 +269,9 @@ static void convert_parameters(const converter *c, const km_value *parameters, k
   km_units new = *c->units;
   for (int q = 0; q < KM_QUANTITIES && units; ++q)
     km_value_string(c->arena, units, km_quantity_name((km_quantity)q), (*km_units_slot(&new, (km_quantity)q))->word);
-  km_value_number(c->arena, twin, "characteristic_length", in_new_units(c, c->model->characteristic_length, length_1));
+  if (c->model->characteristic_length > 0.0)
+    km_value_number(c->arena, twin, "characteristic_length",
+                    in_new_units(c, c->model->characteristic_length, length_1));
   for (const km_value *v = parameters ? parameters->first : NULL; v; v = v->next) {
     bool done = false;
     for (const char *const *word = stated; *word; ++word)

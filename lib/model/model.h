@@ -110,7 +110,9 @@ struct km_model {
   const char *folder; /* of the file, where include_dir starts */
   km_units units;
   km_vec3 gravity;
-  double characteristic_length, closure_tolerance;
+  double characteristic_length; /* 0: the file states none */
+  bool length_shared;           /* it is that of another model, which this one is compared with */
+  double closure_tolerance;
   bool closure_tolerance_given;
   km_assembly_def *assemblies;
   km_body_def *bodies;

@@ -78,8 +78,9 @@ static void read_parameters(km_reader *reader, const km_value *root) {
     km_reader_error(reader, &at, "version \"%.40s\" is not known; expected \"0.2\" or \"1.0\"", version);
   read_units(reader, parameters, &place);
   model->gravity = km_reader_vector(parameters, "gravity");
-  model->characteristic_length = km_reader_number(parameters, "characteristic_length", 1.0);
-  km_reader_positive(reader, &place, "characteristic_length", model->characteristic_length);
+  model->characteristic_length = km_reader_number(parameters, "characteristic_length", 0.0);
+  if (km_value_get(parameters, "characteristic_length"))
+    km_reader_positive(reader, &place, "characteristic_length", model->characteristic_length);
   model->closure_tolerance_given = km_value_get(parameters, "closure_tolerance") != NULL;
   model->closure_tolerance = km_reader_number(parameters, "closure_tolerance", 1e-9);
   km_place tolerance = {&place, "closure_tolerance", 0};
@@ -277,8 +278,13 @@ int km_model_joint_freedom(const km_model *model, int joint, int *first) {
   *first = model->joints[joint].first_coordinate;
   return km_model_freedom(model, joint);
 }
-double km_model_characteristic_length(const km_model *model) {
-  return model->characteristic_length;
+void km_model_share_length(km_model *model, double length) {
+  model->characteristic_length = length;
+  model->length_shared = true;
+}
+
+double km_model_length_unit(const km_model *model) {
+  return model->units.length->si;
 }
 const char *km_model_sha256(const km_model *model) {
   return model->sha256;

@@ -3,18 +3,12 @@
 
 #include <string.h>
 
-static double metre(const km_model *model) {
-  return 1.0 / model->units.length->si;
-}
-
 static int rows_of(km_task task) {
   return task == KM_TASK_POSE ? 6 : task == KM_TASK_AXIS ? 5 : 3;
 }
 
 static void set_length(km_arm *a) {
-  const km_model *model = a->mechanism->model;
-  a->length_given = km_value_get(km_value_get(model->root, "model_parameters"), "characteristic_length") != NULL;
-  a->length = a->length_given ? model->characteristic_length : metre(model);
+  a->length = a->mechanism->length;
 }
 
 /* Arcs from the inertial frame out to the effector's body; returns their number. */

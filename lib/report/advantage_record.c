@@ -19,7 +19,7 @@ static void add_losses(const km_losses *losses, const km_advantage *a, km_value 
 km_value *km_advantage_record(const km_mechanism *m, const km_state *s, const km_handle *input, const km_handle *output,
                               const km_advantage *a, const km_transmission *t, const km_losses *losses,
                               const char *name, km_arena *arena) {
-  km_value *record = km_record_head(m->model, "kma", name, arena);
+  km_value *record = km_record_head(m, "kma", name, arena);
   const char *unit = km_advantage_unit(m->model, input, output);
   km_value_string(arena, record, "input", input->name);
   km_value_string(arena, record, "output", output->name);
@@ -95,7 +95,7 @@ static void add_peak(km_value *record, const char *key, const km_peak *peak, km_
 
 km_value *km_advantage_sweep_record(const km_mechanism *m, const km_advantage_sweep *sweep, const char *stopped_by,
                                     const char *name, km_arena *arena) {
-  km_value *record = km_record_head(m->model, "kma", name, arena);
+  km_value *record = km_record_head(m, "kma", name, arena);
   km_value_string(arena, record, "input", sweep->input.name);
   km_value_string(arena, record, "output", sweep->output.name);
   km_value_string(arena, record, "method", km_advantage_method_name(sweep->method));

@@ -200,7 +200,7 @@ static const char *subtitle(lines *l, const km_plotted_sweep *sweeps, int count)
   for (int i = 0; i < count; ++i)
     km_text_format(&text, "%s%s", i ? ", " : "", sweeps[i].name);
   km_text_format(&text, " · mobility %d · %s, %s · characteristic length %g %s", sweeps[0].sweep->motion.first.mobility,
-                 model->units.angle->word, model->units.length->word, model->characteristic_length,
+                 model->units.angle->word, model->units.length->word, sweeps[0].mechanism->length,
                  model->units.length->suffix);
   if (some_toggle(sweeps, count))
     km_text_add(&text, " · ▲ a joint loses its grip");

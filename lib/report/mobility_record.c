@@ -62,7 +62,7 @@ static void add_coordinates(const km_mechanism *m, const km_state *s, km_value *
 km_value *km_mobility_record(const km_mechanism *m, const km_state *s, const km_mobility *mobility, const char *name,
                              km_arena *arena) {
   const km_model *model = m->model;
-  km_value *record = km_record_head(model, "kmob", name, arena);
+  km_value *record = km_record_head(m, "kmob", name, arena);
   km_value_number(arena, record, "bodies", model->body_count - 1);
   km_value_number(arena, record, "joints", model->joint_count);
   km_value_number(arena, record, "coordinates", model->coordinate_count);
@@ -114,7 +114,7 @@ static void add_redundancies(const km_mechanism *m, const km_sweep_redundancies 
 km_value *km_mobility_sweep_record(const km_mechanism *m, const km_mobility_sweep *sweep,
                                    const km_sweep_redundancies *redundancies, const char *stopped_by, const char *name,
                                    km_arena *arena) {
-  km_value *record = km_record_head(m->model, "kmob", name, arena);
+  km_value *record = km_record_head(m, "kmob", name, arena);
   km_table_record(sweep->motion.table, record, arena);
   km_value *toggles = km_value_add(arena, record, "toggles", KM_LIST);
   for (size_t i = 0; i < sweep->toggle_count && !arena->failed; ++i) {

@@ -3,7 +3,8 @@
 #include "kmech/version.h"
 #include "topology/mechanism.h"
 
-km_value *km_record_head(const km_model *model, const char *tool, const char *name, km_arena *arena) {
+km_value *km_record_head(const km_mechanism *m, const char *tool, const char *name, km_arena *arena) {
+  const km_model *model = m->model;
   km_value *record = km_value_add(arena, NULL, NULL, KM_OBJECT);
   km_value_string(arena, record, "kmech", KM_VERSION);
   km_value_string(arena, record, "tool", tool);
@@ -14,7 +15,8 @@ km_value *km_record_head(const km_model *model, const char *tool, const char *na
                                                model->units.time, model->units.force};
   for (int q = 0; q < KM_QUANTITIES; ++q)
     km_value_string(arena, units, km_quantity_name((km_quantity)q), given[q]->word);
-  km_value_number(arena, record, "characteristic_length", model->characteristic_length);
+  km_value_number(arena, record, "characteristic_length", m->length);
+  km_value_string(arena, record, "characteristic_length_source", km_length_source_name(m->length_source));
   return record;
 }
 

@@ -43,7 +43,7 @@ static void add_reactions(const km_mechanism *m, const km_statics *st, km_value 
 
 km_value *km_statics_record(const km_mechanism *m, const km_state *s, const km_statics *st, km_axes axes,
                             const char *name, km_arena *arena) {
-  km_value *record = km_record_head(m->model, "kstatic", name, arena);
+  km_value *record = km_record_head(m, "kstatic", name, arena);
   km_value_boolean(arena, record, "held", st->held);
   add_directions(m, st, record, arena);
   km_value *actuators = km_value_add(arena, record, "actuator_forces", KM_OBJECT);
@@ -173,7 +173,7 @@ static const char *event_word(km_force_event_kind kind) {
 
 km_value *km_statics_sweep_record(const km_mechanism *m, const km_statics_sweep *sweep, const char *stopped_by,
                                   const char *name, km_arena *arena) {
-  km_value *record = km_record_head(m->model, "kstatic", name, arena);
+  km_value *record = km_record_head(m, "kstatic", name, arena);
   km_table_record(sweep->motion.table, record, arena);
   km_value *events = km_value_add(arena, record, "events", KM_LIST);
   for (size_t i = 0; i < sweep->event_count && !arena->failed; ++i) {

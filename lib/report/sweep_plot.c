@@ -125,7 +125,7 @@ static const char *subtitle(const km_sweep_picture *p, km_arena *arena) {
   for (int i = 0; i < p->sweep_count; ++i)
     km_text_format(&text, "%s%s", i ? ", " : "", p->sweeps[i].name);
   km_text_format(&text, " · %s, %s, %s · characteristic length %g %s", model->units.angle->word,
-                 model->units.length->word, model->units.force->word, model->characteristic_length,
+                 model->units.length->word, model->units.force->word, p->sweeps[0].mechanism->length,
                  model->units.length->suffix);
   if (p->note)
     km_text_format(&text, " · %s", p->note);

@@ -71,7 +71,8 @@ void km_report_model(km_document_maker *maker, const km_swept *s, const char *st
                  km_document_format(maker, "%s, %s, %s, %s, %s", u->angle->word, u->length->word, u->mass->word,
                                     u->time->word, u->force->word));
   km_report_fact(facts, "Characteristic length",
-                 km_document_format(maker, "%g %s", model->characteristic_length, u->length->suffix));
+                 km_document_format(maker, "%g %s (%s)", s->mechanism->length, u->length->suffix,
+                                    km_length_source_name(s->mechanism->length_source)));
   km_report_fact(facts, "Mobility",
                  km_document_format(maker, "%d (Kutzbach %d), %d redundant constraint%s", s->motion->first.mobility,
                                     s->motion->first.kutzbach, s->motion->first.redundant_constraints,

@@ -156,7 +156,7 @@ static void add_track(const km_tracks *all, int index, km_value *list, km_arena 
 km_value *km_arm_record(const km_arm *a, const char *model, km_arena *arena) {
   static const char *const tasks[] = {"pose", "position", "axis"};
   const km_frame_def *frame = &a->mechanism->model->frames[a->frame];
-  km_value *record = km_record_head(a->mechanism->model, "kredund", model, arena);
+  km_value *record = km_record_head(a->mechanism, "kredund", model, arena);
   km_value *effector = km_value_add(arena, record, "effector", KM_LIST);
   km_value_string(arena, effector, NULL, a->mechanism->model->bodies[frame->body].name);
   km_value_string(arena, effector, NULL, frame->name);
@@ -186,10 +186,10 @@ km_value *km_tracks_record(const km_tracks *t, const char *model, km_arena *aren
 static void print_head(const km_tracks *t, km_text *out) {
   const km_arm *a = t->study->arm;
   const km_path *path = t->study->path;
-  km_text_format(out, "%s: %d samples over %.6g %s in %.6g s; %d joints, %d to spare; lengths over L = %.6g %s%s\n",
+  km_text_format(out, "%s: %d samples over %.6g %s in %.6g s; %d joints, %d to spare; lengths over L = %.6g %s (%s)\n",
                  t->name, path->samples, km_path_length(path, path->samples - 1), length_unit(a),
                  km_path_time(path, path->samples - 1), a->n, a->freedom, a->length, length_unit(a),
-                 a->length_given ? " (characteristic length)" : " (one metre)");
+                 km_length_source_name(a->mechanism->length_source));
 }
 
 static void print_line(const km_tracks *all, int index, km_text *out) {

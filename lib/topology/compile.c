@@ -54,6 +54,37 @@ static bool allocate(km_mechanism *m, size_t steps, size_t entries, size_t terms
   return !arena->failed;
 }
 
+static bool set_length(km_mechanism *m, const km_compiling *how) {
+  const km_model *model = m->model;
+  km_arena scratch = {0};
+  double link = km_longest_link(model, &scratch);
+  bool done = !scratch.failed;
+  km_arena_free(&scratch);
+  if (how->length > 0.0) {
+    m->length = how->length;
+    m->length_source = how->length_source;
+  } else if (model->characteristic_length > 0.0) {
+    m->length = model->characteristic_length;
+    m->length_source = model->length_shared ? KM_LENGTH_SHARED : KM_LENGTH_STATED;
+  } else {
+    m->length = link > 0.0 ? link : 1.0;
+    m->length_source = link > 0.0 ? KM_LENGTH_LONGEST_LINK : KM_LENGTH_UNIT;
+  }
+  return done;
+}
+
+double km_mechanism_characteristic_length(const km_mechanism *m, km_length_source *source) {
+  if (source)
+    *source = m->length_source;
+  return m->length;
+}
+
+const char *km_length_source_name(km_length_source source) {
+  static const char *const names[] = {"stated", "first model's", "longest link", "greatest distance between two joints",
+                                      "one length unit"};
+  return names[source];
+}
+
 static void set_coordinates(km_mechanism *m, const km_hold *holds, int hold_count) {
   const km_model *model = m->model;
   for (int c = 0; c < m->coordinate_count; ++c) {
@@ -63,7 +94,7 @@ static void set_coordinates(km_mechanism *m, const km_hold *holds, int hold_coun
     m->start[c] = factor * def->position;
     m->low[c] = factor * def->low;
     m->high[c] = factor * def->high;
-    m->scale[c] = length ? 1.0 / model->characteristic_length : 1.0;
+    m->scale[c] = length ? 1.0 / m->length : 1.0;
     m->unit[c] = 1.0;
     m->ball_of[c] = -1;
     m->substructure_of[c] = m->topology.substructure_of_joint[def->joint];
@@ -117,7 +148,7 @@ static double substructure_size(const km_mechanism *m, int s) {
       if (km_joint_is_length(joint->type, k))
         size = fmax(size, fabs(m->start[joint->first_coordinate + k]));
   }
-  return size > 0.0 ? size : 1.0;
+  return size > 0.0 ? size : m->length;
 }
 
 static void add_columns(km_mechanism *m, int joint, int *next) {
@@ -231,16 +262,16 @@ static size_t term_total(const km_model *model) {
   return terms;
 }
 
-static km_status compile(km_mechanism *m, const km_hold *holds, int hold_count, km_error *error) {
+static km_status compile(km_mechanism *m, const km_compiling *how, km_error *error) {
   km_status status = build_topology(m, error);
   if (status)
     return status;
   m->coordinate_count = m->model->coordinate_count;
   size_t steps, entries;
   km_compile_bounds(m, &steps, &entries);
-  if (!allocate(m, steps, entries, term_total(m->model)))
+  if (!allocate(m, steps, entries, term_total(m->model)) || !set_length(m, how))
     return km_fail(error, KM_MEMORY, "out of memory while compiling the mechanism");
-  set_coordinates(m, holds, hold_count);
+  set_coordinates(m, how->holds, how->hold_count);
   number_balls(m);
   for (int s = 0; s < m->topology.substructure_count; ++s)
     m->substructures[s].size = substructure_size(m, s);
@@ -255,26 +286,21 @@ static km_status compile(km_mechanism *m, const km_hold *holds, int hold_count, 
   return !done ? km_fail(error, KM_MEMORY, "out of memory while compiling the mechanism") : KM_OK;
 }
 
-km_status km_mechanism_compile_tolerant(const km_model *model, const km_hold *holds, int hold_count,
-                                        double closure_tolerance, km_mechanism **out, km_error *error) {
+km_status km_mechanism_compile_as(const km_model *model, const km_compiling *how, km_mechanism **out,
+                                  km_error *error) {
   *out = NULL;
   km_mechanism *m = KM_NEW(km_mechanism, 1);
   if (!m)
     return km_fail(error, KM_MEMORY, "out of memory while compiling the mechanism");
   m->model = model;
-  m->closure_tolerance = closure_tolerance > 0.0 ? closure_tolerance : model->closure_tolerance;
-  m->closure_tolerance_given = closure_tolerance > 0.0 || model->closure_tolerance_given;
-  km_status status = compile(m, holds, hold_count, error);
+  m->closure_tolerance = how->closure_tolerance > 0.0 ? how->closure_tolerance : model->closure_tolerance;
+  m->closure_tolerance_given = how->closure_tolerance > 0.0 || model->closure_tolerance_given;
+  km_status status = compile(m, how, error);
   if (status)
     km_mechanism_free(m);
   else
     *out = m;
   return status;
-}
-
-km_status km_mechanism_compile(const km_model *model, const km_hold *holds, int hold_count, km_mechanism **out,
-                               km_error *error) {
-  return km_mechanism_compile_tolerant(model, holds, hold_count, 0.0, out, error);
 }
 
 void km_mechanism_free(km_mechanism *m) {

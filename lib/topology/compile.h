@@ -20,6 +20,9 @@ void km_compile_loops(km_mechanism *mechanism, int substructure, km_walks *walks
 /* Chooses how the substructure's Jacobian is stored, and tells its entries and couplings where. False when out of
  * memory. */
 bool km_compile_pattern(km_mechanism *mechanism, km_substructure *sub);
+/* The greatest distance between the frames of two joints on one moving body, in the model's unit; bodies that rigid
+ * joints tie to the inertial frame don't move. 0 where there is none. `scratch` may fail. */
+double km_longest_link(const km_model *model, km_arena *scratch);
 /* Upper bound of the steps (and entries) that the loops of the mechanism need. */
 void km_compile_bounds(const km_mechanism *mechanism, size_t *steps, size_t *entries);
 /* Do all loops of the program move in one plane, to the last digits? `plane` is then the base frame turned

@@ -113,6 +113,8 @@ struct km_mechanism {
   km_arena arena;
   const km_model *model;
   km_topology topology;
+  double length; /* the characteristic length, in the model's unit */
+  km_length_source length_source;
   double closure_tolerance;     /* of secondary rows, scaled */
   bool closure_tolerance_given; /* by the file or the caller: pivots and motion spaces then follow it */
   int coordinate_count, ball_count;
@@ -144,8 +146,17 @@ struct km_mechanism {
   int error_size;
 };
 
-/* km_mechanism_compile with another closure tolerance than the model's (0: the model's). */
-km_status km_mechanism_compile_tolerant(const km_model *model, const km_hold *holds, int hold_count,
-                                        double closure_tolerance, km_mechanism **out, km_error *error);
+/* How to compile a model. What is 0 follows the model. */
+typedef struct km_compiling {
+  const km_hold *holds;
+  int hold_count;
+  double closure_tolerance;
+  double length; /* characteristic length */
+  km_length_source length_source;
+} km_compiling;
+
+/* km_mechanism_compile without a look at the assembled pose: where neither `how` nor the model has a length, it is one
+ * length unit. */
+km_status km_mechanism_compile_as(const km_model *model, const km_compiling *how, km_mechanism **out, km_error *error);
 
 #endif

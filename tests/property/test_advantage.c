@@ -161,7 +161,7 @@ static void characteristic_length_does_not_count(void **state) {
   for (const char *const *name = all_models; *name; ++name) {
     fixture f = fixture_open(*name), g = fixture_open(*name);
     int in, out;
-    g.model->characteristic_length = 0.037;
+    km_model_share_length(g.model, 0.037);
     km_mechanism_free(g.mechanism);
     km_state_free(g.state);
     g = fixture_of(g.model);

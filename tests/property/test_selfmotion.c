@@ -371,7 +371,8 @@ static void surfaces_are_sampled_on_a_circle(void **state) {
 static void slides_that_leave(void **state) {
   (void)state;
   fixture f = fixture_read(
-      "{\"assemblies\": [{\"name\": \"a\", \"bodies\": [{\"name\": \"s\"}, {\"name\": \"t\"},"
+      "{\"model_parameters\": {\"characteristic_length\": 1},"
+      "\"assemblies\": [{\"name\": \"a\", \"bodies\": [{\"name\": \"s\"}, {\"name\": \"t\"},"
       "{\"name\": \"b\", \"frames\": [{\"name\": \"n\", \"T\": [0.3, 0, 0.2]}]},"
       "{\"name\": \"c\", \"frames\": [{\"name\": \"n\", \"T\": [0, 0.2, 0.3]}]},"
       "{\"name\": \"d\", \"frames\": [{\"name\": \"n\", \"T\": [0.1, 0, 0.2]}]},"

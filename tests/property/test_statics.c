@@ -36,7 +36,7 @@ static void least_norm(void **state) {
   on_all_models(law_least_norm);
   for (const char *const *name = all_models; *name; ++name) {
     fixture f = fixture_open(*name);
-    f.model->characteristic_length = 3.7;
+    km_model_share_length(f.model, 3.7);
     km_mechanism_free(f.mechanism);
     km_state_free(f.state);
     f = fixture_of(f.model);

@@ -57,6 +57,7 @@ kt_exit kt_report(kt_sweep_options *o, const kt_reporting *reporting) {
   if (!j)
     return KT_INTERNAL;
   *j = (kt_sweep_job){.options = o, .path = o->models.items[0], .common = o->common};
+  kt_sweep_job_open(j, 0.0);
   kt_sweep_job_run(j, reporting->prepare, reporting->run);
   kt_exit result = j->result;
   if (result == KT_DONE || result == KT_PARTIAL)

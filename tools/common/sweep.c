@@ -44,11 +44,19 @@ static void run_sweep(kt_sweep_job *j, km_status (*run)(kt_sweep_job *, const km
   j->result = kt_exit_of(status);
 }
 
-void kt_sweep_job_run(kt_sweep_job *j, kt_exit (*prepare)(kt_sweep_job *),
-                      km_status (*run)(kt_sweep_job *, const km_sweep **, km_error *)) {
+void kt_sweep_job_open(kt_sweep_job *j, double metres) {
   const kt_sweep_options *o = j->options;
   kt_base_name(j->path, j->base, sizeof j->base);
-  j->result = kt_open(&j->common, j->path, &o->holds, &o->sets, &j->pose);
+  j->pose.model = kt_load(&j->common, j->path, &j->result);
+  if (!j->pose.model)
+    return;
+  if (metres > 0.0)
+    km_model_share_length(j->pose.model, metres / km_model_length_unit(j->pose.model));
+  j->result = kt_bring(&j->common, j->path, &o->holds, &o->sets, &j->pose);
+}
+
+void kt_sweep_job_run(kt_sweep_job *j, kt_exit (*prepare)(kt_sweep_job *),
+                      km_status (*run)(kt_sweep_job *, const km_sweep **, km_error *)) {
   if (j->result == KT_DONE)
     j->result = kt_sweep_plan(j);
   if (j->result == KT_DONE && prepare)
@@ -57,8 +65,15 @@ void kt_sweep_job_run(kt_sweep_job *j, kt_exit (*prepare)(kt_sweep_job *),
     run_sweep(j, run);
 }
 
+/* The first job is open already: its characteristic length serves all. */
 static void start_job(void *context, int index) {
   const work *w = context;
+  const kt_pose *first = &w->jobs[0].pose;
+  if (index > 0)
+    kt_sweep_job_open(w->jobs + index,
+                      first->mechanism ? km_mechanism_characteristic_length(first->mechanism, NULL) *
+                                             km_model_length_unit(first->model)
+                                       : 0.0);
   kt_sweep_job_run(w->jobs + index, w->sweeping->prepare, w->sweeping->run);
 }
 
@@ -102,36 +117,38 @@ static kt_exit write_plot(const kt_sweep_options *o, const work *w, const char *
   return result;
 }
 
-/* Several models keep their own names, in the folder of -o's BASE, which names the plot that they share. */
-static const char *beside(const char *base, const char *name, char *out, size_t size) {
-  const char *slash = base ? strrchr(base, '/') : NULL;
-  snprintf(out, size, "%.*s%s", slash ? (int)(slash + 1 - base) : 0, base ? base : "", name);
-  return out;
+/* BASE: what -o says, else the first model's name, with `-compared` behind it where there are several. */
+static void base_of(const kt_sweep_options *o, const work *w, char *out, size_t size) {
+  if (o->base)
+    snprintf(out, size, "%s", o->base);
+  else
+    snprintf(out, size, "%s%s", w->jobs[0].base, o->models.count > 1 ? "-compared" : "");
 }
 
 static kt_exit deliver(const kt_sweep_options *o, const work *w) {
   kt_exit result = KT_DONE;
-  int first = -1;
+  bool some = false;
+  char base[4096], own[4096 + 256];
+  base_of(o, w, base, sizeof base);
   for (int i = 0; i < o->models.count; ++i) {
     const kt_sweep_job *j = &w->jobs[i];
     if (!delivers(j))
       continue;
-    first = first < 0 ? i : first;
+    some = true;
     km_text summary = {0};
     if (!o->common.quiet && !(o->base && strcmp(o->base, "-") == 0)) {
       w->sweeping->print(j, &summary);
       result = kt_worse(result, kt_print(&o->common, &summary));
     }
     km_text_free(&summary);
-    char own[4096];
-    const char *base = o->base && o->models.count == 1 ? o->base : beside(o->base, j->base, own, sizeof own);
+    snprintf(own, sizeof own, o->models.count > 1 ? "%s.%s" : "%s", base, j->base);
     for (int f = KT_CSV; f <= KT_JSON; ++f)
       if (o->formats.wanted[f])
-        result = kt_worse(result, write_table(w->sweeping, j, base, (kt_format)f));
+        result = kt_worse(result, write_table(w->sweeping, j, own, (kt_format)f));
   }
-  for (int f = KT_SVG; f <= KT_PNG && first >= 0; ++f)
+  for (int f = KT_SVG; f <= KT_PNG && some; ++f)
     if (o->formats.wanted[f])
-      result = kt_worse(result, write_plot(o, w, o->base ? o->base : w->jobs[first].base, (kt_format)f));
+      result = kt_worse(result, write_plot(o, w, base, (kt_format)f));
   return result;
 }
 
@@ -169,6 +186,7 @@ static kt_exit run(const kt_sweep_options *o, const kt_sweeping *sweeping) {
     j->common = o->common;
     j->common.log = count > 1 ? &j->log : NULL;
   }
+  kt_sweep_job_open(&w.jobs[0], 0.0);
   km_parallel_for(count, o->common.jobs, start_job, &w);
   for (int i = 0; i < count; ++i) {
     kt_flush(&w.jobs[i].common);

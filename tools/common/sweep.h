@@ -60,7 +60,11 @@ enum { KT_OPTION_FORMAT = 0x3201 };
 /* Sweeps every model, --jobs at once, and writes what was asked for. */
 kt_exit kt_sweep(kt_sweep_options *options, const kt_sweeping *sweeping);
 
-/* Opens the job's model, makes its plan and runs the sweep; job->result says how it went. `prepare` may be NULL. */
+/* Reads the job's model and brings it to its pose; job->result says how it went. `metres`: another model's characteristic
+ * length, 0: its own. */
+void kt_sweep_job_open(kt_sweep_job *job, double metres);
+/* Makes the plan of a job whose model is open and runs the sweep; job->result says how it went. `prepare` may be
+ * NULL. */
 void kt_sweep_job_run(kt_sweep_job *job, kt_exit (*prepare)(kt_sweep_job *job),
                       km_status (*run)(kt_sweep_job *job, const km_sweep **motion, km_error *error));
 

@@ -9,7 +9,7 @@ static kt_exit write_findings(const kmob_request *o, const kt_pose *pose, const 
   km_text out = {0};
   km_arena arena = {0};
   if (o->pose.json) {
-    km_value *record = km_record_head(pose->model, "kmob", o->pose.model, &arena);
+    km_value *record = km_record_head(pose->mechanism, "kmob", o->pose.model, &arena);
     if (!arena.failed)
       km_findings_record(findings, record, &arena);
     if (!arena.failed)

@@ -24,6 +24,20 @@ km_status km_mechanism_compile(const km_model *model, const km_hold *holds, int 
                                km_error *error);
 void km_mechanism_free(km_mechanism *mechanism);
 
+/* What rates of lengths are divided by where they are compared with those of angles: the length that the model states;
+ * else the greatest distance between the frames of two joints on one moving body; else, where all of these coincide, the
+ * greatest distance between two joints in the assembled pose; else one length unit. Of several models that are compared
+ * the first one's serves all. In the model's length unit. `source` may be NULL. */
+typedef enum km_length_source {
+  KM_LENGTH_STATED,
+  KM_LENGTH_SHARED,
+  KM_LENGTH_LONGEST_LINK,
+  KM_LENGTH_JOINTS,
+  KM_LENGTH_UNIT
+} km_length_source;
+double km_mechanism_characteristic_length(const km_mechanism *mechanism, km_length_source *source);
+const char *km_length_source_name(km_length_source source); /* "stated", "longest link" … */
+
 /* One thread's workspace at the model's initial displacements, not yet assembled. The mechanism must outlive
  * it. Everything that kinematics needs is allocated here, once. The caller frees `*out`. */
 km_status km_state_create(const km_mechanism *mechanism, km_state **out, km_error *error);

@@ -32,7 +32,11 @@ const char *km_model_coordinate_label(const km_model *model, int coordinate);
 const char *km_model_coordinate_unit(const km_model *model, int coordinate);
 /* Number of coordinates of a joint, and the index of its first. */
 int km_model_joint_freedom(const km_model *model, int joint, int *first);
-double km_model_characteristic_length(const km_model *model);
+/* The model is to use this characteristic length (in its own length unit, > 0), that of another one that it is compared
+ * with. To be called before the model is compiled. */
+void km_model_share_length(km_model *model, double length);
+/* The model's length unit in metres. */
+double km_model_length_unit(const km_model *model);
 const char *km_model_sha256(const km_model *model); /* of the bytes read; borrowed */
 
 /* Index of the joint or coordinate that a label (or full path) names; KM_USAGE with the nearest labels if

@@ -1,0 +1,52 @@
+/* The characteristic length of a model that states none: its longest link. */
+#include "topology/compile.h"
+
+/* The representative of a body among those that rigid joints tie together. */
+static int find(int *parent, int body) {
+  while (parent[body] != body) {
+    parent[body] = parent[parent[body]];
+    body = parent[body];
+  }
+  return body;
+}
+
+/* parent[body]: bodies tied to the inertial frame by rigid joints alone have its representative. */
+static void tie_rigid(const km_model *model, int *parent) {
+  for (int b = 0; b < model->body_count; ++b)
+    parent[b] = b;
+  for (int j = 0; j < model->joint_count; ++j) {
+    const km_joint_def *def = &model->joints[j];
+    if (def->type == KM_RIGID)
+      parent[find(parent, model->frames[def->frame[0]].body)] = find(parent, model->frames[def->frame[1]].body);
+  }
+}
+
+/* Sorts the joints' frames by body: those of body b are frame[first[b]] … frame[first[b + 1] - 1]. */
+static void sort_frames(const km_model *model, int *first, int *frame) {
+  for (int j = 0; j < model->joint_count; ++j)
+    for (int e = 0; e < 2; ++e)
+      first[model->frames[model->joints[j].frame[e]].body + 2]++;
+  for (int b = 0; b < model->body_count; ++b)
+    first[b + 2] += first[b + 1];
+  /* first[b + 1] is where the next frame of body b goes, and ends up where the body's frames end. */
+  for (int j = 0; j < model->joint_count; ++j)
+    for (int e = 0; e < 2; ++e)
+      frame[first[model->frames[model->joints[j].frame[e]].body + 1]++] = model->joints[j].frame[e];
+}
+
+double km_longest_link(const km_model *model, km_arena *scratch) {
+  size_t bodies = (size_t)model->body_count;
+  int *parent = KM_ARENA_NEW(scratch, int, bodies), *first = KM_ARENA_NEW(scratch, int, bodies + 2);
+  int *frame = KM_ARENA_NEW(scratch, int, 2 * (size_t)model->joint_count);
+  double longest = 0.0;
+  if (scratch->failed)
+    return 0.0;
+  tie_rigid(model, parent);
+  sort_frames(model, first, frame);
+  for (int b = 1; b < model->body_count; ++b)
+    for (int i = first[b]; i < first[b + 1] && find(parent, b) != find(parent, 0); ++i)
+      for (int k = first[b]; k < i; ++k)
+        longest = fmax(longest, km_vec3_norm(km_vec3_sub(model->frames[frame[i]].pose.p,
+                                                         model->frames[frame[k]].pose.p)));
+  return longest;
+}
