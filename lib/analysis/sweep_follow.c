@@ -80,7 +80,7 @@ static double stretch(const km_sweeper *r, double left) {
   return r->observer->passed && left > 1.5 * longest ? longest : left;
 }
 
-/* To an arc length, through the branch points on the way. */
+/* To an arc length, through the branch points on the way; not past the start of the cycle. */
 static km_status advance_to(km_sweeper *r, km_follow *follow, double length, km_status *moved, km_error *error) {
   km_status status = KM_OK;
   *moved = KM_OK;
@@ -107,13 +107,17 @@ static km_status rows(km_sweeper *r, km_follow *follow, km_error *error) {
       return km_fail(error, KM_CANCELLED, "stopped at %g", km_follow_length(follow));
     km_status moved;
     status = advance_to(r, follow, plan->arclength * i, &moved, error);
-    r->out->end = (km_reach){reason(follow, moved), km_follow_length(follow), r->substructure, km_follow_limit(follow)};
     if (km_follow_closed(follow)) {
-      r->out->cycle = km_follow_length(follow);
-      return status; /* the row that repeats the start is left out */
+      r->out->cycle = km_follow_cycle(follow);
+      km_follow_go_round(follow);
+      if (!plan->cycle && !status)
+        status = advance_to(r, follow, plan->arclength * i, &moved, error);
     }
+    r->out->end = (km_reach){reason(follow, moved), km_follow_length(follow), r->substructure, km_follow_limit(follow)};
+    if (plan->cycle && r->out->cycle > 0.0)
+      return status; /* the row that repeats the start is left out */
     if (!status)
-      status = km_sweeper_row(r, i, km_follow_length(follow), error);
+      status = km_sweeper_row(r, i, moved ? km_follow_length(follow) : plan->arclength * i, error);
     if (moved)
       return status ? status : KM_PARTIAL;
   }

@@ -3,7 +3,9 @@
 #include "base/memory.h"
 
 #include <errno.h>
+#include <fcntl.h>
 #include <sha256.h>
+#include <signal.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -43,25 +45,99 @@ static int write_all(FILE *file, const km_text *bytes) {
   return fflush(file) != 0 || failed;
 }
 
-static km_status write_renamed(const char *path, char *temporary, const km_text *bytes, km_error *error) {
-  int descriptor = mkstemp(temporary);
-  if (descriptor < 0)
-    return km_fail(error, KM_IO, "%s: can't be written: %s", path, strerror(errno));
+static km_status cannot_write(const char *path, int reason, km_error *error) {
+  return km_fail(error, KM_IO, "%s: can't be written: %s", path, strerror(reason));
+}
+
+/* Writes in place: a device, a pipe or a link to nothing can't be replaced by a rename. */
+static km_status write_in_place(const char *path, const km_text *bytes, km_error *error) {
+  FILE *file = fopen(path, "wb");
+  int failed = !file || write_all(file, bytes), reason = errno;
+  if (file)
+    fclose(file);
+  return failed ? cannot_write(path, reason, error) : KM_OK;
+}
+
+/* A new file on its way to its place. It has no name until it is complete, where the system can do that: whatever ends
+ * the process leaves nothing behind. Else it has the name `temporary`. */
+typedef struct draft {
+  char *temporary; /* a template of mkstemp */
+  int descriptor;
+  bool named;
+} draft;
+
+/* The folder of a path, for open(). */
+static void folder_of(const char *path, km_text *out) {
+  const char *slash = strrchr(path, '/');
+  if (slash)
+    km_text_bytes(out, path, (size_t)(slash - path) + 1);
+  else
+    km_text_add(out, ".");
+}
+
+static bool open_draft(draft *d, const char *path, mode_t mode) {
+  km_text folder = {0};
+  folder_of(path, &folder);
+  d->descriptor = folder.failed ? -1 : open(folder.data, O_TMPFILE | O_WRONLY | O_CLOEXEC, mode);
+  km_text_free(&folder);
+  if (d->descriptor >= 0)
+    return true;
+  d->named = true;
+  d->descriptor = mkstemp(d->temporary);
+  return d->descriptor >= 0 && fchmod(d->descriptor, mode) == 0;
+}
+
+/* Gives a draft without name the temporary one. */
+static bool name_draft(draft *d) {
+  char own[64];
+  int free_name = mkstemp(d->temporary);
+  if (free_name < 0)
+    return false;
+  close(free_name);
+  snprintf(own, sizeof own, "/proc/self/fd/%d", d->descriptor);
+  unlink(d->temporary);
+  d->named = linkat(AT_FDCWD, own, AT_FDCWD, d->temporary, AT_SYMLINK_FOLLOW) == 0;
+  return d->named;
+}
+
+/* The mode that a new file gets: an old one's, or what the process's mask leaves. */
+static mode_t mode_of(const struct stat *old, bool exists) {
   mode_t mask = umask(0);
   umask(mask);
-  FILE *file = fdopen(descriptor, "wb");
-  int failed = !file || fchmod(descriptor, 0666 & ~mask) != 0 || write_all(file, bytes);
+  return exists ? old->st_mode & 07777 : 0666 & ~mask;
+}
+
+static bool write_draft(draft *d, const char *path, const km_text *bytes, mode_t mode) {
+  if (!open_draft(d, path, mode))
+    return false;
+  FILE *file = fdopen(dup(d->descriptor), "wb");
+  bool written = file && write_all(file, bytes) == 0;
   int reason = errno;
   if (file)
     fclose(file);
-  else
-    close(descriptor);
-  if (!failed && rename(temporary, path) == 0)
-    return KM_OK;
-  if (!failed)
-    reason = errno;
-  unlink(temporary);
-  return km_fail(error, KM_IO, "%s: can't be written: %s", path, strerror(reason));
+  errno = reason;
+  return written && fchmod(d->descriptor, mode) == 0 && (d->named || name_draft(d)) && rename(d->temporary, path) == 0;
+}
+
+/* Signals wait while a temporary file has a name, so that an interrupt doesn't leave it behind. */
+static km_status replace(const char *path, const km_text *bytes, mode_t mode, km_error *error) {
+  km_text name = {0};
+  sigset_t all, before;
+  km_text_format(&name, "%s.XXXXXX", path);
+  if (name.failed)
+    return km_fail(error, KM_MEMORY, "%s: out of memory", path);
+  draft d = {.temporary = name.data, .descriptor = -1};
+  sigfillset(&all);
+  sigprocmask(SIG_BLOCK, &all, &before);
+  bool done = write_draft(&d, path, bytes, mode);
+  int reason = errno;
+  if (d.descriptor >= 0)
+    close(d.descriptor);
+  if (!done && d.named)
+    unlink(d.temporary);
+  sigprocmask(SIG_SETMASK, &before, NULL);
+  km_text_free(&name);
+  return done ? KM_OK : cannot_write(path, reason, error);
 }
 
 km_status km_file_write(const char *path, const km_text *bytes, km_error *error) {
@@ -70,20 +146,15 @@ km_status km_file_write(const char *path, const km_text *bytes, km_error *error)
   if (strcmp(path, "-") == 0)
     return write_all(stdout, bytes) ? km_fail(error, KM_IO, "standard output: can't be written: %s", strerror(errno))
                                     : KM_OK;
-  struct stat info;
-  if (stat(path, &info) == 0 && !S_ISREG(info.st_mode)) {
-    FILE *file = fopen(path, "wb"); /* a device or a pipe can't be replaced by a rename */
-    int failed = !file || write_all(file, bytes);
-    int reason = errno;
-    if (file)
-      fclose(file);
-    return failed ? km_fail(error, KM_IO, "%s: can't be written: %s", path, strerror(reason)) : KM_OK;
-  }
-  km_text temporary = {0};
-  km_text_format(&temporary, "%s.XXXXXX", path);
-  km_status status = temporary.failed ? km_fail(error, KM_MEMORY, "%s: out of memory", path)
-                                      : write_renamed(path, temporary.data, bytes, error);
-  km_text_free(&temporary);
+  struct stat info, link;
+  bool exists = stat(path, &info) == 0, linked = lstat(path, &link) == 0 && S_ISLNK(link.st_mode);
+  if ((exists && !S_ISREG(info.st_mode)) || (linked && !exists))
+    return write_in_place(path, bytes, error);
+  if (exists && access(path, W_OK) != 0)
+    return cannot_write(path, errno, error);
+  char *target = linked ? realpath(path, NULL) : NULL; /* the link stays, what it leads to is replaced */
+  km_status status = replace(target ? target : path, bytes, mode_of(&info, exists), error);
+  free(target);
   return status;
 }
 

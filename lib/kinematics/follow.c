@@ -170,9 +170,11 @@ static void from_start(km_follow *f, double *way) {
       way[k] -= 2.0 * M_PI * round(way[k] / (2.0 * M_PI));
 }
 
-/* Does the step just taken, `length` long, pass the start? */
+/* Does the step just taken, `length` long, pass the start for the first time? */
 static bool passes_start(km_follow *f, double length) {
   double *way = f->scratch;
+  if (f->cycle > 0.0)
+    return false;
   from_start(f, way);
   double after = weighted(f, f->origin_t, way);
   return f->s - f->origin_s + length > 2.0 * longest && after >= -1e-12 && after <= 1.5 * length &&
@@ -194,7 +196,7 @@ static bool meet_start(km_follow *f, double length) {
   if (weighted(f, way, way) > closing * closing)
     return false;
   accept(f, reached);
-  f->s -= f->origin_s;
+  f->cycle = f->s - f->origin_s;
   f->closed = true;
   return true;
 }
@@ -381,6 +383,14 @@ double km_follow_length(const km_follow *f) {
 }
 bool km_follow_closed(const km_follow *f) {
   return f->closed;
+}
+
+double km_follow_cycle(const km_follow *f) {
+  return f->cycle;
+}
+
+void km_follow_go_round(km_follow *f) {
+  f->closed = false;
 }
 int km_follow_limit(const km_follow *f) {
   return f->limit;

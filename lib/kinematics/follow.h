@@ -13,6 +13,7 @@ struct km_follow {
   int start_branches; /* motions that meet at the starting pose; 0: it is regular */
   double s, largest;  /* arc length so far; the step that step control allows now */
   double origin_s;    /* arc length of the pose whose return closes the cycle: at a branch point, the first after it */
+  double cycle;       /* its length, once it was closed */
   bool closed, ignore_limits, origin_waits; /* for that first pose */
   int limit;                                /* the coordinate whose limit ended the motion, -1 */
   double *t, *next_t, *move, *scratch;      /* [column] */

@@ -78,6 +78,8 @@ typedef struct kt_piece {
 } kt_piece;
 /* Splits off the first piece of *rest and moves *rest behind it. The caller frees piece.text. */
 kt_piece kt_split(const char **rest, const char *separators);
+/* The text without its escapes; the caller frees it. NULL when out of memory. */
+char *kt_plain(const char *text);
 
 /* label=value or label=v,v,v : the values of a joint's coordinates, in the model's units. */
 typedef struct kt_setting {

@@ -21,6 +21,10 @@ kt_piece kt_split(const char **rest, const char *separators) {
   return piece;
 }
 
+char *kt_plain(const char *text) {
+  return kt_split(&text, "").text;
+}
+
 bool kt_number(const char *text, double *out) {
   char *end = NULL;
   *out = strtod(text, &end); /* the tools never leave the C locale */

@@ -17,13 +17,13 @@ static bool choose_format(const kt_sweep_options *o, bool *html) {
   return *html ? !named_pdf : strcmp(word, "pdf") == 0 && !named_html;
 }
 
-/* Writes the file that -o names, or BASE.report.FORMAT. */
-static kt_exit write_file(const kt_sweep_job *j, bool html, const km_text *bytes) {
+/* Writes the file that -o names, or BASE.WORD.FORMAT. */
+static kt_exit write_file(const kt_sweep_job *j, const char *word, bool html, const km_text *bytes) {
   const kt_common *common = &j->options->common;
   const char *base = j->options->base, *format = html ? "html" : "pdf";
   km_error error;
   if (!base || (!ends_with(base, ".pdf") && !ends_with(base, ".html")))
-    return kt_write(common, base ? base : j->base, "report", format, bytes);
+    return kt_write(common, base ? base : j->base, word, format, bytes);
   km_status status = km_file_write(base, bytes, &error);
   if (status)
     kt_say(common, KM_ERROR, "%s", error.text);
@@ -40,7 +40,7 @@ static kt_exit deliver(const kt_reporting *reporting, const kt_sweep_job *j, boo
   if (status)
     kt_say(&j->options->common, KM_ERROR, "%s: %s", j->path, error.text);
   else
-    result = write_file(j, html, &out);
+    result = write_file(j, reporting->word, html, &out);
   km_text_free(&out);
   return result;
 }
@@ -63,8 +63,7 @@ kt_exit kt_report(kt_sweep_options *o, const kt_reporting *reporting) {
   if (result == KT_DONE || result == KT_PARTIAL)
     result = kt_worse(result, deliver(reporting, j, html));
   reporting->free(j);
-  km_text_free(&j->stopped_by);
-  kt_close(&j->pose);
+  kt_sweep_job_close(j);
   km_free(j);
   return result;
 }

@@ -55,6 +55,13 @@ void kt_sweep_job_open(kt_sweep_job *j, double metres) {
   j->result = kt_bring(&j->common, j->path, &o->holds, &o->sets, &j->pose);
 }
 
+void kt_sweep_job_close(kt_sweep_job *j) {
+  for (int i = 0; i < j->plan.point_count; ++i)
+    km_free(j->names[i]);
+  km_text_free(&j->stopped_by);
+  kt_close(&j->pose);
+}
+
 void kt_sweep_job_run(kt_sweep_job *j, kt_exit (*prepare)(kt_sweep_job *),
                       km_status (*run)(kt_sweep_job *, const km_sweep **, km_error *)) {
   if (j->result == KT_DONE)
@@ -195,8 +202,7 @@ static kt_exit run(const kt_sweep_options *o, const kt_sweeping *sweeping) {
   result = kt_worse(result, deliver(o, &w));
   for (int i = 0; i < count; ++i) {
     sweeping->free(&w.jobs[i]);
-    km_text_free(&w.jobs[i].stopped_by);
-    kt_close(&w.jobs[i].pose);
+    kt_sweep_job_close(&w.jobs[i]);
   }
   km_free(w.jobs);
   return result;

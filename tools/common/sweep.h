@@ -32,6 +32,7 @@ typedef struct kt_sweep_job {
   kt_pose pose;
   km_sweep_plan plan;
   km_sweep_point points[KT_MOST_POINTS];
+  char *names[KT_MOST_POINTS]; /* of the points, owned */
   km_text stopped_by;
   kt_exit result;
   void *own; /* what the command makes of it */
@@ -63,6 +64,8 @@ kt_exit kt_sweep(kt_sweep_options *options, const kt_sweeping *sweeping);
 /* Reads the job's model and brings it to its pose; job->result says how it went. `metres`: another model's characteristic
  * length, 0: its own. */
 void kt_sweep_job_open(kt_sweep_job *job, double metres);
+/* Frees what a job holds beside `own`. */
+void kt_sweep_job_close(kt_sweep_job *job);
 /* Makes the plan of a job whose model is open and runs the sweep; job->result says how it went. `prepare` may be
  * NULL. */
 void kt_sweep_job_run(kt_sweep_job *job, kt_exit (*prepare)(kt_sweep_job *job),

@@ -115,9 +115,8 @@ static kt_exit read_point(kt_sweep_job *j, const char *text) {
   kt_exit result = kt_frame(&j->common, j->pose.model, "--point", text, &point->frame);
   if (result != KT_DONE)
     return result;
-  point->name = text;
-  j->plan.point_count++;
-  return KT_DONE;
+  point->name = j->names[j->plan.point_count++] = kt_plain(text);
+  return point->name ? KT_DONE : KT_INTERNAL;
 }
 
 /* --arclength --direction --cycle over the model's own. */
@@ -178,6 +177,8 @@ kt_exit kt_sweep_plan(kt_sweep_job *j) {
     result = read_steps(common, o, &j->plan);
   j->plan.ignore_limits = o->ignore_limits;
   j->plan.derivatives = o->derivatives;
+  if (o->derivatives && o->points.count == 0)
+    return kt_usage(common, "--derivatives", "is alone", "--point with it: the points whose derivatives are wanted");
   j->plan.points = j->points;
   for (int i = 0; i < o->points.count && result == KT_DONE; ++i)
     result =

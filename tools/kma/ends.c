@@ -34,11 +34,10 @@ static kt_exit read_point(const kt_common *common, const km_model *model, const 
     return KT_USAGE;
   }
   size_t size = (size_t)(direction - text);
-  char *place = KM_NEW(char, size), *name = KM_NEW(char, strlen(text) + 1);
+  char *place = KM_NEW(char, size), *name = kt_plain(text);
   kt_exit result = place && name ? KT_DONE : KT_INTERNAL;
   if (result == KT_DONE) {
     memcpy(place, text, size - 1);
-    strcpy(name, text);
     result = kt_frame(common, model, option, place, &out->frame);
   }
   km_free(place);

@@ -44,7 +44,7 @@ static const struct argp_option table[] = {
     {0}};
 
 static const struct argp_option report_table[] = {
-    KMA_ENDS_OPTIONS POINT_OPTION, KT_REPORT_FORMAT_OPTION, {NULL, 'o', "BASE", 0, KT_REPORT_BASE, 2}, {0}};
+    KMA_ENDS_OPTIONS POINT_OPTION, KT_REPORT_FORMAT_OPTION, {NULL, 'o', "BASE", 0, KT_REPORT_BASE("advantage-report"), 2}, {0}};
 
 static error_t parse(int key, char *arg, struct argp_state *state) {
   options *o = state->input;
@@ -172,7 +172,7 @@ static km_status write_report(const kt_sweep_job *j, bool html, km_text *out, km
 }
 
 kt_exit kma_report(int argc, char **argv) {
-  static const kt_reporting reporting = {prepare, run_report, write_report, free_own};
+  static const kt_reporting reporting = {"advantage-report", prepare, run_report, write_report, free_own};
   const struct argp_child children[] = {{&kt_sweep_argp, 0, NULL, 0}, {0}};
   const struct argp argp = {report_table,
                             parse,

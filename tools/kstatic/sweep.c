@@ -26,7 +26,7 @@ static const struct argp_option table[] = {
     {0}};
 
 static const struct argp_option report_table[] = {
-    KT_REPORT_FORMAT_OPTION, {"output", 'o', "BASE", 0, KT_REPORT_BASE, 2}, {0}};
+    KT_REPORT_FORMAT_OPTION, {"output", 'o', "BASE", 0, KT_REPORT_BASE("forces-report"), 2}, {0}};
 
 static error_t parse(int key, char *arg, struct argp_state *state) {
   options *o = state->input;
@@ -132,7 +132,7 @@ static km_status write_report(const kt_sweep_job *j, bool html, km_text *out, km
 }
 
 kt_exit kstatic_report(int argc, char **argv) {
-  static const kt_reporting reporting = {prepare, run, write_report, free_own};
+  static const kt_reporting reporting = {"forces-report", prepare, run, write_report, free_own};
   const struct argp_child children[] = {{&kt_sweep_argp, 0, NULL, 0}, {&kstatic_argp, 0, NULL, 0}, {0}};
   const struct argp argp = {report_table,
                             parse,

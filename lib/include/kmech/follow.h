@@ -37,7 +37,10 @@ int km_follow_start_branches(const km_follow *follow); /* motions that meet at t
 km_status km_follow_advance(km_follow *follow, double length);
 
 double km_follow_length(const km_follow *follow); /* arc length so far */
-bool km_follow_closed(const km_follow *follow);   /* the start was met again, to 1e-9; length is the cycle's */
+bool km_follow_closed(const km_follow *follow);   /* the start was met again, to 1e-9 */
+double km_follow_cycle(const km_follow *follow);  /* arc length of the cycle that was closed; 0: none was */
+/* Lets a motion whose cycle is closed go on; the next rounds don't stop it. */
+void km_follow_go_round(km_follow *follow);
 int km_follow_limit(const km_follow *follow);     /* the coordinate whose limit ended the motion, -1 none */
 /* The branch point that the last advance passed, on the smooth motion; false if there was none. */
 bool km_follow_branch(const km_follow *follow, km_branch_point *out);
