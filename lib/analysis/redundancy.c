@@ -1,6 +1,5 @@
 #include "analysis/left_null.h"
-#include "kinematics/closure.h"
-#include "kinematics/loops.h"
+#include "analysis/nearby.h"
 #include "kinematics/poses.h"
 
 #include <string.h>
@@ -14,15 +13,6 @@ typedef struct finder {
   size_t *capacity;
 } finder;
 
-/* A step along the motions, of a few hundredths. */
-static void choose_move(const km_left_space *a, double *move) {
-  int k = km_partition_freedom(&a->s->partition[a->index]), n = a->sub->columns;
-  const double *Z = km_state_basis(a->s, a->index), *weight = a->m->column_weight + a->sub->column_start;
-  for (int c = 0; c < n; ++c)
-    for (int i = 0; i < k; ++i)
-      move[c] += 0.02 * (1.0 + 0.3 * i) * Z[(size_t)i * (size_t)n + (size_t)c] / weight[c];
-}
-
 /* The left null vectors a short way along the motion: a redundancy that isn't among them was the pose's. Where nothing
  * moves, they are those of the pose. */
 static bool look_nearby(finder *f, km_arena *arena) {
@@ -31,22 +21,9 @@ static bool look_nearby(finder *f, km_arena *arena) {
   double *move = KM_ARENA_NEW(arena, double, (size_t)a->sub->columns);
   if (arena->failed)
     return false;
-  bool found = true, moves = km_partition_freedom(&a->s->partition[a->index]) > 0;
   f->nearby = f->null;
-  choose_move(a, move);
-  km_closure evidence;
-  km_state_save(a->s, a->sub, saved);
-  km_state_move(a->m, a->s, a->sub, move);
-  a->s->pivoted[a->index] = KM_NEVER;
-  if (moves && km_close(a->m, a->s, a->index, KM_NO_DRIVER, &evidence) == KM_CLOSED) {
-    km_poses_update_in(a->m, a->s, a->index);
-    km_pivot(a->m, a->s, a->index, KM_NO_DRIVER, km_rank_tolerance(a->m, a->sub, evidence.residual));
-    found = km_left_null_find(a, arena, &f->nearby);
-  }
-  km_state_restore(a->s, a->sub, saved);
-  km_loops_update(a->m, a->s, a->sub);
-  a->s->pivoted[a->index] = KM_NEVER;
-  km_poses_update_in(a->m, a->s, a->index);
+  bool found = !km_nearby_go(a->m, a->s, a->index, saved, move) || km_left_null_find(a, arena, &f->nearby);
+  km_nearby_return(a->m, a->s, a->index, saved);
   return found;
 }
 

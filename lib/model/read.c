@@ -263,6 +263,10 @@ int km_model_joint_count(const km_model *model) {
 int km_model_coordinate_count(const km_model *model) {
   return model->coordinate_count;
 }
+const char *km_model_body_name(const km_model *model, int body) {
+  return model->bodies[body].name;
+}
+
 const char *km_model_joint_label(const km_model *model, int joint) {
   return model->joints[joint].label;
 }

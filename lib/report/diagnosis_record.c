@@ -7,12 +7,15 @@
 km_status km_diagnosis_find(const km_mechanism *m, km_state *s, km_diagnosis *out, km_error *error) {
   *out = (km_diagnosis){0};
   km_status status = km_finite_mobility_find(m, s, &out->finite, error);
+  if (!status)
+    status = km_idle_freedoms_find(m, s, &out->idle, error);
   return status ? status : km_redundancies_find(m, s, &out->redundancies, error);
 }
 
 void km_diagnosis_free(km_diagnosis *d) {
   km_finite_mobility_free(&d->finite);
   km_redundancies_free(&d->redundancies);
+  km_idle_freedoms_free(&d->idle);
 }
 
 /* Short enough to read; entries that are rounding are 0. */
@@ -96,10 +99,45 @@ void km_redundancies_record(const km_mechanism *m, const km_redundancies *redund
   }
 }
 
+void km_idle_statement(const km_mechanism *m, const km_idle_freedom *idle, km_text *out) {
+  km_text_add(out, idle->body_count > 1 ? "bodies" : "body");
+  for (int i = 0; i < idle->body_count; ++i)
+    km_text_format(out, " %s", m->model->bodies[idle->bodies[i]].name);
+  km_text_format(out, " can move in place while everything else stands (%d idle freedom%s)", idle->freedoms,
+                 idle->freedoms == 1 ? "" : "s");
+}
+
+static void add_idle(const km_mechanism *m, const km_idle_freedoms *idle, km_value *record, km_arena *arena) {
+  km_value_number(arena, record, "idle_mobility", idle->mobility);
+  km_value *list = km_value_add(arena, record, "idle_freedoms", KM_LIST);
+  for (int i = 0; i < idle->count && !arena->failed; ++i) {
+    km_value *item = km_value_add(arena, list, NULL, KM_OBJECT);
+    km_value_number(arena, item, "substructure", idle->items[i].substructure + 1);
+    km_value_number(arena, item, "freedoms", idle->items[i].freedoms);
+    km_value *bodies = km_value_add(arena, item, "bodies", KM_LIST);
+    for (int k = 0; k < idle->items[i].body_count && !arena->failed; ++k)
+      km_value_string(arena, bodies, NULL, m->model->bodies[idle->items[i].bodies[k]].name);
+  }
+}
+
+static void print_idle(const km_mechanism *m, const km_diagnosis *d, km_text *out) {
+  enum { MOST_SHOWN = 24 };
+  if (d->idle.count == 0)
+    return;
+  km_text_format(out, "\nidle freedoms: %d of the finite mobility %d; no other joint drives or feels them\n",
+                 d->idle.mobility, d->finite.mobility);
+  for (int i = 0; i < d->idle.count && i < MOST_SHOWN; ++i) {
+    km_text_add(out, "  ");
+    km_idle_statement(m, &d->idle.items[i], out);
+    km_text_add(out, "\n");
+  }
+}
+
 void km_diagnosis_record(const km_mechanism *m, const km_diagnosis *d, km_value *record, km_arena *arena) {
   km_value_number(arena, record, "finite_mobility", d->finite.mobility);
   add_motions(m, &d->finite, record, arena);
   km_value_boolean(arena, record, "truncated", d->finite.truncated);
+  add_idle(m, &d->idle, record, arena);
   km_redundancies_record(m, &d->redundancies, record, arena);
 }
 
@@ -121,6 +159,7 @@ static void print_finite(const km_finite_mobility *finite, km_text *out) {
 void km_diagnosis_print(const km_mechanism *m, const km_diagnosis *d, km_text *out) {
   enum { MOST_SHOWN = 24 };
   print_finite(&d->finite, out);
+  print_idle(m, d, out);
   if (d->redundancies.count)
     km_text_add(out, "\nredundant constraints, and what would end each with the same mobility\n");
   for (int i = 0; i < d->redundancies.count && i < MOST_SHOWN; ++i) {

@@ -24,6 +24,8 @@ int km_model_body_count(const km_model *model);
 int km_model_joint_count(const km_model *model);
 int km_model_coordinate_count(const km_model *model);
 
+/* Name of a body as the file has it, 0 … the number of bodies; 0 is the inertial frame. Borrowed. */
+const char *km_model_body_name(const km_model *model, int body);
 /* Labels as every output writes them: `name`, or `assembly/name` where the name isn't unique; coordinate k of
  * a joint with several is `label[k]`. Borrowed. */
 const char *km_model_joint_label(const km_model *model, int joint);

@@ -1,0 +1,42 @@
+/* Going a short way along the motion and back. */
+#include "analysis/nearby.h"
+
+#include "kinematics/closure.h"
+#include "kinematics/loops.h"
+#include "kinematics/poses.h"
+
+#include <string.h>
+
+/* All motions at once, each by another amount, so that none hides another. */
+static void choose_move(const km_mechanism *m, const km_state *s, int index, double *move) {
+  const km_substructure *sub = &m->substructures[index];
+  int freedom = km_partition_freedom(&s->partition[index]);
+  const double *Z = km_state_basis(s, index), *weight = m->column_weight + sub->column_start;
+  memset(move, 0, (size_t)sub->columns * sizeof *move);
+  for (int c = 0; c < sub->columns; ++c)
+    for (int i = 0; i < freedom; ++i)
+      move[c] += 0.02 * (1.0 + 0.3 * i) * Z[(size_t)i * (size_t)sub->columns + (size_t)c] / weight[c];
+}
+
+bool km_nearby_go(const km_mechanism *m, km_state *s, int index, double *saved, double *move) {
+  const km_substructure *sub = &m->substructures[index];
+  bool moves = km_partition_freedom(&s->partition[index]) > 0;
+  km_closure evidence;
+  choose_move(m, s, index, move);
+  km_state_save(s, sub, saved);
+  km_state_move(m, s, sub, move);
+  s->pivoted[index] = KM_NEVER;
+  if (!moves || km_close(m, s, index, KM_NO_DRIVER, &evidence) != KM_CLOSED)
+    return false;
+  km_poses_update_in(m, s, index);
+  km_pivot(m, s, index, KM_NO_DRIVER, km_rank_tolerance(m, sub, evidence.residual));
+  return true;
+}
+
+void km_nearby_return(const km_mechanism *m, km_state *s, int index, const double *saved) {
+  const km_substructure *sub = &m->substructures[index];
+  km_state_restore(s, sub, saved);
+  km_loops_update(m, s, sub);
+  s->pivoted[index] = KM_NEVER;
+  km_poses_update_in(m, s, index);
+}
