@@ -181,7 +181,8 @@ static bool find_in(const groups *g, km_idle_freedoms *out, size_t *capacity) {
 /* Keeps of the groups found from `first` on what they also have a short way along the motion. */
 static bool keep_lasting(const groups *g, int first, km_arena *arena, km_idle_freedoms *out) {
   size_t columns = (size_t)g->m->substructures[g->index].columns;
-  double *saved = KM_ARENA_NEW(arena, double, KM_SAVED_PER_COLUMN *columns), *move = KM_ARENA_NEW(arena, double, columns);
+  double *saved = KM_ARENA_NEW(arena, double, KM_SAVED_PER_COLUMN *columns),
+         *move = KM_ARENA_NEW(arena, double, columns);
   if (arena->failed)
     return false;
   bool moved = km_nearby_go(g->m, g->s, g->index, saved, move);

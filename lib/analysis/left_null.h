@@ -42,8 +42,8 @@ static inline int km_left_null_count(const km_left_null *null) {
   return null->local_count + null->whole_count;
 }
 
-/* Swaps of the loop's joints that would end a redundancy with the wrench w of the loop at `place` in the substructure, by
- * test. `null` are all left null vectors; `work` has room for 2 · whole_count. */
+/* Swaps of the loop's joints that would end a redundancy with the wrench w of the loop at `place` in the substructure,
+ * by test. `null` are all left null vectors; `work` has room for 2 · whole_count. */
 void km_remedies_find(const km_left_space *space, const km_left_null *null, int place, const double w[6], double *work,
                       km_redundancy *item);
 

@@ -48,8 +48,7 @@ static trial try_tolerance(const km_mechanism *m, int index, double tolerance) {
     if (m->held[c])
       holds[held++] = (km_hold){c, m->start[c] / km_model_coordinate_factor(m->model, c)};
   km_compiling how = {holds, held, tolerance, m->length, m->length_source};
-  if (holds && saved && !km_mechanism_compile_as(m->model, &how, &other, NULL) &&
-      !km_state_create(other, &s, NULL)) {
+  if (holds && saved && !km_mechanism_compile_as(m->model, &how, &other, NULL) && !km_state_create(other, &s, NULL)) {
     km_closure evidence;
     km_status status = KM_OK;
     result.closes = assemble_one(other, s, index, saved, &evidence, &status, NULL) == KM_CLOSED;

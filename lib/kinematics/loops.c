@@ -1,7 +1,7 @@
 #include "kinematics/loops.h"
 
-/* Symbols: X pose of a slot, h unit twist of a step, e = log(X_a X_b⁻¹), J = ±h. Each loop takes e and h at a point o of
- * its own: loops far from each other on one base would lose digits about a common one. A loop that has all rows of v
+/* Symbols: X pose of a slot, h unit twist of a step, e = log(X_a X_b⁻¹), J = ±h. Each loop takes e and h at a point o
+ * of its own: loops far from each other on one base would lose digits about a common one. A loop that has all rows of v
  * and w takes its point where its frames meet; for the others o must be fixed in the base. */
 
 static inline double wrapped(double angle) {

@@ -80,7 +80,10 @@ km_status km_relax(const km_mechanism *m, km_state *s, int substructure, km_erro
    * stays off, since putting it back would race with other threads. */
   gsl_set_error_handler_off();
   km_arena scratch = {0};
-  problem p = {m, s, sub, KM_ARENA_NEW(&scratch, double, (size_t)(KM_SAVED_PER_COLUMN * sub->columns)),
+  problem p = {m,
+               s,
+               sub,
+               KM_ARENA_NEW(&scratch, double, (size_t)(KM_SAVED_PER_COLUMN * sub->columns)),
                KM_ARENA_NEW(&scratch, double, (size_t)sub->columns),
                KM_ARENA_NEW(&scratch, double, (size_t)sub->rows *(size_t)sub->columns)};
   km_status status;

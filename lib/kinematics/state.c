@@ -11,9 +11,9 @@ static int longest_program(const km_mechanism *m) {
 }
 
 static bool reserve_partition(const km_substructure *sub, km_partition *p, km_arena *arena) {
-  return sub->pattern.start ? km_partition_reserve_sparse(p, sub->rows, sub->columns, sub->pattern.start,
-                                                          sub->pattern.row, arena)
-                            : km_partition_reserve(p, sub->rows, sub->columns, arena);
+  return sub->pattern.start
+             ? km_partition_reserve_sparse(p, sub->rows, sub->columns, sub->pattern.start, sub->pattern.row, arena)
+             : km_partition_reserve(p, sub->rows, sub->columns, arena);
 }
 
 static bool allocate(const km_mechanism *m, km_state *s) {

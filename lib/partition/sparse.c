@@ -288,7 +288,7 @@ void km_sparse_factor(km_partition *p, const double *matrix, const bool *forced,
   km_sparse *s = p->sparse;
   p->scale = 0.0;
   for (int i = 0; i < s->start[p->columns]; ++i)
-      p->scale = fmax(p->scale, fabs(matrix[i]));
+    p->scale = fmax(p->scale, fabs(matrix[i]));
   memset(s->late, 0, (size_t)p->columns * sizeof *s->late);
   for (int pass = 0; pass < MOST_PASSES; ++pass) {
     arrange(p, forced);

@@ -27,8 +27,8 @@ struct km_arm {
   int frame; /* the effector's, of the model */
   km_task task;
   int n, rows;
-  int freedom;   /* n − rows: dimension of the self-motion at regular poses */
-  double length; /* L, in the model's unit */
+  int freedom;       /* n − rows: dimension of the self-motion at regular poses */
+  double length;     /* L, in the model's unit */
   double slide_most; /* slides further than this are of no use: several times the arm's size */
   double shrink;     /* of position errors, squared: 1 but for arms of more than 100 L, whose rounding is as large */
   km_vec3 origin;    /* of everything here, in the inertial frame and the model's unit */

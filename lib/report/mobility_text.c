@@ -64,8 +64,8 @@ void km_mobility_print(const km_mechanism *m, const km_state *s, const km_mobili
   km_text_format(out, "mobility %d at this pose (Kutzbach %d, extended Kutzbach %d), %d redundant constraint%s\n",
                  mobility->mobility, mobility->kutzbach, mobility->kutzbach_extended, mobility->redundant_constraints,
                  km_plural(mobility->redundant_constraints));
-  km_text_format(out, "loops closed to %.2g, characteristic length %g %s (%s)\n", mobility->residual,
-                 m->length, model->units.length->suffix, km_length_source_name(m->length_source));
+  km_text_format(out, "loops closed to %.2g, characteristic length %g %s (%s)\n", mobility->residual, m->length,
+                 model->units.length->suffix, km_length_source_name(m->length_source));
   if (t->loop_count)
     km_text_add(out, "\nloops\n");
   print_loops(m, out);

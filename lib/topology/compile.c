@@ -286,8 +286,7 @@ static km_status compile(km_mechanism *m, const km_compiling *how, km_error *err
   return !done ? km_fail(error, KM_MEMORY, "out of memory while compiling the mechanism") : KM_OK;
 }
 
-km_status km_mechanism_compile_as(const km_model *model, const km_compiling *how, km_mechanism **out,
-                                  km_error *error) {
+km_status km_mechanism_compile_as(const km_model *model, const km_compiling *how, km_mechanism **out, km_error *error) {
   *out = NULL;
   km_mechanism *m = KM_NEW(km_mechanism, 1);
   if (!m)

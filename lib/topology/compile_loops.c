@@ -75,7 +75,8 @@ static void pass(km_mechanism *m, km_program *program, int joint, bool against, 
 static void add_entries(km_mechanism *m, km_program *program, km_loop *loop, int first, int count, int side) {
   for (int i = first; i < first + count; ++i) {
     const km_step *step = &m->steps[program->step_start + i];
-    m->entries[loop->entry_start + loop->entry_count++] = (km_entry){.step = i, .column = m->column_of[step->coordinate], .side = side};
+    m->entries[loop->entry_start + loop->entry_count++] =
+        (km_entry){.step = i, .column = m->column_of[step->coordinate], .side = side};
   }
 }
 
@@ -171,8 +172,8 @@ static void compile_loop(km_mechanism *m, km_program *program, int l, km_stand b
   loop->close[0] = out.pose;
   loop->slot[1] = back.slot;
   loop->close[1] = back.pose;
-  loop->apart = km_vec3_scale(1.0 / size, km_rotate_back(&m->model->frames[program->base_frame].pose.R,
-                                                         km_vec3_sub(back.origin, out.origin)));
+  loop->apart = km_vec3_scale(
+      1.0 / size, km_rotate_back(&m->model->frames[program->base_frame].pose.R, km_vec3_sub(back.origin, out.origin)));
   *entries += loop->entry_count;
 }
 

@@ -1,4 +1,5 @@
-/* How a substructure's Jacobian is stored: whole, or where it is large and has few entries, those that can differ from 0.
+/* How a substructure's Jacobian is stored: whole, or where it is large and has few entries, those that can differ from
+ * 0.
  */
 #include "topology/compile.h"
 

@@ -46,7 +46,7 @@ double km_longest_link(const km_model *model, km_arena *scratch) {
   for (int b = 1; b < model->body_count; ++b)
     for (int i = first[b]; i < first[b + 1] && find(parent, b) != find(parent, 0); ++i)
       for (int k = first[b]; k < i; ++k)
-        longest = fmax(longest, km_vec3_norm(km_vec3_sub(model->frames[frame[i]].pose.p,
-                                                         model->frames[frame[k]].pose.p)));
+        longest =
+            fmax(longest, km_vec3_norm(km_vec3_sub(model->frames[frame[i]].pose.p, model->frames[frame[k]].pose.p)));
   return longest;
 }

@@ -64,8 +64,8 @@ typedef struct km_loop {
   km_vec3 point[2];          /* the loop's own point, about which its rows are taken, from each of the two origins */
   double planar_close[2][2]; /* the same in a planar program, in the plane's axes */
   double planar_apart[2], planar_point[2];
-  double planar_turn;        /* turn of the one frame against the other when all coordinates are 0 */
-  double fixed_misfit[6];    /* planar: what no coordinate can change (v z, w x, w y in the plane's frame) */
+  double planar_turn;     /* turn of the one frame against the other when all coordinates are 0 */
+  double fixed_misfit[6]; /* planar: what no coordinate can change (v z, w x, w y in the plane's frame) */
   int entry_start, entry_count;
   double gap; /* smallest direction that counted as a motion, largest that didn't: evidence for lambda */
   double gap_dropped;

@@ -72,8 +72,7 @@ static void run_kept(void *context) {
 static void run_dense(void *context) {
   engines *e = context;
   const km_substructure *sub = &e->mechanism->substructures[0];
-  km_partition_factor(&e->dense, e->whole, sub->rows, sub->columns, NULL,
-                      km_rank_tolerance(e->mechanism, sub, 0));
+  km_partition_factor(&e->dense, e->whole, sub->rows, sub->columns, NULL, km_rank_tolerance(e->mechanism, sub, 0));
 }
 
 /* R and the column order: what the null space needs. */

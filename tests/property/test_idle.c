@@ -12,26 +12,29 @@ static km_idle_freedoms idle_of(fixture *f) {
   return idle;
 }
 
-/* A triangle in space: a ground pivot with a link, and a leg from its end to the ground at (x, y, z). The leg is one rod
- * (types: two ends) or two bodies (types: end, joint between, end); the first end on the ground. */
+/* A triangle in space: a ground pivot with a link, and a leg from its end to the ground at (x, y, z). The leg is one
+ * rod (types: two ends) or two bodies (types: end, joint between, end); the first end on the ground. */
 static fixture leg(const char *const *types, int joints, double x, double y, double z) {
   km_text t = {0};
-  km_text_format(&t,
-                 "{\"fixed\": {\"frames\": [{\"name\": \"g\", \"T\": [%g, %g, %g]}]}, \"assemblies\": [{\"name\": \"a\", "
-                 "\"bodies\": [{\"name\": \"link\", \"frames\": [{\"name\": \"e\", \"T\": [1, 0, 0]}]}, {\"name\": "
-                 "\"foot\", \"frames\": [{\"name\": \"e\", \"T\": [0, 0, 0.8]}]}%s], \"joints\": ["
-                 "{\"name\": \"A\", \"type\": \"Rz\", \"body_frame_pairs\": [\"fixed\", \"link\"]},"
-                 "{\"name\": \"B\", \"type\": \"%s\", \"body_frame_pairs\": [[\"fixed\", \"g\"], \"foot\"]},",
-                 x, y, z, joints == 3 ? ", {\"name\": \"head\", \"frames\": [{\"name\": \"e\", \"T\": [0, 0, 0.4]}]}" : "",
-                 types[0]);
+  km_text_format(
+      &t,
+      "{\"fixed\": {\"frames\": [{\"name\": \"g\", \"T\": [%g, %g, %g]}]}, \"assemblies\": [{\"name\": \"a\", "
+      "\"bodies\": [{\"name\": \"link\", \"frames\": [{\"name\": \"e\", \"T\": [1, 0, 0]}]}, {\"name\": "
+      "\"foot\", \"frames\": [{\"name\": \"e\", \"T\": [0, 0, 0.8]}]}%s], \"joints\": ["
+      "{\"name\": \"A\", \"type\": \"Rz\", \"body_frame_pairs\": [\"fixed\", \"link\"]},"
+      "{\"name\": \"B\", \"type\": \"%s\", \"body_frame_pairs\": [[\"fixed\", \"g\"], \"foot\"]},",
+      x, y, z, joints == 3 ? ", {\"name\": \"head\", \"frames\": [{\"name\": \"e\", \"T\": [0, 0, 0.4]}]}" : "",
+      types[0]);
   if (joints == 3)
-    km_text_format(&t,
-                   "{\"name\": \"C\", \"type\": \"%s\", \"body_frame_pairs\": [[\"foot\", \"e\"], \"head\"]},"
-                   "{\"name\": \"D\", \"type\": \"%s\", \"body_frame_pairs\": [[\"head\", \"e\"], [\"link\", \"e\"]]}]}]}",
-                   types[1], types[2]);
+    km_text_format(
+        &t,
+        "{\"name\": \"C\", \"type\": \"%s\", \"body_frame_pairs\": [[\"foot\", \"e\"], \"head\"]},"
+        "{\"name\": \"D\", \"type\": \"%s\", \"body_frame_pairs\": [[\"head\", \"e\"], [\"link\", \"e\"]]}]}]}",
+        types[1], types[2]);
   else
-    km_text_format(&t, "{\"name\": \"C\", \"type\": \"%s\", \"body_frame_pairs\": [[\"foot\", \"e\"], [\"link\", \"e\"]]}]}]}",
-                   types[1]);
+    km_text_format(
+        &t, "{\"name\": \"C\", \"type\": \"%s\", \"body_frame_pairs\": [[\"foot\", \"e\"], [\"link\", \"e\"]]}]}]}",
+        types[1]);
   fixture f = fixture_read(t.data);
   km_text_free(&t);
   return f;
@@ -45,9 +48,9 @@ typedef struct expectation {
 static void legs(void **state) {
   (void)state;
   static const expectation all[] = {
-      {{"spherical", "spherical"}, 2, 1, 1},            /* a rod */
-      {{"universal", "spherical"}, 2, 0, 0},            /* its fork keeps it from spinning */
-      {{"spherical", "Tz", "spherical"}, 3, 1, 1},      /* cylinder and piston spin together */
+      {{"spherical", "spherical"}, 2, 1, 1},                /* a rod */
+      {{"universal", "spherical"}, 2, 0, 0},                /* its fork keeps it from spinning */
+      {{"spherical", "Tz", "spherical"}, 3, 1, 1},          /* cylinder and piston spin together */
       {{"spherical", "cylindrical", "spherical"}, 3, 2, 2}, /* each by itself */
       {{"universal", "cylindrical", "spherical"}, 3, 1, 1},
       {{"universal", "Tz", "spherical"}, 3, 0, 0},
@@ -56,7 +59,8 @@ static void legs(void **state) {
   randomness r = {1};
   for (size_t i = 0; i < sizeof all / sizeof *all; ++i)
     for (int k = 0; k < 5; ++k) {
-      fixture f = leg(all[i].types, all[i].joints, uniform(&r, 0.5, 0.9), uniform(&r, 0.1, 0.4), uniform(&r, -0.6, -0.4));
+      fixture f =
+          leg(all[i].types, all[i].joints, uniform(&r, 0.5, 0.9), uniform(&r, 0.1, 0.4), uniform(&r, -0.6, -0.4));
       double before = f.state->q[0];
       km_idle_freedoms idle = idle_of(&f);
       assert_int_equal(idle.mobility, all[i].mobility);
@@ -77,7 +81,8 @@ static void a_shaft_is_not_idle(void **state) {
       "{\"fixed\": {\"frames\": [{\"name\": \"g\", \"T\": [0, 0, 1]}]}, \"assemblies\": [{\"name\": \"a\", \"bodies\": "
       "[{\"name\": \"shaft\", \"frames\": [{\"name\": \"e\", \"T\": [0, 0, 1]}]}], \"joints\": ["
       "{\"name\": \"A\", \"type\": \"Rz\", \"body_frame_pairs\": [\"fixed\", \"shaft\"]},"
-      "{\"name\": \"B\", \"type\": \"cylindrical\", \"body_frame_pairs\": [[\"fixed\", \"g\"], [\"shaft\", \"e\"]]}]}]}");
+      "{\"name\": \"B\", \"type\": \"cylindrical\", \"body_frame_pairs\": [[\"fixed\", \"g\"], [\"shaft\", "
+      "\"e\"]]}]}]}");
   km_idle_freedoms idle = idle_of(&f);
   assert_int_equal(idle.mobility, 0);
   km_idle_freedoms_free(&idle);

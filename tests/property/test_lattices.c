@@ -12,8 +12,8 @@ static int rank_by_spqr(fixture *f, double tolerance) {
   const km_pattern *pattern = &sub->pattern;
   cholmod_common common;
   cholmod_l_start(&common);
-  cholmod_triplet *T = cholmod_l_allocate_triplet((size_t)sub->rows, (size_t)sub->columns, pattern->size, 0,
-                                                  CHOLMOD_REAL, &common);
+  cholmod_triplet *T =
+      cholmod_l_allocate_triplet((size_t)sub->rows, (size_t)sub->columns, pattern->size, 0, CHOLMOD_REAL, &common);
   const double *values = km_state_jacobian(f->state, sub);
   for (int c = 0, k = 0; c < sub->columns; ++c) {
     int first = pattern->start ? pattern->start[c] : c * sub->rows;

@@ -1,5 +1,5 @@
-/* Answers don't depend on the units of the file: mobility numbers, the order in which joints could drive, the pose that a
- * poor start is assembled to, leverage. Where no length is stated, lengths are compared over the longest link. */
+/* Answers don't depend on the units of the file: mobility numbers, the order in which joints could drive, the pose that
+ * a poor start is assembled to, leverage. Where no length is stated, lengths are compared over the longest link. */
 #include "support/support.h"
 
 #include "base/json.h"
@@ -58,7 +58,8 @@ static bool pick(const fixture *f, randomness *r, int *in, int *out) {
   *in = below(r, f->mechanism->coordinate_count);
   *out = below(r, f->mechanism->coordinate_count);
   const int *substructure = f->mechanism->substructure_of;
-  return *in != *out && substructure[*in] >= 0 && substructure[*in] == substructure[*out] && f->mechanism->ball_of[*in] < 0 && f->mechanism->ball_of[*out] < 0;
+  return *in != *out && substructure[*in] >= 0 && substructure[*in] == substructure[*out] &&
+         f->mechanism->ball_of[*in] < 0 && f->mechanism->ball_of[*out] < 0;
 }
 
 static km_advantage leverage(fixture *f, int in, int out) {
@@ -108,8 +109,8 @@ static void compare(const char *name, double off, randomness *r) {
   fixture own = fixture_open(name);
   double *q = KM_NEW(double, (size_t)own.model->coordinate_count);
   for (int c = 0; c < own.model->coordinate_count; ++c)
-    q[c] = (own.state->q[c] + uniform(r, -off, off) / own.mechanism->scale[c]) /
-           km_model_coordinate_factor(own.model, c);
+    q[c] =
+        (own.state->q[c] + uniform(r, -off, off) / own.mechanism->scale[c]) / km_model_coordinate_factor(own.model, c);
   fixture all[SYSTEMS];
   bool assembled[SYSTEMS];
   int in, out;
@@ -146,7 +147,8 @@ static void poor_starts(void **state) {
 static void no_link_has_a_length(void **state) {
   (void)state;
   static const char wedge[] =
-      "{\"model_parameters\": {\"units\": {\"length\": \"millimeters\"}}, \"fixed\": {\"frames\": [{\"name\": \"p\", \"T\": [30, "
+      "{\"model_parameters\": {\"units\": {\"length\": \"millimeters\"}}, \"fixed\": {\"frames\": [{\"name\": \"p\", "
+      "\"T\": [30, "
       "40, 0]}]}, \"assemblies\": [{\"name\": \"a\", \"bodies\": [{\"name\": \"b\"}, {\"name\": \"c\"}], \"joints\": ["
       "{\"name\": \"A\", \"type\": \"Tx\", \"body_frame_pairs\": [\"fixed\", \"b\"]},"
       "{\"name\": \"B\", \"type\": \"Ty\", \"body_frame_pairs\": [\"b\", \"c\"]},"

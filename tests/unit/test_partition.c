@@ -1,7 +1,7 @@
 /* Properties of the partition on random matrices of every small size and some larger ones, with LAPACK's singular
  * value decomposition as the judge of rank and null space. All of it by the dense engines and by the sparse one. */
-#include "support/support.h"
 #include "partition/sparse.h"
+#include "support/support.h"
 
 #include <lapacke.h>
 #include <math.h>

@@ -12,7 +12,7 @@
 
 /* What a report command makes of its one model. */
 typedef struct kt_reporting {
-  const char *word; /* of the result, as in BASE.WORD.pdf */
+  const char *word;                      /* of the result, as in BASE.WORD.pdf */
   kt_exit (*prepare)(kt_sweep_job *job); /* as in kt_sweeping */
   km_status (*run)(kt_sweep_job *job, const km_sweep **motion, km_error *error);
   km_status (*write)(const kt_sweep_job *job, bool html, km_text *out, km_error *error);

@@ -77,10 +77,9 @@ static void start_job(void *context, int index) {
   const work *w = context;
   const kt_pose *first = &w->jobs[0].pose;
   if (index > 0)
-    kt_sweep_job_open(w->jobs + index,
-                      first->mechanism ? km_mechanism_characteristic_length(first->mechanism, NULL) *
-                                             km_model_length_unit(first->model)
-                                       : 0.0);
+    kt_sweep_job_open(w->jobs + index, first->mechanism ? km_mechanism_characteristic_length(first->mechanism, NULL) *
+                                                              km_model_length_unit(first->model)
+                                                        : 0.0);
   kt_sweep_job_run(w->jobs + index, w->sweeping->prepare, w->sweeping->run);
 }
 

@@ -61,8 +61,8 @@ enum { KT_OPTION_FORMAT = 0x3201 };
 /* Sweeps every model, --jobs at once, and writes what was asked for. */
 kt_exit kt_sweep(kt_sweep_options *options, const kt_sweeping *sweeping);
 
-/* Reads the job's model and brings it to its pose; job->result says how it went. `metres`: another model's characteristic
- * length, 0: its own. */
+/* Reads the job's model and brings it to its pose; job->result says how it went. `metres`: another model's
+ * characteristic length, 0: its own. */
 void kt_sweep_job_open(kt_sweep_job *job, double metres);
 /* Frees what a job holds beside `own`. */
 void kt_sweep_job_close(kt_sweep_job *job);

@@ -43,8 +43,10 @@ static const struct argp_option table[] = {
     {NULL, 'o', "BASE", 0, "Files are BASE.advantage.FORMAT (default: the model's name); - is the standard output", 2},
     {0}};
 
-static const struct argp_option report_table[] = {
-    KMA_ENDS_OPTIONS POINT_OPTION, KT_REPORT_FORMAT_OPTION, {NULL, 'o', "BASE", 0, KT_REPORT_BASE("advantage-report"), 2}, {0}};
+static const struct argp_option report_table[] = {KMA_ENDS_OPTIONS POINT_OPTION,
+                                                  KT_REPORT_FORMAT_OPTION,
+                                                  {NULL, 'o', "BASE", 0, KT_REPORT_BASE("advantage-report"), 2},
+                                                  {0}};
 
 static error_t parse(int key, char *arg, struct argp_state *state) {
   options *o = state->input;

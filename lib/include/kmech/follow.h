@@ -41,7 +41,7 @@ bool km_follow_closed(const km_follow *follow);   /* the start was met again, to
 double km_follow_cycle(const km_follow *follow);  /* arc length of the cycle that was closed; 0: none was */
 /* Lets a motion whose cycle is closed go on; the next rounds don't stop it. */
 void km_follow_go_round(km_follow *follow);
-int km_follow_limit(const km_follow *follow);     /* the coordinate whose limit ended the motion, -1 none */
+int km_follow_limit(const km_follow *follow); /* the coordinate whose limit ended the motion, -1 none */
 /* The branch point that the last advance passed, on the smooth motion; false if there was none. */
 bool km_follow_branch(const km_follow *follow, km_branch_point *out);
 /* Goes a short way (up to 0.05) along from here, or back if offset < 0, until km_follow_return; rates: the direction of

@@ -25,9 +25,9 @@ km_status km_mechanism_compile(const km_model *model, const km_hold *holds, int 
 void km_mechanism_free(km_mechanism *mechanism);
 
 /* What rates of lengths are divided by where they are compared with those of angles: the length that the model states;
- * else the greatest distance between the frames of two joints on one moving body; else, where all of these coincide, the
- * greatest distance between two joints in the assembled pose; else one length unit. Of several models that are compared
- * the first one's serves all. In the model's length unit. `source` may be NULL. */
+ * else the greatest distance between the frames of two joints on one moving body; else, where all of these coincide,
+ * the greatest distance between two joints in the assembled pose; else one length unit. Of several models that are
+ * compared the first one's serves all. In the model's length unit. `source` may be NULL. */
 typedef enum km_length_source {
   KM_LENGTH_STATED,
   KM_LENGTH_SHARED,
