@@ -24,21 +24,35 @@ static stretch rate_at(const km_path *path, const km_segment *segment, double u)
   return counted(path->arm, &pose, rate);
 }
 
-/* From u0 to u1: four panels of Gauss and Legendre's rule of five points. */
-static stretch measure(const km_path *path, const km_segment *segment, double u0, double u1) {
+/* From u0 to u1, by panels of Gauss and Legendre's rule of five points. */
+static stretch sum_panels(const km_path *path, const km_segment *segment, double u0, double u1, int panels) {
   static const double at[5] = {-0.9061798459386640, -0.5384693101056831, 0.0, 0.5384693101056831, 0.9061798459386640};
   static const double weight[5] = {0.2369268850561891, 0.4786286704993665, 0.5688888888888889, 0.4786286704993665,
                                    0.2369268850561891};
-  enum { PANELS = 4 };
-  double h = (u1 - u0) / (2 * PANELS);
+  double h = (u1 - u0) / (2 * panels);
   stretch sum = {0.0, 0.0, 0.0};
-  for (int p = 0; p < PANELS; ++p)
+  for (int p = 0; p < panels; ++p)
     for (int k = 0; k < 5; ++k) {
       stretch rate = rate_at(path, segment, u0 + h * (2 * p + 1 + at[k]));
       sum.s += h * weight[k] * rate.s;
       sum.travel += h * weight[k] * rate.travel;
       sum.turn += h * weight[k] * rate.turn;
     }
+  return sum;
+}
+
+/* Twice as many panels until they change nothing: splines bend sharply, and have knots between samples. */
+static stretch measure(const km_path *path, const km_segment *segment, double u0, double u1) {
+  enum { PANELS = 4, MOST_PANELS = 256 };
+  stretch sum = sum_panels(path, segment, u0, u1, PANELS), coarse;
+  int panels = PANELS;
+  bool bends = segment->kind == KM_SEGMENT_SPLINE || segment->kind == KM_SEGMENT_WEAVE;
+  do {
+    coarse = sum;
+    panels *= 2;
+    sum = bends ? sum_panels(path, segment, u0, u1, panels) : coarse;
+  } while (panels < MOST_PANELS &&
+           fabs(sum.travel - coarse.travel) + fabs(sum.turn - coarse.turn) + fabs(sum.s - coarse.s) > 1e-10 * sum.s);
   return sum;
 }
 

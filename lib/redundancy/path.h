@@ -14,7 +14,8 @@ typedef struct km_path_point {
   km_pose pose;
   km_twist twist; /* dX/dσ at the effector's origin; of the segment that begins where two meet */
   double s, t;    /* σ, and seconds */
-  double travel;  /* of the effector's origin, over L; and its turn, as far as the task counts it: dσ² = travel² + turn² */
+  double
+      travel; /* of the effector's origin, over L; and its turn, as far as the task counts it: dσ² = travel² + turn² */
   double turn;
   double speed; /* dσ/dt; of that segment too */
 } km_path_point;

@@ -195,9 +195,9 @@ static km_status fill(km_track *t, km_run *run, km_error *error) {
       next = row_of(run, i + 1);
     whole = add_row(t, &run->space.arm, &here, i > 0 ? &last : NULL, i + 1 < count ? &next : NULL);
   }
-  t->end = (km_track_end){run->stop,    run->column,
+  t->end = (km_track_end){run->stop,        run->column,
                           run->reached - 1, here.point.s * t->arm->length,
-                          here.point.t, here.point.travel * t->arm->length,
+                          here.point.t,     here.point.travel * t->arm->length,
                           here.point.turn};
   size_t rows = whole ? km_table_rows(t->table) : 0;
   if (rows)

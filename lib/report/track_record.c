@@ -197,7 +197,8 @@ km_value *km_tracks_record(const km_tracks *t, const char *model, km_arena *aren
 static void print_head(const km_tracks *t, km_text *out) {
   const km_arm *a = t->study->arm;
   const km_path *path = t->study->path;
-  km_text_format(out, "%s: %d samples over %.6g %s and %.6g %s in %.6g s; %d joints, %d to spare; lengths over L = "
+  km_text_format(out,
+                 "%s: %d samples over %.6g %s and %.6g %s in %.6g s; %d joints, %d to spare; lengths over L = "
                  "%.6g %s%s\n",
                  t->name, path->samples, km_path_travel(path, path->samples - 1), length_unit(a),
                  angle_shown(a, km_path_turn(path, path->samples - 1)), angle_unit(a),
@@ -239,11 +240,11 @@ static void print_remarks(const km_tracks *all, int index, km_text *out) {
 void km_tracks_print(const km_tracks *t, km_text *out) {
   print_head(t, out);
   const char *name = km_objective_name(&t->study->objective);
-  km_text_format(out, "  %-12s %7s  %9s %8s  %19s  %8s %8s  %9s %10s  %11s\n", "", "", "error", "error", name,
-                 "joint", "largest", "smallest", "", "");
+  km_text_format(out, "  %-12s %7s  %9s %8s  %19s  %8s %8s  %9s %10s  %11s\n", "", "", "error", "error", name, "joint",
+                 "largest", "smallest", "", "");
   km_text_format(out, "  %-12s %7s  %9s %8s  %9s %9s  %8s %8s  %9s %10s  %11s\n", "method", "reached",
-                 length_unit(t->study->arm), angle_unit(t->study->arm), "min", "mean", "travel", "rate", "margin", "violations",
-                 "evaluations");
+                 length_unit(t->study->arm), angle_unit(t->study->arm), "min", "mean", "travel", "rate", "margin",
+                 "violations", "evaluations");
   for (int i = 0; i < t->count; ++i)
     if (t->items[i])
       print_line(t, i, out);

@@ -1,0 +1,27 @@
+/* The families of random arms and paths, over enough seeds. */
+#include "support/arm_families.h"
+
+typedef bool (*family)(uint64_t seed, char *why, size_t size);
+
+static void over(family test, uint64_t seeds) {
+  char why[400] = "";
+  for (uint64_t seed = 1; seed <= seeds; ++seed)
+    if (!test(seed, why, sizeof why))
+      fail_msg("seed %llu: %s", (unsigned long long)seed, why);
+}
+
+static void paths_take_the_time_of_the_slower(void **state) {
+  (void)state;
+  over(family_path_times, 150);
+}
+
+static void tracks_keep_their_rates_to_the_edge(void **state) {
+  (void)state;
+  over(family_workspace_edge, 60);
+}
+
+int main(void) {
+  const struct CMUnitTest tests[] = {cmocka_unit_test(paths_take_the_time_of_the_slower),
+                                     cmocka_unit_test(tracks_keep_their_rates_to_the_edge)};
+  return cmocka_run_group_tests(tests, NULL, NULL);
+}

@@ -1,0 +1,22 @@
+/* Families of random arms and paths with a truth of their own. Each member is made from its seed alone. A family's test
+ * is true where the library keeps what it promises; else `why` says what went wrong. */
+#ifndef KM_TESTS_ARM_FAMILIES_H
+#define KM_TESTS_ARM_FAMILIES_H
+
+#include "support/arms.h"
+
+#include "base/text.h"
+
+typedef enum arm_shape { ARM_GENERAL, ARM_MEETING, ARM_PARALLEL } arm_shape;
+
+/* A random arm of n hinges whose axes first, first + 1, first + 2 meet in a point or are parallel; `roomy` hinges have
+ * limits with room for more than a turn, else the limits lie at random or there are none. Body "hand", frame "tool". */
+fixture random_arm(randomness *r, int n, arm_shape shape, int first, bool limited, bool roomy);
+
+/* The time of a path: each sample takes as long as the slower of the travel of the effector's origin and its turn, both
+ * found from many poses; the lengths are those. */
+bool family_path_times(uint64_t seed, char *why, size_t size);
+/* Tracks that leave the workspace: no row breaks a rate or a limit, and what is named as the end is there. */
+bool family_workspace_edge(uint64_t seed, char *why, size_t size);
+
+#endif
