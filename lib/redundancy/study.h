@@ -2,6 +2,7 @@
 #ifndef KM_REDUNDANCY_STUDY_H
 #define KM_REDUNDANCY_STUDY_H
 
+#include "base/text.h"
 #include "base/value.h"
 #include "kmech/path_study.h"
 #include "model/format.h"
@@ -55,6 +56,9 @@ double km_poses_apart(const km_pose *a, const km_pose *b);
 /* Methods as a name, an object, or a list of them. False if something is wrong. */
 bool km_methods_read(km_reader *reader, const km_arm *arm, const km_value *value, const km_place *place,
                      km_arena *arena, km_method **methods, int *count);
+/* Has a method a setting of that name; and which methods have ("dp, global"; nothing: it is no setting)? */
+bool km_method_has(km_method_kind kind, const char *key);
+void km_method_owners(const char *key, km_text *out);
 bool km_objective_read(km_reader *reader, const km_value *value, const km_place *place, km_objective *out);
 
 #endif
