@@ -146,6 +146,8 @@ km_value *km_branches_record(const km_arm *a, const km_branches *b, const char *
   km_value_number(arena, record, "count", b->count);
   km_value_boolean(arena, record, "sampled", is_sampled(a));
   km_value_number(arena, record, "within_limits", b->within);
+  km_value_boolean(arena, record, "confirmed", b->confirmed && !is_sampled(a));
+  km_value_boolean(arena, record, "closed_form", b->closed_form);
   km_value_number(arena, record, "starts", b->starts);
   km_value_number(arena, record, "converged", b->converged);
   km_value *list = km_value_add(arena, record, "branches", KM_LIST);
@@ -168,7 +170,12 @@ void km_branches_print(const km_arm *a, const km_branches *b, const char *name, 
   km_text_format(out, "%s: %s%d branch%s", name, sampled ? "a sample of " : "", b->count, b->count == 1 ? "" : "es");
   if (b->within < b->count)
     km_text_format(out, ", %d of them with poses within the limits", b->within);
-  km_text_format(out, " (%d solutions from %d starts)\n", b->converged, b->starts);
+  if (b->starts == 0)
+    km_text_add(out, " (in closed form)\n");
+  else
+    km_text_format(out, " (%d solutions from %d starts)\n", b->converged, b->starts);
+  if (!sampled && !b->confirmed)
+    km_text_add(out, "  the count isn't confirmed: there may be more\n");
   if (sampled)
     km_text_add(out, "  each is one pose of a family; how many are found depends on --seed\n");
   for (int i = 0; i < b->count; ++i) {

@@ -54,10 +54,14 @@ typedef struct km_branches {
   double *pose;          /* [count × columns] of each branch: within the limits, as far from them as it gets */
   double *margin;        /* [count] limit distance there; below 0: no pose within the limits */
   int within;            /* how many have poses within the limits; they come first */
-  int starts, converged; /* evidence */
+  int starts, converged; /* evidence: starts of Newton's method, and solutions */
+  bool closed_form;      /* three neighbouring axes meet or are parallel: the solutions are those of the closed form */
+  bool confirmed;        /* the count of components; false: there may be more */
 } km_branches;
 
-/* By Newton's method from many starts (the same for the same seed), each solution that lies on no known curve being
+/* In closed form where six hinges (of seven one is held, at many angles) have three neighbouring axes that meet or are
+ * parallel; else by Newton's method from many starts (the same for the same seed), until the count is confirmed: no new
+ * ones in a long row, and, of six hinges, as many of either sense. Each solution that lies on no known curve is
  * followed along its own. KM_PARTIAL: out of reach; KM_MEMORY. Free `*out` in any case. */
 km_status km_branches_find(const km_arm *arm, const km_effector_pose *pose, unsigned long seed, km_branches *out,
                            km_error *error);
