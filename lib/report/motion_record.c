@@ -21,6 +21,10 @@ static void add_motion(const km_arm *a, const km_selfmotion *m, km_value *record
       else
         km_value_add(arena, arc, end ? "to_limit" : "from_limit", KM_NULL);
     }
+    km_value *turns = m->turn ? km_value_add(arena, arc, "turns", KM_OBJECT) : NULL;
+    for (int k = 0; k < a->n && turns; ++k)
+      if (m->turn[i * a->n + k])
+        km_value_number(arena, turns, km_arm_label(a, k), m->turn[i * a->n + k]);
   }
 }
 
@@ -106,6 +110,9 @@ static void print_arcs(const km_arm *a, const km_selfmotion *m, const char *inde
                      : a->freedom == 2   ? "the start"
                                          : "the curve's end",
                      arc->column[1] >= 0 ? km_arm_label(a, arc->column[1]) : "the curve's end");
+    for (int k = 0; k < a->n && m->turn; ++k)
+      if (m->turn[i * a->n + k])
+        km_text_format(out, ", %s in turn %d", km_arm_label(a, k), m->turn[i * a->n + k]);
     km_text_add(out, "\n");
   }
 }
@@ -122,7 +129,8 @@ static void print_motion(const km_arm *a, const km_selfmotion *m, const char *in
   else
     km_text_format(out, "an open curve of %.6g rad", m->length);
   if (m->whole) {
-    km_text_add(out, ", within the limits all the way round\n");
+    km_text_add(out, ", within the limits all the way round");
+    km_text_format(out, m->arc_count > 1 ? ", in each of %d combinations of full turns\n" : "\n", m->arc_count);
     return;
   }
   km_text_format(out, "; %d arc%s within the limits%s\n", m->arc_count, m->arc_count == 1 ? "" : "s",

@@ -19,4 +19,10 @@ bool family_path_times(uint64_t seed, char *why, size_t size);
 /* Tracks that leave the workspace: no row breaks a rate or a limit, and what is named as the end is there. */
 bool family_workspace_edge(uint64_t seed, char *why, size_t size);
 
+/* Six hinges, of three kinds: every pose that thousands of random starts of Newton's method find is in the list, every
+ * pose of the list reaches the target by the bodies' poses, and the count is confirmed. */
+bool family_six_hinges(uint64_t seed, char *why, size_t size);
+/* Seven hinges: every pose that random starts find lies on a component of the list. */
+bool family_seven_hinges(uint64_t seed, char *why, size_t size);
+
 #endif
