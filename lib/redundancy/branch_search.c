@@ -196,7 +196,8 @@ static bool solve_six(km_finder *f, const double *from, int held) {
   return count >= 0;
 }
 
-/* Of seven hinges one is held, at many angles of its turn; each of them in its turn. */
+/* Of seven hinges one is held, at many angles of its turn; each of them in its turn. That finds the curves along which
+ * a hinge that leaves a group turns, however short: not those along which only the group itself does. */
 static bool solve_closed(km_finder *f) {
   enum { ANGLES = 48 };
   double q[KM_ARM_MOST] = {0};
@@ -242,7 +243,7 @@ km_status km_finder_run(const km_arm *a, const km_pose *target, unsigned long se
   if (!km_arm_space_create(a, &f->space))
     return km_fail(error, KM_MEMORY, "out of memory for the branches");
   f->closed_form = solve_closed(f);
-  f->confirmed = f->closed_form && f->count > 0 && f->count < MOST_BRANCHES && is_balanced(f);
+  f->confirmed = f->closed_form && a->freedom == 0 && f->count > 0 && f->count < MOST_BRANCHES && is_balanced(f);
   if (!f->confirmed && !f->failed)
     search(f, seed);
   if (f->failed)

@@ -15,7 +15,7 @@ typedef struct km_finder {
   int idle;              /* solutions in a row that were known */
   bool families;         /* singular poses that fill more than a curve are among them */
   bool closed_form;      /* there is one, and every solution that it has is on the curves */
-  bool confirmed;        /* the count is: in closed form, or by the search's own evidence */
+  bool confirmed;        /* the count is: of six hinges in closed form, else by the search's own evidence */
   bool failed;           /* out of memory */
 } km_finder;
 

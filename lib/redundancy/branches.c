@@ -170,8 +170,9 @@ static double distance_between(const km_arm *a, const double *x, const double *y
   return sqrt(sum);
 }
 
-/* Takes a pose over if it is within the limits and nearer than the best so far. */
-static void take_nearer(const km_arm *a, const double *at, const double *near, double *best, double *q) {
+/* Takes a pose over, at its nearest turn, if it is within the limits and nearer than the best so far. */
+static void take_nearer(const km_arm *a, double *at, const double *near, double *best, double *q) {
+  km_arm_turn_toward(a, near, at);
   double distance = distance_between(a, at, near);
   if (km_arm_limit_passed(a, at) >= 0 || distance >= *best)
     return;

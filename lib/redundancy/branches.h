@@ -65,6 +65,9 @@ void km_lifts_free(km_lifts *lifts);
  * for hinges that have one angle within them, and those without limits on either side. */
 void km_arm_turn_range(const km_arm *arm, int column, double least, double most, int *first, int *last);
 
+/* Turns hinges by full turns that their limits leave room for, to as near to `near`[n] as can be. */
+void km_arm_turn_toward(const km_arm *arm, const double *near, double *q);
+
 /* The curve as the public record. */
 km_status km_selfmotion_export(const km_loop_curve *curve, km_selfmotion *out, km_error *error);
 

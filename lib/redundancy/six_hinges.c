@@ -193,12 +193,14 @@ int km_six_hinges_solve(const km_six_hinges *six, const km_pose *target, double 
 
 /* Axes that are nearly in a group lead to nearly the right poses, from which Newton's method comes to them. */
 static const double slack = 1e-5;
+/* Axes that are nearly one line, or directions that are nearly one, determine next to nothing. */
+static const double least = 1e-4;
 
 static bool meets(km_six_hinges *six) {
   const km_hinge *h = six->hinges + six->first;
   km_vec3 n = km_vec3_cross(h[0].axis, h[1].axis);
   double sine = km_vec3_norm(n);
-  if (sine < 0.01 || km_vec3_norm(km_vec3_cross(h[1].axis, h[2].axis)) < 0.01)
+  if (sine < least || km_vec3_norm(km_vec3_cross(h[1].axis, h[2].axis)) < least)
     return false;
   /* The point of the middle axis that is nearest to the first one. */
   km_vec3 apart = km_vec3_sub(h[0].point, h[1].point), toward = km_vec3_cross(h[0].axis, n);
@@ -214,7 +216,7 @@ static bool is_parallel(km_six_hinges *six) {
   six->group = KM_GROUP_PARALLEL;
   for (int k = 0; k < 2; ++k)
     if (km_vec3_norm(km_vec3_cross(h[k].axis, h[k + 1].axis)) > slack ||
-        km_vec3_norm(across(h[0].axis, km_vec3_sub(h[k + 1].point, h[k].point))) < 0.01)
+        km_vec3_norm(across(h[0].axis, km_vec3_sub(h[k + 1].point, h[k].point))) < least)
       return false;
   return true;
 }

@@ -40,6 +40,18 @@ void km_arm_turn_range(const km_arm *a, int column, double least, double most, i
   *last = (int)floor((a->high[column] - least + slack) / (2.0 * M_PI));
 }
 
+void km_arm_turn_toward(const km_arm *a, const double *near, double *q) {
+  for (int k = 0; k < a->n; ++k) {
+    int first, last;
+    double wanted = rint((near[k] - q[k]) / (2.0 * M_PI));
+    km_arm_turn_range(a, k, q[k], q[k], &first, &last);
+    if (is_roomy(a, k))
+      wanted = fmin(fmax(wanted, first), last);
+    if (km_arm_turns(a, k) && !km_arm_turns_once(a, k))
+      q[k] += 2.0 * M_PI * wanted;
+  }
+}
+
 /* All shifts by full turns, each counted once: where a hinge turns on round the curve, its rounds are the same curve.
  */
 typedef struct lifting {

@@ -149,6 +149,35 @@ static bool is_sampled(const km_arm *a) {
   return a->freedom > 1;
 }
 
+/* A single pose at every full turn that the limits leave room for: their number. */
+static double turns_of(const km_arm *a, const double *shown, int *first, int *last) {
+  double count = 1.0;
+  for (int k = 0; k < a->n; ++k) {
+    double q = km_arm_read(a, k, shown[k]);
+    km_arm_turn_range(a, k, q, q, &first[k], &last[k]);
+    count *= fmax(last[k] - first[k] + 1, 0);
+  }
+  return count;
+}
+
+static void add_turns(const km_arm *a, const double *shown, km_value *branch, km_arena *arena) {
+  enum { MOST_LISTED = 1024 };
+  int first[KM_ARM_MOST], last[KM_ARM_MOST];
+  double count = turns_of(a, shown, first, last);
+  km_value_number(arena, branch, "poses_within_limits", count);
+  km_value *list = km_value_add(arena, branch, "configurations", KM_LIST);
+  for (int i = 0; i < count && i < MOST_LISTED && !arena->failed; ++i) {
+    km_value *pose = km_value_add(arena, list, NULL, KM_OBJECT);
+    for (int k = 0, rest = i; k < a->n; ++k) {
+      int ways = last[k] - first[k] + 1, turn = first[k] + rest % ways;
+      rest /= ways;
+      km_value_number(arena, pose, km_arm_label(a, k),
+                      turn ? km_arm_shown(a, k, km_arm_read(a, k, shown[k]) + 2.0 * M_PI * turn) : shown[k]);
+    }
+  }
+  km_value_boolean(arena, branch, "truncated", count > MOST_LISTED);
+}
+
 km_value *km_branches_record(const km_arm *a, const km_branches *b, const char *model, km_arena *arena) {
   km_value *record = km_arm_record(a, model, arena);
   km_value_number(arena, record, "count", b->count);
@@ -169,8 +198,19 @@ km_value *km_branches_record(const km_arm *a, const km_branches *b, const char *
     km_value *pose = km_value_add(arena, branch, "configuration", KM_OBJECT);
     for (int k = 0; k < a->n; ++k)
       km_value_number(arena, pose, km_arm_label(a, k), b->pose[i * a->n + k]);
+    if (a->freedom == 0 && b->margin[i] >= 0.0)
+      add_turns(a, b->pose + i * a->n, branch, arena);
   }
   return arena->failed ? NULL : record;
+}
+
+static void print_pose(const km_arm *a, const km_branches *b, int i, km_text *out) {
+  int first[KM_ARM_MOST], last[KM_ARM_MOST];
+  double turns = a->freedom == 0 && b->margin[i] >= 0.0 ? turns_of(a, b->pose + i * a->n, first, last) : 1.0;
+  km_text_add(out, a->freedom == 0 ? "a pose" : "one pose of a family");
+  if (turns > 1.0)
+    km_text_format(out, ", %g with the full turns that the limits leave room for", turns);
+  km_text_add(out, "\n");
 }
 
 void km_branches_print(const km_arm *a, const km_branches *b, const char *name, km_text *out) {
@@ -193,7 +233,7 @@ void km_branches_print(const km_arm *a, const km_branches *b, const char *name, 
     else if (a->freedom == 1)
       print_motion(a, &b->items[i], "       ", out);
     else
-      km_text_format(out, "%s\n", a->freedom == 0 ? "a pose" : "one pose of a family");
+      print_pose(a, b, i, out);
     km_text_format(out, "     %s:", b->margin[i] >= 0.0 ? "best pose" : "never within the limits; nearest");
     for (int k = 0; k < a->n; ++k)
       km_text_format(out, " %s %.6g", km_arm_label(a, k), b->pose[i * a->n + k]);

@@ -30,10 +30,16 @@ static void seven_hinges_reach_a_pose_on_all_components(void **state) {
   over(family_seven_hinges, 20);
 }
 
+static void every_turn_is_listed_from_any_pose(void **state) {
+  (void)state;
+  over(family_turns, 30);
+}
+
 int main(void) {
   const struct CMUnitTest tests[] = {cmocka_unit_test(paths_take_the_time_of_the_slower),
                                      cmocka_unit_test(tracks_keep_their_rates_to_the_edge),
                                      cmocka_unit_test(six_hinges_reach_a_pose_in_all_ways),
-                                     cmocka_unit_test(seven_hinges_reach_a_pose_on_all_components)};
+                                     cmocka_unit_test(seven_hinges_reach_a_pose_on_all_components),
+                                     cmocka_unit_test(every_turn_is_listed_from_any_pose)};
   return cmocka_run_group_tests(tests, NULL, NULL);
 }

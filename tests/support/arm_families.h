@@ -19,10 +19,13 @@ bool family_path_times(uint64_t seed, char *why, size_t size);
 /* Tracks that leave the workspace: no row breaks a rate or a limit, and what is named as the end is there. */
 bool family_workspace_edge(uint64_t seed, char *why, size_t size);
 
-/* Six hinges, of three kinds: every pose that thousands of random starts of Newton's method find is in the list, every
- * pose of the list reaches the target by the bodies' poses, and the count is confirmed. */
+/* Six hinges, of three kinds: every pose of the list reaches the target by the bodies' poses; with axes that meet or are
+ * parallel the count is confirmed; and where it is, thousands of random starts of Newton's method find no other pose. */
 bool family_six_hinges(uint64_t seed, char *why, size_t size);
-/* Seven hinges: every pose that random starts find lies on a component of the list. */
+/* Seven hinges: where the count is confirmed, every pose that random starts find lies on a component of the list. */
 bool family_seven_hinges(uint64_t seed, char *why, size_t size);
+/* Seven hinges, some with room for more than a turn: a self-motion has the same arcs from any of its poses, at whichever
+ * turn; and every pose that random starts find, at every turn within the limits, lies on an arc of the branches. */
+bool family_turns(uint64_t seed, char *why, size_t size);
 
 #endif
