@@ -5,12 +5,18 @@
  * global redundancy parameter: components merge and split as they like. Where half the spacing on half the stage
  * changes the value by little, the result is the optimum to about that much. */
 #include "base/parallel.h"
+#include "redundancy/branches.h"
 #include "redundancy/method.h"
 
 #include <stdlib.h>
 #include <string.h>
 
-enum { MOST_STATES = 4000, MOST_SPREAD = 250 }; /* on curves; on surfaces and more, where there is no end of them */
+/* States on curves, which lie wider where there would be more; on surfaces and more, where there is no end of them. */
+enum { MOST_STATES = 1000, MOST_SPREAD = 250 };
+/* Parts of a step: where singular poses are near they can be without end, and such a step is none to plan with. */
+enum { MOST_TRIES = 200 };
+/* Jacobians a pass may take: far more than the states of any path need whose steps are ordinary. */
+enum { MOST_WORK = 100000, WORK_ASIDE = 2000000 }; /* a sample, and beside them */
 
 typedef struct state {
   double least, sum;
@@ -30,6 +36,8 @@ typedef struct grid {
   km_arena arena;
   double spacing;
   bool eased; /* tilts turn back as far as the rates ask */
+  bool bounded;
+  int pass, passes; /* for the progress */
   int length, stage_count, actions, workers;
   stage *stages;
   int now;         /* the stage being filled */
@@ -74,7 +82,7 @@ static void lead(grid *g, int worker, int first, int count) {
       lane[abreast] = l;
       from[abreast] = &here[l];
       at[abreast] = &g->arrivals[first + l].node;
-      ways[abreast++] = (km_way){.tilt = g->tilts + (first + l) % g->actions * run->arm->freedom};
+      ways[abreast++] = (km_way){.tilt = g->tilts + (first + l) % g->actions * run->arm->freedom, .tries = MOST_TRIES};
     }
     if (abreast == 0)
       return;
@@ -114,10 +122,14 @@ static bool better(const grid *g, const state *a, const state *b) {
   return x[!first] > y[!first];
 }
 
+/* Full turns of a hinge without limits make no difference to what follows. */
 static bool near(const km_arm *a, const double *x, const double *y, double spacing) {
   double sum = 0.0;
-  for (int k = 0; k < a->n && sum < spacing * spacing; ++k)
-    sum += (x[k] - y[k]) * (x[k] - y[k]);
+  for (int k = 0; k < a->n && sum < spacing * spacing; ++k) {
+    bool free_turns = a->low[k] == -(double)INFINITY && a->high[k] == (double)INFINITY;
+    double way = free_turns ? km_arm_difference(a, k, x[k], y[k]) : y[k] - x[k];
+    sum += way * way;
+  }
   return sum < spacing * spacing;
 }
 
@@ -151,30 +163,53 @@ static int by_rank(const void *a, const void *b) {
   return better(x->grid, q, p) ? 1 : x->index - y->index;
 }
 
-/* Of those that arrive, the best of each neighbourhood. */
-static bool keep_best(grid *g, int arrived) {
-  int most = g->run->arm->freedom > 1 ? MOST_SPREAD : MOST_STATES;
-  stage *now = &g->stages[g->now];
-  ranked *order = KM_NEW(ranked, (size_t)arrived + 1);
-  now->states = KM_ARENA_NEW(&g->arena, state, (size_t)(arrived < most ? arrived : most));
-  for (int i = 0; order && i < arrived; ++i)
-    order[i] = (ranked){g, i};
-  if (order)
-    qsort(order, (size_t)arrived, sizeof *order, by_rank);
-  int full = now->first + now->length;
-  for (int i = 0; order && !g->arena.failed && i < arrived && now->count < most; ++i) {
+/* Of the arrivals in order, those that are the best of their neighbourhood, into kept[most]. Their number; one more
+ * than `most` if there are more. */
+static int choose_best(const grid *g, const ranked *order, int arrived, double spacing, int most, int *kept) {
+  const stage *now = &g->stages[g->now];
+  int full = now->first + now->length, count = 0;
+  for (int i = 0; i < arrived; ++i) {
     const state *one = &g->arrivals[order[i].index];
     bool taken = one->samples < full;
-    for (int k = 0; k < now->count && !taken; ++k)
-      taken = near(g->run->arm, now->states[k].node.q, one->node.q, g->spacing);
+    for (int k = 0; k < count && !taken; ++k)
+      taken = near(g->run->arm, g->arrivals[kept[k]].node.q, one->node.q, spacing);
     if (taken)
       continue;
-    now->states[now->count] = make_state(g, now->length);
-    if (!g->arena.failed)
-      copy_state(g, &now->states[now->count++], one, now->length);
+    if (count == most)
+      return most + 1;
+    kept[count++] = order[i].index;
   }
-  bool whole = order && !g->arena.failed;
+  return count;
+}
+
+/* The best of each neighbourhood go on. On curves neighbourhoods widen until there are no more than so many; on
+ * surfaces the best of them count. */
+static bool keep_best(grid *g, int arrived) {
+  const bool spread = g->run->arm->freedom > 1;
+  const int most = spread ? MOST_SPREAD : MOST_STATES;
+  stage *now = &g->stages[g->now];
+  ranked *order = KM_NEW(ranked, (size_t)arrived + 1);
+  int *kept = KM_NEW(int, (size_t)most + 1), count = 0;
+  bool whole = order && kept;
+  for (int i = 0; whole && i < arrived; ++i)
+    order[i] = (ranked){g, i};
+  if (whole) {
+    qsort(order, (size_t)arrived, sizeof *order, by_rank);
+    double spacing = g->spacing;
+    while ((count = choose_best(g, order, arrived, spacing, most, kept)) > most && !spread)
+      spacing *= 2.0;
+    g->bounded = g->bounded || spacing > g->spacing;
+    count = count > most ? most : count;
+    now->states = KM_ARENA_NEW(&g->arena, state, (size_t)count + 1);
+  }
+  for (int i = 0; whole && !g->arena.failed && i < count; ++i) {
+    now->states[i] = make_state(g, now->length);
+    if (!g->arena.failed)
+      copy_state(g, &now->states[now->count++], &g->arrivals[kept[i]], now->length);
+  }
+  whole = whole && !g->arena.failed;
   km_free(order);
+  km_free(kept);
   return whole;
 }
 
@@ -258,8 +293,9 @@ static km_status stop_short(grid *g) {
   if (km_node_create(run->arm, &arena, &next))
     km_run_stop(run, &node, &way, km_walk_step(&run->walk, &run->space, sample, 1.0, &node, &way, &next));
   km_arena_free(&arena);
-  if (run->stop == KM_TRACK_COMPLETE) /* the sense of its columns was another: greedy's way tells then */
-    run->stop = KM_TRACK_SINGULAR;
+  if (run->stop ==
+      KM_TRACK_COMPLETE) /* a step of more parts than are tried here, or the sense of its columns was another */
+    run->stop = KM_TRACK_GAVE_OUT;
   return KM_PARTIAL;
 }
 
@@ -294,6 +330,20 @@ static bool begin(grid *g) {
   return true;
 }
 
+static bool goes_on(const grid *g, int sample) {
+  const km_track_plan *plan = g->run->plan;
+  double done = (g->pass + (double)sample / (plan->path->samples - 1)) / g->passes;
+  return !plan->progress || plan->progress(plan->context, fmin(done, 1.0));
+}
+
+/* More work than any path with ordinary steps needs? */
+static bool gives_out(const grid *g) {
+  double work = 0.0;
+  for (int i = 0; i < g->workers; ++i)
+    work += (double)g->spaces[i].arm.evaluations;
+  return work > WORK_ASIDE + (double)MOST_WORK * g->run->plan->path->samples;
+}
+
 static km_status solve(grid *g, km_error *error) {
   km_run *run = g->run;
   if (!begin(g))
@@ -307,8 +357,13 @@ static km_status solve(grid *g, km_error *error) {
       return km_fail(error, KM_MEMORY, "out of memory for dynamic programming");
     if (now->count == 0)
       return stop_short(g);
-    if (!km_run_goes_on(run, now->first))
+    if (!goes_on(g, now->first + now->length))
       return km_fail(error, KM_CANCELLED, "cancelled");
+    if (g->now < g->stage_count && gives_out(g)) {
+      trace(g, g->now, &now->states[0]);
+      run->stop = KM_TRACK_GAVE_OUT;
+      return KM_PARTIAL;
+    }
   }
   trace(g, g->stage_count, &g->stages[g->stage_count].states[0]);
   run->stop = KM_TRACK_COMPLETE;
@@ -316,10 +371,22 @@ static km_status solve(grid *g, km_error *error) {
   return KM_OK;
 }
 
-static km_status solve_at(km_run *run, double spacing, int length, bool eased, km_error *error) {
-  grid g = {.run = run, .spacing = spacing, .length = length < 1 ? 1 : length, .eased = eased};
+/* Which of the passes over the path this is: for the progress, and whether it is eased. */
+typedef struct pass {
+  int index, count;
+  bool eased;
+} pass;
+
+static km_status solve_at(km_run *run, double spacing, int length, pass p, km_error *error) {
+  grid g = {.run = run,
+            .spacing = spacing,
+            .length = length < 1 ? 1 : length,
+            .eased = p.eased,
+            .pass = p.index,
+            .passes = p.count};
   g.team = run->plan->jobs > 1 ? km_team_create(run->plan->jobs) : NULL;
   km_status status = solve(&g, error);
+  run->bounded = g.bounded;
   km_team_free(g.team);
   for (int i = 0; i < g.workers && g.spaces; ++i) {
     run->evaluations += g.spaces[i].arm.evaluations;
@@ -336,29 +403,59 @@ static double choose_spacing(const km_run *run) {
   return fmin(fmax(reach / 40.0, 0.005), 0.1);
 }
 
-/* At two spacings and stages. */
-static km_status solve_twice(km_run *run, bool eased, km_error *error) {
+static bool is_further(const km_run *a, const km_run *b) {
+  return a->reached != b->reached ? a->reached > b->reached : a->fraction > b->fraction + 1e-6;
+}
+
+/* At half the spacing and stage, in `run`, after the whole of them in `coarse`; the coarse track where it goes further.
+ */
+static km_status refine(km_run *run, km_run *coarse, pass p, km_error *error) {
   const km_method *method = &run->plan->method;
   int length = method->stride > 0 ? method->stride : run->plan->path->samples / 24;
   double spacing = method->spacing > 0.0 ? method->spacing : choose_spacing(run);
-  km_status first = solve_at(run, spacing, length, eased, error);
+  km_status first = solve_at(coarse, spacing, length, p, error);
   if (first != KM_OK && first != KM_PARTIAL)
     return first;
-  double coarse = km_run_score(run, km_run_evaluate(run));
-  km_status status = solve_at(run, 0.5 * spacing, length / 2, eased, error);
-  if (first == KM_OK && status == KM_OK) {
-    double fine = km_run_score(run, km_run_evaluate(run));
-    run->converged = fabs(fine - coarse) / fmax(fabs(fine), 1e-300);
+  ++p.index;
+  km_status status = solve_at(run, 0.5 * spacing, length / 2, p, error);
+  run->converged = (double)NAN;
+  if (first == KM_OK && status == KM_OK && !run->bounded) {
+    double fine = km_run_score(run, km_run_evaluate(run)), value = km_run_score(coarse, km_run_evaluate(coarse));
+    run->converged = fabs(fine - value) / fmax(fabs(fine), 1e-300);
   }
+  if (status != KM_PARTIAL || !is_further(coarse, run))
+    return status;
+  km_run_take(run, coarse);
+  return first;
+}
+
+/* At two spacings and stages. */
+static km_status solve_twice(km_run *run, pass p, km_error *error) {
+  km_run coarse;
+  if (!km_run_create(run->arm, run->plan, &coarse))
+    return km_fail(error, KM_MEMORY, "out of memory for dynamic programming");
+  km_status status = refine(run, &coarse, p, error);
+  run->evaluations += coarse.evaluations + coarse.space.arm.evaluations;
+  km_run_free(&coarse);
   return status;
 }
 
-/* Where it stops short under rates, again with tilts that keep them. */
+/* Where it stops short under rates, again with tilts that keep them; the track that goes further. */
 km_status km_method_dp(km_run *run, km_error *error) {
-  km_status status = solve_twice(run, false, error);
-  int reached = run->reached;
-  if (status != KM_PARTIAL || !km_walk_rated(run->arm))
+  const int passes = km_walk_rated(run->arm) ? 4 : 2;
+  km_run eased;
+  km_status status = solve_twice(run, (pass){0, passes, false}, error);
+  if (status != KM_PARTIAL || passes == 2)
     return status;
-  status = solve_twice(run, true, error);
-  return status == KM_PARTIAL && run->reached < reached ? solve_twice(run, false, error) : status;
+  if (!km_run_create(run->arm, run->plan, &eased))
+    return km_fail(error, KM_MEMORY, "out of memory for dynamic programming");
+  km_status again = solve_twice(&eased, (pass){2, passes, true}, error);
+  if (again == KM_OK || (again == KM_PARTIAL && !is_further(run, &eased))) {
+    km_run_take(run, &eased);
+    run->converged = eased.converged;
+    run->bounded = eased.bounded;
+  }
+  run->evaluations += eased.evaluations + eased.space.arm.evaluations;
+  km_run_free(&eased);
+  return again == KM_PARTIAL ? status : again;
 }

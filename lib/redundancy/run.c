@@ -26,6 +26,16 @@ void km_run_free(km_run *run) {
   km_arena_free(&run->arena);
 }
 
+void km_run_take(km_run *run, const km_run *other) {
+  size_t n = (size_t)run->arm->n;
+  memcpy(run->q, other->q, (size_t)other->reached * n * sizeof *run->q);
+  memcpy(run->last, other->last, n * sizeof *run->last);
+  run->reached = other->reached;
+  run->fraction = other->fraction;
+  run->stop = other->stop;
+  run->column = other->column;
+}
+
 bool km_run_goes_on(const km_run *run, int sample) {
   return !run->plan->progress ||
          run->plan->progress(run->plan->context, (double)sample / (run->plan->path->samples - 1));

@@ -237,6 +237,7 @@ km_status km_track_run(const km_arm *arm, const km_track_plan *plan, km_track **
   t->summary.evaluations = run.evaluations + run.space.arm.evaluations;
   t->summary.greedy_instead = run.greedy_instead;
   t->summary.converged = run.converged;
+  t->summary.bounded = run.bounded;
   km_status filled = status == KM_OK || status == KM_PARTIAL ? fill(t, &run, error) : status;
   km_run_free(&run);
   if (filled) {

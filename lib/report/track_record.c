@@ -84,6 +84,9 @@ void km_track_end_text(const km_track *t, km_text *out) {
   case KM_TRACK_HELD:
     add_held(t, out);
     break;
+  case KM_TRACK_GAVE_OUT:
+    km_text_add(out, "dynamic programming gives out: beyond here it takes more steps than it makes");
+    break;
   case KM_TRACK_EDGE:
     km_text_add(out, "workspace edge: no pose of the arm reaches what follows");
     break;
@@ -116,6 +119,7 @@ static void add_settings(const km_method *m, const km_track *t, km_value *record
   case KM_DP:
     km_value_number(arena, record, "spacing", m->spacing);
     km_value_number(arena, record, "converged_to", t->summary.converged);
+    km_value_boolean(arena, record, "bounded", t->summary.bounded);
     break;
   case KM_GLOBAL:
     km_value_number(arena, record, "knots", m->knots);
@@ -233,8 +237,9 @@ static void print_remarks(const km_tracks *all, int index, km_text *out) {
                    change < 0.02 ? "" : ": no reference yet");
   else if (track->plan.method.kind == KM_DP && track->end.stop != KM_TRACK_START)
     km_text_format(out, "  %s: %s\n", label,
-                   track->end.stop ? "stops short: no reference"
-                                   : "stops short at twice the spacing: no reference yet");
+                   track->end.stop          ? "stops short: no reference"
+                   : track->summary.bounded ? "more states than it keeps, so they lie wider: no reference yet"
+                                            : "stops short at one of two spacings: no reference yet");
 }
 
 void km_tracks_print(const km_tracks *t, km_text *out) {

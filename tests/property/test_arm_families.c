@@ -20,6 +20,16 @@ static void tracks_keep_their_rates_to_the_edge(void **state) {
   over(family_workspace_edge, 60);
 }
 
+static void dynamic_programming_ends(void **state) {
+  (void)state;
+  static const uint64_t slow[] = {127, 213}; /* took a minute: steps near singular poses, cut thousands of times */
+  char why[400] = "";
+  for (size_t i = 0; i < sizeof slow / sizeof *slow; ++i)
+    if (!family_dp_work(slow[i], why, sizeof why))
+      fail_msg("seed %llu: %s", (unsigned long long)slow[i], why);
+  over(family_dp_work, 10);
+}
+
 static void six_hinges_reach_a_pose_in_all_ways(void **state) {
   (void)state;
   over(family_six_hinges, 60);
@@ -38,6 +48,7 @@ static void every_turn_is_listed_from_any_pose(void **state) {
 int main(void) {
   const struct CMUnitTest tests[] = {cmocka_unit_test(paths_take_the_time_of_the_slower),
                                      cmocka_unit_test(tracks_keep_their_rates_to_the_edge),
+                                     cmocka_unit_test(dynamic_programming_ends),
                                      cmocka_unit_test(six_hinges_reach_a_pose_in_all_ways),
                                      cmocka_unit_test(seven_hinges_reach_a_pose_on_all_components),
                                      cmocka_unit_test(every_turn_is_listed_from_any_pose)};

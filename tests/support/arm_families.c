@@ -203,6 +203,13 @@ static bool rows_allowed(const km_track *t, const double *rates, char *why, size
   return true;
 }
 
+static void write_numbers(km_text *out, const char *key, const double *values, int count) {
+  km_text_format(out, "\"%s\": [", key);
+  for (int k = 0; k < count; ++k)
+    km_text_format(out, "%s%.17g", k ? ", " : "", values[k]);
+  km_text_add(out, "]");
+}
+
 /* What stops it is there: a limit that is named is met. */
 static bool end_stands(const km_track *t, char *why, size_t size) {
   const km_arm *a = t->arm;
@@ -227,13 +234,13 @@ bool family_workspace_edge(uint64_t seed, char *why, size_t size) {
   random_pose(arm, &r, q);
   km_vec3 to = km_vec3_add(effector_by_bodies(&f, arm, q).p, random_vector(&r, 6.0));
   km_text text = {0};
-  km_text_add(&text, "{\"effector\": [\"hand\", \"tool\"], \"q0\": [");
   for (int k = 0; k < n; ++k)
-    km_text_format(&text, "%s%.17g", k ? ", " : "", q[k]);
-  km_text_add(&text, "], \"rates\": [");
-  for (int k = 0; k < n; ++k)
-    km_text_format(&text, "%s%.17g", k ? ", " : "", rates[k] = uniform(&r, 1.0, 4.0));
-  km_text_format(&text, "], \"path\": {\"speed\": %.17g, \"segments\": [{\"type\": \"line\", \"steps\": %d",
+    rates[k] = uniform(&r, 1.0, 4.0);
+  km_text_add(&text, "{\"effector\": [\"hand\", \"tool\"], ");
+  write_numbers(&text, "q0", q, n);
+  km_text_add(&text, ", ");
+  write_numbers(&text, "rates", rates, n);
+  km_text_format(&text, ", \"path\": {\"speed\": %.17g, \"segments\": [{\"type\": \"line\", \"steps\": %d",
                  uniform(&r, 0.02, 0.5), 20 + below(&r, 200));
   write_vector(&text, "to", to);
   km_text_add(&text, "}]}, \"methods\": [\"greedy\", \"dls\", \"gradient\", \"fixed\", \"lookahead\"]}");
@@ -244,6 +251,71 @@ bool family_workspace_edge(uint64_t seed, char *why, size_t size) {
     fine = rows_allowed(track, rates, why, size) && end_stands(track, why, size);
     km_track_free(track);
   }
+  km_study_free(study);
+  km_text_free(&text);
+  km_arm_free(arm);
+  fixture_close(&f);
+  return fine;
+}
+
+/* Kinova Gen3 with seven joints, by its published Denavit-Hartenberg parameters; every second joint turns freely. */
+static fixture gen3(void) {
+  static const double d[7] = {-0.2848, -0.0118, -0.4208, -0.0128, -0.3143, 0.0, -0.1674};
+  static const double limit[7] = {0, 2.41, 0, 2.66, 0, 2.23, 0};
+  km_text out = {0};
+  km_text_add(&out,
+              "{\"assemblies\": [{\"name\": \"arm\", \"bodies\": [{\"name\": \"l0\", \"frames\": [{\"name\": \"t\", "
+              "\"R\": [[1, 0, 0], [0, -1, 0], [0, 0, -1]]}]}");
+  for (int k = 0; k < 7; ++k)
+    km_text_format(&out, ", {\"name\": \"l%d\", \"frames\": [{\"name\": \"t\", \"T\": [0, 0, %.17g], \"R\": %s}]}",
+                   k + 1, d[k], k < 6 ? "[[1, 0, 0], [0, 0, -1], [0, 1, 0]]" : "[[1, 0, 0], [0, -1, 0], [0, 0, -1]]");
+  km_text_add(&out,
+              "], \"joints\": [{\"name\": \"bolt\", \"type\": \"rigid\", \"body_frame_pairs\": [\"fixed\", \"l0\"]}");
+  for (int k = 0; k < 7; ++k) {
+    km_text_format(&out, ", {\"name\": \"J%d\", \"type\": \"Rz\", \"body_frame_pairs\": [[\"l%d\", \"t\"], \"l%d\"]",
+                   k + 1, k, k + 1);
+    if (limit[k] > 0.0)
+      km_text_format(&out, ", \"limits\": [%.17g, %.17g]", -limit[k], limit[k]);
+    km_text_add(&out, "}");
+  }
+  km_text_add(&out, "]}]}");
+  fixture f = fixture_read(out.data);
+  km_text_free(&out);
+  return f;
+}
+
+bool family_dp_work(uint64_t seed, char *why, size_t size) {
+  static const double rates[7] = {1.3, 1.3, 1.3, 1.3, 1.2, 1.2, 1.2};
+  const unsigned long most =
+      30000000; /* Jacobians: of four passes, each with the whole of its work in one stage more */
+  randomness r = {seed};
+  fixture f = gen3();
+  km_arm *arm = arm_of(&f, "l7", "t", KM_TASK_POSE);
+  double q[7];
+  random_pose(arm, &r, q);
+  km_vec3 to = km_vec3_add(effector_by_bodies(&f, arm, q).p, random_vector(&r, uniform(&r, 0.02, 1.0)));
+  km_text text = {0};
+  km_text_add(&text, "{\"effector\": [\"l7\", \"t\"], ");
+  write_numbers(&text, "q0", q, 7);
+  km_text_add(&text, ", ");
+  write_numbers(&text, "rates", rates, 7);
+  km_text_format(&text, ", \"path\": {\"speed\": %.17g, \"segments\": [{\"type\": \"line\", \"steps\": 25",
+                 uniform(&r, 0.02, 0.6));
+  write_vector(&text, "to", to);
+  km_text_add(&text, "}]}, \"methods\": [\"dp\", \"greedy\"]}");
+  km_study *study = study_of(&f, text.data);
+  km_track *dp = track_of(study, 0, 1), *greedy = track_of(study, 1, 1);
+  bool fine = rows_allowed(dp, rates, why, size) && end_stands(dp, why, size);
+  if (fine && dp->summary.evaluations > most) {
+    snprintf(why, size, "%lu Jacobians for 26 samples", dp->summary.evaluations);
+    fine = false;
+  }
+  if (fine && greedy->end.stop == KM_TRACK_COMPLETE && dp->end.stop != KM_TRACK_COMPLETE) {
+    snprintf(why, size, "greedy comes to the end, dynamic programming to sample %d", dp->end.sample);
+    fine = false;
+  }
+  km_track_free(dp);
+  km_track_free(greedy);
   km_study_free(study);
   km_text_free(&text);
   km_arm_free(arm);

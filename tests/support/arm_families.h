@@ -19,6 +19,9 @@ bool family_path_times(uint64_t seed, char *why, size_t size);
 /* Tracks that leave the workspace: no row breaks a rate or a limit, and what is named as the end is there. */
 bool family_workspace_edge(uint64_t seed, char *why, size_t size);
 
+/* Dynamic programming on a Kinova Gen3 with rates, past singular poses and limits too: its work is bounded, its rows keep
+ * what is asked, and where greedy comes to the end so does it. */
+bool family_dp_work(uint64_t seed, char *why, size_t size);
 /* Six hinges, of three kinds: every pose of the list reaches the target by the bodies' poses; with axes that meet or are
  * parallel the count is confirmed; and where it is, thousands of random starts of Newton's method find no other pose. */
 bool family_six_hinges(uint64_t seed, char *why, size_t size);
