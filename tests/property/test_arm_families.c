@@ -12,12 +12,12 @@ static void over(family test, uint64_t seeds) {
 
 static void paths_take_the_time_of_the_slower(void **state) {
   (void)state;
-  over(family_path_times, 150);
+  over(family_path_times, 60);
 }
 
 static void tracks_keep_their_rates_to_the_edge(void **state) {
   (void)state;
-  over(family_workspace_edge, 60);
+  over(family_workspace_edge, 40);
 }
 
 static void dynamic_programming_ends(void **state) {
@@ -27,7 +27,7 @@ static void dynamic_programming_ends(void **state) {
   for (size_t i = 0; i < sizeof slow / sizeof *slow; ++i)
     if (!family_dp_work(slow[i], why, sizeof why))
       fail_msg("seed %llu: %s", (unsigned long long)slow[i], why);
-  over(family_dp_work, 10);
+  over(family_dp_work, 3);
 }
 
 static void six_hinges_reach_a_pose_in_all_ways(void **state) {
@@ -42,7 +42,7 @@ static void seven_hinges_reach_a_pose_on_all_components(void **state) {
 
 static void every_turn_is_listed_from_any_pose(void **state) {
   (void)state;
-  over(family_turns, 30);
+  over(family_turns, 12);
 }
 
 int main(void) {

@@ -258,20 +258,19 @@ bool family_workspace_edge(uint64_t seed, char *why, size_t size) {
   return fine;
 }
 
-/* Kinova Gen3 with seven joints, by its published Denavit-Hartenberg parameters; every second joint turns freely. */
-static fixture gen3(void) {
-  static const double d[7] = {-0.2848, -0.0118, -0.4208, -0.0128, -0.3143, 0.0, -0.1674};
-  static const double limit[7] = {0, 2.41, 0, 2.66, 0, 2.23, 0};
+fixture dh_arm(const double (*dh)[3], int n, const double *limit, bool hangs) {
   km_text out = {0};
+  km_rotation base = km_quaternion_rotation(km_quaternion_exp((km_vec3){hangs ? M_PI : 0.0, 0, 0}));
+  km_text_add(&out, "{\"assemblies\": [{\"name\": \"arm\", \"bodies\": [{\"name\": \"l0\", \"frames\": [");
+  write_frame(&out, "t", (km_vec3){0, 0, 0}, &base);
+  for (int k = 0; k < n; ++k) {
+    km_rotation R = km_quaternion_rotation(km_quaternion_exp((km_vec3){dh[k][0], 0, 0}));
+    km_text_format(&out, "]}, {\"name\": \"l%d\", \"frames\": [", k + 1);
+    write_frame(&out, "t", (km_vec3){dh[k][1], 0, dh[k][2]}, &R);
+  }
   km_text_add(&out,
-              "{\"assemblies\": [{\"name\": \"arm\", \"bodies\": [{\"name\": \"l0\", \"frames\": [{\"name\": \"t\", "
-              "\"R\": [[1, 0, 0], [0, -1, 0], [0, 0, -1]]}]}");
-  for (int k = 0; k < 7; ++k)
-    km_text_format(&out, ", {\"name\": \"l%d\", \"frames\": [{\"name\": \"t\", \"T\": [0, 0, %.17g], \"R\": %s}]}",
-                   k + 1, d[k], k < 6 ? "[[1, 0, 0], [0, 0, -1], [0, 1, 0]]" : "[[1, 0, 0], [0, -1, 0], [0, 0, -1]]");
-  km_text_add(&out,
-              "], \"joints\": [{\"name\": \"bolt\", \"type\": \"rigid\", \"body_frame_pairs\": [\"fixed\", \"l0\"]}");
-  for (int k = 0; k < 7; ++k) {
+              "]}], \"joints\": [{\"name\": \"bolt\", \"type\": \"rigid\", \"body_frame_pairs\": [\"fixed\", \"l0\"]}");
+  for (int k = 0; k < n; ++k) {
     km_text_format(&out, ", {\"name\": \"J%d\", \"type\": \"Rz\", \"body_frame_pairs\": [[\"l%d\", \"t\"], \"l%d\"]",
                    k + 1, k, k + 1);
     if (limit[k] > 0.0)
@@ -282,6 +281,15 @@ static fixture gen3(void) {
   fixture f = fixture_read(out.data);
   km_text_free(&out);
   return f;
+}
+
+/* Kinova Gen3 with seven joints, by its published parameters; every second joint turns freely. */
+static fixture gen3(void) {
+  static const double limit[7] = {0, 2.41, 0, 2.66, 0, 2.23, 0};
+  static const double quarter = 0.5 * M_PI;
+  const double dh[7][3] = {{quarter, 0, -0.2848}, {quarter, 0, -0.0118}, {quarter, 0, -0.4208}, {quarter, 0, -0.0128},
+                           {quarter, 0, -0.3143}, {quarter, 0, 0},       {M_PI, 0, -0.1674}};
+  return dh_arm(dh, 7, limit, true);
 }
 
 bool family_dp_work(uint64_t seed, char *why, size_t size) {
