@@ -4,65 +4,26 @@
  * of the states that arrive within `spacing` of each other on the self-motions only the best goes on. There is no
  * global redundancy parameter: components merge and split as they like. Where half the spacing on half the stage
  * changes the value by little, the result is the optimum to about that much. */
-#include "base/parallel.h"
-#include "redundancy/branches.h"
-#include "redundancy/method.h"
+#include "redundancy/dp.h"
 
 #include <stdlib.h>
 #include <string.h>
 
-/* States on curves, which lie wider where there would be more; on surfaces and more, where there is no end of them. */
-enum { MOST_STATES = 1000, MOST_SPREAD = 250 };
 /* Parts of a step: where singular poses are near they can be without end, and such a step is none to plan with. */
 enum { MOST_TRIES = 200 };
 /* Jacobians a pass may take: far more than the states of any path need whose steps are ordinary. */
 enum { MOST_WORK = 100000, WORK_ASIDE = 2000000 }; /* a sample, and beside them */
 
-typedef struct state {
-  double least, sum;
-  int parent;  /* in the stage before */
-  int samples; /* reached since the start */
-  double *q;   /* [stage length × n] of the stage that ends here */
-  km_node node;
-} state;
-
-typedef struct stage {
-  state *states;
-  int count, first, length; /* samples first + 1 … first + length */
-} stage;
-
-typedef struct grid {
-  km_run *run;
-  km_arena arena;
-  double spacing;
-  bool eased; /* tilts turn back as far as the rates ask */
-  bool bounded;
-  int pass, passes; /* for the progress */
-  int length, stage_count, actions, workers;
-  stage *stages;
-  int now;         /* the stage being filled */
-  double *tilts;   /* [actions × freedom] */
-  state *arrivals; /* [states · actions] */
-  size_t arrival_capacity;
-  km_team *team;
-  km_walk_space *spaces;
-  km_node *here;
-} grid;
-
-static bool by_mean(const grid *g) {
-  return km_objective_by_mean(&g->run->plan->objective);
-}
-
 /* Lead up to four states of the last stage on, side by side, each by an action of its own. */
-static void lead(grid *g, int worker, int first, int count) {
+static void lead(km_dp_grid *g, int worker, int first, int count) {
   km_run *run = g->run;
   const size_t n = (size_t)run->arm->n;
-  const stage *last = &g->stages[g->now - 1], *now = &g->stages[g->now];
+  const km_dp_stage *last = &g->stages[g->now - 1], *now = &g->stages[g->now];
   km_node *here = &g->here[worker * KM_WALK_ABREAST];
   bool alive[KM_WALK_ABREAST];
   for (int l = 0; l < count; ++l) {
-    const state *from = &last->states[(first + l) / g->actions];
-    state *to = &g->arrivals[first + l];
+    const km_dp_state *from = &last->states[(first + l) / g->actions];
+    km_dp_state *to = &g->arrivals[first + l];
     to->least = from->least;
     to->sum = from->sum;
     to->parent = (first + l) / g->actions;
@@ -90,7 +51,7 @@ static void lead(grid *g, int worker, int first, int count) {
     for (int i = 0; i < abreast && g->eased; ++i)
       ends[i] = km_walk_ease(&run->walk, &g->spaces[worker], now->first + k, from[i], &ways[i], ends[i], at[i]);
     for (int i = 0; i < abreast; ++i) {
-      state *to = &g->arrivals[first + lane[i]];
+      km_dp_state *to = &g->arrivals[first + lane[i]];
       alive[lane[i]] = !ends[i].stop;
       if (ends[i].stop)
         continue;
@@ -104,119 +65,16 @@ static void lead(grid *g, int worker, int first, int count) {
 }
 
 static void lead_some(void *context, int worker) {
-  grid *g = context;
+  km_dp_grid *g = context;
   int count = g->stages[g->now - 1].count * g->actions;
   for (int i = worker * KM_WALK_ABREAST; i < count; i += g->workers * KM_WALK_ABREAST)
     lead(g, worker, i, count - i < KM_WALK_ABREAST ? count - i : KM_WALK_ABREAST);
 }
 
-/* Better first: further, then the value, then the other aggregate; else the order of the work. */
-static bool better(const grid *g, const state *a, const state *b) {
-  if (a->samples != b->samples)
-    return a->samples > b->samples;
-  double x[2] = {km_run_rounded(a->least), km_run_rounded(a->sum)};
-  double y[2] = {km_run_rounded(b->least), km_run_rounded(b->sum)};
-  int first = by_mean(g);
-  if (x[first] != y[first])
-    return x[first] > y[first];
-  return x[!first] > y[!first];
-}
-
-/* Full turns of a hinge without limits make no difference to what follows. */
-static bool near(const km_arm *a, const double *x, const double *y, double spacing) {
-  double sum = 0.0;
-  for (int k = 0; k < a->n && sum < spacing * spacing; ++k) {
-    bool free_turns = a->low[k] == -(double)INFINITY && a->high[k] == (double)INFINITY;
-    double way = free_turns ? km_arm_difference(a, k, x[k], y[k]) : y[k] - x[k];
-    sum += way * way;
-  }
-  return sum < spacing * spacing;
-}
-
-static state make_state(grid *g, int length) {
-  state s = {.q = KM_ARENA_NEW(&g->arena, double, (size_t)length *(size_t)g->run->arm->n)};
-  km_node_create(g->run->arm, &g->arena, &s.node);
-  return s;
-}
-
-static void copy_state(const grid *g, state *to, const state *from, int length) {
-  double *q = to->q;
-  km_node node = to->node;
-  memcpy(q, from->q, (size_t)length * (size_t)g->run->arm->n * sizeof *q);
-  km_node_copy(g->run->arm, &node, &from->node);
-  *to = *from;
-  to->q = q;
-  to->node = node;
-}
-
-/* The order of arrivals from the best, without moving them. */
-typedef struct ranked {
-  const grid *grid;
-  int index;
-} ranked;
-
-static int by_rank(const void *a, const void *b) {
-  const ranked *x = a, *y = b;
-  const state *p = &x->grid->arrivals[x->index], *q = &y->grid->arrivals[y->index];
-  if (better(x->grid, p, q))
-    return -1;
-  return better(x->grid, q, p) ? 1 : x->index - y->index;
-}
-
-/* Of the arrivals in order, those that are the best of their neighbourhood, into kept[most]. Their number; one more
- * than `most` if there are more. */
-static int choose_best(const grid *g, const ranked *order, int arrived, double spacing, int most, int *kept) {
-  const stage *now = &g->stages[g->now];
-  int full = now->first + now->length, count = 0;
-  for (int i = 0; i < arrived; ++i) {
-    const state *one = &g->arrivals[order[i].index];
-    bool taken = one->samples < full;
-    for (int k = 0; k < count && !taken; ++k)
-      taken = near(g->run->arm, g->arrivals[kept[k]].node.q, one->node.q, spacing);
-    if (taken)
-      continue;
-    if (count == most)
-      return most + 1;
-    kept[count++] = order[i].index;
-  }
-  return count;
-}
-
-/* The best of each neighbourhood go on. On curves neighbourhoods widen until there are no more than so many; on
- * surfaces the best of them count. */
-static bool keep_best(grid *g, int arrived) {
-  const bool spread = g->run->arm->freedom > 1;
-  const int most = spread ? MOST_SPREAD : MOST_STATES;
-  stage *now = &g->stages[g->now];
-  ranked *order = KM_NEW(ranked, (size_t)arrived + 1);
-  int *kept = KM_NEW(int, (size_t)most + 1), count = 0;
-  bool whole = order && kept;
-  for (int i = 0; whole && i < arrived; ++i)
-    order[i] = (ranked){g, i};
-  if (whole) {
-    qsort(order, (size_t)arrived, sizeof *order, by_rank);
-    double spacing = g->spacing;
-    while ((count = choose_best(g, order, arrived, spacing, most, kept)) > most && !spread)
-      spacing *= 2.0;
-    g->bounded = g->bounded || spacing > g->spacing;
-    count = count > most ? most : count;
-    now->states = KM_ARENA_NEW(&g->arena, state, (size_t)count + 1);
-  }
-  for (int i = 0; whole && !g->arena.failed && i < count; ++i) {
-    now->states[i] = make_state(g, now->length);
-    if (!g->arena.failed)
-      copy_state(g, &now->states[now->count++], &g->arrivals[kept[i]], now->length);
-  }
-  whole = whole && !g->arena.failed;
-  km_free(order);
-  km_free(kept);
-  return whole;
-}
-
 /* So many tilts that neighbours land no further apart than the spacing. */
-static bool choose_actions(grid *g) {
+static bool choose_actions(km_dp_grid *g) {
   const km_arm *a = g->run->arm;
-  const stage *last = &g->stages[g->now - 1], *now = &g->stages[g->now];
+  const km_dp_stage *last = &g->stages[g->now - 1], *now = &g->stages[g->now];
   const km_path_point *points = g->run->plan->path->points;
   double ds = points[now->first + now->length].s - points[now->first].s, way = 0.0,
          most = tan(g->run->plan->method.angle);
@@ -241,12 +99,12 @@ static bool choose_actions(grid *g) {
   return true;
 }
 
-static bool fill_stage(grid *g) {
+static bool fill_stage(km_dp_grid *g) {
   if (!choose_actions(g))
     return false;
   size_t count = (size_t)g->stages[g->now - 1].count * (size_t)g->actions, had = g->arrival_capacity;
   if (count > had) {
-    state *grown = KM_ARENA_NEW(&g->arena, state, count);
+    km_dp_state *grown = KM_ARENA_NEW(&g->arena, km_dp_state, count);
     if (!grown)
       return false;
     if (had)
@@ -254,21 +112,21 @@ static bool fill_stage(grid *g) {
     g->arrivals = grown;
     g->arrival_capacity = count;
     for (size_t i = had; i < count; ++i)
-      g->arrivals[i] = make_state(g, g->length);
+      g->arrivals[i] = km_dp_make_state(g, g->length);
   }
   if (g->arena.failed)
     return false;
   km_team_run(g->team, g->workers, lead_some, g);
-  return keep_best(g, (int)count);
+  return km_dp_keep_best(g, (int)count);
 }
 
 /* The track that leads to a state; q of its own stage up to what it reached. */
-static void trace(grid *g, int stage_index, const state *end) {
+static void trace(km_dp_grid *g, int stage_index, const km_dp_state *end) {
   km_run *run = g->run;
   const size_t n = (size_t)run->arm->n;
   run->reached = end->samples + 1;
   for (int k = stage_index; k > 0; --k) {
-    const stage *at = &g->stages[k];
+    const km_dp_stage *at = &g->stages[k];
     int count = end->samples - at->first < at->length ? end->samples - at->first : at->length;
     memcpy(run->q + (size_t)(at->first + 1) * n, end->q, (size_t)count * n * sizeof *run->q);
     if (k > 1)
@@ -277,11 +135,11 @@ static void trace(grid *g, int stage_index, const state *end) {
 }
 
 /* Nothing comes to the end of the stage: the track that goes furthest, and why it ends there. */
-static km_status stop_short(grid *g) {
+static km_status stop_short(km_dp_grid *g) {
   km_run *run = g->run;
   int count = g->stages[g->now - 1].count * g->actions, best = 0;
   for (int i = 1; i < count; ++i)
-    if (better(g, &g->arrivals[i], &g->arrivals[best]))
+    if (km_dp_better(g, &g->arrivals[i], &g->arrivals[best]))
       best = i;
   trace(g, g->now, &g->arrivals[best]);
   const km_way way = {.tilt = g->tilts + (best % g->actions) * run->arm->freedom};
@@ -299,13 +157,13 @@ static km_status stop_short(grid *g) {
   return KM_PARTIAL;
 }
 
-static bool begin(grid *g) {
+static bool begin(km_dp_grid *g) {
   static const km_way plain = {0};
   km_run *run = g->run;
   int intervals = run->plan->path->samples - 1;
   g->stage_count = (intervals + g->length - 1) / g->length;
   g->workers = run->plan->jobs > 1 ? run->plan->jobs : 1;
-  g->stages = KM_ARENA_NEW(&g->arena, stage, (size_t)g->stage_count + 1);
+  g->stages = KM_ARENA_NEW(&g->arena, km_dp_stage, (size_t)g->stage_count + 1);
   g->spaces = KM_ARENA_NEW(&g->arena, km_walk_space, (size_t)g->workers);
   g->here = KM_ARENA_NEW(&g->arena, km_node, (size_t)g->workers * KM_WALK_ABREAST);
   bool whole = !g->arena.failed;
@@ -314,12 +172,12 @@ static bool begin(grid *g) {
   for (int i = 0; i < g->workers * KM_WALK_ABREAST && whole; ++i)
     whole = km_node_create(run->arm, &g->arena, &g->here[i]);
   if (whole)
-    g->stages[0].states = KM_ARENA_NEW(&g->arena, state, 1);
+    g->stages[0].states = KM_ARENA_NEW(&g->arena, km_dp_state, 1);
   whole = whole && !g->arena.failed;
   if (!whole)
     return false;
-  state *start = &g->stages[0].states[0];
-  *start = make_state(g, 1);
+  km_dp_state *start = &g->stages[0].states[0];
+  *start = km_dp_make_state(g, 1);
   if (g->arena.failed)
     return false;
   g->stages[0].count = 1;
@@ -330,27 +188,27 @@ static bool begin(grid *g) {
   return true;
 }
 
-static bool goes_on(const grid *g, int sample) {
+static bool goes_on(const km_dp_grid *g, int sample) {
   const km_track_plan *plan = g->run->plan;
   double done = (g->pass + (double)sample / (plan->path->samples - 1)) / g->passes;
   return !plan->progress || plan->progress(plan->context, fmin(done, 1.0));
 }
 
 /* More work than any path with ordinary steps needs? */
-static bool gives_out(const grid *g) {
+static bool gives_out(const km_dp_grid *g) {
   double work = 0.0;
   for (int i = 0; i < g->workers; ++i)
     work += (double)g->spaces[i].arm.evaluations;
   return work > WORK_ASIDE + (double)MOST_WORK * g->run->plan->path->samples;
 }
 
-static km_status solve(grid *g, km_error *error) {
+static km_status solve(km_dp_grid *g, km_error *error) {
   km_run *run = g->run;
   if (!begin(g))
     return km_fail(error, KM_MEMORY, "out of memory for dynamic programming");
   int intervals = run->plan->path->samples - 1;
   for (g->now = 1; g->now <= g->stage_count; ++g->now) {
-    stage *now = &g->stages[g->now];
+    km_dp_stage *now = &g->stages[g->now];
     now->first = (g->now - 1) * g->length;
     now->length = intervals - now->first < g->length ? intervals - now->first : g->length;
     if (!fill_stage(g))
@@ -378,12 +236,12 @@ typedef struct pass {
 } pass;
 
 static km_status solve_at(km_run *run, double spacing, int length, pass p, km_error *error) {
-  grid g = {.run = run,
-            .spacing = spacing,
-            .length = length < 1 ? 1 : length,
-            .eased = p.eased,
-            .pass = p.index,
-            .passes = p.count};
+  km_dp_grid g = {.run = run,
+                  .spacing = spacing,
+                  .length = length < 1 ? 1 : length,
+                  .eased = p.eased,
+                  .pass = p.index,
+                  .passes = p.count};
   g.team = run->plan->jobs > 1 ? km_team_create(run->plan->jobs) : NULL;
   km_status status = solve(&g, error);
   run->bounded = g.bounded;

@@ -78,46 +78,10 @@ static const km_value *member(const binder *b, const km_study_change *change, co
   return km_value_get(b->study->root, key);
 }
 
-enum { LONGEST_PATH = 64 };
-
-/* The names of "body/frame", where a \\ keeps the slash of a name. The count; 0: too many, or out of memory. */
-static size_t split_path(km_arena *arena, const char *text, const char **names) {
-  char *to = KM_ARENA_NEW(arena, char, strlen(text) + 1);
-  size_t count = 0;
-  if (!to)
-    return 0;
-  names[count++] = to;
-  for (const char *c = text; *c; ++c) {
-    if (*c == '/' && count == LONGEST_PATH)
-      return 0;
-    if (*c == '/') {
-      *to++ = '\0';
-      names[count++] = to;
-      continue;
-    }
-    c += *c == '\\' && c[1];
-    *to++ = *c;
-  }
-  *to = '\0';
-  return count;
-}
-
-/* A body's own name may hold slashes: that reading comes first. */
-static bool find_written(binder *b, const char *text) {
-  const km_model *model = b->mechanism->model;
-  const char *names[LONGEST_PATH] = {text};
-  if (!km_model_find_frame(model, names, 1, &b->study->effector, NULL))
-    return true;
-  size_t count = strchr(text, '/') ? split_path(&b->study->arena, text, names) : 0;
-  return count > 1 && !km_model_find_frame(model, names, count, &b->study->effector, NULL);
-}
-
 static bool find_effector(binder *b) {
   const km_model *model = b->mechanism->model;
   const km_value *path = km_value_get(b->study->root, "effector");
   km_place place = {NULL, "effector", 0};
-  const char *names[LONGEST_PATH];
-  size_t count = 0;
   km_error error;
   b->study->effector = b->changes->effector;
   if (b->study->effector >= 0)
@@ -129,12 +93,7 @@ static bool find_effector(binder *b) {
         model->body_count > 1 ? model->bodies[model->body_count - 1].name : "flange");
     return false;
   }
-  for (const km_value *v = path->kind == KM_LIST ? path->first : path; v && count < LONGEST_PATH;
-       v = path->kind == KM_LIST ? v->next : NULL)
-    names[count++] = v->string;
-  if (path->kind == KM_STRING && find_written(b, path->string))
-    return true;
-  if (!km_model_find_frame(model, names, count, &b->study->effector, &error))
+  if (km_effector_find(model, path, &b->study->arena, &b->study->effector, &error))
     return true;
   km_reader_error(&b->reader, &place, "%s", error.text);
   return false;

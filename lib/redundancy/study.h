@@ -44,6 +44,8 @@ km_status km_study_bind_as(km_study *study, const km_mechanism *mechanism, const
 
 /* The parts of the reader. What is wrong goes to the reader's messages. */
 extern const km_object_format km_format_study, km_format_path, km_format_method;
+/* The frame of an `effector`: a list of names, or a text "body/frame". */
+bool km_effector_find(const km_model *model, const km_value *value, km_arena *arena, int *frame, km_error *error);
 /* The path of a `path` object; `here` is the effector's pose at q0 (arm's units). NULL if something is wrong. */
 km_path *km_path_read(km_reader *reader, const km_arm *arm, const km_value *value, const km_place *place,
                       const km_pose *here, const char *folder);

@@ -41,10 +41,11 @@ const struct argp kredund_tracks_argp = {.options = table, .parser = parse, .chi
 bool kredund_tracks_read(const struct argp *argp, int argc, char **argv, kredund_request *r, kt_formats *formats) {
   *r = (kredund_request){.common = {.tool = "kredund", .jobs = 1, .seed = 1}};
   kt_parse(argp, argc, argv, r);
-  if (!kt_formats_parse(&r->common, r->formats ? r->formats : "csv,svg", formats))
+  bool piped = r->base && strcmp(r->base, "-") == 0;
+  if (!kt_formats_parse(&r->common, r->formats ? r->formats : piped ? "csv" : "csv,svg", formats))
     return false;
   bool tables_only = !formats->wanted[KT_SVG] && !formats->wanted[KT_PDF] && !formats->wanted[KT_PNG];
-  if (r->base && strcmp(r->base, "-") == 0 && (kt_formats_count(formats) != 1 || !tables_only)) {
+  if (piped && (kt_formats_count(formats) != 1 || !tables_only)) {
     kt_usage(&r->common, "-o", "-", "--format csv or json");
     return false;
   }
