@@ -119,7 +119,6 @@ enum { MOST_BRANCHES = 128 };
 /* A solution: if it isn't known, its curve is followed. */
 static void consider(km_finder *f, double *q) {
   bool singular = is_singular(f, q), spreads = f->arm->freedom > 1 || singular;
-  f->converged++;
   f->idle++;
   if (f->count == MOST_BRANCHES || is_known(f, q) || (spreads && is_led_to(f, q)))
     return;
@@ -233,8 +232,10 @@ static void search(km_finder *f, unsigned long seed) {
     }
     if (f->confirmed)
       return;
-    if (try_start(f->arm, &f->space, &f->target, &r, q))
-      consider(f, q);
+    if (!try_start(f->arm, &f->space, &f->target, &r, q))
+      continue;
+    f->converged++;
+    consider(f, q);
   }
 }
 

@@ -11,7 +11,7 @@ typedef struct km_finder {
   km_loop_curve *curves; /* [count]; single poses where the arm has no freedom to spare or several */
   size_t capacity;
   int count;
-  int starts, converged; /* of Newton's method; and its solutions, those of the closed form too */
+  int starts, converged; /* of Newton's method, and its solutions */
   int idle;              /* solutions in a row that were known */
   bool families;         /* singular poses that fill more than a curve are among them */
   bool closed_form;      /* there is one, and every solution that it has is on the curves */

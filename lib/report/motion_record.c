@@ -221,7 +221,8 @@ void km_branches_print(const km_arm *a, const km_branches *b, const char *name, 
   if (b->starts == 0)
     km_text_add(out, " (in closed form)\n");
   else
-    km_text_format(out, " (%d solutions from %d starts)\n", b->converged, b->starts);
+    km_text_format(out, " (%s%d solutions from %d starts)\n", b->closed_form ? "closed form, and " : "", b->converged,
+                   b->starts);
   if (!sampled && !b->confirmed)
     km_text_add(out, "  the count isn't confirmed: there may be more\n");
   if (sampled)

@@ -321,6 +321,7 @@ static kt_exit read_study(const kredund_request *r, kredund_open *out) {
 /* Files are named after the study: its file's name without ending, or its folder's where the file is called study.json;
  * without a file, after the model. */
 static void name_base(const char *study, kredund_open *out) {
+  kt_base_name(out->model, out->model_name, sizeof out->model_name);
   kt_base_name(study && strcmp(study, "-") != 0 ? study : out->model, out->base, sizeof out->base);
   const char *slash = study ? strrchr(study, '/') : NULL;
   if (!study || strcmp(slash ? slash + 1 : study, "study.json") != 0)

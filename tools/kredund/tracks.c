@@ -92,7 +92,7 @@ kt_exit kredund_tracks_run(kredund_tracks *t) {
   kt_exit result = KT_DONE;
   t->count = t->open->study->method_count;
   t->items = KM_NEW(km_track *, (size_t)t->count);
-  t->all = (km_tracks){t->open->study, t->open->name, t->open->base, t->items, t->count};
+  t->all = (km_tracks){t->open->study, t->open->name, t->open->model_name, t->items, t->count};
   for (int i = 0; i < t->count && t->items; ++i)
     result = kt_worse(result, run_one(t, i));
   if (result == KT_PARTIAL && t->complete > 0)
