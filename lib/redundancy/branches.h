@@ -49,6 +49,25 @@ bool km_loop_curve_runs_on(const km_loop_curve *curve);
  * −1 when out of memory; the caller frees them. */
 km_arc_span *km_loop_curve_arcs(const km_loop_curve *curve, int *count);
 
+/* The stretches within the limits at all full turns that the limits leave room for: the same set of poses from
+ * whichever of them the curve was followed. */
+typedef struct km_lifts {
+  int count;
+  km_arc_span *arcs; /* by their turns */
+  int *shift;        /* [count × n] full turns that an arc's hinges are ahead of the curve's angles */
+  int *turn; /* [count × n] the full turn in which a hinge with room for several is in the arc's middle, else 0 */
+} km_lifts;
+/* False when out of memory. Free it in any case. */
+bool km_loop_curve_lifts(const km_loop_curve *curve, km_lifts *out);
+void km_lifts_free(km_lifts *lifts);
+
+/* The first and last number of full turns that a hinge may turn on from anywhere in least … most to meet its limits; 0
+ * for hinges that have one angle within them, and those without limits on either side. */
+void km_arm_turn_range(const km_arm *arm, int column, double least, double most, int *first, int *last);
+
+/* Turns hinges by full turns that their limits leave room for, to as near to `near`[n] as can be. */
+void km_arm_turn_toward(const km_arm *arm, const double *near, double *q);
+
 /* The curve as the public record. */
 km_status km_selfmotion_export(const km_loop_curve *curve, km_selfmotion *out, km_error *error);
 

@@ -4,57 +4,26 @@
  * of the states that arrive within `spacing` of each other on the self-motions only the best goes on. There is no
  * global redundancy parameter: components merge and split as they like. Where half the spacing on half the stage
  * changes the value by little, the result is the optimum to about that much. */
-#include "base/parallel.h"
-#include "redundancy/method.h"
+#include "redundancy/dp.h"
 
 #include <stdlib.h>
 #include <string.h>
 
-enum { MOST_STATES = 4000, MOST_SPREAD = 250 }; /* on curves; on surfaces and more, where there is no end of them */
-
-typedef struct state {
-  double least, sum;
-  int parent;  /* in the stage before */
-  int samples; /* reached since the start */
-  double *q;   /* [stage length × n] of the stage that ends here */
-  km_node node;
-} state;
-
-typedef struct stage {
-  state *states;
-  int count, first, length; /* samples first + 1 … first + length */
-} stage;
-
-typedef struct grid {
-  km_run *run;
-  km_arena arena;
-  double spacing;
-  bool eased; /* tilts turn back as far as the rates ask */
-  int length, stage_count, actions, workers;
-  stage *stages;
-  int now;         /* the stage being filled */
-  double *tilts;   /* [actions × freedom] */
-  state *arrivals; /* [states · actions] */
-  size_t arrival_capacity;
-  km_team *team;
-  km_walk_space *spaces;
-  km_node *here;
-} grid;
-
-static bool by_mean(const grid *g) {
-  return km_objective_by_mean(&g->run->plan->objective);
-}
+/* Parts of a step: where singular poses are near they can be without end, and such a step is none to plan with. */
+enum { MOST_TRIES = 200 };
+/* Jacobians a pass may take: far more than the states of any path need whose steps are ordinary. */
+enum { MOST_WORK = 100000, WORK_ASIDE = 2000000 }; /* a sample, and beside them */
 
 /* Lead up to four states of the last stage on, side by side, each by an action of its own. */
-static void lead(grid *g, int worker, int first, int count) {
+static void lead(km_dp_grid *g, int worker, int first, int count) {
   km_run *run = g->run;
   const size_t n = (size_t)run->arm->n;
-  const stage *last = &g->stages[g->now - 1], *now = &g->stages[g->now];
+  const km_dp_stage *last = &g->stages[g->now - 1], *now = &g->stages[g->now];
   km_node *here = &g->here[worker * KM_WALK_ABREAST];
   bool alive[KM_WALK_ABREAST];
   for (int l = 0; l < count; ++l) {
-    const state *from = &last->states[(first + l) / g->actions];
-    state *to = &g->arrivals[first + l];
+    const km_dp_state *from = &last->states[(first + l) / g->actions];
+    km_dp_state *to = &g->arrivals[first + l];
     to->least = from->least;
     to->sum = from->sum;
     to->parent = (first + l) / g->actions;
@@ -74,7 +43,7 @@ static void lead(grid *g, int worker, int first, int count) {
       lane[abreast] = l;
       from[abreast] = &here[l];
       at[abreast] = &g->arrivals[first + l].node;
-      ways[abreast++] = (km_way){.tilt = g->tilts + (first + l) % g->actions * run->arm->freedom};
+      ways[abreast++] = (km_way){.tilt = g->tilts + (first + l) % g->actions * run->arm->freedom, .tries = MOST_TRIES};
     }
     if (abreast == 0)
       return;
@@ -82,7 +51,7 @@ static void lead(grid *g, int worker, int first, int count) {
     for (int i = 0; i < abreast && g->eased; ++i)
       ends[i] = km_walk_ease(&run->walk, &g->spaces[worker], now->first + k, from[i], &ways[i], ends[i], at[i]);
     for (int i = 0; i < abreast; ++i) {
-      state *to = &g->arrivals[first + lane[i]];
+      km_dp_state *to = &g->arrivals[first + lane[i]];
       alive[lane[i]] = !ends[i].stop;
       if (ends[i].stop)
         continue;
@@ -96,92 +65,16 @@ static void lead(grid *g, int worker, int first, int count) {
 }
 
 static void lead_some(void *context, int worker) {
-  grid *g = context;
+  km_dp_grid *g = context;
   int count = g->stages[g->now - 1].count * g->actions;
   for (int i = worker * KM_WALK_ABREAST; i < count; i += g->workers * KM_WALK_ABREAST)
     lead(g, worker, i, count - i < KM_WALK_ABREAST ? count - i : KM_WALK_ABREAST);
 }
 
-/* Better first: further, then the value, then the other aggregate; else the order of the work. */
-static bool better(const grid *g, const state *a, const state *b) {
-  if (a->samples != b->samples)
-    return a->samples > b->samples;
-  double x[2] = {km_run_rounded(a->least), km_run_rounded(a->sum)};
-  double y[2] = {km_run_rounded(b->least), km_run_rounded(b->sum)};
-  int first = by_mean(g);
-  if (x[first] != y[first])
-    return x[first] > y[first];
-  return x[!first] > y[!first];
-}
-
-static bool near(const km_arm *a, const double *x, const double *y, double spacing) {
-  double sum = 0.0;
-  for (int k = 0; k < a->n && sum < spacing * spacing; ++k)
-    sum += (x[k] - y[k]) * (x[k] - y[k]);
-  return sum < spacing * spacing;
-}
-
-static state make_state(grid *g, int length) {
-  state s = {.q = KM_ARENA_NEW(&g->arena, double, (size_t)length *(size_t)g->run->arm->n)};
-  km_node_create(g->run->arm, &g->arena, &s.node);
-  return s;
-}
-
-static void copy_state(const grid *g, state *to, const state *from, int length) {
-  double *q = to->q;
-  km_node node = to->node;
-  memcpy(q, from->q, (size_t)length * (size_t)g->run->arm->n * sizeof *q);
-  km_node_copy(g->run->arm, &node, &from->node);
-  *to = *from;
-  to->q = q;
-  to->node = node;
-}
-
-/* The order of arrivals from the best, without moving them. */
-typedef struct ranked {
-  const grid *grid;
-  int index;
-} ranked;
-
-static int by_rank(const void *a, const void *b) {
-  const ranked *x = a, *y = b;
-  const state *p = &x->grid->arrivals[x->index], *q = &y->grid->arrivals[y->index];
-  if (better(x->grid, p, q))
-    return -1;
-  return better(x->grid, q, p) ? 1 : x->index - y->index;
-}
-
-/* Of those that arrive, the best of each neighbourhood. */
-static bool keep_best(grid *g, int arrived) {
-  int most = g->run->arm->freedom > 1 ? MOST_SPREAD : MOST_STATES;
-  stage *now = &g->stages[g->now];
-  ranked *order = KM_NEW(ranked, (size_t)arrived + 1);
-  now->states = KM_ARENA_NEW(&g->arena, state, (size_t)(arrived < most ? arrived : most));
-  for (int i = 0; order && i < arrived; ++i)
-    order[i] = (ranked){g, i};
-  if (order)
-    qsort(order, (size_t)arrived, sizeof *order, by_rank);
-  int full = now->first + now->length;
-  for (int i = 0; order && !g->arena.failed && i < arrived && now->count < most; ++i) {
-    const state *one = &g->arrivals[order[i].index];
-    bool taken = one->samples < full;
-    for (int k = 0; k < now->count && !taken; ++k)
-      taken = near(g->run->arm, now->states[k].node.q, one->node.q, g->spacing);
-    if (taken)
-      continue;
-    now->states[now->count] = make_state(g, now->length);
-    if (!g->arena.failed)
-      copy_state(g, &now->states[now->count++], one, now->length);
-  }
-  bool whole = order && !g->arena.failed;
-  km_free(order);
-  return whole;
-}
-
 /* So many tilts that neighbours land no further apart than the spacing. */
-static bool choose_actions(grid *g) {
+static bool choose_actions(km_dp_grid *g) {
   const km_arm *a = g->run->arm;
-  const stage *last = &g->stages[g->now - 1], *now = &g->stages[g->now];
+  const km_dp_stage *last = &g->stages[g->now - 1], *now = &g->stages[g->now];
   const km_path_point *points = g->run->plan->path->points;
   double ds = points[now->first + now->length].s - points[now->first].s, way = 0.0,
          most = tan(g->run->plan->method.angle);
@@ -206,12 +99,12 @@ static bool choose_actions(grid *g) {
   return true;
 }
 
-static bool fill_stage(grid *g) {
+static bool fill_stage(km_dp_grid *g) {
   if (!choose_actions(g))
     return false;
   size_t count = (size_t)g->stages[g->now - 1].count * (size_t)g->actions, had = g->arrival_capacity;
   if (count > had) {
-    state *grown = KM_ARENA_NEW(&g->arena, state, count);
+    km_dp_state *grown = KM_ARENA_NEW(&g->arena, km_dp_state, count);
     if (!grown)
       return false;
     if (had)
@@ -219,21 +112,21 @@ static bool fill_stage(grid *g) {
     g->arrivals = grown;
     g->arrival_capacity = count;
     for (size_t i = had; i < count; ++i)
-      g->arrivals[i] = make_state(g, g->length);
+      g->arrivals[i] = km_dp_make_state(g, g->length);
   }
   if (g->arena.failed)
     return false;
   km_team_run(g->team, g->workers, lead_some, g);
-  return keep_best(g, (int)count);
+  return km_dp_keep_best(g, (int)count);
 }
 
 /* The track that leads to a state; q of its own stage up to what it reached. */
-static void trace(grid *g, int stage_index, const state *end) {
+static void trace(km_dp_grid *g, int stage_index, const km_dp_state *end) {
   km_run *run = g->run;
   const size_t n = (size_t)run->arm->n;
   run->reached = end->samples + 1;
   for (int k = stage_index; k > 0; --k) {
-    const stage *at = &g->stages[k];
+    const km_dp_stage *at = &g->stages[k];
     int count = end->samples - at->first < at->length ? end->samples - at->first : at->length;
     memcpy(run->q + (size_t)(at->first + 1) * n, end->q, (size_t)count * n * sizeof *run->q);
     if (k > 1)
@@ -242,11 +135,11 @@ static void trace(grid *g, int stage_index, const state *end) {
 }
 
 /* Nothing comes to the end of the stage: the track that goes furthest, and why it ends there. */
-static km_status stop_short(grid *g) {
+static km_status stop_short(km_dp_grid *g) {
   km_run *run = g->run;
   int count = g->stages[g->now - 1].count * g->actions, best = 0;
   for (int i = 1; i < count; ++i)
-    if (better(g, &g->arrivals[i], &g->arrivals[best]))
+    if (km_dp_better(g, &g->arrivals[i], &g->arrivals[best]))
       best = i;
   trace(g, g->now, &g->arrivals[best]);
   const km_way way = {.tilt = g->tilts + (best % g->actions) * run->arm->freedom};
@@ -258,18 +151,19 @@ static km_status stop_short(grid *g) {
   if (km_node_create(run->arm, &arena, &next))
     km_run_stop(run, &node, &way, km_walk_step(&run->walk, &run->space, sample, 1.0, &node, &way, &next));
   km_arena_free(&arena);
-  if (run->stop == KM_TRACK_COMPLETE) /* the sense of its columns was another: greedy's way tells then */
-    run->stop = KM_TRACK_SINGULAR;
+  if (run->stop ==
+      KM_TRACK_COMPLETE) /* a step of more parts than are tried here, or the sense of its columns was another */
+    run->stop = KM_TRACK_GAVE_OUT;
   return KM_PARTIAL;
 }
 
-static bool begin(grid *g) {
+static bool begin(km_dp_grid *g) {
   static const km_way plain = {0};
   km_run *run = g->run;
   int intervals = run->plan->path->samples - 1;
   g->stage_count = (intervals + g->length - 1) / g->length;
   g->workers = run->plan->jobs > 1 ? run->plan->jobs : 1;
-  g->stages = KM_ARENA_NEW(&g->arena, stage, (size_t)g->stage_count + 1);
+  g->stages = KM_ARENA_NEW(&g->arena, km_dp_stage, (size_t)g->stage_count + 1);
   g->spaces = KM_ARENA_NEW(&g->arena, km_walk_space, (size_t)g->workers);
   g->here = KM_ARENA_NEW(&g->arena, km_node, (size_t)g->workers * KM_WALK_ABREAST);
   bool whole = !g->arena.failed;
@@ -278,12 +172,12 @@ static bool begin(grid *g) {
   for (int i = 0; i < g->workers * KM_WALK_ABREAST && whole; ++i)
     whole = km_node_create(run->arm, &g->arena, &g->here[i]);
   if (whole)
-    g->stages[0].states = KM_ARENA_NEW(&g->arena, state, 1);
+    g->stages[0].states = KM_ARENA_NEW(&g->arena, km_dp_state, 1);
   whole = whole && !g->arena.failed;
   if (!whole)
     return false;
-  state *start = &g->stages[0].states[0];
-  *start = make_state(g, 1);
+  km_dp_state *start = &g->stages[0].states[0];
+  *start = km_dp_make_state(g, 1);
   if (g->arena.failed)
     return false;
   g->stages[0].count = 1;
@@ -294,21 +188,40 @@ static bool begin(grid *g) {
   return true;
 }
 
-static km_status solve(grid *g, km_error *error) {
+static bool goes_on(const km_dp_grid *g, int sample) {
+  const km_track_plan *plan = g->run->plan;
+  double done = (g->pass + (double)sample / (plan->path->samples - 1)) / g->passes;
+  return !plan->progress || plan->progress(plan->context, fmin(done, 1.0));
+}
+
+/* More work than any path with ordinary steps needs? */
+static bool gives_out(const km_dp_grid *g) {
+  double work = 0.0;
+  for (int i = 0; i < g->workers; ++i)
+    work += (double)g->spaces[i].arm.evaluations;
+  return work > WORK_ASIDE + (double)MOST_WORK * g->run->plan->path->samples;
+}
+
+static km_status solve(km_dp_grid *g, km_error *error) {
   km_run *run = g->run;
   if (!begin(g))
     return km_fail(error, KM_MEMORY, "out of memory for dynamic programming");
   int intervals = run->plan->path->samples - 1;
   for (g->now = 1; g->now <= g->stage_count; ++g->now) {
-    stage *now = &g->stages[g->now];
+    km_dp_stage *now = &g->stages[g->now];
     now->first = (g->now - 1) * g->length;
     now->length = intervals - now->first < g->length ? intervals - now->first : g->length;
     if (!fill_stage(g))
       return km_fail(error, KM_MEMORY, "out of memory for dynamic programming");
     if (now->count == 0)
       return stop_short(g);
-    if (!km_run_goes_on(run, now->first))
+    if (!goes_on(g, now->first + now->length))
       return km_fail(error, KM_CANCELLED, "cancelled");
+    if (g->now < g->stage_count && gives_out(g)) {
+      trace(g, g->now, &now->states[0]);
+      run->stop = KM_TRACK_GAVE_OUT;
+      return KM_PARTIAL;
+    }
   }
   trace(g, g->stage_count, &g->stages[g->stage_count].states[0]);
   run->stop = KM_TRACK_COMPLETE;
@@ -316,10 +229,22 @@ static km_status solve(grid *g, km_error *error) {
   return KM_OK;
 }
 
-static km_status solve_at(km_run *run, double spacing, int length, bool eased, km_error *error) {
-  grid g = {.run = run, .spacing = spacing, .length = length < 1 ? 1 : length, .eased = eased};
+/* Which of the passes over the path this is: for the progress, and whether it is eased. */
+typedef struct pass {
+  int index, count;
+  bool eased;
+} pass;
+
+static km_status solve_at(km_run *run, double spacing, int length, pass p, km_error *error) {
+  km_dp_grid g = {.run = run,
+                  .spacing = spacing,
+                  .length = length < 1 ? 1 : length,
+                  .eased = p.eased,
+                  .pass = p.index,
+                  .passes = p.count};
   g.team = run->plan->jobs > 1 ? km_team_create(run->plan->jobs) : NULL;
   km_status status = solve(&g, error);
+  run->bounded = g.bounded;
   km_team_free(g.team);
   for (int i = 0; i < g.workers && g.spaces; ++i) {
     run->evaluations += g.spaces[i].arm.evaluations;
@@ -336,29 +261,59 @@ static double choose_spacing(const km_run *run) {
   return fmin(fmax(reach / 40.0, 0.005), 0.1);
 }
 
-/* At two spacings and stages. */
-static km_status solve_twice(km_run *run, bool eased, km_error *error) {
+static bool is_further(const km_run *a, const km_run *b) {
+  return a->reached != b->reached ? a->reached > b->reached : a->fraction > b->fraction + 1e-6;
+}
+
+/* At half the spacing and stage, in `run`, after the whole of them in `coarse`; the coarse track where it goes further.
+ */
+static km_status refine(km_run *run, km_run *coarse, pass p, km_error *error) {
   const km_method *method = &run->plan->method;
   int length = method->stride > 0 ? method->stride : run->plan->path->samples / 24;
   double spacing = method->spacing > 0.0 ? method->spacing : choose_spacing(run);
-  km_status first = solve_at(run, spacing, length, eased, error);
+  km_status first = solve_at(coarse, spacing, length, p, error);
   if (first != KM_OK && first != KM_PARTIAL)
     return first;
-  double coarse = km_run_score(run, km_run_evaluate(run));
-  km_status status = solve_at(run, 0.5 * spacing, length / 2, eased, error);
-  if (first == KM_OK && status == KM_OK) {
-    double fine = km_run_score(run, km_run_evaluate(run));
-    run->converged = fabs(fine - coarse) / fmax(fabs(fine), 1e-300);
+  ++p.index;
+  km_status status = solve_at(run, 0.5 * spacing, length / 2, p, error);
+  run->converged = (double)NAN;
+  if (first == KM_OK && status == KM_OK && !run->bounded) {
+    double fine = km_run_score(run, km_run_evaluate(run)), value = km_run_score(coarse, km_run_evaluate(coarse));
+    run->converged = fabs(fine - value) / fmax(fabs(fine), 1e-300);
   }
+  if (status != KM_PARTIAL || !is_further(coarse, run))
+    return status;
+  km_run_take(run, coarse);
+  return first;
+}
+
+/* At two spacings and stages. */
+static km_status solve_twice(km_run *run, pass p, km_error *error) {
+  km_run coarse;
+  if (!km_run_create(run->arm, run->plan, &coarse))
+    return km_fail(error, KM_MEMORY, "out of memory for dynamic programming");
+  km_status status = refine(run, &coarse, p, error);
+  run->evaluations += coarse.evaluations + coarse.space.arm.evaluations;
+  km_run_free(&coarse);
   return status;
 }
 
-/* Where it stops short under rates, again with tilts that keep them. */
+/* Where it stops short under rates, again with tilts that keep them; the track that goes further. */
 km_status km_method_dp(km_run *run, km_error *error) {
-  km_status status = solve_twice(run, false, error);
-  int reached = run->reached;
-  if (status != KM_PARTIAL || !km_walk_rated(run->arm))
+  const int passes = km_walk_rated(run->arm) ? 4 : 2;
+  km_run eased;
+  km_status status = solve_twice(run, (pass){0, passes, false}, error);
+  if (status != KM_PARTIAL || passes == 2)
     return status;
-  status = solve_twice(run, true, error);
-  return status == KM_PARTIAL && run->reached < reached ? solve_twice(run, false, error) : status;
+  if (!km_run_create(run->arm, run->plan, &eased))
+    return km_fail(error, KM_MEMORY, "out of memory for dynamic programming");
+  km_status again = solve_twice(&eased, (pass){2, passes, true}, error);
+  if (again == KM_OK || (again == KM_PARTIAL && !is_further(run, &eased))) {
+    km_run_take(run, &eased);
+    run->converged = eased.converged;
+    run->bounded = eased.bounded;
+  }
+  run->evaluations += eased.evaluations + eased.space.arm.evaluations;
+  km_run_free(&eased);
+  return again == KM_PARTIAL ? status : again;
 }

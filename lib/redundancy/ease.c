@@ -50,7 +50,9 @@ km_step_end km_walk_ease(const km_walk *w, km_walk_space *s, int sample, const k
     memcpy(tilt, way->tilt, size);
     if (!turn(w->arm, from, w->path->points[sample].speed, margins[i], tilt))
       return end;
-    km_step_end eased = km_walk_step(w, s, sample, 1.0, from, &(km_way){.tilt = tilt}, to);
+    km_way nearest = *way;
+    nearest.tilt = tilt;
+    km_step_end eased = km_walk_step(w, s, sample, 1.0, from, &nearest, to);
     if (eased.stop == KM_TRACK_COMPLETE)
       return eased;
   }

@@ -299,13 +299,7 @@ static km_status prefer(km_run *run, km_status status, km_method_run method, boo
   km_status ended = method(&other, error);
   bool tracked = ended == KM_OK || ended == KM_PARTIAL;
   if (tracked && beats(&other, km_run_evaluate(&other), run, km_run_evaluate(run))) {
-    size_t n = (size_t)run->arm->n;
-    memcpy(run->q, other.q, (size_t)other.reached * n * sizeof *run->q);
-    memcpy(run->last, other.last, n * sizeof *run->last);
-    run->reached = other.reached;
-    run->fraction = other.fraction;
-    run->stop = other.stop;
-    run->column = other.column;
+    km_run_take(run, &other);
     *taken = true;
   }
   run->evaluations += other.evaluations + other.space.arm.evaluations;

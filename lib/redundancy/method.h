@@ -21,11 +21,14 @@ typedef struct km_run {
   bool held[KM_ARM_MOST]; /* fixed: columns that don't move */
   bool greedy_instead;
   double converged;
+  bool bounded;              /* dp: its states were fewer than it asked for */
   unsigned long evaluations; /* of other workspaces than `space` */
 } km_run;
 
 bool km_run_create(const km_arm *arm, const km_track_plan *plan, km_run *run);
 void km_run_free(km_run *run);
+/* Takes the track of another run of the same plan over. */
+void km_run_take(km_run *run, const km_run *other);
 
 /* Runs a method from run->start. KM_PARTIAL: it doesn't come to the path's end. */
 typedef km_status (*km_method_run)(km_run *run, km_error *error);

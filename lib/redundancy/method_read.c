@@ -34,6 +34,53 @@ static void read_joints(km_reader *reader, const km_arm *arm, const km_value *va
   }
 }
 
+/* Which methods have a setting. */
+static const struct {
+  const char *key;
+  unsigned methods; /* bits */
+} settings[] = {{"branches", 1u << KM_LOOKAHEAD},
+                {"levels", 1u << KM_LOOKAHEAD},
+                {"value", 1u << KM_LOOKAHEAD},
+                {"angle", 1u << KM_LOOKAHEAD | 1u << KM_GRADIENT | 1u << KM_DP | 1u << KM_GLOBAL},
+                {"stride", 1u << KM_LOOKAHEAD | 1u << KM_DP},
+                {"joints", 1u << KM_FIXED},
+                {"joint", 1u << KM_FIXED},
+                {"damping", 1u << KM_DLS},
+                {"below", 1u << KM_DLS},
+                {"gain", 1u << KM_GRADIENT},
+                {"spacing", 1u << KM_DP},
+                {"knots", 1u << KM_GLOBAL},
+                {"evaluations", 1u << KM_GLOBAL}};
+
+static unsigned methods_with(const char *key) {
+  for (size_t i = 0; i < sizeof settings / sizeof *settings; ++i)
+    if (strcmp(settings[i].key, key) == 0)
+      return settings[i].methods;
+  return 0;
+}
+
+bool km_method_has(km_method_kind kind, const char *key) {
+  return methods_with(key) >> kind & 1u;
+}
+
+void km_method_owners(const char *key, km_text *out) {
+  const unsigned owners = methods_with(key);
+  for (int k = 0; k < KM_METHODS; ++k)
+    if (owners >> k & 1u)
+      km_text_format(out, "%s%s", owners & ((1u << k) - 1u) ? ", " : "", km_method_word((km_method_kind)k));
+}
+
+static void warn_of_others(km_reader *reader, const km_value *method, const km_place *place, const km_method *m) {
+  for (const km_value *v = method->first; v; v = v->next) {
+    km_place at = {place, v->key, 0};
+    km_text owners = {0};
+    km_method_owners(v->key, &owners);
+    if (owners.size && !km_method_has(m->kind, v->key))
+      km_reader_warning(reader, &at, "doesn't count: it is no setting of %s, but of %s", m->word, owners.data);
+    km_text_free(&owners);
+  }
+}
+
 static void read_name(km_reader *reader, const char *word, const km_place *place, km_method *out) {
   int kind = km_method_find(word);
   if (kind < 0)
@@ -58,6 +105,8 @@ static void read_method(km_reader *reader, const km_arm *arm, const km_value *va
     return;
   km_place at = {place, "method", 0}, value_at = {place, "value", 0};
   read_name(reader, km_reader_string(value, "method"), &at, out);
+  if (km_messages_errors(reader->messages) == errors)
+    warn_of_others(reader, value, place, out);
   out->branches = (int)read_between(reader, value, place, "branches", out->branches, 1, 1001, true);
   out->levels = (int)read_between(reader, value, place, "levels", out->levels, 1, 20, true);
   out->angle = read_between(reader, value, place, "angle", 30.0, 1e-3, 89.0, false) * M_PI / 180.0;

@@ -14,8 +14,14 @@ typedef struct km_path_point {
   km_pose pose;
   km_twist twist; /* dX/dσ at the effector's origin; of the segment that begins where two meet */
   double s, t;    /* σ, and seconds */
-  double speed;   /* dσ/dt; of that segment too */
+  double
+      travel; /* of the effector's origin, over L; and its turn, as far as the task counts it: dσ² = travel² + turn² */
+  double turn;
+  double speed; /* dσ/dt; of that segment too */
 } km_path_point;
+
+/* What sets the time of an interval between samples. */
+typedef enum km_pace { KM_PACE_TRAVEL, KM_PACE_TURN, KM_PACE_TIMES } km_pace;
 
 typedef enum km_segment_kind { KM_SEGMENT_LINE, KM_SEGMENT_HELIX, KM_SEGMENT_WEAVE, KM_SEGMENT_SPLINE } km_segment_kind;
 
@@ -31,7 +37,8 @@ typedef struct km_segment {
   km_segment_kind kind;
   km_pose start;
   int steps, first;     /* intervals, and the sample it begins with */
-  double seconds;       /* 0: by the path's speed */
+  double seconds;       /* 0: by the path's speeds */
+  double length;        /* σ of the whole. By km_path_finish */
   km_vec3 travel;       /* LINE, WEAVE: from start to end */
   km_vec3 turn;         /* rotation vector about a fixed axis over the whole; HELIX with `turns`: that of the helix */
   km_vec3 centre, axis; /* HELIX */
@@ -52,7 +59,9 @@ struct km_path {
   km_segment *segments;
   km_path_point *points; /* [samples] */
   int *segment_of;       /* [samples] that begins at or holds the interval after it */
-  double speed;          /* σ per second where a segment has no times */
+  km_pace *pace;         /* [samples] of the interval after it */
+  double speed;          /* of the effector's origin where a segment has no times, L a second */
+  double turn_speed;     /* radians a second; 0: turns take no time of their own but where the origin stands still */
 };
 
 /* The point a fraction of the way from sample i to i + 1 (i < samples − 1). */

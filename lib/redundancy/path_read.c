@@ -256,14 +256,14 @@ static km_pose read_start(builder *b, const km_value *start, const km_place *pla
   return pose;
 }
 
-/* One L a second, unless the path says otherwise. */
-static double read_speed(builder *b, const km_value *value, const km_place *place) {
-  const km_arm *a = b->path->arm;
-  if (!km_value_get(value, "speed"))
-    return 1.0;
-  double speed = km_reader_number(value, "speed", 1.0);
-  km_reader_positive(b->reader, place, "speed", speed);
-  return speed / a->length / a->mechanism->model->units.time->si;
+/* A speed in the model's units, over `unit` a second; `otherwise` if the path doesn't say. */
+static double read_speed(builder *b, const km_value *value, const km_place *place, const char *key, double unit,
+                         double otherwise) {
+  if (!km_value_get(value, key))
+    return otherwise;
+  double speed = km_reader_number(value, key, 1.0);
+  km_reader_positive(b->reader, place, key, speed);
+  return speed * unit / b->path->arm->mechanism->model->units.time->si;
 }
 
 km_path *km_path_read(km_reader *reader, const km_arm *arm, const km_value *value, const km_place *place,
@@ -276,7 +276,8 @@ km_path *km_path_read(km_reader *reader, const km_arm *arm, const km_value *valu
   const km_value *start = km_value_get(value, "start"), *segments = km_value_get(value, "segments");
   if ((segments != NULL) == (km_value_get(value, "csv") != NULL))
     km_reader_error(reader, place, "expected either \"segments\" or \"csv\"");
-  b.path->speed = read_speed(&b, value, place);
+  b.path->speed = read_speed(&b, value, place, "speed", 1.0 / arm->length, 1.0);
+  b.path->turn_speed = read_speed(&b, value, place, "turn_speed", arm->mechanism->model->units.angle->si, 0.0);
   b.start_given = start != NULL;
   if (start)
     b.at = read_start(&b, start, place);

@@ -26,6 +26,16 @@ void km_run_free(km_run *run) {
   km_arena_free(&run->arena);
 }
 
+void km_run_take(km_run *run, const km_run *other) {
+  size_t n = (size_t)run->arm->n;
+  memcpy(run->q, other->q, (size_t)other->reached * n * sizeof *run->q);
+  memcpy(run->last, other->last, n * sizeof *run->last);
+  run->reached = other->reached;
+  run->fraction = other->fraction;
+  run->stop = other->stop;
+  run->column = other->column;
+}
+
 bool km_run_goes_on(const km_run *run, int sample) {
   return !run->plan->progress ||
          run->plan->progress(run->plan->context, (double)sample / (run->plan->path->samples - 1));
@@ -49,6 +59,13 @@ static bool regular(km_run *run, const double *q) {
   return sigma[run->arm->rows - 1] > far;
 }
 
+/* Is the joint at its limit? Near singular poses joints move without bound: there the last digit of the path may lead
+ * from well within a limit to beyond it, and it is the pose that stops the arm. */
+static bool at_limit(const km_arm *a, const double *q, int column) {
+  static const double near = 1e-9;
+  return fmin(fabs(q[column] - a->low[column]), fabs(a->high[column] - q[column])) <= near * (1.0 + fabs(q[column]));
+}
+
 void km_run_stop(km_run *run, const km_node *node, const km_way *way, km_step_end end) {
   km_node at = {.q = run->last};
   km_arena arena = {0};
@@ -60,29 +77,17 @@ void km_run_stop(km_run *run, const km_node *node, const km_way *way, km_step_en
     return;
   if (!km_node_create(run->arm, &arena, &at))
     return;
-  double outside = 1.0;
-  bool between = false; /* a limit or a rate ends the track before a singular pose does */
-  if (end.stop ==
-      KM_TRACK_SINGULAR) { /* the same step again stands where it runs out of ways; a limit may come before */
-    end = km_walk_step(&run->walk, &run->space, sample, 1.0, node, way, &at);
-    km_node_copy(run->arm, &at, &run->space.here);
-    run->fraction = outside = end.fraction;
-    km_step_end there = {KM_TRACK_COMPLETE, -1, 0.0};
-    there.column = km_arm_limit_passed(run->arm, at.q);
-    if (there.column >= 0)
-      there.stop = KM_TRACK_LIMIT;
-    else if (outside > 0.0)
-      there = km_walk_step(&run->walk, &run->space, sample, outside, node, way, &run->next);
-    between = there.stop == KM_TRACK_LIMIT || there.stop == KM_TRACK_RATE;
-    if (between)
-      end = there;
-  }
-  if (end.stop == KM_TRACK_LIMIT || between) {
-    end = km_walk_find_end(&run->walk, &run->space, sample, node, way, end, outside, &at);
+  km_node_copy(run->arm, &at, node);
+  if (end.stop != KM_TRACK_RATE) { /* which a limit or a rate may end before a singular pose does */
+    end = km_walk_find_end(&run->walk, &run->space, sample, node, way, end, 1.0, &at);
     run->fraction = end.fraction;
   }
-  if (run->fraction < 1e-9) /* a step so short has no rates that stand out of rounding */
+  if (run->fraction < 1e-9) { /* a step so short has no rates that stand out of rounding */
     run->fraction = 0.0;
+    km_node_copy(run->arm, &at, node);
+  }
+  if (end.stop == KM_TRACK_LIMIT && !at_limit(run->arm, at.q, end.column))
+    end = (km_step_end){KM_TRACK_SINGULAR, -1, end.fraction};
   run->stop = end.stop;
   run->column = end.column;
   memcpy(run->last, at.q, (size_t)run->arm->n * sizeof *at.q);

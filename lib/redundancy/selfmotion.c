@@ -1,6 +1,8 @@
 #include "redundancy/branches.h"
 
-static void add_row(const km_loop_curve *c, km_selfmotion *out, int arc, double u, double *q) {
+static void add_row(const km_loop_curve *c, km_selfmotion *out, int arc, double u, const int *shift, double *q) {
+  for (int k = 0; k < c->arm->n; ++k)
+    q[k] += 2.0 * M_PI * shift[k];
   km_arm_bring_within(c->arm, q);
   out->row_arc[out->row_count] = arc;
   out->row_u[out->row_count] = u;
@@ -15,11 +17,11 @@ static int round_of(const km_loop_curve *c, double u) {
 }
 
 /* End, points between, end. */
-static void add_arc(const km_loop_curve *c, km_selfmotion *out, int arc) {
+static void add_arc(const km_loop_curve *c, km_selfmotion *out, int arc, const int *shift) {
   const int n = c->arm->n;
   double from = out->arcs[arc].from, to = out->arcs[arc].to, q[KM_ARM_MOST];
   if (km_loop_curve_at(c, from, q))
-    add_row(c, out, arc, from, q);
+    add_row(c, out, arc, from, shift, q);
   for (int round = round_of(c, from); round <= round_of(c, to); ++round)
     for (int i = 0; i < c->count; ++i) {
       double u = c->u[i] + round * c->length;
@@ -27,13 +29,13 @@ static void add_arc(const km_loop_curve *c, km_selfmotion *out, int arc) {
         continue;
       for (int k = 0; k < n; ++k)
         q[k] = c->q[i * n + k] + round * km_loop_curve_turn(c, k);
-      add_row(c, out, arc, u, q);
+      add_row(c, out, arc, u, shift, q);
     }
   if (km_loop_curve_at(c, to, q))
-    add_row(c, out, arc, to, q);
+    add_row(c, out, arc, to, shift, q);
 }
 
-static bool add_rows(const km_loop_curve *c, km_selfmotion *out) {
+static bool add_rows(const km_loop_curve *c, const int *shift, km_selfmotion *out) {
   size_t most = 2;
   for (int arc = 0; arc < out->arc_count; ++arc)
     most += (size_t)(round_of(c, out->arcs[arc].to) - round_of(c, out->arcs[arc].from) + 1) * (size_t)c->count + 2;
@@ -43,7 +45,7 @@ static bool add_rows(const km_loop_curve *c, km_selfmotion *out) {
   if (!out->row_arc || !out->row_u || !out->row_q)
     return false;
   for (int arc = 0; arc < out->arc_count; ++arc)
-    add_arc(c, out, arc);
+    add_arc(c, out, arc, shift + arc * c->arm->n);
   return true;
 }
 
@@ -56,13 +58,20 @@ km_status km_selfmotion_export(const km_loop_curve *c, km_selfmotion *out, km_er
   out->length = c->length;
   out->u = KM_NEW(double, (size_t)c->count);
   out->q = KM_NEW(double, (size_t)(c->count * n));
-  out->arcs = km_loop_curve_arcs(c, &out->arc_count);
-  if (!out->u || !out->q || !out->arcs)
+  km_lifts lifts;
+  bool whole = km_loop_curve_lifts(c, &lifts) && out->u && out->q;
+  out->arcs = lifts.arcs;
+  out->turn = lifts.turn;
+  out->arc_count = whole ? lifts.count : 0;
+  whole = whole && add_rows(c, lifts.shift, out);
+  lifts.arcs = NULL;
+  lifts.turn = NULL;
+  km_lifts_free(&lifts);
+  if (!whole)
     return km_fail(error, KM_MEMORY, "out of memory for a self-motion");
-  if (!add_rows(c, out))
-    return km_fail(error, KM_MEMORY, "out of memory for a self-motion");
-  const km_arc_span *only = out->arc_count == 1 ? &out->arcs[0] : NULL;
-  out->whole = c->closed && !out->turns_on && only && only->column[0] < 0 && only->column[1] < 0;
+  out->whole = c->closed && !out->turns_on && out->arc_count > 0;
+  for (int i = 0; i < out->arc_count; ++i)
+    out->whole = out->whole && out->arcs[i].column[0] < 0 && out->arcs[i].column[1] < 0;
   for (int i = 0; i < c->count; ++i) {
     out->u[i] = c->u[i];
     for (int k = 0; k < n; ++k)
@@ -152,6 +161,7 @@ void km_selfmotion_free(km_selfmotion *m) {
   km_free(m->u);
   km_free(m->q);
   km_free(m->arcs);
+  km_free(m->turn);
   km_free(m->row_arc);
   km_free(m->row_u);
   km_free(m->row_q);

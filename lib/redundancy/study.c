@@ -82,9 +82,6 @@ static bool find_effector(binder *b) {
   const km_model *model = b->mechanism->model;
   const km_value *path = km_value_get(b->study->root, "effector");
   km_place place = {NULL, "effector", 0};
-  enum { LONGEST = 64 };
-  const char *names[LONGEST];
-  size_t count = 0;
   km_error error;
   b->study->effector = b->changes->effector;
   if (b->study->effector >= 0)
@@ -96,10 +93,7 @@ static bool find_effector(binder *b) {
         model->body_count > 1 ? model->bodies[model->body_count - 1].name : "flange");
     return false;
   }
-  for (const km_value *v = path->kind == KM_LIST ? path->first : path; v && count < LONGEST;
-       v = path->kind == KM_LIST ? v->next : NULL)
-    names[count++] = v->string;
-  if (!km_model_find_frame(model, names, count, &b->study->effector, &error))
+  if (km_effector_find(model, path, &b->study->arena, &b->study->effector, &error))
     return true;
   km_reader_error(&b->reader, &place, "%s", error.text);
   return false;

@@ -2,6 +2,7 @@
 #ifndef KM_REDUNDANCY_STUDY_H
 #define KM_REDUNDANCY_STUDY_H
 
+#include "base/text.h"
 #include "base/value.h"
 #include "kmech/path_study.h"
 #include "model/format.h"
@@ -43,6 +44,8 @@ km_status km_study_bind_as(km_study *study, const km_mechanism *mechanism, const
 
 /* The parts of the reader. What is wrong goes to the reader's messages. */
 extern const km_object_format km_format_study, km_format_path, km_format_method;
+/* The frame of an `effector`: a list of names, or a text "body/frame". */
+bool km_effector_find(const km_model *model, const km_value *value, km_arena *arena, int *frame, km_error *error);
 /* The path of a `path` object; `here` is the effector's pose at q0 (arm's units). NULL if something is wrong. */
 km_path *km_path_read(km_reader *reader, const km_arm *arm, const km_value *value, const km_place *place,
                       const km_pose *here, const char *folder);
@@ -55,6 +58,9 @@ double km_poses_apart(const km_pose *a, const km_pose *b);
 /* Methods as a name, an object, or a list of them. False if something is wrong. */
 bool km_methods_read(km_reader *reader, const km_arm *arm, const km_value *value, const km_place *place,
                      km_arena *arena, km_method **methods, int *count);
+/* Has a method a setting of that name; and which methods have ("dp, global"; nothing: it is no setting)? */
+bool km_method_has(km_method_kind kind, const char *key);
+void km_method_owners(const char *key, km_text *out);
 bool km_objective_read(km_reader *reader, const km_value *value, const km_place *place, km_objective *out);
 
 #endif

@@ -31,6 +31,7 @@ static const km_field path_fields[] = {{"start", .shape = KM_SHAPE_OBJECT, .obje
                                        {"segments", .shape = KM_SHAPE_OBJECTS, .object = &segment_format},
                                        {"csv", .shape = KM_SHAPE_STRING},
                                        {"speed", .shape = KM_SHAPE_NUMBER},
+                                       {"turn_speed", .shape = KM_SHAPE_NUMBER},
                                        {0}};
 const km_object_format km_format_path = {"path", path_fields};
 

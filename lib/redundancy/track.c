@@ -94,7 +94,7 @@ static km_table *make_table(const km_track *t) {
   if (strcmp(km_objective_name(&t->plan.objective), "weighted") == 0)
     km_table_add_column(table, "objective.weighted", NULL);
   km_table_add_column(table, "error_position", length);
-  km_table_add_column(table, "error_rotation", "rad");
+  km_table_add_column(table, "error_rotation", a->mechanism->model->units.angle->suffix);
   km_table_add_column(table, "limit_margin", NULL);
   return table;
 }
@@ -166,10 +166,10 @@ static bool add_row(km_track *t, km_arm_space *space, const row *r, const row *l
   if (strcmp(km_objective_name(&t->plan.objective), "weighted") == 0)
     *out++ = value;
   *out++ = position * a->length;
-  *out++ = rotation;
+  *out++ = rotation / a->mechanism->model->units.angle->si;
   *out++ = values[KM_LIMIT_DISTANCE];
   t->summary.error_position = fmax(t->summary.error_position, position * a->length);
-  t->summary.error_rotation = fmax(t->summary.error_rotation, rotation);
+  t->summary.error_rotation = fmax(t->summary.error_rotation, rotation / a->mechanism->model->units.angle->si);
   count_row(t, r, last, v, value);
   return true;
 }
@@ -195,7 +195,10 @@ static km_status fill(km_track *t, km_run *run, km_error *error) {
       next = row_of(run, i + 1);
     whole = add_row(t, &run->space.arm, &here, i > 0 ? &last : NULL, i + 1 < count ? &next : NULL);
   }
-  t->end = (km_track_end){run->stop, run->column, run->reached - 1, here.point.s * t->arm->length, here.point.t};
+  t->end = (km_track_end){run->stop,        run->column,
+                          run->reached - 1, here.point.s * t->arm->length,
+                          here.point.t,     here.point.travel * t->arm->length,
+                          here.point.turn};
   size_t rows = whole ? km_table_rows(t->table) : 0;
   if (rows)
     t->summary.objective_mean /= (double)rows;
@@ -234,6 +237,7 @@ km_status km_track_run(const km_arm *arm, const km_track_plan *plan, km_track **
   t->summary.evaluations = run.evaluations + run.space.arm.evaluations;
   t->summary.greedy_instead = run.greedy_instead;
   t->summary.converged = run.converged;
+  t->summary.bounded = run.bounded;
   km_status filled = status == KM_OK || status == KM_PARTIAL ? fill(t, &run, error) : status;
   km_run_free(&run);
   if (filled) {

@@ -232,7 +232,7 @@ km_step_end km_walk_step(const km_walk *w, km_walk_space *s, int sample, double 
   double done = 0.0, h = fraction;
   km_node_copy(w->arm, &s->here, from);
   for (int tries = 0; done < fraction; ++tries) {
-    if (tries == MOST_TRIES || h < least * fraction || s->here.z < KM_PATH_ENTRY_LEAST)
+    if (tries == (way->tries ? way->tries : MOST_TRIES) || h < least * fraction || s->here.z < KM_PATH_ENTRY_LEAST)
       return (km_step_end){KM_TRACK_SINGULAR, -1, done};
     double next = fraction - done <= h * (1.0 + 1e-9) ? fraction : done + h;
     km_path_point point = next < 1.0 ? km_path_at(w->path, sample, next) : w->path->points[sample + 1];

@@ -39,6 +39,7 @@ typedef struct km_way {
   const bool *held;   /* [n] columns that don't move; NULL: none */
   double damping;     /* dls: λ at singular poses, 0: none */
   double below;       /* dls: smallest singular value from which on it is damped */
+  int tries;          /* most parts that a step may be cut into, refused ones counted; 0: very many */
 } km_way;
 
 /* Joint rates [n] of a track that passes a pose with these columns, at the mean rates [n] of a step that begins or ends

@@ -262,7 +262,7 @@ static void axes(const picture *p) {
                                  {f->left, f->top}};
   km_canvas_polyline(p->canvas, &pen, box, 5);
   km_axis_multiplier(&x, text);
-  snprintf(name, sizeof name, "path length s (%s%s%s)", *text ? text : "", *text ? " " : "",
+  snprintf(name, sizeof name, "s: travel, and turns times L (%s%s%s)", *text ? text : "", *text ? " " : "",
            p->map->arm->mechanism->model->units.length->suffix);
   km_canvas_text(p->canvas, &label, ink, name, (km_canvas_point){f->left + 0.5 * f->width, bottom + 18},
                  (km_anchor){0.5, 0, 0});

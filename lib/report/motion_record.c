@@ -21,6 +21,10 @@ static void add_motion(const km_arm *a, const km_selfmotion *m, km_value *record
       else
         km_value_add(arena, arc, end ? "to_limit" : "from_limit", KM_NULL);
     }
+    km_value *turns = m->turn ? km_value_add(arena, arc, "turns", KM_OBJECT) : NULL;
+    for (int k = 0; k < a->n && turns; ++k)
+      if (m->turn[i * a->n + k])
+        km_value_number(arena, turns, km_arm_label(a, k), m->turn[i * a->n + k]);
   }
 }
 
@@ -106,6 +110,9 @@ static void print_arcs(const km_arm *a, const km_selfmotion *m, const char *inde
                      : a->freedom == 2   ? "the start"
                                          : "the curve's end",
                      arc->column[1] >= 0 ? km_arm_label(a, arc->column[1]) : "the curve's end");
+    for (int k = 0; k < a->n && m->turn; ++k)
+      if (m->turn[i * a->n + k])
+        km_text_format(out, ", %s in turn %d", km_arm_label(a, k), m->turn[i * a->n + k]);
     km_text_add(out, "\n");
   }
 }
@@ -122,7 +129,8 @@ static void print_motion(const km_arm *a, const km_selfmotion *m, const char *in
   else
     km_text_format(out, "an open curve of %.6g rad", m->length);
   if (m->whole) {
-    km_text_add(out, ", within the limits all the way round\n");
+    km_text_add(out, ", within the limits all the way round");
+    km_text_format(out, m->arc_count > 1 ? ", in each of %d combinations of full turns\n" : "\n", m->arc_count);
     return;
   }
   km_text_format(out, "; %d arc%s within the limits%s\n", m->arc_count, m->arc_count == 1 ? "" : "s",
@@ -141,11 +149,42 @@ static bool is_sampled(const km_arm *a) {
   return a->freedom > 1;
 }
 
+/* A single pose at every full turn that the limits leave room for: their number. */
+static double turns_of(const km_arm *a, const double *shown, int *first, int *last) {
+  double count = 1.0;
+  for (int k = 0; k < a->n; ++k) {
+    double q = km_arm_read(a, k, shown[k]);
+    km_arm_turn_range(a, k, q, q, &first[k], &last[k]);
+    count *= fmax(last[k] - first[k] + 1, 0);
+  }
+  return count;
+}
+
+static void add_turns(const km_arm *a, const double *shown, km_value *branch, km_arena *arena) {
+  enum { MOST_LISTED = 1024 };
+  int first[KM_ARM_MOST], last[KM_ARM_MOST];
+  double count = turns_of(a, shown, first, last);
+  km_value_number(arena, branch, "poses_within_limits", count);
+  km_value *list = km_value_add(arena, branch, "configurations", KM_LIST);
+  for (int i = 0; i < count && i < MOST_LISTED && !arena->failed; ++i) {
+    km_value *pose = km_value_add(arena, list, NULL, KM_OBJECT);
+    for (int k = 0, rest = i; k < a->n; ++k) {
+      int ways = last[k] - first[k] + 1, turn = first[k] + rest % ways;
+      rest /= ways;
+      km_value_number(arena, pose, km_arm_label(a, k),
+                      turn ? km_arm_shown(a, k, km_arm_read(a, k, shown[k]) + 2.0 * M_PI * turn) : shown[k]);
+    }
+  }
+  km_value_boolean(arena, branch, "truncated", count > MOST_LISTED);
+}
+
 km_value *km_branches_record(const km_arm *a, const km_branches *b, const char *model, km_arena *arena) {
   km_value *record = km_arm_record(a, model, arena);
   km_value_number(arena, record, "count", b->count);
   km_value_boolean(arena, record, "sampled", is_sampled(a));
   km_value_number(arena, record, "within_limits", b->within);
+  km_value_boolean(arena, record, "confirmed", b->confirmed && !is_sampled(a));
+  km_value_boolean(arena, record, "closed_form", b->closed_form);
   km_value_number(arena, record, "starts", b->starts);
   km_value_number(arena, record, "converged", b->converged);
   km_value *list = km_value_add(arena, record, "branches", KM_LIST);
@@ -159,8 +198,19 @@ km_value *km_branches_record(const km_arm *a, const km_branches *b, const char *
     km_value *pose = km_value_add(arena, branch, "configuration", KM_OBJECT);
     for (int k = 0; k < a->n; ++k)
       km_value_number(arena, pose, km_arm_label(a, k), b->pose[i * a->n + k]);
+    if (a->freedom == 0 && b->margin[i] >= 0.0)
+      add_turns(a, b->pose + i * a->n, branch, arena);
   }
   return arena->failed ? NULL : record;
+}
+
+static void print_pose(const km_arm *a, const km_branches *b, int i, km_text *out) {
+  int first[KM_ARM_MOST], last[KM_ARM_MOST];
+  double turns = a->freedom == 0 && b->margin[i] >= 0.0 ? turns_of(a, b->pose + i * a->n, first, last) : 1.0;
+  km_text_add(out, a->freedom == 0 ? "a pose" : "one pose of a family");
+  if (turns > 1.0)
+    km_text_format(out, ", %g with the full turns that the limits leave room for", turns);
+  km_text_add(out, "\n");
 }
 
 void km_branches_print(const km_arm *a, const km_branches *b, const char *name, km_text *out) {
@@ -168,7 +218,13 @@ void km_branches_print(const km_arm *a, const km_branches *b, const char *name, 
   km_text_format(out, "%s: %s%d branch%s", name, sampled ? "a sample of " : "", b->count, b->count == 1 ? "" : "es");
   if (b->within < b->count)
     km_text_format(out, ", %d of them with poses within the limits", b->within);
-  km_text_format(out, " (%d solutions from %d starts)\n", b->converged, b->starts);
+  if (b->starts == 0)
+    km_text_add(out, " (in closed form)\n");
+  else
+    km_text_format(out, " (%s%d solutions from %d starts)\n", b->closed_form ? "closed form, and " : "", b->converged,
+                   b->starts);
+  if (!sampled && !b->confirmed)
+    km_text_add(out, "  the count isn't confirmed: there may be more\n");
   if (sampled)
     km_text_add(out, "  each is one pose of a family; how many are found depends on --seed\n");
   for (int i = 0; i < b->count; ++i) {
@@ -178,7 +234,7 @@ void km_branches_print(const km_arm *a, const km_branches *b, const char *name, 
     else if (a->freedom == 1)
       print_motion(a, &b->items[i], "       ", out);
     else
-      km_text_format(out, "%s\n", a->freedom == 0 ? "a pose" : "one pose of a family");
+      print_pose(a, b, i, out);
     km_text_format(out, "     %s:", b->margin[i] >= 0.0 ? "best pose" : "never within the limits; nearest");
     for (int k = 0; k < a->n; ++k)
       km_text_format(out, " %s %.6g", km_arm_label(a, k), b->pose[i * a->n + k]);

@@ -119,7 +119,7 @@ static void gather(sheet *s) {
   const km_track *t = s->tracks->items[s->first];
   const char *unit = t->arm->mechanism->model->units.length->suffix, *name = km_objective_name(&t->plan.objective);
   char text[120], column_name[80];
-  snprintf(s->x_label, sizeof s->x_label, "path length s (%s)", unit);
+  snprintf(s->x_label, sizeof s->x_label, "s: travel, and turns times L (%s)", unit);
   add_joints(s, t);
   if (strcmp(name, "manipulability") != 0) {
     snprintf(column_name, sizeof column_name, "objective.%s", name);

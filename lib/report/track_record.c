@@ -37,6 +37,15 @@ static const char *length_unit(const km_arm *a) {
   return a->mechanism->model->units.length->suffix;
 }
 
+static const char *angle_unit(const km_arm *a) {
+  return a->mechanism->model->units.angle->suffix;
+}
+
+/* Radians in the model's angle unit. */
+static double angle_shown(const km_arm *a, double angle) {
+  return angle / a->mechanism->model->units.angle->si;
+}
+
 static void add_held(const km_track *t, km_text *out) {
   int count = 0;
   for (int k = 0; k < t->arm->n; ++k)
@@ -51,7 +60,8 @@ void km_track_end_text(const km_track *t, km_text *out) {
   if (end->stop == KM_TRACK_COMPLETE)
     return;
   const char *label = end->column >= 0 ? km_arm_label(a, end->column) : "";
-  km_text_format(out, "stops at s = %.9g %s, t = %.9g s (sample %d of %d): ", end->s, length_unit(a), end->t,
+  km_text_format(out, "stops after %.9g %s and %.9g %s (s = %.9g %s, t = %.9g s, sample %d of %d): ", end->travel,
+                 length_unit(a), angle_shown(a, end->turn), angle_unit(a), end->s, length_unit(a), end->t,
                  end->sample < 0 ? 0 : end->sample, t->plan.path->samples - 1);
   switch (end->stop) {
   case KM_TRACK_LIMIT: {
@@ -73,6 +83,9 @@ void km_track_end_text(const km_track *t, km_text *out) {
     break;
   case KM_TRACK_HELD:
     add_held(t, out);
+    break;
+  case KM_TRACK_GAVE_OUT:
+    km_text_add(out, "dynamic programming gives out: beyond here it takes more steps than it makes");
     break;
   case KM_TRACK_EDGE:
     km_text_add(out, "workspace edge: no pose of the arm reaches what follows");
@@ -106,6 +119,7 @@ static void add_settings(const km_method *m, const km_track *t, km_value *record
   case KM_DP:
     km_value_number(arena, record, "spacing", m->spacing);
     km_value_number(arena, record, "converged_to", t->summary.converged);
+    km_value_boolean(arena, record, "bounded", t->summary.bounded);
     break;
   case KM_GLOBAL:
     km_value_number(arena, record, "knots", m->knots);
@@ -130,7 +144,6 @@ static void add_summary(const km_track *t, km_value *record, km_arena *arena) {
   km_value_number(arena, out, "limit_margin", s->limit_margin);
   km_value_number(arena, out, "violations", s->violations);
   km_value_number(arena, out, "evaluations", (double)s->evaluations);
-  km_value_number(arena, out, "seconds_per_step", rows ? s->seconds / (double)rows : 0.0);
 }
 
 static void add_track(const km_tracks *all, int index, km_value *list, km_arena *arena) {
@@ -174,7 +187,9 @@ km_value *km_tracks_record(const km_tracks *t, const char *model, km_arena *aren
   km_value_string(arena, record, "objective", km_objective_name(&t->study->objective));
   km_value *about = km_value_add(arena, record, "path", KM_OBJECT);
   km_value_number(arena, about, "samples", path->samples);
-  km_value_number(arena, about, "length", km_path_length(path, path->samples - 1));
+  km_value_number(arena, about, "length", km_path_travel(path, path->samples - 1));
+  km_value_number(arena, about, "turn", angle_shown(path->arm, km_path_turn(path, path->samples - 1)));
+  km_value_number(arena, about, "s", km_path_length(path, path->samples - 1));
   km_value_number(arena, about, "seconds", km_path_time(path, path->samples - 1));
   km_value *list = km_value_add(arena, record, "tracks", KM_LIST);
   for (int i = 0; i < t->count && !arena->failed; ++i)
@@ -186,8 +201,11 @@ km_value *km_tracks_record(const km_tracks *t, const char *model, km_arena *aren
 static void print_head(const km_tracks *t, km_text *out) {
   const km_arm *a = t->study->arm;
   const km_path *path = t->study->path;
-  km_text_format(out, "%s: %d samples over %.6g %s in %.6g s; %d joints, %d to spare; lengths over L = %.6g %s (%s)\n",
-                 t->name, path->samples, km_path_length(path, path->samples - 1), length_unit(a),
+  km_text_format(out,
+                 "%s: %d samples over %.6g %s and %.6g %s in %.6g s; %d joints, %d to spare; lengths over L = "
+                 "%.6g %s (%s)\n",
+                 t->name, path->samples, km_path_travel(path, path->samples - 1), length_unit(a),
+                 angle_shown(a, km_path_turn(path, path->samples - 1)), angle_unit(a),
                  km_path_time(path, path->samples - 1), a->n, a->freedom, a->length, length_unit(a),
                  km_length_source_name(a->mechanism->length_source));
 }
@@ -203,9 +221,9 @@ static void print_line(const km_tracks *all, int index, km_text *out) {
     return;
   }
   double part = 100.0 * t->end.s / km_path_length(t->plan.path, t->plan.path->samples - 1);
-  km_text_format(out, "  %-12s %6.1f%%  %9.3g %8.2g  %9.4g %9.4g  %8.4g %8.4g  %9.4g %10d  %11lu  %8.3g\n", label, part,
+  km_text_format(out, "  %-12s %6.1f%%  %9.3g %8.2g  %9.4g %9.4g  %8.4g %8.4g  %9.4g %10d  %11lu\n", label, part,
                  s->error_position, s->error_rotation, s->objective_min, s->objective_mean, s->joint_travel, s->rate,
-                 s->limit_margin, s->violations, s->evaluations, 1e6 * s->seconds / (double)rows);
+                 s->limit_margin, s->violations, s->evaluations);
 }
 
 /* How good the reference is. */
@@ -219,18 +237,19 @@ static void print_remarks(const km_tracks *all, int index, km_text *out) {
                    change < 0.02 ? "" : ": no reference yet");
   else if (track->plan.method.kind == KM_DP && track->end.stop != KM_TRACK_START)
     km_text_format(out, "  %s: %s\n", label,
-                   track->end.stop ? "stops short: no reference"
-                                   : "stops short at twice the spacing: no reference yet");
+                   track->end.stop          ? "stops short: no reference"
+                   : track->summary.bounded ? "more states than it keeps, so they lie wider: no reference yet"
+                                            : "stops short at one of two spacings: no reference yet");
 }
 
 void km_tracks_print(const km_tracks *t, km_text *out) {
   print_head(t, out);
   const char *name = km_objective_name(&t->study->objective);
-  km_text_format(out, "  %-12s %7s  %9s %8s  %19s  %8s %8s  %9s %10s  %11s  %8s\n", "", "", "error", "error", name,
-                 "joint", "largest", "smallest", "", "", "us a");
-  km_text_format(out, "  %-12s %7s  %9s %8s  %9s %9s  %8s %8s  %9s %10s  %11s  %8s\n", "method", "reached",
-                 length_unit(t->study->arm), "rad", "min", "mean", "travel", "rate", "margin", "violations",
-                 "evaluations", "step");
+  km_text_format(out, "  %-12s %7s  %9s %8s  %19s  %8s %8s  %9s %10s  %11s\n", "", "", "error", "error", name, "joint",
+                 "largest", "smallest", "", "");
+  km_text_format(out, "  %-12s %7s  %9s %8s  %9s %9s  %8s %8s  %9s %10s  %11s\n", "method", "reached",
+                 length_unit(t->study->arm), angle_unit(t->study->arm), "min", "mean", "travel", "rate", "margin",
+                 "violations", "evaluations");
   for (int i = 0; i < t->count; ++i)
     if (t->items[i])
       print_line(t, i, out);

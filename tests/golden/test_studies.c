@@ -68,7 +68,22 @@ static void look_ahead_is_near_the_reference(void **state) {
   }
 }
 
+/* Two lines and a quarter circle of 0.1 m, at 0.02 m/s; the torch turns with the arc. */
+static void the_weld_takes_its_time(void **state) {
+  (void)state;
+  opened o = open_study("iiwa_weld");
+  const km_path *path = o.study->path;
+  int last = km_path_samples(path) - 1;
+  double length = 0.4 + 0.05 * M_PI + 0.15;
+  assert_near(km_path_travel(path, last), length, 1e-12);
+  assert_near(km_path_turn(path, last), 0.5 * M_PI, 1e-12);
+  assert_near(km_path_time(path, last), length / 0.02, 1e-9);
+  km_study_free(o.study);
+  fixture_close(&o.f);
+}
+
 int main(void) {
-  const struct CMUnitTest tests[] = {cmocka_unit_test(look_ahead_is_near_the_reference)};
+  const struct CMUnitTest tests[] = {cmocka_unit_test(look_ahead_is_near_the_reference),
+                                     cmocka_unit_test(the_weld_takes_its_time)};
   return cmocka_run_group_tests(tests, NULL, NULL);
 }

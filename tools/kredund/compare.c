@@ -7,8 +7,6 @@ static kt_exit run(const kredund_request *request, kt_formats formats) {
   kt_exit result = kredund_bring(request, true, &open);
   if (result == KT_DONE) {
     result = kredund_tracks_run(&tracks);
-    if (result == KT_PARTIAL && tracks.complete > 0)
-      result = KT_DONE; /* that a method fails is what a comparison is for */
     if (result == KT_DONE || result == KT_PARTIAL)
       result = kt_worse(result, kredund_tracks_deliver(&tracks, request->base ? request->base : open.base));
   }

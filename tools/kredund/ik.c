@@ -14,7 +14,7 @@ static const struct argp_option table[] = {
     {"pose", OPTION_POSE, "X,Y,Z,RX,RY,RZ", 0,
      "The effector's pose in the inertial frame: place and rotation vector, in the model's units", 1},
     {"format", OPTION_FORMAT, "FORMAT", 0, "table (default) or json", 3},
-    {"output", 'o', "BASE", 0, "Write BASE.motion.txt or .json instead of the standard output", 3},
+    {"base", 'o', "BASE", 0, "Write BASE.ik.txt or .json instead of the standard output", 3},
     {0}};
 
 static error_t parse(int key, char *arg, struct argp_state *state) {
@@ -89,7 +89,7 @@ static kt_exit answer(const kredund_request *r, const km_value *record, km_text 
     km_json_write(record, text);
   if (arena->failed)
     text->failed = true;
-  return r->base ? kt_write(&r->common, r->base, "motion", json ? "json" : "txt", text) : kt_print(&r->common, text);
+  return r->base ? kt_write(&r->common, r->base, "ik", json ? "json" : "txt", text) : kt_print(&r->common, text);
 }
 
 static kt_exit run(const kredund_request *r, const kredund_open *open) {

@@ -32,9 +32,10 @@ typedef struct kredund_open {
   kt_pose pose;
   km_study *study;
   km_arena arena;
-  const char *name; /* of the study or the model, for messages */
-  char model[4096];
-  char base[256];
+  const char *name;     /* of the study or the model, for messages */
+  char model[4096];     /* its file, */
+  char model_name[256]; /* and that without folder and ending, for pictures */
+  char base[256];       /* of output files, unless they are given another */
 } kredund_open;
 
 /* Reads the study (or makes one from the options), its model, and binds them. `needs_path`: false for commands that can

@@ -20,7 +20,7 @@ typedef struct options {
 
 static const struct argp_option table[] = {
     {"format", OPTION_FORMAT, "FORMAT", 0, "csv (default) or json", 1},
-    {"output", 'o', "BASE", 0, "Write BASE.matrix.csv or .json instead of the standard output", 1},
+    {"base", 'o', "BASE", 0, "Write BASE.matrix.csv or .json instead of the standard output", 1},
     {0}};
 
 static error_t parse(int key, char *arg, struct argp_state *state) {

@@ -46,7 +46,7 @@ static const struct argp_option method_table[] = {
     {"branches", OPTION_BRANCHES, "N", 0, "Look-ahead: branches at a node, odd (3)", 2},
     {"levels", OPTION_LEVELS, "N", 0, "Look-ahead: levels of the tree (3)", 2},
     {"angle", OPTION_ANGLE, "DEGREES", 0, "Look-ahead: between branches (30); most of gradient, dp and global", 2},
-    {"stride", OPTION_STRIDE, "N", 0, "Look-ahead: samples a level (1/12 of the path)", 2},
+    {"stride", OPTION_STRIDE, "N", 0, "Look-ahead: samples a level (1/12 of the path); dp: a stage (1/24)", 2},
     {"value", OPTION_VALUE, "WORD", 0, "Look-ahead: a leaf's value, min (default) or sum", 2},
     {0}};
 
@@ -150,8 +150,10 @@ static const km_value *as_objective(kredund_open *open, const char *text, const 
   return object;
 }
 
-/* The settings of look-ahead's options, put into a method. */
+/* The settings of options, put into a method that has them. */
 static void add_settings(kredund_open *open, const kredund_request *r, km_value *method, kt_exit *exit) {
+  const km_value *name = km_value_get(method, "method");
+  int kind = name && name->kind == KM_STRING ? km_method_find(name->string) : -1;
   const struct {
     const char *key, *option, *text;
   } numbers[] = {{"branches", "--branches", r->branches},
@@ -160,14 +162,14 @@ static void add_settings(kredund_open *open, const kredund_request *r, km_value 
                  {"stride", "--stride", r->stride}};
   double value;
   for (size_t i = 0; i < sizeof numbers / sizeof *numbers; ++i) {
-    if (!numbers[i].text)
+    if (!numbers[i].text || kind < 0 || !km_method_has((km_method_kind)kind, numbers[i].key))
       continue;
     if (!kt_number(numbers[i].text, &value))
       *exit = kt_usage(&r->common, numbers[i].option, numbers[i].text, "a number");
     else
       km_value_number(&open->arena, method, numbers[i].key, value);
   }
-  if (r->value)
+  if (r->value && kind == KM_LOOKAHEAD)
     km_value_string(&open->arena, method, "value", r->value);
 }
 
@@ -177,7 +179,7 @@ static bool is_set_by(const kredund_request *r, const char *key) {
          (strcmp(key, "value") == 0 && r->value);
 }
 
-/* A method as the study or --method has it, with look-ahead's options in the place of its own. */
+/* A method as the study or --method has it, with the options in the place of its own settings. */
 static void add_method(kredund_open *open, const kredund_request *r, const km_value *from, km_value *list,
                        kt_exit *exit) {
   km_value *method = km_value_add(&open->arena, list, NULL, KM_OBJECT);
@@ -195,9 +197,26 @@ static void add_method(kredund_open *open, const kredund_request *r, const km_va
       copy->count = v->count;
     }
   }
-  const km_value *name = km_value_get(method, "method");
-  if (name && name->kind == KM_STRING && strcmp(name->string, "lookahead") == 0)
-    add_settings(open, r, method, exit);
+  add_settings(open, r, method, exit);
+}
+
+/* An option that none of the methods has. */
+static void warn_of_settings(const kredund_request *r, const km_value *methods) {
+  static const char *const keys[] = {"branches", "levels", "angle", "stride", "value"};
+  for (size_t i = 0; i < sizeof keys / sizeof *keys; ++i) {
+    bool used = !is_set_by(r, keys[i]);
+    for (const km_value *v = methods->first; v && !used; v = v->next) {
+      const km_value *name = km_value_get(v, "method");
+      int kind = name && name->kind == KM_STRING ? km_method_find(name->string) : -1;
+      used = kind >= 0 && km_method_has((km_method_kind)kind, keys[i]);
+    }
+    km_text owners = {0};
+    km_method_owners(keys[i], &owners);
+    if (!used && owners.data)
+      kt_say(&r->common, KM_WARNING, "--%s doesn't count: none of the methods has it; it is a setting of %s", keys[i],
+             owners.data);
+    km_text_free(&owners);
+  }
 }
 
 static const km_value *as_methods(kredund_open *open, const kredund_request *r, kt_exit *exit) {
@@ -213,6 +232,7 @@ static const km_value *as_methods(kredund_open *open, const kredund_request *r, 
     add_method(open, r, given, list, exit);
   for (const km_value *v = given->kind == KM_LIST ? given->first : NULL; v; v = v->next)
     add_method(open, r, v, list, exit);
+  warn_of_settings(r, list);
   return list;
 }
 
@@ -265,6 +285,12 @@ static kt_exit tell(const kt_common *common, const char *name, const km_messages
   return kt_exit_of(status);
 }
 
+static bool is_model(kredund_open *out, const km_text *text) {
+  const km_value *root = NULL;
+  return text->data && !km_json_parse(text->data, text->size, &out->arena, &root, NULL) &&
+         km_value_get(root, "assemblies") && !km_value_get(root, "model") && !km_value_get(root, "path");
+}
+
 static kt_exit read_study(const kredund_request *r, kredund_open *out) {
   km_text text = {0};
   km_error error;
@@ -277,6 +303,10 @@ static kt_exit read_study(const kredund_request *r, kredund_open *out) {
     km_text_add(&text, "{}");
   if (status) {
     kt_say(&r->common, KM_ERROR, "%s", error.text);
+  } else if (is_model(out, &text)) {
+    kt_say(&r->common, KM_ERROR, "%s is a model, not a path study; expected a study, or the model as --model %s",
+           out->name, r->study);
+    status = KM_USAGE;
   } else {
     if (r->study && strcmp(r->study, "-") != 0)
       folder_of(r->study, folder, sizeof folder);
@@ -286,6 +316,23 @@ static kt_exit read_study(const kredund_request *r, kredund_open *out) {
   km_messages_free(messages);
   km_text_free(&text);
   return kt_exit_of(status);
+}
+
+/* Files are named after the study: its file's name without ending, or its folder's where the file is called study.json;
+ * without a file, after the model. */
+static void name_base(const char *study, kredund_open *out) {
+  kt_base_name(out->model, out->model_name, sizeof out->model_name);
+  kt_base_name(study && strcmp(study, "-") != 0 ? study : out->model, out->base, sizeof out->base);
+  const char *slash = study ? strrchr(study, '/') : NULL;
+  if (!study || strcmp(slash ? slash + 1 : study, "study.json") != 0)
+    return;
+  char *whole = realpath(study, NULL), *end = whole ? strrchr(whole, '/') : NULL;
+  if (end)
+    *end = '\0';
+  const char *folder = whole ? strrchr(whole, '/') : NULL;
+  if (folder && folder[1])
+    snprintf(out->base, sizeof out->base, "%s", folder + 1);
+  free(whole); /* the C library's */
 }
 
 static kt_exit find_model(const kredund_request *r, kredund_open *out) {
@@ -299,7 +346,7 @@ static kt_exit find_model(const kredund_request *r, kredund_open *out) {
     kt_say(&r->common, KM_ERROR, "%s: model: is missing; expected the arm's model file, or --model", out->name);
     return KT_BAD_MODEL;
   }
-  kt_base_name(out->model, out->base, sizeof out->base);
+  name_base(r->study, out);
   return KT_DONE;
 }
 

@@ -17,7 +17,7 @@ static kt_exit write_curve(const kredund_request *r, const kredund_open *open, c
       km_csv_write(table, &out);
     else
       out.failed = true;
-    result = kt_write(&r->common, base, "motion", "csv", &out);
+    result = kt_write(&r->common, base, "selfmotion", "csv", &out);
     km_table_free(table);
     km_text_free(&out);
   }
@@ -29,7 +29,7 @@ static kt_exit write_curve(const kredund_request *r, const kredund_open *open, c
       km_json_write(record, &out);
     else
       out.failed = true;
-    result = kt_worse(result, kt_write(&r->common, base, "motion", "json", &out));
+    result = kt_worse(result, kt_write(&r->common, base, "selfmotion", "json", &out));
     km_arena_free(&arena);
     km_text_free(&out);
   }
@@ -54,7 +54,7 @@ static kt_exit write_map(const kredund_request *r, const kredund_open *open, con
     result = KT_DONE; /* the map shows where a method ends */
   for (int f = KT_SVG; f <= KT_PNG && result == KT_DONE; ++f)
     if (formats->wanted[f])
-      result = kredund_tracks_picture(&tracks, base, "motion", (kt_format)f, km_motion_map_plot);
+      result = kredund_tracks_picture(&tracks, base, "selfmotion", (kt_format)f, km_motion_map_plot);
   kredund_tracks_free(&tracks);
   return result;
 }

@@ -13,7 +13,9 @@ enum { OPTION_FORMAT = 0x3001 };
 
 static const struct argp_option table[] = {
     {"format", OPTION_FORMAT, "LIST", 0, "Some of csv,json,svg,pdf,png (default csv,svg)", 3},
-    {"output", 'o', "BASE", 0, "Begin of the files' names (default: the model's name); - is the standard output", 3},
+    {"base", 'o', "BASE", 0,
+     "Begin of the files' names (default: the study's name, or its folder's for study.json); - is the standard output",
+     3},
     {0}};
 
 static error_t parse(int key, char *arg, struct argp_state *state) {
@@ -39,10 +41,11 @@ const struct argp kredund_tracks_argp = {.options = table, .parser = parse, .chi
 bool kredund_tracks_read(const struct argp *argp, int argc, char **argv, kredund_request *r, kt_formats *formats) {
   *r = (kredund_request){.common = {.tool = "kredund", .jobs = 1, .seed = 1}};
   kt_parse(argp, argc, argv, r);
-  if (!kt_formats_parse(&r->common, r->formats ? r->formats : "csv,svg", formats))
+  bool piped = r->base && strcmp(r->base, "-") == 0;
+  if (!kt_formats_parse(&r->common, r->formats ? r->formats : piped ? "csv" : "csv,svg", formats))
     return false;
   bool tables_only = !formats->wanted[KT_SVG] && !formats->wanted[KT_PDF] && !formats->wanted[KT_PNG];
-  if (r->base && strcmp(r->base, "-") == 0 && (kt_formats_count(formats) != 1 || !tables_only)) {
+  if (piped && (kt_formats_count(formats) != 1 || !tables_only)) {
     kt_usage(&r->common, "-o", "-", "--format csv or json");
     return false;
   }
@@ -89,9 +92,11 @@ kt_exit kredund_tracks_run(kredund_tracks *t) {
   kt_exit result = KT_DONE;
   t->count = t->open->study->method_count;
   t->items = KM_NEW(km_track *, (size_t)t->count);
-  t->all = (km_tracks){t->open->study, t->open->name, t->open->base, t->items, t->count};
+  t->all = (km_tracks){t->open->study, t->open->name, t->open->model_name, t->items, t->count};
   for (int i = 0; i < t->count && t->items; ++i)
     result = kt_worse(result, run_one(t, i));
+  if (result == KT_PARTIAL && t->complete > 0)
+    result = KT_DONE; /* the best gets to the end; that others don't is what several methods are for */
   return t->items ? result : KT_INTERNAL;
 }
 
@@ -162,7 +167,7 @@ static bool anything(const kredund_tracks *t) {
 kt_exit kredund_tracks_deliver(kredund_tracks *t, const char *base) {
   const kt_common *common = &t->request->common;
   kt_exit result = KT_DONE;
-  kredund_draw draw = t->map && t->open->study->arm->freedom == 1 ? km_motion_map_plot : km_tracks_draw;
+  bool map = t->map && t->open->study->arm->freedom == 1;
   bool piped = strcmp(base, "-") == 0;
   if (piped && t->formats.wanted[KT_CSV] && t->count > 1)
     return kt_usage(common, "-o", "-", "one method with --format csv");
@@ -180,7 +185,8 @@ kt_exit kredund_tracks_deliver(kredund_tracks *t, const char *base) {
     if (!t->formats.wanted[f])
       continue;
     result = kt_worse(result, kredund_tracks_picture(t, base, "track", (kt_format)f, km_tracks_plot));
-    result = kt_worse(result, kredund_tracks_picture(t, base, "motion", (kt_format)f, draw));
+    result = kt_worse(result, kredund_tracks_picture(t, base, map ? "selfmotion" : "motion", (kt_format)f,
+                                                     map ? km_motion_map_plot : km_tracks_draw));
   }
   return result;
 }

@@ -11,11 +11,11 @@ typedef struct kredund_tracks {
   kt_formats formats;
   km_track **items;
   int count, complete;
-  bool map;      /* the motion picture is the map of self-motions, not the arm */
+  bool map;      /* with the map of self-motions instead of a drawing of the arm */
   km_tracks all; /* for the reports */
 } kredund_tracks;
 
-/* Runs every method of the study. The caller frees it in any case. */
+/* Runs every method of the study; KT_PARTIAL: none comes to the path's end. The caller frees it in any case. */
 kt_exit kredund_tracks_run(kredund_tracks *tracks);
 void kredund_tracks_free(kredund_tracks *tracks);
 typedef km_status (*kredund_draw)(const km_tracks *, km_canvas_format, km_text *, km_error *);

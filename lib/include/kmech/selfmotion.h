@@ -10,7 +10,7 @@
 extern "C" {
 #endif
 
-/* A stretch of a self-motion on which every joint is within its limits. */
+/* A stretch of a self-motion on which every joint is within its limits, at one combination of full turns. */
 typedef struct km_arc_span {
   double from, to; /* arc length; `from` is below 0 where the start of a closed curve is inside. A hinge with room for a
                     * full turn that makes one round a closed curve runs on: then for more rounds, either way */
@@ -24,11 +24,13 @@ typedef struct km_selfmotion {
   double *u; /* [count] increasing; 0 at the pose that it was followed from */
   double *q; /* [count × columns] model's units, base first; continuous */
   bool closed;
-  bool turns_on; /* closed but for full turns of hinges with limits that leave room for them: only limits end it */
-  double length; /* of the closed curve, or from end to end */
-  double error;  /* of the effector's pose, the largest along it: lengths over L */
-  km_arc_span *arcs;
+  bool turns_on;     /* closed but for full turns of hinges with limits that leave room for them: only limits end it */
+  double length;     /* of the closed curve, or from end to end */
+  double error;      /* of the effector's pose, the largest along it: lengths over L */
+  km_arc_span *arcs; /* at all full turns that the limits leave room for, by their turns */
   int arc_count;
+  int *turn;             /* [arc_count × columns] the full turn in which a hinge with room for several is in the arc's
+                          * middle, else 0; NULL with two spare freedoms */
   bool whole;            /* closed, and within the limits all the way */
   int row_count;         /* the arcs' poses, from located end to located end; of a whole curve back to its start */
   int *row_arc;          /* [row_count] which arc */
@@ -41,9 +43,9 @@ enum { KM_SELFMOTION_DIRECTIONS = 12 };
 /* Follows the self-motion through q[n] (model's units, base first) in both senses: round its closed curve, or until it
  * ends in a singular pose, or its slides leave for infinity. Where limits are crossed is found as roots along the
  * curve. With two spare freedoms: in KM_SELFMOTION_DIRECTIONS directions of a circle, each carried on without turning
- * to a limit or up to π; an arc a direction. Hinges whose limits are a full turn apart or more are counted as they come
- * from q, the others have one angle within their limits, which is the one delivered. KM_USAGE: none or more than two
- * spare freedoms; KM_MEMORY. Free `*out` in any case. */
+ * to a limit or up to π; an arc a direction. Hinges whose limits are a full turn apart or more are delivered at
+ * every turn within them, whichever turn q is in (with two spare freedoms at that of q); the others have one angle
+ * within their limits. KM_USAGE: none or more than two spare freedoms; KM_MEMORY. Free `*out` in any case. */
 km_status km_selfmotion_follow(const km_arm *arm, const double *q, km_selfmotion *out, km_error *error);
 void km_selfmotion_free(km_selfmotion *motion);
 
@@ -54,10 +56,14 @@ typedef struct km_branches {
   double *pose;          /* [count × columns] of each branch: within the limits, as far from them as it gets */
   double *margin;        /* [count] limit distance there; below 0: no pose within the limits */
   int within;            /* how many have poses within the limits; they come first */
-  int starts, converged; /* evidence */
+  int starts, converged; /* evidence: starts of Newton's method, and solutions */
+  bool closed_form;      /* three neighbouring axes meet or are parallel: the solutions are those of the closed form */
+  bool confirmed;        /* the count of components; false: there may be more */
 } km_branches;
 
-/* By Newton's method from many starts (the same for the same seed), each solution that lies on no known curve being
+/* In closed form where six hinges (of seven one is held, at many angles) have three neighbouring axes that meet or are
+ * parallel; else by Newton's method from many starts (the same for the same seed), until the count is confirmed: no new
+ * ones in a long row, and, of six hinges, as many of either sense. Each solution that lies on no known curve is
  * followed along its own. KM_PARTIAL: out of reach; KM_MEMORY. Free `*out` in any case. */
 km_status km_branches_find(const km_arm *arm, const km_effector_pose *pose, unsigned long seed, km_branches *out,
                            km_error *error);

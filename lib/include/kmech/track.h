@@ -75,15 +75,17 @@ typedef enum km_track_stop {
   KM_TRACK_SINGULAR, /* the pose can't move along the path, though another one could */
   KM_TRACK_HELD,     /* fixed: the pose can't move along the path with the joints that are held */
   KM_TRACK_EDGE,     /* the workspace ends here: no pose of the arm reaches what follows */
+  KM_TRACK_GAVE_OUT, /* dp: more work than it does; what was reached so far */
   KM_TRACK_START     /* nowhere to begin: the first pose is out of reach or outside the limits */
 } km_track_stop;
 
 /* How a track ended. */
 typedef struct km_track_end {
   km_track_stop stop;
-  int column;  /* LIMIT, RATE: of the arm; else -1 */
-  int sample;  /* the last sample that was reached, -1 none */
-  double s, t; /* where it ended, model's length unit and seconds */
+  int column;          /* LIMIT, RATE: of the arm; else -1 */
+  int sample;          /* the last sample that was reached, -1 none */
+  double s, t;         /* where it ended: the path's metric in the model's length unit, and seconds; */
+  double travel, turn; /* how far its origin travelled to there, model's length unit, and how far it turned, radians */
 } km_track_end;
 
 typedef struct km_track km_track;
@@ -111,7 +113,7 @@ const km_table *km_track_rows(const km_track *track); /* borrowed */
 
 /* What a summary tells. Objectives are the plan's. */
 typedef struct km_track_summary {
-  double error_position, error_rotation; /* largest; model's length unit, radians */
+  double error_position, error_rotation; /* largest; model's length and angle unit */
   double objective_min, objective_mean;
   double joint_travel; /* Σ|Δq|, slides over L */
   double rate;         /* largest joint speed, slides over L a second */
@@ -119,9 +121,10 @@ typedef struct km_track_summary {
   double limit_margin;
   int violations;            /* rows outside a limit or a rate: 0, or a fault */
   unsigned long evaluations; /* Jacobians */
-  double seconds;            /* of work */
+  double seconds;            /* of work; not in records, which are the same for the same input */
   bool greedy_instead;       /* look-ahead: greedy's track was better and is given */
   double converged;          /* dp: relative change of the value at half the spacing and stage; else NaN */
+  bool bounded;              /* dp: there were more states than it keeps, so they lie wider than the spacing */
 } km_track_summary;
 km_track_summary km_track_summarise(const km_track *track);
 
