@@ -395,7 +395,7 @@ static void greedy_moves_by_its_column(void **state) {
   for (size_t r = 0; r < km_table_rows(track->table); ++r)
     for (int k = 0; k < 7; ++k) {
       const double *row = km_table_row(track->table, r);
-      assert_near(row[10 + k], row[17 + k] / row[24] * 0.5, 0.01); /* a step's share of the rate */
+      assert_near(row[10 + k], row[17 + k] / row[24] * 0.5 / study->arm->length, 0.01); /* a step's share of the rate */
     }
   km_track_free(track);
   km_study_free(study);
@@ -455,7 +455,8 @@ static void paths_have_their_lengths(void **state) {
           " \"R\": [[1, 0, 0], [0, -1, 0], [0, 0, -1]], \"time\": 2.5}], \"steps\": 11}]}}");
   const km_path *path = study->path;
   assert_int_equal(km_path_samples(path), 36);
-  double a = sqrt(0.25 + M_PI * M_PI / 4.0), b = 3.0 * hypot(0.2, 0.1 / (2.0 * M_PI)), c = 2.0 * M_PI * hypot(0.2, 1.0);
+  double L = study->arm->length, a = hypot(0.5, L * M_PI / 2.0), b = 3.0 * hypot(0.2, 0.1 / (2.0 * M_PI));
+  double c = 2.0 * M_PI * hypot(0.2, L);
   assert_near(km_path_length(path, 7), a, 1e-12);
   assert_near(km_path_length(path, 16), a + b, 1e-12);
   assert_near(km_path_length(path, 24), a + b + c, 1e-12);
