@@ -1,0 +1,13 @@
+/* Random families about motion and about what makes one: each call makes one case from a seed and checks it against a
+ * truth of its own. False, with a line on stderr that says why, where the library disagrees. */
+#ifndef KM_TESTS_MOTION_FAMILIES_H
+#define KM_TESTS_MOTION_FAMILIES_H
+
+#include <stdbool.h>
+#include <stdint.h>
+
+/* Inertias of rank 0 to 3 in any units, after unit conversion too, are accepted; one with a negative principal moment
+ * is refused. */
+bool family_inertia(uint64_t seed);
+
+#endif
