@@ -1,4 +1,5 @@
 /* Driving: exact, on one branch, and independent of how the range is cut. */
+#include "support/motion_families.h"
 #include "support/support.h"
 
 #include "model/model.h"
@@ -235,6 +236,12 @@ static void a_sweep_can_be_cancelled(void **state) {
   fixture_close(&f);
 }
 
+static void rows_are_within_limits(void **state) {
+  (void)state;
+  for (uint64_t seed = 1; seed <= 300; ++seed)
+    assert_true(family_limits(seed));
+}
+
 int main(void) {
   const struct CMUnitTest tests[] = {
       cmocka_unit_test(rows_do_not_depend_on_steps),
@@ -246,6 +253,7 @@ int main(void) {
       cmocka_unit_test(numbers_belong_to_their_rows),
       cmocka_unit_test(a_branch_point_can_be_the_start),
       cmocka_unit_test(arc_length_can_start_at_a_branch_point),
+      cmocka_unit_test(rows_are_within_limits),
       cmocka_unit_test(a_sweep_can_be_cancelled),
   };
   return cmocka_run_group_tests(tests, NULL, NULL);

@@ -10,4 +10,8 @@
  * is refused. */
 bool family_inertia(uint64_t seed);
 
+/* Sweeps of mechanisms with random limits whose own pose may be outside them: every row is within them, and the whole
+ * range is delivered just where a fine trace says that it can be. */
+bool family_limits(uint64_t seed);
+
 #endif

@@ -59,7 +59,7 @@ kt_exit kt_report(kt_sweep_options *o, const kt_reporting *reporting) {
   *j = (kt_sweep_job){.options = o, .path = o->models.items[0], .common = o->common};
   kt_sweep_job_run(j, reporting->prepare, reporting->run);
   kt_exit result = j->result;
-  if (result == KT_DONE || result == KT_PARTIAL)
+  if ((result == KT_DONE || result == KT_PARTIAL) && !j->empty)
     result = kt_worse(result, deliver(reporting, j, html));
   reporting->free(j);
   km_text_free(&j->stopped_by);

@@ -34,7 +34,8 @@ typedef struct kt_sweep_job {
   km_sweep_point points[KT_MOST_POINTS];
   km_text stopped_by;
   kt_exit result;
-  void *own; /* what the command makes of it */
+  bool empty; /* no pose of the range is in reach: there is nothing to write */
+  void *own;  /* what the command makes of it */
 } kt_sweep_job;
 
 /* A sweep command: what to do with one model, and with all of them. */
