@@ -115,7 +115,7 @@ static void factor(km_partition *p, const double *matrix, int candidates, double
   int step = 0;
   for (; step < p->rows && step < p->columns; ++step) {
     pivot best = search(p, step, candidates);
-    if (!(best.size > threshold) && candidates < p->columns) {
+    if (!(best.size > threshold) && candidates < p->columns && !p->held) {
       best = search(p, candidates, p->columns);
       candidates = p->columns;
       p->forced_dependent = best.size > threshold;

@@ -38,6 +38,7 @@ typedef struct km_partition {
   int sign;              /* of the product of the pivots: flips where det of the pivot block does */
   unsigned searches;     /* how often pivots were searched */
   bool forced_dependent; /* a column that should be independent had to be a pivot */
+  bool held;             /* set by the caller: forced columns are no pivots, whatever rank that leaves */
 } km_partition;
 
 /* Space for matrices of up to rows × columns; false (and arena->failed) when out of memory. */

@@ -56,6 +56,10 @@ static void check_finite(const km_mobility *mobility, const km_finite_mobility *
     branches += finite->motions[i].kind == KM_MOTION_BRANCH;
     shaky += finite->motions[i].kind == KM_MOTION_SHAKY;
   }
+  if (finite->undecided)
+    add(f, "undecided", "try a pose nearby (kmob at --set), or state a closure_tolerance for rounded data",
+        "the finite mobility is undecided: first order allows %d, and of some directions only a short way is confirmed",
+        mobility->mobility);
   if (shaky)
     add(f, "shaky", "change a length or an angle so that the parts don't line up",
         "the structure shakes: first order allows mobility %d, but only %d is real", mobility->mobility,

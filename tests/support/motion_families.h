@@ -14,8 +14,15 @@ bool family_inertia(uint64_t seed);
  * range is delivered just where a fine trace says that it can be. */
 bool family_limits(uint64_t seed);
 
-/* Driven sweeps with several freedoms left: however the way is cut they end at one pose, to 1e-4, which is that of a fine
- * midpoint rule on least-norm rates by LAPACKE's SVD. */
+/* Driven sweeps with several freedoms left: however the way is cut they end at one pose, to 1e-4, which is that of a
+ * fine midpoint rule on least-norm rates by LAPACKE's SVD. */
 bool family_least_path(uint64_t seed);
+
+/* Finite mobility: paradoxical linkages that move with one freedom; a four-bar's coupler point in a straight slot that
+ * its path meets to order 1 to 5, which stands; bars whose lines meet, which shake; parallelograms laid flat. */
+bool family_moving(uint64_t seed);
+bool family_contact(uint64_t seed);
+bool family_shaky(uint64_t seed);
+bool family_change_point(uint64_t seed);
 
 #endif
