@@ -124,6 +124,7 @@ static int find_in(const km_mechanism *m, km_state *s, int index, km_arena *aren
     if (f.conditions.conditions == 0 || km_tangents_all_real(&f)) {
       list_basis(&f, KM_MOTION_REGULAR, out);
     } else {
+      f.doubtful = f.doubtful && k == 1; /* of several directions tried, most need not be real */
       mobility = find_branches(&f, arena, out);
       bool undecided = f.doubtful && mobility < k;
       if (mobility == 0)

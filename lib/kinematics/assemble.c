@@ -1,5 +1,6 @@
 #include "kinematics/assemble.h"
 #include "kinematics/closure.h"
+#include "kinematics/loops.h"
 #include "kinematics/relax.h"
 #include "kmech/kinematics.h"
 
@@ -8,6 +9,30 @@
 /* From this misfit on (scaled rms), what is left is open geometry and not rounding. */
 static const double rounding = 5e-3;
 
+/* Searches pivots at the closed pose, with the tolerance that its misfit asks for. */
+static void pivot_here(const km_mechanism *m, km_state *s, int index, double residual) {
+  const km_substructure *sub = &m->substructures[index];
+  km_loops_update(m, s, sub);
+  km_pivot(m, s, index, KM_NO_DRIVER, km_rank_tolerance(m, sub, residual));
+}
+
+/* Closes with the rank that the closed pose has: on the way there pivots of an open pose may have left out a row. */
+static km_closure_outcome close_fully(const km_mechanism *m, km_state *s, int index, km_closure *evidence) {
+  enum { MOST_RANKS = 4 };
+  s->pivoted[index] = KM_NEVER;
+  km_closure_outcome outcome = km_close(m, s, index, KM_NO_DRIVER, evidence);
+  for (int i = 0; i < MOST_RANKS && outcome == KM_CLOSED; ++i) {
+    int rank = s->partition[index].rank;
+    pivot_here(m, s, index, evidence->residual);
+    if (s->partition[index].rank <= rank)
+      break;
+    int iterations = evidence->iterations;
+    outcome = km_close(m, s, index, KM_NO_DRIVER, evidence);
+    evidence->iterations += iterations;
+  }
+  return outcome;
+}
+
 /* Newton from where the state is, else damped least squares from there and Newton again. Equations that
  * contradict each other by rounding alone are left to the caller: least squares would wander off along the
  * motion that they hide. The other substructures' coordinates aren't touched. */
@@ -15,14 +40,12 @@ static km_closure_outcome assemble_one(const km_mechanism *m, km_state *s, int i
                                        km_closure *evidence, km_status *status, km_error *error) {
   const km_substructure *sub = &m->substructures[index];
   km_state_save(s, sub, saved);
-  s->pivoted[index] = KM_NEVER;
-  km_closure_outcome outcome = km_close(m, s, index, KM_NO_DRIVER, evidence);
+  km_closure_outcome outcome = close_fully(m, s, index, evidence);
   if (outcome == KM_CLOSED || (outcome == KM_INCONSISTENT && evidence->residual < rounding))
     return outcome;
   km_state_restore(s, sub, saved);
   *status = km_relax(m, s, index, error);
-  s->pivoted[index] = KM_NEVER;
-  return *status ? KM_OPEN : km_close(m, s, index, KM_NO_DRIVER, evidence);
+  return *status ? KM_OPEN : close_fully(m, s, index, evidence);
 }
 
 bool km_assemble_one(const km_mechanism *m, km_state *s, int substructure, double *saved) {
@@ -52,6 +75,7 @@ static trial try_tolerance(const km_mechanism *m, int index, double tolerance) {
     km_closure evidence;
     km_status status = KM_OK;
     result.closes = assemble_one(other, s, index, saved, &evidence, &status, NULL) == KM_CLOSED;
+    pivot_here(other, s, index, evidence.residual); /* those of the closure may be of another pose */
     result.rank = s->partition[index].rank;
     result.freedom = km_partition_freedom(&s->partition[index]);
   }

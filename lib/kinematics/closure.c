@@ -142,10 +142,8 @@ km_closure_outcome km_close(const km_mechanism *m, km_state *s, int index, int d
 }
 
 km_closure_outcome km_close_held(const km_mechanism *m, km_state *s, int index, int driver, km_closure *evidence) {
-  s->pivoted[index] = KM_NEVER;
   s->partition[index].held = true;
   km_closure_outcome outcome = km_close(m, s, index, driver, evidence);
   s->partition[index].held = false;
-  s->pivoted[index] = KM_NEVER;
   return outcome;
 }

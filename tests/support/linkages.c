@@ -1,6 +1,7 @@
 /* Linkages by their axes. */
 #include "support/linkages.h"
 
+#include <lapacke.h>
 #include <stdio.h>
 #include <stdlib.h>
 
@@ -231,4 +232,27 @@ linkage moving_loop(int kind, randomness *r) {
   default:
     return three_cranks(r);
   }
+}
+
+/* The singular value that the loop's screws keep least, over the largest. */
+static double least_kept(const linkage *l, int rank) {
+  double J[6 * MOST_AXES], values[6], rest[5];
+  for (int j = 0; j < l->joints; ++j) {
+    km_vec3 w = l->joint[j].along, v = km_vec3_cross(l->joint[j].at, w);
+    const double column[6] = {v.x, v.y, v.z, w.x, w.y, w.z};
+    for (int k = 0; k < 6; ++k)
+      J[6 * j + k] = column[k];
+  }
+  LAPACKE_dgesvd(LAPACK_COL_MAJOR, 'N', 'N', 6, l->joints, J, 6, values, NULL, 6, NULL, l->joints, rest);
+  return values[rank - 1] / values[0];
+}
+
+linkage nearly_singular_loop(int kind, int count, randomness *r) {
+  linkage best = moving_loop(kind, r);
+  for (int i = 1; i < count && kind < 6; ++i) {
+    linkage other = moving_loop(kind, r);
+    if (least_kept(&other, other.joints - 1) < least_kept(&best, best.joints - 1))
+      best = other;
+  }
+  return best;
 }

@@ -38,5 +38,7 @@ linkage hinged_loop(const km_vec3 *at, const km_vec3 *along, int count);
 enum { MOVING_KINDS = 8 };
 extern const char *const moving_names[MOVING_KINDS];
 linkage moving_loop(int kind, randomness *r);
+/* The one of `count` random loops of the kind whose screws are nearest to losing another rank. */
+linkage nearly_singular_loop(int kind, int count, randomness *r);
 
 #endif
