@@ -112,6 +112,7 @@ struct km_model {
   km_vec3 gravity;
   double characteristic_length, closure_tolerance;
   bool closure_tolerance_given;
+  double rotation_misfit; /* the largest entry of RᵀR − I, as the file states its frames */
   km_assembly_def *assemblies;
   km_body_def *bodies;
   km_frame_def *frames;

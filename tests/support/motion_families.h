@@ -25,4 +25,9 @@ bool family_contact(uint64_t seed);
 bool family_shaky(uint64_t seed);
 bool family_change_point(uint64_t seed);
 
+/* Overconstrained linkages rounded to 3 to 9 digits, near singular poses too: the tolerance that a refusal names gives
+ * the mobility that it promises. Exact linkages with links of 1e-6 and 10 are accepted. */
+bool family_rounded(uint64_t seed);
+bool family_short_link(uint64_t seed);
+
 #endif
