@@ -12,6 +12,7 @@
 typedef struct km_reader {
   km_model *model;
   km_messages *messages;
+  double rotation_misfit;                      /* the largest entry of RᵀR − I so far */
   km_names assemblies, bodies, frames, joints; /* scope: the parent */
   km_names labels;                             /* scopes below */
   bool unreadable;                             /* a file that the text names can't be read */
