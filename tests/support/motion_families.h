@@ -30,4 +30,8 @@ bool family_change_point(uint64_t seed);
 bool family_rounded(uint64_t seed);
 bool family_short_link(uint64_t seed);
 
+/* Nearly singular loops: mirror images, other orders and senses of the joints, other frames get the same flag for a
+ * doubtful rank, and the same mobility where it isn't doubtful. */
+bool family_rank_flags(uint64_t seed);
+
 #endif
