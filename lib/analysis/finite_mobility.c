@@ -5,8 +5,6 @@
 
 #include <string.h>
 
-static const double far = 0.05; /* length to which listed motions are confirmed */
-
 /* The largest number of independent motions whose random combinations are real too. basis[k × k]. */
 static int common_span(km_tangents *f, double *basis) {
   int k = f->conditions.freedom, found = 0;
@@ -47,7 +45,7 @@ static int common_span(km_tangents *f, double *basis) {
 }
 
 /* The dimension of the motion through the state's present pose, assumed to be one where just one family passes. */
-static int dimension_here(const km_mechanism *m, km_state *s, int index, km_arena *arena) {
+static int dimension_here(const km_mechanism *m, km_state *s, int index, km_arena *arena, bool *doubtful) {
   km_tangents f;
   if (!km_tangents_make(&f, m, s, index, arena))
     return 0;
@@ -56,6 +54,7 @@ static int dimension_here(const km_mechanism *m, km_state *s, int index, km_aren
     double *basis = KM_ARENA_NEW(arena, double, (size_t)((k + 1) * k));
     dimension = basis ? common_span(&f, basis) : 0;
   }
+  *doubtful = *doubtful || (f.doubtful && dimension < k);
   km_state_restore(s, f.sub, f.pose);
   return dimension;
 }
@@ -73,15 +72,17 @@ static void list_motion(km_tangents *f, const double *a, km_motion_kind kind, do
   out->motions[out->motion_count++] = (km_finite_motion){kind, f->index, rates, length};
 }
 
+static double confirmed(km_tangents *f, const double *a) {
+  double back = km_tangents_follow(f, a, -1.0).length; /* the state is left at the end of the way ahead */
+  return fmin(back, km_tangents_follow(f, a, 1.0).length);
+}
+
 static void list_basis(km_tangents *f, km_motion_kind kind, km_finite_mobility *out) {
   int k = f->conditions.freedom;
   for (int i = 0; i < k; ++i) {
     for (int r = 0; r < k; ++r)
       f->a[r] = r == i;
-    double length = kind == KM_MOTION_SHAKY
-                        ? 0.0
-                        : fmin(km_tangents_follow(f, f->a, 1.0, far), km_tangents_follow(f, f->a, -1.0, far));
-    list_motion(f, f->a, kind, length, out);
+    list_motion(f, f->a, kind, kind == KM_MOTION_SHAKY ? 0.0 : confirmed(f, f->a), out);
   }
 }
 
@@ -101,13 +102,14 @@ static int find_branches(km_tangents *f, km_arena *arena, km_finite_mobility *ou
     }
     if (known)
       continue;
-    memcpy(lines + (size_t)found++ * (size_t)k, f->a, (size_t)k * sizeof *lines);
-    double back = km_tangents_follow(f, f->a, -1.0, far), ahead = km_tangents_follow(f, f->a, 1.0, far);
+    double *line = lines + (size_t)found++ * (size_t)k;
+    memcpy(line, f->a, (size_t)k * sizeof *lines);
+    double length = confirmed(f, line);
     km_arena scratch = {0};
-    int dimension = dimension_here(f->m, f->s, f->index, &scratch);
+    int dimension = dimension_here(f->m, f->s, f->index, &scratch, &f->doubtful);
     km_arena_free(&scratch);
     best = dimension > best ? dimension : best;
-    list_motion(f, lines + (size_t)(found - 1) * (size_t)k, KM_MOTION_BRANCH, fmin(ahead, back), out);
+    list_motion(f, line, KM_MOTION_BRANCH, length, out);
   }
   out->truncated = out->truncated || found == KM_MOST_MOTIONS;
   return best;
@@ -122,9 +124,12 @@ static int find_in(const km_mechanism *m, km_state *s, int index, km_arena *aren
     if (f.conditions.conditions == 0 || km_tangents_all_real(&f)) {
       list_basis(&f, KM_MOTION_REGULAR, out);
     } else {
+      f.doubtful = f.doubtful && k == 1; /* of several directions tried, most need not be real */
       mobility = find_branches(&f, arena, out);
+      bool undecided = f.doubtful && mobility < k;
       if (mobility == 0)
-        list_basis(&f, KM_MOTION_SHAKY, out);
+        list_basis(&f, undecided ? KM_MOTION_OPEN : KM_MOTION_SHAKY, out);
+      out->undecided = out->undecided || undecided;
     }
   }
   km_state_restore(s, f.sub, f.pose);
@@ -154,6 +159,6 @@ void km_finite_mobility_free(km_finite_mobility *mobility) {
 }
 
 const char *km_motion_kind_name(km_motion_kind kind) {
-  static const char *const names[] = {"regular", "branch", "shaky"};
+  static const char *const names[] = {"regular", "branch", "shaky", "undecided"};
   return names[kind];
 }

@@ -6,8 +6,8 @@
 /* FROM is out of reach and the motion towards it ended at a bound: does s lie in what is left of the range? */
 static bool reachable(const km_sweeper *r, double s) {
   const km_sweep_plan *plan = r->plan;
-  double bound = r->out->start.position;
-  return plan->to >= plan->from ? bound > plan->from && s > bound : bound < plan->from && s < bound;
+  double bound = r->out->start.position, away = plan->to >= plan->from ? 1.0 : -1.0;
+  return away * (bound - plan->from) > 0.0 && away * (s - bound) > 1e-9 * (1.0 + fabs(bound));
 }
 
 /* Shows the observer the poses on the way to the next row, if it asks for them. */
@@ -83,6 +83,8 @@ km_status km_sweep_by_driver(km_sweeper *r, km_error *error) {
   km_drive *drive;
   r->substructure = r->out->substructure = r->m->substructure_of[r->plan->coordinate];
   km_status status = km_sweeper_leave_branch(r, r->plan->coordinate, error);
+  if (!status)
+    status = km_sweep_enter_limits(r->m, r->s, r->plan, error);
   if (status)
     return status;
   status = km_drive_create(r->m, r->s, r->plan->coordinate, r->plan->ignore_limits, &drive, error);

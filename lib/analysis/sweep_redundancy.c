@@ -66,6 +66,8 @@ static km_status list_extra(const km_sweep *sweep, int least, km_sweep_redundanc
 km_status km_sweep_redundancies_find(const km_mechanism *m, const km_sweep *sweep, bool named,
                                      km_sweep_redundancies *out, km_error *error) {
   *out = (km_sweep_redundancies){0};
+  if (km_table_rows(sweep->table) == 0)
+    return KM_OK;
   km_state *state = NULL;
   size_t row = plainest_row(sweep->table);
   km_status status = list_extra(sweep, mobility_of(sweep->table, row), out, error);

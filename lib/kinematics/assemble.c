@@ -1,5 +1,6 @@
 #include "kinematics/assemble.h"
 #include "kinematics/closure.h"
+#include "kinematics/loops.h"
 #include "kinematics/relax.h"
 #include "kmech/kinematics.h"
 
@@ -8,6 +9,30 @@
 /* From this misfit on (scaled rms), what is left is open geometry and not rounding. */
 static const double rounding = 5e-3;
 
+/* Searches pivots at the closed pose, with the tolerance that its misfit asks for. */
+static void pivot_here(const km_mechanism *m, km_state *s, int index, double residual) {
+  const km_substructure *sub = &m->substructures[index];
+  km_loops_update(m, s, sub);
+  km_pivot(m, s, index, KM_NO_DRIVER, km_rank_tolerance(m, sub, residual));
+}
+
+/* Closes with the rank that the closed pose has: on the way there pivots of an open pose may have left out a row. */
+static km_closure_outcome close_fully(const km_mechanism *m, km_state *s, int index, km_closure *evidence) {
+  enum { MOST_RANKS = 4 };
+  s->pivoted[index] = KM_NEVER;
+  km_closure_outcome outcome = km_close(m, s, index, KM_NO_DRIVER, evidence);
+  for (int i = 0; i < MOST_RANKS && outcome == KM_CLOSED; ++i) {
+    int rank = s->partition[index].rank;
+    pivot_here(m, s, index, evidence->residual);
+    if (s->partition[index].rank <= rank)
+      break;
+    int iterations = evidence->iterations;
+    outcome = km_close(m, s, index, KM_NO_DRIVER, evidence);
+    evidence->iterations += iterations;
+  }
+  return outcome;
+}
+
 /* Newton from where the state is, else damped least squares from there and Newton again. Equations that
  * contradict each other by rounding alone are left to the caller: least squares would wander off along the
  * motion that they hide. The other substructures' coordinates aren't touched. */
@@ -15,14 +40,12 @@ static km_closure_outcome assemble_one(const km_mechanism *m, km_state *s, int i
                                        km_closure *evidence, km_status *status, km_error *error) {
   const km_substructure *sub = &m->substructures[index];
   km_state_save(s, sub, saved);
-  s->pivoted[index] = KM_NEVER;
-  km_closure_outcome outcome = km_close(m, s, index, KM_NO_DRIVER, evidence);
+  km_closure_outcome outcome = close_fully(m, s, index, evidence);
   if (outcome == KM_CLOSED || (outcome == KM_INCONSISTENT && evidence->residual < rounding))
     return outcome;
   km_state_restore(s, sub, saved);
   *status = km_relax(m, s, index, error);
-  s->pivoted[index] = KM_NEVER;
-  return *status ? KM_OPEN : km_close(m, s, index, KM_NO_DRIVER, evidence);
+  return *status ? KM_OPEN : close_fully(m, s, index, evidence);
 }
 
 bool km_assemble_one(const km_mechanism *m, km_state *s, int substructure, double *saved) {
@@ -31,14 +54,16 @@ bool km_assemble_one(const km_mechanism *m, km_state *s, int substructure, doubl
   return assemble_one(m, s, substructure, saved, &evidence, &status, NULL) == KM_CLOSED && !status;
 }
 
+/* What a substructure would be with another tolerance. */
 typedef struct trial {
   bool closes;
   int freedom, rank;
+  double tolerance, misfit;
 } trial;
 
-/* Would the substructure close with this tolerance, and to which mobility? */
+/* Reads the displacements again, closes, and searches pivots: just what a file with this tolerance gets. */
 static trial try_tolerance(const km_mechanism *m, int index, double tolerance) {
-  trial result = {0};
+  trial result = {.tolerance = tolerance};
   km_mechanism *other = NULL;
   km_state *s = NULL;
   km_hold *holds = KM_NEW(km_hold, (size_t)m->coordinate_count);
@@ -52,6 +77,8 @@ static trial try_tolerance(const km_mechanism *m, int index, double tolerance) {
     km_closure evidence;
     km_status status = KM_OK;
     result.closes = assemble_one(other, s, index, saved, &evidence, &status, NULL) == KM_CLOSED;
+    result.misfit = evidence.residual;
+    pivot_here(other, s, index, evidence.residual); /* those of the closure may be of another pose */
     result.rank = s->partition[index].rank;
     result.freedom = km_partition_freedom(&s->partition[index]);
   }
@@ -63,20 +90,19 @@ static trial try_tolerance(const km_mechanism *m, int index, double tolerance) {
 }
 
 /* The smallest tolerance of the 1-2-5 ladder that closes, with the same rank two rungs higher, which is the
- * one to name: the misfit of other poses may be larger than this one's. 0: none. */
-static double fitting_tolerance(const km_mechanism *m, int index, int least_mobility, int *mobility) {
+ * one to name: the misfit of other poses may be larger than this one's. False: none. */
+static bool fitting_tolerance(const km_mechanism *m, int index, int least_mobility, trial *out) {
   static const double ladder[] = {1e-9, 2e-9, 5e-9, 1e-8, 2e-8, 5e-8, 1e-7, 2e-7, 5e-7, 1e-6,
                                   2e-6, 5e-6, 1e-5, 2e-5, 5e-5, 1e-4, 2e-4, 5e-4, 1e-3, 2e-3};
   for (size_t i = 0; i + 2 < sizeof ladder / sizeof *ladder; ++i) {
     if (ladder[i] <= m->closure_tolerance)
       continue;
-    trial tight = try_tolerance(m, index, ladder[i]), loose = try_tolerance(m, index, ladder[i + 2]);
-    if (!tight.closes || !loose.closes || tight.rank != loose.rank || tight.freedom < least_mobility)
-      continue;
-    *mobility = loose.freedom;
-    return ladder[i + 2];
+    trial tight = try_tolerance(m, index, ladder[i]);
+    *out = try_tolerance(m, index, ladder[i + 2]);
+    if (tight.closes && out->closes && tight.rank == out->rank && tight.freedom >= least_mobility)
+      return true;
   }
-  return 0.0;
+  return false;
 }
 
 static void describe_loop(const km_mechanism *m, const km_state *s, int loop, km_text *text) {
@@ -98,13 +124,12 @@ static km_status report_open(const km_mechanism *m, const km_state *s, int index
     describe_loop(m, s, evidence->worst, &text);
   else
     km_text_format(&text, "a coupling of substructure %d can't be met: %.4g is left", index + 1, evidence->residual);
-  int mobility = 0;
-  double tolerance = evidence->residual < rounding ? fitting_tolerance(m, index, 0, &mobility) : 0.0;
-  if (tolerance > 0.0)
+  trial named;
+  if (evidence->residual < rounding && fitting_tolerance(m, index, 0, &named))
     km_text_format(&text,
                    "; expected closed loops (for rounded data, \"closure_tolerance\": %g in model_parameters would do, "
                    "with mobility %d in substructure %d)",
-                   tolerance, mobility, index + 1);
+                   named.tolerance, named.freedom, index + 1);
   else
     km_text_add(&text, "; expected loops that close on the branch of the initial displacements");
   km_status status = km_fail(error, KM_MODEL, "%s", text.failed ? "out of memory" : text.data);
@@ -112,35 +137,54 @@ static km_status report_open(const km_mechanism *m, const km_state *s, int index
   return status;
 }
 
+/* Can rounding have made a pivot of this size? Not where the loops close without it from the file's displacements, with
+ * less left than a hundred-thousandth of it: there the parts fit, and the pivot is geometry, such as a link a millionth
+ * as long as the others. Displacements that are poor anyway tell nothing. But rotations that are none to their last
+ * digit show that the file was rounded. */
+static bool is_rounding(const km_mechanism *m, double pivot, double first_misfit, double misfit) {
+  const double fits = 1e-5 * pivot;
+  bool poor = first_misfit > 100.0 * pivot, rounded = m->model->rotation_misfit >= 1e-2 * pivot;
+  return rounded ? fmax(first_misfit, misfit) >= fits : !poor && misfit >= fits;
+}
+
 /* A structure whose last pivot is as small as rounding makes it, and that would move without it, is a
  * mechanism whose file was rounded: a loop of six hinges closes even then, but stands still. A file that states
  * its closure tolerance has had its say. */
-static km_status check_rigid(const km_mechanism *m, const km_state *s, int index, km_error *error) {
+static km_status check_rigid(const km_mechanism *m, const km_state *s, int index, double first_misfit,
+                             km_error *error) {
   const km_partition *p = &s->partition[index];
+  trial named;
   if (m->closure_tolerance_given || p->rank == 0 || km_partition_freedom(p) > 0 || p->last_pivot > 1e-4 * p->scale)
     return KM_OK;
-  int mobility;
-  double tolerance = fitting_tolerance(m, index, 1, &mobility);
-  if (tolerance == 0.0)
+  double pivot = p->last_pivot / p->scale;
+  if (!fitting_tolerance(m, index, 1, &named) || !is_rounding(m, pivot, first_misfit, named.misfit))
     return KM_OK;
   return km_fail(error, KM_MODEL,
                  "substructure %d (joint %s and others) is rigid by a constraint of size %.2g alone, as rounded data "
                  "makes it; expected exact data, or \"closure_tolerance\": %g in model_parameters, which gives it "
                  "mobility %d (1e-9 keeps it rigid)",
-                 index + 1, m->model->joints[m->topology.joint[m->topology.joint_start[index]]].label,
-                 p->last_pivot / p->scale, tolerance, mobility);
+                 index + 1, m->model->joints[m->topology.joint[m->topology.joint_start[index]]].label, pivot,
+                 named.tolerance, named.freedom);
+}
+
+/* The misfit of the displacements as the file states them. */
+static double misfit_here(const km_mechanism *m, km_state *s, int index) {
+  int worst;
+  km_loops_update(m, s, &m->substructures[index]);
+  return km_loops_residual(m, s, &m->substructures[index], &worst);
 }
 
 static km_status assemble_all(const km_mechanism *m, km_state *s, double *saved, km_assembly *total, km_error *error) {
   for (int i = 0; i < m->topology.substructure_count; ++i) {
     km_closure evidence;
     km_status status = KM_OK;
+    double first_misfit = misfit_here(m, s, i);
     km_closure_outcome outcome = assemble_one(m, s, i, saved, &evidence, &status, error);
     if (status)
       return status;
     if (outcome != KM_CLOSED)
       return report_open(m, s, i, &evidence, error);
-    status = evidence.iterations > 0 ? check_rigid(m, s, i, error) : KM_OK;
+    status = evidence.iterations > 0 ? check_rigid(m, s, i, first_misfit, error) : KM_OK;
     if (status)
       return status;
     if (evidence.residual > total->residual) {

@@ -152,3 +152,10 @@ km_closure_outcome km_close(const km_mechanism *m, km_state *s, int index, int d
              ? verdict(m, evidence->residual, coarse)
              : KM_OPEN;
 }
+
+km_closure_outcome km_close_held(const km_mechanism *m, km_state *s, int index, int driver, km_closure *evidence) {
+  s->partition[index].held = true;
+  km_closure_outcome outcome = km_close(m, s, index, driver, evidence);
+  s->partition[index].held = false;
+  return outcome;
+}

@@ -24,6 +24,12 @@ typedef struct km_closure {
 km_closure_outcome km_close(const km_mechanism *mechanism, km_state *state, int substructure, int driver,
                             km_closure *evidence);
 
+/* The same with the driver's coordinate held: where it can't be independent, so that the pose is rigid, the other
+ * coordinates close what they can, and the rest is left in the residual. Pivots are kept for the next such call only.
+ */
+km_closure_outcome km_close_held(const km_mechanism *mechanism, km_state *state, int substructure, int driver,
+                                 km_closure *evidence);
+
 /* The relative size below which a pivot counts as 0, with the secondary rows keeping `misfit` (scaled). */
 double km_rank_tolerance(const km_mechanism *mechanism, const km_substructure *sub, double misfit);
 

@@ -1,5 +1,6 @@
 #include "kinematics/closure.h"
 #include "kinematics/curve.h"
+#include "kinematics/least_path.h"
 #include "kinematics/loops.h"
 #include "kmech/sweep.h"
 
@@ -15,9 +16,6 @@ static const double singular = 1e-7;     /* last pivot, relative: closer to a si
 static const double branch_width = 1e-5; /* a change of sign that stays below this step is a branch point */
 static const double crossing = 1e-3;     /* distance from a singular pose at which it is crossed */
 static const double between = 1e-12;     /* residual that shows the pose between two regular ones to be on the branch */
-static const double negligible =
-    1e-12; /* way to a target, relative: halves of it would be lost in the driver's digits */
-static const double halving_tolerance = 1e-4; /* model-format.md: for freedoms that move least */
 
 struct km_drive {
   km_arena arena;
@@ -33,25 +31,29 @@ struct km_drive {
   bool known;                 /* t belongs to the present pose */
   double *t, *next_t, *move;  /* [columns] */
   double *last_t, *last_move; /* [columns] the step before this pose, for the predictor */
-  double *begin_t;            /* [columns] the tangent that a walk of many freedoms began with */
   double last_h;              /* 0: none */
-  double *saved, *near, *far, *begin, *first; /* poses to come back to */
-  km_partition reference;                     /* pivots of the present pose, to compare signs with */
+  double *saved, *near, *far; /* poses to come back to */
+  km_least_path path;         /* where other freedoms are left */
+  double strain;              /* of the last prediction by it: at 1 its error is all that is allowed */
+  km_partition reference;     /* pivots of the present pose, to compare signs with */
 };
 
 typedef enum attempt { ACCEPTED, OPEN, BENT, LIMITED, EXHAUSTED } attempt;
+
+static const double easy = 0.05; /* strain: a step twice as long has 16 times the error over its length */
 
 enum { MOST_STEPS = 200000 }; /* towards one target */
 
 static bool allocate(km_drive *d, const km_substructure *sub) {
   size_t n = (size_t)sub->columns;
-  double **arrays[] = {&d->t, &d->last_t, &d->last_move, &d->next_t, &d->move, &d->begin_t};
-  double **poses[] = {&d->saved, &d->near, &d->far, &d->begin, &d->first};
+  double **arrays[] = {&d->t, &d->last_t, &d->last_move, &d->next_t, &d->move};
+  double **poses[] = {&d->saved, &d->near, &d->far};
   for (size_t i = 0; i < sizeof arrays / sizeof *arrays; ++i)
     *arrays[i] = KM_ARENA_NEW(&d->arena, double, n);
   for (size_t i = 0; i < sizeof poses / sizeof *poses; ++i)
     *poses[i] = KM_ARENA_NEW(&d->arena, double, KM_SAVED_PER_COLUMN *n);
-  return km_partition_reserve_like(&d->reference, &d->state->partition[d->substructure], sub->rows, sub->columns,
+  return km_least_path_reserve(&d->path, sub->columns, &d->arena) &&
+         km_partition_reserve_like(&d->reference, &d->state->partition[d->substructure], sub->rows, sub->columns,
                                    &d->arena);
 }
 
@@ -143,20 +145,27 @@ static bool sign_changed(km_drive *d) {
   return before != after;
 }
 
-/* Where Newton decides everything, the cubic through the last two poses and their tangents, continued by h.
- * Where freedoms are left to the predictor that cubic would be unstable (its other root is -5): there
- * Adams-Bashforth's second. Without a last pose, the tangent. */
-static void predict(const km_drive *d, double h, double *move) {
+static bool is_alone(const km_drive *d) {
+  return km_partition_freedom(&d->reference) <= 1;
+}
+
+/* Where the driver has the only freedom Newton decides everything, and the cubic through the last two poses and their
+ * tangents, continued by h, is a start; without a last pose the tangent. Where other freedoms are left the prediction
+ * decides what they do: the path of least motion. False if h is too long for it. */
+static bool predict(km_drive *d, double h, double *move) {
   int columns = driven(d)->columns;
-  bool alone = km_partition_freedom(&d->reference) <= 1;
-  bool known = fabs(h) <= 4.0 * fabs(d->last_h); /* further out the last step says nothing */
-  if (!known || !alone) {
-    double slope = known ? 0.5 * h / d->last_h : 0.0;
+  d->strain = 0.0;
+  if (!is_alone(d)) {
+    d->strain = km_least_path_predict(&d->path, d->mechanism, d->state, d->substructure, d->column, &d->reference,
+                                      d->saved, d->t, h, move);
+    km_state_restore(d->state, driven(d), d->saved);
+  } else if (fabs(h) <= 4.0 * fabs(d->last_h)) { /* further out the last step says nothing */
+    km_curve_ahead(columns, d->last_h, d->last_move, d->last_t, d->t, h, move);
+  } else {
     for (int k = 0; k < columns; ++k)
-      move[k] = h * (d->t[k] + slope * (d->t[k] - d->last_t[k]));
-    return;
+      move[k] = h * d->t[k];
   }
-  km_curve_ahead(columns, d->last_h, d->last_move, d->last_t, d->t, h, move);
+  return d->strain <= 1.0;
 }
 
 static void place_driver(km_drive *d, double s) {
@@ -207,8 +216,7 @@ static void accept(km_drive *d, double h) {
 static attempt advance(km_drive *d, double h, double tightness, int *limit) {
   const km_substructure *sub = driven(d);
   km_state_save(d->state, sub, d->saved);
-  predict(d, h, d->move);
-  attempt result = correct(d, h, tightness, d->next_t);
+  attempt result = predict(d, h, d->move) ? correct(d, h, tightness, d->next_t) : BENT;
   if (result == ACCEPTED) {
     int passed = d->ignore_limits ? -1 : km_state_limit_passed(d->state, sub, d->saved);
     if (passed < 0) {
@@ -259,8 +267,8 @@ static bool cross(km_drive *d, double target, int *limit) {
 }
 
 /* Advances to `target` by controlled steps; the step that arrives sets the driver exactly. */
-static attempt walk(km_drive *d, double target, double most, int *limit) {
-  double step = fmin(d->largest, most);
+static attempt walk(km_drive *d, double target, int *limit) {
+  double step = d->largest;
   bool may_cross = true;
   for (int steps = 0; d->s != target; ++steps) {
     if (steps == MOST_STEPS)
@@ -276,7 +284,8 @@ static attempt walk(km_drive *d, double target, double most, int *limit) {
         d->s = target;
         place_driver(d, target);
       }
-      step = fmin(fmin(2.0 * step, longest), most);
+      if (d->strain * pow(step / fabs(h), 4.0) < easy)
+        step = fmin(2.0 * step, longest);
       continue;
     }
     if (result == OPEN && arrives && may_cross && cross(d, target, limit))
@@ -291,48 +300,6 @@ static attempt walk(km_drive *d, double target, double most, int *limit) {
   }
   d->largest = fmax(step, 1e-3);
   return ACCEPTED;
-}
-
-/* At an end of the driver the pose has no tangent of its own, but the walk may have come with one. */
-static bool start_again(km_drive *d, bool came_with_tangent) {
-  if (!start(d) && came_with_tangent) {
-    memcpy(d->t, d->begin_t, (size_t)driven(d)->columns * sizeof *d->t);
-    d->known = true;
-  }
-  return d->known;
-}
-
-/* With other freedoms left, the path of least motion is followed by inner steps, halved until that changes
- * the pose by less than the tolerance. */
-static attempt walk_least(km_drive *d, double target, int *limit) {
-  const km_substructure *sub = driven(d);
-  double from = d->s, length = fabs(target - from), stopped = d->stopped;
-  bool known = d->known;
-  attempt result = ACCEPTED;
-  double change = HUGE_VAL;
-  int most_pieces = length > negligible * fmax(1.0, fabs(from)) ? 1024 : 1;
-  km_state_save(d->state, sub, d->begin);
-  memcpy(d->begin_t, d->t, (size_t)sub->columns * sizeof *d->t);
-  for (int pieces = 1; pieces <= most_pieces; pieces *= 2) {
-    km_state_restore(d->state, sub, d->begin);
-    d->s = from;
-    d->stopped = stopped;
-    place_driver(d, from);
-    if (!start_again(d, known))
-      return OPEN;
-    result = walk(d, target, length / pieces, limit);
-    if (result != ACCEPTED)
-      return result;
-    if (pieces > 1) {
-      km_state_difference(d->state, sub, d->first, d->move);
-      double last = change;
-      change = km_step_length(d->mechanism, sub, d->move);
-      if (change < halving_tolerance || change > 0.9 * last) /* done, or rounding is all that changes */
-        return ACCEPTED;
-    }
-    km_state_save(d->state, sub, d->first);
-  }
-  return result;
 }
 
 static km_reach drive_tree_joint(km_drive *d, double target) {
@@ -378,8 +345,7 @@ km_reach km_drive_to(km_drive *d, double target) {
   attempt result = ACCEPTED;
   if (d->s != goal) {
     bool ready = d->known || start(d);
-    bool alone = km_partition_freedom(&d->reference) <= 1;
-    result = !ready ? OPEN : alone ? walk(d, goal, longest, &limit) : walk_least(d, goal, &limit);
+    result = ready ? walk(d, goal, &limit) : OPEN;
   }
   if (result == ACCEPTED || ((result == OPEN || result == BENT) && touches(d, goal)))
     return (km_reach){KM_STOP_NONE, target, -1, -1};

@@ -68,9 +68,11 @@ bool km_second_order_build(const km_mechanism *m, km_state *s, int index, km_are
   size_t n = (size_t)sub->columns, rows = (size_t)sub->rows;
   int worst;
   km_loops_update(m, s, sub);
-  double tolerance = km_rank_tolerance(m, sub, km_loops_residual(m, s, sub, &worst));
+  double residual = km_loops_residual(m, s, sub, &worst), tolerance = km_rank_tolerance(m, sub, residual);
   km_pivot(m, s, index, KM_NO_DRIVER, tolerance);
-  *out = (km_second_order){.columns = sub->columns, .freedom = km_partition_freedom(&s->partition[index])};
+  *out = (km_second_order){.columns = sub->columns,
+                           .freedom = km_partition_freedom(&s->partition[index]),
+                           .noise = fmax(1e-7, 100.0 * residual)};
   size_t k = (size_t)out->freedom;
   out->Z = KM_ARENA_NEW(arena, double, n *k);
   if (arena->failed)
@@ -146,7 +148,7 @@ static void damped_step(double *A, const double *b, int k, double damping, doubl
 bool km_second_order_solve(const km_second_order *c, double *a, double *work) {
   int k = c->freedom;
   double *A = work, *b = A + k * k, *d = b + k, *slope = d + k;
-  if (c->conditions == 0 || c->size < 1e-7)
+  if (c->conditions == 0 || c->size < c->noise)
     return true;
   for (int pass = 0; pass < 60; ++pass) {
     double worst = 0.0, norm = 0.0;

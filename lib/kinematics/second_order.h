@@ -8,9 +8,10 @@
  * aᵀ Q_i a = 0, Q_i = Zᵀ w_iᵀ(∂J/∂q) Z, w_i the left null vectors of J. */
 typedef struct km_second_order {
   int columns, freedom, conditions;
-  double *Z;   /* [freedom × columns] D·range(N), orthonormal */
-  double *Q;   /* [conditions × freedom × freedom] symmetric */
-  double size; /* largest entry of Q: what a condition is compared with */
+  double *Z;    /* [freedom × columns] D·range(N), orthonormal */
+  double *Q;    /* [conditions × freedom × freedom] symmetric */
+  double size;  /* largest entry of Q: what a condition is compared with */
+  double noise; /* what differences and the pose's misfit may have made of 0: Q below it says nothing */
 } km_second_order;
 
 /* At the state's (closed) pose, which stays. False when out of memory. */

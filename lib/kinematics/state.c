@@ -211,12 +211,31 @@ bool km_coordinate_turns(const km_mechanism *m, int c) {
   return m->ball_of[c] < 0 && type != KM_SCREW && !km_joint_is_length(type, def->index);
 }
 
-int km_state_limit_passed(const km_state *s, const km_substructure *sub, const double *saved) {
+/* How far the coordinate is above (> 0) or below (< 0) its limits; 0 within them, rounding included. */
+static double excess(const km_state *s, int c) {
   const km_mechanism *m = s->mechanism;
+  double q = s->q[c], slack = 1e-12 * (m->unit[c] + fabs(q));
+  return q > m->high[c] + slack ? q - m->high[c] : q < m->low[c] - slack ? q - m->low[c] : 0.0;
+}
+
+bool km_state_is_outside(const km_state *s, int coordinate) {
+  return excess(s, coordinate) != 0.0;
+}
+
+int km_state_outside(const km_state *s, const km_substructure *sub) {
   for (int k = 0; k < sub->columns; ++k) {
-    int c = m->column_coordinate[sub->column_start + k];
-    double q = s->q[c], slack = 1e-12 * (m->unit[c] + fabs(q));
-    if ((q > m->high[c] + slack && q > saved[k]) || (q < m->low[c] - slack && q < saved[k]))
+    int c = s->mechanism->column_coordinate[sub->column_start + k];
+    if (excess(s, c) != 0.0)
+      return c;
+  }
+  return -1;
+}
+
+int km_state_limit_passed(const km_state *s, const km_substructure *sub, const double *saved) {
+  for (int k = 0; k < sub->columns; ++k) {
+    int c = s->mechanism->column_coordinate[sub->column_start + k];
+    double out = excess(s, c);
+    if (out * (s->q[c] - saved[k]) > 0.0)
       return c;
   }
   return -1;

@@ -71,6 +71,10 @@ void km_state_save(const km_state *state, const km_substructure *sub, double *sa
 void km_state_restore(km_state *state, const km_substructure *sub, const double *saved);
 /* The scaled step that leads from the saved coordinates to the present ones. */
 void km_state_difference(const km_state *state, const km_substructure *sub, const double *saved, double *step);
+/* Is the coordinate outside its limits, by more than rounding? */
+bool km_state_is_outside(const km_state *state, int coordinate);
+/* The coordinate of the substructure that is outside its limits; -1 none. */
+int km_state_outside(const km_state *state, const km_substructure *sub);
 /* The coordinate of the substructure that is outside its limit, and further out than at the saved pose; -1 none. */
 int km_state_limit_passed(const km_state *state, const km_substructure *sub, const double *saved);
 /* Does a full turn of the coordinate bring the mechanism back? True for hinges, not for slides, screws, balls. */

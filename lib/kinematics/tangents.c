@@ -1,9 +1,6 @@
 #include "kinematics/tangents.h"
 
-#include "kinematics/closure.h"
-
-static const double first_step = 1e-3; /* of a trial, arc length */
-static const double trial = 4e-3;      /* length that tells a real tangent from one that isn't */
+#include "kinematics/loops.h"
 
 double km_tangents_uniform(km_tangents *f) { /* -1 … 1, always the same sequence */
   f->random = f->random * 6364136223846793005u + 1442695040888963407u;
@@ -25,6 +22,8 @@ bool km_tangents_make(km_tangents *f, const km_mechanism *m, km_state *s, int in
   f->work = KM_ARENA_NEW(arena, double, 4 * k * k + 8 * k);
   if (arena->failed)
     return false;
+  int worst;
+  f->residual = km_loops_residual(m, s, sub, &worst);
   km_state_save(s, sub, f->pose);
   return true;
 }
@@ -40,34 +39,14 @@ void km_tangents_direction(const km_tangents *f, const double *a, double *x) {
   }
 }
 
-double km_tangents_follow(km_tangents *f, const double *a, double sign, double length) {
-  double h = first_step, done = 0.0;
-  km_tangents_direction(f, a, f->x);
-  for (int c = 0; c < f->sub->columns; ++c)
-    f->move[c] = sign * h * f->x[c];
-  km_state_restore(f->s, f->sub, f->pose);
-  while (done < length) {
-    km_closure evidence;
-    km_state_save(f->s, f->sub, f->last);
-    km_state_move(f->m, f->s, f->sub, f->move);
-    f->s->pivoted[f->index] = KM_NEVER;
-    bool closed = km_close(f->m, f->s, f->index, KM_NO_DRIVER, &evidence) == KM_CLOSED;
-    if (!closed || evidence.correction > (done == 0.0 ? 0.05 : 0.3) * h) {
-      km_state_restore(f->s, f->sub, f->last);
-      return done;
-    }
-    km_state_difference(f->s, f->sub, f->last, f->move);
-    done += km_step_length(f->m, f->sub, f->move);
-    double next = fmin(1.5 * h, 0.01);
-    for (int c = 0; c < f->sub->columns; ++c)
-      f->move[c] *= next / h;
-    h = next;
-  }
-  return done;
-}
-
 bool km_tangents_is_real(km_tangents *f, const double *a) {
-  return km_tangents_follow(f, a, 1.0, trial) >= trial && km_tangents_follow(f, a, -1.0, trial) >= trial;
+  for (int sign = 1; sign >= -1; sign -= 2) {
+    km_reality reality = km_tangents_follow(f, a, sign).reality;
+    f->doubtful = f->doubtful || reality == KM_UNDECIDED;
+    if (reality != KM_REAL)
+      return false;
+  }
+  return true;
 }
 
 void km_tangents_normalise(double *a, int k) {

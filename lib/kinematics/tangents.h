@@ -15,7 +15,9 @@ typedef struct km_tangents {
   int index;
   const km_substructure *sub;
   km_second_order conditions;
+  double residual;     /* of the pose's worst loop */
   double *pose, *last; /* saved coordinates */
+  bool doubtful;       /* some tangent was neither confirmed nor refuted */
   double *x, *move, *work;
   double *a; /* [freedom] a tangent by its share of each column of Z */
   uint64_t random;
@@ -29,10 +31,23 @@ double km_tangents_uniform(km_tangents *tangents);
 void km_tangents_normalise(double *a, int freedom);
 /* Scaled unit direction D⁻¹Z a. */
 void km_tangents_direction(const km_tangents *tangents, const double *a, double *x);
-/* Follows a tangent from the pose, `sign` ahead or back, by predicting each step from the last: the arc length to which
- * the loops could be closed, up to `length`. The state is left at the end. */
-double km_tangents_follow(km_tangents *tangents, const double *a, double sign, double length);
-/* Can it be followed a short way, ahead and back? */
+/* Does a motion follow the tangent? */
+typedef enum km_reality {
+  KM_UNREAL,    /* the loops can't be closed along it, or open as a power of the way: a contact of finite order */
+  KM_UNDECIDED, /* they close for a part of the way, and what stops them shows no power */
+  KM_REAL
+} km_reality;
+
+typedef struct km_way {
+  double length; /* arc length to which the loops were closed */
+  km_reality reality;
+} km_way;
+
+/* Follows a tangent from the pose, `sign` ahead or back, by predicting each step from the last, with the fastest
+ * coordinate as the driver: what is left of the loops' errors is then theirs, and not moved away. The state is left at
+ * the end. See trial.c. */
+km_way km_tangents_follow(km_tangents *tangents, const double *a, double sign);
+/* Can it be followed ahead and back? `doubtful` remembers answers that are undecided. */
 bool km_tangents_is_real(km_tangents *tangents, const double *a);
 /* Are the basis vectors and as many random combinations of them all real? */
 bool km_tangents_all_real(km_tangents *tangents);

@@ -106,3 +106,38 @@ km_status km_mass_properties_of(const km_mesh *mesh, km_mass_properties *out, km
   inertia_about_centre(second, out->volume, centre, out->inertia);
   return KM_OK;
 }
+
+/* Turns the symmetric A about the axis that is neither p nor q so that A_pq becomes 0. */
+static void annihilate(double A[3][3], int p, int q) {
+  if (A[p][q] == 0.0)
+    return;
+  double theta = (A[q][q] - A[p][p]) / (2.0 * A[p][q]);
+  double t = copysign(1.0, theta) / (fabs(theta) + hypot(theta, 1.0)); /* the smaller turn */
+  double c = 1.0 / hypot(t, 1.0), s = t * c;
+  int r = 3 - p - q;
+  double pr = A[p][r], qr = A[q][r];
+  A[p][p] -= t * A[p][q];
+  A[q][q] += t * A[p][q];
+  A[p][q] = A[q][p] = 0.0;
+  A[p][r] = A[r][p] = c * pr - s * qr;
+  A[q][r] = A[r][q] = s * pr + c * qr;
+}
+
+void km_principal_moments(const double I[6], double moments[3]) {
+  enum { SWEEPS = 12 }; /* convergence is quadratic: six do */
+  double scale = 0.0;
+  for (int k = 0; k < 6; ++k)
+    scale = fmax(scale, fabs(I[k]));
+  double one = scale > 0.0 ? scale : 1.0;
+  double A[3][3] = {
+      {I[0] / one, I[3] / one, I[5] / one}, {I[3] / one, I[1] / one, I[4] / one}, {I[5] / one, I[4] / one, I[2] / one}};
+  for (int sweep = 0; sweep < SWEEPS; ++sweep) {
+    annihilate(A, 0, 1);
+    annihilate(A, 1, 2);
+    annihilate(A, 0, 2);
+  }
+  double low = fmin(fmin(A[0][0], A[1][1]), A[2][2]), high = fmax(fmax(A[0][0], A[1][1]), A[2][2]);
+  moments[0] = scale * low;
+  moments[1] = scale * (A[0][0] + A[1][1] + A[2][2] - low - high);
+  moments[2] = scale * high;
+}

@@ -26,4 +26,8 @@ km_status km_mesh_check(const km_mesh *mesh, km_mesh_faults *out, km_error *erro
  * encloses no volume. Cost: linear. */
 km_status km_mass_properties_of(const km_mesh *mesh, km_mass_properties *out, km_error *error);
 
+/* The principal moments of an inertia (Ixx Iyy Izz Ixy Iyz Izx), rising; each to 1e-15 of the largest. Jacobi's method.
+ */
+void km_principal_moments(const double inertia[6], double moments[3]);
+
 #endif

@@ -114,6 +114,7 @@ struct km_model {
   bool length_shared;           /* it is that of another model, which this one is compared with */
   double closure_tolerance;
   bool closure_tolerance_given;
+  double rotation_misfit; /* the largest entry of RᵀR − I, as the file states its frames */
   km_assembly_def *assemblies;
   km_body_def *bodies;
   km_frame_def *frames;

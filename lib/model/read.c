@@ -193,6 +193,8 @@ static km_status read_model(km_model *model, const char *bytes, size_t size, km_
   read_parameters(&reader, model->root);
   read_elements(&reader, model->root);
   free_names(&reader);
+  model->rotation_misfit = reader.rotation_misfit;
+  km_read_inertias(&reader);
   if (!model->arena.failed)
     km_read_meshes(&reader);
   if (model->arena.failed)

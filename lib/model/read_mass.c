@@ -2,17 +2,6 @@
 #include "model/mass_properties.h"
 #include "model/reader.h"
 
-/* Inertias are the matrix's own entries; a principal moment below zero (beyond rounding) is no body's. */
-static bool inertia_is_physical(const double I[6]) {
-  double scale = 0.0;
-  for (int k = 0; k < 6; ++k)
-    scale = fmax(scale, fabs(I[k]));
-  double a = I[0] + 1e-9 * scale, b = I[1] + 1e-9 * scale, c = I[2] + 1e-9 * scale, xy = I[3], yz = I[4], zx = I[5];
-  double minors = fmin(fmin(a * b - xy * xy, b * c - yz * yz), a * c - zx * zx);
-  double determinant = a * (b * c - yz * yz) - xy * (xy * c - yz * zx) + zx * (xy * yz - b * zx);
-  return a >= 0 && b >= 0 && c >= 0 && minors >= 0 && determinant >= 0;
-}
-
 /* The mesh is weighed later, when the model's folder and include_dir are known to be good. */
 static void read_density(km_reader *reader, const km_value *value, const km_place *place, const km_body_def *body) {
   static const char *const instead[] = {"mass", "center_of_mass", "moment_of_inertia", NULL};
@@ -35,13 +24,46 @@ void km_read_mass(km_reader *reader, const km_value *value, const km_place *plac
   body->density = km_reader_number(value, "density", -1.0);
   for (int k = 0; k < 6; ++k)
     body->inertia[k] = km_reader_number(inertia, keys[k], 0.0);
-  km_place mass = {place, "mass", 0}, moments = {place, "moment_of_inertia", 0};
+  km_place mass = {place, "mass", 0};
   if (body->mass < 0.0)
     km_reader_error(reader, &mass, "found %s; expected a mass of at least 0", KM_SHOWN(body->mass));
   if (km_value_get(value, "density"))
     read_density(reader, value, place, body);
-  if (!inertia_is_physical(body->inertia))
-    km_reader_error(reader, &moments, "a principal moment is negative; expected moments of at least 0");
+}
+
+/* How far the model reaches: the greatest distance of a frame or a centre of mass from its body's origin. */
+static double reach(const km_model *model) {
+  double far = 0.0;
+  for (int f = 0; f < model->frame_count; ++f)
+    far = fmax(far, km_vec3_norm(model->frames[f].pose.p));
+  for (int b = 1; b < model->body_count; ++b)
+    far = fmax(far, km_vec3_norm(model->bodies[b].center_of_mass));
+  return far;
+}
+
+/* A principal moment below zero by less than this is rounding: of the matrix's own entries, or of moments m·l² about a
+ * far point that should have cancelled. A light body may have been cut from a heavy one. */
+static double moment_rounding(const km_body_def *body, double heaviest, double far) {
+  double size = 0.0;
+  for (int k = 0; k < 6; ++k)
+    size = fmax(size, fabs(body->inertia[k]));
+  return 1e-9 * size + 1e-12 * fmax(body->mass, 1e-3 * heaviest) * far * far;
+}
+
+void km_read_inertias(km_reader *reader) {
+  const km_model *model = reader->model;
+  double heaviest = 0.0, far = reach(model), moments[3];
+  for (int b = 1; b < model->body_count; ++b)
+    heaviest = fmax(heaviest, model->bodies[b].mass);
+  for (int b = 1; b < model->body_count; ++b) {
+    const km_body_def *body = &model->bodies[b];
+    km_principal_moments(body->inertia, moments);
+    if (moments[0] < -moment_rounding(body, heaviest, far))
+      km_messages_add(reader->messages, KM_ERROR,
+                      "%s.moment_of_inertia: a principal moment is negative: %.4g, beside %.4g and %.4g; expected "
+                      "moments of at least 0",
+                      body->where, moments[0], moments[1], moments[2]);
+  }
 }
 
 static const char not_found[] = "is found neither beside the file nor in include_dir";

@@ -75,6 +75,7 @@ km_rotation km_reader_rotation(km_reader *reader, const km_value *frame, const c
   for (int i = 0; i < 3; ++i)
     for (int j = 0; j < 3; ++j)
       misfit = fmax(misfit, fabs(km_vec3_dot(R.axis[i], R.axis[j]) - (i == j)));
+  reader->rotation_misfit = fmax(reader->rotation_misfit, misfit);
   double determinant = km_vec3_dot(R.axis[0], km_vec3_cross(R.axis[1], R.axis[2]));
   km_place at = {place, key, 0};
   if (!(misfit <= 1e-6)) {

@@ -12,6 +12,7 @@
 typedef struct km_reader {
   km_model *model;
   km_messages *messages;
+  double rotation_misfit;                      /* the largest entry of RᵀR − I so far */
   km_names assemblies, bodies, frames, joints; /* scope: the parent */
   km_names labels;                             /* scopes below */
   bool unreadable;                             /* a file that the text names can't be read */
@@ -64,6 +65,8 @@ const char *km_path_text(const km_value *path, char out[KM_PLACE_TEXT]);
 
 /* Mass, centre of mass and inertia as the file states them; a density. */
 void km_read_mass(km_reader *reader, const km_value *body, const km_place *place, km_body_def *out);
+/* No principal moment may be negative. After every body and frame has been read: their size tells what rounding is. */
+void km_read_inertias(km_reader *reader);
 /* Mass properties of the bodies with a density, from their meshes. */
 void km_read_meshes(km_reader *reader);
 /* One warning of the meshes that aren't found: no error until something needs them. */

@@ -115,7 +115,7 @@ static void factor(km_partition *p, const double *matrix, int candidates, double
   int step = 0;
   for (; step < p->rows && step < p->columns; ++step) {
     pivot best = search(p, step, candidates);
-    if (!(best.size > threshold) && candidates < p->columns) {
+    if (!(best.size > threshold) && candidates < p->columns && !p->held) {
       best = search(p, candidates, p->columns);
       candidates = p->columns;
       p->forced_dependent = best.size > threshold;
@@ -266,6 +266,9 @@ void km_partition_copy_pivots(km_partition *to, const km_partition *from) {
   to->stride = from->stride;
   to->sign = from->sign;
   to->searches = from->searches;
+  to->smallest_pivot = from->smallest_pivot;
+  to->pivoted_b = from->pivoted_b;
+  to->forced_dependent = from->forced_dependent;
   memcpy(to->row, from->row, (size_t)from->rows * sizeof *to->row);
   memcpy(to->column, from->column, (size_t)from->columns * sizeof *to->column);
   if (to->sparse)

@@ -39,6 +39,7 @@ typedef struct km_partition {
   unsigned searches;     /* how often pivots were searched */
   bool forced_dependent; /* a column that should be independent had to be a pivot */
   bool failed;           /* out of memory while the sparse engine grew: the rank means nothing, no freedom is given */
+  bool held;             /* set by the caller: forced columns are no pivots, whatever rank that leaves */
 } km_partition;
 
 /* Space for matrices of up to rows × columns; false (and arena->failed) when out of memory. */

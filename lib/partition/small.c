@@ -137,7 +137,7 @@ INLINE void factor(km_partition *p, const double *matrix, int candidates, double
       place = take_place(p, step, key);
       size = size_at(p, place, stride);
     }
-    if (!(size > threshold) && candidates < p->columns) {
+    if (!(size > threshold) && candidates < p->columns && !p->held) {
       key = look(p, &s, candidates, stride);
       place = km_key_place(key);
       size = km_key_valid(key) ? size_at(p, place, stride) : 0.0;

@@ -159,7 +159,7 @@ static void eliminate(km_partition *p, const double *matrix, const bool *forced,
   for (int i = 0; i < p->columns; ++i) {
     int c = s->lead[i], row = reduce(p, matrix, c, &upper_end, &lower_end);
     double size = row < 0 ? 0.0 : fabs(s->x[row]);
-    if (size > threshold) {
+    if (size > threshold && !(p->held && forced && forced[c])) {
       use(p, c, row);
       lower_end = s->lower[c].end;
       p->forced_dependent = p->forced_dependent || (forced && forced[c]);

@@ -1,6 +1,7 @@
 #include "report/check.h"
 
-#include "kinematics/state.h"
+#include "analysis/rank_evidence.h"
+#include "kinematics/poses.h"
 #include "kmech/mobility.h"
 
 #include <math.h>
@@ -56,6 +57,10 @@ static void check_finite(const km_mobility *mobility, const km_finite_mobility *
     branches += finite->motions[i].kind == KM_MOTION_BRANCH;
     shaky += finite->motions[i].kind == KM_MOTION_SHAKY;
   }
+  if (finite->undecided)
+    add(f, "undecided", "try a pose nearby (kmob at --set), or state a closure_tolerance for rounded data",
+        "the finite mobility is undecided: first order allows %d, and of some directions only a short way is confirmed",
+        mobility->mobility);
   if (shaky)
     add(f, "shaky", "change a length or an angle so that the parts don't line up",
         "the structure shakes: first order allows mobility %d, but only %d is real", mobility->mobility,
@@ -65,16 +70,20 @@ static void check_finite(const km_mobility *mobility, const km_finite_mobility *
         "the pose is a branch point: %d motions meet, mobility %d there", branches, mobility->mobility);
 }
 
-static void check_ranks(const km_mechanism *m, const km_state *s, km_findings *f) {
+static km_status check_ranks(const km_mechanism *m, km_state *s, km_findings *f, km_error *error) {
+  km_poses_update(m, s);
   for (int i = 0; i < m->topology.substructure_count; ++i) {
-    km_substructure_mobility e;
-    km_substructure_evidence(m, s, i, &e);
-    bool doubtful = e.first_dropped > 0.0 && e.last_pivot < 1e5 * e.first_dropped;
-    if (doubtful || (e.rank > 0 && e.last_pivot < 1e-5))
+    km_rank_evidence e;
+    km_status status = km_rank_evidence_find(m, s, i, &e, error);
+    if (status)
+      return status;
+    if (e.doubtful)
       add(f, "doubtful-rank", "compare with a pose nearby (kmob at --set); for rounded data state a closure_tolerance",
-          "the rank of substructure %d is doubtful: last pivot kept %.2g, first dropped %.2g", i + 1, e.last_pivot,
-          e.first_dropped);
+          "the rank of substructure %d is doubtful: the smallest singular value kept is %.2g of the largest one, the "
+          "largest dropped %.2g",
+          i + 1, e.kept, e.dropped);
   }
+  return KM_OK;
 }
 
 static int by_size(const void *a, const void *b) {
@@ -174,13 +183,13 @@ km_status km_check(const km_mechanism *m, km_state *s, const km_messages *messag
     check_reader(messages, out);
     check_start(m, s, out);
     check_finite(&mobility, &diagnosis.finite, out);
-    check_ranks(m, s, out);
+    status = check_ranks(m, s, out, error);
     check_lengths(m->model, out);
     check_angles(m->model, out);
     check_masses(m, out);
     check_frames(m->model, out);
     check_redundancies(m, &diagnosis.redundancies, out);
-    if (out->failed || out->arena.failed)
+    if (!status && (out->failed || out->arena.failed))
       status = km_fail(error, KM_MEMORY, "out of memory for the check");
   }
   km_diagnosis_free(&diagnosis);

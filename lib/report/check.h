@@ -8,7 +8,7 @@
 
 /* One finding: a word for scripts, what was found, what to do. */
 typedef struct km_finding {
-  const char *kind; /* "redundant", "shaky", "branch", "doubtful-rank", "units", "angles", "massless-loop",
+  const char *kind; /* "redundant", "shaky", "undecided", "branch", "doubtful-rank", "units", "angles", "massless-loop",
                      * "unused-frame", "limits", "start", "reader" */
   const char *statement, *advice;
 } km_finding;

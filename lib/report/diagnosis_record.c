@@ -134,7 +134,10 @@ static void print_idle(const km_mechanism *m, const km_diagnosis *d, km_text *ou
 }
 
 void km_diagnosis_record(const km_mechanism *m, const km_diagnosis *d, km_value *record, km_arena *arena) {
-  km_value_number(arena, record, "finite_mobility", d->finite.mobility);
+  if (d->finite.undecided)
+    km_value_add(arena, record, "finite_mobility", KM_NULL);
+  else
+    km_value_number(arena, record, "finite_mobility", d->finite.mobility);
   add_motions(m, &d->finite, record, arena);
   km_value_boolean(arena, record, "truncated", d->finite.truncated);
   add_idle(m, &d->idle, record, arena);
@@ -143,11 +146,22 @@ void km_diagnosis_record(const km_mechanism *m, const km_diagnosis *d, km_value 
 
 static void print_finite(const km_finite_mobility *finite, km_text *out) {
   int branches = 0, shaky = 0;
+  double followed = HUGE_VAL;
   for (int i = 0; i < finite->motion_count; ++i) {
     branches += finite->motions[i].kind == KM_MOTION_BRANCH;
     shaky += finite->motions[i].kind == KM_MOTION_SHAKY;
+    if (finite->motions[i].kind == KM_MOTION_OPEN)
+      followed = fmin(followed, finite->motions[i].confirmed_length);
   }
-  km_text_format(out, "\nfinite mobility %d", finite->mobility);
+  if (finite->undecided)
+    km_text_format(out, "\nfinite mobility undecided, at least %d", finite->mobility);
+  else
+    km_text_format(out, "\nfinite mobility %d", finite->mobility);
+  if (isfinite(followed))
+    km_text_format(
+        out,
+        ": the loops stay closed for an arc of %.2g, and what opens them there tells neither a motion nor a structure",
+        followed);
   if (branches)
     km_text_format(out, ": a branch point, where %s%d motions meet", finite->truncated ? "at least " : "", branches);
   if (shaky)

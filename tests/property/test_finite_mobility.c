@@ -1,4 +1,5 @@
 /* Finite mobility of mechanisms for which it is known. */
+#include "support/motion_families.h"
 #include "support/support.h"
 
 #include "kmech/finite_mobility.h"
@@ -102,9 +103,19 @@ static void change_point_branches(void **state) {
   expect(chain(3, (const double[]){1, 2, 1}, (const double[]){0, 0, M_PI, -M_PI}, 2.0), 1, 2, KM_MOTION_BRANCH);
 }
 
+static void random_families(void **state) {
+  (void)state;
+  static bool (*const families[])(uint64_t) = {family_moving, family_contact, family_shaky, family_change_point};
+  int failed = 0;
+  for (size_t i = 0; i < sizeof families / sizeof *families; ++i)
+    for (uint64_t seed = 1; seed <= 200; ++seed)
+      failed += !families[i](seed);
+  assert_int_equal(failed, 0);
+}
+
 int main(void) {
-  const struct CMUnitTest tests[] = {cmocka_unit_test(regular_models), cmocka_unit_test(bricard_in_its_plane),
-                                     cmocka_unit_test(collinear_bars_shake), cmocka_unit_test(a_truss_stands),
-                                     cmocka_unit_test(change_point_branches)};
+  const struct CMUnitTest tests[] = {cmocka_unit_test(regular_models),        cmocka_unit_test(bricard_in_its_plane),
+                                     cmocka_unit_test(collinear_bars_shake),  cmocka_unit_test(a_truss_stands),
+                                     cmocka_unit_test(change_point_branches), cmocka_unit_test(random_families)};
   return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -1,4 +1,5 @@
 /* The answers don't depend on how a mechanism is described. */
+#include "support/motion_families.h"
 #include "support/support.h"
 
 #include "base/json.h"
@@ -319,8 +320,15 @@ static void units_do_not_matter(void **state) {
   }
 }
 
+static void ranks_are_judged_alike(void **state) {
+  (void)state;
+  for (uint64_t seed = 1; seed <= 300; ++seed)
+    assert_true(family_rank_flags(seed));
+}
+
 int main(void) {
-  const struct CMUnitTest tests[] = {cmocka_unit_test(order_does_not_matter), cmocka_unit_test(senses_do_not_matter),
+  const struct CMUnitTest tests[] = {cmocka_unit_test(ranks_are_judged_alike), cmocka_unit_test(order_does_not_matter),
+                                     cmocka_unit_test(senses_do_not_matter),
                                      cmocka_unit_test(the_inertial_frame_does_not_matter),
                                      cmocka_unit_test(units_do_not_matter)};
   return cmocka_run_group_tests(tests, NULL, NULL);

@@ -1,4 +1,5 @@
 /* Files whose numbers were cut to six digits, with frames turned to odd angles: what CAD exports. */
+#include "support/motion_families.h"
 #include "support/support.h"
 
 #include "model/model.h"
@@ -159,7 +160,15 @@ static void the_named_tolerance_does(void **state) {
     }
 }
 
+static void random_families(void **state) {
+  (void)state;
+  int failed = 0;
+  for (uint64_t seed = 1; seed <= 400; ++seed)
+    failed += !family_rounded(seed) + !family_short_link(seed);
+  assert_int_equal(failed, 0);
+}
+
 int main(void) {
-  const struct CMUnitTest tests[] = {cmocka_unit_test(the_named_tolerance_does)};
+  const struct CMUnitTest tests[] = {cmocka_unit_test(the_named_tolerance_does), cmocka_unit_test(random_families)};
   return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -1,4 +1,5 @@
 /* Driving: exact, on one branch, and independent of how the range is cut. */
+#include "support/motion_families.h"
 #include "support/support.h"
 
 #include "model/model.h"
@@ -39,7 +40,7 @@ static void rows_do_not_depend_on_steps(void **state) {
   }
 }
 
-/* With other freedoms the path of least motion is followed to 1e-4 a row. */
+/* With other freedoms the path of least motion is followed to 1e-4. */
 static void least_motion_converges(void **state) {
   (void)state;
   for (const char *const *name = all_models; *name; ++name) {
@@ -48,7 +49,7 @@ static void least_motion_converges(void **state) {
     km_mobility_sweep coarse = run(*name, 10, 0.4, 0.6, false), fine = run(*name, 80, 0.4, 0.6, false);
     for (size_t r = 0; r <= 10; ++r)
       for (size_t c = 1; c < km_table_columns(coarse.motion.table); ++c)
-        assert_near(km_table_row(coarse.motion.table, r)[c], km_table_row(fine.motion.table, 8 * r)[c], 2e-3);
+        assert_near(km_table_row(coarse.motion.table, r)[c], km_table_row(fine.motion.table, 8 * r)[c], 1e-4);
     km_mobility_sweep_free(&coarse);
     km_mobility_sweep_free(&fine);
   }
@@ -235,6 +236,18 @@ static void a_sweep_can_be_cancelled(void **state) {
   fixture_close(&f);
 }
 
+static void ends_do_not_depend_on_steps(void **state) {
+  (void)state;
+  for (uint64_t seed = 1; seed <= 60; ++seed)
+    assert_true(family_least_path(seed));
+}
+
+static void rows_are_within_limits(void **state) {
+  (void)state;
+  for (uint64_t seed = 1; seed <= 300; ++seed)
+    assert_true(family_limits(seed));
+}
+
 int main(void) {
   const struct CMUnitTest tests[] = {
       cmocka_unit_test(rows_do_not_depend_on_steps),
@@ -246,6 +259,8 @@ int main(void) {
       cmocka_unit_test(numbers_belong_to_their_rows),
       cmocka_unit_test(a_branch_point_can_be_the_start),
       cmocka_unit_test(arc_length_can_start_at_a_branch_point),
+      cmocka_unit_test(ends_do_not_depend_on_steps),
+      cmocka_unit_test(rows_are_within_limits),
       cmocka_unit_test(a_sweep_can_be_cancelled),
   };
   return cmocka_run_group_tests(tests, NULL, NULL);

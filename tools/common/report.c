@@ -60,7 +60,7 @@ kt_exit kt_report(kt_sweep_options *o, const kt_reporting *reporting) {
   kt_sweep_job_open(j, 0.0);
   kt_sweep_job_run(j, reporting->prepare, reporting->run);
   kt_exit result = j->result;
-  if (result == KT_DONE || result == KT_PARTIAL)
+  if ((result == KT_DONE || result == KT_PARTIAL) && !j->empty)
     result = kt_worse(result, deliver(reporting, j, html));
   reporting->free(j);
   kt_sweep_job_close(j);

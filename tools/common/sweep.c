@@ -37,7 +37,8 @@ static void run_sweep(kt_sweep_job *j, km_status (*run)(kt_sweep_job *, const km
   j->plan.context = &progress;
   km_status status = run(j, &motion, &error);
   kt_progress_end(&progress);
-  if (status == KM_OK || status == KM_PARTIAL)
+  j->empty = status == KM_PARTIAL && km_table_rows(motion->table) == 0;
+  if ((status == KM_OK || status == KM_PARTIAL) && !j->empty)
     tell(j, motion, status == KM_PARTIAL);
   else
     kt_say(&j->common, KM_ERROR, "%s: %s", j->path, error.text);
@@ -84,7 +85,7 @@ static void start_job(void *context, int index) {
 }
 
 static bool delivers(const kt_sweep_job *j) {
-  return j->result == KT_DONE || j->result == KT_PARTIAL;
+  return (j->result == KT_DONE || j->result == KT_PARTIAL) && !j->empty;
 }
 
 static kt_exit write_table(const kt_sweeping *sweeping, const kt_sweep_job *j, const char *base, kt_format format) {

@@ -35,7 +35,8 @@ typedef struct kt_sweep_job {
   char *names[KT_MOST_POINTS]; /* of the points, owned */
   km_text stopped_by;
   kt_exit result;
-  void *own; /* what the command makes of it */
+  bool empty; /* no pose of the range is in reach: there is nothing to write */
+  void *own;  /* what the command makes of it */
 } kt_sweep_job;
 
 /* A sweep command: what to do with one model, and with all of them. */

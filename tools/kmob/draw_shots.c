@@ -63,6 +63,15 @@ typedef struct motion {
   km_follow *follow;
 } motion;
 
+static km_status start_drive(motion *m, km_error *error) {
+  const kmob_shots *s = m->shots;
+  m->plan.ignore_limits = s->options->ignore_limits;
+  km_status status = km_sweep_enter_limits(s->pose.mechanism, m->state, &m->plan, error);
+  return status ? status
+                : km_drive_create(s->pose.mechanism, m->state, m->plan.coordinate, m->plan.ignore_limits, &m->drive,
+                                  error);
+}
+
 static kt_exit start(motion *m) {
   const kmob_shots *s = m->shots;
   km_error error;
@@ -79,8 +88,7 @@ static kt_exit start(motion *m) {
     status = km_follow_create(s->pose.mechanism, m->state, m->plan.direction, m->plan.sign, s->options->ignore_limits,
                               &m->follow, &error);
   else if (!status)
-    status =
-        km_drive_create(s->pose.mechanism, m->state, m->plan.coordinate, s->options->ignore_limits, &m->drive, &error);
+    status = start_drive(m, &error);
   return report(s, status, &error);
 }
 

@@ -11,7 +11,8 @@ extern "C" {
 typedef enum km_motion_kind {
   KM_MOTION_REGULAR, /* every direction of the null space is one of a smooth family */
   KM_MOTION_BRANCH,  /* one of several motions that meet at the pose */
-  KM_MOTION_SHAKY    /* allowed to first order only: the structure shakes, but doesn't move */
+  KM_MOTION_SHAKY,   /* allowed to first order, or a few more: the structure shakes, but doesn't move */
+  KM_MOTION_OPEN     /* the loops were closed for a part of the way, and what stopped them tells neither */
 } km_motion_kind;
 
 /* One direction of motion, and how far it was followed with the loops closed. */
@@ -19,13 +20,14 @@ typedef struct km_finite_motion {
   km_motion_kind kind;
   int substructure;
   double *direction;       /* [coordinate] unit rates: radians, lengths over the characteristic length */
-  double confirmed_length; /* of arc; 0 for shaky ones */
+  double confirmed_length; /* of arc: how far the loops stayed closed; 0 for shaky ones */
 } km_finite_motion;
 
 enum { KM_MOST_MOTIONS = 64 };
 
 typedef struct km_finite_mobility {
-  int mobility; /* dimension of the set of real motions through the pose */
+  int mobility;  /* dimension of the set of real motions through the pose; the least it can be where undecided */
+  int undecided; /* some direction was neither confirmed nor refuted */
   int motion_count;
   int truncated; /* there are more motions than are listed */
   km_finite_motion motions[KM_MOST_MOTIONS];
@@ -34,8 +36,9 @@ typedef struct km_finite_mobility {
 
 /* The finite mobility at an assembled pose (theory 5). A substructure without redundant constraints has its
  * instantaneous mobility. Else the tangents are tried: all of them, and where that fails those that satisfy the
- * second-order condition wᵀ(J̇ q̇) = 0 for every left null vector w of J; each is confirmed by following it a
- * short way with the loops closed to 1e-12. The state keeps its pose. Free `*out` in any case. KM_MEMORY. */
+ * second-order condition wᵀ(J̇ q̇) = 0 for every left null vector w of J; each is confirmed by following it by 0.3 rad
+ * (or substructure sizes) of its fastest coordinate, ahead and back. Where the loops open as a power of the way it is
+ * refuted, whatever its order. The state keeps its pose. Free `*out` in any case. KM_MEMORY. */
 km_status km_finite_mobility_find(const km_mechanism *mechanism, km_state *state, km_finite_mobility *out,
                                   km_error *error);
 void km_finite_mobility_free(km_finite_mobility *mobility);

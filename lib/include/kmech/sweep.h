@@ -36,9 +36,9 @@ void km_drive_free(km_drive *drive);
 
 /* Moves the driver to `target` (model's unit), exactly; the other coordinates close the loops and, where more
  * than one freedom is left, move least. Steps are controlled by the tangent, so that the branch is kept: the
- * result doesn't depend on how a range is cut into targets (with one freedom to 1e-8). Where the target is out
- * of reach, stops at the located end. The state is closed to 1e-12 at return; mobility numbers of the driven
- * substructure may be stale. Never allocates. */
+ * result doesn't depend on how a range is cut into targets (with one freedom to 1e-8, with more to 1e-4). Where the
+ * target is out of reach, stops at the located end. The state is closed to 1e-12 at return; mobility numbers of the
+ * driven substructure may be stale. Never allocates. */
 km_reach km_drive_to(km_drive *drive, double target);
 
 /* The direction of motion at the present pose: rates of all coordinates per unit rate of the driver, in the

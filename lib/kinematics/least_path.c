@@ -1,0 +1,104 @@
+/* Follows the direction field of least motion, dq/ds = t(q), to a higher order than the field's own rows ask. */
+#include "kinematics/least_path.h"
+
+#include "kinematics/closure.h"
+#include "kinematics/loops.h"
+
+#include <string.h>
+
+/* Of the length of a step. The contract promises 1e-4 at the end of a sweep however it is cut: paths of least motion
+ * may part by a thousandfold on the way. */
+static const double allowed = 1e-7;
+static const double grain = 1e-13; /* rounding of a step, scaled */
+
+/* J. R. Cash and A. H. Karp, A variable order Runge-Kutta method, 1990. */
+static const double nodes[KM_PATH_STAGES][KM_PATH_STAGES - 1] = {
+    {0},
+    {1.0 / 5},
+    {3.0 / 40, 9.0 / 40},
+    {3.0 / 10, -9.0 / 10, 6.0 / 5},
+    {-11.0 / 54, 5.0 / 2, -70.0 / 27, 35.0 / 27},
+    {1631.0 / 55296, 175.0 / 512, 575.0 / 13824, 44275.0 / 110592, 253.0 / 4096}};
+static const double fifth[KM_PATH_STAGES] = {37.0 / 378, 0, 250.0 / 621, 125.0 / 594, 0, 512.0 / 1771};
+static const double fourth[KM_PATH_STAGES] = {2825.0 / 27648, 0,      18575.0 / 48384, 13525.0 / 55296,
+                                              277.0 / 14336,  1.0 / 4};
+
+bool km_least_path_reserve(km_least_path *path, int columns, km_arena *arena) {
+  for (int i = 0; i < KM_PATH_STAGES; ++i)
+    path->rate[i] = KM_ARENA_NEW(arena, double, (size_t)columns);
+  return !arena->failed;
+}
+
+/* The rate of the rotation vector u whose turn has the angular velocity w (fixed axes):
+ * u̇ = w − ½ u × w + c u × (u × w), c = 1/θ² − (1 + cos θ)/(2 θ sin θ). */
+static km_vec3 vector_rate(km_vec3 u, km_vec3 w) {
+  double angle = km_vec3_norm(u), square = angle * angle;
+  double c = angle < 1e-2 ? 1.0 / 12 + square / 720 : 1.0 / square - (1.0 + cos(angle)) / (2.0 * angle * sin(angle));
+  km_vec3 once = km_vec3_cross(u, w), twice = km_vec3_cross(u, once);
+  return km_vec3_axpy(c, twice, km_vec3_axpy(-0.5, once, w));
+}
+
+/* Angular velocities of balls become rates of the rotation vectors that lead from the saved pose. */
+static void unwind_balls(const km_mechanism *m, const km_substructure *sub, const double *move, double *rate) {
+  const int *coordinate = m->column_coordinate + sub->column_start;
+  for (int k = 0; k < sub->columns; ++k) {
+    if (m->ball_of[coordinate[k]] < 0)
+      continue;
+    km_vec3 v = vector_rate(km_vec3_make(move + k), km_vec3_make(rate + k));
+    memcpy(rate + k, &(double[3]){v.x, v.y, v.z}, 3 * sizeof *rate);
+    k += 2;
+  }
+}
+
+static void combine(const km_least_path *path, const double *share, int stages, int columns, double h, double *move) {
+  memset(move, 0, (size_t)columns * sizeof *move);
+  for (int i = 0; i < stages; ++i)
+    for (int k = 0; k < columns && share[i] != 0.0; ++k)
+      move[k] += h * share[i] * path->rate[i][k];
+}
+
+/* The field off the closed poses is that of the primary rows: they keep what the loops have opened. */
+static bool rate_at(const km_mechanism *m, km_state *s, int index, int driver, const km_partition *pivots,
+                    double *rate) {
+  const km_substructure *sub = &m->substructures[index];
+  km_partition *p = &s->partition[index];
+  km_loops_update(m, s, sub);
+  km_partition_copy_pivots(p, pivots);
+  if (!km_partition_refactor(p, km_state_jacobian(s, sub)))
+    return false;
+  km_partition_direction(p, driver, rate);
+  km_least_step(m, s, index, driver, rate);
+  return true;
+}
+
+static double largest(const double *x, int count) {
+  double size = 0.0;
+  for (int k = 0; k < count; ++k)
+    size = fmax(size, fabs(x[k]));
+  return size;
+}
+
+double km_least_path_predict(km_least_path *path, const km_mechanism *m, km_state *s, int index, int driver,
+                             const km_partition *pivots, const double *saved, const double *t, double h, double *move) {
+  const km_substructure *sub = &m->substructures[index];
+  int columns = sub->columns;
+  double difference[KM_PATH_STAGES];
+  memcpy(path->rate[0], t, (size_t)columns * sizeof *t);
+  s->pivoted[index] = KM_NEVER;
+  for (int i = 1; i < KM_PATH_STAGES; ++i) {
+    combine(path, nodes[i], i, columns, h, move);
+    if (!(largest(move, columns) <= 1.0)) /* too far for the field to mean anything */
+      return HUGE_VAL;
+    km_state_restore(s, sub, saved);
+    km_state_move(m, s, sub, move);
+    if (!rate_at(m, s, index, driver, pivots, path->rate[i]))
+      return HUGE_VAL;
+    unwind_balls(m, sub, move, path->rate[i]);
+  }
+  for (int i = 0; i < KM_PATH_STAGES; ++i)
+    difference[i] = fifth[i] - fourth[i];
+  combine(path, difference, KM_PATH_STAGES, columns, h, move);
+  double error = largest(move, columns);
+  combine(path, fifth, KM_PATH_STAGES, columns, h, move);
+  return error / (allowed * largest(move, columns) + grain);
+}

@@ -1,0 +1,150 @@
+/* Tells tangents that a motion follows from those along which the loops only seem to close.
+ *
+ * Analytic equations that meet to order n along a curve leave a misfit C tⁿ⁺¹; a motion leaves none, however far it is
+ * followed, and data rounded by ε leave about ε. So a tangent is followed a long way, the misfit is compared with what
+ * the file may leave, and its growth from half the way to the whole tells a power of t from rounding. */
+#include "kinematics/closure.h"
+#include "kinematics/tangents.h"
+
+static const double first_step = 1e-3;    /* scaled: radians or substructure sizes, of the fastest coordinate */
+static const double longest_step = 0.05;  /* the same */
+static const double shortest_step = 1e-6; /* the same */
+static const double short_way = 4e-3;     /* the same: what ends before this never was one */
+static const double whole_way = 0.3;      /* the same */
+static const double noise = 1e-11;        /* a misfit that closing may leave */
+static const double rising = 1.5;         /* a power of the way, for a misfit far above what the file may leave */
+static const double far_above = 100.0;
+static const double steep = 3.5;          /* a power that rounding doesn't make, for exact data */
+static const double highest_power = 12.0; /* what rises more steeply has left the curve */
+static const double grain = 30.0;         /* times the pose's misfit: less than that is no step */
+
+enum { MOST_SAMPLES = 400 };
+
+/* The misfit along the way: its largest value but one up to each place, since a single one may be a bad closure. */
+typedef struct record {
+  int count;
+  double largest, way[MOST_SAMPLES], worst[MOST_SAMPLES];
+} record;
+
+static void note(record *r, double way, double misfit) {
+  double last = r->count ? r->worst[r->count - 1] : 0.0;
+  r->way[r->count] = way;
+  r->worst[r->count++] = fmax(last, fmin(misfit, r->largest));
+  r->largest = fmax(r->largest, misfit);
+}
+
+/* The steepest power of the way with which the misfit grew, from half of a place to the place, where it stands out. */
+static double power(const record *r, double start) {
+  double most = 0.0;
+  for (int i = 1; i < r->count; ++i) {
+    int half = i;
+    while (half >= 0 && r->way[half] > 0.5 * r->way[i])
+      --half;
+    if (half < 0 || r->worst[i] < noise || r->worst[i] < 1e3 * start)
+      continue;
+    double before = fmax(r->worst[half], 1e-3 * noise);
+    most = fmax(most, log(r->worst[i] / before) / log(r->way[i] / r->way[half]));
+  }
+  return most;
+}
+
+/* The column that moves most, and by how much. */
+static double fastest(const double *move, int columns, int *column) {
+  double most = 0.0;
+  *column = 0;
+  for (int k = 0; k < columns; ++k)
+    if (fabs(move[k]) > most) {
+      most = fabs(move[k]);
+      *column = k;
+    }
+  return most;
+}
+
+/* The column that is held next: the fastest, but not another one without need, so that the pivots stay. */
+static int choose_driver(const km_tangents *f, int driver) {
+  int column;
+  double most = fastest(f->move, f->sub->columns, &column);
+  return driver >= 0 && fabs(f->move[driver]) > 0.3 * most ? driver : column;
+}
+
+/* How far the misfit of the pose can move it where other rows become the primary ones. */
+static double slack(const km_tangents *f) {
+  const km_partition *p = &f->s->partition[f->index];
+  return p->rank ? 3.0 * f->residual * p->scale / p->smallest_pivot : 0.0;
+}
+
+/* Goes by `move`, on from a misfit to the next one; false, and back again, if the loops' primary equations don't close
+ * nearby. */
+static bool go(km_tangents *f, int driver, double way, double *misfit) {
+  km_closure evidence;
+  int column;
+  double moved = fastest(f->move, f->sub->columns, &column);
+  double most = way > 0.0 ? 3.0 * fmax(*misfit, noise) * pow(1.0 + moved / way, highest_power) : HUGE_VAL;
+  km_state_save(f->s, f->sub, f->last);
+  km_state_move(f->m, f->s, f->sub, f->move);
+  double length = km_step_length(f->m, f->sub, f->move);
+  bool closed = km_close_held(f->m, f->s, f->index, driver, &evidence) != KM_OPEN;
+  if (closed && evidence.residual <= most && evidence.correction <= (way > 0.0 ? 0.3 : 0.05) * length + slack(f)) {
+    *misfit = evidence.residual;
+    if (f->s->partition[f->index].rank < f->sub->columns - 1)
+      f->s->pivoted[f->index] = KM_NEVER; /* further on there may be more */
+    return true;
+  }
+  km_state_restore(f->s, f->sub, f->last);
+  return false;
+}
+
+static void scale_move(km_tangents *f, double factor) {
+  for (int c = 0; c < f->sub->columns; ++c)
+    f->move[c] *= factor;
+}
+
+static km_reality judge(const km_tangents *f, const record *r, double tolerance, bool whole) {
+  double way = r->count ? r->way[r->count - 1] : 0.0, misfit = r->count ? r->worst[r->count - 1] : 0.0;
+  bool exact = !f->m->closure_tolerance_given && f->residual < noise;
+  if (way < short_way)
+    return exact ? KM_UNREAL : KM_UNDECIDED;
+  double order = power(r, f->residual);
+  if ((misfit > far_above * tolerance && order >= rising) || (exact && order >= steep))
+    return KM_UNREAL;
+  return whole && misfit <= tolerance ? KM_REAL : KM_UNDECIDED;
+}
+
+km_way km_tangents_follow(km_tangents *f, const double *a, double sign) {
+  record r = {0};
+  int column, columns = f->sub->columns, driver = -1;
+  double start = f->residual, tolerance = fmax(f->m->closure_tolerance, 3.0 * start);
+  double first = fmin(fmax(first_step, grain * start), longest_step), h = first, misfit = 0.0, way = 0.0,
+         opened = HUGE_VAL;
+  km_way result = {0};
+  km_tangents_direction(f, a, f->x);
+  double size = fastest(f->x, columns, &column);
+  for (int c = 0; c < columns; ++c)
+    f->move[c] = sign * h * f->x[c] / size;
+  km_state_restore(f->s, f->sub, f->pose);
+  f->s->pivoted[f->index] = KM_NEVER;
+  /* Past the place where the loops open it goes on, to see how. */
+  while (way < whole_way && !(way > 2.0 * opened && misfit > far_above * tolerance) && r.count < MOST_SAMPLES &&
+         h >= (way > 0.0 ? shortest_step : 0.1 * first)) {
+    driver = choose_driver(f, driver);
+    if (!go(f, driver, way, &misfit)) {
+      scale_move(f, 0.5);
+      h *= 0.5;
+      continue;
+    }
+    km_state_difference(f->s, f->sub, f->last, f->move);
+    double moved = fastest(f->move, columns, &column);
+    way += moved;
+    note(&r, way, misfit);
+    if (misfit > tolerance)
+      opened = fmin(opened, way);
+    else if (opened == HUGE_VAL)
+      result.length += km_step_length(f->m, f->sub, f->move);
+    double next = fmin(1.5 * h, longest_step);
+    scale_move(f, next / moved);
+    h = next;
+  }
+  f->s->pivoted[f->index] = KM_NEVER;
+  result.reality = judge(f, &r, tolerance, way >= whole_way);
+  return result;
+}
