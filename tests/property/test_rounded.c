@@ -64,9 +64,9 @@ static char *rounded(const fixture *f, randomness *r, double tolerance) {
   km_pose *own = KM_NEW(km_pose, (size_t)model->body_count);
   for (int b = 0; b < model->body_count; ++b)
     own[b] = body_frame(model, b, r, size);
-  km_text_format(&out, "{\"model_parameters\": {");
+  km_text_format(&out, "{\"model_parameters\": {\"characteristic_length\": %.17g", f->mechanism->length);
   if (tolerance > 0.0)
-    km_text_format(&out, "\"closure_tolerance\": %.17g", tolerance);
+    km_text_format(&out, ", \"closure_tolerance\": %.17g", tolerance);
   for (int b = 0; b < model->body_count; ++b) {
     if (b == 0)
       km_text_add(&out, "}, \"fixed\": {\"frames\": [");
