@@ -1,5 +1,7 @@
 #include "analysis/sweeper.h"
 
+#include <math.h>
+
 km_sweep_plan km_sweep_plan_default(const km_model *model) {
   const km_sweep_def *sweep = &model->sweep;
   return (km_sweep_plan){.coordinate = sweep->coordinate,
@@ -14,14 +16,26 @@ km_sweep_plan km_sweep_plan_default(const km_model *model) {
 static km_status run(km_sweeper *r, km_error *error) {
   size_t count = (size_t)r->m->coordinate_count;
   r->out->table = km_table_create();
+  r->out->between = km_table_create();
   r->rates = KM_NEW(double, 2 * count);
-  if (!r->out->table || !r->rates)
+  if (!r->out->table || !r->out->between || !r->rates)
     return km_fail(error, KM_MEMORY, "out of memory for a sweep");
   r->scratch = r->rates + count;
   km_status status = km_sweeper_columns(r, error);
   if (status)
     return status;
   return r->plan->arclength > 0.0 ? km_sweep_by_length(r, error) : km_sweep_by_driver(r, error);
+}
+
+km_status km_sweeper_show_end(km_sweeper *r, double s, double end, bool away, km_error *error) {
+  enum { PLACES = 12 };
+  km_status status = KM_OK;
+  for (int k = 1; k <= PLACES && r->observer->passed && !status; ++k) {
+    double x = end + (s - end) * ldexp(1.0, -2 * (away ? PLACES + 1 - k : k));
+    if (x != end && r->mover.probe(r->mover.self, x, r->rates))
+      status = r->observer->passed(r->observer->self, r, x, error);
+  }
+  return status;
 }
 
 km_status km_sweep_run(const km_mechanism *m, km_state *s, const km_sweep_plan *plan, const km_observer *observer,
@@ -35,6 +49,7 @@ km_status km_sweep_run(const km_mechanism *m, km_state *s, const km_sweep_plan *
 
 void km_sweep_free(km_sweep *sweep) {
   km_table_free(sweep->table);
+  km_table_free(sweep->between);
   km_free(sweep->branches);
   *sweep = (km_sweep){0};
 }

@@ -10,15 +10,24 @@ static bool reachable(const km_sweeper *r, double s) {
   return plan->to >= plan->from ? bound > plan->from && s > bound : bound < plan->from && s < bound;
 }
 
-/* Shows the observer the poses on the way to the next row, if it asks for them. */
-static km_status pass(km_sweeper *r, double from, double to, km_error *error) {
+/* Shows the observer the poses on the way from a row to the next one, if it asks for them: all the nearer to one
+ * another where the motion begins or ends. */
+static km_status pass(km_sweeper *r, double from, double to, bool begins, bool ends, km_error *error) {
   int pieces = (KM_LEAST_SAMPLES + r->plan->steps - 1) / r->plan->steps;
+  double last = from;
   km_status status = KM_OK;
-  for (int k = 1; k < pieces && r->observer->passed && !status; ++k) {
-    double s = from + (to - from) * k / pieces;
-    if (km_drive_to(r->mover.self, s).stop)
-      return KM_OK; /* the row will end there too */
-    status = r->observer->passed(r->observer->self, r, s, error);
+  if (!r->observer->passed)
+    return KM_OK;
+  if (begins)
+    status = km_sweeper_show_end(r, from + (to - from) / pieces, from, true, error);
+  for (int k = 1; k <= pieces && !status; ++k) {
+    double s = k == pieces ? to : from + (to - from) * k / pieces;
+    km_reach reach = km_drive_to(r->mover.self, s);
+    if (reach.stop || (ends && k == pieces))
+      return km_sweeper_show_end(r, last, reach.position, false, error); /* the row will end there too */
+    if (k < pieces)
+      status = r->observer->passed(r->observer->self, r, s, error);
+    last = s;
   }
   return status;
 }
@@ -38,7 +47,7 @@ static km_status rows(km_sweeper *r, km_error *error) {
     if (!km_sweeper_goes_on(r, i))
       return km_fail(error, KM_CANCELLED, "stopped at %g", s);
     int crossings = km_drive_crossings(drive);
-    status = pass(r, last, s, error);
+    status = pass(r, last, s, row == 1, i == plan->steps, error);
     if (status)
       return status;
     *end = km_drive_to(drive, s);

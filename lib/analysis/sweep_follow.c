@@ -81,16 +81,25 @@ static double stretch(const km_sweeper *r, double left) {
 }
 
 /* To an arc length, through the branch points on the way. */
-static km_status advance_to(km_sweeper *r, km_follow *follow, double length, km_status *moved, km_error *error) {
+static km_status advance_to(km_sweeper *r, km_follow *follow, double length, bool last, km_status *moved,
+                            km_error *error) {
   km_status status = KM_OK;
   *moved = KM_OK;
+  if (km_follow_length(follow) == 0.0 && r->observer->passed) {
+    status = km_sweeper_show_end(r, stretch(r, length), 0.0, true, error);
+    settle(follow, 0.0);
+  }
   while (!status && !*moved && !km_follow_closed(follow) &&
          length - km_follow_length(follow) > 1e-9 * r->plan->arclength) {
-    double left = length - km_follow_length(follow), step = stretch(r, left);
+    double left = length - km_follow_length(follow), step = stretch(r, left), seen = km_follow_length(follow);
     *moved = km_follow_advance(follow, step);
     status = meet_branch(r, follow, error);
     if (!status && !*moved && step < left && !km_follow_closed(follow))
       status = r->observer->passed(r->observer->self, r, km_follow_length(follow), error);
+    if (!status && r->observer->passed && (*moved || (last && step >= left))) {
+      status = km_sweeper_show_end(r, seen, km_follow_length(follow), false, error);
+      settle(follow, 0.0);
+    }
   }
   return status;
 }
@@ -106,7 +115,7 @@ static km_status rows(km_sweeper *r, km_follow *follow, km_error *error) {
     if (!km_sweeper_goes_on(r, i))
       return km_fail(error, KM_CANCELLED, "stopped at %g", km_follow_length(follow));
     km_status moved;
-    status = advance_to(r, follow, plan->arclength * i, &moved, error);
+    status = advance_to(r, follow, plan->arclength * i, i == plan->steps, &moved, error);
     r->out->end = (km_reach){reason(follow, moved), km_follow_length(follow), r->substructure, km_follow_limit(follow)};
     if (km_follow_closed(follow)) {
       r->out->cycle = km_follow_length(follow);

@@ -65,6 +65,12 @@ void km_sweeper_prepare(km_sweeper *sweeper);
 /* A row at the state's pose, shown to the observer. */
 km_status km_sweeper_row(km_sweeper *sweeper, int step, double s, km_error *error);
 
+/* A row at a pose between rows, where r->rates is the motion: into the sweep's `between`. False when out of memory. */
+bool km_sweeper_between(km_sweeper *sweeper, double s);
+/* Shows the observer poses between s and an end of the motion, ever nearer to the end (or, with `away`, from the end to
+ * s): functions may turn close to it. Leaves the state at one of them. */
+km_status km_sweeper_show_end(km_sweeper *sweeper, double s, double end, bool away, km_error *error);
+
 /* The motion at the state's pose into `rates`, with the null space of the pose up to date: finding a motion may leave
  * that of the coordinates beside the driver behind. False where there is no direction. */
 bool km_sweeper_motion(km_sweeper *sweeper);
