@@ -8,8 +8,8 @@
 #include <gsl/gsl_roots.h>
 #include <string.h>
 
-/* A pole is approached by halving the distance: to 2⁻²⁰ of it. */
-enum { MOST_ITERATIONS = 100, APPROACHES = 20 };
+/* A pole is approached by halving the distance: to 2⁻¹⁶ of it. */
+enum { MOST_ITERATIONS = 100, APPROACHES = 16 };
 
 /* A function that changes less, relatively, is constant. */
 static const double least_swing = 1e-9;

@@ -1,3 +1,4 @@
+#include "analysis/mobility.h"
 #include "analysis/sweeper.h"
 
 #include <math.h>
@@ -27,10 +28,20 @@ static km_status run(km_sweeper *r, km_error *error) {
   return r->plan->arclength > 0.0 ? km_sweep_by_length(r, error) : km_sweep_by_driver(r, error);
 }
 
+/* Is the state at a pose where several motions meet? */
+static bool meets(km_sweeper *r) {
+  if (r->substructure < 0)
+    return false;
+  km_numbers_update(r->m, r->s, r->substructure);
+  return km_partition_freedom(&r->s->partition[r->substructure]) > r->out->freedom;
+}
+
 km_status km_sweeper_show_end(km_sweeper *r, double s, double end, bool away, km_error *error) {
   enum { PLACES = 12 };
   km_status status = KM_OK;
-  for (int k = 1; k <= PLACES && r->observer->passed && !status; ++k) {
+  if (!r->observer->passed || meets(r))
+    return KM_OK;
+  for (int k = 1; k <= PLACES && !status; ++k) {
     double x = end + (s - end) * ldexp(1.0, -2 * (away ? PLACES + 1 - k : k));
     if (x != end && r->mover.probe(r->mover.self, x, r->rates))
       status = r->observer->passed(r->observer->self, r, x, error);

@@ -67,8 +67,9 @@ km_status km_sweeper_row(km_sweeper *sweeper, int step, double s, km_error *erro
 
 /* A row at a pose between rows, where r->rates is the motion: into the sweep's `between`. False when out of memory. */
 bool km_sweeper_between(km_sweeper *sweeper, double s);
-/* Shows the observer poses between s and an end of the motion, ever nearer to the end (or, with `away`, from the end to
- * s): functions may turn close to it. Leaves the state at one of them. */
+/* The state stands at an end of the motion. Shows the observer poses between s and it, ever nearer to the end (or, with
+ * `away`, from the end to s): functions may turn close to it, where the driver gives out as the root of the way.
+ * Nothing at a branch point, next to which no pose is well known. Leaves the state at one of them. */
 km_status km_sweeper_show_end(km_sweeper *sweeper, double s, double end, bool away, km_error *error);
 
 /* The motion at the state's pose into `rates`, with the null space of the pose up to date: finding a motion may leave
