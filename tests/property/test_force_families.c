@@ -1,0 +1,30 @@
+/* Answers about forces on random mechanisms, against other equations for the same. */
+#include "support/forces.h"
+
+/* Runs a family over seeds; all must be right. */
+static family_count all(bool (*family)(uint64_t, family_count *), int seeds) {
+  family_count count = {0};
+  int wrong = 0;
+  for (int i = 0; i < seeds; ++i)
+    wrong += !family((uint64_t)i, &count);
+  assert_int_equal(wrong, 0);
+  return count;
+}
+
+static void friction(void **state) {
+  (void)state;
+  family_count count = all(family_friction, 2000);
+  assert_true(count.moves > 1000);
+  assert_true(count.locks > 10);
+}
+static void wedges(void **state) {
+  (void)state;
+  family_count count = all(family_wedge, 300);
+  assert_true(count.moves > 100);
+  assert_true(count.locks > 100);
+}
+
+int main(void) {
+  const struct CMUnitTest tests[] = {cmocka_unit_test(friction), cmocka_unit_test(wedges)};
+  return cmocka_run_group_tests(tests, NULL, NULL);
+}
