@@ -71,7 +71,7 @@ static double size_of(const double *x, int n) {
 /* From no friction by many small steps. Returns how far; the load passes through 0 at *lock (NaN: it doesn't). */
 static double continue_to_all(const system_of *s, double *x, double *lock) {
   int n = s->b->rows;
-  double t = 0.0, h = 1.0 / 256.0;
+  double t = 0.0, h = 1.0 / 32.0;
   *lock = NAN;
   while (t < 1.0 && h > 1e-9 && size_of(x, n) < 1e9) {
     double y[PLANAR_MOST_SIZE], residual = HUGE_VAL, change = 0.0;
@@ -81,15 +81,16 @@ static double continue_to_all(const system_of *s, double *x, double *lock) {
       residual = newton_step(s, t + h, y);
     for (int k = 0; k < n; ++k)
       change = fmax(change, fabs(y[k] - x[k]));
-    if (!(residual <= 1e-12 * size_of(y, n)) || change > 0.1 * size_of(x, n)) {
+    bool crosses = x[n - 1] > 0.0 && y[n - 1] <= 0.0;
+    if (!(residual <= 1e-12 * size_of(y, n)) || change > 0.1 * size_of(x, n) || (crosses && h > 1e-6)) {
       h *= 0.5;
       continue;
     }
-    if (x[n - 1] > 0.0 && y[n - 1] <= 0.0)
+    if (crosses)
       *lock = t + h * x[n - 1] / (x[n - 1] - y[n - 1]);
     memcpy(x, y, sizeof y);
     t += h;
-    h = fmin(2.0 * h, 1.0 / 256.0);
+    h = fmin(2.0 * h, 1.0 / 32.0);
   }
   return t;
 }
@@ -110,8 +111,8 @@ static bool compare(const system_of *s, const km_losses *told, family_count *cou
   count->open += told->why != NULL;
   if (all >= 1.0 && efficiency > 1e-9) /* by 1e-12 of the equations, whose condition may be 1e4 */
     return moves && near(told->efficiency, efficiency, 1e-7);
-  if (efficiency < -1e-9) /* what the load's last zero was located by is a straight line over 1/256 */
-    return told->locks && near(told->locks_from, lock, 1e-4);
+  if (efficiency < -1e-9) /* the load's zero by a straight line over 1e-6 */
+    return told->locks && near(told->locks_from, lock, 1e-7);
   return all >= 1.0 || !told->locks; /* on the edge; or this way leads nowhere: a lock isn't proved */
 }
 
