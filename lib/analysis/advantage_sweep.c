@@ -96,6 +96,13 @@ static void values(void *self, km_sweeper *r, double *n, double *d) {
   }
 }
 
+static void sampled(void *self, km_sweeper *r) {
+  const watch *w = self;
+  double sense = update(w, r);
+  for (int c = 0; c < r->m->coordinate_count; ++c)
+    w->reference[c] = sense * w->lever->rates[c];
+}
+
 /* The leverage beside a pole, for pictures. */
 static bool between(void *self, km_sweeper *r, double s) {
   watch *w = self;
@@ -126,14 +133,16 @@ static km_status note_dead_centre(watch *w, const km_sweeper *r, double s, km_er
   return toggle && !known ? add_toggle(w, a.state, s, error) : KM_OK;
 }
 
-static km_status see(void *self, km_sweeper *r, double s, km_error *error) {
+static km_status pass(void *self, km_sweeper *r, double s, km_error *error) {
   watch *w = self;
   w->followed = km_sweeper_motion(r);
-  km_status status = km_scan_sample(&w->scan, r, s, error);
+  return km_scan_sample(&w->scan, r, s, error);
+}
+
+static km_status see(void *self, km_sweeper *r, double s, km_error *error) {
+  watch *w = self;
+  km_status status = pass(self, r, s, error);
   w->followed = km_sweeper_motion(r); /* what probes have left there isn't the row's */
-  double sense = update(w, r);
-  for (int c = 0; c < r->m->coordinate_count; ++c)
-    w->reference[c] = sense * w->lever->rates[c];
   return status ? status : note_dead_centre(w, r, s, error);
 }
 
@@ -149,7 +158,10 @@ static km_status end_at(void *self, km_sweeper *r, double s, km_error *error) {
   km_status status = input    ? add_toggle(w, KM_ADVANTAGE_ZERO, s, error)
                      : output ? add_toggle(w, KM_ADVANTAGE_INFINITE, s, error)
                               : KM_OK;
-  return output && !status ? km_scan_show_end(&w->scan, r, s, error) : status;
+  if (output && !status)
+    status = km_scan_show_end(&w->scan, r, s, error);
+  r->mover.settle(r->mover.self);
+  return status;
 }
 
 /* Zeros and poles as toggles: two in one place leave the advantage undefined there. */
@@ -214,9 +226,14 @@ static void take_extremes(watch *w, const km_table *table, size_t column) {
 }
 
 static km_status run(const km_mechanism *m, km_state *s, const km_sweep_plan *plan, watch *w, km_error *error) {
-  km_observer observer = {w, add_columns, write_value, see, see, forget, end_at};
-  w->scan = (km_scan){
-      .self = w, .values = values, .between = between, .ratios = true, .extremes = true, .events = &w->events};
+  km_observer observer = {w, add_columns, write_value, see, pass, forget, end_at};
+  w->scan = (km_scan){.self = w,
+                      .values = values,
+                      .sampled = sampled,
+                      .between = between,
+                      .ratios = true,
+                      .extremes = true,
+                      .events = &w->events};
   w->reference = KM_NEW(double, (size_t)m->coordinate_count);
   if (!w->reference || !km_scan_reserve(&w->scan, 1))
     return km_fail(error, KM_MEMORY, "out of memory for a sweep");

@@ -287,12 +287,14 @@ km_status km_scan_sample(km_scan *scan, km_sweeper *r, double s, km_error *error
   scan->have = scan->have < 2 ? scan->have + 1 : 2;
   gsl_set_error_handler_off();
   evaluate(scan, r, n, d);
+  if (scan->sampled)
+    scan->sampled(scan->self, r);
   bool moved = false;
   km_status status = KM_OK;
   for (int i = 0; i < scan->count && !status; ++i)
     status = look(scan, r, i, &moved, error);
   if (moved) {
-    r->mover.settle(r->mover.self, s);
+    r->mover.settle(r->mover.self);
     if (r->substructure >= 0)
       km_numbers_update(r->m, r->s, r->substructure);
   }

@@ -37,6 +37,8 @@ typedef struct km_scan {
   void *self;
   /* n[count] and d[count] at the state's pose; d is 1 where nothing else is written; NaN where f has no value. */
   void (*values)(void *self, km_sweeper *sweeper, double *n, double *d);
+  /* After `values` at a sample: what comes is to be seen from there. NULL: nothing depends on it. */
+  void (*sampled)(void *self, km_sweeper *sweeper);
   /* The state stands at s, near a pole where one more sample shows the function's course; NULL: nobody asks. */
   bool (*between)(void *self, km_sweeper *sweeper, double s);
   bool ratios, extremes; /* what to look for: zeros and poles; extremes */
@@ -53,7 +55,7 @@ typedef struct km_scan {
 bool km_scan_reserve(km_scan *scan, int count);
 void km_scan_free(km_scan *scan);
 /* The state stands at s: samples the functions, and looks between this sample and the last ones (Brent's methods, GSL).
- * Comes back to s. KM_MEMORY. */
+ * Comes back to where the mover settles. KM_MEMORY. */
 km_status km_scan_sample(km_scan *scan, km_sweeper *sweeper, double s, km_error *error);
 /* Shows `between` the poses on the way from s to a pole (or, with `away`, from the pole to s). Leaves the state at one
  * of them. */

@@ -87,6 +87,11 @@ static void values(void *self, km_sweeper *r, double *n, double *d) {
   w->grown = !km_statics_ratios(r->m, r->s, w->statics, n, d) || w->grown;
 }
 
+static void sampled(void *self, km_sweeper *r) {
+  const watch *w = self;
+  km_statics_refer(r->m, r->s, w->statics);
+}
+
 /* The first pose was one where the actuators had a freedom less within their reach than elsewhere. */
 static km_status start_at_pole(watch *w, double s, km_error *error) {
   km_status status = KM_OK;
@@ -109,9 +114,6 @@ static km_status look(void *self, km_sweeper *r, double s, km_error *error) {
     status = start_at_pole(w, first_s, error);
   if (w->grown)
     w->scan.have = 1;
-  km_statics_hold(r->m, r->s, w->forces, w->statics);
-  km_statics_ratios(r->m, r->s, w->statics, w->scan.probe_n, w->scan.probe_d);
-  km_statics_refer(r->m, r->s, w->statics);
   return status;
 }
 
@@ -140,7 +142,7 @@ static km_status end_at(void *self, km_sweeper *r, double s, km_error *error) {
   watch *w = self;
   double *n = w->scan.probe_n, *d = w->scan.probe_d;
   km_status status = KM_OK;
-  r->mover.settle(r->mover.self, s);
+  r->mover.probe(r->mover.self, s, r->rates);
   if (r->substructure >= 0)
     km_numbers_update(r->m, r->s, r->substructure);
   values(w, r, n, d);
@@ -151,6 +153,7 @@ static km_status end_at(void *self, km_sweeper *r, double s, km_error *error) {
     if (stands && n[i] != 0.0 && !status)
       status = km_scan_show_end(&w->scan, r, s, error);
   }
+  r->mover.settle(r->mover.self);
   return status;
 }
 
@@ -191,8 +194,13 @@ static km_status run(const km_mechanism *m, km_state *s, const km_sweep_plan *pl
   km_statics_sweep *out = w->out;
   const km_statics *st = w->statics;
   km_observer observer = {w, add_columns, write_cells, see, look, forget, end_at};
-  w->scan = (km_scan){
-      .self = w, .values = values, .between = between, .ratios = true, .extremes = true, .events = &w->events};
+  w->scan = (km_scan){.self = w,
+                      .values = values,
+                      .sampled = sampled,
+                      .between = between,
+                      .ratios = true,
+                      .extremes = true,
+                      .events = &w->events};
   out->actuators = KM_NEW(int, (size_t)st->actuator_count);
   out->largest = KM_NEW(km_force_event, (size_t)st->actuator_count);
   if (!out->actuators || !out->largest || !km_scan_reserve(&w->scan, st->actuator_count))

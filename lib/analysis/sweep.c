@@ -46,6 +46,7 @@ km_status km_sweeper_show_end(km_sweeper *r, double s, double end, bool away, km
     if (x != end && r->mover.probe(r->mover.self, x, r->rates))
       status = r->observer->passed(r->observer->self, r, x, error);
   }
+  r->mover.settle(r->mover.self);
   return status;
 }
 

@@ -3,6 +3,16 @@
 
 #include <math.h>
 
+/* A drive, and whether it has left the row for a look at poses beside it. */
+typedef struct seat {
+  km_drive *drive;
+  bool away;
+} seat;
+
+static km_drive *drive_of(const km_sweeper *r) {
+  return ((const seat *)r->mover.self)->drive;
+}
+
 /* FROM is out of reach and the motion towards it ended at a bound: does s lie in what is left of the range? */
 static bool reachable(const km_sweeper *r, double s) {
   const km_sweep_plan *plan = r->plan;
@@ -22,7 +32,7 @@ static km_status pass(km_sweeper *r, double from, double to, bool begins, bool e
     status = km_sweeper_show_end(r, from + (to - from) / pieces, from, true, error);
   for (int k = 1; k <= pieces && !status; ++k) {
     double s = k == pieces ? to : from + (to - from) * k / pieces;
-    km_reach reach = km_drive_to(r->mover.self, s);
+    km_reach reach = km_drive_to(drive_of(r), s);
     if (reach.stop || (ends && k == pieces))
       return km_sweeper_show_end(r, last, reach.position, false, error); /* the row will end there too */
     if (k < pieces)
@@ -33,7 +43,7 @@ static km_status pass(km_sweeper *r, double from, double to, bool begins, bool e
 }
 
 static km_status rows(km_sweeper *r, km_error *error) {
-  km_drive *drive = r->mover.self;
+  km_drive *drive = drive_of(r);
   const km_sweep_plan *plan = r->plan;
   km_reach *start = &r->out->start, *end = &r->out->end;
   *start = *end = km_drive_to(drive, plan->from);
@@ -77,29 +87,38 @@ static km_status rows(km_sweeper *r, km_error *error) {
 }
 
 static bool rates(void *self, double *out) {
-  return km_drive_tangent(self, out);
+  return km_drive_tangent(((const seat *)self)->drive, out);
 }
 
 static bool probe(void *self, double s, double *out) {
-  return !km_drive_to(self, s).stop && km_drive_tangent(self, out);
+  seat *at = self;
+  if (at->away)
+    km_drive_return(at->drive);
+  else
+    km_drive_mark(at->drive);
+  at->away = true;
+  return !km_drive_to(at->drive, s).stop && km_drive_tangent(at->drive, out);
 }
 
-static void settle(void *self, double s) {
-  km_drive_to(self, s);
+static void settle(void *self) {
+  seat *at = self;
+  if (at->away)
+    km_drive_return(at->drive);
+  at->away = false;
 }
 
 km_status km_sweep_by_driver(km_sweeper *r, km_error *error) {
-  km_drive *drive;
+  seat at = {NULL, false};
   r->substructure = r->out->substructure = r->m->substructure_of[r->plan->coordinate];
   km_status status = km_sweeper_leave_branch(r, r->plan->coordinate, error);
   if (status)
     return status;
-  status = km_drive_create(r->m, r->s, r->plan->coordinate, r->plan->ignore_limits, &drive, error);
+  status = km_drive_create(r->m, r->s, r->plan->coordinate, r->plan->ignore_limits, &at.drive, error);
   if (status)
     return status;
-  r->mover = (km_mover){drive, rates, probe, settle};
+  r->mover = (km_mover){&at, rates, probe, settle};
   km_sweeper_prepare(r);
   status = rows(r, error);
-  km_drive_free(drive);
+  km_drive_free(at.drive);
   return status;
 }

@@ -15,8 +15,7 @@ static bool probe(void *self, double s, double *out) {
   return km_follow_visit(self, s - km_follow_length(self), out);
 }
 
-static void settle(void *self, double s) {
-  (void)s;
+static void settle(void *self) {
   km_follow_return(self);
 }
 
@@ -85,10 +84,8 @@ static km_status advance_to(km_sweeper *r, km_follow *follow, double length, boo
                             km_error *error) {
   km_status status = KM_OK;
   *moved = KM_OK;
-  if (km_follow_length(follow) == 0.0 && r->observer->passed) {
+  if (km_follow_length(follow) == 0.0)
     status = km_sweeper_show_end(r, stretch(r, length), 0.0, true, error);
-    settle(follow, 0.0);
-  }
   while (!status && !*moved && !km_follow_closed(follow) &&
          length - km_follow_length(follow) > 1e-9 * r->plan->arclength) {
     double left = length - km_follow_length(follow), step = stretch(r, left), seen = km_follow_length(follow);
@@ -96,10 +93,8 @@ static km_status advance_to(km_sweeper *r, km_follow *follow, double length, boo
     status = meet_branch(r, follow, error);
     if (!status && !*moved && step < left && !km_follow_closed(follow))
       status = r->observer->passed(r->observer->self, r, km_follow_length(follow), error);
-    if (!status && r->observer->passed && (*moved || (last && step >= left))) {
+    if (!status && (*moved || (last && step >= left)))
       status = km_sweeper_show_end(r, seen, km_follow_length(follow), false, error);
-      settle(follow, 0.0);
-    }
   }
   return status;
 }

@@ -12,7 +12,7 @@ typedef struct km_mover {
   bool (*rates)(void *self, double *rates);
   /* The same at another s near the row, where the state then stands; `settle` comes back to the row. */
   bool (*probe)(void *self, double s, double *rates);
-  void (*settle)(void *self, double s);
+  void (*settle)(void *self);
 } km_mover;
 
 typedef struct km_sweeper km_sweeper;

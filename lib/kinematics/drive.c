@@ -19,6 +19,14 @@ static const double negligible =
     1e-12; /* way to a target, relative: halves of it would be lost in the driver's digits */
 static const double halving_tolerance = 1e-4; /* model-format.md: for freedoms that move least */
 
+/* A place to come back to. */
+typedef struct mark {
+  double s, largest, stopped, last_h, *t, *last_t, *last_move, *pose;
+  int crossings;
+  bool known;
+  km_partition reference;
+} mark;
+
 struct km_drive {
   km_arena arena;
   const km_mechanism *mechanism;
@@ -37,6 +45,7 @@ struct km_drive {
   double last_h;              /* 0: none */
   double *saved, *near, *far, *begin, *first; /* poses to come back to */
   km_partition reference;                     /* pivots of the present pose, to compare signs with */
+  mark mark;
 };
 
 typedef enum attempt { ACCEPTED, OPEN, BENT, LIMITED, EXHAUSTED } attempt;
@@ -45,14 +54,16 @@ enum { MOST_STEPS = 200000 }; /* towards one target */
 
 static bool allocate(km_drive *d, const km_substructure *sub) {
   size_t n = (size_t)sub->columns;
-  double **arrays[] = {&d->t, &d->last_t, &d->last_move, &d->next_t, &d->move, &d->begin_t};
-  double **poses[] = {&d->saved, &d->near, &d->far, &d->begin, &d->first};
+  double **arrays[] = {&d->t,       &d->last_t, &d->last_move,   &d->next_t,        &d->move,
+                       &d->begin_t, &d->mark.t, &d->mark.last_t, &d->mark.last_move};
+  double **poses[] = {&d->saved, &d->near, &d->far, &d->begin, &d->first, &d->mark.pose};
   for (size_t i = 0; i < sizeof arrays / sizeof *arrays; ++i)
     *arrays[i] = KM_ARENA_NEW(&d->arena, double, n);
   for (size_t i = 0; i < sizeof poses / sizeof *poses; ++i)
     *poses[i] = KM_ARENA_NEW(&d->arena, double, KM_SAVED_PER_COLUMN *n);
-  return km_partition_reserve_like(&d->reference, &d->state->partition[d->substructure], sub->rows, sub->columns,
-                                   &d->arena);
+  const km_partition *like = &d->state->partition[d->substructure];
+  return km_partition_reserve_like(&d->mark.reference, like, sub->rows, sub->columns, &d->arena) &&
+         km_partition_reserve_like(&d->reference, like, sub->rows, sub->columns, &d->arena);
 }
 
 km_status km_drive_create(const km_mechanism *m, km_state *s, int coordinate, bool ignore_limits, km_drive **out,
@@ -411,4 +422,46 @@ bool km_drive_tangent(km_drive *d, double *rates) {
 
 int km_drive_crossings(const km_drive *d) {
   return d->crossings;
+}
+
+void km_drive_mark(km_drive *d) {
+  mark *k = &d->mark;
+  if (d->substructure < 0) {
+    k->s = d->state->q[d->coordinate];
+    return;
+  }
+  size_t bytes = (size_t)driven(d)->columns * sizeof *d->t;
+  k->s = d->s;
+  k->largest = d->largest;
+  k->stopped = d->stopped;
+  k->last_h = d->last_h;
+  k->crossings = d->crossings;
+  k->known = d->known;
+  memcpy(k->t, d->t, bytes);
+  memcpy(k->last_t, d->last_t, bytes);
+  memcpy(k->last_move, d->last_move, bytes);
+  km_state_save(d->state, driven(d), k->pose);
+  km_partition_copy_pivots(&k->reference, &d->reference);
+}
+
+void km_drive_return(km_drive *d) {
+  const mark *k = &d->mark;
+  if (d->substructure < 0) {
+    d->state->q[d->coordinate] = k->s;
+    return;
+  }
+  size_t bytes = (size_t)driven(d)->columns * sizeof *d->t;
+  d->s = k->s;
+  d->largest = k->largest;
+  d->stopped = k->stopped;
+  d->last_h = k->last_h;
+  d->crossings = k->crossings;
+  d->known = k->known;
+  memcpy(d->t, k->t, bytes);
+  memcpy(d->last_t, k->last_t, bytes);
+  memcpy(d->last_move, k->last_move, bytes);
+  km_state_restore(d->state, driven(d), k->pose);
+  km_partition_copy_pivots(&d->reference, &k->reference);
+  km_loops_update(d->mechanism, d->state, driven(d));
+  d->state->pivoted[d->substructure] = KM_NEVER;
 }

@@ -24,7 +24,17 @@ static void wedges(void **state) {
   assert_true(count.locks > 100);
 }
 
+static void planar_forces(void **state) {
+  (void)state;
+  family_count count = all(family_planar_forces, 150);
+  assert_true(count.zeros > 50);
+  assert_true(count.poles > 50);
+  assert_true(count.peaks > 50);
+  assert_true(count.ends > 5);
+}
+
 int main(void) {
-  const struct CMUnitTest tests[] = {cmocka_unit_test(friction), cmocka_unit_test(wedges)};
+  const struct CMUnitTest tests[] = {cmocka_unit_test(friction), cmocka_unit_test(wedges),
+                                     cmocka_unit_test(planar_forces)};
   return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -1,0 +1,88 @@
+/* Zeros, poles and peaks of n/d by its values at many poses. */
+#include "support/course.h"
+
+#include "base/memory.h"
+
+#include <math.h>
+
+enum { MOST_EVENTS = 200 };
+
+course course_make(int count) {
+  double *data = KM_NEW(double, 3 * (size_t)count);
+  return (course){count, data, data + count, data + 2 * count};
+}
+
+void course_free(course *c) {
+  km_free(c->s);
+  *c = (course){0};
+}
+
+typedef struct expected {
+  km_force_event_kind kind;
+  double low, high;
+  bool found;
+} expected;
+
+static double force(const course *c, int i) {
+  return fabs(c->n[i] / c->d[i]);
+}
+
+static void expect(expected *list, int *count, km_force_event_kind kind, double a, double b) {
+  if (*count < MOST_EVENTS)
+    list[(*count)++] = (expected){kind, fmin(a, b), fmax(a, b), false};
+}
+
+/* Peaks between samples i−1 and i+1 of one sign that no pole parts. */
+static bool peaks(const course *c, int i) {
+  bool apart = c->d[i - 1] * c->d[i] < 0.0 || c->d[i] * c->d[i + 1] < 0.0;
+  return !apart && force(c, i) > force(c, i - 1) && force(c, i) > force(c, i + 1);
+}
+
+static int list_of(const course *c, bool ends, expected *list) {
+  int count = 0;
+  for (int i = 0; i + 1 < c->count; ++i) {
+    if (c->n[i] * c->n[i + 1] < 0.0)
+      expect(list, &count, KM_FORCE_BALANCED, c->s[i], c->s[i + 1]);
+    if (c->d[i] * c->d[i + 1] < 0.0)
+      expect(list, &count, KM_FORCE_UNBOUNDED, c->s[i], c->s[i + 1]);
+    if (i > 0 && peaks(c, i))
+      expect(list, &count, KM_FORCE_PEAK, c->s[i - 1], c->s[i + 1]);
+  }
+  if (ends)
+    expect(list, &count, KM_FORCE_UNBOUNDED, c->s[c->count - 1], c->s[c->count - 1]);
+  return count;
+}
+
+static const char *word(km_force_event_kind kind) {
+  return kind == KM_FORCE_BALANCED ? "zero" : kind == KM_FORCE_PEAK ? "peak" : "pole";
+}
+
+bool course_agrees(const course *c, const km_statics_sweep *sweep, int actuator, bool ends, family_count *count) {
+  expected list[MOST_EVENTS];
+  int expects = list_of(c, ends, list);
+  bool right = true;
+  double whole = fabs(c->s[c->count - 1] - c->s[0]), slack = 1e-8 * (1.0 + whole);
+  for (size_t e = 0; e < sweep->event_count; ++e) {
+    const km_force_event *event = &sweep->events[e];
+    bool known = event->actuator != actuator;
+    for (int i = 0; i < expects && !known; ++i) {
+      bool here = event->s >= list[i].low - slack && event->s <= list[i].high + slack;
+      known = !list[i].found && event->kind == list[i].kind && here;
+      list[i].found = list[i].found || known;
+    }
+    if (!known)
+      print_error("  actuator %d: a %s is told at %.12g\n", actuator, word(event->kind), event->s);
+    right = right && known;
+  }
+  for (int i = 0; i < expects; ++i) {
+    if (!list[i].found)
+      print_error("  actuator %d: no %s is told between %.12g and %.12g\n", actuator, word(list[i].kind), list[i].low,
+                  list[i].high);
+    right = right && list[i].found;
+    count->zeros += list[i].kind == KM_FORCE_BALANCED;
+    count->poles += list[i].kind == KM_FORCE_UNBOUNDED;
+    count->peaks += list[i].kind == KM_FORCE_PEAK;
+  }
+  count->ends += ends;
+  return right;
+}
