@@ -57,11 +57,12 @@ static const char *word(km_force_event_kind kind) {
   return kind == KM_FORCE_BALANCED ? "zero" : kind == KM_FORCE_PEAK ? "peak" : "pole";
 }
 
-bool course_agrees(const course *c, const km_statics_sweep *sweep, int actuator, bool ends, family_count *count) {
+bool course_agrees(const course *c, const km_statics_sweep *sweep, int actuator, bool ends, double slack,
+                   family_count *count) {
   expected list[MOST_EVENTS];
   int expects = list_of(c, ends, list);
   bool right = true;
-  double whole = fabs(c->s[c->count - 1] - c->s[0]), slack = 1e-8 * (1.0 + whole);
+  slack *= 1.0 + fabs(c->s[c->count - 1] - c->s[0]);
   for (size_t e = 0; e < sweep->event_count; ++e) {
     const km_force_event *event = &sweep->events[e];
     bool known = event->actuator != actuator;

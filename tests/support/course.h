@@ -2,8 +2,8 @@
 #ifndef KM_TESTS_COURSE_H
 #define KM_TESTS_COURSE_H
 
-#include "support/forces.h"
 #include "kmech/statics_sweep.h"
+#include "support/forces.h"
 
 typedef struct course {
   int count;
@@ -14,7 +14,8 @@ course course_make(int count);
 void course_free(course *c);
 
 /* Are the events of the sweep's actuator those of the course, one for one? An end at which the actuator has no bound
- * beside them: `ends`. Says what isn't. */
-bool course_agrees(const course *c, const km_statics_sweep *sweep, int actuator, bool ends, family_count *count);
+ * beside them: `ends`. `slack`: of a place, over the range. Says what isn't. */
+bool course_agrees(const course *c, const km_statics_sweep *sweep, int actuator, bool ends, double slack,
+                   family_count *count);
 
 #endif

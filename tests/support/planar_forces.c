@@ -4,9 +4,12 @@
 
 #include <math.h>
 #include <string.h>
-#include <stdlib.h>
 
 enum { SAMPLES = 6000, MOST_LOADS = 2 };
+
+/* How far events may lie from the course's: of two freedoms the path depends on its steps, by 1e-4 a step of the sweep.
+ */
+static const double least_path = 5e-3;
 
 /* One sweep and what acts. */
 typedef struct planar_case {
@@ -21,7 +24,7 @@ typedef struct planar_case {
 
 static planar_case make(randomness *r) {
   planar_case k = {.load_count = below(r, MOST_LOADS + 1), .gravity = {uniform(r, -9.0, 9.0), uniform(r, -9.0, 9.0)}};
-  int freedoms = getenv("ONE")? 1 : below(r, 3) == 0 ? 2 : 1;
+  int freedoms = below(r, 3) == 0 ? 2 : 1;
   k.p = planar_random(r, freedoms, 1 + below(r, 2), false);
   for (int i = 0; i < k.load_count; ++i) {
     const planar_joint *j = &k.p.joint[k.loaded[i] = below(r, k.p.joints)];
@@ -118,6 +121,17 @@ static km_status sweep_of(const planar_case *k, fixture *f, km_statics_sweep *sw
   return status;
 }
 
+/* Has the actuator's force no bound at the end of the driver? The last pose is within 1e-9 of it, and d like its root.
+ */
+static bool gives_out(const course *c) {
+  double n = 0.0, d = 0.0;
+  for (int i = 0; i < c->count; ++i) {
+    n = fmax(n, fabs(c->n[i]));
+    d = fmax(d, fabs(c->d[i]));
+  }
+  return fabs(c->d[c->count - 1]) < 1e-4 * d && fabs(c->n[c->count - 1]) > 1e-3 * n;
+}
+
 /* Does the set of actuators move all freedoms somewhere? */
 static bool drives(const course *c) {
   double largest = 0.0;
@@ -140,7 +154,7 @@ bool family_planar_forces(uint64_t seed, family_count *count) {
     for (int a = 0; a < k.p.freedoms; ++a) {
       bool ends =
           sweep.motion.end.stop == KM_STOP_TOGGLE && k.plan.arclength <= 0.0 && k.actuators[a] == k.plan.coordinate;
-      right = course_agrees(&c[a], &sweep, a, ends, count) && right;
+      right = course_agrees(&c[a], &sweep, a, ends, k.p.freedoms > 1 ? least_path : 1e-8, count) && right;
     }
   }
   if (!right)
