@@ -29,6 +29,7 @@ typedef struct mark {
 
 struct km_drive {
   km_arena arena;
+  mark mark;
   const km_mechanism *mechanism;
   km_state *state;
   int coordinate, substructure, column;
@@ -45,7 +46,6 @@ struct km_drive {
   double last_h;              /* 0: none */
   double *saved, *near, *far, *begin, *first; /* poses to come back to */
   km_partition reference;                     /* pivots of the present pose, to compare signs with */
-  mark mark;
 };
 
 typedef enum attempt { ACCEPTED, OPEN, BENT, LIMITED, EXHAUSTED } attempt;
@@ -54,16 +54,25 @@ enum { MOST_STEPS = 200000 }; /* towards one target */
 
 static bool allocate(km_drive *d, const km_substructure *sub) {
   size_t n = (size_t)sub->columns;
-  double **arrays[] = {&d->t,       &d->last_t, &d->last_move,   &d->next_t,        &d->move,
-                       &d->begin_t, &d->mark.t, &d->mark.last_t, &d->mark.last_move};
-  double **poses[] = {&d->saved, &d->near, &d->far, &d->begin, &d->first, &d->mark.pose};
+  double **arrays[] = {&d->t, &d->last_t, &d->last_move, &d->next_t, &d->move, &d->begin_t};
+  double **poses[] = {&d->saved, &d->near, &d->far, &d->begin, &d->first};
   for (size_t i = 0; i < sizeof arrays / sizeof *arrays; ++i)
     *arrays[i] = KM_ARENA_NEW(&d->arena, double, n);
   for (size_t i = 0; i < sizeof poses / sizeof *poses; ++i)
     *poses[i] = KM_ARENA_NEW(&d->arena, double, KM_SAVED_PER_COLUMN *n);
-  const km_partition *like = &d->state->partition[d->substructure];
-  return km_partition_reserve_like(&d->mark.reference, like, sub->rows, sub->columns, &d->arena) &&
-         km_partition_reserve_like(&d->reference, like, sub->rows, sub->columns, &d->arena);
+  return km_partition_reserve_like(&d->reference, &d->state->partition[d->substructure], sub->rows, sub->columns,
+                                   &d->arena);
+}
+
+static bool allocate_mark(km_drive *d, const km_substructure *sub) {
+  mark *k = &d->mark;
+  size_t n = (size_t)sub->columns;
+  k->t = KM_ARENA_NEW(&d->arena, double, n);
+  k->last_t = KM_ARENA_NEW(&d->arena, double, n);
+  k->last_move = KM_ARENA_NEW(&d->arena, double, n);
+  k->pose = KM_ARENA_NEW(&d->arena, double, KM_SAVED_PER_COLUMN *n);
+  return km_partition_reserve_like(&k->reference, &d->state->partition[d->substructure], sub->rows, sub->columns,
+                                   &d->arena);
 }
 
 km_status km_drive_create(const km_mechanism *m, km_state *s, int coordinate, bool ignore_limits, km_drive **out,
@@ -89,7 +98,7 @@ km_status km_drive_create(const km_mechanism *m, km_state *s, int coordinate, bo
                   .s = s->q[coordinate] / m->unit[coordinate],
                   .largest = longest};
   const km_substructure *sub = d->substructure >= 0 ? &m->substructures[d->substructure] : NULL;
-  if (sub && !allocate(d, sub)) {
+  if (sub && (!allocate(d, sub) || !allocate_mark(d, sub))) {
     km_drive_free(d);
     return km_fail(error, KM_MEMORY, "out of memory for a sweep");
   }

@@ -152,8 +152,7 @@ bool family_planar_forces(uint64_t seed, family_count *count) {
   bool right = status == KM_OK || status == KM_PARTIAL;
   if (right && sweep.motion.start.stop == KM_STOP_NONE && walk(&k, &g, &sweep.motion, c) && drives(c)) {
     for (int a = 0; a < k.p.freedoms; ++a) {
-      bool ends =
-          sweep.motion.end.stop == KM_STOP_TOGGLE && k.plan.arclength <= 0.0 && k.actuators[a] == k.plan.coordinate;
+      bool ends = sweep.motion.end.stop == KM_STOP_TOGGLE && k.plan.arclength <= 0.0 && gives_out(&c[a]);
       right = course_agrees(&c[a], &sweep, a, ends, k.p.freedoms > 1 ? least_path : 1e-8, count) && right;
     }
   }
