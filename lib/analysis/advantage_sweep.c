@@ -150,18 +150,10 @@ static void forget(void *self) {
   ((watch *)self)->scan.have = 0;
 }
 
-/* A driver that gives out stands while the rest moves. */
 static km_status end_at(void *self, km_sweeper *r, double s, km_error *error) {
   watch *w = self;
-  bool input = w->out->input.coordinate == r->plan->coordinate,
-       output = w->out->output.coordinate == r->plan->coordinate;
-  km_status status = input    ? add_toggle(w, KM_ADVANTAGE_ZERO, s, error)
-                     : output ? add_toggle(w, KM_ADVANTAGE_INFINITE, s, error)
-                              : KM_OK;
-  if (output && !status)
-    status = km_scan_show_end(&w->scan, r, s, error);
-  r->mover.settle(r->mover.self);
-  return status;
+  w->followed = false; /* an end of a driver isn't a branch point */
+  return km_scan_end(&w->scan, r, s, error);
 }
 
 /* Zeros and poles as toggles: two in one place leave the advantage undefined there. */

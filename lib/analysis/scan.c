@@ -186,22 +186,14 @@ static km_status approach(km_scan *scan, km_sweeper *r, int i, double s, double 
   return status;
 }
 
-km_status km_scan_show(km_scan *scan, km_sweeper *r, double s, double pole, bool away, km_error *error) {
+/* Shows `between` the poses on the way from s to a pole, or away from it. */
+static km_status show(km_scan *scan, km_sweeper *r, double s, double pole, bool away, km_error *error) {
   for (int k = 0; k < APPROACHES && scan->between; ++k) {
     double x = place(s, pole, away, k);
     if (visit(scan, r, x) && !scan->between(scan->self, r, x))
       return km_fail(error, KM_MEMORY, "out of memory for a sweep");
   }
   return KM_OK;
-}
-
-km_status km_scan_show_end(km_scan *scan, km_sweeper *r, double pole, km_error *error) {
-  const km_table *table = r->out->table;
-  size_t rows = km_table_rows(table);
-  if (rows < 2)
-    return KM_OK;
-  bool away = km_table_row(table, 0)[1] == pole;
-  return km_scan_show(scan, r, km_table_row(table, away ? 1 : rows - 2)[1], pole, away, error);
 }
 
 /* Both sides of a pole between the last two samples, as far as they lie between them. */
@@ -213,7 +205,7 @@ static km_status pass_pole(km_scan *scan, km_sweeper *r, int i, double pole, km_
     if (s == pole)
       continue;
     if (!shown)
-      status = km_scan_show(scan, r, s, pole, away, error);
+      status = show(scan, r, s, pole, away, error);
     if (!status)
       status = approach(scan, r, i, s, pole, away, error);
   }
@@ -298,5 +290,48 @@ km_status km_scan_sample(km_scan *scan, km_sweeper *r, double s, km_error *error
     if (r->substructure >= 0)
       km_numbers_update(r->m, r->s, r->substructure);
   }
+  return status;
+}
+
+/* Of x at twice the root of the way, and at once: is nothing left of it at the end? */
+static bool comes_to_nothing(double twice, double once) {
+  return twice != 0.0 && fabs(2.0 * fabs(once) - fabs(twice)) < 0.05 * fabs(twice);
+}
+
+static bool is_known(const km_events *events, int function, double s) {
+  for (size_t i = 0; i < events->count; ++i) {
+    const km_event *e = &events->items[i];
+    bool here = e->function == function && fabs(e->s - s) <= 1e-9 * (1.0 + fabs(s));
+    if (here && e->kind != KM_EVENT_MINIMUM && e->kind != KM_EVENT_MAXIMUM)
+      return true;
+  }
+  return false;
+}
+
+km_status km_scan_end(km_scan *scan, km_sweeper *r, double end, km_error *error) {
+  const km_table *table = r->out->table;
+  size_t rows = km_table_rows(table), n = (size_t)scan->count * sizeof(double);
+  km_status status = KM_OK;
+  if (rows < 2)
+    return KM_OK;
+  bool away = km_table_row(table, 0)[1] == end;
+  double s = km_table_row(table, away ? 1 : rows - 2)[1];
+  for (int k = 0; k < 2; ++k) { /* twice the root of the way, then once */
+    if (!visit(scan, r, end + (s - end) * ldexp(1.0, -14 - 2 * k)))
+      return KM_OK;
+    memcpy(scan->n[k], scan->probe_n, n);
+    memcpy(scan->d[k], scan->probe_d, n);
+  }
+  scan->have = 0;
+  for (int i = 0; i < scan->count && !status; ++i) {
+    bool zero = comes_to_nothing(scan->n[0][i], scan->n[1][i]), pole = comes_to_nothing(scan->d[0][i], scan->d[1][i]);
+    km_event_kind kind = zero && pole ? KM_EVENT_UNDEFINED : pole ? KM_EVENT_POLE : KM_EVENT_ZERO;
+    if ((zero || pole) && !is_known(scan->events, i, end))
+      status = km_events_add(scan->events, (km_event){kind, i, end, kind == KM_EVENT_POLE ? HUGE_VAL : 0.0}, error);
+    if (pole && !zero && !status && scan->shown != end)
+      status = show(scan, r, s, end, away, error);
+    scan->shown = pole && !zero ? end : scan->shown;
+  }
+  r->mover.settle(r->mover.self);
   return status;
 }

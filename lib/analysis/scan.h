@@ -57,11 +57,9 @@ void km_scan_free(km_scan *scan);
 /* The state stands at s: samples the functions, and looks between this sample and the last ones (Brent's methods, GSL).
  * Comes back to where the mover settles. KM_MEMORY. */
 km_status km_scan_sample(km_scan *scan, km_sweeper *sweeper, double s, km_error *error);
-/* Shows `between` the poses on the way from s to a pole (or, with `away`, from the pole to s). Leaves the state at one
- * of them. */
-km_status km_scan_show(km_scan *scan, km_sweeper *sweeper, double s, double pole, bool away, km_error *error);
-/* The same beside a pole at the first or the last row. */
-km_status km_scan_show_end(km_scan *scan, km_sweeper *sweeper, double pole, km_error *error);
+/* The driver gives out at `end`, which is the first or the last row. Whatever else stands there comes to it as the root
+ * of the way: tells the zeros and poles. After the last sample. */
+km_status km_scan_end(km_scan *scan, km_sweeper *sweeper, double end, km_error *error);
 
 km_status km_events_add(km_events *events, km_event event, km_error *error);
 /* Into the order in which the sweep passed them. */

@@ -1,6 +1,5 @@
 /* Static balance over a sweep: where actuators rest, peak, or can't hold. */
 #include "kmech/statics_sweep.h"
-#include "analysis/mobility.h"
 #include "analysis/scan.h"
 #include "analysis/statics.h"
 #include "base/text.h"
@@ -8,9 +7,6 @@
 #include <string.h>
 
 static const double rounding = 1e-11; /* of all applied forces: an actuator's force below this is 0 */
-
-/* An end is located to 1e-9 or better, and the driver's rate comes to 0 as the square root of the way to it. */
-static const double standing = 1e-4;
 
 typedef struct watch {
   km_statics_sweep *out;
@@ -137,24 +133,8 @@ static bool between(void *self, km_sweeper *r, double s) {
   return km_sweeper_between(r, s);
 }
 
-/* A driver that gives out stands while the rest moves: what it holds as an actuator has no bound. */
 static km_status end_at(void *self, km_sweeper *r, double s, km_error *error) {
-  watch *w = self;
-  double *n = w->scan.probe_n, *d = w->scan.probe_d;
-  km_status status = KM_OK;
-  r->mover.probe(r->mover.self, s, r->rates);
-  if (r->substructure >= 0)
-    km_numbers_update(r->m, r->s, r->substructure);
-  values(w, r, n, d);
-  for (int i = 0; i < w->statics->actuator_count && !status; ++i) {
-    bool stands = w->statics->actuators[i] == r->plan->coordinate && fabs(d[i]) < standing;
-    if (stands && n[i] != 0.0 && d[i] != 0.0) /* the row itself has told where it is exactly 0 */
-      status = km_events_add(&w->events, (km_event){KM_EVENT_POLE, i, s, HUGE_VAL}, error);
-    if (stands && n[i] != 0.0 && !status)
-      status = km_scan_show_end(&w->scan, r, s, error);
-  }
-  r->mover.settle(r->mover.self);
-  return status;
+  return km_scan_end(&((watch *)self)->scan, r, s, error);
 }
 
 static void forget(void *self) {
