@@ -298,14 +298,16 @@ static bool comes_to_nothing(double twice, double once) {
   return twice != 0.0 && fabs(2.0 * fabs(once) - fabs(twice)) < 0.05 * fabs(twice);
 }
 
-static bool is_known(const km_events *events, int function, double s) {
+/* What the row at an end has told of a function by rounding. */
+static void forget_row(km_events *events, int function, double s) {
+  size_t kept = 0;
   for (size_t i = 0; i < events->count; ++i) {
     const km_event *e = &events->items[i];
-    bool here = e->function == function && fabs(e->s - s) <= 1e-9 * (1.0 + fabs(s));
-    if (here && e->kind != KM_EVENT_MINIMUM && e->kind != KM_EVENT_MAXIMUM)
-      return true;
+    bool extreme = e->kind == KM_EVENT_MINIMUM || e->kind == KM_EVENT_MAXIMUM;
+    if (extreme || e->function != function || fabs(e->s - s) > 1e-9 * (1.0 + fabs(s)))
+      events->items[kept++] = *e;
   }
-  return false;
+  events->count = kept;
 }
 
 km_status km_scan_end(km_scan *scan, km_sweeper *r, double end, km_error *error) {
@@ -326,7 +328,9 @@ km_status km_scan_end(km_scan *scan, km_sweeper *r, double end, km_error *error)
   for (int i = 0; i < scan->count && !status; ++i) {
     bool zero = comes_to_nothing(scan->n[0][i], scan->n[1][i]), pole = comes_to_nothing(scan->d[0][i], scan->d[1][i]);
     km_event_kind kind = zero && pole ? KM_EVENT_UNDEFINED : pole ? KM_EVENT_POLE : KM_EVENT_ZERO;
-    if ((zero || pole) && !is_known(scan->events, i, end))
+    if (zero || pole)
+      forget_row(scan->events, i, end);
+    if (zero || pole)
       status = km_events_add(scan->events, (km_event){kind, i, end, kind == KM_EVENT_POLE ? HUGE_VAL : 0.0}, error);
     if (pole && !zero && !status && scan->shown != end)
       status = show(scan, r, s, end, away, error);

@@ -37,12 +37,13 @@ static bool meets(km_sweeper *r) {
 }
 
 km_status km_sweeper_show_end(km_sweeper *r, double s, double end, bool away, km_error *error) {
-  enum { PLACES = 12 };
+  /* Of several freedoms the path is known less well than a pose is. */
+  int places = r->out->freedom > 1 ? 6 : 12;
   km_status status = KM_OK;
   if (!r->observer->passed || meets(r))
     return KM_OK;
-  for (int k = 1; k <= PLACES && !status; ++k) {
-    double x = end + (s - end) * ldexp(1.0, -2 * (away ? PLACES + 1 - k : k));
+  for (int k = 1; k <= places && !status; ++k) {
+    double x = end + (s - end) * ldexp(1.0, -2 * (away ? places + 1 - k : k));
     if (x != end && r->mover.probe(r->mover.self, x, r->rates))
       status = r->observer->passed(r->observer->self, r, x, error);
   }

@@ -129,7 +129,7 @@ static bool gives_out(const course *c) {
     n = fmax(n, fabs(c->n[i]));
     d = fmax(d, fabs(c->d[i]));
   }
-  return fabs(c->d[c->count - 1]) < 1e-4 * d && fabs(c->n[c->count - 1]) > 1e-3 * n;
+  return fabs(c->d[c->count - 1]) < 1e-3 * d && fabs(c->n[c->count - 1]) > 1e-3 * n;
 }
 
 /* Does the set of actuators move all freedoms somewhere? */
