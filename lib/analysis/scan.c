@@ -293,9 +293,9 @@ km_status km_scan_sample(km_scan *scan, km_sweeper *r, double s, km_error *error
   return status;
 }
 
-/* Of x at twice the root of the way, and at once: is nothing left of it at the end? */
-static bool comes_to_nothing(double twice, double once) {
-  return twice != 0.0 && fabs(2.0 * fabs(once) - fabs(twice)) < 0.05 * fabs(twice);
+/* Of x at four times the root of the way, twice and once: is nothing left of it at the end? By the parabola. */
+static bool comes_to_nothing(const double x[3]) {
+  return x[0] != 0.0 && fabs(8.0 * x[2] - 6.0 * x[1] + x[0]) < 3.0 * 0.05 * fabs(x[0]);
 }
 
 /* What the row at an end has told of a function by rounding. */
@@ -312,29 +312,29 @@ static void forget_row(km_events *events, int function, double s) {
 
 km_status km_scan_end(km_scan *scan, km_sweeper *r, double end, km_error *error) {
   const km_table *table = r->out->table;
-  size_t rows = km_table_rows(table), n = (size_t)scan->count * sizeof(double);
+  size_t rows = km_table_rows(table);
   km_status status = KM_OK;
   if (rows < 2)
     return KM_OK;
   bool away = km_table_row(table, 0)[1] == end;
   double s = km_table_row(table, away ? 1 : rows - 2)[1];
-  for (int k = 0; k < 2; ++k) { /* twice the root of the way, then once */
-    if (!visit(scan, r, end + (s - end) * ldexp(1.0, -14 - 2 * k)))
-      return KM_OK;
-    memcpy(scan->n[k], scan->probe_n, n);
-    memcpy(scan->d[k], scan->probe_d, n);
-  }
-  scan->have = 0;
   for (int i = 0; i < scan->count && !status; ++i) {
-    bool zero = comes_to_nothing(scan->n[0][i], scan->n[1][i]), pole = comes_to_nothing(scan->d[0][i], scan->d[1][i]);
+    double n[3], d[3];
+    for (int k = 0; k < 3; ++k) {
+      if (!visit(scan, r, end + (s - end) * ldexp(1.0, -12 - 2 * k)))
+        return KM_OK;
+      n[k] = scan->probe_n[i];
+      d[k] = scan->probe_d[i];
+    }
+    bool zero = comes_to_nothing(n), pole = comes_to_nothing(d);
     km_event_kind kind = zero && pole ? KM_EVENT_UNDEFINED : pole ? KM_EVENT_POLE : KM_EVENT_ZERO;
-    if (zero || pole)
-      forget_row(scan->events, i, end);
-    if (zero || pole)
-      status = km_events_add(scan->events, (km_event){kind, i, end, kind == KM_EVENT_POLE ? HUGE_VAL : 0.0}, error);
-    if (pole && !zero && !status && scan->shown != end)
+    if (!zero && !pole)
+      continue;
+    forget_row(scan->events, i, end);
+    status = km_events_add(scan->events, (km_event){kind, i, end, kind == KM_EVENT_POLE ? HUGE_VAL : 0.0}, error);
+    if (kind == KM_EVENT_POLE && !status && scan->shown != end)
       status = show(scan, r, s, end, away, error);
-    scan->shown = pole && !zero ? end : scan->shown;
+    scan->shown = kind == KM_EVENT_POLE ? end : scan->shown;
   }
   r->mover.settle(r->mover.self);
   return status;
