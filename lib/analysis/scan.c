@@ -22,8 +22,12 @@ bool km_scan_reserve(km_scan *scan, int count) {
   scan->shown = nan("");
   scan->probe_n = KM_NEW(double, 6 * n);
   scan->runs = KM_NEW(km_run, n);
-  if (!scan->probe_n || !scan->runs)
+  scan->first.n = KM_NEW(double, 4 * KM_ENDING * n);
+  if (!scan->probe_n || !scan->runs || !scan->first.n)
     return false;
+  scan->first.d = scan->first.n + KM_ENDING * n;
+  scan->last.n = scan->first.d + KM_ENDING * n;
+  scan->last.d = scan->last.n + KM_ENDING * n;
   scan->probe_d = scan->probe_n + n;
   for (int i = 0; i < 2; ++i) {
     scan->n[i] = scan->probe_n + (size_t)(2 + i) * n;
@@ -35,6 +39,7 @@ bool km_scan_reserve(km_scan *scan, int count) {
 void km_scan_free(km_scan *scan) {
   km_free(scan->probe_n);
   km_free(scan->runs);
+  km_free(scan->first.n);
 }
 
 km_status km_events_add(km_events *events, km_event event, km_error *error) {
@@ -268,6 +273,25 @@ static km_status look(km_scan *scan, km_sweeper *r, int i, bool *moved, km_error
   return status || d == 0.0 ? status : take(scan, r, i, scan->s[0], n / d, moved, error);
 }
 
+/* The newest sample becomes the first of the last ones, and, of the first ones, the last. */
+static void keep_ending(km_scan *scan) {
+  size_t n = (size_t)scan->count, row = n * sizeof(double);
+  km_ending *last = &scan->last, *first = &scan->first;
+  memmove(last->s + 1, last->s, (KM_ENDING - 1) * sizeof *last->s);
+  memmove(last->n + n, last->n, (KM_ENDING - 1) * row);
+  memmove(last->d + n, last->d, (KM_ENDING - 1) * row);
+  last->s[0] = scan->s[0];
+  memcpy(last->n, scan->n[0], row);
+  memcpy(last->d, scan->d[0], row);
+  last->have += last->have < KM_ENDING;
+  if (first->have == KM_ENDING)
+    return;
+  first->s[first->have] = scan->s[0];
+  memcpy(first->n + (size_t)first->have * n, scan->n[0], row);
+  memcpy(first->d + (size_t)first->have * n, scan->d[0], row);
+  first->have++;
+}
+
 km_status km_scan_sample(km_scan *scan, km_sweeper *r, double s, km_error *error) {
   double *n = scan->n[1], *d = scan->d[1];
   scan->s[1] = scan->s[0];
@@ -281,6 +305,7 @@ km_status km_scan_sample(km_scan *scan, km_sweeper *r, double s, km_error *error
   evaluate(scan, r, n, d);
   if (scan->sampled)
     scan->sampled(scan->self, r);
+  keep_ending(scan);
   bool moved = false;
   km_status status = KM_OK;
   for (int i = 0; i < scan->count && !status; ++i)
@@ -293,9 +318,23 @@ km_status km_scan_sample(km_scan *scan, km_sweeper *r, double s, km_error *error
   return status;
 }
 
-/* Of x at four times the root of the way, twice and once: is nothing left of it at the end? By the parabola. */
-static bool comes_to_nothing(const double x[3]) {
-  return x[0] != 0.0 && fabs(8.0 * x[2] - 6.0 * x[1] + x[0]) < 3.0 * 0.05 * fabs(x[0]);
+/* Of x at once, twice and four times the root of the way to the end: is nothing left of it there? By the parabola. */
+static bool comes_to_nothing(const double *x, int count) {
+  double once = fabs(x[0]), twice = fabs(x[count]), four = fabs(x[2 * count]);
+  return four != 0.0 && fabs(8.0 * once - 6.0 * twice + four) < 3.0 * 0.05 * four;
+}
+
+/* The first of three samples that come to the end by quarters of the way, far enough from it: it is located to 1e-9.
+ * -1: none. */
+static int nearest(const km_ending *ending, double end) {
+  for (int k = 1; k + 2 < ending->have; ++k) {
+    double way = fabs(ending->s[k] - end);
+    bool quarters = fabs(fabs(ending->s[k + 1] - end) - 4.0 * way) < 0.01 * way &&
+                    fabs(fabs(ending->s[k + 2] - end) - 16.0 * way) < 0.01 * way;
+    if (quarters && way > 1e-7 * (1.0 + fabs(end)))
+      return k;
+  }
+  return -1;
 }
 
 /* What the row at an end has told of a function by rounding. */
@@ -313,28 +352,25 @@ static void forget_row(km_events *events, int function, double s) {
 km_status km_scan_end(km_scan *scan, km_sweeper *r, double end, km_error *error) {
   const km_table *table = r->out->table;
   size_t rows = km_table_rows(table);
-  km_status status = KM_OK;
   if (rows < 2)
     return KM_OK;
   bool away = km_table_row(table, 0)[1] == end;
-  double s = km_table_row(table, away ? 1 : rows - 2)[1];
-  for (int i = 0; i < scan->count && !status; ++i) {
-    double n[3], d[3];
-    for (int k = 0; k < 3; ++k) {
-      if (!visit(scan, r, end + (s - end) * ldexp(1.0, -12 - 2 * k)))
-        return KM_OK;
-      n[k] = scan->probe_n[i];
-      d[k] = scan->probe_d[i];
-    }
-    bool zero = comes_to_nothing(n), pole = comes_to_nothing(d);
+  const km_ending *ending = away ? &scan->first : &scan->last;
+  int k = nearest(ending, end), count = scan->count;
+  km_status status = KM_OK;
+  for (int i = 0; i < count && k > 0 && !status; ++i) {
+    bool zero = comes_to_nothing(ending->n + k * count + i, count);
+    bool pole = comes_to_nothing(ending->d + k * count + i, count);
     km_event_kind kind = zero && pole ? KM_EVENT_UNDEFINED : pole ? KM_EVENT_POLE : KM_EVENT_ZERO;
     if (!zero && !pole)
       continue;
     forget_row(scan->events, i, end);
     status = km_events_add(scan->events, (km_event){kind, i, end, kind == KM_EVENT_POLE ? HUGE_VAL : 0.0}, error);
-    if (kind == KM_EVENT_POLE && !status && scan->shown != end)
-      status = show(scan, r, s, end, away, error);
-    scan->shown = kind == KM_EVENT_POLE ? end : scan->shown;
+    /* Of several freedoms a way back from an end needn't be the one that led to it. */
+    if (kind != KM_EVENT_POLE || status || scan->shown == end || r->out->freedom > 1)
+      continue;
+    status = show(scan, r, km_table_row(table, away ? 1 : rows - 2)[1], end, away, error);
+    scan->shown = end;
   }
   r->mover.settle(r->mover.self);
   return status;

@@ -30,6 +30,13 @@ typedef struct km_run {
   int have;
 } km_run;
 
+/* Samples at the beginning or the end of a sweep, the one at its end first. */
+enum { KM_ENDING = 14 };
+typedef struct km_ending {
+  int have;
+  double s[KM_ENDING], *n, *d; /* [KM_ENDING × count] */
+} km_ending;
+
 /* Functions f_i = n_i / d_i of the pose, sampled along a sweep. n_i and d_i are smooth where the motion is: what f_i
  * does between samples is told by them, never by the size of its neighbours. */
 typedef struct km_scan {
@@ -48,7 +55,8 @@ typedef struct km_scan {
   int have;                  /* of them; 0 to forget them */
   double *probe_n, *probe_d; /* [count] */
   km_run *runs;              /* [count] */
-  double shown;              /* the pole that `between` has been shown last */
+  km_ending first, last;
+  double shown; /* the pole that `between` has been shown last */
 } km_scan;
 
 /* Space for `count` functions; false when out of memory. */

@@ -28,27 +28,15 @@ static km_status run(km_sweeper *r, km_error *error) {
   return r->plan->arclength > 0.0 ? km_sweep_by_length(r, error) : km_sweep_by_driver(r, error);
 }
 
-/* Is the state at a pose where several motions meet? */
-static bool meets(km_sweeper *r) {
+bool km_sweeper_meets(km_sweeper *r) {
   if (r->substructure < 0)
     return false;
   km_numbers_update(r->m, r->s, r->substructure);
   return km_partition_freedom(&r->s->partition[r->substructure]) > r->out->freedom;
 }
 
-km_status km_sweeper_show_end(km_sweeper *r, double s, double end, bool away, km_error *error) {
-  /* Of several freedoms the path is known less well than a pose is. */
-  int places = r->out->freedom > 1 ? 6 : 12;
-  km_status status = KM_OK;
-  if (!r->observer->passed || meets(r))
-    return KM_OK;
-  for (int k = 1; k <= places && !status; ++k) {
-    double x = end + (s - end) * ldexp(1.0, -2 * (away ? places + 1 - k : k));
-    if (x != end && r->mover.probe(r->mover.self, x, r->rates))
-      status = r->observer->passed(r->observer->self, r, x, error);
-  }
-  r->mover.settle(r->mover.self);
-  return status;
+double km_sweeper_near_end(double s, double end, int k) {
+  return end + (s - end) * ldexp(1.0, -2 * k);
 }
 
 km_status km_sweep_run(const km_mechanism *m, km_state *s, const km_sweep_plan *plan, const km_observer *observer,

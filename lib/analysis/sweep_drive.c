@@ -20,21 +20,48 @@ static bool reachable(const km_sweeper *r, double s) {
   return plan->to >= plan->from ? bound > plan->from && s > bound : bound < plan->from && s < bound;
 }
 
+/* Drives on to s and shows the observer that pose; false where the driver stops before it, or the observer fails. */
+static bool show(km_sweeper *r, double s, km_status *status, km_error *error) {
+  if (km_drive_to(drive_of(r), s).stop)
+    return false;
+  *status = r->observer->passed(r->observer->self, r, s, error);
+  return !*status;
+}
+
+/* Beginning at a row, or ending at the next one: the poses beside it between there and s. */
+static km_status begin(km_sweeper *r, double from, double s, km_error *error) {
+  km_status status = KM_OK;
+  bool goes_on = !km_sweeper_meets(r);
+  for (int k = KM_END_PLACES; k > 0 && goes_on; --k)
+    goes_on = show(r, km_sweeper_near_end(s, from, k), &status, error);
+  return status;
+}
+
+static km_status end(km_sweeper *r, double s, double end, km_error *error) {
+  km_status status = KM_OK;
+  bool goes_on = true;
+  for (int k = 1; k <= KM_END_PLACES && goes_on; ++k)
+    goes_on = show(r, km_sweeper_near_end(s, end, k), &status, error);
+  return status;
+}
+
 /* Shows the observer the poses on the way from a row to the next one, if it asks for them: all the nearer to one
  * another where the motion begins or ends. */
 static km_status pass(km_sweeper *r, double from, double to, bool begins, bool ends, km_error *error) {
   int pieces = (KM_LEAST_SAMPLES + r->plan->steps - 1) / r->plan->steps;
   double last = from;
-  km_status status = KM_OK;
   if (!r->observer->passed)
     return KM_OK;
-  if (begins)
-    status = km_sweeper_show_end(r, from + (to - from) / pieces, from, true, error);
+  km_status status = begins ? begin(r, from, from + (to - from) / pieces, error) : KM_OK;
   for (int k = 1; k <= pieces && !status; ++k) {
     double s = k == pieces ? to : from + (to - from) * k / pieces;
+    km_drive_mark(drive_of(r));
     km_reach reach = km_drive_to(drive_of(r), s);
-    if (reach.stop || (ends && k == pieces))
-      return km_sweeper_show_end(r, last, reach.position, false, error); /* the row will end there too */
+    if (reach.stop || (ends && k == pieces)) { /* the row will end there too */
+      bool meets = km_sweeper_meets(r);
+      km_drive_return(drive_of(r));
+      return meets ? KM_OK : end(r, last, reach.position, error);
+    }
     if (k < pieces)
       status = r->observer->passed(r->observer->self, r, s, error);
     last = s;

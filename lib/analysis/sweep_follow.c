@@ -79,13 +79,28 @@ static double stretch(const km_sweeper *r, double left) {
   return r->observer->passed && left > 1.5 * longest ? longest : left;
 }
 
+/* Shows the observer the poses between s and the end of the motion, where the state stands, or (away) from there to s.
+ */
+static km_status show_end(km_sweeper *r, double s, double end, bool away, km_error *error) {
+  km_status status = KM_OK;
+  if (!r->observer->passed || km_sweeper_meets(r))
+    return KM_OK;
+  for (int k = 1; k <= KM_END_PLACES && !status; ++k) {
+    double x = km_sweeper_near_end(s, end, away ? KM_END_PLACES + 1 - k : k);
+    if (probe(r->mover.self, x, r->rates))
+      status = r->observer->passed(r->observer->self, r, x, error);
+  }
+  settle(r->mover.self);
+  return status;
+}
+
 /* To an arc length, through the branch points on the way. */
 static km_status advance_to(km_sweeper *r, km_follow *follow, double length, bool last, km_status *moved,
                             km_error *error) {
   km_status status = KM_OK;
   *moved = KM_OK;
   if (km_follow_length(follow) == 0.0)
-    status = km_sweeper_show_end(r, stretch(r, length), 0.0, true, error);
+    status = show_end(r, stretch(r, length), 0.0, true, error);
   while (!status && !*moved && !km_follow_closed(follow) &&
          length - km_follow_length(follow) > 1e-9 * r->plan->arclength) {
     double left = length - km_follow_length(follow), step = stretch(r, left), seen = km_follow_length(follow);
@@ -94,7 +109,7 @@ static km_status advance_to(km_sweeper *r, km_follow *follow, double length, boo
     if (!status && !*moved && step < left && !km_follow_closed(follow))
       status = r->observer->passed(r->observer->self, r, km_follow_length(follow), error);
     if (!status && (*moved || (last && step >= left)))
-      status = km_sweeper_show_end(r, seen, km_follow_length(follow), false, error);
+      status = show_end(r, seen, km_follow_length(follow), false, error);
   }
   return status;
 }

@@ -67,10 +67,12 @@ km_status km_sweeper_row(km_sweeper *sweeper, int step, double s, km_error *erro
 
 /* A row at a pose between rows, where r->rates is the motion: into the sweep's `between`. False when out of memory. */
 bool km_sweeper_between(km_sweeper *sweeper, double s);
-/* The state stands at an end of the motion. Shows the observer poses between s and it, ever nearer to the end (or, with
- * `away`, from the end to s): functions may turn close to it, where the driver gives out as the root of the way.
- * Nothing at a branch point, next to which no pose is well known. Leaves the state at one of them. */
-km_status km_sweeper_show_end(km_sweeper *sweeper, double s, double end, bool away, km_error *error);
+/* Functions may turn close to an end of the motion, where a driver gives out as the root of the way: places k = 1, 2, …
+ * between s and it, each nearer to the end, at which the observer looks too. */
+enum { KM_END_PLACES = 12 };
+double km_sweeper_near_end(double s, double end, int k);
+/* Does the state stand where several motions meet? No pose next to it is well known. */
+bool km_sweeper_meets(km_sweeper *sweeper);
 
 /* The motion at the state's pose into `rates`, with the null space of the pose up to date: finding a motion may leave
  * that of the coordinates beside the driver behind. False where there is no direction. */
