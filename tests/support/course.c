@@ -41,9 +41,10 @@ static bool peaks(const course *c, int i) {
 static int list_of(const course *c, bool ends, expected *list) {
   int count = 0;
   for (int i = 0; i + 1 < c->count; ++i) {
-    if (c->n[i] * c->n[i + 1] < 0.0)
+    bool zero = c->n[i] * c->n[i + 1] < 0.0, pole = c->d[i] * c->d[i + 1] < 0.0;
+    if (zero && !pole) /* both in one place: the force goes on as it was */
       expect(list, &count, KM_FORCE_BALANCED, c->s[i], c->s[i + 1]);
-    if (c->d[i] * c->d[i + 1] < 0.0)
+    if (pole && !zero)
       expect(list, &count, KM_FORCE_UNBOUNDED, c->s[i], c->s[i + 1]);
     if (i > 0 && peaks(c, i))
       expect(list, &count, KM_FORCE_PEAK, c->s[i - 1], c->s[i + 1]);
