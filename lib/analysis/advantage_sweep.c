@@ -74,13 +74,15 @@ static double *write_value(void *self, km_sweeper *r, double *cell) {
   return cell;
 }
 
-/* The lever at the state's pose; -1 if its motion runs against that of the last sample. */
+/* The lever at the state's pose; -1 if its motion runs against that of the sweep, or with several freedoms against that
+ * of the last sample. */
 static double update(const watch *w, km_sweeper *r) {
   km_advantage a;
   double along = 0.0;
   look(w, r, &a);
+  const double *way = w->followed && r->out->freedom == 1 ? r->rates : w->reference;
   for (int c = 0; c < r->m->coordinate_count; ++c)
-    along += w->lever->rates[c] * w->reference[c] / (r->m->unit[c] * r->m->unit[c]);
+    along += w->lever->rates[c] * way[c] / (r->m->unit[c] * r->m->unit[c]);
   return along < 0.0 ? -1.0 : 1.0;
 }
 
@@ -152,7 +154,6 @@ static void forget(void *self) {
 
 static km_status end_at(void *self, km_sweeper *r, double s, km_error *error) {
   watch *w = self;
-  w->followed = false; /* an end of a driver isn't a branch point */
   return km_scan_end(&w->scan, r, s, error);
 }
 

@@ -293,6 +293,8 @@ static void keep_ending(km_scan *scan) {
 }
 
 km_status km_scan_sample(km_scan *scan, km_sweeper *r, double s, km_error *error) {
+  if (scan->have > 1 && (s - scan->s[0]) * (scan->s[0] - scan->s[1]) <= 0.0)
+    return KM_OK; /* the way to it has been seen */
   double *n = scan->n[1], *d = scan->d[1];
   scan->s[1] = scan->s[0];
   scan->n[1] = scan->n[0];

@@ -63,9 +63,11 @@ void km_actuators_hold(const km_mechanism *mechanism, const km_state *state, km_
 /* The part of km_statics_update that finds the actuators' forces; f̄ and reactions stay as they were. */
 void km_statics_hold(const km_mechanism *mechanism, const km_state *state, km_forces *forces, km_statics *statics);
 /* After km_statics_hold, along a sweep: every actuator's force as n/d, both smooth along the motion, d = 0 where the
- * actuators lose a freedom. Exactly 0 where rounding is all there is; NaN where they never hold. False if a rank has
- * grown: what came before had a freedom less within reach, and nothing before can be compared. */
-bool km_statics_ratios(const km_mechanism *mechanism, const km_state *state, km_statics *statics, double *n, double *d);
+ * actuators lose a freedom. `motion`: rates of the coordinates along it (NULL: unknown). Exactly 0 where rounding is
+ * all there is; NaN where they never hold. False if a rank has grown: what came before had a freedom less within reach,
+ * and nothing before can be compared. */
+bool km_statics_ratios(const km_mechanism *mechanism, const km_state *state, km_statics *statics, const double *motion,
+                       double *n, double *d);
 /* The pose of the last km_statics_ratios is a sample: those to come have its signs. */
 void km_statics_refer(const km_mechanism *mechanism, const km_state *state, km_statics *statics);
 bool km_ratios_reserve(km_holding *holding, int columns, km_arena *arena);

@@ -1,5 +1,6 @@
 /* Actuators' forces along a sweep as ratios n/d: with Z_A = U S Vᵀ, f = −D U S⁻¹ Vᵀ g and d = ∏ σ. A singular vector
- * has no sense of its own: the signs are those of the last sample, by the determinants of how U and Z V have turned. */
+ * has no sense of its own: it is that of the motion, or with several freedoms that of the last sample, by the
+ * determinants of how U and Z V have turned. */
 #include "analysis/statics.h"
 
 #include <gsl/gsl_blas.h>
@@ -48,9 +49,25 @@ static double moved(const km_mechanism *m, const km_state *s, int index, const k
   return sum;
 }
 
-/* How U and Z V are turned against those of the last sample: ±1. */
-static double orientation(const km_mechanism *m, const km_state *s, int index, km_holding *h, int rank) {
+/* Of one actuator and one freedom: does it go with the motion, or against it? 0: there is no motion to go by. */
+static double along(const km_mechanism *m, const km_state *s, int index, const km_holding *h, const double *motion) {
+  const km_substructure *sub = &m->substructures[index];
+  double dot = 0.0;
+  for (int j = 0; j < sub->columns && motion && h->freedom == 1 && h->count == 1; ++j) {
+    int c = m->column_coordinate[sub->column_start + j];
+    dot += moved(m, s, index, h, 0, j) * m->scale[c] * motion[c];
+  }
+  double u = gsl_matrix_get(h->U, 0, 0);
+  return dot == 0.0 ? 0.0 : copysign(1.0, dot * u);
+}
+
+/* How U and Z V are turned against those of the last sample, or, where there is one freedom, against the motion: ±1. */
+static double orientation(const km_mechanism *m, const km_state *s, int index, km_holding *h, int rank,
+                          const double *motion) {
   int columns = m->substructures[index].columns;
+  double way = along(m, s, index, h, motion);
+  if (way != 0.0)
+    return way;
   for (int a = 0; a < rank; ++a)
     for (int b = 0; b < rank; ++b) {
       double sum = 0.0;
@@ -128,7 +145,8 @@ static bool falls(const km_holding *h) {
   return size > h->noise;
 }
 
-static bool divide(const km_mechanism *m, const km_state *s, int index, const km_statics *st, double *n, double *d) {
+static bool divide(const km_mechanism *m, const km_state *s, int index, const km_statics *st, const double *motion,
+                   double *n, double *d) {
   km_holding *h = &st->work->holding[index];
   bool grown = h->rank > h->most_rank, lost = false;
   if (grown) {
@@ -139,7 +157,7 @@ static bool divide(const km_mechanism *m, const km_state *s, int index, const km
   lost = falls(h);
   if (rank > 0)
     complete(h, rank);
-  double sense = rank > 0 ? orientation(m, s, index, h, rank) : 1.0, all = product(h, rank, -1);
+  double sense = rank > 0 ? orientation(m, s, index, h, rank, motion) : 1.0, all = product(h, rank, -1);
   for (int i = 0; i < h->count; ++i) {
     int a = h->actuator[i];
     double sum = 0.0, grain = 0.0;
@@ -154,7 +172,8 @@ static bool divide(const km_mechanism *m, const km_state *s, int index, const km
   return !grown;
 }
 
-bool km_statics_ratios(const km_mechanism *m, const km_state *s, km_statics *st, double *n, double *d) {
+bool km_statics_ratios(const km_mechanism *m, const km_state *s, km_statics *st, const double *motion, double *n,
+                       double *d) {
   bool comparable = true;
   for (int a = 0; a < st->actuator_count; ++a) {
     int c = st->actuators[a];
@@ -164,7 +183,7 @@ bool km_statics_ratios(const km_mechanism *m, const km_state *s, km_statics *st,
   }
   for (int i = 0; i < m->topology.substructure_count; ++i)
     if (st->work->holding[i].count && st->work->holding[i].freedom)
-      comparable = divide(m, s, i, st, n, d) && comparable;
+      comparable = divide(m, s, i, st, motion, n, d) && comparable;
   return comparable;
 }
 
@@ -172,6 +191,6 @@ void km_statics_refer(const km_mechanism *m, const km_state *s, km_statics *st) 
   for (int i = 0; i < m->topology.substructure_count; ++i) {
     km_holding *h = &st->work->holding[i];
     if (h->count && h->rank == h->most_rank && h->rank > 0)
-      keep(m, s, i, h, orientation(m, s, i, h, h->most_rank));
+      keep(m, s, i, h, orientation(m, s, i, h, h->most_rank, NULL));
   }
 }

@@ -14,6 +14,7 @@ typedef struct watch {
   km_statics *statics;
   km_scan scan;
   km_events events;
+  bool moves; /* r->rates is the motion */
   bool grown; /* the actuators reach more freedoms than before */
 } watch;
 
@@ -80,7 +81,7 @@ static double clear_force(const watch *w, const km_mechanism *m, int actuator) {
 static void values(void *self, km_sweeper *r, double *n, double *d) {
   watch *w = self;
   km_statics_hold(r->m, r->s, w->forces, w->statics);
-  w->grown = !km_statics_ratios(r->m, r->s, w->statics, n, d) || w->grown;
+  w->grown = !km_statics_ratios(r->m, r->s, w->statics, w->moves ? r->rates : NULL, n, d) || w->grown;
 }
 
 static void sampled(void *self, km_sweeper *r) {
@@ -105,6 +106,7 @@ static km_status look(void *self, km_sweeper *r, double s, km_error *error) {
   bool second = w->scan.have > 0;
   double first_s = w->scan.s[0];
   w->grown = false;
+  w->moves = km_sweeper_motion(r);
   km_status status = km_scan_sample(&w->scan, r, s, error);
   if (w->grown && second && !status)
     status = start_at_pole(w, first_s, error);

@@ -28,21 +28,32 @@ static bool show(km_sweeper *r, double s, km_status *status, km_error *error) {
   return !*status;
 }
 
-/* Beginning at a row, or ending at the next one: the poses beside it between there and s. */
+/* From the first row to s: the poses close to the row, and s. */
 static km_status begin(km_sweeper *r, double from, double s, km_error *error) {
   km_status status = KM_OK;
   bool goes_on = !km_sweeper_meets(r);
-  for (int k = KM_END_PLACES; k > 0 && goes_on; --k)
-    goes_on = show(r, km_sweeper_near_end(s, from, k), &status, error);
+  for (int k = KM_END_PLACES; k >= 0 && goes_on; --k)
+    goes_on = show(r, k ? km_sweeper_near_end(s, from, k) : s, &status, error);
   return status;
 }
 
-static km_status end(km_sweeper *r, double s, double end, km_error *error) {
+/* From s to the last row: the poses close to the row. */
+static km_status end(km_sweeper *r, double s, double last, km_error *error) {
   km_status status = KM_OK;
   bool goes_on = true;
   for (int k = 1; k <= KM_END_PLACES && goes_on; ++k)
-    goes_on = show(r, km_sweeper_near_end(s, end, k), &status, error);
+    goes_on = show(r, km_sweeper_near_end(s, last, k), &status, error);
   return status;
+}
+
+/* Where a way to s ends, and whether at a place whose neighbours are worth a look; comes back. */
+static double look_ahead(km_sweeper *r, double s, bool *stops, bool *meets) {
+  km_drive_mark(drive_of(r));
+  km_reach reach = km_drive_to(drive_of(r), s);
+  *stops = reach.stop != KM_STOP_NONE;
+  *meets = km_sweeper_meets(r);
+  km_drive_return(drive_of(r));
+  return reach.position;
 }
 
 /* Shows the observer the poses on the way from a row to the next one, if it asks for them: all the nearer to one
@@ -50,21 +61,21 @@ static km_status end(km_sweeper *r, double s, double end, km_error *error) {
 static km_status pass(km_sweeper *r, double from, double to, bool begins, bool ends, km_error *error) {
   int pieces = (KM_LEAST_SAMPLES + r->plan->steps - 1) / r->plan->steps;
   double last = from;
-  if (!r->observer->passed)
-    return KM_OK;
-  km_status status = begins ? begin(r, from, from + (to - from) / pieces, error) : KM_OK;
-  for (int k = 1; k <= pieces && !status; ++k) {
-    double s = k == pieces ? to : from + (to - from) * k / pieces;
-    km_drive_mark(drive_of(r));
-    km_reach reach = km_drive_to(drive_of(r), s);
-    if (reach.stop || (ends && k == pieces)) { /* the row will end there too */
-      bool meets = km_sweeper_meets(r);
-      km_drive_return(drive_of(r));
-      return meets ? KM_OK : end(r, last, reach.position, error);
+  km_status status = KM_OK;
+  for (int k = 1; k <= pieces && r->observer->passed && !status; ++k) {
+    bool stops, meets;
+    double s = k == pieces ? to : from + (to - from) * k / pieces, next = look_ahead(r, s, &stops, &meets);
+    bool over = stops || (ends && k == pieces); /* the row will be there */
+    double middle = over ? 0.5 * (last + next) : next;
+    if (begins && k == 1) {
+      status = begin(r, from, middle, error);
+      last = middle;
+    } else if (k < pieces && !over) {
+      status = km_drive_to(drive_of(r), s).stop ? KM_OK : r->observer->passed(r->observer->self, r, s, error);
+      last = s;
     }
-    if (k < pieces)
-      status = r->observer->passed(r->observer->self, r, s, error);
-    last = s;
+    if (over)
+      return status || meets ? status : end(r, last, next, error);
   }
   return status;
 }

@@ -33,8 +33,16 @@ static void planar_forces(void **state) {
   assert_true(count.ends > 5);
 }
 
+static void spatial_forces(void **state) {
+  (void)state;
+  family_count count = all(family_spatial_forces, 200);
+  assert_true(count.zeros > 50);
+  assert_true(count.poles > 50);
+  assert_true(count.peaks > 50);
+}
+
 int main(void) {
   const struct CMUnitTest tests[] = {cmocka_unit_test(friction), cmocka_unit_test(wedges),
-                                     cmocka_unit_test(planar_forces)};
+                                     cmocka_unit_test(planar_forces), cmocka_unit_test(spatial_forces)};
   return cmocka_run_group_tests(tests, NULL, NULL);
 }

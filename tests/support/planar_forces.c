@@ -68,24 +68,18 @@ static void ratios(const planar_case *k, const fixture *f, double *n, double *d)
   }
 }
 
-/* Poses that come ever nearer to each other towards an end where the driver gives out. */
-static double place(const km_sweep_plan *plan, double end, bool toggles, int i) {
-  double part = (double)i / (SAMPLES - 1);
-  return plan->from + (end - plan->from) * (toggles ? 1.0 - (1.0 - part) * (1.0 - part) : part);
-}
-
 /* Moves along the sweep's way on a state of its own. */
 static bool walk(const planar_case *k, fixture *f, const km_sweep *motion, course *c) {
   km_drive *drive = NULL;
   km_follow *follow = NULL;
   km_mobility mobility;
-  bool by_length = k->plan.arclength > 0.0, toggles = motion->end.stop == KM_STOP_TOGGLE, there = true;
+  bool by_length = k->plan.arclength > 0.0, there = true;
   km_mobility_update(f->mechanism, f->state, &mobility);
   if (by_length ? km_follow_create(f->mechanism, f->state, -1, 1.0, false, &follow, NULL)
                 : km_drive_create(f->mechanism, f->state, k->plan.coordinate, false, &drive, NULL))
     return false;
   for (int i = 0; i < SAMPLES && there; ++i) {
-    double n[2] = {0}, d = 1.0, s = place(&k->plan, motion->end.position, toggles && !by_length, i);
+    double n[2] = {0}, d = 1.0, s = course_place(&k->plan, motion, i, SAMPLES);
     if (by_length)
       there = i == 0 || km_follow_advance(follow, s - c[0].s[i - 1]) == KM_OK;
     else
@@ -121,17 +115,6 @@ static km_status sweep_of(const planar_case *k, fixture *f, km_statics_sweep *sw
   return status;
 }
 
-/* Has the actuator's force no bound at the end of the driver? The last pose is within 1e-9 of it, and d like its root.
- */
-static bool gives_out(const course *c) {
-  double n = 0.0, d = 0.0;
-  for (int i = 0; i < c->count; ++i) {
-    n = fmax(n, fabs(c->n[i]));
-    d = fmax(d, fabs(c->d[i]));
-  }
-  return fabs(c->d[c->count - 1]) < 1e-3 * d && fabs(c->n[c->count - 1]) > 1e-3 * n;
-}
-
 /* Does the set of actuators move all freedoms somewhere? */
 static bool drives(const course *c) {
   double largest = 0.0;
@@ -151,8 +134,9 @@ bool family_planar_forces(uint64_t seed, family_count *count) {
   km_status status = sweep_of(&k, &f, &sweep);
   bool right = status == KM_OK || status == KM_PARTIAL;
   if (right && sweep.motion.start.stop == KM_STOP_NONE && walk(&k, &g, &sweep.motion, c) && drives(c)) {
+    bool by_root = sweep.motion.end.stop == KM_STOP_TOGGLE && k.plan.arclength <= 0.0;
     for (int a = 0; a < k.p.freedoms; ++a) {
-      bool ends = sweep.motion.end.stop == KM_STOP_TOGGLE && k.plan.arclength <= 0.0 && gives_out(&c[a]);
+      bool ends = by_root && course_gives_out(&c[a]);
       right = course_agrees(&c[a], &sweep, a, ends, k.p.freedoms > 1 ? least_path : 1e-8, count) && right;
     }
   }
