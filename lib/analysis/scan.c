@@ -148,7 +148,10 @@ static km_status find_extreme(km_scan *scan, km_sweeper *r, int i, double sign, 
   if (q.lost && !scan->best_counts)
     return KM_OK;
   /* A denominator that touches 0 without a change of sign. */
-  bool pole = !q.lost && visit(scan, r, s) && vanishes(scan->probe_d[i], scan->d[0][i], scan->d[1][i]);
+  bool flat = !q.lost && visit(scan, r, s) && vanishes(scan->probe_d[i], scan->d[0][i], scan->d[1][i]);
+  bool pole = flat && !vanishes(scan->probe_n[i], scan->n[0][i], scan->n[1][i]);
+  if (flat && !pole)
+    return KM_OK; /* of two that vanish together the quotient is rounding */
   km_event_kind kind = pole ? KM_EVENT_POLE : sign > 0.0 ? KM_EVENT_MINIMUM : KM_EVENT_MAXIMUM;
   return km_events_add(scan->events, (km_event){kind, i, s, pole ? HUGE_VAL : value}, error);
 }
@@ -339,13 +342,13 @@ static int nearest(const km_ending *ending, double end) {
   return -1;
 }
 
-/* What the row at an end has told of a function by rounding. */
-static void forget_row(km_events *events, int function, double s) {
+/* What rounding has told of a function next to an end where it vanishes or has a pole. */
+static void forget_end(km_events *events, int function, double s, double way) {
   size_t kept = 0;
   for (size_t i = 0; i < events->count; ++i) {
     const km_event *e = &events->items[i];
     bool extreme = e->kind == KM_EVENT_MINIMUM || e->kind == KM_EVENT_MAXIMUM;
-    if (extreme || e->function != function || fabs(e->s - s) > 1e-9 * (1.0 + fabs(s)))
+    if (extreme || e->function != function || fabs(e->s - s) > way)
       events->items[kept++] = *e;
   }
   events->count = kept;
@@ -366,7 +369,7 @@ km_status km_scan_end(km_scan *scan, km_sweeper *r, double end, km_error *error)
     km_event_kind kind = zero && pole ? KM_EVENT_UNDEFINED : pole ? KM_EVENT_POLE : KM_EVENT_ZERO;
     if (!zero && !pole)
       continue;
-    forget_row(scan->events, i, end);
+    forget_end(scan->events, i, end, fabs(ending->s[k] - end));
     status = km_events_add(scan->events, (km_event){kind, i, end, kind == KM_EVENT_POLE ? HUGE_VAL : 0.0}, error);
     /* Of several freedoms a way back from an end needn't be the one that led to it. */
     if (kind != KM_EVENT_POLE || status || scan->shown == end || r->out->freedom > 1)

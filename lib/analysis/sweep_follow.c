@@ -73,10 +73,15 @@ static km_status meet_branch(km_sweeper *r, km_follow *follow, km_error *error) 
                        : KM_OK;
 }
 
-/* How far to go at once: all of it, or as far as the observer may miss. */
+/* How far to go at once: all of it, or as far as the observer may miss and come back from in one step. */
 static double stretch(const km_sweeper *r, double left) {
   double longest = fmin(KM_LONGEST_ARC, r->plan->arclength * r->plan->steps / KM_LEAST_SAMPLES);
-  return r->observer->passed && left > 1.5 * longest ? longest : left;
+  double step = r->observer->passed && left > 1.5 * longest ? longest : left;
+  while (r->observer->passed && step > 1e-3 * longest && !km_follow_visit(r->mover.self, step, r->rates))
+    step *= 0.5;
+  if (r->observer->passed)
+    km_follow_return(r->mover.self);
+  return step;
 }
 
 /* Shows the observer the poses between s and the end of the motion, where the state stands, or (away) from there to s.

@@ -25,10 +25,14 @@ double course_place(const km_sweep_plan *plan, const km_sweep *motion, int i, in
   return plan->from + (end - plan->from) * (root ? 1.0 - (1.0 - part) * (1.0 - part) : part);
 }
 
+/* x goes with the root of the way to the end: straight on by half a place, since differences stand between two. */
+static bool comes_to_nothing(const double *x, int count) {
+  x += count - 2;
+  return fabs(1.5 * x[1] - 0.5 * x[0]) < 0.6 * fabs(x[1] - x[0]);
+}
+
 bool course_gives_out(const course *c) {
-  /* Straight on by half a place, since differences stand between two. */
-  const double *n = c->n + c->count - 2, *d = c->d + c->count - 2;
-  return fabs(1.5 * d[1] - 0.5 * d[0]) < 0.6 * fabs(d[1] - d[0]) && fabs(n[1]) > 3.0 * fabs(n[1] - n[0]);
+  return comes_to_nothing(c->d, c->count) && !comes_to_nothing(c->n, c->count);
 }
 
 typedef struct expected {
@@ -100,13 +104,18 @@ bool course_agrees(const course *c, const km_statics_sweep *sweep, int actuator,
   slack *= 1.0 + fabs(c->s[c->count - 1] - c->s[0]);
   for (size_t e = 0; e < sweep->event_count; ++e) {
     const km_force_event *event = &sweep->events[e];
-    bool before = (event->s - c->s[0]) * (c->s[c->count - 1] - c->s[0]) < 0.0;
-    bool known = event->actuator != actuator || before; /* differences begin half a place after the start */
+    bool known = event->actuator != actuator;
     for (int i = 0; i < expects && !known; ++i) {
       bool here = event->s >= list[i].low - slack && event->s <= list[i].high + slack;
       known = !list[i].found && event->kind == list[i].kind && here;
       list[i].found = list[i].found || known;
     }
+    /* Differences begin half a place after the start, peaks a whole one later. */
+    const double *s = c->s;
+    int last = c->count - 1;
+    known = known || (event->s - s[1]) * (s[last] - s[0]) < 0.0 || (event->s - s[last]) * (s[last] - s[0]) > 0.0;
+    known = known || (event->kind == KM_FORCE_BALANCED && fabs(event->s - s[last]) < slack &&
+                      comes_to_nothing(c->n, c->count) && !comes_to_nothing(c->d, c->count));
     if (!known)
       print_error("  actuator %d: a %s is told at %.12g\n", actuator, word(event->kind), event->s);
     right = right && known;
