@@ -11,17 +11,16 @@
 static const double rounding = 1e-12; /* of a rate: below this an end stands */
 static const double together = 1e-8;  /* a zero of both rates: neither 0 nor infinite */
 
-enum { INPUT_RATE, OUTPUT_RATE };
-
 typedef struct watch {
   km_advantage_sweep *out;
   km_lever *lever;
   km_transmission_work *transmission; /* NULL: not asked for */
   km_losses_work *losses;             /* NULL: no joint has friction */
   bool followed;                      /* r->rates is the motion at the pose that is looked at */
+  bool between;                       /* that pose lies between rows */
   double *reference;                  /* [coordinate] the motion at the last sample: a basis has no sense of its own */
-  km_scan rates, value;
-  km_events toggles, extremes;
+  km_scan scan;
+  km_events events;
   km_advantage_state last_state; /* of the row before */
 } watch;
 
@@ -56,7 +55,7 @@ static void look(const watch *w, const km_sweeper *r, km_advantage *out) {
 static double *write_value(void *self, km_sweeper *r, double *cell) {
   watch *w = self;
   km_advantage a;
-  w->followed = km_sweeper_motion(r);
+  w->followed = w->between || km_sweeper_motion(r);
   look(w, r, &a);
   if (km_table_rows(w->out->motion.table) == 1)
     w->out->method = a.method;
@@ -75,40 +74,53 @@ static double *write_value(void *self, km_sweeper *r, double *cell) {
   return cell;
 }
 
-/* The lever at the state's pose; -1 if its motion runs against that of the last sample. */
+/* The lever at the state's pose; -1 if its motion runs against that of the sweep, or with several freedoms against that
+ * of the last sample. */
 static double update(const watch *w, km_sweeper *r) {
   km_advantage a;
   double along = 0.0;
   look(w, r, &a);
+  const double *way = w->followed && r->out->freedom == 1 ? r->rates : w->reference;
   for (int c = 0; c < r->m->coordinate_count; ++c)
-    along += w->lever->rates[c] * w->reference[c] / (r->m->unit[c] * r->m->unit[c]);
+    along += w->lever->rates[c] * way[c] / (r->m->unit[c] * r->m->unit[c]);
   return along < 0.0 ? -1.0 : 1.0;
 }
 
-static void rates(void *self, km_sweeper *r, double *f) {
+/* Both rates, in one sense along the sweep. */
+static void values(void *self, km_sweeper *r, double *n, double *d) {
   const watch *w = self;
   double sense = update(w, r);
   const km_lever_end *ends[2] = {&w->lever->input, &w->lever->output};
+  double *const out[2] = {n, d};
   for (int i = 0; i < 2; ++i) {
     double size, rate = km_lever_rate(r->m, ends[i], w->lever->rates, &size);
-    f[i] = fabs(rate) > rounding * size ? sense * rate : 0.0;
+    *out[i] = fabs(rate) > rounding * size ? sense * rate : 0.0;
   }
 }
 
-static void value(void *self, km_sweeper *r, double *f) {
+static void sampled(void *self, km_sweeper *r) {
   const watch *w = self;
-  km_advantage a;
-  look(w, r, &a);
-  f[0] = a.state == KM_ADVANTAGE_FINITE ? a.value : nan("");
+  double sense = update(w, r);
+  for (int c = 0; c < r->m->coordinate_count; ++c)
+    w->reference[c] = sense * w->lever->rates[c];
 }
 
-static km_status add_toggle(watch *w, int function, double s, km_error *error) {
-  void *items = w->toggles.items;
-  if (!km_reserve(&items, &w->toggles.capacity, w->toggles.count + 1, sizeof *w->toggles.items))
-    return km_fail(error, KM_MEMORY, "out of memory for the toggles");
-  w->toggles.items = items;
-  w->toggles.items[w->toggles.count++] = (km_event){KM_EVENT_ZERO, function, s, 0.0};
-  return KM_OK;
+/* The leverage beside a pole, for pictures. */
+static bool between(void *self, km_sweeper *r, double s) {
+  watch *w = self;
+  w->between = true;
+  bool written = km_sweeper_between(r, s);
+  w->between = false;
+  return written;
+}
+
+static bool is_toggle(const km_event *e) {
+  return e->kind == KM_EVENT_ZERO || e->kind == KM_EVENT_POLE || e->kind == KM_EVENT_UNDEFINED;
+}
+
+static km_status add_toggle(watch *w, km_advantage_state state, double s, km_error *error) {
+  km_event_kind kind = state == KM_ADVANTAGE_ZERO ? KM_EVENT_ZERO : KM_EVENT_POLE;
+  return km_events_add(&w->events, (km_event){kind, 0, s, 0.0}, error);
 }
 
 /* A row at the dead centre of its own driver: the rate that vanishes there comes no nearer to 0 than the driver's
@@ -117,72 +129,52 @@ static km_status note_dead_centre(watch *w, const km_sweeper *r, double s, km_er
   km_advantage a;
   look(w, r, &a);
   bool toggle = a.state == KM_ADVANTAGE_ZERO || a.state == KM_ADVANTAGE_INFINITE, known = a.state == w->last_state;
-  for (size_t i = 0; i < w->toggles.count; ++i)
-    known = known || fabs(w->toggles.items[i].s - s) <= 1e-6 * (1.0 + fabs(s));
+  for (size_t i = 0; i < w->events.count; ++i)
+    known = known || (is_toggle(&w->events.items[i]) && fabs(w->events.items[i].s - s) <= 1e-6 * (1.0 + fabs(s)));
   w->last_state = a.state;
-  return toggle && !known ? add_toggle(w, a.state == KM_ADVANTAGE_ZERO ? INPUT_RATE : OUTPUT_RATE, s, error) : KM_OK;
+  return toggle && !known ? add_toggle(w, a.state, s, error) : KM_OK;
+}
+
+static km_status pass(void *self, km_sweeper *r, double s, km_error *error) {
+  watch *w = self;
+  w->followed = km_sweeper_motion(r);
+  return km_scan_sample(&w->scan, r, s, error);
 }
 
 static km_status see(void *self, km_sweeper *r, double s, km_error *error) {
   watch *w = self;
-  w->followed = km_sweeper_motion(r);
-  km_status status = km_scan_sample(&w->rates, r, s, error);
+  km_status status = pass(self, r, s, error);
   w->followed = km_sweeper_motion(r); /* what probes have left there isn't the row's */
-  if (!status)
-    status = km_scan_sample(&w->value, r, s, error);
-  w->followed = km_sweeper_motion(r);
-  double sense = update(w, r);
-  for (int c = 0; c < r->m->coordinate_count; ++c)
-    w->reference[c] = sense * w->lever->rates[c];
   return status ? status : note_dead_centre(w, r, s, error);
 }
 
 static void forget(void *self) {
-  watch *w = self;
-  w->rates.have = w->value.have = 0;
+  ((watch *)self)->scan.have = 0;
 }
 
-/* A driver that gives out stands while the rest moves. */
 static km_status end_at(void *self, km_sweeper *r, double s, km_error *error) {
   watch *w = self;
-  bool input = w->out->input.coordinate == r->plan->coordinate,
-       output = w->out->output.coordinate == r->plan->coordinate;
-  return input || output ? add_toggle(w, input ? INPUT_RATE : OUTPUT_RATE, s, error) : KM_OK;
+  return km_scan_end(&w->scan, r, s, error);
 }
 
-static int along_sweep(const km_event *a, const km_event *b, bool backwards) {
-  double difference = backwards ? b->s - a->s : a->s - b->s;
-  return difference > 0.0;
-}
-
-static void sort(km_events *events, bool backwards) {
-  for (size_t i = 1; i < events->count; ++i)
-    for (size_t k = i; k > 0 && along_sweep(&events->items[k - 1], &events->items[k], backwards); --k) {
-      km_event swap = events->items[k];
-      events->items[k] = events->items[k - 1];
-      events->items[k - 1] = swap;
-    }
-}
-
-/* Roots of the two rates as toggles: two in one place leave the advantage undefined there. */
-static km_status take_toggles(watch *w, const km_sweep_plan *plan, km_error *error) {
+/* Zeros and poles as toggles: two in one place leave the advantage undefined there. */
+static km_status take_toggles(watch *w, km_error *error) {
   km_advantage_sweep *out = w->out;
-  sort(&w->toggles, plan->arclength <= 0.0 && plan->to < plan->from);
-  out->toggles = KM_NEW(km_advantage_toggle, w->toggles.count);
+  out->toggles = KM_NEW(km_advantage_toggle, w->events.count);
   if (!out->toggles)
     return km_fail(error, KM_MEMORY, "out of memory for the toggles");
-  int last = -1;
-  for (size_t i = 0; i < w->toggles.count; ++i) {
-    const km_event *e = &w->toggles.items[i];
+  for (size_t i = 0; i < w->events.count; ++i) {
+    const km_event *e = &w->events.items[i];
     km_advantage_toggle *before = out->toggle_count ? &out->toggles[out->toggle_count - 1] : NULL;
-    if (before && fabs(before->s - e->s) <= together * (1.0 + fabs(e->s))) {
-      if (e->function != last)
-        before->state = KM_ADVANTAGE_UNDEFINED;
-    } else {
-      out->toggles[out->toggle_count++] =
-          (km_advantage_toggle){e->function == INPUT_RATE ? KM_ADVANTAGE_ZERO : KM_ADVANTAGE_INFINITE, e->s};
-    }
-    last = e->function;
+    km_advantage_state state = e->kind == KM_EVENT_ZERO   ? KM_ADVANTAGE_ZERO
+                               : e->kind == KM_EVENT_POLE ? KM_ADVANTAGE_INFINITE
+                                                          : KM_ADVANTAGE_UNDEFINED;
+    if (!is_toggle(e))
+      continue;
+    if (!before || fabs(before->s - e->s) > together * (1.0 + fabs(e->s)))
+      out->toggles[out->toggle_count++] = (km_advantage_toggle){state, e->s};
+    else if (before->state != state)
+      before->state = KM_ADVANTAGE_UNDEFINED;
   }
   return KM_OK;
 }
@@ -197,15 +189,17 @@ static void widen(km_advantage_sweep *out, double value, double s) {
 }
 
 /* Beside a pose of infinite advantage it has no bound: which way, the nearest rows tell. */
-static void open_bounds(km_advantage_sweep *out, const km_table *table, double s) {
+static void open_bounds(km_advantage_sweep *out, double s) {
+  const km_table *const tables[2] = {out->motion.table, out->motion.between};
   for (int side = -1; side <= 1; side += 2) {
     const double *nearest = NULL;
-    for (size_t r = 0; r < km_table_rows(table); ++r) {
-      const double *row = km_table_row(table, r);
-      bool there = (row[1] - s) * side > 0.0 && isfinite(row[out->column]);
-      if (there && (!nearest || fabs(row[1] - s) < fabs(nearest[1] - s)))
-        nearest = row;
-    }
+    for (int i = 0; i < 2; ++i)
+      for (size_t r = 0; r < km_table_rows(tables[i]); ++r) {
+        const double *row = km_table_row(tables[i], r);
+        bool there = (row[1] - s) * side > 0.0 && isfinite(row[out->column]);
+        if (there && (!nearest || fabs(row[1] - s) < fabs(nearest[1] - s)))
+          nearest = row;
+      }
     if (nearest && nearest[out->column] > 0.0)
       out->highest = (km_peak){HUGE_VAL, s};
     if (nearest && nearest[out->column] < 0.0)
@@ -216,25 +210,31 @@ static void open_bounds(km_advantage_sweep *out, const km_table *table, double s
 static void take_extremes(watch *w, const km_table *table, size_t column) {
   for (size_t r = 0; r < km_table_rows(table); ++r)
     widen(w->out, km_table_row(table, r)[column], km_table_row(table, r)[1]);
-  for (size_t i = 0; i < w->extremes.count; ++i)
-    if (w->extremes.items[i].kind != KM_EVENT_POLE)
-      widen(w->out, w->extremes.items[i].value, w->extremes.items[i].s);
+  for (size_t i = 0; i < w->events.count; ++i)
+    if (!is_toggle(&w->events.items[i]))
+      widen(w->out, w->events.items[i].value, w->events.items[i].s);
   for (size_t i = 0; i < w->out->toggle_count; ++i)
     if (w->out->toggles[i].state == KM_ADVANTAGE_INFINITE)
-      open_bounds(w->out, table, w->out->toggles[i].s);
+      open_bounds(w->out, w->out->toggles[i].s);
 }
 
 static km_status run(const km_mechanism *m, km_state *s, const km_sweep_plan *plan, watch *w, km_error *error) {
-  km_observer observer = {w, add_columns, write_value, see, see, forget, end_at};
-  w->rates = (km_scan){.self = w, .values = rates, .zeros = true, .events = &w->toggles};
-  w->value = (km_scan){.self = w, .values = value, .extremes = true, .events = &w->extremes};
+  km_observer observer = {w, add_columns, write_value, see, pass, forget, end_at};
+  w->scan = (km_scan){.self = w,
+                      .values = values,
+                      .sampled = sampled,
+                      .between = between,
+                      .ratios = true,
+                      .extremes = true,
+                      .events = &w->events};
   w->reference = KM_NEW(double, (size_t)m->coordinate_count);
-  if (!w->reference || !km_scan_reserve(&w->rates, 2) || !km_scan_reserve(&w->value, 1))
+  if (!w->reference || !km_scan_reserve(&w->scan, 1))
     return km_fail(error, KM_MEMORY, "out of memory for a sweep");
   km_status status = km_sweep_run(m, s, plan, &observer, &w->out->motion, error);
   if (status && status != KM_PARTIAL)
     return status;
-  km_status taken = take_toggles(w, plan, error);
+  km_events_sort(&w->events, plan->arclength <= 0.0 && plan->to < plan->from);
+  km_status taken = take_toggles(w, error);
   take_extremes(w, w->out->motion.table, w->out->column);
   return taken ? taken : status;
 }
@@ -256,11 +256,9 @@ km_status km_advantage_sweep_run(const km_mechanism *m, km_state *s, const km_sw
   km_losses_free(w.losses);
   km_transmission_free(w.transmission);
   km_lever_free(w.lever);
-  km_scan_free(&w.rates);
-  km_scan_free(&w.value);
+  km_scan_free(&w.scan);
   km_free(w.reference);
-  km_free(w.toggles.items);
-  km_free(w.extremes.items);
+  km_free(w.events.items);
   return status;
 }
 

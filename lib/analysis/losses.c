@@ -1,19 +1,19 @@
 #include "kmech/losses.h"
 
+#include "analysis/friction.h"
 #include "analysis/lever.h"
 #include "analysis/statics.h"
-#include "kinematics/poses.h"
 
 #include <string.h>
 
-enum { MOST_ITERATIONS = 500 };
-static const double settled = 1e-13; /* relative change of the input's force */
-
 struct km_losses_work {
+  km_arena arena;
   km_lever *lever;
   km_forces *forces;
   km_statics statics;
-  double *lost; /* [coordinate] friction along +q, of the last iteration */
+  int *rubbing;    /* [friction.count] coordinates that slide or turn with friction in this motion */
+  double *resists; /* [friction.count] the friction along +q for a normal force of 1 */
+  km_friction friction;
 };
 
 /* The joint's friction: false if it has none. */
@@ -33,6 +33,15 @@ bool km_model_has_friction(const km_model *model) {
   return false;
 }
 
+/* Coordinates that friction can resist. */
+static int places(const km_mechanism *m) {
+  int count = 0;
+  double coefficient, radius;
+  for (int c = 0; c < m->coordinate_count; ++c)
+    count += !m->held[c] && friction_of(m->model, m->model->coordinates[c].joint, &coefficient, &radius);
+  return count;
+}
+
 /* A load of 1 against the output: in its joint, or at its point. */
 static km_status create(const km_mechanism *m, const km_handle *input, const km_handle *output, km_losses_work *w,
                         km_error *error) {
@@ -44,7 +53,10 @@ static km_status create(const km_mechanism *m, const km_handle *input, const km_
     status = km_forces_create(m, weightless, &load, output->coordinate < 0, &w->forces, error);
   if (!status)
     status = km_statics_create(m, &input->coordinate, input->coordinate >= 0, KM_AXES_FIXED, &w->statics, error);
-  if (!status && !(w->lost = KM_NEW(double, (size_t)m->coordinate_count)))
+  int most = places(m);
+  w->rubbing = KM_ARENA_NEW(&w->arena, int, (size_t)most);
+  w->resists = KM_ARENA_NEW(&w->arena, double, (size_t)most);
+  if (!status && !km_friction_reserve(&w->friction, most, &w->arena))
     status = km_fail(error, KM_MEMORY, "out of memory for the losses");
   if (!status)
     w->forces->spring_count = 0;
@@ -70,52 +82,79 @@ void km_losses_free(km_losses_work *w) {
   km_lever_free(w->lever);
   km_forces_free(w->forces);
   km_statics_free(&w->statics);
-  km_free(w->lost);
+  km_arena_free(&w->arena);
   km_free(w);
 }
 
-/* The force of a joint's reaction across a coordinate's axis; of balls and threads all of it. */
-static double normal_force(const km_mechanism *m, const km_losses_work *w, int c) {
+/* The force of a joint's last reaction across a coordinate's axis; of balls and threads all of it. */
+static km_vec3 normal_force(const km_mechanism *m, const km_losses_work *w, int c) {
   const km_twist *h = &w->statics.work->twist[c];
   km_vec3 force = km_vec3_make(w->statics.reactions[m->model->coordinates[c].joint].force);
   bool turns = km_vec3_norm(h->w) > 0.5;
   km_vec3 axis = turns ? h->w : h->v;
   bool all = m->ball_of[c] >= 0 || m->model->joints[m->model->coordinates[c].joint].type == KM_SCREW;
-  if (!all)
-    force = km_vec3_axpy(-km_vec3_dot(force, axis), axis, force);
-  return km_vec3_norm(force);
+  return all ? force : km_vec3_axpy(-km_vec3_dot(force, axis), axis, force);
 }
 
-/* Friction against the motion `rates`, from the last reactions. */
-static void resist(const km_mechanism *m, km_losses_work *w, const double *rates) {
+/* What rubs in the motion `rates`. */
+static void find_rubbing(const km_mechanism *m, km_losses_work *w, const double *rates) {
+  w->friction.count = 0;
   for (int c = 0; c < m->coordinate_count; ++c) {
     const km_coordinate_def *def = &m->model->coordinates[c];
     double coefficient, radius;
-    w->lost[c] = 0.0;
-    if (m->held[c] || !friction_of(m->model, def->joint, &coefficient, &radius))
+    if (m->held[c] || !friction_of(m->model, def->joint, &coefficient, &radius) || fabs(rates[c]) <= 1e-12 * m->unit[c])
       continue;
     double arm = km_joint_is_length(m->model->joints[def->joint].type, def->index) ? 1.0 : radius;
     double part = 1.0; /* of a ball's turn about this axis */
-    if (m->ball_of[c] >= 0) {
-      const double *turn = rates + m->ball_coordinate[m->ball_of[c]];
-      double speed = km_vec3_norm(km_vec3_make(turn));
-      part = speed > 0.0 ? fabs(rates[c]) / speed : 0.0;
-    }
-    if (fabs(rates[c]) > 1e-12 * m->unit[c])
-      w->lost[c] = -copysign(coefficient * arm * part * normal_force(m, w, c), rates[c]);
+    if (m->ball_of[c] >= 0)
+      part = fabs(rates[c]) / km_vec3_norm(km_vec3_make(rates + m->ball_coordinate[m->ball_of[c]]));
+    if (arm == 0.0)
+      continue;
+    w->resists[w->friction.count] = -copysign(coefficient * arm * part, rates[c]);
+    w->rubbing[w->friction.count++] = c;
   }
 }
 
-static void set_extra(const km_mechanism *m, km_losses_work *w) {
+/* Balances the load of 1 against the output, and friction from a normal force of 1 at one place (-1: none). Returns the
+ * input's force. */
+static double balance(const km_mechanism *m, km_state *s, km_losses_work *w, int place) {
   int output = w->lever->output.handle.coordinate;
-  memcpy(w->forces->extra, w->lost, (size_t)m->coordinate_count * sizeof *w->lost);
+  memset(w->forces->extra, 0, (size_t)m->coordinate_count * sizeof *w->forces->extra);
   if (output >= 0)
-    w->forces->extra[output] -= 1.0;
+    w->forces->extra[output] = -1.0;
+  if (place >= 0)
+    w->forces->extra[w->rubbing[place]] += w->resists[place];
+  km_statics_update(m, s, w->forces, &w->statics);
+  return w->statics.held ? w->statics.actuator_forces[0] : nan("");
+}
+
+/* Everything is linear in the load and the normal forces N: under the input force that holds a load of 1 without
+ * friction there remains a load of 1 − Σ w N, and what presses on each place is a + Σ B N. False if the input alone
+ * can't hold the output. */
+static bool make_equations(const km_mechanism *m, km_state *s, km_losses_work *w) {
+  km_friction *f = &w->friction;
+  double ideal = balance(m, s, w, -1);
+  for (int c = 0; c < f->count; ++c) {
+    km_vec3 a = normal_force(m, w, w->rubbing[c]);
+    memcpy(f->a + 3 * c, (double[3]){a.x, a.y, a.z}, 3 * sizeof *f->a);
+  }
+  for (int k = 0; k < f->count && isfinite(ideal); ++k) {
+    double force = balance(m, s, w, k);
+    if (isnan(force))
+      return false;
+    f->w[k] = (force - ideal) / ideal;
+    for (int c = 0; c < f->count; ++c) {
+      km_vec3 both = normal_force(m, w, w->rubbing[c]), a = km_vec3_make(f->a + 3 * c);
+      km_vec3 b = km_vec3_axpy(-1.0 - f->w[k], a, both);
+      memcpy(f->B + 3 * (c * f->count + k), (double[3]){b.x, b.y, b.z}, 3 * sizeof *f->B);
+    }
+  }
+  return isfinite(ideal);
 }
 
 void km_losses_update(const km_mechanism *m, km_state *s, km_losses_work *w, km_losses *out) {
   km_advantage a;
-  *out = (km_losses){.ratio = nan(""), .efficiency = nan("")};
+  *out = (km_losses){.ratio = nan(""), .efficiency = nan(""), .locks_from = nan("")};
   km_lever_update(m, s, w->lever, &a);
   if (w->lever->input.handle.coordinate < 0 || a.state != KM_ADVANTAGE_FINITE) {
     out->why = a.state != KM_ADVANTAGE_FINITE ? "the mechanical advantage isn't finite" : "the input is no joint";
@@ -124,23 +163,18 @@ void km_losses_update(const km_mechanism *m, km_state *s, km_losses_work *w, km_
   /* The motion in which the output goes against its load. */
   for (int c = 0; c < m->coordinate_count && a.output_rate < 0.0; ++c)
     w->lever->rates[c] = -w->lever->rates[c];
-  double ideal = 1.0 / a.value, force = ideal, last = ideal;
-  memset(w->lost, 0, (size_t)m->coordinate_count * sizeof *w->lost);
-  int i = 0;
-  for (; i < MOST_ITERATIONS && (i < 2 || fabs(force - last) > settled * fabs(force)); ++i) {
-    last = force;
-    set_extra(m, w);
-    km_statics_update(m, s, w->forces, &w->statics);
-    if (!w->statics.held) {
-      out->why = "the input alone can't hold the output";
-      return;
-    }
-    force = w->statics.actuator_forces[0];
-    if (!(fabs(force) < 1e9 * fabs(ideal)) || force * ideal < 0.0)
-      break;
-    resist(m, w, w->lever->rates);
+  find_rubbing(m, w, w->lever->rates);
+  if (!make_equations(m, s, w)) {
+    out->why = "the input alone can't hold the output";
+    return;
   }
-  out->locks = i == MOST_ITERATIONS || !(fabs(force) < 1e9 * fabs(ideal)) || force * ideal < 0.0;
-  out->ratio = out->locks ? 0.0 : 1.0 / force;
-  out->efficiency = out->ratio / a.value;
+  km_friction_answer answer = km_friction_solve(&w->friction);
+  if (answer == KM_FRICTION_OPEN) {
+    out->why = "neither motion nor self-locking could be proved";
+    return;
+  }
+  out->locks = answer == KM_FRICTION_LOCKS;
+  out->locks_from = out->locks ? w->friction.locks_from : nan("");
+  out->efficiency = out->locks ? 0.0 : w->friction.load;
+  out->ratio = out->efficiency * a.value;
 }

@@ -126,7 +126,7 @@ static km_status see(void *self, km_sweeper *r, double s, km_error *error) {
     moved = moved || between;
   }
   if (moved)
-    r->mover.settle(r->mover.self, s);
+    r->mover.settle(r->mover.self);
   double *swap = w->last_z;
   w->last_z = w->z;
   w->z = swap;

@@ -1,3 +1,4 @@
+/* Looks between the samples of a sweep for zeros, poles and extremes of functions n/d. */
 #include "analysis/scan.h"
 
 #include "analysis/mobility.h"
@@ -7,102 +8,135 @@
 #include <gsl/gsl_roots.h>
 #include <string.h>
 
-enum { MOST_ITERATIONS = 100 };
+/* A pole is approached by halving the distance: to 2⁻¹⁶ of it. */
+enum { MOST_ITERATIONS = 100, APPROACHES = 16 };
 
 /* A function that changes less, relatively, is constant. */
 static const double least_swing = 1e-9;
-
-/* A value that exceeds its neighbours' by so much is a pole. */
-static const double unbounded = 1e5;
+/* What of a smooth function is left at its own root, or at one that it shares; of its values beside it. */
+static const double left_over = 1e-7;
 
 bool km_scan_reserve(km_scan *scan, int count) {
   size_t n = (size_t)count;
   scan->count = count;
-  scan->probe = KM_NEW(double, 4 * n);
-  for (int i = 0; i < 3 && scan->probe; ++i)
-    scan->f[i] = scan->probe + (size_t)(i + 1) * n;
-  return scan->probe != NULL;
+  scan->shown = nan("");
+  scan->probe_n = KM_NEW(double, 6 * n);
+  scan->runs = KM_NEW(km_run, n);
+  scan->first.n = KM_NEW(double, 4 * KM_ENDING * n);
+  if (!scan->probe_n || !scan->runs || !scan->first.n)
+    return false;
+  scan->first.d = scan->first.n + KM_ENDING * n;
+  scan->last.n = scan->first.d + KM_ENDING * n;
+  scan->last.d = scan->last.n + KM_ENDING * n;
+  scan->probe_d = scan->probe_n + n;
+  for (int i = 0; i < 2; ++i) {
+    scan->n[i] = scan->probe_n + (size_t)(2 + i) * n;
+    scan->d[i] = scan->probe_n + (size_t)(4 + i) * n;
+  }
+  return true;
 }
 
 void km_scan_free(km_scan *scan) {
-  km_free(scan->probe);
+  km_free(scan->probe_n);
+  km_free(scan->runs);
+  km_free(scan->first.n);
 }
+
+km_status km_events_add(km_events *events, km_event event, km_error *error) {
+  void *items = events->items;
+  if (!km_reserve(&items, &events->capacity, events->count + 1, sizeof event))
+    return km_fail(error, KM_MEMORY, "out of memory for a sweep");
+  events->items = items;
+  events->items[events->count++] = event;
+  return KM_OK;
+}
+
+void km_events_sort(km_events *events, bool backwards) {
+  km_event *e = events->items;
+  for (size_t i = 1; i < events->count; ++i)
+    for (size_t k = i; k > 0 && (backwards ? e[k].s > e[k - 1].s : e[k].s < e[k - 1].s); --k) {
+      km_event swap = e[k];
+      e[k] = e[k - 1];
+      e[k - 1] = swap;
+    }
+}
+
+static void evaluate(const km_scan *scan, km_sweeper *r, double *n, double *d) {
+  if (r->substructure >= 0)
+    km_numbers_update(r->m, r->s, r->substructure);
+  for (int i = 0; i < scan->count; ++i)
+    d[i] = 1.0;
+  scan->values(scan->self, r, n, d);
+}
+
+/* Moves the state to s, and fills probe_n and probe_d there; false where the pose can't be reached. */
+static bool visit(const km_scan *scan, km_sweeper *r, double s) {
+  if (!r->mover.probe(r->mover.self, s, r->rates))
+    return false;
+  evaluate(scan, r, scan->probe_n, scan->probe_d);
+  return true;
+}
+
+typedef enum part { NUMERATOR, DENOMINATOR, QUOTIENT } part;
 
 /* One function between two samples, as GSL sees it. */
 typedef struct search {
   km_scan *scan;
   km_sweeper *r;
   int function;
+  part part;
   double sign;
-  bool lost; /* a pose couldn't be reached */
+  bool lost; /* a pose couldn't be reached, or has no value */
 } search;
 
 static double at(double s, void *context) {
   search *q = context;
-  if (!q->r->mover.probe(q->r->mover.self, s, q->r->rates)) {
-    q->lost = true;
-    return (double)NAN; /* ends the search */
-  }
-  if (q->r->substructure >= 0)
-    km_numbers_update(q->r->m, q->r->s, q->r->substructure);
-  q->scan->values(q->scan->self, q->r, q->scan->probe);
-  double f = q->sign * q->scan->probe[q->function];
-  return isfinite(f) ? f : 0.0; /* without a value: as good a place as any to look at */
+  bool there = visit(q->scan, q->r, s);
+  double n = q->scan->probe_n[q->function], d = q->scan->probe_d[q->function];
+  double f = q->part == NUMERATOR ? n : q->part == DENOMINATOR ? d : n / d;
+  q->lost = q->lost || !there || isnan(f);
+  return q->lost ? (double)NAN : q->sign * f; /* NaN ends the search */
 }
 
-static km_status add(km_scan *scan, km_event event, km_error *error) {
-  void *items = scan->events->items;
-  if (!km_reserve(&items, &scan->events->capacity, scan->events->count + 1, sizeof event))
-    return km_fail(error, KM_MEMORY, "out of memory for a sweep");
-  scan->events->items = items;
-  scan->events->items[scan->events->count++] = event;
-  return KM_OK;
-}
-
-/* Beside a pole the function is larger than at either end of the interval, beside a zero smaller. */
-static bool is_pole(search *q, double root, double low, double high) {
-  double most = 2.0 * fmax(fabs(q->scan->f[0][q->function]), fabs(q->scan->f[1][q->function]));
-  double aside = 1e-4 * (high - low);
-  return fabs(at(fmax(root - aside, low), q)) > most || fabs(at(fmin(root + aside, high), q)) > most;
-}
-
-/* Between the last two samples function i changes its sign: at a zero, or across a pole. */
-static km_status find_zero(km_scan *scan, km_sweeper *r, int i, km_error *error) {
-  search q = {scan, r, i, 1.0, false};
+/* Between the last two samples the part of function i changes its sign: where. False if it can't be told. The state is
+ * left at the root. */
+static bool find_root(km_scan *scan, km_sweeper *r, int i, part which, double *root) {
+  search q = {scan, r, i, which, 1.0, false};
   gsl_function f = {at, &q};
   double low = fmin(scan->s[0], scan->s[1]), high = fmax(scan->s[0], scan->s[1]);
   gsl_root_fsolver *solver = gsl_root_fsolver_alloc(gsl_root_fsolver_brent);
   if (!solver)
-    return km_fail(error, KM_MEMORY, "out of memory for a sweep");
-  double root = low;
+    return false;
   bool found = gsl_root_fsolver_set(solver, &f, low, high) == GSL_SUCCESS;
   for (int k = 0; found && k < MOST_ITERATIONS && !q.lost; ++k) {
     found = gsl_root_fsolver_iterate(solver) == GSL_SUCCESS;
-    root = gsl_root_fsolver_root(solver);
+    *root = gsl_root_fsolver_root(solver);
     double left = gsl_root_fsolver_x_lower(solver), right = gsl_root_fsolver_x_upper(solver);
     if (right - left <= 1e-13 * (fabs(left) + fabs(right)) + 1e-15)
       break;
   }
   gsl_root_fsolver_free(solver);
-  if (!found || q.lost)
-    return KM_OK;
-  bool pole = is_pole(&q, root, low, high);
-  return q.lost ? KM_OK
-                : add(scan, (km_event){pole ? KM_EVENT_POLE : KM_EVENT_ZERO, i, root, pole ? HUGE_VAL : 0.0}, error);
+  return found && !isnan(at(*root, &q));
 }
 
-/* The middle one of the last three samples is the largest (sign -1: of -f, smallest) or smallest. */
+/* Is so little of x left, where it was a and b beside? */
+static bool vanishes(double x, double a, double b) {
+  return fabs(x) <= left_over * fmax(fabs(a), fabs(b));
+}
+
+/* The middle one of the last three samples of a run is the largest (sign -1: of -f, smallest) or smallest. */
 static km_status find_extreme(km_scan *scan, km_sweeper *r, int i, double sign, km_error *error) {
-  search q = {scan, r, i, sign, false};
+  const km_run *run = &scan->runs[i];
+  search q = {scan, r, i, QUOTIENT, sign, false};
   gsl_function f = {at, &q};
-  double low = fmin(scan->s[0], scan->s[2]), high = fmax(scan->s[0], scan->s[2]);
-  bool turned = scan->s[0] > scan->s[2];
-  double f_low = sign * scan->f[turned ? 2 : 0][i], f_high = sign * scan->f[turned ? 0 : 2][i];
+  double low = fmin(run->s[0], run->s[2]), high = fmax(run->s[0], run->s[2]);
+  bool turned = run->s[0] > run->s[2];
+  double f_low = sign * run->f[turned ? 2 : 0], f_high = sign * run->f[turned ? 0 : 2];
   gsl_min_fminimizer *solver = gsl_min_fminimizer_alloc(gsl_min_fminimizer_brent);
   if (!solver)
     return km_fail(error, KM_MEMORY, "out of memory for a sweep");
-  bool found = gsl_min_fminimizer_set_with_values(solver, &f, scan->s[1], sign * scan->f[1][i], low, f_low, high,
-                                                  f_high) == GSL_SUCCESS;
+  bool found = gsl_min_fminimizer_set_with_values(solver, &f, run->s[1], sign * run->f[1], low, f_low, high, f_high) ==
+               GSL_SUCCESS;
   for (int k = 0; found && k < MOST_ITERATIONS && !q.lost; ++k) {
     found = gsl_min_fminimizer_iterate(solver) == GSL_SUCCESS;
     double left = gsl_min_fminimizer_x_lower(solver), right = gsl_min_fminimizer_x_upper(solver);
@@ -113,70 +147,236 @@ static km_status find_extreme(km_scan *scan, km_sweeper *r, int i, double sign, 
   gsl_min_fminimizer_free(solver);
   if (q.lost && !scan->best_counts)
     return KM_OK;
-  double around = fabs(scan->f[0][i]) + fabs(scan->f[2][i]);
-  km_event_kind kind = fabs(value) > unbounded * around ? KM_EVENT_POLE
-                       : sign > 0.0                     ? KM_EVENT_MINIMUM
-                                                        : KM_EVENT_MAXIMUM;
-  return add(scan, (km_event){kind, i, s, kind == KM_EVENT_POLE ? HUGE_VAL : value}, error);
+  /* A denominator that touches 0 without a change of sign. */
+  bool flat = !q.lost && visit(scan, r, s) && vanishes(scan->probe_d[i], scan->d[0][i], scan->d[1][i]);
+  bool pole = flat && !vanishes(scan->probe_n[i], scan->n[0][i], scan->n[1][i]);
+  if (flat && !pole)
+    return KM_OK; /* of two that vanish together the quotient is rounding */
+  km_event_kind kind = pole ? KM_EVENT_POLE : sign > 0.0 ? KM_EVENT_MINIMUM : KM_EVENT_MAXIMUM;
+  return km_events_add(scan->events, (km_event){kind, i, s, pole ? HUGE_VAL : value}, error);
 }
 
-static bool is_zero(double f) {
-  return f == 0.0;
+/* One more sample of a run. */
+static km_status take(km_scan *scan, km_sweeper *r, int i, double s, double f, bool *moved, km_error *error) {
+  km_run *run = &scan->runs[i];
+  memmove(run->s + 1, run->s, 2 * sizeof *run->s);
+  memmove(run->f + 1, run->f, 2 * sizeof *run->f);
+  run->s[0] = s;
+  run->f[0] = f;
+  run->have = run->have < 3 ? run->have + 1 : 3;
+  if (run->have < 3 || !scan->extremes)
+    return KM_OK;
+  double grain = least_swing * (fabs(run->f[0]) + fabs(run->f[1]));
+  bool up = run->f[1] - run->f[2] > grain, down = run->f[2] - run->f[1] > grain;
+  bool peak = up && run->f[1] - run->f[0] > grain, valley = down && run->f[0] - run->f[1] > grain;
+  *moved = *moved || peak || valley;
+  return peak || valley ? find_extreme(scan, r, i, peak ? -1.0 : 1.0, error) : KM_OK;
 }
 
-/* A sample without a value: the function has a pole there. Where it has none at the first sample, the second tells. */
-static km_status look_at_gap(km_scan *scan, int i, km_error *error) {
-  bool now = isnan(scan->f[0][i]), before = scan->have > 1 && isnan(scan->f[1][i]);
-  double s = now ? scan->s[0] : scan->s[1];
-  bool gap = now ? scan->have > 1 && !before : before && scan->have == 2;
-  return gap ? add(scan, (km_event){KM_EVENT_POLE, i, s, HUGE_VAL}, error) : KM_OK;
+/* Place k of those between s and a pole, from the farthest to the nearest, or with `away` back again. */
+static double place(double s, double pole, bool away, int k) {
+  return pole + (s - pole) * ldexp(1.0, away ? k - APPROACHES : -1 - k);
 }
 
-static km_status look(km_scan *scan, km_sweeper *r, int i, bool *probed, km_error *error) {
-  double new = scan->f[0][i], old = scan->have > 1 ? scan->f[1][i] : nan("");
+/* Function i on the way from s to a pole, or away from it: its run ends there, or begins. */
+static km_status approach(km_scan *scan, km_sweeper *r, int i, double s, double pole, bool away, km_error *error) {
   km_status status = KM_OK;
-  if (scan->zeros && is_zero(new) && !is_zero(old))
-    status = add(scan, (km_event){KM_EVENT_ZERO, i, scan->s[0], 0.0}, error);
-  if (scan->zeros && !status)
-    status = look_at_gap(scan, i, error);
-  bool crossed = new *old < 0.0;
-  if (scan->zeros && crossed && !status) {
-    *probed = true;
-    status = find_zero(scan, r, i, error);
+  bool moved = false;
+  if (away)
+    scan->runs[i].have = 0;
+  for (int k = 0; k < APPROACHES && scan->extremes && !status; ++k) {
+    double x = place(s, pole, away, k);
+    if (visit(scan, r, x) && isfinite(scan->probe_n[i] / scan->probe_d[i]))
+      status = take(scan, r, i, x, scan->probe_n[i] / scan->probe_d[i], &moved, error);
   }
-  if (!scan->extremes || scan->have < 3 || status || crossed || !isfinite(new *old * scan->f[2][i]) ||
-      old * scan->f[2][i] < 0.0)
-    return status;
-  double older = scan->f[2][i], grain = least_swing * (fabs(new) + fabs(old));
-  if (old - new > grain && old - older > grain) {
-    *probed = true;
-    status = find_extreme(scan, r, i, -1.0, error);
-  } else if (new - old > grain && older - old > grain) {
-    *probed = true;
-    status = find_extreme(scan, r, i, 1.0, error);
+  if (!away)
+    scan->runs[i].have = 0;
+  return status;
+}
+
+/* Shows `between` the poses on the way from s to a pole, or away from it. */
+static km_status show(km_scan *scan, km_sweeper *r, double s, double pole, bool away, km_error *error) {
+  for (int k = 0; k < APPROACHES && scan->between; ++k) {
+    double x = place(s, pole, away, k);
+    if (visit(scan, r, x) && !scan->between(scan->self, r, x))
+      return km_fail(error, KM_MEMORY, "out of memory for a sweep");
+  }
+  return KM_OK;
+}
+
+/* Both sides of a pole between the last two samples, as far as they lie between them. */
+static km_status pass_pole(km_scan *scan, km_sweeper *r, int i, double pole, km_error *error) {
+  km_status status = KM_OK;
+  bool shown = pole == scan->shown;
+  for (int away = 0; away < 2 && !status; ++away) {
+    double s = scan->s[away ? 0 : 1];
+    if (s == pole)
+      continue;
+    if (!shown)
+      status = show(scan, r, s, pole, away, error);
+    if (!status)
+      status = approach(scan, r, i, s, pole, away, error);
+  }
+  scan->shown = pole;
+  return status;
+}
+
+/* The sample itself is a zero or a pole of function i. */
+static km_status look_here(km_scan *scan, int i, km_error *error) {
+  double n = scan->n[0][i], d = scan->d[0][i];
+  bool nil = n == 0.0 && !(scan->have > 1 && scan->n[1][i] == 0.0);
+  bool pole = d == 0.0 && !(scan->have > 1 && scan->d[1][i] == 0.0);
+  if (!nil && !pole)
+    return KM_OK;
+  km_event_kind kind = n == 0.0 && d == 0.0 ? KM_EVENT_UNDEFINED : pole ? KM_EVENT_POLE : KM_EVENT_ZERO;
+  return km_events_add(scan->events, (km_event){kind, i, scan->s[0], pole ? HUGE_VAL : 0.0}, error);
+}
+
+/* Zeros and poles of function i between the last two samples; the pole's place, NaN if there is none. */
+static km_status look_between(km_scan *scan, km_sweeper *r, int i, double *pole, km_error *error) {
+  const double *n[2] = {&scan->n[0][i], &scan->n[1][i]}, *d[2] = {&scan->d[0][i], &scan->d[1][i]};
+  km_status status = KM_OK;
+  bool undefined = false;
+  double root;
+  if (*d[0] * *d[1] < 0.0 && find_root(scan, r, i, DENOMINATOR, &root) && vanishes(scan->probe_d[i], *d[0], *d[1])) {
+    undefined = vanishes(scan->probe_n[i], *n[0], *n[1]);
+    *pole = root;
+    status = km_events_add(
+        scan->events, (km_event){undefined ? KM_EVENT_UNDEFINED : KM_EVENT_POLE, i, root, undefined ? 0.0 : HUGE_VAL},
+        error);
+  }
+  if (*n[0] * *n[1] < 0.0 && !status && !undefined && find_root(scan, r, i, NUMERATOR, &root) &&
+      vanishes(scan->probe_n[i], *n[0], *n[1]))
+    status = km_events_add(scan->events, (km_event){KM_EVENT_ZERO, i, root, 0.0}, error);
+  return status;
+}
+
+static km_status look(km_scan *scan, km_sweeper *r, int i, bool *moved, km_error *error) {
+  bool before = scan->have > 1 && isfinite(scan->n[1][i]) && isfinite(scan->d[1][i]);
+  double n = scan->n[0][i], d = scan->d[0][i], pole = nan("");
+  if (!isfinite(n) || !isfinite(d)) {
+    scan->runs[i].have = 0;
+    return KM_OK;
+  }
+  if (!before)
+    scan->runs[i].have = 0;
+  km_status status = scan->ratios ? look_here(scan, i, error) : KM_OK;
+  if (before && !status && scan->ratios) {
+    status = look_between(scan, r, i, &pole, error);
+    *moved = *moved || n * scan->n[1][i] < 0.0 || d * scan->d[1][i] < 0.0;
+    if (d == 0.0 && scan->d[1][i] != 0.0)
+      pole = scan->s[0];
+    if (d != 0.0 && scan->d[1][i] == 0.0)
+      pole = scan->s[1];
+  }
+  if (!isnan(pole) && !status) {
+    *moved = true;
+    status = pass_pole(scan, r, i, pole, error);
+  }
+  return status || d == 0.0 ? status : take(scan, r, i, scan->s[0], n / d, moved, error);
+}
+
+/* The newest sample becomes the first of the last ones, and, of the first ones, the last. */
+static void keep_ending(km_scan *scan) {
+  size_t n = (size_t)scan->count, row = n * sizeof(double);
+  km_ending *last = &scan->last, *first = &scan->first;
+  memmove(last->s + 1, last->s, (KM_ENDING - 1) * sizeof *last->s);
+  memmove(last->n + n, last->n, (KM_ENDING - 1) * row);
+  memmove(last->d + n, last->d, (KM_ENDING - 1) * row);
+  last->s[0] = scan->s[0];
+  memcpy(last->n, scan->n[0], row);
+  memcpy(last->d, scan->d[0], row);
+  last->have += last->have < KM_ENDING;
+  if (first->have == KM_ENDING)
+    return;
+  first->s[first->have] = scan->s[0];
+  memcpy(first->n + (size_t)first->have * n, scan->n[0], row);
+  memcpy(first->d + (size_t)first->have * n, scan->d[0], row);
+  first->have++;
+}
+
+km_status km_scan_sample(km_scan *scan, km_sweeper *r, double s, km_error *error) {
+  if (scan->have > 1 && (s - scan->s[0]) * (scan->s[0] - scan->s[1]) <= 0.0)
+    return KM_OK; /* the way to it has been seen */
+  double *n = scan->n[1], *d = scan->d[1];
+  scan->s[1] = scan->s[0];
+  scan->n[1] = scan->n[0];
+  scan->d[1] = scan->d[0];
+  scan->s[0] = s;
+  scan->n[0] = n;
+  scan->d[0] = d;
+  scan->have = scan->have < 2 ? scan->have + 1 : 2;
+  gsl_set_error_handler_off();
+  evaluate(scan, r, n, d);
+  if (scan->sampled)
+    scan->sampled(scan->self, r);
+  keep_ending(scan);
+  bool moved = false;
+  km_status status = KM_OK;
+  for (int i = 0; i < scan->count && !status; ++i)
+    status = look(scan, r, i, &moved, error);
+  if (moved) {
+    r->mover.settle(r->mover.self);
+    if (r->substructure >= 0)
+      km_numbers_update(r->m, r->s, r->substructure);
   }
   return status;
 }
 
-km_status km_scan_sample(km_scan *scan, km_sweeper *r, double s, km_error *error) {
-  double *oldest = scan->f[2];
-  memmove(scan->s + 1, scan->s, 2 * sizeof *scan->s);
-  memmove(scan->f + 1, scan->f, 2 * sizeof *scan->f);
-  scan->s[0] = s;
-  scan->f[0] = oldest;
-  scan->have = scan->have < 3 ? scan->have + 1 : 3;
-  gsl_set_error_handler_off();
-  if (r->substructure >= 0)
-    km_numbers_update(r->m, r->s, r->substructure);
-  scan->values(scan->self, r, scan->f[0]);
-  bool probed = false;
-  km_status status = KM_OK;
-  for (int i = 0; i < scan->count && !status; ++i)
-    status = look(scan, r, i, &probed, error);
-  if (probed) {
-    r->mover.settle(r->mover.self, s);
-    if (r->substructure >= 0)
-      km_numbers_update(r->m, r->s, r->substructure);
+/* Of x at once, twice and four times the root of the way to the end: is nothing left of it there? By the parabola. */
+static bool comes_to_nothing(const double *x, int count) {
+  double once = fabs(x[0]), twice = fabs(x[count]), four = fabs(x[2 * count]);
+  return four != 0.0 && fabs(8.0 * once - 6.0 * twice + four) < 3.0 * 0.05 * four;
+}
+
+/* The first of three samples that come to the end by quarters of the way, far enough from it: it is located to 1e-9.
+ * -1: none. */
+static int nearest(const km_ending *ending, double end) {
+  for (int k = 1; k + 2 < ending->have; ++k) {
+    double way = fabs(ending->s[k] - end);
+    bool quarters = fabs(fabs(ending->s[k + 1] - end) - 4.0 * way) < 0.01 * way &&
+                    fabs(fabs(ending->s[k + 2] - end) - 16.0 * way) < 0.01 * way;
+    if (quarters && way > 1e-7 * (1.0 + fabs(end)))
+      return k;
   }
+  return -1;
+}
+
+/* What rounding has told of a function next to an end where it vanishes or has a pole. */
+static void forget_end(km_events *events, int function, double s, double way) {
+  size_t kept = 0;
+  for (size_t i = 0; i < events->count; ++i) {
+    const km_event *e = &events->items[i];
+    bool extreme = e->kind == KM_EVENT_MINIMUM || e->kind == KM_EVENT_MAXIMUM;
+    if (extreme || e->function != function || fabs(e->s - s) > way)
+      events->items[kept++] = *e;
+  }
+  events->count = kept;
+}
+
+km_status km_scan_end(km_scan *scan, km_sweeper *r, double end, km_error *error) {
+  const km_table *table = r->out->table;
+  size_t rows = km_table_rows(table);
+  if (rows < 2)
+    return KM_OK;
+  bool away = km_table_row(table, 0)[1] == end;
+  const km_ending *ending = away ? &scan->first : &scan->last;
+  int k = nearest(ending, end), count = scan->count;
+  km_status status = KM_OK;
+  for (int i = 0; i < count && k > 0 && !status; ++i) {
+    bool zero = comes_to_nothing(ending->n + k * count + i, count);
+    bool pole = comes_to_nothing(ending->d + k * count + i, count);
+    km_event_kind kind = zero && pole ? KM_EVENT_UNDEFINED : pole ? KM_EVENT_POLE : KM_EVENT_ZERO;
+    if (!zero && !pole)
+      continue;
+    forget_end(scan->events, i, end, fabs(ending->s[k] - end));
+    status = km_events_add(scan->events, (km_event){kind, i, end, kind == KM_EVENT_POLE ? HUGE_VAL : 0.0}, error);
+    /* Of several freedoms a way back from an end needn't be the one that led to it. */
+    if (kind != KM_EVENT_POLE || status || scan->shown == end || r->out->freedom > 1)
+      continue;
+    status = show(scan, r, km_table_row(table, away ? 1 : rows - 2)[1], end, away, error);
+    scan->shown = end;
+  }
+  r->mover.settle(r->mover.self);
   return status;
 }

@@ -6,8 +6,9 @@
 #include "analysis/sweeper.h"
 
 typedef enum km_event_kind {
-  KM_EVENT_ZERO,
-  KM_EVENT_POLE, /* the function grows without bound */
+  KM_EVENT_ZERO,      /* the numerator vanishes */
+  KM_EVENT_POLE,      /* the denominator vanishes: the function grows without bound */
+  KM_EVENT_UNDEFINED, /* both vanish */
   KM_EVENT_MINIMUM,
   KM_EVENT_MAXIMUM
 } km_event_kind;
@@ -18,31 +19,58 @@ typedef struct km_event {
   double s, value;
 } km_event;
 
-/* The events of a scan, in the order in which they were passed. */
 typedef struct km_events {
   km_event *items;
   size_t count, capacity;
 } km_events;
 
-/* Functions f_i of the pose, sampled along a sweep. */
+/* The last samples of a function since its last pole or corner, the newest first. */
+typedef struct km_run {
+  double s[3], f[3];
+  int have;
+} km_run;
+
+/* Samples at the beginning or the end of a sweep, the one at its end first. */
+enum { KM_ENDING = 14 };
+typedef struct km_ending {
+  int have;
+  double s[KM_ENDING], *n, *d; /* [KM_ENDING × count] */
+} km_ending;
+
+/* Functions f_i = n_i / d_i of the pose, sampled along a sweep. n_i and d_i are smooth where the motion is: what f_i
+ * does between samples is told by them, never by the size of its neighbours. */
 typedef struct km_scan {
   int count;
   void *self;
-  /* f[count] at the state's pose; NaN where one has no value. */
-  void (*values)(void *self, km_sweeper *sweeper, double *f);
-  bool zeros, extremes; /* what to look for */
-  bool best_counts;     /* an extreme next to which poses can't be reached is the best one found */
+  /* n[count] and d[count] at the state's pose; d is 1 where nothing else is written; NaN where f has no value. */
+  void (*values)(void *self, km_sweeper *sweeper, double *n, double *d);
+  /* After `values` at a sample: what comes is to be seen from there. NULL: nothing depends on it. */
+  void (*sampled)(void *self, km_sweeper *sweeper);
+  /* The state stands at s, near a pole where one more sample shows the function's course; NULL: nobody asks. */
+  bool (*between)(void *self, km_sweeper *sweeper, double s);
+  bool ratios, extremes; /* what to look for: zeros and poles; extremes */
+  bool best_counts;      /* an extreme next to which poses can't be reached is the best one found */
   km_events *events;
-  double s[3], *f[3]; /* the last samples, the newest first */
-  int have;
-  double *probe; /* [count] */
+  double s[2], *n[2], *d[2]; /* the last two samples, the newest first */
+  int have;                  /* of them; 0 to forget them */
+  double *probe_n, *probe_d; /* [count] */
+  km_run *runs;              /* [count] */
+  km_ending first, last;
+  double shown; /* the pole that `between` has been shown last */
 } km_scan;
 
 /* Space for `count` functions; false when out of memory. */
 bool km_scan_reserve(km_scan *scan, int count);
 void km_scan_free(km_scan *scan);
 /* The state stands at s: samples the functions, and looks between this sample and the last ones (Brent's methods, GSL).
- * Comes back to s. KM_MEMORY. */
+ * Comes back to where the mover settles. KM_MEMORY. */
 km_status km_scan_sample(km_scan *scan, km_sweeper *sweeper, double s, km_error *error);
+/* The driver gives out at `end`, which is the first or the last row. Whatever else stands there comes to it as the root
+ * of the way: tells the zeros and poles. After the last sample. */
+km_status km_scan_end(km_scan *scan, km_sweeper *sweeper, double end, km_error *error);
+
+km_status km_events_add(km_events *events, km_event event, km_error *error);
+/* Into the order in which the sweep passed them. */
+void km_events_sort(km_events *events, bool backwards);
 
 #endif

@@ -6,6 +6,7 @@
 #include "kmech/statics.h"
 
 #include <gsl/gsl_matrix.h>
+#include <gsl/gsl_permutation.h>
 
 /* Solving for the actuators of one substructure: a motion x of its freedoms moves them by Z_A x. */
 typedef struct km_holding {
@@ -14,6 +15,14 @@ typedef struct km_holding {
   gsl_matrix *U, *V;             /* of Z_A = U S Vᵀ, padded with rows of 0 to at least as many as columns */
   gsl_vector *S, *load, *answer; /* load: Vᵀ g */
   double *basis;                 /* of the motions out of reach */
+  int freedom, rank;             /* at the last pose */
+  double noise;                  /* of the loads g */
+  /* Along a sweep: */
+  int most_rank;     /* freedoms that the actuators reach but at single poses */
+  gsl_matrix *fixed; /* [actuator × rank] U at the last sample: what is seen from there keeps its signs */
+  double *moving;    /* [rank × column] Z V there */
+  gsl_matrix *turn;  /* [rank × rank] */
+  gsl_permutation *pivots;
 } km_holding;
 
 /* Reactions of one substructure. */
@@ -53,6 +62,15 @@ bool km_carrying_reserve(const km_mechanism *mechanism, km_statics_work *work);
 void km_actuators_hold(const km_mechanism *mechanism, const km_state *state, km_statics *statics);
 /* The part of km_statics_update that finds the actuators' forces; f̄ and reactions stay as they were. */
 void km_statics_hold(const km_mechanism *mechanism, const km_state *state, km_forces *forces, km_statics *statics);
+/* After km_statics_hold, along a sweep: every actuator's force as n/d, both smooth along the motion, d = 0 where the
+ * actuators lose a freedom. `motion`: rates of the coordinates along it (NULL: unknown). Exactly 0 where rounding is
+ * all there is; NaN where they never hold. False if a rank has grown: what came before had a freedom less within reach,
+ * and nothing before can be compared. */
+bool km_statics_ratios(const km_mechanism *mechanism, const km_state *state, km_statics *statics, const double *motion,
+                       double *n, double *d);
+/* The pose of the last km_statics_ratios is a sample: those to come have its signs. */
+void km_statics_refer(const km_mechanism *mechanism, const km_state *state, km_statics *statics);
+bool km_ratios_reserve(km_holding *holding, int columns, km_arena *arena);
 /* Reactions from work->force. */
 void km_statics_carry(const km_mechanism *mechanism, km_state *state, const km_forces *forces, km_statics *statics);
 

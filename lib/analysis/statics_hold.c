@@ -41,6 +41,7 @@ bool km_holding_reserve(const km_mechanism *m, km_statics *st) {
     h->load = vector(arena, columns);
     h->answer = vector(arena, columns);
     h->basis = KM_ARENA_NEW(arena, double, (size_t)columns *(size_t)columns);
+    km_ratios_reserve(h, columns, arena);
   }
   return !arena->failed;
 }
@@ -157,8 +158,10 @@ static bool unreached(const km_mechanism *m, const km_state *s, int index, const
 }
 
 static void hold_substructure(const km_mechanism *m, const km_state *s, int index, km_statics *st) {
-  const km_holding *h = &st->work->holding[index];
+  km_holding *h = &st->work->holding[index];
   int freedom = km_partition_freedom(&s->partition[index]), rank = 0;
+  h->freedom = freedom;
+  h->rank = 0;
   if (freedom == 0)
     return; /* nothing moves: the actuators have nothing to do */
   gsl_matrix U = top(h->U, h->count > freedom ? h->count : freedom, freedom), V = top(h->V, freedom, freedom);
@@ -169,6 +172,8 @@ static void hold_substructure(const km_mechanism *m, const km_state *s, int inde
   gsl_blas_dgemv(CblasTrans, 1.0, &V, &g, 0.0, &load);
   while (rank < freedom && gsl_vector_get(&S, (size_t)rank) > out_of_reach)
     ++rank;
+  h->rank = rank;
+  h->noise = noise;
   st->redundant = st->redundant || h->count > rank;
   for (int a = 0; a < h->count; ++a) {
     int actuator = h->actuator[a];

@@ -14,6 +14,8 @@ typedef struct watch {
   km_statics *statics;
   km_scan scan;
   km_events events;
+  bool moves; /* r->rates is the motion */
+  bool grown; /* the actuators reach more freedoms than before */
 } watch;
 
 static bool add_forces(const watch *w, const km_model *model, km_table *table) {
@@ -76,11 +78,24 @@ static double clear_force(const watch *w, const km_mechanism *m, int actuator) {
   return fabs(force) <= size ? 0.0 : force;
 }
 
-static void values(void *self, km_sweeper *r, double *f) {
-  const watch *w = self;
+static void values(void *self, km_sweeper *r, double *n, double *d) {
+  watch *w = self;
   km_statics_hold(r->m, r->s, w->forces, w->statics);
-  for (int i = 0; i < w->statics->actuator_count; ++i)
-    f[i] = clear_force(w, r->m, i);
+  w->grown = !km_statics_ratios(r->m, r->s, w->statics, w->moves ? r->rates : NULL, n, d) || w->grown;
+}
+
+static void sampled(void *self, km_sweeper *r) {
+  const watch *w = self;
+  km_statics_refer(r->m, r->s, w->statics);
+}
+
+/* The first pose was one where the actuators had a freedom less within their reach than elsewhere. */
+static km_status start_at_pole(watch *w, double s, km_error *error) {
+  km_status status = KM_OK;
+  for (int i = 0; i < w->scan.count && !status; ++i)
+    if (isnan(w->scan.n[1][i]) && !isnan(w->scan.n[0][i]))
+      status = km_events_add(&w->events, (km_event){KM_EVENT_POLE, i, s, HUGE_VAL}, error);
+  return status;
 }
 
 /* A branch point has freedoms for an instant that no actuator may hold: that says nothing of the forces around it. */
@@ -88,19 +103,40 @@ static km_status look(void *self, km_sweeper *r, double s, km_error *error) {
   watch *w = self;
   if (r->substructure >= 0 && km_partition_freedom(&r->s->partition[r->substructure]) > r->out->freedom)
     return KM_OK;
-  return km_scan_sample(&w->scan, r, s, error);
+  bool second = w->scan.have > 0;
+  double first_s = w->scan.s[0];
+  w->grown = false;
+  w->moves = km_sweeper_motion(r);
+  km_status status = km_scan_sample(&w->scan, r, s, error);
+  if (w->grown && second && !status)
+    status = start_at_pole(w, first_s, error);
+  if (w->grown)
+    w->scan.have = 1;
+  return status;
 }
 
 static km_status see(void *self, km_sweeper *r, double s, km_error *error) {
   watch *w = self;
   if (!w->statics->held && w->out->unheld++ == 0)
     w->out->first_unheld = s;
+  w->out->loaded = w->out->loaded || w->forces->force_size > 0.0 || w->forces->couple_size > 0.0;
   for (int i = 0; i < w->statics->actuator_count; ++i) {
     double f = clear_force(w, r->m, i);
-    if (!(fabs(f) <= fabs(w->out->largest[i].value)) && !isnan(f))
+    const km_force_event *largest = &w->out->largest[i];
+    if (!isnan(f) && (isnan(largest->s) || fabs(f) > fabs(largest->value)))
       w->out->largest[i] = (km_force_event){KM_FORCE_PEAK, i, s, f};
   }
   return look(self, r, s, error);
+}
+
+/* The forces beside a pole, for pictures. */
+static bool between(void *self, km_sweeper *r, double s) {
+  (void)self;
+  return km_sweeper_between(r, s);
+}
+
+static km_status end_at(void *self, km_sweeper *r, double s, km_error *error) {
+  return km_scan_end(&((watch *)self)->scan, r, s, error);
 }
 
 static void forget(void *self) {
@@ -111,13 +147,16 @@ static bool keep(const km_statics_sweep *out, const km_event *e, km_force_event 
   *event = (km_force_event){KM_FORCE_BALANCED, e->function, e->s, e->value};
   if (e->kind == KM_EVENT_ZERO)
     return out->largest[e->function].value != 0.0; /* not of one that never holds anything */
+  if (e->kind == KM_EVENT_UNDEFINED)
+    return false; /* neither the actuator nor what it holds moves: its force goes on as it was */
   event->kind = e->kind == KM_EVENT_POLE ? KM_FORCE_UNBOUNDED : KM_FORCE_PEAK;
   bool outwards = e->kind == KM_EVENT_MAXIMUM ? e->value > 0.0 : e->value < 0.0;
   return e->kind == KM_EVENT_POLE || outwards;
 }
 
-static km_status take_events(watch *w, km_error *error) {
+static km_status take_events(watch *w, bool backwards, km_error *error) {
   km_statics_sweep *out = w->out;
+  km_events_sort(&w->events, backwards);
   out->events = KM_NEW(km_force_event, w->events.count);
   if (!out->events)
     return km_fail(error, KM_MEMORY, "out of memory for a sweep");
@@ -136,8 +175,14 @@ static km_status take_events(watch *w, km_error *error) {
 static km_status run(const km_mechanism *m, km_state *s, const km_sweep_plan *plan, watch *w, km_error *error) {
   km_statics_sweep *out = w->out;
   const km_statics *st = w->statics;
-  km_observer observer = {w, add_columns, write_cells, see, look, forget, NULL};
-  w->scan = (km_scan){.self = w, .values = values, .zeros = true, .extremes = true, .events = &w->events};
+  km_observer observer = {w, add_columns, write_cells, see, look, forget, end_at};
+  w->scan = (km_scan){.self = w,
+                      .values = values,
+                      .sampled = sampled,
+                      .between = between,
+                      .ratios = true,
+                      .extremes = true,
+                      .events = &w->events};
   out->actuators = KM_NEW(int, (size_t)st->actuator_count);
   out->largest = KM_NEW(km_force_event, (size_t)st->actuator_count);
   if (!out->actuators || !out->largest || !km_scan_reserve(&w->scan, st->actuator_count))
@@ -149,7 +194,7 @@ static km_status run(const km_mechanism *m, km_state *s, const km_sweep_plan *pl
   km_status status = km_sweep_run(m, s, plan, &observer, &out->motion, error);
   if (status && status != KM_PARTIAL)
     return status;
-  km_status taken = take_events(w, error);
+  km_status taken = take_events(w, plan->arclength <= 0.0 && plan->to < plan->from, error);
   return taken ? taken : out->unheld ? KM_PARTIAL : status;
 }
 

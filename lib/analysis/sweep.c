@@ -1,4 +1,7 @@
+#include "analysis/mobility.h"
 #include "analysis/sweeper.h"
+
+#include <math.h>
 
 km_sweep_plan km_sweep_plan_default(const km_model *model) {
   const km_sweep_def *sweep = &model->sweep;
@@ -14,14 +17,26 @@ km_sweep_plan km_sweep_plan_default(const km_model *model) {
 static km_status run(km_sweeper *r, km_error *error) {
   size_t count = (size_t)r->m->coordinate_count;
   r->out->table = km_table_create();
+  r->out->between = km_table_create();
   r->rates = KM_NEW(double, 2 * count);
-  if (!r->out->table || !r->rates)
+  if (!r->out->table || !r->out->between || !r->rates)
     return km_fail(error, KM_MEMORY, "out of memory for a sweep");
   r->scratch = r->rates + count;
   km_status status = km_sweeper_columns(r, error);
   if (status)
     return status;
   return r->plan->arclength > 0.0 ? km_sweep_by_length(r, error) : km_sweep_by_driver(r, error);
+}
+
+bool km_sweeper_meets(km_sweeper *r) {
+  if (r->substructure < 0)
+    return false;
+  km_numbers_update(r->m, r->s, r->substructure);
+  return km_partition_freedom(&r->s->partition[r->substructure]) > r->out->freedom;
+}
+
+double km_sweeper_near_end(double s, double end, int k) {
+  return end + (s - end) * ldexp(1.0, -2 * k);
 }
 
 km_status km_sweep_run(const km_mechanism *m, km_state *s, const km_sweep_plan *plan, const km_observer *observer,
@@ -35,6 +50,7 @@ km_status km_sweep_run(const km_mechanism *m, km_state *s, const km_sweep_plan *
 
 void km_sweep_free(km_sweep *sweep) {
   km_table_free(sweep->table);
+  km_table_free(sweep->between);
   km_free(sweep->branches);
   *sweep = (km_sweep){0};
 }

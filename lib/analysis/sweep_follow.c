@@ -15,8 +15,7 @@ static bool probe(void *self, double s, double *out) {
   return km_follow_visit(self, s - km_follow_length(self), out);
 }
 
-static void settle(void *self, double s) {
-  (void)s;
+static void settle(void *self) {
   km_follow_return(self);
 }
 
@@ -74,23 +73,48 @@ static km_status meet_branch(km_sweeper *r, km_follow *follow, km_error *error) 
                        : KM_OK;
 }
 
-/* How far to go at once: all of it, or as far as the observer may miss. */
+/* How far to go at once: all of it, or as far as the observer may miss and come back from in one step. */
 static double stretch(const km_sweeper *r, double left) {
   double longest = fmin(KM_LONGEST_ARC, r->plan->arclength * r->plan->steps / KM_LEAST_SAMPLES);
-  return r->observer->passed && left > 1.5 * longest ? longest : left;
+  double step = r->observer->passed && left > 1.5 * longest ? longest : left;
+  while (r->observer->passed && step > 1e-3 * longest && !km_follow_visit(r->mover.self, step, r->rates))
+    step *= 0.5;
+  if (r->observer->passed)
+    km_follow_return(r->mover.self);
+  return step;
+}
+
+/* Shows the observer the poses between s and the end of the motion, where the state stands, or (away) from there to s.
+ */
+static km_status show_end(km_sweeper *r, double s, double end, bool away, km_error *error) {
+  km_status status = KM_OK;
+  if (!r->observer->passed || km_sweeper_meets(r))
+    return KM_OK;
+  for (int k = 1; k <= KM_END_PLACES && !status; ++k) {
+    double x = km_sweeper_near_end(s, end, away ? KM_END_PLACES + 1 - k : k);
+    if (probe(r->mover.self, x, r->rates))
+      status = r->observer->passed(r->observer->self, r, x, error);
+  }
+  settle(r->mover.self);
+  return status;
 }
 
 /* To an arc length, through the branch points on the way; not past the start of the cycle. */
-static km_status advance_to(km_sweeper *r, km_follow *follow, double length, km_status *moved, km_error *error) {
+static km_status advance_to(km_sweeper *r, km_follow *follow, double length, bool last, km_status *moved,
+                            km_error *error) {
   km_status status = KM_OK;
   *moved = KM_OK;
+  if (km_follow_length(follow) == 0.0)
+    status = show_end(r, stretch(r, length), 0.0, true, error);
   while (!status && !*moved && !km_follow_closed(follow) &&
          length - km_follow_length(follow) > 1e-9 * r->plan->arclength) {
-    double left = length - km_follow_length(follow), step = stretch(r, left);
+    double left = length - km_follow_length(follow), step = stretch(r, left), seen = km_follow_length(follow);
     *moved = km_follow_advance(follow, step);
     status = meet_branch(r, follow, error);
     if (!status && !*moved && step < left && !km_follow_closed(follow))
       status = r->observer->passed(r->observer->self, r, km_follow_length(follow), error);
+    if (!status && (*moved || (last && step >= left)))
+      status = show_end(r, seen, km_follow_length(follow), false, error);
   }
   return status;
 }
@@ -106,12 +130,12 @@ static km_status rows(km_sweeper *r, km_follow *follow, km_error *error) {
     if (!km_sweeper_goes_on(r, i))
       return km_fail(error, KM_CANCELLED, "stopped at %g", km_follow_length(follow));
     km_status moved;
-    status = advance_to(r, follow, plan->arclength * i, &moved, error);
+    status = advance_to(r, follow, plan->arclength * i, i == plan->steps, &moved, error);
     if (km_follow_closed(follow)) {
       r->out->cycle = km_follow_cycle(follow);
       km_follow_go_round(follow);
       if (!plan->cycle && !status)
-        status = advance_to(r, follow, plan->arclength * i, &moved, error);
+        status = advance_to(r, follow, plan->arclength * i, i == plan->steps, &moved, error);
     }
     r->out->end = (km_reach){reason(follow, moved), km_follow_length(follow), r->substructure, km_follow_limit(follow)};
     if (plan->cycle && r->out->cycle > 0.0)

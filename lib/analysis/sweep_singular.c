@@ -12,8 +12,9 @@ static double value_at(km_singular_watch *w, const km_sweeper *r, int index) {
   return index > 0 && index <= count ? values[index - 1] : nan("");
 }
 
-static void generic_value(void *self, km_sweeper *r, double *value) {
+static void generic_value(void *self, km_sweeper *r, double *value, double *one) {
   km_singular_watch *w = self;
+  (void)one;
   *value = value_at(w, r, w->generic);
 }
 
@@ -62,7 +63,7 @@ km_status km_singular_see(km_singular_watch *w, km_sweeper *r, double s, km_mobi
   }
   size_t known = w->events.count;
   km_status status = km_scan_sample(&w->scan, r, s, error);
-  take_smaller(&out->smallest, (km_extreme){w->scan.f[0][0], s});
+  take_smaller(&out->smallest, (km_extreme){w->scan.n[0][0], s});
   for (size_t i = known; i < w->events.count && !status; ++i) {
     km_extreme minimum = {w->events.items[i].value, w->events.items[i].s};
     if (w->events.items[i].kind != KM_EVENT_MINIMUM)

@@ -26,10 +26,9 @@ static const char *s_unit(const km_sweeper *r) {
   return r->plan->arclength > 0.0 ? "" : km_model_coordinate_unit(r->m->model, r->plan->coordinate);
 }
 
-static void add_point_columns(const km_sweeper *r, const km_sweep_point *point, bool *failed) {
+static void add_point_columns(const km_sweeper *r, const km_sweep_point *point, km_table *table, bool *failed) {
   static const char *const places[3] = {".x", ".y", ".z"}, *const slopes[3] = {".dx", ".dy", ".dz"};
   const char *length = r->m->model->units.length->suffix;
-  km_table *table = r->out->table;
   for (int k = 0; k < 3; ++k)
     add_named(table, "point.", point->name, places[k], length, failed);
   if (!r->plan->derivatives)
@@ -42,9 +41,8 @@ static void add_point_columns(const km_sweeper *r, const km_sweep_point *point, 
   km_text_free(&unit);
 }
 
-km_status km_sweeper_columns(const km_sweeper *r, km_error *error) {
+static bool add_columns(const km_sweeper *r, km_table *table) {
   const km_model *model = r->m->model;
-  km_table *table = r->out->table;
   bool failed = false;
   add_named(table, "", "step", "", NULL, &failed);
   failed = km_table_add_plain_column(table, "s", s_unit(r)) < 0 || failed;
@@ -59,8 +57,13 @@ km_status km_sweeper_columns(const km_sweeper *r, km_error *error) {
   }
   add_named(table, "", "residual", "", NULL, &failed);
   for (int i = 0; i < r->plan->point_count; ++i)
-    add_point_columns(r, &r->plan->points[i], &failed);
-  return failed ? km_fail(error, KM_MEMORY, "out of memory for the table") : KM_OK;
+    add_point_columns(r, &r->plan->points[i], table, &failed);
+  return !failed;
+}
+
+km_status km_sweeper_columns(const km_sweeper *r, km_error *error) {
+  bool added = add_columns(r, r->out->between) && add_columns(r, r->out->table);
+  return added ? KM_OK : km_fail(error, KM_MEMORY, "out of memory for the table");
 }
 
 /* Velocity of a frame's origin per unit rate of the driver: the twists of the chain to it, added up. */
@@ -101,18 +104,14 @@ bool km_sweeper_motion(km_sweeper *r) {
   return moves;
 }
 
-km_status km_sweeper_row(km_sweeper *r, int step, double s, km_error *error) {
+/* A row at the state's pose, where r->rates is the motion if points' derivatives are asked for. */
+static bool write_row(km_sweeper *r, km_table *table, int step, double s) {
   const km_mechanism *m = r->m;
-  double *cell = km_table_add_row(r->out->table);
+  double *cell = km_table_add_row(table);
   if (!cell)
-    return km_fail(error, KM_MEMORY, "out of memory for the table");
+    return false;
   int mobility = r->other_mobility, worst;
   double residual = r->other_residual;
-  /* The direction of motion first: the numbers may search other pivots. */
-  bool tangent = r->plan->derivatives && r->mover.rates(r->mover.self, r->rates);
-  if (r->plan->derivatives && !tangent)
-    for (int c = 0; c < m->coordinate_count; ++c)
-      r->rates[c] = nan("");
   if (r->substructure >= 0) {
     const km_substructure *sub = &m->substructures[r->substructure];
     km_numbers_update(m, r->s, r->substructure);
@@ -129,6 +128,20 @@ km_status km_sweeper_row(km_sweeper *r, int step, double s, km_error *error) {
     *cell++ = km_partition_freedom(&r->s->partition[i]);
   *cell++ = residual;
   write_points(r, cell);
+  return true;
+}
+
+bool km_sweeper_between(km_sweeper *r, double s) {
+  return write_row(r, r->out->between, 0, s);
+}
+
+km_status km_sweeper_row(km_sweeper *r, int step, double s, km_error *error) {
+  /* The direction of motion first: the numbers may search other pivots. */
+  bool tangent = r->plan->derivatives && r->mover.rates(r->mover.self, r->rates);
+  for (int c = 0; c < r->m->coordinate_count && r->plan->derivatives && !tangent; ++c)
+    r->rates[c] = nan("");
+  if (!write_row(r, r->out->table, step, s))
+    return km_fail(error, KM_MEMORY, "out of memory for the table");
   return r->observer->seen ? r->observer->seen(r->observer->self, r, s, error) : KM_OK;
 }
 

@@ -12,7 +12,7 @@ typedef struct km_mover {
   bool (*rates)(void *self, double *rates);
   /* The same at another s near the row, where the state then stands; `settle` comes back to the row. */
   bool (*probe)(void *self, double s, double *rates);
-  void (*settle)(void *self, double s);
+  void (*settle)(void *self);
 } km_mover;
 
 typedef struct km_sweeper km_sweeper;
@@ -64,6 +64,15 @@ km_status km_sweeper_columns(const km_sweeper *sweeper, km_error *error);
 void km_sweeper_prepare(km_sweeper *sweeper);
 /* A row at the state's pose, shown to the observer. */
 km_status km_sweeper_row(km_sweeper *sweeper, int step, double s, km_error *error);
+
+/* A row at a pose between rows, where r->rates is the motion: into the sweep's `between`. False when out of memory. */
+bool km_sweeper_between(km_sweeper *sweeper, double s);
+/* Functions may turn close to an end of the motion, where a driver gives out as the root of the way: places k = 1, 2, …
+ * between s and it, each nearer to the end, at which the observer looks too. */
+enum { KM_END_PLACES = 12 };
+double km_sweeper_near_end(double s, double end, int k);
+/* Does the state stand where several motions meet? No pose next to it is well known. */
+bool km_sweeper_meets(km_sweeper *sweeper);
 
 /* The motion at the state's pose into `rates`, with the null space of the pose up to date: finding a motion may leave
  * that of the coordinates beside the driver behind. False where there is no direction. */

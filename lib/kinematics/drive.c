@@ -17,8 +17,17 @@ static const double branch_width = 1e-5; /* a change of sign that stays below th
 static const double crossing = 1e-3;     /* distance from a singular pose at which it is crossed */
 static const double between = 1e-12;     /* residual that shows the pose between two regular ones to be on the branch */
 
+/* A place to come back to. */
+typedef struct mark {
+  double s, largest, stopped, last_h, *t, *last_t, *last_move, *pose;
+  int crossings;
+  bool known;
+  km_partition reference;
+} mark;
+
 struct km_drive {
   km_arena arena;
+  mark mark;
   const km_mechanism *mechanism;
   km_state *state;
   int coordinate, substructure, column;
@@ -57,6 +66,17 @@ static bool allocate(km_drive *d, const km_substructure *sub) {
                                    &d->arena);
 }
 
+static bool allocate_mark(km_drive *d, const km_substructure *sub) {
+  mark *k = &d->mark;
+  size_t n = (size_t)sub->columns;
+  k->t = KM_ARENA_NEW(&d->arena, double, n);
+  k->last_t = KM_ARENA_NEW(&d->arena, double, n);
+  k->last_move = KM_ARENA_NEW(&d->arena, double, n);
+  k->pose = KM_ARENA_NEW(&d->arena, double, KM_SAVED_PER_COLUMN *n);
+  return km_partition_reserve_like(&k->reference, &d->state->partition[d->substructure], sub->rows, sub->columns,
+                                   &d->arena);
+}
+
 km_status km_drive_create(const km_mechanism *m, km_state *s, int coordinate, bool ignore_limits, km_drive **out,
                           km_error *error) {
   *out = NULL;
@@ -80,7 +100,7 @@ km_status km_drive_create(const km_mechanism *m, km_state *s, int coordinate, bo
                   .s = s->q[coordinate] / m->unit[coordinate],
                   .largest = longest};
   const km_substructure *sub = d->substructure >= 0 ? &m->substructures[d->substructure] : NULL;
-  if (sub && !allocate(d, sub)) {
+  if (sub && (!allocate(d, sub) || !allocate_mark(d, sub))) {
     km_drive_free(d);
     return km_fail(error, KM_MEMORY, "out of memory for a sweep");
   }
@@ -377,4 +397,46 @@ bool km_drive_tangent(km_drive *d, double *rates) {
 
 int km_drive_crossings(const km_drive *d) {
   return d->crossings;
+}
+
+void km_drive_mark(km_drive *d) {
+  mark *k = &d->mark;
+  if (d->substructure < 0) {
+    k->s = d->state->q[d->coordinate];
+    return;
+  }
+  size_t bytes = (size_t)driven(d)->columns * sizeof *d->t;
+  k->s = d->s;
+  k->largest = d->largest;
+  k->stopped = d->stopped;
+  k->last_h = d->last_h;
+  k->crossings = d->crossings;
+  k->known = d->known;
+  memcpy(k->t, d->t, bytes);
+  memcpy(k->last_t, d->last_t, bytes);
+  memcpy(k->last_move, d->last_move, bytes);
+  km_state_save(d->state, driven(d), k->pose);
+  km_partition_copy_pivots(&k->reference, &d->reference);
+}
+
+void km_drive_return(km_drive *d) {
+  const mark *k = &d->mark;
+  if (d->substructure < 0) {
+    d->state->q[d->coordinate] = k->s;
+    return;
+  }
+  size_t bytes = (size_t)driven(d)->columns * sizeof *d->t;
+  d->s = k->s;
+  d->largest = k->largest;
+  d->stopped = k->stopped;
+  d->last_h = k->last_h;
+  d->crossings = k->crossings;
+  d->known = k->known;
+  memcpy(d->t, k->t, bytes);
+  memcpy(d->last_t, k->last_t, bytes);
+  memcpy(d->last_move, k->last_move, bytes);
+  km_state_restore(d->state, driven(d), k->pose);
+  km_partition_copy_pivots(&d->reference, &k->reference);
+  km_loops_update(d->mechanism, d->state, driven(d));
+  d->state->pivoted[d->substructure] = KM_NEVER;
 }

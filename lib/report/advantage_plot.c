@@ -35,7 +35,7 @@ bool km_advantage_plot_make(const km_plotted_advantage *sweeps, int count, bool 
   km_swept *swept = KM_ARENA_NEW(arena, km_swept, (size_t)count);
   km_swept_line *line = KM_ARENA_NEW(arena, km_swept_line, 2 * (size_t)count);
   km_swept_mark *mark = KM_ARENA_NEW(arena, km_swept_mark, marks + 2);
-  km_swept_break *gap = KM_ARENA_NEW(arena, km_swept_break, marks);
+  km_swept_break *gap = KM_ARENA_NEW(arena, km_swept_break, 2 * marks);
   if (arena->failed)
     return false;
   marks = 0;
@@ -52,8 +52,9 @@ bool km_advantage_plot_make(const km_plotted_advantage *sweeps, int count, bool 
     }
     for (size_t k = 0; k < s->toggle_count; ++k) {
       mark[marks++] = (km_swept_mark){0, s->toggles[k].s, km_advantage_toggle_name(&s->toggles[k])};
-      if (s->toggles[k].state != KM_ADVANTAGE_ZERO)
-        gap[gaps++] = (km_swept_break){i, s->toggles[k].s};
+      for (size_t column = 0; column < 1 + (size_t)s->friction && s->toggles[k].state == KM_ADVANTAGE_INFINITE;
+           ++column)
+        gap[gaps++] = (km_swept_break){i, s->column + column, s->toggles[k].s};
     }
   }
   size_t toggles = marks;

@@ -14,6 +14,8 @@ static void add_losses(const km_losses *losses, const km_advantage *a, km_value 
   if (losses->why)
     km_value_string(arena, item, "undefined", losses->why);
   km_value_boolean(arena, item, "locks_itself", losses->locks);
+  if (losses->locks)
+    km_value_number(arena, item, "locks_from", losses->locks_from);
 }
 
 km_value *km_advantage_record(const km_mechanism *m, const km_state *s, const km_handle *input, const km_handle *output,
@@ -76,10 +78,13 @@ void km_advantage_print(const km_mechanism *m, const km_handle *input, const km_
       km_text_format(out, "%s %s", held++ ? "," : "  held:", m->model->coordinates[c].label);
   km_text_add(out, held ? "\n" : "");
   if (losses->locks)
-    km_text_add(out, "  with friction it locks itself: no input force is enough\n");
+    km_text_format(out, "  with friction it locks itself: no input force is enough from %.4g of this friction on\n",
+                   losses->locks_from);
   else if (!losses->why)
     km_text_format(out, "  with friction the force ratio is %.6g: efficiency %.4g\n", losses->ratio,
                    losses->efficiency);
+  else if (a->state == KM_ADVANTAGE_FINITE && km_model_has_friction(m->model))
+    km_text_format(out, "  with friction: %s\n", losses->why);
   km_transmission_print(m, t, output, out);
 }
 

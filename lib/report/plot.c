@@ -5,11 +5,25 @@
 
 static const double size_least = 120; /* points: less can't hold axes and a title */
 
-static void draw_curve(const km_plot_layout *layout, const km_plot_series *series, const km_curve *curve) {
+/* A run that the frame cuts off goes on beyond it. */
+static void draw_arrow(const km_plot_layout *layout, const km_frame *frame, km_colour colour, km_canvas_point end) {
+  double size = 3.2 * layout->scale, bottom = frame->top + frame->height;
+  double out = end.y < frame->top ? -1 : end.y > bottom ? 1 : 0, border = out < 0 ? frame->top : bottom;
+  const km_canvas_point head[] = {{end.x, border},
+                                  {end.x - 0.6 * size, border - out * 1.6 * size},
+                                  {end.x + 0.6 * size, border - out * 1.6 * size}};
+  if (out != 0)
+    km_canvas_polygon(layout->canvas, colour, head, 3);
+}
+
+static void draw_curve(const km_plot_layout *layout, const km_frame *frame, const km_plot_series *series,
+                       const km_curve *curve) {
   const km_pen pen = km_palette_pen(series->colour, series->dash, layout->scale * (series->colour < 0 ? 0.7 : 1.3));
   size_t begin = 0;
   for (size_t r = 0; r < curve->run_count; r++) {
     size_t count = curve->run_ends[r] - begin;
+    draw_arrow(layout, frame, pen.colour, curve->points[begin]);
+    draw_arrow(layout, frame, pen.colour, curve->points[begin + count - 1]);
     if (count == 1)
       km_canvas_circle(layout->canvas, pen.colour, NULL, curve->points[begin], pen.width);
     else
@@ -32,7 +46,7 @@ static void draw_lines(const km_plot_layout *layout, size_t panel) {
   for (int context = 1; context >= 0; context--) /* grey lines lie beneath the others */
     for (size_t i = 0; i < source->series_count; i++)
       if ((source->series[i].colour < 0) == context)
-        draw_curve(layout, &source->series[i], &curves[i]);
+        draw_curve(layout, &frame, &source->series[i], &curves[i]);
   km_plot_names_draw(layout, panel, curves);
   if (!any)
     km_canvas_text(layout->canvas, &layout->label, km_palette_text(-1), "no data",

@@ -69,7 +69,7 @@ static void add_marks(maker *k, int sweep) {
     snprintf(name, sizeof name, e->kind == KM_FORCE_BALANCED ? "%.200s 0" : "%.200s ∞", model->coordinates[c].label);
     k->marks[k->mark_count++] = (km_swept_mark){panel, e->s, km_arena_string(k->arena, name)};
     if (e->kind == KM_FORCE_UNBOUNDED)
-      k->breaks[k->break_count++] = (km_swept_break){sweep, e->s};
+      k->breaks[k->break_count++] = (km_swept_break){sweep, p->sweep->first_column + (size_t)e->actuator, e->s};
   }
 }
 

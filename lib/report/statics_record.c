@@ -211,6 +211,8 @@ void km_statics_sweep_print(const km_mechanism *m, const km_sweep_plan *plan, co
     km_text_padded(m->model->coordinates[c].label, width, out);
     if (isnan(largest->s)) {
       km_text_add(out, " never holds");
+    } else if (largest->value == 0.0) {
+      km_text_add(out, " has nothing to hold");
     } else if (isfinite(largest->value)) {
       km_text_format(out, " holds at most %.6g ", largest->value);
       km_force_unit(m->model, c, out);
@@ -220,6 +222,8 @@ void km_statics_sweep_print(const km_mechanism *m, const km_sweep_plan *plan, co
     print_events(sweep, i, KM_FORCE_BALANCED, "; nothing at", unit, out);
     km_text_add(out, "\n");
   }
+  if (!sweep->loaded)
+    km_text_add(out, "  nothing acts: no weight, load or spring\n");
   if (sweep->unheld)
     km_text_format(out, "  not held at %zu of %zu rows, first at %.6g%s\n", sweep->unheld,
                    km_table_rows(sweep->motion.table), sweep->first_unheld, unit);

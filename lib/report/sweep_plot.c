@@ -9,30 +9,55 @@
 
 enum { MOST_COLOURED = 8 };
 
-static bool broken(const km_sweep_picture *p, int sweep, double from, double to) {
-  for (size_t i = 0; i < p->break_count; ++i)
-    if (p->breaks[i].sweep == sweep && (p->breaks[i].s - from) * (to - p->breaks[i].s) >= 0.0)
-      return true;
-  return false;
+/* The pole of a line between two of its points, NaN if there is none. */
+static double pole_between(const km_sweep_picture *p, const km_swept_line *line, double from, double to) {
+  for (size_t i = 0; i < p->break_count; ++i) {
+    const km_swept_break *b = &p->breaks[i];
+    if (b->sweep == line->sweep && b->column == line->column && (b->s - from) * (to - b->s) >= 0.0)
+      return b->s;
+  }
+  return nan("");
 }
 
-/* A line's points from left to right, so that its name stands at its right end; a point that is none breaks it. */
+static int by_s(const void *a, const void *b) {
+  double x = (*(const double *const *)a)[1], y = (*(const double *const *)b)[1];
+  return (x > y) - (x < y);
+}
+
+/* All rows of a sweep, those between rows too, from left to right. */
+static const double **rows_of(const km_sweep *motion, km_arena *arena, size_t *count) {
+  const km_table *const tables[2] = {motion->table, motion->between};
+  *count = km_table_rows(tables[0]) + km_table_rows(tables[1]);
+  const double **rows = KM_ARENA_NEW(arena, const double *, *count);
+  size_t used = 0;
+  for (int i = 0; i < 2 && rows; ++i)
+    for (size_t r = 0; r < km_table_rows(tables[i]); ++r)
+      rows[used++] = km_table_row(tables[i], r);
+  if (rows)
+    qsort(rows, used, sizeof *rows, by_s);
+  return rows;
+}
+
+/* A line's points from left to right, so that its name stands at its right end; a point that is none breaks it, at a
+ * pole too: there x is the pole's place. */
 static void fill_series(const km_sweep_picture *p, const km_swept_line *line, km_arena *arena, km_plot_series *out) {
-  const km_table *table = p->sweeps[line->sweep].motion->table;
-  size_t rows = km_table_rows(table);
-  double *x = KM_ARENA_NEW(arena, double, 2 * rows), *y = KM_ARENA_NEW(arena, double, 2 * rows);
+  size_t count;
+  const double **rows = rows_of(p->sweeps[line->sweep].motion, arena, &count);
+  double *x = KM_ARENA_NEW(arena, double, 2 * count), *y = KM_ARENA_NEW(arena, double, 2 * count);
   *out = (km_plot_series){.name = line->name, .x = x, .y = y, .dash = p->sweep_count > 1 ? line->sweep : 0};
-  bool backwards = rows > 1 && km_table_row(table, rows - 1)[1] < km_table_row(table, 0)[1];
-  const double *last = NULL;
-  for (size_t r = 0; r < rows && !arena->failed; ++r) {
-    const double *row = km_table_row(table, backwards ? rows - 1 - r : r);
-    if (last && broken(p, line->sweep, last[1], row[1])) {
-      x[out->count] = row[1];
+  for (size_t r = 0; r < count && !arena->failed; ++r) {
+    double s = rows[r][1], at = 1e-8 * (1.0 + fabs(s)), pole = pole_between(p, line, s - at, s + at);
+    if (isnan(pole) && r > 0)
+      pole = pole_between(p, line, rows[r - 1][1], s);
+    bool there = fabs(s - pole) <= at;
+    if (!isnan(pole) && (out->count == 0 || !(x[out->count - 1] == pole && isnan(y[out->count - 1])))) {
+      x[out->count] = pole;
       y[out->count++] = nan("");
     }
-    x[out->count] = row[1];
-    y[out->count++] = row[line->column];
-    last = row;
+    if (there)
+      continue;
+    x[out->count] = s;
+    y[out->count++] = rows[r][line->column];
   }
 }
 
@@ -79,44 +104,49 @@ static void fill_panel(const km_sweep_picture *p, int panel, km_arena *arena, km
       marks[out->mark_count++] = (km_plot_mark){p->marks[i].s, p->marks[i].name};
 }
 
-static int ascending(const void *a, const void *b) {
-  double x = *(const double *)a, y = *(const double *)b;
-  return (x > y) - (x < y);
-}
-
-/* What of a line must be seen: all of it, or where values shoot up three times the size that nine tenths of them keep
- * to. */
-static double seen_size(const km_plot_series *line, double *sizes) {
-  size_t used = 0;
-  for (size_t k = 0; k < line->count; ++k)
-    if (isfinite(line->y[k]))
-      sizes[used++] = fabs(line->y[k]);
-  if (used == 0)
-    return 0.0;
-  qsort(sizes, used, sizeof *sizes, ascending);
-  double usual = sizes[(used - 1) * 9 / 10], largest = sizes[used - 1];
-  return largest > 6.0 * usual && usual > 0.0 ? 3.0 * usual : largest;
-}
-
-/* The axis ends where every line is seen. */
-static void limit_axis(km_plot *plot, km_arena *arena) {
-  double limit = 0.0, low = HUGE_VAL, high = -HUGE_VAL;
-  for (size_t p = 0; p < plot->panel_count; ++p)
-    for (size_t i = 0; i < plot->panels[p].series_count; ++i) {
-      const km_plot_series *line = &plot->panels[p].series[i];
-      double *sizes = KM_ARENA_NEW(arena, double, line->count);
-      if (!sizes)
-        return;
-      limit = fmax(limit, seen_size(line, sizes));
-      for (size_t k = 0; k < line->count; ++k) {
-        low = isfinite(line->y[k]) ? fmin(low, line->y[k]) : low;
-        high = isfinite(line->y[k]) ? fmax(high, line->y[k]) : high;
-      }
+/* What of a line must be seen: everything but its last way to a pole, a twentieth of the stretch between poles or ends;
+ * there only where it turns. Widens low … high; returns whether something is left out. */
+static bool widen_seen(const km_sweep_picture *p, const km_swept_line *line, const km_plot_series *series, double *low,
+                       double *high) {
+  bool cut = false;
+  const double *x = series->x, *y = series->y;
+  for (size_t begin = 0, end; begin < series->count; begin = end + 1) {
+    for (end = begin; end < series->count && !isnan(y[end]);)
+      ++end;
+    if (end == begin)
+      continue;
+    double left = begin > 0 ? pole_between(p, line, x[begin - 1], x[begin - 1]) : nan("");
+    double right = end < series->count ? pole_between(p, line, x[end], x[end]) : nan("");
+    double from = isnan(left) ? x[begin] : left, to = isnan(right) ? x[end - 1] : right;
+    for (size_t k = begin; k < end; ++k) {
+      bool near = x[k] - left < 0.05 * (to - from) || right - x[k] < 0.05 * (to - from);
+      bool turns = k > begin && k + 1 < end && isfinite(y[k - 1]) && isfinite(y[k + 1]) &&
+                   (y[k] - y[k - 1]) * (y[k + 1] - y[k]) < 0.0;
+      cut = cut || (near && !turns);
+      if ((near && !turns) || !isfinite(y[k]))
+        continue;
+      *low = fmin(*low, y[k]);
+      *high = fmax(*high, y[k]);
     }
-  if (fmax(high, -low) <= limit)
+  }
+  return cut;
+}
+
+/* The axis ends where every line is seen, but for its way to a pole. */
+static void limit_axis(const km_sweep_picture *p, km_plot *plot) {
+  double low = HUGE_VAL, high = -HUGE_VAL;
+  bool cut = false;
+  for (size_t k = 0; k < plot->panel_count; ++k)
+    for (size_t i = 0, series = 0; i < p->line_count; ++i)
+      if (p->lines[i].panel == (int)k)
+        cut = widen_seen(p, &p->lines[i], &plot->panels[k].series[series++], &low, &high) || cut;
+  if (!cut || low > high)
     return;
-  plot->y_low = low >= 0.0 ? 0.0 : fmax(low, -limit);
-  plot->y_high = high <= 0.0 ? 0.0 : fmin(high, limit);
+  low = fmin(low, 0.0);
+  high = fmax(high, 0.0);
+  double room = low == high ? 1.0 : 0.03 * (high - low);
+  plot->y_low = low < 0.0 ? low - room : 0.0;
+  plot->y_high = high > 0.0 ? high + room : 0.0;
 }
 
 static const char *subtitle(const km_sweep_picture *p, km_arena *arena) {
@@ -129,6 +159,8 @@ static const char *subtitle(const km_sweep_picture *p, km_arena *arena) {
                  model->units.length->suffix);
   if (p->note)
     km_text_format(&text, " · %s", p->note);
+  if (p->break_count)
+    km_text_add(&text, " · arrows: no bound");
   const char *result = text.failed ? NULL : km_arena_string(arena, text.data);
   arena->failed = arena->failed || text.failed;
   km_text_free(&text);
@@ -157,7 +189,7 @@ bool km_sweep_plot_make(const km_sweep_picture *p, km_arena *arena, km_plot *out
   for (int i = 0; i < p->panel_count && !arena->failed; ++i)
     fill_panel(p, i, arena, &panels[i]);
   if (!arena->failed)
-    limit_axis(out, arena);
+    limit_axis(p, out);
   km_sweep_strip *strip = KM_ARENA_NEW(arena, km_sweep_strip, 1);
   if (p->strip && !arena->failed)
     out->strip = km_sweep_strip_make(p->sweeps[0].mechanism, p->sweeps[0].plan, p->sweeps[0].motion, 3, arena, strip);

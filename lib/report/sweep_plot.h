@@ -28,9 +28,10 @@ typedef struct km_swept_mark {
   const char *name;
 } km_swept_mark;
 
-/* Where a sweep's lines are broken: they jump there. */
+/* A pole of a line: it grows without bound there, and its other side has nothing to do with this one. */
 typedef struct km_swept_break {
   int sweep;
+  size_t column;
   double s;
 } km_swept_break;
 
@@ -50,8 +51,8 @@ typedef struct km_sweep_picture {
   bool strip;                /* small drawings of three poses beneath */
 } km_sweep_picture;
 
-/* Appends the picture's bytes. Lines that grow without bound are cut where the rest is still seen; past eight lines in
- * a panel the smaller ones are grey. */
+/* Appends the picture's bytes. Lines are cut at their poles alone, where arrowheads mark that they go on; past eight
+ * lines in a panel the smaller ones are grey. */
 km_status km_sweep_plot(const km_sweep_picture *picture, km_canvas_format format, km_text *out, km_error *error);
 /* Builds the plot in the arena, for a page of a report. False when out of memory. */
 bool km_sweep_plot_make(const km_sweep_picture *picture, km_arena *arena, km_plot *out);

@@ -12,8 +12,10 @@ extern "C" {
 typedef struct km_losses {
   double ratio;      /* −τ_out / f_in with friction; 0: it locks itself; NaN: undefined */
   double efficiency; /* over the mechanical advantage: 0 … 1 */
-  bool locks;        /* no input force is enough */
-  const char *why;   /* why it is undefined; NULL: it isn't */
+  bool locks;        /* no input force is enough … */
+  double
+      locks_from; /* … and where friction grows from nothing, none is from this share of it on; NaN: it doesn't lock */
+  const char *why; /* why it is undefined; NULL: it isn't */
 } km_losses;
 
 typedef struct km_losses_work km_losses_work;
@@ -28,8 +30,10 @@ void km_losses_free(km_losses_work *work);
 
 /* At the state's pose, whose mobility is up to date. Coulomb friction (`friction`: coefficient μ, radius r): a turning
  * coordinate resists with μ r N, a sliding one with μ N, N the force of its reaction across its axis (of ball joints
- * and screws: all of it); weights, loads and springs don't count. By iteration, since N depends on friction; what is
- * statically indeterminate counts as its least-norm part. Never allocates. */
+ * and screws: all of it); weights, loads and springs don't count. What is statically
+ * indeterminate counts as its least-norm part. N depends on friction: Newton's method, continued from no friction to
+ * all of it. A lock is told where the load that a given input force moves passes through 0 on the way; where neither a
+ * motion nor a lock is found, `why` says so. Never allocates. */
 void km_losses_update(const km_mechanism *mechanism, km_state *state, km_losses_work *work, km_losses *out);
 
 #ifdef __cplusplus

@@ -29,6 +29,7 @@ typedef struct km_statics_sweep {
   km_force_event *events; /* in the order of the sweep */
   size_t event_count;
   km_force_event *largest; /* [actuator] where its force is largest, rows and peaks; s NaN: it never holds */
+  bool loaded;             /* something acts at some row */
   size_t unheld;           /* rows that the actuators can't hold */
   double first_unheld;     /* s of the first of them */
   int degree;              /* of static indeterminacy, at the first row */

@@ -45,6 +45,10 @@ km_reach km_drive_to(km_drive *drive, double target);
  * engine's units (radians, model's length). rates[coordinate count]. False at a toggle of the driver. */
 bool km_drive_tangent(km_drive *drive, double *rates);
 
+/* Keeps where the drive stands, and brings it back there exactly, as if it had never left. */
+void km_drive_mark(km_drive *drive);
+void km_drive_return(km_drive *drive);
+
 /* How many singular poses (branch points) the drive has passed, on the smooth motion. */
 int km_drive_crossings(const km_drive *drive);
 

@@ -42,6 +42,7 @@ typedef struct km_sweep_plan {
 /* The rows of a sweep, and how the mechanism moved. */
 typedef struct km_sweep {
   km_table *table;           /* step, s, q.; the columns of what is looked at; dof, dof.k, residual, point. (cli.md) */
+  km_table *between;         /* the same columns at poses between rows, where a curve grows without bound; step 0 */
   km_mobility first;         /* at the pose from which the sweep started */
   int substructure;          /* the one that moves, -1: a joint in no loop */
   int freedom;               /* of the driven substructure there: above 1 the others move least */

@@ -1,0 +1,196 @@
+/* Actuators' forces along a sweep as ratios n/d: with Z_A = U S Vᵀ, f = −D U S⁻¹ Vᵀ g and d = ∏ σ. A singular vector
+ * has no sense of its own: it is that of the motion, or with several freedoms that of the last sample, by the
+ * determinants of how U and Z V have turned. */
+#include "analysis/statics.h"
+
+#include <gsl/gsl_blas.h>
+#include <gsl/gsl_linalg.h>
+#include <gsl/gsl_math.h>
+
+static const double rounding = 0.1; /* of what loads may be rounding at single poses: digits that a root has to spare */
+static const double out_of_reach = 1e-9; /* a singular value */
+
+static gsl_matrix *square(km_arena *arena, int size) {
+  gsl_matrix *a = KM_ARENA_NEW(arena, gsl_matrix, 1);
+  size_t n = (size_t)size;
+  if (a)
+    *a = (gsl_matrix){.size1 = n, .size2 = n, .tda = n, .data = KM_ARENA_NEW(arena, double, n *n)};
+  return a;
+}
+
+bool km_ratios_reserve(km_holding *h, int columns, km_arena *arena) {
+  int size = h->count > columns ? h->count : columns;
+  h->fixed = square(arena, size);
+  h->turn = square(arena, size);
+  h->moving = KM_ARENA_NEW(arena, double, (size_t)columns *(size_t)columns);
+  h->pivots = KM_ARENA_NEW(arena, gsl_permutation, 1);
+  size_t *places = KM_ARENA_NEW(arena, size_t, (size_t)size);
+  if (h->pivots)
+    *h->pivots = (gsl_permutation){(size_t)size, places};
+  return !arena->failed;
+}
+
+/* The sign of det(turn), rank × rank. */
+static double sense_of(km_holding *h, int rank) {
+  int sign;
+  gsl_matrix turn = *h->turn;
+  turn.size1 = turn.size2 = h->pivots->size = (size_t)rank;
+  gsl_linalg_LU_decomp(&turn, h->pivots, &sign);
+  return gsl_linalg_LU_det(&turn, sign) < 0.0 ? -1.0 : 1.0;
+}
+
+/* Component j of the motion Z v_k. */
+static double moved(const km_mechanism *m, const km_state *s, int index, const km_holding *h, int k, int j) {
+  const km_substructure *sub = &m->substructures[index];
+  const double *Z = km_state_basis(s, index);
+  double sum = 0.0;
+  for (int i = 0; i < h->freedom; ++i)
+    sum += Z[(size_t)i * (size_t)sub->columns + (size_t)j] * gsl_matrix_get(h->V, (size_t)i, (size_t)k);
+  return sum;
+}
+
+/* Of one actuator and one freedom: does it go with the motion, or against it? 0: there is no motion to go by. */
+static double along(const km_mechanism *m, const km_state *s, int index, const km_holding *h, const double *motion) {
+  const km_substructure *sub = &m->substructures[index];
+  double dot = 0.0;
+  for (int j = 0; j < sub->columns && motion && h->freedom == 1 && h->count == 1; ++j) {
+    int c = m->column_coordinate[sub->column_start + j];
+    dot += moved(m, s, index, h, 0, j) * m->scale[c] * motion[c];
+  }
+  double u = gsl_matrix_get(h->U, 0, 0);
+  return dot == 0.0 ? 0.0 : copysign(1.0, dot * u);
+}
+
+/* How U and Z V are turned against those of the last sample, or, where there is one freedom, against the motion: ±1. */
+static double orientation(const km_mechanism *m, const km_state *s, int index, km_holding *h, int rank,
+                          const double *motion) {
+  int columns = m->substructures[index].columns;
+  double way = along(m, s, index, h, motion);
+  if (way != 0.0)
+    return way;
+  for (int a = 0; a < rank; ++a)
+    for (int b = 0; b < rank; ++b) {
+      double sum = 0.0;
+      for (int i = 0; i < h->count; ++i)
+        sum += gsl_matrix_get(h->fixed, (size_t)i, (size_t)a) * gsl_matrix_get(h->U, (size_t)i, (size_t)b);
+      gsl_matrix_set(h->turn, (size_t)a, (size_t)b, sum);
+    }
+  double sense = sense_of(h, rank);
+  for (int b = 0; b < rank; ++b)
+    for (int j = 0; j < columns; ++j) {
+      double y = moved(m, s, index, h, b, j);
+      for (int a = 0; a < rank; ++a) {
+        double last = j ? gsl_matrix_get(h->turn, (size_t)a, (size_t)b) : 0.0;
+        gsl_matrix_set(h->turn, (size_t)a, (size_t)b, last + y * h->moving[a * columns + j]);
+      }
+    }
+  return sense * sense_of(h, rank);
+}
+
+static void keep(const km_mechanism *m, const km_state *s, int index, km_holding *h, double sense) {
+  int columns = m->substructures[index].columns;
+  for (int b = 0; b < h->most_rank; ++b) {
+    for (int i = 0; i < h->count; ++i)
+      gsl_matrix_set(h->fixed, (size_t)i, (size_t)b,
+                     (b == 0 ? sense : 1.0) * gsl_matrix_get(h->U, (size_t)i, (size_t)b));
+    for (int j = 0; j < columns; ++j)
+      h->moving[b * columns + j] = moved(m, s, index, h, b, j);
+  }
+}
+
+/* Of a singular value of 0 there may be no vector in U: it is at right angles to the others. */
+static void complete(km_holding *h, int rank) {
+  gsl_vector_view last = gsl_matrix_subcolumn(h->U, (size_t)rank - 1, 0, (size_t)h->count);
+  double best = 0.0;
+  int place = -1;
+  for (int i = 0; i < h->count && gsl_blas_dnrm2(&last.vector) < 0.5; ++i) {
+    double left = 1.0;
+    for (int k = 0; k + 1 < rank; ++k)
+      left -= gsl_pow_2(gsl_matrix_get(h->U, (size_t)i, (size_t)k));
+    if (left > best) {
+      best = left;
+      place = i;
+    }
+  }
+  if (place < 0)
+    return;
+  gsl_vector_set_basis(&last.vector, (size_t)place);
+  for (int k = 0; k + 1 < rank; ++k) {
+    gsl_vector_view other = gsl_matrix_subcolumn(h->U, (size_t)k, 0, (size_t)h->count);
+    gsl_blas_daxpy(-gsl_matrix_get(h->U, (size_t)place, (size_t)k), &other.vector, &last.vector);
+  }
+  gsl_blas_dscal(1.0 / gsl_blas_dnrm2(&last.vector), &last.vector);
+}
+
+static double clear(double x, double grain) {
+  return fabs(x) <= grain ? 0.0 : x;
+}
+
+/* ∏ σ of all but one (-1: of all). */
+static double product(const km_holding *h, int rank, int but) {
+  double result = 1.0;
+  for (int k = 0; k < rank; ++k)
+    if (k != but) {
+      double value = gsl_vector_get(h->S, (size_t)k);
+      result *= value > out_of_reach ? value : 0.0;
+    }
+  return result;
+}
+
+/* Do loads act on motions that the actuators never reach? */
+static bool falls(const km_holding *h) {
+  double size = 0.0;
+  for (int k = h->most_rank; k < h->freedom; ++k)
+    size = hypot(size, gsl_vector_get(h->load, (size_t)k));
+  return size > h->noise;
+}
+
+static bool divide(const km_mechanism *m, const km_state *s, int index, const km_statics *st, const double *motion,
+                   double *n, double *d) {
+  km_holding *h = &st->work->holding[index];
+  bool grown = h->rank > h->most_rank, lost = false;
+  if (grown) {
+    h->most_rank = h->rank;
+    keep(m, s, index, h, 1.0);
+  }
+  int rank = h->most_rank;
+  lost = falls(h);
+  if (rank > 0)
+    complete(h, rank);
+  double sense = rank > 0 ? orientation(m, s, index, h, rank, motion) : 1.0, all = product(h, rank, -1);
+  for (int i = 0; i < h->count; ++i) {
+    int a = h->actuator[i];
+    double sum = 0.0, grain = 0.0;
+    for (int k = 0; k < rank; ++k) {
+      double part = gsl_matrix_get(h->U, (size_t)i, (size_t)k) * product(h, rank, k);
+      sum -= part * gsl_vector_get(h->load, (size_t)k);
+      grain += fabs(part) * rounding * h->noise;
+    }
+    n[a] = lost ? nan("") : sense * m->scale[st->actuators[a]] * clear(sum, grain);
+    d[a] = sense * all;
+  }
+  return !grown;
+}
+
+bool km_statics_ratios(const km_mechanism *m, const km_state *s, km_statics *st, const double *motion, double *n,
+                       double *d) {
+  bool comparable = true;
+  for (int a = 0; a < st->actuator_count; ++a) {
+    int c = st->actuators[a];
+    bool alone = m->substructure_of[c] < 0;
+    n[a] = alone ? 0.0 - clear(st->work->tau[c], rounding * st->work->least_load[c]) : 0.0;
+    d[a] = 1.0;
+  }
+  for (int i = 0; i < m->topology.substructure_count; ++i)
+    if (st->work->holding[i].count && st->work->holding[i].freedom)
+      comparable = divide(m, s, i, st, motion, n, d) && comparable;
+  return comparable;
+}
+
+void km_statics_refer(const km_mechanism *m, const km_state *s, km_statics *st) {
+  for (int i = 0; i < m->topology.substructure_count; ++i) {
+    km_holding *h = &st->work->holding[i];
+    if (h->count && h->rank == h->most_rank && h->rank > 0)
+      keep(m, s, i, h, orientation(m, s, i, h, h->most_rank, NULL));
+  }
+}

@@ -1,0 +1,48 @@
+/* Answers about forces on random mechanisms, against other equations for the same. */
+#include "support/forces.h"
+
+/* Runs a family over seeds; all must be right. */
+static family_count all(bool (*family)(uint64_t, family_count *), int seeds) {
+  family_count count = {0};
+  int wrong = 0;
+  for (int i = 0; i < seeds; ++i)
+    wrong += !family((uint64_t)i, &count);
+  assert_int_equal(wrong, 0);
+  return count;
+}
+
+static void friction(void **state) {
+  (void)state;
+  family_count count = all(family_friction, 400);
+  assert_true(count.moves > 200);
+  assert_true(count.locks > 5);
+}
+static void wedges(void **state) {
+  (void)state;
+  family_count count = all(family_wedge, 300);
+  assert_true(count.moves > 100);
+  assert_true(count.locks > 100);
+}
+
+static void planar_forces(void **state) {
+  (void)state;
+  family_count count = all(family_planar_forces, 150);
+  assert_true(count.zeros > 50);
+  assert_true(count.poles > 50);
+  assert_true(count.peaks > 50);
+  assert_true(count.ends > 5);
+}
+
+static void spatial_forces(void **state) {
+  (void)state;
+  family_count count = all(family_spatial_forces, 200);
+  assert_true(count.zeros > 50);
+  assert_true(count.poles > 50);
+  assert_true(count.peaks > 50);
+}
+
+int main(void) {
+  const struct CMUnitTest tests[] = {cmocka_unit_test(friction), cmocka_unit_test(wedges),
+                                     cmocka_unit_test(planar_forces), cmocka_unit_test(spatial_forces)};
+  return cmocka_run_group_tests(tests, NULL, NULL);
+}

@@ -1,0 +1,28 @@
+/* What a force n/d does along densely spaced poses: its zeros, poles and peaks, each between two of them. */
+#ifndef KM_TESTS_COURSE_H
+#define KM_TESTS_COURSE_H
+
+#include "kmech/statics_sweep.h"
+#include "support/forces.h"
+
+typedef struct course {
+  int count;
+  double *s, *n, *d; /* [count] */
+} course;
+
+course course_make(int count);
+void course_free(course *c);
+
+/* Place i of `count` on the way of a sweep, from its start to the end that it came to: where the driver gives out, so
+ * that poses are evenly spaced. */
+double course_place(const km_sweep_plan *plan, const km_sweep *motion, int i, int count);
+/* Where the driver has given out at the end, and n, d are by such places: is the actuator's force without bound there?
+ */
+bool course_gives_out(const course *c);
+
+/* Are the events of the sweep's actuator those of the course, one for one? An end at which the actuator has no bound
+ * beside them: `ends`. `slack`: of a place, over the range. Says what isn't. */
+bool course_agrees(const course *c, const km_statics_sweep *sweep, int actuator, bool ends, double slack,
+                   family_count *count);
+
+#endif

@@ -1,0 +1,26 @@
+/* Families of random mechanisms under forces: what is told of them against what follows from other equations. Each
+ * returns false, and says on stderr why, if an answer is wrong. */
+#ifndef KM_TESTS_FORCES_H
+#define KM_TESTS_FORCES_H
+
+#include "support/support.h"
+
+/* How many cases of a kind there were: a family that never meets what it is about shows nothing. */
+typedef struct family_count {
+  int moves, locks, open;        /* friction */
+  int zeros, poles, peaks, ends; /* sweeps */
+} family_count;
+
+/* Planar linkages with friction: efficiency or lock against a continuation on all equations of balance. */
+bool family_friction(uint64_t seed, family_count *count);
+/* Wedges on two guides against the closed form. */
+bool family_wedge(uint64_t seed, family_count *count);
+/* Planar linkages of one or two freedoms, by driver or arc length: where actuators rest, peak and have no bound,
+ * against Cramer's rule on all equations of balance. */
+bool family_planar_forces(uint64_t seed, family_count *count);
+/* Spherical and spatial linkages, some with idle spins: the same against displacements alone. */
+bool family_spatial_forces(uint64_t seed, family_count *count);
+/* Planar linkages swept to the end of their driver: leverage against the rates of all bodies. */
+bool family_leverage(uint64_t seed, family_count *count);
+
+#endif
