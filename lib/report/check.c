@@ -10,10 +10,11 @@
 #include <stdlib.h>
 #include <string.h>
 
-static void add(km_findings *f, const char *kind, const char *advice, const char *format, ...)
-    __attribute__((format(printf, 4, 5)));
+static void add(km_findings *f, km_finding_severity severity, const char *kind, const char *advice, const char *format,
+                ...) __attribute__((format(printf, 5, 6)));
 
-static void add(km_findings *f, const char *kind, const char *advice, const char *format, ...) {
+static void add(km_findings *f, km_finding_severity severity, const char *kind, const char *advice, const char *format,
+                ...) {
   char text[KM_ERROR_TEXT];
   void *items = f->items;
   va_list arguments;
@@ -27,12 +28,13 @@ static void add(km_findings *f, const char *kind, const char *advice, const char
   f->items = items;
   const char *statement = km_arena_string(&f->arena, text), *kept = km_arena_string(&f->arena, advice);
   f->failed = f->failed || f->arena.failed;
-  f->items[f->count++] = (km_finding){kind, statement ? statement : "", kept ? kept : ""};
+  f->counts[severity]++;
+  f->items[f->count++] = (km_finding){severity, kind, statement ? statement : "", kept ? kept : ""};
 }
 
 static void check_reader(const km_messages *messages, km_findings *f) {
   for (size_t i = 0; i < km_messages_count(messages); ++i)
-    add(f, "reader", "correct the file, or remove what it doesn't need", "%s", km_messages_text(messages, i));
+    add(f, km_messages_severity(messages, i) == KM_NOTE ? KM_FINDING_REMARK : KM_FINDING_WARNING, "reader", "correct the file, or remove what it doesn't need", "%s", km_messages_text(messages, i));
 }
 
 static void check_redundancies(const km_mechanism *m, const km_redundancies *redundancies, km_findings *f) {
@@ -45,9 +47,19 @@ static void check_redundancies(const km_mechanism *m, const km_redundancies *red
                      m->model->joints[r->remedies[0].joint].label, r->remedies[0].to);
     else
       km_text_add(&advice, "harmless where parts are exact or soft; else loosen a joint of the loop");
-    add(f, "redundant", advice.data ? advice.data : "", "%s", text.data ? text.data : "");
+    add(f, KM_FINDING_REMARK, "redundant", advice.data ? advice.data : "", "%s", text.data ? text.data : "");
     km_text_free(&text);
     km_text_free(&advice);
+  }
+}
+
+static void check_idle(const km_mechanism *m, const km_idle_freedoms *idle, km_findings *f) {
+  for (int i = 0; i < idle->count; ++i) {
+    km_text text = {0};
+    km_idle_statement(m, &idle->items[i], &text);
+    add(f, KM_FINDING_REMARK, "idle", "harmless; a universal joint instead of a ball takes the freedom away", "%s",
+        text.data ? text.data : "");
+    km_text_free(&text);
   }
 }
 
@@ -58,15 +70,15 @@ static void check_finite(const km_mobility *mobility, const km_finite_mobility *
     shaky += finite->motions[i].kind == KM_MOTION_SHAKY;
   }
   if (finite->undecided)
-    add(f, "undecided", "try a pose nearby (kmob at --set), or state a closure_tolerance for rounded data",
+    add(f, KM_FINDING_WARNING, "undecided", "try a pose nearby (kmob at --set), or state a closure_tolerance for rounded data",
         "the finite mobility is undecided: first order allows %d, and of some directions only a short way is confirmed",
         mobility->mobility);
   if (shaky)
-    add(f, "shaky", "change a length or an angle so that the parts don't line up",
+    add(f, KM_FINDING_FAULT, "shaky", "change a length or an angle so that the parts don't line up",
         "the structure shakes: first order allows mobility %d, but only %d is real", mobility->mobility,
         finite->mobility);
   if (branches)
-    add(f, "branch", "start from another pose, or follow one motion through it with kmob sweep --arclength",
+    add(f, KM_FINDING_WARNING, "branch", "start from another pose, or follow one motion through it with kmob sweep --arclength",
         "the pose is a branch point: %d motions meet, mobility %d there", branches, mobility->mobility);
 }
 
@@ -78,7 +90,7 @@ static km_status check_ranks(const km_mechanism *m, km_state *s, km_findings *f,
     if (status)
       return status;
     if (e.doubtful)
-      add(f, "doubtful-rank", "compare with a pose nearby (kmob at --set); for rounded data state a closure_tolerance",
+      add(f, KM_FINDING_WARNING, "doubtful-rank", "compare with a pose nearby (kmob at --set); for rounded data state a closure_tolerance",
           "the rank of substructure %d is doubtful: the smallest singular value kept is %.2g of the largest one, the "
           "largest dropped %.2g",
           i + 1, e.kept, e.dropped);
@@ -105,7 +117,7 @@ static void check_lengths(const km_model *model, km_findings *f) {
   for (int i = 0; i < model->frame_count; ++i) {
     double size = km_vec3_norm(model->frames[i].pose.p);
     if (model->frames[i].body != 0 && size > 0.0 && (size > 300.0 * middle || size < middle / 300.0))
-      add(f, "units", "check its unit",
+      add(f, KM_FINDING_WARNING, "units", "check its unit",
           "frame %s of body %s is %.4g %s from its body's origin, where most are about %.2g", model->frames[i].name,
           model->bodies[model->frames[i].body].name, size, model->units.length->suffix, middle);
   }
@@ -120,7 +132,7 @@ static void check_angles(const km_model *model, km_findings *f) {
     const double values[3] = {def->position, def->low, def->high};
     for (int k = 0; k < 3; ++k)
       if (isfinite(values[k]) && fabs(values[k]) > 10.0 && fabs(values[k] - 5.0 * round(values[k] / 5.0)) < 1e-9) {
-        add(f, "angles", "write \"angle\": \"degrees\" in units, or the angle in radians",
+        add(f, KM_FINDING_WARNING, "angles", "write \"angle\": \"degrees\" in units, or the angle in radians",
             "joint %s has an angle of %g rad, which looks like degrees", def->label, values[k]);
         break;
       }
@@ -140,7 +152,7 @@ static void check_masses(const km_mechanism *m, km_findings *f) {
         massless = massless && (body == 0 || m->model->bodies[body].mass == 0.0);
       }
     if (massless)
-      add(f, "massless-loop", "give one of its bodies a mass before simulating",
+      add(f, KM_FINDING_WARNING, "massless-loop", "give one of its bodies a mass before simulating",
           "no body of loop %d (chord %s) has a mass, while others have", l + 1, m->model->joints[t->chord[l]].label);
   }
 }
@@ -153,7 +165,7 @@ static void check_frames(const km_model *model, km_findings *f) {
     used[model->loads[i].frame] = true;
   for (int i = 0; used && i < model->frame_count; ++i)
     if (!used[i] && strcmp(model->frames[i].name, "origin") != 0)
-      add(f, "unused-frame", "keep it for --point or views, or remove it",
+      add(f, KM_FINDING_REMARK, "unused-frame", "keep it for --point or views, or remove it",
           "frame %s of body %s is used by no joint and no load", model->frames[i].name,
           model->bodies[model->frames[i].body].name);
 }
@@ -165,10 +177,10 @@ static void check_start(const km_mechanism *m, const km_state *s, km_findings *f
     double q = km_state_coordinate(s, c), slack = 1e-9 * (1.0 + fabs(q));
     const char *unit = km_model_coordinate_unit(model, c);
     if (q < def->low - slack || q > def->high + slack)
-      add(f, "limits", "start inside the limits, or widen them",
+      add(f, KM_FINDING_FAULT, "limits", "start inside the limits, or widen them",
           "joint %s starts at %.6g %s, outside its limits [%g, %g]", def->label, q, unit, def->low, def->high);
     if (!m->held[c] && fabs(s->q[c] - m->start[c]) > 1e-3 * m->unit[c])
-      add(f, "start", "write the closed pose with kmob convert",
+      add(f, KM_FINDING_WARNING, "start", "write the closed pose with kmob convert",
           "joint %s is given at %.6g %s, but the loops close at %.6g %s", def->label, def->position, unit, q, unit);
   }
 }
@@ -188,6 +200,7 @@ km_status km_check(const km_mechanism *m, km_state *s, const km_messages *messag
     check_angles(m->model, out);
     check_masses(m, out);
     check_frames(m->model, out);
+    check_idle(m, &diagnosis.idle, out);
     check_redundancies(m, &diagnosis.redundancies, out);
     if (!status && (out->failed || out->arena.failed))
       status = km_fail(error, KM_MEMORY, "out of memory for the check");
@@ -202,13 +215,28 @@ void km_findings_free(km_findings *f) {
   *f = (km_findings){0};
 }
 
+const char *km_finding_severity_name(km_finding_severity severity) {
+  static const char *const names[] = {"fault", "warning", "remark"};
+  return names[severity];
+}
+
+/* Faults first; of one severity in the order in which they were found. */
 void km_findings_print(const km_findings *f, const char *name, km_text *out) {
-  if (f->count == 0)
+  if (f->count == 0) {
     km_text_format(out, "%s: nothing suspicious\n", name);
-  else
-    km_text_format(out, "%s: %zu finding%s\n", name, f->count, f->count == 1 ? "" : "s");
-  for (size_t i = 0; i < f->count; ++i)
-    km_text_format(out, "  %s: %s\n    → %s\n", f->items[i].kind, f->items[i].statement, f->items[i].advice);
+    return;
+  }
+  km_text_format(out, "%s:", name);
+  for (int severity = 0, listed = 0; severity < KM_FINDING_SEVERITIES; ++severity)
+    if (f->counts[severity])
+      km_text_format(out, "%s %zu %s%s", listed++ ? "," : "", f->counts[severity],
+                     km_finding_severity_name((km_finding_severity)severity), f->counts[severity] == 1 ? "" : "s");
+  km_text_add(out, "\n");
+  for (int severity = 0; severity < KM_FINDING_SEVERITIES; ++severity)
+    for (size_t i = 0; i < f->count; ++i)
+      if (f->items[i].severity == (km_finding_severity)severity)
+        km_text_format(out, "  %s: %s: %s\n    → %s\n", km_finding_severity_name(f->items[i].severity),
+                       f->items[i].kind, f->items[i].statement, f->items[i].advice);
 }
 
 void km_findings_record(const km_findings *f, km_value *record, km_arena *arena) {
@@ -216,6 +244,7 @@ void km_findings_record(const km_findings *f, km_value *record, km_arena *arena)
   for (size_t i = 0; i < f->count && !arena->failed; ++i) {
     km_value *item = km_value_add(arena, list, NULL, KM_OBJECT);
     km_value_string(arena, item, "kind", f->items[i].kind);
+    km_value_string(arena, item, "severity", km_finding_severity_name(f->items[i].severity));
     km_value_string(arena, item, "statement", f->items[i].statement);
     km_value_string(arena, item, "advice", f->items[i].advice);
   }

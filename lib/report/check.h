@@ -6,10 +6,21 @@
 #include "base/value.h"
 #include "report/diagnosis_record.h"
 
+/* How much a finding matters: a fault keeps the mechanism from working as it is described, a warning is likely to be a
+ * mistake, a remark tells what a mechanism of its kind has by nature. */
+typedef enum km_finding_severity {
+  KM_FINDING_FAULT,
+  KM_FINDING_WARNING,
+  KM_FINDING_REMARK,
+  KM_FINDING_SEVERITIES
+} km_finding_severity;
+const char *km_finding_severity_name(km_finding_severity severity); /* "fault", "warning", "remark" */
+
 /* One finding: a word for scripts, what was found, what to do. */
 typedef struct km_finding {
+  km_finding_severity severity;
   const char *kind; /* "redundant", "shaky", "undecided", "branch", "doubtful-rank", "units", "angles", "massless-loop",
-                     * "unused-frame", "limits", "start", "reader" */
+                     * "unused-frame", "idle", "limits", "start", "reader" */
   const char *statement, *advice;
 } km_finding;
 
@@ -17,6 +28,7 @@ typedef struct km_findings {
   km_arena arena;
   km_finding *items;
   size_t count, capacity;
+  size_t counts[KM_FINDING_SEVERITIES];
   bool failed;
 } km_findings;
 

@@ -35,10 +35,27 @@ void km_joints_print(const km_mechanism *m, int substructure, km_text *out) {
     km_text_format(out, " %s", m->model->joints[t->joint[k]].label);
 }
 
-static void stop_reason(const km_mechanism *m, const km_reach *reach, km_text *out) {
+/* " with A, B held", as far as they lie in the substructure. */
+static void held_words(const km_mechanism *m, int substructure, km_text *out) {
+  int count = 0;
+  for (int c = 0; c < m->coordinate_count; ++c)
+    if (m->held[c] && m->substructure_of[c] == substructure)
+      km_text_format(out, "%s%s", count++ ? ", " : " with ", m->model->coordinates[c].label);
+  if (count)
+    km_text_add(out, " held");
+}
+
+static void stop_reason(const km_mechanism *m, const km_sweep *sweep, const km_reach *reach, km_text *out) {
   const km_model *model = m->model;
   if (reach->stop == KM_STOP_LIMIT) {
     km_text_format(out, "joint %s is at its limit", model->coordinates[reach->coordinate].label);
+    return;
+  }
+  if (sweep->freedom == 0) {
+    km_text_format(out, "substructure %d (joints", reach->substructure + 1);
+    km_joints_print(m, reach->substructure, out);
+    km_text_add(out, ") has no freedom");
+    held_words(m, reach->substructure, out);
     return;
   }
   km_text_format(out, "the driver is at a toggle: it can't move substructure %d (joints", reach->substructure + 1);
@@ -52,7 +69,7 @@ void km_sweep_stop_text(const km_mechanism *m, const km_sweep_plan *plan, const 
     km_text_add(out, "FROM is out of reach; located bound ");
     km_text_number(out, sweep->start.position);
     km_text_add(out, ": ");
-    stop_reason(m, &sweep->start, out);
+    stop_reason(m, sweep, &sweep->start, out);
   }
   if (by_length && plan->cycle && sweep->cycle == 0.0 && !sweep->end.stop)
     km_text_add(out, "the motion doesn't come back to its start in so many rows");
@@ -66,7 +83,7 @@ void km_sweep_stop_text(const km_mechanism *m, const km_sweep_plan *plan, const 
   if (by_length && sweep->end.stop == KM_STOP_TOGGLE)
     km_text_add(out, sweep->end.position > 0.0 ? "no further step can be found" : "no loop moves at this pose");
   else
-    stop_reason(m, &sweep->end, out);
+    stop_reason(m, sweep, &sweep->end, out);
 }
 
 /* " mm", or nothing for an arc length. */

@@ -33,16 +33,18 @@ static kt_exit check(const kmob_request *o, const kt_pose *pose, const km_messag
     kt_say(&o->pose.common, KM_ERROR, "%s: %s", o->pose.model, error.text);
   else
     result = write_findings(o, pose, &findings);
-  if (result == KT_DONE && findings.count > 0)
+  size_t counted = findings.counts[KM_FINDING_FAULT] + findings.counts[KM_FINDING_WARNING];
+  if (result == KT_DONE && (o->strict ? findings.count : counted) > 0)
     result = KT_PARTIAL;
   km_findings_free(&findings);
   return result;
 }
 
 kt_exit kmob_check(int argc, char **argv) {
-  kmob_request o = kmob_read_request(
-      argc, argv, "Everything suspicious about a model, each with what to do. Exit status 1 if there is anything.",
-      true);
+  kmob_request o = kmob_read_request(argc, argv,
+                                     "Everything suspicious about a model, each with what to do. Exit status 1 if there "
+                                     "is a fault or a warning.",
+                                     KMOB_CHECKS);
   kt_pose pose;
   km_messages *messages = km_messages_create();
   o.pose.common.found = messages;

@@ -23,11 +23,11 @@ static const struct argp_option convert_options[] = {
      "Units to write: words or symbols, as millimeters,deg (default: the model's own)", 1},
     {"set", OPTION_SET, "JOINT=VALUE", 0, "Write another pose: move a joint to a value", 1},
     {"hold", OPTION_HOLD, "JOINT=VALUE", 0, "Keep a joint rigid at a value on the way", 1},
-    {"output", 'o', "FILE", 0, "Write FILE instead of the standard output", 1},
+    {"base", 'o', "FILE", 0, "Write FILE instead of the standard output", 1},
     {0}};
 
 static const struct argp_option plain_options[] = {
-    {"output", 'o', "FILE", 0, "Write FILE instead of the standard output", 1}, {0}};
+    {"base", 'o', "FILE", 0, "Write FILE instead of the standard output", 1}, {0}};
 
 static error_t parse(int key, char *arg, struct argp_state *state) {
   options *o = state->input;

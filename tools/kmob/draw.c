@@ -37,7 +37,7 @@ static const struct argp_option table[] = {
     {"meshes", OPTION_MESHES, NULL, 0, "Draw bodies by their meshes, where they have one", 2},
     {"size", OPTION_SIZE, "WxH", 0, "Size of the page in points (1/72 inch)", 2},
     {"format", OPTION_FORMAT, "LIST", 0, "Some of svg,pdf,png (default svg)", 2},
-    {"output", 'o', "BASE", 0, "Files are BASE.motion.FORMAT (default: the model's name)", 2},
+    {"base", 'o', "BASE", 0, "Files are BASE.motion.FORMAT (default: the model's name)", 2},
     {0}};
 
 static error_t parse(int key, char *arg, struct argp_state *state) {

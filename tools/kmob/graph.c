@@ -23,7 +23,7 @@ typedef struct options {
 
 static const struct argp_option table[] = {
     {"format", OPTION_FORMAT, "LIST", 0, "Some of dot,svg (default dot); svg needs graphviz' program `dot`", 1},
-    {"output", 'o', "BASE", 0,
+    {"base", 'o', "BASE", 0,
      "Write BASE.graph.FORMAT (default: one format goes to the standard output, several into "
      "files with the model's name)",
      1},

@@ -99,12 +99,12 @@ static kt_exit run(const kmob_request *o) {
 
 kt_exit kmob_info(int argc, char **argv) {
   kmob_request o = kmob_read_request(
-      argc, argv, "Topology, substructures, mobility and mobility numbers at the file's pose.", false);
+      argc, argv, "Topology, substructures, mobility and mobility numbers at the file's pose.", KMOB_INFO);
   return run(&o);
 }
 
 kt_exit kmob_at(int argc, char **argv) {
   kmob_request o = kmob_read_request(
-      argc, argv, "Mobility and mobility numbers at a pose, reached from the file's pose along its branch.", true);
+      argc, argv, "Mobility and mobility numbers at a pose, reached from the file's pose along its branch.", KMOB_AT);
   return run(&o);
 }

@@ -17,10 +17,14 @@ kt_exit kmob_schema(int argc, char **argv);
 /* What the commands about one pose (info, at, check) are asked. */
 typedef struct kmob_request {
   kt_request pose;
-  bool modes; /* list the other assembly modes too */
+  bool modes;  /* list the other assembly modes too */
+  bool strict; /* remarks count */
 } kmob_request;
 
-/* Reads the options of such a command; usage errors end the process. `settable`: it takes --set. */
-kmob_request kmob_read_request(int argc, char **argv, const char *about, bool settable);
+/* Which of them: info has no --set, check has --strict. */
+typedef enum kmob_asking { KMOB_INFO, KMOB_AT, KMOB_CHECKS } kmob_asking;
+
+/* Reads the options of such a command; usage errors end the process. */
+kmob_request kmob_read_request(int argc, char **argv, const char *about, kmob_asking asking);
 
 #endif

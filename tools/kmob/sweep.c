@@ -23,7 +23,7 @@ static const struct argp_option table[] = {
     {"singularities", OPTION_SINGULARITIES, NULL, 0,
      "Add the smallest kept singular value, and locate its minima: where mobility is nearly gained", 1},
     KT_FORMAT_OPTION,
-    {"output", 'o', "BASE", 0, "Files are BASE.mobility.FORMAT (default: the model's name); - is the standard output",
+    {"base", 'o', "BASE", 0, "Files are BASE.mobility.FORMAT (default: the model's name); - is the standard output",
      2},
     {0}};
 

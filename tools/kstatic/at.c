@@ -10,7 +10,7 @@ typedef struct options {
 } options;
 
 static const struct argp_option table[] = {
-    {"output", 'o', "BASE", 0, "Write BASE.forces.txt or .json instead of the standard output", 2}, {0}};
+    {"base", 'o', "BASE", 0, "Write BASE.forces.txt or .json instead of the standard output", 2}, {0}};
 
 static error_t parse(int key, char *arg, struct argp_state *state) {
   options *o = state->input;

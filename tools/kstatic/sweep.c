@@ -22,11 +22,11 @@ enum { OPTION_POINT = 0x5101 };
 static const struct argp_option table[] = {
     {"point", OPTION_POINT, "BODY/FRAME", 0, "Add the path of a frame's origin (repeatable)", 1},
     KT_FORMAT_OPTION,
-    {"output", 'o', "BASE", 0, "Files are BASE.forces.FORMAT (default: the model's name); - is the standard output", 2},
+    {"base", 'o', "BASE", 0, "Files are BASE.forces.FORMAT (default: the model's name); - is the standard output", 2},
     {0}};
 
 static const struct argp_option report_table[] = {
-    KT_REPORT_FORMAT_OPTION, {"output", 'o', "BASE", 0, KT_REPORT_BASE("forces-report"), 2}, {0}};
+    KT_REPORT_FORMAT_OPTION, {"base", 'o', "BASE", 0, KT_REPORT_BASE("forces-report"), 2}, {0}};
 
 static error_t parse(int key, char *arg, struct argp_state *state) {
   options *o = state->input;
