@@ -103,7 +103,8 @@ static bool leads(km_finder *f, const double *from, const double *to) {
   return false;
 }
 
-bool km_finder_is_singular(km_finder *f, const double *q) {
+/* More directions than the arm has to spare: singular poses, which may fill surfaces. */
+static bool is_singular(km_finder *f, const double *q) {
   static const double none[KM_ARM_ROWS] = {0};
   km_arm_update(f->arm, &f->space, q);
   km_control_factor(f->arm, &f->space, none, NULL);
@@ -136,7 +137,7 @@ enum { MOST_BRANCHES = 128 };
 
 /* A solution: if it isn't known, its curve is followed. */
 static void consider(km_finder *f, double *q) {
-  bool singular = km_finder_is_singular(f, q), spreads = f->arm->freedom > 1 || singular;
+  bool singular = is_singular(f, q), spreads = f->arm->freedom > 1 || singular;
   f->idle++;
   if (f->count == MOST_BRANCHES || is_known(f, q) || (spreads && is_led_to(f, q)))
     return;
@@ -145,7 +146,7 @@ static void consider(km_finder *f, double *q) {
   f->failed = !add(f, q, spreads ? 0.0 : LONGEST);
 }
 
-/* The sign of the determinant of the arm's six columns at q, 0 at singular poses. */
+/* The sign of the determinant of the arm's six columns at q. */
 static int sense_of(km_finder *f, const double *q) {
   double A[KM_ARM_ROWS][KM_ARM_ROWS];
   int sense = 1;
@@ -155,7 +156,7 @@ static int sense_of(km_finder *f, const double *q) {
     int best = c;
     for (int r = c + 1; r < KM_ARM_ROWS; ++r)
       best = fabs(A[r][c]) > fabs(A[best][c]) ? r : best;
-    if (fabs(A[best][c]) < 1e-9)
+    if (A[best][c] == 0.0)
       return 0;
     if (best != c)
       sense = -sense;
@@ -180,6 +181,11 @@ static bool all_hinges(const km_arm *a) {
   return true;
 }
 
+bool km_finder_is_singular(km_finder *f, int branch) {
+  static const double small = 1e-5; /* where solutions meet Newton's method ends within some 1e-6 of them */
+  return f->curves[branch].count == 1 && smallest_singular_value(f, f->curves[branch].q) < small;
+}
+
 /* The poses of six hinges are a torus, which can be drawn away from any target: so as many solutions have a positive
  * determinant as a negative one (the mapping's degree is 0). A count that isn't balanced lacks some. */
 static bool is_balanced(km_finder *f) {
@@ -188,7 +194,7 @@ static bool is_balanced(km_finder *f) {
   if (a->freedom != 0 || a->task != KM_TASK_POSE || !all_hinges(a) || f->families)
     return true;
   for (int i = 0; i < f->count; ++i)
-    sum += sense_of(f, f->curves[i].q);
+    sum += km_finder_is_singular(f, i) ? 0 : sense_of(f, f->curves[i].q); /* two that are one cancel */
   return sum == 0;
 }
 

@@ -113,7 +113,7 @@ static km_status deliver(km_finder *f, km_branches *out, km_error *error) {
           : km_fail(error, KM_MEMORY, "out of memory for the branches");
   for (int i = 0; i < f->count && !status; ++i) {
     status = describe(f, &f->curves[i], &items[i], pose + (size_t)i * n, &margin[i], error);
-    singular[i] = km_finder_is_singular(f, f->curves[i].q);
+    singular[i] = km_finder_is_singular(f, i);
     order[i] = (place){i, margin[i], items[i].length, pose + (size_t)i * n, f->arm->n};
   }
   if (!status && count > 1)
