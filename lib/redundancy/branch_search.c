@@ -33,17 +33,36 @@ bool km_arm_search(const km_arm *a, km_arm_space *s, const km_pose *target, int 
 
 enum { LONGEST = 200 }; /* radians: of a curve that doesn't close */
 
-static bool is_known(const km_finder *f, const double *q) {
+static double distance(const km_arm *a, const double *x, const double *y) {
+  double sum = 0.0;
+  for (int k = 0; k < a->n; ++k) {
+    double way = km_arm_difference(a, k, x[k], y[k]);
+    sum += way * way;
+  }
+  return sqrt(sum);
+}
+
+static double smallest_singular_value(km_finder *f, const double *q) {
+  double sigma[KM_ARM_ROWS];
+  km_arm_update(f->arm, &f->space, q);
+  km_arm_singular_values(f->arm, &f->space, sigma);
+  return sigma[f->arm->rows - 1];
+}
+
+/* Newton's method leaves some 1e-12, which near singular poses is a longer way in the joints: two of its ends there are
+ * one solution, or two that can't be told apart. */
+static bool is_same(km_finder *f, const double *x, const double *y) {
+  static const double left = 1e-11, near = 1e-6, furthest = 1e-4;
+  double apart = distance(f->arm, x, y);
+  if (!(apart >= near && apart < furthest))
+    return apart < near;
+  return apart * fmin(smallest_singular_value(f, x), smallest_singular_value(f, y)) < left;
+}
+
+static bool is_known(km_finder *f, const double *q) {
   for (int i = 0; i < f->count; ++i) {
     const km_loop_curve *c = &f->curves[i];
-    if (f->arm->freedom == 1 ? km_loop_curve_passes(c, q) : false)
-      return true;
-    double distance = 0.0;
-    for (int k = 0; k < f->arm->n; ++k) {
-      double way = km_arm_difference(f->arm, k, c->q[k], q[k]);
-      distance += way * way;
-    }
-    if (sqrt(distance) < 1e-6)
+    if ((f->arm->freedom == 1 && km_loop_curve_passes(c, q)) || is_same(f, c->q, q))
       return true;
   }
   return false;
@@ -85,7 +104,7 @@ static bool leads(km_finder *f, const double *from, const double *to) {
 }
 
 /* More directions than the arm has to spare: singular poses, which may fill surfaces. */
-static bool is_singular(km_finder *f, double *q) {
+static bool is_singular(km_finder *f, const double *q) {
   static const double none[KM_ARM_ROWS] = {0};
   km_arm_update(f->arm, &f->space, q);
   km_control_factor(f->arm, &f->space, none, NULL);
@@ -127,7 +146,7 @@ static void consider(km_finder *f, double *q) {
   f->failed = !add(f, q, spreads ? 0.0 : LONGEST);
 }
 
-/* The sign of the determinant of the arm's six columns at q, 0 at singular poses. */
+/* The sign of the determinant of the arm's six columns at q. */
 static int sense_of(km_finder *f, const double *q) {
   double A[KM_ARM_ROWS][KM_ARM_ROWS];
   int sense = 1;
@@ -137,7 +156,7 @@ static int sense_of(km_finder *f, const double *q) {
     int best = c;
     for (int r = c + 1; r < KM_ARM_ROWS; ++r)
       best = fabs(A[r][c]) > fabs(A[best][c]) ? r : best;
-    if (fabs(A[best][c]) < 1e-9)
+    if (A[best][c] == 0.0)
       return 0;
     if (best != c)
       sense = -sense;
@@ -162,6 +181,11 @@ static bool all_hinges(const km_arm *a) {
   return true;
 }
 
+bool km_finder_is_singular(km_finder *f, int branch) {
+  static const double small = 1e-5; /* where solutions meet Newton's method ends within some 1e-6 of them */
+  return f->curves[branch].count == 1 && smallest_singular_value(f, f->curves[branch].q) < small;
+}
+
 /* The poses of six hinges are a torus, which can be drawn away from any target: so as many solutions have a positive
  * determinant as a negative one (the mapping's degree is 0). A count that isn't balanced lacks some. */
 static bool is_balanced(km_finder *f) {
@@ -170,7 +194,7 @@ static bool is_balanced(km_finder *f) {
   if (a->freedom != 0 || a->task != KM_TASK_POSE || !all_hinges(a) || f->families)
     return true;
   for (int i = 0; i < f->count; ++i)
-    sum += sense_of(f, f->curves[i].q);
+    sum += km_finder_is_singular(f, i) ? 0 : sense_of(f, f->curves[i].q); /* two that are one cancel */
   return sum == 0;
 }
 
@@ -244,7 +268,7 @@ km_status km_finder_run(const km_arm *a, const km_pose *target, unsigned long se
   if (!km_arm_space_create(a, &f->space))
     return km_fail(error, KM_MEMORY, "out of memory for the branches");
   f->closed_form = solve_closed(f);
-  f->confirmed = f->closed_form && a->freedom == 0 && f->count > 0 && f->count < MOST_BRANCHES && is_balanced(f);
+  f->confirmed = f->closed_form && a->freedom == 0 && f->count > 0 && !f->families && is_balanced(f);
   if (!f->confirmed && !f->failed)
     search(f, seed);
   if (f->failed)

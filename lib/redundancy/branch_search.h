@@ -22,6 +22,8 @@ typedef struct km_finder {
 /* KM_PARTIAL: out of reach; KM_MEMORY. Free it in any case. */
 km_status km_finder_run(const km_arm *arm, const km_pose *target, unsigned long seed, km_finder *finder,
                         km_error *error);
+/* Is a branch a single pose, and singular as far as Newton's method tells? Then it may be one of a family of poses. */
+bool km_finder_is_singular(km_finder *finder, int branch);
 void km_finder_free(km_finder *finder);
 
 #endif

@@ -102,14 +102,18 @@ static km_status deliver(km_finder *f, km_branches *out, km_error *error) {
   km_selfmotion *items = KM_NEW(km_selfmotion, count + 1);
   double *pose = KM_NEW(double, count *n + 1), *margin = KM_NEW(double, count + 1);
   place *order = KM_NEW(place, count + 1);
+  bool *singular = KM_NEW(bool, count + 1);
   out->items = KM_NEW(km_selfmotion, count + 1);
   out->pose = KM_NEW(double, count *n + 1);
   out->margin = KM_NEW(double, count + 1);
-  km_status status = items && pose && margin && order && out->items && out->pose && out->margin
-                         ? KM_OK
-                         : km_fail(error, KM_MEMORY, "out of memory for the branches");
+  out->singular = KM_NEW(bool, count + 1);
+  km_status status =
+      items && pose && margin && order && singular && out->singular && out->items && out->pose && out->margin
+          ? KM_OK
+          : km_fail(error, KM_MEMORY, "out of memory for the branches");
   for (int i = 0; i < f->count && !status; ++i) {
     status = describe(f, &f->curves[i], &items[i], pose + (size_t)i * n, &margin[i], error);
+    singular[i] = km_finder_is_singular(f, i);
     order[i] = (place){i, margin[i], items[i].length, pose + (size_t)i * n, f->arm->n};
   }
   if (!status && count > 1)
@@ -120,6 +124,7 @@ static km_status deliver(km_finder *f, km_branches *out, km_error *error) {
     items[from] = (km_selfmotion){0};
     memcpy(out->pose + (size_t)i * n, pose + (size_t)from * n, n * sizeof *pose);
     out->margin[i] = margin[from];
+    out->singular[i] = singular[from];
     out->within += margin[from] >= 0.0;
     out->count++;
   }
@@ -129,6 +134,7 @@ static km_status deliver(km_finder *f, km_branches *out, km_error *error) {
   km_free(pose);
   km_free(margin);
   km_free(order);
+  km_free(singular);
   return status;
 }
 
@@ -160,6 +166,7 @@ void km_branches_free(km_branches *b) {
   km_free(b->items);
   km_free(b->pose);
   km_free(b->margin);
+  km_free(b->singular);
   *b = (km_branches){0};
 }
 

@@ -18,11 +18,19 @@ int km_solve_line(const double line[3], double x[2]) {
   return half == 0.0 || fabs(cosine) >= 1.0 ? 1 : 2;
 }
 
+/* CMPLX, which clang has only with newer headers. */
+static double complex make(double real, double imaginary) {
+  const double parts[2] = {real, imaginary};
+  double complex z;
+  memcpy(&z, parts, sizeof z);
+  return z;
+}
+
 /* Roots of the polynomial c[0] + … + c[degree] z^degree, all at once (Durand and Kerner). */
 static void find_roots(const double complex *c, int degree, double complex *z) {
   enum { MOST_STEPS = 500 };
   for (int i = 0; i < degree; ++i)
-    z[i] = cexp(CMPLX(0.0, 0.4 + 2.0 * M_PI * i / degree));
+    z[i] = cexp(make(0.0, 0.4 + 2.0 * M_PI * i / degree));
   for (int step = 0; step < MOST_STEPS; ++step) {
     double moved = 0.0;
     for (int i = 0; i < degree; ++i) {
@@ -31,7 +39,7 @@ static void find_roots(const double complex *c, int degree, double complex *z) {
         value = value * z[i] + c[k];
       for (int k = 0; k < degree; ++k)
         apart *= k == i ? 1.0 : z[i] - z[k];
-      double complex move = cabs(apart) > 0.0 ? value / apart : CMPLX(1e-8, 0.0);
+      double complex move = cabs(apart) > 0.0 ? value / apart : make(1e-8, 0.0);
       z[i] -= move;
       moved = fmax(moved, cabs(move) / (1.0 + cabs(z[i])));
     }
@@ -44,8 +52,8 @@ static void find_roots(const double complex *c, int degree, double complex *z) {
  * on the unit circle, two that are nearly one lie beside it. −1: every angle does. */
 static int solve_quadratic(const double f[6], double y[4]) {
   double complex c[5], z[4];
-  c[4] = CMPLX(0.25 * (f[3] - f[5]), -0.25 * f[4]);
-  c[3] = CMPLX(0.5 * f[1], -0.5 * f[2]);
+  c[4] = make(0.25 * (f[3] - f[5]), -0.25 * f[4]);
+  c[3] = make(0.5 * f[1], -0.5 * f[2]);
   c[2] = f[0] + 0.5 * (f[3] + f[5]);
   c[1] = conj(c[3]);
   c[0] = conj(c[4]);

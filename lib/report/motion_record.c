@@ -193,6 +193,7 @@ km_value *km_branches_record(const km_arm *a, const km_branches *b, const char *
     km_value_number(arena, branch, "id", i + 1);
     if (a->freedom == 1)
       add_motion(a, &b->items[i], branch, arena);
+    km_value_boolean(arena, branch, "singular", b->singular[i]);
     km_value_boolean(arena, branch, "within_limits", b->margin[i] >= 0.0);
     km_value_number(arena, branch, "limit_margin", b->margin[i]);
     km_value *pose = km_value_add(arena, branch, "configuration", KM_OBJECT);
@@ -207,7 +208,9 @@ km_value *km_branches_record(const km_arm *a, const km_branches *b, const char *
 static void print_pose(const km_arm *a, const km_branches *b, int i, km_text *out) {
   int first[KM_ARM_MOST], last[KM_ARM_MOST];
   double turns = a->freedom == 0 && b->margin[i] >= 0.0 ? turns_of(a, b->pose + i * a->n, first, last) : 1.0;
-  km_text_add(out, a->freedom == 0 ? "a pose" : "one pose of a family");
+  km_text_add(out, a->freedom > 0   ? "one pose of a family"
+                   : b->singular[i] ? "a singular pose, perhaps one of a family"
+                                    : "a pose");
   if (turns > 1.0)
     km_text_format(out, ", %g with the full turns that the limits leave room for", turns);
   km_text_add(out, "\n");

@@ -368,6 +368,29 @@ static void a_ur5_reaches_a_pose_in_eight_ways(void **state) {
   }
 }
 
+/* The same arm with its elbow straight: two of the eight are one, and rounding near it makes no more of them. */
+static void a_straight_elbow_is_one_pose(void **state) {
+  (void)state;
+  static const double quarter = 0.5 * M_PI, free_turns[6] = {0}, straight[KM_ARM_MOST] = {0.1, 0.2, 0.0, 0.4, 0.5, 0.6};
+  const double dh[6][3] = {{quarter, 0, 0.089159}, {0, -0.425, 0},         {0, -0.39225, 0},
+                           {quarter, 0, 0.10915},  {-quarter, 0, 0.09465}, {0, 0, 0.0823}};
+  fixture f = dh_arm(dh, 6, free_turns, false);
+  km_arm *arm = arm_of(&f, "l6", "t", KM_TASK_POSE);
+  km_pose at = effector_by_bodies(&f, arm, straight);
+  for (unsigned long seed = 1; seed <= 5; ++seed) {
+    km_branches branches = find(arm, &at, seed);
+    int singular = 0;
+    for (int b = 0; b < branches.count; ++b)
+      singular += branches.singular[b];
+    assert_int_equal(branches.count, 7);
+    assert_int_equal(singular, 1);
+    assert_true(branches.confirmed);
+    km_branches_free(&branches);
+  }
+  km_arm_free(arm);
+  fixture_close(&f);
+}
+
 /* Two to spare: directions round the start, each held to the effector and ended by a limit or at π. */
 static void surfaces_are_sampled_on_a_circle(void **state) {
   (void)state;
@@ -462,6 +485,7 @@ int main(void) {
       cmocka_unit_test(wide_limits_keep_the_branches),
       cmocka_unit_test(six_joints_have_single_poses),
       cmocka_unit_test(a_ur5_reaches_a_pose_in_eight_ways),
+      cmocka_unit_test(a_straight_elbow_is_one_pose),
       cmocka_unit_test(surfaces_are_sampled_on_a_circle),
       cmocka_unit_test(slides_that_leave),
       cmocka_unit_test(out_of_reach),

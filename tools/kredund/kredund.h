@@ -43,4 +43,12 @@ typedef struct kredund_open {
 kt_exit kredund_bring(const kredund_request *request, bool needs_path, kredund_open *out);
 void kredund_close(kredund_open *open);
 
+/* Options as a study's values, in the open study's arena: numbers or names a,b,…; NAME or NAME=WEIGHT,…; the methods
+ * with the settings of options in the place of their own, NULL: the study's as they are. `exit` tells what is wrong,
+ * told. */
+const km_value *kredund_as_list(kredund_open *open, const char *text, bool numbers, const kt_common *common,
+                                const char *option, kt_exit *exit);
+const km_value *kredund_as_objective(kredund_open *open, const char *text, const kt_common *common, kt_exit *exit);
+const km_value *kredund_as_methods(kredund_open *open, const kredund_request *request, kt_exit *exit);
+
 #endif

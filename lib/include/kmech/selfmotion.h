@@ -55,6 +55,7 @@ typedef struct km_branches {
   km_selfmotion *items;  /* with one freedom: curves; else single poses (count 1, length 0) */
   double *pose;          /* [count × columns] of each branch: within the limits, as far from them as it gets */
   double *margin;        /* [count] limit distance there; below 0: no pose within the limits */
+  bool *singular;        /* [count] found at a singular pose: perhaps one of a family of poses */
   int within;            /* how many have poses within the limits; they come first */
   int starts, converged; /* evidence: starts of Newton's method, and solutions */
   bool closed_form;      /* three neighbouring axes meet or are parallel: the solutions are those of the closed form */
