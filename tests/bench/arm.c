@@ -6,11 +6,11 @@
 #ifdef BENCH_KDL
 #include "kdl.h"
 #endif
-#include "redundancy/control.h"
-#include "redundancy/seven.h"
-#include "redundancy/study.h"
-#include "redundancy/track.h"
-#include "redundancy/walk.h"
+#include "arm/control.h"
+#include "arm/seven.h"
+#include "arm/study.h"
+#include "arm/track.h"
+#include "arm/walk.h"
 
 #include <lapacke.h>
 #include <string.h>

@@ -1,12 +1,12 @@
 /* Serial chains: kinematics, and the columns of the null space, against the bodies' poses and LAPACK. */
 #include "support/arms.h"
 
+#include "arm/control.h"
+#include "arm/objective.h"
+#include "arm/seven.h"
+#include "arm/walk.h"
 #include "kinematics/poses.h"
 #include "kmech/control.h"
-#include "redundancy/control.h"
-#include "redundancy/objective.h"
-#include "redundancy/seven.h"
-#include "redundancy/walk.h"
 
 #include <lapacke.h>
 #include <stdio.h>

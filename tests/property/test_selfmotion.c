@@ -1,8 +1,8 @@
 /* Self-motions and branches of inverse kinematics. */
 #include "support/arm_families.h"
 
-#include "redundancy/branches.h"
-#include "report/track_record.h"
+#include "arm/selfmotion/branches.h"
+#include "report/record/track_record.h"
 
 #include <stdio.h>
 #include <string.h>

@@ -3,7 +3,7 @@
 
 #include "base/json.h"
 #include "model/convert.h"
-#include "report/track_record.h"
+#include "report/record/track_record.h"
 
 #include <stdio.h>
 #include <string.h>

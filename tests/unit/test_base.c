@@ -3,7 +3,7 @@
 
 #include "base/json.h"
 #include "base/names.h"
-#include "report/csv.h"
+#include "report/record/csv.h"
 
 #include <float.h>
 #include <stdio.h>

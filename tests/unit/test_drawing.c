@@ -2,7 +2,7 @@
 #include "support/support.h"
 
 #include "base/memory.h"
-#include "report/drawing_parts.h"
+#include "report/drawing/parts.h"
 
 #include <stdio.h>
 #include <stdlib.h>

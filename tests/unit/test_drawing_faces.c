@@ -1,7 +1,7 @@
 /* Hidden faces: wherever faces overlap on the page, the nearest one is painted last. */
 #include "support/support.h"
 
-#include "report/drawing_parts.h"
+#include "report/drawing/parts.h"
 
 enum { FACES = 60, PLACES = 4000 };
 

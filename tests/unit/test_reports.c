@@ -3,8 +3,8 @@
 
 #include "kmech/advantage_sweep.h"
 #include "kmech/statics_sweep.h"
-#include "report/advantage_report.h"
-#include "report/statics_report.h"
+#include "report/document/advantage_report.h"
+#include "report/document/statics_report.h"
 
 #include <string.h>
 

@@ -5,7 +5,7 @@
 #include "base/text.h"
 #include "base/value.h"
 #include "kmech/mechanism.h"
-#include "report/canvas.h"
+#include "report/plot/canvas.h"
 
 #include <argp.h>
 

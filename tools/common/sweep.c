@@ -2,8 +2,8 @@
 
 #include "base/json.h"
 #include "base/parallel.h"
-#include "report/csv.h"
-#include "report/sweep_text.h"
+#include "report/record/csv.h"
+#include "report/record/sweep_text.h"
 
 #include <stdio.h>
 #include <string.h>

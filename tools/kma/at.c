@@ -2,7 +2,7 @@
 #include "kma/kma.h"
 
 #include "base/json.h"
-#include "report/advantage_record.h"
+#include "report/record/advantage_record.h"
 
 #include <math.h>
 

@@ -3,9 +3,9 @@
 #include "kma/kma.h"
 
 #include "kmech/advantage_sweep.h"
-#include "report/advantage_plot.h"
-#include "report/advantage_record.h"
-#include "report/advantage_report.h"
+#include "report/document/advantage_report.h"
+#include "report/plot/advantage_plot.h"
+#include "report/record/advantage_record.h"
 
 #include <string.h>
 

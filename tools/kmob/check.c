@@ -2,8 +2,8 @@
 #include "kmob/kmob.h"
 
 #include "base/json.h"
-#include "report/check.h"
-#include "report/mobility_record.h"
+#include "report/record/check.h"
+#include "report/record/mobility_record.h"
 
 static kt_exit write_findings(const kmob_request *o, const kt_pose *pose, const km_findings *findings) {
   km_text out = {0};
@@ -41,10 +41,11 @@ static kt_exit check(const kmob_request *o, const kt_pose *pose, const km_messag
 }
 
 kt_exit kmob_check(int argc, char **argv) {
-  kmob_request o = kmob_read_request(argc, argv,
-                                     "Everything suspicious about a model, each with what to do. Exit status 1 if there "
-                                     "is a fault or a warning.",
-                                     KMOB_CHECKS);
+  kmob_request o =
+      kmob_read_request(argc, argv,
+                        "Everything suspicious about a model, each with what to do. Exit status 1 if there "
+                        "is a fault or a warning.",
+                        KMOB_CHECKS);
   kt_pose pose;
   km_messages *messages = km_messages_create();
   o.pose.common.found = messages;

@@ -3,7 +3,7 @@
 #define KMOB_DRAW_H
 
 #include "kmob/kmob.h"
-#include "report/drawing.h"
+#include "report/drawing/drawing.h"
 
 typedef struct kmob_draw_options {
   kt_common common;

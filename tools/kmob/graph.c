@@ -3,7 +3,7 @@
 
 #include "base/memory.h"
 #include "model/model.h"
-#include "report/graph.h"
+#include "report/drawing/graph.h"
 
 #include <errno.h>
 #include <fcntl.h>

@@ -2,8 +2,8 @@
 #include "common/sweep.h"
 #include "kmob/kmob.h"
 
-#include "report/mobility_plot.h"
-#include "report/mobility_record.h"
+#include "report/plot/mobility_plot.h"
+#include "report/record/mobility_record.h"
 
 enum { OPTION_POINT = 0x3101, OPTION_SINGULARITIES };
 
@@ -23,8 +23,7 @@ static const struct argp_option table[] = {
     {"singularities", OPTION_SINGULARITIES, NULL, 0,
      "Add the smallest kept singular value, and locate its minima: where mobility is nearly gained", 1},
     KT_FORMAT_OPTION,
-    {"base", 'o', "BASE", 0, "Files are BASE.mobility.FORMAT (default: the model's name); - is the standard output",
-     2},
+    {"base", 'o', "BASE", 0, "Files are BASE.mobility.FORMAT (default: the model's name); - is the standard output", 2},
     {0}};
 
 static error_t parse(int key, char *arg, struct argp_state *state) {

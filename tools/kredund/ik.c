@@ -3,8 +3,8 @@
 
 #include "base/json.h"
 #include "base/memory.h"
-#include "report/csv.h"
-#include "report/track_record.h"
+#include "report/record/csv.h"
+#include "report/record/track_record.h"
 
 #include <string.h>
 

@@ -2,8 +2,8 @@
 #ifndef KREDUND_H
 #define KREDUND_H
 
+#include "arm/study.h"
 #include "common/pose.h"
-#include "redundancy/study.h"
 
 kt_exit kredund_track(int argc, char **argv);
 kt_exit kredund_compare(int argc, char **argv);

@@ -2,8 +2,8 @@
 #include "kredund/tracks.h"
 
 #include "base/json.h"
-#include "report/csv.h"
-#include "report/motion_map_plot.h"
+#include "report/plot/motion_map_plot.h"
+#include "report/record/csv.h"
 
 #include <string.h>
 

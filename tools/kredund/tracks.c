@@ -2,9 +2,9 @@
 
 #include "base/json.h"
 #include "base/memory.h"
-#include "report/csv.h"
-#include "report/motion_map_plot.h"
-#include "report/track_plot.h"
+#include "report/plot/motion_map_plot.h"
+#include "report/plot/track_plot.h"
+#include "report/record/csv.h"
 
 #include <stdio.h>
 #include <string.h>

@@ -3,7 +3,7 @@
 #define KREDUND_TRACKS_H
 
 #include "kredund/kredund.h"
-#include "report/track_record.h"
+#include "report/record/track_record.h"
 
 typedef struct kredund_tracks {
   const kredund_request *request;

@@ -2,7 +2,7 @@
 #include "kstatic/kstatic.h"
 
 #include "base/json.h"
-#include "report/statics_record.h"
+#include "report/record/statics_record.h"
 
 typedef struct options {
   kt_request request;

@@ -2,9 +2,9 @@
 #include "common/report.h"
 #include "kstatic/kstatic.h"
 
-#include "report/statics_plot.h"
-#include "report/statics_record.h"
-#include "report/statics_report.h"
+#include "report/document/statics_report.h"
+#include "report/plot/statics_plot.h"
+#include "report/record/statics_record.h"
 
 typedef struct options {
   kt_sweep_options sweep;

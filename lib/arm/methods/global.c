@@ -1,0 +1,99 @@
+/* Global: the tilt along the whole path as straight pieces between knots, optimised by NLopt: controlled random search
+ * from greedy's track, then Subplex from the best. A track that doesn't arrive counts by how far it goes. */
+#include "arm/methods/method.h"
+
+#include <nlopt.h>
+#include <string.h>
+
+enum { MOST_KNOTS = 64 };
+
+typedef struct problem {
+  km_run *run;
+  const double *x; /* [knots × freedom] tan φ at the knots */
+  double tilt[KM_ARM_MOST];
+  double best_cost;
+  double best[MOST_KNOTS * KM_ARM_MOST];
+  nlopt_opt opt;
+  km_status status;
+  km_error *error;
+  int tried;
+} problem;
+
+static void choose(void *context, km_run *run, int sample, const km_node *node, km_way *way) {
+  problem *p = context;
+  (void)node;
+  const int knots = run->plan->method.knots, freedom = run->arm->freedom;
+  const km_path_point *points = run->plan->path->points;
+  double at = points[sample].s / points[run->plan->path->samples - 1].s * (knots - 1);
+  int k = at < knots - 1 ? (int)at : knots - 2;
+  for (int j = 0; j < freedom; ++j)
+    p->tilt[j] = p->x[k * freedom + j] + (at - k) * (p->x[(k + 1) * freedom + j] - p->x[k * freedom + j]);
+  way->tilt = p->tilt;
+}
+
+static double cost(unsigned count, const double *x, double *gradient, void *context) {
+  static const km_way plain = {0};
+  problem *p = context;
+  (void)gradient;
+  p->x = x;
+  km_run *run = p->run;
+  const km_track_plan *plan = run->plan;
+  p->status = km_run_try(run, &plain, choose, p);
+  double value = (double)INFINITY;
+  if (p->status == KM_OK)
+    value = -km_run_rounded(km_run_score(run, km_run_evaluate(run)));
+  else if (p->status == KM_PARTIAL)
+    value = 1e3 * (2.0 - (double)run->reached / plan->path->samples);
+  else
+    nlopt_force_stop(p->opt);
+  if (value < p->best_cost) {
+    p->best_cost = value;
+    memcpy(p->best, x, count * sizeof *x);
+  }
+  if (!(plan->progress ? plan->progress(plan->context, fmin(1.0, (double)++p->tried / plan->method.evaluations))
+                       : true)) {
+    p->status = km_fail(p->error, KM_CANCELLED, "cancelled");
+    nlopt_force_stop(p->opt);
+  }
+  return value;
+}
+
+static bool optimise(problem *p, nlopt_algorithm algorithm, int evaluations) {
+  const km_method *method = &p->run->plan->method;
+  unsigned count = (unsigned)(method->knots * p->run->arm->freedom);
+  double most = tan(method->angle), x[MOST_KNOTS * KM_ARM_MOST], value;
+  p->opt = nlopt_create(algorithm, count);
+  if (!p->opt)
+    return false;
+  memcpy(x, p->best, count * sizeof *x);
+  nlopt_set_min_objective(p->opt, cost, p);
+  nlopt_set_lower_bounds1(p->opt, -most);
+  nlopt_set_upper_bounds1(p->opt, most);
+  nlopt_set_maxeval(p->opt, evaluations);
+  nlopt_set_population(p->opt, 3 * count);
+  nlopt_set_initial_step1(p->opt, 0.3 * most);
+  nlopt_result result = nlopt_optimize(p->opt, x, &value);
+  nlopt_destroy(p->opt);
+  p->opt = NULL;
+  return result != NLOPT_OUT_OF_MEMORY;
+}
+
+km_status km_method_global(km_run *run, km_error *error) {
+  static const km_way plain = {0};
+  const km_method *method = &run->plan->method;
+  if (run->arm->freedom == 0)
+    return km_method_greedy(run, error);
+  if (method->knots < 2 || method->knots > MOST_KNOTS)
+    return km_fail(error, KM_USAGE, "%d knots; expected 2 to %d", method->knots, MOST_KNOTS);
+  problem p = {.run = run, .best_cost = (double)INFINITY, .error = error};
+  nlopt_srand(run->plan->seed);
+  bool whole = optimise(&p, NLOPT_GN_CRS2_LM, method->evaluations / 2);
+  if (whole && p.status != KM_CANCELLED)
+    whole = optimise(&p, NLOPT_LN_SBPLX, method->evaluations - method->evaluations / 2);
+  if (!whole)
+    return km_fail(error, KM_MEMORY, "out of memory for the optimisation");
+  if (p.status != KM_OK && p.status != KM_PARTIAL)
+    return p.status;
+  p.x = p.best;
+  return km_run_steps(run, &plain, choose, &p, error);
+}

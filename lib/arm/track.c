@@ -1,0 +1,268 @@
+/* A track: a method's samples, checked and put into numbers. */
+#include "arm/track.h"
+
+#include "base/text.h"
+
+#include <stdio.h>
+#include <string.h>
+#include <time.h>
+
+static const struct {
+  const char *word;
+  km_method_run run;
+} methods[KM_METHODS] = {{"greedy", km_method_greedy}, {"lookahead", km_method_lookahead}, {"fixed", km_method_fixed},
+                         {"dls", km_method_dls},       {"gradient", km_method_gradient},   {"dp", km_method_dp},
+                         {"global", km_method_global}};
+
+const char *km_method_word(km_method_kind kind) {
+  return methods[kind].word;
+}
+
+int km_method_find(const char *word) {
+  if (strcmp(word, "pinv") == 0)
+    return KM_GREEDY;
+  for (int k = 0; k < KM_METHODS; ++k)
+    if (strcmp(word, methods[k].word) == 0)
+      return k;
+  return -1;
+}
+
+km_method km_method_default(km_method_kind kind) {
+  return (km_method){.kind = kind,
+                     .word = km_method_word(kind),
+                     .branches = 3,
+                     .levels = 3,
+                     .angle = M_PI / 6.0,
+                     .damping = 0.05,
+                     .below = 0.1,
+                     .gain = 2.0,
+                     .knots = 12,
+                     .evaluations = 400};
+}
+
+static double now(void) {
+  struct timespec t;
+  clock_gettime(CLOCK_MONOTONIC, &t);
+  return (double)t.tv_sec + 1e-9 * (double)t.tv_nsec;
+}
+
+/* One row's numbers, before they go into the table. */
+typedef struct row {
+  const double *q;
+  km_path_point point;
+  int sample;
+} row;
+
+static void add_columns(km_table *table, const km_arm *a, const char *prefix, const char *per) {
+  const km_model *model = a->mechanism->model;
+  for (int k = 0; k < a->n; ++k) {
+    km_text name = {0}, unit = {0};
+    km_text_format(&name, "%s.%s", prefix, km_arm_label(a, k));
+    if (per)
+      km_text_format(&unit, "%s%s", km_model_coordinate_unit(model, a->coordinate[k]), per);
+    if (!name.failed && !unit.failed)
+      km_table_add_column(table, name.data, per ? unit.data : NULL);
+    km_text_free(&name);
+    km_text_free(&unit);
+  }
+}
+
+/* The objectives that every track reports, and those that it asks for. */
+static bool reported(const km_track *t, int kind) {
+  return kind <= KM_LIMIT_DISTANCE || t->plan.objective.weight[kind] != 0.0;
+}
+
+static km_table *make_table(const km_track *t) {
+  const km_arm *a = t->arm;
+  const char *length = a->mechanism->model->units.length->suffix;
+  km_table *table = km_table_create();
+  if (!table)
+    return NULL;
+  km_table_add_column(table, "step", NULL);
+  km_table_add_plain_column(table, "s", length);
+  km_table_add_column(table, "t", "s");
+  add_columns(table, a, "q", "");
+  add_columns(table, a, "v", "/s");
+  add_columns(table, a, "z", NULL);
+  km_table_add_column(table, "z.path", NULL);
+  for (int k = 0; k < KM_OBJECTIVES; ++k) {
+    char name[64];
+    snprintf(name, sizeof name, "objective.%s", km_objective_word((km_objective_kind)k));
+    if (reported(t, k))
+      km_table_add_column(table, name, NULL);
+  }
+  if (strcmp(km_objective_name(&t->plan.objective), "weighted") == 0)
+    km_table_add_column(table, "objective.weighted", NULL);
+  km_table_add_column(table, "error_position", length);
+  km_table_add_column(table, "error_rotation", a->mechanism->model->units.angle->suffix);
+  km_table_add_column(table, "limit_margin", NULL);
+  return table;
+}
+
+/* Joint rates of the track where `space` stands: of the step that led here, at the start of the one that leads on. A
+ * track that doesn't leave its start stands still. */
+static void rates_at(const km_track *t, km_arm_space *space, const double *xi, const row *r, const row *last,
+                     const row *next, double *v) {
+  const km_arm *a = t->arm;
+  const row *from = last ? last : r, *to = last ? r : next;
+  double path[KM_ARM_MOST + 1], self[KM_ARM_MOST * KM_ARM_MOST], mean[KM_ARM_MOST];
+  memset(v, 0, (size_t)a->n * sizeof *v);
+  if (!to)
+    return;
+  for (int k = 0; k < a->n; ++k)
+    mean[k] = (to->q[k] - from->q[k]) / (to->point.t - from->point.t);
+  if (t->plan.method.kind == KM_FIXED)
+    km_control_factor(a, space, xi, t->held);
+  km_control_columns(a, space, NULL, path, self);
+  km_node_rates(a, path, self, r->point.speed, mean, v);
+}
+
+static void count_row(km_track *t, const row *r, const row *last, const double *v, double value) {
+  const km_arm *a = t->arm;
+  km_track_summary *s = &t->summary;
+  bool violates = km_arm_limit_passed(a, r->q) >= 0;
+  for (int k = 0; k < a->n; ++k) {
+    if (last)
+      s->joint_travel += fabs(r->q[k] - last->q[k]);
+    if (fabs(v[k]) > s->rate) {
+      s->rate = fabs(v[k]);
+      s->rate_column = k;
+    }
+    violates = violates || fabs(v[k]) > a->rate[k] * (1.0 + 1e-9);
+  }
+  s->violations += violates;
+  s->limit_margin = fmin(s->limit_margin, km_arm_limit_distance(a, r->q));
+  s->objective_min = fmin(s->objective_min, value);
+  s->objective_mean += value;
+}
+
+static bool add_row(km_track *t, km_arm_space *space, const row *r, const row *last, const row *next) {
+  const km_arm *a = t->arm;
+  double xi[KM_ARM_ROWS], path[KM_ARM_MOST + 1], self[KM_ARM_MOST * KM_ARM_MOST], values[KM_OBJECTIVES], v[KM_ARM_MOST];
+  double position, rotation;
+  km_arm_update(a, space, r->q);
+  km_arm_task_rows(a, &space->pose.R, r->point.twist, xi);
+  km_arm_error(a, space, &r->point.pose, NULL, &position, &rotation);
+  km_control_factor(a, space, xi, NULL);
+  km_control_columns(a, space, NULL, path, self);
+  km_objective_values(a, space, r->q, path, r->point.speed, NULL, values);
+  rates_at(t, space, xi, r, last, next, v);
+  values[KM_RATE_MARGIN] = km_objective_rate_margin(a, v);
+  double *out = km_table_add_row(t->table), value = km_objective_sum(&t->plan.objective, values);
+  if (!out)
+    return false;
+  *out++ = (double)r->sample;
+  *out++ = r->point.s * a->length;
+  *out++ = r->point.t;
+  for (int k = 0; k < a->n; ++k)
+    *out++ = km_arm_shown(a, k, r->q[k]);
+  for (int k = 0; k < a->n; ++k)
+    *out++ = km_arm_shown(a, k, v[k]);
+  for (int k = 0; k <= a->n; ++k)
+    *out++ = path[k];
+  for (int k = 0; k < KM_OBJECTIVES; ++k)
+    if (reported(t, k))
+      *out++ = values[k];
+  if (strcmp(km_objective_name(&t->plan.objective), "weighted") == 0)
+    *out++ = value;
+  *out++ = position * a->length;
+  *out++ = rotation / a->mechanism->model->units.angle->si;
+  *out++ = values[KM_LIMIT_DISTANCE];
+  t->summary.error_position = fmax(t->summary.error_position, position * a->length);
+  t->summary.error_rotation = fmax(t->summary.error_rotation, rotation / a->mechanism->model->units.angle->si);
+  count_row(t, r, last, v, value);
+  return true;
+}
+
+/* Of the samples that were reached, and of the end between two if there is one. */
+static row row_of(const km_run *run, int index) {
+  const km_path *path = run->plan->path;
+  if (index < run->reached)
+    return (row){run->q + (size_t)index * (size_t)run->arm->n, path->points[index], index};
+  return (row){run->last, km_path_at(path, run->reached - 1, run->fraction), index};
+}
+
+static km_status fill(km_track *t, km_run *run, km_error *error) {
+  int count = run->reached + (run->stop && run->reached > 0 && run->fraction > 0.0);
+  memcpy(t->held, run->held, sizeof t->held);
+  t->table = make_table(t);
+  bool whole = t->table != NULL;
+  row last = {0}, here = {0}, next = {0};
+  for (int i = 0; i < count && whole; ++i) {
+    last = here;
+    here = i > 0 ? next : row_of(run, 0);
+    if (i + 1 < count)
+      next = row_of(run, i + 1);
+    whole = add_row(t, &run->space.arm, &here, i > 0 ? &last : NULL, i + 1 < count ? &next : NULL);
+  }
+  t->end = (km_track_end){run->stop,        run->column,
+                          run->reached - 1, here.point.s * t->arm->length,
+                          here.point.t,     here.point.travel * t->arm->length,
+                          here.point.turn};
+  size_t rows = whole ? km_table_rows(t->table) : 0;
+  if (rows)
+    t->summary.objective_mean /= (double)rows;
+  return whole ? KM_OK : km_fail(error, KM_MEMORY, "out of memory for a track");
+}
+
+/* A start that isn't on the path, or beyond its limits, is no start. */
+static bool starts(km_track *t, km_run *run) {
+  double position;
+  km_arm_update(t->arm, &run->space.arm, run->start);
+  double left = km_arm_error(t->arm, &run->space.arm, &t->plan.path->points[0].pose, NULL, &position, NULL);
+  run->column = km_arm_limit_passed(t->arm, run->start);
+  if (left <= 1e-9 && run->column < 0)
+    return true;
+  run->stop = KM_TRACK_START;
+  run->reached = 0;
+  return false;
+}
+
+km_status km_track_run(const km_arm *arm, const km_track_plan *plan, km_track **out, km_error *error) {
+  *out = NULL;
+  km_run run;
+  km_track *t = KM_NEW(km_track, 1);
+  if (!t)
+    return km_fail(error, KM_MEMORY, "out of memory for a track");
+  t->arm = arm;
+  t->plan = *plan;
+  t->summary = (km_track_summary){.objective_min = (double)INFINITY, .limit_margin = 1.0};
+  if (!km_run_create(arm, &t->plan, &run)) {
+    km_track_free(t);
+    return km_fail(error, KM_MEMORY, "out of memory for a track");
+  }
+  double start = now();
+  km_status status = starts(t, &run) ? methods[plan->method.kind].run(&run, error) : KM_PARTIAL;
+  t->summary.seconds = now() - start;
+  t->summary.evaluations = run.evaluations + run.space.arm.evaluations;
+  t->summary.greedy_instead = run.greedy_instead;
+  t->summary.converged = run.converged;
+  t->summary.bounded = run.bounded;
+  km_status filled = status == KM_OK || status == KM_PARTIAL ? fill(t, &run, error) : status;
+  km_run_free(&run);
+  if (filled) {
+    km_track_free(t);
+    return filled;
+  }
+  *out = t;
+  return status;
+}
+
+void km_track_free(km_track *t) {
+  if (!t)
+    return;
+  km_table_free(t->table);
+  km_free(t);
+}
+
+km_track_end km_track_ending(const km_track *t) {
+  return t->end;
+}
+
+const km_table *km_track_rows(const km_track *t) {
+  return t->table;
+}
+
+km_track_summary km_track_summarise(const km_track *t) {
+  return t->summary;
+}

@@ -1,0 +1,363 @@
+#include "arm/walk.h"
+#include "arm/seven.h"
+
+#include <string.h>
+
+bool km_node_create(const km_arm *a, km_arena *arena, km_node *node) {
+  size_t n = (size_t)a->n, freedom = (size_t)a->freedom;
+  *node = (km_node){.q = KM_ARENA_NEW(arena, double, n),
+                    .path = KM_ARENA_NEW(arena, double, n + 1),
+                    .self = KM_ARENA_NEW(arena, double, freedom *n)};
+  return !arena->failed;
+}
+
+void km_node_copy(const km_arm *a, km_node *to, const km_node *from) {
+  size_t n = (size_t)a->n;
+  memcpy(to->q, from->q, n * sizeof *to->q);
+  memcpy(to->path, from->path, (n + 1) * sizeof *to->path);
+  if (a->freedom > 0)
+    memcpy(to->self, from->self, (size_t)a->freedom * n * sizeof *to->self);
+  to->z = from->z;
+  to->value = from->value;
+}
+
+bool km_walk_space_create(const km_arm *a, km_walk_space *s) {
+  *s = (km_walk_space){0};
+  if (km_arm_space_create(a, &s->arm) && km_node_create(a, &s->arm.arena, &s->here))
+    return true;
+  km_walk_space_free(s);
+  return false;
+}
+
+void km_walk_space_free(km_walk_space *s) {
+  km_arm_space_free(&s->arm);
+}
+
+static double length(const double *x, int n) {
+  double sum = 0.0;
+  for (int i = 0; i < n; ++i)
+    sum += x[i] * x[i];
+  return sqrt(sum);
+}
+
+/* Columns and value of a node at whose q the space's Jacobian stands. */
+static void look_around(const km_walk *w, km_walk_space *s, const km_path_point *point, const km_way *way,
+                        const double *guide, km_node *node) {
+  double xi[KM_ARM_ROWS], values[KM_OBJECTIVES];
+  km_arm_task_rows(w->arm, &s->arm.pose.R, point->twist, xi);
+  km_control_factor(w->arm, &s->arm, xi, way->held);
+  node->z = km_control_columns(w->arm, &s->arm, guide, node->path, node->self);
+  if (!w->objective)
+    return;
+  km_objective_values(w->arm, &s->arm, node->q, node->path, point->speed, w->objective, values);
+  node->value = km_objective_sum(w->objective, values);
+}
+
+/* The first pose-control columns have no node to follow: their largest entry is positive. */
+static void set_senses(const km_arm *a, double *self) {
+  for (int k = 0; k < a->freedom; ++k) {
+    double *c = self + k * a->n, largest = 0.0;
+    for (int i = 0; i < a->n; ++i)
+      if (fabs(c[i]) > 1.000001 * fabs(largest))
+        largest = c[i];
+    for (int i = 0; i < a->n && largest < 0.0; ++i)
+      c[i] = -c[i];
+  }
+}
+
+void km_walk_begin(const km_walk *w, km_walk_space *s, int sample, const double *q, const km_way *way, km_node *out) {
+  memmove(out->q, q, (size_t)w->arm->n * sizeof *q);
+  km_arm_update(w->arm, &s->arm, q);
+  look_around(w, s, &w->path->points[sample], way, NULL, out);
+  set_senses(w->arm, out->self);
+}
+
+/* δ = Jᵀ(JJᵀ + λ²)⁻¹ξ, by Cholesky's factors of the small matrix. The Jacobian is that of the last update. */
+static void damped_rates(const km_arm *a, const km_arm_space *s, const double *xi, double lambda, double *out) {
+  const int rows = a->rows, n = a->n;
+  double A[KM_ARM_ROWS][KM_ARM_ROWS], y[KM_ARM_ROWS];
+  for (int i = 0; i < rows; ++i)
+    for (int j = 0; j <= i; ++j) {
+      double sum = i == j ? lambda * lambda : 0.0;
+      for (int k = 0; k < n; ++k)
+        sum += s->jacobian[k * rows + i] * s->jacobian[k * rows + j];
+      for (int k = 0; k < j; ++k)
+        sum -= A[i][k] * A[j][k];
+      A[i][j] = i == j ? sqrt(sum) : sum / A[j][j];
+    }
+  for (int i = 0; i < rows; ++i) {
+    y[i] = xi[i];
+    for (int k = 0; k < i; ++k)
+      y[i] -= A[i][k] * y[k];
+    y[i] /= A[i][i];
+  }
+  for (int i = rows - 1; i >= 0; --i) {
+    for (int k = i + 1; k < rows; ++k)
+      y[i] -= A[k][i] * y[k];
+    y[i] /= A[i][i];
+  }
+  for (int k = 0; k < n; ++k) {
+    out[k] = 0.0;
+    for (int r = 0; r < rows; ++r)
+      out[k] += s->jacobian[k * rows + r] * y[r];
+  }
+}
+
+/* Damped rates where the pose is near a singular one; false where it isn't. */
+static bool damp(const km_walk *w, km_walk_space *s, const km_path_point *point, const km_way *way, const km_node *here,
+                 double *rates) {
+  double sigma[KM_ARM_ROWS], xi[KM_ARM_ROWS];
+  km_arm_update(w->arm, &s->arm, here->q);
+  km_arm_singular_values(w->arm, &s->arm, sigma);
+  double part = sigma[w->arm->rows - 1] / way->below;
+  if (part >= 1.0)
+    return false;
+  km_arm_task_rows(w->arm, &s->arm.pose.R, point->twist, xi);
+  damped_rates(w->arm, &s->arm, xi, way->damping * sqrt(1.0 - part * part), rates);
+  return true;
+}
+
+/* Newton steps to a point of the path, none of them far: at most `most` away from where it begins. Leaves the Jacobian
+ * of the pose. */
+static bool correct(const km_walk *w, km_walk_space *s, const km_path_point *point, const km_way *way, double most,
+                    double *q) {
+  double e[KM_ARM_ROWS], x[KM_ARM_MOST], xi[KM_ARM_ROWS], moved[KM_ARM_MOST] = {0};
+  const int n = w->arm->n;
+  for (int step = 0; step <= KM_NEWTON_MOST; ++step) {
+    km_arm_update(w->arm, &s->arm, q);
+    double left = km_arm_error(w->arm, &s->arm, &point->pose, e, NULL, NULL);
+    if (left <= KM_NEWTON_DONE)
+      return true;
+    if (!(left < KM_NEWTON_FAR))
+      return false;
+    km_arm_task_rows(w->arm, &s->arm.pose.R, point->twist, xi);
+    km_control_factor(w->arm, &s->arm, xi, way->held);
+    km_control_solve(w->arm, &s->arm, e, way->held, x);
+    for (int k = 0; k < n; ++k) {
+      moved[k] += x[k];
+      q[k] += x[k];
+    }
+    if (!(length(moved, n) <= most))
+      return false;
+  }
+  return false;
+}
+
+/* δ = (c₁/z + tan φ·c₂/z)Δσ. */
+static void predict(const km_arm *a, const km_node *here, const km_way *way, double ds, double *step) {
+  double inverse = 1.0 / here->z;
+  for (int k = 0; k < a->n; ++k) {
+    double rate = here->path[k];
+    for (int j = 0; way->tilt && j < a->freedom; ++j)
+      rate += way->tilt[j] * here->self[j * a->n + k];
+    step[k] = rate * inverse * ds;
+  }
+}
+
+/* How long a corrector may be: half the predictor, but for rounding. */
+static double corrector_most(const double *step, int n) {
+  return 0.5 * length(step, n) + 1e-12;
+}
+
+/* One step from space->here by dσ to a point; false if it is refused. */
+static bool try_step(const km_walk *w, km_walk_space *s, const km_path_point *from, const km_path_point *point,
+                     const km_way *way, double *q) {
+  const km_arm *a = w->arm;
+  const km_node *here = &s->here;
+  double ds = point->s - from->s, step[KM_ARM_MOST];
+  bool damped = way->damping > 0.0 && damp(w, s, from, way, here, step);
+  if (damped)
+    for (int k = 0; k < a->n; ++k)
+      step[k] *= ds;
+  else
+    predict(a, here, way, ds, step);
+  for (int k = 0; k < a->n; ++k)
+    q[k] = here->q[k] + step[k];
+  /* What damping leaves undone is the corrector's: it may be as long as a step. */
+  return correct(w, s, point, way, damped ? 1.0 : corrector_most(step, a->n), q);
+}
+
+void km_node_rates(const km_arm *a, const double *path, const double *self, double speed, const double *mean,
+                   double *rates) {
+  for (int k = 0; k < a->n; ++k)
+    rates[k] = path[a->n] > 0.0 ? path[k] / path[a->n] * speed : 0.0;
+  for (int j = 0; j < a->freedom; ++j) {
+    const double *c = self + j * a->n;
+    double along = 0.0;
+    for (int k = 0; k < a->n; ++k)
+      along += c[k] * mean[k];
+    for (int k = 0; k < a->n; ++k)
+      rates[k] += along * c[k];
+  }
+}
+
+/* A joint that is faster than it may; -1: none. */
+static int too_fast(const km_arm *a, const double *rates) {
+  for (int k = 0; k < a->n; ++k)
+    if (fabs(rates[k]) > a->rate[k] * (1.0 + 1e-9))
+      return k;
+  return -1;
+}
+
+static km_step_end check(const km_walk *w, int sample, const km_path_point *point, const km_node *from,
+                         const km_node *to) {
+  const km_arm *a = w->arm;
+  km_step_end end = {KM_TRACK_COMPLETE, -1, 1.0};
+  end.column = km_arm_limit_passed(a, to->q);
+  if (end.column >= 0) {
+    end.stop = KM_TRACK_LIMIT;
+    return end;
+  }
+  double dt = point->t - w->path->points[sample].t, mean[KM_ARM_MOST], rates[KM_ARM_MOST];
+  for (int k = 0; k < a->n; ++k)
+    mean[k] = (to->q[k] - from->q[k]) / dt;
+  end.column = too_fast(a, mean);
+  if (end.column < 0) {
+    km_node_rates(a, to->path, to->self, point->speed, mean, rates);
+    end.column = too_fast(a, rates);
+  }
+  if (end.column < 0 && sample == 0) { /* every other sample has been an end */
+    km_node_rates(a, from->path, from->self, w->path->points[0].speed, mean, rates);
+    end.column = too_fast(a, rates);
+  }
+  end.stop = end.column >= 0 ? KM_TRACK_RATE : KM_TRACK_COMPLETE;
+  return end;
+}
+
+km_step_end km_walk_step(const km_walk *w, km_walk_space *s, int sample, double fraction, const km_node *from,
+                         const km_way *way, km_node *to) {
+  enum { MOST_TRIES = 5000 };
+  static const double least = 1e-10; /* of the interval: what is less can't be told from where it stands */
+  km_path_point here = w->path->points[sample];
+  double done = 0.0, h = fraction;
+  km_node_copy(w->arm, &s->here, from);
+  for (int tries = 0; done < fraction; ++tries) {
+    if (tries == (way->tries ? way->tries : MOST_TRIES) || h < least * fraction || s->here.z < KM_PATH_ENTRY_LEAST)
+      return (km_step_end){KM_TRACK_SINGULAR, -1, done};
+    double next = fraction - done <= h * (1.0 + 1e-9) ? fraction : done + h;
+    km_path_point point = next < 1.0 ? km_path_at(w->path, sample, next) : w->path->points[sample + 1];
+    if (!try_step(w, s, &here, &point, way, to->q)) {
+      h *= 0.5;
+      continue;
+    }
+    look_around(w, s, &point, way, s->here.self, to);
+    km_node_copy(w->arm, &s->here, to);
+    here = point;
+    done = next;
+    h *= 2.0;
+  }
+  return check(w, sample, &here, from, to);
+}
+
+/* Puts a lane's pose into the space and its columns into a node. */
+static void take_lane(const km_walk *w, km_walk_space *s, const km_path_point *point, const km_lanes *lanes, int l,
+                      const km_node *from, km_node *to) {
+  double side = 0.0, values[KM_OBJECTIVES];
+  for (int i = 0; i < SEVEN; ++i) {
+    to->q[i] = lanes->q[i][l];
+    to->path[i] = lanes->path[i][l];
+    s->arm.null[i] = lanes->null[i][l];
+    side += from->self[i] * s->arm.null[i];
+    for (int r = 0; r < 6; ++r)
+      s->arm.jacobian[6 * i + r] = lanes->jacobian[i][r][l];
+  }
+  s->arm.null[SEVEN] = 0.0;
+  s->arm.null_count = 1;
+  for (int r = 0; r < 6; ++r)
+    s->arm.sigma[r] = lanes->sigma[r][l];
+  s->arm.sigma_stands = lanes->want_sigma;
+  for (int i = 0; i < SEVEN; ++i)
+    to->self[i] = (side < 0.0 ? -1.0 : 1.0) * s->arm.null[i];
+  to->z = to->path[SEVEN] = lanes->path[SEVEN][l];
+  if (!w->objective)
+    return;
+  km_objective_values(w->arm, &s->arm, to->q, to->path, point->speed, w->objective, values);
+  to->value = km_objective_sum(w->objective, values);
+}
+
+/* Lanes that can't take part are filled with what another one has. */
+static unsigned fill_lanes(const km_walk *w, double ds, int count, const km_node *const *from, const km_way *ways,
+                           km_lanes *lanes) {
+  unsigned used = 0;
+  for (int l = 0; l < count; ++l) {
+    double step[SEVEN], q[SEVEN];
+    bool near = from[l]->z >= KM_PATH_ENTRY_LEAST;
+    predict(w->arm, from[l], &ways[l], ds, step);
+    for (int i = 0; i < SEVEN; ++i) {
+      q[i] = from[l]->q[i] + step[i];
+      near = near && fabs(q[i]) <= 0.5 * KM_SEVEN_ANGLE;
+    }
+    if (!near)
+      continue;
+    for (int k = used ? l : 0; k < KM_LANES; ++k) { /* the first one stands in for all */
+      lanes->most[k] = corrector_most(step, SEVEN);
+      for (int i = 0; i < SEVEN; ++i)
+        lanes->q[i][k] = q[i];
+      if (used)
+        break;
+    }
+    used |= 1u << l;
+  }
+  return used;
+}
+
+void km_walk_steps(const km_walk *w, km_walk_space *s, int sample, int count, const km_node *const *from,
+                   const km_way *ways, km_node *const *to, km_step_end *ends) {
+  const km_path_point *here = &w->path->points[sample], *point = here + 1;
+  km_lanes lanes = {.used = 0};
+  unsigned done = 0;
+  if (count > 1 && s->arm.seven) {
+    double xi[6];
+    done = fill_lanes(w, point->s - here->s, count, from, ways, &lanes);
+    km_arm_task_rows(w->arm, &point->pose.R, point->twist, xi);
+    lanes.used = done;
+    lanes.want_sigma = w->objective && (w->objective->weight[KM_SINGULAR_VALUE] != 0.0 ||
+                                        w->objective->weight[KM_MANIPULABILITY] != 0.0);
+    lanes.evaluations = 0;
+    if (done)
+      done &= km_lanes_reach(w->arm, &point->pose, xi, &lanes);
+    s->arm.evaluations += lanes.evaluations;
+  }
+  for (int l = 0; l < count; ++l) {
+    if (done & 1u << l) {
+      take_lane(w, s, point, &lanes, l, from[l], to[l]);
+      ends[l] = check(w, sample, point, from[l], to[l]);
+    } else {
+      ends[l] = km_walk_step(w, s, sample, 1.0, from[l], &ways[l], to[l]);
+    }
+  }
+}
+
+/* A coordinate beyond its limit, be it by rounding; -1: none. */
+static int just_beyond(const km_arm *a, const double *q) {
+  for (int k = 0; k < a->n; ++k)
+    if (q[k] > a->high[k] || q[k] < a->low[k])
+      return k;
+  return -1;
+}
+
+/* By halving what is left between a way that keeps everything and one that doesn't: other limits may come first, and a
+ * long step may bend, so nothing is taken for smooth. */
+km_step_end km_walk_find_end(const km_walk *w, km_walk_space *s, int sample, const km_node *from, const km_way *way,
+                             km_step_end end, double outside, km_node *to) {
+  double inside = 0.0;
+  while (outside - inside > 1e-13) {
+    double x = 0.5 * (inside + outside);
+    km_step_end there = km_walk_step(w, s, sample, x, from, way, to);
+    int beyond = there.stop ? -1 : just_beyond(w->arm, to->q);
+    if (beyond >= 0)
+      there = (km_step_end){KM_TRACK_LIMIT, beyond, 0.0};
+    if (there.stop) {
+      outside = x;
+      end = there;
+    } else {
+      inside = x;
+    }
+  }
+  end.fraction = inside;
+  if (inside > 0.0)
+    km_walk_step(w, s, sample, inside, from, way, to);
+  else
+    km_node_copy(w->arm, to, from);
+  return end;
+}

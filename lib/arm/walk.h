@@ -1,0 +1,85 @@
+/* Walking along a path, sample by sample: what every method is made of. */
+#ifndef KM_ARM_WALK_H
+#define KM_ARM_WALK_H
+
+#include "arm/control.h"
+#include "arm/objective.h"
+#include "arm/path.h"
+
+/* A pose on the path, with the directions that lead on. Arrays belong to a km_arena. */
+typedef struct km_node {
+  double *q;    /* [n] */
+  double *path; /* [n + 1] path-control column */
+  double *self; /* [freedom × n] pose-control columns, following those of the node before */
+  double z;     /* path entry */
+  double value; /* of the objective */
+} km_node;
+
+bool km_node_create(const km_arm *arm, km_arena *arena, km_node *node);
+void km_node_copy(const km_arm *arm, km_node *to, const km_node *from);
+
+typedef struct km_walk {
+  const km_arm *arm;
+  const km_path *path;
+  const km_objective *objective;
+} km_walk;
+
+/* One thread's workspace of a walk. */
+typedef struct km_walk_space {
+  km_arm_space arm;
+  km_node here; /* between samples */
+} km_walk_space;
+
+bool km_walk_space_create(const km_arm *arm, km_walk_space *space);
+void km_walk_space_free(km_walk_space *space);
+
+/* How to leave a node. Zeros are greedy's way. */
+typedef struct km_way {
+  const double *tilt; /* [freedom] tan φ towards each pose-control column; NULL: 0 */
+  const bool *held;   /* [n] columns that don't move; NULL: none */
+  double damping;     /* dls: λ at singular poses, 0: none */
+  double below;       /* dls: smallest singular value from which on it is damped */
+  int tries;          /* most parts that a step may be cut into, refused ones counted; 0: very many */
+} km_way;
+
+/* Joint rates [n] of a track that passes a pose with these columns, at the mean rates [n] of a step that begins or ends
+ * there: the least that follow the path, and the self-motion of the step. Held joints' columns give theirs. */
+void km_node_rates(const km_arm *arm, const double *path, const double *self, double speed, const double *mean,
+                   double *rates);
+
+/* Why a step doesn't lead to its end, and how far it leads. */
+typedef struct km_step_end {
+  km_track_stop stop;
+  int column;
+  double fraction; /* of the interval that was covered, limits and rates not counted */
+} km_step_end;
+
+/* The node at q on a sample, q being there already. */
+void km_walk_begin(const km_walk *walk, km_walk_space *space, int sample, const double *q, const km_way *way,
+                   km_node *out);
+
+/* From a node at `sample` to a fraction of the interval after it: predictor (c₁/z + tan φ·c₂/z)Δσ, then Newton steps
+ * of least norm to 1e-12; a corrector longer than half the predictor is refused and the step halved. Limits and rates
+ * are checked at the end only. */
+km_step_end km_walk_step(const km_walk *walk, km_walk_space *space, int sample, double fraction, const km_node *from,
+                         const km_way *way, km_node *to);
+
+/* Up to four whole steps from nodes at one sample, side by side where the arm is one of seven joints; ways with a tilt
+ * only. The same bits as km_walk_step one by one. */
+enum { KM_WALK_ABREAST = 4 };
+void km_walk_steps(const km_walk *walk, km_walk_space *space, int sample, int count, const km_node *const *from,
+                   const km_way *ways, km_node *const *to, km_step_end *ends);
+
+/* A whole step fails with `end`; if that is a rate, again with the nearest tilt that keeps the rates at the node, and a
+ * little more and more below them. How it ends at last. */
+km_step_end km_walk_ease(const km_walk *walk, km_walk_space *space, int sample, const km_node *from, const km_way *way,
+                         km_step_end end, km_node *to);
+/* Has the arm a joint with a rate? */
+bool km_walk_rated(const km_arm *arm);
+
+/* A step to the fraction `outside` fails with `end`: the largest fraction that keeps everything (end.fraction), the
+ * node there, and what stops it just past it. */
+km_step_end km_walk_find_end(const km_walk *walk, km_walk_space *space, int sample, const km_node *from,
+                             const km_way *way, km_step_end end, double outside, km_node *to);
+
+#endif

@@ -1,7 +1,0 @@
-/* The path-control column at every step, (318): the pseudo-inverse's rates without a pseudo-inverse. */
-#include "redundancy/method.h"
-
-km_status km_method_greedy(km_run *run, km_error *error) {
-  static const km_way plain = {0};
-  return km_run_steps(run, &plain, NULL, NULL, error);
-}

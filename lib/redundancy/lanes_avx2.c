@@ -1,7 +1,0 @@
-/* The same lanes for registers of four doubles. No fused multiply-add: the bits stay the same. */
-#ifdef KM_LANES_AVX2
-#define NAME km_lanes_reach_avx2
-#include "redundancy/lanes_body.h"
-#else
-typedef int km_lanes_avx2_is_empty;
-#endif

@@ -1,0 +1,180 @@
+#include "report/document/advantage_report.h"
+
+#include "report/document/sweep_report.h"
+#include "report/record/sweep_text.h"
+#include "report/record/transmission_record.h"
+#include "topology/mechanism.h"
+
+#include <math.h>
+#include <string.h>
+
+static const char *peak_words(km_document_maker *k, const km_plotted_advantage *p, const km_peak *peak) {
+  if (isnan(peak->s))
+    return "none: nowhere finite";
+  const char *unit = km_advantage_unit(p->swept.mechanism->model, &p->sweep->input, &p->sweep->output);
+  return km_document_format(k, "%s%s%s at %.6g%s", km_report_number(k, peak->value), unit[0] ? " " : "", unit, peak->s,
+                            km_sweep_unit(p->swept.mechanism, p->swept.plan));
+}
+
+static const char *toggle_words(km_document_maker *k, const km_plotted_advantage *p) {
+  km_text text = {0};
+  enum { MOST = 12 };
+  for (size_t i = 0; i < p->sweep->toggle_count && i < MOST; ++i)
+    km_text_format(&text, "%s%s at %.9g%s", i ? "; " : "", km_advantage_toggle_name(&p->sweep->toggles[i]),
+                   p->sweep->toggles[i].s, km_sweep_unit(p->swept.mechanism, p->swept.plan));
+  if (p->sweep->toggle_count > MOST)
+    km_text_format(&text, "; and %zu more", p->sweep->toggle_count - MOST);
+  const char *words = text.size ? km_document_format(k, "%s", text.data) : "none in the range";
+  km_text_free(&text);
+  return words;
+}
+
+static void add_facts(km_document_maker *k, const km_plotted_advantage *p, const char *stopped_by) {
+  km_report_facts facts = {.rows = 0};
+  km_report_fact(&facts, "Input", p->sweep->input.name);
+  km_report_fact(&facts, "Output", p->sweep->output.name);
+  km_report_fact(&facts, "Minimum", peak_words(k, p, &p->sweep->lowest));
+  km_report_fact(&facts, "Maximum", peak_words(k, p, &p->sweep->highest));
+  km_report_fact(&facts, "Toggles", toggle_words(k, p));
+  km_report_fact(&facts, "Method",
+                 p->sweep->method == KM_ADVANTAGE_SINGLE_FREEDOM
+                     ? "one freedom: the ratio of the rates in the only motion there is, Z_i / Z_k"
+                     : "several freedoms: the least motion that moves the input, by the orthonormal null space Z; the "
+                       "other joints follow, none is locked");
+  km_report_model(k, &p->swept, stopped_by, &facts);
+  km_report_close_facts(k, &facts);
+}
+
+/* Is the metric's column a number somewhere? */
+static bool defined(const km_table *table, int column) {
+  for (size_t r = 0; r < km_table_rows(table) && column >= 0; ++r)
+    if (isfinite(km_table_row(table, r)[column]))
+      return true;
+  return false;
+}
+
+static bool agree(const km_table *table, size_t a, size_t b) {
+  for (size_t r = 0; r < km_table_rows(table); ++r)
+    if (!(fabs(km_table_row(table, r)[a] - km_table_row(table, r)[b]) < 1e-9))
+      return false;
+  return true;
+}
+
+static void add_metric_plot(km_document_maker *k, const km_plotted_advantage *p, const int *metrics, int count,
+                            const char *title, const char *y_label, double height) {
+  const km_table *table = p->swept.motion->table;
+  km_swept_line *lines = KM_ARENA_NEW(&k->arena, km_swept_line, (size_t)count);
+  km_named_metric names[KM_TRANSMISSION_METRICS];
+  km_transmission empty = {.no_wrench = NULL};
+  size_t used = 0;
+  km_plot plot;
+  if (!lines)
+    return;
+  km_transmission_list(p->swept.mechanism, &empty, &p->sweep->output, names);
+  for (int i = 0; i < count; ++i) {
+    int column = km_table_find(table, names[metrics[i]].name);
+    if (used > 0 && column >= 0 && agree(table, lines[0].column, (size_t)column))
+      lines[0].name = km_document_format(k, "%s, %s", lines[0].name, names[metrics[i]].words);
+    else if (defined(table, column))
+      lines[used++] = (km_swept_line){0, (size_t)column, names[metrics[i]].words, 0};
+  }
+  km_sweep_picture picture = {.title = title,
+                              .y_label = y_label,
+                              .sweeps = &p->swept,
+                              .sweep_count = 1,
+                              .lines = lines,
+                              .line_count = used,
+                              .panel_count = 1};
+  if (used == 0 || !km_sweep_plot_make(&picture, &k->arena, &plot))
+    return;
+  if (metrics[0] == 2) { /* indices lie between 0 and 1 */
+    plot.y_low = 0.0;
+    plot.y_high = 1.0;
+  }
+  km_report_plot(k, &plot, title, height);
+}
+
+static void add_transmission(km_document_maker *k, const km_plotted_advantage *p, const km_transmission *t) {
+  static const int indices[2] = {2, 3}, angle[1] = {0}, condition[1] = {5};
+  const km_table *table = p->swept.motion->table;
+  km_named_metric list[KM_TRANSMISSION_METRICS];
+  const char *last = NULL;
+  km_text missing = {0};
+  km_document_heading(k, "Transmission");
+  km_transmission_list(p->swept.mechanism, t, &p->sweep->output, list);
+  for (int i = 0; i < KM_TRANSMISSION_METRICS; ++i) {
+    if (defined(table, km_table_find(table, list[i].name)))
+      continue;
+    const char *why = list[i].metric->why ? list[i].metric->why : "no row has a value";
+    if (last && strcmp(last, why) == 0)
+      km_text_format(&missing, ", %s", list[i].words);
+    else
+      km_text_format(&missing, "%s%s — %s", missing.size ? ". " : "Undefined here: ", why, list[i].words);
+    last = why;
+  }
+  if (missing.size)
+    km_document_text(k, km_document_format(k, "%s.", missing.data));
+  km_text_free(&missing);
+  add_metric_plot(k, p, indices, 2, "Transmission indices", "index", 150);
+  add_metric_plot(k, p, angle, 1, "Transmission angle",
+                  km_document_format(k, "angle (%s)", p->swept.mechanism->model->units.angle->suffix), 150);
+  add_metric_plot(k, p, condition, 1, "Condition of the Jacobian", "condition number", 150);
+}
+
+static void add_table(km_document_maker *k, const km_plotted_advantage *p) {
+  const km_model *model = p->swept.mechanism->model;
+  const km_table *table = p->swept.motion->table;
+  const char *unit = km_advantage_unit(model, &p->sweep->input, &p->sweep->output);
+  km_report_column columns[12] = {
+      {1, p->swept.plan->arclength > 0.0
+              ? "arc length"
+              : km_document_format(k, "%s (%s)", km_model_coordinate_label(model, p->swept.plan->coordinate),
+                                   km_model_coordinate_unit(model, p->swept.plan->coordinate))},
+      {p->sweep->column, unit[0] ? km_document_format(k, "MA (%s)", unit) : "MA"}};
+  size_t count = 2;
+  if (p->sweep->friction)
+    columns[count++] = (km_report_column){p->sweep->column + 1, "with friction"};
+  static const char *const heads[KM_TRANSMISSION_METRICS] = {"transm. angle", "virtual coeff.", "Sutherland-Roth",
+                                                             "Chen-Angeles",  "manipulability", "condition"};
+  km_named_metric list[KM_TRANSMISSION_METRICS];
+  km_transmission empty = {.no_wrench = NULL};
+  km_transmission_list(p->swept.mechanism, &empty, &p->sweep->output, list);
+  for (int i = 0; i < KM_TRANSMISSION_METRICS; ++i) {
+    int column = km_table_find(table, list[i].name);
+    if (defined(table, column))
+      columns[count++] = (km_report_column){
+          (size_t)column, list[i].unit[0] ? km_document_format(k, "%s (%s)", heads[i], list[i].unit) : heads[i]};
+  }
+  km_document_heading(k, "At chosen poses");
+  km_report_rows(k, &p->swept, columns, count);
+}
+
+static void build(km_document_maker *k, const km_plotted_advantage *p, const km_transmission *transmission,
+                  const char *stopped_by) {
+  km_plot plot;
+  add_facts(k, p, stopped_by);
+  km_report_poses(k, &p->swept);
+  km_document_heading(k, "Leverage");
+  if (km_advantage_plot_make(p, 1, false, &k->arena, &plot))
+    km_report_plot(k, &plot, "mechanical advantage over the sweep", 230);
+  km_document_text(k, "Mechanical advantage is the input's rate over the output's, signed, angles in radians. Without "
+                      "losses an input force f balances an output force −MA · f.");
+  /* Three plots of the transmission fill a page of their own; one leaves room for the table behind it. */
+  bool many = defined(p->swept.motion->table, km_table_find(p->swept.motion->table, "sutherland_roth"));
+  if (many)
+    add_table(k, p);
+  add_transmission(k, p, transmission);
+  if (!many)
+    add_table(k, p);
+}
+
+km_status km_advantage_report(const km_plotted_advantage *p, const km_transmission *transmission,
+                              const char *stopped_by, bool html, km_text *out, km_error *error) {
+  km_document_maker *k = KM_NEW(km_document_maker, 1);
+  if (!k)
+    return km_fail(error, KM_MEMORY, "out of memory for a report");
+  build(k, p, transmission, stopped_by);
+  const char *title =
+      km_document_format(k, "%s: leverage of %s over %s", p->swept.name, p->sweep->input.name, p->sweep->output.name);
+  return km_report_finish(k, &p->swept, "kma", title, html, out, error);
+}

@@ -1,0 +1,14 @@
+/* The report about a mechanism's leverage: a few pages to hand on. */
+#ifndef KM_REPORT_DOCUMENT_ADVANTAGE_REPORT_H
+#define KM_REPORT_DOCUMENT_ADVANTAGE_REPORT_H
+
+#include "kmech/transmission.h"
+#include "report/document/document.h"
+#include "report/plot/advantage_plot.h"
+
+/* Of a sweep with the transmission's columns; `transmission` is that of its last row, and says why metrics are
+ * undefined. `html`: one self-contained file instead of PDF pages. Appends the bytes. */
+km_status km_advantage_report(const km_plotted_advantage *sweep, const km_transmission *transmission,
+                              const char *stopped_by, bool html, km_text *out, km_error *error);
+
+#endif

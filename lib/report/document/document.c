@@ -1,0 +1,37 @@
+#include "report/document/document.h"
+
+#include <stdarg.h>
+#include <stdio.h>
+
+static void add(km_document_maker *m, km_block block) {
+  if (m->count < sizeof m->blocks / sizeof *m->blocks)
+    m->blocks[m->count++] = block;
+}
+
+void km_document_heading(km_document_maker *m, const char *text) {
+  add(m, (km_block){.kind = KM_BLOCK_HEADING, .text = text});
+}
+
+void km_document_text(km_document_maker *m, const char *text) {
+  add(m, (km_block){.kind = KM_BLOCK_TEXT, .text = text});
+}
+
+void km_document_cells(km_document_maker *m, km_block_kind kind, const char *const *cells, size_t rows,
+                       size_t columns) {
+  add(m, (km_block){.kind = kind, .cells = cells, .rows = rows, .columns = columns});
+}
+
+void km_document_picture(km_document_maker *m, const char *shows, double height,
+                         km_status (*draw)(void *, km_canvas *, double, double, km_error *), void *context) {
+  add(m, (km_block){.kind = KM_BLOCK_PICTURE, .text = shows, .height = height, .draw = draw, .context = context});
+}
+
+const char *km_document_format(km_document_maker *m, const char *format, ...) {
+  char text[2048];
+  va_list arguments;
+  va_start(arguments, format);
+  vsnprintf(text, sizeof text, format, arguments);
+  va_end(arguments);
+  const char *kept = km_arena_string(&m->arena, text);
+  return kept ? kept : "";
+}

@@ -1,0 +1,55 @@
+/* Documents: headings, facts, tables and pictures, as PDF pages or one self-contained HTML file. Knows nothing of
+ * mechanisms. */
+#ifndef KM_REPORT_DOCUMENT_DOCUMENT_H
+#define KM_REPORT_DOCUMENT_DOCUMENT_H
+
+#include "base/memory.h"
+#include "report/plot/canvas.h"
+
+typedef enum km_block_kind {
+  KM_BLOCK_HEADING,
+  KM_BLOCK_TEXT,
+  KM_BLOCK_FACTS, /* rows of a name and what it is */
+  KM_BLOCK_TABLE, /* the first row is the head */
+  KM_BLOCK_PICTURE
+} km_block_kind;
+
+/* A part of a document. Everything is borrowed. */
+typedef struct km_block {
+  km_block_kind kind;
+  const char *text;         /* heading or paragraph; of a picture: what it shows, for those who can't see it */
+  const char *const *cells; /* [rows × columns], row by row */
+  size_t rows, columns;
+  double height; /* of a picture, points; it is as wide as the page's text */
+  km_status (*draw)(void *context, km_canvas *canvas, double width, double height, km_error *error);
+  void *context;
+} km_block;
+
+typedef struct km_document {
+  const char *title, *subtitle;
+  const char *footer; /* at the bottom of every page */
+  const km_block *blocks;
+  size_t count;
+} km_document;
+
+/* Appends the bytes; the same document gives the same bytes. KM_MEMORY, KM_INTERNAL and what pictures give. */
+km_status km_document_pdf(const km_document *document, km_text *out, km_error *error);
+km_status km_document_html(const km_document *document, km_text *out, km_error *error);
+
+/* Blocks in the making. */
+typedef struct km_document_maker {
+  km_arena arena;
+  km_block blocks[64];
+  size_t count;
+} km_document_maker;
+
+void km_document_heading(km_document_maker *maker, const char *text);
+void km_document_text(km_document_maker *maker, const char *text);
+void km_document_cells(km_document_maker *maker, km_block_kind kind, const char *const *cells, size_t rows,
+                       size_t columns);
+void km_document_picture(km_document_maker *maker, const char *shows, double height,
+                         km_status (*draw)(void *, km_canvas *, double, double, km_error *), void *context);
+/* Text in the maker's arena. */
+const char *km_document_format(km_document_maker *maker, const char *format, ...) __attribute__((format(printf, 2, 3)));
+
+#endif

@@ -1,0 +1,128 @@
+/* Documents as one HTML file that needs no other: pictures are SVG inside it. */
+#include "report/document/document.h"
+
+static const double picture_width = 500; /* points, as on a PDF's page */
+
+static const char style[] =
+    "body{font:15px/1.45 'DejaVu Sans',Verdana,sans-serif;color:#1a1a1a;max-width:52rem;margin:2rem auto;padding:0 "
+    "1rem}"
+    "h1{font-size:1.7rem;margin:0 0 .2rem}h2{font-size:1.15rem;margin:2rem 0 .5rem}"
+    ".about,footer{color:#6b6b6b;font-size:.85rem}footer{border-top:1px solid #ccc;margin-top:2rem;padding-top:.5rem}"
+    "table{border-collapse:collapse;font-size:.82rem;margin:.5rem 0 1rem}th,td{text-align:right;padding:.2rem .7rem}"
+    "th:first-child,td:first-child{text-align:left}thead th{border-bottom:1px solid #1a1a1a}"
+    "tbody tr:nth-child(even){background:#f2f2f2}.scroll{overflow-x:auto}"
+    "dl{display:grid;grid-template-columns:12rem 1fr;gap:.2rem .5rem;font-size:.9rem}dt{color:#6b6b6b}dd{margin:0}"
+    "img{width:100%;height:auto}@media print{body{margin:0}h2{break-after:avoid}img{break-inside:avoid}}";
+
+static void escape(const char *text, km_text *out) {
+  for (const char *c = text; *c; ++c) {
+    if (*c == '&')
+      km_text_add(out, "&amp;");
+    else if (*c == '<')
+      km_text_add(out, "&lt;");
+    else if (*c == '>')
+      km_text_add(out, "&gt;");
+    else if (*c == '"')
+      km_text_add(out, "&quot;");
+    else
+      km_text_bytes(out, c, 1);
+  }
+}
+
+static void base64(const km_text *bytes, km_text *out) {
+  static const char digits[] = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
+  for (size_t i = 0; i < bytes->size; i += 3) {
+    size_t left = bytes->size - i;
+    unsigned a = (unsigned char)bytes->data[i], b = left > 1 ? (unsigned char)bytes->data[i + 1] : 0,
+             c = left > 2 ? (unsigned char)bytes->data[i + 2] : 0, all = a << 16 | b << 8 | c;
+    const char four[4] = {digits[all >> 18], digits[all >> 12 & 63], left > 1 ? digits[all >> 6 & 63] : '=',
+                          left > 2 ? digits[all & 63] : '='};
+    km_text_bytes(out, four, 4);
+  }
+}
+
+static void add_facts(const km_block *block, km_text *out) {
+  km_text_add(out, "<dl>\n");
+  for (size_t r = 0; r < block->rows; ++r) {
+    km_text_add(out, "<dt>");
+    escape(block->cells[2 * r], out);
+    km_text_add(out, "</dt><dd>");
+    escape(block->cells[2 * r + 1], out);
+    km_text_add(out, "</dd>\n");
+  }
+  km_text_add(out, "</dl>\n");
+}
+
+static void add_table(const km_block *block, km_text *out) {
+  km_text_add(out, "<div class=\"scroll\"><table>\n");
+  for (size_t r = 0; r < block->rows; ++r) {
+    km_text_add(out, r == 0 ? "<thead><tr>" : r == 1 ? "<tbody>\n<tr>" : "<tr>");
+    for (size_t c = 0; c < block->columns; ++c) {
+      km_text_add(out, r == 0 ? "<th>" : "<td>");
+      escape(block->cells[r * block->columns + c], out);
+      km_text_add(out, r == 0 ? "</th>" : "</td>");
+    }
+    km_text_add(out, r == 0 ? "</tr></thead>\n" : "</tr>\n");
+  }
+  km_text_add(out, block->rows > 1 ? "</tbody></table></div>\n" : "</table></div>\n");
+}
+
+/* As an image of its own, so that the names inside two pictures can't meet. */
+static km_status add_picture(const km_block *block, km_text *out, km_error *error) {
+  km_text svg = {0};
+  km_canvas *canvas;
+  km_status status = km_canvas_create(KM_CANVAS_SVG, picture_width, block->height, &svg, &canvas, error);
+  if (!status) {
+    status = block->draw(block->context, canvas, picture_width, block->height, error);
+    if (!status)
+      status = km_canvas_finish(canvas, error);
+    km_canvas_free(canvas);
+  }
+  if (!status) {
+    km_text_add(out, "<img alt=\"");
+    escape(block->text, out);
+    km_text_add(out, "\" src=\"data:image/svg+xml;base64,");
+    base64(&svg, out);
+    km_text_add(out, "\">\n");
+  }
+  km_text_free(&svg);
+  return status;
+}
+
+static km_status add_block(const km_block *block, km_text *out, km_error *error) {
+  bool heading = block->kind == KM_BLOCK_HEADING;
+  switch (block->kind) {
+  case KM_BLOCK_HEADING:
+  case KM_BLOCK_TEXT:
+    km_text_add(out, heading ? "<h2>" : "<p>");
+    escape(block->text, out);
+    km_text_add(out, heading ? "</h2>\n" : "</p>\n");
+    return KM_OK;
+  case KM_BLOCK_FACTS:
+    add_facts(block, out);
+    return KM_OK;
+  case KM_BLOCK_TABLE:
+    add_table(block, out);
+    return KM_OK;
+  default:
+    return add_picture(block, out, error);
+  }
+}
+
+km_status km_document_html(const km_document *document, km_text *out, km_error *error) {
+  km_status status = KM_OK;
+  km_text_add(out, "<!DOCTYPE html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n<meta name=\"viewport\" "
+                   "content=\"width=device-width, initial-scale=1\">\n<title>");
+  escape(document->title, out);
+  km_text_format(out, "</title>\n<style>%s</style>\n</head>\n<body>\n<h1>", style);
+  escape(document->title, out);
+  km_text_add(out, "</h1>\n<p class=\"about\">");
+  escape(document->subtitle, out);
+  km_text_add(out, "</p>\n");
+  for (size_t i = 0; i < document->count && !status; ++i)
+    status = add_block(&document->blocks[i], out, error);
+  km_text_add(out, "<footer>");
+  escape(document->footer, out);
+  km_text_add(out, "</footer>\n</body>\n</html>\n");
+  return status ? status : out->failed ? km_fail(error, KM_MEMORY, "out of memory for a report") : KM_OK;
+}

@@ -1,0 +1,175 @@
+#include "report/document/statics_report.h"
+
+#include "forces/forces.h"
+#include "report/document/sweep_report.h"
+#include "report/record/sweep_text.h"
+#include "topology/mechanism.h"
+
+#include <math.h>
+
+static const char *unit_of(km_document_maker *k, const km_model *model, int coordinate) {
+  km_text text = {0};
+  km_force_unit(model, coordinate, &text);
+  const char *unit = text.data ? km_document_format(k, "%s", text.data) : "";
+  km_text_free(&text);
+  return unit;
+}
+
+static const char *label_of(const km_plotted_statics *p, int actuator) {
+  return km_model_coordinate_label(p->swept.mechanism->model, p->sweep->actuators[actuator]);
+}
+
+static void add_facts(km_document_maker *k, const km_plotted_statics *p, const char *acting, const char *stopped_by) {
+  km_report_facts facts = {.rows = 0};
+  km_text names = {0};
+  for (int i = 0; i < p->sweep->actuator_count; ++i)
+    km_text_format(&names, "%s%s", i ? ", " : "", label_of(p, i));
+  km_report_fact(&facts, "Actuators", names.size ? km_document_format(k, "%.1500s", names.data) : "none");
+  km_report_fact(&facts, "What acts", acting);
+  km_report_fact(&facts, "Held",
+                 p->sweep->unheld
+                     ? km_document_format(k, "no: not at %zu of %zu rows, first at %.6g%s", p->sweep->unheld,
+                                          km_table_rows(p->swept.motion->table), p->sweep->first_unheld,
+                                          km_sweep_unit(p->swept.mechanism, p->swept.plan))
+                     : "at every row");
+  km_report_fact(
+      &facts, "Static indeterminacy",
+      p->sweep->degree
+          ? km_document_format(k, "degree %d: of what statics leaves open the least answer is given", p->sweep->degree)
+          : "none: statics determines every reaction");
+  km_report_model(k, &p->swept, stopped_by, &facts);
+  km_report_close_facts(k, &facts);
+  km_text_free(&names);
+}
+
+static const char *where(km_document_maker *k, const km_plotted_statics *p, int actuator, km_force_event_kind kind) {
+  km_text text = {0};
+  for (size_t i = 0; i < p->sweep->event_count; ++i)
+    if (p->sweep->events[i].actuator == actuator && p->sweep->events[i].kind == kind && text.size < 100)
+      km_text_format(&text, "%s%.6g", text.size ? ", " : "", p->sweep->events[i].s);
+  const char *words = text.size ? km_document_format(k, "%s", text.data) : "–";
+  km_text_free(&text);
+  return words;
+}
+
+/* Largest force of every actuator, and where it rests or gives out. */
+static void add_peaks(km_document_maker *k, const km_plotted_statics *p) {
+  enum { COLUMNS = 5 };
+  size_t rows = (size_t)p->sweep->actuator_count + 1;
+  const char **cells = KM_ARENA_NEW(&k->arena, const char *, rows *COLUMNS);
+  const char *unit = km_sweep_unit(p->swept.mechanism, p->swept.plan);
+  if (!cells)
+    return;
+  cells[0] = "actuator";
+  cells[1] = "largest force";
+  cells[2] = km_document_format(k, "at (%s)", unit[0] ? unit + 1 : "arc length");
+  cells[3] = "nothing to hold at";
+  cells[4] = "without bound at";
+  for (int i = 0; i < p->sweep->actuator_count; ++i) {
+    const km_force_event *largest = &p->sweep->largest[i];
+    const char **row = cells + (size_t)(i + 1) * COLUMNS;
+    row[0] = label_of(p, i);
+    row[1] = km_document_format(k, "%s %s", km_report_number(k, largest->value),
+                                unit_of(k, p->swept.mechanism->model, p->sweep->actuators[i]));
+    row[2] = km_report_number(k, largest->s);
+    row[3] = where(k, p, i, KM_FORCE_BALANCED);
+    row[4] = where(k, p, i, KM_FORCE_UNBOUNDED);
+  }
+  km_document_cells(k, KM_BLOCK_TABLE, cells, rows, COLUMNS);
+}
+
+static void add_rows(km_document_maker *k, const km_plotted_statics *p) {
+  enum { MOST = 9 };
+  const km_model *model = p->swept.mechanism->model;
+  km_report_column columns[MOST] = {
+      {1, p->swept.plan->arclength > 0.0
+              ? "arc length"
+              : km_document_format(k, "%s (%s)", km_model_coordinate_label(model, p->swept.plan->coordinate),
+                                   km_model_coordinate_unit(model, p->swept.plan->coordinate))}};
+  size_t count = 1;
+  for (int i = 0; i < p->sweep->actuator_count && count < MOST; ++i, ++count)
+    columns[count] = (km_report_column){
+        p->sweep->first_column + (size_t)i,
+        km_document_format(k, "%.60s (%s)", label_of(p, i), unit_of(k, model, p->sweep->actuators[i]))};
+  km_document_heading(k, "At chosen poses");
+  km_report_rows(k, &p->swept, columns, count);
+}
+
+/* The row at which some actuator holds most. */
+static size_t worst_row(const km_plotted_statics *p) {
+  const km_table *table = p->swept.motion->table;
+  size_t worst = 0;
+  double largest = -1.0;
+  for (size_t r = 0; r < km_table_rows(table); ++r)
+    for (int i = 0; i < p->sweep->actuator_count; ++i) {
+      double f = fabs(km_table_row(table, r)[p->sweep->first_column + (size_t)i]);
+      double most = fabs(p->sweep->largest[i].value);
+      if (isfinite(f) && f > largest && most > 0.0) {
+        largest = f;
+        worst = r;
+      }
+    }
+  return worst;
+}
+
+/* Reactions at one row; `?` behind what statics leaves open. */
+static void add_reactions(km_document_maker *k, const km_plotted_statics *p, const km_statics *statics) {
+  enum { COLUMNS = 7 };
+  static const char *const heads[COLUMNS] = {"joint", "fx", "fy", "fz", "tx", "ty", "tz"};
+  const km_model *model = p->swept.mechanism->model;
+  size_t joints = (size_t)model->joint_count;
+  const double *row = km_table_row(p->swept.motion->table, worst_row(p));
+  size_t first = p->sweep->first_column + (size_t)p->sweep->actuator_count + (size_t)model->coordinate_count;
+  const char **cells = KM_ARENA_NEW(&k->arena, const char *, (joints + 1) * COLUMNS);
+  double forces = 0.0;
+  if (!cells)
+    return;
+  for (size_t i = 0; i < 6 * joints; ++i)
+    forces = fmax(forces, i % 6 < 3 ? fabs(row[first + i]) : 0.0);
+  for (size_t c = 0; c < COLUMNS; ++c)
+    cells[c] = heads[c];
+  for (size_t j = 0; j < joints; ++j) {
+    cells[(j + 1) * COLUMNS] = model->joints[j].label;
+    for (size_t c = 0; c < 6; ++c) {
+      double value = row[first + 6 * j + c];
+      value = fabs(value) < 1e-9 * forces ? 0.0 : value; /* rounding */
+      cells[(j + 1) * COLUMNS + 1 + c] =
+          km_document_format(k, "%s%s", km_report_number(k, value), statics->reactions[j].indeterminate[c] ? "?" : "");
+    }
+  }
+  km_text torque = {0};
+  km_torque_unit(model, &torque);
+  km_document_heading(k, "Reactions where an actuator holds most");
+  km_document_text(k, km_document_format(
+                          k,
+                          "At %.6g%s. Wrench of parent on child through each joint, about the child's joint frame and "
+                          "along its axes; forces in %s, torques in %s.%s",
+                          row[1], km_sweep_unit(p->swept.mechanism, p->swept.plan), model->units.force->suffix,
+                          torque.data ? torque.data : "",
+                          p->sweep->degree ? " ? marks what statics alone doesn't determine." : ""));
+  km_text_free(&torque);
+  km_document_cells(k, KM_BLOCK_TABLE, cells, joints + 1, COLUMNS);
+}
+
+static void build(km_document_maker *k, const km_plotted_statics *p, const km_statics *statics, const char *acting,
+                  const char *stopped_by) {
+  km_plot plot;
+  add_facts(k, p, acting, stopped_by);
+  km_report_poses(k, &p->swept);
+  km_document_heading(k, "What the actuators hold");
+  if (p->sweep->actuator_count && km_statics_plot_make(p, 1, false, &k->arena, &plot))
+    km_report_plot(k, &plot, "actuator forces over the sweep", 230);
+  add_peaks(k, p);
+  add_rows(k, p);
+  add_reactions(k, p, statics);
+}
+
+km_status km_statics_report(const km_plotted_statics *p, const km_statics *statics, const char *acting,
+                            const char *stopped_by, bool html, km_text *out, km_error *error) {
+  km_document_maker *k = KM_NEW(km_document_maker, 1);
+  if (!k)
+    return km_fail(error, KM_MEMORY, "out of memory for a report");
+  build(k, p, statics, acting, stopped_by);
+  const char *title = km_document_format(k, "%s: what its actuators hold", p->swept.name);
+  return km_report_finish(k, &p->swept, "kstatic", title, html, out, error);
+}

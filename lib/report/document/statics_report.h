@@ -1,0 +1,13 @@
+/* The report about what holds a mechanism: a few pages to hand on. */
+#ifndef KM_REPORT_DOCUMENT_STATICS_REPORT_H
+#define KM_REPORT_DOCUMENT_STATICS_REPORT_H
+
+#include "report/document/document.h"
+#include "report/plot/statics_plot.h"
+
+/* `statics` is the balance of a row, for what is statically indeterminate; `acting` says in words what acts. `html`:
+ * one self-contained file instead of PDF pages. Appends the bytes. */
+km_status km_statics_report(const km_plotted_statics *sweep, const km_statics *statics, const char *acting,
+                            const char *stopped_by, bool html, km_text *out, km_error *error);
+
+#endif

@@ -1,0 +1,185 @@
+#include "report/document/sweep_report.h"
+
+#include "kmech/version.h"
+#include "report/drawing/drawing.h"
+#include "report/plot/sweep_strip.h"
+#include "report/record/sweep_text.h"
+#include "topology/mechanism.h"
+
+#include <math.h>
+#include <string.h>
+
+enum { POSES = 5, MOST_ROWS = 11 };
+
+void km_report_fact(km_report_facts *facts, const char *name, const char *what) {
+  if (facts->rows == 32)
+    return;
+  facts->cells[2 * facts->rows] = name;
+  facts->cells[2 * facts->rows + 1] = what;
+  facts->rows++;
+}
+
+void km_report_close_facts(km_document_maker *maker, const km_report_facts *facts) {
+  const char **cells = KM_ARENA_NEW(&maker->arena, const char *, 2 * facts->rows);
+  for (size_t i = 0; i < 2 * facts->rows && cells; ++i)
+    cells[i] = facts->cells[i];
+  if (cells)
+    km_document_cells(maker, KM_BLOCK_FACTS, cells, facts->rows, 2);
+}
+
+const char *km_report_number(km_document_maker *maker, double value) {
+  if (isnan(value))
+    return "–";
+  if (isinf(value))
+    return value > 0.0 ? "∞" : "−∞";
+  const char *text = km_document_format(maker, "%.6g", value == 0.0 ? 0.0 : value);
+  return text[0] == '-' ? km_document_format(maker, "−%s", text + 1) : text;
+}
+
+static const char *swept_words(km_document_maker *maker, const km_swept *s) {
+  const km_table *table = s->motion->table;
+  const km_model *model = s->mechanism->model;
+  size_t rows = km_table_rows(table);
+  double from = km_table_row(table, 0)[1], to = km_table_row(table, rows - 1)[1];
+  if (s->plan->arclength > 0.0)
+    return km_document_format(maker, "arc length %.6g to %.6g, %zu rows", from, to, rows);
+  return km_document_format(maker, "%s from %.6g to %.6g %s, %zu rows",
+                            km_model_coordinate_label(model, s->plan->coordinate), from, to,
+                            km_model_coordinate_unit(model, s->plan->coordinate), rows);
+}
+
+static const char *held_words(km_document_maker *maker, const km_mechanism *m) {
+  km_text text = {0};
+  for (int c = 0; c < m->coordinate_count; ++c)
+    if (m->held[c])
+      km_text_format(&text, "%s%s", text.size ? ", " : "", m->model->coordinates[c].label);
+  const char *words = text.size ? km_document_format(maker, "%s", text.data) : NULL;
+  km_text_free(&text);
+  return words;
+}
+
+void km_report_model(km_document_maker *maker, const km_swept *s, const char *stopped_by, km_report_facts *facts) {
+  const km_model *model = s->mechanism->model;
+  const km_units *u = &model->units;
+  const km_value *source = km_value_get(model->root, "source");
+  km_report_fact(facts, "Model", s->name);
+  km_report_fact(facts, "SHA-256 of its file", model->sha256);
+  if (source && source->kind == KM_STRING)
+    km_report_fact(facts, "Source",
+                   km_document_format(maker, "%.420s%s", source->string, strlen(source->string) > 420 ? " …" : ""));
+  km_report_fact(facts, "Units",
+                 km_document_format(maker, "%s, %s, %s, %s, %s", u->angle->word, u->length->word, u->mass->word,
+                                    u->time->word, u->force->word));
+  km_report_fact(facts, "Characteristic length",
+                 km_document_format(maker, "%g %s (%s)", s->mechanism->length, u->length->suffix,
+                                    km_length_source_name(s->mechanism->length_source)));
+  km_report_fact(facts, "Mobility",
+                 km_document_format(maker, "%d (Kutzbach %d), %d redundant constraint%s", s->motion->first.mobility,
+                                    s->motion->first.kutzbach, s->motion->first.redundant_constraints,
+                                    km_plural(s->motion->first.redundant_constraints)));
+  km_report_fact(facts, "Swept", swept_words(maker, s));
+  const char *held = held_words(maker, s->mechanism);
+  if (held)
+    km_report_fact(facts, "Held", held);
+  if (stopped_by[0])
+    km_report_fact(facts, "Ended early", stopped_by);
+}
+
+static size_t row_of(const km_table *table, size_t index, size_t count) {
+  size_t rows = km_table_rows(table);
+  return count < 2 ? 0 : index * (rows - 1) / (count - 1);
+}
+
+static km_status draw_large(void *context, km_canvas *canvas, double width, double height, km_error *error) {
+  return km_drawing_place(context, canvas, (km_rectangle){0, 0, width, height}, error);
+}
+
+static km_status draw_strip(void *context, km_canvas *canvas, double width, double height, km_error *error) {
+  const km_plot_strip *strip = context;
+  (void)height;
+  (void)error;
+  strip->draw(strip->context, canvas, 0, width);
+  return KM_OK;
+}
+
+/* Poses of rows of the table, for one drawing. */
+static km_drawing *make_drawing(km_document_maker *maker, const km_swept *s) {
+  const km_mechanism *m = s->mechanism;
+  size_t bodies = (size_t)m->topology.body_count, rows = km_table_rows(s->motion->table);
+  size_t count = rows < POSES ? rows : POSES;
+  km_drawing *drawing = KM_ARENA_NEW(&maker->arena, km_drawing, 1);
+  km_pose *poses = KM_ARENA_NEW(&maker->arena, km_pose, count * bodies);
+  double *q = KM_ARENA_NEW(&maker->arena, double, (size_t)m->coordinate_count);
+  km_state *state;
+  if (maker->arena.failed || km_state_create(m, &state, NULL))
+    return NULL;
+  for (size_t k = 0; k < count; ++k) {
+    const double *row = km_table_row(s->motion->table, row_of(s->motion->table, k, count));
+    for (int c = 0; c < m->coordinate_count; ++c)
+      q[c] = row[2 + c] * km_model_coordinate_factor(m->model, c);
+    km_state_set(m, state, q);
+    km_poses_update(m, state);
+    memcpy(poses + k * bodies, state->pose, bodies * sizeof *poses);
+  }
+  km_state_free(state);
+  *drawing = (km_drawing){.mechanism = m, .poses = poses, .pose_count = count, .full = count / 2, .name = s->name};
+  return drawing;
+}
+
+void km_report_poses(km_document_maker *maker, const km_swept *s) {
+  if (s->mechanism->topology.body_count < 2)
+    return;
+  km_drawing *drawing = make_drawing(maker, s);
+  km_sweep_strip *kept = KM_ARENA_NEW(&maker->arena, km_sweep_strip, 1);
+  km_plot_strip *strip = KM_ARENA_NEW(&maker->arena, km_plot_strip, 1);
+  if (!drawing || maker->arena.failed)
+    return;
+  *strip = km_sweep_strip_make(s->mechanism, s->plan, s->motion, POSES, &maker->arena, kept);
+  km_document_heading(maker, "The mechanism");
+  km_document_picture(maker, "the mechanism in the middle of the sweep, with the names of its joints; other poses pale",
+                      250, draw_large, drawing);
+  if (strip->height > 0.0)
+    km_document_picture(maker, "five poses over the sweep", strip->height, draw_strip, strip);
+}
+
+static km_status draw_plot(void *context, km_canvas *canvas, double width, double height, km_error *error) {
+  return km_plot_place(context, canvas, width, height, error);
+}
+
+void km_report_plot(km_document_maker *maker, const km_plot *plot, const char *shows, double height) {
+  km_plot *kept = KM_ARENA_NEW(&maker->arena, km_plot, 1);
+  if (!kept)
+    return;
+  *kept = *plot;
+  km_document_picture(maker, shows, height, draw_plot, kept);
+}
+
+void km_report_rows(km_document_maker *maker, const km_swept *s, const km_report_column *columns, size_t count) {
+  const km_table *table = s->motion->table;
+  size_t rows = km_table_rows(table), shown = rows < MOST_ROWS ? rows : MOST_ROWS;
+  const char **cells = KM_ARENA_NEW(&maker->arena, const char *, (shown + 1) * count);
+  for (size_t c = 0; c < count && cells; ++c)
+    cells[c] = columns[c].head;
+  for (size_t r = 0; r < shown && cells; ++r)
+    for (size_t c = 0; c < count; ++c)
+      cells[(r + 1) * count + c] =
+          km_report_number(maker, km_table_row(table, row_of(table, r, shown))[columns[c].column]);
+  if (cells)
+    km_document_cells(maker, KM_BLOCK_TABLE, cells, shown + 1, count);
+}
+
+km_status km_report_finish(km_document_maker *k, const km_swept *swept, const char *tool, const char *title, bool html,
+                           km_text *out, km_error *error) {
+  km_document document = {.title = title,
+                          .subtitle = km_document_format(k, "Report by %s %s", tool, KM_VERSION),
+                          .footer = km_document_format(k, "%s · SHA-256 %.16s… · %s %s", swept->name,
+                                                       swept->mechanism->model->sha256, tool, KM_VERSION),
+                          .blocks = k->blocks,
+                          .count = k->count};
+  km_status status = k->arena.failed ? km_fail(error, KM_MEMORY, "out of memory for a report")
+                     : html          ? km_document_html(&document, out, error)
+                                     : km_document_pdf(&document, out, error);
+  km_arena_free(&k->arena);
+  km_free(k);
+  return status;
+}

@@ -1,0 +1,38 @@
+/* What the reports about sweeps share: poses, plots, tables, facts about the model. */
+#ifndef KM_REPORT_DOCUMENT_SWEEP_REPORT_H
+#define KM_REPORT_DOCUMENT_SWEEP_REPORT_H
+
+#include "report/document/document.h"
+#include "report/plot/sweep_plot.h"
+
+/* Rows of a name and what it is, in the making. */
+typedef struct km_report_facts {
+  const char *cells[2 * 32];
+  size_t rows;
+} km_report_facts;
+void km_report_fact(km_report_facts *facts, const char *name, const char *what);
+/* Model, hash, source, units, characteristic length, mobility, what was swept, what is held, why it ended. */
+void km_report_model(km_document_maker *maker, const km_swept *swept, const char *stopped_by, km_report_facts *facts);
+/* The facts as a block. */
+void km_report_close_facts(km_document_maker *maker, const km_report_facts *facts);
+
+/* The mechanism in poses over the sweep: one large drawing with names, and a row of small ones. */
+void km_report_poses(km_document_maker *maker, const km_swept *swept);
+/* A plot of the maker's arena as a picture. */
+void km_report_plot(km_document_maker *maker, const km_plot *plot, const char *shows, double height);
+
+/* A column of a table at chosen poses. */
+typedef struct km_report_column {
+  size_t column;
+  const char *head;
+} km_report_column;
+/* Eleven rows of the sweep, evenly spaced. */
+void km_report_rows(km_document_maker *maker, const km_swept *swept, const km_report_column *columns, size_t count);
+/* "1.2345", "∞", "–" where there is none. */
+const char *km_report_number(km_document_maker *maker, double value);
+
+/* The document of all blocks, as HTML or PDF, appended to `out`; frees the maker. KM_MEMORY, KM_INTERNAL. */
+km_status km_report_finish(km_document_maker *maker, const km_swept *swept, const char *tool, const char *title,
+                           bool html, km_text *out, km_error *error);
+
+#endif

@@ -1,0 +1,56 @@
+/* Pictures of a mechanism: joints by the symbols of textbooks, links as bars and plates, in one or
+ * more poses. */
+#ifndef KM_REPORT_DRAWING_DRAWING_H
+#define KM_REPORT_DRAWING_DRAWING_H
+
+#include "kinematics/state.h"
+#include "model/mesh.h"
+#include "report/plot/canvas.h"
+
+/* AUTO is the plane in which the mechanism moves, or ISO where it moves in none. */
+typedef enum km_view { KM_VIEW_AUTO, KM_VIEW_XY, KM_VIEW_XZ, KM_VIEW_YZ, KM_VIEW_ISO } km_view;
+
+/* The path of a point, in the inertial frame. */
+typedef struct km_drawing_trace {
+  int frame; /* of the model; where it stands in the full pose carries the name */
+  const char *name;
+  const km_vec3 *points;
+  size_t count;
+} km_drawing_trace;
+
+typedef struct km_rectangle {
+  double left, top, width, height; /* points */
+} km_rectangle;
+
+/* What to draw. Everything is borrowed; zeros are good defaults for what comes after pose_count. */
+typedef struct km_drawing {
+  const km_mechanism *mechanism;
+  const km_pose *poses; /* [pose_count · bodies] bodies in the inertial frame, pose by pose */
+  size_t pose_count;    /* all of them fit into the picture */
+  size_t full;          /* the pose that is drawn in full */
+  bool alone;           /* the others aren't drawn at all, not even as ghosts */
+  const km_drawing_trace *traces;
+  size_t trace_count;
+  const km_mesh *const *meshes; /* [body] drawn instead of its bars and plates; NULL: none of it, or of any */
+  km_view view;
+  bool bodies;              /* names them too */
+  bool bare;                /* without any names */
+  const char *title, *name; /* what is shown; the model's name. Of km_drawing_render only */
+  double width, height;     /* points; 0: chosen from the shape. Of km_drawing_render only */
+} km_drawing;
+
+/* Appends a page with the drawing, its title, scale bar and axes to `out`. The same drawing gives
+ * the same bytes. KM_USAGE (a page too small or too large), KM_MEMORY, KM_INTERNAL. */
+km_status km_drawing_render(const km_drawing *drawing, km_canvas_format format, km_text *out, km_error *error);
+
+/* Draws into a rectangle of a page, nothing around it. Drawings that differ only in `full` share
+ * scale and view: with `alone`, a row of them shows a motion. KM_MEMORY. */
+km_status km_drawing_place(const km_drawing *drawing, km_canvas *canvas, km_rectangle place, km_error *error);
+/* A thumbnail of one state, without names. The state's poses must be up to date. KM_MEMORY. */
+km_status km_drawing_into(km_canvas *canvas, const km_mechanism *mechanism, const km_state *state, km_view view,
+                          km_rectangle place, km_error *error);
+
+/* "xy", "iso", "auto" ...; false if the word is no view. */
+bool km_view_find(const char *word, km_view *view);
+
+#endif

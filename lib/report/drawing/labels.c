@@ -1,0 +1,276 @@
+/* Names beside what they name. Every label tries places around its spot, nearer ones first; the
+ * cheapest is taken, and once all have a place each looks again. */
+#include "report/drawing/parts.h"
+#include "report/plot/palette.h"
+
+enum { DIRECTIONS = 16, RINGS = 7, ROUNDS = 3 };
+static const double ring_sizes[RINGS] = {0.15, 0.45, 1.1, 2.0, 3.2, 4.8, 7.0}; /* em */
+static const double clash = 1e6; /* overlapping another name: rather none at all */
+static const double cost_symbol = 100.0, cost_edge = 3.0, cost_leader = 25.0, cost_distance = 1.1;
+
+/* Part of the picture, as a segment with a width. */
+typedef struct obstacle {
+  km_spot a, b;
+  double reach;
+  bool symbol;
+} obstacle;
+
+typedef struct board {
+  km_label *labels;
+  size_t count;
+  obstacle *obstacles;
+  size_t obstacle_count;
+  const obstacle **near; /* those in reach of the label that is being placed */
+  size_t near_count;
+  km_rectangle place;
+  double em;    /* size of the letters */
+  double worst; /* what a place may cost at most: a name that finds none is left out */
+} board;
+
+/* Ground lies beside the spots of its item. */
+static void add_ground(board *b, const km_item *item, double radius) {
+  bool rail = item->kind == KM_ITEM_RAIL;
+  km_spot away = rail ? km_rail_side(item) : item->axis[0];
+  double off = rail ? 2.0 * radius : 2.4 * radius;
+  obstacle *o = &b->obstacles[b->obstacle_count++];
+  *o = (obstacle){item->spots[0], item->spots[item->count - 1], rail ? 1.6 * radius : 2.3 * radius, true};
+  o->a.x += off * away.x;
+  o->a.y += off * away.y;
+  o->b.x += off * away.x;
+  o->b.y += off * away.y;
+}
+
+static void add_edges(board *b, const km_item *item) {
+  bool symbol = item->count == 1;
+  int edges = item->count > 2 ? item->count : 1;
+  for (int i = 0; i < edges; ++i)
+    b->obstacles[b->obstacle_count++] =
+        (obstacle){item->spots[i], item->spots[(i + 1) % item->count], item->reach, symbol};
+}
+
+enum { TRACE_STEPS = 48 };
+
+static void add_trace(board *b, const km_projection *view, const km_drawing_trace *trace) {
+  for (size_t i = 0; i < TRACE_STEPS && trace->count; ++i) {
+    size_t from = i * (trace->count - 1) / TRACE_STEPS, to = (i + 1) * (trace->count - 1) / TRACE_STEPS;
+    b->obstacles[b->obstacle_count++] =
+        (obstacle){km_project(view, trace->points[from]), km_project(view, trace->points[to]), 0.5, false};
+  }
+}
+
+static bool gather(board *b, const km_scene *scene, const km_drawing_trace *traces, size_t trace_count) {
+  size_t most = trace_count * TRACE_STEPS;
+  for (size_t i = 0; i < scene->count; ++i)
+    most += (size_t)scene->items[i].count;
+  b->obstacles = KM_ARENA_NEW(scene->arena, obstacle, most);
+  for (size_t i = 0; b->obstacles && i < scene->count; ++i)
+    if (scene->items[i].kind == KM_ITEM_MOUNT || scene->items[i].kind == KM_ITEM_RAIL)
+      add_ground(b, &scene->items[i], scene->radius);
+    else
+      add_edges(b, &scene->items[i]);
+  for (size_t t = 0; b->obstacles && t < trace_count; ++t)
+    add_trace(b, scene->view, &traces[t]);
+  b->near = KM_ARENA_NEW(scene->arena, const obstacle *, most);
+  return b->obstacles && b->near;
+}
+
+/* Narrows the part low..high of a segment that lies within from..to in one direction. */
+static void narrow(double start, double run, double from, double to, double *low, double *high) {
+  if (fabs(run) < 1e-12) {
+    if (start < from || start > to)
+      *high = -1.0;
+    return;
+  }
+  double a = (from - start) / run, b = (to - start) / run;
+  *low = fmax(*low, fmin(a, b));
+  *high = fmin(*high, fmax(a, b));
+}
+
+/* Whether two places both lie before `low` or both past `high`: most obstacles are dismissed so. */
+static bool beside(double a, double b, double low, double high) {
+  return (a < low && b < low) || (a > high && b > high);
+}
+
+/* Length of a segment within a rectangle that is `reach` larger all around; negative: none. */
+static double inside(const obstacle *o, km_canvas_point box, km_canvas_point size) {
+  double left = box.x - o->reach, right = box.x + size.x + o->reach;
+  double top = box.y - o->reach, bottom = box.y + size.y + o->reach;
+  if (beside(o->a.x, o->b.x, left, right) || beside(o->a.y, o->b.y, top, bottom))
+    return -1.0;
+  double low = 0.0, high = 1.0;
+  narrow(o->a.x, o->b.x - o->a.x, left, right, &low, &high);
+  narrow(o->a.y, o->b.y - o->a.y, top, bottom, &low, &high);
+  return high < low ? -1.0 : (high - low) * km_spot_distance(o->a, o->b);
+}
+
+/* Counted until it reaches `bound`. */
+static double picture_cost(const board *b, km_canvas_point box, km_canvas_point size, double bound) {
+  double cost = 0.0;
+  for (size_t i = 0; i < b->near_count && cost < bound; ++i) {
+    double length = inside(b->near[i], box, size);
+    if (length >= 0.0)
+      cost += b->near[i]->symbol ? cost_symbol : 4.0 + cost_edge * length;
+  }
+  return cost;
+}
+
+static bool overlap(km_canvas_point a, km_canvas_point size_a, km_canvas_point b, km_canvas_point size_b) {
+  return a.x < b.x + size_b.x && b.x < a.x + size_a.x && a.y < b.y + size_b.y && b.y < a.y + size_a.y;
+}
+
+static bool outside(const board *b, km_canvas_point box, km_canvas_point size) {
+  const km_rectangle *p = &b->place;
+  return box.x < p->left || box.y < p->top || box.x + size.x > p->left + p->width ||
+         box.y + size.y > p->top + p->height;
+}
+
+/* The point of a label's box that is nearest to its spot. */
+static km_canvas_point leader_end(const km_label *label, km_canvas_point box) {
+  return (km_canvas_point){fmin(fmax(label->at.x, box.x), box.x + label->size.x),
+                           fmin(fmax(label->at.y, box.y), box.y + label->size.y)};
+}
+
+static double leader_length(const km_label *label, km_canvas_point box) {
+  km_canvas_point end = leader_end(label, box);
+  return hypot(end.x - label->at.x, end.y - label->at.y) - label->radius;
+}
+
+static bool has_leader(const board *b, const km_label *label, km_canvas_point box) {
+  return leader_length(label, box) > 0.75 * b->em;
+}
+
+static bool crosses(km_canvas_point a, km_canvas_point b, km_canvas_point c, km_canvas_point d) {
+  double abc = (b.x - a.x) * (c.y - a.y) - (b.y - a.y) * (c.x - a.x),
+         abd = (b.x - a.x) * (d.y - a.y) - (b.y - a.y) * (d.x - a.x);
+  double cda = (d.x - c.x) * (a.y - c.y) - (d.y - c.y) * (a.x - c.x),
+         cdb = (d.x - c.x) * (b.y - c.y) - (d.y - c.y) * (b.x - c.x);
+  return abc * abd < 0.0 && cda * cdb < 0.0;
+}
+
+/* A leader must not run through names, other symbols or other leaders. */
+static double leader_cost(const board *b, const km_label *label, km_canvas_point box) {
+  km_canvas_point end = leader_end(label, box), at = {label->at.x, label->at.y};
+  obstacle leader = {label->at, {end.x, end.y, 0.0}, 0.0, false};
+  double cost = cost_leader;
+  for (size_t i = 0; i < b->count; ++i) {
+    const km_label *other = &b->labels[i];
+    if (other == label || !other->placed)
+      continue;
+    km_canvas_point other_at = {other->at.x, other->at.y};
+    cost += inside(&leader, other->box, other->size) >= 0.0 ? 4.0 * cost_symbol : 0.0;
+    if (has_leader(b, other, other->box) && crosses(at, end, other_at, leader_end(other, other->box)))
+      cost += 2.0 * cost_symbol;
+  }
+  for (size_t i = 0; i < b->near_count; ++i) {
+    const obstacle *o = b->near[i];
+    if (!o->symbol || km_spot_distance(o->a, label->at) < 0.5)
+      continue;
+    km_canvas_point corner = {o->a.x - o->reach, o->a.y - o->reach}, size = {2.0 * o->reach, 2.0 * o->reach};
+    cost += inside(&leader, corner, size) >= 0.0 ? 0.7 * cost_symbol : 0.0;
+  }
+  return cost;
+}
+
+/* Of a box against the other names and their leaders. */
+static double names_cost(const board *b, const km_label *label, km_canvas_point box) {
+  double cost = 0.0;
+  for (size_t i = 0; i < b->count; ++i) {
+    const km_label *other = &b->labels[i];
+    if (other == label || !other->placed)
+      continue;
+    cost += overlap(box, label->size, other->box, other->size) ? clash : 0.0;
+    if (!has_leader(b, other, other->box))
+      continue;
+    km_canvas_point end = leader_end(other, other->box);
+    const obstacle leader = {other->at, {end.x, end.y, 0.0}, 0.0, false};
+    cost += inside(&leader, box, label->size) >= 0.0 ? 4.0 * cost_symbol : 0.0;
+  }
+  return cost;
+}
+
+/* The cheap parts first: what reaches `bound` needs no closer look. */
+static double cost_of(const board *b, const km_label *label, km_canvas_point box, double bound) {
+  double cost = cost_distance * fmax(leader_length(label, box), 0.0);
+  if (cost < bound)
+    cost += picture_cost(b, box, label->size, bound - cost);
+  if (cost < bound)
+    cost += names_cost(b, label, box);
+  if (cost < bound && has_leader(b, label, box))
+    cost += leader_cost(b, label, box);
+  return cost;
+}
+
+/* Gathers the obstacles that a box or leader of the label can meet. */
+static void look_around(board *b, const km_label *label) {
+  double far = label->radius + (ring_sizes[RINGS - 1] + 0.5) * b->em;
+  km_canvas_point reach = {far + label->size.x, far + label->size.y};
+  km_canvas_point corner = {label->at.x - reach.x, label->at.y - reach.y};
+  b->near_count = 0;
+  for (size_t i = 0; i < b->obstacle_count; ++i)
+    if (inside(&b->obstacles[i], corner, (km_canvas_point){2.0 * reach.x, 2.0 * reach.y}) >= 0.0)
+      b->near[b->near_count++] = &b->obstacles[i];
+}
+
+static km_canvas_point box_at(const board *b, const km_label *label, int ring, int direction) {
+  double angle = 2.0 * M_PI * (direction + 0.5 * (ring % 2)) / DIRECTIONS - 0.25 * M_PI; /* right above first */
+  double x = cos(angle), y = sin(angle), off = label->radius + ring_sizes[ring] * b->em;
+  /* The box touches the circle about the spot with the side or corner that faces it. */
+  double across = fmin(fmax(1.3 * x, -1.0), 1.0), down = fmin(fmax(1.3 * y, -1.0), 1.0);
+  return (km_canvas_point){label->at.x + off * x + 0.5 * (across - 1.0) * label->size.x,
+                           label->at.y + off * y + 0.5 * (down - 1.0) * label->size.y};
+}
+
+static km_canvas_point box_over(const km_label *label) {
+  return (km_canvas_point){label->at.x - 0.5 * label->size.x, label->at.y - 0.5 * label->size.y};
+}
+
+static void place_label(board *b, km_label *label) {
+  double least = b->worst;
+  label->placed = false;
+  look_around(b, label);
+  for (int ring = label->inside ? -1 : 0; ring < RINGS; ++ring)
+    for (int d = 0; d < (ring < 0 ? 1 : DIRECTIONS); ++d) {
+      km_canvas_point box = ring < 0 ? box_over(label) : box_at(b, label, ring, d);
+      if (outside(b, box, label->size))
+        continue;
+      double cost = cost_of(b, label, box, least) + 0.02 * d;
+      if (cost >= least)
+        continue;
+      least = cost;
+      label->box = box;
+      label->placed = true;
+    }
+}
+
+static void draw_label(board *b, km_canvas *canvas, const km_label *label, const km_font *font) {
+  look_around(b, label);
+  km_pen thin = {.colour = {0.45, 0.45, 0.45, 1}, .width = 0.07 * b->em};
+  km_canvas_point end = leader_end(label, label->box);
+  double x = end.x - label->at.x, y = end.y - label->at.y, length = hypot(x, y);
+  if (has_leader(b, label, label->box) && length > 0.0)
+    km_canvas_line(canvas, &thin,
+                   (km_canvas_point){label->at.x + x / length * 0.8 * label->radius,
+                                     label->at.y + y / length * 0.8 * label->radius},
+                   end);
+  if (picture_cost(b, label->box, label->size, clash) > 0.0)
+    km_canvas_rectangle(canvas, (km_colour){1, 1, 1, 0.7}, label->box.x, label->box.y, label->size.x, label->size.y);
+  km_colour colour = label->colour == KM_BLACK ? (km_colour){0.1, 0.1, 0.1, 1} : km_palette_text(label->colour);
+  km_canvas_text(canvas, font, colour, label->text, label->box, (km_anchor){0, 0, 0});
+}
+
+void km_labels_draw(km_canvas *canvas, const km_scene *scene, const km_drawing_trace *traces, size_t trace_count,
+                    km_label *labels, size_t count, const km_font *font, km_rectangle place) {
+  board b = {.labels = labels, .count = count, .place = place, .em = font->size};
+  double needed = 16.0 * b.em * b.em * (double)count;
+  b.worst = needed > place.width * place.height ? 0.4 * cost_symbol : clash; /* no thicket of leaders */
+  if (!gather(&b, scene, traces, trace_count))
+    return;
+  for (size_t i = 0; i < count; ++i)
+    labels[i].size = km_canvas_measure(canvas, font, labels[i].text);
+  for (int round = 0; round < ROUNDS; ++round)
+    for (size_t i = 0; i < count; ++i)
+      place_label(&b, &labels[i]);
+  for (size_t i = 0; i < count; ++i)
+    if (labels[i].placed)
+      draw_label(&b, canvas, &labels[i], font);
+}

@@ -1,0 +1,91 @@
+#include "report/plot/advantage_plot.h"
+
+#include "topology/mechanism.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <string.h>
+
+const char *km_advantage_toggle_name(const km_advantage_toggle *toggle) {
+  return toggle->state == KM_ADVANTAGE_ZERO ? "MA 0" : toggle->state == KM_ADVANTAGE_INFINITE ? "MA ∞" : "undefined";
+}
+
+static const char *text_in(km_arena *arena, const char *format, const char *a, const char *b) {
+  char text[800];
+  snprintf(text, sizeof text, format, a, b);
+  return km_arena_string(arena, text);
+}
+
+/* The extreme of a single sweep, if it is finite, named with its value. */
+static size_t mark_peak(km_arena *arena, const char *word, const km_peak *peak, km_swept_mark *out) {
+  char number[40];
+  if (!isfinite(peak->value) || !isfinite(peak->s))
+    return 0;
+  snprintf(number, sizeof number, "%s%.4g", peak->value < 0.0 ? "−" : "", fabs(peak->value));
+  *out = (km_swept_mark){0, peak->s, text_in(arena, "%s %s", word, number)};
+  return 1;
+}
+
+bool km_advantage_plot_make(const km_plotted_advantage *sweeps, int count, bool strip, km_arena *arena, km_plot *out) {
+  const km_advantage_sweep *first = sweeps[0].sweep;
+  const char *unit = km_advantage_unit(sweeps[0].swept.mechanism->model, &first->input, &first->output);
+  size_t marks = 0, gaps = 0, lines = 0;
+  for (int i = 0; i < count; ++i)
+    marks += sweeps[i].sweep->toggle_count;
+  km_swept *swept = KM_ARENA_NEW(arena, km_swept, (size_t)count);
+  km_swept_line *line = KM_ARENA_NEW(arena, km_swept_line, 2 * (size_t)count);
+  km_swept_mark *mark = KM_ARENA_NEW(arena, km_swept_mark, marks + 2);
+  km_swept_break *gap = KM_ARENA_NEW(arena, km_swept_break, 2 * marks);
+  if (arena->failed)
+    return false;
+  marks = 0;
+  for (int i = 0; i < count; ++i) {
+    const km_advantage_sweep *s = sweeps[i].sweep;
+    swept[i] = sweeps[i].swept;
+    line[lines++] = (km_swept_line){i, s->column, text_in(arena, "%.300s/%.300s", s->input.name, s->output.name), 0};
+    if (count > 1)
+      line[lines - 1].name = text_in(arena, "%.300s (%.300s)", line[lines - 1].name, swept[i].name);
+    if (s->friction) {
+      line[lines] =
+          (km_swept_line){i, s->column + 1, text_in(arena, "%s%s", line[lines - 1].name, " with friction"), 0};
+      ++lines;
+    }
+    for (size_t k = 0; k < s->toggle_count; ++k) {
+      mark[marks++] = (km_swept_mark){0, s->toggles[k].s, km_advantage_toggle_name(&s->toggles[k])};
+      for (size_t column = 0; column < 1 + (size_t)s->friction && s->toggles[k].state == KM_ADVANTAGE_INFINITE;
+           ++column)
+        gap[gaps++] = (km_swept_break){i, s->column + column, s->toggles[k].s};
+    }
+  }
+  size_t toggles = marks;
+  if (count == 1) {
+    marks += mark_peak(arena, "min", &first->lowest, &mark[marks]);
+    marks += mark_peak(arena, "max", &first->highest, &mark[marks]);
+  }
+  km_sweep_picture picture = {
+      .title = text_in(arena, "Mechanical advantage of %.300s over %.300s", first->input.name, first->output.name),
+      .note = toggles ? "▲ a toggle: MA 0 or infinite" : NULL,
+      .y_label = unit[0] ? text_in(arena, "mechanical advantage (%s)%s", unit, "") : "mechanical advantage",
+      .sweeps = swept,
+      .sweep_count = count,
+      .lines = line,
+      .line_count = lines,
+      .marks = mark,
+      .mark_count = marks,
+      .breaks = gap,
+      .break_count = gaps,
+      .panel_count = 1,
+      .strip = strip};
+  return !arena->failed && km_sweep_plot_make(&picture, arena, out);
+}
+
+km_status km_advantage_plot(const km_plotted_advantage *sweeps, int count, km_canvas_format format, km_text *out,
+                            km_error *error) {
+  km_arena arena = {0};
+  km_plot plot;
+  km_status status = km_advantage_plot_make(sweeps, count, true, &arena, &plot)
+                         ? km_plot_render(&plot, format, out, error)
+                         : km_fail(error, KM_MEMORY, "out of memory for the plot");
+  km_arena_free(&arena);
+  return status;
+}

@@ -1,0 +1,21 @@
+/* The plot of mechanical advantage over a sweep. */
+#ifndef KM_REPORT_PLOT_ADVANTAGE_PLOT_H
+#define KM_REPORT_PLOT_ADVANTAGE_PLOT_H
+
+#include "kmech/advantage_sweep.h"
+#include "report/plot/sweep_plot.h"
+
+/* One of the sweeps that share a plot. */
+typedef struct km_plotted_advantage {
+  km_swept swept;
+  const km_advantage_sweep *sweep;
+} km_plotted_advantage;
+
+km_status km_advantage_plot(const km_plotted_advantage *sweeps, int count, km_canvas_format format, km_text *out,
+                            km_error *error);
+/* The same, built for a page of a report. False when out of memory. */
+bool km_advantage_plot_make(const km_plotted_advantage *sweeps, int count, bool strip, km_arena *arena, km_plot *out);
+/* "MA 0", "MA ∞" … : what a toggle is called in pictures. */
+const char *km_advantage_toggle_name(const km_advantage_toggle *toggle);
+
+#endif

@@ -1,0 +1,290 @@
+#include "report/plot/canvas.h"
+
+#include "base/memory.h"
+
+#include <cairo-pdf.h>
+#include <cairo-svg.h>
+#include <math.h>
+#include <pango/pangocairo.h>
+#include <string.h>
+
+static const char *const font_family = "DejaVu Sans";
+/* The font's ascent and height in em. Single lines are placed by these, whatever font a foreign
+ * script falls back to, so that names of different scripts share a baseline. */
+static const double font_ascent = 0.928, font_height = 1.164;
+static const double png_scale = 2;      /* 144 dpi */
+static const double page_limit = 14400; /* PDF's own limit: 200 inches */
+
+struct km_canvas {
+  km_canvas_format format;
+  km_text *out;
+  size_t start; /* size of `out` before the first byte */
+  cairo_surface_t *surface;
+  cairo_t *cairo;
+  PangoLayout *layout; /* one for all texts: making layouts costs more than filling them */
+  PangoFontDescription *font;
+  bool page_refused;
+};
+
+static cairo_status_t append(void *closure, const unsigned char *bytes, unsigned size) {
+  km_canvas *canvas = closure;
+  if (!canvas->out)
+    return CAIRO_STATUS_SUCCESS;
+  km_text_bytes(canvas->out, bytes, size);
+  return canvas->out->failed ? CAIRO_STATUS_NO_MEMORY : CAIRO_STATUS_SUCCESS;
+}
+
+static cairo_surface_t *make_surface(km_canvas *canvas, double width, double height) {
+  if (canvas->format == KM_CANVAS_SVG)
+    return cairo_svg_surface_create_for_stream(append, canvas, width, height);
+  if (canvas->format == KM_CANVAS_PNG)
+    return cairo_image_surface_create(CAIRO_FORMAT_RGB24, (int)lround(width * png_scale),
+                                      (int)lround(height * png_scale));
+  cairo_surface_t *surface = cairo_pdf_surface_create_for_stream(append, canvas, width, height);
+  /* Cairo would stamp the time of drawing: the same input must give the same bytes. */
+  cairo_pdf_surface_set_metadata(surface, CAIRO_PDF_METADATA_CREATE_DATE, "2000-01-01T00:00:00Z");
+  return surface;
+}
+
+static void paint_white(km_canvas *canvas) {
+  cairo_set_source_rgb(canvas->cairo, 1, 1, 1);
+  cairo_paint(canvas->cairo);
+}
+
+/* Unhinted metrics in a fixed language: a layout depends on neither the format nor the locale. */
+static void prepare_text(km_canvas *canvas) {
+  PangoContext *context = pango_font_map_create_context(pango_cairo_font_map_get_default());
+  cairo_font_options_t *options = cairo_font_options_create();
+  cairo_font_options_set_hint_style(options, CAIRO_HINT_STYLE_NONE);
+  cairo_font_options_set_hint_metrics(options, CAIRO_HINT_METRICS_OFF);
+  cairo_font_options_set_antialias(options, CAIRO_ANTIALIAS_GRAY);
+  pango_cairo_context_set_font_options(context, options);
+  cairo_font_options_destroy(options);
+  pango_context_set_round_glyph_positions(context, FALSE);
+  pango_context_set_language(context, pango_language_from_string("en"));
+  canvas->layout = pango_layout_new(context);
+  g_object_unref(context);
+  pango_layout_set_single_paragraph_mode(canvas->layout, TRUE);
+  pango_layout_set_ellipsize(canvas->layout, PANGO_ELLIPSIZE_END);
+  canvas->font = pango_font_description_from_string(font_family);
+}
+
+static bool size_fits(double width, double height) {
+  return width >= 1 && height >= 1 && width <= page_limit && height <= page_limit;
+}
+
+km_status km_canvas_create(km_canvas_format format, double width, double height, km_text *out, km_canvas **canvas,
+                           km_error *error) {
+  *canvas = NULL;
+  if (!size_fits(width, height))
+    return km_fail(error, KM_USAGE, "a page of %g x %g points; expected 1 to %g each", width, height, page_limit);
+  km_canvas *made = KM_NEW(km_canvas, 1);
+  if (!made)
+    return km_fail(error, KM_MEMORY, "out of memory for a page");
+  made->format = format;
+  made->out = out;
+  made->start = out->size;
+  made->surface = make_surface(made, width, height);
+  made->cairo = cairo_create(made->surface);
+  if (format == KM_CANVAS_PNG)
+    cairo_scale(made->cairo, png_scale, png_scale);
+  cairo_set_line_join(made->cairo, CAIRO_LINE_JOIN_ROUND);
+  prepare_text(made);
+  paint_white(made);
+  *canvas = made;
+  return KM_OK;
+}
+
+/* Cairo names the page after a counter of the process ("surface12"), which nothing refers to. */
+static void drop_surface_id(km_text *out, size_t start) {
+  static const char key[] = " id=\"surface";
+  char *found = strstr(out->data + start, key);
+  char *end = found ? strchr(found + sizeof key - 1, '"') : NULL;
+  if (!end)
+    return;
+  size_t cut = (size_t)(end + 1 - found);
+  memmove(found, end + 1, out->size + 1 - (size_t)(end + 1 - out->data));
+  out->size -= cut;
+}
+
+/* Says 144 dpi in the file, which cairo leaves out: the pHYs chunk (5669 pixels per
+ * metre, with its checksum) stands right after the header. */
+static void add_png_resolution(km_text *out, size_t start) {
+  static const unsigned char chunk[] = {0,    0, 0, 9,    'p',  'H', 'Y',  's',  0,    0,   0x16,
+                                        0x25, 0, 0, 0x16, 0x25, 1,   0x49, 0x52, 0x24, 0xf0};
+  const size_t header = 33;
+  if (out->size < start + header)
+    return;
+  km_text_bytes(out, chunk, sizeof chunk);
+  if (out->failed)
+    return;
+  char *place = out->data + start + header;
+  memmove(place + sizeof chunk, place, out->size - start - header - sizeof chunk);
+  memcpy(place, chunk, sizeof chunk);
+}
+
+static cairo_status_t write_out(km_canvas *canvas) {
+  cairo_status_t status = cairo_status(canvas->cairo);
+  if (status == CAIRO_STATUS_SUCCESS && canvas->format == KM_CANVAS_PNG)
+    status = cairo_surface_write_to_png_stream(canvas->surface, append, canvas);
+  cairo_surface_finish(canvas->surface);
+  if (status == CAIRO_STATUS_SUCCESS)
+    status = cairo_surface_status(canvas->surface);
+  if (status != CAIRO_STATUS_SUCCESS)
+    return status;
+  if (canvas->format == KM_CANVAS_SVG)
+    drop_surface_id(canvas->out, canvas->start);
+  if (canvas->format == KM_CANVAS_PNG)
+    add_png_resolution(canvas->out, canvas->start);
+  return canvas->out->failed ? CAIRO_STATUS_NO_MEMORY : CAIRO_STATUS_SUCCESS;
+}
+
+km_status km_canvas_finish(km_canvas *canvas, km_error *error) {
+  cairo_status_t status = write_out(canvas);
+  if (status == CAIRO_STATUS_SUCCESS && !canvas->page_refused)
+    return KM_OK;
+  canvas->out->size = canvas->start;
+  if (canvas->out->data)
+    canvas->out->data[canvas->start] = 0;
+  if (canvas->page_refused)
+    return km_fail(error, KM_USAGE, "a second page that can't be; only PDF has several, of 1 to %g points", page_limit);
+  if (status == CAIRO_STATUS_NO_MEMORY)
+    return km_fail(error, KM_MEMORY, "out of memory for a picture");
+  return km_fail(error, KM_INTERNAL, "the picture failed: %s", cairo_status_to_string(status));
+}
+
+void km_canvas_free(km_canvas *canvas) {
+  if (!canvas)
+    return;
+  canvas->out = NULL; /* an unfinished surface writes its rest when it is destroyed */
+  pango_font_description_free(canvas->font);
+  g_object_unref(canvas->layout);
+  cairo_destroy(canvas->cairo);
+  cairo_surface_destroy(canvas->surface);
+  km_free(canvas);
+}
+
+void km_canvas_page(km_canvas *canvas, double width, double height) {
+  if (canvas->format != KM_CANVAS_PDF || !size_fits(width, height)) {
+    canvas->page_refused = true;
+    return;
+  }
+  cairo_show_page(canvas->cairo);
+  cairo_pdf_surface_set_size(canvas->surface, width, height);
+  paint_white(canvas);
+}
+
+static void set_colour(km_canvas *canvas, km_colour colour) {
+  cairo_set_source_rgba(canvas->cairo, colour.red, colour.green, colour.blue, colour.alpha);
+}
+
+enum { DASH_MOST = 8 };
+
+static void stroke(km_canvas *canvas, const km_pen *pen) {
+  double dash[DASH_MOST];
+  size_t count = pen->dash && pen->dash_count <= DASH_MOST ? pen->dash_count : 0;
+  for (size_t i = 0; i < count; i++)
+    dash[i] = pen->dash[i] * pen->width;
+  cairo_set_dash(canvas->cairo, dash, (int)count, 0);
+  cairo_set_line_cap(canvas->cairo, count ? CAIRO_LINE_CAP_BUTT : CAIRO_LINE_CAP_ROUND);
+  cairo_set_line_width(canvas->cairo, pen->width);
+  set_colour(canvas, pen->colour);
+  cairo_stroke(canvas->cairo);
+}
+
+static void trace(km_canvas *canvas, const km_canvas_point *points, size_t count) {
+  for (size_t i = 0; i < count; i++)
+    cairo_line_to(canvas->cairo, points[i].x, points[i].y);
+}
+
+void km_canvas_line(km_canvas *canvas, const km_pen *pen, km_canvas_point from, km_canvas_point to) {
+  km_canvas_polyline(canvas, pen, (const km_canvas_point[]){from, to}, 2);
+}
+
+void km_canvas_polyline(km_canvas *canvas, const km_pen *pen, const km_canvas_point *points, size_t count) {
+  trace(canvas, points, count);
+  stroke(canvas, pen);
+}
+
+void km_canvas_polygon(km_canvas *canvas, km_colour fill, const km_canvas_point *points, size_t count) {
+  trace(canvas, points, count);
+  set_colour(canvas, fill);
+  cairo_fill(canvas->cairo);
+}
+
+void km_canvas_rectangle(km_canvas *canvas, km_colour fill, double x, double y, double width, double height) {
+  cairo_rectangle(canvas->cairo, x, y, width, height);
+  set_colour(canvas, fill);
+  cairo_fill(canvas->cairo);
+}
+
+void km_canvas_circle(km_canvas *canvas, km_colour fill, const km_pen *pen, km_canvas_point centre, double radius) {
+  cairo_new_sub_path(canvas->cairo);
+  cairo_arc(canvas->cairo, centre.x, centre.y, radius, 0, 2 * G_PI);
+  set_colour(canvas, fill);
+  cairo_fill_preserve(canvas->cairo);
+  if (pen)
+    stroke(canvas, pen);
+  cairo_new_path(canvas->cairo);
+}
+
+void km_canvas_clip(km_canvas *canvas, double x, double y, double width, double height) {
+  cairo_save(canvas->cairo);
+  cairo_rectangle(canvas->cairo, x, y, width, height);
+  cairo_clip(canvas->cairo);
+}
+
+void km_canvas_release(km_canvas *canvas) {
+  cairo_restore(canvas->cairo);
+}
+
+void km_canvas_shift(km_canvas *canvas, double right, double down) {
+  cairo_translate(canvas->cairo, right, down);
+}
+
+static void set_text(km_canvas *canvas, const char *text) {
+  char *valid = g_utf8_make_valid(text, -1); /* Pango would complain on stderr */
+  pango_layout_set_text(canvas->layout, valid, -1);
+  g_free(valid);
+}
+
+typedef struct text_box {
+  double left, top, width, height; /* relative to the layout's own origin */
+} text_box;
+
+static text_box lay_text(km_canvas *canvas, const km_font *font, const char *text) {
+  pango_font_description_set_absolute_size(canvas->font, font->size * PANGO_SCALE);
+  pango_font_description_set_weight(canvas->font, font->bold ? PANGO_WEIGHT_BOLD : PANGO_WEIGHT_NORMAL);
+  pango_layout_set_font_description(canvas->layout, canvas->font);
+  pango_layout_set_width(canvas->layout, font->width > 0 ? (int)(font->width * PANGO_SCALE) : -1);
+  pango_layout_set_height(canvas->layout, font->lines > 1 ? -font->lines : -1);
+  set_text(canvas, text);
+  PangoRectangle box;
+  pango_layout_get_extents(canvas->layout, NULL, &box);
+  text_box result = {(double)box.x / PANGO_SCALE, (double)box.y / PANGO_SCALE, (double)box.width / PANGO_SCALE,
+                     (double)box.height / PANGO_SCALE};
+  if (pango_layout_get_line_count(canvas->layout) == 1) {
+    double baseline = (double)pango_layout_get_baseline(canvas->layout) / PANGO_SCALE;
+    result.top = baseline - font_ascent * font->size;
+    result.height = font_height * font->size;
+  }
+  return result;
+}
+
+void km_canvas_text(km_canvas *canvas, const km_font *font, km_colour colour, const char *text, km_canvas_point at,
+                    km_anchor anchor) {
+  text_box box = lay_text(canvas, font, text);
+  cairo_save(canvas->cairo);
+  cairo_translate(canvas->cairo, at.x, at.y);
+  cairo_rotate(canvas->cairo, anchor.angle);
+  cairo_move_to(canvas->cairo, -box.left - anchor.across * box.width, -box.top - anchor.down * box.height);
+  set_colour(canvas, colour);
+  pango_cairo_show_layout(canvas->cairo, canvas->layout);
+  cairo_restore(canvas->cairo);
+  cairo_new_path(canvas->cairo);
+}
+
+km_canvas_point km_canvas_measure(km_canvas *canvas, const km_font *font, const char *text) {
+  text_box box = lay_text(canvas, font, text);
+  return (km_canvas_point){box.width, box.height};
+}

@@ -1,0 +1,250 @@
+#include "report/plot/mobility_plot.h"
+
+#include "report/plot/plot.h"
+#include "report/plot/sweep_strip.h"
+#include "topology/mechanism.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <string.h>
+
+enum { MOST_LINES = 8, MOST_PANELS = 9, NAME_SIZE = 160 };
+static const double same = 1e-9; /* numbers that differ less all along share a line */
+
+/* A line before it is drawn: one coordinate, or several with the same numbers. */
+typedef struct line {
+  char name[NAME_SIZE];
+  double *y;
+  const double *x;
+  size_t count;
+  int sweep, substructure, merged;
+  double largest;
+} line;
+
+typedef struct lines {
+  km_arena arena;
+  line *items;
+  size_t count;
+  double **x; /* [sweep] */
+} lines;
+
+static double *column_of(lines *l, const km_table *table, int column) {
+  size_t rows = km_table_rows(table);
+  double *values = KM_ARENA_NEW(&l->arena, double, rows);
+  for (size_t r = 0; values && r < rows; ++r)
+    values[r] = km_table_row(table, r)[column];
+  return values;
+}
+
+static bool agree(const double *a, const double *b, size_t count) {
+  for (size_t i = 0; i < count; ++i)
+    if (!(fabs(a[i] - b[i]) < same))
+      return false;
+  return true;
+}
+
+/* Adds a coordinate's line, or its name to the line that it agrees with. */
+static void add_line(lines *l, const km_plotted_sweep *p, int sweep, int coordinate, int table_column) {
+  const char *label = p->mechanism->model->coordinates[coordinate].label;
+  int substructure = p->mechanism->substructure_of[coordinate];
+  size_t rows = km_table_rows(p->sweep->motion.table);
+  double *y = column_of(l, p->sweep->motion.table, table_column);
+  if (!y)
+    return;
+  for (size_t i = 0; i < l->count; ++i) {
+    line *other = &l->items[i];
+    if (other->sweep != sweep || other->substructure != substructure || !agree(other->y, y, rows))
+      continue;
+    size_t used = strlen(other->name);
+    snprintf(other->name + used, NAME_SIZE - used, ", %s", label);
+    other->merged++;
+    return;
+  }
+  line *new = &l->items[l->count++];
+  *new = (line){.y = y, .x = l->x[sweep], .count = rows, .sweep = sweep, .substructure = substructure, .merged = 1};
+  snprintf(new->name, NAME_SIZE, "%s", label);
+  for (size_t r = 0; r < rows; ++r)
+    new->largest = fmax(new->largest, y[r]);
+}
+
+/* Lines of every coordinate in a loop or coupling; of all where there is none. */
+static void gather(lines *l, const km_plotted_sweep *sweeps, int count) {
+  for (int i = 0; i < count && !l->arena.failed; ++i) {
+    const km_plotted_sweep *p = &sweeps[i];
+    const km_mechanism *m = p->mechanism;
+    l->x[i] = column_of(l, p->sweep->motion.table, km_table_find(p->sweep->motion.table, "s"));
+    int column = 2 + m->coordinate_count; /* after step, s and the q. columns */
+    for (int j = 0; j < m->model->joint_count && !l->arena.failed; ++j) {
+      int freedom = km_model_freedom(m->model, j);
+      column += freedom == 0;
+      for (int k = 0; k < freedom; ++k, ++column) {
+        int c = m->model->joints[j].first_coordinate + k;
+        bool shown = m->topology.substructure_count == 0 || (m->substructure_of[c] >= 0 && !m->held[c]);
+        if (shown)
+          add_line(l, p, i, c, column);
+      }
+    }
+  }
+}
+
+static size_t most_lines(const km_plotted_sweep *sweeps, int count) {
+  size_t total = 0;
+  for (int i = 0; i < count; ++i)
+    total += (size_t)sweeps[i].mechanism->coordinate_count;
+  return total;
+}
+
+/* How many lines of the panel have a larger maximum: the first eight are coloured. */
+static int importance(const lines *l, size_t index, int substructure) {
+  int larger = 0;
+  for (size_t i = 0; i < l->count; ++i)
+    if ((substructure < 0 || l->items[i].substructure == substructure) && l->items[i].sweep == l->items[index].sweep)
+      larger += l->items[i].largest > l->items[index].largest ||
+                (l->items[i].largest == l->items[index].largest && i < index);
+  return larger;
+}
+
+/* Overlaid sweeps give a joint one colour. */
+static int shared_colour(const lines *l, const km_plot_series *series, const size_t *source, size_t used, size_t index,
+                         int next) {
+  for (size_t i = 0; i < used; ++i)
+    if (strcmp(l->items[source[i]].name, l->items[index].name) == 0)
+      return series[i].colour;
+  return next;
+}
+
+static void fill_panel(lines *l, const km_plotted_sweep *sweeps, int count, int substructure, km_plot_panel *panel) {
+  km_plot_series *series = KM_ARENA_NEW(&l->arena, km_plot_series, l->count);
+  size_t *source = KM_ARENA_NEW(&l->arena, size_t, l->count), used = 0;
+  int next = 0;
+  if (l->arena.failed)
+    return;
+  for (size_t i = 0; i < l->count; ++i) {
+    const line *item = &l->items[i];
+    if (substructure >= 0 && item->substructure != substructure)
+      continue;
+    char name[2 * NAME_SIZE];
+    snprintf(name, sizeof name, count > 1 ? "%s (%.60s)" : "%s", item->name, sweeps[item->sweep].name);
+    int colour = importance(l, i, substructure) < MOST_LINES ? shared_colour(l, series, source, used, i, next) : -1;
+    next += colour == next;
+    source[used] = i;
+    series[used++] = (km_plot_series){.name = km_arena_string(&l->arena, name),
+                                      .x = item->x,
+                                      .y = item->y,
+                                      .count = item->count,
+                                      .colour = colour,
+                                      .dash = count > 1    ? item->sweep
+                                              : colour > 0 ? colour
+                                                           : 0};
+  }
+  panel->series = series;
+  panel->series_count = used;
+}
+
+static void fill_marks(lines *l, const km_plotted_sweep *sweeps, int count, int substructure, km_plot_panel *panel) {
+  size_t total = 0;
+  for (int i = 0; i < count; ++i)
+    total += sweeps[i].sweep->toggle_count + sweeps[i].sweep->motion.branch_count;
+  km_plot_mark *marks = KM_ARENA_NEW(&l->arena, km_plot_mark, total);
+  if (!marks)
+    return;
+  for (int i = 0; i < count; ++i) {
+    const km_mechanism *m = sweeps[i].mechanism;
+    for (size_t k = 0; k < sweeps[i].sweep->toggle_count; ++k) {
+      const km_toggle *toggle = &sweeps[i].sweep->toggles[k];
+      if (substructure >= 0 && m->substructure_of[toggle->coordinate] != substructure)
+        continue;
+      marks[panel->mark_count++] = (km_plot_mark){toggle->s, m->model->coordinates[toggle->coordinate].label};
+    }
+  }
+  for (int i = 0; i < count; ++i)
+    for (size_t k = 0; k < sweeps[i].sweep->motion.branch_count &&
+                       (substructure < 0 || sweeps[i].sweep->motion.substructure == substructure);
+         ++k)
+      marks[panel->mark_count++] = (km_plot_mark){sweeps[i].sweep->motion.branches[k].s, "branch point"};
+  panel->marks = marks;
+}
+
+/* One panel for all, or one for each substructure that has lines. */
+static size_t make_panels(lines *l, const km_plotted_sweep *sweeps, int count, km_plot_panel *panels) {
+  int substructures = 0;
+  for (int i = 0; i < count; ++i)
+    if (sweeps[i].mechanism->topology.substructure_count > substructures)
+      substructures = sweeps[i].mechanism->topology.substructure_count;
+  bool split = l->count > MOST_LINES && substructures > 1 && substructures <= MOST_PANELS;
+  if (!split) {
+    fill_panel(l, sweeps, count, -1, &panels[0]);
+    fill_marks(l, sweeps, count, -1, &panels[0]);
+    return 1;
+  }
+  for (int s = 0; s < substructures; ++s) {
+    char title[40];
+    snprintf(title, sizeof title, "substructure %d", s + 1);
+    panels[s].title = km_arena_string(&l->arena, title);
+    fill_panel(l, sweeps, count, s, &panels[s]);
+    fill_marks(l, sweeps, count, s, &panels[s]);
+  }
+  return (size_t)substructures;
+}
+
+static bool some_toggle(const km_plotted_sweep *sweeps, int count) {
+  for (int i = 0; i < count; ++i)
+    if (sweeps[i].sweep->toggle_count)
+      return true;
+  return false;
+}
+
+static const char *subtitle(lines *l, const km_plotted_sweep *sweeps, int count) {
+  const km_model *model = sweeps[0].mechanism->model;
+  km_text text = {0};
+  for (int i = 0; i < count; ++i)
+    km_text_format(&text, "%s%s", i ? ", " : "", sweeps[i].name);
+  km_text_format(&text, " · mobility %d · %s, %s · characteristic length %g %s", sweeps[0].sweep->motion.first.mobility,
+                 model->units.angle->word, model->units.length->word, sweeps[0].mechanism->length,
+                 model->units.length->suffix);
+  if (some_toggle(sweeps, count))
+    km_text_add(&text, " · ▲ a joint loses its grip");
+  const char *result = text.failed ? NULL : km_arena_string(&l->arena, text.data);
+  km_text_free(&text);
+  return result;
+}
+
+static km_status draw(lines *l, const km_plotted_sweep *sweeps, int count, km_canvas_format format, km_text *out,
+                      km_error *error) {
+  const km_model *model = sweeps[0].mechanism->model;
+  km_plot_panel panels[MOST_PANELS] = {{0}};
+  char x_label[2 * NAME_SIZE];
+  int driver = sweeps[0].plan->coordinate;
+  if (sweeps[0].plan->arclength > 0.0)
+    snprintf(x_label, sizeof x_label, "arc length (radians, lengths over the characteristic length)");
+  else
+    snprintf(x_label, sizeof x_label, "driver %s (%s)", model->coordinates[driver].label,
+             km_model_coordinate_unit(model, driver));
+  km_plot plot = {.title = sweeps[0].plan->arclength > 0.0 ? "Mobility numbers along the motion"
+                                                           : "Mobility numbers over the stroke",
+                  .subtitle = subtitle(l, sweeps, count),
+                  .x_label = x_label,
+                  .y_label = "mobility number",
+                  .y_low = 0.0,
+                  .y_high = 1.0,
+                  .panels = panels,
+                  .panel_count = make_panels(l, sweeps, count, panels)};
+  km_sweep_strip strip;
+  plot.strip = km_sweep_strip_make(sweeps[0].mechanism, sweeps[0].plan, &sweeps[0].sweep->motion, 3, &l->arena, &strip);
+  if (l->arena.failed)
+    return km_fail(error, KM_MEMORY, "out of memory for the plot");
+  return km_plot_render(&plot, format, out, error);
+}
+
+km_status km_mobility_plot(const km_plotted_sweep *sweeps, int count, km_canvas_format format, km_text *out,
+                           km_error *error) {
+  lines l = {0};
+  l.items = KM_ARENA_NEW(&l.arena, line, most_lines(sweeps, count));
+  l.x = KM_ARENA_NEW(&l.arena, double *, (size_t)count);
+  if (!l.arena.failed)
+    gather(&l, sweeps, count);
+  km_status status = l.arena.failed ? km_fail(error, KM_MEMORY, "out of memory for the plot")
+                                    : draw(&l, sweeps, count, format, out, error);
+  km_arena_free(&l.arena);
+  return status;
+}

@@ -1,0 +1,21 @@
+/* The plot of mobility numbers over a sweep. */
+#ifndef KM_REPORT_PLOT_MOBILITY_PLOT_H
+#define KM_REPORT_PLOT_MOBILITY_PLOT_H
+
+#include "kmech/mobility_sweep.h"
+#include "report/plot/canvas.h"
+
+/* One of the sweeps that share a plot. */
+typedef struct km_plotted_sweep {
+  const km_mechanism *mechanism;
+  const km_sweep_plan *plan;
+  const km_mobility_sweep *sweep;
+  const char *name; /* of the model */
+} km_plotted_sweep;
+
+/* Appends the picture's bytes. Joints whose numbers agree share a line; past eight lines each substructure gets
+ * a panel of its own. Several sweeps overlay, told apart by their dashes. */
+km_status km_mobility_plot(const km_plotted_sweep *sweeps, int count, km_canvas_format format, km_text *out,
+                           km_error *error);
+
+#endif

@@ -1,0 +1,15 @@
+/* Colours that the colour-blind tell apart, with dash patterns that survive a grey print. */
+#ifndef KM_REPORT_PLOT_PALETTE_H
+#define KM_REPORT_PLOT_PALETTE_H
+
+#include "report/plot/canvas.h"
+
+/* Okabe and Ito's eight colours, in an order that puts the weakest on white last; indices past the
+ * end begin again. -1: the grey of context lines. */
+km_colour km_palette_colour(int index);
+/* The same hue, darker: for names, whose strokes are thinner than lines. */
+km_colour km_palette_text(int index);
+/* `dash` 0 is solid; patterns past the last begin again. `width` in points. */
+km_pen km_palette_pen(int colour, int dash, double width);
+
+#endif

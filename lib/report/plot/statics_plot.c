@@ -1,0 +1,142 @@
+#include "report/plot/statics_plot.h"
+
+#include "forces/forces.h"
+#include "topology/mechanism.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <string.h>
+
+static const double same = 1e-9; /* forces that differ less, relatively, all along share a line */
+
+static bool is_length(const km_model *model, int coordinate) {
+  const km_coordinate_def *def = &model->coordinates[coordinate];
+  return km_joint_is_length(model->joints[def->joint].type, def->index);
+}
+
+static bool agree(const km_table *table, size_t a, size_t b) {
+  for (size_t r = 0; r < km_table_rows(table); ++r) {
+    double x = km_table_row(table, r)[a], y = km_table_row(table, r)[b];
+    if (!(fabs(x - y) <= same * (fabs(x) + fabs(y))) && !(isnan(x) && isnan(y)))
+      return false;
+  }
+  return true;
+}
+
+/* The picture in the making. */
+typedef struct maker {
+  const km_plotted_statics *sweeps;
+  int count;
+  km_arena *arena;
+  km_swept *swept;
+  km_swept_line *lines;
+  size_t line_count;
+  km_swept_mark *marks;
+  size_t mark_count;
+  km_swept_break *breaks;
+  size_t break_count;
+  bool forces, torques;
+} maker;
+
+/* Adds the actuator's line, or its name to the line that it agrees with. */
+static void add_line(maker *k, int sweep, int actuator) {
+  const km_plotted_statics *p = &k->sweeps[sweep];
+  const km_model *model = p->swept.mechanism->model;
+  int c = p->sweep->actuators[actuator], panel = k->forces && !is_length(model, c) ? 1 : 0;
+  size_t column = p->sweep->first_column + (size_t)actuator;
+  char name[400];
+  for (size_t i = 0; i < k->line_count; ++i) {
+    km_swept_line *other = &k->lines[i];
+    if (other->sweep != sweep || other->panel != panel || !agree(p->sweep->motion.table, other->column, column))
+      continue;
+    snprintf(name, sizeof name, "%.180s, %.180s", other->name, model->coordinates[c].label);
+    other->name = km_arena_string(k->arena, name);
+    return;
+  }
+  snprintf(name, sizeof name, k->count > 1 ? "%.180s (%.180s)" : "%.180s", model->coordinates[c].label, p->swept.name);
+  k->lines[k->line_count++] = (km_swept_line){sweep, column, km_arena_string(k->arena, name), panel};
+}
+
+static void add_marks(maker *k, int sweep) {
+  const km_plotted_statics *p = &k->sweeps[sweep];
+  const km_model *model = p->swept.mechanism->model;
+  for (size_t i = 0; i < p->sweep->event_count; ++i) {
+    const km_force_event *e = &p->sweep->events[i];
+    int c = p->sweep->actuators[e->actuator], panel = k->forces && !is_length(model, c) ? 1 : 0;
+    char name[300];
+    if (e->kind == KM_FORCE_PEAK)
+      continue;
+    snprintf(name, sizeof name, e->kind == KM_FORCE_BALANCED ? "%.200s 0" : "%.200s ∞", model->coordinates[c].label);
+    k->marks[k->mark_count++] = (km_swept_mark){panel, e->s, km_arena_string(k->arena, name)};
+    if (e->kind == KM_FORCE_UNBOUNDED)
+      k->breaks[k->break_count++] = (km_swept_break){sweep, p->sweep->first_column + (size_t)e->actuator, e->s};
+  }
+}
+
+static bool gather(maker *k) {
+  size_t lines = 0, marks = 0;
+  for (int i = 0; i < k->count; ++i) {
+    const km_statics_sweep *s = k->sweeps[i].sweep;
+    lines += (size_t)s->actuator_count;
+    marks += s->event_count;
+    for (int a = 0; a < s->actuator_count; ++a) {
+      bool length = is_length(k->sweeps[i].swept.mechanism->model, s->actuators[a]);
+      k->forces = k->forces || length;
+      k->torques = k->torques || !length;
+    }
+  }
+  k->swept = KM_ARENA_NEW(k->arena, km_swept, (size_t)k->count);
+  k->lines = KM_ARENA_NEW(k->arena, km_swept_line, lines);
+  k->marks = KM_ARENA_NEW(k->arena, km_swept_mark, marks);
+  k->breaks = KM_ARENA_NEW(k->arena, km_swept_break, marks);
+  for (int i = 0; i < k->count && !k->arena->failed; ++i) {
+    k->swept[i] = k->sweeps[i].swept;
+    for (int a = 0; a < k->sweeps[i].sweep->actuator_count && !k->arena->failed; ++a)
+      add_line(k, i, a);
+    add_marks(k, i);
+  }
+  return !k->arena->failed;
+}
+
+bool km_statics_plot_make(const km_plotted_statics *sweeps, int count, bool strip, km_arena *arena, km_plot *out) {
+  static const char *const both[2] = {"forces", "torques"};
+  maker k = {.sweeps = sweeps, .count = count, .arena = arena};
+  km_text label = {0};
+  const km_model *model = sweeps[0].swept.mechanism->model;
+  if (!gather(&k))
+    return false;
+  km_text_add(&label, k.torques && !k.forces ? "actuator torque (" : "actuator force (");
+  if (k.forces)
+    km_text_add(&label, model->units.force->suffix);
+  km_text_add(&label, k.forces && k.torques ? ", " : "");
+  if (k.torques)
+    km_torque_unit(model, &label);
+  km_text_add(&label, ")");
+  km_sweep_picture picture = {.title = "What the actuators hold",
+                              .note = k.mark_count ? "▲ a force vanishes or has no bound" : NULL,
+                              .y_label = label.failed ? NULL : km_arena_string(arena, label.data),
+                              .sweeps = k.swept,
+                              .sweep_count = count,
+                              .lines = k.lines,
+                              .line_count = k.line_count,
+                              .marks = k.marks,
+                              .mark_count = k.mark_count,
+                              .breaks = k.breaks,
+                              .break_count = k.break_count,
+                              .panels = k.forces && k.torques ? both : NULL,
+                              .panel_count = k.forces && k.torques ? 2 : 1,
+                              .strip = strip};
+  km_text_free(&label);
+  return !arena->failed && km_sweep_plot_make(&picture, arena, out);
+}
+
+km_status km_statics_plot(const km_plotted_statics *sweeps, int count, km_canvas_format format, km_text *out,
+                          km_error *error) {
+  km_arena arena = {0};
+  km_plot plot;
+  km_status status = km_statics_plot_make(sweeps, count, true, &arena, &plot)
+                         ? km_plot_render(&plot, format, out, error)
+                         : km_fail(error, KM_MEMORY, "out of memory for the plot");
+  km_arena_free(&arena);
+  return status;
+}

@@ -1,0 +1,207 @@
+#include "report/plot/sweep_plot.h"
+
+#include "report/plot/sweep_strip.h"
+#include "topology/mechanism.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+
+enum { MOST_COLOURED = 8 };
+
+/* The pole of a line between two of its points, NaN if there is none. */
+static double pole_between(const km_sweep_picture *p, const km_swept_line *line, double from, double to) {
+  for (size_t i = 0; i < p->break_count; ++i) {
+    const km_swept_break *b = &p->breaks[i];
+    if (b->sweep == line->sweep && b->column == line->column && (b->s - from) * (to - b->s) >= 0.0)
+      return b->s;
+  }
+  return nan("");
+}
+
+static int by_s(const void *a, const void *b) {
+  double x = (*(const double *const *)a)[1], y = (*(const double *const *)b)[1];
+  return (x > y) - (x < y);
+}
+
+/* All rows of a sweep, those between rows too, from left to right. */
+static const double **rows_of(const km_sweep *motion, km_arena *arena, size_t *count) {
+  const km_table *const tables[2] = {motion->table, motion->between};
+  *count = km_table_rows(tables[0]) + km_table_rows(tables[1]);
+  const double **rows = KM_ARENA_NEW(arena, const double *, *count);
+  size_t used = 0;
+  for (int i = 0; i < 2 && rows; ++i)
+    for (size_t r = 0; r < km_table_rows(tables[i]); ++r)
+      rows[used++] = km_table_row(tables[i], r);
+  if (rows)
+    qsort(rows, used, sizeof *rows, by_s);
+  return rows;
+}
+
+/* A line's points from left to right, so that its name stands at its right end; a point that is none breaks it, at a
+ * pole too: there x is the pole's place. */
+static void fill_series(const km_sweep_picture *p, const km_swept_line *line, km_arena *arena, km_plot_series *out) {
+  size_t count;
+  const double **rows = rows_of(p->sweeps[line->sweep].motion, arena, &count);
+  double *x = KM_ARENA_NEW(arena, double, 2 * count), *y = KM_ARENA_NEW(arena, double, 2 * count);
+  *out = (km_plot_series){.name = line->name, .x = x, .y = y, .dash = p->sweep_count > 1 ? line->sweep : 0};
+  for (size_t r = 0; r < count && !arena->failed; ++r) {
+    double s = rows[r][1], at = 1e-8 * (1.0 + fabs(s)), pole = pole_between(p, line, s - at, s + at);
+    if (isnan(pole) && r > 0)
+      pole = pole_between(p, line, rows[r - 1][1], s);
+    bool there = fabs(s - pole) <= at;
+    if (!isnan(pole) && (out->count == 0 || !(x[out->count - 1] == pole && isnan(y[out->count - 1])))) {
+      x[out->count] = pole;
+      y[out->count++] = nan("");
+    }
+    if (there)
+      continue;
+    x[out->count] = s;
+    y[out->count++] = rows[r][line->column];
+  }
+}
+
+static double largest_of(const double *y, size_t count) {
+  double largest = 0.0;
+  for (size_t i = 0; i < count; ++i)
+    if (isfinite(y[i]))
+      largest = fmax(largest, fabs(y[i]));
+  return largest;
+}
+
+/* How many lines of the panel are larger. */
+static int importance(const km_plot_series *series, size_t count, size_t index) {
+  double own = largest_of(series[index].y, series[index].count);
+  int larger = 0;
+  for (size_t i = 0; i < count; ++i) {
+    double other = largest_of(series[i].y, series[i].count);
+    larger += other > own || (other == own && i < index);
+  }
+  return larger;
+}
+
+static void fill_panel(const km_sweep_picture *p, int panel, km_arena *arena, km_plot_panel *out) {
+  km_plot_series *series = KM_ARENA_NEW(arena, km_plot_series, p->line_count);
+  km_plot_mark *marks = KM_ARENA_NEW(arena, km_plot_mark, p->mark_count);
+  out->title = p->panels ? p->panels[panel] : NULL;
+  out->series = series;
+  out->marks = marks;
+  for (size_t i = 0; i < p->line_count && !arena->failed; ++i) {
+    const km_swept_line *line = &p->lines[i];
+    if (line->panel != panel)
+      continue;
+    fill_series(p, line, arena, &series[out->series_count++]);
+  }
+  int next = 0;
+  for (size_t i = 0; i < out->series_count && !arena->failed; ++i) {
+    bool coloured = importance(series, out->series_count, i) < MOST_COLOURED;
+    series[i].colour = coloured ? next++ : -1;
+    if (p->sweep_count == 1 && coloured && series[i].colour > 0)
+      series[i].dash = series[i].colour;
+  }
+  for (size_t i = 0; i < p->mark_count && !arena->failed; ++i)
+    if (p->marks[i].panel == panel)
+      marks[out->mark_count++] = (km_plot_mark){p->marks[i].s, p->marks[i].name};
+}
+
+/* What of a line must be seen: everything but its last way to a pole, a twentieth of the stretch between poles or ends;
+ * there only where it turns. Widens low … high; returns whether something is left out. */
+static bool widen_seen(const km_sweep_picture *p, const km_swept_line *line, const km_plot_series *series, double *low,
+                       double *high) {
+  bool cut = false;
+  const double *x = series->x, *y = series->y;
+  for (size_t begin = 0, end; begin < series->count; begin = end + 1) {
+    for (end = begin; end < series->count && !isnan(y[end]);)
+      ++end;
+    if (end == begin)
+      continue;
+    double left = begin > 0 ? pole_between(p, line, x[begin - 1], x[begin - 1]) : nan("");
+    double right = end < series->count ? pole_between(p, line, x[end], x[end]) : nan("");
+    double from = isnan(left) ? x[begin] : left, to = isnan(right) ? x[end - 1] : right;
+    for (size_t k = begin; k < end; ++k) {
+      bool near = x[k] - left < 0.05 * (to - from) || right - x[k] < 0.05 * (to - from);
+      bool turns = k > begin && k + 1 < end && isfinite(y[k - 1]) && isfinite(y[k + 1]) &&
+                   (y[k] - y[k - 1]) * (y[k + 1] - y[k]) < 0.0;
+      cut = cut || (near && !turns);
+      if ((near && !turns) || !isfinite(y[k]))
+        continue;
+      *low = fmin(*low, y[k]);
+      *high = fmax(*high, y[k]);
+    }
+  }
+  return cut;
+}
+
+/* The axis ends where every line is seen, but for its way to a pole. */
+static void limit_axis(const km_sweep_picture *p, km_plot *plot) {
+  double low = HUGE_VAL, high = -HUGE_VAL;
+  bool cut = false;
+  for (size_t k = 0; k < plot->panel_count; ++k)
+    for (size_t i = 0, series = 0; i < p->line_count; ++i)
+      if (p->lines[i].panel == (int)k)
+        cut = widen_seen(p, &p->lines[i], &plot->panels[k].series[series++], &low, &high) || cut;
+  if (!cut || low > high)
+    return;
+  low = fmin(low, 0.0);
+  high = fmax(high, 0.0);
+  double room = low == high ? 1.0 : 0.03 * (high - low);
+  plot->y_low = low < 0.0 ? low - room : 0.0;
+  plot->y_high = high > 0.0 ? high + room : 0.0;
+}
+
+static const char *subtitle(const km_sweep_picture *p, km_arena *arena) {
+  const km_model *model = p->sweeps[0].mechanism->model;
+  km_text text = {0};
+  for (int i = 0; i < p->sweep_count; ++i)
+    km_text_format(&text, "%s%s", i ? ", " : "", p->sweeps[i].name);
+  km_text_format(&text, " · %s, %s, %s · characteristic length %g %s", model->units.angle->word,
+                 model->units.length->word, model->units.force->word, p->sweeps[0].mechanism->length,
+                 model->units.length->suffix);
+  if (p->note)
+    km_text_format(&text, " · %s", p->note);
+  if (p->break_count)
+    km_text_add(&text, " · arrows: no bound");
+  const char *result = text.failed ? NULL : km_arena_string(arena, text.data);
+  arena->failed = arena->failed || text.failed;
+  km_text_free(&text);
+  return result;
+}
+
+static const char *x_label(const km_swept *sweep, km_arena *arena) {
+  char text[400];
+  const km_model *model = sweep->mechanism->model;
+  if (sweep->plan->arclength > 0.0)
+    snprintf(text, sizeof text, "arc length (radians, lengths over the characteristic length)");
+  else
+    snprintf(text, sizeof text, "driver %.300s (%s)", km_model_coordinate_label(model, sweep->plan->coordinate),
+             km_model_coordinate_unit(model, sweep->plan->coordinate));
+  return km_arena_string(arena, text);
+}
+
+bool km_sweep_plot_make(const km_sweep_picture *p, km_arena *arena, km_plot *out) {
+  km_plot_panel *panels = KM_ARENA_NEW(arena, km_plot_panel, (size_t)p->panel_count);
+  *out = (km_plot){.title = p->title,
+                   .subtitle = subtitle(p, arena),
+                   .x_label = x_label(&p->sweeps[0], arena),
+                   .y_label = p->y_label,
+                   .panels = panels,
+                   .panel_count = (size_t)p->panel_count};
+  for (int i = 0; i < p->panel_count && !arena->failed; ++i)
+    fill_panel(p, i, arena, &panels[i]);
+  if (!arena->failed)
+    limit_axis(p, out);
+  km_sweep_strip *strip = KM_ARENA_NEW(arena, km_sweep_strip, 1);
+  if (p->strip && !arena->failed)
+    out->strip = km_sweep_strip_make(p->sweeps[0].mechanism, p->sweeps[0].plan, p->sweeps[0].motion, 3, arena, strip);
+  return !arena->failed;
+}
+
+km_status km_sweep_plot(const km_sweep_picture *picture, km_canvas_format format, km_text *out, km_error *error) {
+  km_arena arena = {0};
+  km_plot plot;
+  km_status status = km_sweep_plot_make(picture, &arena, &plot)
+                         ? km_plot_render(&plot, format, out, error)
+                         : km_fail(error, KM_MEMORY, "out of memory for the plot");
+  km_arena_free(&arena);
+  return status;
+}

@@ -1,0 +1,146 @@
+#include "report/record/advantage_record.h"
+
+#include "report/record/sweep_text.h"
+#include "report/record/transmission_record.h"
+#include "topology/mechanism.h"
+
+#include <math.h>
+
+static void add_losses(const km_losses *losses, const km_advantage *a, km_value *record, km_arena *arena) {
+  km_value *item = km_value_add(arena, record, "force_ratio", KM_OBJECT);
+  km_value_number(arena, item, "ideal", a->value);
+  km_value_number(arena, item, "actual", losses->ratio);
+  km_value_number(arena, item, "efficiency", losses->efficiency);
+  if (losses->why)
+    km_value_string(arena, item, "undefined", losses->why);
+  km_value_boolean(arena, item, "locks_itself", losses->locks);
+  if (losses->locks)
+    km_value_number(arena, item, "locks_from", losses->locks_from);
+}
+
+km_value *km_advantage_record(const km_mechanism *m, const km_state *s, const km_handle *input, const km_handle *output,
+                              const km_advantage *a, const km_transmission *t, const km_losses *losses,
+                              const char *name, km_arena *arena) {
+  km_value *record = km_record_head(m, "kma", name, arena);
+  const char *unit = km_advantage_unit(m->model, input, output);
+  km_value_string(arena, record, "input", input->name);
+  km_value_string(arena, record, "output", output->name);
+  km_value_number(arena, record, "mechanical_advantage", a->value);
+  km_value_number(arena, record, "velocity_ratio", a->velocity_ratio);
+  km_value_string(arena, record, "state", km_advantage_state_name(a->state));
+  km_value_string(arena, record, "method", km_advantage_method_name(a->method));
+  if (unit[0])
+    km_value_string(arena, record, "unit", unit);
+  else
+    km_value_add(arena, record, "unit", KM_NULL);
+  add_losses(losses, a, record, arena);
+  km_transmission_record(m, t, output, record, arena);
+  km_held_record(m, record, arena);
+  km_configuration_record(m, s, record, arena);
+  return arena->failed ? NULL : record;
+}
+
+void km_advantage_words(const km_mechanism *m, const km_handle *input, const km_handle *output, const km_advantage *a,
+                        km_text *out) {
+  const char *unit = km_advantage_unit(m->model, input, output);
+  switch (a->state) {
+  case KM_ADVANTAGE_FINITE:
+    km_text_format(out, "mechanical advantage %.9g%s%s", a->value, unit[0] ? " " : "", unit);
+    break;
+  case KM_ADVANTAGE_ZERO:
+    km_text_format(out, "mechanical advantage 0: %s stands while %s moves (a toggle)", input->name, output->name);
+    break;
+  case KM_ADVANTAGE_INFINITE:
+    km_text_format(out, "mechanical advantage infinite: %s stands while %s moves (a toggle)", output->name,
+                   input->name);
+    break;
+  default:
+    km_text_format(out, "mechanical advantage undefined: neither %s nor %s moves", input->name, output->name);
+  }
+}
+
+void km_advantage_print(const km_mechanism *m, const km_handle *input, const km_handle *output, const km_advantage *a,
+                        const km_transmission *t, const km_losses *losses, const char *name, km_text *out) {
+  const char *unit = km_advantage_unit(m->model, output, input);
+  km_text_format(out, "%s: %s over %s\n  ", name, input->name, output->name);
+  km_advantage_words(m, input, output, a, out);
+  km_text_add(out, "\n");
+  if (a->state == KM_ADVANTAGE_FINITE)
+    km_text_format(out, "  velocity ratio %.9g%s%s: %s moves so far while %s moves by 1\n", a->velocity_ratio,
+                   unit[0] ? " " : "", unit, output->name, input->name);
+  if (a->state != KM_ADVANTAGE_UNDEFINED)
+    km_text_add(out, a->method == KM_ADVANTAGE_SINGLE_FREEDOM
+                         ? "  one freedom: the input moves in one way only\n"
+                         : "  several freedoms: the others move least (--hold keeps joints)\n");
+  int held = 0;
+  for (int c = 0; c < m->coordinate_count; ++c)
+    if (m->held[c])
+      km_text_format(out, "%s %s", held++ ? "," : "  held:", m->model->coordinates[c].label);
+  km_text_add(out, held ? "\n" : "");
+  if (losses->locks)
+    km_text_format(out, "  with friction it locks itself: no input force is enough from %.4g of this friction on\n",
+                   losses->locks_from);
+  else if (!losses->why)
+    km_text_format(out, "  with friction the force ratio is %.6g: efficiency %.4g\n", losses->ratio,
+                   losses->efficiency);
+  else if (a->state == KM_ADVANTAGE_FINITE && km_model_has_friction(m->model))
+    km_text_format(out, "  with friction: %s\n", losses->why);
+  km_transmission_print(m, t, output, out);
+}
+
+static void add_peak(km_value *record, const char *key, const km_peak *peak, km_arena *arena) {
+  km_value *item = km_value_add(arena, record, key, KM_OBJECT);
+  km_value_number(arena, item, "value", peak->value);
+  km_value_number(arena, item, "s", peak->s);
+  if (isnan(peak->s))
+    km_value_string(arena, item, "state", "undefined");
+  else
+    km_value_string(arena, item, "state", isfinite(peak->value) ? "finite" : "infinite");
+}
+
+km_value *km_advantage_sweep_record(const km_mechanism *m, const km_advantage_sweep *sweep, const char *stopped_by,
+                                    const char *name, km_arena *arena) {
+  km_value *record = km_record_head(m, "kma", name, arena);
+  km_value_string(arena, record, "input", sweep->input.name);
+  km_value_string(arena, record, "output", sweep->output.name);
+  km_value_string(arena, record, "method", km_advantage_method_name(sweep->method));
+  km_table_record(sweep->motion.table, record, arena);
+  km_value *toggles = km_value_add(arena, record, "toggles", KM_LIST);
+  for (size_t i = 0; i < sweep->toggle_count && !arena->failed; ++i) {
+    km_value *toggle = km_value_add(arena, toggles, NULL, KM_OBJECT);
+    km_value_string(arena, toggle, "state", km_advantage_state_name(sweep->toggles[i].state));
+    km_value_number(arena, toggle, "s", sweep->toggles[i].s);
+  }
+  add_peak(record, "minimum", &sweep->lowest, arena);
+  add_peak(record, "maximum", &sweep->highest, arena);
+  km_held_record(m, record, arena);
+  km_sweep_record(&sweep->motion, stopped_by, record, arena);
+  return arena->failed ? NULL : record;
+}
+
+void km_advantage_sweep_print(const km_mechanism *m, const km_sweep_plan *plan, const km_advantage_sweep *sweep,
+                              const char *name, km_text *out) {
+  const char *unit = km_advantage_unit(m->model, &sweep->input, &sweep->output), *s_unit = km_sweep_unit(m, plan);
+  km_sweep_print(m, plan, &sweep->motion, name, out);
+  km_text_format(out, "  mechanical advantage of %s over %s%s%s%s: ", sweep->input.name, sweep->output.name,
+                 unit[0] ? " (" : "", unit, unit[0] ? ")" : "");
+  if (isnan(sweep->lowest.s))
+    km_text_add(out, "nowhere finite\n");
+  else
+    km_text_format(out, "from %.6g at %.6g%s to %.6g at %.6g%s\n", sweep->lowest.value, sweep->lowest.s, s_unit,
+                   sweep->highest.value, sweep->highest.s, s_unit);
+  if (sweep->method == KM_ADVANTAGE_LEAST_MOTION)
+    km_text_add(out, "  several freedoms: the others move least (--hold keeps joints)\n");
+  for (int state = KM_ADVANTAGE_ZERO; state <= KM_ADVANTAGE_UNDEFINED; ++state) {
+    int count = 0;
+    for (size_t i = 0; i < sweep->toggle_count; ++i)
+      if ((int)sweep->toggles[i].state == state)
+        km_text_format(out, "%s %.6g%s",
+                       count++                          ? ","
+                       : state == KM_ADVANTAGE_ZERO     ? "  zero at"
+                       : state == KM_ADVANTAGE_INFINITE ? "  infinite at"
+                                                        : "  undefined at",
+                       sweep->toggles[i].s, s_unit);
+    km_text_add(out, count ? "\n" : "");
+  }
+}

@@ -1,0 +1,255 @@
+#include "report/record/check.h"
+
+#include "analysis/rank_evidence.h"
+#include "kinematics/poses.h"
+#include "kmech/mobility.h"
+
+#include <math.h>
+#include <stdarg.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+static void add(km_findings *f, km_finding_severity severity, const char *kind, const char *advice, const char *format,
+                ...) __attribute__((format(printf, 5, 6)));
+
+static void add(km_findings *f, km_finding_severity severity, const char *kind, const char *advice, const char *format,
+                ...) {
+  char text[KM_ERROR_TEXT];
+  void *items = f->items;
+  va_list arguments;
+  va_start(arguments, format);
+  vsnprintf(text, sizeof text, format, arguments);
+  va_end(arguments);
+  if (!km_reserve(&items, &f->capacity, f->count + 1, sizeof *f->items)) {
+    f->failed = true;
+    return;
+  }
+  f->items = items;
+  const char *statement = km_arena_string(&f->arena, text), *kept = km_arena_string(&f->arena, advice);
+  f->failed = f->failed || f->arena.failed;
+  f->counts[severity]++;
+  f->items[f->count++] = (km_finding){severity, kind, statement ? statement : "", kept ? kept : ""};
+}
+
+static void check_reader(const km_messages *messages, km_findings *f) {
+  for (size_t i = 0; i < km_messages_count(messages); ++i)
+    add(f, km_messages_severity(messages, i) == KM_NOTE ? KM_FINDING_REMARK : KM_FINDING_WARNING, "reader",
+        "correct the file, or remove what it doesn't need", "%s", km_messages_text(messages, i));
+}
+
+static void check_redundancies(const km_mechanism *m, const km_redundancies *redundancies, km_findings *f) {
+  for (int i = 0; i < redundancies->count; ++i) {
+    const km_redundancy *r = &redundancies->items[i];
+    km_text text = {0}, advice = {0};
+    km_redundancy_statement(m, r, &text);
+    if (r->remedy_count)
+      km_text_format(&advice, "harmless where parts are exact or soft; else make joint %s %s",
+                     m->model->joints[r->remedies[0].joint].label, r->remedies[0].to);
+    else
+      km_text_add(&advice, "harmless where parts are exact or soft; else loosen a joint of the loop");
+    add(f, KM_FINDING_REMARK, "redundant", advice.data ? advice.data : "", "%s", text.data ? text.data : "");
+    km_text_free(&text);
+    km_text_free(&advice);
+  }
+}
+
+static void check_idle(const km_mechanism *m, const km_idle_freedoms *idle, km_findings *f) {
+  for (int i = 0; i < idle->count; ++i) {
+    km_text text = {0};
+    km_idle_statement(m, &idle->items[i], &text);
+    add(f, KM_FINDING_REMARK, "idle", "harmless; a universal joint instead of a ball takes the freedom away", "%s",
+        text.data ? text.data : "");
+    km_text_free(&text);
+  }
+}
+
+static void check_finite(const km_mobility *mobility, const km_finite_mobility *finite, km_findings *f) {
+  int branches = 0, shaky = 0;
+  for (int i = 0; i < finite->motion_count; ++i) {
+    branches += finite->motions[i].kind == KM_MOTION_BRANCH;
+    shaky += finite->motions[i].kind == KM_MOTION_SHAKY;
+  }
+  if (finite->undecided)
+    add(f, KM_FINDING_WARNING, "undecided",
+        "try a pose nearby (kmob at --set), or state a closure_tolerance for rounded data",
+        "the finite mobility is undecided: first order allows %d, and of some directions only a short way is confirmed",
+        mobility->mobility);
+  if (shaky)
+    add(f, KM_FINDING_FAULT, "shaky", "change a length or an angle so that the parts don't line up",
+        "the structure shakes: first order allows mobility %d, but only %d is real", mobility->mobility,
+        finite->mobility);
+  if (branches)
+    add(f, KM_FINDING_WARNING, "branch",
+        "start from another pose, or follow one motion through it with kmob sweep --arclength",
+        "the pose is a branch point: %d motions meet, mobility %d there", branches, mobility->mobility);
+}
+
+static km_status check_ranks(const km_mechanism *m, km_state *s, km_findings *f, km_error *error) {
+  km_poses_update(m, s);
+  for (int i = 0; i < m->topology.substructure_count; ++i) {
+    km_rank_evidence e;
+    km_status status = km_rank_evidence_find(m, s, i, &e, error);
+    if (status)
+      return status;
+    if (e.doubtful)
+      add(f, KM_FINDING_WARNING, "doubtful-rank",
+          "compare with a pose nearby (kmob at --set); for rounded data state a closure_tolerance",
+          "the rank of substructure %d is doubtful: the smallest singular value kept is %.2g of the largest one, the "
+          "largest dropped %.2g",
+          i + 1, e.kept, e.dropped);
+  }
+  return KM_OK;
+}
+
+static int by_size(const void *a, const void *b) {
+  double x = *(const double *)a, y = *(const double *)b;
+  return (x > y) - (x < y);
+}
+
+/* Frames a thousand times further out than most: some lengths are in another unit. */
+static void check_lengths(const km_model *model, km_findings *f) {
+  double *sizes = KM_ARENA_NEW(&f->arena, double, (size_t)model->frame_count);
+  size_t count = 0;
+  for (int i = 0; sizes && i < model->frame_count; ++i)
+    if (model->frames[i].body != 0 && km_vec3_norm(model->frames[i].pose.p) > 0.0)
+      sizes[count++] = km_vec3_norm(model->frames[i].pose.p);
+  if (count < 2)
+    return;
+  qsort(sizes, count, sizeof *sizes, by_size);
+  double middle = sizes[count / 2];
+  for (int i = 0; i < model->frame_count; ++i) {
+    double size = km_vec3_norm(model->frames[i].pose.p);
+    if (model->frames[i].body != 0 && size > 0.0 && (size > 300.0 * middle || size < middle / 300.0))
+      add(f, KM_FINDING_WARNING, "units", "check its unit",
+          "frame %s of body %s is %.4g %s from its body's origin, where most are about %.2g", model->frames[i].name,
+          model->bodies[model->frames[i].body].name, size, model->units.length->suffix, middle);
+  }
+}
+
+/* Large round angles in a radian file are degrees. */
+static void check_angles(const km_model *model, km_findings *f) {
+  for (int c = 0; c < model->coordinate_count && model->units.angle->si == 1.0; ++c) {
+    const km_coordinate_def *def = &model->coordinates[c];
+    if (km_joint_is_length(model->joints[def->joint].type, def->index))
+      continue;
+    const double values[3] = {def->position, def->low, def->high};
+    for (int k = 0; k < 3; ++k)
+      if (isfinite(values[k]) && fabs(values[k]) > 10.0 && fabs(values[k] - 5.0 * round(values[k] / 5.0)) < 1e-9) {
+        add(f, KM_FINDING_WARNING, "angles", "write \"angle\": \"degrees\" in units, or the angle in radians",
+            "joint %s has an angle of %g rad, which looks like degrees", def->label, values[k]);
+        break;
+      }
+  }
+}
+
+static void check_masses(const km_mechanism *m, km_findings *f) {
+  const km_topology *t = &m->topology;
+  bool some = false;
+  for (int b = 1; b < m->model->body_count; ++b)
+    some = some || m->model->bodies[b].mass > 0.0;
+  for (int l = 0; l < t->loop_count && some; ++l) {
+    bool massless = true;
+    for (int i = t->member_start[l]; i < t->member_start[l + 1]; ++i)
+      for (int end = 0; end < 2; ++end) {
+        int body = m->model->frames[m->model->joints[t->member[i].joint].frame[end]].body;
+        massless = massless && (body == 0 || m->model->bodies[body].mass == 0.0);
+      }
+    if (massless)
+      add(f, KM_FINDING_WARNING, "massless-loop", "give one of its bodies a mass before simulating",
+          "no body of loop %d (chord %s) has a mass, while others have", l + 1, m->model->joints[t->chord[l]].label);
+  }
+}
+
+static void check_frames(const km_model *model, km_findings *f) {
+  bool *used = KM_ARENA_NEW(&f->arena, bool, (size_t)model->frame_count);
+  for (int j = 0; used && j < model->joint_count; ++j)
+    used[model->joints[j].frame[0]] = used[model->joints[j].frame[1]] = true;
+  for (int i = 0; used && i < model->load_count; ++i)
+    used[model->loads[i].frame] = true;
+  for (int i = 0; used && i < model->frame_count; ++i)
+    if (!used[i] && strcmp(model->frames[i].name, "origin") != 0)
+      add(f, KM_FINDING_REMARK, "unused-frame", "keep it for --point or views, or remove it",
+          "frame %s of body %s is used by no joint and no load", model->frames[i].name,
+          model->bodies[model->frames[i].body].name);
+}
+
+static void check_start(const km_mechanism *m, const km_state *s, km_findings *f) {
+  const km_model *model = m->model;
+  for (int c = 0; c < model->coordinate_count; ++c) {
+    const km_coordinate_def *def = &model->coordinates[c];
+    double q = km_state_coordinate(s, c), slack = 1e-9 * (1.0 + fabs(q));
+    const char *unit = km_model_coordinate_unit(model, c);
+    if (q < def->low - slack || q > def->high + slack)
+      add(f, KM_FINDING_FAULT, "limits", "start inside the limits, or widen them",
+          "joint %s starts at %.6g %s, outside its limits [%g, %g]", def->label, q, unit, def->low, def->high);
+    if (!m->held[c] && fabs(s->q[c] - m->start[c]) > 1e-3 * m->unit[c])
+      add(f, KM_FINDING_WARNING, "start", "write the closed pose with kmob convert",
+          "joint %s is given at %.6g %s, but the loops close at %.6g %s", def->label, def->position, unit, q, unit);
+  }
+}
+
+km_status km_check(const km_mechanism *m, km_state *s, const km_messages *messages, km_findings *out, km_error *error) {
+  km_diagnosis diagnosis;
+  km_mobility mobility;
+  *out = (km_findings){0};
+  km_status status = km_diagnosis_find(m, s, &diagnosis, error);
+  if (!status) {
+    km_mobility_update(m, s, &mobility);
+    check_reader(messages, out);
+    check_start(m, s, out);
+    check_finite(&mobility, &diagnosis.finite, out);
+    status = check_ranks(m, s, out, error);
+    check_lengths(m->model, out);
+    check_angles(m->model, out);
+    check_masses(m, out);
+    check_frames(m->model, out);
+    check_idle(m, &diagnosis.idle, out);
+    check_redundancies(m, &diagnosis.redundancies, out);
+    if (!status && (out->failed || out->arena.failed))
+      status = km_fail(error, KM_MEMORY, "out of memory for the check");
+  }
+  km_diagnosis_free(&diagnosis);
+  return status;
+}
+
+void km_findings_free(km_findings *f) {
+  km_free(f->items);
+  km_arena_free(&f->arena);
+  *f = (km_findings){0};
+}
+
+const char *km_finding_severity_name(km_finding_severity severity) {
+  static const char *const names[] = {"fault", "warning", "remark"};
+  return names[severity];
+}
+
+/* Faults first; of one severity in the order in which they were found. */
+void km_findings_print(const km_findings *f, const char *name, km_text *out) {
+  if (f->count == 0) {
+    km_text_format(out, "%s: nothing suspicious\n", name);
+    return;
+  }
+  km_text_format(out, "%s:", name);
+  for (int severity = 0, listed = 0; severity < KM_FINDING_SEVERITIES; ++severity)
+    if (f->counts[severity])
+      km_text_format(out, "%s %zu %s%s", listed++ ? "," : "", f->counts[severity],
+                     km_finding_severity_name((km_finding_severity)severity), f->counts[severity] == 1 ? "" : "s");
+  km_text_add(out, "\n");
+  for (int severity = 0; severity < KM_FINDING_SEVERITIES; ++severity)
+    for (size_t i = 0; i < f->count; ++i)
+      if (f->items[i].severity == (km_finding_severity)severity)
+        km_text_format(out, "  %s: %s: %s\n    → %s\n", km_finding_severity_name(f->items[i].severity),
+                       f->items[i].kind, f->items[i].statement, f->items[i].advice);
+}
+
+void km_findings_record(const km_findings *f, km_value *record, km_arena *arena) {
+  km_value *list = km_value_add(arena, record, "findings", KM_LIST);
+  for (size_t i = 0; i < f->count && !arena->failed; ++i) {
+    km_value *item = km_value_add(arena, list, NULL, KM_OBJECT);
+    km_value_string(arena, item, "kind", f->items[i].kind);
+    km_value_string(arena, item, "severity", km_finding_severity_name(f->items[i].severity));
+    km_value_string(arena, item, "statement", f->items[i].statement);
+    km_value_string(arena, item, "advice", f->items[i].advice);
+  }
+}

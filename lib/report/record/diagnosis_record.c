@@ -1,0 +1,192 @@
+#include "report/record/diagnosis_record.h"
+
+#include "topology/mechanism.h"
+
+#include <math.h>
+
+km_status km_diagnosis_find(const km_mechanism *m, km_state *s, km_diagnosis *out, km_error *error) {
+  *out = (km_diagnosis){0};
+  km_status status = km_finite_mobility_find(m, s, &out->finite, error);
+  if (!status)
+    status = km_idle_freedoms_find(m, s, &out->idle, error);
+  return status ? status : km_redundancies_find(m, s, &out->redundancies, error);
+}
+
+void km_diagnosis_free(km_diagnosis *d) {
+  km_finite_mobility_free(&d->finite);
+  km_redundancies_free(&d->redundancies);
+  km_idle_freedoms_free(&d->idle);
+}
+
+/* Short enough to read; entries that are rounding are 0. */
+static void vector(const double v[3], double size, km_text *out) {
+  for (int k = 0; k < 3; ++k) {
+    double value = fabs(v[k]) < 1e-9 * size ? 0.0 : v[k];
+    km_text_format(out, "%s%.4g", k ? ", " : "(", value);
+  }
+  km_text_add(out, ")");
+}
+
+void km_redundancy_statement(const km_mechanism *m, const km_redundancy *r, km_text *out) {
+  const km_topology *t = &m->topology;
+  const char *length = m->model->units.length->suffix;
+  double size = m->substructures[r->substructure].size;
+  km_text_format(out, "loop %d (joints", r->loop + 1);
+  for (int i = t->member_start[r->loop]; i < t->member_start[r->loop + 1]; ++i)
+    km_text_format(out, " %s", m->model->joints[t->member[i].joint].label);
+  km_text_add(out, ")");
+  if (r->loops > 1)
+    km_text_format(out, ", together with %d other loop%s,", r->loops - 1, r->loops > 2 ? "s" : "");
+  bool screw = !r->rotation && fabs(r->pitch) > 1e-6 * size;
+  km_text_add(out, r->rotation ? " constrains the rotation about "
+                   : screw     ? " constrains the screw along "
+                               : " constrains the translation along ");
+  vector(r->direction, 1.0, out);
+  if (!r->rotation) {
+    km_text_add(out, " through ");
+    vector(r->point, size, out);
+    km_text_format(out, " %s", length);
+  }
+  if (screw)
+    km_text_format(out, " of pitch %.4g %s/rad", r->pitch, length);
+  km_text_add(out, " more often than needed");
+  if (!r->lasting)
+    km_text_add(out, ", at this pose only");
+}
+
+static void remedy_words(const km_mechanism *m, const km_remedy *remedy, km_text *out) {
+  const km_joint_def *joint = &m->model->joints[remedy->joint];
+  km_text_format(out, "%s %s instead of %s", joint->label, remedy->to, km_joint_kind_of(joint->type)->word);
+}
+
+static void add_motions(const km_mechanism *m, const km_finite_mobility *finite, km_value *record, km_arena *arena) {
+  km_value *motions = km_value_add(arena, record, "motions", KM_LIST);
+  for (int i = 0; i < finite->motion_count && !arena->failed; ++i) {
+    const km_finite_motion *motion = &finite->motions[i];
+    km_value *item = km_value_add(arena, motions, NULL, KM_OBJECT);
+    km_value_string(arena, item, "kind", km_motion_kind_name(motion->kind));
+    km_value_number(arena, item, "substructure", motion->substructure + 1);
+    km_value *direction = km_value_add(arena, item, "direction", KM_OBJECT);
+    for (int c = 0; c < m->coordinate_count; ++c)
+      if (m->substructure_of[c] == motion->substructure && !m->held[c])
+        km_value_number(arena, direction, m->model->coordinates[c].label, motion->direction[c]);
+    km_value_number(arena, item, "confirmed_length", motion->confirmed_length);
+  }
+}
+
+void km_redundancies_record(const km_mechanism *m, const km_redundancies *redundancies, km_value *record,
+                            km_arena *arena) {
+  km_value *list = km_value_add(arena, record, "redundancies", KM_LIST);
+  for (int i = 0; i < redundancies->count && !arena->failed; ++i) {
+    const km_redundancy *r = &redundancies->items[i];
+    km_text text = {0};
+    km_redundancy_statement(m, r, &text);
+    km_value *item = km_value_add(arena, list, NULL, KM_OBJECT);
+    km_value_number(arena, item, "substructure", r->substructure + 1);
+    km_value_number(arena, item, "loop", r->loop + 1);
+    km_value_string(arena, item, "statement", text.failed ? "" : text.data);
+    km_value_boolean(arena, item, "lasting", r->lasting);
+    km_value *remedies = km_value_add(arena, item, "remedies", KM_LIST);
+    for (int k = 0; k < r->remedy_count && !arena->failed; ++k) {
+      const km_remedy *remedy = &r->remedies[k];
+      km_value *entry = km_value_add(arena, remedies, NULL, KM_OBJECT);
+      km_value_string(arena, entry, "joint", m->model->joints[remedy->joint].label);
+      km_value_string(arena, entry, "from", km_joint_kind_of(m->model->joints[remedy->joint].type)->word);
+      km_value_string(arena, entry, "to", remedy->to);
+      km_value_number(arena, entry, "freedoms_added", remedy->freedoms);
+    }
+    km_text_free(&text);
+  }
+}
+
+void km_idle_statement(const km_mechanism *m, const km_idle_freedom *idle, km_text *out) {
+  km_text_add(out, idle->body_count > 1 ? "bodies" : "body");
+  for (int i = 0; i < idle->body_count; ++i)
+    km_text_format(out, " %s", m->model->bodies[idle->bodies[i]].name);
+  km_text_format(out, " can move in place while everything else stands (%d idle freedom%s)", idle->freedoms,
+                 idle->freedoms == 1 ? "" : "s");
+}
+
+static void add_idle(const km_mechanism *m, const km_idle_freedoms *idle, km_value *record, km_arena *arena) {
+  km_value_number(arena, record, "idle_mobility", idle->mobility);
+  km_value *list = km_value_add(arena, record, "idle_freedoms", KM_LIST);
+  for (int i = 0; i < idle->count && !arena->failed; ++i) {
+    km_value *item = km_value_add(arena, list, NULL, KM_OBJECT);
+    km_value_number(arena, item, "substructure", idle->items[i].substructure + 1);
+    km_value_number(arena, item, "freedoms", idle->items[i].freedoms);
+    km_value *bodies = km_value_add(arena, item, "bodies", KM_LIST);
+    for (int k = 0; k < idle->items[i].body_count && !arena->failed; ++k)
+      km_value_string(arena, bodies, NULL, m->model->bodies[idle->items[i].bodies[k]].name);
+  }
+}
+
+static void print_idle(const km_mechanism *m, const km_diagnosis *d, km_text *out) {
+  enum { MOST_SHOWN = 24 };
+  if (d->idle.count == 0)
+    return;
+  km_text_format(out, "\nidle freedoms: %d of the finite mobility %d; no other joint drives or feels them\n",
+                 d->idle.mobility, d->finite.mobility);
+  for (int i = 0; i < d->idle.count && i < MOST_SHOWN; ++i) {
+    km_text_add(out, "  ");
+    km_idle_statement(m, &d->idle.items[i], out);
+    km_text_add(out, "\n");
+  }
+}
+
+void km_diagnosis_record(const km_mechanism *m, const km_diagnosis *d, km_value *record, km_arena *arena) {
+  if (d->finite.undecided)
+    km_value_add(arena, record, "finite_mobility", KM_NULL);
+  else
+    km_value_number(arena, record, "finite_mobility", d->finite.mobility);
+  add_motions(m, &d->finite, record, arena);
+  km_value_boolean(arena, record, "truncated", d->finite.truncated);
+  add_idle(m, &d->idle, record, arena);
+  km_redundancies_record(m, &d->redundancies, record, arena);
+}
+
+static void print_finite(const km_finite_mobility *finite, km_text *out) {
+  int branches = 0, shaky = 0;
+  double followed = HUGE_VAL;
+  for (int i = 0; i < finite->motion_count; ++i) {
+    branches += finite->motions[i].kind == KM_MOTION_BRANCH;
+    shaky += finite->motions[i].kind == KM_MOTION_SHAKY;
+    if (finite->motions[i].kind == KM_MOTION_OPEN)
+      followed = fmin(followed, finite->motions[i].confirmed_length);
+  }
+  if (finite->undecided)
+    km_text_format(out, "\nfinite mobility undecided, at least %d", finite->mobility);
+  else
+    km_text_format(out, "\nfinite mobility %d", finite->mobility);
+  if (isfinite(followed))
+    km_text_format(
+        out,
+        ": the loops stay closed for an arc of %.2g, and what opens them there tells neither a motion nor a structure",
+        followed);
+  if (branches)
+    km_text_format(out, ": a branch point, where %s%d motions meet", finite->truncated ? "at least " : "", branches);
+  if (shaky)
+    km_text_format(out, "%s it shakes: %d direction%s that first order allows, but no motion follows",
+                   branches ? "; also" : ":", shaky, shaky == 1 ? "" : "s");
+  km_text_add(out, "\n");
+}
+
+void km_diagnosis_print(const km_mechanism *m, const km_diagnosis *d, km_text *out) {
+  enum { MOST_SHOWN = 24 };
+  print_finite(&d->finite, out);
+  print_idle(m, d, out);
+  if (d->redundancies.count)
+    km_text_add(out, "\nredundant constraints, and what would end each with the same mobility\n");
+  for (int i = 0; i < d->redundancies.count && i < MOST_SHOWN; ++i) {
+    const km_redundancy *r = &d->redundancies.items[i];
+    km_text_add(out, "  ");
+    km_redundancy_statement(m, r, out);
+    km_text_add(out, r->remedy_count ? "\n    " : "\n    no single swap of a joint ends it\n");
+    for (int k = 0; k < r->remedy_count && k < 4; ++k) {
+      km_text_add(out, k ? "; " : "");
+      remedy_words(m, &r->remedies[k], out);
+    }
+    km_text_add(out, r->remedy_count ? "\n" : "");
+  }
+  if (d->redundancies.count > MOST_SHOWN)
+    km_text_format(out, "  and %d more (--format json lists all)\n", d->redundancies.count - MOST_SHOWN);
+}

@@ -1,0 +1,155 @@
+/* Mobility analyses in words and tables for a terminal. */
+#include "report/record/mobility_record.h"
+
+#include "report/record/singularities.h"
+#include "topology/mechanism.h"
+
+#include <string.h>
+
+static void print_substructures(const km_mechanism *m, const km_state *s, km_text *out) {
+  for (int i = 0; i < m->topology.substructure_count; ++i) {
+    km_substructure_mobility e;
+    km_substructure_evidence(m, s, i, &e);
+    km_text_format(out, "  %d: mobility %d, rank %d of %d coordinate%s in %d loop%s, joints", i + 1, e.mobility, e.rank,
+                   e.coordinates, km_plural(e.coordinates), e.loops, km_plural(e.loops));
+    km_joints_print(m, i, out);
+    km_text_format(out, "\n     evidence: last pivot kept %.2g, first dropped %.2g, tolerance %.2g\n", e.last_pivot,
+                   e.first_dropped, e.tolerance);
+  }
+}
+
+static void print_loops(const km_mechanism *m, km_text *out) {
+  const km_topology *t = &m->topology;
+  for (int l = 0; l < t->loop_count; ++l) {
+    km_text_format(out, "  %d: lambda %d, chord %s, joints", l + 1, m->loops[l].lambda,
+                   m->model->joints[t->chord[l]].label);
+    for (int i = t->member_start[l]; i < t->member_start[l + 1]; ++i)
+      km_text_format(out, " %s", m->model->joints[t->member[i].joint].label);
+    km_text_add(out, "\n");
+  }
+}
+
+static void print_coordinates(const km_mechanism *m, const km_state *s, km_text *out) {
+  const km_model *model = m->model;
+  int width = km_widest_label(model);
+  km_text_add(out, "  ");
+  km_text_padded("joint", width, out);
+  km_text_add(out, "  type          position            mobility number\n");
+  for (int j = 0; j < model->joint_count; ++j) {
+    const km_joint_def *joint = &model->joints[j];
+    const km_joint_kind *kind = km_joint_kind_of(joint->type);
+    if (kind->freedom == 0) {
+      km_text_add(out, "  ");
+      km_text_padded(joint->label, width, out);
+      km_text_format(out, "  %-11s  %12s %-4s  0\n", kind->word, "-", "");
+    }
+    for (int k = 0; k < kind->freedom; ++k) {
+      int c = joint->first_coordinate + k;
+      km_text_add(out, "  ");
+      km_text_padded(model->coordinates[c].label, width, out);
+      km_text_format(out, "  %-11s  %12.6g %-4s  %.6f%s\n", kind->word, km_state_coordinate(s, c),
+                     km_model_coordinate_unit(model, c), km_mobility_number(s, c), m->held[c] ? "  (held)" : "");
+    }
+  }
+}
+
+void km_mobility_print(const km_mechanism *m, const km_state *s, const km_mobility *mobility, const char *name,
+                       km_text *out) {
+  const km_model *model = m->model;
+  const km_topology *t = &m->topology;
+  km_text_format(out, "%s: %d bod%s, %d joint%s with %d coordinate%s, %d loop%s, %d substructure%s\n", name,
+                 model->body_count - 1, model->body_count == 2 ? "y" : "ies", model->joint_count,
+                 km_plural(model->joint_count), model->coordinate_count, km_plural(model->coordinate_count),
+                 t->loop_count, km_plural(t->loop_count), t->substructure_count, km_plural(t->substructure_count));
+  km_text_format(out, "mobility %d at this pose (Kutzbach %d, extended Kutzbach %d), %d redundant constraint%s\n",
+                 mobility->mobility, mobility->kutzbach, mobility->kutzbach_extended, mobility->redundant_constraints,
+                 km_plural(mobility->redundant_constraints));
+  km_text_format(out, "loops closed to %.2g, characteristic length %g %s (%s)\n", mobility->residual, m->length,
+                 model->units.length->suffix, km_length_source_name(m->length_source));
+  if (t->loop_count)
+    km_text_add(out, "\nloops\n");
+  print_loops(m, out);
+  if (t->substructure_count)
+    km_text_add(out, "\nsubstructures\n");
+  print_substructures(m, s, out);
+  if (model->joint_count)
+    km_text_add(out, "\n");
+  if (model->joint_count)
+    print_coordinates(m, s, out);
+}
+
+/* The next best driver after the one of the given rank, by smallest number; ties in file order. */
+static int next_driver(const km_mechanism *m, const km_mobility_sweep *sweep, int last) {
+  int best = -1;
+  for (int c = 0; c < m->coordinate_count; ++c) {
+    if (!km_sweep_drives(m, sweep, c))
+      continue;
+    double number = sweep->extremes[c].number;
+    bool after =
+        last < 0 || number < sweep->extremes[last].number || (number == sweep->extremes[last].number && c > last);
+    if (after && (best < 0 || number > sweep->extremes[best].number))
+      best = c;
+  }
+  return best;
+}
+
+static void print_drivers(const km_mechanism *m, const km_sweep_plan *plan, const km_mobility_sweep *sweep, int width,
+                          km_text *out) {
+  enum { MOST_NAMED = 10 };
+  int found = 0;
+  for (int c = 0; c < m->coordinate_count; ++c)
+    found += km_sweep_drives(m, sweep, c);
+  km_text_add(out,
+              sweep->motion.freedom > 1 ? "  keep their grip over the whole range:" : "  could drive the whole range:");
+  if (found == 0)
+    km_text_add(out, " none");
+  for (int i = 0, c = -1; i < found && i < MOST_NAMED; ++i) {
+    c = next_driver(m, sweep, c);
+    km_text_format(out, "%s %s (%s%.2g)", i ? "," : "", m->model->coordinates[c].label, i ? "" : "least number ",
+                   sweep->extremes[c].number);
+  }
+  if (found > MOST_NAMED)
+    km_text_format(out, " and %d more", found - MOST_NAMED);
+  km_text_add(out, "\n");
+  const char *unit = km_sweep_unit(m, plan);
+  for (int c = 0; c < m->coordinate_count; ++c) {
+    int count = 0;
+    for (size_t i = 0; i < sweep->toggle_count; ++i) {
+      if (sweep->toggles[i].coordinate != c)
+        continue;
+      if (count++ == 0) {
+        km_text_add(out, "  ");
+        km_text_padded(m->model->coordinates[c].label, width, out);
+        km_text_add(out, " loses its grip at");
+      }
+      km_text_format(out, "%s %.6g%s", count > 1 ? "," : "", sweep->toggles[i].s, unit);
+    }
+    if (count)
+      km_text_add(out, "\n");
+  }
+}
+
+/* Where more constraints are redundant than over the rest of the sweep. */
+static void print_extra(const km_sweep_redundancies *r, const char *unit, km_text *out) {
+  enum { MOST_SHOWN = 8 };
+  if (r->extra_count == 0)
+    return;
+  km_text_add(out, "  redundant at poses only:");
+  for (size_t i = 0; i < r->extra_count && i < MOST_SHOWN; ++i)
+    km_text_format(out, "%s %d more at %.6g%s", i ? "," : "", r->extra[i].more, r->extra[i].s, unit);
+  if (r->extra_count > MOST_SHOWN)
+    km_text_format(out, " and at %zu other poses", r->extra_count - MOST_SHOWN);
+  km_text_add(out, "\n");
+}
+
+void km_mobility_sweep_print(const km_mechanism *m, const km_sweep_plan *plan, const km_mobility_sweep *sweep,
+                             const km_sweep_redundancies *redundancies, const char *name, km_text *out) {
+  km_sweep_print(m, plan, &sweep->motion, name, out);
+  print_extra(redundancies, km_sweep_unit(m, plan), out);
+  km_singularities_print(sweep, km_sweep_unit(m, plan), out);
+  if (sweep->motion.substructure >= 0)
+    print_drivers(m, plan, sweep, km_widest_label(m->model), out);
+  else if (plan->arclength <= 0.0)
+    km_text_format(out, "  %s is in no loop: it drives itself, and every mobility number stays as it is\n",
+                   m->model->coordinates[plan->coordinate].label);
+}

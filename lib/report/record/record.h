@@ -1,0 +1,19 @@
+/* Pieces of records (JSON) that all tools share. */
+#ifndef KM_REPORT_RECORD_RECORD_H
+#define KM_REPORT_RECORD_RECORD_H
+
+#include "base/value.h"
+#include "kmech/sweep_plan.h"
+
+/* The head that every record starts with: kmech, tool, model, model_sha256, units, characteristic_length. */
+km_value *km_record_head(const km_mechanism *mechanism, const char *tool, const char *name, km_arena *arena);
+/* `columns` and `rows`. */
+void km_table_record(const km_table *table, km_value *record, km_arena *arena);
+/* How the mechanism moved: branch_points, cycle, complete, stopped_by. */
+void km_sweep_record(const km_sweep *sweep, const char *stopped_by, km_value *record, km_arena *arena);
+
+/* `held_joints` and `configuration` of a pose. */
+void km_held_record(const km_mechanism *mechanism, km_value *record, km_arena *arena);
+void km_configuration_record(const km_mechanism *mechanism, const km_state *state, km_value *record, km_arena *arena);
+
+#endif

@@ -1,0 +1,230 @@
+#include "report/record/statics_record.h"
+
+#include "forces/forces.h"
+#include "report/record/sweep_text.h"
+#include "topology/mechanism.h"
+
+#include <math.h>
+
+static bool is_length(const km_model *model, int coordinate) {
+  const km_coordinate_def *def = &model->coordinates[coordinate];
+  return km_joint_is_length(model->joints[def->joint].type, def->index);
+}
+
+static void add_directions(const km_mechanism *m, const km_statics *st, km_value *record, km_arena *arena) {
+  km_value *list = km_value_add(arena, record, "undetermined_directions", KM_LIST);
+  for (int d = 0; d < st->direction_count && d < KM_MOST_DIRECTIONS && !arena->failed; ++d) {
+    const double *rates = st->directions + (size_t)d * (size_t)m->coordinate_count;
+    km_text words = {0};
+    km_direction_words(m, st, d, &words);
+    km_value *item = km_value_add(arena, list, NULL, KM_OBJECT);
+    km_value_boolean(arena, item, "falls", st->falls[d]);
+    km_value_string(arena, item, "statement", words.data ? words.data : "");
+    km_value *rate = km_value_add(arena, item, "direction", KM_OBJECT);
+    for (int c = 0; c < m->coordinate_count; ++c)
+      if (rates[c] != 0.0)
+        km_value_number(arena, rate, m->model->coordinates[c].label, rates[c]);
+    km_text_free(&words);
+  }
+}
+
+static void add_reactions(const km_mechanism *m, const km_statics *st, km_value *record, km_arena *arena) {
+  km_value *list = km_value_add(arena, record, "reactions", KM_OBJECT);
+  for (int j = 0; j < m->model->joint_count && !arena->failed; ++j) {
+    const km_reaction *r = &st->reactions[j];
+    km_value *item = km_value_add(arena, list, m->model->joints[j].label, KM_OBJECT);
+    km_value_numbers(arena, item, "force", r->force, 3);
+    km_value_numbers(arena, item, "torque", r->torque, 3);
+    km_value *flags = km_value_add(arena, item, "indeterminate", KM_LIST);
+    for (int k = 0; k < 6; ++k)
+      km_value_boolean(arena, flags, NULL, r->indeterminate[k]);
+  }
+}
+
+km_value *km_statics_record(const km_mechanism *m, const km_state *s, const km_statics *st, km_axes axes,
+                            const char *name, km_arena *arena) {
+  km_value *record = km_record_head(m, "kstatic", name, arena);
+  km_value_boolean(arena, record, "held", st->held);
+  add_directions(m, st, record, arena);
+  km_value *actuators = km_value_add(arena, record, "actuator_forces", KM_OBJECT);
+  for (int i = 0; i < st->actuator_count && !arena->failed; ++i)
+    km_value_number(arena, actuators, m->model->coordinates[st->actuators[i]].label, st->actuator_forces[i]);
+  km_value_string(arena, record, "actuator_set",
+                  !st->held       ? "can't hold"
+                  : st->redundant ? "redundant, least norm"
+                                  : "unique");
+  km_value *least = km_value_add(arena, record, "least_norm_forces", KM_OBJECT);
+  for (int c = 0; c < m->coordinate_count && !arena->failed; ++c)
+    km_value_number(arena, least, m->model->coordinates[c].label, st->least_norm[c]);
+  km_value_string(arena, record, "axes", axes == KM_AXES_FIXED ? "fixed" : "joint");
+  km_value_string(arena, record, "reactions_with", st->held ? "actuator_forces" : "least_norm_forces");
+  add_reactions(m, st, record, arena);
+  km_value_number(arena, record, "degree_of_indeterminacy", st->degree);
+  km_held_record(m, record, arena);
+  km_configuration_record(m, s, record, arena);
+  return arena->failed ? NULL : record;
+}
+
+/* The fastest joints of a motion, three at most. */
+void km_direction_words(const km_mechanism *m, const km_statics *st, int direction, km_text *out) {
+  enum { MOST_NAMED = 4 };
+  const double *rates = st->directions + (size_t)direction * (size_t)m->coordinate_count;
+  double last = HUGE_VAL;
+  int last_coordinate = -1;
+  for (int i = 0; i < MOST_NAMED; ++i) {
+    int best = -1;
+    double size = 0.0;
+    for (int c = 0; c < m->coordinate_count; ++c) {
+      double rate = fabs(rates[c] / m->unit[c]);
+      bool after = rate < last || (rate == last && c > last_coordinate);
+      if (after && rate > size && rate > 1e-3) {
+        best = c;
+        size = rate;
+      }
+    }
+    if (best < 0)
+      return;
+    km_text_format(out, "%s%s by %.3g %s", i ? ", " : "", m->model->coordinates[best].label, rates[best],
+                   is_length(m->model, best) ? m->model->units.length->suffix : "rad");
+    last = size;
+    last_coordinate = best;
+  }
+  km_text_add(out, ", …");
+}
+
+static void print_force(const km_mechanism *m, int coordinate, int width, double force, km_text *out) {
+  km_text_add(out, "  ");
+  km_text_padded(m->model->coordinates[coordinate].label, width, out);
+  km_text_format(out, "  %14.6g ", force);
+  km_force_unit(m->model, coordinate, out);
+  km_text_add(out, "\n");
+}
+
+static void print_directions(const km_mechanism *m, const km_statics *st, km_text *out) {
+  for (int d = 0; d < st->direction_count && d < KM_MOST_DIRECTIONS; ++d) {
+    km_text_add(out, st->falls[d] ? "  the loads move " : "  out of the actuators' reach, but not loaded: ");
+    km_direction_words(m, st, d, out);
+    km_text_add(out, "\n");
+  }
+}
+
+/* In tables for people a component below this share of the largest is 0. */
+static const double rounding = 1e-12;
+
+static void print_reactions(const km_mechanism *m, const km_statics *st, km_axes axes, int width, km_text *out) {
+  const km_model *model = m->model;
+  km_text_format(out, "\nreactions of parent on child, about the child's joint frame, %s axes, with %s (%s, ",
+                 axes == KM_AXES_FIXED ? "inertial" : "its",
+                 st->held ? "the actuators' forces" : "the least-norm forces", model->units.force->suffix);
+  km_torque_unit(model, out);
+  km_text_add(out, ")\n  ");
+  km_text_padded("joint", width, out);
+  km_text_add(out, "             fx            fy            fz            tx            ty            tz\n");
+  bool open = false;
+  double largest[2] = {0.0, 0.0}, size = 0.0;
+  for (int i = 0; i < m->topology.substructure_count; ++i)
+    size = fmax(size, m->substructures[i].size);
+  for (int j = 0; j < model->joint_count; ++j)
+    for (int k = 0; k < 3; ++k) {
+      largest[0] = fmax(largest[0], fabs(st->reactions[j].force[k]));
+      largest[1] = fmax(largest[1], fabs(st->reactions[j].torque[k]));
+    }
+  for (int j = 0; j < model->joint_count; ++j) {
+    const km_reaction *r = &st->reactions[j];
+    km_text_add(out, "  ");
+    km_text_padded(model->joints[j].label, width, out);
+    for (int k = 0; k < 6; ++k) {
+      double value = k < 3 ? r->force[k] : r->torque[k - 3];
+      double grain = rounding * (k < 3 ? largest[0] : largest[1] + size * largest[0]);
+      value = fabs(value) < grain ? 0.0 : value;
+      km_text_format(out, " %12.5g%s", value, r->indeterminate[k] ? "?" : " ");
+      open = open || r->indeterminate[k];
+    }
+    km_text_add(out, "\n");
+  }
+  if (open)
+    km_text_format(out, "  ? statically indeterminate (%d redundant constraint%s): the answer of least norm is given\n",
+                   st->degree, km_plural(st->degree));
+}
+
+void km_statics_print(const km_mechanism *m, const km_statics *st, km_axes axes, const char *name, km_text *out) {
+  int width = km_widest_label(m->model);
+  km_text_format(out, "%s: %s\n", name,
+                 !st->held       ? "the actuators can't hold this pose"
+                 : st->redundant ? "the actuators hold this pose; they are more than needed, theirs is the least answer"
+                                 : "the actuators hold this pose");
+  print_directions(m, st, out);
+  if (st->actuator_count)
+    km_text_add(out, "\nactuators\n");
+  for (int i = 0; i < st->actuator_count; ++i)
+    print_force(m, st->actuators[i], width, st->actuator_forces[i], out);
+  if (m->coordinate_count)
+    km_text_add(out, "\nleast-norm forces of all joints\n");
+  for (int c = 0; c < m->coordinate_count; ++c)
+    if (!m->held[c])
+      print_force(m, c, width, st->least_norm[c], out);
+  if (m->model->joint_count)
+    print_reactions(m, st, axes, width, out);
+}
+
+static const char *event_word(km_force_event_kind kind) {
+  return kind == KM_FORCE_BALANCED ? "zero" : kind == KM_FORCE_PEAK ? "peak" : "unbounded";
+}
+
+km_value *km_statics_sweep_record(const km_mechanism *m, const km_statics_sweep *sweep, const char *stopped_by,
+                                  const char *name, km_arena *arena) {
+  km_value *record = km_record_head(m, "kstatic", name, arena);
+  km_table_record(sweep->motion.table, record, arena);
+  km_value *events = km_value_add(arena, record, "events", KM_LIST);
+  for (size_t i = 0; i < sweep->event_count && !arena->failed; ++i) {
+    const km_force_event *e = &sweep->events[i];
+    km_value *item = km_value_add(arena, events, NULL, KM_OBJECT);
+    km_value_string(arena, item, "actuator", m->model->coordinates[sweep->actuators[e->actuator]].label);
+    km_value_string(arena, item, "event", event_word(e->kind));
+    km_value_number(arena, item, "s", e->s);
+    km_value_number(arena, item, "force", e->value);
+  }
+  km_value_number(arena, record, "degree_of_indeterminacy", sweep->degree);
+  km_value_number(arena, record, "rows_not_held", (double)sweep->unheld);
+  km_held_record(m, record, arena);
+  km_sweep_record(&sweep->motion, stopped_by, record, arena);
+  return arena->failed ? NULL : record;
+}
+
+static void print_events(const km_statics_sweep *sweep, int actuator, km_force_event_kind kind, const char *words,
+                         const char *unit, km_text *out) {
+  int count = 0;
+  for (size_t i = 0; i < sweep->event_count; ++i)
+    if (sweep->events[i].actuator == actuator && sweep->events[i].kind == kind)
+      km_text_format(out, "%s %.6g%s", count++ ? "," : words, sweep->events[i].s, unit);
+}
+
+void km_statics_sweep_print(const km_mechanism *m, const km_sweep_plan *plan, const km_statics_sweep *sweep,
+                            const char *name, km_text *out) {
+  const char *unit = km_sweep_unit(m, plan);
+  int width = km_widest_label(m->model);
+  km_sweep_print(m, plan, &sweep->motion, name, out);
+  for (int i = 0; i < sweep->actuator_count; ++i) {
+    const km_force_event *largest = &sweep->largest[i];
+    int c = sweep->actuators[i];
+    km_text_add(out, "  ");
+    km_text_padded(m->model->coordinates[c].label, width, out);
+    if (isnan(largest->s)) {
+      km_text_add(out, " never holds");
+    } else if (largest->value == 0.0) {
+      km_text_add(out, " has nothing to hold");
+    } else if (isfinite(largest->value)) {
+      km_text_format(out, " holds at most %.6g ", largest->value);
+      km_force_unit(m->model, c, out);
+      km_text_format(out, " at %.6g%s", largest->s, unit);
+    }
+    print_events(sweep, i, KM_FORCE_UNBOUNDED, " has no bound at", unit, out);
+    print_events(sweep, i, KM_FORCE_BALANCED, "; nothing at", unit, out);
+    km_text_add(out, "\n");
+  }
+  if (!sweep->loaded)
+    km_text_add(out, "  nothing acts: no weight, load or spring\n");
+  if (sweep->unheld)
+    km_text_format(out, "  not held at %zu of %zu rows, first at %.6g%s\n", sweep->unheld,
+                   km_table_rows(sweep->motion.table), sweep->first_unheld, unit);
+}

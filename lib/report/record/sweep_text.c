@@ -1,0 +1,122 @@
+/* What every sweep says for people, and pieces of text that reports share. */
+#include "report/record/sweep_text.h"
+
+#include "topology/mechanism.h"
+
+#include <string.h>
+
+const char *km_plural(int count) {
+  return count == 1 ? "" : "s";
+}
+
+/* A label padded to a width counted in characters, not bytes. */
+void km_text_padded(const char *label, int width, km_text *out) {
+  int shown = 0;
+  for (const char *c = label; *c; ++c)
+    shown += ((unsigned char)*c & 0xC0) != 0x80;
+  km_text_add(out, label);
+  for (; shown < width; ++shown)
+    km_text_add(out, " ");
+}
+
+int km_widest_label(const km_model *model) {
+  int width = 5;
+  for (int c = 0; c < model->coordinate_count; ++c) {
+    int length = (int)strlen(model->coordinates[c].label);
+    if (length > width && length < 40)
+      width = length;
+  }
+  return width;
+}
+
+void km_joints_print(const km_mechanism *m, int substructure, km_text *out) {
+  const km_topology *t = &m->topology;
+  for (int k = t->joint_start[substructure]; k < t->joint_start[substructure + 1]; ++k)
+    km_text_format(out, " %s", m->model->joints[t->joint[k]].label);
+}
+
+/* " with A, B held", as far as they lie in the substructure. */
+static void held_words(const km_mechanism *m, int substructure, km_text *out) {
+  int count = 0;
+  for (int c = 0; c < m->coordinate_count; ++c)
+    if (m->held[c] && m->substructure_of[c] == substructure)
+      km_text_format(out, "%s%s", count++ ? ", " : " with ", m->model->coordinates[c].label);
+  if (count)
+    km_text_add(out, " held");
+}
+
+static void stop_reason(const km_mechanism *m, const km_sweep *sweep, const km_reach *reach, km_text *out) {
+  const km_model *model = m->model;
+  if (reach->stop == KM_STOP_LIMIT) {
+    km_text_format(out, "joint %s is at its limit", model->coordinates[reach->coordinate].label);
+    return;
+  }
+  if (sweep->freedom == 0) {
+    km_text_format(out, "substructure %d (joints", reach->substructure + 1);
+    km_joints_print(m, reach->substructure, out);
+    km_text_add(out, ") has no freedom");
+    held_words(m, reach->substructure, out);
+    return;
+  }
+  km_text_format(out, "the driver is at a toggle: it can't move substructure %d (joints", reach->substructure + 1);
+  km_joints_print(m, reach->substructure, out);
+  km_text_add(out, ") any further");
+}
+
+void km_sweep_stop_text(const km_mechanism *m, const km_sweep_plan *plan, const km_sweep *sweep, km_text *out) {
+  bool by_length = plan->arclength > 0.0;
+  if (sweep->start.stop) {
+    km_text_add(out, "FROM is out of reach; located bound ");
+    km_text_number(out, sweep->start.position);
+    km_text_add(out, ": ");
+    stop_reason(m, sweep, &sweep->start, out);
+  }
+  if (by_length && plan->cycle && sweep->cycle == 0.0 && !sweep->end.stop)
+    km_text_add(out, "the motion doesn't come back to its start in so many rows");
+  if (!sweep->end.stop || (sweep->start.stop && km_table_rows(sweep->table) == 1))
+    return;
+  if (sweep->start.stop)
+    km_text_add(out, "; ");
+  km_text_add(out, by_length ? "the motion ends at arc length " : "TO is out of reach; located end ");
+  km_text_number(out, sweep->end.position);
+  km_text_add(out, ": ");
+  if (by_length && sweep->end.stop == KM_STOP_TOGGLE)
+    km_text_add(out, sweep->end.position > 0.0 ? "no further step can be found" : "no loop moves at this pose");
+  else
+    stop_reason(m, sweep, &sweep->end, out);
+}
+
+/* " mm", or nothing for an arc length. */
+const char *km_sweep_unit(const km_mechanism *m, const km_sweep_plan *plan) {
+  static const char *const units[] = {" rad", " deg", " m", " mm", " cm", " in"};
+  for (size_t i = 0; i < sizeof units / sizeof *units && plan->arclength <= 0.0; ++i)
+    if (strcmp(units[i] + 1, km_model_coordinate_unit(m->model, plan->coordinate)) == 0)
+      return units[i];
+  return "";
+}
+
+static void print_cycle(const km_sweep *sweep, const km_sweep_plan *plan, km_text *out) {
+  if (sweep->cycle > 0.0)
+    km_text_format(out, "  the cycle closes at %.9g\n", sweep->cycle);
+  else if (plan->cycle)
+    km_text_add(out, "  the cycle isn't closed\n");
+  for (size_t i = 0; i < sweep->branch_count; ++i)
+    km_text_format(out, "  branch point at %.9g: mobility %d there, %d motions meet; %s\n", sweep->branches[i].s,
+                   sweep->branches[i].mobility, sweep->branches[i].branches,
+                   i == 0 && plan->branch > 1 ? "turned there" : "the smooth one was followed");
+}
+
+void km_sweep_print(const km_mechanism *m, const km_sweep_plan *plan, const km_sweep *sweep, const char *name,
+                    km_text *out) {
+  bool by_length = plan->arclength > 0.0;
+  const char *label = by_length ? "arc length" : m->model->coordinates[plan->coordinate].label;
+  size_t rows = km_table_rows(sweep->table);
+  int s_column = km_table_find(sweep->table, "s");
+  const double *first = km_table_row(sweep->table, 0), *last = km_table_row(sweep->table, rows - 1);
+  km_text_format(out, "%s: %s from %.6g to %.6g%s, %zu row%s\n", name, label, first[s_column], last[s_column],
+                 km_sweep_unit(m, plan), rows, rows == 1 ? "" : "s");
+  km_text_format(out, "  mobility %d (Kutzbach %d), %d redundant constraint%s, loops closed to %.2g\n",
+                 sweep->first.mobility, sweep->first.kutzbach, sweep->first.redundant_constraints,
+                 km_plural(sweep->first.redundant_constraints), sweep->first.residual);
+  print_cycle(sweep, plan, out);
+}

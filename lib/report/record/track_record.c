@@ -1,0 +1,259 @@
+#include "report/record/track_record.h"
+
+#include "report/record/record.h"
+
+#include <stdio.h>
+#include <string.h>
+
+void km_tracks_label(const km_tracks *t, int index, char separator, char *out, size_t size) {
+  const char *word = t->study->methods[index].word;
+  int before = 0;
+  for (int i = 0; i < index; ++i)
+    before += strcmp(t->study->methods[i].word, word) == 0;
+  if (before)
+    snprintf(out, size, "%s%c%d", word, separator, before + 1);
+  else
+    snprintf(out, size, "%s", word);
+}
+
+int km_tracks_best(const km_tracks *t) {
+  int best = -1;
+  double best_score = 0.0;
+  for (int i = 0; i < t->count; ++i) {
+    if (!t->items[i])
+      continue;
+    const km_track_summary *s = &t->items[i]->summary;
+    double score = km_objective_by_mean(&t->items[i]->plan.objective) ? s->objective_mean : s->objective_min;
+    int further = best < 0 ? 1 : t->items[i]->end.sample - t->items[best]->end.sample;
+    if (further > 0 || (further == 0 && score >= best_score - 1e-9 * fabs(best_score))) {
+      best = i;
+      best_score = score;
+    }
+  }
+  return best;
+}
+
+static const char *length_unit(const km_arm *a) {
+  return a->mechanism->model->units.length->suffix;
+}
+
+static const char *angle_unit(const km_arm *a) {
+  return a->mechanism->model->units.angle->suffix;
+}
+
+/* Radians in the model's angle unit. */
+static double angle_shown(const km_arm *a, double angle) {
+  return angle / a->mechanism->model->units.angle->si;
+}
+
+static void add_held(const km_track *t, km_text *out) {
+  int count = 0;
+  for (int k = 0; k < t->arm->n; ++k)
+    if (t->held[k])
+      km_text_format(out, "%s %s", count++ ? "," : "with joint", km_arm_label(t->arm, k));
+  km_text_add(out, " held the arm can't follow the path any further; with all its joints it could");
+}
+
+void km_track_end_text(const km_track *t, km_text *out) {
+  const km_arm *a = t->arm;
+  const km_track_end *end = &t->end;
+  if (end->stop == KM_TRACK_COMPLETE)
+    return;
+  const char *label = end->column >= 0 ? km_arm_label(a, end->column) : "";
+  km_text_format(out, "stops after %.9g %s and %.9g %s (s = %.9g %s, t = %.9g s, sample %d of %d): ", end->travel,
+                 length_unit(a), angle_shown(a, end->turn), angle_unit(a), end->s, length_unit(a), end->t,
+                 end->sample < 0 ? 0 : end->sample, t->plan.path->samples - 1);
+  switch (end->stop) {
+  case KM_TRACK_LIMIT: {
+    const double *last = km_table_row(t->table, km_table_rows(t->table) - 1);
+    double q = last[3 + end->column], low = km_arm_shown(a, end->column, a->low[end->column]),
+           high = km_arm_shown(a, end->column, a->high[end->column]);
+    km_text_format(out, "joint %s is at its limit, %.9g %s", label, fabs(q - low) < fabs(q - high) ? low : high,
+                   km_model_coordinate_unit(a->mechanism->model, a->coordinate[end->column]));
+    break;
+  }
+  case KM_TRACK_RATE:
+    km_text_format(out, "joint %s would have to move faster than its %.9g %s/s", label,
+                   km_arm_shown(a, end->column, a->rate[end->column]),
+                   km_model_coordinate_unit(a->mechanism->model, a->coordinate[end->column]));
+    break;
+  case KM_TRACK_SINGULAR:
+    km_text_add(out,
+                "singular pose: the arm can't go on along the path from here, though the poses ahead are in reach");
+    break;
+  case KM_TRACK_HELD:
+    add_held(t, out);
+    break;
+  case KM_TRACK_GAVE_OUT:
+    km_text_add(out, "dynamic programming gives out: beyond here it takes more steps than it makes");
+    break;
+  case KM_TRACK_EDGE:
+    km_text_add(out, "workspace edge: no pose of the arm reaches what follows");
+    break;
+  default:
+    km_text_add(out,
+                "there is no pose to start from: the path's first pose is out of reach, or never within the limits");
+  }
+}
+
+static void add_settings(const km_method *m, const km_track *t, km_value *record, km_arena *arena) {
+  const double degrees = 180.0 / M_PI;
+  switch (m->kind) {
+  case KM_LOOKAHEAD: {
+    int samples = t->plan.path->samples, stride = m->stride > 0 ? m->stride : samples / 12 > 1 ? samples / 12 : 1;
+    km_value_number(arena, record, "branches", m->branches);
+    km_value_number(arena, record, "levels", m->levels);
+    km_value_number(arena, record, "angle", round(m->angle * degrees * 1e9) / 1e9);
+    km_value_number(arena, record, "stride", stride);
+    km_value_string(arena, record, "value", m->sum ? "sum" : "min");
+    km_value_boolean(arena, record, "greedy_instead", t->summary.greedy_instead);
+    break;
+  }
+  case KM_DLS:
+    km_value_number(arena, record, "damping", m->damping);
+    km_value_number(arena, record, "below", m->below);
+    break;
+  case KM_GRADIENT:
+    km_value_number(arena, record, "gain", m->gain);
+    break;
+  case KM_DP:
+    km_value_number(arena, record, "spacing", m->spacing);
+    km_value_number(arena, record, "converged_to", t->summary.converged);
+    km_value_boolean(arena, record, "bounded", t->summary.bounded);
+    break;
+  case KM_GLOBAL:
+    km_value_number(arena, record, "knots", m->knots);
+    km_value_number(arena, record, "evaluations", m->evaluations);
+    break;
+  default:
+    break;
+  }
+}
+
+static void add_summary(const km_track *t, km_value *record, km_arena *arena) {
+  const km_track_summary *s = &t->summary;
+  size_t rows = km_table_rows(t->table);
+  km_value *out = km_value_add(arena, record, "summary", KM_OBJECT);
+  km_value_number(arena, out, "error_position", s->error_position);
+  km_value_number(arena, out, "error_rotation", s->error_rotation);
+  km_value_number(arena, out, "objective_min", s->objective_min);
+  km_value_number(arena, out, "objective_mean", s->objective_mean);
+  km_value_number(arena, out, "joint_travel", s->joint_travel);
+  km_value_number(arena, out, "max_rate", s->rate);
+  km_value_string(arena, out, "max_rate_joint", rows ? km_arm_label(t->arm, s->rate_column) : "");
+  km_value_number(arena, out, "limit_margin", s->limit_margin);
+  km_value_number(arena, out, "violations", s->violations);
+  km_value_number(arena, out, "evaluations", (double)s->evaluations);
+}
+
+static void add_track(const km_tracks *all, int index, km_value *list, km_arena *arena) {
+  const km_track *t = all->items[index];
+  char label[64];
+  km_value *record = km_value_add(arena, list, NULL, KM_OBJECT);
+  km_tracks_label(all, index, '-', label, sizeof label);
+  km_value_string(arena, record, "method", t->plan.method.word);
+  km_value_string(arena, record, "label", label);
+  add_settings(&t->plan.method, t, record, arena);
+  add_summary(t, record, arena);
+  km_table_record(t->table, record, arena);
+  km_text why = {0};
+  km_track_end_text(t, &why);
+  km_value_boolean(arena, record, "complete", t->end.stop == KM_TRACK_COMPLETE);
+  if (why.size)
+    km_value_string(arena, record, "stopped_by", why.data);
+  else
+    km_value_add(arena, record, "stopped_by", KM_NULL);
+  km_text_free(&why);
+}
+
+km_value *km_arm_record(const km_arm *a, const char *model, km_arena *arena) {
+  static const char *const tasks[] = {"pose", "position", "axis"};
+  const km_frame_def *frame = &a->mechanism->model->frames[a->frame];
+  km_value *record = km_record_head(a->mechanism, "kredund", model, arena);
+  km_value *effector = km_value_add(arena, record, "effector", KM_LIST);
+  km_value_string(arena, effector, NULL, a->mechanism->model->bodies[frame->body].name);
+  km_value_string(arena, effector, NULL, frame->name);
+  km_value_string(arena, record, "task", tasks[a->task]);
+  km_value_number(arena, record, "scale", a->length);
+  km_value *joints = km_value_add(arena, record, "joints", KM_LIST);
+  for (int k = 0; k < a->n; ++k)
+    km_value_string(arena, joints, NULL, km_arm_label(a, k));
+  return record;
+}
+
+km_value *km_tracks_record(const km_tracks *t, const char *model, km_arena *arena) {
+  const km_path *path = t->study->path;
+  km_value *record = km_arm_record(t->study->arm, model, arena);
+  km_value_string(arena, record, "objective", km_objective_name(&t->study->objective));
+  km_value *about = km_value_add(arena, record, "path", KM_OBJECT);
+  km_value_number(arena, about, "samples", path->samples);
+  km_value_number(arena, about, "length", km_path_travel(path, path->samples - 1));
+  km_value_number(arena, about, "turn", angle_shown(path->arm, km_path_turn(path, path->samples - 1)));
+  km_value_number(arena, about, "s", km_path_length(path, path->samples - 1));
+  km_value_number(arena, about, "seconds", km_path_time(path, path->samples - 1));
+  km_value *list = km_value_add(arena, record, "tracks", KM_LIST);
+  for (int i = 0; i < t->count && !arena->failed; ++i)
+    if (t->items[i])
+      add_track(t, i, list, arena);
+  return arena->failed ? NULL : record;
+}
+
+static void print_head(const km_tracks *t, km_text *out) {
+  const km_arm *a = t->study->arm;
+  const km_path *path = t->study->path;
+  km_text_format(out,
+                 "%s: %d samples over %.6g %s and %.6g %s in %.6g s; %d joints, %d to spare; lengths over L = "
+                 "%.6g %s (%s)\n",
+                 t->name, path->samples, km_path_travel(path, path->samples - 1), length_unit(a),
+                 angle_shown(a, km_path_turn(path, path->samples - 1)), angle_unit(a),
+                 km_path_time(path, path->samples - 1), a->n, a->freedom, a->length, length_unit(a),
+                 km_length_source_name(a->mechanism->length_source));
+}
+
+static void print_line(const km_tracks *all, int index, km_text *out) {
+  const km_track *t = all->items[index];
+  const km_track_summary *s = &t->summary;
+  char label[64];
+  km_tracks_label(all, index, ' ', label, sizeof label);
+  size_t rows = km_table_rows(t->table);
+  if (!rows) {
+    km_text_format(out, "  %-12s nothing was reached\n", label);
+    return;
+  }
+  double part = 100.0 * t->end.s / km_path_length(t->plan.path, t->plan.path->samples - 1);
+  km_text_format(out, "  %-12s %6.1f%%  %9.3g %8.2g  %9.4g %9.4g  %8.4g %8.4g  %9.4g %10d  %11lu\n", label, part,
+                 s->error_position, s->error_rotation, s->objective_min, s->objective_mean, s->joint_travel, s->rate,
+                 s->limit_margin, s->violations, s->evaluations);
+}
+
+/* How good the reference is. */
+static void print_remarks(const km_tracks *all, int index, km_text *out) {
+  const km_track *track = all->items[index];
+  double change = track->summary.converged;
+  char label[64];
+  km_tracks_label(all, index, ' ', label, sizeof label);
+  if (isfinite(change))
+    km_text_format(out, "  %s: half the spacing and stage change the value by %.2g%%%s\n", label, 100.0 * change,
+                   change < 0.02 ? "" : ": no reference yet");
+  else if (track->plan.method.kind == KM_DP && track->end.stop != KM_TRACK_START)
+    km_text_format(out, "  %s: %s\n", label,
+                   track->end.stop          ? "stops short: no reference"
+                   : track->summary.bounded ? "more states than it keeps, so they lie wider: no reference yet"
+                                            : "stops short at one of two spacings: no reference yet");
+}
+
+void km_tracks_print(const km_tracks *t, km_text *out) {
+  print_head(t, out);
+  const char *name = km_objective_name(&t->study->objective);
+  km_text_format(out, "  %-12s %7s  %9s %8s  %19s  %8s %8s  %9s %10s  %11s\n", "", "", "error", "error", name, "joint",
+                 "largest", "smallest", "", "");
+  km_text_format(out, "  %-12s %7s  %9s %8s  %9s %9s  %8s %8s  %9s %10s  %11s\n", "method", "reached",
+                 length_unit(t->study->arm), angle_unit(t->study->arm), "min", "mean", "travel", "rate", "margin",
+                 "violations", "evaluations");
+  for (int i = 0; i < t->count; ++i)
+    if (t->items[i])
+      print_line(t, i, out);
+  for (int i = 0; i < t->count; ++i)
+    if (t->items[i])
+      print_remarks(t, i, out);
+}
