@@ -103,7 +103,7 @@ static km_reality judge(const km_tangents *f, const record *r, double tolerance,
   double way = r->count ? r->way[r->count - 1] : 0.0, misfit = r->count ? r->worst[r->count - 1] : 0.0;
   bool exact = !f->m->closure_tolerance_given && f->residual < noise;
   if (way < short_way)
-    return exact ? KM_UNREAL : KM_UNDECIDED;
+    return exact ? KM_UNREAL : KM_LOST;
   double order = power(r, f->residual);
   if ((misfit > far_above * tolerance && order >= rising) || (exact && order >= steep))
     return KM_UNREAL;
