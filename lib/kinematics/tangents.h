@@ -46,7 +46,7 @@ typedef struct km_way {
   km_reality reality;
 } km_way;
 
-/* Follows a tangent from the pose, `sign` ahead or back, by predicting each step from the last, with the fastest
+/* Follows a tangent from the pose, `sign` ahead or back, with the fastest
  * coordinate as the driver: what is left of the loops' errors is then theirs, and not moved away. The state is left at
  * the end. See trial.c. */
 km_way km_tangents_follow(km_tangents *tangents, const double *a, double sign);
