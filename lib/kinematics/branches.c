@@ -8,7 +8,9 @@ int km_branch_directions(const km_mechanism *m, km_state *s, int index, double *
   km_arena arena = {0};
   km_tangents f;
   int found = 0, n = m->substructures[index].columns;
-  if (km_tangents_make(&f, m, s, index, &arena) && f.conditions.conditions > 0 && !km_tangents_all_real(&f)) {
+  bool made = km_tangents_make(&f, m, s, index, &arena);
+  f.enough = KM_UNDECIDED; /* rounded data have branches too */
+  if (made && f.conditions.conditions > 0 && !km_tangents_all_real(&f)) {
     for (int start = 0; start < KM_STARTS_PER_FREEDOM * f.conditions.freedom && found < KM_MOST_BRANCHES; ++start) {
       if (!km_tangents_random(&f))
         continue;

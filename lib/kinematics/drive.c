@@ -239,6 +239,8 @@ static attempt advance(km_drive *d, double h, double tightness, int *limit) {
   attempt result = predict(d, h, d->move) ? correct(d, h, tightness, d->next_t) : BENT;
   if (result == ACCEPTED) {
     int passed = d->ignore_limits ? -1 : km_state_limit_passed(d->state, sub, d->saved);
+    if (passed < 0 && !d->ignore_limits)
+      passed = km_state_limit_touched(d->state, sub, d->saved, d->t, d->next_t, h);
     if (passed < 0) {
       accept(d, h);
       return ACCEPTED;

@@ -201,8 +201,12 @@ static bool meet_start(km_follow *f, double length) {
   return true;
 }
 
-static int limit_passed(const km_follow *f) {
-  return f->ignore_limits ? -1 : km_state_limit_passed(f->state, sub_of(f), f->here);
+/* On the step of that length. */
+static int limit_passed(const km_follow *f, double length) {
+  if (f->ignore_limits)
+    return -1;
+  int passed = km_state_limit_passed(f->state, sub_of(f), f->here);
+  return passed >= 0 ? passed : km_state_limit_touched(f->state, sub_of(f), f->here, f->t, f->next_t, length);
 }
 
 /* Goes as far as the limit of coordinate c allows, less than `length`. */
@@ -211,7 +215,7 @@ static void stop_at_limit(km_follow *f, int c, double length) {
   f->limit = c;
   for (int i = 0; i < 60 && outside - inside > 1e-11; ++i) {
     double middle = 0.5 * (inside + outside);
-    if (km_follow_step(f, middle, &reached) && limit_passed(f) < 0)
+    if (km_follow_step(f, middle, &reached) && limit_passed(f, middle) < 0)
       inside = middle;
     else
       outside = middle;
@@ -245,7 +249,7 @@ static bool one_step(km_follow *f, double most) {
       if (!km_follow_step(f, length, &length))
         continue;
     }
-    int limit = limit_passed(f);
+    int limit = limit_passed(f, length);
     if (limit >= 0) {
       stop_at_limit(f, limit, length);
       return false;

@@ -211,21 +211,20 @@ bool km_coordinate_turns(const km_mechanism *m, int c) {
   return m->ball_of[c] < 0 && type != KM_SCREW && !km_joint_is_length(type, def->index);
 }
 
-/* How far the coordinate is above (> 0) or below (< 0) its limits; 0 within them, rounding included. */
-static double excess(const km_state *s, int c) {
-  const km_mechanism *m = s->mechanism;
-  double q = s->q[c], slack = 1e-12 * (m->unit[c] + fabs(q));
+/* How far q is above (> 0) or below (< 0) the limits of coordinate c; 0 within them, rounding included. */
+static double excess(const km_mechanism *m, int c, double q) {
+  double slack = 1e-12 * (m->unit[c] + fabs(q));
   return q > m->high[c] + slack ? q - m->high[c] : q < m->low[c] - slack ? q - m->low[c] : 0.0;
 }
 
 bool km_state_is_outside(const km_state *s, int coordinate) {
-  return excess(s, coordinate) != 0.0;
+  return excess(s->mechanism, coordinate, s->q[coordinate]) != 0.0;
 }
 
 int km_state_outside(const km_state *s, const km_substructure *sub) {
   for (int k = 0; k < sub->columns; ++k) {
     int c = s->mechanism->column_coordinate[sub->column_start + k];
-    if (excess(s, c) != 0.0)
+    if (excess(s->mechanism, c, s->q[c]) != 0.0)
       return c;
   }
   return -1;
@@ -234,9 +233,39 @@ int km_state_outside(const km_state *s, const km_substructure *sub) {
 int km_state_limit_passed(const km_state *s, const km_substructure *sub, const double *saved) {
   for (int k = 0; k < sub->columns; ++k) {
     int c = s->mechanism->column_coordinate[sub->column_start + k];
-    double out = excess(s, c);
+    double out = excess(s->mechanism, c, s->q[c]);
     if (out * (s->q[c] - saved[k]) > 0.0)
       return c;
+  }
+  return -1;
+}
+
+/* Where the cubic from 0 to m with end slopes t0, t1 over h turns on the way, as parts of it. Returns how often. */
+static int turns(double m, double t0, double t1, double h, double at[2]) {
+  double a = 3.0 * h * (t0 + t1) - 6.0 * m, b = 6.0 * m - 2.0 * h * (2.0 * t0 + t1), c = h * t0;
+  double root = b * b - 4.0 * a * c;
+  if (!(root > 0.0))
+    return 0;
+  double half = -0.5 * (b + copysign(sqrt(root), b)); /* both roots without cancelling */
+  at[0] = a != 0.0 ? half / a : -1.0;
+  at[1] = c / half;
+  return 2;
+}
+
+int km_state_limit_touched(const km_state *s, const km_substructure *sub, const double *saved, const double *t0,
+                           const double *t1, double h) {
+  const km_mechanism *m = s->mechanism;
+  for (int k = 0; k < sub->columns; ++k) {
+    int c = m->column_coordinate[sub->column_start + k];
+    double move = (s->q[c] - saved[k]) / m->unit[c], at[2];
+    if (m->ball_of[c] >= 0 || (!isfinite(m->low[c]) && !isfinite(m->high[c])))
+      continue;
+    for (int i = turns(move, t0[k], t1[k], h, at) - 1; i >= 0; --i) {
+      double u = at[i], bend = h * u * (1.0 - u) * (t0[k] * (1.0 - u) - t1[k] * u);
+      double way = m->unit[c] * (move * u * u * (3.0 - 2.0 * u) + bend);
+      if (u > 0.0 && u < 1.0 && excess(m, c, saved[k] + way) * way > 0.0)
+        return c;
+    }
   }
   return -1;
 }

@@ -77,6 +77,10 @@ bool km_state_is_outside(const km_state *state, int coordinate);
 int km_state_outside(const km_state *state, const km_substructure *sub);
 /* The coordinate of the substructure that is outside its limit, and further out than at the saved pose; -1 none. */
 int km_state_limit_passed(const km_state *state, const km_substructure *sub, const double *saved);
+/* The same for the way from the saved pose, by the cubic through both poses with the tangents t0 and t1 (scaled, per
+ * unit of the way's parameter, over h of it): a coordinate may turn outside its limit and come back. */
+int km_state_limit_touched(const km_state *state, const km_substructure *sub, const double *saved, const double *t0,
+                           const double *t1, double h);
 /* Does a full turn of the coordinate bring the mechanism back? True for hinges, not for slides, screws, balls. */
 bool km_coordinate_turns(const km_mechanism *mechanism, int coordinate);
 /* Copies the coordinates of one state to another of the same model. */

@@ -10,7 +10,7 @@ double km_tangents_uniform(km_tangents *f) { /* -1 … 1, always the same sequen
 bool km_tangents_make(km_tangents *f, const km_mechanism *m, km_state *s, int index, km_arena *arena) {
   const km_substructure *sub = &m->substructures[index];
   size_t n = (size_t)sub->columns;
-  *f = (km_tangents){.m = m, .s = s, .index = index, .sub = sub, .random = 1};
+  *f = (km_tangents){.m = m, .s = s, .index = index, .sub = sub, .enough = KM_REAL, .random = 1};
   if (!km_second_order_build(m, s, index, arena, &f->conditions))
     return false;
   size_t k = (size_t)f->conditions.freedom;
@@ -42,8 +42,8 @@ void km_tangents_direction(const km_tangents *f, const double *a, double *x) {
 bool km_tangents_is_real(km_tangents *f, const double *a) {
   for (int sign = 1; sign >= -1; sign -= 2) {
     km_reality reality = km_tangents_follow(f, a, sign).reality;
-    f->doubtful = f->doubtful || reality == KM_UNDECIDED;
-    if (reality != KM_REAL)
+    f->doubtful = f->doubtful || reality == KM_LOST || reality == KM_UNDECIDED;
+    if (reality < f->enough)
       return false;
   }
   return true;

@@ -9,6 +9,14 @@
 
 enum { KM_STARTS_PER_FREEDOM = 40 };
 
+/* Does a motion follow the tangent? */
+typedef enum km_reality {
+  KM_UNREAL,    /* the loops can't be closed along it, or open as a power of the way: a contact of finite order */
+  KM_LOST,      /* they can't be closed even a short way, but don't fit at the pose itself either: rounded data */
+  KM_UNDECIDED, /* they close for a part of the way, and what stops them shows no power */
+  KM_REAL
+} km_reality;
+
 typedef struct km_tangents {
   const km_mechanism *m;
   km_state *s;
@@ -18,6 +26,7 @@ typedef struct km_tangents {
   double residual;     /* of the pose's worst loop */
   double *pose, *last; /* saved coordinates */
   bool doubtful;       /* some tangent was neither confirmed nor refuted */
+  km_reality enough;   /* to count as real; KM_REAL */
   double *x, *move, *work;
   double *a; /* [freedom] a tangent by its share of each column of Z */
   uint64_t random;
@@ -31,19 +40,13 @@ double km_tangents_uniform(km_tangents *tangents);
 void km_tangents_normalise(double *a, int freedom);
 /* Scaled unit direction D⁻¹Z a. */
 void km_tangents_direction(const km_tangents *tangents, const double *a, double *x);
-/* Does a motion follow the tangent? */
-typedef enum km_reality {
-  KM_UNREAL,    /* the loops can't be closed along it, or open as a power of the way: a contact of finite order */
-  KM_UNDECIDED, /* they close for a part of the way, and what stops them shows no power */
-  KM_REAL
-} km_reality;
 
 typedef struct km_way {
   double length; /* arc length to which the loops were closed */
   km_reality reality;
 } km_way;
 
-/* Follows a tangent from the pose, `sign` ahead or back, by predicting each step from the last, with the fastest
+/* Follows a tangent from the pose, `sign` ahead or back, with the fastest
  * coordinate as the driver: what is left of the loops' errors is then theirs, and not moved away. The state is left at
  * the end. See trial.c. */
 km_way km_tangents_follow(km_tangents *tangents, const double *a, double sign);

@@ -99,11 +99,26 @@ static void scale_move(km_tangents *f, double factor) {
     f->move[c] *= factor;
 }
 
+/* The next move, of size h, from the last one: along the tangent where the held coordinate leaves just one, else on as
+ * the last went. */
+static void look_ahead(km_tangents *f, int driver, double h) {
+  const km_partition *p = &f->s->partition[f->index];
+  int column, n = f->sub->columns;
+  double *t = f->x;
+  if (p->rank == n - 1 && p->column[n - 1] == driver) {
+    km_partition_direction(p, driver, t);
+    double sign = copysign(1.0, km_step_dot(f->m, f->sub, t, f->move)), size = fastest(t, n, &column);
+    for (int c = 0; c < n && isfinite(size); ++c)
+      f->move[c] = sign * t[c] / size;
+  }
+  scale_move(f, h / fastest(f->move, n, &column));
+}
+
 static km_reality judge(const km_tangents *f, const record *r, double tolerance, bool whole) {
   double way = r->count ? r->way[r->count - 1] : 0.0, misfit = r->count ? r->worst[r->count - 1] : 0.0;
   bool exact = !f->m->closure_tolerance_given && f->residual < noise;
   if (way < short_way)
-    return exact ? KM_UNREAL : KM_UNDECIDED;
+    return exact ? KM_UNREAL : KM_LOST;
   double order = power(r, f->residual);
   if ((misfit > far_above * tolerance && order >= rising) || (exact && order >= steep))
     return KM_UNREAL;
@@ -140,9 +155,8 @@ km_way km_tangents_follow(km_tangents *f, const double *a, double sign) {
       opened = fmin(opened, way);
     else if (opened == HUGE_VAL)
       result.length += km_step_length(f->m, f->sub, f->move);
-    double next = fmin(1.5 * h, longest_step);
-    scale_move(f, next / moved);
-    h = next;
+    h = fmin(1.5 * h, longest_step);
+    look_ahead(f, driver, h);
   }
   f->s->pivoted[f->index] = KM_NEVER;
   result.reality = judge(f, &r, tolerance, way >= whole_way);

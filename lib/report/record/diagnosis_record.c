@@ -158,10 +158,10 @@ static void print_finite(const km_finite_mobility *finite, km_text *out) {
   else
     km_text_format(out, "\nfinite mobility %d", finite->mobility);
   if (isfinite(followed))
-    km_text_format(
-        out,
-        ": the loops stay closed for an arc of %.2g, and what opens them there tells neither a motion nor a structure",
-        followed);
+    km_text_format(out,
+                   ": the loops stay within the closure tolerance for an arc of %.2g, and what opens them there tells "
+                   "neither a motion nor a structure",
+                   followed);
   if (branches)
     km_text_format(out, ": a branch point, where %s%d motions meet", finite->truncated ? "at least " : "", branches);
   if (shaky)
