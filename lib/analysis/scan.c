@@ -326,16 +326,16 @@ km_status km_scan_sample(km_scan *scan, km_sweeper *r, double s, km_error *error
 /* Of x at once, twice and four times the root of the way to the end: is nothing left of it there? By the parabola. */
 static bool comes_to_nothing(const double *x, int count) {
   double once = fabs(x[0]), twice = fabs(x[count]), four = fabs(x[2 * count]);
-  return four != 0.0 && fabs(8.0 * once - 6.0 * twice + four) < 3.0 * 0.05 * four;
+  return four != 0.0 && fabs(8.0 * once - 6.0 * twice + four) < 3.0 * 0.05 * once;
 }
 
-/* The first of three samples that come to the end by quarters of the way, far enough from it: it is located to 1e-9.
- * -1: none. */
+/* The first of three samples that come to the end by quarters of the way, far enough from it: it is located to 1e-9,
+ * sometimes less well. -1: none. */
 static int nearest(const km_ending *ending, double end) {
+  const double *s = ending->s;
   for (int k = 1; k + 2 < ending->have; ++k) {
-    double way = fabs(ending->s[k] - end);
-    bool quarters = fabs(fabs(ending->s[k + 1] - end) - 4.0 * way) < 0.01 * way &&
-                    fabs(fabs(ending->s[k + 2] - end) - 16.0 * way) < 0.01 * way;
+    double way = fabs(s[k + 1] - s[k]) / 3.0;
+    bool quarters = fabs(fabs(s[k + 2] - s[k + 1]) - 12.0 * way) < 0.01 * way;
     if (quarters && way > 1e-7 * (1.0 + fabs(end)))
       return k;
   }
