@@ -44,10 +44,10 @@ static void spatial_forces(void **state) {
 static void leverage(void **state) {
   (void)state;
   family_count count = all(family_leverage, 150);
-  assert_true(count.zeros > 50);
-  assert_true(count.poles > 50);
-  assert_true(count.peaks > 50);
-  assert_true(count.ends > 20);
+  assert_true(count.zeros > 20);
+  assert_true(count.poles > 20);
+  assert_true(count.peaks > 20);
+  assert_true(count.ends > 10);
 }
 
 int main(void) {
