@@ -43,7 +43,7 @@ static void spatial_forces(void **state) {
 
 static void leverage(void **state) {
   (void)state;
-  family_count count = all(family_leverage, 150);
+  family_count count = all(family_leverage, 400);
   assert_true(count.zeros > 20);
   assert_true(count.poles > 20);
   assert_true(count.peaks > 20);

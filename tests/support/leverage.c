@@ -61,7 +61,8 @@ static double leverage(const course *c, int i) {
   return c->n[i] / c->d[i];
 }
 
-/* The bound is that of the course, within what the course changes from there to the next places. */
+/* The bound is that of the course, within what the course changes from there to the next places; before the first place
+ * it may be larger. */
 static bool meets(const course *c, double told, double sense) {
   int best = 0;
   for (int i = 1; i < c->count; ++i)
@@ -72,7 +73,7 @@ static bool meets(const course *c, double told, double sense) {
     slack = fmax(slack, fabs(value - leverage(c, best - 1)));
   if (best + 1 < c->count)
     slack = fmax(slack, fabs(value - leverage(c, best + 1)));
-  return fabs(told - value) <= 2.0 * slack; /* half a place before the first one it may be steeper */
+  return sense * (told - value) >= -slack && (best == 0 || sense * (told - value) <= slack);
 }
 
 /* The bounds of a leverage that stays finite. */
