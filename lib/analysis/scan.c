@@ -194,8 +194,7 @@ static km_status approach(km_scan *scan, km_sweeper *r, int i, double s, double 
   return status;
 }
 
-/* Shows `between` the poses on the way from s to a pole, or away from it. */
-static km_status show(km_scan *scan, km_sweeper *r, double s, double pole, bool away, km_error *error) {
+km_status km_scan_show(km_scan *scan, km_sweeper *r, double s, double pole, bool away, km_error *error) {
   for (int k = 0; k < APPROACHES && scan->between; ++k) {
     double x = place(s, pole, away, k);
     if (visit(scan, r, x) && !scan->between(scan->self, r, x))
@@ -213,7 +212,7 @@ static km_status pass_pole(km_scan *scan, km_sweeper *r, int i, double pole, km_
     if (s == pole)
       continue;
     if (!shown)
-      status = show(scan, r, s, pole, away, error);
+      status = km_scan_show(scan, r, s, pole, away, error);
     if (!status)
       status = approach(scan, r, i, s, pole, away, error);
   }
@@ -276,25 +275,6 @@ static km_status look(km_scan *scan, km_sweeper *r, int i, bool *moved, km_error
   return status || d == 0.0 ? status : take(scan, r, i, scan->s[0], n / d, moved, error);
 }
 
-/* The newest sample becomes the first of the last ones, and, of the first ones, the last. */
-static void keep_ending(km_scan *scan) {
-  size_t n = (size_t)scan->count, row = n * sizeof(double);
-  km_ending *last = &scan->last, *first = &scan->first;
-  memmove(last->s + 1, last->s, (KM_ENDING - 1) * sizeof *last->s);
-  memmove(last->n + n, last->n, (KM_ENDING - 1) * row);
-  memmove(last->d + n, last->d, (KM_ENDING - 1) * row);
-  last->s[0] = scan->s[0];
-  memcpy(last->n, scan->n[0], row);
-  memcpy(last->d, scan->d[0], row);
-  last->have += last->have < KM_ENDING;
-  if (first->have == KM_ENDING)
-    return;
-  first->s[first->have] = scan->s[0];
-  memcpy(first->n + (size_t)first->have * n, scan->n[0], row);
-  memcpy(first->d + (size_t)first->have * n, scan->d[0], row);
-  first->have++;
-}
-
 km_status km_scan_sample(km_scan *scan, km_sweeper *r, double s, km_error *error) {
   if (scan->have > 1 && (s - scan->s[0]) * (scan->s[0] - scan->s[1]) <= 0.0)
     return KM_OK; /* the way to it has been seen */
@@ -310,7 +290,7 @@ km_status km_scan_sample(km_scan *scan, km_sweeper *r, double s, km_error *error
   evaluate(scan, r, n, d);
   if (scan->sampled)
     scan->sampled(scan->self, r);
-  keep_ending(scan);
+  km_scan_keep_ending(scan);
   bool moved = false;
   km_status status = KM_OK;
   for (int i = 0; i < scan->count && !status; ++i)
@@ -320,63 +300,5 @@ km_status km_scan_sample(km_scan *scan, km_sweeper *r, double s, km_error *error
     if (r->substructure >= 0)
       km_numbers_update(r->m, r->s, r->substructure);
   }
-  return status;
-}
-
-/* Of x at once, twice and four times the root of the way to the end: is nothing left of it there? By the parabola. */
-static bool comes_to_nothing(const double *x, int count) {
-  double once = fabs(x[0]), twice = fabs(x[count]), four = fabs(x[2 * count]);
-  return four != 0.0 && fabs(8.0 * once - 6.0 * twice + four) < 3.0 * 0.05 * four;
-}
-
-/* The first of three samples that come to the end by quarters of the way, far enough from it: it is located to 1e-9.
- * -1: none. */
-static int nearest(const km_ending *ending, double end) {
-  for (int k = 1; k + 2 < ending->have; ++k) {
-    double way = fabs(ending->s[k] - end);
-    bool quarters = fabs(fabs(ending->s[k + 1] - end) - 4.0 * way) < 0.01 * way &&
-                    fabs(fabs(ending->s[k + 2] - end) - 16.0 * way) < 0.01 * way;
-    if (quarters && way > 1e-7 * (1.0 + fabs(end)))
-      return k;
-  }
-  return -1;
-}
-
-/* What rounding has told of a function next to an end where it vanishes or has a pole. */
-static void forget_end(km_events *events, int function, double s, double way) {
-  size_t kept = 0;
-  for (size_t i = 0; i < events->count; ++i) {
-    const km_event *e = &events->items[i];
-    bool extreme = e->kind == KM_EVENT_MINIMUM || e->kind == KM_EVENT_MAXIMUM;
-    if (extreme || e->function != function || fabs(e->s - s) > way)
-      events->items[kept++] = *e;
-  }
-  events->count = kept;
-}
-
-km_status km_scan_end(km_scan *scan, km_sweeper *r, double end, km_error *error) {
-  const km_table *table = r->out->table;
-  size_t rows = km_table_rows(table);
-  if (rows < 2)
-    return KM_OK;
-  bool away = km_table_row(table, 0)[1] == end;
-  const km_ending *ending = away ? &scan->first : &scan->last;
-  int k = nearest(ending, end), count = scan->count;
-  km_status status = KM_OK;
-  for (int i = 0; i < count && k > 0 && !status; ++i) {
-    bool zero = comes_to_nothing(ending->n + k * count + i, count);
-    bool pole = comes_to_nothing(ending->d + k * count + i, count);
-    km_event_kind kind = zero && pole ? KM_EVENT_UNDEFINED : pole ? KM_EVENT_POLE : KM_EVENT_ZERO;
-    if (!zero && !pole)
-      continue;
-    forget_end(scan->events, i, end, fabs(ending->s[k] - end));
-    status = km_events_add(scan->events, (km_event){kind, i, end, kind == KM_EVENT_POLE ? HUGE_VAL : 0.0}, error);
-    /* Of several freedoms a way back from an end needn't be the one that led to it. */
-    if (kind != KM_EVENT_POLE || status || scan->shown == end || r->out->freedom > 1)
-      continue;
-    status = show(scan, r, km_table_row(table, away ? 1 : rows - 2)[1], end, away, error);
-    scan->shown = end;
-  }
-  r->mover.settle(r->mover.self);
   return status;
 }

@@ -65,6 +65,10 @@ void km_scan_free(km_scan *scan);
 /* The state stands at s: samples the functions, and looks between this sample and the last ones (Brent's methods, GSL).
  * Comes back to where the mover settles. KM_MEMORY. */
 km_status km_scan_sample(km_scan *scan, km_sweeper *sweeper, double s, km_error *error);
+/* Shows `between` the poses on the way from s to a pole, or away from it. Leaves the state at one of them. */
+km_status km_scan_show(km_scan *scan, km_sweeper *sweeper, double s, double pole, bool away, km_error *error);
+/* The newest sample becomes the first of the last ones, and, while there is room, the last of the first ones. */
+void km_scan_keep_ending(km_scan *scan);
 /* The driver gives out at `end`, which is the first or the last row. Whatever else stands there comes to it as the root
  * of the way: tells the zeros and poles. After the last sample. */
 km_status km_scan_end(km_scan *scan, km_sweeper *sweeper, double end, km_error *error);

@@ -162,9 +162,9 @@ static bool divide(const km_mechanism *m, const km_state *s, int index, const km
     int a = h->actuator[i];
     double sum = 0.0, grain = 0.0;
     for (int k = 0; k < rank; ++k) {
-      double part = gsl_matrix_get(h->U, (size_t)i, (size_t)k) * product(h, rank, k);
-      sum -= part * gsl_vector_get(h->load, (size_t)k);
-      grain += fabs(part) * rounding * h->noise;
+      double others = product(h, rank, k);
+      sum -= gsl_matrix_get(h->U, (size_t)i, (size_t)k) * others * gsl_vector_get(h->load, (size_t)k);
+      grain += others * rounding * h->noise;
     }
     n[a] = lost ? nan("") : sense * m->scale[st->actuators[a]] * clear(sum, grain);
     d[a] = sense * all;

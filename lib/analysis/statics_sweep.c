@@ -90,7 +90,8 @@ static void sampled(void *self, km_sweeper *r) {
 }
 
 /* The first pose was one where the actuators had a freedom less within their reach than elsewhere. */
-static km_status start_at_pole(watch *w, double s, km_error *error) {
+static km_status start_at_pole(watch *w, km_error *error) {
+  double s = w->scan.first.s[0];
   km_status status = KM_OK;
   for (int i = 0; i < w->scan.count && !status; ++i)
     if (isnan(w->scan.n[1][i]) && !isnan(w->scan.n[0][i]))
@@ -104,12 +105,11 @@ static km_status look(void *self, km_sweeper *r, double s, km_error *error) {
   if (r->substructure >= 0 && km_partition_freedom(&r->s->partition[r->substructure]) > r->out->freedom)
     return KM_OK;
   bool second = w->scan.have > 0;
-  double first_s = w->scan.s[0];
   w->grown = false;
   w->moves = km_sweeper_motion(r);
   km_status status = km_scan_sample(&w->scan, r, s, error);
   if (w->grown && second && !status)
-    status = start_at_pole(w, first_s, error);
+    status = start_at_pole(w, error);
   if (w->grown)
     w->scan.have = 1;
   return status;

@@ -26,23 +26,33 @@ static void wedges(void **state) {
 
 static void planar_forces(void **state) {
   (void)state;
-  family_count count = all(family_planar_forces, 150);
-  assert_true(count.zeros > 50);
-  assert_true(count.poles > 50);
-  assert_true(count.peaks > 50);
-  assert_true(count.ends > 5);
+  family_count count = all(family_planar_forces, 80);
+  assert_true(count.zeros > 20);
+  assert_true(count.poles > 15);
+  assert_true(count.peaks > 20);
+  assert_true(count.ends > 2);
 }
 
 static void spatial_forces(void **state) {
   (void)state;
-  family_count count = all(family_spatial_forces, 200);
+  family_count count = all(family_spatial_forces, 150);
   assert_true(count.zeros > 50);
-  assert_true(count.poles > 50);
-  assert_true(count.peaks > 50);
+  assert_true(count.poles > 30);
+  assert_true(count.peaks > 30);
+}
+
+static void leverage(void **state) {
+  (void)state;
+  family_count count = all(family_leverage, 400);
+  assert_true(count.zeros > 20);
+  assert_true(count.poles > 20);
+  assert_true(count.peaks > 20);
+  assert_true(count.ends > 10);
 }
 
 int main(void) {
   const struct CMUnitTest tests[] = {cmocka_unit_test(friction), cmocka_unit_test(wedges),
-                                     cmocka_unit_test(planar_forces), cmocka_unit_test(spatial_forces)};
+                                     cmocka_unit_test(planar_forces), cmocka_unit_test(spatial_forces),
+                                     cmocka_unit_test(leverage)};
   return cmocka_run_group_tests(tests, NULL, NULL);
 }

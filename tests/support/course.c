@@ -17,12 +17,44 @@ void course_free(course *c) {
   *c = (course){0};
 }
 
-double course_place(const km_sweep_plan *plan, const km_sweep *motion, int i, int count) {
+static double place(const km_sweep_plan *plan, const km_sweep *motion, int i, int count) {
   double part = (double)i / (count - 1), end = motion->end.position;
   if (plan->arclength > 0.0)
     return part * end;
   bool root = motion->end.stop == KM_STOP_TOGGLE;
   return plan->from + (end - plan->from) * (root ? 1.0 - (1.0 - part) * (1.0 - part) : part);
+}
+
+/* To arc length s, past the end of the cycle. */
+static bool follow_to(km_follow *follow, double s) {
+  bool there = km_follow_advance(follow, s - km_follow_length(follow)) == KM_OK;
+  if (!km_follow_closed(follow))
+    return there;
+  km_follow_go_round(follow);
+  return km_follow_length(follow) >= s || km_follow_advance(follow, s - km_follow_length(follow)) == KM_OK;
+}
+
+bool course_walk(fixture *f, const km_sweep_plan *plan, const km_sweep *motion, int count, course_look look,
+                 void *context) {
+  km_drive *drive = NULL;
+  km_follow *follow = NULL;
+  km_mobility mobility;
+  bool by_length = plan->arclength > 0.0, there = true;
+  km_mobility_update(f->mechanism, f->state, &mobility);
+  if (by_length ? km_follow_create(f->mechanism, f->state, -1, 1.0, false, &follow, NULL)
+                : km_drive_create(f->mechanism, f->state, plan->coordinate, false, &drive, NULL))
+    return false;
+  for (int i = 0; i < count && there; ++i) {
+    double s = place(plan, motion, i, count);
+    if (by_length)
+      there = i == 0 || follow_to(follow, s);
+    else
+      there = km_drive_to(drive, s).stop == KM_STOP_NONE || i + 1 == count;
+    look(context, f, i, s);
+  }
+  km_drive_free(drive);
+  km_follow_free(follow);
+  return there;
 }
 
 /* x goes with the root of the way to the end: straight on by half a place, since differences stand between two. */

@@ -13,9 +13,11 @@ typedef struct course {
 course course_make(int count);
 void course_free(course *c);
 
-/* Place i of `count` on the way of a sweep, from its start to the end that it came to: where the driver gives out, so
- * that poses are evenly spaced. */
-double course_place(const km_sweep_plan *plan, const km_sweep *motion, int i, int count);
+/* Moves a fixture of its own along the way of a sweep, from its start to the end that it came to, and shows `count`
+ * poses: where the driver gives out, the nearer to one another. False where that isn't possible. */
+typedef void (*course_look)(void *context, fixture *f, int i, double s);
+bool course_walk(fixture *f, const km_sweep_plan *plan, const km_sweep *motion, int count, course_look look,
+                 void *context);
 /* Where the driver has given out at the end, and n, d are by such places: is the actuator's force without bound there?
  */
 bool course_gives_out(const course *c);

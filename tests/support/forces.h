@@ -15,12 +15,13 @@ typedef struct family_count {
 bool family_friction(uint64_t seed, family_count *count);
 /* Wedges on two guides against the closed form. */
 bool family_wedge(uint64_t seed, family_count *count);
-/* Planar linkages of one or two freedoms, by driver or arc length: where actuators rest, peak and have no bound,
+/* Planar linkages of one freedom, by driver or arc length, and of two: where actuators rest, peak and have no bound,
  * against Cramer's rule on all equations of balance. */
 bool family_planar_forces(uint64_t seed, family_count *count);
+bool family_two_freedoms(uint64_t seed, family_count *count);
 /* Spherical and spatial linkages, some with idle spins: the same against displacements alone. */
 bool family_spatial_forces(uint64_t seed, family_count *count);
-/* Planar linkages swept to the end of their driver: leverage against the rates of all bodies. */
+/* Planar linkages: toggles and extremes of a leverage against displacements. */
 bool family_leverage(uint64_t seed, family_count *count);
 
 #endif

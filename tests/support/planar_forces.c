@@ -5,7 +5,7 @@
 #include <math.h>
 #include <string.h>
 
-enum { SAMPLES = 6000, MOST_LOADS = 2 };
+enum { SAMPLES = 3000, MOST_LOADS = 2 };
 
 /* How far events may lie from the course's: of two freedoms the path depends on its steps, by 1e-4 a step of the sweep.
  */
@@ -20,11 +20,11 @@ typedef struct planar_case {
   planar_load loads[MOST_LOADS];
   int loaded[MOST_LOADS]; /* joints at whose places they act, on the child */
   int load_count;
+  course course[2];
 } planar_case;
 
-static planar_case make(randomness *r) {
+static planar_case make(randomness *r, int freedoms) {
   planar_case k = {.load_count = below(r, MOST_LOADS + 1), .gravity = {uniform(r, -9.0, 9.0), uniform(r, -9.0, 9.0)}};
-  int freedoms = below(r, 3) == 0 ? 2 : 1;
   k.p = planar_random(r, freedoms, 1 + below(r, 2), false);
   for (int i = 0; i < k.load_count; ++i) {
     const planar_joint *j = &k.p.joint[k.loaded[i] = below(r, k.p.joints)];
@@ -68,41 +68,15 @@ static void ratios(const planar_case *k, const fixture *f, double *n, double *d)
   }
 }
 
-/* To arc length s, past the end of the cycle. */
-static bool follow_to(km_follow *follow, double s) {
-  bool there = km_follow_advance(follow, s - km_follow_length(follow)) == KM_OK;
-  if (!km_follow_closed(follow))
-    return there;
-  km_follow_go_round(follow);
-  return km_follow_length(follow) >= s || km_follow_advance(follow, s - km_follow_length(follow)) == KM_OK;
-}
-
-/* Moves along the sweep's way on a state of its own. */
-static bool walk(const planar_case *k, fixture *f, const km_sweep *motion, course *c) {
-  km_drive *drive = NULL;
-  km_follow *follow = NULL;
-  km_mobility mobility;
-  bool by_length = k->plan.arclength > 0.0, there = true;
-  km_mobility_update(f->mechanism, f->state, &mobility);
-  if (by_length ? km_follow_create(f->mechanism, f->state, -1, 1.0, false, &follow, NULL)
-                : km_drive_create(f->mechanism, f->state, k->plan.coordinate, false, &drive, NULL))
-    return false;
-  for (int i = 0; i < SAMPLES && there; ++i) {
-    double n[2] = {0}, d = 1.0, s = course_place(&k->plan, motion, i, SAMPLES);
-    if (by_length)
-      there = i == 0 || follow_to(follow, s);
-    else
-      there = km_drive_to(drive, s).stop == KM_STOP_NONE || i + 1 == SAMPLES;
-    ratios(k, f, n, &d);
-    for (int a = 0; a < k->p.freedoms; ++a) {
-      c[a].s[i] = s;
-      c[a].n[i] = n[a];
-      c[a].d[i] = d;
-    }
+static void look(void *context, fixture *f, int i, double s) {
+  planar_case *k = context;
+  double n[2] = {0}, d = 1.0;
+  ratios(k, f, n, &d);
+  for (int a = 0; a < k->p.freedoms; ++a) {
+    k->course[a].s[i] = s;
+    k->course[a].n[i] = n[a];
+    k->course[a].d[i] = d;
   }
-  km_drive_free(drive);
-  km_follow_free(follow);
-  return there;
 }
 
 static km_status sweep_of(const planar_case *k, fixture *f, km_statics_sweep *sweep) {
@@ -132,17 +106,20 @@ static bool drives(const course *c) {
   return largest > 1e-9;
 }
 
-bool family_planar_forces(uint64_t seed, family_count *count) {
+static bool family(uint64_t seed, int freedoms, family_count *count) {
   randomness r = {seed};
-  planar_case k = make(&r);
+  planar_case k = make(&r, freedoms);
   char *text = planar_text(&k.p);
   fixture f = fixture_read(text), g = fixture_read(text);
-  course c[2] = {course_make(SAMPLES), course_make(SAMPLES)};
+  course *c = k.course;
+  c[0] = course_make(SAMPLES);
+  c[1] = course_make(SAMPLES);
   km_statics_sweep sweep = {0};
   km_free(text);
   km_status status = sweep_of(&k, &f, &sweep);
   bool right = status == KM_OK || status == KM_PARTIAL;
-  if (right && sweep.motion.start.stop == KM_STOP_NONE && walk(&k, &g, &sweep.motion, c) && drives(c)) {
+  if (right && sweep.motion.start.stop == KM_STOP_NONE && course_walk(&g, &k.plan, &sweep.motion, SAMPLES, look, &k) &&
+      drives(c)) {
     bool by_root = sweep.motion.end.stop == KM_STOP_TOGGLE && k.plan.arclength <= 0.0;
     for (int a = 0; a < k.p.freedoms; ++a) {
       bool ends = by_root && course_gives_out(&c[a]);
@@ -158,4 +135,12 @@ bool family_planar_forces(uint64_t seed, family_count *count) {
   fixture_close(&f);
   fixture_close(&g);
   return right;
+}
+
+bool family_planar_forces(uint64_t seed, family_count *count) {
+  return family(seed, 1, count);
+}
+
+bool family_two_freedoms(uint64_t seed, family_count *count) {
+  return family(seed, 2, count);
 }

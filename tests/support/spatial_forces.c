@@ -96,6 +96,9 @@ typedef struct spatial_case {
   int actuator;
   km_vec3 gravity, force;
   int loaded; /* body */
+  course course;
+  bool by_root; /* the driver gives out */
+  double last_s, last_q, last_work;
 } spatial_case;
 
 static spatial_case make(randomness *r) {
@@ -127,38 +130,19 @@ static double work(const spatial_case *k, fixture *f) {
   return sum + km_vec3_dot(k->force, km_pose_point(&f->state->pose[k->loaded], frame->pose.p));
 }
 
-/* n and d by differences, half-way between poses. */
-static bool walk(const spatial_case *k, fixture *f, const km_sweep *motion, course *c) {
-  km_drive *drive = NULL;
-  km_follow *follow = NULL;
-  km_mobility mobility;
-  bool by_length = k->plan.arclength > 0.0, there = true;
-  double last_s = 0.0, last_q = 0.0, last_work = 0.0;
-  km_mobility_update(f->mechanism, f->state, &mobility);
-  if (by_length ? km_follow_create(f->mechanism, f->state, -1, 1.0, false, &follow, NULL)
-                : km_drive_create(f->mechanism, f->state, k->plan.coordinate, false, &drive, NULL))
-    return false;
-  for (int i = 0; i <= SAMPLES && there; ++i) {
-    double s = course_place(&k->plan, motion, i, SAMPLES + 1);
-    if (by_length)
-      there = i == 0 || km_follow_advance(follow, s - last_s) == KM_OK;
-    else
-      there = km_drive_to(drive, s).stop == KM_STOP_NONE || i == SAMPLES;
-    double q = f->state->q[k->actuator], W = work(k, f);
-    if (i > 0) {
-      c->s[i - 1] = 0.5 * (s + last_s);
-      c->n[i - 1] = last_work - W;
-      c->d[i - 1] = q - last_q;
-    }
-    last_s = s;
-    last_q = q;
-    last_work = W;
+/* n and d by differences, half-way between poses; at the last one the end itself where the driver gives out. */
+static void look(void *context, fixture *f, int i, double s) {
+  spatial_case *k = context;
+  course *c = &k->course;
+  double q = f->state->q[k->actuator], W = work(k, f);
+  if (i > 0) {
+    c->s[i - 1] = i == SAMPLES && k->by_root ? s : 0.5 * (s + k->last_s);
+    c->n[i - 1] = k->last_work - W;
+    c->d[i - 1] = q - k->last_q;
   }
-  if (there && motion->end.stop == KM_STOP_TOGGLE && !by_length)
-    c->s[SAMPLES - 1] = motion->end.position;
-  km_drive_free(drive);
-  km_follow_free(follow);
-  return there;
+  k->last_s = s;
+  k->last_q = q;
+  k->last_work = W;
 }
 
 static km_status sweep_of(const spatial_case *k, fixture *f, km_statics_sweep *sweep) {
@@ -185,20 +169,21 @@ bool family_spatial_forces(uint64_t seed, family_count *count) {
   /* The last hinge, which passes its dead points; of cylinders, any coordinate but the driver. */
   int last = f.model->coordinate_count - 1;
   k.actuator = strcmp(k.l.type[1], "cylindrical") == 0 ? 1 + below(&r, last) : below(&r, 4) ? last : 0;
-  course c = course_make(SAMPLES);
+  k.course = course_make(SAMPLES);
   km_statics_sweep sweep = {0};
   km_status status = sweep_of(&k, &f, &sweep);
   bool right = status == KM_OK || status == KM_PARTIAL;
+  k.by_root = sweep.motion.end.stop == KM_STOP_TOGGLE && k.plan.arclength <= 0.0;
   bool long_enough = fabs(sweep.motion.end.position) > 0.01; /* else differences are rounding */
-  if (right && long_enough && sweep.motion.start.stop == KM_STOP_NONE && walk(&k, &g, &sweep.motion, &c)) {
-    bool by_root = sweep.motion.end.stop == KM_STOP_TOGGLE && k.plan.arclength <= 0.0;
+  if (right && long_enough && sweep.motion.start.stop == KM_STOP_NONE &&
+      course_walk(&g, &k.plan, &sweep.motion, SAMPLES + 1, look, &k)) {
     /* Half-way between two poses the difference errs by the square of their distance. */
-    right = course_agrees(&c, &sweep, 0, by_root && course_gives_out(&c), 1e-6, count);
+    right = course_agrees(&k.course, &sweep, 0, k.by_root && course_gives_out(&k.course), 1e-6, count);
   }
   if (!right)
     print_error("spatial forces, seed %llu: %s-%s-%s-%s, %s\n", (unsigned long long)seed, k.l.type[0], k.l.type[1],
                 k.l.type[2], k.l.type[3], k.plan.arclength > 0.0 ? "by arc length" : "by a driver");
-  course_free(&c);
+  course_free(&k.course);
   km_statics_sweep_free(&sweep);
   fixture_close(&f);
   fixture_close(&g);

@@ -5,6 +5,7 @@
 #include "kmech/statics_sweep.h"
 #include "report/document/advantage_report.h"
 #include "report/document/statics_report.h"
+#include "report/plot/sweep_plot.h"
 
 #include <string.h>
 
@@ -115,8 +116,68 @@ static void markup_is_escaped(void **state) {
   km_text_free(&pdf);
 }
 
+/* f over s from 0 to 1 in 200 rows. */
+static km_sweep drawn(double (*f)(double)) {
+  km_sweep motion = {.table = km_table_create(), .between = km_table_create()};
+  km_table *const tables[2] = {motion.table, motion.between};
+  for (int i = 0; i < 2; ++i) {
+    km_table_add_column(tables[i], "step", NULL);
+    km_table_add_column(tables[i], "s", NULL);
+    km_table_add_column(tables[i], "f", NULL);
+  }
+  for (int i = 0; i <= 200; ++i) {
+    double *row = km_table_add_row(motion.table);
+    row[0] = i;
+    row[1] = i / 200.0;
+    row[2] = f(row[1]);
+  }
+  return motion;
+}
+
+static double sharp_peak(double s) {
+  return 1.0 / (1e-6 + (s - 0.5) * (s - 0.5));
+}
+static double pole(double s) {
+  return 1.0 / (s - 0.4975); /* between two rows */
+}
+
+/* A finite peak, however steep, is on the axis; only a way to a pole leaves it. */
+static void axes_are_cut_at_poles_alone(void **state) {
+  (void)state;
+  fixture f = fixture_open("fourbar");
+  km_sweep_plan plan = km_sweep_plan_default(f.model);
+  for (int poles = 0; poles < 2; ++poles) {
+    km_sweep motion = drawn(poles ? pole : sharp_peak);
+    km_swept swept = {f.mechanism, &plan, &motion, "fourbar"};
+    km_swept_line line = {0, 2, "f", 0};
+    km_swept_break gap = {0, 2, 0.4975};
+    km_sweep_picture picture = {.title = "t",
+                                .y_label = "y",
+                                .sweeps = &swept,
+                                .sweep_count = 1,
+                                .lines = &line,
+                                .line_count = 1,
+                                .breaks = &gap,
+                                .break_count = (size_t)poles,
+                                .panel_count = 1};
+    km_arena arena = {0};
+    km_plot plot;
+    assert_true(km_sweep_plot_make(&picture, &arena, &plot));
+    if (poles) { /* a twentieth of each half remains unseen */
+      assert_in_range((long)plot.y_high, 35, 60);
+      assert_in_range((long)-plot.y_low, 35, 60);
+    } else { /* fitted to all there is */
+      assert_true(plot.y_low == 0.0 && plot.y_high == 0.0);
+    }
+    km_arena_free(&arena);
+    km_sweep_free(&motion);
+  }
+  fixture_close(&f);
+}
+
 int main(void) {
   const struct CMUnitTest tests[] = {cmocka_unit_test(same_input_same_bytes), cmocka_unit_test(html_stands_alone),
-                                     cmocka_unit_test(markup_is_escaped)};
+                                     cmocka_unit_test(markup_is_escaped),
+                                     cmocka_unit_test(axes_are_cut_at_poles_alone)};
   return cmocka_run_group_tests(tests, NULL, NULL);
 }
