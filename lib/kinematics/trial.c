@@ -13,7 +13,7 @@ static const double short_way = 4e-3;     /* the same: what ends before this nev
 static const double whole_way = 0.3;      /* the same */
 static const double noise = 1e-11;        /* a misfit that closing may leave */
 static const double rising = 1.5;         /* a power of the way, for a misfit far above what the file may leave */
-static const double far_above = 100.0;
+static const double far_above = 100.0;    /* times what the file may leave */
 static const double steep = 3.5;          /* a power that rounding doesn't make, for exact data */
 static const double highest_power = 12.0; /* what rises more steeply has left the curve */
 static const double grain = 30.0;         /* times the pose's misfit: less than that is no step */
@@ -129,8 +129,8 @@ km_way km_tangents_follow(km_tangents *f, const double *a, double sign) {
   record r = {0};
   int column, columns = f->sub->columns, driver = -1;
   double start = f->residual, tolerance = fmax(f->m->closure_tolerance, 3.0 * start);
-  double first = fmin(fmax(first_step, grain * start), longest_step), h = first, misfit = 0.0, way = 0.0,
-         opened = HUGE_VAL;
+  double first = fmin(fmax(first_step, grain * start), longest_step), h = first;
+  double misfit = 0.0, way = 0.0, opened = HUGE_VAL; /* where the loops open */
   km_way result = {0};
   km_tangents_direction(f, a, f->x);
   double size = fastest(f->x, columns, &column);
@@ -138,7 +138,7 @@ km_way km_tangents_follow(km_tangents *f, const double *a, double sign) {
     f->move[c] = sign * h * f->x[c] / size;
   km_state_restore(f->s, f->sub, f->pose);
   f->s->pivoted[f->index] = KM_NEVER;
-  /* Past the place where the loops open it goes on, to see how. */
+  /* Past that place it goes on, to see how they open. */
   while (way < whole_way && !(way > 2.0 * opened && misfit > far_above * tolerance) && r.count < MOST_SAMPLES &&
          h >= (way > 0.0 ? shortest_step : 0.1 * first)) {
     driver = choose_driver(f, driver);

@@ -159,7 +159,7 @@ bool family_contact(uint64_t seed) {
   return agrees;
 }
 
-/* Three bars between two bodies whose lines meet in one point, or a chain of bars in line. */
+/* Three bars between two bodies whose lines meet in one point. */
 bool family_shaky(uint64_t seed) {
   randomness r = {seed};
   km_vec3 z = {0, 0, 1}, centre = random_point(&r);

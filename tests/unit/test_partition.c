@@ -297,6 +297,12 @@ static void forced_columns(void **state) {
       --behind;
     for (int k = f.p.rank; k < behind; ++k)
       assert_false(f.forced[f.p.column[k]]); /* the forced ones come last */
+    f.p.held = true;                         /* then they are no pivots at all */
+    factor(&f.p);
+    assert_int_equal(f.p.rank, f.q.rank);
+    assert_false(f.p.forced_dependent);
+    for (int k = 0; k < f.p.rank; ++k)
+      assert_false(f.forced[f.p.column[k]]);
   }
 }
 
