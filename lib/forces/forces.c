@@ -28,7 +28,7 @@ km_status km_forces_create(const km_mechanism *m, const double gravity[3], const
   f->load_count = load_count;
   if (load_count)
     memcpy(f->loads, loads, (size_t)load_count * sizeof *loads);
-  km_status status = km_springs_read(m->model, f, error);
+  km_status status = km_springs_gather(m->model, f, error);
   if (status)
     km_forces_free(f);
   else

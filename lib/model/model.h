@@ -4,10 +4,9 @@
 
 #include "base/file.h"
 #include "base/memory.h"
-#include "base/value.h"
+#include "base/text.h"
 #include "kmech/model.h"
 #include "model/joint_type.h"
-#include "model/mesh.h"
 #include "spatial/pose.h"
 
 enum { KM_NO_ASSEMBLY = -1 };
@@ -36,6 +35,24 @@ typedef struct km_frame_def {
   km_pose pose; /* in the body's frame; length in the model's unit */
 } km_frame_def;
 
+/* What resists a joint's motion where its surfaces touch (Coulomb). All 0: no friction. */
+typedef struct km_friction_def {
+  double coefficient, radius, stiction_velocity; /* radius: length unit, for joints that turn; length per time */
+} km_friction_def;
+
+/* What the limits do in a simulation: a force or torque per unit beyond them, and per rate. */
+typedef struct km_stop_def {
+  double stiffness, damping;
+} km_stop_def;
+
+/* A joint's motion over time. Angles in the file's unit. */
+typedef enum km_motion_law { KM_MOTION_FREE, KM_MOTION_TABLE, KM_MOTION_POLYNOMIAL, KM_MOTION_SINE } km_motion_law;
+typedef struct km_prescribed_def {
+  km_motion_law law;
+  int count;      /* rows of the table, or coefficients */
+  double *values; /* [2 · count] t, q; or [count], lowest power first; or [4] offset, amplitude, frequency, phase */
+} km_prescribed_def;
+
 typedef struct km_joint_def {
   const char *name, *label;
   km_joint_type type;
@@ -43,8 +60,10 @@ typedef struct km_joint_def {
   int frame[2];         /* parent, child */
   int first_coordinate; /* into the coordinates */
   double pitch;
+  km_friction_def friction;
+  km_stop_def stop;
+  km_prescribed_def prescribed;
   const char *where;
-  const km_value *source; /* what was read */
 } km_joint_def;
 
 typedef struct km_coordinate_def {
@@ -55,7 +74,6 @@ typedef struct km_coordinate_def {
 
 typedef struct km_coupling_def {
   const char *name, *where;
-  const km_value *source; /* what was read */
   int count;
   int *coordinates;
   double *ratios;
@@ -69,10 +87,39 @@ typedef struct km_port {
   int frame[2];   /* the parent's, the child's */
 } km_port;
 
+typedef enum km_module_type {
+  KM_MODULE_STIFFNESS,
+  KM_MODULE_DAMPING,
+  KM_MODULE_FRICTION,
+  KM_MODULE_MOTOR,
+  KM_MODULE_PID,
+  KM_MODULE_TIRE,
+  KM_MODULE_TYPES
+} km_module_type;
+/* "stiffness", "damping" …, as the format writes them. */
+const char *km_module_type_word(km_module_type type);
+int km_module_type_find(const char *word); /* -1: no type */
+
+/* What a port between frames measures: the distance of their origins, or along an axis of the parent's. */
+typedef enum km_distance { KM_DISTANCE_EUCLID, KM_DISTANCE_X, KM_DISTANCE_Y, KM_DISTANCE_Z } km_distance;
+
+/* A force law: polynomials between knots of the plain variable (radians, lengths, time). */
+typedef struct km_law {
+  int knot_count;
+  const double *knots;
+  const int *start;           /* [knot_count + 2] where each polynomial begins in `coefficients` */
+  const double *coefficients; /* lowest power first */
+} km_law;
+
 typedef struct km_module_def {
-  const km_value *source; /* what was read */
-  const char *where;
+  const char *name, *where;
+  km_module_type type;
   km_port input, output;
+  km_distance distance;
+  km_law law;
+  double reference, kp, ki, kd; /* of a controller */
+  int table_count;              /* of a motor's table: rows */
+  const double *table;          /* [2 · table_count] t, f */
 } km_module_def;
 
 typedef struct km_load_def {
@@ -105,9 +152,13 @@ typedef struct km_sweep_def {
 
 struct km_model {
   km_arena arena;
-  const km_value *root; /* everything as read, for what the engine only keeps */
+  const struct km_origin
+      *origin; /* what the room of exchange/ that read it needs to write it again; NULL: built by calls */
   char sha256[KM_SHA256_TEXT];
-  const char *folder; /* of the file, where include_dir starts */
+  const char *source;        /* where the model is from, in words; NULL: not told */
+  const char *folder;        /* of the file, where include_dirs start */
+  const char **include_dirs; /* where meshes are looked for */
+  int include_dir_count;
   km_units units;
   km_vec3 gravity;
   double characteristic_length; /* 0: the file states none */
@@ -124,19 +175,13 @@ struct km_model {
   km_module_def *modules;
   km_load_def *loads;
   km_hold_def *holds;
-  int *actuators; /* coordinates */
+  int *actuators;       /* coordinates */
+  bool actuators_given; /* also where the list is empty */
   km_handle_def advantage_input, advantage_output;
   km_sweep_def sweep;
   int assembly_count, body_count, frame_count, joint_count, coordinate_count, coupling_count, module_count;
   int load_count, hold_count, actuator_count;
 };
-
-/* Appends the path at which a mesh file is found: in the file's folder or one of include_dir. False if nowhere. */
-bool km_model_find_mesh(const km_model *model, const char *name, km_text *path);
-/* Reads the meshes of all bodies that name one: meshes[body], NULL for the others. KM_USAGE: there is none; KM_IO: one
- * can't be found or read. The caller frees the list and each of them in any case: km_meshes_free. */
-km_status km_model_read_meshes(const km_model *model, km_mesh ***meshes, km_error *error);
-void km_meshes_free(const km_model *model, km_mesh **meshes);
 
 static inline int km_model_freedom(const km_model *model, int joint) {
   return km_joint_kind_of(model->joints[joint].type)->freedom;

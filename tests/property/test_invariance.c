@@ -2,9 +2,9 @@
 #include "support/motion_families.h"
 #include "support/support.h"
 
-#include "base/json.h"
+#include "exchange/json/convert.h"
+#include "exchange/json/json.h"
 #include "kmech/statics.h"
-#include "model/convert.h"
 
 #include <math.h>
 #include <string.h>

@@ -2,9 +2,9 @@
  * a poor start is assembled to, leverage. Where no length is stated, lengths are compared over the longest link. */
 #include "support/support.h"
 
-#include "base/json.h"
+#include "exchange/json/convert.h"
+#include "exchange/json/json.h"
 #include "kmech/advantage.h"
-#include "model/convert.h"
 
 #include <math.h>
 #include <string.h>

@@ -1,6 +1,7 @@
-#include "model/convert.h"
+#include "exchange/json/convert.h"
 
-#include "model/format.h"
+#include "exchange/json/format.h"
+#include "exchange/json/reader.h"
 
 #include <stdlib.h>
 #include <string.h>
@@ -20,6 +21,7 @@ typedef struct indexed {
 
 typedef struct converter {
   const km_model *model;
+  const struct km_origin *origin;
   const km_units *units;
   const double *q;
   km_arena *arena;
@@ -170,9 +172,9 @@ static void enter_module(const converter *c, const km_value *module, context *at
   const char *word = type && type->string ? type->string : "";
   bool rate = strcmp(word, "damping") == 0 || strcmp(word, "friction") == 0;
   const km_port frames = {KM_PORT_FRAMES, {0, 0}}; /* left out: taken for lengths */
-  km_module_def def = {module, NULL, frames, frames};
+  km_module_def def = {.input = frames, .output = frames};
   for (int i = 0; i < c->model->module_count; ++i)
-    if (c->model->modules[i].source == module)
+    if (c->origin->modules[i] == module)
       def = c->model->modules[i];
   at->variable = port_is_length(c, def.input.coordinate) ? length_1 : (km_dimension){0};
   at->force = generalised_force(port_is_length(c, def.output.coordinate));
@@ -193,7 +195,7 @@ static void enter(const converter *c, const km_object_format *format, const km_v
   } else if (format == &km_format_coupling) {
     at->coupling = NULL;
     for (int i = 0; i < c->model->coupling_count; ++i)
-      if (c->model->couplings[i].source == object)
+      if (c->origin->couplings[i] == object)
         at->coupling = &c->model->couplings[i];
   }
 }
@@ -283,15 +285,16 @@ static void convert_parameters(const converter *c, const km_value *parameters, k
 
 km_status km_model_convert(const km_model *model, const km_units *units, const double *q, km_arena *arena,
                            const km_value **out, km_error *error) {
-  converter c = {model, units, q, arena, KM_ARENA_NEW(arena, indexed, (size_t)model->joint_count)};
+  const km_value *given = model->origin->root;
+  converter c = {model, model->origin, units, q, arena, KM_ARENA_NEW(arena, indexed, (size_t)model->joint_count)};
   km_value *root = km_value_add(arena, NULL, NULL, KM_OBJECT);
   context at = {.joint = -1};
   if (!arena->failed) {
     for (int j = 0; j < model->joint_count; ++j)
-      c.joints[j] = (indexed){model->joints[j].source, j};
+      c.joints[j] = (indexed){c.origin->joints[j], j};
     qsort(c.joints, (size_t)model->joint_count, sizeof *c.joints, by_source);
-    convert_parameters(&c, km_value_get(model->root, "model_parameters"), root);
-    for (const km_value *v = model->root->first; v; v = v->next)
+    convert_parameters(&c, km_value_get(given, "model_parameters"), root);
+    for (const km_value *v = given->first; v; v = v->next)
       if (strcmp(v->key, "model_parameters") != 0)
         convert_field(&c, &at, km_format_field(&km_format_model, v->key), v, root);
   }

@@ -1,5 +1,5 @@
 /* Paths and labels: which body, frame, joint or coordinate a name means. */
-#include "model/reader.h"
+#include "exchange/json/reader.h"
 
 #include <stdio.h>
 #include <stdlib.h>

@@ -1,5 +1,5 @@
 /* Joints, their coordinates and the couplings between them. */
-#include "model/reader.h"
+#include "exchange/json/reader.h"
 
 #include <math.h>
 #include <string.h>
@@ -75,9 +75,36 @@ static void check_table(km_reader *reader, const km_value *table, const km_place
     km_reader_error(reader, place, "found %zu rows; expected at least 2", table->count);
 }
 
-static void check_options(km_reader *reader, const km_value *joint, const km_place *place) {
+static void read_prescribed(km_reader *reader, const km_value *p, km_prescribed_def *out) {
+  const km_value *table = km_value_get(p, "table"), *polynomial = km_value_get(p, "polynomial");
+  const km_value *sine = km_value_get(p, "sine");
+  out->law = table ? KM_MOTION_TABLE : polynomial ? KM_MOTION_POLYNOMIAL : KM_MOTION_SINE;
+  out->count = (int)(table ? table->count : polynomial ? polynomial->count : 1);
+  out->values = KM_ARENA_NEW(&reader->model->arena, double,
+                             table        ? 2 * table->count
+                             : polynomial ? polynomial->count
+                                          : 4);
+  double *value = out->values;
+  if (!value)
+    return;
+  for (const km_value *row = table ? table->first : NULL; row; row = row->next, value += 2) {
+    value[0] = row->first->number;
+    value[1] = row->last->number;
+  }
+  for (const km_value *c = polynomial ? polynomial->first : NULL; c; c = c->next)
+    *value++ = c->number;
+  static const char *const keys[4] = {"offset", "amplitude", "frequency", "phase"};
+  for (int k = 0; k < 4 && out->law == KM_MOTION_SINE; ++k)
+    out->values[k] = km_reader_number(sine, keys[k], 0.0);
+}
+
+static void read_options(km_reader *reader, const km_value *joint, const km_place *place, km_joint_def *out) {
   km_place friction = {place, "friction", 0}, stop = {place, "stop", 0}, prescribed = {place, "prescribed", 0};
   const km_value *f = km_value_get(joint, "friction"), *s = km_value_get(joint, "stop");
+  size_t errors = km_messages_errors(reader->messages);
+  out->friction = (km_friction_def){km_reader_number(f, "coefficient", 0.0), km_reader_number(f, "radius", 0.0),
+                                    km_reader_number(f, "stiction_velocity", 0.0)};
+  out->stop = (km_stop_def){km_reader_number(s, "stiffness", 0.0), km_reader_number(s, "damping", 0.0)};
   not_negative(reader, f, "coefficient", &friction);
   not_negative(reader, f, "radius", &friction);
   not_negative(reader, f, "stiction_velocity", &friction);
@@ -96,6 +123,8 @@ static void check_options(km_reader *reader, const km_value *joint, const km_pla
   const km_value *polynomial = km_value_get(p, "polynomial");
   if (polynomial && polynomial->count == 0)
     km_reader_error(reader, &polynomial_at, "found a list of 0; expected at least one coefficient");
+  if (km_messages_errors(reader->messages) == errors)
+    read_prescribed(reader, p, &out->prescribed);
 }
 
 static bool read_type(km_reader *reader, const km_value *value, const km_place *place, km_joint_def *joint) {
@@ -171,7 +200,7 @@ static void add_coordinates(km_reader *reader, const km_value *value, const km_p
 
 static void read_joint(km_reader *reader, const km_value *value, int assembly, const km_place *place) {
   km_model *model = reader->model;
-  km_joint_def joint = {.assembly = assembly, .source = value, .where = km_reader_where(reader, place)};
+  km_joint_def joint = {.assembly = assembly, .where = km_reader_where(reader, place)};
   bool active = km_reader_active(value);
   size_t errors = km_messages_errors(reader->messages);
   if (active) {
@@ -191,8 +220,9 @@ static void read_joint(km_reader *reader, const km_value *value, int assembly, c
   }
   int index = model->joint_count++;
   model->joints[index] = joint;
+  reader->origin->joints[index] = value;
   add_coordinates(reader, value, place, index);
-  check_options(reader, value, place);
+  read_options(reader, value, place, &model->joints[index]);
   if (!km_names_set(&reader->joints, assembly, joint.name, index))
     model->arena.failed = true;
 }
@@ -372,12 +402,13 @@ static void read_coupling(km_reader *reader, const km_value *value, int assembly
     return;
   km_reader_named(reader, value, place);
   size_t count = km_value_get(value, "joints")->count;
-  km_coupling_def coupling = {
-      .source = value, .name = km_reader_string(value, "name"), .where = km_reader_where(reader, place)};
+  km_coupling_def coupling = {.name = km_reader_string(value, "name"), .where = km_reader_where(reader, place)};
   coupling.coordinates = KM_ARENA_NEW(&model->arena, int, count);
   coupling.ratios = KM_ARENA_NEW(&model->arena, double, count);
-  if (!model->arena.failed && coupled(reader, value, assembly, place, &coupling))
+  if (!model->arena.failed && coupled(reader, value, assembly, place, &coupling)) {
+    reader->origin->couplings[model->coupling_count] = value;
     model->couplings[model->coupling_count++] = coupling;
+  }
 }
 
 static void couplings_of(km_reader *reader, const km_value *assembly, int index, const km_place *place) {
