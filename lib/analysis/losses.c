@@ -89,8 +89,8 @@ static km_vec3 normal_force(const km_mechanism *m, const km_losses_work *w, int 
 static void find_rubbing(const km_mechanism *m, km_losses_work *w, const double *rates) {
   w->friction.count = 0;
   for (int c = 0; c < m->coordinate_count; ++c) {
-    const km_coordinate_def *def = &m->model->coordinates[c];
-    const km_friction_def *friction = &m->model->joints[def->joint].friction;
+    const km_model_coordinate *def = &m->model->coordinates[c];
+    const km_joint_friction *friction = &m->model->joints[def->joint].friction;
     if (m->held[c] || friction->coefficient == 0.0 || fabs(rates[c]) <= 1e-12 * m->unit[c])
       continue;
     double arm = km_joint_is_length(m->model->joints[def->joint].type, def->index) ? 1.0 : friction->radius;

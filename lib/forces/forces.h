@@ -13,7 +13,7 @@ struct km_forces {
   int load_count, spring_count;
   double *extra; /* [coordinate] forces in joints along +q that an analysis sets; 0 at first */
   km_load *loads;
-  const km_module_def **springs; /* force modules of type stiffness */
+  const km_model_module **springs; /* force modules of type stiffness */
   /* At the last pose, by km_forces_update. Wrenches along the inertial axes, moments about `origin`. */
   km_vec3 origin;     /* near the mechanism: far from the inertial origin digits would be lost */
   km_pose *pose;      /* [body] in the inertial frame moved to `origin` */

@@ -12,7 +12,7 @@ double km_law_force(const km_law *law, double x) {
 }
 
 km_status km_springs_gather(const km_model *model, km_forces *f, km_error *error) {
-  f->springs = KM_ARENA_NEW(&f->arena, const km_module_def *, (size_t)model->module_count);
+  f->springs = KM_ARENA_NEW(&f->arena, const km_model_module *, (size_t)model->module_count);
   for (int i = 0; i < model->module_count && f->springs; ++i)
     if (model->modules[i].type == KM_MODULE_STIFFNESS)
       f->springs[f->spring_count++] = &model->modules[i];
@@ -27,7 +27,7 @@ typedef struct line {
 
 /* Two points in one place have no line between them: a force there has no direction, and counts as 0. */
 static line line_of(const km_mechanism *m, const km_forces *f, const km_port *port, km_distance distance) {
-  const km_frame_def *a = &m->model->frames[port->frame[0]], *b = &m->model->frames[port->frame[1]];
+  const km_model_frame *a = &m->model->frames[port->frame[0]], *b = &m->model->frames[port->frame[1]];
   km_pose A = km_pose_product(&f->pose[a->body], &a->pose);
   line l = {.from = A.p, .to = km_pose_point(&f->pose[b->body], b->pose.p)};
   km_vec3 way = km_vec3_sub(l.to, l.from);
@@ -41,7 +41,8 @@ static line line_of(const km_mechanism *m, const km_forces *f, const km_port *po
   return l;
 }
 
-static double displacement(const km_mechanism *m, const km_state *s, const km_forces *f, const km_module_def *spring) {
+static double displacement(const km_mechanism *m, const km_state *s, const km_forces *f,
+                           const km_model_module *spring) {
   if (spring->input.coordinate >= 0)
     return s->q[spring->input.coordinate];
   return line_of(m, f, &spring->input, spring->distance).displacement;
@@ -49,7 +50,7 @@ static double displacement(const km_mechanism *m, const km_state *s, const km_fo
 
 /* Pushes the two frames apart. Both forces act at the child's point: along a parent's axis their line must pass
  * through it, so that the power is that of the displacement. */
-static void push(const km_mechanism *m, km_forces *f, const km_module_def *spring, double force) {
+static void push(const km_mechanism *m, km_forces *f, const km_model_module *spring, double force) {
   const km_vec3 none = {0, 0, 0};
   line l = line_of(m, f, &spring->output, spring->distance);
   const int *frame = spring->output.frame;
@@ -59,7 +60,7 @@ static void push(const km_mechanism *m, km_forces *f, const km_module_def *sprin
 
 void km_springs_add(const km_mechanism *m, const km_state *s, km_forces *f) {
   for (int i = 0; i < f->spring_count; ++i) {
-    const km_module_def *spring = f->springs[i];
+    const km_model_module *spring = f->springs[i];
     double force = km_law_force(&spring->law, displacement(m, s, f, spring));
     int c = spring->output.coordinate;
     if (c < 0)

@@ -123,7 +123,7 @@ void kstatic_words(const km_model *model, const kstatic_options *o, km_text *out
     km_text_format(out, "gravity (%s) %s/%s²", o->gravity, model->units.length->suffix, model->units.time->suffix);
   }
   for (int i = 0; i < model->load_count; ++i) {
-    const km_load_def *load = &model->loads[i];
+    const km_applied_load *load = &model->loads[i];
     km_text_format(out, "; %s: force (%g, %g, %g) %s on %s%s", load->name, load->force.x, load->force.y, load->force.z,
                    model->units.force->suffix, model->bodies[model->frames[load->frame].body].name,
                    load->turning ? ", turning with it" : "");

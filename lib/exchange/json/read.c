@@ -35,13 +35,13 @@ static struct km_origin *allocate(km_model *model, const km_value *root) {
   count_assembly(root, &t);
   t.frames += (size_t)count_members(km_value_get(root, "fixed"), "frames") + t.bodies + 1;
   km_arena *arena = &model->arena;
-  model->assemblies = KM_ARENA_NEW(arena, km_assembly_def, t.assemblies);
-  model->bodies = KM_ARENA_NEW(arena, km_body_def, t.bodies + 1);
-  model->frames = KM_ARENA_NEW(arena, km_frame_def, t.frames);
-  model->joints = KM_ARENA_NEW(arena, km_joint_def, t.joints);
-  model->coordinates = KM_ARENA_NEW(arena, km_coordinate_def, KM_MAX_FREEDOM * t.joints);
-  model->couplings = KM_ARENA_NEW(arena, km_coupling_def, t.couplings);
-  model->modules = KM_ARENA_NEW(arena, km_module_def, t.modules);
+  model->assemblies = KM_ARENA_NEW(arena, km_model_assembly, t.assemblies);
+  model->bodies = KM_ARENA_NEW(arena, km_model_body, t.bodies + 1);
+  model->frames = KM_ARENA_NEW(arena, km_model_frame, t.frames);
+  model->joints = KM_ARENA_NEW(arena, km_model_joint, t.joints);
+  model->coordinates = KM_ARENA_NEW(arena, km_model_coordinate, KM_MAX_FREEDOM * t.joints);
+  model->couplings = KM_ARENA_NEW(arena, km_model_coupling, t.couplings);
+  model->modules = KM_ARENA_NEW(arena, km_model_module, t.modules);
   struct km_origin *origin = KM_ARENA_NEW(arena, struct km_origin, 1);
   if (!origin)
     return NULL;
@@ -112,7 +112,7 @@ static void read_parameters(km_reader *reader, const km_value *root) {
 static int add_frame(km_reader *reader, const char *name, int body, km_pose pose) {
   km_model *model = reader->model;
   int index = model->frame_count++;
-  model->frames[index] = (km_frame_def){name, body, pose};
+  model->frames[index] = (km_model_frame){name, body, pose};
   if (!km_names_set(&reader->frames, body, name, index))
     model->arena.failed = true;
   return index;
@@ -139,8 +139,8 @@ static void read_body(km_reader *reader, const km_value *value, int assembly, co
   }
   const char *name = km_reader_name(reader, value, place, &reader->bodies, assembly, "fixed");
   int index = model->body_count++;
-  km_body_def *body = &model->bodies[index];
-  *body = (km_body_def){.name = name, .assembly = assembly, .where = km_reader_where(reader, place)};
+  km_model_body *body = &model->bodies[index];
+  *body = (km_model_body){.name = name, .assembly = assembly, .where = km_reader_where(reader, place)};
   km_read_mass(reader, value, place, body);
   const km_value *definition = km_value_get(value, "definition");
   if (definition)
@@ -159,7 +159,7 @@ static void read_nested(km_reader *reader, const km_value *value, int parent, co
   }
   const char *name = km_reader_name(reader, value, place, &reader->assemblies, parent, "fixed");
   int index = model->assembly_count++;
-  model->assemblies[index] = (km_assembly_def){name, parent};
+  model->assemblies[index] = (km_model_assembly){name, parent};
   if (!km_names_set(&reader->assemblies, parent, name, index))
     model->arena.failed = true;
   km_reader_each(reader, value, "bodies", index, place, read_body);
@@ -168,7 +168,7 @@ static void read_nested(km_reader *reader, const km_value *value, int parent, co
 
 static void read_elements(km_reader *reader, const km_value *root) {
   km_model *model = reader->model;
-  model->bodies[model->body_count++] = (km_body_def){.name = "fixed", .assembly = KM_NO_ASSEMBLY, .where = "fixed"};
+  model->bodies[model->body_count++] = (km_model_body){.name = "fixed", .assembly = KM_NO_ASSEMBLY, .where = "fixed"};
   add_frame(reader, "origin", 0, km_pose_identity());
   km_place fixed = {NULL, "fixed", 0};
   km_reader_each(reader, km_value_get(root, "fixed"), "frames", 0, &fixed, read_frame);
@@ -299,7 +299,7 @@ const char *km_model_coordinate_label(const km_model *model, int coordinate) {
   return model->coordinates[coordinate].label;
 }
 const char *km_model_coordinate_unit(const km_model *model, int coordinate) {
-  const km_coordinate_def *c = &model->coordinates[coordinate];
+  const km_model_coordinate *c = &model->coordinates[coordinate];
   return km_joint_is_length(model->joints[c->joint].type, c->index) ? model->units.length->suffix
                                                                     : model->units.angle->suffix;
 }

@@ -3,7 +3,7 @@
 #include "model/mass_properties.h"
 
 /* The mesh is weighed later, when the model's folder and include_dir are known to be good. */
-static void read_density(km_reader *reader, const km_value *value, const km_place *place, const km_body_def *body) {
+static void read_density(km_reader *reader, const km_value *value, const km_place *place, const km_model_body *body) {
   static const char *const instead[] = {"mass", "center_of_mass", "moment_of_inertia", NULL};
   km_place density = {place, "density", 0};
   km_reader_positive(reader, place, "density", body->density);
@@ -16,7 +16,7 @@ static void read_density(km_reader *reader, const km_value *value, const km_plac
   }
 }
 
-void km_read_mass(km_reader *reader, const km_value *value, const km_place *place, km_body_def *body) {
+void km_read_mass(km_reader *reader, const km_value *value, const km_place *place, km_model_body *body) {
   static const char *const keys[6] = {"Ixx", "Iyy", "Izz", "Ixy", "Iyz", "Izx"};
   const km_value *inertia = km_value_get(value, "moment_of_inertia");
   body->mass = km_reader_number(value, "mass", 0.0);
@@ -43,7 +43,7 @@ static double reach(const km_model *model) {
 
 /* A principal moment below zero by less than this is rounding: of the matrix's own entries, or of moments m·l² about a
  * far point that should have cancelled. A light body may have been cut from a heavy one. */
-static double moment_rounding(const km_body_def *body, double heaviest, double far) {
+static double moment_rounding(const km_model_body *body, double heaviest, double far) {
   double size = 0.0;
   for (int k = 0; k < 6; ++k)
     size = fmax(size, fabs(body->inertia[k]));
@@ -56,7 +56,7 @@ void km_read_inertias(km_reader *reader) {
   for (int b = 1; b < model->body_count; ++b)
     heaviest = fmax(heaviest, model->bodies[b].mass);
   for (int b = 1; b < model->body_count; ++b) {
-    const km_body_def *body = &model->bodies[b];
+    const km_model_body *body = &model->bodies[b];
     km_principal_moments(body->inertia, moments);
     if (moments[0] < -moment_rounding(body, heaviest, far))
       km_messages_add(reader->messages, KM_ERROR,

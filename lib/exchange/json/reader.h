@@ -72,7 +72,7 @@ bool km_reader_turns(const km_reader *reader, int coordinate);
 const char *km_path_text(const km_value *path, char out[KM_PLACE_TEXT]);
 
 /* Mass, centre of mass and inertia as the file states them; a density. */
-void km_read_mass(km_reader *reader, const km_value *body, const km_place *place, km_body_def *out);
+void km_read_mass(km_reader *reader, const km_value *body, const km_place *place, km_model_body *out);
 /* No principal moment may be negative. After every body and frame has been read: their size tells what rounding is. */
 void km_read_inertias(km_reader *reader);
 /* The second pass over the assemblies: joints, then what names joints. */

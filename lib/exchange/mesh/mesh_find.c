@@ -23,7 +23,7 @@ bool km_model_find_mesh(const km_model *model, const char *name, km_text *path) 
   return false;
 }
 
-static km_status read_mesh(const km_model *model, const km_body_def *body, km_mesh **out, km_error *error) {
+static km_status read_mesh(const km_model *model, const km_model_body *body, km_mesh **out, km_error *error) {
   km_text path = {0};
   km_status status = KM_OK;
   if (!km_model_find_mesh(model, body->mesh, &path))

@@ -28,7 +28,7 @@ static km_status weigh_mesh(const km_mesh *mesh, const char *path, km_mass_prope
   return status;
 }
 
-static km_status weigh(const char *path, km_body_def *body, km_error *error) {
+static km_status weigh(const char *path, km_model_body *body, km_error *error) {
   km_mesh *mesh = NULL;
   km_mass_properties found;
   km_status status = km_mesh_read(path, &mesh, error);
@@ -47,7 +47,7 @@ static km_status weigh(const char *path, km_body_def *body, km_error *error) {
 void km_model_weigh(km_model *model, km_messages *messages) {
   km_text path = {0};
   for (int b = 1; b < model->body_count; ++b) {
-    km_body_def *body = &model->bodies[b];
+    km_model_body *body = &model->bodies[b];
     km_error error = {0};
     if (!body->mesh || !(body->density > 0.0))
       continue;
@@ -63,11 +63,11 @@ void km_model_weigh(km_model *model, km_messages *messages) {
 }
 
 void km_model_miss_meshes(const km_model *model, km_messages *messages) {
-  const km_body_def *first = NULL;
+  const km_model_body *first = NULL;
   int missed = 0;
   km_text path = {0};
   for (int b = 1; b < model->body_count; ++b) {
-    const km_body_def *body = &model->bodies[b];
+    const km_model_body *body = &model->bodies[b];
     if (!body->mesh || km_model_find_mesh(model, body->mesh, &path))
       continue;
     first = first ? first : body;
