@@ -1,3 +1,4 @@
+/* A model into a mechanism: topology, then all that depends on numbers. */
 #include "topology/compile.h"
 
 #include <string.h>
@@ -7,9 +8,14 @@ static km_status build_topology(km_mechanism *m, km_error *error) {
   km_arena scratch = {0};
   km_edge *edges = KM_ARENA_NEW(&scratch, km_edge, (size_t)model->joint_count);
   km_tie *ties = KM_ARENA_NEW(&scratch, km_tie, (size_t)model->coupling_count);
-  int *tied = KM_ARENA_NEW(&scratch, int, (size_t)(model->coordinate_count * (model->coupling_count + 1)));
-  if (scratch.failed)
+  size_t terms = 0;
+  for (int i = 0; i < model->coupling_count; ++i)
+    terms += (size_t)model->couplings[i].count;
+  int *tied = KM_ARENA_NEW(&scratch, int, terms);
+  if (scratch.failed) {
+    km_arena_free(&scratch);
     return km_fail(error, KM_MEMORY, "out of memory while compiling the mechanism");
+  }
   for (int j = 0; j < model->joint_count; ++j)
     edges[j] = (km_edge){model->frames[model->joints[j].frame[0]].body, model->frames[model->joints[j].frame[1]].body};
   for (int i = 0; i < model->coupling_count; ++i) {
