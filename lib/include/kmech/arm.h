@@ -17,17 +17,17 @@ typedef enum km_task { KM_TASK_POSE, KM_TASK_POSITION, KM_TASK_AXIS } km_task;
  * state's values; other branches of the model don't matter. Lengths are scaled by L, the model's characteristic length
  * if its file gives one, else one metre. KM_USAGE: a joint on the way lies in a loop or a coupling, is a ball,
  * or there are fewer coordinates than the task has rows. The mechanism must outlive it. The caller frees `*out`. */
-km_status km_arm_create(const km_mechanism *mechanism, const km_state *state, int effector, km_task task, km_arm **out,
-                        km_error *error);
-void km_arm_free(km_arm *arm);
+KM_API km_status km_arm_create(const km_mechanism *mechanism, const km_state *state, int effector, km_task task,
+                               km_arm **out, km_error *error);
+KM_API void km_arm_free(km_arm *arm);
 
-int km_arm_coordinates(const km_arm *arm);
-int km_arm_coordinate(const km_arm *arm, int column); /* the mechanism's coordinate of a column, base first */
-double km_arm_length(const km_arm *arm);              /* L, in the model's length unit */
+KM_API int km_arm_coordinates(const km_arm *arm);
+KM_API int km_arm_coordinate(const km_arm *arm, int column); /* the mechanism's coordinate of a column, base first */
+KM_API double km_arm_length(const km_arm *arm);              /* L, in the model's length unit */
 
 /* Largest speeds: value[n] in the model's angle or length unit per time unit, base first; NULL: none. KM_USAGE if
  * one isn't greater than 0. */
-km_status km_arm_set_rates(km_arm *arm, const double *values, int count, km_error *error);
+KM_API km_status km_arm_set_rates(km_arm *arm, const double *values, int count, km_error *error);
 
 #ifdef __cplusplus
 }

@@ -20,9 +20,9 @@ typedef struct km_hold {
 /* Compiles the model: topology, each loop's own motion space, and the list of operations that kinematics
  * replays. `holds` keep coordinates at values from the start. The model must outlive the mechanism. The
  * caller frees `*out`. Cost: linear in joints plus the lengths of the loops. */
-km_status km_mechanism_compile(const km_model *model, const km_hold *holds, int hold_count, km_mechanism **out,
-                               km_error *error);
-void km_mechanism_free(km_mechanism *mechanism);
+KM_API km_status km_mechanism_compile(const km_model *model, const km_hold *holds, int hold_count, km_mechanism **out,
+                                      km_error *error);
+KM_API void km_mechanism_free(km_mechanism *mechanism);
 
 /* What rates of lengths are divided by where they are compared with those of angles: the length that the model states;
  * else the greatest distance between the frames of two joints on one moving body; else, where all of these coincide,
@@ -35,16 +35,16 @@ typedef enum km_length_source {
   KM_LENGTH_JOINTS,
   KM_LENGTH_UNIT
 } km_length_source;
-double km_mechanism_characteristic_length(const km_mechanism *mechanism, km_length_source *source);
-const char *km_length_source_name(km_length_source source); /* "stated", "longest link" … */
+KM_API double km_mechanism_characteristic_length(const km_mechanism *mechanism, km_length_source *source);
+KM_API const char *km_length_source_name(km_length_source source); /* "stated", "longest link" … */
 
 /* One thread's workspace at the model's initial displacements, not yet assembled. The mechanism must outlive
  * it. Everything that kinematics needs is allocated here, once. The caller frees `*out`. */
-km_status km_state_create(const km_mechanism *mechanism, km_state **out, km_error *error);
-void km_state_free(km_state *state);
+KM_API km_status km_state_create(const km_mechanism *mechanism, km_state **out, km_error *error);
+KM_API void km_state_free(km_state *state);
 
 /* Coordinates in the model's units; angles are continuous, never wrapped. */
-double km_state_coordinate(const km_state *state, int coordinate);
+KM_API double km_state_coordinate(const km_state *state, int coordinate);
 
 #ifdef __cplusplus
 }

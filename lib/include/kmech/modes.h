@@ -18,9 +18,9 @@ typedef struct km_modes {
  * same for the same seed), closes the loops, and keeps what differs by more than 1e-6 (full turns of hinges don't
  * count). The state must be assembled and keeps its pose. KM_USAGE if the driver is held or in no loop; KM_MEMORY.
  * Free `*out` in any case. */
-km_status km_modes_find(const km_model *model, const km_state *state, int driver, int starts, unsigned long seed,
-                        km_modes *out, km_error *error);
-void km_modes_free(km_modes *modes);
+KM_API km_status km_modes_find(const km_model *model, const km_state *state, int driver, int starts, unsigned long seed,
+                               km_modes *out, km_error *error);
+KM_API void km_modes_free(km_modes *modes);
 
 #ifdef __cplusplus
 }

@@ -1,0 +1,35 @@
+/* Every public header of the library. */
+#ifndef KMECH_KMECH_H
+#define KMECH_KMECH_H
+
+#include "kmech/advantage.h"
+#include "kmech/advantage_sweep.h"
+#include "kmech/arm.h"
+#include "kmech/control.h"
+#include "kmech/finite_mobility.h"
+#include "kmech/follow.h"
+#include "kmech/forces.h"
+#include "kmech/idle.h"
+#include "kmech/kinematics.h"
+#include "kmech/losses.h"
+#include "kmech/mechanism.h"
+#include "kmech/mobility.h"
+#include "kmech/mobility_sweep.h"
+#include "kmech/model.h"
+#include "kmech/modes.h"
+#include "kmech/path.h"
+#include "kmech/path_study.h"
+#include "kmech/redundancy.h"
+#include "kmech/selfmotion.h"
+#include "kmech/statics.h"
+#include "kmech/statics_sweep.h"
+#include "kmech/status.h"
+#include "kmech/sweep.h"
+#include "kmech/sweep_plan.h"
+#include "kmech/sweep_redundancy.h"
+#include "kmech/table.h"
+#include "kmech/track.h"
+#include "kmech/transmission.h"
+#include "kmech/version.h"
+
+#endif
