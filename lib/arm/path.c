@@ -186,26 +186,43 @@ void km_path_free(km_path *path) {
 }
 
 int km_path_samples(const km_path *path) {
+  if (!path)
+    return 0;
   return path->samples;
 }
 
 double km_path_length(const km_path *path, int i) {
+  if (!path || i < 0 || i >= path->samples)
+    return nan("");
   return path->points[i].s * path->arm->length;
 }
 
 double km_path_travel(const km_path *path, int i) {
+  if (!path || i < 0 || i >= path->samples)
+    return nan("");
   return path->points[i].travel * path->arm->length;
 }
 
 double km_path_turn(const km_path *path, int i) {
+  if (!path || i < 0 || i >= path->samples)
+    return nan("");
   return path->points[i].turn;
 }
 
 double km_path_time(const km_path *path, int i) {
+  if (!path || i < 0 || i >= path->samples)
+    return nan("");
   return path->points[i].t;
 }
 
 void km_path_pose(const km_path *path, int i, km_effector_pose *out) {
+  if (!out)
+    return;
+  if (!path || i < 0 || i >= path->samples) {
+    for (int k = 0; k < 12; ++k)
+      *(k < 9 ? &out->R[k] : &out->p[k - 9]) = nan("");
+    return;
+  }
   km_pose pose = km_arm_to_model(path->arm, &path->points[i].pose);
   for (int k = 0; k < 3; ++k) {
     out->R[k] = pose.R.axis[k].x;

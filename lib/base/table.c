@@ -31,6 +31,8 @@ void km_table_free(km_table *table) {
 }
 
 static int add_column(km_table *table, const char *name, const char *unit, int plain) {
+  if (!table || !name || table->row_count > 0)
+    return -1;
   void *columns = table->columns;
   if (!km_reserve(&columns, &table->column_capacity, table->column_count + 1, sizeof(column)))
     return -1;
@@ -51,10 +53,14 @@ int km_table_add_plain_column(km_table *table, const char *name, const char *uni
 }
 
 int km_table_is_plain(const km_table *table, size_t index) {
+  if (!table || index >= table->column_count)
+    return 0;
   return table->columns[index].plain;
 }
 
 double *km_table_add_row(km_table *table) {
+  if (!table)
+    return NULL;
   void *data = table->data;
   size_t used = table->row_count * table->column_count;
   if (!km_reserve(&data, &table->data_capacity, used + table->column_count, sizeof(double)))
@@ -67,22 +73,34 @@ double *km_table_add_row(km_table *table) {
 }
 
 size_t km_table_rows(const km_table *table) {
+  if (!table)
+    return 0;
   return table->row_count;
 }
 size_t km_table_columns(const km_table *table) {
+  if (!table)
+    return 0;
   return table->column_count;
 }
 const char *km_table_name(const km_table *table, size_t index) {
+  if (!table || index >= table->column_count)
+    return "";
   return table->columns[index].name;
 }
 const char *km_table_unit(const km_table *table, size_t index) {
+  if (!table || index >= table->column_count)
+    return "";
   return table->columns[index].unit;
 }
 const double *km_table_row(const km_table *table, size_t row) {
+  if (!table || row >= table->row_count)
+    return NULL;
   return table->data + row * table->column_count;
 }
 
 int km_table_find(const km_table *table, const char *name) {
+  if (!table || !name)
+    return -1;
   for (size_t c = 0; c < table->column_count; ++c)
     if (strcmp(table->columns[c].name, name) == 0)
       return (int)c;

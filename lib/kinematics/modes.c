@@ -1,5 +1,6 @@
 #include "kmech/modes.h"
 
+#include "base/check.h"
 #include "kinematics/assemble.h"
 #include "kinematics/closure.h"
 
@@ -134,6 +135,16 @@ static km_status hold_driver(const km_model *model, const km_state *s, int drive
 
 km_status km_modes_find(const km_model *model, const km_state *s, int driver, int starts, unsigned long seed,
                         km_modes *out, km_error *error) {
+  if (!out)
+    return km_check_given(false, "place for the result", error);
+  *out = (km_modes){0};
+  km_status fits = km_check_given(model && s, "model or state", error);
+  if (!fits)
+    fits = model == s->mechanism->model ? KM_OK : km_fail(error, KM_USAGE, "the state is one of another model");
+  if (!fits)
+    fits = km_check_index(driver, s->mechanism->coordinate_count, "coordinate", error);
+  if (fits)
+    return fits;
   const km_mechanism *own = s->mechanism;
   km_mechanism *m = NULL;
   km_state *state = NULL;
@@ -155,6 +166,8 @@ km_status km_modes_find(const km_model *model, const km_state *s, int driver, in
 }
 
 void km_modes_free(km_modes *modes) {
+  if (!modes)
+    return;
   km_free(modes->coordinates);
   *modes = (km_modes){0};
 }

@@ -404,8 +404,8 @@ static void lever(const km_model *model, const km_mechanism *mechanism, km_state
   km_error error = {0};
   if (coordinates < 2)
     return;
-  km_handle from = {.coordinate = (int)(choice % (size_t)coordinates), .name = "in"};
-  km_handle to = {.coordinate = (int)(choice / 5 % (size_t)coordinates), .name = "out"};
+  km_handle from = {.kind = KM_HANDLE_JOINT, .coordinate = (int)(choice % (size_t)coordinates), .name = "in"};
+  km_handle to = {.kind = KM_HANDLE_JOINT, .coordinate = (int)(choice / 5 % (size_t)coordinates), .name = "out"};
   km_status status = km_lever_create(mechanism, &from, &to, &made, &error);
   if (status) {
     check_refusal(status, &error);

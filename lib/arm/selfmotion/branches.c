@@ -1,6 +1,8 @@
 /* Inverse kinematics: every branch as a record, and the pose that is nearest to another. */
 #include "arm/selfmotion/branch_search.h"
 
+#include "arm/check.h"
+
 #include <stdlib.h>
 #include <string.h>
 
@@ -146,6 +148,14 @@ static km_pose read_pose(const km_arm *a, const km_effector_pose *given) {
 
 km_status km_branches_find(const km_arm *a, const km_effector_pose *given, unsigned long seed, km_branches *out,
                            km_error *error) {
+  if (!out)
+    return km_check_given(false, "place for the result", error);
+  *out = (km_branches){0};
+  km_status fits = km_check_given(a && given, "arm or pose", error);
+  if (!fits)
+    fits = km_check_pose(given, error);
+  if (fits)
+    return fits;
   km_finder f;
   *out = (km_branches){0};
   km_pose target = read_pose(a, given);
@@ -161,6 +171,8 @@ km_status km_branches_find(const km_arm *a, const km_effector_pose *given, unsig
 }
 
 void km_branches_free(km_branches *b) {
+  if (!b)
+    return;
   for (int i = 0; i < b->count; ++i)
     km_selfmotion_free(&b->items[i]);
   km_free(b->items);

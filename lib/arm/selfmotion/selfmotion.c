@@ -1,5 +1,7 @@
 #include "arm/selfmotion/branches.h"
 
+#include "arm/check.h"
+
 static void add_row(const km_loop_curve *c, km_selfmotion *out, int arc, double u, const int *shift, double *q) {
   for (int k = 0; k < c->arm->n; ++k)
     q[k] += 2.0 * M_PI * shift[k];
@@ -134,6 +136,14 @@ static km_status follow_circle(const km_arm *a, km_arm_space *space, const doubl
 }
 
 km_status km_selfmotion_follow(const km_arm *a, const double *q, km_selfmotion *out, km_error *error) {
+  if (!out)
+    return km_check_given(false, "place for the result", error);
+  *out = (km_selfmotion){0};
+  km_status fits = km_check_given(a && q, "arm or pose", error);
+  if (!fits)
+    fits = km_check_arm_values(a, q, error);
+  if (fits)
+    return fits;
   km_arm_space space;
   double start[KM_ARM_MOST];
   *out = (km_selfmotion){0};
@@ -158,6 +168,8 @@ km_status km_selfmotion_follow(const km_arm *a, const double *q, km_selfmotion *
 }
 
 void km_selfmotion_free(km_selfmotion *m) {
+  if (!m)
+    return;
   km_free(m->u);
   km_free(m->q);
   km_free(m->arcs);

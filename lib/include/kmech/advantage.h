@@ -11,8 +11,11 @@ extern "C" {
 #endif
 
 /* An end of a mechanism that is pushed, or pushes: a joint, or a point of a body along a direction. */
+typedef enum km_handle_kind { KM_HANDLE_NONE, KM_HANDLE_JOINT, KM_HANDLE_POINT } km_handle_kind;
+
 typedef struct km_handle {
-  int coordinate;      /* -1: a point */
+  km_handle_kind kind;
+  int coordinate;      /* of a joint */
   int frame;           /* the point: a frame's origin */
   double direction[3]; /* unit vector along the inertial axes */
   const char *name;    /* as columns call it: a joint's label, or body/frame:dx,dy,dz; borrowed */
@@ -52,7 +55,7 @@ KM_API void km_lever_free(km_lever *lever);
 
 /* At the state's pose, whose mobility is up to date. One freedom: MA = q̇_i / q̇_k = (D_k/D_i) Z_i / Z_k; more:
  * MA = (D_k/D_i) m_i / (Z_k Z_iᵀ), the substructures that the input lies in moving, the others standing (theory 5; of
- * points: rows of the point's Jacobian). Rates below 1e-9 of the largest, each over its substructure's size, count as
+ * points: rows of the point's Jacobian). Rates below 3e-8 of the largest, each over its substructure's size, count as
  * 0. Never allocates. O(coordinates · freedoms). */
 KM_API void km_lever_update(const km_mechanism *mechanism, km_state *state, km_lever *lever, km_advantage *out);
 /* Where several motions meet at the state's pose (a branch point), the advantages in each of them: their number, at

@@ -19,6 +19,8 @@ typedef struct km_sweep_point {
   const char *name; /* "body/frame", as the columns call it */
 } km_sweep_point;
 
+enum { KM_MOST_SWEEP_STEPS = 10000000 };
+
 /* What to sweep. Start from km_sweep_plan_default(). */
 typedef struct km_sweep_plan {
   int coordinate;   /* the driver; -1: the model's analysis.sweep */
