@@ -62,7 +62,7 @@ static int dimension_here(const km_mechanism *m, km_state *s, int index, km_aren
 
 static void list_motion(km_tangents *f, const double *a, km_motion_kind kind, double length, km_finite_mobility *out) {
   if (out->motion_count == KM_MOST_MOTIONS) {
-    out->truncated = 1;
+    out->truncated = true;
     return;
   }
   int coordinates = f->m->coordinate_count;

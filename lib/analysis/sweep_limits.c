@@ -67,7 +67,7 @@ km_status km_sweep_enter_limits(const km_mechanism *m, km_state *s, const km_swe
     return status;
   double at = km_state_coordinate(s, plan->coordinate);
   if (!enter(&r, drive, &at, plan->from) && !enter(&r, drive, &at, plan->to))
-    status = km_fail(error, KM_PARTIAL, "no pose from %.9g to %.9g lies within the limits: joint %s is outside",
+    status = km_fail(error, KM_NO_RESULT, "no pose from %.9g to %.9g lies within the limits: joint %s is outside",
                      plan->from, plan->to, m->model->coordinates[outside(&r)].label);
   km_drive_free(drive);
   return status;

@@ -62,7 +62,7 @@ static km_status solve(const double *matrix, int rows, int columns, km_arena *ar
   out->last_pivot = p.last_pivot;
   out->first_dropped = p.first_dropped;
   if (out->freedom == 0)
-    return km_fail(error, KM_PARTIAL,
+    return km_fail(error, KM_NO_RESULT,
                    "the matrix has rank %d with %d columns: no null space; expected one of at least 1", p.rank,
                    columns);
   km_partition_null(&p, ones, out->freedom, basis);
@@ -70,7 +70,7 @@ static km_status solve(const double *matrix, int rows, int columns, km_arena *ar
     out->path_entry = hypot(out->path_entry, basis[(size_t)(k + 1) * n - 1]);
   if (out->path_entry < KM_PATH_ENTRY_LEAST)
     return km_fail(
-        error, KM_PARTIAL,
+        error, KM_NO_RESULT,
         "the null space has no part along the path (|z| = %.3g): the joints can't move the effector along it",
         out->path_entry);
   turn(basis, columns, out->freedom, Z);

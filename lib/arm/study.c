@@ -250,7 +250,7 @@ static void find_start(binder *b, const double *q) {
   double start[KM_ARM_MOST];
   memcpy(start, q, (size_t)a->n * sizeof *q);
   if (s->path)
-    s->start_status = km_arm_nearest(a, &s->path->points[0].pose, q, b->seed, start, &s->start_error);
+    s->start_status = km_arm_nearest(a, &s->path->points[0].pose, q, b->seed, NULL, NULL, start, &s->start_error);
   for (int k = 0; k < a->n; ++k) {
     double moved = start[k] - q[k];
     if (fabs(moved) < 1e-11)

@@ -7,7 +7,7 @@
 
 typedef struct column {
   const char *name, *unit;
-  int plain;
+  bool plain;
 } column;
 
 struct km_table {
@@ -30,7 +30,7 @@ void km_table_free(km_table *table) {
   km_free(table);
 }
 
-static int add_column(km_table *table, const char *name, const char *unit, int plain) {
+static int add_column(km_table *table, const char *name, const char *unit, bool plain) {
   if (!table || !name || table->row_count > 0)
     return -1;
   void *columns = table->columns;
@@ -45,16 +45,16 @@ static int add_column(km_table *table, const char *name, const char *unit, int p
 }
 
 int km_table_add_column(km_table *table, const char *name, const char *unit) {
-  return add_column(table, name, unit, 0);
+  return add_column(table, name, unit, false);
 }
 
 int km_table_add_plain_column(km_table *table, const char *name, const char *unit) {
-  return add_column(table, name, unit, 1);
+  return add_column(table, name, unit, true);
 }
 
-int km_table_is_plain(const km_table *table, size_t index) {
+bool km_table_is_plain(const km_table *table, size_t index) {
   if (!table || index >= table->column_count)
-    return 0;
+    return false;
   return table->columns[index].plain;
 }
 

@@ -324,7 +324,7 @@ static km_status start(km_follow *f, int coordinate, double sign, km_error *erro
   f->freedom = km_partition_freedom(&f->state->partition[f->substructure]);
   int column = coordinate >= 0 ? m->column_of[coordinate] : liveliest(f);
   if (f->freedom == 0 || !first_tangent(f, column, sign))
-    return km_fail(error, KM_PARTIAL, "nothing moves: %s",
+    return km_fail(error, KM_NO_RESULT, "nothing moves: %s",
                    f->freedom ? "the joint that should is at a toggle" : "the mechanism is a structure at this pose");
   remember(f);
   set_origin(f);
@@ -358,7 +358,7 @@ km_status km_follow_create(const km_mechanism *m, km_state *s, int coordinate, d
     return km_fail(error, KM_USAGE, "joint \"%s\" is %s; expected a free joint of a loop",
                    m->model->coordinates[coordinate].label, m->held[coordinate] ? "held" : "in no loop");
   if (substructure < 0)
-    return km_fail(error, KM_PARTIAL, "nothing moves: the mechanism has no loop with a freedom at this pose");
+    return km_fail(error, KM_NO_RESULT, "nothing moves: the mechanism has no loop with a freedom at this pose");
   km_follow *f = KM_NEW(km_follow, 1);
   if (!f)
     return km_fail(error, KM_MEMORY, "out of memory for following a motion");

@@ -57,7 +57,7 @@ static bool is_there(const journey *j, const km_hold *goal) {
 static km_status unreachable(const journey *j, const km_hold *goal, double end, km_error *error) {
   const char *label = km_model_coordinate_label(j->model, goal->coordinate);
   const char *unit = km_model_coordinate_unit(j->model, goal->coordinate);
-  return km_fail(error, KM_PARTIAL, "%s = %.9g %s can't be reached from the file's pose: it ends at %.9g %s", label,
+  return km_fail(error, KM_NO_RESULT, "%s = %.9g %s can't be reached from the file's pose: it ends at %.9g %s", label,
                  goal->value, unit, end, unit);
 }
 

@@ -12,7 +12,7 @@ static const double well_inside[7] = {0.2, 0.6, 0.1, -1.4, 0.3, 0.9, 0.0};
 static km_selfmotion follow(const km_arm *arm, const double *q) {
   km_selfmotion motion;
   km_error error = {0};
-  if (km_selfmotion_follow(arm, q, &motion, &error))
+  if (km_selfmotion_follow(arm, q, NULL, NULL, &motion, &error))
     fail_msg("%s", error.text);
   return motion;
 }
@@ -249,7 +249,7 @@ static km_branches find(const km_arm *arm, const km_pose *at, unsigned long seed
   pose.p[2] = at->p.z;
   km_branches branches;
   km_error error = {0};
-  if (km_branches_find(arm, &pose, seed, &branches, &error))
+  if (km_branches_find(arm, &pose, seed, NULL, NULL, &branches, &error))
     fail_msg("%s", error.text);
   return branches;
 }
@@ -466,7 +466,7 @@ static void out_of_reach(void **state) {
   km_effector_pose pose = {{1, 0, 0, 0, 1, 0, 0, 0, 1}, {2.0, 0, 0.5}};
   km_branches branches;
   km_error error;
-  assert_int_equal(km_branches_find(arm, &pose, 1, &branches, &error), KM_PARTIAL);
+  assert_int_equal(km_branches_find(arm, &pose, 1, NULL, NULL, &branches, &error), KM_NO_RESULT);
   assert_non_null(strstr(error.text, "out of reach"));
   km_branches_free(&branches);
   km_arm_free(arm);

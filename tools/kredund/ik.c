@@ -102,7 +102,7 @@ static kt_exit run(const kredund_request *r, const kredund_open *open) {
   kt_exit result = find_target(r, open, &target);
   if (result != KT_DONE)
     return result;
-  km_status status = km_branches_find(arm, &target, r->common.seed, &branches, &error);
+  km_status status = km_branches_find(arm, &target, r->common.seed, NULL, NULL, &branches, &error);
   if (status) {
     kt_say(&r->common, KM_ERROR, "%s: %s", open->name, error.text);
     result = kt_exit_of(status);

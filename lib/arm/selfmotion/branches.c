@@ -146,8 +146,8 @@ static km_pose read_pose(const km_arm *a, const km_effector_pose *given) {
   return km_arm_from_model(a, &pose);
 }
 
-km_status km_branches_find(const km_arm *a, const km_effector_pose *given, unsigned long seed, km_branches *out,
-                           km_error *error) {
+km_status km_branches_find(const km_arm *a, const km_effector_pose *given, unsigned long seed, km_progress progress,
+                           void *context, km_branches *out, km_error *error) {
   if (!out)
     return km_check_given(false, "place for the result", error);
   *out = (km_branches){0};
@@ -159,7 +159,7 @@ km_status km_branches_find(const km_arm *a, const km_effector_pose *given, unsig
   km_finder f;
   *out = (km_branches){0};
   km_pose target = read_pose(a, given);
-  km_status status = km_finder_run(a, &target, seed, &f, error);
+  km_status status = km_finder_run(a, &target, seed, progress, context, &f, error);
   out->starts = f.starts;
   out->converged = f.converged;
   out->closed_form = f.closed_form;
@@ -219,8 +219,8 @@ static bool nearest_of(km_finder *f, const double *near, double *q) {
   return best < (double)INFINITY;
 }
 
-km_status km_arm_nearest(const km_arm *a, const km_pose *target, const double *near, unsigned long seed, double *q,
-                         km_error *error) {
+km_status km_arm_nearest(const km_arm *a, const km_pose *target, const double *near, unsigned long seed,
+                         km_progress progress, void *context, double *q, km_error *error) {
   km_finder f;
   km_arm_space space;
   if (!km_arm_space_create(a, &space))
@@ -231,11 +231,11 @@ km_status km_arm_nearest(const km_arm *a, const km_pose *target, const double *n
   km_arm_space_free(&space);
   if (there)
     return KM_OK;
-  km_status status = km_finder_run(a, target, seed, &f, error);
+  km_status status = km_finder_run(a, target, seed, progress, context, &f, error);
   if (!status && !nearest_of(&f, near, q))
-    status =
-        km_fail(error, KM_PARTIAL, "the pose is reached on %d branch%s, but never with all joints within their limits",
-                f.count, f.count == 1 ? "" : "es");
+    status = km_fail(error, KM_NO_RESULT,
+                     "the pose is reached on %d branch%s, but never with all joints within their limits", f.count,
+                     f.count == 1 ? "" : "es");
   else if (!status && !km_arm_reach(a, &f.space, target, NULL, 5, 0.1, q))
     status = km_fail(error, KM_DIVERGED, "inverse kinematics gave out");
   km_finder_free(&f);

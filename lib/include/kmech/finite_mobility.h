@@ -4,6 +4,8 @@
 
 #include "kmech/mobility.h"
 
+#include <stdbool.h>
+
 #ifdef __cplusplus
 extern "C" {
 #endif
@@ -26,10 +28,10 @@ typedef struct km_finite_motion {
 enum { KM_MOST_MOTIONS = 64 };
 
 typedef struct km_finite_mobility {
-  int mobility;  /* dimension of the set of real motions through the pose; the least it can be where undecided */
-  int undecided; /* some direction was neither confirmed nor refuted */
+  int mobility;   /* dimension of the set of real motions through the pose; the least it can be where undecided */
+  bool undecided; /* some direction was neither confirmed nor refuted */
   int motion_count;
-  int truncated; /* there are more motions than are listed */
+  bool truncated; /* there are more motions than are listed */
   km_finite_motion motions[KM_MOST_MOTIONS];
   double *store; /* of the directions */
 } km_finite_mobility;

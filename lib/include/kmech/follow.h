@@ -24,7 +24,7 @@ typedef struct km_branch_point {
  * length. The direction is that in which `coordinate` (-1: the one with the largest mobility number) moves with
  * `sign`; with several freedoms, the direction of that coordinate that moves the others least, carried along
  * without turning. At a branch point, along the motion nearest to it. KM_USAGE if the coordinate is held or in no loop;
- * KM_PARTIAL if nothing moves. The caller frees `*out`. */
+ * KM_NO_RESULT if nothing moves. The caller frees `*out`. */
 KM_API km_status km_follow_create(const km_mechanism *mechanism, km_state *state, int coordinate, double sign,
                                   bool ignore_limits, km_follow **out, km_error *error);
 KM_API void km_follow_free(km_follow *follow);

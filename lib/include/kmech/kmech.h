@@ -19,6 +19,7 @@
 #include "kmech/modes.h"
 #include "kmech/path.h"
 #include "kmech/path_study.h"
+#include "kmech/progress.h"
 #include "kmech/redundancy.h"
 #include "kmech/selfmotion.h"
 #include "kmech/statics.h"

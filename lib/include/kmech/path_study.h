@@ -21,7 +21,7 @@ KM_API const char *km_study_model(const km_study *study);
 
 /* Makes arm, path, start and methods from the study and a mechanism of its model at its pose. The start is the study's
  * q0, or else the state's pose, brought to the path's first pose by inverse kinematics where it isn't there. KM_MODEL,
- * KM_USAGE: something in the study is wrong; KM_PARTIAL: no start within the limits reaches the first pose. The
+ * KM_USAGE: something in the study is wrong; KM_NO_RESULT: no start within the limits reaches the first pose. The
  * mechanism must outlive the study. */
 KM_API km_status km_study_bind(km_study *study, const km_mechanism *mechanism, const km_state *state,
                                unsigned long seed, km_messages *messages, km_error *error);

@@ -13,7 +13,8 @@ extern "C" {
 /* What a fallible function returns. 0 is success. */
 typedef enum km_status {
   KM_OK = 0,
-  KM_PARTIAL,   /* done, but the answer is no or only a part of what was asked */
+  KM_PARTIAL,   /* done, but only a part of what was asked: the result holds it */
+  KM_NO_RESULT, /* done, and the answer is that there is none: the result is empty */
   KM_USAGE,     /* the caller asked for something that doesn't exist or doesn't fit */
   KM_IO,        /* a file can't be read or written */
   KM_MODEL,     /* the model is bad: syntax, contents, or loops that can't close */

@@ -55,7 +55,7 @@ KM_API int km_drive_crossings(const km_drive *drive);
 /* Compiles the model and brings it to a pose: assembled at the file's pose, then moved along its branch, one
  * coordinate after the other, until every `hold` and every `set` has its value. Held coordinates stay rigid in
  * the mechanism that comes out, set ones are free again. Limits don't count. KM_MODEL: the file's own pose can't
- * be closed; KM_PARTIAL: a value can't be reached (with the end that was located); KM_USAGE: a rotation vector
+ * be closed; KM_NO_RESULT: a value can't be reached (with the end that was located); KM_USAGE: a rotation vector
  * is held or set only in part. The caller frees both. */
 KM_API km_status km_reach_pose(const km_model *model, const km_hold *holds, int hold_count, const km_hold *sets,
                                int set_count, km_mechanism **mechanism, km_state **state, km_error *error);

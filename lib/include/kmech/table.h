@@ -4,6 +4,8 @@
 
 #include "kmech/status.h"
 
+#include <stdbool.h>
+
 #ifdef __cplusplus
 extern "C" {
 #endif
@@ -25,7 +27,7 @@ KM_API size_t km_table_rows(const km_table *table);
 KM_API size_t km_table_columns(const km_table *table);
 KM_API const char *km_table_name(const km_table *table, size_t column); /* borrowed, without unit */
 KM_API const char *km_table_unit(const km_table *table, size_t column); /* "": dimensionless */
-KM_API int km_table_is_plain(const km_table *table, size_t column);
+KM_API bool km_table_is_plain(const km_table *table, size_t column);
 KM_API const double *km_table_row(const km_table *table, size_t row); /* borrowed */
 /* Index of a column by its name without unit, -1 if there is none. */
 KM_API int km_table_find(const km_table *table, const char *name);

@@ -3,6 +3,7 @@
 #define KMECH_TRACK_H
 
 #include "kmech/path.h"
+#include "kmech/progress.h"
 #include "kmech/table.h"
 
 #include <stdbool.h>
@@ -97,7 +98,7 @@ typedef struct km_track_plan {
   km_objective objective;
   int jobs;
   unsigned long seed;
-  bool (*progress)(void *context, double done);
+  km_progress progress;
   void *context;
 } km_track_plan;
 
