@@ -7,7 +7,7 @@
 km_sweep_plan km_sweep_plan_default(const km_model *model) {
   if (!model)
     return (km_sweep_plan){.coordinate = -1, .direction = -1};
-  const km_sweep_def *sweep = &model->sweep;
+  const km_model_sweep *sweep = &model->sweep;
   return (km_sweep_plan){.coordinate = sweep->coordinate,
                          .from = sweep->range[0],
                          .to = sweep->range[1],

@@ -2,8 +2,8 @@
 
 #include "arm/selfmotion/branches.h"
 #include "base/check.h"
-#include "base/json.h"
-#include "model/format.h"
+#include "exchange/json/format.h"
+#include "exchange/json/json.h"
 
 #include <string.h>
 

@@ -235,7 +235,7 @@ void km_state_difference(const km_state *s, const km_substructure *sub, const do
 }
 
 bool km_coordinate_turns(const km_mechanism *m, int c) {
-  const km_coordinate_def *def = &m->model->coordinates[c];
+  const km_model_coordinate *def = &m->model->coordinates[c];
   km_joint_type type = m->model->joints[def->joint].type;
   return m->ball_of[c] < 0 && type != KM_SCREW && !km_joint_is_length(type, def->index);
 }

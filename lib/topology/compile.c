@@ -17,7 +17,7 @@ static km_status build_topology(km_mechanism *m, km_error *error) {
   for (int j = 0; j < model->joint_count; ++j)
     edges[j] = (km_edge){model->frames[model->joints[j].frame[0]].body, model->frames[model->joints[j].frame[1]].body};
   for (int i = 0; i < model->coupling_count; ++i) {
-    const km_coupling_def *coupling = &model->couplings[i];
+    const km_model_coupling *coupling = &model->couplings[i];
     ties[i] = (km_tie){tied, coupling->count};
     for (int k = 0; k < coupling->count; ++k)
       *tied++ = model->coordinates[coupling->coordinates[k]].joint;
@@ -94,7 +94,7 @@ const char *km_length_source_name(km_length_source source) {
 static void set_coordinates(km_mechanism *m, const km_hold *holds, int hold_count) {
   const km_model *model = m->model;
   for (int c = 0; c < m->coordinate_count; ++c) {
-    const km_coordinate_def *def = &model->coordinates[c];
+    const km_model_coordinate *def = &model->coordinates[c];
     double factor = km_model_coordinate_factor(model, c);
     bool length = km_joint_is_length(model->joints[def->joint].type, def->index);
     m->start[c] = factor * def->position;
@@ -134,10 +134,10 @@ static double substructure_size(const km_mechanism *m, int s) {
   for (int i = t->loop_start[s]; i < t->loop_start[s + 1]; ++i) {
     int loop = t->loop[i], first = t->member_start[loop], end = t->member_start[loop + 1];
     for (int k = first; k < end; ++k) {
-      const km_joint_def *a = &model->joints[t->member[k].joint];
+      const km_model_joint *a = &model->joints[t->member[k].joint];
       for (int e = 0; e < 2; ++e) {
         for (int o = first; o < k; ++o) {
-          const km_joint_def *b = &model->joints[t->member[o].joint];
+          const km_model_joint *b = &model->joints[t->member[o].joint];
           for (int f = 0; f < 2; ++f)
             if (model->frames[a->frame[e]].body == model->frames[b->frame[f]].body)
               size =
@@ -149,7 +149,7 @@ static double substructure_size(const km_mechanism *m, int s) {
     }
   }
   for (int i = t->joint_start[s]; i < t->joint_start[s + 1]; ++i) {
-    const km_joint_def *joint = &model->joints[t->joint[i]];
+    const km_model_joint *joint = &model->joints[t->joint[i]];
     for (int k = 0; k < km_model_freedom(model, t->joint[i]); ++k)
       if (km_joint_is_length(joint->type, k))
         size = fmax(size, fabs(m->start[joint->first_coordinate + k]));
@@ -202,7 +202,7 @@ static void set_couplings(km_mechanism *m, int s) {
   km_substructure *sub = &m->substructures[s];
   sub->coupling_start = m->coupling_count;
   for (int i = 0; i < m->model->coupling_count; ++i) {
-    const km_coupling_def *def = &m->model->couplings[i];
+    const km_model_coupling *def = &m->model->couplings[i];
     if (m->substructure_of[def->coordinates[0]] != s)
       continue;
     km_coupling *coupling = &m->couplings[m->coupling_count++];
@@ -251,7 +251,7 @@ static void set_arcs(km_mechanism *m) {
     int body = t->order[i], joint = t->arc[body];
     m->arc_of[body] = i - 1;
     bool against = t->against[joint];
-    const km_joint_def *def = &m->model->joints[joint];
+    const km_model_joint *def = &m->model->joints[joint];
     m->arcs[i - 1] = (km_arc){.body = body,
                               .parent = t->parent[body],
                               .joint = joint,

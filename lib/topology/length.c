@@ -15,7 +15,7 @@ static void tie_rigid(const km_model *model, int *parent) {
   for (int b = 0; b < model->body_count; ++b)
     parent[b] = b;
   for (int j = 0; j < model->joint_count; ++j) {
-    const km_joint_def *def = &model->joints[j];
+    const km_model_joint *def = &model->joints[j];
     if (def->type == KM_RIGID)
       parent[find(parent, model->frames[def->frame[0]].body)] = find(parent, model->frames[def->frame[1]].body);
   }

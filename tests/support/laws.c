@@ -131,7 +131,7 @@ void law_twists(fixture *f, randomness *r) {
   assert_int_equal(km_drive_create(m, f->state, c, true, &drive, NULL), KM_OK);
   km_poses_update(m, f->state);
   if (km_drive_tangent(drive, rates)) {
-    const km_frame_def *def = &f->model->frames[frame];
+    const km_model_frame *def = &f->model->frames[frame];
     km_twist t = {{0, 0, 0}, {0, 0, 0}};
     for (int body = def->body; body > 0; body = m->topology.parent[body])
       t = km_twist_axpy(1.0, km_body_twist(m, f->state, body, rates), t);

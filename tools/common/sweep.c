@@ -1,7 +1,7 @@
 #include "common/sweep.h"
 
-#include "base/json.h"
 #include "base/parallel.h"
+#include "exchange/json/json.h"
 #include "report/record/csv.h"
 #include "report/record/sweep_text.h"
 

@@ -1,7 +1,7 @@
 #include "kredund/tracks.h"
 
-#include "base/json.h"
 #include "base/memory.h"
+#include "exchange/json/json.h"
 #include "report/plot/motion_map_plot.h"
 #include "report/plot/track_plot.h"
 #include "report/record/csv.h"

@@ -1,5 +1,6 @@
 #include "report/plot/advantage_plot.h"
 
+#include "report/plot/short_names.h"
 #include "topology/mechanism.h"
 
 #include <math.h>
@@ -36,6 +37,7 @@ bool km_advantage_plot_make(const km_plotted_advantage *sweeps, int count, bool 
   km_swept_line *line = KM_ARENA_NEW(arena, km_swept_line, 2 * (size_t)count);
   km_swept_mark *mark = KM_ARENA_NEW(arena, km_swept_mark, marks + 2);
   km_swept_break *gap = KM_ARENA_NEW(arena, km_swept_break, 2 * marks);
+  const char **models = km_short_names_of(&sweeps[0].swept.name, sizeof *sweeps, count, arena);
   if (arena->failed)
     return false;
   marks = 0;
@@ -44,7 +46,7 @@ bool km_advantage_plot_make(const km_plotted_advantage *sweeps, int count, bool 
     swept[i] = sweeps[i].swept;
     line[lines++] = (km_swept_line){i, s->column, text_in(arena, "%.300s/%.300s", s->input.name, s->output.name), 0};
     if (count > 1)
-      line[lines - 1].name = text_in(arena, "%.300s (%.300s)", line[lines - 1].name, swept[i].name);
+      line[lines - 1].name = text_in(arena, "%.300s (%.300s)", line[lines - 1].name, models[i]);
     if (s->friction) {
       line[lines] =
           (km_swept_line){i, s->column + 1, text_in(arena, "%s%s", line[lines - 1].name, " with friction"), 0};

@@ -1,4 +1,4 @@
-#include "model/reader.h"
+#include "exchange/json/reader.h"
 
 #include <stdarg.h>
 #include <stdio.h>
