@@ -181,6 +181,10 @@ int km_arm_coordinate(const km_arm *a, int column) {
   return a->coordinate[column];
 }
 
+int km_arm_rows(const km_arm *a) {
+  return a ? a->rows : 0;
+}
+
 double km_arm_length(const km_arm *a) {
   if (!a)
     return nan("");
@@ -222,6 +226,12 @@ km_status km_arm_set_rates(km_arm *a, const double *values, int count, km_error 
 
 km_pose km_arm_from_model(const km_arm *a, const km_pose *pose) {
   return (km_pose){pose->R, km_vec3_scale(1.0 / a->length, km_vec3_sub(pose->p, a->origin))};
+}
+
+km_pose km_arm_pose_of(const km_arm *a, const km_frame_pose *given) {
+  const double *R = given->R;
+  km_pose pose = {{{{R[0], R[3], R[6]}, {R[1], R[4], R[7]}, {R[2], R[5], R[8]}}}, km_vec3_make(given->p)};
+  return km_arm_from_model(a, &pose);
 }
 
 km_pose km_arm_to_model(const km_arm *a, const km_pose *pose) {

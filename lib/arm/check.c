@@ -8,7 +8,7 @@ km_status km_check_arm_values(const km_arm *a, const double *q, km_error *error)
   return KM_OK;
 }
 
-km_status km_check_pose(const km_effector_pose *pose, km_error *error) {
+km_status km_check_pose(const km_frame_pose *pose, km_error *error) {
   const double *R = pose->R;
   double misfit = 0.0;
   for (int i = 0; i < 3; ++i) {

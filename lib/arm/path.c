@@ -215,7 +215,7 @@ double km_path_time(const km_path *path, int i) {
   return path->points[i].t;
 }
 
-void km_path_pose(const km_path *path, int i, km_effector_pose *out) {
+void km_path_pose(const km_path *path, int i, km_frame_pose *out) {
   if (!out)
     return;
   if (!path || i < 0 || i >= path->samples) {
@@ -224,12 +224,5 @@ void km_path_pose(const km_path *path, int i, km_effector_pose *out) {
     return;
   }
   km_pose pose = km_arm_to_model(path->arm, &path->points[i].pose);
-  for (int k = 0; k < 3; ++k) {
-    out->R[k] = pose.R.axis[k].x;
-    out->R[3 + k] = pose.R.axis[k].y;
-    out->R[6 + k] = pose.R.axis[k].z;
-  }
-  out->p[0] = pose.p.x;
-  out->p[1] = pose.p.y;
-  out->p[2] = pose.p.z;
+  km_pose_write(&pose, out);
 }

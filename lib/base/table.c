@@ -1,5 +1,6 @@
 #include "kmech/table.h"
 
+#include "base/check.h"
 #include "base/memory.h"
 
 #include <math.h>
@@ -96,6 +97,17 @@ const double *km_table_row(const km_table *table, size_t row) {
   if (!table || row >= table->row_count)
     return NULL;
   return table->data + row * table->column_count;
+}
+
+km_status km_table_column(const km_table *table, size_t index, double *values, km_error *error) {
+  km_status status = km_check_given(table && values, "table or place for the values", error);
+  if (status)
+    return status;
+  if (index >= table->column_count)
+    return km_fail(error, KM_USAGE, "there is no column %zu; the table has %zu", index, table->column_count);
+  for (size_t r = 0; r < table->row_count; ++r)
+    values[r] = table->data[r * table->column_count + index];
+  return KM_OK;
 }
 
 int km_table_find(const km_table *table, const char *name) {

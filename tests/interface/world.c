@@ -66,7 +66,7 @@ void world_open(world *w, world_kind kind) {
   km_table_add_column(w->table, "a", "mm");
   km_table_add_row(w->table);
   w->objective = km_objective_of(KM_MANIPULABILITY);
-  w->pose = (km_effector_pose){{1, 0, 0, 0, 1, 0, 0, 0, 1}, {0, 0, 0}};
+  w->pose = (km_frame_pose){{1, 0, 0, 0, 1, 0, 0, 0, 1}, {0, 0, 0}};
   open_model(w, kind == WORLD_ARM ? MODELS_DIR "/panda.json" : MODELS_DIR "/brake.json", &w->model, &w->mechanism);
   open_model(w, MODELS_DIR "/stewart.json", &w->other_model, &w->other_mechanism);
   need(km_state_create(w->mechanism, &w->state, &w->error), &w->error);

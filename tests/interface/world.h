@@ -28,7 +28,7 @@ typedef struct world {
   km_handle input, output;
   km_sweep_plan plan;
   km_track_plan track_plan;
-  km_effector_pose pose;
+  km_frame_pose pose;
   km_objective objective;
   km_hold holds[2];
   km_load loads[1];

@@ -238,7 +238,7 @@ static void narrow_gaps_are_found(void **state) {
 }
 
 static km_branches find(const km_arm *arm, const km_pose *at, unsigned long seed) {
-  km_effector_pose pose;
+  km_frame_pose pose;
   for (int k = 0; k < 3; ++k) {
     pose.R[k] = at->R.axis[k].x;
     pose.R[3 + k] = at->R.axis[k].y;
@@ -463,7 +463,7 @@ static void out_of_reach(void **state) {
   (void)state;
   fixture f = fixture_open("iiwa14");
   km_arm *arm = arm_of(&f, "flange", "tool", KM_TASK_POSE);
-  km_effector_pose pose = {{1, 0, 0, 0, 1, 0, 0, 0, 1}, {2.0, 0, 0.5}};
+  km_frame_pose pose = {{1, 0, 0, 0, 1, 0, 0, 0, 1}, {2.0, 0, 0.5}};
   km_branches branches;
   km_error error;
   assert_int_equal(km_branches_find(arm, &pose, 1, NULL, NULL, &branches, &error), KM_NO_RESULT);

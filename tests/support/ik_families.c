@@ -25,7 +25,7 @@ static ik_case open_case(randomness *r, int n, bool roomy, unsigned long seed) {
   for (int k = 0; k < n; ++k)
     q[k] = roomy ? uniform(r, c.arm->low[k], c.arm->high[k]) : uniform(r, -M_PI, M_PI);
   km_pose pose = effector_by_bodies(&c.f, c.arm, q);
-  km_effector_pose given;
+  km_frame_pose given;
   for (int k = 0; k < 3; ++k) {
     given.R[k] = pose.R.axis[k].x;
     given.R[3 + k] = pose.R.axis[k].y;

@@ -140,13 +140,7 @@ static km_status deliver(km_finder *f, km_branches *out, km_error *error) {
   return status;
 }
 
-static km_pose read_pose(const km_arm *a, const km_effector_pose *given) {
-  const double *R = given->R;
-  km_pose pose = {{{{R[0], R[3], R[6]}, {R[1], R[4], R[7]}, {R[2], R[5], R[8]}}}, km_vec3_make(given->p)};
-  return km_arm_from_model(a, &pose);
-}
-
-km_status km_branches_find(const km_arm *a, const km_effector_pose *given, unsigned long seed, km_progress progress,
+km_status km_branches_find(const km_arm *a, const km_frame_pose *given, unsigned long seed, km_progress progress,
                            void *context, km_branches *out, km_error *error) {
   if (!out)
     return km_check_given(false, "place for the result", error);
@@ -158,7 +152,7 @@ km_status km_branches_find(const km_arm *a, const km_effector_pose *given, unsig
     return fits;
   km_finder f;
   *out = (km_branches){0};
-  km_pose target = read_pose(a, given);
+  km_pose target = km_arm_pose_of(a, given);
   km_status status = km_finder_run(a, &target, seed, progress, context, &f, error);
   out->starts = f.starts;
   out->converged = f.converged;

@@ -45,6 +45,16 @@ KM_API void km_state_free(km_state *state);
 
 /* Coordinates in the model's units; angles are continuous, never wrapped. */
 KM_API double km_state_coordinate(const km_state *state, int coordinate);
+/* All of them: values[coordinate count]. KM_USAGE. */
+KM_API km_status km_state_coordinates(const km_mechanism *mechanism, const km_state *state, double *values,
+                                      km_error *error);
+/* Puts the free coordinates at these values, or one of them; held ones stay. The loops are open then: km_assemble
+ * closes them on the branch that is nearest, and poses and mobility must be updated again. KM_USAGE: a value isn't
+ * finite, the one coordinate is held. O(coordinates). */
+KM_API km_status km_state_set_coordinates(const km_mechanism *mechanism, km_state *state, const double *values,
+                                          km_error *error);
+KM_API km_status km_state_set_coordinate(const km_mechanism *mechanism, km_state *state, int coordinate, double value,
+                                         km_error *error);
 
 #ifdef __cplusplus
 }

@@ -4,6 +4,8 @@
 
 #include "kmech/status.h"
 
+#include <stdbool.h>
+
 #ifdef __cplusplus
 extern "C" {
 #endif
@@ -26,6 +28,12 @@ KM_API int km_model_coordinate_count(const km_model *model);
 
 /* Name of a body as the file has it, 0 … the number of bodies; 0 is the inertial frame. Borrowed. */
 KM_API const char *km_model_body_name(const km_model *model, int body);
+/* Frames, in the order in which the model has them: those of the inertial frame first, every body's `origin` first.
+ * Name
+ * ("" if there is no such frame, borrowed) and body (-1). */
+KM_API int km_model_frame_count(const km_model *model);
+KM_API const char *km_model_frame_name(const km_model *model, int frame);
+KM_API int km_model_frame_body(const km_model *model, int frame);
 /* Labels as every output writes them: `name`, or `assembly/name` where the name isn't unique; coordinate k of
  * a joint with several is `label[k]`. Borrowed. */
 KM_API const char *km_model_joint_label(const km_model *model, int joint);
@@ -34,6 +42,10 @@ KM_API const char *km_model_coordinate_label(const km_model *model, int coordina
 KM_API const char *km_model_coordinate_unit(const km_model *model, int coordinate);
 /* Number of coordinates of a joint, and the index of its first. */
 KM_API int km_model_joint_freedom(const km_model *model, int joint, int *first);
+/* The joint that a coordinate belongs to; -1: there is no such coordinate. */
+KM_API int km_model_coordinate_joint(const km_model *model, int coordinate);
+/* Limits in the coordinate's unit, minus or plus infinity where there is none. False if it has none at all. */
+KM_API bool km_model_coordinate_limits(const km_model *model, int coordinate, double *low, double *high);
 /* The model is to use this characteristic length (in its own length unit, > 0), that of another one that it is compared
  * with. To be called before the model is compiled. */
 KM_API void km_model_share_length(km_model *model, double length);

@@ -10,11 +10,6 @@ extern "C" {
 
 typedef struct km_path km_path;
 
-/* A pose in the inertial frame: rotation by rows, position in the model's length unit. */
-typedef struct km_effector_pose {
-  double R[9], p[3];
-} km_effector_pose;
-
 KM_API void km_path_free(km_path *path);
 KM_API int km_path_samples(const km_path *path);
 /* The metric s up to a sample, model's unit: ds² = |dp|² + L²dθ² (theory 6); the length that the effector's origin has
@@ -24,7 +19,7 @@ KM_API double km_path_length(const km_path *path, int sample);
 KM_API double km_path_travel(const km_path *path, int sample);
 KM_API double km_path_turn(const km_path *path, int sample);
 KM_API double km_path_time(const km_path *path, int sample);
-KM_API void km_path_pose(const km_path *path, int sample, km_effector_pose *pose);
+KM_API void km_path_pose(const km_path *path, int sample, km_frame_pose *pose);
 
 #ifdef __cplusplus
 }

@@ -69,7 +69,7 @@ typedef struct km_branches {
  * parallel; else by Newton's method from many starts (the same for the same seed), until the count is confirmed: no new
  * ones in a long row, and, of six hinges, as many of either sense. Each solution that lies on no known curve is
  * followed along its own. KM_NO_RESULT: out of reach; KM_MEMORY; KM_CANCELLED. Free `*out` in any case. */
-KM_API km_status km_branches_find(const km_arm *arm, const km_effector_pose *pose, unsigned long seed,
+KM_API km_status km_branches_find(const km_arm *arm, const km_frame_pose *pose, unsigned long seed,
                                   km_progress progress, void *context, km_branches *out, km_error *error);
 KM_API void km_branches_free(km_branches *branches);
 
