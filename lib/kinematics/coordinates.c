@@ -6,7 +6,7 @@
 static void forget_motions(const km_mechanism *m, km_state *s) {
   for (int i = 0; i < m->topology.substructure_count; ++i) {
     s->pivoted[i] = KM_NEVER;
-    s->basis[i].count = 0;
+    s->basis[i].known = false;
   }
 }
 

@@ -82,7 +82,7 @@ bool km_state_knows_motion(const km_mechanism *m, const km_state *s) {
   if (!km_state_fits(m, s))
     return false;
   for (int i = 0; i < m->topology.substructure_count; ++i)
-    if (s->basis[i].count < km_partition_freedom(&s->partition[i]))
+    if (!s->basis[i].known || s->basis[i].count < km_partition_freedom(&s->partition[i]))
       return false;
   return true;
 }
@@ -137,6 +137,7 @@ static double *basis_room(km_state *s, const km_substructure *sub, int index, in
 double *km_state_null(const km_mechanism *m, km_state *s, int index, int count) {
   const km_substructure *sub = &m->substructures[index];
   double *Z = basis_room(s, sub, index, count);
+  s->basis[index].known = Z != NULL;
   s->basis[index].count = Z ? count : 0;
   if (Z)
     km_partition_null(&s->partition[index], m->column_weight + sub->column_start, count, Z);

@@ -14,7 +14,8 @@ typedef struct km_planar_pose {
 typedef struct km_basis {
   double *Z;
   size_t capacity;
-  int count; /* vectors of a null space that it holds: 0 before the first search, and while it holds rows */
+  bool known; /* a null space was made at this pose or one before it */
+  int count;  /* vectors of it: 0 while it holds rows */
 } km_basis;
 
 struct km_state {
