@@ -174,6 +174,12 @@ km_status km_path_finish(km_path *path, int *which, km_error *error) {
   return KM_OK;
 }
 
+double km_poses_apart(const km_pose *a, const km_pose *b) {
+  km_rotation back = km_rotation_inverse(&a->R), difference = km_rotation_product(&b->R, &back);
+  km_vec3 turn = km_quaternion_log(km_rotation_quaternion(&difference)), way = km_vec3_sub(b->p, a->p);
+  return sqrt(km_vec3_dot(way, way) + km_vec3_dot(turn, turn));
+}
+
 void km_path_free(km_path *path) {
   if (!path)
     return;

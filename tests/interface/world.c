@@ -34,6 +34,11 @@ static void open_study(world *w) {
   w->track_plan = km_study_plan(w->study, 0);
   w->track_plan.method = km_method_default(KM_GREEDY);
   km_path_pose(w->track_plan.path, 0, &w->pose);
+  w->segment = km_path_segment_default(KM_PATH_LINE);
+  w->path_plan = km_path_plan_default();
+  w->path_plan.start = w->pose;
+  w->path_plan.segments = &w->segment;
+  w->path_plan.segment_count = 1;
   need(km_track_run(w->arm, &w->track_plan, &w->track, &w->error), &w->error);
   for (int k = 0; k < km_arm_coordinates(w->arm); ++k)
     w->numbers[k] = w->track_plan.start[k];

@@ -28,6 +28,8 @@ typedef struct world {
   km_handle input, output;
   km_sweep_plan plan;
   km_track_plan track_plan;
+  km_path_plan path_plan;
+  km_path_segment segment;
   km_frame_pose pose;
   km_objective objective;
   km_hold holds[2];
