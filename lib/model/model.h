@@ -46,7 +46,6 @@ typedef struct km_joint_stop {
 } km_joint_stop;
 
 /* A joint's motion over time. Angles in the file's unit. */
-typedef enum km_motion_law { KM_MOTION_FREE, KM_MOTION_TABLE, KM_MOTION_POLYNOMIAL, KM_MOTION_SINE } km_motion_law;
 typedef struct km_joint_prescribed {
   km_motion_law law;
   int count;      /* rows of the table, or coefficients */
@@ -87,21 +86,9 @@ typedef struct km_port {
   int frame[2];   /* the parent's, the child's */
 } km_port;
 
-typedef enum km_module_type {
-  KM_MODULE_STIFFNESS,
-  KM_MODULE_DAMPING,
-  KM_MODULE_FRICTION,
-  KM_MODULE_MOTOR,
-  KM_MODULE_PID,
-  KM_MODULE_TIRE,
-  KM_MODULE_TYPES
-} km_module_type;
 /* "stiffness", "damping" …, as the format writes them. */
 const char *km_module_type_word(km_module_type type);
 int km_module_type_find(const char *word); /* -1: no type */
-
-/* What a port between frames measures: the distance of their origins, or along an axis of the parent's. */
-typedef enum km_distance { KM_DISTANCE_EUCLID, KM_DISTANCE_X, KM_DISTANCE_Y, KM_DISTANCE_Z } km_distance;
 
 /* A force law: polynomials between knots of the plain variable (radians, lengths, time). */
 typedef struct km_law {

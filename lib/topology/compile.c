@@ -28,7 +28,12 @@ static km_status build_topology(km_mechanism *m, km_error *error) {
   return status;
 }
 
-static bool allocate(km_mechanism *m, size_t steps, size_t entries, size_t terms) {
+bool km_compile_allocate(km_mechanism *m, km_walks *walks) {
+  size_t steps, entries, terms = 0;
+  km_compile_bounds(m, &steps, &entries);
+  for (int i = 0; i < m->model->coupling_count; ++i)
+    terms += (size_t)m->model->couplings[i].count;
+
   km_arena *arena = &m->arena;
   size_t coordinates = (size_t)m->coordinate_count, loops = (size_t)m->topology.loop_count;
   size_t substructures = (size_t)m->topology.substructure_count, bodies = (size_t)m->model->body_count;
@@ -55,7 +60,7 @@ static bool allocate(km_mechanism *m, size_t steps, size_t entries, size_t terms
   m->terms = KM_ARENA_NEW(arena, km_term, terms);
   m->arcs = KM_ARENA_NEW(arena, km_arc, bodies);
   m->arc_of = KM_ARENA_NEW(arena, int, bodies);
-  return !arena->failed;
+  return km_walks_create(m, steps, arena, walks);
 }
 
 static bool set_length(km_mechanism *m, const km_compiling *how) {
@@ -222,7 +227,7 @@ static void set_couplings(km_mechanism *m, int s) {
   sub->coupling_count = m->coupling_count - sub->coupling_start;
 }
 
-static bool compile_substructure(km_mechanism *m, int s, km_walks *walks) {
+static void compile_substructure(km_mechanism *m, int s, km_walks *walks) {
   const km_topology *t = &m->topology;
   km_substructure *sub = &m->substructures[s];
   sub->loop_start = t->loop_start[s];
@@ -231,16 +236,23 @@ static bool compile_substructure(km_mechanism *m, int s, km_walks *walks) {
     m->loop_order[sub->loop_start + i] = t->loop[sub->loop_start + i];
   km_compile_loops(m, s, walks);
   set_couplings(m, s);
-  if (!km_compile_pattern(m, sub))
-    return false;
-  sub->matrix_start = m->matrix_size;
   sub->error_start = m->error_size;
-  m->matrix_size += sub->pattern.size;
   m->error_size += sub->rows;
   if (sub->rows > m->largest_rows)
     m->largest_rows = sub->rows;
   if (sub->columns > m->largest_columns)
     m->largest_columns = sub->columns;
+}
+
+/* Where the Jacobians' values are stored. False when out of memory. */
+static bool set_patterns(km_mechanism *m) {
+  for (int s = 0; s < m->topology.substructure_count; ++s) {
+    km_substructure *sub = &m->substructures[s];
+    if (!km_compile_pattern(m, sub))
+      return false;
+    sub->matrix_start = m->matrix_size;
+    m->matrix_size += sub->pattern.size;
+  }
   return true;
 }
 
@@ -261,35 +273,35 @@ static void set_arcs(km_mechanism *m) {
   }
 }
 
-static size_t term_total(const km_model *model) {
-  size_t terms = 0;
-  for (int i = 0; i < model->coupling_count; ++i)
-    terms += (size_t)model->couplings[i].count;
-  return terms;
-}
-
-static km_status compile(km_mechanism *m, const km_compiling *how, km_error *error) {
-  km_status status = build_topology(m, error);
-  if (status)
-    return status;
-  m->coordinate_count = m->model->coordinate_count;
-  size_t steps, entries;
-  km_compile_bounds(m, &steps, &entries);
-  if (!allocate(m, steps, entries, term_total(m->model)) || !set_length(m, how))
-    return km_fail(error, KM_MEMORY, "out of memory while compiling the mechanism");
+bool km_compile_numbers(km_mechanism *m, const km_compiling *how, km_walks *walks) {
+  km_arena scratch = {0};
+  bool done = set_length(m, how);
   set_coordinates(m, how->holds, how->hold_count);
   number_balls(m);
   for (int s = 0; s < m->topology.substructure_count; ++s)
     m->substructures[s].size = substructure_size(m, s);
-  km_arena scratch = {0};
   set_columns(m, &scratch);
-  km_walks walks;
-  bool done = km_walks_create(m, steps, &scratch, &walks);
+  done = done && !scratch.failed;
   for (int s = 0; s < m->topology.substructure_count && done; ++s)
-    done = compile_substructure(m, s, &walks);
+    compile_substructure(m, s, walks);
   set_arcs(m);
   km_arena_free(&scratch);
-  return !done ? km_fail(error, KM_MEMORY, "out of memory while compiling the mechanism") : KM_OK;
+  return done;
+}
+
+static km_status compile(km_mechanism *m, const km_compiling *how, km_error *error) {
+  km_status status = build_topology(m, error);
+  km_walks walks;
+  if (status)
+    return status;
+  m->coordinate_count = m->model->coordinate_count;
+  m->holds = KM_ARENA_NEW(&m->arena, km_hold, (size_t)how->hold_count);
+  if (!m->holds || !km_compile_allocate(m, &walks) || !km_compile_numbers(m, how, &walks) || !set_patterns(m))
+    return km_fail(error, KM_MEMORY, "out of memory while compiling the mechanism");
+  if (how->hold_count)
+    memcpy(m->holds, how->holds, (size_t)how->hold_count * sizeof *m->holds);
+  m->hold_count = how->hold_count;
+  return KM_OK;
 }
 
 static km_status check_holds(const km_model *model, const km_hold *holds, int count, km_error *error) {
@@ -325,6 +337,7 @@ km_status km_mechanism_compile_as(const km_model *model, const km_compiling *how
 void km_mechanism_free(km_mechanism *m) {
   if (!m)
     return;
+  km_mechanism_free(m->spare);
   km_arena_free(&m->arena);
   km_free(m);
 }

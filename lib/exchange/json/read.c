@@ -218,7 +218,7 @@ static km_status read_model(km_model *model, const char *bytes, size_t size, km_
   read_elements(&reader, root);
   free_names(&reader);
   model->rotation_misfit = reader.rotation_misfit;
-  km_read_inertias(&reader);
+  km_model_check_inertias(model, messages);
   if (!model->arena.failed)
     km_model_weigh(model, messages);
   if (model->arena.failed)

@@ -227,129 +227,6 @@ static void read_joint(km_reader *reader, const km_value *value, int assembly, c
     model->arena.failed = true;
 }
 
-/* Recursion as deep as the parser's limit on nesting. */
-static void add_assembly_path(const km_model *model, int assembly, km_text *text) {
-  if (assembly == KM_NO_ASSEMBLY)
-    return;
-  add_assembly_path(model, model->assemblies[assembly].parent, text);
-  km_text_format(text, "%s/", model->assemblies[assembly].name);
-}
-
-static const char *full_path(km_model *model, const km_model_joint *joint) {
-  km_text text = {0};
-  add_assembly_path(model, joint->assembly, &text);
-  km_text_add(&text, joint->name);
-  const char *label = text.failed ? NULL : km_arena_string(&model->arena, text.data);
-  km_text_free(&text);
-  return label;
-}
-
-/* Enters a label in one of the tables; two joints can't have the same. */
-static void enter_label(km_reader *reader, int scope, const char *label, int index, int joint) {
-  km_model *model = reader->model;
-  if (km_names_get(&reader->labels, scope, label) >= 0 && km_messages_errors(reader->messages) == 0)
-    km_messages_add(reader->messages, KM_ERROR,
-                    "%s: the label \"%.80s\" is that of another joint; expected another name",
-                    model->joints[joint].where, label);
-  if (!km_names_set(&reader->labels, scope, label, index))
-    model->arena.failed = true;
-}
-
-static void label_coordinates(km_reader *reader, int index) {
-  km_model *model = reader->model;
-  const km_model_joint *joint = &model->joints[index];
-  int freedom = km_model_freedom(model, index);
-  for (int k = 0; k < freedom && !model->arena.failed; ++k) {
-    km_text text = {0};
-    km_text_format(&text, freedom == 1 ? "%s" : "%s[%d]", joint->label, k);
-    int coordinate = joint->first_coordinate + k;
-    const char *label = text.failed ? NULL : km_arena_string(&model->arena, text.data);
-    km_text_free(&text);
-    model->coordinates[coordinate].label = label;
-    if (label)
-      enter_label(reader, KM_LABEL_COORDINATE, label, coordinate, index);
-    else
-      model->arena.failed = true;
-  }
-}
-
-/* Notes the labels of a joint that aren't its own name: a path, and those of several coordinates. */
-static void reserve_labels(km_reader *reader, int index) {
-  km_model *model = reader->model;
-  const km_model_joint *joint = &model->joints[index];
-  int freedom = km_model_freedom(model, index);
-  if (joint->label != joint->name && !km_names_set(&reader->labels, KM_LABEL_TAKEN, joint->label, index))
-    model->arena.failed = true;
-  for (int k = 0; k < freedom && freedom > 1; ++k) {
-    km_text text = {0};
-    km_text_format(&text, "%s[%d]", joint->label, k);
-    const char *label = text.failed ? NULL : km_arena_string(&model->arena, text.data);
-    km_text_free(&text);
-    if (!label || !km_names_set(&reader->labels, KM_LABEL_TAKEN, label, index))
-      model->arena.failed = true;
-  }
-}
-
-/* A joint's label is its name where no other joint has that name or label, else its full path. */
-static void assign_labels(km_reader *reader) {
-  km_model *model = reader->model;
-  for (int j = 0; j < model->joint_count; ++j) {
-    int seen = km_names_get(&reader->labels, KM_LABEL_COUNT, model->joints[j].name);
-    if (!km_names_set(&reader->labels, KM_LABEL_COUNT, model->joints[j].name, seen < 0 ? 1 : seen + 1))
-      model->arena.failed = true;
-  }
-  for (int j = 0; j < model->joint_count && !model->arena.failed; ++j) {
-    km_model_joint *joint = &model->joints[j];
-    bool unique = km_names_get(&reader->labels, KM_LABEL_COUNT, joint->name) == 1;
-    joint->label = unique ? joint->name : full_path(model, joint);
-    if (joint->label)
-      reserve_labels(reader, j);
-    else
-      model->arena.failed = true;
-  }
-  for (int j = 0; j < model->joint_count && !model->arena.failed; ++j) {
-    km_model_joint *joint = &model->joints[j];
-    if (joint->label == joint->name && km_names_get(&reader->labels, KM_LABEL_TAKEN, joint->name) >= 0)
-      joint->label = full_path(model, joint);
-    if (!joint->label) {
-      model->arena.failed = true;
-      return;
-    }
-    enter_label(reader, KM_LABEL_JOINT, joint->label, j, j);
-    label_coordinates(reader, j);
-  }
-}
-
-static int root_of(int *parent, int body) {
-  while (parent[body] != body)
-    body = parent[body] = parent[parent[body]];
-  return body;
-}
-
-/* Every body must be tied to the inertial frame. */
-static void check_ties(km_reader *reader) {
-  km_model *model = reader->model;
-  int *parent = KM_NEW(int, (size_t)model->body_count);
-  if (!parent) {
-    model->arena.failed = true;
-    return;
-  }
-  for (int b = 0; b < model->body_count; ++b)
-    parent[b] = b;
-  for (int j = 0; j < model->joint_count; ++j) {
-    int a = root_of(parent, model->frames[model->joints[j].frame[0]].body);
-    int b = root_of(parent, model->frames[model->joints[j].frame[1]].body);
-    parent[a > b ? a : b] = a < b ? a : b;
-  }
-  for (int b = 1; b < model->body_count; ++b)
-    if (root_of(parent, b) != 0)
-      km_messages_add(reader->messages, KM_ERROR,
-                      "%s: body \"%.80s\" is tied to the inertial frame by no chain of joints; expected at least "
-                      "one (a joint of type float ties a free body to [\"fixed\"])",
-                      model->bodies[b].where, model->bodies[b].name);
-  km_free(parent);
-}
-
 static void joints_of(km_reader *reader, const km_value *assembly, int index, const km_place *place) {
   km_reader_each(reader, assembly, "joints", index, place, read_joint);
 }
@@ -357,8 +234,8 @@ static void joints_of(km_reader *reader, const km_value *assembly, int index, co
 void km_read_joints(km_reader *reader, const km_value *root) {
   km_reader_visit(reader, root, joints_of);
   if (km_messages_errors(reader->messages) == 0)
-    check_ties(reader);
-  assign_labels(reader);
+    km_model_check_ties(reader->model, reader->messages);
+  km_model_assign_labels(reader->model, &reader->labels, reader->messages);
 }
 
 /* The coordinates of a coupling; false if the coupling goes (left out, or an error was reported). */

@@ -1,6 +1,5 @@
 /* Masses and inertias: as the file states them, or from a mesh and a density. */
 #include "exchange/json/reader.h"
-#include "model/mass_properties.h"
 
 /* The mesh is weighed later, when the model's folder and include_dir are known to be good. */
 static void read_density(km_reader *reader, const km_value *value, const km_place *place, const km_model_body *body) {
@@ -29,39 +28,4 @@ void km_read_mass(km_reader *reader, const km_value *value, const km_place *plac
     km_reader_error(reader, &mass, "found %s; expected a mass of at least 0", KM_SHOWN(body->mass));
   if (km_value_get(value, "density"))
     read_density(reader, value, place, body);
-}
-
-/* How far the model reaches: the greatest distance of a frame or a centre of mass from its body's origin. */
-static double reach(const km_model *model) {
-  double far = 0.0;
-  for (int f = 0; f < model->frame_count; ++f)
-    far = fmax(far, km_vec3_norm(model->frames[f].pose.p));
-  for (int b = 1; b < model->body_count; ++b)
-    far = fmax(far, km_vec3_norm(model->bodies[b].center_of_mass));
-  return far;
-}
-
-/* A principal moment below zero by less than this is rounding: of the matrix's own entries, or of moments m·l² about a
- * far point that should have cancelled. A light body may have been cut from a heavy one. */
-static double moment_rounding(const km_model_body *body, double heaviest, double far) {
-  double size = 0.0;
-  for (int k = 0; k < 6; ++k)
-    size = fmax(size, fabs(body->inertia[k]));
-  return 1e-9 * size + 1e-12 * fmax(body->mass, 1e-3 * heaviest) * far * far;
-}
-
-void km_read_inertias(km_reader *reader) {
-  const km_model *model = reader->model;
-  double heaviest = 0.0, far = reach(model), moments[3];
-  for (int b = 1; b < model->body_count; ++b)
-    heaviest = fmax(heaviest, model->bodies[b].mass);
-  for (int b = 1; b < model->body_count; ++b) {
-    const km_model_body *body = &model->bodies[b];
-    km_principal_moments(body->inertia, moments);
-    if (moments[0] < -moment_rounding(body, heaviest, far))
-      km_messages_add(reader->messages, KM_ERROR,
-                      "%s.moment_of_inertia: a principal moment is negative: %.4g, beside %.4g and %.4g; expected "
-                      "moments of at least 0",
-                      body->where, moments[0], moments[1], moments[2]);
-  }
 }

@@ -6,7 +6,7 @@
 #include "base/text.h"
 #include "base/value.h"
 #include "exchange/json/place.h"
-#include "model/model.h"
+#include "model/finish.h"
 
 /* A model as it was read: what writing it again needs beside the model. Kept in the model's arena. */
 struct km_origin {
@@ -22,14 +22,11 @@ typedef struct km_reader {
   km_messages *messages;
   double rotation_misfit;                      /* the largest entry of RᵀR − I so far */
   km_names assemblies, bodies, frames, joints; /* scope: the parent */
-  km_names labels;                             /* scopes below */
+  km_names labels;                             /* scopes: see finish.h */
   bool unreadable;                             /* a file that the text names can't be read */
 } km_reader;
 
 enum { KM_NOT_FOUND = -1, KM_LEFT_OUT = -2, KM_FAULTY = -5 };
-
-/* Scopes of `labels`. Faulty: names of joints that an error was reported for; what names them is not judged. */
-enum { KM_LABEL_JOINT, KM_LABEL_COORDINATE, KM_LABEL_COUNT, KM_LABEL_FAULTY, KM_LABEL_TAKEN };
 
 /* A number as its shortest text, for a message. */
 #define KM_SHOWN(x) km_reader_shown((char[KM_NUMBER_TEXT]){0}, x)
@@ -73,8 +70,6 @@ const char *km_path_text(const km_value *path, char out[KM_PLACE_TEXT]);
 
 /* Mass, centre of mass and inertia as the file states them; a density. */
 void km_read_mass(km_reader *reader, const km_value *body, const km_place *place, km_model_body *out);
-/* No principal moment may be negative. After every body and frame has been read: their size tells what rounding is. */
-void km_read_inertias(km_reader *reader);
 /* The second pass over the assemblies: joints, then what names joints. */
 void km_read_joints(km_reader *reader, const km_value *root);
 void km_read_couplings(km_reader *reader, const km_value *root);

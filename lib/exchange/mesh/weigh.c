@@ -62,6 +62,21 @@ void km_model_weigh(km_model *model, km_messages *messages) {
   km_text_free(&path);
 }
 
+km_status km_model_weigh_meshes(km_model *model, km_error *error) {
+  km_messages *messages = km_messages_create();
+  if (!model || !messages) {
+    km_messages_free(messages);
+    return km_fail(error, model ? KM_MEMORY : KM_USAGE, model ? "out of memory for meshes" : "found no model");
+  }
+  km_model_weigh(model, messages);
+  km_status status = model->arena.failed ? km_fail(error, KM_MEMORY, "out of memory for meshes") : KM_OK;
+  for (size_t i = 0; i < km_messages_count(messages) && !status; ++i)
+    if (km_messages_severity(messages, i) == KM_ERROR)
+      status = km_fail(error, KM_MODEL, "%s", km_messages_text(messages, i));
+  km_messages_free(messages);
+  return status;
+}
+
 void km_model_miss_meshes(const km_model *model, km_messages *messages) {
   const km_model_body *first = NULL;
   int missed = 0;
