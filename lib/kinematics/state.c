@@ -106,10 +106,14 @@ km_status km_state_create(const km_mechanism *m, km_state **out, km_error *error
 }
 
 void km_state_restart(km_state *s) {
+  if (!s)
+    return;
   const km_mechanism *m = s->mechanism;
   set_coupling_rows(m, s);
   for (int i = 0; i < m->topology.substructure_count; ++i)
     s->pivoted[i] = KM_NEVER;
+  for (int i = 0; i < m->topology.substructure_count; ++i)
+    s->basis[i].known = false;
   km_state_set(m, s, m->start);
 }
 

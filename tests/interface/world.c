@@ -64,6 +64,24 @@ static void open_handles(world *w) {
   km_follow_create(w->mechanism, w->state, -1, 1.0, false, &w->follow, NULL);
 }
 
+/* A builder with a body and a joint, and a definition of each kind. */
+static void open_builder(world *w) {
+  km_body_id body;
+  need(km_builder_create(&w->builder, &w->error), &w->error);
+  w->settings = km_settings_default();
+  w->frame = km_frame_default();
+  w->body = km_body_default();
+  w->joint = km_joint_default();
+  w->force = km_force_default();
+  w->sweep_def = km_sweep_default();
+  w->body.name = "first";
+  need(km_model_add_body(w->builder, &w->body, &body, &w->error), &w->error);
+  w->joint.name = "hinge";
+  w->joint.parent = km_builder_origin(w->builder, km_builder_fixed(w->builder));
+  w->joint.child = km_builder_origin(w->builder, body);
+  need(km_model_add_joint(w->builder, &w->joint, NULL, &w->error), &w->error);
+}
+
 void world_open(world *w, world_kind kind) {
   *w = (world){.names = {"fixed", "origin"}, .loads = {{.frame = 1, .force = {1, 0, 0}}}, .holds = {{0, 0.0}}};
   w->messages = km_messages_create();
@@ -85,6 +103,7 @@ void world_open(world *w, world_kind kind) {
   if (kind == WORLD_ARM)
     open_study(w);
   open_handles(w);
+  open_builder(w);
   if (kind == WORLD_LOOPS)
     need(km_mobility_sweep_run(w->mechanism, w->state, &w->plan, &w->sweep, &w->error), &w->error);
 }
@@ -94,6 +113,7 @@ void world_close(world *w) {
   km_track_free(w->track);
   km_study_free(w->study);
   km_study_free(w->unbound);
+  km_builder_free(w->builder);
   km_drive_free(w->drive);
   km_follow_free(w->follow);
   km_lever_free(w->lever);

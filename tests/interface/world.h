@@ -23,6 +23,16 @@ typedef struct world {
   const km_arm *arm;
   km_track *track;
   km_table *table;
+  km_builder *builder;
+  km_settings_def settings;
+  km_frame_def frame;
+  km_body_def body;
+  km_joint_def joint;
+  km_coupling_def coupling;
+  km_force_def force;
+  km_load_def load;
+  km_sweep_def sweep_def;
+  km_end_def end;
   km_messages *messages;
   km_mobility_sweep sweep;
   km_handle input, output;

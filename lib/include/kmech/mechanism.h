@@ -29,7 +29,7 @@ KM_API void km_mechanism_free(km_mechanism *mechanism);
  * km_state_restart them. KM_PARTIAL, with the mechanism as it was: a loop's motion space has changed, compile again.
  * No allocation after the first call, but for scratch. Not while another thread uses the mechanism. Cost: as compiling
  * without the topology. */
-km_status km_mechanism_renumber(km_mechanism *mechanism, km_error *error);
+KM_API km_status km_mechanism_renumber(km_mechanism *mechanism, km_error *error);
 
 /* What rates of lengths are divided by where they are compared with those of angles: the length that the model states;
  * else the greatest distance between the frames of two joints on one moving body; else, where all of these coincide,
@@ -51,7 +51,7 @@ KM_API km_status km_state_create(const km_mechanism *mechanism, km_state **out, 
 KM_API void km_state_free(km_state *state);
 
 /* Puts a state back to the model's initial displacements, not assembled; after km_mechanism_renumber. */
-void km_state_restart(km_state *state);
+KM_API void km_state_restart(km_state *state);
 
 /* Coordinates in the model's units; angles are continuous, never wrapped. */
 KM_API double km_state_coordinate(const km_state *state, int coordinate);
