@@ -198,6 +198,11 @@ static km_status assemble_all(const km_mechanism *m, km_state *s, double *saved,
 }
 
 km_status km_assemble(const km_mechanism *m, km_state *s, km_assembly *out, km_error *error) {
+  if (out)
+    *out = (km_assembly){.residual = nan(""), .worst_loop = -1};
+  km_status fits = km_check_state(m, s, error);
+  if (fits)
+    return fits;
   km_assembly total = {.worst_loop = -1};
   double *saved = KM_NEW(double, (size_t)(KM_SAVED_PER_COLUMN * m->largest_columns));
   km_status status =

@@ -1,3 +1,4 @@
+#include "base/check.h"
 #include "kinematics/closure.h"
 #include "kinematics/curve.h"
 #include "kinematics/least_path.h"
@@ -28,6 +29,7 @@ typedef struct mark {
 struct km_drive {
   km_arena arena;
   mark mark;
+  bool marked; /* `mark` is a place */
   const km_mechanism *mechanism;
   km_state *state;
   int coordinate, substructure, column;
@@ -79,7 +81,14 @@ static bool allocate_mark(km_drive *d, const km_substructure *sub) {
 
 km_status km_drive_create(const km_mechanism *m, km_state *s, int coordinate, bool ignore_limits, km_drive **out,
                           km_error *error) {
+  if (!out)
+    return km_check_given(false, "place for the result", error);
   *out = NULL;
+  km_status fits = km_check_state(m, s, error);
+  if (!fits)
+    fits = km_check_index(coordinate, m->coordinate_count, "coordinate", error);
+  if (fits)
+    return fits;
   const char *label = m->model->coordinates[coordinate].label;
   if (m->held[coordinate])
     return km_fail(error, KM_USAGE, "joint \"%s\" is held; expected a driver that is free to move", label);
@@ -380,6 +389,8 @@ static bool touches(km_drive *d, double goal) {
 }
 
 km_reach km_drive_to(km_drive *d, double target) {
+  if (!d || !isfinite(target))
+    return (km_reach){KM_STOP_GAVE_OUT, nan(""), -1, -1};
   if (d->substructure < 0)
     return drive_tree_joint(d, target);
   const km_mechanism *m = d->mechanism;
@@ -407,6 +418,8 @@ km_reach km_drive_to(km_drive *d, double target) {
 }
 
 bool km_drive_tangent(km_drive *d, double *rates) {
+  if (!d || !rates)
+    return false;
   const km_mechanism *m = d->mechanism;
   memset(rates, 0, (size_t)m->coordinate_count * sizeof *rates);
   rates[d->coordinate] = 1.0;
@@ -423,11 +436,16 @@ bool km_drive_tangent(km_drive *d, double *rates) {
 }
 
 int km_drive_crossings(const km_drive *d) {
+  if (!d)
+    return 0;
   return d->crossings;
 }
 
 void km_drive_mark(km_drive *d) {
+  if (!d)
+    return;
   mark *k = &d->mark;
+  d->marked = true;
   if (d->substructure < 0) {
     k->s = d->state->q[d->coordinate];
     return;
@@ -447,6 +465,8 @@ void km_drive_mark(km_drive *d) {
 }
 
 void km_drive_return(km_drive *d) {
+  if (!d || !d->marked)
+    return;
   const mark *k = &d->mark;
   if (d->substructure < 0) {
     d->state->q[d->coordinate] = k->s;

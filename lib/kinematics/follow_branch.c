@@ -102,6 +102,8 @@ bool km_follow_locate_branch(km_follow *f, double length, double g_end) {
 }
 
 bool km_follow_branch(const km_follow *f, km_branch_point *out) {
+  if (!f || !out)
+    return false;
   if (f->branched)
     *out = f->branch;
   return f->branched;
