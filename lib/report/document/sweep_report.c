@@ -114,12 +114,7 @@ static km_drawing *make_drawing(km_document_maker *maker, const km_swept *s) {
   if (maker->arena.failed || km_state_create(m, &state, NULL))
     return NULL;
   for (size_t k = 0; k < count; ++k) {
-    const double *row = km_table_row(s->motion->table, row_of(s->motion->table, k, count));
-    for (int c = 0; c < m->coordinate_count; ++c)
-      q[c] = row[2 + c] * km_model_coordinate_factor(m->model, c);
-    km_state_set(m, state, q);
-    km_poses_update(m, state);
-    memcpy(poses + k * bodies, state->pose, bodies * sizeof *poses);
+    km_row_pose(m, s->motion->table, row_of(s->motion->table, k, count), state, q, poses + k * bodies);
   }
   km_state_free(state);
   *drawing = (km_drawing){.mechanism = m, .poses = poses, .pose_count = count, .full = count / 2, .name = s->name};
@@ -152,6 +147,10 @@ void km_report_plot(km_document_maker *maker, const km_plot *plot, const char *s
     return;
   *kept = *plot;
   km_document_picture(maker, shows, height, draw_plot, kept);
+}
+
+size_t km_report_s(const km_swept *s) {
+  return (size_t)km_table_find(s->motion->table, "s");
 }
 
 void km_report_rows(km_document_maker *maker, const km_swept *s, const km_report_column *columns, size_t count) {
