@@ -1,3 +1,4 @@
+/* What the reports about sweeps share: facts, poses, plots and rows as blocks of a document. */
 #include "report/document/sweep_report.h"
 
 #include "kmech/version.h"
@@ -36,11 +37,16 @@ const char *km_report_number(km_document_maker *maker, double value) {
   return text[0] == '-' ? km_document_format(maker, "−%s", text + 1) : text;
 }
 
+size_t km_report_s(const km_swept *s) {
+  return (size_t)km_table_find(s->motion->table, "s");
+}
+
 static const char *swept_words(km_document_maker *maker, const km_swept *s) {
   const km_table *table = s->motion->table;
   const km_model *model = s->mechanism->model;
   size_t rows = km_table_rows(table);
-  double from = km_table_row(table, 0)[1], to = km_table_row(table, rows - 1)[1];
+  size_t column = km_report_s(s);
+  double from = km_table_row(table, 0)[column], to = km_table_row(table, rows - 1)[column];
   if (s->plan->arclength > 0.0)
     return km_document_format(maker, "arc length %.6g to %.6g, %zu rows", from, to, rows);
   return km_document_format(maker, "%s from %.6g to %.6g %s, %zu rows",
@@ -147,10 +153,6 @@ void km_report_plot(km_document_maker *maker, const km_plot *plot, const char *s
     return;
   *kept = *plot;
   km_document_picture(maker, shows, height, draw_plot, kept);
-}
-
-size_t km_report_s(const km_swept *s) {
-  return (size_t)km_table_find(s->motion->table, "s");
 }
 
 void km_report_rows(km_document_maker *maker, const km_swept *s, const km_report_column *columns, size_t count) {
