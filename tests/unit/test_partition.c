@@ -168,7 +168,6 @@ static void check_pivots(const km_partition *p) {
   for (int i = 0; i < p->rank; ++i)
     assert_near(1.0 / p->inverse[i], pivots[i], rounding + 1e-9 * fabs(pivots[i]));
 }
-}
 
 static void check_directions(const km_partition *p) {
   double x[MOST], scale = largest_entry();
