@@ -1,3 +1,4 @@
+/* What the tools share: common options, messages, subcommands, reading models. */
 #include "common/common.h"
 
 #include "base/file.h"

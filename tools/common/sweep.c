@@ -1,3 +1,4 @@
+/* Sweeps several models at once and writes their tables and one plot. */
 #include "common/sweep.h"
 
 #include "base/json.h"

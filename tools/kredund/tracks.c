@@ -1,3 +1,4 @@
+/* Runs the methods of a study and writes their tables and pictures. */
 #include "kredund/tracks.h"
 
 #include "base/json.h"

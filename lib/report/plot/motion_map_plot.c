@@ -64,10 +64,10 @@ static void fill(const picture *p, double left, double right, double u0, double 
   km_canvas_rectangle(p->canvas, colour, left, top, right - left + 0.3, bottom - top + 0.3);
 }
 
-/* What is outside the limits lies in a mist. */
-static km_colour misty(km_colour c) {
-  const double mist = 0.55;
-  return (km_colour){c.red + mist * (1 - c.red), c.green + mist * (1 - c.green), c.blue + mist * (1 - c.blue), 1};
+/* Colours outside the limits are paler. */
+static km_colour paler(km_colour c) {
+  const double share = 0.55;
+  return (km_colour){c.red + share * (1 - c.red), c.green + share * (1 - c.green), c.blue + share * (1 - c.blue), 1};
 }
 
 /* An arc narrower than a cell shows as one. */
@@ -101,7 +101,7 @@ static void paint_station(const picture *p, int i) {
   strip(p, i, &left, &right);
   for (int c = 0, count = km_map_cells(s, p->low, p->high, cells); c < count; ++c) {
     km_colour colour = km_map_shade(cells[c].shade);
-    fill(p, left, right, cells[c].from, cells[c].to, cells[c].outside ? misty(colour) : colour);
+    fill(p, left, right, cells[c].from, cells[c].to, cells[c].outside ? paler(colour) : colour);
   }
 }
 

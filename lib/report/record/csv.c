@@ -1,3 +1,4 @@
+/* Tables as CSV. */
 #include "report/record/csv.h"
 
 #include <string.h>

@@ -1,3 +1,4 @@
+/* Tracks of arms and their ends as a record and as text. */
 #include "report/record/track_record.h"
 
 #include "report/record/record.h"
