@@ -14,7 +14,7 @@
 static const double still = 3e-8;
 
 bool km_handle_default(const km_model *model, bool output, km_handle *out) {
-  const km_handle_def *d = output ? &model->advantage_output : &model->advantage_input;
+  const km_model_handle *d = output ? &model->advantage_output : &model->advantage_input;
   double length = km_vec3_norm(d->direction);
   *out = (km_handle){.coordinate = d->coordinate, .frame = d->frame, .name = d->name};
   if (d->coordinate >= 0)
@@ -173,7 +173,7 @@ const double *km_lever_rates(const km_lever *l) {
 
 static void point_row(const km_mechanism *m, const km_state *s, const km_lever *l, km_lever_end *end) {
   const km_topology *t = &m->topology;
-  const km_frame_def *frame = &m->model->frames[end->handle.frame];
+  const km_model_frame *frame = &m->model->frames[end->handle.frame];
   km_vec3 p = km_pose_point(&l->pose[frame->body], frame->pose.p), along = km_vec3_make(end->handle.direction);
   for (int body = frame->body; body > 0; body = t->parent[body]) {
     int joint = t->arc[body], first = m->model->joints[joint].first_coordinate;
@@ -329,7 +329,7 @@ int km_lever_branches(const km_mechanism *m, km_state *s, km_lever *l, km_advant
 static bool is_angle(const km_model *model, const km_handle *h) {
   if (h->coordinate < 0)
     return false;
-  const km_coordinate_def *def = &model->coordinates[h->coordinate];
+  const km_model_coordinate *def = &model->coordinates[h->coordinate];
   return !km_joint_is_length(model->joints[def->joint].type, def->index);
 }
 

@@ -121,7 +121,7 @@ static int find_in(const km_mechanism *m, km_state *s, int index, km_arena *aren
     return 0;
   int k = f.conditions.freedom, mobility = k;
   if (k > 0) {
-    if (f.conditions.conditions == 0 || km_tangents_all_real(&f)) {
+    if (!f.conditions.redundant || km_tangents_all_real(&f)) {
       list_basis(&f, KM_MOTION_REGULAR, out);
     } else {
       f.doubtful = f.doubtful && k == 1; /* of several directions tried, most need not be real */

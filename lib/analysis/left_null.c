@@ -42,6 +42,7 @@ bool km_left_space_make(const km_mechanism *m, km_state *s, int index, km_arena 
                          .rows = 6 * sub->loop_count + sub->coupling_count,
                          .tolerance = km_rank_tolerance(m, sub, km_loops_residual(m, s, sub, &worst))};
   out->about = KM_ARENA_NEW(arena, km_vec3, (size_t)sub->loop_count);
+  out->helps = KM_ARENA_NEW(arena, signed char, 4 * (size_t)m->model->joint_count);
   for (int i = 0; i < sub->loop_count && out->about; ++i)
     out->about[i] = km_joint_pose(m, s, t->chord[t->loop[t->loop_start[index] + i]]).p;
   return find_places(out, arena);
@@ -115,74 +116,101 @@ static int solve_loop(const km_left_space *a, int place, double *W) {
   return count;
 }
 
-static void take_column(void *out, int column, const double entry[6]) {
-  transposed *T = out;
-  for (int r = 0; r < 6; ++r)
-    T->entries[(size_t)(T->at + r) * (size_t)T->height + (size_t)column] = entry[r];
+/* Subtracts from v what the unit vector has of it. */
+static void subtract(double *v, const double *unit, int count) {
+  double dot = 0.0;
+  for (int r = 0; r < count; ++r)
+    dot += unit[r] * v[r];
+  for (int r = 0; r < count; ++r)
+    v[r] -= dot * unit[r];
 }
 
-/* The whole Jacobian. False when out of memory. */
-static bool fill_whole(const km_left_space *a, km_arena *scratch, transposed *T) {
-  const km_substructure *sub = a->sub;
-  *T = (transposed){KM_ARENA_NEW(scratch, double, (size_t)a->rows *(size_t)sub->columns), sub->columns, 0};
-  if (scratch->failed)
-    return false;
-  for (int i = 0; i < sub->loop_count; ++i, T->at += 6)
-    visit_loop(a, i, take_column, T);
-  for (int i = 0; i < sub->coupling_count; ++i) {
-    const km_coupling *coupling = &a->m->couplings[sub->coupling_start + i];
+/* What is left of the six directions of a loop at right angles to its own null vectors W: orthonormal, C[6 × returned].
+ */
+static int complement(const double *W, int count, double *C) {
+  int found = 0;
+  for (; count + found < 6; ++found) {
+    double *best = C + 6 * found, largest = 0.0;
+    for (int axis = 0; axis < 6; ++axis) {
+      double v[6] = {0}, size = 0.0;
+      v[axis] = 1.0;
+      for (int pass = 0; pass < 2; ++pass) {
+        for (int k = 0; k < count; ++k)
+          subtract(v, W + 6 * k, 6);
+        for (int k = 0; k < found; ++k)
+          subtract(v, C + 6 * k, 6);
+      }
+      for (int r = 0; r < 6; ++r)
+        size += v[r] * v[r];
+      for (int r = 0; r < 6 && size > 1.0001 * largest; ++r)
+        best[r] = v[r] / sqrt(size);
+      largest = fmax(largest, size);
+    }
+  }
+  return found;
+}
+
+/* The loops' rows along their complements: their left null vectors are those of several loops together. */
+typedef struct reduced {
+  transposed T;
+  const double *C; /* of the loop that is being filled */
+  int count;
+} reduced;
+
+static void take_reduced(void *out, int column, const double entry[6]) {
+  reduced *R = out;
+  for (int k = 0; k < R->count; ++k) {
+    double sum = 0.0;
+    for (int r = 0; r < 6; ++r)
+      sum += R->C[6 * k + r] * entry[r];
+    R->T.entries[(size_t)(R->T.at + k) * (size_t)R->T.height + (size_t)column] = sum;
+  }
+}
+
+static void fill_couplings(const km_left_space *a, transposed *T) {
+  for (int i = 0; i < a->sub->coupling_count; ++i, T->at++) {
+    const km_coupling *coupling = &a->m->couplings[a->sub->coupling_start + i];
     for (int k = 0; k < coupling->term_count; ++k) {
       const km_term *term = &a->m->terms[coupling->term_start + k];
       if (term->column >= 0)
-        T->entries[(size_t)(T->at + i) * (size_t)T->height + (size_t)term->column] = term->coefficient;
+        T->entries[(size_t)T->at * (size_t)T->height + (size_t)term->column] = term->coefficient;
     }
   }
-  return true;
 }
 
-/* Subtracts from v what a unit vector of `count` entries, which meets it from `at` on, has of it. */
-static void subtract(double *v, int at, const double *unit, int count) {
-  double dot = 0.0;
-  for (int r = 0; r < count; ++r)
-    dot += unit[r] * v[at + r];
-  for (int r = 0; r < count; ++r)
-    v[at + r] -= dot * unit[r];
+/* A null vector of the reduced rows in all rows. */
+static void expand(const km_left_space *a, const double *C, const int *count, const double *w, double *v) {
+  memset(v, 0, (size_t)a->rows * sizeof *v);
+  for (int i = 0; i < a->sub->loop_count; ++i)
+    for (int k = 0; k < count[i]; ++k, ++w)
+      for (int r = 0; r < 6; ++r)
+        v[6 * i + r] += *w * C[36 * i + 6 * k + r];
+  memcpy(v + 6 * a->sub->loop_count, w, (size_t)a->sub->coupling_count * sizeof *v);
 }
 
-/* Leaves of v what is at right angles to all vectors so far, of length 1; false if nothing is. */
-static bool orthogonalise(const km_left_space *a, const km_left_null *null, double *v) {
-  double sum = 0.0;
-  for (int pass = 0; pass < 2; ++pass) {
-    for (int i = 0; i < a->sub->loop_count; ++i)
-      for (int k = null->first[i]; k < null->first[i + 1]; ++k)
-        subtract(v, 6 * i, null->local + 6 * k, 6);
-    for (int k = 0; k < null->whole_count; ++k)
-      subtract(v, 0, null->whole + (size_t)k * (size_t)a->rows, a->rows);
-  }
-  for (int r = 0; r < a->rows; ++r)
-    sum += v[r] * v[r];
-  if (!(sum > 1e-12))
-    return false;
-  for (int r = 0; r < a->rows; ++r)
-    v[r] /= sqrt(sum);
-  return true;
-}
-
-/* What several loops have only together: all left null vectors, less the local ones. */
+/* What several loops have only together. */
 static bool find_whole(const km_left_space *a, km_arena *arena, km_left_null *out) {
   km_arena scratch = {0};
-  size_t rows = (size_t)a->rows;
-  transposed T;
-  double *W = KM_ARENA_NEW(&scratch, double, rows *rows);
-  int count = fill_whole(a, &scratch, &T) ? solve(&T, a->rows, a->tolerance, &scratch, W) : -1;
-  out->whole = count > 0 ? KM_ARENA_NEW(arena, double, (size_t)count *rows) : NULL;
-  for (int n = 0; n < count && out->whole; ++n) {
-    double *v = out->whole + (size_t)out->whole_count * rows;
-    memcpy(v, W + (size_t)n * rows, rows * sizeof *v);
-    out->whole_count += orthogonalise(a, out, v);
+  int loops = a->sub->loop_count, rows = a->rows - out->local_count,
+      *count = KM_ARENA_NEW(&scratch, int, (size_t)loops);
+  double *C = KM_ARENA_NEW(&scratch, double, 36 * (size_t)loops);
+  double *W = KM_ARENA_NEW(&scratch, double, (size_t)rows *(size_t)rows);
+  reduced R = {.T = {KM_ARENA_NEW(&scratch, double, (size_t)rows *(size_t)a->sub->columns), a->sub->columns, 0}};
+  int found = -1;
+  if (!scratch.failed) {
+    for (int i = 0; i < loops; ++i, R.T.at += R.count) {
+      R.C = C + 36 * i;
+      R.count = count[i] = complement(out->local + 6 * out->first[i], out->first[i + 1] - out->first[i], C + 36 * i);
+      visit_loop(a, i, take_reduced, &R);
+    }
+    fill_couplings(a, &R.T);
+    found = solve(&R.T, rows, a->tolerance, &scratch, W);
   }
+  out->whole = found > 0 ? KM_ARENA_NEW(arena, double, (size_t)found *(size_t)a->rows) : NULL;
+  for (int n = 0; n < found && out->whole; ++n)
+    expand(a, C, count, W + (size_t)n * (size_t)rows, out->whole + (size_t)out->whole_count++ * (size_t)a->rows);
   km_arena_free(&scratch);
-  return count >= 0 && !arena->failed;
+  return found >= 0 && !arena->failed;
 }
 
 bool km_left_null_find(const km_left_space *a, km_arena *arena, km_left_null *out) {

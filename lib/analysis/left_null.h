@@ -21,7 +21,8 @@ typedef struct km_left_space {
   double tolerance;
   int *first_place; /* [joint + 1] into `place`: the loops of each joint */
   km_loop_place *place;
-  km_vec3 *about; /* [loop] by its place in the substructure */
+  km_vec3 *about;     /* [loop] by its place in the substructure */
+  signed char *helps; /* [4 · joint] what remedies.c has found out about swaps of a joint: 0 nothing yet */
 } km_left_space;
 
 /* An orthonormal basis of {w: wᵀJ = 0}: one wrench (f; τ) a loop and a force a coupling. What a loop has by itself is

@@ -16,19 +16,9 @@ struct km_losses_work {
   km_friction friction;
 };
 
-/* The joint's friction: false if it has none. */
-static bool friction_of(const km_model *model, int joint, double *coefficient, double *radius) {
-  const km_value *friction = km_value_get(model->joints[joint].source, "friction");
-  const km_value *c = km_value_get(friction, "coefficient"), *r = km_value_get(friction, "radius");
-  *coefficient = c ? c->number : 0.0;
-  *radius = r ? r->number : 0.0;
-  return *coefficient != 0.0;
-}
-
 bool km_model_has_friction(const km_model *model) {
-  double coefficient, radius;
   for (int j = 0; j < model->joint_count; ++j)
-    if (friction_of(model, j, &coefficient, &radius))
+    if (model->joints[j].friction.coefficient != 0.0)
       return true;
   return false;
 }
@@ -36,9 +26,8 @@ bool km_model_has_friction(const km_model *model) {
 /* Coordinates that friction can resist. */
 static int places(const km_mechanism *m) {
   int count = 0;
-  double coefficient, radius;
   for (int c = 0; c < m->coordinate_count; ++c)
-    count += !m->held[c] && friction_of(m->model, m->model->coordinates[c].joint, &coefficient, &radius);
+    count += !m->held[c] && m->model->joints[m->model->coordinates[c].joint].friction.coefficient != 0.0;
   return count;
 }
 
@@ -100,17 +89,17 @@ static km_vec3 normal_force(const km_mechanism *m, const km_losses_work *w, int 
 static void find_rubbing(const km_mechanism *m, km_losses_work *w, const double *rates) {
   w->friction.count = 0;
   for (int c = 0; c < m->coordinate_count; ++c) {
-    const km_coordinate_def *def = &m->model->coordinates[c];
-    double coefficient, radius;
-    if (m->held[c] || !friction_of(m->model, def->joint, &coefficient, &radius) || fabs(rates[c]) <= 1e-12 * m->unit[c])
+    const km_model_coordinate *def = &m->model->coordinates[c];
+    const km_joint_friction *friction = &m->model->joints[def->joint].friction;
+    if (m->held[c] || friction->coefficient == 0.0 || fabs(rates[c]) <= 1e-12 * m->unit[c])
       continue;
-    double arm = km_joint_is_length(m->model->joints[def->joint].type, def->index) ? 1.0 : radius;
+    double arm = km_joint_is_length(m->model->joints[def->joint].type, def->index) ? 1.0 : friction->radius;
     double part = 1.0; /* of a ball's turn about this axis */
     if (m->ball_of[c] >= 0)
       part = fabs(rates[c]) / km_vec3_norm(km_vec3_make(rates + m->ball_coordinate[m->ball_of[c]]));
     if (arm == 0.0)
       continue;
-    w->resists[w->friction.count] = -copysign(coefficient * arm * part, rates[c]);
+    w->resists[w->friction.count] = -copysign(friction->coefficient * arm * part, rates[c]);
     w->rubbing[w->friction.count++] = c;
   }
 }

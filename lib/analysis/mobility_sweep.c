@@ -19,7 +19,7 @@ static bool add_columns(void *self, const km_sweeper *r, km_table *table) {
   const km_model *model = r->m->model;
   bool added = true;
   for (int j = 0; j < model->joint_count; ++j) {
-    const km_joint_def *joint = &model->joints[j];
+    const km_model_joint *joint = &model->joints[j];
     int freedom = km_model_freedom(model, j);
     if (freedom == 0)
       added = km_sweeper_column(table, "m.", joint->label, "", NULL) && added;

@@ -56,6 +56,20 @@ static bool raises_rank(const km_left_space *a, const km_left_null *null, int jo
   return r.xx > least && (count == 1 || r.xx * r.yy - r.xy * r.xy > least * fmax(r.xx, r.yy));
 }
 
+/* The swaps that a joint can be given. */
+typedef enum swap { TO_CYLINDRICAL, TO_UNIVERSAL, TO_OTHER_UNIVERSAL, TO_SPHERICAL } swap;
+enum { SWAPS = 4 };
+
+/* The same, remembered: it depends on the joint and the swap alone, and a joint is asked for by every redundancy of its
+ * loops. */
+static bool helps(const km_left_space *a, const km_left_null *null, int joint, swap to, double *work, const km_twist *h,
+                  int count) {
+  signed char *known = &a->helps[SWAPS * joint + (int)to];
+  if (*known == 0)
+    *known = raises_rank(a, null, joint, work, h, count) ? 1 : -1;
+  return *known > 0;
+}
+
 /* How squarely a twist meets the redundant wrench w (six entries, about `about`): power over both sizes. */
 static double meets(const km_left_space *a, km_vec3 about, km_twist h, const double *w) {
   double column[6], power = 0.0, size = 0.0, wrench = 0.0;
@@ -98,14 +112,15 @@ static void try_joint(const km_left_space *a, const km_left_null *null, int join
   km_twist along = km_twist_prismatic(X.R.axis[k]), about = km_twist_revolute(X.R.axis[k], X.p);
   km_twist other = hinge ? along : about; /* what makes the joint cylindrical */
   double strength = meets(a, point, other, w);
-  if (strength > 0.02 && raises_rank(a, null, joint, work, &other, 1))
+  if (strength > 0.02 && helps(a, null, joint, TO_CYLINDRICAL, work, &other, 1))
     add_remedy(item, (km_remedy){joint, "cylindrical", 1, strength});
   km_twist turns[2] = {km_twist_revolute(X.R.axis[(k + 1) % 3], X.p), km_twist_revolute(X.R.axis[(k + 2) % 3], X.p)};
   double each[2] = {meets(a, point, turns[0], w), meets(a, point, turns[1], w)};
   int best = each[1] > each[0];
-  if (hinge && each[best] > 0.02 && raises_rank(a, null, joint, work, &turns[best], 1))
+  if (hinge && each[best] > 0.02 &&
+      helps(a, null, joint, best ? TO_OTHER_UNIVERSAL : TO_UNIVERSAL, work, &turns[best], 1))
     add_remedy(item, (km_remedy){joint, "universal", 1, each[best]});
-  if (hinge && each[best] > 0.02 && raises_rank(a, null, joint, work, turns, 2))
+  if (hinge && each[best] > 0.02 && helps(a, null, joint, TO_SPHERICAL, work, turns, 2))
     add_remedy(item, (km_remedy){joint, "spherical", 2, each[best]});
 }
 

@@ -84,7 +84,7 @@ static void gather_loads(const km_mechanism *m, const km_state *s, const km_forc
   memcpy(w->subtree, f->body, (size_t)t->body_count * sizeof *f->body);
   memcpy(w->tau, f->joint, (size_t)m->coordinate_count * sizeof *w->tau);
   for (int c = 0; c < m->coordinate_count; ++c) {
-    const km_coordinate_def *def = &m->model->coordinates[c];
+    const km_model_coordinate *def = &m->model->coordinates[c];
     bool length = km_joint_is_length(m->model->joints[def->joint].type, def->index);
     w->twist[c] = km_coordinate_twist_about(m, s, f->pose, c);
     w->least_load[c] =

@@ -41,7 +41,7 @@ bool km_carrying_reserve(const km_mechanism *m, km_statics_work *w) {
 
 /* The frame that a reaction is reported in. */
 static km_pose report_frame(const km_mechanism *m, const km_forces *f, int joint, km_axes axes) {
-  const km_frame_def *frame = &m->model->frames[m->model->joints[joint].frame[1]];
+  const km_model_frame *frame = &m->model->frames[m->model->joints[joint].frame[1]];
   km_pose X = km_pose_product(&f->pose[frame->body], &frame->pose);
   if (axes == KM_AXES_FIXED)
     X.R = km_rotation_identity();
@@ -56,7 +56,7 @@ static void reported(const km_pose *frame, km_wrench w, double out[6]) {
 
 /* What a tree joint carries without any loop: its parent holds all that hangs on the child. */
 static km_wrench from_tree(const km_mechanism *m, const km_statics_work *w, int joint) {
-  const km_joint_def *def = &m->model->joints[joint];
+  const km_model_joint *def = &m->model->joints[joint];
   bool against = m->topology.against[joint];
   int body = m->model->frames[def->frame[!against]].body;
   if (m->topology.arc[body] != joint)
@@ -167,7 +167,7 @@ static void carry_substructure(const km_mechanism *m, km_state *s, const km_forc
   km_statics_work *w = st->work;
   km_carrying *c = &w->carrying[index];
   int first = t->joint_start[index];
-  const km_frame_def *frame = &m->model->frames[m->model->joints[t->joint[first]].frame[0]];
+  const km_model_frame *frame = &m->model->frames[m->model->joints[t->joint[first]].frame[0]];
   km_vec3 about = km_pose_point(&f->pose[frame->body], frame->pose.p);
   int degree = solve(m, s, index, about, w);
   st->degree += degree;

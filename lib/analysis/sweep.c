@@ -4,7 +4,7 @@
 #include <math.h>
 
 km_sweep_plan km_sweep_plan_default(const km_model *model) {
-  const km_sweep_def *sweep = &model->sweep;
+  const km_model_sweep *sweep = &model->sweep;
   return (km_sweep_plan){.coordinate = sweep->coordinate,
                          .from = sweep->range[0],
                          .to = sweep->range[1],

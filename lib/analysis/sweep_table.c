@@ -69,7 +69,7 @@ km_status km_sweeper_columns(const km_sweeper *r, km_error *error) {
 /* Velocity of a frame's origin per unit rate of the driver: the twists of the chain to it, added up. */
 static void point_rates(const km_sweeper *r, int frame, double out[3]) {
   const km_mechanism *m = r->m;
-  const km_frame_def *def = &m->model->frames[frame];
+  const km_model_frame *def = &m->model->frames[frame];
   km_twist t = {{0, 0, 0}, {0, 0, 0}};
   for (int body = def->body; body > 0; body = m->topology.parent[body])
     t = km_twist_axpy(1.0, km_body_twist(m, r->s, body, r->rates), t);

@@ -34,7 +34,7 @@ static void make_ring(const km_mechanism *m, int loop, km_transmission_work *w) 
     ++split;
   for (int i = 0; i < end - first; ++i) {
     int joint = t->member[first + i < split ? first + i : end - 1 - (first + i - split)].joint;
-    const km_joint_def *def = &m->model->joints[joint];
+    const km_model_joint *def = &m->model->joints[joint];
     int freedom = km_model_freedom(m->model, joint);
     bool moves = false;
     for (int c = def->first_coordinate; c < def->first_coordinate + freedom; ++c)
@@ -115,7 +115,7 @@ static bool is_planar(const km_mechanism *m, const km_transmission_work *w) {
 }
 
 static km_vec3 centre_of(const km_mechanism *m, const km_transmission_work *w, int joint) {
-  const km_frame_def *frame = &m->model->frames[m->model->joints[joint].frame[0]];
+  const km_model_frame *frame = &m->model->frames[m->model->joints[joint].frame[0]];
   return km_pose_point(&w->pose[frame->body], frame->pose.p);
 }
 
@@ -328,7 +328,7 @@ const char *km_transmission_unit(const km_model *model, const km_handle *output,
     return model->units.angle->suffix;
   if (metric != 1 || output->coordinate < 0)
     return "";
-  const km_coordinate_def *def = &model->coordinates[output->coordinate];
+  const km_model_coordinate *def = &model->coordinates[output->coordinate];
   return km_joint_is_length(model->joints[def->joint].type, def->index) ? "" : model->units.length->suffix;
 }
 

@@ -25,7 +25,7 @@ static int gather_arcs(const km_mechanism *m, int body, const km_arc **arcs) {
 }
 
 static km_status check_coordinate(const km_mechanism *m, int joint, int coordinate, km_error *error) {
-  const km_joint_def *def = &m->model->joints[joint];
+  const km_model_joint *def = &m->model->joints[joint];
   if (m->substructure_of[coordinate] >= 0)
     return km_fail(error, KM_USAGE,
                    "joint \"%s\" on the way to the effector lies in a loop or a coupling; expected an open chain",
@@ -96,7 +96,7 @@ static void set_sizes(km_arm *a) {
 
 static km_status build(km_arm *a, const km_state *s, const km_arc **arcs, km_error *error) {
   const km_model *model = a->mechanism->model;
-  const km_frame_def *effector = &model->frames[a->frame];
+  const km_model_frame *effector = &model->frames[a->frame];
   int count = gather_arcs(a->mechanism, effector->body, arcs);
   km_pose X = km_pose_identity();
   for (int k = 0; k < count; ++k) {

@@ -1,6 +1,6 @@
 /* Methods and objectives of a study. */
 #include "arm/study.h"
-#include "model/format.h"
+#include "exchange/json/format.h"
 
 #include <string.h>
 

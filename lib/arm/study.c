@@ -1,8 +1,8 @@
 #include "arm/study.h"
 
 #include "arm/selfmotion/branches.h"
-#include "base/json.h"
-#include "model/format.h"
+#include "exchange/json/format.h"
+#include "exchange/json/json.h"
 
 #include <string.h>
 

@@ -5,9 +5,9 @@
 #include "arm/path.h"
 #include "base/text.h"
 #include "base/value.h"
+#include "exchange/json/format.h"
+#include "exchange/json/reader.h"
 #include "kmech/path_study.h"
-#include "model/format.h"
-#include "model/reader.h"
 
 /* What replaces a study's members, as values; `place` is how messages call them ("--q"). NULL: nothing. */
 typedef struct km_study_change {

@@ -28,7 +28,7 @@ km_status km_forces_create(const km_mechanism *m, const double gravity[3], const
   f->load_count = load_count;
   if (load_count)
     memcpy(f->loads, loads, (size_t)load_count * sizeof *loads);
-  km_status status = km_springs_read(m->model, f, error);
+  km_status status = km_springs_gather(m->model, f, error);
   if (status)
     km_forces_free(f);
   else
@@ -48,7 +48,7 @@ int km_model_load_count(const km_model *model) {
 }
 
 km_load km_model_load_at(const km_model *model, int index) {
-  const km_load_def *d = &model->loads[index];
+  const km_applied_load *d = &model->loads[index];
   return (km_load){d->frame, {d->force.x, d->force.y, d->force.z}, {d->torque.x, d->torque.y, d->torque.z}, d->turning};
 }
 
@@ -66,7 +66,7 @@ void km_forces_add_joint(const km_model *model, km_forces *f, int c, double forc
 
 static void add_weights(const km_mechanism *m, km_forces *f) {
   for (int b = 1; b < m->topology.body_count; ++b) {
-    const km_body_def *body = &m->model->bodies[b];
+    const km_model_body *body = &m->model->bodies[b];
     if (body->mass > 0.0)
       km_forces_add(f, b, km_vec3_scale(body->mass, f->gravity), (km_vec3){0, 0, 0},
                     km_pose_point(&f->pose[b], body->center_of_mass));
@@ -76,7 +76,7 @@ static void add_weights(const km_mechanism *m, km_forces *f) {
 static void add_loads(const km_mechanism *m, km_forces *f) {
   for (int i = 0; i < f->load_count; ++i) {
     const km_load *load = &f->loads[i];
-    const km_frame_def *frame = &m->model->frames[load->frame];
+    const km_model_frame *frame = &m->model->frames[load->frame];
     km_pose X = km_pose_product(&f->pose[frame->body], &frame->pose);
     km_vec3 force = km_vec3_make(load->force), torque = km_vec3_make(load->torque);
     if (load->turning) {
@@ -120,7 +120,7 @@ void km_torque_unit(const km_model *model, km_text *out) {
 }
 
 void km_force_unit(const km_model *model, int coordinate, km_text *out) {
-  const km_coordinate_def *def = &model->coordinates[coordinate];
+  const km_model_coordinate *def = &model->coordinates[coordinate];
   if (km_joint_is_length(model->joints[def->joint].type, def->index))
     km_text_add(out, model->units.force->suffix);
   else

@@ -7,30 +7,13 @@
 #include "kmech/forces.h"
 #include "spatial/wrench.h"
 
-/* A force law: polynomials between knots of a displacement. */
-typedef struct km_law {
-  int knot_count;
-  const double *knots;
-  const int *start;           /* [knot_count + 2] where each polynomial begins in `coefficients` */
-  const double *coefficients; /* lowest power first */
-} km_law;
-
-typedef enum km_distance { KM_DISTANCE_EUCLID, KM_DISTANCE_X, KM_DISTANCE_Y, KM_DISTANCE_Z } km_distance;
-
-/* A force module of type stiffness. */
-typedef struct km_spring {
-  km_port input, output;
-  km_distance distance; /* of a port between frames */
-  km_law law;
-} km_spring;
-
 struct km_forces {
   km_arena arena;
   km_vec3 gravity; /* force a unit of mass, model's units */
   int load_count, spring_count;
   double *extra; /* [coordinate] forces in joints along +q that an analysis sets; 0 at first */
   km_load *loads;
-  km_spring *springs;
+  const km_model_module **springs; /* force modules of type stiffness */
   /* At the last pose, by km_forces_update. Wrenches along the inertial axes, moments about `origin`. */
   km_vec3 origin;     /* near the mechanism: far from the inertial origin digits would be lost */
   km_pose *pose;      /* [body] in the inertial frame moved to `origin` */
@@ -45,8 +28,8 @@ void km_force_unit(const km_model *model, int coordinate, km_text *out);
 void km_torque_unit(const km_model *model, km_text *out);
 
 double km_law_force(const km_law *law, double displacement);
-/* Reads the model's modules of type stiffness into forces->springs. */
-km_status km_springs_read(const km_model *model, km_forces *forces, km_error *error);
+/* Gathers the model's modules of type stiffness into forces->springs. */
+km_status km_springs_gather(const km_model *model, km_forces *forces, km_error *error);
 /* Adds their forces at the poses. */
 void km_springs_add(const km_mechanism *mechanism, const km_state *state, km_forces *forces);
 

@@ -1,8 +1,6 @@
 /* Force modules of type stiffness: a force from a displacement, between frames or in a joint. */
 #include "forces/forces.h"
 
-#include <string.h>
-
 double km_law_force(const km_law *law, double x) {
   int piece = 0;
   while (piece < law->knot_count && x >= law->knots[piece])
@@ -13,48 +11,11 @@ double km_law_force(const km_law *law, double x) {
   return force;
 }
 
-static bool read_law(const km_value *source, km_arena *arena, km_law *out) {
-  const km_value *knots = km_value_get(source, "knot_points"), *pieces = km_value_get(source, "coefficients");
-  size_t knot_count = knots ? knots->count : 0, total = 0, at = 0;
-  for (const km_value *p = pieces->first; p; p = p->next)
-    total += p->count;
-  double *knot = KM_ARENA_NEW(arena, double, knot_count), *coefficient = KM_ARENA_NEW(arena, double, total);
-  int *start = KM_ARENA_NEW(arena, int, knot_count + 2), piece = 0;
-  if (arena->failed)
-    return false;
-  for (const km_value *k = knots ? knots->first : NULL; k; k = k->next)
-    knot[at++] = k->number;
-  at = 0;
-  for (const km_value *p = pieces->first; p; p = p->next) {
-    for (const km_value *c = p->first; c; c = c->next)
-      coefficient[at++] = c->number;
-    start[++piece] = (int)at;
-  }
-  *out = (km_law){(int)knot_count, knot, start, coefficient};
-  return true;
-}
-
-static km_distance distance_of(const km_value *source) {
-  static const char *const words[] = {"euclid", "Tx", "Ty", "Tz"};
-  const km_value *given = km_value_get(source, "distance_type");
-  int found = 0;
-  for (int i = 0; given && i < 4; ++i)
-    if (strcmp(given->string, words[i]) == 0)
-      found = i;
-  return (km_distance)found;
-}
-
-km_status km_springs_read(const km_model *model, km_forces *f, km_error *error) {
-  f->springs = KM_ARENA_NEW(&f->arena, km_spring, (size_t)model->module_count);
-  for (int i = 0; i < model->module_count && !f->arena.failed; ++i) {
-    const km_module_def *module = &model->modules[i];
-    if (strcmp(km_value_get(module->source, "type")->string, "stiffness") != 0)
-      continue;
-    km_spring *spring = &f->springs[f->spring_count++];
-    *spring = (km_spring){.input = module->input, .output = module->output, .distance = distance_of(module->source)};
-    if (!read_law(module->source, &f->arena, &spring->law))
-      break;
-  }
+km_status km_springs_gather(const km_model *model, km_forces *f, km_error *error) {
+  f->springs = KM_ARENA_NEW(&f->arena, const km_model_module *, (size_t)model->module_count);
+  for (int i = 0; i < model->module_count && f->springs; ++i)
+    if (model->modules[i].type == KM_MODULE_STIFFNESS)
+      f->springs[f->spring_count++] = &model->modules[i];
   return f->arena.failed ? km_fail(error, KM_MEMORY, "out of memory for the springs") : KM_OK;
 }
 
@@ -66,7 +27,7 @@ typedef struct line {
 
 /* Two points in one place have no line between them: a force there has no direction, and counts as 0. */
 static line line_of(const km_mechanism *m, const km_forces *f, const km_port *port, km_distance distance) {
-  const km_frame_def *a = &m->model->frames[port->frame[0]], *b = &m->model->frames[port->frame[1]];
+  const km_model_frame *a = &m->model->frames[port->frame[0]], *b = &m->model->frames[port->frame[1]];
   km_pose A = km_pose_product(&f->pose[a->body], &a->pose);
   line l = {.from = A.p, .to = km_pose_point(&f->pose[b->body], b->pose.p)};
   km_vec3 way = km_vec3_sub(l.to, l.from);
@@ -80,7 +41,8 @@ static line line_of(const km_mechanism *m, const km_forces *f, const km_port *po
   return l;
 }
 
-static double displacement(const km_mechanism *m, const km_state *s, const km_forces *f, const km_spring *spring) {
+static double displacement(const km_mechanism *m, const km_state *s, const km_forces *f,
+                           const km_model_module *spring) {
   if (spring->input.coordinate >= 0)
     return s->q[spring->input.coordinate];
   return line_of(m, f, &spring->input, spring->distance).displacement;
@@ -88,7 +50,7 @@ static double displacement(const km_mechanism *m, const km_state *s, const km_fo
 
 /* Pushes the two frames apart. Both forces act at the child's point: along a parent's axis their line must pass
  * through it, so that the power is that of the displacement. */
-static void push(const km_mechanism *m, km_forces *f, const km_spring *spring, double force) {
+static void push(const km_mechanism *m, km_forces *f, const km_model_module *spring, double force) {
   const km_vec3 none = {0, 0, 0};
   line l = line_of(m, f, &spring->output, spring->distance);
   const int *frame = spring->output.frame;
@@ -98,7 +60,7 @@ static void push(const km_mechanism *m, km_forces *f, const km_spring *spring, d
 
 void km_springs_add(const km_mechanism *m, const km_state *s, km_forces *f) {
   for (int i = 0; i < f->spring_count; ++i) {
-    const km_spring *spring = &f->springs[i];
+    const km_model_module *spring = f->springs[i];
     double force = km_law_force(&spring->law, displacement(m, s, f, spring));
     int c = spring->output.coordinate;
     if (c < 0)

@@ -10,7 +10,7 @@ int km_branch_directions(const km_mechanism *m, km_state *s, int index, double *
   int found = 0, n = m->substructures[index].columns;
   bool made = km_tangents_make(&f, m, s, index, &arena);
   f.enough = KM_UNDECIDED; /* rounded data have branches too */
-  if (made && f.conditions.conditions > 0 && !km_tangents_all_real(&f)) {
+  if (made && f.conditions.redundant && !km_tangents_all_real(&f)) {
     for (int start = 0; start < KM_STARTS_PER_FREEDOM * f.conditions.freedom && found < KM_MOST_BRANCHES; ++start) {
       if (!km_tangents_random(&f))
         continue;

@@ -339,6 +339,28 @@ static km_reach drive_tree_joint(km_drive *d, double target) {
   return reach;
 }
 
+/* The steps that ended at coordinate c's limit have found it to their own length; one or two more by its rate leave
+ * nothing but rounding. */
+static void settle_at_limit(km_drive *d, int c) {
+  const km_mechanism *m = d->mechanism;
+  int k = m->column_of[c], limit = -1;
+  for (int round = 0; round < 2; ++round) {
+    double q = d->state->q[c], bound = fabs(m->high[c] - q) < fabs(q - m->low[c]) ? m->high[c] : m->low[c];
+    double gap = (bound - q) / m->unit[c] / d->t[k];
+    if (m->ball_of[c] >= 0 || gap == 0.0 || !(fabs(gap) < 1e-7) || advance(d, gap, 0.25, &limit) != ACCEPTED)
+      return;
+  }
+}
+
+/* The goal, or the driver's own limit on the way to it. */
+static double within_own_limit(const km_drive *d, double goal) {
+  const km_mechanism *m = d->mechanism;
+  int c = d->coordinate;
+  double unit = m->unit[c], high = fmax(m->high[c] / unit, d->s), low = fmin(m->low[c] / unit, d->s);
+  double slack = 1e-12 * (1.0 + fabs(goal));
+  return d->ignore_limits || (goal <= high + slack && goal >= low - slack) ? goal : goal > high ? high : low;
+}
+
 /* Is the goal the end itself? Then the pose there, which Newton approaches only slowly, is as good as any. */
 static bool touches(km_drive *d, double goal) {
   const km_substructure *sub = driven(d);
@@ -362,15 +384,18 @@ km_reach km_drive_to(km_drive *d, double target) {
     return drive_tree_joint(d, target);
   const km_mechanism *m = d->mechanism;
   double factor = km_model_coordinate_factor(m->model, d->coordinate) / m->unit[d->coordinate];
-  double goal = target * factor;
+  double goal = target * factor, own = within_own_limit(d, goal);
   int limit = -1;
   attempt result = ACCEPTED;
-  if (d->s != goal) {
+  if (d->s != own) {
     bool ready = d->known || start(d);
-    result = ready ? walk(d, goal, &limit) : OPEN;
+    result = ready ? walk(d, own, &limit) : OPEN;
   }
-  if (result == ACCEPTED || ((result == OPEN || result == BENT) && touches(d, goal)))
-    return (km_reach){KM_STOP_NONE, target, -1, -1};
+  if (result == ACCEPTED || ((result == OPEN || result == BENT) && touches(d, own)))
+    return own == goal ? (km_reach){KM_STOP_NONE, target, -1, -1}
+                       : (km_reach){KM_STOP_LIMIT, own / factor, -1, d->coordinate};
+  if (result == LIMITED)
+    settle_at_limit(d, limit);
   /* What was tried last has left another pose's Jacobian behind. */
   km_loops_update(m, d->state, driven(d));
   d->state->pivoted[d->substructure] = KM_NEVER;

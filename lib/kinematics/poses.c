@@ -38,7 +38,7 @@ km_twist km_body_twist(const km_mechanism *m, const km_state *s, int body, const
 }
 
 static km_pose frame_pose(const km_mechanism *m, const km_pose *pose, int frame) {
-  const km_frame_def *def = &m->model->frames[frame];
+  const km_model_frame *def = &m->model->frames[frame];
   return km_pose_product(&pose[def->body], &def->pose);
 }
 
@@ -85,7 +85,7 @@ void km_poses_update(const km_mechanism *m, km_state *s) {
 }
 
 void km_frame_position(const km_mechanism *m, const km_state *s, int frame, double position[3]) {
-  const km_frame_def *def = &m->model->frames[frame];
+  const km_model_frame *def = &m->model->frames[frame];
   km_vec3 p = km_pose_point(&s->pose[def->body], def->pose.p);
   position[0] = p.x;
   position[1] = p.y;

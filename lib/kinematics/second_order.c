@@ -62,31 +62,40 @@ static void add_conditions(const km_substructure *sub, const double *W, const do
   }
 }
 
-bool km_second_order_build(const km_mechanism *m, km_state *s, int index, km_arena *arena, km_second_order *out) {
+bool km_second_order_start(const km_mechanism *m, km_state *s, int index, km_arena *arena, km_second_order *out) {
   const km_substructure *sub = &m->substructures[index];
-  const double *weight = m->column_weight + sub->column_start;
-  size_t n = (size_t)sub->columns, rows = (size_t)sub->rows;
   int worst;
   km_loops_update(m, s, sub);
   double residual = km_loops_residual(m, s, sub, &worst), tolerance = km_rank_tolerance(m, sub, residual);
   km_pivot(m, s, index, KM_NO_DRIVER, tolerance);
+  const km_partition *p = &s->partition[index];
   *out = (km_second_order){.columns = sub->columns,
-                           .freedom = km_partition_freedom(&s->partition[index]),
+                           .freedom = km_partition_freedom(p),
+                           .redundant = p->rank < sub->rows,
+                           .tolerance = tolerance,
                            .noise = fmax(1e-7, 100.0 * residual)};
-  size_t k = (size_t)out->freedom;
-  out->Z = KM_ARENA_NEW(arena, double, n *k);
+  out->Z = KM_ARENA_NEW(arena, double, (size_t)sub->columns *(size_t)out->freedom);
   if (arena->failed)
     return false;
-  km_partition_null(&s->partition[index], weight, out->freedom, out->Z);
-  if (s->partition[index].rank == sub->rows)
-    return true; /* no constraint is redundant: every tangent is one of a motion */
+  km_partition_null(p, m->column_weight + sub->column_start, out->freedom, out->Z);
+  return true;
+}
+
+bool km_second_order_build(const km_mechanism *m, km_state *s, int index, km_arena *arena, km_second_order *out) {
+  const km_substructure *sub = &m->substructures[index];
+  const double *weight = m->column_weight + sub->column_start;
+  size_t n = (size_t)sub->columns, rows = (size_t)sub->rows, k = (size_t)out->freedom;
+  out->built = true;
+  if (!out->redundant)
+    return true;
   double *W, *saved = KM_ARENA_NEW(arena, double, KM_SAVED_PER_COLUMN *n);
   double *x = KM_ARENA_NEW(arena, double, n *k), *move = KM_ARENA_NEW(arena, double, n);
   double *rate = KM_ARENA_NEW(arena, double, n *rows), *J = KM_ARENA_NEW(arena, double, n *rows);
   if (arena->failed)
     return false;
+  km_loops_update(m, s, sub);
   km_state_jacobian_dense(s, sub, J);
-  if (!left_null(sub, J, tolerance, arena, &W, &out->conditions))
+  if (!left_null(sub, J, out->tolerance, arena, &W, &out->conditions))
     return false;
   out->Q = KM_ARENA_NEW(arena, double, (size_t)out->conditions *k *k);
   if (arena->failed)

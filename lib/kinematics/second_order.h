@@ -8,13 +8,19 @@
  * aᵀ Q_i a = 0, Q_i = Zᵀ w_iᵀ(∂J/∂q) Z, w_i the left null vectors of J. */
 typedef struct km_second_order {
   int columns, freedom, conditions;
+  bool redundant; /* some constraint is: then conditions may stand between a tangent and a motion */
+  bool built;     /* Q is */
+  double tolerance;
   double *Z;    /* [freedom × columns] D·range(N), orthonormal */
   double *Q;    /* [conditions × freedom × freedom] symmetric */
   double size;  /* largest entry of Q: what a condition is compared with */
   double noise; /* what differences and the pose's misfit may have made of 0: Q below it says nothing */
 } km_second_order;
 
-/* At the state's (closed) pose, which stays. False when out of memory. */
+/* The tangents of the state's (closed) pose, which stays; no conditions yet. False when out of memory. */
+bool km_second_order_start(const km_mechanism *mechanism, km_state *state, int substructure, km_arena *arena,
+                           km_second_order *out);
+/* The conditions at the same pose. Dense: O(rows² · columns), so only where first order leaves a choice. */
 bool km_second_order_build(const km_mechanism *mechanism, km_state *state, int substructure, km_arena *arena,
                            km_second_order *out);
 

@@ -73,10 +73,17 @@ km_status km_state_create(const km_mechanism *m, km_state **out, km_error *error
     return km_fail(error, KM_MEMORY, "out of memory for a state of the mechanism");
   }
   s->mechanism = m;
-  set_coupling_rows(m, s);
-  km_state_set(m, s, m->start);
+  km_state_restart(s);
   *out = s;
   return KM_OK;
+}
+
+void km_state_restart(km_state *s) {
+  const km_mechanism *m = s->mechanism;
+  set_coupling_rows(m, s);
+  for (int i = 0; i < m->topology.substructure_count; ++i)
+    s->pivoted[i] = KM_NEVER;
+  km_state_set(m, s, m->start);
 }
 
 void km_state_free(km_state *s) {
@@ -206,7 +213,7 @@ void km_state_difference(const km_state *s, const km_substructure *sub, const do
 }
 
 bool km_coordinate_turns(const km_mechanism *m, int c) {
-  const km_coordinate_def *def = &m->model->coordinates[c];
+  const km_model_coordinate *def = &m->model->coordinates[c];
   km_joint_type type = m->model->joints[def->joint].type;
   return m->ball_of[c] < 0 && type != KM_SCREW && !km_joint_is_length(type, def->index);
 }

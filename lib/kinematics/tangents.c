@@ -10,8 +10,8 @@ double km_tangents_uniform(km_tangents *f) { /* -1 … 1, always the same sequen
 bool km_tangents_make(km_tangents *f, const km_mechanism *m, km_state *s, int index, km_arena *arena) {
   const km_substructure *sub = &m->substructures[index];
   size_t n = (size_t)sub->columns;
-  *f = (km_tangents){.m = m, .s = s, .index = index, .sub = sub, .enough = KM_REAL, .random = 1};
-  if (!km_second_order_build(m, s, index, arena, &f->conditions))
+  *f = (km_tangents){.m = m, .s = s, .index = index, .sub = sub, .enough = KM_REAL, .random = 1, .arena = arena};
+  if (!km_second_order_start(m, s, index, arena, &f->conditions))
     return false;
   size_t k = (size_t)f->conditions.freedom;
   f->pose = KM_ARENA_NEW(arena, double, KM_SAVED_PER_COLUMN *n);
@@ -69,8 +69,18 @@ bool km_tangents_all_real(km_tangents *f) {
   return true;
 }
 
+/* The conditions of second order, found when they are first asked for; the state is then at the pose. */
+static bool need_conditions(km_tangents *f) {
+  if (f->conditions.built)
+    return !f->arena->failed;
+  km_state_restore(f->s, f->sub, f->pose);
+  return km_second_order_build(f->m, f->s, f->index, f->arena, &f->conditions);
+}
+
 bool km_tangents_random(km_tangents *f) {
   int k = f->conditions.freedom;
+  if (k == 1 || !need_conditions(f)) /* the only tangent has been tried as it is */
+    return false;
   for (int i = 0; i < k; ++i)
     f->a[i] = km_tangents_uniform(f);
   km_tangents_normalise(f->a, k);

@@ -22,7 +22,8 @@ typedef struct km_tangents {
   km_state *s;
   int index;
   const km_substructure *sub;
-  km_second_order conditions;
+  km_arena *arena;
+  km_second_order conditions; /* Q is built when a random tangent is first asked for */
   double residual;     /* of the pose's worst loop */
   double *pose, *last; /* saved coordinates */
   bool doubtful;       /* some tangent was neither confirmed nor refuted */
@@ -54,7 +55,8 @@ km_way km_tangents_follow(km_tangents *tangents, const double *a, double sign);
 bool km_tangents_is_real(km_tangents *tangents, const double *a);
 /* Are the basis vectors and as many random combinations of them all real? */
 bool km_tangents_all_real(km_tangents *tangents);
-/* A random tangent that meets the second order and is real, into `a`; false if the start leads to none. */
+/* A random tangent that meets the second order and is real, into `a`; false if the start leads to none. To be asked for
+ * after km_tangents_all_real: the tangent of a single freedom isn't tried again. */
 bool km_tangents_random(km_tangents *tangents);
 
 #endif

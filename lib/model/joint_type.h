@@ -2,6 +2,7 @@
 #ifndef KM_MODEL_JOINT_TYPE_H
 #define KM_MODEL_JOINT_TYPE_H
 
+#include "kmech/build.h"
 #include "model/units.h"
 
 typedef enum km_primitive {
@@ -16,24 +17,7 @@ typedef struct km_motion {
   int axis; /* 0 x, 1 y, 2 z of the frame before this motion; unused for a ball */
 } km_motion;
 
-typedef enum km_joint_type {
-  KM_RX,
-  KM_RY,
-  KM_RZ,
-  KM_TX,
-  KM_TY,
-  KM_TZ,
-  KM_RIGID,
-  KM_SPHERICAL,
-  KM_FLOAT,
-  KM_CYLINDRICAL,
-  KM_UNIVERSAL,
-  KM_PLANAR,
-  KM_SCREW,
-  KM_JOINT_TYPES
-} km_joint_type;
-
-enum { KM_MAX_MOTIONS = 4, KM_MAX_FREEDOM = 6 };
+enum { KM_MAX_MOTIONS = 4 };
 
 /* A joint type: X_child = X_parent · motion_0(q) · motion_1(q) … */
 typedef struct km_joint_kind {

@@ -4,21 +4,20 @@
 
 #include "base/file.h"
 #include "base/memory.h"
-#include "base/value.h"
+#include "base/text.h"
 #include "kmech/model.h"
 #include "model/joint_type.h"
-#include "model/mesh.h"
 #include "spatial/pose.h"
 
 enum { KM_NO_ASSEMBLY = -1 };
 
-typedef struct km_assembly_def {
+typedef struct km_model_assembly {
   const char *name;
   int parent; /* assembly, or KM_NO_ASSEMBLY */
-} km_assembly_def;
+} km_model_assembly;
 
 /* Body 0 is the inertial frame, called `fixed`. */
-typedef struct km_body_def {
+typedef struct km_model_body {
   const char *name;
   int assembly;
   double mass;
@@ -27,39 +26,57 @@ typedef struct km_body_def {
   double density;    /* < 0: not given */
   const char *mesh;  /* file name of the definition, NULL: none */
   const char *where;
-} km_body_def;
+} km_model_body;
 
 /* Every body has its `origin` first. */
-typedef struct km_frame_def {
+typedef struct km_model_frame {
   const char *name;
   int body;
   km_pose pose; /* in the body's frame; length in the model's unit */
-} km_frame_def;
+} km_model_frame;
 
-typedef struct km_joint_def {
+/* What resists a joint's motion where its surfaces touch (Coulomb). All 0: no friction. */
+typedef struct km_joint_friction {
+  double coefficient, radius, stiction_velocity; /* radius: length unit, for joints that turn; length per time */
+} km_joint_friction;
+
+/* What the limits do in a simulation: a force or torque per unit beyond them, and per rate. */
+typedef struct km_joint_stop {
+  double stiffness, damping;
+} km_joint_stop;
+
+/* A joint's motion over time. Angles in the file's unit. */
+typedef struct km_joint_prescribed {
+  km_motion_law law;
+  int count;      /* rows of the table, or coefficients */
+  double *values; /* [2 · count] t, q; or [count], lowest power first; or [4] offset, amplitude, frequency, phase */
+} km_joint_prescribed;
+
+typedef struct km_model_joint {
   const char *name, *label;
   km_joint_type type;
   int assembly;
   int frame[2];         /* parent, child */
   int first_coordinate; /* into the coordinates */
   double pitch;
+  km_joint_friction friction;
+  km_joint_stop stop;
+  km_joint_prescribed prescribed;
   const char *where;
-  const km_value *source; /* what was read */
-} km_joint_def;
+} km_model_joint;
 
-typedef struct km_coordinate_def {
+typedef struct km_model_coordinate {
   const char *label;
   int joint, index;
   double position, rate, low, high, damping; /* in the file's units; no limit is ∓infinity */
-} km_coordinate_def;
+} km_model_coordinate;
 
-typedef struct km_coupling_def {
+typedef struct km_model_coupling {
   const char *name, *where;
-  const km_value *source; /* what was read */
   int count;
   int *coordinates;
   double *ratios;
-} km_coupling_def;
+} km_model_coupling;
 
 enum { KM_PORT_FRAMES = -1 };
 
@@ -69,45 +86,66 @@ typedef struct km_port {
   int frame[2];   /* the parent's, the child's */
 } km_port;
 
-typedef struct km_module_def {
-  const km_value *source; /* what was read */
-  const char *where;
-  km_port input, output;
-} km_module_def;
+/* "stiffness", "damping" …, as the format writes them. */
+const char *km_module_type_word(km_module_type type);
+int km_module_type_find(const char *word); /* -1: no type */
 
-typedef struct km_load_def {
+/* A force law: polynomials between knots of the plain variable (radians, lengths, time). */
+typedef struct km_law {
+  int knot_count;
+  const double *knots;
+  const int *start;           /* [knot_count + 2] where each polynomial begins in `coefficients` */
+  const double *coefficients; /* lowest power first */
+} km_law;
+
+typedef struct km_model_module {
+  const char *name, *where;
+  km_module_type type;
+  km_port input, output;
+  km_distance distance;
+  km_law law;
+  double reference, kp, ki, kd; /* of a controller */
+  int table_count;              /* of a motor's table: rows */
+  const double *table;          /* [2 · table_count] t, f */
+} km_model_module;
+
+typedef struct km_applied_load {
   const char *name;
   int frame;
   km_vec3 force, torque;
   bool turning; /* axes turn with the frame */
-} km_load_def;
+} km_applied_load;
 
 /* An end of a mechanical advantage: a joint, or a frame's origin along a direction. */
-typedef struct km_handle_def {
+typedef struct km_model_handle {
   int coordinate, frame; /* -1: not this kind; both -1: none given */
   km_vec3 direction;     /* inertial axes */
   const char *name;      /* of a point: body/frame:dx,dy,dz */
-} km_handle_def;
+} km_model_handle;
 
-typedef struct km_hold_def {
+typedef struct km_model_hold {
   int coordinate;
   double value; /* file's unit */
-} km_hold_def;
+} km_model_hold;
 
-typedef struct km_sweep_def {
+typedef struct km_model_sweep {
   int coordinate;   /* -1: none given */
   double range[2];  /* file's unit */
   double arclength; /* 0: none given */
   int direction;    /* coordinate of `direction`, -1: none */
   double sign;
   int steps;
-} km_sweep_def;
+} km_model_sweep;
 
 struct km_model {
   km_arena arena;
-  const km_value *root; /* everything as read, for what the engine only keeps */
+  const struct km_origin
+      *origin; /* what the room of exchange/ that read it needs to write it again; NULL: built by calls */
   char sha256[KM_SHA256_TEXT];
-  const char *folder; /* of the file, where include_dir starts */
+  const char *source;        /* where the model is from, in words; NULL: not told */
+  const char *folder;        /* of the file, where include_dirs start */
+  const char **include_dirs; /* where meshes are looked for */
+  int include_dir_count;
   km_units units;
   km_vec3 gravity;
   double characteristic_length; /* 0: the file states none */
@@ -115,28 +153,22 @@ struct km_model {
   double closure_tolerance;
   bool closure_tolerance_given;
   double rotation_misfit; /* the largest entry of RᵀR − I, as the file states its frames */
-  km_assembly_def *assemblies;
-  km_body_def *bodies;
-  km_frame_def *frames;
-  km_joint_def *joints;
-  km_coordinate_def *coordinates;
-  km_coupling_def *couplings;
-  km_module_def *modules;
-  km_load_def *loads;
-  km_hold_def *holds;
-  int *actuators; /* coordinates */
-  km_handle_def advantage_input, advantage_output;
-  km_sweep_def sweep;
+  km_model_assembly *assemblies;
+  km_model_body *bodies;
+  km_model_frame *frames;
+  km_model_joint *joints;
+  km_model_coordinate *coordinates;
+  km_model_coupling *couplings;
+  km_model_module *modules;
+  km_applied_load *loads;
+  km_model_hold *holds;
+  int *actuators;       /* coordinates */
+  bool actuators_given; /* also where the list is empty */
+  km_model_handle advantage_input, advantage_output;
+  km_model_sweep sweep;
   int assembly_count, body_count, frame_count, joint_count, coordinate_count, coupling_count, module_count;
   int load_count, hold_count, actuator_count;
 };
-
-/* Appends the path at which a mesh file is found: in the file's folder or one of include_dir. False if nowhere. */
-bool km_model_find_mesh(const km_model *model, const char *name, km_text *path);
-/* Reads the meshes of all bodies that name one: meshes[body], NULL for the others. KM_USAGE: there is none; KM_IO: one
- * can't be found or read. The caller frees the list and each of them in any case: km_meshes_free. */
-km_status km_model_read_meshes(const km_model *model, km_mesh ***meshes, km_error *error);
-void km_meshes_free(const km_model *model, km_mesh **meshes);
 
 static inline int km_model_freedom(const km_model *model, int joint) {
   return km_joint_kind_of(model->joints[joint].type)->freedom;
@@ -144,7 +176,7 @@ static inline int km_model_freedom(const km_model *model, int joint) {
 
 /* Radians per angle unit for an angle, 1 for a length: file's value × this = the engine's value. */
 static inline double km_model_coordinate_factor(const km_model *model, int coordinate) {
-  const km_coordinate_def *c = &model->coordinates[coordinate];
+  const km_model_coordinate *c = &model->coordinates[coordinate];
   return km_joint_is_length(model->joints[c->joint].type, c->index) ? 1.0 : model->units.angle->si;
 }
 

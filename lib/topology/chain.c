@@ -1,7 +1,7 @@
 #include "topology/chain.h"
 
 km_passage km_joint_passage(const km_model *model, int joint, bool against) {
-  const km_joint_def *def = &model->joints[joint];
+  const km_model_joint *def = &model->joints[joint];
   const km_joint_kind *kind = km_joint_kind_of(def->type);
   km_passage p = {.count = kind->motion_count,
                   .sign = against ? -1.0 : 1.0,

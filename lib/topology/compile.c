@@ -13,7 +13,7 @@ static km_status build_topology(km_mechanism *m, km_error *error) {
   for (int j = 0; j < model->joint_count; ++j)
     edges[j] = (km_edge){model->frames[model->joints[j].frame[0]].body, model->frames[model->joints[j].frame[1]].body};
   for (int i = 0; i < model->coupling_count; ++i) {
-    const km_coupling_def *coupling = &model->couplings[i];
+    const km_model_coupling *coupling = &model->couplings[i];
     ties[i] = (km_tie){tied, coupling->count};
     for (int k = 0; k < coupling->count; ++k)
       *tied++ = model->coordinates[coupling->coordinates[k]].joint;
@@ -24,7 +24,12 @@ static km_status build_topology(km_mechanism *m, km_error *error) {
   return status;
 }
 
-static bool allocate(km_mechanism *m, size_t steps, size_t entries, size_t terms) {
+bool km_compile_allocate(km_mechanism *m, km_walks *walks) {
+  size_t steps, entries, terms = 0;
+  km_compile_bounds(m, &steps, &entries);
+  for (int i = 0; i < m->model->coupling_count; ++i)
+    terms += (size_t)m->model->couplings[i].count;
+
   km_arena *arena = &m->arena;
   size_t coordinates = (size_t)m->coordinate_count, loops = (size_t)m->topology.loop_count;
   size_t substructures = (size_t)m->topology.substructure_count, bodies = (size_t)m->model->body_count;
@@ -51,15 +56,11 @@ static bool allocate(km_mechanism *m, size_t steps, size_t entries, size_t terms
   m->terms = KM_ARENA_NEW(arena, km_term, terms);
   m->arcs = KM_ARENA_NEW(arena, km_arc, bodies);
   m->arc_of = KM_ARENA_NEW(arena, int, bodies);
-  return !arena->failed;
+  return km_walks_create(m, steps, arena, walks);
 }
 
-static bool set_length(km_mechanism *m, const km_compiling *how) {
+static void set_length(km_mechanism *m, const km_compiling *how, const km_walks *walks) {
   const km_model *model = m->model;
-  km_arena scratch = {0};
-  double link = km_longest_link(model, &scratch);
-  bool done = !scratch.failed;
-  km_arena_free(&scratch);
   if (how->length > 0.0) {
     m->length = how->length;
     m->length_source = how->length_source;
@@ -67,10 +68,10 @@ static bool set_length(km_mechanism *m, const km_compiling *how) {
     m->length = model->characteristic_length;
     m->length_source = model->length_shared ? KM_LENGTH_SHARED : KM_LENGTH_STATED;
   } else {
+    double link = km_longest_link(model, walks);
     m->length = link > 0.0 ? link : 1.0;
     m->length_source = link > 0.0 ? KM_LENGTH_LONGEST_LINK : KM_LENGTH_UNIT;
   }
-  return done;
 }
 
 double km_mechanism_characteristic_length(const km_mechanism *m, km_length_source *source) {
@@ -88,7 +89,7 @@ const char *km_length_source_name(km_length_source source) {
 static void set_coordinates(km_mechanism *m, const km_hold *holds, int hold_count) {
   const km_model *model = m->model;
   for (int c = 0; c < m->coordinate_count; ++c) {
-    const km_coordinate_def *def = &model->coordinates[c];
+    const km_model_coordinate *def = &model->coordinates[c];
     double factor = km_model_coordinate_factor(model, c);
     bool length = km_joint_is_length(model->joints[def->joint].type, def->index);
     m->start[c] = factor * def->position;
@@ -128,10 +129,10 @@ static double substructure_size(const km_mechanism *m, int s) {
   for (int i = t->loop_start[s]; i < t->loop_start[s + 1]; ++i) {
     int loop = t->loop[i], first = t->member_start[loop], end = t->member_start[loop + 1];
     for (int k = first; k < end; ++k) {
-      const km_joint_def *a = &model->joints[t->member[k].joint];
+      const km_model_joint *a = &model->joints[t->member[k].joint];
       for (int e = 0; e < 2; ++e) {
         for (int o = first; o < k; ++o) {
-          const km_joint_def *b = &model->joints[t->member[o].joint];
+          const km_model_joint *b = &model->joints[t->member[o].joint];
           for (int f = 0; f < 2; ++f)
             if (model->frames[a->frame[e]].body == model->frames[b->frame[f]].body)
               size =
@@ -143,7 +144,7 @@ static double substructure_size(const km_mechanism *m, int s) {
     }
   }
   for (int i = t->joint_start[s]; i < t->joint_start[s + 1]; ++i) {
-    const km_joint_def *joint = &model->joints[t->joint[i]];
+    const km_model_joint *joint = &model->joints[t->joint[i]];
     for (int k = 0; k < km_model_freedom(model, t->joint[i]); ++k)
       if (km_joint_is_length(joint->type, k))
         size = fmax(size, fabs(m->start[joint->first_coordinate + k]));
@@ -178,13 +179,10 @@ static void each_column(km_mechanism *m, int *next) {
     add_columns(m, t->chord[l], next);
 }
 
-static void set_columns(km_mechanism *m, km_arena *scratch) {
-  int count = m->topology.substructure_count, used = 0;
-  int *next = KM_ARENA_NEW(scratch, int, (size_t)count);
-  if (!next)
-    return;
+static void set_columns(km_mechanism *m, int *next) {
+  int used = 0;
   each_column(m, NULL);
-  for (int s = 0; s < count; ++s) {
+  for (int s = 0; s < m->topology.substructure_count; ++s) {
     m->substructures[s].column_start = next[s] = used;
     used += m->substructures[s].columns;
     m->substructures[s].columns = 0;
@@ -196,7 +194,7 @@ static void set_couplings(km_mechanism *m, int s) {
   km_substructure *sub = &m->substructures[s];
   sub->coupling_start = m->coupling_count;
   for (int i = 0; i < m->model->coupling_count; ++i) {
-    const km_coupling_def *def = &m->model->couplings[i];
+    const km_model_coupling *def = &m->model->couplings[i];
     if (m->substructure_of[def->coordinates[0]] != s)
       continue;
     km_coupling *coupling = &m->couplings[m->coupling_count++];
@@ -216,7 +214,7 @@ static void set_couplings(km_mechanism *m, int s) {
   sub->coupling_count = m->coupling_count - sub->coupling_start;
 }
 
-static bool compile_substructure(km_mechanism *m, int s, km_walks *walks) {
+static void compile_substructure(km_mechanism *m, int s, km_walks *walks) {
   const km_topology *t = &m->topology;
   km_substructure *sub = &m->substructures[s];
   sub->loop_start = t->loop_start[s];
@@ -225,16 +223,23 @@ static bool compile_substructure(km_mechanism *m, int s, km_walks *walks) {
     m->loop_order[sub->loop_start + i] = t->loop[sub->loop_start + i];
   km_compile_loops(m, s, walks);
   set_couplings(m, s);
-  if (!km_compile_pattern(m, sub))
-    return false;
-  sub->matrix_start = m->matrix_size;
   sub->error_start = m->error_size;
-  m->matrix_size += sub->pattern.size;
   m->error_size += sub->rows;
   if (sub->rows > m->largest_rows)
     m->largest_rows = sub->rows;
   if (sub->columns > m->largest_columns)
     m->largest_columns = sub->columns;
+}
+
+/* Where the Jacobians' values are stored. False when out of memory. */
+static bool set_patterns(km_mechanism *m) {
+  for (int s = 0; s < m->topology.substructure_count; ++s) {
+    km_substructure *sub = &m->substructures[s];
+    if (!km_compile_pattern(m, sub))
+      return false;
+    sub->matrix_start = m->matrix_size;
+    m->matrix_size += sub->pattern.size;
+  }
   return true;
 }
 
@@ -245,7 +250,7 @@ static void set_arcs(km_mechanism *m) {
     int body = t->order[i], joint = t->arc[body];
     m->arc_of[body] = i - 1;
     bool against = t->against[joint];
-    const km_joint_def *def = &m->model->joints[joint];
+    const km_model_joint *def = &m->model->joints[joint];
     m->arcs[i - 1] = (km_arc){.body = body,
                               .parent = t->parent[body],
                               .joint = joint,
@@ -255,35 +260,32 @@ static void set_arcs(km_mechanism *m) {
   }
 }
 
-static size_t term_total(const km_model *model) {
-  size_t terms = 0;
-  for (int i = 0; i < model->coupling_count; ++i)
-    terms += (size_t)model->couplings[i].count;
-  return terms;
-}
-
-static km_status compile(km_mechanism *m, const km_compiling *how, km_error *error) {
-  km_status status = build_topology(m, error);
-  if (status)
-    return status;
-  m->coordinate_count = m->model->coordinate_count;
-  size_t steps, entries;
-  km_compile_bounds(m, &steps, &entries);
-  if (!allocate(m, steps, entries, term_total(m->model)) || !set_length(m, how))
-    return km_fail(error, KM_MEMORY, "out of memory while compiling the mechanism");
+void km_compile_numbers(km_mechanism *m, const km_compiling *how, km_walks *walks) {
+  set_length(m, how, walks);
   set_coordinates(m, how->holds, how->hold_count);
   number_balls(m);
   for (int s = 0; s < m->topology.substructure_count; ++s)
     m->substructures[s].size = substructure_size(m, s);
-  km_arena scratch = {0};
-  set_columns(m, &scratch);
-  km_walks walks;
-  bool done = km_walks_create(m, steps, &scratch, &walks);
-  for (int s = 0; s < m->topology.substructure_count && done; ++s)
-    done = compile_substructure(m, s, &walks);
+  set_columns(m, walks->next);
+  for (int s = 0; s < m->topology.substructure_count; ++s)
+    compile_substructure(m, s, walks);
   set_arcs(m);
-  km_arena_free(&scratch);
-  return !done ? km_fail(error, KM_MEMORY, "out of memory while compiling the mechanism") : KM_OK;
+}
+
+static km_status compile(km_mechanism *m, const km_compiling *how, km_error *error) {
+  km_status status = build_topology(m, error);
+  km_walks walks;
+  if (status)
+    return status;
+  m->coordinate_count = m->model->coordinate_count;
+  m->holds = KM_ARENA_NEW(&m->arena, km_hold, (size_t)how->hold_count);
+  if (!m->holds || !km_compile_allocate(m, &walks))
+    return km_fail(error, KM_MEMORY, "out of memory while compiling the mechanism");
+  if (how->hold_count)
+    memcpy(m->holds, how->holds, (size_t)how->hold_count * sizeof *m->holds);
+  m->hold_count = how->hold_count;
+  km_compile_numbers(m, how, &walks);
+  return set_patterns(m) ? KM_OK : km_fail(error, KM_MEMORY, "out of memory while compiling the mechanism");
 }
 
 km_status km_mechanism_compile_as(const km_model *model, const km_compiling *how, km_mechanism **out, km_error *error) {
@@ -305,6 +307,7 @@ km_status km_mechanism_compile_as(const km_model *model, const km_compiling *how
 void km_mechanism_free(km_mechanism *m) {
   if (!m)
     return;
+  km_mechanism_free(m->spare);
   km_arena_free(&m->arena);
   km_free(m);
 }

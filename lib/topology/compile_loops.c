@@ -20,7 +20,11 @@ bool km_walks_create(const km_mechanism *m, size_t steps, km_arena *arena, km_wa
                   .step_count = KM_ARENA_NEW(arena, int, bodies),
                   .stand = KM_ARENA_NEW(arena, km_stand, bodies),
                   .zero = KM_ARENA_NEW(arena, km_pose, steps + 1),
-                  .twist = KM_ARENA_NEW(arena, km_twist, 3 * steps)};
+                  .twist = KM_ARENA_NEW(arena, km_twist, 3 * steps),
+                  .next = KM_ARENA_NEW(arena, int, (size_t)m->topology.substructure_count),
+                  .parent = KM_ARENA_NEW(arena, int, bodies),
+                  .first = KM_ARENA_NEW(arena, int, bodies + 2),
+                  .frame = KM_ARENA_NEW(arena, int, 2 * (size_t)m->model->joint_count)};
   return !arena->failed;
 }
 
@@ -31,7 +35,7 @@ static bool turns(const km_rotation *R) {
 /* Goes to another frame of the body that the walk stands on. On the base body the origin goes along: positions are
  * counted from the place where a branch leaves the base, so that a branch far from the others keeps its digits. */
 static void go_to_frame(const km_mechanism *m, int base_frame, int frame, double size, km_stand *at) {
-  const km_frame_def *frames = m->model->frames;
+  const km_model_frame *frames = m->model->frames;
   km_pose link = km_frame_to_frame(m->model, at->frame, frame, size);
   if (frames[at->frame].body == frames[base_frame].body) {
     link.p = (km_vec3){0, 0, 0};

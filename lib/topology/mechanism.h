@@ -111,6 +111,10 @@ typedef struct km_arc {
 
 struct km_mechanism {
   km_arena arena;
+  km_mechanism *spare; /* arrays of its own that the next renumbering fills; NULL until the first one */
+  struct km_walks *spare_walks;
+  km_hold *holds;
+  int hold_count;
   const km_model *model;
   km_topology topology;
   double length; /* the characteristic length, in the model's unit */

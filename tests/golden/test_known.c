@@ -1,8 +1,8 @@
 /* The `known` facts of every shipped model. */
 #include "support/support.h"
 
+#include "exchange/json/reader.h"
 #include "kmech/advantage.h"
-#include "model/model.h"
 
 #include <math.h>
 #include <string.h>
@@ -32,9 +32,9 @@ static void check_model(const char *name) {
   fixture f = fixture_open(name);
   km_mobility mobility;
   km_mobility_update(f.mechanism, f.state, &mobility);
-  const km_value *known = km_value_get(f.model->root, "known");
+  const km_value *known = km_value_get(f.model->origin->root, "known");
   assert_non_null(known);
-  assert_non_null(km_value_get(f.model->root, "source"));
+  assert_non_null(km_value_get(f.model->origin->root, "source"));
   expect(known, "kutzbach", mobility.kutzbach, 0.0);
   expect(known, "kutzbach_extended", mobility.kutzbach_extended, 0.0);
   expect(known, "mobility", mobility.mobility, 0.0);

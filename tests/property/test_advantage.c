@@ -102,11 +102,11 @@ static void inverse_of_the_rate(void **state) {
 
 /* A generalised force of 1 on a coordinate: its axis' force or couple on the child, the opposite on the parent. */
 static void pair_of_loads(const fixture *f, int c, km_load out[2]) {
-  const km_joint_def *def = &f->model->joints[f->model->coordinates[c].joint];
+  const km_model_joint *def = &f->model->joints[f->model->coordinates[c].joint];
   km_twist h = km_coordinate_twist(f->mechanism, f->state, c);
   bool turns = km_vec3_norm(h.w) > 0.5;
   km_vec3 axis = turns ? h.w : h.v, none = {0, 0, 0}, moment = none;
-  const km_frame_def *a = &f->model->frames[def->frame[0]], *b = &f->model->frames[def->frame[1]];
+  const km_model_frame *a = &f->model->frames[def->frame[0]], *b = &f->model->frames[def->frame[1]];
   if (!turns) {
     km_vec3 from = km_pose_point(&f->state->pose[a->body], a->pose.p);
     km_vec3 to = km_pose_point(&f->state->pose[b->body], b->pose.p);
@@ -130,7 +130,7 @@ static void minus_the_ratio_of_forces(void **state) {
       int in, out;
       go_somewhere(&f, &r);
       bool chosen = choose(&f, &r, &in, &out);
-      const km_joint_def *def = chosen ? &f.model->joints[f.model->coordinates[out].joint] : NULL;
+      const km_model_joint *def = chosen ? &f.model->joints[f.model->coordinates[out].joint] : NULL;
       if (chosen && def->type != KM_SCREW && f.model->module_count == 0) {
         km_handle input = joint(f.model, in), output = joint(f.model, out);
         km_advantage a = advantage_of(&f, &input, &output);

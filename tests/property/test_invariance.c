@@ -2,9 +2,9 @@
 #include "support/motion_families.h"
 #include "support/support.h"
 
-#include "base/json.h"
+#include "exchange/json/convert.h"
+#include "exchange/json/json.h"
 #include "kmech/statics.h"
-#include "model/convert.h"
 
 #include <math.h>
 #include <string.h>
@@ -108,7 +108,7 @@ static void assert_same_forces(fixture *a, fixture *b, const double *gravity, do
       size = fmax(size, fmax(fabs(x.reactions[j].force[k]), fabs(x.reactions[j].torque[k])));
   assert_int_equal(x.degree, y.degree);
   for (int c = 0; c < a->model->coordinate_count; ++c) {
-    const km_coordinate_def *def = &a->model->coordinates[c];
+    const km_model_coordinate *def = &a->model->coordinates[c];
     double factor = km_joint_is_length(a->model->joints[def->joint].type, def->index) ? 1.0 : length;
     assert_near(y.least_norm[c] / factor, x.least_norm[c], tolerance * size);
   }

@@ -1,7 +1,7 @@
 /* Redundant constraints: as many as the rank says, with the right meaning, and with remedies that work. */
 #include "support/support.h"
 
-#include "base/json.h"
+#include "exchange/json/json.h"
 #include "kmech/redundancy.h"
 #include "model/model.h"
 

@@ -76,7 +76,7 @@ static char *rounded(const fixture *f, randomness *r, double tolerance) {
     int written = 0;
     for (int j = 0; j < model->joint_count; ++j) {
       for (int end = 0; end < 2; ++end) {
-        const km_frame_def *frame = &model->frames[model->joints[j].frame[end]];
+        const km_model_frame *frame = &model->frames[model->joints[j].frame[end]];
         if (frame->body != b)
           continue;
         km_pose X = km_pose_product(&own[b], &frame->pose);
@@ -89,7 +89,7 @@ static char *rounded(const fixture *f, randomness *r, double tolerance) {
   }
   km_text_add(&out, "], \"joints\": [");
   for (int j = 0; j < model->joint_count; ++j) {
-    const km_joint_def *joint = &model->joints[j];
+    const km_model_joint *joint = &model->joints[j];
     int pb = model->frames[joint->frame[0]].body, cb = model->frames[joint->frame[1]].body;
     char parent[16] = "fixed", child[16] = "fixed";
     if (pb)

@@ -1,8 +1,8 @@
 /* Tracks: what every method must keep, and what the methods owe each other. */
 #include "support/arms.h"
 
-#include "base/json.h"
-#include "model/convert.h"
+#include "exchange/json/convert.h"
+#include "exchange/json/json.h"
 #include "report/record/track_record.h"
 
 #include <stdio.h>

@@ -2,9 +2,9 @@
  * a poor start is assembled to, leverage. Where no length is stated, lengths are compared over the longest link. */
 #include "support/support.h"
 
-#include "base/json.h"
+#include "exchange/json/convert.h"
+#include "exchange/json/json.h"
 #include "kmech/advantage.h"
-#include "model/convert.h"
 
 #include <math.h>
 #include <string.h>
@@ -46,7 +46,7 @@ static fixture converted(const fixture *a, int i, const double *q) {
 
 /* Metres, or radians, of one unit in which the state counts a coordinate. */
 static double unit_of(const fixture *f, int c) {
-  const km_coordinate_def *def = &f->model->coordinates[c];
+  const km_model_coordinate *def = &f->model->coordinates[c];
   return km_joint_is_length(f->model->joints[def->joint].type, def->index) ? f->model->units.length->si : 1.0;
 }
 

@@ -79,7 +79,7 @@ double track_cell(const km_track *track, size_t row, const char *column) {
 }
 
 km_pose effector_by_bodies(const fixture *f, const km_arm *arm, const double *q) {
-  const km_frame_def *frame = &f->model->frames[arm->frame];
+  const km_model_frame *frame = &f->model->frames[arm->frame];
   double all[128];
   memcpy(all, f->state->q, (size_t)f->mechanism->coordinate_count * sizeof *all);
   for (int k = 0; k < arm->n; ++k)

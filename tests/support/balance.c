@@ -59,7 +59,7 @@ static void balance_close(balance *b) {
 /* A reaction (fixed axes) about the inertial origin. */
 static km_wrench reaction(const balance *b, int joint) {
   const km_reaction *r = &b->statics.reactions[joint];
-  const km_frame_def *frame = &b->f->model->frames[b->f->model->joints[joint].frame[1]];
+  const km_model_frame *frame = &b->f->model->frames[b->f->model->joints[joint].frame[1]];
   km_vec3 p = km_pose_point(&b->f->state->pose[frame->body], frame->pose.p);
   return km_wrench_at(km_vec3_make(r->force), km_vec3_make(r->torque), p);
 }

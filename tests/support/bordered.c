@@ -11,8 +11,8 @@ km_wrench applied_to(const km_forces *forces, int body) {
 
 static void fill_joint(const km_mechanism *m, const km_state *s, double reach, bordered *e, int j) {
   const km_model *model = m->model;
-  const km_joint_def *joint = &model->joints[j];
-  const km_frame_def *frame = &model->frames[joint->frame[1]];
+  const km_model_joint *joint = &model->joints[j];
+  const km_model_frame *frame = &model->frames[joint->frame[1]];
   km_pose X = km_pose_product(&s->pose[frame->body], &frame->pose);
   size_t ld = (size_t)e->rows;
   for (int k = 0; k < 6; ++k) {

@@ -2,8 +2,8 @@
 #include "support/motion_families.h"
 #include "support/support.h"
 
-#include "base/json.h"
-#include "model/convert.h"
+#include "exchange/json/convert.h"
+#include "exchange/json/json.h"
 #include "model/units.h"
 
 #include <stdio.h>

@@ -126,7 +126,7 @@ static double work(const spatial_case *k, fixture *f) {
   double sum = 0.0;
   for (int b = 1; b < k->l.joints; ++b)
     sum += k->l.mass[b] * km_vec3_dot(k->gravity, km_pose_point(&f->state->pose[b], k->l.centre[b]));
-  const km_frame_def *frame = &f->model->frames[frame_of(k, f)];
+  const km_model_frame *frame = &f->model->frames[frame_of(k, f)];
   return sum + km_vec3_dot(k->force, km_pose_point(&f->state->pose[k->loaded], frame->pose.p));
 }
 

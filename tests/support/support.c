@@ -129,9 +129,9 @@ void go_somewhere(fixture *f, randomness *r) {
 /* The frame before motion `which` of a joint, in the inertial frame, by the user's sense. */
 km_twist column_in_space(const fixture *f, int coordinate) {
   const km_mechanism *m = f->mechanism;
-  const km_coordinate_def *def = &f->model->coordinates[coordinate];
+  const km_model_coordinate *def = &f->model->coordinates[coordinate];
   km_passage p = km_joint_passage(f->model, def->joint, false);
-  const km_frame_def *entry = &f->model->frames[p.entry];
+  const km_model_frame *entry = &f->model->frames[p.entry];
   km_pose X = km_pose_product(&f->state->pose[entry->body], &entry->pose);
   double pitch = f->model->joints[def->joint].pitch / (2.0 * M_PI);
   for (int i = 0; i < p.count; ++i) {
@@ -150,7 +150,7 @@ km_twist column_in_space(const fixture *f, int coordinate) {
 }
 
 static km_vec3 place_of(const fixture *f, int joint) {
-  const km_frame_def *frame = &f->model->frames[f->model->joints[joint].frame[0]];
+  const km_model_frame *frame = &f->model->frames[f->model->joints[joint].frame[0]];
   return km_pose_point(&f->state->pose[frame->body], frame->pose.p);
 }
 
@@ -172,7 +172,7 @@ double *whole_jacobian(const fixture *f, int substructure, int *rows) {
   for (int i = 0; i < sub->loop_count; ++i) {
     int loop = t->loop[t->loop_start[substructure] + i];
     for (int k = t->member_start[loop]; k < t->member_start[loop + 1]; ++k) {
-      const km_joint_def *joint = &f->model->joints[t->member[k].joint];
+      const km_model_joint *joint = &f->model->joints[t->member[k].joint];
       for (int c = joint->first_coordinate;
            c < joint->first_coordinate + km_model_freedom(f->model, t->member[k].joint); ++c) {
         if (m->column_of[c] < 0)

@@ -1,8 +1,8 @@
 /* Base services: numbers as text, names, records, JSON, tables, CSV. */
 #include "support/support.h"
 
-#include "base/json.h"
 #include "base/names.h"
+#include "exchange/json/json.h"
 #include "report/record/csv.h"
 
 #include <float.h>

@@ -53,7 +53,7 @@ static double displacement(const fixture *f, const km_port *port, const char *di
   km_vec3 way = km_vec3_sub(km_vec3_make(b), km_vec3_make(a));
   if (distance[0] == 'e')
     return km_vec3_norm(way);
-  const km_frame_def *frame = &f->model->frames[port->frame[0]];
+  const km_model_frame *frame = &f->model->frames[port->frame[0]];
   km_pose X = km_pose_product(&f->state->pose[frame->body], &frame->pose);
   return km_vec3_dot(X.R.axis[distance[1] - 'x'], way);
 }
@@ -91,7 +91,7 @@ static void springs_push_along_their_displacement(void **state) {
     assert_int_equal(km_forces_create(f.mechanism, NULL, NULL, 0, &forces, NULL), KM_OK);
     assert_int_equal(km_statics_create(f.mechanism, NULL, 0, KM_AXES_JOINT, &statics, NULL), KM_OK);
     km_statics_update(f.mechanism, f.state, forces, &statics);
-    const km_module_def *module = &f.model->modules[0];
+    const km_model_module *module = &f.model->modules[0];
     double force = force_at(displacement(&f, &module->input, cases[i].distance));
     for (int c = 0; c < 3; ++c) {
       double q = f.state->q[c], h = 1e-5, there[2];

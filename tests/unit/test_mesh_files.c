@@ -130,7 +130,7 @@ static void files(void **state) {
     km_error error;
     if (load(names[i], &model, &error))
       fail_msg("%s", error.text);
-    const km_body_def *body = &model->bodies[1];
+    const km_model_body *body = &model->bodies[1];
     assert_near(body->mass / (0.5 * p.volume), 1, 1e-6);
     assert_near(km_vec3_norm(km_vec3_sub(body->center_of_mass, p.center)), 0, 1e-5);
     for (int k = 0; k < 6; ++k)

@@ -1,9 +1,9 @@
 /* Reading a model by the library, and writing it back. */
 #include "support/support.h"
 
-#include "base/json.h"
-#include "model/convert.h"
-#include "model/format.h"
+#include "exchange/json/convert.h"
+#include "exchange/json/format.h"
+#include "exchange/json/json.h"
 
 #include <stdlib.h>
 #include <string.h>

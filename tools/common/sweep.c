@@ -1,8 +1,8 @@
 /* Sweeps several models at once and writes their tables and one plot. */
 #include "common/sweep.h"
 
-#include "base/json.h"
 #include "base/parallel.h"
+#include "exchange/json/json.h"
 #include "report/record/csv.h"
 #include "report/record/sweep_text.h"
 

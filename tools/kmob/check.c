@@ -1,7 +1,7 @@
 /* kmob check: everything suspicious about a model. */
 #include "kmob/kmob.h"
 
-#include "base/json.h"
+#include "exchange/json/json.h"
 #include "report/record/check.h"
 #include "report/record/mobility_record.h"
 

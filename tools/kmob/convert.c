@@ -2,10 +2,10 @@
 #include "kmob/kmob.h"
 
 #include "base/file.h"
-#include "base/json.h"
 #include "base/memory.h"
-#include "model/convert.h"
-#include "model/format.h"
+#include "exchange/json/convert.h"
+#include "exchange/json/format.h"
+#include "exchange/json/json.h"
 
 #include <string.h>
 #include <unistd.h>

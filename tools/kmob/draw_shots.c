@@ -2,6 +2,7 @@
 #include "kmob/draw.h"
 
 #include "base/memory.h"
+#include "exchange/mesh/model_meshes.h"
 #include "kinematics/state.h"
 #include "kmech/sweep_plan.h"
 

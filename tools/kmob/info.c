@@ -1,8 +1,8 @@
 /* kmob info, kmob at: one pose. */
 #include "kmob/kmob.h"
 
-#include "base/json.h"
 #include "base/memory.h"
+#include "exchange/json/json.h"
 #include "kmech/modes.h"
 #include "model/model.h"
 #include "report/record/diagnosis_record.h"

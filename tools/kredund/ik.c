@@ -1,8 +1,8 @@
 /* kredund ik: all branches of poses that reach one pose of the effector. kredund selfmotion: one of them. */
 #include "kredund/kredund.h"
 
-#include "base/json.h"
 #include "base/memory.h"
+#include "exchange/json/json.h"
 #include "report/record/csv.h"
 #include "report/record/track_record.h"
 

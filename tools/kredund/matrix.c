@@ -2,8 +2,8 @@
 #include "kredund/kredund.h"
 
 #include "base/file.h"
-#include "base/json.h"
 #include "base/memory.h"
+#include "exchange/json/json.h"
 #include "kmech/control.h"
 #include "kmech/version.h"
 

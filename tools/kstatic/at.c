@@ -1,7 +1,7 @@
 /* kstatic at: the balance of forces at one pose. */
 #include "kstatic/kstatic.h"
 
-#include "base/json.h"
+#include "exchange/json/json.h"
 #include "report/record/statics_record.h"
 
 typedef struct options {

@@ -50,7 +50,7 @@ static kt_exit make_forces(const kt_common *common, const char *path, const kt_p
 static kt_exit read_actuators(const kt_common *common, const char *path, const km_mechanism *m, const char *text,
                               int *out, int *count, bool *all) {
   const km_model *model = m->model;
-  const km_value *given = km_value_get(km_value_get(model->root, "analysis"), "actuators");
+  bool given = model->actuators_given;
   if (text)
     return kt_coordinates(common, model, "--actuators", text, out, count);
   if (given && model->actuator_count == 0) {
@@ -103,7 +103,7 @@ void kstatic_words(const km_model *model, const kstatic_options *o, km_text *out
     km_text_format(out, "gravity (%s) %s/%s²", o->gravity, model->units.length->suffix, model->units.time->suffix);
   }
   for (int i = 0; i < model->load_count; ++i) {
-    const km_load_def *load = &model->loads[i];
+    const km_applied_load *load = &model->loads[i];
     km_text_format(out, "; %s: force (%g, %g, %g) %s on %s%s", load->name, load->force.x, load->force.y, load->force.z,
                    model->units.force->suffix, model->bodies[model->frames[load->frame].body].name,
                    load->turning ? ", turning with it" : "");
@@ -112,7 +112,7 @@ void kstatic_words(const km_model *model, const kstatic_options *o, km_text *out
     km_text_format(out, "; --load %s", o->loads.items[i]);
   int springs = 0;
   for (int i = 0; i < model->module_count; ++i)
-    springs += strcmp(km_value_get(model->modules[i].source, "type")->string, "stiffness") == 0;
+    springs += model->modules[i].type == KM_MODULE_STIFFNESS;
   if (springs)
     km_text_format(out, "; %d spring%s", springs, springs == 1 ? "" : "s");
 }

@@ -24,6 +24,13 @@ km_status km_mechanism_compile(const km_model *model, const km_hold *holds, int 
                                km_error *error);
 void km_mechanism_free(km_mechanism *mechanism);
 
+/* Takes over the model's numbers after some have changed (kmech/edit.h): dimensions, displacements, limits, ratios. What
+ * was held stays held at its value. The bits are those of a new compilation. The mechanism's states stay usable:
+ * km_state_restart them. KM_PARTIAL, with the mechanism as it was: a loop's motion space has changed, compile again.
+ * No allocation after the first call. Not while another thread uses the mechanism. Cost: as compiling
+ * without the topology. */
+km_status km_mechanism_renumber(km_mechanism *mechanism, km_error *error);
+
 /* What rates of lengths are divided by where they are compared with those of angles: the length that the model states;
  * else the greatest distance between the frames of two joints on one moving body; else, where all of these coincide,
  * the greatest distance between two joints in the assembled pose; else one length unit. Of several models that are
@@ -42,6 +49,9 @@ const char *km_length_source_name(km_length_source source); /* "stated", "longes
  * it. Everything that kinematics needs is allocated here, once. The caller frees `*out`. */
 km_status km_state_create(const km_mechanism *mechanism, km_state **out, km_error *error);
 void km_state_free(km_state *state);
+
+/* Puts a state back to the model's initial displacements, not assembled; after km_mechanism_renumber. */
+void km_state_restart(km_state *state);
 
 /* Coordinates in the model's units; angles are continuous, never wrapped. */
 double km_state_coordinate(const km_state *state, int coordinate);

@@ -67,12 +67,11 @@ static const char *held_words(km_document_maker *maker, const km_mechanism *m) {
 void km_report_model(km_document_maker *maker, const km_swept *s, const char *stopped_by, km_report_facts *facts) {
   const km_model *model = s->mechanism->model;
   const km_units *u = &model->units;
-  const km_value *source = km_value_get(model->root, "source");
   km_report_fact(facts, "Model", s->name);
   km_report_fact(facts, "SHA-256 of its file", model->sha256);
-  if (source && source->kind == KM_STRING)
+  if (model->source)
     km_report_fact(facts, "Source",
-                   km_document_format(maker, "%.420s%s", source->string, strlen(source->string) > 420 ? " …" : ""));
+                   km_document_format(maker, "%.420s%s", model->source, strlen(model->source) > 420 ? " …" : ""));
   km_report_fact(facts, "Units",
                  km_document_format(maker, "%s, %s, %s, %s, %s", u->angle->word, u->length->word, u->mass->word,
                                     u->time->word, u->force->word));

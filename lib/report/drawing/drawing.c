@@ -115,7 +115,7 @@ static void draw_ghosts(km_studio *s) {
 }
 
 static km_spot trace_spot(const km_studio *s, const km_drawing_trace *trace) {
-  const km_frame_def *frame = &s->drawing->mechanism->model->frames[trace->frame];
+  const km_model_frame *frame = &s->drawing->mechanism->model->frames[trace->frame];
   return km_project(&s->view, km_pose_point(&pose_of(s, s->drawing->full)[frame->body], frame->pose.p));
 }
 

@@ -45,7 +45,7 @@ static bool is_stiff(const km_mechanism *m, int joint) {
 
 static void add_couplings(const km_model *model, int joint, km_text *out) {
   for (int i = 0; i < model->coupling_count; ++i) {
-    const km_coupling_def *coupling = &model->couplings[i];
+    const km_model_coupling *coupling = &model->couplings[i];
     bool named = false;
     for (int k = 0; k < coupling->count && !named; ++k) {
       named = model->coordinates[coupling->coordinates[k]].joint == joint;
@@ -60,7 +60,7 @@ static void add_couplings(const km_model *model, int joint, km_text *out) {
 /* Label, type, and where colours alone would have to tell substructures apart their number. The blanks keep the
  * text off its line. */
 static void add_joint(const km_mechanism *m, int joint, km_text *out) {
-  const km_joint_def *def = &m->model->joints[joint];
+  const km_model_joint *def = &m->model->joints[joint];
   const char *word = km_joint_kind_of(def->type)->word;
   int substructure = m->topology.substructure_of_joint[joint];
   bool stiff = is_stiff(m, joint);
@@ -105,7 +105,7 @@ static void add_arcs(const km_mechanism *m, km_text *out) {
 
 static void add_loop(const km_mechanism *m, int loop, km_text *out) {
   int joint = m->topology.chord[loop];
-  const km_joint_def *def = &m->model->joints[joint];
+  const km_model_joint *def = &m->model->joints[joint];
   int tail = m->model->frames[def->frame[0]].body, head = m->model->frames[def->frame[1]].body;
   km_text_format(out, "  v%d [label=\"", loop);
   add_label(m->model->bodies[head].name, out);

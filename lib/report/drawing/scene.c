@@ -18,7 +18,7 @@ static km_item *add_item(km_scene *scene, km_item_kind kind, int layer, int coun
 
 km_pose km_joint_frame(const km_scene *scene, int joint, int end) {
   const km_model *model = scene->mechanism->model;
-  const km_frame_def *frame = &model->frames[model->joints[joint].frame[end]];
+  const km_model_frame *frame = &model->frames[model->joints[joint].frame[end]];
   return km_pose_product(&scene->pose[frame->body], &frame->pose);
 }
 
@@ -218,7 +218,7 @@ static void add_spindle(km_scene *scene, int joint) {
 
 /* The axes that a symbol shows: of turning, or of sliding. */
 static void symbol_axes(const km_scene *scene, int joint, km_item *item) {
-  const km_joint_def *def = &scene->mechanism->model->joints[joint];
+  const km_model_joint *def = &scene->mechanism->model->joints[joint];
   km_pose parent = km_joint_frame(scene, joint, 0), child = km_joint_frame(scene, joint, 1);
   int first = def->type <= KM_TZ ? (int)def->type % 3 : 2;
   item->axis[0] = km_project_direction(scene->view, parent.R.axis[first]);

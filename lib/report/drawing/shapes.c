@@ -26,7 +26,7 @@ static double size_of(const km_model *model) {
 static void add_joints(const km_model *model, km_shape *shapes, double near) {
   for (int j = 0; j < model->joint_count; ++j)
     for (int end = 0; end < 2; ++end) {
-      const km_frame_def *frame = &model->frames[model->joints[j].frame[end]];
+      const km_model_frame *frame = &model->frames[model->joints[j].frame[end]];
       add_point(&shapes[frame->body], frame->pose.p, near);
       shapes[frame->body].joints++;
     }
@@ -35,7 +35,7 @@ static void add_joints(const km_model *model, km_shape *shapes, double near) {
 /* Frames that no joint uses are the feet, tips and tools. A body's own origin is none of them. */
 static void add_frames(const km_model *model, km_shape *shapes, double near) {
   for (int f = 0, before = -1; f < model->frame_count; ++f) {
-    const km_frame_def *frame = &model->frames[f];
+    const km_model_frame *frame = &model->frames[f];
     bool origin = frame->body != before;
     before = frame->body;
     if (!origin && frame->body)
@@ -93,13 +93,13 @@ km_shape *km_shapes_make(const km_model *model, km_arena *arena) {
 
 /* The direction of a slide in the body at one of its ends. */
 static km_vec3 slide_axis(const km_model *model, int joint, int end) {
-  const km_joint_def *def = &model->joints[joint];
+  const km_model_joint *def = &model->joints[joint];
   return model->frames[def->frame[end]].pose.R.axis[def->type - KM_TX];
 }
 
 /* Whether all of the body lies on the line of the slide: then it looks like a cylinder or a rod. */
 static bool is_slender(const km_model *model, const km_shape *shapes, int joint, int end, double near) {
-  const km_frame_def *frame = &model->frames[model->joints[joint].frame[end]];
+  const km_model_frame *frame = &model->frames[model->joints[joint].frame[end]];
   const km_shape *shape = &shapes[frame->body];
   km_vec3 axis = slide_axis(model, joint, end);
   for (int i = 0; i < shape->count; ++i)
@@ -110,7 +110,7 @@ static bool is_slender(const km_model *model, const km_shape *shapes, int joint,
 
 /* As long as the shortest stroke allows, so that it keeps its length in every pose. */
 static double barrel_length(const km_model *model, int joint) {
-  const km_coordinate_def *c = &model->coordinates[model->joints[joint].first_coordinate];
+  const km_model_coordinate *c = &model->coordinates[model->joints[joint].first_coordinate];
   return isfinite(c->low) && c->low > 0.0 ? 0.85 * c->low : 0.6 * fabs(c->position);
 }
 

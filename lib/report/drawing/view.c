@@ -32,8 +32,8 @@ typedef struct axes {
 
 static axes axes_of(const km_drawing *drawing, int joint) {
   const km_model *model = drawing->mechanism->model;
-  const km_joint_def *def = &model->joints[joint];
-  const km_frame_def *frame = &model->frames[def->frame[0]];
+  const km_model_joint *def = &model->joints[joint];
+  const km_model_frame *frame = &model->frames[def->frame[0]];
   const km_pose *pose = drawing->poses + drawing->full * (size_t)model->body_count + (size_t)frame->body;
   km_rotation R = km_rotation_product(&pose->R, &frame->pose.R);
   axes a = {0};

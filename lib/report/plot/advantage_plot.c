@@ -1,6 +1,7 @@
 /* The plot of mechanical advantage over a sweep: which lines, marks and poles. */
 #include "report/plot/advantage_plot.h"
 
+#include "report/plot/short_names.h"
 #include "topology/mechanism.h"
 
 #include <math.h>
@@ -41,6 +42,7 @@ bool km_advantage_plot_make(const km_plotted_advantage *sweeps, int count, bool 
   km_swept_line *line = KM_ARENA_NEW(arena, km_swept_line, 2 * (size_t)count);
   km_swept_mark *mark = KM_ARENA_NEW(arena, km_swept_mark, marks + 2);
   km_swept_break *gap = KM_ARENA_NEW(arena, km_swept_break, 2 * marks);
+  const char **models = km_short_names_of(&sweeps[0].swept.name, sizeof *sweeps, count, arena);
   if (arena->failed)
     return false;
   marks = 0;
@@ -50,7 +52,7 @@ bool km_advantage_plot_make(const km_plotted_advantage *sweeps, int count, bool 
     line[lines++] = (km_swept_line){i, km_advantage_column(s, false),
                                     text_in(arena, "%.300s/%.300s", s->input.name, s->output.name), 0};
     if (count > 1)
-      line[lines - 1].name = text_in(arena, "%.300s (%.300s)", line[lines - 1].name, swept[i].name);
+      line[lines - 1].name = text_in(arena, "%.300s (%.300s)", line[lines - 1].name, models[i]);
     if (s->friction) {
       line[lines] = (km_swept_line){i, km_advantage_column(s, true),
                                     text_in(arena, "%s%s", line[lines - 1].name, " with friction"), 0};

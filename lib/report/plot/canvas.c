@@ -66,7 +66,7 @@ static void prepare_text(km_canvas *canvas) {
   canvas->layout = pango_layout_new(context);
   g_object_unref(context);
   pango_layout_set_single_paragraph_mode(canvas->layout, TRUE);
-  pango_layout_set_ellipsize(canvas->layout, PANGO_ELLIPSIZE_END);
+  pango_layout_set_ellipsize(canvas->layout, PANGO_ELLIPSIZE_MIDDLE);
   canvas->font = pango_font_description_from_string(font_family);
 }
 

@@ -2,6 +2,7 @@
 #include "report/plot/mobility_plot.h"
 
 #include "report/plot/plot.h"
+#include "report/plot/short_names.h"
 #include "report/plot/sweep_strip.h"
 #include "topology/mechanism.h"
 
@@ -117,6 +118,7 @@ static int shared_colour(const lines *l, const km_plot_series *series, const siz
 static void fill_panel(lines *l, const km_plotted_sweep *sweeps, int count, int substructure, km_plot_panel *panel) {
   km_plot_series *series = KM_ARENA_NEW(l->arena, km_plot_series, l->count);
   size_t *source = KM_ARENA_NEW(l->arena, size_t, l->count), used = 0;
+  const char **models = km_short_names_of(&sweeps[0].name, sizeof *sweeps, count, l->arena);
   int next = 0;
   if (l->arena->failed)
     return;
@@ -125,7 +127,7 @@ static void fill_panel(lines *l, const km_plotted_sweep *sweeps, int count, int 
     if (substructure >= 0 && item->substructure != substructure)
       continue;
     char name[2 * NAME_SIZE];
-    snprintf(name, sizeof name, count > 1 ? "%s (%.60s)" : "%s", item->name, sweeps[item->sweep].name);
+    snprintf(name, sizeof name, count > 1 ? "%s (%.60s)" : "%s", item->name, models[item->sweep]);
     int colour = importance(l, i, substructure) < MOST_LINES ? shared_colour(l, series, source, used, i, next) : -1;
     next += colour == next;
     source[used] = i;

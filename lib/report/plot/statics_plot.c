@@ -2,6 +2,7 @@
 #include "report/plot/statics_plot.h"
 
 #include "forces/forces.h"
+#include "report/plot/short_names.h"
 #include "topology/mechanism.h"
 
 #include <math.h>
@@ -15,7 +16,7 @@ size_t km_force_column(const km_statics_sweep *sweep, int actuator) {
 }
 
 static bool is_length(const km_model *model, int coordinate) {
-  const km_coordinate_def *def = &model->coordinates[coordinate];
+  const km_model_coordinate *def = &model->coordinates[coordinate];
   return km_joint_is_length(model->joints[def->joint].type, def->index);
 }
 
@@ -33,6 +34,7 @@ typedef struct maker {
   const km_plotted_statics *sweeps;
   int count;
   km_arena *arena;
+  const char **models; /* [count] short names */
   km_swept *swept;
   km_swept_line *lines;
   size_t line_count;
@@ -58,7 +60,8 @@ static void add_line(maker *k, int sweep, int actuator) {
     other->name = km_arena_string(k->arena, name);
     return;
   }
-  snprintf(name, sizeof name, k->count > 1 ? "%.180s (%.180s)" : "%.180s", model->coordinates[c].label, p->swept.name);
+  snprintf(name, sizeof name, k->count > 1 ? "%.180s (%.180s)" : "%.180s", model->coordinates[c].label,
+           k->models[sweep]);
   k->lines[k->line_count++] = (km_swept_line){sweep, column, km_arena_string(k->arena, name), panel};
 }
 
@@ -94,6 +97,7 @@ static bool gather(maker *k) {
   k->lines = KM_ARENA_NEW(k->arena, km_swept_line, lines);
   k->marks = KM_ARENA_NEW(k->arena, km_swept_mark, marks);
   k->breaks = KM_ARENA_NEW(k->arena, km_swept_break, marks);
+  k->models = km_short_names_of(&k->sweeps[0].swept.name, sizeof *k->sweeps, k->count, k->arena);
   for (int i = 0; i < k->count && !k->arena->failed; ++i) {
     k->swept[i] = k->sweeps[i].swept;
     for (int a = 0; a < k->sweeps[i].sweep->actuator_count && !k->arena->failed; ++a)

@@ -131,7 +131,7 @@ static void check_lengths(const km_model *model, km_findings *f) {
 /* Large round angles in a radian file are degrees. */
 static void check_angles(const km_model *model, km_findings *f) {
   for (int c = 0; c < model->coordinate_count && model->units.angle->si == 1.0; ++c) {
-    const km_coordinate_def *def = &model->coordinates[c];
+    const km_model_coordinate *def = &model->coordinates[c];
     if (km_joint_is_length(model->joints[def->joint].type, def->index))
       continue;
     const double values[3] = {def->position, def->low, def->high};
@@ -178,7 +178,7 @@ static void check_frames(const km_model *model, km_findings *f) {
 static void check_start(const km_mechanism *m, const km_state *s, km_findings *f) {
   const km_model *model = m->model;
   for (int c = 0; c < model->coordinate_count; ++c) {
-    const km_coordinate_def *def = &model->coordinates[c];
+    const km_model_coordinate *def = &model->coordinates[c];
     double q = km_state_coordinate(s, c), slack = 1e-9 * (1.0 + fabs(q));
     const char *unit = km_model_coordinate_unit(model, c);
     if (q < def->low - slack || q > def->high + slack)

@@ -56,7 +56,7 @@ void km_redundancy_statement(const km_mechanism *m, const km_redundancy *r, km_t
 }
 
 static void remedy_words(const km_mechanism *m, const km_remedy *remedy, km_text *out) {
-  const km_joint_def *joint = &m->model->joints[remedy->joint];
+  const km_model_joint *joint = &m->model->joints[remedy->joint];
   km_text_format(out, "%s %s instead of %s", joint->label, remedy->to, km_joint_kind_of(joint->type)->word);
 }
 

@@ -50,7 +50,7 @@ static void add_coordinates(const km_mechanism *m, const km_state *s, km_value *
   km_configuration_record(m, s, record, arena);
   km_value *numbers = km_value_add(arena, record, "mobility_numbers", KM_OBJECT);
   for (int j = 0; j < model->joint_count; ++j) {
-    const km_joint_def *joint = &model->joints[j];
+    const km_model_joint *joint = &model->joints[j];
     int freedom = km_model_freedom(model, j);
     if (freedom == 0)
       km_value_number(arena, numbers, joint->label, 0.0);

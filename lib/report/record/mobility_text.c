@@ -36,7 +36,7 @@ static void print_coordinates(const km_mechanism *m, const km_state *s, km_text 
   km_text_padded("joint", width, out);
   km_text_add(out, "  type          position            mobility number\n");
   for (int j = 0; j < model->joint_count; ++j) {
-    const km_joint_def *joint = &model->joints[j];
+    const km_model_joint *joint = &model->joints[j];
     const km_joint_kind *kind = km_joint_kind_of(joint->type);
     if (kind->freedom == 0) {
       km_text_add(out, "  ");

@@ -8,7 +8,7 @@
 #include <math.h>
 
 static bool is_length(const km_model *model, int coordinate) {
-  const km_coordinate_def *def = &model->coordinates[coordinate];
+  const km_model_coordinate *def = &model->coordinates[coordinate];
   return km_joint_is_length(model->joints[def->joint].type, def->index);
 }
 

@@ -170,7 +170,7 @@ static void add_track(const km_tracks *all, int index, km_value *list, km_arena 
 
 km_value *km_arm_record(const km_arm *a, const char *model, km_arena *arena) {
   static const char *const tasks[] = {"pose", "position", "axis"};
-  const km_frame_def *frame = &a->mechanism->model->frames[a->frame];
+  const km_model_frame *frame = &a->mechanism->model->frames[a->frame];
   km_value *record = km_record_head(a->mechanism, "kredund", model, arena);
   km_value *effector = km_value_add(arena, record, "effector", KM_LIST);
   km_value_string(arena, effector, NULL, a->mechanism->model->bodies[frame->body].name);

@@ -1,16 +1,17 @@
-#include "model/convert.h"
+#include "exchange/json/convert.h"
 
-#include "model/format.h"
+#include "exchange/json/format.h"
+#include "exchange/json/reader.h"
 
 #include <stdlib.h>
 #include <string.h>
 
 /* What decides the units of numbers inside the object at hand. */
 typedef struct context {
-  km_joint_type type;              /* inside a joint */
-  int joint;                       /* its index, -1: left out */
-  const km_coupling_def *coupling; /* inside a coupling; NULL: left out */
-  km_dimension variable, force;    /* inside a force module */
+  km_joint_type type;                /* inside a joint */
+  int joint;                         /* its index, -1: left out */
+  const km_model_coupling *coupling; /* inside a coupling; NULL: left out */
+  km_dimension variable, force;      /* inside a force module */
 } context;
 
 typedef struct indexed {
@@ -20,6 +21,7 @@ typedef struct indexed {
 
 typedef struct converter {
   const km_model *model;
+  const struct km_origin *origin;
   const km_units *units;
   const double *q;
   km_arena *arena;
@@ -65,14 +67,14 @@ static int joint_of(const converter *c, const km_value *source) {
 
 /* The dimension of number `item` of list `row` in a field. */
 static km_dimension measured(const converter *c, const context *at, const km_field *field, int row, int item) {
-  const km_sweep_def *sweep = &c->model->sweep;
+  const km_model_sweep *sweep = &c->model->sweep;
   switch (field->measure) {
   case KM_MEASURE_COORDINATE:
     return km_joint_dimension(at->type, field->shape == KM_SHAPE_COORDINATES ? item : row);
   case KM_MEASURE_RATIO: {
     if (!at->coupling)
       return (km_dimension){0};
-    const km_coordinate_def *def = &c->model->coordinates[at->coupling->coordinates[item]];
+    const km_model_coordinate *def = &c->model->coordinates[at->coupling->coordinates[item]];
     return power(plain(c->model->joints[def->joint].type, def->index), -1);
   }
   case KM_MEASURE_STIFFNESS: {
@@ -86,7 +88,7 @@ static km_dimension measured(const converter *c, const context *at, const km_fie
   case KM_MEASURE_SWEEP: {
     if (sweep->coordinate < 0)
       return (km_dimension){0};
-    const km_coordinate_def *def = &c->model->coordinates[sweep->coordinate];
+    const km_model_coordinate *def = &c->model->coordinates[sweep->coordinate];
     return km_joint_dimension(c->model->joints[def->joint].type, def->index);
   }
   case KM_MEASURE_KNOTS:
@@ -147,7 +149,7 @@ static void convert_map(const converter *c, const km_value *value, km_value *par
     int joint, coordinate;
     context at = {0};
     if (km_model_find_coordinate(c->model, v->key, &coordinate, NULL) == KM_OK) {
-      const km_coordinate_def *def = &c->model->coordinates[coordinate];
+      const km_model_coordinate *def = &c->model->coordinates[coordinate];
       bool length = km_joint_is_length(c->model->joints[def->joint].type, def->index);
       at.type = length ? KM_TX : KM_RX;
     } else if (km_model_find_joint(c->model, v->key, &joint, NULL) == KM_OK) {
@@ -161,7 +163,7 @@ static void convert_map(const converter *c, const km_value *value, km_value *par
 static bool port_is_length(const converter *c, int port) {
   if (port < 0)
     return true;
-  const km_coordinate_def *def = &c->model->coordinates[port];
+  const km_model_coordinate *def = &c->model->coordinates[port];
   return km_joint_is_length(c->model->joints[def->joint].type, def->index);
 }
 
@@ -170,9 +172,9 @@ static void enter_module(const converter *c, const km_value *module, context *at
   const char *word = type && type->string ? type->string : "";
   bool rate = strcmp(word, "damping") == 0 || strcmp(word, "friction") == 0;
   const km_port frames = {KM_PORT_FRAMES, {0, 0}}; /* left out: taken for lengths */
-  km_module_def def = {module, NULL, frames, frames};
+  km_model_module def = {.input = frames, .output = frames};
   for (int i = 0; i < c->model->module_count; ++i)
-    if (c->model->modules[i].source == module)
+    if (c->origin->modules[i] == module)
       def = c->model->modules[i];
   at->variable = port_is_length(c, def.input.coordinate) ? length_1 : (km_dimension){0};
   at->force = generalised_force(port_is_length(c, def.output.coordinate));
@@ -193,7 +195,7 @@ static void enter(const converter *c, const km_object_format *format, const km_v
   } else if (format == &km_format_coupling) {
     at->coupling = NULL;
     for (int i = 0; i < c->model->coupling_count; ++i)
-      if (c->model->couplings[i].source == object)
+      if (c->origin->couplings[i] == object)
         at->coupling = &c->model->couplings[i];
   }
 }
@@ -232,7 +234,7 @@ static void convert_field(const converter *c, const context *at, const km_field 
 
 /* The pose of a joint that is in the model, in the new units. */
 static void write_displacement(const converter *c, int joint, km_value *parent) {
-  const km_joint_def *def = &c->model->joints[joint];
+  const km_model_joint *def = &c->model->joints[joint];
   int freedom = km_model_freedom(c->model, joint);
   double values[KM_MAX_FREEDOM];
   for (int k = 0; k < freedom; ++k)
@@ -283,15 +285,16 @@ static void convert_parameters(const converter *c, const km_value *parameters, k
 
 km_status km_model_convert(const km_model *model, const km_units *units, const double *q, km_arena *arena,
                            const km_value **out, km_error *error) {
-  converter c = {model, units, q, arena, KM_ARENA_NEW(arena, indexed, (size_t)model->joint_count)};
+  const km_value *given = model->origin->root;
+  converter c = {model, model->origin, units, q, arena, KM_ARENA_NEW(arena, indexed, (size_t)model->joint_count)};
   km_value *root = km_value_add(arena, NULL, NULL, KM_OBJECT);
   context at = {.joint = -1};
   if (!arena->failed) {
     for (int j = 0; j < model->joint_count; ++j)
-      c.joints[j] = (indexed){model->joints[j].source, j};
+      c.joints[j] = (indexed){c.origin->joints[j], j};
     qsort(c.joints, (size_t)model->joint_count, sizeof *c.joints, by_source);
-    convert_parameters(&c, km_value_get(model->root, "model_parameters"), root);
-    for (const km_value *v = model->root->first; v; v = v->next)
+    convert_parameters(&c, km_value_get(given, "model_parameters"), root);
+    for (const km_value *v = given->first; v; v = v->next)
       if (strcmp(v->key, "model_parameters") != 0)
         convert_field(&c, &at, km_format_field(&km_format_model, v->key), v, root);
   }

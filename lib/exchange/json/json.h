@@ -1,6 +1,6 @@
-/* JSON text to records and back. The only user of the JSON library. */
-#ifndef KM_BASE_JSON_H
-#define KM_BASE_JSON_H
+/* JSON text to trees of values and back. */
+#ifndef KM_EXCHANGE_JSON_JSON_H
+#define KM_EXCHANGE_JSON_JSON_H
 
 #include "base/text.h"
 #include "base/value.h"

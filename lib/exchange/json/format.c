@@ -1,4 +1,4 @@
-#include "model/format.h"
+#include "exchange/json/format.h"
 
 #include <string.h>
 

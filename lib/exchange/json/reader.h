@@ -1,27 +1,32 @@
 /* What the parts of the model reader share. */
-#ifndef KM_MODEL_READER_H
-#define KM_MODEL_READER_H
+#ifndef KM_EXCHANGE_JSON_READER_H
+#define KM_EXCHANGE_JSON_READER_H
 
 #include "base/names.h"
 #include "base/text.h"
-#include "model/model.h"
-#include "model/place.h"
+#include "base/value.h"
+#include "exchange/json/place.h"
+#include "model/finish.h"
+
+/* A model as it was read: what writing it again needs beside the model. Kept in the model's arena. */
+struct km_origin {
+  const km_value *root;
+  const km_value **joints, **couplings, **modules; /* the objects that became them */
+};
 
 /* The reader's own bookkeeping. Left-out elements are in the name tables with KM_LEFT_OUT, so that a path
  * to one can be told from a misspelt one. */
 typedef struct km_reader {
   km_model *model;
+  struct km_origin *origin;
   km_messages *messages;
   double rotation_misfit;                      /* the largest entry of RᵀR − I so far */
   km_names assemblies, bodies, frames, joints; /* scope: the parent */
-  km_names labels;                             /* scopes below */
+  km_names labels;                             /* scopes: see finish.h */
   bool unreadable;                             /* a file that the text names can't be read */
 } km_reader;
 
 enum { KM_NOT_FOUND = -1, KM_LEFT_OUT = -2, KM_FAULTY = -5 };
-
-/* Scopes of `labels`. Faulty: names of joints that an error was reported for; what names them is not judged. */
-enum { KM_LABEL_JOINT, KM_LABEL_COORDINATE, KM_LABEL_COUNT, KM_LABEL_FAULTY, KM_LABEL_TAKEN };
 
 /* A number as its shortest text, for a message. */
 #define KM_SHOWN(x) km_reader_shown((char[KM_NUMBER_TEXT]){0}, x)
@@ -64,14 +69,7 @@ bool km_reader_turns(const km_reader *reader, int coordinate);
 const char *km_path_text(const km_value *path, char out[KM_PLACE_TEXT]);
 
 /* Mass, centre of mass and inertia as the file states them; a density. */
-void km_read_mass(km_reader *reader, const km_value *body, const km_place *place, km_body_def *out);
-/* No principal moment may be negative. After every body and frame has been read: their size tells what rounding is. */
-void km_read_inertias(km_reader *reader);
-/* Mass properties of the bodies with a density, from their meshes. */
-void km_read_meshes(km_reader *reader);
-/* One warning of the meshes that aren't found: no error until something needs them. */
-void km_model_miss_meshes(const km_model *model, km_messages *messages);
-
+void km_read_mass(km_reader *reader, const km_value *body, const km_place *place, km_model_body *out);
 /* The second pass over the assemblies: joints, then what names joints. */
 void km_read_joints(km_reader *reader, const km_value *root);
 void km_read_couplings(km_reader *reader, const km_value *root);

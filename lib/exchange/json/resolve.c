@@ -1,5 +1,5 @@
 /* Paths and labels: which body, frame, joint or coordinate a name means. */
-#include "model/reader.h"
+#include "exchange/json/reader.h"
 
 #include <stdio.h>
 #include <stdlib.h>
@@ -131,7 +131,7 @@ int km_reader_coordinate(km_reader *reader, const km_value *value, int assembly,
   int joint = km_reader_joint(reader, value, assembly, place);
   if (joint < 0)
     return joint;
-  const km_joint_def *def = &reader->model->joints[joint];
+  const km_model_joint *def = &reader->model->joints[joint];
   int freedom = km_model_freedom(reader->model, joint);
   if (freedom == 1)
     return def->first_coordinate;
@@ -144,13 +144,13 @@ int km_reader_coordinate(km_reader *reader, const km_value *value, int assembly,
 }
 
 bool km_reader_turns(const km_reader *reader, int coordinate) {
-  const km_coordinate_def *c = &reader->model->coordinates[coordinate];
+  const km_model_coordinate *c = &reader->model->coordinates[coordinate];
   km_joint_type type = reader->model->joints[c->joint].type;
   return type == KM_SPHERICAL || (type == KM_FLOAT && c->index >= 3);
 }
 
 /* Is text … end the joint's path from the root, its names joined with slashes? Compared from the end. */
-static bool is_path_of(const km_model *model, const km_joint_def *joint, const char *text, const char *end) {
+static bool is_path_of(const km_model *model, const km_model_joint *joint, const char *text, const char *end) {
   const char *name = joint->name;
   for (int assembly = joint->assembly;; assembly = model->assemblies[assembly].parent) {
     size_t length = strlen(name);
@@ -169,7 +169,7 @@ static bool is_path_of(const km_model *model, const km_joint_def *joint, const c
 km_status km_model_find_joint(const km_model *model, const char *label, int *joint, km_error *error) {
   for (int pass = 0; pass < 2; ++pass) {
     for (int j = 0; j < model->joint_count; ++j) {
-      const km_joint_def *def = &model->joints[j];
+      const km_model_joint *def = &model->joints[j];
       if (pass == 0 ? strcmp(def->label, label) == 0 : is_path_of(model, def, label, label + strlen(label))) {
         *joint = j;
         return KM_OK;
@@ -194,7 +194,7 @@ km_status km_model_find_coordinate(const km_model *model, const char *label, int
   }
   const char *bracket = strrchr(label, '[');
   for (int c = 0; c < model->coordinate_count && bracket; ++c) { /* path[k] */
-    const km_coordinate_def *def = &model->coordinates[c];
+    const km_model_coordinate *def = &model->coordinates[c];
     char index[16];
     snprintf(index, sizeof index, "[%d]", def->index);
     if (strcmp(bracket, index) == 0 && km_model_freedom(model, def->joint) > 1 &&

@@ -1,5 +1,5 @@
 /* The format table as a JSON schema. */
-#include "model/format.h"
+#include "exchange/json/format.h"
 #include "model/joint_type.h"
 
 #include <string.h>

@@ -1,7 +1,7 @@
 /* Where in a model file something stands: `assemblies[0].joints[2].type`. A chain on the stack, turned into
  * text only when there is something to report. */
-#ifndef KM_MODEL_PLACE_H
-#define KM_MODEL_PLACE_H
+#ifndef KM_EXCHANGE_JSON_PLACE_H
+#define KM_EXCHANGE_JSON_PLACE_H
 
 #include <stddef.h>
 

@@ -1,6 +1,7 @@
-#include "base/json.h"
-#include "model/format.h"
-#include "model/reader.h"
+#include "exchange/json/format.h"
+#include "exchange/json/json.h"
+#include "exchange/json/reader.h"
+#include "exchange/mesh/model_meshes.h"
 
 #include <string.h>
 
@@ -29,18 +30,25 @@ static void count_assembly(const km_value *assembly, totals *t) {
   }
 }
 
-static void allocate(km_model *model, const km_value *root) {
+static struct km_origin *allocate(km_model *model, const km_value *root) {
   totals t = {0};
   count_assembly(root, &t);
   t.frames += (size_t)count_members(km_value_get(root, "fixed"), "frames") + t.bodies + 1;
   km_arena *arena = &model->arena;
-  model->assemblies = KM_ARENA_NEW(arena, km_assembly_def, t.assemblies);
-  model->bodies = KM_ARENA_NEW(arena, km_body_def, t.bodies + 1);
-  model->frames = KM_ARENA_NEW(arena, km_frame_def, t.frames);
-  model->joints = KM_ARENA_NEW(arena, km_joint_def, t.joints);
-  model->coordinates = KM_ARENA_NEW(arena, km_coordinate_def, KM_MAX_FREEDOM * t.joints);
-  model->couplings = KM_ARENA_NEW(arena, km_coupling_def, t.couplings);
-  model->modules = KM_ARENA_NEW(arena, km_module_def, t.modules);
+  model->assemblies = KM_ARENA_NEW(arena, km_model_assembly, t.assemblies);
+  model->bodies = KM_ARENA_NEW(arena, km_model_body, t.bodies + 1);
+  model->frames = KM_ARENA_NEW(arena, km_model_frame, t.frames);
+  model->joints = KM_ARENA_NEW(arena, km_model_joint, t.joints);
+  model->coordinates = KM_ARENA_NEW(arena, km_model_coordinate, KM_MAX_FREEDOM * t.joints);
+  model->couplings = KM_ARENA_NEW(arena, km_model_coupling, t.couplings);
+  model->modules = KM_ARENA_NEW(arena, km_model_module, t.modules);
+  struct km_origin *origin = KM_ARENA_NEW(arena, struct km_origin, 1);
+  if (!origin)
+    return NULL;
+  *origin = (struct km_origin){root, KM_ARENA_NEW(arena, const km_value *, t.joints),
+                               KM_ARENA_NEW(arena, const km_value *, t.couplings),
+                               KM_ARENA_NEW(arena, const km_value *, t.modules)};
+  return origin;
 }
 
 static void read_units(km_reader *reader, const km_value *parameters, const km_place *place) {
@@ -68,6 +76,17 @@ static void read_units(km_reader *reader, const km_value *parameters, const km_p
   }
 }
 
+static void read_folders(km_reader *reader, const km_value *dirs) {
+  km_model *model = reader->model;
+  model->include_dirs = KM_ARENA_NEW(&model->arena, const char *, dirs ? dirs->count + 1 : 0);
+  if (model->arena.failed || !dirs)
+    return;
+  if (dirs->kind == KM_STRING)
+    model->include_dirs[model->include_dir_count++] = dirs->string;
+  for (const km_value *d = dirs->kind == KM_LIST ? dirs->first : NULL; d; d = d->next)
+    model->include_dirs[model->include_dir_count++] = d->string;
+}
+
 static void read_parameters(km_reader *reader, const km_value *root) {
   km_model *model = reader->model;
   const km_value *parameters = km_value_get(root, "model_parameters");
@@ -77,6 +96,7 @@ static void read_parameters(km_reader *reader, const km_value *root) {
   if (version && strcmp(version, "0.2") != 0 && strcmp(version, "1.0") != 0)
     km_reader_error(reader, &at, "version \"%.40s\" is not known; expected \"0.2\" or \"1.0\"", version);
   read_units(reader, parameters, &place);
+  read_folders(reader, km_value_get(parameters, "include_dir"));
   model->gravity = km_reader_vector(parameters, "gravity");
   model->characteristic_length = km_reader_number(parameters, "characteristic_length", 0.0);
   if (km_value_get(parameters, "characteristic_length"))
@@ -92,7 +112,7 @@ static void read_parameters(km_reader *reader, const km_value *root) {
 static int add_frame(km_reader *reader, const char *name, int body, km_pose pose) {
   km_model *model = reader->model;
   int index = model->frame_count++;
-  model->frames[index] = (km_frame_def){name, body, pose};
+  model->frames[index] = (km_model_frame){name, body, pose};
   if (!km_names_set(&reader->frames, body, name, index))
     model->arena.failed = true;
   return index;
@@ -119,8 +139,8 @@ static void read_body(km_reader *reader, const km_value *value, int assembly, co
   }
   const char *name = km_reader_name(reader, value, place, &reader->bodies, assembly, "fixed");
   int index = model->body_count++;
-  km_body_def *body = &model->bodies[index];
-  *body = (km_body_def){.name = name, .assembly = assembly, .where = km_reader_where(reader, place)};
+  km_model_body *body = &model->bodies[index];
+  *body = (km_model_body){.name = name, .assembly = assembly, .where = km_reader_where(reader, place)};
   km_read_mass(reader, value, place, body);
   const km_value *definition = km_value_get(value, "definition");
   if (definition)
@@ -139,7 +159,7 @@ static void read_nested(km_reader *reader, const km_value *value, int parent, co
   }
   const char *name = km_reader_name(reader, value, place, &reader->assemblies, parent, "fixed");
   int index = model->assembly_count++;
-  model->assemblies[index] = (km_assembly_def){name, parent};
+  model->assemblies[index] = (km_model_assembly){name, parent};
   if (!km_names_set(&reader->assemblies, parent, name, index))
     model->arena.failed = true;
   km_reader_each(reader, value, "bodies", index, place, read_body);
@@ -148,7 +168,7 @@ static void read_nested(km_reader *reader, const km_value *value, int parent, co
 
 static void read_elements(km_reader *reader, const km_value *root) {
   km_model *model = reader->model;
-  model->bodies[model->body_count++] = (km_body_def){.name = "fixed", .assembly = KM_NO_ASSEMBLY, .where = "fixed"};
+  model->bodies[model->body_count++] = (km_model_body){.name = "fixed", .assembly = KM_NO_ASSEMBLY, .where = "fixed"};
   add_frame(reader, "origin", 0, km_pose_identity());
   km_place fixed = {NULL, "fixed", 0};
   km_reader_each(reader, km_value_get(root, "fixed"), "frames", 0, &fixed, read_frame);
@@ -176,27 +196,30 @@ static void free_names(km_reader *reader) {
 }
 
 static km_status read_model(km_model *model, const char *bytes, size_t size, km_messages *messages, km_error *error) {
-  km_status status = km_json_parse(bytes, size, &model->arena, &model->root, error);
+  const km_value *root, *source;
+  km_status status = km_json_parse(bytes, size, &model->arena, &root, error);
   if (status) {
     if (status == KM_MODEL)
       km_messages_add(messages, KM_ERROR, "%s", error->text);
     return status;
   }
   km_sha256(bytes, size, model->sha256);
-  km_format_check(model->root, messages);
+  km_format_check(root, messages);
   if (km_messages_errors(messages))
     return first_error(messages, error);
-  allocate(model, model->root);
+  km_reader reader = {.model = model, .messages = messages, .origin = allocate(model, root)};
   if (model->arena.failed)
     return km_fail(error, KM_MEMORY, "out of memory while reading the model");
-  km_reader reader = {.model = model, .messages = messages};
-  read_parameters(&reader, model->root);
-  read_elements(&reader, model->root);
+  model->origin = reader.origin;
+  source = km_value_get(root, "source");
+  model->source = source && source->kind == KM_STRING ? source->string : NULL;
+  read_parameters(&reader, root);
+  read_elements(&reader, root);
   free_names(&reader);
   model->rotation_misfit = reader.rotation_misfit;
-  km_read_inertias(&reader);
+  km_model_check_inertias(model, messages);
   if (!model->arena.failed)
-    km_read_meshes(&reader);
+    km_model_weigh(model, messages);
   if (model->arena.failed)
     return km_fail(error, KM_MEMORY, "out of memory while reading the model");
   return first_error(messages, error);
@@ -276,7 +299,7 @@ const char *km_model_coordinate_label(const km_model *model, int coordinate) {
   return model->coordinates[coordinate].label;
 }
 const char *km_model_coordinate_unit(const km_model *model, int coordinate) {
-  const km_coordinate_def *c = &model->coordinates[coordinate];
+  const km_model_coordinate *c = &model->coordinates[coordinate];
   return km_joint_is_length(model->joints[c->joint].type, c->index) ? model->units.length->suffix
                                                                     : model->units.angle->suffix;
 }

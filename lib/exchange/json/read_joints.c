@@ -1,5 +1,5 @@
 /* Joints, their coordinates and the couplings between them. */
-#include "model/reader.h"
+#include "exchange/json/reader.h"
 
 #include <math.h>
 #include <string.h>
@@ -27,7 +27,7 @@ static void read_coordinates(km_reader *reader, const km_value *joint, const cha
 }
 
 static void read_limits(km_reader *reader, const km_value *joint, int freedom, const km_place *place,
-                        km_coordinate_def *coordinates) {
+                        km_model_coordinate *coordinates) {
   const km_value *limits = km_value_get(joint, "limits");
   for (int k = 0; k < freedom; ++k) {
     coordinates[k].low = -HUGE_VAL;
@@ -75,9 +75,36 @@ static void check_table(km_reader *reader, const km_value *table, const km_place
     km_reader_error(reader, place, "found %zu rows; expected at least 2", table->count);
 }
 
-static void check_options(km_reader *reader, const km_value *joint, const km_place *place) {
+static void read_prescribed(km_reader *reader, const km_value *p, km_joint_prescribed *out) {
+  const km_value *table = km_value_get(p, "table"), *polynomial = km_value_get(p, "polynomial");
+  const km_value *sine = km_value_get(p, "sine");
+  out->law = table ? KM_MOTION_TABLE : polynomial ? KM_MOTION_POLYNOMIAL : KM_MOTION_SINE;
+  out->count = (int)(table ? table->count : polynomial ? polynomial->count : 1);
+  out->values = KM_ARENA_NEW(&reader->model->arena, double,
+                             table        ? 2 * table->count
+                             : polynomial ? polynomial->count
+                                          : 4);
+  double *value = out->values;
+  if (!value)
+    return;
+  for (const km_value *row = table ? table->first : NULL; row; row = row->next, value += 2) {
+    value[0] = row->first->number;
+    value[1] = row->last->number;
+  }
+  for (const km_value *c = polynomial ? polynomial->first : NULL; c; c = c->next)
+    *value++ = c->number;
+  static const char *const keys[4] = {"offset", "amplitude", "frequency", "phase"};
+  for (int k = 0; k < 4 && out->law == KM_MOTION_SINE; ++k)
+    out->values[k] = km_reader_number(sine, keys[k], 0.0);
+}
+
+static void read_options(km_reader *reader, const km_value *joint, const km_place *place, km_model_joint *out) {
   km_place friction = {place, "friction", 0}, stop = {place, "stop", 0}, prescribed = {place, "prescribed", 0};
   const km_value *f = km_value_get(joint, "friction"), *s = km_value_get(joint, "stop");
+  size_t errors = km_messages_errors(reader->messages);
+  out->friction = (km_joint_friction){km_reader_number(f, "coefficient", 0.0), km_reader_number(f, "radius", 0.0),
+                                      km_reader_number(f, "stiction_velocity", 0.0)};
+  out->stop = (km_joint_stop){km_reader_number(s, "stiffness", 0.0), km_reader_number(s, "damping", 0.0)};
   not_negative(reader, f, "coefficient", &friction);
   not_negative(reader, f, "radius", &friction);
   not_negative(reader, f, "stiction_velocity", &friction);
@@ -96,9 +123,11 @@ static void check_options(km_reader *reader, const km_value *joint, const km_pla
   const km_value *polynomial = km_value_get(p, "polynomial");
   if (polynomial && polynomial->count == 0)
     km_reader_error(reader, &polynomial_at, "found a list of 0; expected at least one coefficient");
+  if (km_messages_errors(reader->messages) == errors)
+    read_prescribed(reader, p, &out->prescribed);
 }
 
-static bool read_type(km_reader *reader, const km_value *value, const km_place *place, km_joint_def *joint) {
+static bool read_type(km_reader *reader, const km_value *value, const km_place *place, km_model_joint *joint) {
   const char *word = km_reader_string(value, "type");
   int type = km_joint_type_find(word);
   km_place at = {place, "type", 0}, pitch_at = {place, "pitch", 0};
@@ -121,7 +150,7 @@ static bool read_type(km_reader *reader, const km_value *value, const km_place *
 }
 
 static bool read_ends(km_reader *reader, const km_value *value, int assembly, const km_place *place,
-                      km_joint_def *joint) {
+                      km_model_joint *joint) {
   const km_value *pair = km_value_get(value, "body_frame_pairs");
   km_place at = {place, "body_frame_pairs", 0};
   km_place first = {&at, NULL, 0}, second = {&at, NULL, 1};
@@ -154,7 +183,7 @@ static void check_turns(km_reader *reader, km_joint_type type, const double *pos
 
 static void add_coordinates(km_reader *reader, const km_value *value, const km_place *place, int index) {
   km_model *model = reader->model;
-  km_joint_def *joint = &model->joints[index];
+  km_model_joint *joint = &model->joints[index];
   int freedom = km_model_freedom(model, index);
   double position[KM_MAX_FREEDOM], rate[KM_MAX_FREEDOM], damping[KM_MAX_FREEDOM];
   read_coordinates(reader, value, "initial_displacement", freedom, place, position);
@@ -164,14 +193,14 @@ static void add_coordinates(km_reader *reader, const km_value *value, const km_p
   joint->first_coordinate = model->coordinate_count;
   model->coordinate_count += freedom;
   for (int k = 0; k < freedom; ++k)
-    model->coordinates[joint->first_coordinate + k] = (km_coordinate_def){
+    model->coordinates[joint->first_coordinate + k] = (km_model_coordinate){
         .joint = index, .index = k, .position = position[k], .rate = rate[k], .damping = damping[k]};
   read_limits(reader, value, freedom, place, &model->coordinates[joint->first_coordinate]);
 }
 
 static void read_joint(km_reader *reader, const km_value *value, int assembly, const km_place *place) {
   km_model *model = reader->model;
-  km_joint_def joint = {.assembly = assembly, .source = value, .where = km_reader_where(reader, place)};
+  km_model_joint joint = {.assembly = assembly, .where = km_reader_where(reader, place)};
   bool active = km_reader_active(value);
   size_t errors = km_messages_errors(reader->messages);
   if (active) {
@@ -191,133 +220,11 @@ static void read_joint(km_reader *reader, const km_value *value, int assembly, c
   }
   int index = model->joint_count++;
   model->joints[index] = joint;
+  reader->origin->joints[index] = value;
   add_coordinates(reader, value, place, index);
-  check_options(reader, value, place);
+  read_options(reader, value, place, &model->joints[index]);
   if (!km_names_set(&reader->joints, assembly, joint.name, index))
     model->arena.failed = true;
-}
-
-/* Recursion as deep as the parser's limit on nesting. */
-static void add_assembly_path(const km_model *model, int assembly, km_text *text) {
-  if (assembly == KM_NO_ASSEMBLY)
-    return;
-  add_assembly_path(model, model->assemblies[assembly].parent, text);
-  km_text_format(text, "%s/", model->assemblies[assembly].name);
-}
-
-static const char *full_path(km_model *model, const km_joint_def *joint) {
-  km_text text = {0};
-  add_assembly_path(model, joint->assembly, &text);
-  km_text_add(&text, joint->name);
-  const char *label = text.failed ? NULL : km_arena_string(&model->arena, text.data);
-  km_text_free(&text);
-  return label;
-}
-
-/* Enters a label in one of the tables; two joints can't have the same. */
-static void enter_label(km_reader *reader, int scope, const char *label, int index, int joint) {
-  km_model *model = reader->model;
-  if (km_names_get(&reader->labels, scope, label) >= 0 && km_messages_errors(reader->messages) == 0)
-    km_messages_add(reader->messages, KM_ERROR,
-                    "%s: the label \"%.80s\" is that of another joint; expected another name",
-                    model->joints[joint].where, label);
-  if (!km_names_set(&reader->labels, scope, label, index))
-    model->arena.failed = true;
-}
-
-static void label_coordinates(km_reader *reader, int index) {
-  km_model *model = reader->model;
-  const km_joint_def *joint = &model->joints[index];
-  int freedom = km_model_freedom(model, index);
-  for (int k = 0; k < freedom && !model->arena.failed; ++k) {
-    km_text text = {0};
-    km_text_format(&text, freedom == 1 ? "%s" : "%s[%d]", joint->label, k);
-    int coordinate = joint->first_coordinate + k;
-    const char *label = text.failed ? NULL : km_arena_string(&model->arena, text.data);
-    km_text_free(&text);
-    model->coordinates[coordinate].label = label;
-    if (label)
-      enter_label(reader, KM_LABEL_COORDINATE, label, coordinate, index);
-    else
-      model->arena.failed = true;
-  }
-}
-
-/* Notes the labels of a joint that aren't its own name: a path, and those of several coordinates. */
-static void reserve_labels(km_reader *reader, int index) {
-  km_model *model = reader->model;
-  const km_joint_def *joint = &model->joints[index];
-  int freedom = km_model_freedom(model, index);
-  if (joint->label != joint->name && !km_names_set(&reader->labels, KM_LABEL_TAKEN, joint->label, index))
-    model->arena.failed = true;
-  for (int k = 0; k < freedom && freedom > 1; ++k) {
-    km_text text = {0};
-    km_text_format(&text, "%s[%d]", joint->label, k);
-    const char *label = text.failed ? NULL : km_arena_string(&model->arena, text.data);
-    km_text_free(&text);
-    if (!label || !km_names_set(&reader->labels, KM_LABEL_TAKEN, label, index))
-      model->arena.failed = true;
-  }
-}
-
-/* A joint's label is its name where no other joint has that name or label, else its full path. */
-static void assign_labels(km_reader *reader) {
-  km_model *model = reader->model;
-  for (int j = 0; j < model->joint_count; ++j) {
-    int seen = km_names_get(&reader->labels, KM_LABEL_COUNT, model->joints[j].name);
-    if (!km_names_set(&reader->labels, KM_LABEL_COUNT, model->joints[j].name, seen < 0 ? 1 : seen + 1))
-      model->arena.failed = true;
-  }
-  for (int j = 0; j < model->joint_count && !model->arena.failed; ++j) {
-    km_joint_def *joint = &model->joints[j];
-    bool unique = km_names_get(&reader->labels, KM_LABEL_COUNT, joint->name) == 1;
-    joint->label = unique ? joint->name : full_path(model, joint);
-    if (joint->label)
-      reserve_labels(reader, j);
-    else
-      model->arena.failed = true;
-  }
-  for (int j = 0; j < model->joint_count && !model->arena.failed; ++j) {
-    km_joint_def *joint = &model->joints[j];
-    if (joint->label == joint->name && km_names_get(&reader->labels, KM_LABEL_TAKEN, joint->name) >= 0)
-      joint->label = full_path(model, joint);
-    if (!joint->label) {
-      model->arena.failed = true;
-      return;
-    }
-    enter_label(reader, KM_LABEL_JOINT, joint->label, j, j);
-    label_coordinates(reader, j);
-  }
-}
-
-static int root_of(int *parent, int body) {
-  while (parent[body] != body)
-    body = parent[body] = parent[parent[body]];
-  return body;
-}
-
-/* Every body must be tied to the inertial frame. */
-static void check_ties(km_reader *reader) {
-  km_model *model = reader->model;
-  int *parent = KM_NEW(int, (size_t)model->body_count);
-  if (!parent) {
-    model->arena.failed = true;
-    return;
-  }
-  for (int b = 0; b < model->body_count; ++b)
-    parent[b] = b;
-  for (int j = 0; j < model->joint_count; ++j) {
-    int a = root_of(parent, model->frames[model->joints[j].frame[0]].body);
-    int b = root_of(parent, model->frames[model->joints[j].frame[1]].body);
-    parent[a > b ? a : b] = a < b ? a : b;
-  }
-  for (int b = 1; b < model->body_count; ++b)
-    if (root_of(parent, b) != 0)
-      km_messages_add(reader->messages, KM_ERROR,
-                      "%s: body \"%.80s\" is tied to the inertial frame by no chain of joints; expected at least "
-                      "one (a joint of type float ties a free body to [\"fixed\"])",
-                      model->bodies[b].where, model->bodies[b].name);
-  km_free(parent);
 }
 
 static void joints_of(km_reader *reader, const km_value *assembly, int index, const km_place *place) {
@@ -327,13 +234,13 @@ static void joints_of(km_reader *reader, const km_value *assembly, int index, co
 void km_read_joints(km_reader *reader, const km_value *root) {
   km_reader_visit(reader, root, joints_of);
   if (km_messages_errors(reader->messages) == 0)
-    check_ties(reader);
-  assign_labels(reader);
+    km_model_check_ties(reader->model, reader->messages);
+  km_model_assign_labels(reader->model, &reader->labels, reader->messages);
 }
 
 /* The coordinates of a coupling; false if the coupling goes (left out, or an error was reported). */
 static bool coupled(km_reader *reader, const km_value *value, int assembly, const km_place *place,
-                    km_coupling_def *coupling) {
+                    km_model_coupling *coupling) {
   const km_value *joints = km_value_get(value, "joints"), *ratios = km_value_get(value, "ratios");
   km_place at = {place, "joints", 0}, ratio_at = {place, "ratios", 0};
   km_place item = {&at, NULL, 0};
@@ -372,12 +279,13 @@ static void read_coupling(km_reader *reader, const km_value *value, int assembly
     return;
   km_reader_named(reader, value, place);
   size_t count = km_value_get(value, "joints")->count;
-  km_coupling_def coupling = {
-      .source = value, .name = km_reader_string(value, "name"), .where = km_reader_where(reader, place)};
+  km_model_coupling coupling = {.name = km_reader_string(value, "name"), .where = km_reader_where(reader, place)};
   coupling.coordinates = KM_ARENA_NEW(&model->arena, int, count);
   coupling.ratios = KM_ARENA_NEW(&model->arena, double, count);
-  if (!model->arena.failed && coupled(reader, value, assembly, place, &coupling))
+  if (!model->arena.failed && coupled(reader, value, assembly, place, &coupling)) {
+    reader->origin->couplings[model->coupling_count] = value;
     model->couplings[model->coupling_count++] = coupling;
+  }
 }
 
 static void couplings_of(km_reader *reader, const km_value *assembly, int index, const km_place *place) {

@@ -1,4 +1,4 @@
-#include "model/reader.h"
+#include "exchange/json/reader.h"
 
 #include <stdarg.h>
 #include <stdio.h>
@@ -70,24 +70,14 @@ km_rotation km_reader_rotation(km_reader *reader, const km_value *frame, const c
   for (const km_value *row = rows->first; row; row = row->next)
     for (const km_value *entry = row->first; entry; entry = entry->next)
       m[n++] = entry->number;
-  km_rotation R = {{{m[0], m[3], m[6]}, {m[1], m[4], m[7]}, {m[2], m[5], m[8]}}};
-  double misfit = 0.0;
-  for (int i = 0; i < 3; ++i)
-    for (int j = 0; j < 3; ++j)
-      misfit = fmax(misfit, fabs(km_vec3_dot(R.axis[i], R.axis[j]) - (i == j)));
-  reader->rotation_misfit = fmax(reader->rotation_misfit, misfit);
-  double determinant = km_vec3_dot(R.axis[0], km_vec3_cross(R.axis[1], R.axis[2]));
+  km_rotation R;
+  double misfit;
+  km_error error;
   km_place at = {place, key, 0};
-  if (!(misfit <= 1e-6)) {
-    km_reader_error(reader, &at,
-                    "not a rotation: an entry of RᵀR differs from the identity by %.3g; expected at most 1e-6", misfit);
-    return km_rotation_identity();
-  }
-  if (determinant < 0.0) {
-    km_reader_error(reader, &at, "a mirrored frame (determinant %.3g); expected a right-handed rotation", determinant);
-    return km_rotation_identity();
-  }
-  return km_rotation_orthonormal(&R);
+  if (km_model_rotation(m, &R, &misfit, &error))
+    km_reader_error(reader, &at, "%s", error.text);
+  reader->rotation_misfit = fmax(reader->rotation_misfit, misfit);
+  return R;
 }
 
 const char *km_reader_string(const km_value *object, const char *key) {

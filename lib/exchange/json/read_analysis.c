@@ -1,14 +1,51 @@
 /* What acts on the mechanism (force modules, loads) and the tools' defaults: checked and kept. */
-#include "model/reader.h"
+#include "exchange/json/reader.h"
 
 #include <math.h>
 #include <string.h>
 
-static bool one_of(const char *word, const char *const *words) {
-  for (; *words; ++words)
-    if (strcmp(word, *words) == 0)
-      return true;
-  return false;
+/* The place of a word in a list that ends with NULL; -1: it isn't there. */
+static int place_of(const char *word, const char *const *words) {
+  for (int i = 0; words[i]; ++i)
+    if (strcmp(word, words[i]) == 0)
+      return i;
+  return -1;
+}
+
+/* Numbers of a list, or of a list of lists one after the other; NULL where there are none. */
+static double *numbers_of(km_reader *reader, const km_value *list, size_t *count) {
+  size_t total = 0;
+  for (const km_value *v = list ? list->first : NULL; v; v = v->next)
+    total += v->kind == KM_LIST ? v->count : 1;
+  double *out = total ? KM_ARENA_NEW(&reader->model->arena, double, total) : NULL;
+  *count = 0;
+  for (const km_value *v = out ? list->first : NULL; v; v = v->next)
+    for (const km_value *n = v->kind == KM_LIST ? v->first : v; n; n = v->kind == KM_LIST ? n->next : NULL)
+      out[(*count)++] = n->number;
+  return out;
+}
+
+/* Knots and polynomials; a motor's polynomial in time is one without knots. */
+static void read_law(km_reader *reader, const km_value *module, km_model_module *out) {
+  const km_value *pieces = km_value_get(module, "coefficients"), *polynomial = km_value_get(module, "polynomial");
+  size_t knots, total, rows;
+  km_law law = {.knots = numbers_of(reader, km_value_get(module, "knot_points"), &knots)};
+  size_t count = pieces ? pieces->count : polynomial ? 1 : 0;
+  int *start = KM_ARENA_NEW(&reader->model->arena, int, count + 1), piece = 0;
+  law.knot_count = (int)knots;
+  law.start = start;
+  law.coefficients = numbers_of(reader, pieces ? pieces : polynomial, &total);
+  for (const km_value *p = start && pieces ? pieces->first : NULL; p; p = p->next, ++piece)
+    start[piece + 1] = start[piece] + (int)p->count;
+  if (start && !pieces && polynomial)
+    start[1] = (int)total;
+  out->law = law;
+  out->table = numbers_of(reader, km_value_get(module, "table"), &rows);
+  out->table_count = (int)(rows / 2);
+  out->reference = km_reader_number(module, "reference", 0.0);
+  out->kp = km_reader_number(module, "kp", 0.0);
+  out->ki = km_reader_number(module, "ki", 0.0);
+  out->kd = km_reader_number(module, "kd", 0.0);
 }
 
 /* False where the port names what is left out. */
@@ -71,23 +108,27 @@ static void check_law(km_reader *reader, const km_value *module, const char *typ
 }
 
 static void read_module(km_reader *reader, const km_value *module, int assembly, const km_place *place) {
-  static const char *const types[] = {"stiffness", "damping", "friction", "motor", "pid", "fiala_tire", NULL};
   static const char *const distances[] = {"euclid", "Tx", "Ty", "Tz", NULL};
   if (!km_reader_active(module))
     return;
   km_reader_named(reader, module, place);
   const char *type = km_reader_string(module, "type"), *distance = km_reader_string(module, "distance_type");
   km_place type_at = {place, "type", 0}, distance_at = {place, "distance_type", 0};
-  if (!one_of(type, types))
+  int type_found = km_module_type_find(type), distance_found = distance ? place_of(distance, distances) : 0;
+  if (type_found < 0)
     km_reader_error(reader, &type_at,
                     "\"%.40s\" is not a force module; expected stiffness, damping, friction, motor, pid or fiala_tire",
                     type);
-  if (distance && !one_of(distance, distances))
+  if (distance_found < 0)
     km_reader_error(reader, &distance_at, "\"%.40s\" is not a distance; expected euclid, Tx, Ty or Tz", distance);
   const km_value *input = km_value_get(module, "input"), *output = km_value_get(module, "output");
   km_place input_at = {place, "input", 0}, output_at = {place, "output", 0};
   const km_value *either = input ? input : output;
-  km_module_def def = {.source = module, .where = km_reader_where(reader, place), .input = {KM_PORT_FRAMES, {0, 0}}};
+  km_model_module def = {.name = km_reader_string(module, "name"),
+                         .where = km_reader_where(reader, place),
+                         .type = (km_module_type)type_found,
+                         .distance = (km_distance)distance_found,
+                         .input = {KM_PORT_FRAMES, {0, 0}}};
   bool complete = !either || read_port(reader, either, assembly, input ? &input_at : &output_at, &def.input);
   def.output = def.input;
   if (input && output)
@@ -97,6 +138,8 @@ static void read_module(km_reader *reader, const km_value *module, int assembly,
                    km_reader_string(module, "name"));
     return;
   }
+  read_law(reader, module, &def);
+  reader->origin->modules[reader->model->module_count] = module;
   reader->model->modules[reader->model->module_count++] = def;
   if (!either)
     km_reader_error(reader, place, "\"input\" is missing; expected where the force module acts");
@@ -133,7 +176,7 @@ static int read_steps(km_reader *reader, const km_value *sweep, const km_place *
 }
 
 static void read_sweep(km_reader *reader, const km_value *sweep, const km_place *place) {
-  km_sweep_def *def = &reader->model->sweep;
+  km_model_sweep *def = &reader->model->sweep;
   const km_value *joint = km_value_get(sweep, "joint"), *range = km_value_get(sweep, "range");
   const km_value *arclength = km_value_get(sweep, "arclength"), *direction = km_value_get(sweep, "direction");
   km_place joint_at = {place, "joint", 0}, arc_at = {place, "arclength", 0}, direction_at = {place, "direction", 0};
@@ -188,11 +231,11 @@ static void read_load(km_reader *reader, const km_value *value, int owner, const
   if (axes && strcmp(axes, "fixed") != 0 && strcmp(axes, "frame") != 0)
     km_reader_error(reader, &axes_at, "\"%.40s\" is not known; expected \"fixed\" or \"frame\"", axes);
   int frame = analysis_frame(reader, km_value_get(value, "frame"), &at);
-  model->loads[model->load_count++] = (km_load_def){.name = km_reader_string(value, "name"),
-                                                    .frame = frame < 0 ? 0 : frame,
-                                                    .force = km_reader_vector(value, "force"),
-                                                    .torque = km_reader_vector(value, "torque"),
-                                                    .turning = axes && strcmp(axes, "frame") == 0};
+  model->loads[model->load_count++] = (km_applied_load){.name = km_reader_string(value, "name"),
+                                                        .frame = frame < 0 ? 0 : frame,
+                                                        .force = km_reader_vector(value, "force"),
+                                                        .torque = km_reader_vector(value, "torque"),
+                                                        .turning = axes && strcmp(axes, "frame") == 0};
 }
 
 /* One entry of `hold`: every coordinate of a joint, or one coordinate of it. */
@@ -220,7 +263,7 @@ static void read_hold(km_reader *reader, const km_value *value, const km_place *
     }
   }
   for (size_t k = 0; k < freedom; ++k, item = item->next)
-    model->holds[model->hold_count++] = (km_hold_def){first + (int)k, item->number};
+    model->holds[model->hold_count++] = (km_model_hold){first + (int)k, item->number};
 }
 
 /* The components of a rotation vector can be held only together. */
@@ -250,8 +293,8 @@ static void read_actuator(km_reader *reader, const km_value *value, const km_pla
 }
 
 /* {"frame": path, "direction": [x, y, z]}: a point of a body along a direction. */
-static km_handle_def read_point(km_reader *reader, const km_value *value, const km_place *place) {
-  km_handle_def handle = {-1, -1, {0, 0, 0}, NULL};
+static km_model_handle read_point(km_reader *reader, const km_value *value, const km_place *place) {
+  km_model_handle handle = {-1, -1, {0, 0, 0}, NULL};
   const km_value *frame = km_value_get(value, "frame"), *direction = km_value_get(value, "direction");
   km_place frame_at = {place, "frame", 0}, direction_at = {place, "direction", 0};
   bool vector = direction && direction->kind == KM_LIST && direction->count == 3;
@@ -266,7 +309,7 @@ static km_handle_def read_point(km_reader *reader, const km_value *value, const 
   if (km_vec3_norm(handle.direction) == 0.0)
     km_reader_error(reader, &direction_at, "found no length; expected a direction");
   if (handle.frame >= 0) {
-    const km_frame_def *def = &reader->model->frames[handle.frame];
+    const km_model_frame *def = &reader->model->frames[handle.frame];
     km_text name = {0};
     km_text_format(&name, "%s/%s:%g,%g,%g", reader->model->bodies[def->body].name, def->name, handle.direction.x,
                    handle.direction.y, handle.direction.z);
@@ -277,8 +320,8 @@ static km_handle_def read_point(km_reader *reader, const km_value *value, const 
   return handle;
 }
 
-static km_handle_def read_handle(km_reader *reader, const km_value *value, const km_place *place) {
-  km_handle_def none = {-1, -1, {0, 0, 0}, NULL};
+static km_model_handle read_handle(km_reader *reader, const km_value *value, const km_place *place) {
+  km_model_handle none = {-1, -1, {0, 0, 0}, NULL};
   if (!value)
     return none;
   if (value->kind == KM_OBJECT)
@@ -287,7 +330,7 @@ static km_handle_def read_handle(km_reader *reader, const km_value *value, const
   for (const km_value *v = value->kind == KM_LIST ? value->first : NULL; v; v = v->next)
     names = names && v->kind == KM_STRING;
   if (names)
-    return (km_handle_def){analysis_coordinate(reader, value, place), -1, {0, 0, 0}, NULL};
+    return (km_model_handle){analysis_coordinate(reader, value, place), -1, {0, 0, 0}, NULL};
   if (value->kind == KM_NUMBER)
     km_reader_error(reader, place, "found %s; expected a joint", KM_SHOWN(value->number));
   else
@@ -298,16 +341,17 @@ static km_handle_def read_handle(km_reader *reader, const km_value *value, const
 static void allocate(km_model *model, const km_value *analysis) {
   const km_value *actuators = km_value_get(analysis, "actuators"), *loads = km_value_get(analysis, "loads");
   model->actuators = KM_ARENA_NEW(&model->arena, int, actuators ? actuators->count : 0);
-  model->loads = KM_ARENA_NEW(&model->arena, km_load_def, loads ? loads->count : 0);
-  model->holds = KM_ARENA_NEW(&model->arena, km_hold_def, (size_t)model->coordinate_count);
+  model->loads = KM_ARENA_NEW(&model->arena, km_applied_load, loads ? loads->count : 0);
+  model->holds = KM_ARENA_NEW(&model->arena, km_model_hold, (size_t)model->coordinate_count);
 }
 
 void km_read_analysis(km_reader *reader, const km_value *root) {
   km_model *model = reader->model;
   const km_value *analysis = km_value_get(root, "analysis");
-  model->sweep = (km_sweep_def){.coordinate = -1, .direction = -1, .sign = 1.0, .steps = 100};
-  model->advantage_input = model->advantage_output = (km_handle_def){-1, -1, {0, 0, 0}, NULL};
+  model->sweep = (km_model_sweep){.coordinate = -1, .direction = -1, .sign = 1.0, .steps = 100};
+  model->advantage_input = model->advantage_output = (km_model_handle){-1, -1, {0, 0, 0}, NULL};
   allocate(model, analysis);
+  model->actuators_given = km_value_get(analysis, "actuators") != NULL;
   if (model->arena.failed || !analysis)
     return;
   km_place place = {NULL, "analysis", 0};

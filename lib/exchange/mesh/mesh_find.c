@@ -1,6 +1,5 @@
-#include "base/memory.h"
-#include "model/mesh.h"
-#include "model/model.h"
+/* Looking for the files of meshes and reading them. */
+#include "exchange/mesh/model_meshes.h"
 
 #include <string.h>
 #include <unistd.h>
@@ -18,16 +17,13 @@ static bool try_folder(const km_model *model, const char *folder, const char *na
 bool km_model_find_mesh(const km_model *model, const char *name, km_text *path) {
   if (try_folder(model, "", name, path))
     return true;
-  const km_value *dirs = km_value_get(km_value_get(model->root, "model_parameters"), "include_dir");
-  if (dirs && dirs->kind == KM_STRING)
-    return try_folder(model, dirs->string, name, path);
-  for (const km_value *d = dirs ? dirs->first : NULL; d; d = d->next)
-    if (try_folder(model, d->string, name, path))
+  for (int i = 0; i < model->include_dir_count; ++i)
+    if (try_folder(model, model->include_dirs[i], name, path))
       return true;
   return false;
 }
 
-static km_status read_mesh(const km_model *model, const km_body_def *body, km_mesh **out, km_error *error) {
+static km_status read_mesh(const km_model *model, const km_model_body *body, km_mesh **out, km_error *error) {
   km_text path = {0};
   km_status status = KM_OK;
   if (!km_model_find_mesh(model, body->mesh, &path))

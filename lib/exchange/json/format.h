@@ -1,11 +1,11 @@
 /* The model format as a table: which keys an object may have, what each holds and in which unit. The
  * reader's checks, the unit conversion and the published JSON schema all come from it. */
-#ifndef KM_MODEL_FORMAT_H
-#define KM_MODEL_FORMAT_H
+#ifndef KM_EXCHANGE_JSON_FORMAT_H
+#define KM_EXCHANGE_JSON_FORMAT_H
 
 #include "base/value.h"
+#include "exchange/json/place.h"
 #include "kmech/status.h"
-#include "model/place.h"
 #include "model/units.h"
 
 typedef enum km_shape {

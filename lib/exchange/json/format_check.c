@@ -1,6 +1,6 @@
 #include "base/text.h"
-#include "model/format.h"
-#include "model/place.h"
+#include "exchange/json/format.h"
+#include "exchange/json/place.h"
 
 #include <math.h>
 #include <stdint.h>

@@ -1,57 +1,7 @@
-#include "base/json.h"
+/* Trees of values as JSON text. */
+#include "exchange/json/json.h"
 
-#include <jansson.h>
 #include <math.h>
-#include <string.h>
-
-static km_value *convert(km_arena *arena, km_value *parent, const char *key, const json_t *json) {
-  switch (json_typeof(json)) {
-  case JSON_OBJECT: {
-    km_value *object = km_value_add(arena, parent, key, KM_OBJECT);
-    const char *name;
-    json_t *member;
-    json_object_foreach((json_t *)(size_t)json, name, member) {
-      if (object)
-        convert(arena, object, name, member);
-    }
-    return object;
-  }
-  case JSON_ARRAY: {
-    km_value *list = km_value_add(arena, parent, key, KM_LIST);
-    size_t count = json_array_size(json);
-    for (size_t i = 0; list && i < count; ++i)
-      convert(arena, list, NULL, json_array_get(json, i));
-    return list;
-  }
-  case JSON_STRING:
-    return km_value_string(arena, parent, key, json_string_value(json));
-  case JSON_INTEGER:
-  case JSON_REAL:
-    return km_value_number(arena, parent, key, json_number_value(json));
-  case JSON_TRUE:
-    return km_value_boolean(arena, parent, key, 1);
-  case JSON_FALSE:
-    return km_value_boolean(arena, parent, key, 0);
-  default:
-    return km_value_add(arena, parent, key, KM_NULL);
-  }
-}
-
-km_status km_json_parse(const char *bytes, size_t size, km_arena *arena, const km_value **root, km_error *error) {
-  static const char mark[] = "\xEF\xBB\xBF";
-  if (size >= 3 && memcmp(bytes, mark, 3) == 0) {
-    bytes += 3;
-    size -= 3;
-  }
-  json_error_t problem;
-  json_t *json = json_loadb(bytes, size, JSON_REJECT_DUPLICATES | JSON_DECODE_INT_AS_REAL | JSON_DECODE_ANY, &problem);
-  if (!json)
-    return km_fail(error, KM_MODEL, "line %d, column %d: %s; expected JSON text", problem.line, problem.column,
-                   problem.text);
-  *root = convert(arena, NULL, NULL, json);
-  json_decref(json);
-  return arena->failed ? km_fail(error, KM_MEMORY, "out of memory while reading JSON") : KM_OK;
-}
 
 static void write_string(const char *string, km_text *out) {
   km_text_bytes(out, "\"", 1);

@@ -1,4 +1,4 @@
-#include "model/place.h"
+#include "exchange/json/place.h"
 
 #include <stdio.h>
 #include <string.h>

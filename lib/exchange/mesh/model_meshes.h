@@ -1,0 +1,21 @@
+/* The meshes that a model's bodies name. */
+#ifndef KM_EXCHANGE_MESH_MODEL_MESHES_H
+#define KM_EXCHANGE_MESH_MODEL_MESHES_H
+
+#include "base/text.h"
+#include "model/mesh.h"
+#include "model/model.h"
+
+/* Appends the path at which a mesh file is found: in the file's folder or one of include_dir. False if nowhere. */
+bool km_model_find_mesh(const km_model *model, const char *name, km_text *path);
+/* Reads the meshes of all bodies that name one: meshes[body], NULL for the others. KM_USAGE: there is none; KM_IO: one
+ * can't be found or read. The caller frees the list and each of them in any case: km_meshes_free. */
+km_status km_model_read_meshes(const km_model *model, km_mesh ***meshes, km_error *error);
+void km_meshes_free(const km_model *model, km_mesh **meshes);
+
+/* Mass properties of the bodies with a density, from their meshes; faults go to the messages. */
+void km_model_weigh(km_model *model, km_messages *messages);
+/* One warning of the meshes that aren't found: no error until something needs them. */
+void km_model_miss_meshes(const km_model *model, km_messages *messages);
+
+#endif

@@ -1,0 +1,93 @@
+/* What is checked of a model when all its elements are there. */
+#include "model/finish.h"
+
+#include "model/mass_properties.h"
+
+#include <float.h>
+
+static int root_of(int *parent, int body) {
+  while (parent[body] != body)
+    body = parent[body] = parent[parent[body]];
+  return body;
+}
+
+/* Every body must be tied to the inertial frame. */
+void km_model_check_ties(km_model *model, km_messages *messages) {
+  int *parent = KM_NEW(int, (size_t)model->body_count);
+  if (!parent) {
+    model->arena.failed = true;
+    return;
+  }
+  for (int b = 0; b < model->body_count; ++b)
+    parent[b] = b;
+  for (int j = 0; j < model->joint_count; ++j) {
+    int a = root_of(parent, model->frames[model->joints[j].frame[0]].body);
+    int b = root_of(parent, model->frames[model->joints[j].frame[1]].body);
+    parent[a > b ? a : b] = a < b ? a : b;
+  }
+  for (int b = 1; b < model->body_count; ++b)
+    if (root_of(parent, b) != 0)
+      km_messages_add(messages, KM_ERROR,
+                      "%s: body \"%.80s\" is tied to the inertial frame by no chain of joints; expected at least "
+                      "one (a joint of type float ties a free body to [\"fixed\"])",
+                      model->bodies[b].where, model->bodies[b].name);
+  km_free(parent);
+}
+
+/* How far the model reaches: the greatest distance of a frame or a centre of mass from its body's origin. */
+static double reach(const km_model *model) {
+  double far = 0.0;
+  for (int f = 0; f < model->frame_count; ++f)
+    far = fmax(far, km_vec3_norm(model->frames[f].pose.p));
+  for (int b = 1; b < model->body_count; ++b)
+    far = fmax(far, km_vec3_norm(model->bodies[b].center_of_mass));
+  return far;
+}
+
+/* A principal moment below zero by less than this is rounding: of the matrix's own entries, or of moments m·l² about a
+ * far point that should have cancelled. A light body may have been cut from a heavy one. */
+static double moment_rounding(const km_model_body *body, double heaviest, double far) {
+  double size = 0.0;
+  for (int k = 0; k < 6; ++k)
+    size = fmax(size, fabs(body->inertia[k]));
+  return 1e-9 * size + 1e-12 * fmax(body->mass, 1e-3 * heaviest) * far * far;
+}
+
+void km_model_check_inertias(const km_model *model, km_messages *messages) {
+  double heaviest = 0.0, far = reach(model), moments[3];
+  for (int b = 1; b < model->body_count; ++b)
+    heaviest = fmax(heaviest, model->bodies[b].mass);
+  for (int b = 1; b < model->body_count; ++b) {
+    const km_model_body *body = &model->bodies[b];
+    km_principal_moments(body->inertia, moments);
+    if (moments[0] < -moment_rounding(body, heaviest, far))
+      km_messages_add(messages, KM_ERROR,
+                      "%s.moment_of_inertia: a principal moment is negative: %.4g, beside %.4g and %.4g; expected "
+                      "moments of at least 0",
+                      body->where, moments[0], moments[1], moments[2]);
+  }
+}
+
+km_status km_model_rotation(const double rows[9], km_rotation *out, double *misfit, km_error *error) {
+  const double *m = rows;
+  km_rotation R = {{{m[0], m[3], m[6]}, {m[1], m[4], m[7]}, {m[2], m[5], m[8]}}};
+  *out = km_rotation_identity();
+  *misfit = 0.0;
+  for (int i = 0; i < 3; ++i)
+    for (int j = 0; j < 3; ++j) {
+      double entry = fabs(km_vec3_dot(R.axis[i], R.axis[j]) - (i == j));
+      if (!(entry <= *misfit))
+        *misfit = entry;
+    }
+  double determinant = km_vec3_dot(R.axis[0], km_vec3_cross(R.axis[1], R.axis[2]));
+  if (!(*misfit <= 1e-6))
+    return km_fail(error, KM_MODEL,
+                   "not a rotation: an entry of RᵀR differs from the identity by %.3g; expected at most 1e-6", *misfit);
+  if (determinant < 0.0)
+    return km_fail(error, KM_MODEL, "a mirrored frame (determinant %.3g); expected a right-handed rotation",
+                   determinant);
+  /* Within four roundings a matrix is as good as doubles allow: it is kept, so that one written out comes back itself.
+   */
+  *out = *misfit <= 4.0 * DBL_EPSILON ? R : km_rotation_orthonormal(&R);
+  return KM_OK;
+}

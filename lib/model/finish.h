@@ -1,0 +1,22 @@
+/* What every way to make a model shares: labels, and checks that need all its elements. */
+#ifndef KM_MODEL_FINISH_H
+#define KM_MODEL_FINISH_H
+
+#include "base/names.h"
+#include "model/model.h"
+
+/* Scopes of the labels. Faulty: names of joints that an error was reported for; what names them is not judged. */
+enum { KM_LABEL_JOINT, KM_LABEL_COORDINATE, KM_LABEL_COUNT, KM_LABEL_FAULTY, KM_LABEL_TAKEN };
+
+/* A joint's label is its name where no other joint has that name or label, else its full path; coordinate k of several
+ * is `label[k]`. Enters all of them in the table. Reports two joints of one label. */
+void km_model_assign_labels(km_model *model, km_names *labels, km_messages *messages);
+/* Reports every body that no chain of joints ties to the inertial frame. */
+void km_model_check_ties(km_model *model, km_messages *messages);
+/* Reports negative principal moments. After every body and frame is there: their size tells what rounding is. */
+void km_model_check_inertias(const km_model *model, km_messages *messages);
+/* A rotation from the rows of its matrix: |RᵀR − I| ≤ 1e-6 and det > 0, then made exactly orthonormal. `misfit` is the
+ * largest entry of RᵀR − I. KM_MODEL, and the identity, for what is no rotation. */
+km_status km_model_rotation(const double rows[9], km_rotation *out, double *misfit, km_error *error);
+
+#endif

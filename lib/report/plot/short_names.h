@@ -1,0 +1,14 @@
+/* Names of models short enough for a line's end, and still different. Private to report/plot/. */
+#ifndef KM_REPORT_PLOT_SHORT_NAMES_H
+#define KM_REPORT_PLOT_SHORT_NAMES_H
+
+#include "base/memory.h"
+
+/* What tells the names apart: a long name loses the words that all of them begin or end with, "…" stands for them.
+ * out[count]; NULL entries when out of memory. */
+void km_short_names(const char *const *names, int count, km_arena *arena, const char **out);
+
+/* The same of names that lie `stride` bytes apart. NULL when out of memory. */
+const char **km_short_names_of(const char *const *first, size_t stride, int count, km_arena *arena);
+
+#endif

@@ -1,0 +1,95 @@
+/* New numbers in a compiled mechanism. They are compiled into spare arrays, which take the place of the old ones where the
+ * structure is the same: a failed call changes nothing. */
+#include "topology/compile.h"
+
+#include <string.h>
+
+static bool make_spare(km_mechanism *m) {
+  km_mechanism *spare = KM_NEW(km_mechanism, 1);
+  if (!spare)
+    return false;
+  m->spare = spare;
+  spare->model = m->model;
+  spare->topology = m->topology; /* its arrays stay in the first arena */
+  spare->coordinate_count = m->coordinate_count;
+  spare->closure_tolerance = m->closure_tolerance;
+  spare->closure_tolerance_given = m->closure_tolerance_given;
+  spare->spare_walks = KM_ARENA_NEW(&spare->arena, km_walks, 1);
+  if (spare->spare_walks && km_compile_allocate(spare, spare->spare_walks))
+    return true;
+  km_mechanism_free(spare);
+  m->spare = NULL;
+  return false;
+}
+
+/* What km_compile_numbers adds up must start from 0. */
+static void clear(km_mechanism *s) {
+  memset(s->held, 0, (size_t)s->coordinate_count * sizeof *s->held);
+  memset(s->substructures, 0, (size_t)s->topology.substructure_count * sizeof *s->substructures);
+  memset(s->loops, 0, (size_t)s->topology.loop_count * sizeof *s->loops);
+  s->ball_count = 0;
+  s->program_count = s->step_count = s->planar_step_count = s->entry_count = s->coupling_count = s->term_count = 0;
+  s->largest_slots = s->largest_rows = s->largest_columns = 0;
+  s->matrix_size = 0;
+  s->error_size = 0;
+}
+
+static bool same_structure(const km_mechanism *a, const km_mechanism *b) {
+  if (a->program_count != b->program_count || a->entry_count != b->entry_count || a->largest_slots != b->largest_slots)
+    return false;
+  for (int p = 0; p < a->program_count; ++p)
+    if (a->programs[p].planar != b->programs[p].planar)
+      return false;
+  for (int l = 0; l < a->topology.loop_count; ++l)
+    if (a->loops[l].lambda != b->loops[l].lambda)
+      return false;
+  return true;
+}
+
+/* Where values are stored depends on the structure alone. */
+static void copy_places(const km_mechanism *from, km_mechanism *to) {
+  for (int i = 0; i < from->entry_count; ++i) {
+    to->entries[i].at = from->entries[i].at;
+    to->entries[i].next = from->entries[i].next;
+  }
+  for (int i = 0; i < from->term_count; ++i)
+    to->terms[i].at = from->terms[i].at;
+  for (int s = 0; s < from->topology.substructure_count; ++s) {
+    to->substructures[s].pattern = from->substructures[s].pattern;
+    to->substructures[s].matrix_start = from->substructures[s].matrix_start;
+  }
+  to->matrix_size = from->matrix_size;
+}
+
+/* The two exchange everything but who owns whom. */
+static void exchange(km_mechanism *m, km_mechanism *spare) {
+  km_mechanism old = *m;
+  *m = *spare;
+  *spare = old;
+  m->spare = spare;
+  spare->spare = NULL;
+  km_walks *walks = m->spare_walks ? m->spare_walks : spare->spare_walks;
+  m->spare_walks = spare->spare_walks = walks;
+  m->holds = old.holds;
+  m->hold_count = old.hold_count;
+}
+
+km_status km_mechanism_renumber(km_mechanism *m, km_error *error) {
+  if (!m)
+    return km_fail(error, KM_USAGE, "found no mechanism");
+  km_compiling how = {.holds = m->holds,
+                      .hold_count = m->hold_count,
+                      .length = m->length_source == KM_LENGTH_JOINTS ? m->length : 0.0,
+                      .length_source = m->length_source};
+  if (!m->spare && !make_spare(m))
+    return km_fail(error, KM_MEMORY, "out of memory for new numbers");
+  km_mechanism *spare = m->spare;
+  clear(spare);
+  km_compile_numbers(spare, &how, spare->spare_walks);
+  if (!same_structure(m, spare))
+    return km_fail(error, KM_PARTIAL,
+                   "the new numbers change how a loop can move; expected to compile the model again");
+  copy_places(m, spare);
+  exchange(m, spare);
+  return KM_OK;
+}
