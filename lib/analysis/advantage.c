@@ -12,7 +12,7 @@
 
 /* Of the largest rate: below this an end stands. Where it is the end that drives, its own digits don't tell such a pose
  * from its dead centre: they differ by the square. */
-static const double still = 3e-8;
+static const double zero_rate_tolerance = 3e-8;
 
 bool km_handle_default(const km_model *model, bool output, km_handle *out) {
   if (!out)
@@ -296,7 +296,7 @@ double km_lever_rate(const km_mechanism *m, const km_lever_end *end, const doubl
 
 static double clear_rate(const km_mechanism *m, const km_lever_end *end, const double *rates) {
   double size, rate = km_lever_rate(m, end, rates, &size);
-  return fabs(rate) > still * size ? rate : 0.0;
+  return fabs(rate) > zero_rate_tolerance * size ? rate : 0.0;
 }
 
 /* Of two rates that are 0 where they count as 0. */
@@ -318,7 +318,7 @@ static void measure(const km_mechanism *m, km_lever *l, int freedom, km_advantag
     l->rates[c] /= largest;
   *out = (km_advantage){.method = freedom == 1 ? KM_ADVANTAGE_SINGLE_FREEDOM : KM_ADVANTAGE_LEAST_MOTION};
   /* Where the input has no part in several freedoms there is no motion of its own. */
-  bool moves = largest > (freedom == 1 ? 0.0 : still);
+  bool moves = largest > (freedom == 1 ? 0.0 : zero_rate_tolerance);
   out->input_rate = moves ? clear_rate(m, &l->input, l->rates) : 0.0;
   out->output_rate = moves ? clear_rate(m, &l->output, l->rates) : 0.0;
   bool in = out->input_rate != 0.0, outwards = out->output_rate != 0.0;

@@ -135,7 +135,7 @@ static int find_in(const km_mechanism *m, km_state *s, int index, km_arena *aren
   }
   km_state_restore(s, f.sub, f.pose);
   km_loops_update(m, s, f.sub);
-  s->pivoted[index] = KM_NEVER;
+  km_state_forget_pivots(s, index);
   return mobility;
 }
 

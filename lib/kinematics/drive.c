@@ -258,7 +258,7 @@ static attempt advance(km_drive *d, double h, double tightness, int *limit) {
     result = LIMITED;
   }
   km_state_restore(d->state, sub, d->saved);
-  d->state->pivoted[d->substructure] = KM_NEVER;
+  km_state_forget_pivots(d->state, d->substructure);
   return result;
 }
 
@@ -284,7 +284,7 @@ static bool cross(km_drive *d, double target, int *limit) {
   km_state_move(d->mechanism, d->state, sub, d->move);
   place_driver(d, target);
   km_loops_update(d->mechanism, d->state, sub);
-  d->state->pivoted[d->substructure] = KM_NEVER;
+  km_state_forget_pivots(d->state, d->substructure);
   int worst;
   if (km_loops_residual(d->mechanism, d->state, sub, &worst) > between) {
     km_state_restore(d->state, sub, d->far); /* a regular pose, if on the other side */
@@ -381,7 +381,7 @@ static bool touches(km_drive *d, double goal) {
   place_driver(d, goal);
   km_close(d->mechanism, d->state, d->substructure, d->column, &evidence);
   km_loops_update(d->mechanism, d->state, sub);
-  d->state->pivoted[d->substructure] = KM_NEVER;
+  km_state_forget_pivots(d->state, d->substructure);
   if (km_loops_residual(d->mechanism, d->state, sub, &worst) <= between)
     return true;
   km_state_restore(d->state, sub, d->saved);
@@ -409,7 +409,7 @@ km_reach km_drive_to(km_drive *d, double target) {
     settle_at_limit(d, limit);
   /* What was tried last has left another pose's Jacobian behind. */
   km_loops_update(m, d->state, driven(d));
-  d->state->pivoted[d->substructure] = KM_NEVER;
+  km_state_forget_pivots(d->state, d->substructure);
   if (result == EXHAUSTED)
     return (km_reach){KM_STOP_GAVE_OUT, d->s / factor, d->substructure, -1};
   if (result == LIMITED)
@@ -485,5 +485,5 @@ void km_drive_return(km_drive *d) {
   km_state_restore(d->state, driven(d), k->pose);
   km_partition_copy_pivots(&d->reference, &k->reference);
   km_loops_update(d->mechanism, d->state, driven(d));
-  d->state->pivoted[d->substructure] = KM_NEVER;
+  km_state_forget_pivots(d->state, d->substructure);
 }

@@ -114,7 +114,7 @@ static bool step(km_follow *f, double h, double *length) {
   }
   if (!accepted) {
     km_state_restore(f->state, sub, f->here);
-    f->state->pivoted[f->substructure] = KM_NEVER;
+    km_state_forget_pivots(f->state, f->substructure);
     return false;
   }
   km_state_difference(f->state, sub, f->here, f->move);
@@ -446,7 +446,7 @@ bool km_follow_visit(km_follow *f, double offset, double *rates) {
   bool there = km_follow_step(f, offset, &reached);
   if (there)
     write_rates(f, f->next_t, rates);
-  f->state->pivoted[f->substructure] = KM_NEVER;
+  km_state_forget_pivots(f->state, f->substructure);
   return there;
 }
 
@@ -455,5 +455,5 @@ void km_follow_return(km_follow *f) {
     return;
   km_state_restore(f->state, sub_of(f), f->here);
   km_loops_update(f->mechanism, f->state, sub_of(f));
-  f->state->pivoted[f->substructure] = KM_NEVER;
+  km_state_forget_pivots(f->state, f->substructure);
 }

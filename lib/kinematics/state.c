@@ -47,7 +47,7 @@ static bool allocate(const km_mechanism *m, km_state *s) {
       km_arena_grow(arena, (void **)&s->basis[i].Z, &s->basis[i].capacity,
                     (size_t)m->substructures[i].columns * (size_t)m->substructures[i].columns, sizeof(double));
   for (int i = 0; i < t->substructure_count && !arena->failed; ++i)
-    s->pivoted[i] = KM_NEVER;
+    km_state_forget_pivots(s, i);
   return !arena->failed;
 }
 
@@ -111,7 +111,7 @@ void km_state_restart(km_state *s) {
   const km_mechanism *m = s->mechanism;
   set_coupling_rows(m, s);
   for (int i = 0; i < m->topology.substructure_count; ++i)
-    s->pivoted[i] = KM_NEVER;
+    km_state_forget_pivots(s, i);
   for (int i = 0; i < m->topology.substructure_count; ++i)
     s->basis[i].known = false;
   km_state_set(m, s, m->start);

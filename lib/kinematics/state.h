@@ -41,6 +41,10 @@ struct km_state {
 
 enum { KM_NO_DRIVER = -1, KM_NEVER = -2 };
 
+/* The pivots at hand don't belong to the present pose: they are searched anew before they are used. */
+static inline void km_state_forget_pivots(km_state *s, int substructure) {
+  s->pivoted[substructure] = KM_NEVER;
+}
 static inline double *km_state_jacobian(km_state *s, const km_substructure *sub) {
   return s->jacobian + sub->matrix_start;
 }

@@ -1,3 +1,4 @@
+/* A model into a mechanism: topology, then all that depends on numbers. */
 #include "topology/compile.h"
 
 #include "base/check.h"
@@ -9,7 +10,10 @@ static km_status build_topology(km_mechanism *m, km_error *error) {
   km_arena scratch = {0};
   km_edge *edges = KM_ARENA_NEW(&scratch, km_edge, (size_t)model->joint_count);
   km_tie *ties = KM_ARENA_NEW(&scratch, km_tie, (size_t)model->coupling_count);
-  int *tied = KM_ARENA_NEW(&scratch, int, (size_t)model->coordinate_count *((size_t)model->coupling_count + 1));
+  size_t terms = 0;
+  for (int i = 0; i < model->coupling_count; ++i)
+    terms += (size_t)model->couplings[i].count;
+  int *tied = KM_ARENA_NEW(&scratch, int, terms);
   if (scratch.failed) {
     km_arena_free(&scratch);
     return km_fail(error, KM_MEMORY, "out of memory while compiling the mechanism");
@@ -63,12 +67,8 @@ bool km_compile_allocate(km_mechanism *m, km_walks *walks) {
   return km_walks_create(m, steps, arena, walks);
 }
 
-static bool set_length(km_mechanism *m, const km_compiling *how) {
+static void set_length(km_mechanism *m, const km_compiling *how, const km_walks *walks) {
   const km_model *model = m->model;
-  km_arena scratch = {0};
-  double link = km_longest_link(model, &scratch);
-  bool done = !scratch.failed;
-  km_arena_free(&scratch);
   if (how->length > 0.0) {
     m->length = how->length;
     m->length_source = how->length_source;
@@ -76,10 +76,10 @@ static bool set_length(km_mechanism *m, const km_compiling *how) {
     m->length = model->characteristic_length;
     m->length_source = model->length_shared ? KM_LENGTH_SHARED : KM_LENGTH_STATED;
   } else {
+    double link = km_longest_link(model, walks);
     m->length = link > 0.0 ? link : 1.0;
     m->length_source = link > 0.0 ? KM_LENGTH_LONGEST_LINK : KM_LENGTH_UNIT;
   }
-  return done;
 }
 
 double km_mechanism_characteristic_length(const km_mechanism *m, km_length_source *source) {
@@ -189,13 +189,10 @@ static void each_column(km_mechanism *m, int *next) {
     add_columns(m, t->chord[l], next);
 }
 
-static void set_columns(km_mechanism *m, km_arena *scratch) {
-  int count = m->topology.substructure_count, used = 0;
-  int *next = KM_ARENA_NEW(scratch, int, (size_t)count);
-  if (!next)
-    return;
+static void set_columns(km_mechanism *m, int *next) {
+  int used = 0;
   each_column(m, NULL);
-  for (int s = 0; s < count; ++s) {
+  for (int s = 0; s < m->topology.substructure_count; ++s) {
     m->substructures[s].column_start = next[s] = used;
     used += m->substructures[s].columns;
     m->substructures[s].columns = 0;
@@ -273,20 +270,16 @@ static void set_arcs(km_mechanism *m) {
   }
 }
 
-bool km_compile_numbers(km_mechanism *m, const km_compiling *how, km_walks *walks) {
-  km_arena scratch = {0};
-  bool done = set_length(m, how);
+void km_compile_numbers(km_mechanism *m, const km_compiling *how, km_walks *walks) {
+  set_length(m, how, walks);
   set_coordinates(m, how->holds, how->hold_count);
   number_balls(m);
   for (int s = 0; s < m->topology.substructure_count; ++s)
     m->substructures[s].size = substructure_size(m, s);
-  set_columns(m, &scratch);
-  done = done && !scratch.failed;
-  for (int s = 0; s < m->topology.substructure_count && done; ++s)
+  set_columns(m, walks->next);
+  for (int s = 0; s < m->topology.substructure_count; ++s)
     compile_substructure(m, s, walks);
   set_arcs(m);
-  km_arena_free(&scratch);
-  return done;
 }
 
 static km_status compile(km_mechanism *m, const km_compiling *how, km_error *error) {
@@ -296,12 +289,13 @@ static km_status compile(km_mechanism *m, const km_compiling *how, km_error *err
     return status;
   m->coordinate_count = m->model->coordinate_count;
   m->holds = KM_ARENA_NEW(&m->arena, km_hold, (size_t)how->hold_count);
-  if (!m->holds || !km_compile_allocate(m, &walks) || !km_compile_numbers(m, how, &walks) || !set_patterns(m))
+  if (!m->holds || !km_compile_allocate(m, &walks))
     return km_fail(error, KM_MEMORY, "out of memory while compiling the mechanism");
   if (how->hold_count)
     memcpy(m->holds, how->holds, (size_t)how->hold_count * sizeof *m->holds);
   m->hold_count = how->hold_count;
-  return KM_OK;
+  km_compile_numbers(m, how, &walks);
+  return set_patterns(m) ? KM_OK : km_fail(error, KM_MEMORY, "out of memory while compiling the mechanism");
 }
 
 static km_status check_holds(const km_model *model, const km_hold *holds, int count, km_error *error) {

@@ -10,6 +10,8 @@ typedef struct km_walks {
   km_stand *stand;                      /* [body] */
   km_pose *zero;                        /* [slot] poses of a program's slots when all coordinates are 0 */
   km_twist *twist;                      /* [entry + 2] twists of one loop */
+  int *next;                            /* [substructure] where its next column goes */
+  int *parent, *first, *frame;          /* [body], [body + 2], [2 · joint] of km_longest_link */
   int program;                          /* the current stamp */
 } km_walks;
 
@@ -21,13 +23,13 @@ void km_compile_loops(km_mechanism *mechanism, int substructure, km_walks *walks
  * memory. */
 bool km_compile_pattern(km_mechanism *mechanism, km_substructure *sub);
 /* The greatest distance between the frames of two joints on one moving body, in the model's unit; bodies that rigid
- * joints tie to the inertial frame don't move. 0 where there is none. `scratch` may fail. */
-double km_longest_link(const km_model *model, km_arena *scratch);
+ * joints tie to the inertial frame don't move. 0 where there is none. */
+double km_longest_link(const km_model *model, const km_walks *walks);
 /* The arrays of a mechanism whose topology is known, zeroed, and the workspace of its walks, in its arena. False when out
  * of memory. */
 bool km_compile_allocate(km_mechanism *mechanism, km_walks *walks);
-/* Fills these arrays from the model's numbers, but for where Jacobians are stored. False when out of memory. */
-bool km_compile_numbers(km_mechanism *mechanism, const km_compiling *how, km_walks *walks);
+/* Fills these arrays from the model's numbers, but for where Jacobians are stored. */
+void km_compile_numbers(km_mechanism *mechanism, const km_compiling *how, km_walks *walks);
 /* Upper bound of the steps (and entries) that the loops of the mechanism need. */
 void km_compile_bounds(const km_mechanism *mechanism, size_t *steps, size_t *entries);
 /* Do all loops of the program move in one plane, to the last digits? `plane` is then the base frame turned

@@ -20,7 +20,11 @@ bool km_walks_create(const km_mechanism *m, size_t steps, km_arena *arena, km_wa
                   .step_count = KM_ARENA_NEW(arena, int, bodies),
                   .stand = KM_ARENA_NEW(arena, km_stand, bodies),
                   .zero = KM_ARENA_NEW(arena, km_pose, steps + 1),
-                  .twist = KM_ARENA_NEW(arena, km_twist, 3 * steps)};
+                  .twist = KM_ARENA_NEW(arena, km_twist, 3 * steps),
+                  .next = KM_ARENA_NEW(arena, int, (size_t)m->topology.substructure_count),
+                  .parent = KM_ARENA_NEW(arena, int, bodies),
+                  .first = KM_ARENA_NEW(arena, int, bodies + 2),
+                  .frame = KM_ARENA_NEW(arena, int, 2 * (size_t)m->model->joint_count)};
   return !arena->failed;
 }
 

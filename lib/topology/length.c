@@ -1,6 +1,8 @@
 /* The characteristic length of a model that states none: its longest link. */
 #include "topology/compile.h"
 
+#include <string.h>
+
 /* The representative of a body among those that rigid joints tie together. */
 static int find(int *parent, int body) {
   while (parent[body] != body) {
@@ -34,13 +36,10 @@ static void sort_frames(const km_model *model, int *first, int *frame) {
       frame[first[model->frames[model->joints[j].frame[e]].body + 1]++] = model->joints[j].frame[e];
 }
 
-double km_longest_link(const km_model *model, km_arena *scratch) {
-  size_t bodies = (size_t)model->body_count;
-  int *parent = KM_ARENA_NEW(scratch, int, bodies), *first = KM_ARENA_NEW(scratch, int, bodies + 2);
-  int *frame = KM_ARENA_NEW(scratch, int, 2 * (size_t)model->joint_count);
+double km_longest_link(const km_model *model, const km_walks *walks) {
+  int *parent = walks->parent, *first = walks->first, *frame = walks->frame;
   double longest = 0.0;
-  if (scratch->failed)
-    return 0.0;
+  memset(first, 0, ((size_t)model->body_count + 2) * sizeof *first);
   tie_rigid(model, parent);
   sort_frames(model, first, frame);
   for (int b = 1; b < model->body_count; ++b)

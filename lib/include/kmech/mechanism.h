@@ -27,7 +27,7 @@ KM_API void km_mechanism_free(km_mechanism *mechanism);
 /* Takes over the model's numbers after some have changed (kmech/edit.h): dimensions, displacements, limits, ratios. What
  * was held stays held at its value. The bits are those of a new compilation. The mechanism's states stay usable:
  * km_state_restart them. KM_PARTIAL, with the mechanism as it was: a loop's motion space has changed, compile again.
- * No allocation after the first call, but for scratch. Not while another thread uses the mechanism. Cost: as compiling
+ * No allocation after the first call. Not while another thread uses the mechanism. Cost: as compiling
  * without the topology. */
 KM_API km_status km_mechanism_renumber(km_mechanism *mechanism, km_error *error);
 
