@@ -42,7 +42,6 @@ static bool add_columns(void *self, const km_sweeper *r, km_table *table) {
   const km_model *model = r->m->model;
   km_text torque = {0};
   km_torque_unit(model, &torque);
-  w->out->first_column = km_table_columns(table);
   bool added = !torque.failed && add_forces(w, model, table);
   for (int j = 0; j < model->joint_count; ++j)
     for (int k = 0; k < 6; ++k)

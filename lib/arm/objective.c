@@ -1,3 +1,4 @@
+/* Objectives by name and by value. */
 #include "arm/objective.h"
 
 #include <string.h>

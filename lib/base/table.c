@@ -1,9 +1,11 @@
+/* Tables of numbers with named columns. */
 #include "kmech/table.h"
 
 #include "base/check.h"
 #include "base/memory.h"
 
 #include <math.h>
+#include <stdbool.h>
 #include <string.h>
 
 typedef struct column {
@@ -117,4 +119,18 @@ int km_table_find(const km_table *table, const char *name) {
     if (strcmp(table->columns[c].name, name) == 0)
       return (int)c;
   return -1;
+}
+
+km_span km_table_span(const km_table *table, const char *prefix) {
+  size_t length = strlen(prefix);
+  km_span span = {0, 0};
+  for (size_t c = 0; c < table->column_count; ++c) {
+    bool fits = strncmp(table->columns[c].name, prefix, length) == 0;
+    if (fits && span.count == 0)
+      span.first = c;
+    else if (!fits && span.count > 0)
+      break;
+    span.count += fits;
+  }
+  return span;
 }

@@ -1,3 +1,4 @@
+/* One thread's copy of what moves: allocation, coordinates, limits. */
 #include "kinematics/state.h"
 
 #include "base/check.h"
@@ -110,10 +111,10 @@ void km_state_restart(km_state *s) {
     return;
   const km_mechanism *m = s->mechanism;
   set_coupling_rows(m, s);
-  for (int i = 0; i < m->topology.substructure_count; ++i)
+  for (int i = 0; i < m->topology.substructure_count; ++i) {
     km_state_forget_pivots(s, i);
-  for (int i = 0; i < m->topology.substructure_count; ++i)
     s->basis[i].known = false;
+  }
   km_state_set(m, s, m->start);
 }
 

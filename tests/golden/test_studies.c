@@ -1,37 +1,9 @@
 /* The shipped studies: look-ahead is at least greedy's, and near the reference of dynamic programming. */
 #include "support/arms.h"
 
-#include "base/file.h"
-
-#include <stdio.h>
 #include <string.h>
 
-typedef struct opened {
-  fixture f;
-  km_study *study;
-} opened;
-
-static opened open_study(const char *name) {
-  char path[1024], model[2048];
-  km_text text = {0};
-  km_error error = {0};
-  opened o = {0};
-  snprintf(path, sizeof path, "%s/%s", STUDIES_DIR, name);
-  snprintf(model, sizeof model, "%s/study.json", path);
-  if (km_file_read(model, &text, &error) || km_study_read(text.data, text.size, path, NULL, &o.study, &error))
-    fail_msg("%s", error.text);
-  km_text_free(&text);
-  snprintf(model, sizeof model, "%s/%s", path, km_study_model(o.study));
-  km_model *read;
-  if (km_model_load(model, NULL, &read, &error))
-    fail_msg("%s", error.text);
-  o.f = fixture_of(read);
-  if (km_study_bind(o.study, o.f.mechanism, o.f.state, 1, NULL, &error))
-    fail_msg("%s", error.text);
-  return o;
-}
-
-static km_track *run_method(const opened *o, km_method_kind kind) {
+static km_track *run_method(const opened_study *o, km_method_kind kind) {
   for (int i = 0; i < km_study_methods(o->study); ++i)
     if (o->study->methods[i].kind == kind)
       return track_of(o->study, i, 2);
@@ -49,7 +21,7 @@ static void look_ahead_is_near_the_reference(void **state) {
   static const char *const names[] = {"iiwa_weld",  "thesis_line", "panda_circle",
                                       "iiwa_helix", "iiwa_reach",  "panda_limit"};
   for (size_t i = 0; i < sizeof names / sizeof *names; ++i) {
-    opened o = open_study(names[i]);
+    opened_study o = study_open(names[i]);
     km_track *greedy = run_method(&o, KM_GREEDY), *ahead = run_method(&o, KM_LOOKAHEAD);
     km_track *reference = run_method(&o, KM_DP);
     assert_int_equal(ahead->end.stop, KM_TRACK_COMPLETE);
@@ -71,7 +43,7 @@ static void look_ahead_is_near_the_reference(void **state) {
 /* Two lines and a quarter circle of 0.1 m, at 0.02 m/s; the torch turns with the arc. */
 static void the_weld_takes_its_time(void **state) {
   (void)state;
-  opened o = open_study("iiwa_weld");
+  opened_study o = study_open("iiwa_weld");
   const km_path *path = o.study->path;
   int last = km_path_samples(path) - 1;
   double length = 0.4 + 0.05 * M_PI + 0.15;

@@ -217,6 +217,55 @@ static void numbers_belong_to_their_rows(void **state) {
   }
 }
 
+/* Points and their derivatives along the driver or the arc length, against the points of the rows on both sides: a
+ * central difference errs by a third of its change when the step doubles. */
+static void derivatives_are_those_of_the_rows(void **state) {
+  (void)state;
+  static const char *const names[] = {"fourbar", "klann", "excavator", "toggle_press", "brake"};
+  for (size_t n = 0; n < 2 * sizeof names / sizeof *names; ++n) {
+    fixture f = fixture_open(names[n / 2]);
+    km_sweep_plan plan = km_sweep_plan_default(f.model);
+    km_sweep_point points[2] = {{f.model->frame_count - 1, "last"}, {f.model->frame_count / 2, "middle"}};
+    km_mobility_sweep sweep;
+    km_error error = {0};
+    plan.points = points;
+    plan.point_count = 2;
+    plan.derivatives = true;
+    plan.steps = 400;
+    if (n % 2) {
+      plan.arclength = 1e-3;
+      plan.sign = 1.0;
+    }
+    km_status status = km_mobility_sweep_run(f.mechanism, f.state, &plan, &sweep, &error);
+    assert_true(status == KM_OK || status == KM_PARTIAL);
+    const km_table *table = sweep.motion.table;
+    size_t first = km_table_span(table, "point.").first;
+    assert_int_equal(km_table_span(table, "point.").count, 12);
+    double largest = 0.0;
+    for (size_t r = 0; r < km_table_rows(table); ++r)
+      for (size_t c = 0; c < 12; ++c)
+        largest = fmax(largest, fabs(km_table_row(table, r)[first + c]));
+    int judged = 0;
+    for (size_t r = 2; r + 3 < km_table_rows(table); ++r)
+      for (size_t c = 0; c < 12; ++c) {
+        size_t place = first + (c < 6 ? 0 : 6) + c % 3;
+        const double *row[5];
+        for (size_t k = 0; k < 5; ++k)
+          row[k] = km_table_row(table, r - 2 + k);
+        double near = (row[3][place] - row[1][place]) / (row[3][1] - row[1][1]);
+        double far = (row[4][place] - row[0][place]) / (row[4][1] - row[0][1]);
+        double rest = 1e-5 * largest; /* of the next order, which is left where the first passes 0 */
+        if (fabs(far - near) > 1e-2 * largest)
+          continue; /* beside a turning point of the driver */
+        assert_near(near, row[2][place + 3], fabs(far - near) + rest);
+        judged += fabs(near) > 1e-3 * largest;
+      }
+    assert_true(judged > 200);
+    km_mobility_sweep_free(&sweep);
+    fixture_close(&f);
+  }
+}
+
 static bool cancel(void *context, double done) {
   (void)done;
   return --*(int *)context > 0;
@@ -262,6 +311,7 @@ int main(void) {
       cmocka_unit_test(ends_do_not_depend_on_steps),
       cmocka_unit_test(rows_are_within_limits),
       cmocka_unit_test(a_sweep_can_be_cancelled),
+      cmocka_unit_test(derivatives_are_those_of_the_rows),
   };
   return cmocka_run_group_tests(tests, NULL, NULL);
 }

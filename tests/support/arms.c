@@ -1,7 +1,10 @@
+/* Arms and path studies for tests. */
 #include "support/arms.h"
 
+#include "base/file.h"
 #include "kinematics/poses.h"
 
+#include <stdio.h>
 #include <string.h>
 
 km_arm *arm_of(const fixture *f, const char *body, const char *frame, km_task task) {
@@ -84,4 +87,24 @@ km_pose effector_by_bodies(const fixture *f, const km_arm *arm, const double *q)
   km_state_set(f->mechanism, f->state, all);
   km_poses_update(f->mechanism, f->state);
   return km_pose_product(&f->state->pose[frame->body], &frame->pose);
+}
+
+opened_study study_open(const char *name) {
+  char path[1024], model[2048];
+  km_text text = {0};
+  km_error error = {0};
+  opened_study o = {0};
+  snprintf(path, sizeof path, "%s/%s", STUDIES_DIR, name);
+  snprintf(model, sizeof model, "%s/study.json", path);
+  if (km_file_read(model, &text, &error) || km_study_read(text.data, text.size, path, NULL, &o.study, &error))
+    fail_msg("%s", error.text);
+  km_text_free(&text);
+  snprintf(model, sizeof model, "%s/%s", path, km_study_model(o.study));
+  km_model *read;
+  if (km_model_load(model, NULL, &read, &error))
+    fail_msg("%s", error.text);
+  o.f = fixture_of(read);
+  if (km_study_bind(o.study, o.f.mechanism, o.f.state, 1, NULL, &error))
+    fail_msg("%s", error.text);
+  return o;
 }

@@ -19,6 +19,13 @@ km_study *study_of(const fixture *f, const char *json);
 km_track *track_of(const km_study *study, int method, int jobs);
 double track_cell(const km_track *track, size_t row, const char *column);
 
+/* A study of studies/ on its model. */
+typedef struct opened_study {
+  fixture f;
+  km_study *study;
+} opened_study;
+opened_study study_open(const char *name);
+
 /* The effector's pose in the inertial frame by the bodies' poses: independent of the arm. */
 km_pose effector_by_bodies(const fixture *f, const km_arm *arm, const double *q);
 

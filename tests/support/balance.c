@@ -1,3 +1,4 @@
+/* Balance of forces by equations that the library does not use. */
 #include "support/balance.h"
 
 #include "forces/forces.h"

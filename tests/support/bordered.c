@@ -1,3 +1,4 @@
+/* Matrices with a border, for tests. */
 #include "support/bordered.h"
 
 #include "kinematics/poses.h"

@@ -1,3 +1,4 @@
+/* Long chains of loops. */
 #include "support/chains.h"
 
 void write_separate(km_text *t, int n) {

@@ -1,3 +1,4 @@
+/* Lattices with many loops. */
 #include "support/lattices.h"
 
 #include "spatial/vec3.h"

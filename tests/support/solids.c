@@ -1,3 +1,4 @@
+/* Meshes of solids with known masses. */
 #include "support/solids.h"
 
 #include "support/support.h"

@@ -1,3 +1,4 @@
+/* Fixtures, random poses, and Jacobians independent of the library. */
 #include "support/support.h"
 
 #include "base/file.h"

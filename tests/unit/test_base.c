@@ -100,6 +100,8 @@ static void csv_quotes_what_needs_it(void **state) {
   km_csv_write(table, &out);
   assert_string_equal(out.data, "s,\"q.a,\"\"b\"\"_mm\"\r\n0.5,inf\r\nnan,nan\r\n");
   assert_int_equal(km_table_find(table, "q.a,\"b\""), 1);
+  km_span span = km_table_span(table, "q."), none = km_table_span(table, "r.");
+  assert_true(span.first == 1 && span.count == 1 && none.count == 0);
   km_text_free(&out);
   km_table_free(table);
 }

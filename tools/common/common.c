@@ -1,10 +1,11 @@
+/* What the tools share: common options, messages, subcommands, reading models. */
 #include "common/common.h"
 
 #include "base/file.h"
 #include "base/memory.h"
 #include "kmech/version.h"
 
-#include <errno.h>
+#include <argp.h>
 #include <stdarg.h>
 #include <stdio.h>
 #include <stdio_ext.h>
@@ -36,54 +37,51 @@ kt_exit kt_worse(kt_exit a, kt_exit b) {
   return a > b ? a : b;
 }
 
-enum { OPTION_JOBS = 0x1001, OPTION_SEED };
-
-static const struct argp_option common_options[] = {
-    {"quiet", 'q', NULL, 0, "No notes, warnings, summaries or progress", 90},
-    {"jobs", OPTION_JOBS, "N", 0, "Work on up to N threads (default 1); results don't depend on it", 90},
-    {"seed", OPTION_SEED, "N", 0, "Seed of whatever is random (default 1)", 90},
-    {0}};
-
-static error_t parse_common(int key, char *arg, struct argp_state *state) {
-  kt_common *common = state->input;
-  char *end = NULL;
-  long jobs;
-  switch (key) {
-  case 'q':
-    common->quiet = true;
-    return 0;
-  case OPTION_JOBS:
-    jobs = strtol(arg, &end, 10);
-    common->jobs = (int)jobs;
-    if (*end || end == arg || jobs < 1 || jobs > 1024)
-      argp_error(state, "--jobs: found \"%s\"; expected a whole number from 1 to 1024", arg);
-    return 0;
-  case OPTION_SEED:
-    errno = 0;
-    common->seed = strtoul(arg, &end, 10);
-    if (*end || end == arg || *arg == '-' || errno == ERANGE)
-      argp_error(state, "--seed: found \"%s\"; expected a whole number of at least 0", arg);
-    return 0;
-  default:
-    return ARGP_ERR_UNKNOWN;
-  }
+void kt_common_options(kt_options *out, kt_common *common, unsigned uses) {
+  const kt_option all[] = {
+      {"quiet", 'q', NULL, "No notes, warnings, summaries or progress", KT_FLAG, &common->quiet, KT_ABOUT_ALL},
+      {"verbose", 'v', NULL, "Tell the details of the work too", KT_FLAG, &common->verbose, KT_ABOUT_ALL},
+  };
+  const kt_option jobs[] = {{"jobs", 0, "N", "Work on up to N threads (default 1); results don't depend on it",
+                             KT_COUNT, &common->jobs, KT_ABOUT_ALL}};
+  const kt_option seed[] = {
+      {"seed", 0, "N", "Seed of whatever is random (default 1)", KT_SEED, &common->seed, KT_ABOUT_ALL}};
+  const kt_option force[] = {{"force", 0, NULL, "Replace a file that is there", KT_FLAG, &common->force, KT_ABOUT_ALL}};
+  KT_OPTIONS_ADD(out, all);
+  if (uses & KT_USES_JOBS)
+    KT_OPTIONS_ADD(out, jobs);
+  if (uses & KT_USES_SEED)
+    KT_OPTIONS_ADD(out, seed);
+  if (uses & KT_USES_FORCE)
+    KT_OPTIONS_ADD(out, force);
 }
 
-const struct argp kt_common_argp = {.options = common_options, .parser = parse_common};
+static void say(const kt_common *common, const char *word, const char *format, va_list arguments) {
+  char text[2 * KM_ERROR_TEXT];
+  vsnprintf(text, sizeof text, format, arguments);
+  if (common->log)
+    km_text_format(common->log, "%s: %s%s\n", common->tool, word, text);
+  else
+    fprintf(stderr, "%s: %s%s\n", common->tool, word, text);
+}
 
 void kt_say(const kt_common *common, km_severity severity, const char *format, ...) {
   static const char *const words[] = {"note: ", "warning: ", ""};
   if (common->quiet && severity != KM_ERROR)
     return;
-  char text[2 * KM_ERROR_TEXT];
   va_list arguments;
   va_start(arguments, format);
-  vsnprintf(text, sizeof text, format, arguments);
+  say(common, words[severity], format, arguments);
   va_end(arguments);
-  if (common->log)
-    km_text_format(common->log, "%s: %s%s\n", common->tool, words[severity], text);
-  else
-    fprintf(stderr, "%s: %s%s\n", common->tool, words[severity], text);
+}
+
+void kt_detail(const kt_common *common, const char *format, ...) {
+  if (!common->verbose || common->quiet)
+    return;
+  va_list arguments;
+  va_start(arguments, format);
+  say(common, "", format, arguments);
+  va_end(arguments);
 }
 
 kt_exit kt_usage(const kt_common *common, const char *option, const char *found, const char *expected) {
@@ -150,11 +148,6 @@ kt_exit kt_run(const char *tool, const char *about, const kt_command *commands, 
   return KT_USAGE;
 }
 
-void kt_parse(const struct argp *argp, int argc, char **argv, void *input) {
-  if (argp_parse(argp, argc, argv, 0, NULL, input))
-    exit(KT_USAGE);
-}
-
 km_model *kt_load(const kt_common *common, const char *path, kt_exit *status_out) {
   km_model *model = NULL;
   km_error error;
@@ -176,6 +169,9 @@ km_model *kt_load(const kt_common *common, const char *path, kt_exit *status_out
   if (status && kept == 0)
     kt_say(common, KM_ERROR, "%s", error.text);
   km_messages_free(messages);
+  if (model)
+    kt_detail(common, "%s: read %d bodies and %d joints", name, km_model_body_count(model),
+              km_model_joint_count(model));
   *status_out = kt_exit_of(status);
   return model;
 }

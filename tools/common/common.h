@@ -4,10 +4,9 @@
 
 #include "base/text.h"
 #include "base/value.h"
+#include "common/options.h"
 #include "kmech/mechanism.h"
 #include "report/plot/canvas.h"
-
-#include <argp.h>
 
 /* Exit codes of every tool (cli.md). */
 typedef enum kt_exit {
@@ -23,21 +22,29 @@ kt_exit kt_exit_of(km_status status);
 /* Of two parts of a command, the code that says more. */
 kt_exit kt_worse(kt_exit a, kt_exit b);
 
-/* --quiet --jobs --seed, as a child parser of every command: its input is a kt_common. */
+/* What every command is told. */
 typedef struct kt_common {
   const char *tool; /* how messages begin */
-  bool quiet;
+  bool quiet, verbose, force;
   int jobs;
   unsigned long seed;
   km_messages *found; /* receives the reader's warnings and notes instead of the standard error; NULL: doesn't */
   km_text *log;       /* where messages are gathered, so that parallel work reports in order; NULL: straight out */
 } kt_common;
 
-extern const struct argp kt_common_argp;
+/* A tool's defaults. */
+#define KT_COMMON(TOOL) ((kt_common){.tool = (TOOL), .jobs = 1, .seed = 1})
+
+/* --quiet and --verbose; and, of --jobs, --seed and --force, those that the command uses. */
+enum { KT_USES_JOBS = 1, KT_USES_SEED = 2, KT_USES_FORCE = 4 };
+void kt_common_options(kt_options *out, kt_common *common, unsigned uses);
 
 /* `tool: text` on the standard error. Notes and warnings are silent with --quiet. */
 void kt_say(const kt_common *common, km_severity severity, const char *format, ...)
     __attribute__((format(printf, 3, 4)));
+
+/* `tool: text` on the standard error, with --verbose only. */
+void kt_detail(const kt_common *common, const char *format, ...) __attribute__((format(printf, 2, 3)));
 
 /* `OPTION FOUND: expected EXPECTED`; KT_USAGE. */
 kt_exit kt_usage(const kt_common *common, const char *option, const char *found, const char *expected);
@@ -62,9 +69,6 @@ typedef struct kt_command {
 
 /* Runs the subcommand that argv[1] names, with argv[0] as "tool name"; --help and --version of the tool. */
 kt_exit kt_run(const char *tool, const char *about, const kt_command *commands, int argc, char **argv);
-
-/* Parses a command's options; what argp refuses ends the process with KT_USAGE. */
-void kt_parse(const struct argp *argp, int argc, char **argv, void *input);
 
 /* Reads a model and says what is wrong with it. NULL and *exit otherwise. The caller frees it. */
 km_model *kt_load(const kt_common *common, const char *path, kt_exit *exit);
@@ -115,6 +119,7 @@ typedef enum kt_format { KT_CSV, KT_JSON, KT_SVG, KT_PDF, KT_PNG, KT_FORMATS } k
 typedef struct kt_formats {
   bool wanted[KT_FORMATS];
 } kt_formats;
+#define KT_FORMATS_HELP "Some of csv,json,svg,pdf,png (default csv,svg)"
 /* "csv,svg"; false and a message if a word is unknown. */
 bool kt_formats_parse(const kt_common *common, const char *text, kt_formats *out);
 int kt_formats_count(const kt_formats *formats);

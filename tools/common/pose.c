@@ -1,14 +1,9 @@
+/* Brings a model to the pose that a command asks for. */
 #include "common/pose.h"
 
 #include "base/memory.h"
 #include "kmech/sweep.h"
 #include "model/model.h"
-
-void kt_texts_add(kt_texts *texts, char *text, struct argp_state *state) {
-  if (texts->count == KT_MOST_TEXTS)
-    argp_error(state, "an option is given more than %d times", KT_MOST_TEXTS);
-  texts->items[texts->count++] = text;
-}
 
 /* The model's own holds, overridden by the command line's. */
 static kt_exit gather_holds(const kt_common *common, const km_model *model, const kt_texts *texts, kt_settings *out) {
@@ -52,6 +47,10 @@ static kt_exit reach(const kt_common *common, const char *path, const kt_setting
   km_free(set);
   if (status)
     kt_say(common, KM_ERROR, "%s: %s", path, error.text);
+  else
+    kt_detail(common, "%s: at its pose; held coordinates: %d, moved by --set: %d, characteristic length %g %s", path,
+              holds->count, sets->count, km_mechanism_characteristic_length(out->mechanism, NULL),
+              out->model->units.length->suffix);
   return kt_exit_of(status);
 }
 

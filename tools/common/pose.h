@@ -4,15 +4,6 @@
 
 #include "common/common.h"
 
-enum { KT_MOST_TEXTS = 256 };
-
-/* Repeated options as they were given. */
-typedef struct kt_texts {
-  char *items[KT_MOST_TEXTS];
-  int count;
-} kt_texts;
-void kt_texts_add(kt_texts *texts, char *text, struct argp_state *state);
-
 /* A model at a pose. */
 typedef struct kt_pose {
   km_model *model;
@@ -27,17 +18,28 @@ kt_exit kt_open(const kt_common *common, const char *path, const kt_texts *holds
 kt_exit kt_bring(const kt_common *common, const char *path, const kt_texts *holds, const kt_texts *sets, kt_pose *out);
 void kt_close(kt_pose *pose);
 
-/* What the commands about one pose are asked: --hold --format and the model; --set too with the second parser.
- * Child parsers whose input is a kt_request; a command's own parser has -o. */
+/* --set and --hold, where the commands say of it: KT_SET_FROM: where the motion starts. */
+#define KT_SET(TARGET, HELP)                                                                                           \
+  { "set", 0, "JOINT=VALUE", HELP, KT_TEXTS, TARGET, KT_ABOUT_MODEL }
+#define KT_HOLD(TARGET, HELP)                                                                                          \
+  { "hold", 0, "JOINT=VALUE", HELP, KT_TEXTS, TARGET, KT_ABOUT_MODEL }
+#define KT_BASE(TARGET, HELP)                                                                                          \
+  { "base", 'o', "BASE", HELP, KT_TEXT, TARGET, KT_ABOUT_FILES }
+#define KT_SET_FIRST  "Start from another pose: move a joint to a value first"
+#define KT_HOLD_RIGID "Keep a joint rigid at a value (x,y,… for several coordinates)"
+
+/* What the commands about one pose are asked. */
 typedef struct kt_request {
   kt_common common;
   kt_texts holds, sets;
   const char *model;
   const char *base; /* of -o, or NULL */
-  bool json;        /* else a table for people */
+  int json;         /* else a table for people */
 } kt_request;
 
-extern const struct argp kt_request_argp, kt_settable_argp;
+/* --hold --format --base and the model, --set too where it is `settable`. RESULT is the word in the files' names. */
+#define KT_REQUEST_BASE(RESULT) "Write BASE." RESULT ".txt or .json instead of the standard output"
+void kt_request_options(kt_options *out, kt_request *request, bool settable, const char *base_help);
 
 /* The pose that the request asks for. */
 kt_exit kt_request_open(const kt_request *request, kt_pose *out);

@@ -1,8 +1,20 @@
+/* Sweeps one model and writes its report. */
 #include "common/report.h"
 
 #include "base/file.h"
 
 #include <string.h>
+
+void kt_report_options(kt_options *out, kt_sweep_options *o, const char *base_help) {
+  const kt_option table[] = {
+      {"format", 0, "FORMAT", "pdf (default) or html", KT_TEXT, &o->format, KT_ABOUT_FILES},
+      KT_BASE(&o->base, base_help),
+  };
+  kt_sweep_options_add(out, o);
+  KT_OPTIONS_ADD(out, table);
+  kt_common_options(out, &o->common, 0);
+  out->operand = (kt_operand){"model", "MODEL", true, NULL, &o->models};
+}
 
 static bool ends_with(const char *text, const char *end) {
   size_t a = strlen(text), b = strlen(end);

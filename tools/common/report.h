@@ -4,9 +4,8 @@
 
 #include "common/sweep.h"
 
-/* The entry of --format in the parser of a report command. */
-#define KT_REPORT_FORMAT_OPTION                                                                                        \
-  { "format", KT_OPTION_FORMAT, "FORMAT", 0, "pdf (default) or html", 2 }
+/* The options of a report command: those of a sweep, --format, --base and the model. */
+void kt_report_options(kt_options *out, kt_sweep_options *options, const char *base_help);
 #define KT_REPORT_BASE(WORD)                                                                                           \
   "Write this file if it ends with .pdf or .html, else BASE." WORD ".FORMAT (default: the model's name)"
 

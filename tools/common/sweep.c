@@ -1,3 +1,4 @@
+/* Sweeps several models at once and writes their tables and one plot. */
 #include "common/sweep.h"
 
 #include "base/parallel.h"
@@ -16,6 +17,8 @@ typedef struct work {
 /* What the user should know of how the mechanism moved. */
 static void tell(kt_sweep_job *j, const km_sweep *motion, bool partial) {
   const kt_common *common = &j->common;
+  kt_detail(common, "%s: %zu rows of %zu columns", j->path, km_table_rows(motion->table),
+            km_table_columns(motion->table));
   km_sweep_stop_text(j->pose.mechanism, &j->plan, motion, &j->stopped_by);
   if (partial && j->stopped_by.size)
     kt_say(common, KM_ERROR, "%s: %s", j->path, j->stopped_by.data);
@@ -209,13 +212,13 @@ static kt_exit run(const kt_sweep_options *o, const kt_sweeping *sweeping) {
 }
 
 kt_exit kt_sweep(kt_sweep_options *o, const kt_sweeping *sweeping) {
-  if (!kt_formats_parse(&o->common, o->format ? o->format : "csv,svg", &o->formats))
+  bool piped = o->base && strcmp(o->base, "-") == 0;
+  if (!kt_formats_parse(&o->common, o->format ? o->format : piped ? "csv" : "csv,svg", &o->formats))
     return KT_USAGE;
   if (o->models.count > KT_MOST_MODELS)
     return kt_usage(&o->common, "MODEL", "…", "at most 64 models");
   bool tables_only = !o->formats.wanted[KT_SVG] && !o->formats.wanted[KT_PDF] && !o->formats.wanted[KT_PNG];
-  if (o->base && strcmp(o->base, "-") == 0 &&
-      (o->models.count > 1 || kt_formats_count(&o->formats) != 1 || !tables_only))
+  if (piped && (o->models.count > 1 || kt_formats_count(&o->formats) != 1 || !tables_only))
     return kt_usage(&o->common, "-o", "-", "one model and --format csv or json");
   return names_differ(o) ? run(o, sweeping) : KT_USAGE;
 }

@@ -7,8 +7,7 @@
 
 enum { KT_MOST_MODELS = 64, KT_MOST_POINTS = 64 };
 
-/* --joint --range --steps --arclength --direction --cycle --branch --hold --set --ignore-limits --derivatives and
- * the models: a child parser whose input is a kt_sweep_options; a command's own parser has --point, --format and -o. */
+/* What sweep and report commands are asked. */
 typedef struct kt_sweep_options {
   kt_common common;
   kt_texts holds, sets, points, models;
@@ -20,7 +19,13 @@ typedef struct kt_sweep_options {
   const void *own; /* the command's own options */
 } kt_sweep_options;
 
-extern const struct argp kt_sweep_argp;
+/* --joint --range --steps --arclength --direction --cycle --branch --hold --set --ignore-limits --derivatives. */
+void kt_sweep_options_add(kt_options *out, kt_sweep_options *options);
+/* These, --format, --base and the common ones of a command for several models. */
+void kt_sweep_options_several(kt_options *out, kt_sweep_options *options, const char *base_help);
+#define KT_SWEEP_BASE(RESULT) "Files are BASE." RESULT ".FORMAT (default: the model's name); - is the standard output"
+#define KT_PATH_POINT(TARGET)                                                                                          \
+  { "point", 0, "BODY/FRAME", "Add the path of a frame's origin (repeatable)", KT_TEXTS, TARGET, KT_ABOUT_MODEL }
 
 /* One model of the sweep, with all that its files are made of. */
 typedef struct kt_sweep_job {
@@ -53,11 +58,6 @@ typedef struct kt_sweeping {
   km_status (*plot)(const kt_sweep_job *const *jobs, int count, km_canvas_format format, km_text *out, km_error *error);
   void (*free)(kt_sweep_job *job);
 } kt_sweeping;
-
-enum { KT_OPTION_FORMAT = 0x3201 };
-/* The entry of --format in the parser of a command that takes the formats of tables and plots. */
-#define KT_FORMAT_OPTION                                                                                               \
-  { "format", KT_OPTION_FORMAT, "LIST", 0, "Some of csv,json,svg,pdf,png (default csv,svg)", 2 }
 
 /* Sweeps every model, --jobs at once, and writes what was asked for. */
 kt_exit kt_sweep(kt_sweep_options *options, const kt_sweeping *sweeping);

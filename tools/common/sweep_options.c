@@ -6,90 +6,40 @@
 #include <stdio.h>
 #include <string.h>
 
-enum {
-  OPTION_HOLD = 0x3001,
-  OPTION_RANGE,
-  OPTION_STEPS,
-  OPTION_DERIVATIVES,
-  OPTION_IGNORE,
-  OPTION_JOINT,
-  OPTION_SET,
-  OPTION_ARCLENGTH,
-  OPTION_DIRECTION,
-  OPTION_CYCLE,
-  OPTION_BRANCH
-};
-
-static const struct argp_option table[] = {
-    {"joint", OPTION_JOINT, "JOINT", 0, "The driver (default: the model's analysis.sweep)", 1},
-    {"range", OPTION_RANGE, "FROM:TO", 0, "Its range in the model's unit", 1},
-    {"steps", OPTION_STEPS, "N", 0, "Number of intervals; N + 1 rows", 1},
-    {"arclength", OPTION_ARCLENGTH, "DS", 0, "Follow the motion by arc length instead, DS a row: through toggles", 1},
-    {"direction", OPTION_DIRECTION, "JOINT=+1", 0, "Start so that this joint moves forwards (or -1: backwards)", 1},
-    {"cycle", OPTION_CYCLE, NULL, 0, "Follow until the motion meets its start (at most --steps rows, default 100000)",
-     1},
-    {"branch", OPTION_BRANCH, "K", 0,
-     "Motion to take at the first branch point: 1 goes on smoothly (default), 2 and 3 are the next one ahead and back, "
-     "…",
-     1},
-    {"hold", OPTION_HOLD, "JOINT=VALUE", 0, "Keep a joint rigid at a value (x,y,… for several coordinates)", 1},
-    {"set", OPTION_SET, "JOINT=VALUE", 0, "Start from another pose: move a joint to a value first", 1},
-    {"ignore-limits", OPTION_IGNORE, NULL, 0, "Pass joint limits", 1},
-    {"derivatives", OPTION_DERIVATIVES, NULL, 0, "Add the points' derivatives along the driver", 1},
-    {0}};
-
-static error_t parse(int key, char *arg, struct argp_state *state) {
-  kt_sweep_options *o = state->input;
-  switch (key) {
-  case ARGP_KEY_INIT:
-    state->child_inputs[0] = &o->common;
-    return 0;
-  case OPTION_JOINT:
-    o->joint = arg;
-    return 0;
-  case OPTION_RANGE:
-    o->range = arg;
-    return 0;
-  case OPTION_STEPS:
-    o->steps = arg;
-    return 0;
-  case OPTION_ARCLENGTH:
-    o->arclength = arg;
-    return 0;
-  case OPTION_DIRECTION:
-    o->direction = arg;
-    return 0;
-  case OPTION_CYCLE:
-    o->cycle = true;
-    return 0;
-  case OPTION_BRANCH:
-    o->branch = arg;
-    return 0;
-  case OPTION_HOLD:
-    kt_texts_add(&o->holds, arg, state);
-    return 0;
-  case OPTION_SET:
-    kt_texts_add(&o->sets, arg, state);
-    return 0;
-  case OPTION_DERIVATIVES:
-    o->derivatives = true;
-    return 0;
-  case OPTION_IGNORE:
-    o->ignore_limits = true;
-    return 0;
-  case ARGP_KEY_ARG:
-    kt_texts_add(&o->models, arg, state);
-    return 0;
-  case ARGP_KEY_NO_ARGS:
-    argp_error(state, "no model is given");
-    return 0;
-  default:
-    return ARGP_ERR_UNKNOWN;
-  }
+void kt_sweep_options_add(kt_options *out, kt_sweep_options *o) {
+  const kt_option table[] = {
+      {"joint", 0, "JOINT", "The driver (default: the model's analysis.sweep)", KT_TEXT, &o->joint, KT_ABOUT_MODEL},
+      {"range", 0, "FROM:TO", "Its range in the model's unit", KT_TEXT, &o->range, KT_ABOUT_MODEL},
+      {"steps", 0, "N", "Number of intervals; N + 1 rows", KT_TEXT, &o->steps, KT_ABOUT_MODEL},
+      {"arclength", 0, "DS", "Follow the motion by arc length instead, DS a row: through toggles", KT_TEXT,
+       &o->arclength, KT_ABOUT_MODEL},
+      {"direction", 0, "JOINT=+1", "Start so that this joint moves forwards (or -1: backwards)", KT_TEXT, &o->direction,
+       KT_ABOUT_MODEL},
+      {"cycle", 0, NULL, "Follow until the motion meets its start (at most --steps rows, default 100000)", KT_FLAG,
+       &o->cycle, KT_ABOUT_MODEL},
+      {"branch", 0, "K",
+       "Motion to take at the first branch point: 1 goes on smoothly (default), 2 and 3 are the next one ahead and "
+       "back, …",
+       KT_TEXT, &o->branch, KT_ABOUT_MODEL},
+      KT_HOLD(&o->holds, KT_HOLD_RIGID),
+      KT_SET(&o->sets, KT_SET_FIRST),
+      {"ignore-limits", 0, NULL, "Pass joint limits", KT_FLAG, &o->ignore_limits, KT_ABOUT_MODEL},
+      {"derivatives", 0, NULL, "Add the points' derivatives along the driver", KT_FLAG, &o->derivatives,
+       KT_ABOUT_MODEL},
+  };
+  KT_OPTIONS_ADD(out, table);
 }
 
-static const struct argp_child children[] = {{&kt_common_argp, 0, NULL, 90}, {0}};
-const struct argp kt_sweep_argp = {.options = table, .parser = parse, .children = children};
+void kt_sweep_options_several(kt_options *out, kt_sweep_options *o, const char *base_help) {
+  const kt_option table[] = {
+      {"format", 0, "LIST", KT_FORMATS_HELP, KT_TEXT, &o->format, KT_ABOUT_FILES},
+      KT_BASE(&o->base, base_help),
+  };
+  kt_sweep_options_add(out, o);
+  KT_OPTIONS_ADD(out, table);
+  kt_common_options(out, &o->common, KT_USES_JOBS);
+  out->operand = (kt_operand){"model", "MODEL...", true, NULL, &o->models};
+}
 
 static kt_exit read_range(const kt_common *common, const kt_sweep_options *o, km_sweep_plan *plan) {
   const char *colon = strchr(o->range, ':');

@@ -11,35 +11,6 @@ typedef struct options {
   kma_ends_options ends;
 } options;
 
-static const struct argp_option table[] = {
-    KMA_ENDS_OPTIONS{"point", KMA_OPTION_POINT, "BODY/FRAME:DX,DY,DZ", 0,
-                     "A point along a direction of the inertial frame as output; a second one: as input before it", 1},
-    {NULL, 'o', "BASE", 0, "Write BASE.advantage.txt or .json instead of the standard output", 2},
-    {0}};
-
-static error_t parse(int key, char *arg, struct argp_state *state) {
-  options *o = state->input;
-  switch (key) {
-  case ARGP_KEY_INIT:
-    state->child_inputs[0] = &o->request;
-    return 0;
-  case KMA_OPTION_INPUT:
-    o->ends.input = arg;
-    return 0;
-  case KMA_OPTION_OUTPUT:
-    o->ends.output = arg;
-    return 0;
-  case KMA_OPTION_POINT:
-    kt_texts_add(&o->ends.points, arg, state);
-    return 0;
-  case 'o':
-    o->request.base = arg;
-    return 0;
-  default:
-    return ARGP_ERR_UNKNOWN;
-  }
-}
-
 static km_status transmission_at(const kt_pose *pose, const kma_ends *ends, km_transmission *out, km_error *error) {
   km_transmission_work *work;
   km_status status = km_transmission_create(pose->mechanism, &ends->input, &ends->output, &work, error);
@@ -135,26 +106,32 @@ static kt_exit run(const options *o, const kt_pose *pose) {
   return result;
 }
 
-kt_exit kma_at(int argc, char **argv) {
-  const struct argp_child children[] = {{&kt_settable_argp, 0, NULL, 0}, {0}};
-  const struct argp argp = {
-      table,
-      parse,
-      "MODEL",
+static options read_options(int argc, char **argv) {
+  options o = {.request = {.common = KT_COMMON("kma")}};
+  kt_options all = {0};
+  const kt_option point[] = {
+      {"point", 0, "BODY/FRAME:DX,DY,DZ",
+       "A point along a direction of the inertial frame as output; a second one: as input before it", KT_TEXTS,
+       &o.ends.points, KT_ABOUT_MODEL}};
+  kt_request_options(&all, &o.request, true, KT_REQUEST_BASE("advantage"));
+  kma_ends_options_add(&all, &o.ends);
+  KT_OPTIONS_ADD(&all, point);
+  kt_common_options(&all, &o.request.common, 0);
+  kt_options_read(
+      &all,
       "Mechanical advantage of an input over an output at a pose: the input's rate over the output's, signed."
       "\vJSON keys beside those of every record: input, output, mechanical_advantage and velocity_ratio (null where "
       "infinite or undefined), state (finite, zero, infinite, undefined), method (single freedom, least motion), unit, "
       "force_ratio {ideal, actual, efficiency, locks_itself, locks_from (the share of the friction at which it begins "
-      "to)} with the joints' friction, transmission "
-      "{transmission_angle, "
-      "virtual_coefficient, sutherland_roth, chen_angeles, manipulability, condition_number, wrench}, each with a "
-      "value, "
-      "or null and why it is undefined; held_joints, configuration.",
-      children,
-      NULL,
-      NULL};
-  options o = {.request = {.common = {.tool = "kma", .jobs = 1, .seed = 1}}};
-  kt_parse(&argp, argc, argv, &o);
+      "to)} with the joints' friction, transmission {transmission_angle, virtual_coefficient, sutherland_roth, "
+      "chen_angeles, manipulability, condition_number, wrench}, each with a value, or null and why it is undefined; "
+      "held_joints, configuration.",
+      argc, argv);
+  return o;
+}
+
+kt_exit kma_at(int argc, char **argv) {
+  options o = read_options(argc, argv);
   kt_pose pose;
   kt_exit result = kt_request_open(&o.request, &pose);
   if (result == KT_DONE)

@@ -6,6 +6,17 @@
 #include <math.h>
 #include <string.h>
 
+void kma_ends_options_add(kt_options *out, kma_ends_options *o) {
+  const kt_option table[] = {
+      {"input", 0, "JOINT",
+       "What is pushed: a joint, or BODY/FRAME:DX,DY,DZ, a point along a direction (default: the model's "
+       "analysis.mechanical_advantage)",
+       KT_TEXT, &o->input, KT_ABOUT_MODEL},
+      {"output", 0, "JOINT", "What pushes: a joint, or a point in the same way", KT_TEXT, &o->output, KT_ABOUT_MODEL},
+  };
+  KT_OPTIONS_ADD(out, table);
+}
+
 /* Three numbers of a direction, made a unit vector. */
 static bool read_direction(const char *text, double out[3]) {
   if (!kt_numbers(text, 3, out))

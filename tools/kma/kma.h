@@ -12,20 +12,10 @@ kt_exit kma_report(int argc, char **argv);
 /* --input --output --point as they were given. */
 typedef struct kma_ends_options {
   const char *input, *output;
-  kt_texts points; /* BODY/FRAME:DX,DY,DZ */
+  kt_texts points; /* BODY/FRAME:DX,DY,DZ; of a sweep BODY/FRAME too */
 } kma_ends_options;
 
-enum { KMA_OPTION_INPUT = 0x4001, KMA_OPTION_OUTPUT, KMA_OPTION_POINT };
-
-#define KMA_ENDS_OPTIONS                                                                                               \
-  {"input",                                                                                                            \
-   KMA_OPTION_INPUT,                                                                                                   \
-   "JOINT",                                                                                                            \
-   0,                                                                                                                  \
-   "What is pushed: a joint, or BODY/FRAME:DX,DY,DZ, a point along a direction (default: the model's "                 \
-   "analysis.mechanical_advantage)",                                                                                   \
-   1},                                                                                                                 \
-      {"output", KMA_OPTION_OUTPUT, "JOINT", 0, "What pushes: a joint, or a point in the same way", 1},
+void kma_ends_options_add(kt_options *out, kma_ends_options *options);
 
 /* Does a point end with a direction? */
 bool kma_has_direction(const char *text);

@@ -1,3 +1,4 @@
+/* kma's commands. */
 #include "kma/kma.h"
 
 static const kt_command commands[] = {

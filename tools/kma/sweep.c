@@ -15,8 +15,6 @@ typedef struct options {
   bool transmission;
 } options;
 
-enum { OPTION_TRANSMISSION = 0x4101 };
-
 /* What is made of one model. */
 typedef struct product {
   kma_ends ends;
@@ -24,57 +22,29 @@ typedef struct product {
   km_transmission transmission; /* of the last row; for a report */
 } product;
 
-#define POINT_OPTION                                                                                                   \
-  {                                                                                                                    \
-    "point", KMA_OPTION_POINT, "BODY/FRAME[:DX,DY,DZ]", 0,                                                             \
-        "With a direction: a point as output (a second one: as input before it); without: add the path of a frame's "  \
-        "origin (repeatable)",                                                                                         \
-        1                                                                                                              \
-  }
+/* A point with a direction is an end, one without is a path to add. */
+static void part_points(options *o) {
+  kt_texts *points = &o->ends.points;
+  int ends = 0;
+  for (int i = 0; i < points->count; ++i)
+    if (kma_has_direction(points->items[i]))
+      points->items[ends++] = points->items[i];
+    else
+      o->sweep.points.items[o->sweep.points.count++] = points->items[i];
+  points->count = ends;
+}
 
-static const struct argp_option table[] = {
-    KMA_ENDS_OPTIONS POINT_OPTION,
-    {"transmission", OPTION_TRANSMISSION, NULL, 0,
-     "Add transmission angle, virtual coefficient, Sutherland-Roth and Chen-Angeles indices, manipulability and "
-     "condition "
-     "number as columns; nan where undefined",
-     1},
-    KT_FORMAT_OPTION,
-    {NULL, 'o', "BASE", 0, "Files are BASE.advantage.FORMAT (default: the model's name); - is the standard output", 2},
-    {0}};
-
-static const struct argp_option report_table[] = {KMA_ENDS_OPTIONS POINT_OPTION,
-                                                  KT_REPORT_FORMAT_OPTION,
-                                                  {NULL, 'o', "BASE", 0, KT_REPORT_BASE("advantage-report"), 2},
-                                                  {0}};
-
-static error_t parse(int key, char *arg, struct argp_state *state) {
-  options *o = state->input;
-  switch (key) {
-  case ARGP_KEY_INIT:
-    state->child_inputs[0] = &o->sweep;
-    return 0;
-  case KMA_OPTION_INPUT:
-    o->ends.input = arg;
-    return 0;
-  case KMA_OPTION_OUTPUT:
-    o->ends.output = arg;
-    return 0;
-  case KMA_OPTION_POINT:
-    kt_texts_add(kma_has_direction(arg) ? &o->ends.points : &o->sweep.points, arg, state);
-    return 0;
-  case OPTION_TRANSMISSION:
-    o->transmission = true;
-    return 0;
-  case KT_OPTION_FORMAT:
-    o->sweep.format = arg;
-    return 0;
-  case 'o':
-    o->sweep.base = arg;
-    return 0;
-  default:
-    return ARGP_ERR_UNKNOWN;
-  }
+static void read_options(options *o, kt_options *all, const char *about, int argc, char **argv) {
+  const kt_option point[] = {
+      {"point", 0, "BODY/FRAME[:DX,DY,DZ]",
+       "With a direction: a point as output (a second one: as input before it); without: add the path of a frame's "
+       "origin (repeatable)",
+       KT_TEXTS, &o->ends.points, KT_ABOUT_MODEL}};
+  kma_ends_options_add(all, &o->ends);
+  KT_OPTIONS_ADD(all, point);
+  kt_options_read(all, about, argc, argv);
+  part_points(o);
+  o->sweep.own = o;
 }
 
 static kt_exit prepare(kt_sweep_job *j) {
@@ -125,25 +95,24 @@ static void free_own(kt_sweep_job *j) {
 
 kt_exit kma_sweep(int argc, char **argv) {
   static const kt_sweeping sweeping = {"advantage", prepare, run, print, rows, record, plot, free_own};
-  const struct argp_child children[] = {{&kt_sweep_argp, 0, NULL, 0}, {0}};
-  const struct argp argp = {
-      table,
-      parse,
-      "MODEL...",
+  options o = {.sweep = {.common = KT_COMMON("kma")}};
+  kt_options all = {0};
+  const kt_option transmission[] = {
+      {"transmission", 0, NULL,
+       "Add transmission angle, virtual coefficient, Sutherland-Roth and Chen-Angeles indices, manipulability and "
+       "condition number as columns; nan where undefined",
+       KT_FLAG, &o.transmission, KT_ABOUT_MODEL}};
+  kt_sweep_options_several(&all, &o.sweep, KT_SWEEP_BASE("advantage"));
+  KT_OPTIONS_ADD(&all, transmission);
+  read_options(
+      &o, &all,
       "Mechanical advantage of an input over an output over the range of a driver, with its toggles and extremes."
       "\vColumns beside those of every sweep: ma.INPUT/OUTPUT, with a unit such as _rad/mm where it mixes an angle and "
-      "a "
-      "length (inf, nan where infinite, undefined); force_ratio.INPUT/OUTPUT with the joints' friction, where there is "
-      "some; with --transmission transmission_angle, virtual_coefficient, sutherland_roth, chen_angeles, "
-      "manipulability, "
-      "condition_number. JSON adds input, output, method, toggles [{state, s}], minimum and maximum {value, s, state}, "
-      "held_joints.",
-      children,
-      NULL,
-      NULL};
-  options o = {.sweep = {.common = {.tool = "kma", .jobs = 1, .seed = 1}}};
-  o.sweep.own = &o;
-  kt_parse(&argp, argc, argv, &o);
+      "a length (inf, nan where infinite, undefined); force_ratio.INPUT/OUTPUT with the joints' friction, where there "
+      "is some; with --transmission transmission_angle, virtual_coefficient, sutherland_roth, chen_angeles, "
+      "manipulability, condition_number. JSON adds input, output, method, toggles [{state, s}], minimum and maximum "
+      "{value, s, state}, held_joints.",
+      argc, argv);
   return kt_sweep(&o.sweep, &sweeping);
 }
 
@@ -175,17 +144,12 @@ static km_status write_report(const kt_sweep_job *j, bool html, km_text *out, km
 
 kt_exit kma_report(int argc, char **argv) {
   static const kt_reporting reporting = {"advantage-report", prepare, run_report, write_report, free_own};
-  const struct argp_child children[] = {{&kt_sweep_argp, 0, NULL, 0}, {0}};
-  const struct argp argp = {report_table,
-                            parse,
-                            "MODEL",
-                            "A report to hand on: the mechanism in its poses, the leverage curve with its extremes and "
-                            "toggles, transmission metrics and a table, as PDF pages or one HTML file.",
-                            children,
-                            NULL,
-                            NULL};
-  options o = {.sweep = {.common = {.tool = "kma", .jobs = 1, .seed = 1}}};
-  o.sweep.own = &o;
-  kt_parse(&argp, argc, argv, &o);
+  options o = {.sweep = {.common = KT_COMMON("kma")}};
+  kt_options all = {0};
+  kt_report_options(&all, &o.sweep, KT_REPORT_BASE("advantage-report"));
+  read_options(&o, &all,
+               "A report to hand on: the mechanism in its poses, the leverage curve with its extremes and toggles, "
+               "transmission metrics and a table, as PDF pages or one HTML file.",
+               argc, argv);
   return kt_report(&o.sweep, &reporting);
 }

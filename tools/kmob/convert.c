@@ -10,52 +10,11 @@
 #include <string.h>
 #include <unistd.h>
 
-enum { OPTION_SET = 0x4001, OPTION_HOLD, OPTION_UNITS };
-
 typedef struct options {
   kt_common common;
   kt_texts holds, sets;
   const char *model, *file, *units;
 } options;
-
-static const struct argp_option convert_options[] = {
-    {"units", OPTION_UNITS, "LIST", 0,
-     "Units to write: words or symbols, as millimeters,deg (default: the model's own)", 1},
-    {"set", OPTION_SET, "JOINT=VALUE", 0, "Write another pose: move a joint to a value", 1},
-    {"hold", OPTION_HOLD, "JOINT=VALUE", 0, "Keep a joint rigid at a value on the way", 1},
-    {"base", 'o', "FILE", 0, "Write FILE instead of the standard output", 1},
-    {0}};
-
-static const struct argp_option plain_options[] = {
-    {"base", 'o', "FILE", 0, "Write FILE instead of the standard output", 1}, {0}};
-
-static error_t parse(int key, char *arg, struct argp_state *state) {
-  options *o = state->input;
-  switch (key) {
-  case ARGP_KEY_INIT:
-    state->child_inputs[0] = &o->common;
-    return 0;
-  case OPTION_SET:
-    kt_texts_add(&o->sets, arg, state);
-    return 0;
-  case OPTION_HOLD:
-    kt_texts_add(&o->holds, arg, state);
-    return 0;
-  case OPTION_UNITS:
-    o->units = arg;
-    return 0;
-  case 'o':
-    o->file = arg;
-    return 0;
-  case ARGP_KEY_ARG:
-    if (o->model)
-      argp_error(state, "found a second argument \"%s\"; expected one", arg);
-    o->model = arg;
-    return 0;
-  default:
-    return ARGP_ERR_UNKNOWN;
-  }
-}
 
 static kt_exit write_file(const options *o, const km_text *text) {
   km_error error;
@@ -142,22 +101,22 @@ static kt_exit convert_pose(const options *o, const kt_pose *pose) {
   return result;
 }
 
-static options read_options(const struct argp_option *table, const char *arguments, const char *about, int argc,
-                            char **argv) {
-  const struct argp_child children[] = {{&kt_common_argp, 0, NULL, 90}, {0}};
-  const struct argp argp = {table, parse, arguments, about, children, NULL, NULL};
-  options o = {.common = {.tool = "kmob", .jobs = 1, .seed = 1}};
-  kt_parse(&argp, argc, argv, &o);
-  return o;
-}
+#define KMOB_FILE(TARGET)                                                                                              \
+  { "base", 'o', "FILE", "Write FILE instead of the standard output", KT_TEXT, TARGET, KT_ABOUT_FILES }
 
 kt_exit kmob_convert(int argc, char **argv) {
-  options o =
-      read_options(convert_options, "MODEL", "Write the checked model: other units, the assembled pose.", argc, argv);
-  if (!o.model) {
-    kt_say(&o.common, KM_ERROR, "no model is given (kmob convert --help)");
-    return KT_USAGE;
-  }
+  options o = {.common = KT_COMMON("kmob")};
+  kt_options all = {.operand = {"model", "MODEL", true, &o.model, NULL}};
+  const kt_option table[] = {
+      {"units", 0, "LIST", "Units to write: words or symbols, as millimeters,deg (default: the model's own)", KT_TEXT,
+       &o.units, KT_ABOUT_MODEL},
+      KT_SET(&o.sets, "Write another pose: move a joint to a value"),
+      KT_HOLD(&o.holds, "Keep a joint rigid at a value on the way"),
+      KMOB_FILE(&o.file),
+  };
+  KT_OPTIONS_ADD(&all, table);
+  kt_common_options(&all, &o.common, 0);
+  kt_options_read(&all, "Write the checked model: other units, the assembled pose.", argc, argv);
   kt_pose pose;
   kt_exit result = kt_open(&o.common, o.model, &o.holds, &o.sets, &pose);
   if (result == KT_DONE)
@@ -199,10 +158,11 @@ static const char starter[] = "{\n"
                               "}\n";
 
 kt_exit kmob_new(int argc, char **argv) {
-  static const struct argp_option none[] = {{0}};
-  options o = read_options(none, "NAME", "Write NAME.json, a four-bar linkage to start from; - is the standard output.",
-                           argc, argv);
-  if (!o.model || !o.model[0]) {
+  options o = {.common = KT_COMMON("kmob")};
+  kt_options all = {.operand = {"name", "NAME", true, &o.model, NULL}};
+  kt_common_options(&all, &o.common, KT_USES_FORCE);
+  kt_options_read(&all, "Write NAME.json, a four-bar linkage to start from; - is the standard output.", argc, argv);
+  if (!o.model[0]) {
     kt_say(&o.common, KM_ERROR, "no name is given (kmob new --help)");
     return KT_USAGE;
   }
@@ -213,8 +173,8 @@ kt_exit kmob_new(int argc, char **argv) {
   km_text_format(&path, "%s%s", o.model, named || strcmp(o.model, "-") == 0 ? "" : ".json");
   kt_exit result = KT_INTERNAL;
   o.file = path.data;
-  if (path.data && strcmp(path.data, "-") != 0 && access(path.data, F_OK) == 0) {
-    kt_say(&o.common, KM_ERROR, "%s: exists already; expected a new name", path.data);
+  if (path.data && !o.common.force && strcmp(path.data, "-") != 0 && access(path.data, F_OK) == 0) {
+    kt_say(&o.common, KM_ERROR, "%s: exists already; expected a new name, or --force", path.data);
     result = KT_USAGE;
   } else if (path.data) {
     result = write_file(&o, &text);
@@ -227,11 +187,12 @@ kt_exit kmob_new(int argc, char **argv) {
 }
 
 kt_exit kmob_schema(int argc, char **argv) {
-  options o = read_options(plain_options, "", "The JSON schema of the model format.", argc, argv);
-  if (o.model) {
-    kt_say(&o.common, KM_ERROR, "found \"%s\"; expected no argument", o.model);
-    return KT_USAGE;
-  }
+  options o = {.common = KT_COMMON("kmob")};
+  kt_options all = {0};
+  const kt_option table[] = {KMOB_FILE(&o.file)};
+  KT_OPTIONS_ADD(&all, table);
+  kt_common_options(&all, &o.common, 0);
+  kt_options_read(&all, "The JSON schema of the model format.", argc, argv);
   km_arena arena = {0};
   const km_value *schema = km_format_schema(&arena);
   kt_exit result = schema ? write_value(&o, schema) : KT_INTERNAL;

@@ -7,95 +7,6 @@
 #include <stdio.h>
 #include <string.h>
 
-enum {
-  OPTION_HOLD = 0x4001,
-  OPTION_SET,
-  OPTION_AT,
-  OPTION_POSES,
-  OPTION_TRACE,
-  OPTION_VIEW,
-  OPTION_BODIES,
-  OPTION_MESHES,
-  OPTION_SIZE,
-  OPTION_IGNORE,
-  OPTION_FORMAT
-};
-
-static const struct argp_option table[] = {
-    {"at", OPTION_AT, "JOINT=VALUE", 0,
-     "Draw the pose at a joint's value (x,y,… for several coordinates); repeatable: "
-     "the first in full, the others pale",
-     1},
-    {"poses", OPTION_POSES, "N", 0, "Draw N poses along the model's analysis.sweep", 1},
-    {"trace", OPTION_TRACE, "BODY/FRAME", 0, "Draw the path of a frame's origin over the model's sweep (repeatable)",
-     1},
-    {"hold", OPTION_HOLD, "JOINT=VALUE", 0, "Keep a joint rigid at a value", 1},
-    {"set", OPTION_SET, "JOINT=VALUE", 0, "Start from another pose: move a joint to a value first", 1},
-    {"ignore-limits", OPTION_IGNORE, NULL, 0, "Pass joint limits", 1},
-    {"view", OPTION_VIEW, "VIEW", 0, "xy, xz, yz, iso, or auto: the plane of motion, if there is one (default)", 2},
-    {"bodies", OPTION_BODIES, NULL, 0, "Name the bodies too", 2},
-    {"meshes", OPTION_MESHES, NULL, 0, "Draw bodies by their meshes, where they have one", 2},
-    {"size", OPTION_SIZE, "WxH", 0, "Size of the page in points (1/72 inch)", 2},
-    {"format", OPTION_FORMAT, "LIST", 0, "Some of svg,pdf,png (default svg)", 2},
-    {"base", 'o', "BASE", 0, "Files are BASE.motion.FORMAT (default: the model's name)", 2},
-    {0}};
-
-static error_t parse(int key, char *arg, struct argp_state *state) {
-  kmob_draw_options *o = state->input;
-  switch (key) {
-  case ARGP_KEY_INIT:
-    state->child_inputs[0] = &o->common;
-    return 0;
-  case OPTION_AT:
-    kt_texts_add(&o->at, arg, state);
-    return 0;
-  case OPTION_POSES:
-    o->poses = arg;
-    return 0;
-  case OPTION_TRACE:
-    kt_texts_add(&o->traces, arg, state);
-    return 0;
-  case OPTION_HOLD:
-    kt_texts_add(&o->holds, arg, state);
-    return 0;
-  case OPTION_SET:
-    kt_texts_add(&o->sets, arg, state);
-    return 0;
-  case OPTION_IGNORE:
-    o->ignore_limits = true;
-    return 0;
-  case OPTION_VIEW:
-    o->view = arg;
-    return 0;
-  case OPTION_BODIES:
-    o->bodies = true;
-    return 0;
-  case OPTION_MESHES:
-    o->meshes = true;
-    return 0;
-  case OPTION_SIZE:
-    o->size = arg;
-    return 0;
-  case OPTION_FORMAT:
-    if (!kt_formats_parse(&o->common, arg, &o->formats))
-      argp_failure(state, KT_USAGE, 0, "try --help");
-    return 0;
-  case 'o':
-    o->base = arg;
-    return 0;
-  case ARGP_KEY_ARG:
-    if (o->path)
-      argp_error(state, "one model at a time; found \"%s\" too", arg);
-    o->path = arg;
-    return 0;
-  case ARGP_KEY_NO_ARGS:
-    argp_error(state, "no model is given");
-    return 0;
-  default:
-    return ARGP_ERR_UNKNOWN;
-  }
-}
-
 static kt_exit read_size(const kmob_draw_options *o, km_drawing *drawing) {
   const char *x = strchr(o->size, 'x');
   char width[32];
@@ -109,8 +20,14 @@ static kt_exit read_size(const kmob_draw_options *o, km_drawing *drawing) {
 }
 
 /* What needs no model. */
-static kt_exit read_options(const kmob_draw_options *o, km_drawing *drawing, int *poses) {
+static kt_exit read_options(kmob_draw_options *o, km_drawing *drawing, int *poses) {
   double count = 0.0;
+  if (o->models.count > 1) {
+    kt_say(&o->common, KM_ERROR, "one model at a time; found \"%s\" too", o->models.items[1]);
+    return KT_USAGE;
+  }
+  if (!kt_formats_parse(&o->common, o->format ? o->format : "svg", &o->formats))
+    return KT_USAGE;
   if (o->formats.wanted[KT_CSV] || o->formats.wanted[KT_JSON])
     return kt_usage(&o->common, "--format", o->formats.wanted[KT_CSV] ? "csv" : "json", "some of svg,pdf,png");
   if (o->base && strcmp(o->base, "-") == 0)
@@ -146,14 +63,37 @@ static kt_exit write_files(const kmob_draw_options *o, const km_drawing *drawing
   return result;
 }
 
+static void add_options(kt_options *out, kmob_draw_options *o) {
+  const kt_option table[] = {
+      {"at", 0, "JOINT=VALUE",
+       "Draw the pose at a joint's value (x,y,… for several coordinates); repeatable: the first in full, the others "
+       "pale",
+       KT_TEXTS, &o->at, KT_ABOUT_MODEL},
+      {"poses", 0, "N", "Draw N poses along the model's analysis.sweep", KT_TEXT, &o->poses, KT_ABOUT_MODEL},
+      {"trace", 0, "BODY/FRAME", "Draw the path of a frame's origin over the model's sweep (repeatable)", KT_TEXTS,
+       &o->traces, KT_ABOUT_MODEL},
+      KT_HOLD(&o->holds, "Keep a joint rigid at a value"),
+      KT_SET(&o->sets, KT_SET_FIRST),
+      {"ignore-limits", 0, NULL, "Pass joint limits", KT_FLAG, &o->ignore_limits, KT_ABOUT_MODEL},
+      {"view", 0, "VIEW", "xy, xz, yz, iso, or auto: the plane of motion, if there is one (default)", KT_TEXT, &o->view,
+       KT_ABOUT_FILES},
+      {"bodies", 0, NULL, "Name the bodies too", KT_FLAG, &o->bodies, KT_ABOUT_FILES},
+      {"meshes", 0, NULL, "Draw bodies by their meshes, where they have one", KT_FLAG, &o->meshes, KT_ABOUT_FILES},
+      {"size", 0, "WxH", "Size of the page in points (1/72 inch)", KT_TEXT, &o->size, KT_ABOUT_FILES},
+      {"format", 0, "LIST", "Some of svg,pdf,png (default svg)", KT_TEXT, &o->format, KT_ABOUT_FILES},
+      KT_BASE(&o->base, "Files are BASE.motion.FORMAT (default: the model's name)"),
+  };
+  KT_OPTIONS_ADD(out, table);
+  kt_common_options(out, &o->common, 0);
+  out->operand = (kt_operand){"model", "MODEL", true, NULL, &o->models};
+}
+
 kt_exit kmob_draw(int argc, char **argv) {
-  const struct argp_child children[] = {{&kt_common_argp, 0, NULL, 90}, {0}};
-  const struct argp argp = {
-      table,    parse, "MODEL", "A picture of the mechanism: links, joints, poses, paths of points.",
-      children, NULL,  NULL};
-  kmob_draw_options o = {.common = {.tool = "kmob", .jobs = 1, .seed = 1}};
-  o.formats.wanted[KT_SVG] = true;
-  kt_parse(&argp, argc, argv, &o);
+  kmob_draw_options o = {.common = KT_COMMON("kmob")};
+  kt_options all = {0};
+  add_options(&all, &o);
+  kt_options_read(&all, "A picture of the mechanism: links, joints, poses, paths of points.", argc, argv);
+  o.path = o.models.items[0];
   km_drawing drawing = {0};
   kmob_shots shots = {.options = &o};
   kt_exit result = read_options(&o, &drawing, &shots.asked);

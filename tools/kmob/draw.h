@@ -7,8 +7,8 @@
 
 typedef struct kmob_draw_options {
   kt_common common;
-  kt_texts holds, sets, at, traces;
-  const char *path, *poses, *view, *size, *base;
+  kt_texts models, holds, sets, at, traces;
+  const char *path, *poses, *view, *size, *format, *base;
   kt_formats formats;
   bool bodies, meshes, ignore_limits;
 } kmob_draw_options;

@@ -13,61 +13,26 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
-enum { OPTION_FORMAT = 0x5001 };
-
 typedef struct options {
   kt_common common;
-  const char *model, *base;
+  const char *model, *format, *base;
   bool dot, svg;
 } options;
 
-static const struct argp_option table[] = {
-    {"format", OPTION_FORMAT, "LIST", 0, "Some of dot,svg (default dot); svg needs graphviz' program `dot`", 1},
-    {"base", 'o', "BASE", 0,
-     "Write BASE.graph.FORMAT (default: one format goes to the standard output, several into "
-     "files with the model's name)",
-     1},
-    {0}};
-
-static void parse_formats(options *o, const char *text, struct argp_state *state) {
-  const char *rest = text;
-  o->dot = o->svg = false;
+static kt_exit read_formats(options *o) {
+  const char *rest = o->format ? o->format : "dot";
   for (char last = ','; last == ',';) {
     kt_piece piece = kt_split(&rest, ",");
     const char *word = piece.text ? piece.text : "";
     bool dot = strcmp(word, "dot") == 0, svg = strcmp(word, "svg") == 0;
     km_free(piece.text);
     if (!dot && !svg)
-      argp_error(state, "--format %s: expected some of dot,svg", text);
+      return kt_usage(&o->common, "--format", o->format, "some of dot,svg");
     o->dot = o->dot || dot;
     o->svg = o->svg || svg;
     last = piece.separator;
   }
-}
-
-static error_t parse(int key, char *arg, struct argp_state *state) {
-  options *o = state->input;
-  switch (key) {
-  case ARGP_KEY_INIT:
-    state->child_inputs[0] = &o->common;
-    return 0;
-  case OPTION_FORMAT:
-    parse_formats(o, arg, state);
-    return 0;
-  case 'o':
-    o->base = arg;
-    return 0;
-  case ARGP_KEY_ARG:
-    if (o->model)
-      argp_error(state, "found a second model \"%s\"; expected one", arg);
-    o->model = arg;
-    return 0;
-  case ARGP_KEY_NO_ARGS:
-    argp_error(state, "no model is given");
-    return 0;
-  default:
-    return ARGP_ERR_UNKNOWN;
-  }
+  return KT_DONE;
 }
 
 /* The topology alone: loops need not close, so that a model that doesn't assemble can be looked at too. */
@@ -191,16 +156,20 @@ static kt_exit run(const options *o) {
 }
 
 kt_exit kmob_graph(int argc, char **argv) {
-  const struct argp_child children[] = {{&kt_common_argp, 0, NULL, 90}, {0}};
-  const struct argp argp = {table,
-                            parse,
-                            "MODEL",
-                            "Bodies, joints, loops and kinematic substructures as a graph, in "
-                            "the DOT language or drawn by graphviz.",
-                            children,
-                            NULL,
-                            NULL};
-  options o = {.common = {.tool = "kmob", .jobs = 1, .seed = 1}, .dot = true};
-  kt_parse(&argp, argc, argv, &o);
-  return run(&o);
+  options o = {.common = KT_COMMON("kmob")};
+  kt_options all = {.operand = {"model", "MODEL", true, &o.model, NULL}};
+  const kt_option table[] = {
+      {"format", 0, "LIST", "Some of dot,svg (default dot); svg needs graphviz' program `dot`", KT_TEXT, &o.format,
+       KT_ABOUT_FILES},
+      KT_BASE(&o.base, "Write BASE.graph.FORMAT (default: one format goes to the standard output, several into files "
+                       "with the model's name)"),
+  };
+  KT_OPTIONS_ADD(&all, table);
+  kt_common_options(&all, &o.common, 0);
+  kt_options_read(&all,
+                  "Bodies, joints, loops and kinematic substructures as a graph, in the DOT language or drawn by "
+                  "graphviz.",
+                  argc, argv);
+  kt_exit result = read_formats(&o);
+  return result == KT_DONE ? run(&o) : result;
 }

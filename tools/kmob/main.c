@@ -1,3 +1,4 @@
+/* kmob's commands. */
 #include "kmob/kmob.h"
 
 static const kt_command commands[] = {

@@ -5,8 +5,6 @@
 #include "report/plot/mobility_plot.h"
 #include "report/record/mobility_record.h"
 
-enum { OPTION_POINT = 0x3101, OPTION_SINGULARITIES };
-
 typedef struct options {
   kt_sweep_options sweep;
   bool singularities;
@@ -17,37 +15,6 @@ typedef struct findings {
   km_mobility_sweep sweep;
   km_sweep_redundancies redundancies;
 } findings;
-
-static const struct argp_option table[] = {
-    {"point", OPTION_POINT, "BODY/FRAME", 0, "Add the path of a frame's origin (repeatable)", 1},
-    {"singularities", OPTION_SINGULARITIES, NULL, 0,
-     "Add the smallest kept singular value, and locate its minima: where mobility is nearly gained", 1},
-    KT_FORMAT_OPTION,
-    {"base", 'o', "BASE", 0, "Files are BASE.mobility.FORMAT (default: the model's name); - is the standard output", 2},
-    {0}};
-
-static error_t parse(int key, char *arg, struct argp_state *state) {
-  options *o = state->input;
-  switch (key) {
-  case ARGP_KEY_INIT:
-    state->child_inputs[0] = &o->sweep;
-    return 0;
-  case OPTION_POINT:
-    kt_texts_add(&o->sweep.points, arg, state);
-    return 0;
-  case OPTION_SINGULARITIES:
-    o->singularities = true;
-    return 0;
-  case KT_OPTION_FORMAT:
-    o->sweep.format = arg;
-    return 0;
-  case 'o':
-    o->sweep.base = arg;
-    return 0;
-  default:
-    return ARGP_ERR_UNKNOWN;
-  }
-}
 
 static km_status run(kt_sweep_job *j, const km_sweep **motion, km_error *error) {
   const options *o = j->options->own;
@@ -99,11 +66,17 @@ static void free_own(kt_sweep_job *j) {
 
 kt_exit kmob_sweep(int argc, char **argv) {
   static const kt_sweeping sweeping = {"mobility", NULL, run, print, rows, record, plot, free_own};
-  const struct argp_child children[] = {{&kt_sweep_argp, 0, NULL, 0}, {0}};
-  const struct argp argp = {table,    parse, "MODEL...", "Mobility numbers of every joint over the range of a driver.",
-                            children, NULL,  NULL};
-  options o = {.sweep = {.common = {.tool = "kmob", .jobs = 1, .seed = 1}}};
+  options o = {.sweep = {.common = KT_COMMON("kmob")}};
+  kt_options all = {0};
+  const kt_option table[] = {
+      KT_PATH_POINT(&o.sweep.points),
+      {"singularities", 0, NULL,
+       "Add the smallest kept singular value, and locate its minima: where mobility is nearly gained", KT_FLAG,
+       &o.singularities, KT_ABOUT_MODEL},
+  };
+  kt_sweep_options_several(&all, &o.sweep, KT_SWEEP_BASE("mobility"));
+  KT_OPTIONS_ADD(&all, table);
+  kt_options_read(&all, "Mobility numbers of every joint over the range of a driver.", argc, argv);
   o.sweep.own = &o;
-  kt_parse(&argp, argc, argv, &o);
   return kt_sweep(&o.sweep, &sweeping);
 }

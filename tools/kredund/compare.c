@@ -16,14 +16,14 @@ static kt_exit run(const kredund_request *request, kt_formats formats) {
 }
 
 kt_exit kredund_compare(int argc, char **argv) {
-  struct argp argp = kredund_tracks_argp;
-  argp.args_doc = "STUDY";
-  argp.doc = "Several methods on one path: their tracks, a table, and the map of self-motions with the "
-             "tracks on it. Without methods in the study: greedy, lookahead, fixed, dls, gradient, "
-             "dp, global.";
-  kredund_request request;
+  kredund_request request = {.common = KT_COMMON("kredund")};
+  kt_options all = {0};
   kt_formats formats;
-  if (!kredund_tracks_read(&argp, argc, argv, &request, &formats))
+  if (!kredund_tracks_read(&all,
+                           "Several methods on one path: their tracks, a table, and the map of self-motions with the "
+                           "tracks on it. Without methods in the study: greedy, lookahead, fixed, dls, gradient, dp, "
+                           "global.",
+                           argc, argv, &request, &formats))
     return KT_USAGE;
   request.everything = true;
   return run(&request, formats);

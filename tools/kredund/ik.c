@@ -8,37 +8,6 @@
 
 #include <string.h>
 
-enum { OPTION_FORMAT = 0x3001, OPTION_POSE };
-
-static const struct argp_option table[] = {
-    {"pose", OPTION_POSE, "X,Y,Z,RX,RY,RZ", 0,
-     "The effector's pose in the inertial frame: place and rotation vector, in the model's units", 1},
-    {"format", OPTION_FORMAT, "FORMAT", 0, "table (default) or json", 3},
-    {"base", 'o', "BASE", 0, "Write BASE.ik.txt or .json instead of the standard output", 3},
-    {0}};
-
-static error_t parse(int key, char *arg, struct argp_state *state) {
-  kredund_request *r = state->input;
-  switch (key) {
-  case ARGP_KEY_INIT:
-    state->child_inputs[0] = r;
-    return 0;
-  case OPTION_FORMAT:
-    r->formats = arg;
-    if (strcmp(arg, "json") != 0 && strcmp(arg, "table") != 0)
-      argp_error(state, "--format %s: expected table or json", arg);
-    return 0;
-  case OPTION_POSE:
-    r->pose = arg;
-    return 0;
-  case 'o':
-    r->base = arg;
-    return 0;
-  default:
-    return ARGP_ERR_UNKNOWN;
-  }
-}
-
 static void fill(const km_pose *pose, km_frame_pose *out) {
   for (int k = 0; k < 3; ++k) {
     out->R[k] = pose->R.axis[k].x;
@@ -84,12 +53,11 @@ static kt_exit find_target(const kredund_request *r, const kredund_open *open, k
 }
 
 static kt_exit answer(const kredund_request *r, const km_value *record, km_text *text, km_arena *arena) {
-  bool json = r->formats && strcmp(r->formats, "json") == 0;
-  if (json && record)
+  if (r->json && record)
     km_json_write(record, text);
   if (arena->failed)
     text->failed = true;
-  return r->base ? kt_write(&r->common, r->base, "ik", json ? "json" : "txt", text) : kt_print(&r->common, text);
+  return r->base ? kt_write(&r->common, r->base, "ik", r->json ? "json" : "txt", text) : kt_print(&r->common, text);
 }
 
 static kt_exit run(const kredund_request *r, const kredund_open *open) {
@@ -107,10 +75,9 @@ static kt_exit run(const kredund_request *r, const kredund_open *open) {
     kt_say(&r->common, KM_ERROR, "%s: %s", open->name, error.text);
     result = kt_exit_of(status);
   } else {
-    bool json = r->formats && strcmp(r->formats, "json") == 0;
-    if (!json)
+    if (!r->json)
       km_branches_print(arm, &branches, open->name, &text);
-    result = answer(r, json ? km_branches_record(arm, &branches, open->model, &arena) : NULL, &text, &arena);
+    result = answer(r, r->json ? km_branches_record(arm, &branches, open->model, &arena) : NULL, &text, &arena);
     if (result == KT_DONE && branches.within == 0) {
       kt_say(&r->common, KM_ERROR, "%s: no branch has a pose within the joint limits", open->name);
       result = KT_PARTIAL;
@@ -123,17 +90,22 @@ static kt_exit run(const kredund_request *r, const kredund_open *open) {
 }
 
 kt_exit kredund_ik(int argc, char **argv) {
-  const struct argp_child children[] = {{&kredund_request_argp, 0, NULL, 0}, {0}};
-  const struct argp argp = {table,
-                            parse,
-                            "STUDY",
-                            "Every branch of poses that reach a pose of the effector: one self-motion each, with its "
-                            "closed length or its arcs within the limits.",
-                            children,
-                            NULL,
-                            NULL};
-  kredund_request r = {.common = {.tool = "kredund", .jobs = 1, .seed = 1}};
-  kt_parse(&argp, argc, argv, &r);
+  kredund_request r = {.common = KT_COMMON("kredund")};
+  kt_options all = {0};
+  const kt_option table[] = {
+      {"pose", 0, "X,Y,Z,RX,RY,RZ",
+       "The effector's pose in the inertial frame: place and rotation vector, in the model's units", KT_TEXT, &r.pose,
+       KT_ABOUT_MODEL},
+      {"format", 0, "FORMAT", "table (default) or json", KT_WORD("table or json"), &r.json, KT_ABOUT_FILES},
+      KT_BASE(&r.base, KT_REQUEST_BASE("ik")),
+  };
+  kredund_arm_options(&all, &r);
+  KT_OPTIONS_ADD(&all, table);
+  kt_common_options(&all, &r.common, KT_USES_SEED);
+  kt_options_read(&all,
+                  "Every branch of poses that reach a pose of the effector: one self-motion each, with its closed "
+                  "length or its arcs within the limits.",
+                  argc, argv);
   kredund_open open;
   kt_exit result = kredund_bring(&r, false, &open);
   if (result == KT_DONE)

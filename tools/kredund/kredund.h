@@ -20,12 +20,14 @@ typedef struct kredund_request {
   const char *branches, *levels, *angle, *stride, *value; /* of look-ahead */
   const char *pose;                                       /* ik: x,y,z,rx,ry,rz */
   const char *formats, *base;
+  int json;           /* ik: else a table for people */
   bool everything;    /* without methods: all of them */
   bool ignore_limits; /* selfmotion: rows outside the limits too */
 } kredund_request;
 
-/* Child parsers whose input is a kredund_request: the arm and the path; and the methods too. */
-extern const struct argp kredund_request_argp, kredund_methods_argp;
+/* The options of the arm and the path; those of the methods. */
+void kredund_arm_options(kt_options *out, kredund_request *request);
+void kredund_method_options(kt_options *out, kredund_request *request);
 
 /* A study on its model, at its pose. */
 typedef struct kredund_open {

@@ -1,3 +1,4 @@
+/* kredund's commands. */
 #include "kredund/kredund.h"
 
 static const kt_command commands[] = {

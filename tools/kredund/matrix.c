@@ -10,45 +10,13 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum { OPTION_FORMAT = 0x3001, MOST_SIDE = 2000 };
+enum { MOST_SIDE = 2000 };
 
 typedef struct options {
   kt_common common;
   const char *file, *base;
-  bool json;
+  int json;
 } options;
-
-static const struct argp_option table[] = {
-    {"format", OPTION_FORMAT, "FORMAT", 0, "csv (default) or json", 1},
-    {"base", 'o', "BASE", 0, "Write BASE.matrix.csv or .json instead of the standard output", 1},
-    {0}};
-
-static error_t parse(int key, char *arg, struct argp_state *state) {
-  options *o = state->input;
-  switch (key) {
-  case ARGP_KEY_INIT:
-    state->child_inputs[0] = &o->common;
-    return 0;
-  case OPTION_FORMAT:
-    o->json = strcmp(arg, "json") == 0;
-    if (!o->json && strcmp(arg, "csv") != 0)
-      argp_error(state, "--format %s: expected csv or json", arg);
-    return 0;
-  case 'o':
-    o->base = arg;
-    return 0;
-  case ARGP_KEY_ARG:
-    if (o->file)
-      argp_error(state, "found a second file \"%s\"; expected one", arg);
-    o->file = arg;
-    return 0;
-  case ARGP_KEY_NO_ARGS:
-    argp_error(state, "no file is given");
-    return 0;
-  default:
-    return ARGP_ERR_UNKNOWN;
-  }
-}
 
 /* Numbers row by row as they stand in the file. */
 typedef struct sheet {
@@ -195,18 +163,18 @@ static kt_exit solve(const options *o, const sheet *in) {
 }
 
 kt_exit kredund_matrix(int argc, char **argv) {
-  const struct argp_child children[] = {{&kt_common_argp, 0, NULL, 90}, {0}};
-  const struct argp argp = {
-      table,
-      parse,
-      "FILE.csv",
-      "Path-control and pose-control columns of the null space of a Jacobian, whose last column is "
-      "the path's: a CSV file without a header in, the same out.",
-      children,
-      NULL,
-      NULL};
-  options o = {.common = {.tool = "kredund", .jobs = 1, .seed = 1}};
-  kt_parse(&argp, argc, argv, &o);
+  options o = {.common = KT_COMMON("kredund")};
+  kt_options all = {.operand = {"file", "FILE.csv", true, &o.file, NULL}};
+  const kt_option table[] = {
+      {"format", 0, "FORMAT", "csv (default) or json", KT_WORD("csv or json"), &o.json, KT_ABOUT_FILES},
+      KT_BASE(&o.base, "Write BASE.matrix.csv or .json instead of the standard output"),
+  };
+  KT_OPTIONS_ADD(&all, table);
+  kt_common_options(&all, &o.common, 0);
+  kt_options_read(&all,
+                  "Path-control and pose-control columns of the null space of a Jacobian, whose last column is the "
+                  "path's: a CSV file without a header in, the same out.",
+                  argc, argv);
   sheet in = {0};
   kt_exit result = read_sheet(&o, &in);
   if (result == KT_DONE)

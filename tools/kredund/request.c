@@ -9,106 +9,41 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum {
-  OPTION_MODEL = 0x2001,
-  OPTION_PATH,
-  OPTION_EFFECTOR,
-  OPTION_Q,
-  OPTION_TASK,
-  OPTION_METHOD,
-  OPTION_OBJECTIVE,
-  OPTION_RATES,
-  OPTION_BRANCHES,
-  OPTION_LEVELS,
-  OPTION_ANGLE,
-  OPTION_STRIDE,
-  OPTION_VALUE,
-  OPTION_SET,
-  OPTION_HOLD
-};
-
-static const struct argp_option table[] = {
-    {"model", OPTION_MODEL, "FILE", 0, "The arm's model, instead of a study's", 1},
-    {"path", OPTION_PATH, "FILE", 0, "The path: a study, its \"path\" object, or a CSV file of poses", 1},
-    {"effector", OPTION_EFFECTOR, "BODY/FRAME", 0, "The frame that follows the path", 1},
-    {"q", OPTION_Q, "Q1,Q2,…", 0, "Joint values to start from, in the study's order or from the base out", 1},
-    {"set", OPTION_SET, "JOINT=VALUE", 0, "Move a joint of the model to a value first", 1},
-    {"hold", OPTION_HOLD, "JOINT=VALUE", 0, "Keep a joint of the model rigid at a value", 1},
-    {"task", OPTION_TASK, "TASK", 0, "pose (default), position, or axis (position and the z axis)", 1},
-    {"objective", OPTION_OBJECTIVE, "NAME", 0,
-     "path-control, manipulability, singular-value, limit-distance, joint-travel, rate-margin; or NAME=WEIGHT,…", 1},
-    {"rates", OPTION_RATES, "V1,V2,…", 0, "Largest joint speeds, in the order of --q", 1},
-    {0}};
-
-static const struct argp_option method_table[] = {
-    {"method", OPTION_METHOD, "M,…", 0,
-     "greedy (or pinv), lookahead, fixed, dls, gradient, dp, global: instead of the study's", 1},
-    {"branches", OPTION_BRANCHES, "N", 0, "Look-ahead: branches at a node, odd (3)", 2},
-    {"levels", OPTION_LEVELS, "N", 0, "Look-ahead: levels of the tree (3)", 2},
-    {"angle", OPTION_ANGLE, "DEGREES", 0, "Look-ahead: between branches (30); most of gradient, dp and global", 2},
-    {"stride", OPTION_STRIDE, "N", 0, "Look-ahead: samples a level (1/12 of the path); dp: a stage (1/24)", 2},
-    {"value", OPTION_VALUE, "WORD", 0, "Look-ahead: a leaf's value, min (default) or sum", 2},
-    {0}};
-
-/* Options of either table that are a text to keep. */
-static bool keep(kredund_request *r, int key, char *arg) {
-  const struct {
-    int key;
-    const char **at;
-  } plain[] = {{OPTION_MODEL, &r->model},         {OPTION_PATH, &r->path},
-               {OPTION_EFFECTOR, &r->effector},   {OPTION_Q, &r->q},
-               {OPTION_TASK, &r->task},           {OPTION_METHOD, &r->methods},
-               {OPTION_OBJECTIVE, &r->objective}, {OPTION_RATES, &r->rates},
-               {OPTION_BRANCHES, &r->branches},   {OPTION_LEVELS, &r->levels},
-               {OPTION_ANGLE, &r->angle},         {OPTION_STRIDE, &r->stride},
-               {OPTION_VALUE, &r->value}};
-  for (size_t i = 0; i < sizeof plain / sizeof *plain; ++i)
-    if (plain[i].key == key) {
-      *plain[i].at = arg;
-      return true;
-    }
-  return false;
+void kredund_arm_options(kt_options *out, kredund_request *r) {
+  const kt_option table[] = {
+      {"model", 0, "FILE", "The arm's model, instead of a study's", KT_TEXT, &r->model, KT_ABOUT_MODEL},
+      {"path", 0, "FILE", "The path: a study, its \"path\" object, or a CSV file of poses", KT_TEXT, &r->path,
+       KT_ABOUT_MODEL},
+      {"effector", 0, "BODY/FRAME", "The frame that follows the path", KT_TEXT, &r->effector, KT_ABOUT_MODEL},
+      {"q", 0, "Q1,Q2,…", "Joint values to start from, in the study's order or from the base out", KT_TEXT, &r->q,
+       KT_ABOUT_MODEL},
+      KT_SET(&r->sets, "Move a joint of the model to a value first"),
+      KT_HOLD(&r->holds, "Keep a joint of the model rigid at a value"),
+      {"task", 0, "TASK", "pose (default), position, or axis (position and the z axis)", KT_TEXT, &r->task,
+       KT_ABOUT_MODEL},
+      {"objective", 0, "NAME",
+       "path-control, manipulability, singular-value, limit-distance, joint-travel, rate-margin; or NAME=WEIGHT,…",
+       KT_TEXT, &r->objective, KT_ABOUT_MODEL},
+      {"rates", 0, "V1,V2,…", "Largest joint speeds, in the order of --q", KT_TEXT, &r->rates, KT_ABOUT_MODEL},
+  };
+  KT_OPTIONS_ADD(out, table);
+  out->operand = (kt_operand){"study", "STUDY", false, &r->study, NULL};
 }
 
-static error_t parse(int key, char *arg, struct argp_state *state) {
-  kredund_request *r = state->input;
-  if (keep(r, key, arg))
-    return 0;
-  switch (key) {
-  case ARGP_KEY_INIT:
-    state->child_inputs[0] = &r->common;
-    return 0;
-  case OPTION_SET:
-    kt_texts_add(&r->sets, arg, state);
-    return 0;
-  case OPTION_HOLD:
-    kt_texts_add(&r->holds, arg, state);
-    return 0;
-  case ARGP_KEY_ARG:
-    if (r->study)
-      argp_error(state, "found a second study \"%s\"; expected one", arg);
-    r->study = arg;
-    return 0;
-  case ARGP_KEY_END:
-    if (!r->study && !r->model)
-      argp_error(state, "found neither a study nor --model; expected one of them");
-    return 0;
-  default:
-    return ARGP_ERR_UNKNOWN;
-  }
+void kredund_method_options(kt_options *out, kredund_request *r) {
+  const kt_option table[] = {
+      {"method", 0, "M,…", "greedy (or pinv), lookahead, fixed, dls, gradient, dp, global: instead of the study's",
+       KT_TEXT, &r->methods, KT_ABOUT_MODEL},
+      {"branches", 0, "N", "Look-ahead: branches at a node, odd (3)", KT_TEXT, &r->branches, KT_ABOUT_METHOD},
+      {"levels", 0, "N", "Look-ahead: levels of the tree (3)", KT_TEXT, &r->levels, KT_ABOUT_METHOD},
+      {"angle", 0, "DEGREES", "Look-ahead: between branches (30); most of gradient, dp and global", KT_TEXT, &r->angle,
+       KT_ABOUT_METHOD},
+      {"stride", 0, "N", "Look-ahead: samples a level (1/12 of the path); dp: a stage (1/24)", KT_TEXT, &r->stride,
+       KT_ABOUT_METHOD},
+      {"value", 0, "WORD", "Look-ahead: a leaf's value, min (default) or sum", KT_TEXT, &r->value, KT_ABOUT_METHOD},
+  };
+  KT_OPTIONS_ADD(out, table);
 }
-
-static error_t parse_methods(int key, char *arg, struct argp_state *state) {
-  if (key == ARGP_KEY_INIT)
-    state->child_inputs[0] = state->input;
-  return keep(state->input, key, arg) ? 0 : ARGP_ERR_UNKNOWN;
-}
-
-static const struct argp_child common_children[] = {{&kt_common_argp, 0, NULL, 90}, {0}};
-const struct argp kredund_request_argp = {.options = table, .parser = parse, .children = common_children};
-static const struct argp_child request_children[] = {{&kredund_request_argp, 0, NULL, 0}, {0}};
-const struct argp kredund_methods_argp = {
-    .options = method_table, .parser = parse_methods, .children = request_children};
 
 static void folder_of(const char *path, char *out, size_t size) {
   const char *slash = strrchr(path, '/');
@@ -293,6 +228,11 @@ static kt_exit bring(const kredund_request *r, bool needs_path, kredund_open *ou
 
 kt_exit kredund_bring(const kredund_request *given, bool needs_path, kredund_open *out) {
   kredund_request r = *given;
+  *out = (kredund_open){0};
+  if (!r.study && !r.model) {
+    kt_say(&r.common, KM_ERROR, "found neither a study nor --model; expected one of them");
+    return KT_USAGE;
+  }
   if (!r.study && r.path && strcmp(r.path, "-") != 0 && is_study(r.path)) {
     r.study = r.path;
     r.path = NULL;

@@ -89,37 +89,19 @@ static kt_exit run(const kredund_request *r, const kt_formats *formats, const kr
   return result;
 }
 
-enum { OPTION_IGNORE_LIMITS = 0x4001 };
-
-static const struct argp_option table[] = {{"ignore-limits", OPTION_IGNORE_LIMITS, NULL, 0,
-                                            "Rows of the whole curve, also where joints are outside their limits", 3},
-                                           {0}};
-
-static error_t parse(int key, char *arg, struct argp_state *state) {
-  kredund_request *r = state->input;
-  (void)arg;
-  if (key == ARGP_KEY_INIT)
-    state->child_inputs[0] = r;
-  if (key != OPTION_IGNORE_LIMITS)
-    return key == ARGP_KEY_INIT ? 0 : ARGP_ERR_UNKNOWN;
-  r->ignore_limits = true;
-  return 0;
-}
-
 kt_exit kredund_selfmotion(int argc, char **argv) {
-  const struct argp_child children[] = {{&kredund_tracks_argp, 0, NULL, 0}, {0}};
-  const struct argp argp = {
-      table,
-      parse,
-      "STUDY",
-      "The poses that hold the effector at the path's start (or where the arm is): their curve, closed "
-      "or to its ends, and its arcs within the joint limits. With a path, a map of them along it.",
-      children,
-      NULL,
-      NULL};
-  kredund_request request;
+  kredund_request request = {.common = KT_COMMON("kredund")};
+  kt_options all = {0};
   kt_formats formats;
-  if (!kredund_tracks_read(&argp, argc, argv, &request, &formats))
+  const kt_option table[] = {{"ignore-limits", 0, NULL,
+                              "Rows of the whole curve, also where joints are outside their limits", KT_FLAG,
+                              &request.ignore_limits, KT_ABOUT_FILES}};
+  KT_OPTIONS_ADD(&all, table);
+  if (!kredund_tracks_read(&all,
+                           "The poses that hold the effector at the path's start (or where the arm is): their curve, "
+                           "closed or to its ends, and its arcs within the joint limits. With a path, a map of them "
+                           "along it.",
+                           argc, argv, &request, &formats))
     return KT_USAGE;
   kredund_open open;
   kt_exit result = kredund_bring(&request, false, &open);

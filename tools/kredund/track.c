@@ -16,12 +16,11 @@ static kt_exit run(const kredund_request *request, kt_formats formats) {
 }
 
 kt_exit kredund_track(int argc, char **argv) {
-  struct argp argp = kredund_tracks_argp;
-  argp.args_doc = "STUDY";
-  argp.doc = "Follows an effector path with a redundant arm, by one or more methods.";
-  kredund_request request;
+  kredund_request request = {.common = KT_COMMON("kredund")};
+  kt_options all = {0};
   kt_formats formats;
-  if (!kredund_tracks_read(&argp, argc, argv, &request, &formats))
+  if (!kredund_tracks_read(&all, "Follows an effector path with a redundant arm, by one or more methods.", argc, argv,
+                           &request, &formats))
     return KT_USAGE;
   return run(&request, formats);
 }

@@ -1,3 +1,4 @@
+/* Runs the methods of a study and writes their tables and pictures. */
 #include "kredund/tracks.h"
 
 #include "base/memory.h"
@@ -11,36 +12,18 @@
 
 enum { OPTION_FORMAT = 0x3001 };
 
-static const struct argp_option table[] = {
-    {"format", OPTION_FORMAT, "LIST", 0, "Some of csv,json,svg,pdf,png (default csv,svg)", 3},
-    {"base", 'o', "BASE", 0,
-     "Begin of the files' names (default: the study's name, or its folder's for study.json); - is the standard output",
-     3},
-    {0}};
-
-static error_t parse(int key, char *arg, struct argp_state *state) {
-  kredund_request *r = state->input;
-  switch (key) {
-  case ARGP_KEY_INIT:
-    state->child_inputs[0] = r;
-    return 0;
-  case OPTION_FORMAT:
-    r->formats = arg;
-    return 0;
-  case 'o':
-    r->base = arg;
-    return 0;
-  default:
-    return ARGP_ERR_UNKNOWN;
-  }
-}
-
-static const struct argp_child tracks_children[] = {{&kredund_methods_argp, 0, NULL, 0}, {0}};
-const struct argp kredund_tracks_argp = {.options = table, .parser = parse, .children = tracks_children};
-
-bool kredund_tracks_read(const struct argp *argp, int argc, char **argv, kredund_request *r, kt_formats *formats) {
-  *r = (kredund_request){.common = {.tool = "kredund", .jobs = 1, .seed = 1}};
-  kt_parse(argp, argc, argv, r);
+bool kredund_tracks_read(kt_options *all, const char *about, int argc, char **argv, kredund_request *r,
+                         kt_formats *formats) {
+  const kt_option files[] = {
+      {"format", 0, "LIST", KT_FORMATS_HELP, KT_TEXT, &r->formats, KT_ABOUT_FILES},
+      KT_BASE(&r->base, "Begin of the files' names (default: the study's name, or its folder's for study.json); - is "
+                        "the standard output"),
+  };
+  kredund_arm_options(all, r);
+  kredund_method_options(all, r);
+  KT_OPTIONS_ADD(all, files);
+  kt_common_options(all, &r->common, KT_USES_JOBS | KT_USES_SEED);
+  kt_options_read(all, about, argc, argv);
   bool piped = r->base && strcmp(r->base, "-") == 0;
   if (!kt_formats_parse(&r->common, r->formats ? r->formats : piped ? "csv" : "csv,svg", formats))
     return false;

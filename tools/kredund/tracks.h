@@ -24,8 +24,8 @@ kt_exit kredund_tracks_picture(const kredund_tracks *tracks, const char *base, c
 /* Tables and pictures by the formats; the summary on the standard output. */
 kt_exit kredund_tracks_deliver(kredund_tracks *tracks, const char *base);
 
-/* Options of the commands that run methods, as a child parser whose input is a kredund_request; and reading them by a
- * parser with that child. False: a usage error, told. */
-extern const struct argp kredund_tracks_argp;
-bool kredund_tracks_read(const struct argp *argp, int argc, char **argv, kredund_request *request, kt_formats *formats);
+/* The options of the commands that run methods, for --help and for reading them, with what a command adds to them in
+ * `all`. False: a usage error, told. */
+bool kredund_tracks_read(kt_options *all, const char *about, int argc, char **argv, kredund_request *request,
+                         kt_formats *formats);
 #endif

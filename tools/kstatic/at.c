@@ -9,35 +9,17 @@ typedef struct options {
   kstatic_options acting;
 } options;
 
-static const struct argp_option table[] = {
-    {"base", 'o', "BASE", 0, "Write BASE.forces.txt or .json instead of the standard output", 2}, {0}};
-
-static error_t parse(int key, char *arg, struct argp_state *state) {
-  options *o = state->input;
-  switch (key) {
-  case ARGP_KEY_INIT:
-    state->child_inputs[0] = &o->request;
-    state->child_inputs[1] = &o->acting;
-    return 0;
-  case 'o':
-    o->request.base = arg;
-    return 0;
-  default:
-    return ARGP_ERR_UNKNOWN;
-  }
-}
-
 static kt_exit describe(const options *o, const kt_pose *pose, const km_statics *statics) {
   km_text out = {0};
   km_arena arena = {0};
   if (o->request.json) {
     const km_value *record =
-        km_statics_record(pose->mechanism, pose->state, statics, o->acting.axes, o->request.model, &arena);
+        km_statics_record(pose->mechanism, pose->state, statics, (km_axes)o->acting.axes, o->request.model, &arena);
     if (record)
       km_json_write(record, &out);
     out.failed = out.failed || !record;
   } else {
-    km_statics_print(pose->mechanism, statics, o->acting.axes, o->request.model, &out);
+    km_statics_print(pose->mechanism, statics, (km_axes)o->acting.axes, o->request.model, &out);
   }
   kt_exit result = kt_answer(&o->request, "forces", &out);
   km_arena_free(&arena);
@@ -75,25 +57,27 @@ static kt_exit run(const options *o, const kt_pose *pose) {
   return result;
 }
 
-kt_exit kstatic_at(int argc, char **argv) {
-  const struct argp_child children[] = {{&kt_settable_argp, 0, NULL, 0}, {&kstatic_argp, 0, NULL, 0}, {0}};
-  const struct argp argp = {
-      table,
-      parse,
-      "MODEL",
+static options read_options(int argc, char **argv) {
+  options o = {.request = {.common = KT_COMMON("kstatic")}};
+  kt_options all = {0};
+  kt_request_options(&all, &o.request, true, KT_REQUEST_BASE("forces"));
+  kstatic_options_add(&all, &o.acting);
+  kt_common_options(&all, &o.request.common, 0);
+  kt_options_read(
+      &all,
       "What actuators and joints must hold at a pose against gravity, loads and springs, and the reaction in every "
       "joint. Exit status 1 if the actuators can't hold it."
       "\vJSON keys beside those of every record: held, undetermined_directions [{falls, statement, direction}], "
       "actuator_forces (null where they can't hold), actuator_set (unique; redundant, least norm; can't hold), "
       "least_norm_forces, axes, reactions {force, torque, indeterminate}, reactions_with, degree_of_indeterminacy, "
       "held_joints, configuration. Forces are positive along +q, those of angles per radian; a reaction is the wrench "
-      "of "
-      "parent on child about the origin of the child's joint frame.",
-      children,
-      NULL,
-      NULL};
-  options o = {.request = {.common = {.tool = "kstatic", .jobs = 1, .seed = 1}}};
-  kt_parse(&argp, argc, argv, &o);
+      "of parent on child about the origin of the child's joint frame.",
+      argc, argv);
+  return o;
+}
+
+kt_exit kstatic_at(int argc, char **argv) {
+  options o = read_options(argc, argv);
   kt_pose pose;
   kt_exit result = kt_request_open(&o.request, &pose);
   if (result == KT_DONE)

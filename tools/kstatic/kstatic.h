@@ -10,14 +10,14 @@ kt_exit kstatic_at(int argc, char **argv);
 kt_exit kstatic_sweep(int argc, char **argv);
 kt_exit kstatic_report(int argc, char **argv);
 
-/* --actuators --load --gravity --axes: a child parser whose input is a kstatic_options. */
+/* --actuators --load --gravity --axes as they were given. */
 typedef struct kstatic_options {
   const char *actuators, *gravity;
   kt_texts loads;
-  km_axes axes;
+  int axes; /* a km_axes */
 } kstatic_options;
 
-extern const struct argp kstatic_argp;
+void kstatic_options_add(kt_options *out, kstatic_options *options);
 
 /* The forces on a model and its actuators, as the options over the model's own say. */
 typedef struct kstatic_balance {

@@ -1,3 +1,4 @@
+/* Reads --load: changed and added loads. */
 #include "kstatic/loads.h"
 
 #include "base/memory.h"

@@ -1,3 +1,4 @@
+/* kstatic's commands. */
 #include "kstatic/kstatic.h"
 
 static const kt_command commands[] = {

@@ -6,42 +6,22 @@
 
 #include <string.h>
 
-enum { OPTION_ACTUATORS = 0x5001, OPTION_LOAD, OPTION_GRAVITY, OPTION_AXES };
-
-static const struct argp_option table[] = {
-    {"actuators", OPTION_ACTUATORS, "JOINT,JOINT", 0,
-     "The joints that hold the mechanism (default: the model's analysis.actuators, else every free joint)", 1},
-    {"load", OPTION_LOAD, "NAME=FX,FY,FZ[,TX,TY,TZ]", 0,
-     "Give a load of the model another force (and torque), NAME=FACTOR: scale it; BODY/FRAME=… adds one at a frame's "
-     "origin. :frame behind the numbers turns its axes with the frame (repeatable)",
-     1},
-    {"gravity", OPTION_GRAVITY, "X,Y,Z", 0, "Another gravity than the model's, length/time²", 1},
-    {"axes", OPTION_AXES, "AXES", 0, "Axes of the reactions: joint (of the child's joint frame, default) or fixed", 1},
-    {0}};
-
-static error_t parse(int key, char *arg, struct argp_state *state) {
-  kstatic_options *o = state->input;
-  switch (key) {
-  case OPTION_ACTUATORS:
-    o->actuators = arg;
-    return 0;
-  case OPTION_LOAD:
-    kt_texts_add(&o->loads, arg, state);
-    return 0;
-  case OPTION_GRAVITY:
-    o->gravity = arg;
-    return 0;
-  case OPTION_AXES:
-    o->axes = strcmp(arg, "fixed") == 0 ? KM_AXES_FIXED : KM_AXES_JOINT;
-    if (strcmp(arg, "fixed") != 0 && strcmp(arg, "joint") != 0)
-      argp_error(state, "--axes %s: expected joint or fixed", arg);
-    return 0;
-  default:
-    return ARGP_ERR_UNKNOWN;
-  }
+void kstatic_options_add(kt_options *out, kstatic_options *o) {
+  const kt_option table[] = {
+      {"actuators", 0, "JOINT,JOINT",
+       "The joints that hold the mechanism (default: the model's analysis.actuators, else every free joint)", KT_TEXT,
+       &o->actuators, KT_ABOUT_MODEL},
+      {"load", 0, "NAME=FX,FY,FZ[,TX,TY,TZ]",
+       "Give a load of the model another force (and torque), NAME=FACTOR: scale it; BODY/FRAME=… adds one at a frame's "
+       "origin. :frame behind the numbers turns its axes with the frame (repeatable)",
+       KT_TEXTS, &o->loads, KT_ABOUT_MODEL},
+      {"gravity", 0, "X,Y,Z", "Another gravity than the model's, length/time²", KT_TEXT, &o->gravity, KT_ABOUT_MODEL},
+      {"axes", 0, "AXES", "Axes of the reactions: joint (of the child's joint frame, default) or fixed",
+       KT_WORD("joint or fixed"), &o->axes, KT_ABOUT_MODEL},
+  };
+  _Static_assert(KM_AXES_JOINT == 0 && KM_AXES_FIXED == 1, "the words of --axes stand in the order of km_axes");
+  KT_OPTIONS_ADD(out, table);
 }
-
-const struct argp kstatic_argp = {.options = table, .parser = parse};
 
 static kt_exit read_gravity(const kt_common *common, const char *text, double out[3]) {
   return kt_numbers(text, 3, out) ? KT_DONE : kt_usage(common, "--gravity", text, "three numbers X,Y,Z");
@@ -101,7 +81,7 @@ kt_exit kstatic_prepare(const kt_common *common, const char *path, const kt_pose
     result = read_actuators(common, path, pose->mechanism, o->actuators, actuators, &count, &all);
   if (result == KT_DONE) {
     km_status status =
-        km_statics_create(pose->mechanism, all ? NULL : actuators, count, o->axes, &out->statics, &error);
+        km_statics_create(pose->mechanism, all ? NULL : actuators, count, (km_axes)o->axes, &out->statics, &error);
     if (status)
       kt_say(common, KM_ERROR, "%s: %s", path, error.text);
     result = kt_exit_of(status);

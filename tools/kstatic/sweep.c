@@ -17,38 +17,6 @@ typedef struct product {
   km_statics_sweep sweep;
 } product;
 
-enum { OPTION_POINT = 0x5101 };
-
-static const struct argp_option table[] = {
-    {"point", OPTION_POINT, "BODY/FRAME", 0, "Add the path of a frame's origin (repeatable)", 1},
-    KT_FORMAT_OPTION,
-    {"base", 'o', "BASE", 0, "Files are BASE.forces.FORMAT (default: the model's name); - is the standard output", 2},
-    {0}};
-
-static const struct argp_option report_table[] = {
-    KT_REPORT_FORMAT_OPTION, {"base", 'o', "BASE", 0, KT_REPORT_BASE("forces-report"), 2}, {0}};
-
-static error_t parse(int key, char *arg, struct argp_state *state) {
-  options *o = state->input;
-  switch (key) {
-  case ARGP_KEY_INIT:
-    state->child_inputs[0] = &o->sweep;
-    state->child_inputs[1] = &o->acting;
-    return 0;
-  case OPTION_POINT:
-    kt_texts_add(&o->sweep.points, arg, state);
-    return 0;
-  case KT_OPTION_FORMAT:
-    o->sweep.format = arg;
-    return 0;
-  case 'o':
-    o->sweep.base = arg;
-    return 0;
-  default:
-    return ARGP_ERR_UNKNOWN;
-  }
-}
-
 static kt_exit prepare(kt_sweep_job *j) {
   product *p = j->own = KM_NEW(product, 1);
   return p ? kstatic_prepare(&j->common, j->path, &j->pose, &((const options *)j->options->own)->acting, &p->balance)
@@ -100,23 +68,21 @@ static void free_own(kt_sweep_job *j) {
 
 kt_exit kstatic_sweep(int argc, char **argv) {
   static const kt_sweeping sweeping = {"forces", prepare, run, print, rows, record, plot, free_own};
-  const struct argp_child children[] = {{&kt_sweep_argp, 0, NULL, 0}, {&kstatic_argp, 0, NULL, 0}, {0}};
-  const struct argp argp = {
-      table,
-      parse,
-      "MODEL...",
+  options o = {.sweep = {.common = KT_COMMON("kstatic")}};
+  kt_options all = {0};
+  const kt_option point[] = {KT_PATH_POINT(&o.sweep.points)};
+  kt_sweep_options_several(&all, &o.sweep, KT_SWEEP_BASE("forces"));
+  kstatic_options_add(&all, &o.acting);
+  KT_OPTIONS_ADD(&all, point);
+  kt_options_read(
+      &all,
       "What actuators must hold, and what every joint carries, over the range of a driver; where a load balances "
       "itself, and where forces peak. Exit status 1 if a part of the range can't be held."
       "\vColumns beside those of every sweep: f.JOINT of the actuators (nan where they can't hold), fbar.JOINT "
-      "least-norm "
-      "forces, r.JOINT.fx … tz reactions of parent on child, held (1 or 0). JSON adds events [{actuator, event (zero, "
-      "peak, unbounded), s, force}], degree_of_indeterminacy, rows_not_held, held_joints.",
-      children,
-      NULL,
-      NULL};
-  options o = {.sweep = {.common = {.tool = "kstatic", .jobs = 1, .seed = 1}}};
+      "least-norm forces, r.JOINT.fx … tz reactions of parent on child, held (1 or 0). JSON adds events [{actuator, "
+      "event (zero, peak, unbounded), s, force}], degree_of_indeterminacy, rows_not_held, held_joints.",
+      argc, argv);
   o.sweep.own = &o;
-  kt_parse(&argp, argc, argv, &o);
   return kt_sweep(&o.sweep, &sweeping);
 }
 
@@ -133,17 +99,14 @@ static km_status write_report(const kt_sweep_job *j, bool html, km_text *out, km
 
 kt_exit kstatic_report(int argc, char **argv) {
   static const kt_reporting reporting = {"forces-report", prepare, run, write_report, free_own};
-  const struct argp_child children[] = {{&kt_sweep_argp, 0, NULL, 0}, {&kstatic_argp, 0, NULL, 0}, {0}};
-  const struct argp argp = {report_table,
-                            parse,
-                            "MODEL",
-                            "A report to hand on: the mechanism in its poses, what every actuator must hold, where it "
-                            "rests or peaks, and the reactions at the worst pose, as PDF pages or one HTML file.",
-                            children,
-                            NULL,
-                            NULL};
-  options o = {.sweep = {.common = {.tool = "kstatic", .jobs = 1, .seed = 1}}};
+  options o = {.sweep = {.common = KT_COMMON("kstatic")}};
+  kt_options all = {0};
+  kt_report_options(&all, &o.sweep, KT_REPORT_BASE("forces-report"));
+  kstatic_options_add(&all, &o.acting);
+  kt_options_read(&all,
+                  "A report to hand on: the mechanism in its poses, what every actuator must hold, where it rests or "
+                  "peaks, and the reactions at the worst pose, as PDF pages or one HTML file.",
+                  argc, argv);
   o.sweep.own = &o;
-  kt_parse(&argp, argc, argv, &o);
   return kt_report(&o.sweep, &reporting);
 }

@@ -25,7 +25,6 @@ typedef struct km_statics_sweep {
   km_sweep motion; /* its table has f., fbar., r., held */
   int actuator_count;
   int *actuators;         /* [actuator] coordinates */
-  size_t first_column;    /* of f. in the table; then fbar. */
   km_force_event *events; /* in the order of the sweep */
   size_t event_count;
   km_force_event *largest; /* [actuator] where its force is largest, rows and peaks; s NaN: it never holds */

@@ -39,6 +39,13 @@ KM_API const double *km_table_row(const km_table *table, size_t row); /* borrowe
 /* Index of a column by its name without unit, -1 if there is none. */
 KM_API int km_table_find(const km_table *table, const char *name);
 
+/* Columns of one kind, side by side: the first one's index and how many there are. */
+typedef struct km_span {
+  size_t first, count;
+} km_span;
+/* The columns whose names begin with `prefix` ("q."); count 0 if there are none. */
+km_span km_table_span(const km_table *table, const char *prefix);
+
 #ifdef __cplusplus
 }
 #endif

@@ -1,3 +1,4 @@
+/* The report about leverage: its facts, curve, transmission metrics and rows as blocks of a document. */
 #include "report/document/advantage_report.h"
 
 #include "report/document/sweep_report.h"
@@ -126,14 +127,15 @@ static void add_table(km_document_maker *k, const km_plotted_advantage *p) {
   const km_table *table = p->swept.motion->table;
   const char *unit = km_advantage_unit(model, &p->sweep->input, &p->sweep->output);
   km_report_column columns[12] = {
-      {1, p->swept.plan->arclength > 0.0
-              ? "arc length"
-              : km_document_format(k, "%s (%s)", km_model_coordinate_label(model, p->swept.plan->coordinate),
-                                   km_model_coordinate_unit(model, p->swept.plan->coordinate))},
-      {p->sweep->column, unit[0] ? km_document_format(k, "MA (%s)", unit) : "MA"}};
+      {km_report_s(&p->swept),
+       p->swept.plan->arclength > 0.0
+           ? "arc length"
+           : km_document_format(k, "%s (%s)", km_model_coordinate_label(model, p->swept.plan->coordinate),
+                                km_model_coordinate_unit(model, p->swept.plan->coordinate))},
+      {km_advantage_column(p->sweep, false), unit[0] ? km_document_format(k, "MA (%s)", unit) : "MA"}};
   size_t count = 2;
   if (p->sweep->friction)
-    columns[count++] = (km_report_column){p->sweep->column + 1, "with friction"};
+    columns[count++] = (km_report_column){km_advantage_column(p->sweep, true), "with friction"};
   static const char *const heads[KM_TRANSMISSION_METRICS] = {"transm. angle", "virtual coeff.", "Sutherland-Roth",
                                                              "Chen-Angeles",  "manipulability", "condition"};
   km_named_metric list[KM_TRANSMISSION_METRICS];
@@ -149,8 +151,8 @@ static void add_table(km_document_maker *k, const km_plotted_advantage *p) {
   km_report_rows(k, &p->swept, columns, count);
 }
 
-static void build(km_document_maker *k, const km_plotted_advantage *p, const km_transmission *transmission,
-                  const char *stopped_by) {
+void km_advantage_report_make(km_document_maker *k, const km_plotted_advantage *p, const km_transmission *transmission,
+                              const char *stopped_by) {
   km_plot plot;
   add_facts(k, p, stopped_by);
   km_report_poses(k, &p->swept);
@@ -173,7 +175,7 @@ km_status km_advantage_report(const km_plotted_advantage *p, const km_transmissi
   km_document_maker *k = KM_NEW(km_document_maker, 1);
   if (!k)
     return km_fail(error, KM_MEMORY, "out of memory for a report");
-  build(k, p, transmission, stopped_by);
+  km_advantage_report_make(k, p, transmission, stopped_by);
   const char *title =
       km_document_format(k, "%s: leverage of %s over %s", p->swept.name, p->sweep->input.name, p->sweep->output.name);
   return km_report_finish(k, &p->swept, "kma", title, html, out, error);

@@ -1,3 +1,4 @@
+/* Blocks of a document in the making. */
 #include "report/document/document.h"
 
 #include <stdarg.h>

@@ -1,3 +1,4 @@
+/* The report about what holds a mechanism: its facts, peaks, rows and reactions as blocks of a document. */
 #include "report/document/statics_report.h"
 
 #include "forces/forces.h"
@@ -82,15 +83,16 @@ static void add_rows(km_document_maker *k, const km_plotted_statics *p) {
   enum { MOST = 9 };
   const km_model *model = p->swept.mechanism->model;
   km_report_column columns[MOST] = {
-      {1, p->swept.plan->arclength > 0.0
-              ? "arc length"
-              : km_document_format(k, "%s (%s)", km_model_coordinate_label(model, p->swept.plan->coordinate),
-                                   km_model_coordinate_unit(model, p->swept.plan->coordinate))}};
+      {km_report_s(&p->swept),
+       p->swept.plan->arclength > 0.0
+           ? "arc length"
+           : km_document_format(k, "%s (%s)", km_model_coordinate_label(model, p->swept.plan->coordinate),
+                                km_model_coordinate_unit(model, p->swept.plan->coordinate))}};
   size_t count = 1;
   for (int i = 0; i < p->sweep->actuator_count && count < MOST; ++i, ++count)
-    columns[count] = (km_report_column){
-        p->sweep->first_column + (size_t)i,
-        km_document_format(k, "%.60s (%s)", label_of(p, i), unit_of(k, model, p->sweep->actuators[i]))};
+    columns[count] =
+        (km_report_column){km_force_column(p->sweep, i), km_document_format(k, "%.60s (%s)", label_of(p, i),
+                                                                            unit_of(k, model, p->sweep->actuators[i]))};
   km_document_heading(k, "At chosen poses");
   km_report_rows(k, &p->swept, columns, count);
 }
@@ -102,7 +104,7 @@ static size_t worst_row(const km_plotted_statics *p) {
   double largest = -1.0;
   for (size_t r = 0; r < km_table_rows(table); ++r)
     for (int i = 0; i < p->sweep->actuator_count; ++i) {
-      double f = fabs(km_table_row(table, r)[p->sweep->first_column + (size_t)i]);
+      double f = fabs(km_table_row(table, r)[km_force_column(p->sweep, i)]);
       double most = fabs(p->sweep->largest[i].value);
       if (isfinite(f) && f > largest && most > 0.0) {
         largest = f;
@@ -119,7 +121,7 @@ static void add_reactions(km_document_maker *k, const km_plotted_statics *p, con
   const km_model *model = p->swept.mechanism->model;
   size_t joints = (size_t)model->joint_count;
   const double *row = km_table_row(p->swept.motion->table, worst_row(p));
-  size_t first = p->sweep->first_column + (size_t)p->sweep->actuator_count + (size_t)model->coordinate_count;
+  size_t first = km_table_span(p->swept.motion->table, "r.").first;
   const char **cells = KM_ARENA_NEW(&k->arena, const char *, (joints + 1) * COLUMNS);
   double forces = 0.0;
   if (!cells)
@@ -144,15 +146,15 @@ static void add_reactions(km_document_maker *k, const km_plotted_statics *p, con
                           k,
                           "At %.6g%s. Wrench of parent on child through each joint, about the child's joint frame and "
                           "along its axes; forces in %s, torques in %s.%s",
-                          row[1], km_sweep_unit(p->swept.mechanism, p->swept.plan), model->units.force->suffix,
-                          torque.data ? torque.data : "",
+                          row[km_report_s(&p->swept)], km_sweep_unit(p->swept.mechanism, p->swept.plan),
+                          model->units.force->suffix, torque.data ? torque.data : "",
                           p->sweep->degree ? " ? marks what statics alone doesn't determine." : ""));
   km_text_free(&torque);
   km_document_cells(k, KM_BLOCK_TABLE, cells, joints + 1, COLUMNS);
 }
 
-static void build(km_document_maker *k, const km_plotted_statics *p, const km_statics *statics, const char *acting,
-                  const char *stopped_by) {
+void km_statics_report_make(km_document_maker *k, const km_plotted_statics *p, const km_statics *statics,
+                            const char *acting, const char *stopped_by) {
   km_plot plot;
   add_facts(k, p, acting, stopped_by);
   km_report_poses(k, &p->swept);
@@ -169,7 +171,7 @@ km_status km_statics_report(const km_plotted_statics *p, const km_statics *stati
   km_document_maker *k = KM_NEW(km_document_maker, 1);
   if (!k)
     return km_fail(error, KM_MEMORY, "out of memory for a report");
-  build(k, p, statics, acting, stopped_by);
+  km_statics_report_make(k, p, statics, acting, stopped_by);
   const char *title = km_document_format(k, "%s: what its actuators hold", p->swept.name);
   return km_report_finish(k, &p->swept, "kstatic", title, html, out, error);
 }

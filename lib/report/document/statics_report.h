@@ -9,5 +9,8 @@
  * one self-contained file instead of PDF pages. Appends the bytes. */
 km_status km_statics_report(const km_plotted_statics *sweep, const km_statics *statics, const char *acting,
                             const char *stopped_by, bool html, km_text *out, km_error *error);
+/* Its blocks, before they are rendered. */
+void km_statics_report_make(km_document_maker *maker, const km_plotted_statics *sweep, const km_statics *statics,
+                            const char *acting, const char *stopped_by);
 
 #endif

@@ -1,3 +1,4 @@
+/* What the reports about sweeps share: facts, poses, plots and rows as blocks of a document. */
 #include "report/document/sweep_report.h"
 
 #include "kmech/version.h"
@@ -36,11 +37,16 @@ const char *km_report_number(km_document_maker *maker, double value) {
   return text[0] == '-' ? km_document_format(maker, "−%s", text + 1) : text;
 }
 
+size_t km_report_s(const km_swept *s) {
+  return (size_t)km_table_find(s->motion->table, "s");
+}
+
 static const char *swept_words(km_document_maker *maker, const km_swept *s) {
   const km_table *table = s->motion->table;
   const km_model *model = s->mechanism->model;
   size_t rows = km_table_rows(table);
-  double from = km_table_row(table, 0)[1], to = km_table_row(table, rows - 1)[1];
+  size_t column = km_report_s(s);
+  double from = km_table_row(table, 0)[column], to = km_table_row(table, rows - 1)[column];
   if (s->plan->arclength > 0.0)
     return km_document_format(maker, "arc length %.6g to %.6g, %zu rows", from, to, rows);
   return km_document_format(maker, "%s from %.6g to %.6g %s, %zu rows",
@@ -113,12 +119,7 @@ static km_drawing *make_drawing(km_document_maker *maker, const km_swept *s) {
   if (maker->arena.failed || km_state_create(m, &state, NULL))
     return NULL;
   for (size_t k = 0; k < count; ++k) {
-    const double *row = km_table_row(s->motion->table, row_of(s->motion->table, k, count));
-    for (int c = 0; c < m->coordinate_count; ++c)
-      q[c] = row[2 + c] * km_model_coordinate_factor(m->model, c);
-    km_state_set(m, state, q);
-    km_poses_update(m, state);
-    memcpy(poses + k * bodies, state->pose, bodies * sizeof *poses);
+    km_row_pose(m, s->motion->table, row_of(s->motion->table, k, count), state, q, poses + k * bodies);
   }
   km_state_free(state);
   *drawing = (km_drawing){.mechanism = m, .poses = poses, .pose_count = count, .full = count / 2, .name = s->name};

@@ -26,6 +26,8 @@ typedef struct km_report_column {
   size_t column;
   const char *head;
 } km_report_column;
+/* The column of the driver's value or the arc length. */
+size_t km_report_s(const km_swept *swept);
 /* Eleven rows of the sweep, evenly spaced. */
 void km_report_rows(km_document_maker *maker, const km_swept *swept, const km_report_column *columns, size_t count);
 /* "1.2345", "∞", "–" where there is none. */

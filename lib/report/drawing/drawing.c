@@ -1,3 +1,4 @@
+/* Drawings of mechanisms: view, scale and symbol sizes, then the scene of each pose. */
 #include "report/drawing/parts.h"
 
 #include "report/plot/palette.h"

@@ -1,3 +1,4 @@
+/* A mechanism's topology as a graph in the DOT language. */
 #include "report/drawing/graph.h"
 
 #include "report/plot/palette.h"

@@ -1,3 +1,4 @@
+/* The plot of mechanical advantage over a sweep: which lines, marks and poles. */
 #include "report/plot/advantage_plot.h"
 
 #include "report/plot/short_names.h"
@@ -9,6 +10,10 @@
 
 const char *km_advantage_toggle_name(const km_advantage_toggle *toggle) {
   return toggle->state == KM_ADVANTAGE_ZERO ? "MA 0" : toggle->state == KM_ADVANTAGE_INFINITE ? "MA ∞" : "undefined";
+}
+
+size_t km_advantage_column(const km_advantage_sweep *sweep, bool friction) {
+  return km_table_span(sweep->motion.table, friction ? "force_ratio." : "ma.").first;
 }
 
 static const char *text_in(km_arena *arena, const char *format, const char *a, const char *b) {
@@ -44,19 +49,19 @@ bool km_advantage_plot_make(const km_plotted_advantage *sweeps, int count, bool 
   for (int i = 0; i < count; ++i) {
     const km_advantage_sweep *s = sweeps[i].sweep;
     swept[i] = sweeps[i].swept;
-    line[lines++] = (km_swept_line){i, s->column, text_in(arena, "%.300s/%.300s", s->input.name, s->output.name), 0};
+    line[lines++] = (km_swept_line){i, km_advantage_column(s, false),
+                                    text_in(arena, "%.300s/%.300s", s->input.name, s->output.name), 0};
     if (count > 1)
       line[lines - 1].name = text_in(arena, "%.300s (%.300s)", line[lines - 1].name, models[i]);
     if (s->friction) {
-      line[lines] =
-          (km_swept_line){i, s->column + 1, text_in(arena, "%s%s", line[lines - 1].name, " with friction"), 0};
+      line[lines] = (km_swept_line){i, km_advantage_column(s, true),
+                                    text_in(arena, "%s%s", line[lines - 1].name, " with friction"), 0};
       ++lines;
     }
     for (size_t k = 0; k < s->toggle_count; ++k) {
       mark[marks++] = (km_swept_mark){0, s->toggles[k].s, km_advantage_toggle_name(&s->toggles[k])};
-      for (size_t column = 0; column < 1 + (size_t)s->friction && s->toggles[k].state == KM_ADVANTAGE_INFINITE;
-           ++column)
-        gap[gaps++] = (km_swept_break){i, s->column + column, s->toggles[k].s};
+      for (int friction = 0; friction <= s->friction && s->toggles[k].state == KM_ADVANTAGE_INFINITE; ++friction)
+        gap[gaps++] = (km_swept_break){i, km_advantage_column(s, friction), s->toggles[k].s};
     }
   }
   size_t toggles = marks;

@@ -1,3 +1,4 @@
+/* Draws a panel's frame, grid, ticks and labels. */
 #include "report/plot/parts.h"
 
 #include <math.h>

@@ -1,3 +1,4 @@
+/* Round ticks for a range of numbers, and their labels. */
 #include "report/plot/axis.h"
 
 #include <math.h>

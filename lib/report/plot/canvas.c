@@ -1,3 +1,4 @@
+/* Pages to draw on, over cairo and Pango: lines, areas and text as SVG, PDF or PNG. */
 #include "report/plot/canvas.h"
 
 #include "base/memory.h"

@@ -1,3 +1,4 @@
+/* Lines of data for the page: mapped, cut to the frame, and thinned to what can be seen. */
 #include "report/plot/curve.h"
 
 #include "report/plot/axis.h"

@@ -1,3 +1,4 @@
+/* Names of the marks on the x axis, placed above the panel without overlaps. */
 #include "report/plot/parts.h"
 
 #include <math.h>

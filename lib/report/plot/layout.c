@@ -1,3 +1,4 @@
+/* A plot's page divided into panels with room for ticks, names and marks. */
 #include "report/plot/parts.h"
 
 #include <float.h>

@@ -1,3 +1,4 @@
+/* The plot of mobility numbers over a sweep: which lines, colours, panels and marks. */
 #include "report/plot/mobility_plot.h"
 
 #include "report/plot/plot.h"
@@ -23,15 +24,15 @@ typedef struct line {
 } line;
 
 typedef struct lines {
-  km_arena arena;
+  km_arena *arena;
   line *items;
   size_t count;
   double **x; /* [sweep] */
 } lines;
 
-static double *column_of(lines *l, const km_table *table, int column) {
+static double *column_of(lines *l, const km_table *table, size_t column) {
   size_t rows = km_table_rows(table);
-  double *values = KM_ARENA_NEW(&l->arena, double, rows);
+  double *values = KM_ARENA_NEW(l->arena, double, rows);
   for (size_t r = 0; values && r < rows; ++r)
     values[r] = km_table_row(table, r)[column];
   return values;
@@ -45,7 +46,7 @@ static bool agree(const double *a, const double *b, size_t count) {
 }
 
 /* Adds a coordinate's line, or its name to the line that it agrees with. */
-static void add_line(lines *l, const km_plotted_sweep *p, int sweep, int coordinate, int table_column) {
+static void add_line(lines *l, const km_plotted_sweep *p, int sweep, int coordinate, size_t table_column) {
   const char *label = p->mechanism->model->coordinates[coordinate].label;
   int substructure = p->mechanism->substructure_of[coordinate];
   size_t rows = km_table_rows(p->sweep->motion.table);
@@ -70,12 +71,12 @@ static void add_line(lines *l, const km_plotted_sweep *p, int sweep, int coordin
 
 /* Lines of every coordinate in a loop or coupling; of all where there is none. */
 static void gather(lines *l, const km_plotted_sweep *sweeps, int count) {
-  for (int i = 0; i < count && !l->arena.failed; ++i) {
+  for (int i = 0; i < count && !l->arena->failed; ++i) {
     const km_plotted_sweep *p = &sweeps[i];
     const km_mechanism *m = p->mechanism;
-    l->x[i] = column_of(l, p->sweep->motion.table, km_table_find(p->sweep->motion.table, "s"));
-    int column = 2 + m->coordinate_count; /* after step, s and the q. columns */
-    for (int j = 0; j < m->model->joint_count && !l->arena.failed; ++j) {
+    l->x[i] = column_of(l, p->sweep->motion.table, (size_t)km_table_find(p->sweep->motion.table, "s"));
+    size_t column = km_table_span(p->sweep->motion.table, "m.").first;
+    for (int j = 0; j < m->model->joint_count && !l->arena->failed; ++j) {
       int freedom = km_model_freedom(m->model, j);
       column += freedom == 0;
       for (int k = 0; k < freedom; ++k, ++column) {
@@ -115,11 +116,11 @@ static int shared_colour(const lines *l, const km_plot_series *series, const siz
 }
 
 static void fill_panel(lines *l, const km_plotted_sweep *sweeps, int count, int substructure, km_plot_panel *panel) {
-  km_plot_series *series = KM_ARENA_NEW(&l->arena, km_plot_series, l->count);
-  size_t *source = KM_ARENA_NEW(&l->arena, size_t, l->count), used = 0;
-  const char **models = km_short_names_of(&sweeps[0].name, sizeof *sweeps, count, &l->arena);
+  km_plot_series *series = KM_ARENA_NEW(l->arena, km_plot_series, l->count);
+  size_t *source = KM_ARENA_NEW(l->arena, size_t, l->count), used = 0;
+  const char **models = km_short_names_of(&sweeps[0].name, sizeof *sweeps, count, l->arena);
   int next = 0;
-  if (l->arena.failed)
+  if (l->arena->failed)
     return;
   for (size_t i = 0; i < l->count; ++i) {
     const line *item = &l->items[i];
@@ -130,7 +131,7 @@ static void fill_panel(lines *l, const km_plotted_sweep *sweeps, int count, int 
     int colour = importance(l, i, substructure) < MOST_LINES ? shared_colour(l, series, source, used, i, next) : -1;
     next += colour == next;
     source[used] = i;
-    series[used++] = (km_plot_series){.name = km_arena_string(&l->arena, name),
+    series[used++] = (km_plot_series){.name = km_arena_string(l->arena, name),
                                       .x = item->x,
                                       .y = item->y,
                                       .count = item->count,
@@ -147,7 +148,7 @@ static void fill_marks(lines *l, const km_plotted_sweep *sweeps, int count, int 
   size_t total = 0;
   for (int i = 0; i < count; ++i)
     total += sweeps[i].sweep->toggle_count + sweeps[i].sweep->motion.branch_count;
-  km_plot_mark *marks = KM_ARENA_NEW(&l->arena, km_plot_mark, total);
+  km_plot_mark *marks = KM_ARENA_NEW(l->arena, km_plot_mark, total);
   if (!marks)
     return;
   for (int i = 0; i < count; ++i) {
@@ -182,7 +183,7 @@ static size_t make_panels(lines *l, const km_plotted_sweep *sweeps, int count, k
   for (int s = 0; s < substructures; ++s) {
     char title[40];
     snprintf(title, sizeof title, "substructure %d", s + 1);
-    panels[s].title = km_arena_string(&l->arena, title);
+    panels[s].title = km_arena_string(l->arena, title);
     fill_panel(l, sweeps, count, s, &panels[s]);
     fill_marks(l, sweeps, count, s, &panels[s]);
   }
@@ -206,47 +207,55 @@ static const char *subtitle(lines *l, const km_plotted_sweep *sweeps, int count)
                  model->units.length->suffix);
   if (some_toggle(sweeps, count))
     km_text_add(&text, " · ▲ a joint loses its grip");
-  const char *result = text.failed ? NULL : km_arena_string(&l->arena, text.data);
+  const char *result = text.failed ? NULL : km_arena_string(l->arena, text.data);
   km_text_free(&text);
   return result;
 }
 
-static km_status draw(lines *l, const km_plotted_sweep *sweeps, int count, km_canvas_format format, km_text *out,
-                      km_error *error) {
-  const km_model *model = sweeps[0].mechanism->model;
-  km_plot_panel panels[MOST_PANELS] = {{0}};
-  char x_label[2 * NAME_SIZE];
-  int driver = sweeps[0].plan->coordinate;
-  if (sweeps[0].plan->arclength > 0.0)
-    snprintf(x_label, sizeof x_label, "arc length (radians, lengths over the characteristic length)");
-  else
-    snprintf(x_label, sizeof x_label, "driver %s (%s)", model->coordinates[driver].label,
-             km_model_coordinate_unit(model, driver));
-  km_plot plot = {.title = sweeps[0].plan->arclength > 0.0 ? "Mobility numbers along the motion"
-                                                           : "Mobility numbers over the stroke",
-                  .subtitle = subtitle(l, sweeps, count),
-                  .x_label = x_label,
-                  .y_label = "mobility number",
-                  .y_low = 0.0,
-                  .y_high = 1.0,
-                  .panels = panels,
-                  .panel_count = make_panels(l, sweeps, count, panels)};
-  km_sweep_strip strip;
-  plot.strip = km_sweep_strip_make(sweeps[0].mechanism, sweeps[0].plan, &sweeps[0].sweep->motion, 3, &l->arena, &strip);
-  if (l->arena.failed)
-    return km_fail(error, KM_MEMORY, "out of memory for the plot");
-  return km_plot_render(&plot, format, out, error);
+static const char *x_label(const lines *l, const km_plotted_sweep *first) {
+  char text[2 * NAME_SIZE] = "arc length (radians, lengths over the characteristic length)";
+  if (first->plan->arclength <= 0.0)
+    snprintf(text, sizeof text, "driver %s (%s)",
+             km_model_coordinate_label(first->mechanism->model, first->plan->coordinate),
+             km_model_coordinate_unit(first->mechanism->model, first->plan->coordinate));
+  return km_arena_string(l->arena, text);
+}
+
+static void fill_plot(lines *l, const km_plotted_sweep *sweeps, int count, km_plot *out) {
+  km_plot_panel *panels = KM_ARENA_NEW(l->arena, km_plot_panel, MOST_PANELS);
+  km_sweep_strip *strip = KM_ARENA_NEW(l->arena, km_sweep_strip, 1);
+  if (l->arena->failed)
+    return;
+  *out = (km_plot){.title = sweeps[0].plan->arclength > 0.0 ? "Mobility numbers along the motion"
+                                                            : "Mobility numbers over the stroke",
+                   .subtitle = subtitle(l, sweeps, count),
+                   .x_label = x_label(l, &sweeps[0]),
+                   .y_label = "mobility number",
+                   .y_low = 0.0,
+                   .y_high = 1.0,
+                   .panels = panels,
+                   .panel_count = make_panels(l, sweeps, count, panels)};
+  out->strip = km_sweep_strip_make(sweeps[0].mechanism, sweeps[0].plan, &sweeps[0].sweep->motion, 3, l->arena, strip);
+}
+
+bool km_mobility_plot_make(const km_plotted_sweep *sweeps, int count, km_arena *arena, km_plot *out) {
+  lines l = {.arena = arena};
+  l.items = KM_ARENA_NEW(arena, line, most_lines(sweeps, count));
+  l.x = KM_ARENA_NEW(arena, double *, (size_t)count);
+  if (!arena->failed)
+    gather(&l, sweeps, count);
+  if (!arena->failed)
+    fill_plot(&l, sweeps, count, out);
+  return !arena->failed;
 }
 
 km_status km_mobility_plot(const km_plotted_sweep *sweeps, int count, km_canvas_format format, km_text *out,
                            km_error *error) {
-  lines l = {0};
-  l.items = KM_ARENA_NEW(&l.arena, line, most_lines(sweeps, count));
-  l.x = KM_ARENA_NEW(&l.arena, double *, (size_t)count);
-  if (!l.arena.failed)
-    gather(&l, sweeps, count);
-  km_status status = l.arena.failed ? km_fail(error, KM_MEMORY, "out of memory for the plot")
-                                    : draw(&l, sweeps, count, format, out, error);
-  km_arena_free(&l.arena);
+  km_arena arena = {0};
+  km_plot plot;
+  km_status status = km_mobility_plot_make(sweeps, count, &arena, &plot)
+                         ? km_plot_render(&plot, format, out, error)
+                         : km_fail(error, KM_MEMORY, "out of memory for the plot");
+  km_arena_free(&arena);
   return status;
 }

@@ -2,8 +2,9 @@
 #ifndef KM_REPORT_PLOT_MOBILITY_PLOT_H
 #define KM_REPORT_PLOT_MOBILITY_PLOT_H
 
+#include "base/memory.h"
 #include "kmech/mobility_sweep.h"
-#include "report/plot/canvas.h"
+#include "report/plot/plot.h"
 
 /* One of the sweeps that share a plot. */
 typedef struct km_plotted_sweep {
@@ -17,5 +18,7 @@ typedef struct km_plotted_sweep {
  * a panel of its own. Several sweeps overlay, told apart by their dashes. */
 km_status km_mobility_plot(const km_plotted_sweep *sweeps, int count, km_canvas_format format, km_text *out,
                            km_error *error);
+/* The same before it is rendered, in the arena. False when out of memory. */
+bool km_mobility_plot_make(const km_plotted_sweep *sweeps, int count, km_arena *arena, km_plot *out);
 
 #endif

@@ -1,3 +1,4 @@
+/* The map of self-motions as a picture: cells coloured by the objective, hatches, tracks, axes. */
 #include "report/plot/motion_map_plot.h"
 
 #include "arm/selfmotion/motion_map.h"
@@ -8,7 +9,7 @@
 #include <stdio.h>
 #include <string.h>
 
-enum { STATIONS = 80, CELLS = 80, SHADES = 16 };
+enum { STATIONS = 80 };
 static const km_colour ink = {0.15, 0.15, 0.15, 1}, grey = {0.40, 0.40, 0.40, 1};
 static const double page_width = 560, page_height = 380, margin = 14;
 
@@ -20,12 +21,11 @@ typedef struct picture {
   double low, high; /* of the objective within the map */
 } picture;
 
-/* Dark blue to pale yellow: light and dark survive a grey print and every kind of colour blindness. */
-static km_colour shade(double part) {
+km_colour km_map_shade(int number) {
   static const km_colour stops[] = {{0.19, 0.10, 0.33, 1}, {0.23, 0.32, 0.54, 1}, {0.13, 0.51, 0.55, 1},
                                     {0.28, 0.70, 0.46, 1}, {0.69, 0.84, 0.28, 1}, {0.99, 0.93, 0.55, 1}};
   enum { LAST = sizeof stops / sizeof *stops - 1 };
-  double at = (part < 0.0 ? 0.0 : part > 1.0 ? 1.0 : part) * LAST;
+  double at = (number + 0.5) / KM_MAP_SHADES * LAST;
   int i = at >= LAST ? LAST - 1 : (int)at;
   const km_colour *a = &stops[i], *b = &stops[i + 1];
   double x = at - i;
@@ -64,10 +64,10 @@ static void fill(const picture *p, double left, double right, double u0, double 
   km_canvas_rectangle(p->canvas, colour, left, top, right - left + 0.3, bottom - top + 0.3);
 }
 
-/* What is outside the limits lies in a mist. */
-static km_colour misty(km_colour c) {
-  const double mist = 0.55;
-  return (km_colour){c.red + mist * (1 - c.red), c.green + mist * (1 - c.green), c.blue + mist * (1 - c.blue), 1};
+/* Colours outside the limits are paler. */
+static km_colour paler(km_colour c) {
+  const double share = 0.55;
+  return (km_colour){c.red + share * (1 - c.red), c.green + share * (1 - c.green), c.blue + share * (1 - c.blue), 1};
 }
 
 /* An arc narrower than a cell shows as one. */
@@ -80,22 +80,28 @@ static bool holds_narrow(const km_station *s, double u, double h) {
   return false;
 }
 
-/* One strip: cells of one colour in a row become one rectangle. */
+int km_map_cells(const km_station *s, double low, double high, km_map_cell *out) {
+  double h = (s->high - s->low) / KM_MAP_CELLS;
+  int count = 0;
+  for (int c = 0; c < KM_MAP_CELLS; ++c) {
+    double u = s->low + h * (c + 0.5), part = (value_at(s, u) - low) / (high - low);
+    int shade = part >= 1.0 ? KM_MAP_SHADES - 1 : part <= 0.0 ? 0 : (int)(part * KM_MAP_SHADES);
+    bool outside = !inside(s, u) && !holds_narrow(s, u, h);
+    if (count == 0 || out[count - 1].shade != shade || out[count - 1].outside != outside)
+      out[count++] = (km_map_cell){s->low + h * c, 0.0, shade, outside};
+    out[count - 1].to = s->low + h * (c + 1);
+  }
+  return count;
+}
+
 static void paint_station(const picture *p, int i) {
   const km_station *s = &p->map->stations[i];
-  double left, right, h = (s->high - s->low) / CELLS, from = s->low;
-  int last = -1;
+  km_map_cell cells[KM_MAP_CELLS];
+  double left, right;
   strip(p, i, &left, &right);
-  for (int c = 0; c <= CELLS; ++c) {
-    double u = s->low + h * (c + 0.5), part = (value_at(s, u) - p->low) / (p->high - p->low);
-    int now = part >= 1.0 ? SHADES - 1 : part <= 0.0 ? 0 : (int)(part * SHADES);
-    now = c == CELLS ? -2 : inside(s, u) || holds_narrow(s, u, h) ? now : now + SHADES;
-    if (c > 0 && now != last) {
-      km_colour colour = shade((last % SHADES + 0.5) / SHADES);
-      fill(p, left, right, from, s->low + h * c, last < SHADES ? colour : misty(colour));
-      from = s->low + h * c;
-    }
-    last = now;
+  for (int c = 0, count = km_map_cells(s, p->low, p->high, cells); c < count; ++c) {
+    km_colour colour = km_map_shade(cells[c].shade);
+    fill(p, left, right, cells[c].from, cells[c].to, cells[c].outside ? paler(colour) : colour);
   }
 }
 
@@ -178,9 +184,9 @@ static void draw_track(const picture *p, int index, int number) {
     const km_station *s = i < p->map->count ? &p->map->stations[i] : NULL;
     if (s && (size_t)s->sample < km_table_rows(t->table) && s->sample <= t->end.sample) {
       double q[KM_ARM_MOST];
-      const double *row = km_table_row(t->table, (size_t)s->sample);
+      const double *row = km_table_row(t->table, (size_t)s->sample) + km_table_span(t->table, "q.").first;
       for (int k = 0; k < t->arm->n; ++k)
-        q[k] = km_arm_read(t->arm, k, row[3 + k]);
+        q[k] = km_arm_read(t->arm, k, row[k]);
       u = km_station_find(p->map, s, q);
     }
     bool jumps = count > 0 && fabs(u - last) > 0.4 * (p->frame.y_high - p->frame.y_low);
@@ -217,9 +223,9 @@ static void legend(const picture *p, double left, double top) {
 static void colour_bar(const picture *p, double left, double top, double height) {
   const km_font font = {.size = 8.5};
   const double width = 12;
-  for (int i = 0; i < SHADES; ++i)
-    km_canvas_rectangle(p->canvas, shade((i + 0.5) / SHADES), left, top + height * (SHADES - 1 - i) / SHADES, width,
-                        height / SHADES + 0.3);
+  for (int i = 0; i < KM_MAP_SHADES; ++i)
+    km_canvas_rectangle(p->canvas, km_map_shade(i), left, top + height * (KM_MAP_SHADES - 1 - i) / KM_MAP_SHADES, width,
+                        height / KM_MAP_SHADES + 0.3);
   km_axis axis = km_axis_fit(p->low, p->high, 6, false);
   for (size_t i = 0; i < axis.count; ++i) {
     char text[KM_AXIS_LABEL];

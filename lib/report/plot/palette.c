@@ -1,3 +1,4 @@
+/* Colours and dash patterns of lines. */
 #include "report/plot/palette.h"
 
 #define COUNT(array) (sizeof(array) / sizeof(array)[0])

@@ -1,3 +1,4 @@
+/* Line plots: fits the axes to the data and draws panel by panel. */
 #include "report/plot/plot.h"
 
 #include "report/plot/palette.h"

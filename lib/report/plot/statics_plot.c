@@ -1,3 +1,4 @@
+/* The plot of actuator forces over a sweep: which lines, panels and marks. */
 #include "report/plot/statics_plot.h"
 
 #include "forces/forces.h"
@@ -9,6 +10,10 @@
 #include <string.h>
 
 static const double same = 1e-9; /* forces that differ less, relatively, all along share a line */
+
+size_t km_force_column(const km_statics_sweep *sweep, int actuator) {
+  return km_table_span(sweep->motion.table, "f.").first + (size_t)actuator;
+}
 
 static bool is_length(const km_model *model, int coordinate) {
   const km_model_coordinate *def = &model->coordinates[coordinate];
@@ -45,7 +50,7 @@ static void add_line(maker *k, int sweep, int actuator) {
   const km_plotted_statics *p = &k->sweeps[sweep];
   const km_model *model = p->swept.mechanism->model;
   int c = p->sweep->actuators[actuator], panel = k->forces && !is_length(model, c) ? 1 : 0;
-  size_t column = p->sweep->first_column + (size_t)actuator;
+  size_t column = km_force_column(p->sweep, actuator);
   char name[400];
   for (size_t i = 0; i < k->line_count; ++i) {
     km_swept_line *other = &k->lines[i];
@@ -72,7 +77,7 @@ static void add_marks(maker *k, int sweep) {
     snprintf(name, sizeof name, e->kind == KM_FORCE_BALANCED ? "%.200s 0" : "%.200s ∞", model->coordinates[c].label);
     k->marks[k->mark_count++] = (km_swept_mark){panel, e->s, km_arena_string(k->arena, name)};
     if (e->kind == KM_FORCE_UNBOUNDED)
-      k->breaks[k->break_count++] = (km_swept_break){sweep, p->sweep->first_column + (size_t)e->actuator, e->s};
+      k->breaks[k->break_count++] = (km_swept_break){sweep, km_force_column(p->sweep, e->actuator), e->s};
   }
 }
 

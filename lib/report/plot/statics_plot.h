@@ -11,6 +11,9 @@ typedef struct km_plotted_statics {
   const km_statics_sweep *sweep;
 } km_plotted_statics;
 
+/* The column of an actuator's force in the sweep's table. */
+size_t km_force_column(const km_statics_sweep *sweep, int actuator);
+
 /* A line an actuator; torques in a panel of their own. Actuators whose forces agree share a line. */
 km_status km_statics_plot(const km_plotted_statics *sweeps, int count, km_canvas_format format, km_text *out,
                           km_error *error);

@@ -1,3 +1,4 @@
+/* Plots of columns of sweeps' tables: lines cut at poles, marks, axes that poles don't stretch. */
 #include "report/plot/sweep_plot.h"
 
 #include "report/plot/sweep_strip.h"
@@ -19,20 +20,27 @@ static double pole_between(const km_sweep_picture *p, const km_swept_line *line,
   return nan("");
 }
 
+typedef struct row {
+  double s;
+  const double *cells;
+} row;
+
 static int by_s(const void *a, const void *b) {
-  double x = (*(const double *const *)a)[1], y = (*(const double *const *)b)[1];
+  double x = ((const row *)a)->s, y = ((const row *)b)->s;
   return (x > y) - (x < y);
 }
 
 /* All rows of a sweep, those between rows too, from left to right. */
-static const double **rows_of(const km_sweep *motion, km_arena *arena, size_t *count) {
+static row *rows_of(const km_sweep *motion, km_arena *arena, size_t *count) {
   const km_table *const tables[2] = {motion->table, motion->between};
   *count = km_table_rows(tables[0]) + km_table_rows(tables[1]);
-  const double **rows = KM_ARENA_NEW(arena, const double *, *count);
+  row *rows = KM_ARENA_NEW(arena, row, *count);
   size_t used = 0;
-  for (int i = 0; i < 2 && rows; ++i)
-    for (size_t r = 0; r < km_table_rows(tables[i]); ++r)
-      rows[used++] = km_table_row(tables[i], r);
+  for (int i = 0; i < 2 && rows; ++i) {
+    int s = km_table_find(tables[i], "s");
+    for (size_t r = 0; r < km_table_rows(tables[i]); ++r, ++used)
+      rows[used] = (row){km_table_row(tables[i], r)[s], km_table_row(tables[i], r)};
+  }
   if (rows)
     qsort(rows, used, sizeof *rows, by_s);
   return rows;
@@ -42,13 +50,13 @@ static const double **rows_of(const km_sweep *motion, km_arena *arena, size_t *c
  * pole too: there x is the pole's place. */
 static void fill_series(const km_sweep_picture *p, const km_swept_line *line, km_arena *arena, km_plot_series *out) {
   size_t count;
-  const double **rows = rows_of(p->sweeps[line->sweep].motion, arena, &count);
+  row *rows = rows_of(p->sweeps[line->sweep].motion, arena, &count);
   double *x = KM_ARENA_NEW(arena, double, 2 * count), *y = KM_ARENA_NEW(arena, double, 2 * count);
   *out = (km_plot_series){.name = line->name, .x = x, .y = y, .dash = p->sweep_count > 1 ? line->sweep : 0};
   for (size_t r = 0; r < count && !arena->failed; ++r) {
-    double s = rows[r][1], at = 1e-8 * (1.0 + fabs(s)), pole = pole_between(p, line, s - at, s + at);
+    double s = rows[r].s, at = 1e-8 * (1.0 + fabs(s)), pole = pole_between(p, line, s - at, s + at);
     if (isnan(pole) && r > 0)
-      pole = pole_between(p, line, rows[r - 1][1], s);
+      pole = pole_between(p, line, rows[r - 1].s, s);
     bool there = fabs(s - pole) <= at;
     if (!isnan(pole) && (out->count == 0 || !(x[out->count - 1] == pole && isnan(y[out->count - 1])))) {
       x[out->count] = pole;
@@ -57,7 +65,7 @@ static void fill_series(const km_sweep_picture *p, const km_swept_line *line, km
     if (there)
       continue;
     x[out->count] = s;
-    y[out->count++] = rows[r][line->column];
+    y[out->count++] = rows[r].cells[line->column];
   }
 }
 

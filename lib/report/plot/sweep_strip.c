@@ -1,3 +1,4 @@
+/* Small drawings of poses over a sweep, beneath its plot. */
 #include "report/plot/sweep_strip.h"
 
 #include "kmech/kinematics.h"
@@ -9,10 +10,10 @@
 static const double strip_height = 132, caption_height = 14, margin = 10; /* points */
 enum { MOST_BODIES = 60 };
 
-/* Sets the state to a row of the table: step, s, then every coordinate. */
-static void pose_of_row(const km_mechanism *m, km_state *state, const double *row, double *q, km_pose *poses) {
+void km_row_pose(const km_mechanism *m, const km_table *table, size_t row, km_state *state, double *q, km_pose *poses) {
+  const double *values = km_table_row(table, row) + km_table_span(table, "q.").first;
   for (int c = 0; c < m->coordinate_count; ++c)
-    q[c] = row[2 + c] * km_model_coordinate_factor(m->model, c);
+    q[c] = values[c] * km_model_coordinate_factor(m->model, c);
   km_state_set(m, state, q);
   km_poses_update(m, state);
   memcpy(poses, state->pose, (size_t)m->topology.body_count * sizeof *poses);
@@ -70,9 +71,8 @@ km_plot_strip km_sweep_strip_make(const km_mechanism *m, const km_sweep_plan *pl
     return (km_plot_strip){0};
   for (int k = 0; k < count; ++k) {
     size_t shown = k + 1 == count ? rows - 1 : (size_t)k * rows / (size_t)(count - 1);
-    const double *row = km_table_row(sweep->table, shown);
-    out->s[k] = row[1];
-    pose_of_row(m, state, row, q, out->poses + (size_t)k * bodies);
+    out->s[k] = km_table_row(sweep->table, shown)[km_table_find(sweep->table, "s")];
+    km_row_pose(m, sweep->table, shown, state, q, out->poses + (size_t)k * bodies);
   }
   km_state_free(state);
   return (km_plot_strip){strip_height, draw, out};

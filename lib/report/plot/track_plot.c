@@ -1,3 +1,4 @@
+/* Pictures of tracks: a page of plots over the path, and the arm along it. */
 #include "report/plot/track_plot.h"
 
 #include "kinematics/poses.h"
@@ -7,13 +8,13 @@
 #include <stdio.h>
 #include <string.h>
 
-enum { ACROSS = 2, MOST_PLOTS = 8, MOST_SERIES = KM_ARM_MOST + 1 };
+enum { ACROSS = 2, MOST_SERIES = KM_ARM_MOST + 1 };
 static const km_colour ink = {0.15, 0.15, 0.15, 1}, grey = {0.40, 0.40, 0.40, 1};
 static const double cell_width = 400, cell_height = 230, head = 58, margin = 14;
 
 typedef struct sheet {
   const km_tracks *tracks;
-  km_arena arena;
+  km_arena *arena;
   int first; /* the track whose joints are shown */
   char x_label[80];
   struct {
@@ -21,16 +22,21 @@ typedef struct sheet {
     km_plot_series series[MOST_SERIES];
     size_t count;
     double y_low, y_high;
-  } plots[MOST_PLOTS];
+  } plots[KM_TRACK_PLOTS];
   size_t plot_count;
 } sheet;
 
 static double *column(sheet *s, const km_table *table, int index, double factor, double offset) {
   size_t rows = km_table_rows(table);
-  double *out = KM_ARENA_NEW(&s->arena, double, rows);
+  double *out = KM_ARENA_NEW(s->arena, double, rows);
   for (size_t r = 0; out && r < rows; ++r)
     out[r] = factor * (km_table_row(table, r)[index] - offset);
   return out;
+}
+
+/* Column of a joint of the arm among those of a kind. */
+static int column_of(const km_track *t, const char *prefix, int joint) {
+  return (int)km_table_span(t->table, prefix).first + joint;
 }
 
 static void begin(sheet *s, const char *title, const char *y_label, double low, double high) {
@@ -47,7 +53,7 @@ static void add(sheet *s, const km_table *table, int index, double factor, doubl
   const double *x = column(s, table, km_table_find(table, "s"), 1.0, 0.0), *y = column(s, table, index, factor, offset);
   if (!x || !y)
     return;
-  s->plots[s->plot_count].series[at] = (km_plot_series){.name = km_arena_string(&s->arena, name),
+  s->plots[s->plot_count].series[at] = (km_plot_series){.name = km_arena_string(s->arena, name),
                                                         .x = x,
                                                         .y = y,
                                                         .count = km_table_rows(table),
@@ -63,18 +69,19 @@ static void add_joints(sheet *s, const km_track *t) {
   snprintf(text, sizeof text, "q (%s)", km_model_coordinate_unit(a->mechanism->model, a->coordinate[0]));
   begin(s, "Joint angles", text, 0.0, 0.0);
   for (int k = 0; k < a->n; ++k)
-    add(s, t->table, 3 + k, 1.0, 0.0, km_arm_label(a, k));
+    add(s, t->table, column_of(t, "q.", k), 1.0, 0.0, km_arm_label(a, k));
   s->plot_count++;
   begin(s, "Between the limits", "-1 low limit … 1 high limit", -1.0, 1.0);
   for (int k = 0; k < a->n; ++k) {
     double half = 0.5 * (a->high[k] - a->low[k]), middle = a->low[k] + half;
     if (half < (double)INFINITY)
-      add(s, t->table, 3 + k, 1.0 / km_arm_shown(a, k, half), km_arm_shown(a, k, middle), km_arm_label(a, k));
+      add(s, t->table, column_of(t, "q.", k), 1.0 / km_arm_shown(a, k, half), km_arm_shown(a, k, middle),
+          km_arm_label(a, k));
   }
   s->plot_count += s->plots[s->plot_count].count > 0;
   begin(s, "Path-control column", "entries of c1", 0.0, 0.0);
   for (int k = 0; k <= a->n; ++k)
-    add(s, t->table, 3 + 2 * a->n + k, 1.0, 0.0, k < a->n ? km_arm_label(a, k) : "path");
+    add(s, t->table, column_of(t, "z.", k), 1.0, 0.0, k < a->n ? km_arm_label(a, k) : "path");
   s->plot_count++;
 }
 
@@ -102,14 +109,14 @@ static void add_speeds(sheet *s) {
       continue;
     km_tracks_label(s->tracks, i, ' ', label, sizeof label);
     size_t at = s->plots[s->plot_count].count;
-    add(s, t->table, 3 + t->arm->n, 1.0, 0.0, label);
+    add(s, t->table, column_of(t, "v.", 0), 1.0, 0.0, label);
     if (s->plots[s->plot_count].count == at)
       continue;
     double *y = (double *)(size_t)s->plots[s->plot_count].series[at].y; /* made by add, ours to fill */
     for (size_t r = 0; r < km_table_rows(t->table); ++r) {
       y[r] = 0.0;
       for (int k = 0; k < t->arm->n; ++k)
-        y[r] = fmax(y[r], fabs(km_arm_read(t->arm, k, km_table_row(t->table, r)[3 + t->arm->n + k])));
+        y[r] = fmax(y[r], fabs(km_arm_read(t->arm, k, km_table_row(t->table, r)[column_of(t, "v.", k)])));
     }
   }
   s->plot_count++;
@@ -133,34 +140,55 @@ static void gather(sheet *s) {
   add_all(s, "Tracking error", text, "error_position", 0.0, 0.0);
 }
 
-static km_status draw_plots(sheet *s, km_canvas *canvas, km_error *error) {
+static void fill_plots(const sheet *s, km_arena *arena, km_plot *out) {
+  for (size_t i = 0; i < s->plot_count; ++i) {
+    km_plot_panel *panel = KM_ARENA_NEW(arena, km_plot_panel, 1);
+    if (!panel)
+      return;
+    *panel = (km_plot_panel){.series = s->plots[i].series, .series_count = s->plots[i].count};
+    out[i] = (km_plot){.title = s->plots[i].title,
+                       .x_label = s->x_label,
+                       .y_label = s->plots[i].y_label,
+                       .y_low = s->plots[i].y_low,
+                       .y_high = s->plots[i].y_high,
+                       .panels = panel,
+                       .panel_count = 1};
+  }
+}
+
+size_t km_tracks_plots_make(const km_tracks *tracks, km_arena *arena, km_plot *out) {
+  sheet *s = KM_ARENA_NEW(arena, sheet, 1);
+  if (!s)
+    return 0;
+  s->tracks = tracks;
+  s->arena = arena;
+  s->first = km_tracks_best(tracks);
+  gather(s);
+  fill_plots(s, arena, out);
+  return arena->failed ? 0 : s->plot_count;
+}
+
+static km_status draw_plots(const km_plot *plots, size_t count, km_canvas *canvas, km_error *error) {
   km_status status = KM_OK;
-  for (size_t i = 0; i < s->plot_count && !status; ++i) {
-    km_plot_panel panel = {.series = s->plots[i].series, .series_count = s->plots[i].count};
-    km_plot plot = {.title = s->plots[i].title,
-                    .x_label = s->x_label,
-                    .y_label = s->plots[i].y_label,
-                    .y_low = s->plots[i].y_low,
-                    .y_high = s->plots[i].y_high,
-                    .panels = &panel,
-                    .panel_count = 1};
+  for (size_t i = 0; i < count && !status; ++i) {
     double x = cell_width * (double)(i % ACROSS), y = head + cell_height * (double)(i / ACROSS);
     km_canvas_shift(canvas, x, y);
-    status = km_plot_place(&plot, canvas, cell_width, cell_height, error);
+    status = km_plot_place(&plots[i], canvas, cell_width, cell_height, error);
     km_canvas_shift(canvas, -x, -y);
   }
   return status;
 }
 
-static void draw_head(const sheet *s, km_canvas *canvas) {
-  const km_track *t = s->tracks->items[s->first];
+static void draw_head(const km_tracks *tracks, km_canvas *canvas) {
+  int first = km_tracks_best(tracks);
+  const km_track *t = tracks->items[first];
   const km_font title = {.size = 15, .bold = true, .width = ACROSS * cell_width - 2 * margin};
   const km_font subtitle = {.size = 9.5, .width = ACROSS * cell_width - 2 * margin};
   char label[64];
   km_text about = {0};
-  km_tracks_label(s->tracks, s->first, ' ', label, sizeof label);
+  km_tracks_label(tracks, first, ' ', label, sizeof label);
   const km_units *units = &t->arm->mechanism->model->units;
-  km_text_format(&about, "%s · %s, %s · L = %g %s · joints of the %s track · %s", s->tracks->model, units->angle->word,
+  km_text_format(&about, "%s · %s, %s · L = %g %s · joints of the %s track · %s", tracks->model, units->angle->word,
                  units->length->word, t->arm->length, units->length->suffix, label,
                  t->end.stop ? "the path isn't followed to its end" : "the whole path is followed");
   km_canvas_text(canvas, &title, ink, "Along the effector's path", (km_canvas_point){margin, margin},
@@ -171,26 +199,21 @@ static void draw_head(const sheet *s, km_canvas *canvas) {
 }
 
 km_status km_tracks_plot(const km_tracks *tracks, km_canvas_format format, km_text *out, km_error *error) {
-  sheet *s = KM_NEW(sheet, 1);
+  km_arena arena = {0};
   km_canvas *canvas = NULL;
-  if (!s)
-    return km_fail(error, KM_MEMORY, "out of memory for a plot");
-  s->tracks = tracks;
-  s->first = km_tracks_best(tracks);
-  gather(s);
-  size_t down = (s->plot_count + ACROSS - 1) / ACROSS;
-  km_status status = s->arena.failed ? km_fail(error, KM_MEMORY, "out of memory for a plot")
-                                     : km_canvas_create(format, ACROSS * cell_width, head + cell_height * (double)down,
-                                                        out, &canvas, error);
+  km_plot plots[KM_TRACK_PLOTS];
+  size_t count = km_tracks_plots_make(tracks, &arena, plots), down = (count + ACROSS - 1) / ACROSS;
+  km_status status = arena.failed ? km_fail(error, KM_MEMORY, "out of memory for a plot")
+                                  : km_canvas_create(format, ACROSS * cell_width, head + cell_height * (double)down,
+                                                     out, &canvas, error);
   if (!status) {
-    draw_head(s, canvas);
-    status = draw_plots(s, canvas, error);
+    draw_head(tracks, canvas);
+    status = draw_plots(plots, count, canvas, error);
   }
   if (!status)
     status = km_canvas_finish(canvas, error);
   km_canvas_free(canvas);
-  km_arena_free(&s->arena);
-  km_free(s);
+  km_arena_free(&arena);
   return status;
 }
 
@@ -198,10 +221,10 @@ km_status km_tracks_plot(const km_tracks *tracks, km_canvas_format format, km_te
 static bool pose_at(const km_track *t, km_state *state, size_t row, double *q, km_pose *poses) {
   const km_arm *a = t->arm;
   const km_mechanism *m = a->mechanism;
-  const double *values = km_table_row(t->table, row);
+  const double *values = km_table_row(t->table, row) + column_of(t, "q.", 0);
   memcpy(q, m->start, (size_t)m->coordinate_count * sizeof *q);
   for (int k = 0; k < a->n; ++k)
-    q[a->coordinate[k]] = km_arm_read(a, k, values[3 + k]) * a->unit[k];
+    q[a->coordinate[k]] = km_arm_read(a, k, values[k]) * a->unit[k];
   km_state_set(m, state, q);
   km_poses_update(m, state);
   memcpy(poses, state->pose, (size_t)m->topology.body_count * sizeof *poses);

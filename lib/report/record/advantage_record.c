@@ -1,3 +1,4 @@
+/* Mechanical advantage, at a pose and over a sweep, as a record and as text. */
 #include "report/record/advantage_record.h"
 
 #include "report/record/sweep_text.h"

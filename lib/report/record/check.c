@@ -1,3 +1,4 @@
+/* Finds what is suspicious about a model, and writes it as a record and as text. */
 #include "report/record/check.h"
 
 #include "analysis/rank_evidence.h"

@@ -1,3 +1,4 @@
+/* Finite mobility, motions and redundant constraints as a record and as text. */
 #include "report/record/diagnosis_record.h"
 
 #include "topology/mechanism.h"

@@ -1,3 +1,4 @@
+/* Mobility, at a pose and over a sweep, as a record. */
 #include "report/record/mobility_record.h"
 
 #include "report/record/diagnosis_record.h"

@@ -1,3 +1,4 @@
+/* The beginning of every record, and the parts that several have. */
 #include "report/record/record.h"
 
 #include "kmech/version.h"

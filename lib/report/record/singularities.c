@@ -1,3 +1,4 @@
+/* Singular values over a sweep and their minima, as a record and as text. */
 #include "report/record/singularities.h"
 
 #include "report/record/sweep_text.h"

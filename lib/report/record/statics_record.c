@@ -1,3 +1,4 @@
+/* The balance of forces, at a pose and over a sweep, as a record and as text. */
 #include "report/record/statics_record.h"
 
 #include "forces/forces.h"

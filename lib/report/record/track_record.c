@@ -1,3 +1,4 @@
+/* Tracks of arms and their ends as a record and as text. */
 #include "report/record/track_record.h"
 
 #include "report/record/record.h"
@@ -66,7 +67,8 @@ void km_track_end_text(const km_track *t, km_text *out) {
   switch (end->stop) {
   case KM_TRACK_LIMIT: {
     const double *last = km_table_row(t->table, km_table_rows(t->table) - 1);
-    double q = last[3 + end->column], low = km_arm_shown(a, end->column, a->low[end->column]),
+    double q = last[km_table_span(t->table, "q.").first + (size_t)end->column],
+           low = km_arm_shown(a, end->column, a->low[end->column]),
            high = km_arm_shown(a, end->column, a->high[end->column]);
     km_text_format(out, "joint %s is at its limit, %.9g %s", label, fabs(q - low) < fabs(q - high) ? low : high,
                    km_model_coordinate_unit(a->mechanism->model, a->coordinate[end->column]));

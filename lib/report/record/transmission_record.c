@@ -1,3 +1,4 @@
+/* The names, units and values of the transmission metrics. */
 #include "report/record/transmission_record.h"
 
 #include "analysis/transmission.h"

@@ -1,0 +1,237 @@
+/* What plots, maps and drawings show, before they are rendered: which columns, colours and names. */
+#include "support/arms.h"
+#include "support/shown.h"
+
+#include "report/plot/mobility_plot.h"
+#include "report/plot/motion_map_plot.h"
+#include "report/plot/sweep_strip.h"
+#include "report/plot/track_plot.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <string.h>
+
+/* Under LeakSanitizer: fontconfig and Pango keep their caches until the process ends. */
+const char *__lsan_default_suppressions(void);
+const char *__lsan_default_suppressions(void) {
+  return "leak:libfontconfig\nleak:libpango\n";
+}
+
+static void mobility_plots_draw_their_columns(void **state) {
+  (void)state;
+  static const char *const names[] = {"brake", "fourbar", "klann", "excavator", "slider_crank", "vehicle", "stewart"};
+  for (size_t n = 0; n < sizeof names / sizeof *names; ++n) {
+    fixture f = fixture_open(names[n]);
+    km_sweep_plan plan = km_sweep_plan_default(f.model);
+    km_mobility_sweep sweep;
+    km_error error = {0};
+    km_arena arena = {0};
+    km_plot plot;
+    plan.steps = 40;
+    km_status status = km_mobility_sweep_run(f.mechanism, f.state, &plan, &sweep, &error);
+    assert_true(status == KM_OK || status == KM_PARTIAL);
+    const km_plotted_sweep plotted = {f.mechanism, &plan, &sweep, names[n]};
+    assert_true(km_mobility_plot_make(&plotted, 1, &arena, &plot));
+    int drawn = 0, expected = 0;
+    for (size_t p = 0; p < plot.panel_count; ++p) {
+      check_colours(&plot.panels[p]);
+      for (size_t i = 0; i < plot.panels[p].series_count; ++i) {
+        assert_int_equal(plot.panels[p].series[i].count, km_table_rows(sweep.motion.table));
+        drawn += check_lines(&plot.panels[p].series[i], sweep.motion.table, "m.", 1e-9);
+      }
+    }
+    for (int c = 0; c < f.mechanism->coordinate_count; ++c)
+      expected += f.mechanism->substructure_of[c] >= 0 && !f.mechanism->held[c];
+    assert_int_equal(drawn, expected);
+    assert_true(plot.y_low == 0.0 && plot.y_high == 1.0);
+    size_t marks = 0;
+    for (size_t p = 0; p < plot.panel_count; ++p)
+      marks += plot.panels[p].mark_count;
+    assert_int_equal(marks, sweep.toggle_count + sweep.motion.branch_count);
+    km_arena_free(&arena);
+    km_mobility_sweep_free(&sweep);
+    fixture_close(&f);
+  }
+}
+
+/* Two sweeps on one plot: a joint has one colour, each sweep its dashes and its own numbers. */
+static void overlaid_joints_share_a_colour(void **state) {
+  (void)state;
+  fixture f = fixture_open("fourbar");
+  km_sweep_plan plans[2] = {km_sweep_plan_default(f.model), km_sweep_plan_default(f.model)};
+  km_mobility_sweep sweeps[2];
+  km_error error = {0};
+  km_arena arena = {0};
+  km_plot plot;
+  km_plotted_sweep plotted[2];
+  for (int i = 0; i < 2; ++i) {
+    plans[i].steps = 20 + i;
+    assert_int_equal(km_mobility_sweep_run(f.mechanism, f.state, &plans[i], &sweeps[i], &error), KM_OK);
+    plotted[i] = (km_plotted_sweep){f.mechanism, &plans[i], &sweeps[i], i ? "b" : "a"};
+  }
+  assert_true(km_mobility_plot_make(plotted, 2, &arena, &plot));
+  const km_plot_panel *panel = &plot.panels[0];
+  int pairs = 0;
+  for (size_t i = 0; i < panel->series_count; ++i) {
+    char label[200];
+    const char *tail = strrchr(panel->series[i].name, '(');
+    int sweep = tail[1] == 'b';
+    assert_int_equal(panel->series[i].dash, sweep);
+    snprintf(label, sizeof label, "%.*s", (int)(tail - 1 - panel->series[i].name), panel->series[i].name);
+    km_plot_series one = panel->series[i];
+    one.name = label;
+    check_lines(&one, sweeps[sweep].motion.table, "m.", 1e-9);
+    for (size_t k = 0; k < i; ++k) {
+      bool one_joint =
+          strncmp(panel->series[k].name, label, strlen(label)) == 0 && panel->series[k].name[strlen(label) + 1] == '(';
+      assert_int_equal(panel->series[k].colour == panel->series[i].colour, one_joint);
+      pairs += one_joint;
+    }
+  }
+  assert_true(pairs > 0);
+  km_arena_free(&arena);
+  for (int i = 0; i < 2; ++i)
+    km_mobility_sweep_free(&sweeps[i]);
+  fixture_close(&f);
+}
+
+/* Line by line of a page of tracks, with what each must show. */
+static void check_joints(const km_plot *plot, const km_track *t, const char *prefix, bool share) {
+  assert_int_equal(plot->panel_count, 1);
+  for (size_t i = 0; i < plot->panels[0].series_count; ++i) {
+    const km_plot_series *line = &plot->panels[0].series[i];
+    assert_int_equal(line->colour, i);
+    assert_int_equal(line->count, km_table_rows(t->table));
+    int joint = -1;
+    for (int k = 0; k < t->arm->n; ++k)
+      if (strcmp(km_arm_label(t->arm, k), line->name) == 0)
+        joint = k;
+    for (size_t r = 0; r < line->count; ++r) {
+      double want = shown_cell(t->table, r, prefix, line->name);
+      if (share) {
+        double low = km_arm_shown(t->arm, joint, t->arm->low[joint]),
+               high = km_arm_shown(t->arm, joint, t->arm->high[joint]);
+        want = (want - 0.5 * (low + high)) / (0.5 * (high - low));
+      }
+      assert_true(line->x[r] == shown_cell(t->table, r, "", "s"));
+      assert_near(line->y[r], want, share ? 1e-12 : 0.0);
+    }
+  }
+}
+
+static void track_plots_draw_their_columns(void **state) {
+  (void)state;
+  opened_study o = study_open("panda_limit");
+  enum { METHODS = 2 };
+  km_track *tracks[METHODS];
+  for (int i = 0; i < METHODS; ++i)
+    tracks[i] = track_of(o.study, i, 1);
+  const km_tracks all = {o.study, "panda_limit", "panda", tracks, METHODS};
+  const km_track *best = tracks[km_tracks_best(&all)];
+  km_arena arena = {0};
+  km_plot plots[KM_TRACK_PLOTS];
+  size_t count = km_tracks_plots_make(&all, &arena, plots);
+  assert_true(count >= 7);
+  check_joints(&plots[0], best, "q.", false);
+  assert_int_equal(plots[0].panels[0].series_count, best->arm->n);
+  check_joints(&plots[1], best, "q.", true);
+  check_joints(&plots[2], best, "z.", false);
+  assert_int_equal(plots[2].panels[0].series_count, best->arm->n + 1);
+  for (size_t p = 3; p < count; ++p) {
+    const char *title = plots[p].title;
+    const char *name = strcmp(title, "Manipulability") == 0   ? "objective.manipulability"
+                       : strcmp(title, "Limit margin") == 0   ? "limit_margin"
+                       : strcmp(title, "Tracking error") == 0 ? "error_position"
+                                                              : NULL;
+    assert_int_equal(plots[p].panels[0].series_count, METHODS);
+    for (int i = 0; i < METHODS; ++i) {
+      const km_plot_series *line = &plots[p].panels[0].series[i];
+      char label[64];
+      km_tracks_label(&all, i, ' ', label, sizeof label);
+      assert_string_equal(line->name, label);
+      assert_int_equal(line->count, km_table_rows(tracks[i]->table));
+      for (size_t r = 0; r < line->count; ++r) {
+        double want = name ? shown_cell(tracks[i]->table, r, "", name) : 0.0;
+        if (strcmp(title, "Fastest joint") == 0)
+          for (int k = 0; k < best->arm->n; ++k)
+            want = fmax(want, fabs(shown_cell(tracks[i]->table, r, "v.", km_arm_label(best->arm, k))));
+        else if (!name)
+          want = shown_cell(tracks[i]->table, r, "objective.", title + strlen("Objective: "));
+        assert_near(line->y[r], want, 0.0);
+      }
+    }
+  }
+  km_arena_free(&arena);
+  for (int i = 0; i < METHODS; ++i)
+    km_track_free(tracks[i]);
+  km_study_free(o.study);
+  fixture_close(&o.f);
+}
+
+static double lightness(km_colour c) {
+  return 0.2126 * c.red + 0.7152 * c.green + 0.0722 * c.blue;
+}
+
+/* The higher the value, the paler the cell; outside the limits, and nowhere else, in a mist. */
+static void maps_are_paler_where_values_are_higher(void **state) {
+  (void)state;
+  for (int i = 1; i < KM_MAP_SHADES; ++i)
+    assert_true(lightness(km_map_shade(i)) > lightness(km_map_shade(i - 1)));
+  double u[2] = {-1.0, 3.0}, value[2] = {0.2, 0.7};
+  km_arc_span arcs[1] = {{0.0, 2.0, {-1, -1}}};
+  km_station station = {.low = -1.0, .high = 3.0, .count = 2, .u = u, .value = value, .arcs = arcs, .arc_count = 1};
+  km_map_cell cells[KM_MAP_CELLS];
+  const double low = 0.1, high = 0.9, step = 4.0 / KM_MAP_CELLS;
+  int count = km_map_cells(&station, low, high, cells);
+  assert_true(cells[0].from == -1.0 && fabs(cells[count - 1].to - 3.0) < 1e-12);
+  for (int i = 0; i < count; ++i) {
+    double middle = 0.5 * (cells[i].from + cells[i].to);
+    double part = (value[0] + (value[1] - value[0]) * (middle - u[0]) / (u[1] - u[0]) - low) / (high - low);
+    assert_true(cells[i].to > cells[i].from && (i == 0 || cells[i].from == cells[i - 1].to));
+    assert_near(cells[i].shade + 0.5, part * KM_MAP_SHADES, 1.01);
+    assert_int_equal(cells[i].outside, middle < 0.0 || middle > 2.0);
+    assert_true(i == 0 || cells[i].shade >= cells[i - 1].shade);
+    assert_true(cells[i].outside || (cells[i].from >= -step && cells[i].to <= 2.0 + step));
+  }
+  value[0] = -5.0; /* beyond the ends of the scale */
+  value[1] = 50.0;
+  count = km_map_cells(&station, low, high, cells);
+  assert_int_equal(cells[0].shade, 0);
+  assert_int_equal(cells[count - 1].shade, KM_MAP_SHADES - 1);
+}
+
+/* A row's drawing is at the row's coordinates, joint by joint. */
+static void drawings_are_at_their_rows(void **state) {
+  (void)state;
+  fixture f = fixture_open("excavator");
+  km_sweep_plan plan = km_sweep_plan_default(f.model);
+  km_mobility_sweep sweep;
+  km_state *other;
+  km_error error = {0};
+  size_t bodies = (size_t)f.mechanism->topology.body_count, coordinates = (size_t)f.mechanism->coordinate_count;
+  km_pose *poses = KM_NEW(km_pose, bodies);
+  double *q = KM_NEW(double, coordinates);
+  plan.steps = 10;
+  assert_int_equal(km_mobility_sweep_run(f.mechanism, f.state, &plan, &sweep, &error), KM_OK);
+  assert_int_equal(km_state_create(f.mechanism, &other, &error), KM_OK);
+  for (size_t r = 0; r < km_table_rows(sweep.motion.table); ++r) {
+    km_row_pose(f.mechanism, sweep.motion.table, r, other, q, poses);
+    for (int c = 0; c < f.mechanism->coordinate_count; ++c)
+      assert_near(km_state_coordinate(other, c),
+                  shown_cell(sweep.motion.table, r, "q.", km_model_coordinate_label(f.model, c)), 1e-12);
+    assert_memory_equal(poses, other->pose, bodies * sizeof *poses);
+  }
+  km_state_free(other);
+  km_free(poses);
+  km_free(q);
+  km_mobility_sweep_free(&sweep);
+  fixture_close(&f);
+}
+
+int main(void) {
+  const struct CMUnitTest tests[] = {
+      cmocka_unit_test(mobility_plots_draw_their_columns), cmocka_unit_test(overlaid_joints_share_a_colour),
+      cmocka_unit_test(track_plots_draw_their_columns), cmocka_unit_test(maps_are_paler_where_values_are_higher),
+      cmocka_unit_test(drawings_are_at_their_rows)};
+  return cmocka_run_group_tests(tests, NULL, NULL);
+}
