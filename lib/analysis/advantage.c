@@ -14,26 +14,6 @@
  * from its dead centre: they differ by the square. */
 static const double zero_rate_tolerance = 3e-8;
 
-bool km_handle_default(const km_model *model, bool output, km_handle *out) {
-  if (!out)
-    return false;
-  *out = (km_handle){0};
-  if (!model)
-    return false;
-  const km_model_handle *d = output ? &model->advantage_output : &model->advantage_input;
-  double length = km_vec3_norm(d->direction);
-  km_handle_kind kind = d->coordinate >= 0 ? KM_HANDLE_JOINT : d->frame >= 0 ? KM_HANDLE_POINT : KM_HANDLE_NONE;
-  *out = (km_handle){.kind = kind, .coordinate = d->coordinate, .frame = d->frame, .name = d->name};
-  if (kind == KM_HANDLE_JOINT)
-    out->name = model->coordinates[d->coordinate].label;
-  if (kind == KM_HANDLE_POINT) {
-    out->direction[0] = d->direction.x / length;
-    out->direction[1] = d->direction.y / length;
-    out->direction[2] = d->direction.z / length;
-  }
-  return kind != KM_HANDLE_NONE;
-}
-
 /* The coordinates that an end's rate is made of: its own, or those on the way to the point's body. */
 static void mark_direct(const km_mechanism *m, const km_handle *h, bool *marks) {
   const km_topology *t = &m->topology;
@@ -63,10 +43,6 @@ static void mark_moving(const km_mechanism *m, const km_handle *h, bool *marks) 
   }
 }
 
-static const char *kind(bool output) {
-  return output ? "output" : "input";
-}
-
 /* "joint \"A\"" or "point of body \"b\"". */
 static void name_of(const km_mechanism *m, const km_handle *h, km_text *out) {
   if (h->kind == KM_HANDLE_JOINT)
@@ -80,11 +56,11 @@ static km_status check_end(const km_mechanism *m, const km_handle *h, bool outpu
   for (int c = 0; c < m->coordinate_count; ++c)
     any = any || marks[c];
   if (h->kind == KM_HANDLE_JOINT && m->held[h->coordinate])
-    return km_fail(error, KM_USAGE, "%s \"%s\" is held; expected a joint that is free to move", kind(output),
+    return km_fail(error, KM_USAGE, "%s \"%s\" is held; expected a joint that is free to move", km_end_word(output),
                    m->model->coordinates[h->coordinate].label);
   if (!any)
     return km_fail(error, KM_USAGE, "%s: nothing moves body \"%s\"; expected a point of a body that moves",
-                   kind(output), m->model->bodies[m->model->frames[h->frame].body].name);
+                   km_end_word(output), m->model->bodies[m->model->frames[h->frame].body].name);
   return KM_OK;
 }
 
@@ -145,27 +121,6 @@ static bool allocate(const km_mechanism *m, km_lever *l) {
   l->moves = KM_ARENA_NEW(&l->arena, bool, coordinates);
   l->pose = KM_ARENA_NEW(&l->arena, km_pose, (size_t)m->topology.body_count);
   return !l->arena.failed;
-}
-
-static km_status check_handle(const km_mechanism *m, const km_handle *h, bool output, km_error *error) {
-  km_status status = km_check_given(h != NULL, kind(output), error);
-  if (status)
-    return status;
-  if (h->kind == KM_HANDLE_JOINT)
-    return km_check_index(h->coordinate, m->coordinate_count, "coordinate", error);
-  if (h->kind != KM_HANDLE_POINT)
-    return km_fail(error, KM_USAGE, "the %s is neither a joint nor a point", kind(output));
-  double length = km_vec3_norm(km_vec3_make(h->direction));
-  if (!(length > 0.0 && isfinite(length)))
-    return km_fail(error, KM_USAGE, "the %s is a point without a direction", kind(output));
-  return km_check_index(h->frame, m->model->frame_count, "frame", error);
-}
-
-km_status km_check_handles(const km_mechanism *m, const km_handle *input, const km_handle *output, km_error *error) {
-  km_status status = km_check_given(m != NULL, "mechanism", error);
-  if (!status)
-    status = check_handle(m, input, false, error);
-  return status ? status : check_handle(m, output, true, error);
 }
 
 km_status km_lever_create(const km_mechanism *m, const km_handle *input, const km_handle *output, km_lever **out,
@@ -369,33 +324,4 @@ int km_lever_branches(const km_mechanism *m, km_state *s, km_lever *l, km_advant
   km_free(directions);
   km_free(rates);
   return most < 0 ? 0 : count < most ? count : most;
-}
-
-static bool is_angle(const km_model *model, const km_handle *h) {
-  if (h->kind != KM_HANDLE_JOINT || h->coordinate < 0 || h->coordinate >= model->coordinate_count)
-    return false;
-  const km_model_coordinate *def = &model->coordinates[h->coordinate];
-  return !km_joint_is_length(model->joints[def->joint].type, def->index);
-}
-
-const char *km_advantage_unit(const km_model *model, const km_handle *input, const km_handle *output) {
-  if (!model || !input || !output)
-    return "";
-  static const char *const over[4] = {"rad/m", "rad/mm", "rad/cm", "rad/in"}, *const under[4] = {"m/rad", "mm/rad",
-                                                                                                 "cm/rad", "in/rad"};
-  bool in = is_angle(model, input), out = is_angle(model, output);
-  for (int i = 0; i < 4 && in != out; ++i)
-    if (strcmp(model->units.length->suffix, over[i] + 4) == 0)
-      return in ? over[i] : under[i];
-  return "";
-}
-
-const char *km_advantage_state_name(km_advantage_state state) {
-  static const char *const names[] = {"finite", "zero", "infinite", "undefined"};
-  return (size_t)state < sizeof names / sizeof *names ? names[state] : "";
-}
-
-const char *km_advantage_method_name(km_advantage_method method) {
-  static const char *const names[] = {"single freedom", "least motion"};
-  return (size_t)method < sizeof names / sizeof *names ? names[method] : "";
 }

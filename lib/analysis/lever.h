@@ -21,6 +21,8 @@ struct km_lever {
   km_pose *pose; /* [body] about a point near the mechanism */
 };
 
+/* "input", "output". */
+const char *km_end_word(bool output);
 /* For public functions: KM_USAGE unless both are joints or points of the mechanism. */
 km_status km_check_handles(const km_mechanism *mechanism, const km_handle *input, const km_handle *output,
                            km_error *error);

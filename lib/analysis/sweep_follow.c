@@ -68,7 +68,7 @@ static km_status meet_branch(km_sweeper *r, km_follow *follow, km_error *error) 
   km_free(directions);
   if (status)
     return status;
-  return here && !turn ? km_fail(error, KM_USAGE, "--branch %d: %d motions meet at %.9g; expected at most %d",
+  return here && !turn ? km_fail(error, KM_USAGE, "branch %d: %d motions meet at %.9g; expected at most %d",
                                  r->plan->branch, point.branches, point.s, 2 * point.branches - 1)
                        : KM_OK;
 }

@@ -1,3 +1,4 @@
+/* Objectives by name and by value. */
 #include "arm/objective.h"
 
 #include <string.h>
@@ -31,8 +32,9 @@ km_objective km_objective_of(km_objective_kind kind) {
   return objective;
 }
 
-/* The only kind with weight 1 and no other, -1: a sum. */
-static int single(const km_objective *objective) {
+int km_objective_single(const km_objective *objective) {
+  if (!objective)
+    return -1;
   int found = -1, count = 0;
   for (int k = 0; k < KM_OBJECTIVES; ++k)
     if (objective->weight[k] != 0.0) {
@@ -45,12 +47,12 @@ static int single(const km_objective *objective) {
 const char *km_objective_name(const km_objective *objective) {
   if (!objective)
     return "";
-  int kind = single(objective);
+  int kind = km_objective_single(objective);
   return kind < 0 ? "weighted" : words[kind];
 }
 
 bool km_objective_by_mean(const km_objective *objective) {
-  return single(objective) == KM_PATH_CONTROL;
+  return km_objective_single(objective) == KM_PATH_CONTROL;
 }
 
 static double smallest_entry(const double *path, int n) {

@@ -96,7 +96,7 @@ static km_table *make_table(const km_track *t) {
     if (reported(t, k))
       km_table_add_column(table, name, NULL);
   }
-  if (strcmp(km_objective_name(&t->plan.objective), "weighted") == 0)
+  if (km_objective_single(&t->plan.objective) < 0)
     km_table_add_column(table, "objective.weighted", NULL);
   km_table_add_column(table, "error_position", length);
   km_table_add_column(table, "error_rotation", a->mechanism->model->units.angle->suffix);
@@ -168,7 +168,7 @@ static bool add_row(km_track *t, km_arm_space *space, const row *r, const row *l
   for (int k = 0; k < KM_OBJECTIVES; ++k)
     if (reported(t, k))
       *out++ = values[k];
-  if (strcmp(km_objective_name(&t->plan.objective), "weighted") == 0)
+  if (km_objective_single(&t->plan.objective) < 0)
     *out++ = value;
   *out++ = position * a->length;
   *out++ = rotation / a->mechanism->model->units.angle->si;

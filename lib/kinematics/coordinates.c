@@ -5,7 +5,7 @@
 /* What was known of the motions at the old pose doesn't count any more. */
 static void forget_motions(const km_mechanism *m, km_state *s) {
   for (int i = 0; i < m->topology.substructure_count; ++i) {
-    s->pivoted[i] = KM_NEVER;
+    km_state_forget_pivots(s, i);
     s->basis[i].known = false;
   }
 }

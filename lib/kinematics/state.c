@@ -1,3 +1,4 @@
+/* One thread's copy of what moves: allocation, coordinates, limits. */
 #include "kinematics/state.h"
 
 #include "base/check.h"

@@ -32,6 +32,8 @@ typedef struct km_objective {
   double weight[KM_OBJECTIVES];
 } km_objective;
 KM_API km_objective km_objective_of(km_objective_kind kind);
+/* The only kind, if it has weight 1; -1: a weighted sum. */
+KM_API int km_objective_single(const km_objective *objective);
 /* "singular-value", or "weighted" of several. */
 KM_API const char *km_objective_name(const km_objective *objective);
 

@@ -290,7 +290,8 @@ static void range_of(picture *p) {
       p->high = fmax(p->high, s->value[k]);
     }
   }
-  if (km_objective_name(&p->tracks->study->objective)[0] == 'l') /* limit-distance: what is below 0 is hatched anyway */
+  /* What is below 0 is hatched anyway. */
+  if (km_objective_single(&p->tracks->study->objective) == KM_LIMIT_DISTANCE)
     p->low = fmax(p->low, -0.25);
   km_axis_widen(&p->low, &p->high);
   km_axis_widen(&p->frame.y_low, &p->frame.y_high);
