@@ -1,5 +1,6 @@
-#include "analysis/lever.h"
 
+#include "analysis/lever.h"
+#include "base/check.h"
 #include "base/text.h"
 #include "kinematics/branches.h"
 #include "kinematics/poses.h"
@@ -11,26 +12,32 @@
 
 /* Of the largest rate: below this an end stands. Where it is the end that drives, its own digits don't tell such a pose
  * from its dead centre: they differ by the square. */
-static const double still = 3e-8;
+static const double zero_rate_tolerance = 3e-8;
 
 bool km_handle_default(const km_model *model, bool output, km_handle *out) {
+  if (!out)
+    return false;
+  *out = (km_handle){0};
+  if (!model)
+    return false;
   const km_model_handle *d = output ? &model->advantage_output : &model->advantage_input;
   double length = km_vec3_norm(d->direction);
-  *out = (km_handle){.coordinate = d->coordinate, .frame = d->frame, .name = d->name};
-  if (d->coordinate >= 0)
+  km_handle_kind kind = d->coordinate >= 0 ? KM_HANDLE_JOINT : d->frame >= 0 ? KM_HANDLE_POINT : KM_HANDLE_NONE;
+  *out = (km_handle){.kind = kind, .coordinate = d->coordinate, .frame = d->frame, .name = d->name};
+  if (kind == KM_HANDLE_JOINT)
     out->name = model->coordinates[d->coordinate].label;
-  if (d->coordinate < 0 && d->frame >= 0) {
+  if (kind == KM_HANDLE_POINT) {
     out->direction[0] = d->direction.x / length;
     out->direction[1] = d->direction.y / length;
     out->direction[2] = d->direction.z / length;
   }
-  return d->coordinate >= 0 || d->frame >= 0;
+  return kind != KM_HANDLE_NONE;
 }
 
 /* The coordinates that an end's rate is made of: its own, or those on the way to the point's body. */
 static void mark_direct(const km_mechanism *m, const km_handle *h, bool *marks) {
   const km_topology *t = &m->topology;
-  if (h->coordinate >= 0) {
+  if (h->kind == KM_HANDLE_JOINT) {
     marks[h->coordinate] = true;
     return;
   }
@@ -62,7 +69,7 @@ static const char *kind(bool output) {
 
 /* "joint \"A\"" or "point of body \"b\"". */
 static void name_of(const km_mechanism *m, const km_handle *h, km_text *out) {
-  if (h->coordinate >= 0)
+  if (h->kind == KM_HANDLE_JOINT)
     km_text_format(out, "joint \"%s\"", m->model->coordinates[h->coordinate].label);
   else
     km_text_format(out, "the point of body \"%s\"", m->model->bodies[m->model->frames[h->frame].body].name);
@@ -72,7 +79,7 @@ static km_status check_end(const km_mechanism *m, const km_handle *h, bool outpu
   bool any = false;
   for (int c = 0; c < m->coordinate_count; ++c)
     any = any || marks[c];
-  if (h->coordinate >= 0 && m->held[h->coordinate])
+  if (h->kind == KM_HANDLE_JOINT && m->held[h->coordinate])
     return km_fail(error, KM_USAGE, "%s \"%s\" is held; expected a joint that is free to move", kind(output),
                    m->model->coordinates[h->coordinate].label);
   if (!any)
@@ -82,7 +89,9 @@ static km_status check_end(const km_mechanism *m, const km_handle *h, bool outpu
 }
 
 static bool same(const km_handle *a, const km_handle *b) {
-  if (a->coordinate >= 0 || b->coordinate >= 0)
+  if (a->kind != b->kind)
+    return false;
+  if (a->kind == KM_HANDLE_JOINT)
     return a->coordinate == b->coordinate;
   km_vec3 difference = km_vec3_cross(km_vec3_make(a->direction), km_vec3_make(b->direction));
   return a->frame == b->frame && km_vec3_norm(difference) < 1e-12;
@@ -110,7 +119,7 @@ static km_status check(const km_mechanism *m, const km_lever *l, bool *other, km
   bool meet = false;
   for (int c = 0; c < m->coordinate_count; ++c)
     meet = meet || (l->moves[c] && other[c]);
-  list(m, l->moves, in->coordinate, &choice);
+  list(m, l->moves, in->kind == KM_HANDLE_JOINT ? in->coordinate : -1, &choice);
   name_of(m, out, &names);
   const char *known = choice.data && choice.size ? choice.data : "a point of a body that it moves";
   if (same(in, out))
@@ -138,15 +147,42 @@ static bool allocate(const km_mechanism *m, km_lever *l) {
   return !l->arena.failed;
 }
 
+static km_status check_handle(const km_mechanism *m, const km_handle *h, bool output, km_error *error) {
+  km_status status = km_check_given(h != NULL, kind(output), error);
+  if (status)
+    return status;
+  if (h->kind == KM_HANDLE_JOINT)
+    return km_check_index(h->coordinate, m->coordinate_count, "coordinate", error);
+  if (h->kind != KM_HANDLE_POINT)
+    return km_fail(error, KM_USAGE, "the %s is neither a joint nor a point", kind(output));
+  double length = km_vec3_norm(km_vec3_make(h->direction));
+  if (!(length > 0.0 && isfinite(length)))
+    return km_fail(error, KM_USAGE, "the %s is a point without a direction", kind(output));
+  return km_check_index(h->frame, m->model->frame_count, "frame", error);
+}
+
+km_status km_check_handles(const km_mechanism *m, const km_handle *input, const km_handle *output, km_error *error) {
+  km_status status = km_check_given(m != NULL, "mechanism", error);
+  if (!status)
+    status = check_handle(m, input, false, error);
+  return status ? status : check_handle(m, output, true, error);
+}
+
 km_status km_lever_create(const km_mechanism *m, const km_handle *input, const km_handle *output, km_lever **out,
                           km_error *error) {
+  if (!out)
+    return km_check_given(false, "place for the result", error);
   *out = NULL;
+  km_status fits = km_check_handles(m, input, output, error);
+  if (fits)
+    return fits;
   km_lever *l = KM_NEW(km_lever, 1);
   bool *other = KM_NEW(bool, (size_t)m->coordinate_count);
   km_status status = KM_OK;
   if (!l || !other || !allocate(m, l)) {
     status = km_fail(error, KM_MEMORY, "out of memory for a mechanical advantage");
   } else {
+    l->mechanism = m;
     l->input.handle = *input;
     l->output.handle = *output;
     mark_moving(m, input, l->moves);
@@ -168,6 +204,8 @@ void km_lever_free(km_lever *l) {
 }
 
 const double *km_lever_rates(const km_lever *l) {
+  if (!l)
+    return NULL;
   return l->rates;
 }
 
@@ -188,7 +226,7 @@ static void point_row(const km_mechanism *m, const km_state *s, const km_lever *
 
 static void update_row(const km_mechanism *m, const km_state *s, const km_lever *l, km_lever_end *end) {
   memset(end->row, 0, (size_t)m->coordinate_count * sizeof *end->row);
-  if (end->handle.coordinate >= 0)
+  if (end->handle.kind == KM_HANDLE_JOINT)
     end->row[end->handle.coordinate] = 1.0;
   else
     point_row(m, s, l, end);
@@ -242,8 +280,8 @@ double km_largest_rate(const km_mechanism *m, const double *rates) {
 
 double km_lever_rate(const km_mechanism *m, const km_lever_end *end, const double *rates, double *size) {
   double rate = 0.0, largest = km_largest_rate(m, rates);
-  int own = end->handle.coordinate;
-  if (own >= 0) {
+  if (end->handle.kind == KM_HANDLE_JOINT) {
+    int own = end->handle.coordinate;
     *size = m->unit[own] * largest;
     return rates[own];
   }
@@ -258,7 +296,7 @@ double km_lever_rate(const km_mechanism *m, const km_lever_end *end, const doubl
 
 static double clear_rate(const km_mechanism *m, const km_lever_end *end, const double *rates) {
   double size, rate = km_lever_rate(m, end, rates, &size);
-  return fabs(rate) > still * size ? rate : 0.0;
+  return fabs(rate) > zero_rate_tolerance * size ? rate : 0.0;
 }
 
 /* Of two rates that are 0 where they count as 0. */
@@ -280,7 +318,7 @@ static void measure(const km_mechanism *m, km_lever *l, int freedom, km_advantag
     l->rates[c] /= largest;
   *out = (km_advantage){.method = freedom == 1 ? KM_ADVANTAGE_SINGLE_FREEDOM : KM_ADVANTAGE_LEAST_MOTION};
   /* Where the input has no part in several freedoms there is no motion of its own. */
-  bool moves = largest > (freedom == 1 ? 0.0 : still);
+  bool moves = largest > (freedom == 1 ? 0.0 : zero_rate_tolerance);
   out->input_rate = moves ? clear_rate(m, &l->input, l->rates) : 0.0;
   out->output_rate = moves ? clear_rate(m, &l->output, l->rates) : 0.0;
   bool in = out->input_rate != 0.0, outwards = out->output_rate != 0.0;
@@ -293,6 +331,11 @@ static void measure(const km_mechanism *m, km_lever *l, int freedom, km_advantag
 }
 
 void km_lever_update(const km_mechanism *m, km_state *s, km_lever *l, km_advantage *out) {
+  if (!out)
+    return;
+  *out = (km_advantage){.state = KM_ADVANTAGE_UNDEFINED, .value = nan(""), .velocity_ratio = nan("")};
+  if (!l || l->mechanism != m || !km_state_knows_motion(m, s))
+    return;
   update_rows(m, s, l);
   measure(m, l, choose_motion(m, s, l), out);
 }
@@ -304,6 +347,8 @@ void km_lever_along(const km_mechanism *m, const km_state *s, km_lever *l, const
 }
 
 int km_lever_branches(const km_mechanism *m, km_state *s, km_lever *l, km_advantage *out, int most) {
+  if (!l || !out || l->mechanism != m || !km_state_knows_motion(m, s))
+    return 0;
   int index = -1, count = 0;
   for (int c = 0; c < m->coordinate_count && index < 0; ++c)
     index = l->moves[c] ? m->substructure_of[c] : -1;
@@ -323,17 +368,19 @@ int km_lever_branches(const km_mechanism *m, km_state *s, km_lever *l, km_advant
   }
   km_free(directions);
   km_free(rates);
-  return count < most ? count : most;
+  return most < 0 ? 0 : count < most ? count : most;
 }
 
 static bool is_angle(const km_model *model, const km_handle *h) {
-  if (h->coordinate < 0)
+  if (h->kind != KM_HANDLE_JOINT || h->coordinate < 0 || h->coordinate >= model->coordinate_count)
     return false;
   const km_model_coordinate *def = &model->coordinates[h->coordinate];
   return !km_joint_is_length(model->joints[def->joint].type, def->index);
 }
 
 const char *km_advantage_unit(const km_model *model, const km_handle *input, const km_handle *output) {
+  if (!model || !input || !output)
+    return "";
   static const char *const over[4] = {"rad/m", "rad/mm", "rad/cm", "rad/in"}, *const under[4] = {"m/rad", "mm/rad",
                                                                                                  "cm/rad", "in/rad"};
   bool in = is_angle(model, input), out = is_angle(model, output);
@@ -345,10 +392,10 @@ const char *km_advantage_unit(const km_model *model, const km_handle *input, con
 
 const char *km_advantage_state_name(km_advantage_state state) {
   static const char *const names[] = {"finite", "zero", "infinite", "undefined"};
-  return names[state];
+  return (size_t)state < sizeof names / sizeof *names ? names[state] : "";
 }
 
 const char *km_advantage_method_name(km_advantage_method method) {
   static const char *const names[] = {"single freedom", "least motion"};
-  return names[method];
+  return (size_t)method < sizeof names / sizeof *names ? names[method] : "";
 }

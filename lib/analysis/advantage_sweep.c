@@ -3,6 +3,7 @@
 #include "analysis/lever.h"
 #include "analysis/scan.h"
 #include "analysis/transmission.h"
+#include "base/check.h"
 #include "base/text.h"
 #include "kmech/losses.h"
 
@@ -241,6 +242,16 @@ static km_status run(const km_mechanism *m, km_state *s, const km_sweep_plan *pl
 
 km_status km_advantage_sweep_run(const km_mechanism *m, km_state *s, const km_sweep_plan *plan, const km_handle *input,
                                  const km_handle *output, bool transmission, km_advantage_sweep *out, km_error *error) {
+  if (!out)
+    return km_check_given(false, "place for the result", error);
+  *out = (km_advantage_sweep){.motion = {.substructure = -1}};
+  km_status fits = km_check_sweep(m, s, plan, error);
+  if (!fits)
+    fits = km_check_handles(m, input, output, error);
+  if (!fits)
+    fits = km_check_given(input->name && output->name, "name of input or output", error);
+  if (fits)
+    return fits;
   km_peak none = {nan(""), nan("")};
   *out = (km_advantage_sweep){
       .motion = {.substructure = -1}, .input = *input, .output = *output, .lowest = none, .highest = none};
@@ -263,6 +274,8 @@ km_status km_advantage_sweep_run(const km_mechanism *m, km_state *s, const km_sw
 }
 
 void km_advantage_sweep_free(km_advantage_sweep *sweep) {
+  if (!sweep)
+    return;
   km_sweep_free(&sweep->motion);
   km_free(sweep->toggles);
   *sweep = (km_advantage_sweep){0};

@@ -1,5 +1,6 @@
 #include "kmech/finite_mobility.h"
 
+#include "base/check.h"
 #include "kinematics/loops.h"
 #include "kinematics/tangents.h"
 
@@ -61,7 +62,7 @@ static int dimension_here(const km_mechanism *m, km_state *s, int index, km_aren
 
 static void list_motion(km_tangents *f, const double *a, km_motion_kind kind, double length, km_finite_mobility *out) {
   if (out->motion_count == KM_MOST_MOTIONS) {
-    out->truncated = 1;
+    out->truncated = true;
     return;
   }
   int coordinates = f->m->coordinate_count;
@@ -134,12 +135,17 @@ static int find_in(const km_mechanism *m, km_state *s, int index, km_arena *aren
   }
   km_state_restore(s, f.sub, f.pose);
   km_loops_update(m, s, f.sub);
-  s->pivoted[index] = KM_NEVER;
+  km_state_forget_pivots(s, index);
   return mobility;
 }
 
 km_status km_finite_mobility_find(const km_mechanism *m, km_state *s, km_finite_mobility *out, km_error *error) {
+  if (!out)
+    return km_check_given(false, "place for the result", error);
   *out = (km_finite_mobility){0};
+  km_status fits = km_check_state(m, s, error);
+  if (fits)
+    return fits;
   out->store = KM_NEW(double, (size_t)KM_MOST_MOTIONS *(size_t)(m->coordinate_count + 1));
   bool failed = !out->store;
   for (int c = 0; c < m->coordinate_count; ++c)
@@ -154,11 +160,13 @@ km_status km_finite_mobility_find(const km_mechanism *m, km_state *s, km_finite_
 }
 
 void km_finite_mobility_free(km_finite_mobility *mobility) {
+  if (!mobility)
+    return;
   km_free(mobility->store);
   *mobility = (km_finite_mobility){0};
 }
 
 const char *km_motion_kind_name(km_motion_kind kind) {
   static const char *const names[] = {"regular", "branch", "shaky", "undecided"};
-  return names[kind];
+  return (size_t)kind < sizeof names / sizeof *names ? names[kind] : "";
 }

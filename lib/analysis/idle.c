@@ -4,6 +4,7 @@
 
 #include "analysis/nearby.h"
 #include "analysis/whole_jacobian.h"
+#include "base/check.h"
 #include "kinematics/poses.h"
 
 #include <string.h>
@@ -210,7 +211,12 @@ static bool worth_looking(const km_mechanism *m, int index) {
 }
 
 km_status km_idle_freedoms_find(const km_mechanism *m, km_state *s, km_idle_freedoms *out, km_error *error) {
+  if (!out)
+    return km_check_given(false, "place for the result", error);
   *out = (km_idle_freedoms){0};
+  km_status fits = km_check_state(m, s, error);
+  if (fits)
+    return fits;
   size_t capacity = 0;
   bool done = true;
   km_mobility mobility;
@@ -231,6 +237,8 @@ km_status km_idle_freedoms_find(const km_mechanism *m, km_state *s, km_idle_free
 }
 
 void km_idle_freedoms_free(km_idle_freedoms *freedoms) {
+  if (!freedoms)
+    return;
   km_free(freedoms->items);
   *freedoms = (km_idle_freedoms){0};
 }

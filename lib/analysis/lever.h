@@ -14,11 +14,16 @@ typedef struct km_lever_end {
 
 struct km_lever {
   km_arena arena;
+  const km_mechanism *mechanism;
   km_lever_end input, output;
   bool *moves;   /* [coordinate] the input's rate depends on it, or on its substructure */
   double *rates; /* [coordinate] */
   km_pose *pose; /* [body] about a point near the mechanism */
 };
+
+/* For public functions: KM_USAGE unless both are joints or points of the mechanism. */
+km_status km_check_handles(const km_mechanism *mechanism, const km_handle *input, const km_handle *output,
+                           km_error *error);
 
 /* The advantage in a given motion, rates[coordinate]: at a branch point the one that is followed. */
 void km_lever_along(const km_mechanism *mechanism, const km_state *state, km_lever *lever, const double *rates,

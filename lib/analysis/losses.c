@@ -3,6 +3,7 @@
 #include "analysis/friction.h"
 #include "analysis/lever.h"
 #include "analysis/statics.h"
+#include "base/check.h"
 
 #include <string.h>
 
@@ -17,6 +18,8 @@ struct km_losses_work {
 };
 
 bool km_model_has_friction(const km_model *model) {
+  if (!model)
+    return false;
   for (int j = 0; j < model->joint_count; ++j)
     if (model->joints[j].friction.coefficient != 0.0)
       return true;
@@ -39,9 +42,10 @@ static km_status create(const km_mechanism *m, const km_handle *input, const km_
   km_load load = {output->frame, {-d[0], -d[1], -d[2]}, {0, 0, 0}, false};
   km_status status = km_lever_create(m, input, output, &w->lever, error);
   if (!status)
-    status = km_forces_create(m, weightless, &load, output->coordinate < 0, &w->forces, error);
+    status = km_forces_create(m, weightless, &load, output->kind == KM_HANDLE_POINT, &w->forces, error);
   if (!status)
-    status = km_statics_create(m, &input->coordinate, input->coordinate >= 0, KM_AXES_FIXED, &w->statics, error);
+    status =
+        km_statics_create(m, &input->coordinate, input->kind == KM_HANDLE_JOINT, KM_AXES_FIXED, &w->statics, error);
   int most = places(m);
   w->rubbing = KM_ARENA_NEW(&w->arena, int, (size_t)most);
   w->resists = KM_ARENA_NEW(&w->arena, double, (size_t)most);
@@ -54,6 +58,12 @@ static km_status create(const km_mechanism *m, const km_handle *input, const km_
 
 km_status km_losses_create(const km_mechanism *m, const km_handle *input, const km_handle *output, km_losses_work **out,
                            km_error *error) {
+  if (!out)
+    return km_check_given(false, "place for the result", error);
+  *out = NULL;
+  km_status fits = km_check_handles(m, input, output, error);
+  if (fits)
+    return fits;
   km_losses_work *w = *out = KM_NEW(km_losses_work, 1);
   if (!w)
     return km_fail(error, KM_MEMORY, "out of memory for the losses");
@@ -142,10 +152,15 @@ static bool make_equations(const km_mechanism *m, km_state *s, km_losses_work *w
 }
 
 void km_losses_update(const km_mechanism *m, km_state *s, km_losses_work *w, km_losses *out) {
+  if (!out)
+    return;
+  *out = (km_losses){.ratio = nan(""), .efficiency = nan(""), .locks_from = nan(""), .why = "the mobility isn't known"};
+  if (!w || w->lever->mechanism != m || !km_state_knows_motion(m, s))
+    return;
   km_advantage a;
   *out = (km_losses){.ratio = nan(""), .efficiency = nan(""), .locks_from = nan("")};
   km_lever_update(m, s, w->lever, &a);
-  if (w->lever->input.handle.coordinate < 0 || a.state != KM_ADVANTAGE_FINITE) {
+  if (w->lever->input.handle.kind != KM_HANDLE_JOINT || a.state != KM_ADVANTAGE_FINITE) {
     out->why = a.state != KM_ADVANTAGE_FINITE ? "the mechanical advantage isn't finite" : "the input is no joint";
     return;
   }

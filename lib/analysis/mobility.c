@@ -36,6 +36,11 @@ static void count_kutzbach(const km_mechanism *m, km_mobility *out) {
 }
 
 void km_mobility_update(const km_mechanism *m, km_state *s, km_mobility *out) {
+  if (!out)
+    return;
+  *out = (km_mobility){.residual = nan("")};
+  if (!km_state_fits(m, s))
+    return;
   *out = (km_mobility){0};
   count_kutzbach(m, out);
   out->redundant_constraints = 6 * m->topology.loop_count + m->model->coupling_count;
@@ -58,10 +63,17 @@ void km_mobility_update(const km_mechanism *m, km_state *s, km_mobility *out) {
 }
 
 int km_substructure_count(const km_mechanism *m) {
+  if (!m)
+    return 0;
   return m->topology.substructure_count;
 }
 
 void km_substructure_evidence(const km_mechanism *m, const km_state *s, int index, km_substructure_mobility *out) {
+  if (!out)
+    return;
+  *out = (km_substructure_mobility){0};
+  if (!km_state_fits(m, s) || index < 0 || index >= m->topology.substructure_count)
+    return;
   const km_substructure *sub = &m->substructures[index];
   const km_partition *p = &s->partition[index];
   const km_topology *t = &m->topology;
@@ -77,5 +89,7 @@ void km_substructure_evidence(const km_mechanism *m, const km_state *s, int inde
 }
 
 double km_mobility_number(const km_state *s, int coordinate) {
+  if (!s || coordinate < 0 || coordinate >= s->mechanism->coordinate_count)
+    return nan("");
   return s->numbers[coordinate];
 }

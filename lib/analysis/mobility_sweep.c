@@ -1,6 +1,7 @@
 /* Mobility numbers over a sweep, and where a joint loses its grip: roots of its entry in the direction of motion. */
 #include "kmech/mobility_sweep.h"
 #include "analysis/singular.h"
+#include "base/check.h"
 
 /* |z| below this is 0: z = Z_j of the one free direction, known to about 1e-12. */
 static const double zero = 1e-9;
@@ -154,6 +155,12 @@ static km_status end_at(void *self, km_sweeper *r, double s, km_error *error) {
 
 km_status km_mobility_sweep_run(const km_mechanism *m, km_state *s, const km_sweep_plan *plan, km_mobility_sweep *out,
                                 km_error *error) {
+  if (!out)
+    return km_check_given(false, "place for the result", error);
+  *out = (km_mobility_sweep){.motion = {.substructure = -1}};
+  km_status fits = km_check_sweep(m, s, plan, error);
+  if (fits)
+    return fits;
   size_t count = (size_t)m->coordinate_count;
   *out = (km_mobility_sweep){
       .motion = {.substructure = -1}, .extremes = KM_NEW(km_extreme, count), .smallest = {nan(""), nan("")}};
@@ -173,6 +180,8 @@ km_status km_mobility_sweep_run(const km_mechanism *m, km_state *s, const km_swe
 }
 
 void km_mobility_sweep_free(km_mobility_sweep *sweep) {
+  if (!sweep)
+    return;
   km_sweep_free(&sweep->motion);
   km_free(sweep->toggles);
   km_free(sweep->extremes);

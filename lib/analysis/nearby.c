@@ -25,7 +25,7 @@ bool km_nearby_go(const km_mechanism *m, km_state *s, int index, double *saved, 
   choose_move(m, s, index, move);
   km_state_save(s, sub, saved);
   km_state_move(m, s, sub, move);
-  s->pivoted[index] = KM_NEVER;
+  km_state_forget_pivots(s, index);
   if (!moves || km_close(m, s, index, KM_NO_DRIVER, &evidence) != KM_CLOSED)
     return false;
   km_poses_update_in(m, s, index);
@@ -37,6 +37,6 @@ void km_nearby_return(const km_mechanism *m, km_state *s, int index, const doubl
   const km_substructure *sub = &m->substructures[index];
   km_state_restore(s, sub, saved);
   km_loops_update(m, s, sub);
-  s->pivoted[index] = KM_NEVER;
+  km_state_forget_pivots(s, index);
   km_poses_update_in(m, s, index);
 }

@@ -1,5 +1,6 @@
 #include "analysis/left_null.h"
 #include "analysis/nearby.h"
+#include "base/check.h"
 #include "kinematics/poses.h"
 
 #include <string.h>
@@ -169,7 +170,12 @@ static bool find_in(finder *f, km_arena *arena) {
 }
 
 km_status km_redundancies_find(const km_mechanism *m, km_state *s, km_redundancies *out, km_error *error) {
+  if (!out)
+    return km_check_given(false, "place for the result", error);
   *out = (km_redundancies){0};
+  km_status fits = km_check_state(m, s, error);
+  if (fits)
+    return fits;
   size_t capacity = 0;
   bool found = true;
   km_mobility mobility;
@@ -185,6 +191,8 @@ km_status km_redundancies_find(const km_mechanism *m, km_state *s, km_redundanci
 }
 
 void km_redundancies_free(km_redundancies *redundancies) {
+  if (!redundancies)
+    return;
   km_free(redundancies->items);
   *redundancies = (km_redundancies){0};
 }

@@ -1,5 +1,6 @@
 #include "analysis/statics.h"
 
+#include "base/check.h"
 #include "kinematics/poses.h"
 
 #include <string.h>
@@ -48,11 +49,32 @@ static bool allocate(const km_mechanism *m, km_statics *st) {
   return !w->arena.failed && km_carrying_reserve(m, w);
 }
 
+static km_status check_actuators(const km_mechanism *m, const int *actuators, int count, km_error *error) {
+  km_status status = KM_OK;
+  for (int i = 0; i < count && actuators && !status; ++i)
+    status = km_check_index(actuators[i], m->coordinate_count, "coordinate", error);
+  return status;
+}
+
 km_status km_statics_create(const km_mechanism *m, const int *actuators, int actuator_count, km_axes axes,
                             km_statics *out, km_error *error) {
+  if (!out)
+    return km_check_given(false, "place for the result", error);
+  *out = (km_statics){0};
+  km_status fits = km_check_given(m != NULL, "mechanism", error);
+  if (!fits)
+    fits = actuators == NULL ? KM_OK : km_check_list(actuators, actuator_count, "actuators", error);
+  if (!fits)
+    fits = check_actuators(m, actuators, actuator_count, error);
+  if (!fits)
+    fits = axes == KM_AXES_JOINT || axes == KM_AXES_FIXED ? KM_OK
+                                                          : km_fail(error, KM_USAGE, "%d names no axes", (int)axes);
+  if (fits)
+    return fits;
   *out = (km_statics){.work = KM_NEW(km_statics_work, 1)};
   if (!out->work || !allocate(m, out))
     return km_fail(error, KM_MEMORY, "out of memory for the balance of forces");
+  out->work->mechanism = m;
   out->work->axes = axes;
   km_status status = take_actuators(m, actuators, actuator_count, out, error);
   if (!status && !km_holding_reserve(m, out))
@@ -61,6 +83,8 @@ km_status km_statics_create(const km_mechanism *m, const int *actuators, int act
 }
 
 void km_statics_free(km_statics *st) {
+  if (!st)
+    return;
   if (st->work)
     km_arena_free(&st->work->arena);
   km_free(st->work);
@@ -124,7 +148,26 @@ void km_statics_hold(const km_mechanism *m, const km_state *s, km_forces *f, km_
   km_actuators_hold(m, s, st);
 }
 
+/* Nothing is known of a state whose mobility isn't. */
+static void forget(const km_mechanism *m, km_statics *st) {
+  const double no = nan("");
+  for (int i = 0; i < st->actuator_count; ++i)
+    st->actuator_forces[i] = no;
+  for (int c = 0; c < m->coordinate_count; ++c)
+    st->least_norm[c] = no;
+  for (int j = 0; j < m->topology.joint_count; ++j)
+    st->reactions[j] = (km_reaction){{no, no, no}, {no, no, no}, {false}};
+  st->held = st->redundant = false;
+  st->direction_count = st->degree = 0;
+}
+
 void km_statics_update(const km_mechanism *m, km_state *s, km_forces *f, km_statics *st) {
+  if (!st || !st->work || st->work->mechanism != m || !f || f->mechanism != m)
+    return;
+  if (!km_state_knows_motion(m, s)) {
+    forget(m, st);
+    return;
+  }
   km_statics_work *w = st->work;
   km_statics_hold(m, s, f, st);
   least_norm(m, s, st);

@@ -40,6 +40,7 @@ typedef struct km_carrying {
 
 struct km_statics_work {
   km_arena arena;
+  const km_mechanism *mechanism;
   km_axes axes;
   int *actuators;
   bool *actuated;     /* [coordinate] */

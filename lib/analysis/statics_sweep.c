@@ -2,6 +2,7 @@
 #include "kmech/statics_sweep.h"
 #include "analysis/scan.h"
 #include "analysis/statics.h"
+#include "base/check.h"
 #include "base/text.h"
 
 #include <string.h>
@@ -199,6 +200,17 @@ static km_status run(const km_mechanism *m, km_state *s, const km_sweep_plan *pl
 
 km_status km_statics_sweep_run(const km_mechanism *m, km_state *s, const km_sweep_plan *plan, km_forces *forces,
                                km_statics *statics, km_statics_sweep *out, km_error *error) {
+  if (!out)
+    return km_check_given(false, "place for the result", error);
+  *out = (km_statics_sweep){.motion = {.substructure = -1}};
+  km_status fits = km_check_sweep(m, s, plan, error);
+  if (!fits)
+    fits = km_check_given(forces && forces->mechanism == m, "forces of this mechanism", error);
+  if (!fits)
+    fits =
+        km_check_given(statics && statics->work && statics->work->mechanism == m, "balance of this mechanism", error);
+  if (fits)
+    return fits;
   *out = (km_statics_sweep){.motion = {.substructure = -1}, .first_unheld = nan("")};
   watch w = {.out = out, .forces = forces, .statics = statics};
   km_status status = run(m, s, plan, &w, error);
@@ -208,6 +220,8 @@ km_status km_statics_sweep_run(const km_mechanism *m, km_state *s, const km_swee
 }
 
 void km_statics_sweep_free(km_statics_sweep *sweep) {
+  if (!sweep)
+    return;
   km_sweep_free(&sweep->motion);
   km_free(sweep->actuators);
   km_free(sweep->events);

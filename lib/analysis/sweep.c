@@ -1,9 +1,12 @@
 #include "analysis/mobility.h"
 #include "analysis/sweeper.h"
+#include "base/check.h"
 
 #include <math.h>
 
 km_sweep_plan km_sweep_plan_default(const km_model *model) {
+  if (!model)
+    return (km_sweep_plan){.coordinate = -1, .direction = -1};
   const km_model_sweep *sweep = &model->sweep;
   return (km_sweep_plan){.coordinate = sweep->coordinate,
                          .from = sweep->range[0],
@@ -12,6 +15,34 @@ km_sweep_plan km_sweep_plan_default(const km_model *model) {
                          .arclength = sweep->arclength,
                          .direction = sweep->direction,
                          .sign = sweep->sign};
+}
+
+static km_status check_range(const km_mechanism *m, const km_sweep_plan *plan, km_error *error) {
+  if (plan->arclength > 0.0)
+    return isfinite(plan->arclength) ? KM_OK : km_fail(error, KM_USAGE, "an arc length that isn't finite");
+  if (!isfinite(plan->from) || !isfinite(plan->to))
+    return km_fail(error, KM_USAGE, "a range from %g to %g; expected finite values", plan->from, plan->to);
+  return km_check_index(plan->coordinate, m->coordinate_count, "coordinate", error);
+}
+
+km_status km_check_sweep(const km_mechanism *m, const km_state *s, const km_sweep_plan *plan, km_error *error) {
+  km_status status = km_check_state(m, s, error);
+  if (!status)
+    status = km_check_given(plan != NULL, "plan", error);
+  if (!status)
+    status = check_range(m, plan, error);
+  if (!status && (plan->steps < 1 || plan->steps > KM_MOST_SWEEP_STEPS))
+    status = km_fail(error, KM_USAGE, "%d steps; expected 1 to %d", plan->steps, KM_MOST_SWEEP_STEPS);
+  if (!status && plan->direction != -1)
+    status = km_check_index(plan->direction, m->coordinate_count, "coordinate", error);
+  if (!status)
+    status = km_check_list(plan->points, plan->point_count, "points", error);
+  for (int i = 0; !status && i < plan->point_count; ++i) {
+    status = km_check_index(plan->points[i].frame, m->model->frame_count, "frame", error);
+    if (!status)
+      status = km_check_given(plan->points[i].name != NULL, "name of a point", error);
+  }
+  return status;
 }
 
 static km_status run(km_sweeper *r, km_error *error) {
@@ -49,6 +80,8 @@ km_status km_sweep_run(const km_mechanism *m, km_state *s, const km_sweep_plan *
 }
 
 void km_sweep_free(km_sweep *sweep) {
+  if (!sweep)
+    return;
   km_table_free(sweep->table);
   km_table_free(sweep->between);
   km_free(sweep->branches);

@@ -168,7 +168,7 @@ km_status km_sweep_by_length(km_sweeper *r, km_error *error) {
   km_status status =
       km_follow_create(r->m, r->s, r->plan->direction, r->plan->sign, r->plan->ignore_limits, &follow, error);
   if (status)
-    return status == KM_PARTIAL ? only_row(r, error) : status;
+    return status == KM_NO_RESULT ? only_row(r, error) : status;
   r->mover = (km_mover){follow, rates, probe, settle};
   r->substructure = r->out->substructure = km_follow_substructure(follow);
   km_sweeper_prepare(r);

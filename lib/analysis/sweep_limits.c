@@ -1,6 +1,7 @@
 /* Where a driven sweep may begin whose starting pose is outside the limits. */
-#include "kinematics/state.h"
-#include "kmech/sweep_plan.h"
+#include "analysis/sweeper.h"
+
+#include "base/check.h"
 
 #include <math.h>
 
@@ -52,6 +53,11 @@ static bool enter(const place *r, km_drive *drive, double *at, double to) {
 }
 
 km_status km_sweep_enter_limits(const km_mechanism *m, km_state *s, const km_sweep_plan *plan, km_error *error) {
+  km_status fits = km_check_sweep(m, s, plan, error);
+  if (!fits) /* also of a plan by arc length, which names no driver */
+    fits = km_check_index(plan->coordinate, m->coordinate_count, "coordinate", error);
+  if (fits)
+    return fits;
   const place r = {m, s, plan};
   km_drive *drive;
   if (plan->ignore_limits || outside(&r) < 0)
@@ -61,7 +67,7 @@ km_status km_sweep_enter_limits(const km_mechanism *m, km_state *s, const km_swe
     return status;
   double at = km_state_coordinate(s, plan->coordinate);
   if (!enter(&r, drive, &at, plan->from) && !enter(&r, drive, &at, plan->to))
-    status = km_fail(error, KM_PARTIAL, "no pose from %.9g to %.9g lies within the limits: joint %s is outside",
+    status = km_fail(error, KM_NO_RESULT, "no pose from %.9g to %.9g lies within the limits: joint %s is outside",
                      plan->from, plan->to, m->model->coordinates[outside(&r)].label);
   km_drive_free(drive);
   return status;

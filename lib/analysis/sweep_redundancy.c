@@ -1,5 +1,6 @@
 #include "kmech/sweep_redundancy.h"
 
+#include "base/check.h"
 #include "kinematics/state.h"
 
 #include <math.h>
@@ -63,9 +64,21 @@ static km_status list_extra(const km_sweep *sweep, int least, km_sweep_redundanc
   return KM_OK;
 }
 
+/* Can the table be one of a sweep of the mechanism? */
+static bool is_of(const km_mechanism *m, const km_table *table) {
+  return km_table_columns(table) > 2 + (size_t)m->coordinate_count && km_table_find(table, "dof") >= 0;
+}
+
 km_status km_sweep_redundancies_find(const km_mechanism *m, const km_sweep *sweep, bool named,
                                      km_sweep_redundancies *out, km_error *error) {
+  if (!out)
+    return km_check_given(false, "place for the result", error);
   *out = (km_sweep_redundancies){0};
+  km_status fits = km_check_given(m != NULL, "mechanism", error);
+  if (!fits)
+    fits = km_check_given(sweep && is_of(m, sweep->table), "sweep of this mechanism", error);
+  if (fits)
+    return fits;
   if (km_table_rows(sweep->table) == 0)
     return KM_OK;
   km_state *state = NULL;
@@ -80,6 +93,8 @@ km_status km_sweep_redundancies_find(const km_mechanism *m, const km_sweep *swee
 }
 
 void km_sweep_redundancies_free(km_sweep_redundancies *redundancies) {
+  if (!redundancies)
+    return;
   km_redundancies_free(&redundancies->lasting);
   km_free(redundancies->extra);
   *redundancies = (km_sweep_redundancies){0};

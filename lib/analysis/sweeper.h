@@ -57,6 +57,10 @@ enum { KM_LEAST_SAMPLES = 360 };
 km_status km_sweep_run(const km_mechanism *mechanism, km_state *state, const km_sweep_plan *plan,
                        const km_observer *observer, km_sweep *out, km_error *error);
 
+/* For public functions: KM_USAGE unless the state is the mechanism's and the plan one for it. */
+km_status km_check_sweep(const km_mechanism *mechanism, const km_state *state, const km_sweep_plan *plan,
+                         km_error *error);
+
 /* A column called prefix + name + suffix; false when out of memory. */
 bool km_sweeper_column(km_table *table, const char *prefix, const char *name, const char *suffix, const char *unit);
 km_status km_sweeper_columns(const km_sweeper *sweeper, km_error *error);

@@ -1,6 +1,8 @@
 #include "analysis/transmission.h"
+#include "analysis/lever.h"
 #include "analysis/singular.h"
 #include "analysis/whole_jacobian.h"
+#include "base/check.h"
 #include "kinematics/closure.h"
 #include "kinematics/loops.h"
 #include "kinematics/poses.h"
@@ -13,6 +15,7 @@
 
 struct km_transmission_work {
   km_arena arena;
+  const km_mechanism *mechanism;
   km_handle input, output;
   int substructure;    /* of the input; -1: none */
   const char *no_loop; /* why there is no single loop with both in it; NULL: there is */
@@ -52,7 +55,7 @@ static int place_of(const km_transmission_work *w, int joint) {
 }
 
 static const char *find_loop(const km_mechanism *m, km_transmission_work *w) {
-  if (w->input.coordinate < 0 || w->output.coordinate < 0)
+  if (w->input.kind != KM_HANDLE_JOINT || w->output.kind != KM_HANDLE_JOINT)
     return "input and output aren't both joints";
   int sub = m->substructure_of[w->input.coordinate];
   if (sub < 0 || m->substructures[sub].loop_count != 1 || m->substructures[sub].coupling_count > 0)
@@ -86,12 +89,18 @@ static bool allocate(const km_mechanism *m, km_transmission_work *w) {
 
 km_status km_transmission_create(const km_mechanism *m, const km_handle *input, const km_handle *output,
                                  km_transmission_work **out, km_error *error) {
+  if (!out)
+    return km_check_given(false, "place for the result", error);
   *out = NULL;
+  km_status fits = km_check_handles(m, input, output, error);
+  if (fits)
+    return fits;
   km_transmission_work *w = KM_NEW(km_transmission_work, 1);
   if (w) {
+    w->mechanism = m;
     w->input = *input;
     w->output = *output;
-    w->substructure = input->coordinate >= 0 ? m->substructure_of[input->coordinate] : -1;
+    w->substructure = input->kind == KM_HANDLE_JOINT ? m->substructure_of[input->coordinate] : -1;
   }
   if (!w || !allocate(m, w)) {
     km_transmission_free(w);
@@ -289,6 +298,13 @@ static void undefined(km_metric *metric, const char *why) {
 }
 
 void km_transmission_update(const km_mechanism *m, km_state *s, km_transmission_work *w, km_transmission *out) {
+  if (!out)
+    return;
+  if (!w || w->mechanism != m || !km_state_knows_motion(m, s)) {
+    const km_metric unknown = {nan(""), "the mobility isn't known"};
+    *out = (km_transmission){{0}, unknown.why, unknown, unknown, unknown, unknown, unknown, unknown};
+    return;
+  }
   *out = (km_transmission){.no_wrench = no_wrench(m, s, w)};
   km_metric *const all[] = {&out->virtual_coefficient, &out->sutherland_roth, &out->chen_angeles, &out->angle,
                             &out->manipulability,      &out->condition};
@@ -326,7 +342,7 @@ const char *km_transmission_name(int metric) {
 const char *km_transmission_unit(const km_model *model, const km_handle *output, int metric) {
   if (metric == 0)
     return model->units.angle->suffix;
-  if (metric != 1 || output->coordinate < 0)
+  if (metric != 1 || output->kind != KM_HANDLE_JOINT)
     return "";
   const km_model_coordinate *def = &model->coordinates[output->coordinate];
   return km_joint_is_length(model->joints[def->joint].type, def->index) ? "" : model->units.length->suffix;

@@ -1,4 +1,5 @@
 #include "arm/arm.h"
+#include "base/check.h"
 #include "topology/chain.h"
 
 #include <string.h>
@@ -123,7 +124,18 @@ static km_status build(km_arm *a, const km_state *s, const km_arc **arcs, km_err
 
 km_status km_arm_create(const km_mechanism *m, const km_state *s, int effector, km_task task, km_arm **out,
                         km_error *error) {
+  if (!out)
+    return km_check_given(false, "place for the result", error);
   *out = NULL;
+  km_status fits = km_check_state(m, s, error);
+  if (!fits)
+    fits = km_check_index(effector, m->model->frame_count, "frame", error);
+  if (!fits)
+    fits = task == KM_TASK_POSE || task == KM_TASK_POSITION || task == KM_TASK_AXIS
+               ? KM_OK
+               : km_fail(error, KM_USAGE, "%d names no task", (int)task);
+  if (fits)
+    return fits;
   km_arm *a = KM_NEW(km_arm, 1);
   if (!a)
     return km_fail(error, KM_MEMORY, "out of memory for an arm");
@@ -158,14 +170,24 @@ void km_arm_free(km_arm *a) {
 }
 
 int km_arm_coordinates(const km_arm *a) {
+  if (!a)
+    return 0;
   return a->n;
 }
 
 int km_arm_coordinate(const km_arm *a, int column) {
+  if (!a || column < 0 || column >= a->n)
+    return -1;
   return a->coordinate[column];
 }
 
+int km_arm_rows(const km_arm *a) {
+  return a ? a->rows : 0;
+}
+
 double km_arm_length(const km_arm *a) {
+  if (!a)
+    return nan("");
   return a->length;
 }
 
@@ -182,6 +204,9 @@ double km_arm_read(const km_arm *a, int column, double value) {
 }
 
 km_status km_arm_set_rates(km_arm *a, const double *values, int count, km_error *error) {
+  km_status fits = km_check_given(a != NULL, "arm", error);
+  if (fits)
+    return fits;
   for (int k = 0; k < a->n; ++k)
     a->rate[k] = (double)INFINITY;
   if (!values)
@@ -201,6 +226,12 @@ km_status km_arm_set_rates(km_arm *a, const double *values, int count, km_error 
 
 km_pose km_arm_from_model(const km_arm *a, const km_pose *pose) {
   return (km_pose){pose->R, km_vec3_scale(1.0 / a->length, km_vec3_sub(pose->p, a->origin))};
+}
+
+km_pose km_arm_pose_of(const km_arm *a, const km_frame_pose *given) {
+  const double *R = given->R;
+  km_pose pose = {{{{R[0], R[3], R[6]}, {R[1], R[4], R[7]}, {R[2], R[5], R[8]}}}, km_vec3_make(given->p)};
+  return km_arm_from_model(a, &pose);
 }
 
 km_pose km_arm_to_model(const km_arm *a, const km_pose *pose) {

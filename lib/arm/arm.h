@@ -5,7 +5,7 @@
 #ifndef KM_ARM_ARM_H
 #define KM_ARM_ARM_H
 
-#include "kinematics/state.h"
+#include "kinematics/poses.h"
 #include "kmech/arm.h"
 
 enum { KM_ARM_ROWS = 6, KM_ARM_MOST = 32 };
@@ -84,6 +84,8 @@ bool km_arm_reach(const km_arm *arm, km_arm_space *space, const km_pose *target,
 
 /* A pose in the inertial frame and the model's unit, seen from the arm; and back. */
 km_pose km_arm_from_model(const km_arm *arm, const km_pose *pose);
+/* The same of a public record. */
+km_pose km_arm_pose_of(const km_arm *arm, const km_frame_pose *pose);
 km_pose km_arm_to_model(const km_arm *arm, const km_pose *pose);
 
 /* The coordinate outside its limits, the first; -1 none. */

@@ -1,4 +1,5 @@
 #include "arm/control.h"
+#include "base/check.h"
 #include "kmech/control.h"
 
 #include <string.h>
@@ -61,7 +62,7 @@ static km_status solve(const double *matrix, int rows, int columns, km_arena *ar
   out->last_pivot = p.last_pivot;
   out->first_dropped = p.first_dropped;
   if (out->freedom == 0)
-    return km_fail(error, KM_PARTIAL,
+    return km_fail(error, KM_NO_RESULT,
                    "the matrix has rank %d with %d columns: no null space; expected one of at least 1", p.rank,
                    columns);
   km_partition_null(&p, ones, out->freedom, basis);
@@ -69,7 +70,7 @@ static km_status solve(const double *matrix, int rows, int columns, km_arena *ar
     out->path_entry = hypot(out->path_entry, basis[(size_t)(k + 1) * n - 1]);
   if (out->path_entry < KM_PATH_ENTRY_LEAST)
     return km_fail(
-        error, KM_PARTIAL,
+        error, KM_NO_RESULT,
         "the null space has no part along the path (|z| = %.3g): the joints can't move the effector along it",
         out->path_entry);
   turn(basis, columns, out->freedom, Z);
@@ -78,12 +79,17 @@ static km_status solve(const double *matrix, int rows, int columns, km_arena *ar
 
 km_status km_control_of_matrix(const double *matrix, int rows, int columns, double *Z, km_control *out,
                                km_error *error) {
+  if (!out)
+    return km_check_given(false, "place for the result", error);
   *out = (km_control){0};
+  km_status fits = km_check_given(matrix && Z, "matrix", error);
+  if (fits)
+    return fits;
   if (rows < 1 || columns < 2)
     return km_fail(error, KM_USAGE, "a matrix of %d x %d; expected at least 1 x 2", rows, columns);
-  for (int i = 0; i < rows * columns; ++i)
+  for (size_t i = 0; i < (size_t)rows * (size_t)columns; ++i)
     if (!isfinite(matrix[i]))
-      return km_fail(error, KM_USAGE, "row %d, column %d is not finite", i % rows + 1, i / rows + 1);
+      return km_fail(error, KM_USAGE, "row %zu, column %zu is not finite", i % (size_t)rows + 1, i / (size_t)rows + 1);
   km_arena arena = {0};
   km_status status = solve(matrix, rows, columns, &arena, Z, out, error);
   km_arena_free(&arena);

@@ -5,11 +5,19 @@
 static const char *const words[KM_OBJECTIVES] = {"path-control",   "manipulability", "singular-value",
                                                  "limit-distance", "joint-travel",   "rate-margin"};
 
+static bool known(km_objective_kind kind) {
+  return (unsigned)kind < KM_OBJECTIVES;
+}
+
 const char *km_objective_word(km_objective_kind kind) {
+  if (!known(kind))
+    return "";
   return words[kind];
 }
 
 int km_objective_find(const char *word) {
+  if (!word)
+    return -1;
   for (int k = 0; k < KM_OBJECTIVES; ++k)
     if (strcmp(words[k], word) == 0)
       return k;
@@ -18,7 +26,8 @@ int km_objective_find(const char *word) {
 
 km_objective km_objective_of(km_objective_kind kind) {
   km_objective objective = {{0}};
-  objective.weight[kind] = 1.0;
+  if (known(kind))
+    objective.weight[kind] = 1.0;
   return objective;
 }
 
@@ -34,6 +43,8 @@ static int single(const km_objective *objective) {
 }
 
 const char *km_objective_name(const km_objective *objective) {
+  if (!objective)
+    return "";
   int kind = single(objective);
   return kind < 0 ? "weighted" : words[kind];
 }

@@ -174,6 +174,12 @@ km_status km_path_finish(km_path *path, int *which, km_error *error) {
   return KM_OK;
 }
 
+double km_poses_apart(const km_pose *a, const km_pose *b) {
+  km_rotation back = km_rotation_inverse(&a->R), difference = km_rotation_product(&b->R, &back);
+  km_vec3 turn = km_quaternion_log(km_rotation_quaternion(&difference)), way = km_vec3_sub(b->p, a->p);
+  return sqrt(km_vec3_dot(way, way) + km_vec3_dot(turn, turn));
+}
+
 void km_path_free(km_path *path) {
   if (!path)
     return;
@@ -186,33 +192,43 @@ void km_path_free(km_path *path) {
 }
 
 int km_path_samples(const km_path *path) {
+  if (!path)
+    return 0;
   return path->samples;
 }
 
 double km_path_length(const km_path *path, int i) {
+  if (!path || i < 0 || i >= path->samples)
+    return nan("");
   return path->points[i].s * path->arm->length;
 }
 
 double km_path_travel(const km_path *path, int i) {
+  if (!path || i < 0 || i >= path->samples)
+    return nan("");
   return path->points[i].travel * path->arm->length;
 }
 
 double km_path_turn(const km_path *path, int i) {
+  if (!path || i < 0 || i >= path->samples)
+    return nan("");
   return path->points[i].turn;
 }
 
 double km_path_time(const km_path *path, int i) {
+  if (!path || i < 0 || i >= path->samples)
+    return nan("");
   return path->points[i].t;
 }
 
-void km_path_pose(const km_path *path, int i, km_effector_pose *out) {
-  km_pose pose = km_arm_to_model(path->arm, &path->points[i].pose);
-  for (int k = 0; k < 3; ++k) {
-    out->R[k] = pose.R.axis[k].x;
-    out->R[3 + k] = pose.R.axis[k].y;
-    out->R[6 + k] = pose.R.axis[k].z;
+void km_path_pose(const km_path *path, int i, km_frame_pose *out) {
+  if (!out)
+    return;
+  if (!path || i < 0 || i >= path->samples) {
+    for (int k = 0; k < 12; ++k)
+      *(k < 9 ? &out->R[k] : &out->p[k - 9]) = nan("");
+    return;
   }
-  out->p[0] = pose.p.x;
-  out->p[1] = pose.p.y;
-  out->p[2] = pose.p.z;
+  km_pose pose = km_arm_to_model(path->arm, &path->points[i].pose);
+  km_pose_write(&pose, out);
 }

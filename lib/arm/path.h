@@ -70,6 +70,10 @@ km_path_point km_path_at(const km_path *path, int i, double fraction);
 /* Samples and arc lengths, once the segments stand. KM_USAGE: a segment doesn't move; `which` is then its index. */
 km_status km_path_finish(km_path *path, int *which, km_error *error);
 
+/* Distance and turn between two poses (lengths over L), together; below KM_SAME_POSE there is no way to go. */
+#define KM_SAME_POSE 1e-9
+double km_poses_apart(const km_pose *a, const km_pose *b);
+
 /* Pose of a segment at u, and dX/du at the effector's origin (inertial axes). */
 km_pose km_segment_pose(const km_segment *segment, double u, km_twist *rate);
 /* Fits a spline segment through poses at increasing `knot`s (0 … 1). KM_MEMORY. */

@@ -100,12 +100,6 @@ static void read_weave(builder *b, const km_value *g, const km_place *place, km_
     km_reader_error(b->reader, &at, "found %s; expected a number above 0 up to 10000", KM_SHOWN(out->waves));
 }
 
-double km_poses_apart(const km_pose *a, const km_pose *b) {
-  km_rotation back = km_rotation_inverse(&a->R), difference = km_rotation_product(&b->R, &back);
-  km_vec3 turn = km_quaternion_log(km_rotation_quaternion(&difference)), way = km_vec3_sub(b->p, a->p);
-  return sqrt(km_vec3_dot(way, way) + km_vec3_dot(turn, turn));
-}
-
 /* Knots by the times, or by the length of the chords; from 0 to 1. */
 static bool set_knots(builder *b, km_segment *out, const km_pose *poses, const double *times, const km_place *points,
                       size_t first) {

@@ -1,6 +1,7 @@
 #include "arm/study.h"
 
 #include "arm/selfmotion/branches.h"
+#include "base/check.h"
 #include "exchange/json/format.h"
 #include "exchange/json/json.h"
 
@@ -26,7 +27,12 @@ static km_status read(km_study *study, const char *bytes, size_t size, km_messag
 
 km_status km_study_read(const char *bytes, size_t size, const char *folder, km_messages *messages, km_study **out,
                         km_error *error) {
+  if (!out)
+    return km_check_given(false, "place for the result", error);
   *out = NULL;
+  km_status fits = km_check_given(bytes && folder, "text or folder of a study", error);
+  if (fits)
+    return fits;
   km_study *study = KM_NEW(km_study, 1);
   if (!study)
     return km_fail(error, KM_MEMORY, "out of memory for a study");
@@ -54,6 +60,8 @@ void km_study_free(km_study *study) {
 }
 
 const char *km_study_model(const km_study *study) {
+  if (!study)
+    return NULL;
   return km_reader_string(study->root, "model");
 }
 
@@ -242,7 +250,7 @@ static void find_start(binder *b, const double *q) {
   double start[KM_ARM_MOST];
   memcpy(start, q, (size_t)a->n * sizeof *q);
   if (s->path)
-    s->start_status = km_arm_nearest(a, &s->path->points[0].pose, q, b->seed, start, &s->start_error);
+    s->start_status = km_arm_nearest(a, &s->path->points[0].pose, q, b->seed, NULL, NULL, start, &s->start_error);
   for (int k = 0; k < a->n; ++k) {
     double moved = start[k] - q[k];
     if (fabs(moved) < 1e-11)
@@ -301,19 +309,32 @@ km_status km_study_bind_as(km_study *study, const km_mechanism *mechanism, const
 
 km_status km_study_bind(km_study *study, const km_mechanism *mechanism, const km_state *state, unsigned long seed,
                         km_messages *messages, km_error *error) {
+  km_status fits = km_check_given(study != NULL, "study", error);
+  if (!fits)
+    fits = km_check_state(mechanism, state, error);
+  if (!fits && study->arm)
+    fits = km_fail(error, KM_USAGE, "the study is bound to a mechanism already");
+  if (fits)
+    return fits;
   const km_study_changes none = {.effector = -1};
   return km_study_bind_as(study, mechanism, state, &none, seed, messages, error);
 }
 
 const km_arm *km_study_arm(const km_study *study) {
+  if (!study)
+    return NULL;
   return study->arm;
 }
 
 int km_study_methods(const km_study *study) {
+  if (!study)
+    return 0;
   return study->method_count;
 }
 
 km_track_plan km_study_plan(const km_study *study, int method) {
+  if (!study || method < 0 || method >= study->method_count)
+    return (km_track_plan){0};
   return (km_track_plan){.path = study->path,
                          .start = study->start,
                          .method = study->methods[method],

@@ -52,9 +52,6 @@ km_path *km_path_read(km_reader *reader, const km_arm *arm, const km_value *valu
 /* Poses of a CSV file: *poses[count], and *times[count] or NULL; in `arena`. The count, 0 if something is wrong. */
 int km_poses_read(km_reader *reader, const km_arm *arm, const char *file, const km_place *place, km_arena *arena,
                   km_pose **poses, double **times);
-/* Distance and turn between two poses (lengths over L), together; below KM_SAME_POSE there is no way to go. */
-#define KM_SAME_POSE 1e-9
-double km_poses_apart(const km_pose *a, const km_pose *b);
 /* Methods as a name, an object, or a list of them. False if something is wrong. */
 bool km_methods_read(km_reader *reader, const km_arm *arm, const km_value *value, const km_place *place,
                      km_arena *arena, km_method **methods, int *count);

@@ -1,6 +1,7 @@
 /* A track: a method's samples, checked and put into numbers. */
 #include "arm/track.h"
 
+#include "arm/check.h"
 #include "base/text.h"
 
 #include <stdio.h>
@@ -15,10 +16,14 @@ static const struct {
                          {"global", km_method_global}};
 
 const char *km_method_word(km_method_kind kind) {
+  if ((unsigned)kind >= KM_METHODS)
+    return "";
   return methods[kind].word;
 }
 
 int km_method_find(const char *word) {
+  if (!word)
+    return -1;
   if (strcmp(word, "pinv") == 0)
     return KM_GREEDY;
   for (int k = 0; k < KM_METHODS; ++k)
@@ -218,8 +223,22 @@ static bool starts(km_track *t, km_run *run) {
   return false;
 }
 
+static km_status check_plan(const km_arm *arm, const km_track_plan *plan, km_error *error) {
+  km_status status = km_check_given(arm && plan, "arm or plan", error);
+  if (!status)
+    status = km_check_given(plan->path && plan->path->arm == arm, "path of this arm", error);
+  if (!status)
+    status = km_check_given(plan->start != NULL, "start", error);
+  return status ? status : km_check_method(arm, &plan->method, error);
+}
+
 km_status km_track_run(const km_arm *arm, const km_track_plan *plan, km_track **out, km_error *error) {
+  if (!out)
+    return km_check_given(false, "place for the result", error);
   *out = NULL;
+  km_status fits = check_plan(arm, plan, error);
+  if (fits)
+    return fits;
   km_run run;
   km_track *t = KM_NEW(km_track, 1);
   if (!t)
@@ -256,13 +275,19 @@ void km_track_free(km_track *t) {
 }
 
 km_track_end km_track_ending(const km_track *t) {
+  if (!t)
+    return (km_track_end){.stop = KM_TRACK_START, .column = -1, .sample = -1};
   return t->end;
 }
 
 const km_table *km_track_rows(const km_track *t) {
+  if (!t)
+    return NULL;
   return t->table;
 }
 
 km_track_summary km_track_summarise(const km_track *t) {
+  if (!t)
+    return (km_track_summary){.rate_column = -1};
   return t->summary;
 }

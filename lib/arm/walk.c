@@ -208,7 +208,7 @@ static km_step_end check(const km_walk *w, int sample, const km_path_point *poin
     end.stop = KM_TRACK_LIMIT;
     return end;
   }
-  double dt = point->t - w->path->points[sample].t, mean[KM_ARM_MOST], rates[KM_ARM_MOST];
+  double dt = point->t - w->path->points[sample].t, mean[KM_ARM_MOST] = {0}, rates[KM_ARM_MOST];
   for (int k = 0; k < a->n; ++k)
     mean[k] = (to->q[k] - from->q[k]) / dt;
   end.column = too_fast(a, mean);

@@ -19,6 +19,8 @@ struct km_messages {
 };
 
 km_status km_fail(km_error *error, km_status status, const char *format, ...) {
+  if (!format)
+    format = "";
   if (error) {
     va_list arguments;
     va_start(arguments, format);
@@ -41,7 +43,7 @@ void km_messages_free(km_messages *messages) {
 }
 
 void km_messages_add(km_messages *messages, km_severity severity, const char *format, ...) {
-  if (!messages)
+  if (!messages || !format)
     return;
   if (severity == KM_ERROR && ++messages->errors > MOST_ERRORS)
     return;
@@ -66,9 +68,13 @@ size_t km_messages_errors(const km_messages *messages) {
 }
 
 km_severity km_messages_severity(const km_messages *messages, size_t index) {
+  if (index >= km_messages_count(messages))
+    return KM_NOTE;
   return messages->items[index].severity;
 }
 
 const char *km_messages_text(const km_messages *messages, size_t index) {
+  if (index >= km_messages_count(messages))
+    return "";
   return messages->items[index].text;
 }

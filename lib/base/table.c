@@ -1,6 +1,7 @@
 /* Tables of numbers with named columns. */
 #include "kmech/table.h"
 
+#include "base/check.h"
 #include "base/memory.h"
 
 #include <math.h>
@@ -9,7 +10,7 @@
 
 typedef struct column {
   const char *name, *unit;
-  int plain;
+  bool plain;
 } column;
 
 struct km_table {
@@ -32,7 +33,9 @@ void km_table_free(km_table *table) {
   km_free(table);
 }
 
-static int add_column(km_table *table, const char *name, const char *unit, int plain) {
+static int add_column(km_table *table, const char *name, const char *unit, bool plain) {
+  if (!table || !name || table->row_count > 0)
+    return -1;
   void *columns = table->columns;
   if (!km_reserve(&columns, &table->column_capacity, table->column_count + 1, sizeof(column)))
     return -1;
@@ -45,18 +48,22 @@ static int add_column(km_table *table, const char *name, const char *unit, int p
 }
 
 int km_table_add_column(km_table *table, const char *name, const char *unit) {
-  return add_column(table, name, unit, 0);
+  return add_column(table, name, unit, false);
 }
 
 int km_table_add_plain_column(km_table *table, const char *name, const char *unit) {
-  return add_column(table, name, unit, 1);
+  return add_column(table, name, unit, true);
 }
 
-int km_table_is_plain(const km_table *table, size_t index) {
+bool km_table_is_plain(const km_table *table, size_t index) {
+  if (!table || index >= table->column_count)
+    return false;
   return table->columns[index].plain;
 }
 
 double *km_table_add_row(km_table *table) {
+  if (!table)
+    return NULL;
   void *data = table->data;
   size_t used = table->row_count * table->column_count;
   if (!km_reserve(&data, &table->data_capacity, used + table->column_count, sizeof(double)))
@@ -69,22 +76,45 @@ double *km_table_add_row(km_table *table) {
 }
 
 size_t km_table_rows(const km_table *table) {
+  if (!table)
+    return 0;
   return table->row_count;
 }
 size_t km_table_columns(const km_table *table) {
+  if (!table)
+    return 0;
   return table->column_count;
 }
 const char *km_table_name(const km_table *table, size_t index) {
+  if (!table || index >= table->column_count)
+    return "";
   return table->columns[index].name;
 }
 const char *km_table_unit(const km_table *table, size_t index) {
+  if (!table || index >= table->column_count)
+    return "";
   return table->columns[index].unit;
 }
 const double *km_table_row(const km_table *table, size_t row) {
+  if (!table || row >= table->row_count)
+    return NULL;
   return table->data + row * table->column_count;
 }
 
+km_status km_table_column(const km_table *table, size_t index, double *values, km_error *error) {
+  km_status status = km_check_given(table && values, "table or place for the values", error);
+  if (status)
+    return status;
+  if (index >= table->column_count)
+    return km_fail(error, KM_USAGE, "there is no column %zu; the table has %zu", index, table->column_count);
+  for (size_t r = 0; r < table->row_count; ++r)
+    values[r] = table->data[r * table->column_count + index];
+  return KM_OK;
+}
+
 int km_table_find(const km_table *table, const char *name) {
+  if (!table || !name)
+    return -1;
   for (size_t c = 0; c < table->column_count; ++c)
     if (strcmp(table->columns[c].name, name) == 0)
       return (int)c;

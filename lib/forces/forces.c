@@ -1,5 +1,6 @@
 #include "forces/forces.h"
 
+#include "base/check.h"
 #include "kinematics/poses.h"
 
 #include <string.h>
@@ -14,15 +15,30 @@ static bool allocate(km_forces *f, const km_mechanism *m, int load_count) {
   return !f->arena.failed;
 }
 
+static km_status check_loads(const km_model *model, const km_load *loads, int count, km_error *error) {
+  km_status status = km_check_list(loads, count, "loads", error);
+  for (int i = 0; i < count && !status; ++i)
+    status = km_check_index(loads[i].frame, model->frame_count, "frame", error);
+  return status;
+}
+
 km_status km_forces_create(const km_mechanism *m, const double gravity[3], const km_load *loads, int load_count,
                            km_forces **out, km_error *error) {
-  static const km_dimension acceleration = {.length = 1, .mass = 1, .time = -2, .force = -1};
+  if (!out)
+    return km_check_given(false, "place for the result", error);
   *out = NULL;
+  km_status fits = km_check_given(m != NULL, "mechanism", error);
+  if (!fits)
+    fits = check_loads(m->model, loads, load_count, error);
+  if (fits)
+    return fits;
+  static const km_dimension acceleration = {.length = 1, .mass = 1, .time = -2, .force = -1};
   km_forces *f = KM_NEW(km_forces, 1);
   if (!f || !allocate(f, m, load_count)) {
     km_forces_free(f);
     return km_fail(error, KM_MEMORY, "out of memory for the forces");
   }
+  f->mechanism = m;
   km_vec3 g = gravity ? km_vec3_make(gravity) : m->model->gravity;
   f->gravity = km_vec3_scale(km_units_factor(&m->model->units, acceleration), g);
   f->load_count = load_count;
@@ -44,15 +60,21 @@ void km_forces_free(km_forces *f) {
 }
 
 int km_model_load_count(const km_model *model) {
+  if (!model)
+    return 0;
   return model->load_count;
 }
 
 km_load km_model_load_at(const km_model *model, int index) {
+  if (!model || index < 0 || index >= model->load_count)
+    return (km_load){.frame = -1};
   const km_applied_load *d = &model->loads[index];
   return (km_load){d->frame, {d->force.x, d->force.y, d->force.z}, {d->torque.x, d->torque.y, d->torque.z}, d->turning};
 }
 
 const char *km_model_load_name(const km_model *model, int index) {
+  if (!model || index < 0 || index >= model->load_count)
+    return "";
   return model->loads[index].name;
 }
 
@@ -88,6 +110,8 @@ static void add_loads(const km_mechanism *m, km_forces *f) {
 }
 
 void km_forces_update(const km_mechanism *m, const km_state *s, km_forces *f) {
+  if (!f || f->mechanism != m || !km_state_fits(m, s))
+    return;
   f->origin = (km_vec3){0, 0, 0};
   if (m->topology.body_count > 1) {
     km_poses_about(m, s, f->origin, f->pose);
@@ -106,12 +130,20 @@ void km_forces_update(const km_mechanism *m, const km_state *s, km_forces *f) {
 }
 
 void km_forces_on_body(const km_forces *f, int body, double wrench[6]) {
+  if (!wrench)
+    return;
+  for (int i = 0; i < 6; ++i)
+    wrench[i] = nan("");
+  if (!f || body < 0 || body >= f->mechanism->topology.body_count)
+    return;
   km_wrench w = km_wrench_about(f->body[body], km_vec3_scale(-1.0, f->origin));
   const double values[6] = {w.f.x, w.f.y, w.f.z, w.t.x, w.t.y, w.t.z};
   memcpy(wrench, values, sizeof values);
 }
 
 double km_forces_in_joint(const km_forces *f, int coordinate) {
+  if (!f || coordinate < 0 || coordinate >= f->mechanism->coordinate_count)
+    return nan("");
   return f->joint[coordinate];
 }
 

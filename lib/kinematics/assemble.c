@@ -19,7 +19,7 @@ static void pivot_here(const km_mechanism *m, km_state *s, int index, double res
 /* Closes with the rank that the closed pose has: on the way there pivots of an open pose may have left out a row. */
 static km_closure_outcome close_fully(const km_mechanism *m, km_state *s, int index, km_closure *evidence) {
   enum { MOST_RANKS = 4 };
-  s->pivoted[index] = KM_NEVER;
+  km_state_forget_pivots(s, index);
   km_closure_outcome outcome = km_close(m, s, index, KM_NO_DRIVER, evidence);
   for (int i = 0; i < MOST_RANKS && outcome == KM_CLOSED; ++i) {
     int rank = s->partition[index].rank;
@@ -198,6 +198,11 @@ static km_status assemble_all(const km_mechanism *m, km_state *s, double *saved,
 }
 
 km_status km_assemble(const km_mechanism *m, km_state *s, km_assembly *out, km_error *error) {
+  if (out)
+    *out = (km_assembly){.residual = nan(""), .worst_loop = -1};
+  km_status fits = km_check_state(m, s, error);
+  if (fits)
+    return fits;
   km_assembly total = {.worst_loop = -1};
   double *saved = KM_NEW(double, (size_t)(KM_SAVED_PER_COLUMN * m->largest_columns));
   km_status status =

@@ -62,7 +62,7 @@ int km_branch_leave(const km_mechanism *m, km_state *s, int coordinate) {
     for (int k = 0; k < sub->columns; ++k)
       step[k] *= short_step;
     km_state_move(m, s, sub, step);
-    s->pivoted[index] = KM_NEVER;
+    km_state_forget_pivots(s, index);
     km_close(m, s, index, KM_NO_DRIVER, &evidence);
   }
   km_free(directions);

@@ -1,6 +1,8 @@
 /* Mechanisms from models: where no link has a length, the assembled pose gives the characteristic length. */
 #include "kinematics/poses.h"
 
+#include "base/check.h"
+
 /* The greatest distance between two joints in the assembled pose; 0 if the loops don't close. */
 static double joints_apart(const km_mechanism *m) {
   km_state *s = NULL;
@@ -17,6 +19,12 @@ static double joints_apart(const km_mechanism *m) {
 
 km_status km_mechanism_compile(const km_model *model, const km_hold *holds, int hold_count, km_mechanism **out,
                                km_error *error) {
+  if (!out)
+    return km_check_given(false, "place for the result", error);
+  *out = NULL;
+  km_status fits = km_check_given(model != NULL, "model", error);
+  if (fits)
+    return fits;
   km_compiling how = {.holds = holds, .hold_count = hold_count};
   km_status status = km_mechanism_compile_as(model, &how, out, error);
   if (status || (*out)->length_source != KM_LENGTH_UNIT)

@@ -88,7 +88,7 @@ static void factor(const km_mechanism *m, km_state *s, int index, int driver, do
   double tolerance = km_rank_tolerance(m, sub, residual);
   km_pivot(m, s, index, driver, tolerance);
   if (tolerance > km_rank_tolerance(m, sub, 0.0))
-    s->pivoted[index] = KM_NEVER;
+    km_state_forget_pivots(s, index);
 }
 
 /* The next step into x; returns its largest entry. */

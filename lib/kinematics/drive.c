@@ -1,3 +1,4 @@
+#include "base/check.h"
 #include "kinematics/closure.h"
 #include "kinematics/curve.h"
 #include "kinematics/least_path.h"
@@ -28,6 +29,7 @@ typedef struct mark {
 struct km_drive {
   km_arena arena;
   mark mark;
+  bool marked; /* `mark` is a place */
   const km_mechanism *mechanism;
   km_state *state;
   int coordinate, substructure, column;
@@ -79,7 +81,14 @@ static bool allocate_mark(km_drive *d, const km_substructure *sub) {
 
 km_status km_drive_create(const km_mechanism *m, km_state *s, int coordinate, bool ignore_limits, km_drive **out,
                           km_error *error) {
+  if (!out)
+    return km_check_given(false, "place for the result", error);
   *out = NULL;
+  km_status fits = km_check_state(m, s, error);
+  if (!fits)
+    fits = km_check_index(coordinate, m->coordinate_count, "coordinate", error);
+  if (fits)
+    return fits;
   const char *label = m->model->coordinates[coordinate].label;
   if (m->held[coordinate])
     return km_fail(error, KM_USAGE, "joint \"%s\" is held; expected a driver that is free to move", label);
@@ -249,7 +258,7 @@ static attempt advance(km_drive *d, double h, double tightness, int *limit) {
     result = LIMITED;
   }
   km_state_restore(d->state, sub, d->saved);
-  d->state->pivoted[d->substructure] = KM_NEVER;
+  km_state_forget_pivots(d->state, d->substructure);
   return result;
 }
 
@@ -275,7 +284,7 @@ static bool cross(km_drive *d, double target, int *limit) {
   km_state_move(d->mechanism, d->state, sub, d->move);
   place_driver(d, target);
   km_loops_update(d->mechanism, d->state, sub);
-  d->state->pivoted[d->substructure] = KM_NEVER;
+  km_state_forget_pivots(d->state, d->substructure);
   int worst;
   if (km_loops_residual(d->mechanism, d->state, sub, &worst) > between) {
     km_state_restore(d->state, sub, d->far); /* a regular pose, if on the other side */
@@ -372,7 +381,7 @@ static bool touches(km_drive *d, double goal) {
   place_driver(d, goal);
   km_close(d->mechanism, d->state, d->substructure, d->column, &evidence);
   km_loops_update(d->mechanism, d->state, sub);
-  d->state->pivoted[d->substructure] = KM_NEVER;
+  km_state_forget_pivots(d->state, d->substructure);
   if (km_loops_residual(d->mechanism, d->state, sub, &worst) <= between)
     return true;
   km_state_restore(d->state, sub, d->saved);
@@ -380,6 +389,8 @@ static bool touches(km_drive *d, double goal) {
 }
 
 km_reach km_drive_to(km_drive *d, double target) {
+  if (!d || !isfinite(target))
+    return (km_reach){KM_STOP_GAVE_OUT, nan(""), -1, -1};
   if (d->substructure < 0)
     return drive_tree_joint(d, target);
   const km_mechanism *m = d->mechanism;
@@ -398,7 +409,7 @@ km_reach km_drive_to(km_drive *d, double target) {
     settle_at_limit(d, limit);
   /* What was tried last has left another pose's Jacobian behind. */
   km_loops_update(m, d->state, driven(d));
-  d->state->pivoted[d->substructure] = KM_NEVER;
+  km_state_forget_pivots(d->state, d->substructure);
   if (result == EXHAUSTED)
     return (km_reach){KM_STOP_GAVE_OUT, d->s / factor, d->substructure, -1};
   if (result == LIMITED)
@@ -407,6 +418,8 @@ km_reach km_drive_to(km_drive *d, double target) {
 }
 
 bool km_drive_tangent(km_drive *d, double *rates) {
+  if (!d || !rates)
+    return false;
   const km_mechanism *m = d->mechanism;
   memset(rates, 0, (size_t)m->coordinate_count * sizeof *rates);
   rates[d->coordinate] = 1.0;
@@ -423,11 +436,16 @@ bool km_drive_tangent(km_drive *d, double *rates) {
 }
 
 int km_drive_crossings(const km_drive *d) {
+  if (!d)
+    return 0;
   return d->crossings;
 }
 
 void km_drive_mark(km_drive *d) {
+  if (!d)
+    return;
   mark *k = &d->mark;
+  d->marked = true;
   if (d->substructure < 0) {
     k->s = d->state->q[d->coordinate];
     return;
@@ -447,6 +465,8 @@ void km_drive_mark(km_drive *d) {
 }
 
 void km_drive_return(km_drive *d) {
+  if (!d || !d->marked)
+    return;
   const mark *k = &d->mark;
   if (d->substructure < 0) {
     d->state->q[d->coordinate] = k->s;
@@ -465,5 +485,5 @@ void km_drive_return(km_drive *d) {
   km_state_restore(d->state, driven(d), k->pose);
   km_partition_copy_pivots(&d->reference, &k->reference);
   km_loops_update(d->mechanism, d->state, driven(d));
-  d->state->pivoted[d->substructure] = KM_NEVER;
+  km_state_forget_pivots(d->state, d->substructure);
 }

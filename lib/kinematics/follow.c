@@ -1,5 +1,6 @@
 #include "kmech/follow.h"
 
+#include "base/check.h"
 #include "kinematics/branches.h"
 #include "kinematics/closure.h"
 #include "kinematics/curve.h"
@@ -113,7 +114,7 @@ static bool step(km_follow *f, double h, double *length) {
   }
   if (!accepted) {
     km_state_restore(f->state, sub, f->here);
-    f->state->pivoted[f->substructure] = KM_NEVER;
+    km_state_forget_pivots(f->state, f->substructure);
     return false;
   }
   km_state_difference(f->state, sub, f->here, f->move);
@@ -262,6 +263,8 @@ static bool one_step(km_follow *f, double most) {
 }
 
 km_status km_follow_advance(km_follow *f, double length) {
+  if (!f || !isfinite(length) || !(length > 0.0))
+    return KM_USAGE;
   double target = f->s + length;
   f->branched = false;
   while (!f->closed && !f->branched && target - f->s > 1e-10 * length)
@@ -321,7 +324,7 @@ static km_status start(km_follow *f, int coordinate, double sign, km_error *erro
   f->freedom = km_partition_freedom(&f->state->partition[f->substructure]);
   int column = coordinate >= 0 ? m->column_of[coordinate] : liveliest(f);
   if (f->freedom == 0 || !first_tangent(f, column, sign))
-    return km_fail(error, KM_PARTIAL, "nothing moves: %s",
+    return km_fail(error, KM_NO_RESULT, "nothing moves: %s",
                    f->freedom ? "the joint that should is at a toggle" : "the mechanism is a structure at this pose");
   remember(f);
   set_origin(f);
@@ -342,13 +345,20 @@ static km_status leave_branch(km_follow *f, km_error *error) {
 
 km_status km_follow_create(const km_mechanism *m, km_state *s, int coordinate, double sign, bool ignore_limits,
                            km_follow **out, km_error *error) {
+  if (!out)
+    return km_check_given(false, "place for the result", error);
   *out = NULL;
+  km_status fits = km_check_state(m, s, error);
+  if (!fits)
+    fits = coordinate == -1 ? KM_OK : km_check_index(coordinate, m->coordinate_count, "coordinate", error);
+  if (fits)
+    return fits;
   int substructure = coordinate >= 0 ? m->substructure_of[coordinate] : first_moving(m, s);
   if (coordinate >= 0 && (substructure < 0 || m->held[coordinate]))
     return km_fail(error, KM_USAGE, "joint \"%s\" is %s; expected a free joint of a loop",
                    m->model->coordinates[coordinate].label, m->held[coordinate] ? "held" : "in no loop");
   if (substructure < 0)
-    return km_fail(error, KM_PARTIAL, "nothing moves: the mechanism has no loop with a freedom at this pose");
+    return km_fail(error, KM_NO_RESULT, "nothing moves: the mechanism has no loop with a freedom at this pose");
   km_follow *f = KM_NEW(km_follow, 1);
   if (!f)
     return km_fail(error, KM_MEMORY, "out of memory for following a motion");
@@ -376,27 +386,41 @@ void km_follow_free(km_follow *f) {
 }
 
 int km_follow_start_branches(const km_follow *f) {
+  if (!f)
+    return 0;
   return f->start_branches;
 }
 
 int km_follow_substructure(const km_follow *f) {
+  if (!f)
+    return -1;
   return f->substructure;
 }
 double km_follow_length(const km_follow *f) {
+  if (!f)
+    return nan("");
   return f->s;
 }
 bool km_follow_closed(const km_follow *f) {
+  if (!f)
+    return false;
   return f->closed;
 }
 
 double km_follow_cycle(const km_follow *f) {
+  if (!f)
+    return 0.0;
   return f->cycle;
 }
 
 void km_follow_go_round(km_follow *f) {
+  if (!f)
+    return;
   f->closed = false;
 }
 int km_follow_limit(const km_follow *f) {
+  if (!f)
+    return -1;
   return f->limit;
 }
 
@@ -410,20 +434,26 @@ static void write_rates(const km_follow *f, const double *t, double *rates) {
 }
 
 void km_follow_tangent(const km_follow *f, double *rates) {
+  if (!f || !rates)
+    return;
   write_rates(f, f->t, rates);
 }
 
 bool km_follow_visit(km_follow *f, double offset, double *rates) {
+  if (!f || !rates || !isfinite(offset))
+    return false;
   double reached;
   bool there = km_follow_step(f, offset, &reached);
   if (there)
     write_rates(f, f->next_t, rates);
-  f->state->pivoted[f->substructure] = KM_NEVER;
+  km_state_forget_pivots(f->state, f->substructure);
   return there;
 }
 
 void km_follow_return(km_follow *f) {
+  if (!f)
+    return;
   km_state_restore(f->state, sub_of(f), f->here);
   km_loops_update(f->mechanism, f->state, sub_of(f));
-  f->state->pivoted[f->substructure] = KM_NEVER;
+  km_state_forget_pivots(f->state, f->substructure);
 }

@@ -97,11 +97,13 @@ bool km_follow_locate_branch(km_follow *f, double length, double g_end) {
     memcpy(f->branch_t, f->next_t, (size_t)sub->columns * sizeof *f->t);
   }
   km_state_restore(f->state, sub, f->here);
-  f->state->pivoted[f->substructure] = KM_NEVER;
+  km_state_forget_pivots(f->state, f->substructure);
   return true;
 }
 
 bool km_follow_branch(const km_follow *f, km_branch_point *out) {
+  if (!f || !out)
+    return false;
   if (f->branched)
     *out = f->branch;
   return f->branched;
@@ -110,13 +112,13 @@ bool km_follow_branch(const km_follow *f, km_branch_point *out) {
 void km_follow_at_branch(km_follow *f, double *tangent) {
   km_state_restore(f->state, sub_of(f), f->branch_pose);
   memcpy(tangent, f->branch_t, (size_t)sub_of(f)->columns * sizeof *tangent);
-  f->state->pivoted[f->substructure] = KM_NEVER;
+  km_state_forget_pivots(f->state, f->substructure);
 }
 
 void km_follow_go_on(km_follow *f) {
   km_state_restore(f->state, sub_of(f), f->here);
   km_loops_update(f->mechanism, f->state, sub_of(f));
-  f->state->pivoted[f->substructure] = KM_NEVER;
+  km_state_forget_pivots(f->state, f->substructure);
 }
 
 /* Continues from the pose `here`, a branch point, along `direction`. */
@@ -124,7 +126,7 @@ static void set_out(km_follow *f, const double *direction, double sense) {
   double size = sense * km_step_length(f->mechanism, sub_of(f), direction);
   for (int k = 0; k < sub_of(f)->columns; ++k)
     f->t[k] = direction[k] / size;
-  f->state->pivoted[f->substructure] = KM_NEVER;
+  km_state_forget_pivots(f->state, f->substructure);
   f->last_h = 0.0; /* the step before was on another branch */
   f->g = 0.0;
 }

@@ -84,7 +84,7 @@ double km_least_path_predict(km_least_path *path, const km_mechanism *m, km_stat
   int columns = sub->columns;
   double difference[KM_PATH_STAGES];
   memcpy(path->rate[0], t, (size_t)columns * sizeof *t);
-  s->pivoted[index] = KM_NEVER;
+  km_state_forget_pivots(s, index);
   for (int i = 1; i < KM_PATH_STAGES; ++i) {
     combine(path, nodes[i], i, columns, h, move);
     if (!(largest(move, columns) <= 1.0)) /* too far for the field to mean anything */

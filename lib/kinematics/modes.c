@@ -1,5 +1,6 @@
 #include "kmech/modes.h"
 
+#include "base/check.h"
 #include "kinematics/assemble.h"
 #include "kinematics/closure.h"
 
@@ -17,6 +18,9 @@ typedef struct search {
   size_t capacity;
   int count;
   uint64_t random;
+  km_progress progress;
+  void *context;
+  bool cancelled;
 } search;
 
 /* splitmix64, -1 … 1. */
@@ -70,6 +74,9 @@ static bool collect(search *f, int starts) {
   if (!keep(f))
     return false;
   for (int i = 0; i < starts; ++i) {
+    f->cancelled = f->progress && !f->progress(f->context, (double)i / starts);
+    if (f->cancelled)
+      return false;
     scatter(f);
     if (km_assemble_one(f->m, f->s, f->substructure, f->saved) && is_new(f) && !keep(f))
       return false;
@@ -111,6 +118,8 @@ static km_status search_modes(search *f, const km_state *original, int starts, k
   km_free(f->saved);
   km_free(f->way);
   km_free(f->found);
+  if (f->cancelled)
+    return km_fail(error, KM_CANCELLED, "the search for assembly modes was cancelled");
   return done ? KM_OK : km_fail(error, KM_MEMORY, "out of memory for the assembly modes");
 }
 
@@ -132,21 +141,38 @@ static km_status hold_driver(const km_model *model, const km_state *s, int drive
   return status;
 }
 
-km_status km_modes_find(const km_model *model, const km_state *s, int driver, int starts, unsigned long seed,
-                        km_modes *out, km_error *error) {
-  const km_mechanism *own = s->mechanism;
+static km_status check_driver(const km_mechanism *m, int driver, km_error *error) {
+  km_status status = km_check_index(driver, m->coordinate_count, "coordinate", error);
+  if (!status && (m->held[driver] || m->substructure_of[driver] < 0 || m->ball_of[driver] >= 0))
+    status =
+        km_fail(error, KM_USAGE, "joint \"%s\" can't be the driver of assembly modes; expected a free joint of a loop",
+                m->model->coordinates[driver].label);
+  return status;
+}
+
+km_status km_modes_find(const km_mechanism *own, const km_state *s, int driver, int starts, unsigned long seed,
+                        km_progress progress, void *context, km_modes *out, km_error *error) {
+  if (!out)
+    return km_check_given(false, "place for the result", error);
+  *out = (km_modes){0};
   km_mechanism *m = NULL;
   km_state *state = NULL;
-  *out = (km_modes){0};
-  if (own->held[driver] || own->substructure_of[driver] < 0 || own->ball_of[driver] >= 0)
-    return km_fail(error, KM_USAGE,
-                   "joint \"%s\" can't be the driver of assembly modes; expected a free joint of a loop",
-                   model->coordinates[driver].label);
-  km_status status = hold_driver(model, s, driver, &m, error);
+  km_status status = km_check_state(own, s, error);
+  if (!status && (starts < 0 || starts > KM_MOST_MODE_STARTS))
+    status = km_fail(error, KM_USAGE, "%d starts; expected 0 to %d", starts, KM_MOST_MODE_STARTS);
+  if (!status)
+    status = check_driver(own, driver, error);
+  if (!status)
+    status = hold_driver(own->model, s, driver, &m, error);
   if (!status)
     status = km_state_create(m, &state, error);
   if (!status) {
-    search f = {.m = m, .s = state, .substructure = own->substructure_of[driver], .random = seed};
+    search f = {.m = m,
+                .s = state,
+                .substructure = own->substructure_of[driver],
+                .random = seed,
+                .progress = progress,
+                .context = context};
     status = search_modes(&f, s, starts, out, error);
   }
   km_state_free(state);
@@ -155,6 +181,8 @@ km_status km_modes_find(const km_model *model, const km_state *s, int driver, in
 }
 
 void km_modes_free(km_modes *modes) {
+  if (!modes)
+    return;
   km_free(modes->coordinates);
   *modes = (km_modes){0};
 }

@@ -81,10 +81,17 @@ void km_poses_update_in(const km_mechanism *m, km_state *s, int substructure) {
 }
 
 void km_poses_update(const km_mechanism *m, km_state *s) {
+  if (!km_state_fits(m, s))
+    return;
   km_poses_about(m, s, (km_vec3){0, 0, 0}, s->pose);
 }
 
 void km_frame_position(const km_mechanism *m, const km_state *s, int frame, double position[3]) {
+  if (!position)
+    return;
+  position[0] = position[1] = position[2] = nan("");
+  if (!km_state_fits(m, s) || frame < 0 || frame >= m->model->frame_count)
+    return;
   const km_model_frame *def = &m->model->frames[frame];
   km_vec3 p = km_pose_point(&s->pose[def->body], def->pose.p);
   position[0] = p.x;

@@ -3,7 +3,7 @@
 #define KM_KINEMATICS_POSES_H
 
 #include "kinematics/state.h"
-#include "kmech/kinematics.h"
+#include "kmech/frames.h"
 
 /* Twist of a body against the next one towards the inertial frame, expressed in the inertial frame and taken
  * at its origin, from the rates of all coordinates (radians, model's length). After km_poses_update. */
@@ -21,6 +21,8 @@ void km_poses_about(const km_mechanism *mechanism, const km_state *state, km_vec
 /* km_coordinate_twist about that origin. */
 km_twist km_coordinate_twist_about(const km_mechanism *mechanism, const km_state *state, const km_pose *pose,
                                    int coordinate);
+/* A pose as the public record. */
+void km_pose_write(const km_pose *pose, km_frame_pose *out);
 /* The frame that a joint starts from (its parent frame), in the inertial frame. */
 km_pose km_joint_pose(const km_mechanism *mechanism, const km_state *state, int joint);
 

@@ -1,3 +1,4 @@
+#include "base/check.h"
 #include "kinematics/branches.h"
 #include "kinematics/closure.h"
 #include "kmech/sweep.h"
@@ -56,7 +57,7 @@ static bool is_there(const journey *j, const km_hold *goal) {
 static km_status unreachable(const journey *j, const km_hold *goal, double end, km_error *error) {
   const char *label = km_model_coordinate_label(j->model, goal->coordinate);
   const char *unit = km_model_coordinate_unit(j->model, goal->coordinate);
-  return km_fail(error, KM_PARTIAL, "%s = %.9g %s can't be reached from the file's pose: it ends at %.9g %s", label,
+  return km_fail(error, KM_NO_RESULT, "%s = %.9g %s can't be reached from the file's pose: it ends at %.9g %s", label,
                  goal->value, unit, end, unit);
 }
 
@@ -144,8 +145,27 @@ static km_status travel(journey *j, const km_hold *holds, int hold_count, const 
   return status;
 }
 
+static km_status check_goals(const km_model *model, const km_hold *goals, int count, const char *what,
+                             km_error *error) {
+  km_status status = km_check_list(goals, count, what, error);
+  for (int i = 0; i < count && !status; ++i)
+    status = km_check_index(goals[i].coordinate, model->coordinate_count, "coordinate", error);
+  return status;
+}
+
 km_status km_reach_pose(const km_model *model, const km_hold *holds, int hold_count, const km_hold *sets, int set_count,
                         km_mechanism **mechanism, km_state **state, km_error *error) {
+  if (!mechanism || !state)
+    return km_check_given(false, "place for the result", error);
+  *mechanism = NULL;
+  *state = NULL;
+  km_status fits = km_check_given(model != NULL, "model", error);
+  if (!fits)
+    fits = check_goals(model, holds, hold_count, "holds", error);
+  if (!fits)
+    fits = check_goals(model, sets, set_count, "values", error);
+  if (fits)
+    return fits;
   journey j = {.model = model, .locked = KM_NEW(km_hold, (size_t)(hold_count + set_count) + 3)};
   *mechanism = NULL;
   *state = NULL;

@@ -109,7 +109,7 @@ bool km_second_order_build(const km_mechanism *m, km_state *s, int index, km_are
   }
   km_state_restore(s, sub, saved);
   km_loops_update(m, s, sub);
-  s->pivoted[index] = KM_NEVER;
+  km_state_forget_pivots(s, index);
   for (size_t i = 0; i < (size_t)out->conditions * k * k; ++i)
     out->size = fmax(out->size, fabs(out->Q[i]));
   return true;

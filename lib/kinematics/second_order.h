@@ -25,7 +25,7 @@ bool km_second_order_build(const km_mechanism *mechanism, km_state *state, int s
                            km_second_order *out);
 
 /* Starting from the unit vector a, goes to a nearby one that meets all conditions (Gauss-Newton on the sphere);
- * false if there is none. work[4 · freedom² + conditions]. */
+ * false if there is none. work[freedom² + 3 · freedom]. */
 bool km_second_order_solve(const km_second_order *conditions, double *a, double *work);
 
 #endif

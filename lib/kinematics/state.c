@@ -1,5 +1,7 @@
 #include "kinematics/state.h"
 
+#include "base/check.h"
+
 #include <string.h>
 
 static int longest_program(const km_mechanism *m) {
@@ -45,7 +47,7 @@ static bool allocate(const km_mechanism *m, km_state *s) {
       km_arena_grow(arena, (void **)&s->basis[i].Z, &s->basis[i].capacity,
                     (size_t)m->substructures[i].columns * (size_t)m->substructures[i].columns, sizeof(double));
   for (int i = 0; i < t->substructure_count && !arena->failed; ++i)
-    s->pivoted[i] = KM_NEVER;
+    km_state_forget_pivots(s, i);
   return !arena->failed;
 }
 
@@ -65,8 +67,33 @@ static void set_coupling_rows(const km_mechanism *m, km_state *s) {
   }
 }
 
+bool km_state_fits(const km_mechanism *m, const km_state *s) {
+  return m && s && s->mechanism == m;
+}
+
+km_status km_check_state(const km_mechanism *m, const km_state *s, km_error *error) {
+  km_status status = km_check_given(m != NULL, "mechanism", error);
+  if (!status)
+    status = km_check_given(s != NULL, "state", error);
+  return status || s->mechanism == m ? status : km_fail(error, KM_USAGE, "the state is one of another mechanism");
+}
+
+bool km_state_knows_motion(const km_mechanism *m, const km_state *s) {
+  if (!km_state_fits(m, s))
+    return false;
+  for (int i = 0; i < m->topology.substructure_count; ++i)
+    if (!s->basis[i].known || s->basis[i].count < km_partition_freedom(&s->partition[i]))
+      return false;
+  return true;
+}
+
 km_status km_state_create(const km_mechanism *m, km_state **out, km_error *error) {
+  if (!out)
+    return km_check_given(false, "place for the result", error);
   *out = NULL;
+  km_status fits = km_check_given(m != NULL, "mechanism", error);
+  if (fits)
+    return fits;
   km_state *s = KM_NEW(km_state, 1);
   if (!s || !allocate(m, s)) {
     km_state_free(s);
@@ -79,10 +106,14 @@ km_status km_state_create(const km_mechanism *m, km_state **out, km_error *error
 }
 
 void km_state_restart(km_state *s) {
+  if (!s)
+    return;
   const km_mechanism *m = s->mechanism;
   set_coupling_rows(m, s);
-  for (int i = 0; i < m->topology.substructure_count; ++i)
-    s->pivoted[i] = KM_NEVER;
+  for (int i = 0; i < m->topology.substructure_count; ++i) {
+    km_state_forget_pivots(s, i);
+    s->basis[i].known = false;
+  }
   km_state_set(m, s, m->start);
 }
 
@@ -117,6 +148,8 @@ static double *basis_room(km_state *s, const km_substructure *sub, int index, in
 double *km_state_null(const km_mechanism *m, km_state *s, int index, int count) {
   const km_substructure *sub = &m->substructures[index];
   double *Z = basis_room(s, sub, index, count);
+  s->basis[index].known = Z != NULL;
+  s->basis[index].count = Z ? count : 0;
   if (Z)
     km_partition_null(&s->partition[index], m->column_weight + sub->column_start, count, Z);
   return Z;
@@ -125,6 +158,7 @@ double *km_state_null(const km_mechanism *m, km_state *s, int index, int count) 
 double *km_state_rows(const km_mechanism *m, km_state *s, int index, int count) {
   const km_substructure *sub = &m->substructures[index];
   double *R = basis_room(s, sub, index, s->partition[index].rank);
+  s->basis[index].count = 0;
   if (R)
     km_partition_rows(&s->partition[index], m->column_weight + sub->column_start, count, R);
   return R;
@@ -285,6 +319,8 @@ void km_state_copy(const km_mechanism *m, km_state *to, const km_state *from) {
 /* Of the numbers that are this coordinate in the file's unit, one with few digits where there is one: 30 degrees
  * come back as 30, though 30 · (π/180) / (π/180) doesn't. */
 double km_state_coordinate(const km_state *s, int coordinate) {
+  if (!s || coordinate < 0 || coordinate >= s->mechanism->coordinate_count)
+    return nan("");
   double factor = km_model_coordinate_factor(s->mechanism->model, coordinate), q = s->q[coordinate];
   double exact = q / factor, rounded = nearbyint(exact * 1e10) / 1e10;
   return rounded * factor == q ? rounded : exact;

@@ -14,6 +14,8 @@ typedef struct km_planar_pose {
 typedef struct km_basis {
   double *Z;
   size_t capacity;
+  bool known; /* a null space was made at this pose or one before it */
+  int count;  /* vectors of it: 0 while it holds rows */
 } km_basis;
 
 struct km_state {
@@ -39,6 +41,10 @@ struct km_state {
 
 enum { KM_NO_DRIVER = -1, KM_NEVER = -2 };
 
+/* The pivots at hand don't belong to the present pose: they are searched anew before they are used. */
+static inline void km_state_forget_pivots(km_state *s, int substructure) {
+  s->pivoted[substructure] = KM_NEVER;
+}
 static inline double *km_state_jacobian(km_state *s, const km_substructure *sub) {
   return s->jacobian + sub->matrix_start;
 }
@@ -49,6 +55,12 @@ static inline double *km_state_error(km_state *s, const km_substructure *sub) {
 static inline const double *km_state_basis(const km_state *s, int substructure) {
   return s->basis[substructure].Z;
 }
+
+/* For public functions: is this a state of the mechanism? KM_USAGE where it isn't. */
+bool km_state_fits(const km_mechanism *mechanism, const km_state *state);
+km_status km_check_state(const km_mechanism *mechanism, const km_state *state, km_error *error);
+/* Have pivots been searched and null spaces made for every substructure? Else nobody may read them. */
+bool km_state_knows_motion(const km_mechanism *mechanism, const km_state *state);
 
 /* J as a whole matrix: J[rows × columns], column-major. */
 void km_state_jacobian_dense(const km_state *state, const km_substructure *sub, double *J);

@@ -87,7 +87,7 @@ static bool go(km_tangents *f, int driver, double way, double *misfit) {
   if (closed && evidence.residual <= most && evidence.correction <= (way > 0.0 ? 0.3 : 0.05) * length + slack(f)) {
     *misfit = evidence.residual;
     if (f->s->partition[f->index].rank < f->sub->columns - 1)
-      f->s->pivoted[f->index] = KM_NEVER; /* further on there may be more */
+      km_state_forget_pivots(f->s, f->index); /* further on there may be more */
     return true;
   }
   km_state_restore(f->s, f->sub, f->last);
@@ -137,7 +137,7 @@ km_way km_tangents_follow(km_tangents *f, const double *a, double sign) {
   for (int c = 0; c < columns; ++c)
     f->move[c] = sign * h * f->x[c] / size;
   km_state_restore(f->s, f->sub, f->pose);
-  f->s->pivoted[f->index] = KM_NEVER;
+  km_state_forget_pivots(f->s, f->index);
   /* Past that place it goes on, to see how they open. */
   while (way < whole_way && !(way > 2.0 * opened && misfit > far_above * tolerance) && r.count < MOST_SAMPLES &&
          h >= (way > 0.0 ? shortest_step : 0.1 * first)) {
@@ -158,7 +158,7 @@ km_way km_tangents_follow(km_tangents *f, const double *a, double sign) {
     h = fmin(1.5 * h, longest_step);
     look_ahead(f, driver, h);
   }
-  f->s->pivoted[f->index] = KM_NEVER;
+  km_state_forget_pivots(f->s, f->index);
   result.reality = judge(f, &r, tolerance, way >= whole_way);
   return result;
 }

@@ -110,6 +110,8 @@ static void forget(km_builder *b) {
 }
 
 km_status km_builder_create(km_builder **out, km_error *error) {
+  if (!out)
+    return km_fail(error, KM_USAGE, "found no place for the builder");
   *out = KM_NEW(km_builder, 1);
   if (*out && begin(*out))
     return KM_OK;

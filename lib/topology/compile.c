@@ -1,4 +1,7 @@
+/* A model into a mechanism: topology, then all that depends on numbers. */
 #include "topology/compile.h"
+
+#include "base/check.h"
 
 #include <string.h>
 
@@ -7,9 +10,14 @@ static km_status build_topology(km_mechanism *m, km_error *error) {
   km_arena scratch = {0};
   km_edge *edges = KM_ARENA_NEW(&scratch, km_edge, (size_t)model->joint_count);
   km_tie *ties = KM_ARENA_NEW(&scratch, km_tie, (size_t)model->coupling_count);
-  int *tied = KM_ARENA_NEW(&scratch, int, (size_t)(model->coordinate_count * (model->coupling_count + 1)));
-  if (scratch.failed)
+  size_t terms = 0;
+  for (int i = 0; i < model->coupling_count; ++i)
+    terms += (size_t)model->couplings[i].count;
+  int *tied = KM_ARENA_NEW(&scratch, int, terms);
+  if (scratch.failed) {
+    km_arena_free(&scratch);
     return km_fail(error, KM_MEMORY, "out of memory while compiling the mechanism");
+  }
   for (int j = 0; j < model->joint_count; ++j)
     edges[j] = (km_edge){model->frames[model->joints[j].frame[0]].body, model->frames[model->joints[j].frame[1]].body};
   for (int i = 0; i < model->coupling_count; ++i) {
@@ -75,6 +83,8 @@ static void set_length(km_mechanism *m, const km_compiling *how, const km_walks 
 }
 
 double km_mechanism_characteristic_length(const km_mechanism *m, km_length_source *source) {
+  if (!m)
+    return nan("");
   if (source)
     *source = m->length_source;
   return m->length;
@@ -83,7 +93,7 @@ double km_mechanism_characteristic_length(const km_mechanism *m, km_length_sourc
 const char *km_length_source_name(km_length_source source) {
   static const char *const names[] = {"stated", "first model's", "longest link", "greatest distance between two joints",
                                       "one length unit"};
-  return names[source];
+  return (size_t)source < sizeof names / sizeof *names ? names[source] : "";
 }
 
 static void set_coordinates(km_mechanism *m, const km_hold *holds, int hold_count) {
@@ -288,8 +298,22 @@ static km_status compile(km_mechanism *m, const km_compiling *how, km_error *err
   return set_patterns(m) ? KM_OK : km_fail(error, KM_MEMORY, "out of memory while compiling the mechanism");
 }
 
+static km_status check_holds(const km_model *model, const km_hold *holds, int count, km_error *error) {
+  km_status status = km_check_list(holds, count, "holds", error);
+  for (int h = 0; h < count && !status; ++h) {
+    status = km_check_index(holds[h].coordinate, model->coordinate_count, "coordinate", error);
+    if (!status && !isfinite(holds[h].value))
+      status = km_fail(error, KM_USAGE, "joint \"%s\" can't be held at %g; expected a finite value",
+                       model->coordinates[holds[h].coordinate].label, holds[h].value);
+  }
+  return status;
+}
+
 km_status km_mechanism_compile_as(const km_model *model, const km_compiling *how, km_mechanism **out, km_error *error) {
   *out = NULL;
+  km_status fits = check_holds(model, how->holds, how->hold_count, error);
+  if (fits)
+    return fits;
   km_mechanism *m = KM_NEW(km_mechanism, 1);
   if (!m)
     return km_fail(error, KM_MEMORY, "out of memory while compiling the mechanism");

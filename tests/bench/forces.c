@@ -45,8 +45,8 @@ static holding start(void) {
   const km_mechanism *m = h.machine.mechanism;
   km_state *s = h.machine.state;
   km_mobility mobility;
-  km_handle input = {.coordinate = bench_machine_coordinate(&h.machine, "L")};
-  km_handle output = {.coordinate = bench_machine_coordinate(&h.machine, "C")};
+  km_handle input = {.kind = KM_HANDLE_JOINT, .coordinate = bench_machine_coordinate(&h.machine, "L")};
+  km_handle output = {.kind = KM_HANDLE_JOINT, .coordinate = bench_machine_coordinate(&h.machine, "C")};
   km_mobility_update(m, s, &mobility);
   if (km_forces_create(m, NULL, NULL, 0, &h.forces, NULL) ||
       km_statics_create(m, NULL, 0, KM_AXES_JOINT, &h.statics, NULL) ||

@@ -353,7 +353,7 @@ static void sweep(const km_model *model, const km_mechanism *mechanism, km_state
     if (!(km_state_coordinate(state, c) > -1e4 && km_state_coordinate(state, c) < 1e4))
       return; /* so do angles that have lost the digits which closing needs */
   km_status status = km_mobility_sweep_run(mechanism, state, &plan, &result, &error);
-  if (status && status != KM_PARTIAL)
+  if (status && status != KM_PARTIAL && status != KM_NO_RESULT)
     check_refusal(status, &error);
   int residual = result.motion.table ? km_table_find(result.motion.table, "residual") : -1;
   for (size_t r = 0; residual >= 0 && r < km_table_rows(result.motion.table); ++r) {
@@ -404,8 +404,8 @@ static void lever(const km_model *model, const km_mechanism *mechanism, km_state
   km_error error = {0};
   if (coordinates < 2)
     return;
-  km_handle from = {.coordinate = (int)(choice % (size_t)coordinates), .name = "in"};
-  km_handle to = {.coordinate = (int)(choice / 5 % (size_t)coordinates), .name = "out"};
+  km_handle from = {.kind = KM_HANDLE_JOINT, .coordinate = (int)(choice % (size_t)coordinates), .name = "in"};
+  km_handle to = {.kind = KM_HANDLE_JOINT, .coordinate = (int)(choice / 5 % (size_t)coordinates), .name = "out"};
   km_status status = km_lever_create(mechanism, &from, &to, &made, &error);
   if (status) {
     check_refusal(status, &error);

@@ -18,7 +18,8 @@ static void dead_centres(double out[2]) {
 }
 
 static km_advantage_sweep lever(fixture *f, int input, int output, km_sweep_plan plan) {
-  km_handle in = {.coordinate = input, .name = "in"}, out = {.coordinate = output, .name = "out"};
+  km_handle in = {.kind = KM_HANDLE_JOINT, .coordinate = input, .name = "in"},
+            out = {.kind = KM_HANDLE_JOINT, .coordinate = output, .name = "out"};
   km_advantage_sweep sweep;
   km_error error;
   if (km_advantage_sweep_run(f->mechanism, f->state, &plan, &in, &out, false, &sweep, &error))

@@ -14,7 +14,7 @@
 #include <string.h>
 
 static km_handle joint(const km_model *model, int coordinate) {
-  return (km_handle){.coordinate = coordinate, .name = model->coordinates[coordinate].label};
+  return (km_handle){.kind = KM_HANDLE_JOINT, .coordinate = coordinate, .name = model->coordinates[coordinate].label};
 }
 
 static km_advantage advantage_of(fixture *f, const km_handle *input, const km_handle *output) {

@@ -14,7 +14,7 @@ static void expect(const char *name, const char *driver, double value, int count
   assert_int_equal(km_drive_create(f.mechanism, f.state, c, true, &drive, &error), KM_OK);
   assert_int_equal(km_drive_to(drive, value).stop, KM_STOP_NONE);
   km_drive_free(drive);
-  if (km_modes_find(f.model, f.state, c, 300, 1, &modes, &error))
+  if (km_modes_find(f.mechanism, f.state, c, 300, 1, NULL, NULL, &modes, &error))
     fail_msg("%s", error.text);
   assert_int_equal(modes.count, count);
   assert_true(modes.isolated);

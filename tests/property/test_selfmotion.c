@@ -12,7 +12,7 @@ static const double well_inside[7] = {0.2, 0.6, 0.1, -1.4, 0.3, 0.9, 0.0};
 static km_selfmotion follow(const km_arm *arm, const double *q) {
   km_selfmotion motion;
   km_error error = {0};
-  if (km_selfmotion_follow(arm, q, &motion, &error))
+  if (km_selfmotion_follow(arm, q, NULL, NULL, &motion, &error))
     fail_msg("%s", error.text);
   return motion;
 }
@@ -238,7 +238,7 @@ static void narrow_gaps_are_found(void **state) {
 }
 
 static km_branches find(const km_arm *arm, const km_pose *at, unsigned long seed) {
-  km_effector_pose pose;
+  km_frame_pose pose;
   for (int k = 0; k < 3; ++k) {
     pose.R[k] = at->R.axis[k].x;
     pose.R[3 + k] = at->R.axis[k].y;
@@ -249,7 +249,7 @@ static km_branches find(const km_arm *arm, const km_pose *at, unsigned long seed
   pose.p[2] = at->p.z;
   km_branches branches;
   km_error error = {0};
-  if (km_branches_find(arm, &pose, seed, &branches, &error))
+  if (km_branches_find(arm, &pose, seed, NULL, NULL, &branches, &error))
     fail_msg("%s", error.text);
   return branches;
 }
@@ -463,10 +463,10 @@ static void out_of_reach(void **state) {
   (void)state;
   fixture f = fixture_open("iiwa14");
   km_arm *arm = arm_of(&f, "flange", "tool", KM_TASK_POSE);
-  km_effector_pose pose = {{1, 0, 0, 0, 1, 0, 0, 0, 1}, {2.0, 0, 0.5}};
+  km_frame_pose pose = {{1, 0, 0, 0, 1, 0, 0, 0, 1}, {2.0, 0, 0.5}};
   km_branches branches;
   km_error error;
-  assert_int_equal(km_branches_find(arm, &pose, 1, &branches, &error), KM_PARTIAL);
+  assert_int_equal(km_branches_find(arm, &pose, 1, NULL, NULL, &branches, &error), KM_NO_RESULT);
   assert_non_null(strstr(error.text, "out of reach"));
   km_branches_free(&branches);
   km_arm_free(arm);

@@ -45,7 +45,7 @@ static void check_rows(const fixture *f, const km_study *study, const km_track *
     for (int k = 0; k < arm->n; ++k)
       q[k] = km_arm_read(arm, k, km_table_row(track->table, r)[3 + k]);
     km_pose at = effector_by_bodies(f, arm, q);
-    km_effector_pose want;
+    km_frame_pose want;
     km_path_pose(study->path, (int)r, &want);
     double got[12] = {at.p.x, at.p.y, at.p.z};
     for (int k = 0; k < 3; ++k) {
@@ -461,7 +461,7 @@ static void paths_have_their_lengths(void **state) {
   assert_near(km_path_length(path, 16), a + b, 1e-12);
   assert_near(km_path_length(path, 24), a + b + c, 1e-12);
   assert_near(km_path_time(path, 35) - km_path_time(path, 24), 2.5, 1e-12);
-  km_effector_pose end;
+  km_frame_pose end;
   km_path_pose(path, 35, &end);
   assert_near(end.p[0], 0.4, 1e-12);
   assert_near(end.R[4], -1.0, 1e-12);

@@ -63,7 +63,8 @@ static bool pick(const fixture *f, randomness *r, int *in, int *out) {
 }
 
 static km_advantage leverage(fixture *f, int in, int out) {
-  km_handle input = {.coordinate = in, .name = "in"}, output = {.coordinate = out, .name = "out"};
+  km_handle input = {.kind = KM_HANDLE_JOINT, .coordinate = in, .name = "in"},
+            output = {.kind = KM_HANDLE_JOINT, .coordinate = out, .name = "out"};
   km_lever *lever;
   km_advantage a;
   km_error error;

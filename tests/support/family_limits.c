@@ -73,7 +73,7 @@ bool family_limits(uint64_t seed) {
   km_mobility_sweep sweep;
   km_status status = km_mobility_sweep_run(f.mechanism, f.state, &plan, &sweep, NULL);
   size_t rows = km_table_rows(sweep.motion.table);
-  bool agrees = narrow || (status == (all ? KM_OK : KM_PARTIAL) && (rows > 0) == some);
+  bool agrees = narrow || (status == (all ? KM_OK : some ? KM_PARTIAL : KM_NO_RESULT) && (rows > 0) == some);
   double factor = km_model_coordinate_factor(f.model, watched);
   for (size_t i = 0; i < rows && agrees; ++i) {
     double q = km_table_row(sweep.motion.table, i)[2 + watched] * factor, slack = 1e-9 * (1.0 + fabs(q));

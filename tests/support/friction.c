@@ -136,7 +136,8 @@ bool family_friction(uint64_t seed, family_count *count) {
     for (int j = 0; j < p.joints; ++j)
       rates[j] = back ? -rates[j] : rates[j];
     s.force = rates[s.input] < 0.0 ? -1.0 : 1.0;
-    km_handle ends[2] = {{.coordinate = s.input, .name = "in"}, {.coordinate = s.output, .name = "out"}};
+    km_handle ends[2] = {{.kind = KM_HANDLE_JOINT, .coordinate = s.input, .name = "in"},
+                         {.kind = KM_HANDLE_JOINT, .coordinate = s.output, .name = "out"}};
     km_losses_work *work = NULL;
     km_losses told;
     km_mobility mobility;
@@ -177,7 +178,8 @@ bool family_wedge(uint64_t seed, family_count *count) {
       "\"friction\": {\"coefficient\": %.17g}}]}]}",
       cos(a), -sin(a), sin(a), cos(a), cos(a), -sin(a), sin(a), cos(a), mu[0], mu[1], mu[2]);
   fixture f = fixture_read(text);
-  km_handle in = {.coordinate = 0, .name = "W"}, out = {.coordinate = 1, .name = "B"};
+  km_handle in = {.kind = KM_HANDLE_JOINT, .coordinate = 0, .name = "W"},
+            out = {.kind = KM_HANDLE_JOINT, .coordinate = 1, .name = "B"};
   km_losses_work *work = NULL;
   km_losses told;
   km_mobility mobility;

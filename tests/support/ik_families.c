@@ -25,7 +25,7 @@ static ik_case open_case(randomness *r, int n, bool roomy, unsigned long seed) {
   for (int k = 0; k < n; ++k)
     q[k] = roomy ? uniform(r, c.arm->low[k], c.arm->high[k]) : uniform(r, -M_PI, M_PI);
   km_pose pose = effector_by_bodies(&c.f, c.arm, q);
-  km_effector_pose given;
+  km_frame_pose given;
   for (int k = 0; k < 3; ++k) {
     given.R[k] = pose.R.axis[k].x;
     given.R[3 + k] = pose.R.axis[k].y;
@@ -36,7 +36,7 @@ static ik_case open_case(randomness *r, int n, bool roomy, unsigned long seed) {
   given.p[2] = pose.p.z;
   c.target = km_arm_from_model(c.arm, &pose);
   km_error error = {0};
-  c.listed = km_branches_find(c.arm, &given, seed, &c.branches, &error) == KM_OK;
+  c.listed = km_branches_find(c.arm, &given, seed, NULL, NULL, &c.branches, &error) == KM_OK;
   if (!km_arm_space_create(c.arm, &c.space))
     fail_msg("out of memory");
   return c;
@@ -163,7 +163,7 @@ static bool same_from_any(const km_arm *a, const km_selfmotion *m, randomness *r
   for (int trial = 0; trial < 3 && same && m->row_count > 0; ++trial) {
     km_selfmotion other;
     km_error error = {0};
-    same = km_selfmotion_follow(a, m->row_q + below(r, m->row_count) * a->n, &other, &error) == KM_OK &&
+    same = km_selfmotion_follow(a, m->row_q + below(r, m->row_count) * a->n, NULL, NULL, &other, &error) == KM_OK &&
            same_arcs(m, &other, why, size);
     km_selfmotion_free(&other);
   }
@@ -216,7 +216,8 @@ bool family_turns(uint64_t seed, char *why, size_t size) {
                c.branches.count, q[0], q[1], q[2], q[3], q[4], q[5], q[6]);
   }
   if (fine && found) {
-    fine = km_selfmotion_follow(c.arm, q, &motion, &error) == KM_OK && same_from_any(c.arm, &motion, &r, why, size);
+    fine = km_selfmotion_follow(c.arm, q, NULL, NULL, &motion, &error) == KM_OK &&
+           same_from_any(c.arm, &motion, &r, why, size);
     km_selfmotion_free(&motion);
   }
   close_case(&c);

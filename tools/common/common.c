@@ -18,6 +18,7 @@ kt_exit kt_exit_of(km_status status) {
   case KM_OK:
     return KT_DONE;
   case KM_PARTIAL:
+  case KM_NO_RESULT:
     return KT_PARTIAL;
   case KM_USAGE:
   case KM_IO:

@@ -40,7 +40,7 @@ static void run_sweep(kt_sweep_job *j, km_status (*run)(kt_sweep_job *, const km
   j->plan.context = &progress;
   km_status status = run(j, &motion, &error);
   kt_progress_end(&progress);
-  j->empty = status == KM_PARTIAL && km_table_rows(motion->table) == 0;
+  j->empty = status == KM_NO_RESULT;
   if ((status == KM_OK || status == KM_PARTIAL) && !j->empty)
     tell(j, motion, status == KM_PARTIAL);
   else

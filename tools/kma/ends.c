@@ -52,6 +52,7 @@ static kt_exit read_point(const kt_common *common, const km_model *model, const 
     result = kt_frame(common, model, option, place, &out->frame);
   }
   km_free(place);
+  out->kind = KM_HANDLE_POINT;
   out->coordinate = -1;
   out->name = *owned = name;
   return result;
@@ -68,6 +69,7 @@ static kt_exit read_end(const kt_common *common, const km_model *model, const ch
   if (point || (!known && direction_of(text)))
     return read_point(common, model, option, text, out, owned);
   kt_exit result = kt_coordinate(common, model, option, text, &out->coordinate);
+  out->kind = KM_HANDLE_JOINT;
   if (result == KT_DONE)
     out->name = km_model_coordinate_label(model, out->coordinate);
   else if (strchr(text, '/'))

@@ -47,7 +47,7 @@ static km_status find_modes(const kmob_request *o, const kt_pose *pose, int *dri
   if (*driver < 0)
     return km_fail(error, KM_USAGE,
                    "--modes: the model has no analysis.sweep with a joint; expected a driver by --set");
-  return km_modes_find(pose->model, pose->state, *driver, STARTS, o->pose.common.seed, modes, error);
+  return km_modes_find(pose->mechanism, pose->state, *driver, STARTS, o->pose.common.seed, NULL, NULL, modes, error);
 }
 
 static kt_exit describe(const kmob_request *o, const kt_pose *pose, km_text *out) {

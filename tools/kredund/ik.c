@@ -8,7 +8,7 @@
 
 #include <string.h>
 
-static void fill(const km_pose *pose, km_effector_pose *out) {
+static void fill(const km_pose *pose, km_frame_pose *out) {
   for (int k = 0; k < 3; ++k) {
     out->R[k] = pose->R.axis[k].x;
     out->R[3 + k] = pose->R.axis[k].y;
@@ -19,7 +19,7 @@ static void fill(const km_pose *pose, km_effector_pose *out) {
   out->p[2] = pose->p.z;
 }
 
-static kt_exit read_pose(const kredund_request *r, const kredund_open *open, km_effector_pose *out) {
+static kt_exit read_pose(const kredund_request *r, const kredund_open *open, km_frame_pose *out) {
   double value[6];
   if (!kt_numbers(r->pose, 6, value))
     return kt_usage(&r->common, "--pose", r->pose, "six numbers X,Y,Z,RX,RY,RZ");
@@ -31,7 +31,7 @@ static kt_exit read_pose(const kredund_request *r, const kredund_open *open, km_
 }
 
 /* --pose, the path's first pose, or where the arm is. */
-static kt_exit find_target(const kredund_request *r, const kredund_open *open, km_effector_pose *out) {
+static kt_exit find_target(const kredund_request *r, const kredund_open *open, km_frame_pose *out) {
   const km_study *s = open->study;
   if (r->pose)
     return read_pose(r, open, out);
@@ -61,7 +61,7 @@ static kt_exit answer(const kredund_request *r, const km_value *record, km_text 
 }
 
 static kt_exit run(const kredund_request *r, const kredund_open *open) {
-  km_effector_pose target;
+  km_frame_pose target;
   km_branches branches;
   km_error error;
   km_arena arena = {0};
@@ -70,7 +70,7 @@ static kt_exit run(const kredund_request *r, const kredund_open *open) {
   kt_exit result = find_target(r, open, &target);
   if (result != KT_DONE)
     return result;
-  km_status status = km_branches_find(arm, &target, r->common.seed, &branches, &error);
+  km_status status = km_branches_find(arm, &target, r->common.seed, NULL, NULL, &branches, &error);
   if (status) {
     kt_say(&r->common, KM_ERROR, "%s: %s", open->name, error.text);
     result = kt_exit_of(status);

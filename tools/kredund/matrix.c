@@ -150,7 +150,7 @@ static kt_exit solve(const options *o, const sheet *in) {
   kt_exit result = kt_exit_of(status);
   if (status)
     kt_say(&o->common, KM_ERROR, "%s: %s", o->file, error.text);
-  if (o->json && (!status || status == KM_PARTIAL))
+  if (o->json && (!status || status == KM_NO_RESULT))
     write_json(o, Z, in, status ? NULL : &control, error.text, &out);
   else if (!status)
     write_csv(Z, in->columns, control.freedom, &out);

@@ -217,7 +217,7 @@ static kt_exit bring(const kredund_request *r, bool needs_path, kredund_open *ou
   km_messages *messages = km_messages_create();
   km_status status =
       km_study_bind_as(out->study, out->pose.mechanism, out->pose.state, &changes, r->common.seed, messages, &error);
-  result = tell(&r->common, out->name, messages, status == KM_PARTIAL ? KM_OK : status, error.text);
+  result = tell(&r->common, out->name, messages, status == KM_NO_RESULT ? KM_OK : status, error.text);
   km_messages_free(messages);
   if (!r->study && result == KT_BAD_MODEL)
     result = KT_USAGE; /* there is no file that could be bad */

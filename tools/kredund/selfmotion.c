@@ -71,7 +71,7 @@ static kt_exit run(const kredund_request *r, const kt_formats *formats, const kr
     kt_say(&r->common, KM_ERROR, "%s: the arm has no freedom to spare for its task: it has no self-motion", open->name);
     return KT_PARTIAL;
   }
-  km_status status = km_selfmotion_follow(open->study->arm, open->study->start, &motion, &error);
+  km_status status = km_selfmotion_follow(open->study->arm, open->study->start, NULL, NULL, &motion, &error);
   kt_exit result = kt_exit_of(status);
   if (status) {
     kt_say(&r->common, KM_ERROR, "%s: %s", open->name, error.text);

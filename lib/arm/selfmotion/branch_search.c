@@ -6,6 +6,13 @@
 
 #include <string.h>
 
+/* Asks whether to go on; false where not, or where it has failed already. */
+static bool goes_on(km_finder *f, double done) {
+  f->cancelled = f->cancelled || (f->progress && !f->progress(f->context, done));
+  f->failed = f->failed || f->cancelled;
+  return !f->failed;
+}
+
 /* Hinges within a half turn of the middle of their limits, slides within the limits or one L of 0. */
 static double scatter(const km_arm *a, int k, km_random *r) {
   bool limited = a->high[k] - a->low[k] < (double)INFINITY;
@@ -228,7 +235,7 @@ static bool solve_closed(km_finder *f) {
   if (f->arm->freedom == 0)
     return solve_six(f, q, -1);
   for (int held = 0; held < f->arm->n && f->arm->n == KM_SIX + 1 && all_hinges(f->arm); ++held) {
-    for (int i = 0; i < ANGLES && !f->failed; ++i) {
+    for (int i = 0; i < ANGLES && goes_on(f, (double)(held * ANGLES + i) / (f->arm->n * ANGLES)); ++i) {
       q[held] = 2.0 * M_PI * i / ANGLES;
       if (!solve_six(f, q, held))
         break;
@@ -247,7 +254,8 @@ static void search(km_finder *f, unsigned long seed) {
   km_random r = {seed};
   double q[KM_ARM_MOST];
   f->idle = 0;
-  for (f->starts = 0; f->starts < most && !f->failed && f->count < MOST_BRANCHES; ++f->starts) {
+  for (f->starts = 0; f->starts < most && f->count < MOST_BRANCHES && goes_on(f, (double)f->starts / most);
+       ++f->starts) {
     if (f->starts == HOPELESS && f->count == 0)
       return;
     if (f->idle >= patience[spare]) {
@@ -263,18 +271,21 @@ static void search(km_finder *f, unsigned long seed) {
   }
 }
 
-km_status km_finder_run(const km_arm *a, const km_pose *target, unsigned long seed, km_finder *f, km_error *error) {
-  *f = (km_finder){.arm = a, .target = *target};
+km_status km_finder_run(const km_arm *a, const km_pose *target, unsigned long seed, km_progress progress, void *context,
+                        km_finder *f, km_error *error) {
+  *f = (km_finder){.arm = a, .target = *target, .progress = progress, .context = context};
   if (!km_arm_space_create(a, &f->space))
     return km_fail(error, KM_MEMORY, "out of memory for the branches");
   f->closed_form = solve_closed(f);
   f->confirmed = f->closed_form && a->freedom == 0 && f->count > 0 && !f->families && is_balanced(f);
   if (!f->confirmed && !f->failed)
     search(f, seed);
+  if (f->cancelled)
+    return km_fail(error, KM_CANCELLED, "the search for branches was cancelled");
   if (f->failed)
     return km_fail(error, KM_MEMORY, "out of memory for the branches");
   if (f->count == 0)
-    return km_fail(error, KM_PARTIAL, "the pose is out of reach: none of %d starts comes to it", f->starts);
+    return km_fail(error, KM_NO_RESULT, "the pose is out of reach: none of %d starts comes to it", f->starts);
   return KM_OK;
 }
 

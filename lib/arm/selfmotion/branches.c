@@ -1,6 +1,8 @@
 /* Inverse kinematics: every branch as a record, and the pose that is nearest to another. */
 #include "arm/selfmotion/branch_search.h"
 
+#include "arm/check.h"
+
 #include <stdlib.h>
 #include <string.h>
 
@@ -138,18 +140,20 @@ static km_status deliver(km_finder *f, km_branches *out, km_error *error) {
   return status;
 }
 
-static km_pose read_pose(const km_arm *a, const km_effector_pose *given) {
-  const double *R = given->R;
-  km_pose pose = {{{{R[0], R[3], R[6]}, {R[1], R[4], R[7]}, {R[2], R[5], R[8]}}}, km_vec3_make(given->p)};
-  return km_arm_from_model(a, &pose);
-}
-
-km_status km_branches_find(const km_arm *a, const km_effector_pose *given, unsigned long seed, km_branches *out,
-                           km_error *error) {
+km_status km_branches_find(const km_arm *a, const km_frame_pose *given, unsigned long seed, km_progress progress,
+                           void *context, km_branches *out, km_error *error) {
+  if (!out)
+    return km_check_given(false, "place for the result", error);
+  *out = (km_branches){0};
+  km_status fits = km_check_given(a && given, "arm or pose", error);
+  if (!fits)
+    fits = km_check_pose(given, error);
+  if (fits)
+    return fits;
   km_finder f;
   *out = (km_branches){0};
-  km_pose target = read_pose(a, given);
-  km_status status = km_finder_run(a, &target, seed, &f, error);
+  km_pose target = km_arm_pose_of(a, given);
+  km_status status = km_finder_run(a, &target, seed, progress, context, &f, error);
   out->starts = f.starts;
   out->converged = f.converged;
   out->closed_form = f.closed_form;
@@ -161,6 +165,8 @@ km_status km_branches_find(const km_arm *a, const km_effector_pose *given, unsig
 }
 
 void km_branches_free(km_branches *b) {
+  if (!b)
+    return;
   for (int i = 0; i < b->count; ++i)
     km_selfmotion_free(&b->items[i]);
   km_free(b->items);
@@ -207,8 +213,8 @@ static bool nearest_of(km_finder *f, const double *near, double *q) {
   return best < (double)INFINITY;
 }
 
-km_status km_arm_nearest(const km_arm *a, const km_pose *target, const double *near, unsigned long seed, double *q,
-                         km_error *error) {
+km_status km_arm_nearest(const km_arm *a, const km_pose *target, const double *near, unsigned long seed,
+                         km_progress progress, void *context, double *q, km_error *error) {
   km_finder f;
   km_arm_space space;
   if (!km_arm_space_create(a, &space))
@@ -219,11 +225,11 @@ km_status km_arm_nearest(const km_arm *a, const km_pose *target, const double *n
   km_arm_space_free(&space);
   if (there)
     return KM_OK;
-  km_status status = km_finder_run(a, target, seed, &f, error);
+  km_status status = km_finder_run(a, target, seed, progress, context, &f, error);
   if (!status && !nearest_of(&f, near, q))
-    status =
-        km_fail(error, KM_PARTIAL, "the pose is reached on %d branch%s, but never with all joints within their limits",
-                f.count, f.count == 1 ? "" : "es");
+    status = km_fail(error, KM_NO_RESULT,
+                     "the pose is reached on %d branch%s, but never with all joints within their limits", f.count,
+                     f.count == 1 ? "" : "es");
   else if (!status && !km_arm_reach(a, &f.space, target, NULL, 5, 0.1, q))
     status = km_fail(error, KM_DIVERGED, "inverse kinematics gave out");
   km_finder_free(&f);

@@ -11,9 +11,9 @@ bool km_arm_search(const km_arm *arm, km_arm_space *space, const km_pose *target
                    double *q);
 
 /* The pose nearest to `near`[n] within the limits that reaches the target: by Newton's method from there, else of all
- * branches. KM_PARTIAL: out of reach, or never within the limits. */
-km_status km_arm_nearest(const km_arm *arm, const km_pose *target, const double *near, unsigned long seed, double *q,
-                         km_error *error);
+ * branches. KM_NO_RESULT: out of reach, or never within the limits. */
+km_status km_arm_nearest(const km_arm *arm, const km_pose *target, const double *near, unsigned long seed,
+                         km_progress progress, void *context, double *q, km_error *error);
 
 /* A curve of poses that hold the effector at `target`; arrays as km_selfmotion, but q in the arm's own units. */
 typedef struct km_loop_curve {
@@ -25,6 +25,9 @@ typedef struct km_loop_curve {
   double *u, *q, *t; /* [count], [count × n], [count × n] unit tangents */
   bool closed, failed;
   double length;
+  km_progress progress; /* NULL: nobody asks */
+  void *context;
+  bool cancelled; /* then the curve has failed too */
 } km_loop_curve;
 
 /* From q along its self-motion: forward, and, if that doesn't close, back from q too. `longest` bounds the way in

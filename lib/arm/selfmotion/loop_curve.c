@@ -126,6 +126,10 @@ static void run(km_loop_curve *c, const double *start, const double *start_t, do
   for (int k = 0; k < n; ++k)
     t[k] = sense * start_t[k];
   while (u < longest && c->count < MOST_POINTS) {
+    c->cancelled = c->progress && !c->progress(c->context, u / longest);
+    c->failed = c->failed || c->cancelled;
+    if (c->failed)
+      return;
     double reach = fmin(h, longest - u);
     if (!step(c, q, t, reach, next, next_t, &way)) {
       h *= 0.5;

@@ -1,5 +1,7 @@
 #include "arm/selfmotion/branches.h"
 
+#include "arm/check.h"
+
 static void add_row(const km_loop_curve *c, km_selfmotion *out, int arc, double u, const int *shift, double *q) {
   for (int k = 0; k < c->arm->n; ++k)
     q[k] += 2.0 * M_PI * shift[k];
@@ -110,9 +112,13 @@ static bool add_direction(const km_loop_curve *c, km_selfmotion *out, int direct
   return whole;
 }
 
+static km_status stopped(km_error *error) {
+  return km_fail(error, KM_CANCELLED, "following the self-motion was cancelled");
+}
+
 /* A circle of directions in the first pose's two pose-control columns. */
-static km_status follow_circle(const km_arm *a, km_arm_space *space, const double *start, km_selfmotion *out,
-                               km_error *error) {
+static km_status follow_circle(const km_arm *a, km_arm_space *space, const double *start, km_progress progress,
+                               void *context, km_selfmotion *out, km_error *error) {
   static const double none[KM_ARM_ROWS] = {0};
   double path[KM_ARM_MOST + 1], self[KM_ARM_MOST * KM_ARM_MOST], sense[KM_ARM_MOST];
   km_pose target = space->pose;
@@ -121,22 +127,34 @@ static km_status follow_circle(const km_arm *a, km_arm_space *space, const doubl
   out->columns = a->n;
   out->arcs = KM_NEW(km_arc_span, KM_SELFMOTION_DIRECTIONS);
   out->arc_count = out->arcs ? KM_SELFMOTION_DIRECTIONS : 0;
-  bool whole = out->arcs != NULL;
+  bool whole = out->arcs != NULL, cancelled = false;
   for (int d = 0; d < KM_SELFMOTION_DIRECTIONS && whole; ++d) {
     double around = 2.0 * M_PI * d / KM_SELFMOTION_DIRECTIONS;
     for (int k = 0; k < a->n; ++k)
       sense[k] = cos(around) * self[k] + sin(around) * self[a->n + k];
-    km_loop_curve curve = {.arm = a, .space = space, .target = target, .sense = sense};
+    km_loop_curve curve = {
+        .arm = a, .space = space, .target = target, .sense = sense, .progress = progress, .context = context};
     whole = km_loop_curve_follow(&curve, start, M_PI) && add_direction(&curve, out, d, error);
+    cancelled = curve.cancelled;
     km_loop_curve_free(&curve);
   }
+  if (cancelled)
+    return stopped(error);
   return whole ? KM_OK : km_fail(error, KM_MEMORY, "out of memory for a self-motion");
 }
 
-km_status km_selfmotion_follow(const km_arm *a, const double *q, km_selfmotion *out, km_error *error) {
+km_status km_selfmotion_follow(const km_arm *a, const double *q, km_progress progress, void *context,
+                               km_selfmotion *out, km_error *error) {
+  if (!out)
+    return km_check_given(false, "place for the result", error);
+  *out = (km_selfmotion){0};
+  km_status fits = km_check_given(a && q, "arm or pose", error);
+  if (!fits)
+    fits = km_check_arm_values(a, q, error);
+  if (fits)
+    return fits;
   km_arm_space space;
   double start[KM_ARM_MOST];
-  *out = (km_selfmotion){0};
   if (a->freedom != 1 && a->freedom != 2)
     return km_fail(error, KM_USAGE, "the arm has %d spare freedoms for its task; expected 1 or 2", a->freedom);
   if (!km_arm_space_create(a, &space))
@@ -146,10 +164,11 @@ km_status km_selfmotion_follow(const km_arm *a, const double *q, km_selfmotion *
   km_arm_update(a, &space, start);
   km_status status;
   if (a->freedom == 2) {
-    status = follow_circle(a, &space, start, out, error);
+    status = follow_circle(a, &space, start, progress, context, out, error);
   } else {
-    km_loop_curve curve = {.arm = a, .space = &space, .target = space.pose};
+    km_loop_curve curve = {.arm = a, .space = &space, .target = space.pose, .progress = progress, .context = context};
     status = km_loop_curve_follow(&curve, start, 200.0) ? km_selfmotion_export(&curve, out, error)
+             : curve.cancelled                          ? stopped(error)
                                                         : km_fail(error, KM_MEMORY, "out of memory for a curve");
     km_loop_curve_free(&curve);
   }
@@ -158,6 +177,8 @@ km_status km_selfmotion_follow(const km_arm *a, const double *q, km_selfmotion *
 }
 
 void km_selfmotion_free(km_selfmotion *m) {
+  if (!m)
+    return;
   km_free(m->u);
   km_free(m->q);
   km_free(m->arcs);

@@ -1,3 +1,4 @@
+#include "base/check.h"
 #include "exchange/json/format.h"
 #include "exchange/json/json.h"
 #include "exchange/json/reader.h"
@@ -257,10 +258,20 @@ static km_status read_bytes(const char *bytes, size_t size, const char *path, km
 }
 
 km_status km_model_read(const char *bytes, size_t size, km_messages *messages, km_model **out, km_error *error) {
+  if (!out)
+    return km_check_given(false, "place for the result", error);
+  *out = NULL;
+  if (!bytes)
+    return km_check_given(false, "text of a model", error);
   return read_bytes(bytes, size, NULL, messages, out, error);
 }
 
 km_status km_model_load(const char *path, km_messages *messages, km_model **out, km_error *error) {
+  if (!out)
+    return km_check_given(false, "place for the result", error);
+  *out = NULL;
+  if (!path)
+    return km_check_given(false, "path of a model", error);
   km_text text = {0};
   *out = NULL;
   km_status status = km_file_read(path, &text, error);
@@ -280,41 +291,63 @@ void km_model_free(km_model *model) {
 }
 
 int km_model_body_count(const km_model *model) {
+  if (!model)
+    return 0;
   return model->body_count - 1;
 }
 int km_model_joint_count(const km_model *model) {
+  if (!model)
+    return 0;
   return model->joint_count;
 }
 int km_model_coordinate_count(const km_model *model) {
+  if (!model)
+    return 0;
   return model->coordinate_count;
 }
 const char *km_model_body_name(const km_model *model, int body) {
+  if (!model || body < 0 || body >= model->body_count)
+    return "";
   return model->bodies[body].name;
 }
 
 const char *km_model_joint_label(const km_model *model, int joint) {
+  if (!model || joint < 0 || joint >= model->joint_count)
+    return "";
   return model->joints[joint].label;
 }
 const char *km_model_coordinate_label(const km_model *model, int coordinate) {
+  if (!model || coordinate < 0 || coordinate >= model->coordinate_count)
+    return "";
   return model->coordinates[coordinate].label;
 }
 const char *km_model_coordinate_unit(const km_model *model, int coordinate) {
+  if (!model || coordinate < 0 || coordinate >= model->coordinate_count)
+    return "";
   const km_model_coordinate *c = &model->coordinates[coordinate];
   return km_joint_is_length(model->joints[c->joint].type, c->index) ? model->units.length->suffix
                                                                     : model->units.angle->suffix;
 }
 int km_model_joint_freedom(const km_model *model, int joint, int *first) {
+  if (!model || !first || joint < 0 || joint >= model->joint_count)
+    return 0;
   *first = model->joints[joint].first_coordinate;
   return km_model_freedom(model, joint);
 }
 void km_model_share_length(km_model *model, double length) {
+  if (!model || !(length > 0.0 && isfinite(length)))
+    return;
   model->characteristic_length = length;
   model->length_shared = true;
 }
 
 double km_model_length_unit(const km_model *model) {
+  if (!model)
+    return nan("");
   return model->units.length->si;
 }
 const char *km_model_sha256(const km_model *model) {
+  if (!model)
+    return "";
   return model->sha256;
 }

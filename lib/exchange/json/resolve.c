@@ -1,4 +1,5 @@
 /* Paths and labels: which body, frame, joint or coordinate a name means. */
+#include "base/check.h"
 #include "exchange/json/reader.h"
 
 #include <stdio.h>
@@ -167,6 +168,9 @@ static bool is_path_of(const km_model *model, const km_model_joint *joint, const
 
 /* Looking up labels after reading is rare (options, not data), so a scan over the model serves. */
 km_status km_model_find_joint(const km_model *model, const char *label, int *joint, km_error *error) {
+  km_status fits = km_check_given(model && label && joint, "model, label or place for the result", error);
+  if (fits)
+    return fits;
   for (int pass = 0; pass < 2; ++pass) {
     for (int j = 0; j < model->joint_count; ++j) {
       const km_model_joint *def = &model->joints[j];
@@ -186,6 +190,9 @@ km_status km_model_find_joint(const km_model *model, const char *label, int *joi
 }
 
 km_status km_model_find_coordinate(const km_model *model, const char *label, int *coordinate, km_error *error) {
+  km_status fits = km_check_given(model && label && coordinate, "model, label or place for the result", error);
+  if (fits)
+    return fits;
   for (int c = 0; c < model->coordinate_count; ++c) {
     if (strcmp(model->coordinates[c].label, label) == 0) {
       *coordinate = c;
@@ -243,6 +250,11 @@ static int frames_named(const km_model *model, const char *const *names, size_t 
 
 km_status km_model_find_frame(const km_model *model, const char *const *names, size_t count, int *frame,
                               km_error *error) {
+  km_status fits = km_check_given(model && frame, "model or place for the result", error);
+  for (size_t i = 0; i < count && !fits; ++i)
+    fits = km_check_given(names && names[i], "name of a frame", error);
+  if (fits)
+    return fits;
   char text[KM_PLACE_TEXT];
   int found = count ? frames_named(model, names, count - 1, names[count - 1], frame) : 0;
   if (!found && count)

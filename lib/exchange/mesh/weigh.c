@@ -63,6 +63,8 @@ void km_model_weigh(km_model *model, km_messages *messages) {
 }
 
 km_status km_model_weigh_meshes(km_model *model, km_error *error) {
+  if (!model)
+    return km_fail(error, KM_USAGE, "found no model");
   km_messages *messages = km_messages_create();
   if (!model || !messages) {
     km_messages_free(messages);

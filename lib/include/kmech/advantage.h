@@ -11,8 +11,11 @@ extern "C" {
 #endif
 
 /* An end of a mechanism that is pushed, or pushes: a joint, or a point of a body along a direction. */
+typedef enum km_handle_kind { KM_HANDLE_NONE, KM_HANDLE_JOINT, KM_HANDLE_POINT } km_handle_kind;
+
 typedef struct km_handle {
-  int coordinate;      /* -1: a point */
+  km_handle_kind kind;
+  int coordinate;      /* of a joint */
   int frame;           /* the point: a frame's origin */
   double direction[3]; /* unit vector along the inertial axes */
   const char *name;    /* as columns call it: a joint's label, or body/frame:dx,dy,dz; borrowed */
@@ -39,34 +42,35 @@ typedef struct km_advantage {
 } km_advantage;
 
 /* The model's own analysis.mechanical_advantage: false where it has none (of this end). */
-bool km_handle_default(const km_model *model, bool output, km_handle *out);
+KM_API bool km_handle_default(const km_model *model, bool output, km_handle *out);
 
 /* An input and an output, with the workspace of one thread. */
 typedef struct km_lever km_lever;
 
 /* KM_USAGE: an end that is held or can't move, both the same, or of parts that don't move each other. The caller
  * frees `*out`. */
-km_status km_lever_create(const km_mechanism *mechanism, const km_handle *input, const km_handle *output,
-                          km_lever **out, km_error *error);
-void km_lever_free(km_lever *lever);
+KM_API km_status km_lever_create(const km_mechanism *mechanism, const km_handle *input, const km_handle *output,
+                                 km_lever **out, km_error *error);
+KM_API void km_lever_free(km_lever *lever);
 
 /* At the state's pose, whose mobility is up to date. One freedom: MA = q̇_i / q̇_k = (D_k/D_i) Z_i / Z_k; more:
  * MA = (D_k/D_i) m_i / (Z_k Z_iᵀ), the substructures that the input lies in moving, the others standing (theory 5; of
- * points: rows of the point's Jacobian). Rates below 1e-9 of the largest, each over its substructure's size, count as
+ * points: rows of the point's Jacobian). Rates below 3e-8 of the largest, each over its substructure's size, count as
  * 0. Never allocates. O(coordinates · freedoms). */
-void km_lever_update(const km_mechanism *mechanism, km_state *state, km_lever *lever, km_advantage *out);
+KM_API void km_lever_update(const km_mechanism *mechanism, km_state *state, km_lever *lever, km_advantage *out);
 /* Where several motions meet at the state's pose (a branch point), the advantages in each of them: their number, at
  * most `most`; 0 at a regular pose. The state stays. */
-int km_lever_branches(const km_mechanism *mechanism, km_state *state, km_lever *lever, km_advantage *out, int most);
+KM_API int km_lever_branches(const km_mechanism *mechanism, km_state *state, km_lever *lever, km_advantage *out,
+                             int most);
 /* The motion that the last update was about: rates[coordinate], radians and model's length, largest scaled one 1.
  * Borrowed. */
-const double *km_lever_rates(const km_lever *lever);
+KM_API const double *km_lever_rates(const km_lever *lever);
 
 /* "rad/mm" of input over output; "" where both are of one kind. Borrowed. */
-const char *km_advantage_unit(const km_model *model, const km_handle *input, const km_handle *output);
+KM_API const char *km_advantage_unit(const km_model *model, const km_handle *input, const km_handle *output);
 /* "finite", "zero", "infinite", "undefined"; "single freedom", "least motion". */
-const char *km_advantage_state_name(km_advantage_state state);
-const char *km_advantage_method_name(km_advantage_method method);
+KM_API const char *km_advantage_state_name(km_advantage_state state);
+KM_API const char *km_advantage_method_name(km_advantage_method method);
 
 #ifdef __cplusplus
 }

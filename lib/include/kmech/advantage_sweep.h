@@ -34,10 +34,10 @@ typedef struct km_advantage_sweep {
 /* Sweeps as km_mobility_sweep_run does, and looks between the rows for toggles of the advantage (to 1e-9 of the
  * driver) and for its extremes. `transmission` adds the metrics of kmech/transmission.h as columns. KM_USAGE: the ends
  * can't be input and output (km_lever_create). Names of the ends are borrowed by `out`. Free `*out` in any case. */
-km_status km_advantage_sweep_run(const km_mechanism *mechanism, km_state *state, const km_sweep_plan *plan,
-                                 const km_handle *input, const km_handle *output, bool transmission,
-                                 km_advantage_sweep *out, km_error *error);
-void km_advantage_sweep_free(km_advantage_sweep *sweep);
+KM_API km_status km_advantage_sweep_run(const km_mechanism *mechanism, km_state *state, const km_sweep_plan *plan,
+                                        const km_handle *input, const km_handle *output, bool transmission,
+                                        km_advantage_sweep *out, km_error *error);
+KM_API void km_advantage_sweep_free(km_advantage_sweep *sweep);
 
 #ifdef __cplusplus
 }

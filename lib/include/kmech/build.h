@@ -67,7 +67,7 @@ typedef struct km_settings_def {
   double closure_tolerance;                         /* relative; 0: 1e-9, and ranks don't follow it */
   const char *source;                               /* where the model is from, in words; NULL: not told */
 } km_settings_def;
-km_settings_def km_settings_default(void); /* SI units */
+KM_API km_settings_def km_settings_default(void); /* SI units */
 
 /* A frame of a body: where joints, loads and points are. */
 typedef struct km_frame_def {
@@ -75,7 +75,7 @@ typedef struct km_frame_def {
   double T[3]; /* from the body's frame; length */
   double R[9]; /* by rows; identity by default */
 } km_frame_def;
-km_frame_def km_frame_default(void);
+KM_API km_frame_def km_frame_default(void);
 
 /* Massless by default. */
 typedef struct km_body_def {
@@ -87,7 +87,7 @@ typedef struct km_body_def {
   double density;           /* < 0 (default): mass and inertia count; else they come from the mesh */
   const char *mesh;         /* file; NULL: none */
 } km_body_def;
-km_body_def km_body_default(void);
+KM_API km_body_def km_body_default(void);
 
 /* A motion over time that a simulation prescribes. Angles in the model's unit. */
 typedef enum km_motion_law { KM_MOTION_FREE, KM_MOTION_TABLE, KM_MOTION_POLYNOMIAL, KM_MOTION_SINE } km_motion_law;
@@ -107,7 +107,7 @@ typedef struct km_joint_def {
   int law_count; /* rows of a table (t, q), or coefficients; 1 for a sine (offset, amplitude, frequency, phase) */
   const double *law_values; /* [2 · law_count], [law_count] or [4] */
 } km_joint_def;
-km_joint_def km_joint_default(void);
+KM_API km_joint_def km_joint_default(void);
 
 /* One coordinate of a joint. */
 typedef struct km_coordinate_ref {
@@ -152,7 +152,7 @@ typedef struct km_force_def {
   const double *coefficients;
   double reference, kp, ki, kd; /* of a controller */
 } km_force_def;
-km_force_def km_force_default(void);
+KM_API km_force_def km_force_default(void);
 
 /* A wrench at a frame's origin, along the inertial axes, or turning with the frame. */
 typedef struct km_load_def {
@@ -171,7 +171,7 @@ typedef struct km_sweep_def {
   double sign;                 /* +1 or -1 */
   int steps;                   /* intervals */
 } km_sweep_def;
-km_sweep_def km_sweep_default(void); /* 100 steps */
+KM_API km_sweep_def km_sweep_default(void); /* 100 steps */
 
 /* An end of a mechanical advantage: a coordinate, or a frame's origin along a direction (inertial axes). */
 typedef struct km_end_def {
@@ -181,39 +181,39 @@ typedef struct km_end_def {
 } km_end_def;
 
 /* The caller frees `*out`. KM_MEMORY. */
-km_status km_builder_create(km_builder **out, km_error *error);
-void km_builder_free(km_builder *builder);
+KM_API km_status km_builder_create(km_builder **out, km_error *error);
+KM_API void km_builder_free(km_builder *builder);
 
 /* Each of these copies what it is given. KM_MODEL: the definition is wrong, and says which name, what was found and
  * what is expected; KM_MEMORY. `out` may be NULL. Cost: O(1), O(name) for names. */
-km_status km_model_set(km_builder *builder, const km_settings_def *def, km_error *error);
-km_status km_model_add_assembly(km_builder *builder, const char *name, km_assembly_id parent, km_assembly_id *out,
-                                km_error *error);
-km_status km_model_add_body(km_builder *builder, const km_body_def *def, km_body_id *out, km_error *error);
-km_status km_model_add_frame(km_builder *builder, km_body_id body, const km_frame_def *def, km_frame_id *out,
-                             km_error *error);
-km_status km_model_add_joint(km_builder *builder, const km_joint_def *def, km_joint_id *out, km_error *error);
-km_status km_model_add_coupling(km_builder *builder, const km_coupling_def *def, km_error *error);
-km_status km_model_add_force(km_builder *builder, const km_force_def *def, km_error *error);
-km_status km_model_add_load(km_builder *builder, const km_load_def *def, km_error *error);
+KM_API km_status km_model_set(km_builder *builder, const km_settings_def *def, km_error *error);
+KM_API km_status km_model_add_assembly(km_builder *builder, const char *name, km_assembly_id parent,
+                                       km_assembly_id *out, km_error *error);
+KM_API km_status km_model_add_body(km_builder *builder, const km_body_def *def, km_body_id *out, km_error *error);
+KM_API km_status km_model_add_frame(km_builder *builder, km_body_id body, const km_frame_def *def, km_frame_id *out,
+                                    km_error *error);
+KM_API km_status km_model_add_joint(km_builder *builder, const km_joint_def *def, km_joint_id *out, km_error *error);
+KM_API km_status km_model_add_coupling(km_builder *builder, const km_coupling_def *def, km_error *error);
+KM_API km_status km_model_add_force(km_builder *builder, const km_force_def *def, km_error *error);
+KM_API km_status km_model_add_load(km_builder *builder, const km_load_def *def, km_error *error);
 /* analysis.hold: the coordinate is kept at the value. Of a ball all three components together. */
-km_status km_model_add_hold(km_builder *builder, km_coordinate_ref coordinate, double value, km_error *error);
-km_status km_model_add_actuator(km_builder *builder, km_coordinate_ref coordinate, km_error *error);
-km_status km_model_set_sweep(km_builder *builder, const km_sweep_def *def, km_error *error);
-km_status km_model_set_advantage(km_builder *builder, const km_end_def *input, const km_end_def *output,
-                                 km_error *error);
+KM_API km_status km_model_add_hold(km_builder *builder, km_coordinate_ref coordinate, double value, km_error *error);
+KM_API km_status km_model_add_actuator(km_builder *builder, km_coordinate_ref coordinate, km_error *error);
+KM_API km_status km_model_set_sweep(km_builder *builder, const km_sweep_def *def, km_error *error);
+KM_API km_status km_model_set_advantage(km_builder *builder, const km_end_def *input, const km_end_def *output,
+                                        km_error *error);
 
 /* The inertial frame as a body, and the frame that every body has at its own origin. {0} for an id that is none. */
-km_body_id km_builder_fixed(const km_builder *builder);
-km_frame_id km_builder_origin(const km_builder *builder, km_body_id body);
+KM_API km_body_id km_builder_fixed(const km_builder *builder);
+KM_API km_frame_id km_builder_origin(const km_builder *builder, km_body_id body);
 
 /* Labels the joints, checks what needs the whole (every body tied to the inertial frame, inertias), and hands the model
  * over; the builder is empty afterwards, whatever the status. KM_MODEL tells the first fault. The caller frees
  * `*out` with km_model_free. */
-km_status km_builder_finish(km_builder *builder, km_model **out, km_error *error);
+KM_API km_status km_builder_finish(km_builder *builder, km_model **out, km_error *error);
 /* Mass properties of the bodies with a density, from their meshes, which are looked for from the current folder. Files
  * do this by themselves. KM_MODEL: a mesh isn't found or isn't closed. */
-km_status km_model_weigh_meshes(km_model *model, km_error *error);
+KM_API km_status km_model_weigh_meshes(km_model *model, km_error *error);
 
 #ifdef __cplusplus
 }

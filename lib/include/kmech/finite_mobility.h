@@ -4,6 +4,8 @@
 
 #include "kmech/mobility.h"
 
+#include <stdbool.h>
+
 #ifdef __cplusplus
 extern "C" {
 #endif
@@ -26,10 +28,10 @@ typedef struct km_finite_motion {
 enum { KM_MOST_MOTIONS = 64 };
 
 typedef struct km_finite_mobility {
-  int mobility;  /* dimension of the set of real motions through the pose; the least it can be where undecided */
-  int undecided; /* some direction was neither confirmed nor refuted */
+  int mobility;   /* dimension of the set of real motions through the pose; the least it can be where undecided */
+  bool undecided; /* some direction was neither confirmed nor refuted */
   int motion_count;
-  int truncated; /* there are more motions than are listed */
+  bool truncated; /* there are more motions than are listed */
   km_finite_motion motions[KM_MOST_MOTIONS];
   double *store; /* of the directions */
 } km_finite_mobility;
@@ -39,10 +41,10 @@ typedef struct km_finite_mobility {
  * second-order condition wᵀ(J̇ q̇) = 0 for every left null vector w of J; each is confirmed by following it by 0.3 rad
  * (or substructure sizes) of its fastest coordinate, ahead and back. Where the loops open as a power of the way it is
  * refuted, whatever its order. The state keeps its pose. Free `*out` in any case. KM_MEMORY. */
-km_status km_finite_mobility_find(const km_mechanism *mechanism, km_state *state, km_finite_mobility *out,
-                                  km_error *error);
-void km_finite_mobility_free(km_finite_mobility *mobility);
-const char *km_motion_kind_name(km_motion_kind kind);
+KM_API km_status km_finite_mobility_find(const km_mechanism *mechanism, km_state *state, km_finite_mobility *out,
+                                         km_error *error);
+KM_API void km_finite_mobility_free(km_finite_mobility *mobility);
+KM_API const char *km_motion_kind_name(km_motion_kind kind);
 
 #ifdef __cplusplus
 }

@@ -19,12 +19,12 @@ typedef struct km_assembly {
  * a poor start by damped least squares first. Primary equations reach 1e-12 rms, secondary ones the closure
  * tolerance. KM_MODEL names the loop that can't close, its joints, what is left, and, where rounded data is the
  * cause, the closure tolerance that would do. O(iterations · rank² · columns) a substructure. */
-km_status km_assemble(const km_mechanism *mechanism, km_state *state, km_assembly *evidence, km_error *error);
+KM_API km_status km_assemble(const km_mechanism *mechanism, km_state *state, km_assembly *evidence, km_error *error);
 
 /* Poses of all bodies in the inertial frame from the state's coordinates. */
-void km_poses_update(const km_mechanism *mechanism, km_state *state);
+KM_API void km_poses_update(const km_mechanism *mechanism, km_state *state);
 /* Origin of a frame of the model in the inertial frame, model's length unit. After km_poses_update. */
-void km_frame_position(const km_mechanism *mechanism, const km_state *state, int frame, double position[3]);
+KM_API void km_frame_position(const km_mechanism *mechanism, const km_state *state, int frame, double position[3]);
 
 #ifdef __cplusplus
 }

@@ -21,12 +21,12 @@ typedef struct km_losses {
 typedef struct km_losses_work km_losses_work;
 
 /* Does any joint of the model have friction? */
-bool km_model_has_friction(const km_model *model);
+KM_API bool km_model_has_friction(const km_model *model);
 
 /* KM_MEMORY, KM_USAGE. The caller frees `*out`. */
-km_status km_losses_create(const km_mechanism *mechanism, const km_handle *input, const km_handle *output,
-                           km_losses_work **out, km_error *error);
-void km_losses_free(km_losses_work *work);
+KM_API km_status km_losses_create(const km_mechanism *mechanism, const km_handle *input, const km_handle *output,
+                                  km_losses_work **out, km_error *error);
+KM_API void km_losses_free(km_losses_work *work);
 
 /* At the state's pose, whose mobility is up to date. Coulomb friction (`friction`: coefficient μ, radius r): a turning
  * coordinate resists with μ r N, a sliding one with μ N, N the force of its reaction across its axis (of ball joints
@@ -34,7 +34,7 @@ void km_losses_free(km_losses_work *work);
  * indeterminate counts as its least-norm part. N depends on friction: Newton's method, continued from no friction to
  * all of it. A lock is told where the load that a given input force moves passes through 0 on the way; where neither a
  * motion nor a lock is found, `why` says so. Never allocates. */
-void km_losses_update(const km_mechanism *mechanism, km_state *state, km_losses_work *work, km_losses *out);
+KM_API void km_losses_update(const km_mechanism *mechanism, km_state *state, km_losses_work *work, km_losses *out);
 
 #ifdef __cplusplus
 }

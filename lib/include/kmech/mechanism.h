@@ -20,16 +20,16 @@ typedef struct km_hold {
 /* Compiles the model: topology, each loop's own motion space, and the list of operations that kinematics
  * replays. `holds` keep coordinates at values from the start. The model must outlive the mechanism. The
  * caller frees `*out`. Cost: linear in joints plus the lengths of the loops. */
-km_status km_mechanism_compile(const km_model *model, const km_hold *holds, int hold_count, km_mechanism **out,
-                               km_error *error);
-void km_mechanism_free(km_mechanism *mechanism);
+KM_API km_status km_mechanism_compile(const km_model *model, const km_hold *holds, int hold_count, km_mechanism **out,
+                                      km_error *error);
+KM_API void km_mechanism_free(km_mechanism *mechanism);
 
 /* Takes over the model's numbers after some have changed (kmech/edit.h): dimensions, displacements, limits, ratios. What
  * was held stays held at its value. The bits are those of a new compilation. The mechanism's states stay usable:
  * km_state_restart them. KM_PARTIAL, with the mechanism as it was: a loop's motion space has changed, compile again.
  * No allocation after the first call. Not while another thread uses the mechanism. Cost: as compiling
  * without the topology. */
-km_status km_mechanism_renumber(km_mechanism *mechanism, km_error *error);
+KM_API km_status km_mechanism_renumber(km_mechanism *mechanism, km_error *error);
 
 /* What rates of lengths are divided by where they are compared with those of angles: the length that the model states;
  * else the greatest distance between the frames of two joints on one moving body; else, where all of these coincide,
@@ -42,19 +42,29 @@ typedef enum km_length_source {
   KM_LENGTH_JOINTS,
   KM_LENGTH_UNIT
 } km_length_source;
-double km_mechanism_characteristic_length(const km_mechanism *mechanism, km_length_source *source);
-const char *km_length_source_name(km_length_source source); /* "stated", "longest link" … */
+KM_API double km_mechanism_characteristic_length(const km_mechanism *mechanism, km_length_source *source);
+KM_API const char *km_length_source_name(km_length_source source); /* "stated", "longest link" … */
 
 /* One thread's workspace at the model's initial displacements, not yet assembled. The mechanism must outlive
  * it. Everything that kinematics needs is allocated here, once. The caller frees `*out`. */
-km_status km_state_create(const km_mechanism *mechanism, km_state **out, km_error *error);
-void km_state_free(km_state *state);
+KM_API km_status km_state_create(const km_mechanism *mechanism, km_state **out, km_error *error);
+KM_API void km_state_free(km_state *state);
 
 /* Puts a state back to the model's initial displacements, not assembled; after km_mechanism_renumber. */
-void km_state_restart(km_state *state);
+KM_API void km_state_restart(km_state *state);
 
 /* Coordinates in the model's units; angles are continuous, never wrapped. */
-double km_state_coordinate(const km_state *state, int coordinate);
+KM_API double km_state_coordinate(const km_state *state, int coordinate);
+/* All of them: values[coordinate count]. KM_USAGE. */
+KM_API km_status km_state_coordinates(const km_mechanism *mechanism, const km_state *state, double *values,
+                                      km_error *error);
+/* Puts the free coordinates at these values, or one of them; held ones stay. The loops are open then: km_assemble
+ * closes them on the branch that is nearest, and poses and mobility must be updated again. KM_USAGE: a value isn't
+ * finite, the one coordinate is held. O(coordinates). */
+KM_API km_status km_state_set_coordinates(const km_mechanism *mechanism, km_state *state, const double *values,
+                                          km_error *error);
+KM_API km_status km_state_set_coordinate(const km_mechanism *mechanism, km_state *state, int coordinate, double value,
+                                         km_error *error);
 
 #ifdef __cplusplus
 }

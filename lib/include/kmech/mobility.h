@@ -27,13 +27,13 @@ typedef struct km_mobility {
 /* Searches pivots afresh at the state's pose, which must be closed, and computes every mobility number
  * m_j = Σ_k Z_jk² (278)-(279), Z the orthonormal basis of D·range(N). O(rows · columns · rank) a
  * substructure. */
-void km_mobility_update(const km_mechanism *mechanism, km_state *state, km_mobility *out);
+KM_API void km_mobility_update(const km_mechanism *mechanism, km_state *state, km_mobility *out);
 
-int km_substructure_count(const km_mechanism *mechanism);
-void km_substructure_evidence(const km_mechanism *mechanism, const km_state *state, int substructure,
-                              km_substructure_mobility *out);
+KM_API int km_substructure_count(const km_mechanism *mechanism);
+KM_API void km_substructure_evidence(const km_mechanism *mechanism, const km_state *state, int substructure,
+                                     km_substructure_mobility *out);
 /* After km_mobility_update: number of a coordinate; 0 for held ones, 1 outside loops and couplings. */
-double km_mobility_number(const km_state *state, int coordinate);
+KM_API double km_mobility_number(const km_state *state, int coordinate);
 
 #ifdef __cplusplus
 }

@@ -35,9 +35,9 @@ typedef struct km_mobility_sweep {
  * own) is a column, and its minima are located; KM_USAGE above KM_MOST_SINGULAR coordinates. Free `*out` in any case.
  */
 enum { KM_MOST_SINGULAR = 300 };
-km_status km_mobility_sweep_run(const km_mechanism *mechanism, km_state *state, const km_sweep_plan *plan,
-                                km_mobility_sweep *out, km_error *error);
-void km_mobility_sweep_free(km_mobility_sweep *sweep);
+KM_API km_status km_mobility_sweep_run(const km_mechanism *mechanism, km_state *state, const km_sweep_plan *plan,
+                                       km_mobility_sweep *out, km_error *error);
+KM_API void km_mobility_sweep_free(km_mobility_sweep *sweep);
 
 #ifdef __cplusplus
 }

@@ -4,6 +4,8 @@
 
 #include "kmech/status.h"
 
+#include <stdbool.h>
+
 #ifdef __cplusplus
 extern "C" {
 #endif
@@ -13,41 +15,51 @@ typedef struct km_model km_model;
 /* Reads a model from `size` bytes of JSON. Warnings, notes and up to 20 errors go to `messages`, each with
  * its place in the file; with any error the status is KM_MODEL, `error` holds the first one and `*out` is
  * NULL. The caller frees `*out`. Cost: linear in the file. */
-km_status km_model_read(const char *bytes, size_t size, km_messages *messages, km_model **out, km_error *error);
+KM_API km_status km_model_read(const char *bytes, size_t size, km_messages *messages, km_model **out, km_error *error);
 
 /* The same from a file; "-" is the standard input. KM_IO if it can't be read. */
-km_status km_model_load(const char *path, km_messages *messages, km_model **out, km_error *error);
-void km_model_free(km_model *model);
+KM_API km_status km_model_load(const char *path, km_messages *messages, km_model **out, km_error *error);
+KM_API void km_model_free(km_model *model);
 
 /* Active elements, numbered in file order. Bodies don't count the inertial frame. */
-int km_model_body_count(const km_model *model);
-int km_model_joint_count(const km_model *model);
-int km_model_coordinate_count(const km_model *model);
+KM_API int km_model_body_count(const km_model *model);
+KM_API int km_model_joint_count(const km_model *model);
+KM_API int km_model_coordinate_count(const km_model *model);
 
 /* Name of a body as the file has it, 0 … the number of bodies; 0 is the inertial frame. Borrowed. */
-const char *km_model_body_name(const km_model *model, int body);
+KM_API const char *km_model_body_name(const km_model *model, int body);
+/* Frames, in the order in which the model has them: those of the inertial frame first, every body's `origin` first.
+ * Name
+ * ("" if there is no such frame, borrowed) and body (-1). */
+KM_API int km_model_frame_count(const km_model *model);
+KM_API const char *km_model_frame_name(const km_model *model, int frame);
+KM_API int km_model_frame_body(const km_model *model, int frame);
 /* Labels as every output writes them: `name`, or `assembly/name` where the name isn't unique; coordinate k of
  * a joint with several is `label[k]`. Borrowed. */
-const char *km_model_joint_label(const km_model *model, int joint);
-const char *km_model_coordinate_label(const km_model *model, int coordinate);
+KM_API const char *km_model_joint_label(const km_model *model, int joint);
+KM_API const char *km_model_coordinate_label(const km_model *model, int coordinate);
 /* "rad", "deg", "m", "mm" … : the unit of a coordinate in the model's units. Borrowed. */
-const char *km_model_coordinate_unit(const km_model *model, int coordinate);
+KM_API const char *km_model_coordinate_unit(const km_model *model, int coordinate);
 /* Number of coordinates of a joint, and the index of its first. */
-int km_model_joint_freedom(const km_model *model, int joint, int *first);
+KM_API int km_model_joint_freedom(const km_model *model, int joint, int *first);
+/* The joint that a coordinate belongs to; -1: there is no such coordinate. */
+KM_API int km_model_coordinate_joint(const km_model *model, int coordinate);
+/* Limits in the coordinate's unit, minus or plus infinity where there is none. False if it has none at all. */
+KM_API bool km_model_coordinate_limits(const km_model *model, int coordinate, double *low, double *high);
 /* The model is to use this characteristic length (in its own length unit, > 0), that of another one that it is compared
  * with. To be called before the model is compiled. */
-void km_model_share_length(km_model *model, double length);
+KM_API void km_model_share_length(km_model *model, double length);
 /* The model's length unit in metres. */
-double km_model_length_unit(const km_model *model);
-const char *km_model_sha256(const km_model *model); /* of the bytes read; borrowed */
+KM_API double km_model_length_unit(const km_model *model);
+KM_API const char *km_model_sha256(const km_model *model); /* of the bytes read; borrowed */
 
 /* Index of the joint or coordinate that a label (or full path) names; KM_USAGE with the nearest labels if
  * none does. A joint's label is also that of its coordinate where it has just one. */
-km_status km_model_find_joint(const km_model *model, const char *label, int *joint, km_error *error);
-km_status km_model_find_coordinate(const km_model *model, const char *label, int *coordinate, km_error *error);
+KM_API km_status km_model_find_joint(const km_model *model, const char *label, int *joint, km_error *error);
+KM_API km_status km_model_find_coordinate(const km_model *model, const char *label, int *coordinate, km_error *error);
 /* Index of a frame from the names of a path: from the root, or [body, frame] where the body is unique. */
-km_status km_model_find_frame(const km_model *model, const char *const *names, size_t count, int *frame,
-                              km_error *error);
+KM_API km_status km_model_find_frame(const km_model *model, const char *const *names, size_t count, int *frame,
+                                     km_error *error);
 
 #ifdef __cplusplus
 }

@@ -10,21 +10,55 @@ extern "C" {
 
 typedef struct km_path km_path;
 
-/* A pose in the inertial frame: rotation by rows, position in the model's length unit. */
-typedef struct km_effector_pose {
-  double R[9], p[3];
-} km_effector_pose;
+typedef enum km_path_shape {
+  KM_PATH_LINE,  /* straight to `to`, turning evenly about one axis */
+  KM_PATH_ARC,   /* by `angle` about an axis through `center`, with `pitch` a helix; a full turn is a circle */
+  KM_PATH_WEAVE, /* a line with sine swings sideways */
+  KM_PATH_SPLINE /* smoothly through poses */
+} km_path_shape;
 
-void km_path_free(km_path *path);
-int km_path_samples(const km_path *path);
+/* One segment. It begins where the one before ends. All in the inertial frame and the model's length unit. Start from
+ * km_path_segment_default(), which is 100 steps long, and keeps the effector's orientation. */
+typedef struct km_path_segment {
+  km_path_shape shape;
+  int steps;                  /* intervals between samples */
+  double to[3];               /* LINE, WEAVE: where the effector's origin ends */
+  bool turns;                 /* LINE, ARC, WEAVE: the effector turns to R, else it keeps its orientation */
+  double R[9];                /* by rows */
+  double center[3], axis[3];  /* ARC */
+  double angle;               /* ARC: radians, right-handed about the axis */
+  double pitch;               /* ARC: travel along the axis in a full turn */
+  bool turns_along;           /* ARC: the effector turns with the arc; `turns` doesn't count then */
+  double amplitude, waves;    /* WEAVE: how far to either side, and how many swings there and back */
+  double sideways[3];         /* WEAVE: direction of the swings */
+  const km_frame_pose *poses; /* SPLINE: [pose_count] through which it goes, from where the path stands */
+  int pose_count;
+} km_path_segment;
+KM_API km_path_segment km_path_segment_default(km_path_shape shape);
+
+/* Start from km_path_plan_default(). */
+typedef struct km_path_plan {
+  km_frame_pose start;
+  double speed;      /* of the effector's origin, length per time unit; 0: L a second */
+  double turn_speed; /* radians per time unit; 0: turns take no time of their own but where the origin stands still */
+  const km_path_segment *segments;
+  int segment_count;
+} km_path_plan;
+KM_API km_path_plan km_path_plan_default(void);
+
+/* Makes a path for the arm, which must outlive it. KM_USAGE: a segment doesn't move the effector or is out of range,
+ * and says which; KM_MEMORY. The caller frees `*out`. O(steps). */
+KM_API km_status km_path_create(const km_arm *arm, const km_path_plan *plan, km_path **out, km_error *error);
+KM_API void km_path_free(km_path *path);
+KM_API int km_path_samples(const km_path *path);
 /* The metric s up to a sample, model's unit: ds² = |dp|² + L²dθ² (theory 6); the length that the effector's origin has
  * travelled, and the angle in radians by which the effector has turned, as far as the task counts it; time in seconds;
  * the pose. */
-double km_path_length(const km_path *path, int sample);
-double km_path_travel(const km_path *path, int sample);
-double km_path_turn(const km_path *path, int sample);
-double km_path_time(const km_path *path, int sample);
-void km_path_pose(const km_path *path, int sample, km_effector_pose *pose);
+KM_API double km_path_length(const km_path *path, int sample);
+KM_API double km_path_travel(const km_path *path, int sample);
+KM_API double km_path_turn(const km_path *path, int sample);
+KM_API double km_path_time(const km_path *path, int sample);
+KM_API void km_path_pose(const km_path *path, int sample, km_frame_pose *pose);
 
 #ifdef __cplusplus
 }

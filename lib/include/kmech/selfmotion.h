@@ -3,6 +3,7 @@
 #define KMECH_SELFMOTION_H
 
 #include "kmech/path.h"
+#include "kmech/progress.h"
 
 #include <stdbool.h>
 
@@ -45,9 +46,11 @@ enum { KM_SELFMOTION_DIRECTIONS = 12 };
  * curve. With two spare freedoms: in KM_SELFMOTION_DIRECTIONS directions of a circle, each carried on without turning
  * to a limit or up to π; an arc a direction. Hinges whose limits are a full turn apart or more are delivered at
  * every turn within them, whichever turn q is in (with two spare freedoms at that of q); the others have one angle
- * within their limits. KM_USAGE: none or more than two spare freedoms; KM_MEMORY. Free `*out` in any case. */
-km_status km_selfmotion_follow(const km_arm *arm, const double *q, km_selfmotion *out, km_error *error);
-void km_selfmotion_free(km_selfmotion *motion);
+ * within their limits. KM_USAGE: none or more than two spare freedoms; KM_MEMORY; KM_CANCELLED. Free `*out` in any
+ * case. */
+KM_API km_status km_selfmotion_follow(const km_arm *arm, const double *q, km_progress progress, void *context,
+                                      km_selfmotion *out, km_error *error);
+KM_API void km_selfmotion_free(km_selfmotion *motion);
 
 /* All components of the poses that hold the effector at a pose. */
 typedef struct km_branches {
@@ -65,10 +68,10 @@ typedef struct km_branches {
 /* In closed form where six hinges (of seven one is held, at many angles) have three neighbouring axes that meet or are
  * parallel; else by Newton's method from many starts (the same for the same seed), until the count is confirmed: no new
  * ones in a long row, and, of six hinges, as many of either sense. Each solution that lies on no known curve is
- * followed along its own. KM_PARTIAL: out of reach; KM_MEMORY. Free `*out` in any case. */
-km_status km_branches_find(const km_arm *arm, const km_effector_pose *pose, unsigned long seed, km_branches *out,
-                           km_error *error);
-void km_branches_free(km_branches *branches);
+ * followed along its own. KM_NO_RESULT: out of reach; KM_MEMORY; KM_CANCELLED. Free `*out` in any case. */
+KM_API km_status km_branches_find(const km_arm *arm, const km_frame_pose *pose, unsigned long seed,
+                                  km_progress progress, void *context, km_branches *out, km_error *error);
+KM_API void km_branches_free(km_branches *branches);
 
 #ifdef __cplusplus
 }

@@ -40,9 +40,9 @@ typedef struct km_statics {
 
 /* Prepares for a set of actuators (coordinates, copied; NULL: every free coordinate). KM_USAGE: an actuator is held
  * or named twice; KM_MEMORY. Free `*out` in any case. */
-km_status km_statics_create(const km_mechanism *mechanism, const int *actuators, int actuator_count, km_axes axes,
-                            km_statics *out, km_error *error);
-void km_statics_free(km_statics *statics);
+KM_API km_status km_statics_create(const km_mechanism *mechanism, const int *actuators, int actuator_count,
+                                   km_axes axes, km_statics *out, km_error *error);
+KM_API void km_statics_free(km_statics *statics);
 
 /* Balances the forces at the state's pose, where mobility is up to date (km_mobility_update or a sweep's row).
  * f̄ = −D Z Zᵀ D⁻¹ τ, τ = Hᵀ C⁻ᵀ g (296). Actuators: Y_Aᵀ f_A = −Yᵀ τ, Y = D⁻¹ Z, of least |D⁻¹ f_A| where they are
@@ -50,7 +50,7 @@ void km_statics_free(km_statics *statics);
  * the structure is indeterminate, of least Σ |force|² + |torque / L|² over all joints, L the characteristic length.
  * With the actuators' forces where they hold the pose, else with f̄. Updates the forces too.
  * O(coordinates · (6 loops + couplings)²) a substructure; never allocates. */
-void km_statics_update(const km_mechanism *mechanism, km_state *state, km_forces *forces, km_statics *statics);
+KM_API void km_statics_update(const km_mechanism *mechanism, km_state *state, km_forces *forces, km_statics *statics);
 
 #ifdef __cplusplus
 }

@@ -37,9 +37,9 @@ typedef struct km_statics_sweep {
 /* Sweeps as km_mobility_sweep_run does, balances the forces at every row, and looks between the rows for where an
  * actuator's force vanishes, peaks or grows without bound. KM_PARTIAL too where rows can't be held. Free `*out` in any
  * case. */
-km_status km_statics_sweep_run(const km_mechanism *mechanism, km_state *state, const km_sweep_plan *plan,
-                               km_forces *forces, km_statics *statics, km_statics_sweep *out, km_error *error);
-void km_statics_sweep_free(km_statics_sweep *sweep);
+KM_API km_status km_statics_sweep_run(const km_mechanism *mechanism, km_state *state, const km_sweep_plan *plan,
+                                      km_forces *forces, km_statics *statics, km_statics_sweep *out, km_error *error);
+KM_API void km_statics_sweep_free(km_statics_sweep *sweep);
 
 #ifdef __cplusplus
 }

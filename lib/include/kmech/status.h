@@ -2,6 +2,8 @@
 #ifndef KMECH_STATUS_H
 #define KMECH_STATUS_H
 
+#include "kmech/api.h"
+
 #include <stddef.h>
 
 #ifdef __cplusplus
@@ -11,7 +13,8 @@ extern "C" {
 /* What a fallible function returns. 0 is success. */
 typedef enum km_status {
   KM_OK = 0,
-  KM_PARTIAL,   /* done, but the answer is no or only a part of what was asked */
+  KM_PARTIAL,   /* done, but only a part of what was asked: the result holds it */
+  KM_NO_RESULT, /* done, and the answer is that there is none: the result is empty */
   KM_USAGE,     /* the caller asked for something that doesn't exist or doesn't fit */
   KM_IO,        /* a file can't be read or written */
   KM_MODEL,     /* the model is bad: syntax, contents, or loops that can't close */
@@ -30,7 +33,7 @@ typedef struct km_error {
 } km_error;
 
 /* Fills `error` (may be NULL) and returns `status`. The text is cut at KM_ERROR_TEXT - 1 bytes. */
-km_status km_fail(km_error *error, km_status status, const char *format, ...)
+KM_API km_status km_fail(km_error *error, km_status status, const char *format, ...)
 #if defined(__GNUC__)
     __attribute__((format(printf, 3, 4)))
 #endif
@@ -42,18 +45,18 @@ typedef enum km_severity { KM_NOTE, KM_WARNING, KM_ERROR } km_severity;
 typedef struct km_messages km_messages;
 
 /* Returns NULL when out of memory. The caller owns the list. */
-km_messages *km_messages_create(void);
-void km_messages_free(km_messages *messages);
+KM_API km_messages *km_messages_create(void);
+KM_API void km_messages_free(km_messages *messages);
 /* Adds a finding; errors past the 20th are counted, not kept. `messages` may be NULL. */
-void km_messages_add(km_messages *messages, km_severity severity, const char *format, ...)
+KM_API void km_messages_add(km_messages *messages, km_severity severity, const char *format, ...)
 #if defined(__GNUC__)
     __attribute__((format(printf, 3, 4)))
 #endif
     ;
-size_t km_messages_count(const km_messages *messages);
-size_t km_messages_errors(const km_messages *messages); /* all errors, the dropped ones too */
-km_severity km_messages_severity(const km_messages *messages, size_t index);
-const char *km_messages_text(const km_messages *messages, size_t index); /* borrowed */
+KM_API size_t km_messages_count(const km_messages *messages);
+KM_API size_t km_messages_errors(const km_messages *messages); /* all errors, the dropped ones too */
+KM_API km_severity km_messages_severity(const km_messages *messages, size_t index);
+KM_API const char *km_messages_text(const km_messages *messages, size_t index); /* borrowed */
 
 #ifdef __cplusplus
 }

@@ -30,35 +30,35 @@ typedef struct km_drive km_drive;
 
 /* Prepares to drive `coordinate` of an assembled state; the state must outlive the drive and is moved by it.
  * KM_USAGE if the coordinate is held or a component of a ball joint. The caller frees `*out`. */
-km_status km_drive_create(const km_mechanism *mechanism, km_state *state, int coordinate, bool ignore_limits,
-                          km_drive **out, km_error *error);
-void km_drive_free(km_drive *drive);
+KM_API km_status km_drive_create(const km_mechanism *mechanism, km_state *state, int coordinate, bool ignore_limits,
+                                 km_drive **out, km_error *error);
+KM_API void km_drive_free(km_drive *drive);
 
 /* Moves the driver to `target` (model's unit), exactly; the other coordinates close the loops and, where more
  * than one freedom is left, move least. Steps are controlled by the tangent, so that the branch is kept: the
  * result doesn't depend on how a range is cut into targets (with one freedom to 1e-8, with more to 1e-4). Where the
  * target is out of reach, stops at the located end. The state is closed to 1e-12 at return; mobility numbers of the
  * driven substructure may be stale. Never allocates. */
-km_reach km_drive_to(km_drive *drive, double target);
+KM_API km_reach km_drive_to(km_drive *drive, double target);
 
 /* The direction of motion at the present pose: rates of all coordinates per unit rate of the driver, in the
  * engine's units (radians, model's length). rates[coordinate count]. False at a toggle of the driver. */
-bool km_drive_tangent(km_drive *drive, double *rates);
+KM_API bool km_drive_tangent(km_drive *drive, double *rates);
 
 /* Keeps where the drive stands, and brings it back there exactly, as if it had never left. */
-void km_drive_mark(km_drive *drive);
-void km_drive_return(km_drive *drive);
+KM_API void km_drive_mark(km_drive *drive);
+KM_API void km_drive_return(km_drive *drive);
 
 /* How many singular poses (branch points) the drive has passed, on the smooth motion. */
-int km_drive_crossings(const km_drive *drive);
+KM_API int km_drive_crossings(const km_drive *drive);
 
 /* Compiles the model and brings it to a pose: assembled at the file's pose, then moved along its branch, one
  * coordinate after the other, until every `hold` and every `set` has its value. Held coordinates stay rigid in
  * the mechanism that comes out, set ones are free again. Limits don't count. KM_MODEL: the file's own pose can't
- * be closed; KM_PARTIAL: a value can't be reached (with the end that was located); KM_USAGE: a rotation vector
+ * be closed; KM_NO_RESULT: a value can't be reached (with the end that was located); KM_USAGE: a rotation vector
  * is held or set only in part. The caller frees both. */
-km_status km_reach_pose(const km_model *model, const km_hold *holds, int hold_count, const km_hold *sets, int set_count,
-                        km_mechanism **mechanism, km_state **state, km_error *error);
+KM_API km_status km_reach_pose(const km_model *model, const km_hold *holds, int hold_count, const km_hold *sets,
+                               int set_count, km_mechanism **mechanism, km_state **state, km_error *error);
 
 #ifdef __cplusplus
 }

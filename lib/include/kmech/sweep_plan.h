@@ -4,6 +4,7 @@
 
 #include "kmech/follow.h"
 #include "kmech/mobility.h"
+#include "kmech/progress.h"
 #include "kmech/sweep.h"
 #include "kmech/table.h"
 
@@ -11,13 +12,12 @@
 extern "C" {
 #endif
 
-/* Asked now and then during long work with how much is done (0 … 1); returns false to cancel. */
-typedef bool (*km_progress)(void *context, double done);
-
 typedef struct km_sweep_point {
   int frame;        /* of the model */
   const char *name; /* "body/frame", as the columns call it */
 } km_sweep_point;
+
+enum { KM_MOST_SWEEP_STEPS = 10000000 };
 
 /* What to sweep. Start from km_sweep_plan_default(). */
 typedef struct km_sweep_plan {
@@ -54,13 +54,13 @@ typedef struct km_sweep {
 } km_sweep;
 
 /* The model's own plan: analysis.sweep with a driver. coordinate -1 where it has none. */
-km_sweep_plan km_sweep_plan_default(const km_model *model);
+KM_API km_sweep_plan km_sweep_plan_default(const km_model *model);
 /* Where the assembled state's pose is outside the limits of what the plan's driver moves: moves the driver towards
- * FROM, then towards TO, to the first pose where they all hold, located to 1e-12; from there on they count. KM_PARTIAL
- * if there is none: then no pose of the range is in reach, and a sweep has no row. */
-km_status km_sweep_enter_limits(const km_mechanism *mechanism, km_state *state, const km_sweep_plan *plan,
-                                km_error *error);
-void km_sweep_free(km_sweep *sweep);
+ * FROM, then towards TO, to the first pose where they all hold, located to 1e-12; from there on they count.
+ * KM_NO_RESULT if there is none: then no pose of the range is in reach, and a sweep has no row. */
+KM_API km_status km_sweep_enter_limits(const km_mechanism *mechanism, km_state *state, const km_sweep_plan *plan,
+                                       km_error *error);
+KM_API void km_sweep_free(km_sweep *sweep);
 
 #ifdef __cplusplus
 }

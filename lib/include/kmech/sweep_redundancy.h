@@ -23,9 +23,9 @@ typedef struct km_sweep_redundancies {
 
 /* From the rows of a sweep: the rank of each pose says how many constraints are redundant there (6 · loops + couplings
  * − rank). `named`: the lasting ones are named too, on a state of its own. Free `*out` in any case. */
-km_status km_sweep_redundancies_find(const km_mechanism *mechanism, const km_sweep *sweep, bool named,
-                                     km_sweep_redundancies *out, km_error *error);
-void km_sweep_redundancies_free(km_sweep_redundancies *redundancies);
+KM_API km_status km_sweep_redundancies_find(const km_mechanism *mechanism, const km_sweep *sweep, bool named,
+                                            km_sweep_redundancies *out, km_error *error);
+KM_API void km_sweep_redundancies_free(km_sweep_redundancies *redundancies);
 
 #ifdef __cplusplus
 }

@@ -4,6 +4,8 @@
 
 #include "kmech/status.h"
 
+#include <stdbool.h>
+
 #ifdef __cplusplus
 extern "C" {
 #endif
@@ -11,24 +13,31 @@ extern "C" {
 typedef struct km_table km_table;
 
 /* NULL when out of memory. The caller frees it. */
-km_table *km_table_create(void);
-void km_table_free(km_table *table);
+KM_API km_table *km_table_create(void);
+KM_API void km_table_free(km_table *table);
 /* Appends a column before the first row is added; unit NULL: dimensionless. Returns its index, -1 when out of
  * memory. */
-int km_table_add_column(km_table *table, const char *name, const char *unit);
+KM_API int km_table_add_column(km_table *table, const char *name, const char *unit);
 /* The same for a column whose header has no unit in CSV (`s`); its unit is known all the same. */
-int km_table_add_plain_column(km_table *table, const char *name, const char *unit);
+KM_API int km_table_add_plain_column(km_table *table, const char *name, const char *unit);
 /* A new row, filled with NaN; NULL when out of memory. Valid until the next row. */
-double *km_table_add_row(km_table *table);
+KM_API double *km_table_add_row(km_table *table);
 
-size_t km_table_rows(const km_table *table);
-size_t km_table_columns(const km_table *table);
-const char *km_table_name(const km_table *table, size_t column); /* borrowed, without unit */
-const char *km_table_unit(const km_table *table, size_t column); /* "": dimensionless */
-int km_table_is_plain(const km_table *table, size_t column);
-const double *km_table_row(const km_table *table, size_t row); /* borrowed */
+KM_API size_t km_table_rows(const km_table *table);
+KM_API size_t km_table_columns(const km_table *table);
+KM_API const char *km_table_name(const km_table *table, size_t column); /* borrowed, without unit */
+KM_API const char *km_table_unit(const km_table *table, size_t column); /* "": dimensionless */
+KM_API bool km_table_is_plain(const km_table *table, size_t column);
+/* A whole column: values[rows]. KM_USAGE: there is no such column. */
+KM_API km_status km_table_column(const km_table *table, size_t column, double *values, km_error *error);
+/* RFC 4180: a header row (name, then _unit), then the numbers in their shortest exact form, whatever the locale. As
+ * text: returns how many bytes there are without the closing NUL, and writes as many as fit into text[size] with one
+ * (text NULL: none); 0 when out of memory. Or to a file: KM_IO, KM_MEMORY. */
+KM_API size_t km_table_csv(const km_table *table, char *text, size_t size);
+KM_API km_status km_table_write_csv(const km_table *table, const char *path, km_error *error);
+KM_API const double *km_table_row(const km_table *table, size_t row); /* borrowed */
 /* Index of a column by its name without unit, -1 if there is none. */
-int km_table_find(const km_table *table, const char *name);
+KM_API int km_table_find(const km_table *table, const char *name);
 
 /* Columns of one kind, side by side: the first one's index and how many there are. */
 typedef struct km_span {

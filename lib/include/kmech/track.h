@@ -3,6 +3,7 @@
 #define KMECH_TRACK_H
 
 #include "kmech/path.h"
+#include "kmech/progress.h"
 #include "kmech/table.h"
 
 #include <stdbool.h>
@@ -23,16 +24,16 @@ typedef enum km_objective_kind {
   KM_OBJECTIVES
 } km_objective_kind;
 
-const char *km_objective_word(km_objective_kind kind); /* "path-control" … */
-int km_objective_find(const char *word);               /* -1: none */
+KM_API const char *km_objective_word(km_objective_kind kind); /* "path-control" … */
+KM_API int km_objective_find(const char *word);               /* -1: none */
 
 /* A weighted sum of them. */
 typedef struct km_objective {
   double weight[KM_OBJECTIVES];
 } km_objective;
-km_objective km_objective_of(km_objective_kind kind);
+KM_API km_objective km_objective_of(km_objective_kind kind);
 /* "singular-value", or "weighted" of several. */
-const char *km_objective_name(const km_objective *objective);
+KM_API const char *km_objective_name(const km_objective *objective);
 
 typedef enum km_method_kind {
   KM_GREEDY,    /* the path-control column: the pseudo-inverse method, found without one (318) */
@@ -45,8 +46,8 @@ typedef enum km_method_kind {
   KM_METHODS
 } km_method_kind;
 
-const char *km_method_word(km_method_kind kind);
-int km_method_find(const char *word); /* -1: none; "pinv" is greedy */
+KM_API const char *km_method_word(km_method_kind kind);
+KM_API int km_method_find(const char *word); /* -1: none; "pinv" is greedy */
 
 enum { KM_METHOD_JOINTS = 8 };
 
@@ -66,7 +67,7 @@ typedef struct km_method {
   int joints[KM_METHOD_JOINTS]; /* fixed: held columns of the arm; joint_count 0: those that pivoting leaves free */
   int joint_count;
 } km_method;
-km_method km_method_default(km_method_kind kind);
+KM_API km_method km_method_default(km_method_kind kind);
 
 typedef enum km_track_stop {
   KM_TRACK_COMPLETE,
@@ -97,19 +98,19 @@ typedef struct km_track_plan {
   km_objective objective;
   int jobs;
   unsigned long seed;
-  bool (*progress)(void *context, double done);
+  km_progress progress;
   void *context;
 } km_track_plan;
 
 /* Follows the path. KM_PARTIAL: not to its end (the track holds what was reached, km_track_end why it stops);
  * KM_CANCELLED; KM_MEMORY. The pose error is below 1e-12 at every row; the result doesn't depend on `jobs`, to the bit.
  * The caller frees `*out`. */
-km_status km_track_run(const km_arm *arm, const km_track_plan *plan, km_track **out, km_error *error);
-void km_track_free(km_track *track);
+KM_API km_status km_track_run(const km_arm *arm, const km_track_plan *plan, km_track **out, km_error *error);
+KM_API void km_track_free(km_track *track);
 
-km_track_end km_track_ending(const km_track *track);
+KM_API km_track_end km_track_ending(const km_track *track);
 /* Columns as cli.md: step, s, t_s, q., v., z., z.path, objective., error_position, error_rotation, limit_margin. */
-const km_table *km_track_rows(const km_track *track); /* borrowed */
+KM_API const km_table *km_track_rows(const km_track *track); /* borrowed */
 
 /* What a summary tells. Objectives are the plan's. */
 typedef struct km_track_summary {
@@ -126,7 +127,7 @@ typedef struct km_track_summary {
   double converged;          /* dp: relative change of the value at half the spacing and stage; else NaN */
   bool bounded;              /* dp: there were more states than it keeps, so they lie wider than the spacing */
 } km_track_summary;
-km_track_summary km_track_summarise(const km_track *track);
+KM_API km_track_summary km_track_summarise(const km_track *track);
 
 #ifdef __cplusplus
 }

@@ -30,13 +30,13 @@ typedef struct km_transmission {
 
 /* The workspace of one thread. The caller frees `*out`. KM_MEMORY. */
 typedef struct km_transmission_work km_transmission_work;
-km_status km_transmission_create(const km_mechanism *mechanism, const km_handle *input, const km_handle *output,
-                                 km_transmission_work **out, km_error *error);
-void km_transmission_free(km_transmission_work *work);
+KM_API km_status km_transmission_create(const km_mechanism *mechanism, const km_handle *input, const km_handle *output,
+                                        km_transmission_work **out, km_error *error);
+KM_API void km_transmission_free(km_transmission_work *work);
 
 /* At the state's pose, whose mobility is up to date. Never allocates. O(columns · rows²). */
-void km_transmission_update(const km_mechanism *mechanism, km_state *state, km_transmission_work *work,
-                            km_transmission *out);
+KM_API void km_transmission_update(const km_mechanism *mechanism, km_state *state, km_transmission_work *work,
+                                   km_transmission *out);
 
 #ifdef __cplusplus
 }

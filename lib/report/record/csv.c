@@ -1,5 +1,8 @@
-/* Tables as CSV. */
+/* Tables as comma-separated values. */
 #include "report/record/csv.h"
+
+#include "base/check.h"
+#include "base/file.h"
 
 #include <string.h>
 
@@ -35,4 +38,31 @@ void km_csv_write(const km_table *table, km_text *out) {
     }
     km_text_add(out, "\r\n");
   }
+}
+
+size_t km_table_csv(const km_table *table, char *text, size_t size) {
+  km_text whole = {0};
+  if (text && size > 0)
+    text[0] = '\0';
+  if (!table)
+    return 0;
+  km_csv_write(table, &whole);
+  size_t count = whole.failed ? 0 : whole.size, fits = size > 0 && count >= size ? size - 1 : count;
+  if (text && size > 0 && count > 0) {
+    memcpy(text, whole.data, fits);
+    text[fits] = '\0';
+  }
+  km_text_free(&whole);
+  return count;
+}
+
+km_status km_table_write_csv(const km_table *table, const char *path, km_error *error) {
+  km_status status = km_check_given(table && path, "table or path", error);
+  if (status)
+    return status;
+  km_text text = {0};
+  km_csv_write(table, &text);
+  status = text.failed ? km_fail(error, KM_MEMORY, "out of memory for a table") : km_file_write(path, &text, error);
+  km_text_free(&text);
+  return status;
 }

@@ -1,0 +1,55 @@
+/* Coordinates that come from outside, in the model's units. */
+#include "base/check.h"
+#include "kinematics/state.h"
+
+/* What was known of the motions at the old pose doesn't count any more. */
+static void forget_motions(const km_mechanism *m, km_state *s) {
+  for (int i = 0; i < m->topology.substructure_count; ++i) {
+    s->pivoted[i] = KM_NEVER;
+    s->basis[i].known = false;
+  }
+}
+
+km_status km_state_set_coordinates(const km_mechanism *m, km_state *s, const double *values, km_error *error) {
+  km_status status = km_check_state(m, s, error);
+  if (!status)
+    status = km_check_given(values != NULL, "values", error);
+  for (int c = 0; !status && c < m->coordinate_count; ++c)
+    if (!isfinite(values[c]))
+      status = km_fail(error, KM_USAGE, "%g for %s; expected a finite value", values[c],
+                       m->model->coordinates[c].label);
+  if (status)
+    return status;
+  for (int c = 0; c < m->coordinate_count; ++c)
+    if (!m->held[c])
+      s->q[c] = values[c] * km_model_coordinate_factor(m->model, c);
+  km_state_set(m, s, s->q);
+  forget_motions(m, s);
+  return KM_OK;
+}
+
+km_status km_state_set_coordinate(const km_mechanism *m, km_state *s, int coordinate, double value, km_error *error) {
+  km_status status = km_check_state(m, s, error);
+  if (!status)
+    status = km_check_index(coordinate, m->coordinate_count, "coordinate", error);
+  if (status)
+    return status;
+  const char *label = m->model->coordinates[coordinate].label;
+  if (!isfinite(value))
+    return km_fail(error, KM_USAGE, "%g for %s; expected a finite value", value, label);
+  if (m->held[coordinate])
+    return km_fail(error, KM_USAGE, "joint \"%s\" is held; expected one that is free to move", label);
+  s->q[coordinate] = value * km_model_coordinate_factor(m->model, coordinate);
+  km_state_set(m, s, s->q);
+  forget_motions(m, s);
+  return KM_OK;
+}
+
+km_status km_state_coordinates(const km_mechanism *m, const km_state *s, double *values, km_error *error) {
+  km_status status = km_check_state(m, s, error);
+  if (!status)
+    status = km_check_given(values != NULL, "place for the values", error);
+  for (int c = 0; !status && c < m->coordinate_count; ++c)
+    values[c] = km_state_coordinate(s, c);
+  return status;
+}

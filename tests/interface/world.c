@@ -1,0 +1,151 @@
+/* Opens a world of a linkage, of one whose state was never assembled, or of an arm on its path. */
+#include "interface/world.h"
+
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <unistd.h>
+
+static int faults;
+static char last[200];
+
+static void need(km_status status, const km_error *error) {
+  if (!status)
+    return;
+  fprintf(stderr, "%s\n", error->text);
+  exit(1);
+}
+
+static void open_model(world *w, const char *file, km_model **model, km_mechanism **mechanism) {
+  need(km_model_load(file, w->messages, model, &w->error), &w->error);
+  need(km_mechanism_compile(*model, NULL, 0, mechanism, &w->error), &w->error);
+}
+
+static void open_study(world *w) {
+  static char text[20000];
+  FILE *file = fopen(STUDIES_DIR "/panda_circle/study.json", "r");
+  size_t size = file ? fread(text, 1, sizeof text, file) : 0;
+  if (file)
+    fclose(file);
+  need(km_study_read(text, size, STUDIES_DIR "/panda_circle", w->messages, &w->study, &w->error), &w->error);
+  need(km_study_read(text, size, STUDIES_DIR "/panda_circle", w->messages, &w->unbound, &w->error), &w->error);
+  need(km_study_bind(w->study, w->mechanism, w->state, 1, w->messages, &w->error), &w->error);
+  w->arm = km_study_arm(w->study);
+  w->track_plan = km_study_plan(w->study, 0);
+  w->track_plan.method = km_method_default(KM_GREEDY);
+  km_path_pose(w->track_plan.path, 0, &w->pose);
+  w->segment = km_path_segment_default(KM_PATH_LINE);
+  w->path_plan = km_path_plan_default();
+  w->path_plan.start = w->pose;
+  w->path_plan.segments = &w->segment;
+  w->path_plan.segment_count = 1;
+  need(km_track_run(w->arm, &w->track_plan, &w->track, &w->error), &w->error);
+  for (int k = 0; k < km_arm_coordinates(w->arm); ++k)
+    w->numbers[k] = w->track_plan.start[k];
+}
+
+/* What can't be made in this world stays NULL, and is a bad value more. */
+static void open_handles(world *w) {
+  int last_coordinate = km_model_coordinate_count(w->model) - 1;
+  w->input = (km_handle){.kind = KM_HANDLE_JOINT, .coordinate = 0, .name = "in"};
+  w->output = (km_handle){.kind = KM_HANDLE_JOINT, .coordinate = last_coordinate, .name = "out"};
+  if (km_handle_default(w->model, false, &w->input))
+    km_handle_default(w->model, true, &w->output);
+  w->plan = km_sweep_plan_default(w->model);
+  w->plan.steps = 3;
+  if (w->plan.coordinate < 0)
+    w->plan = (km_sweep_plan){.coordinate = 0, .to = 0.1, .steps = 3, .direction = -1, .sign = 1.0};
+  km_forces_create(w->mechanism, NULL, NULL, 0, &w->forces, NULL);
+  km_statics_create(w->mechanism, NULL, 0, KM_AXES_JOINT, &w->statics, NULL);
+  km_lever_create(w->mechanism, &w->input, &w->output, &w->lever, NULL);
+  km_losses_create(w->mechanism, &w->input, &w->output, &w->losses, NULL);
+  km_transmission_create(w->mechanism, &w->input, &w->output, &w->transmission, NULL);
+  km_drive_create(w->mechanism, w->state, w->plan.coordinate, false, &w->drive, NULL);
+  km_follow_create(w->mechanism, w->state, -1, 1.0, false, &w->follow, NULL);
+}
+
+/* A builder with a body and a joint, and a definition of each kind. */
+static void open_builder(world *w) {
+  km_body_id body;
+  need(km_builder_create(&w->builder, &w->error), &w->error);
+  w->settings = km_settings_default();
+  w->frame = km_frame_default();
+  w->body = km_body_default();
+  w->joint = km_joint_default();
+  w->force = km_force_default();
+  w->sweep_def = km_sweep_default();
+  w->body.name = "first";
+  need(km_model_add_body(w->builder, &w->body, &body, &w->error), &w->error);
+  w->joint.name = "hinge";
+  w->joint.parent = km_builder_origin(w->builder, km_builder_fixed(w->builder));
+  w->joint.child = km_builder_origin(w->builder, body);
+  need(km_model_add_joint(w->builder, &w->joint, NULL, &w->error), &w->error);
+}
+
+void world_open(world *w, world_kind kind) {
+  *w = (world){.names = {"fixed", "origin"}, .loads = {{.frame = 1, .force = {1, 0, 0}}}, .holds = {{0, 0.0}}};
+  w->messages = km_messages_create();
+  w->table = km_table_create();
+  km_table_add_column(w->table, "a", "mm");
+  km_table_add_row(w->table);
+  w->objective = km_objective_of(KM_MANIPULABILITY);
+  w->pose = (km_frame_pose){{1, 0, 0, 0, 1, 0, 0, 0, 1}, {0, 0, 0}};
+  open_model(w, kind == WORLD_ARM ? MODELS_DIR "/panda.json" : MODELS_DIR "/brake.json", &w->model, &w->mechanism);
+  open_model(w, MODELS_DIR "/stewart.json", &w->other_model, &w->other_mechanism);
+  need(km_state_create(w->mechanism, &w->state, &w->error), &w->error);
+  need(km_state_create(w->mechanism, &w->fresh, &w->error), &w->error);
+  need(km_state_create(w->other_mechanism, &w->other_state, &w->error), &w->error);
+  if (kind != WORLD_UNASSEMBLED) {
+    km_mobility mobility;
+    need(km_assemble(w->mechanism, w->state, NULL, &w->error), &w->error);
+    km_mobility_update(w->mechanism, w->state, &mobility);
+  }
+  if (kind == WORLD_ARM)
+    open_study(w);
+  open_handles(w);
+  open_builder(w);
+  if (kind == WORLD_LOOPS)
+    need(km_mobility_sweep_run(w->mechanism, w->state, &w->plan, &w->sweep, &w->error), &w->error);
+}
+
+void world_close(world *w) {
+  km_mobility_sweep_free(&w->sweep);
+  km_track_free(w->track);
+  km_study_free(w->study);
+  km_study_free(w->unbound);
+  km_builder_free(w->builder);
+  km_drive_free(w->drive);
+  km_follow_free(w->follow);
+  km_lever_free(w->lever);
+  km_losses_free(w->losses);
+  km_transmission_free(w->transmission);
+  km_forces_free(w->forces);
+  km_statics_free(&w->statics);
+  km_state_free(w->state);
+  km_state_free(w->fresh);
+  km_state_free(w->other_state);
+  km_mechanism_free(w->mechanism);
+  km_mechanism_free(w->other_mechanism);
+  km_model_free(w->model);
+  km_model_free(w->other_model);
+  km_table_free(w->table);
+  km_messages_free(w->messages);
+}
+
+void world_begin(const char *function, const char *with) {
+  int size = snprintf(last, sizeof last, "at %s with %s\n", function, with);
+  alarm(60);
+  if (getenv("KMECH_CALLS"))
+    fwrite(last, 1, (size_t)size, stderr);
+}
+
+void world_refused(km_status status, const char *function, const char *with) {
+  if (status != KM_OK)
+    return;
+  printf("%s with %s: expected a status, found KM_OK\n", function, with);
+  ++faults;
+}
+
+int world_faults(void) {
+  return faults;
+}

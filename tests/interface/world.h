@@ -1,0 +1,61 @@
+/* What the generated calls are made with: one of everything that the library hands out. */
+#ifndef KM_TESTS_WORLD_H
+#define KM_TESTS_WORLD_H
+
+#include <kmech/kmech.h>
+
+enum { WORLD_NUMBERS = 4096 };
+
+typedef enum world_kind { WORLD_LOOPS, WORLD_UNASSEMBLED, WORLD_ARM, WORLD_KINDS } world_kind;
+
+typedef struct world {
+  km_model *model, *other_model;
+  km_mechanism *mechanism, *other_mechanism;
+  km_state *state, *fresh, *other_state;
+  km_drive *drive;
+  km_follow *follow;
+  km_lever *lever;
+  km_losses_work *losses;
+  km_transmission_work *transmission;
+  km_forces *forces;
+  km_statics statics;
+  km_study *study, *unbound;
+  const km_arm *arm;
+  km_track *track;
+  km_table *table;
+  km_builder *builder;
+  km_settings_def settings;
+  km_frame_def frame;
+  km_body_def body;
+  km_joint_def joint;
+  km_coupling_def coupling;
+  km_force_def force;
+  km_load_def load;
+  km_sweep_def sweep_def;
+  km_end_def end;
+  km_messages *messages;
+  km_mobility_sweep sweep;
+  km_handle input, output;
+  km_sweep_plan plan;
+  km_track_plan track_plan;
+  km_path_plan path_plan;
+  km_path_segment segment;
+  km_frame_pose pose;
+  km_objective objective;
+  km_hold holds[2];
+  km_load loads[1];
+  km_error error;
+  const char *names[2];
+  double numbers[WORLD_NUMBERS];
+} world;
+
+void world_open(world *w, world_kind kind);
+void world_close(world *w);
+
+/* Says which call comes next, so that a crash has a name, and ends the test where one hangs. */
+void world_begin(const char *function, const char *with);
+/* A status of a call that had to be refused, or of one that may do. */
+void world_refused(km_status status, const char *function, const char *with);
+int world_faults(void);
+
+#endif
