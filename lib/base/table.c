@@ -122,8 +122,10 @@ int km_table_find(const km_table *table, const char *name) {
 }
 
 km_span km_table_span(const km_table *table, const char *prefix) {
-  size_t length = strlen(prefix);
   km_span span = {0, 0};
+  if (!table || !prefix)
+    return span;
+  size_t length = strlen(prefix);
   for (size_t c = 0; c < table->column_count; ++c) {
     bool fits = strncmp(table->columns[c].name, prefix, length) == 0;
     if (fits && span.count == 0)

@@ -44,7 +44,7 @@ typedef struct km_span {
   size_t first, count;
 } km_span;
 /* The columns whose names begin with `prefix` ("q."); count 0 if there are none. */
-km_span km_table_span(const km_table *table, const char *prefix);
+KM_API km_span km_table_span(const km_table *table, const char *prefix);
 
 #ifdef __cplusplus
 }
