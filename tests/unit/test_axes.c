@@ -97,7 +97,8 @@ static void ranges_can_be_drawn(void **state) {
     assert_near(low, cases[i][2], 1e-11);
     assert_near(high, cases[i][3], 1e-11);
   }
-  assert_true(km_axis_takes(1e299) && km_axis_takes(-1e300) && !km_axis_takes(HUGE_VAL) && !km_axis_takes((double)NAN));
+  assert_true(km_axis_takes(1e299) && km_axis_takes(-1e300) && !km_axis_takes(HUGE_VAL) && !km_axis_takes(-HUGE_VAL) &&
+              !km_axis_takes((double)NAN));
 }
 
 /* Distance of a point from the segment a-b. */
