@@ -7,7 +7,7 @@ int main(int argc, char **argv) {
   km_mechanism *mechanism = NULL;
   km_state *state = NULL;
   km_arm *arm = NULL;
-  km_branches branches = {0};
+  km_ik_solutions branches = {0};
   km_frame_pose pose;
   km_error error;
   int frame;
@@ -36,12 +36,12 @@ int main(int argc, char **argv) {
   for (int k = 0; k < km_arm_coordinates(arm) && !status; ++k)
     printf("%-4s %9.5f -> %9.5f\n", km_model_coordinate_label(model, km_arm_coordinate(arm, k)), here[k], q[k]);
   if (!status)
-    status = km_branches_find(arm, &pose, 1, NULL, NULL, &branches, &error);
+    status = km_ik_solutions_find(arm, &pose, 1, NULL, NULL, &branches, &error);
   if (!status)
     printf("%d branches, %d with poses within the limits\n", branches.count, branches.within);
   if (status)
     fprintf(stderr, "%s\n", error.text);
-  km_branches_free(&branches);
+  km_ik_solutions_free(&branches);
   km_arm_free(arm);
   km_state_free(state);
   km_mechanism_free(mechanism);

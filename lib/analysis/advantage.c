@@ -10,7 +10,7 @@
 /* Symbols: D the characteristic length's scale, Z the null space's basis, Y = D⁻¹ Z physical rates, a, b the rows of
  * input and output on the free motions. */
 
-/* Of the largest rate: below this an end stands. Where it is the end that drives, its own digits don't tell such a pose
+/* Rates below this fraction of the largest one count as zero. Where that end drives, its own digits don't tell such a pose
  * from its dead centre: they differ by the square. */
 static const double zero_rate_tolerance = 3e-8;
 

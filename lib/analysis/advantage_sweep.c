@@ -9,7 +9,7 @@
 
 #include <string.h>
 
-static const double rounding = 1e-12; /* of a rate: below this an end stands */
+static const double rounding = 1e-12; /* of a rate: rates below this fraction count as zero */
 static const double together = 1e-8;  /* a zero of both rates: neither 0 nor infinite */
 
 typedef struct watch {

@@ -26,7 +26,7 @@ bool km_nearby_go(const km_mechanism *m, km_state *s, int index, double *saved, 
   km_state_save(s, sub, saved);
   km_state_move(m, s, sub, move);
   km_state_forget_pivots(s, index);
-  if (!moves || km_close(m, s, index, KM_NO_DRIVER, &evidence) != KM_CLOSED)
+  if (!moves || km_loops_close(m, s, index, KM_NO_DRIVER, &evidence) != KM_CLOSED)
     return false;
   km_poses_update_in(m, s, index);
   km_pivot(m, s, index, KM_NO_DRIVER, km_rank_tolerance(m, sub, evidence.residual));

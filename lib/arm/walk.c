@@ -21,15 +21,15 @@ void km_node_copy(const km_arm *a, km_node *to, const km_node *from) {
   to->value = from->value;
 }
 
-bool km_walk_space_create(const km_arm *a, km_walk_space *s) {
-  *s = (km_walk_space){0};
+bool km_tracker_space_create(const km_arm *a, km_tracker_space *s) {
+  *s = (km_tracker_space){0};
   if (km_arm_space_create(a, &s->arm) && km_node_create(a, &s->arm.arena, &s->here))
     return true;
-  km_walk_space_free(s);
+  km_tracker_space_free(s);
   return false;
 }
 
-void km_walk_space_free(km_walk_space *s) {
+void km_tracker_space_free(km_tracker_space *s) {
   km_arm_space_free(&s->arm);
 }
 
@@ -41,7 +41,7 @@ static double length(const double *x, int n) {
 }
 
 /* Columns and value of a node at whose q the space's Jacobian stands. */
-static void look_around(const km_walk *w, km_walk_space *s, const km_path_point *point, const km_way *way,
+static void look_around(const km_tracker *w, km_tracker_space *s, const km_path_point *point, const km_way *way,
                         const double *guide, km_node *node) {
   double xi[KM_ARM_ROWS], values[KM_OBJECTIVES];
   km_arm_task_rows(w->arm, &s->arm.pose.R, point->twist, xi);
@@ -65,7 +65,8 @@ static void set_senses(const km_arm *a, double *self) {
   }
 }
 
-void km_walk_begin(const km_walk *w, km_walk_space *s, int sample, const double *q, const km_way *way, km_node *out) {
+void km_tracker_begin(const km_tracker *w, km_tracker_space *s, int sample, const double *q, const km_way *way,
+                      km_node *out) {
   memmove(out->q, q, (size_t)w->arm->n * sizeof *q);
   km_arm_update(w->arm, &s->arm, q);
   look_around(w, s, &w->path->points[sample], way, NULL, out);
@@ -104,8 +105,8 @@ static void damped_rates(const km_arm *a, const km_arm_space *s, const double *x
 }
 
 /* Damped rates where the pose is near a singular one; false where it isn't. */
-static bool damp(const km_walk *w, km_walk_space *s, const km_path_point *point, const km_way *way, const km_node *here,
-                 double *rates) {
+static bool damp(const km_tracker *w, km_tracker_space *s, const km_path_point *point, const km_way *way,
+                 const km_node *here, double *rates) {
   double sigma[KM_ARM_ROWS], xi[KM_ARM_ROWS];
   km_arm_update(w->arm, &s->arm, here->q);
   km_arm_singular_values(w->arm, &s->arm, sigma);
@@ -119,8 +120,8 @@ static bool damp(const km_walk *w, km_walk_space *s, const km_path_point *point,
 
 /* Newton steps to a point of the path, none of them far: at most `most` away from where it begins. Leaves the Jacobian
  * of the pose. */
-static bool correct(const km_walk *w, km_walk_space *s, const km_path_point *point, const km_way *way, double most,
-                    double *q) {
+static bool correct(const km_tracker *w, km_tracker_space *s, const km_path_point *point, const km_way *way,
+                    double most, double *q) {
   double e[KM_ARM_ROWS], x[KM_ARM_MOST], xi[KM_ARM_ROWS], moved[KM_ARM_MOST] = {0};
   const int n = w->arm->n;
   for (int step = 0; step <= KM_NEWTON_MOST; ++step) {
@@ -160,7 +161,7 @@ static double corrector_most(const double *step, int n) {
 }
 
 /* One step from space->here by dσ to a point; false if it is refused. */
-static bool try_step(const km_walk *w, km_walk_space *s, const km_path_point *from, const km_path_point *point,
+static bool try_step(const km_tracker *w, km_tracker_space *s, const km_path_point *from, const km_path_point *point,
                      const km_way *way, double *q) {
   const km_arm *a = w->arm;
   const km_node *here = &s->here;
@@ -199,7 +200,7 @@ static int too_fast(const km_arm *a, const double *rates) {
   return -1;
 }
 
-static km_step_end check(const km_walk *w, int sample, const km_path_point *point, const km_node *from,
+static km_step_end check(const km_tracker *w, int sample, const km_path_point *point, const km_node *from,
                          const km_node *to) {
   const km_arm *a = w->arm;
   km_step_end end = {KM_TRACK_COMPLETE, -1, 1.0};
@@ -224,8 +225,8 @@ static km_step_end check(const km_walk *w, int sample, const km_path_point *poin
   return end;
 }
 
-km_step_end km_walk_step(const km_walk *w, km_walk_space *s, int sample, double fraction, const km_node *from,
-                         const km_way *way, km_node *to) {
+km_step_end km_tracker_step(const km_tracker *w, km_tracker_space *s, int sample, double fraction, const km_node *from,
+                            const km_way *way, km_node *to) {
   enum { MOST_TRIES = 5000 };
   static const double least = 1e-10; /* of the interval: what is less can't be told from where it stands */
   km_path_point here = w->path->points[sample];
@@ -250,8 +251,8 @@ km_step_end km_walk_step(const km_walk *w, km_walk_space *s, int sample, double 
 }
 
 /* Puts a lane's pose into the space and its columns into a node. */
-static void take_lane(const km_walk *w, km_walk_space *s, const km_path_point *point, const km_lanes *lanes, int l,
-                      const km_node *from, km_node *to) {
+static void take_lane(const km_tracker *w, km_tracker_space *s, const km_path_point *point, const km_lanes *lanes,
+                      int l, const km_node *from, km_node *to) {
   double side = 0.0, values[KM_OBJECTIVES];
   for (int i = 0; i < SEVEN; ++i) {
     to->q[i] = lanes->q[i][l];
@@ -276,7 +277,7 @@ static void take_lane(const km_walk *w, km_walk_space *s, const km_path_point *p
 }
 
 /* Lanes that can't take part are filled with what another one has. */
-static unsigned fill_lanes(const km_walk *w, double ds, int count, const km_node *const *from, const km_way *ways,
+static unsigned fill_lanes(const km_tracker *w, double ds, int count, const km_node *const *from, const km_way *ways,
                            km_lanes *lanes) {
   unsigned used = 0;
   for (int l = 0; l < count; ++l) {
@@ -301,8 +302,8 @@ static unsigned fill_lanes(const km_walk *w, double ds, int count, const km_node
   return used;
 }
 
-void km_walk_steps(const km_walk *w, km_walk_space *s, int sample, int count, const km_node *const *from,
-                   const km_way *ways, km_node *const *to, km_step_end *ends) {
+void km_tracker_steps(const km_tracker *w, km_tracker_space *s, int sample, int count, const km_node *const *from,
+                      const km_way *ways, km_node *const *to, km_step_end *ends) {
   const km_path_point *here = &w->path->points[sample], *point = here + 1;
   km_lanes lanes = {.used = 0};
   unsigned done = 0;
@@ -323,7 +324,7 @@ void km_walk_steps(const km_walk *w, km_walk_space *s, int sample, int count, co
       take_lane(w, s, point, &lanes, l, from[l], to[l]);
       ends[l] = check(w, sample, point, from[l], to[l]);
     } else {
-      ends[l] = km_walk_step(w, s, sample, 1.0, from[l], &ways[l], to[l]);
+      ends[l] = km_tracker_step(w, s, sample, 1.0, from[l], &ways[l], to[l]);
     }
   }
 }
@@ -338,12 +339,12 @@ static int just_beyond(const km_arm *a, const double *q) {
 
 /* By halving what is left between a way that keeps everything and one that doesn't: other limits may come first, and a
  * long step may bend, so nothing is taken for smooth. */
-km_step_end km_walk_find_end(const km_walk *w, km_walk_space *s, int sample, const km_node *from, const km_way *way,
-                             km_step_end end, double outside, km_node *to) {
+km_step_end km_tracker_find_end(const km_tracker *w, km_tracker_space *s, int sample, const km_node *from,
+                                const km_way *way, km_step_end end, double outside, km_node *to) {
   double inside = 0.0;
   while (outside - inside > 1e-13) {
     double x = 0.5 * (inside + outside);
-    km_step_end there = km_walk_step(w, s, sample, x, from, way, to);
+    km_step_end there = km_tracker_step(w, s, sample, x, from, way, to);
     int beyond = there.stop ? -1 : just_beyond(w->arm, to->q);
     if (beyond >= 0)
       there = (km_step_end){KM_TRACK_LIMIT, beyond, 0.0};
@@ -356,7 +357,7 @@ km_step_end km_walk_find_end(const km_walk *w, km_walk_space *s, int sample, con
   }
   end.fraction = inside;
   if (inside > 0.0)
-    km_walk_step(w, s, sample, inside, from, way, to);
+    km_tracker_step(w, s, sample, inside, from, way, to);
   else
     km_node_copy(w->arm, to, from);
   return end;

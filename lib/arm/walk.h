@@ -18,20 +18,20 @@ typedef struct km_node {
 bool km_node_create(const km_arm *arm, km_arena *arena, km_node *node);
 void km_node_copy(const km_arm *arm, km_node *to, const km_node *from);
 
-typedef struct km_walk {
+typedef struct km_tracker {
   const km_arm *arm;
   const km_path *path;
   const km_objective *objective;
-} km_walk;
+} km_tracker;
 
 /* One thread's workspace of a walk. */
-typedef struct km_walk_space {
+typedef struct km_tracker_space {
   km_arm_space arm;
   km_node here; /* between samples */
-} km_walk_space;
+} km_tracker_space;
 
-bool km_walk_space_create(const km_arm *arm, km_walk_space *space);
-void km_walk_space_free(km_walk_space *space);
+bool km_tracker_space_create(const km_arm *arm, km_tracker_space *space);
+void km_tracker_space_free(km_tracker_space *space);
 
 /* How to leave a node. Zeros are greedy's way. */
 typedef struct km_way {
@@ -55,31 +55,31 @@ typedef struct km_step_end {
 } km_step_end;
 
 /* The node at q on a sample, q being there already. */
-void km_walk_begin(const km_walk *walk, km_walk_space *space, int sample, const double *q, const km_way *way,
-                   km_node *out);
+void km_tracker_begin(const km_tracker *walk, km_tracker_space *space, int sample, const double *q, const km_way *way,
+                      km_node *out);
 
 /* From a node at `sample` to a fraction of the interval after it: predictor (c₁/z + tan φ·c₂/z)Δσ, then Newton steps
  * of least norm to 1e-12; a corrector longer than half the predictor is refused and the step halved. Limits and rates
  * are checked at the end only. */
-km_step_end km_walk_step(const km_walk *walk, km_walk_space *space, int sample, double fraction, const km_node *from,
-                         const km_way *way, km_node *to);
+km_step_end km_tracker_step(const km_tracker *walk, km_tracker_space *space, int sample, double fraction,
+                            const km_node *from, const km_way *way, km_node *to);
 
 /* Up to four whole steps from nodes at one sample, side by side where the arm is one of seven joints; ways with a tilt
- * only. The same bits as km_walk_step one by one. */
+ * only. The same bits as km_tracker_step one by one. */
 enum { KM_WALK_ABREAST = 4 };
-void km_walk_steps(const km_walk *walk, km_walk_space *space, int sample, int count, const km_node *const *from,
-                   const km_way *ways, km_node *const *to, km_step_end *ends);
+void km_tracker_steps(const km_tracker *walk, km_tracker_space *space, int sample, int count,
+                      const km_node *const *from, const km_way *ways, km_node *const *to, km_step_end *ends);
 
 /* A whole step fails with `end`; if that is a rate, again with the nearest tilt that keeps the rates at the node, and a
  * little more and more below them. How it ends at last. */
-km_step_end km_walk_ease(const km_walk *walk, km_walk_space *space, int sample, const km_node *from, const km_way *way,
-                         km_step_end end, km_node *to);
+km_step_end km_tracker_ease(const km_tracker *walk, km_tracker_space *space, int sample, const km_node *from,
+                            const km_way *way, km_step_end end, km_node *to);
 /* Has the arm a joint with a rate? */
-bool km_walk_rated(const km_arm *arm);
+bool km_tracker_rated(const km_arm *arm);
 
 /* A step to the fraction `outside` fails with `end`: the largest fraction that keeps everything (end.fraction), the
  * node there, and what stops it just past it. */
-km_step_end km_walk_find_end(const km_walk *walk, km_walk_space *space, int sample, const km_node *from,
-                             const km_way *way, km_step_end end, double outside, km_node *to);
+km_step_end km_tracker_find_end(const km_tracker *walk, km_tracker_space *space, int sample, const km_node *from,
+                                const km_way *way, km_step_end end, double outside, km_node *to);
 
 #endif

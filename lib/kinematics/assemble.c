@@ -20,14 +20,14 @@ static void pivot_here(const km_mechanism *m, km_state *s, int index, double res
 static km_closure_outcome close_fully(const km_mechanism *m, km_state *s, int index, km_closure *evidence) {
   enum { MOST_RANKS = 4 };
   km_state_forget_pivots(s, index);
-  km_closure_outcome outcome = km_close(m, s, index, KM_NO_DRIVER, evidence);
+  km_closure_outcome outcome = km_loops_close(m, s, index, KM_NO_DRIVER, evidence);
   for (int i = 0; i < MOST_RANKS && outcome == KM_CLOSED; ++i) {
     int rank = s->partition[index].rank;
     pivot_here(m, s, index, evidence->residual);
     if (s->partition[index].rank <= rank)
       break;
     int iterations = evidence->iterations;
-    outcome = km_close(m, s, index, KM_NO_DRIVER, evidence);
+    outcome = km_loops_close(m, s, index, KM_NO_DRIVER, evidence);
     evidence->iterations += iterations;
   }
   return outcome;
@@ -148,8 +148,8 @@ static bool is_rounding(const km_mechanism *m, double pivot, double first_misfit
 }
 
 /* A structure whose last pivot is as small as rounding makes it, and that would move without it, is a
- * mechanism whose file was rounded: a loop of six hinges closes even then, but stands still. A file that states
- * its closure tolerance has had its say. */
+ * mechanism whose file was rounded: a loop of six hinges closes even then, but stands still. An explicit
+ * tolerance disables this check. */
 static km_status check_rigid(const km_mechanism *m, const km_state *s, int index, double first_misfit,
                              km_error *error) {
   const km_partition *p = &s->partition[index];

@@ -63,7 +63,7 @@ int km_branch_leave(const km_mechanism *m, km_state *s, int coordinate) {
       step[k] *= short_step;
     km_state_move(m, s, sub, step);
     km_state_forget_pivots(s, index);
-    km_close(m, s, index, KM_NO_DRIVER, &evidence);
+    km_loops_close(m, s, index, KM_NO_DRIVER, &evidence);
   }
   km_free(directions);
   return count;

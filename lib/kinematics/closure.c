@@ -120,7 +120,7 @@ static km_closure_outcome verdict(const km_mechanism *m, double residual, double
   return residual <= fmax(m->closure_tolerance, coarse * closed) ? KM_CLOSED : KM_INCONSISTENT;
 }
 
-km_closure_outcome km_close(const km_mechanism *m, km_state *s, int index, int driver, km_closure *evidence) {
+km_closure_outcome km_loops_close(const km_mechanism *m, km_state *s, int index, int driver, km_closure *evidence) {
   const km_substructure *sub = &m->substructures[index];
   double *x = s->work, first = 0.0, coarse = grain(m, s, sub);
   *evidence = (km_closure){.worst = -1};
@@ -155,7 +155,7 @@ km_closure_outcome km_close(const km_mechanism *m, km_state *s, int index, int d
 
 km_closure_outcome km_close_held(const km_mechanism *m, km_state *s, int index, int driver, km_closure *evidence) {
   s->partition[index].held = true;
-  km_closure_outcome outcome = km_close(m, s, index, driver, evidence);
+  km_closure_outcome outcome = km_loops_close(m, s, index, driver, evidence);
   s->partition[index].held = false;
   return outcome;
 }

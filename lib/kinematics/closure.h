@@ -21,8 +21,8 @@ typedef struct km_closure {
 /* Newton steps from the state's coordinates until the primary rows are below 1e-12 rms; each step has the least
  * |D δq|, and the coordinate of `driver` (a column, or KM_NO_DRIVER) doesn't move. Leaves error, Jacobian and
  * partition of the final pose; pivots are kept from call to call while the monitor allows it. */
-km_closure_outcome km_close(const km_mechanism *mechanism, km_state *state, int substructure, int driver,
-                            km_closure *evidence);
+km_closure_outcome km_loops_close(const km_mechanism *mechanism, km_state *state, int substructure, int driver,
+                                  km_closure *evidence);
 
 /* The same with the driver's coordinate held: where it can't be independent, so that the pose is rigid, the other
  * coordinates close what they can, and the rest is left in the residual. Pivots are kept for the next such call only.

@@ -211,7 +211,7 @@ static attempt correct(km_drive *d, double h, double tightness, double *next_t) 
       return BENT;
   km_state_move(d->mechanism, d->state, sub, d->move);
   place_driver(d, d->s + h);
-  if (km_close(d->mechanism, d->state, d->substructure, d->column, &evidence) != KM_CLOSED || !tangent(d, next_t))
+  if (km_loops_close(d->mechanism, d->state, d->substructure, d->column, &evidence) != KM_CLOSED || !tangent(d, next_t))
     return OPEN;
   const km_partition *p = &d->state->partition[d->substructure];
   if (p->rank < d->reference.rank || p->last_pivot < singular * p->scale)
@@ -379,7 +379,7 @@ static bool touches(km_drive *d, double goal) {
   int worst;
   km_state_save(d->state, sub, d->saved);
   place_driver(d, goal);
-  km_close(d->mechanism, d->state, d->substructure, d->column, &evidence);
+  km_loops_close(d->mechanism, d->state, d->substructure, d->column, &evidence);
   km_loops_update(d->mechanism, d->state, sub);
   km_state_forget_pivots(d->state, d->substructure);
   if (km_loops_residual(d->mechanism, d->state, sub, &worst) <= between)

@@ -105,7 +105,7 @@ static bool step(km_follow *f, double h, double *length) {
   km_state_restore(f->state, sub, f->here);
   km_state_move(f->mechanism, f->state, sub, f->move);
   bool accepted = false;
-  if (km_close(f->mechanism, f->state, f->substructure, KM_NO_DRIVER, &evidence) == KM_CLOSED &&
+  if (km_loops_close(f->mechanism, f->state, f->substructure, KM_NO_DRIVER, &evidence) == KM_CLOSED &&
       evidence.correction <= 0.2 * fabs(h) + 1e-9 && project(f, f->t, f->next_t)) {
     const km_partition *p = &f->state->partition[f->substructure];
     bool regular = km_partition_freedom(p) == f->freedom && p->last_pivot >= singular * p->scale;

@@ -146,7 +146,7 @@ static int freedom_ahead(km_follow *f) {
   for (int k = 0; k < sub->columns; ++k)
     f->move[k] = short_step * f->t[k];
   km_state_move(f->mechanism, f->state, sub, f->move);
-  km_close(f->mechanism, f->state, f->substructure, KM_NO_DRIVER, &evidence);
+  km_loops_close(f->mechanism, f->state, f->substructure, KM_NO_DRIVER, &evidence);
   int freedom = km_partition_freedom(&f->state->partition[f->substructure]);
   km_state_restore(f->state, sub, f->here);
   km_loops_update(f->mechanism, f->state, sub);

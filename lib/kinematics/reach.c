@@ -94,7 +94,7 @@ static km_status turn_ball(journey *j, const km_hold *goal, km_error *error) {
     km_status status = rebuild(j, j->locked_count + 3, error);
     for (int s = 0; s < j->mechanism->topology.substructure_count && !status; ++s) {
       km_closure evidence;
-      if (km_close(j->mechanism, j->state, s, KM_NO_DRIVER, &evidence) != KM_CLOSED || evidence.correction > 0.5)
+      if (km_loops_close(j->mechanism, j->state, s, KM_NO_DRIVER, &evidence) != KM_CLOSED || evidence.correction > 0.5)
         status = unreachable(j, goal, from[0] + (goal[0].value - from[0]) * (i - 1) / PIECES, error);
     }
     if (status)

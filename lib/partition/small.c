@@ -115,8 +115,8 @@ INLINE double size_at(const km_partition *p, int place, const int stride) {
   return fabs(p->reduced[(ptrdiff_t)p->column[km_place_slot(place)] * stride + km_place_row(place)]);
 }
 
-/* The place that the key names. Mostly it is that of the last search, and a processor that bets on a branch goes on
- * from there while the maximum is still being found. The result is the same either way. */
+/* The place that the key names. Mostly it is that of the last search: a predicted branch hides the time that finding the
+ * maximum takes. The result is the same either way. */
 INLINE int take_place(const km_partition *p, int step, int64_t key) {
   int found = km_key_place(key), last = p->place[step], place = last;
   __asm__("" : "+r"(place)); /* that place is `last` is nothing to reason from: the branch must stay */

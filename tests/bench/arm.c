@@ -162,8 +162,8 @@ static const char study_text[] =
 typedef struct walker {
   const km_study *study;
   int jobs;
-  km_walk walk;
-  km_walk_space space;
+  km_tracker walk;
+  km_tracker_space space;
   km_arena arena;
   km_node start, nodes[2], four[KM_WALK_ABREAST];
 } walker;
@@ -173,7 +173,7 @@ static void run_steps(void *context) {
   walker *w = context;
   km_node_copy(w->walk.arm, &w->nodes[0], &w->start);
   for (int i = 0; i < w->study->path->samples - 1; ++i)
-    if (km_walk_step(&w->walk, &w->space, i, 1.0, &w->nodes[i % 2], &plain, &w->nodes[1 - i % 2]).stop)
+    if (km_tracker_step(&w->walk, &w->space, i, 1.0, &w->nodes[i % 2], &plain, &w->nodes[1 - i % 2]).stop)
       bench_fail(name, "the track stops");
 }
 
@@ -191,14 +191,14 @@ static void run_abreast(void *context) {
     to[i] = &w->four[i];
     ways[i] = (km_way){.tilt = &tilts[i]};
   }
-  km_walk_steps(&w->walk, &w->space, 0, KM_WALK_ABREAST, from, ways, to, ends);
+  km_tracker_steps(&w->walk, &w->space, 0, KM_WALK_ABREAST, from, ways, to, ends);
 }
 
 static void run_one_by_one(void *context) {
   walker *w = context;
   for (int i = 0; i < KM_WALK_ABREAST; ++i) {
     const km_way way = {.tilt = &tilts[i]};
-    km_walk_step(&w->walk, &w->space, 0, 1.0, &w->start, &way, &w->four[i]);
+    km_tracker_step(&w->walk, &w->space, 0, 1.0, &w->start, &way, &w->four[i]);
   }
 }
 
@@ -232,7 +232,7 @@ static walker walker_of(const km_study *study, int jobs) {
   static const km_way plain = {0};
   walker w = {.study = study, .jobs = jobs, .walk = {study->arm, study->path, &study->objective}};
   double q[N];
-  bool whole = km_walk_space_create(study->arm, &w.space) && km_node_create(study->arm, &w.arena, &w.start);
+  bool whole = km_tracker_space_create(study->arm, &w.space) && km_node_create(study->arm, &w.arena, &w.start);
   for (int i = 0; i < 2 && whole; ++i)
     whole = km_node_create(study->arm, &w.arena, &w.nodes[i]);
   for (int i = 0; i < KM_WALK_ABREAST && whole; ++i)
@@ -241,12 +241,12 @@ static walker walker_of(const km_study *study, int jobs) {
     bench_fail(name, "out of memory");
   for (int k = 0; k < N; ++k)
     q[k] = km_arm_read(study->arm, k, study->start[k]);
-  km_walk_begin(&w.walk, &w.space, 0, q, &plain, &w.start);
+  km_tracker_begin(&w.walk, &w.space, 0, q, &plain, &w.start);
   return w;
 }
 
 static void walker_free(walker *w) {
-  km_walk_space_free(&w->space);
+  km_tracker_space_free(&w->space);
   km_arena_free(&w->arena);
 }
 

@@ -285,11 +285,11 @@ static void lanes_have_the_same_bits(void **state) {
         uniform(&r, -0.7, 0.7), uniform(&r, -0.7, 0.7), uniform(&r, 0.0, 1.0), 2 + below(&r, 30),
         objectives[trial % 2]);
     km_study *study = study_of(&f, text);
-    const km_walk walk = {study->arm, study->path, &study->objective};
-    km_walk_space space;
+    const km_tracker walk = {study->arm, study->path, &study->objective};
+    km_tracker_space space;
     km_arena arena = {0};
     km_node from[4], to[4], one;
-    assert_true(km_walk_space_create(study->arm, &space) && km_node_create(study->arm, &arena, &one));
+    assert_true(km_tracker_space_create(study->arm, &space) && km_node_create(study->arm, &arena, &one));
     const km_node *starts[4];
     km_node *ends_at[4];
     km_way ways[4];
@@ -301,15 +301,15 @@ static void lanes_have_the_same_bits(void **state) {
     for (int l = 0; l < 4; ++l) {
       static const km_way plain = {0};
       assert_true(km_node_create(study->arm, &arena, &from[l]) && km_node_create(study->arm, &arena, &to[l]));
-      km_walk_begin(&walk, &space, 0, q, &plain, &from[l]);
+      km_tracker_begin(&walk, &space, 0, q, &plain, &from[l]);
       tilt[l] = uniform(&r, -3.0, 3.0);
       ways[l] = (km_way){.tilt = &tilt[l]};
       starts[l] = &from[l];
       ends_at[l] = &to[l];
     }
-    km_walk_steps(&walk, &space, 0, count, starts, ways, ends_at, ends);
+    km_tracker_steps(&walk, &space, 0, count, starts, ways, ends_at, ends);
     for (int l = 0; l < count; ++l) {
-      km_step_end end = km_walk_step(&walk, &space, 0, 1.0, &from[l], &ways[l], &one);
+      km_step_end end = km_tracker_step(&walk, &space, 0, 1.0, &from[l], &ways[l], &one);
       assert_int_equal(end.stop, ends[l].stop);
       assert_int_equal(end.column, ends[l].column);
       failed += end.stop != KM_TRACK_COMPLETE;
@@ -333,7 +333,7 @@ static void lanes_have_the_same_bits(void **state) {
     assert_int_equal(done, km_lanes_reach_plain(study->arm, &point->pose, xi, &b));
     assert_true(done == 15);
     assert_memory_equal(&a, &b, sizeof a);
-    km_walk_space_free(&space);
+    km_tracker_space_free(&space);
     km_arena_free(&arena);
     km_study_free(study);
     fixture_close(&f);

@@ -284,9 +284,9 @@ static void test_long_work_is_cancelled(void **context) {
   km_selfmotion motion;
   assert_int_equal(km_selfmotion_follow(arm, q, refuse, &asked, &motion, &error), KM_CANCELLED);
   km_selfmotion_free(&motion);
-  km_branches branches;
-  assert_int_equal(km_branches_find(arm, &pose, 1, refuse, &asked, &branches, &error), KM_CANCELLED);
-  km_branches_free(&branches);
+  km_ik_solutions branches;
+  assert_int_equal(km_ik_solutions_find(arm, &pose, 1, refuse, &asked, &branches, &error), KM_CANCELLED);
+  km_ik_solutions_free(&branches);
   pose.p[0] += 100.0; /* out of reach: the search is asked for */
   assert_int_equal(km_arm_solve(arm, &pose, q, 1, refuse, &asked, found, &error), KM_CANCELLED);
   assert_int_equal(km_arm_solve(arm, &pose, q, 1, NULL, NULL, found, &error), KM_NO_RESULT);

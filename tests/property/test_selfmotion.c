@@ -237,7 +237,7 @@ static void narrow_gaps_are_found(void **state) {
   fixture_close(&f);
 }
 
-static km_branches find(const km_arm *arm, const km_pose *at, unsigned long seed) {
+static km_ik_solutions find(const km_arm *arm, const km_pose *at, unsigned long seed) {
   km_frame_pose pose;
   for (int k = 0; k < 3; ++k) {
     pose.R[k] = at->R.axis[k].x;
@@ -247,9 +247,9 @@ static km_branches find(const km_arm *arm, const km_pose *at, unsigned long seed
   pose.p[0] = at->p.x;
   pose.p[1] = at->p.y;
   pose.p[2] = at->p.z;
-  km_branches branches;
+  km_ik_solutions branches;
   km_error error = {0};
-  if (km_branches_find(arm, &pose, seed, NULL, NULL, &branches, &error))
+  if (km_ik_solutions_find(arm, &pose, seed, NULL, NULL, &branches, &error))
     fail_msg("%s", error.text);
   return branches;
 }
@@ -264,7 +264,7 @@ static void iiwa_has_eight_branches(void **state) {
     for (int k = 0; k < 7; ++k)
       q[k] = well_inside[k] + (trial ? uniform(&r, -0.1, 0.1) : 0.0);
     km_pose at = effector_by_bodies(&f, arm, q);
-    km_branches branches = find(arm, &at, (unsigned long)trial);
+    km_ik_solutions branches = find(arm, &at, (unsigned long)trial);
     assert_int_equal(branches.count, 8);
     assert_int_equal(branches.within, 8);
     for (int b = 0; b < branches.count; ++b) {
@@ -272,7 +272,7 @@ static void iiwa_has_eight_branches(void **state) {
       assert_true(km_vec3_norm(km_vec3_sub(at.p, there.p)) < 1e-9);
       assert_int_equal(km_arm_limit_passed(arm, branches.pose + 7 * b), -1);
     }
-    km_branches_free(&branches);
+    km_ik_solutions_free(&branches);
   }
   km_arm_free(arm);
   fixture_close(&f);
@@ -285,7 +285,7 @@ static void wide_limits_keep_the_branches(void **state) {
   km_arm *arm = arm_of(&f, "flange", "tool", KM_TASK_POSE);
   widen(arm);
   km_pose at = effector_by_bodies(&f, arm, well_inside);
-  km_branches branches = find(arm, &at, 1);
+  km_ik_solutions branches = find(arm, &at, 1);
   assert_int_equal(branches.count, 8);
   assert_int_equal(branches.within, 8);
   for (int b = 0; b < branches.count; ++b) {
@@ -300,7 +300,7 @@ static void wide_limits_keep_the_branches(void **state) {
       assert_true(margin > -1e-9 && (margin < 1e-9 || !(first || last)));
     }
   }
-  km_branches_free(&branches);
+  km_ik_solutions_free(&branches);
   km_arm_free(arm);
   fixture_close(&f);
 }
@@ -322,7 +322,7 @@ static void six_joints_have_single_poses(void **state) {
   km_arm *arm = arm_of(&f, "flange", "tool", KM_TASK_POSE);
   assert_int_equal(arm->n, 6);
   km_pose at = effector_by_bodies(&f, arm, q);
-  km_branches branches = find(arm, &at, 1);
+  km_ik_solutions branches = find(arm, &at, 1);
   double nearest = (double)INFINITY;
   for (int b = 0; b < branches.count; ++b) {
     double distance = 0.0;
@@ -332,7 +332,7 @@ static void six_joints_have_single_poses(void **state) {
   }
   assert_true(nearest < 1e-9);
   assert_true(branches.count >= 2 && branches.count <= 16);
-  km_branches_free(&branches);
+  km_ik_solutions_free(&branches);
   km_arm_free(arm);
   fixture_close(&f);
 }
@@ -350,7 +350,7 @@ static void a_ur5_reaches_a_pose_in_eight_ways(void **state) {
   for (unsigned long seed = 1; seed <= 6; ++seed) {
     fixture f = dh_arm(dh, 6, seed % 2 ? free_turns : limits, false);
     km_arm *arm = arm_of(&f, "l6", "t", KM_TASK_POSE);
-    km_branches branches = find(arm, &at, seed);
+    km_ik_solutions branches = find(arm, &at, seed);
     assert_int_equal(branches.count, 8);
     assert_true(branches.confirmed && branches.closed_form);
     for (int b = 0; b < branches.count; ++b) {
@@ -362,7 +362,7 @@ static void a_ur5_reaches_a_pose_in_eight_ways(void **state) {
         assert_int_equal(last - first, 1);
       }
     }
-    km_branches_free(&branches);
+    km_ik_solutions_free(&branches);
     km_arm_free(arm);
     fixture_close(&f);
   }
@@ -378,14 +378,14 @@ static void a_straight_elbow_is_one_pose(void **state) {
   km_arm *arm = arm_of(&f, "l6", "t", KM_TASK_POSE);
   km_pose at = effector_by_bodies(&f, arm, straight);
   for (unsigned long seed = 1; seed <= 5; ++seed) {
-    km_branches branches = find(arm, &at, seed);
+    km_ik_solutions branches = find(arm, &at, seed);
     int singular = 0;
     for (int b = 0; b < branches.count; ++b)
       singular += branches.singular[b];
     assert_int_equal(branches.count, 7);
     assert_int_equal(singular, 1);
     assert_true(branches.confirmed);
-    km_branches_free(&branches);
+    km_ik_solutions_free(&branches);
   }
   km_arm_free(arm);
   fixture_close(&f);
@@ -421,7 +421,7 @@ static void surfaces_are_sampled_on_a_circle(void **state) {
   fixture_close(&f);
 }
 
-/* Two slides in line go hand in hand for ever: the curve is cut where they are of no use any more. */
+/* Two parallel slides can diverge together for ever: the curve is cut where they are of no use any more. */
 static void slides_that_leave(void **state) {
   (void)state;
   fixture f = fixture_read(
@@ -452,9 +452,9 @@ static void slides_that_leave(void **state) {
   assert_near(motion.arcs[0].to - motion.arcs[0].from, sqrt(2.0), 1e-9); /* T over its metre, S against it */
   km_selfmotion_free(&motion);
   km_pose at = effector_by_bodies(&f, arm, q);
-  km_branches branches = find(arm, &at, 1);
+  km_ik_solutions branches = find(arm, &at, 1);
   assert_true(branches.count >= 1 && branches.count <= 16);
-  km_branches_free(&branches);
+  km_ik_solutions_free(&branches);
   km_arm_free(arm);
   fixture_close(&f);
 }
@@ -464,11 +464,11 @@ static void out_of_reach(void **state) {
   fixture f = fixture_open("iiwa14");
   km_arm *arm = arm_of(&f, "flange", "tool", KM_TASK_POSE);
   km_frame_pose pose = {{1, 0, 0, 0, 1, 0, 0, 0, 1}, {2.0, 0, 0.5}};
-  km_branches branches;
+  km_ik_solutions branches;
   km_error error;
-  assert_int_equal(km_branches_find(arm, &pose, 1, NULL, NULL, &branches, &error), KM_NO_RESULT);
+  assert_int_equal(km_ik_solutions_find(arm, &pose, 1, NULL, NULL, &branches, &error), KM_NO_RESULT);
   assert_non_null(strstr(error.text, "out of reach"));
-  km_branches_free(&branches);
+  km_ik_solutions_free(&branches);
   km_arm_free(arm);
   fixture_close(&f);
 }

@@ -83,7 +83,7 @@ static bool small_steps(const char *json, int driver, double way, int pieces, do
       km_state_restore(f.state, sub, here);
       km_state_move(m, f.state, sub, t);
       f.state->pivoted[index] = KM_NEVER;
-      good = good && km_close(m, f.state, index, column, &evidence) == KM_CLOSED;
+      good = good && km_loops_close(m, f.state, index, column, &evidence) == KM_CLOSED;
     }
   }
   km_state_difference(f.state, sub, start, out);

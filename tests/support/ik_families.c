@@ -12,7 +12,7 @@ typedef struct ik_case {
   km_arm *arm;
   km_arm_space space;
   km_pose target; /* as the arm sees it */
-  km_branches branches;
+  km_ik_solutions branches;
   arm_shape shape;
   bool listed;
 } ik_case;
@@ -36,14 +36,14 @@ static ik_case open_case(randomness *r, int n, bool roomy, unsigned long seed) {
   given.p[2] = pose.p.z;
   c.target = km_arm_from_model(c.arm, &pose);
   km_error error = {0};
-  c.listed = km_branches_find(c.arm, &given, seed, NULL, NULL, &c.branches, &error) == KM_OK;
+  c.listed = km_ik_solutions_find(c.arm, &given, seed, NULL, NULL, &c.branches, &error) == KM_OK;
   if (!km_arm_space_create(c.arm, &c.space))
     fail_msg("out of memory");
   return c;
 }
 
 static void close_case(ik_case *c) {
-  km_branches_free(&c->branches);
+  km_ik_solutions_free(&c->branches);
   km_arm_space_free(&c->space);
   km_arm_free(c->arm);
   fixture_close(&c->f);

@@ -118,7 +118,7 @@ void kt_options_read(const kt_options *options, const char *about, int argc, cha
   struct argp_option table[KT_MOST_OPTIONS + 1] = {{0}};
   for (int i = 0; i < options->count; ++i) {
     const kt_option *o = &options->items[i];
-    table[i] = (struct argp_option){o->name, key_of(options, i), o->argument, 0, o->help, o->group};
+    table[i] = (struct argp_option){o->name, key_of(options, i), o->argument, 0, o->help, (int)o->group};
   }
   const struct argp argp = {.options = table, .parser = parse, .args_doc = options->operand.argument, .doc = about};
   if (argp_parse(&argp, argc, argv, 0, NULL, &options))

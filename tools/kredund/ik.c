@@ -62,7 +62,7 @@ static kt_exit answer(const kredund_request *r, const km_value *record, km_text 
 
 static kt_exit run(const kredund_request *r, const kredund_open *open) {
   km_frame_pose target;
-  km_branches branches;
+  km_ik_solutions branches;
   km_error error;
   km_arena arena = {0};
   km_text text = {0};
@@ -70,20 +70,20 @@ static kt_exit run(const kredund_request *r, const kredund_open *open) {
   kt_exit result = find_target(r, open, &target);
   if (result != KT_DONE)
     return result;
-  km_status status = km_branches_find(arm, &target, r->common.seed, NULL, NULL, &branches, &error);
+  km_status status = km_ik_solutions_find(arm, &target, r->common.seed, NULL, NULL, &branches, &error);
   if (status) {
     kt_say(&r->common, KM_ERROR, "%s: %s", open->name, error.text);
     result = kt_exit_of(status);
   } else {
     if (!r->json)
-      km_branches_print(arm, &branches, open->name, &text);
-    result = answer(r, r->json ? km_branches_record(arm, &branches, open->model, &arena) : NULL, &text, &arena);
+      km_ik_solutions_print(arm, &branches, open->name, &text);
+    result = answer(r, r->json ? km_ik_solutions_record(arm, &branches, open->model, &arena) : NULL, &text, &arena);
     if (result == KT_DONE && branches.within == 0) {
       kt_say(&r->common, KM_ERROR, "%s: no branch has a pose within the joint limits", open->name);
       result = KT_PARTIAL;
     }
   }
-  km_branches_free(&branches);
+  km_ik_solutions_free(&branches);
   km_arena_free(&arena);
   km_text_free(&text);
   return result;

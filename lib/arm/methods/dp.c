@@ -47,9 +47,9 @@ static void lead(km_dp_grid *g, int worker, int first, int count) {
     }
     if (abreast == 0)
       return;
-    km_walk_steps(&run->walk, &g->spaces[worker], now->first + k, abreast, from, ways, at, ends);
+    km_tracker_steps(&run->walk, &g->spaces[worker], now->first + k, abreast, from, ways, at, ends);
     for (int i = 0; i < abreast && g->eased; ++i)
-      ends[i] = km_walk_ease(&run->walk, &g->spaces[worker], now->first + k, from[i], &ways[i], ends[i], at[i]);
+      ends[i] = km_tracker_ease(&run->walk, &g->spaces[worker], now->first + k, from[i], &ways[i], ends[i], at[i]);
     for (int i = 0; i < abreast; ++i) {
       km_dp_state *to = &g->arrivals[first + lane[i]];
       alive[lane[i]] = !ends[i].stop;
@@ -146,10 +146,10 @@ static km_status stop_short(km_dp_grid *g) {
   km_node node = g->here[0], next = run->space.here;
   static const km_way plain = {0};
   int sample = run->reached - 1;
-  km_walk_begin(&run->walk, &run->space, sample, run->q + (size_t)sample * (size_t)run->arm->n, &plain, &node);
+  km_tracker_begin(&run->walk, &run->space, sample, run->q + (size_t)sample * (size_t)run->arm->n, &plain, &node);
   km_arena arena = {0};
   if (km_node_create(run->arm, &arena, &next))
-    km_run_stop(run, &node, &way, km_walk_step(&run->walk, &run->space, sample, 1.0, &node, &way, &next));
+    km_run_stop(run, &node, &way, km_tracker_step(&run->walk, &run->space, sample, 1.0, &node, &way, &next));
   km_arena_free(&arena);
   if (run->stop ==
       KM_TRACK_COMPLETE) /* a step of more parts than are tried here, or the sense of its columns was another */
@@ -164,11 +164,11 @@ static bool begin(km_dp_grid *g) {
   g->stage_count = (intervals + g->length - 1) / g->length;
   g->workers = run->plan->jobs > 1 ? run->plan->jobs : 1;
   g->stages = KM_ARENA_NEW(&g->arena, km_dp_stage, (size_t)g->stage_count + 1);
-  g->spaces = KM_ARENA_NEW(&g->arena, km_walk_space, (size_t)g->workers);
+  g->spaces = KM_ARENA_NEW(&g->arena, km_tracker_space, (size_t)g->workers);
   g->here = KM_ARENA_NEW(&g->arena, km_node, (size_t)g->workers * KM_WALK_ABREAST);
   bool whole = !g->arena.failed;
   for (int i = 0; i < g->workers && whole; ++i)
-    whole = km_walk_space_create(run->arm, &g->spaces[i]);
+    whole = km_tracker_space_create(run->arm, &g->spaces[i]);
   for (int i = 0; i < g->workers * KM_WALK_ABREAST && whole; ++i)
     whole = km_node_create(run->arm, &g->arena, &g->here[i]);
   if (whole)
@@ -181,7 +181,7 @@ static bool begin(km_dp_grid *g) {
   if (g->arena.failed)
     return false;
   g->stages[0].count = 1;
-  km_walk_begin(&run->walk, &run->space, 0, run->start, &plain, &start->node);
+  km_tracker_begin(&run->walk, &run->space, 0, run->start, &plain, &start->node);
   start->least = start->sum = start->node.value;
   memcpy(run->q, run->start, (size_t)run->arm->n * sizeof *run->q);
   run->reached = 1;
@@ -248,7 +248,7 @@ static km_status solve_at(km_run *run, double spacing, int length, pass p, km_er
   km_team_free(g.team);
   for (int i = 0; i < g.workers && g.spaces; ++i) {
     run->evaluations += g.spaces[i].arm.evaluations;
-    km_walk_space_free(&g.spaces[i]);
+    km_tracker_space_free(&g.spaces[i]);
   }
   km_arena_free(&g.arena);
   return status;
@@ -300,7 +300,7 @@ static km_status solve_twice(km_run *run, pass p, km_error *error) {
 
 /* Where it stops short under rates, again with tilts that keep them; the track that goes further. */
 km_status km_method_dp(km_run *run, km_error *error) {
-  const int passes = km_walk_rated(run->arm) ? 4 : 2;
+  const int passes = km_tracker_rated(run->arm) ? 4 : 2;
   km_run eased;
   km_status status = solve_twice(run, (pass){0, passes, false}, error);
   if (status != KM_PARTIAL || passes == 2)

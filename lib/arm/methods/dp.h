@@ -32,7 +32,7 @@ typedef struct km_dp_grid {
   km_dp_state *arrivals; /* [states · actions] */
   size_t arrival_capacity;
   km_team *team;
-  km_walk_space *spaces;
+  km_tracker_space *spaces;
   km_node *here;
 } km_dp_grid;
 

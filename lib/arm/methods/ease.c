@@ -3,7 +3,7 @@
 
 #include <string.h>
 
-bool km_walk_rated(const km_arm *a) {
+bool km_tracker_rated(const km_arm *a) {
   for (int k = 0; k < a->n; ++k)
     if (a->rate[k] < (double)INFINITY)
       return true;
@@ -39,8 +39,8 @@ static bool turn(const km_arm *a, const km_node *node, double speed, double marg
   return false;
 }
 
-km_step_end km_walk_ease(const km_walk *w, km_walk_space *s, int sample, const km_node *from, const km_way *way,
-                         km_step_end end, km_node *to) {
+km_step_end km_tracker_ease(const km_tracker *w, km_tracker_space *s, int sample, const km_node *from,
+                            const km_way *way, km_step_end end, km_node *to) {
   static const double margins[] = {0.001, 0.01, 0.03, 0.1}; /* rates grow along the step */
   const size_t size = (size_t)w->arm->freedom * sizeof *way->tilt;
   double tilt[KM_ARM_MOST];
@@ -52,7 +52,7 @@ km_step_end km_walk_ease(const km_walk *w, km_walk_space *s, int sample, const k
       return end;
     km_way nearest = *way;
     nearest.tilt = tilt;
-    km_step_end eased = km_walk_step(w, s, sample, 1.0, from, &nearest, to);
+    km_step_end eased = km_tracker_step(w, s, sample, 1.0, from, &nearest, to);
     if (eased.stop == KM_TRACK_COMPLETE)
       return eased;
   }

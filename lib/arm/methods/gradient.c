@@ -12,7 +12,7 @@ static double beside(km_run *run, climber *c, int sample, const km_node *node, c
   double q[KM_ARM_MOST];
   for (int k = 0; k < run->arm->n; ++k)
     q[k] = node->q[k] + way * column[k];
-  km_walk_begin(&run->walk, &run->space, sample, q, &plain, &c->probe);
+  km_tracker_begin(&run->walk, &run->space, sample, q, &plain, &c->probe);
   return c->probe.value;
 }
 

@@ -26,8 +26,8 @@ typedef struct tree {
   km_node *first;   /* [branches] one sample after the root */
   double *tilts;    /* [branches × freedom] */
   km_team *team;
-  km_walk_space *spaces; /* [workers] */
-  km_node *here;         /* [workers × KM_WALK_ABREAST] */
+  km_tracker_space *spaces; /* [workers] */
+  km_node *here;            /* [workers × KM_WALK_ABREAST] */
   km_node root;
   km_step_end middle; /* how the untilted branch ended, if on its first step */
   int sample, level, level_count, depth;
@@ -115,9 +115,9 @@ static void grow(tree *t, int worker, int first, int count) {
     }
     if (abreast == 0)
       return;
-    km_walk_steps(&run->walk, &t->spaces[worker], t->sample + k, abreast, from, ways, to, ends);
+    km_tracker_steps(&run->walk, &t->spaces[worker], t->sample + k, abreast, from, ways, to, ends);
     for (int i = 0; i < abreast && t->eased; ++i)
-      ends[i] = km_walk_ease(&run->walk, &t->spaces[worker], t->sample + k, from[i], &ways[i], ends[i], to[i]);
+      ends[i] = km_tracker_ease(&run->walk, &t->spaces[worker], t->sample + k, from[i], &ways[i], ends[i], to[i]);
     for (int i = 0; i < abreast; ++i)
       take_step(t, first + lane[i], k, node[lane[i]], ends[i], &here[lane[i]]);
   }
@@ -203,7 +203,7 @@ static bool create(tree *t, km_run *run) {
   t->nodes = KM_ARENA_NEW(arena, tree_node, (size_t)count);
   t->first = KM_ARENA_NEW(arena, km_node, (size_t)t->branches);
   t->tilts = KM_ARENA_NEW(arena, double, (size_t)t->branches *(size_t)(a->freedom > 0 ? a->freedom : 1));
-  t->spaces = KM_ARENA_NEW(arena, km_walk_space, (size_t)t->workers);
+  t->spaces = KM_ARENA_NEW(arena, km_tracker_space, (size_t)t->workers);
   t->here = KM_ARENA_NEW(arena, km_node, (size_t)t->workers * KM_WALK_ABREAST);
   bool whole = !arena->failed && km_node_create(a, arena, &t->root);
   for (long long i = 0; i < count && whole; ++i)
@@ -211,7 +211,7 @@ static bool create(tree *t, km_run *run) {
   for (int i = 0; i < t->branches && whole; ++i)
     whole = km_node_create(a, arena, &t->first[i]);
   for (int i = 0; i < t->workers && whole; ++i)
-    whole = km_walk_space_create(a, &t->spaces[i]);
+    whole = km_tracker_space_create(a, &t->spaces[i]);
   for (int i = 0; i < t->workers * KM_WALK_ABREAST && whole; ++i)
     whole = km_node_create(a, arena, &t->here[i]);
   if (whole)
@@ -224,7 +224,7 @@ static void destroy(tree *t) {
   km_team_free(t->team);
   for (int i = 0; i < t->workers && t->spaces; ++i) {
     t->run->evaluations += t->spaces[i].arm.evaluations;
-    km_walk_space_free(&t->spaces[i]);
+    km_tracker_space_free(&t->spaces[i]);
   }
 }
 
@@ -252,7 +252,7 @@ static km_status follow(tree *t, km_error *error) {
   static const km_way plain = {0};
   km_run *run = t->run;
   const size_t n = (size_t)run->arm->n;
-  km_walk_begin(&run->walk, &run->space, 0, run->start, &plain, &t->root);
+  km_tracker_begin(&run->walk, &run->space, 0, run->start, &plain, &t->root);
   memcpy(run->q, t->root.q, n * sizeof *run->q);
   for (run->reached = 1; run->reached < run->plan->path->samples; ++run->reached) {
     int branch = look_ahead(t);
@@ -317,7 +317,7 @@ km_status km_method_lookahead(km_run *run, km_error *error) {
                    method->levels, nodes, MOST_NODES);
   km_status status = look(run, false, error);
   bool branches = run->arm->freedom > 0 && method->branches > 1, eased;
-  if (status == KM_PARTIAL && branches && km_walk_rated(run->arm))
+  if (status == KM_PARTIAL && branches && km_tracker_rated(run->arm))
     status = prefer(run, status, look_eased, &eased, error);
   if ((status == KM_OK || status == KM_PARTIAL) && branches)
     status = prefer(run, status, km_method_greedy, &run->greedy_instead, error);

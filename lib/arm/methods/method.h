@@ -7,8 +7,8 @@
 typedef struct km_run {
   const km_arm *arm;
   const km_track_plan *plan;
-  km_walk walk;
-  km_walk_space space;
+  km_tracker walk;
+  km_tracker_space space;
   km_arena arena;
   km_node node, next; /* of km_run_steps */
   double *start;      /* [n] */

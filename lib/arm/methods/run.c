@@ -12,7 +12,7 @@ bool km_run_create(const km_arm *a, const km_track_plan *plan, km_run *run) {
   run->last = KM_ARENA_NEW(&run->arena, double, n);
   run->q = KM_ARENA_NEW(&run->arena, double, n *(size_t)plan->path->samples);
   if (km_node_create(a, &run->arena, &run->node) && km_node_create(a, &run->arena, &run->next) &&
-      km_walk_space_create(a, &run->space)) {
+      km_tracker_space_create(a, &run->space)) {
     for (int k = 0; k < a->n; ++k)
       run->start[k] = km_arm_read(a, k, plan->start[k]);
     return true;
@@ -22,7 +22,7 @@ bool km_run_create(const km_arm *a, const km_track_plan *plan, km_run *run) {
 }
 
 void km_run_free(km_run *run) {
-  km_walk_space_free(&run->space);
+  km_tracker_space_free(&run->space);
   km_arena_free(&run->arena);
 }
 
@@ -79,7 +79,7 @@ void km_run_stop(km_run *run, const km_node *node, const km_way *way, km_step_en
     return;
   km_node_copy(run->arm, &at, node);
   if (end.stop != KM_TRACK_RATE) { /* which a limit or a rate may end before a singular pose does */
-    end = km_walk_find_end(&run->walk, &run->space, sample, node, way, end, 1.0, &at);
+    end = km_tracker_find_end(&run->walk, &run->space, sample, node, way, end, 1.0, &at);
     run->fraction = end.fraction;
   }
   if (run->fraction < 1e-9) { /* a step so short has no rates that stand out of rounding */
@@ -108,7 +108,7 @@ static km_step_end advance(km_run *run, const km_way *first, km_run_choose choos
   *way = *first;
   if (choose)
     choose(context, run, run->reached - 1, &run->node, way);
-  km_step_end end = km_walk_step(&run->walk, &run->space, run->reached - 1, 1.0, &run->node, way, &run->next);
+  km_step_end end = km_tracker_step(&run->walk, &run->space, run->reached - 1, 1.0, &run->node, way, &run->next);
   if (!end.stop) {
     km_node_copy(run->arm, &run->node, &run->next);
     keep(run, &run->node);
@@ -117,7 +117,7 @@ static km_step_end advance(km_run *run, const km_way *first, km_run_choose choos
 }
 
 static void begin(km_run *run, const km_way *first) {
-  km_walk_begin(&run->walk, &run->space, 0, run->start, first, &run->node);
+  km_tracker_begin(&run->walk, &run->space, 0, run->start, first, &run->node);
   run->reached = 0;
   run->fraction = 0.0;
   run->stop = KM_TRACK_COMPLETE;
@@ -170,7 +170,7 @@ km_run_value km_run_evaluate(km_run *run) {
   km_run_value value = {(double)INFINITY, 0.0, run->reached};
   static const km_way plain = {0};
   for (int i = 0; i < run->reached; ++i) {
-    km_walk_begin(&run->walk, &run->space, i, run->q + (size_t)i * (size_t)run->arm->n, &plain, &run->next);
+    km_tracker_begin(&run->walk, &run->space, i, run->q + (size_t)i * (size_t)run->arm->n, &plain, &run->next);
     double here = run->next.value + own_margin(run, i);
     value.least = fmin(value.least, here);
     value.sum += here;

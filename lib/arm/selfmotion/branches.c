@@ -99,7 +99,7 @@ static int by_place(const void *a, const void *b) {
   return x->index - y->index;
 }
 
-static km_status deliver(km_finder *f, km_branches *out, km_error *error) {
+static km_status deliver(km_finder *f, km_ik_solutions *out, km_error *error) {
   size_t count = (size_t)f->count, n = (size_t)f->arm->n;
   km_selfmotion *items = KM_NEW(km_selfmotion, count + 1);
   double *pose = KM_NEW(double, count *n + 1), *margin = KM_NEW(double, count + 1);
@@ -140,18 +140,18 @@ static km_status deliver(km_finder *f, km_branches *out, km_error *error) {
   return status;
 }
 
-km_status km_branches_find(const km_arm *a, const km_frame_pose *given, unsigned long seed, km_progress progress,
-                           void *context, km_branches *out, km_error *error) {
+km_status km_ik_solutions_find(const km_arm *a, const km_frame_pose *given, unsigned long seed, km_progress progress,
+                               void *context, km_ik_solutions *out, km_error *error) {
   if (!out)
     return km_check_given(false, "place for the result", error);
-  *out = (km_branches){0};
+  *out = (km_ik_solutions){0};
   km_status fits = km_check_given(a && given, "arm or pose", error);
   if (!fits)
     fits = km_check_pose(given, error);
   if (fits)
     return fits;
   km_finder f;
-  *out = (km_branches){0};
+  *out = (km_ik_solutions){0};
   km_pose target = km_arm_pose_of(a, given);
   km_status status = km_finder_run(a, &target, seed, progress, context, &f, error);
   out->starts = f.starts;
@@ -164,7 +164,7 @@ km_status km_branches_find(const km_arm *a, const km_frame_pose *given, unsigned
   return status;
 }
 
-void km_branches_free(km_branches *b) {
+void km_ik_solutions_free(km_ik_solutions *b) {
   if (!b)
     return;
   for (int i = 0; i < b->count; ++i)
@@ -173,7 +173,7 @@ void km_branches_free(km_branches *b) {
   km_free(b->pose);
   km_free(b->margin);
   km_free(b->singular);
-  *b = (km_branches){0};
+  *b = (km_ik_solutions){0};
 }
 
 static double distance_between(const km_arm *a, const double *x, const double *y) {

@@ -79,7 +79,7 @@ km_status km_selfmotion_export(const km_loop_curve *curve, km_selfmotion *out, k
 bool km_arm_turns_once(const km_arm *arm, int column);
 /* How far a coordinate is beyond its limits: ≤ 0 within. Of hinges that turn once but for full turns. */
 double km_arm_beyond(const km_arm *arm, int column, double q);
-/* Has a slide left for infinity? Two of them can, hand in hand. */
+/* Has a slide left for infinity? Two parallel slides can diverge together. */
 bool km_arm_slides_away(const km_arm *arm, const double *q);
 /* Brings hinges by full turns to within a half turn of the middle of their limits. */
 void km_arm_unwind(const km_arm *arm, double *q);

@@ -11,7 +11,7 @@ typedef struct maker {
   const km_objective *objective;
   km_arm free_arm; /* the same arm without limits and rates */
   km_arm_space space;
-  km_walk_space walk_space;
+  km_tracker_space walk_space;
   km_node here, next;
 } maker;
 
@@ -87,13 +87,13 @@ static bool add_station(maker *m, int sample) {
 
 static bool walk(maker *m, const double *start, int stations) {
   static const km_way plain = {0};
-  const km_walk w = {&m->free_arm, m->path, NULL};
+  const km_tracker w = {&m->free_arm, m->path, NULL};
   int samples = m->path->samples, stride = (samples - 1 + stations - 1) / stations, i = 0;
-  km_walk_begin(&w, &m->walk_space, 0, start, &plain, &m->here);
+  km_tracker_begin(&w, &m->walk_space, 0, start, &plain, &m->here);
   for (stride = stride < 1 ? 1 : stride;; ++i) {
     if ((i % stride == 0 || i == samples - 1) && !add_station(m, i))
       return false;
-    if (i == samples - 1 || km_walk_step(&w, &m->walk_space, i, 1.0, &m->here, &plain, &m->next).stop)
+    if (i == samples - 1 || km_tracker_step(&w, &m->walk_space, i, 1.0, &m->here, &plain, &m->next).stop)
       break;
     km_node_copy(&m->free_arm, &m->here, &m->next);
   }
@@ -114,7 +114,7 @@ static bool prepare(maker *m, km_arena *arena, const km_arm *arm, int stations) 
     m->free_arm.low[k] = -(double)INFINITY;
     m->free_arm.high[k] = m->free_arm.rate[k] = (double)INFINITY;
   }
-  return km_arm_space_create(arm, &m->space) && km_walk_space_create(arm, &m->walk_space);
+  return km_arm_space_create(arm, &m->space) && km_tracker_space_create(arm, &m->walk_space);
 }
 
 km_status km_motion_map_make(const km_arm *arm, const km_path *path, const double *start, const km_objective *objective,
@@ -128,7 +128,7 @@ km_status km_motion_map_make(const km_arm *arm, const km_path *path, const doubl
     q[k] = km_arm_read(arm, k, start[k]);
   bool whole = prepare(&m, &out->arena, arm, stations) && walk(&m, q, stations);
   km_arm_space_free(&m.space);
-  km_walk_space_free(&m.walk_space);
+  km_tracker_space_free(&m.walk_space);
   return whole ? KM_OK : km_fail(error, KM_MEMORY, "out of memory for a map");
 }
 

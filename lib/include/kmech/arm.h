@@ -36,7 +36,7 @@ KM_API km_status km_arm_place(const km_arm *arm, const double *q, km_frame_pose 
 KM_API km_status km_arm_jacobian(const km_arm *arm, const double *q, double *J, km_error *error);
 
 /* Inverse kinematics: of all poses within the limits that reach `pose` the one nearest to near[n], both in the model's
- * units: by Newton's method from there, else of all branches that are found (km_branches_find; the same for the same
+ * units: by Newton's method from there, else of all branches that are found (km_ik_solutions_find; the same for the same
  * seed). KM_NO_RESULT: out of reach, or never within the limits; KM_DIVERGED, KM_CANCELLED, KM_MEMORY, KM_USAGE: then
  * q[n] stays as it is. */
 KM_API km_status km_arm_solve(const km_arm *arm, const km_frame_pose *pose, const double *near, unsigned long seed,

@@ -53,7 +53,7 @@ KM_API km_status km_selfmotion_follow(const km_arm *arm, const double *q, km_pro
 KM_API void km_selfmotion_free(km_selfmotion *motion);
 
 /* All components of the poses that hold the effector at a pose. */
-typedef struct km_branches {
+typedef struct km_ik_solutions {
   int count;
   km_selfmotion *items;  /* with one freedom: curves; else single poses (count 1, length 0) */
   double *pose;          /* [count × columns] of each branch: within the limits, as far from them as it gets */
@@ -63,15 +63,15 @@ typedef struct km_branches {
   int starts, converged; /* evidence: starts of Newton's method, and solutions */
   bool closed_form;      /* three neighbouring axes meet or are parallel: the solutions are those of the closed form */
   bool confirmed;        /* the count of components; false: there may be more */
-} km_branches;
+} km_ik_solutions;
 
 /* In closed form where six hinges (of seven one is held, at many angles) have three neighbouring axes that meet or are
  * parallel; else by Newton's method from many starts (the same for the same seed), until the count is confirmed: no new
  * ones in a long row, and, of six hinges, as many of either sense. Each solution that lies on no known curve is
  * followed along its own. KM_NO_RESULT: out of reach; KM_MEMORY; KM_CANCELLED. Free `*out` in any case. */
-KM_API km_status km_branches_find(const km_arm *arm, const km_frame_pose *pose, unsigned long seed,
-                                  km_progress progress, void *context, km_branches *out, km_error *error);
-KM_API void km_branches_free(km_branches *branches);
+KM_API km_status km_ik_solutions_find(const km_arm *arm, const km_frame_pose *pose, unsigned long seed,
+                                      km_progress progress, void *context, km_ik_solutions *out, km_error *error);
+KM_API void km_ik_solutions_free(km_ik_solutions *branches);
 
 #ifdef __cplusplus
 }

@@ -178,7 +178,7 @@ static void add_turns(const km_arm *a, const double *shown, km_value *branch, km
   km_value_boolean(arena, branch, "truncated", count > MOST_LISTED);
 }
 
-km_value *km_branches_record(const km_arm *a, const km_branches *b, const char *model, km_arena *arena) {
+km_value *km_ik_solutions_record(const km_arm *a, const km_ik_solutions *b, const char *model, km_arena *arena) {
   km_value *record = km_arm_record(a, model, arena);
   km_value_number(arena, record, "count", b->count);
   km_value_boolean(arena, record, "sampled", is_sampled(a));
@@ -205,7 +205,7 @@ km_value *km_branches_record(const km_arm *a, const km_branches *b, const char *
   return arena->failed ? NULL : record;
 }
 
-static void print_pose(const km_arm *a, const km_branches *b, int i, km_text *out) {
+static void print_pose(const km_arm *a, const km_ik_solutions *b, int i, km_text *out) {
   int first[KM_ARM_MOST], last[KM_ARM_MOST];
   double turns = a->freedom == 0 && b->margin[i] >= 0.0 ? turns_of(a, b->pose + i * a->n, first, last) : 1.0;
   km_text_add(out, a->freedom > 0   ? "one pose of a family"
@@ -216,7 +216,7 @@ static void print_pose(const km_arm *a, const km_branches *b, int i, km_text *ou
   km_text_add(out, "\n");
 }
 
-void km_branches_print(const km_arm *a, const km_branches *b, const char *name, km_text *out) {
+void km_ik_solutions_print(const km_arm *a, const km_ik_solutions *b, const char *name, km_text *out) {
   bool sampled = is_sampled(a);
   km_text_format(out, "%s: %s%d branch%s", name, sampled ? "a sample of " : "", b->count, b->count == 1 ? "" : "es");
   if (b->within < b->count)

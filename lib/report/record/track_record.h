@@ -36,7 +36,8 @@ km_value *km_selfmotion_record(const km_arm *arm, const km_selfmotion *motion, b
                                km_arena *arena);
 void km_selfmotion_print(const km_arm *arm, const km_selfmotion *motion, const char *name, km_text *out);
 km_table *km_selfmotion_table(const km_arm *arm, const km_selfmotion *motion, bool all);
-km_value *km_branches_record(const km_arm *arm, const km_branches *branches, const char *model, km_arena *arena);
-void km_branches_print(const km_arm *arm, const km_branches *branches, const char *name, km_text *out);
+km_value *km_ik_solutions_record(const km_arm *arm, const km_ik_solutions *branches, const char *model,
+                                 km_arena *arena);
+void km_ik_solutions_print(const km_arm *arm, const km_ik_solutions *branches, const char *name, km_text *out);
 
 #endif
