@@ -24,10 +24,10 @@ typedef struct km_tangents {
   const km_substructure *sub;
   km_arena *arena;
   km_second_order conditions; /* Q is built when a random tangent is first asked for */
-  double residual;     /* of the pose's worst loop */
-  double *pose, *last; /* saved coordinates */
-  bool doubtful;       /* some tangent was neither confirmed nor refuted */
-  km_reality enough;   /* to count as real; KM_REAL */
+  double residual;            /* of the pose's worst loop */
+  double *pose, *last;        /* saved coordinates */
+  bool doubtful;              /* some tangent was neither confirmed nor refuted */
+  km_reality enough;          /* to count as real; KM_REAL */
   double *x, *move, *work;
   double *a; /* [freedom] a tangent by its share of each column of Z */
   uint64_t random;
@@ -42,15 +42,15 @@ void km_tangents_normalise(double *a, int freedom);
 /* Scaled unit direction D⁻¹Z a. */
 void km_tangents_direction(const km_tangents *tangents, const double *a, double *x);
 
-typedef struct km_way {
+typedef struct km_followed {
   double length; /* arc length to which the loops were closed */
   km_reality reality;
-} km_way;
+} km_followed;
 
 /* Follows a tangent from the pose, `sign` ahead or back, with the fastest
  * coordinate as the driver: what is left of the loops' errors is then theirs, and not moved away. The state is left at
  * the end. See trial.c. */
-km_way km_tangents_follow(km_tangents *tangents, const double *a, double sign);
+km_followed km_tangents_follow(km_tangents *tangents, const double *a, double sign);
 /* Can it be followed ahead and back? `doubtful` remembers answers that are undecided. */
 bool km_tangents_is_real(km_tangents *tangents, const double *a);
 /* Are the basis vectors and as many random combinations of them all real? */

@@ -125,13 +125,13 @@ static km_reality judge(const km_tangents *f, const record *r, double tolerance,
   return whole && misfit <= tolerance ? KM_REAL : KM_UNDECIDED;
 }
 
-km_way km_tangents_follow(km_tangents *f, const double *a, double sign) {
+km_followed km_tangents_follow(km_tangents *f, const double *a, double sign) {
   record r = {0};
   int column, columns = f->sub->columns, driver = -1;
   double start = f->residual, tolerance = fmax(f->m->closure_tolerance, 3.0 * start);
   double first = fmin(fmax(first_step, grain * start), longest_step), h = first;
   double misfit = 0.0, way = 0.0, opened = HUGE_VAL; /* where the loops open */
-  km_way result = {0};
+  km_followed result = {0};
   km_tangents_direction(f, a, f->x);
   double size = fastest(f->x, columns, &column);
   for (int c = 0; c < columns; ++c)

@@ -10,7 +10,7 @@
 #include "arm/seven.h"
 #include "arm/study.h"
 #include "arm/track.h"
-#include "arm/walk.h"
+#include "arm/tracker.h"
 
 #include <lapacke.h>
 #include <string.h>
@@ -169,7 +169,7 @@ typedef struct walker {
 } walker;
 
 static void run_steps(void *context) {
-  static const km_way plain = {0};
+  static const km_step_choice plain = {0};
   walker *w = context;
   km_node_copy(w->walk.arm, &w->nodes[0], &w->start);
   for (int i = 0; i < w->study->path->samples - 1; ++i)
@@ -184,12 +184,12 @@ static void run_abreast(void *context) {
   walker *w = context;
   const km_node *from[KM_WALK_ABREAST];
   km_node *to[KM_WALK_ABREAST];
-  km_way ways[KM_WALK_ABREAST];
+  km_step_choice ways[KM_WALK_ABREAST];
   km_step_end ends[KM_WALK_ABREAST];
   for (int i = 0; i < KM_WALK_ABREAST; ++i) {
     from[i] = &w->start;
     to[i] = &w->four[i];
-    ways[i] = (km_way){.tilt = &tilts[i]};
+    ways[i] = (km_step_choice){.tilt = &tilts[i]};
   }
   km_tracker_steps(&w->walk, &w->space, 0, KM_WALK_ABREAST, from, ways, to, ends);
 }
@@ -197,7 +197,7 @@ static void run_abreast(void *context) {
 static void run_one_by_one(void *context) {
   walker *w = context;
   for (int i = 0; i < KM_WALK_ABREAST; ++i) {
-    const km_way way = {.tilt = &tilts[i]};
+    const km_step_choice way = {.tilt = &tilts[i]};
     km_tracker_step(&w->walk, &w->space, 0, 1.0, &w->start, &way, &w->four[i]);
   }
 }
@@ -229,7 +229,7 @@ static double tree_steps(int samples, int branches, int levels) {
 }
 
 static walker walker_of(const km_study *study, int jobs) {
-  static const km_way plain = {0};
+  static const km_step_choice plain = {0};
   walker w = {.study = study, .jobs = jobs, .walk = {study->arm, study->path, &study->objective}};
   double q[N];
   bool whole = km_tracker_space_create(study->arm, &w.space) && km_node_create(study->arm, &w.arena, &w.start);

@@ -4,7 +4,7 @@
 #include "arm/control.h"
 #include "arm/objective.h"
 #include "arm/seven.h"
-#include "arm/walk.h"
+#include "arm/tracker.h"
 #include "kinematics/poses.h"
 #include "kmech/control.h"
 
@@ -292,18 +292,18 @@ static void lanes_have_the_same_bits(void **state) {
     assert_true(km_tracker_space_create(study->arm, &space) && km_node_create(study->arm, &arena, &one));
     const km_node *starts[4];
     km_node *ends_at[4];
-    km_way ways[4];
+    km_step_choice ways[4];
     km_step_end ends[4];
     double tilt[4], q[7];
     for (int k = 0; k < 7; ++k)
       q[k] = km_arm_read(study->arm, k, study->start[k]);
     int count = 2 + below(&r, 3);
     for (int l = 0; l < 4; ++l) {
-      static const km_way plain = {0};
+      static const km_step_choice plain = {0};
       assert_true(km_node_create(study->arm, &arena, &from[l]) && km_node_create(study->arm, &arena, &to[l]));
       km_tracker_begin(&walk, &space, 0, q, &plain, &from[l]);
       tilt[l] = uniform(&r, -3.0, 3.0);
-      ways[l] = (km_way){.tilt = &tilt[l]};
+      ways[l] = (km_step_choice){.tilt = &tilt[l]};
       starts[l] = &from[l];
       ends_at[l] = &to[l];
     }

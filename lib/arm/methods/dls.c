@@ -3,6 +3,6 @@
 #include "arm/methods/method.h"
 
 km_status km_method_dls(km_run *run, km_error *error) {
-  const km_way way = {.damping = run->plan->method.damping, .below = run->plan->method.below};
+  const km_step_choice way = {.damping = run->plan->method.damping, .below = run->plan->method.below};
   return km_run_steps(run, &way, NULL, NULL, error);
 }

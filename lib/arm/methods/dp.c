@@ -34,7 +34,7 @@ static void lead(km_dp_grid *g, int worker, int first, int count) {
   for (int k = 0; k < now->length; ++k) {
     const km_node *from[KM_WALK_ABREAST];
     km_node *at[KM_WALK_ABREAST];
-    km_way ways[KM_WALK_ABREAST];
+    km_step_choice ways[KM_WALK_ABREAST];
     km_step_end ends[KM_WALK_ABREAST];
     int lane[KM_WALK_ABREAST], abreast = 0;
     for (int l = 0; l < count; ++l) {
@@ -43,7 +43,8 @@ static void lead(km_dp_grid *g, int worker, int first, int count) {
       lane[abreast] = l;
       from[abreast] = &here[l];
       at[abreast] = &g->arrivals[first + l].node;
-      ways[abreast++] = (km_way){.tilt = g->tilts + (first + l) % g->actions * run->arm->freedom, .tries = MOST_TRIES};
+      ways[abreast++] =
+          (km_step_choice){.tilt = g->tilts + (first + l) % g->actions * run->arm->freedom, .tries = MOST_TRIES};
     }
     if (abreast == 0)
       return;
@@ -142,9 +143,9 @@ static km_status stop_short(km_dp_grid *g) {
     if (km_dp_better(g, &g->arrivals[i], &g->arrivals[best]))
       best = i;
   trace(g, g->now, &g->arrivals[best]);
-  const km_way way = {.tilt = g->tilts + (best % g->actions) * run->arm->freedom};
+  const km_step_choice way = {.tilt = g->tilts + (best % g->actions) * run->arm->freedom};
   km_node node = g->here[0], next = run->space.here;
-  static const km_way plain = {0};
+  static const km_step_choice plain = {0};
   int sample = run->reached - 1;
   km_tracker_begin(&run->walk, &run->space, sample, run->q + (size_t)sample * (size_t)run->arm->n, &plain, &node);
   km_arena arena = {0};
@@ -158,7 +159,7 @@ static km_status stop_short(km_dp_grid *g) {
 }
 
 static bool begin(km_dp_grid *g) {
-  static const km_way plain = {0};
+  static const km_step_choice plain = {0};
   km_run *run = g->run;
   int intervals = run->plan->path->samples - 1;
   g->stage_count = (intervals + g->length - 1) / g->length;

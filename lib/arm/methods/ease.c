@@ -1,5 +1,5 @@
 /* Steps that keep the rates, where the tilt that was asked for doesn't. */
-#include "arm/walk.h"
+#include "arm/tracker.h"
 
 #include <string.h>
 
@@ -40,7 +40,7 @@ static bool turn(const km_arm *a, const km_node *node, double speed, double marg
 }
 
 km_step_end km_tracker_ease(const km_tracker *w, km_tracker_space *s, int sample, const km_node *from,
-                            const km_way *way, km_step_end end, km_node *to) {
+                            const km_step_choice *way, km_step_end end, km_node *to) {
   static const double margins[] = {0.001, 0.01, 0.03, 0.1}; /* rates grow along the step */
   const size_t size = (size_t)w->arm->freedom * sizeof *way->tilt;
   double tilt[KM_ARM_MOST];
@@ -50,7 +50,7 @@ km_step_end km_tracker_ease(const km_tracker *w, km_tracker_space *s, int sample
     memcpy(tilt, way->tilt, size);
     if (!turn(w->arm, from, w->path->points[sample].speed, margins[i], tilt))
       return end;
-    km_way nearest = *way;
+    km_step_choice nearest = *way;
     nearest.tilt = tilt;
     km_step_end eased = km_tracker_step(w, s, sample, 1.0, from, &nearest, to);
     if (eased.stop == KM_TRACK_COMPLETE)

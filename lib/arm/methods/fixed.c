@@ -16,6 +16,6 @@ km_status km_method_fixed(km_run *run, km_error *error) {
       if (p->column[c] < a->n)
         run->held[p->column[c]] = true;
   }
-  const km_way way = {.held = run->held};
+  const km_step_choice way = {.held = run->held};
   return km_run_steps(run, &way, NULL, NULL, error);
 }

@@ -19,7 +19,7 @@ typedef struct problem {
   int tried;
 } problem;
 
-static void choose(void *context, km_run *run, int sample, const km_node *node, km_way *way) {
+static void choose(void *context, km_run *run, int sample, const km_node *node, km_step_choice *way) {
   problem *p = context;
   (void)node;
   const int knots = run->plan->method.knots, freedom = run->arm->freedom;
@@ -32,7 +32,7 @@ static void choose(void *context, km_run *run, int sample, const km_node *node, 
 }
 
 static double cost(unsigned count, const double *x, double *gradient, void *context) {
-  static const km_way plain = {0};
+  static const km_step_choice plain = {0};
   problem *p = context;
   (void)gradient;
   p->x = x;
@@ -79,7 +79,7 @@ static bool optimise(problem *p, nlopt_algorithm algorithm, int evaluations) {
 }
 
 km_status km_method_global(km_run *run, km_error *error) {
-  static const km_way plain = {0};
+  static const km_step_choice plain = {0};
   const km_method *method = &run->plan->method;
   if (run->arm->freedom == 0)
     return km_method_greedy(run, error);

@@ -2,6 +2,6 @@
 #include "arm/methods/method.h"
 
 km_status km_method_greedy(km_run *run, km_error *error) {
-  static const km_way plain = {0};
+  static const km_step_choice plain = {0};
   return km_run_steps(run, &plain, NULL, NULL, error);
 }

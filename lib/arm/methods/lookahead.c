@@ -102,7 +102,7 @@ static void grow(tree *t, int worker, int first, int count) {
   for (int k = done; k < end; ++k) {
     const km_node *from[KM_WALK_ABREAST];
     km_node *to[KM_WALK_ABREAST];
-    km_way ways[KM_WALK_ABREAST];
+    km_step_choice ways[KM_WALK_ABREAST];
     km_step_end ends[KM_WALK_ABREAST];
     int lane[KM_WALK_ABREAST], abreast = 0;
     for (int l = 0; l < count; ++l) {
@@ -111,7 +111,7 @@ static void grow(tree *t, int worker, int first, int count) {
       lane[abreast] = l;
       from[abreast] = &here[l];
       to[abreast] = &node[l]->end;
-      ways[abreast++] = (km_way){.tilt = t->tilts + (first + l) % t->branches * run->arm->freedom};
+      ways[abreast++] = (km_step_choice){.tilt = t->tilts + (first + l) % t->branches * run->arm->freedom};
     }
     if (abreast == 0)
       return;
@@ -249,7 +249,7 @@ static int look_ahead(tree *t) {
 }
 
 static km_status follow(tree *t, km_error *error) {
-  static const km_way plain = {0};
+  static const km_step_choice plain = {0};
   km_run *run = t->run;
   const size_t n = (size_t)run->arm->n;
   km_tracker_begin(&run->walk, &run->space, 0, run->start, &plain, &t->root);

@@ -2,7 +2,7 @@
 #ifndef KM_ARM_METHODS_METHOD_H
 #define KM_ARM_METHODS_METHOD_H
 
-#include "arm/walk.h"
+#include "arm/tracker.h"
 
 typedef struct km_run {
   const km_arm *arm;
@@ -41,15 +41,15 @@ km_status km_method_dp(km_run *run, km_error *error);
 km_status km_method_global(km_run *run, km_error *error);
 
 /* Chooses the way on from a node at a sample; it may use the run's space. */
-typedef void (*km_run_choose)(void *context, km_run *run, int sample, const km_node *node, km_way *way);
+typedef void (*km_run_choose)(void *context, km_run *run, int sample, const km_node *node, km_step_choice *way);
 /* Step after step along the whole path, by the ways chosen (NULL: greedy's); `first` is the way at the start. */
-km_status km_run_steps(km_run *run, const km_way *first, km_run_choose choose, void *context, km_error *error);
+km_status km_run_steps(km_run *run, const km_step_choice *first, km_run_choose choose, void *context, km_error *error);
 
 /* The same without asking for progress or telling why it ends: KM_OK or KM_PARTIAL, for tracks that are only tried. */
-km_status km_run_try(km_run *run, const km_way *first, km_run_choose choose, void *context);
+km_status km_run_try(km_run *run, const km_step_choice *first, km_run_choose choose, void *context);
 
 /* The end of a track whose step from `node` on the last sample fails with `end`. */
-void km_run_stop(km_run *run, const km_node *node, const km_way *way, km_step_end end);
+void km_run_stop(km_run *run, const km_node *node, const km_step_choice *way, km_step_end end);
 /* Asks the progress callback; false: cancelled. */
 bool km_run_goes_on(const km_run *run, int sample);
 

@@ -66,7 +66,7 @@ static bool at_limit(const km_arm *a, const double *q, int column) {
   return fmin(fabs(q[column] - a->low[column]), fabs(a->high[column] - q[column])) <= near * (1.0 + fabs(q[column]));
 }
 
-void km_run_stop(km_run *run, const km_node *node, const km_way *way, km_step_end end) {
+void km_run_stop(km_run *run, const km_node *node, const km_step_choice *way, km_step_end end) {
   km_node at = {.q = run->last};
   km_arena arena = {0};
   int sample = run->reached - 1;
@@ -104,7 +104,8 @@ static void keep(km_run *run, const km_node *node) {
 }
 
 /* From the last sample to the next one. */
-static km_step_end advance(km_run *run, const km_way *first, km_run_choose choose, void *context, km_way *way) {
+static km_step_end advance(km_run *run, const km_step_choice *first, km_run_choose choose, void *context,
+                           km_step_choice *way) {
   *way = *first;
   if (choose)
     choose(context, run, run->reached - 1, &run->node, way);
@@ -116,7 +117,7 @@ static km_step_end advance(km_run *run, const km_way *first, km_run_choose choos
   return end;
 }
 
-static void begin(km_run *run, const km_way *first) {
+static void begin(km_run *run, const km_step_choice *first) {
   km_tracker_begin(&run->walk, &run->space, 0, run->start, first, &run->node);
   run->reached = 0;
   run->fraction = 0.0;
@@ -125,16 +126,16 @@ static void begin(km_run *run, const km_way *first) {
   keep(run, &run->node);
 }
 
-km_status km_run_try(km_run *run, const km_way *first, km_run_choose choose, void *context) {
-  km_way way;
+km_status km_run_try(km_run *run, const km_step_choice *first, km_run_choose choose, void *context) {
+  km_step_choice way;
   for (begin(run, first); run->reached < run->plan->path->samples;)
     if (advance(run, first, choose, context, &way).stop)
       return KM_PARTIAL;
   return KM_OK;
 }
 
-km_status km_run_steps(km_run *run, const km_way *first, km_run_choose choose, void *context, km_error *error) {
-  km_way way;
+km_status km_run_steps(km_run *run, const km_step_choice *first, km_run_choose choose, void *context, km_error *error) {
+  km_step_choice way;
   for (begin(run, first); run->reached < run->plan->path->samples;) {
     km_step_end end = advance(run, first, choose, context, &way);
     if (end.stop) {
@@ -168,7 +169,7 @@ static double own_margin(km_run *run, int sample) {
 
 km_run_value km_run_evaluate(km_run *run) {
   km_run_value value = {(double)INFINITY, 0.0, run->reached};
-  static const km_way plain = {0};
+  static const km_step_choice plain = {0};
   for (int i = 0; i < run->reached; ++i) {
     km_tracker_begin(&run->walk, &run->space, i, run->q + (size_t)i * (size_t)run->arm->n, &plain, &run->next);
     double here = run->next.value + own_margin(run, i);

@@ -1,6 +1,6 @@
 #include "arm/selfmotion/motion_map.h"
 
-#include "arm/walk.h"
+#include "arm/tracker.h"
 
 #include <string.h>
 
@@ -86,7 +86,7 @@ static bool add_station(maker *m, int sample) {
 }
 
 static bool walk(maker *m, const double *start, int stations) {
-  static const km_way plain = {0};
+  static const km_step_choice plain = {0};
   const km_tracker w = {&m->free_arm, m->path, NULL};
   int samples = m->path->samples, stride = (samples - 1 + stations - 1) / stations, i = 0;
   km_tracker_begin(&w, &m->walk_space, 0, start, &plain, &m->here);

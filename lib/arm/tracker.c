@@ -1,4 +1,4 @@
-#include "arm/walk.h"
+#include "arm/tracker.h"
 #include "arm/seven.h"
 
 #include <string.h>
@@ -41,7 +41,7 @@ static double length(const double *x, int n) {
 }
 
 /* Columns and value of a node at whose q the space's Jacobian stands. */
-static void look_around(const km_tracker *w, km_tracker_space *s, const km_path_point *point, const km_way *way,
+static void look_around(const km_tracker *w, km_tracker_space *s, const km_path_point *point, const km_step_choice *way,
                         const double *guide, km_node *node) {
   double xi[KM_ARM_ROWS], values[KM_OBJECTIVES];
   km_arm_task_rows(w->arm, &s->arm.pose.R, point->twist, xi);
@@ -65,7 +65,7 @@ static void set_senses(const km_arm *a, double *self) {
   }
 }
 
-void km_tracker_begin(const km_tracker *w, km_tracker_space *s, int sample, const double *q, const km_way *way,
+void km_tracker_begin(const km_tracker *w, km_tracker_space *s, int sample, const double *q, const km_step_choice *way,
                       km_node *out) {
   memmove(out->q, q, (size_t)w->arm->n * sizeof *q);
   km_arm_update(w->arm, &s->arm, q);
@@ -105,7 +105,7 @@ static void damped_rates(const km_arm *a, const km_arm_space *s, const double *x
 }
 
 /* Damped rates where the pose is near a singular one; false where it isn't. */
-static bool damp(const km_tracker *w, km_tracker_space *s, const km_path_point *point, const km_way *way,
+static bool damp(const km_tracker *w, km_tracker_space *s, const km_path_point *point, const km_step_choice *way,
                  const km_node *here, double *rates) {
   double sigma[KM_ARM_ROWS], xi[KM_ARM_ROWS];
   km_arm_update(w->arm, &s->arm, here->q);
@@ -120,7 +120,7 @@ static bool damp(const km_tracker *w, km_tracker_space *s, const km_path_point *
 
 /* Newton steps to a point of the path, none of them far: at most `most` away from where it begins. Leaves the Jacobian
  * of the pose. */
-static bool correct(const km_tracker *w, km_tracker_space *s, const km_path_point *point, const km_way *way,
+static bool correct(const km_tracker *w, km_tracker_space *s, const km_path_point *point, const km_step_choice *way,
                     double most, double *q) {
   double e[KM_ARM_ROWS], x[KM_ARM_MOST], xi[KM_ARM_ROWS], moved[KM_ARM_MOST] = {0};
   const int n = w->arm->n;
@@ -145,7 +145,7 @@ static bool correct(const km_tracker *w, km_tracker_space *s, const km_path_poin
 }
 
 /* δ = (c₁/z + tan φ·c₂/z)Δσ. */
-static void predict(const km_arm *a, const km_node *here, const km_way *way, double ds, double *step) {
+static void predict(const km_arm *a, const km_node *here, const km_step_choice *way, double ds, double *step) {
   double inverse = 1.0 / here->z;
   for (int k = 0; k < a->n; ++k) {
     double rate = here->path[k];
@@ -162,7 +162,7 @@ static double corrector_most(const double *step, int n) {
 
 /* One step from space->here by dσ to a point; false if it is refused. */
 static bool try_step(const km_tracker *w, km_tracker_space *s, const km_path_point *from, const km_path_point *point,
-                     const km_way *way, double *q) {
+                     const km_step_choice *way, double *q) {
   const km_arm *a = w->arm;
   const km_node *here = &s->here;
   double ds = point->s - from->s, step[KM_ARM_MOST];
@@ -226,7 +226,7 @@ static km_step_end check(const km_tracker *w, int sample, const km_path_point *p
 }
 
 km_step_end km_tracker_step(const km_tracker *w, km_tracker_space *s, int sample, double fraction, const km_node *from,
-                            const km_way *way, km_node *to) {
+                            const km_step_choice *way, km_node *to) {
   enum { MOST_TRIES = 5000 };
   static const double least = 1e-10; /* of the interval: what is less can't be told from where it stands */
   km_path_point here = w->path->points[sample];
@@ -277,8 +277,8 @@ static void take_lane(const km_tracker *w, km_tracker_space *s, const km_path_po
 }
 
 /* Lanes that can't take part are filled with what another one has. */
-static unsigned fill_lanes(const km_tracker *w, double ds, int count, const km_node *const *from, const km_way *ways,
-                           km_lanes *lanes) {
+static unsigned fill_lanes(const km_tracker *w, double ds, int count, const km_node *const *from,
+                           const km_step_choice *ways, km_lanes *lanes) {
   unsigned used = 0;
   for (int l = 0; l < count; ++l) {
     double step[SEVEN], q[SEVEN];
@@ -303,7 +303,7 @@ static unsigned fill_lanes(const km_tracker *w, double ds, int count, const km_n
 }
 
 void km_tracker_steps(const km_tracker *w, km_tracker_space *s, int sample, int count, const km_node *const *from,
-                      const km_way *ways, km_node *const *to, km_step_end *ends) {
+                      const km_step_choice *ways, km_node *const *to, km_step_end *ends) {
   const km_path_point *here = &w->path->points[sample], *point = here + 1;
   km_lanes lanes = {.used = 0};
   unsigned done = 0;
@@ -340,7 +340,7 @@ static int just_beyond(const km_arm *a, const double *q) {
 /* By halving what is left between a way that keeps everything and one that doesn't: other limits may come first, and a
  * long step may bend, so nothing is taken for smooth. */
 km_step_end km_tracker_find_end(const km_tracker *w, km_tracker_space *s, int sample, const km_node *from,
-                                const km_way *way, km_step_end end, double outside, km_node *to) {
+                                const km_step_choice *way, km_step_end end, double outside, km_node *to) {
   double inside = 0.0;
   while (outside - inside > 1e-13) {
     double x = 0.5 * (inside + outside);

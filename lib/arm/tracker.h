@@ -1,6 +1,6 @@
 /* Walking along a path, sample by sample: what every method is made of. */
-#ifndef KM_ARM_WALK_H
-#define KM_ARM_WALK_H
+#ifndef KM_ARM_TRACKER_H
+#define KM_ARM_TRACKER_H
 
 #include "arm/control.h"
 #include "arm/objective.h"
@@ -34,13 +34,13 @@ bool km_tracker_space_create(const km_arm *arm, km_tracker_space *space);
 void km_tracker_space_free(km_tracker_space *space);
 
 /* How to leave a node. Zeros are greedy's way. */
-typedef struct km_way {
+typedef struct km_step_choice {
   const double *tilt; /* [freedom] tan φ towards each pose-control column; NULL: 0 */
   const bool *held;   /* [n] columns that don't move; NULL: none */
   double damping;     /* dls: λ at singular poses, 0: none */
   double below;       /* dls: smallest singular value from which on it is damped */
   int tries;          /* most parts that a step may be cut into, refused ones counted; 0: very many */
-} km_way;
+} km_step_choice;
 
 /* Joint rates [n] of a track that passes a pose with these columns, at the mean rates [n] of a step that begins or ends
  * there: the least that follow the path, and the self-motion of the step. Held joints' columns give theirs. */
@@ -55,31 +55,31 @@ typedef struct km_step_end {
 } km_step_end;
 
 /* The node at q on a sample, q being there already. */
-void km_tracker_begin(const km_tracker *walk, km_tracker_space *space, int sample, const double *q, const km_way *way,
-                      km_node *out);
+void km_tracker_begin(const km_tracker *walk, km_tracker_space *space, int sample, const double *q,
+                      const km_step_choice *way, km_node *out);
 
 /* From a node at `sample` to a fraction of the interval after it: predictor (c₁/z + tan φ·c₂/z)Δσ, then Newton steps
  * of least norm to 1e-12; a corrector longer than half the predictor is refused and the step halved. Limits and rates
  * are checked at the end only. */
 km_step_end km_tracker_step(const km_tracker *walk, km_tracker_space *space, int sample, double fraction,
-                            const km_node *from, const km_way *way, km_node *to);
+                            const km_node *from, const km_step_choice *way, km_node *to);
 
 /* Up to four whole steps from nodes at one sample, side by side where the arm is one of seven joints; ways with a tilt
  * only. The same bits as km_tracker_step one by one. */
 enum { KM_WALK_ABREAST = 4 };
 void km_tracker_steps(const km_tracker *walk, km_tracker_space *space, int sample, int count,
-                      const km_node *const *from, const km_way *ways, km_node *const *to, km_step_end *ends);
+                      const km_node *const *from, const km_step_choice *ways, km_node *const *to, km_step_end *ends);
 
 /* A whole step fails with `end`; if that is a rate, again with the nearest tilt that keeps the rates at the node, and a
  * little more and more below them. How it ends at last. */
 km_step_end km_tracker_ease(const km_tracker *walk, km_tracker_space *space, int sample, const km_node *from,
-                            const km_way *way, km_step_end end, km_node *to);
+                            const km_step_choice *way, km_step_end end, km_node *to);
 /* Has the arm a joint with a rate? */
 bool km_tracker_rated(const km_arm *arm);
 
 /* A step to the fraction `outside` fails with `end`: the largest fraction that keeps everything (end.fraction), the
  * node there, and what stops it just past it. */
 km_step_end km_tracker_find_end(const km_tracker *walk, km_tracker_space *space, int sample, const km_node *from,
-                                const km_way *way, km_step_end end, double outside, km_node *to);
+                                const km_step_choice *way, km_step_end end, double outside, km_node *to);
 
 #endif
