@@ -1,15 +1,14 @@
-#include "base/check.h"
+/* Moving a driver: controlled steps to a target, ends, limits, and singular poses that are passed. */
+#include "kinematics/drive.h"
+
 #include "kinematics/closure.h"
 #include "kinematics/curve.h"
-#include "kinematics/least_path.h"
 #include "kinematics/loops.h"
-#include "kmech/sweep.h"
 
 #include <string.h>
 
 /* Predictor-corrector in the driver s. Symbols: t = dq/ds (scaled, driver's entry 1), h the step in s. */
 
-static const double longest = 0.3;       /* of a step, radians or substructure sizes */
 static const double furthest = 0.6;      /* that any coordinate may go in a step, scaled */
 static const double shortest = 1e-11;    /* a step below this doesn't move: the end is located */
 static const double leaving = 1e-14;     /* the same on the way back from a located end, where all is steep */
@@ -18,115 +17,11 @@ static const double branch_width = 1e-5; /* a change of sign that stays below th
 static const double crossing = 1e-3;     /* distance from a singular pose at which it is crossed */
 static const double between = 1e-12;     /* residual that shows the pose between two regular ones to be on the branch */
 
-/* A place to come back to. */
-typedef struct mark {
-  double s, largest, stopped, last_h, *t, *last_t, *last_move, *pose;
-  int crossings;
-  bool known;
-  km_partition reference;
-} mark;
-
-struct km_drive {
-  km_arena arena;
-  mark mark;
-  bool marked; /* `mark` is a place */
-  const km_mechanism *mechanism;
-  km_state *state;
-  int coordinate, substructure, column;
-  bool ignore_limits;
-  double s;                   /* the driver, scaled */
-  double largest;             /* the step that step control allows now */
-  int crossings;              /* singular poses passed so far */
-  bool passing;               /* this step goes over a singular pose on purpose */
-  double stopped;             /* the direction that ended here, ±1, while the pose is close to that end; else 0 */
-  bool known;                 /* t belongs to the present pose */
-  double *t, *next_t, *move;  /* [columns] */
-  double *last_t, *last_move; /* [columns] the step before this pose, for the predictor */
-  double last_h;              /* 0: none */
-  double *saved, *near, *far; /* poses to come back to */
-  km_least_path path;         /* where other freedoms are left */
-  double strain;              /* of the last prediction by it: at 1 its error is all that is allowed */
-  km_partition reference;     /* pivots of the present pose, to compare signs with */
-};
-
 typedef enum attempt { ACCEPTED, OPEN, BENT, LIMITED, EXHAUSTED } attempt;
 
 static const double easy = 0.05; /* strain: a step twice as long has 16 times the error over its length */
 
 enum { MOST_STEPS = 200000 }; /* towards one target */
-
-static bool allocate(km_drive *d, const km_substructure *sub) {
-  size_t n = (size_t)sub->columns;
-  double **arrays[] = {&d->t, &d->last_t, &d->last_move, &d->next_t, &d->move};
-  double **poses[] = {&d->saved, &d->near, &d->far};
-  for (size_t i = 0; i < sizeof arrays / sizeof *arrays; ++i)
-    *arrays[i] = KM_ARENA_NEW(&d->arena, double, n);
-  for (size_t i = 0; i < sizeof poses / sizeof *poses; ++i)
-    *poses[i] = KM_ARENA_NEW(&d->arena, double, KM_SAVED_PER_COLUMN *n);
-  return km_least_path_reserve(&d->path, sub->columns, &d->arena) &&
-         km_partition_reserve_like(&d->reference, &d->state->partition[d->substructure], sub->rows, sub->columns,
-                                   &d->arena);
-}
-
-static bool allocate_mark(km_drive *d, const km_substructure *sub) {
-  mark *k = &d->mark;
-  size_t n = (size_t)sub->columns;
-  k->t = KM_ARENA_NEW(&d->arena, double, n);
-  k->last_t = KM_ARENA_NEW(&d->arena, double, n);
-  k->last_move = KM_ARENA_NEW(&d->arena, double, n);
-  k->pose = KM_ARENA_NEW(&d->arena, double, KM_SAVED_PER_COLUMN *n);
-  return km_partition_reserve_like(&k->reference, &d->state->partition[d->substructure], sub->rows, sub->columns,
-                                   &d->arena);
-}
-
-km_status km_drive_create(const km_mechanism *m, km_state *s, int coordinate, bool ignore_limits, km_drive **out,
-                          km_error *error) {
-  if (!out)
-    return km_check_given(false, "place for the result", error);
-  *out = NULL;
-  km_status fits = km_check_state(m, s, error);
-  if (!fits)
-    fits = km_check_index(coordinate, m->coordinate_count, "coordinate", error);
-  if (fits)
-    return fits;
-  const char *label = m->model->coordinates[coordinate].label;
-  if (m->held[coordinate])
-    return km_fail(error, KM_USAGE, "joint \"%s\" is held; expected a driver that is free to move", label);
-  if (m->ball_of[coordinate] >= 0)
-    return km_fail(error, KM_USAGE,
-                   "\"%s\" is a component of a rotation vector; expected a driver with a coordinate of its own "
-                   "(a spherical joint can be held, not driven)",
-                   label);
-  km_drive *d = KM_NEW(km_drive, 1);
-  if (!d)
-    return km_fail(error, KM_MEMORY, "out of memory for a sweep");
-  *d = (km_drive){.mechanism = m,
-                  .state = s,
-                  .coordinate = coordinate,
-                  .substructure = m->substructure_of[coordinate],
-                  .column = m->column_of[coordinate],
-                  .ignore_limits = ignore_limits,
-                  .s = s->q[coordinate] / m->unit[coordinate],
-                  .largest = longest};
-  const km_substructure *sub = d->substructure >= 0 ? &m->substructures[d->substructure] : NULL;
-  if (sub && (!allocate(d, sub) || !allocate_mark(d, sub))) {
-    km_drive_free(d);
-    return km_fail(error, KM_MEMORY, "out of memory for a sweep");
-  }
-  *out = d;
-  return KM_OK;
-}
-
-void km_drive_free(km_drive *d) {
-  if (!d)
-    return;
-  km_arena_free(&d->arena);
-  km_free(d);
-}
-
-static const km_substructure *driven(const km_drive *d) {
-  return &d->mechanism->substructures[d->substructure];
-}
 
 /* t from the partition of the present pose; false at a toggle of the driver. */
 static bool tangent(km_drive *d, double *t) {
@@ -144,7 +39,7 @@ static void remember_pivots(km_drive *d) {
 
 /* Pivots and tangent of the present pose, searched. */
 static bool start(km_drive *d) {
-  const km_substructure *sub = driven(d);
+  const km_substructure *sub = km_drive_driven(d);
   int worst;
   km_loops_update(d->mechanism, d->state, sub);
   double residual = km_loops_residual(d->mechanism, d->state, sub, &worst);
@@ -156,7 +51,7 @@ static bool start(km_drive *d) {
 }
 
 static double dot(const km_drive *d, const double *a, const double *b) {
-  return km_step_dot(d->mechanism, driven(d), a, b);
+  return km_step_dot(d->mechanism, km_drive_driven(d), a, b);
 }
 
 /* Where the driver has the only freedom, det of the pivot block changes sign only at a singular pose of the
@@ -168,7 +63,7 @@ static bool sign_changed(km_drive *d) {
   if (p->searches == d->reference.searches)
     return p->sign != d->reference.sign;
   int before = d->reference.sign;
-  km_partition_refactor(&d->reference, km_state_jacobian(d->state, driven(d)));
+  km_partition_refactor(&d->reference, km_state_jacobian(d->state, km_drive_driven(d)));
   int after = d->reference.sign;
   d->reference.sign = before;
   return before != after;
@@ -182,12 +77,12 @@ static bool is_alone(const km_drive *d) {
  * tangents, continued by h, is a start; without a last pose the tangent. Where other freedoms are left the prediction
  * decides what they do: the path of least motion. False if h is too long for it. */
 static bool predict(km_drive *d, double h, double *move) {
-  int columns = driven(d)->columns;
+  int columns = km_drive_driven(d)->columns;
   d->strain = 0.0;
   if (!is_alone(d)) {
     d->strain = km_least_path_predict(&d->path, d->mechanism, d->state, d->substructure, d->column, &d->reference,
                                       d->saved, d->t, h, move);
-    km_state_restore(d->state, driven(d), d->saved);
+    km_state_restore(d->state, km_drive_driven(d), d->saved);
   } else if (fabs(h) <= 4.0 * fabs(d->last_h)) { /* further out the last step says nothing */
     km_curve_ahead(columns, d->last_h, d->last_move, d->last_t, d->t, h, move);
   } else {
@@ -203,7 +98,7 @@ static void place_driver(km_drive *d, double s) {
 
 /* One predictor and its correction to s + h; the state is left where it ended. */
 static attempt correct(km_drive *d, double h, double tightness, double *next_t) {
-  const km_substructure *sub = driven(d);
+  const km_substructure *sub = km_drive_driven(d);
   km_closure evidence;
   double predicted = km_step_length(d->mechanism, sub, d->move);
   for (int k = 0; k < sub->columns; ++k)
@@ -231,7 +126,7 @@ static attempt correct(km_drive *d, double h, double tightness, double *next_t) 
 
 static void accept(km_drive *d, double h) {
   double *swap = d->last_t;
-  km_state_difference(d->state, driven(d), d->saved, d->last_move);
+  km_state_difference(d->state, km_drive_driven(d), d->saved, d->last_move);
   d->last_t = d->t;
   d->t = d->next_t;
   d->next_t = swap;
@@ -243,7 +138,7 @@ static void accept(km_drive *d, double h) {
 
 /* Tries to advance by h. Restores the pose if refused. */
 static attempt advance(km_drive *d, double h, double tightness, int *limit) {
-  const km_substructure *sub = driven(d);
+  const km_substructure *sub = km_drive_driven(d);
   km_state_save(d->state, sub, d->saved);
   attempt result = predict(d, h, d->move) ? correct(d, h, tightness, d->next_t) : BENT;
   if (result == ACCEPTED) {
@@ -265,7 +160,7 @@ static attempt advance(km_drive *d, double h, double tightness, int *limit) {
 /* Passes a singular pose at `target` along the smooth branch: the pose between two regular ones on either
  * side, by the cubic through both. Near it Newton finds no more than half the digits. */
 static bool cross(km_drive *d, double target, int *limit) {
-  const km_substructure *sub = driven(d);
+  const km_substructure *sub = km_drive_driven(d);
   double side = target > d->s ? 1.0 : -1.0;
   double gap = target - side * crossing - d->s;
   if (gap != 0.0 && advance(d, gap, 0.25, limit) != ACCEPTED)
@@ -316,7 +211,7 @@ static attempt walk(km_drive *d, double target, int *limit) {
         place_driver(d, target);
       }
       if (d->strain * pow(step / fabs(h), 4.0) < easy)
-        step = fmin(2.0 * step, longest);
+        step = fmin(2.0 * step, km_drive_longest);
       continue;
     }
     if (result == OPEN && arrives && may_cross && cross(d, target, limit))
@@ -372,7 +267,7 @@ static double within_own_limit(const km_drive *d, double goal) {
 
 /* Is the goal the end itself? Then the pose there, which Newton approaches only slowly, is as good as any. */
 static bool touches(km_drive *d, double goal) {
-  const km_substructure *sub = driven(d);
+  const km_substructure *sub = km_drive_driven(d);
   if (!(fabs(d->s - goal) <= 1e-9))
     return false;
   km_closure evidence;
@@ -408,7 +303,7 @@ km_reach km_drive_to(km_drive *d, double target) {
   if (result == LIMITED)
     settle_at_limit(d, limit);
   /* What was tried last has left another pose's Jacobian behind. */
-  km_loops_update(m, d->state, driven(d));
+  km_loops_update(m, d->state, km_drive_driven(d));
   km_state_forget_pivots(d->state, d->substructure);
   if (result == EXHAUSTED)
     return (km_reach){KM_STOP_GAVE_OUT, d->s / factor, d->substructure, -1};
@@ -427,7 +322,7 @@ bool km_drive_tangent(km_drive *d, double *rates) {
     return true;
   if (!d->known && !start(d))
     return false;
-  const km_substructure *sub = driven(d);
+  const km_substructure *sub = km_drive_driven(d);
   for (int k = 0; k < sub->columns; ++k) {
     int c = m->column_coordinate[sub->column_start + k];
     rates[c] = d->t[k] * m->unit[c] / m->unit[d->coordinate];
@@ -439,51 +334,4 @@ int km_drive_crossings(const km_drive *d) {
   if (!d)
     return 0;
   return d->crossings;
-}
-
-void km_drive_mark(km_drive *d) {
-  if (!d)
-    return;
-  mark *k = &d->mark;
-  d->marked = true;
-  if (d->substructure < 0) {
-    k->s = d->state->q[d->coordinate];
-    return;
-  }
-  size_t bytes = (size_t)driven(d)->columns * sizeof *d->t;
-  k->s = d->s;
-  k->largest = d->largest;
-  k->stopped = d->stopped;
-  k->last_h = d->last_h;
-  k->crossings = d->crossings;
-  k->known = d->known;
-  memcpy(k->t, d->t, bytes);
-  memcpy(k->last_t, d->last_t, bytes);
-  memcpy(k->last_move, d->last_move, bytes);
-  km_state_save(d->state, driven(d), k->pose);
-  km_partition_copy_pivots(&k->reference, &d->reference);
-}
-
-void km_drive_return(km_drive *d) {
-  if (!d || !d->marked)
-    return;
-  const mark *k = &d->mark;
-  if (d->substructure < 0) {
-    d->state->q[d->coordinate] = k->s;
-    return;
-  }
-  size_t bytes = (size_t)driven(d)->columns * sizeof *d->t;
-  d->s = k->s;
-  d->largest = k->largest;
-  d->stopped = k->stopped;
-  d->last_h = k->last_h;
-  d->crossings = k->crossings;
-  d->known = k->known;
-  memcpy(d->t, k->t, bytes);
-  memcpy(d->last_t, k->last_t, bytes);
-  memcpy(d->last_move, k->last_move, bytes);
-  km_state_restore(d->state, driven(d), k->pose);
-  km_partition_copy_pivots(&d->reference, &k->reference);
-  km_loops_update(d->mechanism, d->state, driven(d));
-  km_state_forget_pivots(d->state, d->substructure);
 }
