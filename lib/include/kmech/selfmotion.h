@@ -71,7 +71,7 @@ typedef struct km_ik_solutions {
  * followed along its own. KM_NO_RESULT: out of reach; KM_MEMORY; KM_CANCELLED. Free `*out` in any case. */
 KM_API km_status km_ik_solutions_find(const km_arm *arm, const km_frame_pose *pose, unsigned long seed,
                                       km_progress progress, void *context, km_ik_solutions *out, km_error *error);
-KM_API void km_ik_solutions_free(km_ik_solutions *branches);
+KM_API void km_ik_solutions_free(km_ik_solutions *solutions);
 
 #ifdef __cplusplus
 }
