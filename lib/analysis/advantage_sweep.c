@@ -208,9 +208,10 @@ static void open_bounds(km_advantage_sweep *out, double s) {
   }
 }
 
-static void take_extremes(watch *w, const km_table *table, size_t column) {
+static void take_extremes(watch *w) {
+  const km_table *table = w->out->motion.table;
   for (size_t r = 0; r < km_table_rows(table); ++r)
-    widen(w->out, km_table_row(table, r)[column], km_table_row(table, r)[1]);
+    widen(w->out, km_table_row(table, r)[w->out->column], km_table_row(table, r)[1]);
   for (size_t i = 0; i < w->events.count; ++i)
     if (!is_toggle(&w->events.items[i]))
       widen(w->out, w->events.items[i].value, w->events.items[i].s);
@@ -234,9 +235,9 @@ static km_status run(const km_mechanism *m, km_state *s, const km_sweep_plan *pl
   km_status status = km_sweep_run(m, s, plan, &observer, &w->out->motion, error);
   if (status && status != KM_PARTIAL)
     return status;
-  km_events_sort(&w->events, plan->arclength <= 0.0 && plan->to < plan->from);
+  km_events_sort(&w->events, plan);
   km_status taken = take_toggles(w, error);
-  take_extremes(w, w->out->motion.table, w->out->column);
+  take_extremes(w);
   return taken ? taken : status;
 }
 

@@ -51,7 +51,8 @@ km_status km_events_add(km_events *events, km_event event, km_error *error) {
   return KM_OK;
 }
 
-void km_events_sort(km_events *events, bool backwards) {
+void km_events_sort(km_events *events, const km_sweep_plan *plan) {
+  bool backwards = plan->arclength <= 0.0 && plan->to < plan->from;
   km_event *e = events->items;
   for (size_t i = 1; i < events->count; ++i)
     for (size_t k = i; k > 0 && (backwards ? e[k].s > e[k - 1].s : e[k].s < e[k - 1].s); --k) {

@@ -75,6 +75,6 @@ km_status km_scan_end(km_scan *scan, km_sweeper *sweeper, double end, km_error *
 
 km_status km_events_add(km_events *events, km_event event, km_error *error);
 /* Into the order in which the sweep passed them. */
-void km_events_sort(km_events *events, bool backwards);
+void km_events_sort(km_events *events, const km_sweep_plan *plan);
 
 #endif

@@ -154,9 +154,9 @@ static bool keep(const km_statics_sweep *out, const km_event *e, km_force_event 
   return e->kind == KM_EVENT_POLE || outwards;
 }
 
-static km_status take_events(watch *w, bool backwards, km_error *error) {
+static km_status take_events(watch *w, const km_sweep_plan *plan, km_error *error) {
   km_statics_sweep *out = w->out;
-  km_events_sort(&w->events, backwards);
+  km_events_sort(&w->events, plan);
   out->events = KM_NEW(km_force_event, w->events.count);
   if (!out->events)
     return km_fail(error, KM_MEMORY, "out of memory for a sweep");
@@ -194,7 +194,7 @@ static km_status run(const km_mechanism *m, km_state *s, const km_sweep_plan *pl
   km_status status = km_sweep_run(m, s, plan, &observer, &out->motion, error);
   if (status && status != KM_PARTIAL)
     return status;
-  km_status taken = take_events(w, plan->arclength <= 0.0 && plan->to < plan->from, error);
+  km_status taken = take_events(w, plan, error);
   return taken ? taken : out->unheld ? KM_PARTIAL : status;
 }
 

@@ -34,7 +34,7 @@ static bool tangent(km_drive *d, double *t) {
 }
 
 static void remember_pivots(km_drive *d) {
-  km_partition_copy_pivots(&d->reference, &d->state->partition[d->substructure]);
+  km_partition_copy_pivots(&d->here.reference, &d->state->partition[d->substructure]);
 }
 
 /* Pivots and tangent of the present pose, searched. */
@@ -44,10 +44,10 @@ static bool start(km_drive *d) {
   km_loops_update(d->mechanism, d->state, sub);
   double residual = km_loops_residual(d->mechanism, d->state, sub, &worst);
   km_pivot(d->mechanism, d->state, d->substructure, d->column, km_rank_tolerance(d->mechanism, sub, residual));
-  d->known = tangent(d, d->t);
+  d->here.known = tangent(d, d->here.t);
   remember_pivots(d);
-  d->last_h = 0.0;
-  return d->known;
+  d->here.last_h = 0.0;
+  return d->here.known;
 }
 
 static double dot(const km_drive *d, const double *a, const double *b) {
@@ -58,19 +58,19 @@ static double dot(const km_drive *d, const double *a, const double *b) {
  * driver: a change over a step that should be regular is a jump to another branch. */
 static bool sign_changed(km_drive *d) {
   const km_partition *p = &d->state->partition[d->substructure];
-  if (km_partition_freedom(p) != 1 || p->rank != d->reference.rank)
+  if (km_partition_freedom(p) != 1 || p->rank != d->here.reference.rank)
     return false;
-  if (p->searches == d->reference.searches)
-    return p->sign != d->reference.sign;
-  int before = d->reference.sign;
-  km_partition_refactor(&d->reference, km_state_jacobian(d->state, km_drive_driven(d)));
-  int after = d->reference.sign;
-  d->reference.sign = before;
+  if (p->searches == d->here.reference.searches)
+    return p->sign != d->here.reference.sign;
+  int before = d->here.reference.sign;
+  km_partition_refactor(&d->here.reference, km_state_jacobian(d->state, km_drive_driven(d)));
+  int after = d->here.reference.sign;
+  d->here.reference.sign = before;
   return before != after;
 }
 
 static bool is_alone(const km_drive *d) {
-  return km_partition_freedom(&d->reference) <= 1;
+  return km_partition_freedom(&d->here.reference) <= 1;
 }
 
 /* Where the driver has the only freedom Newton decides everything, and the cubic through the last two poses and their
@@ -80,14 +80,14 @@ static bool predict(km_drive *d, double h, double *move) {
   int columns = km_drive_driven(d)->columns;
   d->strain = 0.0;
   if (!is_alone(d)) {
-    d->strain = km_least_path_predict(&d->path, d->mechanism, d->state, d->substructure, d->column, &d->reference,
-                                      d->saved, d->t, h, move);
+    d->strain = km_least_path_predict(&d->path, d->mechanism, d->state, d->substructure, d->column, &d->here.reference,
+                                      d->saved, d->here.t, h, move);
     km_state_restore(d->state, km_drive_driven(d), d->saved);
-  } else if (fabs(h) <= 4.0 * fabs(d->last_h)) { /* further out the last step says nothing */
-    km_curve_ahead(columns, d->last_h, d->last_move, d->last_t, d->t, h, move);
+  } else if (fabs(h) <= 4.0 * fabs(d->here.last_h)) { /* further out the last step says nothing */
+    km_curve_ahead(columns, d->here.last_h, d->here.last_move, d->here.last_t, d->here.t, h, move);
   } else {
     for (int k = 0; k < columns; ++k)
-      move[k] = h * d->t[k];
+      move[k] = h * d->here.t[k];
   }
   return d->strain <= 1.0;
 }
@@ -105,34 +105,34 @@ static attempt correct(km_drive *d, double h, double tightness, double *next_t) 
     if (!(fabs(d->move[k]) <= furthest))
       return BENT;
   km_state_move(d->mechanism, d->state, sub, d->move);
-  place_driver(d, d->s + h);
+  place_driver(d, d->here.s + h);
   if (km_loops_close(d->mechanism, d->state, d->substructure, d->column, &evidence) != KM_CLOSED || !tangent(d, next_t))
     return OPEN;
   const km_partition *p = &d->state->partition[d->substructure];
-  if (p->rank < d->reference.rank || p->last_pivot < singular * p->scale)
+  if (p->rank < d->here.reference.rank || p->last_pivot < singular * p->scale)
     return OPEN; /* a singular pose has no tangent of its own */
   if (evidence.correction > tightness * predicted + 1e-9)
     return BENT;
-  double along = dot(d, d->t, next_t);
-  double cosine = along / sqrt(dot(d, d->t, d->t) * dot(d, next_t, next_t));
+  double along = dot(d, d->here.t, next_t);
+  double cosine = along / sqrt(dot(d, d->here.t, d->here.t) * dot(d, next_t, next_t));
   if (!(cosine >= 1.0 - tightness * 0.4))
     return BENT;
   bool changed = !d->passing && sign_changed(d);
   if (changed && fabs(h) > branch_width)
     return BENT;
-  d->crossings += changed;
+  d->here.crossings += changed;
   return ACCEPTED;
 }
 
 static void accept(km_drive *d, double h) {
-  double *swap = d->last_t;
-  km_state_difference(d->state, km_drive_driven(d), d->saved, d->last_move);
-  d->last_t = d->t;
-  d->t = d->next_t;
+  double *swap = d->here.last_t;
+  km_state_difference(d->state, km_drive_driven(d), d->saved, d->here.last_move);
+  d->here.last_t = d->here.t;
+  d->here.t = d->next_t;
   d->next_t = swap;
-  d->last_h = h;
-  d->s += h;
-  d->known = true;
+  d->here.last_h = h;
+  d->here.s += h;
+  d->here.known = true;
   remember_pivots(d);
 }
 
@@ -144,7 +144,7 @@ static attempt advance(km_drive *d, double h, double tightness, int *limit) {
   if (result == ACCEPTED) {
     int passed = d->ignore_limits ? -1 : km_state_limit_passed(d->state, sub, d->saved);
     if (passed < 0 && !d->ignore_limits)
-      passed = km_state_limit_touched(d->state, sub, d->saved, d->t, d->next_t, h);
+      passed = km_state_limit_touched(d->state, sub, d->saved, d->here.t, d->next_t, h);
     if (passed < 0) {
       accept(d, h);
       return ACCEPTED;
@@ -161,11 +161,11 @@ static attempt advance(km_drive *d, double h, double tightness, int *limit) {
  * side, by the cubic through both. Near it Newton finds no more than half the digits. */
 static bool cross(km_drive *d, double target, int *limit) {
   const km_substructure *sub = km_drive_driven(d);
-  double side = target > d->s ? 1.0 : -1.0;
-  double gap = target - side * crossing - d->s;
+  double side = target > d->here.s ? 1.0 : -1.0;
+  double gap = target - side * crossing - d->here.s;
   if (gap != 0.0 && advance(d, gap, 0.25, limit) != ACCEPTED)
     return false;
-  double h = target + side * crossing - d->s, near = target - d->s;
+  double h = target + side * crossing - d->here.s, near = target - d->here.s;
   km_state_save(d->state, sub, d->near);
   d->passing = true;
   attempt beyond = advance(d, h, 0.05, limit);
@@ -175,7 +175,7 @@ static bool cross(km_drive *d, double target, int *limit) {
   /* accept() has moved the tangents and the move of this step to last_t, last_move. */
   km_state_save(d->state, sub, d->far);
   km_state_restore(d->state, sub, d->near);
-  km_curve_between(sub->columns, h, d->last_move, d->last_t, d->t, near, d->move, d->next_t);
+  km_curve_between(sub->columns, h, d->here.last_move, d->here.last_t, d->here.t, near, d->move, d->next_t);
   km_state_move(d->mechanism, d->state, sub, d->move);
   place_driver(d, target);
   km_loops_update(d->mechanism, d->state, sub);
@@ -185,29 +185,29 @@ static bool cross(km_drive *d, double target, int *limit) {
     km_state_restore(d->state, sub, d->far); /* a regular pose, if on the other side */
     return false;
   }
-  memcpy(d->t, d->next_t, (size_t)sub->columns * sizeof *d->t);
-  d->crossings++;
-  d->s = target;
-  d->last_h = 0.0;
+  memcpy(d->here.t, d->next_t, (size_t)sub->columns * sizeof *d->here.t);
+  d->here.crossings++;
+  d->here.s = target;
+  d->here.last_h = 0.0;
   return true;
 }
 
 /* Advances to `target` by controlled steps; the step that arrives sets the driver exactly. */
 static attempt walk(km_drive *d, double target, int *limit) {
-  double step = d->largest;
+  double step = d->here.largest;
   bool may_cross = true;
-  for (int steps = 0; d->s != target; ++steps) {
+  for (int steps = 0; d->here.s != target; ++steps) {
     if (steps == MOST_STEPS)
       return EXHAUSTED;
-    double left = target - d->s;
+    double left = target - d->here.s;
     bool arrives = fabs(left) <= step;
     double h = arrives ? left : copysign(step, left);
     attempt result = advance(d, h, 0.25, limit);
     if (result == ACCEPTED) {
       if (fabs(h) > 1e-6)
-        d->stopped = 0.0;
+        d->here.stopped = 0.0;
       if (arrives) { /* s + (target - s) may be the next number */
-        d->s = target;
+        d->here.s = target;
         place_driver(d, target);
       }
       if (d->strain * pow(step / fabs(h), 4.0) < easy)
@@ -218,13 +218,13 @@ static attempt walk(km_drive *d, double target, int *limit) {
       continue;
     may_cross = may_cross && !arrives;
     step = 0.5 * fabs(h);
-    double least = d->stopped * left < 0.0 ? leaving : shortest;
-    if (step < least * fmax(1.0, fabs(d->s))) {
-      d->stopped = copysign(1.0, left);
+    double least = d->here.stopped * left < 0.0 ? leaving : shortest;
+    if (step < least * fmax(1.0, fabs(d->here.s))) {
+      d->here.stopped = copysign(1.0, left);
       return result;
     }
   }
-  d->largest = fmax(step, 1e-3);
+  d->here.largest = fmax(step, 1e-3);
   return ACCEPTED;
 }
 
@@ -250,7 +250,7 @@ static void settle_at_limit(km_drive *d, int c) {
   int k = m->column_of[c], limit = -1;
   for (int round = 0; round < 2; ++round) {
     double q = d->state->q[c], bound = fabs(m->high[c] - q) < fabs(q - m->low[c]) ? m->high[c] : m->low[c];
-    double gap = (bound - q) / m->unit[c] / d->t[k];
+    double gap = (bound - q) / m->unit[c] / d->here.t[k];
     if (m->ball_of[c] >= 0 || gap == 0.0 || !(fabs(gap) < 1e-7) || advance(d, gap, 0.25, &limit) != ACCEPTED)
       return;
   }
@@ -260,7 +260,7 @@ static void settle_at_limit(km_drive *d, int c) {
 static double within_own_limit(const km_drive *d, double goal) {
   const km_mechanism *m = d->mechanism;
   int c = d->coordinate;
-  double unit = m->unit[c], high = fmax(m->high[c] / unit, d->s), low = fmin(m->low[c] / unit, d->s);
+  double unit = m->unit[c], high = fmax(m->high[c] / unit, d->here.s), low = fmin(m->low[c] / unit, d->here.s);
   double slack = 1e-12 * (1.0 + fabs(goal));
   return d->ignore_limits || (goal <= high + slack && goal >= low - slack) ? goal : goal > high ? high : low;
 }
@@ -268,7 +268,7 @@ static double within_own_limit(const km_drive *d, double goal) {
 /* Is the goal the end itself? Then the pose there, which Newton approaches only slowly, is as good as any. */
 static bool touches(km_drive *d, double goal) {
   const km_substructure *sub = km_drive_driven(d);
-  if (!(fabs(d->s - goal) <= 1e-9))
+  if (!(fabs(d->here.s - goal) <= 1e-9))
     return false;
   km_closure evidence;
   int worst;
@@ -293,8 +293,8 @@ km_reach km_drive_to(km_drive *d, double target) {
   double goal = target * factor, own = within_own_limit(d, goal);
   int limit = -1;
   attempt result = ACCEPTED;
-  if (d->s != own) {
-    bool ready = d->known || start(d);
+  if (d->here.s != own) {
+    bool ready = d->here.known || start(d);
     result = ready ? walk(d, own, &limit) : OPEN;
   }
   if (result == ACCEPTED || ((result == OPEN || result == BENT) && touches(d, own)))
@@ -306,10 +306,10 @@ km_reach km_drive_to(km_drive *d, double target) {
   km_loops_update(m, d->state, km_drive_driven(d));
   km_state_forget_pivots(d->state, d->substructure);
   if (result == EXHAUSTED)
-    return (km_reach){KM_STOP_GAVE_OUT, d->s / factor, d->substructure, -1};
+    return (km_reach){KM_STOP_GAVE_OUT, d->here.s / factor, d->substructure, -1};
   if (result == LIMITED)
-    return (km_reach){KM_STOP_LIMIT, d->s / factor, -1, limit};
-  return (km_reach){KM_STOP_TOGGLE, d->s / factor, d->substructure, -1};
+    return (km_reach){KM_STOP_LIMIT, d->here.s / factor, -1, limit};
+  return (km_reach){KM_STOP_TOGGLE, d->here.s / factor, d->substructure, -1};
 }
 
 bool km_drive_tangent(km_drive *d, double *rates) {
@@ -320,12 +320,12 @@ bool km_drive_tangent(km_drive *d, double *rates) {
   rates[d->coordinate] = 1.0;
   if (d->substructure < 0)
     return true;
-  if (!d->known && !start(d))
+  if (!d->here.known && !start(d))
     return false;
   const km_substructure *sub = km_drive_driven(d);
   for (int k = 0; k < sub->columns; ++k) {
     int c = m->column_coordinate[sub->column_start + k];
-    rates[c] = d->t[k] * m->unit[c] / m->unit[d->coordinate];
+    rates[c] = d->here.t[k] * m->unit[c] / m->unit[d->coordinate];
   }
   return true;
 }
@@ -333,5 +333,5 @@ bool km_drive_tangent(km_drive *d, double *rates) {
 int km_drive_crossings(const km_drive *d) {
   if (!d)
     return 0;
-  return d->crossings;
+  return d->here.crossings;
 }

@@ -6,28 +6,24 @@
 
 #include <string.h>
 
-static bool allocate(km_drive *d, const km_substructure *sub) {
+static bool reserve_place(km_drive *d, const km_substructure *sub, km_drive_place *place) {
   size_t n = (size_t)sub->columns;
-  double **arrays[] = {&d->t, &d->last_t, &d->last_move, &d->next_t, &d->move};
-  double **poses[] = {&d->saved, &d->near, &d->far};
-  for (size_t i = 0; i < sizeof arrays / sizeof *arrays; ++i)
-    *arrays[i] = KM_ARENA_NEW(&d->arena, double, n);
-  for (size_t i = 0; i < sizeof poses / sizeof *poses; ++i)
-    *poses[i] = KM_ARENA_NEW(&d->arena, double, KM_SAVED_PER_COLUMN *n);
-  return km_least_path_reserve(&d->path, sub->columns, &d->arena) &&
-         km_partition_reserve_like(&d->reference, &d->state->partition[d->substructure], sub->rows, sub->columns,
+  place->t = KM_ARENA_NEW(&d->arena, double, n);
+  place->last_t = KM_ARENA_NEW(&d->arena, double, n);
+  place->last_move = KM_ARENA_NEW(&d->arena, double, n);
+  return km_partition_reserve_like(&place->reference, &d->state->partition[d->substructure], sub->rows, sub->columns,
                                    &d->arena);
 }
 
-static bool allocate_mark(km_drive *d, const km_substructure *sub) {
-  km_drive_place *k = &d->mark;
+static bool allocate(km_drive *d, const km_substructure *sub) {
   size_t n = (size_t)sub->columns;
-  k->t = KM_ARENA_NEW(&d->arena, double, n);
-  k->last_t = KM_ARENA_NEW(&d->arena, double, n);
-  k->last_move = KM_ARENA_NEW(&d->arena, double, n);
-  k->pose = KM_ARENA_NEW(&d->arena, double, KM_SAVED_PER_COLUMN *n);
-  return km_partition_reserve_like(&k->reference, &d->state->partition[d->substructure], sub->rows, sub->columns,
-                                   &d->arena);
+  double **poses[] = {&d->saved, &d->near, &d->far, &d->mark_pose};
+  d->next_t = KM_ARENA_NEW(&d->arena, double, n);
+  d->move = KM_ARENA_NEW(&d->arena, double, n);
+  for (size_t i = 0; i < sizeof poses / sizeof *poses; ++i)
+    *poses[i] = KM_ARENA_NEW(&d->arena, double, KM_SAVED_PER_COLUMN *n);
+  return km_least_path_reserve(&d->path, sub->columns, &d->arena) && reserve_place(d, sub, &d->here) &&
+         reserve_place(d, sub, &d->mark);
 }
 
 km_status km_drive_create(const km_mechanism *m, km_state *s, int coordinate, bool ignore_limits, km_drive **out,
@@ -57,10 +53,9 @@ km_status km_drive_create(const km_mechanism *m, km_state *s, int coordinate, bo
                   .substructure = m->substructure_of[coordinate],
                   .column = m->column_of[coordinate],
                   .ignore_limits = ignore_limits,
-                  .s = s->q[coordinate] / m->unit[coordinate],
-                  .largest = km_drive_longest};
+                  .here = {.s = s->q[coordinate] / m->unit[coordinate], .largest = km_drive_longest}};
   const km_substructure *sub = d->substructure >= 0 ? &m->substructures[d->substructure] : NULL;
-  if (sub && (!allocate(d, sub) || !allocate_mark(d, sub))) {
+  if (sub && !allocate(d, sub)) {
     km_drive_free(d);
     return km_fail(error, KM_MEMORY, "out of memory for a sweep");
   }
@@ -75,49 +70,42 @@ void km_drive_free(km_drive *d) {
   km_free(d);
 }
 
+/* Each place keeps its own arrays. */
+static void copy_place(km_drive_place *to, const km_drive_place *from, int columns) {
+  size_t bytes = (size_t)columns * sizeof *to->t;
+  to->s = from->s;
+  to->largest = from->largest;
+  to->stopped = from->stopped;
+  to->crossings = from->crossings;
+  to->known = from->known;
+  to->last_h = from->last_h;
+  memcpy(to->t, from->t, bytes);
+  memcpy(to->last_t, from->last_t, bytes);
+  memcpy(to->last_move, from->last_move, bytes);
+  km_partition_copy_pivots(&to->reference, &from->reference);
+}
+
 void km_drive_mark(km_drive *d) {
   if (!d)
     return;
-  km_drive_place *k = &d->mark;
   d->marked = true;
   if (d->substructure < 0) {
-    k->s = d->state->q[d->coordinate];
+    d->mark.s = d->state->q[d->coordinate];
     return;
   }
-  size_t bytes = (size_t)km_drive_driven(d)->columns * sizeof *d->t;
-  k->s = d->s;
-  k->largest = d->largest;
-  k->stopped = d->stopped;
-  k->last_h = d->last_h;
-  k->crossings = d->crossings;
-  k->known = d->known;
-  memcpy(k->t, d->t, bytes);
-  memcpy(k->last_t, d->last_t, bytes);
-  memcpy(k->last_move, d->last_move, bytes);
-  km_state_save(d->state, km_drive_driven(d), k->pose);
-  km_partition_copy_pivots(&k->reference, &d->reference);
+  copy_place(&d->mark, &d->here, km_drive_driven(d)->columns);
+  km_state_save(d->state, km_drive_driven(d), d->mark_pose);
 }
 
 void km_drive_return(km_drive *d) {
   if (!d || !d->marked)
     return;
-  const km_drive_place *k = &d->mark;
   if (d->substructure < 0) {
-    d->state->q[d->coordinate] = k->s;
+    d->state->q[d->coordinate] = d->mark.s;
     return;
   }
-  size_t bytes = (size_t)km_drive_driven(d)->columns * sizeof *d->t;
-  d->s = k->s;
-  d->largest = k->largest;
-  d->stopped = k->stopped;
-  d->last_h = k->last_h;
-  d->crossings = k->crossings;
-  d->known = k->known;
-  memcpy(d->t, k->t, bytes);
-  memcpy(d->last_t, k->last_t, bytes);
-  memcpy(d->last_move, k->last_move, bytes);
-  km_state_restore(d->state, km_drive_driven(d), k->pose);
-  km_partition_copy_pivots(&d->reference, &k->reference);
+  copy_place(&d->here, &d->mark, km_drive_driven(d)->columns);
+  km_state_restore(d->state, km_drive_driven(d), d->mark_pose);
   km_loops_update(d->mechanism, d->state, km_drive_driven(d));
   km_state_forget_pivots(d->state, d->substructure);
 }

@@ -108,23 +108,12 @@ static char *rounded(const fixture *f, randomness *r, double tolerance) {
   return out.data;
 }
 
-/* Reads and assembles; the status and, where it fails, the words. */
-static km_status try_read(const char *json, fixture *f, km_error *error) {
-  *f = (fixture){0};
-  km_status status = km_model_read(json, strlen(json), NULL, &f->model, error);
-  if (!status)
-    status = km_mechanism_compile(f->model, NULL, 0, &f->mechanism, error);
-  if (!status)
-    status = km_state_create(f->mechanism, &f->state, error);
-  return status ? status : km_assemble(f->mechanism, f->state, NULL, error);
-}
-
 static void check(const char *name, randomness *r) {
   fixture exact = fixture_open(name), f;
   km_error error;
   uint64_t seed = r->state;
   char *text = rounded(&exact, r, 0.0);
-  km_status status = try_read(text, &f, &error);
+  km_status status = fixture_try(text, &f, &error);
   km_free(text);
   fixture_close(&f);
   assert_int_equal(status, KM_MODEL); /* every one of them is overconstrained: without a tolerance it can't close */
@@ -134,7 +123,7 @@ static void check(const char *name, randomness *r) {
   double tolerance = strtod(found + strlen("\"closure_tolerance\": "), NULL);
   randomness again = {seed};
   text = rounded(&exact, &again, tolerance);
-  status = try_read(text, &f, &error);
+  status = fixture_try(text, &f, &error);
   if (status)
     fail_msg("%s with %g: %s", name, tolerance, error.text);
   km_mobility a, b;

@@ -8,17 +8,6 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* Reads and assembles; the status and, where it fails, the words. */
-static km_status open_text(const char *json, fixture *f, km_error *error) {
-  *f = (fixture){0};
-  km_status status = km_model_read(json, strlen(json), NULL, &f->model, error);
-  if (!status)
-    status = km_mechanism_compile(f->model, NULL, 0, &f->mechanism, error);
-  if (!status)
-    status = km_state_create(f->mechanism, &f->state, error);
-  return status ? status : km_assemble(f->mechanism, f->state, NULL, error);
-}
-
 /* Is a linkage that has one freedom told to move, or left undecided? */
 static bool may_move(fixture *f) {
   km_finite_mobility found;
@@ -39,7 +28,7 @@ static bool keeps_promise(const linkage *l, writing how, uint64_t seed, const ch
   km_mobility mobility = {0};
   how.tolerance = strtod(named + strlen("\"closure_tolerance\": "), NULL);
   char *json = linkage_text(l, how, &again);
-  bool kept = !open_text(json, &f, &error);
+  bool kept = !fixture_try(json, &f, &error);
   if (kept)
     km_mobility_update(f.mechanism, f.state, &mobility);
   kept = kept && mobility.mobility == atoi(promise + strlen("mobility ")) && (mobility.mobility != 1 || may_move(&f));
@@ -60,7 +49,7 @@ bool family_rounded(uint64_t seed) {
   fixture f;
   km_error error = {0};
   bool agrees = true;
-  if (open_text(json, &f, &error)) {
+  if (fixture_try(json, &f, &error)) {
     agrees = keeps_promise(&l, how, writing_seed, error.text);
   } else if (how.digits >= 7) { /* what is let through moves, or nothing is said of it */
     agrees = may_move(&f);
@@ -88,7 +77,7 @@ bool family_short_link(uint64_t seed) {
   fixture f;
   km_error error = {0};
   km_mobility mobility = {0};
-  bool agrees = !open_text(json, &f, &error);
+  bool agrees = !fixture_try(json, &f, &error);
   if (agrees)
     km_mobility_update(f.mechanism, f.state, &mobility);
   agrees = agrees && mobility.mobility == bars - 3;

@@ -47,6 +47,16 @@ fixture fixture_read(const char *json) {
   return fixture_of(model);
 }
 
+km_status fixture_try(const char *json, fixture *f, km_error *error) {
+  *f = (fixture){0};
+  km_status status = km_model_read(json, strlen(json), NULL, &f->model, error);
+  if (!status)
+    status = km_mechanism_compile(f->model, NULL, 0, &f->mechanism, error);
+  if (!status)
+    status = km_state_create(f->mechanism, &f->state, error);
+  return status ? status : km_assemble(f->mechanism, f->state, NULL, error);
+}
+
 fixture fixture_open(const char *name) {
   char *text = read_model_text(name);
   fixture f = fixture_read(text);

@@ -30,6 +30,8 @@ bool has_one_freedom(const char *name);
 fixture fixture_open(const char *name); /* models/NAME.json */
 fixture fixture_read(const char *json); /* text */
 fixture fixture_of(km_model *model);    /* takes the model */
+/* Reads and assembles what may be refused; close the fixture in any case. */
+km_status fixture_try(const char *json, fixture *f, km_error *error);
 void fixture_close(fixture *f);
 char *read_model_text(const char *name); /* the caller frees it (km_free) */
 

@@ -3,21 +3,11 @@
 
 #include "base/memory.h"
 #include "exchange/json/json.h"
+#include "kinematics/poses.h"
 #include "report/record/csv.h"
 #include "report/record/track_record.h"
 
 #include <string.h>
-
-static void fill(const km_pose *pose, km_frame_pose *out) {
-  for (int k = 0; k < 3; ++k) {
-    out->R[k] = pose->R.axis[k].x;
-    out->R[3 + k] = pose->R.axis[k].y;
-    out->R[6 + k] = pose->R.axis[k].z;
-  }
-  out->p[0] = pose->p.x;
-  out->p[1] = pose->p.y;
-  out->p[2] = pose->p.z;
-}
 
 static kt_exit read_pose(const kredund_request *r, const kredund_open *open, km_frame_pose *out) {
   double value[6];
@@ -26,7 +16,7 @@ static kt_exit read_pose(const kredund_request *r, const kredund_open *open, km_
   double unit = open->pose.model->units.angle->si;
   km_vec3 turn = {value[3] * unit, value[4] * unit, value[5] * unit};
   km_pose pose = {km_quaternion_rotation(km_quaternion_exp(turn)), km_vec3_make(value)};
-  fill(&pose, out);
+  km_pose_write(&pose, out);
   return KT_DONE;
 }
 
@@ -47,7 +37,7 @@ static kt_exit find_target(const kredund_request *r, const kredund_open *open, k
     q[k] = km_arm_read(s->arm, k, s->start[k]);
   km_arm_update(s->arm, &space, q);
   km_pose pose = km_arm_to_model(s->arm, &space.pose);
-  fill(&pose, out);
+  km_pose_write(&pose, out);
   km_arm_space_free(&space);
   return KT_DONE;
 }
