@@ -16,8 +16,8 @@ km_status km_state_set_coordinates(const km_mechanism *m, km_state *s, const dou
     status = km_check_given(values != NULL, "values", error);
   for (int c = 0; !status && c < m->coordinate_count; ++c)
     if (!isfinite(values[c]))
-      status = km_fail(error, KM_USAGE, "%g for %s; expected a finite value", values[c],
-                       m->model->coordinates[c].label);
+      status =
+          km_fail(error, KM_USAGE, "%g for %s; expected a finite value", values[c], m->model->coordinates[c].label);
   if (status)
     return status;
   for (int c = 0; c < m->coordinate_count; ++c)
