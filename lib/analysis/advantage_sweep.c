@@ -70,6 +70,8 @@ static double *write_value(void *self, km_sweeper *r, double *cell) {
     km_transmission t;
     km_transmission_update(r->m, r->s, w->transmission, &t);
     km_transmission_values(&t, cell);
+    if (!w->between)
+      w->out->last = t;
     cell += KM_METRIC_COLUMNS;
   }
   return cell;

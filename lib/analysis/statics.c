@@ -75,7 +75,7 @@ km_status km_statics_create(const km_mechanism *m, const int *actuators, int act
   if (!out->work || !allocate(m, out))
     return km_fail(error, KM_MEMORY, "out of memory for the balance of forces");
   out->work->mechanism = m;
-  out->work->axes = axes;
+  out->axes = axes;
   km_status status = take_actuators(m, actuators, actuator_count, out, error);
   if (!status && !km_holding_reserve(m, out))
     status = km_fail(error, KM_MEMORY, "out of memory for the actuators");

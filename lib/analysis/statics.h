@@ -41,7 +41,6 @@ typedef struct km_carrying {
 struct km_statics_work {
   km_arena arena;
   const km_mechanism *mechanism;
-  km_axes axes;
   int *actuators;
   bool *actuated;     /* [coordinate] */
   km_twist *twist;    /* [coordinate] child against parent, about the forces' origin */

@@ -192,7 +192,7 @@ void km_statics_carry(const km_mechanism *m, km_state *s, const km_forces *f, km
   st->degree = 0;
   for (int j = 0; j < m->topology.joint_count; ++j) {
     double part[6];
-    st->work->frame[j] = report_frame(m, f, j, st->work->axes);
+    st->work->frame[j] = report_frame(m, f, j, st->axes);
     st->reactions[j] = (km_reaction){{0}, {0}, {0}};
     reported(&st->work->frame[j], from_tree(m, st->work, j), part);
     memcpy(st->reactions[j].force, part, sizeof st->reactions[j].force);

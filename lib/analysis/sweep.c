@@ -18,6 +18,8 @@ km_sweep_plan km_sweep_plan_default(const km_model *model) {
 }
 
 static km_status check_range(const km_mechanism *m, const km_sweep_plan *plan, km_error *error) {
+  if (plan->steps == 0)
+    return KM_OK;
   if (plan->arclength > 0.0)
     return isfinite(plan->arclength) ? KM_OK : km_fail(error, KM_USAGE, "an arc length that isn't finite");
   if (!isfinite(plan->from) || !isfinite(plan->to))
@@ -31,8 +33,8 @@ km_status km_check_sweep(const km_mechanism *m, const km_state *s, const km_swee
     status = km_check_given(plan != NULL, "plan", error);
   if (!status)
     status = check_range(m, plan, error);
-  if (!status && (plan->steps < 1 || plan->steps > KM_MOST_SWEEP_STEPS))
-    status = km_fail(error, KM_USAGE, "%d steps; expected 1 to %d", plan->steps, KM_MOST_SWEEP_STEPS);
+  if (!status && (plan->steps < 0 || plan->steps > KM_MOST_SWEEP_STEPS))
+    status = km_fail(error, KM_USAGE, "%d steps; expected 0 to %d", plan->steps, KM_MOST_SWEEP_STEPS);
   if (!status && plan->direction != -1)
     status = km_check_index(plan->direction, m->coordinate_count, "coordinate", error);
   if (!status)
@@ -43,6 +45,28 @@ km_status km_check_sweep(const km_mechanism *m, const km_state *s, const km_swee
       status = km_check_given(plan->points[i].name != NULL, "name of a point", error);
   }
   return status;
+}
+
+static bool no_motion(void *self, double *rates) {
+  (void)self;
+  (void)rates;
+  return false;
+}
+
+static bool no_pose(void *self, double s, double *rates) {
+  (void)s;
+  return no_motion(self, rates);
+}
+
+static void stay(void *self) {
+  (void)self;
+}
+
+/* One row at the state's pose, where nothing moves. */
+static km_status stand(km_sweeper *r, km_error *error) {
+  r->mover = (km_mover){NULL, no_motion, no_pose, stay};
+  km_sweeper_prepare(r);
+  return km_sweeper_row(r, 0, 0.0, error);
 }
 
 static km_status run(km_sweeper *r, km_error *error) {
@@ -56,6 +80,8 @@ static km_status run(km_sweeper *r, km_error *error) {
   km_status status = km_sweeper_columns(r, error);
   if (status)
     return status;
+  if (r->plan->steps == 0)
+    return stand(r, error);
   return r->plan->arclength > 0.0 ? km_sweep_by_length(r, error) : km_sweep_by_driver(r, error);
 }
 

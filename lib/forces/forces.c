@@ -39,8 +39,8 @@ km_status km_forces_create(const km_mechanism *m, const double gravity[3], const
     return km_fail(error, KM_MEMORY, "out of memory for the forces");
   }
   f->mechanism = m;
-  km_vec3 g = gravity ? km_vec3_make(gravity) : m->model->gravity;
-  f->gravity = km_vec3_scale(km_units_factor(&m->model->units, acceleration), g);
+  f->stated_gravity = gravity ? km_vec3_make(gravity) : m->model->gravity;
+  f->gravity = km_vec3_scale(km_units_factor(&m->model->units, acceleration), f->stated_gravity);
   f->load_count = load_count;
   if (load_count)
     memcpy(f->loads, loads, (size_t)load_count * sizeof *loads);

@@ -10,7 +10,8 @@
 struct km_forces {
   km_arena arena;
   const km_mechanism *mechanism;
-  km_vec3 gravity; /* force a unit of mass, model's units */
+  km_vec3 stated_gravity; /* length / time² */
+  km_vec3 gravity;        /* force a unit of mass, model's units */
   int load_count, spring_count;
   double *extra; /* [coordinate] forces in joints along +q that an analysis sets; 0 at first */
   km_load *loads;

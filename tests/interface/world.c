@@ -61,6 +61,7 @@ static void open_handles(world *w) {
   km_losses_create(w->mechanism, &w->input, &w->output, &w->losses, NULL);
   km_transmission_create(w->mechanism, &w->input, &w->output, &w->transmission, NULL);
   km_drive_create(w->mechanism, w->state, w->plan.coordinate, false, &w->drive, NULL);
+  km_question_create(w->mechanism, "mobility", &w->question, NULL);
   km_follow_create(w->mechanism, w->state, -1, 1.0, false, &w->follow, NULL);
 }
 
@@ -114,6 +115,7 @@ void world_close(world *w) {
   km_study_free(w->study);
   km_study_free(w->unbound);
   km_builder_free(w->builder);
+  km_question_free(w->question);
   km_drive_free(w->drive);
   km_follow_free(w->follow);
   km_lever_free(w->lever);

@@ -23,6 +23,8 @@ typedef struct world {
   const km_arm *arm;
   km_track *track;
   km_table *table;
+  km_question *question;
+  km_option_value value;
   km_builder *builder;
   km_settings_def settings;
   km_frame_def frame;

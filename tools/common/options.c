@@ -25,8 +25,7 @@ static void keep_text(kt_texts *texts, char *text, struct argp_state *state) {
   texts->items[texts->count++] = text;
 }
 
-/* The place of `text` in "one or another or a third", -1 if it isn't there. */
-static int place_among(const char *words, const char *text) {
+int kt_word_place(const char *words, const char *text) {
   static const char between[] = " or ";
   size_t length = strlen(text);
   for (int place = 0;; ++place) {
@@ -41,7 +40,7 @@ static int place_among(const char *words, const char *text) {
 }
 
 static void keep_word(const kt_option *o, const char *text, struct argp_state *state) {
-  int place = place_among(o->kind.words, text);
+  int place = kt_word_place(o->kind.words, text);
   if (place < 0)
     argp_error(state, "--%s %s: expected %s", o->name, text, o->kind.words);
   *(int *)o->target = place;

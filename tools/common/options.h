@@ -63,4 +63,7 @@ void kt_options_add(kt_options *options, const kt_option *table, size_t count);
  * `about`: what the command does; text after \v stands below the options. */
 void kt_options_read(const kt_options *options, const char *about, int argc, char **argv);
 
+/* The place of `text` in "one or another or a third", -1 if it isn't there. */
+int kt_word_place(const char *words, const char *text);
+
 #endif

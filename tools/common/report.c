@@ -2,15 +2,17 @@
 #include "common/report.h"
 
 #include "base/file.h"
+#include "report/document/question_report.h"
 
+#include <stdio.h>
 #include <string.h>
 
-void kt_report_options(kt_options *out, kt_sweep_options *o, const char *base_help) {
+void kt_report_options(kt_options *out, kt_sweep_options *o, const char *kind, const char *base_help) {
   const kt_option table[] = {
       {"format", 0, "FORMAT", "pdf (default) or html", KT_TEXT, &o->format, KT_ABOUT_FILES},
       KT_BASE(&o->base, base_help),
   };
-  kt_sweep_options_add(out, o);
+  kt_sweep_options_add(out, o, kind);
   KT_OPTIONS_ADD(out, table);
   kt_common_options(out, &o->common, 0);
   out->operand = (kt_operand){"model", "MODEL", true, NULL, &o->models};
@@ -30,10 +32,12 @@ static bool choose_format(const kt_sweep_options *o, bool *html) {
 }
 
 /* Writes the file that -o names, or BASE.WORD.FORMAT. */
-static kt_exit write_file(const kt_sweep_job *j, const char *word, bool html, const km_text *bytes) {
+static kt_exit write_file(const kt_sweep_job *j, bool html, const km_text *bytes) {
+  char word[64];
   const kt_common *common = &j->options->common;
   const char *base = j->options->base, *format = html ? "html" : "pdf";
   km_error error;
+  snprintf(word, sizeof word, "%s-report", km_question_kind_name(j->options->asked.kind));
   if (!base || (!ends_with(base, ".pdf") && !ends_with(base, ".html")))
     return kt_write(common, base ? base : j->base, word, format, bytes);
   km_status status = km_file_write(base, bytes, &error);
@@ -44,20 +48,21 @@ static kt_exit write_file(const kt_sweep_job *j, const char *word, bool html, co
   return kt_exit_of(status);
 }
 
-static kt_exit deliver(const kt_reporting *reporting, const kt_sweep_job *j, bool html) {
+static kt_exit deliver(const kt_sweep_job *j, bool html) {
   km_text out = {0};
   km_error error;
-  km_status status = reporting->write(j, html, &out, &error);
+  km_answered answer = {j->pose.mechanism, j->question, j->base};
+  km_status status = km_question_report(&answer, j->stopped_by.data ? j->stopped_by.data : "", html, &out, &error);
   kt_exit result = kt_exit_of(status);
   if (status)
     kt_say(&j->options->common, KM_ERROR, "%s: %s", j->path, error.text);
   else
-    result = write_file(j, reporting->word, html, &out);
+    result = write_file(j, html, &out);
   km_text_free(&out);
   return result;
 }
 
-kt_exit kt_report(kt_sweep_options *o, const kt_reporting *reporting) {
+kt_exit kt_report(kt_sweep_options *o) {
   bool html;
   if (!choose_format(o, &html))
     return kt_usage(&o->common, "--format", o->format, "pdf or html, as -o says");
@@ -65,16 +70,16 @@ kt_exit kt_report(kt_sweep_options *o, const kt_reporting *reporting) {
     return kt_usage(&o->common, "MODEL", o->models.items[1], "one model for a report");
   if (o->base && strcmp(o->base, "-") == 0)
     return kt_usage(&o->common, "-o", "-", "a file");
+  kt_asked_set(&o->asked, "transmission");
   kt_sweep_job *j = KM_NEW(kt_sweep_job, 1);
   if (!j)
     return KT_INTERNAL;
   *j = (kt_sweep_job){.options = o, .path = o->models.items[0], .common = o->common};
   kt_sweep_job_open(j, 0.0);
-  kt_sweep_job_run(j, reporting->prepare, reporting->run);
+  kt_sweep_job_run(j);
   kt_exit result = j->result;
-  if ((result == KT_DONE || result == KT_PARTIAL) && !j->empty)
-    result = kt_worse(result, deliver(reporting, j, html));
-  reporting->free(j);
+  if (kt_sweep_job_delivers(j))
+    result = kt_worse(result, deliver(j, html));
   kt_sweep_job_close(j);
   km_free(j);
   return result;

@@ -8,12 +8,18 @@
 
 typedef struct options {
   kt_request request;
-  kma_ends_options ends;
+  kt_asked asked;
+  kt_texts points;
 } options;
 
-static km_status transmission_at(const kt_pose *pose, const kma_ends *ends, km_transmission *out, km_error *error) {
+/* The ends of the leverage. */
+typedef struct ends {
+  km_handle input, output;
+} ends;
+
+static km_status transmission_at(const kt_pose *pose, const ends *e, km_transmission *out, km_error *error) {
   km_transmission_work *work;
-  km_status status = km_transmission_create(pose->mechanism, &ends->input, &ends->output, &work, error);
+  km_status status = km_transmission_create(pose->mechanism, &e->input, &e->output, &work, error);
   if (!status)
     km_transmission_update(pose->mechanism, pose->state, work, out);
   km_transmission_free(work);
@@ -21,12 +27,12 @@ static km_status transmission_at(const kt_pose *pose, const kma_ends *ends, km_t
 }
 
 /* `why` of losses that aren't asked for is the model's lack of friction. */
-static km_status losses_at(const kt_pose *pose, const kma_ends *ends, km_losses *out, km_error *error) {
+static km_status losses_at(const kt_pose *pose, const ends *e, km_losses *out, km_error *error) {
   km_losses_work *work;
   *out = (km_losses){.ratio = nan(""), .efficiency = nan(""), .why = "no joint has friction"};
   if (!km_model_has_friction(pose->model))
     return KM_OK;
-  km_status status = km_losses_create(pose->mechanism, &ends->input, &ends->output, &work, error);
+  km_status status = km_losses_create(pose->mechanism, &e->input, &e->output, &work, error);
   if (!status)
     km_losses_update(pose->mechanism, pose->state, work, out);
   km_losses_free(work);
@@ -53,35 +59,35 @@ static void tell_branches(const options *o, const kt_pose *pose, km_lever *lever
   km_text_free(&words);
 }
 
-static km_status describe(const options *o, const kt_pose *pose, const kma_ends *ends, km_text *out, km_error *error) {
+static km_status describe(const options *o, const kt_pose *pose, const ends *e, km_text *out, km_error *error) {
   km_lever *lever;
   km_advantage advantage;
   km_transmission transmission;
   km_losses losses;
   km_mobility mobility;
   km_arena arena = {0};
-  km_status status = km_lever_create(pose->mechanism, &ends->input, &ends->output, &lever, error);
+  km_status status = km_lever_create(pose->mechanism, &e->input, &e->output, &lever, error);
   if (status)
     return status;
   km_mobility_update(pose->mechanism, pose->state, &mobility);
   km_lever_update(pose->mechanism, pose->state, lever, &advantage);
   tell_branches(o, pose, lever);
   km_lever_free(lever);
-  status = transmission_at(pose, ends, &transmission, error);
+  status = transmission_at(pose, e, &transmission, error);
   if (!status)
-    status = losses_at(pose, ends, &losses, error);
+    status = losses_at(pose, e, &losses, error);
   if (status)
     return status;
   if (o->request.json) {
-    const km_value *record = km_advantage_record(pose->mechanism, pose->state, &ends->input, &ends->output, &advantage,
+    const km_value *record = km_advantage_record(pose->mechanism, pose->state, &e->input, &e->output, &advantage,
                                                  &transmission, &losses, o->request.model, &arena);
     if (record)
       km_json_write(record, out);
     else
       status = km_fail(error, KM_MEMORY, "out of memory");
   } else {
-    km_advantage_print(pose->mechanism, &ends->input, &ends->output, &advantage, &transmission, &losses,
-                       o->request.model, out);
+    km_advantage_print(pose->mechanism, &e->input, &e->output, &advantage, &transmission, &losses, o->request.model,
+                       out);
   }
   km_arena_free(&arena);
   return status;
@@ -89,12 +95,13 @@ static km_status describe(const options *o, const kt_pose *pose, const kma_ends 
 
 static kt_exit run(const options *o, const kt_pose *pose) {
   const kt_common *common = &o->request.common;
-  kma_ends ends;
+  km_question *question = NULL;
   km_text out = {0};
   km_error error;
-  kt_exit result = kma_ends_read(common, o->request.model, pose->model, &o->ends, &ends);
+  kt_exit result = kt_ask(common, o->request.model, &o->asked, pose, &question);
   if (result == KT_DONE) {
-    km_status status = describe(o, pose, &ends, &out, &error);
+    const ends e = {*km_question_end(question, false), *km_question_end(question, true)};
+    km_status status = describe(o, pose, &e, &out, &error);
     if (status)
       kt_say(common, KM_ERROR, "%s: %s", o->request.model, error.text);
     result = kt_exit_of(status);
@@ -102,21 +109,20 @@ static kt_exit run(const options *o, const kt_pose *pose) {
   if (result == KT_DONE)
     result = kt_answer(&o->request, "advantage", &out);
   km_text_free(&out);
-  kma_ends_free(&ends);
+  km_question_free(question);
   return result;
 }
 
-static options read_options(int argc, char **argv) {
-  options o = {.request = {.common = KT_COMMON("kma")}};
+static void read_options(options *o, int argc, char **argv) {
   kt_options all = {0};
   const kt_option point[] = {
       {"point", 0, "BODY/FRAME:DX,DY,DZ",
        "A point along a direction of the inertial frame as output; a second one: as input before it", KT_TEXTS,
-       &o.ends.points, KT_ABOUT_MODEL}};
-  kt_request_options(&all, &o.request, true, KT_REQUEST_BASE("advantage"));
-  kma_ends_options_add(&all, &o.ends);
+       &o->points, KT_ABOUT_MODEL}};
+  kt_request_options(&all, &o->request, true, KT_REQUEST_BASE("advantage"));
+  kt_asked_options(&all, &o->asked, "advantage", false);
   KT_OPTIONS_ADD(&all, point);
-  kt_common_options(&all, &o.request.common, 0);
+  kt_common_options(&all, &o->request.common, 0);
   kt_options_read(
       &all,
       "Mechanical advantage of an input over an output at a pose: the input's rate over the output's, signed."
@@ -127,12 +133,14 @@ static options read_options(int argc, char **argv) {
       "chen_angeles, manipulability, condition_number, wrench}, each with a value, or null and why it is undefined; "
       "held_joints, configuration.",
       argc, argv);
-  return o;
 }
 
 kt_exit kma_at(int argc, char **argv) {
-  options o = read_options(argc, argv);
+  options o = {.request = {.common = KT_COMMON("kma")}};
   kt_pose pose;
+  read_options(&o, argc, argv);
+  if (!kma_place_points(&o.request.common, &o.asked, &o.points))
+    return KT_USAGE;
   kt_exit result = kt_request_open(&o.request, &pose);
   if (result == KT_DONE)
     result = run(&o, &pose);

@@ -1,4 +1,5 @@
 /* kstatic at: the balance of forces at one pose. */
+#include "common/asked.h"
 #include "kstatic/kstatic.h"
 
 #include "exchange/json/json.h"
@@ -6,20 +7,19 @@
 
 typedef struct options {
   kt_request request;
-  kstatic_options acting;
+  kt_asked asked;
 } options;
 
 static kt_exit describe(const options *o, const kt_pose *pose, const km_statics *statics) {
   km_text out = {0};
   km_arena arena = {0};
   if (o->request.json) {
-    const km_value *record =
-        km_statics_record(pose->mechanism, pose->state, statics, (km_axes)o->acting.axes, o->request.model, &arena);
+    const km_value *record = km_statics_record(pose->mechanism, pose->state, statics, o->request.model, &arena);
     if (record)
       km_json_write(record, &out);
     out.failed = out.failed || !record;
   } else {
-    km_statics_print(pose->mechanism, statics, (km_axes)o->acting.axes, o->request.model, &out);
+    km_statics_print(pose->mechanism, statics, o->request.model, &out);
   }
   kt_exit result = kt_answer(&o->request, "forces", &out);
   km_arena_free(&arena);
@@ -42,27 +42,27 @@ static void tell_falls(const options *o, const kt_pose *pose, const km_statics *
 }
 
 static kt_exit run(const options *o, const kt_pose *pose) {
-  kstatic_balance balance;
+  km_question *question = NULL;
   km_mobility mobility;
-  kt_exit result = kstatic_prepare(&o->request.common, o->request.model, pose, &o->acting, &balance);
+  kt_exit result = kt_ask(&o->request.common, o->request.model, &o->asked, pose, &question);
   if (result == KT_DONE) {
+    km_statics *statics = km_question_balance(question);
     km_mobility_update(pose->mechanism, pose->state, &mobility);
-    km_statics_update(pose->mechanism, pose->state, balance.forces, &balance.statics);
-    tell_falls(o, pose, &balance.statics);
-    result = describe(o, pose, &balance.statics);
-    if (result == KT_DONE && !balance.statics.held)
+    km_statics_update(pose->mechanism, pose->state, km_question_forces(question), statics);
+    tell_falls(o, pose, statics);
+    result = describe(o, pose, statics);
+    if (result == KT_DONE && !statics->held)
       result = KT_PARTIAL;
   }
-  kstatic_free(&balance);
+  km_question_free(question);
   return result;
 }
 
-static options read_options(int argc, char **argv) {
-  options o = {.request = {.common = KT_COMMON("kstatic")}};
+static void read_options(options *o, int argc, char **argv) {
   kt_options all = {0};
-  kt_request_options(&all, &o.request, true, KT_REQUEST_BASE("forces"));
-  kstatic_options_add(&all, &o.acting);
-  kt_common_options(&all, &o.request.common, 0);
+  kt_request_options(&all, &o->request, true, KT_REQUEST_BASE("forces"));
+  kt_asked_options(&all, &o->asked, "forces", false);
+  kt_common_options(&all, &o->request.common, 0);
   kt_options_read(
       &all,
       "What actuators and joints must hold at a pose against gravity, loads and springs, and the reaction in every "
@@ -73,11 +73,11 @@ static options read_options(int argc, char **argv) {
       "held_joints, configuration. Forces are positive along +q, those of angles per radian; a reaction is the wrench "
       "of parent on child about the origin of the child's joint frame.",
       argc, argv);
-  return o;
 }
 
 kt_exit kstatic_at(int argc, char **argv) {
-  options o = read_options(argc, argv);
+  options o = {.request = {.common = KT_COMMON("kstatic")}};
+  read_options(&o, argc, argv);
   kt_pose pose;
   kt_exit result = kt_request_open(&o.request, &pose);
   if (result == KT_DONE)

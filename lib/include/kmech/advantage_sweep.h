@@ -2,8 +2,8 @@
 #ifndef KMECH_ADVANTAGE_SWEEP_H
 #define KMECH_ADVANTAGE_SWEEP_H
 
-#include "kmech/advantage.h"
 #include "kmech/sweep_plan.h"
+#include "kmech/transmission.h"
 
 #ifdef __cplusplus
 extern "C" {
@@ -28,6 +28,7 @@ typedef struct km_advantage_sweep {
   km_advantage_method method; /* of the first row */
   km_advantage_toggle *toggles;
   size_t toggle_count;
+  km_transmission last; /* of the last row, with why metrics are undefined there; if the transmission was asked for */
   km_peak lowest, highest; /* of the advantage, between the rows too; infinite beside a toggle */
 } km_advantage_sweep;
 

@@ -24,6 +24,7 @@
 #include "kmech/path.h"
 #include "kmech/path_study.h"
 #include "kmech/progress.h"
+#include "kmech/question.h"
 #include "kmech/redundancy.h"
 #include "kmech/selfmotion.h"
 #include "kmech/statics.h"

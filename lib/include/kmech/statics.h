@@ -34,6 +34,7 @@ typedef struct km_statics {
   double *directions; /* … [KM_MOST_DIRECTIONS × coordinate] the first of them: rates, the largest scaled one 1 */
   bool *falls;        /* [KM_MOST_DIRECTIONS] the loads push in this one: the pose isn't held */
   km_reaction *reactions; /* [joint] */
+  km_axes axes;           /* of the reactions */
   int degree;             /* of static indeterminacy: redundant constraints */
   km_statics_work *work;
 } km_statics;

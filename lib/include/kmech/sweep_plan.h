@@ -23,7 +23,7 @@ enum { KM_MOST_SWEEP_STEPS = 10000000 };
 typedef struct km_sweep_plan {
   int coordinate;   /* the driver; -1: the model's analysis.sweep */
   double from, to;  /* model's unit */
-  int steps;        /* intervals; rows = steps + 1 */
+  int steps;        /* intervals; rows = steps + 1. 0: one row at the state's pose, where nothing moves */
   double arclength; /* > 0: by arc length instead, `steps` times this much; coordinate, from, to don't count */
   int direction;    /* the coordinate that starts the motion, -1: the one with the largest mobility number */
   double sign;      /* +1 or -1 */

@@ -46,6 +46,20 @@ typedef struct km_span {
 /* The columns whose names begin with `prefix` ("q."); count 0 if there are none. */
 KM_API km_span km_table_span(const km_table *table, const char *prefix);
 
+/* A figure of merit of a column over the rows. */
+typedef enum km_figure {
+  KM_FIGURE_MIN,
+  KM_FIGURE_MAX,
+  KM_FIGURE_SPAN, /* max − min */
+  KM_FIGURE_MEAN, /* over s, by the trapezoidal rule */
+  KM_FIGURE_AT    /* at a given s: between rows by the line through both */
+} km_figure;
+/* Rows without a value (NaN) don't count; a mean next to an infinite value is infinite. `at`: the s of KM_FIGURE_AT;
+ * `where` (may be NULL): s of the extreme. NaN where no row has a value, or `at` lies outside them. KM_USAGE: there is
+ * no such column. O(rows). */
+KM_API km_status km_table_figure(const km_table *table, const char *column, km_figure figure, double at, double *value,
+                                 double *where, km_error *error);
+
 #ifdef __cplusplus
 }
 #endif

@@ -42,8 +42,8 @@ static void add_reactions(const km_mechanism *m, const km_statics *st, km_value 
   }
 }
 
-km_value *km_statics_record(const km_mechanism *m, const km_state *s, const km_statics *st, km_axes axes,
-                            const char *name, km_arena *arena) {
+km_value *km_statics_record(const km_mechanism *m, const km_state *s, const km_statics *st, const char *name,
+                            km_arena *arena) {
   km_value *record = km_record_head(m, "kstatic", name, arena);
   km_value_boolean(arena, record, "held", st->held);
   add_directions(m, st, record, arena);
@@ -57,7 +57,7 @@ km_value *km_statics_record(const km_mechanism *m, const km_state *s, const km_s
   km_value *least = km_value_add(arena, record, "least_norm_forces", KM_OBJECT);
   for (int c = 0; c < m->coordinate_count && !arena->failed; ++c)
     km_value_number(arena, least, m->model->coordinates[c].label, st->least_norm[c]);
-  km_value_string(arena, record, "axes", axes == KM_AXES_FIXED ? "fixed" : "joint");
+  km_value_string(arena, record, "axes", st->axes == KM_AXES_FIXED ? "fixed" : "joint");
   km_value_string(arena, record, "reactions_with", st->held ? "actuator_forces" : "least_norm_forces");
   add_reactions(m, st, record, arena);
   km_value_number(arena, record, "degree_of_indeterminacy", st->degree);
@@ -112,10 +112,10 @@ static void print_directions(const km_mechanism *m, const km_statics *st, km_tex
 /* In tables for people a component below this share of the largest is 0. */
 static const double rounding = 1e-12;
 
-static void print_reactions(const km_mechanism *m, const km_statics *st, km_axes axes, int width, km_text *out) {
+static void print_reactions(const km_mechanism *m, const km_statics *st, int width, km_text *out) {
   const km_model *model = m->model;
   km_text_format(out, "\nreactions of parent on child, about the child's joint frame, %s axes, with %s (%s, ",
-                 axes == KM_AXES_FIXED ? "inertial" : "its",
+                 st->axes == KM_AXES_FIXED ? "inertial" : "its",
                  st->held ? "the actuators' forces" : "the least-norm forces", model->units.force->suffix);
   km_torque_unit(model, out);
   km_text_add(out, ")\n  ");
@@ -148,7 +148,7 @@ static void print_reactions(const km_mechanism *m, const km_statics *st, km_axes
                    st->degree, km_plural(st->degree));
 }
 
-void km_statics_print(const km_mechanism *m, const km_statics *st, km_axes axes, const char *name, km_text *out) {
+void km_statics_print(const km_mechanism *m, const km_statics *st, const char *name, km_text *out) {
   int width = km_widest_label(m->model);
   km_text_format(out, "%s: %s\n", name,
                  !st->held       ? "the actuators can't hold this pose"
@@ -165,7 +165,7 @@ void km_statics_print(const km_mechanism *m, const km_statics *st, km_axes axes,
     if (!m->held[c])
       print_force(m, c, width, st->least_norm[c], out);
   if (m->model->joint_count)
-    print_reactions(m, st, axes, width, out);
+    print_reactions(m, st, width, out);
 }
 
 static const char *event_word(km_force_event_kind kind) {

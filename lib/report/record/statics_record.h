@@ -8,9 +8,8 @@
 
 /* What `kstatic at` gives (cli.md). NULL when out of memory (arena->failed). */
 km_value *km_statics_record(const km_mechanism *mechanism, const km_state *state, const km_statics *statics,
-                            km_axes axes, const char *name, km_arena *arena);
-void km_statics_print(const km_mechanism *mechanism, const km_statics *statics, km_axes axes, const char *name,
-                      km_text *out);
+                            const char *name, km_arena *arena);
+void km_statics_print(const km_mechanism *mechanism, const km_statics *statics, const char *name, km_text *out);
 /* What `kstatic sweep --format json` gives, and a summary to act on. */
 km_value *km_statics_sweep_record(const km_mechanism *mechanism, const km_statics_sweep *sweep, const char *stopped_by,
                                   const char *name, km_arena *arena);

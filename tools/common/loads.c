@@ -1,10 +1,16 @@
 /* Reads --load: changed and added loads. */
-#include "kstatic/loads.h"
+#include "common/asked.h"
 
 #include "base/memory.h"
 #include "base/text.h"
 
 #include <string.h>
+
+/* The model's loads, as changed and added to. */
+typedef struct loads {
+  km_load *items;
+  int count;
+} loads;
 
 /* What follows the = of --load: numbers, then perhaps :frame or :fixed. */
 typedef struct values {
@@ -37,7 +43,7 @@ static bool read_values(const char *text, values *out) {
   return false;
 }
 
-static km_load *named(const km_model *model, const char *name, kstatic_loads *out) {
+static km_load *named(const km_model *model, const char *name, loads *out) {
   for (int i = 0; i < km_model_load_count(model); ++i)
     if (strcmp(km_model_load_name(model, i), name) == 0)
       return &out->items[i];
@@ -80,12 +86,12 @@ static bool is_frame(const kt_common *common, const km_model *model, const char 
   return found;
 }
 
-static km_load *add(kstatic_loads *out, int frame) {
+static km_load *add(loads *out, int frame) {
   out->items[out->count] = (km_load){.frame = frame};
   return &out->items[out->count++];
 }
 
-static kt_exit read_one(const kt_common *common, const km_model *model, const char *text, kstatic_loads *out) {
+static kt_exit read_one(const kt_common *common, const km_model *model, const char *text, loads *out) {
   const char *rest = text;
   kt_piece name = kt_split(&rest, "=");
   values v;
@@ -115,19 +121,18 @@ static kt_exit read_one(const kt_common *common, const km_model *model, const ch
   return result;
 }
 
-kt_exit kstatic_loads_read(const kt_common *common, const km_model *model, const kt_texts *texts, kstatic_loads *out) {
+kt_exit kt_loads(const kt_common *common, const km_model *model, const kt_texts *texts, km_arena *arena,
+                 km_option_value *out) {
   int own = km_model_load_count(model);
   kt_exit result = KT_DONE;
-  *out = (kstatic_loads){.items = KM_NEW(km_load, (size_t)(own + texts->count)), .count = own};
-  if (!out->items)
+  loads all = {KM_ARENA_NEW(arena, km_load, (size_t)(own + texts->count)), own};
+  if (!all.items)
     return KT_INTERNAL;
   for (int i = 0; i < own; ++i)
-    out->items[i] = km_model_load_at(model, i);
+    all.items[i] = km_model_load_at(model, i);
   for (int i = 0; i < texts->count && result == KT_DONE; ++i)
-    result = read_one(common, model, texts->items[i], out);
+    result = read_one(common, model, texts->items[i], &all);
+  out->loads = all.items;
+  out->count = all.count;
   return result;
-}
-
-void kstatic_loads_free(kstatic_loads *loads) {
-  km_free(loads->items);
 }

@@ -1,0 +1,131 @@
+/* The question about forces: what actuators hold, what joints carry. */
+#include "analysis/question.h"
+
+#include "kinematics/state.h"
+
+#include <math.h>
+
+enum { ACTUATORS, LOAD, GRAVITY, AXES, OPTIONS };
+
+static const km_option options[OPTIONS] = {
+    {"actuators", KM_OPTION_COORDINATES, "JOINT,JOINT", "", "the model's analysis.actuators, else every free joint",
+     "The joints that hold the mechanism", 0, 0, NULL, false},
+    {"load", KM_OPTION_LOADS, "NAME=FX,FY,FZ[,TX,TY,TZ]", "force, force × length", NULL,
+     "Give a load of the model another force (and torque), NAME=FACTOR: scale it; BODY/FRAME=… adds one at a frame's "
+     "origin. :frame behind the numbers turns its axes with the frame (repeatable)",
+     0, 0, NULL, false},
+    {"gravity", KM_OPTION_VECTOR, "X,Y,Z", "length/time²", NULL, "Another gravity than the model's, length/time²", 0, 0,
+     NULL, false},
+    {"axes", KM_OPTION_WORD, "AXES", "", NULL,
+     "Axes of the reactions: joint (of the child's joint frame, default) or fixed", 0, KM_AXES_FIXED, "joint or fixed",
+     false},
+};
+_Static_assert(KM_AXES_JOINT == 0 && KM_AXES_FIXED == 1, "the words of `axes` stand in the order of km_axes");
+
+typedef struct own {
+  km_forces *forces;
+  km_statics statics;
+  km_statics_sweep sweep;
+} own;
+
+/* The model's own loads, where no others are set. */
+static km_status gather_loads(const km_question *q, const km_option_value *set, own *o, km_error *error) {
+  const km_option_value *gravity = km_question_own_value(q, GRAVITY);
+  int count = set ? set->count : km_model_load_count(q->m->model);
+  km_load *loads = KM_NEW(km_load, (size_t)count);
+  if (!loads)
+    return km_fail(error, KM_MEMORY, "out of memory for the loads");
+  for (int i = 0; i < count; ++i)
+    loads[i] = set ? set->loads[i] : km_model_load_at(q->m->model, i);
+  km_status status = km_forces_create(q->m, gravity ? gravity->numbers : NULL, loads, count, &o->forces, error);
+  km_free(loads);
+  return status;
+}
+
+/* The model's actuators that aren't held. */
+static int take_actuators(km_question *q, int *out) {
+  const km_model *model = q->m->model;
+  int count = 0;
+  for (int i = 0; i < model->actuator_count; ++i) {
+    if (!q->m->held[model->actuators[i]])
+      out[count++] = model->actuators[i];
+    else
+      km_messages_add(q->notes, KM_NOTE, "actuator %s is held and so rigid",
+                      km_model_coordinate_label(model, model->actuators[i]));
+  }
+  return count;
+}
+
+static km_status prepare_balance(km_question *q, own *o, km_error *error) {
+  const km_model *model = q->m->model;
+  const km_option_value *set = km_question_own_value(q, ACTUATORS), *axes = km_question_own_value(q, AXES);
+  km_axes wanted = axes ? (km_axes)axes->whole : KM_AXES_JOINT;
+  if (set)
+    return km_statics_create(q->m, set->coordinates, set->count, wanted, &o->statics, error);
+  if (!model->actuators_given) {
+    km_messages_add(q->notes, KM_NOTE, "no analysis.actuators and no `actuators`: every free joint holds");
+    return km_statics_create(q->m, NULL, 0, wanted, &o->statics, error);
+  }
+  if (model->actuator_count == 0)
+    return km_fail(error, KM_USAGE, "analysis.actuators is empty; expected at least one joint, or `actuators`");
+  int *actuators = KM_NEW(int, (size_t)model->actuator_count);
+  if (!actuators)
+    return km_fail(error, KM_MEMORY, "out of memory for the actuators");
+  km_status status = km_statics_create(q->m, actuators, take_actuators(q, actuators), wanted, &o->statics, error);
+  km_free(actuators);
+  return status;
+}
+
+static km_status prepare(km_question *q, km_error *error) {
+  own *o = q->own;
+  km_status status = gather_loads(q, km_question_own_value(q, LOAD), o, error);
+  return status ? status : prepare_balance(q, o, error);
+}
+
+static km_status answer(km_question *q, km_state *s, const km_sweep_plan *plan, km_error *error) {
+  own *o = q->own;
+  return km_statics_sweep_run(q->m, s, plan, o->forces, &o->statics, &o->sweep, error);
+}
+
+static const km_sweep *motion(const km_question *q) {
+  return &((const own *)q->own)->sweep.motion;
+}
+
+static int event_count(const km_question *q) {
+  return (int)((const own *)q->own)->sweep.event_count;
+}
+
+static km_question_event event(const km_question *q, int index) {
+  const km_statics_sweep *sweep = &((const own *)q->own)->sweep;
+  const km_force_event *e = &sweep->events[index];
+  const char *name = e->kind == KM_FORCE_BALANCED ? "zero" : e->kind == KM_FORCE_PEAK ? "peak" : "pole";
+  return (km_question_event){name, km_model_coordinate_label(q->m->model, sweep->actuators[e->actuator]), e->s,
+                             e->value};
+}
+
+static void forget(km_question *q) {
+  km_statics_sweep_free(&((own *)q->own)->sweep);
+}
+
+static void unprepare(km_question *q) {
+  own *o = q->own;
+  km_forces_free(o->forces);
+  km_statics_free(&o->statics);
+  o->forces = NULL;
+  o->statics = (km_statics){0};
+}
+
+const km_question_class km_forces_question = {"forces", options,     OPTIONS, sizeof(own), prepare,  answer,
+                                              motion,   event_count, event,   forget,      unprepare};
+
+const km_statics_sweep *km_question_statics(const km_question *q) {
+  return km_question_has(q, &km_forces_question) ? &((const own *)q->own)->sweep : NULL;
+}
+
+km_forces *km_question_forces(const km_question *q) {
+  return km_question_is(q, &km_forces_question) ? ((const own *)q->own)->forces : NULL;
+}
+
+km_statics *km_question_balance(const km_question *q) {
+  return km_question_is(q, &km_forces_question) ? &((own *)q->own)->statics : NULL;
+}

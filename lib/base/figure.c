@@ -1,0 +1,86 @@
+/* Figures of merit of a table's columns. */
+#include "base/check.h"
+#include "kmech/table.h"
+
+#include <math.h>
+
+typedef struct series {
+  const km_table *table;
+  size_t s, column;
+} series;
+
+static double s_of(const series *f, size_t row) {
+  return km_table_row(f->table, row)[f->s];
+}
+
+static double value_of(const series *f, size_t row) {
+  return km_table_row(f->table, row)[f->column];
+}
+
+/* The row of the smallest value, of the largest with sign -1; the number of rows where none has a value. */
+static size_t extreme(const series *f, double sign) {
+  size_t rows = km_table_rows(f->table), best = rows;
+  for (size_t r = 0; r < rows; ++r) {
+    bool counts = !isnan(value_of(f, r));
+    if (counts && (best == rows || sign * value_of(f, r) < sign * value_of(f, best)))
+      best = r;
+  }
+  return best;
+}
+
+/* Over the rows that have a value. */
+static double mean(const series *f) {
+  size_t last = km_table_rows(f->table);
+  double area = 0.0, width = 0.0;
+  for (size_t r = 0; r < km_table_rows(f->table); ++r) {
+    if (isnan(value_of(f, r)))
+      continue;
+    if (last < r) {
+      area += 0.5 * (value_of(f, last) + value_of(f, r)) * (s_of(f, r) - s_of(f, last));
+      width += s_of(f, r) - s_of(f, last);
+    }
+    last = r;
+  }
+  if (width != 0.0)
+    return area / width;
+  return last < km_table_rows(f->table) ? value_of(f, last) : nan("");
+}
+
+/* On the line through the rows around `at`. */
+static double value_at(const series *f, double at) {
+  for (size_t r = 0; r < km_table_rows(f->table); ++r) {
+    double s = s_of(f, r);
+    if (s == at)
+      return value_of(f, r);
+    if (r == 0 || (s_of(f, r - 1) < at) == (s < at))
+      continue;
+    double t = (at - s_of(f, r - 1)) / (s - s_of(f, r - 1));
+    return (1.0 - t) * value_of(f, r - 1) + t * value_of(f, r);
+  }
+  return nan("");
+}
+
+km_status km_table_figure(const km_table *table, const char *column, km_figure figure, double at, double *value,
+                          double *where, km_error *error) {
+  km_status status = km_check_given(table && column && value, "table, column or place for the value", error);
+  if (status)
+    return status;
+  int index = km_table_find(table, column), s = km_table_find(table, "s");
+  if (index < 0 || s < 0)
+    return km_fail(error, KM_USAGE, "there is no column \"%s\"", index < 0 ? column : "s");
+  series f = {table, (size_t)s, (size_t)index};
+  size_t rows = km_table_rows(table), low = extreme(&f, 1.0), high = extreme(&f, -1.0);
+  size_t row = figure == KM_FIGURE_MIN ? low : figure == KM_FIGURE_MAX ? high : rows;
+  *value = nan("");
+  if (row < rows)
+    *value = value_of(&f, row);
+  else if (figure == KM_FIGURE_SPAN && low < rows)
+    *value = value_of(&f, high) - value_of(&f, low);
+  else if (figure == KM_FIGURE_MEAN)
+    *value = mean(&f);
+  else if (figure == KM_FIGURE_AT)
+    *value = value_at(&f, at);
+  if (where)
+    *where = row < rows ? s_of(&f, row) : figure == KM_FIGURE_AT ? at : nan("");
+  return KM_OK;
+}

@@ -1,0 +1,50 @@
+/* Finds the report of each kind of question, and says in words what acts. */
+#include "report/document/question_report.h"
+
+#include "forces/forces.h"
+#include "report/document/advantage_report.h"
+#include "report/document/statics_report.h"
+
+static void load_words(const km_model *model, const km_forces *forces, int index, km_text *out) {
+  const km_load *load = &forces->loads[index];
+  const km_model_frame *frame = &model->frames[load->frame];
+  if (index < km_model_load_count(model))
+    km_text_format(out, "; %s", km_model_load_name(model, index));
+  else
+    km_text_format(out, "; at %s", frame->name);
+  km_text_format(out, ": force (%g, %g, %g) %s on %s%s", load->force[0], load->force[1], load->force[2],
+                 model->units.force->suffix, model->bodies[frame->body].name, load->turning ? ", turning with it" : "");
+}
+
+/* What acts on the model. */
+static void acting_words(const km_model *model, const km_forces *forces, km_text *out) {
+  km_vec3 g = forces->stated_gravity;
+  km_text_format(out, "gravity (%g, %g, %g) %s/%s²", g.x, g.y, g.z, model->units.length->suffix,
+                 model->units.time->suffix);
+  for (int i = 0; i < forces->load_count; ++i)
+    load_words(model, forces, i, out);
+  if (forces->spring_count)
+    km_text_format(out, "; %d spring%s", forces->spring_count, forces->spring_count == 1 ? "" : "s");
+}
+
+static km_status statics_report(const km_answered *a, const km_swept *swept, const char *stopped_by, bool html,
+                                km_text *out, km_error *error) {
+  km_plotted_statics plotted = {*swept, km_question_statics(a->question)};
+  km_text acting = {0};
+  acting_words(a->mechanism->model, km_question_forces(a->question), &acting);
+  km_status status = km_statics_report(&plotted, km_question_balance(a->question), acting.data ? acting.data : "",
+                                       stopped_by, html, out, error);
+  km_text_free(&acting);
+  return status;
+}
+
+km_status km_question_report(const km_answered *a, const char *stopped_by, bool html, km_text *out, km_error *error) {
+  km_swept swept = {a->mechanism, km_question_plan(a->question), km_question_motion(a->question), a->name};
+  const km_advantage_sweep *advantage = km_question_advantage(a->question);
+  if (km_question_statics(a->question))
+    return statics_report(a, &swept, stopped_by, html, out, error);
+  if (!advantage)
+    return km_fail(error, KM_USAGE, "there is no report about this question");
+  km_plotted_advantage plotted = {swept, advantage};
+  return km_advantage_report(&plotted, &advantage->last, stopped_by, html, out, error);
+}

@@ -1,0 +1,27 @@
+/* Finds the record and the summary of each kind of question. */
+#include "report/record/question_record.h"
+
+#include "report/record/advantage_record.h"
+#include "report/record/mobility_record.h"
+#include "report/record/statics_record.h"
+
+km_value *km_question_record(const km_question *q, const km_mechanism *m, const char *stopped_by, const char *name,
+                             km_arena *arena) {
+  if (km_question_mobility(q))
+    return km_mobility_sweep_record(m, km_question_mobility(q), km_question_redundancies(q), stopped_by, name, arena);
+  if (km_question_advantage(q))
+    return km_advantage_sweep_record(m, km_question_advantage(q), stopped_by, name, arena);
+  if (km_question_statics(q))
+    return km_statics_sweep_record(m, km_question_statics(q), stopped_by, name, arena);
+  return NULL;
+}
+
+void km_question_print(const km_question *q, const km_mechanism *m, const char *name, km_text *out) {
+  const km_sweep_plan *plan = km_question_plan(q);
+  if (km_question_mobility(q))
+    km_mobility_sweep_print(m, plan, km_question_mobility(q), km_question_redundancies(q), name, out);
+  if (km_question_advantage(q))
+    km_advantage_sweep_print(m, plan, km_question_advantage(q), name, out);
+  if (km_question_statics(q))
+    km_statics_sweep_print(m, plan, km_question_statics(q), name, out);
+}

@@ -1,0 +1,124 @@
+/* Questions asked on the command line. */
+#include "common/asked.h"
+
+#include <stdio.h>
+#include <string.h>
+
+static int find_kind(const char *name) {
+  int kind = 0;
+  while (kind < km_question_kinds() && strcmp(km_question_kind_name(kind), name) != 0)
+    ++kind;
+  return kind;
+}
+
+static void add_option(kt_options *out, kt_asked *asked, const km_option *o) {
+  int i = asked->count++;
+  bool flag = o->type == KM_OPTION_FLAG;
+  asked->options[i] = o;
+  snprintf(asked->name_texts[i], sizeof asked->name_texts[i], "--%s", o->name);
+  asked->names[i] = asked->name_texts[i];
+  if (o->otherwise)
+    snprintf(asked->help[i], sizeof asked->help[i], "%s (default: %s)", o->help, o->otherwise);
+  const kt_option option = {.name = o->name,
+                            .argument = o->argument,
+                            .help = o->otherwise ? asked->help[i] : o->help,
+                            .kind = flag ? KT_FLAG : KT_TEXTS,
+                            .target = flag ? (void *)&asked->flags[i] : (void *)&asked->texts[i],
+                            .group = KT_ABOUT_MODEL};
+  kt_options_add(out, &option, 1);
+}
+
+void kt_asked_options(kt_options *out, kt_asked *asked, const char *kind, bool motion) {
+  asked->kind = find_kind(kind);
+  const km_option *o;
+  for (int i = 0; (o = km_question_option(asked->kind, i)) != NULL && asked->count < KT_MOST_ASKED; ++i)
+    if (motion || !o->of_motion)
+      add_option(out, asked, o);
+}
+
+void kt_asked_explain(kt_options *out, const char *option, const char *argument, const char *help) {
+  for (int i = 0; i < out->count; ++i) {
+    if (strcmp(out->items[i].name, option) != 0)
+      continue;
+    out->items[i].argument = argument;
+    out->items[i].help = help;
+  }
+}
+
+static int find(const kt_asked *asked, const char *option) {
+  for (int i = 0; i < asked->count; ++i)
+    if (strcmp(asked->options[i]->name, option) == 0)
+      return i;
+  return -1;
+}
+
+kt_texts *kt_asked_texts(kt_asked *asked, const char *option) {
+  int i = find(asked, option);
+  return i >= 0 ? &asked->texts[i] : NULL;
+}
+
+void kt_asked_set(kt_asked *asked, const char *option) {
+  int i = find(asked, option);
+  if (i >= 0)
+    asked->flags[i] = true;
+}
+
+void kt_asked_call(kt_asked *asked, const char *option, const char *name) {
+  int i = find(asked, option);
+  if (i >= 0)
+    asked->names[i] = name;
+}
+
+/* The length of an option's name in backquotes at the start of the text; 0: there is none. */
+static size_t option_at(const char *text) {
+  size_t length = *text == '`' ? strspn(text + 1, "abcdefghijklmnopqrstuvwxyz-") : 0;
+  return length && text[length + 1] == '`' ? length : 0;
+}
+
+void kt_say_asked(const kt_common *common, km_severity severity, const char *path, const char *text) {
+  km_text out = {0};
+  km_text_add(&out, "");
+  for (const char *c = text; *c;) {
+    size_t length = option_at(c);
+    if (length)
+      km_text_add(&out, "--");
+    km_text_bytes(&out, length ? c + 1 : c, length ? length : 1);
+    c += length ? length + 2 : 1;
+  }
+  kt_say(common, severity, "%s%s%s", path ? path : "", path ? ": " : "", out.failed ? text : out.data);
+  km_text_free(&out);
+}
+
+static kt_exit set(const kt_common *common, const km_model *model, const kt_asked *asked, int i, km_question *q) {
+  km_arena arena = {0};
+  km_option_value value = {.flag = asked->flags[i]};
+  km_error error;
+  kt_exit result = KT_DONE;
+  if (asked->options[i]->type != KM_OPTION_FLAG)
+    result = kt_asked_value(common, model, asked->options[i], asked->names[i], &asked->texts[i], &arena, &value);
+  km_status status = result == KT_DONE ? km_question_set(q, asked->options[i]->name, &value, &error) : KM_OK;
+  if (status)
+    kt_say_asked(common, KM_ERROR, NULL, error.text);
+  km_arena_free(&arena);
+  return status ? kt_exit_of(status) : result;
+}
+
+kt_exit kt_ask(const kt_common *common, const char *path, const kt_asked *asked, const kt_pose *pose,
+               km_question **out) {
+  km_error error;
+  km_status status = km_question_create(pose->mechanism, km_question_kind_name(asked->kind), out, &error);
+  kt_exit result = kt_exit_of(status);
+  for (int i = 0; i < asked->count && result == KT_DONE; ++i)
+    if (asked->flags[i] || asked->texts[i].count)
+      result = set(common, pose->model, asked, i, *out);
+  if (result == KT_DONE) {
+    status = km_question_prepare(*out, &error);
+    result = kt_exit_of(status);
+  }
+  if (status)
+    kt_say_asked(common, KM_ERROR, path, error.text);
+  const km_messages *notes = result == KT_DONE ? km_question_notes(*out) : NULL;
+  for (size_t i = 0; notes && i < km_messages_count(notes); ++i)
+    kt_say_asked(common, km_messages_severity(notes, i), path, km_messages_text(notes, i));
+  return result;
+}

@@ -1,0 +1,53 @@
+/* The options of a question on the command line: from the library's table to its typed values. */
+#ifndef KT_ASKED_H
+#define KT_ASKED_H
+
+#include "common/pose.h"
+#include "kmech/question.h"
+
+enum { KT_MOST_ASKED = 24, KT_ASKED_HELP = 400 };
+
+/* A kind of question, and its options as they were given. */
+typedef struct kt_asked {
+  int kind;
+  int count;
+  const km_option *options[KT_MOST_ASKED];
+  char help[KT_MOST_ASKED][KT_ASKED_HELP];
+  const char *names[KT_MOST_ASKED]; /* what messages call it: "--joint" */
+  char name_texts[KT_MOST_ASKED][32];
+  bool flags[KT_MOST_ASKED];
+  kt_texts texts[KT_MOST_ASKED];
+} kt_asked;
+
+/* Adds the options of a kind of question; of one about a single pose (`motion` false) those of the motion aren't
+ * there. `asked` must outlive `out`. */
+void kt_asked_options(kt_options *out, kt_asked *asked, const char *kind, bool motion);
+/* What is given for an option; NULL: the question hasn't one of this name. */
+kt_texts *kt_asked_texts(kt_asked *asked, const char *option);
+/* The command itself asks for this, where the question has such an option. */
+void kt_asked_set(kt_asked *asked, const char *option);
+/* What is given for this option came by another one, which messages are to name: "--point". */
+void kt_asked_call(kt_asked *asked, const char *option, const char *name);
+/* Another help than the library's, for an option whose text can say more on a command line. */
+void kt_asked_explain(kt_options *out, const char *option, const char *argument, const char *help);
+
+/* Makes the question about a model at its pose, with all its options. Says what is wrong. The caller frees `*out`. */
+kt_exit kt_ask(const kt_common *common, const char *path, const kt_asked *asked, const kt_pose *pose,
+               km_question **out);
+
+/* Says a text of a question's, where the names of options stand in `backquotes`; `path` may be NULL. */
+void kt_say_asked(const kt_common *common, km_severity severity, const char *path, const char *text);
+
+/* Reads what was given for one option; what its value points at goes to the arena. Says what is wrong. */
+kt_exit kt_asked_value(const kt_common *common, const km_model *model, const km_option *option, const char *name,
+                       const kt_texts *texts, km_arena *arena, km_option_value *out);
+/* An end of a leverage: a joint, or BODY/FRAME:DX,DY,DZ. */
+kt_exit kt_end(const kt_common *common, const km_model *model, const char *option, const char *text, km_arena *arena,
+               km_handle *out);
+/* Where the direction of a point begins; NULL: it has none. */
+const char *kt_direction(const char *text);
+/* All loads that act: the model's own, as changed and added to by --load. */
+kt_exit kt_loads(const kt_common *common, const km_model *model, const kt_texts *texts, km_arena *arena,
+                 km_option_value *out);
+
+#endif

@@ -1,0 +1,101 @@
+/* Reads the options of a question by their types. */
+#include "common/asked.h"
+
+#include <stdio.h>
+#include <string.h>
+
+static kt_exit read_range(const kt_common *common, const char *name, const char *text, double out[2]) {
+  const char *colon = strchr(text, ':');
+  char from[64];
+  if (!colon || (size_t)(colon - text) >= sizeof from)
+    return kt_usage(common, name, text, "FROM:TO");
+  snprintf(from, sizeof from, "%.*s", (int)(colon - text), text);
+  bool good = kt_number(from, &out[0]) && kt_number(colon + 1, &out[1]);
+  return good ? KT_DONE : kt_usage(common, name, text, "two numbers FROM:TO");
+}
+
+static kt_exit read_whole(const kt_common *common, const km_option *o, const char *name, const char *text, int *out) {
+  double value;
+  char expected[80];
+  snprintf(expected, sizeof expected, "a whole number from %.0f to %.0f", o->low, o->high);
+  if (!kt_number(text, &value) || value < o->low || value > o->high || value != (double)(int)value)
+    return kt_usage(common, name, text, expected);
+  *out = (int)value;
+  return KT_DONE;
+}
+
+static kt_exit read_number(const kt_common *common, const km_option *o, const char *name, const char *text,
+                           double *out) {
+  char expected[80];
+  snprintf(expected, sizeof expected, "a number greater than %g", o->low);
+  return kt_number(text, out) && *out > o->low ? KT_DONE : kt_usage(common, name, text, expected);
+}
+
+static kt_exit read_sense(const kt_common *common, const km_model *model, const char *name, const char *text,
+                          km_option_value *out) {
+  const char *rest = text;
+  kt_piece label = kt_split(&rest, "=");
+  kt_exit result;
+  if (label.separator != '=' || !kt_number(rest, &out->numbers[0]) || out->numbers[0] == 0.0)
+    result = kt_usage(common, name, text, "JOINT=+1 or JOINT=-1");
+  else
+    result = kt_coordinate(common, model, name, label.text, &out->coordinate);
+  km_free(label.text);
+  return result;
+}
+
+static kt_exit read_coordinates(const kt_common *common, const km_model *model, const char *name, const char *text,
+                                km_arena *arena, km_option_value *out) {
+  int *list = KM_ARENA_NEW(arena, int, (size_t)km_model_coordinate_count(model) + 1);
+  out->coordinates = list;
+  return list ? kt_coordinates(common, model, name, text, list, &out->count) : KT_INTERNAL;
+}
+
+static kt_exit read_points(const kt_common *common, const km_model *model, const char *name, const kt_texts *texts,
+                           km_arena *arena, km_option_value *out) {
+  km_sweep_point *points = KM_ARENA_NEW(arena, km_sweep_point, (size_t)texts->count);
+  kt_exit result = points ? KT_DONE : KT_INTERNAL;
+  out->points = points;
+  out->count = texts->count;
+  for (int i = 0; i < texts->count && result == KT_DONE; ++i) {
+    char *plain = kt_plain(texts->items[i]);
+    points[i].name = km_arena_string(arena, plain);
+    km_free(plain);
+    result = points[i].name ? kt_frame(common, model, name, texts->items[i], &points[i].frame) : KT_INTERNAL;
+  }
+  return result;
+}
+
+kt_exit kt_asked_value(const kt_common *common, const km_model *model, const km_option *o, const char *name,
+                       const kt_texts *texts, km_arena *arena, km_option_value *out) {
+  const char *text = texts->items[texts->count - 1];
+  switch (o->type) {
+  case KM_OPTION_FLAG:
+    out->flag = true;
+    return KT_DONE;
+  case KM_OPTION_WHOLE:
+    return read_whole(common, o, name, text, &out->whole);
+  case KM_OPTION_NUMBER:
+    return read_number(common, o, name, text, &out->numbers[0]);
+  case KM_OPTION_RANGE:
+    return read_range(common, name, text, out->numbers);
+  case KM_OPTION_VECTOR:
+    return kt_numbers(text, 3, out->numbers) ? KT_DONE : kt_usage(common, name, text, "three numbers X,Y,Z");
+  case KM_OPTION_WORD:
+    out->whole = kt_word_place(o->words, text);
+    return out->whole >= 0 ? KT_DONE : kt_usage(common, name, text, o->words);
+  case KM_OPTION_COORDINATE:
+    return kt_coordinate(common, model, name, text, &out->coordinate);
+  case KM_OPTION_SENSE:
+    return read_sense(common, model, name, text, out);
+  case KM_OPTION_COORDINATES:
+    return read_coordinates(common, model, name, text, arena, out);
+  case KM_OPTION_POINTS:
+    return read_points(common, model, name, texts, arena, out);
+  case KM_OPTION_END:
+    return kt_end(common, model, name, text, arena, &out->end);
+  case KM_OPTION_LOADS:
+    return kt_loads(common, model, texts, arena, out);
+  }
+  return KT_INTERNAL;
+}
