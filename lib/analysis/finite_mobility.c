@@ -1,4 +1,7 @@
+/* Finite mobility: which of the motions that first order allows are real. */
 #include "kmech/finite_mobility.h"
+
+#include "analysis/each_substructure.h"
 
 #include "base/check.h"
 #include "kinematics/loops.h"
@@ -139,7 +142,21 @@ static int find_in(const km_mechanism *m, km_state *s, int index, km_arena *aren
   return mobility;
 }
 
-km_status km_finite_mobility_find(const km_mechanism *m, km_state *s, km_finite_mobility *out, km_error *error) {
+/* The whole search. */
+typedef struct search {
+  const km_mechanism *m;
+  km_state *s;
+  km_finite_mobility *out;
+} search;
+
+static bool look(void *self, int index, km_arena *arena) {
+  const search *f = self;
+  f->out->mobility += find_in(f->m, f->s, index, arena, f->out);
+  return true;
+}
+
+km_status km_finite_mobility_find(const km_mechanism *m, km_state *s, km_progress progress, void *context,
+                                  km_finite_mobility *out, km_error *error) {
   if (!out)
     return km_check_given(false, "place for the result", error);
   *out = (km_finite_mobility){0};
@@ -147,16 +164,12 @@ km_status km_finite_mobility_find(const km_mechanism *m, km_state *s, km_finite_
   if (fits)
     return fits;
   out->store = KM_NEW(double, (size_t)KM_MOST_MOTIONS *(size_t)(m->coordinate_count + 1));
-  bool failed = !out->store;
+  if (!out->store)
+    return km_fail(error, KM_MEMORY, "out of memory for the finite mobility");
   for (int c = 0; c < m->coordinate_count; ++c)
     out->mobility += m->substructure_of[c] < 0 && !m->held[c];
-  for (int i = 0; i < m->topology.substructure_count && !failed; ++i) {
-    km_arena arena = {0};
-    out->mobility += find_in(m, s, i, &arena, out);
-    failed = arena.failed;
-    km_arena_free(&arena);
-  }
-  return failed ? km_fail(error, KM_MEMORY, "out of memory for the finite mobility") : KM_OK;
+  search f = {m, s, out};
+  return km_each_substructure(m, look, &f, progress, context, "the finite mobility", error);
 }
 
 void km_finite_mobility_free(km_finite_mobility *mobility) {

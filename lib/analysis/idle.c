@@ -2,6 +2,7 @@
  * V_child − V_parent = H q̇ with V = 0 outside the group. */
 #include "kmech/idle.h"
 
+#include "analysis/each_substructure.h"
 #include "analysis/nearby.h"
 #include "analysis/whole_jacobian.h"
 #include "base/check.h"
@@ -210,30 +211,37 @@ static bool worth_looking(const km_mechanism *m, int index) {
   return false;
 }
 
-km_status km_idle_freedoms_find(const km_mechanism *m, km_state *s, km_idle_freedoms *out, km_error *error) {
+/* The whole search. */
+typedef struct search {
+  const km_mechanism *m;
+  km_state *s;
+  km_idle_freedoms *out;
+  size_t capacity;
+} search;
+
+static bool look(void *self, int index, km_arena *arena) {
+  search *f = self;
+  groups g;
+  int first = f->out->count;
+  if (!worth_looking(f->m, index))
+    return true;
+  return make_groups(&g, f->m, f->s, index, arena) && find_in(&g, f->out, &f->capacity) &&
+         (f->out->count == first || keep_lasting(&g, first, arena, f->out));
+}
+
+km_status km_idle_freedoms_find(const km_mechanism *m, km_state *s, km_progress progress, void *context,
+                                km_idle_freedoms *out, km_error *error) {
   if (!out)
     return km_check_given(false, "place for the result", error);
   *out = (km_idle_freedoms){0};
   km_status fits = km_check_state(m, s, error);
   if (fits)
     return fits;
-  size_t capacity = 0;
-  bool done = true;
+  search f = {m, s, out, 0};
   km_mobility mobility;
   km_poses_update(m, s);
   km_mobility_update(m, s, &mobility);
-  for (int i = 0; i < m->topology.substructure_count && done; ++i) {
-    if (!worth_looking(m, i))
-      continue;
-    km_arena arena = {0};
-    groups g;
-    int first = out->count;
-    done = make_groups(&g, m, s, i, &arena) && find_in(&g, out, &capacity);
-    if (done && out->count > first)
-      done = keep_lasting(&g, first, &arena, out);
-    km_arena_free(&arena);
-  }
-  return done ? KM_OK : km_fail(error, KM_MEMORY, "out of memory for the idle freedoms");
+  return km_each_substructure(m, look, &f, progress, context, "the idle freedoms", error);
 }
 
 void km_idle_freedoms_free(km_idle_freedoms *freedoms) {

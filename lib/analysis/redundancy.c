@@ -1,3 +1,5 @@
+/* Redundant constraints by name: left null vectors of the loops, and the swaps of joints that end them. */
+#include "analysis/each_substructure.h"
 #include "analysis/left_null.h"
 #include "analysis/nearby.h"
 #include "base/check.h"
@@ -169,25 +171,33 @@ static bool find_in(finder *f, km_arena *arena) {
   return look_nearby(f, arena) && !arena->failed && single_loops(f) && several_loops(f);
 }
 
-km_status km_redundancies_find(const km_mechanism *m, km_state *s, km_redundancies *out, km_error *error) {
+/* The whole search. */
+typedef struct search {
+  const km_mechanism *m;
+  km_state *s;
+  km_redundancies *out;
+  size_t capacity;
+} search;
+
+static bool look(void *self, int index, km_arena *arena) {
+  search *all = self;
+  finder f = {.out = all->out, .capacity = &all->capacity};
+  return km_left_space_make(all->m, all->s, index, arena, &f.space) && find_in(&f, arena);
+}
+
+km_status km_redundancies_find(const km_mechanism *m, km_state *s, km_progress progress, void *context,
+                               km_redundancies *out, km_error *error) {
   if (!out)
     return km_check_given(false, "place for the result", error);
   *out = (km_redundancies){0};
   km_status fits = km_check_state(m, s, error);
   if (fits)
     return fits;
-  size_t capacity = 0;
-  bool found = true;
+  search all = {m, s, out, 0};
   km_mobility mobility;
   km_poses_update(m, s);
   km_mobility_update(m, s, &mobility);
-  for (int i = 0; i < m->topology.substructure_count && found; ++i) {
-    km_arena arena = {0};
-    finder f = {.out = out, .capacity = &capacity};
-    found = km_left_space_make(m, s, i, &arena, &f.space) && find_in(&f, &arena);
-    km_arena_free(&arena);
-  }
-  return found ? KM_OK : km_fail(error, KM_MEMORY, "out of memory for the redundant constraints");
+  return km_each_substructure(m, look, &all, progress, context, "the redundant constraints", error);
 }
 
 void km_redundancies_free(km_redundancies *redundancies) {

@@ -87,7 +87,7 @@ km_status km_sweep_redundancies_find(const km_mechanism *m, const km_sweep *swee
   if (!status && named)
     status = stand_at(m, sweep->table, row, &state, error);
   if (!status && named)
-    status = km_redundancies_find(m, state, &out->lasting, error);
+    status = km_redundancies_find(m, state, NULL, NULL, &out->lasting, error);
   km_state_free(state);
   return status;
 }

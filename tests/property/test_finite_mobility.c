@@ -11,7 +11,7 @@
 static km_finite_mobility find(fixture *f) {
   km_finite_mobility found;
   km_error error;
-  if (km_finite_mobility_find(f->mechanism, f->state, &found, &error))
+  if (km_finite_mobility_find(f->mechanism, f->state, NULL, NULL, &found, &error))
     fail_msg("%s", error.text);
   return found;
 }

@@ -7,7 +7,7 @@
 static km_idle_freedoms idle_of(fixture *f) {
   km_idle_freedoms idle;
   km_error error;
-  if (km_idle_freedoms_find(f->mechanism, f->state, &idle, &error))
+  if (km_idle_freedoms_find(f->mechanism, f->state, NULL, NULL, &idle, &error))
     fail_msg("%s", error.text);
   return idle;
 }

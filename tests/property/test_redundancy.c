@@ -10,7 +10,7 @@
 static km_redundancies find(fixture *f) {
   km_redundancies found;
   km_error error;
-  if (km_redundancies_find(f->mechanism, f->state, &found, &error))
+  if (km_redundancies_find(f->mechanism, f->state, NULL, NULL, &found, &error))
     fail_msg("%s", error.text);
   return found;
 }

@@ -12,7 +12,7 @@
 static bool is_mobility(const char *json, int mobility, const char *what, uint64_t seed) {
   fixture f = fixture_read(json);
   km_finite_mobility found;
-  assert_int_equal(km_finite_mobility_find(f.mechanism, f.state, &found, NULL), KM_OK);
+  assert_int_equal(km_finite_mobility_find(f.mechanism, f.state, NULL, NULL, &found, NULL), KM_OK);
   bool agrees = found.mobility == mobility && !found.undecided;
   if (!agrees)
     fprintf(stderr, "%s of seed %llu: finite mobility %d%s, expected %d; %s to %.3g\n", what, (unsigned long long)seed,

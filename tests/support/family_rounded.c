@@ -11,7 +11,7 @@
 /* Is a linkage that has one freedom told to move, or left undecided? */
 static bool may_move(fixture *f) {
   km_finite_mobility found;
-  assert_int_equal(km_finite_mobility_find(f->mechanism, f->state, &found, NULL), KM_OK);
+  assert_int_equal(km_finite_mobility_find(f->mechanism, f->state, NULL, NULL, &found, NULL), KM_OK);
   bool agrees = found.undecided || found.mobility == 1;
   km_finite_mobility_free(&found);
   return agrees;

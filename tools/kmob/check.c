@@ -2,7 +2,7 @@
 #include "kmob/kmob.h"
 
 #include "exchange/json/json.h"
-#include "report/record/check.h"
+#include "report/record/check_record.h"
 #include "report/record/mobility_record.h"
 
 static kt_exit write_findings(const kmob_request *o, const kt_pose *pose, const km_findings *findings) {
@@ -27,7 +27,9 @@ static kt_exit write_findings(const kmob_request *o, const kt_pose *pose, const 
 static kt_exit check(const kmob_request *o, const kt_pose *pose, const km_messages *messages) {
   km_findings findings;
   km_error error;
-  km_status status = km_check(pose->mechanism, pose->state, messages, &findings, &error);
+  kt_progress progress = kt_progress_start(&o->pose.common);
+  km_status status = km_check(pose->mechanism, pose->state, messages, kt_progress_show, &progress, &findings, &error);
+  kt_progress_end(&progress);
   kt_exit result = kt_exit_of(status);
   if (status)
     kt_say(&o->pose.common, KM_ERROR, "%s: %s", o->pose.model, error.text);

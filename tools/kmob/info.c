@@ -50,6 +50,14 @@ static km_status find_modes(const kmob_request *o, const kt_pose *pose, int *dri
   return km_modes_find(pose->mechanism, pose->state, *driver, STARTS, o->pose.common.seed, NULL, NULL, modes, error);
 }
 
+/* The diagnosis, with a progress bar. */
+static km_status diagnose(const kmob_request *o, const kt_pose *pose, km_diagnosis *out, km_error *error) {
+  kt_progress progress = kt_progress_start(&o->pose.common);
+  km_status status = km_diagnosis_find(pose->mechanism, pose->state, kt_progress_show, &progress, out, error);
+  kt_progress_end(&progress);
+  return status;
+}
+
 static kt_exit describe(const kmob_request *o, const kt_pose *pose, km_text *out) {
   km_mobility mobility;
   km_diagnosis diagnosis;
@@ -57,7 +65,7 @@ static kt_exit describe(const kmob_request *o, const kt_pose *pose, km_text *out
   km_arena arena = {0};
   km_modes modes = {0};
   int driver = -1;
-  km_status status = km_diagnosis_find(pose->mechanism, pose->state, &diagnosis, &error);
+  km_status status = diagnose(o, pose, &diagnosis, &error);
   if (!status && o->modes)
     status = find_modes(o, pose, &driver, &modes, &error);
   km_mobility_update(pose->mechanism, pose->state, &mobility);

@@ -3,6 +3,7 @@
 #define KMECH_FINITE_MOBILITY_H
 
 #include "kmech/mobility.h"
+#include "kmech/progress.h"
 
 #include <stdbool.h>
 
@@ -41,8 +42,8 @@ typedef struct km_finite_mobility {
  * second-order condition wᵀ(J̇ q̇) = 0 for every left null vector w of J; each is confirmed by following it by 0.3 rad
  * (or substructure sizes) of its fastest coordinate, ahead and back. Where the loops open as a power of the way it is
  * refuted, whatever its order. The state keeps its pose. Free `*out` in any case. KM_MEMORY. */
-KM_API km_status km_finite_mobility_find(const km_mechanism *mechanism, km_state *state, km_finite_mobility *out,
-                                         km_error *error);
+KM_API km_status km_finite_mobility_find(const km_mechanism *mechanism, km_state *state, km_progress progress,
+                                         void *context, km_finite_mobility *out, km_error *error);
 KM_API void km_finite_mobility_free(km_finite_mobility *mobility);
 KM_API const char *km_motion_kind_name(km_motion_kind kind);
 

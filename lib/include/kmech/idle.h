@@ -4,6 +4,7 @@
 #define KMECH_IDLE_H
 
 #include "kmech/mobility.h"
+#include "kmech/progress.h"
 
 #ifdef __cplusplus
 extern "C" {
@@ -26,8 +27,8 @@ typedef struct km_idle_freedoms {
 
 /* At an assembled pose; the state is left at it. By test: rank of the group's own joints with its neighbours fixed.
  * Cost: linear in joints. Free `*out` in any case. */
-KM_API km_status km_idle_freedoms_find(const km_mechanism *mechanism, km_state *state, km_idle_freedoms *out,
-                                       km_error *error);
+KM_API km_status km_idle_freedoms_find(const km_mechanism *mechanism, km_state *state, km_progress progress,
+                                       void *context, km_idle_freedoms *out, km_error *error);
 KM_API void km_idle_freedoms_free(km_idle_freedoms *freedoms);
 
 #ifdef __cplusplus

@@ -3,6 +3,7 @@
 #define KMECH_REDUNDANCY_H
 
 #include "kmech/mobility.h"
+#include "kmech/progress.h"
 
 #include <stdbool.h>
 
@@ -41,8 +42,8 @@ typedef struct km_redundancies {
 /* The redundant constraints of an assembled pose: left null vectors of the six-row Jacobian, those of single loops
  * first. Remedies are found by test: the new freedom's column must raise the rank. Their number is
  * 6 · loops + couplings − rank, less those that only couplings have part in. Free `*out` in any case. */
-KM_API km_status km_redundancies_find(const km_mechanism *mechanism, km_state *state, km_redundancies *out,
-                                      km_error *error);
+KM_API km_status km_redundancies_find(const km_mechanism *mechanism, km_state *state, km_progress progress,
+                                      void *context, km_redundancies *out, km_error *error);
 KM_API void km_redundancies_free(km_redundancies *redundancies);
 
 #ifdef __cplusplus

@@ -1,7 +1,9 @@
-/* Finds what is suspicious about a model, and writes it as a record and as text. */
-#include "report/record/check.h"
+/* Finds what is suspicious about a model. */
+#include "kmech/diagnosis.h"
 
 #include "analysis/rank_evidence.h"
+#include "analysis/statements.h"
+#include "base/check.h"
 #include "kinematics/poses.h"
 #include "kmech/mobility.h"
 
@@ -10,6 +12,12 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+
+struct km_findings_store {
+  km_arena arena;
+  size_t capacity;
+  bool failed;
+};
 
 static void add(km_findings *f, km_finding_severity severity, const char *kind, const char *advice, const char *format,
                 ...) __attribute__((format(printf, 5, 6)));
@@ -22,13 +30,13 @@ static void add(km_findings *f, km_finding_severity severity, const char *kind, 
   va_start(arguments, format);
   vsnprintf(text, sizeof text, format, arguments);
   va_end(arguments);
-  if (!km_reserve(&items, &f->capacity, f->count + 1, sizeof *f->items)) {
-    f->failed = true;
+  if (!km_reserve(&items, &f->store->capacity, f->count + 1, sizeof *f->items)) {
+    f->store->failed = true;
     return;
   }
   f->items = items;
-  const char *statement = km_arena_string(&f->arena, text), *kept = km_arena_string(&f->arena, advice);
-  f->failed = f->failed || f->arena.failed;
+  const char *statement = km_arena_string(&f->store->arena, text), *kept = km_arena_string(&f->store->arena, advice);
+  f->store->failed = f->store->failed || f->store->arena.failed;
   f->counts[severity]++;
   f->items[f->count++] = (km_finding){severity, kind, statement ? statement : "", kept ? kept : ""};
 }
@@ -110,7 +118,7 @@ static int by_size(const void *a, const void *b) {
 
 /* Frames a thousand times further out than most: some lengths are in another unit. */
 static void check_lengths(const km_model *model, km_findings *f) {
-  double *sizes = KM_ARENA_NEW(&f->arena, double, (size_t)model->frame_count);
+  double *sizes = KM_ARENA_NEW(&f->store->arena, double, (size_t)model->frame_count);
   size_t count = 0;
   for (int i = 0; sizes && i < model->frame_count; ++i)
     if (model->frames[i].body != 0 && km_vec3_norm(model->frames[i].pose.p) > 0.0)
@@ -163,7 +171,7 @@ static void check_masses(const km_mechanism *m, km_findings *f) {
 }
 
 static void check_frames(const km_model *model, km_findings *f) {
-  bool *used = KM_ARENA_NEW(&f->arena, bool, (size_t)model->frame_count);
+  bool *used = KM_ARENA_NEW(&f->store->arena, bool, (size_t)model->frame_count);
   for (int j = 0; used && j < model->joint_count; ++j)
     used[model->joints[j].frame[0]] = used[model->joints[j].frame[1]] = true;
   for (int i = 0; used && i < model->load_count; ++i)
@@ -190,67 +198,51 @@ static void check_start(const km_mechanism *m, const km_state *s, km_findings *f
   }
 }
 
-km_status km_check(const km_mechanism *m, km_state *s, const km_messages *messages, km_findings *out, km_error *error) {
-  km_diagnosis diagnosis;
+static km_status examine(const km_mechanism *m, km_state *s, const km_messages *messages, const km_diagnosis *diagnosis,
+                         km_findings *out, km_error *error) {
   km_mobility mobility;
+  km_mobility_update(m, s, &mobility);
+  check_reader(messages, out);
+  check_start(m, s, out);
+  check_finite(&mobility, &diagnosis->finite, out);
+  km_status status = check_ranks(m, s, out, error);
+  check_lengths(m->model, out);
+  check_angles(m->model, out);
+  check_masses(m, out);
+  check_frames(m->model, out);
+  check_idle(m, &diagnosis->idle, out);
+  check_redundancies(m, &diagnosis->redundancies, out);
+  bool failed = out->store->failed || out->store->arena.failed;
+  return !status && failed ? km_fail(error, KM_MEMORY, "out of memory for the check") : status;
+}
+
+km_status km_check(const km_mechanism *m, km_state *s, const km_messages *messages, km_progress progress, void *context,
+                   km_findings *out, km_error *error) {
+  if (!out)
+    return km_check_given(false, "place for the result", error);
   *out = (km_findings){0};
-  km_status status = km_diagnosis_find(m, s, &diagnosis, error);
+  km_diagnosis diagnosis;
+  km_status status = km_diagnosis_find(m, s, progress, context, &diagnosis, error);
   if (!status) {
-    km_mobility_update(m, s, &mobility);
-    check_reader(messages, out);
-    check_start(m, s, out);
-    check_finite(&mobility, &diagnosis.finite, out);
-    status = check_ranks(m, s, out, error);
-    check_lengths(m->model, out);
-    check_angles(m->model, out);
-    check_masses(m, out);
-    check_frames(m->model, out);
-    check_idle(m, &diagnosis.idle, out);
-    check_redundancies(m, &diagnosis.redundancies, out);
-    if (!status && (out->failed || out->arena.failed))
-      status = km_fail(error, KM_MEMORY, "out of memory for the check");
+    out->store = KM_NEW(struct km_findings_store, 1);
+    status = out->store ? examine(m, s, messages, &diagnosis, out, error)
+                        : km_fail(error, KM_MEMORY, "out of memory for the check");
   }
   km_diagnosis_free(&diagnosis);
   return status;
 }
 
 void km_findings_free(km_findings *f) {
+  if (!f)
+    return;
   km_free(f->items);
-  km_arena_free(&f->arena);
+  if (f->store)
+    km_arena_free(&f->store->arena);
+  km_free(f->store);
   *f = (km_findings){0};
 }
 
 const char *km_finding_severity_name(km_finding_severity severity) {
   static const char *const names[] = {"fault", "warning", "remark"};
-  return names[severity];
-}
-
-/* Faults first; of one severity in the order in which they were found. */
-void km_findings_print(const km_findings *f, const char *name, km_text *out) {
-  if (f->count == 0) {
-    km_text_format(out, "%s: nothing suspicious\n", name);
-    return;
-  }
-  km_text_format(out, "%s:", name);
-  for (int severity = 0, listed = 0; severity < KM_FINDING_SEVERITIES; ++severity)
-    if (f->counts[severity])
-      km_text_format(out, "%s %zu %s%s", listed++ ? "," : "", f->counts[severity],
-                     km_finding_severity_name((km_finding_severity)severity), f->counts[severity] == 1 ? "" : "s");
-  km_text_add(out, "\n");
-  for (int severity = 0; severity < KM_FINDING_SEVERITIES; ++severity)
-    for (size_t i = 0; i < f->count; ++i)
-      if (f->items[i].severity == (km_finding_severity)severity)
-        km_text_format(out, "  %s: %s: %s\n    → %s\n", km_finding_severity_name(f->items[i].severity),
-                       f->items[i].kind, f->items[i].statement, f->items[i].advice);
-}
-
-void km_findings_record(const km_findings *f, km_value *record, km_arena *arena) {
-  km_value *list = km_value_add(arena, record, "findings", KM_LIST);
-  for (size_t i = 0; i < f->count && !arena->failed; ++i) {
-    km_value *item = km_value_add(arena, list, NULL, KM_OBJECT);
-    km_value_string(arena, item, "kind", f->items[i].kind);
-    km_value_string(arena, item, "severity", km_finding_severity_name(f->items[i].severity));
-    km_value_string(arena, item, "statement", f->items[i].statement);
-    km_value_string(arena, item, "advice", f->items[i].advice);
-  }
+  return (size_t)severity < sizeof names / sizeof *names ? names[severity] : "";
 }

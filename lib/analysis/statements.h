@@ -1,0 +1,14 @@
+/* Findings about a pose in words. */
+#ifndef KM_ANALYSIS_STATEMENTS_H
+#define KM_ANALYSIS_STATEMENTS_H
+
+#include "base/text.h"
+#include "kmech/idle.h"
+#include "kmech/redundancy.h"
+
+/* One idle freedom: which bodies move in place, between which joints. */
+void km_idle_statement(const km_mechanism *mechanism, const km_idle_freedom *idle, km_text *out);
+/* One redundancy: which loop, what is constrained twice, where. */
+void km_redundancy_statement(const km_mechanism *mechanism, const km_redundancy *redundancy, km_text *out);
+
+#endif

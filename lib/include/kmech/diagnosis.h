@@ -1,0 +1,58 @@
+/* What a pose has beyond its numbers, and everything about a model that is suspicious. */
+#ifndef KMECH_DIAGNOSIS_H
+#define KMECH_DIAGNOSIS_H
+
+#include "kmech/finite_mobility.h"
+#include "kmech/idle.h"
+#include "kmech/redundancy.h"
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+typedef struct km_diagnosis {
+  km_finite_mobility finite;
+  km_redundancies redundancies;
+  km_idle_freedoms idle;
+} km_diagnosis;
+
+/* All three at an assembled pose. Free `*out` in any case. KM_CANCELLED, KM_MEMORY. Cost: the sum of them. */
+KM_API km_status km_diagnosis_find(const km_mechanism *mechanism, km_state *state, km_progress progress, void *context,
+                                   km_diagnosis *out, km_error *error);
+KM_API void km_diagnosis_free(km_diagnosis *diagnosis);
+
+/* How much a finding matters: a fault keeps the mechanism from working as it is described, a warning is likely to be a
+ * mistake, a remark tells what a mechanism of its kind has by nature. */
+typedef enum km_finding_severity {
+  KM_FINDING_FAULT,
+  KM_FINDING_WARNING,
+  KM_FINDING_REMARK,
+  KM_FINDING_SEVERITIES
+} km_finding_severity;
+KM_API const char *km_finding_severity_name(km_finding_severity severity); /* "fault", "warning", "remark" */
+
+/* One finding: a word for programs, what was found, what to do. */
+typedef struct km_finding {
+  km_finding_severity severity;
+  const char *kind; /* "redundant", "shaky", "undecided", "branch", "doubtful-rank", "units", "angles", "massless-loop",
+                     * "unused-frame", "idle", "limits", "start", "reader" */
+  const char *statement, *advice;
+} km_finding;
+
+typedef struct km_findings {
+  km_finding *items; /* in the order in which they were found */
+  size_t count;
+  size_t counts[KM_FINDING_SEVERITIES];
+  struct km_findings_store *store;
+} km_findings;
+
+/* Examines an assembled pose. `messages` are the reader's, whose warnings and notes count; NULL: none. Free `*out` in any
+ * case. KM_CANCELLED, KM_MEMORY. */
+KM_API km_status km_check(const km_mechanism *mechanism, km_state *state, const km_messages *messages,
+                          km_progress progress, void *context, km_findings *out, km_error *error);
+KM_API void km_findings_free(km_findings *findings);
+
+#ifdef __cplusplus
+}
+#endif
+#endif
