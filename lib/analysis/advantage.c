@@ -1,3 +1,4 @@
+/* Mechanical advantage at a pose: the ratio of two rates in the one motion, or in the least one. */
 
 #include "analysis/lever.h"
 #include "base/check.h"
@@ -83,24 +84,19 @@ static void list(const km_mechanism *m, const bool *marks, int but, km_text *out
     km_text_add(out, ", …");
 }
 
-static km_status check(const km_mechanism *m, const km_lever *l, bool *other, km_error *error) {
+/* Both ends are one, or one doesn't move with the other: says which outputs would do. */
+static km_status refuse(const km_mechanism *m, const km_lever *l, km_error *error) {
   const km_handle *in = &l->input.handle, *out = &l->output.handle;
-  mark_moving(m, out, other);
-  km_status status = check_end(m, in, false, l->moves, error);
-  if (!status)
-    status = check_end(m, out, true, other, error);
-  if (status)
-    return status;
   km_text names = {0}, choice = {0};
-  bool meet = false;
-  for (int c = 0; c < m->coordinate_count; ++c)
-    meet = meet || (l->moves[c] && other[c]);
   list(m, l->moves, in->kind == KM_HANDLE_JOINT ? in->coordinate : -1, &choice);
   name_of(m, out, &names);
-  const char *known = choice.data && choice.size ? choice.data : "a point of a body that it moves";
-  if (same(in, out))
+  const char *known = choice.size ? choice.data : "a point of a body that it moves";
+  km_status status;
+  if (names.failed || choice.failed)
+    status = km_fail(error, KM_MEMORY, "out of memory for a message");
+  else if (same(in, out))
     status = km_fail(error, KM_USAGE, "input and output are both %s; expected another output: %s", names.data, known);
-  else if (!meet)
+  else
     status = km_fail(error, KM_USAGE,
                      "the output, %s, doesn't move with the input: they are in different substructures; expected an "
                      "output that moves with it: %s",
@@ -110,6 +106,19 @@ static km_status check(const km_mechanism *m, const km_lever *l, bool *other, km
   return status;
 }
 
+static km_status check(const km_mechanism *m, const km_lever *l, bool *other, km_error *error) {
+  const km_handle *in = &l->input.handle, *out = &l->output.handle;
+  mark_moving(m, out, other);
+  km_status status = check_end(m, in, false, l->moves, error);
+  if (!status)
+    status = check_end(m, out, true, other, error);
+  if (status)
+    return status;
+  bool meet = false;
+  for (int c = 0; c < m->coordinate_count; ++c)
+    meet = meet || (l->moves[c] && other[c]);
+  return meet && !same(in, out) ? KM_OK : refuse(m, l, error);
+}
 static bool allocate(const km_mechanism *m, km_lever *l) {
   size_t coordinates = (size_t)m->coordinate_count;
   km_lever_end *ends[2] = {&l->input, &l->output};
@@ -323,5 +332,5 @@ int km_lever_branches(const km_mechanism *m, km_state *s, km_lever *l, km_advant
   }
   km_free(directions);
   km_free(rates);
-  return most < 0 ? 0 : count < most ? count : most;
+  return most < 0 || count < 0 ? 0 : count < most ? count : most;
 }

@@ -47,6 +47,12 @@ static void check_reader(const km_messages *messages, km_findings *f) {
         "correct the file, or remove what it doesn't need", "%s", km_messages_text(messages, i));
 }
 
+/* A text in the findings' arena, "" when out of memory. */
+static const char *kept(km_text *text, km_findings *f) {
+  const char *words = km_text_keep(text, &f->store->arena);
+  return words ? words : "";
+}
+
 static void check_redundancies(const km_mechanism *m, const km_redundancies *redundancies, km_findings *f) {
   for (int i = 0; i < redundancies->count; ++i) {
     const km_redundancy *r = &redundancies->items[i];
@@ -57,9 +63,7 @@ static void check_redundancies(const km_mechanism *m, const km_redundancies *red
                      m->model->joints[r->remedies[0].joint].label, r->remedies[0].to);
     else
       km_text_add(&advice, "harmless where parts are exact or soft; else loosen a joint of the loop");
-    add(f, KM_FINDING_REMARK, "redundant", advice.data ? advice.data : "", "%s", text.data ? text.data : "");
-    km_text_free(&text);
-    km_text_free(&advice);
+    add(f, KM_FINDING_REMARK, "redundant", kept(&advice, f), "%s", kept(&text, f));
   }
 }
 
@@ -68,8 +72,7 @@ static void check_idle(const km_mechanism *m, const km_idle_freedoms *idle, km_f
     km_text text = {0};
     km_idle_statement(m, &idle->items[i], &text);
     add(f, KM_FINDING_REMARK, "idle", "harmless; a universal joint instead of a ball takes the freedom away", "%s",
-        text.data ? text.data : "");
-    km_text_free(&text);
+        kept(&text, f));
   }
 }
 

@@ -1,3 +1,4 @@
+/* Left null vectors of the six-row Jacobian: those of single loops first, then what several loops have together. */
 #include "analysis/left_null.h"
 
 #include "analysis/whole_jacobian.h"

@@ -1,3 +1,4 @@
+/* Friction in joints: the force ratio with it, and whether the mechanism locks itself. */
 #include "kmech/losses.h"
 
 #include "analysis/friction.h"

@@ -1,3 +1,4 @@
+/* Mobility and mobility numbers of every substructure at a pose. */
 #include "analysis/mobility.h"
 #include "kinematics/closure.h"
 #include "kinematics/loops.h"

@@ -1,3 +1,4 @@
+/* Singular values of the loops that don't depend on how the model is written, as evidence of a rank. */
 #include "analysis/rank_evidence.h"
 
 #include "analysis/whole_jacobian.h"

@@ -1,3 +1,4 @@
+/* Singular values of a substructure's Jacobian by LAPACK. */
 #include "analysis/singular.h"
 
 #include <gsl/gsl_linalg.h>

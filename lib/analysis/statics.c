@@ -1,3 +1,4 @@
+/* Static balance: making it, and the parts that stay from pose to pose. */
 #include "analysis/statics.h"
 
 #include "base/check.h"

@@ -1,3 +1,4 @@
+/* Sweeps: their plans, and the run that driven ones and those by arc length share. */
 #include "analysis/mobility.h"
 #include "analysis/sweeper.h"
 #include "base/check.h"

@@ -1,3 +1,4 @@
+/* Redundant constraints over the rows of a sweep. */
 #include "kmech/sweep_redundancy.h"
 
 #include "base/check.h"

@@ -1,3 +1,4 @@
+/* Indices of how well a mechanism transmits, from the wrench that reaches the output. */
 #include "analysis/transmission.h"
 #include "analysis/lever.h"
 #include "analysis/singular.h"

@@ -1,3 +1,4 @@
+/* The six rows of every loop in the inertial frame, which the motion spaces leave out. */
 #include "analysis/whole_jacobian.h"
 
 #include <string.h>

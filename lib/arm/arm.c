@@ -1,3 +1,4 @@
+/* Arms: a chain cut out of a mechanism, with its length scale and its limits. */
 #include "arm/arm.h"
 #include "base/check.h"
 #include "topology/chain.h"

@@ -1,3 +1,4 @@
+/* Path-control and pose-control columns at a pose. */
 #include "arm/control.h"
 #include "arm/seven.h"
 

@@ -1,3 +1,4 @@
+/* The same columns of a Jacobian that is given as a matrix. */
 #include "arm/control.h"
 #include "base/check.h"
 #include "kmech/control.h"

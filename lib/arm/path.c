@@ -1,3 +1,4 @@
+/* Samples and arc lengths of a path. */
 #include "arm/path.h"
 
 #include <stdlib.h>

@@ -1,3 +1,4 @@
+/* Path studies: reading one, and binding it to a mechanism. */
 #include "arm/study.h"
 
 #include "arm/selfmotion/branches.h"

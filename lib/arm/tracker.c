@@ -1,3 +1,4 @@
+/* One step of an arm along its path. */
 #include "arm/tracker.h"
 #include "arm/seven.h"
 

@@ -1,3 +1,4 @@
+/* Reading whole files, and writing them whole or not at all. */
 #include "base/file.h"
 
 #include "base/memory.h"

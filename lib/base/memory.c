@@ -1,3 +1,4 @@
+/* Allocation and arenas. */
 #include "base/memory.h"
 
 #include <stdint.h>

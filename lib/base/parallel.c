@@ -1,3 +1,4 @@
+/* A loop whose passes run on several threads. */
 #include "base/parallel.h"
 
 #include "base/memory.h"

@@ -1,3 +1,4 @@
+/* Filling errors and gathering messages. */
 #include "kmech/status.h"
 
 #include "base/memory.h"

@@ -1,3 +1,4 @@
+/* Text that grows, and numbers as text. */
 #include "base/text.h"
 
 #include "base/memory.h"
@@ -16,6 +17,13 @@ static bool grow(km_text *text, size_t more) {
   }
   text->data = data;
   return true;
+}
+
+const char *km_text_keep(km_text *text, km_arena *arena) {
+  const char *kept = text->failed ? NULL : km_arena_string(arena, text->data ? text->data : "");
+  arena->failed = arena->failed || text->failed;
+  km_text_free(text);
+  return kept;
 }
 
 void km_text_free(km_text *text) {

@@ -2,6 +2,8 @@
 #ifndef KM_BASE_TEXT_H
 #define KM_BASE_TEXT_H
 
+#include "base/memory.h"
+
 #include <stdbool.h>
 #include <stddef.h>
 
@@ -13,6 +15,8 @@ typedef struct km_text {
 } km_text;
 
 void km_text_free(km_text *text);
+/* Moves the text into an arena, whose failure it shares, and frees it. */
+const char *km_text_keep(km_text *text, km_arena *arena);
 void km_text_bytes(km_text *text, const void *bytes, size_t size);
 void km_text_add(km_text *text, const char *string);
 void km_text_format(km_text *text, const char *format, ...) __attribute__((format(printf, 2, 3)));

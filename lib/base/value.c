@@ -1,3 +1,4 @@
+/* Trees of values. */
 #include "base/value.h"
 
 #include <string.h>
@@ -33,6 +34,11 @@ km_value *km_value_string(km_arena *arena, km_value *parent, const char *key, co
   if (value)
     value->string = copy;
   return value;
+}
+
+km_value *km_value_words(km_arena *arena, km_value *parent, const char *key, km_text *text) {
+  const char *words = km_text_keep(text, arena);
+  return words ? km_value_string(arena, parent, key, words) : NULL;
 }
 
 km_value *km_value_boolean(km_arena *arena, km_value *parent, const char *key, int truth) {

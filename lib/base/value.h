@@ -3,7 +3,7 @@
 #ifndef KM_BASE_VALUE_H
 #define KM_BASE_VALUE_H
 
-#include "base/memory.h"
+#include "base/text.h"
 
 typedef enum km_kind { KM_NULL, KM_BOOLEAN, KM_NUMBER, KM_STRING, KM_LIST, KM_OBJECT } km_kind;
 
@@ -21,6 +21,8 @@ typedef struct km_value {
 km_value *km_value_add(km_arena *arena, km_value *parent, const char *key, km_kind kind);
 km_value *km_value_number(km_arena *arena, km_value *parent, const char *key, double number);
 km_value *km_value_string(km_arena *arena, km_value *parent, const char *key, const char *string);
+/* The text's words; frees it. */
+km_value *km_value_words(km_arena *arena, km_value *parent, const char *key, km_text *text);
 km_value *km_value_boolean(km_arena *arena, km_value *parent, const char *key, int truth);
 /* A list of numbers. */
 km_value *km_value_numbers(km_arena *arena, km_value *parent, const char *key, const double *numbers, size_t count);

@@ -1,3 +1,4 @@
+/* Gravity and loads at a pose. */
 #include "forces/forces.h"
 
 #include "base/check.h"

@@ -1,3 +1,4 @@
+/* Closing all loops of a model from its initial displacements. */
 #include "kinematics/assemble.h"
 #include "kinematics/closure.h"
 #include "kinematics/loops.h"

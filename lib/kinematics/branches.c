@@ -1,3 +1,4 @@
+/* The motions that meet at a branch point, and leaving one. */
 #include "kinematics/branches.h"
 
 #include "kinematics/closure.h"
@@ -23,7 +24,9 @@ int km_branch_directions(const km_mechanism *m, km_state *s, int index, double *
       found += !known;
     }
   }
-  if (!arena.failed) {
+  if (arena.failed) {
+    found = -1;
+  } else {
     km_state_restore(s, f.sub, f.pose);
     km_loops_update(m, s, f.sub);
     km_pivot(m, s, index, KM_NO_DRIVER, km_rank_tolerance(m, f.sub, 0.0));

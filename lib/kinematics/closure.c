@@ -1,3 +1,4 @@
+/* Newton's method on the loops of a substructure, with least steps. */
 #include "kinematics/closure.h"
 #include "kinematics/loops.h"
 

@@ -1,3 +1,4 @@
+/* Following a motion by arc length: predictor, corrector, step control and limits. */
 #include "kmech/follow.h"
 
 #include "base/check.h"
@@ -340,7 +341,7 @@ static km_status leave_branch(km_follow *f, km_error *error) {
   if (f->start_branches > 0)
     km_follow_set_out(f, directions, f->start_branches);
   km_free(directions);
-  return KM_OK;
+  return f->start_branches < 0 ? km_fail(error, KM_MEMORY, "out of memory for the branch points") : KM_OK;
 }
 
 km_status km_follow_create(const km_mechanism *m, km_state *s, int coordinate, double sign, bool ignore_limits,

@@ -1,3 +1,4 @@
+/* Loop errors and Jacobians by the compiled programs of steps. */
 #include "kinematics/loops.h"
 
 /* Symbols: X pose of a slot, h unit twist of a step, e = log(X_a X_b⁻¹), J = ±h. Each loop takes e and h at a point o

@@ -1,3 +1,4 @@
+/* Assembly modes: the poses that close the loops with the driver held. */
 #include "kmech/modes.h"
 
 #include "base/check.h"

@@ -1,3 +1,4 @@
+/* Poses and twists of bodies in the inertial frame. */
 #include "kinematics/poses.h"
 #include "topology/chain.h"
 

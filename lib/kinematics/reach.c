@@ -1,3 +1,4 @@
+/* Bringing a model to the pose that holds and set coordinates ask for. */
 #include "base/check.h"
 #include "kinematics/branches.h"
 #include "kinematics/closure.h"

@@ -1,3 +1,4 @@
+/* Damped least squares (GSL) from a poor start. */
 #include "kinematics/relax.h"
 #include "kinematics/loops.h"
 

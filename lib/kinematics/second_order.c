@@ -1,3 +1,4 @@
+/* The second-order conditions of a motion: wᵀ(J̇ q̇) = 0 for the left null vectors w of J. */
 #include "kinematics/second_order.h"
 
 #include "kinematics/closure.h"

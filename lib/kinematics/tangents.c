@@ -1,3 +1,4 @@
+/* Directions in the null space that satisfy the second-order conditions. */
 #include "kinematics/tangents.h"
 
 #include "kinematics/loops.h"

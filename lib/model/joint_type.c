@@ -1,3 +1,4 @@
+/* The joint types and their primitive motions. */
 #include "model/joint_type.h"
 
 #include <string.h>

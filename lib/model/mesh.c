@@ -1,3 +1,4 @@
+/* Triangle meshes. */
 #include "model/mesh.h"
 
 #include "base/memory.h"

@@ -1,3 +1,4 @@
+/* Units and their conversion. */
 #include "model/units.h"
 
 #include <math.h>

@@ -1,3 +1,4 @@
+/* Complete pivoting of matrices of any size, and what is read from the result. */
 #include "partition/partition.h"
 #include "partition/pair.h"
 #include "partition/small.h"

@@ -1,3 +1,10 @@
+/* Gauss-Jordan elimination with complete pivoting for up to 12 rows and 64 columns, in registers.
+ *
+ * For pivot row r and column c of step i, with p = 1/J_rc, every other row k subtracts J_kc p times row r; in a column
+ * that is dependent already `reduced` keeps these multiples, in an independent one what is left of the column, from
+ * which B = J_pd⁻¹ J_pi follows by the pivots' reciprocals. A refactor replays the steps on new values.
+ * The largest entry is found by integer keys: the bits of its magnitude above the number of its row and column, so
+ * that entries equal to 2^-42 go by place. */
 #include "partition/small.h"
 #include "partition/pair.h"
 

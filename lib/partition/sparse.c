@@ -1,3 +1,4 @@
+/* The sparse engine: LU by columns with COLAMD's order, rank by what is left. */
 #include "partition/sparse.h"
 
 #include <math.h>

@@ -1,3 +1,4 @@
+/* Passages of joints, and the poses between frames. */
 #include "topology/chain.h"
 
 km_passage km_joint_passage(const km_model *model, int joint, bool against) {

@@ -1,3 +1,4 @@
+/* The Lie algebra that a loop's twists generate, and which of its rows are independent. */
 #include "topology/motion_space.h"
 
 static double dot(km_twist a, km_twist b) {

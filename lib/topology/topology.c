@@ -1,3 +1,4 @@
+/* Spanning tree, loops and substructures of a graph. */
 #include "topology/topology.h"
 
 #include <string.h>

@@ -1,3 +1,4 @@
+/* Maps of self-motions: closed curves as points of a picture. */
 #include "arm/selfmotion/motion_map.h"
 
 #include "arm/tracker.h"

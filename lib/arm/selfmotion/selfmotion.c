@@ -1,3 +1,4 @@
+/* All poses that hold an effector, as arcs of closed curves. */
 #include "arm/selfmotion/branches.h"
 
 #include "arm/check.h"

@@ -25,9 +25,7 @@ static const char *toggle_words(km_document_maker *k, const km_plotted_advantage
                    p->sweep->toggles[i].s, km_sweep_unit(p->swept.mechanism, p->swept.plan));
   if (p->sweep->toggle_count > MOST)
     km_text_format(&text, "; and %zu more", p->sweep->toggle_count - MOST);
-  const char *words = text.size ? km_document_format(k, "%s", text.data) : "none in the range";
-  km_text_free(&text);
-  return words;
+  return km_document_words(k, &text, "none in the range");
 }
 
 static void add_facts(km_document_maker *k, const km_plotted_advantage *p, const char *stopped_by) {
@@ -114,8 +112,10 @@ static void add_transmission(km_document_maker *k, const km_plotted_advantage *p
     last = why;
   }
   if (missing.size)
-    km_document_text(k, km_document_format(k, "%s.", missing.data));
-  km_text_free(&missing);
+    km_text_add(&missing, ".");
+  const char *words = km_document_words(k, &missing, NULL);
+  if (words)
+    km_document_text(k, words);
   add_metric_plot(k, p, indices, 2, "Transmission indices", "index", 150);
   add_metric_plot(k, p, angle, 1, "Transmission angle",
                   km_document_format(k, "angle (%s)", p->swept.mechanism->model->units.angle->suffix), 150);

@@ -27,6 +27,12 @@ void km_document_picture(km_document_maker *m, const char *shows, double height,
   add(m, (km_block){.kind = KM_BLOCK_PICTURE, .text = shows, .height = height, .draw = draw, .context = context});
 }
 
+const char *km_document_words(km_document_maker *m, km_text *text, const char *otherwise) {
+  bool none = !text->failed && text->size == 0;
+  const char *kept = km_text_keep(text, &m->arena);
+  return none || !kept ? otherwise : kept;
+}
+
 const char *km_document_format(km_document_maker *m, const char *format, ...) {
   char text[2048];
   va_list arguments;

@@ -49,6 +49,8 @@ void km_document_cells(km_document_maker *maker, km_block_kind kind, const char 
                        size_t columns);
 void km_document_picture(km_document_maker *maker, const char *shows, double height,
                          km_status (*draw)(void *, km_canvas *, double, double, km_error *), void *context);
+/* The text's words, kept in the arena, or `otherwise` where there are none; frees the text. */
+const char *km_document_words(km_document_maker *maker, km_text *text, const char *otherwise);
 /* Text in the maker's arena. */
 const char *km_document_format(km_document_maker *maker, const char *format, ...) __attribute__((format(printf, 2, 3)));
 

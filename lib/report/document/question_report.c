@@ -32,8 +32,9 @@ static km_status statics_report(const km_answered *a, const km_swept *swept, con
   km_plotted_statics plotted = {*swept, km_question_statics(a->question)};
   km_text acting = {0};
   acting_words(a->mechanism->model, km_question_forces(a->question), &acting);
-  km_status status = km_statics_report(&plotted, km_question_balance(a->question), acting.data ? acting.data : "",
-                                       stopped_by, html, out, error);
+  km_status status = acting.failed ? km_fail(error, KM_MEMORY, "out of memory for the report")
+                                   : km_statics_report(&plotted, km_question_balance(a->question), acting.data,
+                                                       stopped_by, html, out, error);
   km_text_free(&acting);
   return status;
 }

@@ -11,9 +11,7 @@
 static const char *unit_of(km_document_maker *k, const km_model *model, int coordinate) {
   km_text text = {0};
   km_force_unit(model, coordinate, &text);
-  const char *unit = text.data ? km_document_format(k, "%s", text.data) : "";
-  km_text_free(&text);
-  return unit;
+  return km_text_keep(&text, &k->arena);
 }
 
 static const char *label_of(const km_plotted_statics *p, int actuator) {
@@ -25,7 +23,7 @@ static void add_facts(km_document_maker *k, const km_plotted_statics *p, const c
   km_text names = {0};
   for (int i = 0; i < p->sweep->actuator_count; ++i)
     km_text_format(&names, "%s%s", i ? ", " : "", label_of(p, i));
-  km_report_fact(&facts, "Actuators", names.size ? km_document_format(k, "%.1500s", names.data) : "none");
+  km_report_fact(&facts, "Actuators", km_document_words(k, &names, "none"));
   km_report_fact(&facts, "What acts", acting);
   km_report_fact(&facts, "Held",
                  p->sweep->unheld
@@ -40,7 +38,6 @@ static void add_facts(km_document_maker *k, const km_plotted_statics *p, const c
           : "none: statics determines every reaction");
   km_report_model(k, &p->swept, stopped_by, &facts);
   km_report_close_facts(k, &facts);
-  km_text_free(&names);
 }
 
 static const char *where(km_document_maker *k, const km_plotted_statics *p, int actuator, km_force_event_kind kind) {
@@ -48,9 +45,7 @@ static const char *where(km_document_maker *k, const km_plotted_statics *p, int 
   for (size_t i = 0; i < p->sweep->event_count; ++i)
     if (p->sweep->events[i].actuator == actuator && p->sweep->events[i].kind == kind && text.size < 100)
       km_text_format(&text, "%s%.6g", text.size ? ", " : "", p->sweep->events[i].s);
-  const char *words = text.size ? km_document_format(k, "%s", text.data) : "–";
-  km_text_free(&text);
-  return words;
+  return km_document_words(k, &text, "–");
 }
 
 /* Largest force of every actuator, and where it rests or gives out. */
@@ -147,9 +142,8 @@ static void add_reactions(km_document_maker *k, const km_plotted_statics *p, con
                           "At %.6g%s. Wrench of parent on child through each joint, about the child's joint frame and "
                           "along its axes; forces in %s, torques in %s.%s",
                           row[km_report_s(&p->swept)], km_sweep_unit(p->swept.mechanism, p->swept.plan),
-                          model->units.force->suffix, torque.data ? torque.data : "",
+                          model->units.force->suffix, km_text_keep(&torque, &k->arena),
                           p->sweep->degree ? " ? marks what statics alone doesn't determine." : ""));
-  km_text_free(&torque);
   km_document_cells(k, KM_BLOCK_TABLE, cells, joints + 1, COLUMNS);
 }
 

@@ -59,9 +59,7 @@ static const char *held_words(km_document_maker *maker, const km_mechanism *m) {
   for (int c = 0; c < m->coordinate_count; ++c)
     if (m->held[c])
       km_text_format(&text, "%s%s", text.size ? ", " : "", m->model->coordinates[c].label);
-  const char *words = text.size ? km_document_format(maker, "%s", text.data) : NULL;
-  km_text_free(&text);
-  return words;
+  return km_document_words(maker, &text, NULL);
 }
 
 void km_report_model(km_document_maker *maker, const km_swept *s, const char *stopped_by, km_report_facts *facts) {
@@ -116,7 +114,8 @@ static km_drawing *make_drawing(km_document_maker *maker, const km_swept *s) {
   km_pose *poses = KM_ARENA_NEW(&maker->arena, km_pose, count * bodies);
   double *q = KM_ARENA_NEW(&maker->arena, double, (size_t)m->coordinate_count);
   km_state *state;
-  if (maker->arena.failed || km_state_create(m, &state, NULL))
+  maker->arena.failed = maker->arena.failed || km_state_create(m, &state, NULL);
+  if (maker->arena.failed)
     return NULL;
   for (size_t k = 0; k < count; ++k) {
     km_row_pose(m, s->motion->table, row_of(s->motion->table, k, count), state, q, poses + k * bodies);

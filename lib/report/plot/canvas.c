@@ -140,6 +140,19 @@ static cairo_status_t write_out(km_canvas *canvas) {
   return canvas->out->failed ? CAIRO_STATUS_NO_MEMORY : CAIRO_STATUS_SUCCESS;
 }
 
+void km_canvas_fail(km_canvas *canvas) {
+  canvas->out->failed = true;
+}
+
+void km_canvas_words(km_canvas *canvas, const km_font *font, km_colour colour, km_text *words, km_canvas_point at,
+                     km_anchor anchor) {
+  if (words->failed)
+    km_canvas_fail(canvas);
+  else
+    km_canvas_text(canvas, font, colour, words->data ? words->data : "", at, anchor);
+  km_text_free(words);
+}
+
 km_status km_canvas_finish(km_canvas *canvas, km_error *error) {
   cairo_status_t status = write_out(canvas);
   if (status == CAIRO_STATUS_SUCCESS && !canvas->page_refused)

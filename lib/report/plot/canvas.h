@@ -69,6 +69,11 @@ void km_canvas_shift(km_canvas *canvas, double right, double down);
  * the format: nothing is hinted. */
 void km_canvas_text(km_canvas *canvas, const km_font *font, km_colour colour, const char *text, km_canvas_point at,
                     km_anchor anchor);
+/* The same for words that were put together, which it frees; where memory was short for them the canvas fails. */
+void km_canvas_words(km_canvas *canvas, const km_font *font, km_colour colour, km_text *words, km_canvas_point at,
+                     km_anchor anchor);
+/* What was to be drawn is missing for want of memory: km_canvas_finish will say so. */
+void km_canvas_fail(km_canvas *canvas);
 /* The box that km_canvas_text would fill: x across, y down. */
 km_canvas_point km_canvas_measure(km_canvas *canvas, const km_font *font, const char *text);
 

@@ -207,9 +207,7 @@ static const char *subtitle(lines *l, const km_plotted_sweep *sweeps, int count)
                  model->units.length->suffix);
   if (some_toggle(sweeps, count))
     km_text_add(&text, " · ▲ a joint loses its grip");
-  const char *result = text.failed ? NULL : km_arena_string(l->arena, text.data);
-  km_text_free(&text);
-  return result;
+  return km_text_keep(&text, l->arena);
 }
 
 static const char *x_label(const lines *l, const km_plotted_sweep *first) {

@@ -237,9 +237,7 @@ static void colour_bar(const picture *p, double left, double top, double height)
   km_axis_multiplier(&axis, multiplier);
   km_text name = {0};
   km_text_format(&name, "%s %s", km_objective_name(&p->tracks->study->objective), multiplier);
-  if (name.data)
-    km_canvas_text(p->canvas, &font, ink, name.data, (km_canvas_point){left, top - 6}, (km_anchor){0, 1, 0});
-  km_text_free(&name);
+  km_canvas_words(p->canvas, &font, ink, &name, (km_canvas_point){left, top - 6}, (km_anchor){0, 1, 0});
 }
 
 static void axes(const picture *p) {
@@ -311,10 +309,7 @@ static void paint(picture *p) {
   km_text_format(&about, "%s · %s, %s · L = %g %s · hatched: outside the joint limits · dots: where a track ends",
                  p->tracks->model, model->units.angle->word, model->units.length->word, p->map->arm->length,
                  model->units.length->suffix);
-  if (about.data)
-    km_canvas_text(p->canvas, &subtitle, grey, about.data, (km_canvas_point){margin, margin + 18},
-                   (km_anchor){0, 0, 0});
-  km_text_free(&about);
+  km_canvas_words(p->canvas, &subtitle, grey, &about, (km_canvas_point){margin, margin + 18}, (km_anchor){0, 0, 0});
   km_canvas_clip(p->canvas, p->frame.left, p->frame.top, p->frame.width, p->frame.height);
   for (int i = 0; i < p->map->count; ++i)
     paint_station(p, i);

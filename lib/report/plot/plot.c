@@ -67,10 +67,9 @@ static km_status draw(const km_plot *plot, km_canvas *canvas, km_arena *arena, d
     km_plot_flags_draw(&layout, panel);
     draw_lines(&layout, panel);
   }
-  if (arena->failed)
-    return km_fail(error, KM_MEMORY, "out of memory for a plot");
-  km_plot_titles_draw(&layout);
-  return KM_OK;
+  if (!arena->failed)
+    km_plot_titles_draw(&layout);
+  return arena->failed ? km_fail(error, KM_MEMORY, "out of memory for a plot") : KM_OK;
 }
 
 km_status km_plot_place(const km_plot *plot, km_canvas *canvas, double width, double height, km_error *error) {

@@ -46,8 +46,7 @@ void km_short_names(const char *const *names, int count, km_arena *arena, const 
       km_text_format(&text, "%s%.*s%s", start ? "…" : "", (int)(size - start - end), names[i] + start, end ? "…" : "");
     else
       km_text_add(&text, names[i]);
-    out[i] = text.failed ? NULL : km_arena_string(arena, text.data);
-    km_text_free(&text);
+    out[i] = km_text_keep(&text, arena);
   }
 }
 

@@ -123,7 +123,7 @@ bool km_statics_plot_make(const km_plotted_statics *sweeps, int count, bool stri
   km_text_add(&label, ")");
   km_sweep_picture picture = {.title = "What the actuators hold",
                               .note = k.mark_count ? "▲ a force vanishes or has no bound" : NULL,
-                              .y_label = label.failed ? NULL : km_arena_string(arena, label.data),
+                              .y_label = km_text_keep(&label, arena),
                               .sweeps = k.swept,
                               .sweep_count = count,
                               .lines = k.lines,
@@ -135,7 +135,6 @@ bool km_statics_plot_make(const km_plotted_statics *sweeps, int count, bool stri
                               .panels = k.forces && k.torques ? both : NULL,
                               .panel_count = k.forces && k.torques ? 2 : 1,
                               .strip = strip};
-  km_text_free(&label);
   return !arena->failed && km_sweep_plot_make(&picture, arena, out);
 }
 

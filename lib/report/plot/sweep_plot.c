@@ -169,10 +169,7 @@ static const char *subtitle(const km_sweep_picture *p, km_arena *arena) {
     km_text_format(&text, " · %s", p->note);
   if (p->break_count)
     km_text_add(&text, " · arrows: no bound");
-  const char *result = text.failed ? NULL : km_arena_string(arena, text.data);
-  arena->failed = arena->failed || text.failed;
-  km_text_free(&text);
-  return result;
+  return km_text_keep(&text, arena);
 }
 
 static const char *x_label(const km_swept *sweep, km_arena *arena) {

@@ -47,14 +47,13 @@ static void draw(void *context, km_canvas *canvas, double top, double width) {
     km_text text = {0};
     double left = margin + k * each;
     drawing.full = (size_t)k;
-    /* A drawing that fails leaves its place empty; the canvas keeps its own failures. */
-    km_drawing_place(&drawing, canvas, (km_rectangle){left + 8, top, each - 16, strip_height - caption_height - margin},
-                     NULL);
+    /* A pose that can't be drawn leaves its place empty. */
+    const km_rectangle place = {left + 8, top, each - 16, strip_height - caption_height - margin};
+    if (km_drawing_place(&drawing, canvas, place, NULL) == KM_MEMORY)
+      km_canvas_fail(canvas);
     caption(strip, k, &text);
-    if (text.data)
-      km_canvas_text(canvas, &font, km_palette_text(-1), text.data,
-                     (km_canvas_point){left + each / 2, top + strip_height - margin}, (km_anchor){0.5, 1, 0});
-    km_text_free(&text);
+    km_canvas_words(canvas, &font, km_palette_text(-1), &text,
+                    (km_canvas_point){left + each / 2, top + strip_height - margin}, (km_anchor){0.5, 1, 0});
   }
 }
 
@@ -67,7 +66,8 @@ km_plot_strip km_sweep_strip_make(const km_mechanism *m, const km_sweep_plan *pl
   km_state *state = NULL;
   double *q = KM_ARENA_NEW(arena, double, (size_t)m->coordinate_count);
   out->poses = KM_ARENA_NEW(arena, km_pose, (size_t)count * bodies);
-  if (arena->failed || km_state_create(m, &state, NULL))
+  arena->failed = arena->failed || km_state_create(m, &state, NULL);
+  if (arena->failed)
     return (km_plot_strip){0};
   for (int k = 0; k < count; ++k) {
     size_t shown = k + 1 == count ? rows - 1 : (size_t)k * rows / (size_t)(count - 1);

@@ -193,9 +193,7 @@ static void draw_head(const km_tracks *tracks, km_canvas *canvas) {
                  t->end.stop ? "the path isn't followed to its end" : "the whole path is followed");
   km_canvas_text(canvas, &title, ink, "Along the effector's path", (km_canvas_point){margin, margin},
                  (km_anchor){0, 0, 0});
-  if (about.data)
-    km_canvas_text(canvas, &subtitle, grey, about.data, (km_canvas_point){margin, margin + 21}, (km_anchor){0, 0, 0});
-  km_text_free(&about);
+  km_canvas_words(canvas, &subtitle, grey, &about, (km_canvas_point){margin, margin + 21}, (km_anchor){0, 0, 0});
 }
 
 km_status km_tracks_plot(const km_tracks *tracks, km_canvas_format format, km_text *out, km_error *error) {

@@ -36,7 +36,7 @@ void km_redundancies_record(const km_mechanism *m, const km_redundancies *redund
     km_value *item = km_value_add(arena, list, NULL, KM_OBJECT);
     km_value_number(arena, item, "substructure", r->substructure + 1);
     km_value_number(arena, item, "loop", r->loop + 1);
-    km_value_string(arena, item, "statement", text.failed ? "" : text.data);
+    km_value_words(arena, item, "statement", &text);
     km_value_boolean(arena, item, "lasting", r->lasting);
     km_value *remedies = km_value_add(arena, item, "remedies", KM_LIST);
     for (int k = 0; k < r->remedy_count && !arena->failed; ++k) {
@@ -47,7 +47,6 @@ void km_redundancies_record(const km_mechanism *m, const km_redundancies *redund
       km_value_string(arena, entry, "to", remedy->to);
       km_value_number(arena, entry, "freedoms_added", remedy->freedoms);
     }
-    km_text_free(&text);
   }
 }
 

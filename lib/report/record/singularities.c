@@ -55,8 +55,7 @@ static size_t add_toggle(const km_mechanism *m, const km_mobility_sweep *sweep, 
     km_text_format(&meaning, "%s %s", same ? "," : "", label_of(m, sweep, &list[same]));
   }
   km_text_add(&meaning, " moves nothing here");
-  km_value_string(arena, item, "meaning", meaning.failed ? "" : meaning.data);
-  km_text_free(&meaning);
+  km_value_words(arena, item, "meaning", &meaning);
   return same;
 }
 
@@ -65,8 +64,7 @@ static void add_gain(const km_branch_point *point, km_value *item, km_arena *are
   km_text_format(&meaning, "gain of mobility: %d here; %d motion%s meet", point->mobility, point->branches,
                  km_plural(point->branches));
   km_value_number(arena, item, "mobility", point->mobility);
-  km_value_string(arena, item, "meaning", meaning.failed ? "" : meaning.data);
-  km_text_free(&meaning);
+  km_value_words(arena, item, "meaning", &meaning);
 }
 
 void km_singularities_record(const km_mechanism *m, const km_mobility_sweep *sweep, km_value *record, km_arena *arena) {

@@ -20,12 +20,11 @@ static void add_directions(const km_mechanism *m, const km_statics *st, km_value
     km_direction_words(m, st, d, &words);
     km_value *item = km_value_add(arena, list, NULL, KM_OBJECT);
     km_value_boolean(arena, item, "falls", st->falls[d]);
-    km_value_string(arena, item, "statement", words.data ? words.data : "");
+    km_value_words(arena, item, "statement", &words);
     km_value *rate = km_value_add(arena, item, "direction", KM_OBJECT);
     for (int c = 0; c < m->coordinate_count; ++c)
       if (rates[c] != 0.0)
         km_value_number(arena, rate, m->model->coordinates[c].label, rates[c]);
-    km_text_free(&words);
   }
 }
 
