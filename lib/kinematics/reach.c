@@ -146,6 +146,21 @@ static km_status travel(journey *j, const km_hold *holds, int hold_count, const 
   return status;
 }
 
+/* A journey that starts where the state of a mechanism stands, with all that it holds. */
+static km_status board(journey *j, const km_mechanism *m, const km_state *s, km_error *error) {
+  for (int c = 0; c < m->coordinate_count; ++c)
+    if (m->held[c])
+      j->locked[j->locked_count++] = (km_hold){c, km_state_coordinate(s, c)};
+  km_compiling how = {
+      .holds = j->locked, .hold_count = j->locked_count, .length = m->length, .length_source = m->length_source};
+  km_status status = km_mechanism_compile_as(m->model, &how, &j->mechanism, error);
+  if (!status)
+    status = km_state_create(j->mechanism, &j->state, error);
+  if (!status)
+    km_state_copy(m, j->state, s);
+  return status;
+}
+
 static km_status check_goals(const km_model *model, const km_hold *goals, int count, const char *what,
                              km_error *error) {
   km_status status = km_check_list(goals, count, what, error);
@@ -181,4 +196,30 @@ km_status km_reach_pose(const km_model *model, const km_hold *holds, int hold_co
   *mechanism = j.mechanism;
   *state = j.state;
   return KM_OK;
+}
+
+km_status km_state_reach(const km_mechanism *m, km_state *s, const km_hold *sets, int set_count, km_error *error) {
+  km_status status = km_check_state(m, s, error);
+  if (!status)
+    status = check_goals(m->model, sets, set_count, "values", error);
+  for (int i = 0; i < set_count && !status; ++i)
+    if (m->held[sets[i].coordinate])
+      status = km_fail(error, KM_USAGE, "\"%s\" is held; expected a joint that is free to move",
+                       km_model_coordinate_label(m->model, sets[i].coordinate));
+  if (status)
+    return status;
+  journey j = {.model = m->model, .locked = KM_NEW(km_hold, (size_t)(m->coordinate_count + set_count) + 3)};
+  status = j.locked ? board(&j, m, s, error) : km_fail(error, KM_MEMORY, "out of memory while moving to a pose");
+  if (!status)
+    status = go(&j, sets, set_count, error);
+  if (!status) {
+    km_state_copy(m, s, j.state);
+    for (int i = 0; i < m->topology.substructure_count; ++i)
+      km_state_forget_pivots(s, i);
+    status = km_assemble(m, s, NULL, error);
+  }
+  km_state_free(j.state);
+  km_mechanism_free(j.mechanism);
+  km_free(j.locked);
+  return status;
 }

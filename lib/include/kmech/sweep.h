@@ -60,6 +60,12 @@ KM_API int km_drive_crossings(const km_drive *drive);
 KM_API km_status km_reach_pose(const km_model *model, const km_hold *holds, int hold_count, const km_hold *sets,
                                int set_count, km_mechanism **mechanism, km_state **state, km_error *error);
 
+/* Moves an assembled state to a pose of its own mechanism in the same way: along its branch, one coordinate after the
+ * other, until every `set` has its value. What the mechanism holds stays. The mechanism stays the same, and after a
+ * failure the state does too. KM_NO_RESULT, KM_USAGE as above. */
+KM_API km_status km_state_reach(const km_mechanism *mechanism, km_state *state, const km_hold *sets, int set_count,
+                                km_error *error);
+
 #ifdef __cplusplus
 }
 #endif

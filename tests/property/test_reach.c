@@ -1,0 +1,70 @@
+/* Reaching a pose with the mechanism that is there gives the pose of a mechanism compiled for it. */
+#include "support/support.h"
+
+#include "base/memory.h"
+
+#include <math.h>
+#include <string.h>
+
+static int coordinate(const fixture *f, const char *label) {
+  int c;
+  km_error error;
+  if (km_model_find_coordinate(f->model, label, &c, &error))
+    fail_msg("%s", error.text);
+  return c;
+}
+
+/* Both ways end in poses that are closed to 1e-12 of the loops' size: their coordinates differ by the condition of the
+ * loops times that. */
+static void compare(const char *name, const km_hold *sets, int count) {
+  fixture f = fixture_open(name);
+  km_mechanism *mechanism;
+  km_state *state;
+  km_error error;
+  const km_mechanism *own = f.mechanism;
+  if (km_reach_pose(f.model, NULL, 0, sets, count, &mechanism, &state, &error) ||
+      km_state_reach(f.mechanism, f.state, sets, count, &error))
+    fail_msg("%s: %s", name, error.text);
+  assert_ptr_equal(f.state->mechanism, own);
+  for (int c = 0; c < f.model->coordinate_count; ++c)
+    assert_near(f.state->q[c], state->q[c], 1e-9);
+  km_state_free(state);
+  km_mechanism_free(mechanism);
+  fixture_close(&f);
+}
+
+static void test_same_pose(void **unused) {
+  (void)unused;
+  fixture f = fixture_open("excavator");
+  km_hold sets[3] = {{coordinate(&f, "M"), 0.0}, {coordinate(&f, "N"), 0.0}, {coordinate(&f, "O"), 0.0}};
+  for (int i = 0; i < 3; ++i)
+    sets[i].value = km_state_coordinate(f.state, sets[i].coordinate) + 0.02;
+  fixture_close(&f);
+  compare("excavator", sets, 1);
+  compare("excavator", sets, 3);
+  const km_hold crank = {0, 2.0};
+  compare("fourbar", &crank, 1);
+}
+
+static void test_refusals_leave_the_state(void **unused) {
+  (void)unused;
+  fixture f = fixture_open("brake");
+  km_error error;
+  int k = coordinate(&f, "K");
+  double *before = KM_NEW(double, (size_t)f.model->coordinate_count);
+  memcpy(before, f.state->q, (size_t)f.model->coordinate_count * sizeof *before);
+  const km_hold far = {k, 1e4}, none = {999, 0.0};
+  assert_int_equal(km_state_reach(f.mechanism, f.state, &far, 1, &error), KM_NO_RESULT);
+  assert_int_equal(km_state_reach(f.mechanism, f.state, &none, 1, &error), KM_USAGE);
+  assert_memory_equal(before, f.state->q, (size_t)f.model->coordinate_count * sizeof *before);
+  km_free(before);
+  fixture_close(&f);
+}
+
+int main(void) {
+  const struct CMUnitTest tests[] = {
+      cmocka_unit_test(test_same_pose),
+      cmocka_unit_test(test_refusals_leave_the_state),
+  };
+  return cmocka_run_group_tests(tests, NULL, NULL);
+}
