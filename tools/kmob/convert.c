@@ -35,12 +35,11 @@ static kt_exit write_value(const options *o, const km_value *value) {
 /* A unit's word or symbol decides which quantity it is for: -1 if none. */
 static int choose_unit(const char *word, km_units *units) {
   for (int q = 0; q < KM_QUANTITIES; ++q) {
-    for (const km_unit *u = km_quantity_units((km_quantity)q); u->word; ++u) {
-      if (strcmp(u->word, word) != 0 && strcmp(u->suffix, word) != 0)
-        continue;
-      *km_units_slot(units, (km_quantity)q) = u;
-      return q;
-    }
+    const km_unit *unit = km_unit_find((km_quantity)q, word);
+    if (!unit)
+      continue;
+    *km_units_slot(units, (km_quantity)q) = unit;
+    return q;
   }
   return -1;
 }
@@ -79,6 +78,13 @@ static void tell_of_meshes(const options *o, const km_model *model, const km_uni
            model->units.length->word, model->units.length->si / units->length->si);
 }
 
+/* A parameter has no dimension, so it can't follow the units. */
+static void tell_of_parameters(const options *o, const km_model *model, const km_units *units) {
+  if (km_model_has_parameters(model) && memcmp(units, &model->units, sizeof *units) != 0)
+    kt_say(&o->common, KM_NOTE, "%s: in other units its parameters and expressions are written as their values",
+           o->model);
+}
+
 static kt_exit convert_pose(const options *o, const kt_pose *pose) {
   km_units units = pose->model->units;
   kt_exit result = choose_units(o, &units);
@@ -94,8 +100,10 @@ static kt_exit convert_pose(const options *o, const kt_pose *pose) {
                        : km_fail(&error, KM_MEMORY, "out of memory");
   if (status)
     kt_say(&o->common, KM_ERROR, "%s: %s", o->model, error.text);
-  else
+  else {
     tell_of_meshes(o, pose->model, &units);
+    tell_of_parameters(o, pose->model, &units);
+  }
   result = status ? kt_exit_of(status) : write_value(o, value);
   km_arena_free(&arena);
   return result;

@@ -26,6 +26,7 @@ typedef struct converter {
   const double *q;
   km_arena *arena;
   indexed *joints; /* sorted by source */
+  bool same_units; /* expressions stay as they are written */
 } converter;
 
 static km_dimension product(km_dimension a, km_dimension b) {
@@ -113,6 +114,10 @@ static double in_new_units(const converter *c, double number, km_dimension dimen
 }
 
 static void copy(const converter *c, km_value *parent, const char *key, const km_value *value) {
+  if (value->kind == KM_NUMBER && value->string && c->same_units) {
+    km_value_string(c->arena, parent, key, value->string);
+    return;
+  }
   km_value *twin = km_value_add(c->arena, parent, key, value->kind);
   if (!twin)
     return;
@@ -125,7 +130,7 @@ static void copy(const converter *c, km_value *parent, const char *key, const km
 /* A number, a list of them or a list of such lists, each in its unit. */
 static void convert_numbers(const converter *c, const context *at, const km_field *field, km_value *parent,
                             const char *key, const km_value *value, int depth, int row, int item) {
-  if (value->kind == KM_NUMBER) {
+  if (value->kind == KM_NUMBER && !(value->string && c->same_units)) {
     km_dimension dimension = product(measured(c, at, field, row, item), field->dimension);
     km_value_number(c->arena, parent, key, in_new_units(c, value->number, dimension));
     return;
@@ -218,8 +223,13 @@ static void convert_field(const converter *c, const context *at, const km_field 
   case KM_SHAPE_COORDINATE_MAP:
     convert_map(c, value, parent);
     break;
+  case KM_SHAPE_PARAMETERS: /* numbers in the file's units, of no dimension that is told: nothing uses them any more */
+    if (c->same_units)
+      copy(c, parent, value->key, value);
+    break;
   case KM_SHAPE_NUMBER:
   case KM_SHAPE_VECTOR:
+  case KM_SHAPE_POINT:
   case KM_SHAPE_NUMBERS:
   case KM_SHAPE_COORDINATES:
   case KM_SHAPE_RANGE:
@@ -266,7 +276,7 @@ static void convert_parameters(const converter *c, const km_value *parameters, k
   km_value *twin = km_value_add(c->arena, parent, "model_parameters", KM_OBJECT);
   if (!twin)
     return;
-  km_value_string(c->arena, twin, "version", "1.0");
+  km_value_string(c->arena, twin, "version", c->origin->version);
   km_value *units = km_value_add(c->arena, twin, "units", KM_OBJECT);
   km_units new = *c->units;
   for (int q = 0; q < KM_QUANTITIES && units; ++q)
@@ -286,7 +296,13 @@ static void convert_parameters(const converter *c, const km_value *parameters, k
 km_status km_model_convert(const km_model *model, const km_units *units, const double *q, km_arena *arena,
                            const km_value **out, km_error *error) {
   const km_value *given = model->origin->root;
-  converter c = {model, model->origin, units, q, arena, KM_ARENA_NEW(arena, indexed, (size_t)model->joint_count)};
+  converter c = {.model = model,
+                 .origin = model->origin,
+                 .units = units,
+                 .q = q,
+                 .arena = arena,
+                 .joints = KM_ARENA_NEW(arena, indexed, (size_t)model->joint_count),
+                 .same_units = memcmp(units, &model->units, sizeof *units) == 0};
   km_value *root = km_value_add(arena, NULL, NULL, KM_OBJECT);
   context at = {.joint = -1};
   if (!arena->failed) {
@@ -300,4 +316,8 @@ km_status km_model_convert(const km_model *model, const km_units *units, const d
   }
   *out = root;
   return arena->failed ? km_fail(error, KM_MEMORY, "out of memory while converting the model") : KM_OK;
+}
+
+bool km_model_has_parameters(const km_model *model) {
+  return km_value_get(model->origin->root, "parameters") != NULL;
 }

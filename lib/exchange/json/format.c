@@ -7,6 +7,7 @@
 #define STRING     .shape = KM_SHAPE_STRING
 #define BOOLEAN    .shape = KM_SHAPE_BOOLEAN
 #define VECTOR     .shape = KM_SHAPE_VECTOR
+#define POINT      .shape = KM_SHAPE_POINT
 #define OBJECT(f)  .shape = KM_SHAPE_OBJECT, .object = &(f)
 #define OBJECTS(f) .shape = KM_SHAPE_OBJECTS, .object = &(f)
 #define SHAPE(s)   .shape = KM_SHAPE_##s
@@ -28,7 +29,7 @@ static const km_object_format simulation_format = {"simulation", simulation_fiel
 
 static const km_field parameters_fields[] = {{"version", STRING},
                                              {"units", OBJECT(units_format)},
-                                             {"gravity", VECTOR, UNIT(.length = 1, .time = -2)},
+                                             {"gravity", POINT, UNIT(.length = 1, .time = -2)},
                                              {"include_dir", SHAPE(STRINGS)},
                                              {"closure_tolerance", NUMBER},
                                              {"simulation", OBJECT(simulation_format)},
@@ -37,7 +38,7 @@ static const km_field parameters_fields[] = {{"version", STRING},
 static const km_object_format parameters_format = {"model_parameters", parameters_fields};
 
 static const km_field frame_fields[] = {
-    {"name", STRING, REQUIRED}, {"T", VECTOR, UNIT(.length = 1)}, {"R", SHAPE(MATRIX)}, {"active", BOOLEAN}, {0}};
+    {"name", STRING, REQUIRED}, {"T", POINT, UNIT(.length = 1)}, {"R", SHAPE(MATRIX)}, {"active", BOOLEAN}, {0}};
 static const km_object_format frame_format = {"frame", frame_fields};
 
 static const km_field light_fields[] = {{"name", STRING}, {"type", STRING}, {"parent", SHAPE(PATH)}, {"Ka", VECTOR},
@@ -54,7 +55,7 @@ static const km_object_format inertia_format = {"moment_of_inertia", inertia_fie
 
 static const km_field body_fields[] = {{"name", STRING, REQUIRED},
                                        {"mass", NUMBER, UNIT(.mass = 1)},
-                                       {"center_of_mass", VECTOR, UNIT(.length = 1)},
+                                       {"center_of_mass", POINT, UNIT(.length = 1)},
                                        {"moment_of_inertia", OBJECT(inertia_format)},
                                        {"definition", SHAPE(STRINGS)},
                                        {"density", NUMBER, UNIT(.mass = 1, .length = -3)},
@@ -164,12 +165,16 @@ static const km_field sweep_fields[] = {
     {"arclength", NUMBER},  {"direction", OBJECT(direction_format)}, {0}};
 static const km_object_format sweep_format = {"sweep", sweep_fields};
 
-static const km_field advantage_fields[] = {{"input", SHAPE(ANY)}, {"output", SHAPE(ANY)}, {0}};
+static const km_field end_fields[] = {{"frame", SHAPE(PATH), REQUIRED}, {"direction", POINT, REQUIRED}, {0}};
+static const km_object_format end_format = {"point_along_direction", end_fields};
+
+static const km_field advantage_fields[] = {
+    {"input", SHAPE(END), .object = &end_format}, {"output", SHAPE(END), .object = &end_format}, {0}};
 static const km_object_format advantage_format = {"mechanical_advantage", advantage_fields};
 
 static const km_field load_fields[] = {{"name", STRING, REQUIRED},
                                        {"frame", SHAPE(PATH), REQUIRED},
-                                       {"force", VECTOR, UNIT(.force = 1)},
+                                       {"force", POINT, UNIT(.force = 1)},
                                        {"torque", VECTOR, UNIT(.force = 1, .length = 1)},
                                        {"axes", STRING},
                                        {0}};
@@ -181,7 +186,12 @@ static const km_field analysis_fields[] = {
     {"hold", SHAPE(COORDINATE_MAP)}, {0}};
 static const km_object_format analysis_format = {"analysis", analysis_fields};
 
+static const km_field parameter_fields[] = {
+    {"value", NUMBER, REQUIRED}, {"low", NUMBER}, {"high", NUMBER}, {"note", STRING}, {0}};
+static const km_object_format parameter_format = {"parameter", parameter_fields};
+
 static const km_field model_fields[] = {{"model_parameters", OBJECT(parameters_format)},
+                                        {"parameters", SHAPE(PARAMETERS), .object = &parameter_format},
                                         {"fixed", OBJECT(fixed_format)},
                                         {"assemblies", OBJECTS(assembly_format)},
                                         {"analysis", OBJECT(analysis_format)},
@@ -195,4 +205,22 @@ const km_field *km_format_field(const km_object_format *format, const char *key)
     if (strcmp(field->key, key) == 0)
       return field;
   return NULL;
+}
+
+bool km_shape_is_numeric(km_shape shape) {
+  switch (shape) {
+  case KM_SHAPE_NUMBER:
+  case KM_SHAPE_VECTOR:
+  case KM_SHAPE_POINT:
+  case KM_SHAPE_MATRIX:
+  case KM_SHAPE_NUMBERS:
+  case KM_SHAPE_COORDINATES:
+  case KM_SHAPE_RANGE:
+  case KM_SHAPE_RANGES:
+  case KM_SHAPE_ROWS:
+  case KM_SHAPE_COORDINATE_MAP:
+    return true;
+  default:
+    return false;
+  }
 }

@@ -1,4 +1,5 @@
 #include "base/check.h"
+#include "exchange/json/evaluate.h"
 #include "exchange/json/format.h"
 #include "exchange/json/json.h"
 #include "exchange/json/reader.h"
@@ -46,7 +47,7 @@ static struct km_origin *allocate(km_model *model, const km_value *root) {
   struct km_origin *origin = KM_ARENA_NEW(arena, struct km_origin, 1);
   if (!origin)
     return NULL;
-  *origin = (struct km_origin){root, KM_ARENA_NEW(arena, const km_value *, t.joints),
+  *origin = (struct km_origin){root, "1.0", KM_ARENA_NEW(arena, const km_value *, t.joints),
                                KM_ARENA_NEW(arena, const km_value *, t.couplings),
                                KM_ARENA_NEW(arena, const km_value *, t.modules)};
   return origin;
@@ -94,8 +95,10 @@ static void read_parameters(km_reader *reader, const km_value *root) {
   km_place place = {NULL, "model_parameters", 0};
   const char *version = km_reader_string(parameters, "version");
   km_place at = {&place, "version", 0};
-  if (version && strcmp(version, "0.2") != 0 && strcmp(version, "1.0") != 0)
-    km_reader_error(reader, &at, "version \"%.40s\" is not known; expected \"0.2\" or \"1.0\"", version);
+  if (version && strcmp(version, "0.2") != 0 && strcmp(version, "1.0") != 0 && strcmp(version, "1.1") != 0)
+    km_reader_error(reader, &at, "version \"%.40s\" is not known; expected \"0.2\", \"1.0\" or \"1.1\"", version);
+  bool newer = (version && strcmp(version, "1.1") == 0) || km_value_get(root, "parameters");
+  reader->origin->version = newer ? "1.1" : "1.0";
   read_units(reader, parameters, &place);
   read_folders(reader, km_value_get(parameters, "include_dir"));
   model->gravity = km_reader_vector(parameters, "gravity");
@@ -197,8 +200,11 @@ static void free_names(km_reader *reader) {
 }
 
 static km_status read_model(km_model *model, const char *bytes, size_t size, km_messages *messages, km_error *error) {
-  const km_value *root, *source;
-  km_status status = km_json_parse(bytes, size, &model->arena, &root, error);
+  km_value *root;
+  const km_value *source;
+  km_status status = km_json_parse_open(bytes, size, &model->arena, &root, error);
+  if (!status)
+    status = km_model_evaluate(root, messages, error);
   if (status) {
     if (status == KM_MODEL)
       km_messages_add(messages, KM_ERROR, "%s", error->text);

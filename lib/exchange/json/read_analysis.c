@@ -1,4 +1,5 @@
 /* What acts on the mechanism (force modules, loads) and the tools' defaults: checked and kept. */
+#include "exchange/json/path.h"
 #include "exchange/json/reader.h"
 
 #include <math.h>
@@ -207,17 +208,11 @@ static void read_sweep(km_reader *reader, const km_value *sweep, const km_place 
 
 /* A frame by its path from the root, or [body, frame] where the body is unique. */
 static int analysis_frame(km_reader *reader, const km_value *path, const km_place *place) {
-  enum { LONGEST = 2100 }; /* more than the parser's nesting limit */
-  const char *names[LONGEST];
-  size_t count = 0;
+  km_path_names p;
   int frame = -1;
   km_error problem;
-  for (const km_value *v = path->kind == KM_LIST ? path->first : path; v && count < LONGEST; v = v->next) {
-    names[count++] = v->kind == KM_STRING ? v->string : "";
-    if (path->kind != KM_LIST)
-      break;
-  }
-  if (km_model_find_frame(reader->model, names, count, &frame, &problem))
+  km_path_names_gather(path, &p);
+  if (km_model_find_frame(reader->model, p.names, p.count, &frame, &problem))
     km_reader_error(reader, place, "%s", problem.text);
   return frame;
 }
@@ -297,7 +292,7 @@ static km_model_handle read_point(km_reader *reader, const km_value *value, cons
   km_model_handle handle = {-1, -1, {0, 0, 0}, NULL};
   const km_value *frame = km_value_get(value, "frame"), *direction = km_value_get(value, "direction");
   km_place frame_at = {place, "frame", 0}, direction_at = {place, "direction", 0};
-  bool vector = direction && direction->kind == KM_LIST && direction->count == 3;
+  bool vector = direction && direction->kind == KM_LIST && (direction->count == 2 || direction->count == 3);
   for (const km_value *v = vector ? direction->first : NULL; v; v = v->next)
     vector = vector && v->kind == KM_NUMBER;
   if (!frame || !vector) {

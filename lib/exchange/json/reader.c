@@ -58,7 +58,7 @@ km_vec3 km_reader_vector(const km_value *object, const char *key) {
   if (!list)
     return (km_vec3){0, 0, 0};
   const km_value *x = list->first;
-  return (km_vec3){x->number, x->next->number, x->next->next->number};
+  return (km_vec3){x->number, x->next->number, x->next->next ? x->next->next->number : 0.0};
 }
 
 km_rotation km_reader_rotation(km_reader *reader, const km_value *frame, const char *key, const km_place *place) {
