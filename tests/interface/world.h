@@ -24,6 +24,7 @@ typedef struct world {
   km_track *track;
   km_table *table;
   km_builder *builder;
+  km_assignment assignment;
   km_settings_def settings;
   km_frame_def frame;
   km_body_def body;

@@ -3,6 +3,7 @@
 #include "exchange/json/format.h"
 #include "exchange/json/json.h"
 #include "exchange/json/reader.h"
+#include "exchange/json/vary.h"
 #include "exchange/mesh/model_meshes.h"
 
 #include <string.h>
@@ -199,10 +200,20 @@ static void free_names(km_reader *reader) {
   km_names_free(&reader->labels);
 }
 
-static km_status read_model(km_model *model, const char *bytes, size_t size, km_messages *messages, km_error *error) {
+/* What a model is read from. */
+typedef struct text {
+  const char *bytes;
+  size_t size;
+  const km_assignment *assignments; /* put in first */
+  int count;
+} text;
+
+static km_status read_model(km_model *model, const text *from, km_messages *messages, km_error *error) {
   km_value *root;
   const km_value *source;
-  km_status status = km_json_parse_open(bytes, size, &model->arena, &root, error);
+  km_status status = km_json_parse_open(from->bytes, from->size, &model->arena, &root, error);
+  if (!status)
+    status = km_model_vary(root, from->assignments, from->count, &model->arena, error);
   if (!status)
     status = km_model_evaluate(root, messages, error);
   if (status) {
@@ -210,7 +221,7 @@ static km_status read_model(km_model *model, const char *bytes, size_t size, km_
       km_messages_add(messages, KM_ERROR, "%s", error->text);
     return status;
   }
-  km_sha256(bytes, size, model->sha256);
+  km_sha256(from->bytes, from->size, model->sha256);
   km_format_check(root, messages);
   if (km_messages_errors(messages))
     return first_error(messages, error);
@@ -244,116 +255,58 @@ static const char *folder_of(km_model *model, const char *path) {
 }
 
 /* `path`: of the file that the bytes are from; NULL: none. */
-static km_status read_bytes(const char *bytes, size_t size, const char *path, km_messages *messages, km_model **out,
+static km_status read_bytes(const text *from, const char *path, km_messages *messages, km_model **out,
                             km_error *error) {
   km_error local;
   km_messages *own = messages ? NULL : km_messages_create();
   km_model *model = KM_NEW(km_model, 1);
-  *out = NULL;
   if (model)
     model->folder = path ? folder_of(model, path) : ".";
   km_status status = model && model->folder && (messages || own)
-                         ? read_model(model, bytes, size, messages ? messages : own, error ? error : &local)
+                         ? read_model(model, from, messages ? messages : own, error ? error : &local)
                          : km_fail(error, KM_MEMORY, "out of memory while reading the model");
   km_messages_free(own);
   if (status)
     km_model_free(model);
   else
     *out = model;
+  if (!status && path)
+    km_model_miss_meshes(model, messages);
   return status;
 }
 
-km_status km_model_read(const char *bytes, size_t size, km_messages *messages, km_model **out, km_error *error) {
+km_status km_model_read_varied(const char *bytes, size_t size, const char *file, const km_assignment *assignments,
+                               int count, km_messages *messages, km_model **out, km_error *error) {
   if (!out)
     return km_check_given(false, "place for the result", error);
   *out = NULL;
   if (!bytes)
     return km_check_given(false, "text of a model", error);
-  return read_bytes(bytes, size, NULL, messages, out, error);
+  if (count < 0 || (count > 0 && !assignments))
+    return km_check_given(false, "assignments", error);
+  return read_bytes(&(text){bytes, size, assignments, count}, file, messages, out, error);
 }
 
-km_status km_model_load(const char *path, km_messages *messages, km_model **out, km_error *error) {
+km_status km_model_read(const char *bytes, size_t size, km_messages *messages, km_model **out, km_error *error) {
+  return km_model_read_varied(bytes, size, NULL, NULL, 0, messages, out, error);
+}
+
+km_status km_model_load_varied(const char *path, const km_assignment *assignments, int count, km_messages *messages,
+                               km_model **out, km_error *error) {
   if (!out)
     return km_check_given(false, "place for the result", error);
   *out = NULL;
   if (!path)
     return km_check_given(false, "path of a model", error);
-  km_text text = {0};
-  *out = NULL;
-  km_status status = km_file_read(path, &text, error);
+  km_text bytes = {0};
+  km_status status = km_file_read(path, &bytes, error);
   if (!status)
-    status = read_bytes(text.data, text.size, path, messages, out, error);
-  km_text_free(&text);
-  if (!status)
-    km_model_miss_meshes(*out, messages);
+    status =
+        km_model_read_varied(bytes.data ? bytes.data : "", bytes.size, path, assignments, count, messages, out, error);
+  km_text_free(&bytes);
   return status;
 }
 
-void km_model_free(km_model *model) {
-  if (!model)
-    return;
-  km_arena_free(&model->arena);
-  km_free(model);
-}
-
-int km_model_body_count(const km_model *model) {
-  if (!model)
-    return 0;
-  return model->body_count - 1;
-}
-int km_model_joint_count(const km_model *model) {
-  if (!model)
-    return 0;
-  return model->joint_count;
-}
-int km_model_coordinate_count(const km_model *model) {
-  if (!model)
-    return 0;
-  return model->coordinate_count;
-}
-const char *km_model_body_name(const km_model *model, int body) {
-  if (!model || body < 0 || body >= model->body_count)
-    return "";
-  return model->bodies[body].name;
-}
-
-const char *km_model_joint_label(const km_model *model, int joint) {
-  if (!model || joint < 0 || joint >= model->joint_count)
-    return "";
-  return model->joints[joint].label;
-}
-const char *km_model_coordinate_label(const km_model *model, int coordinate) {
-  if (!model || coordinate < 0 || coordinate >= model->coordinate_count)
-    return "";
-  return model->coordinates[coordinate].label;
-}
-const char *km_model_coordinate_unit(const km_model *model, int coordinate) {
-  if (!model || coordinate < 0 || coordinate >= model->coordinate_count)
-    return "";
-  const km_model_coordinate *c = &model->coordinates[coordinate];
-  return km_joint_is_length(model->joints[c->joint].type, c->index) ? model->units.length->suffix
-                                                                    : model->units.angle->suffix;
-}
-int km_model_joint_freedom(const km_model *model, int joint, int *first) {
-  if (!model || !first || joint < 0 || joint >= model->joint_count)
-    return 0;
-  *first = model->joints[joint].first_coordinate;
-  return km_model_freedom(model, joint);
-}
-void km_model_share_length(km_model *model, double length) {
-  if (!model || !(length > 0.0 && isfinite(length)))
-    return;
-  model->characteristic_length = length;
-  model->length_shared = true;
-}
-
-double km_model_length_unit(const km_model *model) {
-  if (!model)
-    return nan("");
-  return model->units.length->si;
-}
-const char *km_model_sha256(const km_model *model) {
-  if (!model)
-    return "";
-  return model->sha256;
+km_status km_model_load(const char *path, km_messages *messages, km_model **out, km_error *error) {
+  return km_model_load_varied(path, NULL, 0, messages, out, error);
 }
