@@ -89,7 +89,10 @@ static const km_object_format prescribed_format = {"prescribed", prescribed_fiel
 
 static const km_field joint_fields[] = {{"name", STRING, REQUIRED},
                                         {"type", STRING, REQUIRED},
-                                        {"body_frame_pairs", SHAPE(PATH_PAIR), REQUIRED},
+                                        {"body_frame_pairs", SHAPE(PATH_PAIR)},
+                                        {"bodies", SHAPE(PATHS)},
+                                        {"at", POINT, UNIT(.length = 1)},
+                                        {"axis", POINT},
                                         {"initial_displacement", SHAPE(COORDINATES), BY(COORDINATE)},
                                         {"initial_velocity", SHAPE(COORDINATES), BY(COORDINATE), UNIT(.time = -1)},
                                         {"damping", SHAPE(COORDINATES), BY(STIFFNESS), UNIT(.time = 1)},
@@ -148,6 +151,7 @@ const km_object_format km_format_module = {"force_module", module_fields};
 static const km_object_format assembly_format;
 static const km_field assembly_fields[] = {{"name", STRING, REQUIRED},
                                            {"active", BOOLEAN},
+                                           {"drawn", STRING},
                                            {"bodies", OBJECTS(body_format)},
                                            {"joints", OBJECTS(km_format_joint)},
                                            {"couplings", OBJECTS(km_format_coupling)},

@@ -22,6 +22,7 @@ static void count_assembly(const km_value *assembly, totals *t) {
   const km_value *bodies = km_value_get(assembly, "bodies");
   t->bodies += (size_t)count_members(assembly, "bodies");
   t->joints += (size_t)count_members(assembly, "joints");
+  t->frames += 2 * (size_t)count_members(assembly, "joints"); /* those that drawn joints make */
   t->couplings += (size_t)count_members(assembly, "couplings");
   t->modules += (size_t)count_members(assembly, "force_modules");
   for (const km_value *b = bodies ? bodies->first : NULL; b; b = b->next)
@@ -114,7 +115,7 @@ static void read_parameters(km_reader *reader, const km_value *root) {
                     KM_SHOWN(model->closure_tolerance));
 }
 
-static int add_frame(km_reader *reader, const char *name, int body, km_pose pose) {
+int km_reader_add_frame(km_reader *reader, const char *name, int body, km_pose pose) {
   km_model *model = reader->model;
   int index = model->frame_count++;
   model->frames[index] = (km_model_frame){name, body, pose};
@@ -127,7 +128,8 @@ static void read_frame(km_reader *reader, const km_value *frame, int body, const
   if (!km_reader_active(frame))
     return;
   const char *name = km_reader_name(reader, frame, place, &reader->frames, body, "origin");
-  add_frame(reader, name, body, (km_pose){km_reader_rotation(reader, frame, "R", place), km_reader_vector(frame, "T")});
+  km_reader_add_frame(reader, name, body,
+                      (km_pose){km_reader_rotation(reader, frame, "R", place), km_reader_vector(frame, "T")});
 }
 
 static void left_out(km_reader *reader, km_names *names, int scope, const km_value *element) {
@@ -152,7 +154,7 @@ static void read_body(km_reader *reader, const km_value *value, int assembly, co
     body->mesh = definition->kind == KM_LIST ? definition->first->string : definition->string;
   if (!km_names_set(&reader->bodies, assembly, name, index))
     model->arena.failed = true;
-  add_frame(reader, "origin", index, km_pose_identity());
+  km_reader_add_frame(reader, "origin", index, km_pose_identity());
   km_reader_each(reader, value, "frames", index, place, read_frame);
 }
 
@@ -164,7 +166,8 @@ static void read_nested(km_reader *reader, const km_value *value, int parent, co
   }
   const char *name = km_reader_name(reader, value, place, &reader->assemblies, parent, "fixed");
   int index = model->assembly_count++;
-  model->assemblies[index] = (km_model_assembly){name, parent};
+  model->assemblies[index] = (km_model_assembly){name, parent, false};
+  km_read_drawn(reader, value, place, &model->assemblies[index]);
   if (!km_names_set(&reader->assemblies, parent, name, index))
     model->arena.failed = true;
   km_reader_each(reader, value, "bodies", index, place, read_body);
@@ -174,7 +177,7 @@ static void read_nested(km_reader *reader, const km_value *value, int parent, co
 static void read_elements(km_reader *reader, const km_value *root) {
   km_model *model = reader->model;
   model->bodies[model->body_count++] = (km_model_body){.name = "fixed", .assembly = KM_NO_ASSEMBLY, .where = "fixed"};
-  add_frame(reader, "origin", 0, km_pose_identity());
+  km_reader_add_frame(reader, "origin", 0, km_pose_identity());
   km_place fixed = {NULL, "fixed", 0};
   km_reader_each(reader, km_value_get(root, "fixed"), "frames", 0, &fixed, read_frame);
   km_reader_each(reader, root, "assemblies", KM_NO_ASSEMBLY, NULL, read_nested);

@@ -98,6 +98,24 @@ const char *km_reader_name(km_reader *reader, const km_value *object, const km_p
   return name;
 }
 
+const char *km_reader_free_name(km_reader *reader, const km_names *names, int scope, const char *name,
+                                const char *mark) {
+  km_text text = {0};
+  km_text_add(&text, name);
+  if (mark && (km_names_get(names, scope, name) != KM_NOT_FOUND || strcmp(name, "origin") == 0))
+    km_text_format(&text, ":%s", mark);
+  while (!text.failed && km_names_get(names, scope, text.data) != KM_NOT_FOUND)
+    km_text_add(&text, ":");
+  const char *kept = text.failed ? NULL : km_arena_string(&reader->model->arena, text.data);
+  reader->model->arena.failed = reader->model->arena.failed || !kept;
+  km_text_free(&text);
+  return kept ? kept : "";
+}
+
+int km_reader_make_frame(km_reader *reader, int body, const char *name, km_pose pose) {
+  return km_reader_add_frame(reader, km_reader_free_name(reader, &reader->frames, body, name, "joint"), body, pose);
+}
+
 void km_reader_named(km_reader *reader, const km_value *object, const km_place *place) {
   km_place at = {place, "name", 0};
   if (!km_reader_string(object, "name")[0])

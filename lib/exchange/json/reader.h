@@ -58,6 +58,15 @@ const char *km_reader_name(km_reader *reader, const km_value *object, const km_p
 /* Reports an empty name. */
 void km_reader_named(km_reader *reader, const km_value *object, const km_place *place);
 
+/* A frame of a body, entered under its name; its index. */
+int km_reader_add_frame(km_reader *reader, const char *name, int body, km_pose pose);
+/* A name like `name` that no element of the scope has: itself, else with a colon and `mark`, else with more colons. Kept
+ * in the model, whose arena fails when out of memory. */
+const char *km_reader_free_name(km_reader *reader, const km_names *names, int scope, const char *name,
+                                const char *mark);
+/* A frame that the file doesn't write: of a joint or strut, whose name it bears if that is free. */
+int km_reader_make_frame(km_reader *reader, int body, const char *name, km_pose pose);
+
 /* Frame of a path seen from an assembly. KM_NOT_FOUND (reported) or KM_LEFT_OUT. */
 int km_reader_frame(km_reader *reader, const km_value *path, int assembly, const km_place *place);
 /* Joint of a path seen from an assembly; KM_NOT_FOUND is reported, KM_LEFT_OUT and KM_FAULTY aren't. */
@@ -68,6 +77,19 @@ int km_reader_coordinate(km_reader *reader, const km_value *path, int assembly, 
 bool km_reader_turns(const km_reader *reader, int coordinate);
 /* A path as a person reads it: `a/b/c`. */
 const char *km_path_text(const km_value *path, char out[KM_PLACE_TEXT]);
+
+/* `drawn` of an assembly. */
+void km_read_drawn(km_reader *reader, const km_value *assembly, const km_place *place, km_model_assembly *out);
+/* `bodies`, `at` and `axis` of a joint: its two frames, both at the point; false if there are none, which is reported
+ * unless a body is left out. */
+bool km_read_drawn_ends(km_reader *reader, const km_value *joint, int assembly, const km_place *place,
+                        km_model_joint *out, int body[2]);
+/* Is the joint told by points of a drawing? */
+bool km_joint_is_drawn(const km_value *joint);
+/* Puts the child frame where the joint's first values have it in the drawing, and the bodies into one pose. */
+void km_place_drawn_child(km_model *model, int joint);
+/* Notes on joints whose frames the drawing leaves apart. */
+void km_tell_drawing_gaps(km_reader *reader);
 
 /* Mass, centre of mass and inertia as the file states them; a density. */
 void km_read_mass(km_reader *reader, const km_value *body, const km_place *place, km_model_body *out);
