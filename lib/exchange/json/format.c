@@ -148,12 +148,37 @@ static const km_field module_fields[] = {{"name", STRING, REQUIRED},
                                          {0}};
 const km_object_format km_format_module = {"force_module", module_fields};
 
+static const km_field spring_fields[] = {{"stiffness", NUMBER, REQUIRED, UNIT(.force = 1, .length = -1)},
+                                         {"free_length", NUMBER, REQUIRED, UNIT(.length = 1)},
+                                         {0}};
+static const km_object_format spring_format = {"spring", spring_fields};
+
+static const km_field gas_spring_fields[] = {{"force", NUMBER, REQUIRED, UNIT(.force = 1)},
+                                             {"rate", NUMBER, UNIT(.force = 1, .length = -1)},
+                                             {"length", NUMBER, UNIT(.length = 1)},
+                                             {0}};
+static const km_object_format gas_spring_format = {"gas_spring", gas_spring_fields};
+
+static const km_field strut_fields[] = {{"name", STRING, REQUIRED},
+                                        {"from", SHAPE(PATH), REQUIRED},
+                                        {"to", SHAPE(PATH), REQUIRED},
+                                        {"planar", BOOLEAN},
+                                        {"spring", OBJECT(spring_format)},
+                                        {"gas_spring", OBJECT(gas_spring_format)},
+                                        {"cylinder", BOOLEAN},
+                                        {"limits", SHAPE(RANGE), UNIT(.length = 1)},
+                                        {"damping", NUMBER, UNIT(.force = 1, .time = 1, .length = -1)},
+                                        {"active", BOOLEAN},
+                                        {0}};
+static const km_object_format strut_format = {"strut", strut_fields};
+
 static const km_object_format assembly_format;
 static const km_field assembly_fields[] = {{"name", STRING, REQUIRED},
                                            {"active", BOOLEAN},
                                            {"drawn", STRING},
                                            {"bodies", OBJECTS(body_format)},
                                            {"joints", OBJECTS(km_format_joint)},
+                                           {"struts", OBJECTS(strut_format)},
                                            {"couplings", OBJECTS(km_format_coupling)},
                                            {"force_modules", OBJECTS(km_format_module)},
                                            {"lights", OBJECTS(light_format)},

@@ -14,7 +14,7 @@ static int count_members(const km_value *object, const char *key) {
 }
 
 typedef struct totals {
-  size_t assemblies, bodies, frames, joints, couplings, modules;
+  size_t assemblies, bodies, frames, joints, struts, couplings, modules;
 } totals;
 
 /* Upper bounds: left-out elements count too. */
@@ -23,6 +23,7 @@ static void count_assembly(const km_value *assembly, totals *t) {
   t->bodies += (size_t)count_members(assembly, "bodies");
   t->joints += (size_t)count_members(assembly, "joints");
   t->frames += 2 * (size_t)count_members(assembly, "joints"); /* those that drawn joints make */
+  t->struts += (size_t)count_members(assembly, "struts");
   t->couplings += (size_t)count_members(assembly, "couplings");
   t->modules += (size_t)count_members(assembly, "force_modules");
   for (const km_value *b = bodies ? bodies->first : NULL; b; b = b->next)
@@ -34,9 +35,19 @@ static void count_assembly(const km_value *assembly, totals *t) {
   }
 }
 
-static struct km_origin *allocate(km_model *model, const km_value *root) {
+/* The bodies, frames, joints and force modules that struts are made of. */
+static void count_struts(totals *t) {
+  t->bodies += 2 * t->struts;
+  t->frames += 3 * t->struts;
+  t->joints += 3 * t->struts;
+  t->modules += 2 * t->struts;
+}
+
+static struct km_origin *allocate(km_model *model, const km_value *root, size_t *struts) {
   totals t = {0};
   count_assembly(root, &t);
+  count_struts(&t);
+  *struts = t.struts;
   t.frames += (size_t)count_members(km_value_get(root, "fixed"), "frames") + t.bodies + 1;
   km_arena *arena = &model->arena;
   model->assemblies = KM_ARENA_NEW(arena, km_model_assembly, t.assemblies);
@@ -228,7 +239,8 @@ static km_status read_model(km_model *model, const text *from, km_messages *mess
   km_format_check(root, messages);
   if (km_messages_errors(messages))
     return first_error(messages, error);
-  km_reader reader = {.model = model, .messages = messages, .origin = allocate(model, root)};
+  km_reader reader = {.model = model, .messages = messages};
+  reader.origin = allocate(model, root, &reader.strut_room);
   if (model->arena.failed)
     return km_fail(error, KM_MEMORY, "out of memory while reading the model");
   model->origin = reader.origin;

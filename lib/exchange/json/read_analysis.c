@@ -333,9 +333,24 @@ static km_model_handle read_handle(km_reader *reader, const km_value *value, con
   return none;
 }
 
-static void allocate(km_model *model, const km_value *analysis) {
+/* Struts that are cylinders are actuators beside those that are listed. */
+static void add_cylinders(km_reader *reader) {
+  km_model *model = reader->model;
+  for (int i = 0; i < reader->cylinder_count; ++i) {
+    bool listed = false;
+    for (int a = 0; a < model->actuator_count; ++a)
+      listed = listed || model->actuators[a] == reader->cylinders[i];
+    if (!listed)
+      model->actuators[model->actuator_count++] = reader->cylinders[i];
+    model->actuators_given = true;
+  }
+}
+
+static void allocate(const km_reader *reader, const km_value *analysis) {
+  km_model *model = reader->model;
   const km_value *actuators = km_value_get(analysis, "actuators"), *loads = km_value_get(analysis, "loads");
-  model->actuators = KM_ARENA_NEW(&model->arena, int, actuators ? actuators->count : 0);
+  model->actuators =
+      KM_ARENA_NEW(&model->arena, int, (actuators ? actuators->count : 0) + (size_t)reader->cylinder_count);
   model->loads = KM_ARENA_NEW(&model->arena, km_applied_load, loads ? loads->count : 0);
   model->holds = KM_ARENA_NEW(&model->arena, km_model_hold, (size_t)model->coordinate_count);
 }
@@ -345,10 +360,14 @@ void km_read_analysis(km_reader *reader, const km_value *root) {
   const km_value *analysis = km_value_get(root, "analysis");
   model->sweep = (km_model_sweep){.coordinate = -1, .direction = -1, .sign = 1.0, .steps = 100};
   model->advantage_input = model->advantage_output = (km_model_handle){-1, -1, {0, 0, 0}, NULL};
-  allocate(model, analysis);
+  allocate(reader, analysis);
   model->actuators_given = km_value_get(analysis, "actuators") != NULL;
-  if (model->arena.failed || !analysis)
+  if (model->arena.failed)
     return;
+  if (!analysis) {
+    add_cylinders(reader);
+    return;
+  }
   km_place place = {NULL, "analysis", 0};
   km_place sweep_at = {&place, "sweep", 0}, hold_at = {&place, "hold", 0}, actuators_at = {&place, "actuators", 0};
   km_place advantage_at = {&place, "mechanical_advantage", 0};
@@ -361,6 +380,7 @@ void km_read_analysis(km_reader *reader, const km_value *root) {
   km_place item = {&actuators_at, NULL, 0};
   for (const km_value *a = actuators ? actuators->first : NULL; a; a = a->next, ++item.index)
     read_actuator(reader, a, &item);
+  add_cylinders(reader);
   model->advantage_input = read_handle(reader, km_value_get(advantage, "input"), &input_at);
   model->advantage_output = read_handle(reader, km_value_get(advantage, "output"), &output_at);
   if (model->advantage_input.coordinate >= 0 && model->advantage_input.coordinate == model->advantage_output.coordinate)

@@ -52,13 +52,6 @@ static void read_limits(km_reader *reader, const km_value *joint, int freedom, c
   }
 }
 
-static void not_negative(km_reader *reader, const km_value *object, const char *key, const km_place *place) {
-  double value = km_reader_number(object, key, 0.0);
-  km_place at = {place, key, 0};
-  if (value < 0.0)
-    km_reader_error(reader, &at, "found %s; expected a number of at least 0", KM_SHOWN(value));
-}
-
 static void check_table(km_reader *reader, const km_value *table, const km_place *place) {
   double last = -HUGE_VAL;
   km_place item = {place, NULL, 0};
@@ -105,11 +98,11 @@ static void read_options(km_reader *reader, const km_value *joint, const km_plac
   out->friction = (km_joint_friction){km_reader_number(f, "coefficient", 0.0), km_reader_number(f, "radius", 0.0),
                                       km_reader_number(f, "stiction_velocity", 0.0)};
   out->stop = (km_joint_stop){km_reader_number(s, "stiffness", 0.0), km_reader_number(s, "damping", 0.0)};
-  not_negative(reader, f, "coefficient", &friction);
-  not_negative(reader, f, "radius", &friction);
-  not_negative(reader, f, "stiction_velocity", &friction);
-  not_negative(reader, s, "stiffness", &stop);
-  not_negative(reader, s, "damping", &stop);
+  km_reader_not_negative(reader, f, "coefficient", &friction);
+  km_reader_not_negative(reader, f, "radius", &friction);
+  km_reader_not_negative(reader, f, "stiction_velocity", &friction);
+  km_reader_not_negative(reader, s, "stiffness", &stop);
+  km_reader_not_negative(reader, s, "damping", &stop);
   const km_value *p = km_value_get(joint, "prescribed");
   if (!p)
     return;
@@ -199,7 +192,7 @@ static void check_turns(km_reader *reader, km_joint_type type, const double *pos
       km_reader_error(reader, &at, "found an angle of %.6g; expected less than a million radians", position[k]);
 }
 
-static void add_coordinates(km_reader *reader, const km_value *value, const km_place *place, int index) {
+void km_read_coordinates(km_reader *reader, const km_value *value, const km_place *place, int index) {
   km_model *model = reader->model;
   km_model_joint *joint = &model->joints[index];
   int freedom = km_model_freedom(model, index);
@@ -239,7 +232,7 @@ static void read_joint(km_reader *reader, const km_value *value, int assembly, c
   int index = model->joint_count++;
   model->joints[index] = joint;
   reader->origin->joints[index] = value;
-  add_coordinates(reader, value, place, index);
+  km_read_coordinates(reader, value, place, index);
   if (km_joint_is_drawn(value))
     km_place_drawn_child(model, index);
   read_options(reader, value, place, &model->joints[index]);
@@ -254,6 +247,7 @@ static void joints_of(km_reader *reader, const km_value *assembly, int index, co
 void km_read_joints(km_reader *reader, const km_value *root) {
   km_reader_visit(reader, root, joints_of);
   km_tell_drawing_gaps(reader);
+  km_read_struts(reader, root);
   if (km_messages_errors(reader->messages) == 0)
     km_model_check_ties(reader->model, reader->messages);
   km_model_assign_labels(reader->model, &reader->labels, reader->messages);

@@ -53,6 +53,13 @@ void km_reader_positive(km_reader *reader, const km_place *place, const char *ke
     km_reader_error(reader, &at, "found %s; expected a number greater than 0", KM_SHOWN(value));
 }
 
+void km_reader_not_negative(km_reader *reader, const km_value *object, const char *key, const km_place *place) {
+  double value = km_reader_number(object, key, 0.0);
+  km_place at = {place, key, 0};
+  if (value < 0.0)
+    km_reader_error(reader, &at, "found %s; expected a number of at least 0", KM_SHOWN(value));
+}
+
 km_vec3 km_reader_vector(const km_value *object, const char *key) {
   const km_value *list = km_value_get(object, key);
   if (!list)

@@ -24,7 +24,12 @@ typedef struct km_reader {
   double rotation_misfit;                      /* the largest entry of RᵀR − I so far */
   km_names assemblies, bodies, frames, joints; /* scope: the parent */
   km_names labels;                             /* scopes: see finish.h */
-  bool unreadable;                             /* a file that the text names can't be read */
+  size_t strut_room;                           /* struts in the file, left-out ones too */
+  const km_pose *start; /* [body] of the bodies where the assembly starts, while struts are read */
+  int start_count;
+  int *cylinders; /* coordinates of struts that are actuators */
+  int cylinder_count;
+  bool unreadable; /* a file that the text names can't be read */
 } km_reader;
 
 enum { KM_NOT_FOUND = -1, KM_LEFT_OUT = -2, KM_FAULTY = -5 };
@@ -51,6 +56,8 @@ km_rotation km_reader_rotation(km_reader *reader, const km_value *frame, const c
 const char *km_reader_string(const km_value *object, const char *key); /* NULL if absent */
 /* Reports a value that isn't greater than 0. */
 void km_reader_positive(km_reader *reader, const km_place *place, const char *key, double value);
+/* Reports a member that is less than 0. */
+void km_reader_not_negative(km_reader *reader, const km_value *object, const char *key, const km_place *place);
 /* Name of an element, checked: not empty, not reserved, new among its siblings in `names`. */
 const char *km_reader_name(km_reader *reader, const km_value *object, const km_place *place, km_names *names, int scope,
                            const char *reserved);
@@ -95,6 +102,11 @@ void km_tell_drawing_gaps(km_reader *reader);
 void km_read_mass(km_reader *reader, const km_value *body, const km_place *place, km_model_body *out);
 /* The second pass over the assemblies: joints, then what names joints. */
 void km_read_joints(km_reader *reader, const km_value *root);
+/* The coordinates of joint `index`, with what the file tells of them: first values, rates, damping, limits. `value`:
+ * NULL: nothing. */
+void km_read_coordinates(km_reader *reader, const km_value *value, const km_place *place, int index);
+/* After all joints: a strut's parts lie as they start. */
+void km_read_struts(km_reader *reader, const km_value *root);
 void km_read_couplings(km_reader *reader, const km_value *root);
 void km_read_force_modules(km_reader *reader, const km_value *root);
 void km_read_analysis(km_reader *reader, const km_value *root);
