@@ -1,5 +1,6 @@
 #include "exchange/json/convert.h"
 
+#include "exchange/json/convert_drawn.h"
 #include "exchange/json/format.h"
 #include "exchange/json/reader.h"
 
@@ -14,6 +15,7 @@ typedef struct context {
   km_dimension variable, force;      /* inside a force module */
 } context;
 
+/* An object of the file, and the element that it became. */
 typedef struct indexed {
   const km_value *source;
   int index;
@@ -25,6 +27,8 @@ typedef struct converter {
   const km_units *units;
   const double *q;
   km_arena *arena;
+  bool undraw;     /* the pose isn't the one that is drawn: what is drawn is written as frames */
+  indexed *bodies; /* sorted by source */
   indexed *joints; /* sorted by source */
   bool same_units; /* expressions stay as they are written */
 } converter;
@@ -60,9 +64,19 @@ static int by_source(const void *a, const void *b) {
   return (x > y) - (x < y);
 }
 
-static int joint_of(const converter *c, const km_value *source) {
+static indexed *index_sources(const km_value **sources, int count, km_arena *arena) {
+  indexed *out = KM_ARENA_NEW(arena, indexed, (size_t)count);
+  for (int i = 0; i < count && out; ++i)
+    out[i] = (indexed){sources[i], i};
+  if (out)
+    qsort(out, (size_t)count, sizeof *out, by_source);
+  return out;
+}
+
+/* The element that an object became; -1: it is left out. */
+static int element_of(const indexed *list, int count, const km_value *source) {
   indexed key = {source, 0};
-  const indexed *found = bsearch(&key, c->joints, (size_t)c->model->joint_count, sizeof key, by_source);
+  const indexed *found = bsearch(&key, list, (size_t)count, sizeof key, by_source);
   return found ? found->index : -1;
 }
 
@@ -194,7 +208,9 @@ static void enter(const converter *c, const km_object_format *format, const km_v
     const km_value *type = km_value_get(object, "type");
     int found = type && type->string ? km_joint_type_find(type->string) : -1;
     at->type = found < 0 ? KM_RIGID : (km_joint_type)found;
-    at->joint = joint_of(c, object);
+    at->joint = element_of(c->joints, c->model->joint_count, object);
+  } else if (format == &km_format_strut) {
+    at->type = KM_TX;
   } else if (format == &km_format_module) {
     enter_module(c, object, at);
   } else if (format == &km_format_coupling) {
@@ -255,17 +271,44 @@ static void write_displacement(const converter *c, int joint, km_value *parent) 
     km_value_numbers(c->arena, parent, "initial_displacement", values, (size_t)freedom);
 }
 
+/* Is the member written in another way? */
+static bool is_replaced(const converter *c, const context *at, const km_object_format *format, const char *key) {
+  bool joint = format == &km_format_joint && at->joint >= 0;
+  if (joint && strcmp(key, "initial_displacement") == 0)
+    return c->q && (c->undraw || !km_joint_in_drawing(c->model, at->joint));
+  if (!c->undraw)
+    return false;
+  return strcmp(key, "drawn") == 0 ||
+         (joint && (strcmp(key, "bodies") == 0 || strcmp(key, "at") == 0 || strcmp(key, "axis") == 0));
+}
+
+/* What the members that are replaced become. */
+static void write_replacements(const converter *c, const context *at, const km_object_format *format,
+                               const km_value *object, km_value *twin) {
+  bool joint = format == &km_format_joint;
+  if (c->undraw && joint && at->joint >= 0 && km_joint_is_drawn(object))
+    km_write_drawn_pair(c->model, at->joint, c->arena, twin);
+  if (c->undraw && joint && at->joint < 0 && km_joint_is_drawn(object) && km_reader_active(object))
+    km_value_boolean(c->arena, twin, "active", 0);
+  if (joint && at->joint >= 0 && is_replaced(c, at, format, "initial_displacement"))
+    write_displacement(c, at->joint, twin);
+  int body = format == &km_format_fixed  ? 0
+             : format == &km_format_body ? element_of(c->bodies, c->model->body_count, object)
+                                         : -1;
+  if (c->undraw && body >= 0)
+    km_write_drawn_frames(c->model, body, in_new_units(c, 1.0, length_1), c->arena, twin);
+}
+
 static void convert_object(const converter *c, const context *outer, const km_object_format *format,
                            const km_value *object, km_value *parent, const char *key) {
   context at = *outer;
   enter(c, format, object, &at);
   km_value *twin = km_value_add(c->arena, parent, key, KM_OBJECT);
-  bool posed = format == &km_format_joint && c->q && at.joint >= 0;
   for (const km_value *v = object->first; v && twin; v = v->next)
-    if (!posed || strcmp(v->key, "initial_displacement") != 0)
+    if (!is_replaced(c, &at, format, v->key))
       convert_field(c, &at, km_format_field(format, v->key), v, twin);
-  if (posed && twin)
-    write_displacement(c, at.joint, twin);
+  if (twin)
+    write_replacements(c, &at, format, object, twin);
 }
 
 /* model_parameters with everything that a reader would otherwise assume. */
@@ -301,18 +344,19 @@ km_status km_model_convert(const km_model *model, const km_units *units, const d
                  .units = units,
                  .q = q,
                  .arena = arena,
-                 .joints = KM_ARENA_NEW(arena, indexed, (size_t)model->joint_count),
+                 .undraw = q && km_drawing_moved(model, q),
+                 .bodies = index_sources(model->origin->bodies, model->body_count, arena),
+                 .joints = index_sources(model->origin->joints, model->joint_count, arena),
                  .same_units = memcmp(units, &model->units, sizeof *units) == 0};
   km_value *root = km_value_add(arena, NULL, NULL, KM_OBJECT);
   context at = {.joint = -1};
   if (!arena->failed) {
-    for (int j = 0; j < model->joint_count; ++j)
-      c.joints[j] = (indexed){c.origin->joints[j], j};
-    qsort(c.joints, (size_t)model->joint_count, sizeof *c.joints, by_source);
     convert_parameters(&c, km_value_get(given, "model_parameters"), root);
     for (const km_value *v = given->first; v; v = v->next)
       if (strcmp(v->key, "model_parameters") != 0)
         convert_field(&c, &at, km_format_field(&km_format_model, v->key), v, root);
+    if (!km_value_get(given, "fixed") && c.undraw)
+      convert_object(&c, &at, &km_format_fixed, &(km_value){.kind = KM_OBJECT}, root, "fixed");
   }
   *out = root;
   return arena->failed ? km_fail(error, KM_MEMORY, "out of memory while converting the model") : KM_OK;

@@ -46,7 +46,7 @@ static const km_field light_fields[] = {{"name", STRING}, {"type", STRING}, {"pa
 static const km_object_format light_format = {"light", light_fields};
 
 static const km_field fixed_fields[] = {{"frames", OBJECTS(frame_format)}, {"lights", OBJECTS(light_format)}, {0}};
-static const km_object_format fixed_format = {"fixed", fixed_fields};
+const km_object_format km_format_fixed = {"fixed", fixed_fields};
 
 #define INERTIA NUMBER, UNIT(.mass = 1, .length = 2)
 static const km_field inertia_fields[] = {
@@ -62,7 +62,7 @@ static const km_field body_fields[] = {{"name", STRING, REQUIRED},
                                        {"frames", OBJECTS(frame_format)},
                                        {"active", BOOLEAN},
                                        {0}};
-static const km_object_format body_format = {"body", body_fields};
+const km_object_format km_format_body = {"body", body_fields};
 
 static const km_field friction_fields[] = {{"coefficient", NUMBER},
                                            {"radius", NUMBER, UNIT(.length = 1)},
@@ -170,15 +170,15 @@ static const km_field strut_fields[] = {{"name", STRING, REQUIRED},
                                         {"damping", NUMBER, UNIT(.force = 1, .time = 1, .length = -1)},
                                         {"active", BOOLEAN},
                                         {0}};
-static const km_object_format strut_format = {"strut", strut_fields};
+const km_object_format km_format_strut = {"strut", strut_fields};
 
 static const km_object_format assembly_format;
 static const km_field assembly_fields[] = {{"name", STRING, REQUIRED},
                                            {"active", BOOLEAN},
                                            {"drawn", STRING},
-                                           {"bodies", OBJECTS(body_format)},
+                                           {"bodies", OBJECTS(km_format_body)},
                                            {"joints", OBJECTS(km_format_joint)},
-                                           {"struts", OBJECTS(strut_format)},
+                                           {"struts", OBJECTS(km_format_strut)},
                                            {"couplings", OBJECTS(km_format_coupling)},
                                            {"force_modules", OBJECTS(km_format_module)},
                                            {"lights", OBJECTS(light_format)},
@@ -221,7 +221,7 @@ static const km_object_format parameter_format = {"parameter", parameter_fields}
 
 static const km_field model_fields[] = {{"model_parameters", OBJECT(parameters_format)},
                                         {"parameters", SHAPE(PARAMETERS), .object = &parameter_format},
-                                        {"fixed", OBJECT(fixed_format)},
+                                        {"fixed", OBJECT(km_format_fixed)},
                                         {"assemblies", OBJECTS(assembly_format)},
                                         {"analysis", OBJECT(analysis_format)},
                                         {"source", SHAPE(ANY)},

@@ -67,7 +67,9 @@ struct km_object_format {
 
 extern const km_object_format km_format_model;
 /* Objects whose contents decide the units of numbers inside. */
-extern const km_object_format km_format_joint, km_format_coupling, km_format_module;
+extern const km_object_format km_format_joint, km_format_coupling, km_format_module, km_format_strut;
+/* Objects that have frames. */
+extern const km_object_format km_format_body, km_format_fixed;
 
 const km_field *km_format_field(const km_object_format *format, const char *key); /* NULL if unknown */
 

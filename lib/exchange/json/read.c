@@ -60,7 +60,10 @@ static struct km_origin *allocate(km_model *model, const km_value *root, size_t 
   struct km_origin *origin = KM_ARENA_NEW(arena, struct km_origin, 1);
   if (!origin)
     return NULL;
-  *origin = (struct km_origin){root, "1.0", KM_ARENA_NEW(arena, const km_value *, t.joints),
+  *origin = (struct km_origin){root,
+                               "1.0",
+                               KM_ARENA_NEW(arena, const km_value *, t.bodies + 1),
+                               KM_ARENA_NEW(arena, const km_value *, t.joints),
                                KM_ARENA_NEW(arena, const km_value *, t.couplings),
                                KM_ARENA_NEW(arena, const km_value *, t.modules)};
   return origin;
@@ -111,7 +114,7 @@ static void read_parameters(km_reader *reader, const km_value *root) {
   if (version && strcmp(version, "0.2") != 0 && strcmp(version, "1.0") != 0 && strcmp(version, "1.1") != 0)
     km_reader_error(reader, &at, "version \"%.40s\" is not known; expected \"0.2\", \"1.0\" or \"1.1\"", version);
   bool newer = (version && strcmp(version, "1.1") == 0) || km_value_get(root, "parameters");
-  reader->origin->version = newer ? "1.1" : "1.0";
+  reader->origin->version = newer || reader->strut_room ? "1.1" : "1.0";
   read_units(reader, parameters, &place);
   read_folders(reader, km_value_get(parameters, "include_dir"));
   model->gravity = km_reader_vector(parameters, "gravity");
@@ -158,6 +161,7 @@ static void read_body(km_reader *reader, const km_value *value, int assembly, co
   const char *name = km_reader_name(reader, value, place, &reader->bodies, assembly, "fixed");
   int index = model->body_count++;
   km_model_body *body = &model->bodies[index];
+  reader->origin->bodies[index] = value;
   *body = (km_model_body){.name = name, .assembly = assembly, .where = km_reader_where(reader, place)};
   km_read_mass(reader, value, place, body);
   const km_value *definition = km_value_get(value, "definition");

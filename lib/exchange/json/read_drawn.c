@@ -9,6 +9,8 @@ void km_read_drawn(km_reader *reader, const km_value *assembly, const km_place *
   const char *word = km_reader_string(assembly, "drawn");
   km_place at = {place, "drawn", 0};
   out->drawn = word != NULL;
+  if (word)
+    reader->origin->version = "1.1";
   if (word && strcmp(word, "assembled") != 0)
     km_reader_error(reader, &at, "\"%.40s\" is not known; expected \"assembled\", or no such key", word);
 }

@@ -11,8 +11,8 @@
 /* A model as it was read: what writing it again needs beside the model. Kept in the model's arena. */
 struct km_origin {
   const km_value *root;
-  const char *version;                             /* that writes it again: "1.0", or "1.1" where the file needs it */
-  const km_value **joints, **couplings, **modules; /* the objects that became them */
+  const char *version; /* that writes it again: "1.0", or "1.1" where the file needs it */
+  const km_value **bodies, **joints, **couplings, **modules; /* the objects that became them; NULL: part of a strut */
 };
 
 /* The reader's own bookkeeping. Left-out elements are in the name tables with KM_LEFT_OUT, so that a path
