@@ -212,6 +212,16 @@ static void warn_unknown(km_messages *m, const km_place *place, const km_object_
                   km_place_text(place, where), nearest.names[0]);
 }
 
+/* What a joint connects is told by frames, or in a drawing by bodies and a point. */
+static void check_joint_ends(km_messages *m, const km_place *place, const km_value *joint) {
+  char where[KM_PLACE_TEXT];
+  if (!km_value_get(joint, "body_frame_pairs") && !km_value_get(joint, "bodies"))
+    km_messages_add(m, KM_ERROR,
+                    "%s: \"body_frame_pairs\" is missing; expected it in every joint, or \"bodies\" and \"at\" in a "
+                    "drawn assembly",
+                    km_place_text(place, where));
+}
+
 static void check_object(km_messages *m, const km_place *place, const km_value *value, const km_object_format *format) {
   if (value->kind != KM_OBJECT) {
     expected(m, place, value, "an object {…}");
@@ -225,6 +235,8 @@ static void check_object(km_messages *m, const km_place *place, const km_value *
     else
       warn_unknown(m, &item, format);
   }
+  if (format == &km_format_joint)
+    check_joint_ends(m, place, value);
   for (const km_field *field = format->fields; field->key; ++field) {
     if (!field->required || km_value_get(value, field->key))
       continue;

@@ -170,10 +170,8 @@ static bool read_ends(km_reader *reader, const km_value *value, int assembly, co
                     "\"assembled\" in the assembly");
   else if (pair)
     found = read_pair(reader, pair, assembly, place, joint, body);
-  else if (drawn)
-    found = km_read_drawn_ends(reader, value, assembly, place, joint, body);
   else
-    km_reader_error(reader, place, "\"body_frame_pairs\" is missing; expected it in every joint");
+    found = km_read_drawn_ends(reader, value, assembly, place, joint, body);
   if (body[0] == KM_LEFT_OUT || body[1] == KM_LEFT_OUT)
     km_reader_note(reader, place, "joint \"%.80s\" is left out with the body that it is on", joint->name);
   else if (found && body[0] == body[1])
