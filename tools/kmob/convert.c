@@ -14,6 +14,7 @@ typedef struct options {
   kt_common common;
   kt_texts holds, sets;
   const char *model, *file, *units;
+  bool frames;
 } options;
 
 static kt_exit write_file(const options *o, const km_text *text) {
@@ -78,11 +79,10 @@ static void tell_of_meshes(const options *o, const km_model *model, const km_uni
            model->units.length->word, model->units.length->si / units->length->si);
 }
 
-/* A parameter has no dimension, so it can't follow the units. */
-static void tell_of_parameters(const options *o, const km_model *model, const km_units *units) {
-  if (km_model_has_parameters(model) && memcmp(units, &model->units, sizeof *units) != 0)
-    kt_say(&o->common, KM_NOTE, "%s: in other units its parameters and expressions are written as their values",
-           o->model);
+/* A parameter has no dimension, so it can't follow the units, nor can the frames that a drawing becomes follow it. */
+static void tell_of_parameters(const options *o, const km_model *model, const km_value *written) {
+  if (km_model_has_parameters(model) && !km_value_get(written, "parameters"))
+    kt_say(&o->common, KM_NOTE, "%s: its parameters and expressions are written as their values", o->model);
 }
 
 static kt_exit convert_pose(const options *o, const kt_pose *pose) {
@@ -96,13 +96,13 @@ static kt_exit convert_pose(const options *o, const kt_pose *pose) {
   double *q = KM_ARENA_NEW(&arena, double, (size_t)pose->model->coordinate_count);
   for (int c = 0; q && c < pose->model->coordinate_count; ++c)
     q[c] = km_state_coordinate(pose->state, c);
-  km_status status = q ? km_model_convert(pose->model, &units, q, &arena, &value, &error)
+  km_status status = q ? km_model_convert(pose->model, &units, q, o->frames, &arena, &value, &error)
                        : km_fail(&error, KM_MEMORY, "out of memory");
   if (status)
     kt_say(&o->common, KM_ERROR, "%s: %s", o->model, error.text);
   else {
     tell_of_meshes(o, pose->model, &units);
-    tell_of_parameters(o, pose->model, &units);
+    tell_of_parameters(o, pose->model, value);
   }
   result = status ? kt_exit_of(status) : write_value(o, value);
   km_arena_free(&arena);
@@ -120,6 +120,7 @@ kt_exit kmob_convert(int argc, char **argv) {
        &o.units, KT_ABOUT_MODEL},
       KT_SET(&o.sets, "Write another pose: move a joint to a value"),
       KT_HOLD(&o.holds, "Keep a joint rigid at a value on the way"),
+      {"frames", 0, NULL, "Write drawn assemblies as frames of their bodies", KT_FLAG, &o.frames, KT_ABOUT_MODEL},
       KMOB_FILE(&o.file),
   };
   KT_OPTIONS_ADD(&all, table);

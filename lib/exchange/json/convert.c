@@ -30,7 +30,7 @@ typedef struct converter {
   bool undraw;     /* the pose isn't the one that is drawn: what is drawn is written as frames */
   indexed *bodies; /* sorted by source */
   indexed *joints; /* sorted by source */
-  bool same_units; /* expressions stay as they are written */
+  bool verbatim;   /* expressions stay as they are written */
 } converter;
 
 static km_dimension product(km_dimension a, km_dimension b) {
@@ -128,7 +128,7 @@ static double in_new_units(const converter *c, double number, km_dimension dimen
 }
 
 static void copy(const converter *c, km_value *parent, const char *key, const km_value *value) {
-  if (value->kind == KM_NUMBER && value->string && c->same_units) {
+  if (value->kind == KM_NUMBER && value->string && c->verbatim) {
     km_value_string(c->arena, parent, key, value->string);
     return;
   }
@@ -144,7 +144,7 @@ static void copy(const converter *c, km_value *parent, const char *key, const km
 /* A number, a list of them or a list of such lists, each in its unit. */
 static void convert_numbers(const converter *c, const context *at, const km_field *field, km_value *parent,
                             const char *key, const km_value *value, int depth, int row, int item) {
-  if (value->kind == KM_NUMBER && !(value->string && c->same_units)) {
+  if (value->kind == KM_NUMBER && !(value->string && c->verbatim)) {
     km_dimension dimension = product(measured(c, at, field, row, item), field->dimension);
     km_value_number(c->arena, parent, key, in_new_units(c, value->number, dimension));
     return;
@@ -240,7 +240,7 @@ static void convert_field(const converter *c, const context *at, const km_field 
     convert_map(c, value, parent);
     break;
   case KM_SHAPE_PARAMETERS: /* numbers in the file's units, of no dimension that is told: nothing uses them any more */
-    if (c->same_units)
+    if (c->verbatim)
       copy(c, parent, value->key, value);
     break;
   case KM_SHAPE_NUMBER:
@@ -336,18 +336,19 @@ static void convert_parameters(const converter *c, const km_value *parameters, k
   }
 }
 
-km_status km_model_convert(const km_model *model, const km_units *units, const double *q, km_arena *arena,
+km_status km_model_convert(const km_model *model, const km_units *units, const double *q, bool frames, km_arena *arena,
                            const km_value **out, km_error *error) {
   const km_value *given = model->origin->root;
+  bool undraw = frames || (q && km_drawing_moved(model, q));
   converter c = {.model = model,
                  .origin = model->origin,
                  .units = units,
                  .q = q,
                  .arena = arena,
-                 .undraw = q && km_drawing_moved(model, q),
+                 .undraw = undraw,
                  .bodies = index_sources(model->origin->bodies, model->body_count, arena),
                  .joints = index_sources(model->origin->joints, model->joint_count, arena),
-                 .same_units = memcmp(units, &model->units, sizeof *units) == 0};
+                 .verbatim = !undraw && memcmp(units, &model->units, sizeof *units) == 0};
   km_value *root = km_value_add(arena, NULL, NULL, KM_OBJECT);
   context at = {.joint = -1};
   if (!arena->failed) {

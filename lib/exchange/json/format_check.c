@@ -235,8 +235,6 @@ static void check_object(km_messages *m, const km_place *place, const km_value *
     else
       warn_unknown(m, &item, format);
   }
-  if (format == &km_format_joint)
-    check_joint_ends(m, place, value);
   for (const km_field *field = format->fields; field->key; ++field) {
     if (!field->required || km_value_get(value, field->key))
       continue;
@@ -244,6 +242,8 @@ static void check_object(km_messages *m, const km_place *place, const km_value *
     km_messages_add(m, KM_ERROR, "%s: \"%s\" is missing; expected it in every %s", km_place_text(place, where),
                     field->key, format->name);
   }
+  if (format == &km_format_joint)
+    check_joint_ends(m, place, value);
 }
 
 void km_format_check_as(const km_value *root, const km_object_format *format, const km_place *place,
