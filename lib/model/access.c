@@ -35,3 +35,72 @@ bool km_model_coordinate_limits(const km_model *model, int coordinate, double *l
   *high = model->coordinates[coordinate].high;
   return isfinite(*low) || isfinite(*high);
 }
+
+void km_model_free(km_model *model) {
+  if (!model)
+    return;
+  km_arena_free(&model->arena);
+  km_free(model);
+}
+
+int km_model_body_count(const km_model *model) {
+  if (!model)
+    return 0;
+  return model->body_count - 1;
+}
+int km_model_joint_count(const km_model *model) {
+  if (!model)
+    return 0;
+  return model->joint_count;
+}
+int km_model_coordinate_count(const km_model *model) {
+  if (!model)
+    return 0;
+  return model->coordinate_count;
+}
+const char *km_model_body_name(const km_model *model, int body) {
+  if (!model || body < 0 || body >= model->body_count)
+    return "";
+  return model->bodies[body].name;
+}
+
+const char *km_model_joint_label(const km_model *model, int joint) {
+  if (!model || joint < 0 || joint >= model->joint_count)
+    return "";
+  return model->joints[joint].label;
+}
+const char *km_model_coordinate_label(const km_model *model, int coordinate) {
+  if (!model || coordinate < 0 || coordinate >= model->coordinate_count)
+    return "";
+  return model->coordinates[coordinate].label;
+}
+const char *km_model_coordinate_unit(const km_model *model, int coordinate) {
+  if (!model || coordinate < 0 || coordinate >= model->coordinate_count)
+    return "";
+  const km_model_coordinate *c = &model->coordinates[coordinate];
+  return km_joint_is_length(model->joints[c->joint].type, c->index) ? model->units.length->suffix
+                                                                    : model->units.angle->suffix;
+}
+int km_model_joint_freedom(const km_model *model, int joint, int *first) {
+  if (!model || !first || joint < 0 || joint >= model->joint_count)
+    return 0;
+  *first = model->joints[joint].first_coordinate;
+  return km_model_freedom(model, joint);
+}
+void km_model_share_length(km_model *model, double length) {
+  if (!model || !(length > 0.0 && isfinite(length)))
+    return;
+  model->characteristic_length = length;
+  model->length_shared = true;
+}
+
+double km_model_length_unit(const km_model *model) {
+  if (!model)
+    return nan("");
+  return model->units.length->si;
+}
+const char *km_model_sha256(const km_model *model) {
+  if (!model)
+    return "";
+  return model->sha256;
+}

@@ -186,7 +186,7 @@ km_status km_model_add_assembly(km_builder *b, const char *name, km_assembly_id 
   if (!KM_BUILDER_GROW(b, assemblies, assembly_room, assembly_count) ||
       !km_names_set(&b->assemblies, scope, copy, m->assembly_count))
     return km_builder_memory(error);
-  m->assemblies[m->assembly_count++] = (km_model_assembly){copy, scope};
+  m->assemblies[m->assembly_count++] = (km_model_assembly){copy, scope, false};
   if (out)
     out->value = m->assembly_count;
   return KM_OK;

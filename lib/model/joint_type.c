@@ -29,6 +29,10 @@ const km_joint_kind *km_joint_kind_of(km_joint_type type) {
 }
 
 int km_joint_type_find(const char *word) {
+  if (strcmp(word, "revolute") == 0)
+    return KM_RZ;
+  if (strcmp(word, "prismatic") == 0)
+    return KM_TX;
   for (int type = 0; type < KM_JOINT_TYPES; ++type)
     if (strcmp(kinds[type].word, word) == 0)
       return type;
@@ -46,4 +50,26 @@ bool km_joint_is_length(km_joint_type type, int k) {
 
 km_dimension km_joint_dimension(km_joint_type type, int k) {
   return km_joint_is_length(type, k) ? (km_dimension){.length = 1} : (km_dimension){.angle = 1};
+}
+
+static km_vec3 along(int axis, double length) {
+  return (km_vec3){axis == 0 ? length : 0.0, axis == 1 ? length : 0.0, axis == 2 ? length : 0.0};
+}
+
+km_pose km_motion_pose(km_motion motion, double pitch, const double *value) {
+  km_pose x = km_pose_identity();
+  switch (motion.primitive) {
+  case KM_PRISMATIC:
+    x.p = along(motion.axis, value[0]);
+    break;
+  case KM_HELICAL:
+    x.p = along(motion.axis, pitch * value[0]); /* fall through */
+  case KM_REVOLUTE:
+    x.R = km_rotation_turn(&x.R, motion.axis, cos(value[0]), sin(value[0]));
+    break;
+  case KM_BALL:
+    x.R = km_quaternion_rotation(km_quaternion_exp(km_vec3_make(value)));
+    break;
+  }
+  return x;
 }

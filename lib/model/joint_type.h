@@ -4,6 +4,7 @@
 
 #include "kmech/build.h"
 #include "model/units.h"
+#include "spatial/pose.h"
 
 typedef enum km_primitive {
   KM_REVOLUTE,  /* turn about an axis; one coordinate, an angle */
@@ -28,7 +29,11 @@ typedef struct km_joint_kind {
 } km_joint_kind;
 
 const km_joint_kind *km_joint_kind_of(km_joint_type type);
-int km_joint_type_find(const char *word); /* -1 if there is none */
+/* The type of that word, `revolute` being Rz and `prismatic` Tx; -1 if there is none. */
+int km_joint_type_find(const char *word);
+/* The displacement that a motion makes: `value` in radians or a length; a ball's is a rotation vector. `pitch` is the
+ * travel per radian. */
+km_pose km_motion_pose(km_motion motion, double pitch, const double *value);
 int km_primitive_freedom(km_primitive primitive);
 
 /* Is coordinate k of the joint a length (a Tx, Ty or Tz)? Screws and rotations are angles. */

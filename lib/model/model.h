@@ -14,6 +14,7 @@ enum { KM_NO_ASSEMBLY = -1 };
 typedef struct km_model_assembly {
   const char *name;
   int parent; /* assembly, or KM_NO_ASSEMBLY */
+  bool drawn; /* its bodies' frames are the inertial frame where the joints have the values that they start from */
 } km_model_assembly;
 
 /* Body 0 is the inertial frame, called `fixed`. */

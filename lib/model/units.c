@@ -29,7 +29,7 @@ const km_unit *km_quantity_units(km_quantity quantity) {
 
 const km_unit *km_unit_find(km_quantity quantity, const char *word) {
   for (const km_unit *unit = tables[quantity]; unit->word; ++unit)
-    if (strcmp(unit->word, word) == 0)
+    if (strcmp(unit->word, word) == 0 || strcmp(unit->suffix, word) == 0)
       return unit;
   return NULL;
 }

@@ -26,7 +26,8 @@ km_units km_units_default(void); /* radians, metres, kilograms, seconds, newtons
 const char *km_quantity_name(km_quantity quantity);
 /* The table of one quantity, ended by an entry without word. */
 const km_unit *km_quantity_units(km_quantity quantity);
-const km_unit *km_unit_find(km_quantity quantity, const char *word); /* NULL if there is none */
+/* The unit of that word or suffix; NULL if there is none. */
+const km_unit *km_unit_find(km_quantity quantity, const char *word);
 const km_unit **km_units_slot(km_units *units, km_quantity quantity);
 
 /* Size in SI of one unit of the given dimension. */

@@ -43,6 +43,24 @@ static inline km_rotation km_rotation_turn(const km_rotation *r, int k, double c
   return out;
 }
 
+/* The least rotation that turns coordinate axis k onto a unit vector u: R e_i = e_i - u_i / (1 + u_k) (e_k + u) for the
+ * other axes. The identity where u is that axis, a half turn about the next axis where it is opposite. */
+static inline km_rotation km_rotation_onto(int k, km_vec3 u) {
+  const double c[3] = {u.x, u.y, u.z};
+  int i = (k + 1) % 3, j = (k + 2) % 3;
+  km_rotation R = km_rotation_identity();
+  double across = c[i] * c[i] + c[j] * c[j], sum = c[k] < 0.0 ? across / (1.0 - c[k]) : 1.0 + c[k];
+  km_vec3 middle = km_vec3_add(R.axis[k], u);
+  R.axis[k] = u;
+  if (across > 0.0) {
+    R.axis[i] = km_vec3_axpy(-c[i] / sum, middle, R.axis[i]);
+    R.axis[j] = km_vec3_axpy(-c[j] / sum, middle, R.axis[j]);
+  } else if (c[k] < 0.0) {
+    R.axis[j] = km_vec3_scale(-1.0, R.axis[j]);
+  }
+  return R;
+}
+
 /* The nearest rotation to one that is almost orthonormal (Gram-Schmidt from axis 0). */
 static inline km_rotation km_rotation_orthonormal(const km_rotation *r) {
   km_vec3 x = km_vec3_scale(1.0 / km_vec3_norm(r->axis[0]), r->axis[0]);

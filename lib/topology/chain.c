@@ -25,28 +25,6 @@ km_pose km_frame_to_frame(const km_model *model, int a, int b, double size) {
                    km_vec3_scale(1.0 / size, km_rotate(&back, km_vec3_sub(y->p, x->p)))};
 }
 
-static km_vec3 along(int axis, double length) {
-  return (km_vec3){axis == 0 ? length : 0.0, axis == 1 ? length : 0.0, axis == 2 ? length : 0.0};
-}
-
-km_pose km_motion_pose(km_motion motion, double pitch, const double *value) {
-  km_pose x = km_pose_identity();
-  switch (motion.primitive) {
-  case KM_PRISMATIC:
-    x.p = along(motion.axis, value[0]);
-    break;
-  case KM_HELICAL:
-    x.p = along(motion.axis, pitch * value[0]); /* fall through */
-  case KM_REVOLUTE:
-    x.R = km_rotation_turn(&x.R, motion.axis, cos(value[0]), sin(value[0]));
-    break;
-  case KM_BALL:
-    x.R = km_quaternion_rotation(km_quaternion_exp(km_vec3_make(value)));
-    break;
-  }
-  return x;
-}
-
 km_pose km_motion_passed(km_motion motion, double pitch, const double *value, double sign) {
   km_pose x = km_motion_pose(motion, pitch, value);
   return sign < 0.0 ? km_pose_inverse(&x) : x;

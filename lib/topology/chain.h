@@ -32,9 +32,7 @@ static inline double km_pitch_per_radian(const km_model *model, int joint, doubl
 /* From frame `a` to frame `b` of the same body, lengths over `size`. */
 km_pose km_frame_to_frame(const km_model *model, int a, int b, double size);
 
-/* The displacement that a motion makes: `value` in radians or scaled length; a ball's is a rotation vector. */
-km_pose km_motion_pose(km_motion motion, double pitch, const double *value);
-/* The same, undone if sign < 0. */
+/* km_motion_pose, undone if sign < 0. */
 km_pose km_motion_passed(km_motion motion, double pitch, const double *value, double sign);
 
 /* The unit twist of a motion's coordinate k at a frame (a ball's about the frame's axis k). */

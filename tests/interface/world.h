@@ -26,6 +26,7 @@ typedef struct world {
   km_question *question;
   km_option_value value;
   km_builder *builder;
+  km_assignment assignment;
   km_settings_def settings;
   km_frame_def frame;
   km_body_def body;

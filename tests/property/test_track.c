@@ -135,7 +135,7 @@ static void units_dont_matter(void **state) {
   km_units units = f.model->units;
   units.angle = km_unit_find(KM_ANGLE, "degrees");
   units.length = km_unit_find(KM_LENGTH, "millimeters");
-  assert_int_equal(km_model_convert(f.model, &units, NULL, &arena, &tree, NULL), KM_OK);
+  assert_int_equal(km_model_convert(f.model, &units, NULL, false, &arena, &tree, NULL), KM_OK);
   km_json_write(tree, &json);
   fixture g = fixture_read(json.data);
   char metres[2048], millimetres[2048];

@@ -32,7 +32,7 @@ static fixture converted(const fixture *a, int i, const double *q) {
   const km_value *tree;
   fixture b = {0};
   km_error error;
-  assert_int_equal(km_model_convert(a->model, &units, q, &arena, &tree, NULL), KM_OK);
+  assert_int_equal(km_model_convert(a->model, &units, q, false, &arena, &tree, NULL), KM_OK);
   km_json_write(tree, &text);
   if (km_model_read(text.data, text.size, NULL, &b.model, &error))
     fail_msg("%s", error.text);

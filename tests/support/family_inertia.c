@@ -56,7 +56,7 @@ static bool reads_in(randomness *r, km_model **model) {
   km_arena arena = {0};
   km_text text = {0};
   const km_value *tree;
-  bool good = !km_model_convert(*model, &units, NULL, &arena, &tree, NULL);
+  bool good = !km_model_convert(*model, &units, NULL, false, &arena, &tree, NULL);
   if (good)
     km_json_write(tree, &text);
   km_model_free(*model);

@@ -8,12 +8,13 @@
 #include <stdio.h>
 #include <string.h>
 
-const char *const all_models[] = {"fourbar",   "slider_crank", "bricard", "sarrus3",      "sarrus4",      "klann",
-                                  "excavator", "brake",        "bennett", "stewart",      "delta",        "robot7r",
-                                  "panda",     "iiwa14",       "vehicle", "scissor_lift", "toggle_press", NULL};
+const char *const all_models[] = {
+    "fourbar",      "slider_crank", "bricard",     "sarrus3", "sarrus4", "klann",  "excavator", "brake",
+    "bennett",      "stewart",      "delta",       "robot7r", "panda",   "iiwa14", "vehicle",   "scissor_lift",
+    "toggle_press", "jansen",       "peaucellier", "rssr",    "bonnet",  NULL};
 
 bool has_one_freedom(const char *name) {
-  static const char *const several[] = {"stewart", "delta", "vehicle", NULL};
+  static const char *const several[] = {"stewart", "delta", "vehicle", "rssr", NULL};
   for (const char *const *s = several; *s; ++s)
     if (strcmp(*s, name) == 0)
       return false;

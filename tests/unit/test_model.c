@@ -118,7 +118,7 @@ static void conversion_knows_every_unit(void **state) {
   km_arena arena = {0};
   const km_value *t;
   const double in = 0.0254, ms = 1e-3, lbf = 4.4482216152605, lb = 0.45359237, deg = M_PI / 180.0;
-  assert_int_equal(km_model_convert(m, &units, NULL, &arena, &t, NULL), KM_OK);
+  assert_int_equal(km_model_convert(m, &units, NULL, false, &arena, &t, NULL), KM_OK);
 #define EXPECT(value, ...) assert_near(number_at(t, AT(__VA_ARGS__)) / (value), 1.0, 1e-14)
   EXPECT(-0.000386 * in / (ms * ms), "model_parameters", "gravity", "2");
   EXPECT(2 * in, "model_parameters", "characteristic_length");
@@ -172,7 +172,7 @@ static void writing_is_stable(void **state) {
     km_model *m = read(source);
     km_arena arena = {0};
     const km_value *t;
-    assert_int_equal(km_model_convert(m, &m->units, NULL, &arena, &t, NULL), KM_OK);
+    assert_int_equal(km_model_convert(m, &m->units, NULL, false, &arena, &t, NULL), KM_OK);
     km_json_write(t, pass ? &second : &first);
     km_arena_free(&arena);
     km_model_free(m);

@@ -14,6 +14,7 @@ typedef struct options {
   kt_common common;
   kt_texts holds, sets;
   const char *model, *file, *units;
+  bool frames;
 } options;
 
 static kt_exit write_file(const options *o, const km_text *text) {
@@ -35,12 +36,11 @@ static kt_exit write_value(const options *o, const km_value *value) {
 /* A unit's word or symbol decides which quantity it is for: -1 if none. */
 static int choose_unit(const char *word, km_units *units) {
   for (int q = 0; q < KM_QUANTITIES; ++q) {
-    for (const km_unit *u = km_quantity_units((km_quantity)q); u->word; ++u) {
-      if (strcmp(u->word, word) != 0 && strcmp(u->suffix, word) != 0)
-        continue;
-      *km_units_slot(units, (km_quantity)q) = u;
-      return q;
-    }
+    const km_unit *unit = km_unit_find((km_quantity)q, word);
+    if (!unit)
+      continue;
+    *km_units_slot(units, (km_quantity)q) = unit;
+    return q;
   }
   return -1;
 }
@@ -79,6 +79,12 @@ static void tell_of_meshes(const options *o, const km_model *model, const km_uni
            model->units.length->word, model->units.length->si / units->length->si);
 }
 
+/* A parameter has no dimension, so it can't follow the units, nor can the frames that a drawing becomes follow it. */
+static void tell_of_parameters(const options *o, const km_model *model, const km_value *written) {
+  if (km_model_has_parameters(model) && !km_value_get(written, "parameters"))
+    kt_say(&o->common, KM_NOTE, "%s: its parameters and expressions are written as their values", o->model);
+}
+
 static kt_exit convert_pose(const options *o, const kt_pose *pose) {
   km_units units = pose->model->units;
   kt_exit result = choose_units(o, &units);
@@ -90,12 +96,14 @@ static kt_exit convert_pose(const options *o, const kt_pose *pose) {
   double *q = KM_ARENA_NEW(&arena, double, (size_t)pose->model->coordinate_count);
   for (int c = 0; q && c < pose->model->coordinate_count; ++c)
     q[c] = km_state_coordinate(pose->state, c);
-  km_status status = q ? km_model_convert(pose->model, &units, q, &arena, &value, &error)
+  km_status status = q ? km_model_convert(pose->model, &units, q, o->frames, &arena, &value, &error)
                        : km_fail(&error, KM_MEMORY, "out of memory");
   if (status)
     kt_say(&o->common, KM_ERROR, "%s: %s", o->model, error.text);
-  else
+  else {
     tell_of_meshes(o, pose->model, &units);
+    tell_of_parameters(o, pose->model, value);
+  }
   result = status ? kt_exit_of(status) : write_value(o, value);
   km_arena_free(&arena);
   return result;
@@ -112,6 +120,7 @@ kt_exit kmob_convert(int argc, char **argv) {
        &o.units, KT_ABOUT_MODEL},
       KT_SET(&o.sets, "Write another pose: move a joint to a value"),
       KT_HOLD(&o.holds, "Keep a joint rigid at a value on the way"),
+      {"frames", 0, NULL, "Write drawn assemblies as frames of their bodies", KT_FLAG, &o.frames, KT_ABOUT_MODEL},
       KMOB_FILE(&o.file),
   };
   KT_OPTIONS_ADD(&all, table);

@@ -1,5 +1,6 @@
 #include "exchange/json/convert.h"
 
+#include "exchange/json/convert_drawn.h"
 #include "exchange/json/format.h"
 #include "exchange/json/reader.h"
 
@@ -14,6 +15,7 @@ typedef struct context {
   km_dimension variable, force;      /* inside a force module */
 } context;
 
+/* An object of the file, and the element that it became. */
 typedef struct indexed {
   const km_value *source;
   int index;
@@ -25,7 +27,10 @@ typedef struct converter {
   const km_units *units;
   const double *q;
   km_arena *arena;
+  bool undraw;     /* the pose isn't the one that is drawn: what is drawn is written as frames */
+  indexed *bodies; /* sorted by source */
   indexed *joints; /* sorted by source */
+  bool verbatim;   /* expressions stay as they are written */
 } converter;
 
 static km_dimension product(km_dimension a, km_dimension b) {
@@ -59,9 +64,19 @@ static int by_source(const void *a, const void *b) {
   return (x > y) - (x < y);
 }
 
-static int joint_of(const converter *c, const km_value *source) {
+static indexed *index_sources(const km_value **sources, int count, km_arena *arena) {
+  indexed *out = KM_ARENA_NEW(arena, indexed, (size_t)count);
+  for (int i = 0; i < count && out; ++i)
+    out[i] = (indexed){sources[i], i};
+  if (out)
+    qsort(out, (size_t)count, sizeof *out, by_source);
+  return out;
+}
+
+/* The element that an object became; -1: it is left out. */
+static int element_of(const indexed *list, int count, const km_value *source) {
   indexed key = {source, 0};
-  const indexed *found = bsearch(&key, c->joints, (size_t)c->model->joint_count, sizeof key, by_source);
+  const indexed *found = bsearch(&key, list, (size_t)count, sizeof key, by_source);
   return found ? found->index : -1;
 }
 
@@ -113,6 +128,10 @@ static double in_new_units(const converter *c, double number, km_dimension dimen
 }
 
 static void copy(const converter *c, km_value *parent, const char *key, const km_value *value) {
+  if (value->kind == KM_NUMBER && value->string && c->verbatim) {
+    km_value_string(c->arena, parent, key, value->string);
+    return;
+  }
   km_value *twin = km_value_add(c->arena, parent, key, value->kind);
   if (!twin)
     return;
@@ -125,7 +144,7 @@ static void copy(const converter *c, km_value *parent, const char *key, const km
 /* A number, a list of them or a list of such lists, each in its unit. */
 static void convert_numbers(const converter *c, const context *at, const km_field *field, km_value *parent,
                             const char *key, const km_value *value, int depth, int row, int item) {
-  if (value->kind == KM_NUMBER) {
+  if (value->kind == KM_NUMBER && !(value->string && c->verbatim)) {
     km_dimension dimension = product(measured(c, at, field, row, item), field->dimension);
     km_value_number(c->arena, parent, key, in_new_units(c, value->number, dimension));
     return;
@@ -189,7 +208,9 @@ static void enter(const converter *c, const km_object_format *format, const km_v
     const km_value *type = km_value_get(object, "type");
     int found = type && type->string ? km_joint_type_find(type->string) : -1;
     at->type = found < 0 ? KM_RIGID : (km_joint_type)found;
-    at->joint = joint_of(c, object);
+    at->joint = element_of(c->joints, c->model->joint_count, object);
+  } else if (format == &km_format_strut) {
+    at->type = KM_TX;
   } else if (format == &km_format_module) {
     enter_module(c, object, at);
   } else if (format == &km_format_coupling) {
@@ -218,8 +239,13 @@ static void convert_field(const converter *c, const context *at, const km_field 
   case KM_SHAPE_COORDINATE_MAP:
     convert_map(c, value, parent);
     break;
+  case KM_SHAPE_PARAMETERS: /* numbers in the file's units, of no dimension that is told: nothing uses them any more */
+    if (c->verbatim)
+      copy(c, parent, value->key, value);
+    break;
   case KM_SHAPE_NUMBER:
   case KM_SHAPE_VECTOR:
+  case KM_SHAPE_POINT:
   case KM_SHAPE_NUMBERS:
   case KM_SHAPE_COORDINATES:
   case KM_SHAPE_RANGE:
@@ -245,17 +271,44 @@ static void write_displacement(const converter *c, int joint, km_value *parent) 
     km_value_numbers(c->arena, parent, "initial_displacement", values, (size_t)freedom);
 }
 
+/* Is the member written in another way? */
+static bool is_replaced(const converter *c, const context *at, const km_object_format *format, const char *key) {
+  bool joint = format == &km_format_joint && at->joint >= 0;
+  if (joint && strcmp(key, "initial_displacement") == 0)
+    return c->q && (c->undraw || !km_joint_in_drawing(c->model, at->joint));
+  if (!c->undraw)
+    return false;
+  return strcmp(key, "drawn") == 0 ||
+         (joint && (strcmp(key, "bodies") == 0 || strcmp(key, "at") == 0 || strcmp(key, "axis") == 0));
+}
+
+/* What the members that are replaced become. */
+static void write_replacements(const converter *c, const context *at, const km_object_format *format,
+                               const km_value *object, km_value *twin) {
+  bool joint = format == &km_format_joint;
+  if (c->undraw && joint && at->joint >= 0 && km_joint_is_drawn(object))
+    km_write_drawn_pair(c->model, at->joint, c->arena, twin);
+  if (c->undraw && joint && at->joint < 0 && km_joint_is_drawn(object) && km_reader_active(object))
+    km_value_boolean(c->arena, twin, "active", 0);
+  if (joint && at->joint >= 0 && is_replaced(c, at, format, "initial_displacement"))
+    write_displacement(c, at->joint, twin);
+  int body = format == &km_format_fixed  ? 0
+             : format == &km_format_body ? element_of(c->bodies, c->model->body_count, object)
+                                         : -1;
+  if (c->undraw && body >= 0)
+    km_write_drawn_frames(c->model, body, in_new_units(c, 1.0, length_1), c->arena, twin);
+}
+
 static void convert_object(const converter *c, const context *outer, const km_object_format *format,
                            const km_value *object, km_value *parent, const char *key) {
   context at = *outer;
   enter(c, format, object, &at);
   km_value *twin = km_value_add(c->arena, parent, key, KM_OBJECT);
-  bool posed = format == &km_format_joint && c->q && at.joint >= 0;
   for (const km_value *v = object->first; v && twin; v = v->next)
-    if (!posed || strcmp(v->key, "initial_displacement") != 0)
+    if (!is_replaced(c, &at, format, v->key))
       convert_field(c, &at, km_format_field(format, v->key), v, twin);
-  if (posed && twin)
-    write_displacement(c, at.joint, twin);
+  if (twin)
+    write_replacements(c, &at, format, object, twin);
 }
 
 /* model_parameters with everything that a reader would otherwise assume. */
@@ -266,7 +319,7 @@ static void convert_parameters(const converter *c, const km_value *parameters, k
   km_value *twin = km_value_add(c->arena, parent, "model_parameters", KM_OBJECT);
   if (!twin)
     return;
-  km_value_string(c->arena, twin, "version", "1.0");
+  km_value_string(c->arena, twin, "version", c->origin->version);
   km_value *units = km_value_add(c->arena, twin, "units", KM_OBJECT);
   km_units new = *c->units;
   for (int q = 0; q < KM_QUANTITIES && units; ++q)
@@ -283,21 +336,33 @@ static void convert_parameters(const converter *c, const km_value *parameters, k
   }
 }
 
-km_status km_model_convert(const km_model *model, const km_units *units, const double *q, km_arena *arena,
+km_status km_model_convert(const km_model *model, const km_units *units, const double *q, bool frames, km_arena *arena,
                            const km_value **out, km_error *error) {
   const km_value *given = model->origin->root;
-  converter c = {model, model->origin, units, q, arena, KM_ARENA_NEW(arena, indexed, (size_t)model->joint_count)};
+  bool undraw = frames || (q && km_drawing_moved(model, q));
+  converter c = {.model = model,
+                 .origin = model->origin,
+                 .units = units,
+                 .q = q,
+                 .arena = arena,
+                 .undraw = undraw,
+                 .bodies = index_sources(model->origin->bodies, model->body_count, arena),
+                 .joints = index_sources(model->origin->joints, model->joint_count, arena),
+                 .verbatim = !undraw && memcmp(units, &model->units, sizeof *units) == 0};
   km_value *root = km_value_add(arena, NULL, NULL, KM_OBJECT);
   context at = {.joint = -1};
   if (!arena->failed) {
-    for (int j = 0; j < model->joint_count; ++j)
-      c.joints[j] = (indexed){c.origin->joints[j], j};
-    qsort(c.joints, (size_t)model->joint_count, sizeof *c.joints, by_source);
     convert_parameters(&c, km_value_get(given, "model_parameters"), root);
     for (const km_value *v = given->first; v; v = v->next)
       if (strcmp(v->key, "model_parameters") != 0)
         convert_field(&c, &at, km_format_field(&km_format_model, v->key), v, root);
+    if (!km_value_get(given, "fixed") && c.undraw)
+      convert_object(&c, &at, &km_format_fixed, &(km_value){.kind = KM_OBJECT}, root, "fixed");
   }
   *out = root;
   return arena->failed ? km_fail(error, KM_MEMORY, "out of memory while converting the model") : KM_OK;
+}
+
+bool km_model_has_parameters(const km_model *model) {
+  return km_value_get(model->origin->root, "parameters") != NULL;
 }

@@ -7,6 +7,7 @@
 #define STRING     .shape = KM_SHAPE_STRING
 #define BOOLEAN    .shape = KM_SHAPE_BOOLEAN
 #define VECTOR     .shape = KM_SHAPE_VECTOR
+#define POINT      .shape = KM_SHAPE_POINT
 #define OBJECT(f)  .shape = KM_SHAPE_OBJECT, .object = &(f)
 #define OBJECTS(f) .shape = KM_SHAPE_OBJECTS, .object = &(f)
 #define SHAPE(s)   .shape = KM_SHAPE_##s
@@ -28,7 +29,7 @@ static const km_object_format simulation_format = {"simulation", simulation_fiel
 
 static const km_field parameters_fields[] = {{"version", STRING},
                                              {"units", OBJECT(units_format)},
-                                             {"gravity", VECTOR, UNIT(.length = 1, .time = -2)},
+                                             {"gravity", POINT, UNIT(.length = 1, .time = -2)},
                                              {"include_dir", SHAPE(STRINGS)},
                                              {"closure_tolerance", NUMBER},
                                              {"simulation", OBJECT(simulation_format)},
@@ -37,7 +38,7 @@ static const km_field parameters_fields[] = {{"version", STRING},
 static const km_object_format parameters_format = {"model_parameters", parameters_fields};
 
 static const km_field frame_fields[] = {
-    {"name", STRING, REQUIRED}, {"T", VECTOR, UNIT(.length = 1)}, {"R", SHAPE(MATRIX)}, {"active", BOOLEAN}, {0}};
+    {"name", STRING, REQUIRED}, {"T", POINT, UNIT(.length = 1)}, {"R", SHAPE(MATRIX)}, {"active", BOOLEAN}, {0}};
 static const km_object_format frame_format = {"frame", frame_fields};
 
 static const km_field light_fields[] = {{"name", STRING}, {"type", STRING}, {"parent", SHAPE(PATH)}, {"Ka", VECTOR},
@@ -45,7 +46,7 @@ static const km_field light_fields[] = {{"name", STRING}, {"type", STRING}, {"pa
 static const km_object_format light_format = {"light", light_fields};
 
 static const km_field fixed_fields[] = {{"frames", OBJECTS(frame_format)}, {"lights", OBJECTS(light_format)}, {0}};
-static const km_object_format fixed_format = {"fixed", fixed_fields};
+const km_object_format km_format_fixed = {"fixed", fixed_fields};
 
 #define INERTIA NUMBER, UNIT(.mass = 1, .length = 2)
 static const km_field inertia_fields[] = {
@@ -54,14 +55,14 @@ static const km_object_format inertia_format = {"moment_of_inertia", inertia_fie
 
 static const km_field body_fields[] = {{"name", STRING, REQUIRED},
                                        {"mass", NUMBER, UNIT(.mass = 1)},
-                                       {"center_of_mass", VECTOR, UNIT(.length = 1)},
+                                       {"center_of_mass", POINT, UNIT(.length = 1)},
                                        {"moment_of_inertia", OBJECT(inertia_format)},
                                        {"definition", SHAPE(STRINGS)},
                                        {"density", NUMBER, UNIT(.mass = 1, .length = -3)},
                                        {"frames", OBJECTS(frame_format)},
                                        {"active", BOOLEAN},
                                        {0}};
-static const km_object_format body_format = {"body", body_fields};
+const km_object_format km_format_body = {"body", body_fields};
 
 static const km_field friction_fields[] = {{"coefficient", NUMBER},
                                            {"radius", NUMBER, UNIT(.length = 1)},
@@ -88,7 +89,10 @@ static const km_object_format prescribed_format = {"prescribed", prescribed_fiel
 
 static const km_field joint_fields[] = {{"name", STRING, REQUIRED},
                                         {"type", STRING, REQUIRED},
-                                        {"body_frame_pairs", SHAPE(PATH_PAIR), REQUIRED},
+                                        {"body_frame_pairs", SHAPE(PATH_PAIR)},
+                                        {"bodies", SHAPE(PATHS)},
+                                        {"at", POINT, UNIT(.length = 1)},
+                                        {"axis", POINT},
                                         {"initial_displacement", SHAPE(COORDINATES), BY(COORDINATE)},
                                         {"initial_velocity", SHAPE(COORDINATES), BY(COORDINATE), UNIT(.time = -1)},
                                         {"damping", SHAPE(COORDINATES), BY(STIFFNESS), UNIT(.time = 1)},
@@ -144,11 +148,37 @@ static const km_field module_fields[] = {{"name", STRING, REQUIRED},
                                          {0}};
 const km_object_format km_format_module = {"force_module", module_fields};
 
+static const km_field spring_fields[] = {{"stiffness", NUMBER, REQUIRED, UNIT(.force = 1, .length = -1)},
+                                         {"free_length", NUMBER, REQUIRED, UNIT(.length = 1)},
+                                         {0}};
+static const km_object_format spring_format = {"spring", spring_fields};
+
+static const km_field gas_spring_fields[] = {{"force", NUMBER, REQUIRED, UNIT(.force = 1)},
+                                             {"rate", NUMBER, UNIT(.force = 1, .length = -1)},
+                                             {"length", NUMBER, UNIT(.length = 1)},
+                                             {0}};
+static const km_object_format gas_spring_format = {"gas_spring", gas_spring_fields};
+
+static const km_field strut_fields[] = {{"name", STRING, REQUIRED},
+                                        {"from", SHAPE(PATH), REQUIRED},
+                                        {"to", SHAPE(PATH), REQUIRED},
+                                        {"planar", BOOLEAN},
+                                        {"spring", OBJECT(spring_format)},
+                                        {"gas_spring", OBJECT(gas_spring_format)},
+                                        {"cylinder", BOOLEAN},
+                                        {"limits", SHAPE(RANGE), UNIT(.length = 1)},
+                                        {"damping", NUMBER, UNIT(.force = 1, .time = 1, .length = -1)},
+                                        {"active", BOOLEAN},
+                                        {0}};
+const km_object_format km_format_strut = {"strut", strut_fields};
+
 static const km_object_format assembly_format;
 static const km_field assembly_fields[] = {{"name", STRING, REQUIRED},
                                            {"active", BOOLEAN},
-                                           {"bodies", OBJECTS(body_format)},
+                                           {"drawn", STRING},
+                                           {"bodies", OBJECTS(km_format_body)},
                                            {"joints", OBJECTS(km_format_joint)},
+                                           {"struts", OBJECTS(km_format_strut)},
                                            {"couplings", OBJECTS(km_format_coupling)},
                                            {"force_modules", OBJECTS(km_format_module)},
                                            {"lights", OBJECTS(light_format)},
@@ -164,12 +194,16 @@ static const km_field sweep_fields[] = {
     {"arclength", NUMBER},  {"direction", OBJECT(direction_format)}, {0}};
 static const km_object_format sweep_format = {"sweep", sweep_fields};
 
-static const km_field advantage_fields[] = {{"input", SHAPE(ANY)}, {"output", SHAPE(ANY)}, {0}};
+static const km_field end_fields[] = {{"frame", SHAPE(PATH), REQUIRED}, {"direction", POINT, REQUIRED}, {0}};
+static const km_object_format end_format = {"point_along_direction", end_fields};
+
+static const km_field advantage_fields[] = {
+    {"input", SHAPE(END), .object = &end_format}, {"output", SHAPE(END), .object = &end_format}, {0}};
 static const km_object_format advantage_format = {"mechanical_advantage", advantage_fields};
 
 static const km_field load_fields[] = {{"name", STRING, REQUIRED},
                                        {"frame", SHAPE(PATH), REQUIRED},
-                                       {"force", VECTOR, UNIT(.force = 1)},
+                                       {"force", POINT, UNIT(.force = 1)},
                                        {"torque", VECTOR, UNIT(.force = 1, .length = 1)},
                                        {"axes", STRING},
                                        {0}};
@@ -181,8 +215,13 @@ static const km_field analysis_fields[] = {
     {"hold", SHAPE(COORDINATE_MAP)}, {0}};
 static const km_object_format analysis_format = {"analysis", analysis_fields};
 
+static const km_field parameter_fields[] = {
+    {"value", NUMBER, REQUIRED}, {"low", NUMBER}, {"high", NUMBER}, {"note", STRING}, {0}};
+static const km_object_format parameter_format = {"parameter", parameter_fields};
+
 static const km_field model_fields[] = {{"model_parameters", OBJECT(parameters_format)},
-                                        {"fixed", OBJECT(fixed_format)},
+                                        {"parameters", SHAPE(PARAMETERS), .object = &parameter_format},
+                                        {"fixed", OBJECT(km_format_fixed)},
                                         {"assemblies", OBJECTS(assembly_format)},
                                         {"analysis", OBJECT(analysis_format)},
                                         {"source", SHAPE(ANY)},
@@ -195,4 +234,22 @@ const km_field *km_format_field(const km_object_format *format, const char *key)
     if (strcmp(field->key, key) == 0)
       return field;
   return NULL;
+}
+
+bool km_shape_is_numeric(km_shape shape) {
+  switch (shape) {
+  case KM_SHAPE_NUMBER:
+  case KM_SHAPE_VECTOR:
+  case KM_SHAPE_POINT:
+  case KM_SHAPE_MATRIX:
+  case KM_SHAPE_NUMBERS:
+  case KM_SHAPE_COORDINATES:
+  case KM_SHAPE_RANGE:
+  case KM_SHAPE_RANGES:
+  case KM_SHAPE_ROWS:
+  case KM_SHAPE_COORDINATE_MAP:
+    return true;
+  default:
+    return false;
+  }
 }

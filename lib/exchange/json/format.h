@@ -13,6 +13,7 @@ typedef enum km_shape {
   KM_SHAPE_STRING,
   KM_SHAPE_BOOLEAN,
   KM_SHAPE_VECTOR,         /* three numbers */
+  KM_SHAPE_POINT,          /* a point or a direction: three numbers, or two in the plane z = 0 */
   KM_SHAPE_MATRIX,         /* three rows of three numbers */
   KM_SHAPE_NUMBERS,        /* a list of numbers */
   KM_SHAPE_COORDINATES,    /* a number, or a list of numbers: one for each coordinate of a joint */
@@ -24,8 +25,10 @@ typedef enum km_shape {
   KM_SHAPE_PATHS,          /* a list of paths */
   KM_SHAPE_PATH_PAIR,      /* [parent path, child path] */
   KM_SHAPE_COORDINATE_MAP, /* {joint label: coordinates} */
+  KM_SHAPE_PARAMETERS,     /* {name: number, or an object that holds it} */
   KM_SHAPE_OBJECT,
   KM_SHAPE_OBJECTS, /* a list of objects */
+  KM_SHAPE_END,     /* a joint's path, or an object; checked by its reader */
   KM_SHAPE_ANY      /* kept as it is, not looked into */
 } km_shape;
 
@@ -54,7 +57,7 @@ typedef struct km_field {
   bool required;
   km_dimension dimension;
   km_measure measure;
-  const km_object_format *object; /* of KM_SHAPE_OBJECT(S) */
+  const km_object_format *object; /* of KM_SHAPE_OBJECT(S), KM_SHAPE_END, KM_SHAPE_PARAMETERS */
 } km_field;
 
 struct km_object_format {
@@ -64,9 +67,14 @@ struct km_object_format {
 
 extern const km_object_format km_format_model;
 /* Objects whose contents decide the units of numbers inside. */
-extern const km_object_format km_format_joint, km_format_coupling, km_format_module;
+extern const km_object_format km_format_joint, km_format_coupling, km_format_module, km_format_strut;
+/* Objects that have frames. */
+extern const km_object_format km_format_body, km_format_fixed;
 
 const km_field *km_format_field(const km_object_format *format, const char *key); /* NULL if unknown */
+
+/* Does a field of this shape hold numbers and nothing else? */
+bool km_shape_is_numeric(km_shape shape);
 
 /* Checks kinds, required keys and number ranges of the whole tree; unknown keys are warnings with the
  * nearest known key. Every finding starts with the place, as `assemblies[0].joints[2].type`. */

@@ -1,9 +1,9 @@
+#include "base/nearest.h"
 #include "base/text.h"
 #include "exchange/json/format.h"
 #include "exchange/json/place.h"
 
 #include <math.h>
-#include <stdint.h>
 #include <string.h>
 
 /* Past this a product of a few numbers overflows; no mechanism needs it. */
@@ -114,6 +114,21 @@ static void check_map(km_messages *m, const km_place *place, const km_value *val
   }
 }
 
+static void check_parameters(km_messages *m, const km_place *place, const km_value *value,
+                             const km_object_format *format) {
+  if (value->kind != KM_OBJECT) {
+    expected(m, place, value, "an object {name: number}");
+    return;
+  }
+  for (const km_value *v = value->first; v; v = v->next) {
+    km_place item = {place, v->key, 0};
+    if (v->kind == KM_OBJECT)
+      check_object(m, &item, v, format);
+    else
+      check_number(m, &item, v);
+  }
+}
+
 static void check_range(km_messages *m, const km_place *place, const km_value *value, int many) {
   if (many && value->kind == KM_LIST && value->first && value->first->kind == KM_LIST)
     check_rows(m, place, value, 0, 2, "[low, high] for each coordinate");
@@ -136,6 +151,9 @@ static void check_field(km_messages *m, const km_place *place, const km_value *v
     break;
   case KM_SHAPE_VECTOR:
     check_numbers(m, place, value, 3, "three numbers [x, y, z]");
+    break;
+  case KM_SHAPE_POINT:
+    check_numbers(m, place, value, value->count == 2 ? 2 : 3, "three numbers [x, y, z], or two for z = 0");
     break;
   case KM_SHAPE_MATRIX:
     check_rows(m, place, value, 3, 3, "three rows of three numbers");
@@ -176,45 +194,32 @@ static void check_field(km_messages *m, const km_place *place, const km_value *v
   case KM_SHAPE_OBJECTS:
     check_objects(m, place, value, field->object);
     break;
+  case KM_SHAPE_PARAMETERS:
+    check_parameters(m, place, value, field->object);
+    break;
+  case KM_SHAPE_END:
   case KM_SHAPE_ANY:
     break;
   }
 }
 
-/* Edit distance, for names short enough to be keys. */
-static size_t distance(const char *a, const char *b) {
-  enum { LONGEST = 40 };
-  size_t n = strlen(a), k = strlen(b), row[LONGEST + 1];
-  if (n > LONGEST || k > LONGEST)
-    return SIZE_MAX;
-  for (size_t j = 0; j <= k; ++j)
-    row[j] = j;
-  for (size_t i = 1; i <= n; ++i) {
-    size_t diagonal = row[0];
-    row[0] = i;
-    for (size_t j = 1; j <= k; ++j) {
-      size_t change = diagonal + (a[i - 1] != b[j - 1]);
-      diagonal = row[j];
-      size_t gap = (row[j] < row[j - 1] ? row[j] : row[j - 1]) + 1;
-      row[j] = change < gap ? change : gap;
-    }
-  }
-  return row[k];
-}
-
 static void warn_unknown(km_messages *m, const km_place *place, const km_object_format *format) {
-  const char *nearest = format->fields[0].key;
-  size_t best = SIZE_MAX;
-  for (const km_field *field = format->fields; field->key; ++field) {
-    size_t d = distance(place->key, field->key);
-    if (d < best) {
-      best = d;
-      nearest = field->key;
-    }
-  }
+  km_nearest nearest = {.wanted = place->key};
+  for (const km_field *field = format->fields; field->key; ++field)
+    km_nearest_offer(&nearest, field->key);
   char where[KM_PLACE_TEXT];
   km_messages_add(m, KM_WARNING, "%s: the format doesn't know this key; the nearest known one is \"%s\"",
-                  km_place_text(place, where), nearest);
+                  km_place_text(place, where), nearest.names[0]);
+}
+
+/* What a joint connects is told by frames, or in a drawing by bodies and a point. */
+static void check_joint_ends(km_messages *m, const km_place *place, const km_value *joint) {
+  char where[KM_PLACE_TEXT];
+  if (!km_value_get(joint, "body_frame_pairs") && !km_value_get(joint, "bodies"))
+    km_messages_add(m, KM_ERROR,
+                    "%s: \"body_frame_pairs\" is missing; expected it in every joint, or \"bodies\" and \"at\" in a "
+                    "drawn assembly",
+                    km_place_text(place, where));
 }
 
 static void check_object(km_messages *m, const km_place *place, const km_value *value, const km_object_format *format) {
@@ -237,6 +242,8 @@ static void check_object(km_messages *m, const km_place *place, const km_value *
     km_messages_add(m, KM_ERROR, "%s: \"%s\" is missing; expected it in every %s", km_place_text(place, where),
                     field->key, format->name);
   }
+  if (format == &km_format_joint)
+    check_joint_ends(m, place, value);
 }
 
 void km_format_check_as(const km_value *root, const km_object_format *format, const km_place *place,

@@ -17,14 +17,18 @@ static km_value *member(const schema *s, km_value *object, const char *key) {
   return km_value_add(s->arena, object, key, KM_OBJECT);
 }
 
-/* {"type": "array", "items": …}; count 0: any. Returns the items' schema. */
-static km_value *list(const schema *s, km_value *object, int count) {
+/* {"type": "array", "items": …}; most 0: any number of them. Returns the items' schema. */
+static km_value *list_between(const schema *s, km_value *object, int least, int most) {
   type(s, object, "array");
-  if (count) {
-    km_value_number(s->arena, object, "minItems", count);
-    km_value_number(s->arena, object, "maxItems", count);
+  if (most) {
+    km_value_number(s->arena, object, "minItems", least);
+    km_value_number(s->arena, object, "maxItems", most);
   }
   return member(s, object, "items");
+}
+
+static km_value *list(const schema *s, km_value *object, int count) {
+  return list_between(s, object, count, count);
 }
 
 static void reference(const schema *s, km_value *object, const char *name) {
@@ -33,8 +37,12 @@ static void reference(const schema *s, km_value *object, const char *name) {
   km_value_string(s->arena, object, "$ref", text);
 }
 
+static void number(const schema *s, km_value *object) {
+  reference(s, object, "number");
+}
+
 static void numbers(const schema *s, km_value *object, int count) {
-  type(s, list(s, object, count), "number");
+  number(s, list(s, object, count));
 }
 
 static void path(const schema *s, km_value *object) {
@@ -51,12 +59,12 @@ static void either(const schema *s, km_value *object, km_value **a, km_value **b
 static void coordinates(const schema *s, km_value *object) {
   km_value *a, *b;
   either(s, object, &a, &b);
-  type(s, a, "number");
+  number(s, a);
   numbers(s, b, 0);
 }
 
 static void words(const schema *s, km_value *object, const km_object_format *format, const char *key) {
-  static const char *const versions[] = {"0.2", "1.0", NULL};
+  static const char *const versions[] = {"0.2", "1.0", "1.1", NULL};
   km_value *list_of = NULL;
   if (format == &km_format_joint && strcmp(key, "type") == 0) {
     list_of = km_value_add(s->arena, object, "enum", KM_LIST);
@@ -70,8 +78,10 @@ static void words(const schema *s, km_value *object, const km_object_format *for
     list_of = km_value_add(s->arena, object, "enum", KM_LIST);
     for (int q = 0; q < KM_QUANTITIES; ++q)
       for (const km_unit *u = km_quantity_units((km_quantity)q);
-           u->word && strcmp(km_quantity_name((km_quantity)q), key) == 0; ++u)
+           u->word && strcmp(km_quantity_name((km_quantity)q), key) == 0; ++u) {
         km_value_string(s->arena, list_of, NULL, u->word);
+        km_value_string(s->arena, list_of, NULL, u->suffix);
+      }
   } else {
     type(s, object, "string");
   }
@@ -83,7 +93,7 @@ static void describe(const schema *s, km_value *object, const km_object_format *
   km_value *a, *b;
   switch (field->shape) {
   case KM_SHAPE_NUMBER:
-    type(s, object, "number");
+    number(s, object);
     break;
   case KM_SHAPE_STRING:
     words(s, object, format, field->key);
@@ -93,6 +103,9 @@ static void describe(const schema *s, km_value *object, const km_object_format *
     break;
   case KM_SHAPE_VECTOR:
     numbers(s, object, 3);
+    break;
+  case KM_SHAPE_POINT:
+    number(s, list_between(s, object, 2, 3));
     break;
   case KM_SHAPE_MATRIX:
     numbers(s, list(s, object, 3), 3);
@@ -136,6 +149,19 @@ static void describe(const schema *s, km_value *object, const km_object_format *
     reference(s, list(s, object, 0), field->object->name);
     define(s, field->object);
     break;
+  case KM_SHAPE_PARAMETERS:
+    type(s, object, "object");
+    either(s, member(s, object, "additionalProperties"), &a, &b);
+    number(s, a);
+    reference(s, b, field->object->name);
+    define(s, field->object);
+    break;
+  case KM_SHAPE_END:
+    either(s, object, &a, &b);
+    path(s, a);
+    reference(s, b, field->object->name);
+    define(s, field->object);
+    break;
   case KM_SHAPE_ANY:
     break;
   }
@@ -169,10 +195,12 @@ const km_value *km_format_schema(km_arena *arena) {
   if (arena->failed)
     return NULL;
   km_value *a, *b;
-  km_value *path_definition = member(&s, s.definitions, "path");
-  either(&s, path_definition, &a, &b);
+  either(&s, member(&s, s.definitions, "path"), &a, &b);
   type(&s, a, "string");
   type(&s, list(&s, b, 0), "string");
+  either(&s, member(&s, s.definitions, "number"), &a, &b); /* or an expression */
+  type(&s, a, "number");
+  type(&s, b, "string");
   describe_object(&s, root, &km_format_model);
   if (arena->failed)
     return NULL;

@@ -38,7 +38,7 @@ static km_value *convert(km_arena *arena, km_value *parent, const char *key, con
   }
 }
 
-km_status km_json_parse(const char *bytes, size_t size, km_arena *arena, const km_value **root, km_error *error) {
+km_status km_json_parse_open(const char *bytes, size_t size, km_arena *arena, km_value **root, km_error *error) {
   static const char mark[] = "\xEF\xBB\xBF";
   if (size >= 3 && memcmp(bytes, mark, 3) == 0) {
     bytes += 3;
@@ -52,4 +52,11 @@ km_status km_json_parse(const char *bytes, size_t size, km_arena *arena, const k
   *root = convert(arena, NULL, NULL, json);
   json_decref(json);
   return arena->failed ? km_fail(error, KM_MEMORY, "out of memory while reading JSON") : KM_OK;
+}
+
+km_status km_json_parse(const char *bytes, size_t size, km_arena *arena, const km_value **root, km_error *error) {
+  km_value *open = NULL;
+  km_status status = km_json_parse_open(bytes, size, arena, &open, error);
+  *root = open;
+  return status;
 }

@@ -1,7 +1,9 @@
 #include "base/check.h"
+#include "exchange/json/evaluate.h"
 #include "exchange/json/format.h"
 #include "exchange/json/json.h"
 #include "exchange/json/reader.h"
+#include "exchange/json/vary.h"
 #include "exchange/mesh/model_meshes.h"
 
 #include <string.h>
@@ -12,7 +14,7 @@ static int count_members(const km_value *object, const char *key) {
 }
 
 typedef struct totals {
-  size_t assemblies, bodies, frames, joints, couplings, modules;
+  size_t assemblies, bodies, frames, joints, struts, couplings, modules;
 } totals;
 
 /* Upper bounds: left-out elements count too. */
@@ -20,6 +22,8 @@ static void count_assembly(const km_value *assembly, totals *t) {
   const km_value *bodies = km_value_get(assembly, "bodies");
   t->bodies += (size_t)count_members(assembly, "bodies");
   t->joints += (size_t)count_members(assembly, "joints");
+  t->frames += 2 * (size_t)count_members(assembly, "joints"); /* those that drawn joints make */
+  t->struts += (size_t)count_members(assembly, "struts");
   t->couplings += (size_t)count_members(assembly, "couplings");
   t->modules += (size_t)count_members(assembly, "force_modules");
   for (const km_value *b = bodies ? bodies->first : NULL; b; b = b->next)
@@ -31,9 +35,19 @@ static void count_assembly(const km_value *assembly, totals *t) {
   }
 }
 
-static struct km_origin *allocate(km_model *model, const km_value *root) {
+/* The bodies, frames, joints and force modules that struts are made of. */
+static void count_struts(totals *t) {
+  t->bodies += 2 * t->struts;
+  t->frames += 3 * t->struts;
+  t->joints += 3 * t->struts;
+  t->modules += 2 * t->struts;
+}
+
+static struct km_origin *allocate(km_model *model, const km_value *root, size_t *struts) {
   totals t = {0};
   count_assembly(root, &t);
+  count_struts(&t);
+  *struts = t.struts;
   t.frames += (size_t)count_members(km_value_get(root, "fixed"), "frames") + t.bodies + 1;
   km_arena *arena = &model->arena;
   model->assemblies = KM_ARENA_NEW(arena, km_model_assembly, t.assemblies);
@@ -46,7 +60,10 @@ static struct km_origin *allocate(km_model *model, const km_value *root) {
   struct km_origin *origin = KM_ARENA_NEW(arena, struct km_origin, 1);
   if (!origin)
     return NULL;
-  *origin = (struct km_origin){root, KM_ARENA_NEW(arena, const km_value *, t.joints),
+  *origin = (struct km_origin){root,
+                               "1.0",
+                               KM_ARENA_NEW(arena, const km_value *, t.bodies + 1),
+                               KM_ARENA_NEW(arena, const km_value *, t.joints),
                                KM_ARENA_NEW(arena, const km_value *, t.couplings),
                                KM_ARENA_NEW(arena, const km_value *, t.modules)};
   return origin;
@@ -94,8 +111,10 @@ static void read_parameters(km_reader *reader, const km_value *root) {
   km_place place = {NULL, "model_parameters", 0};
   const char *version = km_reader_string(parameters, "version");
   km_place at = {&place, "version", 0};
-  if (version && strcmp(version, "0.2") != 0 && strcmp(version, "1.0") != 0)
-    km_reader_error(reader, &at, "version \"%.40s\" is not known; expected \"0.2\" or \"1.0\"", version);
+  if (version && strcmp(version, "0.2") != 0 && strcmp(version, "1.0") != 0 && strcmp(version, "1.1") != 0)
+    km_reader_error(reader, &at, "version \"%.40s\" is not known; expected \"0.2\", \"1.0\" or \"1.1\"", version);
+  bool newer = (version && strcmp(version, "1.1") == 0) || km_value_get(root, "parameters");
+  reader->origin->version = newer || reader->strut_room ? "1.1" : "1.0";
   read_units(reader, parameters, &place);
   read_folders(reader, km_value_get(parameters, "include_dir"));
   model->gravity = km_reader_vector(parameters, "gravity");
@@ -110,7 +129,7 @@ static void read_parameters(km_reader *reader, const km_value *root) {
                     KM_SHOWN(model->closure_tolerance));
 }
 
-static int add_frame(km_reader *reader, const char *name, int body, km_pose pose) {
+int km_reader_add_frame(km_reader *reader, const char *name, int body, km_pose pose) {
   km_model *model = reader->model;
   int index = model->frame_count++;
   model->frames[index] = (km_model_frame){name, body, pose};
@@ -123,7 +142,8 @@ static void read_frame(km_reader *reader, const km_value *frame, int body, const
   if (!km_reader_active(frame))
     return;
   const char *name = km_reader_name(reader, frame, place, &reader->frames, body, "origin");
-  add_frame(reader, name, body, (km_pose){km_reader_rotation(reader, frame, "R", place), km_reader_vector(frame, "T")});
+  km_reader_add_frame(reader, name, body,
+                      (km_pose){km_reader_rotation(reader, frame, "R", place), km_reader_vector(frame, "T")});
 }
 
 static void left_out(km_reader *reader, km_names *names, int scope, const km_value *element) {
@@ -141,6 +161,7 @@ static void read_body(km_reader *reader, const km_value *value, int assembly, co
   const char *name = km_reader_name(reader, value, place, &reader->bodies, assembly, "fixed");
   int index = model->body_count++;
   km_model_body *body = &model->bodies[index];
+  reader->origin->bodies[index] = value;
   *body = (km_model_body){.name = name, .assembly = assembly, .where = km_reader_where(reader, place)};
   km_read_mass(reader, value, place, body);
   const km_value *definition = km_value_get(value, "definition");
@@ -148,7 +169,7 @@ static void read_body(km_reader *reader, const km_value *value, int assembly, co
     body->mesh = definition->kind == KM_LIST ? definition->first->string : definition->string;
   if (!km_names_set(&reader->bodies, assembly, name, index))
     model->arena.failed = true;
-  add_frame(reader, "origin", index, km_pose_identity());
+  km_reader_add_frame(reader, "origin", index, km_pose_identity());
   km_reader_each(reader, value, "frames", index, place, read_frame);
 }
 
@@ -160,7 +181,8 @@ static void read_nested(km_reader *reader, const km_value *value, int parent, co
   }
   const char *name = km_reader_name(reader, value, place, &reader->assemblies, parent, "fixed");
   int index = model->assembly_count++;
-  model->assemblies[index] = (km_model_assembly){name, parent};
+  model->assemblies[index] = (km_model_assembly){name, parent, false};
+  km_read_drawn(reader, value, place, &model->assemblies[index]);
   if (!km_names_set(&reader->assemblies, parent, name, index))
     model->arena.failed = true;
   km_reader_each(reader, value, "bodies", index, place, read_body);
@@ -170,7 +192,7 @@ static void read_nested(km_reader *reader, const km_value *value, int parent, co
 static void read_elements(km_reader *reader, const km_value *root) {
   km_model *model = reader->model;
   model->bodies[model->body_count++] = (km_model_body){.name = "fixed", .assembly = KM_NO_ASSEMBLY, .where = "fixed"};
-  add_frame(reader, "origin", 0, km_pose_identity());
+  km_reader_add_frame(reader, "origin", 0, km_pose_identity());
   km_place fixed = {NULL, "fixed", 0};
   km_reader_each(reader, km_value_get(root, "fixed"), "frames", 0, &fixed, read_frame);
   km_reader_each(reader, root, "assemblies", KM_NO_ASSEMBLY, NULL, read_nested);
@@ -196,19 +218,33 @@ static void free_names(km_reader *reader) {
   km_names_free(&reader->labels);
 }
 
-static km_status read_model(km_model *model, const char *bytes, size_t size, km_messages *messages, km_error *error) {
-  const km_value *root, *source;
-  km_status status = km_json_parse(bytes, size, &model->arena, &root, error);
+/* What a model is read from. */
+typedef struct text {
+  const char *bytes;
+  size_t size;
+  const km_assignment *assignments; /* put in first */
+  int count;
+} text;
+
+static km_status read_model(km_model *model, const text *from, km_messages *messages, km_error *error) {
+  km_value *root;
+  const km_value *source;
+  km_status status = km_json_parse_open(from->bytes, from->size, &model->arena, &root, error);
+  if (!status)
+    status = km_model_vary(root, from->assignments, from->count, &model->arena, error);
+  if (!status)
+    status = km_model_evaluate(root, messages, error);
   if (status) {
     if (status == KM_MODEL)
       km_messages_add(messages, KM_ERROR, "%s", error->text);
     return status;
   }
-  km_sha256(bytes, size, model->sha256);
+  km_sha256(from->bytes, from->size, model->sha256);
   km_format_check(root, messages);
   if (km_messages_errors(messages))
     return first_error(messages, error);
-  km_reader reader = {.model = model, .messages = messages, .origin = allocate(model, root)};
+  km_reader reader = {.model = model, .messages = messages};
+  reader.origin = allocate(model, root, &reader.strut_room);
   if (model->arena.failed)
     return km_fail(error, KM_MEMORY, "out of memory while reading the model");
   model->origin = reader.origin;
@@ -238,116 +274,58 @@ static const char *folder_of(km_model *model, const char *path) {
 }
 
 /* `path`: of the file that the bytes are from; NULL: none. */
-static km_status read_bytes(const char *bytes, size_t size, const char *path, km_messages *messages, km_model **out,
+static km_status read_bytes(const text *from, const char *path, km_messages *messages, km_model **out,
                             km_error *error) {
   km_error local;
   km_messages *own = messages ? NULL : km_messages_create();
   km_model *model = KM_NEW(km_model, 1);
-  *out = NULL;
   if (model)
     model->folder = path ? folder_of(model, path) : ".";
   km_status status = model && model->folder && (messages || own)
-                         ? read_model(model, bytes, size, messages ? messages : own, error ? error : &local)
+                         ? read_model(model, from, messages ? messages : own, error ? error : &local)
                          : km_fail(error, KM_MEMORY, "out of memory while reading the model");
   km_messages_free(own);
   if (status)
     km_model_free(model);
   else
     *out = model;
+  if (!status && path)
+    km_model_miss_meshes(model, messages);
   return status;
 }
 
-km_status km_model_read(const char *bytes, size_t size, km_messages *messages, km_model **out, km_error *error) {
+km_status km_model_read_varied(const char *bytes, size_t size, const char *file, const km_assignment *assignments,
+                               int count, km_messages *messages, km_model **out, km_error *error) {
   if (!out)
     return km_check_given(false, "place for the result", error);
   *out = NULL;
   if (!bytes)
     return km_check_given(false, "text of a model", error);
-  return read_bytes(bytes, size, NULL, messages, out, error);
+  if (count < 0 || (count > 0 && !assignments))
+    return km_check_given(false, "assignments", error);
+  return read_bytes(&(text){bytes, size, assignments, count}, file, messages, out, error);
 }
 
-km_status km_model_load(const char *path, km_messages *messages, km_model **out, km_error *error) {
+km_status km_model_read(const char *bytes, size_t size, km_messages *messages, km_model **out, km_error *error) {
+  return km_model_read_varied(bytes, size, NULL, NULL, 0, messages, out, error);
+}
+
+km_status km_model_load_varied(const char *path, const km_assignment *assignments, int count, km_messages *messages,
+                               km_model **out, km_error *error) {
   if (!out)
     return km_check_given(false, "place for the result", error);
   *out = NULL;
   if (!path)
     return km_check_given(false, "path of a model", error);
-  km_text text = {0};
-  *out = NULL;
-  km_status status = km_file_read(path, &text, error);
+  km_text bytes = {0};
+  km_status status = km_file_read(path, &bytes, error);
   if (!status)
-    status = read_bytes(text.data, text.size, path, messages, out, error);
-  km_text_free(&text);
-  if (!status)
-    km_model_miss_meshes(*out, messages);
+    status =
+        km_model_read_varied(bytes.data ? bytes.data : "", bytes.size, path, assignments, count, messages, out, error);
+  km_text_free(&bytes);
   return status;
 }
 
-void km_model_free(km_model *model) {
-  if (!model)
-    return;
-  km_arena_free(&model->arena);
-  km_free(model);
-}
-
-int km_model_body_count(const km_model *model) {
-  if (!model)
-    return 0;
-  return model->body_count - 1;
-}
-int km_model_joint_count(const km_model *model) {
-  if (!model)
-    return 0;
-  return model->joint_count;
-}
-int km_model_coordinate_count(const km_model *model) {
-  if (!model)
-    return 0;
-  return model->coordinate_count;
-}
-const char *km_model_body_name(const km_model *model, int body) {
-  if (!model || body < 0 || body >= model->body_count)
-    return "";
-  return model->bodies[body].name;
-}
-
-const char *km_model_joint_label(const km_model *model, int joint) {
-  if (!model || joint < 0 || joint >= model->joint_count)
-    return "";
-  return model->joints[joint].label;
-}
-const char *km_model_coordinate_label(const km_model *model, int coordinate) {
-  if (!model || coordinate < 0 || coordinate >= model->coordinate_count)
-    return "";
-  return model->coordinates[coordinate].label;
-}
-const char *km_model_coordinate_unit(const km_model *model, int coordinate) {
-  if (!model || coordinate < 0 || coordinate >= model->coordinate_count)
-    return "";
-  const km_model_coordinate *c = &model->coordinates[coordinate];
-  return km_joint_is_length(model->joints[c->joint].type, c->index) ? model->units.length->suffix
-                                                                    : model->units.angle->suffix;
-}
-int km_model_joint_freedom(const km_model *model, int joint, int *first) {
-  if (!model || !first || joint < 0 || joint >= model->joint_count)
-    return 0;
-  *first = model->joints[joint].first_coordinate;
-  return km_model_freedom(model, joint);
-}
-void km_model_share_length(km_model *model, double length) {
-  if (!model || !(length > 0.0 && isfinite(length)))
-    return;
-  model->characteristic_length = length;
-  model->length_shared = true;
-}
-
-double km_model_length_unit(const km_model *model) {
-  if (!model)
-    return nan("");
-  return model->units.length->si;
-}
-const char *km_model_sha256(const km_model *model) {
-  if (!model)
-    return "";
-  return model->sha256;
+km_status km_model_load(const char *path, km_messages *messages, km_model **out, km_error *error) {
+  return km_model_load_varied(path, NULL, 0, messages, out, error);
 }

@@ -1,160 +1,9 @@
-/* What acts on the mechanism (force modules, loads) and the tools' defaults: checked and kept. */
+/* The tools' defaults for a model, and the loads on it: checked and kept. */
+#include "exchange/json/path.h"
 #include "exchange/json/reader.h"
 
 #include <math.h>
 #include <string.h>
-
-/* The place of a word in a list that ends with NULL; -1: it isn't there. */
-static int place_of(const char *word, const char *const *words) {
-  for (int i = 0; words[i]; ++i)
-    if (strcmp(word, words[i]) == 0)
-      return i;
-  return -1;
-}
-
-/* Numbers of a list, or of a list of lists one after the other; NULL where there are none. */
-static double *numbers_of(km_reader *reader, const km_value *list, size_t *count) {
-  size_t total = 0;
-  for (const km_value *v = list ? list->first : NULL; v; v = v->next)
-    total += v->kind == KM_LIST ? v->count : 1;
-  double *out = total ? KM_ARENA_NEW(&reader->model->arena, double, total) : NULL;
-  *count = 0;
-  for (const km_value *v = out ? list->first : NULL; v; v = v->next)
-    for (const km_value *n = v->kind == KM_LIST ? v->first : v; n; n = v->kind == KM_LIST ? n->next : NULL)
-      out[(*count)++] = n->number;
-  return out;
-}
-
-/* Knots and polynomials; a motor's polynomial in time is one without knots. */
-static void read_law(km_reader *reader, const km_value *module, km_model_module *out) {
-  const km_value *pieces = km_value_get(module, "coefficients"), *polynomial = km_value_get(module, "polynomial");
-  size_t knots, total, rows;
-  km_law law = {.knots = numbers_of(reader, km_value_get(module, "knot_points"), &knots)};
-  size_t count = pieces ? pieces->count : polynomial ? 1 : 0;
-  int *start = KM_ARENA_NEW(&reader->model->arena, int, count + 1), piece = 0;
-  law.knot_count = (int)knots;
-  law.start = start;
-  law.coefficients = numbers_of(reader, pieces ? pieces : polynomial, &total);
-  for (const km_value *p = start && pieces ? pieces->first : NULL; p; p = p->next, ++piece)
-    start[piece + 1] = start[piece] + (int)p->count;
-  if (start && !pieces && polynomial)
-    start[1] = (int)total;
-  out->law = law;
-  out->table = numbers_of(reader, km_value_get(module, "table"), &rows);
-  out->table_count = (int)(rows / 2);
-  out->reference = km_reader_number(module, "reference", 0.0);
-  out->kp = km_reader_number(module, "kp", 0.0);
-  out->ki = km_reader_number(module, "ki", 0.0);
-  out->kd = km_reader_number(module, "kd", 0.0);
-}
-
-/* False where the port names what is left out. */
-static bool read_port(km_reader *reader, const km_value *port, int assembly, const km_place *place, km_port *out) {
-  const char *type = km_reader_string(port, "type");
-  const km_value *joint = km_value_get(port, "joint"), *pair = km_value_get(port, "body_frame_pair");
-  km_place type_at = {place, "type", 0}, joint_at = {place, "joint", 0}, pair_at = {place, "body_frame_pair", 0};
-  *out = (km_port){KM_PORT_FRAMES, {0, 0}};
-  if (strcmp(type, "joint") == 0) {
-    if (joint)
-      out->coordinate = km_reader_coordinate(reader, joint, assembly, &joint_at);
-    else
-      km_reader_error(reader, place, "\"joint\" is missing; expected the joint of this port");
-    return out->coordinate != KM_LEFT_OUT;
-  }
-  if (strcmp(type, "frame") != 0) {
-    km_reader_error(reader, &type_at, "\"%.40s\" is not a kind of port; expected \"joint\" or \"frame\"", type);
-  } else if (!pair) {
-    km_reader_error(reader, place, "\"body_frame_pair\" is missing; expected the two frames of this port");
-  } else {
-    km_place first = {&pair_at, NULL, 0}, second = {&pair_at, NULL, 1};
-    out->frame[0] = km_reader_frame(reader, pair->first, assembly, &first);
-    out->frame[1] = km_reader_frame(reader, pair->last, assembly, &second);
-  }
-  return out->frame[0] != KM_LEFT_OUT && out->frame[1] != KM_LEFT_OUT;
-}
-
-static void check_pieces(km_reader *reader, const km_value *module, const km_place *place) {
-  const km_value *knots = km_value_get(module, "knot_points"), *pieces = km_value_get(module, "coefficients");
-  km_place knots_at = {place, "knot_points", 0}, pieces_at = {place, "coefficients", 0};
-  double last = -HUGE_VAL;
-  for (const km_value *k = knots ? knots->first : NULL; k; k = k->next) {
-    if (!(k->number > last))
-      km_reader_error(reader, &knots_at, "found %s after %s; expected increasing knots", KM_SHOWN(k->number),
-                      KM_SHOWN(last));
-    last = k->number;
-  }
-  size_t wanted = (knots ? knots->count : 0) + 1;
-  if (pieces && pieces->count != wanted)
-    km_reader_error(reader, &pieces_at, "found %zu polynomials; expected %zu, one more than the knots", pieces->count,
-                    wanted);
-}
-
-/* What a type of force module can't do without: any one of the keys. */
-static void check_law(km_reader *reader, const km_value *module, const char *type, const km_place *place) {
-  static const struct {
-    const char *type, *keys[3], *words;
-  } laws[] = {{"stiffness", {"coefficients"}, "\"coefficients\""},
-              {"damping", {"coefficients"}, "\"coefficients\""},
-              {"friction", {"coefficients"}, "\"coefficients\""},
-              {"motor", {"polynomial", "table", "coefficients"}, "\"polynomial\" or \"table\""},
-              {"pid", {"kp", "ki", "kd"}, "\"kp\", \"ki\" or \"kd\""}};
-  for (size_t i = 0; i < sizeof laws / sizeof *laws; ++i) {
-    bool given = strcmp(laws[i].type, type) != 0;
-    for (size_t k = 0; k < 3 && laws[i].keys[k]; ++k)
-      given = given || km_value_get(module, laws[i].keys[k]);
-    if (!given)
-      km_reader_error(reader, place, "%s is missing; expected the law of a %s", laws[i].words, type);
-  }
-}
-
-static void read_module(km_reader *reader, const km_value *module, int assembly, const km_place *place) {
-  static const char *const distances[] = {"euclid", "Tx", "Ty", "Tz", NULL};
-  if (!km_reader_active(module))
-    return;
-  km_reader_named(reader, module, place);
-  const char *type = km_reader_string(module, "type"), *distance = km_reader_string(module, "distance_type");
-  km_place type_at = {place, "type", 0}, distance_at = {place, "distance_type", 0};
-  int type_found = km_module_type_find(type), distance_found = distance ? place_of(distance, distances) : 0;
-  if (type_found < 0)
-    km_reader_error(reader, &type_at,
-                    "\"%.40s\" is not a force module; expected stiffness, damping, friction, motor, pid or fiala_tire",
-                    type);
-  if (distance_found < 0)
-    km_reader_error(reader, &distance_at, "\"%.40s\" is not a distance; expected euclid, Tx, Ty or Tz", distance);
-  const km_value *input = km_value_get(module, "input"), *output = km_value_get(module, "output");
-  km_place input_at = {place, "input", 0}, output_at = {place, "output", 0};
-  const km_value *either = input ? input : output;
-  km_model_module def = {.name = km_reader_string(module, "name"),
-                         .where = km_reader_where(reader, place),
-                         .type = (km_module_type)type_found,
-                         .distance = (km_distance)distance_found,
-                         .input = {KM_PORT_FRAMES, {0, 0}}};
-  bool complete = !either || read_port(reader, either, assembly, input ? &input_at : &output_at, &def.input);
-  def.output = def.input;
-  if (input && output)
-    complete = read_port(reader, output, assembly, &output_at, &def.output) && complete;
-  if (!complete) {
-    km_reader_note(reader, place, "force module \"%.80s\" is left out with what it acts on",
-                   km_reader_string(module, "name"));
-    return;
-  }
-  read_law(reader, module, &def);
-  reader->origin->modules[reader->model->module_count] = module;
-  reader->model->modules[reader->model->module_count++] = def;
-  if (!either)
-    km_reader_error(reader, place, "\"input\" is missing; expected where the force module acts");
-  check_law(reader, module, type, place);
-  check_pieces(reader, module, place);
-}
-
-static void modules_of(km_reader *reader, const km_value *assembly, int index, const km_place *place) {
-  km_reader_each(reader, assembly, "force_modules", index, place, read_module);
-}
-
-void km_read_force_modules(km_reader *reader, const km_value *root) {
-  if (!reader->model->arena.failed)
-    km_reader_visit(reader, root, modules_of);
-}
 
 /* A coordinate named in `analysis`; what is left out can't be driven, held or asked for. */
 static int analysis_coordinate(km_reader *reader, const km_value *path, const km_place *place) {
@@ -207,17 +56,11 @@ static void read_sweep(km_reader *reader, const km_value *sweep, const km_place 
 
 /* A frame by its path from the root, or [body, frame] where the body is unique. */
 static int analysis_frame(km_reader *reader, const km_value *path, const km_place *place) {
-  enum { LONGEST = 2100 }; /* more than the parser's nesting limit */
-  const char *names[LONGEST];
-  size_t count = 0;
+  km_path_names p;
   int frame = -1;
   km_error problem;
-  for (const km_value *v = path->kind == KM_LIST ? path->first : path; v && count < LONGEST; v = v->next) {
-    names[count++] = v->kind == KM_STRING ? v->string : "";
-    if (path->kind != KM_LIST)
-      break;
-  }
-  if (km_model_find_frame(reader->model, names, count, &frame, &problem))
+  km_path_names_gather(path, &p);
+  if (km_model_find_frame(reader->model, p.names, p.count, &frame, &problem))
     km_reader_error(reader, place, "%s", problem.text);
   return frame;
 }
@@ -297,7 +140,7 @@ static km_model_handle read_point(km_reader *reader, const km_value *value, cons
   km_model_handle handle = {-1, -1, {0, 0, 0}, NULL};
   const km_value *frame = km_value_get(value, "frame"), *direction = km_value_get(value, "direction");
   km_place frame_at = {place, "frame", 0}, direction_at = {place, "direction", 0};
-  bool vector = direction && direction->kind == KM_LIST && direction->count == 3;
+  bool vector = direction && direction->kind == KM_LIST && (direction->count == 2 || direction->count == 3);
   for (const km_value *v = vector ? direction->first : NULL; v; v = v->next)
     vector = vector && v->kind == KM_NUMBER;
   if (!frame || !vector) {
@@ -338,9 +181,24 @@ static km_model_handle read_handle(km_reader *reader, const km_value *value, con
   return none;
 }
 
-static void allocate(km_model *model, const km_value *analysis) {
+/* Struts that are cylinders are actuators beside those that are listed. */
+static void add_cylinders(km_reader *reader) {
+  km_model *model = reader->model;
+  for (int i = 0; i < reader->cylinder_count; ++i) {
+    bool listed = false;
+    for (int a = 0; a < model->actuator_count; ++a)
+      listed = listed || model->actuators[a] == reader->cylinders[i];
+    if (!listed)
+      model->actuators[model->actuator_count++] = reader->cylinders[i];
+    model->actuators_given = true;
+  }
+}
+
+static void allocate(const km_reader *reader, const km_value *analysis) {
+  km_model *model = reader->model;
   const km_value *actuators = km_value_get(analysis, "actuators"), *loads = km_value_get(analysis, "loads");
-  model->actuators = KM_ARENA_NEW(&model->arena, int, actuators ? actuators->count : 0);
+  model->actuators =
+      KM_ARENA_NEW(&model->arena, int, (actuators ? actuators->count : 0) + (size_t)reader->cylinder_count);
   model->loads = KM_ARENA_NEW(&model->arena, km_applied_load, loads ? loads->count : 0);
   model->holds = KM_ARENA_NEW(&model->arena, km_model_hold, (size_t)model->coordinate_count);
 }
@@ -350,10 +208,14 @@ void km_read_analysis(km_reader *reader, const km_value *root) {
   const km_value *analysis = km_value_get(root, "analysis");
   model->sweep = (km_model_sweep){.coordinate = -1, .direction = -1, .sign = 1.0, .steps = 100};
   model->advantage_input = model->advantage_output = (km_model_handle){-1, -1, {0, 0, 0}, NULL};
-  allocate(model, analysis);
+  allocate(reader, analysis);
   model->actuators_given = km_value_get(analysis, "actuators") != NULL;
-  if (model->arena.failed || !analysis)
+  if (model->arena.failed)
     return;
+  if (!analysis) {
+    add_cylinders(reader);
+    return;
+  }
   km_place place = {NULL, "analysis", 0};
   km_place sweep_at = {&place, "sweep", 0}, hold_at = {&place, "hold", 0}, actuators_at = {&place, "actuators", 0};
   km_place advantage_at = {&place, "mechanical_advantage", 0};
@@ -366,6 +228,7 @@ void km_read_analysis(km_reader *reader, const km_value *root) {
   km_place item = {&actuators_at, NULL, 0};
   for (const km_value *a = actuators ? actuators->first : NULL; a; a = a->next, ++item.index)
     read_actuator(reader, a, &item);
+  add_cylinders(reader);
   model->advantage_input = read_handle(reader, km_value_get(advantage, "input"), &input_at);
   model->advantage_output = read_handle(reader, km_value_get(advantage, "output"), &output_at);
   if (model->advantage_input.coordinate >= 0 && model->advantage_input.coordinate == model->advantage_output.coordinate)

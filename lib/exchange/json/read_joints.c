@@ -52,13 +52,6 @@ static void read_limits(km_reader *reader, const km_value *joint, int freedom, c
   }
 }
 
-static void not_negative(km_reader *reader, const km_value *object, const char *key, const km_place *place) {
-  double value = km_reader_number(object, key, 0.0);
-  km_place at = {place, key, 0};
-  if (value < 0.0)
-    km_reader_error(reader, &at, "found %s; expected a number of at least 0", KM_SHOWN(value));
-}
-
 static void check_table(km_reader *reader, const km_value *table, const km_place *place) {
   double last = -HUGE_VAL;
   km_place item = {place, NULL, 0};
@@ -105,11 +98,11 @@ static void read_options(km_reader *reader, const km_value *joint, const km_plac
   out->friction = (km_joint_friction){km_reader_number(f, "coefficient", 0.0), km_reader_number(f, "radius", 0.0),
                                       km_reader_number(f, "stiction_velocity", 0.0)};
   out->stop = (km_joint_stop){km_reader_number(s, "stiffness", 0.0), km_reader_number(s, "damping", 0.0)};
-  not_negative(reader, f, "coefficient", &friction);
-  not_negative(reader, f, "radius", &friction);
-  not_negative(reader, f, "stiction_velocity", &friction);
-  not_negative(reader, s, "stiffness", &stop);
-  not_negative(reader, s, "damping", &stop);
+  km_reader_not_negative(reader, f, "coefficient", &friction);
+  km_reader_not_negative(reader, f, "radius", &friction);
+  km_reader_not_negative(reader, f, "stiction_velocity", &friction);
+  km_reader_not_negative(reader, s, "stiffness", &stop);
+  km_reader_not_negative(reader, s, "damping", &stop);
   const km_value *p = km_value_get(joint, "prescribed");
   if (!p)
     return;
@@ -149,26 +142,42 @@ static bool read_type(km_reader *reader, const km_value *value, const km_place *
   return true;
 }
 
-static bool read_ends(km_reader *reader, const km_value *value, int assembly, const km_place *place,
-                      km_model_joint *joint) {
-  const km_value *pair = km_value_get(value, "body_frame_pairs");
+/* Frames of body_frame_pairs and their bodies. */
+static bool read_pair(km_reader *reader, const km_value *pair, int assembly, const km_place *place,
+                      km_model_joint *joint, int body[2]) {
   km_place at = {place, "body_frame_pairs", 0};
   km_place first = {&at, NULL, 0}, second = {&at, NULL, 1};
   joint->frame[0] = km_reader_frame(reader, pair->first, assembly, &first);
   joint->frame[1] = km_reader_frame(reader, pair->last, assembly, &second);
-  if (joint->frame[0] == KM_LEFT_OUT || joint->frame[1] == KM_LEFT_OUT) {
+  for (int end = 0; end < 2; ++end)
+    body[end] = joint->frame[end] < 0 ? joint->frame[end] : reader->model->frames[joint->frame[end]].body;
+  return body[0] >= 0 && body[1] >= 0;
+}
+
+static bool read_ends(km_reader *reader, const km_value *value, int assembly, const km_place *place,
+                      km_model_joint *joint) {
+  const km_value *pair = km_value_get(value, "body_frame_pairs");
+  bool drawn = reader->model->assemblies[assembly].drawn, pointed = km_joint_is_drawn(value);
+  km_place at = {place, pair ? "body_frame_pairs" : "bodies", 0};
+  int body[2] = {KM_NOT_FOUND, KM_NOT_FOUND};
+  bool found = false;
+  if (pair && pointed)
+    km_reader_error(reader, place,
+                    "found \"body_frame_pairs\" beside \"bodies\", \"at\" or \"axis\"; expected one way");
+  else if (pointed && !drawn)
+    km_reader_error(reader, place,
+                    "found \"bodies\", \"at\" or \"axis\"; expected \"body_frame_pairs\", or \"drawn\": "
+                    "\"assembled\" in the assembly");
+  else if (pair)
+    found = read_pair(reader, pair, assembly, place, joint, body);
+  else
+    found = km_read_drawn_ends(reader, value, assembly, place, joint, body);
+  if (body[0] == KM_LEFT_OUT || body[1] == KM_LEFT_OUT)
     km_reader_note(reader, place, "joint \"%.80s\" is left out with the body that it is on", joint->name);
-    return false;
-  }
-  if (joint->frame[0] < 0 || joint->frame[1] < 0)
-    return false;
-  int body = reader->model->frames[joint->frame[0]].body;
-  if (body == reader->model->frames[joint->frame[1]].body) {
+  else if (found && body[0] == body[1])
     km_reader_error(reader, &at, "both ends are on \"%.80s\"; expected two different bodies",
-                    reader->model->bodies[body].name);
-    return false;
-  }
-  return true;
+                    reader->model->bodies[body[0]].name);
+  return found && body[0] != body[1];
 }
 
 /* Past a million radians an angle's rounding is larger than what loops are closed to. */
@@ -181,7 +190,7 @@ static void check_turns(km_reader *reader, km_joint_type type, const double *pos
       km_reader_error(reader, &at, "found an angle of %.6g; expected less than a million radians", position[k]);
 }
 
-static void add_coordinates(km_reader *reader, const km_value *value, const km_place *place, int index) {
+void km_read_coordinates(km_reader *reader, const km_value *value, const km_place *place, int index) {
   km_model *model = reader->model;
   km_model_joint *joint = &model->joints[index];
   int freedom = km_model_freedom(model, index);
@@ -205,8 +214,8 @@ static void read_joint(km_reader *reader, const km_value *value, int assembly, c
   size_t errors = km_messages_errors(reader->messages);
   if (active) {
     joint.name = km_reader_name(reader, value, place, &reader->joints, assembly, NULL);
-    bool typed = read_type(reader, value, place, &joint);
-    active = read_ends(reader, value, assembly, place, &joint) && typed;
+    active = read_type(reader, value, place, &joint);
+    active = read_ends(reader, value, assembly, place, &joint) && active;
   }
   const char *name = km_reader_string(value, "name");
   bool faulty = km_messages_errors(reader->messages) > errors;
@@ -221,7 +230,9 @@ static void read_joint(km_reader *reader, const km_value *value, int assembly, c
   int index = model->joint_count++;
   model->joints[index] = joint;
   reader->origin->joints[index] = value;
-  add_coordinates(reader, value, place, index);
+  km_read_coordinates(reader, value, place, index);
+  if (km_joint_is_drawn(value))
+    km_place_drawn_child(model, index);
   read_options(reader, value, place, &model->joints[index]);
   if (!km_names_set(&reader->joints, assembly, joint.name, index))
     model->arena.failed = true;
@@ -233,6 +244,8 @@ static void joints_of(km_reader *reader, const km_value *assembly, int index, co
 
 void km_read_joints(km_reader *reader, const km_value *root) {
   km_reader_visit(reader, root, joints_of);
+  km_tell_drawing_gaps(reader);
+  km_read_struts(reader, root);
   if (km_messages_errors(reader->messages) == 0)
     km_model_check_ties(reader->model, reader->messages);
   km_model_assign_labels(reader->model, &reader->labels, reader->messages);

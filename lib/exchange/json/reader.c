@@ -53,12 +53,19 @@ void km_reader_positive(km_reader *reader, const km_place *place, const char *ke
     km_reader_error(reader, &at, "found %s; expected a number greater than 0", KM_SHOWN(value));
 }
 
+void km_reader_not_negative(km_reader *reader, const km_value *object, const char *key, const km_place *place) {
+  double value = km_reader_number(object, key, 0.0);
+  km_place at = {place, key, 0};
+  if (value < 0.0)
+    km_reader_error(reader, &at, "found %s; expected a number of at least 0", KM_SHOWN(value));
+}
+
 km_vec3 km_reader_vector(const km_value *object, const char *key) {
   const km_value *list = km_value_get(object, key);
   if (!list)
     return (km_vec3){0, 0, 0};
   const km_value *x = list->first;
-  return (km_vec3){x->number, x->next->number, x->next->next->number};
+  return (km_vec3){x->number, x->next->number, x->next->next ? x->next->next->number : 0.0};
 }
 
 km_rotation km_reader_rotation(km_reader *reader, const km_value *frame, const char *key, const km_place *place) {
@@ -96,6 +103,24 @@ const char *km_reader_name(km_reader *reader, const km_value *object, const km_p
   else if (km_names_get(names, scope, name) >= 0)
     km_reader_error(reader, &at, "\"%.80s\" is used twice here; expected a name of its own", name);
   return name;
+}
+
+const char *km_reader_free_name(km_reader *reader, const km_names *names, int scope, const char *name,
+                                const char *mark) {
+  km_text text = {0};
+  km_text_add(&text, name);
+  if (mark && (km_names_get(names, scope, name) != KM_NOT_FOUND || strcmp(name, "origin") == 0))
+    km_text_format(&text, ":%s", mark);
+  while (!text.failed && km_names_get(names, scope, text.data) != KM_NOT_FOUND)
+    km_text_add(&text, ":");
+  const char *kept = text.failed ? NULL : km_arena_string(&reader->model->arena, text.data);
+  reader->model->arena.failed = reader->model->arena.failed || !kept;
+  km_text_free(&text);
+  return kept ? kept : "";
+}
+
+int km_reader_make_frame(km_reader *reader, int body, const char *name, km_pose pose) {
+  return km_reader_add_frame(reader, km_reader_free_name(reader, &reader->frames, body, name, "joint"), body, pose);
 }
 
 void km_reader_named(km_reader *reader, const km_value *object, const km_place *place) {

@@ -11,7 +11,8 @@
 /* A model as it was read: what writing it again needs beside the model. Kept in the model's arena. */
 struct km_origin {
   const km_value *root;
-  const km_value **joints, **couplings, **modules; /* the objects that became them */
+  const char *version; /* that writes it again: "1.0", or "1.1" where the file needs it */
+  const km_value **bodies, **joints, **couplings, **modules; /* the objects that became them; NULL: part of a strut */
 };
 
 /* The reader's own bookkeeping. Left-out elements are in the name tables with KM_LEFT_OUT, so that a path
@@ -23,7 +24,12 @@ typedef struct km_reader {
   double rotation_misfit;                      /* the largest entry of RᵀR − I so far */
   km_names assemblies, bodies, frames, joints; /* scope: the parent */
   km_names labels;                             /* scopes: see finish.h */
-  bool unreadable;                             /* a file that the text names can't be read */
+  size_t strut_room;                           /* struts in the file, left-out ones too */
+  const km_pose *start; /* [body] of the bodies where the assembly starts, while struts are read */
+  int start_count;
+  int *cylinders; /* coordinates of struts that are actuators */
+  int cylinder_count;
+  bool unreadable; /* a file that the text names can't be read */
 } km_reader;
 
 enum { KM_NOT_FOUND = -1, KM_LEFT_OUT = -2, KM_FAULTY = -5 };
@@ -50,12 +56,23 @@ km_rotation km_reader_rotation(km_reader *reader, const km_value *frame, const c
 const char *km_reader_string(const km_value *object, const char *key); /* NULL if absent */
 /* Reports a value that isn't greater than 0. */
 void km_reader_positive(km_reader *reader, const km_place *place, const char *key, double value);
+/* Reports a member that is less than 0. */
+void km_reader_not_negative(km_reader *reader, const km_value *object, const char *key, const km_place *place);
 /* Name of an element, checked: not empty, not reserved, new among its siblings in `names`. */
 const char *km_reader_name(km_reader *reader, const km_value *object, const km_place *place, km_names *names, int scope,
                            const char *reserved);
 
 /* Reports an empty name. */
 void km_reader_named(km_reader *reader, const km_value *object, const km_place *place);
+
+/* A frame of a body, entered under its name; its index. */
+int km_reader_add_frame(km_reader *reader, const char *name, int body, km_pose pose);
+/* A name like `name` that no element of the scope has: itself, else with a colon and `mark`, else with more colons. Kept
+ * in the model, whose arena fails when out of memory. */
+const char *km_reader_free_name(km_reader *reader, const km_names *names, int scope, const char *name,
+                                const char *mark);
+/* A frame that the file doesn't write: of a joint or strut, whose name it bears if that is free. */
+int km_reader_make_frame(km_reader *reader, int body, const char *name, km_pose pose);
 
 /* Frame of a path seen from an assembly. KM_NOT_FOUND (reported) or KM_LEFT_OUT. */
 int km_reader_frame(km_reader *reader, const km_value *path, int assembly, const km_place *place);
@@ -68,10 +85,28 @@ bool km_reader_turns(const km_reader *reader, int coordinate);
 /* A path as a person reads it: `a/b/c`. */
 const char *km_path_text(const km_value *path, char out[KM_PLACE_TEXT]);
 
+/* `drawn` of an assembly. */
+void km_read_drawn(km_reader *reader, const km_value *assembly, const km_place *place, km_model_assembly *out);
+/* `bodies`, `at` and `axis` of a joint: its two frames, both at the point; false if there are none, which is reported
+ * unless a body is left out. */
+bool km_read_drawn_ends(km_reader *reader, const km_value *joint, int assembly, const km_place *place,
+                        km_model_joint *out, int body[2]);
+/* Is the joint told by points of a drawing? */
+bool km_joint_is_drawn(const km_value *joint);
+/* Puts the child frame where the joint's first values have it in the drawing, and the bodies into one pose. */
+void km_place_drawn_child(km_model *model, int joint);
+/* Notes on joints whose frames the drawing leaves apart. */
+void km_tell_drawing_gaps(km_reader *reader);
+
 /* Mass, centre of mass and inertia as the file states them; a density. */
 void km_read_mass(km_reader *reader, const km_value *body, const km_place *place, km_model_body *out);
 /* The second pass over the assemblies: joints, then what names joints. */
 void km_read_joints(km_reader *reader, const km_value *root);
+/* The coordinates of joint `index`, with what the file tells of them: first values, rates, damping, limits. `value`:
+ * NULL: nothing. */
+void km_read_coordinates(km_reader *reader, const km_value *value, const km_place *place, int index);
+/* After all joints: a strut's parts lie as they start. */
+void km_read_struts(km_reader *reader, const km_value *root);
 void km_read_couplings(km_reader *reader, const km_value *root);
 void km_read_force_modules(km_reader *reader, const km_value *root);
 void km_read_analysis(km_reader *reader, const km_value *root);

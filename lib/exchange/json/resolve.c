@@ -1,47 +1,16 @@
 /* Paths and labels: which body, frame, joint or coordinate a name means. */
 #include "base/check.h"
+#include "exchange/json/path.h"
 #include "exchange/json/reader.h"
 
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
-enum { LONGEST_PATH = 2100 }; /* more than the parser's nesting limit */
-
-typedef struct path {
-  const char *names[LONGEST_PATH];
-  size_t count;
-} path;
-
-static bool gather(const km_value *value, path *out) {
-  out->count = 0;
-  out->names[0] = "";
-  if (value->kind == KM_STRING) {
-    out->names[out->count++] = value->string;
-    return true;
-  }
-  for (const km_value *v = value->first; v; v = v->next) {
-    if (out->count == LONGEST_PATH)
-      return false;
-    out->names[out->count++] = v->string;
-  }
-  return true;
-}
-
-static const char *names_text(const char *const *names, size_t count, char out[KM_PLACE_TEXT]) {
-  size_t used = 0;
-  out[0] = '\0';
-  for (size_t i = 0; i < count && used < KM_PLACE_TEXT - 1; ++i) {
-    int length = snprintf(out + used, KM_PLACE_TEXT - used, "%s%s", i ? "/" : "", names[i]);
-    used += length > 0 ? (size_t)length : 0;
-  }
-  return out;
-}
-
 const char *km_path_text(const km_value *value, char out[KM_PLACE_TEXT]) {
-  path p;
-  gather(value, &p);
-  return names_text(p.names, p.count, out);
+  km_path_names p;
+  km_path_names_gather(value, &p);
+  return km_path_names_text(p.names, p.count, out);
 }
 
 /* The assembly at the end of `count` names from the root; KM_NO_ASSEMBLY is the root itself. */
@@ -91,35 +60,44 @@ static int find_frame(const km_reader *reader, const char *const *names, size_t 
 }
 
 int km_reader_frame(km_reader *reader, const km_value *value, int assembly, const km_place *place) {
-  path p;
+  km_path_names p;
   char text[KM_PLACE_TEXT];
-  int frame = gather(value, &p) ? find_frame(reader, p.names, p.count, assembly) : KM_NOT_FOUND;
+  int frame = km_path_names_gather(value, &p) ? find_frame(reader, p.names, p.count, assembly) : KM_NOT_FOUND;
+  if (frame == KM_NOT_FOUND && p.count == 1 && km_path_names_split(p.names[0], &p))
+    frame = find_frame(reader, p.names, p.count, assembly);
+  km_path_names_free(&p);
   if (frame == KM_NOT_FOUND)
     km_reader_error(reader, place,
                     "\"%s\" names no body or frame; expected [body, frame] of this assembly, a path from the "
                     "root, or [\"fixed\", frame]",
-                    names_text(p.names, p.count, text));
+                    km_path_text(value, text));
   return frame;
 }
 
+/* A joint of this assembly, or one that a label names. */
+static int joint_named(const km_reader *reader, const char *name, int assembly) {
+  int joint = km_names_get(&reader->joints, assembly, name);
+  if (joint == KM_NOT_FOUND)
+    joint = km_names_get(&reader->labels, KM_LABEL_JOINT, name);
+  if (joint == KM_NOT_FOUND && km_names_get(&reader->labels, KM_LABEL_FAULTY, name) >= 0)
+    joint = KM_FAULTY;
+  return joint;
+}
+
 int km_reader_joint(km_reader *reader, const km_value *value, int assembly, const km_place *place) {
-  path p;
+  km_path_names p;
   char text[KM_PLACE_TEXT];
   int joint = KM_NOT_FOUND;
-  if (gather(value, &p)) {
-    if (p.count == 1) {
-      joint = km_names_get(&reader->joints, assembly, p.names[0]);
-      if (joint == KM_NOT_FOUND)
-        joint = km_names_get(&reader->labels, KM_LABEL_JOINT, p.names[0]);
-      if (joint == KM_NOT_FOUND && km_names_get(&reader->labels, KM_LABEL_FAULTY, p.names[0]) >= 0)
-        joint = KM_FAULTY;
-    } else {
+  if (km_path_names_gather(value, &p)) {
+    joint =
+        p.count == 1 ? joint_named(reader, p.names[0], assembly) : from_root(reader, &reader->joints, p.names, p.count);
+    if (joint == KM_NOT_FOUND && p.count == 1 && km_path_names_split(p.names[0], &p))
       joint = from_root(reader, &reader->joints, p.names, p.count);
-    }
+    km_path_names_free(&p);
   }
   if (joint == KM_NOT_FOUND)
     km_reader_error(reader, place, "\"%s\" names no joint; expected a joint's label or its path from the root",
-                    names_text(p.names, p.count, text));
+                    km_path_text(value, text));
   return joint;
 }
 
@@ -248,6 +226,12 @@ static int frames_named(const km_model *model, const char *const *names, size_t 
   return found;
 }
 
+/* How many frames a path names; the last one. */
+static int frames_of_path(const km_model *model, const char *const *names, size_t count, int *frame) {
+  int found = count ? frames_named(model, names, count - 1, names[count - 1], frame) : 0;
+  return found || !count ? found : frames_named(model, names, count, "origin", frame);
+}
+
 km_status km_model_find_frame(const km_model *model, const char *const *names, size_t count, int *frame,
                               km_error *error) {
   km_status fits = km_check_given(model && frame, "model or place for the result", error);
@@ -256,12 +240,15 @@ km_status km_model_find_frame(const km_model *model, const char *const *names, s
   if (fits)
     return fits;
   char text[KM_PLACE_TEXT];
-  int found = count ? frames_named(model, names, count - 1, names[count - 1], frame) : 0;
-  if (!found && count)
-    found = frames_named(model, names, count, "origin", frame);
+  int found = frames_of_path(model, names, count, frame);
+  km_path_names parts;
+  if (!found && count == 1 && km_path_names_split(names[0], &parts)) {
+    found = frames_of_path(model, parts.names, parts.count, frame);
+    km_path_names_free(&parts);
+  }
   if (found == 1)
     return KM_OK;
-  names_text(names, count, text);
+  km_path_names_text(names, count, text);
   if (found > 1)
     return km_fail(error, KM_USAGE, "\"%s\" names %d frames; expected the full path from the root", text, found);
   return km_fail(error, KM_USAGE, "\"%s\" names no frame; expected body/frame or a path from the root", text);

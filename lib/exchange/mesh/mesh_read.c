@@ -1,5 +1,6 @@
 /* The only place that knows assimp. It is loaded when the first mesh is read: linked, it would cost every start of
  * a tool 3 ms, most of what `kmob info` takes. Never unloaded: its own libraries don't stand that. */
+#include "base/library.h"
 #include "base/memory.h"
 #include "base/parallel.h"
 #include "model/mesh.h"
@@ -19,17 +20,11 @@ typedef struct library {
   const char *(*error)(void);
 } library;
 
-/* POSIX lets a function's address through a void *, C's conversions don't. */
-static bool find_function(void *handle, const char *name, void *function) {
-  void *address = dlsym(handle, name);
-  memcpy(function, &address, sizeof address);
-  return address != NULL;
-}
-
 static km_status load_library(library *out, km_error *error) {
   void *handle = dlopen(KM_ASSIMP, RTLD_NOW | RTLD_LOCAL);
-  if (handle && find_function(handle, "aiImportFile", &out->import) &&
-      find_function(handle, "aiReleaseImport", &out->release) && find_function(handle, "aiGetErrorString", &out->error))
+  if (handle && km_library_function(handle, "aiImportFile", &out->import) &&
+      km_library_function(handle, "aiReleaseImport", &out->release) &&
+      km_library_function(handle, "aiGetErrorString", &out->error))
     return KM_OK;
   const char *reason = dlerror();
   return km_fail(error, KM_IO, "meshes can't be read: %.300s; expected assimp to be installed",

@@ -19,6 +19,34 @@ KM_API km_status km_model_read(const char *bytes, size_t size, km_messages *mess
 
 /* The same from a file; "-" is the standard input. KM_IO if it can't be read. */
 KM_API km_status km_model_load(const char *path, km_messages *messages, km_model **out, km_error *error);
+
+/* A number of a model file, and the value that it is read with instead of its own, in the file's units. */
+typedef struct km_assignment {
+  const char *path; /* such as crank.tip.x */
+  double value;
+} km_assignment;
+
+/* The variant of a model in which some numbers have other values: km_model_read, after the values have been put into
+ * the file, in their order. What is read is bit for bit the model of a file that was edited by hand; expressions follow
+ * the parameters that change, and km_model_sha256 stays that of `bytes`.
+ *
+ * A path is the name of a parameter, or names of elements and keys joined by dots, ending at a number:
+ *   brake.left_arm.cable.x   assembly, body, frame, component (x y z of a frame's T or a joint's `at`)
+ *   left_arm.cable.T.0       the same, if one body only is called left_arm
+ *   crank.mass               A.limits.1   A.initial_displacement   lift.spring.stiffness   model_parameters.gravity.2
+ *   loads.payload.force.2    an element of a list by its name, or by its number from 0
+ * The names of the lists between elements (bodies, frames, joints …) may be left out. A path that fits from the root is
+ * that; otherwise it may begin anywhere. A dot or backslash inside a name takes a backslash before it. Single numbers
+ * and components of points that the file leaves at their default can be named too.
+ *
+ * `file`: where the bytes are from, for meshes; NULL: nowhere. KM_USAGE, with the nearest names: a path names no number,
+ * or (with both) several; a value isn't finite. Otherwise as km_model_read. Cost: linear in the file, for each path. */
+KM_API km_status km_model_read_varied(const char *bytes, size_t size, const char *file,
+                                      const km_assignment *assignments, int count, km_messages *messages,
+                                      km_model **out, km_error *error);
+/* The same from a file; "-" is the standard input, which can be read once. KM_IO if it can't be read. */
+KM_API km_status km_model_load_varied(const char *path, const km_assignment *assignments, int count,
+                                      km_messages *messages, km_model **out, km_error *error);
 KM_API void km_model_free(km_model *model);
 
 /* Active elements, numbered in file order. Bodies don't count the inertial frame. */

@@ -1,0 +1,16 @@
+/* The numbers of a model file that are written as expressions. */
+#ifndef KM_EXCHANGE_JSON_EVALUATE_H
+#define KM_EXCHANGE_JSON_EVALUATE_H
+
+#include "base/value.h"
+#include "kmech/status.h"
+
+/* Evaluates `parameters` and puts its value into every string that stands where the format wants a number: it becomes
+ * a KM_NUMBER that keeps its text in `string`. Faults are reported at their places. KM_IO: expressions can't be
+ * evaluated at all; KM_MEMORY. */
+km_status km_model_evaluate(km_value *root, km_messages *messages, km_error *error);
+
+/* A member of `parameters` that holds its number: itself, or its `value`; NULL if it has none. */
+km_value *km_parameter_number(km_value *parameter);
+
+#endif

@@ -1,0 +1,11 @@
+/* Other values for some numbers of a file, put in before it is read. */
+#ifndef KM_EXCHANGE_JSON_VARY_H
+#define KM_EXCHANGE_JSON_VARY_H
+
+#include "base/value.h"
+#include "kmech/model.h"
+
+/* Puts the values into the tree (km_model_read_varied tells what a path is). KM_USAGE, KM_MEMORY. */
+km_status km_model_vary(km_value *root, const km_assignment *assignments, int count, km_arena *arena, km_error *error);
+
+#endif
