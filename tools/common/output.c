@@ -6,7 +6,7 @@
 
 #include <string.h>
 
-static const char *const words[KT_FORMATS] = {"csv", "json", "svg", "pdf", "png"};
+static const char *const words[KT_FORMATS] = {"csv", "json", "svg", "pdf", "png", "html", "apng"};
 
 const char *kt_format_word(kt_format format) {
   return words[format];
@@ -16,19 +16,27 @@ km_canvas_format kt_canvas_format(kt_format format) {
   return format == KT_PDF ? KM_CANVAS_PDF : format == KT_PNG ? KM_CANVAS_PNG : KM_CANVAS_SVG;
 }
 
-bool kt_formats_parse(const kt_common *common, const char *text, kt_formats *out) {
+/* The format that a word names, if it is among those; else -1. */
+static int find_format(const char *word, const char *among) {
+  size_t length = strlen(word);
+  for (const char *at = among; *at; at += strcspn(at, ","), at += *at == ',')
+    if (length && strcspn(at, ",") == length && memcmp(at, word, length) == 0)
+      for (int f = 0; f < KT_FORMATS; ++f)
+        if (strcmp(word, words[f]) == 0)
+          return f;
+  return -1;
+}
+
+bool kt_formats_parse_among(const kt_common *common, const char *text, const char *among, kt_formats *out) {
   *out = (kt_formats){{0}};
   const char *rest = text;
   for (char last = ','; last == ',';) {
     kt_piece piece = kt_split(&rest, ",");
-    int found = -1;
+    int found = piece.text ? find_format(piece.text, among) : -1;
     last = piece.separator;
-    for (int f = 0; f < KT_FORMATS; ++f)
-      if (piece.text && strcmp(piece.text, words[f]) == 0)
-        found = f;
     if (found < 0)
-      kt_say(common, KM_ERROR, "--format %s: \"%s\" is not a format; expected some of csv,json,svg,pdf,png", text,
-             piece.text ? piece.text : "");
+      kt_say(common, KM_ERROR, "--format %s: \"%s\" is not a format; expected some of %s", text,
+             piece.text ? piece.text : "", among);
     else
       out->wanted[found] = true;
     km_free(piece.text);
@@ -36,6 +44,10 @@ bool kt_formats_parse(const kt_common *common, const char *text, kt_formats *out
       return false;
   }
   return true;
+}
+
+bool kt_formats_parse(const kt_common *common, const char *text, kt_formats *out) {
+  return kt_formats_parse_among(common, text, "csv,json,svg,pdf,png", out);
 }
 
 int kt_formats_count(const kt_formats *formats) {

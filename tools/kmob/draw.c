@@ -26,10 +26,16 @@ static kt_exit read_options(kmob_draw_options *o, km_drawing *drawing, int *pose
     kt_say(&o->common, KM_ERROR, "one model at a time; found \"%s\" too", o->models.items[1]);
     return KT_USAGE;
   }
-  if (!kt_formats_parse(&o->common, o->format ? o->format : "svg", &o->formats))
+  if (!kt_formats_parse_among(&o->common,
+                              o->format    ? o->format
+                              : o->animate ? "html"
+                                           : "svg",
+                              o->animate ? "html,apng" : "svg,pdf,png", &o->formats))
     return KT_USAGE;
-  if (o->formats.wanted[KT_CSV] || o->formats.wanted[KT_JSON])
-    return kt_usage(&o->common, "--format", o->formats.wanted[KT_CSV] ? "csv" : "json", "some of svg,pdf,png");
+  if (o->animate && (o->poses || o->at.count))
+    return kt_usage(&o->common, "--animate", o->poses ? "--poses" : "--at", "one of them: a motion has all its poses");
+  if (o->animate && o->meshes && o->formats.wanted[KT_HTML])
+    return kt_usage(&o->common, "--animate", "--meshes", "--format apng with it: a page draws links");
   if (o->base && strcmp(o->base, "-") == 0)
     return kt_usage(&o->common, "-o", "-", "a file's name: pictures don't go to the standard output");
   if (o->view && !km_view_find(o->view, &drawing->view))
@@ -69,9 +75,20 @@ static void add_options(kt_options *out, kmob_draw_options *o) {
        "Draw the pose at a joint's value (x,y,… for several coordinates); repeatable: the first in full, the others "
        "pale",
        KT_TEXTS, &o->at, KT_ABOUT_MODEL},
-      {"poses", 0, "N", "Draw N poses along the model's analysis.sweep", KT_TEXT, &o->poses, KT_ABOUT_MODEL},
-      {"trace", 0, "BODY/FRAME", "Draw the path of a frame's origin over the model's sweep (repeatable)", KT_TEXTS,
-       &o->traces, KT_ABOUT_MODEL},
+      {"poses", 0, "N", "Draw N poses along the motion", KT_TEXT, &o->poses, KT_ABOUT_MODEL},
+      {"trace", 0, "BODY/FRAME", "Draw the path of a frame's origin over the motion (repeatable)", KT_TEXTS, &o->traces,
+       KT_ABOUT_MODEL},
+      {"animate", 0, NULL, "Draw the motion as a page that plays it, beside its mobility numbers", KT_FLAG, &o->animate,
+       KT_ABOUT_MODEL},
+      {"joint", 0, "JOINT", "The driver of the motion (default: the model's analysis.sweep)", KT_TEXT, &o->joint,
+       KT_ABOUT_MODEL},
+      {"range", 0, "FROM:TO", "Its range in the model's unit", KT_TEXT, &o->range, KT_ABOUT_MODEL},
+      {"steps", 0, "N", "Pictures of --animate, less one (default 240 in a plane, 120 in space)", KT_TEXT, &o->steps,
+       KT_ABOUT_MODEL},
+      {"arclength", 0, "DS", "Follow the motion by arc length instead, DS a picture: through toggles", KT_TEXT,
+       &o->arclength, KT_ABOUT_MODEL},
+      {"direction", 0, "JOINT=+1", "Start so that this joint moves forwards (or -1: backwards)", KT_TEXT, &o->direction,
+       KT_ABOUT_MODEL},
       KT_HOLD(&o->holds, "Keep a joint rigid at a value"),
       KT_SET(&o->sets, KT_SET_FIRST),
       {"ignore-limits", 0, NULL, "Pass joint limits", KT_FLAG, &o->ignore_limits, KT_ABOUT_MODEL},
@@ -80,7 +97,8 @@ static void add_options(kt_options *out, kmob_draw_options *o) {
       {"bodies", 0, NULL, "Name the bodies too", KT_FLAG, &o->bodies, KT_ABOUT_FILES},
       {"meshes", 0, NULL, "Draw bodies by their meshes, where they have one", KT_FLAG, &o->meshes, KT_ABOUT_FILES},
       {"size", 0, "WxH", "Size of the page in points (1/72 inch)", KT_TEXT, &o->size, KT_ABOUT_FILES},
-      {"format", 0, "LIST", "Some of svg,pdf,png (default svg)", KT_TEXT, &o->format, KT_ABOUT_FILES},
+      {"format", 0, "LIST", "Some of svg,pdf,png (default svg); of html,apng with --animate (default html)", KT_TEXT,
+       &o->format, KT_ABOUT_FILES},
       KT_BASE(&o->base, "Files are BASE.motion.FORMAT (default: the model's name)"),
   };
   KT_OPTIONS_ADD(out, table);
@@ -99,7 +117,9 @@ kt_exit kmob_draw(int argc, char **argv) {
   kt_exit result = read_options(&o, &drawing, &shots.asked);
   if (result == KT_DONE)
     result = kmob_shots_take(&shots);
-  if (result == KT_DONE || (result == KT_PARTIAL && shots.count)) {
+  if (result == KT_DONE && o.animate) {
+    result = kmob_animate(&shots, &drawing);
+  } else if (result == KT_DONE || (result == KT_PARTIAL && shots.count)) {
     kmob_shots_show(&shots, &drawing);
     kt_exit written = write_files(&o, &drawing);
     result = kt_worse(written, result);
