@@ -31,7 +31,7 @@ static void add_line(km_film *film, const km_frame *frame, const double *x) {
   }
   if (!mover || !km_film_begin(film, (int)film->mover_count - 1))
     return;
-  const km_pen pen = {.colour = {0.35, 0.35, 0.35, 1}, .width = 0.8};
+  const km_pen pen = {.colour = {0.70, 0.28, 0.0, 1}, .width = 1.4}; /* the colour of the page's slider */
   km_canvas_line(film->canvas, &pen, (km_canvas_point){0, 0}, (km_canvas_point){0, frame->height});
 }
 
