@@ -22,6 +22,7 @@ void kt_sweep_options_add(kt_options *out, kt_sweep_options *o) {
        "back, …",
        KT_TEXT, &o->branch, KT_ABOUT_MODEL},
       KT_HOLD(&o->holds, KT_HOLD_RIGID),
+      KT_MODE(o->common),
       KT_SET(&o->sets, KT_SET_FIRST),
       {"ignore-limits", 0, NULL, "Pass joint limits", KT_FLAG, &o->ignore_limits, KT_ABOUT_MODEL},
       {"derivatives", 0, NULL, "Add the points' derivatives along the driver", KT_FLAG, &o->derivatives,

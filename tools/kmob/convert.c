@@ -112,6 +112,7 @@ kt_exit kmob_convert(int argc, char **argv) {
        &o.units, KT_ABOUT_MODEL},
       KT_SET(&o.sets, "Write another pose: move a joint to a value"),
       KT_HOLD(&o.holds, "Keep a joint rigid at a value on the way"),
+      KT_MODE(o.common),
       KMOB_FILE(&o.file),
   };
   KT_OPTIONS_ADD(&all, table);

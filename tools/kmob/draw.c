@@ -90,6 +90,7 @@ static void add_options(kt_options *out, kmob_draw_options *o) {
       {"direction", 0, "JOINT=+1", "Start so that this joint moves forwards (or -1: backwards)", KT_TEXT, &o->direction,
        KT_ABOUT_MODEL},
       KT_HOLD(&o->holds, "Keep a joint rigid at a value"),
+      KT_MODE(o->common),
       KT_SET(&o->sets, KT_SET_FIRST),
       {"ignore-limits", 0, NULL, "Pass joint limits", KT_FLAG, &o->ignore_limits, KT_ABOUT_MODEL},
       {"view", 0, "VIEW", "xy, xz, yz, iso, or auto: the plane of motion, if there is one (default)", KT_TEXT, &o->view,

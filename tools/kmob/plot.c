@@ -56,10 +56,8 @@ static kt_exit read_options(options *o) {
     return kt_usage(&o->common, "--y", "is missing", "at least one column: --y COLUMN");
   if (o->base && strcmp(o->base, "-") == 0)
     return kt_usage(&o->common, "-o", "-", "a file's name: pictures don't go to the standard output");
-  if (!kt_formats_parse(&o->common, o->format ? o->format : "svg", &o->formats))
+  if (!kt_formats_parse_among(&o->common, o->format ? o->format : "svg", "svg,pdf,png", &o->formats))
     return KT_USAGE;
-  if (o->formats.wanted[KT_CSV] || o->formats.wanted[KT_JSON])
-    return kt_usage(&o->common, "--format", o->formats.wanted[KT_CSV] ? "csv" : "json", "some of svg,pdf,png");
   return KT_DONE;
 }
 
