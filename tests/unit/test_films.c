@@ -6,6 +6,7 @@
 #include "report/document/film_page.h"
 #include "report/drawing/film_drawing.h"
 #include "report/drawing/parts.h"
+#include "report/plot/apng.h"
 #include "report/plot/film_plot.h"
 #include "report/plot/mobility_plot.h"
 #include "report/plot/parts.h"
@@ -300,6 +301,66 @@ static void pages_need_nothing_else(void **state) {
   close_motion(&m);
 }
 
+static uint32_t number_at(const char *data) {
+  const unsigned char *b = (const unsigned char *)data;
+  return (uint32_t)b[0] << 24 | (uint32_t)b[1] << 16 | (uint32_t)b[2] << 8 | b[3];
+}
+
+static void add_square(km_apng *apng, double size, double place, km_status expected) {
+  km_text png = {0};
+  km_canvas *canvas;
+  km_error error;
+  assert_int_equal(km_canvas_create(KM_CANVAS_PNG, size, 20, &png, &canvas, &error), KM_OK);
+  km_canvas_rectangle(canvas, (km_colour){1, 0, 0, 1}, place, 5, 5, 5);
+  assert_int_equal(km_canvas_finish(canvas, &error), KM_OK);
+  km_canvas_free(canvas);
+  size_t before = apng->out->size;
+  assert_int_equal(km_apng_add(apng, &png, &error), expected);
+  assert_true(expected == KM_OK ? apng->out->size > before : apng->out->size == before);
+  km_text_free(&png);
+}
+
+/* The chunks of an animation: each picture has its control, the sequence has no gap, what isn't of one size is refused. */
+static void animated_pictures_are_whole(void **state) {
+  (void)state;
+  km_text out = {0};
+  km_apng apng = {.out = &out, .frames = 3, .milliseconds = 40};
+  add_square(&apng, 30, 1, KM_OK);
+  add_square(&apng, 40, 1, KM_INTERNAL);
+  add_square(&apng, 30, 8, KM_OK);
+  add_square(&apng, 30, 16, KM_OK);
+  uint32_t sequence = 0;
+  int controls = 0, frames = 0, ends = 0;
+  bool animated = false;
+  for (size_t at = 8; at < out.size; at += 12 + number_at(out.data + at)) {
+    const char *type = out.data + at + 4, *data = out.data + at + 8;
+    if (memcmp(type, "acTL", 4) == 0) {
+      assert_int_equal(number_at(data), 3);
+      animated = true;
+    }
+    bool control = memcmp(type, "fcTL", 4) == 0, frame = memcmp(type, "fdAT", 4) == 0;
+    if (control || frame)
+      assert_int_equal(number_at(data), sequence++);
+    if (memcmp(type, "IDAT", 4) == 0)
+      assert_true(animated && controls == 1);
+    if (control)
+      assert_true(number_at(data + 4) == 60 && number_at(data + 8) == 40);
+    controls += control;
+    frames += frame;
+    ends += memcmp(type, "IEND", 4) == 0;
+  }
+  assert_int_equal(controls, 3);
+  assert_true(frames >= 2);
+  assert_int_equal(ends, 1);
+  assert_int_equal(number_at(out.data + out.size - 4),
+                   0xae426082); /* the check of an empty IEND, as every PNG has it */
+  km_text none = {0};
+  km_error error;
+  assert_int_equal(km_apng_add(&(km_apng){.out = &none, .frames = 1}, &none, &error), KM_INTERNAL);
+  km_text_free(&none);
+  km_text_free(&out);
+}
+
 int main(void) {
   const struct CMUnitTest tests[] = {
       cmocka_unit_test(movers_carry_bodies_as_their_poses_do),
@@ -311,6 +372,7 @@ int main(void) {
       cmocka_unit_test(paths_read_back_to_their_points),
       cmocka_unit_test(numbers_are_short),
       cmocka_unit_test(pages_need_nothing_else),
+      cmocka_unit_test(animated_pictures_are_whole),
   };
   return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -6,6 +6,7 @@
 #include "kmech/version.h"
 #include "report/document/film_page.h"
 #include "report/drawing/film_drawing.h"
+#include "report/plot/apng.h"
 #include "report/plot/film_plot.h"
 #include "report/plot/mobility_plot.h"
 #include "report/plot/sweep_strip.h"
@@ -13,8 +14,9 @@
 
 #include <math.h>
 
-enum { PLANE_STEPS = 240, SPACE_STEPS = 120 };
+enum { PLANE_STEPS = 240, SPACE_STEPS = 120, PICTURES = 72 };
 static const double plot_width = 300, plot_height = 236; /* points: letters fit a phone */
+static const double picture_width = 360;                 /* points: a few megabytes in all */
 static const double seconds = 5;                         /* from one end of the motion to the other */
 
 typedef struct animation {
@@ -200,11 +202,41 @@ static km_status write_page(animation *a, km_text *out, km_error *error) {
   return status;
 }
 
+/* One picture of the drawing. */
+static km_status add_picture(km_drawing *drawing, size_t frame, km_apng *apng, km_error *error) {
+  km_text png = {0};
+  drawing->full = frame;
+  km_status status = km_drawing_render(drawing, KM_CANVAS_PNG, &png, error);
+  if (!status)
+    status = km_apng_add(apng, &png, error);
+  km_text_free(&png);
+  return status;
+}
+
+/* Every picture that the screen can follow; forth and back, unless the motion goes round. */
+static km_status write_pictures(animation *a, km_text *out, km_error *error) {
+  size_t count = a->shots->count, stride = (count - 1) / PICTURES + 1, kept = (count - 1) / stride + 1;
+  bool closed = comes_round(a);
+  size_t frames = closed ? kept - 1 : kept > 1 ? 2 * kept - 2 : 1;
+  km_apng apng = {.out = out, .frames = (unsigned)frames};
+  km_drawing drawing = *a->drawing;
+  km_status status = KM_OK;
+  apng.milliseconds = (unsigned)lround(1000 * seconds / (double)kept);
+  kmob_shots_show(a->shots, &drawing);
+  drawing.alone = drawing.steady = drawing.bare = true; /* names would jump from picture to picture */
+  drawing.title = subtitle_of(a);
+  if (drawing.width <= 0.0)
+    drawing.width = picture_width;
+  for (size_t f = 0; f < frames && !status; ++f)
+    status = add_picture(&drawing, (f < kept ? f : 2 * kept - 2 - f) * stride, &apng, error);
+  return status;
+}
+
 static kt_exit write_format(animation *a, kt_format format) {
   const kmob_draw_options *o = a->shots->options;
   km_text out = {0};
   km_error error;
-  km_status status = write_page(a, &out, &error);
+  km_status status = format == KT_HTML ? write_page(a, &out, &error) : write_pictures(a, &out, &error);
   kt_exit result = fail(a, status, &error);
   if (!status)
     result = kt_write(&o->common, o->base ? o->base : a->shots->name, "motion", kt_format_word(format), &out);
