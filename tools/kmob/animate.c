@@ -17,7 +17,7 @@
 enum { PLANE_STEPS = 240, SPACE_STEPS = 120, PICTURES = 72 };
 static const double plot_width = 300, plot_height = 236; /* points: letters fit a phone */
 static const double picture_width = 360;                 /* points: a few megabytes in all */
-static const double seconds = 5;                         /* from one end of the motion to the other */
+static const double seconds = 4; /* from one end of the motion to the other: 60 pictures a second in a plane */
 
 typedef struct animation {
   kmob_shots *shots;
