@@ -68,7 +68,7 @@ const char km_film_script[] =
     "let at=0,way=1,before=0,running=false;\n"
     "function step(now){\n"
     " if(!running)return;\n"
-    " const gone=Math.min(now-before,100)*(n-1)/(1000*data.seconds);\n"
+    " const gone=Math.max(0,Math.min(now-before,100))*(n-1)/(1000*data.seconds);\n"
     " before=now;\n"
     " at+=way*gone;\n"
     " if(data.closed)at%=n-1;\n"
