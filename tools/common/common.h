@@ -116,7 +116,7 @@ bool kt_number(const char *text, double *out);
 bool kt_numbers(const char *text, int count, double *out);
 
 /* Which files --format asks for. */
-typedef enum kt_format { KT_CSV, KT_JSON, KT_SVG, KT_PDF, KT_PNG, KT_HTML, KT_APNG, KT_FORMATS } kt_format;
+typedef enum kt_format { KT_CSV, KT_JSON, KT_SVG, KT_PDF, KT_PNG, KT_HTML, KT_APNG, KT_DXF, KT_FORMATS } kt_format;
 typedef struct kt_formats {
   bool wanted[KT_FORMATS];
 } kt_formats;

@@ -6,7 +6,7 @@
 
 #include <string.h>
 
-static const char *const words[KT_FORMATS] = {"csv", "json", "svg", "pdf", "png", "html", "apng"};
+static const char *const words[KT_FORMATS] = {"csv", "json", "svg", "pdf", "png", "html", "apng", "dxf"};
 
 const char *kt_format_word(kt_format format) {
   return words[format];

@@ -12,6 +12,9 @@ typedef struct kmob_draw_options {
   const char *path, *poses, *view, *size, *format, *base;
   const char *joint, *range, *steps, *arclength, *direction; /* of the motion, where it isn't analysis.sweep */
   kt_formats formats;
+  const char *scale, *link_width;
+  double drawn_scale; /* of --scale; 0: none */
+  double width;       /* of --link-width; 0: as drawn */
   bool bodies, meshes, ignore_limits, animate;
 } kmob_draw_options;
 
@@ -40,6 +43,8 @@ kt_exit kmob_shots_traces(kmob_shots *shots, size_t points);
 /* Moves the model through its motion and writes what plays it: a page, an animated picture. The view is the
  * drawing's. Says what went wrong. */
 kt_exit kmob_animate(kmob_shots *shots, const km_drawing *drawing);
+/* Writes the outlines of the links that the formats ask for. Says what went wrong. */
+kt_exit kmob_write_outlines(const kmob_draw_options *options, const km_drawing *drawing, const char *base);
 /* Puts them into the drawing, which borrows them. */
 void kmob_shots_show(const kmob_shots *shots, km_drawing *drawing);
 void kmob_shots_free(kmob_shots *shots);
