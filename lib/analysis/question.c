@@ -226,7 +226,7 @@ km_status km_question_ask(km_question *q, km_state *s, km_error *error) {
   if (!status)
     status = km_check_state(q->m, s, error);
   if (!status)
-    status = km_question_plan_make(q, error);
+    status = km_question_make_plan(q, &q->plan, error);
   return status ? status : answer(q, s, error);
 }
 

@@ -59,9 +59,6 @@ extern const km_option km_motion_options[KM_MOTION_OPTIONS];
 const km_option_value *km_question_own_value(const km_question *question, int index);
 const km_option_value *km_question_motion_value(const km_question *question, int index);
 
-/* The plan from the options over the model's own. KM_USAGE. */
-km_status km_question_plan_make(km_question *question, km_error *error);
-
 /* Is it a question of this kind, with an answer (or ready for one)? */
 bool km_question_is(const km_question *question, const km_question_class *kind);
 bool km_question_has(const km_question *question, const km_question_class *kind);

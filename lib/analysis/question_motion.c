@@ -1,6 +1,8 @@
 /* The options of every motion, the plan that they make, and the places that every motion has. */
 #include "analysis/question.h"
 
+#include "base/check.h"
+
 #include <math.h>
 
 const km_option km_motion_options[KM_MOTION_OPTIONS] = {
@@ -76,7 +78,10 @@ static km_status plan_length(const km_question *q, km_sweep_plan *plan, km_error
   return KM_OK;
 }
 
-km_status km_question_plan_make(km_question *q, km_error *error) {
+km_status km_question_make_plan(km_question *q, km_sweep_plan *out, km_error *error) {
+  km_status given = km_check_given(q && out, "question or place for its plan", error);
+  if (given)
+    return given;
   km_sweep_plan plan = km_sweep_plan_default(q->m->model);
   const km_option_value *steps = km_question_motion_value(q, KM_MOTION_STEPS),
                         *points = km_question_motion_value(q, KM_MOTION_POINT);
@@ -95,7 +100,7 @@ km_status km_question_plan_make(km_question *q, km_error *error) {
     return km_fail(error, KM_USAGE, "`derivatives`: expected `point` with it: the points whose derivatives are wanted");
   plan.points = points ? points->points : NULL;
   plan.point_count = points ? points->count : 0;
-  q->plan = plan;
+  *out = plan;
   return KM_OK;
 }
 

@@ -1,6 +1,7 @@
 /* Which known names are nearest to one that isn't known. */
 #include "base/nearest.h"
 
+#include <stdbool.h>
 #include <stdint.h>
 #include <stdio.h>
 #include <string.h>
@@ -25,8 +26,14 @@ size_t km_text_distance(const char *a, const char *b) {
   return row[k];
 }
 
+/* A name that holds what is wanted, or is held by it, is near however long the rest is. */
+static size_t distance_to(const char *wanted, const char *name) {
+  bool holds = *wanted && *name && (strstr(name, wanted) || strstr(wanted, name));
+  return holds && strcmp(wanted, name) != 0 ? 1 : km_text_distance(wanted, name);
+}
+
 void km_nearest_offer(km_nearest *nearest, const char *name) {
-  size_t distance = km_text_distance(nearest->wanted, name);
+  size_t distance = distance_to(nearest->wanted, name);
   for (int i = 0; i < nearest->count; ++i)
     if (strcmp(nearest->names[i], name) == 0)
       return;

@@ -207,8 +207,8 @@ static void panels_have_room(void **state) {
     km_plot_layout layout = {.plot = &plot, .canvas = canvas, .arena = &arena};
     km_plot_layout_make(&layout, width, height);
     assert_true(layout.fits && layout.columns * layout.rows >= panels && layout.columns * (layout.rows - 1) < panels);
-    assert_true(layout.y.low <= -3.0 && layout.y.high >= 5.0 && layout.x.low <= 0.0 && layout.x.high >= 2.0);
-    assert_true(layout.y.low >= -6.0 && layout.y.high <= 8.0 && layout.x.low == 0.0 && layout.x.high == 2.0);
+    assert_true(layout.y[0].low <= -3.0 && layout.y[0].high >= 5.0 && layout.x.low <= 0.0 && layout.x.high >= 2.0);
+    assert_true(layout.y[0].low >= -6.0 && layout.y[0].high <= 8.0 && layout.x.low == 0.0 && layout.x.high == 2.0);
     for (size_t i = 0; i < panels; ++i) {
       km_frame a = km_plot_layout_frame(&layout, i);
       assert_true(a.left >= 0.0 && a.top >= 0.0 && a.left + a.width <= width && a.top + a.height <= height);

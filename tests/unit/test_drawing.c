@@ -143,7 +143,7 @@ static void names_do_not_overlap(void **state) {
   }
   km_projection view = km_view_make(&drawing);
   km_scene scene = {.mechanism = f.mechanism, .view = &view, .arena = &arena};
-  km_labels_draw(canvas, &scene, NULL, 0, labels, NAMES, &font, place);
+  km_labels_place(canvas, &scene, NULL, 0, labels, NAMES, &font, place);
   int placed = 0;
   for (int i = 0; i < NAMES; ++i) {
     const km_label *a = &labels[i];

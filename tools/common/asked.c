@@ -36,6 +36,20 @@ void kt_asked_options(kt_options *out, kt_asked *asked, const char *kind, bool m
       add_option(out, asked, o);
 }
 
+static bool is_listed(const char *name, const char *const *names) {
+  while (*names && strcmp(*names, name) != 0)
+    ++names;
+  return *names != NULL;
+}
+
+void kt_asked_some(kt_options *out, kt_asked *asked, const char *kind, const char *const *names) {
+  asked->kind = find_kind(kind);
+  const km_option *o;
+  for (int i = 0; (o = km_question_option(asked->kind, i)) != NULL && asked->count < KT_MOST_ASKED; ++i)
+    if (is_listed(o->name, names))
+      add_option(out, asked, o);
+}
+
 void kt_asked_explain(kt_options *out, const char *option, const char *argument, const char *help) {
   for (int i = 0; i < out->count; ++i) {
     if (strcmp(out->items[i].name, option) != 0)
@@ -50,6 +64,11 @@ static int find(const kt_asked *asked, const char *option) {
     if (strcmp(asked->options[i]->name, option) == 0)
       return i;
   return -1;
+}
+
+bool kt_asked_given(const kt_asked *asked, const char *option) {
+  int i = find(asked, option);
+  return i >= 0 && (asked->flags[i] || asked->texts[i].count > 0);
 }
 
 kt_texts *kt_asked_texts(kt_asked *asked, const char *option) {

@@ -22,6 +22,10 @@ typedef struct kt_asked {
 /* Adds the options of a kind of question; of one about a single pose (`motion` false) those of the motion aren't
  * there. `asked` must outlive `out`. */
 void kt_asked_options(kt_options *out, kt_asked *asked, const char *kind, bool motion);
+/* Only some of them: `names`, NULL behind the last. */
+void kt_asked_some(kt_options *out, kt_asked *asked, const char *kind, const char *const *names);
+/* Is the option on the command line? */
+bool kt_asked_given(const kt_asked *asked, const char *option);
 /* What is given for an option; NULL: the question hasn't one of this name. */
 kt_texts *kt_asked_texts(kt_asked *asked, const char *option);
 /* The command itself asks for this, where the question has such an option. */

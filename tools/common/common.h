@@ -28,6 +28,7 @@ typedef struct kt_common {
   bool quiet, verbose, force;
   int jobs;
   unsigned long seed;
+  int mode;           /* of --mode: the assembly mode that poses are brought to; 0: the file's own */
   km_messages *found; /* receives the reader's warnings and notes instead of the standard error; NULL: doesn't */
   km_text *log;       /* where messages are gathered, so that parallel work reports in order; NULL: straight out */
 } kt_common;
@@ -115,13 +116,15 @@ bool kt_number(const char *text, double *out);
 bool kt_numbers(const char *text, int count, double *out);
 
 /* Which files --format asks for. */
-typedef enum kt_format { KT_CSV, KT_JSON, KT_SVG, KT_PDF, KT_PNG, KT_FORMATS } kt_format;
+typedef enum kt_format { KT_CSV, KT_JSON, KT_SVG, KT_PDF, KT_PNG, KT_HTML, KT_APNG, KT_DXF, KT_FORMATS } kt_format;
 typedef struct kt_formats {
   bool wanted[KT_FORMATS];
 } kt_formats;
 #define KT_FORMATS_HELP "Some of csv,json,svg,pdf,png (default csv,svg)"
 /* "csv,svg"; false and a message if a word is unknown. */
 bool kt_formats_parse(const kt_common *common, const char *text, kt_formats *out);
+/* The same of a command that writes some of `among`, "svg,pdf,png". */
+bool kt_formats_parse_among(const kt_common *common, const char *text, const char *among, kt_formats *out);
 int kt_formats_count(const kt_formats *formats);
 const char *kt_format_word(kt_format format);
 km_canvas_format kt_canvas_format(kt_format format);

@@ -6,7 +6,7 @@
 
 #include <string.h>
 
-static const char *const words[KT_FORMATS] = {"csv", "json", "svg", "pdf", "png"};
+static const char *const words[KT_FORMATS] = {"csv", "json", "svg", "pdf", "png", "html", "apng", "dxf"};
 
 const char *kt_format_word(kt_format format) {
   return words[format];
@@ -16,26 +16,45 @@ km_canvas_format kt_canvas_format(kt_format format) {
   return format == KT_PDF ? KM_CANVAS_PDF : format == KT_PNG ? KM_CANVAS_PNG : KM_CANVAS_SVG;
 }
 
-bool kt_formats_parse(const kt_common *common, const char *text, kt_formats *out) {
+static int find_format(const char *word) {
+  for (int f = 0; f < KT_FORMATS; ++f)
+    if (strcmp(word, words[f]) == 0)
+      return f;
+  return -1;
+}
+
+/* Whether a word stands in a list with commas. */
+static bool stands_in(const char *list, const char *word) {
+  size_t length = strlen(word);
+  for (const char *at = list; *at; at += strcspn(at, ","), at += *at == ',')
+    if (strcspn(at, ",") == length && memcmp(at, word, length) == 0)
+      return true;
+  return false;
+}
+
+bool kt_formats_parse_among(const kt_common *common, const char *text, const char *among, kt_formats *out) {
   *out = (kt_formats){{0}};
   const char *rest = text;
-  for (char last = ','; last == ',';) {
+  bool good = true;
+  for (char last = ','; last == ',' && good;) {
     kt_piece piece = kt_split(&rest, ",");
-    int found = -1;
+    int found = piece.text ? find_format(piece.text) : -1;
     last = piece.separator;
-    for (int f = 0; f < KT_FORMATS; ++f)
-      if (piece.text && strcmp(piece.text, words[f]) == 0)
-        found = f;
-    if (found < 0)
-      kt_say(common, KM_ERROR, "--format %s: \"%s\" is not a format; expected some of csv,json,svg,pdf,png", text,
-             piece.text ? piece.text : "");
-    else
+    good = found >= 0 && stands_in(among, words[found]);
+    if (good)
       out->wanted[found] = true;
+    else if (found >= 0)
+      kt_say(common, KM_ERROR, "--format %s: expected some of %s", piece.text, among);
+    else
+      kt_say(common, KM_ERROR, "--format %s: \"%s\" is not a format; expected some of %s", text,
+             piece.text ? piece.text : "", among);
     km_free(piece.text);
-    if (found < 0)
-      return false;
   }
-  return true;
+  return good;
+}
+
+bool kt_formats_parse(const kt_common *common, const char *text, kt_formats *out) {
+  return kt_formats_parse_among(common, text, "csv,json,svg,pdf,png", out);
 }
 
 int kt_formats_count(const kt_formats *formats) {

@@ -2,6 +2,7 @@
 #include "common/pose.h"
 
 #include "base/memory.h"
+#include "common/mode.h"
 #include "kmech/sweep.h"
 #include "model/model.h"
 
@@ -63,6 +64,8 @@ kt_exit kt_bring(const kt_common *common, const char *path, const kt_texts *hold
     result = check_conflicts(common, out->model, &held, &set);
   if (result == KT_DONE)
     result = reach(common, path, &held, &set, out);
+  if (result == KT_DONE && common->mode > 0)
+    result = kt_mode_take(common, path, sets, out);
   kt_settings_free(&held);
   kt_settings_free(&set);
   return result;

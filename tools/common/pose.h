@@ -3,6 +3,7 @@
 #define KT_POSE_H
 
 #include "common/common.h"
+#include "kmech/modes.h"
 
 /* A model at a pose. */
 typedef struct kt_pose {
@@ -11,18 +12,28 @@ typedef struct kt_pose {
   km_state *state;
 } kt_pose;
 
-/* Loads a model and brings it to the pose that its analysis.hold, --hold and --set ask for. Says what went
+/* Loads a model and brings it to the pose that its analysis.hold, --hold, --set and --mode ask for. Says what went
  * wrong. The caller closes the pose in any case. */
 kt_exit kt_open(const kt_common *common, const char *path, const kt_texts *holds, const kt_texts *sets, kt_pose *out);
 /* The same for a model that is loaded, out->model; mechanism and state must be NULL. */
 kt_exit kt_bring(const kt_common *common, const char *path, const kt_texts *holds, const kt_texts *sets, kt_pose *out);
 void kt_close(kt_pose *pose);
 
+/* The assembly modes at a pose. The driver is the first joint of --set, else that of analysis.sweep. KM_USAGE: there is
+ * none. Free `*modes` in any case. */
+km_status kt_modes_find(const kt_common *common, const kt_texts *sets, const kt_pose *pose, int *driver,
+                        km_modes *modes, km_error *error);
+
 /* --set and --hold, where the commands say of it: KT_SET_FROM: where the motion starts. */
 #define KT_SET(TARGET, HELP)                                                                                           \
   { "set", 0, "JOINT=VALUE", HELP, KT_TEXTS, TARGET, KT_ABOUT_MODEL }
 #define KT_HOLD(TARGET, HELP)                                                                                          \
   { "hold", 0, "JOINT=VALUE", HELP, KT_TEXTS, TARGET, KT_ABOUT_MODEL }
+#define KT_MODE(COMMON)                                                                                                \
+  {                                                                                                                    \
+    "mode", 0, "K", "Take assembly mode K, as kmob info --modes numbers them", KT_COUNT, &(COMMON).mode,               \
+        KT_ABOUT_MODEL                                                                                                 \
+  }
 #define KT_BASE(TARGET, HELP)                                                                                          \
   { "base", 'o', "BASE", HELP, KT_TEXT, TARGET, KT_ABOUT_FILES }
 #define KT_SET_FIRST  "Start from another pose: move a joint to a value first"

@@ -5,6 +5,7 @@ void kt_request_options(kt_options *out, kt_request *r, bool settable, const cha
   const kt_option set[] = {KT_SET(&r->sets, "Move a joint to a value; the loops follow")};
   const kt_option shared[] = {
       KT_HOLD(&r->holds, KT_HOLD_RIGID),
+      KT_MODE(r->common),
       {"format", 0, "FORMAT", "table (default) or json", KT_WORD("table or json"), &r->json, KT_ABOUT_FILES},
       KT_BASE(&r->base, base_help),
   };

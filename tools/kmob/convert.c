@@ -121,6 +121,7 @@ kt_exit kmob_convert(int argc, char **argv) {
       KT_SET(&o.sets, "Write another pose: move a joint to a value"),
       KT_HOLD(&o.holds, "Keep a joint rigid at a value on the way"),
       {"frames", 0, NULL, "Write drawn assemblies as frames of their bodies", KT_FLAG, &o.frames, KT_ABOUT_MODEL},
+      KT_MODE(o.common),
       KMOB_FILE(&o.file),
   };
   KT_OPTIONS_ADD(&all, table);

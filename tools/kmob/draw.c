@@ -19,6 +19,33 @@ static kt_exit read_size(const kmob_draw_options *o, km_drawing *drawing) {
   return KT_DONE;
 }
 
+/* A:B, two lengths: on the page and in fact. */
+static kt_exit read_scale(kmob_draw_options *o) {
+  const char *colon = strchr(o->scale, ':');
+  char page[32];
+  double length = 0.0, real = 0.0;
+  if (colon && (size_t)(colon - o->scale) < sizeof page) {
+    snprintf(page, sizeof page, "%.*s", (int)(colon - o->scale), o->scale);
+    if (!kt_number(page, &length) || !kt_number(colon + 1, &real))
+      real = 0.0;
+  }
+  if (!(length > 0.0) || !(real > 0.0))
+    return kt_usage(&o->common, "--scale", o->scale, "A:B, two numbers greater than 0, such as 1:1 or 1:10");
+  o->drawn_scale = length / real;
+  return KT_DONE;
+}
+
+/* --scale and --link-width. */
+static kt_exit read_outlines(kmob_draw_options *o) {
+  if (o->scale && o->animate)
+    return kt_usage(&o->common, "--scale", o->scale, "it without --animate");
+  if (o->link_width && !o->scale && !o->formats.wanted[KT_DXF])
+    return kt_usage(&o->common, "--link-width", o->link_width, "--scale or --format dxf with it");
+  if (o->link_width && (!kt_number(o->link_width, &o->width) || o->width <= 0.0))
+    return kt_usage(&o->common, "--link-width", o->link_width, "a number greater than 0");
+  return o->scale ? read_scale(o) : KT_DONE;
+}
+
 /* What needs no model. */
 static kt_exit read_options(kmob_draw_options *o, km_drawing *drawing, int *poses) {
   double count = 0.0;
@@ -26,10 +53,16 @@ static kt_exit read_options(kmob_draw_options *o, km_drawing *drawing, int *pose
     kt_say(&o->common, KM_ERROR, "one model at a time; found \"%s\" too", o->models.items[1]);
     return KT_USAGE;
   }
-  if (!kt_formats_parse(&o->common, o->format ? o->format : "svg", &o->formats))
+  if (!kt_formats_parse_among(&o->common,
+                              o->format    ? o->format
+                              : o->animate ? "html"
+                                           : "svg",
+                              o->animate ? "html,apng" : "svg,pdf,png,dxf", &o->formats))
     return KT_USAGE;
-  if (o->formats.wanted[KT_CSV] || o->formats.wanted[KT_JSON])
-    return kt_usage(&o->common, "--format", o->formats.wanted[KT_CSV] ? "csv" : "json", "some of svg,pdf,png");
+  if (o->animate && (o->poses || o->at.count))
+    return kt_usage(&o->common, "--animate", o->poses ? "--poses" : "--at", "one of them: a motion has all its poses");
+  if (o->animate && o->meshes && o->formats.wanted[KT_HTML])
+    return kt_usage(&o->common, "--animate", "--meshes", "--format apng with it: a page draws links");
   if (o->base && strcmp(o->base, "-") == 0)
     return kt_usage(&o->common, "-o", "-", "a file's name: pictures don't go to the standard output");
   if (o->view && !km_view_find(o->view, &drawing->view))
@@ -39,6 +72,9 @@ static kt_exit read_options(kmob_draw_options *o, km_drawing *drawing, int *pose
   if (o->poses && o->at.count)
     return kt_usage(&o->common, "--poses", o->poses, "it without --at");
   *poses = (int)count;
+  kt_exit outlines = read_outlines(o);
+  if (outlines != KT_DONE)
+    return outlines;
   return o->size ? read_size(o, drawing) : KT_DONE;
 }
 
@@ -46,8 +82,10 @@ static kt_exit write_files(const kmob_draw_options *o, const km_drawing *drawing
   char base[256];
   kt_exit result = KT_DONE;
   kt_base_name(o->path, base, sizeof base);
+  if (o->drawn_scale > 0.0 || o->formats.wanted[KT_DXF])
+    result = kmob_write_outlines(o, drawing, o->base ? o->base : base);
   for (int f = KT_SVG; f <= KT_PNG; ++f) {
-    if (!o->formats.wanted[f])
+    if (!o->formats.wanted[f] || o->drawn_scale > 0.0)
       continue;
     km_text out = {0};
     km_error error;
@@ -69,21 +107,32 @@ static void add_options(kt_options *out, kmob_draw_options *o) {
        "Draw the pose at a joint's value (x,y,… for several coordinates); repeatable: the first in full, the others "
        "pale",
        KT_TEXTS, &o->at, KT_ABOUT_MODEL},
-      {"poses", 0, "N", "Draw N poses along the model's analysis.sweep", KT_TEXT, &o->poses, KT_ABOUT_MODEL},
-      {"trace", 0, "BODY/FRAME", "Draw the path of a frame's origin over the model's sweep (repeatable)", KT_TEXTS,
-       &o->traces, KT_ABOUT_MODEL},
+      {"poses", 0, "N", "Draw N poses along the motion", KT_TEXT, &o->poses, KT_ABOUT_MODEL},
+      {"trace", 0, "BODY/FRAME", "Draw the path of a frame's origin over the motion (repeatable)", KT_TEXTS, &o->traces,
+       KT_ABOUT_MODEL},
+      {"animate", 0, NULL, "Draw the motion as a page that plays it, beside its mobility numbers", KT_FLAG, &o->animate,
+       KT_ABOUT_MODEL},
       KT_HOLD(&o->holds, "Keep a joint rigid at a value"),
+      KT_MODE(o->common),
       KT_SET(&o->sets, KT_SET_FIRST),
-      {"ignore-limits", 0, NULL, "Pass joint limits", KT_FLAG, &o->ignore_limits, KT_ABOUT_MODEL},
       {"view", 0, "VIEW", "xy, xz, yz, iso, or auto: the plane of motion, if there is one (default)", KT_TEXT, &o->view,
        KT_ABOUT_FILES},
       {"bodies", 0, NULL, "Name the bodies too", KT_FLAG, &o->bodies, KT_ABOUT_FILES},
       {"meshes", 0, NULL, "Draw bodies by their meshes, where they have one", KT_FLAG, &o->meshes, KT_ABOUT_FILES},
       {"size", 0, "WxH", "Size of the page in points (1/72 inch)", KT_TEXT, &o->size, KT_ABOUT_FILES},
-      {"format", 0, "LIST", "Some of svg,pdf,png (default svg)", KT_TEXT, &o->format, KT_ABOUT_FILES},
+      {"scale", 0, "A:B", "Draw the outlines of a planar mechanism's links, with holes for hinges, at this scale: 1:1",
+       KT_TEXT, &o->scale, KT_ABOUT_FILES},
+      {"link-width", 0, "W", "Width of the outlined links in the model's unit (default: as drawn)", KT_TEXT,
+       &o->link_width, KT_ABOUT_FILES},
+      {"format", 0, "LIST",
+       "Some of svg,pdf,png,dxf (default svg; dxf: outlines in the model's unit); of html,apng with --animate (default html)",
+       KT_TEXT, &o->format, KT_ABOUT_FILES},
       KT_BASE(&o->base, "Files are BASE.motion.FORMAT (default: the model's name)"),
   };
+  static const char *const motion[] = {"joint", "range", "steps", "arclength", "direction", "ignore-limits", NULL};
   KT_OPTIONS_ADD(out, table);
+  kt_asked_some(out, &o->asked, "mobility", motion);
+  kt_asked_explain(out, "steps", "N", "Pictures of --animate, less one (default 240 in a plane, 120 in space)");
   kt_common_options(out, &o->common, 0);
   out->operand = (kt_operand){"model", "MODEL", true, NULL, &o->models};
 }
@@ -99,7 +148,9 @@ kt_exit kmob_draw(int argc, char **argv) {
   kt_exit result = read_options(&o, &drawing, &shots.asked);
   if (result == KT_DONE)
     result = kmob_shots_take(&shots);
-  if (result == KT_DONE || (result == KT_PARTIAL && shots.count)) {
+  if (result == KT_DONE && o.animate) {
+    result = kmob_animate(&shots, &drawing);
+  } else if (result == KT_DONE || (result == KT_PARTIAL && shots.count)) {
     kmob_shots_show(&shots, &drawing);
     kt_exit written = write_files(&o, &drawing);
     result = kt_worse(written, result);

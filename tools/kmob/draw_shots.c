@@ -4,7 +4,6 @@
 #include "base/memory.h"
 #include "exchange/mesh/model_meshes.h"
 #include "kinematics/state.h"
-#include "kmech/sweep_plan.h"
 
 #include <math.h>
 #include <string.h>
@@ -66,27 +65,38 @@ typedef struct motion {
 
 static km_status start_drive(motion *m, km_error *error) {
   const kmob_shots *s = m->shots;
-  m->plan.ignore_limits = s->options->ignore_limits;
   km_status status = km_sweep_enter_limits(s->pose.mechanism, m->state, &m->plan, error);
   return status ? status
                 : km_drive_create(s->pose.mechanism, m->state, m->plan.coordinate, m->plan.ignore_limits, &m->drive,
                                   error);
 }
 
+kt_exit kmob_shots_plan(const kmob_shots *s, km_sweep_plan *plan) {
+  const kmob_draw_options *o = s->options;
+  km_question *question = NULL;
+  km_error error;
+  kt_exit result = kt_ask(&o->common, o->path, &o->asked, &s->pose, &question);
+  if (result == KT_DONE) {
+    km_status status = km_question_make_plan(question, plan, &error);
+    if (status)
+      kt_say_asked(&o->common, KM_ERROR, o->path, error.text);
+    result = kt_exit_of(status);
+  }
+  km_question_free(question);
+  return result;
+}
+
 static kt_exit start(motion *m) {
   const kmob_shots *s = m->shots;
   km_error error;
-  m->plan = km_sweep_plan_default(s->pose.model);
-  if (m->plan.coordinate < 0 && m->plan.arclength <= 0.0) {
-    kt_say(&s->options->common, KM_ERROR, "%s: the model has no analysis.sweep, which --poses and --trace need",
-           s->options->path);
-    return KT_USAGE;
-  }
+  kt_exit planned = kmob_shots_plan(s, &m->plan);
+  if (planned != KT_DONE)
+    return planned;
   km_status status = km_state_create(s->pose.mechanism, &m->state, &error);
   if (!status)
     km_state_copy(s->pose.mechanism, m->state, s->pose.state);
   if (!status && m->plan.arclength > 0.0)
-    status = km_follow_create(s->pose.mechanism, m->state, m->plan.direction, m->plan.sign, s->options->ignore_limits,
+    status = km_follow_create(s->pose.mechanism, m->state, m->plan.direction, m->plan.sign, m->plan.ignore_limits,
                               &m->follow, &error);
   else if (!status)
     status = start_drive(m, &error);
@@ -144,8 +154,7 @@ static kt_exit travel(motion *m, int count, double last, visit at, void *context
   bool closed = m->follow && km_follow_closed(m->follow);
   if (result != KT_DONE || closed || (whole && !cut))
     return result;
-  kt_say(&m->shots->options->common, KM_ERROR, "%s: a part of the range of analysis.sweep is out of reach",
-         m->shots->options->path);
+  kt_say(&m->shots->options->common, KM_ERROR, "%s: a part of the range is out of reach", m->shots->options->path);
   return KT_PARTIAL;
 }
 
@@ -185,22 +194,25 @@ static kt_exit visit_points(void *context, const km_mechanism *mechanism, km_sta
   return KT_DONE;
 }
 
-static kt_exit take_paths(kmob_shots *s) {
+kt_exit kmob_shots_traces(kmob_shots *s, size_t points) {
   const kt_texts *texts = &s->options->traces;
   kt_exit result = KT_DONE;
-  motion m = {.shots = s};
   s->traces = KM_NEW(km_drawing_trace, (size_t)texts->count);
   s->paths = KM_NEW(km_vec3 *, (size_t)texts->count);
   for (int t = 0; t < texts->count && s->traces && s->paths && result == KT_DONE; ++t) {
     s->traces[t].name = texts->items[t];
-    s->traces[t].points = s->paths[t] = KM_NEW(km_vec3, PATH_STEPS + 1);
+    s->traces[t].points = s->paths[t] = KM_NEW(km_vec3, points);
     if (!s->paths[t])
       return out_of_memory(s);
     s->trace_count++;
     result = kt_frame(&s->options->common, s->pose.model, "--trace", texts->items[t], &s->traces[t].frame);
   }
-  if (!s->traces || !s->paths)
-    return out_of_memory(s);
+  return s->traces && s->paths ? result : out_of_memory(s);
+}
+
+static kt_exit take_paths(kmob_shots *s) {
+  motion m = {.shots = s};
+  kt_exit result = kmob_shots_traces(s, PATH_STEPS + 1);
   if (result == KT_DONE)
     result = start(&m);
   if (result == KT_DONE)
@@ -229,6 +241,8 @@ kt_exit kmob_shots_take(kmob_shots *s) {
     result = take_meshes(s);
   if (result != KT_DONE)
     return result;
+  if (o->animate)
+    return KT_DONE; /* the motion is all that is shown */
   result = o->at.count ? take_at(s) : s->asked ? take_poses(s) : take_file_pose(s);
   if (o->traces.count && (result == KT_DONE || result == KT_PARTIAL)) {
     result = kt_worse(result, take_paths(s));

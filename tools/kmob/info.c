@@ -1,9 +1,7 @@
 /* kmob info, kmob at: one pose. */
 #include "kmob/kmob.h"
 
-#include "base/memory.h"
 #include "exchange/json/json.h"
-#include "kmech/modes.h"
 #include "model/model.h"
 #include "report/record/diagnosis_record.h"
 #include "report/record/mobility_record.h"
@@ -31,25 +29,6 @@ static void add_modes(const km_model *model, const km_modes *modes, int driver, 
   }
 }
 
-/* The driver of the modes: the first joint of --set, else that of analysis.sweep. */
-static km_status find_modes(const kmob_request *o, const kt_pose *pose, int *driver, km_modes *modes, km_error *error) {
-  enum { STARTS = 300 };
-  *modes = (km_modes){0};
-  *driver = pose->model->sweep.coordinate;
-  if (o->pose.sets.count > 0) {
-    const char *rest = o->pose.sets.items[0];
-    kt_piece label = kt_split(&rest, "=");
-    km_status status = km_model_find_coordinate(pose->model, label.text, driver, error);
-    km_free(label.text);
-    if (status)
-      return status;
-  }
-  if (*driver < 0)
-    return km_fail(error, KM_USAGE,
-                   "--modes: the model has no analysis.sweep with a joint; expected a driver by --set");
-  return km_modes_find(pose->mechanism, pose->state, *driver, STARTS, o->pose.common.seed, NULL, NULL, modes, error);
-}
-
 /* The diagnosis, with a progress bar. */
 static km_status diagnose(const kmob_request *o, const kt_pose *pose, km_diagnosis *out, km_error *error) {
   kt_progress progress = kt_progress_start(&o->pose.common);
@@ -67,7 +46,7 @@ static kt_exit describe(const kmob_request *o, const kt_pose *pose, km_text *out
   int driver = -1;
   km_status status = diagnose(o, pose, &diagnosis, &error);
   if (!status && o->modes)
-    status = find_modes(o, pose, &driver, &modes, &error);
+    status = kt_modes_find(&o->pose.common, &o->pose.sets, pose, &driver, &modes, &error);
   km_mobility_update(pose->mechanism, pose->state, &mobility);
   if (status) {
     kt_say(&o->pose.common, KM_ERROR, "%s: %s", o->pose.model, error.text);

@@ -10,6 +10,7 @@ kt_exit kmob_sweep(int argc, char **argv);
 kt_exit kmob_graph(int argc, char **argv);
 kt_exit kmob_check(int argc, char **argv);
 kt_exit kmob_draw(int argc, char **argv);
+kt_exit kmob_plot(int argc, char **argv);
 kt_exit kmob_convert(int argc, char **argv);
 kt_exit kmob_new(int argc, char **argv);
 kt_exit kmob_schema(int argc, char **argv);

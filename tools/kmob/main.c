@@ -8,6 +8,7 @@ static const kt_command commands[] = {
     {"graph", "bodies, joints, loops and substructures as a graph for graphviz", kmob_graph},
     {"check", "everything suspicious about a model, and what to do", kmob_check},
     {"draw", "a picture of the mechanism in one or more poses", kmob_draw},
+    {"plot", "columns of any table that the tools write, one over another", kmob_plot},
     {"convert", "write the checked model: other units, the assembled pose", kmob_convert},
     {"new", "a starter model that runs", kmob_new},
     {"schema", "the JSON schema of the model format", kmob_schema},

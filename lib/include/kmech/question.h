@@ -88,6 +88,9 @@ KM_API km_status km_question_prepare(km_question *question, km_error *error);
 /* What the caller should know of how the options were understood, of the last preparation. Borrowed. */
 KM_API const km_messages *km_question_notes(const km_question *question);
 
+/* The plan by which asking would move the mechanism. Points are borrowed until an option is set. KM_USAGE. */
+KM_API km_status km_question_make_plan(km_question *question, km_sweep_plan *out, km_error *error);
+
 /* Moves the assembled state over the motion and answers at every row. KM_PARTIAL: the rows end (or begin) before the
  * range does, or the answer is no for a part of them; KM_NO_RESULT: there is no row. A new answer replaces the last
  * one. Cost: that of the sweep (km_mobility_sweep_run …). */

@@ -1,5 +1,6 @@
 /* Documents as one HTML file that needs no other: pictures are SVG inside it. */
 #include "report/document/document.h"
+#include "report/document/escape.h"
 
 static const double picture_width = 500; /* points, as on a PDF's page */
 
@@ -13,21 +14,6 @@ static const char style[] =
     "tbody tr:nth-child(even){background:#f2f2f2}.scroll{overflow-x:auto}"
     "dl{display:grid;grid-template-columns:12rem 1fr;gap:.2rem .5rem;font-size:.9rem}dt{color:#6b6b6b}dd{margin:0}"
     "img{width:100%;height:auto}@media print{body{margin:0}h2{break-after:avoid}img{break-inside:avoid}}";
-
-static void escape(const char *text, km_text *out) {
-  for (const char *c = text; *c; ++c) {
-    if (*c == '&')
-      km_text_add(out, "&amp;");
-    else if (*c == '<')
-      km_text_add(out, "&lt;");
-    else if (*c == '>')
-      km_text_add(out, "&gt;");
-    else if (*c == '"')
-      km_text_add(out, "&quot;");
-    else
-      km_text_bytes(out, c, 1);
-  }
-}
 
 static void base64(const km_text *bytes, km_text *out) {
   static const char digits[] = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
@@ -45,9 +31,9 @@ static void add_facts(const km_block *block, km_text *out) {
   km_text_add(out, "<dl>\n");
   for (size_t r = 0; r < block->rows; ++r) {
     km_text_add(out, "<dt>");
-    escape(block->cells[2 * r], out);
+    km_html_escape(block->cells[2 * r], out);
     km_text_add(out, "</dt><dd>");
-    escape(block->cells[2 * r + 1], out);
+    km_html_escape(block->cells[2 * r + 1], out);
     km_text_add(out, "</dd>\n");
   }
   km_text_add(out, "</dl>\n");
@@ -59,7 +45,7 @@ static void add_table(const km_block *block, km_text *out) {
     km_text_add(out, r == 0 ? "<thead><tr>" : r == 1 ? "<tbody>\n<tr>" : "<tr>");
     for (size_t c = 0; c < block->columns; ++c) {
       km_text_add(out, r == 0 ? "<th>" : "<td>");
-      escape(block->cells[r * block->columns + c], out);
+      km_html_escape(block->cells[r * block->columns + c], out);
       km_text_add(out, r == 0 ? "</th>" : "</td>");
     }
     km_text_add(out, r == 0 ? "</tr></thead>\n" : "</tr>\n");
@@ -80,7 +66,7 @@ static km_status add_picture(const km_block *block, km_text *out, km_error *erro
   }
   if (!status) {
     km_text_add(out, "<img alt=\"");
-    escape(block->text, out);
+    km_html_escape(block->text, out);
     km_text_add(out, "\" src=\"data:image/svg+xml;base64,");
     base64(&svg, out);
     km_text_add(out, "\">\n");
@@ -95,7 +81,7 @@ static km_status add_block(const km_block *block, km_text *out, km_error *error)
   case KM_BLOCK_HEADING:
   case KM_BLOCK_TEXT:
     km_text_add(out, heading ? "<h2>" : "<p>");
-    escape(block->text, out);
+    km_html_escape(block->text, out);
     km_text_add(out, heading ? "</h2>\n" : "</p>\n");
     return KM_OK;
   case KM_BLOCK_FACTS:
@@ -113,16 +99,16 @@ km_status km_document_html(const km_document *document, km_text *out, km_error *
   km_status status = KM_OK;
   km_text_add(out, "<!DOCTYPE html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n<meta name=\"viewport\" "
                    "content=\"width=device-width, initial-scale=1\">\n<title>");
-  escape(document->title, out);
+  km_html_escape(document->title, out);
   km_text_format(out, "</title>\n<style>%s</style>\n</head>\n<body>\n<h1>", style);
-  escape(document->title, out);
+  km_html_escape(document->title, out);
   km_text_add(out, "</h1>\n<p class=\"about\">");
-  escape(document->subtitle, out);
+  km_html_escape(document->subtitle, out);
   km_text_add(out, "</p>\n");
   for (size_t i = 0; i < document->count && !status; ++i)
     status = add_block(&document->blocks[i], out, error);
   km_text_add(out, "<footer>");
-  escape(document->footer, out);
+  km_html_escape(document->footer, out);
   km_text_add(out, "</footer>\n</body>\n</html>\n");
   return status ? status : out->failed ? km_fail(error, KM_MEMORY, "out of memory for a report") : KM_OK;
 }

@@ -11,8 +11,8 @@ static const km_pose *pose_of(const km_studio *s, size_t index) {
   return s->drawing->poses + index * (size_t)s->drawing->mechanism->model->body_count;
 }
 
-static km_scene scene_of(km_studio *s, size_t index, double fade) {
-  bool alone = s->drawing->alone;
+km_scene km_studio_scene(km_studio *s, size_t index, double fade) {
+  bool alone = s->drawing->alone && !s->drawing->steady;
   return (km_scene){.mechanism = s->drawing->mechanism,
                     .pose = pose_of(s, index),
                     .poses = pose_of(s, alone ? index : 0),
@@ -24,6 +24,7 @@ static km_scene scene_of(km_studio *s, size_t index, double fade) {
                     .arena = &s->arena,
                     .radius = s->radius,
                     .fade = fade,
+                    .steady = s->drawing->steady,
                     .halo = !s->view.planar};
 }
 
@@ -55,7 +56,7 @@ static double crowding(km_studio *s, const km_spot *spots, int count) {
 /* Symbols shrink where joints are close together. */
 static void choose_radius(km_studio *s) {
   int count = s->drawing->mechanism->model->joint_count;
-  km_scene scene = scene_of(s, s->drawing->full, 0.0);
+  km_scene scene = km_studio_scene(s, s->drawing->full, 0.0);
   km_spot *spots = KM_ARENA_NEW(&s->arena, km_spot, (size_t)count);
   s->radius = 4.4 * s->size;
   for (int j = 0; spots && j < count; ++j)
@@ -92,7 +93,7 @@ bool km_studio_open(km_studio *s) {
 /* There may be hundreds: each gives its memory back. */
 static void draw_ghost(km_studio *s, size_t index, double fade) {
   km_arena arena = {0};
-  km_scene ghost = scene_of(s, index, fade);
+  km_scene ghost = km_studio_scene(s, index, fade);
   ghost.arena = &arena;
   km_scene_build(&ghost);
   if (!arena.failed)
@@ -114,16 +115,16 @@ static void draw_ghosts(km_studio *s) {
     }
 }
 
-static km_spot trace_spot(const km_studio *s, const km_drawing_trace *trace) {
-  const km_model_frame *frame = &s->drawing->mechanism->model->frames[trace->frame];
-  return km_project(&s->view, km_pose_point(&pose_of(s, s->drawing->full)[frame->body], frame->pose.p));
+km_spot km_trace_spot(const km_scene *scene, const km_drawing_trace *trace) {
+  const km_model_frame *frame = &scene->mechanism->model->frames[trace->frame];
+  return km_project(scene->view, km_pose_point(&scene->pose[frame->body], frame->pose.p));
 }
 
 static int trace_colour(const km_studio *s, const km_drawing_trace *trace) {
   return s->shapes[s->drawing->mechanism->model->frames[trace->frame].body].colour;
 }
 
-static void draw_traces(km_studio *s) {
+void km_studio_draw_traces(km_studio *s) {
   for (size_t t = 0; t < s->drawing->trace_count; ++t) {
     const km_drawing_trace *trace = &s->drawing->traces[t];
     km_canvas_point *points = KM_ARENA_NEW(&s->arena, km_canvas_point, trace->count);
@@ -137,12 +138,9 @@ static void draw_traces(km_studio *s) {
   }
 }
 
-static void draw_trace_points(km_studio *s) {
-  for (size_t t = 0; t < s->drawing->trace_count; ++t) {
-    km_spot at = trace_spot(s, &s->drawing->traces[t]);
-    km_canvas_circle(s->canvas, km_palette_text(trace_colour(s, &s->drawing->traces[t])), NULL,
-                     (km_canvas_point){at.x, at.y}, 0.55 * s->radius);
-  }
+void km_studio_draw_trace_point(const km_studio *s, const km_drawing_trace *trace, km_spot at) {
+  km_canvas_circle(s->canvas, km_palette_text(trace_colour(s, trace)), NULL, (km_canvas_point){at.x, at.y},
+                   0.55 * s->radius);
 }
 
 /* The middle of the largest thing that is drawn of a body; where nothing is, of its points. */
@@ -165,16 +163,18 @@ static km_spot middle_of(const km_studio *s, const km_scene *scene, int body) {
   return middle;
 }
 
-static void draw_labels(km_studio *s, const km_scene *scene) {
+size_t km_studio_most_labels(const km_studio *s) {
+  const km_model *model = s->drawing->mechanism->model;
+  return (size_t)model->joint_count + s->drawing->trace_count + (size_t)model->body_count;
+}
+
+size_t km_studio_labels(const km_studio *s, const km_scene *scene, km_label *labels) {
   const km_drawing *d = s->drawing;
   const km_model *model = d->mechanism->model;
-  size_t count = 0, most = (size_t)model->joint_count + d->trace_count + (size_t)model->body_count;
-  km_label *labels = KM_ARENA_NEW(&s->arena, km_label, most);
-  if (!labels || d->bare)
-    return;
+  size_t count = 0;
   for (size_t t = 0; t < d->trace_count; ++t)
     labels[count++] = (km_label){.text = d->traces[t].name,
-                                 .at = trace_spot(s, &d->traces[t]),
+                                 .at = km_trace_spot(scene, &d->traces[t]),
                                  .radius = s->radius,
                                  .colour = trace_colour(s, &d->traces[t])};
   for (int j = 0; j < model->joint_count; ++j)
@@ -188,22 +188,38 @@ static void draw_labels(km_studio *s, const km_scene *scene) {
                                  .radius = s->radius,
                                  .colour = s->shapes[b].colour,
                                  .inside = true};
+  return count < MOST_LABELS ? count : MOST_LABELS;
+}
+
+km_font km_studio_font(const km_studio *s) {
   km_font font = {.size = fmin(fmax(8.0 * s->size, 6.5), 11.0)};
   font.width = fmin(16.0 * font.size, 0.3 * s->place.width);
-  km_labels_draw(s->canvas, scene, d->traces, d->trace_count, labels, count < MOST_LABELS ? count : MOST_LABELS, &font,
-                 s->place);
+  return font;
+}
+
+static void draw_labels(km_studio *s, const km_scene *scene) {
+  km_label *labels = KM_ARENA_NEW(&s->arena, km_label, km_studio_most_labels(s));
+  if (!labels || s->drawing->bare)
+    return;
+  size_t count = km_studio_labels(s, scene, labels);
+  km_font font = km_studio_font(s);
+  km_labels_place(s->canvas, scene, s->drawing->traces, s->drawing->trace_count, labels, count, &font, s->place);
+  for (size_t i = 0; i < count; ++i)
+    if (labels[i].placed)
+      km_label_paint(s->canvas, &labels[i], &font);
 }
 
 void km_studio_draw(km_studio *s) {
-  km_scene scene = scene_of(s, s->drawing->full, 0.0);
+  km_scene scene = km_studio_scene(s, s->drawing->full, 0.0);
   km_scene_build(&scene);
   if (s->arena.failed)
     return;
   km_scene_paint_base(&scene, s->canvas);
   draw_ghosts(s);
-  draw_traces(s);
+  km_studio_draw_traces(s);
   km_scene_paint(&scene, s->canvas);
-  draw_trace_points(s);
+  for (size_t t = 0; t < s->drawing->trace_count; ++t)
+    km_studio_draw_trace_point(s, &s->drawing->traces[t], km_trace_spot(&scene, &s->drawing->traces[t]));
   draw_labels(s, &scene);
 }
 

@@ -29,6 +29,7 @@ typedef struct km_drawing {
   size_t pose_count;    /* all of them fit into the picture */
   size_t full;          /* the pose that is drawn in full */
   bool alone;           /* the others aren't drawn at all, not even as ghosts */
+  bool steady;          /* the ground has one shape for all poses: for pictures that follow each other */
   const km_drawing_trace *traces;
   size_t trace_count;
   const km_mesh *const *meshes; /* [body] drawn instead of its bars and plates; NULL: none of it, or of any */
@@ -50,6 +51,8 @@ km_status km_drawing_place(const km_drawing *drawing, km_canvas *canvas, km_rect
 km_status km_drawing_into(km_canvas *canvas, const km_mechanism *mechanism, const km_state *state, km_view view,
                           km_rectangle place, km_error *error);
 
+/* Whether the view that is asked for looks along the axes of a mechanism that moves in a plane. */
+bool km_drawing_is_planar(const km_drawing *drawing);
 /* "xy", "iso", "auto" ...; false if the word is no view. */
 bool km_view_find(const char *word, km_view *view);
 

@@ -135,8 +135,8 @@ static double leader_length(const km_label *label, km_canvas_point box) {
   return hypot(end.x - label->at.x, end.y - label->at.y) - label->radius;
 }
 
-static bool has_leader(const board *b, const km_label *label, km_canvas_point box) {
-  return leader_length(label, box) > 0.75 * b->em;
+static bool has_leader(double em, const km_label *label, km_canvas_point box) {
+  return leader_length(label, box) > 0.75 * em;
 }
 
 static bool crosses(km_canvas_point a, km_canvas_point b, km_canvas_point c, km_canvas_point d) {
@@ -158,7 +158,7 @@ static double leader_cost(const board *b, const km_label *label, km_canvas_point
       continue;
     km_canvas_point other_at = {other->at.x, other->at.y};
     cost += inside(&leader, other->box, other->size) >= 0.0 ? 4.0 * cost_symbol : 0.0;
-    if (has_leader(b, other, other->box) && crosses(at, end, other_at, leader_end(other, other->box)))
+    if (has_leader(b->em, other, other->box) && crosses(at, end, other_at, leader_end(other, other->box)))
       cost += 2.0 * cost_symbol;
   }
   for (size_t i = 0; i < b->near_count; ++i) {
@@ -179,7 +179,7 @@ static double names_cost(const board *b, const km_label *label, km_canvas_point 
     if (other == label || !other->placed)
       continue;
     cost += overlap(box, label->size, other->box, other->size) ? clash : 0.0;
-    if (!has_leader(b, other, other->box))
+    if (!has_leader(b->em, other, other->box))
       continue;
     km_canvas_point end = leader_end(other, other->box);
     const obstacle leader = {other->at, {end.x, end.y, 0.0}, 0.0, false};
@@ -195,7 +195,7 @@ static double cost_of(const board *b, const km_label *label, km_canvas_point box
     cost += picture_cost(b, box, label->size, bound - cost);
   if (cost < bound)
     cost += names_cost(b, label, box);
-  if (cost < bound && has_leader(b, label, box))
+  if (cost < bound && has_leader(b->em, label, box))
     cost += leader_cost(b, label, box);
   return cost;
 }
@@ -242,24 +242,23 @@ static void place_label(board *b, km_label *label) {
     }
 }
 
-static void draw_label(board *b, km_canvas *canvas, const km_label *label, const km_font *font) {
-  look_around(b, label);
-  km_pen thin = {.colour = {0.45, 0.45, 0.45, 1}, .width = 0.07 * b->em};
+void km_label_paint(km_canvas *canvas, const km_label *label, const km_font *font) {
+  km_pen thin = {.colour = {0.45, 0.45, 0.45, 1}, .width = 0.07 * font->size};
   km_canvas_point end = leader_end(label, label->box);
   double x = end.x - label->at.x, y = end.y - label->at.y, length = hypot(x, y);
-  if (has_leader(b, label, label->box) && length > 0.0)
+  if (has_leader(font->size, label, label->box) && length > 0.0)
     km_canvas_line(canvas, &thin,
                    (km_canvas_point){label->at.x + x / length * 0.8 * label->radius,
                                      label->at.y + y / length * 0.8 * label->radius},
                    end);
-  if (picture_cost(b, label->box, label->size, clash) > 0.0)
+  if (label->veiled)
     km_canvas_rectangle(canvas, (km_colour){1, 1, 1, 0.7}, label->box.x, label->box.y, label->size.x, label->size.y);
   km_colour colour = label->colour == KM_BLACK ? (km_colour){0.1, 0.1, 0.1, 1} : km_palette_text(label->colour);
   km_canvas_text(canvas, font, colour, label->text, label->box, (km_anchor){0, 0, 0});
 }
 
-void km_labels_draw(km_canvas *canvas, const km_scene *scene, const km_drawing_trace *traces, size_t trace_count,
-                    km_label *labels, size_t count, const km_font *font, km_rectangle place) {
+void km_labels_place(km_canvas *canvas, const km_scene *scene, const km_drawing_trace *traces, size_t trace_count,
+                     km_label *labels, size_t count, const km_font *font, km_rectangle place) {
   board b = {.labels = labels, .count = count, .place = place, .em = font->size};
   double needed = 16.0 * b.em * b.em * (double)count;
   b.worst = needed > place.width * place.height ? 0.4 * cost_symbol : clash; /* no thicket of leaders */
@@ -270,7 +269,8 @@ void km_labels_draw(km_canvas *canvas, const km_scene *scene, const km_drawing_t
   for (int round = 0; round < ROUNDS; ++round)
     for (size_t i = 0; i < count; ++i)
       place_label(&b, &labels[i]);
-  for (size_t i = 0; i < count; ++i)
-    if (labels[i].placed)
-      draw_label(&b, canvas, &labels[i], font);
+  for (size_t i = 0; i < count; ++i) {
+    look_around(&b, &labels[i]);
+    labels[i].veiled = labels[i].placed && picture_cost(&b, labels[i].box, labels[i].size, clash) > 0.0;
+  }
 }

@@ -113,7 +113,7 @@ static void paint_base(const km_scene *scene, km_canvas *canvas, const km_item *
   km_canvas_polyline(canvas, &edge, points, (size_t)item->count + (item->count > 2));
 }
 
-static void paint_item(const km_scene *scene, km_canvas *canvas, const km_item *item) {
+void km_item_paint(const km_scene *scene, km_canvas *canvas, const km_item *item) {
   switch (item->kind) {
   case KM_ITEM_BASE:
     paint_base(scene, canvas, item);
@@ -141,7 +141,7 @@ static void paint_item(const km_scene *scene, km_canvas *canvas, const km_item *
 void km_scene_paint_base(const km_scene *scene, km_canvas *canvas) {
   for (size_t i = 0; i < scene->count; ++i)
     if (scene->items[i].kind == KM_ITEM_BASE)
-      paint_item(scene, canvas, &scene->items[i]);
+      km_item_paint(scene, canvas, &scene->items[i]);
 }
 
 void km_scene_paint(const km_scene *scene, km_canvas *canvas) {
@@ -149,5 +149,5 @@ void km_scene_paint(const km_scene *scene, km_canvas *canvas) {
     km_face_paint(scene, canvas, face);
   for (size_t i = 0; i < scene->count; ++i)
     if (scene->items[i].kind != KM_ITEM_BASE)
-      paint_item(scene, canvas, &scene->items[i]);
+      km_item_paint(scene, canvas, &scene->items[i]);
 }

@@ -105,7 +105,7 @@ static void choose_size(const km_studio *s, page *p) {
   double width = s->extent.high[0] - s->extent.low[0], height = s->extent.high[1] - s->extent.low[1];
   double shape = width > 0.0 ? height / width : height > 0.0 ? 1.0 : 0.0;
   p->width = d->width > 0.0 ? d->width : width_default;
-  p->height = d->height > 0.0 ? d->height : 130.0 + fmin(fmax((width_default - 78.0) * shape, 100.0), 360.0);
+  p->height = d->height > 0.0 ? d->height : 130.0 + fmin(fmax((p->width - 78.0) * shape, 100.0), 360.0);
 }
 
 static void choose_fonts(page *p) {

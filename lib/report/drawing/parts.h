@@ -106,6 +106,7 @@ typedef struct km_scene {
   km_arena *arena;
   double radius;  /* of a pin */
   double fade;    /* 0 full colour, 1 white */
+  bool steady;    /* the ground leaves room for all poses */
   bool halo;      /* what lies in front is set off by a white seam */
   km_face *faces; /* of the meshes, the farthest first; they lie under all items */
   km_item *items;
@@ -121,6 +122,7 @@ typedef struct km_label {
   km_canvas_point box; /* left top corner, once placed */
   bool inside;         /* may lie over its spot */
   bool placed;
+  bool veiled; /* lies over a part of the picture: a veil sets it off */
 } km_label;
 
 enum { KM_BLACK = -2 };
@@ -143,6 +145,17 @@ typedef struct km_studio {
 /* Fills everything but drawing, canvas and place from them; the canvas isn't touched. False when
  * memory fails: the close tells. */
 bool km_studio_open(km_studio *studio);
+/* A scene of one pose, to be built. */
+km_scene km_studio_scene(km_studio *studio, size_t pose, double fade);
+/* What is named in a scene, without places: paths first, then joints, then bodies. Room for as many as
+ * km_studio_most_labels says. Returns how many. */
+size_t km_studio_labels(const km_studio *studio, const km_scene *scene, km_label *labels);
+size_t km_studio_most_labels(const km_studio *studio);
+km_font km_studio_font(const km_studio *studio);
+void km_studio_draw_traces(km_studio *studio);
+void km_studio_draw_trace_point(const km_studio *studio, const km_drawing_trace *trace, km_spot at);
+/* Where the point of a path is in a scene. */
+km_spot km_trace_spot(const km_scene *scene, const km_drawing_trace *trace);
 void km_studio_draw(km_studio *studio);
 km_status km_studio_close(km_studio *studio, km_error *error);
 
@@ -174,6 +187,7 @@ void km_scene_order(km_scene *scene);
 /* The base lies under everything, ghosts and paths too; then comes the rest. */
 void km_scene_paint_base(const km_scene *scene, km_canvas *canvas);
 void km_scene_paint(const km_scene *scene, km_canvas *canvas);
+void km_item_paint(const km_scene *scene, km_canvas *canvas, const km_item *item);
 /* Where a joint's symbol stands. */
 km_vec3 km_joint_place(const km_scene *scene, int joint);
 /* Whether meshes show both bodies of a joint: then no cylinder and rod are drawn for it. */
@@ -193,10 +207,12 @@ void km_symbol_paint(const km_scene *scene, km_canvas *canvas, const km_item *it
 km_spot km_rail_side(const km_item *rail);
 void km_ground_paint(const km_scene *scene, km_canvas *canvas, const km_item *item);
 
-/* Finds places for labels that touch neither each other nor, if they can help it, the scene; then
- * draws them, with leaders where they stand off. Those for which there is no room are left out. */
-void km_labels_draw(km_canvas *canvas, const km_scene *scene, const km_drawing_trace *traces, size_t trace_count,
-                    km_label *labels, size_t count, const km_font *font, km_rectangle place);
+/* Finds places for labels that touch neither each other nor, if they can help it, the scene. Those for which there is
+ * no room are left without. */
+void km_labels_place(km_canvas *canvas, const km_scene *scene, const km_drawing_trace *traces, size_t trace_count,
+                     km_label *labels, size_t count, const km_font *font, km_rectangle place);
+/* Draws a label that has a place, with a leader where it stands off. */
+void km_label_paint(km_canvas *canvas, const km_label *label, const km_font *font);
 
 static inline double km_spot_distance(km_spot a, km_spot b) {
   return hypot(a.x - b.x, a.y - b.y);

@@ -83,20 +83,30 @@ static void add_base(km_scene *scene) {
     add_outline(scene, 0, spots, shape->count);
 }
 
-/* Down, unless a link leaves that way: of four directions the one with the most room. */
+/* How much a body that hangs at a spot is in the way of ground in this direction: -0.2 not at all, 0.8 wholly. */
+static double obstruction(const km_scene *scene, const km_pose *pose, int body, km_spot at, km_spot direction) {
+  double worst = 0.0;
+  for (int i = 0; i < scene->shapes[body].count; ++i) {
+    km_spot other = km_project(scene->view, km_pose_point(&pose[body], scene->shapes[body].points[i]));
+    double length = km_spot_distance(at, other);
+    if (length > scene->radius)
+      worst = fmax(worst, (direction.x * (other.x - at.x) + direction.y * (other.y - at.y)) / length - 0.2);
+  }
+  return worst;
+}
+
+/* Down, unless a link leaves that way: of four directions the one with the most room, in this pose or, where the
+ * ground is steady, in all. */
 static km_spot ground_direction(const km_scene *scene, int body, km_spot at) {
   static const km_spot directions[] = {{0, 1, 0}, {-1, 0, 0}, {1, 0, 0}, {0, -1, 0}};
   static const double dislike[] = {0.0, 0.5, 0.5, 0.4};
+  const size_t bodies = (size_t)scene->mechanism->model->body_count;
   double least = HUGE_VAL;
   int best = 0;
   for (int d = 0; d < 4; ++d) {
-    double worst = 0.0;
-    for (int i = 0; i < scene->shapes[body].count; ++i) {
-      km_spot other = km_project(scene->view, km_pose_point(&scene->pose[body], scene->shapes[body].points[i]));
-      double length = km_spot_distance(at, other);
-      if (length > scene->radius)
-        worst = fmax(worst, (directions[d].x * (other.x - at.x) + directions[d].y * (other.y - at.y)) / length - 0.2);
-    }
+    double worst = obstruction(scene, scene->pose, body, at, directions[d]);
+    for (size_t p = 0; p < scene->pose_count && scene->steady; ++p)
+      worst = fmax(worst, obstruction(scene, scene->poses + p * bodies, body, at, directions[d]));
     if (worst + dislike[d] < least) {
       least = worst + dislike[d];
       best = d;

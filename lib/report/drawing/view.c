@@ -166,6 +166,10 @@ km_projection km_view_make(const km_drawing *drawing) {
   return view;
 }
 
+bool km_drawing_is_planar(const km_drawing *drawing) {
+  return km_view_make(drawing).planar;
+}
+
 static void take(km_extent *extent, const km_projection *view, km_vec3 point) {
   km_vec3 from = km_vec3_sub(point, extent->origin);
   const double at[2] = {km_vec3_dot(view->right, from), km_vec3_dot(view->up, from)};

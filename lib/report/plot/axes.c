@@ -32,34 +32,21 @@ static void draw_x(const km_plot_layout *layout, const km_frame *frame, bool lab
   }
 }
 
-static void draw_y(const km_plot_layout *layout, const km_frame *frame, bool labelled) {
+static void draw_y(const km_plot_layout *layout, const km_frame *frame, const km_axis *axis, bool labelled) {
   char text[KM_AXIS_LABEL];
-  for (size_t i = 0; i < layout->y.count; i++) {
-    double y = km_frame_map(frame, frame->x_low, km_axis_tick(&layout->y, i)).y;
+  for (size_t i = 0; i < axis->count; i++) {
+    double y = km_frame_map(frame, frame->x_low, km_axis_tick(axis, i)).y;
     line(layout, light, 0.5, frame->left, y, frame->left + frame->width, y);
     line(layout, ink, 0.6, frame->left, y, frame->left - tick_length, y);
-    km_axis_label(&layout->y, i, text);
+    km_axis_label(axis, i, text);
     if (labelled)
       km_canvas_text(layout->canvas, &layout->tick, ink, text, (km_canvas_point){frame->left - 5, y},
                      (km_anchor){1, 0.5, 0});
   }
-  km_axis_multiplier(&layout->y, text);
+  km_axis_multiplier(axis, text);
   if (labelled && *text)
     km_canvas_text(layout->canvas, &layout->tick, ink, text,
                    (km_canvas_point){frame->left - 5, frame->top - 0.6 * layout->tick.size}, (km_anchor){1, 1, 0});
-}
-
-void km_plot_axes_draw(const km_plot_layout *layout, size_t panel) {
-  const km_frame frame = km_plot_layout_frame(layout, panel);
-  draw_x(layout, &frame, is_lowest(layout, panel));
-  draw_y(layout, &frame, panel % layout->columns == 0);
-  double bottom = frame.top + frame.height;
-  line(layout, ink, 0.7, frame.left, bottom, frame.left + frame.width, bottom);
-  line(layout, ink, 0.7, frame.left, bottom, frame.left, frame.top);
-  const char *title = layout->plot->panels[panel].title;
-  if (title)
-    km_canvas_text(layout->canvas, &layout->heading, ink, title,
-                   (km_canvas_point){frame.left, frame.top - layout->head}, (km_anchor){0, 0, 0});
 }
 
 /* A long label shrinks before it loses its end, where the unit stands. */
@@ -70,6 +57,29 @@ static km_font fit_label(const km_plot_layout *layout, const char *text, double 
   font.size *= fmax(shrink_most, fmin(1, room / width));
   font.width = fmax(room, 1) + 0.5; /* rounding must not cost a letter */
   return font;
+}
+
+static void draw_y_label(const km_plot_layout *layout, const char *label, double top, double bottom) {
+  if (!label)
+    return;
+  km_font font = fit_label(layout, label, bottom - top);
+  km_canvas_text(layout->canvas, &font, ink, label, (km_canvas_point){layout->margin, 0.5 * (top + bottom)},
+                 (km_anchor){0.5, 0, -acos(0)});
+}
+
+void km_plot_axes_draw(const km_plot_layout *layout, size_t panel) {
+  const km_frame frame = km_plot_layout_frame(layout, panel);
+  draw_x(layout, &frame, is_lowest(layout, panel));
+  draw_y(layout, &frame, &layout->y[panel], panel % layout->columns == 0);
+  if (layout->plot->own_y)
+    draw_y_label(layout, layout->plot->panels[panel].y_label, frame.top, frame.top + frame.height);
+  double bottom = frame.top + frame.height;
+  line(layout, ink, 0.7, frame.left, bottom, frame.left + frame.width, bottom);
+  line(layout, ink, 0.7, frame.left, bottom, frame.left, frame.top);
+  const char *title = layout->plot->panels[panel].title;
+  if (title)
+    km_canvas_text(layout->canvas, &layout->heading, ink, title,
+                   (km_canvas_point){frame.left, frame.top - layout->head}, (km_anchor){0, 0, 0});
 }
 
 static void draw_axis_labels(const km_plot_layout *layout) {
@@ -89,12 +99,7 @@ static void draw_axis_labels(const km_plot_layout *layout) {
   if (*multiplier)
     km_canvas_text(layout->canvas, &layout->tick, ink, multiplier, (km_canvas_point){right, below.y},
                    (km_anchor){1, 0, 0});
-  label = layout->plot->y_label;
-  if (label) {
-    km_font font = fit_label(layout, label, bottom - layout->grid_top);
-    km_canvas_text(layout->canvas, &font, ink, label,
-                   (km_canvas_point){layout->margin, 0.5 * (layout->grid_top + bottom)}, (km_anchor){0.5, 0, -acos(0)});
-  }
+  draw_y_label(layout, layout->plot->y_label, layout->grid_top, bottom);
 }
 
 void km_plot_titles_draw(const km_plot_layout *layout) {

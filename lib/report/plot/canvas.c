@@ -2,6 +2,7 @@
 #include "report/plot/canvas.h"
 
 #include "base/memory.h"
+#include "report/plot/svg_path.h"
 
 #include <cairo-pdf.h>
 #include <cairo-svg.h>
@@ -25,6 +26,7 @@ struct km_canvas {
   PangoLayout *layout; /* one for all texts: making layouts costs more than filling them */
   PangoFontDescription *font;
   bool page_refused;
+  const km_canvas_recorder *recorder; /* NULL: there is a page */
 };
 
 static cairo_status_t append(void *closure, const unsigned char *bytes, unsigned size) {
@@ -93,6 +95,17 @@ km_status km_canvas_create(km_canvas_format format, double width, double height,
   prepare_text(made);
   paint_white(made);
   *canvas = made;
+  return KM_OK;
+}
+
+km_status km_canvas_record(const km_canvas_recorder *recorder, km_canvas **canvas, km_error *error) {
+  km_canvas *made = *canvas = KM_NEW(km_canvas, 1);
+  if (!made)
+    return km_fail(error, KM_MEMORY, "out of memory for a page");
+  made->recorder = recorder;
+  made->surface = cairo_image_surface_create(CAIRO_FORMAT_A8, 1, 1); /* only its paths are asked for */
+  made->cairo = cairo_create(made->surface);
+  prepare_text(made);
   return KM_OK;
 }
 
@@ -206,6 +219,44 @@ static void stroke(km_canvas *canvas, const km_pen *pen) {
   cairo_stroke(canvas->cairo);
 }
 
+/* Gives the path to the recorder, as it lies on the page. */
+static void record(km_canvas *canvas, const km_colour *fill, const km_pen *pen) {
+  static const char commands[] = {[CAIRO_PATH_MOVE_TO] = 'M',
+                                  [CAIRO_PATH_LINE_TO] = 'L',
+                                  [CAIRO_PATH_CURVE_TO] = 'C',
+                                  [CAIRO_PATH_CLOSE_PATH] = 'Z'};
+  km_text text = {0};
+  km_svg_path written = {.out = &text, .decimals = canvas->recorder->decimals};
+  cairo_path_t *path = cairo_copy_path(canvas->cairo);
+  for (int i = 0; i < path->num_data; i += path->data[i].header.length) {
+    km_canvas_point points[3] = {{0, 0}};
+    for (int k = 1; k < path->data[i].header.length; ++k) {
+      points[k - 1] = (km_canvas_point){path->data[i + k].point.x, path->data[i + k].point.y};
+      cairo_user_to_device(canvas->cairo, &points[k - 1].x, &points[k - 1].y);
+    }
+    km_svg_path_add(&written, commands[path->data[i].header.type], points);
+  }
+  cairo_path_destroy(path);
+  cairo_new_path(canvas->cairo);
+  canvas->recorder->shape(canvas->recorder->context, text.failed ? NULL : text.data ? text.data : "", fill, pen);
+  km_text_free(&text);
+}
+
+/* Fills the path, draws its rim, or both. */
+static void paint(km_canvas *canvas, const km_colour *fill, const km_pen *pen) {
+  if (canvas->recorder) {
+    record(canvas, fill, pen);
+    return;
+  }
+  if (fill) {
+    set_colour(canvas, *fill);
+    cairo_fill_preserve(canvas->cairo);
+  }
+  if (pen)
+    stroke(canvas, pen);
+  cairo_new_path(canvas->cairo);
+}
+
 static void trace(km_canvas *canvas, const km_canvas_point *points, size_t count) {
   for (size_t i = 0; i < count; i++)
     cairo_line_to(canvas->cairo, points[i].x, points[i].y);
@@ -217,29 +268,23 @@ void km_canvas_line(km_canvas *canvas, const km_pen *pen, km_canvas_point from, 
 
 void km_canvas_polyline(km_canvas *canvas, const km_pen *pen, const km_canvas_point *points, size_t count) {
   trace(canvas, points, count);
-  stroke(canvas, pen);
+  paint(canvas, NULL, pen);
 }
 
 void km_canvas_polygon(km_canvas *canvas, km_colour fill, const km_canvas_point *points, size_t count) {
   trace(canvas, points, count);
-  set_colour(canvas, fill);
-  cairo_fill(canvas->cairo);
+  paint(canvas, &fill, NULL);
 }
 
 void km_canvas_rectangle(km_canvas *canvas, km_colour fill, double x, double y, double width, double height) {
   cairo_rectangle(canvas->cairo, x, y, width, height);
-  set_colour(canvas, fill);
-  cairo_fill(canvas->cairo);
+  paint(canvas, &fill, NULL);
 }
 
 void km_canvas_circle(km_canvas *canvas, km_colour fill, const km_pen *pen, km_canvas_point centre, double radius) {
   cairo_new_sub_path(canvas->cairo);
   cairo_arc(canvas->cairo, centre.x, centre.y, radius, 0, 2 * G_PI);
-  set_colour(canvas, fill);
-  cairo_fill_preserve(canvas->cairo);
-  if (pen)
-    stroke(canvas, pen);
-  cairo_new_path(canvas->cairo);
+  paint(canvas, &fill, pen);
 }
 
 void km_canvas_clip(km_canvas *canvas, double x, double y, double width, double height) {
@@ -285,15 +330,40 @@ static text_box lay_text(km_canvas *canvas, const km_font *font, const char *tex
   return result;
 }
 
+/* Every line of the layout whose box begins at (left, top) before it is turned. */
+static void record_lines(km_canvas *canvas, const km_font *font, km_colour colour, double left, double top,
+                         double angle) {
+  const char *text = pango_layout_get_text(canvas->layout);
+  PangoLayoutIter *iter = pango_layout_get_iter(canvas->layout);
+  do {
+    PangoLayoutLine *line = pango_layout_iter_get_line_readonly(iter);
+    PangoRectangle box;
+    pango_layout_iter_get_line_extents(iter, NULL, &box);
+    double x = left + (double)box.x / PANGO_SCALE;
+    double y = top + (double)pango_layout_iter_get_baseline(iter) / PANGO_SCALE;
+    km_canvas_point at = {x, y};
+    cairo_user_to_device(canvas->cairo, &at.x, &at.y);
+    char *part = g_strndup(text + line->start_index, (gsize)line->length);
+    canvas->recorder->line(canvas->recorder->context, part, font, colour, at, (double)box.width / PANGO_SCALE, angle);
+    g_free(part);
+  } while (pango_layout_iter_next_line(iter));
+  pango_layout_iter_free(iter);
+}
+
 void km_canvas_text(km_canvas *canvas, const km_font *font, km_colour colour, const char *text, km_canvas_point at,
                     km_anchor anchor) {
   text_box box = lay_text(canvas, font, text);
   cairo_save(canvas->cairo);
   cairo_translate(canvas->cairo, at.x, at.y);
   cairo_rotate(canvas->cairo, anchor.angle);
-  cairo_move_to(canvas->cairo, -box.left - anchor.across * box.width, -box.top - anchor.down * box.height);
-  set_colour(canvas, colour);
-  pango_cairo_show_layout(canvas->cairo, canvas->layout);
+  double left = -box.left - anchor.across * box.width, top = -box.top - anchor.down * box.height;
+  if (canvas->recorder) {
+    record_lines(canvas, font, colour, left, top, anchor.angle);
+  } else {
+    cairo_move_to(canvas->cairo, left, top);
+    set_colour(canvas, colour);
+    pango_cairo_show_layout(canvas->cairo, canvas->layout);
+  }
   cairo_restore(canvas->cairo);
   cairo_new_path(canvas->cairo);
 }

@@ -49,6 +49,20 @@ km_status km_canvas_create(km_canvas_format format, double width, double height,
 km_status km_canvas_finish(km_canvas *canvas, km_error *error);
 void km_canvas_free(km_canvas *canvas);
 
+/* Receives what is drawn, piece by piece, in SVG's own words. `path`: the data of an SVG path; no fill or pen: NULL. */
+typedef struct km_canvas_recorder {
+  void (*shape)(void *context, const char *path, const km_colour *fill, const km_pen *pen);
+  /* One line of text whose baseline begins at `at`, `width` long; turned by `angle` about it. */
+  void (*line)(void *context, const char *text, const km_font *font, km_colour colour, km_canvas_point at, double width,
+               double angle);
+  void *context;
+  int decimals; /* of the paths' numbers; may change between pieces */
+} km_canvas_recorder;
+
+/* A canvas without a page, whose drawing goes to the borrowed recorder; it isn't finished, only freed. Clips don't
+ * count. KM_MEMORY. */
+km_status km_canvas_record(const km_canvas_recorder *recorder, km_canvas **canvas, km_error *error);
+
 /* Ends this page and begins a white one of another size. PDF only. */
 void km_canvas_page(km_canvas *canvas, double width, double height);
 

@@ -38,7 +38,7 @@ typedef struct km_plot_layout {
   double left, right;            /* beside each frame; the first column's `left` is axis_left more */
   double axis_left, axis_bottom; /* for y ticks and label, beneath all: x label */
   double frame_width, frame_height;
-  km_axis x, y;
+  km_axis x, *y;        /* y: one a panel, all the same unless the plot's panels have their own */
   km_plot_flags *flags; /* one a panel */
 } km_plot_layout;
 

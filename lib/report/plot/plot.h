@@ -23,7 +23,8 @@ typedef struct km_plot_mark {
 } km_plot_mark;
 
 typedef struct km_plot_panel {
-  const char *title; /* NULL: none */
+  const char *title;   /* NULL: none */
+  const char *y_label; /* of a plot whose panels have their own y axes */
   const km_plot_series *series;
   size_t series_count;
   const km_plot_mark *marks;
@@ -40,9 +41,11 @@ typedef struct km_plot_strip {
 typedef struct km_plot {
   const char *title, *subtitle;
   const char *x_label, *y_label; /* with their units: "driver K (mm)" */
-  double y_low, y_high;          /* both 0: fitted to the data with round ticks */
+  double y_low, y_high;          /* both 0, or own_y: fitted to the data with round ticks */
   const km_plot_panel *panels;   /* small multiples with common axes */
   size_t panel_count;
+  bool own_y; /* the panels stand above each other, each with a y axis and y_label of its own */
+  bool equal; /* a unit is as long along x as along y: for curves in a plane */
   km_plot_strip strip;
   double width, height; /* in points (1/72 inch), without the strip; 0: chosen from the number of panels */
 } km_plot;

@@ -1,0 +1,33 @@
+/* A page on which films play: one HTML file that needs no other. */
+#ifndef KM_REPORT_DOCUMENT_FILM_PAGE_H
+#define KM_REPORT_DOCUMENT_FILM_PAGE_H
+
+#include "report/plot/film.h"
+
+/* A place on the slider's track. */
+typedef struct km_film_stop {
+  double frame; /* between frames, too */
+  const char *name;
+} km_film_stop;
+
+/* Everything is borrowed. */
+typedef struct km_film_page {
+  const char *title, *subtitle, *footer;
+  const km_film *const *films; /* played together: the same number of frames */
+  const char *const *alt;      /* [film] what it shows, for those who can't see it */
+  size_t film_count;
+  const char *quantity, *unit; /* what the slider moves; unit may be "" */
+  const double *values;        /* [frame] of it */
+  const km_film_stop *stops;
+  size_t stop_count;
+  bool closed;    /* the last frame looks as the first: the film goes round; else forth and back */
+  double seconds; /* from the first frame to the last */
+} km_film_page;
+
+/* Appends the page. The same films give the same bytes. KM_MEMORY. */
+km_status km_film_page_write(const km_film_page *page, km_text *out, km_error *error);
+
+/* The page's style sheet and its script, which plays what the page's data say. */
+extern const char km_film_sheet[], km_film_script[];
+
+#endif

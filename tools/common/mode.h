@@ -1,0 +1,10 @@
+/* Bringing a pose to an assembly mode. Private to tools/common: the tools ask for it by kt_bring. */
+#ifndef KT_MODE_H
+#define KT_MODE_H
+
+#include "common/pose.h"
+
+/* Brings a pose to the mode common->mode. Says what went wrong. */
+kt_exit kt_mode_take(const kt_common *common, const char *path, const kt_texts *sets, const kt_pose *pose);
+
+#endif

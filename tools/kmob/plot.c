@@ -1,0 +1,171 @@
+/* kmob plot: columns of tables, one over another. */
+#include "kmob/kmob.h"
+
+#include "base/file.h"
+#include "base/memory.h"
+#include "base/nearest.h"
+#include "report/plot/table_plot.h"
+#include "report/record/csv.h"
+
+#include <string.h>
+
+enum { MOST_TABLES = 64, MOST_COLUMNS = 64 };
+
+typedef struct options {
+  kt_common common;
+  kt_texts tables, y;
+  const char *x, *base, *format;
+  kt_formats formats;
+} options;
+
+/* What is plotted, of every table. */
+typedef struct work {
+  const options *options;
+  char *y[MOST_COLUMNS]; /* the names asked for, owned */
+  size_t columns;
+  km_table *tables[MOST_TABLES]; /* owned */
+  char names[MOST_TABLES][256];
+  size_t found[MOST_TABLES][MOST_COLUMNS];
+  km_plotted_table shown[MOST_TABLES];
+} work;
+
+/* COLUMN,COLUMN of every --y. */
+static kt_exit read_columns(work *w) {
+  const options *o = w->options;
+  for (int i = 0; i < o->y.count; ++i) {
+    const char *rest = o->y.items[i];
+    for (char last = ','; last == ',';) {
+      kt_piece piece = kt_split(&rest, ",");
+      last = piece.separator;
+      if (!piece.text)
+        return KT_INTERNAL;
+      if (w->columns == MOST_COLUMNS || !*piece.text) {
+        km_free(piece.text);
+        return kt_usage(&o->common, "--y", o->y.items[i], "names of columns, at most 64");
+      }
+      w->y[w->columns++] = piece.text;
+    }
+  }
+  return KT_DONE;
+}
+
+static kt_exit read_options(options *o) {
+  if (o->tables.count > MOST_TABLES)
+    return kt_usage(&o->common, "TABLE", "…", "at most 64 tables");
+  if (o->y.count == 0)
+    return kt_usage(&o->common, "--y", "is missing", "at least one column: --y COLUMN");
+  if (o->base && strcmp(o->base, "-") == 0)
+    return kt_usage(&o->common, "-o", "-", "a file's name: pictures don't go to the standard output");
+  if (!kt_formats_parse_among(&o->common, o->format ? o->format : "svg", "svg,pdf,png", &o->formats))
+    return KT_USAGE;
+  return KT_DONE;
+}
+
+static kt_exit read_table(work *w, size_t t) {
+  const options *o = w->options;
+  const char *path = o->tables.items[t], *file = strcmp(path, "-") == 0 ? "standard input" : path;
+  km_text text = {0};
+  km_error error;
+  km_status status = km_file_read(path, &text, &error);
+  if (!status)
+    status = km_csv_read(&text, file, &w->tables[t], &error);
+  km_text_free(&text);
+  if (status)
+    kt_say(&o->common, KM_ERROR, "%s", error.text);
+  kt_base_name(path, w->names[t], sizeof w->names[t]);
+  return kt_exit_of(status);
+}
+
+/* Says which columns are called nearly so. */
+static kt_exit no_column(const work *w, size_t t, const char *option, const char *name) {
+  const km_table *table = w->tables[t];
+  km_nearest nearest = {.wanted = name};
+  char names[KM_NEAREST_TEXT];
+  for (size_t c = 0; c < km_table_columns(table); ++c)
+    km_nearest_offer(&nearest, km_table_name(table, c));
+  kt_say(&w->options->common, KM_ERROR, "%s %s: %s has no such column; the nearest of its %zu are %s", option, name,
+         w->options->tables.items[t], km_table_columns(table), km_nearest_text(&nearest, names));
+  return KT_USAGE;
+}
+
+/* The column of table t, which must have the unit that the first table's has. */
+static kt_exit find_column(const work *w, size_t t, const char *option, const char *name, size_t in_first,
+                           size_t *column) {
+  int found = km_csv_find(w->tables[t], name);
+  if (found < 0)
+    return no_column(w, t, option, name);
+  *column = (size_t)found;
+  if (t == 0)
+    return KT_DONE;
+  const char *unit = km_table_unit(w->tables[t], *column), *first = km_table_unit(w->tables[0], in_first);
+  if (strcmp(unit, first) == 0)
+    return KT_DONE;
+  kt_say(&w->options->common, KM_ERROR, "%s %s: in %s it is in \"%s\"; expected \"%s\", as in %s", option, name,
+         w->options->tables.items[t], unit, first, w->options->tables.items[0]);
+  return KT_USAGE;
+}
+
+static kt_exit choose_columns(work *w, size_t t) {
+  const char *x = w->options->x ? w->options->x : "s";
+  size_t over = 0;
+  kt_exit result = find_column(w, t, "--x", x, w->shown[0].x, &over);
+  for (size_t c = 0; c < w->columns && result == KT_DONE; ++c)
+    result = find_column(w, t, "--y", w->y[c], w->found[0][c], &w->found[t][c]);
+  w->shown[t] = (km_plotted_table){w->tables[t], w->names[t], over, w->found[t]};
+  return result;
+}
+
+static kt_exit write_plot(const work *w, kt_format format) {
+  const options *o = w->options;
+  km_text out = {0};
+  km_error error;
+  km_status status =
+      km_table_plot(w->shown, (size_t)o->tables.count, w->columns, kt_canvas_format(format), &out, &error);
+  kt_exit result = kt_exit_of(status);
+  if (status)
+    kt_say(&o->common, KM_ERROR, "%s", error.text);
+  else
+    result = kt_write(&o->common, o->base ? o->base : w->names[0], "plot", kt_format_word(format), &out);
+  km_text_free(&out);
+  return result;
+}
+
+static kt_exit run(work *w) {
+  const options *o = w->options;
+  kt_exit result = read_columns(w);
+  for (int t = 0; t < o->tables.count && result == KT_DONE; ++t)
+    result = read_table(w, (size_t)t);
+  for (int t = 0; t < o->tables.count && result == KT_DONE; ++t)
+    result = choose_columns(w, (size_t)t);
+  for (int f = KT_SVG; f <= KT_PNG && result == KT_DONE; ++f)
+    if (o->formats.wanted[f])
+      result = write_plot(w, (kt_format)f);
+  return result;
+}
+
+kt_exit kmob_plot(int argc, char **argv) {
+  options o = {.common = KT_COMMON("kmob")};
+  kt_options all = {.operand = {"table", "TABLE...", true, NULL, &o.tables}};
+  const kt_option table[] = {
+      {"x", 0, "COLUMN", "The column across (default s), with its unit or without", KT_TEXT, &o.x, KT_ABOUT_MODEL},
+      {"y", 0, "COLUMN,…", "The columns upwards (repeatable); those of one unit share an axis", KT_TEXTS, &o.y,
+       KT_ABOUT_MODEL},
+      {"format", 0, "LIST", "Some of svg,pdf,png (default svg)", KT_TEXT, &o.format, KT_ABOUT_FILES},
+      KT_BASE(&o.base, "Files are BASE.plot.FORMAT (default: the first table's name)"),
+  };
+  KT_OPTIONS_ADD(&all, table);
+  kt_common_options(&all, &o.common, 0);
+  kt_options_read(&all, "Columns of a CSV table, one over another; of several tables on one page.", argc, argv);
+  kt_exit result = read_options(&o);
+  work *w = result == KT_DONE ? KM_NEW(work, 1) : NULL;
+  if (!w)
+    return result == KT_DONE ? KT_INTERNAL : result;
+  w->options = &o;
+  result = run(w);
+  for (size_t c = 0; c < w->columns; ++c)
+    km_free(w->y[c]);
+  for (int t = 0; t < o.tables.count; ++t)
+    km_table_free(w->tables[t]);
+  km_free(w);
+  return result;
+}
