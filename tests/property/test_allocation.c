@@ -58,14 +58,14 @@ static km_status diagnose(const char *json) {
 
 /* Asks, and writes the answer as a record, a plot, a report. */
 static km_status write_answer(const fixture *f, const km_question *q) {
-  km_answered answer = {f->mechanism, q, "model"};
+  km_answered answer = {f->mechanism, q, "model", NULL, 0};
   km_arena arena = {0};
   km_text record = {0}, summary = {0}, plot = {0}, report = {0};
   const km_value *value = km_question_record(q, f->mechanism, "", "model", &arena);
   if (value)
     km_json_write(value, &record);
   km_question_print(q, f->mechanism, "model", &summary);
-  km_status status = km_question_plot(&answer, 1, KM_CANVAS_SVG, &plot, NULL);
+  km_status status = km_question_plot(&(const km_comparison){&answer, 1, false}, KM_CANVAS_SVG, &plot, NULL);
   if (!status && !km_question_mobility(q))
     status = km_question_report(&answer, "", true, &report, NULL);
   if (!status && (!value || arena.failed || record.failed || summary.failed || plot.failed || report.failed))

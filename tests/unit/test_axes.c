@@ -190,7 +190,7 @@ static void panels_have_room(void **state) {
   (void)state;
   const double x[] = {0, 1, 2}, y[] = {-3, 5, 2};
   const km_plot_series series = {.name = "a line", .x = x, .y = y, .count = 3};
-  const km_plot_mark mark = {1.5, "mark"};
+  const km_plot_mark mark = {1.5, "mark", 0};
   for (size_t panels = 1; panels <= 9; ++panels) {
     km_plot_panel panel[9];
     for (size_t i = 0; i < panels; ++i)

@@ -119,8 +119,8 @@ static void forces_are_drawn_and_reported(void **state) {
                      KM_OK);
     km_status status = km_statics_sweep_run(f.mechanism, f.state, &plan, forces, &statics, &sweep, &error);
     assert_true(status == KM_OK || status == KM_PARTIAL);
-    km_plotted_statics plotted = {{f.mechanism, &plan, &sweep.motion, names[n]}, &sweep};
-    assert_true(km_statics_plot_make(&plotted, 1, false, &arena, &plot));
+    km_plotted_statics plotted = {{f.mechanism, &plan, &sweep.motion, names[n]}, &sweep, NULL, 0};
+    assert_true(km_statics_plot_make(&plotted, 1, false, false, &arena, &plot));
     int drawn = 0;
     for (size_t p = 0; p < plot.panel_count; ++p) {
       check_colours(&plot.panels[p]);
@@ -169,7 +169,7 @@ static void leverage_is_drawn_and_reported(void **state) {
     km_status status = km_advantage_sweep_run(f.mechanism, f.state, &plan, &input, &output, true, &sweep, &error);
     assert_true(status == KM_OK || status == KM_PARTIAL);
     km_plotted_advantage plotted = {{f.mechanism, &plan, &sweep.motion, names[n]}, &sweep};
-    assert_true(km_advantage_plot_make(&plotted, 1, false, &arena, &plot));
+    assert_true(km_advantage_plot_make(&plotted, 1, false, false, &arena, &plot));
     assert_int_equal(plot.panel_count, 1);
     assert_int_equal(plot.panels[0].series_count, sweep.friction ? 2 : 1);
     char ends[300], with[330];

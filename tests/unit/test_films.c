@@ -159,10 +159,10 @@ static void marks_are_where_the_table_has_them(void **state) {
   static const char *const names[] = {"klann", "excavator"};
   for (size_t n = 0; n < 2; ++n) {
     motion m = open_motion(names[n], 50);
-    const km_plotted_sweep plotted = {m.f.mechanism, &m.plan, &m.sweep, names[n]};
+    const km_plotted_sweep plotted = {m.f.mechanism, &m.plan, &m.sweep, names[n], NULL, 0};
     km_error error;
     km_plot plot;
-    assert_true(km_mobility_plot_make(&plotted, 1, &m.arena, &plot));
+    assert_true(km_mobility_plot_make(&plotted, 1, false, &m.arena, &plot));
     assert_int_equal(km_plot_film(&plot, 300, 236, m.rows, &m.arena, &m.film, &error), KM_OK);
     km_plot_layout layout = {.plot = &plot, .canvas = m.film.canvas, .arena = &m.arena};
     km_plot_layout_make(&layout, 300, 236);

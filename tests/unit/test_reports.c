@@ -45,7 +45,7 @@ static void holding(const char *model, bool html, km_text *out) {
   assert_int_equal(km_forces_create(f.mechanism, NULL, NULL, 0, &forces, &error), KM_OK);
   assert_int_equal(km_statics_create(f.mechanism, NULL, 0, KM_AXES_JOINT, &statics, &error), KM_OK);
   assert_int_equal(km_statics_sweep_run(f.mechanism, f.state, &plan, forces, &statics, &sweep, &error), KM_OK);
-  km_plotted_statics plotted = {{f.mechanism, &plan, &sweep.motion, model}, &sweep};
+  km_plotted_statics plotted = {{f.mechanism, &plan, &sweep.motion, model}, &sweep, NULL, 0};
   if (km_statics_report(&plotted, &statics, "gravity", "", html, out, &error))
     fail_msg("%s", error.text);
   km_statics_sweep_free(&sweep);

@@ -149,10 +149,15 @@ kt_exit kt_run(const char *tool, const char *about, const kt_command *commands, 
 }
 
 km_model *kt_load(const kt_common *common, const char *path, kt_exit *status_out) {
+  return kt_load_varied(common, path, NULL, 0, status_out);
+}
+
+km_model *kt_load_varied(const kt_common *common, const char *path, const km_assignment *assignments, int count,
+                         kt_exit *status_out) {
   km_model *model = NULL;
   km_error error;
   km_messages *messages = km_messages_create();
-  km_status status = km_model_load(path, messages, &model, &error);
+  km_status status = km_model_load_varied(path, assignments, count, messages, &model, &error);
   const char *name = strcmp(path, "-") == 0 ? "standard input" : path;
   for (size_t i = 0; i < km_messages_count(messages); ++i) {
     km_severity severity = km_messages_severity(messages, i);

@@ -73,6 +73,9 @@ kt_exit kt_run(const char *tool, const char *about, const kt_command *commands, 
 
 /* Reads a model and says what is wrong with it. NULL and *exit otherwise. The caller frees it. */
 km_model *kt_load(const kt_common *common, const char *path, kt_exit *exit);
+/* The same with other values for some of its numbers. */
+km_model *kt_load_varied(const kt_common *common, const char *path, const km_assignment *assignments, int count,
+                         kt_exit *exit);
 /* "models/brake.json" → "brake"; "-" → "model". Into the caller's buffer of `size`. */
 void kt_base_name(const char *path, char *out, size_t size);
 

@@ -51,7 +51,7 @@ static kt_exit write_file(const kt_sweep_job *j, bool html, const km_text *bytes
 static kt_exit deliver(const kt_sweep_job *j, bool html) {
   km_text out = {0};
   km_error error;
-  km_answered answer = {j->pose.mechanism, j->question, j->base};
+  km_answered answer = {j->pose.mechanism, j->question, j->label, NULL, 0};
   km_status status = km_question_report(&answer, j->stopped_by.data ? j->stopped_by.data : "", html, &out, &error);
   kt_exit result = kt_exit_of(status);
   if (status)
@@ -71,6 +71,7 @@ kt_exit kt_report(kt_sweep_options *o) {
   if (o->base && strcmp(o->base, "-") == 0)
     return kt_usage(&o->common, "-o", "-", "a file");
   kt_asked_set(&o->asked, "transmission");
+  o->variants.count = 1;
   kt_sweep_job *j = KM_NEW(kt_sweep_job, 1);
   if (!j)
     return KT_INTERNAL;

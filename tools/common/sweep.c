@@ -19,20 +19,20 @@ static void tell(kt_sweep_job *j, bool partial) {
   const km_statics_sweep *statics = km_question_statics(j->question);
   if (statics && statics->unheld)
     kt_say(common, KM_ERROR, "%s: the actuators can't hold %zu of %zu rows, first at %.9g (kstatic at tells why)",
-           j->path, statics->unheld, km_table_rows(motion->table), statics->first_unheld);
-  kt_detail(common, "%s: %zu rows of %zu columns", j->path, km_table_rows(motion->table),
+           j->name, statics->unheld, km_table_rows(motion->table), statics->first_unheld);
+  kt_detail(common, "%s: %zu rows of %zu columns", j->name, km_table_rows(motion->table),
             km_table_columns(motion->table));
   km_sweep_stop_text(j->pose.mechanism, plan, motion, &j->stopped_by);
   if (partial && j->stopped_by.size)
-    kt_say(common, KM_ERROR, "%s: %s", j->path, j->stopped_by.data);
+    kt_say(common, KM_ERROR, "%s: %s", j->name, j->stopped_by.data);
   if (motion->start_branches > 0)
     kt_say(common, KM_NOTE,
            "%s: the starting pose is a branch point; of %d motions the one %s "
            "is taken (--set starts from another pose)",
-           j->path, motion->start_branches,
+           j->name, motion->start_branches,
            plan->arclength > 0.0 ? "nearest to the direction asked for" : "that moves the driver most");
   else if (motion->freedom > 1 && plan->arclength <= 0.0)
-    kt_say(common, KM_NOTE, "%s: more than one freedom is left; the others move least (--hold keeps joints)", j->path);
+    kt_say(common, KM_NOTE, "%s: more than one freedom is left; the others move least (--hold keeps joints)", j->name);
 }
 
 static void ask(kt_sweep_job *j) {
@@ -45,30 +45,58 @@ static void ask(kt_sweep_job *j) {
   if (status == KM_OK || status == KM_PARTIAL)
     tell(j, status == KM_PARTIAL);
   else
-    kt_say_asked(&j->common, KM_ERROR, j->path, error.text);
+    kt_say_asked(&j->common, KM_ERROR, j->name, error.text);
   j->result = kt_exit_of(status);
+}
+
+/* A label without what file names or shells mind: "rise=40, tip.x=5" becomes "rise=40,tip.x=5". */
+static void file_name(const char *label, char out[KT_JOB_NAME]) {
+  for (; *label; ++label)
+    if (*label == '/' || *label == ':')
+      *out++ = *label == '/' ? '_' : '.';
+    else if (*label != ' ')
+      *out++ = *label;
+  *out = '\0';
 }
 
 void kt_sweep_job_open(kt_sweep_job *j, double metres) {
   const kt_sweep_options *o = j->options;
-  kt_base_name(j->path, j->base, sizeof j->base);
-  j->pose.model = kt_load(&j->common, j->path, &j->result);
+  km_assignment values[KT_MOST_VARIED];
+  char model[256];
+  bool varied = o->variants.number_count > 0, several = o->models.count > 1;
+  kt_variant(&o->variants, j->variant, values, j->variant_name);
+  kt_base_name(j->path, model, sizeof model);
+  snprintf(j->name, sizeof j->name, varied ? "%s (%s)" : "%s", j->path, j->variant_name);
+  snprintf(j->label, sizeof j->label, "%s%s%s", several || !varied ? model : "", several && varied ? ": " : "",
+           j->variant_name);
+  file_name(j->label, j->base);
+  j->pose.model = kt_load_varied(&j->common, j->path, values, o->variants.number_count, &j->result);
   if (!j->pose.model)
     return;
   if (metres > 0.0)
     km_model_share_length(j->pose.model, metres / km_model_length_unit(j->pose.model));
-  j->result = kt_bring(&j->common, j->path, &o->holds, &o->sets, &j->pose);
+  j->result = kt_bring(&j->common, j->name, &o->holds, &o->sets, &j->pose);
 }
 
 void kt_sweep_job_close(kt_sweep_job *j) {
   km_question_free(j->question);
   km_text_free(&j->stopped_by);
+  km_free(j->shown);
   kt_close(&j->pose);
+}
+
+/* The coordinates of --joints. */
+static kt_exit read_shown(kt_sweep_job *j) {
+  j->shown = KM_NEW(int, (size_t)km_model_coordinate_count(j->pose.model) + 1);
+  return j->shown ? kt_coordinates(&j->common, j->pose.model, "--joints", j->options->joints, j->shown, &j->shown_count)
+                  : KT_INTERNAL;
 }
 
 void kt_sweep_job_run(kt_sweep_job *j) {
   if (j->result == KT_DONE)
-    j->result = kt_ask(&j->common, j->path, &j->options->asked, &j->pose, &j->question);
+    j->result = kt_ask(&j->common, j->name, &j->options->asked, &j->pose, &j->question);
+  if (j->result == KT_DONE && j->options->joints)
+    j->result = read_shown(j);
   if (j->result == KT_DONE)
     ask(j);
 }
@@ -93,15 +121,28 @@ static const char *word_of(const kt_sweep_options *o) {
   return km_question_kind_name(o->asked.kind);
 }
 
+/* `variant` {path: value}, where there is one. */
+static void add_variant(const kt_sweep_job *j, km_value *record, km_arena *arena) {
+  km_assignment values[KT_MOST_VARIED];
+  char name[KT_VARIANT_NAME];
+  int count = j->options->variants.number_count;
+  kt_variant(&j->options->variants, j->variant, values, name);
+  km_value *variant = count ? km_value_add(arena, record, "variant", KM_OBJECT) : NULL;
+  for (int i = 0; i < count && !arena->failed; ++i)
+    km_value_number(arena, variant, values[i].path, values[i].value);
+}
+
 static kt_exit write_table(const kt_sweep_job *j, const char *base, kt_format format) {
   km_text out = {0};
   if (format == KT_CSV) {
     km_csv_write(km_question_table(j->question), &out);
   } else {
     km_arena arena = {0};
-    const km_value *record = km_question_record(j->question, j->pose.mechanism,
-                                                j->stopped_by.data ? j->stopped_by.data : "", j->path, &arena);
+    km_value *record = km_question_record(j->question, j->pose.mechanism, j->stopped_by.data ? j->stopped_by.data : "",
+                                          j->path, &arena);
     if (record)
+      add_variant(j, record, &arena);
+    if (record && !arena.failed)
       km_json_write(record, &out);
     else
       out.failed = true;
@@ -112,49 +153,56 @@ static kt_exit write_table(const kt_sweep_job *j, const char *base, kt_format fo
   return result;
 }
 
+static int job_count(const kt_sweep_options *o) {
+  return o->models.count * o->variants.count;
+}
+
 static kt_exit write_plot(const kt_sweep_options *o, const kt_sweep_job *jobs, const char *base, kt_format format) {
   km_answered shown[KT_MOST_MODELS];
-  int count = 0;
-  for (int i = 0; i < o->models.count; ++i)
+  km_comparison comparison = {.answers = shown, .ordered = o->variants.number_count > 0};
+  for (int i = 0; i < job_count(o); ++i)
     if (kt_sweep_job_delivers(&jobs[i]))
-      shown[count++] = (km_answered){jobs[i].pose.mechanism, jobs[i].question, jobs[i].base};
+      shown[comparison.count++] =
+          (km_answered){jobs[i].pose.mechanism, jobs[i].question, jobs[i].label, jobs[i].shown, jobs[i].shown_count};
   km_text out = {0};
   km_error error;
-  km_status status = km_question_plot(shown, count, kt_canvas_format(format), &out, &error);
+  km_status status = km_question_plot(&comparison, kt_canvas_format(format), &out, &error);
   kt_exit result = kt_exit_of(status);
   if (status)
-    kt_say(&o->common, KM_ERROR, "%s", error.text);
+    kt_say_asked(&o->common, KM_ERROR, NULL, error.text);
   else
     result = kt_write(&o->common, base, word_of(o), kt_format_word(format), &out);
   km_text_free(&out);
   return result;
 }
 
-/* BASE: what -o says, else the first model's name, with `-compared` behind it where there are several. */
-static void base_of(const kt_sweep_options *o, const kt_sweep_job *jobs, char *out, size_t size) {
+/* BASE: what -o says, else the first model's name, with `-compared` behind it where there are several or variants. */
+static void base_of(const kt_sweep_options *o, char *out, size_t size) {
+  char model[256];
+  kt_base_name(o->models.items[0], model, sizeof model);
   if (o->base)
     snprintf(out, size, "%s", o->base);
   else
-    snprintf(out, size, "%s%s", jobs[0].base, o->models.count > 1 ? "-compared" : "");
+    snprintf(out, size, "%s%s", model, job_count(o) > 1 ? "-compared" : "");
 }
 
 static kt_exit deliver(const kt_sweep_options *o, const kt_sweep_job *jobs) {
   kt_exit result = KT_DONE;
   bool some = false;
-  char base[4096], own[4096 + 256];
-  base_of(o, jobs, base, sizeof base);
-  for (int i = 0; i < o->models.count; ++i) {
+  char base[4096], own[4096 + KT_JOB_NAME];
+  base_of(o, base, sizeof base);
+  for (int i = 0; i < job_count(o); ++i) {
     const kt_sweep_job *j = &jobs[i];
     if (!kt_sweep_job_delivers(j))
       continue;
     some = true;
     km_text summary = {0};
     if (!o->common.quiet && !(o->base && strcmp(o->base, "-") == 0)) {
-      km_question_print(j->question, j->pose.mechanism, j->path, &summary);
+      km_question_print(j->question, j->pose.mechanism, j->name, &summary);
       result = kt_worse(result, kt_print(&o->common, &summary));
     }
     km_text_free(&summary);
-    snprintf(own, sizeof own, o->models.count > 1 ? "%s.%s" : "%s", base, j->base);
+    snprintf(own, sizeof own, job_count(o) > 1 ? "%s.%s" : "%s", base, j->base);
     for (int f = KT_CSV; f <= KT_JSON; ++f)
       if (o->formats.wanted[f])
         result = kt_worse(result, write_table(j, own, (kt_format)f));
@@ -187,14 +235,15 @@ static bool names_differ(const kt_sweep_options *o) {
 }
 
 static kt_exit run(const kt_sweep_options *o) {
-  int count = o->models.count;
+  int count = job_count(o);
   kt_sweep_job *jobs = KM_NEW(kt_sweep_job, (size_t)count);
   kt_exit result = KT_DONE;
   if (!jobs)
     return KT_INTERNAL;
   for (int i = 0; i < count; ++i) {
     jobs[i].options = o;
-    jobs[i].path = o->models.items[i];
+    jobs[i].path = o->models.items[i / o->variants.count];
+    jobs[i].variant = i % o->variants.count;
     jobs[i].common = o->common;
     jobs[i].common.log = count > 1 ? &jobs[i].log : NULL;
   }
@@ -211,6 +260,17 @@ static kt_exit run(const kt_sweep_options *o) {
   return result;
 }
 
+static kt_exit check(const kt_sweep_options *o) {
+  bool piped = o->base && strcmp(o->base, "-") == 0;
+  bool tables_only = !o->formats.wanted[KT_SVG] && !o->formats.wanted[KT_PDF] && !o->formats.wanted[KT_PNG];
+  if (piped && (job_count(o) > 1 || kt_formats_count(&o->formats) != 1 || !tables_only))
+    return kt_usage(&o->common, "-o", "-", "one model and --format csv or json");
+  for (int i = 0; i < o->models.count && o->variants.count > 1; ++i)
+    if (strcmp(o->models.items[i], "-") == 0)
+      return kt_usage(&o->common, "--vary", "with -", "a file: the standard input can be read only once");
+  return names_differ(o) ? KT_DONE : KT_USAGE;
+}
+
 kt_exit kt_sweep(kt_sweep_options *o) {
   bool piped = o->base && strcmp(o->base, "-") == 0;
   if (!kt_formats_parse(&o->common, o->format ? o->format : piped ? "csv" : "csv,svg", &o->formats))
@@ -219,8 +279,11 @@ kt_exit kt_sweep(kt_sweep_options *o) {
     kt_asked_set(&o->asked, "redundancies");
   if (o->models.count > KT_MOST_MODELS)
     return kt_usage(&o->common, "MODEL", "…", "at most 64 models");
-  bool tables_only = !o->formats.wanted[KT_SVG] && !o->formats.wanted[KT_PDF] && !o->formats.wanted[KT_PNG];
-  if (piped && (o->models.count > 1 || kt_formats_count(&o->formats) != 1 || !tables_only))
-    return kt_usage(&o->common, "-o", "-", "one model and --format csv or json");
-  return names_differ(o) ? run(o) : KT_USAGE;
+  kt_exit result = kt_variants_read(&o->common, &o->vary, KT_MOST_MODELS / o->models.count, &o->variants);
+  if (result == KT_DONE)
+    result = check(o);
+  if (result == KT_DONE)
+    result = run(o);
+  kt_variants_free(&o->variants);
+  return result;
 }

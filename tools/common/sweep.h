@@ -4,17 +4,20 @@
 
 #include "common/asked.h"
 #include "common/pose.h"
+#include "common/vary.h"
 
-enum { KT_MOST_MODELS = 64 };
+enum { KT_MOST_MODELS = 64, KT_JOB_NAME = 1024 };
 
 /* What sweep and report commands are asked. */
 typedef struct kt_sweep_options {
   kt_common common;
   kt_asked asked; /* the question */
-  kt_texts holds, sets, models;
-  const char *base;   /* of -o, or NULL */
-  const char *format; /* of --format, or NULL */
-  kt_formats formats; /* what it says. By kt_sweep */
+  kt_texts holds, sets, models, vary;
+  kt_variants variants; /* what `vary` says. By kt_sweep */
+  const char *joints;   /* of --joints: whose curves are drawn; or NULL */
+  const char *base;     /* of -o, or NULL */
+  const char *format;   /* of --format, or NULL */
+  kt_formats formats;   /* what it says. By kt_sweep */
 } kt_sweep_options;
 
 /* The options of a kind of question, --hold and --set. */
@@ -23,21 +26,27 @@ void kt_sweep_options_add(kt_options *out, kt_sweep_options *options, const char
 void kt_sweep_options_several(kt_options *out, kt_sweep_options *options, const char *kind, const char *base_help);
 #define KT_SWEEP_BASE(RESULT) "Files are BASE." RESULT ".FORMAT (default: the model's name); - is the standard output"
 
-/* One model of the sweep, with all that its files are made of. */
+/* One model of the sweep, or one variant of one, with all that its files are made of. */
 typedef struct kt_sweep_job {
   const kt_sweep_options *options;
   kt_common common; /* with a log of its own */
   km_text log;
   const char *path;
-  char base[256];
+  int variant;                        /* of options->variants */
+  char variant_name[KT_VARIANT_NAME]; /* "rise=40"; "" */
+  char name[KT_JOB_NAME];             /* in messages and summaries: the path, and the variant behind it */
+  char label[KT_JOB_NAME];            /* at curves: the model's name, or the variant's */
+  char base[KT_JOB_NAME];             /* in files' names: the same without blanks and slashes */
   kt_pose pose;
   km_question *question;
+  int *shown; /* [shown_count] coordinates of --joints; NULL: not given */
+  int shown_count;
   km_text stopped_by;
   kt_exit result;
   bool empty; /* no pose of the range is in reach: there is nothing to write */
 } kt_sweep_job;
 
-/* Asks every model the question, --jobs at once, and writes what was asked for. */
+/* Asks every model, and every variant of it, the question, --jobs at once, and writes what was asked for. */
 kt_exit kt_sweep(kt_sweep_options *options);
 
 /* Reads the job's model and brings it to its pose; job->result says how it went. `metres`: another model's

@@ -165,13 +165,13 @@ static const char *subtitle_of(animation *a) {
 static km_status make_films(animation *a, km_error *error) {
   const kmob_shots *s = a->shots;
   km_drawing drawing = *a->drawing;
-  const km_plotted_sweep plotted = {s->pose.mechanism, &a->plan, &a->sweep, s->name};
+  const km_plotted_sweep plotted = {s->pose.mechanism, &a->plan, &a->sweep, s->name, NULL, 0};
   km_plot plot;
   kmob_shots_show(s, &drawing);
   km_status status = km_drawing_film(&drawing, &a->arena, &a->film, error);
   if (status)
     return status;
-  if (!km_mobility_plot_make(&plotted, 1, &a->arena, &plot))
+  if (!km_mobility_plot_make(&plotted, 1, false, &a->arena, &plot))
     return km_fail(error, KM_MEMORY, "out of memory for the plot");
   plot.title = plot.subtitle = NULL; /* the page has them */
   return km_plot_film(&plot, plot_width, plot_height, s->count, &a->arena, &a->curves, error);

@@ -157,7 +157,7 @@ void km_advantage_report_make(km_document_maker *k, const km_plotted_advantage *
   add_facts(k, p, stopped_by);
   km_report_poses(k, &p->swept);
   km_document_heading(k, "Leverage");
-  if (km_advantage_plot_make(p, 1, false, &k->arena, &plot))
+  if (km_advantage_plot_make(p, 1, false, false, &k->arena, &plot))
     km_report_plot(k, &plot, "mechanical advantage over the sweep", 230);
   km_document_text(k, "Mechanical advantage is the input's rate over the output's, signed, angles in radians. Without "
                       "losses an input force f balances an output force −MA · f.");

@@ -29,7 +29,7 @@ static void acting_words(const km_model *model, const km_forces *forces, km_text
 
 static km_status statics_report(const km_answered *a, const km_swept *swept, const char *stopped_by, bool html,
                                 km_text *out, km_error *error) {
-  km_plotted_statics plotted = {*swept, km_question_statics(a->question)};
+  km_plotted_statics plotted = {*swept, km_question_statics(a->question), NULL, 0};
   km_text acting = {0};
   acting_words(a->mechanism->model, km_question_forces(a->question), &acting);
   km_status status = acting.failed ? km_fail(error, KM_MEMORY, "out of memory for the report")

@@ -153,7 +153,7 @@ void km_statics_report_make(km_document_maker *k, const km_plotted_statics *p, c
   add_facts(k, p, acting, stopped_by);
   km_report_poses(k, &p->swept);
   km_document_heading(k, "What the actuators hold");
-  if (p->sweep->actuator_count && km_statics_plot_make(p, 1, false, &k->arena, &plot))
+  if (p->sweep->actuator_count && km_statics_plot_make(p, 1, false, false, &k->arena, &plot))
     km_report_plot(k, &plot, "actuator forces over the sweep", 230);
   add_peaks(k, p);
   add_rows(k, p);

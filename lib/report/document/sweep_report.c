@@ -133,7 +133,7 @@ void km_report_poses(km_document_maker *maker, const km_swept *s) {
   km_plot_strip *strip = KM_ARENA_NEW(&maker->arena, km_plot_strip, 1);
   if (!drawing || maker->arena.failed)
     return;
-  *strip = km_sweep_strip_make(s->mechanism, s->plan, s->motion, POSES, &maker->arena, kept);
+  *strip = km_sweep_strip_make(s, POSES, &maker->arena, kept);
   km_document_heading(maker, "The mechanism");
   km_document_picture(maker, "the mechanism in the middle of the sweep, with the names of its joints; other poses pale",
                       250, draw_large, drawing);

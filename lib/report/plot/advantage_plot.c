@@ -28,11 +28,12 @@ static size_t mark_peak(km_arena *arena, const char *word, const km_peak *peak, 
   if (!isfinite(peak->value) || !isfinite(peak->s))
     return 0;
   snprintf(number, sizeof number, "%s%.4g", peak->value < 0.0 ? "−" : "", fabs(peak->value));
-  *out = (km_swept_mark){0, peak->s, text_in(arena, "%s %s", word, number)};
+  *out = (km_swept_mark){0, 0, peak->s, text_in(arena, "%s %s", word, number)};
   return 1;
 }
 
-bool km_advantage_plot_make(const km_plotted_advantage *sweeps, int count, bool strip, km_arena *arena, km_plot *out) {
+bool km_advantage_plot_make(const km_plotted_advantage *sweeps, int count, bool ordered, bool strip, km_arena *arena,
+                            km_plot *out) {
   const km_advantage_sweep *first = sweeps[0].sweep;
   const char *unit = km_advantage_unit(sweeps[0].swept.mechanism->model, &first->input, &first->output);
   size_t marks = 0, gaps = 0, lines = 0;
@@ -59,7 +60,7 @@ bool km_advantage_plot_make(const km_plotted_advantage *sweeps, int count, bool 
       ++lines;
     }
     for (size_t k = 0; k < s->toggle_count; ++k) {
-      mark[marks++] = (km_swept_mark){0, s->toggles[k].s, km_advantage_toggle_name(&s->toggles[k])};
+      mark[marks++] = (km_swept_mark){i, 0, s->toggles[k].s, km_advantage_toggle_name(&s->toggles[k])};
       for (int friction = 0; friction <= s->friction && s->toggles[k].state == KM_ADVANTAGE_INFINITE; ++friction)
         gap[gaps++] = (km_swept_break){i, km_advantage_column(s, friction), s->toggles[k].s};
     }
@@ -75,6 +76,7 @@ bool km_advantage_plot_make(const km_plotted_advantage *sweeps, int count, bool 
       .y_label = unit[0] ? text_in(arena, "mechanical advantage (%s)%s", unit, "") : "mechanical advantage",
       .sweeps = swept,
       .sweep_count = count,
+      .ordered = ordered,
       .lines = line,
       .line_count = lines,
       .marks = mark,
@@ -86,11 +88,11 @@ bool km_advantage_plot_make(const km_plotted_advantage *sweeps, int count, bool 
   return !arena->failed && km_sweep_plot_make(&picture, arena, out);
 }
 
-km_status km_advantage_plot(const km_plotted_advantage *sweeps, int count, km_canvas_format format, km_text *out,
-                            km_error *error) {
+km_status km_advantage_plot(const km_plotted_advantage *sweeps, int count, bool ordered, km_canvas_format format,
+                            km_text *out, km_error *error) {
   km_arena arena = {0};
   km_plot plot;
-  km_status status = km_advantage_plot_make(sweeps, count, true, &arena, &plot)
+  km_status status = km_advantage_plot_make(sweeps, count, ordered, true, &arena, &plot)
                          ? km_plot_render(&plot, format, out, error)
                          : km_fail(error, KM_MEMORY, "out of memory for the plot");
   km_arena_free(&arena);

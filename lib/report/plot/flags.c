@@ -1,4 +1,5 @@
 /* Names of the marks on the x axis, placed above the panel without overlaps. */
+#include "report/plot/palette.h"
 #include "report/plot/parts.h"
 
 #include <math.h>
@@ -9,6 +10,11 @@ enum { ROWS_MOST = 4 };
 static const km_colour ink = {0.25, 0.25, 0.25, 1};
 static const double nearly_same = 2; /* points: signs closer than this share a name */
 static const double name_gap = 6, pole_gap = 2.5;
+
+/* Of a mark, or of its flag. */
+static km_colour ink_of(int own_colour) {
+  return own_colour > 0 ? km_palette_text(own_colour - 1) : ink;
+}
 
 static double axis_part(const km_axis *axis, double x) {
   return x / (axis->high - axis->low) - axis->low / (axis->high - axis->low);
@@ -99,7 +105,8 @@ km_plot_flags km_plot_flags_make(const km_plot_layout *layout, const km_plot_pan
       insert(&flags, (km_plot_flag){.x = mark->x,
                                     .at = axis_part(&layout->x, mark->x) * frame_width,
                                     .width = name_width(layout, mark->name),
-                                    .name = mark->name});
+                                    .name = mark->name,
+                                    .own_colour = mark->own_colour});
   }
   for (size_t i = 0; i + 1 < flags.count;)
     if (flags.flags[i + 1].at - flags.flags[i].at < nearly_same)
@@ -114,32 +121,34 @@ km_plot_flags km_plot_flags_make(const km_plot_layout *layout, const km_plot_pan
   return flags;
 }
 
-static void draw_sign(const km_plot_layout *layout, const km_frame *frame, double x) {
+static void draw_sign(const km_plot_layout *layout, const km_frame *frame, double x, km_colour colour) {
   static const double dash[] = {1, 2.5};
-  const km_pen pen = {.colour = ink, .width = 0.6, .dash = dash, .dash_count = 2};
+  const km_pen pen = {.colour = colour, .width = 0.6, .dash = dash, .dash_count = 2};
   double bottom = frame->top + frame->height, half = 0.42 * layout->mark_room;
   km_canvas_line(layout->canvas, &pen, (km_canvas_point){x, bottom}, (km_canvas_point){x, frame->top});
   const km_canvas_point triangle[] = {
       {x, bottom + 0.8}, {x + half, bottom + layout->mark_room}, {x - half, bottom + layout->mark_room}};
-  km_canvas_polygon(layout->canvas, ink, triangle, 3);
+  km_canvas_polygon(layout->canvas, colour, triangle, 3);
 }
 
 void km_plot_flags_draw(const km_plot_layout *layout, size_t panel) {
   const km_plot_panel *source = &layout->plot->panels[panel];
   const km_plot_flags *flags = &layout->flags[panel];
   const km_frame frame = km_plot_layout_frame(layout, panel);
-  const km_pen pole = {.colour = ink, .width = 0.5};
   double row_height = km_canvas_measure(layout->canvas, &layout->mark, "x").y;
   for (size_t i = 0; i < source->mark_count; i++)
     if (km_axis_takes(source->marks[i].x))
-      draw_sign(layout, &frame, km_frame_map(&frame, source->marks[i].x, frame.y_low).x);
+      draw_sign(layout, &frame, km_frame_map(&frame, source->marks[i].x, frame.y_low).x,
+                ink_of(source->marks[i].own_colour));
   for (size_t i = 0; i < flags->count; i++) {
     const km_plot_flag *flag = &flags->flags[i];
+    const km_pen pole = {.colour = ink_of(flag->own_colour), .width = 0.5};
     double x = frame.left + flag->at, base = frame.top - 2 - (double)flag->row * row_height;
     km_canvas_line(layout->canvas, &pole, (km_canvas_point){x, frame.top},
                    (km_canvas_point){x, base - 0.8 * row_height});
     km_font font = layout->mark;
     font.width = fmax(flag->width - pole_gap, 1) + 0.5; /* rounding must not cost a letter */
-    km_canvas_text(layout->canvas, &font, ink, flag->name, (km_canvas_point){x + pole_gap, base}, (km_anchor){0, 1, 0});
+    km_canvas_text(layout->canvas, &font, ink_of(flag->own_colour), flag->name, (km_canvas_point){x + pole_gap, base},
+                   (km_anchor){0, 1, 0});
   }
 }

@@ -1,6 +1,7 @@
 /* The plot of mobility numbers over a sweep: which lines, colours, panels and marks. */
 #include "report/plot/mobility_plot.h"
 
+#include "report/plot/palette.h"
 #include "report/plot/plot.h"
 #include "report/plot/short_names.h"
 #include "report/plot/sweep_strip.h"
@@ -28,6 +29,7 @@ typedef struct lines {
   line *items;
   size_t count;
   double **x; /* [sweep] */
+  bool ordered;
 } lines;
 
 static double *column_of(lines *l, const km_table *table, size_t column) {
@@ -69,7 +71,20 @@ static void add_line(lines *l, const km_plotted_sweep *p, int sweep, int coordin
     new->largest = fmax(new->largest, y[r]);
 }
 
-/* Lines of every coordinate in a loop or coupling; of all where there is none. */
+/* Is the coordinate's number to be drawn? By default every one in a loop or coupling, all where there is none; of
+ * several sweeps the driver's, where there is one. */
+static bool is_shown(const km_plotted_sweep *p, int count, int coordinate) {
+  const km_mechanism *m = p->mechanism;
+  for (int i = 0; i < p->shown_count; ++i)
+    if (p->shown[i] == coordinate)
+      return true;
+  int driver = p->plan->arclength > 0.0 ? p->plan->direction : p->plan->coordinate;
+  if (p->shown || (count > 1 && driver >= 0))
+    return !p->shown && coordinate == driver;
+  return m->topology.substructure_count == 0 || (m->substructure_of[coordinate] >= 0 && !m->held[coordinate]);
+}
+
+/* Lines of the coordinates that are drawn. */
 static void gather(lines *l, const km_plotted_sweep *sweeps, int count) {
   for (int i = 0; i < count && !l->arena->failed; ++i) {
     const km_plotted_sweep *p = &sweeps[i];
@@ -81,8 +96,7 @@ static void gather(lines *l, const km_plotted_sweep *sweeps, int count) {
       column += freedom == 0;
       for (int k = 0; k < freedom; ++k, ++column) {
         int c = m->model->joints[j].first_coordinate + k;
-        bool shown = m->topology.substructure_count == 0 || (m->substructure_of[c] >= 0 && !m->held[c]);
-        if (shown)
+        if (is_shown(p, count, c))
           add_line(l, p, i, c, column);
       }
     }
@@ -106,18 +120,17 @@ static int importance(const lines *l, size_t index, int substructure) {
   return larger;
 }
 
-/* Overlaid sweeps give a joint one colour. */
-static int shared_colour(const lines *l, const km_plot_series *series, const size_t *source, size_t used, size_t index,
-                         int next) {
-  for (size_t i = 0; i < used; ++i)
-    if (strcmp(l->items[source[i]].name, l->items[index].name) == 0)
-      return series[i].colour;
-  return next;
+/* The place of a line among those of its sweep: overlaid sweeps tell joints apart by dashes. */
+static int place_of(const lines *l, size_t index) {
+  int place = 0;
+  for (size_t i = 0; i < index; ++i)
+    place += l->items[i].sweep == l->items[index].sweep;
+  return place;
 }
 
 static void fill_panel(lines *l, const km_plotted_sweep *sweeps, int count, int substructure, km_plot_panel *panel) {
   km_plot_series *series = KM_ARENA_NEW(l->arena, km_plot_series, l->count);
-  size_t *source = KM_ARENA_NEW(l->arena, size_t, l->count), used = 0;
+  size_t used = 0;
   const char **models = km_short_names_of(&sweeps[0].name, sizeof *sweeps, count, l->arena);
   int next = 0;
   if (l->arena->failed)
@@ -128,20 +141,23 @@ static void fill_panel(lines *l, const km_plotted_sweep *sweeps, int count, int 
       continue;
     char name[2 * NAME_SIZE];
     snprintf(name, sizeof name, count > 1 ? "%s (%.60s)" : "%s", item->name, models[item->sweep]);
-    int colour = importance(l, i, substructure) < MOST_LINES ? shared_colour(l, series, source, used, i, next) : -1;
-    next += colour == next;
-    source[used] = i;
+    bool compared = count > 1, coloured = importance(l, i, substructure) < MOST_LINES;
+    int colour = compared ? km_palette_compared(item->sweep, count, l->ordered) : coloured ? next++ : -1;
     series[used++] = (km_plot_series){.name = km_arena_string(l->arena, name),
                                       .x = item->x,
                                       .y = item->y,
                                       .count = item->count,
                                       .colour = colour,
-                                      .dash = count > 1    ? item->sweep
-                                              : colour > 0 ? colour
-                                                           : 0};
+                                      .dash = compared   ? place_of(l, i)
+                                              : coloured ? colour
+                                                         : 0};
   }
   panel->series = series;
   panel->series_count = used;
+}
+
+static int mark_colour(const lines *l, int count, int sweep) {
+  return count > 1 ? 1 + km_palette_compared(sweep, count, l->ordered) : 0;
 }
 
 static void fill_marks(lines *l, const km_plotted_sweep *sweeps, int count, int substructure, km_plot_panel *panel) {
@@ -157,14 +173,18 @@ static void fill_marks(lines *l, const km_plotted_sweep *sweeps, int count, int 
       const km_toggle *toggle = &sweeps[i].sweep->toggles[k];
       if (substructure >= 0 && m->substructure_of[toggle->coordinate] != substructure)
         continue;
-      marks[panel->mark_count++] = (km_plot_mark){toggle->s, m->model->coordinates[toggle->coordinate].label};
+      if (count > 1 && !is_shown(&sweeps[i], count, toggle->coordinate))
+        continue;
+      marks[panel->mark_count++] =
+          (km_plot_mark){toggle->s, m->model->coordinates[toggle->coordinate].label, mark_colour(l, count, i)};
     }
   }
   for (int i = 0; i < count; ++i)
     for (size_t k = 0; k < sweeps[i].sweep->motion.branch_count &&
                        (substructure < 0 || sweeps[i].sweep->motion.substructure == substructure);
          ++k)
-      marks[panel->mark_count++] = (km_plot_mark){sweeps[i].sweep->motion.branches[k].s, "branch point"};
+      marks[panel->mark_count++] =
+          (km_plot_mark){sweeps[i].sweep->motion.branches[k].s, "branch point", mark_colour(l, count, i)};
   panel->marks = marks;
 }
 
@@ -174,7 +194,7 @@ static size_t make_panels(lines *l, const km_plotted_sweep *sweeps, int count, k
   for (int i = 0; i < count; ++i)
     if (sweeps[i].mechanism->topology.substructure_count > substructures)
       substructures = sweeps[i].mechanism->topology.substructure_count;
-  bool split = l->count > MOST_LINES && substructures > 1 && substructures <= MOST_PANELS;
+  bool split = count == 1 && l->count > MOST_LINES && substructures > 1 && substructures <= MOST_PANELS;
   if (!split) {
     fill_panel(l, sweeps, count, -1, &panels[0]);
     fill_marks(l, sweeps, count, -1, &panels[0]);
@@ -233,11 +253,16 @@ static void fill_plot(lines *l, const km_plotted_sweep *sweeps, int count, km_pl
                    .y_high = 1.0,
                    .panels = panels,
                    .panel_count = make_panels(l, sweeps, count, panels)};
-  out->strip = km_sweep_strip_make(sweeps[0].mechanism, sweeps[0].plan, &sweeps[0].sweep->motion, 3, l->arena, strip);
+  km_swept *swept = KM_ARENA_NEW(l->arena, km_swept, (size_t)count);
+  for (int i = 0; i < count && swept; ++i)
+    swept[i] = (km_swept){sweeps[i].mechanism, sweeps[i].plan, &sweeps[i].sweep->motion, sweeps[i].name};
+  if (swept)
+    out->strip = count > 1 ? km_comparison_strip_make(swept, count, l->ordered, l->arena, strip)
+                           : km_sweep_strip_make(swept, 3, l->arena, strip);
 }
 
-bool km_mobility_plot_make(const km_plotted_sweep *sweeps, int count, km_arena *arena, km_plot *out) {
-  lines l = {.arena = arena};
+bool km_mobility_plot_make(const km_plotted_sweep *sweeps, int count, bool ordered, km_arena *arena, km_plot *out) {
+  lines l = {.arena = arena, .ordered = ordered};
   l.items = KM_ARENA_NEW(arena, line, most_lines(sweeps, count));
   l.x = KM_ARENA_NEW(arena, double *, (size_t)count);
   if (!arena->failed)
@@ -247,11 +272,11 @@ bool km_mobility_plot_make(const km_plotted_sweep *sweeps, int count, km_arena *
   return !arena->failed;
 }
 
-km_status km_mobility_plot(const km_plotted_sweep *sweeps, int count, km_canvas_format format, km_text *out,
-                           km_error *error) {
+km_status km_mobility_plot(const km_plotted_sweep *sweeps, int count, bool ordered, km_canvas_format format,
+                           km_text *out, km_error *error) {
   km_arena arena = {0};
   km_plot plot;
-  km_status status = km_mobility_plot_make(sweeps, count, &arena, &plot)
+  km_status status = km_mobility_plot_make(sweeps, count, ordered, &arena, &plot)
                          ? km_plot_render(&plot, format, out, error)
                          : km_fail(error, KM_MEMORY, "out of memory for the plot");
   km_arena_free(&arena);

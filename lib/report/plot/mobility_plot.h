@@ -12,13 +12,16 @@ typedef struct km_plotted_sweep {
   const km_sweep_plan *plan;
   const km_mobility_sweep *sweep;
   const char *name; /* of the model */
+  const int *shown; /* [shown_count] coordinates whose numbers are drawn; NULL: all, of several sweeps the driver's */
+  int shown_count;
 } km_plotted_sweep;
 
 /* Appends the picture's bytes. Joints whose numbers agree share a line; past eight lines each substructure gets
- * a panel of its own. Several sweeps overlay, told apart by their dashes. */
-km_status km_mobility_plot(const km_plotted_sweep *sweeps, int count, km_canvas_format format, km_text *out,
-                           km_error *error);
+ * a panel of its own. Several sweeps overlay, told apart by their colours; `ordered`: variants, whose order the
+ * colours show. */
+km_status km_mobility_plot(const km_plotted_sweep *sweeps, int count, bool ordered, km_canvas_format format,
+                           km_text *out, km_error *error);
 /* The same before it is rendered, in the arena. False when out of memory. */
-bool km_mobility_plot_make(const km_plotted_sweep *sweeps, int count, km_arena *arena, km_plot *out);
+bool km_mobility_plot_make(const km_plotted_sweep *sweeps, int count, bool ordered, km_arena *arena, km_plot *out);
 
 #endif

@@ -29,7 +29,35 @@ static size_t wrap(int index, size_t count) {
   return index < 0 ? 0 : (size_t)index % count;
 }
 
+/* Steps of the scale of ordered things begin at this index. */
+enum { FIRST_ORDERED = 1 << 16, ORDERED_STEPS = 1 << 12 };
+
+/* Inferno without its ends: lightness grows all along, also for eyes that tell few hues apart. */
+static const km_colour scale[] = {
+    {0.106, 0.047, 0.255, 1}, {0.342, 0.062, 0.429, 1}, {0.578, 0.148, 0.404, 1},
+    {0.780, 0.255, 0.300, 1}, {0.902, 0.400, 0.150, 1}, {0.929, 0.569, 0.035, 1},
+};
+
+static km_colour on_scale(double part) {
+  double at = part * (double)(COUNT(scale) - 1);
+  size_t k = at >= (double)(COUNT(scale) - 1) ? COUNT(scale) - 2 : (size_t)at;
+  double t = at - (double)k;
+  const km_colour *a = &scale[k], *b = &scale[k + 1];
+  return (km_colour){(1 - t) * a->red + t * b->red, (1 - t) * a->green + t * b->green, (1 - t) * a->blue + t * b->blue,
+                     1};
+}
+
+int km_palette_ordered(int i, int count) {
+  return FIRST_ORDERED + (count > 1 ? i * ORDERED_STEPS / (count - 1) : 0);
+}
+
+int km_palette_compared(int i, int count, bool ordered) {
+  return ordered ? km_palette_ordered(i, count) : i;
+}
+
 km_colour km_palette_colour(int index) {
+  if (index >= FIRST_ORDERED)
+    return on_scale((double)(index - FIRST_ORDERED) / ORDERED_STEPS);
   return index < 0 ? context : colours[wrap(index, COUNT(colours))];
 }
 

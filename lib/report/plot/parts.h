@@ -13,6 +13,7 @@ typedef struct km_plot_flag {
   double x;         /* in the axis' units */
   double at, width; /* points from the frame's left edge; width of the name */
   const char *name; /* several names joined when their marks share a place */
+  int own_colour;   /* of the first of them */
   size_t row;       /* 0 is next to the frame */
 } km_plot_flag;
 

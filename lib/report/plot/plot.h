@@ -20,6 +20,7 @@ typedef struct km_plot_series {
 typedef struct km_plot_mark {
   double x;
   const char *name; /* NULL: the place is marked, not named */
+  int own_colour;   /* 0: the ink of marks; else 1 + the index into the palette */
 } km_plot_mark;
 
 typedef struct km_plot_panel {

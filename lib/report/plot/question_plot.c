@@ -14,50 +14,51 @@ static km_status no_memory(km_error *error) {
   return km_fail(error, KM_MEMORY, "out of memory for a plot");
 }
 
-static km_status plot_mobility(const km_answered *answers, int count, km_canvas_format format, km_text *out,
-                               km_error *error) {
-  km_plotted_sweep *sweeps = KM_NEW(km_plotted_sweep, (size_t)count);
+static km_status plot_mobility(const km_comparison *c, km_canvas_format format, km_text *out, km_error *error) {
+  km_plotted_sweep *sweeps = KM_NEW(km_plotted_sweep, (size_t)c->count);
   if (!sweeps)
     return no_memory(error);
-  for (int i = 0; i < count; ++i)
-    sweeps[i] = (km_plotted_sweep){answers[i].mechanism, km_question_plan(answers[i].question),
-                                   km_question_mobility(answers[i].question), answers[i].name};
-  km_status status = km_mobility_plot(sweeps, count, format, out, error);
+  for (int i = 0; i < c->count; ++i)
+    sweeps[i] = (km_plotted_sweep){c->answers[i].mechanism,
+                                   km_question_plan(c->answers[i].question),
+                                   km_question_mobility(c->answers[i].question),
+                                   c->answers[i].name,
+                                   c->answers[i].shown,
+                                   c->answers[i].shown_count};
+  km_status status = km_mobility_plot(sweeps, c->count, c->ordered, format, out, error);
   km_free(sweeps);
   return status;
 }
 
-static km_status plot_advantage(const km_answered *answers, int count, km_canvas_format format, km_text *out,
-                                km_error *error) {
-  km_plotted_advantage *sweeps = KM_NEW(km_plotted_advantage, (size_t)count);
+static km_status plot_advantage(const km_comparison *c, km_canvas_format format, km_text *out, km_error *error) {
+  km_plotted_advantage *sweeps = KM_NEW(km_plotted_advantage, (size_t)c->count);
   if (!sweeps)
     return no_memory(error);
-  for (int i = 0; i < count; ++i)
-    sweeps[i] = (km_plotted_advantage){swept(&answers[i]), km_question_advantage(answers[i].question)};
-  km_status status = km_advantage_plot(sweeps, count, format, out, error);
+  for (int i = 0; i < c->count; ++i)
+    sweeps[i] = (km_plotted_advantage){swept(&c->answers[i]), km_question_advantage(c->answers[i].question)};
+  km_status status = km_advantage_plot(sweeps, c->count, c->ordered, format, out, error);
   km_free(sweeps);
   return status;
 }
 
-static km_status plot_statics(const km_answered *answers, int count, km_canvas_format format, km_text *out,
-                              km_error *error) {
-  km_plotted_statics *sweeps = KM_NEW(km_plotted_statics, (size_t)count);
+static km_status plot_statics(const km_comparison *c, km_canvas_format format, km_text *out, km_error *error) {
+  km_plotted_statics *sweeps = KM_NEW(km_plotted_statics, (size_t)c->count);
   if (!sweeps)
     return no_memory(error);
-  for (int i = 0; i < count; ++i)
-    sweeps[i] = (km_plotted_statics){swept(&answers[i]), km_question_statics(answers[i].question)};
-  km_status status = km_statics_plot(sweeps, count, format, out, error);
+  for (int i = 0; i < c->count; ++i)
+    sweeps[i] = (km_plotted_statics){swept(&c->answers[i]), km_question_statics(c->answers[i].question),
+                                     c->answers[i].shown, c->answers[i].shown_count};
+  km_status status = km_statics_plot(sweeps, c->count, c->ordered, format, out, error);
   km_free(sweeps);
   return status;
 }
 
-km_status km_question_plot(const km_answered *answers, int count, km_canvas_format format, km_text *out,
-                           km_error *error) {
-  if (count > 0 && km_question_mobility(answers[0].question))
-    return plot_mobility(answers, count, format, out, error);
-  if (count > 0 && km_question_advantage(answers[0].question))
-    return plot_advantage(answers, count, format, out, error);
-  if (count > 0 && km_question_statics(answers[0].question))
-    return plot_statics(answers, count, format, out, error);
+km_status km_question_plot(const km_comparison *c, km_canvas_format format, km_text *out, km_error *error) {
+  if (c->count > 0 && km_question_mobility(c->answers[0].question))
+    return plot_mobility(c, format, out, error);
+  if (c->count > 0 && km_question_advantage(c->answers[0].question))
+    return plot_advantage(c, format, out, error);
+  if (c->count > 0 && km_question_statics(c->answers[0].question))
+    return plot_statics(c, format, out, error);
   return km_fail(error, KM_USAGE, "there is no answer to plot");
 }

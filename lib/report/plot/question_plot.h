@@ -9,11 +9,20 @@
 typedef struct km_answered {
   const km_mechanism *mechanism;
   const km_question *question; /* with an answer; all of one kind */
-  const char *name;            /* of the model */
+  const char *name;            /* of the model, or the variant */
+  const int *shown;            /* [shown_count] the coordinates whose curves are drawn; NULL: by default all, of several
+                                * answers the driver's */
+  int shown_count;
 } km_answered;
 
+/* Answers of several models or variants in one picture. */
+typedef struct km_comparison {
+  const km_answered *answers;
+  int count;
+  bool ordered; /* variants, whose order the colours show; else models, whose colours differ most */
+} km_comparison;
+
 /* Appends the picture's bytes. */
-km_status km_question_plot(const km_answered *answers, int count, km_canvas_format format, km_text *out,
-                           km_error *error);
+km_status km_question_plot(const km_comparison *comparison, km_canvas_format format, km_text *out, km_error *error);
 
 #endif

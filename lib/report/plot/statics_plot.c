@@ -29,6 +29,13 @@ static bool agree(const km_table *table, size_t a, size_t b) {
   return true;
 }
 
+static bool is_shown(const km_plotted_statics *p, int coordinate) {
+  bool shown = !p->shown;
+  for (int i = 0; i < p->shown_count && !shown; ++i)
+    shown = p->shown[i] == coordinate;
+  return shown;
+}
+
 /* The picture in the making. */
 typedef struct maker {
   const km_plotted_statics *sweeps;
@@ -72,10 +79,10 @@ static void add_marks(maker *k, int sweep) {
     const km_force_event *e = &p->sweep->events[i];
     int c = p->sweep->actuators[e->actuator], panel = k->forces && !is_length(model, c) ? 1 : 0;
     char name[300];
-    if (e->kind == KM_FORCE_PEAK)
+    if (e->kind == KM_FORCE_PEAK || !is_shown(p, c))
       continue;
     snprintf(name, sizeof name, e->kind == KM_FORCE_BALANCED ? "%.200s 0" : "%.200s ∞", model->coordinates[c].label);
-    k->marks[k->mark_count++] = (km_swept_mark){panel, e->s, km_arena_string(k->arena, name)};
+    k->marks[k->mark_count++] = (km_swept_mark){sweep, panel, e->s, km_arena_string(k->arena, name)};
     if (e->kind == KM_FORCE_UNBOUNDED)
       k->breaks[k->break_count++] = (km_swept_break){sweep, km_force_column(p->sweep, e->actuator), e->s};
   }
@@ -101,13 +108,15 @@ static bool gather(maker *k) {
   for (int i = 0; i < k->count && !k->arena->failed; ++i) {
     k->swept[i] = k->sweeps[i].swept;
     for (int a = 0; a < k->sweeps[i].sweep->actuator_count && !k->arena->failed; ++a)
-      add_line(k, i, a);
+      if (is_shown(&k->sweeps[i], k->sweeps[i].sweep->actuators[a]))
+        add_line(k, i, a);
     add_marks(k, i);
   }
   return !k->arena->failed;
 }
 
-bool km_statics_plot_make(const km_plotted_statics *sweeps, int count, bool strip, km_arena *arena, km_plot *out) {
+bool km_statics_plot_make(const km_plotted_statics *sweeps, int count, bool ordered, bool strip, km_arena *arena,
+                          km_plot *out) {
   static const char *const both[2] = {"forces", "torques"};
   maker k = {.sweeps = sweeps, .count = count, .arena = arena};
   km_text label = {0};
@@ -126,6 +135,7 @@ bool km_statics_plot_make(const km_plotted_statics *sweeps, int count, bool stri
                               .y_label = km_text_keep(&label, arena),
                               .sweeps = k.swept,
                               .sweep_count = count,
+                              .ordered = ordered,
                               .lines = k.lines,
                               .line_count = k.line_count,
                               .marks = k.marks,
@@ -138,11 +148,11 @@ bool km_statics_plot_make(const km_plotted_statics *sweeps, int count, bool stri
   return !arena->failed && km_sweep_plot_make(&picture, arena, out);
 }
 
-km_status km_statics_plot(const km_plotted_statics *sweeps, int count, km_canvas_format format, km_text *out,
-                          km_error *error) {
+km_status km_statics_plot(const km_plotted_statics *sweeps, int count, bool ordered, km_canvas_format format,
+                          km_text *out, km_error *error) {
   km_arena arena = {0};
   km_plot plot;
-  km_status status = km_statics_plot_make(sweeps, count, true, &arena, &plot)
+  km_status status = km_statics_plot_make(sweeps, count, ordered, true, &arena, &plot)
                          ? km_plot_render(&plot, format, out, error)
                          : km_fail(error, KM_MEMORY, "out of memory for the plot");
   km_arena_free(&arena);

@@ -1,6 +1,7 @@
 /* Plots of columns of sweeps' tables: lines cut at poles, marks, axes that poles don't stretch. */
 #include "report/plot/sweep_plot.h"
 
+#include "report/plot/palette.h"
 #include "report/plot/sweep_strip.h"
 #include "topology/mechanism.h"
 
@@ -52,7 +53,7 @@ static void fill_series(const km_sweep_picture *p, const km_swept_line *line, km
   size_t count;
   row *rows = rows_of(p->sweeps[line->sweep].motion, arena, &count);
   double *x = KM_ARENA_NEW(arena, double, 2 * count), *y = KM_ARENA_NEW(arena, double, 2 * count);
-  *out = (km_plot_series){.name = line->name, .x = x, .y = y, .dash = p->sweep_count > 1 ? line->sweep : 0};
+  *out = (km_plot_series){.name = line->name, .x = x, .y = y};
   for (size_t r = 0; r < count && !arena->failed; ++r) {
     double s = rows[r].s, at = 1e-8 * (1.0 + fabs(s)), pole = pole_between(p, line, s - at, s + at);
     if (isnan(pole) && r > 0)
@@ -88,6 +89,34 @@ static int importance(const km_plot_series *series, size_t count, size_t index) 
   return larger;
 }
 
+/* The place of a line among those of its sweep in the panel. */
+static int place_of(const km_sweep_picture *p, size_t index) {
+  int place = 0;
+  for (size_t i = 0; i < index; ++i)
+    place += p->lines[i].panel == p->lines[index].panel && p->lines[i].sweep == p->lines[index].sweep;
+  return place;
+}
+
+/* Sweeps that are compared have a colour each, and their lines a dash pattern each. */
+static void colour_compared(const km_sweep_picture *p, int panel, km_plot_series *series) {
+  size_t next = 0;
+  for (size_t i = 0; i < p->line_count; ++i) {
+    if (p->lines[i].panel != panel)
+      continue;
+    series[next].colour = km_palette_compared(p->lines[i].sweep, p->sweep_count, p->ordered);
+    series[next++].dash = place_of(p, i);
+  }
+}
+
+static void colour_own(km_plot_series *series, size_t count) {
+  int next = 0;
+  for (size_t i = 0; i < count; ++i) {
+    bool coloured = importance(series, count, i) < MOST_COLOURED;
+    series[i].colour = coloured ? next++ : -1;
+    series[i].dash = coloured ? series[i].colour : 0;
+  }
+}
+
 static void fill_panel(const km_sweep_picture *p, int panel, km_arena *arena, km_plot_panel *out) {
   km_plot_series *series = KM_ARENA_NEW(arena, km_plot_series, p->line_count);
   km_plot_mark *marks = KM_ARENA_NEW(arena, km_plot_mark, p->mark_count);
@@ -100,16 +129,17 @@ static void fill_panel(const km_sweep_picture *p, int panel, km_arena *arena, km
       continue;
     fill_series(p, line, arena, &series[out->series_count++]);
   }
-  int next = 0;
-  for (size_t i = 0; i < out->series_count && !arena->failed; ++i) {
-    bool coloured = importance(series, out->series_count, i) < MOST_COLOURED;
-    series[i].colour = coloured ? next++ : -1;
-    if (p->sweep_count == 1 && coloured && series[i].colour > 0)
-      series[i].dash = series[i].colour;
-  }
+  if (arena->failed)
+    return;
+  if (p->sweep_count > 1)
+    colour_compared(p, panel, series);
+  else
+    colour_own(series, out->series_count);
   for (size_t i = 0; i < p->mark_count && !arena->failed; ++i)
     if (p->marks[i].panel == panel)
-      marks[out->mark_count++] = (km_plot_mark){p->marks[i].s, p->marks[i].name};
+      marks[out->mark_count++] = (km_plot_mark){
+          p->marks[i].s, p->marks[i].name,
+          p->sweep_count > 1 ? 1 + km_palette_compared(p->marks[i].sweep, p->sweep_count, p->ordered) : 0};
 }
 
 /* What of a line must be seen: everything but its last way to a pole, a twentieth of the stretch between poles or ends;
@@ -197,7 +227,8 @@ bool km_sweep_plot_make(const km_sweep_picture *p, km_arena *arena, km_plot *out
     limit_axis(p, out);
   km_sweep_strip *strip = KM_ARENA_NEW(arena, km_sweep_strip, 1);
   if (p->strip && !arena->failed)
-    out->strip = km_sweep_strip_make(p->sweeps[0].mechanism, p->sweeps[0].plan, p->sweeps[0].motion, 3, arena, strip);
+    out->strip = p->sweep_count > 1 ? km_comparison_strip_make(p->sweeps, p->sweep_count, p->ordered, arena, strip)
+                                    : km_sweep_strip_make(&p->sweeps[0], 3, arena, strip);
   return !arena->failed;
 }
 

@@ -23,7 +23,7 @@ typedef struct km_swept_line {
 } km_swept_line;
 
 typedef struct km_swept_mark {
-  int panel;
+  int sweep, panel;
   double s;
   const char *name;
 } km_swept_mark;
@@ -40,6 +40,7 @@ typedef struct km_sweep_picture {
   const char *y_label;
   const km_swept *sweeps;
   int sweep_count;
+  bool ordered; /* the sweeps are variants, whose order the colours show */
   const km_swept_line *lines;
   size_t line_count;
   const km_swept_mark *marks;

@@ -1,9 +1,11 @@
-/* Small drawings of poses over a sweep, beneath its plot. */
+/* Small drawings of poses beneath a plot. */
 #include "report/plot/sweep_strip.h"
 
+#include "base/text.h"
 #include "kmech/kinematics.h"
 #include "report/drawing/drawing.h"
 #include "report/plot/palette.h"
+#include "report/plot/short_names.h"
 
 #include <string.h>
 
@@ -20,60 +22,97 @@ void km_row_pose(const km_mechanism *m, const km_table *table, size_t row, km_st
 }
 
 /* The value matters: a long name gives way to it. */
-static void caption(const km_sweep_strip *strip, int k, km_text *out) {
+static const char *caption(const km_swept *sweep, double s, km_arena *arena) {
   enum { LONGEST_NAME = 12 }; /* bytes */
-  if (strip->plan->arclength > 0.0) {
-    km_text_format(out, "arc length %.4g", strip->s[k]);
-    return;
-  }
-  const char *label = km_model_coordinate_label(strip->mechanism->model, strip->plan->coordinate);
-  const char *unit = km_model_coordinate_unit(strip->mechanism->model, strip->plan->coordinate);
-  if (strlen(label) > LONGEST_NAME)
-    km_text_format(out, "%.4g %s", strip->s[k], unit);
+  const char *label = km_model_coordinate_label(sweep->mechanism->model, sweep->plan->coordinate);
+  const char *unit = km_model_coordinate_unit(sweep->mechanism->model, sweep->plan->coordinate);
+  km_text text = {0};
+  if (sweep->plan->arclength > 0.0)
+    km_text_format(&text, "arc length %.4g", s);
+  else if (strlen(label) > LONGEST_NAME)
+    km_text_format(&text, "%.4g %s", s, unit);
   else
-    km_text_format(out, "%s = %.4g %s", label, strip->s[k], unit);
+    km_text_format(&text, "%s = %.4g %s", label, s, unit);
+  return km_text_keep(&text, arena);
 }
 
 static void draw(void *context, km_canvas *canvas, double top, double width) {
   const km_sweep_strip *strip = context;
   const km_font font = {.size = 8, .width = width / strip->count};
   double each = (width - 2 * margin) / strip->count;
-  km_drawing drawing = {.mechanism = strip->mechanism,
-                        .poses = strip->poses,
-                        .pose_count = (size_t)strip->count,
-                        .alone = true,
-                        .bare = true};
   for (int k = 0; k < strip->count; ++k) {
-    km_text text = {0};
+    const km_strip_picture *picture = &strip->pictures[k];
+    const km_drawing drawing = {.mechanism = picture->mechanism,
+                                .poses = picture->poses,
+                                .pose_count = picture->pose_count,
+                                .full = picture->full,
+                                .alone = true,
+                                .bare = true};
     double left = margin + k * each;
-    drawing.full = (size_t)k;
     /* A pose that can't be drawn leaves its place empty. */
     const km_rectangle place = {left + 8, top, each - 16, strip_height - caption_height - margin};
     if (km_drawing_place(&drawing, canvas, place, NULL) == KM_MEMORY)
       km_canvas_fail(canvas);
-    caption(strip, k, &text);
-    km_canvas_words(canvas, &font, km_palette_text(-1), &text,
-                    (km_canvas_point){left + each / 2, top + strip_height - margin}, (km_anchor){0.5, 1, 0});
+    km_canvas_text(canvas, &font, km_palette_text(picture->colour), picture->caption,
+                   (km_canvas_point){left + each / 2, top + strip_height - margin}, (km_anchor){0.5, 1, 0});
   }
 }
 
-km_plot_strip km_sweep_strip_make(const km_mechanism *m, const km_sweep_plan *plan, const km_sweep *sweep, int count,
-                                  km_arena *arena, km_sweep_strip *out) {
-  size_t bodies = (size_t)m->topology.body_count, rows = km_table_rows(sweep->table);
-  *out = (km_sweep_strip){m, plan, count, NULL, {0}};
-  if (bodies < 2 || bodies > MOST_BODIES || rows == 0)
-    return (km_plot_strip){0};
-  km_state *state = NULL;
+static bool fits(const km_swept *sweep) {
+  int bodies = sweep->mechanism->topology.body_count;
+  return bodies >= 2 && bodies <= MOST_BODIES && km_table_rows(sweep->motion->table) > 0;
+}
+
+/* The poses of some rows of a sweep; NULL when out of memory. */
+static km_pose *poses_of(const km_swept *sweep, const size_t *rows, int count, km_arena *arena) {
+  const km_mechanism *m = sweep->mechanism;
+  size_t bodies = (size_t)m->topology.body_count;
   double *q = KM_ARENA_NEW(arena, double, (size_t)m->coordinate_count);
-  out->poses = KM_ARENA_NEW(arena, km_pose, (size_t)count * bodies);
+  km_pose *poses = KM_ARENA_NEW(arena, km_pose, (size_t)count * bodies);
+  km_state *state = NULL;
   arena->failed = arena->failed || km_state_create(m, &state, NULL);
-  if (arena->failed)
-    return (km_plot_strip){0};
-  for (int k = 0; k < count; ++k) {
-    size_t shown = k + 1 == count ? rows - 1 : (size_t)k * rows / (size_t)(count - 1);
-    out->s[k] = km_table_row(sweep->table, shown)[km_table_find(sweep->table, "s")];
-    km_row_pose(m, sweep->table, shown, state, q, out->poses + (size_t)k * bodies);
-  }
+  for (int k = 0; k < count && !arena->failed; ++k)
+    km_row_pose(m, sweep->motion->table, rows[k], state, q, poses + (size_t)k * bodies);
   km_state_free(state);
-  return (km_plot_strip){strip_height, draw, out};
+  return arena->failed ? NULL : poses;
+}
+
+km_plot_strip km_sweep_strip_make(const km_swept *sweep, int count, km_arena *arena, km_sweep_strip *out) {
+  const km_table *table = sweep->motion->table;
+  size_t rows[KM_MOST_STRIP_POSES] = {0};
+  *out = (km_sweep_strip){.count = count};
+  if (!fits(sweep))
+    return (km_plot_strip){0};
+  for (int k = 0; k < count; ++k)
+    rows[k] = k + 1 == count ? km_table_rows(table) - 1 : (size_t)k * km_table_rows(table) / (size_t)(count - 1);
+  const km_pose *poses = poses_of(sweep, rows, count, arena);
+  for (int k = 0; k < count && poses; ++k)
+    out->pictures[k] =
+        (km_strip_picture){sweep->mechanism,
+                           poses,
+                           (size_t)count,
+                           (size_t)k,
+                           caption(sweep, km_table_row(table, rows[k])[km_table_find(table, "s")], arena),
+                           -1};
+  return poses && !arena->failed ? (km_plot_strip){strip_height, draw, out} : (km_plot_strip){0};
+}
+
+km_plot_strip km_comparison_strip_make(const km_swept *sweeps, int count, bool ordered, km_arena *arena,
+                                       km_sweep_strip *out) {
+  int shown = count < KM_MOST_STRIP_POSES ? count : KM_MOST_STRIP_POSES;
+  const char **names = km_short_names_of(&sweeps[0].name, sizeof *sweeps, count, arena);
+  *out = (km_sweep_strip){.count = shown};
+  for (int k = 0; k < shown && names; ++k) {
+    int i = k * (count - 1) / (shown > 1 ? shown - 1 : 1);
+    if (!fits(&sweeps[i]))
+      return (km_plot_strip){0};
+    const size_t middle = km_table_rows(sweeps[i].motion->table) / 2;
+    out->pictures[k] = (km_strip_picture){sweeps[i].mechanism,
+                                          poses_of(&sweeps[i], &middle, 1, arena),
+                                          1,
+                                          0,
+                                          names[i],
+                                          km_palette_compared(i, count, ordered)};
+  }
+  return arena->failed ? (km_plot_strip){0} : (km_plot_strip){strip_height, draw, out};
 }

@@ -1,0 +1,109 @@
+/* Reads --vary and makes the variants. */
+#include "common/vary.h"
+
+#include "base/memory.h"
+
+#include <stdio.h>
+#include <string.h>
+
+enum { MOST_VALUES = 1024 };
+
+static bool keep(kt_varied *v, double value) {
+  double *values = v->count < MOST_VALUES ? km_resize(v->values, (size_t)v->count + 1, sizeof *values) : NULL;
+  if (!values)
+    return false;
+  v->values = values;
+  v->values[v->count++] = value;
+  return true;
+}
+
+/* FROM:TO:N, both ends among the N values. */
+static bool read_range(const char *text, kt_varied *out) {
+  const char *rest = text;
+  double part[3];
+  char last = ':';
+  for (int k = 0; k < 3; ++k) {
+    kt_piece piece = kt_split(&rest, ":");
+    bool good = last == ':' && piece.text && kt_number(piece.text, &part[k]);
+    last = piece.separator;
+    km_free(piece.text);
+    if (!good)
+      return false;
+  }
+  int count = part[2] >= 1.0 && part[2] <= MOST_VALUES ? (int)part[2] : 0;
+  if (last != '\0' || count < 1 || (double)count != part[2] || (count == 1 && part[0] != part[1]))
+    return false;
+  for (int i = 0; i < count; ++i)
+    if (!keep(out, i + 1 == count ? part[1] : part[0] + (part[1] - part[0]) * i / (count - 1)))
+      return false;
+  return true;
+}
+
+static bool read_list(const char *text, kt_varied *out) {
+  const char *rest = text;
+  for (char last = ','; last == ',';) {
+    kt_piece piece = kt_split(&rest, ",");
+    double value;
+    bool good = piece.text && kt_number(piece.text, &value) && keep(out, value);
+    last = piece.separator;
+    km_free(piece.text);
+    if (!good)
+      return false;
+  }
+  return true;
+}
+
+/* The path keeps its backslashes, which the library reads. */
+static kt_exit read_one(const kt_common *common, const char *text, kt_varied *out) {
+  const char *equals = text;
+  while (*equals && *equals != '=')
+    equals += equals[0] == '\\' && equals[1] ? 2 : 1;
+  size_t size = (size_t)(equals - text);
+  out->path = KM_NEW(char, size + 1);
+  if (!out->path)
+    return KT_INTERNAL;
+  memcpy(out->path, text, size);
+  bool read = *equals && size > 0 && (strchr(equals, ':') ? read_range(equals + 1, out) : read_list(equals + 1, out));
+  return read ? KT_DONE : kt_usage(common, "--vary", text, "PATH=FROM:TO:N, or PATH=A,B,C");
+}
+
+kt_exit kt_variants_read(const kt_common *common, const kt_texts *texts, int most, kt_variants *out) {
+  char expected[80];
+  double count = 1.0;
+  *out = (kt_variants){.count = 1};
+  if (texts->count > KT_MOST_VARIED)
+    return kt_usage(common, "--vary", texts->items[KT_MOST_VARIED], "at most 8 numbers to vary");
+  for (int i = 0; i < texts->count; ++i) {
+    kt_exit result = read_one(common, texts->items[i], &out->numbers[out->number_count++]);
+    if (result != KT_DONE)
+      return result;
+    count *= out->numbers[i].count;
+  }
+  snprintf(expected, sizeof expected, "at most %d variants in all", most);
+  if (count > most)
+    return kt_usage(common, "--vary", texts->items[texts->count - 1], expected);
+  out->count = (int)count;
+  return KT_DONE;
+}
+
+void kt_variants_free(kt_variants *v) {
+  for (int i = 0; i < v->number_count; ++i) {
+    km_free(v->numbers[i].path);
+    km_free(v->numbers[i].values);
+  }
+  *v = (kt_variants){0};
+}
+
+void kt_variant(const kt_variants *v, int index, km_assignment *out, char name[KT_VARIANT_NAME]) {
+  size_t used = 0;
+  name[0] = '\0';
+  for (int i = v->number_count - 1; i >= 0; --i) {
+    const kt_varied *number = &v->numbers[i];
+    out[i] = (km_assignment){number->path, number->values[index % number->count]};
+    index /= number->count;
+  }
+  for (int i = 0; i < v->number_count && used < KT_VARIANT_NAME - 1; ++i) {
+    int length = snprintf(name + used, KT_VARIANT_NAME - used, "%s%s=%g", i ? ", " : "", out[i].path, out[i].value);
+    used += length > 0 ? (size_t)length : 0;
+  }
+}
