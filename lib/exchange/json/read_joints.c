@@ -271,7 +271,7 @@ static bool coupled(km_reader *reader, const km_value *value, int assembly, cons
       km_reader_note(reader, place, "coupling \"%.80s\" is left out with its joint", coupling->name);
     if (coordinate < 0)
       return false;
-    if (km_reader_turns(reader, coordinate))
+    if (km_model_turns(reader->model, coordinate))
       km_reader_error(reader, &item, "\"%s\" is a component of a rotation vector; expected a coordinate of its own",
                       reader->model->coordinates[coordinate].label);
     for (int k = 0; k < coupling->count; ++k)
