@@ -128,7 +128,8 @@ static bool read_type(km_reader *reader, const km_value *value, const km_place *
     km_text known = {0};
     for (int t = 0; t < KM_JOINT_TYPES; ++t)
       km_text_format(&known, "%s%s", t ? ", " : "", km_joint_kind_of((km_joint_type)t)->word);
-    km_reader_error(reader, &at, "\"%.40s\" is not a joint type; expected %s", word, known.data ? known.data : "");
+    km_reader_error(reader, &at, "\"%.40s\" is not a joint type; expected %s, revolute or prismatic", word,
+                    known.data ? known.data : "");
     km_text_free(&known);
     return false;
   }
