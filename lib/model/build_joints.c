@@ -115,12 +115,6 @@ km_status km_model_add_joint(km_builder *b, const km_joint_def *def, km_joint_id
   return KM_OK;
 }
 
-static bool is_ball(const km_model *m, int coordinate) {
-  const km_model_coordinate *c = &m->coordinates[coordinate];
-  km_joint_type type = m->joints[c->joint].type;
-  return type == KM_SPHERICAL || (type == KM_FLOAT && c->index >= 3);
-}
-
 /* The coordinates of a coupling into `list`. */
 static km_status find_coupled(const km_builder *b, const km_coupling_def *def, const char *who, int *list,
                               km_error *error) {
@@ -128,7 +122,7 @@ static km_status find_coupled(const km_builder *b, const km_coupling_def *def, c
   for (int k = 0; k < def->count; ++k) {
     if (!km_builder_coordinate(b, def->coordinates[k], who, &list[k], error))
       return KM_MODEL;
-    if (is_ball(b->model, list[k]))
+    if (km_model_turns(b->model, list[k]))
       return km_fail(error, KM_MODEL, "%s: found a component of a rotation vector; expected a coordinate of its own",
                      who);
     for (int i = 0; i < k; ++i)

@@ -175,6 +175,13 @@ static inline int km_model_freedom(const km_model *model, int joint) {
   return km_joint_kind_of(model->joints[joint].type)->freedom;
 }
 
+/* Is the coordinate a component of a rotation vector? */
+static inline bool km_model_turns(const km_model *model, int coordinate) {
+  const km_model_coordinate *c = &model->coordinates[coordinate];
+  km_joint_type type = model->joints[c->joint].type;
+  return type == KM_SPHERICAL || (type == KM_FLOAT && c->index >= 3);
+}
+
 /* Radians per angle unit for an angle, 1 for a length: file's value × this = the engine's value. */
 static inline double km_model_coordinate_factor(const km_model *model, int coordinate) {
   const km_model_coordinate *c = &model->coordinates[coordinate];

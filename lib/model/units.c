@@ -39,6 +39,17 @@ const km_unit **km_units_slot(km_units *units, km_quantity quantity) {
   return slots[quantity];
 }
 
+km_dimension km_dimension_product(km_dimension a, km_dimension b) {
+  return (km_dimension){(signed char)(a.angle + b.angle), (signed char)(a.length + b.length),
+                        (signed char)(a.mass + b.mass), (signed char)(a.time + b.time),
+                        (signed char)(a.force + b.force)};
+}
+
+km_dimension km_dimension_power(km_dimension a, int n) {
+  return (km_dimension){(signed char)(n * a.angle), (signed char)(n * a.length), (signed char)(n * a.mass),
+                        (signed char)(n * a.time), (signed char)(n * a.force)};
+}
+
 double km_units_factor(const km_units *units, km_dimension d) {
   return pow(units->angle->si, d.angle) * pow(units->length->si, d.length) * pow(units->mass->si, d.mass) *
          pow(units->time->si, d.time) * pow(units->force->si, d.force);

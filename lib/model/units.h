@@ -30,6 +30,8 @@ const km_unit *km_quantity_units(km_quantity quantity);
 const km_unit *km_unit_find(km_quantity quantity, const char *word);
 const km_unit **km_units_slot(km_units *units, km_quantity quantity);
 
+km_dimension km_dimension_product(km_dimension a, km_dimension b);
+km_dimension km_dimension_power(km_dimension a, int n); /* n of any sign */
 /* Size in SI of one unit of the given dimension. */
 double km_units_factor(const km_units *units, km_dimension dimension);
 

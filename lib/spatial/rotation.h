@@ -55,6 +55,13 @@ static inline km_rotation km_rotation_onto(int k, km_vec3 u) {
   if (across > 0.0) {
     R.axis[i] = km_vec3_axpy(-c[i] / sum, middle, R.axis[i]);
     R.axis[j] = km_vec3_axpy(-c[j] / sum, middle, R.axis[j]);
+    for (int pass = 0; pass < 2 && c[k] < 0.0; ++pass) { /* rounding of u grows where it is almost opposite */
+      int n = pass ? j : i;
+      R.axis[n] = km_vec3_axpy(-km_vec3_dot(u, R.axis[n]), u, R.axis[n]);
+      if (pass)
+        R.axis[j] = km_vec3_axpy(-km_vec3_dot(R.axis[i], R.axis[j]), R.axis[i], R.axis[j]);
+      R.axis[n] = km_vec3_scale(1.0 / km_vec3_norm(R.axis[n]), R.axis[n]);
+    }
   } else if (c[k] < 0.0) {
     R.axis[j] = km_vec3_scale(-1.0, R.axis[j]);
   }

@@ -298,6 +298,18 @@ static km_status compile(km_mechanism *m, const km_compiling *how, km_error *err
   return set_patterns(m) ? KM_OK : km_fail(error, KM_MEMORY, "out of memory while compiling the mechanism");
 }
 
+/* A ball is held with all its three components. */
+static km_status check_held_ball(const km_model *model, const km_hold *holds, int count, int h, km_error *error) {
+  int joint = model->coordinates[holds[h].coordinate].joint, together = 0;
+  for (int k = 0; k < count; ++k)
+    together += model->coordinates[holds[k].coordinate].joint == joint && km_model_turns(model, holds[k].coordinate);
+  return together == 3
+             ? KM_OK
+             : km_fail(error, KM_USAGE,
+                       "\"%s\" is a component of a rotation vector; expected all three of joint \"%s\" together",
+                       model->coordinates[holds[h].coordinate].label, model->joints[joint].label);
+}
+
 static km_status check_holds(const km_model *model, const km_hold *holds, int count, km_error *error) {
   km_status status = km_check_list(holds, count, "holds", error);
   for (int h = 0; h < count && !status; ++h) {
@@ -306,6 +318,9 @@ static km_status check_holds(const km_model *model, const km_hold *holds, int co
       status = km_fail(error, KM_USAGE, "joint \"%s\" can't be held at %g; expected a finite value",
                        model->coordinates[holds[h].coordinate].label, holds[h].value);
   }
+  for (int h = 0; h < count && !status; ++h)
+    if (km_model_turns(model, holds[h].coordinate))
+      status = check_held_ball(model, holds, count, h, error);
   return status;
 }
 

@@ -105,8 +105,75 @@ static void robot_columns(void **state) {
   fixture_close(&f);
 }
 
+static void point_at(fixture *f, const char *body, const char *frame, double place[3]) {
+  const char *const names[] = {body, frame};
+  int index;
+  assert_int_equal(km_model_find_frame(f->model, names, 2, &index, NULL), KM_OK);
+  km_poses_update(f->mechanism, f->state);
+  km_frame_position(f->mechanism, f->state, index, place);
+}
+
+static km_drive *driven(fixture *f, const char *joint) {
+  int coordinate;
+  km_drive *drive;
+  assert_int_equal(km_model_find_coordinate(f->model, joint, &coordinate, NULL), KM_OK);
+  assert_int_equal(km_drive_create(f->mechanism, f->state, coordinate, false, &drive, NULL), KM_OK);
+  return drive;
+}
+
+/* |OQ| |OP| = arm² − side², Q on a circle through O: P stays on the line x = 100. */
+static void peaucellier_runs_straight(void **state) {
+  (void)state;
+  fixture f = fixture_open("peaucellier");
+  km_drive *drive = driven(&f, "C");
+  double place[3], last = -1e9;
+  for (double angle = -70.0; angle <= 40.0; angle += 5.0) {
+    assert_int_equal(km_drive_to(drive, angle).stop, KM_STOP_NONE);
+    point_at(&f, "AP", "P", place);
+    assert_near(place[0], 100.0, 1e-9);
+    assert_near(place[2], 0.0, 1e-12);
+    assert_true(place[1] > last);
+    last = place[1];
+  }
+  km_drive_free(drive);
+  fixture_close(&f);
+}
+
+/* Where two circles meet: left (+1) or right (-1) of the way from P to Q. */
+static void meet(const double P[2], double p, const double Q[2], double q, double side, double out[2]) {
+  double dx = Q[0] - P[0], dy = Q[1] - P[1], d = hypot(dx, dy);
+  double angle = atan2(dy, dx) + side * acos((p * p + d * d - q * q) / (2.0 * p * d));
+  out[0] = P[0] + p * cos(angle);
+  out[1] = P[1] + p * sin(angle);
+}
+
+/* The foot by five pairs of circles with Jansen's numbers, around the whole turn. */
+static void jansen_steps_as_drawn(void **state) {
+  (void)state;
+  static const double pivot[2] = {-38.0, -7.8};
+  fixture f = fixture_open("jansen");
+  km_drive *drive = driven(&f, "A");
+  for (double angle = 0.0; angle <= 360.0; angle += 10.0) {
+    double pin[2] = {15.0 * cos(angle * M_PI / 180.0), 15.0 * sin(angle * M_PI / 180.0)}, top[2], low[2], knee[2],
+           shin[2], foot[2], place[3];
+    meet(pivot, 41.5, pin, 50.0, 1.0, top);
+    meet(pivot, 39.3, pin, 61.9, -1.0, low);
+    meet(pivot, 40.1, top, 55.8, 1.0, knee);
+    meet(knee, 39.4, low, 36.7, -1.0, shin);
+    meet(shin, 65.7, low, 49.0, -1.0, foot);
+    assert_int_equal(km_drive_to(drive, angle).stop, KM_STOP_NONE);
+    point_at(&f, "leg", "foot", place);
+    assert_near(place[0], foot[0], 1e-9);
+    assert_near(place[1], foot[1], 1e-9);
+  }
+  km_drive_free(drive);
+  fixture_close(&f);
+}
+
 int main(void) {
   const struct CMUnitTest tests[] = {cmocka_unit_test(every_known_fact_holds),
-                                     cmocka_unit_test(excavator_substructures), cmocka_unit_test(robot_columns)};
+                                     cmocka_unit_test(excavator_substructures), cmocka_unit_test(robot_columns),
+                                     cmocka_unit_test(peaucellier_runs_straight),
+                                     cmocka_unit_test(jansen_steps_as_drawn)};
   return cmocka_run_group_tests(tests, NULL, NULL);
 }

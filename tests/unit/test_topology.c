@@ -175,11 +175,34 @@ static void couplings_join(void **state) {
   km_arena_free(&arena);
 }
 
+/* Held alone, a component of a rotation vector would leave a joint that is none. */
+static void a_ball_is_held_as_a_whole(void **state) {
+  (void)state;
+  fixture f = fixture_open("rssr");
+  km_mechanism *mechanism = NULL;
+  km_error error = {0};
+  km_hold holds[3];
+  for (int k = 0; k < 3; ++k) {
+    static const char *const labels[3] = {"C[0]", "C[1]", "C[2]"};
+    assert_int_equal(km_model_find_coordinate(f.model, labels[k], &holds[k].coordinate, NULL), KM_OK);
+    holds[k].value = 0.0;
+  }
+  for (int count = 1; count < 3; ++count) {
+    assert_int_equal(km_mechanism_compile(f.model, holds, count, &mechanism, &error), KM_USAGE);
+    assert_non_null(strstr(error.text, "\"C[0]\" is a component of a rotation vector"));
+    assert_null(mechanism);
+  }
+  assert_int_equal(km_mechanism_compile(f.model, holds, 3, &mechanism, &error), KM_OK);
+  km_mechanism_free(mechanism);
+  fixture_close(&f);
+}
+
 int main(void) {
   const struct CMUnitTest tests[] = {
       cmocka_unit_test(random_graphs_agree_with_the_definition),
       cmocka_unit_test(a_late_loop_joins_two_substructures),
       cmocka_unit_test(couplings_join),
+      cmocka_unit_test(a_ball_is_held_as_a_whole),
   };
   return cmocka_run_group_tests(tests, NULL, NULL);
 }

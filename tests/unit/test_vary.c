@@ -167,6 +167,42 @@ static void paths_that_name_no_number_are_refused(void **state) {
   }
 }
 
+/* Points of drawings, and what belongs to a strut. */
+static void drawings_and_struts_have_paths(void **state) {
+  (void)state;
+  static const struct {
+    const char *path, *from, *to;
+    double value;
+  } edits[] = {{"B.x", "[160, 10]", "[161, 10]", 161},
+               {"hinge.B.at.1", "[160, 10]", "[160, 12]", 12},
+               {"gas.gas_spring.force", "\"force\": 420", "\"force\": 400", 400},
+               {"hinge.gas.gas_spring.length", "\"length\": 340", "\"length\": 350", 350},
+               {"gas.limits.0", "\"planar\"", "\"limits\": [100, 900], \"planar\"", 100},
+               {"bonnet.mass", "\"mass\": 14", "\"mass\": 15", 15},
+               {"spring_foot.y", "[330, -130]", "[330, -120]", -120}};
+  char *text = read_model_text("bonnet");
+  for (size_t i = 0; i < sizeof edits / sizeof *edits; ++i) {
+    char *limited = edited(text, "\"planar\"", "\"limits\": [0, 900], \"planar\"");
+    bool limits = strstr(edits[i].path, "limits");
+    char *other = edited(text, edits[i].from, edits[i].to);
+    km_model *twin, *model = read_varied(limits ? limited : text, edits[i].path, edits[i].value);
+    km_text varied = {0}, by_hand = {0};
+    assert_int_equal(km_model_read(other, strlen(other), NULL, &twin, NULL), KM_OK);
+    for (int m = 0; m < model->module_count; ++m)
+      assert_memory_equal(model->modules[m].law.coefficients, twin->modules[m].law.coefficients, 2 * sizeof(double));
+    for (int c = 0; c < model->coordinate_count; ++c)
+      assert_true(model->coordinates[c].low == twin->coordinates[c].low);
+    sweep_csv(model, &varied);
+    sweep_csv(twin, &by_hand);
+    assert_string_equal(varied.data, by_hand.data);
+    km_text_free(&varied);
+    km_text_free(&by_hand);
+    km_free(limited);
+    km_free(other);
+  }
+  km_free(text);
+}
+
 /* What the reader refuses of a file it refuses of a variant. */
 static void a_variant_is_checked_as_a_file(void **state) {
   (void)state;
@@ -181,6 +217,7 @@ static void a_variant_is_checked_as_a_file(void **state) {
 int main(void) {
   const struct CMUnitTest tests[] = {
       cmocka_unit_test(a_variant_is_the_edited_file), cmocka_unit_test(values_follow_each_other),
-      cmocka_unit_test(paths_that_name_no_number_are_refused), cmocka_unit_test(a_variant_is_checked_as_a_file)};
+      cmocka_unit_test(paths_that_name_no_number_are_refused), cmocka_unit_test(a_variant_is_checked_as_a_file),
+      cmocka_unit_test(drawings_and_struts_have_paths)};
   return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -1,3 +1,4 @@
+/* Writing a checked model back: every number in its unit, in the pose that is asked for. */
 #include "exchange/json/convert.h"
 
 #include "exchange/json/convert_drawn.h"
@@ -32,21 +33,6 @@ typedef struct converter {
   indexed *joints; /* sorted by source */
   bool verbatim;   /* expressions stay as they are written */
 } converter;
-
-static km_dimension product(km_dimension a, km_dimension b) {
-  return (km_dimension){(signed char)(a.angle + b.angle), (signed char)(a.length + b.length),
-                        (signed char)(a.mass + b.mass), (signed char)(a.time + b.time),
-                        (signed char)(a.force + b.force)};
-}
-
-static km_dimension power(km_dimension a, int n) {
-  km_dimension result = {0};
-  for (int i = 0; i < abs(n); ++i)
-    result = product(result, n < 0 ? (km_dimension){(signed char)-a.angle, (signed char)-a.length, (signed char)-a.mass,
-                                                    (signed char)-a.time, (signed char)-a.force}
-                                   : a);
-  return result;
-}
 
 static const km_dimension time_1 = {.time = 1}, length_1 = {.length = 1};
 
@@ -90,14 +76,14 @@ static km_dimension measured(const converter *c, const context *at, const km_fie
     if (!at->coupling)
       return (km_dimension){0};
     const km_model_coordinate *def = &c->model->coordinates[at->coupling->coordinates[item]];
-    return power(plain(c->model->joints[def->joint].type, def->index), -1);
+    return km_dimension_power(plain(c->model->joints[def->joint].type, def->index), -1);
   }
   case KM_MEASURE_STIFFNESS: {
     bool length = km_joint_is_length(at->type, item);
-    return product(generalised_force(length), power(plain(at->type, item), -1));
+    return km_dimension_product(generalised_force(length), km_dimension_power(plain(at->type, item), -1));
   }
   case KM_MEASURE_POLYNOMIAL:
-    return product(km_joint_dimension(at->type, 0), power(time_1, -item));
+    return km_dimension_product(km_joint_dimension(at->type, 0), km_dimension_power(time_1, -item));
   case KM_MEASURE_TABLE:
     return item == 0 ? time_1 : km_joint_dimension(at->type, 0);
   case KM_MEASURE_SWEEP: {
@@ -110,13 +96,13 @@ static km_dimension measured(const converter *c, const context *at, const km_fie
   case KM_MEASURE_REFERENCE:
     return at->variable;
   case KM_MEASURE_PIECES:
-    return product(at->force, power(at->variable, -item));
+    return km_dimension_product(at->force, km_dimension_power(at->variable, -item));
   case KM_MEASURE_LAW_TABLE:
     return item == 0 ? time_1 : at->force;
   case KM_MEASURE_LAW_POLYNOMIAL:
-    return product(at->force, power(time_1, -item));
+    return km_dimension_product(at->force, km_dimension_power(time_1, -item));
   case KM_MEASURE_GAIN:
-    return product(at->force, power(at->variable, -1));
+    return km_dimension_product(at->force, km_dimension_power(at->variable, -1));
   default:
     return (km_dimension){0};
   }
@@ -145,7 +131,7 @@ static void copy(const converter *c, km_value *parent, const char *key, const km
 static void convert_numbers(const converter *c, const context *at, const km_field *field, km_value *parent,
                             const char *key, const km_value *value, int depth, int row, int item) {
   if (value->kind == KM_NUMBER && !(value->string && c->verbatim)) {
-    km_dimension dimension = product(measured(c, at, field, row, item), field->dimension);
+    km_dimension dimension = km_dimension_product(measured(c, at, field, row, item), field->dimension);
     km_value_number(c->arena, parent, key, in_new_units(c, value->number, dimension));
     return;
   }
@@ -198,7 +184,7 @@ static void enter_module(const converter *c, const km_value *module, context *at
   at->variable = port_is_length(c, def.input.coordinate) ? length_1 : (km_dimension){0};
   at->force = generalised_force(port_is_length(c, def.output.coordinate));
   if (rate)
-    at->variable = product(at->variable, power(time_1, -1));
+    at->variable = km_dimension_product(at->variable, km_dimension_power(time_1, -1));
   if (strcmp(word, "motor") == 0)
     at->variable = time_1;
 }

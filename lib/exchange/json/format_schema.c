@@ -70,6 +70,10 @@ static void words(const schema *s, km_value *object, const km_object_format *for
     list_of = km_value_add(s->arena, object, "enum", KM_LIST);
     for (int t = 0; t < KM_JOINT_TYPES; ++t)
       km_value_string(s->arena, list_of, NULL, km_joint_kind_of((km_joint_type)t)->word);
+    km_value_string(s->arena, list_of, NULL, "revolute");
+    km_value_string(s->arena, list_of, NULL, "prismatic");
+  } else if (strcmp(key, "drawn") == 0) {
+    km_value_string(s->arena, km_value_add(s->arena, object, "enum", KM_LIST), NULL, "assembled");
   } else if (strcmp(key, "version") == 0) {
     list_of = km_value_add(s->arena, object, "enum", KM_LIST);
     for (const char *const *v = versions; *v; ++v)

@@ -114,11 +114,11 @@ static void check_held_balls(km_reader *reader, const km_place *place) {
   const km_model *model = reader->model;
   for (int h = 0; h < model->hold_count; ++h) {
     int coordinate = model->holds[h].coordinate, joint = model->coordinates[coordinate].joint, together = 0;
-    if (!km_reader_turns(reader, coordinate))
+    if (!km_model_turns(reader->model, coordinate))
       continue;
     for (int k = 0; k < model->hold_count; ++k)
       together += model->coordinates[model->holds[k].coordinate].joint == joint &&
-                  km_reader_turns(reader, model->holds[k].coordinate);
+                  km_model_turns(reader->model, model->holds[k].coordinate);
     km_place at = {place, model->coordinates[coordinate].label, 0};
     if (together != 3)
       km_reader_error(reader, &at, "a component of a rotation vector; expected all of joint \"%s\" together, as a list",

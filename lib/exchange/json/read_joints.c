@@ -128,7 +128,8 @@ static bool read_type(km_reader *reader, const km_value *value, const km_place *
     km_text known = {0};
     for (int t = 0; t < KM_JOINT_TYPES; ++t)
       km_text_format(&known, "%s%s", t ? ", " : "", km_joint_kind_of((km_joint_type)t)->word);
-    km_reader_error(reader, &at, "\"%.40s\" is not a joint type; expected %s", word, known.data ? known.data : "");
+    km_reader_error(reader, &at, "\"%.40s\" is not a joint type; expected %s, revolute or prismatic", word,
+                    known.data ? known.data : "");
     km_text_free(&known);
     return false;
   }
@@ -271,7 +272,7 @@ static bool coupled(km_reader *reader, const km_value *value, int assembly, cons
       km_reader_note(reader, place, "coupling \"%.80s\" is left out with its joint", coupling->name);
     if (coordinate < 0)
       return false;
-    if (km_reader_turns(reader, coordinate))
+    if (km_model_turns(reader->model, coordinate))
       km_reader_error(reader, &item, "\"%s\" is a component of a rotation vector; expected a coordinate of its own",
                       reader->model->coordinates[coordinate].label);
     for (int k = 0; k < coupling->count; ++k)

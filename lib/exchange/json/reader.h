@@ -80,8 +80,6 @@ int km_reader_frame(km_reader *reader, const km_value *path, int assembly, const
 int km_reader_joint(km_reader *reader, const km_value *path, int assembly, const km_place *place);
 /* Coordinate of a joint path, where the joint has one, or of `label[k]`. The same results. */
 int km_reader_coordinate(km_reader *reader, const km_value *path, int assembly, const km_place *place);
-/* Is the coordinate a component of a rotation vector? */
-bool km_reader_turns(const km_reader *reader, int coordinate);
 /* A path as a person reads it: `a/b/c`. */
 const char *km_path_text(const km_value *path, char out[KM_PLACE_TEXT]);
 

@@ -122,12 +122,6 @@ int km_reader_coordinate(km_reader *reader, const km_value *value, int assembly,
   return KM_NOT_FOUND;
 }
 
-bool km_reader_turns(const km_reader *reader, int coordinate) {
-  const km_model_coordinate *c = &reader->model->coordinates[coordinate];
-  km_joint_type type = reader->model->joints[c->joint].type;
-  return type == KM_SPHERICAL || (type == KM_FLOAT && c->index >= 3);
-}
-
 /* Is text … end the joint's path from the root, its names joined with slashes? Compared from the end. */
 static bool is_path_of(const km_model *model, const km_model_joint *joint, const char *text, const char *end) {
   const char *name = joint->name;
