@@ -223,6 +223,7 @@ static void paths_read_back_to_their_points(void **state) {
     y[i] = 50 * cos(0.11 * i) - 0.0499 * i;
     add_point(&path, i ? 'L' : 'M', x[i], y[i]);
   }
+  km_svg_path_end(&path);
   char *at = text.data;
   double sum[2] = {0, 0};
   for (int i = 0; i < POINTS; ++i) {
@@ -232,6 +233,38 @@ static void paths_read_back_to_their_points(void **state) {
     assert_true(fabs(sum[0] - x[i]) <= 0.05 + 1e-9 && fabs(sum[1] - y[i]) <= 0.05 + 1e-9);
   }
   assert_int_equal(*at, '\0');
+  km_text_free(&text);
+}
+
+/* A circle with slack: fewer corners, and none of those left out is farther from the lines than the slack. */
+static void slack_leaves_out_what_nobody_sees(void **state) {
+  (void)state;
+  enum { POINTS = 200 };
+  const double slack = 0.05, grid = 0.0005 * M_SQRT2;
+  km_text text = {0};
+  km_svg_path path = {.out = &text, .decimals = 3, .slack = slack};
+  km_canvas_point written[POINTS], at = {0, 0};
+  size_t count = 0;
+  for (int i = 0; i < POINTS; ++i)
+    add_point(&path, i ? 'L' : 'M', 10 * cos(0.03 * i), 10 * sin(0.03 * i));
+  km_svg_path_end(&path);
+  for (char *c = text.data; *c; written[count++] = at) {
+    c += *c == 'M' || *c == 'l';
+    at.x += strtod(c, &c);
+    at.y += strtod(c, &c);
+  }
+  assert_true(count < POINTS / 3 && count > 10);
+  assert_true(hypot(at.x - 10 * cos(0.03 * (POINTS - 1)), at.y - 10 * sin(0.03 * (POINTS - 1))) <= grid);
+  for (int i = 0; i < POINTS; ++i) {
+    double x = 10 * cos(0.03 * i), y = 10 * sin(0.03 * i), nearest = HUGE_VAL;
+    for (size_t k = 1; k < count; ++k) {
+      km_canvas_point a = written[k - 1], b = written[k];
+      double dx = b.x - a.x, dy = b.y - a.y;
+      double part = fmin(fmax(((x - a.x) * dx + (y - a.y) * dy) / (dx * dx + dy * dy), 0), 1);
+      nearest = fmin(nearest, hypot(x - a.x - part * dx, y - a.y - part * dy));
+    }
+    assert_true(nearest <= slack + grid);
+  }
   km_text_free(&text);
 }
 
@@ -370,6 +403,7 @@ int main(void) {
       cmocka_unit_test(marks_are_where_the_table_has_them),
       cmocka_unit_test(dots_without_a_number_are_hidden),
       cmocka_unit_test(paths_read_back_to_their_points),
+      cmocka_unit_test(slack_leaves_out_what_nobody_sees),
       cmocka_unit_test(numbers_are_short),
       cmocka_unit_test(pages_need_nothing_else),
       cmocka_unit_test(animated_pictures_are_whole),
