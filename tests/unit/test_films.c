@@ -120,6 +120,35 @@ static void hinges_in_a_plane_are_only_moved(void **state) {
   close_motion(&m);
 }
 
+/* Ground that turns with the links would flicker: each mount has one direction in all frames. */
+static void the_ground_stands_still(void **state) {
+  (void)state;
+  motion m = open_motion("klann", 24);
+  km_drawing steady = m.drawing;
+  steady.alone = steady.steady = true;
+  km_studio studio = {.drawing = &steady, .place = {0, 0, 360, 360}};
+  km_spot directions[16];
+  size_t mounts = 0;
+  assert_true(km_studio_open(&studio));
+  for (size_t f = 0; f < m.rows; ++f) {
+    km_scene scene = km_studio_scene(&studio, f, 0.0);
+    km_scene_build(&scene);
+    size_t found = 0;
+    for (size_t i = 0; i < scene.count; ++i) {
+      if (scene.items[i].kind != KM_ITEM_MOUNT)
+        continue;
+      if (f == 0)
+        directions[mounts++] = scene.items[i].axis[0];
+      assert_true(km_spot_distance(directions[found++], scene.items[i].axis[0]) < 1e-12);
+    }
+    assert_int_equal(found, mounts);
+  }
+  assert_int_equal(mounts, 3);
+  km_error error;
+  assert_int_equal(km_studio_close(&studio, &error), KM_OK);
+  close_motion(&m);
+}
+
 /* In space every frame has a shape of its own for each link, and they differ as long as things move. */
 static void links_in_space_are_drawn_in_every_frame(void **state) {
   (void)state;
@@ -398,6 +427,7 @@ int main(void) {
   const struct CMUnitTest tests[] = {
       cmocka_unit_test(movers_carry_bodies_as_their_poses_do),
       cmocka_unit_test(hinges_in_a_plane_are_only_moved),
+      cmocka_unit_test(the_ground_stands_still),
       cmocka_unit_test(links_in_space_are_drawn_in_every_frame),
       cmocka_unit_test(sliding_rods_are_drawn_anew),
       cmocka_unit_test(marks_are_where_the_table_has_them),
