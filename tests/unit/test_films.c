@@ -120,6 +120,35 @@ static void hinges_in_a_plane_are_only_moved(void **state) {
   close_motion(&m);
 }
 
+/* Ground that turns with the links would flicker: each mount has one direction in all frames. */
+static void the_ground_stands_still(void **state) {
+  (void)state;
+  motion m = open_motion("klann", 24);
+  km_drawing steady = m.drawing;
+  steady.alone = steady.steady = true;
+  km_studio studio = {.drawing = &steady, .place = {0, 0, 360, 360}};
+  km_spot directions[16];
+  size_t mounts = 0;
+  assert_true(km_studio_open(&studio));
+  for (size_t f = 0; f < m.rows; ++f) {
+    km_scene scene = km_studio_scene(&studio, f, 0.0);
+    km_scene_build(&scene);
+    size_t found = 0;
+    for (size_t i = 0; i < scene.count; ++i) {
+      if (scene.items[i].kind != KM_ITEM_MOUNT)
+        continue;
+      if (f == 0)
+        directions[mounts++] = scene.items[i].axis[0];
+      assert_true(km_spot_distance(directions[found++], scene.items[i].axis[0]) < 1e-12);
+    }
+    assert_int_equal(found, mounts);
+  }
+  assert_int_equal(mounts, 3);
+  km_error error;
+  assert_int_equal(km_studio_close(&studio, &error), KM_OK);
+  close_motion(&m);
+}
+
 /* In space every frame has a shape of its own for each link, and they differ as long as things move. */
 static void links_in_space_are_drawn_in_every_frame(void **state) {
   (void)state;
@@ -223,6 +252,7 @@ static void paths_read_back_to_their_points(void **state) {
     y[i] = 50 * cos(0.11 * i) - 0.0499 * i;
     add_point(&path, i ? 'L' : 'M', x[i], y[i]);
   }
+  km_svg_path_end(&path);
   char *at = text.data;
   double sum[2] = {0, 0};
   for (int i = 0; i < POINTS; ++i) {
@@ -232,6 +262,38 @@ static void paths_read_back_to_their_points(void **state) {
     assert_true(fabs(sum[0] - x[i]) <= 0.05 + 1e-9 && fabs(sum[1] - y[i]) <= 0.05 + 1e-9);
   }
   assert_int_equal(*at, '\0');
+  km_text_free(&text);
+}
+
+/* A circle with slack: fewer corners, and none of those left out is farther from the lines than the slack. */
+static void slack_leaves_out_what_nobody_sees(void **state) {
+  (void)state;
+  enum { POINTS = 200 };
+  const double slack = 0.05, grid = 0.0005 * M_SQRT2;
+  km_text text = {0};
+  km_svg_path path = {.out = &text, .decimals = 3, .slack = slack};
+  km_canvas_point written[POINTS], at = {0, 0};
+  size_t count = 0;
+  for (int i = 0; i < POINTS; ++i)
+    add_point(&path, i ? 'L' : 'M', 10 * cos(0.03 * i), 10 * sin(0.03 * i));
+  km_svg_path_end(&path);
+  for (char *c = text.data; *c; written[count++] = at) {
+    c += *c == 'M' || *c == 'l';
+    at.x += strtod(c, &c);
+    at.y += strtod(c, &c);
+  }
+  assert_true(count < POINTS / 3 && count > 10);
+  assert_true(hypot(at.x - 10 * cos(0.03 * (POINTS - 1)), at.y - 10 * sin(0.03 * (POINTS - 1))) <= grid);
+  for (int i = 0; i < POINTS; ++i) {
+    double x = 10 * cos(0.03 * i), y = 10 * sin(0.03 * i), nearest = HUGE_VAL;
+    for (size_t k = 1; k < count; ++k) {
+      km_canvas_point a = written[k - 1], b = written[k];
+      double dx = b.x - a.x, dy = b.y - a.y;
+      double part = fmin(fmax(((x - a.x) * dx + (y - a.y) * dy) / (dx * dx + dy * dy), 0), 1);
+      nearest = fmin(nearest, hypot(x - a.x - part * dx, y - a.y - part * dy));
+    }
+    assert_true(nearest <= slack + grid);
+  }
   km_text_free(&text);
 }
 
@@ -365,11 +427,13 @@ int main(void) {
   const struct CMUnitTest tests[] = {
       cmocka_unit_test(movers_carry_bodies_as_their_poses_do),
       cmocka_unit_test(hinges_in_a_plane_are_only_moved),
+      cmocka_unit_test(the_ground_stands_still),
       cmocka_unit_test(links_in_space_are_drawn_in_every_frame),
       cmocka_unit_test(sliding_rods_are_drawn_anew),
       cmocka_unit_test(marks_are_where_the_table_has_them),
       cmocka_unit_test(dots_without_a_number_are_hidden),
       cmocka_unit_test(paths_read_back_to_their_points),
+      cmocka_unit_test(slack_leaves_out_what_nobody_sees),
       cmocka_unit_test(numbers_are_short),
       cmocka_unit_test(pages_need_nothing_else),
       cmocka_unit_test(animated_pictures_are_whole),

@@ -111,9 +111,9 @@ static void dxf_holds_every_part(void **state) {
   km_error error;
   assert_int_equal(km_outlines_make(&drawing, 0.0, &arena, &o, &error), KM_OK);
   assert_int_equal(km_outlines_dxf(&o, &out, &error), KM_OK);
-  size_t entities = 0, layers = 0, lines = 0;
+  size_t entities = 0, layers = 0;
   char value[80];
-  for (const char *at = out.data; *at; lines += 2) {
+  for (const char *at = out.data; *at;) {
     int group = 0, read = 0;
     assert_int_equal(sscanf(at, "%d\r\n%79[^\r]\r\n%n", &group, value, &read), 2);
     assert_true(read > 0);

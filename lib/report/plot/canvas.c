@@ -2,6 +2,7 @@
 #include "report/plot/canvas.h"
 
 #include "base/memory.h"
+#include "report/plot/canvas_bytes.h"
 #include "report/plot/svg_path.h"
 
 #include <cairo-pdf.h>
@@ -109,34 +110,6 @@ km_status km_canvas_record(const km_canvas_recorder *recorder, km_canvas **canva
   return KM_OK;
 }
 
-/* Cairo names the page after a counter of the process ("surface12"), which nothing refers to. */
-static void drop_surface_id(km_text *out, size_t start) {
-  static const char key[] = " id=\"surface";
-  char *found = strstr(out->data + start, key);
-  char *end = found ? strchr(found + sizeof key - 1, '"') : NULL;
-  if (!end)
-    return;
-  size_t cut = (size_t)(end + 1 - found);
-  memmove(found, end + 1, out->size + 1 - (size_t)(end + 1 - out->data));
-  out->size -= cut;
-}
-
-/* Says 144 dpi in the file, which cairo leaves out: the pHYs chunk (5669 pixels per
- * metre, with its checksum) stands right after the header. */
-static void add_png_resolution(km_text *out, size_t start) {
-  static const unsigned char chunk[] = {0,    0, 0, 9,    'p',  'H', 'Y',  's',  0,    0,   0x16,
-                                        0x25, 0, 0, 0x16, 0x25, 1,   0x49, 0x52, 0x24, 0xf0};
-  const size_t header = 33;
-  if (out->size < start + header)
-    return;
-  km_text_bytes(out, chunk, sizeof chunk);
-  if (out->failed)
-    return;
-  char *place = out->data + start + header;
-  memmove(place + sizeof chunk, place, out->size - start - header - sizeof chunk);
-  memcpy(place, chunk, sizeof chunk);
-}
-
 static cairo_status_t write_out(km_canvas *canvas) {
   cairo_status_t status = cairo_status(canvas->cairo);
   if (status == CAIRO_STATUS_SUCCESS && canvas->format == KM_CANVAS_PNG)
@@ -147,9 +120,9 @@ static cairo_status_t write_out(km_canvas *canvas) {
   if (status != CAIRO_STATUS_SUCCESS)
     return status;
   if (canvas->format == KM_CANVAS_SVG)
-    drop_surface_id(canvas->out, canvas->start);
+    km_svg_drop_id(canvas->out, canvas->start);
   if (canvas->format == KM_CANVAS_PNG)
-    add_png_resolution(canvas->out, canvas->start);
+    km_png_add_resolution(canvas->out, canvas->start);
   return canvas->out->failed ? CAIRO_STATUS_NO_MEMORY : CAIRO_STATUS_SUCCESS;
 }
 
@@ -226,7 +199,7 @@ static void record(km_canvas *canvas, const km_colour *fill, const km_pen *pen) 
                                   [CAIRO_PATH_CURVE_TO] = 'C',
                                   [CAIRO_PATH_CLOSE_PATH] = 'Z'};
   km_text text = {0};
-  km_svg_path written = {.out = &text, .decimals = canvas->recorder->decimals};
+  km_svg_path written = {.out = &text, .decimals = canvas->recorder->decimals, .slack = canvas->recorder->slack};
   cairo_path_t *path = cairo_copy_path(canvas->cairo);
   for (int i = 0; i < path->num_data; i += path->data[i].header.length) {
     km_canvas_point points[3] = {{0, 0}};
@@ -236,6 +209,7 @@ static void record(km_canvas *canvas, const km_colour *fill, const km_pen *pen) 
     }
     km_svg_path_add(&written, commands[path->data[i].header.type], points);
   }
+  km_svg_path_end(&written);
   cairo_path_destroy(path);
   cairo_new_path(canvas->cairo);
   canvas->recorder->shape(canvas->recorder->context, text.failed ? NULL : text.data ? text.data : "", fill, pen);

@@ -56,7 +56,8 @@ typedef struct km_canvas_recorder {
   void (*line)(void *context, const char *text, const km_font *font, km_colour colour, km_canvas_point at, double width,
                double angle);
   void *context;
-  int decimals; /* of the paths' numbers; may change between pieces */
+  int decimals; /* of the paths' numbers; this and the slack may change between pieces */
+  double slack; /* points: corners that lie so near to a line past them are left out */
 } km_canvas_recorder;
 
 /* A canvas without a page, whose drawing goes to the borrowed recorder; it isn't finished, only freed. Clips don't

@@ -8,6 +8,8 @@
 
 enum { FINE = 2, COARSE = 1 }; /* decimals of what is written once, and of what is written frame by frame */
 
+static const double coarse_slack = 0.06; /* points: half of what the grid hides */
+
 static double luminance(km_colour c) {
   return 0.2126 * c.red + 0.7152 * c.green + 0.0722 * c.blue;
 }
@@ -113,7 +115,7 @@ static void record_line(void *context, const char *text, const km_font *font, km
 km_status km_film_open(km_film *film, km_arena *arena, double width, double height, size_t frame_count,
                        km_error *error) {
   *film = (km_film){.arena = arena, .width = width, .height = height, .frame_count = frame_count};
-  film->recorder = (km_canvas_recorder){record_shape, record_line, film, FINE};
+  film->recorder = (km_canvas_recorder){record_shape, record_line, film, FINE, 0.0};
   return km_canvas_record(&film->recorder, &film->canvas, error);
 }
 
@@ -151,6 +153,7 @@ km_film_group *km_film_begin(km_film *film, int mover) {
   film->group_count++;
   film->into = group->shapes;
   film->recorder.decimals = mover == KM_FILM_DRAWN ? COARSE : FINE;
+  film->recorder.slack = mover == KM_FILM_DRAWN ? coarse_slack : 0.0;
   return group;
 }
 

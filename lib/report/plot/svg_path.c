@@ -51,19 +51,56 @@ static void add_points(km_svg_path *p, char command, const km_canvas_point *poin
   p->y = y;
 }
 
+static double distance_to_line(km_canvas_point p, km_canvas_point a, km_canvas_point b) {
+  double x = b.x - a.x, y = b.y - a.y, square = x * x + y * y;
+  double part = square > 0.0 ? fmin(fmax(((p.x - a.x) * x + (p.y - a.y) * y) / square, 0.0), 1.0) : 0.0;
+  return hypot(p.x - a.x - part * x, p.y - a.y - part * y);
+}
+
+static bool passes_held(const km_svg_path *p, km_canvas_point to) {
+  for (int i = 0; i < p->held_count; ++i)
+    if (distance_to_line(p->held[i], p->kept, to) > p->slack)
+      return false;
+  return p->held_count < KM_SVG_HELD;
+}
+
+void km_svg_path_end(km_svg_path *p) {
+  if (p->held_count == 0)
+    return;
+  p->kept = p->held[p->held_count - 1];
+  p->held_count = 0;
+  add_points(p, 'l', &p->kept, 1);
+}
+
+static void add_line(km_svg_path *p, km_canvas_point to) {
+  if (!passes_held(p, to))
+    km_svg_path_end(p);
+  p->held[p->held_count++] = to;
+}
+
+static void move(km_svg_path *p, km_canvas_point to) {
+  p->x = p->y = 0;
+  p->last = '\0';
+  add_points(p, 'M', &to, 1);
+  p->from_x = p->x;
+  p->from_y = p->y;
+  p->kept = to;
+}
+
 void km_svg_path_add(km_svg_path *p, char command, const km_canvas_point *points) {
+  if (command == 'L') {
+    add_line(p, points[0]);
+    return;
+  }
+  km_svg_path_end(p);
   if (command == 'Z') {
     begin_command(p, 'z');
     p->x = p->from_x;
     p->y = p->from_y;
   } else if (command == 'M') {
-    p->x = p->y = 0;
-    p->last = '\0';
-    add_points(p, 'M', points, 1);
-    p->last = 'M';
-    p->from_x = p->x;
-    p->from_y = p->y;
+    move(p, points[0]);
   } else {
-    add_points(p, command == 'L' ? 'l' : 'c', points, command == 'L' ? 1 : 3);
+    add_points(p, 'c', points, 3);
+    p->kept = points[2];
   }
 }

@@ -4,16 +4,24 @@
 
 #include "report/plot/canvas.h"
 
+enum { KM_SVG_HELD = 8 };
+
 typedef struct km_svg_path {
   km_text *out;
-  int decimals;             /* of every number: 0 to 3 */
-  long long x, y;           /* where the path has come to, in steps of the grid */
-  long long from_x, from_y; /* where this part of it began */
-  char last;                /* the command that numbers now belong to */
+  double slack;                      /* points that lie so near to the line past them are left out */
+  int decimals;                      /* of every number: 0 to 3 */
+  long long x, y;                    /* where the path has come to, in steps of the grid */
+  long long from_x, from_y;          /* where this part of it began */
+  char last;                         /* the command that numbers now belong to */
+  km_canvas_point kept;              /* the last point that is written */
+  km_canvas_point held[KM_SVG_HELD]; /* points after it; the line to the last passes the others */
+  int held_count;
 } km_svg_path;
 
 /* Adds 'M' or 'L' (one point), 'C' (three) or 'Z' (none). Rounding doesn't add up along the path. */
 void km_svg_path_add(km_svg_path *path, char command, const km_canvas_point *points);
+/* Writes what is held back. */
+void km_svg_path_end(km_svg_path *path);
 
 /* A number with at most so many decimals: "-.5", "12". */
 void km_svg_number(km_text *out, double value, int decimals);
