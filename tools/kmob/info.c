@@ -60,7 +60,7 @@ static kt_exit describe(const kmob_request *o, const kt_pose *pose, km_text *out
       km_json_write(record, out);
     status = arena.failed ? KM_MEMORY : KM_OK;
   } else {
-    km_mobility_print(pose->mechanism, pose->state, &mobility, o->pose.model, out);
+    km_mobility_print(pose->mechanism, pose->state, &mobility, o->pose.model, o->pose.common.verbose, out);
     km_diagnosis_print(pose->mechanism, &diagnosis, out);
     if (o->modes)
       print_modes(pose->model, &modes, driver, out);

@@ -143,16 +143,19 @@ static void print_reactions(const km_mechanism *m, const km_statics *st, int wid
     km_text_add(out, "\n");
   }
   if (open)
-    km_text_format(out, "  ? statically indeterminate (%d redundant constraint%s): the answer of least norm is given\n",
+    km_text_format(out,
+                   "  ? statically indeterminate (%d redundant constraint%s): the least-squares sharing is shown\n",
                    st->degree, km_plural(st->degree));
 }
 
 void km_statics_print(const km_mechanism *m, const km_statics *st, const char *name, km_text *out) {
   int width = km_widest_label(m->model);
-  km_text_format(out, "%s: %s\n", name,
-                 !st->held       ? "the actuators can't hold this pose"
-                 : st->redundant ? "the actuators hold this pose; they are more than needed, theirs is the least answer"
-                                 : "the actuators hold this pose");
+  km_text_format(
+      out, "%s: %s\n", name,
+      !st->held ? "the actuators can't hold this pose"
+      : st->redundant
+          ? "the actuators hold this pose; more actuators than freedoms, so the least-squares sharing is shown"
+          : "the actuators hold this pose");
   print_directions(m, st, out);
   if (st->actuator_count)
     km_text_add(out, "\nactuators\n");
@@ -218,8 +221,8 @@ void km_statics_sweep_print(const km_mechanism *m, const km_sweep_plan *plan, co
       km_force_unit(m->model, c, out);
       km_text_format(out, " at %.6g%s", largest->s, unit);
     }
-    print_events(sweep, i, KM_FORCE_UNBOUNDED, " has no bound at", unit, out);
-    print_events(sweep, i, KM_FORCE_BALANCED, "; nothing at", unit, out);
+    print_events(sweep, i, KM_FORCE_UNBOUNDED, " is unbounded at", unit, out);
+    print_events(sweep, i, KM_FORCE_BALANCED, "; zero at", unit, out);
     km_text_add(out, "\n");
   }
   if (!sweep->loaded)
