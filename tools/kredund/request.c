@@ -184,7 +184,7 @@ static void note_start(const kredund_request *r, const kredund_open *out) {
   if (s->path && !s->start_status && s->start_moved > 1e-6)
     kt_say(&r->common, KM_NOTE,
            "%s: the starting pose isn't at the path's first pose; inverse kinematics moves it by up to "
-           "%.3g",
+           "%.3g rad (slides: over L)",
            out->name, s->start_moved);
 }
 
