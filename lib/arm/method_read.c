@@ -1,5 +1,6 @@
 /* Methods and objectives of a study. */
 #include "arm/study.h"
+#include "base/nearest.h"
 #include "exchange/json/format.h"
 
 #include <string.h>
@@ -15,6 +16,15 @@ static double read_between(km_reader *reader, const km_value *object, const km_p
   return otherwise;
 }
 
+static void unknown_joint(km_reader *reader, const km_arm *arm, const char *label, const km_place *at) {
+  km_nearest nearest = {.wanted = label};
+  char names[KM_NEAREST_TEXT];
+  for (int k = 0; k < arm->n; ++k)
+    km_nearest_offer(&nearest, km_arm_label(arm, k));
+  km_reader_error(reader, at, "\"%.80s\" is no joint of the arm; the nearest of its %d are %s", label, arm->n,
+                  km_nearest_text(&nearest, names));
+}
+
 static void read_joints(km_reader *reader, const km_arm *arm, const km_value *value, const km_place *place,
                         km_method *out) {
   km_place at = {place, value->key, 0};
@@ -25,8 +35,7 @@ static void read_joints(km_reader *reader, const km_arm *arm, const km_value *va
       if (strcmp(km_arm_label(arm, k), label->string) == 0)
         found = k;
     if (found < 0)
-      km_reader_error(reader, &at, "\"%.80s\" is no joint of the arm; expected some of %s … %s", label->string,
-                      km_arm_label(arm, 0), km_arm_label(arm, arm->n - 1));
+      unknown_joint(reader, arm, label->string, &at);
     else if (out->joint_count == arm->freedom || out->joint_count == KM_METHOD_JOINTS)
       km_reader_error(reader, &at, "found more joints than the %d that are to spare", arm->freedom);
     else

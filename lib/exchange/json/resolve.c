@@ -1,5 +1,6 @@
 /* Paths and labels: which body, frame, joint or coordinate a name means. */
 #include "base/check.h"
+#include "base/nearest.h"
 #include "exchange/json/path.h"
 #include "exchange/json/reader.h"
 
@@ -138,6 +139,16 @@ static bool is_path_of(const km_model *model, const km_model_joint *joint, const
   }
 }
 
+static km_status no_joint(const km_model *model, const char *label, km_error *error) {
+  km_nearest nearest = {.wanted = label};
+  char names[KM_NEAREST_TEXT];
+  for (int j = 0; j < model->joint_count; ++j)
+    km_nearest_offer(&nearest, model->joints[j].label);
+  return km_fail(error, KM_USAGE, "\"%s\" names no joint; %s %s", label,
+                 model->joint_count > KM_NEAREST ? "the nearest are" : "the model has",
+                 km_nearest_text(&nearest, names));
+}
+
 /* Looking up labels after reading is rare (options, not data), so a scan over the model serves. */
 km_status km_model_find_joint(const km_model *model, const char *label, int *joint, km_error *error) {
   km_status fits = km_check_given(model && label && joint, "model, label or place for the result", error);
@@ -152,13 +163,7 @@ km_status km_model_find_joint(const km_model *model, const char *label, int *joi
       }
     }
   }
-  km_text known = {0};
-  for (int j = 0; j < model->joint_count && j < 30; ++j)
-    km_text_format(&known, "%s%s", j ? ", " : "", model->joints[j].label);
-  km_status status = km_fail(error, KM_USAGE, "\"%s\" names no joint; the model has %s%s", label,
-                             known.data ? known.data : "none", model->joint_count > 30 ? ", …" : "");
-  km_text_free(&known);
-  return status;
+  return no_joint(model, label, error);
 }
 
 km_status km_model_find_coordinate(const km_model *model, const char *label, int *coordinate, km_error *error) {
@@ -226,6 +231,23 @@ static int frames_of_path(const km_model *model, const char *const *names, size_
   return found || !count ? found : frames_named(model, names, count, "origin", frame);
 }
 
+static km_status no_frame(const km_model *model, const char *path, km_error *error) {
+  km_arena arena = {0};
+  km_nearest nearest = {.wanted = path};
+  char names[KM_NEAREST_TEXT];
+  for (int f = 0; f < model->frame_count; ++f) {
+    const char *const parts[] = {model->bodies[model->frames[f].body].name, model->frames[f].name};
+    char text[KM_PLACE_TEXT];
+    const char *name = km_arena_string(&arena, km_path_names_text(parts, 2, text));
+    if (name)
+      km_nearest_offer(&nearest, name);
+  }
+  km_status status = km_fail(error, KM_USAGE, "\"%s\" names no frame; expected body/frame; the nearest are %s", path,
+                             km_nearest_text(&nearest, names));
+  km_arena_free(&arena);
+  return status;
+}
+
 km_status km_model_find_frame(const km_model *model, const char *const *names, size_t count, int *frame,
                               km_error *error) {
   km_status fits = km_check_given(model && frame, "model or place for the result", error);
@@ -245,5 +267,5 @@ km_status km_model_find_frame(const km_model *model, const char *const *names, s
   km_path_names_text(names, count, text);
   if (found > 1)
     return km_fail(error, KM_USAGE, "\"%s\" names %d frames; expected the full path from the root", text, found);
-  return km_fail(error, KM_USAGE, "\"%s\" names no frame; expected body/frame or a path from the root", text);
+  return no_frame(model, text, error);
 }
