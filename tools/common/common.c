@@ -3,6 +3,7 @@
 
 #include "base/file.h"
 #include "base/memory.h"
+#include "common/pages.h"
 #include "kmech/version.h"
 
 #include <argp.h>
@@ -132,6 +133,8 @@ kt_exit kt_run(const char *tool, const char *about, const kt_command *commands, 
     print_version(stdout, NULL);
     return KT_DONE;
   }
+  if (strncmp(word, "--help=", 7) == 0 && kt_page_print_tool(tool, about, commands, word + 7))
+    return KT_DONE;
   for (const kt_command *c = commands; c->name; ++c) {
     if (strcmp(c->name, word) != 0)
       continue;

@@ -124,6 +124,7 @@ typedef struct kt_formats {
   bool wanted[KT_FORMATS];
 } kt_formats;
 #define KT_FORMATS_HELP "Some of csv,json,svg,pdf,png (default csv,svg)"
+#define KT_FORMATS_KIND KT_TEXT_OF("csv or json or svg or pdf or png")
 /* "csv,svg"; false and a message if a word is unknown. */
 bool kt_formats_parse(const kt_common *common, const char *text, kt_formats *out);
 /* The same of a command that writes some of `among`, "svg,pdf,png". */
