@@ -157,8 +157,9 @@ static void refuse_unknown(const kt_options *options, const char *command, const
       km_nearest_offer(&nearest, options->items[i].name);
   for (int i = 0; i < KNOWN; ++i)
     km_nearest_offer(&nearest, known[i]);
-  fprintf(stderr, "%s: there is no option --%s; the nearest are %s (%s --help)\n", command, name,
-          km_nearest_text(&nearest, names), command);
+  const kt_common common = KT_COMMON(command);
+  kt_say(&common, KM_ERROR, "there is no option --%s; the nearest are %s (%s --help)", name,
+         km_nearest_text(&nearest, names), command);
   exit(KT_USAGE);
 }
 

@@ -120,7 +120,7 @@ static void print_manual(const kt_options *options, const char *command, const c
   put_line(".SH SYNOPSIS\n.B ", command);
   fputs("[\\fIOPTION\\fR...]", stdout);
   if (options->operand.argument)
-    printf(options->operand.required ? " \\fI%s\\fR" : " [\\fI%s\\fR]", options->operand.argument);
+    printf(" \\fI%s\\fR", options->operand.argument);
   fputs("\n.SH DESCRIPTION\n", stdout);
   put_roff(about, strcspn(about, "\n\v"));
   putchar('\n');

@@ -8,7 +8,6 @@
 #include "exchange/json/json.h"
 
 #include <string.h>
-#include <unistd.h>
 
 typedef struct options {
   kt_common common;
@@ -125,8 +124,10 @@ kt_exit kmob_convert(int argc, char **argv) {
       KMOB_FILE(&o.file),
   };
   KT_OPTIONS_ADD(&all, table);
-  kt_common_options(&all, &o.common, 0);
+  kt_common_options(&all, &o.common, KT_USES_FORCE);
   kt_options_read(&all, "Write the checked model: other units, the assembled pose.", argc, argv);
+  if (o.file && !kt_may_write(&o.common, o.file))
+    return KT_USAGE;
   kt_pose pose;
   kt_exit result = kt_open(&o.common, o.model, &o.holds, &o.sets, &pose);
   if (result == KT_DONE)
@@ -183,8 +184,7 @@ kt_exit kmob_new(int argc, char **argv) {
   km_text_format(&path, "%s%s", o.model, named || strcmp(o.model, "-") == 0 ? "" : ".json");
   kt_exit result = KT_INTERNAL;
   o.file = path.data;
-  if (path.data && !o.common.force && strcmp(path.data, "-") != 0 && access(path.data, F_OK) == 0) {
-    kt_say(&o.common, KM_ERROR, "%s: exists already; expected a new name, or --force", path.data);
+  if (path.data && !kt_may_write(&o.common, path.data)) {
     result = KT_USAGE;
   } else if (path.data) {
     result = write_file(&o, &text);
