@@ -130,7 +130,7 @@ void km_advantage_sweep_print(const km_mechanism *m, const km_sweep_plan *plan, 
   else
     km_text_format(out, "from %.6g at %.6g%s to %.6g at %.6g%s\n", sweep->lowest.value, sweep->lowest.s, s_unit,
                    sweep->highest.value, sweep->highest.s, s_unit);
-  if (sweep->method == KM_ADVANTAGE_LEAST_MOTION)
+  if (sweep->method == KM_ADVANTAGE_LEAST_MOTION && sweep->motion.freedom - sweep->motion.idle > 1)
     km_text_add(out, "  several freedoms: the others move least (--hold keeps joints)\n");
   for (int state = KM_ADVANTAGE_ZERO; state <= KM_ADVANTAGE_UNDEFINED; ++state) {
     int count = 0;
