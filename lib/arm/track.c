@@ -8,42 +8,9 @@
 #include <string.h>
 #include <time.h>
 
-static const struct {
-  const char *word;
-  km_method_run run;
-} methods[KM_METHODS] = {{"greedy", km_method_greedy}, {"lookahead", km_method_lookahead}, {"fixed", km_method_fixed},
-                         {"dls", km_method_dls},       {"gradient", km_method_gradient},   {"dp", km_method_dp},
-                         {"global", km_method_global}};
-
-const char *km_method_word(km_method_kind kind) {
-  if ((unsigned)kind >= KM_METHODS)
-    return "";
-  return methods[kind].word;
-}
-
-int km_method_find(const char *word) {
-  if (!word)
-    return -1;
-  if (strcmp(word, "pinv") == 0)
-    return KM_GREEDY;
-  for (int k = 0; k < KM_METHODS; ++k)
-    if (strcmp(word, methods[k].word) == 0)
-      return k;
-  return -1;
-}
-
-km_method km_method_default(km_method_kind kind) {
-  return (km_method){.kind = kind,
-                     .word = km_method_word(kind),
-                     .branches = 3,
-                     .levels = 3,
-                     .angle = M_PI / 6.0,
-                     .damping = 0.05,
-                     .below = 0.1,
-                     .gain = 2.0,
-                     .knots = 12,
-                     .evaluations = 400};
-}
+static const km_method_run methods[KM_METHODS] = {km_method_greedy, km_method_lookahead, km_method_fixed,
+                                                  km_method_dls,    km_method_gradient,  km_method_dp,
+                                                  km_method_global};
 
 static double now(void) {
   struct timespec t;
@@ -251,7 +218,7 @@ km_status km_track_run(const km_arm *arm, const km_track_plan *plan, km_track **
     return km_fail(error, KM_MEMORY, "out of memory for a track");
   }
   double start = now();
-  km_status status = starts(t, &run) ? methods[plan->method.kind].run(&run, error) : KM_PARTIAL;
+  km_status status = starts(t, &run) ? methods[plan->method.kind](&run, error) : KM_PARTIAL;
   t->summary.seconds = now() - start;
   t->summary.evaluations = run.evaluations + run.space.arm.evaluations;
   t->summary.greedy_instead = run.greedy_instead;

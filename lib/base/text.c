@@ -93,3 +93,8 @@ size_t km_number_format(char out[KM_NUMBER_TEXT], double value) {
   }
   return neutral_point(out);
 }
+
+const char *km_number_shown(char out[KM_NUMBER_TEXT], double value) {
+  km_number_format(out, value);
+  return out;
+}

@@ -215,8 +215,8 @@ static void test_paths_by_calls(void **context) {
   g[2].sideways[0] = 1.0;
   g[2].amplitude = 0.02;
   g[2].waves = 3.0;
-  g[3].poses = knots;
-  g[3].pose_count = 2;
+  g[3].points = knots;
+  g[3].point_count = 2;
   km_path_plan plan = km_path_plan_default();
   km_path *path;
   km_error error;

@@ -53,10 +53,12 @@ void random_pose(const km_arm *arm, randomness *r, double *q) {
 
 km_study *study_of(const fixture *f, const char *json) {
   km_study *study;
+  km_study_def def = km_study_def_default();
   km_error error = {0};
-  if (km_study_read(json, strlen(json), "", NULL, &study, &error) ||
-      km_study_bind(study, f->mechanism, f->state, 1, NULL, &error))
+  if (km_study_read(json, strlen(json), "", NULL, &def, &error) ||
+      km_study_bind(f->mechanism, f->state, &def, 1, NULL, &study, &error))
     fail_msg("%s", error.text);
+  km_study_def_free(&def);
   return study;
 }
 
@@ -94,17 +96,19 @@ opened_study study_open(const char *name) {
   km_text text = {0};
   km_error error = {0};
   opened_study o = {0};
+  km_study_def def = km_study_def_default();
   snprintf(path, sizeof path, "%s/%s", STUDIES_DIR, name);
   snprintf(model, sizeof model, "%s/study.json", path);
-  if (km_file_read(model, &text, &error) || km_study_read(text.data, text.size, path, NULL, &o.study, &error))
+  if (km_file_read(model, &text, &error) || km_study_read(text.data, text.size, path, NULL, &def, &error))
     fail_msg("%s", error.text);
   km_text_free(&text);
-  snprintf(model, sizeof model, "%s/%s", path, km_study_model(o.study));
+  snprintf(model, sizeof model, "%s/%s", path, def.model);
   km_model *read;
   if (km_model_load(model, NULL, &read, &error))
     fail_msg("%s", error.text);
   o.f = fixture_of(read);
-  if (km_study_bind(o.study, o.f.mechanism, o.f.state, 1, NULL, &error))
+  if (km_study_bind(o.f.mechanism, o.f.state, &def, 1, NULL, &o.study, &error))
     fail_msg("%s", error.text);
+  km_study_def_free(&def);
   return o;
 }
