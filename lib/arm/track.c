@@ -25,15 +25,25 @@ typedef struct row {
   int sample;
 } row;
 
-static void add_columns(km_table *table, const km_arm *a, const char *prefix, const char *per) {
+/* A table that is being made; `whole` until a column is missing. */
+typedef struct table_maker {
+  km_table *table;
+  bool whole;
+} table_maker;
+
+static void add_column(table_maker *m, const char *name, const char *unit) {
+  m->whole = km_table_add_column(m->table, name, unit) >= 0 && m->whole;
+}
+
+static void add_columns(table_maker *m, const km_arm *a, const char *prefix, const char *per) {
   const km_model *model = a->mechanism->model;
   for (int k = 0; k < a->n; ++k) {
     km_text name = {0}, unit = {0};
     km_text_format(&name, "%s.%s", prefix, km_arm_label(a, k));
     if (per)
       km_text_format(&unit, "%s%s", km_model_coordinate_unit(model, a->coordinate[k]), per);
-    if (!name.failed && !unit.failed)
-      km_table_add_column(table, name.data, per ? unit.data : NULL);
+    m->whole = m->whole && !name.failed && !unit.failed;
+    add_column(m, name.data, per ? unit.data : NULL);
     km_text_free(&name);
     km_text_free(&unit);
   }
@@ -44,31 +54,33 @@ static bool reported(const km_track *t, int kind) {
   return kind <= KM_LIMIT_DISTANCE || t->plan.objective.weight[kind] != 0.0;
 }
 
+/* NULL when out of memory. */
 static km_table *make_table(const km_track *t) {
   const km_arm *a = t->arm;
   const char *length = a->mechanism->model->units.length->suffix;
-  km_table *table = km_table_create();
-  if (!table)
-    return NULL;
-  km_table_add_column(table, "step", NULL);
-  km_table_add_plain_column(table, "s", length);
-  km_table_add_column(table, "t", "s");
-  add_columns(table, a, "q", "");
-  add_columns(table, a, "v", "/s");
-  add_columns(table, a, "z", NULL);
-  km_table_add_column(table, "z.path", NULL);
+  table_maker m = {km_table_create(), true};
+  add_column(&m, "step", NULL);
+  m.whole = km_table_add_plain_column(m.table, "s", length) >= 0 && m.whole;
+  add_column(&m, "t", "s");
+  add_columns(&m, a, "q", "");
+  add_columns(&m, a, "v", "/s");
+  add_columns(&m, a, "z", NULL);
+  add_column(&m, "z.path", NULL);
   for (int k = 0; k < KM_OBJECTIVES; ++k) {
     char name[64];
     snprintf(name, sizeof name, "objective.%s", km_objective_word((km_objective_kind)k));
     if (reported(t, k))
-      km_table_add_column(table, name, NULL);
+      add_column(&m, name, NULL);
   }
   if (km_objective_single(&t->plan.objective) < 0)
-    km_table_add_column(table, "objective.weighted", NULL);
-  km_table_add_column(table, "error_position", length);
-  km_table_add_column(table, "error_rotation", a->mechanism->model->units.angle->suffix);
-  km_table_add_column(table, "limit_margin", NULL);
-  return table;
+    add_column(&m, "objective.weighted", NULL);
+  add_column(&m, "error_position", length);
+  add_column(&m, "error_rotation", a->mechanism->model->units.angle->suffix);
+  add_column(&m, "limit_margin", NULL);
+  if (m.whole)
+    return m.table;
+  km_table_free(m.table);
+  return NULL;
 }
 
 /* Joint rates of the track where `space` stands: of the step that led here, at the start of the one that leads on. A

@@ -95,7 +95,7 @@ static void read_points(segment_reader *r, const km_value *list, const km_place 
   out->points = points;
   out->point_count = count;
   out->times = timed ? times : NULL;
-  out->own_start = r->may_jump && !(timed && times[0] > 0.0);
+  out->own_start = count > 0 && r->may_jump && !(timed && times[0] > 0.0);
 }
 
 static void read_spline(segment_reader *r) {
