@@ -91,6 +91,41 @@ km_pose effector_by_bodies(const fixture *f, const km_arm *arm, const double *q)
   return km_pose_product(&f->state->pose[frame->body], &frame->pose);
 }
 
+void assert_on_path(const fixture *f, const km_study *study, const km_track *track) {
+  const km_arm *arm = study->arm;
+  size_t rows = km_table_rows(track->table);
+  km_track_summary s = km_track_summarise(track);
+  assert_true(s.error_position <= 1e-9 * arm->length && s.error_rotation <= 1e-9);
+  assert_int_equal(s.violations, 0);
+  for (size_t r = 0; r < rows && r <= (size_t)track->end.sample; ++r) {
+    double q[KM_ARM_MOST], values[12];
+    for (int k = 0; k < arm->n; ++k)
+      q[k] = km_arm_read(arm, k, km_table_row(track->table, r)[3 + k]);
+    km_pose at = effector_by_bodies(f, arm, q);
+    km_frame_pose want;
+    km_path_pose(study->path, (int)r, &want);
+    double got[12] = {at.p.x, at.p.y, at.p.z};
+    for (int k = 0; k < 3; ++k) {
+      values[k] = want.p[k];
+      for (int i = 0; i < 3; ++i)
+        values[3 + 3 * k + i] = want.R[3 * i + k];
+      got[3 + 3 * k] = at.R.axis[k].x;
+      got[4 + 3 * k] = at.R.axis[k].y;
+      got[5 + 3 * k] = at.R.axis[k].z;
+    }
+    for (int k = 0; k < 12; ++k)
+      assert_near(got[k], values[k], k < 3 ? 1e-9 * arm->length : 1e-9);
+    assert_int_equal(km_arm_limit_passed(arm, q), -1);
+  }
+}
+
+void assert_same_rows(const km_track *a, const km_track *b) {
+  assert_int_equal(km_table_rows(a->table), km_table_rows(b->table));
+  for (size_t r = 0; r < km_table_rows(a->table); ++r)
+    assert_memory_equal(km_table_row(a->table, r), km_table_row(b->table, r),
+                        km_table_columns(a->table) * sizeof(double));
+}
+
 opened_study study_open(const char *name) {
   char path[1024], model[2048];
   km_text text = {0};
