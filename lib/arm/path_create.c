@@ -171,8 +171,10 @@ static km_status make_segments(maker *b, const km_path_plan *plan, km_error *err
       return status;
     b->at = km_segment_pose(&path->segments[i], 1.0, &rate);
   }
-  *b->fault = KM_PATH_NO_FAULT;
-  return km_path_finish(path, &b->fault->segment, error);
+  int which = -1;
+  km_status status = km_path_finish(path, &which, error);
+  *b->fault = (km_path_fault){which, NULL, -1};
+  return status;
 }
 
 km_status km_path_make(const km_arm *a, const km_path_plan *plan, const km_pose *start, km_path **out,
@@ -198,8 +200,6 @@ static km_status check(const km_arm *a, const km_path_plan *plan, km_error *erro
     status = km_check_pose(&plan->start, error);
   if (!status)
     status = km_check_list(plan->segments, plan->segment_count, "segments", error);
-  if (!status && !(plan->speed >= 0.0 && plan->turn_speed >= 0.0 && isfinite(plan->speed + plan->turn_speed)))
-    status = km_fail(error, KM_USAGE, "speeds of %g and %g; expected 0 or more", plan->speed, plan->turn_speed);
   return status;
 }
 

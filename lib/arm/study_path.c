@@ -1,4 +1,5 @@
 /* The path of a study, once the arm is known: its units, its start, and where in the text something is wrong. */
+#include "arm/check.h"
 #include "arm/study_binder.h"
 
 #include <stdio.h>
@@ -72,6 +73,8 @@ bool km_bind_path(km_binder *b, const double *q) {
   km_error error;
   if (!path->plan.segments)
     return b->def->path_optional || km_binder_fault(b, &path->place, "is missing; expected the path to follow");
+  if (!km_binder_pass(b, &path->place, km_check_pose(&path->plan.start, &error), &error))
+    return false;
   if (!find_first_pose(b, q, &start))
     return false;
   km_status status = km_path_plan_check(&path->plan, &fault, &error);

@@ -15,14 +15,19 @@ km_path_plan km_path_plan_default(void) {
 }
 
 const char *km_path_fault_text(const km_path_fault *fault, char out[KM_PATH_FAULT_TEXT]) {
-  char segment[24] = "", item[24] = "";
+  char segment[32] = "", item[24] = "";
   if (fault->segment >= 0)
-    snprintf(segment, sizeof segment, "[%d]", fault->segment);
+    snprintf(segment, sizeof segment, "segments[%d]%s", fault->segment, fault->key ? "." : "");
   if (fault->item >= 0)
     snprintf(item, sizeof item, "[%d]", fault->item);
-  snprintf(out, KM_PATH_FAULT_TEXT, "segments%s%s%s%s", segment, fault->key ? "." : "", fault->key ? fault->key : "",
-           item);
+  snprintf(out, KM_PATH_FAULT_TEXT, "%s%s%s", segment, fault->key ? fault->key : "", item);
   return out;
+}
+
+static km_status check_speed(double speed, km_error *error) {
+  if (speed >= 0.0 && isfinite(speed))
+    return KM_OK;
+  return km_fail(error, KM_USAGE, "found %s; expected 0 or more", KM_SHOWN(speed));
 }
 
 static km_status check_direction(const double v[3], km_error *error) {
@@ -53,7 +58,13 @@ static const char *faulty_key(const km_path_segment *g, km_error *error) {
 
 km_status km_path_plan_check(const km_path_plan *plan, km_path_fault *fault, km_error *error) {
   double steps = 0.0;
-  *fault = KM_PATH_NO_FAULT;
+  *fault = (km_path_fault){-1, "speed", -1};
+  if (check_speed(plan->speed, error))
+    return KM_USAGE;
+  fault->key = "turn_speed";
+  if (check_speed(plan->turn_speed, error))
+    return KM_USAGE;
+  fault->key = "segments";
   if (plan->segment_count < 1)
     return km_fail(error, KM_USAGE, "found none; expected at least one segment");
   for (int i = 0; i < plan->segment_count; ++i) {

@@ -4,19 +4,19 @@
 
 #include "kmech/path.h"
 
-/* A place in a plan: segments[segment].key[item]; −1 and NULL where that is all. */
+/* A place in a plan: segments[segment].key[item], or a key of the plan itself. */
 typedef struct km_path_fault {
-  int segment;
-  const char *key;
-  int item;
+  int segment;     /* −1: the plan itself */
+  const char *key; /* NULL: the segment itself */
+  int item;        /* −1: all of them */
 } km_path_fault;
-#define KM_PATH_NO_FAULT ((km_path_fault){-1, NULL, -1})
+#define KM_PATH_NO_FAULT ((km_path_fault){-1, "segments", -1})
 
 enum { KM_PATH_FAULT_TEXT = 64 };
 /* "segments", "segments[2].points[1]". Returns `out`. */
 const char *km_path_fault_text(const km_path_fault *fault, char out[KM_PATH_FAULT_TEXT]);
 
-/* KM_USAGE: counts, directions or waves are out of range; `fault` says where. */
+/* KM_USAGE: speeds, counts, directions or waves are out of range; `fault` says where. */
 km_status km_path_plan_check(const km_path_plan *plan, km_path_fault *fault, km_error *error);
 
 #endif

@@ -228,6 +228,14 @@ static void faults_of_plans_have_places(void **state) {
     if (strncmp(error.text, faults[i].place, strlen(faults[i].place)) != 0)
       fail_msg("found \"%s\"; expected \"%s\"", error.text, faults[i].place);
   }
+  km_path_plan plan = km_path_plan_default();
+  km_path *path;
+  km_error error;
+  assert_int_equal(km_path_create(arm, &plan, &path, &error), KM_USAGE);
+  assert_string_equal(error.text, "segments: found none; expected at least one segment");
+  plan.turn_speed = -1.0;
+  assert_int_equal(km_path_create(arm, &plan, &path, &error), KM_USAGE);
+  assert_string_equal(error.text, "turn_speed: found -1; expected 0 or more");
   km_arm_free(arm);
   fixture_close(&f);
 }

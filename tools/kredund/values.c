@@ -83,25 +83,30 @@ void kredund_folder_of(const char *path, char *out, size_t size) {
     snprintf(out, size, "/");
 }
 
-/* --path: poses, a study or its path object. What is wrong with the file itself is told with its name alone. */
-kt_exit kredund_set_path(const kredund_request *r, kredund_open *open, km_messages *messages) {
-  const km_study_place place = open->def.path.place;
-  size_t length = strlen(r->path), errors = km_messages_errors(messages);
+static km_status read_path_text(const char *file, km_study_place place, km_messages *messages, km_study_def *def,
+                                km_error *error) {
   char folder[4096];
   km_text bytes = {0};
-  km_error error;
-  if (length > 4 && strcmp(r->path + length - 4, ".csv") == 0)
-    return kt_exit_of(km_study_read_poses(r->path, place, messages, &open->def, &error));
-  km_status status = km_file_read(r->path, &bytes, &error);
-  if (status) {
-    kt_say(&r->common, KM_ERROR, "%s", error.text);
-  } else {
-    kredund_folder_of(r->path, folder, sizeof folder);
-    status = km_study_read_path(bytes.data ? bytes.data : "", bytes.size, folder, place, messages, &open->def, &error);
-    if (status && km_messages_errors(messages) == errors)
-      kt_say(&r->common, KM_ERROR, "%s: %s", r->path, error.text);
-  }
+  km_status status = km_file_read(file, &bytes, error);
+  kredund_folder_of(file, folder, sizeof folder);
+  if (!status)
+    status = km_study_read_path(bytes.data ? bytes.data : "", bytes.size, folder, place, messages, def, error);
   km_text_free(&bytes);
+  return status;
+}
+
+/* --path: poses, a study or its path object. What is wrong with the file itself is told with its name alone. */
+static kt_exit set_path(const kredund_request *r, kredund_open *open, km_messages *messages) {
+  const km_study_place place = open->def.path.place;
+  size_t length = strlen(r->path), errors = km_messages_errors(messages);
+  bool poses = length > 4 && strcmp(r->path + length - 4, ".csv") == 0;
+  km_error error;
+  km_status status = poses ? km_study_read_poses(r->path, place, messages, &open->def, &error)
+                           : read_path_text(r->path, place, messages, &open->def, &error);
+  if (status == KM_IO)
+    kt_say(&r->common, KM_ERROR, "%s", error.text);
+  else if (status && km_messages_errors(messages) == errors)
+    kt_say(&r->common, KM_ERROR, "%s: %s", r->path, error.text);
   return kt_exit_of(status);
 }
 
@@ -122,6 +127,6 @@ kt_exit kredund_set_parts(const kredund_request *r, kredund_open *open, km_messa
   if (result == KT_DONE)
     result = kredund_set_methods(r, open, messages);
   if (r->path && result == KT_DONE)
-    result = kredund_set_path(r, open, messages);
+    result = set_path(r, open, messages);
   return open->arena.failed ? KT_INTERNAL : result;
 }

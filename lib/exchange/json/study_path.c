@@ -185,13 +185,13 @@ static void read_start(km_study_reader *s, const km_value *start, const km_place
   out->start_R = read_rotation(s, start, "R", &at, out->plan.start.R);
 }
 
-/* 0 if the path doesn't say. */
+/* 0 if the path doesn't say, or what it says is wrong. */
 static double read_speed(km_study_reader *s, const km_value *value, const km_place *place, const char *key) {
   if (!km_value_get(value, key))
     return 0.0;
   double speed = km_reader_number(value, key, 0.0);
   km_reader_positive(&s->reader, place, key, speed);
-  return speed;
+  return speed > 0.0 ? speed : 0.0;
 }
 
 static void read_csv(km_study_reader *s, const km_value *value, km_study_path *out) {
