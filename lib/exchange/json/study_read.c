@@ -22,8 +22,10 @@ static km_status begin(call *c, km_study_def *def, const char *folder, km_messag
     def->memory = KM_NEW(km_arena, 1);
   if (!messages)
     messages = c->own = km_messages_create();
-  if (!def->memory || !messages)
+  if (!def->memory || !messages) {
+    km_messages_free(c->own);
     return memory(error);
+  }
   c->s.arena = def->memory;
   c->s.reader.messages = messages;
   c->had = km_messages_count(messages);
