@@ -10,7 +10,7 @@
 km_arm *arm_of(const fixture *f, const char *body, const char *frame, km_task task) {
   const char *names[2] = {body, frame};
   int index;
-  km_arm *arm;
+  km_arm *arm = NULL;
   km_error error = {0};
   if (km_model_find_frame(f->model, names, 2, &index, &error) ||
       km_arm_create(f->mechanism, f->state, index, task, &arm, &error))
@@ -52,7 +52,7 @@ void random_pose(const km_arm *arm, randomness *r, double *q) {
 }
 
 km_study *study_of(const fixture *f, const char *json) {
-  km_study *study;
+  km_study *study = NULL;
   km_study_def def = km_study_def_default();
   km_error error = {0};
   if (km_study_read(json, strlen(json), "", NULL, &def, &error) ||
