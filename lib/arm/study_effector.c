@@ -36,13 +36,11 @@ static bool find_text(const km_model *model, const char *text, km_arena *arena, 
   return count > 1 && !km_model_find_frame(model, names, count, frame, NULL);
 }
 
-bool km_effector_find(const km_model *model, const km_value *value, km_arena *arena, int *frame, km_error *error) {
-  const char *names[LONGEST_PATH];
-  size_t count = 0;
-  if (value->kind == KM_STRING && find_text(model, value->string, arena, frame))
-    return true;
-  for (const km_value *v = value->kind == KM_LIST ? value->first : value; v && count < LONGEST_PATH;
-       v = value->kind == KM_LIST ? v->next : NULL)
-    names[count++] = v->string;
-  return !km_model_find_frame(model, names, count, frame, error);
+km_status km_effector_find(const km_model *model, const km_study_names *path, km_arena *arena, int *frame,
+                           km_error *error) {
+  if (path->count == 1 && path->items[0] && find_text(model, path->items[0], arena, frame))
+    return KM_OK;
+  if (arena->failed)
+    return km_fail(error, KM_MEMORY, "out of memory for a study");
+  return km_model_find_frame(model, path->items, (size_t)path->count, frame, error);
 }

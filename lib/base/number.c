@@ -170,3 +170,8 @@ size_t km_number_format(char out[KM_NUMBER_TEXT], double value) {
   *to = '\0';
   return (size_t)(to - out);
 }
+
+const char *km_number_shown(char out[KM_NUMBER_TEXT], double value) {
+  km_number_format(out, value);
+  return out;
+}
