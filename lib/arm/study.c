@@ -39,7 +39,8 @@ static bool find_effector(km_binder *b, int *frame) {
   if (*frame >= 0)
     return true;
   if (names->count > 0)
-    return km_binder_pass(b, &names->place, km_effector_find(model, names, &b->study->arena, frame, &error), &error);
+    return km_binder_pass(b, &names->place,
+                          km_model_find_frame(model, names->items, (size_t)names->count, frame, &error), &error);
   return km_binder_fault(
       b, &names->place,
       "is missing; expected the frame that follows the path, as [\"%s\", \"tool\"] (or --effector BODY/FRAME)",

@@ -18,8 +18,4 @@ struct km_study {
   km_objective objective;
 };
 
-/* The frame that a definition's names mean. KM_USAGE, KM_MEMORY. */
-km_status km_effector_find(const km_model *model, const km_study_names *path, km_arena *arena, int *frame,
-                           km_error *error);
-
 #endif

@@ -160,7 +160,7 @@ static fixture in_degrees(const fixture *f) {
   const km_value *tree;
   km_units units = f->model->units;
   units.angle = km_unit_find(KM_ANGLE, "degrees");
-  assert_int_equal(km_model_convert(f->model, &units, NULL, &arena, &tree, NULL), KM_OK);
+  assert_int_equal(km_model_convert(f->model, &units, NULL, false, &arena, &tree, NULL), KM_OK);
   km_json_write(tree, &json);
   fixture g = fixture_read(json.data);
   km_text_free(&json);
