@@ -53,9 +53,22 @@ static const char *kept(km_text *text, km_findings *f) {
   return words ? words : "";
 }
 
+/* What planar loops have by nature is one remark for a substructure. */
+static void check_planar(const km_mechanism *m, const km_redundancies *redundancies, km_findings *f) {
+  for (int i = 0; i < m->topology.substructure_count; ++i) {
+    int count = km_redundancies_out_of_plane(redundancies, i);
+    if (count)
+      add(f, KM_FINDING_REMARK, "redundant", "harmless where parts are exact or soft; kmob info --verbose names them",
+          "%d constraint%s out of the plane of the planar loops of substructure %d %s redundant by nature", count,
+          count == 1 ? "" : "s", i + 1, count == 1 ? "is" : "are");
+  }
+}
+
 static void check_redundancies(const km_mechanism *m, const km_redundancies *redundancies, km_findings *f) {
   for (int i = 0; i < redundancies->count; ++i) {
     const km_redundancy *r = &redundancies->items[i];
+    if (r->out_of_plane)
+      continue;
     km_text text = {0}, advice = {0};
     km_redundancy_statement(m, r, &text);
     if (r->remedy_count)
@@ -214,6 +227,7 @@ static km_status examine(const km_mechanism *m, km_state *s, const km_messages *
   check_masses(m, out);
   check_frames(m->model, out);
   check_idle(m, &diagnosis->idle, out);
+  check_planar(m, &diagnosis->redundancies, out);
   check_redundancies(m, &diagnosis->redundancies, out);
   bool failed = out->store->failed || out->store->arena.failed;
   return !status && failed ? km_fail(error, KM_MEMORY, "out of memory for the check") : status;

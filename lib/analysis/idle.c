@@ -244,6 +244,27 @@ km_status km_idle_freedoms_find(const km_mechanism *m, km_state *s, km_progress 
   return km_each_substructure(m, look, &f, progress, context, "the idle freedoms", error);
 }
 
+static bool in_group(const km_idle_freedom *group, int body) {
+  for (int i = 0; i < group->body_count; ++i)
+    if (group->bodies[i] == body)
+      return true;
+  return false;
+}
+
+void km_idle_coordinates(const km_mechanism *m, const km_idle_freedoms *freedoms, bool *marks) {
+  if (!m || !freedoms || !marks)
+    return;
+  memset(marks, 0, (size_t)m->coordinate_count * sizeof *marks);
+  for (int i = 0; i < freedoms->count; ++i)
+    for (int j = 0; j < m->model->joint_count; ++j) {
+      int freedom = km_joint_kind_of(m->model->joints[j].type)->freedom;
+      bool one = in_group(&freedoms->items[i], body_at(m->model, j, 0)),
+           other = in_group(&freedoms->items[i], body_at(m->model, j, 1));
+      for (int k = 0; k < freedom && freedom > 1 && one != other; ++k)
+        marks[m->model->joints[j].first_coordinate + k] = true;
+    }
+}
+
 void km_idle_freedoms_free(km_idle_freedoms *freedoms) {
   if (!freedoms)
     return;

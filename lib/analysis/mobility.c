@@ -33,6 +33,7 @@ static void count_kutzbach(const km_mechanism *m, km_mobility *out) {
   for (int l = 0; l < m->topology.loop_count; ++l)
     lambda += m->loops[l].lambda;
   out->kutzbach = 6 * (model->body_count - 1 - model->joint_count) + freedom - model->coupling_count;
+  out->kutzbach_planar = 3 * (model->body_count - 1 - model->joint_count) + freedom - model->coupling_count;
   out->kutzbach_extended = freedom - lambda - model->coupling_count;
 }
 

@@ -64,10 +64,14 @@ static void normalise(const km_mechanism *m, const double *rates, double *z) {
     z[c] /= sqrt(sum);
 }
 
-/* The unit direction of the one free motion, in the order of the coordinates; false where there is more than
- * one, or the driver stands at its own toggle. */
+static bool is_idle(const km_sweep *sweep, int coordinate) {
+  return sweep->idle_coordinates && sweep->idle_coordinates[coordinate];
+}
+
+/* The unit direction of the one free motion, in the order of the coordinates, beside which idle freedoms move least;
+ * false where there is more than one, or the driver stands at its own toggle. */
 static bool direction(const km_sweeper *r, double *z) {
-  if (r->substructure < 0 || km_partition_freedom(&r->s->partition[r->substructure]) != 1 ||
+  if (r->substructure < 0 || km_partition_freedom(&r->s->partition[r->substructure]) - r->out->idle != 1 ||
       !r->mover.rates(r->mover.self, r->rates))
     return false;
   normalise(r->m, r->rates, z);
@@ -116,7 +120,7 @@ static km_status see(void *self, km_sweeper *r, double s, km_error *error) {
   }
   bool moved = false, failed = false;
   for (int c = 0; c < r->m->coordinate_count; ++c) {
-    if (r->m->substructure_of[c] != r->substructure || r->m->held[c])
+    if (r->m->substructure_of[c] != r->substructure || r->m->held[c] || is_idle(r->out, c))
       continue;
     bool here = fabs(w->z[c]) < zero, before = w->have_last && fabs(w->last_z[c]) < zero;
     bool between = w->have_last && !here && !before && w->z[c] * w->last_z[c] < 0.0;

@@ -4,6 +4,7 @@
 #include "analysis/nearby.h"
 #include "base/check.h"
 #include "kinematics/poses.h"
+#include "kmech/plane.h"
 
 #include <string.h>
 
@@ -105,6 +106,17 @@ static bool add_item(const finder *f, km_redundancy item) {
   return true;
 }
 
+/* Does a loop's redundancy lie across the plane that the loop moves in? */
+static bool is_across(const finder *f, const km_redundancy *item) {
+  static const double aligned = 1e-6; /* of directions that come from null vectors */
+  double n[3], along = 0.0;
+  if (!km_loop_plane(f->space.m, f->space.s, item->loop, n))
+    return false;
+  for (int k = 0; k < 3; ++k)
+    along += n[k] * item->direction[k];
+  return item->rotation ? fabs(along) < aligned : fabs(along) > 1.0 - aligned;
+}
+
 /* The redundancies that single loops have by themselves. */
 static bool single_loops(const finder *f) {
   const km_topology *t = &f->space.m->topology;
@@ -120,6 +132,7 @@ static bool single_loops(const finder *f) {
       describe(&f->space, i, w, &item);
       km_remedies_find(&f->space, &f->null, i, w, f->work, &item);
       item.lasting = lasts(f, w, 6 * i, 6);
+      item.out_of_plane = is_across(f, &item);
       if (!add_item(f, item))
         return false;
     }
@@ -168,7 +181,10 @@ static bool find_in(finder *f, km_arena *arena) {
   if (km_left_null_count(&f->null) == 0)
     return true;
   f->work = KM_ARENA_NEW(arena, double, 2 * (size_t)f->null.whole_count);
-  return look_nearby(f, arena) && !arena->failed && single_loops(f) && several_loops(f);
+  if (!look_nearby(f, arena) || arena->failed)
+    return false;
+  km_poses_update(f->space.m, f->space.s);
+  return single_loops(f) && several_loops(f);
 }
 
 /* The whole search. */

@@ -48,3 +48,11 @@ void km_idle_statement(const km_mechanism *m, const km_idle_freedom *idle, km_te
   km_text_format(out, " can move in place while everything else stands (%d idle freedom%s)", idle->freedoms,
                  idle->freedoms == 1 ? "" : "s");
 }
+
+int km_redundancies_out_of_plane(const km_redundancies *redundancies, int substructure) {
+  int count = 0;
+  for (int i = 0; i < redundancies->count; ++i)
+    count += redundancies->items[i].out_of_plane &&
+             (substructure < 0 || redundancies->items[i].substructure == substructure);
+  return count;
+}

@@ -66,8 +66,8 @@ static void stay(void *self) {
 /* One row at the state's pose, where nothing moves. */
 static km_status stand(km_sweeper *r, km_error *error) {
   r->mover = (km_mover){NULL, no_motion, no_pose, stay};
-  km_sweeper_prepare(r);
-  return km_sweeper_row(r, 0, 0.0, error);
+  km_status status = km_sweeper_prepare(r, error);
+  return status ? status : km_sweeper_row(r, 0, 0.0, error);
 }
 
 static km_status run(km_sweeper *r, km_error *error) {
@@ -112,5 +112,6 @@ void km_sweep_free(km_sweep *sweep) {
   km_table_free(sweep->table);
   km_table_free(sweep->between);
   km_free(sweep->branches);
+  km_free(sweep->idle_coordinates);
   *sweep = (km_sweep){0};
 }

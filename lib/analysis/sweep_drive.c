@@ -157,8 +157,9 @@ km_status km_sweep_by_driver(km_sweeper *r, km_error *error) {
   if (status)
     return status;
   r->mover = (km_mover){&at, rates, probe, settle};
-  km_sweeper_prepare(r);
-  status = rows(r, error);
+  status = km_sweeper_prepare(r, error);
+  if (!status)
+    status = rows(r, error);
   km_drive_free(at.drive);
   return status;
 }

@@ -164,16 +164,17 @@ static km_status only_row(km_sweeper *r, km_error *error) {
 
 km_status km_sweep_by_length(km_sweeper *r, km_error *error) {
   km_follow *follow;
-  km_sweeper_prepare(r);
-  km_status status =
-      km_follow_create(r->m, r->s, r->plan->direction, r->plan->sign, r->plan->ignore_limits, &follow, error);
+  km_status status = km_sweeper_prepare(r, error);
+  if (!status)
+    status = km_follow_create(r->m, r->s, r->plan->direction, r->plan->sign, r->plan->ignore_limits, &follow, error);
   if (status)
     return status == KM_NO_RESULT ? only_row(r, error) : status;
   r->mover = (km_mover){follow, rates, probe, settle};
   r->substructure = r->out->substructure = km_follow_substructure(follow);
-  km_sweeper_prepare(r);
   r->out->start_branches = km_follow_start_branches(follow);
-  status = rows(r, follow, error);
+  status = km_sweeper_prepare(r, error);
+  if (!status)
+    status = rows(r, follow, error);
   km_follow_free(follow);
   return status;
 }

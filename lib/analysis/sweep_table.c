@@ -4,6 +4,7 @@
 #include "base/text.h"
 #include "kinematics/loops.h"
 #include "kinematics/poses.h"
+#include "kmech/idle.h"
 
 #include <stdio.h>
 #include <string.h>
@@ -148,7 +149,24 @@ km_status km_sweeper_row(km_sweeper *r, int step, double s, km_error *error) {
   return r->observer->seen ? r->observer->seen(r->observer->self, r, s, error) : KM_OK;
 }
 
-void km_sweeper_prepare(km_sweeper *r) {
+/* Of several freedoms some may be idle. */
+static km_status find_idle(km_sweeper *r, km_error *error) {
+  km_idle_freedoms idle;
+  km_status status = km_idle_freedoms_find(r->m, r->s, NULL, NULL, &idle, error);
+  for (int i = 0; i < idle.count; ++i)
+    r->out->idle += idle.items[i].substructure == r->substructure ? idle.items[i].freedoms : 0;
+  if (!status && r->out->idle > 0) {
+    r->out->idle_coordinates = KM_NEW(bool, (size_t)r->m->coordinate_count);
+    if (r->out->idle_coordinates)
+      km_idle_coordinates(r->m, &idle, r->out->idle_coordinates);
+    else
+      status = km_fail(error, KM_MEMORY, "out of memory for the idle freedoms");
+  }
+  km_idle_freedoms_free(&idle);
+  return status;
+}
+
+km_status km_sweeper_prepare(km_sweeper *r, km_error *error) {
   km_mobility_update(r->m, r->s, &r->out->first);
   r->other_mobility = r->out->first.mobility;
   if (r->substructure >= 0)
@@ -160,4 +178,5 @@ void km_sweeper_prepare(km_sweeper *r) {
     if (i != r->substructure)
       r->other_residual = fmax(r->other_residual, km_loops_residual(r->m, r->s, &r->m->substructures[i], &worst));
   }
+  return r->out->freedom > 1 ? find_idle(r, error) : KM_OK;
 }

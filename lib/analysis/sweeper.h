@@ -64,8 +64,8 @@ km_status km_check_sweep(const km_mechanism *mechanism, const km_state *state, c
 /* A column called prefix + name + suffix; false when out of memory. */
 bool km_sweeper_column(km_table *table, const char *prefix, const char *name, const char *suffix, const char *unit);
 km_status km_sweeper_columns(const km_sweeper *sweeper, km_error *error);
-/* The numbers of what stands still, once. */
-void km_sweeper_prepare(km_sweeper *sweeper);
+/* The numbers of what stands still, once, and which freedoms are idle. KM_MEMORY. */
+km_status km_sweeper_prepare(km_sweeper *sweeper, km_error *error);
 /* A row at the state's pose, shown to the observer. */
 km_status km_sweeper_row(km_sweeper *sweeper, int step, double s, km_error *error);
 

@@ -1,55 +1,5 @@
-/* Objectives by name and by value. */
+/* What objectives are worth at a pose. */
 #include "arm/objective.h"
-
-#include <string.h>
-
-static const char *const words[KM_OBJECTIVES] = {"path-control",   "manipulability", "singular-value",
-                                                 "limit-distance", "joint-travel",   "rate-margin"};
-
-static bool known(km_objective_kind kind) {
-  return (unsigned)kind < KM_OBJECTIVES;
-}
-
-const char *km_objective_word(km_objective_kind kind) {
-  if (!known(kind))
-    return "";
-  return words[kind];
-}
-
-int km_objective_find(const char *word) {
-  if (!word)
-    return -1;
-  for (int k = 0; k < KM_OBJECTIVES; ++k)
-    if (strcmp(words[k], word) == 0)
-      return k;
-  return -1;
-}
-
-km_objective km_objective_of(km_objective_kind kind) {
-  km_objective objective = {{0}};
-  if (known(kind))
-    objective.weight[kind] = 1.0;
-  return objective;
-}
-
-int km_objective_single(const km_objective *objective) {
-  if (!objective)
-    return -1;
-  int found = -1, count = 0;
-  for (int k = 0; k < KM_OBJECTIVES; ++k)
-    if (objective->weight[k] != 0.0) {
-      found = k;
-      ++count;
-    }
-  return count == 1 && objective->weight[found] == 1.0 ? found : -1;
-}
-
-const char *km_objective_name(const km_objective *objective) {
-  if (!objective)
-    return "";
-  int kind = km_objective_single(objective);
-  return kind < 0 ? "weighted" : words[kind];
-}
 
 bool km_objective_by_mean(const km_objective *objective) {
   return km_objective_single(objective) == KM_PATH_CONTROL;

@@ -6,7 +6,7 @@
 #define KM_ARM_PATH_H
 
 #include "arm/arm.h"
-#include "kmech/path.h"
+#include "model/path_plan.h"
 
 #include <gsl/gsl_spline.h>
 
@@ -66,6 +66,11 @@ struct km_path {
 
 /* The point a fraction of the way from sample i to i + 1 (i < samples − 1). */
 km_path_point km_path_at(const km_path *path, int i, double fraction);
+
+/* The path of a plan whose numbers are checked, from a start in the arm's units instead of the plan's. KM_USAGE: `fault`
+ * says where in the plan; KM_MEMORY. The caller frees `*out`. */
+km_status km_path_make(const km_arm *arm, const km_path_plan *plan, const km_pose *start, km_path **out,
+                       km_path_fault *fault, km_error *error);
 
 /* Samples and arc lengths, once the segments stand. KM_USAGE: a segment doesn't move; `which` is then its index. */
 km_status km_path_finish(km_path *path, int *which, km_error *error);

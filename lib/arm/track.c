@@ -8,42 +8,9 @@
 #include <string.h>
 #include <time.h>
 
-static const struct {
-  const char *word;
-  km_method_run run;
-} methods[KM_METHODS] = {{"greedy", km_method_greedy}, {"lookahead", km_method_lookahead}, {"fixed", km_method_fixed},
-                         {"dls", km_method_dls},       {"gradient", km_method_gradient},   {"dp", km_method_dp},
-                         {"global", km_method_global}};
-
-const char *km_method_word(km_method_kind kind) {
-  if ((unsigned)kind >= KM_METHODS)
-    return "";
-  return methods[kind].word;
-}
-
-int km_method_find(const char *word) {
-  if (!word)
-    return -1;
-  if (strcmp(word, "pinv") == 0)
-    return KM_GREEDY;
-  for (int k = 0; k < KM_METHODS; ++k)
-    if (strcmp(word, methods[k].word) == 0)
-      return k;
-  return -1;
-}
-
-km_method km_method_default(km_method_kind kind) {
-  return (km_method){.kind = kind,
-                     .word = km_method_word(kind),
-                     .branches = 3,
-                     .levels = 3,
-                     .angle = M_PI / 6.0,
-                     .damping = 0.05,
-                     .below = 0.1,
-                     .gain = 2.0,
-                     .knots = 12,
-                     .evaluations = 400};
-}
+static const km_method_run methods[KM_METHODS] = {km_method_greedy, km_method_lookahead, km_method_fixed,
+                                                  km_method_dls,    km_method_gradient,  km_method_dp,
+                                                  km_method_global};
 
 static double now(void) {
   struct timespec t;
@@ -58,15 +25,25 @@ typedef struct row {
   int sample;
 } row;
 
-static void add_columns(km_table *table, const km_arm *a, const char *prefix, const char *per) {
+/* A table that is being made; `whole` until a column is missing. */
+typedef struct table_maker {
+  km_table *table;
+  bool whole;
+} table_maker;
+
+static void add_column(table_maker *m, const char *name, const char *unit) {
+  m->whole = km_table_add_column(m->table, name, unit) >= 0 && m->whole;
+}
+
+static void add_columns(table_maker *m, const km_arm *a, const char *prefix, const char *per) {
   const km_model *model = a->mechanism->model;
   for (int k = 0; k < a->n; ++k) {
     km_text name = {0}, unit = {0};
     km_text_format(&name, "%s.%s", prefix, km_arm_label(a, k));
     if (per)
       km_text_format(&unit, "%s%s", km_model_coordinate_unit(model, a->coordinate[k]), per);
-    if (!name.failed && !unit.failed)
-      km_table_add_column(table, name.data, per ? unit.data : NULL);
+    m->whole = m->whole && !name.failed && !unit.failed;
+    add_column(m, name.data, per ? unit.data : NULL);
     km_text_free(&name);
     km_text_free(&unit);
   }
@@ -77,31 +54,33 @@ static bool reported(const km_track *t, int kind) {
   return kind <= KM_LIMIT_DISTANCE || t->plan.objective.weight[kind] != 0.0;
 }
 
+/* NULL when out of memory. */
 static km_table *make_table(const km_track *t) {
   const km_arm *a = t->arm;
   const char *length = a->mechanism->model->units.length->suffix;
-  km_table *table = km_table_create();
-  if (!table)
-    return NULL;
-  km_table_add_column(table, "step", NULL);
-  km_table_add_plain_column(table, "s", length);
-  km_table_add_column(table, "t", "s");
-  add_columns(table, a, "q", "");
-  add_columns(table, a, "v", "/s");
-  add_columns(table, a, "z", NULL);
-  km_table_add_column(table, "z.path", NULL);
+  table_maker m = {km_table_create(), true};
+  add_column(&m, "step", NULL);
+  m.whole = km_table_add_plain_column(m.table, "s", length) >= 0 && m.whole;
+  add_column(&m, "t", "s");
+  add_columns(&m, a, "q", "");
+  add_columns(&m, a, "v", "/s");
+  add_columns(&m, a, "z", NULL);
+  add_column(&m, "z.path", NULL);
   for (int k = 0; k < KM_OBJECTIVES; ++k) {
     char name[64];
     snprintf(name, sizeof name, "objective.%s", km_objective_word((km_objective_kind)k));
     if (reported(t, k))
-      km_table_add_column(table, name, NULL);
+      add_column(&m, name, NULL);
   }
   if (km_objective_single(&t->plan.objective) < 0)
-    km_table_add_column(table, "objective.weighted", NULL);
-  km_table_add_column(table, "error_position", length);
-  km_table_add_column(table, "error_rotation", a->mechanism->model->units.angle->suffix);
-  km_table_add_column(table, "limit_margin", NULL);
-  return table;
+    add_column(&m, "objective.weighted", NULL);
+  add_column(&m, "error_position", length);
+  add_column(&m, "error_rotation", a->mechanism->model->units.angle->suffix);
+  add_column(&m, "limit_margin", NULL);
+  if (m.whole)
+    return m.table;
+  km_table_free(m.table);
+  return NULL;
 }
 
 /* Joint rates of the track where `space` stands: of the step that led here, at the start of the one that leads on. A
@@ -251,7 +230,7 @@ km_status km_track_run(const km_arm *arm, const km_track_plan *plan, km_track **
     return km_fail(error, KM_MEMORY, "out of memory for a track");
   }
   double start = now();
-  km_status status = starts(t, &run) ? methods[plan->method.kind].run(&run, error) : KM_PARTIAL;
+  km_status status = starts(t, &run) ? methods[plan->method.kind](&run, error) : KM_PARTIAL;
   t->summary.seconds = now() - start;
   t->summary.evaluations = run.evaluations + run.space.arm.evaluations;
   t->summary.greedy_instead = run.greedy_instead;

@@ -61,35 +61,3 @@ void km_text_number(km_text *text, double value) {
   char number[KM_NUMBER_TEXT];
   km_text_bytes(text, number, km_number_format(number, value));
 }
-
-/* Whatever the locale's decimal point is (it may be several bytes), it becomes one '.'. */
-static size_t neutral_point(char *number) {
-  size_t length = 0;
-  bool point = false;
-  for (const char *c = number; *c; ++c) {
-    if (strchr("0123456789+-e", *c)) {
-      number[length++] = *c;
-    } else if (!point) {
-      number[length++] = '.';
-      point = true;
-    }
-  }
-  number[length] = '\0';
-  return length;
-}
-
-size_t km_number_format(char out[KM_NUMBER_TEXT], double value) {
-  if (isnan(value))
-    return (size_t)snprintf(out, KM_NUMBER_TEXT, "nan");
-  if (isinf(value))
-    return (size_t)snprintf(out, KM_NUMBER_TEXT, value < 0 ? "-inf" : "inf");
-  /* 15 digits always survive a double, so %.15g without its trailing zeros is the shortest text where
-   * it reads back; subnormal numbers have fewer digits than that. */
-  int digits = fabs(value) < 1e-290 && value != 0.0 ? 1 : 15;
-  for (; digits <= 17; ++digits) {
-    snprintf(out, KM_NUMBER_TEXT, "%.*g", digits, value);
-    if (digits == 17 || strtod(out, NULL) == value)
-      break;
-  }
-  return neutral_point(out);
-}

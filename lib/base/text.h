@@ -26,5 +26,8 @@ enum { KM_NUMBER_TEXT = 48 };
 /* The shortest decimal text that reads back to the same double, in the C locale whatever the process's
  * locale is; inf, -inf, nan. Returns the length. */
 size_t km_number_format(char out[KM_NUMBER_TEXT], double value);
+/* The same for a message, where it is asked for. */
+#define KM_SHOWN(x) km_number_shown((char[KM_NUMBER_TEXT]){0}, x)
+const char *km_number_shown(char out[KM_NUMBER_TEXT], double value); /* returns `out` */
 
 #endif

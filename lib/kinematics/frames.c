@@ -21,11 +21,7 @@ static km_pose pose_of(const km_mechanism *m, const km_state *s, int frame) {
 }
 
 void km_pose_write(const km_pose *X, km_frame_pose *out) {
-  for (int k = 0; k < 3; ++k) {
-    out->R[k] = X->R.axis[k].x;
-    out->R[3 + k] = X->R.axis[k].y;
-    out->R[6 + k] = X->R.axis[k].z;
-  }
+  km_rotation_rows(&X->R, out->R);
   out->p[0] = X->p.x;
   out->p[1] = X->p.y;
   out->p[2] = X->p.z;

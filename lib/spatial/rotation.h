@@ -16,6 +16,15 @@ static inline km_rotation km_rotation_identity(void) {
   return (km_rotation){{{1, 0, 0}, {0, 1, 0}, {0, 0, 1}}};
 }
 
+/* The matrix row by row, as people and public records have it. */
+static inline void km_rotation_rows(const km_rotation *r, double rows[9]) {
+  for (int k = 0; k < 3; ++k) {
+    rows[k] = r->axis[k].x;
+    rows[3 + k] = r->axis[k].y;
+    rows[6 + k] = r->axis[k].z;
+  }
+}
+
 static inline km_vec3 km_rotate(const km_rotation *r, km_vec3 a) {
   return km_vec3_axpy(a.x, r->axis[0], km_vec3_axpy(a.y, r->axis[1], km_vec3_scale(a.z, r->axis[2])));
 }

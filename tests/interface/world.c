@@ -27,9 +27,8 @@ static void open_study(world *w) {
   size_t size = file ? fread(text, 1, sizeof text, file) : 0;
   if (file)
     fclose(file);
-  need(km_study_read(text, size, STUDIES_DIR "/panda_circle", w->messages, &w->study, &w->error), &w->error);
-  need(km_study_read(text, size, STUDIES_DIR "/panda_circle", w->messages, &w->unbound, &w->error), &w->error);
-  need(km_study_bind(w->study, w->mechanism, w->state, 1, w->messages, &w->error), &w->error);
+  need(km_study_read(text, size, STUDIES_DIR "/panda_circle", w->messages, &w->study_def, &w->error), &w->error);
+  need(km_study_bind(w->mechanism, w->state, &w->study_def, 1, w->messages, &w->study, &w->error), &w->error);
   w->arm = km_study_arm(w->study);
   w->track_plan = km_study_plan(w->study, 0);
   w->track_plan.method = km_method_default(KM_GREEDY);
@@ -91,6 +90,8 @@ void world_open(world *w, world_kind kind) {
   km_table_add_column(w->table, "a", "mm");
   km_table_add_row(w->table);
   w->objective = km_objective_of(KM_MANIPULABILITY);
+  w->study_def = w->other_study_def = km_study_def_default();
+  w->place = (km_study_place){"path", false};
   w->pose = (km_frame_pose){{1, 0, 0, 0, 1, 0, 0, 0, 1}, {0, 0, 0}};
   open_model(w, kind == WORLD_ARM ? MODELS_DIR "/panda.json" : MODELS_DIR "/brake.json", &w->model, &w->mechanism);
   open_model(w, MODELS_DIR "/stewart.json", &w->other_model, &w->other_mechanism);
@@ -114,7 +115,8 @@ void world_close(world *w) {
   km_mobility_sweep_free(&w->sweep);
   km_track_free(w->track);
   km_study_free(w->study);
-  km_study_free(w->unbound);
+  km_study_def_free(&w->study_def);
+  km_study_def_free(&w->other_study_def);
   km_builder_free(w->builder);
   km_question_free(w->question);
   km_drive_free(w->drive);

@@ -19,7 +19,9 @@ typedef struct world {
   km_transmission_work *transmission;
   km_forces *forces;
   km_statics statics;
-  km_study *study, *unbound;
+  km_study_def study_def, other_study_def;
+  km_study_place place;
+  km_study *study;
   const km_arm *arm;
   km_track *track;
   km_table *table;

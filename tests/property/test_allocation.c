@@ -10,7 +10,9 @@
 #include "report/plot/question_plot.h"
 #include "report/record/question_record.h"
 
+#include <stdlib.h>
 #include <string.h>
+#include <unistd.h>
 
 static long calls, failing; /* counted since `arm`; the one that fails, 0: none */
 
@@ -49,8 +51,7 @@ static km_status diagnose(const char *json) {
   km_status status = open_pose(json, &f);
   if (!status)
     status = km_check(f.mechanism, f.state, NULL, NULL, NULL, &findings, NULL);
-  if (!status)
-    km_findings_free(&findings);
+  km_findings_free(&findings);
   km_text_free(&text);
   fixture_close(&f);
   return status;
@@ -148,12 +149,79 @@ static void test_check(void **unused) {
   fail_each(diagnose, "bricard");
 }
 
+/* A start that inverse kinematics finds, every shape but the weave, and every method. */
+static const char study_text[] =
+    "{\"model\": \"panda.json\", \"effector\": \"flange/origin\", \"path\": {\"segments\": ["
+    "{\"type\": \"spline\", \"points\": [{\"T\": [0.4, 0, 0.6], \"time\": 0}, {\"T\": [0.4, 0.02, 0.6], \"time\": 1},"
+    " {\"T\": [0.4, 0.03, 0.61], \"time\": 2}], \"steps\": 3},"
+    "{\"type\": \"arc\", \"center\": [0.3, 0, 0.6], \"axis\": [0, 0, 1], \"angle\": 0.2, \"steps\": 3},"
+    "{\"type\": \"line\", \"to\": [0.4, 0, 0.6], \"steps\": 3}]}, \"rates\": [9, 9, 9, 9, 9, 9, 9],"
+    "\"methods\": [\"greedy\", {\"method\": \"lookahead\", \"levels\": 2, \"stride\": 2}, {\"method\": \"fixed\", "
+    "\"joint\": \"joint3\"}, \"dls\", \"gradient\", {\"method\": \"dp\", \"spacing\": 1}, {\"method\": \"global\", "
+    "\"evaluations\": 10}], \"objective\": {\"singular-value\": 1, \"limit-distance\": 0.1}}";
+
+static km_status follow(const char *json) {
+  fixture f;
+  km_study_def def = km_study_def_default();
+  km_study *study = NULL;
+  km_track *track = NULL;
+  km_status status = open_pose(json, &f);
+  if (!status)
+    status = km_study_read(study_text, sizeof study_text - 1, "", NULL, &def, NULL);
+  if (!status)
+    status = km_study_bind(f.mechanism, f.state, &def, 1, NULL, &study, NULL);
+  for (int i = 0; !status && i < km_study_methods(study); ++i) {
+    km_track_plan plan = km_study_plan(study, i);
+    status = km_track_run(km_study_arm(study), &plan, &track, NULL);
+    km_track_free(track);
+    track = NULL;
+  }
+  km_study_free(study);
+  km_study_def_free(&def);
+  fixture_close(&f);
+  return status;
+}
+
+static void test_track(void **unused) {
+  (void)unused;
+  fail_each(follow, "panda");
+}
+
+static char poses_file[] = "/tmp/kmech_poses_XXXXXX";
+
+/* The path of a file of poses, in the place of the text's own. */
+static km_status take_poses(const char *json) {
+  fixture f;
+  km_study_def def = km_study_def_default();
+  km_study *study = NULL;
+  km_status status = open_pose(json, &f);
+  if (!status)
+    status = km_study_read_poses(poses_file, (km_study_place){"--path", true}, NULL, &def, NULL);
+  if (!status)
+    status = km_study_read(study_text, sizeof study_text - 1, "", NULL, &def, NULL);
+  if (!status)
+    status = km_study_bind(f.mechanism, f.state, &def, 1, NULL, &study, NULL);
+  km_study_free(study);
+  km_study_def_free(&def);
+  fixture_close(&f);
+  return status;
+}
+
+static void test_poses(void **unused) {
+  (void)unused;
+  static const char text[] = "x,y,z,rx,ry,rz,t\n0.4,0,0.6,0,3,0,0\n0.4,0.1,0.6,0,3,0,1\n";
+  int handle = mkstemp(poses_file);
+  assert_true(handle >= 0);
+  assert_int_equal(write(handle, text, sizeof text - 1), sizeof text - 1);
+  close(handle);
+  fail_each(take_poses, "panda");
+  unlink(poses_file);
+}
+
 int main(void) {
   const struct CMUnitTest tests[] = {
-      cmocka_unit_test(test_mobility),
-      cmocka_unit_test(test_advantage),
-      cmocka_unit_test(test_forces),
-      cmocka_unit_test(test_check),
+      cmocka_unit_test(test_mobility), cmocka_unit_test(test_advantage), cmocka_unit_test(test_forces),
+      cmocka_unit_test(test_check),    cmocka_unit_test(test_track),     cmocka_unit_test(test_poses),
   };
   return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -191,65 +191,6 @@ static void test_arms_agree_with_frames(void **context) {
   }
 }
 
-/* Paths by calls end where they are told to, and are as long as their shapes. */
-static void test_paths_by_calls(void **context) {
-  (void)context;
-  fixture f = fixture_open("panda");
-  km_arm *arm;
-  assert_int_equal(km_arm_create(f.mechanism, f.state, km_model_frame_count(f.model) - 1, KM_TASK_POSE, &arm, NULL),
-                   KM_OK);
-  const km_frame_pose knots[2] = {{{1, 0, 0, 0, 1, 0, 0, 0, 1}, {0.5, 0.2, 0.5}},
-                                  {{0, -1, 0, 1, 0, 0, 0, 0, 1}, {0.4, 0.3, 0.4}}};
-  km_path_segment g[4];
-  for (int i = 0; i < 4; ++i)
-    g[i] = km_path_segment_default((km_path_shape)i);
-  g[0] = (km_path_segment){.shape = KM_PATH_LINE, .steps = 10, .to = {0.5, 0.3, 0.4}, .R = {1, 0, 0, 0, 1, 0, 0, 0, 1}};
-  g[1].center[0] = g[1].center[2] = 0.4;
-  g[1].center[1] = 0.3;
-  g[1].axis[2] = 2.0; /* any length */
-  g[1].angle = 2.0 * M_PI;
-  g[1].pitch = 0.05;
-  g[2].to[0] = 0.5;
-  g[2].to[1] = 0.1;
-  g[2].to[2] = 0.45;
-  g[2].sideways[0] = 1.0;
-  g[2].amplitude = 0.02;
-  g[2].waves = 3.0;
-  g[3].poses = knots;
-  g[3].pose_count = 2;
-  km_path_plan plan = km_path_plan_default();
-  km_path *path;
-  km_error error;
-  plan.start.p[0] = 0.5;
-  plan.start.p[2] = 0.4;
-  plan.segments = g;
-  plan.segment_count = 4;
-  plan.speed = 0.1;
-  if (km_path_create(arm, &plan, &path, &error))
-    fail_msg("%s", error.text);
-  assert_int_equal(km_path_samples(path), 311);
-  assert_near(km_path_travel(path, 10), 0.3, 1e-12);
-  assert_near(km_path_time(path, 10), 3.0, 1e-11);
-  assert_near(km_path_travel(path, 110) - 0.3, hypot(2.0 * M_PI * 0.1, 0.05), 1e-12);
-  km_frame_pose ends[4];
-  for (int i = 0; i < 4; ++i)
-    km_path_pose(path, 10 + 100 * i, &ends[i]);
-  for (int k = 0; k < 3; ++k) {
-    assert_near(ends[0].p[k], g[0].to[k], 1e-12);
-    assert_near(ends[1].p[k], ends[0].p[k] + (k == 2 ? 0.05 : 0.0), 1e-12);
-    assert_near(ends[2].p[k], g[2].to[k], 1e-12);
-    assert_near(ends[3].p[k], knots[1].p[k], 1e-12);
-  }
-  for (int k = 0; k < 9; ++k)
-    assert_near(ends[3].R[k], knots[1].R[k], 1e-12);
-  km_path_free(path);
-  g[0].to[1] = 0.0; /* where it is already */
-  g[0].to[2] = 0.4;
-  assert_int_equal(km_path_create(arm, &plan, &path, &error), KM_USAGE);
-  km_arm_free(arm);
-  fixture_close(&f);
-}
-
 static bool refuse(void *asked, double done) {
   assert_true(done >= 0.0 && done <= 1.0);
   ++*(int *)asked;
@@ -325,7 +266,6 @@ int main(void) {
       cmocka_unit_test(test_matrices_agree_with_mobility),
       cmocka_unit_test(test_set_coordinates_stay_on_the_branch),
       cmocka_unit_test(test_arms_agree_with_frames),
-      cmocka_unit_test(test_paths_by_calls),
       cmocka_unit_test(test_long_work_is_cancelled),
       cmocka_unit_test(test_tables_as_columns_and_text),
   };

@@ -10,7 +10,7 @@
 km_arm *arm_of(const fixture *f, const char *body, const char *frame, km_task task) {
   const char *names[2] = {body, frame};
   int index;
-  km_arm *arm;
+  km_arm *arm = NULL;
   km_error error = {0};
   if (km_model_find_frame(f->model, names, 2, &index, &error) ||
       km_arm_create(f->mechanism, f->state, index, task, &arm, &error))
@@ -52,11 +52,13 @@ void random_pose(const km_arm *arm, randomness *r, double *q) {
 }
 
 km_study *study_of(const fixture *f, const char *json) {
-  km_study *study;
+  km_study *study = NULL;
+  km_study_def def = km_study_def_default();
   km_error error = {0};
-  if (km_study_read(json, strlen(json), "", NULL, &study, &error) ||
-      km_study_bind(study, f->mechanism, f->state, 1, NULL, &error))
+  if (km_study_read(json, strlen(json), "", NULL, &def, &error) ||
+      km_study_bind(f->mechanism, f->state, &def, 1, NULL, &study, &error))
     fail_msg("%s", error.text);
+  km_study_def_free(&def);
   return study;
 }
 
@@ -89,22 +91,59 @@ km_pose effector_by_bodies(const fixture *f, const km_arm *arm, const double *q)
   return km_pose_product(&f->state->pose[frame->body], &frame->pose);
 }
 
+void assert_on_path(const fixture *f, const km_study *study, const km_track *track) {
+  const km_arm *arm = study->arm;
+  size_t rows = km_table_rows(track->table);
+  km_track_summary s = km_track_summarise(track);
+  assert_true(s.error_position <= 1e-9 * arm->length && s.error_rotation <= 1e-9);
+  assert_int_equal(s.violations, 0);
+  for (size_t r = 0; r < rows && r <= (size_t)track->end.sample; ++r) {
+    double q[KM_ARM_MOST], values[12];
+    for (int k = 0; k < arm->n; ++k)
+      q[k] = km_arm_read(arm, k, km_table_row(track->table, r)[3 + k]);
+    km_pose at = effector_by_bodies(f, arm, q);
+    km_frame_pose want;
+    km_path_pose(study->path, (int)r, &want);
+    double got[12] = {at.p.x, at.p.y, at.p.z};
+    for (int k = 0; k < 3; ++k) {
+      values[k] = want.p[k];
+      for (int i = 0; i < 3; ++i)
+        values[3 + 3 * k + i] = want.R[3 * i + k];
+      got[3 + 3 * k] = at.R.axis[k].x;
+      got[4 + 3 * k] = at.R.axis[k].y;
+      got[5 + 3 * k] = at.R.axis[k].z;
+    }
+    for (int k = 0; k < 12; ++k)
+      assert_near(got[k], values[k], k < 3 ? 1e-9 * arm->length : 1e-9);
+    assert_int_equal(km_arm_limit_passed(arm, q), -1);
+  }
+}
+
+void assert_same_rows(const km_track *a, const km_track *b) {
+  assert_int_equal(km_table_rows(a->table), km_table_rows(b->table));
+  for (size_t r = 0; r < km_table_rows(a->table); ++r)
+    assert_memory_equal(km_table_row(a->table, r), km_table_row(b->table, r),
+                        km_table_columns(a->table) * sizeof(double));
+}
+
 opened_study study_open(const char *name) {
   char path[1024], model[2048];
   km_text text = {0};
   km_error error = {0};
   opened_study o = {0};
+  km_study_def def = km_study_def_default();
   snprintf(path, sizeof path, "%s/%s", STUDIES_DIR, name);
   snprintf(model, sizeof model, "%s/study.json", path);
-  if (km_file_read(model, &text, &error) || km_study_read(text.data, text.size, path, NULL, &o.study, &error))
+  if (km_file_read(model, &text, &error) || km_study_read(text.data, text.size, path, NULL, &def, &error))
     fail_msg("%s", error.text);
   km_text_free(&text);
-  snprintf(model, sizeof model, "%s/%s", path, km_study_model(o.study));
+  snprintf(model, sizeof model, "%s/%s", path, def.model);
   km_model *read;
   if (km_model_load(model, NULL, &read, &error))
     fail_msg("%s", error.text);
   o.f = fixture_of(read);
-  if (km_study_bind(o.study, o.f.mechanism, o.f.state, 1, NULL, &error))
+  if (km_study_bind(o.f.mechanism, o.f.state, &def, 1, NULL, &o.study, &error))
     fail_msg("%s", error.text);
+  km_study_def_free(&def);
   return o;
 }

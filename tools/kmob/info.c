@@ -62,7 +62,7 @@ static kt_exit describe(const kmob_request *o, const kt_pose *pose, km_text *out
     status = arena.failed ? KM_MEMORY : KM_OK;
   } else {
     km_mobility_print(pose->mechanism, pose->state, &mobility, o->pose.model, o->pose.common.verbose, out);
-    km_diagnosis_print(pose->mechanism, &diagnosis, out);
+    km_diagnosis_print(pose->mechanism, &diagnosis, o->pose.common.verbose, out);
     if (o->modes)
       print_modes(pose->model, &modes, driver, out);
   }

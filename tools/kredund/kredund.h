@@ -32,10 +32,12 @@ void kredund_method_options(kt_options *out, kredund_request *request);
 /* A study on its model, at its pose. */
 typedef struct kredund_open {
   kt_pose pose;
+  km_study_def def;
   km_study *study;
-  km_arena arena;
+  km_arena arena;       /* of what options put into the definition */
   const char *name;     /* of the study or the model, for messages */
-  char model[4096];     /* its file, */
+  const char *folder;   /* of the study's file */
+  char model[4096];     /* its model's file, */
   char model_name[256]; /* and that without folder and ending, for pictures */
   char base[256];       /* of output files, unless they are given another */
 } kredund_open;
@@ -45,12 +47,13 @@ typedef struct kredund_open {
 kt_exit kredund_bring(const kredund_request *request, bool needs_path, kredund_open *out);
 void kredund_close(kredund_open *open);
 
-/* Options as a study's values, in the open study's arena: numbers or names a,b,…; NAME or NAME=WEIGHT,…; the methods
- * with the settings of options in the place of their own, NULL: the study's as they are. `exit` tells what is wrong,
- * told. */
-const km_value *kredund_as_list(kredund_open *open, const char *text, bool numbers, const kt_common *common,
-                                const char *option, kt_exit *exit);
-const km_value *kredund_as_objective(kredund_open *open, const char *text, const kt_common *common, kt_exit *exit);
-const km_value *kredund_as_methods(kredund_open *open, const kredund_request *request, kt_exit *exit);
+/* Marks the parts of the definition that options say, so that those of the study's file don't count. */
+void kredund_claim_parts(const kredund_request *request, km_study_def *def);
+/* Puts what the options say into the definition. What is wrong is told, or goes to `messages` with its place. */
+kt_exit kredund_set_parts(const kredund_request *request, kredund_open *open, km_messages *messages);
+kt_exit kredund_set_methods(const kredund_request *request, kredund_open *open, km_messages *messages);
+/* An error at a place; the exit that it means. */
+kt_exit kredund_fault(km_messages *messages, bool option, const char *place, const km_error *error);
+void kredund_folder_of(const char *path, char *out, size_t size);
 
 #endif

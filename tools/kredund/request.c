@@ -48,41 +48,6 @@ void kredund_method_options(kt_options *out, kredund_request *r) {
   KT_OPTIONS_ADD(out, table);
 }
 
-static void folder_of(const char *path, char *out, size_t size) {
-  const char *slash = strrchr(path, '/');
-  snprintf(out, size, "%.*s", slash ? (int)(slash - path) : 0, path);
-  if (slash == path)
-    snprintf(out, size, "/");
-}
-
-/* --path: poses, a study or its path object. */
-static const km_value *read_path(kredund_open *open, const kredund_request *r, const char **folder, kt_exit *exit) {
-  size_t length = strlen(r->path);
-  char text[4096];
-  if (length > 4 && strcmp(r->path + length - 4, ".csv") == 0) {
-    km_value *object = km_value_add(&open->arena, NULL, NULL, KM_OBJECT);
-    km_value_string(&open->arena, object, "csv", r->path);
-    *folder = "";
-    return object;
-  }
-  km_text bytes = {0};
-  km_error error;
-  const km_value *root = NULL;
-  km_status status = km_file_read(r->path, &bytes, &error);
-  if (!status)
-    status = km_json_parse(bytes.data, bytes.size, &open->arena, &root, &error);
-  km_text_free(&bytes);
-  if (status) {
-    kt_say(&r->common, KM_ERROR, "%s%s%s", status == KM_IO ? "" : r->path, status == KM_IO ? "" : ": ", error.text);
-    *exit = kt_exit_of(status);
-    return NULL;
-  }
-  folder_of(r->path, text, sizeof text);
-  *folder = km_arena_string(&open->arena, text);
-  const km_value *inner = km_value_get(root, "path");
-  return inner ? inner : root;
-}
-
 /* What the reader found, with the file in front. */
 static kt_exit tell(const kt_common *common, const char *name, const km_messages *messages, km_status status,
                     const char *text) {
@@ -107,12 +72,7 @@ static kt_exit read_study(const kredund_request *r, kredund_open *out) {
   km_text text = {0};
   km_error error;
   km_messages *messages = km_messages_create();
-  char folder[4096] = "";
-  km_status status = KM_OK;
-  if (r->study)
-    status = km_file_read(r->study, &text, &error);
-  else
-    km_text_add(&text, "{}");
+  km_status status = km_file_read(r->study, &text, &error);
   if (status) {
     kt_say(&r->common, KM_ERROR, "%s", error.text);
   } else if (is_model(out, &text)) {
@@ -120,9 +80,7 @@ static kt_exit read_study(const kredund_request *r, kredund_open *out) {
            out->name, r->study);
     status = KM_USAGE;
   } else {
-    if (r->study && strcmp(r->study, "-") != 0)
-      folder_of(r->study, folder, sizeof folder);
-    status = km_study_read(text.data ? text.data : "", text.size, folder, messages, &out->study, &error);
+    status = km_study_read(text.data ? text.data : "", text.size, out->folder, messages, &out->def, &error);
     tell(&r->common, out->name, messages, status, error.text);
   }
   km_messages_free(messages);
@@ -148,7 +106,7 @@ static void name_base(const char *study, kredund_open *out) {
 }
 
 static kt_exit find_model(const kredund_request *r, kredund_open *out) {
-  const char *written = km_study_model(out->study), *folder = out->study->folder;
+  const char *written = out->def.model, *folder = out->folder;
   if (r->model)
     snprintf(out->model, sizeof out->model, "%s", r->model);
   else if (written)
@@ -160,26 +118,6 @@ static kt_exit find_model(const kredund_request *r, kredund_open *out) {
   }
   name_base(r->study, out);
   return KT_DONE;
-}
-
-static kt_exit gather_changes(const kredund_request *r, kredund_open *out, km_study_changes *c) {
-  kt_exit exit = KT_DONE;
-  c->effector = -1;
-  if (r->effector)
-    exit = kt_frame(&r->common, out->pose.model, "--effector", r->effector, &c->effector);
-  if (r->q && exit == KT_DONE)
-    c->q0 = (km_study_change){kredund_as_list(out, r->q, true, &r->common, "--q", &exit), "--q"};
-  if (r->rates && exit == KT_DONE)
-    c->rates = (km_study_change){kredund_as_list(out, r->rates, true, &r->common, "--rates", &exit), "--rates"};
-  if (r->task)
-    c->task = (km_study_change){km_value_string(&out->arena, NULL, NULL, r->task), "--task"};
-  if (r->objective && exit == KT_DONE)
-    c->objective = (km_study_change){kredund_as_objective(out, r->objective, &r->common, &exit), "--objective"};
-  if (exit == KT_DONE)
-    c->methods = (km_study_change){kredund_as_methods(out, r, &exit), r->methods ? "--method" : "methods"};
-  if (r->path && exit == KT_DONE)
-    c->path = (km_study_change){read_path(out, r, &c->path_folder, &exit), "--path"};
-  return out->arena.failed ? KT_INTERNAL : exit;
 }
 
 static void note_start(const kredund_request *r, const kredund_open *out) {
@@ -204,24 +142,40 @@ static bool is_study(const char *path) {
   return found;
 }
 
+/* The options' say, then the study on its model. */
+static kt_exit bind(const kredund_request *r, kredund_open *out) {
+  km_error error;
+  km_messages *messages = km_messages_create();
+  kt_exit result = kredund_set_parts(r, out, messages);
+  km_status status = KM_OK;
+  if (result == KT_DONE) {
+    status =
+        km_study_bind(out->pose.mechanism, out->pose.state, &out->def, r->common.seed, messages, &out->study, &error);
+    status = status == KM_NO_RESULT ? KM_OK : status;
+  }
+  kt_exit told = tell(&r->common, out->name, messages, status, error.text);
+  km_messages_free(messages);
+  return result == KT_DONE ? told : result;
+}
+
 static kt_exit bring(const kredund_request *r, bool needs_path, kredund_open *out) {
-  *out = (kredund_open){.name = r->study ? strcmp(r->study, "-") == 0 ? "standard input" : r->study : r->model};
-  km_study_changes changes = {.path_optional = !needs_path};
-  kt_exit result = read_study(r, out);
+  out->name = r->study ? strcmp(r->study, "-") == 0 ? "standard input" : r->study : r->model;
+  char folder[4096] = "";
+  if (r->study && strcmp(r->study, "-") != 0)
+    kredund_folder_of(r->study, folder, sizeof folder);
+  out->folder = km_arena_string(&out->arena, folder);
+  if (!out->folder)
+    return KT_INTERNAL;
+  out->def.path_optional = !needs_path;
+  kredund_claim_parts(r, &out->def);
+  kt_exit result = r->study ? read_study(r, out) : KT_DONE;
   if (result == KT_DONE)
     result = find_model(r, out);
   if (result == KT_DONE)
     result = kt_open(&r->common, out->model, &r->holds, &r->sets, &out->pose);
-  if (result == KT_DONE)
-    result = gather_changes(r, out, &changes);
   if (result != KT_DONE)
     return result;
-  km_error error;
-  km_messages *messages = km_messages_create();
-  km_status status =
-      km_study_bind_as(out->study, out->pose.mechanism, out->pose.state, &changes, r->common.seed, messages, &error);
-  result = tell(&r->common, out->name, messages, status == KM_NO_RESULT ? KM_OK : status, error.text);
-  km_messages_free(messages);
+  result = bind(r, out);
   if (!r->study && result == KT_BAD_MODEL)
     result = KT_USAGE; /* there is no file that could be bad */
   if (result == KT_DONE)
@@ -231,7 +185,7 @@ static kt_exit bring(const kredund_request *r, bool needs_path, kredund_open *ou
 
 kt_exit kredund_bring(const kredund_request *given, bool needs_path, kredund_open *out) {
   kredund_request r = *given;
-  *out = (kredund_open){0};
+  *out = (kredund_open){.def = km_study_def_default()};
   if (!r.study && !r.model) {
     kt_say(&r.common, KM_ERROR, "found neither a study nor --model; expected one of them");
     return KT_USAGE;
@@ -245,6 +199,7 @@ kt_exit kredund_bring(const kredund_request *given, bool needs_path, kredund_ope
 
 void kredund_close(kredund_open *open) {
   km_study_free(open->study);
+  km_study_def_free(&open->def);
   kt_close(&open->pose);
   km_arena_free(&open->arena);
 }

@@ -1,130 +1,132 @@
-/* What options say, as the values that a study has for it. */
+/* What options say, put into the study's definition. */
 #include "kredund/kredund.h"
 
+#include "base/file.h"
 #include "base/memory.h"
+#include "model/objectives.h"
 
+#include <stdio.h>
 #include <string.h>
 
-const km_value *kredund_as_list(kredund_open *open, const char *text, bool numbers, const kt_common *common,
-                                const char *option, kt_exit *exit) {
-  km_value *list = km_value_add(&open->arena, NULL, NULL, KM_LIST);
-  const char *rest = text;
-  for (char last = ','; last == ',' && *exit == KT_DONE;) {
-    kt_piece piece = kt_split(&rest, ",");
-    double value = 0.0;
-    last = piece.separator;
-    if (numbers && !(piece.text && kt_number(piece.text, &value)))
-      *exit = kt_usage(common, option, text, "numbers a,b,…");
-    else if (numbers)
-      km_value_number(&open->arena, list, NULL, value);
-    else
-      km_value_string(&open->arena, list, NULL, piece.text ? piece.text : "");
-    km_free(piece.text);
-  }
-  return list;
+void kredund_claim_parts(const kredund_request *r, km_study_def *def) {
+  const struct {
+    const char *option, *value;
+    km_study_place *place;
+  } parts[] = {{"--q", r->q, &def->q0.place},
+               {"--rates", r->rates, &def->rates.place},
+               {"--task", r->task, &def->task_place},
+               {"--objective", r->objective, &def->objective_place},
+               {"--method", r->methods, &def->methods_place},
+               {"--path", r->path, &def->path.place}};
+  for (size_t i = 0; i < sizeof parts / sizeof *parts; ++i)
+    if (parts[i].value)
+      *parts[i].place = (km_study_place){parts[i].option, true};
 }
 
-const km_value *kredund_as_objective(kredund_open *open, const char *text, const kt_common *common, kt_exit *exit) {
-  if (!strchr(text, '='))
-    return km_value_string(&open->arena, NULL, NULL, text);
-  km_value *object = km_value_add(&open->arena, NULL, NULL, KM_OBJECT);
+kt_exit kredund_fault(km_messages *messages, bool option, const char *place, const km_error *error) {
+  km_messages_add(messages, KM_ERROR, "%s: %s", place, error->text);
+  return option ? KT_USAGE : KT_BAD_MODEL;
+}
+
+static kt_exit set_numbers(const kredund_request *r, kredund_open *open, const char *text, km_study_numbers *out) {
+  double *items = KM_ARENA_NEW(&open->arena, double, strlen(text) / 2 + 1);
   const char *rest = text;
-  for (char last = ','; last == ',' && *exit == KT_DONE;) {
+  out->items = items;
+  out->count = 0;
+  for (char last = ','; last == ',' && items;) {
+    kt_piece piece = kt_split(&rest, ",");
+    bool fine = piece.text && kt_number(piece.text, &items[out->count++]);
+    last = piece.separator;
+    km_free(piece.text);
+    if (!fine)
+      return kt_usage(&r->common, out->place.text, text, "numbers a,b,…");
+  }
+  return KT_DONE;
+}
+
+/* NAME=WEIGHT,… */
+static kt_exit add_weighted(const kredund_request *r, kredund_open *open, km_messages *messages) {
+  kt_exit result = KT_DONE;
+  const char *rest = r->objective;
+  for (char last = ','; last == ',' && result != KT_USAGE;) {
     kt_piece name = kt_split(&rest, "="), weight = kt_split(&rest, ",");
     double value = 0.0;
+    km_error error;
+    char place[128];
     last = weight.separator;
-    if (name.separator != '=' || !weight.text || !kt_number(weight.text, &value))
-      *exit = kt_usage(common, "--objective", text, "NAME, or NAME=WEIGHT,NAME=WEIGHT");
-    else
-      km_value_number(&open->arena, object, name.text, value);
+    if (name.separator != '=' || !weight.text || !kt_number(weight.text, &value)) {
+      result = kt_usage(&r->common, "--objective", r->objective, "NAME, or NAME=WEIGHT,NAME=WEIGHT");
+    } else if (km_objective_add(&open->def.objective, name.text, value, &error)) {
+      snprintf(place, sizeof place, "--objective.%s", name.text);
+      result = kredund_fault(messages, true, place, &error);
+    }
     km_free(name.text);
     km_free(weight.text);
   }
-  return object;
+  return result;
 }
 
-/* The settings of options, put into a method that has them. */
-static void add_settings(kredund_open *open, const kredund_request *r, km_value *method, kt_exit *exit) {
-  const km_value *name = km_value_get(method, "method");
-  int kind = name && name->kind == KM_STRING ? km_method_find(name->string) : -1;
-  const struct {
-    const char *key, *option, *text;
-  } numbers[] = {{"branches", "--branches", r->branches},
-                 {"levels", "--levels", r->levels},
-                 {"angle", "--angle", r->angle},
-                 {"stride", "--stride", r->stride}};
-  double value;
-  for (size_t i = 0; i < sizeof numbers / sizeof *numbers; ++i) {
-    if (!numbers[i].text || kind < 0 || !km_method_has((km_method_kind)kind, numbers[i].key))
-      continue;
-    if (!kt_number(numbers[i].text, &value))
-      *exit = kt_usage(&r->common, numbers[i].option, numbers[i].text, "a number");
-    else
-      km_value_number(&open->arena, method, numbers[i].key, value);
-  }
-  if (r->value && kind == KM_LOOKAHEAD)
-    km_value_string(&open->arena, method, "value", r->value);
+static kt_exit set_objective(const kredund_request *r, kredund_open *open, km_messages *messages) {
+  km_error error;
+  open->def.objective = (km_objective){{0}};
+  if (strchr(r->objective, '='))
+    return add_weighted(r, open, messages);
+  return km_objective_add(&open->def.objective, r->objective, 1.0, &error)
+             ? kredund_fault(messages, true, "--objective", &error)
+             : KT_DONE;
 }
 
-static bool is_set_by(const kredund_request *r, const char *key) {
-  return (strcmp(key, "branches") == 0 && r->branches) || (strcmp(key, "levels") == 0 && r->levels) ||
-         (strcmp(key, "angle") == 0 && r->angle) || (strcmp(key, "stride") == 0 && r->stride) ||
-         (strcmp(key, "value") == 0 && r->value);
+void kredund_folder_of(const char *path, char *out, size_t size) {
+  const char *slash = strrchr(path, '/');
+  snprintf(out, size, "%.*s", slash ? (int)(slash - path) : 0, path);
+  if (slash == path)
+    snprintf(out, size, "/");
 }
 
-/* A method as the study or --method has it, with the options in the place of its own settings. */
-static void add_method(kredund_open *open, const kredund_request *r, const km_value *from, km_value *list,
-                       kt_exit *exit) {
-  km_value *method = km_value_add(&open->arena, list, NULL, KM_OBJECT);
-  if (from->kind == KM_STRING)
-    km_value_string(&open->arena, method, "method", from->string);
-  for (const km_value *v = from->kind == KM_OBJECT ? from->first : NULL; v; v = v->next) {
-    if (is_set_by(r, v->key))
-      continue;
-    km_value *copy = km_value_add(&open->arena, method, v->key, v->kind);
-    if (copy) {
-      copy->number = v->number;
-      copy->string = v->string;
-      copy->first = v->first;
-      copy->last = v->last;
-      copy->count = v->count;
-    }
-  }
-  add_settings(open, r, method, exit);
+static km_status read_path_text(const char *file, km_study_place place, km_messages *messages, km_study_def *def,
+                                km_error *error) {
+  char folder[4096];
+  km_text bytes = {0};
+  km_status status = km_file_read(file, &bytes, error);
+  kredund_folder_of(file, folder, sizeof folder);
+  if (!status)
+    status = km_study_read_path(bytes.data ? bytes.data : "", bytes.size, folder, place, messages, def, error);
+  km_text_free(&bytes);
+  return status;
 }
 
-/* An option that none of the methods has. */
-static void warn_of_settings(const kredund_request *r, const km_value *methods) {
-  static const char *const keys[] = {"branches", "levels", "angle", "stride", "value"};
-  for (size_t i = 0; i < sizeof keys / sizeof *keys; ++i) {
-    bool used = !is_set_by(r, keys[i]);
-    for (const km_value *v = methods->first; v && !used; v = v->next) {
-      const km_value *name = km_value_get(v, "method");
-      int kind = name && name->kind == KM_STRING ? km_method_find(name->string) : -1;
-      used = kind >= 0 && km_method_has((km_method_kind)kind, keys[i]);
-    }
-    km_text owners = {0};
-    km_method_owners(keys[i], &owners);
-    if (!used && owners.data)
-      kt_say(&r->common, KM_WARNING, "--%s doesn't count: none of the methods has it; it is a setting of %s", keys[i],
-             owners.data);
-    km_text_free(&owners);
-  }
+/* --path: poses, a study or its path object. What is wrong with the file itself is told with its name alone. */
+static kt_exit set_path(const kredund_request *r, kredund_open *open, km_messages *messages) {
+  const km_study_place place = open->def.path.place;
+  size_t length = strlen(r->path), errors = km_messages_errors(messages);
+  bool poses = length > 4 && strcmp(r->path + length - 4, ".csv") == 0;
+  km_error error;
+  km_status status = poses ? km_study_read_poses(r->path, place, messages, &open->def, &error)
+                           : read_path_text(r->path, place, messages, &open->def, &error);
+  if (status == KM_IO)
+    kt_say(&r->common, KM_ERROR, "%s", error.text);
+  else if (status && km_messages_errors(messages) == errors)
+    kt_say(&r->common, KM_ERROR, "%s: %s", r->path, error.text);
+  return kt_exit_of(status);
 }
 
-const km_value *kredund_as_methods(kredund_open *open, const kredund_request *r, kt_exit *exit) {
-  static const char all[] = "greedy,lookahead,fixed,dls,gradient,dp,global";
-  const km_value *own = km_value_get(open->study->root, "methods");
-  const char *named = r->methods ? r->methods : r->everything && !own ? all : NULL;
-  const km_value *given = named ? kredund_as_list(open, named, false, &r->common, "--method", exit) : own;
-  bool set = r->branches || r->levels || r->angle || r->stride || r->value;
-  if (!set || !given)
-    return named ? given : NULL;
-  km_value *list = km_value_add(&open->arena, NULL, NULL, KM_LIST);
-  if (given->kind != KM_LIST)
-    add_method(open, r, given, list, exit);
-  for (const km_value *v = given->kind == KM_LIST ? given->first : NULL; v; v = v->next)
-    add_method(open, r, v, list, exit);
-  warn_of_settings(r, list);
-  return list;
+kt_exit kredund_set_parts(const kredund_request *r, kredund_open *open, km_messages *messages) {
+  km_study_def *def = &open->def;
+  kt_exit result = KT_DONE;
+  km_error error;
+  if (r->effector)
+    result = kt_frame(&r->common, open->pose.model, "--effector", r->effector, &def->frame);
+  if (r->q && result == KT_DONE)
+    result = set_numbers(r, open, r->q, &def->q0);
+  if (r->rates && result == KT_DONE)
+    result = set_numbers(r, open, r->rates, &def->rates);
+  if (r->task && result == KT_DONE && km_task_of_word(r->task, &def->task, &error))
+    result = kredund_fault(messages, true, "--task", &error);
+  if (r->objective && result == KT_DONE)
+    result = set_objective(r, open, messages);
+  if (result == KT_DONE)
+    result = kredund_set_methods(r, open, messages);
+  if (r->path && result == KT_DONE)
+    result = set_path(r, open, messages);
+  return open->arena.failed ? KT_INTERNAL : result;
 }

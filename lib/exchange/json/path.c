@@ -8,6 +8,7 @@ bool km_path_names_gather(const km_value *value, km_path_names *out) {
   out->count = 0;
   out->names[0] = "";
   out->copy = NULL;
+  out->failed = false;
   if (value->kind == KM_STRING) {
     out->names[out->count++] = value->string;
     return true;
@@ -22,7 +23,9 @@ bool km_path_names_gather(const km_value *value, km_path_names *out) {
 
 bool km_path_names_split(const char *text, km_path_names *out) {
   out->count = 0;
-  out->copy = strchr(text, '/') ? KM_NEW(char, strlen(text) + 1) : NULL;
+  bool parted = strchr(text, '/') != NULL;
+  out->copy = parted ? KM_NEW(char, strlen(text) + 1) : NULL;
+  out->failed = parted && !out->copy;
   if (!out->copy)
     return false;
   char *end = out->copy;

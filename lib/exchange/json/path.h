@@ -11,6 +11,7 @@ typedef struct km_path_names {
   const char *names[KM_LONGEST_PATH]; /* borrowed, or parts of `copy` */
   size_t count;
   char *copy;
+  bool failed; /* out of memory */
 } km_path_names;
 
 /* The names as they stand; a text is one name. False if there are too many. */

@@ -129,11 +129,6 @@ void km_reader_named(km_reader *reader, const km_value *object, const km_place *
     km_reader_error(reader, &at, "found an empty name; expected at least one character");
 }
 
-const char *km_reader_shown(char out[KM_NUMBER_TEXT], double value) {
-  km_number_format(out, value);
-  return out;
-}
-
 void km_reader_each(km_reader *reader, const km_value *object, const char *key, int owner, const km_place *place,
                     km_element_read read) {
   const km_value *list = km_value_get(object, key);

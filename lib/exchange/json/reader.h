@@ -34,10 +34,6 @@ typedef struct km_reader {
 
 enum { KM_NOT_FOUND = -1, KM_LEFT_OUT = -2, KM_FAULTY = -5 };
 
-/* A number as its shortest text, for a message. */
-#define KM_SHOWN(x) km_reader_shown((char[KM_NUMBER_TEXT]){0}, x)
-const char *km_reader_shown(char out[KM_NUMBER_TEXT], double value);
-
 /* Reports an error at a place. */
 void km_reader_error(km_reader *reader, const km_place *place, const char *format, ...)
     __attribute__((format(printf, 3, 4)));

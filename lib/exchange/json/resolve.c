@@ -67,7 +67,8 @@ int km_reader_frame(km_reader *reader, const km_value *value, int assembly, cons
   if (frame == KM_NOT_FOUND && p.count == 1 && km_path_names_split(p.names[0], &p))
     frame = find_frame(reader, p.names, p.count, assembly);
   km_path_names_free(&p);
-  if (frame == KM_NOT_FOUND)
+  reader->model->arena.failed = reader->model->arena.failed || p.failed;
+  if (frame == KM_NOT_FOUND && !p.failed)
     km_reader_error(reader, place,
                     "\"%s\" names no body or frame; expected [body, frame] of this assembly, a path from the "
                     "root, or [\"fixed\", frame]",
@@ -95,8 +96,9 @@ int km_reader_joint(km_reader *reader, const km_value *value, int assembly, cons
     if (joint == KM_NOT_FOUND && p.count == 1 && km_path_names_split(p.names[0], &p))
       joint = from_root(reader, &reader->joints, p.names, p.count);
     km_path_names_free(&p);
+    reader->model->arena.failed = reader->model->arena.failed || p.failed;
   }
-  if (joint == KM_NOT_FOUND)
+  if (joint == KM_NOT_FOUND && !p.failed)
     km_reader_error(reader, place, "\"%s\" names no joint; expected a joint's label or its path from the root",
                     km_path_text(value, text));
   return joint;
@@ -257,11 +259,13 @@ km_status km_model_find_frame(const km_model *model, const char *const *names, s
     return fits;
   char text[KM_PLACE_TEXT];
   int found = frames_of_path(model, names, count, frame);
-  km_path_names parts;
+  km_path_names parts = {.count = 0};
   if (!found && count == 1 && km_path_names_split(names[0], &parts)) {
     found = frames_of_path(model, parts.names, parts.count, frame);
     km_path_names_free(&parts);
   }
+  if (parts.failed)
+    return km_fail(error, KM_MEMORY, "out of memory for the path of a frame");
   if (found == 1)
     return KM_OK;
   km_path_names_text(names, count, text);

@@ -6,6 +6,8 @@
 #include "kmech/mobility.h"
 #include "kmech/progress.h"
 
+#include <stdbool.h>
+
 #ifdef __cplusplus
 extern "C" {
 #endif
@@ -29,6 +31,9 @@ typedef struct km_idle_freedoms {
  * Cost: linear in joints. Free `*out` in any case. */
 KM_API km_status km_idle_freedoms_find(const km_mechanism *mechanism, km_state *state, km_progress progress,
                                        void *context, km_idle_freedoms *out, km_error *error);
+/* Which coordinates belong to the joints that idle bodies turn in: marks[coordinate count]. They say nothing of the rest of
+ * the mechanism. O(joints · groups). */
+KM_API void km_idle_coordinates(const km_mechanism *mechanism, const km_idle_freedoms *freedoms, bool *marks);
 KM_API void km_idle_freedoms_free(km_idle_freedoms *freedoms);
 
 #ifdef __cplusplus

@@ -24,6 +24,7 @@
 #include "kmech/motions.h"
 #include "kmech/path.h"
 #include "kmech/path_study.h"
+#include "kmech/plane.h"
 #include "kmech/progress.h"
 #include "kmech/question.h"
 #include "kmech/redundancy.h"

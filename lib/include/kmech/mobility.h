@@ -17,9 +17,10 @@ typedef struct km_substructure_mobility {
 } km_substructure_mobility;
 
 typedef struct km_mobility {
-  int kutzbach;              /* 6(n − 1 − j) + Σ f − couplings (270) */
-  int kutzbach_extended;     /* Σ f − Σ λ − couplings */
-  int mobility;              /* Σ (coordinates − rank) + coordinates outside loops and couplings (271) */
+  int kutzbach;          /* 6(n − 1 − j) + Σ f − couplings (270) */
+  int kutzbach_extended; /* Σ f − Σ λ − couplings */
+  int kutzbach_planar; /* 3(n − 1 − j) + Σ f − couplings (Grübler): the count of mechanisms that move in a plane */
+  int mobility;        /* Σ (coordinates − rank) + coordinates outside loops and couplings (271) */
   int redundant_constraints; /* 6 · loops + couplings − rank */
   double residual;           /* of the worst loop, scaled (235) */
 } km_mobility;

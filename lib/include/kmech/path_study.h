@@ -1,4 +1,5 @@
-/* Path studies: a model, an effector, a path, a start and methods in one file. */
+/* Path studies: a model, an effector, a path, a start and methods, as a definition that a file or a program fills, and
+ * bound to a mechanism. */
 #ifndef KMECH_PATH_STUDY_H
 #define KMECH_PATH_STUDY_H
 
@@ -8,23 +9,84 @@
 extern "C" {
 #endif
 
+/* How messages name a part of a study, and whose it is. */
+typedef struct km_study_place {
+  const char *text; /* what a message about the part begins with: "q0", "--q" */
+  bool option;      /* of the command, not of the file: km_study_read keeps the part, and its faults are KM_USAGE */
+} km_study_place;
+
+typedef struct km_study_names {
+  const char *const *items;
+  int count; /* 0: not given */
+  km_study_place place;
+} km_study_names;
+
+typedef struct km_study_numbers {
+  const double *items; /* NULL: not given */
+  int count;
+  km_study_place place;
+} km_study_numbers;
+
+/* The path, in the model's units throughout: angles of arcs and the turn speed, too, are in its angle unit. */
+typedef struct km_study_path {
+  km_path_plan plan;     /* no segments: there is no path */
+  bool start_p, start_R; /* parts of the plan's start that count; else those of the effector at q0 */
+  const double *turns;   /* [3 × points of the one segment] rotation vectors instead of R, NULL: none */
+  const char *file;      /* from which the poses are, NULL: none; */
+  const int *lines;      /* [points of the one segment] where in it */
+  km_study_place place;
+} km_study_path;
+
+typedef struct km_study_method {
+  km_method method;      /* its joints are found when the study is bound, */
+  km_study_names joints; /* by these labels */
+} km_study_method;
+
+/* What a study asks for. Start from km_study_def_default(). All that it points to is borrowed, but for `memory`. */
+typedef struct km_study_def {
+  const char *model;          /* the model's file, seen from the study's folder; NULL: none is named */
+  km_study_names effector;    /* the frame that follows the path: its path's names, or "body/frame" alone */
+  int frame;                  /* the same by its index in the model; -1: by its names */
+  km_study_names coordinates; /* order of q0 and rates by labels; none: from the base out */
+  km_study_numbers q0;        /* where to start, in the model's units; none: at the state's pose */
+  km_study_numbers rates;     /* largest joint speeds (km_arm_set_rates); none: no limits */
+  km_task task;
+  km_study_place task_place;
+  km_study_path path;
+  bool path_optional; /* without a path the start is q0 itself; else it is missing */
+  const km_study_method *methods;
+  int method_count; /* 0: greedy */
+  km_study_place methods_place;
+  km_objective objective; /* path-control */
+  km_study_place objective_place;
+  struct km_arena *memory; /* of what was read, NULL: none */
+} km_study_def;
+KM_API km_study_def km_study_def_default(void);
+
+/* Reads a study from `size` bytes of JSON into a definition that is the default but for parts of the command, which
+ * stay; `folder` is that of the file ("" the current one), where poses in a CSV file are looked for. Findings go to
+ * `messages` with their place. KM_MODEL: something in the text is wrong; KM_IO: a file of poses can't be read;
+ * KM_MEMORY. The definition is to be freed in any case. */
+KM_API km_status km_study_read(const char *bytes, size_t size, const char *folder, km_messages *messages,
+                               km_study_def *def, km_error *error);
+/* The path alone, of the text of a study or of a path; and that of a CSV file of poses. `place` is how messages are to
+ * name it, and stays in the definition; statuses as above, KM_USAGE for those of an option. */
+KM_API km_status km_study_read_path(const char *bytes, size_t size, const char *folder, km_study_place place,
+                                    km_messages *messages, km_study_def *def, km_error *error);
+KM_API km_status km_study_read_poses(const char *file, km_study_place place, km_messages *messages, km_study_def *def,
+                                     km_error *error);
+KM_API void km_study_def_free(km_study_def *def);
+
 typedef struct km_study km_study;
 
-/* Reads a study from `size` bytes of JSON; `folder` is that of the file ("" the current one). Findings go to `messages`
- * with their place; with any error the status is KM_MODEL and `*out` is NULL. The caller frees `*out`. */
-KM_API km_status km_study_read(const char *bytes, size_t size, const char *folder, km_messages *messages,
-                               km_study **out, km_error *error);
+/* Makes arm, path, start and methods from a definition and a mechanism of its model at its pose. The start is q0, or else
+ * the state's pose, brought to the path's first pose by inverse kinematics where it isn't there. KM_MODEL, KM_USAGE:
+ * something in the definition, or in an option, is wrong; KM_NO_RESULT: no start within the limits reaches the first
+ * pose, `*out` is then the study without one, whose tracks end where they begin; KM_DIVERGED; KM_MEMORY. The mechanism
+ * must outlive the study, the definition need not. The caller frees `*out`. */
+KM_API km_status km_study_bind(const km_mechanism *mechanism, const km_state *state, const km_study_def *def,
+                               unsigned long seed, km_messages *messages, km_study **out, km_error *error);
 KM_API void km_study_free(km_study *study);
-
-/* The model's file: as written, seen from the study's folder; NULL if the study names none. Borrowed. */
-KM_API const char *km_study_model(const km_study *study);
-
-/* Makes arm, path, start and methods from the study and a mechanism of its model at its pose. The start is the study's
- * q0, or else the state's pose, brought to the path's first pose by inverse kinematics where it isn't there. KM_MODEL,
- * KM_USAGE: something in the study is wrong; KM_NO_RESULT: no start within the limits reaches the first pose. The
- * mechanism must outlive the study. */
-KM_API km_status km_study_bind(km_study *study, const km_mechanism *mechanism, const km_state *state,
-                               unsigned long seed, km_messages *messages, km_error *error);
 
 KM_API const km_arm *km_study_arm(const km_study *study);
 /* The plan of method i: path, start, method, objective; jobs 1, seed 1. */

@@ -29,6 +29,7 @@ typedef struct km_redundancy {
   double point[3];     /* on the line of the force, inertial frame, model's length unit; of a couple: unused */
   double pitch;        /* couple along the force over the force, model's length unit: 0 for a plain translation */
   int loops;           /* how many loops the redundancy spans */
+  bool out_of_plane;   /* of one planar loop, across its plane: such a loop has three of them by nature */
   bool lasting;        /* also a short way along the motion, not only at this pose */
   int remedy_count;
   km_remedy remedies[KM_MOST_REMEDIES];

@@ -46,6 +46,8 @@ typedef struct km_sweep {
   km_mobility first;         /* at the pose from which the sweep started */
   int substructure;          /* the one that moves, -1: a joint in no loop */
   int freedom;               /* of the driven substructure there: above 1 the others move least */
+  int idle;                  /* how many of them are idle (kmech/idle.h): nothing else feels them */
+  bool *idle_coordinates;    /* [coordinate] of joints that idle bodies turn in; NULL: idle is 0 */
   int start_branches;        /* motions that meet at the starting pose, where it is a branch point; else 0 */
   km_reach start, end;       /* how FROM and TO were reached */
   km_branch_point *branches; /* where several motions meet; s is the driver's value, or the arc length */

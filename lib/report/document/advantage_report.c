@@ -28,19 +28,33 @@ static const char *toggle_words(km_document_maker *k, const km_plotted_advantage
   return km_document_words(k, &text, "none in the range");
 }
 
+/* One end of the advantage's range, in a sentence. */
+static const char *bound_words(km_document_maker *k, const km_plotted_advantage *p, const km_peak *peak) {
+  return isinf(peak->value) ? km_document_format(k, "no bound (beside %.6g%s)", peak->s,
+                                                 km_sweep_unit(p->swept.mechanism, p->swept.plan))
+                            : peak_words(k, p, peak);
+}
+
+/* What the reader wants to know first. */
+static void add_lead(km_document_maker *k, const km_plotted_advantage *p) {
+  const km_advantage_sweep *sweep = p->sweep;
+  const char *stroke = km_report_stroke(k, &p->swept);
+  if (isnan(sweep->lowest.s))
+    km_document_lead(k, km_document_format(k, "The mechanical advantage of %s over %s is nowhere finite %s.",
+                                           sweep->input.name, sweep->output.name, stroke));
+  else
+    km_document_lead(k, km_document_format(
+                            k, "The mechanical advantage of %s over %s goes from %s to %s, %s. %s", sweep->input.name,
+                            sweep->output.name, bound_words(k, p, &sweep->lowest), bound_words(k, p, &sweep->highest),
+                            stroke, sweep->toggle_count ? "Its toggles are listed below." : "It has no toggle there."));
+}
+
 static void add_facts(km_document_maker *k, const km_plotted_advantage *p, const char *stopped_by) {
   km_report_facts facts = {.rows = 0};
-  km_report_fact(&facts, "Input", p->sweep->input.name);
-  km_report_fact(&facts, "Output", p->sweep->output.name);
   km_report_fact(&facts, "Minimum", peak_words(k, p, &p->sweep->lowest));
   km_report_fact(&facts, "Maximum", peak_words(k, p, &p->sweep->highest));
   km_report_fact(&facts, "Toggles", toggle_words(k, p));
-  km_report_fact(&facts, "Method",
-                 p->sweep->method == KM_ADVANTAGE_SINGLE_FREEDOM
-                     ? "one freedom: the ratio of the rates in the only motion there is, Z_i / Z_k"
-                     : "several freedoms: the least motion that moves the input, by the orthonormal null space Z; the "
-                       "other joints follow, none is locked");
-  km_report_model(k, &p->swept, stopped_by, &facts);
+  km_report_motion(k, &p->swept, stopped_by, &facts);
   km_report_close_facts(k, &facts);
 }
 
@@ -148,12 +162,21 @@ static void add_table(km_document_maker *k, const km_plotted_advantage *p) {
           (size_t)column, list[i].unit[0] ? km_document_format(k, "%s (%s)", heads[i], list[i].unit) : heads[i]};
   }
   km_document_heading(k, "At chosen poses");
-  km_report_rows(k, &p->swept, columns, count);
+  size_t places = p->sweep->toggle_count + 2;
+  double *special = KM_ARENA_NEW(&k->arena, double, places);
+  for (size_t i = 0; i < p->sweep->toggle_count && special; ++i)
+    special[2 + i] = p->sweep->toggles[i].s;
+  if (!special)
+    return;
+  special[0] = p->sweep->lowest.s;
+  special[1] = p->sweep->highest.s;
+  km_report_rows(k, &p->swept, columns, count, special, places);
 }
 
 void km_advantage_report_make(km_document_maker *k, const km_plotted_advantage *p, const km_transmission *transmission,
                               const char *stopped_by) {
   km_plot plot;
+  add_lead(k, p);
   add_facts(k, p, stopped_by);
   km_report_poses(k, &p->swept);
   km_document_heading(k, "Leverage");
@@ -168,6 +191,11 @@ void km_advantage_report_make(km_document_maker *k, const km_plotted_advantage *
   add_transmission(k, p, transmission);
   if (!many)
     add_table(k, p);
+  km_report_model(k, &p->swept,
+                  p->sweep->method == KM_ADVANTAGE_SINGLE_FREEDOM
+                      ? "one freedom: the ratio of the rates in the only motion there is, Z_i / Z_k"
+                      : "several freedoms: the least motion that moves the input, by the orthonormal null space Z; the "
+                        "other joints follow, none is locked");
 }
 
 km_status km_advantage_report(const km_plotted_advantage *p, const km_transmission *transmission,

@@ -13,6 +13,10 @@ void km_document_heading(km_document_maker *m, const char *text) {
   add(m, (km_block){.kind = KM_BLOCK_HEADING, .text = text});
 }
 
+void km_document_lead(km_document_maker *m, const char *text) {
+  add(m, (km_block){.kind = KM_BLOCK_LEAD, .text = text});
+}
+
 void km_document_text(km_document_maker *m, const char *text) {
   add(m, (km_block){.kind = KM_BLOCK_TEXT, .text = text});
 }

@@ -7,6 +7,7 @@
 #include "report/plot/canvas.h"
 
 typedef enum km_block_kind {
+  KM_BLOCK_LEAD, /* the answer, before anything else */
   KM_BLOCK_HEADING,
   KM_BLOCK_TEXT,
   KM_BLOCK_FACTS, /* rows of a name and what it is */
@@ -43,6 +44,7 @@ typedef struct km_document_maker {
   size_t count;
 } km_document_maker;
 
+void km_document_lead(km_document_maker *maker, const char *text);
 void km_document_heading(km_document_maker *maker, const char *text);
 void km_document_text(km_document_maker *maker, const char *text);
 void km_document_cells(km_document_maker *maker, km_block_kind kind, const char *const *cells, size_t rows,

@@ -2,18 +2,27 @@
 #include "report/document/document.h"
 #include "report/document/escape.h"
 
-static const double picture_width = 500; /* points, as on a PDF's page */
+/* Points: as on a PDF's page, and on a phone, where letters of the wide one would be too small. */
+static const double picture_width = 500, narrow_width = 300;
 
 static const char style[] =
-    "body{font:15px/1.45 'DejaVu Sans',Verdana,sans-serif;color:#1a1a1a;max-width:52rem;margin:2rem auto;padding:0 "
-    "1rem}"
-    "h1{font-size:1.7rem;margin:0 0 .2rem}h2{font-size:1.15rem;margin:2rem 0 .5rem}"
-    ".about,footer{color:#6b6b6b;font-size:.85rem}footer{border-top:1px solid #ccc;margin-top:2rem;padding-top:.5rem}"
+    ":root{color-scheme:light dark;--ink:#1a1a1a;--paper:#fff;--soft:#5f5f5f;--line:#ccc;--shade:#f2f2f2}"
+    "@media(prefers-color-scheme:dark){:root{--ink:#e8e8e8;--paper:#16181b;--soft:#a8a8a8;--line:#444;--shade:#22262b}}"
+    "body{font:15px/1.45 'DejaVu Sans',Verdana,sans-serif;color:var(--ink);background:var(--paper);max-width:52rem;"
+    "margin:2rem auto;padding:0 1rem}"
+    "h1{font-size:1.7rem;margin:0 0 .2rem;overflow-wrap:anywhere}h2{font-size:1.15rem;margin:2rem 0 .5rem}"
+    ".about,footer{color:var(--soft);font-size:.85rem}.lead{font-size:1.1rem}"
+    "footer{border-top:1px solid var(--line);margin-top:2rem;padding-top:.5rem;overflow-wrap:anywhere}"
     "table{border-collapse:collapse;font-size:.82rem;margin:.5rem 0 1rem}th,td{text-align:right;padding:.2rem .7rem}"
-    "th:first-child,td:first-child{text-align:left}thead th{border-bottom:1px solid #1a1a1a}"
-    "tbody tr:nth-child(even){background:#f2f2f2}.scroll{overflow-x:auto}"
-    "dl{display:grid;grid-template-columns:12rem 1fr;gap:.2rem .5rem;font-size:.9rem}dt{color:#6b6b6b}dd{margin:0}"
-    "img{width:100%;height:auto}@media print{body{margin:0}h2{break-after:avoid}img{break-inside:avoid}}";
+    "th:first-child,td:first-child{text-align:left}thead th{border-bottom:1px solid var(--ink)}"
+    "tbody tr:nth-child(even){background:var(--shade)}.scroll{overflow-x:auto}"
+    "dl{display:grid;grid-template-columns:12rem minmax(0,1fr);gap:.2rem .5rem;font-size:.9rem}dt{color:var(--soft)}"
+    "dd{margin:0;overflow-wrap:anywhere}"
+    "img{width:100%;height:auto;background:#fff;border-radius:4px}"
+    "@media(max-width:36rem){body{margin:1rem auto}h1{font-size:1.35rem}dl{grid-template-columns:minmax(0,1fr);gap:0}"
+    "dd{margin:0 0 .5rem}th,td{padding:.2rem .4rem}}"
+    "@media print{:root{--ink:#1a1a1a;--paper:#fff;--soft:#5f5f5f;--line:#ccc;--shade:#f2f2f2}body{margin:0}"
+    "h2{break-after:avoid}img{break-inside:avoid}}";
 
 static void base64(const km_text *bytes, km_text *out) {
   static const char digits[] = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
@@ -53,34 +62,43 @@ static void add_table(const km_block *block, km_text *out) {
   km_text_add(out, block->rows > 1 ? "</tbody></table></div>\n" : "</table></div>\n");
 }
 
-/* As an image of its own, so that the names inside two pictures can't meet. */
-static km_status add_picture(const km_block *block, km_text *out, km_error *error) {
+/* The picture at a width, as an address that holds its bytes. */
+static km_status add_address(const km_block *block, double width, km_text *out, km_error *error) {
   km_text svg = {0};
   km_canvas *canvas;
-  km_status status = km_canvas_create(KM_CANVAS_SVG, picture_width, block->height, &svg, &canvas, error);
+  km_status status = km_canvas_create(KM_CANVAS_SVG, width, block->height, &svg, &canvas, error);
   if (!status) {
-    status = block->draw(block->context, canvas, picture_width, block->height, error);
+    status = block->draw(block->context, canvas, width, block->height, error);
     if (!status)
       status = km_canvas_finish(canvas, error);
     km_canvas_free(canvas);
   }
-  if (!status) {
-    km_text_add(out, "<img alt=\"");
-    km_html_escape(block->text, out);
-    km_text_add(out, "\" src=\"data:image/svg+xml;base64,");
-    base64(&svg, out);
-    km_text_add(out, "\">\n");
-  }
+  km_text_add(out, "data:image/svg+xml;base64,");
+  base64(&svg, out);
   km_text_free(&svg);
+  return status;
+}
+
+/* As images of their own, so that the names inside two pictures can't meet: a wide one, and a narrow one for phones. */
+static km_status add_picture(const km_block *block, km_text *out, km_error *error) {
+  km_text_add(out, "<picture><source media=\"(max-width:36rem)\" srcset=\"");
+  km_status status = add_address(block, narrow_width, out, error);
+  km_text_add(out, "\"><img alt=\"");
+  km_html_escape(block->text, out);
+  km_text_add(out, "\" src=\"");
+  if (!status)
+    status = add_address(block, picture_width, out, error);
+  km_text_add(out, "\"></picture>\n");
   return status;
 }
 
 static km_status add_block(const km_block *block, km_text *out, km_error *error) {
   bool heading = block->kind == KM_BLOCK_HEADING;
   switch (block->kind) {
+  case KM_BLOCK_LEAD:
   case KM_BLOCK_HEADING:
   case KM_BLOCK_TEXT:
-    km_text_add(out, heading ? "<h2>" : "<p>");
+    km_text_add(out, heading ? "<h2>" : block->kind == KM_BLOCK_LEAD ? "<p class=\"lead\">" : "<p>");
     km_html_escape(block->text, out);
     km_text_add(out, heading ? "</h2>\n" : "</p>\n");
     return KM_OK;

@@ -73,8 +73,12 @@ static void write_titles(writer *w) {
   w->y += height_of(w, &subtitle, w->document->subtitle) + 1.6 * gap;
 }
 
+static km_font text_font(const km_block *block) {
+  return (km_font){.size = block->kind == KM_BLOCK_LEAD ? 11.5 : 9, .width = text_width(), .lines = 40};
+}
+
 static void write_text(writer *w, const km_block *block) {
-  const km_font font = {.size = 9, .width = text_width(), .lines = 40};
+  const km_font font = text_font(block);
   double height = height_of(w, &font, block->text);
   need(w, height);
   write(w, &font, black, block->text, margin, w->y, 0);
@@ -167,10 +171,11 @@ static void write_picture(writer *w, const km_block *block) {
 
 /* What a block will take of a page. */
 static double block_height(const writer *w, const km_block *block) {
-  const km_font paragraph = {.size = 9, .width = text_width(), .lines = 40};
+  const km_font paragraph = text_font(block);
   double width[MOST_COLUMNS];
   km_font font;
   switch (block->kind) {
+  case KM_BLOCK_LEAD:
   case KM_BLOCK_TEXT:
     return height_of(w, &paragraph, block->text) + gap;
   case KM_BLOCK_TABLE:
@@ -207,6 +212,7 @@ static void lay_out(writer *w) {
     case KM_BLOCK_HEADING:
       write_heading(w, block, w->document->blocks + w->document->count);
       break;
+    case KM_BLOCK_LEAD:
     case KM_BLOCK_TEXT:
       write_text(w, block);
       break;

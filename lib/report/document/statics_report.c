@@ -18,6 +18,28 @@ static const char *label_of(const km_plotted_statics *p, int actuator) {
   return km_model_coordinate_label(p->swept.mechanism->model, p->sweep->actuators[actuator]);
 }
 
+/* What the reader wants to know first: how much, where; or that it can't be held. */
+static void add_lead(km_document_maker *k, const km_plotted_statics *p) {
+  enum { MOST = 3 };
+  const char *s_unit = km_sweep_unit(p->swept.mechanism, p->swept.plan), *stroke = km_report_stroke(k, &p->swept);
+  km_text text = {0};
+  if (p->sweep->unheld)
+    km_text_format(&text, "The actuators can't hold the mechanism everywhere %s: first not at %.6g%s. ", stroke,
+                   p->sweep->first_unheld, s_unit);
+  else
+    km_text_format(&text, "The actuators hold the mechanism %s. ", stroke);
+  for (int i = 0, named = 0; i < p->sweep->actuator_count && named < MOST; ++i) {
+    const km_force_event *largest = &p->sweep->largest[i];
+    if (isnan(largest->s))
+      continue;
+    km_text_format(&text, "%s%s holds at most %s %s, at %.6g%s", named++ ? "; " : "", label_of(p, i),
+                   km_report_number(k, largest->value), unit_of(k, p->swept.mechanism->model, p->sweep->actuators[i]),
+                   largest->s, s_unit);
+  }
+  km_text_add(&text, ".");
+  km_document_lead(k, km_document_words(k, &text, ""));
+}
+
 static void add_facts(km_document_maker *k, const km_plotted_statics *p, const char *acting, const char *stopped_by) {
   km_report_facts facts = {.rows = 0};
   km_text names = {0};
@@ -25,18 +47,17 @@ static void add_facts(km_document_maker *k, const km_plotted_statics *p, const c
     km_text_format(&names, "%s%s", i ? ", " : "", label_of(p, i));
   km_report_fact(&facts, "Actuators", km_document_words(k, &names, "none"));
   km_report_fact(&facts, "What acts", acting);
-  km_report_fact(&facts, "Held",
-                 p->sweep->unheld
-                     ? km_document_format(k, "no: not at %zu of %zu rows, first at %.6g%s", p->sweep->unheld,
-                                          km_table_rows(p->swept.motion->table), p->sweep->first_unheld,
-                                          km_sweep_unit(p->swept.mechanism, p->swept.plan))
-                     : "at every row");
+  km_report_fact(&facts, "Held at",
+                 p->sweep->unheld ? km_document_format(k, "not at %zu of %zu rows, first at %.6g%s", p->sweep->unheld,
+                                                       km_table_rows(p->swept.motion->table), p->sweep->first_unheld,
+                                                       km_sweep_unit(p->swept.mechanism, p->swept.plan))
+                                  : "every row");
   km_report_fact(
       &facts, "Static indeterminacy",
       p->sweep->degree
           ? km_document_format(k, "degree %d: of what statics leaves open the least answer is given", p->sweep->degree)
           : "none: statics determines every reaction");
-  km_report_model(k, &p->swept, stopped_by, &facts);
+  km_report_motion(k, &p->swept, stopped_by, &facts);
   km_report_close_facts(k, &facts);
 }
 
@@ -89,7 +110,15 @@ static void add_rows(km_document_maker *k, const km_plotted_statics *p) {
         (km_report_column){km_force_column(p->sweep, i), km_document_format(k, "%.60s (%s)", label_of(p, i),
                                                                             unit_of(k, model, p->sweep->actuators[i]))};
   km_document_heading(k, "At chosen poses");
-  km_report_rows(k, &p->swept, columns, count);
+  size_t places = p->sweep->event_count + (size_t)p->sweep->actuator_count;
+  double *special = KM_ARENA_NEW(&k->arena, double, places);
+  if (!special)
+    return;
+  for (int i = 0; i < p->sweep->actuator_count; ++i)
+    special[i] = p->sweep->largest[i].s;
+  for (size_t i = 0; i < p->sweep->event_count; ++i)
+    special[(size_t)p->sweep->actuator_count + i] = p->sweep->events[i].s;
+  km_report_rows(k, &p->swept, columns, count, special, places);
 }
 
 /* The row at which some actuator holds most. */
@@ -150,6 +179,7 @@ static void add_reactions(km_document_maker *k, const km_plotted_statics *p, con
 void km_statics_report_make(km_document_maker *k, const km_plotted_statics *p, const km_statics *statics,
                             const char *acting, const char *stopped_by) {
   km_plot plot;
+  add_lead(k, p);
   add_facts(k, p, acting, stopped_by);
   km_report_poses(k, &p->swept);
   km_document_heading(k, "What the actuators hold");
@@ -158,6 +188,10 @@ void km_statics_report_make(km_document_maker *k, const km_plotted_statics *p, c
   add_peaks(k, p);
   add_rows(k, p);
   add_reactions(k, p, statics);
+  km_report_model(
+      k, &p->swept,
+      "balance by the orthonormal null space Z of the loops' Jacobian; what statics leaves open is the answer "
+      "of least norm");
 }
 
 km_status km_statics_report(const km_plotted_statics *p, const km_statics *statics, const char *acting,

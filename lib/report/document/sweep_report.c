@@ -10,7 +10,7 @@
 #include <math.h>
 #include <string.h>
 
-enum { POSES = 5, MOST_ROWS = 11 };
+enum { POSES = 5, MOST_ROWS = 12 };
 
 void km_report_fact(km_report_facts *facts, const char *name, const char *what) {
   if (facts->rows == 32)
@@ -62,30 +62,48 @@ static const char *held_words(km_document_maker *maker, const km_mechanism *m) {
   return km_document_words(maker, &text, NULL);
 }
 
-void km_report_model(km_document_maker *maker, const km_swept *s, const char *stopped_by, km_report_facts *facts) {
+const char *km_report_stroke(km_document_maker *maker, const km_swept *s) {
+  const km_table *table = s->motion->table;
   const km_model *model = s->mechanism->model;
-  const km_units *u = &model->units;
-  km_report_fact(facts, "Model", s->name);
-  km_report_fact(facts, "SHA-256 of its file", model->sha256);
-  if (model->source)
-    km_report_fact(facts, "Source",
-                   km_document_format(maker, "%.420s%s", model->source, strlen(model->source) > 420 ? " …" : ""));
-  km_report_fact(facts, "Units",
-                 km_document_format(maker, "%s, %s, %s, %s, %s", u->angle->word, u->length->word, u->mass->word,
-                                    u->time->word, u->force->word));
-  km_report_fact(facts, "Characteristic length",
-                 km_document_format(maker, "%g %s (%s)", s->mechanism->length, u->length->suffix,
-                                    km_length_source_name(s->mechanism->length_source)));
+  double from = km_table_row(table, 0)[km_report_s(s)],
+         to = km_table_row(table, km_table_rows(table) - 1)[km_report_s(s)];
+  if (s->plan->arclength > 0.0)
+    return km_document_format(maker, "along an arc of length %.6g", to - from);
+  return km_document_format(maker, "over the stroke of %s from %.6g to %.6g %s",
+                            km_model_coordinate_label(model, s->plan->coordinate), from, to,
+                            km_model_coordinate_unit(model, s->plan->coordinate));
+}
+
+void km_report_motion(km_document_maker *maker, const km_swept *s, const char *stopped_by, km_report_facts *facts) {
+  km_report_fact(facts, "Swept", swept_words(maker, s));
+  if (stopped_by[0])
+    km_report_fact(facts, "Ended early", stopped_by);
   km_report_fact(facts, "Mobility",
                  km_document_format(maker, "%d (Kutzbach %d), %d redundant constraint%s", s->motion->first.mobility,
                                     s->motion->first.kutzbach, s->motion->first.redundant_constraints,
                                     km_plural(s->motion->first.redundant_constraints)));
-  km_report_fact(facts, "Swept", swept_words(maker, s));
   const char *held = held_words(maker, s->mechanism);
   if (held)
     km_report_fact(facts, "Held", held);
-  if (stopped_by[0])
-    km_report_fact(facts, "Ended early", stopped_by);
+}
+
+void km_report_model(km_document_maker *maker, const km_swept *s, const char *method) {
+  const km_model *model = s->mechanism->model;
+  const km_units *u = &model->units;
+  km_report_facts facts = {.rows = 0};
+  km_document_heading(maker, "The model and the method");
+  if (model->source)
+    km_report_fact(&facts, "Source",
+                   km_document_format(maker, "%.420s%s", model->source, strlen(model->source) > 420 ? " …" : ""));
+  km_report_fact(&facts, "Method", method);
+  km_report_fact(&facts, "Units",
+                 km_document_format(maker, "%s, %s, %s, %s, %s", u->angle->word, u->length->word, u->mass->word,
+                                    u->time->word, u->force->word));
+  km_report_fact(&facts, "Characteristic length",
+                 km_document_format(maker, "%g %s (%s)", s->mechanism->length, u->length->suffix,
+                                    km_length_source_name(s->mechanism->length_source)));
+  km_report_fact(&facts, "SHA-256 of its file", model->sha256);
+  km_report_close_facts(maker, &facts);
 }
 
 static size_t row_of(const km_table *table, size_t index, size_t count) {
@@ -153,18 +171,46 @@ void km_report_plot(km_document_maker *maker, const km_plot *plot, const char *s
   km_document_picture(maker, shows, height, draw_plot, kept);
 }
 
-void km_report_rows(km_document_maker *maker, const km_swept *s, const km_report_column *columns, size_t count) {
+/* The row nearest to a place. */
+static size_t nearest_row(const km_table *table, size_t column, double s) {
+  size_t best = 0;
+  for (size_t r = 1; r < km_table_rows(table); ++r)
+    if (fabs(km_table_row(table, r)[column] - s) < fabs(km_table_row(table, best)[column] - s))
+      best = r;
+  return best;
+}
+
+/* Marks a row; how many are marked now. */
+static size_t mark(bool *marked, size_t row, size_t count) {
+  count += !marked[row];
+  marked[row] = true;
+  return count;
+}
+
+void km_report_rows(km_document_maker *maker, const km_swept *s, const km_report_column *columns, size_t count,
+                    const double *special, size_t special_count) {
   const km_table *table = s->motion->table;
-  size_t rows = km_table_rows(table), shown = rows < MOST_ROWS ? rows : MOST_ROWS;
+  size_t rows = km_table_rows(table), shown = 0;
+  bool *marked = KM_ARENA_NEW(&maker->arena, bool, rows);
+  for (size_t i = 0; i < special_count && marked && shown + 2 < MOST_ROWS; ++i)
+    if (isfinite(special[i]))
+      shown = mark(marked, nearest_row(table, km_report_s(s), special[i]), shown);
+  size_t even = rows < MOST_ROWS - shown ? rows : MOST_ROWS - shown;
+  for (size_t i = 0; i < even && marked; ++i)
+    shown = mark(marked, row_of(table, i, even), shown);
   const char **cells = KM_ARENA_NEW(&maker->arena, const char *, (shown + 1) * count);
-  for (size_t c = 0; c < count && cells; ++c)
+  if (!cells || !marked)
+    return;
+  for (size_t c = 0; c < count; ++c)
     cells[c] = columns[c].head;
-  for (size_t r = 0; r < shown && cells; ++r)
+  for (size_t r = 0, line = 1; r < rows; ++r) {
+    if (!marked[r])
+      continue;
     for (size_t c = 0; c < count; ++c)
-      cells[(r + 1) * count + c] =
-          km_report_number(maker, km_table_row(table, row_of(table, r, shown))[columns[c].column]);
-  if (cells)
-    km_document_cells(maker, KM_BLOCK_TABLE, cells, shown + 1, count);
+      cells[line * count + c] = km_report_number(maker, km_table_row(table, r)[columns[c].column]);
+    ++line;
+  }
+  km_document_cells(maker, KM_BLOCK_TABLE, cells, shown + 1, count);
 }
 
 km_status km_report_finish(km_document_maker *k, const km_swept *swept, const char *tool, const char *title, bool html,

@@ -11,8 +11,12 @@ typedef struct km_report_facts {
   size_t rows;
 } km_report_facts;
 void km_report_fact(km_report_facts *facts, const char *name, const char *what);
-/* Model, hash, source, units, characteristic length, mobility, what was swept, what is held, why it ended. */
-void km_report_model(km_document_maker *maker, const km_swept *swept, const char *stopped_by, km_report_facts *facts);
+/* What was swept, its mobility, what is held, why it ended. */
+void km_report_motion(km_document_maker *maker, const km_swept *swept, const char *stopped_by, km_report_facts *facts);
+/* Source, hash, units and characteristic length of the model, and how the numbers were computed, at the end. */
+void km_report_model(km_document_maker *maker, const km_swept *swept, const char *method);
+/* "of K from 20 to 32 mm", "along an arc of 3.2": the stroke in a sentence. */
+const char *km_report_stroke(km_document_maker *maker, const km_swept *swept);
 /* The facts as a block. */
 void km_report_close_facts(km_document_maker *maker, const km_report_facts *facts);
 
@@ -28,8 +32,9 @@ typedef struct km_report_column {
 } km_report_column;
 /* The column of the driver's value or the arc length. */
 size_t km_report_s(const km_swept *swept);
-/* Eleven rows of the sweep, evenly spaced. */
-void km_report_rows(km_document_maker *maker, const km_swept *swept, const km_report_column *columns, size_t count);
+/* About a dozen rows: both ends, the rows nearest to the `special` places, and some between them, evenly spaced. */
+void km_report_rows(km_document_maker *maker, const km_swept *swept, const km_report_column *columns, size_t count,
+                    const double *special, size_t special_count);
 /* "1.2345", "∞", "–" where there is none. */
 const char *km_report_number(km_document_maker *maker, double value);
 

@@ -2,6 +2,7 @@
 #include "report/record/diagnosis_record.h"
 
 #include "analysis/statements.h"
+#include "report/record/sweep_text.h"
 #include "topology/mechanism.h"
 
 #include <math.h>
@@ -38,6 +39,7 @@ void km_redundancies_record(const km_mechanism *m, const km_redundancies *redund
     km_value_number(arena, item, "loop", r->loop + 1);
     km_value_words(arena, item, "statement", &text);
     km_value_boolean(arena, item, "lasting", r->lasting);
+    km_value_boolean(arena, item, "out_of_plane", r->out_of_plane);
     km_value *remedies = km_value_add(arena, item, "remedies", KM_LIST);
     for (int k = 0; k < r->remedy_count && !arena->failed; ++k) {
       const km_remedy *remedy = &r->remedies[k];
@@ -113,23 +115,38 @@ static void print_finite(const km_finite_mobility *finite, km_text *out) {
   km_text_add(out, "\n");
 }
 
-void km_diagnosis_print(const km_mechanism *m, const km_diagnosis *d, km_text *out) {
+static void print_redundancy(const km_mechanism *m, const km_redundancy *r, km_text *out) {
+  km_text_add(out, "  ");
+  km_redundancy_statement(m, r, out);
+  km_text_add(out, r->remedy_count ? "\n    " : "\n    no single swap of a joint ends it\n");
+  for (int k = 0; k < r->remedy_count && k < 4; ++k) {
+    km_text_add(out, k ? "; " : "");
+    remedy_words(m, &r->remedies[k], out);
+  }
+  km_text_add(out, r->remedy_count ? "\n" : "");
+}
+
+/* Those that planar loops have by nature in one line. */
+static void print_redundancies(const km_mechanism *m, const km_redundancies *found, bool all, km_text *out) {
   enum { MOST_SHOWN = 24 };
+  int across = km_redundancies_out_of_plane(found, -1), shown = 0, listed = all ? found->count : found->count - across;
+  if (across)
+    km_text_format(out, "\n%d constraint%s out of the plane of planar loops %s redundant by nature%s\n", across,
+                   km_plural(across), across == 1 ? "is" : "are", all ? "" : " (--verbose lists them)");
+  if (listed)
+    km_text_add(out, "\nredundant constraints, and what would end each with the same mobility\n");
+  for (int i = 0; i < found->count && shown < MOST_SHOWN; ++i) {
+    if (found->items[i].out_of_plane && !all)
+      continue;
+    print_redundancy(m, &found->items[i], out);
+    ++shown;
+  }
+  if (listed > MOST_SHOWN)
+    km_text_format(out, "  and %d more (--format json lists all)\n", listed - MOST_SHOWN);
+}
+
+void km_diagnosis_print(const km_mechanism *m, const km_diagnosis *d, bool all, km_text *out) {
   print_finite(&d->finite, out);
   print_idle(m, d, out);
-  if (d->redundancies.count)
-    km_text_add(out, "\nredundant constraints, and what would end each with the same mobility\n");
-  for (int i = 0; i < d->redundancies.count && i < MOST_SHOWN; ++i) {
-    const km_redundancy *r = &d->redundancies.items[i];
-    km_text_add(out, "  ");
-    km_redundancy_statement(m, r, out);
-    km_text_add(out, r->remedy_count ? "\n    " : "\n    no single swap of a joint ends it\n");
-    for (int k = 0; k < r->remedy_count && k < 4; ++k) {
-      km_text_add(out, k ? "; " : "");
-      remedy_words(m, &r->remedies[k], out);
-    }
-    km_text_add(out, r->remedy_count ? "\n" : "");
-  }
-  if (d->redundancies.count > MOST_SHOWN)
-    km_text_format(out, "  and %d more (--format json lists all)\n", d->redundancies.count - MOST_SHOWN);
+  print_redundancies(m, &d->redundancies, all, out);
 }

@@ -12,6 +12,7 @@ void km_diagnosis_record(const km_mechanism *mechanism, const km_diagnosis *diag
 /* Adds `redundancies` to a record. */
 void km_redundancies_record(const km_mechanism *mechanism, const km_redundancies *redundancies, km_value *record,
                             km_arena *arena);
-void km_diagnosis_print(const km_mechanism *mechanism, const km_diagnosis *diagnosis, km_text *out);
+/* `all`: also what planar loops have by nature. */
+void km_diagnosis_print(const km_mechanism *mechanism, const km_diagnosis *diagnosis, bool all, km_text *out);
 
 #endif

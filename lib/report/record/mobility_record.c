@@ -1,6 +1,7 @@
 /* Mobility, at a pose and over a sweep, as a record. */
 #include "report/record/mobility_record.h"
 
+#include "kmech/plane.h"
 #include "report/record/diagnosis_record.h"
 #include "report/record/singularities.h"
 #include "topology/mechanism.h"
@@ -60,6 +61,20 @@ static void add_coordinates(const km_mechanism *m, const km_state *s, km_value *
   }
 }
 
+/* `plane`: the direction that everything moves across, and the planar count; null where there is none. */
+static void add_plane(const km_mechanism *m, const km_state *s, const km_mobility *mobility, km_value *record,
+                      km_arena *arena) {
+  double normal[3];
+  bool planar = km_mechanism_plane(m, s, normal);
+  km_value *plane = km_value_add(arena, record, "plane", planar ? KM_LIST : KM_NULL);
+  for (int k = 0; k < 3 && planar; ++k)
+    km_value_number(arena, plane, NULL, normal[k]);
+  if (planar)
+    km_value_number(arena, record, "kutzbach_planar", mobility->kutzbach_planar);
+  else
+    km_value_add(arena, record, "kutzbach_planar", KM_NULL);
+}
+
 km_value *km_mobility_record(const km_mechanism *m, const km_state *s, const km_mobility *mobility, const char *name,
                              km_arena *arena) {
   const km_model *model = m->model;
@@ -75,11 +90,13 @@ km_value *km_mobility_record(const km_mechanism *m, const km_state *s, const km_
   km_value_number(arena, record, "redundant_constraints", mobility->redundant_constraints);
   km_value_number(arena, record, "residual", mobility->residual);
   add_coordinates(m, s, record, arena);
+  add_plane(m, s, mobility, record, arena);
   return arena->failed ? NULL : record;
 }
 
 bool km_sweep_drives(const km_mechanism *m, const km_mobility_sweep *sweep, int c) {
-  if (m->substructure_of[c] != sweep->motion.substructure || m->held[c])
+  const bool *idle = sweep->motion.idle_coordinates;
+  if (m->substructure_of[c] != sweep->motion.substructure || m->held[c] || (idle && idle[c]))
     return false;
   for (size_t i = 0; i < sweep->toggle_count; ++i)
     if (sweep->toggles[i].coordinate == c)
@@ -97,7 +114,11 @@ static void add_drivers(const km_mechanism *m, const km_mobility_sweep *sweep, k
     km_value_string(arena, driver, "joint", m->model->coordinates[c].label);
     km_value_number(arena, driver, "smallest", sweep->extremes[c].number);
     km_value_number(arena, driver, "at", sweep->extremes[c].s);
-    km_value_string(arena, driver, "verdict", km_sweep_drives(m, sweep, c) ? "keeps its grip" : "loses its grip");
+    const bool *idle = sweep->motion.idle_coordinates;
+    km_value_string(arena, driver, "verdict",
+                    idle && idle[c]                ? "idle"
+                    : km_sweep_drives(m, sweep, c) ? "keeps its grip"
+                                                   : "loses its grip");
   }
 }
 

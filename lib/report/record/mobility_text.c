@@ -1,6 +1,7 @@
 /* Mobility analyses in words and tables for a terminal. */
 #include "report/record/mobility_record.h"
 
+#include "kmech/plane.h"
 #include "report/record/singularities.h"
 #include "topology/mechanism.h"
 
@@ -85,6 +86,10 @@ void km_mobility_print(const km_mechanism *m, const km_state *s, const km_mobili
   km_text_format(out, "mobility %d at this pose (Kutzbach %d, extended Kutzbach %d), %d redundant constraint%s\n",
                  mobility->mobility, mobility->kutzbach, mobility->kutzbach_extended, mobility->redundant_constraints,
                  km_plural(mobility->redundant_constraints));
+  double n[3];
+  if (km_mechanism_plane(m, s, n))
+    km_text_format(out, "planar: everything moves across (%.4g, %.4g, %.4g), where the count is %d (Gruebler)\n", n[0],
+                   n[1], n[2], mobility->kutzbach_planar);
   km_text_format(out, "loops closed to %.2g, characteristic length %g %s (%s)\n", mobility->residual, m->length,
                  model->units.length->suffix, km_length_source_name(m->length_source));
   if (t->loop_count)
@@ -120,8 +125,8 @@ static void print_drivers(const km_mechanism *m, const km_sweep_plan *plan, cons
   int found = 0;
   for (int c = 0; c < m->coordinate_count; ++c)
     found += km_sweep_drives(m, sweep, c);
-  km_text_add(out,
-              sweep->motion.freedom > 1 ? "  keep their grip over the whole range:" : "  could drive the whole range:");
+  km_text_add(out, sweep->motion.freedom - sweep->motion.idle > 1 ? "  keep their grip over the whole range:"
+                                                                  : "  could drive the whole range:");
   if (found == 0)
     km_text_add(out, " none");
   for (int i = 0, c = -1; i < found && i < MOST_NAMED; ++i) {

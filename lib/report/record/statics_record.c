@@ -111,37 +111,74 @@ static void print_directions(const km_mechanism *m, const km_statics *st, km_tex
 /* In tables for people a component below this share of the largest is 0. */
 static const double rounding = 1e-12;
 
+/* Forces and torques below these are 0: rounding is all there is. */
+typedef struct grains {
+  double force, torque;
+} grains;
+
+static grains grains_of(const km_mechanism *m, const km_statics *st) {
+  double force = 0.0, torque = 0.0, size = 0.0;
+  for (int i = 0; i < m->topology.substructure_count; ++i)
+    size = fmax(size, m->substructures[i].size);
+  for (int j = 0; j < m->model->joint_count; ++j)
+    for (int k = 0; k < 3; ++k) {
+      force = fmax(force, fabs(st->reactions[j].force[k]));
+      torque = fmax(torque, fabs(st->reactions[j].torque[k]));
+    }
+  return (grains){rounding * force, rounding * (torque + size * force)};
+}
+
+static double shown_component(const km_reaction *r, grains grain, int k) {
+  double value = k < 3 ? r->force[k] : r->torque[k - 3];
+  return fabs(value) < (k < 3 ? grain.force : grain.torque) ? 0.0 : value;
+}
+
+static bool is_zero_everywhere(const km_mechanism *m, const km_statics *st, grains grain, int k) {
+  for (int j = 0; j < m->model->joint_count; ++j)
+    if (shown_component(&st->reactions[j], grain, k) != 0.0)
+      return false;
+  return true;
+}
+
+/* Components that are 0 in every joint, as those out of the plane of a planar mechanism, have no column. */
 static void print_reactions(const km_mechanism *m, const km_statics *st, int width, km_text *out) {
+  static const char *const names[6] = {"fx", "fy", "fz", "tx", "ty", "tz"};
   const km_model *model = m->model;
+  const grains grain = grains_of(m, st);
+  bool shown[6], open = false;
+  int left_out = 0;
+  for (int k = 0; k < 6; ++k) {
+    shown[k] = !is_zero_everywhere(m, st, grain, k);
+    left_out += !shown[k];
+  }
   km_text_format(out, "\nreactions of parent on child, about the child's joint frame, %s axes, with %s (%s, ",
                  st->axes == KM_AXES_FIXED ? "inertial" : "its",
                  st->held ? "the actuators' forces" : "the least-norm forces", model->units.force->suffix);
   km_torque_unit(model, out);
-  km_text_add(out, ")\n  ");
-  km_text_padded("joint", width, out);
-  km_text_add(out, "             fx            fy            fz            tx            ty            tz\n");
-  bool open = false;
-  double largest[2] = {0.0, 0.0}, size = 0.0;
-  for (int i = 0; i < m->topology.substructure_count; ++i)
-    size = fmax(size, m->substructures[i].size);
-  for (int j = 0; j < model->joint_count; ++j)
-    for (int k = 0; k < 3; ++k) {
-      largest[0] = fmax(largest[0], fabs(st->reactions[j].force[k]));
-      largest[1] = fmax(largest[1], fabs(st->reactions[j].torque[k]));
-    }
-  for (int j = 0; j < model->joint_count; ++j) {
-    const km_reaction *r = &st->reactions[j];
+  km_text_add(out, ")\n");
+  if (left_out < 6) {
+    km_text_add(out, "  ");
+    km_text_padded("joint", width, out);
+    for (int k = 0; k < 6; ++k)
+      if (shown[k])
+        km_text_format(out, "  %12s", names[k]);
+    km_text_add(out, "\n");
+  }
+  for (int j = 0; j < model->joint_count && left_out < 6; ++j) {
     km_text_add(out, "  ");
     km_text_padded(model->joints[j].label, width, out);
     for (int k = 0; k < 6; ++k) {
-      double value = k < 3 ? r->force[k] : r->torque[k - 3];
-      double grain = rounding * (k < 3 ? largest[0] : largest[1] + size * largest[0]);
-      value = fabs(value) < grain ? 0.0 : value;
-      km_text_format(out, " %12.5g%s", value, r->indeterminate[k] ? "?" : " ");
-      open = open || r->indeterminate[k];
+      bool indeterminate = st->reactions[j].indeterminate[k];
+      if (shown[k])
+        km_text_format(out, " %12.5g%s", shown_component(&st->reactions[j], grain, k), indeterminate ? "?" : " ");
+      open = open || (shown[k] && indeterminate);
     }
     km_text_add(out, "\n");
   }
+  for (int k = 0, listed = 0; k < 6; ++k)
+    if (!shown[k])
+      km_text_format(out, "%s%s", listed++ ? ", " : "  0 in every joint: ", names[k]);
+  km_text_add(out, left_out ? "\n" : "");
   if (open)
     km_text_format(out,
                    "  ? statically indeterminate (%d redundant constraint%s): the least-squares sharing is shown\n",

@@ -6,6 +6,7 @@
 #include "arm/study.h"
 #include "arm/track.h"
 #include "base/text.h"
+#include "base/value.h"
 
 /* The tracks of one study, method by method; an entry may be NULL where a method failed. */
 typedef struct km_tracks {

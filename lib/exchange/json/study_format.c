@@ -1,6 +1,5 @@
 /* Which keys a path study may have. */
-#include "arm/study.h"
-#include "exchange/json/format.h"
+#include "exchange/json/study.h"
 
 static const km_field pose_fields[] = {{"T", .shape = KM_SHAPE_VECTOR}, {"R", .shape = KM_SHAPE_MATRIX}, {0}};
 static const km_object_format pose_format = {"pose", pose_fields};
