@@ -182,7 +182,7 @@ static void check_masses(const km_mechanism *m, km_findings *f) {
       }
     if (massless)
       add(f, KM_FINDING_WARNING, "massless-loop", "give one of its bodies a mass before simulating",
-          "no body of loop %d (chord %s) has a mass, while others have", l + 1, m->model->joints[t->chord[l]].label);
+          "no body of loop %d, which is closed at joint %s, has a mass, while others have", l + 1, m->model->joints[t->chord[l]].label);
   }
 }
 
