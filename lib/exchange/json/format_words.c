@@ -30,7 +30,7 @@ void km_field_shape_text(const km_field *field, km_text *out) {
   const char *word = words[field->shape], *name = strstr(word, "%s");
   km_text_bytes(out, word, name ? (size_t)(name - word) : strlen(word));
   if (name)
-    km_text_format(out, "%s%s", field->object->name, name + 2);
+    km_text_format(out, "`%s`%s", field->object->name, name + 2);
 }
 
 /* The factors of one sign, as `force*length`; returns how many. */
