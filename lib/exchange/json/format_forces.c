@@ -65,7 +65,7 @@ static const km_field gas_spring_fields[] = {
     {"force", "Force that pushes the ends apart, at the length `length`.", NUMBER, REQUIRED, UNIT(.force = 1)},
     {"rate", "Force more for each unit of length that it is shorter.", NUMBER, UNIT(.force = 1, .length = -1),
      UNSTATED("0")},
-    {"length", "Length at which `force` is stated.", NUMBER, UNIT(.length = 1), UNSTATED("0")},
+    {"length", "Length at which `force` is stated. Needed beside `rate`.", NUMBER, UNIT(.length = 1)},
     {0}};
 static const km_object_format gas_spring_format = {"gas_spring", gas_spring_fields};
 
