@@ -49,8 +49,7 @@ static km_status diagnose(const char *json) {
   km_status status = open_pose(json, &f);
   if (!status)
     status = km_check(f.mechanism, f.state, NULL, NULL, NULL, &findings, NULL);
-  if (!status)
-    km_findings_free(&findings);
+  km_findings_free(&findings);
   km_text_free(&text);
   fixture_close(&f);
   return status;
