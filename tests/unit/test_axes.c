@@ -231,9 +231,9 @@ static void lines_on_each_other_stay_visible(void **state) {
     assert_true(i == 0 || drawn < 0.75 * covered);
     covered = drawn;
   }
-  curves[1] = flat_curve(y, x, POINTS, POINTS / 2, 0.5, &arena); /* half of the way together */
+  curves[1] = flat_curve(y, x, POINTS, 3 * POINTS / 4, 0.5, &arena); /* most of the way together */
   assert_int_equal(km_overlap_pen(series, curves, 1, 1.3).dash_count, 2);
-  curves[1] = flat_curve(y, x, POINTS, 1, 0.5, &arena); /* apart but for the first step */
+  curves[1] = flat_curve(y, x, POINTS, POINTS / 4, 0.5, &arena); /* apart but for the beginning */
   assert_int_equal(km_overlap_pen(series, curves, 1, 1.3).dash_count, 0);
   curves[1] = curves[0];
   series[1].dash = 1; /* dashes over a solid line show both already */

@@ -5,7 +5,7 @@
 
 #include <math.h>
 
-enum { SAMPLES = 64, LEAST_ON = SAMPLES / 8 };
+enum { SAMPLES = 64, LEAST_ON = SAMPLES / 2 };
 
 static double way(km_canvas_point a, km_canvas_point b) {
   return hypot(b.x - a.x, b.y - a.y);
@@ -55,7 +55,7 @@ static int samples_on(const km_curve *upper, const km_curve *lower, double width
 
 km_pen km_overlap_pen(const km_plot_series *series, const km_curve *curves, size_t index, double width) {
   /* The dashes of the second, third and fourth line of a pile leave a part of each one beneath. */
-  static const double dashes[][2] = {{6, 6}, {3, 9}, {1.5, 10.5}};
+  static const double dashes[][2] = {{7, 5}, {4.5, 7.5}, {2.5, 9.5}};
   enum { MOST = sizeof dashes / sizeof *dashes };
   km_pen pen = km_palette_pen(series[index].colour, series[index].dash, width);
   size_t beneath = 0;
