@@ -139,7 +139,10 @@ static int list_twists(const km_mechanism *m, const km_program *program, const k
     radius = fmax(radius, km_vec3_norm(X.p));
     for (int k = 0; k < km_primitive_freedom(step->primitive); ++k) {
       km_twist twist = km_motion_twist(motion, step->pitch, &X, k);
-      w->twist[count++] = (km_twist){km_rotate_back(plane, twist.v), km_rotate_back(plane, twist.w)};
+      km_vec3 v = km_rotate_back(plane, twist.v), turn = km_rotate_back(plane, twist.w);
+      /* Axes that are parallel but for rounding are taken for parallel, here as in the steps: beside a short link their
+       * rounding would count as a motion out of the plane. */
+      w->twist[count++] = program->planar ? (km_twist){{v.x, v.y, 0.0}, {0.0, 0.0, turn.z}} : (km_twist){v, turn};
     }
   }
   for (int i = 0; i < count; ++i)

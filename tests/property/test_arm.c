@@ -278,12 +278,13 @@ static void lanes_have_the_same_bits(void **state) {
   for (int trial = 0; trial < 60; ++trial) {
     fixture f = fixture_open(trial % 2 ? "panda" : "iiwa14");
     char text[1024];
+    double x = uniform(&r, -1, 1), y = uniform(&r, -1, 1), z = uniform(&r, -0.5, 1);
+    int steps = 2 + below(&r, 30);
     snprintf(
         text, sizeof text,
         "{\"effector\": [\"flange\", \"tool\"], \"path\": {\"segments\": [{\"type\": \"line\", \"to\": [%g, %g, %g],"
         "\"steps\": %d}]}, \"objective\": \"%s\"}",
-        uniform(&r, -0.7, 0.7), uniform(&r, -0.7, 0.7), uniform(&r, 0.0, 1.0), 2 + below(&r, 30),
-        objectives[trial % 2]);
+        x, y, z, steps, objectives[trial % 2]);
     km_study *study = study_of(&f, text);
     const km_tracker walk = {study->arm, study->path, &study->objective};
     km_tracker_space space;

@@ -153,7 +153,9 @@ static void random_families(void **state) {
   (void)state;
   int failed = 0;
   for (uint64_t seed = 1; seed <= 400; ++seed)
-    failed += !family_rounded(seed) + !family_short_link(seed);
+    failed += !family_rounded(seed);
+  for (uint64_t seed = 1; seed <= 4000; ++seed) /* from 1562 on: axes whose rounding is large beside the link */
+    failed += !family_short_link(seed);
   assert_int_equal(failed, 0);
 }
 
