@@ -125,7 +125,7 @@ kt_exit kmob_convert(int argc, char **argv) {
       KMOB_FILE(&o.file),
   };
   KT_OPTIONS_ADD(&all, table);
-  kt_common_options(&all, &o.common, 0);
+  kt_common_options(&all, &o.common, KT_USES_FLOAT);
   kt_options_read(&all, "Write the checked model: other units, the assembled pose.", argc, argv);
   kt_pose pose;
   kt_exit result = kt_open(&o.common, o.model, &o.holds, &o.sets, &pose);
