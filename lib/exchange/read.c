@@ -20,7 +20,7 @@ static bool is_xml(const char *bytes, size_t size) {
 static const struct {
   const char *root;
   km_robot_read read;
-} formats[] = {{"robot", km_urdf_read}, {"mujoco", km_mjcf_read}, {"sdf", km_sdf_read}};
+} formats[] = {{"robot", km_urdf_read}, {"mujoco", km_mjcf_read}, {"sdf", km_sdf_read}, {"gazebo", km_sdf_read}};
 
 static km_status read_tree(km_xml *root, const km_read_def *def, km_messages *messages, km_model **out,
                            km_error *error) {

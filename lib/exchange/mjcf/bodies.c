@@ -190,10 +190,24 @@ static void read_body(km_mjcf *m, const km_xml *e, const km_mjcf_place *place, i
   km_mjcf_walk(m, e, &inside, read_member, &index);
 }
 
+/* Names that the file gives come before those that are made up for bodies and joints without one. */
+static void reserve_names(km_mjcf *m, const km_xml *element) {
+  for (const km_xml *e = element->first; e; e = e->next) {
+    const char *name = km_xml_attribute_of(e, "name");
+    bool joint = strcmp(e->name, "joint") == 0 || strcmp(e->name, "freejoint") == 0;
+    bool named = name && name[0] && (joint || strcmp(e->name, "body") == 0);
+    if (named && !km_names_set(joint ? &m->robot->joints : &m->robot->bodies, m->assembly.value, name, 0))
+      m->robot->arena.failed = true;
+    reserve_names(m, e);
+  }
+}
+
 void km_mjcf_read_bodies(km_mjcf *m) {
   km_pose world = km_pose_identity();
   km_mjcf_place place = {km_pose_identity(), NULL, ""};
   int index = add_body(m, "world", km_builder_fixed(m->robot->builder), &world);
+  for (const km_xml *e = km_xml_child(m->root, "worldbody"); e; e = km_xml_next(e))
+    reserve_names(m, e);
   for (const km_xml *e = km_xml_child(m->root, "worldbody"); e && index == 0; e = km_xml_next(e)) {
     const char *class = km_xml_attribute_of(e, "childclass");
     place.class = class;

@@ -146,7 +146,7 @@ km_joint_id km_robot_add_joint(km_robot *robot, const km_robot_joint *joint) {
   km_rotation turn = km_rotation_identity();
   if (joint->parent.value == 0 || joint->child.value == 0)
     return id;
-  if (km_names_get(&robot->joints, joint->assembly.value, joint->name) >= 0) {
+  if (km_names_get(&robot->joints, joint->assembly.value, joint->name) > 0) {
     km_robot_error(robot, joint->at, "joint \"%.80s\": this name is used twice; expected a name of its own",
                    joint->name);
     return id;

@@ -28,7 +28,8 @@ typedef struct km_robot {
   km_arena arena; /* of what lives as long as the reading */
   km_builder *builder;
   km_settings_def settings;
-  km_names joints, bodies, frames; /* taken names: scope assembly, assembly, body */
+  km_names joints, bodies,
+      frames; /* taken names: scope assembly, assembly, body; 0 where they wait for their element */
   km_robot_omission omitted[KM_ROBOT_KINDS];
   int omitted_count;
   bool closes;                            /* there are loops */

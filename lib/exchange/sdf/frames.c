@@ -144,20 +144,37 @@ void km_sdf_place_all(km_sdf *sdf) {
     place(sdf, i, chain);
 }
 
-/* The description's file: itself, or that of a model's folder. */
-static const char *find_file(km_robot *robot, const char *uri) {
+/* The tree of a file; NULL: reported at `at`. */
+static km_xml *read_tree(km_robot *robot, const char *path, const km_xml *at) {
+  km_text bytes = {0};
+  km_xml *root = NULL;
+  km_error error;
+  km_status status = km_file_read(path, &bytes, &error);
+  if (!status)
+    status = km_xml_parse(bytes.data ? bytes.data : "", bytes.size, path, &robot->arena, &root, &error);
+  km_text_free(&bytes);
+  if (status == KM_MEMORY)
+    robot->arena.failed = true;
+  else if (status)
+    km_robot_error(robot, at, "%s", error.text);
+  return root;
+}
+
+/* The description's file: itself, or in a model's folder the last one that model.config names, or model.sdf. */
+static const char *find_file(km_robot *robot, const char *uri, const km_xml *at) {
   size_t length = strlen(uri);
   if (length > 4 && strcmp(uri + length - 4, ".sdf") == 0)
     return km_robot_find(robot, uri);
-  return km_robot_find(robot, km_robot_text(robot, "%s/model.sdf", uri));
+  const char *config = km_robot_find(robot, km_robot_text(robot, "%s/model.config", uri)), *file = "model.sdf";
+  const km_xml *tree = config ? read_tree(robot, config, at) : NULL;
+  for (const km_xml *sdf = km_xml_child(tree, "sdf"); sdf; sdf = km_xml_next(sdf))
+    file = sdf->text;
+  return km_robot_find(robot, km_robot_text(robot, "%s/%s", uri, file));
 }
 
 const km_xml *km_sdf_include(km_sdf *sdf, const km_xml *include, const char **version) {
   km_robot *robot = sdf->robot;
-  const char *uri = km_sdf_text(include, "uri"), *path = uri[0] ? find_file(robot, uri) : NULL;
-  km_xml *root = NULL;
-  km_text bytes = {0};
-  km_error error;
+  const char *uri = km_sdf_text(include, "uri"), *path = uri[0] ? find_file(robot, uri, include) : NULL;
   if (!path || sdf->includes++ == MOST_INCLUDES) {
     km_robot_error(
         robot, include,
@@ -166,14 +183,7 @@ const km_xml *km_sdf_include(km_sdf *sdf, const km_xml *include, const char **ve
         uri);
     return NULL;
   }
-  km_status status = km_file_read(path, &bytes, &error);
-  if (!status)
-    status = km_xml_parse(bytes.data ? bytes.data : "", bytes.size, path, &robot->arena, &root, &error);
-  km_text_free(&bytes);
-  if (status == KM_MEMORY)
-    robot->arena.failed = true;
-  else if (status)
-    km_robot_error(robot, include, "%s", error.text);
+  const km_xml *root = read_tree(robot, path, include);
   const km_xml *model = km_xml_child(root, "model");
   *version = km_xml_attribute_of(root, "version");
   if (root && !model)
