@@ -2,6 +2,7 @@
 #include "exchange/robot/robot.h"
 
 #include <string.h>
+#include <sys/stat.h>
 #include <unistd.h>
 
 enum { MOST_PARENTS = 12 };
@@ -12,8 +13,10 @@ static const char *without_scheme(const char *name) {
   return colon ? colon + 3 : name;
 }
 
+/* A device or a pipe might never end. */
 static bool is_readable(const char *path) {
-  return access(path, R_OK) == 0;
+  struct stat found;
+  return stat(path, &found) == 0 && S_ISREG(found.st_mode) && access(path, R_OK) == 0;
 }
 
 const char *km_robot_find(km_robot *robot, const char *name) {
