@@ -63,7 +63,6 @@ static void gather(km_mjcf *m, const km_xml *e, const km_mjcf_place *place, void
   bool joint = strcmp(e->name, "joint") == 0 || strcmp(e->name, "freejoint") == 0;
   if (strcmp(e->name, "inertial") == 0) {
     c->stated = km_mjcf_inertial(m, e, place);
-    c->is_stated = true;
   } else if (strcmp(e->name, "geom") == 0 && !(c->is_stated && m->compiler.from_geoms == KM_MJCF_AUTO)) {
     if (m->compiler.from_geoms != KM_MJCF_NO)
       km_mjcf_weigh(m, e, place, &c->weighed);
@@ -176,6 +175,7 @@ static void read_body(km_mjcf *m, const km_xml *e, const km_mjcf_place *place, i
     km_robot_error(robot, e, "body \"%.80s\": this name is used twice; expected a name of its own", name);
     return;
   }
+  c->is_stated = km_xml_child(e, "inertial") != NULL; /* wherever it stands among the geoms */
   km_mjcf_walk(m, e, &inside, gather, c);
   bool stated = c->is_stated && m->compiler.from_geoms != KM_MJCF_YES;
   km_robot_mass mass = bounded(m, stated ? c->stated : c->weighed);

@@ -111,6 +111,16 @@ static void place_weld(km_mjcf *m, const km_xml *e, bool sites, loop_ends *ends)
     ends->pose[1] = across(m, ends);
 }
 
+/* Sites and stated poses that almost meet are rounded; far ones meet when the loops are assembled. */
+static void judge_gap(km_mjcf *m, const loop_ends *ends, bool weld) {
+  km_pose stands = across(m, ends), back = km_pose_inverse(&ends->pose[1]), gap = km_pose_product(&back, &stands);
+  double far = km_vec3_norm(gap.p), angle = km_vec3_norm(km_quaternion_log(km_rotation_quaternion(&gap.R)));
+  if (far < 1e-3 * m->robot->reach)
+    m->robot->length_rounding = fmax(m->robot->length_rounding, far);
+  if (weld && angle < 1e-3)
+    m->robot->angle_rounding = fmax(m->robot->angle_rounding, angle);
+}
+
 static void read_loop(km_mjcf *m, const km_xml *e, bool weld) {
   bool sites = km_xml_attribute_of(e, "site1") != NULL;
   loop_ends ends;
@@ -120,6 +130,7 @@ static void read_loop(km_mjcf *m, const km_xml *e, bool weld) {
     place_weld(m, e, sites, &ends);
   else
     place_connect(m, e, sites, &ends);
+  judge_gap(m, &ends, weld);
   if (ends.body[0] == ends.body[1]) {
     km_robot_error(m->robot, e, "both ends are on the body \"%.80s\"; expected two bodies",
                    m->bodies[ends.body[0]].name);
@@ -145,11 +156,11 @@ static void read_coupling(km_mjcf *m, const km_xml *e) {
   int two = second ? find(m, e, "joint2", &m->joint_names, "joint") : -1;
   if (one < 0 || (second && two < 0) || !read_polynomial(m->robot, e, c))
     return;
-  if (second && (c[2] != 0.0 || c[3] != 0.0 || c[4] != 0.0)) {
-    km_robot_warn(m->robot, e, "the coupling of \"%.80s\" to \"%.80s\" isn't linear; it is left out",
-                  m->joints[one].name, m->joints[two].name);
-    return;
-  }
+  if (second && (c[2] != 0.0 || c[3] != 0.0 || c[4] != 0.0))
+    km_robot_warn(
+        m->robot, e,
+        "the coupling of \"%.80s\" to \"%.80s\" isn't linear; it counts as linear, as it is at the file's pose",
+        m->joints[one].name, m->joints[two].name);
   const char *name = km_xml_attribute_of(e, "name");
   km_robot_couple(m->robot, e, name && name[0] ? name : m->joints[one].name, m->assembly,
                   (km_coordinate_ref){m->joints[one].id, 0},

@@ -135,18 +135,20 @@ static km_rotation from_axes(km_mjcf *m, const km_xml *e, const double v[6]) {
   return (km_rotation){{x, y, km_vec3_cross(x, y)}};
 }
 
-/* The text of an attribute counts for how the file is rounded. */
+/* The text of an attribute that turns axes counts for how the file is rounded. */
 static bool given(km_mjcf *m, const km_xml *e, const km_mjcf_place *place, const char *key, double *v, int count,
                   double period, double *rounding) {
   const char *text = km_mjcf_get(m, e, place, key);
   if (!text || !km_robot_parse(m->robot, e, key, text, v, count))
     return false;
-  km_robot_judge_digits(m->robot, text, period, rounding);
+  if (rounding)
+    km_robot_judge_digits(m->robot, text, period, rounding);
   return true;
 }
 
 static km_rotation read_rotation(km_mjcf *m, const km_xml *e, const km_mjcf_place *place) {
-  double v[6], *worst = &m->robot->angle_rounding, step = M_PI / 12.0 / m->compiler.angle;
+  bool of_joints = strcmp(e->name, "inertial") != 0 && strcmp(e->name, "geom") != 0;
+  double v[6], *worst = of_joints ? &m->robot->angle_rounding : NULL, step = M_PI / 12.0 / m->compiler.angle;
   if (given(m, e, place, "quat", v, 4, 0.0, worst)) {
     if (v[0] != 0.0 || v[1] != 0.0 || v[2] != 0.0 || v[3] != 0.0)
       return km_quaternion_rotation(km_quaternion_normalised((km_quaternion){v[0], v[1], v[2], v[3]}));
@@ -166,6 +168,6 @@ static km_rotation read_rotation(km_mjcf *m, const km_xml *e, const km_mjcf_plac
 
 km_pose km_mjcf_pose(km_mjcf *m, const km_xml *e, const km_mjcf_place *place) {
   double p[3] = {0};
-  given(m, e, place, "pos", p, 3, 0.0, &m->robot->length_rounding);
+  given(m, e, place, "pos", p, 3, 0.0, NULL);
   return (km_pose){read_rotation(m, e, place), km_vec3_make(p)};
 }

@@ -90,8 +90,7 @@ static void set_single(km_mjcf *m, const km_xml *e, const km_mjcf_place *place, 
                        km_robot_joint *joint, double unit) {
   double p[3] = {0}, u[3] = {0, 0, 1};
   double reference = unit * km_mjcf_number(m, e, place, "ref", 0.0);
-  if (km_mjcf_numbers(m, e, place, "pos", p, 3) == 3)
-    km_robot_judge_digits(m->robot, km_mjcf_get(m, e, place, "pos"), 0.0, &m->robot->length_rounding);
+  km_mjcf_numbers(m, e, place, "pos", p, 3);
   if (km_mjcf_numbers(m, e, place, "axis", u, 3) == 3)
     km_robot_judge_digits(m->robot, km_mjcf_get(m, e, place, "axis"), 0.0, &m->robot->angle_rounding);
   joint->axis = km_mjcf_unit(m->robot, e, "axis", u);

@@ -33,7 +33,7 @@ typedef struct km_robot {
   km_robot_omission omitted[KM_ROBOT_KINDS];
   int omitted_count;
   bool closes;                            /* there are loops */
-  double angle_rounding, length_rounding; /* half a unit in the last digit of the coarsest rounded number */
+  double angle_rounding, length_rounding; /* how far axes and points of loops may be off, as the file rounds them */
   double reach;                           /* the largest distance of a frame from its body's origin */
   double total_mass;                      /* > 0: what the whole is to weigh */
   locale_t locale;

@@ -77,7 +77,9 @@ static km_robot_mass read_mass(km_robot *robot, const km_xml *link) {
     mass.inertia[k] = km_sdf_number(robot, inertia, keys[k], k < 3 ? 1.0 : 0.0);
   if (is_true(km_xml_attribute_of(inertial, "auto")))
     km_robot_omit(robot, "masses from collision shapes left out: they count 1 kg", name_of(link));
+  double rounding = robot->angle_rounding;
   km_pose pose = km_sdf_pose(robot, inertial);
+  robot->angle_rounding = rounding; /* no joint depends on it */
   return km_robot_mass_moved(&pose, mass);
 }
 

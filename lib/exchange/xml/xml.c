@@ -103,7 +103,8 @@ static void on_end(void *context, const char *name) {
     text->data[--text->size] = '\0';
   if (text->size > first)
     p->open->text = km_arena_string(p->arena, text->data + first);
-  if (text->failed || p->arena->failed)
+  p->arena->failed = p->arena->failed || text->failed;
+  if (p->arena->failed)
     stop(p, "out of memory");
   text->size = 0;
   p->open = p->open->parent;
@@ -114,7 +115,8 @@ static void on_text(void *context, const char *text, int length) {
   if (p->fault)
     return;
   km_text_bytes(&p->texts[p->depth], text, (size_t)length);
-  if (p->texts[p->depth].failed)
+  p->arena->failed = p->arena->failed || p->texts[p->depth].failed;
+  if (p->arena->failed)
     stop(p, "out of memory");
   else if (p->texts[p->depth].size > LONGEST)
     stop(p, "a text is longer than a million bytes; expected less");
