@@ -240,11 +240,10 @@ static km_status convert(const char *text) {
 /* Nothing in them is left out: a note that finds no memory is lost without harm. */
 static void test_robots(void **unused) {
   (void)unused;
-  fail_each_of(convert,
-               "<robot name='r'><link name='a'/><link name='b'><inertial><mass value='1'/></inertial></link>"
-               "<link name='c'/><joint name='j' type='prismatic'><origin xyz='1 0 0'/><parent link='a'/>"
-               "<child link='b'/></joint><joint name='k' type='continuous'><parent link='a'/><child link='c'/>"
-               "<axis xyz='1 1 0'/><mimic joint='j'/></joint><transmission><joint name='j'/></transmission></robot>");
+  fail_each_of(convert, "<robot name='r'><link name='a'/><link name='b'><inertial><mass value='1'/></inertial></link>"
+                        "<link name='c'/><joint name='j' type='prismatic'><origin xyz='1 0 0'/><parent link='a'/>"
+                        "<child link='b'/></joint><joint name='k' type='continuous'><parent link='a'/><child link='c'/>"
+                        "<axis xyz='1 1 0'/><mimic joint='j'/></joint></robot>");
   fail_each_of(convert,
                "<mujoco><default><joint axis='0 0 1' stiffness='2'/><default class='x'/></default><worldbody>"
                "<replicate count='2'><body name='b' childclass='x'><joint/><joint type='slide'/><site name='s' "

@@ -297,13 +297,20 @@ static void rows_are_within_limits(void **state) {
     assert_true(family_limits(seed));
 }
 
-/* At a branch point too, where a sweep looks for the motion that moves its driver most. */
+/* A bar between two slides, at right angles to both: a branch point, where a sweep looks for the motion that moves its
+ * driver most. */
 static void a_held_driver_is_refused(void **unused) {
   (void)unused;
-  fixture f = parallelogram(0.0);
+  fixture f = fixture_read(
+      "{\"fixed\": {\"frames\": [{\"name\": \"right\", \"T\": [1, 0, 0]}]}, \"assemblies\": [{\"name\": \"m\", \"bodies\": "
+      "[{\"name\": \"a\"}, {\"name\": \"b\"}, {\"name\": \"bar\", \"frames\": [{\"name\": \"end\", \"T\": [1, 0, 0]}]}], "
+      "\"joints\": [{\"name\": \"A\", \"type\": \"Tz\", \"body_frame_pairs\": [[\"fixed\"], [\"a\"]]}, "
+      "{\"name\": \"B\", \"type\": \"Tz\", \"body_frame_pairs\": [[\"fixed\", \"right\"], [\"b\"]]}, "
+      "{\"name\": \"P\", \"type\": \"spherical\", \"body_frame_pairs\": [[\"a\"], [\"bar\"]]}, "
+      "{\"name\": \"R\", \"type\": \"spherical\", \"body_frame_pairs\": [[\"b\"], [\"bar\", \"end\"]]}]}]}");
   km_mechanism *mechanism;
   km_state *state;
-  km_hold hold = {0, km_state_coordinate(f.state, 0)};
+  km_hold hold = {0, 0.0};
   km_mobility_sweep sweep = {0};
   km_sweep_plan plan = km_sweep_plan_default(f.model);
   plan.coordinate = 0;

@@ -88,12 +88,14 @@ static const km_xml *find_macro(const km_xml *element) {
 }
 
 static void count_others(km_robot *robot, const km_xml *root) {
-  static const char *const known[] = {"link", "joint", "material", "transmission", NULL};
+  static const char *const known[] = {"link", "joint", "material", NULL};
   for (const km_xml *e = root->first; e; e = e->next) {
     bool is_known = false;
     for (const char *const *k = known; *k; ++k)
       is_known = is_known || strcmp(e->name, *k) == 0;
-    if (!is_known)
+    if (strcmp(e->name, "transmission") == 0)
+      km_robot_omit(robot, "transmissions left out", km_xml_attribute_of(e, "name"));
+    else if (!is_known)
       km_robot_omit(robot, "elements for other programs left out", e->name);
   }
 }
@@ -119,22 +121,6 @@ static void tie_root(km_urdf *urdf, const km_xml *root) {
     km_robot_error(urdf->robot, root,
                    urdf->link_count ? "every link is child of a joint; expected one root link"
                                     : "found no link; expected at least one");
-}
-
-static void read_actuators(km_urdf *urdf, const km_xml *root) {
-  bool *driven = KM_ARENA_NEW(&urdf->robot->arena, bool, (size_t)urdf->joint_count);
-  for (const km_xml *t = km_xml_child(root, "transmission"); t && driven; t = km_xml_next(t))
-    for (const km_xml *j = km_xml_child(t, "joint"); j; j = km_xml_next(j)) {
-      const char *name = km_xml_attribute_of(j, "name");
-      int index = name ? km_names_get(&urdf->joints, 0, name) : -1;
-      km_error error;
-      if (index < 0 || !urdf->list[index].id.value || driven[index] || urdf->list[index].type == KM_RIGID)
-        km_robot_omit(urdf->robot, "transmissions left out", name);
-      else if (km_model_add_actuator(urdf->robot->builder, (km_coordinate_ref){urdf->list[index].id, 0}, &error))
-        urdf->robot->arena.failed = true;
-      else
-        driven[index] = true;
-    }
 }
 
 static int count_children(const km_xml *root, const char *name) {
@@ -164,7 +150,6 @@ void km_urdf_read(km_robot *robot, km_xml *root) {
       read_link(&urdf, e);
     km_urdf_read_joints(&urdf, root);
     tie_root(&urdf, root);
-    read_actuators(&urdf, root);
     count_others(robot, root);
   }
   km_names_free(&urdf.links);
