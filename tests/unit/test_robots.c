@@ -480,6 +480,28 @@ static void faults_of_inertias_are_dropped_with_a_warning(void **unused) {
   km_messages_free(messages);
 }
 
+/* Depth and length are bounded, and the place is told. */
+static void texts_without_measure_are_refused(void **unused) {
+  (void)unused;
+  enum { DEEP = 100000, LONG = 2000000 };
+  km_text deep = {0}, wide = {0};
+  km_model *model;
+  km_error error;
+  km_text_add(&deep, "<robot>");
+  for (int i = 0; i < DEEP; ++i)
+    km_text_add(&deep, "<a>");
+  assert_int_equal(km_model_read(deep.data, deep.size, NULL, &model, &error), KM_MODEL);
+  assert_non_null(strstr(error.text, "line 1, column 6149: elements are nested more than 2048 deep"));
+  km_text_add(&wide, "<robot name='");
+  for (int i = 0; i < LONG / 10; ++i)
+    km_text_add(&wide, "0123456789");
+  km_text_add(&wide, "'/>");
+  assert_int_equal(km_model_read(wide.data, wide.size, NULL, &model, &error), KM_MODEL);
+  assert_non_null(strstr(error.text, "longer than a million bytes"));
+  km_text_free(&deep);
+  km_text_free(&wide);
+}
+
 int main(void) {
   const struct CMUnitTest tests[] = {cmocka_unit_test(an_arm_stands_where_its_joints_say),
                                      cmocka_unit_test(the_root_is_free_where_that_is_asked),
@@ -498,6 +520,7 @@ int main(void) {
                                      cmocka_unit_test(threads_count_radians_per_length),
                                      cmocka_unit_test(gears_turn_against_their_reference),
                                      cmocka_unit_test(frames_reach_across_models),
+                                     cmocka_unit_test(texts_without_measure_are_refused),
                                      cmocka_unit_test(faults_of_inertias_are_dropped_with_a_warning)};
   return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -186,6 +186,9 @@ const km_xml *km_sdf_include(km_sdf *sdf, const km_xml *include, const char **ve
   const km_xml *root = read_tree(robot, path, include);
   const km_xml *model = km_xml_child(root, "model");
   *version = km_xml_attribute_of(root, "version");
+  const char *merge = km_xml_attribute_of(include, "merge");
+  if (merge && (strcmp(merge, "true") == 0 || strcmp(merge, "1") == 0))
+    km_robot_warn(robot, include, "the model to merge is read as a model of its own; its names stay in it");
   if (root && !model)
     km_robot_error(robot, include, "\"%.200s\" holds no model; expected one to include", path);
   return model;

@@ -14,7 +14,8 @@ typedef struct parsing {
   km_xml *root, *open; /* the innermost element that isn't closed */
   km_text *texts;      /* [KM_XML_DEPTH + 1] of the open elements */
   int depth, first_line;
-  const char *fault; /* why the parser was stopped; NULL: it wasn't */
+  const char *fault; /* why the parser was stopped, and where; NULL: it wasn't */
+  unsigned long line, column;
 } parsing;
 
 static void *allocate(size_t size) {
@@ -25,9 +26,16 @@ static void *reallocate(void *block, size_t size) {
   return km_resize(block, 1, size);
 }
 
+static void look_where(parsing *p) {
+  p->line = XML_GetCurrentLineNumber(p->parser) + (unsigned long)p->first_line;
+  p->column = XML_GetCurrentColumnNumber(p->parser) + 1;
+}
+
 static void stop(parsing *p, const char *fault) {
-  if (!p->fault)
-    p->fault = fault;
+  if (p->fault)
+    return;
+  look_where(p);
+  p->fault = fault;
   XML_StopParser(p->parser, XML_FALSE);
 }
 
@@ -56,7 +64,7 @@ static void on_start(void *context, const char *name, const char **attributes) {
   if (p->fault)
     return;
   if (p->depth == KM_XML_DEPTH) {
-    stop(p, "elements are nested more than 500 deep; expected fewer");
+    stop(p, "elements are nested more than 2048 deep; expected fewer");
     return;
   }
   bool longer = strlen(name) > LONGEST;
@@ -71,8 +79,9 @@ static void on_start(void *context, const char *name, const char **attributes) {
     stop(p, "out of memory");
     return;
   }
-  e->line = (int)XML_GetCurrentLineNumber(p->parser) + p->first_line;
-  e->column = (int)XML_GetCurrentColumnNumber(p->parser) + 1;
+  look_where(p);
+  e->line = (int)p->line;
+  e->column = (int)p->column;
   e->parent = p->open;
   if (!p->open)
     p->root = e;
@@ -137,16 +146,15 @@ static void on_skipped_entity(void *context, const char *name, int is_parameter)
     stop(context, foreign_entity);
 }
 
-static km_status tell(const parsing *p, km_error *error) {
-  unsigned long line = XML_GetCurrentLineNumber(p->parser) + (unsigned long)p->first_line;
-  unsigned long column = XML_GetCurrentColumnNumber(p->parser) + 1;
+static km_status tell(parsing *p, km_error *error) {
   enum XML_Error code = XML_GetErrorCode(p->parser);
   if (p->arena->failed || code == XML_ERROR_NO_MEMORY)
     return km_fail(error, KM_MEMORY, "out of memory while reading XML");
   const char *in = p->file ? p->file : "", *of = p->file ? ": " : "";
   if (p->fault)
-    return km_fail(error, KM_MODEL, "%.300s%sline %lu, column %lu: %s", in, of, line, column, p->fault);
-  return km_fail(error, KM_MODEL, "%.300s%sline %lu, column %lu: %s; expected XML text", in, of, line, column,
+    return km_fail(error, KM_MODEL, "%.300s%sline %lu, column %lu: %s", in, of, p->line, p->column, p->fault);
+  look_where(p);
+  return km_fail(error, KM_MODEL, "%.300s%sline %lu, column %lu: %s; expected XML text", in, of, p->line, p->column,
                  XML_ErrorString(code));
 }
 

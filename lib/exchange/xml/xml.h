@@ -19,7 +19,7 @@ typedef struct km_xml {
   struct km_xml *parent, *first, *last, *next; /* members, and the next sibling */
 } km_xml;
 
-enum { KM_XML_DEPTH = 500 }; /* the deepest nesting */
+enum { KM_XML_DEPTH = 2048 }; /* the deepest nesting */
 
 /* Parses `size` bytes into a tree that lives in `arena`. Blanks before the text, and blanks and NULs behind it, are
  * skipped; prefixes are parts of names. External entities are never fetched. `file` is kept in the elements. KM_MODEL
