@@ -11,7 +11,7 @@ static km_status leverage(double coupler, double *value, km_error *error) {
   km_state *state = NULL;
   km_lever *lever = NULL;
   km_mobility mobility;
-  km_advantage advantage = {.value = NAN};
+  km_advantage advantage = {.value = (double)NAN};
   const km_handle input = {.kind = KM_HANDLE_JOINT, .coordinate = 0, .name = "A"};
   const km_handle output = {.kind = KM_HANDLE_JOINT, .coordinate = 3, .name = "D"};
   const km_hold crank = {0, 1.0};

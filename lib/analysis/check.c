@@ -1,6 +1,7 @@
 /* Finds what is suspicious about a model. */
 #include "kmech/diagnosis.h"
 
+#include "analysis/inertness.h"
 #include "analysis/rank_evidence.h"
 #include "analysis/statements.h"
 #include "base/check.h"
@@ -168,22 +169,48 @@ static void check_angles(const km_model *model, km_findings *f) {
   }
 }
 
-static void check_masses(const km_mechanism *m, km_findings *f) {
+/* Has the loop no body with a mass? */
+static bool is_massless(const km_mechanism *m, int loop) {
+  const km_topology *t = &m->topology;
+  for (int i = t->member_start[loop]; i < t->member_start[loop + 1]; ++i)
+    for (int end = 0; end < 2; ++end) {
+      int body = m->model->frames[m->model->joints[t->member[i].joint].frame[end]].body;
+      if (body != 0 && m->model->bodies[body].mass > 0.0)
+        return false;
+    }
+  return true;
+}
+
+/* A massless loop is a fault of the masses only where its substructure can move without moving any mass. */
+static km_status check_masses(const km_mechanism *m, km_state *s, km_findings *f, km_error *error) {
   const km_topology *t = &m->topology;
   bool some = false;
   for (int b = 1; b < m->model->body_count; ++b)
     some = some || m->model->bodies[b].mass > 0.0;
-  for (int l = 0; l < t->loop_count && some; ++l) {
-    bool massless = true;
-    for (int i = t->member_start[l]; i < t->member_start[l + 1]; ++i)
-      for (int end = 0; end < 2; ++end) {
-        int body = m->model->frames[m->model->joints[t->member[i].joint].frame[end]].body;
-        massless = massless && (body == 0 || m->model->bodies[body].mass == 0.0);
-      }
-    if (massless)
-      add(f, KM_FINDING_WARNING, "massless-loop", "give one of its bodies a mass before simulating",
-          "no body of loop %d (chord %s) has a mass, while others have", l + 1, m->model->joints[t->chord[l]].label);
+  for (int i = 0; i < t->substructure_count && some; ++i) {
+    bool massless = false, inert = false;
+    for (int k = t->loop_start[i]; k < t->loop_start[i + 1]; ++k)
+      massless = massless || is_massless(m, t->loop[k]);
+    km_status status = massless ? km_moves_no_mass(m, s, i, &inert, error) : KM_OK;
+    if (status)
+      return status;
+    for (int k = t->loop_start[i]; k < t->loop_start[i + 1] && inert; ++k)
+      if (is_massless(m, t->loop[k]))
+        add(f, KM_FINDING_WARNING, "massless-loop", "give one of its bodies a mass before simulating",
+            "no body of loop %d, which is closed at joint %s, has a mass, while others have", t->loop[k] + 1,
+            m->model->joints[t->chord[t->loop[k]]].label);
   }
+  return KM_OK;
+}
+
+/* Is a used frame in the same place of the body, as that of a strut's end? */
+static bool is_used_in_place(const km_model *model, const bool *used, int frame) {
+  const km_model_frame *own = &model->frames[frame];
+  for (int i = 0; i < model->frame_count; ++i)
+    if (used[i] && model->frames[i].body == own->body &&
+        km_vec3_norm(km_vec3_sub(model->frames[i].pose.p, own->pose.p)) == 0.0)
+      return true;
+  return false;
 }
 
 static void check_frames(const km_model *model, km_findings *f) {
@@ -193,7 +220,7 @@ static void check_frames(const km_model *model, km_findings *f) {
   for (int i = 0; used && i < model->load_count; ++i)
     used[model->loads[i].frame] = true;
   for (int i = 0; used && i < model->frame_count; ++i)
-    if (!used[i] && strcmp(model->frames[i].name, "origin") != 0)
+    if (!used[i] && strcmp(model->frames[i].name, "origin") != 0 && !is_used_in_place(model, used, i))
       add(f, KM_FINDING_REMARK, "unused-frame", "keep it for --point or views, or remove it",
           "frame %s of body %s is used by no joint and no load", model->frames[i].name,
           model->bodies[model->frames[i].body].name);
@@ -224,7 +251,8 @@ static km_status examine(const km_mechanism *m, km_state *s, const km_messages *
   km_status status = check_ranks(m, s, out, error);
   check_lengths(m->model, out);
   check_angles(m->model, out);
-  check_masses(m, out);
+  if (!status)
+    status = check_masses(m, s, out, error);
   check_frames(m->model, out);
   check_idle(m, &diagnosis->idle, out);
   check_planar(m, &diagnosis->redundancies, out);

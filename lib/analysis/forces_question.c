@@ -5,11 +5,15 @@
 
 #include <math.h>
 
-enum { ACTUATORS, LOAD, GRAVITY, AXES, OPTIONS };
+enum { ACTUATORS, PUSH, LOAD, GRAVITY, AXES, OPTIONS };
 
 static const km_option options[OPTIONS] = {
     {"actuators", KM_OPTION_COORDINATES, "JOINT,JOINT", "", "the model's analysis.actuators, else every free joint",
      "The joints that hold the mechanism", 0, 0, NULL, false},
+    {"push", KM_OPTION_ENDS, "BODY/FRAME:DX,DY,DZ", "", NULL,
+     "A force at a frame's origin along a direction holds too, as that of a hand; without other actuators it is the only "
+     "one (repeatable)",
+     0, 0, NULL, false},
     {"load", KM_OPTION_LOADS, "NAME=FX,FY,FZ[,TX,TY,TZ]", "force, force × length", NULL,
      "Give a load of the model another force (and torque), NAME=FACTOR: scale it; BODY/FRAME=… adds one at a frame's "
      "origin. :frame behind the numbers turns its axes with the frame (repeatable)",
@@ -42,37 +46,48 @@ static km_status gather_loads(const km_question *q, const km_option_value *set, 
   return status;
 }
 
+static void add_joint(const km_question *q, int coordinate, km_handle *out, int *count) {
+  out[(*count)++] = (km_handle){
+      .kind = KM_HANDLE_JOINT, .coordinate = coordinate, .name = km_model_coordinate_label(q->m->model, coordinate)};
+}
+
 /* The model's actuators that aren't held. */
-static int take_actuators(km_question *q, int *out) {
+static void add_own(km_question *q, km_handle *out, int *count) {
   const km_model *model = q->m->model;
-  int count = 0;
   for (int i = 0; i < model->actuator_count; ++i) {
     if (!q->m->held[model->actuators[i]])
-      out[count++] = model->actuators[i];
+      add_joint(q, model->actuators[i], out, count);
     else
       km_messages_add(q->notes, KM_NOTE, "actuator %s is held and so rigid",
                       km_model_coordinate_label(model, model->actuators[i]));
   }
-  return count;
 }
 
 static km_status prepare_balance(km_question *q, own *o, km_error *error) {
   const km_model *model = q->m->model;
-  const km_option_value *set = km_question_own_value(q, ACTUATORS), *axes = km_question_own_value(q, AXES);
+  const km_option_value *joints = km_question_own_value(q, ACTUATORS), *pushes = km_question_own_value(q, PUSH),
+                        *axes = km_question_own_value(q, AXES);
   km_axes wanted = axes ? (km_axes)axes->whole : KM_AXES_JOINT;
-  if (set)
-    return km_statics_create(q->m, set->coordinates, set->count, wanted, &o->statics, error);
-  if (!model->actuators_given) {
+  if (!joints && !pushes && !model->actuators_given) {
     km_messages_add(q->notes, KM_NOTE, "no analysis.actuators and no `actuators`: every free joint holds");
-    return km_statics_create(q->m, NULL, 0, wanted, &o->statics, error);
+    return km_statics_create_for(q->m, NULL, 0, wanted, &o->statics, error);
   }
-  if (model->actuator_count == 0)
+  if (!joints && !pushes && model->actuator_count == 0)
     return km_fail(error, KM_USAGE, "analysis.actuators is empty; expected at least one joint, or `actuators`");
-  int *actuators = KM_NEW(int, (size_t)model->actuator_count);
-  if (!actuators)
+  size_t most =
+      (size_t)model->actuator_count + (joints ? (size_t)joints->count : 0) + (pushes ? (size_t)pushes->count : 0);
+  int count = 0;
+  km_handle *handles = KM_NEW(km_handle, most);
+  if (!handles)
     return km_fail(error, KM_MEMORY, "out of memory for the actuators");
-  km_status status = km_statics_create(q->m, actuators, take_actuators(q, actuators), wanted, &o->statics, error);
-  km_free(actuators);
+  for (int i = 0; joints && i < joints->count; ++i)
+    add_joint(q, joints->coordinates[i], handles, &count);
+  if (!joints && !pushes)
+    add_own(q, handles, &count);
+  for (int i = 0; pushes && i < pushes->count; ++i)
+    handles[count++] = pushes->ends[i];
+  km_status status = km_statics_create_for(q->m, handles, count, wanted, &o->statics, error);
+  km_free(handles);
   return status;
 }
 
@@ -99,8 +114,7 @@ static km_question_event event(const km_question *q, int index) {
   const km_statics_sweep *sweep = &((const own *)q->own)->sweep;
   const km_force_event *e = &sweep->events[index];
   const char *name = e->kind == KM_FORCE_BALANCED ? "zero" : e->kind == KM_FORCE_PEAK ? "peak" : "pole";
-  return (km_question_event){name, km_model_coordinate_label(q->m->model, sweep->actuators[e->actuator]), e->s,
-                             e->value};
+  return (km_question_event){name, sweep->actuators[e->actuator].name, e->s, e->value};
 }
 
 static void forget(km_question *q) {

@@ -103,9 +103,11 @@ static km_status check_indices(const km_mechanism *m, const km_option *o, const 
   km_status status = KM_OK;
   if (o->type == KM_OPTION_COORDINATE || sense)
     status = km_check_index(v->coordinate, m->coordinate_count, "coordinate", error);
-  if (o->type == KM_OPTION_COORDINATES || o->type == KM_OPTION_POINTS || o->type == KM_OPTION_LOADS)
+  if (o->type == KM_OPTION_COORDINATES || o->type == KM_OPTION_POINTS || o->type == KM_OPTION_LOADS ||
+      o->type == KM_OPTION_ENDS)
     status = km_check_list(o->type == KM_OPTION_COORDINATES ? (const void *)v->coordinates
                            : o->type == KM_OPTION_POINTS    ? (const void *)v->points
+                           : o->type == KM_OPTION_ENDS      ? (const void *)v->ends
                                                             : v->loads,
                            v->count, o->name, error);
   for (int i = 0; i < v->count && !status; ++i) {
@@ -115,6 +117,8 @@ static km_status check_indices(const km_mechanism *m, const km_option *o, const 
       status = km_check_index(v->points[i].frame, m->model->frame_count, "frame", error);
     if (o->type == KM_OPTION_POINTS && !status)
       status = km_check_given(v->points[i].name != NULL, "name of a point", error);
+    if (o->type == KM_OPTION_ENDS)
+      status = km_check_given(v->ends[i].name != NULL, "name of a point", error);
   }
   return status;
 }
@@ -152,6 +156,12 @@ static km_option_value copy_of(km_question *q, km_option_type type, const km_opt
     v.loads = copied(q, v.loads, v.count, sizeof *v.loads);
   if (type == KM_OPTION_END && v.end.name)
     v.end.name = km_arena_string(&q->arena, v.end.name);
+  if (type == KM_OPTION_ENDS) {
+    km_handle *ends = copied(q, v.ends, v.count, sizeof *v.ends);
+    for (int i = 0; i < v.count && ends; ++i)
+      ends[i].name = km_arena_string(&q->arena, ends[i].name);
+    v.ends = ends;
+  }
   if (type == KM_OPTION_POINTS) {
     km_sweep_point *points = copied(q, v.points, v.count, sizeof *v.points);
     for (int i = 0; i < v.count && points; ++i)

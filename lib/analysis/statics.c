@@ -11,38 +11,67 @@
 
 static const double rounding = 1e-10; /* of all applied forces: a generalised force below this is 0 */
 
-static km_status take_actuators(const km_mechanism *m, const int *actuators, int count, km_statics *st,
-                                km_error *error) {
+static km_status take_joint(const km_mechanism *m, int coordinate, km_statics *st, km_error *error) {
   km_statics_work *w = st->work;
-  for (int c = 0; c < m->coordinate_count && !actuators; ++c)
-    if (!m->held[c])
-      w->actuators[st->actuator_count++] = c;
-  for (int i = 0; i < count && actuators; ++i) {
-    const char *label = m->model->coordinates[actuators[i]].label;
-    if (m->held[actuators[i]])
-      return km_fail(error, KM_USAGE, "actuator \"%s\" is held; expected a joint that is free to move", label);
-    if (w->actuated[actuators[i]])
-      return km_fail(error, KM_USAGE, "actuator \"%s\" is named twice; expected each joint once", label);
-    w->actuators[st->actuator_count++] = actuators[i];
-    w->actuated[actuators[i]] = true;
-  }
-  for (int i = 0; i < st->actuator_count; ++i)
-    w->actuated[w->actuators[i]] = true;
-  st->actuators = w->actuators;
+  const char *label = m->model->coordinates[coordinate].label;
+  if (m->held[coordinate])
+    return km_fail(error, KM_USAGE, "actuator \"%s\" is held; expected a joint that is free to move", label);
+  if (w->actuated[coordinate])
+    return km_fail(error, KM_USAGE, "actuator \"%s\" is named twice; expected each joint once", label);
+  int i = st->actuator_count++;
+  w->actuators[i] = (km_handle){.kind = KM_HANDLE_JOINT, .coordinate = coordinate, .name = label};
+  w->part[i] = m->substructure_of[coordinate];
+  w->alone[i] = w->part[i] < 0 ? coordinate : -1;
+  w->actuated[coordinate] = true;
   return KM_OK;
 }
 
-static bool allocate(const km_mechanism *m, km_statics *st) {
+static km_status take_point(const km_mechanism *m, const km_handle *point, km_statics *st, km_error *error) {
   km_statics_work *w = st->work;
-  size_t coordinates = (size_t)m->coordinate_count;
-  w->actuators = KM_ARENA_NEW(&w->arena, int, coordinates);
+  int i = st->actuator_count++;
+  w->actuators[i] = *point;
+  w->row[i] = KM_ARENA_NEW(&w->arena, double, (size_t)m->coordinate_count);
+  km_status status = w->row[i] ? km_pushed_point_place(m, st, i, error)
+                               : km_fail(error, KM_MEMORY, "out of memory for the balance of forces");
+  if (status || w->alone[i] < 0)
+    return status;
+  if (w->actuated[w->alone[i]])
+    return km_fail(error, KM_USAGE,
+                   "actuator \"%s\" pushes what another one holds already; expected one for a joint "
+                   "in no loop",
+                   point->name);
+  w->actuated[w->alone[i]] = true;
+  return KM_OK;
+}
+
+/* NULL: every free coordinate. */
+static km_status take_actuators(const km_mechanism *m, const km_handle *actuators, int count, km_statics *st,
+                                km_error *error) {
+  km_status status = KM_OK;
+  st->actuators = st->work->actuators;
+  for (int c = 0; c < m->coordinate_count && !actuators && !status; ++c)
+    if (!m->held[c])
+      status = take_joint(m, c, st, error);
+  for (int i = 0; i < count && actuators && !status; ++i)
+    status = actuators[i].kind == KM_HANDLE_JOINT ? take_joint(m, actuators[i].coordinate, st, error)
+                                                  : take_point(m, &actuators[i], st, error);
+  return status;
+}
+
+static bool allocate(const km_mechanism *m, int asked, km_statics *st) {
+  km_statics_work *w = st->work;
+  size_t coordinates = (size_t)m->coordinate_count, actuators = coordinates + (size_t)asked;
+  w->actuators = KM_ARENA_NEW(&w->arena, km_handle, actuators);
+  w->part = KM_ARENA_NEW(&w->arena, int, actuators);
+  w->alone = KM_ARENA_NEW(&w->arena, int, actuators);
+  w->row = KM_ARENA_NEW(&w->arena, double *, actuators);
   w->actuated = KM_ARENA_NEW(&w->arena, bool, coordinates);
   w->twist = KM_ARENA_NEW(&w->arena, km_twist, coordinates);
   w->subtree = KM_ARENA_NEW(&w->arena, km_wrench, (size_t)m->topology.body_count);
   w->tau = KM_ARENA_NEW(&w->arena, double, coordinates);
   w->force = KM_ARENA_NEW(&w->arena, double, coordinates);
   w->least_load = KM_ARENA_NEW(&w->arena, double, coordinates);
-  st->actuator_forces = KM_ARENA_NEW(&w->arena, double, coordinates);
+  st->actuator_forces = KM_ARENA_NEW(&w->arena, double, actuators);
   st->least_norm = KM_ARENA_NEW(&w->arena, double, coordinates);
   st->directions = KM_ARENA_NEW(&w->arena, double, KM_MOST_DIRECTIONS *coordinates);
   st->falls = KM_ARENA_NEW(&w->arena, bool, KM_MOST_DIRECTIONS);
@@ -50,21 +79,27 @@ static bool allocate(const km_mechanism *m, km_statics *st) {
   return !w->arena.failed && km_carrying_reserve(m, w);
 }
 
-static km_status check_actuators(const km_mechanism *m, const int *actuators, int count, km_error *error) {
-  km_status status = KM_OK;
-  for (int i = 0; i < count && actuators && !status; ++i)
-    status = km_check_index(actuators[i], m->coordinate_count, "coordinate", error);
+static km_status check_actuators(const km_mechanism *m, const km_handle *actuators, int count, km_error *error) {
+  km_status status = actuators ? km_check_list(actuators, count, "actuators", error) : KM_OK;
+  for (int i = 0; i < count && actuators && !status; ++i) {
+    const km_handle *h = &actuators[i];
+    double length = km_vec3_norm(km_vec3_make(h->direction));
+    if (h->kind == KM_HANDLE_JOINT)
+      status = km_check_index(h->coordinate, m->coordinate_count, "coordinate", error);
+    else if (h->kind != KM_HANDLE_POINT || !h->name || !(fabs(length - 1.0) < 1e-6))
+      status = km_fail(error, KM_USAGE, "an actuator that is neither a joint nor a point with a name and a direction");
+    else
+      status = km_check_index(h->frame, m->model->frame_count, "frame", error);
+  }
   return status;
 }
 
-km_status km_statics_create(const km_mechanism *m, const int *actuators, int actuator_count, km_axes axes,
-                            km_statics *out, km_error *error) {
+km_status km_statics_create_for(const km_mechanism *m, const km_handle *actuators, int actuator_count, km_axes axes,
+                                km_statics *out, km_error *error) {
   if (!out)
     return km_check_given(false, "place for the result", error);
   *out = (km_statics){0};
   km_status fits = km_check_given(m != NULL, "mechanism", error);
-  if (!fits)
-    fits = actuators == NULL ? KM_OK : km_check_list(actuators, actuator_count, "actuators", error);
   if (!fits)
     fits = check_actuators(m, actuators, actuator_count, error);
   if (!fits)
@@ -73,13 +108,31 @@ km_status km_statics_create(const km_mechanism *m, const int *actuators, int act
   if (fits)
     return fits;
   *out = (km_statics){.work = KM_NEW(km_statics_work, 1)};
-  if (!out->work || !allocate(m, out))
+  if (!out->work || !allocate(m, actuators ? actuator_count : 0, out))
     return km_fail(error, KM_MEMORY, "out of memory for the balance of forces");
   out->work->mechanism = m;
   out->axes = axes;
   km_status status = take_actuators(m, actuators, actuator_count, out, error);
   if (!status && !km_holding_reserve(m, out))
     status = km_fail(error, KM_MEMORY, "out of memory for the actuators");
+  return status;
+}
+
+km_status km_statics_create(const km_mechanism *m, const int *actuators, int actuator_count, km_axes axes,
+                            km_statics *out, km_error *error) {
+  if (!actuators)
+    return km_statics_create_for(m, NULL, 0, axes, out, error);
+  km_status status = km_check_list(actuators, actuator_count, "actuators", error);
+  km_handle *handles = KM_NEW(km_handle, (size_t)(status ? 0 : actuator_count));
+  if (out)
+    *out = (km_statics){0};
+  if (!status && !handles)
+    status = km_fail(error, KM_MEMORY, "out of memory for the actuators");
+  for (int i = 0; i < actuator_count && !status; ++i)
+    handles[i] = (km_handle){.kind = KM_HANDLE_JOINT, .coordinate = actuators[i]};
+  if (!status)
+    status = km_statics_create_for(m, handles, actuator_count, axes, out, error);
+  km_free(handles);
   return status;
 }
 
@@ -146,6 +199,7 @@ static void least_norm(const km_mechanism *m, km_state *s, km_statics *st) {
 void km_statics_hold(const km_mechanism *m, const km_state *s, km_forces *f, km_statics *st) {
   km_forces_update(m, s, f);
   gather_loads(m, s, f, st->work);
+  km_pushed_points_update(m, f, st);
   km_actuators_hold(m, s, st);
 }
 
@@ -176,7 +230,9 @@ void km_statics_update(const km_mechanism *m, km_state *s, km_forces *f, km_stat
   if (st->held) {
     memset(w->force, 0, (size_t)m->coordinate_count * sizeof *w->force);
     for (int i = 0; i < st->actuator_count; ++i)
-      w->force[st->actuators[i]] = st->actuator_forces[i];
+      if (st->actuators[i].kind == KM_HANDLE_JOINT)
+        w->force[st->actuators[i].coordinate] = st->actuator_forces[i];
+    km_pushed_points_apply(m, f, st);
   }
   km_statics_carry(m, s, f, st);
 }

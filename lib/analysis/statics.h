@@ -41,7 +41,10 @@ typedef struct km_carrying {
 struct km_statics_work {
   km_arena arena;
   const km_mechanism *mechanism;
-  int *actuators;
+  km_handle *actuators;
+  int *part;          /* [actuator] the substructure that it moves, -1: a joint in no loop */
+  int *alone;         /* [actuator] that joint's coordinate; -1 */
+  double **row;       /* [actuator] of points: rate along the direction per unit rate of each coordinate; else NULL */
   bool *actuated;     /* [coordinate] */
   km_twist *twist;    /* [coordinate] child against parent, about the forces' origin */
   km_wrench *subtree; /* [body] applied wrenches on it and all that hangs on it in the tree */
@@ -54,6 +57,20 @@ struct km_statics_work {
   km_carrying *carrying;
 };
 
+/* The scale of an actuator's force, D: that of its coordinate, or of a length. */
+static inline double km_actuator_scale(const km_mechanism *m, const km_statics *st, int actuator) {
+  const km_handle *h = &st->actuators[actuator];
+  return h->kind == KM_HANDLE_JOINT ? m->scale[h->coordinate] : 1.0 / m->length;
+}
+/* Which parts of the mechanism move a point: its substructure or lone joint into work->part and work->alone. KM_USAGE:
+ * it moves with several, or not at all. */
+km_status km_pushed_point_place(const km_mechanism *mechanism, km_statics *statics, int actuator, km_error *error);
+/* work->row of every point, from work->twist; and the wrenches of points that hold, added to what is applied. */
+void km_pushed_points_update(const km_mechanism *mechanism, const km_forces *forces, km_statics *statics);
+void km_pushed_points_apply(const km_mechanism *mechanism, const km_forces *forces, km_statics *statics);
+/* "N", "N*mm": the unit of an actuator's force. Appended. Is it a force, not a torque? */
+void km_push_unit(const km_model *model, const km_handle *actuator, km_text *out);
+bool km_pushes_by_force(const km_model *model, const km_handle *actuator);
 /* Space for the parts; false when out of memory. */
 bool km_holding_reserve(const km_mechanism *mechanism, km_statics *statics);
 bool km_carrying_reserve(const km_mechanism *mechanism, km_statics_work *work);

@@ -33,7 +33,7 @@ bool km_holding_reserve(const km_mechanism *m, km_statics *st) {
     int columns = m->substructures[i].columns;
     h->actuator = KM_ARENA_NEW(arena, int, (size_t)st->actuator_count);
     for (int a = 0; a < st->actuator_count && !arena->failed; ++a)
-      if (m->substructure_of[st->actuators[a]] == i)
+      if (w->part[a] == i)
         h->actuator[h->count++] = a;
     h->U = matrix(arena, columns, columns);
     h->V = matrix(arena, columns, columns);
@@ -102,16 +102,29 @@ static double loads_on(const km_mechanism *m, const km_state *s, int index, cons
   return noise;
 }
 
+/* How far an actuator moves, scaled, in the motion z of D · range(N). */
+static double scaled_rate(const km_mechanism *m, const km_statics *st, int index, int actuator, const double *z) {
+  const km_substructure *sub = &m->substructures[index];
+  const km_handle *handle = &st->actuators[actuator];
+  double sum = 0.0;
+  if (handle->kind == KM_HANDLE_JOINT)
+    return z[m->column_of[handle->coordinate]];
+  for (int j = 0; j < sub->columns; ++j) {
+    int c = m->column_coordinate[sub->column_start + j];
+    sum += st->work->row[actuator][c] * z[j] / m->scale[c];
+  }
+  return sum * km_actuator_scale(m, st, actuator);
+}
+
 /* Z_A, a row an actuator, scaled: f_A = D F makes Z_Aᵀ F = −g. */
 static void fill(const km_mechanism *m, const km_state *s, int index, const km_statics *st, const km_holding *h,
                  gsl_matrix *U) {
-  const km_substructure *sub = &m->substructures[index];
   const double *Z = km_state_basis(s, index);
+  size_t columns = (size_t)m->substructures[index].columns;
   gsl_matrix_set_zero(U);
   for (int a = 0; a < h->count; ++a)
     for (size_t k = 0; k < U->size2; ++k)
-      gsl_matrix_set(U, (size_t)a, k,
-                     Z[k * (size_t)sub->columns + (size_t)m->column_of[st->actuators[h->actuator[a]]]]);
+      gsl_matrix_set(U, (size_t)a, k, scaled_rate(m, st, index, h->actuator[a], Z + k * columns));
 }
 
 /* A unit vector at right angles to the `count` rows of `basis`, from v: false if nothing is left of it. */
@@ -180,12 +193,27 @@ static void hold_substructure(const km_mechanism *m, const km_state *s, int inde
     double F = 0.0;
     for (size_t i = 0; i < (size_t)rank; ++i)
       F -= gsl_matrix_get(&U, (size_t)a, i) * gsl_vector_get(&load, i) / gsl_vector_get(&S, i);
-    st->actuator_forces[actuator] = F * m->scale[st->actuators[actuator]];
+    st->actuator_forces[actuator] = F * km_actuator_scale(m, st, actuator);
   }
   bool holds = unreached(m, s, index, h, freedom, rank, noise, st);
   for (int a = 0; a < h->count && !holds; ++a)
     st->actuator_forces[h->actuator[a]] = nan("");
   st->held = st->held && holds;
+}
+
+/* The force against the load of a joint in no loop. A point that stands still in its direction holds nothing. */
+static double hold_alone(const km_mechanism *m, km_statics *st, int actuator) {
+  const km_statics_work *w = st->work;
+  int c = w->alone[actuator];
+  if (!w->row[actuator])
+    return 0.0 - w->tau[c];
+  double rate = w->row[actuator][c];
+  bool loaded = fabs(w->tau[c]) > w->least_load[c];
+  if (fabs(rate) * km_actuator_scale(m, st, actuator) > out_of_reach * m->scale[c])
+    return 0.0 - w->tau[c] / rate;
+  add_joint(m, c, loaded && w->tau[c] < 0.0 ? -1.0 : 1.0, loaded, st);
+  st->held = st->held && !loaded;
+  return loaded ? nan("") : 0.0;
 }
 
 void km_actuators_hold(const km_mechanism *m, const km_state *s, km_statics *st) {
@@ -194,7 +222,7 @@ void km_actuators_hold(const km_mechanism *m, const km_state *s, km_statics *st)
   st->redundant = false;
   st->direction_count = 0;
   for (int a = 0; a < st->actuator_count; ++a)
-    st->actuator_forces[a] = m->substructure_of[st->actuators[a]] < 0 ? 0.0 - w->tau[st->actuators[a]] : 0.0;
+    st->actuator_forces[a] = w->alone[a] >= 0 ? hold_alone(m, st, a) : 0.0;
   for (int c = 0; c < m->coordinate_count; ++c) {
     if (m->substructure_of[c] >= 0 || m->held[c] || w->actuated[c])
       continue;

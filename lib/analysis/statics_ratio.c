@@ -166,7 +166,7 @@ static bool divide(const km_mechanism *m, const km_state *s, int index, const km
       sum -= gsl_matrix_get(h->U, (size_t)i, (size_t)k) * others * gsl_vector_get(h->load, (size_t)k);
       grain += others * rounding * h->noise;
     }
-    n[a] = lost ? nan("") : sense * m->scale[st->actuators[a]] * clear(sum, grain);
+    n[a] = lost ? nan("") : sense * km_actuator_scale(m, st, a) * clear(sum, grain);
     d[a] = sense * all;
   }
   return !grown;
@@ -176,10 +176,9 @@ bool km_statics_ratios(const km_mechanism *m, const km_state *s, km_statics *st,
                        double *d) {
   bool comparable = true;
   for (int a = 0; a < st->actuator_count; ++a) {
-    int c = st->actuators[a];
-    bool alone = m->substructure_of[c] < 0;
-    n[a] = alone ? 0.0 - clear(st->work->tau[c], rounding * st->work->least_load[c]) : 0.0;
-    d[a] = 1.0;
+    int c = st->work->alone[a];
+    n[a] = c >= 0 ? 0.0 - clear(st->work->tau[c], rounding * st->work->least_load[c]) : 0.0;
+    d[a] = c >= 0 && st->work->row[a] ? st->work->row[a][c] : 1.0;
   }
   for (int i = 0; i < m->topology.substructure_count; ++i)
     if (st->work->holding[i].count && st->work->holding[i].freedom)

@@ -22,15 +22,16 @@ typedef struct watch {
 static bool add_forces(const watch *w, const km_model *model, km_table *table) {
   bool added = true;
   km_text unit = {0};
-  for (int pass = 0; pass < 2; ++pass) {
-    int count = pass ? model->coordinate_count : w->statics->actuator_count;
-    for (int i = 0; i < count; ++i) {
-      int c = pass ? i : w->statics->actuators[i];
-      unit.size = 0;
-      km_force_unit(model, c, &unit);
-      added = !unit.failed &&
-              km_sweeper_column(table, pass ? "fbar." : "f.", model->coordinates[c].label, "", unit.data) && added;
-    }
+  for (int i = 0; i < w->statics->actuator_count && added; ++i) {
+    const km_handle *actuator = &w->statics->actuators[i];
+    unit.size = 0;
+    km_push_unit(model, actuator, &unit);
+    added = !unit.failed && km_sweeper_column(table, "f.", actuator->name, "", unit.data);
+  }
+  for (int c = 0; c < model->coordinate_count && added; ++c) {
+    unit.size = 0;
+    km_force_unit(model, c, &unit);
+    added = !unit.failed && km_sweeper_column(table, "fbar.", model->coordinates[c].label, "", unit.data);
   }
   km_text_free(&unit);
   return added;
@@ -72,8 +73,9 @@ static double *write_cells(void *self, km_sweeper *r, double *cell) {
 
 /* Force of an actuator, 0 where rounding is all there is. */
 static double clear_force(const watch *w, const km_mechanism *m, int actuator) {
-  int c = w->statics->actuators[actuator];
-  double size = rounding * (w->forces->force_size * m->unit[c] + w->forces->couple_size) / m->unit[c];
+  const km_handle *handle = &w->statics->actuators[actuator];
+  double unit = handle->kind == KM_HANDLE_JOINT ? m->unit[handle->coordinate] : m->length;
+  double size = rounding * (w->forces->force_size * unit + w->forces->couple_size) / unit;
   double force = w->statics->actuator_forces[actuator];
   return fabs(force) <= size ? 0.0 : force;
 }
@@ -183,7 +185,7 @@ static km_status run(const km_mechanism *m, km_state *s, const km_sweep_plan *pl
                       .ratios = true,
                       .extremes = true,
                       .events = &w->events};
-  out->actuators = KM_NEW(int, (size_t)st->actuator_count);
+  out->actuators = KM_NEW(km_handle, (size_t)st->actuator_count);
   out->largest = KM_NEW(km_force_event, (size_t)st->actuator_count);
   if (!out->actuators || !out->largest || !km_scan_reserve(&w->scan, st->actuator_count))
     return km_fail(error, KM_MEMORY, "out of memory for a sweep");

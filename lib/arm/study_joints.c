@@ -1,6 +1,7 @@
 /* What a study says of joints, once the arm is known: their order, start, rates, and those that a method holds. */
 #include "arm/study_binder.h"
 
+#include "base/nearest.h"
 #include "base/text.h"
 #include "model/methods.h"
 
@@ -88,12 +89,21 @@ bool km_bind_start(km_binder *b, double *q) {
                          KM_SHOWN(km_arm_shown(a, out, a->high[out])));
 }
 
+static bool unknown_joint(km_binder *b, const km_study_names *joints, const char *label) {
+  const km_arm *a = b->study->arm;
+  km_nearest nearest = {.wanted = label};
+  char names[KM_NEAREST_TEXT];
+  for (int k = 0; k < a->n; ++k)
+    km_nearest_offer(&nearest, km_arm_label(a, k));
+  return km_binder_fault(b, &joints->place, "\"%.80s\" is no joint of the arm; the nearest of its %d are %s", label,
+                         a->n, km_nearest_text(&nearest, names));
+}
+
 static bool hold_joint(km_binder *b, const km_study_names *joints, const char *label, km_method *out) {
   const km_arm *a = b->study->arm;
   int k = column_named(a, label);
   if (k < 0)
-    return km_binder_fault(b, &joints->place, "\"%.80s\" is no joint of the arm; expected some of %s … %s",
-                           label ? label : "", km_arm_label(a, 0), km_arm_label(a, a->n - 1));
+    return unknown_joint(b, joints, label ? label : "");
   if (out->joint_count == a->freedom || out->joint_count == KM_METHOD_JOINTS)
     return km_binder_fault(b, &joints->place, "found more joints than the %d that are to spare", a->freedom);
   out->joints[out->joint_count++] = k;

@@ -5,6 +5,7 @@
 #include <stdint.h>
 #include <stdio.h>
 #include <string.h>
+#include <strings.h>
 
 size_t km_text_distance(const char *a, const char *b) {
   enum { LONGEST = 60 };
@@ -26,10 +27,13 @@ size_t km_text_distance(const char *a, const char *b) {
   return row[k];
 }
 
-/* A name that holds what is wanted, or is held by it, is near however long the rest is. */
+/* A name that differs in its capitals alone is nearest; one that holds what is wanted, or is held by it, is near
+ * however long the rest is. */
 static size_t distance_to(const char *wanted, const char *name) {
+  if (strcasecmp(wanted, name) == 0)
+    return 0;
   bool holds = *wanted && *name && (strstr(name, wanted) || strstr(wanted, name));
-  return holds && strcmp(wanted, name) != 0 ? 1 : km_text_distance(wanted, name);
+  return holds ? 1 : km_text_distance(wanted, name);
 }
 
 void km_nearest_offer(km_nearest *nearest, const char *name) {

@@ -106,16 +106,27 @@ static bool fitting_tolerance(const km_mechanism *m, int index, int least_mobili
   return false;
 }
 
+/* Of a gap and a turn (scaled) the one below this share of the other isn't told. */
+static const double unseen = 1e-9;
+
 static void describe_loop(const km_mechanism *m, const km_state *s, int loop, km_text *text) {
   const km_topology *t = &m->topology;
   const km_model *model = m->model;
-  km_text_format(text, "%s: loop %d (joints", model->joints[t->chord[loop]].where, loop + 1);
+  const km_model_joint *closing = &model->joints[t->chord[loop]];
+  km_text_format(text, "%s: loop %d (joints", closing->where, loop + 1);
   for (int i = t->member_start[loop]; i < t->member_start[loop + 1]; ++i)
     km_text_format(text, "%s %.80s", i > t->member_start[loop] ? "," : "", model->joints[t->member[i].joint].label);
   const km_twist *e = &s->misfit[loop];
-  double size = m->substructures[t->substructure_of_loop[loop]].size;
-  km_text_format(text, ") can't close: %.4g %s and %.4g %s are left", size * km_vec3_norm(e->v),
-                 model->units.length->suffix, km_vec3_norm(e->w) / model->units.angle->si, model->units.angle->suffix);
+  double size = m->substructures[t->substructure_of_loop[loop]].size, gap = km_vec3_norm(e->v),
+         turn = km_vec3_norm(e->w);
+  km_text_add(text, "): the links can't meet: ");
+  bool gaps = gap > unseen * turn, turns = turn > unseen * gap;
+  if (gaps)
+    km_text_format(text, "a gap of %.4g %s", size * gap, model->units.length->suffix);
+  if (turns)
+    km_text_format(text, "%sa turn of %.4g %s", gaps ? " and " : "", turn / model->units.angle->si,
+                   model->units.angle->suffix);
+  km_text_format(text, " %s left at %.80s", gaps && turns ? "are" : "is", closing->label);
 }
 
 static km_status report_open(const km_mechanism *m, const km_state *s, int index, const km_closure *evidence,
@@ -128,11 +139,11 @@ static km_status report_open(const km_mechanism *m, const km_state *s, int index
   trial named;
   if (evidence->residual < rounding && fitting_tolerance(m, index, 0, &named))
     km_text_format(&text,
-                   "; expected closed loops (for rounded data, \"closure_tolerance\": %g in model_parameters would do, "
-                   "with mobility %d in substructure %d)",
+                   "; check lengths and starting angles, or for rounded data state \"closure_tolerance\": %g in "
+                   "model_parameters, which gives mobility %d in substructure %d",
                    named.tolerance, named.freedom, index + 1);
   else
-    km_text_add(&text, "; expected loops that close on the branch of the initial displacements");
+    km_text_add(&text, "; check lengths and starting angles");
   km_status status = km_fail(error, KM_MODEL, "%s", text.failed ? "out of memory" : text.data);
   km_text_free(&text);
   return status;

@@ -53,6 +53,7 @@ typedef struct world {
   km_error error;
   const char *names[2];
   double numbers[WORLD_NUMBERS];
+  bool marks[WORLD_NUMBERS];
 } world;
 
 void world_open(world *w, world_kind kind);

@@ -99,7 +99,7 @@ static void wrong_bodies_and_frames(void **state) {
   body.name = "heavy";
   body.mass = -1.0;
   refuse(km_model_add_body(s.b, &body, NULL, &e), &e, "expected at least 0");
-  body.mass = NAN;
+  body.mass = (double)NAN;
   refuse(km_model_add_body(s.b, &body, NULL, &e), &e, "not finite");
   body.mass = 1.0;
   body.density = 2.0;
@@ -174,7 +174,7 @@ static void wrong_rest(void **state) {
   km_force_def force = km_force_default();
   force.name = "spring";
   refuse(km_model_add_force(s.b, &force, &e), &e, "no law");
-  km_load_def load = {.name = "weight", .force = {INFINITY, 0, 0}};
+  km_load_def load = {.name = "weight", .force = {HUGE_VAL, 0, 0}};
   refuse(km_model_add_load(s.b, &load, &e), &e, "finite");
   km_sweep_def sweep = km_sweep_default();
   refuse(km_model_set_sweep(s.b, &sweep, &e), &e, "either a driver");

@@ -153,7 +153,7 @@ static void test_refusals(void **unused) {
   assert_int_equal(km_question_set(q, "stepz", &value, &error), KM_USAGE);
   assert_int_equal(km_question_set(q, "steps", &value, &error), KM_USAGE);
   assert_string_equal(error.text, "`steps` 0: expected a whole number from 1 to 10000000");
-  value = (km_option_value){.numbers = {nan(""), 1.0}};
+  value = (km_option_value){.numbers = {(double)NAN, 1.0}};
   assert_int_equal(km_question_set(q, "range", &value, &error), KM_USAGE);
   value = (km_option_value){.coordinate = 99};
   assert_int_equal(km_question_set(q, "joint", &value, &error), KM_USAGE);
@@ -188,7 +188,7 @@ static void test_values_are_copied(void **unused) {
 /* A table of s and x: 0 0, 1 4, 2 nan, 4 2. */
 static void test_figures(void **unused) {
   (void)unused;
-  static const double rows[4][2] = {{0, 0}, {1, 4}, {2, NAN}, {4, 2}};
+  static const double rows[4][2] = {{0, 0}, {1, 4}, {2, (double)NAN}, {4, 2}};
   km_table *table = km_table_create();
   km_table_add_plain_column(table, "s", "");
   km_table_add_column(table, "x", "mm");
@@ -198,9 +198,14 @@ static void test_figures(void **unused) {
     km_figure figure;
     double at, value, where;
   } cases[] = {
-      {KM_FIGURE_MIN, 0, 0, 0},       {KM_FIGURE_MAX, 0, 4, 1},        {KM_FIGURE_SPAN, 0, 4, NAN},
-      {KM_FIGURE_MEAN, 0, 2.75, NAN}, {KM_FIGURE_AT, 0.5, 2.0, 0.5},   {KM_FIGURE_AT, 4.0, 2.0, 4.0},
-      {KM_FIGURE_AT, 5.0, NAN, 5.0},  {KM_FIGURE_AT, -1.0, NAN, -1.0},
+      {KM_FIGURE_MIN, 0, 0, 0},
+      {KM_FIGURE_MAX, 0, 4, 1},
+      {KM_FIGURE_SPAN, 0, 4, (double)NAN},
+      {KM_FIGURE_MEAN, 0, 2.75, (double)NAN},
+      {KM_FIGURE_AT, 0.5, 2.0, 0.5},
+      {KM_FIGURE_AT, 4.0, 2.0, 4.0},
+      {KM_FIGURE_AT, 5.0, (double)NAN, 5.0},
+      {KM_FIGURE_AT, -1.0, (double)NAN, -1.0},
   };
   for (size_t i = 0; i < sizeof cases / sizeof *cases; ++i) {
     double value, where;

@@ -103,13 +103,13 @@ static void holds_stay(void **state) {
 static void wrong_numbers(void **state) {
   (void)state;
   fixture f = fixture_open("fourbar");
-  const double T[3] = {0, 0, 0}, nan3[3] = {NAN, 0, 0}, flat[9] = {0}, bad[6] = {1, 1, -1, 0, 0, 0};
+  const double T[3] = {0, 0, 0}, nan3[3] = {(double)NAN, 0, 0}, flat[9] = {0}, bad[6] = {1, 1, -1, 0, 0, 0};
   assert_int_equal(km_model_set_frame(f.model, -1, T, NULL, NULL), KM_USAGE);
   assert_int_equal(km_model_set_frame(f.model, 99999999, T, NULL, NULL), KM_USAGE);
   assert_int_equal(km_model_set_frame(f.model, 1, nan3, NULL, NULL), KM_MODEL);
   assert_int_equal(km_model_set_frame(f.model, 1, T, flat, NULL), KM_MODEL);
   assert_int_equal(km_model_set_position(f.model, 99, 0.0, NULL), KM_USAGE);
-  assert_int_equal(km_model_set_position(f.model, 0, INFINITY, NULL), KM_MODEL);
+  assert_int_equal(km_model_set_position(f.model, 0, HUGE_VAL, NULL), KM_MODEL);
   assert_int_equal(km_model_set_limits(f.model, 0, 1.0, 0.0, NULL), KM_MODEL);
   assert_int_equal(km_model_set_limits(f.model, -1, 0.0, 1.0, NULL), KM_USAGE);
   assert_int_equal(km_model_set_mass(f.model, 0, 1.0, NULL, NULL, NULL), KM_USAGE);

@@ -18,7 +18,7 @@ static km_selfmotion follow(const km_arm *arm, const double *q) {
 }
 
 static double limit_distance(const km_arm *arm, const double *q) {
-  double worst = -(double)INFINITY;
+  double worst = -HUGE_VAL;
   for (int k = 0; k < arm->n; ++k)
     worst = fmax(worst, km_arm_beyond(arm, k, q[k]));
   return worst;
@@ -85,15 +85,15 @@ static void narrow_arcs_are_found(void **state) {
   fixture f = fixture_open("iiwa14");
   km_arm *arm = arm_of(&f, "flange", "tool", KM_TASK_POSE);
   for (int k = 0; k < 7; ++k) { /* free but for joint 2 */
-    arm->low[k] = -(double)INFINITY;
-    arm->high[k] = (double)INFINITY;
+    arm->low[k] = -HUGE_VAL;
+    arm->high[k] = HUGE_VAL;
   }
   km_arm_space space;
   assert_true(km_arm_space_create(arm, &space));
   km_arm_update(arm, &space, well_inside);
   km_loop_curve curve = {.arm = arm, .space = &space, .target = space.pose};
   assert_true(km_loop_curve_follow(&curve, well_inside, 100.0));
-  double top = -(double)INFINITY;
+  double top = -HUGE_VAL;
   for (int i = 0; i < curve.count; ++i)
     for (int part = 0; part < 50; ++part) {
       double q[KM_ARM_MOST];
@@ -178,8 +178,8 @@ static void hinges_turn_on_to_their_limits(void **state) {
   fixture f = fixture_open("iiwa14");
   km_arm *arm = arm_of(&f, "flange", "tool", KM_TASK_POSE);
   for (int k = 0; k < arm->n; ++k) {
-    arm->low[k] = -(double)INFINITY;
-    arm->high[k] = (double)INFINITY;
+    arm->low[k] = -HUGE_VAL;
+    arm->high[k] = HUGE_VAL;
   }
   km_selfmotion free_motion = follow(arm, well_inside);
   assert_true(free_motion.closed && !free_motion.turns_on && free_motion.whole);
@@ -323,7 +323,7 @@ static void six_joints_have_single_poses(void **state) {
   assert_int_equal(arm->n, 6);
   km_pose at = effector_by_bodies(&f, arm, q);
   km_ik_solutions branches = find(arm, &at, 1);
-  double nearest = (double)INFINITY;
+  double nearest = HUGE_VAL;
   for (int b = 0; b < branches.count; ++b) {
     double distance = 0.0;
     for (int k = 0; k < 6; ++k)

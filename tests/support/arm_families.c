@@ -144,7 +144,7 @@ static bool times_agree(const km_path *path, double speed, double turn_speed, ch
   for (int i = 0; i + 1 < km_path_samples(path); ++i) {
     double travel, turn;
     measure(path, i, &travel, &turn);
-    double pace = turn_speed > 0.0 ? turn_speed : travel < 1e-9 ? 1.0 : (double)INFINITY;
+    double pace = turn_speed > 0.0 ? turn_speed : travel < 1e-9 ? 1.0 : HUGE_VAL;
     double expected = fmax(travel / speed, turn / pace), found = km_path_time(path, i + 1) - km_path_time(path, i);
     all_travel += travel;
     all_turn += turn;

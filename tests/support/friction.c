@@ -55,7 +55,7 @@ static double newton_step(const system_of *s, double t, double *x) {
     worst = fmax(worst, fabs(rhs[k]));
   lapack_int pivots[PLANAR_MOST_SIZE];
   if (LAPACKE_dgesv(LAPACK_COL_MAJOR, n, 1, J, n, pivots, rhs, n))
-    return NAN;
+    return (double)NAN;
   for (int k = 0; k < n; ++k)
     x[k] += rhs[k];
   return worst;
@@ -72,7 +72,7 @@ static double size_of(const double *x, int n) {
 static double continue_to_all(const system_of *s, double *x, double *lock) {
   int n = s->b->rows;
   double t = 0.0, h = 1.0 / 32.0;
-  *lock = NAN;
+  *lock = (double)NAN;
   while (t < 1.0 && h > 1e-9 && size_of(x, n) < 1e9) {
     double y[PLANAR_MOST_SIZE], residual = HUGE_VAL, change = 0.0;
     h = fmin(h, 1.0 - t);

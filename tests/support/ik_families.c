@@ -58,7 +58,7 @@ static double apart(const km_arm *a, const double *x, const double *y) {
 
 /* Is there a pose of the list at q? Near singular poses two of them lie close, and Newton's method ends between. */
 static bool is_listed(ik_case *c, const double *q) {
-  double nearest = (double)INFINITY, sigma[KM_ARM_ROWS];
+  double nearest = HUGE_VAL, sigma[KM_ARM_ROWS];
   for (int i = 0; i < c->branches.count; ++i)
     nearest = fmin(nearest, apart(c->arm, c->branches.pose + i * c->arm->n, q));
   km_arm_update(c->arm, &c->space, q);

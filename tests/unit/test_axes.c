@@ -3,6 +3,8 @@
 
 #include "report/plot/axis.h"
 #include "report/plot/curve.h"
+#include "report/plot/overlap.h"
+#include "report/plot/palette.h"
 #include "report/plot/parts.h"
 
 #include <math.h>
@@ -56,10 +58,11 @@ static void ticks_are_round_and_read_back(void **state) {
     double size = pow(10.0, uniform(&r, -12.0, 12.0)), low = uniform(&r, -1.0, 1.0) * size;
     double high = low + uniform(&r, 0.01, 1.0) * size;
     size_t most = (size_t)(2 + below(&r, 9));
-    bool round_ends = below(&r, 2);
-    km_axis axis = km_axis_fit(low, high, most, round_ends);
+    bool round_ends = below(&r, 2), degrees = below(&r, 2);
+    km_axis axis = km_axis_fit(low, high, most, degrees, round_ends);
     double step = axis.mantissa * pow(10.0, axis.exponent), slack = 1e-5 * step;
-    assert_true(axis.mantissa == 1 || axis.mantissa == 2 || axis.mantissa == 5);
+    bool decimal = axis.mantissa == 1 || axis.mantissa == 2 || axis.mantissa == 5, circle = fmod(step, 15.0) == 0.0;
+    assert_true(degrees && step > 10.0 * (1.0 + 1e-9) && step <= 3600.0 ? circle : decimal);
     assert_true((high - low) / step <= (double)most + 1e-5);
     assert_true((high - low) / step >= (double)most / 2.5 - 1e-5); /* the next smaller step would be too small */
     if (round_ends) {
@@ -85,6 +88,20 @@ static void ticks_are_round_and_read_back(void **state) {
       assert_true(strlen(label) <= 12);
     }
   }
+}
+
+static void degrees_tick_by_parts_of_a_circle(void **state) {
+  (void)state;
+  const double cases[][3] = {/* from, to, step */
+                             {0, 360, 45},   {0, 180, 30}, {-180, 180, 45}, {0, 90, 10}, {0, 40, 5},
+                             {180, 540, 45}, {0, 720, 90}, {0, 1.5, 0.2},   {0, 100, 15}};
+  for (size_t i = 0; i < sizeof cases / sizeof *cases; ++i) {
+    km_axis axis = km_axis_fit(cases[i][0], cases[i][1], 9, true, false);
+    assert_near(km_axis_tick(&axis, 1) - km_axis_tick(&axis, 0), cases[i][2], 1e-12);
+  }
+  assert_true(km_axis_in_degrees("driver A (deg)") && km_axis_in_degrees("(deg)"));
+  assert_false(km_axis_in_degrees("driver A (deg) ") || km_axis_in_degrees("rate (deg/s)") ||
+               km_axis_in_degrees("deg)") || km_axis_in_degrees("") || km_axis_in_degrees(NULL));
 }
 
 static void ranges_can_be_drawn(void **state) {
@@ -186,6 +203,48 @@ static void straight_lines_are_two_points(void **state) {
 }
 
 /* Panels lie side by side within the page, each with its frame, and don't overlap; the y axis takes in all data. */
+/* The line of y = 0 except y = level for the points from `parted` on, in a frame of 300 x 200 points. */
+static km_curve flat_curve(double *y, const double *x, size_t count, size_t parted, double level, km_arena *arena) {
+  const km_frame frame = {10.0, 10.0, 300.0, 200.0, 0.0, 1.0, -1.0, 1.0};
+  for (size_t i = 0; i < count; ++i)
+    y[i] = i < parted ? 0.0 : level;
+  const km_plot_series series = {.x = x, .y = y, .count = count};
+  return km_curve_make(&frame, &series, arena);
+}
+
+static void lines_on_each_other_stay_visible(void **state) {
+  (void)state;
+  enum { POINTS = 41 };
+  double x[POINTS], y[POINTS];
+  for (size_t i = 0; i < POINTS; ++i)
+    x[i] = (double)i / (POINTS - 1);
+  km_arena arena = {0};
+  km_plot_series series[4] = {{.colour = 0}, {.colour = 1}, {.colour = 2}, {.colour = 3}};
+  km_curve curves[4];
+  for (int i = 0; i < 4; ++i)
+    curves[i] = flat_curve(y, x, POINTS, POINTS, 0.0, &arena);
+  double covered = 0.0;
+  for (size_t i = 0; i < 4; ++i) { /* each pen draws less of the period than what lies beneath it */
+    km_pen pen = km_overlap_pen(series, curves, i, 1.3);
+    assert_int_equal(pen.dash_count, i ? 2 : 0);
+    double drawn = i ? pen.dash[0] / (pen.dash[0] + pen.dash[1]) : 1.0;
+    assert_true(i == 0 || drawn < 0.75 * covered);
+    covered = drawn;
+  }
+  curves[1] = flat_curve(y, x, POINTS, 3 * POINTS / 4, 0.5, &arena); /* most of the way together */
+  assert_int_equal(km_overlap_pen(series, curves, 1, 1.3).dash_count, 2);
+  curves[1] = flat_curve(y, x, POINTS, POINTS / 4, 0.5, &arena); /* apart but for the beginning */
+  assert_int_equal(km_overlap_pen(series, curves, 1, 1.3).dash_count, 0);
+  curves[1] = curves[0];
+  series[1].dash = 1; /* dashes over a solid line show both already */
+  assert_true(km_overlap_pen(series, curves, 1, 1.3).dash[0] == km_palette_pen(1, 1, 1.3).dash[0]);
+  series[0].dash = 1;
+  assert_true(km_overlap_pen(series, curves, 1, 1.3).dash[0] != km_palette_pen(1, 1, 1.3).dash[0]);
+  series[0].colour = -1; /* grey lines give way */
+  assert_true(km_overlap_pen(series, curves, 1, 1.3).dash[0] == km_palette_pen(1, 1, 1.3).dash[0]);
+  km_arena_free(&arena);
+}
+
 static void panels_have_room(void **state) {
   (void)state;
   const double x[] = {0, 1, 2}, y[] = {-3, 5, 2};
@@ -227,8 +286,11 @@ static void panels_have_room(void **state) {
 
 int main(void) {
   const struct CMUnitTest tests[] = {cmocka_unit_test(ticks_are_round_and_read_back),
-                                     cmocka_unit_test(ranges_can_be_drawn), cmocka_unit_test(curves_keep_their_data),
+                                     cmocka_unit_test(degrees_tick_by_parts_of_a_circle),
+                                     cmocka_unit_test(ranges_can_be_drawn),
+                                     cmocka_unit_test(curves_keep_their_data),
                                      cmocka_unit_test(straight_lines_are_two_points),
+                                     cmocka_unit_test(lines_on_each_other_stay_visible),
                                      cmocka_unit_test(panels_have_room)};
   return cmocka_run_group_tests(tests, NULL, NULL);
 }

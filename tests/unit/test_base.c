@@ -28,8 +28,8 @@ static void numbers_are_shortest_and_exact(void **state) {
   check_number(1e22, "1e+22");
   check_number(5e-324, "5e-324");
   check_number(DBL_MAX, "1.7976931348623157e+308");
-  check_number(INFINITY, "inf");
-  check_number(-INFINITY, "-inf");
+  check_number(HUGE_VAL, "inf");
+  check_number(-HUGE_VAL, "-inf");
   randomness r = {1};
   for (int i = 0; i < 20000; ++i)
     check_number(uniform(&r, -1.0, 1.0) * pow(10.0, uniform(&r, -300.0, 300.0)), NULL);
@@ -94,7 +94,7 @@ static void csv_quotes_what_needs_it(void **state) {
   assert_int_equal(km_table_add_column(table, "q.a,\"b\"", "mm"), 1);
   double *row = km_table_add_row(table);
   row[0] = 0.5;
-  row[1] = INFINITY;
+  row[1] = HUGE_VAL;
   km_table_add_row(table);
   km_text out = {0};
   km_csv_write(table, &out);

@@ -123,6 +123,34 @@ static void what_lies_in_front_comes_last(void **state) {
   fixture_close(&f);
 }
 
+/* The excavator's payload pulls down on the bucket: its arrow points down the page, and is named. */
+static void loads_are_arrows_with_names(void **state) {
+  (void)state;
+  fixture f = fixture_open("excavator");
+  km_drawing drawing = drawing_of(&f);
+  km_studio studio = {.drawing = &drawing, .place = {0, 0, 400, 300}};
+  assert_true(km_studio_open(&studio));
+  km_scene scene = km_studio_scene(&studio, 0, 1.0);
+  km_label *labels = calloc(km_studio_most_labels(&studio), sizeof *labels);
+  size_t without = km_studio_labels(&studio, &scene, labels), with;
+  drawing.loads = true;
+  with = km_studio_labels(&studio, &scene, labels);
+  assert_int_equal(with, without + (size_t)f.model->load_count);
+  assert_string_equal(labels[0].text, "payload");
+  km_spot ends[2];
+  assert_true(km_load_arrow(&studio, &scene, 0, ends));
+  assert_near(ends[1].x, ends[0].x, 1e-9);
+  assert_true(ends[1].y > ends[0].y); /* y of a page points down */
+  const km_model_frame *frame = &f.model->frames[f.model->loads[0].frame];
+  km_spot point = km_project(&studio.view, km_pose_point(&f.state->pose[frame->body], frame->pose.p));
+  bool tip = hypot(ends[1].x - point.x, ends[1].y - point.y) < 1e-9,
+       tail = hypot(ends[0].x - point.x, ends[0].y - point.y) < 1e-9;
+  assert_true(tip != tail);
+  free(labels);
+  assert_int_equal(km_studio_close(&studio, NULL), KM_OK);
+  fixture_close(&f);
+}
+
 static void names_do_not_overlap(void **state) {
   (void)state;
   enum { NAMES = 60 };
@@ -259,15 +287,11 @@ static void a_row_of_poses_shares_its_scale(void **state) {
 
 int main(void) {
   const struct CMUnitTest tests[] = {
-      cmocka_unit_test(the_same_bytes_for_every_model),
-      cmocka_unit_test(the_plane_of_motion_is_found),
-      cmocka_unit_test(views_are_right_handed),
-      cmocka_unit_test(what_lies_in_front_comes_last),
-      cmocka_unit_test(names_do_not_overlap),
-      cmocka_unit_test(any_size_can_be_drawn),
-      cmocka_unit_test(a_page_too_small_is_refused),
-      cmocka_unit_test(thumbnails_of_any_size),
-      cmocka_unit_test(a_row_of_poses_shares_its_scale),
+      cmocka_unit_test(the_same_bytes_for_every_model), cmocka_unit_test(the_plane_of_motion_is_found),
+      cmocka_unit_test(views_are_right_handed),         cmocka_unit_test(what_lies_in_front_comes_last),
+      cmocka_unit_test(loads_are_arrows_with_names),    cmocka_unit_test(names_do_not_overlap),
+      cmocka_unit_test(any_size_can_be_drawn),          cmocka_unit_test(a_page_too_small_is_refused),
+      cmocka_unit_test(thumbnails_of_any_size),         cmocka_unit_test(a_row_of_poses_shares_its_scale),
   };
   return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -221,7 +221,7 @@ static void marks_are_where_the_table_has_them(void **state) {
 /* A dot without a number is off the page in that frame, and only there. */
 static void dots_without_a_number_are_hidden(void **state) {
   (void)state;
-  static const double x[] = {0, 1, 2, 3}, y[] = {1, NAN, HUGE_VAL, 2};
+  static const double x[] = {0, 1, 2, 3}, y[] = {1, (double)NAN, HUGE_VAL, 2};
   const km_plot_series series = {.x = x, .y = y, .count = 4};
   const km_plot_panel panel = {.series = &series, .series_count = 1};
   const km_plot plot = {.x_label = "x", .panels = &panel, .panel_count = 1};

@@ -183,21 +183,42 @@ static void writing_is_stable(void **state) {
   km_text_free(&second);
 }
 
-static void every_table_entry_is_in_the_schema(void **state) {
+/* Every key of an object and of those inside it has a text, and the schema describes it in these words. */
+static void check_described(const km_value *schema, const km_object_format *format, const km_object_format **seen) {
+  int known = 0;
+  for (; seen[known]; ++known)
+    if (seen[known] == format)
+      return;
+  seen[known] = format;
+  const km_value *object =
+      format == &km_format_model ? schema : km_value_get(km_value_get(schema, "$defs"), format->name);
+  for (const km_field *field = format->fields; field->key; ++field) {
+    const km_value *told = km_value_get(km_value_get(km_value_get(object, "properties"), field->key), "description");
+    if (!field->help || !told)
+      fail_msg("%s.%s has no description", format->name, field->key);
+    size_t length = strlen(field->help);
+    assert_true(length > 0 && field->help[length - 1] == '.');
+    assert_memory_equal(told->string, field->help, length);
+    if (field->object)
+      check_described(schema, field->object, seen);
+  }
+}
+
+static void every_key_is_described_in_the_schema(void **state) {
   (void)state;
+  enum { MOST = 64 };
+  const km_object_format *seen[MOST] = {NULL};
   km_arena arena = {0};
   const km_value *schema = km_format_schema(&arena);
   assert_non_null(schema);
-  const km_value *joint = km_value_get(km_value_get(schema, "$defs"), "joint");
-  assert_non_null(joint);
-  for (const km_field *field = km_format_joint.fields; field->key; ++field)
-    assert_non_null(km_value_get(km_value_get(joint, "properties"), field->key));
+  check_described(schema, &km_format_model, seen);
+  assert_non_null(seen[20]);
   km_arena_free(&arena);
 }
 
 int main(void) {
   const struct CMUnitTest tests[] = {cmocka_unit_test(labels_paths_and_units),
                                      cmocka_unit_test(conversion_knows_every_unit), cmocka_unit_test(writing_is_stable),
-                                     cmocka_unit_test(every_table_entry_is_in_the_schema)};
+                                     cmocka_unit_test(every_key_is_described_in_the_schema)};
   return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -382,7 +382,7 @@ static void refused_pivots(void **state) {
 
 static void not_finite(void **state) {
   (void)state;
-  static const double bad[] = {(double)NAN, (double)INFINITY, -(double)INFINITY, -(double)NAN};
+  static const double bad[] = {(double)NAN, HUGE_VAL, -HUGE_VAL, -(double)NAN};
   for (int i = 0; i < 4000; ++i) {
     int rows = 1 + index_below(SMALL + 4), columns = 1 + index_below(SMALL);
     fill(rows, columns, index_below(least(rows, columns) + 1));

@@ -4,6 +4,7 @@
 
 #include "report/plot/mobility_plot.h"
 #include "report/plot/motion_map_plot.h"
+#include "report/plot/short_names.h"
 #include "report/plot/sweep_strip.h"
 #include "report/plot/track_plot.h"
 
@@ -95,6 +96,25 @@ static void overlaid_sweeps_have_a_colour_each(void **state) {
   for (int i = 0; i < 2; ++i)
     km_mobility_sweep_free(&sweeps[i]);
   fixture_close(&f);
+}
+
+/* What tells long names apart, and never a part of a number. */
+static void short_names_keep_numbers_whole(void **state) {
+  (void)state;
+  static const char *const cases[][4] = {
+      {"left_arm.cable.x=-30", "left_arm.cable.x=-20", "…-30", "…-20"},
+      {"left_arm.cable.x=1.25", "left_arm.cable.x=1.75", "…1.25", "…1.75"},
+      {"excavator_of_today", "excavator_of_1990", "…today", "…1990"},
+      {"short", "names", "short", "names"},
+  };
+  for (size_t i = 0; i < sizeof cases / sizeof *cases; ++i) {
+    km_arena arena = {0};
+    const char *out[2];
+    km_short_names(cases[i], 2, &arena, out);
+    assert_string_equal(out[0], cases[i][2]);
+    assert_string_equal(out[1], cases[i][3]);
+    km_arena_free(&arena);
+  }
 }
 
 /* Line by line of a page of tracks, with what each must show. */
@@ -232,8 +252,8 @@ static void drawings_are_at_their_rows(void **state) {
 
 int main(void) {
   const struct CMUnitTest tests[] = {
-      cmocka_unit_test(mobility_plots_draw_their_columns), cmocka_unit_test(overlaid_sweeps_have_a_colour_each),
-      cmocka_unit_test(track_plots_draw_their_columns), cmocka_unit_test(maps_are_paler_where_values_are_higher),
-      cmocka_unit_test(drawings_are_at_their_rows)};
+      cmocka_unit_test(mobility_plots_draw_their_columns),      cmocka_unit_test(overlaid_sweeps_have_a_colour_each),
+      cmocka_unit_test(short_names_keep_numbers_whole),         cmocka_unit_test(track_plots_draw_their_columns),
+      cmocka_unit_test(maps_are_paler_where_values_are_higher), cmocka_unit_test(drawings_are_at_their_rows)};
   return cmocka_run_group_tests(tests, NULL, NULL);
 }

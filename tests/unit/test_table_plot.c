@@ -35,8 +35,8 @@ static void tables_survive_their_text(void **state) {
   (void)state;
   static const char *const names[] = {"step", "q.A", "q.comma, \"quoted\"\nin two lines", "m.crank_m", "ma.A/B"};
   static const char *const units[] = {"", "rad", "deg", "", "rad/mm"};
-  static const double numbers[] = {0.0,       -0.1, 1e300,        DBL_MIN, HUGE_VAL,
-                                   -HUGE_VAL, NAN,  DBL_TRUE_MIN, 1.0 / 3, 12345678901234567.0};
+  static const double numbers[] = {0.0,       -0.1,        1e300,        DBL_MIN, HUGE_VAL,
+                                   -HUGE_VAL, (double)NAN, DBL_TRUE_MIN, 1.0 / 3, 12345678901234567.0};
   enum { COLUMNS = 5, ROWS = 10 };
   km_table *table = km_table_create();
   for (int c = 0; c < COLUMNS; ++c)

@@ -154,7 +154,7 @@ static void paths_that_name_no_number_are_refused(void **state) {
              {"version", {"isn't a number", ""}, 1},
              {"crank..x", {"there is no \"\"", ""}, 1},
              {"", {"a path is empty", ""}, 1},
-             {"reach", {"isn't finite", ""}, NAN}};
+             {"reach", {"isn't finite", ""}, (double)NAN}};
   const char *text = linkage;
   for (size_t i = 0; i < sizeof bad / sizeof *bad; ++i) {
     km_assignment assignment = {bad[i].path, bad[i].value};

@@ -22,7 +22,7 @@ static void add_option(kt_options *out, kt_asked *asked, const km_option *o) {
   const kt_option option = {.name = o->name,
                             .argument = o->argument,
                             .help = o->otherwise ? asked->help[i] : o->help,
-                            .kind = flag ? KT_FLAG : KT_TEXTS,
+                            .kind = flag ? KT_FLAG : (kt_kind){KT_KEEP_TEXTS, o->words},
                             .target = flag ? (void *)&asked->flags[i] : (void *)&asked->texts[i],
                             .group = KT_ABOUT_MODEL};
   kt_options_add(out, &option, 1);

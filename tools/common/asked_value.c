@@ -66,6 +66,18 @@ static kt_exit read_points(const kt_common *common, const km_model *model, const
   return result;
 }
 
+static kt_exit read_ends(const kt_common *common, const km_model *model, const char *name, const kt_texts *texts,
+                         km_arena *arena, km_option_value *out) {
+  km_handle *ends = KM_ARENA_NEW(arena, km_handle, (size_t)texts->count);
+  kt_exit result = ends ? KT_DONE : KT_INTERNAL;
+  out->ends = ends;
+  out->count = texts->count;
+  for (int i = 0; i < texts->count && result == KT_DONE; ++i)
+    result = kt_direction(texts->items[i]) ? kt_end(common, model, name, texts->items[i], arena, &ends[i])
+                                           : kt_usage(common, name, texts->items[i], "BODY/FRAME:DX,DY,DZ");
+  return result;
+}
+
 kt_exit kt_asked_value(const kt_common *common, const km_model *model, const km_option *o, const char *name,
                        const kt_texts *texts, km_arena *arena, km_option_value *out) {
   const char *text = texts->items[texts->count - 1];
@@ -94,6 +106,8 @@ kt_exit kt_asked_value(const kt_common *common, const km_model *model, const km_
     return read_points(common, model, name, texts, arena, out);
   case KM_OPTION_END:
     return kt_end(common, model, name, text, arena, &out->end);
+  case KM_OPTION_ENDS:
+    return read_ends(common, model, name, texts, arena, out);
   case KM_OPTION_LOADS:
     return kt_loads(common, model, texts, arena, out);
   }

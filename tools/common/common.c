@@ -1,12 +1,12 @@
-/* What the tools share: common options, messages, subcommands, reading models. */
+/* What the tools share: common options, subcommands, reading models. */
 #include "common/common.h"
 
 #include "base/file.h"
 #include "base/memory.h"
+#include "common/pages.h"
 #include "kmech/version.h"
 
 #include <argp.h>
-#include <stdarg.h>
 #include <stdio.h>
 #include <stdio_ext.h>
 #include <stdlib.h>
@@ -61,46 +61,6 @@ void kt_common_options(kt_options *out, kt_common *common, unsigned uses) {
     KT_OPTIONS_ADD(out, force);
 }
 
-static void say(const kt_common *common, const char *word, const char *format, va_list arguments) {
-  char text[2 * KM_ERROR_TEXT];
-  vsnprintf(text, sizeof text, format, arguments);
-  if (common->log)
-    km_text_format(common->log, "%s: %s%s\n", common->tool, word, text);
-  else
-    fprintf(stderr, "%s: %s%s\n", common->tool, word, text);
-}
-
-void kt_say(const kt_common *common, km_severity severity, const char *format, ...) {
-  static const char *const words[] = {"note: ", "warning: ", ""};
-  if (common->quiet && severity != KM_ERROR)
-    return;
-  va_list arguments;
-  va_start(arguments, format);
-  say(common, words[severity], format, arguments);
-  va_end(arguments);
-}
-
-void kt_detail(const kt_common *common, const char *format, ...) {
-  if (!common->verbose || common->quiet)
-    return;
-  va_list arguments;
-  va_start(arguments, format);
-  say(common, "", format, arguments);
-  va_end(arguments);
-}
-
-kt_exit kt_usage(const kt_common *common, const char *option, const char *found, const char *expected) {
-  kt_say(common, KM_ERROR, "%s %s: expected %s", option, found, expected);
-  return KT_USAGE;
-}
-
-void kt_flush(kt_common *common) {
-  if (common->log && common->log->size)
-    fwrite(common->log->data, 1, common->log->size, stderr);
-  if (common->log)
-    km_text_free(common->log);
-}
-
 static void print_version(FILE *stream, struct argp_state *state) {
   (void)state;
   fprintf(stream, "kmech %s\n", KM_VERSION);
@@ -137,6 +97,8 @@ kt_exit kt_run(const char *tool, const char *about, const kt_command *commands, 
     print_version(stdout, NULL);
     return KT_DONE;
   }
+  if (strncmp(word, "--help=", 7) == 0 && kt_page_print_tool(tool, about, commands, word + 7))
+    return KT_DONE;
   for (const kt_command *c = commands; c->name; ++c) {
     if (strcmp(c->name, word) != 0)
       continue;
@@ -145,11 +107,13 @@ kt_exit kt_run(const char *tool, const char *about, const kt_command *commands, 
     argv[1] = name;
     return c->run(argc - 1, argv + 1);
   }
-  fprintf(stderr, "%s: %s%s%s; expected one of", tool, argc > 1 ? "\"" : "no command", word,
-          argc > 1 ? "\" is not a command" : "");
+  const kt_common common = KT_COMMON(tool);
+  km_text names = {0};
   for (const kt_command *c = commands; c->name; ++c)
-    fprintf(stderr, " %s", c->name);
-  fprintf(stderr, " (%s --help)\n", tool);
+    km_text_format(&names, " %s", c->name);
+  kt_say(&common, KM_ERROR, "%s%s%s; expected one of%s (%s --help)", argc > 1 ? "\"" : "no command", word,
+         argc > 1 ? "\" is not a command" : "", names.failed ? "" : names.data, tool);
+  km_text_free(&names);
   return KT_USAGE;
 }
 

@@ -41,7 +41,7 @@ typedef struct kt_common {
 enum { KT_USES_JOBS = 1, KT_USES_SEED = 2, KT_USES_FORCE = 4, KT_USES_FLOAT = 8 };
 void kt_common_options(kt_options *out, kt_common *common, unsigned uses);
 
-/* `tool: text` on the standard error. Notes and warnings are silent with --quiet. */
+/* `tool: text` on the standard error, coloured on a terminal (NO_COLOR, CLICOLOR_FORCE). Notes and warnings are silent with --quiet. */
 void kt_say(const kt_common *common, km_severity severity, const char *format, ...)
     __attribute__((format(printf, 3, 4)));
 
@@ -125,6 +125,7 @@ typedef struct kt_formats {
   bool wanted[KT_FORMATS];
 } kt_formats;
 #define KT_FORMATS_HELP "Some of csv,json,svg,pdf,png (default csv,svg)"
+#define KT_FORMATS_KIND KT_TEXT_OF("csv or json or svg or pdf or png")
 /* "csv,svg"; false and a message if a word is unknown. */
 bool kt_formats_parse(const kt_common *common, const char *text, kt_formats *out);
 /* The same of a command that writes some of `among`, "svg,pdf,png". */
@@ -136,6 +137,11 @@ km_canvas_format kt_canvas_format(kt_format format);
 /* Writes BASE.RESULT.FORMAT, or the standard output for base "-"; tells where unless quiet. */
 kt_exit kt_write(const kt_common *common, const char *base, const char *result, const char *format,
                  const km_text *bytes);
+/* Tells before more than 100 MB are written: tables of so many numbers in all, each of some 20 bytes. */
+void kt_note_size(const kt_common *common, double numbers);
+/* Whether a file may be written under this name: it is new, or --force is given; says so if not. Pipes and devices may
+ * always be written. */
+bool kt_may_write(const kt_common *common, const char *path);
 /* Writes text to the standard output. */
 kt_exit kt_print(const kt_common *common, const km_text *text);
 

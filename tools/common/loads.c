@@ -2,6 +2,7 @@
 #include "common/asked.h"
 
 #include "base/memory.h"
+#include "base/nearest.h"
 #include "base/text.h"
 
 #include <string.h>
@@ -51,14 +52,15 @@ static km_load *named(const km_model *model, const char *name, loads *out) {
 }
 
 static kt_exit unknown(const kt_common *common, const km_model *model, const char *text, const char *name) {
-  km_text known = {0};
-  km_text_add(&known, "");
+  km_nearest nearest = {.wanted = name};
+  char names[KM_NEAREST_TEXT];
   for (int i = 0; i < km_model_load_count(model); ++i)
-    km_text_format(&known, "%s\"%s\"", i ? ", " : "", km_model_load_name(model, i));
+    km_nearest_offer(&nearest, km_model_load_name(model, i));
   kt_say(common, KM_ERROR,
-         "--load %s: \"%s\" is neither a load of the model (it has %s) nor a BODY/FRAME with a force FX,FY,FZ", text,
-         name, known.size ? known.data : "none");
-  km_text_free(&known);
+         "--load %s: \"%s\" is neither a load of the model (%s %s) nor a BODY/FRAME with a force "
+         "FX,FY,FZ",
+         text, name, km_model_load_count(model) > KM_NEAREST ? "the nearest are" : "it has",
+         km_nearest_text(&nearest, names));
   return KT_USAGE;
 }
 
@@ -75,15 +77,6 @@ static void set(km_load *load, const values *v) {
   }
   if (v->axes_given)
     load->turning = v->turning;
-}
-
-static bool is_frame(const kt_common *common, const km_model *model, const char *text, int *frame) {
-  kt_common silent = *common;
-  km_text log = {0};
-  silent.log = &log;
-  bool found = kt_frame(&silent, model, "--load", text, frame) == KT_DONE;
-  km_text_free(&log);
-  return found;
 }
 
 static km_load *add(loads *out, int frame) {
@@ -104,16 +97,18 @@ static kt_exit read_one(const kt_common *common, const km_model *model, const ch
   } else if (load) {
     set(load, &v);
   } else {
-    int frame;
+    int frame = -1;
     size_t size = (size_t)(rest - 1 - text);
     char *place = KM_NEW(char, size + 1);
     if (place)
       memcpy(place, text, size);
     if (!place)
       result = KT_INTERNAL;
-    else if (v.count == 1 || !is_frame(common, model, place, &frame))
+    else if (v.count == 1 || !strchr(place, '/'))
       result = unknown(common, model, text, name.text);
     else
+      result = kt_frame(common, model, "--load", place, &frame);
+    if (result == KT_DONE)
       set(add(out, frame), &v);
     km_free(place);
   }

@@ -17,18 +17,19 @@ typedef struct kt_texts {
 /* What becomes of an option's argument. */
 typedef struct kt_kind {
   enum { KT_KEEP_FLAG, KT_KEEP_TEXT, KT_KEEP_TEXTS, KT_KEEP_WORD, KT_KEEP_COUNT, KT_KEEP_SEED } keep;
-  const char *words;
+  const char *words; /* of a WORD; of texts what completions offer, or NULL */
 } kt_kind;
 
-#define KT_FLAG        ((kt_kind){KT_KEEP_FLAG, NULL})  /* no argument; target bool: it is given */
-#define KT_TEXT        ((kt_kind){KT_KEEP_TEXT, NULL})  /* const char *: the text, the last one counts */
-#define KT_TEXTS       ((kt_kind){KT_KEEP_TEXTS, NULL}) /* kt_texts: all texts in their order */
-#define KT_WORD(WORDS) ((kt_kind){KT_KEEP_WORD, WORDS}) /* int: the word's place in "one or another" */
-#define KT_COUNT       ((kt_kind){KT_KEEP_COUNT, NULL}) /* int: a whole number from 1 to 1024 */
-#define KT_SEED        ((kt_kind){KT_KEEP_SEED, NULL})  /* unsigned long: a whole number of at least 0 */
+#define KT_FLAG           ((kt_kind){KT_KEEP_FLAG, NULL})  /* no argument; target bool: it is given */
+#define KT_TEXT           ((kt_kind){KT_KEEP_TEXT, NULL})  /* const char *: the text, the last one counts */
+#define KT_TEXT_OF(WORDS) ((kt_kind){KT_KEEP_TEXT, WORDS}) /* the same, some of "one or another" with commas */
+#define KT_TEXTS          ((kt_kind){KT_KEEP_TEXTS, NULL}) /* kt_texts: all texts in their order */
+#define KT_WORD(WORDS)    ((kt_kind){KT_KEEP_WORD, WORDS}) /* int: the word's place in "one or another" */
+#define KT_COUNT          ((kt_kind){KT_KEEP_COUNT, NULL}) /* int: a whole number from 1 to 1024 */
+#define KT_SEED           ((kt_kind){KT_KEEP_SEED, NULL})  /* unsigned long: a whole number of at least 0 */
 
-/* In which part of --help an option stands. */
-typedef enum kt_group { KT_ABOUT_MODEL = 1, KT_ABOUT_METHOD, KT_ABOUT_FILES, KT_ABOUT_ALL = 90 } kt_group;
+/* In which part of --help an option stands; hidden ones are taken for old scripts and do nothing. */
+typedef enum kt_group { KT_HIDDEN, KT_ABOUT_MODEL, KT_ABOUT_METHOD, KT_ABOUT_FILES, KT_ABOUT_ALL = 90 } kt_group;
 
 typedef struct kt_option {
   const char *name;     /* behind -- */
@@ -59,7 +60,11 @@ void kt_options_add(kt_options *options, const kt_option *table, size_t count);
 /* The same for an array. */
 #define KT_OPTIONS_ADD(OPTIONS, TABLE) kt_options_add(OPTIONS, TABLE, sizeof(TABLE) / sizeof *(TABLE))
 
-/* Reads a command line into the targets; a usage error ends the process with KT_USAGE, --help and --version with 0.
+/* Leaves an option out of --help. */
+void kt_options_hide(kt_options *options, const char *name);
+
+/* Reads a command line into the targets; a usage error ends the process with KT_USAGE, --help and --version with 0
+ * (and --help=man, --help=completion, from which pages.h makes pages).
  * `about`: what the command does; text after \v stands below the options. */
 void kt_options_read(const kt_options *options, const char *about, int argc, char **argv);
 

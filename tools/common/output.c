@@ -5,6 +5,7 @@
 #include "base/memory.h"
 
 #include <string.h>
+#include <sys/stat.h>
 
 static const char *const words[KT_FORMATS] = {"csv", "json", "svg", "pdf", "png", "html", "apng", "dxf"};
 
@@ -79,4 +80,20 @@ kt_exit kt_write(const kt_common *common, const char *base, const char *result, 
     kt_say(common, KM_NOTE, "wrote %s", path.data);
   km_text_free(&path);
   return kt_exit_of(status);
+}
+
+void kt_note_size(const kt_common *common, double numbers) {
+  const double bytes = 20.0, told = 100e6;
+  kt_common loud = *common;
+  loud.quiet = false;
+  if (numbers * bytes > told)
+    kt_say(&loud, KM_NOTE, "about %.0f MB are written", numbers * bytes / 1e6);
+}
+
+bool kt_may_write(const kt_common *common, const char *path) {
+  struct stat there;
+  if (common->force || strcmp(path, "-") == 0 || stat(path, &there) != 0 || !S_ISREG(there.st_mode))
+    return true;
+  kt_say(common, KM_ERROR, "%s: exists already; expected a new name, or --force", path);
+  return false;
 }

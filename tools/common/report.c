@@ -9,12 +9,14 @@
 
 void kt_report_options(kt_options *out, kt_sweep_options *o, const char *kind, const char *base_help) {
   const kt_option table[] = {
-      {"format", 0, "FORMAT", "pdf (default) or html", KT_TEXT, &o->format, KT_ABOUT_FILES},
+      {"format", 0, "FORMAT", "pdf (default) or html", KT_TEXT_OF("pdf or html"), &o->format, KT_ABOUT_FILES},
       KT_BASE(&o->base, base_help),
   };
   kt_sweep_options_add(out, o, kind);
   KT_OPTIONS_ADD(out, table);
   kt_common_options(out, &o->common, KT_USES_FLOAT);
+  kt_options_hide(out, "derivatives"); /* columns of tables, which a report doesn't have */
+  kt_options_hide(out, "transmission");
   out->operand = (kt_operand){"model", "MODEL", true, NULL, &o->models};
 }
 

@@ -186,11 +186,23 @@ static void base_of(const kt_sweep_options *o, char *out, size_t size) {
     snprintf(out, size, "%s%s", model, job_count(o) > 1 ? "-compared" : "");
 }
 
+/* How many numbers the tables hold. */
+static double count_numbers(const kt_sweep_options *o, const kt_sweep_job *jobs) {
+  double numbers = 0.0;
+  for (int i = 0; i < job_count(o); ++i) {
+    const km_table *table = kt_sweep_job_delivers(&jobs[i]) ? km_question_table(jobs[i].question) : NULL;
+    if (table)
+      numbers += (double)km_table_rows(table) * (double)km_table_columns(table);
+  }
+  return numbers * (o->formats.wanted[KT_CSV] + o->formats.wanted[KT_JSON]);
+}
+
 static kt_exit deliver(const kt_sweep_options *o, const kt_sweep_job *jobs) {
   kt_exit result = KT_DONE;
   bool some = false;
   char base[4096], own[4096 + KT_JOB_NAME];
   base_of(o, base, sizeof base);
+  kt_note_size(&o->common, count_numbers(o, jobs));
   for (int i = 0; i < job_count(o); ++i) {
     const kt_sweep_job *j = &jobs[i];
     if (!kt_sweep_job_delivers(j))

@@ -16,7 +16,7 @@ void kt_sweep_options_several(kt_options *out, kt_sweep_options *o, const char *
       KT_VARY(&o->vary),
       {"joints", 0, "A,B", "The joints whose curves are drawn (default: all; of several models the driver's)", KT_TEXT,
        &o->joints, KT_ABOUT_FILES},
-      {"format", 0, "LIST", KT_FORMATS_HELP, KT_TEXT, &o->format, KT_ABOUT_FILES},
+      {"format", 0, "LIST", KT_FORMATS_HELP, KT_FORMATS_KIND, &o->format, KT_ABOUT_FILES},
       KT_BASE(&o->base, base_help),
   };
   kt_sweep_options_add(out, o, kind);

@@ -43,7 +43,8 @@ kt_exit kma_report(int argc, char **argv) {
   kt_sweep_options o = {.common = KT_COMMON("kma")};
   kt_options all = {0};
   kt_report_options(&all, &o, "advantage", KT_REPORT_BASE("advantage-report"));
-  explain_points(&all);
+  kt_asked_explain(&all, "point", "BODY/FRAME:DX,DY,DZ",
+                   "A point along a direction as output (a second one: as input before it)");
   kt_options_read(&all,
                   "A report to hand on: the mechanism in its poses, the leverage curve with its extremes and toggles, "
                   "transmission metrics and a table, as PDF pages or one HTML file.",

@@ -115,8 +115,8 @@ static void add_options(kt_options *out, kmob_draw_options *o) {
       KT_HOLD(&o->holds, "Keep a joint rigid at a value"),
       KT_MODE(o->common),
       KT_SET(&o->sets, KT_SET_FIRST),
-      {"view", 0, "VIEW", "xy, xz, yz, iso, or auto: the plane of motion, if there is one (default)", KT_TEXT, &o->view,
-       KT_ABOUT_FILES},
+      {"view", 0, "VIEW", "xy, xz, yz, iso, or auto: the plane of motion, if there is one (default)",
+       KT_TEXT_OF("xy or xz or yz or iso or auto"), &o->view, KT_ABOUT_FILES},
       {"bodies", 0, NULL, "Name the bodies too", KT_FLAG, &o->bodies, KT_ABOUT_FILES},
       {"meshes", 0, NULL, "Draw bodies by their meshes, where they have one", KT_FLAG, &o->meshes, KT_ABOUT_FILES},
       {"size", 0, "WxH", "Size of the page in points (1/72 inch)", KT_TEXT, &o->size, KT_ABOUT_FILES},
@@ -126,7 +126,7 @@ static void add_options(kt_options *out, kmob_draw_options *o) {
        &o->link_width, KT_ABOUT_FILES},
       {"format", 0, "LIST",
        "Some of svg,pdf,png,dxf (default svg; dxf: outlines in the model's unit); of html,apng with --animate (default html)",
-       KT_TEXT, &o->format, KT_ABOUT_FILES},
+       KT_TEXT_OF("svg or pdf or png or dxf or html or apng"), &o->format, KT_ABOUT_FILES},
       KT_BASE(&o->base, "Files are BASE.motion.FORMAT (default: the model's name)"),
   };
   static const char *const motion[] = {"joint", "range", "steps", "arclength", "direction", "ignore-limits", NULL};

@@ -258,6 +258,7 @@ void kmob_shots_show(const kmob_shots *s, km_drawing *drawing) {
   drawing->trace_count = s->trace_count;
   drawing->meshes = (const km_mesh *const *)s->meshes;
   drawing->bodies = s->options->bodies;
+  drawing->loads = !s->options->animate; /* arrows that turn would cover the motion */
   drawing->title = s->title.data;
   drawing->name = s->name;
 }

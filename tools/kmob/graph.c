@@ -159,8 +159,8 @@ kt_exit kmob_graph(int argc, char **argv) {
   options o = {.common = KT_COMMON("kmob")};
   kt_options all = {.operand = {"model", "MODEL", true, &o.model, NULL}};
   const kt_option table[] = {
-      {"format", 0, "LIST", "Some of dot,svg (default dot); svg needs graphviz' program `dot`", KT_TEXT, &o.format,
-       KT_ABOUT_FILES},
+      {"format", 0, "LIST", "Some of dot,svg (default dot); svg needs graphviz' program `dot`",
+       KT_TEXT_OF("dot or svg"), &o.format, KT_ABOUT_FILES},
       KT_BASE(&o.base, "Write BASE.graph.FORMAT (default: one format goes to the standard output, several into files "
                        "with the model's name)"),
   };

@@ -13,7 +13,8 @@ static void print_modes(const km_model *model, const km_modes *modes, int driver
   for (int i = 0; i < modes->count; ++i) {
     km_text_format(out, "  %d:", i + 1);
     for (int c = 0; c < model->coordinate_count; ++c)
-      km_text_format(out, " %s %.6g", model->coordinates[c].label, modes->coordinates[i * model->coordinate_count + c]);
+      km_text_format(out, "%s %s %.6g %s", c ? "," : "", model->coordinates[c].label,
+                     modes->coordinates[i * model->coordinate_count + c], km_model_coordinate_unit(model, c));
     km_text_add(out, "\n");
   }
 }
@@ -60,7 +61,7 @@ static kt_exit describe(const kmob_request *o, const kt_pose *pose, km_text *out
       km_json_write(record, out);
     status = arena.failed ? KM_MEMORY : KM_OK;
   } else {
-    km_mobility_print(pose->mechanism, pose->state, &mobility, o->pose.model, out);
+    km_mobility_print(pose->mechanism, pose->state, &mobility, o->pose.model, o->pose.common.verbose, out);
     km_diagnosis_print(pose->mechanism, &diagnosis, o->pose.common.verbose, out);
     if (o->modes)
       print_modes(pose->model, &modes, driver, out);

@@ -3,6 +3,7 @@
 #define KMOB_H
 
 #include "common/pose.h"
+#include "model/units.h"
 
 kt_exit kmob_info(int argc, char **argv);
 kt_exit kmob_at(int argc, char **argv);
@@ -27,5 +28,16 @@ typedef enum kmob_asking { KMOB_INFO, KMOB_AT, KMOB_CHECKS } kmob_asking;
 
 /* Reads the options of such a command; usage errors end the process. */
 kmob_request kmob_read_request(int argc, char **argv, const char *about, kmob_asking asking);
+
+/* Of commands that write one file. */
+#define KMOB_FILE(TARGET)                                                                                              \
+  { "base", 'o', "FILE", "Write FILE instead of the standard output", KT_TEXT, TARGET, KT_ABOUT_FILES }
+
+/* Writes a file, the standard output for NULL and "-"; says what failed. */
+kt_exit kmob_write_text(const kt_common *common, const char *file, const km_text *text);
+kt_exit kmob_write_value(const kt_common *common, const char *file, const km_value *value);
+
+/* The units of a list such as `mm,deg` (NULL: none) in place of those given; says what isn't one. */
+kt_exit kmob_choose_units(const kt_common *common, const char *list, km_units *units);
 
 #endif

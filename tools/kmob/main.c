@@ -10,7 +10,7 @@ static const kt_command commands[] = {
     {"draw", "a picture of the mechanism in one or more poses", kmob_draw},
     {"plot", "columns of any table that the tools write, one over another", kmob_plot},
     {"convert", "write the checked model: other units, the assembled pose", kmob_convert},
-    {"new", "a starter model that runs", kmob_new},
+    {"new", "a model to start from: a linkage, a crane, a platform or an arm, in any units", kmob_new},
     {"schema", "the JSON schema of the model format", kmob_schema},
     {0}};
 

@@ -150,7 +150,8 @@ kt_exit kmob_plot(int argc, char **argv) {
       {"x", 0, "COLUMN", "The column across (default s), with its unit or without", KT_TEXT, &o.x, KT_ABOUT_MODEL},
       {"y", 0, "COLUMN,…", "The columns upwards (repeatable); those of one unit share an axis", KT_TEXTS, &o.y,
        KT_ABOUT_MODEL},
-      {"format", 0, "LIST", "Some of svg,pdf,png (default svg)", KT_TEXT, &o.format, KT_ABOUT_FILES},
+      {"format", 0, "LIST", "Some of svg,pdf,png (default svg)", KT_TEXT_OF("svg or pdf or png"), &o.format,
+       KT_ABOUT_FILES},
       KT_BASE(&o.base, "Files are BASE.plot.FORMAT (default: the first table's name)"),
   };
   KT_OPTIONS_ADD(&all, table);

@@ -19,11 +19,12 @@ void kredund_arm_options(kt_options *out, kredund_request *r) {
        KT_ABOUT_MODEL},
       KT_SET(&r->sets, "Move a joint of the model to a value first"),
       KT_HOLD(&r->holds, "Keep a joint of the model rigid at a value"),
-      {"task", 0, "TASK", "pose (default), position, or axis (position and the z axis)", KT_TEXT, &r->task,
-       KT_ABOUT_MODEL},
+      {"task", 0, "TASK", "pose (default), position, or axis (position and the z axis)",
+       KT_TEXT_OF("pose or position or axis"), &r->task, KT_ABOUT_MODEL},
       {"objective", 0, "NAME",
        "path-control, manipulability, singular-value, limit-distance, joint-travel, rate-margin; or NAME=WEIGHT,…",
-       KT_TEXT, &r->objective, KT_ABOUT_MODEL},
+       KT_TEXT_OF("path-control or manipulability or singular-value or limit-distance or joint-travel or rate-margin"),
+       &r->objective, KT_ABOUT_MODEL},
       {"rates", 0, "V1,V2,…", "Largest joint speeds, in the order of --q", KT_TEXT, &r->rates, KT_ABOUT_MODEL},
   };
   KT_OPTIONS_ADD(out, table);
@@ -33,14 +34,16 @@ void kredund_arm_options(kt_options *out, kredund_request *r) {
 void kredund_method_options(kt_options *out, kredund_request *r) {
   const kt_option table[] = {
       {"method", 0, "M,…", "greedy (or pinv), lookahead, fixed, dls, gradient, dp, global: instead of the study's",
-       KT_TEXT, &r->methods, KT_ABOUT_MODEL},
+       KT_TEXT_OF("greedy or pinv or lookahead or fixed or dls or gradient or dp or global"), &r->methods,
+       KT_ABOUT_MODEL},
       {"branches", 0, "N", "Look-ahead: branches at a node, odd (3)", KT_TEXT, &r->branches, KT_ABOUT_METHOD},
       {"levels", 0, "N", "Look-ahead: levels of the tree (3)", KT_TEXT, &r->levels, KT_ABOUT_METHOD},
       {"angle", 0, "DEGREES", "Look-ahead: between branches (30); most of gradient, dp and global", KT_TEXT, &r->angle,
        KT_ABOUT_METHOD},
       {"stride", 0, "N", "Look-ahead: samples a level (1/12 of the path); dp: a stage (1/24)", KT_TEXT, &r->stride,
        KT_ABOUT_METHOD},
-      {"value", 0, "WORD", "Look-ahead: a leaf's value, min (default) or sum", KT_TEXT, &r->value, KT_ABOUT_METHOD},
+      {"value", 0, "WORD", "Look-ahead: a leaf's value, min (default) or sum", KT_TEXT_OF("min or sum"), &r->value,
+       KT_ABOUT_METHOD},
   };
   KT_OPTIONS_ADD(out, table);
 }
@@ -122,7 +125,7 @@ static void note_start(const kredund_request *r, const kredund_open *out) {
   if (s->path && !s->start_status && s->start_moved > 1e-6)
     kt_say(&r->common, KM_NOTE,
            "%s: the starting pose isn't at the path's first pose; inverse kinematics moves it by up to "
-           "%.3g",
+           "%.3g rad (slides: over L)",
            out->name, s->start_moved);
 }
 

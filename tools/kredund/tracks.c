@@ -15,7 +15,7 @@ enum { OPTION_FORMAT = 0x3001 };
 bool kredund_tracks_read(kt_options *all, const char *about, int argc, char **argv, kredund_request *r,
                          kt_formats *formats) {
   const kt_option files[] = {
-      {"format", 0, "LIST", KT_FORMATS_HELP, KT_TEXT, &r->formats, KT_ABOUT_FILES},
+      {"format", 0, "LIST", KT_FORMATS_HELP, KT_FORMATS_KIND, &r->formats, KT_ABOUT_FILES},
       KT_BASE(&r->base, "Begin of the files' names (default: the study's name, or its folder's for study.json); - is "
                         "the standard output"),
   };
@@ -147,6 +147,19 @@ static bool anything(const kredund_tracks *t) {
   return false;
 }
 
+/* How many numbers the tables hold; the best track's is written twice. */
+static double count_numbers(const kredund_tracks *t) {
+  double numbers = 0.0;
+  int best = km_tracks_best(&t->all);
+  for (int i = 0; i < t->count; ++i) {
+    const km_table *table = t->items[i] ? t->items[i]->table : NULL;
+    int copies = t->formats.wanted[KT_JSON] + t->formats.wanted[KT_CSV] * (1 + (i == best && t->count > 1));
+    if (table)
+      numbers += copies * (double)km_table_rows(table) * (double)km_table_columns(table);
+  }
+  return numbers;
+}
+
 kt_exit kredund_tracks_deliver(kredund_tracks *t, const char *base) {
   const kt_common *common = &t->request->common;
   kt_exit result = KT_DONE;
@@ -160,6 +173,7 @@ kt_exit kredund_tracks_deliver(kredund_tracks *t, const char *base) {
     result = kt_print(common, &summary);
     km_text_free(&summary);
   }
+  kt_note_size(common, count_numbers(t));
   if (t->formats.wanted[KT_CSV])
     result = kt_worse(result, write_tables(t, base));
   if (t->formats.wanted[KT_JSON])

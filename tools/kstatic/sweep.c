@@ -21,6 +21,7 @@ kt_exit kstatic_report(int argc, char **argv) {
   kt_sweep_options o = {.common = KT_COMMON("kstatic")};
   kt_options all = {0};
   kt_report_options(&all, &o, "forces", KT_REPORT_BASE("forces-report"));
+  kt_options_hide(&all, "point"); /* a column of tables */
   kt_options_read(&all,
                   "A report to hand on: the mechanism in its poses, what every actuator must hold, where it rests or "
                   "peaks, and the reactions at the worst pose, as PDF pages or one HTML file.",

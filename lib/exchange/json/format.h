@@ -1,8 +1,9 @@
-/* The model format as a table: which keys an object may have, what each holds and in which unit. The
- * reader's checks, the unit conversion and the published JSON schema all come from it. */
+/* The model format as a table: which keys an object may have, what each means and holds, and in which unit. The
+ * reader's checks, the unit conversion, the published JSON schema and the guide's tables all come from it. */
 #ifndef KM_EXCHANGE_JSON_FORMAT_H
 #define KM_EXCHANGE_JSON_FORMAT_H
 
+#include "base/text.h"
 #include "base/value.h"
 #include "exchange/json/place.h"
 #include "kmech/status.h"
@@ -53,11 +54,13 @@ typedef struct km_object_format km_object_format;
 
 typedef struct km_field {
   const char *key;
+  const char *help; /* what it means, in whole sentences */
   km_shape shape;
   bool required;
   km_dimension dimension;
   km_measure measure;
   const km_object_format *object; /* of KM_SHAPE_OBJECT(S), KM_SHAPE_END, KM_SHAPE_PARAMETERS */
+  const char *unstated;           /* what counts where the file doesn't state it; NULL: nothing */
 } km_field;
 
 struct km_object_format {
@@ -82,6 +85,13 @@ void km_format_check(const km_value *root, km_messages *messages);
 /* The same of an object with another table, at a place (NULL: the root). */
 void km_format_check_as(const km_value *root, const km_object_format *format, const km_place *place,
                         km_messages *messages);
+
+/* A field's shape and unit in words, as `[x, y, z]` and `length/time^2`; the unit is empty where there is none. */
+void km_field_shape_text(const km_field *field, km_text *out);
+void km_field_unit_text(const km_field *field, km_text *out);
+
+/* Every object's keys as tables in Markdown, each below a line `<!-- keys: NAME -->`. */
+void km_format_markdown(km_text *out);
 
 /* The published JSON schema (draft 2020-12) of the table. */
 const km_value *km_format_schema(km_arena *arena);

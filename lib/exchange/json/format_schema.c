@@ -93,8 +93,24 @@ static void words(const schema *s, km_value *object, const km_object_format *for
 
 static void define(const schema *s, const km_object_format *format);
 
+/* What the guide's tables say of a key. */
+static void explain(const schema *s, km_value *object, const km_field *field) {
+  km_text text = {0}, unit = {0};
+  km_field_unit_text(field, &unit);
+  km_text_add(&text, field->help);
+  if (unit.size)
+    km_text_format(&text, " Unit: %s.", unit.data);
+  if (field->unstated)
+    km_text_format(&text, " Without it: %s.", field->unstated);
+  text.failed = text.failed || unit.failed;
+  km_text_free(&unit);
+  const char *words = km_text_keep(&text, s->arena);
+  km_value_string(s->arena, object, "description", words ? words : "");
+}
+
 static void describe(const schema *s, km_value *object, const km_object_format *format, const km_field *field) {
   km_value *a, *b;
+  explain(s, object, field);
   switch (field->shape) {
   case KM_SHAPE_NUMBER:
     number(s, object);

@@ -1,5 +1,6 @@
 /* Paths and labels: which body, frame, joint or coordinate a name means. */
 #include "base/check.h"
+#include "base/nearest.h"
 #include "exchange/json/path.h"
 #include "exchange/json/reader.h"
 
@@ -11,6 +12,29 @@ const char *km_path_text(const km_value *value, char out[KM_PLACE_TEXT]) {
   km_path_names p;
   km_path_names_gather(value, &p);
   return km_path_names_text(p.names, p.count, out);
+}
+
+/* The joints that are called nearly so; while a file is read, they have names and no labels yet. */
+static const char *nearest_joints(const km_model *model, const char *wanted, char out[KM_NEAREST_TEXT]) {
+  km_nearest nearest = {.wanted = wanted};
+  for (int j = 0; j < model->joint_count; ++j)
+    km_nearest_offer(&nearest, model->joints[j].label ? model->joints[j].label : model->joints[j].name);
+  return km_nearest_text(&nearest, out);
+}
+
+static const char *nearest_frames(const km_model *model, const char *wanted, char out[KM_NEAREST_TEXT]) {
+  km_arena arena = {0};
+  km_nearest nearest = {.wanted = wanted};
+  for (int f = 0; f < model->frame_count; ++f) {
+    const char *const parts[] = {model->bodies[model->frames[f].body].name, model->frames[f].name};
+    char text[KM_PLACE_TEXT];
+    const char *name = km_arena_string(&arena, km_path_names_text(parts, 2, text));
+    if (name)
+      km_nearest_offer(&nearest, name);
+  }
+  km_nearest_text(&nearest, out);
+  km_arena_free(&arena);
+  return out;
 }
 
 /* The assembly at the end of `count` names from the root; KM_NO_ASSEMBLY is the root itself. */
@@ -61,7 +85,7 @@ static int find_frame(const km_reader *reader, const char *const *names, size_t 
 
 int km_reader_frame(km_reader *reader, const km_value *value, int assembly, const km_place *place) {
   km_path_names p;
-  char text[KM_PLACE_TEXT];
+  char text[KM_PLACE_TEXT], near[KM_NEAREST_TEXT];
   int frame = km_path_names_gather(value, &p) ? find_frame(reader, p.names, p.count, assembly) : KM_NOT_FOUND;
   if (frame == KM_NOT_FOUND && p.count == 1 && km_path_names_split(p.names[0], &p))
     frame = find_frame(reader, p.names, p.count, assembly);
@@ -70,8 +94,8 @@ int km_reader_frame(km_reader *reader, const km_value *value, int assembly, cons
   if (frame == KM_NOT_FOUND && !p.failed)
     km_reader_error(reader, place,
                     "\"%s\" names no body or frame; expected [body, frame] of this assembly, a path from the "
-                    "root, or [\"fixed\", frame]",
-                    km_path_text(value, text));
+                    "root, or [\"fixed\", frame]; the nearest are %s",
+                    text, nearest_frames(reader->model, km_path_text(value, text), near));
   return frame;
 }
 
@@ -87,7 +111,7 @@ static int joint_named(const km_reader *reader, const char *name, int assembly) 
 
 int km_reader_joint(km_reader *reader, const km_value *value, int assembly, const km_place *place) {
   km_path_names p;
-  char text[KM_PLACE_TEXT];
+  char text[KM_PLACE_TEXT], near[KM_NEAREST_TEXT];
   int joint = KM_NOT_FOUND;
   if (km_path_names_gather(value, &p)) {
     joint =
@@ -98,8 +122,9 @@ int km_reader_joint(km_reader *reader, const km_value *value, int assembly, cons
     reader->model->arena.failed = reader->model->arena.failed || p.failed;
   }
   if (joint == KM_NOT_FOUND && !p.failed)
-    km_reader_error(reader, place, "\"%s\" names no joint; expected a joint's label or its path from the root",
-                    km_path_text(value, text));
+    km_reader_error(reader, place,
+                    "\"%s\" names no joint; expected a joint's label or its path from the root; the nearest are %s",
+                    text, nearest_joints(reader->model, km_path_text(value, text), near));
   return joint;
 }
 
@@ -154,13 +179,10 @@ km_status km_model_find_joint(const km_model *model, const char *label, int *joi
       }
     }
   }
-  km_text known = {0};
-  for (int j = 0; j < model->joint_count && j < 30; ++j)
-    km_text_format(&known, "%s%s", j ? ", " : "", model->joints[j].label);
-  km_status status = km_fail(error, KM_USAGE, "\"%s\" names no joint; the model has %s%s", label,
-                             known.data ? known.data : "none", model->joint_count > 30 ? ", …" : "");
-  km_text_free(&known);
-  return status;
+  char names[KM_NEAREST_TEXT];
+  return km_fail(error, KM_USAGE, "\"%s\" names no joint; %s %s", label,
+                 model->joint_count > KM_NEAREST ? "the nearest are" : "the model has",
+                 nearest_joints(model, label, names));
 }
 
 km_status km_model_find_coordinate(const km_model *model, const char *label, int *coordinate, km_error *error) {
@@ -249,5 +271,7 @@ km_status km_model_find_frame(const km_model *model, const char *const *names, s
   km_path_names_text(names, count, text);
   if (found > 1)
     return km_fail(error, KM_USAGE, "\"%s\" names %d frames; expected the full path from the root", text, found);
-  return km_fail(error, KM_USAGE, "\"%s\" names no frame; expected body/frame or a path from the root", text);
+  char near[KM_NEAREST_TEXT];
+  return km_fail(error, KM_USAGE, "\"%s\" names no frame; expected body/frame; the nearest are %s", text,
+                 nearest_frames(model, text, near));
 }

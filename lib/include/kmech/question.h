@@ -34,6 +34,7 @@ typedef enum km_option_type {
   KM_OPTION_COORDINATES, /* coordinates[count] */
   KM_OPTION_POINTS,      /* points[count] */
   KM_OPTION_END,         /* end */
+  KM_OPTION_ENDS,        /* ends[count]: points along directions */
   KM_OPTION_LOADS        /* loads[count]: all that act, instead of the model's own */
 } km_option_type;
 
@@ -59,6 +60,7 @@ typedef struct km_option_value {
   const int *coordinates;
   const km_sweep_point *points;
   const km_load *loads;
+  const km_handle *ends;
   km_handle end;
 } km_option_value;
 

@@ -2,6 +2,7 @@
 #ifndef KMECH_STATICS_H
 #define KMECH_STATICS_H
 
+#include "kmech/advantage.h"
 #include "kmech/forces.h"
 
 #ifdef __cplusplus
@@ -25,12 +26,12 @@ enum { KM_MOST_DIRECTIONS = 64 };
  * model's length. */
 typedef struct km_statics {
   int actuator_count;
-  const int *actuators;    /* coordinates */
-  double *actuator_forces; /* [actuator] NaN where the set can't hold its substructure */
-  double *least_norm;      /* [coordinate] f̄; 0 of held ones */
-  bool held;               /* the actuators balance the loads */
-  bool redundant;          /* the actuators are more than needed: theirs is the least-norm answer */
-  int direction_count;     /* independent motions that the actuators have no force against … */
+  const km_handle *actuators; /* joints, or points that are pushed along a direction */
+  double *actuator_forces;    /* [actuator] NaN where the set can't hold its substructure */
+  double *least_norm;         /* [coordinate] f̄; 0 of held ones */
+  bool held;                  /* the actuators balance the loads */
+  bool redundant;             /* the actuators are more than needed: theirs is the least-norm answer */
+  int direction_count;        /* independent motions that the actuators have no force against … */
   double *directions; /* … [KM_MOST_DIRECTIONS × coordinate] the first of them: rates, the largest scaled one 1 */
   bool *falls;        /* [KM_MOST_DIRECTIONS] the loads push in this one: the pose isn't held */
   km_reaction *reactions; /* [joint] */
@@ -43,6 +44,11 @@ typedef struct km_statics {
  * or named twice; KM_MEMORY. Free `*out` in any case. */
 KM_API km_status km_statics_create(const km_mechanism *mechanism, const int *actuators, int actuator_count,
                                    km_axes axes, km_statics *out, km_error *error);
+/* The same for actuators that may be points of bodies along a direction (inertial axes), as a hand that pushes: such a
+ * force is counted along the direction, and the point must move with one substructure, or with one joint outside of
+ * loops. Handles are copied; names of points are borrowed. KM_USAGE. */
+KM_API km_status km_statics_create_for(const km_mechanism *mechanism, const km_handle *actuators, int actuator_count,
+                                       km_axes axes, km_statics *out, km_error *error);
 KM_API void km_statics_free(km_statics *statics);
 
 /* Balances the forces at the state's pose, where mobility is up to date (km_mobility_update or a sweep's row).

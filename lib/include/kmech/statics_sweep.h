@@ -24,7 +24,7 @@ typedef struct km_force_event {
 typedef struct km_statics_sweep {
   km_sweep motion; /* its table has f., fbar., r., held */
   int actuator_count;
-  int *actuators;         /* [actuator] coordinates */
+  km_handle *actuators;   /* [actuator] */
   km_force_event *events; /* in the order of the sweep */
   size_t event_count;
   km_force_event *largest; /* [actuator] where its force is largest, rows and peaks; s NaN: it never holds */

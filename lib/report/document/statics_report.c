@@ -1,21 +1,21 @@
 /* The report about what holds a mechanism: its facts, peaks, rows and reactions as blocks of a document. */
 #include "report/document/statics_report.h"
 
-#include "forces/forces.h"
+#include "analysis/statics.h"
 #include "report/document/sweep_report.h"
 #include "report/record/sweep_text.h"
 #include "topology/mechanism.h"
 
 #include <math.h>
 
-static const char *unit_of(km_document_maker *k, const km_model *model, int coordinate) {
+static const char *unit_of(km_document_maker *k, const km_model *model, const km_handle *actuator) {
   km_text text = {0};
-  km_force_unit(model, coordinate, &text);
+  km_push_unit(model, actuator, &text);
   return km_text_keep(&text, &k->arena);
 }
 
 static const char *label_of(const km_plotted_statics *p, int actuator) {
-  return km_model_coordinate_label(p->swept.mechanism->model, p->sweep->actuators[actuator]);
+  return p->sweep->actuators[actuator].name;
 }
 
 /* What the reader wants to know first: how much, where; or that it can't be held. */
@@ -33,7 +33,7 @@ static void add_lead(km_document_maker *k, const km_plotted_statics *p) {
     if (isnan(largest->s))
       continue;
     km_text_format(&text, "%s%s holds at most %s %s, at %.6g%s", named++ ? "; " : "", label_of(p, i),
-                   km_report_number(k, largest->value), unit_of(k, p->swept.mechanism->model, p->sweep->actuators[i]),
+                   km_report_number(k, largest->value), unit_of(k, p->swept.mechanism->model, &p->sweep->actuators[i]),
                    largest->s, s_unit);
   }
   km_text_add(&text, ".");
@@ -87,7 +87,7 @@ static void add_peaks(km_document_maker *k, const km_plotted_statics *p) {
     const char **row = cells + (size_t)(i + 1) * COLUMNS;
     row[0] = label_of(p, i);
     row[1] = km_document_format(k, "%s %s", km_report_number(k, largest->value),
-                                unit_of(k, p->swept.mechanism->model, p->sweep->actuators[i]));
+                                unit_of(k, p->swept.mechanism->model, &p->sweep->actuators[i]));
     row[2] = km_report_number(k, largest->s);
     row[3] = where(k, p, i, KM_FORCE_BALANCED);
     row[4] = where(k, p, i, KM_FORCE_UNBOUNDED);
@@ -106,9 +106,9 @@ static void add_rows(km_document_maker *k, const km_plotted_statics *p) {
                                 km_model_coordinate_unit(model, p->swept.plan->coordinate))}};
   size_t count = 1;
   for (int i = 0; i < p->sweep->actuator_count && count < MOST; ++i, ++count)
-    columns[count] =
-        (km_report_column){km_force_column(p->sweep, i), km_document_format(k, "%.60s (%s)", label_of(p, i),
-                                                                            unit_of(k, model, p->sweep->actuators[i]))};
+    columns[count] = (km_report_column){
+        km_force_column(p->sweep, i),
+        km_document_format(k, "%.60s (%s)", label_of(p, i), unit_of(k, model, &p->sweep->actuators[i]))};
   km_document_heading(k, "At chosen poses");
   size_t places = p->sweep->event_count + (size_t)p->sweep->actuator_count;
   double *special = KM_ARENA_NEW(&k->arena, double, places);

@@ -139,7 +139,8 @@ static km_drawing *make_drawing(km_document_maker *maker, const km_swept *s) {
     km_row_pose(m, s->motion->table, row_of(s->motion->table, k, count), state, q, poses + k * bodies);
   }
   km_state_free(state);
-  *drawing = (km_drawing){.mechanism = m, .poses = poses, .pose_count = count, .full = count / 2, .name = s->name};
+  *drawing = (km_drawing){
+      .mechanism = m, .poses = poses, .pose_count = count, .full = count / 2, .name = s->name, .loads = true};
   return drawing;
 }
 

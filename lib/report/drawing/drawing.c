@@ -165,7 +165,7 @@ static km_spot middle_of(const km_studio *s, const km_scene *scene, int body) {
 
 size_t km_studio_most_labels(const km_studio *s) {
   const km_model *model = s->drawing->mechanism->model;
-  return (size_t)model->joint_count + s->drawing->trace_count + (size_t)model->body_count;
+  return (size_t)model->joint_count + s->drawing->trace_count + (size_t)model->body_count + (size_t)model->load_count;
 }
 
 size_t km_studio_labels(const km_studio *s, const km_scene *scene, km_label *labels) {
@@ -177,6 +177,12 @@ size_t km_studio_labels(const km_studio *s, const km_scene *scene, km_label *lab
                                  .at = km_trace_spot(scene, &d->traces[t]),
                                  .radius = s->radius,
                                  .colour = trace_colour(s, &d->traces[t])};
+  for (int i = 0; i < model->load_count && d->loads; ++i) {
+    km_spot ends[2];
+    if (km_load_arrow(s, scene, i, ends))
+      labels[count++] =
+          (km_label){.text = model->loads[i].name, .at = ends[0], .radius = 1.0, .colour = KM_LOAD_COLOUR};
+  }
   for (int j = 0; j < model->joint_count; ++j)
     labels[count++] = (km_label){.text = model->joints[j].label,
                                  .at = km_project(&s->view, km_joint_place(scene, j)),
@@ -220,6 +226,7 @@ void km_studio_draw(km_studio *s) {
   km_scene_paint(&scene, s->canvas);
   for (size_t t = 0; t < s->drawing->trace_count; ++t)
     km_studio_draw_trace_point(s, &s->drawing->traces[t], km_trace_spot(&scene, &s->drawing->traces[t]));
+  km_studio_draw_loads(s, &scene);
   draw_labels(s, &scene);
 }
 

@@ -35,6 +35,7 @@ typedef struct km_drawing {
   const km_mesh *const *meshes; /* [body] drawn instead of its bars and plates; NULL: none of it, or of any */
   km_view view;
   bool bodies;              /* names them too */
+  bool loads;               /* the model's loads as arrows, in the full pose */
   bool bare;                /* without any names */
   const char *title, *name; /* what is shown; the model's name. Of km_drawing_render only */
   double width, height;     /* points; 0: chosen from the shape. Of km_drawing_render only */

@@ -145,6 +145,10 @@ typedef struct km_studio {
 /* Fills everything but drawing, canvas and place from them; the canvas isn't touched. False when
  * memory fails: the close tells. */
 bool km_studio_open(km_studio *studio);
+enum { KM_LOAD_COLOUR = 1 }; /* of the palette */
+/* Tail and tip of a load's arrow on the page; false where the load is 0 or points at the viewer. */
+bool km_load_arrow(const km_studio *studio, const km_scene *scene, int load, km_spot out[2]);
+void km_studio_draw_loads(const km_studio *studio, const km_scene *scene);
 /* A scene of one pose, to be built. */
 km_scene km_studio_scene(km_studio *studio, size_t pose, double fade);
 /* What is named in a scene, without places: paths first, then joints, then bodies. Room for as many as

@@ -72,7 +72,7 @@ bool km_advantage_plot_make(const km_plotted_advantage *sweeps, int count, bool 
   }
   km_sweep_picture picture = {
       .title = text_in(arena, "Mechanical advantage of %.300s over %.300s", first->input.name, first->output.name),
-      .note = toggles ? "▲ a toggle: MA 0 or infinite" : NULL,
+      .note = toggles ? "▲ a dead point: MA 0 or infinite" : NULL,
       .y_label = unit[0] ? text_in(arena, "mechanical advantage (%s)%s", unit, "") : "mechanical advantage",
       .sweeps = swept,
       .sweep_count = count,

@@ -32,9 +32,29 @@ static double scaled(double count, int exponent) {
   return exponent < 0 ? count / pow(10, -exponent) : count * pow(10, exponent);
 }
 
-static void choose_step(km_axis *axis, size_t most) {
+bool km_axis_in_degrees(const char *label) {
+  static const char unit[] = "(deg)";
+  size_t length = label ? strlen(label) : 0;
+  return length >= sizeof unit - 1 && strcmp(label + length - (sizeof unit - 1), unit) == 0;
+}
+
+/* The smallest part or multiple of a circle that is no less; false where powers of ten are as good. */
+static bool choose_degrees(km_axis *axis, double least) {
+  static const int steps[] = {15, 30, 45, 90, 180, 360, 720, 1800, 3600};
+  axis->exponent = 0;
+  for (size_t i = 0; least > 10 && i < sizeof steps / sizeof *steps; i++) {
+    axis->mantissa = steps[i];
+    if (steps[i] >= least)
+      return true;
+  }
+  return false;
+}
+
+static void choose_step(km_axis *axis, size_t most, bool degrees) {
   static const int mantissas[] = {1, 2, 5};
   double least = (axis->high - axis->low) / (double)(most ? most : 1) * (1 - tick_slack);
+  if (degrees && choose_degrees(axis, least))
+    return;
   axis->exponent = (int)floor(log10(least));
   for (size_t i = 0; i < 3; i++) {
     axis->mantissa = mantissas[i];
@@ -56,9 +76,9 @@ static int choose_multiplier(const km_axis *axis) {
   return narrow && order > 0 && order < 12 ? 0 : multiplier;
 }
 
-km_axis km_axis_fit(double low, double high, size_t most, bool round_ends) {
+km_axis km_axis_fit(double low, double high, size_t most, bool degrees, bool round_ends) {
   km_axis axis = {.low = low, .high = high};
-  choose_step(&axis, most);
+  choose_step(&axis, most, degrees);
   double step = scaled(axis.mantissa, axis.exponent);
   double first = round_ends ? floor(low / step + tick_slack) : ceil(low / step - tick_slack);
   double last = round_ends ? ceil(high / step - tick_slack) : floor(high / step + tick_slack);

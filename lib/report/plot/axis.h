@@ -10,7 +10,7 @@ enum { KM_AXIS_LABEL = 64 };
 
 typedef struct km_axis {
   double low, high;
-  int mantissa, exponent; /* ticks are mantissa * 10^exponent apart, mantissa 1, 2 or 5 */
+  int mantissa, exponent; /* ticks are mantissa * 10^exponent apart: mantissa 1, 2 or 5, or whole degrees */
   long long first;        /* tick i stands at (first + i) steps */
   size_t count;
   int multiplier; /* labels leave out 10^multiplier; 0 when they are short without it */
@@ -22,8 +22,11 @@ bool km_axis_takes(double value);
 /* Makes a range that can be drawn: an empty one (low > high) becomes 0 to 1, one that is a single
  * value but for round-off (1e-9 of its size) gets half that value to either side. */
 void km_axis_widen(double *low, double *high);
-/* At most about `most` ticks, round numbers. `round_ends` moves low and high outward to ticks. */
-km_axis km_axis_fit(double low, double high, size_t most, bool round_ends);
+/* At most about `most` ticks, round numbers; of degrees above 10 those of a circle: 15, 30, 45, 90, 180, 360, ….
+ * `round_ends` moves low and high outward to ticks. */
+km_axis km_axis_fit(double low, double high, size_t most, bool degrees, bool round_ends);
+/* Whether an axis with this label, "driver A (deg)", counts degrees; NULL: no. */
+bool km_axis_in_degrees(const char *label);
 
 double km_axis_tick(const km_axis *axis, size_t index);
 /* "0.25", with as many decimals at every tick, a real minus sign, and "0" for zero. */

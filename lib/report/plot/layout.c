@@ -123,7 +123,7 @@ static double widest_tick(const km_plot_layout *layout, const km_axis *axis) {
 static void fit_x(km_plot_layout *layout, plot_range x) {
   double clearance = 1.5 * layout->tick.size;
   for (size_t most = 10; most > 0; most--) {
-    layout->x = km_axis_fit(x.low, x.high, most, false);
+    layout->x = km_axis_fit(x.low, x.high, most, km_axis_in_degrees(layout->plot->x_label), false);
     double step = layout->frame_width / (layout->x.high - layout->x.low) *
                   (km_axis_tick(&layout->x, 1) - km_axis_tick(&layout->x, 0));
     if (layout->x.count < 2 || widest_tick(layout, &layout->x) + clearance <= step)
@@ -135,13 +135,17 @@ static size_t most_y_ticks(const km_plot_layout *layout, double frame_height) {
   return (size_t)fmax(1, fmin(8, frame_height / (2.6 * layout->tick.size)));
 }
 
+static bool y_in_degrees(const km_plot *plot, size_t panel) {
+  return km_axis_in_degrees(plot->own_y ? plot->panels[panel].y_label : plot->y_label);
+}
+
 static void fit_y(km_plot_layout *layout, const plot_range *y, double frame_height) {
   const km_plot *plot = layout->plot;
   bool given = !plot->own_y && plot->y_low < plot->y_high && km_axis_takes(plot->y_low) && km_axis_takes(plot->y_high);
   size_t most = most_y_ticks(layout, frame_height);
   for (size_t p = 0; p < plot->panel_count; p++)
-    layout->y[p] = given ? km_axis_fit(plot->y_low, plot->y_high, most, false)
-                         : km_axis_fit(y[p].low, y[p].high, most, !plot->equal);
+    layout->y[p] = given ? km_axis_fit(plot->y_low, plot->y_high, most, y_in_degrees(plot, p), false)
+                         : km_axis_fit(y[p].low, y[p].high, most, y_in_degrees(plot, p), !plot->equal);
 }
 
 static bool has_y_multiplier(const km_plot_layout *layout) {
@@ -224,7 +228,8 @@ static void make_equal(km_plot_layout *layout, plot_range x, const plot_range *y
   fit_x(layout, widened(x.low, x.high, unit * layout->frame_width));
   for (size_t p = 0; p < layout->plot->panel_count; p++) {
     plot_range shown = widened(y[p].low, y[p].high, unit * layout->frame_height);
-    layout->y[p] = km_axis_fit(shown.low, shown.high, most_y_ticks(layout, layout->frame_height), false);
+    layout->y[p] = km_axis_fit(shown.low, shown.high, most_y_ticks(layout, layout->frame_height),
+                               y_in_degrees(layout->plot, p), false);
   }
 }
 
@@ -256,7 +261,7 @@ void km_plot_layout_make(km_plot_layout *layout, double width, double height) {
   choose_grid(layout, grid_height);
   find_ranges(plot, &x, y);
   fit_y(layout, y, 0.7 * grid_height / (double)layout->rows);
-  layout->x = km_axis_fit(x.low, x.high, 5, false); /* its range is all that is needed for now */
+  layout->x = km_axis_fit(x.low, x.high, 5, false, false); /* its range is all that is needed for now */
   fit_frames(layout, x, grid_height);
   for (int pass = 0; pass < 2 && plot->equal && layout->fits; pass++) { /* the ticks' labels change the frames' size */
     make_equal(layout, x, y);

@@ -226,7 +226,7 @@ static void colour_bar(const picture *p, double left, double top, double height)
   for (int i = 0; i < KM_MAP_SHADES; ++i)
     km_canvas_rectangle(p->canvas, km_map_shade(i), left, top + height * (KM_MAP_SHADES - 1 - i) / KM_MAP_SHADES, width,
                         height / KM_MAP_SHADES + 0.3);
-  km_axis axis = km_axis_fit(p->low, p->high, 6, false);
+  km_axis axis = km_axis_fit(p->low, p->high, 6, false, false);
   for (size_t i = 0; i < axis.count; ++i) {
     char text[KM_AXIS_LABEL];
     double y = top + height * (1.0 - (km_axis_tick(&axis, i) - p->low) / (p->high - p->low));
@@ -246,7 +246,7 @@ static void axes(const picture *p) {
   const km_pen pen = {.colour = ink, .width = 0.7};
   char text[KM_AXIS_LABEL], name[160];
   double bottom = f->top + f->height;
-  km_axis x = km_axis_fit(f->x_low, f->x_high, 8, false), y = km_axis_fit(f->y_low, f->y_high, 8, false);
+  km_axis x = km_axis_fit(f->x_low, f->x_high, 8, false, false), y = km_axis_fit(f->y_low, f->y_high, 8, false, false);
   for (size_t i = 0; i < x.count; ++i) {
     double at = km_frame_map(f, km_axis_tick(&x, i), f->y_low).x;
     km_canvas_line(p->canvas, &pen, (km_canvas_point){at, bottom}, (km_canvas_point){at, bottom + 3});

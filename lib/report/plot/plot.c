@@ -1,6 +1,7 @@
 /* Line plots: fits the axes to the data and draws panel by panel. */
 #include "report/plot/plot.h"
 
+#include "report/plot/overlap.h"
 #include "report/plot/palette.h"
 #include "report/plot/parts.h"
 
@@ -18,8 +19,9 @@ static void draw_arrow(const km_plot_layout *layout, const km_frame *frame, km_c
 }
 
 static void draw_curve(const km_plot_layout *layout, const km_frame *frame, const km_plot_series *series,
-                       const km_curve *curve) {
-  const km_pen pen = km_palette_pen(series->colour, series->dash, layout->scale * (series->colour < 0 ? 0.7 : 1.3));
+                       const km_curve *curves, size_t index) {
+  const km_curve *curve = &curves[index];
+  const km_pen pen = km_overlap_pen(series, curves, index, layout->scale * (series[index].colour < 0 ? 0.7 : 1.3));
   size_t begin = 0;
   for (size_t r = 0; r < curve->run_count; r++) {
     size_t count = curve->run_ends[r] - begin;
@@ -47,7 +49,7 @@ static void draw_lines(const km_plot_layout *layout, size_t panel) {
   for (int context = 1; context >= 0; context--) /* grey lines lie beneath the others */
     for (size_t i = 0; i < source->series_count; i++)
       if ((source->series[i].colour < 0) == context)
-        draw_curve(layout, &frame, &source->series[i], &curves[i]);
+        draw_curve(layout, &frame, source->series, curves, i);
   km_plot_names_draw(layout, panel, curves);
   if (!any)
     km_canvas_text(layout->canvas, &layout->label, km_palette_text(-1), "no data",

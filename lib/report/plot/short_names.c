@@ -8,8 +8,9 @@
 
 enum { SHORT = 16 }; /* bytes that are short enough as they are */
 
+/* Signs and points belong to numbers, as those of variants. */
 static bool is_word(char c) {
-  return isalnum((unsigned char)c) || (unsigned char)c >= 0x80;
+  return isalnum((unsigned char)c) || (unsigned char)c >= 0x80 || c == '-' || c == '+' || c == '.';
 }
 
 /* Bytes that all names begin with, as far as whole words go. */

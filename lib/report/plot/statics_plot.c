@@ -1,7 +1,7 @@
 /* The plot of actuator forces over a sweep: which lines, panels and marks. */
 #include "report/plot/statics_plot.h"
 
-#include "forces/forces.h"
+#include "analysis/statics.h"
 #include "report/plot/short_names.h"
 #include "topology/mechanism.h"
 
@@ -15,11 +15,6 @@ size_t km_force_column(const km_statics_sweep *sweep, int actuator) {
   return km_table_span(sweep->motion.table, "f.").first + (size_t)actuator;
 }
 
-static bool is_length(const km_model *model, int coordinate) {
-  const km_model_coordinate *def = &model->coordinates[coordinate];
-  return km_joint_is_length(model->joints[def->joint].type, def->index);
-}
-
 static bool agree(const km_table *table, size_t a, size_t b) {
   for (size_t r = 0; r < km_table_rows(table); ++r) {
     double x = km_table_row(table, r)[a], y = km_table_row(table, r)[b];
@@ -29,10 +24,11 @@ static bool agree(const km_table *table, size_t a, size_t b) {
   return true;
 }
 
-static bool is_shown(const km_plotted_statics *p, int coordinate) {
-  bool shown = !p->shown;
+/* Pushed points are always drawn. */
+static bool is_shown(const km_plotted_statics *p, const km_handle *actuator) {
+  bool shown = !p->shown || actuator->kind == KM_HANDLE_POINT;
   for (int i = 0; i < p->shown_count && !shown; ++i)
-    shown = p->shown[i] == coordinate;
+    shown = p->shown[i] == actuator->coordinate;
   return shown;
 }
 
@@ -56,19 +52,19 @@ typedef struct maker {
 static void add_line(maker *k, int sweep, int actuator) {
   const km_plotted_statics *p = &k->sweeps[sweep];
   const km_model *model = p->swept.mechanism->model;
-  int c = p->sweep->actuators[actuator], panel = k->forces && !is_length(model, c) ? 1 : 0;
+  const km_handle *handle = &p->sweep->actuators[actuator];
+  int panel = k->forces && !km_pushes_by_force(model, handle) ? 1 : 0;
   size_t column = km_force_column(p->sweep, actuator);
   char name[400];
   for (size_t i = 0; i < k->line_count; ++i) {
     km_swept_line *other = &k->lines[i];
     if (other->sweep != sweep || other->panel != panel || !agree(p->sweep->motion.table, other->column, column))
       continue;
-    snprintf(name, sizeof name, "%.180s, %.180s", other->name, model->coordinates[c].label);
+    snprintf(name, sizeof name, "%.180s, %.180s", other->name, handle->name);
     other->name = km_arena_string(k->arena, name);
     return;
   }
-  snprintf(name, sizeof name, k->count > 1 ? "%.180s (%.180s)" : "%.180s", model->coordinates[c].label,
-           k->models[sweep]);
+  snprintf(name, sizeof name, k->count > 1 ? "%.180s (%.180s)" : "%.180s", handle->name, k->models[sweep]);
   k->lines[k->line_count++] = (km_swept_line){sweep, column, km_arena_string(k->arena, name), panel};
 }
 
@@ -77,11 +73,12 @@ static void add_marks(maker *k, int sweep) {
   const km_model *model = p->swept.mechanism->model;
   for (size_t i = 0; i < p->sweep->event_count; ++i) {
     const km_force_event *e = &p->sweep->events[i];
-    int c = p->sweep->actuators[e->actuator], panel = k->forces && !is_length(model, c) ? 1 : 0;
+    const km_handle *handle = &p->sweep->actuators[e->actuator];
+    int panel = k->forces && !km_pushes_by_force(model, handle) ? 1 : 0;
     char name[300];
-    if (e->kind == KM_FORCE_PEAK || !is_shown(p, c))
+    if (e->kind == KM_FORCE_PEAK || !is_shown(p, handle))
       continue;
-    snprintf(name, sizeof name, e->kind == KM_FORCE_BALANCED ? "%.200s 0" : "%.200s ∞", model->coordinates[c].label);
+    snprintf(name, sizeof name, e->kind == KM_FORCE_BALANCED ? "%.200s 0" : "%.200s ∞", handle->name);
     k->marks[k->mark_count++] = (km_swept_mark){sweep, panel, e->s, km_arena_string(k->arena, name)};
     if (e->kind == KM_FORCE_UNBOUNDED)
       k->breaks[k->break_count++] = (km_swept_break){sweep, km_force_column(p->sweep, e->actuator), e->s};
@@ -95,7 +92,7 @@ static bool gather(maker *k) {
     lines += (size_t)s->actuator_count;
     marks += s->event_count;
     for (int a = 0; a < s->actuator_count; ++a) {
-      bool length = is_length(k->sweeps[i].swept.mechanism->model, s->actuators[a]);
+      bool length = km_pushes_by_force(k->sweeps[i].swept.mechanism->model, &s->actuators[a]);
       k->forces = k->forces || length;
       k->torques = k->torques || !length;
     }
@@ -108,7 +105,7 @@ static bool gather(maker *k) {
   for (int i = 0; i < k->count && !k->arena->failed; ++i) {
     k->swept[i] = k->sweeps[i].swept;
     for (int a = 0; a < k->sweeps[i].sweep->actuator_count && !k->arena->failed; ++a)
-      if (is_shown(&k->sweeps[i], k->sweeps[i].sweep->actuators[a]))
+      if (is_shown(&k->sweeps[i], &k->sweeps[i].sweep->actuators[a]))
         add_line(k, i, a);
     add_marks(k, i);
   }

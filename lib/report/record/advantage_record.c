@@ -49,10 +49,10 @@ void km_advantage_words(const km_mechanism *m, const km_handle *input, const km_
     km_text_format(out, "mechanical advantage %.9g%s%s", a->value, unit[0] ? " " : "", unit);
     break;
   case KM_ADVANTAGE_ZERO:
-    km_text_format(out, "mechanical advantage 0: %s stands while %s moves (a toggle)", input->name, output->name);
+    km_text_format(out, "mechanical advantage 0: %s stands while %s moves (a dead point)", input->name, output->name);
     break;
   case KM_ADVANTAGE_INFINITE:
-    km_text_format(out, "mechanical advantage infinite: %s stands while %s moves (a toggle)", output->name,
+    km_text_format(out, "mechanical advantage infinite: %s stands while %s moves (a dead point)", output->name,
                    input->name);
     break;
   default:
@@ -67,7 +67,7 @@ void km_advantage_print(const km_mechanism *m, const km_handle *input, const km_
   km_advantage_words(m, input, output, a, out);
   km_text_add(out, "\n");
   if (a->state == KM_ADVANTAGE_FINITE)
-    km_text_format(out, "  velocity ratio %.9g%s%s: %s moves so far while %s moves by 1\n", a->velocity_ratio,
+    km_text_format(out, "  velocity ratio %.9g%s%s: the rate of %s over that of %s\n", a->velocity_ratio,
                    unit[0] ? " " : "", unit, output->name, input->name);
   if (a->state != KM_ADVANTAGE_UNDEFINED)
     km_text_add(out, a->method == KM_ADVANTAGE_SINGLE_FREEDOM
@@ -119,29 +119,51 @@ km_value *km_advantage_sweep_record(const km_mechanism *m, const km_advantage_sw
   return arena->failed ? NULL : record;
 }
 
+static void print_state(const km_advantage_sweep *sweep, km_advantage_state state, const char *words,
+                        const char *s_unit, km_text *out) {
+  int count = 0;
+  for (size_t i = 0; i < sweep->toggle_count; ++i)
+    if (sweep->toggles[i].state == state)
+      km_text_format(out, "%s %.6g%s", count++ ? "," : words, sweep->toggles[i].s, s_unit);
+  km_text_add(out, count ? "\n" : "");
+}
+
+static int count_poles(const km_advantage_sweep *sweep) {
+  int count = 0;
+  for (size_t i = 0; i < sweep->toggle_count; ++i)
+    count += sweep->toggles[i].state == KM_ADVANTAGE_INFINITE;
+  return count;
+}
+
+/* Its extremes as far as there are any, and where it grows without bound. */
+static void print_range(const km_advantage_sweep *sweep, const char *s_unit, km_text *out) {
+  const km_peak *low = &sweep->lowest, *high = &sweep->highest;
+  bool bounded_low = isfinite(low->value), bounded_high = isfinite(high->value);
+  int poles = count_poles(sweep);
+  if (isnan(low->s))
+    km_text_add(out, " nowhere finite");
+  else if (bounded_low && bounded_high)
+    km_text_format(out, " from %.6g at %.6g%s to %.6g at %.6g%s", low->value, low->s, s_unit, high->value, high->s,
+                   s_unit);
+  else if (bounded_low || bounded_high)
+    km_text_format(out, " %s %.6g at %.6g%s", bounded_low ? "at least" : "at most",
+                   bounded_low ? low->value : high->value, bounded_low ? low->s : high->s, s_unit);
+  if (poles && (isnan(low->s) || bounded_low || bounded_high))
+    km_text_add(out, ",");
+  print_state(sweep, KM_ADVANTAGE_INFINITE,
+              poles > 1 ? " unbounded at the dead points at" : " unbounded at the dead point at", s_unit, out);
+  km_text_add(out, poles ? "" : "\n");
+}
+
 void km_advantage_sweep_print(const km_mechanism *m, const km_sweep_plan *plan, const km_advantage_sweep *sweep,
                               const char *name, km_text *out) {
   const char *unit = km_advantage_unit(m->model, &sweep->input, &sweep->output), *s_unit = km_sweep_unit(m, plan);
   km_sweep_print(m, plan, &sweep->motion, name, out);
-  km_text_format(out, "  mechanical advantage of %s over %s%s%s%s: ", sweep->input.name, sweep->output.name,
+  km_text_format(out, "  mechanical advantage of %s over %s%s%s%s:", sweep->input.name, sweep->output.name,
                  unit[0] ? " (" : "", unit, unit[0] ? ")" : "");
-  if (isnan(sweep->lowest.s))
-    km_text_add(out, "nowhere finite\n");
-  else
-    km_text_format(out, "from %.6g at %.6g%s to %.6g at %.6g%s\n", sweep->lowest.value, sweep->lowest.s, s_unit,
-                   sweep->highest.value, sweep->highest.s, s_unit);
+  print_range(sweep, s_unit, out);
   if (sweep->method == KM_ADVANTAGE_LEAST_MOTION && sweep->motion.freedom - sweep->motion.idle > 1)
     km_text_add(out, "  several freedoms: the others move least (--hold keeps joints)\n");
-  for (int state = KM_ADVANTAGE_ZERO; state <= KM_ADVANTAGE_UNDEFINED; ++state) {
-    int count = 0;
-    for (size_t i = 0; i < sweep->toggle_count; ++i)
-      if ((int)sweep->toggles[i].state == state)
-        km_text_format(out, "%s %.6g%s",
-                       count++                          ? ","
-                       : state == KM_ADVANTAGE_ZERO     ? "  zero at"
-                       : state == KM_ADVANTAGE_INFINITE ? "  infinite at"
-                                                        : "  undefined at",
-                       sweep->toggles[i].s, s_unit);
-    km_text_add(out, count ? "\n" : "");
-  }
+  print_state(sweep, KM_ADVANTAGE_ZERO, "  zero at", s_unit, out);
+  print_state(sweep, KM_ADVANTAGE_UNDEFINED, "  undefined at", s_unit, out);
 }

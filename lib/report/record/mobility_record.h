@@ -10,8 +10,9 @@
 /* What `kmob info` and `kmob at` give (cli.md). NULL when out of memory (arena->failed). */
 km_value *km_mobility_record(const km_mechanism *mechanism, const km_state *state, const km_mobility *mobility,
                              const char *name, km_arena *arena);
+/* The same for people; `verbose` adds the evidence of each rank. */
 void km_mobility_print(const km_mechanism *mechanism, const km_state *state, const km_mobility *mobility,
-                       const char *name, km_text *out);
+                       const char *name, bool verbose, km_text *out);
 
 /* What `kmob sweep --format json` gives. */
 km_value *km_mobility_sweep_record(const km_mechanism *mechanism, const km_mobility_sweep *sweep,

@@ -7,23 +7,44 @@
 
 #include <string.h>
 
-static void print_substructures(const km_mechanism *m, const km_state *s, km_text *out) {
+static void print_substructures(const km_mechanism *m, const km_state *s, bool verbose, km_text *out) {
   for (int i = 0; i < m->topology.substructure_count; ++i) {
     km_substructure_mobility e;
     km_substructure_evidence(m, s, i, &e);
     km_text_format(out, "  %d: mobility %d, rank %d of %d coordinate%s in %d loop%s, joints", i + 1, e.mobility, e.rank,
                    e.coordinates, km_plural(e.coordinates), e.loops, km_plural(e.loops));
     km_joints_print(m, i, out);
-    km_text_format(out, "\n     evidence: last pivot kept %.2g, first dropped %.2g, tolerance %.2g\n", e.last_pivot,
-                   e.first_dropped, e.tolerance);
+    km_text_add(out, "\n");
+    if (verbose)
+      km_text_format(out, "     evidence: last pivot kept %.2g, first dropped %.2g, tolerance %.2g\n", e.last_pivot,
+                     e.first_dropped, e.tolerance);
   }
+}
+
+static bool moves_in_plane(const km_mechanism *m, int loop) {
+  for (int p = 0; p < m->program_count; ++p)
+    for (int i = 0; i < m->programs[p].loop_count; ++i)
+      if (m->loop_order[m->programs[p].loop_start + i] == loop)
+        return m->programs[p].planar;
+  return false;
+}
+
+static void print_loop_kind(const km_mechanism *m, int loop, km_text *out) {
+  int lambda = m->loops[loop].lambda;
+  if (moves_in_plane(m, loop))
+    km_text_add(out, "planar loop");
+  else if (lambda == 6)
+    km_text_add(out, "spatial loop");
+  else
+    km_text_format(out, "loop with a motion space of dimension %d", lambda);
 }
 
 static void print_loops(const km_mechanism *m, km_text *out) {
   const km_topology *t = &m->topology;
   for (int l = 0; l < t->loop_count; ++l) {
-    km_text_format(out, "  %d: lambda %d, chord %s, joints", l + 1, m->loops[l].lambda,
-                   m->model->joints[t->chord[l]].label);
+    km_text_format(out, "  %d: ", l + 1);
+    print_loop_kind(m, l, out);
+    km_text_format(out, ", closed at joint %s, joints", m->model->joints[t->chord[l]].label);
     for (int i = t->member_start[l]; i < t->member_start[l + 1]; ++i)
       km_text_format(out, " %s", m->model->joints[t->member[i].joint].label);
     km_text_add(out, "\n");
@@ -55,7 +76,7 @@ static void print_coordinates(const km_mechanism *m, const km_state *s, km_text 
 }
 
 void km_mobility_print(const km_mechanism *m, const km_state *s, const km_mobility *mobility, const char *name,
-                       km_text *out) {
+                       bool verbose, km_text *out) {
   const km_model *model = m->model;
   const km_topology *t = &m->topology;
   km_text_format(out, "%s: %d bod%s, %d joint%s with %d coordinate%s, %d loop%s, %d substructure%s\n", name,
@@ -76,7 +97,7 @@ void km_mobility_print(const km_mechanism *m, const km_state *s, const km_mobili
   print_loops(m, out);
   if (t->substructure_count)
     km_text_add(out, "\nsubstructures\n");
-  print_substructures(m, s, out);
+  print_substructures(m, s, verbose, out);
   if (model->joint_count)
     km_text_add(out, "\n");
   if (model->joint_count)

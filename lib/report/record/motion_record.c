@@ -103,7 +103,7 @@ km_table *km_selfmotion_table(const km_arm *a, const km_selfmotion *m, bool all)
 static void print_arcs(const km_arm *a, const km_selfmotion *m, const char *indent, km_text *out) {
   for (int i = 0; i < m->arc_count; ++i) {
     const km_arc_span *arc = &m->arcs[i];
-    km_text_format(out, "%s%.9g to %.9g rad (length %.6g)", indent, arc->from, arc->to, arc->to - arc->from);
+    km_text_format(out, "%s%.9g to %.9g rad (length %.6g rad)", indent, arc->from, arc->to, arc->to - arc->from);
     if (arc->column[0] >= 0 || arc->column[1] >= 0)
       km_text_format(out, ", ended by %s and %s",
                      arc->column[0] >= 0 ? km_arm_label(a, arc->column[0])
@@ -141,7 +141,8 @@ static void print_motion(const km_arm *a, const km_selfmotion *m, const char *in
 void km_selfmotion_print(const km_arm *a, const km_selfmotion *m, const char *name, km_text *out) {
   km_text_format(out, "%s: self-motion, ", name);
   print_motion(a, m, "  ", out);
-  km_text_format(out, "  effector held to %.2g; %d poses\n", m->error, a->freedom == 2 ? m->row_count : m->count);
+  km_text_format(out, "  effector held to %.2g (lengths over L); %d poses\n", m->error,
+                 a->freedom == 2 ? m->row_count : m->count);
 }
 
 /* With two spare freedoms and more the poses fill surfaces: which of their points are found is chance. */
@@ -240,7 +241,8 @@ void km_ik_solutions_print(const km_arm *a, const km_ik_solutions *b, const char
       print_pose(a, b, i, out);
     km_text_format(out, "     %s:", b->margin[i] >= 0.0 ? "best pose" : "never within the limits; nearest");
     for (int k = 0; k < a->n; ++k)
-      km_text_format(out, " %s %.6g", km_arm_label(a, k), b->pose[i * a->n + k]);
+      km_text_format(out, "%s %s %.6g %s", k ? "," : "", km_arm_label(a, k), b->pose[i * a->n + k],
+                     km_model_coordinate_unit(a->mechanism->model, a->coordinate[k]));
     km_text_format(out, " (limit distance %.4g)\n", b->margin[i]);
   }
 }

@@ -1,7 +1,7 @@
 /* The balance of forces, at a pose and over a sweep, as a record and as text. */
 #include "report/record/statics_record.h"
 
-#include "forces/forces.h"
+#include "analysis/statics.h"
 #include "report/record/sweep_text.h"
 #include "topology/mechanism.h"
 
@@ -48,7 +48,7 @@ km_value *km_statics_record(const km_mechanism *m, const km_state *s, const km_s
   add_directions(m, st, record, arena);
   km_value *actuators = km_value_add(arena, record, "actuator_forces", KM_OBJECT);
   for (int i = 0; i < st->actuator_count && !arena->failed; ++i)
-    km_value_number(arena, actuators, m->model->coordinates[st->actuators[i]].label, st->actuator_forces[i]);
+    km_value_number(arena, actuators, st->actuators[i].name, st->actuator_forces[i]);
   km_value_string(arena, record, "actuator_set",
                   !st->held       ? "can't hold"
                   : st->redundant ? "redundant, least norm"
@@ -92,12 +92,17 @@ void km_direction_words(const km_mechanism *m, const km_statics *st, int directi
   km_text_add(out, ", …");
 }
 
-static void print_force(const km_mechanism *m, int coordinate, int width, double force, km_text *out) {
+static void print_force(const km_mechanism *m, const km_handle *actuator, int width, double force, km_text *out) {
   km_text_add(out, "  ");
-  km_text_padded(m->model->coordinates[coordinate].label, width, out);
+  km_text_padded(actuator->name, width, out);
   km_text_format(out, "  %14.6g ", force);
-  km_force_unit(m->model, coordinate, out);
+  km_push_unit(m->model, actuator, out);
   km_text_add(out, "\n");
+}
+
+static km_handle joint_handle(const km_mechanism *m, int coordinate) {
+  return (km_handle){
+      .kind = KM_HANDLE_JOINT, .coordinate = coordinate, .name = m->model->coordinates[coordinate].label};
 }
 
 static void print_directions(const km_mechanism *m, const km_statics *st, km_text *out) {
@@ -180,26 +185,31 @@ static void print_reactions(const km_mechanism *m, const km_statics *st, int wid
       km_text_format(out, "%s%s", listed++ ? ", " : "  0 in every joint: ", names[k]);
   km_text_add(out, left_out ? "\n" : "");
   if (open)
-    km_text_format(out, "  ? statically indeterminate (%d redundant constraint%s): the answer of least norm is given\n",
+    km_text_format(out,
+                   "  ? statically indeterminate (%d redundant constraint%s): the least-squares sharing is shown\n",
                    st->degree, km_plural(st->degree));
 }
 
 void km_statics_print(const km_mechanism *m, const km_statics *st, const char *name, km_text *out) {
   int width = km_widest_label(m->model);
-  km_text_format(out, "%s: %s\n", name,
-                 !st->held       ? "the actuators can't hold this pose"
-                 : st->redundant ? "the actuators hold this pose; they are more than needed, theirs is the least answer"
-                                 : "the actuators hold this pose");
+  km_text_format(
+      out, "%s: %s\n", name,
+      !st->held ? "the actuators can't hold this pose"
+      : st->redundant
+          ? "the actuators hold this pose; more actuators than freedoms, so the least-squares sharing is shown"
+          : "the actuators hold this pose");
   print_directions(m, st, out);
   if (st->actuator_count)
     km_text_add(out, "\nactuators\n");
   for (int i = 0; i < st->actuator_count; ++i)
-    print_force(m, st->actuators[i], width, st->actuator_forces[i], out);
+    print_force(m, &st->actuators[i], width, st->actuator_forces[i], out);
   if (m->coordinate_count)
     km_text_add(out, "\nleast-norm forces of all joints\n");
   for (int c = 0; c < m->coordinate_count; ++c)
-    if (!m->held[c])
-      print_force(m, c, width, st->least_norm[c], out);
+    if (!m->held[c]) {
+      const km_handle handle = joint_handle(m, c);
+      print_force(m, &handle, width, st->least_norm[c], out);
+    }
   if (m->model->joint_count)
     print_reactions(m, st, width, out);
 }
@@ -216,7 +226,7 @@ km_value *km_statics_sweep_record(const km_mechanism *m, const km_statics_sweep 
   for (size_t i = 0; i < sweep->event_count && !arena->failed; ++i) {
     const km_force_event *e = &sweep->events[i];
     km_value *item = km_value_add(arena, events, NULL, KM_OBJECT);
-    km_value_string(arena, item, "actuator", m->model->coordinates[sweep->actuators[e->actuator]].label);
+    km_value_string(arena, item, "actuator", sweep->actuators[e->actuator].name);
     km_value_string(arena, item, "event", event_word(e->kind));
     km_value_number(arena, item, "s", e->s);
     km_value_number(arena, item, "force", e->value);
@@ -243,20 +253,20 @@ void km_statics_sweep_print(const km_mechanism *m, const km_sweep_plan *plan, co
   km_sweep_print(m, plan, &sweep->motion, name, out);
   for (int i = 0; i < sweep->actuator_count; ++i) {
     const km_force_event *largest = &sweep->largest[i];
-    int c = sweep->actuators[i];
+    const km_handle *actuator = &sweep->actuators[i];
     km_text_add(out, "  ");
-    km_text_padded(m->model->coordinates[c].label, width, out);
+    km_text_padded(actuator->name, width, out);
     if (isnan(largest->s)) {
       km_text_add(out, " never holds");
     } else if (largest->value == 0.0) {
       km_text_add(out, " has nothing to hold");
     } else if (isfinite(largest->value)) {
       km_text_format(out, " holds at most %.6g ", largest->value);
-      km_force_unit(m->model, c, out);
+      km_push_unit(m->model, actuator, out);
       km_text_format(out, " at %.6g%s", largest->s, unit);
     }
-    print_events(sweep, i, KM_FORCE_UNBOUNDED, " has no bound at", unit, out);
-    print_events(sweep, i, KM_FORCE_BALANCED, "; nothing at", unit, out);
+    print_events(sweep, i, KM_FORCE_UNBOUNDED, " is unbounded at", unit, out);
+    print_events(sweep, i, KM_FORCE_BALANCED, "; zero at", unit, out);
     km_text_add(out, "\n");
   }
   if (!sweep->loaded)

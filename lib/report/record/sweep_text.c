@@ -45,54 +45,61 @@ static void held_words(const km_mechanism *m, int substructure, km_text *out) {
     km_text_add(out, " held");
 }
 
-static void stop_reason(const km_mechanism *m, const km_sweep *sweep, const km_reach *reach, km_text *out) {
-  const km_model *model = m->model;
-  if (reach->stop == KM_STOP_LIMIT) {
-    km_text_format(out, "joint %s is at its limit", model->coordinates[reach->coordinate].label);
-    return;
-  }
-  if (sweep->freedom == 0) {
-    km_text_format(out, "substructure %d (joints", reach->substructure + 1);
-    km_joints_print(m, reach->substructure, out);
-    km_text_add(out, ") has no freedom");
-    held_words(m, reach->substructure, out);
-    return;
-  }
-  km_text_format(out, "the driver is at a toggle: it can't move substructure %d (joints", reach->substructure + 1);
-  km_joints_print(m, reach->substructure, out);
-  km_text_add(out, ") any further");
-}
-
-void km_sweep_stop_text(const km_mechanism *m, const km_sweep_plan *plan, const km_sweep *sweep, km_text *out) {
-  bool by_length = plan->arclength > 0.0;
-  if (sweep->start.stop) {
-    km_text_add(out, "FROM is out of reach; located bound ");
-    km_text_number(out, sweep->start.position);
-    km_text_add(out, ": ");
-    stop_reason(m, sweep, &sweep->start, out);
-  }
-  if (by_length && plan->cycle && sweep->cycle == 0.0 && !sweep->end.stop)
-    km_text_add(out, "the motion doesn't come back to its start in so many rows");
-  if (!sweep->end.stop || (sweep->start.stop && km_table_rows(sweep->table) == 1))
-    return;
-  if (sweep->start.stop)
-    km_text_add(out, "; ");
-  km_text_add(out, by_length ? "the motion ends at arc length " : "TO is out of reach; located end ");
-  km_text_number(out, sweep->end.position);
-  km_text_add(out, ": ");
-  if (by_length && sweep->end.stop == KM_STOP_TOGGLE)
-    km_text_add(out, sweep->end.position > 0.0 ? "no further step can be found" : "no loop moves at this pose");
-  else
-    stop_reason(m, sweep, &sweep->end, out);
-}
-
-/* " mm", or nothing for an arc length. */
 const char *km_sweep_unit(const km_mechanism *m, const km_sweep_plan *plan) {
   static const char *const units[] = {" rad", " deg", " m", " mm", " cm", " in"};
   for (size_t i = 0; i < sizeof units / sizeof *units && plan->arclength <= 0.0; ++i)
     if (strcmp(units[i] + 1, km_model_coordinate_unit(m->model, plan->coordinate)) == 0)
       return units[i];
   return "";
+}
+
+static void stop_reason(const km_mechanism *m, const km_sweep_plan *plan, const km_sweep *sweep, const km_reach *reach,
+                        km_text *out) {
+  if (reach->stop == KM_STOP_LIMIT) {
+    km_text_format(out, "joint %s is at its limit", m->model->coordinates[reach->coordinate].label);
+  } else if (sweep->freedom == 0) {
+    km_text_add(out, "nothing can move, joints");
+    km_joints_print(m, reach->substructure, out);
+    km_text_add(out, " have no freedom");
+    held_words(m, reach->substructure, out);
+  } else {
+    km_text_format(out, "%s is at a dead point", m->model->coordinates[plan->coordinate].label);
+  }
+}
+
+/* The end of the motion towards FROM; with one row nothing of the range came after it. */
+static void print_start(const km_mechanism *m, const km_sweep_plan *plan, const km_sweep *sweep, km_text *out) {
+  bool reached = km_table_rows(sweep->table) > 1;
+  km_text_format(
+      out, reached ? "started at %.6g%s instead of %.6g: " : "stopped at %.6g%s, on the way to the range (%.6g): ",
+      sweep->start.position, km_sweep_unit(m, plan), plan->from);
+  stop_reason(m, plan, sweep, &sweep->start, out);
+}
+
+static void print_end(const km_mechanism *m, const km_sweep_plan *plan, const km_sweep *sweep, km_text *out) {
+  if (plan->arclength <= 0.0) {
+    km_text_format(out, "stopped at %.6g%s, before the end of the range (%.6g): ", sweep->end.position,
+                   km_sweep_unit(m, plan), plan->to);
+    stop_reason(m, plan, sweep, &sweep->end, out);
+    return;
+  }
+  km_text_format(out, "the motion ends at arc length %.6g: ", sweep->end.position);
+  if (sweep->end.stop == KM_STOP_TOGGLE)
+    km_text_add(out, sweep->end.position > 0.0 ? "no further step can be found" : "no loop moves at this pose");
+  else
+    stop_reason(m, plan, sweep, &sweep->end, out);
+}
+
+void km_sweep_stop_text(const km_mechanism *m, const km_sweep_plan *plan, const km_sweep *sweep, km_text *out) {
+  if (sweep->start.stop)
+    print_start(m, plan, sweep, out);
+  if (plan->arclength > 0.0 && plan->cycle && sweep->cycle == 0.0 && !sweep->end.stop)
+    km_text_add(out, "the motion doesn't come back to its start in so many rows");
+  if (!sweep->end.stop || (sweep->start.stop && km_table_rows(sweep->table) == 1))
+    return;
+  if (sweep->start.stop)
+    km_text_add(out, "; ");
+  print_end(m, plan, sweep, out);
 }
 
 static void print_cycle(const km_sweep *sweep, const km_sweep_plan *plan, km_text *out) {

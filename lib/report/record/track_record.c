@@ -244,18 +244,36 @@ static void print_remarks(const km_tracks *all, int index, km_text *out) {
                                             : "stops short at one of two spacings: no reference yet");
 }
 
+/* Which of several tracks is the one to take, and why. */
+static void print_best(const km_tracks *t, km_text *out) {
+  int best = km_tracks_best(t);
+  const km_track *track = best >= 0 ? t->items[best] : NULL;
+  if (!track || !km_table_rows(track->table))
+    return;
+  const km_objective *objective = &track->plan.objective;
+  bool mean = km_objective_by_mean(objective);
+  char label[64];
+  km_tracks_label(t, best, ' ', label, sizeof label);
+  km_text_format(out, "  best: %s, which %s with %s %.4g %s\n", label,
+                 track->end.stop ? "gets furthest" : "reaches the end", km_objective_name(objective),
+                 mean ? track->summary.objective_mean : track->summary.objective_min, mean ? "on average" : "at least");
+}
+
 void km_tracks_print(const km_tracks *t, km_text *out) {
   print_head(t, out);
   const char *name = km_objective_name(&t->study->objective);
-  km_text_format(out, "  %-12s %7s  %9s %8s  %19s  %8s %8s  %9s %10s  %11s\n", "", "", "error", "error", name, "joint",
-                 "largest", "smallest", "", "");
-  km_text_format(out, "  %-12s %7s  %9s %8s  %9s %9s  %8s %8s  %9s %10s  %11s\n", "method", "reached",
-                 length_unit(t->study->arm), angle_unit(t->study->arm), "min", "mean", "travel", "rate", "margin",
-                 "violations", "evaluations");
+  km_text_format(out, "  %-12s %7s  %9s %8s  %19s  %8s %8s  %9s\n", "", "", "position", "rotation", name, "joint",
+                 "largest", "limit");
+  km_text_format(out, "  %-12s %7s  %9s %8s  %9s %9s  %8s %8s  %9s %10s  %11s\n", "method", "reached", "error", "error",
+                 "min", "mean", "travel", "rate", "margin", "violations", "evaluations");
+  km_text_format(out, "  %-12s %7s  %9s %8s  %9s %9s  %8s %8s\n", "", "", length_unit(t->study->arm),
+                 angle_unit(t->study->arm), "", "", "rad", "rad/s");
   for (int i = 0; i < t->count; ++i)
     if (t->items[i])
       print_line(t, i, out);
   for (int i = 0; i < t->count; ++i)
     if (t->items[i])
       print_remarks(t, i, out);
+  if (t->count > 1)
+    print_best(t, out);
 }

@@ -1,0 +1,27 @@
+/* What the files of the format table share: abbreviations for rows, and the objects that more than one of them names. */
+#ifndef KM_EXCHANGE_JSON_FORMAT_ROWS_H
+#define KM_EXCHANGE_JSON_FORMAT_ROWS_H
+
+#include "exchange/json/format.h"
+
+/* A row is a key, its help, its shape, then what it measures and what counts without it. */
+#define NUMBER      .shape = KM_SHAPE_NUMBER
+#define STRING      .shape = KM_SHAPE_STRING
+#define BOOLEAN     .shape = KM_SHAPE_BOOLEAN
+#define VECTOR      .shape = KM_SHAPE_VECTOR
+#define POINT       .shape = KM_SHAPE_POINT
+#define OBJECT(f)   .shape = KM_SHAPE_OBJECT, .object = &(f)
+#define OBJECTS(f)  .shape = KM_SHAPE_OBJECTS, .object = &(f)
+#define SHAPE(s)    .shape = KM_SHAPE_##s
+#define UNIT(...)   .dimension = {__VA_ARGS__}
+#define BY(m)       .measure = KM_MEASURE_##m
+#define REQUIRED    .required = true
+#define UNSTATED(t) .unstated = (t)
+
+/* Rows that several objects have. */
+#define ACTIVE                                                                                                         \
+  { "active", "Whether it takes part. False leaves it out, with what depends on it.", BOOLEAN, UNSTATED("true") }
+
+extern const km_object_format km_format_parameters, km_format_parameter, km_format_assembly, km_format_analysis;
+
+#endif

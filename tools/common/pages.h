@@ -1,0 +1,12 @@
+/* Manual pages and bash completions from tables of options: `kmob sweep --help=man`, `--help=completion`. */
+#ifndef KT_PAGES_H
+#define KT_PAGES_H
+
+#include "common/common.h"
+
+/* Prints the page of a command ("kmob sweep") that the word behind `--help=` names. False: there is none. */
+bool kt_page_print(const kt_options *options, const char *command, const char *about, const char *word);
+/* The same of a whole tool; `commands` lists its commands, one a line. */
+bool kt_page_print_tool(const char *tool, const char *about, const kt_command *commands, const char *word);
+
+#endif
