@@ -69,6 +69,7 @@ static void open_builder(world *w) {
   km_body_id body;
   need(km_builder_create(&w->builder, &w->error), &w->error);
   w->assignment = (km_assignment){"mass", 1.0};
+  w->read_def = (km_read_def){0};
   w->settings = km_settings_default();
   w->frame = km_frame_default();
   w->body = km_body_default();

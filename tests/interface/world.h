@@ -29,6 +29,7 @@ typedef struct world {
   km_option_value value;
   km_builder *builder;
   km_assignment assignment;
+  km_read_def read_def;
   km_settings_def settings;
   km_frame_def frame;
   km_body_def body;

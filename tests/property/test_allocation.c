@@ -4,6 +4,7 @@
 
 #include "base/memory.h"
 #include "base/text.h"
+#include "exchange/json/convert.h"
 #include "exchange/json/json.h"
 #include "kmech/kmech.h"
 #include "report/document/question_report.h"
@@ -112,19 +113,23 @@ static km_status ask_forces(const char *json) {
 }
 
 /* Fails the first calls one by one, and later ones in growing strides: a job has thousands. */
-static void fail_each(job run, const char *model) {
-  char *json = read_model_text(model);
+static void fail_each_of(job run, const char *text) {
   arm(0);
-  assert_int_equal(run(json), KM_OK);
+  assert_int_equal(run(text), KM_OK);
   long all = calls;
   assert_true(all > 20);
   for (long n = 1; n <= all; n += 1 + n / 400) {
     arm(n);
-    km_status status = run(json);
+    km_status status = run(text);
     arm(0);
     if (status != KM_MEMORY)
       fail_msg("status %d where call %ld of %ld failed", (int)status, n, all);
   }
+}
+
+static void fail_each(job run, const char *model) {
+  char *json = read_model_text(model);
+  fail_each_of(run, json);
   km_free(json);
 }
 
@@ -218,10 +223,44 @@ static void test_poses(void **unused) {
   unlink(poses_file);
 }
 
+/* Reads a robot description and writes it in the model format. */
+static km_status convert(const char *text) {
+  km_model *model = NULL;
+  km_arena arena = {0};
+  km_error error;
+  const km_value *value;
+  km_status status = km_model_read(text, strlen(text), NULL, &model, &error);
+  if (!status)
+    status = km_model_convert(model, &model->units, NULL, false, &arena, &value, &error);
+  km_arena_free(&arena);
+  km_model_free(model);
+  return status;
+}
+
+/* Nothing in them is left out: a note that finds no memory is lost without harm. */
+static void test_robots(void **unused) {
+  (void)unused;
+  fail_each_of(convert, "<robot name='r'><link name='a'/><link name='b'><inertial><mass value='1'/></inertial></link>"
+                        "<link name='c'/><joint name='j' type='prismatic'><origin xyz='1 0 0'/><parent link='a'/>"
+                        "<child link='b'/></joint><joint name='k' type='continuous'><parent link='a'/><child link='c'/>"
+                        "<axis xyz='1 1 0'/><mimic joint='j'/></joint></robot>");
+  fail_each_of(convert,
+               "<mujoco><default><joint axis='0 0 1' stiffness='2'/><default class='x'/></default><worldbody>"
+               "<replicate count='2'><body name='b' childclass='x'><joint/><joint type='slide'/><site name='s' "
+               "pos='1 0 0'/></body></replicate></worldbody><equality><connect site1='s0' site2='s1'/>"
+               "</equality><actuator><motor joint='b0'/></actuator></mujoco>");
+  fail_each_of(convert,
+               "<sdf version='1.9'><model name='m'><link name='a'/><link name='b'><pose relative_to='a'/></link>"
+               "<frame name='f' attached_to='a'><pose>1 0 0 0 0 0</pose></frame><joint name='j' type='universal'>"
+               "<parent>a</parent><child>b</child><axis><xyz>1 0 0</xyz></axis><axis2><xyz>1 1 0</xyz></axis2>"
+               "</joint></model></sdf>");
+}
+
 int main(void) {
   const struct CMUnitTest tests[] = {
       cmocka_unit_test(test_mobility), cmocka_unit_test(test_advantage), cmocka_unit_test(test_forces),
       cmocka_unit_test(test_check),    cmocka_unit_test(test_track),     cmocka_unit_test(test_poses),
+      cmocka_unit_test(test_robots),
   };
   return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -297,8 +297,36 @@ static void rows_are_within_limits(void **state) {
     assert_true(family_limits(seed));
 }
 
+/* A bar between two slides, at right angles to both: a branch point, where a sweep looks for the motion that moves its
+ * driver most. */
+static void a_held_driver_is_refused(void **unused) {
+  (void)unused;
+  fixture f = fixture_read(
+      "{\"fixed\": {\"frames\": [{\"name\": \"right\", \"T\": [1, 0, 0]}]}, \"assemblies\": [{\"name\": \"m\", \"bodies\": "
+      "[{\"name\": \"a\"}, {\"name\": \"b\"}, {\"name\": \"bar\", \"frames\": [{\"name\": \"end\", \"T\": [1, 0, 0]}]}], "
+      "\"joints\": [{\"name\": \"A\", \"type\": \"Tz\", \"body_frame_pairs\": [[\"fixed\"], [\"a\"]]}, "
+      "{\"name\": \"B\", \"type\": \"Tz\", \"body_frame_pairs\": [[\"fixed\", \"right\"], [\"b\"]]}, "
+      "{\"name\": \"P\", \"type\": \"spherical\", \"body_frame_pairs\": [[\"a\"], [\"bar\"]]}, "
+      "{\"name\": \"R\", \"type\": \"spherical\", \"body_frame_pairs\": [[\"b\"], [\"bar\", \"end\"]]}]}]}");
+  km_mechanism *mechanism;
+  km_state *state;
+  km_hold hold = {0, 0.0};
+  km_mobility_sweep sweep = {0};
+  km_sweep_plan plan = km_sweep_plan_default(f.model);
+  plan.coordinate = 0;
+  assert_int_equal(km_mechanism_compile(f.model, &hold, 1, &mechanism, NULL), KM_OK);
+  assert_int_equal(km_state_create(mechanism, &state, NULL), KM_OK);
+  assert_int_equal(km_assemble(mechanism, state, NULL, NULL), KM_OK);
+  assert_int_equal(km_mobility_sweep_run(mechanism, state, &plan, &sweep, NULL), KM_USAGE);
+  km_mobility_sweep_free(&sweep);
+  km_state_free(state);
+  km_mechanism_free(mechanism);
+  fixture_close(&f);
+}
+
 int main(void) {
   const struct CMUnitTest tests[] = {
+      cmocka_unit_test(a_held_driver_is_refused),
       cmocka_unit_test(rows_do_not_depend_on_steps),
       cmocka_unit_test(least_motion_converges),
       cmocka_unit_test(the_way_back_is_the_way_there),

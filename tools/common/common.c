@@ -47,7 +47,12 @@ void kt_common_options(kt_options *out, kt_common *common, unsigned uses) {
   const kt_option seed[] = {
       {"seed", 0, "N", "Seed of whatever is random (default 1)", KT_SEED, &common->seed, KT_ABOUT_ALL}};
   const kt_option force[] = {{"force", 0, NULL, "Replace a file that is there", KT_FLAG, &common->force, KT_ABOUT_ALL}};
+  const kt_option floating[] = {{"float", 0, NULL,
+                                 "The root link of a robot description is free to move, instead of fixed to the ground",
+                                 KT_FLAG, &common->floating, KT_ABOUT_MODEL}};
   KT_OPTIONS_ADD(out, all);
+  if (uses & KT_USES_FLOAT)
+    KT_OPTIONS_ADD(out, floating);
   if (uses & KT_USES_JOBS)
     KT_OPTIONS_ADD(out, jobs);
   if (uses & KT_USES_SEED)
@@ -121,7 +126,8 @@ km_model *kt_load_varied(const kt_common *common, const char *path, const km_ass
   km_model *model = NULL;
   km_error error;
   km_messages *messages = km_messages_create();
-  km_status status = km_model_load_varied(path, assignments, count, messages, &model, &error);
+  km_read_def def = {NULL, assignments, count, common->floating};
+  km_status status = km_model_load_as(path, &def, messages, &model, &error);
   const char *name = strcmp(path, "-") == 0 ? "standard input" : path;
   for (size_t i = 0; i < km_messages_count(messages); ++i) {
     km_severity severity = km_messages_severity(messages, i);

@@ -26,6 +26,7 @@ kt_exit kt_worse(kt_exit a, kt_exit b);
 typedef struct kt_common {
   const char *tool; /* how messages begin */
   bool quiet, verbose, force;
+  bool floating; /* of --float: what a robot description leaves untied is free */
   int jobs;
   unsigned long seed;
   int mode;           /* of --mode: the assembly mode that poses are brought to; 0: the file's own */
@@ -36,8 +37,8 @@ typedef struct kt_common {
 /* A tool's defaults. */
 #define KT_COMMON(TOOL) ((kt_common){.tool = (TOOL), .jobs = 1, .seed = 1})
 
-/* --quiet and --verbose; and, of --jobs, --seed and --force, those that the command uses. */
-enum { KT_USES_JOBS = 1, KT_USES_SEED = 2, KT_USES_FORCE = 4 };
+/* --quiet and --verbose; and, of --jobs, --seed, --force and --float, those that the command uses. */
+enum { KT_USES_JOBS = 1, KT_USES_SEED = 2, KT_USES_FORCE = 4, KT_USES_FLOAT = 8 };
 void kt_common_options(kt_options *out, kt_common *common, unsigned uses);
 
 /* `tool: text` on the standard error, coloured on a terminal (NO_COLOR, CLICOLOR_FORCE). Notes and warnings are silent with --quiet. */

@@ -14,7 +14,7 @@ void kt_report_options(kt_options *out, kt_sweep_options *o, const char *kind, c
   };
   kt_sweep_options_add(out, o, kind);
   KT_OPTIONS_ADD(out, table);
-  kt_common_options(out, &o->common, 0);
+  kt_common_options(out, &o->common, KT_USES_FLOAT);
   kt_options_hide(out, "derivatives"); /* columns of tables, which a report doesn't have */
   kt_options_hide(out, "transmission");
   out->operand = (kt_operand){"model", "MODEL", true, NULL, &o->models};

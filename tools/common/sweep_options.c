@@ -21,6 +21,6 @@ void kt_sweep_options_several(kt_options *out, kt_sweep_options *o, const char *
   };
   kt_sweep_options_add(out, o, kind);
   KT_OPTIONS_ADD(out, files);
-  kt_common_options(out, &o->common, KT_USES_JOBS);
+  kt_common_options(out, &o->common, KT_USES_JOBS | KT_USES_FLOAT);
   out->operand = (kt_operand){"model", "MODEL...", true, NULL, &o->models};
 }

@@ -122,7 +122,7 @@ static void read_options(options *o, int argc, char **argv) {
   kt_request_options(&all, &o->request, true, KT_REQUEST_BASE("advantage"));
   kt_asked_options(&all, &o->asked, "advantage", false);
   KT_OPTIONS_ADD(&all, point);
-  kt_common_options(&all, &o->request.common, 0);
+  kt_common_options(&all, &o->request.common, KT_USES_FLOAT);
   kt_options_read(
       &all,
       "Mechanical advantage of an input over an output at a pose: the input's rate over the output's, signed."

@@ -64,7 +64,7 @@ kt_exit kmob_convert(int argc, char **argv) {
       KMOB_FILE(&o.file),
   };
   KT_OPTIONS_ADD(&all, table);
-  kt_common_options(&all, &o.common, KT_USES_FORCE);
+  kt_common_options(&all, &o.common, KT_USES_FORCE | KT_USES_FLOAT);
   kt_options_read(&all, "Write the checked model: other units, the assembled pose.", argc, argv);
   if (o.file && !kt_may_write(&o.common, o.file))
     return KT_USAGE;

@@ -133,7 +133,7 @@ static void add_options(kt_options *out, kmob_draw_options *o) {
   KT_OPTIONS_ADD(out, table);
   kt_asked_some(out, &o->asked, "mobility", motion);
   kt_asked_explain(out, "steps", "N", "Pictures of --animate, less one (default 240 in a plane, 120 in space)");
-  kt_common_options(out, &o->common, 0);
+  kt_common_options(out, &o->common, KT_USES_FLOAT);
   out->operand = (kt_operand){"model", "MODEL", true, NULL, &o->models};
 }
 

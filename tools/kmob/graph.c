@@ -165,7 +165,7 @@ kt_exit kmob_graph(int argc, char **argv) {
                        "with the model's name)"),
   };
   KT_OPTIONS_ADD(&all, table);
-  kt_common_options(&all, &o.common, 0);
+  kt_common_options(&all, &o.common, KT_USES_FLOAT);
   kt_options_read(&all,
                   "Bodies, joints, loops and kinematic substructures as a graph, in the DOT language or drawn by "
                   "graphviz.",

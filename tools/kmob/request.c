@@ -12,7 +12,7 @@ kmob_request kmob_read_request(int argc, char **argv, const char *about, kmob_as
     KT_OPTIONS_ADD(&all, strict);
   else
     KT_OPTIONS_ADD(&all, modes);
-  kt_common_options(&all, &r.pose.common, asking == KMOB_CHECKS ? 0 : KT_USES_SEED);
+  kt_common_options(&all, &r.pose.common, KT_USES_FLOAT | (asking == KMOB_CHECKS ? 0 : KT_USES_SEED));
   kt_options_read(&all, about, argc, argv);
   return r;
 }

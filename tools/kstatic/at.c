@@ -62,7 +62,7 @@ static void read_options(options *o, int argc, char **argv) {
   kt_options all = {0};
   kt_request_options(&all, &o->request, true, KT_REQUEST_BASE("forces"));
   kt_asked_options(&all, &o->asked, "forces", false);
-  kt_common_options(&all, &o->request.common, 0);
+  kt_common_options(&all, &o->request.common, KT_USES_FLOAT);
   kt_options_read(
       &all,
       "What actuators and joints must hold at a pose against gravity, loads and springs, and the reaction in every "

@@ -1,6 +1,8 @@
 /* Writing a checked model back: every number in its unit, in the pose that is asked for. */
 #include "exchange/json/convert.h"
 
+#include "exchange/json/built.h"
+
 #include "exchange/json/convert_drawn.h"
 #include "exchange/json/format.h"
 #include "exchange/json/reader.h"
@@ -324,6 +326,8 @@ static void convert_parameters(const converter *c, const km_value *parameters, k
 
 km_status km_model_convert(const km_model *model, const km_units *units, const double *q, bool frames, km_arena *arena,
                            const km_value **out, km_error *error) {
+  if (!model->origin)
+    return km_built_convert(model, units, q, frames, arena, out, error);
   const km_value *given = model->origin->root;
   bool undraw = frames || (q && km_drawing_moved(model, q));
   converter c = {.model = model,
@@ -350,5 +354,5 @@ km_status km_model_convert(const km_model *model, const km_units *units, const d
 }
 
 bool km_model_has_parameters(const km_model *model) {
-  return km_value_get(model->origin->root, "parameters") != NULL;
+  return model->origin && km_value_get(model->origin->root, "parameters") != NULL;
 }

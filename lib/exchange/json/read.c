@@ -1,7 +1,8 @@
-#include "base/check.h"
+/* The model format's text to a model. */
 #include "exchange/json/evaluate.h"
 #include "exchange/json/format.h"
 #include "exchange/json/json.h"
+#include "exchange/json/json_model.h"
 #include "exchange/json/reader.h"
 #include "exchange/json/vary.h"
 #include "exchange/mesh/model_meshes.h"
@@ -218,20 +219,13 @@ static void free_names(km_reader *reader) {
   km_names_free(&reader->labels);
 }
 
-/* What a model is read from. */
-typedef struct text {
-  const char *bytes;
-  size_t size;
-  const km_assignment *assignments; /* put in first */
-  int count;
-} text;
-
-static km_status read_model(km_model *model, const text *from, km_messages *messages, km_error *error) {
+static km_status read_model(km_model *model, const char *bytes, size_t size, const km_read_def *def,
+                            km_messages *messages, km_error *error) {
   km_value *root;
   const km_value *source;
-  km_status status = km_json_parse_open(from->bytes, from->size, &model->arena, &root, error);
+  km_status status = km_json_parse_open(bytes, size, &model->arena, &root, error);
   if (!status)
-    status = km_model_vary(root, from->assignments, from->count, &model->arena, error);
+    status = km_model_vary(root, def->assignments, def->assignment_count, &model->arena, error);
   if (!status)
     status = km_model_evaluate(root, messages, error);
   if (status) {
@@ -239,7 +233,6 @@ static km_status read_model(km_model *model, const text *from, km_messages *mess
       km_messages_add(messages, KM_ERROR, "%s", error->text);
     return status;
   }
-  km_sha256(from->bytes, from->size, model->sha256);
   km_format_check(root, messages);
   if (km_messages_errors(messages))
     return first_error(messages, error);
@@ -262,70 +255,17 @@ static km_status read_model(km_model *model, const text *from, km_messages *mess
   return first_error(messages, error);
 }
 
-/* The part of a path before its last slash. */
-static const char *folder_of(km_model *model, const char *path) {
-  const char *slash = strrchr(path, '/');
-  if (!slash)
-    return ".";
-  char *folder = km_arena_string(&model->arena, path);
-  if (folder)
-    folder[slash == path ? 1 : slash - path] = '\0';
-  return folder;
-}
-
-/* `path`: of the file that the bytes are from; NULL: none. */
-static km_status read_bytes(const text *from, const char *path, km_messages *messages, km_model **out,
-                            km_error *error) {
-  km_error local;
-  km_messages *own = messages ? NULL : km_messages_create();
+km_status km_json_model(const char *bytes, size_t size, const km_read_def *def, km_messages *messages, km_model **out,
+                        km_error *error) {
   km_model *model = KM_NEW(km_model, 1);
-  if (model)
-    model->folder = path ? folder_of(model, path) : ".";
-  km_status status = model && model->folder && (messages || own)
-                         ? read_model(model, from, messages ? messages : own, error ? error : &local)
-                         : km_fail(error, KM_MEMORY, "out of memory while reading the model");
-  km_messages_free(own);
+  km_status status = KM_MEMORY;
+  if (model && km_model_stands_in(model, def->file))
+    status = read_model(model, bytes, size, def, messages, error);
+  else
+    km_fail(error, KM_MEMORY, "out of memory while reading the model");
   if (status)
     km_model_free(model);
   else
     *out = model;
-  if (!status && path)
-    km_model_miss_meshes(model, messages);
   return status;
-}
-
-km_status km_model_read_varied(const char *bytes, size_t size, const char *file, const km_assignment *assignments,
-                               int count, km_messages *messages, km_model **out, km_error *error) {
-  if (!out)
-    return km_check_given(false, "place for the result", error);
-  *out = NULL;
-  if (!bytes)
-    return km_check_given(false, "text of a model", error);
-  if (count < 0 || (count > 0 && !assignments))
-    return km_check_given(false, "assignments", error);
-  return read_bytes(&(text){bytes, size, assignments, count}, file, messages, out, error);
-}
-
-km_status km_model_read(const char *bytes, size_t size, km_messages *messages, km_model **out, km_error *error) {
-  return km_model_read_varied(bytes, size, NULL, NULL, 0, messages, out, error);
-}
-
-km_status km_model_load_varied(const char *path, const km_assignment *assignments, int count, km_messages *messages,
-                               km_model **out, km_error *error) {
-  if (!out)
-    return km_check_given(false, "place for the result", error);
-  *out = NULL;
-  if (!path)
-    return km_check_given(false, "path of a model", error);
-  km_text bytes = {0};
-  km_status status = km_file_read(path, &bytes, error);
-  if (!status)
-    status =
-        km_model_read_varied(bytes.data ? bytes.data : "", bytes.size, path, assignments, count, messages, out, error);
-  km_text_free(&bytes);
-  return status;
-}
-
-km_status km_model_load(const char *path, km_messages *messages, km_model **out, km_error *error) {
-  return km_model_load_varied(path, NULL, 0, messages, out, error);
 }

@@ -12,9 +12,9 @@ extern "C" {
 
 typedef struct km_model km_model;
 
-/* Reads a model from `size` bytes of JSON. Warnings, notes and up to 20 errors go to `messages`, each with
- * its place in the file; with any error the status is KM_MODEL, `error` holds the first one and `*out` is
- * NULL. The caller frees `*out`. Cost: linear in the file. */
+/* Reads a model from `size` bytes of JSON, URDF, MJCF or SDF, which the text itself tells apart. Warnings, notes and up
+ * to 20 errors go to `messages`, each with its place in the file; with any error the status is KM_MODEL, `error` holds
+ * the first one and `*out` is NULL. The caller frees `*out`. Cost: linear in the file. */
 KM_API km_status km_model_read(const char *bytes, size_t size, km_messages *messages, km_model **out, km_error *error);
 
 /* The same from a file; "-" is the standard input. KM_IO if it can't be read. */
@@ -47,6 +47,20 @@ KM_API km_status km_model_read_varied(const char *bytes, size_t size, const char
 /* The same from a file; "-" is the standard input, which can be read once. KM_IO if it can't be read. */
 KM_API km_status km_model_load_varied(const char *path, const km_assignment *assignments, int count,
                                       km_messages *messages, km_model **out, km_error *error);
+/* How a model is read. Start from {0}. */
+typedef struct km_read_def {
+  const char *file; /* where the bytes are from, for meshes and other files that they name; NULL: nowhere */
+  const km_assignment *assignments; /* [assignment_count], as above; of JSON only */
+  int assignment_count;
+  bool floating; /* what a robot description leaves untied is free to move, instead of fixed to the inertial frame */
+} km_read_def;
+
+/* As km_model_read and km_model_load (which knows `file` itself), with all that can be asked of a reader. KM_USAGE: also
+ * assignments to the numbers of a format other than JSON. */
+KM_API km_status km_model_read_as(const char *bytes, size_t size, const km_read_def *def, km_messages *messages,
+                                  km_model **out, km_error *error);
+KM_API km_status km_model_load_as(const char *path, const km_read_def *def, km_messages *messages, km_model **out,
+                                  km_error *error);
 KM_API void km_model_free(km_model *model);
 
 /* Active elements, numbered in file order. Bodies don't count the inertial frame. */

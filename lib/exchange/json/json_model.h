@@ -1,0 +1,11 @@
+/* Models in the model format. */
+#ifndef KM_EXCHANGE_JSON_MODEL_H
+#define KM_EXCHANGE_JSON_MODEL_H
+
+#include "model/model.h"
+
+/* A model from JSON text, as km_model_read_as tells. */
+km_status km_json_model(const char *bytes, size_t size, const km_read_def *def, km_messages *messages, km_model **out,
+                        km_error *error);
+
+#endif

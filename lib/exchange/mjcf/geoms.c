@@ -1,0 +1,88 @@
+/* Masses of bodies: as they are stated, or from their geoms. */
+#include "exchange/mjcf/mjcf.h"
+
+#include <string.h>
+
+typedef struct shape {
+  const char *type;
+  double size[3];
+} shape;
+
+/* Shapes that are told by the ends of their axis: sets the length among the sizes, and the pose. */
+static bool has_line(km_mjcf *m, const km_xml *geom, const km_mjcf_place *place, shape *s, km_pose *pose) {
+  double ends[6];
+  if (km_mjcf_numbers(m, geom, place, "fromto", ends, 6) != 6)
+    return false;
+  km_vec3 from = km_vec3_make(ends), to = km_vec3_make(ends + 3), along = km_vec3_sub(to, from);
+  double half = 0.5 * km_vec3_norm(along);
+  const double u[3] = {along.x, along.y, along.z};
+  bool across = strcmp(s->type, "box") == 0 || strcmp(s->type, "ellipsoid") == 0;
+  s->size[across ? 2 : 1] = half;
+  if (across)
+    s->size[1] = s->size[0];
+  *pose = (km_pose){km_rotation_onto(2, km_mjcf_unit(m->robot, geom, "fromto", u)),
+                    km_vec3_scale(0.5, km_vec3_add(from, to))};
+  return true;
+}
+
+/* A solid of density 1 about its own frame. False: its volume isn't known here. */
+static bool solid_of(const shape *s, km_robot_mass *out) {
+  const double ball[3] = {s->size[0], s->size[0], s->size[0]};
+  if (strcmp(s->type, "sphere") == 0)
+    *out = km_solid_ellipsoid(ball);
+  else if (strcmp(s->type, "ellipsoid") == 0)
+    *out = km_solid_ellipsoid(s->size);
+  else if (strcmp(s->type, "box") == 0)
+    *out = km_solid_box(s->size);
+  else if (strcmp(s->type, "cylinder") == 0)
+    *out = km_solid_cylinder(s->size[0], s->size[1]);
+  else if (strcmp(s->type, "capsule") == 0)
+    *out = km_solid_capsule(s->size[0], s->size[1]);
+  else
+    return false;
+  return true;
+}
+
+static bool is_flat(const char *type) {
+  return strcmp(type, "plane") == 0 || strcmp(type, "hfield") == 0;
+}
+
+void km_mjcf_weigh(km_mjcf *m, const km_xml *geom, const km_mjcf_place *place, km_robot_mass *sum) {
+  const char *type = km_mjcf_get(m, geom, place, "type"), *mesh = km_mjcf_get(m, geom, place, "mesh");
+  double group = km_mjcf_number(m, geom, place, "group", 0.0), density = km_mjcf_number(m, geom, place, "density", 1e3);
+  double mass = km_mjcf_number(m, geom, place, "mass", -1.0);
+  shape s = {type ? type : "sphere", {0}};
+  km_robot_mass solid = {0};
+  if (group < m->compiler.groups[0] || group > m->compiler.groups[1] || mass == 0.0 || (mass < 0.0 && density == 0.0) ||
+      is_flat(s.type))
+    return;
+  km_mjcf_numbers(m, geom, place, "size", s.size, 3);
+  km_pose own;
+  if (!has_line(m, geom, place, &s, &own))
+    own = km_mjcf_pose(m, geom, place);
+  if (mesh || !solid_of(&s, &solid)) {
+    km_robot_omit(m->robot, "shapes that aren't weighed, as they are meshes or have no plain form",
+                  km_xml_attribute_of(geom, "name"));
+    return;
+  }
+  if (!(solid.mass > 0.0)) {
+    km_robot_error(m->robot, geom, "size: a %.20s of no volume; expected sizes greater than 0", s.type);
+    return;
+  }
+  solid = km_robot_mass_scaled(mass > 0.0 ? mass / solid.mass : density, solid);
+  km_pose pose = km_pose_product(&place->pose, &own);
+  *sum = km_robot_mass_sum(*sum, km_robot_mass_moved(&pose, solid));
+}
+
+km_robot_mass km_mjcf_inertial(km_mjcf *m, const km_xml *e, const km_mjcf_place *place) {
+  static const int order[6] = {0, 1, 2, 3, 5, 4}; /* theirs: xx yy zz xy xz yz */
+  km_robot_mass mass = {.mass = km_robot_number(m->robot, e, "mass", 0.0)};
+  double full[6];
+  if (km_robot_numbers(m->robot, e, "fullinertia", full, 6))
+    for (int k = 0; k < 6; ++k)
+      mass.inertia[k] = full[order[k]];
+  else
+    km_robot_numbers(m->robot, e, "diaginertia", mass.inertia, 3);
+  km_pose own = km_mjcf_pose(m, e, place), pose = km_pose_product(&place->pose, &own);
+  return km_robot_mass_moved(&pose, mass);
+}

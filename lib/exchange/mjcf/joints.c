@@ -1,0 +1,141 @@
+/* Joints inside of bodies. */
+#include "exchange/mjcf/mjcf.h"
+
+#include <string.h>
+
+static const struct {
+  const char *word;
+  km_joint_type type;
+} types[] = {{"hinge", KM_RZ}, {"slide", KM_TZ}, {"ball", KM_SPHERICAL}, {"free", KM_FLOAT}};
+
+static bool find_type(km_mjcf *m, const km_xml *e, const km_mjcf_place *place, km_joint_type *out) {
+  const char *word = strcmp(e->name, "freejoint") == 0 ? "free" : km_mjcf_get(m, e, place, "type");
+  word = word ? word : "hinge";
+  for (size_t i = 0; i < sizeof types / sizeof *types; ++i)
+    if (strcmp(types[i].word, word) == 0) {
+      *out = types[i].type;
+      return true;
+    }
+  km_robot_error(m->robot, e, "type: found \"%.40s\"; expected hinge, slide, ball or free", word);
+  return false;
+}
+
+static const char *name_of(km_mjcf *m, const km_xml *e, const km_mjcf_place *place, const char *body) {
+  const char *name = km_xml_attribute_of(e, "name");
+  if (name && name[0])
+    return km_robot_text(m->robot, "%s%s", name, place->suffix);
+  return km_robot_free_name(m->robot, &m->robot->joints, m->assembly.value, body, "joint");
+}
+
+static void remember(km_mjcf *m, const char *name, km_joint_id id, km_joint_type type) {
+  km_robot *robot = m->robot;
+  if (!km_arena_grow(&robot->arena, (void **)&m->joints, &m->joint_room, (size_t)m->joint_count + 1,
+                     sizeof *m->joints) ||
+      !km_names_set(&m->joint_names, 0, name, m->joint_count))
+    robot->arena.failed = true;
+  else
+    m->joints[m->joint_count++] = (km_mjcf_joint){name, id, type};
+}
+
+static void read_limits(km_mjcf *m, const km_xml *e, const km_mjcf_place *place, km_robot_joint *joint, double unit) {
+  const char *limited = km_mjcf_get(m, e, place, "limited");
+  double range[2];
+  bool given = km_mjcf_numbers(m, e, place, "range", range, 2) == 2;
+  bool automatic = !limited || strcmp(limited, "auto") == 0;
+  if (!(automatic ? given && m->compiler.autolimits : strcmp(limited, "true") == 0))
+    return;
+  if (joint->type == KM_SPHERICAL)
+    km_robot_omit(m->robot, "limits of ball joints left out", joint->name);
+  else
+    km_robot_limit(m->robot, joint, 0, given ? range[0] * unit : 0.0, given ? range[1] * unit : 0.0);
+}
+
+/* A spring of stiffness k that is at rest at `rest`: -k q + k rest. */
+static void add_spring(km_mjcf *m, const km_xml *e, const km_mjcf_place *place, const char *name, km_joint_id id,
+                       double unit) {
+  double k = km_mjcf_number(m, e, place, "stiffness", 0.0);
+  if (k == 0.0)
+    return;
+  int size = 2;
+  const double piece[2] = {k * unit * km_mjcf_number(m, e, place, "springref", 0.0), -k};
+  km_force_def def = km_force_default();
+  km_error error;
+  def.name = name;
+  def.coordinate = (km_coordinate_ref){id, 0};
+  def.piece_sizes = &size;
+  def.coefficients = piece;
+  km_status status = km_model_add_force(m->robot->builder, &def, &error);
+  if (status == KM_MEMORY)
+    m->robot->arena.failed = true;
+  else if (status)
+    km_robot_error(m->robot, e, "%s", error.text);
+}
+
+static void count_rest(km_mjcf *m, const km_xml *e, const km_mjcf_place *place, const char *name) {
+  if (km_mjcf_number(m, e, place, "frictionloss", 0.0) != 0.0)
+    km_robot_omit(m->robot, "constant frictions left out", name);
+  if (km_mjcf_number(m, e, place, "armature", 0.0) != 0.0)
+    km_robot_omit(m->robot, "inertias of rotors left out", name);
+}
+
+/* The free pose of a body: its coordinates are its pose in the world. */
+static void set_free(km_robot_joint *joint, const km_pose *pose) {
+  km_vec3 turn = km_quaternion_log(km_rotation_quaternion(&pose->R));
+  memcpy(joint->position, &pose->p, sizeof pose->p);
+  memcpy(joint->position + 3, &turn, sizeof turn);
+}
+
+/* The frames at the anchor; the coordinate is the reference value where the bodies stand as the file has them. */
+static void set_single(km_mjcf *m, const km_xml *e, const km_mjcf_place *place, const km_mjcf_link *link,
+                       km_robot_joint *joint, double unit) {
+  double p[3] = {0}, u[3] = {0, 0, 1};
+  double reference = unit * km_mjcf_number(m, e, place, "ref", 0.0);
+  km_mjcf_numbers(m, e, place, "pos", p, 3);
+  if (km_mjcf_numbers(m, e, place, "axis", u, 3) == 3)
+    km_robot_judge_digits(m->robot, km_mjcf_get(m, e, place, "axis"), 0.0, &m->robot->angle_rounding);
+  joint->axis = km_mjcf_unit(m->robot, e, "axis", u);
+  km_pose anchor = {km_rotation_identity(), km_vec3_make(p)}, back = km_pose_identity();
+  joint->in_child = km_pose_product(&place->pose, &anchor);
+  joint->in_parent = km_pose_product(&link->pose, &joint->in_child);
+  km_vec3 way = km_vec3_scale(-reference, joint->axis);
+  if (joint->type == KM_RZ && reference != 0.0)
+    back.R = km_quaternion_rotation(km_quaternion_exp(way));
+  else if (joint->type == KM_TZ)
+    back.p = way;
+  joint->in_parent = km_pose_product(&joint->in_parent, &back);
+  joint->position[0] = reference + km_mjcf_start_offset(m, joint->name);
+}
+
+void km_mjcf_add_joint(km_mjcf *m, const km_xml *e, const km_mjcf_place *place, const km_mjcf_link *link) {
+  km_robot_joint joint = km_robot_joint_default();
+  if (!find_type(m, e, place, &joint.type))
+    return;
+  bool single = joint.type == KM_RZ || joint.type == KM_TZ;
+  double unit = joint.type == KM_TZ ? 1.0 : m->compiler.angle;
+  joint.at = e;
+  joint.name = name_of(m, e, place, link->body);
+  joint.assembly = m->assembly;
+  joint.parent = link->parent;
+  joint.child = link->child;
+  if (joint.type == KM_FLOAT && !link->on_world)
+    km_robot_error(m->robot, e,
+                   "joint \"%.80s\": a free joint inside of a body; expected it only in the world's bodies",
+                   joint.name);
+  if (joint.type == KM_FLOAT)
+    set_free(&joint, &link->pose);
+  else
+    set_single(m, e, place, link, &joint, single ? unit : 0.0);
+  if (joint.type != KM_FLOAT)
+    read_limits(m, e, place, &joint, unit);
+  for (int k = 0; k < km_joint_kind_of(joint.type)->freedom && joint.type != KM_FLOAT; ++k)
+    joint.damping[k] = km_mjcf_number(m, e, place, "damping", 0.0);
+  if (m->robot->failed)
+    return;
+  km_joint_id id = km_robot_add_joint(m->robot, &joint);
+  if (!id.value)
+    return;
+  remember(m, joint.name, id, joint.type);
+  count_rest(m, e, place, joint.name);
+  if (single)
+    add_spring(m, e, place, joint.name, id, unit);
+}

@@ -1,0 +1,105 @@
+/* Models as MuJoCo's MJCF describes them: nested bodies, with joints inside of them and constraints beside them. */
+#ifndef KM_EXCHANGE_MJCF_H
+#define KM_EXCHANGE_MJCF_H
+
+#include "exchange/robot/robot.h"
+
+/* Reads the element `mujoco`: a km_robot_read. */
+void km_mjcf_read(km_robot *robot, km_xml *root);
+
+typedef struct km_mjcf_body {
+  const char *name;
+  km_body_id id;
+  km_pose world; /* where every joint has its reference value */
+} km_mjcf_body;
+
+typedef struct km_mjcf_joint {
+  const char *name;
+  km_joint_id id;
+  km_joint_type type;
+} km_mjcf_joint;
+
+typedef struct km_mjcf_site {
+  int body;
+  km_pose pose; /* in the body */
+} km_mjcf_site;
+
+/* A class of defaults; several elements may add to one. */
+typedef struct km_mjcf_class {
+  const km_xml *element;
+  int next, parent; /* the next element of the same class, and the class around it; -1: none */
+} km_mjcf_class;
+
+typedef enum km_mjcf_answer { KM_MJCF_NO, KM_MJCF_YES, KM_MJCF_AUTO } km_mjcf_answer;
+
+typedef struct km_mjcf_compiler {
+  double angle;  /* radians per unit of angle */
+  char order[3]; /* of Euler angles */
+  bool autolimits;
+  km_mjcf_answer from_geoms; /* masses are those of the geoms; auto: where a body states none */
+  double groups[2];          /* of the geoms that weigh */
+  double least_mass, least_inertia;
+} km_mjcf_compiler;
+
+typedef struct km_mjcf {
+  km_robot *robot;
+  const km_xml *root;
+  km_assembly_id assembly;
+  km_mjcf_compiler compiler;
+  km_names class_names, body_names, joint_names, site_names;
+  km_mjcf_class *classes;
+  km_mjcf_body *bodies; /* [0] is the world */
+  km_mjcf_joint *joints;
+  km_mjcf_site *sites;
+  int class_count, body_count, joint_count, site_count, copies;
+  size_t class_room, body_room, joint_room, site_room;
+} km_mjcf;
+
+/* Where elements stand: the pose of their frame in the body, the class of their defaults, what is added to names. */
+typedef struct km_mjcf_place {
+  km_pose pose;
+  const char *class, *suffix;
+} km_mjcf_place;
+
+/* Calls `visit` for the members of an element; those of frames and replicas too, at their own places. */
+typedef void (*km_mjcf_visit)(km_mjcf *m, const km_xml *element, const km_mjcf_place *place, void *context);
+void km_mjcf_walk(km_mjcf *m, const km_xml *element, const km_mjcf_place *place, km_mjcf_visit visit, void *context);
+
+/* Replaces the elements `include` by what they include. */
+void km_mjcf_include(km_robot *robot, km_xml *root);
+/* Settings of the compiler, classes of defaults. */
+void km_mjcf_read_compiler(km_mjcf *m);
+void km_mjcf_read_classes(km_mjcf *m);
+/* An element's own attribute, or that of its class; NULL: none. */
+const char *km_mjcf_get(km_mjcf *m, const km_xml *element, const km_mjcf_place *place, const char *key);
+/* Numbers of such an attribute; what there is, at least one, up to `most`. How many were set. */
+int km_mjcf_numbers(km_mjcf *m, const km_xml *element, const km_mjcf_place *place, const char *key, double *out,
+                    int most);
+double km_mjcf_number(km_mjcf *m, const km_xml *element, const km_mjcf_place *place, const char *key, double otherwise);
+/* The pose of an element in the frame around it: pos, and quat, axisangle, xyaxes, zaxis or euler. */
+km_pose km_mjcf_pose(km_mjcf *m, const km_xml *element, const km_mjcf_place *place);
+km_vec3 km_mjcf_unit(km_robot *robot, const km_xml *at, const char *what, const double u[3]);
+
+/* Adds the mass of a geom to a sum, in the body's frame. */
+void km_mjcf_weigh(km_mjcf *m, const km_xml *geom, const km_mjcf_place *place, km_robot_mass *sum);
+/* The element `inertial`. */
+km_robot_mass km_mjcf_inertial(km_mjcf *m, const km_xml *inertial, const km_mjcf_place *place);
+
+/* The tree of bodies. */
+void km_mjcf_read_bodies(km_mjcf *m);
+/* A joint between a body (or what lies between) and its parent. `index`: of how many joints of the body; */
+typedef struct km_mjcf_link {
+  km_body_id parent, child;
+  km_pose pose; /* of the child in the parent where the joint has its reference value */
+  bool on_world;
+  const char *body; /* its name, and the joint's if it has none itself */
+} km_mjcf_link;
+void km_mjcf_add_joint(km_mjcf *m, const km_xml *joint, const km_mjcf_place *place, const km_mjcf_link *link);
+
+/* Equality constraints, actuators, and what is left out, when the bodies are there. */
+void km_mjcf_read_constraints(km_mjcf *m);
+void km_mjcf_read_actuators(km_mjcf *m);
+/* The constant of an equality that sets the joint's first value beside its reference; 0: none. */
+double km_mjcf_start_offset(const km_mjcf *m, const char *joint);
+
+#endif

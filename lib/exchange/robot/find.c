@@ -1,0 +1,45 @@
+/* Files that a description names, by a path or behind the name of a package. */
+#include "exchange/robot/robot.h"
+
+#include <string.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+enum { MOST_PARENTS = 12 };
+
+/* What follows `package://`, `model://` or `file://`. */
+static const char *without_scheme(const char *name) {
+  const char *colon = strstr(name, "://");
+  return colon ? colon + 3 : name;
+}
+
+/* A device or a pipe might never end. */
+static bool is_readable(const char *path) {
+  struct stat found;
+  return stat(path, &found) == 0 && S_ISREG(found.st_mode) && access(path, R_OK) == 0;
+}
+
+const char *km_robot_find(km_robot *robot, const char *name) {
+  const char *path = without_scheme(name), *file = robot->request->file, *slash = file ? strrchr(file, '/') : NULL;
+  const char *folder = slash ? km_robot_text(robot, "%.*s", (int)(slash - file), file) : ".";
+  if (path[0] == '/')
+    return is_readable(path) ? path : NULL;
+  const char *behind = path != name ? strchr(path, '/') : NULL; /* without the package's name */
+  for (int n = 0; n < MOST_PARENTS && !robot->arena.failed; ++n) {
+    const char *found = km_robot_text(robot, "%s/%s", folder, path);
+    if (is_readable(found))
+      return found;
+    if (behind && is_readable(found = km_robot_text(robot, "%s%s", folder, behind)))
+      return found;
+    folder = km_robot_text(robot, "%s/..", folder);
+  }
+  return NULL;
+}
+
+const char *km_robot_mesh(km_robot *robot, const char *name) {
+  const char *file = robot->request->file, *slash = file ? strrchr(file, '/') : NULL;
+  const char *found = km_robot_find(robot, name);
+  if (!found)
+    return without_scheme(name);
+  return found[0] == '/' ? found : found + (slash ? slash - file + 1 : 2);
+}

@@ -1,0 +1,133 @@
+/* What the readers of robot descriptions share: a model that is being built from elements of XML, in SI units. */
+#ifndef KM_EXCHANGE_ROBOT_H
+#define KM_EXCHANGE_ROBOT_H
+
+#include "base/names.h"
+#include "exchange/xml/xml.h"
+#include "model/finish.h"
+
+#include <locale.h>
+
+/* What is asked of a reader, and where it puts what it finds. */
+typedef struct km_robot_request {
+  const char *file; /* where the text is from; NULL: nowhere */
+  bool floating;    /* what the file leaves untied is free, not fixed */
+  km_messages *messages;
+} km_robot_request;
+
+/* A kind of thing that a model can't hold. */
+typedef struct km_robot_omission {
+  const char *kind, *first; /* the name of the first one, "" if it has none */
+  int count;
+} km_robot_omission;
+
+enum { KM_ROBOT_KINDS = 48 };
+
+typedef struct km_robot {
+  const km_robot_request *request;
+  km_arena arena; /* of what lives as long as the reading */
+  km_builder *builder;
+  km_settings_def settings;
+  km_names joints, bodies,
+      frames; /* taken names: scope assembly, assembly, body; 0 where they wait for their element */
+  km_robot_omission omitted[KM_ROBOT_KINDS];
+  int omitted_count;
+  bool closes;                            /* there are loops */
+  double angle_rounding, length_rounding; /* how far axes and points of loops may be off, as the file rounds them */
+  double reach;                           /* the largest distance of a frame from its body's origin */
+  double total_mass;                      /* > 0: what the whole is to weigh */
+  locale_t locale;
+  bool failed; /* an error was reported */
+} km_robot;
+
+/* A model from a tree: what each of the formats does. False only where nothing further can be done; faults are
+ * reported. */
+typedef void (*km_robot_read)(km_robot *robot, km_xml *root);
+
+/* Builds the model that `read` describes. The caller frees `*out`. KM_MODEL, with the first of the errors. */
+km_status km_robot_build(km_robot_read read, km_xml *root, const km_robot_request *request, km_model **out,
+                         km_error *error);
+
+/* Reports an error, or a warning, at an element. */
+void km_robot_error(km_robot *robot, const km_xml *at, const char *format, ...) __attribute__((format(printf, 3, 4)));
+void km_robot_warn(km_robot *robot, const km_xml *at, const char *format, ...) __attribute__((format(printf, 3, 4)));
+/* Counts a thing of some kind ("collision shapes") that is left out; each kind is one note at the end. */
+void km_robot_omit(km_robot *robot, const char *kind, const char *name);
+/* Text that lives as long as the reading; "" when out of memory. */
+const char *km_robot_text(km_robot *robot, const char *format, ...) __attribute__((format(printf, 2, 3)));
+
+/* Finite numbers between blanks. False if there are none in `text` (NULL too), or (reported) not exactly `count`. */
+bool km_robot_parse(km_robot *robot, const km_xml *at, const char *what, const char *text, double *out, int count);
+/* The same of from `least` to `most` numbers: how many; -1: reported, or none. */
+int km_robot_parse_some(km_robot *robot, const km_xml *at, const char *what, const char *text, double *out, int least,
+                        int most);
+/* The same of an attribute; the numbers stay as they are where it is absent. */
+bool km_robot_numbers(km_robot *robot, const km_xml *element, const char *attribute, double *out, int count);
+double km_robot_number(km_robot *robot, const km_xml *element, const char *attribute, double otherwise);
+/* A number that may be infinite. */
+double km_robot_bound(km_robot *robot, const km_xml *at, const char *what, const char *text, double otherwise);
+/* Remembers how coarsely the numbers of a pose are rounded. `period`: a multiple of it is meant where it is within
+ * the rounding; 0: none. */
+void km_robot_judge_digits(km_robot *robot, const char *text, double period, double *worst);
+
+/* R = Rz(yaw) Ry(pitch) Rx(roll). */
+km_rotation km_rotation_rpy(const double rpy[3]);
+
+/* Mass, centre and inertia (Ixx Iyy Izz Ixy Iyz Izx, about the centre, along the axes). */
+typedef struct km_robot_mass {
+  double mass;
+  km_vec3 center;
+  double inertia[6];
+} km_robot_mass;
+/* The same seen from a frame in which the axes and the origin have the pose. */
+km_robot_mass km_robot_mass_moved(const km_pose *pose, km_robot_mass mass);
+km_robot_mass km_robot_mass_sum(km_robot_mass a, km_robot_mass b);
+/* Solids of density 1 about their own centres: half sizes of a box, half axes of an ellipsoid, radius and half length
+ * (without caps) along z. */
+km_robot_mass km_solid_box(const double half[3]);
+km_robot_mass km_solid_ellipsoid(const double half[3]);
+km_robot_mass km_solid_cylinder(double radius, double half);
+km_robot_mass km_solid_capsule(double radius, double half);
+km_robot_mass km_robot_mass_scaled(double factor, km_robot_mass mass);
+
+/* An assembly, whose name is made free. */
+km_assembly_id km_robot_assembly(km_robot *robot, const km_xml *at, const char *name, km_assembly_id parent);
+/* A body. A negative mass or inertia is a warning and dropped. A name that is taken is an error. `mesh`: NULL: none. */
+km_body_id km_robot_body(km_robot *robot, const km_xml *at, km_assembly_id assembly, const char *name,
+                         const km_robot_mass *mass, const char *mesh);
+/* A frame of a body, under a free name like the given one; the body's own where the pose is the identity. */
+km_frame_id km_robot_frame(km_robot *robot, const km_xml *at, km_body_id body, const char *name, const km_pose *pose);
+
+/* A joint: of the type KM_RZ or KM_TZ it is about or along `axis`. */
+typedef struct km_robot_joint {
+  const km_xml *at;
+  const char *name;
+  km_assembly_id assembly;
+  km_joint_type type;
+  km_body_id parent, child;
+  km_pose in_parent, in_child; /* the joint's frame */
+  km_vec3 axis;                /* unit, in the joint's frame; ignored by joints without an axis */
+  double pitch;
+  double position[KM_MAX_FREEDOM], damping[KM_MAX_FREEDOM], low[KM_MAX_FREEDOM], high[KM_MAX_FREEDOM];
+} km_robot_joint;
+km_robot_joint km_robot_joint_default(void);
+/* A name that is taken is an error. {0} if it could not be added. */
+km_joint_id km_robot_add_joint(km_robot *robot, const km_robot_joint *joint);
+/* q1 = ratio · q2 + a constant that the first positions tell. */
+void km_robot_couple(km_robot *robot, const km_xml *at, const char *name, km_assembly_id assembly,
+                     km_coordinate_ref one, km_coordinate_ref two, double ratio);
+/* Ties a body to the inertial frame: rigidly, or freely where that is asked; at the pose. */
+void km_robot_tie(km_robot *robot, const km_xml *at, km_assembly_id assembly, km_body_id body, const char *name,
+                  const km_pose *pose, bool floating);
+/* Limits that are no range are dropped, and counted. */
+void km_robot_limit(km_robot *robot, km_robot_joint *joint, int k, double low, double high);
+/* A name like `name` that no element of the scope has. */
+const char *km_robot_free_name(km_robot *robot, const km_names *names, int scope, const char *name, const char *mark);
+
+/* The path at which a file is found that a description names: beside it, in a folder above it, or behind the package's
+ * name there. NULL if nowhere. */
+const char *km_robot_find(km_robot *robot, const char *name);
+/* The same as a model names it, from its own folder; where it isn't found, what stands behind the scheme. */
+const char *km_robot_mesh(km_robot *robot, const char *name);
+
+#endif

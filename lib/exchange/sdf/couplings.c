@@ -1,0 +1,110 @@
+/* Joints that imitate others, and gears between two joints. */
+#include "exchange/sdf/sdf.h"
+
+#include <string.h>
+
+static const km_xml *mimic_of(const km_sdf *sdf, int joint) {
+  return km_xml_child(km_xml_child(sdf->entities[joint].at, "axis"), "mimic");
+}
+
+static int mimic_leader(const km_sdf *sdf, int joint) {
+  const char *name = km_xml_attribute_of(mimic_of(sdf, joint), "joint");
+  int scope = sdf->entities[joint].scope;
+  int found = name ? km_names_get(&sdf->joints, scope, name) : -1;
+  return found >= 0 || !name ? found : km_sdf_find(sdf, scope, name);
+}
+
+double km_sdf_start(const km_sdf *sdf, int joint) {
+  double value = 0.0, factor = 1.0;
+  for (int steps = 0; steps <= sdf->entity_count; ++steps) {
+    const km_xml *mimic = mimic_of(sdf, joint);
+    int next = mimic ? mimic_leader(sdf, joint) : -1;
+    if (next < 0 || sdf->entities[next].kind != KM_SDF_JOINT)
+      return value;
+    double ratio = km_sdf_number(sdf->robot, mimic, "multiplier", 1.0);
+    value += factor * (km_sdf_number(sdf->robot, mimic, "offset", 0.0) -
+                       ratio * km_sdf_number(sdf->robot, mimic, "reference", 0.0));
+    factor *= ratio;
+    joint = next;
+  }
+  km_robot_error(sdf->robot, sdf->entities[joint].at, "joint \"%.80s\" imitates itself; expected another joint",
+                 sdf->entities[joint].name);
+  return 0.0;
+}
+
+static void couple(km_sdf *sdf, int joint, int follower, int other, double ratio) {
+  const km_sdf_entity *e = &sdf->entities[joint];
+  km_robot_couple(sdf->robot, e->at, e->name, sdf->entities[e->scope].assembly,
+                  (km_coordinate_ref){sdf->joint_ids[follower], 0}, (km_coordinate_ref){sdf->joint_ids[other], 0},
+                  ratio);
+}
+
+static void add_mimic(km_sdf *sdf, int joint) {
+  const km_xml *mimic = mimic_of(sdf, joint);
+  if (!mimic)
+    return;
+  int other = mimic_leader(sdf, joint);
+  if (other < 0 || sdf->entities[other].kind != KM_SDF_JOINT || !sdf->joint_ids[other].value ||
+      !sdf->joint_ids[joint].value) {
+    const char *name = km_xml_attribute_of(mimic, "joint");
+    km_robot_error(sdf->robot, mimic,
+                   "joint \"%.80s\" imitates \"%.80s\"; expected two joints with one coordinate each",
+                   sdf->entities[joint].name, name ? name : "");
+    return;
+  }
+  couple(sdf, joint, joint, other, km_sdf_number(sdf->robot, mimic, "multiplier", 1.0));
+}
+
+/* The joint between two links, and whether its coordinate counts the turn of `link` against `reference` about the axis
+ * (in the world) positively. */
+static int find_between(km_sdf *sdf, int reference, int link, km_vec3 axis, double *sense) {
+  for (int i = 1; i < sdf->entity_count; ++i) {
+    const km_sdf_entity *e = &sdf->entities[i];
+    if (e->kind != KM_SDF_JOINT || !sdf->joint_ids[i].value)
+      continue;
+    int child = km_sdf_link_of(sdf, i);
+    int parent = km_sdf_link_of(sdf, km_sdf_find(sdf, e->scope, km_sdf_text(e->at, "parent")));
+    bool forward = parent == reference && child == link, backward = parent == link && child == reference;
+    if (!forward && !backward)
+      continue;
+    km_vec3 own = km_rotate(&e->world.R, km_sdf_axis(sdf, i, km_xml_child(e->at, "axis")));
+    *sense = (forward ? 1.0 : -1.0) * (km_vec3_dot(own, axis) < 0.0 ? -1.0 : 1.0);
+    return i;
+  }
+  return -1;
+}
+
+/* theta_2 = -ratio · theta_1: of the child and of the parent against the reference body. */
+static void add_gear(km_sdf *sdf, int gear) {
+  const km_sdf_entity *e = &sdf->entities[gear];
+  const char *body = km_sdf_text(e->at, "gearbox_reference_body");
+  int reference = km_sdf_link_of(sdf, km_sdf_need(sdf, e->scope, body, e->at, "reference body"));
+  int parent = km_sdf_link_of(sdf, km_sdf_need(sdf, e->scope, km_sdf_text(e->at, "parent"), e->at, "parent"));
+  int child = km_sdf_link_of(sdf, gear);
+  const km_xml *axis = km_xml_child(e->at, "axis"), *axis2 = km_xml_child(e->at, "axis2");
+  km_vec3 first = km_rotate(&e->world.R, km_sdf_axis(sdf, gear, axis));
+  km_vec3 second = axis2 ? km_rotate(&e->world.R, km_sdf_axis(sdf, gear, axis2)) : first;
+  double sense[2] = {1, 1};
+  int one = find_between(sdf, reference, parent, first, &sense[0]);
+  int two = find_between(sdf, reference, child, second, &sense[1]);
+  if (one < 0 || two < 0)
+    km_robot_error(sdf->robot, e->at,
+                   "joint \"%.80s\": found no joint between \"%.80s\" and the %s of the gear; expected one with one "
+                   "coordinate",
+                   e->name, body, one < 0 ? "parent" : "child");
+  else
+    couple(sdf, gear, two, one, -km_sdf_number(sdf->robot, e->at, "gearbox_ratio", 1.0) * sense[0] * sense[1]);
+}
+
+void km_sdf_add_couplings(km_sdf *sdf) {
+  for (int i = 1; i < sdf->entity_count && !sdf->robot->failed; ++i) {
+    const km_sdf_entity *e = &sdf->entities[i];
+    const char *type = km_xml_attribute_of(e->at, "type");
+    if (e->kind != KM_SDF_JOINT || sdf->entities[e->scope].is_static)
+      continue;
+    if (type && strcmp(type, "gearbox") == 0)
+      add_gear(sdf, i);
+    else
+      add_mimic(sdf, i);
+  }
+}

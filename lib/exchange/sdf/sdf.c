@@ -1,0 +1,197 @@
+/* Models, links and frames of an SDFormat file. */
+#include "exchange/sdf/sdf.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+const char *km_sdf_text(const km_xml *element, const char *child) {
+  const km_xml *e = km_xml_child(element, child);
+  return e ? e->text : "";
+}
+
+double km_sdf_number(km_robot *robot, const km_xml *element, const char *child, double otherwise) {
+  const km_xml *e = km_xml_child(element, child);
+  double value = otherwise;
+  if (e)
+    km_robot_parse(robot, e, child, e->text, &value, 1);
+  return value;
+}
+
+static bool is_true(const char *text) {
+  return text && (strcmp(text, "true") == 0 || strcmp(text, "1") == 0);
+}
+
+km_pose km_sdf_pose(km_robot *robot, const km_xml *element) {
+  const km_xml *e = km_xml_child(element, "pose");
+  const char *format = km_xml_attribute_of(e, "rotation_format");
+  bool quaternion = format && strcmp(format, "quat_xyzw") == 0;
+  double v[7];
+  if (!e || !km_robot_parse(robot, e, "pose", e->text, v, quaternion ? 7 : 6))
+    return km_pose_identity();
+  km_pose pose = {km_rotation_identity(), km_vec3_make(v)};
+  double unit = is_true(km_xml_attribute_of(e, "degrees")) ? M_PI / 180.0 : 1.0;
+  km_robot_judge_digits(robot, e->text, M_PI / 12.0 / unit, &robot->angle_rounding);
+  if (quaternion && (v[3] != 0.0 || v[4] != 0.0 || v[5] != 0.0 || v[6] != 0.0))
+    pose.R = km_quaternion_rotation(km_quaternion_normalised((km_quaternion){v[6], v[3], v[4], v[5]}));
+  else if (!quaternion)
+    pose.R = km_rotation_rpy((const double[3]){v[3] * unit, v[4] * unit, v[5] * unit});
+  return pose;
+}
+
+/* A new entity under its name; -1: out of memory. */
+static int add_entity(km_sdf *sdf, km_sdf_kind kind, const km_xml *at, const char *name, int scope) {
+  km_robot *robot = sdf->robot;
+  km_names *names = kind == KM_SDF_JOINT ? &sdf->joints : &sdf->frames;
+  if (!km_arena_grow(&robot->arena, (void **)&sdf->entities, &sdf->entity_room, (size_t)sdf->entity_count + 1,
+                     sizeof *sdf->entities))
+    return -1;
+  if (scope >= 0 && !name[0])
+    km_robot_error(robot, at, "a %s without a name; expected name=\"…\"", at->name);
+  else if (scope >= 0 && km_names_get(names, scope, name) >= 0)
+    km_robot_error(robot, at, "%s \"%.80s\": this name is used twice; expected a name of its own", at->name, name);
+  else if (scope >= 0 && !km_names_set(names, scope, name, sdf->entity_count))
+    robot->arena.failed = true;
+  sdf->entities[sdf->entity_count] = (km_sdf_entity){.kind = kind,
+                                                     .name = name,
+                                                     .at = at,
+                                                     .scope = scope,
+                                                     .base = -1,
+                                                     .attached = -1,
+                                                     .raw = km_pose_identity(),
+                                                     .world = km_pose_identity(),
+                                                     .first_link = -1};
+  return sdf->entity_count++;
+}
+
+static const char *name_of(const km_xml *e) {
+  const char *name = km_xml_attribute_of(e, "name");
+  return name ? name : "";
+}
+
+/* A link without a statement of its mass has 1 kg and 1 kg·m². */
+static km_robot_mass read_mass(km_robot *robot, const km_xml *link) {
+  static const char *const keys[6] = {"ixx", "iyy", "izz", "ixy", "iyz", "ixz"};
+  const km_xml *inertial = km_xml_child(link, "inertial"), *inertia = km_xml_child(inertial, "inertia");
+  km_robot_mass mass = {.mass = km_sdf_number(robot, inertial, "mass", 1.0)};
+  for (int k = 0; k < 6; ++k)
+    mass.inertia[k] = km_sdf_number(robot, inertia, keys[k], k < 3 ? 1.0 : 0.0);
+  if (is_true(km_xml_attribute_of(inertial, "auto")))
+    km_robot_omit(robot, "masses from collision shapes left out: they count 1 kg", name_of(link));
+  double rounding = robot->angle_rounding;
+  km_pose pose = km_sdf_pose(robot, inertial);
+  robot->angle_rounding = rounding; /* no joint depends on it */
+  return km_robot_mass_moved(&pose, mass);
+}
+
+static void read_link(km_sdf *sdf, const km_xml *e, int model) {
+  km_robot *robot = sdf->robot;
+  int index = add_entity(sdf, KM_SDF_LINK, e, name_of(e), model);
+  if (index < 0)
+    return;
+  km_robot_mass mass = read_mass(robot, e);
+  sdf->entities[index].raw = km_sdf_pose(robot, e);
+  if (sdf->entities[index].name[0])
+    sdf->entities[index].body =
+        km_robot_body(robot, e, sdf->entities[model].assembly, sdf->entities[index].name, &mass, NULL);
+  const char *canonical = km_xml_attribute_of(sdf->entities[model].at, "canonical_link");
+  if (sdf->entities[model].first_link < 0 || (canonical && strcmp(canonical, name_of(e)) == 0))
+    sdf->entities[model].first_link = index;
+  static const char *const shapes[] = {"visual", "collision"};
+  for (int k = 0; k < 2; ++k)
+    for (const km_xml *s = km_xml_child(e, shapes[k]); s; s = km_xml_next(s))
+      km_robot_omit(robot, k ? "collision shapes left out" : "visual shapes left out", name_of(e));
+}
+
+static void read_scope(km_sdf *sdf, const km_xml *e, int scope, const char *version);
+
+/* A model, or an included one with the name and pose that `include` gives it. */
+static void read_model(km_sdf *sdf, const km_xml *e, const km_xml *include, int scope, const char *version) {
+  const char *other = km_sdf_text(include, "name");
+  int index = add_entity(sdf, KM_SDF_MODEL, e, other[0] ? other : name_of(e), scope);
+  if (index < 0)
+    return;
+  km_sdf_entity *model = &sdf->entities[index];
+  int minor = version && strncmp(version, "1.", 2) == 0 ? atoi(version + 2) : 99;
+  bool replaced = km_xml_child(include, "pose") != NULL;
+  const char *fixed = km_sdf_text(include, "static");
+  model->raw = km_sdf_pose(sdf->robot, replaced ? include : e);
+  model->at = replaced ? include : e;
+  model->old_axes = minor < 5;
+  model->is_static = is_true(fixed[0] ? fixed : km_sdf_text(e, "static")) || sdf->entities[scope].is_static;
+  model->assembly = km_robot_assembly(sdf->robot, e, model->name, sdf->entities[scope].assembly);
+  read_scope(sdf, e, index, version);
+}
+
+/* What stands in a model or a world. */
+static void read_scope(km_sdf *sdf, const km_xml *scope_element, int scope, const char *version) {
+  static const char *const silent[] = {
+      "pose",  "static", "self_collide", "allow_auto_disable", "enable_wind",    "gravity", "physics",
+      "scene", "audio",  "wind",         "atmosphere",         "magnetic_field", NULL};
+  for (const km_xml *e = scope_element->first; e && !sdf->robot->arena.failed; e = e->next) {
+    if (strcmp(e->name, "link") == 0 && scope > 0) {
+      read_link(sdf, e, scope);
+    } else if (strcmp(e->name, "model") == 0) {
+      read_model(sdf, e, NULL, scope, version);
+    } else if (strcmp(e->name, "include") == 0) {
+      const char *its_version = NULL;
+      const km_xml *model = km_sdf_include(sdf, e, &its_version);
+      if (model)
+        read_model(sdf, model, e, scope, its_version);
+    } else if (strcmp(e->name, "joint") == 0 || strcmp(e->name, "frame") == 0) {
+      int index = add_entity(sdf, e->name[0] == 'j' ? KM_SDF_JOINT : KM_SDF_FRAME, e, name_of(e), scope);
+      if (index >= 0)
+        sdf->entities[index].raw = km_sdf_pose(sdf->robot, e);
+    } else {
+      bool known = false;
+      for (const char *const *s = silent; *s; ++s)
+        known = known || strcmp(e->name, *s) == 0;
+      if (!known)
+        km_robot_omit(sdf->robot, "elements for simulators left out", e->name);
+    }
+  }
+}
+
+static void read_world(km_sdf *sdf, const km_xml *world, const char *version) {
+  const km_xml *gravity = km_xml_child(world, "gravity");
+  if (gravity)
+    km_robot_parse(sdf->robot, gravity, "gravity", gravity->text, sdf->robot->settings.gravity, 3);
+  read_scope(sdf, world, 0, version);
+  for (const km_xml *more = km_xml_next(world); more; more = km_xml_next(more))
+    km_robot_omit(sdf->robot, "further worlds left out", name_of(more));
+}
+
+/* Frames that people name, as points of their links. */
+static void add_frames(km_sdf *sdf) {
+  for (int i = 1; i < sdf->entity_count; ++i) {
+    const km_sdf_entity *frame = &sdf->entities[i];
+    int link = frame->kind == KM_SDF_FRAME ? km_sdf_link_of(sdf, i) : -1;
+    if (link < 0 || !sdf->entities[link].body.value)
+      continue;
+    km_pose back = km_pose_inverse(&sdf->entities[link].world), pose = km_pose_product(&back, &frame->world);
+    km_robot_frame(sdf->robot, frame->at, sdf->entities[link].body, frame->name, &pose);
+  }
+}
+
+void km_sdf_read(km_robot *robot, km_xml *root) {
+  km_sdf sdf = {.robot = robot};
+  const char *version = km_xml_attribute_of(root, "version");
+  const km_xml *world = km_xml_child(root, "world");
+  robot->settings.gravity[2] = -9.8;
+  if (add_entity(&sdf, KM_SDF_WORLD, root, "world", -1) == 0) {
+    sdf.entities[0].body = km_builder_fixed(robot->builder);
+    if (world)
+      read_world(&sdf, world, version);
+    for (const km_xml *e = km_xml_child(root, "model"); e; e = km_xml_next(e))
+      read_model(&sdf, e, NULL, 0, version);
+    if (!robot->failed && sdf.entity_count == 1)
+      km_robot_error(robot, root, "found no model; expected one in <sdf> or in a <world>");
+  }
+  if (!robot->failed && !robot->arena.failed)
+    km_sdf_place_all(&sdf);
+  if (!robot->failed && !robot->arena.failed) {
+    add_frames(&sdf);
+    km_sdf_add_joints(&sdf);
+  }
+  km_names_free(&sdf.frames);
+  km_names_free(&sdf.joints);
+}

@@ -1,0 +1,66 @@
+/* Models and worlds as SDFormat describes them: links and joints in frames that may be relative to each other. */
+#ifndef KM_EXCHANGE_SDF_H
+#define KM_EXCHANGE_SDF_H
+
+#include "exchange/robot/robot.h"
+
+/* Reads the element `sdf`: a km_robot_read. */
+void km_sdf_read(km_robot *robot, km_xml *root);
+
+typedef enum km_sdf_kind { KM_SDF_WORLD, KM_SDF_MODEL, KM_SDF_LINK, KM_SDF_JOINT, KM_SDF_FRAME } km_sdf_kind;
+
+/* Whatever has a name and a frame. Entity 0 is the world. */
+typedef struct km_sdf_entity {
+  km_sdf_kind kind;
+  const char *name;
+  const km_xml *at;
+  int scope;     /* the model or world around it, -1: none */
+  int base;      /* its frame is relative to this one, -1: to none */
+  int attached;  /* what a frame moves with, and a joint's child; -1: not known */
+  km_pose raw;   /* in the base */
+  km_pose world; /* as the file has it */
+  bool known;    /* `world` is */
+  km_body_id body;
+  km_assembly_id assembly;  /* of a model */
+  bool is_static, old_axes; /* of a model; axes are in its frame, as before version 1.5 */
+  int first_link;           /* of a model, the canonical one; -1: none */
+} km_sdf_entity;
+
+typedef struct km_sdf {
+  km_robot *robot;
+  km_names frames, joints; /* scope: the entity around; what may be meant by a name, joints last */
+  km_sdf_entity *entities;
+  int entity_count, includes;
+  size_t entity_room;
+  km_joint_id *joint_ids; /* [entity] of joints with one coordinate, once they are added */
+  int *leaders;           /* [entity] the root of what is tied together */
+} km_sdf;
+
+/* A child's text; "" if there is no such child. */
+const char *km_sdf_text(const km_xml *element, const char *child);
+double km_sdf_number(km_robot *robot, const km_xml *element, const char *child, double otherwise);
+/* The element `pose`: six numbers, or seven with a quaternion. */
+km_pose km_sdf_pose(km_robot *robot, const km_xml *element);
+
+/* What a name means inside of a model or world: `a::b` is b in the model a. -1: nothing. */
+int km_sdf_find(const km_sdf *sdf, int scope, const char *name);
+/* The same; what isn't there is reported. `kind` is what is looked for, in words. */
+int km_sdf_need(km_sdf *sdf, int scope, const char *name, const km_xml *at, const char *kind);
+/* The link that an entity moves with; 0: the world; -1: none. */
+int km_sdf_link_of(const km_sdf *sdf, int entity);
+/* Says what each entity is relative to, then where it is. */
+void km_sdf_place_all(km_sdf *sdf);
+
+/* The model that an element `include` names; NULL: reported. `version`: that of its file. */
+const km_xml *km_sdf_include(km_sdf *sdf, const km_xml *include, const char **version);
+
+/* Joints of all models, couplings, and what ties the rest to the world. */
+void km_sdf_add_joints(km_sdf *sdf);
+/* Couplings by gears and by imitation. */
+void km_sdf_add_couplings(km_sdf *sdf);
+/* The value that a joint's coordinate has in the file's pose: 0, or what the joint that it imitates gives. */
+double km_sdf_start(const km_sdf *sdf, int joint);
+/* A joint's axis in the joint's frame. */
+km_vec3 km_sdf_axis(km_sdf *sdf, int joint, const km_xml *axis);
+
+#endif

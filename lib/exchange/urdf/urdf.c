@@ -1,0 +1,157 @@
+/* The links of a robot, and what ties them. */
+#include "exchange/urdf/urdf.h"
+
+#include "base/nearest.h"
+
+#include <string.h>
+
+km_pose km_urdf_origin(km_robot *robot, const km_xml *element) {
+  const km_xml *origin = km_xml_child(element, "origin");
+  double xyz[3] = {0}, rpy[3] = {0};
+  km_robot_numbers(robot, origin, "xyz", xyz, 3);
+  km_robot_numbers(robot, origin, "rpy", rpy, 3);
+  return (km_pose){km_rotation_rpy(rpy), km_vec3_make(xyz)};
+}
+
+static km_robot_mass read_inertial(km_robot *robot, const km_xml *link) {
+  static const char *const keys[6] = {"ixx", "iyy", "izz", "ixy", "iyz", "ixz"};
+  const km_xml *inertial = km_xml_child(link, "inertial"), *inertia = km_xml_child(inertial, "inertia");
+  km_robot_mass mass = {.mass = km_robot_number(robot, km_xml_child(inertial, "mass"), "value", 0.0)};
+  for (int k = 0; k < 6; ++k)
+    mass.inertia[k] = km_robot_number(robot, inertia, keys[k], 0.0);
+  km_pose pose = km_urdf_origin(robot, inertial);
+  return km_robot_mass_moved(&pose, mass);
+}
+
+static bool is_plain(km_robot *robot, const km_xml *visual, const km_xml *mesh) {
+  double scale[3] = {1, 1, 1}, xyz[3] = {0}, rpy[3] = {0};
+  const km_xml *origin = km_xml_child(visual, "origin");
+  km_robot_numbers(robot, mesh, "scale", scale, 3);
+  km_robot_numbers(robot, origin, "xyz", xyz, 3);
+  km_robot_numbers(robot, origin, "rpy", rpy, 3);
+  for (int k = 0; k < 3; ++k)
+    if (scale[k] != 1.0 || xyz[k] != 0.0 || rpy[k] != 0.0)
+      return false;
+  return true;
+}
+
+/* The mesh of a link: the first one that lies in the link's own frame, in metres. Every other shape is left out. */
+static const char *read_shapes(km_robot *robot, const km_xml *link, const char *name) {
+  const char *found = NULL;
+  for (const km_xml *v = km_xml_child(link, "visual"); v; v = km_xml_next(v)) {
+    const km_xml *mesh = km_xml_child(km_xml_child(v, "geometry"), "mesh");
+    const char *file = km_xml_attribute_of(mesh, "filename");
+    if (!found && file && file[0] && is_plain(robot, v, mesh))
+      found = km_robot_mesh(robot, file);
+    else
+      km_robot_omit(robot, "visual shapes left out", name);
+  }
+  for (const km_xml *c = km_xml_child(link, "collision"); c; c = km_xml_next(c))
+    km_robot_omit(robot, "collision shapes left out", name);
+  return found;
+}
+
+static const char *name_of(km_robot *robot, const km_xml *element) {
+  const char *name = km_xml_attribute_of(element, "name");
+  if (!name || !name[0])
+    km_robot_error(robot, element, "a %s without a name; expected name=\"…\"", element->name);
+  return name ? name : "";
+}
+
+static void read_link(km_urdf *urdf, const km_xml *link) {
+  km_robot *robot = urdf->robot;
+  const char *name = name_of(robot, link);
+  int index = urdf->link_count++;
+  if (!name[0])
+    return;
+  if (km_names_get(&urdf->links, 0, name) >= 0) {
+    km_robot_error(robot, link, "link \"%.80s\": this name is used twice; expected a name of its own", name);
+    return;
+  }
+  if (!km_names_set(&urdf->links, 0, name, index))
+    robot->arena.failed = true;
+  km_robot_mass mass = read_inertial(robot, link);
+  urdf->elements[index] = link;
+  urdf->bodies[index] = km_robot_body(robot, link, urdf->assembly, name, &mass, read_shapes(robot, link, name));
+}
+
+/* The element that is no URDF but a macro of it; NULL: none. */
+static const km_xml *find_macro(const km_xml *element) {
+  if (strncmp(element->name, "xacro:", 6) == 0)
+    return element;
+  for (const km_xml *e = element->first; e; e = e->next) {
+    const km_xml *macro = find_macro(e);
+    if (macro)
+      return macro;
+  }
+  return NULL;
+}
+
+static void count_others(km_robot *robot, const km_xml *root) {
+  static const char *const known[] = {"link", "joint", "material", NULL};
+  for (const km_xml *e = root->first; e; e = e->next) {
+    bool is_known = false;
+    for (const char *const *k = known; *k; ++k)
+      is_known = is_known || strcmp(e->name, *k) == 0;
+    if (strcmp(e->name, "transmission") == 0)
+      km_robot_omit(robot, "transmissions left out", km_xml_attribute_of(e, "name"));
+    else if (!is_known)
+      km_robot_omit(robot, "elements for other programs left out", e->name);
+  }
+}
+
+/* Ties the root to the inertial frame. There must be one. */
+static void tie_root(km_urdf *urdf, const km_xml *root) {
+  int top = -1;
+  km_pose origin = km_pose_identity();
+  for (int i = 0; i < urdf->link_count; ++i) {
+    if (urdf->parents[i] || !urdf->elements[i])
+      continue;
+    const char *name = km_xml_attribute_of(urdf->elements[i], "name");
+    if (top >= 0 || urdf->world_undeclared)
+      km_robot_error(urdf->robot, urdf->elements[i],
+                     "link \"%.80s\" is child of no joint, nor is \"%.80s\"; expected one root link", name,
+                     top >= 0 ? km_xml_attribute_of(urdf->elements[top], "name") : "world");
+    else
+      km_robot_tie(urdf->robot, urdf->elements[i], urdf->assembly, urdf->bodies[i], name, &origin,
+                   urdf->robot->request->floating);
+    top = top >= 0 ? top : i;
+  }
+  if (top < 0 && !urdf->world_undeclared)
+    km_robot_error(urdf->robot, root,
+                   urdf->link_count ? "every link is child of a joint; expected one root link"
+                                    : "found no link; expected at least one");
+}
+
+static int count_children(const km_xml *root, const char *name) {
+  int count = 0;
+  for (const km_xml *e = km_xml_child(root, name); e; e = km_xml_next(e))
+    count++;
+  return count;
+}
+
+void km_urdf_read(km_robot *robot, km_xml *root) {
+  km_urdf urdf = {.robot = robot};
+  const km_xml *macro = find_macro(root);
+  if (macro) {
+    km_robot_error(robot, macro, "<%.40s> is a macro of xacro; expected a file in which xacro has expanded its macros",
+                   macro->name);
+    return;
+  }
+  robot->settings.gravity[2] = -9.81;
+  urdf.assembly = km_robot_assembly(robot, root, km_xml_attribute_of(root, "name"), (km_assembly_id){0});
+  size_t links = (size_t)count_children(root, "link"), joints = (size_t)count_children(root, "joint");
+  urdf.bodies = KM_ARENA_NEW(&robot->arena, km_body_id, links);
+  urdf.parents = KM_ARENA_NEW(&robot->arena, const km_xml *, links);
+  urdf.elements = KM_ARENA_NEW(&robot->arena, const km_xml *, links);
+  urdf.list = KM_ARENA_NEW(&robot->arena, km_urdf_joint, joints);
+  if (!robot->arena.failed) {
+    for (const km_xml *e = km_xml_child(root, "link"); e; e = km_xml_next(e))
+      read_link(&urdf, e);
+    km_urdf_read_joints(&urdf, root);
+    tie_root(&urdf, root);
+    count_others(robot, root);
+  }
+  km_names_free(&urdf.links);
+  km_names_free(&urdf.joints);
+}
