@@ -71,7 +71,7 @@ double km_robot_bound(km_robot *robot, const km_xml *at, const char *what, const
   if (is_empty(text))
     return otherwise;
   if (read_one(robot, &rest, &value) && is_empty(rest) && !isnan(value))
-    return fabs(value) < 1e15 ? value : copysign(INFINITY, value);
+    return fabs(value) < 1e15 ? value : copysign(HUGE_VAL, value);
   km_robot_error(robot, at, "%s: found \"%.60s\"; expected a number", what, text);
   return otherwise;
 }
