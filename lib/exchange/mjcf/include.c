@@ -1,8 +1,6 @@
 /* Files that a model of MuJoCo includes. */
 #include "exchange/mjcf/mjcf.h"
 
-#include "base/file.h"
-
 #include <string.h>
 
 typedef struct including {
@@ -16,9 +14,6 @@ static void include_in(including *work, km_xml *parent);
 static km_xml *read_included(including *work, const km_xml *at) {
   km_robot *robot = work->robot;
   const char *name = km_xml_attribute_of(at, "file"), *path = name ? km_robot_find(robot, name) : NULL;
-  km_xml *root = NULL;
-  km_text bytes = {0};
-  km_error error;
   if (!path) {
     km_robot_error(robot, at, "the file \"%.200s\" to include isn't there; expected it beside the model",
                    name ? name : "");
@@ -30,14 +25,7 @@ static km_xml *read_included(including *work, const km_xml *at) {
   }
   if (!km_names_set(&work->files, 0, path, 0))
     robot->arena.failed = true;
-  km_status status = km_file_read(path, &bytes, &error);
-  if (!status)
-    status = km_xml_parse(bytes.data ? bytes.data : "", bytes.size, path, &robot->arena, &root, &error);
-  km_text_free(&bytes);
-  if (status == KM_MEMORY)
-    robot->arena.failed = true;
-  else if (status)
-    km_robot_error(robot, at, "%s", error.text);
+  km_xml *root = km_robot_read_file(robot, path, at);
   if (root)
     include_in(work, root);
   return root;

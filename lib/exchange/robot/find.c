@@ -1,6 +1,8 @@
 /* Files that a description names, by a path or behind the name of a package. */
 #include "exchange/robot/robot.h"
 
+#include "base/file.h"
+
 #include <string.h>
 #include <sys/stat.h>
 #include <unistd.h>
@@ -34,6 +36,21 @@ const char *km_robot_find(km_robot *robot, const char *name) {
     folder = km_robot_text(robot, "%s/..", folder);
   }
   return NULL;
+}
+
+km_xml *km_robot_read_file(km_robot *robot, const char *path, const km_xml *at) {
+  km_text bytes = {0};
+  km_xml *root = NULL;
+  km_error error;
+  km_status status = km_file_read(path, &bytes, &error);
+  if (!status)
+    status = km_xml_parse(bytes.data ? bytes.data : "", bytes.size, path, &robot->arena, &root, &error);
+  km_text_free(&bytes);
+  if (status == KM_MEMORY)
+    robot->arena.failed = true;
+  else if (status)
+    km_robot_error(robot, at, "%s", error.text);
+  return root;
 }
 
 const char *km_robot_mesh(km_robot *robot, const char *name) {

@@ -127,7 +127,9 @@ const char *km_robot_free_name(km_robot *robot, const km_names *names, int scope
 /* The path at which a file is found that a description names: beside it, in a folder above it, or behind the package's
  * name there. NULL if nowhere. */
 const char *km_robot_find(km_robot *robot, const char *name);
-/* The same as a model names it, from its own folder; where it isn't found, what stands behind the scheme. */
+/* The tree of a file that the description includes; NULL: reported at `at`. */
+km_xml *km_robot_read_file(km_robot *robot, const char *path, const km_xml *at);
+/* The path that a file is found at, as a model names it, from its own folder; where it isn't found, what stands behind the scheme. */
 const char *km_robot_mesh(km_robot *robot, const char *name);
 
 #endif

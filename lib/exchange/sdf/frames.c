@@ -1,7 +1,6 @@
 /* Frames that are relative to each other, names across models, and files that are included. */
 #include "exchange/sdf/sdf.h"
 
-#include "base/file.h"
 #include "base/nearest.h"
 
 #include <string.h>
@@ -144,29 +143,13 @@ void km_sdf_place_all(km_sdf *sdf) {
     place(sdf, i, chain);
 }
 
-/* The tree of a file; NULL: reported at `at`. */
-static km_xml *read_tree(km_robot *robot, const char *path, const km_xml *at) {
-  km_text bytes = {0};
-  km_xml *root = NULL;
-  km_error error;
-  km_status status = km_file_read(path, &bytes, &error);
-  if (!status)
-    status = km_xml_parse(bytes.data ? bytes.data : "", bytes.size, path, &robot->arena, &root, &error);
-  km_text_free(&bytes);
-  if (status == KM_MEMORY)
-    robot->arena.failed = true;
-  else if (status)
-    km_robot_error(robot, at, "%s", error.text);
-  return root;
-}
-
 /* The description's file: itself, or in a model's folder the last one that model.config names, or model.sdf. */
 static const char *find_file(km_robot *robot, const char *uri, const km_xml *at) {
   size_t length = strlen(uri);
   if (length > 4 && strcmp(uri + length - 4, ".sdf") == 0)
     return km_robot_find(robot, uri);
   const char *config = km_robot_find(robot, km_robot_text(robot, "%s/model.config", uri)), *file = "model.sdf";
-  const km_xml *tree = config ? read_tree(robot, config, at) : NULL;
+  const km_xml *tree = config ? km_robot_read_file(robot, config, at) : NULL;
   for (const km_xml *sdf = km_xml_child(tree, "sdf"); sdf; sdf = km_xml_next(sdf))
     file = sdf->text;
   return km_robot_find(robot, km_robot_text(robot, "%s/%s", uri, file));
@@ -183,7 +166,7 @@ const km_xml *km_sdf_include(km_sdf *sdf, const km_xml *include, const char **ve
         uri);
     return NULL;
   }
-  const km_xml *root = read_tree(robot, path, include);
+  const km_xml *root = km_robot_read_file(robot, path, include);
   const km_xml *model = km_xml_child(root, "model");
   *version = km_xml_attribute_of(root, "version");
   const char *merge = km_xml_attribute_of(include, "merge");
