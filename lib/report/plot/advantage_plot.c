@@ -92,9 +92,6 @@ km_status km_advantage_plot(const km_plotted_advantage *sweeps, int count, bool 
                             km_text *out, km_error *error) {
   km_arena arena = {0};
   km_plot plot;
-  km_status status = km_advantage_plot_make(sweeps, count, ordered, true, &arena, &plot)
-                         ? km_plot_render(&plot, format, out, error)
-                         : km_fail(error, KM_MEMORY, "out of memory for the plot");
-  km_arena_free(&arena);
-  return status;
+  bool made = km_advantage_plot_make(sweeps, count, ordered, true, &arena, &plot);
+  return km_plot_finish(made, &plot, &arena, format, out, error);
 }

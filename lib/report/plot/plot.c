@@ -100,3 +100,11 @@ km_status km_plot_render(const km_plot *plot, km_canvas_format format, km_text *
   km_arena_free(&arena);
   return status;
 }
+
+km_status km_plot_finish(bool made, const km_plot *plot, km_arena *arena, km_canvas_format format, km_text *out,
+                         km_error *error) {
+  km_status status =
+      made ? km_plot_render(plot, format, out, error) : km_fail(error, KM_MEMORY, "out of memory for the plot");
+  km_arena_free(arena);
+  return status;
+}

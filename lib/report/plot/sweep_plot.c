@@ -231,13 +231,3 @@ bool km_sweep_plot_make(const km_sweep_picture *p, km_arena *arena, km_plot *out
                                     : km_sweep_strip_make(&p->sweeps[0], 3, arena, strip);
   return !arena->failed;
 }
-
-km_status km_sweep_plot(const km_sweep_picture *picture, km_canvas_format format, km_text *out, km_error *error) {
-  km_arena arena = {0};
-  km_plot plot;
-  km_status status = km_sweep_plot_make(picture, &arena, &plot)
-                         ? km_plot_render(&plot, format, out, error)
-                         : km_fail(error, KM_MEMORY, "out of memory for the plot");
-  km_arena_free(&arena);
-  return status;
-}

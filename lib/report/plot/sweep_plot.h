@@ -52,10 +52,8 @@ typedef struct km_sweep_picture {
   bool strip;                /* small drawings of three poses beneath */
 } km_sweep_picture;
 
-/* Appends the picture's bytes. Lines are cut at their poles alone, where arrowheads mark that they go on; past eight
- * lines in a panel the smaller ones are grey. */
-km_status km_sweep_plot(const km_sweep_picture *picture, km_canvas_format format, km_text *out, km_error *error);
-/* Builds the plot in the arena, for a page of a report. False when out of memory. */
+/* Builds the plot in the arena. Lines are cut at their poles alone, where arrowheads mark that they go on; past eight
+ * lines in a panel the smaller ones are grey. False when out of memory. */
 bool km_sweep_plot_make(const km_sweep_picture *picture, km_arena *arena, km_plot *out);
 
 #endif

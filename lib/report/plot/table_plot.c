@@ -187,9 +187,6 @@ km_status km_table_plot(const km_plotted_table *tables, size_t count, size_t col
                         km_text *out, km_error *error) {
   km_arena arena = {0};
   km_plot plot;
-  km_status status = km_table_plot_make(tables, count, columns, &arena, &plot)
-                         ? km_plot_render(&plot, format, out, error)
-                         : km_fail(error, KM_MEMORY, "out of memory for the plot");
-  km_arena_free(&arena);
-  return status;
+  bool made = km_table_plot_make(tables, count, columns, &arena, &plot);
+  return km_plot_finish(made, &plot, &arena, format, out, error);
 }
