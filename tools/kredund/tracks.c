@@ -187,3 +187,17 @@ kt_exit kredund_tracks_deliver(kredund_tracks *t, const char *base) {
   }
   return result;
 }
+
+kt_exit kredund_tracks_command(const kredund_request *request, kt_formats formats, bool map) {
+  kredund_open open;
+  kredund_tracks tracks = {.request = request, .open = &open, .formats = formats, .map = map};
+  kt_exit result = kredund_bring(request, true, &open);
+  if (result == KT_DONE) {
+    result = kredund_tracks_run(&tracks);
+    if (result == KT_DONE || result == KT_PARTIAL)
+      result = kt_worse(result, kredund_tracks_deliver(&tracks, request->base ? request->base : open.base));
+  }
+  kredund_tracks_free(&tracks);
+  kredund_close(&open);
+  return result;
+}

@@ -24,6 +24,9 @@ kt_exit kredund_tracks_picture(const kredund_tracks *tracks, const char *base, c
 /* Tables and pictures by the formats; the summary on the standard output. */
 kt_exit kredund_tracks_deliver(kredund_tracks *tracks, const char *base);
 
+/* Opens the study of the request, runs its methods and delivers what they give; `map` as in kredund_tracks. */
+kt_exit kredund_tracks_command(const kredund_request *request, kt_formats formats, bool map);
+
 /* The options of the commands that run methods, for --help and for reading them, with what a command adds to them in
  * `all`. False: a usage error, told. */
 bool kredund_tracks_read(kt_options *all, const char *about, int argc, char **argv, kredund_request *request,
