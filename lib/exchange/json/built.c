@@ -248,11 +248,11 @@ static double *reorder(const km_model *model, const km_model *twin, const double
 
 km_status km_built_convert(const km_model *model, const km_units *units, const double *q, bool frames, km_arena *arena,
                            const km_value **out, km_error *error) {
-  km_text text = {0}, written = {0};
+  km_text text = {0};
   km_arena own = {0};
   km_model *twin = NULL;
   km_messages *messages = km_messages_create();
-  const km_value *tree = km_built_tree(model, &own), *converted;
+  const km_value *tree = km_built_tree(model, &own);
   km_status status = KM_MEMORY;
   if (tree && !own.failed && messages) {
     km_json_write(tree, &text);
@@ -260,15 +260,10 @@ km_status km_built_convert(const km_model *model, const km_units *units, const d
   }
   const double *moved = !status && q ? reorder(model, twin, q, &own) : NULL;
   if (!status && !own.failed)
-    status = km_model_convert(twin, units, moved, frames, &own, &converted, error);
-  if (!status && !own.failed) {
-    km_json_write(converted, &written);
-    status = written.failed ? KM_MEMORY : km_json_parse(written.data, written.size, arena, out, error);
-  }
+    status = km_model_convert(twin, units, moved, frames, arena, out, error); /* it keeps nothing of the twin */
   if (status == KM_MEMORY || own.failed)
     status = km_fail(error, KM_MEMORY, "out of memory while converting the model");
   km_text_free(&text);
-  km_text_free(&written);
   km_messages_free(messages);
   km_model_free(twin);
   km_arena_free(&own);
