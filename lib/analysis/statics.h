@@ -62,6 +62,13 @@ static inline double km_actuator_scale(const km_mechanism *m, const km_statics *
   const km_handle *h = &st->actuators[actuator];
   return h->kind == KM_HANDLE_JOINT ? m->scale[h->coordinate] : 1.0 / m->length;
 }
+/* The largest force that the drive of an actuator can give; infinite: any, or a point. And is that less than a force? */
+static inline double km_actuator_most(const km_mechanism *m, const km_handle *actuator) {
+  return actuator->kind == KM_HANDLE_JOINT ? m->max_force[actuator->coordinate] : HUGE_VAL;
+}
+static inline bool km_actuator_passes(const km_mechanism *m, const km_handle *actuator, double force) {
+  return fabs(force) > (1.0 + 1e-9) * km_actuator_most(m, actuator);
+}
 /* Which parts of the mechanism move a point: its substructure or lone joint into work->part and work->alone. KM_USAGE:
  * it moves with several, or not at all. */
 km_status km_pushed_point_place(const km_mechanism *mechanism, km_statics *statics, int actuator, km_error *error);

@@ -63,13 +63,40 @@ static bool put_in_order(km_binder *b, const km_study_numbers *list, double *out
   return true;
 }
 
+/* Does the path tell how fast it is followed? */
+static bool has_speed(const km_path_plan *plan) {
+  bool timed = plan->speed > 0.0 || plan->turn_speed > 0.0;
+  for (int i = 0; i < plan->segment_count && plan->segments; ++i)
+    timed = timed || (plan->segments[i].shape == KM_PATH_SPLINE && plan->segments[i].times);
+  return timed;
+}
+
+/* The drives' largest rates, which the model states. */
+static void take_drives(km_binder *b) {
+  km_arm *a = b->study->arm;
+  double second = a->mechanism->model->units.time->si;
+  bool timed = has_speed(&b->def->path.plan), some = false;
+  for (int k = 0; k < a->n; ++k) {
+    double most = a->mechanism->max_rate[a->coordinate[k]];
+    some = some || most < HUGE_VAL;
+    if (timed)
+      a->rate[k] = most / a->unit[k] / second;
+  }
+  if (some && !timed && b->def->path.plan.segments)
+    km_messages_add(
+        b->messages, KM_NOTE,
+        "the path has no speed, so the joints' max_rate doesn't count (\"speed\" in the path, or \"rates\")");
+}
+
 bool km_bind_rates(km_binder *b) {
   const km_study_numbers *list = &b->def->rates;
   km_arm *a = b->study->arm;
   double rates[KM_ARM_MOST];
   km_error error;
-  if (!list->items)
+  if (!list->items) {
+    take_drives(b);
     return true;
+  }
   return put_in_order(b, list, rates) &&
          km_binder_pass(b, &list->place, km_arm_set_rates(a, rates, a->n, &error), &error);
 }

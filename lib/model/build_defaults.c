@@ -21,6 +21,8 @@ km_joint_def km_joint_default(void) {
   for (int k = 0; k < KM_MAX_FREEDOM; ++k) {
     def.low[k] = -HUGE_VAL;
     def.high[k] = HUGE_VAL;
+    def.max_rate[k] = HUGE_VAL;
+    def.max_force[k] = HUGE_VAL;
   }
   return def;
 }

@@ -3,6 +3,20 @@
 
 #include <stdio.h>
 
+/* What a joint's drive and its friction tell of coordinate k. */
+static km_status check_drive(const km_joint_def *def, const char *name, size_t k, km_error *error) {
+  if (!(def->max_rate[k] > 0.0) || !(def->max_force[k] > 0.0))
+    return km_fail(error, KM_MODEL,
+                   "joint \"%.80s\": found a largest rate of %g and force of %g; expected both above 0", name,
+                   def->max_rate[k], def->max_force[k]);
+  if (!km_builder_sane(&def->armature[k], 1) || !km_builder_sane(&def->constant_friction[k], 1) ||
+      def->armature[k] < 0.0 || def->constant_friction[k] < 0.0)
+    return km_fail(error, KM_MODEL,
+                   "joint \"%.80s\": found an armature of %g and a constant friction of %g; expected at least 0", name,
+                   def->armature[k], def->constant_friction[k]);
+  return KM_OK;
+}
+
 static km_status check_joint(const km_joint_def *def, const char *name, int freedom, km_error *error) {
   size_t n = (size_t)freedom;
   const double scalars[6] = {def->pitch,          def->friction,    def->friction_radius, def->stiction_velocity,
@@ -19,6 +33,9 @@ static km_status check_joint(const km_joint_def *def, const char *name, int free
     if (!(def->low[k] <= def->high[k]))
       return km_fail(error, KM_MODEL, "joint \"%.80s\": found limits [%g, %g]; expected low ≤ high", name, def->low[k],
                      def->high[k]);
+  for (size_t k = 0; k < n; ++k)
+    if (check_drive(def, name, k, error))
+      return KM_MODEL;
   if (def->type != KM_SCREW && def->pitch != 0.0)
     return km_fail(error, KM_MODEL, "joint \"%.80s\": found a pitch; expected it only on a screw", name);
   bool law = def->law > KM_MOTION_FREE && def->law <= KM_MOTION_SINE;
@@ -59,7 +76,11 @@ static void add_coordinates(km_model *m, const km_joint_def *def, int joint) {
                                                                   .rate = def->velocity[k],
                                                                   .low = def->low[k],
                                                                   .high = def->high[k],
-                                                                  .damping = def->damping[k]};
+                                                                  .damping = def->damping[k],
+                                                                  .max_rate = def->max_rate[k],
+                                                                  .max_force = def->max_force[k],
+                                                                  .armature = def->armature[k],
+                                                                  .friction = def->constant_friction[k]};
 }
 
 static km_status find_ends(const km_builder *b, const km_joint_def *def, const char *name, int frame[2],

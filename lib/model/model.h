@@ -70,6 +70,8 @@ typedef struct km_model_coordinate {
   const char *label;
   int joint, index;
   double position, rate, low, high, damping; /* in the file's units; no limit is ∓infinity */
+  double max_rate, max_force;                /* of the drive; none is infinity */
+  double armature, friction;                 /* of the drive's rotor; what resists every motion alike */
 } km_model_coordinate;
 
 typedef struct km_model_coupling {

@@ -45,6 +45,10 @@ bool km_compile_allocate(km_mechanism *m, km_walks *walks) {
   m->start = KM_ARENA_NEW(arena, double, coordinates);
   m->low = KM_ARENA_NEW(arena, double, coordinates);
   m->high = KM_ARENA_NEW(arena, double, coordinates);
+  m->max_rate = KM_ARENA_NEW(arena, double, coordinates);
+  m->max_force = KM_ARENA_NEW(arena, double, coordinates);
+  m->armature = KM_ARENA_NEW(arena, double, coordinates);
+  m->friction = KM_ARENA_NEW(arena, double, coordinates);
   m->scale = KM_ARENA_NEW(arena, double, coordinates);
   m->unit = KM_ARENA_NEW(arena, double, coordinates);
   m->ball_of = KM_ARENA_NEW(arena, int, coordinates);
@@ -105,6 +109,10 @@ static void set_coordinates(km_mechanism *m, const km_hold *holds, int hold_coun
     m->start[c] = factor * def->position;
     m->low[c] = factor * def->low;
     m->high[c] = factor * def->high;
+    m->max_rate[c] = factor * def->max_rate;
+    m->max_force[c] = def->max_force;
+    m->armature[c] = def->armature;
+    m->friction[c] = def->friction;
     m->scale[c] = length ? 1.0 / m->length : 1.0;
     m->unit[c] = 1.0;
     m->ball_of[c] = -1;

@@ -125,6 +125,10 @@ struct km_mechanism {
   bool *held;           /* [coordinate] */
   double *start;        /* [coordinate] initial displacement: radians, or the model's length unit */
   double *low, *high;   /* [coordinate] limits, the same units */
+  double *max_rate;     /* [coordinate] of the drive, the same units over the model's time unit; infinity: none */
+  double *max_force;    /* [coordinate] of the drive, a force or (of angles) a torque; infinity: none */
+  double *armature;     /* [coordinate] inertia of the drive's rotor: a mass, of angles times length² */
+  double *friction;     /* [coordinate] constant friction, a force or a torque */
   double *scale;        /* [coordinate] D of theory 4: 1, or 1/characteristic length for lengths */
   double *unit;         /* [coordinate] 1, or the substructure's size for lengths: coordinate = unit · scaled */
   int *ball_of;         /* [coordinate] ball motion that it belongs to, -1 */

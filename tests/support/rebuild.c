@@ -103,6 +103,10 @@ static void add_joints(const km_model *m, km_builder *b, ids *to) {
       d.damping[k] = c->damping;
       d.low[k] = c->low;
       d.high[k] = c->high;
+      d.max_rate[k] = c->max_rate;
+      d.max_force[k] = c->max_force;
+      d.armature[k] = c->armature;
+      d.constant_friction[k] = c->friction;
     }
     check(km_model_add_joint(b, &d, &to->joint[j], &error));
   }

@@ -25,12 +25,13 @@ static const char everything[] =
     "  {\"name\": \"slider\"}, {\"name\": \"ball\"}, {\"name\": \"nut\"}],"
     "  \"joints\": [{\"name\": \"turn\", \"type\": \"Rz\", \"body_frame_pairs\": [[\"fixed\", \"p\"], [\"arm\"]], "
     "\"initial_displacement\": 30,"
-    "    \"initial_velocity\": 0.5, \"damping\": 0.1, \"limits\": [-90, 90], \"friction\": {\"coefficient\": 0.2, "
+    "    \"initial_velocity\": 0.5, \"damping\": 0.1, \"limits\": [-90, 90], \"max_rate\": 6, \"max_force\": 7, \"armature\": "
+    "8, \"friction\": {\"torque\": 9, \"coefficient\": 0.2, "
     "\"radius\": 0.5, \"stiction_velocity\": 0.001},"
     "    \"stop\": {\"stiffness\": 10, \"damping\": 1}, \"prescribed\": {\"sine\": {\"offset\": 5, \"amplitude\": 10, "
     "\"frequency\": 0.001, \"phase\": 90}}},"
     "   {\"name\": \"slide\", \"type\": \"Tx\", \"body_frame_pairs\": [[\"arm\", \"tip\"], \"slider\"], "
-    "\"initial_displacement\": 0.25, \"damping\": 3,"
+    "\"initial_displacement\": 0.25, \"damping\": 3, \"max_rate\": 6, \"max_force\": 7, \"armature\": 8,"
     "    \"prescribed\": {\"polynomial\": [0.25, 0.1, 0.01]}},"
     "   {\"name\": \"round\", \"type\": \"spherical\", \"body_frame_pairs\": [\"slider\", \"ball\"], "
     "\"initial_displacement\": [10, 20, 30]},"
@@ -134,6 +135,13 @@ static void conversion_knows_every_unit(void **state) {
   EXPECT(90 * deg, LEFT, "joints", "0", "limits", "1");
   EXPECT(0.5 * in, LEFT, "joints", "0", "friction", "radius");
   EXPECT(0.001 * in / ms, LEFT, "joints", "0", "friction", "stiction_velocity");
+  EXPECT(6 * deg / ms, LEFT, "joints", "0", "max_rate");
+  EXPECT(7 * lbf * in, LEFT, "joints", "0", "max_force");
+  EXPECT(8 * lb * in * in, LEFT, "joints", "0", "armature");
+  EXPECT(9 * lbf * in, LEFT, "joints", "0", "friction", "torque");
+  EXPECT(6 * in / ms, LEFT, "joints", "1", "max_rate");
+  EXPECT(7 * lbf, LEFT, "joints", "1", "max_force");
+  EXPECT(8 * lb, LEFT, "joints", "1", "armature");
   EXPECT(10 * lbf * in, LEFT, "joints", "0", "stop", "stiffness");
   EXPECT(1 * lbf * in * ms, LEFT, "joints", "0", "stop", "damping");
   EXPECT(10 * deg, LEFT, "joints", "0", "prescribed", "sine", "amplitude");

@@ -81,7 +81,7 @@ static const char urdf_2r[] =
     "<inertia ixx='1' iyy='2' izz='2.5' ixy='0' ixz='0' iyz='0'/></inertial></link>"
     "<link name='lower'/><link name='tip'/>"
     "<joint name='A' type='revolute'><parent link='base'/><child link='upper'/><axis xyz='0 0 2'/>"
-    "<limit lower='-1' upper='2' effort='3' velocity='1'/><dynamics damping='0.5'/></joint>"
+    "<limit lower='-1' upper='2' effort='3' velocity='1.5'/><dynamics damping='0.5' friction='0.25'/></joint>"
     "<joint name='B' type='continuous'><origin xyz='1 0 0'/><parent link='upper'/><child link='lower'/>"
     "<axis xyz='0 0 1'/></joint>"
     "<joint name='T' type='fixed'><origin xyz='0.5 0 0' rpy='0 0 " HALF_TURN_4 "'/><parent link='lower'/>"
@@ -90,9 +90,10 @@ static const char urdf_2r[] =
 static const char mjcf_2r[] =
     "<mujoco model='arm'><compiler angle='degree'/><worldbody><body name='upper'>"
     "<inertial pos='0.5 0 0' euler='0 0 90' mass='2' diaginertia='1 2 2.5'/>"
-    "<joint name='A' axis='0 0 2' range='-57.29577951308232 114.59155902616465' damping='0.5'/>"
+    "<joint name='A' axis='0 0 2' range='-57.29577951308232 114.59155902616465' damping='0.5' frictionloss='0.25'/>"
     "<body name='lower' pos='1 0 0'><joint name='B' axis='0 0 1'/>"
-    "<body name='tip' pos='0.5 0 0' euler='0 0 90'/></body></body></worldbody></mujoco>";
+    "<body name='tip' pos='0.5 0 0' euler='0 0 90'/></body></body></worldbody>"
+    "<actuator><position joint='A' forcerange='-1 1' gear='3'/></actuator></mujoco>";
 
 static const char sdf_2r[] =
     "<sdf version='1.9'><model name='arm'><link name='upper'><inertial><pose>0.5 0 0 0 0 " HALF_TURN_4 "</pose>"
@@ -100,7 +101,8 @@ static const char sdf_2r[] =
     "<link name='lower'><pose relative_to='B'/></link>"
     "<link name='tip'><pose relative_to='lower'>0.5 0 0 0 0 " HALF_TURN_4 "</pose></link>"
     "<joint name='A' type='revolute'><parent>world</parent><child>upper</child><axis><xyz>0 0 2</xyz>"
-    "<limit><lower>-1</lower><upper>2</upper></limit><dynamics><damping>0.5</damping></dynamics></axis></joint>"
+    "<limit><lower>-1</lower><upper>2</upper><effort>3</effort><velocity>1.5</velocity></limit>"
+    "<dynamics><damping>0.5</damping><friction>0.25</friction></dynamics></axis></joint>"
     "<joint name='B' type='revolute'><pose relative_to='upper'>1 0 0 0 0 0</pose><parent>upper</parent>"
     "<child>lower</child><axis><xyz>0 0 1</xyz></axis></joint>"
     "<joint name='T' type='fixed'><parent>lower</parent><child>tip</child></joint></model></sdf>";
@@ -128,7 +130,14 @@ static void an_arm_stands_where_its_joints_say(void **unused) {
     assert_true(km_model_coordinate_limits(f.model, a, &low, &high));
     assert_near(low, -1.0, 1e-15);
     assert_near(high, 2.0, 1e-15);
-    assert_near(f.model->coordinates[a].damping, 0.5, 0.0);
+    const km_model_coordinate *drive = &f.model->coordinates[a];
+    assert_near(drive->damping, 0.5, 0.0);
+    assert_near(drive->friction, 0.25, 0.0);
+    assert_near(drive->max_force, 3.0, 0.0);
+    if (i == 1)
+      assert_true(drive->max_rate == HUGE_VAL); /* MJCF has no limits of rates */
+    else
+      assert_near(drive->max_rate, 1.5, 0.0);
     assert_false(km_model_coordinate_limits(f.model, coordinate_of(f.model, "B"), &low, &high));
     fixture_close(&f);
   }

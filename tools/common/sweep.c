@@ -2,6 +2,7 @@
 #include "common/sweep.h"
 
 #include "base/parallel.h"
+#include "common/drives.h"
 #include "exchange/json/json.h"
 #include "report/plot/question_plot.h"
 #include "report/record/csv.h"
@@ -10,6 +11,17 @@
 
 #include <stdio.h>
 #include <string.h>
+
+/* Actuators whose largest force along the sweep is more than their drives can give. */
+static void tell_drives(kt_sweep_job *j, const km_statics_sweep *statics) {
+  const km_mechanism *m = j->pose.mechanism;
+  for (int i = 0; i < statics->actuator_count; ++i) {
+    const km_force_event *largest = &statics->largest[i];
+    char where[80];
+    snprintf(where, sizeof where, " at %.6g%s", largest->s, km_sweep_unit(m, km_question_plan(j->question)));
+    kt_tell_drive(&j->common, j->name, m, &statics->actuators[i], largest->value, where);
+  }
+}
 
 /* What the user should know of how the mechanism moved. */
 static void tell(kt_sweep_job *j, bool partial) {
@@ -20,6 +32,8 @@ static void tell(kt_sweep_job *j, bool partial) {
   if (statics && statics->unheld)
     kt_say(common, KM_ERROR, "%s: the actuators can't hold %zu of %zu rows, first at %.9g (kstatic at tells why)",
            j->name, statics->unheld, km_table_rows(motion->table), statics->first_unheld);
+  if (statics)
+    tell_drives(j, statics);
   kt_detail(common, "%s: %zu rows of %zu columns", j->name, km_table_rows(motion->table),
             km_table_columns(motion->table));
   km_sweep_stop_text(j->pose.mechanism, plan, motion, &j->stopped_by);

@@ -1,5 +1,6 @@
 /* kstatic at: the balance of forces at one pose. */
 #include "common/asked.h"
+#include "common/drives.h"
 #include "kstatic/kstatic.h"
 
 #include "exchange/json/json.h"
@@ -50,6 +51,9 @@ static kt_exit run(const options *o, const kt_pose *pose) {
     km_mobility_update(pose->mechanism, pose->state, &mobility);
     km_statics_update(pose->mechanism, pose->state, km_question_forces(question), statics);
     tell_falls(o, pose, statics);
+    for (int i = 0; i < statics->actuator_count; ++i)
+      kt_tell_drive(&o->request.common, o->request.model, pose->mechanism, &statics->actuators[i],
+                    statics->actuator_forces[i], "");
     result = describe(o, pose, statics);
     if (result == KT_DONE && !statics->held)
       result = KT_PARTIAL;
@@ -66,9 +70,9 @@ static void read_options(options *o, int argc, char **argv) {
   kt_options_read(
       &all,
       "What actuators and joints must hold at a pose against gravity, loads and springs, and the reaction in every "
-      "joint. Exit status 1 if the actuators can't hold it."
+      "joint. Exit status 1 if the actuators can't hold it. Forces beyond a joint's max_force are warnings."
       "\vJSON keys beside those of every record: held, undetermined_directions [{falls, statement, direction}], "
-      "actuator_forces (null where they can't hold), actuator_set (unique; redundant, least norm; can't hold), "
+      "actuator_forces (null where they can't hold), beyond_max_force [labels], actuator_set (unique; redundant, least norm; can't hold), "
       "least_norm_forces, axes, reactions {force, torque, indeterminate}, reactions_with, degree_of_indeterminacy, "
       "held_joints, configuration. Forces are positive along +q, those of angles per radian; a reaction is the wrench "
       "of parent on child about the origin of the child's joint frame.",

@@ -9,10 +9,11 @@ kt_exit kstatic_sweep(int argc, char **argv) {
   kt_options_read(
       &all,
       "What actuators must hold, and what every joint carries, over the range of a driver; where a load balances "
-      "itself, and where forces peak. Exit status 1 if a part of the range can't be held."
+      "itself, and where forces peak. Exit status 1 if a part of the range can't be held. Forces beyond a joint's "
+      "max_force are warnings."
       "\vColumns beside those of every sweep: f.JOINT of the actuators (nan where they can't hold), fbar.JOINT "
       "least-norm forces, r.JOINT.fx … tz reactions of parent on child, held (1 or 0). JSON adds events [{actuator, "
-      "event (zero, peak, unbounded), s, force}], degree_of_indeterminacy, rows_not_held, held_joints.",
+      "event (zero, peak, unbounded), s, force}], beyond_max_force [labels], degree_of_indeterminacy, rows_not_held, held_joints.",
       argc, argv);
   return kt_sweep(&o);
 }

@@ -23,11 +23,15 @@ static void add_vector(const writer *w, km_value *parent, const char *key, km_ve
     add_numbers(w, parent, key, (const double[3]){v.x, v.y, v.z}, 3);
 }
 
-/* One number a coordinate; a list where there are several. */
-static void add_coordinates(const writer *w, km_value *parent, const char *key, const double *values, int count) {
+/* One number a coordinate; a list where there are several. `first`: that of the first of the joint's coordinates. */
+static void add_coordinates(const writer *w, km_value *parent, const char *key, const double *first, int count) {
+  double values[KM_MAX_FREEDOM];
   bool some = false;
-  for (int k = 0; k < count; ++k)
-    some = some || values[k] != 0.0;
+  for (int k = 0; k < count; ++k) {
+    values[k] = *(const double *)((const char *)first + (size_t)k * sizeof(km_model_coordinate));
+    some = some || (values[k] != 0.0 && isfinite(values[k]));
+    values[k] = fmin(values[k], no_limit);
+  }
   if (some && count == 1)
     km_value_number(w->arena, parent, key, values[0]);
   else if (some)
@@ -112,26 +116,32 @@ static void add_limits(const writer *w, km_value *twin, const km_model_coordinat
   }
 }
 
+static bool has_friction(const km_model_coordinate *c, int count) {
+  bool some = false;
+  for (int k = 0; k < count; ++k)
+    some = some || c[k].friction > 0.0;
+  return some;
+}
+
 static void add_joint(const writer *w, km_value *list, int index) {
   const km_model_joint *joint = &w->model->joints[index];
   const km_model_coordinate *c = &w->model->coordinates[joint->first_coordinate];
   int count = km_model_freedom(w->model, index);
-  double position[KM_MAX_FREEDOM], rate[KM_MAX_FREEDOM], damping[KM_MAX_FREEDOM];
   km_value *twin = km_value_add(w->arena, list, NULL, KM_OBJECT);
   km_value_string(w->arena, twin, "name", joint->name);
   km_value_string(w->arena, twin, "type", km_joint_kind_of(joint->type)->word);
   km_value *pair = km_value_add(w->arena, twin, "body_frame_pairs", KM_LIST);
   add_frame_path(w, pair, joint->frame[0]);
   add_frame_path(w, pair, joint->frame[1]);
-  for (int k = 0; k < count; ++k) {
-    position[k] = c[k].position;
-    rate[k] = c[k].rate;
-    damping[k] = c[k].damping;
-  }
-  add_coordinates(w, twin, "initial_displacement", position, count);
-  add_coordinates(w, twin, "initial_velocity", rate, count);
-  add_coordinates(w, twin, "damping", damping, count);
+  add_coordinates(w, twin, "initial_displacement", &c->position, count);
+  add_coordinates(w, twin, "initial_velocity", &c->rate, count);
+  add_coordinates(w, twin, "damping", &c->damping, count);
   add_limits(w, twin, c, count);
+  add_coordinates(w, twin, "max_rate", &c->max_rate, count);
+  add_coordinates(w, twin, "max_force", &c->max_force, count);
+  add_coordinates(w, twin, "armature", &c->armature, count);
+  if (has_friction(c, count))
+    add_coordinates(w, km_value_add(w->arena, twin, "friction", KM_OBJECT), "torque", &c->friction, count);
   if (joint->type == KM_SCREW)
     km_value_number(w->arena, twin, "pitch", joint->pitch);
 }

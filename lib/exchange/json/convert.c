@@ -84,6 +84,10 @@ static km_dimension measured(const converter *c, const context *at, const km_fie
     bool length = km_joint_is_length(at->type, item);
     return km_dimension_product(generalised_force(length), km_dimension_power(plain(at->type, item), -1));
   }
+  case KM_MEASURE_FORCE:
+    return generalised_force(km_joint_is_length(at->type, item));
+  case KM_MEASURE_INERTIA:
+    return km_joint_is_length(at->type, item) ? (km_dimension){.mass = 1} : (km_dimension){.mass = 1, .length = 2};
   case KM_MEASURE_POLYNOMIAL:
     return km_dimension_product(km_joint_dimension(at->type, 0), km_dimension_power(time_1, -item));
   case KM_MEASURE_TABLE:

@@ -39,6 +39,8 @@ typedef enum km_measure {
   KM_MEASURE_COORDINATE,     /* the joint's coordinate, an angle in the angle unit */
   KM_MEASURE_RATIO,          /* one over the coupled coordinate, an angle in radians */
   KM_MEASURE_STIFFNESS,      /* the joint's generalised force over its coordinate, an angle in radians */
+  KM_MEASURE_FORCE,          /* the joint's generalised force, an angle in radians */
+  KM_MEASURE_INERTIA,        /* the generalised inertia of the joint's coordinate: a mass, of angles times length² */
   KM_MEASURE_POLYNOMIAL,     /* item k: the joint's coordinate over time^k */
   KM_MEASURE_TABLE,          /* rows of time and the joint's coordinate */
   KM_MEASURE_SWEEP,          /* the coordinate that `analysis.sweep` drives */

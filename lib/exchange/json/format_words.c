@@ -54,6 +54,8 @@ void km_field_unit_text(const km_field *field, km_text *out) {
       [KM_MEASURE_COORDINATE] = "angle or length",
       [KM_MEASURE_RATIO] = "1, of a slide 1/length",
       [KM_MEASURE_STIFFNESS] = "torque/rad or force/length",
+      [KM_MEASURE_FORCE] = "torque or force",
+      [KM_MEASURE_INERTIA] = "mass*length^2 or mass",
       [KM_MEASURE_POLYNOMIAL] = "angle or length, over time^k",
       [KM_MEASURE_TABLE] = "time; angle or length",
       [KM_MEASURE_SWEEP] = "angle or length",

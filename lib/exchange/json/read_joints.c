@@ -6,10 +6,10 @@
 
 /* Fills `values` with one number a coordinate from a number or a list; reports a wrong count. */
 static void read_coordinates(km_reader *reader, const km_value *joint, const char *key, int freedom,
-                             const km_place *place, double values[KM_MAX_FREEDOM]) {
+                             const km_place *place, double otherwise, double values[KM_MAX_FREEDOM]) {
   const km_value *value = km_value_get(joint, key);
   for (int k = 0; k < freedom; ++k)
-    values[k] = 0.0;
+    values[k] = otherwise;
   if (!value)
     return;
   km_place at = {place, key, 0};
@@ -49,6 +49,36 @@ static void read_limits(km_reader *reader, const km_value *joint, int freedom, c
     if (coordinates[k].low > coordinates[k].high)
       km_reader_error(reader, &at, "found [%s, %s]; expected low ≤ high", KM_SHOWN(coordinates[k].low),
                       KM_SHOWN(coordinates[k].high));
+  }
+}
+
+static void check_least(km_reader *reader, const km_place *place, const char *key, bool above, const double *values,
+                        int count) {
+  km_place at = {place, key, 0};
+  for (int k = 0; k < count; ++k)
+    if (above ? !(values[k] > 0.0) : values[k] < 0.0)
+      km_reader_error(reader, &at, "found %s; expected a number %s 0", KM_SHOWN(values[k]),
+                      above ? "greater than" : "of at least");
+}
+
+/* What the joint's drive can give, and what resists every motion alike. */
+static void read_drive(km_reader *reader, const km_value *joint, int freedom, const km_place *place,
+                       km_model_coordinate *out) {
+  double rate[KM_MAX_FREEDOM], force[KM_MAX_FREEDOM], armature[KM_MAX_FREEDOM], friction[KM_MAX_FREEDOM];
+  km_place friction_place = {place, "friction", 0};
+  read_coordinates(reader, joint, "max_rate", freedom, place, HUGE_VAL, rate);
+  read_coordinates(reader, joint, "max_force", freedom, place, HUGE_VAL, force);
+  read_coordinates(reader, joint, "armature", freedom, place, 0.0, armature);
+  read_coordinates(reader, km_value_get(joint, "friction"), "torque", freedom, &friction_place, 0.0, friction);
+  check_least(reader, place, "max_rate", true, rate, freedom);
+  check_least(reader, place, "max_force", true, force, freedom);
+  check_least(reader, place, "armature", false, armature, freedom);
+  check_least(reader, &friction_place, "torque", false, friction, freedom);
+  for (int k = 0; k < freedom; ++k) {
+    out[k].max_rate = rate[k];
+    out[k].max_force = force[k];
+    out[k].armature = armature[k];
+    out[k].friction = friction[k];
   }
 }
 
@@ -196,16 +226,17 @@ void km_read_coordinates(km_reader *reader, const km_value *value, const km_plac
   km_model_joint *joint = &model->joints[index];
   int freedom = km_model_freedom(model, index);
   double position[KM_MAX_FREEDOM], rate[KM_MAX_FREEDOM], damping[KM_MAX_FREEDOM];
-  read_coordinates(reader, value, "initial_displacement", freedom, place, position);
+  read_coordinates(reader, value, "initial_displacement", freedom, place, 0.0, position);
   check_turns(reader, joint->type, position, freedom, place);
-  read_coordinates(reader, value, "initial_velocity", freedom, place, rate);
-  read_coordinates(reader, value, "damping", freedom, place, damping);
+  read_coordinates(reader, value, "initial_velocity", freedom, place, 0.0, rate);
+  read_coordinates(reader, value, "damping", freedom, place, 0.0, damping);
   joint->first_coordinate = model->coordinate_count;
   model->coordinate_count += freedom;
   for (int k = 0; k < freedom; ++k)
     model->coordinates[joint->first_coordinate + k] = (km_model_coordinate){
         .joint = index, .index = k, .position = position[k], .rate = rate[k], .damping = damping[k]};
   read_limits(reader, value, freedom, place, &model->coordinates[joint->first_coordinate]);
+  read_drive(reader, value, freedom, place, &model->coordinates[joint->first_coordinate]);
 }
 
 static void read_joint(km_reader *reader, const km_value *value, int assembly, const km_place *place) {

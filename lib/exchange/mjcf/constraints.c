@@ -1,4 +1,4 @@
-/* What holds between bodies and joints beside the tree: constraints that close loops, couplings, actuators. */
+/* What holds between bodies and joints beside the tree: constraints that close loops, and couplings. */
 #include "exchange/mjcf/mjcf.h"
 
 #include "base/nearest.h"
@@ -28,8 +28,7 @@ double km_mjcf_start_offset(const km_mjcf *m, const char *joint) {
   return 0.0;
 }
 
-/* The index of what an attribute names; -1: reported. */
-static int find(km_mjcf *m, const km_xml *e, const char *key, const km_names *names, const char *kind) {
+int km_mjcf_find(km_mjcf *m, const km_xml *e, const char *key, const km_names *names, const char *kind) {
   const char *name = km_xml_attribute_of(e, key);
   int index = name ? km_names_get(names, 0, name) : -1;
   if (index >= 0)
@@ -58,7 +57,7 @@ typedef struct loop_ends {
 static bool find_sites(km_mjcf *m, const km_xml *e, loop_ends *out) {
   static const char *const keys[2] = {"site1", "site2"};
   for (int k = 0; k < 2; ++k) {
-    int site = find(m, e, keys[k], &m->site_names, "site");
+    int site = km_mjcf_find(m, e, keys[k], &m->site_names, "site");
     if (site < 0)
       return false;
     out->body[k] = m->sites[site].body;
@@ -68,8 +67,8 @@ static bool find_sites(km_mjcf *m, const km_xml *e, loop_ends *out) {
 }
 
 static bool find_bodies(km_mjcf *m, const km_xml *e, loop_ends *out) {
-  out->body[0] = find(m, e, "body1", &m->body_names, "body");
-  out->body[1] = km_xml_attribute_of(e, "body2") ? find(m, e, "body2", &m->body_names, "body") : 0;
+  out->body[0] = km_mjcf_find(m, e, "body1", &m->body_names, "body");
+  out->body[1] = km_xml_attribute_of(e, "body2") ? km_mjcf_find(m, e, "body2", &m->body_names, "body") : 0;
   if (out->body[0] < 0 || out->body[1] < 0)
     return false;
   out->pose[0] = out->pose[1] = km_pose_identity();
@@ -151,9 +150,9 @@ static void read_loop(km_mjcf *m, const km_xml *e, bool weld) {
 
 static void read_coupling(km_mjcf *m, const km_xml *e) {
   double c[5];
-  int one = find(m, e, "joint1", &m->joint_names, "joint");
+  int one = km_mjcf_find(m, e, "joint1", &m->joint_names, "joint");
   bool second = km_xml_attribute_of(e, "joint2") != NULL;
-  int two = second ? find(m, e, "joint2", &m->joint_names, "joint") : -1;
+  int two = second ? km_mjcf_find(m, e, "joint2", &m->joint_names, "joint") : -1;
   if (one < 0 || (second && two < 0) || !read_polynomial(m->robot, e, c))
     return;
   if (second && (c[2] != 0.0 || c[3] != 0.0 || c[4] != 0.0))
@@ -183,25 +182,4 @@ void km_mjcf_read_constraints(km_mjcf *m) {
   for (const km_xml *list = km_xml_child(m->root, "equality"); list; list = km_xml_next(list))
     for (const km_xml *e = list->first; e; e = e->next)
       read_equality(m, e);
-}
-
-void km_mjcf_read_actuators(km_mjcf *m) {
-  bool *driven = KM_ARENA_NEW(&m->robot->arena, bool, (size_t)m->joint_count);
-  for (const km_xml *list = km_xml_child(m->root, "actuator"); list && driven; list = km_xml_next(list))
-    for (const km_xml *e = list->first; e; e = e->next) {
-      const char *key = km_xml_attribute_of(e, "jointinparent") ? "jointinparent" : "joint";
-      int joint = km_xml_attribute_of(e, key) ? find(m, e, key, &m->joint_names, "joint") : -1;
-      bool single = joint >= 0 && (m->joints[joint].type == KM_RZ || m->joints[joint].type == KM_TZ);
-      km_error error;
-      if (!single || driven[joint])
-        km_robot_omit(m->robot, "actuators left out, as they drive no joint of their own",
-                      km_xml_attribute_of(e, "name"));
-      else if (km_model_add_actuator(m->robot->builder, (km_coordinate_ref){m->joints[joint].id, 0}, &error))
-        m->robot->arena.failed = true;
-      else
-        driven[joint] = true;
-    }
-  for (const km_xml *list = km_xml_child(m->root, "tendon"); list; list = km_xml_next(list))
-    for (const km_xml *e = list->first; e; e = e->next)
-      km_robot_omit(m->robot, "tendons left out", km_xml_attribute_of(e, "name"));
 }

@@ -71,11 +71,27 @@ static void add_spring(km_mjcf *m, const km_xml *e, const km_mjcf_place *place, 
     km_robot_error(m->robot, e, "%s", error.text);
 }
 
-static void count_rest(km_mjcf *m, const km_xml *e, const km_mjcf_place *place, const char *name) {
-  if (km_mjcf_number(m, e, place, "frictionloss", 0.0) != 0.0)
-    km_robot_omit(m->robot, "constant frictions left out", name);
-  if (km_mjcf_number(m, e, place, "armature", 0.0) != 0.0)
-    km_robot_omit(m->robot, "inertias of rotors left out", name);
+/* The largest force of actuators together that the joint lets through; infinite: any. */
+static double let_through(km_mjcf *m, const km_xml *e, const km_mjcf_place *place) {
+  double range[2] = {0};
+  const char *limited = km_mjcf_get(m, e, place, "actuatorfrclimited");
+  bool given = km_mjcf_numbers(m, e, place, "actuatorfrcrange", range, 2) == 2;
+  bool counts =
+      given && (limited && strcmp(limited, "auto") != 0 ? strcmp(limited, "true") == 0 : m->compiler.autolimits);
+  return counts ? fmax(fabs(range[0]), fabs(range[1])) : HUGE_VAL;
+}
+
+/* Damping, friction, rotor and drive: the same for each coordinate. */
+static void read_dynamics(km_mjcf *m, const km_xml *e, const km_mjcf_place *place, km_robot_joint *joint) {
+  double damping = km_mjcf_number(m, e, place, "damping", 0.0);
+  double armature = km_mjcf_number(m, e, place, "armature", 0.0);
+  double friction = km_mjcf_number(m, e, place, "frictionloss", 0.0);
+  double force = fmin(let_through(m, e, place), km_mjcf_most_force(m, joint->name));
+  for (int k = 0; k < km_joint_kind_of(joint->type)->freedom; ++k) {
+    joint->damping[k] = damping;
+    km_robot_rotor(m->robot, joint, k, armature, friction);
+    km_robot_drive(m->robot, joint, k, force, HUGE_VAL);
+  }
 }
 
 /* The free pose of a body: its coordinates are its pose in the world. */
@@ -125,17 +141,16 @@ void km_mjcf_add_joint(km_mjcf *m, const km_xml *e, const km_mjcf_place *place, 
     set_free(&joint, &link->pose);
   else
     set_single(m, e, place, link, &joint, single ? unit : 0.0);
-  if (joint.type != KM_FLOAT)
+  if (joint.type != KM_FLOAT) {
     read_limits(m, e, place, &joint, unit);
-  for (int k = 0; k < km_joint_kind_of(joint.type)->freedom && joint.type != KM_FLOAT; ++k)
-    joint.damping[k] = km_mjcf_number(m, e, place, "damping", 0.0);
+    read_dynamics(m, e, place, &joint);
+  }
   if (m->robot->failed)
     return;
   km_joint_id id = km_robot_add_joint(m->robot, &joint);
   if (!id.value)
     return;
   remember(m, joint.name, id, joint.type);
-  count_rest(m, e, place, joint.name);
   if (single)
     add_spring(m, e, place, joint.name, id, unit);
 }

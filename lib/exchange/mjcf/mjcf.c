@@ -34,6 +34,7 @@ void km_mjcf_read(km_robot *robot, km_xml *root) {
   km_mjcf_read_classes(&m);
   for (const km_xml *e = km_xml_child(root, "option"); e; e = km_xml_next(e))
     read_option(&m, e);
+  km_mjcf_read_forces(&m);
   km_mjcf_read_bodies(&m);
   if (!robot->failed && !robot->arena.failed) {
     km_mjcf_read_constraints(&m);
@@ -44,4 +45,5 @@ void km_mjcf_read(km_robot *robot, km_xml *root) {
   km_names_free(&m.body_names);
   km_names_free(&m.joint_names);
   km_names_free(&m.site_names);
+  km_names_free(&m.driven_names);
 }

@@ -46,12 +46,13 @@ typedef struct km_mjcf {
   const km_xml *root;
   km_assembly_id assembly;
   km_mjcf_compiler compiler;
-  km_names class_names, body_names, joint_names, site_names;
+  km_names class_names, body_names, joint_names, site_names, driven_names;
   km_mjcf_class *classes;
   km_mjcf_body *bodies; /* [0] is the world */
   km_mjcf_joint *joints;
   km_mjcf_site *sites;
-  int class_count, body_count, joint_count, site_count, copies;
+  double *most_forces; /* of the joints that actuators drive, by the names of those */
+  int class_count, body_count, joint_count, site_count, driven_count, copies;
   size_t class_room, body_room, joint_room, site_room;
 } km_mjcf;
 
@@ -96,9 +97,14 @@ typedef struct km_mjcf_link {
 } km_mjcf_link;
 void km_mjcf_add_joint(km_mjcf *m, const km_xml *joint, const km_mjcf_place *place, const km_mjcf_link *link);
 
-/* Equality constraints, actuators, and what is left out, when the bodies are there. */
+/* Equality constraints and actuators, when the bodies are there. */
 void km_mjcf_read_constraints(km_mjcf *m);
 void km_mjcf_read_actuators(km_mjcf *m);
+/* The index of what an attribute names; -1: reported. */
+int km_mjcf_find(km_mjcf *m, const km_xml *e, const char *key, const km_names *names, const char *kind);
+/* The largest forces that actuators give, before the joints are there; and that of one joint, infinite: any. */
+void km_mjcf_read_forces(km_mjcf *m);
+double km_mjcf_most_force(const km_mjcf *m, const char *joint);
 /* The constant of an equality that sets the joint's first value beside its reference; 0: none. */
 double km_mjcf_start_offset(const km_mjcf *m, const char *joint);
 

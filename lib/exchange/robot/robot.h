@@ -109,6 +109,7 @@ typedef struct km_robot_joint {
   km_vec3 axis;                /* unit, in the joint's frame; ignored by joints without an axis */
   double pitch;
   double position[KM_MAX_FREEDOM], damping[KM_MAX_FREEDOM], low[KM_MAX_FREEDOM], high[KM_MAX_FREEDOM];
+  double max_rate[KM_MAX_FREEDOM], max_force[KM_MAX_FREEDOM], armature[KM_MAX_FREEDOM], friction[KM_MAX_FREEDOM];
 } km_robot_joint;
 km_robot_joint km_robot_joint_default(void);
 /* A name that is taken is an error. {0} if it could not be added. */
@@ -121,6 +122,15 @@ void km_robot_tie(km_robot *robot, const km_xml *at, km_assembly_id assembly, km
                   const km_pose *pose, bool floating);
 /* Limits that are no range are dropped, and counted. */
 void km_robot_limit(km_robot *robot, km_robot_joint *joint, int k, double low, double high);
+/* What the drive of coordinate k can give, a force and a rate; infinite where nothing is told. What isn't above 0 is
+ * dropped, and counted. */
+void km_robot_drive(km_robot *robot, km_robot_joint *joint, int k, double force, double rate);
+/* The rotor's inertia and the constant friction of coordinate k; negative ones are dropped, and counted. */
+void km_robot_rotor(km_robot *robot, km_robot_joint *joint, int k, double armature, double friction);
+/* A call of the builder failed: short of memory, or a fault that is told at the element. */
+void km_robot_builder_failed(km_robot *robot, const km_xml *at, km_status status, const km_error *error);
+/* Enters a name in a table. */
+void km_robot_take_name(km_robot *robot, km_names *names, int scope, const char *name, int value);
 /* A name like `name` that no element of the scope has. */
 const char *km_robot_free_name(km_robot *robot, const km_names *names, int scope, const char *name, const char *mark);
 

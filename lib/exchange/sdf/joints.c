@@ -66,21 +66,25 @@ static void add_spring(km_sdf *sdf, const km_sdf_entity *e, const km_xml *dynami
     km_robot_error(sdf->robot, e->at, "%s", error.text);
 }
 
-/* Limits and damping of a coordinate. */
+static double bound(km_robot *robot, const km_xml *limit, const char *key, double otherwise) {
+  return km_robot_bound(robot, limit, key, km_sdf_text(limit, key), otherwise);
+}
+
+/* A negative effort or velocity means that there is no limit. */
+static double most(km_robot *robot, const km_xml *limit, const char *key) {
+  double value = bound(robot, limit, key, HUGE_VAL);
+  return value < 0.0 ? HUGE_VAL : value;
+}
+
+/* Limits, damping, friction and drive of a coordinate. */
 static void read_axis(km_sdf *sdf, const km_sdf_entity *e, const km_xml *axis, int k, km_robot_joint *joint) {
   km_robot *robot = sdf->robot;
   const km_xml *limit = km_xml_child(axis, "limit"), *dynamics = km_xml_child(axis, "dynamics");
   joint->damping[k] = km_sdf_number(robot, dynamics, "damping", 0.0);
-  if (km_sdf_number(robot, dynamics, "friction", 0.0) != 0.0)
-    km_robot_omit(robot, "constant frictions left out", e->name);
-  if (km_xml_child(limit, "effort"))
-    km_robot_omit(robot, "limits of efforts left out", e->name);
-  if (km_xml_child(limit, "velocity"))
-    km_robot_omit(robot, "limits of rates left out", e->name);
+  km_robot_rotor(robot, joint, k, 0.0, km_sdf_number(robot, dynamics, "friction", 0.0));
+  km_robot_drive(robot, joint, k, most(robot, limit, "effort"), most(robot, limit, "velocity"));
   if (limit && strcmp(type_of(e), "continuous") != 0)
-    km_robot_limit(robot, joint, k,
-                   km_robot_bound(robot, limit, "lower", km_sdf_text(limit, "lower"), -(double)INFINITY),
-                   km_robot_bound(robot, limit, "upper", km_sdf_text(limit, "upper"), (double)INFINITY));
+    km_robot_limit(robot, joint, k, bound(robot, limit, "lower", -HUGE_VAL), bound(robot, limit, "upper", HUGE_VAL));
 }
 
 /* Travel in one turn. The older `thread_pitch` counts radians per metre, and the other way. */

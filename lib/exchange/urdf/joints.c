@@ -83,24 +83,22 @@ static km_vec3 read_axis(km_robot *robot, const km_urdf_joint *joint) {
   return (km_vec3){0, 0, 1};
 }
 
+static double bound(km_robot *robot, const km_xml *limit, const char *key, double otherwise) {
+  return km_robot_bound(robot, limit, key, km_xml_attribute_of(limit, key), otherwise);
+}
+
 static void read_limits(km_robot *robot, const km_urdf_joint *joint, km_robot_joint *def) {
   const km_xml *limit = km_xml_child(joint->at, "limit"), *dynamics = km_xml_child(joint->at, "dynamics");
-  if (limit && km_xml_attribute_of(limit, "effort"))
-    km_robot_omit(robot, "limits of efforts left out", joint->name);
-  if (limit && km_xml_attribute_of(limit, "velocity"))
-    km_robot_omit(robot, "limits of rates left out", joint->name);
-  if (km_robot_number(robot, dynamics, "friction", 0.0) != 0.0)
-    km_robot_omit(robot, "constant frictions left out", joint->name);
   if (km_xml_child(joint->at, "safety_controller"))
     km_robot_omit(robot, "safety controllers left out", joint->name);
   if (!is_single(joint->type))
     return;
   def->damping[0] = km_robot_number(robot, dynamics, "damping", 0.0);
+  km_robot_rotor(robot, def, 0, 0.0, km_robot_number(robot, dynamics, "friction", 0.0));
+  km_robot_drive(robot, def, 0, bound(robot, limit, "effort", HUGE_VAL), bound(robot, limit, "velocity", HUGE_VAL));
   if (!limit || strcmp(km_xml_attribute_of(joint->at, "type"), "continuous") == 0)
     return;
-  const char *low = km_xml_attribute_of(limit, "lower"), *high = km_xml_attribute_of(limit, "upper");
-  km_robot_limit(robot, def, 0, km_robot_bound(robot, limit, "lower", low, 0.0),
-                 km_robot_bound(robot, limit, "upper", high, 0.0));
+  km_robot_limit(robot, def, 0, bound(robot, limit, "lower", 0.0), bound(robot, limit, "upper", 0.0));
 }
 
 static void add_joint(km_urdf *urdf, km_urdf_joint *joint) {

@@ -100,7 +100,10 @@ typedef struct km_joint_def {
   km_frame_id parent, child; /* X_child = X_parent · motion(q) */
   double pitch;              /* of a screw: travel in one turn */
   double position[KM_MAX_FREEDOM], velocity[KM_MAX_FREEDOM], damping[KM_MAX_FREEDOM];
-  double low[KM_MAX_FREEDOM], high[KM_MAX_FREEDOM]; /* ∓infinity by default */
+  double low[KM_MAX_FREEDOM], high[KM_MAX_FREEDOM];           /* ∓infinity by default */
+  double max_rate[KM_MAX_FREEDOM], max_force[KM_MAX_FREEDOM]; /* of the drive; infinity by default */
+  double armature[KM_MAX_FREEDOM];                            /* inertia of the drive's rotor, seen by the coordinate */
+  double constant_friction[KM_MAX_FREEDOM];                   /* force, or torque of angles */
   double friction, friction_radius, stiction_velocity;
   double stop_stiffness, stop_damping; /* of the limits, in a simulation */
   km_motion_law law;

@@ -49,7 +49,8 @@ typedef struct km_study_def {
   int frame;                  /* the same by its index in the model; -1: by its names */
   km_study_names coordinates; /* order of q0 and rates by labels; none: from the base out */
   km_study_numbers q0;        /* where to start, in the model's units; none: at the state's pose */
-  km_study_numbers rates;     /* largest joint speeds (km_arm_set_rates); none: no limits */
+  km_study_numbers
+      rates; /* largest joint speeds (km_arm_set_rates); none: the drives' max_rate, if the path has a speed */
   km_task task;
   km_study_place task_place;
   km_study_path path;

@@ -41,6 +41,15 @@ static void add_reactions(const km_mechanism *m, const km_statics *st, km_value 
   }
 }
 
+/* The actuators that must give more than their drives can. */
+static void add_excess(const km_mechanism *m, const km_handle *actuators, const double *force, size_t stride, int count,
+                       km_value *record, km_arena *arena) {
+  km_value *list = km_value_add(arena, record, "beyond_max_force", KM_LIST);
+  for (int i = 0; i < count && !arena->failed; ++i)
+    if (km_actuator_passes(m, &actuators[i], *(const double *)((const char *)force + (size_t)i * stride)))
+      km_value_string(arena, list, NULL, actuators[i].name);
+}
+
 km_value *km_statics_record(const km_mechanism *m, const km_state *s, const km_statics *st, const char *name,
                             km_arena *arena) {
   km_value *record = km_record_head(m, "kstatic", name, arena);
@@ -49,6 +58,7 @@ km_value *km_statics_record(const km_mechanism *m, const km_state *s, const km_s
   km_value *actuators = km_value_add(arena, record, "actuator_forces", KM_OBJECT);
   for (int i = 0; i < st->actuator_count && !arena->failed; ++i)
     km_value_number(arena, actuators, st->actuators[i].name, st->actuator_forces[i]);
+  add_excess(m, st->actuators, st->actuator_forces, sizeof(double), st->actuator_count, record, arena);
   km_value_string(arena, record, "actuator_set",
                   !st->held       ? "can't hold"
                   : st->redundant ? "redundant, least norm"
@@ -231,6 +241,9 @@ km_value *km_statics_sweep_record(const km_mechanism *m, const km_statics_sweep 
     km_value_number(arena, item, "s", e->s);
     km_value_number(arena, item, "force", e->value);
   }
+  if (sweep->actuator_count)
+    add_excess(m, sweep->actuators, &sweep->largest->value, sizeof *sweep->largest, sweep->actuator_count, record,
+               arena);
   km_value_number(arena, record, "degree_of_indeterminacy", sweep->degree);
   km_value_number(arena, record, "rows_not_held", (double)sweep->unheld);
   km_held_record(m, record, arena);

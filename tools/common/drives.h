@@ -1,0 +1,12 @@
+/* What actuators must give beyond what their drives can. */
+#ifndef KT_DRIVES_H
+#define KT_DRIVES_H
+
+#include "common/common.h"
+#include "kmech/statics.h"
+
+/* Warns where an actuator's force is more than its joint's max_force. `where`: " at 3 rad", or "". */
+void kt_tell_drive(const kt_common *common, const char *name, const km_mechanism *mechanism, const km_handle *actuator,
+                   double force, const char *where);
+
+#endif
