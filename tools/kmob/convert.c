@@ -3,12 +3,13 @@
 
 #include "base/memory.h"
 #include "exchange/json/convert.h"
+#include "exchange/json/draw.h"
 
 typedef struct options {
   kt_common common;
   kt_texts holds, sets;
   const char *model, *file, *units;
-  bool frames;
+  bool frames, drawn;
 } options;
 
 /* Meshes are files of their own, in the model's length unit. */
@@ -27,6 +28,17 @@ static void tell_of_parameters(const options *o, const km_model *model, const km
     kt_say(&o->common, KM_NOTE, "%s: its parameters and expressions are written as their values", o->model);
 }
 
+/* As drawings, with a note on what stays as it is. */
+static km_status draw(const options *o, const kt_pose *pose, const km_units *units, const double *q, km_arena *arena,
+                      const km_value **value, km_error *error) {
+  km_messages *notes = km_messages_create();
+  km_status status = km_model_draw(pose->model, units, q, notes, arena, value, error);
+  for (size_t i = 0; i < km_messages_count(notes); ++i)
+    kt_say(&o->common, km_messages_severity(notes, i), "%s: %s", o->model, km_messages_text(notes, i));
+  km_messages_free(notes);
+  return status;
+}
+
 static kt_exit convert_pose(const options *o, const kt_pose *pose) {
   km_units units = pose->model->units;
   kt_exit result = kmob_choose_units(&o->common, o->units, &units);
@@ -38,8 +50,9 @@ static kt_exit convert_pose(const options *o, const kt_pose *pose) {
   double *q = KM_ARENA_NEW(&arena, double, (size_t)pose->model->coordinate_count);
   for (int c = 0; q && c < pose->model->coordinate_count; ++c)
     q[c] = km_state_coordinate(pose->state, c);
-  km_status status = q ? km_model_convert(pose->model, &units, q, o->frames, &arena, &value, &error)
-                       : km_fail(&error, KM_MEMORY, "out of memory");
+  km_status status = !q         ? km_fail(&error, KM_MEMORY, "out of memory")
+                     : o->drawn ? draw(o, pose, &units, q, &arena, &value, &error)
+                                : km_model_convert(pose->model, &units, q, o->frames, &arena, &value, &error);
   if (status)
     kt_say(&o->common, KM_ERROR, "%s: %s", o->model, error.text);
   else {
@@ -60,12 +73,16 @@ kt_exit kmob_convert(int argc, char **argv) {
       KT_SET(&o.sets, "Write another pose: move a joint to a value"),
       KT_HOLD(&o.holds, "Keep a joint rigid at a value on the way"),
       {"frames", 0, NULL, "Write drawn assemblies as frames of their bodies", KT_FLAG, &o.frames, KT_ABOUT_MODEL},
+      {"drawn", 0, NULL, "Write assemblies by points and axes in the pose, all bodies in one frame", KT_FLAG, &o.drawn,
+       KT_ABOUT_MODEL},
       KT_MODE(o.common),
       KMOB_FILE(&o.file),
   };
   KT_OPTIONS_ADD(&all, table);
   kt_common_options(&all, &o.common, KT_USES_FORCE | KT_USES_FLOAT);
   kt_options_read(&all, "Write the checked model: other units, the assembled pose.", argc, argv);
+  if (o.frames && o.drawn)
+    return kt_usage(&o.common, "--drawn", "beside --frames", "one of them");
   if (o.file && !kt_may_write(&o.common, o.file))
     return KT_USAGE;
   kt_pose pose;

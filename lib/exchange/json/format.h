@@ -75,6 +75,7 @@ extern const km_object_format km_format_model;
 extern const km_object_format km_format_joint, km_format_coupling, km_format_module, km_format_strut;
 /* Objects that have frames. */
 extern const km_object_format km_format_body, km_format_fixed;
+extern const km_object_format km_format_assembly, km_format_parameters;
 
 const km_field *km_format_field(const km_object_format *format, const char *key); /* NULL if unknown */
 

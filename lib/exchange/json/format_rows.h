@@ -22,6 +22,6 @@
 #define ACTIVE                                                                                                         \
   { "active", "Whether it takes part. False leaves it out, with what depends on it.", BOOLEAN, UNSTATED("true") }
 
-extern const km_object_format km_format_parameters, km_format_parameter, km_format_assembly, km_format_analysis;
+extern const km_object_format km_format_parameter, km_format_analysis;
 
 #endif

@@ -24,8 +24,7 @@ bool km_joint_is_drawn(const km_value *joint) {
   return km_value_get(joint, "bodies") || km_value_get(joint, "at") || km_value_get(joint, "axis");
 }
 
-/* The joint's own axis: what it turns about or slides along first; the normal of a planar one. */
-static int own_axis(km_joint_type type) {
+int km_drawn_axis(km_joint_type type) {
   const km_joint_kind *kind = km_joint_kind_of(type);
   return kind->freedom == 1 || kind->freedom == 2 ? kind->motions[0].axis : 2;
 }
@@ -46,7 +45,7 @@ static bool drawn_axis(km_reader *reader, const km_value *value, const km_place 
     km_reader_error(reader, &at, "found no length; expected a direction");
     return false;
   }
-  *R = km_rotation_onto(own_axis(type), km_vec3_scale(1.0 / length, axis));
+  *R = km_rotation_onto(km_drawn_axis(type), km_vec3_scale(1.0 / length, axis));
   return true;
 }
 

@@ -85,6 +85,9 @@ void km_read_drawn(km_reader *reader, const km_value *assembly, const km_place *
  * unless a body is left out. */
 bool km_read_drawn_ends(km_reader *reader, const km_value *joint, int assembly, const km_place *place,
                         km_model_joint *out, int body[2]);
+/* Which axis of its frame `axis` tells of a joint: what it turns about or slides along first; the normal of a planar
+ * one. */
+int km_drawn_axis(km_joint_type type);
 /* Is the joint told by points of a drawing? */
 bool km_joint_is_drawn(const km_value *joint);
 /* Puts the child frame where the joint's first values have it in the drawing, and the bodies into one pose. */
