@@ -12,7 +12,6 @@
 static const double furthest = 0.6;      /* that any coordinate may go in a step, scaled */
 static const double shortest = 1e-11;    /* a step below this doesn't move: the end is located */
 static const double leaving = 1e-14;     /* the same on the way back from a located end, where all is steep */
-static const double singular = 1e-7;     /* last pivot, relative: closer to a singular pose the tangent is noise */
 static const double branch_width = 1e-5; /* a change of sign that stays below this step is a branch point */
 static const double crossing = 1e-3;     /* distance from a singular pose at which it is crossed */
 static const double between = 1e-12;     /* residual that shows the pose between two regular ones to be on the branch */
@@ -23,100 +22,73 @@ static const double easy = 0.05; /* strain: a step twice as long has 16 times th
 
 enum { MOST_STEPS = 200000 }; /* towards one target */
 
-/* t from the partition of the present pose; false at a toggle of the driver. */
-static bool tangent(km_drive *d, double *t) {
-  const km_partition *p = &d->state->partition[d->substructure];
-  if (p->forced_dependent)
-    return false;
-  km_partition_direction(p, d->column, t);
-  km_least_step(d->mechanism, d->state, d->substructure, d->column, t);
-  return true;
-}
-
 static void remember_pivots(km_drive *d) {
-  km_partition_copy_pivots(&d->here.reference, &d->state->partition[d->substructure]);
+  km_partition_copy_pivots(&d->c.course.reference, &d->c.state->partition[d->c.substructure]);
 }
 
 /* Pivots and tangent of the present pose, searched. */
 static bool start(km_drive *d) {
   const km_substructure *sub = km_drive_driven(d);
   int worst;
-  km_loops_update(d->mechanism, d->state, sub);
-  double residual = km_loops_residual(d->mechanism, d->state, sub, &worst);
-  km_pivot(d->mechanism, d->state, d->substructure, d->column, km_rank_tolerance(d->mechanism, sub, residual));
-  d->here.known = tangent(d, d->here.t);
+  km_loops_update(d->c.mechanism, d->c.state, sub);
+  double residual = km_loops_residual(d->c.mechanism, d->c.state, sub, &worst);
+  km_pivot(d->c.mechanism, d->c.state, d->c.substructure, d->c.column,
+           km_rank_tolerance(d->c.mechanism, sub, residual));
+  d->here.known = km_continuation_tangent(&d->c, NULL, d->c.course.t);
   remember_pivots(d);
-  d->here.last_h = 0.0;
+  d->c.course.last_h = 0.0;
   return d->here.known;
-}
-
-static double dot(const km_drive *d, const double *a, const double *b) {
-  return km_step_dot(d->mechanism, km_drive_driven(d), a, b);
 }
 
 /* Where the driver has the only freedom, det of the pivot block changes sign only at a singular pose of the
  * driver: a change over a step that should be regular is a jump to another branch. */
 static bool sign_changed(km_drive *d) {
-  const km_partition *p = &d->state->partition[d->substructure];
-  if (km_partition_freedom(p) != 1 || p->rank != d->here.reference.rank)
+  const km_partition *p = &d->c.state->partition[d->c.substructure];
+  if (km_partition_freedom(p) != 1 || p->rank != d->c.course.reference.rank)
     return false;
-  if (p->searches == d->here.reference.searches)
-    return p->sign != d->here.reference.sign;
-  int before = d->here.reference.sign;
-  km_partition_refactor(&d->here.reference, km_state_jacobian(d->state, km_drive_driven(d)));
-  int after = d->here.reference.sign;
-  d->here.reference.sign = before;
+  if (p->searches == d->c.course.reference.searches)
+    return p->sign != d->c.course.reference.sign;
+  int before = d->c.course.reference.sign;
+  km_partition_refactor(&d->c.course.reference, km_state_jacobian(d->c.state, km_drive_driven(d)));
+  int after = d->c.course.reference.sign;
+  d->c.course.reference.sign = before;
   return before != after;
 }
 
 static bool is_alone(const km_drive *d) {
-  return km_partition_freedom(&d->here.reference) <= 1;
+  return km_partition_freedom(&d->c.course.reference) <= 1;
 }
 
-/* Where the driver has the only freedom Newton decides everything, and the cubic through the last two poses and their
- * tangents, continued by h, is a start; without a last pose the tangent. Where other freedoms are left the prediction
- * decides what they do: the path of least motion. False if h is too long for it. */
-static bool predict(km_drive *d, double h, double *move) {
-  int columns = km_drive_driven(d)->columns;
+/* Where the driver has the only freedom Newton decides everything, and any start near enough serves. Where other freedoms
+ * are left the prediction decides what they do: the path of least motion. False if h is too long for it. */
+static bool predict(km_drive *d, double h) {
+  const km_substructure *sub = km_drive_driven(d);
   d->strain = 0.0;
-  if (!is_alone(d)) {
-    d->strain = km_least_path_predict(&d->path, d->mechanism, d->state, d->substructure, d->column, &d->here.reference,
-                                      d->saved, d->here.t, h, move);
-    km_state_restore(d->state, km_drive_driven(d), d->saved);
-  } else if (fabs(h) <= 4.0 * fabs(d->here.last_h)) { /* further out the last step says nothing */
-    km_curve_ahead(columns, d->here.last_h, d->here.last_move, d->here.last_t, d->here.t, h, move);
+  if (is_alone(d)) {
+    km_continuation_predict(&d->c, h, true);
   } else {
-    for (int k = 0; k < columns; ++k)
-      move[k] = h * d->here.t[k];
+    d->strain = km_least_path_predict(&d->path, d->c.mechanism, d->c.state, d->c.substructure, d->c.column,
+                                      &d->c.course.reference, d->c.from, d->c.course.t, h, d->c.move);
+    km_state_restore(d->c.state, sub, d->c.from);
   }
+  for (int k = 0; k < sub->columns; ++k)
+    if (!(fabs(d->c.move[k]) <= furthest))
+      return false;
   return d->strain <= 1.0;
 }
 
-static void place_driver(km_drive *d, double s) {
-  d->state->q[d->coordinate] = s * d->mechanism->unit[d->coordinate];
-}
-
 /* One predictor and its correction to s + h; the state is left where it ended. */
-static attempt correct(km_drive *d, double h, double tightness, double *next_t) {
-  const km_substructure *sub = km_drive_driven(d);
-  km_closure evidence;
-  double predicted = km_step_length(d->mechanism, sub, d->move);
-  for (int k = 0; k < sub->columns; ++k)
-    if (!(fabs(d->move[k]) <= furthest))
-      return BENT;
-  km_state_move(d->mechanism, d->state, sub, d->move);
-  place_driver(d, d->here.s + h);
-  if (km_loops_close(d->mechanism, d->state, d->substructure, d->column, &evidence) != KM_CLOSED || !tangent(d, next_t))
-    return OPEN;
-  const km_partition *p = &d->state->partition[d->substructure];
-  if (p->rank < d->here.reference.rank || p->last_pivot < singular * p->scale)
-    return OPEN; /* a singular pose has no tangent of its own */
-  if (evidence.correction > tightness * predicted + 1e-9)
+static attempt try_step(km_drive *d, double h, double tightness) {
+  if (!predict(d, h))
     return BENT;
-  double along = dot(d, d->here.t, next_t);
-  double cosine = along / sqrt(dot(d, d->here.t, d->here.t) * dot(d, next_t, next_t));
-  if (!(cosine >= 1.0 - tightness * 0.4))
-    return BENT;
+  const km_step_terms terms = {.parameter = d->here.s + h,
+                               .most_correction =
+                                   tightness * km_step_length(d->c.mechanism, km_drive_driven(d), d->c.move) + 1e-9,
+                               .least_cosine = 1.0 - tightness * 0.4,
+                               .least_rank = d->c.course.reference.rank};
+  km_step_fate fate = km_continuation_correct(&d->c, &terms);
+  if (fate != KM_STEP_TAKEN)
+    return fate == KM_STEP_OPEN ? OPEN : BENT;
   bool changed = !d->passing && sign_changed(d);
   if (changed && fabs(h) > branch_width)
     return BENT;
@@ -124,37 +96,23 @@ static attempt correct(km_drive *d, double h, double tightness, double *next_t) 
   return ACCEPTED;
 }
 
-static void accept(km_drive *d, double h) {
-  double *swap = d->here.last_t;
-  km_state_difference(d->state, km_drive_driven(d), d->saved, d->here.last_move);
-  d->here.last_t = d->here.t;
-  d->here.t = d->next_t;
-  d->next_t = swap;
-  d->here.last_h = h;
-  d->here.s += h;
-  d->here.known = true;
-  remember_pivots(d);
-}
-
 /* Tries to advance by h. Restores the pose if refused. */
 static attempt advance(km_drive *d, double h, double tightness, int *limit) {
-  const km_substructure *sub = km_drive_driven(d);
-  km_state_save(d->state, sub, d->saved);
-  attempt result = predict(d, h, d->move) ? correct(d, h, tightness, d->next_t) : BENT;
-  if (result == ACCEPTED) {
-    int passed = d->ignore_limits ? -1 : km_state_limit_passed(d->state, sub, d->saved);
-    if (passed < 0 && !d->ignore_limits)
-      passed = km_state_limit_touched(d->state, sub, d->saved, d->here.t, d->next_t, h);
-    if (passed < 0) {
-      accept(d, h);
-      return ACCEPTED;
-    }
+  km_state_save(d->c.state, km_drive_driven(d), d->c.from);
+  attempt result = try_step(d, h, tightness);
+  int passed = result == ACCEPTED ? km_continuation_limit(&d->c, h) : -1;
+  if (passed >= 0) {
     *limit = passed;
     result = LIMITED;
   }
-  km_state_restore(d->state, sub, d->saved);
-  km_state_forget_pivots(d->state, d->substructure);
-  return result;
+  if (result != ACCEPTED) {
+    km_continuation_refuse(&d->c);
+    return result;
+  }
+  km_continuation_accept(&d->c, h);
+  d->here.s += h;
+  d->here.known = true;
+  return ACCEPTED;
 }
 
 /* Passes a singular pose at `target` along the smooth branch: the pose between two regular ones on either
@@ -166,29 +124,30 @@ static bool cross(km_drive *d, double target, int *limit) {
   if (gap != 0.0 && advance(d, gap, 0.25, limit) != ACCEPTED)
     return false;
   double h = target + side * crossing - d->here.s, near = target - d->here.s;
-  km_state_save(d->state, sub, d->near);
+  km_state_save(d->c.state, sub, d->near);
   d->passing = true;
   attempt beyond = advance(d, h, 0.05, limit);
   d->passing = false;
   if (beyond != ACCEPTED)
     return false;
-  /* accept() has moved the tangents and the move of this step to last_t, last_move. */
-  km_state_save(d->state, sub, d->far);
-  km_state_restore(d->state, sub, d->near);
-  km_curve_between(sub->columns, h, d->here.last_move, d->here.last_t, d->here.t, near, d->move, d->next_t);
-  km_state_move(d->mechanism, d->state, sub, d->move);
-  place_driver(d, target);
-  km_loops_update(d->mechanism, d->state, sub);
-  km_state_forget_pivots(d->state, d->substructure);
+  /* Accepting it has moved its tangent and its move to last_t, last_move. */
+  km_state_save(d->c.state, sub, d->far);
+  km_state_restore(d->c.state, sub, d->near);
+  km_curve_between(sub->columns, h, d->c.course.last_move, d->c.course.last_t, d->c.course.t, near, d->c.move,
+                   d->c.next_t);
+  km_state_move(d->c.mechanism, d->c.state, sub, d->c.move);
+  km_continuation_place(&d->c, target);
+  km_loops_update(d->c.mechanism, d->c.state, sub);
+  km_state_forget_pivots(d->c.state, d->c.substructure);
   int worst;
-  if (km_loops_residual(d->mechanism, d->state, sub, &worst) > between) {
-    km_state_restore(d->state, sub, d->far); /* a regular pose, if on the other side */
+  if (km_loops_residual(d->c.mechanism, d->c.state, sub, &worst) > between) {
+    km_state_restore(d->c.state, sub, d->far); /* a regular pose, if on the other side */
     return false;
   }
-  memcpy(d->here.t, d->next_t, (size_t)sub->columns * sizeof *d->here.t);
+  memcpy(d->c.course.t, d->c.next_t, (size_t)sub->columns * sizeof *d->c.course.t);
   d->here.crossings++;
   d->here.s = target;
-  d->here.last_h = 0.0;
+  d->c.course.last_h = 0.0;
   return true;
 }
 
@@ -208,7 +167,7 @@ static attempt walk(km_drive *d, double target, int *limit) {
         d->here.stopped = 0.0;
       if (arrives) { /* s + (target - s) may be the next number */
         d->here.s = target;
-        place_driver(d, target);
+        km_continuation_place(&d->c, target);
       }
       if (d->strain * pow(step / fabs(h), 4.0) < easy)
         step = fmin(2.0 * step, km_drive_longest);
@@ -229,28 +188,28 @@ static attempt walk(km_drive *d, double target, int *limit) {
 }
 
 static km_reach drive_tree_joint(km_drive *d, double target) {
-  const km_mechanism *m = d->mechanism;
-  int c = d->coordinate;
-  double factor = km_model_coordinate_factor(m->model, c), now = d->state->q[c], q = target * factor;
+  const km_mechanism *m = d->c.mechanism;
+  int c = d->c.coordinate;
+  double factor = km_model_coordinate_factor(m->model, c), now = d->c.state->q[c], q = target * factor;
   km_reach reach = {KM_STOP_NONE, target, -1, -1};
   double slack = 1e-12 * (1.0 + fabs(q));
   double end = q > now ? fmax(m->high[c], now) : fmin(m->low[c], now);
-  if (!d->ignore_limits && (q > now ? q > end + slack : q < end - slack)) {
+  if (!d->c.ignore_limits && (q > now ? q > end + slack : q < end - slack)) {
     reach = (km_reach){KM_STOP_LIMIT, end / factor, -1, c};
     q = end;
   }
-  d->state->q[c] = q;
+  d->c.state->q[c] = q;
   return reach;
 }
 
 /* The steps that ended at coordinate c's limit have found it to their own length; one or two more by its rate leave
  * nothing but rounding. */
 static void settle_at_limit(km_drive *d, int c) {
-  const km_mechanism *m = d->mechanism;
+  const km_mechanism *m = d->c.mechanism;
   int k = m->column_of[c], limit = -1;
   for (int round = 0; round < 2; ++round) {
-    double q = d->state->q[c], bound = fabs(m->high[c] - q) < fabs(q - m->low[c]) ? m->high[c] : m->low[c];
-    double gap = (bound - q) / m->unit[c] / d->here.t[k];
+    double q = d->c.state->q[c], bound = fabs(m->high[c] - q) < fabs(q - m->low[c]) ? m->high[c] : m->low[c];
+    double gap = (bound - q) / m->unit[c] / d->c.course.t[k];
     if (m->ball_of[c] >= 0 || gap == 0.0 || !(fabs(gap) < 1e-7) || advance(d, gap, 0.25, &limit) != ACCEPTED)
       return;
   }
@@ -258,11 +217,11 @@ static void settle_at_limit(km_drive *d, int c) {
 
 /* The goal, or the driver's own limit on the way to it. */
 static double within_own_limit(const km_drive *d, double goal) {
-  const km_mechanism *m = d->mechanism;
-  int c = d->coordinate;
+  const km_mechanism *m = d->c.mechanism;
+  int c = d->c.coordinate;
   double unit = m->unit[c], high = fmax(m->high[c] / unit, d->here.s), low = fmin(m->low[c] / unit, d->here.s);
   double slack = 1e-12 * (1.0 + fabs(goal));
-  return d->ignore_limits || (goal <= high + slack && goal >= low - slack) ? goal : goal > high ? high : low;
+  return d->c.ignore_limits || (goal <= high + slack && goal >= low - slack) ? goal : goal > high ? high : low;
 }
 
 /* Is the goal the end itself? Then the pose there, which Newton approaches only slowly, is as good as any. */
@@ -272,24 +231,24 @@ static bool touches(km_drive *d, double goal) {
     return false;
   km_closure evidence;
   int worst;
-  km_state_save(d->state, sub, d->saved);
-  place_driver(d, goal);
-  km_loops_close(d->mechanism, d->state, d->substructure, d->column, &evidence);
-  km_loops_update(d->mechanism, d->state, sub);
-  km_state_forget_pivots(d->state, d->substructure);
-  if (km_loops_residual(d->mechanism, d->state, sub, &worst) <= between)
+  km_state_save(d->c.state, sub, d->c.from);
+  km_continuation_place(&d->c, goal);
+  km_loops_close(d->c.mechanism, d->c.state, d->c.substructure, d->c.column, &evidence);
+  km_loops_update(d->c.mechanism, d->c.state, sub);
+  km_state_forget_pivots(d->c.state, d->c.substructure);
+  if (km_loops_residual(d->c.mechanism, d->c.state, sub, &worst) <= between)
     return true;
-  km_state_restore(d->state, sub, d->saved);
+  km_state_restore(d->c.state, sub, d->c.from);
   return false;
 }
 
 km_reach km_drive_to(km_drive *d, double target) {
   if (!d || !isfinite(target))
     return (km_reach){KM_STOP_GAVE_OUT, nan(""), -1, -1};
-  if (d->substructure < 0)
+  if (d->c.substructure < 0)
     return drive_tree_joint(d, target);
-  const km_mechanism *m = d->mechanism;
-  double factor = km_model_coordinate_factor(m->model, d->coordinate) / m->unit[d->coordinate];
+  const km_mechanism *m = d->c.mechanism;
+  double factor = km_model_coordinate_factor(m->model, d->c.coordinate) / m->unit[d->c.coordinate];
   double goal = target * factor, own = within_own_limit(d, goal);
   int limit = -1;
   attempt result = ACCEPTED;
@@ -299,33 +258,33 @@ km_reach km_drive_to(km_drive *d, double target) {
   }
   if (result == ACCEPTED || ((result == OPEN || result == BENT) && touches(d, own)))
     return own == goal ? (km_reach){KM_STOP_NONE, target, -1, -1}
-                       : (km_reach){KM_STOP_LIMIT, own / factor, -1, d->coordinate};
+                       : (km_reach){KM_STOP_LIMIT, own / factor, -1, d->c.coordinate};
   if (result == LIMITED)
     settle_at_limit(d, limit);
   /* What was tried last has left another pose's Jacobian behind. */
-  km_loops_update(m, d->state, km_drive_driven(d));
-  km_state_forget_pivots(d->state, d->substructure);
+  km_loops_update(m, d->c.state, km_drive_driven(d));
+  km_state_forget_pivots(d->c.state, d->c.substructure);
   if (result == EXHAUSTED)
-    return (km_reach){KM_STOP_GAVE_OUT, d->here.s / factor, d->substructure, -1};
+    return (km_reach){KM_STOP_GAVE_OUT, d->here.s / factor, d->c.substructure, -1};
   if (result == LIMITED)
     return (km_reach){KM_STOP_LIMIT, d->here.s / factor, -1, limit};
-  return (km_reach){KM_STOP_TOGGLE, d->here.s / factor, d->substructure, -1};
+  return (km_reach){KM_STOP_TOGGLE, d->here.s / factor, d->c.substructure, -1};
 }
 
 bool km_drive_tangent(km_drive *d, double *rates) {
   if (!d || !rates)
     return false;
-  const km_mechanism *m = d->mechanism;
+  const km_mechanism *m = d->c.mechanism;
   memset(rates, 0, (size_t)m->coordinate_count * sizeof *rates);
-  rates[d->coordinate] = 1.0;
-  if (d->substructure < 0)
+  rates[d->c.coordinate] = 1.0;
+  if (d->c.substructure < 0)
     return true;
   if (!d->here.known && !start(d))
     return false;
   const km_substructure *sub = km_drive_driven(d);
   for (int k = 0; k < sub->columns; ++k) {
     int c = m->column_coordinate[sub->column_start + k];
-    rates[c] = d->here.t[k] * m->unit[c] / m->unit[d->coordinate];
+    rates[c] = d->c.course.t[k] * m->unit[c] / m->unit[d->c.coordinate];
   }
   return true;
 }

@@ -6,24 +6,13 @@
 
 #include <string.h>
 
-static bool reserve_place(km_drive *d, const km_substructure *sub, km_drive_place *place) {
-  size_t n = (size_t)sub->columns;
-  place->t = KM_ARENA_NEW(&d->arena, double, n);
-  place->last_t = KM_ARENA_NEW(&d->arena, double, n);
-  place->last_move = KM_ARENA_NEW(&d->arena, double, n);
-  return km_partition_reserve_like(&place->reference, &d->state->partition[d->substructure], sub->rows, sub->columns,
-                                   &d->arena);
-}
-
-static bool allocate(km_drive *d, const km_substructure *sub) {
-  size_t n = (size_t)sub->columns;
-  double **poses[] = {&d->saved, &d->near, &d->far, &d->mark_pose};
-  d->next_t = KM_ARENA_NEW(&d->arena, double, n);
-  d->move = KM_ARENA_NEW(&d->arena, double, n);
+static bool allocate(km_drive *d) {
+  size_t n = (size_t)km_drive_driven(d)->columns;
+  double **poses[] = {&d->near, &d->far, &d->mark_pose};
   for (size_t i = 0; i < sizeof poses / sizeof *poses; ++i)
     *poses[i] = KM_ARENA_NEW(&d->arena, double, KM_SAVED_PER_COLUMN *n);
-  return km_least_path_reserve(&d->path, sub->columns, &d->arena) && reserve_place(d, sub, &d->here) &&
-         reserve_place(d, sub, &d->mark);
+  return km_least_path_reserve(&d->path, (int)n, &d->arena) && km_continuation_reserve(&d->c, &d->arena) &&
+         km_course_reserve(&d->mark_course, &d->c, &d->arena);
 }
 
 km_status km_drive_create(const km_mechanism *m, km_state *s, int coordinate, bool ignore_limits, km_drive **out,
@@ -47,15 +36,14 @@ km_status km_drive_create(const km_mechanism *m, km_state *s, int coordinate, bo
   km_drive *d = KM_NEW(km_drive, 1);
   if (!d)
     return km_fail(error, KM_MEMORY, "out of memory for a sweep");
-  *d = (km_drive){.mechanism = m,
-                  .state = s,
-                  .coordinate = coordinate,
-                  .substructure = m->substructure_of[coordinate],
-                  .column = m->column_of[coordinate],
-                  .ignore_limits = ignore_limits,
+  *d = (km_drive){.c = {.mechanism = m,
+                        .state = s,
+                        .coordinate = coordinate,
+                        .substructure = m->substructure_of[coordinate],
+                        .column = m->column_of[coordinate],
+                        .ignore_limits = ignore_limits},
                   .here = {.s = s->q[coordinate] / m->unit[coordinate], .largest = km_drive_longest}};
-  const km_substructure *sub = d->substructure >= 0 ? &m->substructures[d->substructure] : NULL;
-  if (sub && !allocate(d, sub)) {
+  if (d->c.substructure >= 0 && !allocate(d)) {
     km_drive_free(d);
     return km_fail(error, KM_MEMORY, "out of memory for a sweep");
   }
@@ -70,42 +58,29 @@ void km_drive_free(km_drive *d) {
   km_free(d);
 }
 
-/* Each place keeps its own arrays. */
-static void copy_place(km_drive_place *to, const km_drive_place *from, int columns) {
-  size_t bytes = (size_t)columns * sizeof *to->t;
-  to->s = from->s;
-  to->largest = from->largest;
-  to->stopped = from->stopped;
-  to->crossings = from->crossings;
-  to->known = from->known;
-  to->last_h = from->last_h;
-  memcpy(to->t, from->t, bytes);
-  memcpy(to->last_t, from->last_t, bytes);
-  memcpy(to->last_move, from->last_move, bytes);
-  km_partition_copy_pivots(&to->reference, &from->reference);
-}
-
 void km_drive_mark(km_drive *d) {
   if (!d)
     return;
   d->marked = true;
-  if (d->substructure < 0) {
-    d->mark.s = d->state->q[d->coordinate];
+  if (d->c.substructure < 0) {
+    d->mark.s = d->c.state->q[d->c.coordinate];
     return;
   }
-  copy_place(&d->mark, &d->here, km_drive_driven(d)->columns);
-  km_state_save(d->state, km_drive_driven(d), d->mark_pose);
+  d->mark = d->here;
+  km_course_copy(&d->mark_course, &d->c.course, km_drive_driven(d)->columns);
+  km_state_save(d->c.state, km_drive_driven(d), d->mark_pose);
 }
 
 void km_drive_return(km_drive *d) {
   if (!d || !d->marked)
     return;
-  if (d->substructure < 0) {
-    d->state->q[d->coordinate] = d->mark.s;
+  if (d->c.substructure < 0) {
+    d->c.state->q[d->c.coordinate] = d->mark.s;
     return;
   }
-  copy_place(&d->here, &d->mark, km_drive_driven(d)->columns);
-  km_state_restore(d->state, km_drive_driven(d), d->mark_pose);
-  km_loops_update(d->mechanism, d->state, km_drive_driven(d));
-  km_state_forget_pivots(d->state, d->substructure);
+  d->here = d->mark;
+  km_course_copy(&d->c.course, &d->mark_course, km_drive_driven(d)->columns);
+  km_state_restore(d->c.state, km_drive_driven(d), d->mark_pose);
+  km_loops_update(d->c.mechanism, d->c.state, km_drive_driven(d));
+  km_state_forget_pivots(d->c.state, d->c.substructure);
 }

@@ -2,42 +2,46 @@
 #ifndef KM_KINEMATICS_FOLLOW_H
 #define KM_KINEMATICS_FOLLOW_H
 
-#include "kinematics/state.h"
+#include "kinematics/continuation.h"
 #include "kmech/follow.h"
 
 struct km_follow {
   km_arena arena;
-  const km_mechanism *mechanism;
-  km_state *state;
-  int substructure, freedom;
+  km_continuation c; /* `from` is the pose where the smooth motion has come to */
+  int freedom;
   int start_branches; /* motions that meet at the starting pose; 0: it is regular */
   double s, largest;  /* arc length so far; the step that step control allows now */
   double origin_s;    /* arc length of the pose whose return closes the cycle: at a branch point, the first after it */
   double cycle;       /* its length, once it was closed */
-  bool closed, ignore_limits, origin_waits; /* for that first pose */
-  int limit;                                /* the coordinate whose limit ended the motion, -1 */
-  double *t, *next_t, *move, *scratch;      /* [column] */
-  double *last_t, *last_move, last_h;       /* the step before this pose; 0: none */
+  bool closed, origin_waits; /* for that first pose */
+  int limit;                 /* the coordinate whose limit ended the motion, -1 */
   double *origin_t, *near_t, *far_t, *branch_t;
-  double *here, *origin, *near, *far, *branch_pose; /* saved poses */
-  km_partition reference;                           /* pivots of this pose */
-  double g;                                         /* see follow.c; at this pose with those pivots */
-  km_branch_point branch;                           /* passed during the last advance, if `branched` */
+  double *origin, *near, *far, *branch_pose; /* saved poses */
+  double g;                                  /* see follow.c; at this pose with the course's pivots */
+  km_branch_point branch;                    /* passed during the last advance, if `branched` */
   bool branched;
 };
 
-/* From the saved pose `here` by an arc of exactly `length` (either sign), without accepting it: on success the state
- * stands there, next_t is its tangent, move the way; else the state is back at `here`. */
+/* From the saved pose by an arc of exactly `length` (either sign), without accepting it: on success the state
+ * stands there, next_t is its tangent, move the way; else the state is back. */
 bool km_follow_step(km_follow *follow, double length, double *reached);
-/* Arc of the cubic through two poses with tangents t0, t1; negative where the move runs against them. */
-double km_follow_arc(const km_follow *follow, const double *move, const double *t0, const double *t1);
+/* Accepts the step just tried, which is `length` long. */
+void km_follow_accept(km_follow *follow, double length);
 
-/* g = det(pivot block) / t_i with the partition's pivots; and, at the pose just stepped to, with those of `here`
+/* The pose that the cycle has to come back to is this one. */
+void km_follow_set_origin(km_follow *follow);
+/* Does the step just tried, `length` long, pass it for the first time? */
+bool km_follow_passes_origin(km_follow *follow, double length);
+/* Goes to where it must be, by the secant method on the distance along its tangent; accepts that step and closes the
+ * cycle if it is there. */
+bool km_follow_meet_origin(km_follow *follow, double length);
+
+/* g = det(pivot block) / t_i with the partition's pivots; and, at the pose just stepped to, with those of the saved pose
  * (0 just after a turn, where there are none). */
 double km_follow_g(const km_follow *follow, const double *t);
 double km_follow_saved_g(km_follow *follow);
-/* A branch point lies between `here` and the pose `length` further, where g is g_end: locates it by the cubic
- * through g on either side, and interpolates its pose. Leaves the state at `here`; false if it escapes. */
+/* A branch point lies between the saved pose and the pose `length` further, where g is g_end: locates it by the cubic
+ * through g on either side, and interpolates its pose. Leaves the state at the saved one; false if it escapes. */
 bool km_follow_locate_branch(km_follow *follow, double length, double g_end);
 
 /* Puts the state at the branch point that was passed last; `tangent` is that of the smooth motion there. Then

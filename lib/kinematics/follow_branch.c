@@ -11,11 +11,11 @@ static const double short_step = 5e-3;
 static const double first_step = 1e-3; /* away from a branch point */
 
 static const km_substructure *sub_of(const km_follow *f) {
-  return &f->mechanism->substructures[f->substructure];
+  return km_continuation_sub(&f->c);
 }
 
 double km_follow_g(const km_follow *f, const double *t) {
-  const km_partition *p = &f->state->partition[f->substructure];
+  const km_partition *p = &f->c.state->partition[f->c.substructure];
   double g = 1.0 / t[p->column[p->rank]];
   for (int i = 0; i < p->rank; ++i)
     g /= p->inverse[i];
@@ -25,12 +25,12 @@ double km_follow_g(const km_follow *f, const double *t) {
 double km_follow_saved_g(km_follow *f) {
   if (f->g == 0.0)
     return 0.0;
-  const km_partition *p = &f->state->partition[f->substructure];
-  if (p->searches == f->reference.searches)
-    return km_follow_g(f, f->next_t);
-  km_partition *r = &f->reference;
-  km_partition_refactor(r, km_state_jacobian(f->state, sub_of(f)));
-  double g = 1.0 / f->next_t[r->column[r->rank]];
+  const km_partition *p = &f->c.state->partition[f->c.substructure];
+  if (p->searches == f->c.course.reference.searches)
+    return km_follow_g(f, f->c.next_t);
+  km_partition *r = &f->c.course.reference;
+  km_partition_refactor(r, km_state_jacobian(f->c.state, sub_of(f)));
+  double g = 1.0 / f->c.next_t[r->column[r->rank]];
   for (int i = 0; i < r->rank; ++i)
     g /= r->inverse[i];
   return g;
@@ -71,33 +71,33 @@ bool km_follow_locate_branch(km_follow *f, double length, double g_end) {
     g[k] = km_follow_saved_g(f);
     if (k != 1 && k != 2)
       continue;
-    memcpy(k == 1 ? f->near_t : f->far_t, f->next_t, (size_t)sub->columns * sizeof *f->t);
-    km_state_save(f->state, sub, k == 1 ? f->near : f->far);
+    memcpy(k == 1 ? f->near_t : f->far_t, f->c.next_t, (size_t)sub->columns * sizeof *f->c.course.t);
+    km_state_save(f->c.state, sub, k == 1 ? f->near : f->far);
   }
   double root = cubic_root(g, guess, 2.0 * aside, guess);
   if (!(fabs(root - guess) < 2.0 * aside))
     return false;
-  km_state_restore(f->state, sub, f->far);
-  km_state_difference(f->state, sub, f->near, f->move);
-  km_state_restore(f->state, sub, f->near);
-  double width = km_follow_arc(f, f->move, f->near_t, f->far_t);
-  km_curve_between(sub->columns, width, f->move, f->near_t, f->far_t, root - guess + aside, f->scratch, f->next_t);
-  km_state_move(f->mechanism, f->state, sub, f->scratch);
-  km_loops_update(f->mechanism, f->state, sub);
+  km_state_restore(f->c.state, sub, f->far);
+  km_state_difference(f->c.state, sub, f->near, f->c.move);
+  km_state_restore(f->c.state, sub, f->near);
+  double width = km_continuation_arc(&f->c, f->c.move, f->near_t, f->far_t);
+  km_curve_between(sub->columns, width, f->c.move, f->near_t, f->far_t, root - guess + aside, f->c.work, f->c.next_t);
+  km_state_move(f->c.mechanism, f->c.state, sub, f->c.work);
+  km_loops_update(f->c.mechanism, f->c.state, sub);
   int worst;
-  double residual = km_loops_residual(f->mechanism, f->state, sub, &worst);
-  km_pivot(f->mechanism, f->state, f->substructure, KM_NO_DRIVER,
-           fmax(1e-7, km_rank_tolerance(f->mechanism, sub, residual)));
+  double residual = km_loops_residual(f->c.mechanism, f->c.state, sub, &worst);
+  km_pivot(f->c.mechanism, f->c.state, f->c.substructure, KM_NO_DRIVER,
+           fmax(1e-7, km_rank_tolerance(f->c.mechanism, sub, residual)));
   /* Where constraints are redundant it may just be the pivot rows that become dependent. */
-  int mobility = km_partition_freedom(&f->state->partition[f->substructure]);
+  int mobility = km_partition_freedom(&f->c.state->partition[f->c.substructure]);
   if (mobility > f->freedom) {
     f->branch = (km_branch_point){f->s + root, mobility, 0};
     f->branched = true;
-    km_state_save(f->state, sub, f->branch_pose);
-    memcpy(f->branch_t, f->next_t, (size_t)sub->columns * sizeof *f->t);
+    km_state_save(f->c.state, sub, f->branch_pose);
+    memcpy(f->branch_t, f->c.next_t, (size_t)sub->columns * sizeof *f->c.course.t);
   }
-  km_state_restore(f->state, sub, f->here);
-  km_state_forget_pivots(f->state, f->substructure);
+  km_state_restore(f->c.state, sub, f->c.from);
+  km_state_forget_pivots(f->c.state, f->c.substructure);
   return true;
 }
 
@@ -110,30 +110,30 @@ bool km_follow_branch(const km_follow *f, km_branch_point *out) {
 }
 
 void km_follow_at_branch(km_follow *f, double *tangent) {
-  km_state_restore(f->state, sub_of(f), f->branch_pose);
+  km_state_restore(f->c.state, sub_of(f), f->branch_pose);
   memcpy(tangent, f->branch_t, (size_t)sub_of(f)->columns * sizeof *tangent);
-  km_state_forget_pivots(f->state, f->substructure);
+  km_state_forget_pivots(f->c.state, f->c.substructure);
 }
 
 void km_follow_go_on(km_follow *f) {
-  km_state_restore(f->state, sub_of(f), f->here);
-  km_loops_update(f->mechanism, f->state, sub_of(f));
-  km_state_forget_pivots(f->state, f->substructure);
+  km_state_restore(f->c.state, sub_of(f), f->c.from);
+  km_loops_update(f->c.mechanism, f->c.state, sub_of(f));
+  km_state_forget_pivots(f->c.state, f->c.substructure);
 }
 
-/* Continues from the pose `here`, a branch point, along `direction`. */
+/* Continues from the saved pose, a branch point, along `direction`. */
 static void set_out(km_follow *f, const double *direction, double sense) {
-  double size = sense * km_step_length(f->mechanism, sub_of(f), direction);
+  double size = sense * km_step_length(f->c.mechanism, sub_of(f), direction);
   for (int k = 0; k < sub_of(f)->columns; ++k)
-    f->t[k] = direction[k] / size;
-  km_state_forget_pivots(f->state, f->substructure);
-  f->last_h = 0.0; /* the step before was on another branch */
+    f->c.course.t[k] = direction[k] / size;
+  km_state_forget_pivots(f->c.state, f->c.substructure);
+  f->c.course.last_h = 0.0; /* the step before was on another branch */
   f->g = 0.0;
 }
 
 void km_follow_turn(km_follow *f, const double *direction) {
-  km_state_restore(f->state, sub_of(f), f->branch_pose);
-  km_state_save(f->state, sub_of(f), f->here);
+  km_state_restore(f->c.state, sub_of(f), f->branch_pose);
+  km_state_save(f->c.state, sub_of(f), f->c.from);
   set_out(f, direction, 1.0);
   f->s = f->branch.s;
   f->closed = false;
@@ -144,13 +144,13 @@ static int freedom_ahead(km_follow *f) {
   const km_substructure *sub = sub_of(f);
   km_closure evidence;
   for (int k = 0; k < sub->columns; ++k)
-    f->move[k] = short_step * f->t[k];
-  km_state_move(f->mechanism, f->state, sub, f->move);
-  km_loops_close(f->mechanism, f->state, f->substructure, KM_NO_DRIVER, &evidence);
-  int freedom = km_partition_freedom(&f->state->partition[f->substructure]);
-  km_state_restore(f->state, sub, f->here);
-  km_loops_update(f->mechanism, f->state, sub);
-  km_pivot(f->mechanism, f->state, f->substructure, KM_NO_DRIVER, km_rank_tolerance(f->mechanism, sub, 0.0));
+    f->c.move[k] = short_step * f->c.course.t[k];
+  km_state_move(f->c.mechanism, f->c.state, sub, f->c.move);
+  km_loops_close(f->c.mechanism, f->c.state, f->c.substructure, KM_NO_DRIVER, &evidence);
+  int freedom = km_partition_freedom(&f->c.state->partition[f->c.substructure]);
+  km_state_restore(f->c.state, sub, f->c.from);
+  km_loops_update(f->c.mechanism, f->c.state, sub);
+  km_pivot(f->c.mechanism, f->c.state, f->c.substructure, KM_NO_DRIVER, km_rank_tolerance(f->c.mechanism, sub, 0.0));
   return freedom;
 }
 
@@ -159,7 +159,7 @@ void km_follow_set_out(km_follow *f, const double *directions, int count) {
   double nearest = 0.0;
   for (int i = 0; i < count; ++i) {
     const double *x = directions + (size_t)i * (size_t)sub_of(f)->columns;
-    double along = km_step_dot(f->mechanism, sub_of(f), x, f->t);
+    double along = km_step_dot(f->c.mechanism, sub_of(f), x, f->c.course.t);
     if (fabs(along) > 1.000001 * fabs(nearest)) {
       nearest = along;
       best = x;

@@ -1,0 +1,160 @@
+/* Predictor, corrector and memory of a step along a motion. */
+#include "kinematics/continuation.h"
+
+#include "kinematics/closure.h"
+#include "kinematics/curve.h"
+
+#include <string.h>
+
+static const double singular = 1e-7; /* last pivot, relative: closer to a singular pose the tangent is noise */
+static const double farther = 4.0;   /* than this many last steps, the last step says nothing */
+
+bool km_course_reserve(km_course *course, const km_continuation *c, km_arena *arena) {
+  const km_substructure *sub = km_continuation_sub(c);
+  size_t n = (size_t)sub->columns;
+  course->t = KM_ARENA_NEW(arena, double, n);
+  course->last_t = KM_ARENA_NEW(arena, double, n);
+  course->last_move = KM_ARENA_NEW(arena, double, n);
+  return km_partition_reserve_like(&course->reference, &c->state->partition[c->substructure], sub->rows, sub->columns,
+                                   arena);
+}
+
+void km_course_copy(km_course *to, const km_course *from, int columns) {
+  size_t bytes = (size_t)columns * sizeof *to->t;
+  memcpy(to->t, from->t, bytes);
+  memcpy(to->last_t, from->last_t, bytes);
+  memcpy(to->last_move, from->last_move, bytes);
+  to->last_h = from->last_h;
+  km_partition_copy_pivots(&to->reference, &from->reference);
+}
+
+bool km_continuation_reserve(km_continuation *c, km_arena *arena) {
+  size_t n = (size_t)km_continuation_sub(c)->columns;
+  c->next_t = KM_ARENA_NEW(arena, double, n);
+  c->move = KM_ARENA_NEW(arena, double, n);
+  c->work = KM_ARENA_NEW(arena, double, n);
+  c->from = KM_ARENA_NEW(arena, double, KM_SAVED_PER_COLUMN *n);
+  return km_course_reserve(&c->course, c, arena);
+}
+
+double km_continuation_dot(const km_continuation *c, const double *a, const double *b) {
+  return km_step_dot(c->mechanism, km_continuation_sub(c), a, b);
+}
+
+/* D⁻¹ Z Zᵀ D `from`, at unit length. */
+static bool project(km_continuation *c, const double *from, double *t) {
+  const km_substructure *sub = km_continuation_sub(c);
+  const double *weight = c->mechanism->column_weight + sub->column_start;
+  int freedom = km_partition_freedom(&c->state->partition[c->substructure]);
+  const double *Z = km_state_null(c->mechanism, c->state, c->substructure, freedom);
+  if (!Z)
+    return false;
+  memset(c->work, 0, (size_t)sub->columns * sizeof *c->work);
+  for (int i = 0; i < freedom; ++i) {
+    const double *z = Z + (size_t)i * (size_t)sub->columns;
+    double dot = 0.0;
+    for (int k = 0; k < sub->columns; ++k)
+      dot += z[k] * weight[k] * from[k];
+    for (int k = 0; k < sub->columns; ++k)
+      c->work[k] += dot * z[k];
+  }
+  double size = 0.0;
+  for (int k = 0; k < sub->columns; ++k)
+    size += c->work[k] * c->work[k];
+  size = sqrt(size);
+  for (int k = 0; k < sub->columns; ++k)
+    t[k] = c->work[k] / (size * weight[k]);
+  return size > 1e-6;
+}
+
+bool km_continuation_tangent(km_continuation *c, const double *along, double *t) {
+  const km_partition *p = &c->state->partition[c->substructure];
+  if (c->column < 0)
+    return project(c, along, t);
+  if (p->forced_dependent)
+    return false;
+  km_partition_direction(p, c->column, t);
+  km_least_step(c->mechanism, c->state, c->substructure, c->column, t);
+  return true;
+}
+
+void km_continuation_predict(km_continuation *c, double h, bool alone) {
+  const km_course *course = &c->course;
+  int columns = km_continuation_sub(c)->columns;
+  bool known = course->last_h != 0.0 && fabs(h) <= farther * fabs(course->last_h);
+  if (known && alone) {
+    km_curve_ahead(columns, course->last_h, course->last_move, course->last_t, course->t, h, c->move);
+    return;
+  }
+  double slope = known ? 0.5 * h / course->last_h : 0.0;
+  for (int k = 0; k < columns; ++k)
+    c->move[k] = h * (course->t[k] + slope * (course->t[k] - course->last_t[k]));
+}
+
+void km_continuation_place(km_continuation *c, double parameter) {
+  c->state->q[c->coordinate] = parameter * c->mechanism->unit[c->coordinate];
+}
+
+km_step_fate km_continuation_correct(km_continuation *c, const km_step_terms *terms) {
+  const double *t = c->course.t, *next = c->next_t;
+  km_closure evidence;
+  km_state_move(c->mechanism, c->state, km_continuation_sub(c), c->move);
+  if (c->column >= 0)
+    km_continuation_place(c, terms->parameter);
+  if (km_loops_close(c->mechanism, c->state, c->substructure, c->column, &evidence) != KM_CLOSED ||
+      !km_continuation_tangent(c, t, c->next_t))
+    return KM_STEP_OPEN;
+  const km_partition *p = &c->state->partition[c->substructure];
+  if (p->rank < terms->least_rank || p->last_pivot < singular * p->scale)
+    return KM_STEP_OPEN; /* a singular pose has no tangent of its own */
+  double along = km_continuation_dot(c, t, next);
+  double cosine = along / sqrt(km_continuation_dot(c, t, t) * km_continuation_dot(c, next, next));
+  return evidence.correction <= terms->most_correction && cosine >= terms->least_cosine ? KM_STEP_TAKEN : KM_STEP_BENT;
+}
+
+int km_continuation_limit(const km_continuation *c, double h) {
+  const km_substructure *sub = km_continuation_sub(c);
+  if (c->ignore_limits)
+    return -1;
+  int passed = km_state_limit_passed(c->state, sub, c->from);
+  return passed >= 0 ? passed : km_state_limit_touched(c->state, sub, c->from, c->course.t, c->next_t, h);
+}
+
+void km_continuation_accept(km_continuation *c, double h) {
+  km_course *course = &c->course;
+  double *spare = course->last_t;
+  km_state_difference(c->state, km_continuation_sub(c), c->from, course->last_move);
+  course->last_t = course->t;
+  course->t = c->next_t;
+  c->next_t = spare;
+  course->last_h = h;
+  km_partition_copy_pivots(&course->reference, &c->state->partition[c->substructure]);
+}
+
+void km_continuation_refuse(km_continuation *c) {
+  km_state_restore(c->state, km_continuation_sub(c), c->from);
+  km_state_forget_pivots(c->state, c->substructure);
+}
+
+double km_continuation_arc(const km_continuation *c, const double *move, const double *t0, const double *t1) {
+  static const double node[5] = {0.5, 0.23076534494715845, 0.7692346550528415, 0.046910077030668, 0.953089922969332};
+  static const double share[5] = {0.28444444444444444, 0.23931433524968324, 0.23931433524968324, 0.11846344252809454,
+                                  0.11846344252809454};
+  const km_substructure *sub = km_continuation_sub(c);
+  const double *weight = c->mechanism->column_weight + sub->column_start;
+  double sign = km_continuation_dot(c, move, t0) < 0.0 ? -1.0 : 1.0;
+  double length = sign * sqrt(km_continuation_dot(c, move, move));
+  for (int pass = 0; pass < 4; ++pass) {
+    double sum = 0.0;
+    for (int i = 0; i < 5; ++i) {
+      double u = node[i], d01 = 6 * u * (1 - u), d10 = (1 - u) * (1 - 3 * u), d11 = u * (3 * u - 2), square = 0.0;
+      for (int k = 0; k < sub->columns; ++k) {
+        double d = weight[k] * (d01 * move[k] + length * (d10 * t0[k] + d11 * t1[k]));
+        square += d * d;
+      }
+      sum += share[i] * sqrt(square);
+    }
+    length = sign * sum;
+  }
+  return length;
+}
