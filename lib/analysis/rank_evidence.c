@@ -1,6 +1,7 @@
 /* Singular values of the loops that don't depend on how the model is written, as evidence of a rank. */
 #include "analysis/rank_evidence.h"
 
+#include "analysis/singular.h"
 #include "analysis/whole_jacobian.h"
 #include "kinematics/closure.h"
 #include "kinematics/poses.h"
@@ -125,25 +126,6 @@ static void rescale(const axes *a, int rows, double *J) {
   }
 }
 
-/* Falling singular values of a column-major matrix; `count` of them. False when out of memory. */
-static bool singular_values(const double *J, int rows, int columns, km_arena *arena, double **values, int *count) {
-  *count = rows < columns ? rows : columns;
-  size_t wide = (size_t)*count, tall = (size_t)(rows + columns) - wide;
-  double *A = KM_ARENA_NEW(arena, double, wide *tall), *V = KM_ARENA_NEW(arena, double, wide *wide);
-  double *work = KM_ARENA_NEW(arena, double, wide);
-  *values = KM_ARENA_NEW(arena, double, wide);
-  if (arena->failed || wide == 0)
-    return !arena->failed;
-  for (int c = 0; c < columns; ++c)
-    for (int r = 0; r < rows; ++r)
-      A[rows < columns ? (size_t)c * wide + (size_t)r : (size_t)r * wide + (size_t)c] =
-          J[(size_t)c * (size_t)rows + (size_t)r];
-  gsl_matrix_view M = gsl_matrix_view_array(A, tall, wide), VV = gsl_matrix_view_array(V, wide, wide);
-  gsl_vector_view S = gsl_vector_view_array(*values, wide), W = gsl_vector_view_array(work, wide);
-  gsl_linalg_SV_decomp(&M.matrix, &VV.matrix, &S.vector, &W.vector);
-  return true;
-}
-
 static void judge(const km_mechanism *m, const double *values, int count, int rank, km_rank_evidence *out) {
   double low = m->closure_tolerance_given ? fmax(surely_zero, 10.0 * m->closure_tolerance) : surely_zero;
   double high = m->closure_tolerance_given ? fmax(surely_not, tolerated * low) : surely_not;
@@ -156,10 +138,12 @@ static void judge(const km_mechanism *m, const double *values, int count, int ra
 
 static bool by_singular_values(const km_mechanism *m, km_state *s, int index, km_arena *arena, km_rank_evidence *out) {
   axes a = {.m = m, .sub = &m->substructures[index]};
-  int rows = 6 * a.sub->loop_count + a.sub->coupling_count, count;
-  double *values, *J = KM_ARENA_NEW(arena, double, (size_t)(rows * a.sub->columns));
+  int rows = 6 * a.sub->loop_count + a.sub->coupling_count;
+  km_svd_room room;
+  double *values = KM_ARENA_NEW(arena, double, (size_t)a.sub->columns),
+         *J = KM_ARENA_NEW(arena, double, (size_t)(rows * a.sub->columns));
   a.twist = KM_ARENA_NEW(arena, km_twist, (size_t)m->coordinate_count);
-  if (arena->failed)
+  if (!km_svd_reserve(&room, rows, a.sub->columns, arena))
     return false;
   for (int k = 0; k < a.sub->columns; ++k) {
     int c = m->column_coordinate[a.sub->column_start + k];
@@ -169,8 +153,9 @@ static bool by_singular_values(const km_mechanism *m, km_state *s, int index, km
   km_whole_jacobian(m, index, a.twist, a.about, J);
   rescale(&a, rows, J);
   whiten(m, index, rows, arena, J);
-  if (arena->failed || !singular_values(J, rows, a.sub->columns, arena, &values, &count))
+  if (arena->failed)
     return false;
+  int count = km_svd_values(J, rows, a.sub->columns, &room, values);
   judge(m, values, count, s->partition[index].rank, out);
   return true;
 }

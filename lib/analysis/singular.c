@@ -1,15 +1,39 @@
-/* Singular values of a substructure's Jacobian by LAPACK. */
+/* Singular values, by GSL, of a matrix and of a substructure's Jacobian. */
 #include "analysis/singular.h"
 
 #include <gsl/gsl_linalg.h>
 
 struct km_singular {
   km_arena arena;
-  double *J, *A, *V, *values, *work; /* A: J or its transpose, whichever is tall, by rows */
+  double *J, *values;
+  km_svd_room room;
 };
 
 static int least(int a, int b) {
   return a < b ? a : b;
+}
+
+bool km_svd_reserve(km_svd_room *room, int rows, int columns, km_arena *arena) {
+  size_t wide = (size_t)least(rows, columns);
+  gsl_set_error_handler_off();
+  room->A = KM_ARENA_NEW(arena, double, (size_t)rows *(size_t)columns);
+  room->V = KM_ARENA_NEW(arena, double, wide *wide);
+  room->work = KM_ARENA_NEW(arena, double, wide);
+  return !arena->failed;
+}
+
+int km_svd_values(const double *J, int rows, int columns, km_svd_room *room, double *values) {
+  size_t wide = (size_t)least(rows, columns), tall = (size_t)(rows + columns) - wide;
+  if (wide == 0)
+    return 0;
+  for (int c = 0; c < columns; ++c)
+    for (int r = 0; r < rows; ++r)
+      room->A[columns >= rows ? (size_t)c * wide + (size_t)r : (size_t)r * wide + (size_t)c] =
+          J[(size_t)c * (size_t)rows + (size_t)r];
+  gsl_matrix_view A = gsl_matrix_view_array(room->A, tall, wide), V = gsl_matrix_view_array(room->V, wide, wide);
+  gsl_vector_view S = gsl_vector_view_array(values, wide), work = gsl_vector_view_array(room->work, wide);
+  gsl_linalg_SV_decomp(&A.matrix, &V.matrix, &S.vector, &work.vector);
+  return (int)wide;
 }
 
 bool km_singular_fits(const km_substructure *sub) {
@@ -17,18 +41,13 @@ bool km_singular_fits(const km_substructure *sub) {
 }
 
 km_singular *km_singular_create(const km_mechanism *m) {
-  gsl_set_error_handler_off();
   km_singular *w = KM_NEW(km_singular, 1);
   if (!w)
     return NULL;
-  size_t rows = (size_t)least(m->largest_rows, KM_MOST_SINGULAR);
-  size_t columns = (size_t)least(m->largest_columns, KM_MOST_SINGULAR), most = rows > columns ? rows : columns;
-  w->J = KM_ARENA_NEW(&w->arena, double, rows *columns);
-  w->A = KM_ARENA_NEW(&w->arena, double, rows *columns);
-  w->V = KM_ARENA_NEW(&w->arena, double, most *most);
-  w->values = KM_ARENA_NEW(&w->arena, double, most);
-  w->work = KM_ARENA_NEW(&w->arena, double, most);
-  if (!w->arena.failed)
+  int rows = least(m->largest_rows, KM_MOST_SINGULAR), columns = least(m->largest_columns, KM_MOST_SINGULAR);
+  w->J = KM_ARENA_NEW(&w->arena, double, (size_t)rows *(size_t)columns);
+  w->values = KM_ARENA_NEW(&w->arena, double, (size_t)least(rows, columns));
+  if (km_svd_reserve(&w->room, rows, columns, &w->arena))
     return w;
   km_singular_free(w);
   return NULL;
@@ -40,26 +59,13 @@ void km_singular_free(km_singular *w) {
   km_free(w);
 }
 
-static void load(km_singular *w, const km_mechanism *m, const km_state *s, const km_substructure *sub, size_t wide) {
-  const double *weight = m->column_weight + sub->column_start;
-  km_state_jacobian_dense(s, sub, w->J);
-  bool transposed = sub->columns >= sub->rows;
-  for (int c = 0; c < sub->columns; ++c)
-    for (int r = 0; r < sub->rows; ++r) {
-      size_t at = transposed ? (size_t)c * wide + (size_t)r : (size_t)r * wide + (size_t)c;
-      w->A[at] = w->J[(size_t)c * (size_t)sub->rows + (size_t)r] / weight[c];
-    }
-}
-
 const double *km_singular_values(km_singular *w, const km_mechanism *m, const km_state *s, const km_substructure *sub,
                                  int *count) {
-  *count = least(sub->rows, sub->columns);
-  size_t wide = (size_t)*count, tall = (size_t)(sub->rows + sub->columns) - wide;
-  if (wide == 0)
-    return w->values;
-  load(w, m, s, sub, wide);
-  gsl_matrix_view A = gsl_matrix_view_array(w->A, tall, wide), V = gsl_matrix_view_array(w->V, wide, wide);
-  gsl_vector_view values = gsl_vector_view_array(w->values, wide), work = gsl_vector_view_array(w->work, wide);
-  gsl_linalg_SV_decomp(&A.matrix, &V.matrix, &values.vector, &work.vector);
+  const double *weight = m->column_weight + sub->column_start;
+  km_state_jacobian_dense(s, sub, w->J);
+  for (int c = 0; c < sub->columns; ++c)
+    for (int r = 0; r < sub->rows; ++r)
+      w->J[(size_t)c * (size_t)sub->rows + (size_t)r] /= weight[c];
+  *count = km_svd_values(w->J, sub->rows, sub->columns, &w->room, w->values);
   return w->values;
 }

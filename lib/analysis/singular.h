@@ -6,6 +6,16 @@
 #include "analysis/scan.h"
 #include "kmech/mobility_sweep.h"
 
+/* Workspace for matrices of some size. */
+typedef struct km_svd_room {
+  double *A, *V, *work; /* A: the matrix or its transpose, whichever is tall, by rows */
+} km_svd_room;
+bool km_svd_reserve(km_svd_room *room, int rows, int columns, km_arena *arena);
+/* The singular values of J[rows × columns, column-major] in falling order, into values[min(rows, columns)]; returns how
+ * many. None is called 0 here: which of them count as 0 is for km_rank_evidence_find to say (lib/README.md, tolerances:
+ * a rank is doubtful). O(rows · columns · min). */
+int km_svd_values(const double *J, int rows, int columns, km_svd_room *room, double *values);
+
 typedef struct km_singular km_singular;
 
 /* Workspace for any substructure of up to KM_MOST_SINGULAR rows and columns. NULL when out of memory. */
