@@ -47,7 +47,7 @@ void km_mobility_update(const km_mechanism *m, km_state *s, km_mobility *out) {
   count_kutzbach(m, out);
   out->redundant_constraints = 6 * m->topology.loop_count + m->model->coupling_count;
   for (int c = 0; c < m->coordinate_count; ++c) {
-    bool outside = m->substructure_of[c] < 0 && !m->held[c];
+    bool outside = m->substructure_of[c] < 0 && !km_state_holds(s, c);
     s->numbers[c] = outside ? 1.0 : 0.0;
     out->mobility += outside;
   }

@@ -51,7 +51,7 @@ static int fastest(const double *directions, int count, int columns, int column)
 int km_branch_leave(const km_mechanism *m, km_state *s, int coordinate) {
   static const double short_step = 5e-3;
   int index = m->substructure_of[coordinate];
-  if (index < 0 || m->column_of[coordinate] < 0) /* a held one leads nowhere */
+  if (index < 0 || km_state_holds(s, coordinate)) /* a held one leads nowhere */
     return 0;
   const km_substructure *sub = &m->substructures[index];
   double *directions = KM_NEW(double, (size_t)KM_MOST_BRANCHES *(size_t)sub->columns);

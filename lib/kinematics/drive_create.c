@@ -26,7 +26,7 @@ km_status km_drive_create(const km_mechanism *m, km_state *s, int coordinate, bo
   if (fits)
     return fits;
   const char *label = m->model->coordinates[coordinate].label;
-  if (m->held[coordinate])
+  if (km_state_holds(s, coordinate))
     return km_fail(error, KM_USAGE, "joint \"%s\" is held; expected a driver that is free to move", label);
   if (m->ball_of[coordinate] >= 0)
     return km_fail(error, KM_USAGE,

@@ -27,8 +27,7 @@ static const km_substructure *sub_of(const km_follow *f) {
  * the way and *length its arc; else the state is back. */
 static bool step(km_follow *f, double h, double *length) {
   const km_substructure *sub = sub_of(f);
-  const km_step_terms terms = {
-      .most_correction = 0.2 * fabs(h) + 1e-9, .least_cosine = furthest_bend, .least_rank = sub->columns - f->freedom};
+  const km_step_terms terms = {.most_correction = 0.2 * fabs(h) + 1e-9, .least_cosine = furthest_bend};
   km_continuation_predict(&f->c, h, f->freedom == 1);
   km_state_restore(f->c.state, sub, f->c.from);
   if (km_continuation_correct(&f->c, &terms) != KM_STEP_TAKEN ||
@@ -213,9 +212,9 @@ km_status km_follow_create(const km_mechanism *m, km_state *s, int coordinate, d
   if (fits)
     return fits;
   int substructure = coordinate >= 0 ? m->substructure_of[coordinate] : first_moving(m, s);
-  if (coordinate >= 0 && (substructure < 0 || m->held[coordinate]))
+  if (coordinate >= 0 && (substructure < 0 || km_state_holds(s, coordinate)))
     return km_fail(error, KM_USAGE, "joint \"%s\" is %s; expected a free joint of a loop",
-                   m->model->coordinates[coordinate].label, m->held[coordinate] ? "held" : "in no loop");
+                   m->model->coordinates[coordinate].label, km_state_holds(s, coordinate) ? "held" : "in no loop");
   if (substructure < 0)
     return km_fail(error, KM_NO_RESULT, "nothing moves: the mechanism has no loop with a freedom at this pose");
   km_follow *f = KM_NEW(km_follow, 1);

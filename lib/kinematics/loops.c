@@ -191,6 +191,8 @@ void km_loops_update(const km_mechanism *m, km_state *s, const km_substructure *
       update_spatial(m, s, sub, program);
   }
   update_couplings(m, s, sub);
+  if (s->partition[sub - m->substructures].locked)
+    km_state_clear_locked(s, sub);
 }
 
 double km_loops_residual(const km_mechanism *m, const km_state *s, const km_substructure *sub, int *worst) {

@@ -11,8 +11,8 @@
 static const double different = 1e-6; /* of any coordinate, scaled */
 
 typedef struct search {
-  const km_mechanism *m; /* with the driver held */
-  km_state *s;
+  const km_mechanism *m;
+  km_state *s; /* with the driver locked */
   int substructure;
   double *saved, *found; /* [3 · columns]; [count × 3 · columns] saved coordinates of the modes */
   double *way;           /* [columns] */
@@ -40,8 +40,10 @@ static const km_substructure *sub_of(const search *f) {
 static void scatter(search *f) {
   const km_substructure *sub = sub_of(f);
   km_state_restore(f->s, sub, f->found);
-  for (int k = 0; k < sub->columns; ++k)
-    f->way[k] = uniform(f) * (f->m->unit[f->m->column_coordinate[sub->column_start + k]] == 1.0 ? M_PI : 1.0);
+  for (int k = 0; k < sub->columns; ++k) {
+    int c = f->m->column_coordinate[sub->column_start + k];
+    f->way[k] = f->s->locked[c] ? 0.0 : uniform(f) * (f->m->unit[c] == 1.0 ? M_PI : 1.0);
+  }
   km_state_move(f->m, f->s, sub, f->way);
 }
 
@@ -85,13 +87,18 @@ static bool collect(search *f, int starts) {
   return true;
 }
 
-/* Hinges are written within half a turn of where the state has them; not where couplings count the turns. */
+/* Hinges are written within half a turn of where the state has them, just half a turn ahead of it; not where couplings
+ * count the turns. What closing the loops may leave of 0 is 0. */
 static double written(const search *f, const km_state *original, int c) {
+  static const double rounding = 1e-12; /* radians, or substructure sizes */
   if (f->m->substructure_of[c] != f->substructure)
     return km_state_coordinate(original, c);
-  if (km_coordinate_turns(f->m, c) && sub_of(f)->coupling_count == 0)
-    f->s->q[c] = original->q[c] + remainder(f->s->q[c] - original->q[c], 2.0 * M_PI);
-  return km_state_coordinate(f->s, c);
+  double *q = &f->s->q[c];
+  if (km_coordinate_turns(f->m, c) && sub_of(f)->coupling_count == 0) {
+    double turn = remainder(*q - original->q[c], 2.0 * M_PI);
+    *q = original->q[c] + (turn < different - M_PI ? turn + 2.0 * M_PI : turn);
+  }
+  return fabs(*q) <= rounding * f->m->unit[c] ? 0.0 : km_state_coordinate(f->s, c);
 }
 
 static bool write_out(search *f, const km_state *original, km_modes *out) {
@@ -124,24 +131,6 @@ static km_status search_modes(search *f, const km_state *original, int starts, k
   return done ? KM_OK : km_fail(error, KM_MEMORY, "out of memory for the assembly modes");
 }
 
-/* The driver and all that the state's mechanism holds, held at their present values. */
-static km_status hold_driver(const km_model *model, const km_state *s, int driver, km_mechanism **out,
-                             km_error *error) {
-  km_hold *holds = KM_NEW(km_hold, (size_t)model->coordinate_count);
-  int count = 0;
-  for (int c = 0; holds && c < model->coordinate_count; ++c)
-    if (c == driver || s->mechanism->held[c])
-      holds[count++] = (km_hold){c, km_state_coordinate(s, c)};
-  km_compiling how = {.holds = holds,
-                      .hold_count = count,
-                      .length = s->mechanism->length,
-                      .length_source = s->mechanism->length_source};
-  km_status status = holds ? km_mechanism_compile_as(model, &how, out, error)
-                           : km_fail(error, KM_MEMORY, "out of memory for the assembly modes");
-  km_free(holds);
-  return status;
-}
-
 static km_status check_driver(const km_mechanism *m, int driver, km_error *error) {
   km_status status = km_check_index(driver, m->coordinate_count, "coordinate", error);
   if (!status && (m->held[driver] || m->substructure_of[driver] < 0 || m->ball_of[driver] >= 0))
@@ -151,33 +140,30 @@ static km_status check_driver(const km_mechanism *m, int driver, km_error *error
   return status;
 }
 
-km_status km_modes_find(const km_mechanism *own, const km_state *s, int driver, int starts, unsigned long seed,
+km_status km_modes_find(const km_mechanism *m, const km_state *s, int driver, int starts, unsigned long seed,
                         km_progress progress, void *context, km_modes *out, km_error *error) {
   if (!out)
     return km_check_given(false, "place for the result", error);
   *out = (km_modes){0};
-  km_mechanism *m = NULL;
   km_state *state = NULL;
-  km_status status = km_check_state(own, s, error);
+  km_status status = km_check_state(m, s, error);
   if (!status && (starts < 0 || starts > KM_MOST_MODE_STARTS))
     status = km_fail(error, KM_USAGE, "%d starts; expected 0 to %d", starts, KM_MOST_MODE_STARTS);
   if (!status)
-    status = check_driver(own, driver, error);
-  if (!status)
-    status = hold_driver(own->model, s, driver, &m, error);
+    status = check_driver(m, driver, error);
   if (!status)
     status = km_state_create(m, &state, error);
   if (!status) {
     search f = {.m = m,
                 .s = state,
-                .substructure = own->substructure_of[driver],
+                .substructure = m->substructure_of[driver],
                 .random = seed,
                 .progress = progress,
                 .context = context};
+    km_state_lock(state, driver);
     status = search_modes(&f, s, starts, out, error);
   }
   km_state_free(state);
-  km_mechanism_free(m);
   return status;
 }
 

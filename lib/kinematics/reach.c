@@ -8,43 +8,17 @@
 
 static const double same = 1e-12; /* relative: a coordinate that is there already isn't moved */
 
-/* A model on its way to a pose: the coordinates in `locked` have their values already. */
+/* A state on its way to a pose: what has its value already is locked. */
 typedef struct journey {
   const km_model *model;
-  km_hold *locked;
-  int locked_count;
-  km_mechanism *mechanism;
+  const km_mechanism *mechanism;
   km_state *state;
 } journey;
 
-/* Compiles again with the locked coordinates and takes the pose over. */
-static km_status rebuild(journey *j, int locked_count, km_error *error) {
-  km_mechanism *mechanism = NULL;
-  km_state *state = NULL;
-  km_compiling how = {.holds = j->locked, .hold_count = locked_count};
-  if (j->mechanism) {
-    how.length = j->mechanism->length;
-    how.length_source = j->mechanism->length_source;
-  }
-  km_status status = j->mechanism ? km_mechanism_compile_as(j->model, &how, &mechanism, error)
-                                  : km_mechanism_compile(j->model, j->locked, locked_count, &mechanism, error);
-  if (!status)
-    status = km_state_create(mechanism, &state, error);
-  if (status) {
-    km_mechanism_free(mechanism);
-    return status;
-  }
-  if (j->state) {
-    km_state_copy(mechanism, state, j->state);
-    for (int i = 0; i < locked_count; ++i)
-      state->q[j->locked[i].coordinate] = mechanism->start[j->locked[i].coordinate];
-    km_state_set(mechanism, state, state->q);
-  }
-  km_state_free(j->state);
-  km_mechanism_free(j->mechanism);
-  j->mechanism = mechanism;
-  j->state = state;
-  return KM_OK;
+/* Gives a coordinate that is there its value to the last digit, and keeps it. */
+static void lock(journey *j, const km_hold *goal) {
+  j->state->q[goal->coordinate] = goal->value * km_model_coordinate_factor(j->model, goal->coordinate);
+  km_state_lock(j->state, goal->coordinate);
 }
 
 static double value_of(const journey *j, int coordinate) {
@@ -89,17 +63,16 @@ static km_status turn_ball(journey *j, const km_hold *goal, km_error *error) {
     there = there && is_there(j, &goal[k]);
   }
   for (int i = there ? PIECES : 1; i <= PIECES; ++i) {
-    for (int k = 0; k < 3; ++k)
-      j->locked[j->locked_count + k] =
-          (km_hold){goal[k].coordinate, i == PIECES ? goal[k].value : from[k] + (goal[k].value - from[k]) * i / PIECES};
-    km_status status = rebuild(j, j->locked_count + 3, error);
-    for (int s = 0; s < j->mechanism->topology.substructure_count && !status; ++s) {
+    for (int k = 0; k < 3; ++k) {
+      double value = i == PIECES ? goal[k].value : from[k] + (goal[k].value - from[k]) * i / PIECES;
+      lock(j, &(km_hold){goal[k].coordinate, value});
+    }
+    km_state_set(j->mechanism, j->state, j->state->q);
+    for (int s = 0; s < j->mechanism->topology.substructure_count; ++s) {
       km_closure evidence;
       if (km_loops_close(j->mechanism, j->state, s, KM_NO_DRIVER, &evidence) != KM_CLOSED || evidence.correction > 0.5)
-        status = unreachable(j, goal, from[0] + (goal[0].value - from[0]) * (i - 1) / PIECES, error);
+        return unreachable(j, goal, from[0] + (goal[0].value - from[0]) * (i - 1) / PIECES, error);
     }
-    if (status)
-      return status;
   }
   return KM_OK;
 }
@@ -124,40 +97,49 @@ static km_status go(journey *j, const km_hold *goals, int count, km_error *error
     if (status)
       return status;
     for (int end = i + (ball ? 3 : 1); i < end; ++i)
-      j->locked[j->locked_count++] = goals[i];
-    status = rebuild(j, j->locked_count, error);
-    if (status)
-      return status;
+      lock(j, &goals[i]);
   }
   return KM_OK;
 }
 
-static km_status travel(journey *j, const km_hold *holds, int hold_count, const km_hold *sets, int set_count,
-                        km_error *error) {
-  km_status status = rebuild(j, 0, error);
+/* The mechanism that holds what is asked for, at the pose that was reached without holds: a held loop has a motion space
+ * of its own. */
+static km_status take_over(const km_mechanism *free, const km_state *there, const km_hold *holds, int hold_count,
+                           km_mechanism **mechanism, km_state **state, km_error *error) {
+  km_compiling how = {
+      .holds = holds, .hold_count = hold_count, .length = free->length, .length_source = free->length_source};
+  km_status status = km_mechanism_compile_as(free->model, &how, mechanism, error);
   if (!status)
-    status = km_assemble(j->mechanism, j->state, NULL, error);
+    status = km_state_create(*mechanism, state, error);
   if (!status)
-    status = go(j, holds, hold_count, error);
-  if (!status)
-    status = go(j, sets, set_count, error);
-  if (!status && set_count > 0)
-    status = rebuild(j, hold_count, error);
+    km_state_copy(*mechanism, *state, there);
   return status;
 }
 
-/* A journey that starts where the state of a mechanism stands, with all that it holds. */
-static km_status board(journey *j, const km_mechanism *m, const km_state *s, km_error *error) {
-  for (int c = 0; c < m->coordinate_count; ++c)
-    if (m->held[c])
-      j->locked[j->locked_count++] = (km_hold){c, km_state_coordinate(s, c)};
-  km_compiling how = {
-      .holds = j->locked, .hold_count = j->locked_count, .length = m->length, .length_source = m->length_source};
-  km_status status = km_mechanism_compile_as(m->model, &how, &j->mechanism, error);
+static km_status travel(const km_model *model, const km_hold *holds, int hold_count, const km_hold *sets, int set_count,
+                        km_mechanism **mechanism, km_state **state, km_error *error) {
+  km_mechanism *free = NULL;
+  km_state *there = NULL;
+  km_status status = km_mechanism_compile(model, NULL, 0, &free, error);
   if (!status)
-    status = km_state_create(j->mechanism, &j->state, error);
+    status = km_state_create(free, &there, error);
   if (!status)
-    km_state_copy(m, j->state, s);
+    status = km_assemble(free, there, NULL, error);
+  journey j = {model, free, there};
+  if (!status)
+    status = go(&j, holds, hold_count, error);
+  if (!status)
+    status = go(&j, sets, set_count, error);
+  if (!status && hold_count > 0)
+    status = take_over(free, there, holds, hold_count, mechanism, state, error);
+  if (!status && hold_count == 0) {
+    km_state_unlock(there);
+    *mechanism = free;
+    *state = there;
+    return KM_OK;
+  }
+  km_state_free(there);
+  km_mechanism_free(free);
   return status;
 }
 
@@ -182,20 +164,14 @@ km_status km_reach_pose(const km_model *model, const km_hold *holds, int hold_co
     fits = check_goals(model, sets, set_count, "values", error);
   if (fits)
     return fits;
-  journey j = {.model = model, .locked = KM_NEW(km_hold, (size_t)(hold_count + set_count) + 3)};
-  *mechanism = NULL;
-  *state = NULL;
-  km_status status = j.locked ? travel(&j, holds, hold_count, sets, set_count, error)
-                              : km_fail(error, KM_MEMORY, "out of memory while moving to a pose");
-  km_free(j.locked);
+  km_status status = travel(model, holds, hold_count, sets, set_count, mechanism, state, error);
   if (status) {
-    km_state_free(j.state);
-    km_mechanism_free(j.mechanism);
-    return status;
+    km_state_free(*state);
+    km_mechanism_free(*mechanism);
+    *state = NULL;
+    *mechanism = NULL;
   }
-  *mechanism = j.mechanism;
-  *state = j.state;
-  return KM_OK;
+  return status;
 }
 
 km_status km_state_reach(const km_mechanism *m, km_state *s, const km_hold *sets, int set_count, km_error *error) {
@@ -208,18 +184,19 @@ km_status km_state_reach(const km_mechanism *m, km_state *s, const km_hold *sets
                        km_model_coordinate_label(m->model, sets[i].coordinate));
   if (status)
     return status;
-  journey j = {.model = m->model, .locked = KM_NEW(km_hold, (size_t)(m->coordinate_count + set_count) + 3)};
-  status = j.locked ? board(&j, m, s, error) : km_fail(error, KM_MEMORY, "out of memory while moving to a pose");
-  if (!status)
-    status = go(&j, sets, set_count, error);
+  km_state *there = NULL;
+  status = km_state_create(m, &there, error);
+  journey j = {m->model, m, there};
   if (!status) {
-    km_state_copy(m, s, j.state);
+    km_state_copy(m, there, s);
+    status = go(&j, sets, set_count, error);
+  }
+  if (!status) {
+    km_state_copy(m, s, there);
     for (int i = 0; i < m->topology.substructure_count; ++i)
       km_state_forget_pivots(s, i);
     status = km_assemble(m, s, NULL, error);
   }
-  km_state_free(j.state);
-  km_mechanism_free(j.mechanism);
-  km_free(j.locked);
+  km_state_free(there);
   return status;
 }

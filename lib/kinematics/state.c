@@ -40,6 +40,8 @@ static bool allocate(const km_mechanism *m, km_state *s) {
   s->work = KM_ARENA_NEW(arena, double, columns);
   s->part = KM_ARENA_NEW(arena, double, columns);
   s->forced = KM_ARENA_NEW(arena, bool, columns);
+  s->locked = KM_ARENA_NEW(arena, bool, coordinates);
+  s->locked_column = KM_ARENA_NEW(arena, bool, coordinates);
   for (int i = 0; i < t->substructure_count && !arena->failed; ++i)
     reserve_partition(&m->substructures[i], &s->partition[i], arena);
   /* Small ones never grow: kernels don't allocate. */
@@ -109,13 +111,8 @@ km_status km_state_create(const km_mechanism *m, km_state **out, km_error *error
 void km_state_restart(km_state *s) {
   if (!s)
     return;
-  const km_mechanism *m = s->mechanism;
-  set_coupling_rows(m, s);
-  for (int i = 0; i < m->topology.substructure_count; ++i) {
-    km_state_forget_pivots(s, i);
-    s->basis[i].known = false;
-  }
-  km_state_set(m, s, m->start);
+  km_state_unlock(s);
+  km_state_set(s->mechanism, s, s->mechanism->start);
 }
 
 void km_state_free(km_state *s) {
@@ -182,7 +179,8 @@ void km_state_move(const km_mechanism *m, km_state *s, const km_substructure *su
     if (m->ball_of[c] < 0) {
       s->q[c] += m->unit[c] * step[k];
     } else {
-      turn_ball(m, s, m->ball_of[c], km_vec3_make(step + k));
+      if (!s->locked[c]) /* no turn at all would still round */
+        turn_ball(m, s, m->ball_of[c], km_vec3_make(step + k));
       k += 2;
     }
   }
@@ -194,8 +192,41 @@ void km_state_set(const km_mechanism *m, km_state *s, const double *q) {
     s->ball[b] = km_quaternion_exp(km_vec3_make(&s->q[m->ball_coordinate[b]]));
 }
 
-void km_state_set_one(km_state *s, int coordinate, double value) {
-  s->q[coordinate] = value;
+void km_state_lock(km_state *s, int coordinate) {
+  const km_mechanism *m = s->mechanism;
+  int i = m->substructure_of[coordinate], column = m->column_of[coordinate];
+  s->locked[coordinate] = true;
+  if (column < 0)
+    return;
+  bool *own = s->locked_column + m->substructures[i].column_start;
+  own[column] = true;
+  s->partition[i].locked = own;
+  s->basis[i].known = false;
+  km_state_forget_pivots(s, i);
+}
+
+void km_state_unlock(km_state *s) {
+  const km_mechanism *m = s->mechanism;
+  memset(s->locked, 0, (size_t)m->coordinate_count * sizeof *s->locked);
+  memset(s->locked_column, 0, (size_t)m->coordinate_count * sizeof *s->locked_column);
+  set_coupling_rows(m, s);
+  for (int i = 0; i < m->topology.substructure_count; ++i) {
+    s->partition[i].locked = NULL;
+    s->basis[i].known = false;
+    km_state_forget_pivots(s, i);
+  }
+}
+
+void km_state_clear_locked(km_state *s, const km_substructure *sub) {
+  const bool *locked = s->locked_column + sub->column_start;
+  const km_pattern *pattern = &sub->pattern;
+  double *J = km_state_jacobian(s, sub);
+  for (int c = 0; c < sub->columns; ++c) {
+    int begin = pattern->start ? pattern->start[c] : c * sub->rows;
+    int end = pattern->start ? pattern->start[c + 1] : begin + sub->rows;
+    for (int i = begin; i < end && locked[c]; ++i)
+      J[i] = 0.0;
+  }
 }
 
 void km_state_save(const km_state *s, const km_substructure *sub, double *saved) {

@@ -33,10 +33,12 @@ struct km_state {
   km_pose *pose;           /* [body] in the inertial frame, model's length unit. By km_poses_update */
   km_pose *slot;           /* [largest_slots] workspace of spatial programs */
   km_planar_pose *planar_slot;
-  km_twist *twist; /* [3 · longest program] columns of the steps */
-  double *work;    /* [largest_columns] */
-  double *part;    /* [largest_columns] of km_least_step */
-  bool *forced;    /* [largest_columns] */
+  km_twist *twist;     /* [3 · longest program] columns of the steps */
+  double *work;        /* [largest_columns] */
+  double *part;        /* [largest_columns] of km_least_step */
+  bool *forced;        /* [largest_columns] */
+  bool *locked;        /* [coordinate] held by the state, beside what the mechanism holds. By km_state_lock */
+  bool *locked_column; /* [columns of all substructures] the same, for their partitions */
 };
 
 enum { KM_NO_DRIVER = -1, KM_NEVER = -2 };
@@ -75,8 +77,17 @@ double *km_state_rows(const km_mechanism *mechanism, km_state *state, int substr
 void km_state_move(const km_mechanism *mechanism, km_state *state, const km_substructure *sub, const double *step);
 /* Sets every coordinate (radians, model's length unit). */
 void km_state_set(const km_mechanism *mechanism, km_state *state, const double *q);
-/* Sets one scalar coordinate, which must not belong to a ball. */
-void km_state_set_one(km_state *state, int coordinate, double value);
+/* Keeps a coordinate at its value until km_state_unlock: closing, driving, following, tangents and mobility numbers of
+ * this state take it for rigid, since its columns are 0 and count as no freedom. Of a ball all three are locked. A loop
+ * keeps the rows that it has without the lock: lib/README.md, Holds. */
+void km_state_lock(km_state *state, int coordinate);
+void km_state_unlock(km_state *state); /* all of them */
+/* Does the coordinate keep its value, by the mechanism or by the state? */
+static inline bool km_state_holds(const km_state *s, int coordinate) {
+  return s->mechanism->held[coordinate] || s->locked[coordinate];
+}
+/* Clears the columns of what is locked in a substructure's Jacobian. Part of km_loops_update. */
+void km_state_clear_locked(km_state *state, const km_substructure *sub);
 /* The coordinates of one substructure, to come back to. */
 enum { KM_SAVED_PER_COLUMN = 3 };
 void km_state_save(const km_state *state, const km_substructure *sub, double *saved /* [3 · columns] */);

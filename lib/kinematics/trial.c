@@ -86,7 +86,7 @@ static bool go(km_tangents *f, int driver, double way, double *misfit) {
   bool closed = km_close_held(f->m, f->s, f->index, driver, &evidence) != KM_OPEN;
   if (closed && evidence.residual <= most && evidence.correction <= (way > 0.0 ? 0.3 : 0.05) * length + slack(f)) {
     *misfit = evidence.residual;
-    if (f->s->partition[f->index].rank < f->sub->columns - 1)
+    if (km_partition_freedom(&f->s->partition[f->index]) > 1)
       km_state_forget_pivots(f->s, f->index); /* further on there may be more */
     return true;
   }
@@ -105,7 +105,7 @@ static void look_ahead(km_tangents *f, int driver, double h) {
   const km_partition *p = &f->s->partition[f->index];
   int column, n = f->sub->columns;
   double *t = f->x;
-  if (p->rank == n - 1 && p->column[n - 1] == driver) {
+  if (km_partition_freedom(p) == 1 && p->column[p->rank] == driver) {
     km_partition_direction(p, driver, t);
     double sign = copysign(1.0, km_step_dot(f->m, f->sub, t, f->move)), size = fastest(t, n, &column);
     for (int c = 0; c < n && isfinite(size); ++c)

@@ -31,13 +31,20 @@ static double *reduced_column(const km_partition *p, int column) {
   return p->reduced + (size_t)column * (size_t)p->stride;
 }
 
-/* Moves the forced columns behind the others; returns how many columns are free to be chosen. */
+/* Moves the forced columns behind the others, and the locked ones to the end; returns how many columns are free to be
+ * chosen. */
 static int order_columns(km_partition *p, const bool *forced) {
   int free = 0, behind = p->columns;
-  for (int c = 0; !forced && c < p->columns; ++c)
+  for (int c = 0; p->locked && c < p->columns; ++c)
+    if (p->locked[c])
+      p->column[--behind] = c;
+  p->locked_count = p->columns - behind;
+  for (int c = 0; !forced && !p->locked && c < p->columns; ++c)
     p->column[free++] = c;
-  for (int c = 0; forced && c < p->columns; ++c) {
-    bool last = forced[c];
+  for (int c = 0; (forced || p->locked) && c < p->columns; ++c) {
+    if (p->locked && p->locked[c])
+      continue;
+    bool last = forced && forced[c];
     p->column[last ? behind - 1 : free] = c;
     behind -= last;
     free += !last;
@@ -270,6 +277,7 @@ void km_partition_copy_pivots(km_partition *to, const km_partition *from) {
   to->smallest_pivot = from->smallest_pivot;
   to->pivoted_b = from->pivoted_b;
   to->forced_dependent = from->forced_dependent;
+  to->locked_count = from->locked_count;
   memcpy(to->row, from->row, (size_t)from->rows * sizeof *to->row);
   memcpy(to->column, from->column, (size_t)from->columns * sizeof *to->column);
   if (to->sparse)

@@ -40,6 +40,9 @@ typedef struct km_partition {
   bool forced_dependent; /* a column that should be independent had to be a pivot */
   bool failed;           /* out of memory while the sparse engine grew: the rank means nothing, no freedom is given */
   bool held;             /* set by the caller: forced columns are no pivots, whatever rank that leaves */
+  const bool *locked; /* [columns] set by the caller, borrowed; NULL: none. Columns of what doesn't move: their entries
+                       * are 0, they come last and count as no freedom */
+  int locked_count;   /* at the last search */
 } km_partition;
 
 /* Space for matrices of up to rows × columns; false (and arena->failed) when out of memory. */
@@ -72,7 +75,7 @@ bool km_partition_refactor(km_partition *partition, const double *matrix);
 void km_partition_copy_pivots(km_partition *to, const km_partition *from);
 
 static inline int km_partition_freedom(const km_partition *p) {
-  return p->failed ? 0 : p->columns - p->rank;
+  return p->failed ? 0 : p->columns - p->rank - p->locked_count;
 }
 
 /* Particular solution of the primary rows of J x = rhs with the independent coordinates 0.

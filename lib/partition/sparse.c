@@ -135,15 +135,23 @@ static void drop(km_partition *p, int c) {
     s->x[s->lower_store.index[i]] = 0.0;
 }
 
-/* Those that shall stay independent behind the others, the forced ones last. */
+static bool is_locked(const km_partition *p, int c) {
+  return p->locked && p->locked[c];
+}
+
+/* Is it for the caller to say that the column is an independent one? */
+static bool is_given(const km_partition *p, const bool *forced, int c) {
+  return (forced && forced[c]) || is_locked(p, c);
+}
+
+/* Those that shall stay independent behind the others, then the forced ones, then the locked ones. */
 static void arrange(km_partition *p, const bool *forced) {
   km_sparse *s = p->sparse;
   int n = 0;
-  for (int group = 0; group < 3; ++group)
+  for (int group = 0; group < 4; ++group)
     for (int i = 0; i < p->columns; ++i) {
       int c = s->order[i];
-      bool last = forced && forced[c];
-      if (group == (last ? 2 : s->late[c] ? 1 : 0))
+      if (group == (is_locked(p, c) ? 3 : is_given(p, forced, c) ? 2 : s->late[c] ? 1 : 0))
         s->lead[n++] = c;
     }
 }
@@ -228,7 +236,7 @@ static int list_null(km_partition *p, const bool *forced) {
     return 0;
   }
   for (int k = p->rank; k < p->columns; ++k) {
-    if (forced && forced[p->column[k]])
+    if (is_given(p, forced, p->column[k]))
       continue;
     const double *b = p->B + (size_t)(k - p->rank) * (size_t)p->rank;
     double *n = p->sparse->null + (size_t)count++ * (size_t)p->columns;
@@ -252,7 +260,7 @@ static bool choose_late(km_partition *p, const bool *forced) {
     for (int k = step; k < count; ++k)
       for (int c = 0; c < n; ++c) {
         double size = fabs(s->null[(size_t)k * (size_t)n + (size_t)c]);
-        if (!s->late[c] && !(forced && forced[c]) &&
+        if (!s->late[c] && !is_given(p, forced, c) &&
             (best < 0 || size > fabs(s->null[(size_t)vector * (size_t)n + (size_t)best]))) {
           best = c;
           vector = k;
@@ -280,7 +288,7 @@ static bool choose_late(km_partition *p, const bool *forced) {
 static double largest_free_b(const km_partition *p, const bool *forced) {
   double largest = 0.0;
   for (int k = p->rank; k < p->columns; ++k)
-    for (int i = 0; i < p->rank && !(forced && forced[p->column[k]]); ++i)
+    for (int i = 0; i < p->rank && !is_given(p, forced, p->column[k]); ++i)
       largest = fmax(largest, fabs(p->B[(size_t)(k - p->rank) * (size_t)p->rank + (size_t)i]));
   return largest;
 }
@@ -288,6 +296,9 @@ static double largest_free_b(const km_partition *p, const bool *forced) {
 void km_sparse_factor(km_partition *p, const double *matrix, const bool *forced, double tolerance) {
   km_sparse *s = p->sparse;
   p->scale = 0.0;
+  p->locked_count = 0;
+  for (int c = 0; c < p->columns; ++c)
+    p->locked_count += is_locked(p, c);
   for (int i = 0; i < s->start[p->columns]; ++i)
     p->scale = fmax(p->scale, fabs(matrix[i]));
   memset(s->late, 0, (size_t)p->columns * sizeof *s->late);
