@@ -84,6 +84,33 @@ static void open_builder(world *w) {
   need(km_model_add_joint(w->builder, &w->joint, NULL, &w->error), &w->error);
 }
 
+static km_status parabola(void *context, const double *values, double *figures, km_error *error) {
+  (void)context, (void)error;
+  figures[0] = values[0] * values[0];
+  return KM_OK;
+}
+
+/* A study of a function, whose store is in memory. */
+static void open_designs(world *w) {
+  static const km_design_parameter parameter = {"x", "x"};
+  static const double values[2] = {1.0, 2.0};
+  static const km_design_variant variants[2] = {{"one", &values[0]}, {"two", &values[1]}};
+  static const char *const bands[1] = {"none"};
+  static km_design_question question = {.name = "parabola", .figure_count = 1, .bands = bands};
+  w->figure = km_design_figure_default();
+  w->figure.name = "y";
+  question.figures = &w->figure;
+  w->designs_def = km_design_study_default();
+  w->designs_def.function = parabola;
+  w->designs_def.parameters = &parameter;
+  w->designs_def.parameter_count = 1;
+  w->designs_def.variants = variants;
+  w->designs_def.variant_count = 2;
+  w->designs_def.questions = &question;
+  w->designs_def.question_count = 1;
+  need(km_design_study_open(&w->designs_def, NULL, false, &w->designs, &w->error), &w->error);
+}
+
 void world_open(world *w, world_kind kind) {
   *w = (world){.names = {"fixed", "origin"}, .loads = {{.frame = 1, .force = {1, 0, 0}}}, .holds = {{0, 0.0}}};
   w->messages = km_messages_create();
@@ -108,6 +135,7 @@ void world_open(world *w, world_kind kind) {
     open_study(w);
   open_handles(w);
   open_builder(w);
+  open_designs(w);
   if (kind == WORLD_LOOPS)
     need(km_mobility_sweep_run(w->mechanism, w->state, &w->plan, &w->sweep, &w->error), &w->error);
 }
@@ -115,6 +143,8 @@ void world_open(world *w, world_kind kind) {
 void world_close(world *w) {
   km_mobility_sweep_free(&w->sweep);
   km_track_free(w->track);
+  km_design_study_free(w->designs);
+  km_design_study_def_free(&w->other_designs_def);
   km_study_free(w->study);
   km_study_def_free(&w->study_def);
   km_study_def_free(&w->other_study_def);

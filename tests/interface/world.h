@@ -26,6 +26,11 @@ typedef struct world {
   km_track *track;
   km_table *table;
   km_question *question;
+  km_design_study_def designs_def, other_designs_def;
+  km_design_study *designs;
+  km_design_figure figure;
+  km_design_result result;
+  km_asked_design asked;
   km_option_value value;
   km_builder *builder;
   km_assignment assignment;

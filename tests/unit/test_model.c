@@ -217,7 +217,7 @@ static void every_key_is_described_in_the_schema(void **state) {
   enum { MOST = 64 };
   const km_object_format *seen[MOST] = {NULL};
   km_arena arena = {0};
-  const km_value *schema = km_format_schema(&arena);
+  const km_value *schema = km_format_schema(&km_format_model, "kmech model", &arena);
   assert_non_null(schema);
   check_described(schema, &km_format_model, seen);
   assert_non_null(seen[20]);

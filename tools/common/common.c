@@ -159,6 +159,27 @@ void kt_base_name(const char *path, char *out, size_t size) {
     *dot = '\0';
 }
 
+void kt_study_base(const char *study, const char *model, char *out, size_t size) {
+  kt_base_name(study && strcmp(study, "-") != 0 ? study : model, out, size);
+  const char *slash = study ? strrchr(study, '/') : NULL;
+  if (!study || strcmp(slash ? slash + 1 : study, "study.json") != 0)
+    return;
+  char *whole = realpath(study, NULL), *end = whole ? strrchr(whole, '/') : NULL;
+  if (end)
+    *end = '\0';
+  const char *folder = whole ? strrchr(whole, '/') : NULL;
+  if (folder && folder[1])
+    snprintf(out, size, "%s", folder + 1);
+  free(whole); /* the C library's */
+}
+
+void kt_folder_of(const char *path, char *out, size_t size) {
+  const char *slash = strrchr(path, '/');
+  snprintf(out, size, "%.*s", slash ? (int)(slash - path) : 0, path);
+  if (slash == path)
+    snprintf(out, size, "/");
+}
+
 kt_exit kt_print(const kt_common *common, const km_text *text) {
   km_error error;
   km_status status = km_file_write("-", text, &error);

@@ -79,6 +79,11 @@ km_model *kt_load_varied(const kt_common *common, const char *path, const km_ass
                          kt_exit *exit);
 /* "models/brake.json" → "brake"; "-" → "model". Into the caller's buffer of `size`. */
 void kt_base_name(const char *path, char *out, size_t size);
+/* How a study's files are named: after its file without ending, or its folder where the file is called study.json; without
+ * a file (NULL, "-") after the model. */
+void kt_study_base(const char *study, const char *model, char *out, size_t size);
+/* The folder of a file: "" the current one. */
+void kt_folder_of(const char *path, char *out, size_t size);
 
 /* A piece of a command-line text up to an unescaped separator; backslashes before , = / [ are undone. */
 typedef struct kt_piece {

@@ -54,6 +54,5 @@ kt_exit kredund_set_parts(const kredund_request *request, kredund_open *open, km
 kt_exit kredund_set_methods(const kredund_request *request, kredund_open *open, km_messages *messages);
 /* An error at a place; the exit that it means. */
 kt_exit kredund_fault(km_messages *messages, bool option, const char *place, const km_error *error);
-void kredund_folder_of(const char *path, char *out, size_t size);
 
 #endif

@@ -6,7 +6,6 @@
 #include "exchange/json/json.h"
 
 #include <stdio.h>
-#include <stdlib.h>
 #include <string.h>
 
 void kredund_arm_options(kt_options *out, kredund_request *r) {
@@ -88,23 +87,6 @@ static kt_exit read_study(const kredund_request *r, kredund_open *out) {
   return kt_exit_of(status);
 }
 
-/* Files are named after the study: its file's name without ending, or its folder's where the file is called study.json;
- * without a file, after the model. */
-static void name_base(const char *study, kredund_open *out) {
-  kt_base_name(out->model, out->model_name, sizeof out->model_name);
-  kt_base_name(study && strcmp(study, "-") != 0 ? study : out->model, out->base, sizeof out->base);
-  const char *slash = study ? strrchr(study, '/') : NULL;
-  if (!study || strcmp(slash ? slash + 1 : study, "study.json") != 0)
-    return;
-  char *whole = realpath(study, NULL), *end = whole ? strrchr(whole, '/') : NULL;
-  if (end)
-    *end = '\0';
-  const char *folder = whole ? strrchr(whole, '/') : NULL;
-  if (folder && folder[1])
-    snprintf(out->base, sizeof out->base, "%s", folder + 1);
-  free(whole); /* the C library's */
-}
-
 static kt_exit find_model(const kredund_request *r, kredund_open *out) {
   const char *written = out->def.model, *folder = out->folder;
   if (r->model)
@@ -116,7 +98,8 @@ static kt_exit find_model(const kredund_request *r, kredund_open *out) {
     kt_say(&r->common, KM_ERROR, "%s: model: is missing; expected the arm's model file, or --model", out->name);
     return KT_BAD_MODEL;
   }
-  name_base(r->study, out);
+  kt_base_name(out->model, out->model_name, sizeof out->model_name);
+  kt_study_base(r->study, out->model, out->base, sizeof out->base);
   return KT_DONE;
 }
 
@@ -162,7 +145,7 @@ static kt_exit bring(const kredund_request *r, bool needs_path, kredund_open *ou
   out->name = r->study ? strcmp(r->study, "-") == 0 ? "standard input" : r->study : r->model;
   char folder[4096] = "";
   if (r->study && strcmp(r->study, "-") != 0)
-    kredund_folder_of(r->study, folder, sizeof folder);
+    kt_folder_of(r->study, folder, sizeof folder);
   out->folder = km_arena_string(&out->arena, folder);
   if (!out->folder)
     return KT_INTERNAL;

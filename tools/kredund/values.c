@@ -76,19 +76,12 @@ static kt_exit set_objective(const kredund_request *r, kredund_open *open, km_me
              : KT_DONE;
 }
 
-void kredund_folder_of(const char *path, char *out, size_t size) {
-  const char *slash = strrchr(path, '/');
-  snprintf(out, size, "%.*s", slash ? (int)(slash - path) : 0, path);
-  if (slash == path)
-    snprintf(out, size, "/");
-}
-
 static km_status read_path_text(const char *file, km_study_place place, km_messages *messages, km_study_def *def,
                                 km_error *error) {
   char folder[4096];
   km_text bytes = {0};
   km_status status = km_file_read(file, &bytes, error);
-  kredund_folder_of(file, folder, sizeof folder);
+  kt_folder_of(file, folder, sizeof folder);
   if (!status)
     status = km_study_read_path(bytes.data ? bytes.data : "", bytes.size, folder, place, messages, def, error);
   km_text_free(&bytes);

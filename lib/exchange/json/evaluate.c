@@ -37,6 +37,18 @@ static void evaluate_numbers(evaluation *e, km_value *value, const km_place *pla
   }
 }
 
+static void evaluate_object(evaluation *e, km_value *object, const km_object_format *format, const km_place *place);
+
+static void evaluate_map(evaluation *e, km_value *map, const km_field *field, const km_place *place) {
+  for (km_value *v = map->first; v && !e->status; v = v->next) {
+    km_place item = {place, v->key, 0};
+    if (v->kind == KM_OBJECT)
+      evaluate_object(e, v, field->object, &item);
+    else if (field->shape == KM_SHAPE_LIST_MAP)
+      evaluate_numbers(e, v, &item);
+  }
+}
+
 static void evaluate_object(evaluation *e, km_value *object, const km_object_format *format, const km_place *place) {
   for (km_value *v = object->kind == KM_OBJECT ? object->first : NULL; v && !e->status; v = v->next) {
     const km_field *field = km_format_field(format, v->key);
@@ -51,6 +63,8 @@ static void evaluate_object(evaluation *e, km_value *object, const km_object_for
     else if (field->shape == KM_SHAPE_OBJECTS && v->kind == KM_LIST)
       for (km_value *o = v->first; o; o = o->next, ++item.index)
         evaluate_object(e, o, field->object, &item);
+    else if (field->shape == KM_SHAPE_MAP || field->shape == KM_SHAPE_LIST_MAP || field->shape == KM_SHAPE_WORD_MAP)
+      evaluate_map(e, v, field, &at);
   }
 }
 
@@ -99,6 +113,15 @@ km_status km_model_evaluate(km_value *root, km_messages *messages, km_error *err
     evaluate_parameter(&e, p, &at);
   }
   evaluate_object(&e, root, &km_format_model, NULL);
+  km_formulas_free(e.formulas);
+  return e.status ? km_fail(error, e.status, "%s", e.error.text) : KM_OK;
+}
+
+km_status km_format_evaluate(km_value *root, const km_object_format *format, km_messages *messages, km_error *error) {
+  evaluation e = {.messages = messages, .formulas = km_formulas_create(NULL)};
+  if (!e.formulas)
+    return km_fail(error, KM_MEMORY, "out of memory while reading expressions");
+  evaluate_object(&e, root, format, NULL);
   km_formulas_free(e.formulas);
   return e.status ? km_fail(error, e.status, "%s", e.error.text) : KM_OK;
 }

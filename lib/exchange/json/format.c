@@ -128,6 +128,7 @@ bool km_shape_is_numeric(km_shape shape) {
   case KM_SHAPE_RANGES:
   case KM_SHAPE_ROWS:
   case KM_SHAPE_COORDINATE_MAP:
+  case KM_SHAPE_VALUE_MAPS:
     return true;
   default:
     return false;

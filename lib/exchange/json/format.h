@@ -27,6 +27,11 @@ typedef enum km_shape {
   KM_SHAPE_PATH_PAIR,      /* [parent path, child path] */
   KM_SHAPE_COORDINATE_MAP, /* {joint label: coordinates} */
   KM_SHAPE_PARAMETERS,     /* {name: number, or an object that holds it} */
+  KM_SHAPE_VALUE_MAPS,     /* {name: {name: number}} */
+  KM_SHAPE_TEXT_MAP,       /* {name: text} */
+  KM_SHAPE_MAP,            /* {name: object} */
+  KM_SHAPE_LIST_MAP,       /* {name: object, or a list of numbers that stands for one} */
+  KM_SHAPE_WORD_MAP,       /* {name: object, or a text that stands for one} */
   KM_SHAPE_OBJECT,
   KM_SHAPE_OBJECTS, /* a list of objects */
   KM_SHAPE_END,     /* a joint's path, or an object; checked by its reader */
@@ -61,7 +66,7 @@ typedef struct km_field {
   bool required;
   km_dimension dimension;
   km_measure measure;
-  const km_object_format *object; /* of KM_SHAPE_OBJECT(S), KM_SHAPE_END, KM_SHAPE_PARAMETERS */
+  const km_object_format *object; /* of KM_SHAPE_OBJECT(S), KM_SHAPE_END, KM_SHAPE_PARAMETERS, maps of objects */
   const char *unstated;           /* what counts where the file doesn't state it; NULL: nothing */
 } km_field;
 
@@ -71,6 +76,7 @@ struct km_object_format {
 };
 
 extern const km_object_format km_format_model;
+extern const km_object_format km_format_designs; /* of studies of designs */
 /* Objects whose contents decide the units of numbers inside. */
 extern const km_object_format km_format_joint, km_format_coupling, km_format_module, km_format_strut;
 /* Objects that have frames. */
@@ -94,9 +100,9 @@ void km_field_shape_text(const km_field *field, km_text *out);
 void km_field_unit_text(const km_field *field, km_text *out);
 
 /* Every object's keys as tables in Markdown, each below a line `<!-- keys: NAME -->`. */
-void km_format_markdown(km_text *out);
+void km_format_markdown(const km_object_format *format, km_text *out);
 
-/* The published JSON schema (draft 2020-12) of the table. */
-const km_value *km_format_schema(km_arena *arena);
+/* The published JSON schema (draft 2020-12) of the table; `title` tells what it describes. */
+const km_value *km_format_schema(const km_object_format *format, const char *title, km_arena *arena);
 
 #endif

@@ -105,7 +105,7 @@ static void check_objects(km_messages *m, const km_place *place, const km_value 
 
 static void check_map(km_messages *m, const km_place *place, const km_value *value) {
   if (value->kind != KM_OBJECT) {
-    expected(m, place, value, "an object {joint: value}");
+    expected(m, place, value, "an object {name: value}");
     return;
   }
   for (const km_value *v = value->first; v; v = v->next) {
@@ -126,6 +126,32 @@ static void check_parameters(km_messages *m, const km_place *place, const km_val
       check_object(m, &item, v, format);
     else
       check_number(m, &item, v);
+  }
+}
+
+/* {name: number} under a name, an object, or (wrongly) no text. */
+static void check_member(km_messages *m, const km_place *place, const km_value *value, const km_field *field) {
+  if (field->shape == KM_SHAPE_TEXT_MAP)
+    expected(m, place, value, "a string");
+  else if (field->shape == KM_SHAPE_VALUE_MAPS)
+    check_map(m, place, value);
+  else
+    check_object(m, place, value, field->object);
+}
+
+/* Members that are no objects stand for one: checked by the reader, numbers here. */
+static void check_object_map(km_messages *m, const km_place *place, const km_value *value, const km_field *field) {
+  if (value->kind != KM_OBJECT) {
+    expected(m, place, value, "an object {name: …}");
+    return;
+  }
+  for (const km_value *v = value->first; v; v = v->next) {
+    km_place item = {place, v->key, 0};
+    if (field->shape == KM_SHAPE_LIST_MAP && v->kind == KM_LIST)
+      check_numbers(m, &item, v, 0, "a list of numbers");
+    else if (field->shape == KM_SHAPE_TEXT_MAP ? v->kind != KM_STRING
+                                               : field->shape != KM_SHAPE_WORD_MAP || v->kind != KM_STRING)
+      check_member(m, &item, v, field);
   }
 }
 
@@ -196,6 +222,13 @@ static void check_field(km_messages *m, const km_place *place, const km_value *v
     break;
   case KM_SHAPE_PARAMETERS:
     check_parameters(m, place, value, field->object);
+    break;
+  case KM_SHAPE_VALUE_MAPS:
+  case KM_SHAPE_TEXT_MAP:
+  case KM_SHAPE_MAP:
+  case KM_SHAPE_LIST_MAP:
+  case KM_SHAPE_WORD_MAP:
+    check_object_map(m, place, value, field);
     break;
   case KM_SHAPE_END:
   case KM_SHAPE_ANY:

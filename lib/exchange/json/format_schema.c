@@ -161,6 +161,32 @@ static void describe(const schema *s, km_value *object, const km_object_format *
     type(s, object, "object");
     coordinates(s, member(s, object, "additionalProperties"));
     break;
+  case KM_SHAPE_VALUE_MAPS:
+    type(s, object, "object");
+    a = member(s, object, "additionalProperties");
+    type(s, a, "object");
+    number(s, member(s, a, "additionalProperties"));
+    break;
+  case KM_SHAPE_TEXT_MAP:
+    type(s, object, "object");
+    type(s, member(s, object, "additionalProperties"), "string");
+    break;
+  case KM_SHAPE_MAP:
+    type(s, object, "object");
+    reference(s, member(s, object, "additionalProperties"), field->object->name);
+    define(s, field->object);
+    break;
+  case KM_SHAPE_LIST_MAP:
+  case KM_SHAPE_WORD_MAP:
+    type(s, object, "object");
+    either(s, member(s, object, "additionalProperties"), &a, &b);
+    if (field->shape == KM_SHAPE_LIST_MAP)
+      numbers(s, a, 0);
+    else
+      type(s, a, "string");
+    reference(s, b, field->object->name);
+    define(s, field->object);
+    break;
   case KM_SHAPE_OBJECT:
     reference(s, object, field->object->name);
     define(s, field->object);
@@ -207,10 +233,10 @@ static void define(const schema *s, const km_object_format *format) {
   describe_object(s, member(s, s->definitions, format->name), format);
 }
 
-const km_value *km_format_schema(km_arena *arena) {
+const km_value *km_format_schema(const km_object_format *format, const char *title, km_arena *arena) {
   km_value *root = km_value_add(arena, NULL, NULL, KM_OBJECT);
   km_value_string(arena, root, "$schema", "https://json-schema.org/draft/2020-12/schema");
-  km_value_string(arena, root, "title", "kmech model");
+  km_value_string(arena, root, "title", title);
   schema s = {arena, km_value_add(arena, NULL, NULL, KM_OBJECT)};
   if (arena->failed)
     return NULL;
@@ -221,7 +247,7 @@ const km_value *km_format_schema(km_arena *arena) {
   either(&s, member(&s, s.definitions, "number"), &a, &b); /* or an expression */
   type(&s, a, "number");
   type(&s, b, "string");
-  describe_object(&s, root, &km_format_model);
+  describe_object(&s, root, format);
   if (arena->failed)
     return NULL;
   s.definitions->key = "$defs";

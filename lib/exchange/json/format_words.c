@@ -22,6 +22,11 @@ void km_field_shape_text(const km_field *field, km_text *out) {
       [KM_SHAPE_PATH_PAIR] = "[path, path]",
       [KM_SHAPE_COORDINATE_MAP] = "{joint: number or list}",
       [KM_SHAPE_PARAMETERS] = "{name: number or %s}",
+      [KM_SHAPE_VALUE_MAPS] = "{name: {parameter: number}}",
+      [KM_SHAPE_TEXT_MAP] = "{name: text}",
+      [KM_SHAPE_MAP] = "{name: %s}",
+      [KM_SHAPE_LIST_MAP] = "{name: list of numbers, or %s}",
+      [KM_SHAPE_WORD_MAP] = "{name: text, or %s}",
       [KM_SHAPE_OBJECT] = "%s",
       [KM_SHAPE_OBJECTS] = "list of %s",
       [KM_SHAPE_END] = "path, or %s",
@@ -110,9 +115,9 @@ static void gather(const km_object_format *format, objects *all) {
       gather(field->object, all);
 }
 
-void km_format_markdown(km_text *out) {
+void km_format_markdown(const km_object_format *root, km_text *out) {
   objects all = {0};
-  gather(&km_format_model, &all);
+  gather(root, &all);
   for (int i = 0; i < all.count; ++i) {
     const km_object_format *format = all.items[i];
     km_text_format(out, "%s<!-- keys: %s -->\n", i ? "\n" : "", format->name);

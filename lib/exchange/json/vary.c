@@ -244,12 +244,12 @@ static km_value *parameter_of(km_value *root, const search *s) {
   return found ? km_parameter_number(found) : NULL;
 }
 
-static km_status assign(km_value *root, const km_assignment *a, km_arena *arena, km_error *error) {
+/* The one place that the path names. */
+static km_status locate(km_value *root, const char *path, reading *out, km_error *error) {
   search s = {0};
   node whole = {root, &km_format_model, NULL, NULL};
-  char *copy = KM_NEW(char, strlen(a->path) + 1);
-  km_status status =
-      copy ? take_apart(a->path, copy, &s, error) : km_fail(error, KM_MEMORY, "out of memory for a path");
+  char *copy = KM_NEW(char, strlen(path) + 1);
+  km_status status = copy ? take_apart(path, copy, &s, error) : km_fail(error, KM_MEMORY, "out of memory for a path");
   if (!status) {
     km_value *parameter = parameter_of(root, &s);
     if (parameter)
@@ -259,23 +259,43 @@ static km_status assign(km_value *root, const km_assignment *a, km_arena *arena,
     if (!s.found) /* nothing from the root: from anywhere */
       find_below(&s, whole);
     if (s.found == 1)
-      set_number(&s.readings[0], a->value, arena);
+      *out = s.readings[0];
     else
-      status = not_one(&s, a->path, error);
+      status = not_one(&s, path, error);
   }
   km_free(copy);
+  return status;
+}
+
+static km_status assign(km_value *root, const km_assignment *a, km_arena *arena, km_error *error) {
+  reading found;
+  km_status status = locate(root, a->path, &found, error);
+  if (!status)
+    set_number(&found, a->value, arena);
   return !status && arena->failed ? km_fail(error, KM_MEMORY, "out of memory for a variant") : status;
+}
+
+static km_status check_path(const char *path, km_error *error) {
+  return path && path[0] ? KM_OK : km_fail(error, KM_USAGE, "a path is empty; expected one such as crank.tip.x");
 }
 
 km_status km_model_vary(km_value *root, const km_assignment *assignments, int count, km_arena *arena, km_error *error) {
   km_status status = KM_OK;
   for (int i = 0; i < count && !status; ++i) {
-    if (!assignments[i].path || !assignments[i].path[0])
-      status = km_fail(error, KM_USAGE, "a path is empty; expected one such as crank.tip.x");
-    else if (!isfinite(assignments[i].value))
+    status = check_path(assignments[i].path, error);
+    if (!status && !isfinite(assignments[i].value))
       status = km_fail(error, KM_USAGE, "\"%.80s\": found a value that isn't finite", assignments[i].path);
-    else if (root->kind == KM_OBJECT)
+    else if (!status && root->kind == KM_OBJECT)
       status = assign(root, &assignments[i], arena, error);
   }
+  return status;
+}
+
+km_status km_model_find_number(km_value *root, const char *path, double *value, km_error *error) {
+  reading found = {0};
+  km_status status = check_path(path, error);
+  if (!status && root->kind == KM_OBJECT)
+    status = locate(root, path, &found, error);
+  *value = !status && found.number && found.number->kind == KM_NUMBER ? found.number->number : nan("");
   return status;
 }

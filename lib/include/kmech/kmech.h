@@ -7,6 +7,7 @@
 #include "kmech/arm.h"
 #include "kmech/build.h"
 #include "kmech/control.h"
+#include "kmech/design_study.h"
 #include "kmech/diagnosis.h"
 #include "kmech/edit.h"
 #include "kmech/finite_mobility.h"

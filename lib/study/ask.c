@@ -1,0 +1,163 @@
+/* Batches of designs: what the store has is taken from there, the rest is asked by workers on several threads and put
+ * into the store by the caller's thread alone. */
+#include "study/ask.h"
+
+#include "base/parallel.h"
+
+#include <math.h>
+#include <stdatomic.h>
+#include <stdio.h>
+#include <string.h>
+
+static km_store_shape shape_of(const km_design_study *s, int q) {
+  const km_design_question *def = &s->def->questions[q];
+  return (km_store_shape){s->question_ids[q], s->def->parameter_count, def->figure_count,
+                          def->band_count * s->band_rows[q]};
+}
+
+km_design_answer *km_design_answers(const km_design_study *s, km_arena *arena) {
+  km_design_answer *answers = KM_ARENA_NEW(arena, km_design_answer, (size_t)s->def->question_count);
+  for (int q = 0; q < s->def->question_count && answers; ++q) {
+    km_store_shape shape = shape_of(s, q);
+    answers[q].outcome = KM_DESIGN_MISSING;
+    answers[q].figures = KM_ARENA_NEW(arena, double, (size_t)shape.figures + 1);
+    answers[q].bands = shape.band_numbers ? KM_ARENA_NEW(arena, double, (size_t)shape.band_numbers) : NULL;
+  }
+  return arena->failed ? NULL : answers;
+}
+
+km_status km_design_look_up(const km_design_study *s, int question, const double *values, km_design_answer *out,
+                            bool *found, km_error *error) {
+  km_store_shape shape = shape_of(s, question);
+  return km_store_get(s->store, &shape, values, out, found, error);
+}
+
+void km_design_gather(const km_design_study *s, const km_design_answer *answers, km_design_result *out) {
+  *out = (km_design_result){.outcome = KM_DESIGN_DONE};
+  for (int f = 0; f < KM_MOST_DESIGN_FIGURES; ++f)
+    out->figures[f] = nan("");
+  for (int q = 0; q < s->def->question_count; ++q) {
+    const km_design_answer *a = &answers[q];
+    if (a->outcome > out->outcome) {
+      out->outcome = a->outcome;
+      memcpy(out->reason, a->reason, sizeof out->reason);
+    }
+    for (int f = 0; a->outcome != KM_DESIGN_MISSING && f < s->def->questions[q].figure_count; ++f)
+      out->figures[s->first_figure[q] + f] = a->figures[f];
+  }
+}
+
+static km_status no_memory(km_error *error) {
+  return km_fail(error, KM_MEMORY, "out of memory for a study");
+}
+
+static km_status make_room(km_batch *b, km_error *error) {
+  const km_design_study_def *def = b->study->def;
+  size_t room = (size_t)b->room, jobs = (size_t)b->jobs;
+  b->values = KM_ARENA_NEW(&b->arena, double, room *(size_t)(def->parameter_count + 1));
+  b->wanted = KM_ARENA_NEW(&b->arena, bool, room *(size_t)def->question_count);
+  b->answers = KM_ARENA_NEW(&b->arena, km_design_answer *, room);
+  b->statuses = KM_ARENA_NEW(&b->arena, km_status, room);
+  b->workers = KM_ARENA_NEW(&b->arena, km_design_worker *, jobs);
+  b->errors = KM_ARENA_NEW(&b->arena, km_error, room);
+  for (int i = 0; i < b->room && !b->arena.failed; ++i)
+    b->answers[i] = km_design_answers(b->study, &b->arena);
+  return b->arena.failed ? no_memory(error) : KM_OK;
+}
+
+km_status km_batch_open(km_batch *b, km_design_study *study, int jobs, int room, km_error *error) {
+  *b = (km_batch){.study = study, .jobs = jobs, .room = room};
+  km_status status = make_room(b, error);
+  for (int i = 0; i < jobs && !status; ++i)
+    status = km_design_worker_create(study, &b->workers[i], error);
+  if (!status && jobs > 1)
+    b->team = km_team_create(jobs);
+  return status;
+}
+
+void km_batch_close(km_batch *b) {
+  km_team_free(b->team);
+  for (int i = 0; b->workers && i < b->jobs; ++i)
+    km_design_worker_free(b->workers[i]);
+  km_arena_free(&b->arena);
+}
+
+void km_batch_clear(km_batch *b) {
+  b->count = 0;
+}
+
+km_status km_batch_add(km_batch *b, const double *values, km_error *error) {
+  const km_design_study_def *def = b->study->def;
+  int i = b->count++;
+  bool *wanted = b->wanted + i * def->question_count;
+  km_status status = KM_OK;
+  memcpy(b->values + i * def->parameter_count, values, (size_t)def->parameter_count * sizeof *values);
+  for (int q = 0; q < def->question_count && !status; ++q) {
+    bool found;
+    b->answers[i][q].outcome = KM_DESIGN_MISSING;
+    status = km_design_look_up(b->study, q, values, &b->answers[i][q], &found, error);
+    wanted[q] = !found;
+  }
+  return status;
+}
+
+static bool wants(const km_batch *b, int i) {
+  for (int q = 0; q < b->study->def->question_count; ++q)
+    if (b->wanted[i * b->study->def->question_count + q])
+      return true;
+  return false;
+}
+
+/* A turn: pieces take the next worker that is free, one a thread. */
+typedef struct turn {
+  km_batch *batch;
+  atomic_int next;
+} turn;
+
+static void work(void *context, int worker) {
+  turn *r = context;
+  km_batch *b = r->batch;
+  const km_design_study_def *def = b->study->def;
+  for (int i = atomic_fetch_add(&r->next, 1); i < b->count; i = atomic_fetch_add(&r->next, 1)) {
+    b->statuses[i] = KM_OK;
+    if (wants(b, i))
+      b->statuses[i] = km_design_worker_answer(b->workers[worker], b->values + i * def->parameter_count,
+                                               b->wanted + i * def->question_count, b->answers[i], &b->errors[i]);
+  }
+}
+
+static km_status store(km_batch *b, int i, km_error *error) {
+  const km_design_study_def *def = b->study->def;
+  km_status status = KM_OK;
+  for (int q = 0; q < def->question_count && !status; ++q) {
+    km_store_shape shape = shape_of(b->study, q);
+    if (b->wanted[i * def->question_count + q])
+      status = km_store_put(b->study->store, &shape, b->values + i * def->parameter_count, &b->answers[i][q], error);
+  }
+  return status;
+}
+
+void km_batch_compute(km_batch *b) {
+  turn r = {.batch = b};
+  atomic_init(&r.next, 0);
+  km_team_run(b->team, b->jobs, work, &r);
+}
+
+km_status km_batch_store(km_batch *b, km_error *error) {
+  km_status status = KM_OK;
+  for (int i = 0; i < b->count && !status; ++i) {
+    if (b->statuses[i])
+      status = km_fail(error, b->statuses[i], "%s", b->errors[i].text);
+    else if (!wants(b, i))
+      b->study->found++;
+    else {
+      status = store(b, i, error);
+      b->study->computed++;
+    }
+  }
+  return status;
+}
+
+void km_batch_result(const km_batch *b, int i, km_design_result *out) {
+  km_design_gather(b->study, b->answers[i], out);
+}

@@ -1,0 +1,138 @@
+/* Figures of merit of an answered question, and the rows of its bands. */
+#include "base/nearest.h"
+#include "spatial/vec3.h"
+#include "study/study.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <string.h>
+
+km_design_figure km_design_figure_default(void) {
+  return (km_design_figure){.low = -HUGE_VAL, .high = HUGE_VAL};
+}
+
+bool km_design_is_better(const km_design_figure *figure, double a, double b) {
+  if (!figure || isnan(a))
+    return false;
+  return isnan(b) || (figure->better > 0 && a > b) || (figure->better < 0 && a < b);
+}
+
+static double reached(const km_table *t) {
+  size_t rows = km_table_rows(t);
+  int s = km_table_find(t, "s");
+  if (rows == 0 || s < 0)
+    return 0.0;
+  return fabs(km_table_row(t, rows - 1)[s] - km_table_row(t, 0)[s]);
+}
+
+static double toggles(const km_question *q) {
+  int count = 0;
+  for (int i = 0; i < km_question_event_count(q); ++i)
+    count += strcmp(km_question_event_at(q, i).name, "toggle") == 0;
+  return count;
+}
+
+/* First of the three columns of a traced point; -1: it isn't traced. */
+static int point_column(const km_table *t, const char *name) {
+  char text[512];
+  snprintf(text, sizeof text, "point.%.480s.x", name);
+  return km_table_find(t, text);
+}
+
+static km_vec3 point_of(const km_table *t, int column, size_t row) {
+  return km_vec3_make(km_table_row(t, row) + column);
+}
+
+static double distance_to_piece(km_vec3 p, km_vec3 a, km_vec3 b) {
+  km_vec3 along = km_vec3_sub(b, a), to = km_vec3_sub(p, a);
+  double square = km_vec3_dot(along, along);
+  double t = square > 0.0 ? fmin(1.0, fmax(0.0, km_vec3_dot(to, along) / square)) : 0.0;
+  return km_vec3_norm(km_vec3_sub(to, km_vec3_scale(t, along)));
+}
+
+/* √(Σ d²/n), d_i the distance of given point i from the traced path. */
+static double distance(const km_design_figure *f, const km_table *t) {
+  int column = point_column(t, f->column);
+  size_t rows = km_table_rows(t);
+  double sum = 0.0;
+  if (column < 0 || rows == 0)
+    return nan("");
+  for (int i = 0; i < f->point_count; ++i) {
+    km_vec3 p = km_vec3_make(f->points + 3 * i);
+    double least = km_vec3_norm(km_vec3_sub(p, point_of(t, column, 0)));
+    for (size_t r = 1; r < rows; ++r)
+      least = fmin(least, distance_to_piece(p, point_of(t, column, r - 1), point_of(t, column, r)));
+    sum += least * least;
+  }
+  return sqrt(sum / f->point_count);
+}
+
+static double column_figure(const km_design_figure *f, const km_table *t) {
+  static const km_figure figures[] = {KM_FIGURE_MIN, KM_FIGURE_MAX, KM_FIGURE_SPAN, KM_FIGURE_MEAN,
+                                      KM_FIGURE_AT,  KM_FIGURE_MIN, KM_FIGURE_MAX};
+  double value = nan(""), where = nan("");
+  km_table_figure(t, f->column, figures[f->kind], f->at, &value, &where, NULL);
+  return f->kind == KM_DESIGN_WHERE_MIN || f->kind == KM_DESIGN_WHERE_MAX ? where : value;
+}
+
+void km_design_take_figures(const km_design_question *def, const km_question *q, double *figures) {
+  const km_table *t = km_question_table(q);
+  for (int f = 0; f < def->figure_count; ++f) {
+    const km_design_figure *figure = &def->figures[f];
+    figures[f] = figure->kind == KM_DESIGN_REACHED    ? reached(t)
+                 : figure->kind == KM_DESIGN_TOGGLES  ? toggles(q)
+                 : figure->kind == KM_DESIGN_DISTANCE ? distance(figure, t)
+                                                      : column_figure(figure, t);
+  }
+}
+
+/* Row r of a band is that of step r; the extra row at a located end is none. */
+void km_design_take_bands(const km_design_question *def, const km_question *q, int rows, double *bands) {
+  const km_table *t = km_question_table(q);
+  int step = km_table_find(t, "step");
+  for (int i = 0; i < def->band_count * rows; ++i)
+    bands[i] = nan("");
+  for (int b = 0; b < def->band_count; ++b) {
+    int column = km_table_find(t, def->bands[b]);
+    for (size_t r = 0; r < km_table_rows(t) && column >= 0 && step >= 0; ++r) {
+      double at = km_table_row(t, r)[step];
+      if (at >= 0.0 && at < rows && at == floor(at))
+        bands[b * rows + (int)at] = km_table_row(t, r)[column];
+    }
+  }
+}
+
+static km_status no_column(const km_table *t, const char *where, const char *name, km_error *error) {
+  char names[KM_NEAREST_TEXT];
+  km_nearest nearest = {.wanted = name};
+  for (size_t c = 0; c < km_table_columns(t); ++c)
+    km_nearest_offer(&nearest, km_table_name(t, c));
+  return km_fail(error, KM_USAGE, "\"%.80s\": there is no column \"%.80s\"; the nearest ones are %s", where, name,
+                 km_nearest_text(&nearest, names));
+}
+
+static bool needs_column(const km_design_figure *f) {
+  return f->kind != KM_DESIGN_REACHED && f->kind != KM_DESIGN_TOGGLES && f->kind != KM_DESIGN_DISTANCE;
+}
+
+km_status km_design_check_figures(const km_design_question *def, const km_question *q, const char **units,
+                                  km_arena *arena, km_error *error) {
+  const km_table *t = km_question_table(q);
+  for (int f = 0; f < def->figure_count; ++f) {
+    const km_design_figure *figure = &def->figures[f];
+    int column = needs_column(figure) ? km_table_find(t, figure->column) : -1;
+    if (needs_column(figure) && column < 0)
+      return no_column(t, figure->name, figure->column, error);
+    if (figure->kind == KM_DESIGN_DISTANCE)
+      column = point_column(t, figure->column);
+    bool of_driver =
+        figure->kind == KM_DESIGN_WHERE_MIN || figure->kind == KM_DESIGN_WHERE_MAX || figure->kind == KM_DESIGN_REACHED;
+    if (of_driver)
+      column = km_table_find(t, "s");
+    units[f] = km_arena_string(arena, column >= 0 ? km_table_unit(t, (size_t)column) : "");
+  }
+  for (int b = 0; b < def->band_count; ++b)
+    if (km_table_find(t, def->bands[b]) < 0)
+      return no_column(t, "bands", def->bands[b], error);
+  return KM_OK;
+}

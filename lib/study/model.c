@@ -1,0 +1,111 @@
+/* The model of a design, read from the file with the design's numbers in it. */
+#include "model/model.h"
+#include "base/check.h"
+#include "kmech/sweep.h"
+#include "study/study.h"
+
+#include <math.h>
+#include <string.h>
+
+void km_design_clear(const km_design_study *s, double *values) {
+  for (int p = 0; p < s->def->parameter_count; ++p)
+    values[p] = nan("");
+}
+
+bool km_design_is_reference(const km_design_study *s, const double *values) {
+  return memcmp(values, s->reference, (size_t)s->def->parameter_count * sizeof *values) == 0;
+}
+
+/* The parameters that the design states, as the reader takes them. */
+static int assignments_of(const km_design_study *s, const double *values, km_assignment *out) {
+  int count = 0;
+  for (int p = 0; p < s->def->parameter_count; ++p)
+    if (!isnan(values[p]))
+      out[count++] = (km_assignment){s->def->parameters[p].path, values[p]};
+  return count;
+}
+
+km_status km_design_read_model(const km_design_study *s, const double *values, km_model **out, km_error *error) {
+  km_assignment assignments[KM_MOST_DESIGN_PARAMETERS];
+  km_read_def how = {s->def->model, assignments, assignments_of(s, values, assignments), false};
+  km_status status = km_model_read_as(s->bytes, s->size, &how, NULL, out, error);
+  if (!status && s->length > 0.0 && !km_design_is_reference(s, values)) {
+    double unit = km_model_length_unit(*out);
+    km_model_share_length(*out, s->length * unit / unit);
+  }
+  return status;
+}
+
+static km_hold *holds_of(const km_model *m, const km_design_question *q, int *count, km_error *error,
+                         km_status *status) {
+  km_hold *holds = KM_NEW(km_hold, (size_t)(m->coordinate_count + m->hold_count) + 1);
+  *count = 0;
+  for (int h = 0; holds && h < m->hold_count; ++h)
+    holds[(*count)++] = (km_hold){m->holds[h].coordinate, m->holds[h].value};
+  *status = holds ? km_design_settings(m, q->holds, q->hold_count, "hold", holds, count, error)
+                  : km_fail(error, KM_MEMORY, "out of memory while moving to a pose");
+  return holds;
+}
+
+km_status km_design_bring(const km_model *m, const km_design_question *q, km_mechanism **mechanism, km_state **state,
+                          km_error *error) {
+  int hold_count, set_count = 0;
+  km_status status;
+  km_hold *holds = holds_of(m, q, &hold_count, error, &status);
+  km_hold *sets = KM_NEW(km_hold, (size_t)m->coordinate_count + 1);
+  if (!status && !sets)
+    status = km_fail(error, KM_MEMORY, "out of memory while moving to a pose");
+  if (!status)
+    status = km_design_settings(m, q->sets, q->set_count, "set", sets, &set_count, error);
+  for (int i = 0; i < set_count && !status; ++i)
+    for (int k = 0; k < hold_count && !status; ++k)
+      if (sets[i].coordinate == holds[k].coordinate)
+        status = km_fail(error, KM_USAGE, "set: \"%s\" is held; expected a joint that is free to move",
+                         km_model_coordinate_label(m, sets[i].coordinate));
+  if (!status)
+    status = km_reach_pose(m, holds, hold_count, sets, set_count, mechanism, state, error);
+  km_free(holds);
+  km_free(sets);
+  return status;
+}
+
+km_status km_design_study_model(const km_design_study *s, int design, km_model **out, km_error *error) {
+  double values[KM_MOST_DESIGN_PARAMETERS];
+  km_status status = km_check_given(s && out, "study or place for its model", error);
+  if (out)
+    *out = NULL;
+  if (!status && !s->bytes)
+    status = km_fail(error, KM_USAGE, "the study is about a function; it has no model");
+  if (!status)
+    status = km_design_study_values(s, design, values, error);
+  return status ? status : km_design_read_model(s, values, out, error);
+}
+
+void km_asked_design_free(km_asked_design *a) {
+  if (!a)
+    return;
+  km_question_free(a->question);
+  km_state_free(a->state);
+  km_mechanism_free(a->mechanism);
+  km_model_free(a->model);
+  *a = (km_asked_design){0};
+}
+
+km_status km_design_study_ask(const km_design_study *s, int design, int question, km_asked_design *out,
+                              km_error *error) {
+  if (!out)
+    return km_check_given(false, "place for the answer", error);
+  *out = (km_asked_design){0};
+  km_status status = km_design_study_model(s, design, &out->model, error);
+  if (!status)
+    status = km_check_index(question, s->def->question_count, "question", error);
+  if (status)
+    return status;
+  const km_design_question *q = &s->def->questions[question];
+  status = km_design_bring(out->model, q, &out->mechanism, &out->state, error);
+  if (!status)
+    status = km_question_create(out->mechanism, q->kind, &out->question, error);
+  if (!status)
+    status = km_design_set_options(q, out->model, out->question, error);
+  return status ? status : km_question_ask(out->question, out->state, error);
+}

@@ -1,0 +1,193 @@
+/* Runs a study's designs in their order, batch by batch, and stops a sample whose mean is known well enough. */
+#include "base/check.h"
+#include "study/ask.h"
+#include "study/optimise.h"
+
+#include <math.h>
+#include <time.h>
+
+enum { LEAST_ROOM = 64, MOST_ROOM = 4096, MOST_JOBS = 1024, FIRST_CHECK = 64 };
+
+/* A batch is to take about so long: what a killed run loses, and how soon one stops. */
+static const double batch_seconds = 0.1;
+
+/* Mean and variance so far, by Welford's recurrence. */
+typedef struct moments {
+  double count, mean, squares;
+} moments;
+
+static void add(moments *m, double x) {
+  double before = x - m->mean;
+  m->count += 1.0;
+  m->mean += before / m->count;
+  m->squares += before * (x - m->mean);
+}
+
+typedef struct run {
+  km_design_study *study;
+  km_batch batch;
+  int total, next, size; /* designs: in all, the first of the next batch, how many that takes */
+  int figure;            /* whose accuracy stops the run, -1: none */
+  int check;             /* after how many designs it is looked at next */
+  moments moments;
+  bool compute;
+} run;
+
+static double now(void) {
+  struct timespec t;
+  clock_gettime(CLOCK_MONOTONIC, &t);
+  return (double)t.tv_sec + 1e-9 * (double)t.tv_nsec;
+}
+
+/* The places where accuracy is looked at depend on nothing but the count. */
+static int next_check(int check) {
+  int step = FIRST_CHECK;
+  while (16 * step <= check)
+    step *= 2;
+  return check + step;
+}
+
+static bool is_accurate(const run *r) {
+  double n = r->moments.count;
+  return n > 1.0 && 1.96 * sqrt(r->moments.squares / (n - 1.0) / n) <= r->study->def->sample->accuracy;
+}
+
+static void take_figures(run *r) {
+  km_design_result result;
+  for (int i = 0; i < r->batch.count && r->figure >= 0; ++i) {
+    km_batch_result(&r->batch, i, &result);
+    if (isfinite(result.figures[r->figure]))
+      add(&r->moments, result.figures[r->figure]);
+  }
+}
+
+/* One batch; r->next moves past it. */
+static km_status run_batch(run *r, km_error *error) {
+  double values[KM_MOST_DESIGN_PARAMETERS];
+  int end = r->next + r->size;
+  end = end < r->total ? end : r->total;
+  end = r->figure >= 0 && r->check < end ? r->check : end;
+  km_status status = KM_OK;
+  km_batch_clear(&r->batch);
+  for (int i = r->next; i < end && !status; ++i) {
+    km_design_values(r->study, i, values);
+    status = km_batch_add(&r->batch, values, error);
+  }
+  if (!status && r->compute)
+    km_batch_compute(&r->batch);
+  if (!status && r->compute)
+    status = km_batch_store(&r->batch, error);
+  if (!status)
+    take_figures(r);
+  r->next = end;
+  return status;
+}
+
+/* Batches take as long as they may, whatever a design costs. */
+static void fit_size(run *r, double seconds) {
+  double wanted = r->size * fmin(4.0, batch_seconds / fmax(seconds, 1e-6));
+  r->size = (int)fmax(r->batch.jobs, fmin(r->batch.room, wanted));
+}
+
+static bool has_ended(run *r) {
+  if (r->figure >= 0 && r->next == r->check) {
+    if (is_accurate(r)) {
+      r->study->stopped_at = r->next;
+      return true;
+    }
+    r->check = next_check(r->check);
+  }
+  return r->next >= r->total;
+}
+
+static km_status go(run *r, km_progress progress, void *context, km_error *error) {
+  double committed = now();
+  km_status status = KM_OK;
+  while (!status && !has_ended(r)) {
+    double start = now();
+    status = run_batch(r, error);
+    fit_size(r, now() - start);
+    if (!status && now() - committed > batch_seconds) {
+      status = km_store_commit(r->study->store, error);
+      committed = now();
+    }
+    if (!status && progress && !progress(context, (double)r->next / r->total))
+      status = km_fail(error, KM_CANCELLED, "stopped after %d of %d designs; what was answered is stored", r->next,
+                       r->total);
+  }
+  km_status stored = km_store_commit(r->study->store, status ? NULL : error);
+  return status ? status : stored;
+}
+
+static km_status run_designs(km_design_study *s, int jobs, bool compute, km_progress progress, void *context,
+                             km_error *error) {
+  run r = {.study = s, .total = km_designs_planned(s), .figure = -1, .check = FIRST_CHECK, .compute = compute};
+  if (s->def->sample && s->def->sample->accuracy_figure)
+    r.figure = km_design_find_figure(s->def, s->def->sample->accuracy_figure);
+  s->stopped_at = 0;
+  int room = jobs * LEAST_ROOM < MOST_ROOM ? jobs * LEAST_ROOM : MOST_ROOM; /* at least one a thread */
+  km_status status = km_batch_open(&r.batch, s, compute ? jobs : 0, room, error);
+  r.size = compute ? jobs : room;
+  if (!status)
+    status = go(&r, progress, context, error);
+  km_batch_close(&r.batch);
+  return status;
+}
+
+static km_status start(km_design_study *s, km_error *error) {
+  km_status status = km_check_given(s != NULL, "study", error);
+  if (status)
+    return status;
+  s->computed = s->found = 0;
+  km_design_forget_statistics(s);
+  return KM_OK;
+}
+
+km_status km_design_study_run(km_design_study *s, int jobs, km_progress progress, void *context, km_error *error) {
+  km_status status = start(s, error);
+  if (!status && (jobs < 1 || jobs > MOST_JOBS))
+    status = km_fail(error, KM_USAGE, "found %d threads; expected 1 to %d", jobs, MOST_JOBS);
+  if (status)
+    return status;
+  if (s->def->optimise)
+    return km_optimise_run(s, jobs, true, progress, context, error);
+  return run_designs(s, jobs, true, progress, context, error);
+}
+
+km_status km_design_study_recall(km_design_study *s, km_error *error) {
+  km_status status = start(s, error);
+  if (status)
+    return status;
+  if (s->def->optimise)
+    return km_optimise_run(s, 1, false, NULL, NULL, error);
+  return s->def->sample && s->def->sample->accuracy_figure ? run_designs(s, 1, false, NULL, NULL, error) : KM_OK;
+}
+
+int km_design_study_computed(const km_design_study *s) {
+  return s ? s->computed : 0;
+}
+
+int km_design_study_found(const km_design_study *s) {
+  return s ? s->found : 0;
+}
+
+km_status km_design_study_result(const km_design_study *s, int design, km_design_result *out, km_error *error) {
+  double values[KM_MOST_DESIGN_PARAMETERS];
+  km_status status = km_check_given(out != NULL, "place for the result", error);
+  if (!status)
+    status = km_design_study_values(s, design, values, error);
+  if (status)
+    return status;
+  km_arena arena = {0};
+  km_design_answer *answers = km_design_answers(s, &arena);
+  if (!answers)
+    status = km_fail(error, KM_MEMORY, "out of memory for a study");
+  for (int q = 0; q < s->def->question_count && !status; ++q) {
+    bool found;
+    status = km_design_look_up(s, q, values, &answers[q], &found, error);
+  }
+  if (!status)
+    km_design_gather(s, answers, out);
+  km_arena_free(&arena);
+  return status;
+}

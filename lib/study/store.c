@@ -1,0 +1,219 @@
+/* The store of a study, by SQLite. A result's key is what it depends on: the question's hash and the design's numbers, so
+ * that a study that grew finds what it has. One connection holds the file for itself while it is open. */
+#include "study/store.h"
+
+#include <math.h>
+#include <sqlite3.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+struct km_store {
+  sqlite3 *db;
+  sqlite3_stmt *get, *put;
+  const char *path; /* for messages */
+  bool writing;     /* a transaction is open */
+  km_arena arena;
+};
+
+static const char schema[] =
+    "CREATE TABLE study(key TEXT PRIMARY KEY, value TEXT NOT NULL) WITHOUT ROWID;"
+    "CREATE TABLE questions(id INTEGER PRIMARY KEY, key TEXT NOT NULL UNIQUE, name TEXT NOT NULL);"
+    "CREATE TABLE results(question INTEGER NOT NULL, design BLOB NOT NULL, outcome INTEGER NOT NULL, reason TEXT,"
+    " figures BLOB NOT NULL, bands BLOB, PRIMARY KEY(question, design)) WITHOUT ROWID;";
+
+static km_status fail(const km_store *s, km_error *error) {
+  int code = s->db ? sqlite3_extended_errcode(s->db) : SQLITE_NOMEM;
+  const char *reason = s->db ? sqlite3_errmsg(s->db) : "out of memory";
+  if ((code & 0xff) == SQLITE_NOMEM)
+    return km_fail(error, KM_MEMORY, "out of memory for the store %s", s->path);
+  if ((code & 0xff) == SQLITE_BUSY || (code & 0xff) == SQLITE_LOCKED)
+    return km_fail(error, KM_IO,
+                   "%s: another run is using this store; expected to wait until it has ended, or to stop it", s->path);
+  if ((code & 0xff) == SQLITE_NOTADB || (code & 0xff) == SQLITE_CORRUPT)
+    return km_fail(error, KM_IO, "%s: this is no store of a study (%s)", s->path, reason);
+  return km_fail(error, KM_IO, "%s: the store can't be used: %s", s->path, reason);
+}
+
+static km_status run(const km_store *s, const char *sql, km_error *error) {
+  return sqlite3_exec(s->db, sql, NULL, NULL, NULL) == SQLITE_OK ? KM_OK : fail(s, error);
+}
+
+/* The one text that a statement with one text bound gives; NULL: no row. Kept in the store. */
+static const char *text_of(km_store *s, const char *sql, const char *bound) {
+  sqlite3_stmt *statement = NULL;
+  const char *text = NULL;
+  if (sqlite3_prepare_v2(s->db, sql, -1, &statement, NULL) == SQLITE_OK) {
+    if (bound)
+      sqlite3_bind_text(statement, 1, bound, -1, SQLITE_STATIC);
+    if (sqlite3_step(statement) == SQLITE_ROW)
+      text = km_arena_string(&s->arena, (const char *)sqlite3_column_text(statement, 0));
+  }
+  sqlite3_finalize(statement);
+  return text;
+}
+
+static km_status insert(const km_store *s, const char *sql, const char *a, const char *b, km_error *error) {
+  sqlite3_stmt *statement = NULL;
+  int code = sqlite3_prepare_v2(s->db, sql, -1, &statement, NULL);
+  if (code == SQLITE_OK) {
+    sqlite3_bind_text(statement, 1, a, -1, SQLITE_STATIC);
+    sqlite3_bind_text(statement, 2, b, -1, SQLITE_STATIC);
+    code = sqlite3_step(statement);
+  }
+  sqlite3_finalize(statement);
+  return code == SQLITE_DONE ? KM_OK : fail(s, error);
+}
+
+/* An empty file gets its tables; one with results must be of the same study. */
+static km_status take(km_store *s, const char *identity, const char *what, bool replace, km_error *error) {
+  const char *tables = text_of(s, "SELECT count(*) FROM sqlite_master", NULL);
+  if (!tables)
+    return fail(s, error);
+  const char *ours = text_of(s, "SELECT value FROM study WHERE key = ?", "identity");
+  if (strcmp(tables, "0") != 0 && !ours)
+    return km_fail(error, KM_IO, "%s: this is a database, but no store of a study", s->path);
+  if (ours && strcmp(ours, identity) == 0)
+    return KM_OK;
+  if (ours && !replace) {
+    const char *theirs = text_of(s, "SELECT value FROM study WHERE key = ?", "what");
+    return km_fail(error, KM_USAGE,
+                   "%s: the store holds the results of another study: %.300s; expected those of %.300s", s->path,
+                   theirs ? theirs : "", what);
+  }
+  km_status status = run(s, "BEGIN IMMEDIATE", error);
+  if (!status && ours)
+    status = run(s, "DROP TABLE results; DROP TABLE questions; DROP TABLE study", error);
+  if (!status)
+    status = run(s, schema, error);
+  if (!status)
+    status = insert(s, "INSERT INTO study VALUES(?, ?)", "identity", identity, error);
+  if (!status)
+    status = insert(s, "INSERT INTO study VALUES(?, ?)", "what", what, error);
+  return status ? status : run(s, "COMMIT", error);
+}
+
+static km_status prepare(km_store *s, km_error *error) {
+  static const char get[] = "SELECT outcome, reason, figures, bands FROM results WHERE question = ? AND design = ?";
+  static const char put[] = "INSERT OR REPLACE INTO results VALUES(?, ?, ?, ?, ?, ?)";
+  bool good = sqlite3_prepare_v3(s->db, get, -1, SQLITE_PREPARE_PERSISTENT, &s->get, NULL) == SQLITE_OK &&
+              sqlite3_prepare_v3(s->db, put, -1, SQLITE_PREPARE_PERSISTENT, &s->put, NULL) == SQLITE_OK;
+  return good ? KM_OK : fail(s, error);
+}
+
+km_status km_store_open(const char *path, const char *identity, const char *what, bool replace, km_store **out,
+                        km_error *error) {
+  km_store *s = *out = KM_NEW(km_store, 1);
+  if (!s)
+    return km_fail(error, KM_MEMORY, "out of memory for a store");
+  s->path = km_arena_string(&s->arena, path ? path : "in memory");
+  if (!s->path)
+    return km_fail(error, KM_MEMORY, "out of memory for a store");
+  if (sqlite3_open(path ? path : ":memory:", &s->db) != SQLITE_OK)
+    return fail(s, error);
+  sqlite3_extended_result_codes(s->db, 1);
+  /* A write-ahead log: a commit costs no wait for the disk, and survives the end of the process at any moment. */
+  km_status status =
+      run(s, "PRAGMA locking_mode = EXCLUSIVE; PRAGMA journal_mode = WAL; PRAGMA synchronous = NORMAL", error);
+  if (!status)
+    status = run(s, "BEGIN IMMEDIATE; COMMIT", error); /* the file is ours from here */
+  if (!status)
+    status = take(s, identity, what, replace, error);
+  return status ? status : prepare(s, error);
+}
+
+void km_store_free(km_store *s) {
+  if (!s)
+    return;
+  if (s->writing)
+    sqlite3_exec(s->db, "COMMIT", NULL, NULL, NULL);
+  sqlite3_finalize(s->get);
+  sqlite3_finalize(s->put);
+  sqlite3_close(s->db);
+  km_arena_free(&s->arena);
+  km_free(s);
+}
+
+km_status km_store_question(km_store *s, const char *key, const char *name, int *id, km_error *error) {
+  static const char find[] = "SELECT id FROM questions WHERE key = ?";
+  const char *text = text_of(s, find, key);
+  km_status status = KM_OK;
+  if (!text)
+    status = insert(s, "INSERT INTO questions(key, name) VALUES(?, ?)", key, name, error);
+  if (!status && !text)
+    text = text_of(s, find, key);
+  *id = text ? (int)strtol(text, NULL, 10) : 0;
+  return status || text ? status : km_fail(error, KM_MEMORY, "out of memory for a store");
+}
+
+static void bind_numbers(sqlite3_stmt *statement, int index, const double *numbers, int count) {
+  /* A NULL would be no blob: no parameters are an empty one. */
+  sqlite3_bind_blob(statement, index, count ? (const void *)numbers : "", count * (int)sizeof *numbers, SQLITE_STATIC);
+}
+
+static bool copy_numbers(sqlite3_stmt *statement, int column, double *out, int count) {
+  const void *blob = sqlite3_column_blob(statement, column);
+  if (sqlite3_column_bytes(statement, column) != count * (int)sizeof *out)
+    return false;
+  if (count > 0)
+    memcpy(out, blob, (size_t)count * sizeof *out);
+  return true;
+}
+
+/* A key has one pattern for each number: every NaN the same, and one zero. */
+static void key_of(const double *values, int count, double *out) {
+  for (int i = 0; i < count; ++i)
+    out[i] = isnan(values[i]) ? nan("") : values[i] == 0.0 ? 0.0 : values[i];
+}
+
+km_status km_store_get(km_store *s, const km_store_shape *shape, const double *values, km_design_answer *out,
+                       bool *found, km_error *error) {
+  double key[KM_MOST_DESIGN_PARAMETERS];
+  key_of(values, shape->parameters, key);
+  sqlite3_bind_int(s->get, 1, shape->question);
+  bind_numbers(s->get, 2, key, shape->parameters);
+  int code = sqlite3_step(s->get);
+  *found = code == SQLITE_ROW;
+  if (*found) {
+    const unsigned char *reason = sqlite3_column_text(s->get, 1);
+    out->outcome = (km_design_outcome)sqlite3_column_int(s->get, 0);
+    snprintf(out->reason, sizeof out->reason, "%s", reason ? (const char *)reason : "");
+    *found = copy_numbers(s->get, 2, out->figures, shape->figures);
+    if (*found && out->bands && shape->band_numbers && out->outcome <= KM_DESIGN_SHORT)
+      *found = copy_numbers(s->get, 3, out->bands, shape->band_numbers);
+  }
+  sqlite3_reset(s->get);
+  return code == SQLITE_ROW || code == SQLITE_DONE ? KM_OK : fail(s, error);
+}
+
+km_status km_store_put(km_store *s, const km_store_shape *shape, const double *values, const km_design_answer *a,
+                       km_error *error) {
+  double key[KM_MOST_DESIGN_PARAMETERS];
+  km_status status = s->writing ? KM_OK : run(s, "BEGIN IMMEDIATE", error);
+  if (status)
+    return status;
+  s->writing = true;
+  key_of(values, shape->parameters, key);
+  sqlite3_bind_int(s->put, 1, shape->question);
+  bind_numbers(s->put, 2, key, shape->parameters);
+  sqlite3_bind_int(s->put, 3, (int)a->outcome);
+  if (a->reason[0])
+    sqlite3_bind_text(s->put, 4, a->reason, -1, SQLITE_STATIC);
+  else
+    sqlite3_bind_null(s->put, 4);
+  bind_numbers(s->put, 5, a->figures, shape->figures);
+  if (shape->band_numbers && a->outcome <= KM_DESIGN_SHORT)
+    bind_numbers(s->put, 6, a->bands, shape->band_numbers);
+  else
+    sqlite3_bind_null(s->put, 6);
+  int code = sqlite3_step(s->put);
+  sqlite3_reset(s->put);
+  return code == SQLITE_DONE ? KM_OK : fail(s, error);
+}
+
+km_status km_store_commit(km_store *s, km_error *error) {
+  if (!s->writing)
+    return KM_OK;
+  s->writing = false;
+  return run(s, "COMMIT", error);
+}

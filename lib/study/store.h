@@ -1,0 +1,28 @@
+/* The store of a study: what each question said of each design, in one SQLite file. Private to study/. */
+#ifndef KM_STUDY_STORE_H
+#define KM_STUDY_STORE_H
+
+#include "study/study.h"
+
+/* Opens the file, or makes it; path NULL: in memory. `identity` and `what` (in words) tell whose results these are.
+ * KM_USAGE: another study's; KM_IO: unreadable, unwritable, or written by another run. The caller frees `*out`. */
+km_status km_store_open(const char *path, const char *identity, const char *what, bool replace, km_store **out,
+                        km_error *error);
+void km_store_free(km_store *store);
+
+/* The number of a question by the hash of all that its answers depend on. */
+km_status km_store_question(km_store *store, const char *key, const char *name, int *id, km_error *error);
+/* How much of a kind of result there is: bands[band_numbers] only where the question keeps some. */
+typedef struct km_store_shape {
+  int question, parameters, figures, band_numbers;
+} km_store_shape;
+/* The answer about a design; its figures and bands must have room. `*found` false: it isn't there. */
+km_status km_store_get(km_store *store, const km_store_shape *shape, const double *values, km_design_answer *out,
+                       bool *found, km_error *error);
+/* Puts an answer into the open transaction, which begins with the first one. */
+km_status km_store_put(km_store *store, const km_store_shape *shape, const double *values,
+                       const km_design_answer *answer, km_error *error);
+/* What was put so far is safe when the process ends, however it ends. */
+km_status km_store_commit(km_store *store, km_error *error);
+
+#endif

@@ -1,0 +1,303 @@
+/* Statistics, sensitivity and optimisation of studies, of functions whose answers are known in closed form. */
+#include "support/designs.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <string.h>
+
+/* Ishigami and Homma (1990): sin x0 + 7 sin² x1 + 0.1 x2⁴ sin x0, each x uniform in −π … π. */
+static km_status ishigami(void *context, const double *x, double *f, km_error *error) {
+  (void)context, (void)error;
+  f[0] = sin(x[0]) + 7.0 * sin(x[1]) * sin(x[1]) + 0.1 * pow(x[2], 4.0) * sin(x[0]);
+  return KM_OK;
+}
+
+static void spread_evenly(designs *d, int count, double low, double high) {
+  for (int p = 0; p < d->def.parameter_count; ++p)
+    d->spreads[p] = (km_design_spread){p, KM_UNIFORM, .low = low, .high = high};
+  d->sample =
+      (km_design_sample){.count = count, .seed = 1, .spreads = d->spreads, .spread_count = d->def.parameter_count};
+  d->def.sample = &d->sample;
+}
+
+/* V = a²/8 + bπ⁴/5 + b²π⁸/18 + 1/2 and its parts, in the same reference. */
+static void indices_of_ishigami(void **state) {
+  (void)state;
+  designs d;
+  double first[3], total[3], wide[2][3], a = 7.0, b = 0.1;
+  double v1 = 0.5 * pow(1.0 + b * pow(M_PI, 4.0) / 5.0, 2.0), v2 = a * a / 8.0;
+  double v13 = b * b * pow(M_PI, 8.0) * 8.0 / 225.0, v = v1 + v2 + v13;
+  designs_of_function(&d, ishigami, 3, 1);
+  spread_evenly(&d, 4096, -M_PI, M_PI);
+  d.sample.indices = true;
+  km_design_study *s = designs_run(&d, NULL, 2);
+  assert_int_equal(km_design_study_designs(s), 4096 * 5);
+  assert_int_equal(km_design_study_indices(s, 0, first, wide[0], total, wide[1], NULL), KM_OK);
+  const double firsts[3] = {v1 / v, v2 / v, 0.0}, totals[3] = {(v1 + v13) / v, v2 / v, v13 / v};
+  for (int p = 0; p < 3; ++p) { /* a low-discrepancy sample of 4096 is far within the intervals of a random one */
+    assert_near(first[p], firsts[p], 0.01);
+    assert_near(total[p], totals[p], 0.01);
+    assert_near(first[p], firsts[p], wide[0][p]);
+    assert_near(total[p], totals[p], wide[1][p]);
+    assert_true(wide[0][p] < 0.1 && wide[1][p] < 0.1);
+  }
+  km_design_study_free(s);
+}
+
+static km_status ranks_function(void *context, const double *x, double *f, km_error *error) {
+  (void)context;
+  f[0] = exp(3.0 * x[0]);
+  f[1] = -x[1] * x[1] * x[1];
+  return x[0] > 0.9 ? km_fail(error, KM_DIVERGED, "beyond 0.9") : KM_OK;
+}
+
+/* A figure that grows with a parameter, however crookedly, has rank correlation 1. */
+static void ranks(void **state) {
+  (void)state;
+  designs d;
+  double correlation[2];
+  km_design_yield y;
+  designs_of_function(&d, ranks_function, 2, 2);
+  d.figures[1].low = -0.125; /* x1 below a half */
+  spread_evenly(&d, 4000, 0.0, 1.0);
+  km_design_study *s = designs_run(&d, NULL, 1);
+  assert_int_equal(km_design_study_ranks(s, 0, correlation, NULL), KM_OK);
+  assert_near(correlation[0], 1.0, 1e-12);
+  assert_near(correlation[1], 0.0, 4.0 / sqrt(3600.0));
+  assert_int_equal(km_design_study_ranks(s, 1, correlation, NULL), KM_OK);
+  assert_near(correlation[1], -1.0, 1e-12);
+  assert_int_equal(km_design_study_yield(s, &y, NULL), KM_OK);
+  assert_near(y.share, 0.45, 4.0 * sqrt(0.45 * 0.55 / 4000.0));
+  assert_true(y.share_low < y.share && y.share < y.share_high);
+  assert_near(y.share_high - y.share_low, 2.0 * 1.96 * sqrt(0.45 * 0.55 / 4000.0), 1e-4);
+  assert_near(y.outcomes[KM_DESIGN_FAULTY], 400.0, 4.0 * sqrt(4000.0 * 0.09));
+  assert_string_equal(designs_result(s, 0).reason[0] ? "beyond 0.9" : "", designs_result(s, 0).reason);
+  km_design_study_free(s);
+}
+
+/* Wilson's interval of 0 of 10 is 0 to z²/(n + z²). */
+static void no_good_design(void **state) {
+  (void)state;
+  designs d;
+  km_design_yield y;
+  designs_of_function(&d, ranks_function, 2, 2);
+  d.figures[0].low = 1e9;
+  spread_evenly(&d, 10, 0.0, 0.5);
+  km_design_study *s = designs_run(&d, NULL, 1);
+  assert_int_equal(km_design_study_yield(s, &y, NULL), KM_OK);
+  assert_near(y.share_low, 0.0, 0.0);
+  assert_near(y.share_high, 3.841458820694124 / 13.841458820694124, 1e-12);
+  km_design_study_free(s);
+}
+
+static void known_quantiles(void **state) {
+  (void)state;
+  designs d;
+  km_design_statistics st;
+  static double list[101][2];
+  designs_of_function(&d, ranks_function, 2, 2);
+  for (int i = 0; i <= 100; ++i)
+    list[i][1] = cbrt((i * 37) % 101);
+  d.sample = (km_design_sample){.method = KM_SAMPLING_LIST, .count = 101, .list = list[0]};
+  d.def.sample = &d.sample;
+  km_design_study *s = designs_run(&d, NULL, 1);
+  assert_int_equal(km_design_study_statistics(s, 1, &st, NULL), KM_OK);
+  assert_near(st.mean, -50.0, 1e-12);
+  assert_near(st.deviation, sqrt(101.0 * 102.0 / 12.0), 1e-10);
+  for (int k = 0; k < KM_DESIGN_QUANTILES; ++k)
+    assert_near(st.quantiles[k], -100.0 + 100.0 * km_design_quantile(k), 1e-11);
+  assert_near(st.least, -100.0, 1e-12);
+  assert_near(list[st.least_design][1], cbrt(100.0), 1e-14);
+  km_design_study_free(s);
+}
+
+static void accurate_enough(void **state) {
+  (void)state;
+  designs d;
+  designs_of_function(&d, ishigami, 3, 1);
+  spread_evenly(&d, 1000000, -M_PI, M_PI);
+  d.sample.accuracy_figure = "f0";
+  d.sample.accuracy = 0.1;
+  int designs_asked[2];
+  for (int jobs = 1; jobs <= 2; ++jobs) {
+    km_design_statistics st;
+    km_design_study *s = designs_run(&d, NULL, jobs);
+    designs_asked[jobs - 1] = km_design_study_designs(s);
+    assert_int_equal(km_design_study_statistics(s, 0, &st, NULL), KM_OK);
+    assert_true(st.mean_half_width <= 0.1 && st.mean_half_width > 0.09);
+    assert_near(st.mean, 3.5, 0.1);
+    km_design_study_free(s);
+  }
+  assert_int_equal(designs_asked[0], designs_asked[1]);
+}
+
+/* A bowl with its bottom at (0.3, −0.2): 1 there. And how far the point is from the origin. */
+static km_status bowl(void *context, const double *x, double *f, km_error *error) {
+  (void)context, (void)error;
+  f[0] = 1.0 + pow(x[0] - 0.3, 2.0) + 2.0 * pow(x[1] + 0.2, 2.0) + 0.5 * (x[0] - 0.3) * (x[1] + 0.2);
+  f[1] = x[0] + x[1];
+  return KM_OK;
+}
+
+static void optimise_bowl(designs *d, const char *algorithm) {
+  designs_of_function(d, bowl, 2, 2);
+  for (int p = 0; p < 2; ++p)
+    d->variables[p] = (km_design_variable){p, -1.0, 1.5, nan("")};
+  d->optimise = (km_design_optimise){.variables = d->variables,
+                                     .variable_count = 2,
+                                     .goals = {{"f0", false}},
+                                     .goal_count = 1,
+                                     .algorithm = algorithm,
+                                     .evaluations = 4000,
+                                     .tolerance = 1e-5,
+                                     .starts = 1,
+                                     .seed = 7};
+  d->def.optimise = &d->optimise;
+}
+
+static void every_algorithm_finds_the_bottom(void **state) {
+  (void)state;
+  for (int i = 0; km_design_algorithm(i); ++i) {
+    designs d;
+    double x[2];
+    bool rough = strcmp(km_design_algorithm(i), "esch") == 0 || strcmp(km_design_algorithm(i), "isres") == 0;
+    optimise_bowl(&d, km_design_algorithm(i));
+    km_design_study *s = designs_run(&d, NULL, 1);
+    int best = km_design_study_best(s);
+    assert_true(best >= 0);
+    assert_int_equal(km_design_study_values(s, best, x, NULL), KM_OK);
+    assert_near(x[0], 0.3, rough ? 0.1 : 1e-3);
+    assert_near(x[1], -0.2, rough ? 0.1 : 1e-3);
+    km_design_study_free(s);
+  }
+}
+
+/* With x0 + x1 ≥ 0.5 the bottom lies where Lagrange's conditions put it. */
+static void limits_are_constraints(void **state) {
+  (void)state;
+  static const char *const algorithms[] = {"cobyla", "slsqp", "mma", "bobyqa", "isres"};
+  /* a = x0 − 0.3, b = x1 + 0.2, a + b = 0.4: 2a + b/2 = 4b + a/2 gives 1.5 a = 3.5 b */
+  double b = 0.4 / (1.0 + 3.5 / 1.5), a = 0.4 - b;
+  for (size_t i = 0; i < sizeof algorithms / sizeof *algorithms; ++i) {
+    designs d;
+    double x[2];
+    optimise_bowl(&d, algorithms[i]);
+    d.figures[1].low = 0.5;
+    km_design_study *s = designs_run(&d, NULL, 1);
+    int best = km_design_study_best(s);
+    assert_true(best >= 0);
+    assert_int_equal(km_design_study_values(s, best, x, NULL), KM_OK);
+    double tolerance = strcmp(algorithms[i], "isres") == 0 ? 0.05 : 2e-3;
+    assert_near(x[0], 0.3 + a, tolerance);
+    assert_near(x[1], -0.2 + b, tolerance);
+    assert_true(x[0] + x[1] >= 0.5 - 1e-8);
+    km_design_study_free(s);
+  }
+}
+
+/* Many starts, on any number of threads, ask for the same designs in the same order. */
+static void starts_on_threads(void **state) {
+  (void)state;
+  designs d;
+  double x[2], y[2];
+  optimise_bowl(&d, "nelder-mead");
+  d.optimise.starts = 5;
+  d.optimise.evaluations = 60;
+  km_design_study *one = designs_run(&d, NULL, 1), *three = designs_run(&d, NULL, 3);
+  assert_int_equal(km_design_study_designs(one), km_design_study_designs(three));
+  for (int i = 0; i < km_design_study_designs(one); ++i) {
+    assert_int_equal(km_design_study_values(one, i, x, NULL), KM_OK);
+    assert_int_equal(km_design_study_values(three, i, y, NULL), KM_OK);
+    assert_memory_equal(x, y, sizeof x);
+  }
+  int computed = km_design_study_computed(one);
+  assert_int_equal(km_design_study_recall(one, NULL), KM_OK);
+  assert_int_equal(km_design_study_designs(one), km_design_study_designs(three));
+  assert_true(computed > 0);
+  km_design_study_free(one);
+  km_design_study_free(three);
+}
+
+/* x² and (x − 2)²: the front is 0 ≤ x ≤ 2, where √f0 + √f1 = 2 (Schaffer 1985). */
+static km_status schaffer(void *context, const double *x, double *f, km_error *error) {
+  (void)context, (void)error;
+  f[0] = x[0] * x[0];
+  f[1] = (x[0] - 2.0) * (x[0] - 2.0);
+  return KM_OK;
+}
+
+static void front_of_schaffer(void **state) {
+  (void)state;
+  designs d;
+  int front[512];
+  optimise_bowl(&d, "bobyqa");
+  d.def.function = schaffer;
+  d.def.parameter_count = d.optimise.variable_count = 1;
+  d.variables[0] = (km_design_variable){0, -4.0, 5.0, nan("")};
+  d.optimise.goals[1] = (km_design_goal){"f1", false};
+  d.optimise.goal_count = 2;
+  d.optimise.starts = 7;
+  d.optimise.evaluations = 80;
+  km_design_study *s = designs_run(&d, NULL, 2);
+  int count = km_design_study_front(s, front, 512);
+  assert_true(count >= 9 && count <= 512);
+  double last = -1.0, gap = 0.0;
+  for (int i = 0; i < count; ++i) {
+    km_design_result r = designs_result(s, front[i]);
+    double x = sqrt(r.figures[0]);
+    assert_near(x + sqrt(r.figures[1]), 2.0, 1e-6);
+    assert_true(r.figures[0] > last);
+    gap = fmax(gap, i ? x - sqrt(last) : x);
+    last = r.figures[0];
+  }
+  assert_true(gap < 0.6); /* seven points between the ends: the front has no large hole */
+  km_design_study_free(s);
+}
+
+static void bad_definitions(void **state) {
+  (void)state;
+  designs d;
+  km_design_study *s;
+  km_error error;
+  static const char *const words[] = {"there is no algorithm \"cobyl\"; the nearest ones are \"cobyla\"",
+                                      "found bounds [1.5, -1]; expected low < high",
+                                      "there is no figure \"f9\"",
+                                      "found 0 evaluations",
+                                      "found bounds [1, 1]",
+                                      "found 0; expected 1 to",
+                                      "found mean 0 and deviation 0",
+                                      "are the same number",
+                                      "found 2 of variants"};
+  for (int i = 0; i < 9; ++i) {
+    optimise_bowl(&d, i == 0 ? "cobyl" : "cobyla");
+    if (i == 1)
+      d.variables[0] = (km_design_variable){0, 1.5, -1.0, nan("")};
+    if (i == 2)
+      d.optimise.goals[0].figure = "f9";
+    if (i == 3)
+      d.optimise.evaluations = 0;
+    if (i >= 4 && i <= 6) {
+      d.def.optimise = NULL;
+      spread_evenly(&d, i == 5 ? 0 : 10, i == 4 ? 1.0 : 0.0, 1.0);
+    }
+    if (i == 6)
+      d.spreads[0].distribution = KM_NORMAL;
+    if (i == 7)
+      d.parameters[1].path = "x0";
+    if (i == 8)
+      d.def.sample = &d.sample;
+    assert_int_equal(km_design_study_open(&d.def, NULL, false, &s, &error), KM_USAGE);
+    if (!strstr(error.text, words[i]))
+      fail_msg("case %d: %s", i, error.text);
+  }
+}
+
+int main(void) {
+  const struct CMUnitTest tests[] = {
+      cmocka_unit_test(indices_of_ishigami),    cmocka_unit_test(ranks),
+      cmocka_unit_test(no_good_design),         cmocka_unit_test(known_quantiles),
+      cmocka_unit_test(accurate_enough),        cmocka_unit_test(every_algorithm_finds_the_bottom),
+      cmocka_unit_test(limits_are_constraints), cmocka_unit_test(starts_on_threads),
+      cmocka_unit_test(front_of_schaffer),      cmocka_unit_test(bad_definitions)};
+  return cmocka_run_group_tests(tests, NULL, NULL);
+}

@@ -1,0 +1,336 @@
+/* Studies of designs: the same bits as models run by hand, for any number of threads; samples; the store. */
+#include "support/designs.h"
+
+#include "kmech/sweep.h"
+#include "study/sampler.h"
+#include "study/study.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <string.h>
+#include <unistd.h>
+
+/* Models with numbers that a patch takes over, and that need the whole reader (a rotation, a limit). */
+static const struct {
+  const char *model, *kind, *column, *paths[2];
+  double values[2][2];
+  bool patched;
+} cases[] = {
+    {"slider_crank",
+     "mobility",
+     "m.A",
+     {"slider_crank.crank.end.y", "slider_crank.rod.end.z"},
+     {{0.55, -1.5}, {0.6, -1.4}},
+     true},
+    {"brake",
+     "advantage",
+     "ma.I/K",
+     {"brake.bridge.left_arm_pivot.y", "brake.left_arm.cable.x"},
+     {{33.0, -51.0}, {35.0, -55.0}},
+     true},
+    {"brake",
+     "forces",
+     "f.I",
+     {"loads.rim on left pad.force.0", "brake.left_arm.cable.x"},
+     {{-80.0, -51.0}, {-100.0, -54.0}},
+     true},
+    {"excavator", "forces", "f.M", {"payload.force.2", "bucket.mass"}, {{-4000.0, 700.0}, {-5000.0, 500.0}}, true},
+    {"jansen", "mobility", "m.A", {"a", "m"}, {{37.5, 15.0}, {38.2, 14.8}}, false},
+};
+enum { CASES = sizeof cases / sizeof *cases };
+
+/* The figure of a model that is read with the values, and asked without any study. */
+static double by_hand(int c, const double *values, double length) {
+  km_assignment assignments[2] = {{cases[c].paths[0], values[0]}, {cases[c].paths[1], values[1]}};
+  char path[512];
+  km_model *model;
+  km_mechanism *m;
+  km_state *state;
+  km_question *q;
+  km_error error;
+  double value = nan("");
+  km_option_value steps = {.whole = 20};
+  snprintf(path, sizeof path, "%s/%s.json", MODELS_DIR, cases[c].model);
+  if (km_model_load_varied(path, assignments, 2, NULL, &model, &error))
+    fail_msg("%s", error.text);
+  if (length > 0.0)
+    km_model_share_length(model, length);
+  km_hold holds[8];
+  for (int h = 0; h < model->hold_count; ++h)
+    holds[h] = (km_hold){model->holds[h].coordinate, model->holds[h].value};
+  if (km_reach_pose(model, holds, model->hold_count, NULL, 0, &m, &state, &error) ||
+      km_question_create(m, cases[c].kind, &q, &error))
+    fail_msg("%s", error.text);
+  assert_int_equal(km_question_set(q, "steps", &steps, &error), KM_OK);
+  km_status status = km_question_ask(q, state, &error);
+  assert_true(status == KM_OK || status == KM_PARTIAL);
+  assert_int_equal(km_table_figure(km_question_table(q), cases[c].column, KM_FIGURE_MEAN, 0, &value, NULL, &error),
+                   KM_OK);
+  km_question_free(q);
+  km_state_free(state);
+  km_mechanism_free(m);
+  km_model_free(model);
+  return value;
+}
+
+static void as_by_hand(void **state) {
+  (void)state;
+  static const double steps = 20.0;
+  for (int c = 0; c < CASES; ++c) {
+    designs d;
+    designs_of_model(&d, cases[c].model, cases[c].kind);
+    designs_add_parameter(&d, cases[c].paths[0]);
+    designs_add_parameter(&d, cases[c].paths[1]);
+    designs_add_figure(&d, "mean", KM_DESIGN_MEAN, cases[c].column);
+    designs_set_number(&d, "steps", &steps);
+    const km_design_variant variants[2] = {{"one", cases[c].values[0]}, {"two", cases[c].values[1]}};
+    d.def.variants = variants;
+    d.def.variant_count = 2;
+    km_design_study *s = designs_run(&d, NULL, 1);
+    assert_int_equal(s->patch.works, cases[c].patched);
+    for (int i = 0; i < 2; ++i) {
+      double wanted = by_hand(c, cases[c].values[i], i ? s->length : 0.0);
+      km_design_result r = designs_result(s, i);
+      assert_true(isfinite(wanted));
+      assert_memory_equal(&r.figures[0], &wanted, sizeof wanted);
+    }
+    km_design_study_free(s);
+  }
+}
+
+static void sample_of_cranks(designs *d, int count) {
+  static const double steps = 30.0;
+  designs_of_model(d, "slider_crank", "mobility");
+  designs_add_parameter(d, "slider_crank.crank.end.y");
+  designs_add_parameter(d, "slider_crank.rod.end.z");
+  designs_add_figure(d, "stroke", KM_DESIGN_SPAN, "q.B");
+  designs_add_figure(d, "least", KM_DESIGN_MIN, "m.A");
+  designs_set_number(d, "steps", &steps);
+  d->spreads[0] = (km_design_spread){0, KM_NORMAL, .mean = 0.6, .deviation = 0.004};
+  d->spreads[1] = (km_design_spread){1, KM_UNIFORM, .low = -1.6, .high = -0.55};
+  d->sample = (km_design_sample){.count = count, .seed = 3, .spreads = d->spreads, .spread_count = 2};
+  d->def.sample = &d->sample;
+}
+
+/* Some of these cranks are longer than their rods: they stop short, and nothing else is different. */
+static void threads_change_nothing(void **state) {
+  (void)state;
+  designs d;
+  sample_of_cranks(&d, 300);
+  km_design_study *one = designs_run(&d, NULL, 1);
+  int short_ones = 0;
+  for (int jobs = 2; jobs <= 4; jobs += 2) {
+    km_design_study *many = designs_run(&d, NULL, jobs);
+    assert_int_equal(km_design_study_computed(many), 300);
+    for (int i = 0; i < 300; ++i) {
+      km_design_result a = designs_result(one, i), b = designs_result(many, i);
+      assert_int_equal(a.outcome, b.outcome);
+      assert_string_equal(a.reason, b.reason);
+      assert_memory_equal(a.figures, b.figures, 2 * sizeof(double));
+      short_ones += a.outcome == KM_DESIGN_SHORT;
+      assert_int_equal(a.outcome == KM_DESIGN_SHORT, a.reason[0] != '\0');
+    }
+    km_design_study_free(many);
+  }
+  assert_true(short_ones > 0 && short_ones < 200);
+  km_design_study_free(one);
+}
+
+/* The stroke of a slider-crank whose slide passes through the crank's pivot is twice the crank. */
+static void stroke_of_normal_cranks(void **state) {
+  (void)state;
+  static const double steps = 8.0; /* both dead centres are rows */
+  enum { COUNT = 1000 };
+  for (int method = KM_SAMPLING_SOBOL; method <= KM_SAMPLING_RANDOM; ++method) {
+    designs d;
+    km_design_statistics st;
+    sample_of_cranks(&d, COUNT);
+    d.options[0].numbers = &steps;
+    d.spreads[1] = (km_design_spread){1, KM_NORMAL, .mean = -1.5, .deviation = 0.01};
+    static const double range[2] = {0.5 * M_PI, 2.5 * M_PI};
+    d.options[d.questions[0].option_count++] = (km_design_option){.name = "range", .numbers = range, .number_count = 2};
+    d.sample.method = (km_sampling)method;
+    km_design_study *s = designs_run(&d, NULL, 2);
+    assert_int_equal(km_design_study_statistics(s, 0, &st, NULL), KM_OK);
+    assert_int_equal(st.count, COUNT);
+    /* four standard errors of the mean and of the deviation */
+    assert_near(st.mean, 1.2, 4.0 * 0.008 / sqrt(COUNT));
+    assert_near(st.deviation, 0.008, 4.0 * 0.008 / sqrt(2.0 * COUNT));
+    assert_near(st.quantiles[3], 1.2, 4.0 * 0.008 * 1.2533 / sqrt(COUNT));
+    km_design_study_free(s);
+  }
+}
+
+static void samples_by_number(void **state) {
+  (void)state;
+  designs d;
+  enum { COUNT = 200 };
+  double up[COUNT][2], value[2];
+  for (int method = KM_SAMPLING_SOBOL; method <= KM_SAMPLING_RANDOM; ++method) {
+    bool slices[2][COUNT] = {{false}};
+    sample_of_cranks(&d, COUNT);
+    d.sample.method = (km_sampling)method;
+    d.spreads[0] = (km_design_spread){0, KM_UNIFORM, .low = 0.0, .high = 1.0};
+    d.spreads[1] = (km_design_spread){1, KM_UNIFORM, .low = 0.0, .high = 1.0};
+    km_sampler *s = km_sampler_create(&d.sample);
+    for (int i = 0; i < COUNT; ++i) {
+      km_sampler_values(s, i, 2, up[i]);
+      for (int k = 0; k < 2; ++k) {
+        assert_true(up[i][k] > 0.0 && up[i][k] < 1.0);
+        slices[k][(int)(up[i][k] * COUNT)] = true;
+      }
+    }
+    for (int i = COUNT - 1; i >= 0; i -= 7) {
+      km_sampler_values(s, i, 2, value);
+      assert_memory_equal(value, up[i], sizeof value);
+    }
+    for (int i = 0; method == KM_SAMPLING_LATIN && i < COUNT; ++i)
+      assert_true(slices[0][i] && slices[1][i]);
+    km_sampler_free(s);
+  }
+}
+
+static void truncated_tails(void **state) {
+  (void)state;
+  designs d;
+  sample_of_cranks(&d, 2000);
+  d.sample.method = KM_SAMPLING_RANDOM;
+  d.spreads[0] = (km_design_spread){0, KM_TRUNCATED_NORMAL, .mean = 0.0, .deviation = 1.0, .low = 6.0, .high = 7.0};
+  d.sample.spread_count = 1;
+  km_sampler *s = km_sampler_create(&d.sample);
+  double sum = 0.0, value[2];
+  for (int i = 0; i < 2000; ++i) {
+    km_sampler_values(s, i, 2, value);
+    assert_true(value[0] >= 6.0 && value[0] <= 7.0);
+    sum += value[0] / 2000.0;
+  }
+  /* mean of the tail beyond a = 6: φ(a)/Q(a) = 6.158260; what lies beyond 7 takes 0.0011 of it */
+  assert_near(sum, 6.1573, 4.0 * 0.15 / sqrt(2000.0));
+  km_sampler_free(s);
+}
+
+static const char *store_path(char out[64]) {
+  snprintf(out, 64, "test_designs.%d.sqlite", (int)getpid());
+  unlink(out);
+  return out;
+}
+
+static void a_store_is_asked_first(void **state) {
+  (void)state;
+  char path[64];
+  designs d;
+  store_path(path);
+  sample_of_cranks(&d, 40);
+  km_design_study *s = designs_run(&d, path, 1);
+  km_design_result first = designs_result(s, 17);
+  assert_int_equal(km_design_study_computed(s), 40);
+  km_design_study_free(s);
+  s = designs_run(&d, path, 1);
+  assert_int_equal(km_design_study_computed(s), 0);
+  assert_int_equal(km_design_study_found(s), 40);
+  km_design_study_free(s);
+  d.sample.count = 60; /* it grows */
+  s = designs_run(&d, path, 2);
+  assert_int_equal(km_design_study_computed(s), 20);
+  km_design_result again = designs_result(s, 17);
+  assert_memory_equal(&first, &again, sizeof first);
+  km_design_study_free(s);
+  d.figures[1].kind = KM_DESIGN_MAX; /* another question */
+  s = designs_run(&d, path, 1);
+  assert_int_equal(km_design_study_computed(s), 60);
+  km_design_study_free(s);
+  d.figures[1].low = 0.1; /* limits change no answer */
+  s = designs_run(&d, path, 1);
+  assert_int_equal(km_design_study_computed(s), 0);
+  km_design_study_free(s);
+  unlink(path);
+}
+
+static void a_store_has_one_study_and_one_user(void **state) {
+  (void)state;
+  char path[64];
+  designs d;
+  km_design_study *s, *second;
+  km_error error;
+  store_path(path);
+  sample_of_cranks(&d, 4);
+  s = designs_run(&d, path, 1);
+  assert_int_equal(km_design_study_open(&d.def, path, false, &second, &error), KM_IO);
+  assert_non_null(strstr(error.text, "another run is using this store"));
+  km_design_study_free(s);
+  d.parameters[1].path = "slider_crank.rod.end.y";
+  assert_int_equal(km_design_study_open(&d.def, path, false, &second, &error), KM_USAGE);
+  assert_non_null(strstr(error.text, "another study"));
+  assert_int_equal(km_design_study_open(&d.def, path, true, &second, &error), KM_OK);
+  km_design_study_free(second);
+  assert_int_equal(km_design_study_open(&d.def, "/no/such/folder/a.sqlite", false, &second, &error), KM_IO);
+  assert_int_equal(km_design_study_open(&d.def, "/dev/null", false, &second, &error), KM_IO);
+  unlink(path);
+}
+
+/* A design that can't be patched goes through the reader, which tells what is wrong with it. */
+static void faulty_designs_are_results(void **state) {
+  (void)state;
+  designs d;
+  designs_of_model(&d, "slider_crank", "forces");
+  designs_add_parameter(&d, "crank.mass");
+  designs_add_parameter(&d, "fixed.slide.z");
+  designs_add_figure(&d, "force", KM_DESIGN_MAX, "f.A");
+  static const double steps = 4.0, values[3][2] = {{1.0, 0.1}, {-1.0, 0.1}, {1.0, 5.0}};
+  const km_design_variant variants[3] = {{"good", values[0]}, {"negative", values[1]}, {"open", values[2]}};
+  designs_set_number(&d, "steps", &steps);
+  d.def.variants = variants;
+  d.def.variant_count = 3;
+  km_design_study *s = designs_run(&d, NULL, 2);
+  assert_true(s->patch.works);
+  assert_int_equal(designs_result(s, 0).outcome, KM_DESIGN_DONE);
+  assert_int_equal(designs_result(s, 1).outcome, KM_DESIGN_FAULTY);
+  assert_non_null(strstr(designs_result(s, 1).reason, "mass"));
+  assert_int_equal(designs_result(s, 2).outcome, KM_DESIGN_UNASSEMBLED);
+  assert_true(isnan(designs_result(s, 2).figures[0]));
+  km_design_yield y;
+  assert_int_equal(km_design_study_yield(s, &y, NULL), KM_OK);
+  assert_int_equal(y.count, 3);
+  assert_int_equal(y.good, 1);
+  km_design_study_free(s);
+}
+
+static bool stop_soon(void *context, double done) {
+  (void)done;
+  return --*(int *)context > 0;
+}
+
+static void cancelled_runs_go_on(void **state) {
+  (void)state;
+  designs d;
+  km_design_study *s, *whole;
+  km_error error;
+  int rounds = 2;
+  sample_of_cranks(&d, 500);
+  assert_int_equal(km_design_study_open(&d.def, NULL, false, &s, &error), KM_OK);
+  assert_int_equal(km_design_study_run(s, 1, stop_soon, &rounds, &error), KM_CANCELLED);
+  int had = km_design_study_computed(s);
+  assert_true(had > 0 && had < 500);
+  assert_int_equal(km_design_study_run(s, 2, NULL, NULL, &error), KM_OK);
+  assert_int_equal(km_design_study_found(s), had);
+  whole = designs_run(&d, NULL, 1);
+  for (int i = 0; i < 500; ++i) {
+    km_design_result a = designs_result(s, i), b = designs_result(whole, i);
+    assert_memory_equal(a.figures, b.figures, 2 * sizeof(double));
+  }
+  km_design_study_free(whole);
+  km_design_study_free(s);
+}
+
+int main(void) {
+  const struct CMUnitTest tests[] = {cmocka_unit_test(as_by_hand),
+                                     cmocka_unit_test(threads_change_nothing),
+                                     cmocka_unit_test(stroke_of_normal_cranks),
+                                     cmocka_unit_test(samples_by_number),
+                                     cmocka_unit_test(truncated_tails),
+                                     cmocka_unit_test(a_store_is_asked_first),
+                                     cmocka_unit_test(a_store_has_one_study_and_one_user),
+                                     cmocka_unit_test(faulty_designs_are_results),
+                                     cmocka_unit_test(cancelled_runs_go_on)};
+  return cmocka_run_group_tests(tests, NULL, NULL);
+}

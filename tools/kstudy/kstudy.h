@@ -1,0 +1,49 @@
+/* kstudy's commands, and what they share: the study of the command line with its store. */
+#ifndef KSTUDY_H
+#define KSTUDY_H
+
+#include "common/pose.h"
+#include "kmech/design_study.h"
+
+/* What every command is told. */
+typedef struct kstudy_request {
+  kt_common common;
+  const char *study;
+  const char *store; /* of --store, or NULL */
+  const char *base;  /* of -o, or NULL */
+  const char *format;
+} kstudy_request;
+
+/* STUDY, --store, -o and the common options. */
+void kstudy_options(kt_options *out, kstudy_request *request, unsigned uses);
+
+typedef struct kstudy_open {
+  km_arena arena;
+  km_design_study_def def;
+  km_design_sample sample; /* with the rows of its CSV file */
+  km_design_study *study;
+  const char *name; /* in messages */
+  char model[4096]; /* the model's file, seen from here */
+  char base[4096];  /* of files' names */
+  char store[4096 + 16];
+} kstudy_open;
+
+/* Reads the study, and opens its store. `must_exist`: a store that isn't there is an error. Says what is wrong. Close in
+ * any case. */
+kt_exit kstudy_bring(const kstudy_request *request, bool must_exist, kstudy_open *out);
+void kstudy_close(kstudy_open *open);
+
+/* Pictures of what the study came to, in the formats of the list. */
+kt_exit kstudy_plot(const kstudy_request *request, kstudy_open *open, const kt_formats *formats);
+/* The tables and statistics, on the standard output. */
+kt_exit kstudy_print(const kstudy_request *request, kstudy_open *open);
+/* The models of the best design, or of the worst cases of a sample, as files. */
+kt_exit kstudy_write_models(const kstudy_request *request, kstudy_open *open);
+
+kt_exit kstudy_run(int argc, char **argv);
+kt_exit kstudy_resume(int argc, char **argv);
+kt_exit kstudy_show(int argc, char **argv);
+kt_exit kstudy_export(int argc, char **argv);
+kt_exit kstudy_plan(int argc, char **argv);
+
+#endif

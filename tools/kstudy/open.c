@@ -1,0 +1,149 @@
+/* Opens the study of the command line with its model, its sample and its store. */
+#include "kstudy/kstudy.h"
+
+#include "base/file.h"
+#include "base/memory.h"
+#include "report/record/csv.h"
+
+#include <stdio.h>
+#include <string.h>
+#include <sys/stat.h>
+
+void kstudy_options(kt_options *out, kstudy_request *r, unsigned uses) {
+  const kt_option table[] = {
+      {"store", 0, "FILE", "Where results are kept (default BASE.study.sqlite)", KT_TEXT, &r->store, KT_ABOUT_FILES},
+      KT_BASE(&r->base, "Begin of the files' names (default: the study's name, or its folder's for study.json)"),
+  };
+  KT_OPTIONS_ADD(out, table);
+  kt_common_options(out, &r->common, uses);
+  out->operand = (kt_operand){"study", "STUDY", true, &r->study, NULL};
+}
+
+/* What the reader found, with the file in front. */
+static kt_exit tell(const kt_common *common, const char *name, const km_messages *messages, km_status status,
+                    const char *text) {
+  bool told = false;
+  for (size_t i = 0; i < km_messages_count(messages); ++i) {
+    km_severity severity = km_messages_severity(messages, i);
+    kt_say(common, severity, "%s: %s", name, km_messages_text(messages, i));
+    told = told || severity == KM_ERROR;
+  }
+  if (status && !told)
+    kt_say(common, KM_ERROR, "%s: %s", name, text);
+  return kt_exit_of(status);
+}
+
+static kt_exit read_study(const kstudy_request *r, kstudy_open *out) {
+  km_text text = {0};
+  km_error error;
+  km_messages *messages = km_messages_create();
+  km_status status = km_file_read(r->study, &text, &error);
+  if (status)
+    kt_say(&r->common, KM_ERROR, "%s", error.text);
+  kt_exit result = kt_exit_of(status);
+  if (!status) {
+    status = km_design_study_read(text.data ? text.data : "", text.size, messages, &out->def, &error);
+    result = tell(&r->common, out->name, messages, status, error.text);
+  }
+  km_messages_free(messages);
+  km_text_free(&text);
+  return result;
+}
+
+static void beside_study(const char *study, const char *file, char *out, size_t size) {
+  char folder[2048] = "";
+  if (strcmp(study, "-") != 0)
+    kt_folder_of(study, folder, sizeof folder);
+  bool alone = file[0] == '/' || !folder[0];
+  snprintf(out, size, "%s%s%s", alone ? "" : folder, alone ? "" : "/", file);
+}
+
+/* The columns of the sample's file are parameters by name; others are faults. */
+static kt_exit take_rows(const kstudy_request *r, kstudy_open *out, const km_table *table, const char *file) {
+  int parameters = (int)km_table_columns(table);
+  size_t rows = km_table_rows(table);
+  km_design_parameter *list = KM_ARENA_NEW(&out->arena, km_design_parameter, KM_MOST_DESIGN_PARAMETERS);
+  if (parameters > KM_MOST_DESIGN_PARAMETERS || rows == 0 || rows > 1000000000) {
+    kt_say(&r->common, KM_ERROR, "%s: found %d columns and %zu rows; expected up to %d columns and at least one row",
+           file, parameters, rows, KM_MOST_DESIGN_PARAMETERS);
+    return KT_USAGE;
+  }
+  double *values = KM_ARENA_NEW(&out->arena, double, rows *(size_t)parameters);
+  if (!values || !list)
+    return KT_INTERNAL;
+  for (int p = 0; p < parameters; ++p) {
+    const char *name = km_arena_string(&out->arena, km_table_name(table, (size_t)p));
+    list[p] = (km_design_parameter){name, name};
+    for (int k = 0; k < out->def.parameter_count; ++k)
+      if (name && strcmp(out->def.parameters[k].name, name) == 0)
+        list[p] = out->def.parameters[k];
+  }
+  for (size_t i = 0; i < rows; ++i)
+    memcpy(values + i * (size_t)parameters, km_table_row(table, i), (size_t)parameters * sizeof *values);
+  out->sample = *out->def.sample;
+  out->sample.list = values;
+  out->sample.count = (int)rows;
+  out->def.sample = &out->sample;
+  out->def.parameters = list;
+  out->def.parameter_count = parameters;
+  return KT_DONE;
+}
+
+static kt_exit read_rows(const kstudy_request *r, kstudy_open *out) {
+  char file[4096];
+  km_text text = {0};
+  km_table *table = NULL;
+  km_error error;
+  if (!out->def.sample_file)
+    return KT_DONE;
+  beside_study(r->study, out->def.sample_file, file, sizeof file);
+  km_status status = km_file_read(file, &text, &error);
+  if (!status)
+    status = km_csv_read(&text, file, &table, &error);
+  if (status)
+    kt_say(&r->common, KM_ERROR, "%s", error.text);
+  kt_exit result = status ? kt_exit_of(status) : take_rows(r, out, table, file);
+  km_table_free(table);
+  km_text_free(&text);
+  return result;
+}
+
+static kt_exit open_store(const kstudy_request *r, bool must_exist, kstudy_open *out) {
+  struct stat there;
+  km_error error;
+  if (must_exist && stat(out->store, &there) != 0) {
+    kt_say(&r->common, KM_ERROR, "%s: there is no such store; expected kstudy run before it", out->store);
+    return KT_USAGE;
+  }
+  km_status status = km_design_study_open(&out->def, out->store, r->common.force, &out->study, &error);
+  if (status)
+    kt_say(&r->common, KM_ERROR, "%s: %s%s", out->name, error.text,
+           strstr(error.text, "of another study") ? " (--force replaces them)" : "");
+  return status == KM_USAGE && !strstr(error.text, "of another study") ? KT_BAD_MODEL : kt_exit_of(status);
+}
+
+kt_exit kstudy_bring(const kstudy_request *r, bool must_exist, kstudy_open *out) {
+  *out = (kstudy_open){.def = km_design_study_default()};
+  out->name = strcmp(r->study, "-") == 0 ? "standard input" : r->study;
+  kt_exit result = read_study(r, out);
+  if (result != KT_DONE)
+    return result;
+  beside_study(r->study, out->def.model, out->model, sizeof out->model);
+  out->def.model = out->model;
+  if (r->base)
+    snprintf(out->base, sizeof out->base, "%s", r->base);
+  else
+    kt_study_base(r->study, out->model, out->base, sizeof out->base);
+  if (r->store)
+    snprintf(out->store, sizeof out->store, "%.4095s", r->store);
+  else
+    snprintf(out->store, sizeof out->store, "%.4090s.study.sqlite", out->base);
+  result = read_rows(r, out);
+  return result == KT_DONE ? open_store(r, must_exist, out) : result;
+}
+
+void kstudy_close(kstudy_open *open) {
+  km_design_study_free(open->study);
+  km_design_study_def_free(&open->def);
+  km_arena_free(&open->arena);
+}

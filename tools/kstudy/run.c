@@ -1,0 +1,122 @@
+/* kstudy run and resume: asks what the store doesn't have, and delivers. */
+#include "kstudy/kstudy.h"
+
+#include <signal.h>
+#include <stdio.h>
+#include <time.h>
+#include <unistd.h>
+
+static volatile sig_atomic_t interrupted;
+
+static void interrupt(int signal_number) {
+  interrupted = signal_number;
+}
+
+/* How far the run is: on a terminal a bar, ten times a second; else one line a minute. */
+typedef struct watch {
+  const kt_common *common;
+  bool terminal, drawn;
+  double start, last;
+} watch;
+
+static double now(void) {
+  struct timespec t;
+  clock_gettime(CLOCK_MONOTONIC, &t);
+  return (double)t.tv_sec + 1e-9 * (double)t.tv_nsec;
+}
+
+static void tell(watch *w, double done, double time) {
+  double spent = time - w->start, left = done > 0.0 ? spent * (1.0 - done) / done : 0.0;
+  if (w->terminal) {
+    int width = (int)(30.0 * done);
+    fprintf(stderr, "\r%3.0f %% [%.*s%*s] %.0f s left ", 100.0 * done, width,
+            "==============================", 30 - width, "", left);
+    w->drawn = true;
+  } else {
+    kt_say(w->common, KM_NOTE, "%.1f %% done after %.0f s; about %.0f s left", 100.0 * done, spent, left);
+  }
+  w->last = time;
+}
+
+static bool show(void *context, double done) {
+  watch *w = context;
+  double time = now();
+  double wait = w->terminal ? 0.1 : 60.0, first = w->terminal ? 1.0 : 60.0;
+  if (!w->common->quiet && time - w->start > first && time - w->last > wait)
+    tell(w, done, time);
+  return !interrupted;
+}
+
+static void watch_end(const watch *w) {
+  if (w->drawn)
+    fprintf(stderr, "\r%60s\r", "");
+}
+
+static kt_exit ask(const kstudy_request *r, const kstudy_open *o) {
+  watch w = {.common = &r->common, .terminal = isatty(STDERR_FILENO), .start = now()};
+  w.last = w.start;
+  struct sigaction action = {.sa_handler = interrupt}, before[2];
+  sigaction(SIGINT, &action, &before[0]);
+  sigaction(SIGTERM, &action, &before[1]);
+  km_error error;
+  km_status status = km_design_study_run(o->study, r->common.jobs, show, &w, &error);
+  watch_end(&w);
+  sigaction(SIGINT, &before[0], NULL);
+  sigaction(SIGTERM, &before[1], NULL);
+  if (status)
+    kt_say(&r->common, KM_ERROR, "%s: %s%s", o->name, error.text,
+           status == KM_CANCELLED ? " (kstudy resume goes on)" : "");
+  else
+    kt_say(&r->common, KM_NOTE, "%s: %d designs computed in %.3g s, %d were in the store", o->name,
+           km_design_study_computed(o->study), now() - w.start, km_design_study_found(o->study));
+  return status == KM_CANCELLED ? KT_PARTIAL : kt_exit_of(status);
+}
+
+static kt_exit deliver(const kstudy_request *r, kstudy_open *o, const kt_formats *formats) {
+  kt_exit result = KT_DONE;
+  if (!r->common.quiet)
+    result = kstudy_print(r, o);
+  result = kt_worse(result, kstudy_plot(r, o, formats));
+  return kt_worse(result, kstudy_write_models(r, o));
+}
+
+/* 1: some design has no full answer, or none is good enough. */
+static kt_exit judge(kstudy_open *o) {
+  km_design_yield y;
+  if (km_design_study_yield(o->study, &y, NULL))
+    return KT_DONE;
+  if (o->def.optimise)
+    return km_design_study_best(o->study) < 0 ? KT_PARTIAL : KT_DONE;
+  return o->def.sample || y.outcomes[KM_DESIGN_DONE] == y.count ? KT_DONE : KT_PARTIAL;
+}
+
+static kt_exit run(int argc, char **argv, bool resume, const char *about) {
+  kstudy_request r = {.common = KT_COMMON("kstudy")};
+  kstudy_open o;
+  kt_formats formats;
+  kt_options all = {0};
+  const kt_option table[] = {{"format", 0, "LIST", "Pictures as some of svg,pdf,png (default svg)",
+                              KT_TEXT_OF("svg or pdf or png"), &r.format, KT_ABOUT_FILES}};
+  KT_OPTIONS_ADD(&all, table);
+  kstudy_options(&all, &r, KT_USES_JOBS | (resume ? 0 : KT_USES_FORCE));
+  kt_options_read(&all, about, argc, argv);
+  if (!kt_formats_parse_among(&r.common, r.format ? r.format : "svg", "svg,pdf,png", &formats))
+    return KT_USAGE;
+  kt_exit result = kstudy_bring(&r, resume, &o);
+  if (result == KT_DONE)
+    result = ask(&r, &o);
+  if (result == KT_DONE)
+    result = kt_worse(deliver(&r, &o, &formats), judge(&o));
+  kstudy_close(&o);
+  return result;
+}
+
+kt_exit kstudy_run(int argc, char **argv) {
+  return run(argc, argv, false,
+             "Ask every design of a study its questions: figures of merit in a table, one picture a question, and the "
+             "best design as a model. Results are kept in a store as they come: what is there isn't asked again.");
+}
+
+kt_exit kstudy_resume(int argc, char **argv) {
+  return run(argc, argv, true, "Go on with a run that was stopped, from its store.");
+}

@@ -1,0 +1,108 @@
+/* kstudy show and export: what the store has. */
+#include "kstudy/kstudy.h"
+
+#include "exchange/json/json.h"
+#include "report/record/designs_text.h"
+
+#include <string.h>
+
+kt_exit kstudy_print(const kstudy_request *r, kstudy_open *o) {
+  km_text out = {0};
+  km_error error;
+  km_status status = km_designs_print(o->study, &o->def, o->name, &out, &error);
+  if (status)
+    kt_say(&r->common, KM_ERROR, "%s: %s", o->name, error.text);
+  kt_exit result = status ? kt_exit_of(status) : kt_print(&r->common, &out);
+  km_text_free(&out);
+  return result;
+}
+
+static kt_exit recall(const kstudy_request *r, const kstudy_open *o) {
+  km_error error;
+  km_status status = km_design_study_recall(o->study, &error);
+  if (status)
+    kt_say(&r->common, KM_ERROR, "%s: %s", o->name, error.text);
+  return kt_exit_of(status);
+}
+
+kt_exit kstudy_show(int argc, char **argv) {
+  kstudy_request r = {.common = KT_COMMON("kstudy")};
+  kstudy_open o;
+  kt_formats formats = {{0}};
+  kt_options all = {0};
+  const kt_option table[] = {{"format", 0, "LIST", "Pictures too: some of svg,pdf,png (default none)",
+                              KT_TEXT_OF("svg or pdf or png"), &r.format, KT_ABOUT_FILES}};
+  KT_OPTIONS_ADD(&all, table);
+  kstudy_options(&all, &r, 0);
+  kt_options_read(&all, "Tables and plots of a study from its store, without asking anything.", argc, argv);
+  if (r.format && !kt_formats_parse_among(&r.common, r.format, "svg,pdf,png", &formats))
+    return KT_USAGE;
+  kt_exit result = kstudy_bring(&r, true, &o);
+  if (result == KT_DONE)
+    result = recall(&r, &o);
+  if (result == KT_DONE)
+    result = kstudy_print(&r, &o);
+  if (result == KT_DONE && r.format)
+    result = kstudy_plot(&r, &o, &formats);
+  kstudy_close(&o);
+  return result;
+}
+
+static kt_exit write_csv(const kstudy_request *r, const kstudy_open *o, const char *base) {
+  km_text out = {0};
+  km_error error;
+  km_status status = km_designs_csv(o->study, &o->def, &out, &error);
+  if (status)
+    kt_say(&r->common, KM_ERROR, "%s: %s", o->name, error.text);
+  kt_exit result = status ? kt_exit_of(status) : kt_write(&r->common, base, "study", "csv", &out);
+  km_text_free(&out);
+  return result;
+}
+
+static kt_exit write_json(const kstudy_request *r, kstudy_open *o, const char *base) {
+  km_text out = {0};
+  km_arena arena = {0};
+  km_error error;
+  km_value *record;
+  km_status status = km_designs_record(o->study, &o->def, o->name, &arena, &record, &error);
+  if (!status)
+    km_json_write(record, &out);
+  else
+    kt_say(&r->common, KM_ERROR, "%s: %s", o->name, error.text);
+  kt_exit result = status ? kt_exit_of(status) : kt_write(&r->common, base, "study", "json", &out);
+  km_text_free(&out);
+  km_arena_free(&arena);
+  return result;
+}
+
+kt_exit kstudy_export(int argc, char **argv) {
+  kstudy_request r = {.common = KT_COMMON("kstudy")};
+  kstudy_open o;
+  kt_formats formats;
+  kt_options all = {0};
+  const kt_option table[] = {
+      {"format", 0, "LIST", "csv (default) or json", KT_TEXT_OF("csv or json"), &r.format, KT_ABOUT_FILES}};
+  KT_OPTIONS_ADD(&all, table);
+  kstudy_options(&all, &r, 0);
+  kt_options_read(&all,
+                  "Every design of a study with its parameters, outcome and figures of merit, from its store, as "
+                  "BASE.study.csv or .json; -o - is the standard output.",
+                  argc, argv);
+  if (!kt_formats_parse_among(&r.common, r.format ? r.format : "csv", "csv,json", &formats))
+    return KT_USAGE;
+  bool piped = r.base && strcmp(r.base, "-") == 0;
+  if (piped && kt_formats_count(&formats) != 1)
+    return kt_usage(&r.common, "-o", "-", "one format");
+  kstudy_request named = r;
+  named.base = piped ? NULL : r.base;
+  kt_exit result = kstudy_bring(&named, true, &o);
+  if (result == KT_DONE)
+    result = recall(&r, &o);
+  const char *base = piped ? "-" : o.base;
+  if (result == KT_DONE && formats.wanted[KT_CSV])
+    result = write_csv(&r, &o, base);
+  if (result == KT_DONE && formats.wanted[KT_JSON])
+    result = write_json(&r, &o, base);
+  kstudy_close(&o);
+  return result;
+}
