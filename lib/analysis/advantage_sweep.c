@@ -165,7 +165,7 @@ static km_status take_toggles(watch *w, km_error *error) {
   km_advantage_sweep *out = w->out;
   out->toggles = KM_NEW(km_advantage_toggle, w->events.count);
   if (!out->toggles)
-    return km_fail(error, KM_MEMORY, "out of memory for the toggles");
+    return km_fail(error, KM_MEMORY, "out of memory for the dead points");
   for (size_t i = 0; i < w->events.count; ++i) {
     const km_event *e = &w->events.items[i];
     km_advantage_toggle *before = out->toggle_count ? &out->toggles[out->toggle_count - 1] : NULL;

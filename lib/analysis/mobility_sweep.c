@@ -137,7 +137,7 @@ static km_status see(void *self, km_sweeper *r, double s, km_error *error) {
   w->z = swap;
   w->last_s = s;
   w->have_last = true;
-  return failed ? km_fail(error, KM_MEMORY, "out of memory for the toggles") : KM_OK;
+  return failed ? km_fail(error, KM_MEMORY, "out of memory for the dead points") : KM_OK;
 }
 
 static km_status pass(void *self, km_sweeper *r, double s, km_error *error) {
@@ -154,7 +154,7 @@ static void forget(void *self) {
 static km_status end_at(void *self, km_sweeper *r, double s, km_error *error) {
   const watch *w = self;
   return add_toggle(w->out, r->plan->coordinate, s) ? KM_OK
-                                                    : km_fail(error, KM_MEMORY, "out of memory for the toggles");
+                                                    : km_fail(error, KM_MEMORY, "out of memory for the dead points");
 }
 
 km_status km_mobility_sweep_run(const km_mechanism *m, km_state *s, const km_sweep_plan *plan, km_mobility_sweep *out,

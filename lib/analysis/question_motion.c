@@ -10,7 +10,7 @@ const km_option km_motion_options[KM_MOTION_OPTIONS] = {
     {"range", KM_OPTION_RANGE, "FROM:TO", "driver's", NULL, "Its range in the model's unit", 0, 0, NULL, true},
     {"steps", KM_OPTION_WHOLE, "N", "", NULL, "Number of intervals; N + 1 rows", 1, KM_MOST_SWEEP_STEPS, NULL, true},
     {"arclength", KM_OPTION_NUMBER, "DS", "", NULL,
-     "Follow the motion by arc length instead, DS a row: through toggles", 0, HUGE_VAL, NULL, true},
+     "Follow the motion by arc length instead, DS a row: through dead points", 0, HUGE_VAL, NULL, true},
     {"direction", KM_OPTION_SENSE, "JOINT=+1", "", NULL, "Start so that this joint moves forwards (or -1: backwards)",
      0, 0, NULL, true},
     {"cycle", KM_OPTION_FLAG, NULL, "", NULL,

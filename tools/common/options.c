@@ -6,6 +6,7 @@
 
 #include <argp.h>
 #include <errno.h>
+#include <stdarg.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -18,13 +19,27 @@ void kt_options_add(kt_options *options, const kt_option *table, size_t count) {
     options->items[options->count++] = table[i];
 }
 
+/* A mistake on the command line, and where help is. */
+static void refuse(const char *command, const char *format, ...) __attribute__((format(printf, 2, 3), noreturn));
+static void refuse(const char *command, const char *format, ...) {
+  const kt_common common = KT_COMMON(command);
+  va_list arguments;
+  va_start(arguments, format);
+  char words[KM_ERROR_TEXT];
+  vsnprintf(words, sizeof words, format, arguments);
+  va_end(arguments);
+  kt_say(&common, KM_ERROR, "%s", words);
+  fprintf(stderr, "Try `%s --help' or `%s --usage' for more information.\n", command, command);
+  exit(KT_USAGE);
+}
+
 static int key_of(const kt_options *options, int index) {
   return options->items[index].key ? options->items[index].key : FIRST_KEY + index;
 }
 
 static void keep_text(kt_texts *texts, char *text, struct argp_state *state) {
   if (texts->count == KT_MOST_TEXTS)
-    argp_error(state, "an option is given more than %d times", KT_MOST_TEXTS);
+    refuse(state->name, "an option is given more than %d times", KT_MOST_TEXTS);
   texts->items[texts->count++] = text;
 }
 
@@ -45,7 +60,7 @@ int kt_word_place(const char *words, const char *text) {
 static void keep_word(const kt_option *o, const char *text, struct argp_state *state) {
   int place = kt_word_place(o->kind.words, text);
   if (place < 0)
-    argp_error(state, "--%s %s: expected %s", o->name, text, o->kind.words);
+    refuse(state->name, "--%s %s: expected %s", o->name, text, o->kind.words);
   *(int *)o->target = place;
 }
 
@@ -53,7 +68,7 @@ static void keep_count(const kt_option *o, const char *text, struct argp_state *
   char *end = NULL;
   long count = strtol(text, &end, 10);
   if (*end || end == text || count < 1 || count > 1024)
-    argp_error(state, "--%s: found \"%s\"; expected a whole number from 1 to 1024", o->name, text);
+    refuse(state->name, "--%s: found \"%s\"; expected a whole number from 1 to 1024", o->name, text);
   *(int *)o->target = (int)count;
 }
 
@@ -62,7 +77,7 @@ static void keep_seed(const kt_option *o, const char *text, struct argp_state *s
   errno = 0;
   unsigned long seed = strtoul(text, &end, 10);
   if (*end || end == text || *text == '-' || errno == ERANGE)
-    argp_error(state, "--%s: found \"%s\"; expected a whole number of at least 0", o->name, text);
+    refuse(state->name, "--%s: found \"%s\"; expected a whole number of at least 0", o->name, text);
   *(unsigned long *)o->target = seed;
 }
 
@@ -91,11 +106,11 @@ static void keep(const kt_option *o, char *text, struct argp_state *state) {
 
 static void keep_operand(const kt_operand *o, char *text, struct argp_state *state) {
   if (!o->noun)
-    argp_error(state, "found \"%s\"; expected no argument", text);
+    refuse(state->name, "found \"%s\"; expected no argument", text);
   else if (o->several)
     keep_text(o->several, text, state);
   else if (*o->one)
-    argp_error(state, "found a second %s \"%s\"; expected one", o->noun, text);
+    refuse(state->name, "found a second %s \"%s\"; expected one", o->noun, text);
   else
     *o->one = text;
 }
@@ -107,7 +122,7 @@ static error_t parse(int key, char *text, struct argp_state *state) {
     return 0;
   }
   if (key == ARGP_KEY_NO_ARGS && options->operand.required)
-    argp_error(state, "no %s is given", options->operand.noun);
+    refuse(state->name, "no %s is given", options->operand.noun);
   for (int i = 0; i < options->count; ++i)
     if (key == key_of(options, i)) {
       keep(&options->items[i], text, state);
@@ -141,13 +156,6 @@ static bool find_long(const kt_options *options, const char *text, const kt_opti
   return false;
 }
 
-static bool takes_next(const kt_options *options, const char *text) {
-  for (int i = 0; i < options->count && text[0] == '-' && text[1] && !text[2]; ++i)
-    if (options->items[i].key == text[1])
-      return options->items[i].argument != NULL;
-  return false;
-}
-
 static void refuse_unknown(const kt_options *options, const char *command, const char *text) {
   char name[64], names[KM_NEAREST_TEXT];
   snprintf(name, sizeof name, "%.*s", (int)strcspn(text, "="), text);
@@ -163,18 +171,52 @@ static void refuse_unknown(const kt_options *options, const char *command, const
   exit(KT_USAGE);
 }
 
-/* argp tells only that an option is unknown; here the nearest ones are told. */
+/* The option of a letter; NULL: none, or one of argp's own. */
+static const kt_option *find_letter(const kt_options *options, char letter) {
+  for (int i = 0; i < options->count; ++i)
+    if (options->items[i].key == letter)
+      return &options->items[i];
+  return NULL;
+}
+
+/* Letters together, as -qv; the last one may take what follows, or the next argument, which is then skipped: true. */
+static bool check_letters(const kt_options *options, const char *command, const char *text, const char *next) {
+  for (const char *c = text + 1; *c; ++c) {
+    const kt_option *o = find_letter(options, *c);
+    if (!o && !strchr("?V", *c))
+      refuse(command, "there is no option -%c", *c);
+    if (o && o->argument && c[1])
+      return false;
+    if (o && o->argument && !next)
+      refuse(command, "option -%c requires an argument", *c);
+    if (o && o->argument)
+      return true;
+  }
+  return false;
+}
+
+/* True: the next argument belongs to it. */
+static bool check_long(const kt_options *options, const char *command, const char *text, const char *next) {
+  const kt_option *found = NULL;
+  bool given = strchr(text, '=') != NULL;
+  if (!find_long(options, text, &found))
+    refuse_unknown(options, command, text);
+  if (found && !found->argument && given)
+    refuse(command, "option --%s doesn't take an argument", found->name);
+  if (found && found->argument && !given && !next)
+    refuse(command, "option --%s requires an argument", found->name);
+  return found && found->argument && !given;
+}
+
+/* argp and getopt would tell of mistakes in words and colours of their own, and of an unknown option without the
+ * nearest ones. */
 static void check_names(const kt_options *options, int argc, char **argv) {
   for (int i = 1; i < argc && strcmp(argv[i], "--") != 0; ++i) {
-    const kt_option *found = NULL;
-    if (strncmp(argv[i], "--", 2) != 0) {
-      i += takes_next(options, argv[i]);
-      continue;
-    }
-    if (!find_long(options, argv[i] + 2, &found))
-      refuse_unknown(options, argv[0], argv[i] + 2);
-    if (found && found->argument && !strchr(argv[i], '='))
-      ++i;
+    const char *text = argv[i], *next = i + 1 < argc ? argv[i + 1] : NULL;
+    if (strncmp(text, "--", 2) == 0)
+      i += check_long(options, argv[0], text + 2, next);
+    else if (text[0] == '-')
+      i += check_letters(options, argv[0], text, next);
   }
 }
 

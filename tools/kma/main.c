@@ -3,7 +3,7 @@
 
 static const kt_command commands[] = {
     {"at", "mechanical advantage at a pose", kma_at},
-    {"sweep", "mechanical advantage over a driver's range, with its toggles and extremes", kma_sweep},
+    {"sweep", "mechanical advantage over a driver's range, with its dead points and extremes", kma_sweep},
     {"report", "the same as a report to hand on: PDF pages, or one HTML file", kma_report},
     {0}};
 

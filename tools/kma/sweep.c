@@ -29,7 +29,7 @@ kt_exit kma_sweep(int argc, char **argv) {
   explain_points(&all);
   kt_options_read(
       &all,
-      "Mechanical advantage of an input over an output over the range of a driver, with its toggles and extremes."
+      "Mechanical advantage of an input over an output over the range of a driver, with its dead points and extremes."
       "\vColumns beside those of every sweep: ma.INPUT/OUTPUT, with a unit such as _rad/mm where it mixes an angle and "
       "a length (inf, nan where infinite, undefined); force_ratio.INPUT/OUTPUT with the joints' friction, where there "
       "is some; with --transmission transmission_angle, virtual_coefficient, sutherland_roth, chen_angeles, "
@@ -46,7 +46,7 @@ kt_exit kma_report(int argc, char **argv) {
   kt_asked_explain(&all, "point", "BODY/FRAME:DX,DY,DZ",
                    "A point along a direction as output (a second one: as input before it)");
   kt_options_read(&all,
-                  "A report to hand on: the mechanism in its poses, the leverage curve with its extremes and toggles, "
+                  "A report to hand on: the mechanism in its poses, the leverage curve with its extremes and dead points, "
                   "transmission metrics and a table, as PDF pages or one HTML file.",
                   argc, argv);
   return part_points(&o) ? kt_report(&o) : KT_USAGE;

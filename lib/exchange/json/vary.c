@@ -4,8 +4,10 @@
 #include "base/nearest.h"
 #include "exchange/json/evaluate.h"
 #include "exchange/json/format.h"
+#include "exchange/json/reader.h"
 
 #include <math.h>
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -27,6 +29,7 @@ typedef struct search {
   int found;      /* readings, those past READINGS too */
   size_t deepest; /* tokens that led somewhere */
   km_nearest nearest;
+  const km_value *pair; /* the frames of a joint whose point was asked for, though it isn't drawn */
 } search;
 
 /* A node on the way: a value, what it is, and where. */
@@ -75,8 +78,24 @@ static int index_of(const char *token) {
   return index >= 0 && *end == '\0' && index < 1000000 ? (int)index : -1;
 }
 
+static bool is_point(const km_field *field) {
+  return field && (field->shape == KM_SHAPE_POINT || field->shape == KM_SHAPE_VECTOR);
+}
+
+static const char *const letters[3] = {"x", "y", "z"};
+
+/* Which number of a list: by its index, of a point by its letter too; -1: none. */
+static int item_of(const km_field *field, const char *token) {
+  for (int k = 0; k < 3 && is_point(field); ++k)
+    if (strcmp(token, letters[k]) == 0)
+      return k;
+  return index_of(token);
+}
+
 static void find_items(search *s, node list, size_t token) {
-  int wanted = index_of(s->tokens[token]), index = 0;
+  int wanted = item_of(list.field, s->tokens[token]), index = 0;
+  for (int k = 0; k < 3 && is_point(list.field); ++k)
+    offer(s, token, letters[k]);
   const km_object_format *format = list.field && list.field->shape == KM_SHAPE_OBJECTS ? list.field->object : NULL;
   for (km_value *v = list.value->first; v; v = v->next, ++index) {
     km_place place = {list.place, NULL, (size_t)index};
@@ -104,27 +123,48 @@ static bool is_place_of_element(const km_field *field) {
   return field->shape == KM_SHAPE_POINT && (strcmp(field->key, "T") == 0 || strcmp(field->key, "at") == 0);
 }
 
+/* The points of a joint are those of a drawing: another joint has frames in their place. */
+static bool may_have(const node *object, const km_field *field) {
+  bool point = object->format == &km_format_joint && field->shape == KM_SHAPE_POINT;
+  return !point || km_joint_is_drawn(object->value);
+}
+
+/* A field that the file doesn't state, at the token that may name it or, of an element's place, its component. */
+static void find_unstated_field(search *s, node object, const km_field *field, size_t token) {
+  const km_value *stated = km_value_get(object.value, field->key);
+  bool named = strcmp(field->key, s->tokens[token]) == 0;
+  bool single = field->shape == KM_SHAPE_NUMBER || field->shape == KM_SHAPE_COORDINATES;
+  km_place place = {object.place, field->key, 0};
+  if (km_shape_is_numeric(field->shape) && token > 0)
+    offer(s, token, field->key);
+  if (named && !stated && single && token + 1 == s->count)
+    add(s, (reading){.object = object.value, .field = field, .component = -1}, &place);
+  for (int k = 0; k < 3 && is_place_of_element(field); ++k) {
+    if (token > 0)
+      offer(s, token, letters[k]);
+    if (strcmp(s->tokens[token], letters[k]) == 0)
+      find_component(s, object, field, k, token);
+  }
+  int item = token + 2 == s->count ? item_of(field, s->tokens[token + 1]) : -1;
+  if (named && field->shape == KM_SHAPE_POINT && item >= 0 && item < 3)
+    find_component(s, object, field, item, token + 1);
+}
+
 /* What the format knows and the file doesn't state: single numbers, and the components of points. */
 static void find_unstated(search *s, node object, size_t token) {
-  static const char *const letters[3] = {"x", "y", "z"};
   for (const km_field *field = object.format->fields; field->key; ++field) {
-    const km_value *stated = km_value_get(object.value, field->key);
-    bool named = strcmp(field->key, s->tokens[token]) == 0;
-    bool single = field->shape == KM_SHAPE_NUMBER || field->shape == KM_SHAPE_COORDINATES;
-    km_place place = {object.place, field->key, 0};
-    if (km_shape_is_numeric(field->shape))
-      offer(s, token, field->key);
-    if (named && !stated && single && token + 1 == s->count)
-      add(s, (reading){.object = object.value, .field = field, .component = -1}, &place);
-    for (int k = 0; k < 3 && is_place_of_element(field); ++k) {
-      offer(s, token, letters[k]);
-      if (strcmp(s->tokens[token], letters[k]) == 0)
-        find_component(s, object, field, k, token);
+    if (may_have(&object, field)) {
+      find_unstated_field(s, object, field, token);
+    } else if (strcmp(field->key, "at") == 0 &&
+               (strcmp(s->tokens[token], "at") == 0 || item_of(field, s->tokens[token]) >= 0)) {
+      reach(s, token);
+      s->pair = km_value_get(object.value, "body_frame_pairs");
     }
-    int index = token + 2 == s->count ? index_of(s->tokens[token + 1]) : -1;
-    if (named && field->shape == KM_SHAPE_POINT && index >= 0 && index < 3)
-      find_component(s, object, field, index, token + 1);
   }
+}
+
+static bool may_be_number(const km_field *field) {
+  return field && (km_shape_is_numeric(field->shape) || field->shape == KM_SHAPE_PARAMETERS);
 }
 
 static void find_members(search *s, node object, size_t token) {
@@ -135,7 +175,8 @@ static void find_members(search *s, node object, size_t token) {
       continue;
     bool holds = field->shape == KM_SHAPE_OBJECT || field->shape == KM_SHAPE_END;
     node member = {v, holds ? field->object : NULL, field, &place};
-    offer(s, token, v->key);
+    if (field->object || may_be_number(field))
+      offer(s, token, v->key);
     if (strcmp(v->key, s->tokens[token]) == 0)
       find(s, member, token + 1);
     if (object.format && field->shape == KM_SHAPE_OBJECTS && v->kind == KM_LIST)
@@ -143,10 +184,6 @@ static void find_members(search *s, node object, size_t token) {
   }
   if (object.format)
     find_unstated(s, object, token);
-}
-
-static bool may_be_number(const km_field *field) {
-  return field && (km_shape_is_numeric(field->shape) || field->shape == KM_SHAPE_PARAMETERS);
 }
 
 static void find(search *s, node at, size_t token) {
@@ -201,11 +238,30 @@ static km_status take_apart(const char *path, char *copy, search *s, km_error *e
   return KM_OK;
 }
 
+/* The paths of a pair of frames: "coupler.end.x or rocker.end.x". */
+static km_status has_frames(const search *s, const char *path, km_error *error) {
+  char names[3 * KM_PLACE_TEXT] = "";
+  for (const km_value *v = s->pair->first; v; v = v->next) {
+    char text[KM_PLACE_TEXT];
+    km_path_text(v, text);
+    for (char *c = text; *c; ++c)
+      *c = *c == '/' ? '.' : *c;
+    size_t used = strlen(names);
+    snprintf(names + used, sizeof names - used, "%s%.200s.x", used ? " or " : "", text);
+  }
+  return km_fail(error, KM_USAGE,
+                 "\"%.80s\" names no number of the model: the joint isn't drawn at a point, it connects two frames; "
+                 "expected one of theirs, as %.160s",
+                 path, names);
+}
+
 static km_status not_one(const search *s, const char *path, km_error *error) {
   char names[KM_NEAREST_TEXT];
   if (s->found > 1)
     return km_fail(error, KM_USAGE, "\"%.80s\" names several numbers, %s and %s; expected a path to one, from the root",
                    path, s->readings[0].place, s->readings[1].place);
+  if (s->pair)
+    return has_frames(s, path, error);
   km_nearest_text(&s->nearest, names);
   if (s->deepest == s->count && s->nearest.count == 0)
     return km_fail(error, KM_USAGE, "\"%.80s\" isn't a number of the model", path);

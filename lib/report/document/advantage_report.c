@@ -46,14 +46,14 @@ static void add_lead(km_document_maker *k, const km_plotted_advantage *p) {
     km_document_lead(k, km_document_format(
                             k, "The mechanical advantage of %s over %s goes from %s to %s, %s. %s", sweep->input.name,
                             sweep->output.name, bound_words(k, p, &sweep->lowest), bound_words(k, p, &sweep->highest),
-                            stroke, sweep->toggle_count ? "Its toggles are listed below." : "It has no toggle there."));
+                            stroke, sweep->toggle_count ? "Its dead points are listed below." : "It has no dead point there."));
 }
 
 static void add_facts(km_document_maker *k, const km_plotted_advantage *p, const char *stopped_by) {
   km_report_facts facts = {.rows = 0};
   km_report_fact(&facts, "Minimum", peak_words(k, p, &p->sweep->lowest));
   km_report_fact(&facts, "Maximum", peak_words(k, p, &p->sweep->highest));
-  km_report_fact(&facts, "Toggles", toggle_words(k, p));
+  km_report_fact(&facts, "Dead points", toggle_words(k, p));
   km_report_motion(k, &p->swept, stopped_by, &facts);
   km_report_close_facts(k, &facts);
 }

@@ -180,8 +180,12 @@ size_t km_studio_labels(const km_studio *s, const km_scene *scene, km_label *lab
   for (int i = 0; i < model->load_count && d->loads; ++i) {
     km_spot ends[2];
     if (km_load_arrow(s, scene, i, ends))
-      labels[count++] =
-          (km_label){.text = model->loads[i].name, .at = ends[0], .radius = 1.0, .colour = KM_LOAD_COLOUR};
+      labels[count++] = (km_label){.text = model->loads[i].name,
+                                   .at = ends[0],
+                                   .radius = 1.0,
+                                   .colour = KM_LOAD_COLOUR,
+                                   .arrow = true,
+                                   .tip = ends[1]};
   }
   for (int j = 0; j < model->joint_count; ++j)
     labels[count++] = (km_label){.text = model->joints[j].label,

@@ -58,8 +58,13 @@ static void add_trace(board *b, const km_projection *view, const km_drawing_trac
   }
 }
 
+/* The arrow that begins at a label's spot, as wide as its head. */
+static void add_arrow(board *b, const km_label *label) {
+  b->obstacles[b->obstacle_count++] = (obstacle){label->at, label->tip, 0.4 * b->em, true};
+}
+
 static bool gather(board *b, const km_scene *scene, const km_drawing_trace *traces, size_t trace_count) {
-  size_t most = trace_count * TRACE_STEPS;
+  size_t most = trace_count * TRACE_STEPS + b->count;
   for (size_t i = 0; i < scene->count; ++i)
     most += (size_t)scene->items[i].count;
   b->obstacles = KM_ARENA_NEW(scene->arena, obstacle, most);
@@ -70,6 +75,9 @@ static bool gather(board *b, const km_scene *scene, const km_drawing_trace *trac
       add_edges(b, &scene->items[i]);
   for (size_t t = 0; b->obstacles && t < trace_count; ++t)
     add_trace(b, scene->view, &traces[t]);
+  for (size_t i = 0; b->obstacles && i < b->count; ++i)
+    if (b->labels[i].arrow)
+      add_arrow(b, &b->labels[i]);
   b->near = KM_ARENA_NEW(scene->arena, const obstacle *, most);
   return b->obstacles && b->near;
 }

@@ -121,6 +121,8 @@ typedef struct km_label {
   km_canvas_point size;
   km_canvas_point box; /* left top corner, once placed */
   bool inside;         /* may lie over its spot */
+  bool arrow;          /* its spot is the tail of an arrow to `tip`, which no name may touch */
+  km_spot tip;
   bool placed;
   bool veiled; /* lies over a part of the picture: a veil sets it off */
 } km_label;

@@ -48,7 +48,7 @@ static size_t add_toggle(const km_mechanism *m, const km_mobility_sweep *sweep, 
   size_t same = 0;
   km_text meaning = {0};
   km_value *joints = km_value_add(arena, item, "joints", KM_LIST);
-  km_text_add(&meaning, "toggle: driving");
+  km_text_add(&meaning, "dead point: driving");
   for (; same < count && list[same].kind == KIND_TOGGLE && fabs(list[same].s - list->s) <= 1e-9 * (1.0 + fabs(list->s));
        ++same) {
     km_value_string(arena, joints, NULL, label_of(m, sweep, &list[same]));
