@@ -3,6 +3,7 @@
 
 #include "base/memory.h"
 #include "report/drawing/parts.h"
+#include "report/plot/palette.h"
 
 #include <stdio.h>
 #include <stdlib.h>
@@ -228,6 +229,60 @@ static void a_page_too_small_is_refused(void **state) {
   fixture_close(&f);
 }
 
+/* The points of every line in a colour, one line after the other. */
+static void lines_in(const char *svg, km_colour colour, km_text *out) {
+  char stroke[64];
+  snprintf(stroke, sizeof stroke, "stroke:rgb(%.6g%%,%.6g%%,%.6g%%)", 100 * colour.red, 100 * colour.green,
+           100 * colour.blue);
+  for (const char *path = strstr(svg, "<path"); path; path = strstr(path + 1, "<path")) {
+    const char *end = strstr(path, "/>"), *d = strstr(path, " d=\""), *own = strstr(path, stroke);
+    if (own && d && own < end && d < end)
+      km_text_format(out, "%.*s\n", (int)strcspn(d + 4, "\""), d + 4);
+  }
+}
+
+static void overlay(const fixture *a, const fixture *b, km_text lines[2]) {
+  const int colours[2] = {0, 1};
+  const km_rectangle place = {10, 10, 180, 180};
+  km_text out = {0};
+  km_canvas *canvas;
+  km_poses_update(a->mechanism, a->state);
+  km_poses_update(b->mechanism, b->state);
+  const km_drawing drawings[2] = {{.mechanism = a->mechanism, .poses = a->state->pose, .pose_count = 1, .bare = true},
+                                  {.mechanism = b->mechanism, .poses = b->state->pose, .pose_count = 1, .bare = true}};
+  assert_int_equal(km_canvas_create(KM_CANVAS_SVG, 200, 200, &out, &canvas, NULL), KM_OK);
+  assert_int_equal(km_drawing_overlay(drawings, colours, 2, canvas, place, NULL), KM_OK);
+  assert_int_equal(km_canvas_finish(canvas, NULL), KM_OK);
+  km_canvas_free(canvas);
+  for (int k = 0; k < 2; ++k)
+    lines_in(out.data, km_palette_text(colours[k]), &lines[k]);
+  km_text_free(&out);
+}
+
+/* What is the same lies in one place, and what is longer doesn't. */
+static void overlays_share_view_and_scale(void **state) {
+  (void)state;
+  for (int m = 0; all_models[m]; ++m) {
+    fixture a = fixture_open(all_models[m]), b = fixture_open(all_models[m]);
+    km_text lines[2] = {{0}, {0}};
+    overlay(&a, &b, lines);
+    assert_true(lines[0].size > 0);
+    assert_string_equal(lines[0].data, lines[1].data);
+    fixture_close(&a);
+    fixture_close(&b);
+    for (int k = 0; k < 2; ++k)
+      km_text_free(&lines[k]);
+  }
+  fixture a = fixture_open("fourbar"), b = fixture_open("klann");
+  km_text lines[2] = {{0}, {0}};
+  overlay(&a, &b, lines);
+  assert_string_not_equal(lines[0].data, lines[1].data);
+  fixture_close(&a);
+  fixture_close(&b);
+  for (int k = 0; k < 2; ++k)
+    km_text_free(&lines[k]);
+}
+
 static void thumbnails_of_any_size(void **state) {
   (void)state;
   km_text out = {0};
@@ -237,8 +292,10 @@ static void thumbnails_of_any_size(void **state) {
     fixture f = fixture_open(all_models[m]);
     km_poses_update(f.mechanism, f.state);
     km_rectangle place = {10 + 120 * (m % 5), 10 + 100 * (m / 5), 110, 90}, tiny = {600, 10, 2, 1};
-    assert_int_equal(km_drawing_into(canvas, f.mechanism, f.state, KM_VIEW_AUTO, place, NULL), KM_OK);
-    assert_int_equal(km_drawing_into(canvas, f.mechanism, f.state, KM_VIEW_ISO, tiny, NULL), KM_OK);
+    km_drawing drawing = {.mechanism = f.mechanism, .poses = f.state->pose, .pose_count = 1, .bare = true};
+    assert_int_equal(km_drawing_place(&drawing, canvas, place, NULL), KM_OK);
+    drawing.view = KM_VIEW_ISO;
+    assert_int_equal(km_drawing_place(&drawing, canvas, tiny, NULL), KM_OK);
     fixture_close(&f);
   }
   assert_int_equal(km_canvas_finish(canvas, NULL), KM_OK);
@@ -287,11 +344,12 @@ static void a_row_of_poses_shares_its_scale(void **state) {
 
 int main(void) {
   const struct CMUnitTest tests[] = {
-      cmocka_unit_test(the_same_bytes_for_every_model), cmocka_unit_test(the_plane_of_motion_is_found),
-      cmocka_unit_test(views_are_right_handed),         cmocka_unit_test(what_lies_in_front_comes_last),
-      cmocka_unit_test(loads_are_arrows_with_names),    cmocka_unit_test(names_do_not_overlap),
-      cmocka_unit_test(any_size_can_be_drawn),          cmocka_unit_test(a_page_too_small_is_refused),
-      cmocka_unit_test(thumbnails_of_any_size),         cmocka_unit_test(a_row_of_poses_shares_its_scale),
+      cmocka_unit_test(the_same_bytes_for_every_model),  cmocka_unit_test(the_plane_of_motion_is_found),
+      cmocka_unit_test(views_are_right_handed),          cmocka_unit_test(what_lies_in_front_comes_last),
+      cmocka_unit_test(loads_are_arrows_with_names),     cmocka_unit_test(names_do_not_overlap),
+      cmocka_unit_test(any_size_can_be_drawn),           cmocka_unit_test(a_page_too_small_is_refused),
+      cmocka_unit_test(overlays_share_view_and_scale),   cmocka_unit_test(thumbnails_of_any_size),
+      cmocka_unit_test(a_row_of_poses_shares_its_scale),
   };
   return cmocka_run_group_tests(tests, NULL, NULL);
 }

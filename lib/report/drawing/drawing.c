@@ -69,8 +69,7 @@ static double size_of(km_rectangle place) {
   return fmin(fmax(sqrt(fmin(place.width / 486.0, place.height / 260.0)), 0.3), 1.5);
 }
 
-/* Room around the points for symbols and names. */
-static km_rectangle inner_of(const km_studio *s) {
+km_rectangle km_studio_inner(const km_studio *s) {
   const km_rectangle *p = &s->place;
   double pad = fmin((s->drawing->bare ? 18.0 : 30.0) * s->size, 0.2 * fmin(p->width, p->height));
   return (km_rectangle){p->left + pad, p->top + pad, p->width - 2.0 * pad, p->height - 2.0 * pad};
@@ -85,7 +84,7 @@ bool km_studio_open(km_studio *s) {
     return false;
   s->view = km_view_make(s->drawing);
   s->extent = km_extent_of(s->drawing, s->shapes, &s->view);
-  km_projection_fit(&s->view, &s->extent, inner_of(s));
+  km_projection_fit(&s->view, &s->extent, km_studio_inner(s));
   choose_radius(s);
   return !s->arena.failed;
 }
@@ -245,11 +244,4 @@ km_status km_drawing_place(const km_drawing *drawing, km_canvas *canvas, km_rect
   if (km_studio_open(&s))
     km_studio_draw(&s);
   return km_studio_close(&s, error);
-}
-
-km_status km_drawing_into(km_canvas *canvas, const km_mechanism *mechanism, const km_state *state, km_view view,
-                          km_rectangle place, km_error *error) {
-  const km_drawing drawing = {
-      .mechanism = mechanism, .poses = state->pose, .pose_count = 1, .view = view, .bare = true};
-  return km_drawing_place(&drawing, canvas, place, error);
 }

@@ -48,9 +48,10 @@ km_status km_drawing_render(const km_drawing *drawing, km_canvas_format format, 
 /* Draws into a rectangle of a page, nothing around it. Drawings that differ only in `full` share
  * scale and view: with `alone`, a row of them shows a motion. KM_MEMORY. */
 km_status km_drawing_place(const km_drawing *drawing, km_canvas *canvas, km_rectangle place, km_error *error);
-/* A thumbnail of one state, without names. The state's poses must be up to date. KM_MEMORY. */
-km_status km_drawing_into(km_canvas *canvas, const km_mechanism *mechanism, const km_state *state, km_view view,
-                          km_rectangle place, km_error *error);
+/* Several mechanisms over each other, each as drawings[k].full has it, in one view and at one scale: their links as lines
+ * of the palette's colours[k], the ground of the first. They fit into the place in all their poses. KM_MEMORY. */
+km_status km_drawing_overlay(const km_drawing *drawings, const int *colours, int count, km_canvas *canvas,
+                             km_rectangle place, km_error *error);
 
 /* Whether the view that is asked for looks along the axes of a mechanism that moves in a plane. */
 bool km_drawing_is_planar(const km_drawing *drawing);

@@ -147,6 +147,8 @@ typedef struct km_studio {
 /* Fills everything but drawing, canvas and place from them; the canvas isn't touched. False when
  * memory fails: the close tells. */
 bool km_studio_open(km_studio *studio);
+/* The place without the room around the points for symbols and names. */
+km_rectangle km_studio_inner(const km_studio *studio);
 enum { KM_LOAD_COLOUR = 1 }; /* of the palette */
 /* Tail and tip of a load's arrow on the page; false where the load is 0 or points at the viewer. */
 bool km_load_arrow(const km_studio *studio, const km_scene *scene, int load, km_spot out[2]);

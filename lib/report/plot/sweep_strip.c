@@ -9,7 +9,7 @@
 
 #include <string.h>
 
-static const double strip_height = 132, caption_height = 14, margin = 10; /* points */
+static const double strip_height = 132, names_height = 12, caption_height = 14, margin = 10; /* points */
 enum { MOST_BODIES = 60 };
 
 void km_row_pose(const km_mechanism *m, const km_table *table, size_t row, km_state *state, double *q, km_pose *poses) {
@@ -36,26 +36,47 @@ static const char *caption(const km_swept *sweep, double s, km_arena *arena) {
   return km_text_keep(&text, arena);
 }
 
+/* In one group, each behind a dash of its colour: what stands under a picture would seem to name that one. */
+static void draw_names(const km_sweep_strip *strip, km_canvas *canvas, double y, double width) {
+  const double dash = 10, gap = 12;
+  const km_font font = {.size = 8, .width = (width - 2 * margin) / strip->layers - dash - gap};
+  double room[KM_MOST_STRIP_LAYERS], all = -gap;
+  for (int k = 0; k < strip->layers; ++k) {
+    room[k] = km_canvas_measure(canvas, &font, strip->names[k]).x + 1.5 * dash + gap;
+    all += room[k];
+  }
+  double x = 0.5 * (width - all);
+  for (int k = 0; k < strip->layers; x += room[k++]) {
+    const km_pen pen = {.colour = km_palette_text(strip->colours[k]), .width = 1.6};
+    km_canvas_line(canvas, &pen, (km_canvas_point){x, y - 0.4 * font.size},
+                   (km_canvas_point){x + dash, y - 0.4 * font.size});
+    km_canvas_text(canvas, &font, pen.colour, strip->names[k], (km_canvas_point){x + 1.5 * dash, y},
+                   (km_anchor){0, 1, 0});
+  }
+}
+
 static void draw(void *context, km_canvas *canvas, double top, double width) {
   const km_sweep_strip *strip = context;
   const km_font font = {.size = 8, .width = width / strip->count};
   double each = (width - 2 * margin) / strip->count;
   for (int k = 0; k < strip->count; ++k) {
-    const km_strip_picture *picture = &strip->pictures[k];
-    const km_drawing drawing = {.mechanism = picture->mechanism,
-                                .poses = picture->poses,
-                                .pose_count = picture->pose_count,
-                                .full = picture->full,
-                                .alone = true,
-                                .bare = true};
+    km_drawing layers[KM_MOST_STRIP_LAYERS];
+    for (int i = 0; i < strip->layers; ++i) {
+      layers[i] = strip->drawings[i];
+      layers[i].full = (size_t)k;
+    }
     double left = margin + k * each;
     /* A pose that can't be drawn leaves its place empty. */
     const km_rectangle place = {left + 8, top, each - 16, strip_height - caption_height - margin};
-    if (km_drawing_place(&drawing, canvas, place, NULL) == KM_MEMORY)
+    km_status status = strip->names[0] ? km_drawing_overlay(layers, strip->colours, strip->layers, canvas, place, NULL)
+                                       : km_drawing_place(&layers[0], canvas, place, NULL);
+    if (status == KM_MEMORY)
       km_canvas_fail(canvas);
-    km_canvas_text(canvas, &font, km_palette_text(picture->colour), picture->caption,
+    km_canvas_text(canvas, &font, km_palette_text(-1), strip->captions[k],
                    (km_canvas_point){left + each / 2, top + strip_height - margin}, (km_anchor){0.5, 1, 0});
   }
+  if (strip->names[0])
+    draw_names(strip, canvas, top + strip_height + names_height - margin, width);
 }
 
 static bool fits(const km_swept *sweep) {
@@ -77,42 +98,84 @@ static km_pose *poses_of(const km_swept *sweep, const size_t *rows, int count, k
   return arena->failed ? NULL : poses;
 }
 
+static double s_of(const km_swept *sweep, size_t row) {
+  const km_table *table = sweep->motion->table;
+  return km_table_row(table, row)[km_table_find(table, "s")];
+}
+
+static km_drawing drawing_of(const km_swept *sweep, const size_t *rows, int count, km_arena *arena) {
+  return (km_drawing){.mechanism = sweep->mechanism,
+                      .poses = poses_of(sweep, rows, count, arena),
+                      .pose_count = (size_t)count,
+                      .alone = true,
+                      .bare = true};
+}
+
 km_plot_strip km_sweep_strip_make(const km_swept *sweep, int count, km_arena *arena, km_sweep_strip *out) {
   const km_table *table = sweep->motion->table;
   size_t rows[KM_MOST_STRIP_POSES] = {0};
-  *out = (km_sweep_strip){.count = count};
+  *out = (km_sweep_strip){.count = count, .layers = 1};
   if (!fits(sweep))
     return (km_plot_strip){0};
-  for (int k = 0; k < count; ++k)
+  for (int k = 0; k < count; ++k) {
     rows[k] = k + 1 == count ? km_table_rows(table) - 1 : (size_t)k * km_table_rows(table) / (size_t)(count - 1);
-  const km_pose *poses = poses_of(sweep, rows, count, arena);
-  for (int k = 0; k < count && poses; ++k)
-    out->pictures[k] =
-        (km_strip_picture){sweep->mechanism,
-                           poses,
-                           (size_t)count,
-                           (size_t)k,
-                           caption(sweep, km_table_row(table, rows[k])[km_table_find(table, "s")], arena),
-                           -1};
-  return poses && !arena->failed ? (km_plot_strip){strip_height, draw, out} : (km_plot_strip){0};
+    out->captions[k] = caption(sweep, s_of(sweep, rows[k]), arena);
+  }
+  out->drawings[0] = drawing_of(sweep, rows, count, arena);
+  return arena->failed ? (km_plot_strip){0} : (km_plot_strip){strip_height, draw, out};
+}
+
+/* Where the stroke that all share ends: it begins where the first one does. NaN where the drivers differ. */
+static double common_end(const km_swept *sweeps, int count) {
+  const km_swept *first = &sweeps[0];
+  const char *driver = km_model_coordinate_label(first->mechanism->model, first->plan->coordinate);
+  double begin = s_of(first, 0), end = s_of(first, km_table_rows(first->motion->table) - 1);
+  double sign = end < begin ? -1.0 : 1.0;
+  for (int i = 0; i < count; ++i) {
+    const km_model *model = sweeps[i].mechanism->model;
+    double own = s_of(&sweeps[i], km_table_rows(sweeps[i].motion->table) - 1);
+    end = sign * fmin(sign * end, sign * own);
+    if (sweeps[i].plan->arclength > 0.0 ||
+        strcmp(km_model_coordinate_label(model, sweeps[i].plan->coordinate), driver) != 0)
+      return nan("");
+  }
+  return sign * (end - begin) > 0.0 ? end : nan("");
+}
+
+/* The row nearest to a value of the driver. */
+static size_t row_at(const km_swept *sweep, double s) {
+  size_t best = 0;
+  for (size_t r = 1; r < km_table_rows(sweep->motion->table); ++r)
+    if (fabs(s_of(sweep, r) - s) < fabs(s_of(sweep, best) - s))
+      best = r;
+  return best;
 }
 
 km_plot_strip km_comparison_strip_make(const km_swept *sweeps, int count, bool ordered, km_arena *arena,
                                        km_sweep_strip *out) {
-  int shown = count < KM_MOST_STRIP_POSES ? count : KM_MOST_STRIP_POSES;
+  enum { POSES = 3 };
+  static const char *const parts[POSES] = {"begin", "middle", "end"};
+  int shown = count < KM_MOST_STRIP_LAYERS ? count : KM_MOST_STRIP_LAYERS;
   const char **names = km_short_names_of(&sweeps[0].name, sizeof *sweeps, count, arena);
-  *out = (km_sweep_strip){.count = shown};
-  for (int k = 0; k < shown && names; ++k) {
-    int i = k * (count - 1) / (shown > 1 ? shown - 1 : 1);
+  *out = (km_sweep_strip){.count = POSES, .layers = shown};
+  for (int i = 0; i < count; ++i)
     if (!fits(&sweeps[i]))
       return (km_plot_strip){0};
-    const size_t middle = km_table_rows(sweeps[i].motion->table) / 2;
-    out->pictures[k] = (km_strip_picture){sweeps[i].mechanism,
-                                          poses_of(&sweeps[i], &middle, 1, arena),
-                                          1,
-                                          0,
-                                          names[i],
-                                          km_palette_compared(i, count, ordered)};
+  double begin = s_of(&sweeps[0], 0), end = common_end(sweeps, count);
+  for (int k = 0; k < POSES; ++k)
+    out->captions[k] =
+        isfinite(end)
+            ? caption(&sweeps[0], s_of(&sweeps[0], row_at(&sweeps[0], begin + k * (end - begin) / (POSES - 1))), arena)
+            : parts[k];
+  for (int layer = 0; layer < shown && names; ++layer) {
+    int i = layer * (count - 1) / (shown > 1 ? shown - 1 : 1);
+    size_t rows[POSES], last = km_table_rows(sweeps[i].motion->table) - 1;
+    for (int k = 0; k < POSES; ++k)
+      rows[k] =
+          isfinite(end) ? row_at(&sweeps[i], begin + k * (end - begin) / (POSES - 1)) : (size_t)k * last / (POSES - 1);
+    out->drawings[layer] = drawing_of(&sweeps[i], rows, POSES, arena);
+    out->names[layer] = names[i];
+    out->colours[layer] = km_palette_compared(i, count, ordered);
   }
-  return arena->failed ? (km_plot_strip){0} : (km_plot_strip){strip_height, draw, out};
+  return arena->failed ? (km_plot_strip){0} : (km_plot_strip){strip_height + names_height, draw, out};
 }

@@ -1,32 +1,32 @@
-/* Small drawings for the strip beneath a plot: poses over a sweep, from first to last, or what is compared side by side. */
+/* Small drawings for the strip beneath a plot: poses over a sweep, from first to last; of what is compared, over each other.
+ */
 #ifndef KM_REPORT_PLOT_SWEEP_STRIP_H
 #define KM_REPORT_PLOT_SWEEP_STRIP_H
 
+#include "report/drawing/drawing.h"
 #include "report/plot/sweep_plot.h"
 #include "spatial/pose.h"
 
 enum { KM_MOST_STRIP_POSES = 6 };
 
-/* One small drawing: the pose `full` of several that share its scale. */
-typedef struct km_strip_picture {
-  const km_mechanism *mechanism;
-  const km_pose *poses; /* [pose_count · bodies] */
-  size_t pose_count, full;
-  const char *caption;
-  int colour; /* of the caption; -1: grey */
-} km_strip_picture;
+enum { KM_MOST_STRIP_LAYERS = 6 };
 
 typedef struct km_sweep_strip {
-  int count;
-  km_strip_picture pictures[KM_MOST_STRIP_POSES];
+  int count;                                 /* pictures, from left to right */
+  int layers;                                /* mechanisms over each other */
+  km_drawing drawings[KM_MOST_STRIP_LAYERS]; /* picture k shows pose k of each; all share one scale */
+  const char *captions[KM_MOST_STRIP_POSES];
+  const char *names[KM_MOST_STRIP_LAYERS]; /* of what is compared, in colours[k]; NULL: of one mechanism */
+  int colours[KM_MOST_STRIP_LAYERS];
 } km_sweep_strip;
 
 /* Poses of `count` rows of the sweep, evenly spaced, from the table's coordinates. A strip without height where there
  * is nothing to draw, or too much for its size. `out` is the strip's context and must outlive it. */
 km_plot_strip km_sweep_strip_make(const km_swept *sweep, int count, km_arena *arena, km_sweep_strip *out);
 
-/* The models or variants of a comparison at the middle row of each, in the colours of their curves; of more than fit the
- * first, the last and some between. */
+/* The models or variants of a comparison over each other, in the colours of their curves: where the stroke that they
+ * share begins, in its middle and at its end, or, where they have no driver of one name, so far along their own rows.
+ * Of more than fit the first, the last and some between. */
 km_plot_strip km_comparison_strip_make(const km_swept *sweeps, int count, bool ordered, km_arena *arena,
                                        km_sweep_strip *out);
 
