@@ -1,0 +1,71 @@
+/* The sparse engine on patterns with holes. */
+#include "support/matrices.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+/* A band with some entries far off, of a rank that is less than full: as a substructure of many loops. */
+static void fill_band(int rows, int columns, int *start, int *row) {
+  int entries = 0;
+  f.rows = rows;
+  f.columns = columns;
+  memset(f.J, 0, sizeof f.J);
+  for (int c = 0; c < columns; ++c) {
+    f.D[c] = 0.3 + fabs(any());
+    f.forced[c] = false;
+    start[c] = entries;
+    for (int r = 0; r < rows; ++r) {
+      bool near = abs(r * columns - c * rows) <= 2 * columns, far = index_below(40) == 0;
+      bool twin = c % 10 == 9 && f.J[(c - 1) * rows + r] != 0.0; /* a multiple of the column before */
+      if (c % 10 == 9 ? twin : near || far) {
+        f.J[c * rows + r] = twin ? -0.7 * f.J[(c - 1) * rows + r] : any();
+        row[entries++] = r;
+      }
+    }
+  }
+  start[columns] = entries;
+}
+
+/* The sparse engine on patterns with holes, against LAPACK's and against the dense one. */
+static void against_the_dense_engine(void **state) {
+  (void)state;
+  static int start[MOST + 1], row[MOST * MOST];
+  for (int i = 0; i < 400; ++i) {
+    fill_band(20 + index_below(50), 20 + index_below(60), start, row);
+    reserve();
+    assert_true(km_partition_reserve_sparse(&f.p, f.rows, f.columns, start, row, &f.arena));
+    if (i % 2)
+      f.forced[index_below(f.columns)] = true;
+    run_svd();
+    factor(&f.p);
+    km_partition_factor(&f.q, f.J, f.rows, f.columns, f.forced, 1e-9);
+    assert_int_equal(f.p.rank, f.q.rank);
+    assert_int_equal(f.p.forced_dependent, f.q.forced_dependent);
+    if (f.p.largest_b < 1e3)
+      check_all(&f.p, 1e-9);
+    if (!(i % 2)) /* as small as complete pivoting keeps it, or nearly */
+      assert_true(f.p.largest_b <= 2.0 * fmax(f.q.largest_b, 1.0));
+    assert_true(km_partition_reserve_like(&f.q, &f.p, f.rows, f.columns, &f.arena));
+    km_partition_copy_pivots(&f.q, &f.p);
+    for (int k = 0; k < f.rows * f.columns; ++k)
+      f.J[k] *= 1.0 + 1e-7 * any();
+    f.q.smallest_pivot = f.p.smallest_pivot;
+    f.q.pivoted_b = f.p.pivoted_b;
+    bool kept = km_partition_refactor(&f.p, stored(&f.p));
+    assert_int_equal(km_partition_refactor(&f.q, stored(&f.q)), kept);
+    for (int k = 0; k < f.p.rank * km_partition_freedom(&f.p); ++k)
+      assert_true(f.p.B[k] == f.q.B[k]);
+  }
+}
+
+static int clean(void **state) {
+  (void)state;
+  km_arena_free(&f.arena);
+  return 0;
+}
+
+int main(void) {
+  const struct CMUnitTest tests[] = {cmocka_unit_test(against_the_dense_engine)};
+  return cmocka_run_group_tests(tests, NULL, clean);
+}
