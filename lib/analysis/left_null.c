@@ -174,7 +174,7 @@ static void fill_couplings(const km_left_space *a, transposed *T) {
     for (int k = 0; k < coupling->term_count; ++k) {
       const km_term *term = &a->m->terms[coupling->term_start + k];
       if (term->column >= 0)
-        T->entries[(size_t)T->at * (size_t)T->height + (size_t)term->column] = term->coefficient;
+        km_term_value(a->m, a->s, term, &T->entries[(size_t)T->at * (size_t)T->height + (size_t)term->column]);
     }
   }
 }

@@ -169,14 +169,29 @@ static void update_spatial(const km_mechanism *m, km_state *s, const km_substruc
   }
 }
 
+double km_term_value(const km_mechanism *m, const km_state *s, const km_term *term, double *slope) {
+  double x = s->q[term->coordinate] / m->unit[term->coordinate], value = 0.0;
+  *slope = term->coefficient;
+  if (term->curve_count == 0)
+    return term->coefficient * x;
+  *slope = 0.0;
+  for (int k = term->curve_count - 1; k >= 0; --k) {
+    *slope = *slope * x + value;
+    value = value * x + m->curves[term->curve_start + k];
+  }
+  return value;
+}
+
 static void update_couplings(const km_mechanism *m, km_state *s, const km_substructure *sub) {
-  double *error = km_state_error(s, sub);
+  double *error = km_state_error(s, sub), *J = km_state_jacobian(s, sub), slope;
   for (int i = 0; i < sub->coupling_count; ++i) {
     const km_coupling *coupling = &m->couplings[sub->coupling_start + i];
     double sum = -coupling->constant;
     for (int k = 0; k < coupling->term_count; ++k) {
       const km_term *term = &m->terms[coupling->term_start + k];
-      sum += term->coefficient * s->q[term->coordinate] / m->unit[term->coordinate];
+      sum += km_term_value(m, s, term, &slope);
+      if (term->curve_count > 0 && term->column >= 0)
+        J[term->at] = slope;
     }
     error[coupling->row] = sum;
   }

@@ -9,6 +9,9 @@
  * about a point of the loop, lengths over the substructure's size. No allocation; O(steps + entries of J). */
 void km_loops_update(const km_mechanism *mechanism, km_state *state, const km_substructure *sub);
 
+/* What a term of a coupling adds to its row, and the derivative by the scaled coordinate. */
+double km_term_value(const km_mechanism *mechanism, const km_state *state, const km_term *term, double *slope);
+
 /* √(eᵀe/6) of the substructure's worst loop (235), coupling errors alike, and which loop that is (-1: a coupling
  * or none). Scaled. */
 double km_loops_residual(const km_mechanism *mechanism, const km_state *state, const km_substructure *sub, int *worst);

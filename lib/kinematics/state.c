@@ -54,7 +54,7 @@ static bool allocate(const km_mechanism *m, km_state *s) {
   return !arena->failed;
 }
 
-/* Coupling rows don't change with the pose. */
+/* The entries of couplings that don't change with the pose. */
 static void set_coupling_rows(const km_mechanism *m, km_state *s) {
   for (int i = 0; i < m->topology.substructure_count; ++i) {
     const km_substructure *sub = &m->substructures[i];

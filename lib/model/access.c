@@ -1,6 +1,9 @@
 /* What a program asks of a model by index: names, owners, limits. */
 #include "model/model.h"
 
+#include "base/check.h"
+#include "base/nearest.h"
+
 #include <math.h>
 #include <string.h>
 
@@ -103,4 +106,29 @@ const char *km_model_sha256(const km_model *model) {
   if (!model)
     return "";
   return model->sha256;
+}
+
+int km_model_pose_count(const km_model *model) {
+  return model ? model->pose_count : 0;
+}
+
+const char *km_model_pose_name(const km_model *model, int pose) {
+  return model && pose >= 0 && pose < model->pose_count ? model->poses[pose].name : "";
+}
+
+km_status km_model_find_pose(const km_model *model, const char *name, int *pose, km_error *error) {
+  km_status status = km_check_given(model && name && pose, "model, name or place for the result", error);
+  if (status)
+    return status;
+  km_nearest nearest = {.wanted = name};
+  char names[KM_NEAREST_TEXT];
+  for (*pose = 0; *pose < model->pose_count; ++*pose) {
+    if (strcmp(model->poses[*pose].name, name) == 0)
+      return KM_OK;
+    km_nearest_offer(&nearest, model->poses[*pose].name);
+  }
+  if (model->pose_count == 0)
+    return km_fail(error, KM_USAGE, "\"%.80s\" names no pose: the model names none", name);
+  return km_fail(error, KM_USAGE, "\"%.80s\" names no pose; the nearest of %d are %s", name, model->pose_count,
+                 km_nearest_text(&nearest, names));
 }

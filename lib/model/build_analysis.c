@@ -111,6 +111,30 @@ km_status km_model_add_hold(km_builder *b, km_coordinate_ref coordinate, double 
   return KM_OK;
 }
 
+km_status km_model_add_pose(km_builder *b, const char *name, const km_coordinate_ref *coordinates, const double *values,
+                            int count, km_error *error) {
+  const char *copy;
+  if (!b || !b->model || count < 0 || (count > 0 && (!coordinates || !values)) ||
+      !km_builder_sane(values, (size_t)count))
+    return km_fail(error, KM_MODEL, "pose \"%.80s\": found no builder, or a value that is not finite",
+                   name ? name : "");
+  km_status status = km_builder_name(b, "pose", name, NULL, 0, NULL, &copy, error);
+  for (int i = 0; i < b->model->pose_count && !status; ++i)
+    if (strcmp(b->model->poses[i].name, copy) == 0)
+      status = km_fail(error, KM_MODEL, "pose \"%.80s\": this name is used twice; expected a name of its own", copy);
+  if (status)
+    return status;
+  int *list = KM_ARENA_NEW(&b->model->arena, int, (size_t)count);
+  double *numbers = km_builder_numbers(b, values, (size_t)count);
+  if (b->model->arena.failed || !KM_BUILDER_GROW(b, poses, pose_room, pose_count))
+    return km_builder_memory(error);
+  for (int k = 0; k < count; ++k)
+    if (!km_builder_coordinate(b, coordinates[k], "a pose", &list[k], error))
+      return KM_MODEL;
+  b->model->poses[b->model->pose_count++] = (km_model_pose){copy, count, list, numbers};
+  return KM_OK;
+}
+
 km_status km_model_add_actuator(km_builder *b, km_coordinate_ref coordinate, km_error *error) {
   int c;
   if (!b || !b->model)

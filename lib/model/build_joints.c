@@ -139,7 +139,7 @@ km_status km_model_add_joint(km_builder *b, const km_joint_def *def, km_joint_id
 /* The coordinates of a coupling into `list`. */
 static km_status find_coupled(const km_builder *b, const km_coupling_def *def, const char *who, int *list,
                               km_error *error) {
-  bool some = false;
+  bool some = def->polynomial_count > 0;
   for (int k = 0; k < def->count; ++k) {
     if (!km_builder_coordinate(b, def->coordinates[k], who, &list[k], error))
       return KM_MODEL;
@@ -149,17 +149,27 @@ static km_status find_coupled(const km_builder *b, const km_coupling_def *def, c
     for (int i = 0; i < k; ++i)
       if (list[i] == list[k])
         return km_fail(error, KM_MODEL, "%s: names a coordinate twice; expected each once", who);
-    some = some || def->ratios[k] != 0.0;
+    some = some || (def->ratios && def->ratios[k] != 0.0);
   }
   return some ? KM_OK : km_fail(error, KM_MODEL, "%s: every ratio is 0; expected at least one that isn't", who);
+}
+
+/* Either ratios, and perhaps a constant, or two coordinates and a polynomial. */
+static bool is_law(const km_coupling_def *def) {
+  if (def->polynomial_count > 0)
+    return def->count == 2 && !def->ratios && !def->constant_given && def->polynomial &&
+           km_builder_sane(def->polynomial, (size_t)def->polynomial_count);
+  return def->polynomial_count == 0 && def->ratios && km_builder_sane(def->ratios, (size_t)def->count) &&
+         km_builder_sane(&def->constant, 1);
 }
 
 km_status km_model_add_coupling(km_builder *b, const km_coupling_def *def, km_error *error) {
   const char *name;
   char who[120];
-  if (!b || !b->model || !def || def->count < 1 || !def->coordinates || !def->ratios ||
-      !km_builder_sane(def->ratios, (size_t)def->count))
-    return km_fail(error, KM_MODEL, "coupling \"%.80s\": expected one or more coordinates, each with a finite ratio",
+  if (!b || !b->model || !def || def->count < 1 || !def->coordinates || !is_law(def))
+    return km_fail(error, KM_MODEL,
+                   "coupling \"%.80s\": expected one or more coordinates, each with a finite ratio, or two and a "
+                   "polynomial",
                    def && def->name ? def->name : "");
   km_status status = km_builder_name(b, "coupling", def->name, NULL, 0, NULL, &name, error);
   if (status)
@@ -167,11 +177,20 @@ km_status km_model_add_coupling(km_builder *b, const km_coupling_def *def, km_er
   snprintf(who, sizeof who, "coupling \"%.80s\"", name);
   km_model *m = b->model;
   int *list = KM_ARENA_NEW(&m->arena, int, (size_t)def->count);
-  double *ratios = km_builder_numbers(b, def->ratios, (size_t)def->count);
-  if (!list || !ratios || !KM_BUILDER_GROW(b, couplings, coupling_room, coupling_count))
+  double *ratios = km_builder_numbers(b, def->ratios, def->ratios ? (size_t)def->count : 0);
+  double *polynomial = km_builder_numbers(b, def->polynomial, (size_t)def->polynomial_count);
+  if (!list || m->arena.failed || !KM_BUILDER_GROW(b, couplings, coupling_room, coupling_count))
     return km_builder_memory(error);
   status = find_coupled(b, def, who, list, error);
   if (!status)
-    m->couplings[m->coupling_count++] = (km_model_coupling){name, name, def->count, list, ratios};
+    m->couplings[m->coupling_count++] = (km_model_coupling){.name = name,
+                                                            .where = name,
+                                                            .count = def->count,
+                                                            .coordinates = list,
+                                                            .ratios = ratios,
+                                                            .constant_given = def->constant_given,
+                                                            .constant = def->constant,
+                                                            .polynomial_count = def->polynomial_count,
+                                                            .polynomial = polynomial};
   return status;
 }

@@ -78,7 +78,11 @@ typedef struct km_model_coupling {
   const char *name, *where;
   int count;
   int *coordinates;
-  double *ratios;
+  double *ratios;      /* NULL: of the first coordinate by a polynomial in the second one */
+  bool constant_given; /* else it is that of the first positions */
+  double constant;
+  int polynomial_count;
+  double *polynomial; /* [polynomial_count] lowest power first; radians, lengths */
 } km_model_coupling;
 
 enum { KM_PORT_FRAMES = -1 };
@@ -131,6 +135,14 @@ typedef struct km_model_hold {
   double value; /* file's unit */
 } km_model_hold;
 
+/* A pose by name: values of some coordinates, in the file's units. */
+typedef struct km_model_pose {
+  const char *name;
+  int count;
+  int *coordinates;
+  double *values;
+} km_model_pose;
+
 typedef struct km_model_sweep {
   int coordinate;   /* -1: none given */
   double range[2];  /* file's unit */
@@ -165,12 +177,13 @@ struct km_model {
   km_model_module *modules;
   km_applied_load *loads;
   km_model_hold *holds;
+  km_model_pose *poses;
   int *actuators;       /* coordinates */
   bool actuators_given; /* also where the list is empty */
   km_model_handle advantage_input, advantage_output;
   km_model_sweep sweep;
   int assembly_count, body_count, frame_count, joint_count, coordinate_count, coupling_count, module_count;
-  int load_count, hold_count, actuator_count;
+  int load_count, hold_count, pose_count, actuator_count;
 };
 
 static inline int km_model_freedom(const km_model *model, int joint) {

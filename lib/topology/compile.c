@@ -33,10 +33,12 @@ static km_status build_topology(km_mechanism *m, km_error *error) {
 }
 
 bool km_compile_allocate(km_mechanism *m, km_walks *walks) {
-  size_t steps, entries, terms = 0;
+  size_t steps, entries, terms = 0, curves = 0;
   km_compile_bounds(m, &steps, &entries);
-  for (int i = 0; i < m->model->coupling_count; ++i)
+  for (int i = 0; i < m->model->coupling_count; ++i) {
     terms += (size_t)m->model->couplings[i].count;
+    curves += (size_t)m->model->couplings[i].polynomial_count;
+  }
 
   km_arena *arena = &m->arena;
   size_t coordinates = (size_t)m->coordinate_count, loops = (size_t)m->topology.loop_count;
@@ -66,6 +68,7 @@ bool km_compile_allocate(km_mechanism *m, km_walks *walks) {
   m->entries = KM_ARENA_NEW(arena, km_entry, entries);
   m->couplings = KM_ARENA_NEW(arena, km_coupling, (size_t)m->model->coupling_count);
   m->terms = KM_ARENA_NEW(arena, km_term, terms);
+  m->curves = KM_ARENA_NEW(arena, double, curves);
   m->arcs = KM_ARENA_NEW(arena, km_arc, bodies);
   m->arc_of = KM_ARENA_NEW(arena, int, bodies);
   return km_walks_create(m, steps, arena, walks);
@@ -208,6 +211,37 @@ static void set_columns(km_mechanism *m, int *next) {
   each_column(m, next);
 }
 
+/* Σ ratio · q = constant. The constant is the file's, also where a coordinate is held elsewhere. */
+static void set_ratios(km_mechanism *m, const km_model_coupling *def, km_coupling *out) {
+  double largest = 0.0, constant = 0.0;
+  for (int k = 0; k < def->count; ++k)
+    largest = fmax(largest, fabs(def->ratios[k] * m->unit[def->coordinates[k]]));
+  for (int k = 0; k < def->count; ++k) {
+    int c = def->coordinates[k];
+    m->terms[m->term_count++] =
+        (km_term){.coordinate = c, .column = m->column_of[c], .coefficient = def->ratios[k] * m->unit[c] / largest};
+    constant += def->ratios[k] / largest * m->model->coordinates[c].position * km_model_coordinate_factor(m->model, c);
+  }
+  out->constant = def->constant_given ? def->constant / largest : constant;
+}
+
+/* q1 - Σ c_k q2^k = 0. */
+static void set_polynomial(km_mechanism *m, const km_model_coupling *def) {
+  int one = def->coordinates[0], two = def->coordinates[1];
+  double x = m->start[two], slope = 0.0, power = 1.0;
+  for (int k = def->polynomial_count - 1; k > 0; --k)
+    slope = slope * x + k * def->polynomial[k];
+  double largest = fmax(m->unit[one], fabs(slope) * m->unit[two]);
+  m->terms[m->term_count++] =
+      (km_term){.coordinate = one, .column = m->column_of[one], .coefficient = m->unit[one] / largest};
+  m->terms[m->term_count++] = (km_term){.coordinate = two,
+                                        .column = m->column_of[two],
+                                        .curve_start = m->curve_size,
+                                        .curve_count = def->polynomial_count};
+  for (int k = 0; k < def->polynomial_count; ++k, power *= m->unit[two])
+    m->curves[m->curve_size++] = -def->polynomial[k] * power / largest;
+}
+
 static void set_couplings(km_mechanism *m, int s) {
   km_substructure *sub = &m->substructures[s];
   sub->coupling_start = m->coupling_count;
@@ -217,17 +251,10 @@ static void set_couplings(km_mechanism *m, int s) {
       continue;
     km_coupling *coupling = &m->couplings[m->coupling_count++];
     *coupling = (km_coupling){.row = sub->rows++, .term_start = m->term_count, .term_count = def->count};
-    double largest = 0.0;
-    for (int k = 0; k < def->count; ++k)
-      largest = fmax(largest, fabs(def->ratios[k] * m->unit[def->coordinates[k]]));
-    for (int k = 0; k < def->count; ++k) {
-      int c = def->coordinates[k];
-      m->terms[m->term_count++] =
-          (km_term){.coordinate = c, .column = m->column_of[c], .coefficient = def->ratios[k] * m->unit[c] / largest};
-      /* The constant is the file's, also where a coordinate is held elsewhere. */
-      coupling->constant +=
-          def->ratios[k] / largest * m->model->coordinates[c].position * km_model_coordinate_factor(m->model, c);
-    }
+    if (def->polynomial_count > 0)
+      set_polynomial(m, def);
+    else
+      set_ratios(m, def, coupling);
   }
   sub->coupling_count = m->coupling_count - sub->coupling_start;
 }

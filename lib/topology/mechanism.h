@@ -80,7 +80,9 @@ typedef struct km_coupling {
 typedef struct km_term {
   int coordinate, column; /* column -1: held */
   double coefficient;     /* of the scaled coordinate, scaled so that the largest of a row is 1 */
-  size_t at;              /* where its value is stored in the Jacobian */
+  int curve_start,
+      curve_count; /* > 0: instead, a polynomial of the scaled coordinate, lowest power first; in `curves` */
+  size_t at;       /* where its value is stored in the Jacobian */
 } km_term;
 
 /* Which entries of a Jacobian are stored: all, column by column, or of a large one with few entries other than 0 just
@@ -146,9 +148,10 @@ struct km_mechanism {
   km_entry *entries;
   km_coupling *couplings;
   km_term *terms;
-  km_arc *arcs; /* bodies by level, without the inertial frame */
-  int *arc_of;  /* [body] into arcs; -1 for the inertial frame */
-  int program_count, step_count, planar_step_count, entry_count, coupling_count, term_count;
+  double *curves; /* coefficients of the terms that are polynomials */
+  km_arc *arcs;   /* bodies by level, without the inertial frame */
+  int *arc_of;    /* [body] into arcs; -1 for the inertial frame */
+  int program_count, step_count, planar_step_count, entry_count, coupling_count, term_count, curve_size;
   int largest_slots, largest_rows, largest_columns;
   size_t matrix_size;
   int error_size;

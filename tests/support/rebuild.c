@@ -124,7 +124,14 @@ static void add_couplings(const km_model *m, km_builder *b, const ids *to) {
     km_coordinate_ref *refs = KM_NEW(km_coordinate_ref, (size_t)from->count);
     for (int k = 0; k < from->count; ++k)
       refs[k] = ref(m, to, from->coordinates[k]);
-    km_coupling_def d = {.name = from->name, .count = from->count, .coordinates = refs, .ratios = from->ratios};
+    km_coupling_def d = {.name = from->name,
+                         .count = from->count,
+                         .coordinates = refs,
+                         .ratios = from->ratios,
+                         .constant_given = from->constant_given,
+                         .constant = from->constant,
+                         .polynomial_count = from->polynomial_count,
+                         .polynomial = from->polynomial};
     check(km_model_add_coupling(b, &d, &error));
     km_free(refs);
   }

@@ -1,6 +1,8 @@
 /* Fixtures, random poses, and Jacobians independent of the library. */
 #include "support/support.h"
 
+#include "kinematics/loops.h"
+
 #include "base/file.h"
 #include "topology/chain.h"
 
@@ -202,7 +204,7 @@ double *whole_jacobian(const fixture *f, int substructure, int *rows) {
     for (int k = 0; k < coupling->term_count; ++k) {
       const km_term *term = &m->terms[coupling->term_start + k];
       if (term->column >= 0)
-        J[(size_t)term->column * ld + 6 * (size_t)sub->loop_count + (size_t)i] = term->coefficient;
+        km_term_value(m, f->state, term, &J[(size_t)term->column * ld + 6 * (size_t)sub->loop_count + (size_t)i]);
     }
   }
   return J;

@@ -38,7 +38,8 @@ static const char everything[] =
     "   {\"name\": \"thread\", \"type\": \"screw\", \"pitch\": 0.1, \"body_frame_pairs\": [\"arm\", \"nut\"], "
     "\"initial_displacement\": 720,"
     "    \"prescribed\": {\"table\": [[0, 720], [10, 710]]}}],"
-    "  \"couplings\": [{\"name\": \"gear\", \"joints\": [\"turn\", \"slide\"], \"ratios\": [1, -2]}],"
+    "  \"couplings\": [{\"name\": \"gear\", \"joints\": [\"turn\", \"slide\"], \"ratios\": [1, -2]}, {\"name\": \"cam\", "
+    "\"joints\": [\"turn\", \"slide\"], \"polynomial\": [1, 2, 3]}],"
     "  \"force_modules\": [{\"name\": \"spring\", \"type\": \"stiffness\", \"input\": {\"type\": \"joint\", \"joint\": "
     "\"slide\"}, \"knot_points\": [0.1], \"coefficients\": [[0, -5], [1, -6]]},"
     "   {\"name\": \"drag\", \"type\": \"damping\", \"input\": {\"type\": \"joint\", \"joint\": \"turn\"}, "
@@ -53,7 +54,7 @@ static const char everything[] =
     "[\"slide\", [\"right\", \"turn\"]],"
     "  \"loads\": [{\"name\": \"w\", \"frame\": [\"left\", \"arm\", \"tip\"], \"force\": [0, 0, -5], \"torque\": [1, "
     "0, 0]}], \"hold\": {\"round\": [10, 20, 30]}},"
-    " \"source\": \"made up\", \"known\": {\"mobility\": 6}}";
+    " \"poses\": {\"home\": {\"left/turn\": 45, \"slide\": 2}}, \"source\": \"made up\", \"known\": {\"mobility\": 6}}";
 
 static km_model *read(const char *text) {
   km_model *model;
@@ -155,6 +156,10 @@ static void conversion_knows_every_unit(void **state) {
   EXPECT(710 * deg, LEFT, "joints", "3", "prescribed", "table", "1", "1");
   EXPECT(1, LEFT, "couplings", "0", "ratios", "0");
   EXPECT(-2 / in, LEFT, "couplings", "0", "ratios", "1");
+  EXPECT(1, LEFT, "couplings", "1", "polynomial", "0");
+  EXPECT(3 / (in * in), LEFT, "couplings", "1", "polynomial", "2");
+  EXPECT(45 * deg, "poses", "home", "left/turn");
+  EXPECT(2 * in, "poses", "home", "slide");
   EXPECT(0.1 * in, LEFT, "force_modules", "0", "knot_points", "0");
   EXPECT(-6 * lbf / in, LEFT, "force_modules", "0", "coefficients", "1", "1");
   EXPECT(0.1 * lbf * in * ms * ms, LEFT, "force_modules", "1", "coefficients", "0", "2"); /* torque over (rad/s)² */

@@ -190,6 +190,43 @@ static void what_is_converted_is_the_same_mechanism(void **unused) {
   }
 }
 
+/* x1 - ref1 = c0 + c1 (x2 - ref2) + …, at any value of x2. */
+static void a_joint_follows_another_by_a_polynomial(void **unused) {
+  (void)unused;
+  static const char cam[] =
+      "<mujoco><compiler angle='radian'/><worldbody><body name='a'><joint name='A' type='slide' ref='0.5'/></body>"
+      "<body name='b'><joint name='B' ref='0.25'/></body></worldbody>"
+      "<equality><joint joint1='A' joint2='B' polycoef='0.1 2 -3 0.5 1'/></equality>"
+      "<keyframe><key qpos='7 1'/><key name='turned' qpos='0.6 0.25'/><key qpos='1'/></keyframe></mujoco>";
+  fixture f = open_text(cam);
+  assert_int_equal(mobility_of(&f), 1);
+  int a = coordinate_of(f.model, "A"), b = coordinate_of(f.model, "B");
+  assert_near(km_state_coordinate(f.state, a), 0.6, 1e-15);
+  km_sweep_plan plan = km_sweep_plan_default(f.model);
+  plan.coordinate = b;
+  plan.from = -1.0;
+  plan.to = 1.5;
+  plan.steps = 20;
+  km_mobility_sweep sweep;
+  assert_int_equal(km_mobility_sweep_run(f.mechanism, f.state, &plan, &sweep, NULL), KM_OK);
+  for (size_t r = 0; r < 21; ++r) {
+    const double *row = km_table_row(sweep.motion.table, r);
+    double x = row[km_table_find(sweep.motion.table, "q.B")] - 0.25;
+    double slope = 2 - 6 * x + 1.5 * x * x + 4 * x * x * x;
+    assert_near(row[km_table_find(sweep.motion.table, "q.A")], 0.6 + x * (2 + x * (-3 + x * (0.5 + x))), 1e-12);
+    slope /= km_mechanism_characteristic_length(f.mechanism, NULL);
+    double share = 1.0 / (1.0 + slope * slope);
+    assert_near(row[km_table_find(sweep.motion.table, "m.B")], share, 1e-12);
+  }
+  km_mobility_sweep_free(&sweep);
+  int pose;
+  assert_int_equal(km_model_pose_count(f.model), 2);
+  assert_int_equal(km_model_find_pose(f.model, "turned", &pose, NULL), KM_OK);
+  assert_int_equal(pose, 1);
+  assert_string_equal(km_model_pose_name(f.model, 0), "key0");
+  fixture_close(&f);
+}
+
 /* A parallelogram of sides 1 and 2: whatever its crank's angle, the coupler keeps its direction. */
 static void loops_close_at_the_pose_of_the_file(void **unused) {
   (void)unused;
@@ -513,6 +550,7 @@ static void texts_without_measure_are_refused(void **unused) {
 
 int main(void) {
   const struct CMUnitTest tests[] = {cmocka_unit_test(an_arm_stands_where_its_joints_say),
+                                     cmocka_unit_test(a_joint_follows_another_by_a_polynomial),
                                      cmocka_unit_test(the_root_is_free_where_that_is_asked),
                                      cmocka_unit_test(what_is_converted_is_the_same_mechanism),
                                      cmocka_unit_test(loops_close_at_the_pose_of_the_file),

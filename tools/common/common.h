@@ -30,6 +30,7 @@ typedef struct kt_common {
   int jobs;
   unsigned long seed;
   int mode;           /* of --mode: the assembly mode that poses are brought to; 0: the file's own */
+  const char *pose;   /* of --pose: the model's named pose to start from; NULL: its own */
   km_messages *found; /* receives the reader's warnings and notes instead of the standard error; NULL: doesn't */
   km_text *log;       /* where messages are gathered, so that parallel work reports in order; NULL: straight out */
 } kt_common;

@@ -55,9 +55,23 @@ static kt_exit reach(const kt_common *common, const char *path, const kt_setting
   return kt_exit_of(status);
 }
 
+/* The named pose that is asked for. */
+static kt_exit take_pose(const kt_common *common, const char *path, km_model *model) {
+  int pose;
+  km_error error;
+  km_status status = km_model_find_pose(model, common->pose, &pose, &error);
+  if (status)
+    kt_say(common, KM_ERROR, "--pose: %s", error.text);
+  else if ((status = km_model_take_pose(model, pose, &error)))
+    kt_say(common, KM_ERROR, "%s: %s", path, error.text);
+  return kt_exit_of(status);
+}
+
 kt_exit kt_bring(const kt_common *common, const char *path, const kt_texts *holds, const kt_texts *sets, kt_pose *out) {
   kt_settings held = {0}, set = {0};
-  kt_exit result = gather_holds(common, out->model, holds, &held);
+  kt_exit result = common->pose ? take_pose(common, path, out->model) : KT_DONE;
+  if (result == KT_DONE)
+    result = gather_holds(common, out->model, holds, &held);
   if (result == KT_DONE)
     result = kt_settings_add(common, out->model, "--set", (char **)(size_t)sets->items, sets->count, &set);
   if (result == KT_DONE)

@@ -34,6 +34,11 @@ km_status kt_modes_find(const kt_common *common, const kt_texts *sets, const kt_
     "mode", 0, "K", "Take assembly mode K, as kmob info --modes numbers them", KT_COUNT, &(COMMON).mode,               \
         KT_ABOUT_MODEL                                                                                                 \
   }
+#define KT_POSE(COMMON)                                                                                                \
+  {                                                                                                                    \
+    "pose", 0, "NAME", "Start from this one of the poses that the model names", KT_TEXT, &(COMMON).pose,               \
+        KT_ABOUT_MODEL                                                                                                 \
+  }
 #define KT_BASE(TARGET, HELP)                                                                                          \
   { "base", 'o', "BASE", HELP, KT_TEXT, TARGET, KT_ABOUT_FILES }
 #define KT_SET_FIRST  "Start from another pose: move a joint to a value first"

@@ -6,6 +6,7 @@ void kt_request_options(kt_options *out, kt_request *r, bool settable, const cha
   const kt_option shared[] = {
       KT_HOLD(&r->holds, KT_HOLD_RIGID),
       KT_MODE(r->common),
+      KT_POSE(r->common),
       {"format", 0, "FORMAT", "table (default) or json", KT_WORD("table or json"), &r->json, KT_ABOUT_FILES},
       KT_BASE(&r->base, base_help),
   };

@@ -5,6 +5,7 @@ void kt_sweep_options_add(kt_options *out, kt_sweep_options *o, const char *kind
   const kt_option pose[] = {
       KT_HOLD(&o->holds, KT_HOLD_RIGID),
       KT_MODE(o->common),
+      KT_POSE(o->common),
       KT_SET(&o->sets, KT_SET_FIRST),
   };
   kt_asked_options(out, &o->asked, kind, true);

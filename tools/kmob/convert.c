@@ -76,6 +76,7 @@ kt_exit kmob_convert(int argc, char **argv) {
       {"drawn", 0, NULL, "Write assemblies by points and axes in the pose, all bodies in one frame", KT_FLAG, &o.drawn,
        KT_ABOUT_MODEL},
       KT_MODE(o.common),
+      KT_POSE(o.common),
       KMOB_FILE(&o.file),
   };
   KT_OPTIONS_ADD(&all, table);

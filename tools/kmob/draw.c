@@ -114,6 +114,7 @@ static void add_options(kt_options *out, kmob_draw_options *o) {
        KT_ABOUT_MODEL},
       KT_HOLD(&o->holds, "Keep a joint rigid at a value"),
       KT_MODE(o->common),
+      KT_POSE(o->common),
       KT_SET(&o->sets, KT_SET_FIRST),
       {"view", 0, "VIEW", "xy, xz, yz, iso, or auto: the plane of motion, if there is one (default)",
        KT_TEXT_OF("xy or xz or yz or iso or auto"), &o->view, KT_ABOUT_FILES},

@@ -42,7 +42,7 @@ static void add_settings(const writer *w, km_value *root) {
   const km_model *m = w->model;
   km_units own = m->units;
   km_value *settings = km_value_add(w->arena, root, "model_parameters", KM_OBJECT);
-  km_value_string(w->arena, settings, "version", "1.0");
+  km_value_string(w->arena, settings, "version", "1.1");
   km_value *units = km_value_add(w->arena, settings, "units", KM_OBJECT);
   for (int q = 0; q < KM_QUANTITIES; ++q)
     km_value_string(w->arena, units, km_quantity_name((km_quantity)q), (*km_units_slot(&own, (km_quantity)q))->word);
@@ -175,7 +175,12 @@ static void add_couplings(const writer *w, km_value *parent, int assembly) {
     km_value *joints = km_value_add(w->arena, twin, "joints", KM_LIST);
     for (int k = 0; k < coupling->count; ++k)
       add_coordinate_path(w, joints, NULL, coupling->coordinates[k]);
-    add_numbers(w, twin, "ratios", coupling->ratios, (size_t)coupling->count);
+    if (coupling->polynomial_count > 0)
+      add_numbers(w, twin, "polynomial", coupling->polynomial, (size_t)coupling->polynomial_count);
+    else
+      add_numbers(w, twin, "ratios", coupling->ratios, (size_t)coupling->count);
+    if (coupling->constant_given)
+      km_value_number(w->arena, twin, "constant", coupling->constant);
   }
 }
 
@@ -225,6 +230,16 @@ static void add_assemblies(const writer *w, km_value *parent, int around) {
   }
 }
 
+static void add_poses(const writer *w, km_value *root) {
+  const km_model *m = w->model;
+  km_value *poses = m->pose_count ? km_value_add(w->arena, root, "poses", KM_OBJECT) : NULL;
+  for (int i = 0; i < m->pose_count; ++i) {
+    km_value *pose = km_value_add(w->arena, poses, m->poses[i].name, KM_OBJECT);
+    for (int k = 0; k < m->poses[i].count; ++k)
+      km_value_number(w->arena, pose, m->coordinates[m->poses[i].coordinates[k]].label, m->poses[i].values[k]);
+  }
+}
+
 const km_value *km_built_tree(const km_model *model, km_arena *arena) {
   writer w = {model, arena};
   km_value *root = km_value_add(arena, NULL, NULL, KM_OBJECT);
@@ -234,6 +249,7 @@ const km_value *km_built_tree(const km_model *model, km_arena *arena) {
   km_value *fixed = km_value_add(arena, root, "fixed", KM_OBJECT);
   add_frames(&w, fixed, 0);
   add_assemblies(&w, root, KM_NO_ASSEMBLY);
+  add_poses(&w, root);
   if (model->actuator_count > 0) {
     km_value *analysis = km_value_add(arena, root, "analysis", KM_OBJECT);
     km_value *actuators = km_value_add(arena, analysis, "actuators", KM_LIST);

@@ -68,17 +68,26 @@ static int element_of(const indexed *list, int count, const km_value *source) {
   return found ? found->index : -1;
 }
 
+static km_dimension plain_of(const converter *c, int coordinate) {
+  const km_model_coordinate *def = &c->model->coordinates[coordinate];
+  return plain(c->model->joints[def->joint].type, def->index);
+}
+
 /* The dimension of number `item` of list `row` in a field. */
 static km_dimension measured(const converter *c, const context *at, const km_field *field, int row, int item) {
   const km_model_sweep *sweep = &c->model->sweep;
   switch (field->measure) {
   case KM_MEASURE_COORDINATE:
     return km_joint_dimension(at->type, field->shape == KM_SHAPE_COORDINATES ? item : row);
-  case KM_MEASURE_RATIO: {
+  case KM_MEASURE_RATIO:
     if (!at->coupling)
       return (km_dimension){0};
-    const km_model_coordinate *def = &c->model->coordinates[at->coupling->coordinates[item]];
-    return km_dimension_power(plain(c->model->joints[def->joint].type, def->index), -1);
+    return km_dimension_power(plain_of(c, at->coupling->coordinates[item]), -1);
+  case KM_MEASURE_FOLLOWING: {
+    if (!at->coupling)
+      return (km_dimension){0};
+    const int *coupled = at->coupling->coordinates;
+    return km_dimension_product(plain_of(c, coupled[0]), km_dimension_power(plain_of(c, coupled[1]), -item));
   }
   case KM_MEASURE_STIFFNESS: {
     bool length = km_joint_is_length(at->type, item);
@@ -152,7 +161,7 @@ static void convert_numbers(const converter *c, const context *at, const km_fiel
     convert_numbers(c, at, field, list, NULL, v, depth + 1, rows ? index : row, rows ? 0 : index);
 }
 
-/* {label: coordinates} of `hold`. */
+/* {label: coordinates} of `hold` and of poses. */
 static void convert_map(const converter *c, const km_value *value, km_value *parent) {
   static const km_field field = {.key = "hold", .shape = KM_SHAPE_COORDINATES, .measure = KM_MEASURE_COORDINATE};
   km_value *map = km_value_add(c->arena, parent, value->key, KM_OBJECT);
@@ -231,6 +240,12 @@ static void convert_field(const converter *c, const context *at, const km_field 
   case KM_SHAPE_COORDINATE_MAP:
     convert_map(c, value, parent);
     break;
+  case KM_SHAPE_POSES: {
+    km_value *poses = km_value_add(c->arena, parent, value->key, KM_OBJECT);
+    for (const km_value *v = value->first; v; v = v->next)
+      convert_map(c, v, poses);
+    break;
+  }
   case KM_SHAPE_PARAMETERS: /* numbers in the file's units, of no dimension that is told: nothing uses them any more */
     if (c->verbatim)
       copy(c, parent, value->key, value);

@@ -103,6 +103,10 @@ static const km_field model_fields[] = {
      SHAPE(PARAMETERS), .object = &km_format_parameter},
     {"fixed", "The inertial frame.", OBJECT(km_format_fixed)},
     {"assemblies", "Bodies and joints.", OBJECTS(km_format_assembly)},
+    {"poses",
+     "Poses by name, for --pose: values of joints, in the units of their coordinates. The joints that a pose doesn't name "
+     "follow.",
+     SHAPE(POSES)},
     {"analysis", "What the tools ask by default.", OBJECT(km_format_analysis)},
     {"source", "Where the model is from.", SHAPE(ANY)},
     {"known", "Facts known about it. Kept.", SHAPE(ANY)},
@@ -129,6 +133,7 @@ bool km_shape_is_numeric(km_shape shape) {
   case KM_SHAPE_ROWS:
   case KM_SHAPE_COORDINATE_MAP:
   case KM_SHAPE_VALUE_MAPS:
+  case KM_SHAPE_POSES:
     return true;
   default:
     return false;

@@ -26,6 +26,7 @@ typedef enum km_shape {
   KM_SHAPE_PATHS,          /* a list of paths */
   KM_SHAPE_PATH_PAIR,      /* [parent path, child path] */
   KM_SHAPE_COORDINATE_MAP, /* {joint label: coordinates} */
+  KM_SHAPE_POSES,          /* {name: {joint label: coordinates}} */
   KM_SHAPE_PARAMETERS,     /* {name: number, or an object that holds it} */
   KM_SHAPE_VALUE_MAPS,     /* {name: {name: number}} */
   KM_SHAPE_TEXT_MAP,       /* {name: text} */
@@ -43,6 +44,7 @@ typedef enum km_measure {
   KM_MEASURE_FIXED,          /* `dimension` alone */
   KM_MEASURE_COORDINATE,     /* the joint's coordinate, an angle in the angle unit */
   KM_MEASURE_RATIO,          /* one over the coupled coordinate, an angle in radians */
+  KM_MEASURE_FOLLOWING,      /* item k: the first coupled coordinate over the second one^k, angles in radians */
   KM_MEASURE_STIFFNESS,      /* the joint's generalised force over its coordinate, an angle in radians */
   KM_MEASURE_FORCE,          /* the joint's generalised force, an angle in radians */
   KM_MEASURE_INERTIA,        /* the generalised inertia of the joint's coordinate: a mass, of angles times length² */

@@ -114,6 +114,17 @@ static void check_map(km_messages *m, const km_place *place, const km_value *val
   }
 }
 
+static void check_poses(km_messages *m, const km_place *place, const km_value *value) {
+  if (value->kind != KM_OBJECT) {
+    expected(m, place, value, "an object {name: {joint: value}}");
+    return;
+  }
+  for (const km_value *v = value->first; v; v = v->next) {
+    km_place item = {place, v->key, 0};
+    check_map(m, &item, v);
+  }
+}
+
 static void check_parameters(km_messages *m, const km_place *place, const km_value *value,
                              const km_object_format *format) {
   if (value->kind != KM_OBJECT) {
@@ -213,6 +224,9 @@ static void check_field(km_messages *m, const km_place *place, const km_value *v
     break;
   case KM_SHAPE_COORDINATE_MAP:
     check_map(m, place, value);
+    break;
+  case KM_SHAPE_POSES:
+    check_poses(m, place, value);
     break;
   case KM_SHAPE_OBJECT:
     check_object(m, place, value, field->object);

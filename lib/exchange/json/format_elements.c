@@ -126,7 +126,12 @@ static const km_field coupling_fields[] = {
     {"name", "Name of the coupling.", STRING, REQUIRED},
     {"joints", "The coupled coordinates, by their joints.", SHAPE(PATHS), REQUIRED},
     {"ratios", "One number r for each joint: the sum of r times the coordinate is constant, angles in radians.",
-     SHAPE(NUMBERS), REQUIRED, BY(RATIO)},
+     SHAPE(NUMBERS), BY(RATIO)},
+    {"constant", "Value of that sum.", NUMBER, UNSTATED("that of the initial displacements")},
+    {"polynomial",
+     "Instead of ratios, of two joints: the first coordinate as a polynomial in the second one, the constant coefficient "
+     "first; angles in radians.",
+     SHAPE(NUMBERS), BY(FOLLOWING)},
     ACTIVE,
     {0}};
 const km_object_format km_format_coupling = {"coupling", coupling_fields};

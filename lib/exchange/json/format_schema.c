@@ -187,6 +187,12 @@ static void describe(const schema *s, km_value *object, const km_object_format *
     reference(s, b, field->object->name);
     define(s, field->object);
     break;
+  case KM_SHAPE_POSES:
+    type(s, object, "object");
+    a = member(s, object, "additionalProperties");
+    type(s, a, "object");
+    coordinates(s, member(s, a, "additionalProperties"));
+    break;
   case KM_SHAPE_OBJECT:
     reference(s, object, field->object->name);
     define(s, field->object);

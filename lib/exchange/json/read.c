@@ -114,7 +114,8 @@ static void read_parameters(km_reader *reader, const km_value *root) {
   km_place at = {&place, "version", 0};
   if (version && strcmp(version, "0.2") != 0 && strcmp(version, "1.0") != 0 && strcmp(version, "1.1") != 0)
     km_reader_error(reader, &at, "version \"%.40s\" is not known; expected \"0.2\", \"1.0\" or \"1.1\"", version);
-  bool newer = (version && strcmp(version, "1.1") == 0) || km_value_get(root, "parameters");
+  bool newer =
+      (version && strcmp(version, "1.1") == 0) || km_value_get(root, "parameters") || km_value_get(root, "poses");
   reader->origin->version = newer || reader->strut_room ? "1.1" : "1.0";
   read_units(reader, parameters, &place);
   read_folders(reader, km_value_get(parameters, "include_dir"));
@@ -201,6 +202,7 @@ static void read_elements(km_reader *reader, const km_value *root) {
   km_read_couplings(reader, root);
   km_read_force_modules(reader, root);
   km_read_analysis(reader, root);
+  km_read_poses(reader, root);
 }
 
 /* The first error found, as the one that a caller without a message list sees. */

@@ -84,29 +84,16 @@ static void read_load(km_reader *reader, const km_value *value, int owner, const
 /* One entry of `hold`: every coordinate of a joint, or one coordinate of it. */
 static void read_hold(km_reader *reader, const km_value *value, const km_place *place) {
   km_model *model = reader->model;
-  int coordinate = km_names_get(&reader->labels, KM_LABEL_COORDINATE, value->key);
-  int joint = km_names_get(&reader->labels, KM_LABEL_JOINT, value->key);
-  size_t given = value->kind == KM_LIST ? value->count : 1;
-  const km_value *item = value->kind == KM_LIST ? value->first : value;
-  size_t freedom = coordinate >= 0 ? 1 : joint >= 0 ? (size_t)km_model_freedom(model, joint) : 0;
-  if (coordinate < 0 && joint < 0) {
-    if (km_names_get(&reader->labels, KM_LABEL_FAULTY, value->key) < 0)
-      km_reader_error(reader, place, "\"%.80s\" names no joint; expected a joint's label", value->key);
-    return;
-  }
-  if (freedom != given) {
-    km_reader_error(reader, place, "found %zu values; expected %zu", given, freedom);
-    return;
-  }
-  int first = coordinate >= 0 ? coordinate : model->joints[joint].first_coordinate;
+  const km_value *item;
+  int first, freedom = km_reader_values(reader, value, place, &first, &item);
   for (int h = 0; h < model->hold_count; ++h) {
-    if (model->holds[h].coordinate >= first && model->holds[h].coordinate < first + (int)freedom) {
+    if (model->holds[h].coordinate >= first && model->holds[h].coordinate < first + freedom) {
       km_reader_error(reader, place, "this coordinate is held twice; expected each once");
       return;
     }
   }
-  for (size_t k = 0; k < freedom; ++k, item = item->next)
-    model->holds[model->hold_count++] = (km_model_hold){first + (int)k, item->number};
+  for (int k = 0; k < freedom; ++k, item = item->next)
+    model->holds[model->hold_count++] = (km_model_hold){first + k, item->number};
 }
 
 /* The components of a rotation vector can be held only together. */

@@ -76,6 +76,10 @@ int km_reader_frame(km_reader *reader, const km_value *path, int assembly, const
 int km_reader_joint(km_reader *reader, const km_value *path, int assembly, const km_place *place);
 /* Coordinate of a joint path, where the joint has one, or of `label[k]`. The same results. */
 int km_reader_coordinate(km_reader *reader, const km_value *path, int assembly, const km_place *place);
+/* What a member {label: number or list} names, which is one coordinate or all of a joint: how many (0: reported), the
+ * first, and the first of the values. */
+int km_reader_values(km_reader *reader, const km_value *value, const km_place *place, int *first,
+                     const km_value **item);
 /* A path as a person reads it: `a/b/c`. */
 const char *km_path_text(const km_value *path, char out[KM_PLACE_TEXT]);
 
@@ -107,6 +111,7 @@ void km_read_struts(km_reader *reader, const km_value *root);
 void km_read_couplings(km_reader *reader, const km_value *root);
 void km_read_force_modules(km_reader *reader, const km_value *root);
 void km_read_analysis(km_reader *reader, const km_value *root);
+void km_read_poses(km_reader *reader, const km_value *root);
 
 /* Walks the active assemblies, nested ones after their parent, in file order. */
 typedef void (*km_assembly_visit)(km_reader *reader, const km_value *assembly, int index, const km_place *place);

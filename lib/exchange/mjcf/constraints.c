@@ -148,6 +148,18 @@ static void read_loop(km_mjcf *m, const km_xml *e, bool weld) {
   km_robot_add_joint(m->robot, &joint);
 }
 
+/* A polynomial in y - b, plus a, as one in y: by Horner's rule, (…) · (y - b) + c_k. */
+static void shift(double c[5], double a, double b) {
+  double out[5] = {0};
+  for (int k = 4; k >= 0; --k) {
+    for (int i = 4; i > 0; --i)
+      out[i] = out[i - 1] - b * out[i];
+    out[0] = c[k] - b * out[0];
+  }
+  out[0] += a;
+  memcpy(c, out, sizeof out);
+}
+
 static void read_coupling(km_mjcf *m, const km_xml *e) {
   double c[5];
   int one = km_mjcf_find(m, e, "joint1", &m->joint_names, "joint");
@@ -155,15 +167,11 @@ static void read_coupling(km_mjcf *m, const km_xml *e) {
   int two = second ? km_mjcf_find(m, e, "joint2", &m->joint_names, "joint") : -1;
   if (one < 0 || (second && two < 0) || !read_polynomial(m->robot, e, c))
     return;
-  if (second && (c[2] != 0.0 || c[3] != 0.0 || c[4] != 0.0))
-    km_robot_warn(
-        m->robot, e,
-        "the coupling of \"%.80s\" to \"%.80s\" isn't linear; it counts as linear, as it is at the file's pose",
-        m->joints[one].name, m->joints[two].name);
+  shift(c, m->joints[one].reference, second ? m->joints[two].reference : 0.0);
   const char *name = km_xml_attribute_of(e, "name");
   km_robot_couple(m->robot, e, name && name[0] ? name : m->joints[one].name, m->assembly,
                   (km_coordinate_ref){m->joints[one].id, 0},
-                  (km_coordinate_ref){second ? m->joints[two].id : (km_joint_id){0}, 0}, c[1]);
+                  (km_coordinate_ref){second ? m->joints[two].id : (km_joint_id){0}, 0}, c, 5);
 }
 
 static void read_equality(km_mjcf *m, const km_xml *e) {

@@ -27,14 +27,14 @@ static const char *name_of(km_mjcf *m, const km_xml *e, const km_mjcf_place *pla
   return km_robot_free_name(m->robot, &m->robot->joints, m->assembly.value, body, "joint");
 }
 
-static void remember(km_mjcf *m, const char *name, km_joint_id id, km_joint_type type) {
+static void remember(km_mjcf *m, const char *name, km_joint_id id, km_joint_type type, double reference) {
   km_robot *robot = m->robot;
   if (!km_arena_grow(&robot->arena, (void **)&m->joints, &m->joint_room, (size_t)m->joint_count + 1,
                      sizeof *m->joints) ||
       !km_names_set(&m->joint_names, 0, name, m->joint_count))
     robot->arena.failed = true;
   else
-    m->joints[m->joint_count++] = (km_mjcf_joint){name, id, type};
+    m->joints[m->joint_count++] = (km_mjcf_joint){name, id, type, reference};
 }
 
 static void read_limits(km_mjcf *m, const km_xml *e, const km_mjcf_place *place, km_robot_joint *joint, double unit) {
@@ -150,7 +150,7 @@ void km_mjcf_add_joint(km_mjcf *m, const km_xml *e, const km_mjcf_place *place, 
   km_joint_id id = km_robot_add_joint(m->robot, &joint);
   if (!id.value)
     return;
-  remember(m, joint.name, id, joint.type);
+  remember(m, joint.name, id, joint.type, single ? unit * km_mjcf_number(m, e, place, "ref", 0.0) : 0.0);
   if (single)
     add_spring(m, e, place, joint.name, id, unit);
 }

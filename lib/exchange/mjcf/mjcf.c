@@ -16,7 +16,6 @@ static void count_others(km_mjcf *m) {
     const char *element, *kind;
   } others[] = {{"sensor", "sensors left out"},
                 {"contact", "contact pairs and exclusions left out"},
-                {"keyframe", "keyframes left out"},
                 {"deformable", "deformable bodies left out"},
                 {"extension", "extensions left out"}};
   for (size_t i = 0; i < sizeof others / sizeof *others; ++i)
@@ -39,6 +38,7 @@ void km_mjcf_read(km_robot *robot, km_xml *root) {
   if (!robot->failed && !robot->arena.failed) {
     km_mjcf_read_constraints(&m);
     km_mjcf_read_actuators(&m);
+    km_mjcf_read_keyframes(&m);
     count_others(&m);
   }
   km_names_free(&m.class_names);

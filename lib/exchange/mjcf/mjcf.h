@@ -17,6 +17,7 @@ typedef struct km_mjcf_joint {
   const char *name;
   km_joint_id id;
   km_joint_type type;
+  double reference; /* of its one coordinate: its value where the bodies stand as the file has them */
 } km_mjcf_joint;
 
 typedef struct km_mjcf_site {
@@ -100,6 +101,8 @@ void km_mjcf_add_joint(km_mjcf *m, const km_xml *joint, const km_mjcf_place *pla
 /* Equality constraints and actuators, when the bodies are there. */
 void km_mjcf_read_constraints(km_mjcf *m);
 void km_mjcf_read_actuators(km_mjcf *m);
+/* Keyframes, as named poses. */
+void km_mjcf_read_keyframes(km_mjcf *m);
 /* The index of what an attribute names; -1: reported. */
 int km_mjcf_find(km_mjcf *m, const km_xml *e, const char *key, const km_names *names, const char *kind);
 /* The largest forces that actuators give, before the joints are there; and that of one joint, infinite: any. */

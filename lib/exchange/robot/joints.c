@@ -68,15 +68,25 @@ km_joint_id km_robot_add_joint(km_robot *robot, const km_robot_joint *joint) {
 }
 
 void km_robot_couple(km_robot *robot, const km_xml *at, const char *name, km_assembly_id assembly,
-                     km_coordinate_ref one, km_coordinate_ref two, double ratio) {
+                     km_coordinate_ref one, km_coordinate_ref two, const double *c, int count) {
   km_error error;
   const km_coordinate_ref ends[2] = {one, two};
-  const double ratios[2] = {1.0, -ratio};
-  int count = two.joint.value ? 2 : 1;
+  const double ratios[2] = {1.0, -c[1]};
+  bool second = two.joint.value != 0;
+  while (count > 2 && c[count - 1] == 0.0)
+    count--;
+  km_coupling_def def = {.name = name, .assembly = assembly, .count = second ? 2 : 1, .coordinates = ends};
+  if (second && count > 2) {
+    def.polynomial = c;
+    def.polynomial_count = count;
+  } else {
+    def.ratios = ratios;
+    def.constant_given = true;
+    def.constant = c[0];
+  }
   if (!one.joint.value)
     return;
-  km_status status =
-      km_model_add_coupling(robot->builder, &(km_coupling_def){name, assembly, count, ends, ratios}, &error);
+  km_status status = km_model_add_coupling(robot->builder, &def, &error);
   if (status)
     km_robot_builder_failed(robot, at, status, &error);
 }

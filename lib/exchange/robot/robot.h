@@ -114,9 +114,9 @@ typedef struct km_robot_joint {
 km_robot_joint km_robot_joint_default(void);
 /* A name that is taken is an error. {0} if it could not be added. */
 km_joint_id km_robot_add_joint(km_robot *robot, const km_robot_joint *joint);
-/* q1 = ratio · q2 + a constant that the first positions tell. */
+/* q1 = c0 + c1 q2 + …, of `count` coefficients, at least two. Without a second coordinate q1 = c0. */
 void km_robot_couple(km_robot *robot, const km_xml *at, const char *name, km_assembly_id assembly,
-                     km_coordinate_ref one, km_coordinate_ref two, double ratio);
+                     km_coordinate_ref one, km_coordinate_ref two, const double *c, int count);
 /* Ties a body to the inertial frame: rigidly, or freely where that is asked; at the pose. */
 void km_robot_tie(km_robot *robot, const km_xml *at, km_assembly_id assembly, km_body_id body, const char *name,
                   const km_pose *pose, bool floating);

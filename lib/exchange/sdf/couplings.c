@@ -14,6 +14,11 @@ static int mimic_leader(const km_sdf *sdf, int joint) {
   return found >= 0 || !name ? found : km_sdf_find(sdf, scope, name);
 }
 
+/* A follower's value where what it imitates is at 0. */
+static double mimic_constant(const km_sdf *sdf, const km_xml *mimic, double ratio) {
+  return km_sdf_number(sdf->robot, mimic, "offset", 0.0) - ratio * km_sdf_number(sdf->robot, mimic, "reference", 0.0);
+}
+
 double km_sdf_start(const km_sdf *sdf, int joint) {
   double value = 0.0, factor = 1.0;
   for (int steps = 0; steps <= sdf->entity_count; ++steps) {
@@ -22,8 +27,7 @@ double km_sdf_start(const km_sdf *sdf, int joint) {
     if (next < 0 || sdf->entities[next].kind != KM_SDF_JOINT)
       return value;
     double ratio = km_sdf_number(sdf->robot, mimic, "multiplier", 1.0);
-    value += factor * (km_sdf_number(sdf->robot, mimic, "offset", 0.0) -
-                       ratio * km_sdf_number(sdf->robot, mimic, "reference", 0.0));
+    value += factor * mimic_constant(sdf, mimic, ratio);
     factor *= ratio;
     joint = next;
   }
@@ -32,11 +36,12 @@ double km_sdf_start(const km_sdf *sdf, int joint) {
   return 0.0;
 }
 
-static void couple(km_sdf *sdf, int joint, int follower, int other, double ratio) {
+static void couple(km_sdf *sdf, int joint, int follower, int other, double constant, double ratio) {
   const km_sdf_entity *e = &sdf->entities[joint];
+  const double line[2] = {constant, ratio};
   km_robot_couple(sdf->robot, e->at, e->name, sdf->entities[e->scope].assembly,
-                  (km_coordinate_ref){sdf->joint_ids[follower], 0}, (km_coordinate_ref){sdf->joint_ids[other], 0},
-                  ratio);
+                  (km_coordinate_ref){sdf->joint_ids[follower], 0}, (km_coordinate_ref){sdf->joint_ids[other], 0}, line,
+                  2);
 }
 
 static void add_mimic(km_sdf *sdf, int joint) {
@@ -52,7 +57,8 @@ static void add_mimic(km_sdf *sdf, int joint) {
                    sdf->entities[joint].name, name ? name : "");
     return;
   }
-  couple(sdf, joint, joint, other, km_sdf_number(sdf->robot, mimic, "multiplier", 1.0));
+  double ratio = km_sdf_number(sdf->robot, mimic, "multiplier", 1.0);
+  couple(sdf, joint, joint, other, mimic_constant(sdf, mimic, ratio), ratio);
 }
 
 /* The joint between two links, and whether its coordinate counts the turn of `link` against `reference` about the axis
@@ -93,7 +99,7 @@ static void add_gear(km_sdf *sdf, int gear) {
                    "coordinate",
                    e->name, body, one < 0 ? "parent" : "child");
   else
-    couple(sdf, gear, two, one, -km_sdf_number(sdf->robot, e->at, "gearbox_ratio", 1.0) * sense[0] * sense[1]);
+    couple(sdf, gear, two, one, 0.0, -km_sdf_number(sdf->robot, e->at, "gearbox_ratio", 1.0) * sense[0] * sense[1]);
 }
 
 void km_sdf_add_couplings(km_sdf *sdf) {

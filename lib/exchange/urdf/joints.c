@@ -163,9 +163,10 @@ static void settle(km_urdf *urdf, int index) {
 
 static void couple(km_urdf *urdf, const km_urdf_joint *joint) {
   const km_urdf_joint *other = &urdf->list[joint->mimics];
+  const double line[2] = {joint->offset, joint->ratio};
   km_coordinate_ref leader = {is_single(other->type) ? other->id : (km_joint_id){0}, 0};
-  km_robot_couple(urdf->robot, joint->at, joint->name, urdf->assembly, (km_coordinate_ref){joint->id, 0}, leader,
-                  joint->ratio);
+  km_robot_couple(urdf->robot, joint->at, joint->name, urdf->assembly, (km_coordinate_ref){joint->id, 0}, leader, line,
+                  2);
 }
 
 void km_urdf_read_joints(km_urdf *urdf, const km_xml *root) {

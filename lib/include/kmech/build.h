@@ -118,13 +118,17 @@ typedef struct km_coordinate_ref {
   int index; /* 0 … */
 } km_coordinate_ref;
 
-/* Σ ratio · q = const over `count` coordinates, angles in radians. */
+/* Σ ratio · q = const over `count` coordinates, or of two q1 = Σ c_k q2^k; angles in radians. */
 typedef struct km_coupling_def {
   const char *name;
   km_assembly_id assembly;
   int count;
   const km_coordinate_ref *coordinates;
-  const double *ratios;
+  const double *ratios;     /* [count]; NULL where there is a polynomial */
+  bool constant_given;      /* else the constant is what the first positions give */
+  double constant;          /* of Σ ratio · q */
+  int polynomial_count;     /* 0: none */
+  const double *polynomial; /* [polynomial_count] lowest power first */
 } km_coupling_def;
 
 typedef enum km_module_type {
@@ -202,6 +206,9 @@ KM_API km_status km_model_add_load(km_builder *builder, const km_load_def *def, 
 /* analysis.hold: the coordinate is kept at the value. Of a ball all three components together. */
 KM_API km_status km_model_add_hold(km_builder *builder, km_coordinate_ref coordinate, double value, km_error *error);
 KM_API km_status km_model_add_actuator(km_builder *builder, km_coordinate_ref coordinate, km_error *error);
+/* A pose by name: values of `count` coordinates. */
+KM_API km_status km_model_add_pose(km_builder *builder, const char *name, const km_coordinate_ref *coordinates,
+                                   const double *values, int count, km_error *error);
 KM_API km_status km_model_set_sweep(km_builder *builder, const km_sweep_def *def, km_error *error);
 KM_API km_status km_model_set_advantage(km_builder *builder, const km_end_def *input, const km_end_def *output,
                                         km_error *error);

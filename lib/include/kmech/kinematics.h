@@ -21,6 +21,11 @@ typedef struct km_assembly {
  * cause, the closure tolerance that would do. O(iterations · rank² · columns) a substructure. */
 KM_API km_status km_assemble(const km_mechanism *mechanism, km_state *state, km_assembly *evidence, km_error *error);
 
+/* Makes a pose that the model names the one that it starts from: its joints have their values exactly where the others
+ * can follow; else the first half of them, or a quarter …, while the rest is where the loops close next to its values. To be called before the model is compiled. KM_USAGE:
+ * there is no such pose; KM_MEMORY. */
+KM_API km_status km_model_take_pose(km_model *model, int pose, km_error *error);
+
 /* Poses of all bodies in the inertial frame from the state's coordinates. */
 KM_API void km_poses_update(const km_mechanism *mechanism, km_state *state);
 /* Origin of a frame of the model in the inertial frame, model's length unit. After km_poses_update. */

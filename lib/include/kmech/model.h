@@ -105,6 +105,12 @@ KM_API void km_model_share_length(km_model *model, double length);
 KM_API double km_model_length_unit(const km_model *model);
 KM_API const char *km_model_sha256(const km_model *model); /* of the bytes read; borrowed */
 
+/* The poses that the model names, 0 … the count; "" if there is no such pose. And the index of one by its name; KM_USAGE
+ * with the nearest names. */
+KM_API int km_model_pose_count(const km_model *model);
+KM_API const char *km_model_pose_name(const km_model *model, int pose);
+KM_API km_status km_model_find_pose(const km_model *model, const char *name, int *pose, km_error *error);
+
 /* Index of the joint or coordinate that a label (or full path) names; KM_USAGE with the nearest labels if
  * none does. A joint's label is also that of its coordinate where it has just one. */
 KM_API km_status km_model_find_joint(const km_model *model, const char *label, int *joint, km_error *error);

@@ -1,0 +1,61 @@
+/* Poses that a model names, as those that it starts from. */
+#include "kmech/kinematics.h"
+
+#include "base/check.h"
+#include "topology/mechanism.h"
+
+/* The constants of couplings are those of the displacements before they change. */
+static void keep_constants(km_model *model) {
+  for (int i = 0; i < model->coupling_count; ++i) {
+    km_model_coupling *coupling = &model->couplings[i];
+    if (coupling->constant_given || !coupling->ratios)
+      continue;
+    coupling->constant_given = true;
+    coupling->constant = 0.0;
+    for (int k = 0; k < coupling->count; ++k) {
+      int c = coupling->coordinates[k];
+      coupling->constant += coupling->ratios[k] * model->coordinates[c].position * km_model_coordinate_factor(model, c);
+    }
+  }
+}
+
+/* Where the others are with some coordinates held, into the model. False, and it stays as it is, where the loops don't
+ * close or memory is out. */
+static bool follow(km_model *model, const km_hold *holds, int count, km_status *memory, km_error *error) {
+  km_mechanism *mechanism = NULL;
+  km_state *state = NULL;
+  km_error apart;
+  km_status status = km_mechanism_compile(model, holds, count, &mechanism, &apart);
+  if (!status)
+    status = km_state_create(mechanism, &state, &apart);
+  if (!status)
+    status = km_assemble(mechanism, state, NULL, &apart);
+  for (int c = 0; c < model->coordinate_count && !status; ++c)
+    model->coordinates[c].position = km_state_coordinate(state, c);
+  km_state_free(state);
+  km_mechanism_free(mechanism);
+  if (status == KM_MEMORY)
+    *memory = km_fail(error, KM_MEMORY, "out of memory for a pose");
+  return status == KM_OK;
+}
+
+km_status km_model_take_pose(km_model *model, int index, km_error *error) {
+  km_status status = km_check_given(model != NULL, "model", error);
+  if (!status)
+    status = km_check_index(index, model->pose_count, "pose", error);
+  if (status)
+    return status;
+  const km_model_pose *pose = &model->poses[index];
+  km_hold *holds = KM_NEW(km_hold, (size_t)pose->count);
+  if (!holds)
+    return km_fail(error, KM_MEMORY, "out of memory for a pose");
+  keep_constants(model);
+  for (int k = 0; k < pose->count; ++k) {
+    holds[k] = (km_hold){pose->coordinates[k], pose->values[k]};
+    model->coordinates[pose->coordinates[k]].position = pose->values[k];
+  }
+  for (int count = pose->count; count > 0 && !status && !follow(model, holds, count, &status, error);)
+    count /= 2;
+  km_free(holds);
+  return status;
+}
