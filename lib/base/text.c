@@ -31,6 +31,24 @@ void km_text_free(km_text *text) {
   *text = (km_text){0};
 }
 
+km_status km_text_give(km_text *text, km_bytes *out, km_error *error) {
+  km_text_add(text, "");
+  if (text->failed) {
+    km_text_free(text);
+    return km_fail(error, KM_MEMORY, "out of memory for a text");
+  }
+  *out = (km_bytes){text->data, text->size};
+  *text = (km_text){0};
+  return KM_OK;
+}
+
+void km_bytes_free(km_bytes *bytes) {
+  if (!bytes)
+    return;
+  km_free(bytes->data);
+  *bytes = (km_bytes){0};
+}
+
 void km_text_bytes(km_text *text, const void *bytes, size_t size) {
   if (!grow(text, size))
     return;

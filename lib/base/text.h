@@ -3,6 +3,8 @@
 #define KM_BASE_TEXT_H
 
 #include "base/memory.h"
+#include "kmech/bytes.h"
+#include "kmech/status.h"
 
 #include <stdbool.h>
 #include <stddef.h>
@@ -17,6 +19,8 @@ typedef struct km_text {
 void km_text_free(km_text *text);
 /* Moves the text into an arena, whose failure it shares, and frees it. */
 const char *km_text_keep(km_text *text, km_arena *arena);
+/* Hands the text over, and leaves an empty one. KM_MEMORY if it failed. */
+km_status km_text_give(km_text *text, km_bytes *out, km_error *error);
 void km_text_bytes(km_text *text, const void *bytes, size_t size);
 void km_text_add(km_text *text, const char *string);
 void km_text_format(km_text *text, const char *format, ...) __attribute__((format(printf, 2, 3)));

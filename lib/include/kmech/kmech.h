@@ -6,6 +6,7 @@
 #include "kmech/advantage_sweep.h"
 #include "kmech/arm.h"
 #include "kmech/build.h"
+#include "kmech/bytes.h"
 #include "kmech/control.h"
 #include "kmech/design_study.h"
 #include "kmech/diagnosis.h"
@@ -25,6 +26,7 @@
 #include "kmech/motions.h"
 #include "kmech/path.h"
 #include "kmech/path_study.h"
+#include "kmech/pictures.h"
 #include "kmech/plane.h"
 #include "kmech/progress.h"
 #include "kmech/question.h"
@@ -40,5 +42,6 @@
 #include "kmech/track.h"
 #include "kmech/transmission.h"
 #include "kmech/version.h"
+#include "kmech/write.h"
 
 #endif

@@ -1,0 +1,184 @@
+"""Serial arms, and the paths that they follow."""
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any, NamedTuple, Optional, Sequence, Union
+
+import numpy
+
+from ._kmech import ffi, lib
+from .errors import FileError, UsageError, bytes_of, check, messages_of, new_error, text_of
+from .mechanism import Mechanism, Pose
+from .model import Model, load
+from .picture import Picture
+from .progress import Progress, Watch
+from .question import number, numbers
+from .table import Table, table_of
+
+TASKS = {"pose": lib.KM_TASK_POSE, "position": lib.KM_TASK_POSITION, "axis": lib.KM_TASK_AXIS}
+
+
+def _pose(value: Any) -> Any:
+    """A km_frame_pose from a Pose, a pair (R, p), or a 4 × 4 matrix."""
+    if isinstance(value, numpy.ndarray) and value.shape == (4, 4):
+        value = (value[:3, :3], value[:3, 3])
+    if not isinstance(value, (tuple, list)) or len(value) != 2:
+        raise TypeError("pose: expected (R, p), or a 4 × 4 matrix")
+    return ffi.new("km_frame_pose *", {"R": numbers(numpy.ravel(value[0]), 9, "R"), "p": numbers(numpy.ravel(value[1]), 3, "p")})
+
+
+class Arm:
+    """A chain of joints from the inertial frame to an effector frame."""
+
+    def __init__(self, mechanism: Mechanism, effector: str, task: str = "pose") -> None:
+        if task not in TASKS:
+            raise UsageError(f"task: found {task!r}; expected {', '.join(TASKS)}")
+        self.mechanism, out, error = mechanism, ffi.new("km_arm **"), new_error()
+        with mechanism.model._reading(), mechanism.state._using():
+            check(lib.km_arm_create(mechanism._c, mechanism.state._c, mechanism.model._frame(effector), TASKS[task], out,
+                                    error), error)
+        self._c = ffi.gc(out[0], lib.km_arm_free)
+
+    @property
+    def coordinates(self) -> list[str]:
+        """Labels of the arm's coordinates, base first."""
+        labels = self.mechanism.model.coordinates
+        return [labels[lib.km_arm_coordinate(self._c, k)] for k in range(lib.km_arm_coordinates(self._c))]
+
+    @property
+    def length(self) -> float:
+        """The length by which lengths are divided where they meet angles."""
+        return lib.km_arm_length(self._c)
+
+    def _q(self, q: Sequence[float]) -> Any:
+        return ffi.new("double[]", numbers(q, lib.km_arm_coordinates(self._c), "q"))
+
+    def place(self, q: Sequence[float]) -> Pose:
+        """The effector's pose at q."""
+        out, error = ffi.new("km_frame_pose *"), new_error()
+        check(lib.km_arm_place(self._c, self._q(q), out, error), error)
+        return Pose(numpy.array(list(out.R)).reshape(3, 3), numpy.array(list(out.p)))
+
+    def jacobian(self, q: Sequence[float]) -> numpy.ndarray:
+        """rows × coordinates, of the effector's origin along the inertial axes."""
+        J, error = numpy.zeros((lib.km_arm_rows(self._c), lib.km_arm_coordinates(self._c)), order="F"), new_error()
+        check(lib.km_arm_jacobian(self._c, self._q(q), ffi.cast("double *", J.ctypes.data), error), error)
+        return J
+
+    def solve(self, pose: Any, near: Sequence[float], seed: int = 1, progress: Progress = None) -> numpy.ndarray:
+        """Inverse kinematics: the joints that reach a pose, nearest to `near`. Raises NoResult out of reach."""
+        watch, error = Watch(progress), new_error()
+        q = numpy.empty(lib.km_arm_coordinates(self._c))
+        status = lib.km_arm_solve(self._c, _pose(pose), self._q(near), _seed(seed), watch.call, watch.context,
+                                  ffi.from_buffer("double[]", q), error)
+        watch.finish()
+        check(status, error)
+        return q
+
+
+def _seed(seed: Any) -> int:
+    if isinstance(seed, bool) or not isinstance(seed, int) or not 0 <= seed < 2 ** 63:
+        raise UsageError(f"seed: found {seed!r}; expected a whole number of at least 0")
+    return seed
+
+
+class Summary(NamedTuple):
+    """What a track comes to."""
+
+    complete: bool
+    objective_min: float
+    objective_mean: float
+    joint_travel: float
+    limit_margin: float
+    error_position: float
+    error_rotation: float
+
+
+class Track:
+    """How an arm follows a path by one method."""
+
+    def __init__(self, study: "Study", method: int, pointer: Any, complete: bool) -> None:
+        self._c, self.study, self.complete = ffi.gc(pointer, lib.km_track_free), study, complete
+        self.method = text_of(lib.km_study_plan(study._c, method).method.word)
+
+    @property
+    def table(self) -> Table:
+        """The rows: step, s, joints, rates, objectives."""
+        return table_of(lib.km_track_rows(self._c), self._c)
+
+    @property
+    def summary(self) -> Summary:
+        s = lib.km_track_summarise(self._c)
+        return Summary(self.complete, s.objective_min, s.objective_mean, s.joint_travel, s.limit_margin,
+                       s.error_position, s.error_rotation)
+
+    def plot(self) -> Picture:
+        """The plots that kredund draws of a track."""
+        name = ffi.new("char[]", bytes_of(self.study.model.name, "name"))
+        return Picture(lambda format, out, error: lib.km_track_picture(self.study._c, self._c, name, format, out, error))
+
+    def _repr_svg_(self) -> str:
+        return self.plot()._repr_svg_()
+
+    def __repr__(self) -> str:
+        return f"<track by {self.method}: {len(self.table)} samples, {'complete' if self.complete else 'partial'}>"
+
+
+class Study:
+    """A path study: an arm, a path, a start and methods. From a file, or from its text and a model."""
+
+    def __init__(self, text: str, *, folder: Union[str, Path] = "", model: Optional[Model] = None, seed: int = 1) -> None:
+        definition = ffi.gc(ffi.new("km_study_def *", lib.km_study_def_default()), lib.km_study_def_free)
+        messages = ffi.gc(lib.km_messages_create(), lib.km_messages_free)
+        data, error = bytes_of(text, "study"), new_error()
+        place = f"{folder}/" if str(folder) else ""
+        kept = ffi.new("char[]", bytes_of(place, "folder"))
+        check(lib.km_study_read(data, len(data), kept, messages, definition, error), error)
+        if model is None:
+            if definition.model == ffi.NULL:
+                raise UsageError("the study names no model; expected model=…")
+            model = load(Path(folder, text_of(definition.model)))
+        self.model, self.mechanism, out = model, model.mechanism(), ffi.new("km_study **")
+        with model._reading(), self.mechanism.state._using():
+            check(lib.km_study_bind(self.mechanism._c, self.mechanism.state._c, definition, _seed(seed), messages, out,
+                                    error), error)
+        self._c = ffi.gc(out[0], lib.km_study_free)
+        self.messages = messages_of(messages)
+
+    @property
+    def methods(self) -> list[str]:
+        """The methods of the study."""
+        return [text_of(lib.km_study_plan(self._c, i).method.word) for i in range(lib.km_study_methods(self._c))]
+
+    def track(self, method: int = 0, *, jobs: int = 1, seed: int = 1, progress: Progress = None) -> Track:
+        """Follows the path by one of the study's methods."""
+        if isinstance(method, bool) or not isinstance(method, int) or not 0 <= method < lib.km_study_methods(self._c):
+            raise UsageError(f"method: found {method!r}; expected 0 to {lib.km_study_methods(self._c) - 1}")
+        if isinstance(jobs, bool) or not isinstance(jobs, int) or not 1 <= jobs <= 1024:
+            raise UsageError(f"jobs: found {jobs!r}; expected 1 to 1024")
+        watch, error, out = Watch(progress), new_error(), ffi.new("km_track **")
+        plan = ffi.new("km_track_plan *", lib.km_study_plan(self._c, method))
+        plan.jobs, plan.seed, plan.progress, plan.context = jobs, _seed(seed), watch.call, watch.context
+        with self.model._reading():
+            status = lib.km_track_run(lib.km_study_arm(self._c), plan, out, error)
+        try:
+            watch.finish()
+            return Track(self, method, out[0], check(status, error, partial=True))
+        except BaseException:
+            if out[0] != ffi.NULL:
+                lib.km_track_free(out[0])
+            raise
+
+    def tracks(self, **given: Any) -> list[Track]:
+        """Follows the path by every method of the study."""
+        return [self.track(i, **given) for i in range(len(self.methods))]
+
+
+def load_study(path: Union[str, Path], model: Optional[Model] = None) -> Study:
+    """Reads a path study; its model is looked up from the study's folder."""
+    path = Path(path)
+    try:
+        text = path.read_text(encoding="utf-8")
+    except OSError as bad:
+        raise FileError(str(bad)) from bad
+    return Study(text, folder=path.parent, model=model)

@@ -1,0 +1,216 @@
+"""Answers are those of the tools, and their tables are the library's own memory."""
+import csv
+import io
+import math
+import subprocess
+import threading
+import warnings
+from pathlib import Path
+
+import numpy
+import pytest
+
+import kmech
+from kmech import ffi, lib
+
+
+def test_every_kind_of_question_is_a_method(brake):
+    assert kmech.kinds() == ["mobility", "advantage", "forces"]
+    for kind in kmech.kinds():
+        answer = getattr(brake, kind)(range=(20, 32), steps=4)
+        assert len(answer) == 5 and answer.complete
+        assert kind in getattr(kmech.Model, kind).__doc__
+        assert "range" in str(__import__("inspect").signature(getattr(kmech.Mechanism, kind)))
+
+
+def test_rows_are_those_of_the_c_library(brake, tmp_path):
+    answer = brake.sweep("K", 20, 32, 7)
+    answer.save_csv(tmp_path / "a.csv")
+    rows = list(csv.reader(io.StringIO((tmp_path / "a.csv").read_text())))
+    for row, line in zip(answer.table, rows[1:]):
+        assert [float(x) for x in line] == pytest.approx([float(v) for v in row], rel=0, abs=0, nan_ok=True)
+    assert len(rows) == 9
+
+
+def test_tables_are_views(brake):
+    answer = brake.sweep("K", 20, 32, 50)
+    table = answer.table
+    pointer = lib.km_table_row(lib.km_question_table(answer._c), 0)
+    assert table.__array_interface__["data"][0] == int(ffi.cast("intptr_t", pointer))
+    assert table["q.K"].base is not None and table.matrix().shape == (51, len(table.columns))
+    assert table.units["q.K"] == "mm" and not table.flags.writeable
+    column, matrix, plain = table["q.K"], table.matrix(), numpy.asarray(table)["q.K"]
+    kept = matrix.copy()
+    del answer, table
+    __import__("gc").collect()
+    others = [brake.sweep("K", 20, 32, 50).table for _ in range(20)]  # would take the memory if it were free
+    assert len(others) == 20 and numpy.array_equal(matrix, kept, equal_nan=True)
+    assert column[0] == plain[0] == pytest.approx(20.0) and column[-1] == pytest.approx(32.0)
+
+
+def test_events_figures_pictures(brake, tmp_path):
+    answer = brake.advantage(range=(20, 32), steps=50)
+    least, where = answer.figure(answer.table.columns[-4], "min")
+    assert least <= answer.table[answer.table.columns[-4]].min() + 1e-12 and 20 <= where <= 32
+    assert answer.plot().save(tmp_path / "a.pdf").read_bytes().startswith(b"%PDF")
+    assert answer.plot().data("png").startswith(b"\x89PNG")
+    assert answer._repr_svg_() == answer.plot()._repr_svg_() and "<svg" in answer._repr_svg_()
+    assert answer.table._repr_html_().startswith("<table>")
+    assert all(isinstance(e.s, float) for e in answer.events)
+
+
+def test_slider_crank_by_formula():
+    """x = cos q + √(l² − sin² q): the slider of a crank of length 1 and a rod of length 3."""
+    b = kmech.Builder()
+    b.body("crank").body("rod").body("slider")
+    b.frame("crank", "tip", [1, 0, 0]).frame("rod", "tip", [3, 0, 0])
+    b.joint("A", "Rz", "fixed", "crank").joint("B", "Rz", "crank/tip", "rod").joint("C", "Rz", "rod/tip", "slider")
+    b.joint("D", "Tx", "fixed", "slider", position=4)
+    model = b.finish()
+    table = model.sweep("A", 0.1, 3.0, 40).table
+    q = table["q.A"]
+    assert numpy.abs(table["q.D"] - (numpy.cos(q) + numpy.sqrt(9 - numpy.sin(q) ** 2))).max() < 1e-11
+    state = model.mechanism(set={"A": 1.0}).state
+    assert state.mobility().mobility == 1 and state["A"] == pytest.approx(1.0, abs=1e-12)
+    assert state.frame("crank/tip").p == pytest.approx([math.cos(1), math.sin(1), 0], abs=1e-12)
+    assert state.jacobian("crank/tip")[:, 0] == pytest.approx([-math.sin(1), math.cos(1), 0, 0, 0, 1], abs=1e-12)
+    again = kmech.from_string(model.to_json(state))
+    assert again.mechanism().state["D"] == pytest.approx(state["D"], abs=1e-12)
+
+
+def test_models_change(fourbar):
+    mechanism = fourbar.mechanism()
+    before = mechanism.state.mobility().numbers
+    frame = next(f for f in fourbar.frames if not f.endswith("origin") and not f.startswith("fixed"))
+    place = mechanism.state.frame(frame)
+    assert place.R.shape == (3, 3)
+    fourbar.set_frame(frame, [0.9, 0.01, 0.0])
+    with pytest.raises(kmech.UsageError, match="has changed"):
+        mechanism.state.mobility()
+    mechanism.renumber()
+    assert mechanism.state.mobility().numbers != before
+    low, high = fourbar.limits(fourbar.coordinates[0])
+    fourbar.set_limits(fourbar.coordinates[0], -1, 1)
+    assert fourbar.limits(fourbar.coordinates[0]) == (-1, 1)
+
+
+def test_variants():
+    text = """{"parameters": {"reach": 2}, "assemblies": [{"name": "a", "bodies": [{"name": "b", "frames": [{"name": "t",
+      "T": ["reach", 0, 0]}]}], "joints": [{"name": "J", "type": "Rz", "body_frame_pairs": ["fixed", "b"]}]}]}"""
+    model = kmech.from_string(text)
+    assert model.mechanism().state.frame("b/t").p[0] == 2
+    assert model.vary(reach=5).mechanism().state.frame("b/t").p[0] == 5
+    assert model.vary(reach=5).vary(**{"J.initial_displacement": math.pi}).mechanism().state.frame("b/t").p[0] == -5
+
+
+def test_robot_descriptions(tmp_path):
+    text = ("<robot name='r'><link name='a'/><link name='b'/><joint name='J' type='revolute'><parent link='a'/>"
+            "<child link='b'/><axis xyz='0 0 1'/><limit lower='-1' upper='1' effort='3' velocity='2'/></joint></robot>")
+    (tmp_path / "r.urdf").write_text(text)
+    model = kmech.load(tmp_path / "r.urdf")
+    assert model.limits("J") == (-1, 1) and model.name == "r"
+    assert len(kmech.load(tmp_path / "r.urdf", floating=True).coordinates) == 7
+    assert '"max_force": 3' in model.to_json()
+
+
+def test_arms(iiwa):
+    arm = iiwa.mechanism().arm("flange/tool")
+    q = [0.1, 0.5, -0.2, -1.2, 0.3, 0.7, 0.0]
+    pose = arm.place(q)
+    found = arm.solve(pose, [x + 0.05 for x in q])
+    assert arm.place(found).p == pytest.approx(pose.p, abs=1e-10)
+    J, h = arm.jacobian(q), 1e-6
+    for k in range(7):
+        moved = [list(q), list(q)]
+        moved[0][k] -= h
+        moved[1][k] += h
+        rate = (arm.place(moved[1]).p - arm.place(moved[0]).p) / (2 * h)
+        assert J[:3, k] == pytest.approx(rate, abs=1e-8)
+
+
+def test_path_studies(source):
+    study = kmech.load_study(source / "studies/thesis_line/study.json")
+    track = study.track(0)
+    assert track.complete == track.summary.complete and track.summary.error_position < 1e-11
+    assert "s" in track.table.columns and "<svg" in track._repr_svg_()
+
+
+def test_progress_and_cancel(brake):
+    seen = []
+    brake.sweep("K", 20, 32, 20000, progress=lambda done: seen.append(done))
+    assert seen == sorted(seen) and all(0 <= d <= 1 for d in seen)
+    with pytest.raises(kmech.Cancelled):
+        brake.sweep("K", 20, 32, 200000, progress=lambda done: False)
+    with pytest.raises(KeyError):
+        brake.sweep("K", 20, 32, 200000, progress=lambda done: {}["nothing"])
+
+
+def test_keyboard_interrupt():
+    program = ("import kmech, os, signal, sys, threading\n"
+               f"m = kmech.load({str(Path(__file__).resolve().parents[3] / 'models/brake.json')!r})\n"
+               "threading.Timer(0.3, lambda: os.kill(os.getpid(), signal.SIGINT)).start()\n"
+               "try:\n  m.sweep('K', 20, 32, 9000000)\n"
+               "except KeyboardInterrupt:\n  print('stopped')\n")
+    done = subprocess.run([__import__("sys").executable, "-c", program], capture_output=True, text=True, timeout=120)
+    assert done.stdout == "stopped\n", done.stderr
+
+
+def test_threads_work_side_by_side(brake):
+    reference = brake.sweep("K", 20, 32, 300).table.matrix().copy()
+    mechanism, results = brake.mechanism(), {}
+
+    def work(i):
+        results[i] = mechanism.sweep("K", 20, 32, 300).table.matrix()
+
+    threads = [threading.Thread(target=work, args=(i,)) for i in range(4)]
+    for thread in threads:
+        thread.start()
+    for thread in threads:
+        thread.join()
+    for i in range(4):
+        assert numpy.array_equal(results[i], reference, equal_nan=True)
+
+
+def test_the_gil_is_released(brake):
+    """Another thread counts while the library works."""
+    count, stop = [0], threading.Event()
+
+    def spin():
+        while not stop.is_set():
+            count[0] += 1
+
+    thread = threading.Thread(target=spin)
+    thread.start()
+    before = count[0]
+    brake.sweep("K", 20, 32, 20000)
+    moved = count[0] - before
+    stop.set()
+    thread.join()
+    assert moved > 1000
+
+
+def test_warnings_of_readers():
+    with warnings.catch_warnings(record=True) as found:
+        warnings.simplefilter("always")
+        model = kmech.from_string('{"assemblis": []}')
+    assert found[0].category is kmech.ModelWarning and "assemblies" in str(found[0].message)
+    assert model.messages[0].severity == "warning"
+
+
+def test_named_poses():
+    model = kmech.from_string('{"poses": {"home": {"J": 1}}, "assemblies": [{"name": "a", "bodies": [{"name": "b"}], '
+                              '"joints": [{"name": "J", "type": "Rz", "body_frame_pairs": ["fixed", "b"]}]}]}')
+    assert model.poses == ["home"]
+
+
+def test_couplings_by_calls():
+    b = kmech.Builder()
+    b.body("x").body("y").joint("A", "Rz", "fixed", "x").joint("B", "Rz", "fixed", "y")
+    b.couple("cam", follower="A", leader="B", polynomial=[0.5, 0, 2])
+    table = b.finish().sweep("B", -1, 1, 10).table
+    assert table["q.A"] == pytest.approx(0.5 + 2 * table["q.B"] ** 2, abs=1e-12)
+
+
+def test_documentation():
+    assert "closes every loop" in kmech.documentation("km_assemble").lower()
+    assert "km_assemble" in kmech.State.assemble.__doc__
