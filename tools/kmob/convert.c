@@ -4,6 +4,7 @@
 #include "base/memory.h"
 #include "exchange/json/convert.h"
 #include "exchange/json/draw.h"
+#include "kmech/write.h"
 
 typedef struct options {
   kt_common common;
@@ -39,17 +40,40 @@ static km_status draw(const options *o, const kt_pose *pose, const km_units *uni
   return status;
 }
 
+/* As a robot description, in its own units. */
+static kt_exit write_robot(const options *o, const kt_pose *pose, km_model_format format, const double *q) {
+  km_bytes bytes = {0};
+  km_error error;
+  km_messages *notes = km_messages_create();
+  km_status status = km_model_write_as(pose->model, format, q, notes, &bytes, &error);
+  for (size_t i = 0; i < km_messages_count(notes); ++i)
+    kt_say(&o->common, km_messages_severity(notes, i), "%s: %s", o->model, km_messages_text(notes, i));
+  if (status)
+    kt_say(&o->common, KM_ERROR, "%s: %s", o->model, error.text);
+  const km_text text = {.data = bytes.data, .size = bytes.size};
+  kt_exit result = status ? kt_exit_of(status) : kmob_write_text(&o->common, o->file, &text);
+  km_messages_free(notes);
+  km_bytes_free(&bytes);
+  return result;
+}
+
 static kt_exit convert_pose(const options *o, const kt_pose *pose) {
   km_units units = pose->model->units;
   kt_exit result = kmob_choose_units(&o->common, o->units, &units);
   if (result != KT_DONE)
     return result;
+  km_model_format format = km_model_format_of(o->file);
   km_arena arena = {0};
   km_error error;
   const km_value *value = NULL;
   double *q = KM_ARENA_NEW(&arena, double, (size_t)pose->model->coordinate_count);
   for (int c = 0; q && c < pose->model->coordinate_count; ++c)
     q[c] = km_state_coordinate(pose->state, c);
+  if (q && format != KM_FORMAT_JSON) {
+    result = write_robot(o, pose, format, q);
+    km_arena_free(&arena);
+    return result;
+  }
   km_status status = !q         ? km_fail(&error, KM_MEMORY, "out of memory")
                      : o->drawn ? draw(o, pose, &units, q, &arena, &value, &error)
                                 : km_model_convert(pose->model, &units, q, o->frames, &arena, &value, &error);
@@ -81,9 +105,19 @@ kt_exit kmob_convert(int argc, char **argv) {
   };
   KT_OPTIONS_ADD(&all, table);
   kt_common_options(&all, &o.common, KT_USES_FORCE | KT_USES_FLOAT);
-  kt_options_read(&all, "Write the checked model: other units, the assembled pose.", argc, argv);
+  kt_options_read(
+      &all,
+      "Write the checked model: other units, the assembled pose. A FILE that ends with .urdf, .xml (MJCF) or .sdf is "
+      "written as a robot description, in SI units; what it can't hold is a note.",
+      argc, argv);
   if (o.frames && o.drawn)
     return kt_usage(&o.common, "--drawn", "beside --frames", "one of them");
+  if (km_model_format_of(o.file) != KM_FORMAT_JSON && (o.units || o.frames || o.drawn))
+    return kt_usage(&o.common,
+                    o.units    ? "--units"
+                    : o.frames ? "--frames"
+                               : "--drawn",
+                    "with a robot description", "it only for a file of the model format");
   if (o.file && !kt_may_write(&o.common, o.file))
     return KT_USAGE;
   kt_pose pose;

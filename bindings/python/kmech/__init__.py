@@ -39,7 +39,7 @@ __all__ = ["Answer", "Arm", "Builder", "Cancelled", "Diverged", "Event", "FileEr
 _BEHIND = {
     Model.set_position: "km_model_set_position", Model.set_limits: "km_model_set_limits",
     Model.set_frame: "km_model_set_frame", Model.set_mass: "km_model_set_mass", Model.vary: "km_model_read_varied",
-    Model.to_json: "km_model_write", Model.limits: "km_model_coordinate_limits", load: "km_model_load_as",
+    Model.to_json: "km_model_write", Model.save: "km_model_write_as", Model.limits: "km_model_coordinate_limits", load: "km_model_load_as",
     Mechanism.__init__: "km_reach_pose", Mechanism.renumber: "km_mechanism_renumber",
     Mechanism.new_state: "km_state_create", State.assemble: "km_assemble", State.reach: "km_state_reach",
     State.mobility: "km_mobility_update", State.frame: "km_frame_place", State.jacobian: "km_frame_jacobian",

@@ -203,21 +203,29 @@ class Model:
 
     def to_json(self, pose: Optional[Any] = None) -> str:
         """The model in its own format. pose: a State of it, whose pose is written."""
+        return self._written(lib.KM_FORMAT_JSON, pose)[0].decode("utf-8", "surrogateescape")
+
+    def save(self, path: Union[str, Path], pose: Optional[Any] = None) -> list[Message]:
+        """Writes a file: .urdf, .xml (MJCF) or .sdf at a closed pose (by default that of a new mechanism), or else the
+        model's own format. Returns notes on what the format can't hold."""
+        path = Path(path)
+        data, notes = self._written(lib.km_model_format_of(bytes_of(str(path), "path")), pose)
+        path.write_bytes(data)
+        return notes
+
+    def _written(self, format: int, pose: Optional[Any]) -> tuple[bytes, list[Message]]:
+        if pose is None and format != lib.KM_FORMAT_JSON:
+            pose = self.mechanism().state
         q = ffi.NULL
         if pose is not None:
             if getattr(getattr(pose, "mechanism", None), "model", None) is not self:
                 raise TypeError("pose: expected a State of this model")
             q = ffi.new("double[]", [float(v) for v in pose.values])
+        messages = ffi.gc(lib.km_messages_create(), lib.km_messages_free)
         out, error = ffi.new("km_bytes *"), new_error()
         with self._reading():
-            check(lib.km_model_write(self._c, q, out, error), error)
-        return taken(out).decode("utf-8", "surrogateescape")
-
-    def save(self, path: Union[str, Path], pose: Optional[Any] = None) -> Path:
-        """Writes the model in its own format."""
-        path = Path(path)
-        path.write_text(self.to_json(pose), encoding="utf-8", errors="surrogateescape")
-        return path
+            check(lib.km_model_write_as(self._c, format, q, messages, out, error), error)
+        return taken(out), messages_of(messages)
 
     def mechanism(self, *, set: Optional[Mapping[str, float]] = None,
                   hold: Optional[Mapping[str, float]] = None) -> "Any":

@@ -113,6 +113,17 @@ def test_robot_descriptions(tmp_path):
     assert '"max_force": 3' in model.to_json()
 
 
+@pytest.mark.parametrize("ending", ["json", "urdf", "xml", "sdf"])
+def test_models_go_out_and_come_back(ending, iiwa, tmp_path):
+    notes = iiwa.save(tmp_path / f"arm.{ending}")
+    assert all(n.severity == "note" for n in notes)
+    again = kmech.load(tmp_path / f"arm.{ending}")
+    q = {label: 0.1 * k for k, label in enumerate(iiwa.coordinates)}
+    one, two = iiwa.mechanism(set=q), again.mechanism(set=q)
+    for body in iiwa.bodies[1:]:
+        assert two.state.frame(f"{body}/origin").p == pytest.approx(one.state.frame(f"{body}/origin").p, abs=1e-12)
+
+
 def test_arms(iiwa):
     arm = iiwa.mechanism().arm("flange/tool")
     q = [0.1, 0.5, -0.2, -1.2, 0.3, 0.7, 0.0]

@@ -37,6 +37,11 @@ static void remember(km_mjcf *m, const char *name, km_joint_id id, km_joint_type
     m->joints[m->joint_count++] = (km_mjcf_joint){name, id, type, reference};
 }
 
+/* As in the other formats, what no joint reaches is no limit. */
+static double bound(double value) {
+  return fabs(value) < 1e15 ? value : copysign(HUGE_VAL, value);
+}
+
 static void read_limits(km_mjcf *m, const km_xml *e, const km_mjcf_place *place, km_robot_joint *joint, double unit) {
   const char *limited = km_mjcf_get(m, e, place, "limited");
   double range[2];
@@ -47,7 +52,7 @@ static void read_limits(km_mjcf *m, const km_xml *e, const km_mjcf_place *place,
   if (joint->type == KM_SPHERICAL)
     km_robot_omit(m->robot, "limits of ball joints left out", joint->name);
   else
-    km_robot_limit(m->robot, joint, 0, given ? range[0] * unit : 0.0, given ? range[1] * unit : 0.0);
+    km_robot_limit(m->robot, joint, 0, given ? bound(range[0]) * unit : 0.0, given ? bound(range[1]) * unit : 0.0);
 }
 
 /* A spring of stiffness k that is at rest at `rest`: -k q + k rest. */

@@ -1,0 +1,359 @@
+/* A model as MJCF: nested bodies, with loops closed by constraints. */
+#include "exchange/robot/write.h"
+
+#include <math.h>
+#include <string.h>
+
+static void set_pose(km_written *w, const km_pose *X) {
+  const double p[3] = {X->p.x, X->p.y, X->p.z};
+  double q[4];
+  km_written_quaternion(&X->R, q);
+  km_xml_set_numbers(&w->xml, "pos", p, 3, false);
+  if (q[0] != 1.0)
+    km_xml_set_numbers(&w->xml, "quat", q, 4, true);
+}
+
+static void set_number(km_written *w, const char *name, double value) {
+  if (value != 0.0)
+    km_xml_set_numbers(&w->xml, name, &value, 1, false);
+}
+
+static void add_inertial(km_written *w, int body) {
+  double center[3], I[6];
+  double mass = km_written_mass(w, body, center, I);
+  const double full[6] = {I[0], I[1], I[2], I[3], I[5], I[4]}; /* xx yy zz xy xz yz */
+  bool some = mass != 0.0;
+  for (int k = 0; k < 6; ++k)
+    some = some || I[k] != 0.0;
+  if (!some) {
+    km_written_omit(w, "bodies without mass, which MuJoCo itself doesn't simulate", w->bodies[body]);
+    return;
+  }
+  km_xml_begin(&w->xml, "inertial");
+  km_xml_set_numbers(&w->xml, "pos", center, 3, false);
+  km_xml_set_numbers(&w->xml, "mass", &mass, 1, false);
+  km_xml_set_numbers(&w->xml, "fullinertia", full, 6, false);
+  km_xml_end(&w->xml, "inertial");
+}
+
+/* What the joint's drive, friction and limits are. */
+static void set_dynamics(km_written *w, const km_written_motion *motion) {
+  const km_model_coordinate *c = &w->model->coordinates[motion->coordinate];
+  double stiffness, rest;
+  set_number(w, "damping", c->damping * km_written_damping(w, motion->coordinate));
+  set_number(w, "armature", c->armature * km_written_inertia(w, motion->coordinate));
+  set_number(w, "frictionloss", c->friction * km_written_force(w, motion->coordinate));
+  if (isfinite(c->max_rate))
+    km_written_omit(w, "largest rates not written", motion->name);
+  if (motion->primitive == KM_BALL)
+    return;
+  if (isfinite(c->max_force)) {
+    double most = c->max_force * km_written_force(w, motion->coordinate);
+    km_xml_set_numbers(&w->xml, "actuatorfrcrange", (const double[2]){-most, most}, 2, false);
+  }
+  if (km_written_spring(w, motion->coordinate, &stiffness, &rest)) {
+    km_xml_set_numbers(&w->xml, "stiffness", &stiffness, 1, false);
+    km_xml_set_numbers(&w->xml, "springref", &rest, 1, false);
+  }
+  if (km_written_is_limited(w->model, motion->coordinate)) {
+    const double range[2] = {km_written_limit(w, motion->coordinate, c->low),
+                             km_written_limit(w, motion->coordinate, c->high)};
+    km_xml_set(&w->xml, "limited", "true");
+    km_xml_set_numbers(&w->xml, "range", range, 2, false);
+  }
+}
+
+static void add_single(km_written *w, const km_written_motion *motion, const char *name, bool slides,
+                       const km_pose *in_body, double reference) {
+  km_vec3 u = km_rotate(&in_body->R, motion->axis);
+  const double axis[3] = {u.x, u.y, u.z}, p[3] = {in_body->p.x, in_body->p.y, in_body->p.z};
+  km_xml_begin(&w->xml, "joint");
+  km_xml_set(&w->xml, "name", name);
+  km_xml_set(&w->xml, "type", slides ? "slide" : "hinge");
+  km_xml_set_numbers(&w->xml, "pos", p, 3, false);
+  km_xml_set_numbers(&w->xml, "axis", axis, 3, true);
+  set_number(w, "ref", reference);
+}
+
+static const char *slide_of(km_written *w, const char *screw) {
+  return km_written_text(w, "%s:slide", screw);
+}
+
+/* One motion as a joint of the body, where the motion's frame at the file's pose is `in_body`. */
+static void add_motion(km_written *w, const km_written_motion *motion, const km_pose *in_body) {
+  double reference = w->reference[motion->coordinate];
+  if (motion->primitive == KM_BALL) {
+    const double p[3] = {in_body->p.x, in_body->p.y, in_body->p.z};
+    km_xml_begin(&w->xml, "joint");
+    km_xml_set(&w->xml, "name", motion->name);
+    km_xml_set(&w->xml, "type", "ball");
+    km_xml_set_numbers(&w->xml, "pos", p, 3, false);
+    set_dynamics(w, motion);
+    km_xml_end(&w->xml, "joint");
+    km_written_omit(w, "ball joints whose coordinates count from the file's pose", motion->name);
+    return;
+  }
+  if (motion->primitive == KM_HELICAL) { /* a slide that follows the hinge */
+    add_single(w, motion, slide_of(w, motion->name), true, in_body, reference * motion->pitch);
+    km_xml_end(&w->xml, "joint");
+  }
+  add_single(w, motion, motion->name, motion->primitive == KM_PRISMATIC, in_body, reference);
+  set_dynamics(w, motion);
+  km_xml_end(&w->xml, "joint");
+}
+
+/* The joints of a body, whose pose in its parent is `X`. */
+static void add_joints(km_written *w, const km_written_joint *way, const km_pose *X) {
+  km_pose back = km_pose_inverse(X), at = km_pose_identity();
+  if (w->model->joints[way->joint].type == KM_FLOAT && way->from == 0) {
+    km_xml_begin(&w->xml, "freejoint");
+    km_xml_set(&w->xml, "name", w->joints[way->joint]);
+    km_xml_end(&w->xml, "freejoint");
+    return;
+  }
+  for (int i = 0; i < way->count; ++i) {
+    at = km_pose_product(&at, &way->motion[i].before);
+    km_pose in_body = km_pose_product(&back, &at);
+    add_motion(w, &way->motion[i], &in_body);
+    km_pose step = km_written_motion_at(&way->motion[i], w->reference);
+    at = km_pose_product(&at, &step);
+  }
+}
+
+/* Frames that no joint has, as sites. */
+static void add_sites(km_written *w, int body) {
+  const km_model *m = w->model;
+  for (int f = 0; f < m->frame_count; ++f) {
+    bool used = m->frames[f].body != body || strcmp(m->frames[f].name, "origin") == 0;
+    for (int j = 0; j < m->joint_count && !used; ++j)
+      used = m->joints[j].frame[0] == f || m->joints[j].frame[1] == f;
+    if (used)
+      continue;
+    km_pose X = m->frames[f].pose;
+    X.p = km_vec3_scale(w->length, X.p);
+    km_xml_begin(&w->xml, "site");
+    km_xml_set(&w->xml, "name", km_written_text(w, "%s/%s", w->bodies[body], m->frames[f].name));
+    set_pose(w, &X);
+    km_xml_end(&w->xml, "site");
+  }
+}
+
+static km_pose between(const km_written *w, int from, int to) {
+  km_pose back = km_pose_inverse(&w->world[from]);
+  return km_pose_product(&back, &w->world[to]);
+}
+
+/* A loop's joint that stays a joint: of a massless body, which is welded to the one that it stands for. */
+static bool is_welded(const km_written *w, int joint) {
+  const km_model_joint *def = &w->model->joints[joint];
+  bool hinge = def->type == KM_RX || def->type == KM_RY || def->type == KM_RZ;
+  const km_model_coordinate *c = &w->model->coordinates[def->first_coordinate];
+  if (def->type == KM_RIGID || def->type == KM_SPHERICAL)
+    return false;
+  if (!hinge)
+    return true;
+  bool told = km_written_is_limited(w->model, def->first_coordinate) || c->damping != 0.0 || c->armature != 0.0 ||
+              c->friction != 0.0 || isfinite(c->max_force);
+  double stiffness, rest;
+  told = told || km_written_spring(w, def->first_coordinate, &stiffness, &rest);
+  for (int i = 0; i < w->model->actuator_count; ++i)
+    told = told || w->model->actuators[i] == def->first_coordinate;
+  for (int i = 0; i < w->model->coupling_count; ++i)
+    for (int k = 0; k < w->model->couplings[i].count; ++k)
+      told = told || w->model->couplings[i].coordinates[k] == def->first_coordinate;
+  return told;
+}
+
+static const char *twin_of(km_written *w, int joint) {
+  return km_written_text(w, "%s:end", w->joints[joint]);
+}
+
+static void add_body(km_written *w, int body);
+
+/* What hangs on a body: the tree's bodies, and the massless ends of loops. */
+static void add_children(km_written *w, int body) {
+  for (int i = 0; i < w->ordered; ++i) {
+    const km_model_joint *def = &w->model->joints[w->arc[w->order[i]]];
+    int a = w->model->frames[def->frame[0]].body, b = w->model->frames[def->frame[1]].body;
+    if ((a == w->order[i] ? b : a) == body)
+      add_body(w, w->order[i]);
+  }
+  for (int j = 0; j < w->model->joint_count; ++j) {
+    if (w->in_tree[j] || w->model->frames[w->model->joints[j].frame[0]].body != body || !is_welded(w, j))
+      continue;
+    km_written_joint way = km_written_pass(w, j, body);
+    km_pose X = between(w, body, way.to);
+    km_xml_begin(&w->xml, "body");
+    km_xml_set(&w->xml, "name", twin_of(w, j));
+    set_pose(w, &X);
+    add_joints(w, &way, &X);
+    km_xml_end(&w->xml, "body");
+  }
+}
+
+static void add_body(km_written *w, int body) {
+  const km_model_joint *def = &w->model->joints[w->arc[body]];
+  int a = w->model->frames[def->frame[0]].body;
+  km_written_joint way = km_written_pass(w, w->arc[body], a == body ? w->model->frames[def->frame[1]].body : a);
+  km_pose X = between(w, way.from, body);
+  km_xml_begin(&w->xml, "body");
+  km_xml_set(&w->xml, "name", w->bodies[body]);
+  set_pose(w, &X);
+  add_inertial(w, body);
+  add_joints(w, &way, &X);
+  add_sites(w, body);
+  add_children(w, body);
+  km_xml_end(&w->xml, "body");
+}
+
+/* A body that the constraint names first has the anchor, and isn't the world. */
+static void add_connect(km_written *w, const char *name, int one, int two, km_vec3 point) {
+  km_pose back = km_pose_inverse(&w->world[one ? one : two]);
+  km_vec3 p = km_pose_point(&back, point);
+  const double anchor[3] = {p.x, p.y, p.z};
+  km_xml_begin(&w->xml, "connect");
+  km_xml_set(&w->xml, "name", name);
+  km_xml_set(&w->xml, "body1", w->bodies[one ? one : two]);
+  if (one && two)
+    km_xml_set(&w->xml, "body2", w->bodies[two]);
+  km_xml_set_numbers(&w->xml, "anchor", anchor, 3, false);
+  km_xml_end(&w->xml, "connect");
+}
+
+/* A ball meets in a point, a hinge in two points of its axis; the rest is welded. */
+static void close_loop(km_written *w, int joint) {
+  const km_model *m = w->model;
+  const km_model_joint *def = &m->joints[joint];
+  int from = m->frames[def->frame[0]].body;
+  km_written_joint way = km_written_pass(w, joint, from);
+  bool welded = is_welded(w, joint);
+  if (welded || way.count == 0) {
+    km_xml_begin(&w->xml, "weld");
+    km_xml_set(&w->xml, "name", welded ? twin_of(w, joint) : w->joints[joint]);
+    km_xml_set(&w->xml, "body1", welded ? twin_of(w, joint) : w->bodies[from ? from : way.to]);
+    if (welded ? way.to != 0 : from && way.to)
+      km_xml_set(&w->xml, "body2", w->bodies[way.to]);
+    km_xml_end(&w->xml, "weld");
+    return;
+  }
+  km_pose X = km_pose_product(&w->world[from], &way.motion[0].before);
+  add_connect(w, w->joints[joint], from, way.to, X.p);
+  if (way.motion[0].primitive == KM_BALL)
+    return;
+  double size = fmax(km_vec3_norm(way.motion[0].before.p), km_vec3_norm(way.after.p));
+  km_vec3 along = km_vec3_scale(size > 0.0 ? size : 1.0, km_rotate(&X.R, way.motion[0].axis));
+  add_connect(w, km_written_text(w, "%s:axis", w->joints[joint]), from, way.to, km_vec3_add(X.p, along));
+}
+
+/* A polynomial P(y) = x as one in y - b of x - a. */
+static void count_from(double *c, int count, double a, double b) {
+  for (int i = 0; i < count; ++i)
+    for (int k = count - 2; k >= i; --k)
+      c[k] += b * c[k + 1];
+  c[0] -= a;
+}
+
+static const char *name_of_coordinate(const km_written *w, int coordinate) {
+  return w->model->coordinates[coordinate].label;
+}
+
+static void add_equality(km_written *w, const char *name, const char *one, const char *two, const double *c,
+                         int count) {
+  km_xml_begin(&w->xml, "joint");
+  km_xml_set(&w->xml, "name", name);
+  km_xml_set(&w->xml, "joint1", one);
+  if (two)
+    km_xml_set(&w->xml, "joint2", two);
+  km_xml_set_numbers(&w->xml, "polycoef", c, count, false);
+  km_xml_end(&w->xml, "joint");
+}
+
+static double si_of(const km_written *w, int c) {
+  const km_model_coordinate *def = &w->model->coordinates[c];
+  return km_joint_is_length(w->model->joints[def->joint].type, def->index) ? w->length : 1.0;
+}
+
+static void add_coupling(km_written *w, const km_model_coupling *coupling) {
+  enum { MOST = 5 };
+  double c[MOST] = {0}, constant = coupling->constant;
+  int one = coupling->coordinates[0], two = coupling->count > 1 ? coupling->coordinates[1] : -1;
+  int count = coupling->polynomial_count ? coupling->polynomial_count : 2;
+  double scale = two >= 0 ? si_of(w, two) : 1.0;
+  if (count > MOST || coupling->count > 2) {
+    km_written_omit(w, "couplings not written, as they have more than two joints or a degree above 4", coupling->name);
+    return;
+  }
+  if (coupling->ratios && coupling->ratios[0] == 0.0)
+    return;
+  for (int k = 0; k < coupling->count && !coupling->constant_given && coupling->ratios; ++k)
+    constant += coupling->ratios[k] * w->q[coupling->coordinates[k]] / si_of(w, coupling->coordinates[k]);
+  for (int k = 0; k < coupling->polynomial_count; ++k)
+    c[k] = coupling->polynomial[k];
+  if (coupling->ratios) {
+    c[0] = constant / coupling->ratios[0];
+    c[1] = two >= 0 ? -coupling->ratios[1] / coupling->ratios[0] : 0.0;
+  }
+  for (int k = 0; k < count; ++k)
+    c[k] *= si_of(w, one) / pow(scale, k);
+  count_from(c, count, w->reference[one], two >= 0 ? w->reference[two] : 0.0);
+  add_equality(w, coupling->name, name_of_coordinate(w, one), two >= 0 ? name_of_coordinate(w, two) : NULL, c, count);
+}
+
+static void add_screws(km_written *w) {
+  for (int j = 0; j < w->model->joint_count; ++j) {
+    const km_model_joint *def = &w->model->joints[j];
+    const double line[2] = {0.0, def->pitch * w->length / (2.0 * M_PI)};
+    if (def->type == KM_SCREW)
+      add_equality(w, slide_of(w, w->joints[j]), slide_of(w, w->joints[j]), w->joints[j], line, 2);
+  }
+}
+
+static void add_constraints(km_written *w) {
+  const km_model *m = w->model;
+  km_xml_begin(&w->xml, "equality");
+  for (int j = 0; j < m->joint_count; ++j)
+    if (!w->in_tree[j])
+      close_loop(w, j);
+  add_screws(w);
+  for (int i = 0; i < m->coupling_count; ++i)
+    add_coupling(w, &m->couplings[i]);
+  km_xml_end(&w->xml, "equality");
+}
+
+static void add_actuators(km_written *w) {
+  const km_model *m = w->model;
+  km_xml_begin(&w->xml, "actuator");
+  for (int i = 0; i < m->actuator_count; ++i) {
+    km_xml_begin(&w->xml, "motor");
+    km_xml_set(&w->xml, "name", m->coordinates[m->actuators[i]].label);
+    km_xml_set(&w->xml, "joint", m->coordinates[m->actuators[i]].label);
+    km_xml_end(&w->xml, "motor");
+  }
+  km_xml_end(&w->xml, "actuator");
+}
+
+km_status km_mjcf_write(km_written *w, km_error *error) {
+  const km_model *m = w->model;
+  km_vec3 g = km_vec3_scale(w->length / (w->time * w->time), m->gravity);
+  if (!km_written_refer(w, false))
+    return km_fail(error, KM_MEMORY, "out of memory while writing the model");
+  km_xml_begin(&w->xml, "mujoco");
+  km_xml_set(&w->xml, "model", m->assembly_count ? m->assemblies[0].name : "model");
+  km_xml_begin(&w->xml, "compiler");
+  km_xml_set(&w->xml, "angle", "radian");
+  km_xml_end(&w->xml, "compiler");
+  km_xml_begin(&w->xml, "option");
+  km_xml_set_numbers(&w->xml, "gravity", (const double[3]){g.x, g.y, g.z}, 3, false);
+  km_xml_end(&w->xml, "option");
+  km_xml_begin(&w->xml, "worldbody");
+  add_sites(w, 0);
+  add_children(w, 0);
+  km_xml_end(&w->xml, "worldbody");
+  add_constraints(w);
+  add_actuators(w);
+  km_xml_end(&w->xml, "mujoco");
+  km_written_omit_forces(w);
+  for (int i = 0; i < m->pose_count; ++i)
+    km_written_omit(w, "named poses not written", m->poses[i].name);
+  return KM_OK;
+}

@@ -1,0 +1,223 @@
+/* A model as SDFormat: links where they stand, and all joints between them. */
+#include "exchange/robot/write.h"
+
+#include <math.h>
+#include <string.h>
+
+static void add_pose(km_written *w, const km_pose *X, const char *relative_to) {
+  double wxyz[4];
+  km_written_quaternion(&X->R, wxyz);
+  const double v[7] = {X->p.x, X->p.y, X->p.z, wxyz[1], wxyz[2], wxyz[3], wxyz[0]};
+  km_xml_begin(&w->xml, "pose");
+  if (relative_to)
+    km_xml_set(&w->xml, "relative_to", relative_to);
+  km_xml_set(&w->xml, "rotation_format", "quat_xyzw");
+  km_text_add(w->xml.out, ">");
+  km_xml_add_numbers(w->xml.out, v, 7, true);
+  km_text_add(w->xml.out, "</pose>\n");
+  w->xml.open = false;
+  w->xml.depth--;
+}
+
+static void add_number(km_written *w, const char *name, double value) {
+  km_xml_numbers(&w->xml, name, &value, 1, false);
+}
+
+/* A link without a statement would weigh 1 kg. */
+static void add_inertial(km_written *w, const double center[3], double mass, const double I[6]) {
+  static const char *const keys[6] = {"ixx", "iyy", "izz", "ixy", "iyz", "ixz"};
+  km_pose at = {km_rotation_identity(), km_vec3_make(center)};
+  km_xml_begin(&w->xml, "inertial");
+  add_pose(w, &at, NULL);
+  add_number(w, "mass", mass);
+  km_xml_begin(&w->xml, "inertia");
+  for (int k = 0; k < 6; ++k)
+    add_number(w, keys[k], I[k]);
+  km_xml_end(&w->xml, "inertia");
+  km_xml_end(&w->xml, "inertial");
+}
+
+static void add_link(km_written *w, int body) {
+  double center[3], I[6];
+  double mass = km_written_mass(w, body, center, I);
+  km_xml_begin(&w->xml, "link");
+  km_xml_set(&w->xml, "name", w->bodies[body]);
+  add_pose(w, &w->world[body], NULL);
+  add_inertial(w, center, mass, I);
+  km_xml_end(&w->xml, "link");
+}
+
+static void add_massless(km_written *w, const char *name, const km_pose *X) {
+  static const double none[6];
+  km_xml_begin(&w->xml, "link");
+  km_xml_set(&w->xml, "name", name);
+  add_pose(w, X, NULL);
+  add_inertial(w, none, 0.0, none);
+  km_xml_end(&w->xml, "link");
+}
+
+static double shifted(const km_written *w, int c, double value) {
+  double si = km_written_limit(w, c, value);
+  return fabs(si) < 1e30 ? si - w->reference[c] : si;
+}
+
+static double si_of(const km_written *w, int c) {
+  const km_model_coordinate *def = &w->model->coordinates[c];
+  return km_joint_is_length(w->model->joints[def->joint].type, def->index) ? w->length : 1.0;
+}
+
+/* The coupling by which a coordinate follows another one, if a line does it; counted from the file's pose. */
+static void add_mimic(km_written *w, int c) {
+  for (int i = 0; i < w->model->coupling_count; ++i) {
+    const km_model_coupling *coupling = &w->model->couplings[i];
+    if (coupling->coordinates[0] != c || coupling->count != 2 || !coupling->ratios || coupling->ratios[0] == 0.0)
+      continue;
+    int two = coupling->coordinates[1];
+    double ratio = -coupling->ratios[1] / coupling->ratios[0] * si_of(w, c) / si_of(w, two), constant = 0.0;
+    if (coupling->constant_given)
+      constant = coupling->constant / coupling->ratios[0] * si_of(w, c);
+    else
+      constant = w->q[c] - ratio * w->q[two];
+    km_xml_begin(&w->xml, "mimic");
+    km_xml_set(&w->xml, "joint", w->model->coordinates[two].label);
+    add_number(w, "multiplier", ratio);
+    add_number(w, "offset", constant + ratio * w->reference[two] - w->reference[c]);
+    add_number(w, "reference", 0.0);
+    km_xml_end(&w->xml, "mimic");
+    return;
+  }
+}
+
+static void add_axis(km_written *w, const char *element, km_vec3 u, int c) {
+  const km_model_coordinate *def = &w->model->coordinates[c];
+  const double axis[3] = {u.x, u.y, u.z};
+  double stiffness, rest;
+  km_xml_begin(&w->xml, element);
+  km_xml_numbers(&w->xml, "xyz", axis, 3, true);
+  km_xml_begin(&w->xml, "limit");
+  add_number(w, "lower", shifted(w, c, def->low));
+  add_number(w, "upper", shifted(w, c, def->high));
+  if (isfinite(def->max_force))
+    add_number(w, "effort", def->max_force * km_written_force(w, c));
+  if (isfinite(def->max_rate))
+    add_number(w, "velocity", def->max_rate * km_written_rate(w, c));
+  km_xml_end(&w->xml, "limit");
+  km_xml_begin(&w->xml, "dynamics");
+  add_number(w, "damping", def->damping * km_written_damping(w, c));
+  add_number(w, "friction", def->friction * km_written_force(w, c));
+  if (km_written_spring(w, c, &stiffness, &rest)) {
+    add_number(w, "spring_reference", rest - w->reference[c]);
+    add_number(w, "spring_stiffness", stiffness);
+  }
+  km_xml_end(&w->xml, "dynamics");
+  add_mimic(w, c);
+  km_xml_end(&w->xml, element);
+  if (def->armature != 0.0)
+    km_written_omit(w, "inertias of rotors not written", def->label);
+}
+
+/* `at`: the joint's frame in the world. */
+static void begin_joint(km_written *w, const char *name, const char *type, const char *from, const char *to,
+                        const km_pose *child, const km_pose *at) {
+  km_pose back = km_pose_inverse(child), X = km_pose_product(&back, at);
+  km_xml_begin(&w->xml, "joint");
+  km_xml_set(&w->xml, "name", name);
+  km_xml_set(&w->xml, "type", type);
+  add_pose(w, &X, to);
+  km_xml_text(&w->xml, "parent", from);
+  km_xml_text(&w->xml, "child", to);
+}
+
+static void add_motion(km_written *w, const km_written_motion *motion, const char *from, const char *to,
+                       const km_pose *child, const km_pose *at) {
+  static const char *const types[] = {
+      [KM_REVOLUTE] = "revolute", [KM_PRISMATIC] = "prismatic", [KM_HELICAL] = "screw", [KM_BALL] = "ball"};
+  begin_joint(w, motion->name, types[motion->primitive], from, to, child, at);
+  if (motion->primitive == KM_HELICAL)
+    add_number(w, "screw_thread_pitch", motion->pitch * 2.0 * M_PI);
+  if (motion->primitive != KM_BALL)
+    add_axis(w, "axis", motion->axis, motion->coordinate);
+  km_xml_end(&w->xml, "joint");
+}
+
+static void add_universal(km_written *w, const km_written_joint *way) {
+  const char *from = w->bodies[way->from], *to = w->bodies[way->to];
+  km_pose at = km_pose_product(&w->world[way->from], &way->motion[0].before);
+  begin_joint(w, w->joints[way->joint], "universal", from, to, &w->world[way->to], &at);
+  add_axis(w, "axis", way->motion[0].axis, way->motion[0].coordinate);
+  add_axis(w, "axis2", way->motion[1].axis, way->motion[1].coordinate);
+  km_xml_end(&w->xml, "joint");
+}
+
+static bool stands_straight(const km_written *w, const km_written_joint *way) {
+  return w->reference[way->motion[0].coordinate] == 0.0 && w->reference[way->motion[1].coordinate] == 0.0;
+}
+
+static void add_joint(km_written *w, int joint) {
+  const km_model_joint *def = &w->model->joints[joint];
+  km_written_joint way = km_written_pass(w, joint, w->model->frames[def->frame[0]].body);
+  km_pose at = w->world[way.from];
+  const char *from = w->bodies[way.from];
+  if (way.count == 0) {
+    begin_joint(w, w->joints[joint], "fixed", from, w->bodies[way.to], &w->world[way.to], &w->world[way.to]);
+    km_xml_end(&w->xml, "joint");
+    return;
+  }
+  if (def->type == KM_FLOAT && way.from == 0) {
+    km_written_omit(w, "free bodies, which --float reads as such", w->bodies[way.to]);
+    return;
+  }
+  if (def->type == KM_UNIVERSAL && stands_straight(w, &way)) {
+    add_universal(w, &way);
+    return;
+  }
+  for (int i = 0; i < way.count; ++i) {
+    at = km_pose_product(&at, &way.motion[i].before);
+    km_pose step = km_written_motion_at(&way.motion[i], w->reference), after = km_pose_product(&at, &step);
+    bool last = i + 1 == way.count;
+    const char *to = last ? w->bodies[way.to] : way.motion[i].beyond;
+    if (!last)
+      add_massless(w, to, &after);
+    add_motion(w, &way.motion[i], from, to, last ? &w->world[way.to] : &after, &after);
+    at = after;
+    from = to;
+  }
+}
+
+static void tell_rest(km_written *w) {
+  const km_model *m = w->model;
+  for (int i = 0; i < m->coupling_count; ++i)
+    if (m->couplings[i].count != 2 || !m->couplings[i].ratios)
+      km_written_omit(w, "couplings not written, as SDF has lines between two joints only", m->couplings[i].name);
+  for (int c = 0; c < m->coordinate_count; ++c)
+    if (w->reference[c] != 0.0)
+      km_written_omit(w, "joints that count from the pose that is written", m->coordinates[c].label);
+    else if (w->q[c] != 0.0)
+      km_written_omit(w, "joints whose value isn't written: in the file they stand at 0", m->coordinates[c].label);
+  for (int i = 0; i < m->pose_count; ++i)
+    km_written_omit(w, "named poses not written", m->poses[i].name);
+}
+
+km_status km_sdf_write(km_written *w, km_error *error) {
+  const km_model *m = w->model;
+  km_vec3 g = km_vec3_scale(w->length / (w->time * w->time), m->gravity);
+  if (!km_written_refer(w, true))
+    return km_fail(error, KM_MEMORY, "out of memory while writing the model");
+  km_xml_begin(&w->xml, "sdf");
+  km_xml_set(&w->xml, "version", "1.11");
+  km_xml_begin(&w->xml, "world");
+  km_xml_set(&w->xml, "name", "world");
+  km_xml_numbers(&w->xml, "gravity", (const double[3]){g.x, g.y, g.z}, 3, false);
+  km_xml_begin(&w->xml, "model");
+  km_xml_set(&w->xml, "name", m->assembly_count ? m->assemblies[0].name : "model");
+  for (int i = 0; i < w->ordered; ++i)
+    add_link(w, w->order[i]);
+  for (int j = 0; j < m->joint_count; ++j)
+    add_joint(w, j);
+  km_xml_end(&w->xml, "model");
+  km_xml_end(&w->xml, "world");
+  km_xml_end(&w->xml, "sdf");
+  km_written_omit_forces(w);
+  tell_rest(w);
+  return KM_OK;
+}
