@@ -100,6 +100,30 @@ static void inverse_of_the_rate(void **state) {
   assert_true(compared > 40);
 }
 
+/* Two hinges in no loop, links 2 and 1 in line: the tip goes 3 a radian of the first and 1 a radian of the second. */
+static void an_arm_in_no_loop(void **state) {
+  (void)state;
+  fixture f = fixture_read(
+      "{\"model_parameters\": {\"characteristic_length\": 0.5}, \"assemblies\": [{\"name\": \"a\", \"drawn\": "
+      "\"assembled\", \"bodies\": [{\"name\": \"b\"}, {\"name\": \"c\", \"frames\": [{\"name\": \"tip\", "
+      "\"T\": [3, 0]}]}, {\"name\": \"d\"}], \"joints\": [{\"name\": \"A\", \"type\": \"revolute\", "
+      "\"bodies\": [\"fixed\", \"b\"], \"at\": [0, 0]}, {\"name\": \"B\", \"type\": \"revolute\", "
+      "\"bodies\": [\"b\", \"c\"], \"at\": [2, 0]}, {\"name\": \"C\", \"type\": \"revolute\", "
+      "\"bodies\": [\"fixed\", \"d\"], \"at\": [9, 9]}]}]}");
+  static const char *const tip[] = {"c", "tip"};
+  static const double rates[3] = {3.0, 1.0, 0.0};
+  km_handle output = {.kind = KM_HANDLE_POINT, .direction = {0, 1, 0}, .name = "tip"};
+  assert_int_equal(km_model_find_frame(f.model, tip, 2, &output.frame, NULL), KM_OK);
+  for (int c = 0; c < 2; ++c) {
+    km_handle input = joint(f.model, c);
+    km_advantage a = advantage_of(&f, &input, &output);
+    assert_int_equal(a.state, KM_ADVANTAGE_FINITE);
+    assert_near(a.velocity_ratio, rates[c], 1e-14);
+    assert_near(a.value, 1.0 / rates[c], 1e-14);
+  }
+  fixture_close(&f);
+}
+
 /* A generalised force of 1 on a coordinate: its axis' force or couple on the child, the opposite on the parent. */
 static void pair_of_loads(const fixture *f, int c, km_load out[2]) {
   const km_model_joint *def = &f->model->joints[f->model->coordinates[c].joint];
@@ -336,10 +360,15 @@ static void rows_are_those_of_their_poses(void **state) {
 
 int main(void) {
   const struct CMUnitTest tests[] = {
-      cmocka_unit_test(inverse_of_the_rate),        cmocka_unit_test(rows_are_those_of_their_poses),
-      cmocka_unit_test(minus_the_ratio_of_forces),  cmocka_unit_test(characteristic_length_does_not_count),
-      cmocka_unit_test(single_cardan_joint),        cmocka_unit_test(double_cardan_joint),
-      cmocka_unit_test(transmission_of_a_four_bar), cmocka_unit_test(friction_of_a_slide),
+      cmocka_unit_test(inverse_of_the_rate),
+      cmocka_unit_test(an_arm_in_no_loop),
+      cmocka_unit_test(rows_are_those_of_their_poses),
+      cmocka_unit_test(minus_the_ratio_of_forces),
+      cmocka_unit_test(characteristic_length_does_not_count),
+      cmocka_unit_test(single_cardan_joint),
+      cmocka_unit_test(double_cardan_joint),
+      cmocka_unit_test(transmission_of_a_four_bar),
+      cmocka_unit_test(friction_of_a_slide),
   };
   return cmocka_run_group_tests(tests, NULL, NULL);
 }

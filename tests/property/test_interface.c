@@ -128,9 +128,20 @@ static void test_set_coordinates_stay_on_the_branch(void **context) {
     int n = f.mechanism->coordinate_count;
     double *was = KM_NEW(double, (size_t)n), *off = KM_NEW(double, (size_t)n), *is = KM_NEW(double, (size_t)n);
     assert_int_equal(km_state_coordinates(f.mechanism, f.state, was, NULL), KM_OK);
+    km_mobility mobility;
+    km_mobility_update(f.mechanism, f.state, &mobility);
+    assert_true(km_state_knows_motion(f.mechanism, f.state));
     for (int c = 0; c < n; ++c)
       off[c] = was[c] + uniform(&r, -1e-3, 1e-3) * f.mechanism->unit[c] / km_model_coordinate_factor(f.model, c);
     assert_int_equal(km_state_set_coordinates(f.mechanism, f.state, off, NULL), KM_OK);
+    bool loops = f.mechanism->topology.substructure_count > 0; /* what is known is of loops */
+    assert_int_equal(km_state_knows_motion(f.mechanism, f.state), !loops);
+    for (int i = 0; i < f.mechanism->topology.substructure_count; ++i)
+      assert_int_equal(f.state->pivoted[i], KM_NEVER);
+    km_mobility_update(f.mechanism, f.state, &mobility);
+    assert_int_equal(km_state_set_coordinate(f.mechanism, f.state, 0, off[0], NULL),
+                     f.mechanism->held[0] ? KM_USAGE : KM_OK);
+    assert_int_equal(km_state_knows_motion(f.mechanism, f.state), !loops || f.mechanism->held[0]);
     assert_int_equal(km_state_coordinates(f.mechanism, f.state, is, NULL), KM_OK);
     for (int c = 0; c < n; ++c)
       assert_near(is[c], off[c], 1e-9 * (1.0 + fabs(off[c])));

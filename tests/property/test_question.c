@@ -116,6 +116,34 @@ static void test_events_are_the_toggles(void **unused) {
   fixture_close(&f);
 }
 
+/* Toggles first, then the places where the loops come nearest to another freedom, each as the sweep has it. */
+static void test_minima_are_events(void **unused) {
+  (void)unused;
+  int minima = 0;
+  for (const char *const *name = all_models; *name; ++name) {
+    fixture f = fixture_open(*name);
+    if (f.model->sweep.coordinate >= 0) {
+      km_question *q = question(&f, "mobility");
+      km_error error;
+      set(q, "singularities", (km_option_value){.flag = true});
+      km_status status = km_question_ask(q, f.state, &error);
+      const km_mobility_sweep *sweep = km_question_mobility(q);
+      assert_true(status == KM_OK || status == KM_PARTIAL);
+      assert_int_equal(km_question_event_count(q), sweep->toggle_count + sweep->minimum_count);
+      for (size_t i = 0; i < sweep->minimum_count; ++i, ++minima) {
+        km_question_event e = km_question_event_at(q, (int)(sweep->toggle_count + i));
+        assert_string_equal(e.name, "minimum");
+        assert_near(e.s, sweep->minima[i].s, 0.0);
+        assert_near(e.value, sweep->minima[i].number, 0.0);
+        assert_true(sweep->smallest.number <= e.value);
+      }
+      km_question_free(q);
+    }
+    fixture_close(&f);
+  }
+  assert_true(minima > 3);
+}
+
 /* Twice the gravity alone: twice every force. */
 static void test_options_reach_the_forces(void **unused) {
   (void)unused;
@@ -221,13 +249,10 @@ static void test_figures(void **unused) {
 
 int main(void) {
   const struct CMUnitTest tests[] = {
-      cmocka_unit_test(test_mobility_is_the_sweep),
-      cmocka_unit_test(test_row_at_a_pose_is_the_sweeps_row),
-      cmocka_unit_test(test_events_are_the_toggles),
-      cmocka_unit_test(test_options_reach_the_forces),
-      cmocka_unit_test(test_refusals),
-      cmocka_unit_test(test_values_are_copied),
-      cmocka_unit_test(test_figures),
+      cmocka_unit_test(test_mobility_is_the_sweep),    cmocka_unit_test(test_row_at_a_pose_is_the_sweeps_row),
+      cmocka_unit_test(test_events_are_the_toggles),   cmocka_unit_test(test_minima_are_events),
+      cmocka_unit_test(test_options_reach_the_forces), cmocka_unit_test(test_refusals),
+      cmocka_unit_test(test_values_are_copied),        cmocka_unit_test(test_figures),
   };
   return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -1,0 +1,134 @@
+/* Left null vectors: as many as constraints are redundant, orthonormal, and without work in any motion of the joints. */
+#include "support/lattices.h"
+#include "support/linkages.h"
+#include "support/random_mechanism.h"
+#include "support/support.h"
+
+#include "analysis/left_null.h"
+#include "analysis/whole_jacobian.h"
+#include "kinematics/poses.h"
+
+#include <math.h>
+#include <string.h>
+
+/* Vector v in all rows, whether it is one loop's own or of several. */
+static void vector_of(const km_left_space *space, const km_left_null *null, int v, double *out) {
+  memset(out, 0, (size_t)space->rows * sizeof *out);
+  if (v >= null->local_count) {
+    memcpy(out, null->whole + (size_t)(v - null->local_count) * (size_t)space->rows, (size_t)space->rows * sizeof *out);
+    return;
+  }
+  int loop = 0;
+  while (null->first[loop + 1] <= v)
+    ++loop;
+  memcpy(out + 6 * loop, null->local + 6 * v, 6 * sizeof *out);
+}
+
+/* The power of w on column c of each loop, by the joints' twists about the loop's point: the whole Jacobian moved to the
+ * points that the left space counts about. */
+static double power(const km_left_space *space, const double *J, const double *w, int c) {
+  double sum = 0.0;
+  for (int l = 0; l < space->sub->loop_count; ++l) {
+    const double *h = J + (size_t)c * (size_t)space->rows + 6 * l;
+    km_vec3 v = km_vec3_make(h), turn = km_vec3_make(h + 3), o = km_vec3_scale(1.0 / space->sub->size, space->about[l]);
+    v = km_vec3_add(v, km_vec3_cross(turn, o)); /* J is about the inertial origin */
+    const double moved[6] = {v.x, v.y, v.z, turn.x, turn.y, turn.z};
+    for (int r = 0; r < 6; ++r)
+      sum += moved[r] * w[6 * l + r];
+  }
+  for (int r = 6 * space->sub->loop_count; r < space->rows; ++r)
+    sum += J[(size_t)c * (size_t)space->rows + (size_t)r] * w[r];
+  return sum;
+}
+
+/* Returns how many vectors belong to several loops. */
+static int check(fixture *f, int index) {
+  km_arena arena = {0};
+  km_left_space space;
+  km_left_null null;
+  const km_substructure *sub = &f->mechanism->substructures[index];
+  assert_true(km_left_space_make(f->mechanism, f->state, index, &arena, &space));
+  assert_true(km_left_null_find(&space, &arena, &null));
+  int count = km_left_null_count(&null);
+  assert_int_equal(count, space.rows - f->state->partition[index].rank);
+  km_twist *twist = KM_ARENA_NEW(&arena, km_twist, (size_t)f->mechanism->coordinate_count);
+  double *J = KM_ARENA_NEW(&arena, double, (size_t)(space.rows * sub->columns + 1));
+  double *w = KM_ARENA_NEW(&arena, double, (size_t)space.rows), *x = KM_ARENA_NEW(&arena, double, (size_t)space.rows);
+  for (int c = 0; c < f->mechanism->coordinate_count; ++c)
+    twist[c] = km_coordinate_twist(f->mechanism, f->state, c);
+  km_whole_jacobian(f->mechanism, index, twist, (km_vec3){0, 0, 0}, J);
+  double size = 1.0;
+  for (int i = 0; i < space.rows * sub->columns; ++i)
+    size = fmax(size, fabs(J[i]));
+  for (int a = 0; a < count; ++a) {
+    vector_of(&space, &null, a, w);
+    for (int c = 0; c < sub->columns; ++c)
+      assert_near(power(&space, J, w, c), 0.0, 1e-7 * size);
+    for (int b = 0; b <= a; ++b) {
+      double dot = 0.0;
+      vector_of(&space, &null, b, x);
+      for (int r = 0; r < space.rows; ++r)
+        dot += w[r] * x[r];
+      assert_near(dot, a == b, 1e-9);
+    }
+  }
+  km_arena_free(&arena);
+  return null.whole_count;
+}
+
+static int check_all_of(fixture *f) {
+  int whole = 0;
+  km_mobility mobility;
+  km_mobility_update(f->mechanism, f->state, &mobility);
+  km_poses_update(f->mechanism, f->state);
+  for (int i = 0; i < f->mechanism->topology.substructure_count; ++i)
+    whole += check(f, i);
+  return whole;
+}
+
+static void shipped_models(void **state) {
+  (void)state;
+  for (const char *const *name = all_models; *name; ++name) {
+    fixture f = fixture_open(*name);
+    check_all_of(&f);
+    fixture_close(&f);
+  }
+}
+
+static void random_mechanisms(void **state) {
+  (void)state;
+  for (uint64_t seed = 1; seed <= 150; ++seed) {
+    randomness r = {seed};
+    char *text = random_mechanism(&r, true);
+    fixture f = fixture_read(text);
+    km_free(text);
+    if (f.mechanism->coordinate_count)
+      go_somewhere(&f, &r);
+    check_all_of(&f);
+    fixture_close(&f);
+  }
+}
+
+/* In a trellis and a folded sheet loops are redundant together. */
+static void lattices(void **state) {
+  (void)state;
+  int whole = 0;
+  for (int kind = 0; kind < 2; ++kind) {
+    km_text text = {0};
+    if (kind)
+      write_miura(&text, 3, 3, 0.0);
+    else
+      write_trellis(&text, 3, 3, 0.0);
+    fixture f = fixture_read(text.data);
+    whole += check_all_of(&f);
+    km_text_free(&text);
+    fixture_close(&f);
+  }
+  assert_true(whole > 0);
+}
+
+int main(void) {
+  const struct CMUnitTest tests[] = {cmocka_unit_test(shipped_models), cmocka_unit_test(random_mechanisms),
+                                     cmocka_unit_test(lattices)};
+  return cmocka_run_group_tests(tests, NULL, NULL);
+}
