@@ -2,52 +2,17 @@
  * coordinate, so that a force f along d does the work f r · δq, and Z_A has the row r D⁻¹ Z. */
 #include "analysis/statics.h"
 
-/* Calls for every free coordinate between the point's body and the inertial frame in the tree. */
-typedef void (*visit)(void *context, int coordinate, bool against);
+static int body_of(const km_mechanism *m, const km_handle *point) {
+  return m->model->frames[point->frame].body;
+}
 
-static void each_coordinate(const km_mechanism *m, int body, visit at, void *context) {
-  for (int b = body; b > 0; b = m->topology.parent[b]) {
+void km_point_each_mover(const km_mechanism *m, const km_handle *point, km_mover_visit at, void *context) {
+  for (int b = body_of(m, point); b > 0; b = m->topology.parent[b]) {
     int joint = m->topology.arc[b], first = m->model->joints[joint].first_coordinate;
     for (int c = first; c < first + km_model_freedom(m->model, joint); ++c)
       if (!m->held[c])
         at(context, c, m->topology.against[joint]);
   }
-}
-
-static int body_of(const km_mechanism *m, const km_handle *point) {
-  return m->model->frames[point->frame].body;
-}
-
-/* What moves a point. */
-typedef struct movers {
-  const km_mechanism *m;
-  int part, alone, count; /* substructures and lone coordinates, those of one kind once */
-} movers;
-
-static void note_mover(void *context, int c, bool against) {
-  movers *f = context;
-  int part = f->m->substructure_of[c];
-  (void)against;
-  if (part >= 0 && part == f->part)
-    return;
-  f->part = part;
-  f->alone = part < 0 ? c : -1;
-  f->count++;
-}
-
-km_status km_pushed_point_place(const km_mechanism *m, km_statics *st, int actuator, km_error *error) {
-  const km_handle *point = &st->work->actuators[actuator];
-  movers f = {m, -1, -1, 0};
-  each_coordinate(m, body_of(m, point), note_mover, &f);
-  st->work->part[actuator] = f.part;
-  st->work->alone[actuator] = f.alone;
-  if (f.count == 1)
-    return KM_OK;
-  return km_fail(error, KM_USAGE,
-                 f.count ? "actuator %s moves with %d parts of the mechanism; expected a point that moves with one "
-                           "substructure, or one joint in no loop: hold the others"
-                         : "actuator %s can't move: nothing between it and the inertial frame is free",
-                 point->name, f.count);
 }
 
 /* The unit force of a point, about the forces' origin. */
@@ -75,7 +40,7 @@ void km_pushed_points_update(const km_mechanism *m, const km_forces *f, km_stati
     if (point->kind != KM_HANDLE_POINT)
       continue;
     row r = {w->twist, unit_push(m, f, point), w->row[a]};
-    each_coordinate(m, body_of(m, point), fill_row, &r);
+    km_point_each_mover(m, point, fill_row, &r);
   }
 }
 

@@ -20,8 +20,6 @@ static km_status take_joint(const km_mechanism *m, int coordinate, km_statics *s
     return km_fail(error, KM_USAGE, "actuator \"%s\" is named twice; expected each joint once", label);
   int i = st->actuator_count++;
   w->actuators[i] = (km_handle){.kind = KM_HANDLE_JOINT, .coordinate = coordinate, .name = label};
-  w->part[i] = m->substructure_of[coordinate];
-  w->alone[i] = w->part[i] < 0 ? coordinate : -1;
   w->actuated[coordinate] = true;
   return KM_OK;
 }
@@ -31,17 +29,7 @@ static km_status take_point(const km_mechanism *m, const km_handle *point, km_st
   int i = st->actuator_count++;
   w->actuators[i] = *point;
   w->row[i] = KM_ARENA_NEW(&w->arena, double, (size_t)m->coordinate_count);
-  km_status status = w->row[i] ? km_pushed_point_place(m, st, i, error)
-                               : km_fail(error, KM_MEMORY, "out of memory for the balance of forces");
-  if (status || w->alone[i] < 0)
-    return status;
-  if (w->actuated[w->alone[i]])
-    return km_fail(error, KM_USAGE,
-                   "actuator \"%s\" pushes what another one holds already; expected one for a joint "
-                   "in no loop",
-                   point->name);
-  w->actuated[w->alone[i]] = true;
-  return KM_OK;
+  return w->row[i] ? KM_OK : km_fail(error, KM_MEMORY, "out of memory for the balance of forces");
 }
 
 /* NULL: every free coordinate. */
@@ -64,6 +52,7 @@ static bool allocate(const km_mechanism *m, int asked, km_statics *st) {
   w->actuators = KM_ARENA_NEW(&w->arena, km_handle, actuators);
   w->part = KM_ARENA_NEW(&w->arena, int, actuators);
   w->alone = KM_ARENA_NEW(&w->arena, int, actuators);
+  w->column = KM_ARENA_NEW(&w->arena, int, actuators);
   w->row = KM_ARENA_NEW(&w->arena, double *, actuators);
   w->actuated = KM_ARENA_NEW(&w->arena, bool, coordinates);
   w->twist = KM_ARENA_NEW(&w->arena, km_twist, coordinates);
@@ -113,7 +102,9 @@ km_status km_statics_create_for(const km_mechanism *m, const km_handle *actuator
   out->work->mechanism = m;
   out->axes = axes;
   km_status status = take_actuators(m, actuators, actuator_count, out, error);
-  if (!status && !km_holding_reserve(m, out))
+  if (!status)
+    status = km_blocks_make(m, out, error);
+  if (!status && !km_holding_reserve(out))
     status = km_fail(error, KM_MEMORY, "out of memory for the actuators");
   return status;
 }

@@ -8,9 +8,16 @@
 #include <gsl/gsl_matrix.h>
 #include <gsl/gsl_permutation.h>
 
-/* Solving for the actuators of one substructure: a motion x of its freedoms moves them by Z_A x. */
+/* Solving for the actuators of one block: a substructure, or several and joints in no loop that pushed points move
+ * together. A motion x of its freedoms moves the actuators by Z_A x. */
 typedef struct km_holding {
-  int count;                     /* actuators in this substructure */
+  int part_count, alone_count;
+  int *part, *alone; /* its substructures; its joints in no loop, by their coordinates */
+  int columns;
+  const int *coordinate;         /* [columns] */
+  const double *Z;               /* [freedom × columns] D · range(N) at the present pose */
+  double *gathered;              /* Z put together; NULL: the state's basis of the only substructure serves */
+  int count;                     /* actuators in this block */
   int *actuator;                 /* [count] into the statics' actuators */
   gsl_matrix *U, *V;             /* of Z_A = U S Vᵀ, padded with rows of 0 to at least as many as columns */
   gsl_vector *S, *load, *answer; /* load: Vᵀ g */
@@ -42,18 +49,20 @@ struct km_statics_work {
   km_arena arena;
   const km_mechanism *mechanism;
   km_handle *actuators;
-  int *part;          /* [actuator] the substructure that it moves, -1: a joint in no loop */
-  int *alone;         /* [actuator] that joint's coordinate; -1 */
-  double **row;       /* [actuator] of points: rate along the direction per unit rate of each coordinate; else NULL */
-  bool *actuated;     /* [coordinate] */
-  km_twist *twist;    /* [coordinate] child against parent, about the forces' origin */
-  km_wrench *subtree; /* [body] applied wrenches on it and all that hangs on it in the tree */
-  double *tau;        /* [coordinate] generalised forces of what is applied, springs in joints included */
-  double *force;      /* [coordinate] of the actuators, or f̄ */
-  double *least_load; /* [coordinate] below this a generalised force is rounding */
-  km_pose *frame;     /* [joint] in which its reaction is reported, about the forces' origin */
-  int *place;         /* [joint] among the joints of its substructure */
-  km_holding *holding;
+  int *part;           /* [actuator] its block, -1: a joint in no loop that moves by itself */
+  int *alone;          /* [actuator] that joint's coordinate; -1 */
+  int *column;         /* [actuator] a joint's place among the columns of its block */
+  double **row;        /* [actuator] of points: rate along the direction per unit rate of each coordinate; else NULL */
+  bool *actuated;      /* [coordinate] */
+  km_twist *twist;     /* [coordinate] child against parent, about the forces' origin */
+  km_wrench *subtree;  /* [body] applied wrenches on it and all that hangs on it in the tree */
+  double *tau;         /* [coordinate] generalised forces of what is applied, springs in joints included */
+  double *force;       /* [coordinate] of the actuators, or f̄ */
+  double *least_load;  /* [coordinate] below this a generalised force is rounding */
+  km_pose *frame;      /* [joint] in which its reaction is reported, about the forces' origin */
+  int *place;          /* [joint] among the joints of its substructure */
+  km_holding *holding; /* [block_count] */
+  int block_count;
   km_carrying *carrying;
 };
 
@@ -69,9 +78,12 @@ static inline double km_actuator_most(const km_mechanism *m, const km_handle *ac
 static inline bool km_actuator_passes(const km_mechanism *m, const km_handle *actuator, double force) {
   return fabs(force) > (1.0 + 1e-9) * km_actuator_most(m, actuator);
 }
-/* Which parts of the mechanism move a point: its substructure or lone joint into work->part and work->alone. KM_USAGE:
- * it moves with several, or not at all. */
-km_status km_pushed_point_place(const km_mechanism *mechanism, km_statics *statics, int actuator, km_error *error);
+/* Calls for every free coordinate between a point's body and the inertial frame in the tree. */
+typedef void (*km_mover_visit)(void *context, int coordinate, bool against);
+void km_point_each_mover(const km_mechanism *mechanism, const km_handle *point, km_mover_visit at, void *context);
+/* Which substructures and lone joints the actuators move together, into work->holding, part, alone, column. KM_USAGE: a
+ * point can't move, or pushes the same lone joint as another actuator. KM_MEMORY. */
+km_status km_blocks_make(const km_mechanism *mechanism, km_statics *statics, km_error *error);
 /* work->row of every point, from work->twist; and the wrenches of points that hold, added to what is applied. */
 void km_pushed_points_update(const km_mechanism *mechanism, const km_forces *forces, km_statics *statics);
 void km_pushed_points_apply(const km_mechanism *mechanism, const km_forces *forces, km_statics *statics);
@@ -79,7 +91,7 @@ void km_pushed_points_apply(const km_mechanism *mechanism, const km_forces *forc
 void km_push_unit(const km_model *model, const km_handle *actuator, km_text *out);
 bool km_pushes_by_force(const km_model *model, const km_handle *actuator);
 /* Space for the parts; false when out of memory. */
-bool km_holding_reserve(const km_mechanism *mechanism, km_statics *statics);
+bool km_holding_reserve(km_statics *statics);
 bool km_carrying_reserve(const km_mechanism *mechanism, km_statics_work *work);
 
 /* Actuator forces, directions out of their reach, and whether they hold, from work->tau. */
@@ -90,10 +102,9 @@ void km_statics_hold(const km_mechanism *mechanism, const km_state *state, km_fo
  * actuators lose a freedom. `motion`: rates of the coordinates along it (NULL: unknown). Exactly 0 where rounding is
  * all there is; NaN where they never hold. False if a rank has grown: what came before had a freedom less within reach,
  * and nothing before can be compared. */
-bool km_statics_ratios(const km_mechanism *mechanism, const km_state *state, km_statics *statics, const double *motion,
-                       double *n, double *d);
+bool km_statics_ratios(const km_mechanism *mechanism, km_statics *statics, const double *motion, double *n, double *d);
 /* The pose of the last km_statics_ratios is a sample: those to come have its signs. */
-void km_statics_refer(const km_mechanism *mechanism, const km_state *state, km_statics *statics);
+void km_statics_refer(const km_mechanism *mechanism, km_statics *statics);
 bool km_ratios_reserve(km_holding *holding, int columns, km_arena *arena);
 /* Reactions from work->force. */
 void km_statics_carry(const km_mechanism *mechanism, km_state *state, const km_forces *forces, km_statics *statics);

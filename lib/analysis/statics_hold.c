@@ -24,18 +24,18 @@ static gsl_vector *vector(km_arena *arena, int size) {
   return a;
 }
 
-bool km_holding_reserve(const km_mechanism *m, km_statics *st) {
+bool km_holding_reserve(km_statics *st) {
   km_statics_work *w = st->work;
   km_arena *arena = &w->arena;
-  w->holding = KM_ARENA_NEW(arena, km_holding, (size_t)m->topology.substructure_count);
-  for (int i = 0; i < m->topology.substructure_count && !arena->failed; ++i) {
+  for (int i = 0; i < w->block_count && !arena->failed; ++i) {
     km_holding *h = &w->holding[i];
-    int columns = m->substructures[i].columns;
+    int columns = h->columns;
     h->actuator = KM_ARENA_NEW(arena, int, (size_t)st->actuator_count);
     for (int a = 0; a < st->actuator_count && !arena->failed; ++a)
       if (w->part[a] == i)
         h->actuator[h->count++] = a;
-    h->U = matrix(arena, columns, columns);
+    int rows = h->count > columns ? h->count : columns; /* points may be more than what they move */
+    h->U = matrix(arena, rows, columns);
     h->V = matrix(arena, columns, columns);
     h->S = vector(arena, columns);
     h->load = vector(arena, columns);
@@ -46,7 +46,7 @@ bool km_holding_reserve(const km_mechanism *m, km_statics *st) {
   return !arena->failed;
 }
 
-/* The part of a matrix or vector that a substructure of so many freedoms needs now. */
+/* The part of a matrix or vector that a block of so many freedoms needs now. */
 static gsl_matrix top(const gsl_matrix *a, int rows, int columns) {
   return (gsl_matrix){.size1 = (size_t)rows, .size2 = (size_t)columns, .tda = a->tda, .data = a->data};
 }
@@ -55,23 +55,20 @@ static gsl_vector first(const gsl_vector *a, int size) {
 }
 
 /* Adds the motion Z x as a direction. */
-static void add_direction(const km_mechanism *m, const km_state *s, int index, const double *x, int freedom, bool falls,
-                          km_statics *st) {
-  const km_substructure *sub = &m->substructures[index];
-  const double *Z = km_state_basis(s, index);
+static void add_direction(const km_mechanism *m, const km_holding *h, const double *x, bool falls, km_statics *st) {
   if (st->direction_count++ >= KM_MOST_DIRECTIONS)
     return;
   st->falls[st->direction_count - 1] = falls;
   double *rates = st->directions + (size_t)(st->direction_count - 1) * (size_t)m->coordinate_count, largest = 0.0;
   memset(rates, 0, (size_t)m->coordinate_count * sizeof *rates);
-  for (int j = 0; j < sub->columns; ++j) {
-    int c = m->column_coordinate[sub->column_start + j];
-    for (int k = 0; k < freedom; ++k)
-      rates[c] += Z[(size_t)k * (size_t)sub->columns + (size_t)j] * x[k] / m->scale[c];
+  for (int j = 0; j < h->columns; ++j) {
+    int c = h->coordinate[j];
+    for (int k = 0; k < h->freedom; ++k)
+      rates[c] += h->Z[(size_t)k * (size_t)h->columns + (size_t)j] * x[k] / m->scale[c];
     largest = fmax(largest, fabs(rates[c] / m->unit[c]));
   }
-  for (int j = 0; j < sub->columns; ++j)
-    rates[m->column_coordinate[sub->column_start + j]] /= largest;
+  for (int j = 0; j < h->columns; ++j)
+    rates[h->coordinate[j]] /= largest;
 }
 
 /* The same for a joint in no loop. */
@@ -85,14 +82,13 @@ static void add_joint(const km_mechanism *m, int coordinate, double sense, bool 
 }
 
 /* The loads g = Yᵀτ of the free motions into h->load; returns what rounding can make of them. */
-static double loads_on(const km_mechanism *m, const km_state *s, int index, const km_statics_work *w, gsl_vector *g) {
-  const km_substructure *sub = &m->substructures[index];
-  const double *z = km_state_basis(s, index);
+static double loads_on(const km_mechanism *m, const km_holding *h, const km_statics_work *w, gsl_vector *g) {
+  const double *z = h->Z;
   double noise = 0.0;
-  for (size_t k = 0; k < g->size; ++k, z += sub->columns) {
+  for (size_t k = 0; k < g->size; ++k, z += h->columns) {
     double sum = 0.0, least = 0.0;
-    for (int j = 0; j < sub->columns; ++j) {
-      int c = m->column_coordinate[sub->column_start + j];
+    for (int j = 0; j < h->columns; ++j) {
+      int c = h->coordinate[j];
       sum += z[j] * w->tau[c] / m->scale[c];
       least += fabs(z[j]) * w->least_load[c] / m->scale[c];
     }
@@ -103,28 +99,24 @@ static double loads_on(const km_mechanism *m, const km_state *s, int index, cons
 }
 
 /* How far an actuator moves, scaled, in the motion z of D · range(N). */
-static double scaled_rate(const km_mechanism *m, const km_statics *st, int index, int actuator, const double *z) {
-  const km_substructure *sub = &m->substructures[index];
-  const km_handle *handle = &st->actuators[actuator];
+static double scaled_rate(const km_mechanism *m, const km_statics *st, const km_holding *h, int actuator,
+                          const double *z) {
   double sum = 0.0;
-  if (handle->kind == KM_HANDLE_JOINT)
-    return z[m->column_of[handle->coordinate]];
-  for (int j = 0; j < sub->columns; ++j) {
-    int c = m->column_coordinate[sub->column_start + j];
+  if (st->actuators[actuator].kind == KM_HANDLE_JOINT)
+    return z[st->work->column[actuator]];
+  for (int j = 0; j < h->columns; ++j) {
+    int c = h->coordinate[j];
     sum += st->work->row[actuator][c] * z[j] / m->scale[c];
   }
   return sum * km_actuator_scale(m, st, actuator);
 }
 
 /* Z_A, a row an actuator, scaled: f_A = D F makes Z_Aᵀ F = −g. */
-static void fill(const km_mechanism *m, const km_state *s, int index, const km_statics *st, const km_holding *h,
-                 gsl_matrix *U) {
-  const double *Z = km_state_basis(s, index);
-  size_t columns = (size_t)m->substructures[index].columns;
+static void fill(const km_mechanism *m, const km_statics *st, const km_holding *h, gsl_matrix *U) {
   gsl_matrix_set_zero(U);
   for (int a = 0; a < h->count; ++a)
     for (size_t k = 0; k < U->size2; ++k)
-      gsl_matrix_set(U, (size_t)a, k, scaled_rate(m, st, index, h->actuator[a], Z + k * columns));
+      gsl_matrix_set(U, (size_t)a, k, scaled_rate(m, st, h, h->actuator[a], h->Z + k * (size_t)h->columns));
 }
 
 /* A unit vector at right angles to the `count` rows of `basis`, from v: false if nothing is left of it. */
@@ -146,13 +138,13 @@ static bool straighten(const double *basis, int count, int size, double *v) {
 
 /* Motions out of reach: if loads act on them, the one in which they fall, then others at right angles to it. Returns
  * whether nothing falls. */
-static bool unreached(const km_mechanism *m, const km_state *s, int index, const km_holding *h, int freedom, int rank,
-                      double noise, km_statics *st) {
+static bool unreached(const km_mechanism *m, const km_holding *h, km_statics *st) {
+  int freedom = h->freedom, rank = h->rank;
   double size = 0.0, *basis = h->basis;
   int kept = 0;
   for (int i = rank; i < freedom; ++i)
     size = hypot(size, h->load->data[i]);
-  bool falls = size > noise;
+  bool falls = size > h->noise;
   for (int i = falls ? rank - 1 : rank; i < freedom && kept < freedom - rank; ++i) {
     double *x = basis + (size_t)kept * (size_t)freedom;
     memset(x, 0, (size_t)freedom * sizeof *x);
@@ -163,24 +155,44 @@ static bool unreached(const km_mechanism *m, const km_state *s, int index, const
         x[k] += gsl_matrix_get(h->V, (size_t)k, (size_t)n) * h->load->data[n] / size;
     }
     if (straighten(basis, kept, freedom, x)) {
-      add_direction(m, s, index, x, freedom, i < rank, st);
+      add_direction(m, h, x, i < rank, st);
       ++kept;
     }
   }
   return !falls;
 }
 
-static void hold_substructure(const km_mechanism *m, const km_state *s, int index, km_statics *st) {
+/* Z of the block: that of its only substructure, or those of all, side by side, and 1 for a joint in no loop. */
+static void gather(const km_mechanism *m, const km_state *s, km_holding *h) {
+  h->freedom = 0;
+  h->Z = h->gathered ? h->gathered : km_state_basis(s, h->part[0]);
+  if (h->gathered)
+    memset(h->gathered, 0, (size_t)h->columns * (size_t)h->columns * sizeof *h->gathered);
+  int column = 0;
+  for (int i = 0; i < h->part_count; ++i) {
+    int columns = m->substructures[h->part[i]].columns, freedom = km_partition_freedom(&s->partition[h->part[i]]);
+    const double *Z = km_state_basis(s, h->part[i]);
+    for (int k = 0; k < freedom && h->gathered; ++k)
+      memcpy(h->gathered + (size_t)(h->freedom + k) * (size_t)h->columns + column, Z + (size_t)k * (size_t)columns,
+             (size_t)columns * sizeof *Z);
+    h->freedom += freedom;
+    column += columns;
+  }
+  for (int i = 0; i < h->alone_count; ++i)
+    h->gathered[(size_t)h->freedom++ * (size_t)h->columns + (size_t)column++] = 1.0;
+}
+
+static void hold_block(const km_mechanism *m, const km_state *s, int index, km_statics *st) {
   km_holding *h = &st->work->holding[index];
-  int freedom = km_partition_freedom(&s->partition[index]), rank = 0;
-  h->freedom = freedom;
+  gather(m, s, h);
+  int freedom = h->freedom, rank = 0;
   h->rank = 0;
   if (freedom == 0)
     return; /* nothing moves: the actuators have nothing to do */
   gsl_matrix U = top(h->U, h->count > freedom ? h->count : freedom, freedom), V = top(h->V, freedom, freedom);
   gsl_vector S = first(h->S, freedom), g = first(h->answer, freedom), load = first(h->load, freedom);
-  double noise = loads_on(m, s, index, st->work, &g);
-  fill(m, s, index, st, h, &U);
+  double noise = loads_on(m, h, st->work, &g);
+  fill(m, st, h, &U);
   gsl_linalg_SV_decomp_jacobi(&U, &V, &S);
   gsl_blas_dgemv(CblasTrans, 1.0, &V, &g, 0.0, &load);
   while (rank < freedom && gsl_vector_get(&S, (size_t)rank) > out_of_reach)
@@ -195,7 +207,7 @@ static void hold_substructure(const km_mechanism *m, const km_state *s, int inde
       F -= gsl_matrix_get(&U, (size_t)a, i) * gsl_vector_get(&load, i) / gsl_vector_get(&S, i);
     st->actuator_forces[actuator] = F * km_actuator_scale(m, st, actuator);
   }
-  bool holds = unreached(m, s, index, h, freedom, rank, noise, st);
+  bool holds = unreached(m, h, st);
   for (int a = 0; a < h->count && !holds; ++a)
     st->actuator_forces[h->actuator[a]] = nan("");
   st->held = st->held && holds;
@@ -230,6 +242,6 @@ void km_actuators_hold(const km_mechanism *m, const km_state *s, km_statics *st)
     add_joint(m, c, falls && w->tau[c] < 0.0 ? -1.0 : 1.0, falls, st);
     st->held = st->held && !falls;
   }
-  for (int i = 0; i < m->topology.substructure_count; ++i)
-    hold_substructure(m, s, i, st);
+  for (int i = 0; i < w->block_count; ++i)
+    hold_block(m, s, i, st);
 }

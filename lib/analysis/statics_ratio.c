@@ -40,32 +40,28 @@ static double sense_of(km_holding *h, int rank) {
 }
 
 /* Component j of the motion Z v_k. */
-static double moved(const km_mechanism *m, const km_state *s, int index, const km_holding *h, int k, int j) {
-  const km_substructure *sub = &m->substructures[index];
-  const double *Z = km_state_basis(s, index);
+static double moved(const km_holding *h, int k, int j) {
   double sum = 0.0;
   for (int i = 0; i < h->freedom; ++i)
-    sum += Z[(size_t)i * (size_t)sub->columns + (size_t)j] * gsl_matrix_get(h->V, (size_t)i, (size_t)k);
+    sum += h->Z[(size_t)i * (size_t)h->columns + (size_t)j] * gsl_matrix_get(h->V, (size_t)i, (size_t)k);
   return sum;
 }
 
 /* Of one actuator and one freedom: does it go with the motion, or against it? 0: there is no motion to go by. */
-static double along(const km_mechanism *m, const km_state *s, int index, const km_holding *h, const double *motion) {
-  const km_substructure *sub = &m->substructures[index];
+static double along(const km_mechanism *m, const km_holding *h, const double *motion) {
   double dot = 0.0;
-  for (int j = 0; j < sub->columns && motion && h->freedom == 1 && h->count == 1; ++j) {
-    int c = m->column_coordinate[sub->column_start + j];
-    dot += moved(m, s, index, h, 0, j) * m->scale[c] * motion[c];
+  for (int j = 0; j < h->columns && motion && h->freedom == 1 && h->count == 1; ++j) {
+    int c = h->coordinate[j];
+    dot += moved(h, 0, j) * m->scale[c] * motion[c];
   }
   double u = gsl_matrix_get(h->U, 0, 0);
   return dot == 0.0 ? 0.0 : copysign(1.0, dot * u);
 }
 
 /* How U and Z V are turned against those of the last sample, or, where there is one freedom, against the motion: ±1. */
-static double orientation(const km_mechanism *m, const km_state *s, int index, km_holding *h, int rank,
-                          const double *motion) {
-  int columns = m->substructures[index].columns;
-  double way = along(m, s, index, h, motion);
+static double orientation(const km_mechanism *m, km_holding *h, int rank, const double *motion) {
+  int columns = h->columns;
+  double way = along(m, h, motion);
   if (way != 0.0)
     return way;
   for (int a = 0; a < rank; ++a)
@@ -78,7 +74,7 @@ static double orientation(const km_mechanism *m, const km_state *s, int index, k
   double sense = sense_of(h, rank);
   for (int b = 0; b < rank; ++b)
     for (int j = 0; j < columns; ++j) {
-      double y = moved(m, s, index, h, b, j);
+      double y = moved(h, b, j);
       for (int a = 0; a < rank; ++a) {
         double last = j ? gsl_matrix_get(h->turn, (size_t)a, (size_t)b) : 0.0;
         gsl_matrix_set(h->turn, (size_t)a, (size_t)b, last + y * h->moving[a * columns + j]);
@@ -87,14 +83,14 @@ static double orientation(const km_mechanism *m, const km_state *s, int index, k
   return sense * sense_of(h, rank);
 }
 
-static void keep(const km_mechanism *m, const km_state *s, int index, km_holding *h, double sense) {
-  int columns = m->substructures[index].columns;
+static void keep(km_holding *h, double sense) {
+  int columns = h->columns;
   for (int b = 0; b < h->most_rank; ++b) {
     for (int i = 0; i < h->count; ++i)
       gsl_matrix_set(h->fixed, (size_t)i, (size_t)b,
                      (b == 0 ? sense : 1.0) * gsl_matrix_get(h->U, (size_t)i, (size_t)b));
     for (int j = 0; j < columns; ++j)
-      h->moving[b * columns + j] = moved(m, s, index, h, b, j);
+      h->moving[b * columns + j] = moved(h, b, j);
   }
 }
 
@@ -145,19 +141,18 @@ static bool falls(const km_holding *h) {
   return size > h->noise;
 }
 
-static bool divide(const km_mechanism *m, const km_state *s, int index, const km_statics *st, const double *motion,
-                   double *n, double *d) {
+static bool divide(const km_mechanism *m, int index, const km_statics *st, const double *motion, double *n, double *d) {
   km_holding *h = &st->work->holding[index];
   bool grown = h->rank > h->most_rank, lost = false;
   if (grown) {
     h->most_rank = h->rank;
-    keep(m, s, index, h, 1.0);
+    keep(h, 1.0);
   }
   int rank = h->most_rank;
   lost = falls(h);
   if (rank > 0)
     complete(h, rank);
-  double sense = rank > 0 ? orientation(m, s, index, h, rank, motion) : 1.0, all = product(h, rank, -1);
+  double sense = rank > 0 ? orientation(m, h, rank, motion) : 1.0, all = product(h, rank, -1);
   for (int i = 0; i < h->count; ++i) {
     int a = h->actuator[i];
     double sum = 0.0, grain = 0.0;
@@ -172,24 +167,23 @@ static bool divide(const km_mechanism *m, const km_state *s, int index, const km
   return !grown;
 }
 
-bool km_statics_ratios(const km_mechanism *m, const km_state *s, km_statics *st, const double *motion, double *n,
-                       double *d) {
+bool km_statics_ratios(const km_mechanism *m, km_statics *st, const double *motion, double *n, double *d) {
   bool comparable = true;
   for (int a = 0; a < st->actuator_count; ++a) {
     int c = st->work->alone[a];
     n[a] = c >= 0 ? 0.0 - clear(st->work->tau[c], rounding * st->work->least_load[c]) : 0.0;
     d[a] = c >= 0 && st->work->row[a] ? st->work->row[a][c] : 1.0;
   }
-  for (int i = 0; i < m->topology.substructure_count; ++i)
+  for (int i = 0; i < st->work->block_count; ++i)
     if (st->work->holding[i].count && st->work->holding[i].freedom)
-      comparable = divide(m, s, i, st, motion, n, d) && comparable;
+      comparable = divide(m, i, st, motion, n, d) && comparable;
   return comparable;
 }
 
-void km_statics_refer(const km_mechanism *m, const km_state *s, km_statics *st) {
-  for (int i = 0; i < m->topology.substructure_count; ++i) {
+void km_statics_refer(const km_mechanism *m, km_statics *st) {
+  for (int i = 0; i < st->work->block_count; ++i) {
     km_holding *h = &st->work->holding[i];
     if (h->count && h->rank == h->most_rank && h->rank > 0)
-      keep(m, s, i, h, orientation(m, s, i, h, h->most_rank, NULL));
+      keep(h, orientation(m, h, h->most_rank, NULL));
   }
 }

@@ -83,12 +83,12 @@ static double clear_force(const watch *w, const km_mechanism *m, int actuator) {
 static void values(void *self, km_sweeper *r, double *n, double *d) {
   watch *w = self;
   km_statics_hold(r->m, r->s, w->forces, w->statics);
-  w->grown = !km_statics_ratios(r->m, r->s, w->statics, w->moves ? r->rates : NULL, n, d) || w->grown;
+  w->grown = !km_statics_ratios(r->m, w->statics, w->moves ? r->rates : NULL, n, d) || w->grown;
 }
 
 static void sampled(void *self, km_sweeper *r) {
   const watch *w = self;
-  km_statics_refer(r->m, r->s, w->statics);
+  km_statics_refer(r->m, w->statics);
 }
 
 /* The first pose was one where the actuators had a freedom less within their reach than elsewhere. */

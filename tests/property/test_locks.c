@@ -3,8 +3,8 @@
 
 #include "support/random_mechanism.h"
 
-#include "kmech/follow.h"
 #include "kinematics/closure.h"
+#include "kmech/follow.h"
 
 #include <math.h>
 #include <string.h>

@@ -120,10 +120,7 @@ static void test_refusals(void **unused) {
   int frame;
   const char *const path[] = {"bucket", "tip"};
   assert_int_equal(km_model_find_frame(f.model, path, 2, &frame, &error), KM_OK);
-  km_handle tip = {.kind = KM_HANDLE_POINT, .frame = frame, .direction = {0, 0, 1}, .name = "bucket/tip"};
-  assert_int_equal(km_statics_create_for(f.mechanism, &tip, 1, KM_AXES_JOINT, &statics, &error), KM_USAGE);
-  assert_non_null(strstr(error.text, "moves with 4 parts"));
-  km_statics_free(&statics);
+  km_handle tip = {.kind = KM_HANDLE_POINT, .direction = {0, 0, 1}, .name = "bucket/tip"};
   tip.frame = 0; /* of the inertial frame */
   assert_int_equal(km_statics_create_for(f.mechanism, &tip, 1, KM_AXES_JOINT, &statics, &error), KM_USAGE);
   km_statics_free(&statics);

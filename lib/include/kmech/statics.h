@@ -45,8 +45,9 @@ typedef struct km_statics {
 KM_API km_status km_statics_create(const km_mechanism *mechanism, const int *actuators, int actuator_count,
                                    km_axes axes, km_statics *out, km_error *error);
 /* The same for actuators that may be points of bodies along a direction (inertial axes), as a hand that pushes: such a
- * force is counted along the direction, and the point must move with one substructure, or with one joint outside of
- * loops. Handles are copied; names of points are borrowed. KM_USAGE. */
+ * force is counted along the direction. What a point moves with, several substructures and joints outside of loops too,
+ * is balanced together. Handles are copied; names of points are borrowed. KM_USAGE: also a point that can't move, or that
+ * pushes just one joint outside of loops, which another actuator holds. */
 KM_API km_status km_statics_create_for(const km_mechanism *mechanism, const km_handle *actuators, int actuator_count,
                                        km_axes axes, km_statics *out, km_error *error);
 KM_API void km_statics_free(km_statics *statics);
