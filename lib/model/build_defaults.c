@@ -16,6 +16,14 @@ km_body_def km_body_default(void) {
   return (km_body_def){.density = -1.0}; /* below 0: mass and inertia are given, not a density */
 }
 
+km_shape_def km_shape_default(void) {
+  return (km_shape_def){.kind = KM_SHAPE_SPHERE,
+                        .scale = {1, 1, 1},
+                        .R = {1, 0, 0, 0, 1, 0, 0, 0, 1},
+                        .density = -1.0, /* below 0: drawn, not weighed */
+                        .color = {0, 0, 0, -1.0}};
+}
+
 km_joint_def km_joint_default(void) {
   km_joint_def def = {.type = KM_RZ}; /* a planar mechanism's hinge in the plane x, y */
   for (int k = 0; k < KM_MAX_FREEDOM; ++k) {

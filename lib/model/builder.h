@@ -7,8 +7,8 @@
 struct km_builder {
   km_model *model;
   km_names assemblies, bodies, frames, joints; /* scope: the parent */
-  size_t assembly_room, body_room, frame_room, joint_room, coordinate_room, coupling_room, module_room, load_room,
-      hold_room, pose_room, actuator_room;
+  size_t assembly_room, body_room, frame_room, shape_room, joint_room, coordinate_room, coupling_room, module_room,
+      load_room, hold_room, pose_room, actuator_room;
 };
 
 /* Grows one of the model's arrays by an element of zeros; NULL when out of memory. */

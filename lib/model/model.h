@@ -29,6 +29,17 @@ typedef struct km_model_body {
   const char *where;
 } km_model_body;
 
+/* A part of what a body looks like. */
+typedef struct km_model_shape {
+  int body;
+  km_shape_kind kind;
+  const char *mesh, *where;
+  double scale[3], size[3]; /* of a mesh; of the others */
+  km_pose pose;             /* in the body's frame */
+  double density;           /* < 0: not given */
+  double color[4];          /* opacity < 0: none is stated */
+} km_model_shape;
+
 /* Every body has its `origin` first. */
 typedef struct km_model_frame {
   const char *name;
@@ -171,6 +182,7 @@ struct km_model {
   km_model_assembly *assemblies;
   km_model_body *bodies;
   km_model_frame *frames;
+  km_model_shape *shapes; /* by body */
   km_model_joint *joints;
   km_model_coordinate *coordinates;
   km_model_coupling *couplings;
@@ -182,7 +194,7 @@ struct km_model {
   bool actuators_given; /* also where the list is empty */
   km_model_handle advantage_input, advantage_output;
   km_model_sweep sweep;
-  int assembly_count, body_count, frame_count, joint_count, coordinate_count, coupling_count, module_count;
+  int assembly_count, body_count, frame_count, shape_count, joint_count, coordinate_count, coupling_count, module_count;
   int load_count, hold_count, pose_count, actuator_count;
 };
 

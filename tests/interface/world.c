@@ -73,6 +73,8 @@ static void open_builder(world *w) {
   w->settings = km_settings_default();
   w->frame = km_frame_default();
   w->body = km_body_default();
+  w->shape = km_shape_default();
+  w->shape.size[0] = 0.1;
   w->joint = km_joint_default();
   w->force = km_force_default();
   w->sweep_def = km_sweep_default();

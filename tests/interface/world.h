@@ -39,6 +39,7 @@ typedef struct world {
   km_frame_def frame;
   km_body_def body;
   km_joint_def joint;
+  km_shape_def shape;
   km_coupling_def coupling;
   km_force_def force;
   km_load_def load;

@@ -78,6 +78,25 @@ static void add_bodies(const km_model *m, km_builder *b, ids *to) {
   }
 }
 
+static void add_shapes(const km_model *m, km_builder *b, const ids *to) {
+  for (int s = 0; s < m->shape_count; ++s) {
+    const km_model_shape *from = &m->shapes[s];
+    km_shape_def d = km_shape_default();
+    d.kind = from->kind;
+    d.mesh = from->mesh;
+    d.density = from->density;
+    copy3(d.T, from->pose.p);
+    km_rotation_rows(&from->pose.R, d.R);
+    for (int k = 0; k < 4; ++k)
+      d.color[k] = from->color[k];
+    for (int k = 0; k < 3; ++k) {
+      d.size[k] = from->size[k];
+      d.scale[k] = from->scale[k];
+    }
+    check(km_model_add_shape(b, to->body[from->body], &d, &error));
+  }
+}
+
 static void add_joints(const km_model *m, km_builder *b, ids *to) {
   for (int j = 0; j < m->joint_count; ++j) {
     const km_model_joint *from = &m->joints[j];
@@ -205,6 +224,7 @@ km_model *rebuild(const km_model *m) {
   check(km_builder_create(&b, &error));
   add_settings(m, b);
   add_bodies(m, b, &to);
+  add_shapes(m, b, &to);
   add_joints(m, b, &to);
   add_couplings(m, b, &to);
   add_forces(m, b, &to);

@@ -56,9 +56,9 @@ static void euler_angles_follow_their_sequence(void **unused) {
 }
 
 /* Mass and moments of a solid of revolution by Simpson's rule over its discs. */
-static km_robot_mass by_discs(double (*radius2)(double z), double end) {
+static km_mass by_discs(double (*radius2)(double z), double end) {
   enum { STEPS = 20000 };
-  km_robot_mass sum = {0};
+  km_mass sum = {0};
   double h = 2 * end / STEPS;
   for (int i = 0; i <= STEPS; ++i) {
     double z = -end + i * h, s = radius2(z), weight = (i == 0 || i == STEPS ? 1 : i % 2 ? 4 : 2) * h / 3;
@@ -81,8 +81,8 @@ static double ellipsoid(double z) { /* half axes 0.3, 0.3, 0.8 */
 static void solids_weigh_what_their_discs_weigh(void **unused) {
   (void)unused;
   const double half[3] = {0.3, 0.3, 0.8};
-  const km_robot_mass found[] = {km_solid_capsule(0.3, 0.5), km_solid_ellipsoid(half)};
-  const km_robot_mass expected[] = {by_discs(capsule, 0.8), by_discs(ellipsoid, 0.8)};
+  const km_mass found[] = {km_solid_capsule(0.3, 0.5), km_solid_ellipsoid(half)};
+  const km_mass expected[] = {by_discs(capsule, 0.8), by_discs(ellipsoid, 0.8)};
   for (int i = 0; i < 2; ++i) { /* Simpson's error: h⁴ times derivatives of size 100, and at the caps' edges h³ */
     assert_near(found[i].mass, expected[i].mass, 1e-9);
     assert_near(found[i].inertia[0], expected[i].inertia[0], 1e-9);

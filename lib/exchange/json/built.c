@@ -4,6 +4,7 @@
 #include "exchange/json/convert.h"
 #include "exchange/json/json.h"
 #include "exchange/json/json_model.h"
+#include "model/finish.h"
 
 #include <string.h>
 
@@ -73,6 +74,41 @@ static void add_frames(const writer *w, km_value *parent, int body) {
   }
 }
 
+static void add_shape(const writer *w, km_value *list, const km_model_shape *shape) {
+  static const char *const kinds[KM_SHAPE_KINDS] = {"mesh", "box", "sphere", "cylinder", "capsule"};
+  km_value *twin = km_value_add(w->arena, list, NULL, KM_OBJECT);
+  double rows[9];
+  if (shape->kind == KM_SHAPE_OF_MESH)
+    km_value_string(w->arena, twin, "mesh", shape->mesh);
+  else if (shape->kind == KM_SHAPE_SPHERE)
+    km_value_number(w->arena, twin, "sphere", shape->size[0]);
+  else
+    add_numbers(w, twin, kinds[shape->kind], shape->size, (size_t)km_shape_sizes(shape->kind));
+  if (shape->scale[0] != 1.0 || shape->scale[1] != 1.0 || shape->scale[2] != 1.0)
+    add_numbers(w, twin, "scale", shape->scale, 3);
+  add_vector(w, twin, "T", shape->pose.p);
+  km_rotation_rows(&shape->pose.R, rows);
+  if (rows[0] != 1.0 || rows[4] != 1.0 || rows[8] != 1.0) {
+    km_value *R = km_value_add(w->arena, twin, "R", KM_LIST);
+    for (int i = 0; i < 3; ++i)
+      add_numbers(w, R, NULL, &rows[3 * i], 3);
+  }
+  if (shape->color[3] >= 0.0)
+    add_numbers(w, twin, "color", shape->color, 4);
+  if (shape->density > 0.0)
+    km_value_number(w->arena, twin, "density", shape->density);
+}
+
+static void add_shapes(const writer *w, km_value *parent, int body) {
+  km_value *list = NULL;
+  for (int s = 0; s < w->model->shape_count; ++s) {
+    if (w->model->shapes[s].body != body)
+      continue;
+    list = list ? list : km_value_add(w->arena, parent, "shapes", KM_LIST);
+    add_shape(w, list, &w->model->shapes[s]);
+  }
+}
+
 static void add_body(const writer *w, km_value *list, int index) {
   static const char *const keys[6] = {"Ixx", "Iyy", "Izz", "Ixy", "Iyz", "Izx"};
   const km_model_body *body = &w->model->bodies[index];
@@ -85,6 +121,7 @@ static void add_body(const writer *w, km_value *list, int index) {
     km_value_number(w->arena, inertia, keys[k], body->inertia[k]);
   if (body->mesh)
     km_value_string(w->arena, km_value_add(w->arena, twin, "definition", KM_LIST), NULL, body->mesh);
+  add_shapes(w, twin, index);
   add_frames(w, twin, index);
 }
 

@@ -27,7 +27,10 @@ static bool mesh_stays(const km_sketch *s, int body) {
   double turn = 0.0;
   for (int k = 0; k < 3; ++k)
     turn = fmax(turn, km_vec3_norm(km_vec3_sub(X->R.axis[k], identity.axis[k])));
-  return !s->model->bodies[body].mesh || (turn < 1e-12 && km_vec3_norm(X->p) <= s->grain);
+  bool shaped = s->model->bodies[body].mesh != NULL;
+  for (int k = 0; k < s->model->shape_count && !shaped; ++k)
+    shaped = s->model->shapes[k].body == body;
+  return !shaped || (turn < 1e-12 && km_vec3_norm(X->p) <= s->grain);
 }
 
 static const char *left_out_body(const km_value *assembly) {

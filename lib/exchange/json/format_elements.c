@@ -37,6 +37,23 @@ static const km_field inertia_fields[] = {{"Ixx", "Moment about the x axis.", IN
                                           {0}};
 static const km_object_format inertia_format = {"moment_of_inertia", inertia_fields};
 
+static const km_field shape_fields[] = {
+    {"mesh", "Mesh file.", STRING},
+    {"scale", "Model's length of a unit of the mesh file: one number, or one for each axis.", SHAPE(COORDINATES),
+     UNIT(.length = 1), UNSTATED("1")},
+    {"box", "Sides along x, y and z.", VECTOR, UNIT(.length = 1)},
+    {"sphere", "Radius.", NUMBER, UNIT(.length = 1)},
+    {"cylinder", "[radius, length], along z.", SHAPE(NUMBERS), UNIT(.length = 1)},
+    {"capsule", "[radius, length], along z, the length without the caps.", SHAPE(NUMBERS), UNIT(.length = 1)},
+    {"T", "Middle of the shape, or origin of the mesh, in the body's frame.", POINT, UNIT(.length = 1),
+     UNSTATED("[0, 0, 0]")},
+    {"R", "Its axes as the columns of a rotation matrix, written by rows.", SHAPE(MATRIX), UNSTATED("no rotation")},
+    {"color", "Red, green, blue and perhaps opacity, from 0 to 1. Kept.", SHAPE(NUMBERS)},
+    {"density", "Density. What has one is weighed, and gives the body its mass.", NUMBER,
+     UNIT(.mass = 1, .length = -3)},
+    {0}};
+static const km_object_format shape_format = {"shape", shape_fields};
+
 static const km_field body_fields[] = {
     {"name", "Name of the body, unique in its assembly. \"fixed\" is the inertial frame.", STRING, REQUIRED},
     {"mass", "Mass of the body.", NUMBER, UNIT(.mass = 1), UNSTATED("0")},
@@ -47,6 +64,10 @@ static const km_field body_fields[] = {
     {"definition", "Mesh file, in the body's frame and the model's length unit, and material file.", SHAPE(STRINGS)},
     {"density", "Density of the mesh. Mass, centre of mass and inertia then come from the mesh.", NUMBER,
      UNIT(.mass = 1, .length = -3)},
+    {"shapes",
+     "What the body looks like, instead of or beside the definition; each is a mesh, box, sphere, cylinder or "
+     "capsule.",
+     OBJECTS(shape_format)},
     {"frames", "Places on the body: for joints, loads and points to follow.", OBJECTS(frame_format)},
     ACTIVE,
     {0}};

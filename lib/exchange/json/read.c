@@ -15,7 +15,7 @@ static int count_members(const km_value *object, const char *key) {
 }
 
 typedef struct totals {
-  size_t assemblies, bodies, frames, joints, struts, couplings, modules;
+  size_t assemblies, bodies, frames, shapes, joints, struts, couplings, modules;
 } totals;
 
 /* Upper bounds: left-out elements count too. */
@@ -27,8 +27,10 @@ static void count_assembly(const km_value *assembly, totals *t) {
   t->struts += (size_t)count_members(assembly, "struts");
   t->couplings += (size_t)count_members(assembly, "couplings");
   t->modules += (size_t)count_members(assembly, "force_modules");
-  for (const km_value *b = bodies ? bodies->first : NULL; b; b = b->next)
+  for (const km_value *b = bodies ? bodies->first : NULL; b; b = b->next) {
     t->frames += (size_t)count_members(b, "frames");
+    t->shapes += (size_t)count_members(b, "shapes");
+  }
   const km_value *nested = km_value_get(assembly, "assemblies");
   for (const km_value *a = nested ? nested->first : NULL; a; a = a->next) {
     t->assemblies++;
@@ -54,6 +56,7 @@ static struct km_origin *allocate(km_model *model, const km_value *root, size_t 
   model->assemblies = KM_ARENA_NEW(arena, km_model_assembly, t.assemblies);
   model->bodies = KM_ARENA_NEW(arena, km_model_body, t.bodies + 1);
   model->frames = KM_ARENA_NEW(arena, km_model_frame, t.frames);
+  model->shapes = KM_ARENA_NEW(arena, km_model_shape, t.shapes);
   model->joints = KM_ARENA_NEW(arena, km_model_joint, t.joints);
   model->coordinates = KM_ARENA_NEW(arena, km_model_coordinate, KM_MAX_FREEDOM * t.joints);
   model->couplings = KM_ARENA_NEW(arena, km_model_coupling, t.couplings);
@@ -173,6 +176,7 @@ static void read_body(km_reader *reader, const km_value *value, int assembly, co
     model->arena.failed = true;
   km_reader_add_frame(reader, "origin", index, km_pose_identity());
   km_reader_each(reader, value, "frames", index, place, read_frame);
+  km_reader_each(reader, value, "shapes", index, place, km_read_shape);
 }
 
 static void read_nested(km_reader *reader, const km_value *value, int parent, const km_place *place) {

@@ -99,6 +99,8 @@ void km_place_drawn_child(km_model *model, int joint);
 /* Notes on joints whose frames the drawing leaves apart. */
 void km_tell_drawing_gaps(km_reader *reader);
 
+/* A shape of a body: a km_element_read. */
+void km_read_shape(km_reader *reader, const km_value *shape, int body, const km_place *place);
 /* Mass, centre of mass and inertia as the file states them; a density. */
 void km_read_mass(km_reader *reader, const km_value *body, const km_place *place, km_model_body *out);
 /* The second pass over the assemblies: joints, then what names joints. */

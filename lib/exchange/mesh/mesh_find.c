@@ -1,5 +1,6 @@
 /* Looking for the files of meshes and reading them. */
 #include "exchange/mesh/model_meshes.h"
+#include "exchange/mesh/shapes.h"
 
 #include <string.h>
 #include <unistd.h>
@@ -46,8 +47,16 @@ km_status km_model_read_meshes(const km_model *model, km_mesh ***meshes, km_erro
       ++count;
       status = read_mesh(model, &model->bodies[b], &list[b], error);
     }
+  for (int s = 0; s < model->shape_count && !status; ++s, ++count) {
+    km_mesh *part = NULL;
+    status = km_shape_mesh(model, &model->shapes[s], &part, error);
+    if (!status)
+      status = km_mesh_join(&list[model->shapes[s].body], part, error);
+  }
   if (!status && count == 0)
-    return km_fail(error, KM_USAGE, "no body has a mesh; expected a definition, such as \"definition\": [\"arm.obj\"]");
+    return km_fail(error, KM_USAGE,
+                   "no body has a mesh; expected a definition or shapes, such as \"definition\": "
+                   "[\"arm.obj\"]");
   return status;
 }
 

@@ -1,5 +1,5 @@
 /* Mass properties of bodies from their meshes and densities. */
-#include "exchange/mesh/model_meshes.h"
+#include "exchange/mesh/shapes.h"
 #include "model/mass_properties.h"
 
 static const char not_found[] = "is found neither beside the file nor in include_dir";
@@ -28,38 +28,94 @@ static km_status weigh_mesh(const km_mesh *mesh, const char *path, km_mass_prope
   return status;
 }
 
-static km_status weigh(const char *path, km_model_body *body, km_error *error) {
-  km_mesh *mesh = NULL;
+/* A mesh of density 1. */
+static km_status weigh_surface(const km_mesh *mesh, const char *path, km_mass *out, km_error *error) {
   km_mass_properties found;
-  km_status status = km_mesh_read(path, &mesh, error);
-  if (!status)
-    status = weigh_mesh(mesh, path, &found, error);
-  km_mesh_free(mesh);
+  km_status status = weigh_mesh(mesh, path, &found, error);
   if (status)
     return status;
-  body->mass = body->density * found.volume;
-  body->center_of_mass = found.center;
+  *out = (km_mass){.mass = found.volume, .center = found.center};
   for (int k = 0; k < 6; ++k)
-    body->inertia[k] = body->density * found.inertia[k];
+    out->inertia[k] = found.inertia[k];
   return KM_OK;
 }
 
-void km_model_weigh(km_model *model, km_messages *messages) {
+static km_status weigh_definition(const km_model *model, const km_model_body *body, km_mass *out, km_error *error) {
+  km_mesh *mesh = NULL;
   km_text path = {0};
-  for (int b = 1; b < model->body_count; ++b) {
-    km_model_body *body = &model->bodies[b];
-    km_error error = {0};
-    if (!body->mesh || !(body->density > 0.0))
-      continue;
-    if (!km_model_find_mesh(model, body->mesh, &path))
-      km_messages_add(messages, KM_ERROR, "%s.definition: mesh \"%.200s\" %s; its density needs it", body->where,
-                      body->mesh, not_found);
-    else if (weigh(path.data, body, &error) == KM_MEMORY)
-      model->arena.failed = true;
-    else if (error.status)
-      km_messages_add(messages, KM_ERROR, "%s.definition: %.900s", body->where, error.text);
-  }
+  km_status status = KM_OK;
+  if (!km_model_find_mesh(model, body->mesh, &path))
+    status = km_fail(error, KM_MODEL, "mesh \"%.200s\" %s; its density needs it", body->mesh, not_found);
+  if (!status)
+    status = km_mesh_read(path.data, &mesh, error);
+  if (!status)
+    status = weigh_surface(mesh, path.data, out, error);
+  km_mesh_free(mesh);
   km_text_free(&path);
+  return status;
+}
+
+static km_status weigh_shape(const km_model *model, const km_model_shape *shape, km_mass *out, km_error *error) {
+  km_mesh *mesh = NULL;
+  if (km_shape_solid(shape, out))
+    return KM_OK;
+  km_status status = km_shape_mesh(model, shape, &mesh, error);
+  if (!status)
+    status = weigh_surface(mesh, shape->mesh, out, error);
+  km_mesh_free(mesh);
+  return status;
+}
+
+/* Reports a fault at a part of a body; true: there is one. */
+static bool is_fault(km_model *model, const char *where, const char *part, km_status status, const km_error *error,
+                     km_messages *messages) {
+  if (status == KM_MEMORY)
+    model->arena.failed = true;
+  else if (status)
+    km_messages_add(messages, KM_ERROR, "%s%s: %.900s", where, part, error->text);
+  return status != KM_OK;
+}
+
+/* Adds a part of some density to what a body weighs. */
+static void add(km_mass *sum, double density, km_mass part) {
+  *sum = km_mass_sum(*sum, km_mass_scaled(density, part));
+}
+
+static void weigh_body(km_model *model, int b, int first_shape, km_messages *messages) {
+  km_model_body *body = &model->bodies[b];
+  km_mass sum = {0}, part;
+  km_error error = {0};
+  bool weighed = body->mesh && body->density > 0.0, sound = true;
+  if (weighed &&
+      !is_fault(model, body->where, ".definition", weigh_definition(model, body, &part, &error), &error, messages))
+    add(&sum, body->density, part);
+  else
+    sound = !weighed;
+  for (int s = first_shape; s < model->shape_count && model->shapes[s].body == b; ++s) {
+    const km_model_shape *shape = &model->shapes[s];
+    if (!(shape->density > 0.0))
+      continue;
+    weighed = true;
+    if (is_fault(model, shape->where, "", weigh_shape(model, shape, &part, &error), &error, messages))
+      sound = false;
+    else
+      add(&sum, shape->density, part);
+  }
+  if (!weighed || !sound)
+    return;
+  body->mass = sum.mass;
+  body->center_of_mass = sum.center;
+  for (int k = 0; k < 6; ++k)
+    body->inertia[k] = sum.inertia[k];
+}
+
+void km_model_weigh(km_model *model, km_messages *messages) {
+  int shape = 0;
+  for (int b = 1; b < model->body_count; ++b) {
+    while (shape < model->shape_count && model->shapes[shape].body < b)
+      ++shape;
+    weigh_body(model, b, shape, messages);
+  }
 }
 
 km_status km_model_weigh_meshes(km_model *model, km_error *error) {
@@ -80,20 +136,25 @@ km_status km_model_weigh_meshes(km_model *model, km_error *error) {
 }
 
 void km_model_miss_meshes(const km_model *model, km_messages *messages) {
-  const km_model_body *first = NULL;
+  const char *where = NULL, *part = "", *name = "";
   int missed = 0;
   km_text path = {0};
-  for (int b = 1; b < model->body_count; ++b) {
-    const km_model_body *body = &model->bodies[b];
-    if (!body->mesh || km_model_find_mesh(model, body->mesh, &path))
+  for (int k = 1; k < model->body_count + model->shape_count; ++k) {
+    bool body = k < model->body_count;
+    const km_model_shape *shape = body ? NULL : &model->shapes[k - model->body_count];
+    const char *mesh = body ? model->bodies[k].mesh : shape->mesh;
+    if (!mesh || km_model_find_mesh(model, mesh, &path))
       continue;
-    first = first ? first : body;
-    ++missed;
+    if (missed++ == 0) {
+      where = body ? model->bodies[k].where : shape->where;
+      part = body ? ".definition" : "";
+      name = mesh;
+    }
   }
   km_text_free(&path);
   if (missed == 1)
-    km_messages_add(messages, KM_WARNING, "%s.definition: mesh \"%.200s\" %s", first->where, first->mesh, not_found);
+    km_messages_add(messages, KM_WARNING, "%s%s: mesh \"%.200s\" %s", where, part, name, not_found);
   else if (missed)
-    km_messages_add(messages, KM_WARNING, "%s.definition: mesh \"%.200s\" %s, nor are the meshes of %d other bodies",
-                    first->where, first->mesh, not_found, missed - 1);
+    km_messages_add(messages, KM_WARNING, "%s%s: mesh \"%.200s\" %s, nor are the meshes of %d other bodies", where,
+                    part, name, not_found, missed - 1);
 }

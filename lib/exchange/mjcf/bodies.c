@@ -49,7 +49,7 @@ void km_mjcf_walk(km_mjcf *m, const km_xml *element, const km_mjcf_place *place,
 
 /* What is found inside of a body before it can be added. */
 typedef struct content {
-  km_robot_mass stated, weighed;
+  km_mass stated, weighed;
   bool is_stated;
   int joint_count;
   struct {
@@ -102,7 +102,7 @@ static void read_member(km_mjcf *m, const km_xml *e, const km_mjcf_place *place,
   else if (strcmp(e->name, "site") == 0)
     read_site(m, e, place, body);
   else if (strcmp(e->name, "geom") == 0)
-    km_robot_omit(m->robot, "shapes left out of drawings", km_xml_attribute_of(e, "name"));
+    km_mjcf_show(m, e, place, m->bodies[body].id);
   for (size_t i = 0; i < sizeof others / sizeof *others; ++i)
     if (strcmp(e->name, others[i]) == 0)
       km_robot_warn(m->robot, e, "<%s> is left out, with the bodies that it would add", e->name);
@@ -153,7 +153,7 @@ static void tie(km_mjcf *m, const km_xml *e, const content *c, int parent, km_bo
   }
 }
 
-static km_robot_mass bounded(const km_mjcf *m, km_robot_mass mass) {
+static km_mass bounded(const km_mjcf *m, km_mass mass) {
   mass.mass = fmax(mass.mass, m->compiler.least_mass);
   for (int k = 0; k < 3; ++k)
     mass.inertia[k] = fmax(mass.inertia[k], m->compiler.least_inertia);
@@ -178,7 +178,7 @@ static void read_body(km_mjcf *m, const km_xml *e, const km_mjcf_place *place, i
   c->is_stated = km_xml_child(e, "inertial") != NULL; /* wherever it stands among the geoms */
   km_mjcf_walk(m, e, &inside, gather, c);
   bool stated = c->is_stated && m->compiler.from_geoms != KM_MJCF_YES;
-  km_robot_mass mass = bounded(m, stated ? c->stated : c->weighed);
+  km_mass mass = bounded(m, stated ? c->stated : c->weighed);
   km_body_id id = km_robot_body(robot, e, m->assembly, name, &mass, NULL);
   km_pose world = km_pose_product(&m->bodies[parent].world, &pose);
   int index = id.value ? add_body(m, name, id, &world) : -1;

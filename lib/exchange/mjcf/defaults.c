@@ -12,6 +12,10 @@ static void read_settings(km_mjcf *m, const km_xml *e) {
   const char *angle = km_xml_attribute_of(e, "angle"), *order = km_xml_attribute_of(e, "eulerseq");
   const char *limits = km_xml_attribute_of(e, "autolimits"), *from = km_xml_attribute_of(e, "inertiafromgeom");
   const char *coordinate = km_xml_attribute_of(e, "coordinate");
+  static const char *const folders[] = {"meshdir", "assetdir"};
+  for (int k = 1; k >= 0; --k)
+    if (km_xml_attribute_of(e, folders[k]) && km_xml_attribute_of(e, folders[k])[0])
+      c->meshes = km_xml_attribute_of(e, folders[k]);
   if (angle)
     c->angle = strcmp(angle, "radian") == 0 ? 1.0 : M_PI / 180.0;
   if (order && (strlen(order) != 3 || strspn(order, "xyzXYZ") != 3))
@@ -31,7 +35,7 @@ static void read_settings(km_mjcf *m, const km_xml *e) {
 }
 
 void km_mjcf_read_compiler(km_mjcf *m) {
-  m->compiler = (km_mjcf_compiler){M_PI / 180.0, {'x', 'y', 'z'}, true, KM_MJCF_AUTO, {0, 5}, 0, 0};
+  m->compiler = (km_mjcf_compiler){M_PI / 180.0, {'x', 'y', 'z'}, true, KM_MJCF_AUTO, {0, 5}, 0, 0, NULL};
   for (const km_xml *e = km_xml_child(m->root, "compiler"); e; e = km_xml_next(e))
     read_settings(m, e);
 }

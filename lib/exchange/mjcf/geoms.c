@@ -26,7 +26,7 @@ static bool has_line(km_mjcf *m, const km_xml *geom, const km_mjcf_place *place,
 }
 
 /* A solid of density 1 about its own frame. False: its volume isn't known here. */
-static bool solid_of(const shape *s, km_robot_mass *out) {
+static bool solid_of(const shape *s, km_mass *out) {
   const double ball[3] = {s->size[0], s->size[0], s->size[0]};
   if (strcmp(s->type, "sphere") == 0)
     *out = km_solid_ellipsoid(ball);
@@ -47,12 +47,12 @@ static bool is_flat(const char *type) {
   return strcmp(type, "plane") == 0 || strcmp(type, "hfield") == 0;
 }
 
-void km_mjcf_weigh(km_mjcf *m, const km_xml *geom, const km_mjcf_place *place, km_robot_mass *sum) {
+void km_mjcf_weigh(km_mjcf *m, const km_xml *geom, const km_mjcf_place *place, km_mass *sum) {
   const char *type = km_mjcf_get(m, geom, place, "type"), *mesh = km_mjcf_get(m, geom, place, "mesh");
   double group = km_mjcf_number(m, geom, place, "group", 0.0), density = km_mjcf_number(m, geom, place, "density", 1e3);
   double mass = km_mjcf_number(m, geom, place, "mass", -1.0);
   shape s = {type ? type : "sphere", {0}};
-  km_robot_mass solid = {0};
+  km_mass solid = {0};
   if (group < m->compiler.groups[0] || group > m->compiler.groups[1] || mass == 0.0 || (mass < 0.0 && density == 0.0) ||
       is_flat(s.type))
     return;
@@ -69,14 +69,14 @@ void km_mjcf_weigh(km_mjcf *m, const km_xml *geom, const km_mjcf_place *place, k
     km_robot_error(m->robot, geom, "size: a %.20s of no volume; expected sizes greater than 0", s.type);
     return;
   }
-  solid = km_robot_mass_scaled(mass > 0.0 ? mass / solid.mass : density, solid);
+  solid = km_mass_scaled(mass > 0.0 ? mass / solid.mass : density, solid);
   km_pose pose = km_pose_product(&place->pose, &own);
-  *sum = km_robot_mass_sum(*sum, km_robot_mass_moved(&pose, solid));
+  *sum = km_mass_sum(*sum, km_mass_moved(&pose, solid));
 }
 
-km_robot_mass km_mjcf_inertial(km_mjcf *m, const km_xml *e, const km_mjcf_place *place) {
+km_mass km_mjcf_inertial(km_mjcf *m, const km_xml *e, const km_mjcf_place *place) {
   static const int order[6] = {0, 1, 2, 3, 5, 4}; /* theirs: xx yy zz xy xz yz */
-  km_robot_mass mass = {.mass = km_robot_number(m->robot, e, "mass", 0.0)};
+  km_mass mass = {.mass = km_robot_number(m->robot, e, "mass", 0.0)};
   double full[6];
   if (km_robot_numbers(m->robot, e, "fullinertia", full, 6))
     for (int k = 0; k < 6; ++k)
@@ -84,5 +84,60 @@ km_robot_mass km_mjcf_inertial(km_mjcf *m, const km_xml *e, const km_mjcf_place 
   else
     km_robot_numbers(m->robot, e, "diaginertia", mass.inertia, 3);
   km_pose own = km_mjcf_pose(m, e, place), pose = km_pose_product(&place->pose, &own);
-  return km_robot_mass_moved(&pose, mass);
+  return km_mass_moved(&pose, mass);
+}
+
+/* The file of a mesh, and its scale; false: there is none of that name. */
+static bool find_mesh(km_mjcf *m, const char *name, km_shape_def *def) {
+  const km_mjcf_place place = {km_pose_identity(), NULL, ""};
+  for (const km_xml *list = km_xml_child(m->root, "asset"); list; list = km_xml_next(list))
+    for (const km_xml *e = km_xml_child(list, "mesh"); e; e = km_xml_next(e)) {
+      const char *own = km_xml_attribute_of(e, "name"), *file = km_xml_attribute_of(e, "file");
+      const char *slash = file ? strrchr(file, '/') : NULL, *base = slash ? slash + 1 : file;
+      size_t stem = base ? strcspn(base, ".") : 0;
+      bool named = own ? strcmp(own, name) == 0 : base && strlen(name) == stem && strncmp(base, name, stem) == 0;
+      if (!named || !file)
+        continue;
+      def->mesh =
+          km_robot_mesh(m->robot, km_robot_text(m->robot, "%s%s%s", m->compiler.meshes ? m->compiler.meshes : "",
+                                                m->compiler.meshes ? "/" : "", file));
+      km_mjcf_numbers(m, e, &place, "scale", def->scale, 3);
+      return true;
+    }
+  return false;
+}
+
+/* Sizes are halves, but for radii. */
+static bool set_kind(const shape *s, km_shape_def *def) {
+  bool box = strcmp(s->type, "box") == 0, cylinder = strcmp(s->type, "cylinder") == 0;
+  def->kind = box                               ? KM_SHAPE_BOX
+              : cylinder                        ? KM_SHAPE_CYLINDER
+              : strcmp(s->type, "capsule") == 0 ? KM_SHAPE_CAPSULE
+                                                : KM_SHAPE_SPHERE;
+  for (int k = 0; k < km_shape_sizes(def->kind); ++k)
+    def->size[k] = (k == 0 && !box ? 1.0 : 2.0) * s->size[k];
+  return def->kind != KM_SHAPE_SPHERE || strcmp(s->type, "sphere") == 0;
+}
+
+void km_mjcf_show(km_mjcf *m, const km_xml *geom, const km_mjcf_place *place, km_body_id body) {
+  const double hidden = 3; /* what MuJoCo's own viewer doesn't show: by custom the shapes of contacts */
+  const char *type = km_mjcf_get(m, geom, place, "type"), *mesh = km_mjcf_get(m, geom, place, "mesh");
+  shape s = {type ? type : "sphere", {0}};
+  km_shape_def def = km_shape_default();
+  if (km_mjcf_number(m, geom, place, "group", 0.0) >= hidden)
+    return;
+  km_mjcf_numbers(m, geom, place, "size", s.size, 3);
+  km_pose own;
+  if (!has_line(m, geom, place, &s, &own))
+    own = km_mjcf_pose(m, geom, place);
+  if (mesh && strcmp(s.type, "mesh") == 0)
+    def.kind = KM_SHAPE_OF_MESH;
+  bool known = def.kind == KM_SHAPE_OF_MESH ? find_mesh(m, mesh, &def) : set_kind(&s, &def);
+  if (!known) {
+    km_robot_omit(m->robot, "shapes left out of drawings", km_xml_attribute_of(geom, "name"));
+    return;
+  }
+  km_mjcf_numbers(m, geom, place, "rgba", def.color, 4);
+  km_pose pose = km_pose_product(&place->pose, &own);
+  km_robot_shape(m->robot, geom, body, &def, &pose);
 }

@@ -40,6 +40,7 @@ typedef struct km_mjcf_compiler {
   km_mjcf_answer from_geoms; /* masses are those of the geoms; auto: where a body states none */
   double groups[2];          /* of the geoms that weigh */
   double least_mass, least_inertia;
+  const char *meshes; /* folder of the meshes; NULL: that of the file */
 } km_mjcf_compiler;
 
 typedef struct km_mjcf {
@@ -83,9 +84,11 @@ km_pose km_mjcf_pose(km_mjcf *m, const km_xml *element, const km_mjcf_place *pla
 km_vec3 km_mjcf_unit(km_robot *robot, const km_xml *at, const char *what, const double u[3]);
 
 /* Adds the mass of a geom to a sum, in the body's frame. */
-void km_mjcf_weigh(km_mjcf *m, const km_xml *geom, const km_mjcf_place *place, km_robot_mass *sum);
+void km_mjcf_weigh(km_mjcf *m, const km_xml *geom, const km_mjcf_place *place, km_mass *sum);
+/* Adds a geom to what its body looks like. */
+void km_mjcf_show(km_mjcf *m, const km_xml *geom, const km_mjcf_place *place, km_body_id body);
 /* The element `inertial`. */
-km_robot_mass km_mjcf_inertial(km_mjcf *m, const km_xml *inertial, const km_mjcf_place *place);
+km_mass km_mjcf_inertial(km_mjcf *m, const km_xml *inertial, const km_mjcf_place *place);
 
 /* The tree of bodies. */
 void km_mjcf_read_bodies(km_mjcf *m);

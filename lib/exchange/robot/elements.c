@@ -42,11 +42,11 @@ km_assembly_id km_robot_assembly(km_robot *robot, const km_xml *at, const char *
 }
 
 /* A mass or an inertia that no body can have is dropped. */
-static km_robot_mass sane_mass(km_robot *robot, const km_xml *at, const char *name, km_robot_mass mass) {
+static km_mass sane_mass(km_robot *robot, const km_xml *at, const char *name, km_mass mass) {
   double moments[3], size = 0.0;
   if (mass.mass < 0.0) {
     km_robot_warn(robot, at, "body \"%.80s\": its mass is %g; it is taken as 0", name, mass.mass);
-    return (km_robot_mass){0};
+    return (km_mass){0};
   }
   for (int k = 0; k < 6; ++k)
     size = fmax(size, fabs(mass.inertia[k]));
@@ -63,10 +63,10 @@ static km_robot_mass sane_mass(km_robot *robot, const km_xml *at, const char *na
 }
 
 km_body_id km_robot_body(km_robot *robot, const km_xml *at, km_assembly_id assembly, const char *name,
-                         const km_robot_mass *mass, const char *mesh) {
+                         const km_mass *mass, const char *mesh) {
   km_body_id id = {0};
   km_error error;
-  km_robot_mass sane = mass ? sane_mass(robot, at, name, *mass) : (km_robot_mass){0};
+  km_mass sane = mass ? sane_mass(robot, at, name, *mass) : (km_mass){0};
   km_body_def def = km_body_default();
   if (!name[0]) {
     km_robot_error(robot, at, "found an empty name of a body; expected at least one character");
@@ -112,4 +112,24 @@ km_frame_id km_robot_frame(km_robot *robot, const km_xml *at, km_body_id body, c
   else
     km_robot_take_name(robot, &robot->frames, body.value, km_robot_text(robot, "%s", def.name), id.value);
   return id;
+}
+
+void km_robot_shape(km_robot *robot, const km_xml *at, km_body_id body, km_shape_def *def, const km_pose *pose) {
+  km_error error;
+  bool sound = def->kind != KM_SHAPE_OF_MESH || def->scale[0] * def->scale[1] * def->scale[2] != 0.0;
+  for (int k = 0; k < km_shape_sizes(def->kind); ++k)
+    sound = sound && def->size[k] > 0.0;
+  for (int k = 0; k < 4 && def->color[3] >= 0.0; ++k)
+    def->color[k] = fmin(fmax(def->color[k], 0.0), 1.0);
+  memcpy(def->T, &pose->p, sizeof def->T);
+  km_rotation_rows(&pose->R, def->R);
+  if (body.value < 2) /* the inertial frame, which has no shapes, or a body that was refused */
+    return;
+  if (!sound) {
+    km_robot_omit(robot, "shapes without a size left out", km_xml_attribute_of(at, "name"));
+    return;
+  }
+  km_status status = km_model_add_shape(robot->builder, body, def, &error);
+  if (status)
+    km_robot_builder_failed(robot, at, status, &error);
 }

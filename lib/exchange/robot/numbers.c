@@ -107,3 +107,10 @@ void km_robot_judge_digits(km_robot *robot, const char *text, double period, dou
       *worst = rounding;
   }
 }
+
+km_rotation km_rotation_rpy(const double rpy[3]) {
+  km_rotation R = km_rotation_identity();
+  for (int k = 2; k >= 0; --k)
+    R = km_rotation_turn(&R, k, cos(rpy[k]), sin(rpy[k]));
+  return R;
+}

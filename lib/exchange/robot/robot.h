@@ -5,6 +5,7 @@
 #include "base/names.h"
 #include "exchange/xml/xml.h"
 #include "model/finish.h"
+#include "model/solids.h"
 
 #include <locale.h>
 
@@ -73,28 +74,13 @@ void km_robot_judge_digits(km_robot *robot, const char *text, double period, dou
 /* R = Rz(yaw) Ry(pitch) Rx(roll). */
 km_rotation km_rotation_rpy(const double rpy[3]);
 
-/* Mass, centre and inertia (Ixx Iyy Izz Ixy Iyz Izx, about the centre, along the axes). */
-typedef struct km_robot_mass {
-  double mass;
-  km_vec3 center;
-  double inertia[6];
-} km_robot_mass;
-/* The same seen from a frame in which the axes and the origin have the pose. */
-km_robot_mass km_robot_mass_moved(const km_pose *pose, km_robot_mass mass);
-km_robot_mass km_robot_mass_sum(km_robot_mass a, km_robot_mass b);
-/* Solids of density 1 about their own centres: half sizes of a box, half axes of an ellipsoid, radius and half length
- * (without caps) along z. */
-km_robot_mass km_solid_box(const double half[3]);
-km_robot_mass km_solid_ellipsoid(const double half[3]);
-km_robot_mass km_solid_cylinder(double radius, double half);
-km_robot_mass km_solid_capsule(double radius, double half);
-km_robot_mass km_robot_mass_scaled(double factor, km_robot_mass mass);
-
 /* An assembly, whose name is made free. */
 km_assembly_id km_robot_assembly(km_robot *robot, const km_xml *at, const char *name, km_assembly_id parent);
 /* A body. A negative mass or inertia is a warning and dropped. A name that is taken is an error. `mesh`: NULL: none. */
 km_body_id km_robot_body(km_robot *robot, const km_xml *at, km_assembly_id assembly, const char *name,
-                         const km_robot_mass *mass, const char *mesh);
+                         const km_mass *mass, const char *mesh);
+/* A shape of a body: its kind, sizes or file, place, colour. One that has no size is dropped, and counted. */
+void km_robot_shape(km_robot *robot, const km_xml *at, km_body_id body, km_shape_def *def, const km_pose *pose);
 /* A frame of a body, under a free name like the given one; the body's own where the pose is the identity. */
 km_frame_id km_robot_frame(km_robot *robot, const km_xml *at, km_body_id body, const char *name, const km_pose *pose);
 

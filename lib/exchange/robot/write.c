@@ -370,6 +370,11 @@ void km_written_omit_forces(km_written *w) {
   for (int i = 0; i < m->module_count; ++i)
     if (!is_spring(&m->modules[i]))
       km_written_omit(w, "force modules not written, as the format has none of their kind", m->modules[i].name);
+  for (int s = 0; s < m->shape_count; ++s)
+    km_written_omit(w, "shapes not written", w->bodies[m->shapes[s].body]);
+  for (int b = 1; b < m->body_count; ++b)
+    if (m->bodies[b].mesh)
+      km_written_omit(w, "shapes not written", w->bodies[b]);
   for (int i = 0; i < m->load_count; ++i)
     km_written_omit(w, "loads not written", m->loads[i].name);
   for (int j = 0; j < m->joint_count; ++j)

@@ -69,10 +69,10 @@ static const char *name_of(const km_xml *e) {
 }
 
 /* A link without a statement of its mass has 1 kg and 1 kg·m². */
-static km_robot_mass read_mass(km_robot *robot, const km_xml *link) {
+static km_mass read_mass(km_robot *robot, const km_xml *link) {
   static const char *const keys[6] = {"ixx", "iyy", "izz", "ixy", "iyz", "ixz"};
   const km_xml *inertial = km_xml_child(link, "inertial"), *inertia = km_xml_child(inertial, "inertia");
-  km_robot_mass mass = {.mass = km_sdf_number(robot, inertial, "mass", 1.0)};
+  km_mass mass = {.mass = km_sdf_number(robot, inertial, "mass", 1.0)};
   for (int k = 0; k < 6; ++k)
     mass.inertia[k] = km_sdf_number(robot, inertia, keys[k], k < 3 ? 1.0 : 0.0);
   if (is_true(km_xml_attribute_of(inertial, "auto")))
@@ -80,7 +80,40 @@ static km_robot_mass read_mass(km_robot *robot, const km_xml *link) {
   double rounding = robot->angle_rounding;
   km_pose pose = km_sdf_pose(robot, inertial);
   robot->angle_rounding = rounding; /* no joint depends on it */
-  return km_robot_mass_moved(&pose, mass);
+  return km_mass_moved(&pose, mass);
+}
+
+static void read_visual(km_robot *robot, const km_xml *v, const char *link, km_body_id body) {
+  const km_xml *geometry = km_xml_child(v, "geometry");
+  const km_xml *box = km_xml_child(geometry, "box"), *ball = km_xml_child(geometry, "sphere");
+  const km_xml *round = km_xml_child(geometry, "cylinder"), *capsule = km_xml_child(geometry, "capsule");
+  const km_xml *mesh = km_xml_child(geometry, "mesh"), *scale = km_xml_child(mesh, "scale");
+  const km_xml *sides = km_xml_child(box, "size"), *color = km_xml_child(km_xml_child(v, "material"), "diffuse");
+  km_shape_def def = km_shape_default();
+  if (mesh && km_sdf_text(mesh, "uri")[0]) {
+    def.kind = KM_SHAPE_OF_MESH;
+    def.mesh = km_robot_mesh(robot, km_sdf_text(mesh, "uri"));
+    if (scale)
+      km_robot_parse(robot, scale, "scale", scale->text, def.scale, 3);
+  } else if (sides) {
+    def.kind = KM_SHAPE_BOX;
+    km_robot_parse(robot, sides, "size", sides->text, def.size, 3);
+  } else if (ball) {
+    def.size[0] = km_sdf_number(robot, ball, "radius", 0.0);
+  } else if (round || capsule) {
+    def.kind = round ? KM_SHAPE_CYLINDER : KM_SHAPE_CAPSULE;
+    def.size[0] = km_sdf_number(robot, round ? round : capsule, "radius", 0.0);
+    def.size[1] = km_sdf_number(robot, round ? round : capsule, "length", 0.0);
+  } else {
+    km_robot_omit(robot, "visual shapes left out", link);
+    return;
+  }
+  if (color && km_robot_parse_some(robot, color, "diffuse", color->text, def.color, 3, 4) == 3)
+    def.color[3] = 1.0;
+  double rounding = robot->angle_rounding;
+  km_pose pose = km_sdf_pose(robot, v);
+  robot->angle_rounding = rounding; /* no joint depends on it */
+  km_robot_shape(robot, v, body, &def, &pose);
 }
 
 static void read_link(km_sdf *sdf, const km_xml *e, int model) {
@@ -88,7 +121,7 @@ static void read_link(km_sdf *sdf, const km_xml *e, int model) {
   int index = add_entity(sdf, KM_SDF_LINK, e, name_of(e), model);
   if (index < 0)
     return;
-  km_robot_mass mass = read_mass(robot, e);
+  km_mass mass = read_mass(robot, e);
   sdf->entities[index].raw = km_sdf_pose(robot, e);
   if (sdf->entities[index].name[0])
     sdf->entities[index].body =
@@ -96,10 +129,10 @@ static void read_link(km_sdf *sdf, const km_xml *e, int model) {
   const char *canonical = km_xml_attribute_of(sdf->entities[model].at, "canonical_link");
   if (sdf->entities[model].first_link < 0 || (canonical && strcmp(canonical, name_of(e)) == 0))
     sdf->entities[model].first_link = index;
-  static const char *const shapes[] = {"visual", "collision"};
-  for (int k = 0; k < 2; ++k)
-    for (const km_xml *s = km_xml_child(e, shapes[k]); s; s = km_xml_next(s))
-      km_robot_omit(robot, k ? "collision shapes left out" : "visual shapes left out", name_of(e));
+  for (const km_xml *v = km_xml_child(e, "visual"); v; v = km_xml_next(v))
+    read_visual(robot, v, name_of(e), sdf->entities[index].body);
+  for (const km_xml *c = km_xml_child(e, "collision"); c; c = km_xml_next(c))
+    km_robot_omit(robot, "collision shapes left out", name_of(e));
 }
 
 static void read_scope(km_sdf *sdf, const km_xml *e, int scope, const char *version);

@@ -13,14 +13,14 @@ km_pose km_urdf_origin(km_robot *robot, const km_xml *element) {
   return (km_pose){km_rotation_rpy(rpy), km_vec3_make(xyz)};
 }
 
-static km_robot_mass read_inertial(km_robot *robot, const km_xml *link) {
+static km_mass read_inertial(km_robot *robot, const km_xml *link) {
   static const char *const keys[6] = {"ixx", "iyy", "izz", "ixy", "iyz", "ixz"};
   const km_xml *inertial = km_xml_child(link, "inertial"), *inertia = km_xml_child(inertial, "inertia");
-  km_robot_mass mass = {.mass = km_robot_number(robot, km_xml_child(inertial, "mass"), "value", 0.0)};
+  km_mass mass = {.mass = km_robot_number(robot, km_xml_child(inertial, "mass"), "value", 0.0)};
   for (int k = 0; k < 6; ++k)
     mass.inertia[k] = km_robot_number(robot, inertia, keys[k], 0.0);
   km_pose pose = km_urdf_origin(robot, inertial);
-  return km_robot_mass_moved(&pose, mass);
+  return km_mass_moved(&pose, mass);
 }
 
 static bool is_plain(km_robot *robot, const km_xml *visual, const km_xml *mesh) {
@@ -35,20 +35,65 @@ static bool is_plain(km_robot *robot, const km_xml *visual, const km_xml *mesh) 
   return true;
 }
 
-/* The mesh of a link: the first one that lies in the link's own frame, in metres. Every other shape is left out. */
-static const char *read_shapes(km_robot *robot, const km_xml *link, const char *name) {
-  const char *found = NULL;
-  for (const km_xml *v = km_xml_child(link, "visual"); v; v = km_xml_next(v)) {
-    const km_xml *mesh = km_xml_child(km_xml_child(v, "geometry"), "mesh");
-    const char *file = km_xml_attribute_of(mesh, "filename");
-    if (!found && file && file[0] && is_plain(robot, v, mesh))
-      found = km_robot_mesh(robot, file);
-    else
-      km_robot_omit(robot, "visual shapes left out", name);
+static const char *mesh_of(const km_xml *visual) {
+  const char *file = km_xml_attribute_of(km_xml_child(km_xml_child(visual, "geometry"), "mesh"), "filename");
+  return file && file[0] ? file : NULL;
+}
+
+/* The mesh that is the link's definition: the first one that lies in the link's own frame, in metres. */
+static const km_xml *definition_of(km_robot *robot, const km_xml *link) {
+  for (const km_xml *v = km_xml_child(link, "visual"); v; v = km_xml_next(v))
+    if (mesh_of(v) && is_plain(robot, v, km_xml_child(km_xml_child(v, "geometry"), "mesh")))
+      return v;
+  return NULL;
+}
+
+/* The colour of a visual: its own, or that of the material by its name. */
+static void read_color(km_robot *robot, const km_xml *root, const km_xml *visual, double color[4]) {
+  const km_xml *material = km_xml_child(visual, "material"), *own = km_xml_child(material, "color");
+  const char *name = km_xml_attribute_of(material, "name");
+  for (const km_xml *m = km_xml_child(root, "material"); m && !own && name; m = km_xml_next(m)) {
+    const char *other = km_xml_attribute_of(m, "name");
+    own = other && strcmp(other, name) == 0 ? km_xml_child(m, "color") : NULL;
   }
+  if (own)
+    km_robot_numbers(robot, own, "rgba", color, 4);
+}
+
+static void read_visual(km_robot *robot, const km_xml *root, const km_xml *v, const char *link, km_body_id body) {
+  const km_xml *geometry = km_xml_child(v, "geometry");
+  const km_xml *box = km_xml_child(geometry, "box"), *ball = km_xml_child(geometry, "sphere");
+  const km_xml *round = km_xml_child(geometry, "cylinder"), *capsule = km_xml_child(geometry, "capsule");
+  km_shape_def def = km_shape_default();
+  if (mesh_of(v)) {
+    def.kind = KM_SHAPE_OF_MESH;
+    def.mesh = km_robot_mesh(robot, mesh_of(v));
+    km_robot_numbers(robot, km_xml_child(geometry, "mesh"), "scale", def.scale, 3);
+  } else if (box) {
+    def.kind = KM_SHAPE_BOX;
+    km_robot_numbers(robot, box, "size", def.size, 3);
+  } else if (ball) {
+    def.size[0] = km_robot_number(robot, ball, "radius", 0.0);
+  } else if (round || capsule) {
+    def.kind = round ? KM_SHAPE_CYLINDER : KM_SHAPE_CAPSULE;
+    def.size[0] = km_robot_number(robot, round ? round : capsule, "radius", 0.0);
+    def.size[1] = km_robot_number(robot, round ? round : capsule, "length", 0.0);
+  } else {
+    km_robot_omit(robot, "visual shapes left out", link);
+    return;
+  }
+  read_color(robot, root, v, def.color);
+  km_pose pose = km_urdf_origin(robot, v);
+  km_robot_shape(robot, v, body, &def, &pose);
+}
+
+static void read_shapes(km_robot *robot, const km_xml *root, const km_xml *link, const char *name, km_body_id body) {
+  const km_xml *definition = definition_of(robot, link);
+  for (const km_xml *v = km_xml_child(link, "visual"); v; v = km_xml_next(v))
+    if (v != definition)
+      read_visual(robot, root, v, name, body);
   for (const km_xml *c = km_xml_child(link, "collision"); c; c = km_xml_next(c))
     km_robot_omit(robot, "collision shapes left out", name);
-  return found;
 }
 
 static const char *name_of(km_robot *robot, const km_xml *element) {
@@ -58,7 +103,7 @@ static const char *name_of(km_robot *robot, const km_xml *element) {
   return name ? name : "";
 }
 
-static void read_link(km_urdf *urdf, const km_xml *link) {
+static void read_link(km_urdf *urdf, const km_xml *root, const km_xml *link) {
   km_robot *robot = urdf->robot;
   const char *name = name_of(robot, link);
   int index = urdf->link_count++;
@@ -70,9 +115,12 @@ static void read_link(km_urdf *urdf, const km_xml *link) {
   }
   if (!km_names_set(&urdf->links, 0, name, index))
     robot->arena.failed = true;
-  km_robot_mass mass = read_inertial(robot, link);
+  km_mass mass = read_inertial(robot, link);
   urdf->elements[index] = link;
-  urdf->bodies[index] = km_robot_body(robot, link, urdf->assembly, name, &mass, read_shapes(robot, link, name));
+  const km_xml *definition = definition_of(robot, link);
+  const char *mesh = definition ? km_robot_mesh(robot, mesh_of(definition)) : NULL;
+  urdf->bodies[index] = km_robot_body(robot, link, urdf->assembly, name, &mass, mesh);
+  read_shapes(robot, root, link, name, urdf->bodies[index]);
 }
 
 /* The element that is no URDF but a macro of it; NULL: none. */
@@ -147,7 +195,7 @@ void km_urdf_read(km_robot *robot, km_xml *root) {
   urdf.list = KM_ARENA_NEW(&robot->arena, km_urdf_joint, joints);
   if (!robot->arena.failed) {
     for (const km_xml *e = km_xml_child(root, "link"); e; e = km_xml_next(e))
-      read_link(&urdf, e);
+      read_link(&urdf, root, e);
     km_urdf_read_joints(&urdf, root);
     tie_root(&urdf, root);
     count_others(robot, root);

@@ -89,6 +89,28 @@ typedef struct km_body_def {
 } km_body_def;
 KM_API km_body_def km_body_default(void);
 
+typedef enum km_shape_kind {
+  KM_SHAPE_OF_MESH,
+  KM_SHAPE_BOX,      /* size: x, y, z */
+  KM_SHAPE_SPHERE,   /* radius */
+  KM_SHAPE_CYLINDER, /* radius, length along z */
+  KM_SHAPE_CAPSULE,  /* radius, length along z without the caps */
+  KM_SHAPE_KINDS
+} km_shape_kind;
+
+/* A part of what a body looks like, about its own origin. It is weighed where it has a density; the body's stated mass
+ * doesn't count then. */
+typedef struct km_shape_def {
+  km_shape_kind kind;
+  const char *mesh;  /* file; of a mesh */
+  double scale[3];   /* of a mesh: the model's lengths per unit of its file; 1 by default */
+  double size[3];    /* length */
+  double T[3], R[9]; /* in the body's frame; R by rows */
+  double density;    /* < 0 (default): not weighed */
+  double color[4];   /* red, green, blue, opacity, 0 to 1; opacity < 0 (default): none is stated */
+} km_shape_def;
+KM_API km_shape_def km_shape_default(void); /* a sphere */
+
 /* A motion over time that a simulation prescribes. Angles in the model's unit. */
 typedef enum km_motion_law { KM_MOTION_FREE, KM_MOTION_TABLE, KM_MOTION_POLYNOMIAL, KM_MOTION_SINE } km_motion_law;
 
@@ -199,6 +221,7 @@ KM_API km_status km_model_add_assembly(km_builder *builder, const char *name, km
 KM_API km_status km_model_add_body(km_builder *builder, const km_body_def *def, km_body_id *out, km_error *error);
 KM_API km_status km_model_add_frame(km_builder *builder, km_body_id body, const km_frame_def *def, km_frame_id *out,
                                     km_error *error);
+KM_API km_status km_model_add_shape(km_builder *builder, km_body_id body, const km_shape_def *def, km_error *error);
 KM_API km_status km_model_add_joint(km_builder *builder, const km_joint_def *def, km_joint_id *out, km_error *error);
 KM_API km_status km_model_add_coupling(km_builder *builder, const km_coupling_def *def, km_error *error);
 KM_API km_status km_model_add_force(km_builder *builder, const km_force_def *def, km_error *error);
