@@ -46,6 +46,32 @@ static void test_same_pose(void **unused) {
   compare("fourbar", &crank, 1);
 }
 
+/* The three components of a ball are turned together, alone and in a loop, and end at their values to the last digit. */
+static void test_balls_turn_together(void **unused) {
+  (void)unused;
+  static const char *const texts[2] = {
+      "{\"assemblies\": [{\"name\": \"a\", \"bodies\": [{\"name\": \"b\"}], \"joints\": [{\"name\": \"S\", "
+      "\"type\": \"spherical\", \"body_frame_pairs\": [\"fixed\", \"b\"]}]}]}",
+      "{\"assemblies\": [{\"name\": \"a\", \"bodies\": [{\"name\": \"b\"}], \"joints\": [{\"name\": \"S\", "
+      "\"type\": \"spherical\", \"body_frame_pairs\": [\"fixed\", \"b\"]}, {\"name\": \"F\", \"type\": "
+      "\"float\", \"body_frame_pairs\": [\"fixed\", \"b\"]}]}]}"};
+  for (int i = 0; i < 2; ++i) {
+    fixture f = fixture_read(texts[i]);
+    int first = coordinate(&f, "S[0]");
+    const km_hold sets[3] = {{first, 0.7}, {first + 1, -0.4}, {first + 2, 1.1}};
+    km_error error;
+    if (km_state_reach(f.mechanism, f.state, sets, 3, &error))
+      fail_msg("%s", error.text);
+    for (int k = 0; k < 3; ++k)
+      assert_near(km_state_coordinate(f.state, first + k), sets[k].value, 1e-12);
+    if (i) /* the other joint of the same two bodies turns as far */
+      for (int k = 0; k < 3; ++k)
+        assert_near(km_state_coordinate(f.state, coordinate(&f, "F[3]") + k), sets[k].value, 1e-12);
+    assert_int_equal(km_state_reach(f.mechanism, f.state, sets, 2, &error), KM_USAGE);
+    fixture_close(&f);
+  }
+}
+
 static void test_refusals_leave_the_state(void **unused) {
   (void)unused;
   fixture f = fixture_open("brake");
@@ -64,6 +90,7 @@ static void test_refusals_leave_the_state(void **unused) {
 int main(void) {
   const struct CMUnitTest tests[] = {
       cmocka_unit_test(test_same_pose),
+      cmocka_unit_test(test_balls_turn_together),
       cmocka_unit_test(test_refusals_leave_the_state),
   };
   return cmocka_run_group_tests(tests, NULL, NULL);
