@@ -20,17 +20,10 @@ void km_sketch_copy(const km_sketch *s, const km_value *value, km_value *parent,
     km_sketch_copy(s, v, twin, v->key);
 }
 
-/* A mesh lies in its body's frame, and nothing in the file could move it. */
+/* A mesh becomes a shape, which has no place for a material. */
 static bool mesh_stays(const km_sketch *s, int body) {
-  const km_pose *X = &s->stand[body];
-  const km_rotation identity = km_rotation_identity();
-  double turn = 0.0;
-  for (int k = 0; k < 3; ++k)
-    turn = fmax(turn, km_vec3_norm(km_vec3_sub(X->R.axis[k], identity.axis[k])));
-  bool shaped = s->model->bodies[body].mesh != NULL;
-  for (int k = 0; k < s->model->shape_count && !shaped; ++k)
-    shaped = s->model->shapes[k].body == body;
-  return !shaped || (turn < 1e-12 && km_vec3_norm(X->p) <= s->grain);
+  const km_value *object = s->model->origin->bodies[body], *definition = km_value_get(object, "definition");
+  return !definition || definition->count < 2 || km_sketch_stays(s, body);
 }
 
 static const char *left_out_body(const km_value *assembly) {
@@ -54,8 +47,8 @@ static bool can_draw(const km_sketch *s, int assembly, const km_value *object, k
   for (int b = 1; b < s->model->body_count; ++b)
     if (s->model->bodies[b].assembly == assembly && !mesh_stays(s, b)) {
       km_messages_add(notes, KM_NOTE,
-                      "assembly \"%.80s\" keeps its frames: the mesh of its body \"%.80s\" would have to be "
-                      "moved with it",
+                      "assembly \"%.80s\" keeps its frames: the mesh of its body \"%.80s\" has a material and "
+                      "would have to be moved",
                       name, s->model->bodies[b].name);
       return false;
     }

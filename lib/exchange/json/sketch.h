@@ -18,6 +18,8 @@ typedef struct km_sketch {
 
 /* Is the body in a drawing? The inertial frame is. */
 bool km_sketch_has_body(const km_sketch *sketch, int body);
+/* Is the body's own frame the inertial one, so that nothing of it moves? */
+bool km_sketch_stays(const km_sketch *sketch, int body);
 /* The parent frame of a joint in the inertial frame. */
 km_pose km_sketch_joint_pose(const km_sketch *sketch, int joint);
 /* Can a point and an axis tell the joint? */

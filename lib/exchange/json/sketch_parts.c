@@ -44,21 +44,26 @@ static void write_point(const km_sketch *s, km_value *parent, const char *key, k
   km_value_numbers(s->arena, parent, key, x, x[2] == 0.0 ? 2 : 3);
 }
 
-static void write_frame(const km_sketch *s, const km_value *object, const char *name, const km_pose *pose,
-                        km_value *frames) {
+/* `R`, unless it is none. */
+static void write_rotation(const km_sketch *s, km_value *parent, const km_rotation *rotation) {
   double rows[9];
   bool turned = false;
-  km_value *out = km_value_add(s->arena, frames, NULL, KM_OBJECT);
-  km_rotation_rows(&pose->R, rows);
+  km_rotation_rows(rotation, rows);
   for (int i = 0; i < 9; ++i) {
     rows[i] = rounded(rows[i], unit_grain);
     turned = turned || rows[i] != (i % 4 == 0);
   }
-  km_value_string(s->arena, out, "name", name);
-  write_point(s, out, "T", pose->p, s->grain);
-  km_value *R = turned ? km_value_add(s->arena, out, "R", KM_LIST) : NULL;
+  km_value *R = turned ? km_value_add(s->arena, parent, "R", KM_LIST) : NULL;
   for (int i = 0; i < 3 && turned; ++i)
     km_value_numbers(s->arena, R, NULL, &rows[3 * i], 3);
+}
+
+static void write_frame(const km_sketch *s, const km_value *object, const char *name, const km_pose *pose,
+                        km_value *frames) {
+  km_value *out = km_value_add(s->arena, frames, NULL, KM_OBJECT);
+  km_value_string(s->arena, out, "name", name);
+  write_point(s, out, "T", pose->p, s->grain);
+  write_rotation(s, out, &pose->R);
   for (const km_value *v = object ? object->first : NULL; v; v = v->next)
     if (strcmp(v->key, "name") != 0 && strcmp(v->key, "T") != 0 && strcmp(v->key, "R") != 0)
       km_sketch_copy(s, v, out, v->key);
@@ -125,6 +130,60 @@ static void write_inertia(const km_sketch *s, int body, km_value *parent) {
       km_value_number(s->arena, out, keys[k], value[k]);
 }
 
+bool km_sketch_stays(const km_sketch *s, int body) {
+  const km_rotation identity = km_rotation_identity();
+  return same_rotation(&s->stand[body].R, &identity) && km_vec3_norm(s->stand[body].p) <= s->grain;
+}
+
+/* `T` and `R` of a shape, in its body's frame. */
+static km_pose shape_pose(const km_value *shape) {
+  km_pose X = {km_rotation_identity(), km_reader_vector(shape, "T")};
+  const km_value *rows = km_value_get(shape, "R");
+  double m[9];
+  int n = 0;
+  for (const km_value *row = rows ? rows->first : NULL; row; row = row->next)
+    for (const km_value *entry = row->first; entry && n < 9; entry = entry->next)
+      m[n++] = entry->number;
+  for (int k = 0; k < 3 && n == 9; ++k)
+    X.R.axis[k] = (km_vec3){m[k], m[3 + k], m[6 + k]};
+  return X;
+}
+
+/* A shape of a body, or the mesh of its definition, where the inertial frame sees it. */
+static void write_shape(const km_sketch *s, int body, const km_value *shape, km_value *list) {
+  km_value *out = km_value_add(s->arena, list, NULL, KM_OBJECT);
+  km_pose own = shape_pose(shape), X = km_pose_product(&s->stand[body], &own);
+  for (const km_value *v = shape->first; v; v = v->next)
+    if (strcmp(v->key, "T") != 0 && strcmp(v->key, "R") != 0)
+      km_sketch_copy(s, v, out, v->key);
+  write_point(s, out, "T", X.p, s->grain);
+  write_rotation(s, out, &X.R);
+}
+
+static void write_shapes(const km_sketch *s, int body, const km_value *object, km_value *parent) {
+  const km_value *shapes = km_value_get(object, "shapes"), *density = km_value_get(object, "density");
+  const char *mesh = km_sketch_stays(s, body) ? NULL : s->model->bodies[body].mesh;
+  if (!shapes && !mesh)
+    return;
+  km_value *list = km_value_add(s->arena, parent, "shapes", KM_LIST);
+  if (mesh) {
+    km_value *shape = km_value_add(s->arena, NULL, NULL, KM_OBJECT);
+    km_value_string(s->arena, shape, "mesh", mesh);
+    if (shape && density)
+      km_value_number(s->arena, shape, "density", density->number);
+    if (shape)
+      write_shape(s, body, shape, list);
+  }
+  for (const km_value *v = shapes ? shapes->first : NULL; v && list; v = v->next)
+    write_shape(s, body, v, list);
+}
+
+/* A mesh that moves becomes a shape, with its density. */
+static bool is_shape_now(const km_sketch *s, int body, const char *key) {
+  bool moved = s->model->bodies[body].mesh && !km_sketch_stays(s, body);
+  return strcmp(key, "shapes") == 0 || (moved && (strcmp(key, "definition") == 0 || strcmp(key, "density") == 0));
+}
+
 /* What a file doesn't state is the origin of the body's own frame. */
 static void write_center(const km_sketch *s, int body, km_value *parent) {
   write_point(s, parent, "center_of_mass", km_pose_point(&s->stand[body], s->model->bodies[body].center_of_mass),
@@ -139,11 +198,12 @@ void km_sketch_body(const km_sketch *s, int body, const km_value *object, km_val
       write_center(s, body, twin);
     else if (strcmp(v->key, "moment_of_inertia") == 0)
       write_inertia(s, body, twin);
-    else if (strcmp(v->key, "frames") != 0)
+    else if (strcmp(v->key, "frames") != 0 && !is_shape_now(s, body, v->key))
       km_sketch_copy(s, v, twin, v->key);
     if (strcmp(v->key, "mass") == 0 && v->number != 0.0 && !stated)
       write_center(s, body, twin);
   }
+  write_shapes(s, body, object, twin);
   write_frames(s, body, km_value_get(object, "frames"), twin);
   if (twin && twin->first) /* the inertial frame may have lost all that it had */
     km_sketch_copy(s, twin, parent, key);
