@@ -218,6 +218,13 @@ km_status km_question_prepare(km_question *q, km_error *error) {
   return status;
 }
 
+void km_question_refresh(km_question *q) {
+  if (!q)
+    return;
+  forget(q);
+  unprepare(q);
+}
+
 const km_messages *km_question_notes(const km_question *q) {
   return q ? q->notes : NULL;
 }

@@ -4,22 +4,23 @@
 
 #include <math.h>
 
+/* Two columns of a table, row by row. */
 typedef struct series {
-  const km_table *table;
-  size_t s, column;
+  const double *first; /* row; the others are `width` numbers apart */
+  size_t rows, width, s, column;
 } series;
 
 static double s_of(const series *f, size_t row) {
-  return km_table_row(f->table, row)[f->s];
+  return f->first[row * f->width + f->s];
 }
 
 static double value_of(const series *f, size_t row) {
-  return km_table_row(f->table, row)[f->column];
+  return f->first[row * f->width + f->column];
 }
 
 /* The row of the smallest value, of the largest with sign -1; the number of rows where none has a value. */
 static size_t extreme(const series *f, double sign) {
-  size_t rows = km_table_rows(f->table), best = rows;
+  size_t rows = f->rows, best = rows;
   for (size_t r = 0; r < rows; ++r) {
     bool counts = !isnan(value_of(f, r));
     if (counts && (best == rows || sign * value_of(f, r) < sign * value_of(f, best)))
@@ -30,9 +31,9 @@ static size_t extreme(const series *f, double sign) {
 
 /* Over the rows that have a value. */
 static double mean(const series *f) {
-  size_t last = km_table_rows(f->table);
+  size_t last = f->rows;
   double area = 0.0, width = 0.0;
-  for (size_t r = 0; r < km_table_rows(f->table); ++r) {
+  for (size_t r = 0; r < f->rows; ++r) {
     if (isnan(value_of(f, r)))
       continue;
     if (last < r) {
@@ -43,12 +44,12 @@ static double mean(const series *f) {
   }
   if (width != 0.0)
     return area / width;
-  return last < km_table_rows(f->table) ? value_of(f, last) : nan("");
+  return last < f->rows ? value_of(f, last) : nan("");
 }
 
 /* On the line through the rows around `at`. */
 static double value_at(const series *f, double at) {
-  for (size_t r = 0; r < km_table_rows(f->table); ++r) {
+  for (size_t r = 0; r < f->rows; ++r) {
     double s = s_of(f, r);
     if (s == at)
       return value_of(f, r);
@@ -68,8 +69,11 @@ km_status km_table_figure(const km_table *table, const char *column, km_figure f
   int index = km_table_find(table, column), s = km_table_find(table, "s");
   if (index < 0 || s < 0)
     return km_fail(error, KM_USAGE, "there is no column \"%s\"", index < 0 ? column : "s");
-  series f = {table, (size_t)s, (size_t)index};
-  size_t rows = km_table_rows(table), low = extreme(&f, 1.0), high = extreme(&f, -1.0);
+  size_t rows = km_table_rows(table);
+  series f = {km_table_row(table, 0), rows, km_table_columns(table), (size_t)s, (size_t)index};
+  bool wants_low = figure == KM_FIGURE_MIN || figure == KM_FIGURE_SPAN;
+  bool wants_high = figure == KM_FIGURE_MAX || figure == KM_FIGURE_SPAN;
+  size_t low = wants_low ? extreme(&f, 1.0) : rows, high = wants_high ? extreme(&f, -1.0) : rows;
   size_t row = figure == KM_FIGURE_MIN ? low : figure == KM_FIGURE_MAX ? high : rows;
   *value = nan("");
   if (row < rows)

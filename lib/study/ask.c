@@ -32,6 +32,16 @@ km_status km_design_look_up(const km_design_study *s, int question, const double
   return km_store_get(s->store, &shape, values, out, found, error);
 }
 
+km_status km_design_put(const km_design_study *s, int question, const double *values, const km_design_answer *answer,
+                        km_error *error) {
+  km_store_shape shape = shape_of(s, question);
+  return km_store_put(s->store, &shape, values, answer, error);
+}
+
+int km_design_band_numbers(const km_design_study *s, int question) {
+  return shape_of(s, question).band_numbers;
+}
+
 void km_design_gather(const km_design_study *s, const km_design_answer *answers, km_design_result *out) {
   *out = (km_design_result){.outcome = KM_DESIGN_DONE};
   for (int f = 0; f < KM_MOST_DESIGN_FIGURES; ++f)
@@ -130,9 +140,8 @@ static km_status store(km_batch *b, int i, km_error *error) {
   const km_design_study_def *def = b->study->def;
   km_status status = KM_OK;
   for (int q = 0; q < def->question_count && !status; ++q) {
-    km_store_shape shape = shape_of(b->study, q);
     if (b->wanted[i * def->question_count + q])
-      status = km_store_put(b->study->store, &shape, b->values + i * def->parameter_count, &b->answers[i][q], error);
+      status = km_design_put(b->study, q, b->values + i * def->parameter_count, &b->answers[i][q], error);
   }
   return status;
 }

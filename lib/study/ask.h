@@ -35,6 +35,11 @@ void km_batch_result(const km_batch *batch, int index, km_design_result *out);
 /* The same of any answers [questions]. */
 void km_design_gather(const km_design_study *study, const km_design_answer *answers, km_design_result *out);
 
+/* Puts an answer into the store, whoever gave it. */
+km_status km_design_put(const km_design_study *study, int question, const double *values,
+                        const km_design_answer *answer, km_error *error);
+/* How many numbers a question's bands have. */
+int km_design_band_numbers(const km_design_study *study, int question);
 /* What the store has of a question; the caller's answer has room. */
 km_status km_design_look_up(const km_design_study *study, int question, const double *values, km_design_answer *out,
                             bool *found, km_error *error);

@@ -1,6 +1,8 @@
-/* Runs a study's designs in their order, batch by batch, and stops a sample whose mean is known well enough. */
+/* Runs a study's designs in their order, batch by batch, with or without a crew, and stops a sample whose mean is known
+ * well enough. */
 #include "base/check.h"
 #include "study/ask.h"
+#include "study/crew.h"
 #include "study/optimise.h"
 
 #include <math.h>
@@ -28,9 +30,12 @@ typedef struct run {
   km_batch batch;
   int total, next, size; /* designs: in all, the first of the next batch, how many that takes */
   int figure;            /* whose accuracy stops the run, -1: none */
-  int check;             /* after how many designs it is looked at next */
   moments moments;
   bool compute;
+  km_crew *crew; /* NULL: none */
+  km_progress progress;
+  void *context;
+  double committed; /* when the store was last safe */
 } run;
 
 static double now(void) {
@@ -52,22 +57,22 @@ static bool is_accurate(const run *r) {
   return n > 1.0 && 1.96 * sqrt(r->moments.squares / (n - 1.0) / n) <= r->study->def->sample->accuracy;
 }
 
-static void take_figures(run *r) {
-  km_design_result result;
-  for (int i = 0; i < r->batch.count && r->figure >= 0; ++i) {
-    km_batch_result(&r->batch, i, &result);
-    if (isfinite(result.figures[r->figure]))
+static km_status take_figures(run *r, int begin, int end, km_error *error) {
+  km_status status = KM_OK;
+  for (int i = begin; i < end && !status; ++i) {
+    km_design_result result;
+    status = km_design_study_result(r->study, i, &result, error);
+    if (!status && isfinite(result.figures[r->figure]))
       add(&r->moments, result.figures[r->figure]);
   }
+  return status;
 }
 
-/* One batch; r->next moves past it. */
-static km_status run_batch(run *r, km_error *error) {
+/* One batch up to `end`; r->next moves past it. */
+static km_status run_batch(run *r, int end, km_error *error) {
   double values[KM_MOST_DESIGN_PARAMETERS];
-  int end = r->next + r->size;
-  end = end < r->total ? end : r->total;
-  end = r->figure >= 0 && r->check < end ? r->check : end;
   km_status status = KM_OK;
+  end = r->next + r->size < end ? r->next + r->size : end;
   km_batch_clear(&r->batch);
   for (int i = r->next; i < end && !status; ++i) {
     km_design_values(r->study, i, values);
@@ -77,8 +82,6 @@ static km_status run_batch(run *r, km_error *error) {
     km_batch_compute(&r->batch);
   if (!status && r->compute)
     status = km_batch_store(&r->batch, error);
-  if (!status)
-    take_figures(r);
   r->next = end;
   return status;
 }
@@ -89,48 +92,69 @@ static void fit_size(run *r, double seconds) {
   r->size = (int)fmax(r->batch.jobs, fmin(r->batch.room, wanted));
 }
 
-static bool has_ended(run *r) {
-  if (r->figure >= 0 && r->next == r->check) {
-    if (is_accurate(r)) {
-      r->study->stopped_at = r->next;
-      return true;
-    }
-    r->check = next_check(r->check);
+/* Between batches: what is there is made safe, and the caller may stop. */
+static km_status breathe(run *r, km_error *error) {
+  km_status status = KM_OK;
+  if (now() - r->committed > batch_seconds) {
+    status = km_store_commit(r->study->store, error);
+    r->committed = now();
   }
-  return r->next >= r->total;
+  if (!status && r->progress && !r->progress(r->context, (double)r->next / r->total))
+    status =
+        km_fail(error, KM_CANCELLED, "stopped after %d of %d designs; what was answered is stored", r->next, r->total);
+  return status;
 }
 
-static km_status go(run *r, km_progress progress, void *context, km_error *error) {
-  double committed = now();
+/* The designs from r->next up to `end`. */
+static km_status run_part(run *r, int end, km_error *error) {
   km_status status = KM_OK;
-  while (!status && !has_ended(r)) {
-    double start = now();
-    status = run_batch(r, error);
-    fit_size(r, now() - start);
-    if (!status && now() - committed > batch_seconds) {
-      status = km_store_commit(r->study->store, error);
-      committed = now();
+  while (!status && r->next < end) {
+    double begin = now();
+    if (r->crew)
+      status = km_crew_give(r->crew, &r->next, end, error);
+    if (!status && r->next < end)
+      status = run_batch(r, end, error);
+    if (!status && r->crew)
+      status = km_crew_take(r->crew, false, error);
+    fit_size(r, now() - begin);
+    if (!status)
+      status = breathe(r, error);
+  }
+  km_status taken = r->crew ? km_crew_take(r->crew, true, status ? NULL : error) : KM_OK;
+  return status ? status : taken;
+}
+
+static km_status go(run *r, km_error *error) {
+  km_status status = KM_OK;
+  int end = r->figure >= 0 && FIRST_CHECK < r->total ? FIRST_CHECK : r->total;
+  r->committed = now();
+  for (int begin = 0; !status && begin < r->total; begin = r->next) {
+    status = run_part(r, end, error);
+    if (!status && r->figure >= 0)
+      status = take_figures(r, begin, end, error);
+    if (!status && r->figure >= 0 && end < r->total && is_accurate(r)) {
+      r->study->stopped_at = end;
+      break;
     }
-    if (!status && progress && !progress(context, (double)r->next / r->total))
-      status = km_fail(error, KM_CANCELLED, "stopped after %d of %d designs; what was answered is stored", r->next,
-                       r->total);
+    end = r->figure >= 0 && next_check(end) < r->total ? next_check(end) : r->total;
   }
   km_status stored = km_store_commit(r->study->store, status ? NULL : error);
   return status ? status : stored;
 }
 
-static km_status run_designs(km_design_study *s, int jobs, bool compute, km_progress progress, void *context,
-                             km_error *error) {
-  run r = {.study = s, .total = km_designs_planned(s), .figure = -1, .check = FIRST_CHECK, .compute = compute};
+static km_status run_designs(run *r, int jobs, km_error *error) {
+  km_design_study *s = r->study;
+  r->total = km_designs_planned(s);
+  r->figure = -1;
   if (s->def->sample && s->def->sample->accuracy_figure)
-    r.figure = km_design_find_figure(s->def, s->def->sample->accuracy_figure);
+    r->figure = km_design_find_figure(s->def, s->def->sample->accuracy_figure);
   s->stopped_at = 0;
   int room = jobs * LEAST_ROOM < MOST_ROOM ? jobs * LEAST_ROOM : MOST_ROOM; /* at least one a thread */
-  km_status status = km_batch_open(&r.batch, s, compute ? jobs : 0, room, error);
-  r.size = compute ? jobs : room;
+  km_status status = km_batch_open(&r->batch, s, r->compute ? jobs : 0, room, error);
+  r->size = r->compute ? jobs : room;
   if (!status)
-    status = go(&r, progress, context, error);
-  km_batch_close(&r.batch);
+    status = go(r, error);
+  km_batch_close(&r->batch);
   return status;
 }
 
@@ -143,15 +167,41 @@ static km_status start(km_design_study *s, km_error *error) {
   return KM_OK;
 }
 
+static km_status check_jobs(int jobs, km_error *error) {
+  return jobs >= 1 && jobs <= MOST_JOBS
+             ? KM_OK
+             : km_fail(error, KM_USAGE, "found %d threads; expected 1 to %d", jobs, MOST_JOBS);
+}
+
 km_status km_design_study_run(km_design_study *s, int jobs, km_progress progress, void *context, km_error *error) {
   km_status status = start(s, error);
-  if (!status && (jobs < 1 || jobs > MOST_JOBS))
-    status = km_fail(error, KM_USAGE, "found %d threads; expected 1 to %d", jobs, MOST_JOBS);
+  if (!status)
+    status = check_jobs(jobs, error);
   if (status)
     return status;
   if (s->def->optimise)
     return km_optimise_run(s, jobs, true, progress, context, error);
-  return run_designs(s, jobs, true, progress, context, error);
+  run r = {.study = s, .compute = true, .progress = progress, .context = context};
+  return run_designs(&r, jobs, error);
+}
+
+km_status km_design_study_lead(km_design_study *s, int jobs, const km_design_crew *members, km_progress progress,
+                               void *context, km_error *error) {
+  km_status status = km_crew_check(members, error);
+  if (!status && s && s->def->optimise)
+    return km_design_study_run(s, jobs, progress, context, error);
+  if (!status)
+    status = start(s, error);
+  if (!status)
+    status = check_jobs(jobs, error);
+  if (status)
+    return status;
+  run r = {.study = s, .compute = true, .progress = progress, .context = context};
+  status = km_crew_open(s, members, &r.crew, error);
+  if (!status)
+    status = run_designs(&r, jobs, error);
+  km_crew_close(r.crew);
+  return status;
 }
 
 km_status km_design_study_recall(km_design_study *s, km_error *error) {
@@ -160,7 +210,8 @@ km_status km_design_study_recall(km_design_study *s, km_error *error) {
     return status;
   if (s->def->optimise)
     return km_optimise_run(s, 1, false, NULL, NULL, error);
-  return s->def->sample && s->def->sample->accuracy_figure ? run_designs(s, 1, false, NULL, NULL, error) : KM_OK;
+  run r = {.study = s};
+  return s->def->sample && s->def->sample->accuracy_figure ? run_designs(&r, 1, error) : KM_OK;
 }
 
 int km_design_study_computed(const km_design_study *s) {

@@ -14,6 +14,7 @@ struct km_design_worker {
   double *own; /* [numbers] of the file */
   km_mechanism *mechanism;
   km_state *state;
+  km_question *questions[KM_MOST_DESIGN_QUESTIONS]; /* about the mechanism, as far as they were asked */
 };
 
 static km_status no_memory(km_error *error) {
@@ -23,6 +24,8 @@ static km_status no_memory(km_error *error) {
 void km_design_worker_free(km_design_worker *w) {
   if (!w)
     return;
+  for (int q = 0; q < KM_MOST_DESIGN_QUESTIONS; ++q)
+    km_question_free(w->questions[q]);
   km_state_free(w->state);
   km_mechanism_free(w->mechanism);
   km_model_numbers_free(&w->numbers);
@@ -119,37 +122,50 @@ static void tell_end(const km_model *model, const km_question *q, km_design_answ
     snprintf(a->reason, sizeof a->reason, "a part of the answer is missing");
 }
 
-static km_status ask(const km_design_worker *w, int index, const km_mechanism *m, const km_model *model,
-                     km_state *state, km_design_answer *a, km_error *error) {
+static km_status make_question(const km_design_question *def, const km_mechanism *m, const km_model *model,
+                               km_question **out, km_error *error) {
+  km_status status = km_question_create(m, def->kind, out, error);
+  if (!status)
+    status = km_design_set_options(def, model, *out, error);
+  if (status) {
+    km_question_free(*out);
+    *out = NULL;
+  }
+  return status;
+}
+
+static void take_answer(const km_design_worker *w, int index, const km_model *model, const km_question *q,
+                        km_status status, km_design_answer *a) {
   const km_design_question *def = &w->study->def->questions[index];
-  km_question *q = NULL;
+  a->outcome = status == KM_OK ? KM_DESIGN_DONE : KM_DESIGN_SHORT;
+  a->reason[0] = '\0';
+  km_design_take_figures(def, q, a->figures);
+  if (a->bands)
+    km_design_take_bands(def, q, w->study->band_rows[index], a->bands);
+  if (status == KM_PARTIAL)
+    tell_end(model, q, a);
+}
+
+/* `*q`: the question about the mechanism; made where it is NULL, and kept. */
+static km_status ask(const km_design_worker *w, int index, const km_mechanism *m, const km_model *model,
+                     km_state *state, km_question **q, km_design_answer *a, km_error *error) {
+  const km_design_question *def = &w->study->def->questions[index];
   km_error found = {.text = ""};
-  km_status status = km_question_create(m, def->kind, &q, &found);
+  km_question_refresh(*q);
+  km_status status = *q ? KM_OK : make_question(def, m, model, q, &found);
   if (!status)
-    status = km_design_set_options(def, model, q, &found);
-  if (!status)
-    status = km_question_ask(q, state, &found);
-  if (status == KM_OK || status == KM_PARTIAL) {
-    a->outcome = status == KM_OK ? KM_DESIGN_DONE : KM_DESIGN_SHORT;
-    a->reason[0] = '\0';
-    km_design_take_figures(def, q, a->figures);
-    if (a->bands)
-      km_design_take_bands(def, q, w->study->band_rows[index], a->bands);
-    if (status == KM_PARTIAL)
-      tell_end(model, q, a);
-    status = KM_OK;
-  } else if (status == KM_MEMORY) {
-    no_memory(error);
-  } else {
+    status = km_question_ask(*q, state, &found);
+  if (status == KM_MEMORY)
+    return no_memory(error);
+  if (status == KM_OK || status == KM_PARTIAL)
+    take_answer(w, index, model, *q, status, a);
+  else
     fail_answer(a, def,
                 status == KM_NO_RESULT  ? KM_DESIGN_EMPTY
                 : status == KM_DIVERGED ? KM_DESIGN_GAVE_OUT
                                         : KM_DESIGN_UNASSEMBLED,
                 found.text);
-    status = KM_OK;
-  }
-  km_question_free(q);
-  return status;
+  return KM_OK;
 }
 
 static bool goes_on_the_spot(const km_design_worker *w, int question) {
@@ -168,7 +184,7 @@ static km_status answer_patched(km_design_worker *w, int question, km_design_ans
     fail_answer(a, &w->study->def->questions[question], KM_DESIGN_UNASSEMBLED, found.text);
     return KM_OK;
   }
-  return ask(w, question, w->mechanism, w->model, w->state, a, error);
+  return ask(w, question, w->mechanism, w->model, w->state, &w->questions[question], a, error);
 }
 
 /* A mechanism of its own, at the pose that holds and sets ask for. */
@@ -176,6 +192,7 @@ static km_status answer_brought(const km_design_worker *w, const km_model *model
                                 km_error *error) {
   km_mechanism *m = NULL;
   km_state *state = NULL;
+  km_question *asked = NULL;
   km_error found;
   const km_design_question *q = &w->study->def->questions[question];
   km_status status = km_design_bring(model, q, &m, &state, &found);
@@ -184,9 +201,10 @@ static km_status answer_brought(const km_design_worker *w, const km_model *model
   else if (status)
     fail_answer(a, q, status == KM_DIVERGED ? KM_DESIGN_GAVE_OUT : KM_DESIGN_UNASSEMBLED, found.text);
   if (!status)
-    status = ask(w, question, m, model, state, a, error);
+    status = ask(w, question, m, model, state, &asked, a, error);
   else if (status != KM_MEMORY)
     status = KM_OK;
+  km_question_free(asked);
   km_state_free(state);
   km_mechanism_free(m);
   return status;

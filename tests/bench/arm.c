@@ -262,9 +262,10 @@ static void agree_abreast(walker *w) {
 
 static void bench_nodes(void) {
   bench_machine machine = bench_machine_load("iiwa14");
+  km_study_def def = km_study_def_default();
   km_study *study;
-  if (km_study_read(study_text, strlen(study_text), "", NULL, &study, NULL) ||
-      km_study_bind(study, machine.mechanism, machine.state, 1, NULL, NULL))
+  if (km_study_read(study_text, strlen(study_text), "", NULL, &def, NULL) ||
+      km_study_bind(machine.mechanism, machine.state, &def, 1, NULL, &study, NULL))
     bench_fail(name, "no study");
   walker one = walker_of(study, 1), two = walker_of(study, 2);
   agree_abreast(&one);
@@ -284,6 +285,7 @@ static void bench_nodes(void) {
   walker_free(&one);
   walker_free(&two);
   km_study_free(study);
+  km_study_def_free(&def);
   bench_machine_free(&machine);
 }
 

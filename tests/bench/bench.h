@@ -41,5 +41,6 @@ void bench_command(void);
 void bench_scale(void);
 void bench_forces(void);
 void bench_arm(void);
+void bench_study(void);
 
 #endif

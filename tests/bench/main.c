@@ -10,7 +10,8 @@ static const struct {
   const char *name;
   void (*run)(void);
 } benches[] = {{"partition", bench_partition}, {"sweep", bench_sweep},   {"command", bench_command},
-               {"scale", bench_scale},         {"forces", bench_forces}, {"arm", bench_arm}};
+               {"scale", bench_scale},         {"forces", bench_forces}, {"arm", bench_arm},
+               {"study", bench_study}};
 
 /* The BLAS reads its number of threads when it is loaded: start again with that set. */
 static void pin_blas(char **argv) {
@@ -33,6 +34,7 @@ int main(int argc, char **argv) {
     ++found;
   }
   if (!found)
-    fprintf(stderr, "kmech_bench: no bench \"%s\"; there are partition, sweep, command, scale, forces, arm\n", wanted);
+    fprintf(stderr, "kmech_bench: no bench \"%s\"; there are partition, sweep, command, scale, forces, arm, study\n",
+            wanted);
   return found ? EXIT_SUCCESS : EXIT_FAILURE;
 }

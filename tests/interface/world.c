@@ -92,6 +92,17 @@ static km_status parabola(void *context, const double *values, double *figures, 
   return KM_OK;
 }
 
+/* A crew of nobody. */
+static bool send_nothing(void *context, int member, const void *bytes, size_t size) {
+  (void)context, (void)member, (void)bytes, (void)size;
+  return false;
+}
+
+static int receive_nothing(void *context, bool wait, const void **bytes, size_t *size) {
+  (void)context, (void)wait, (void)bytes, (void)size;
+  return -1;
+}
+
 /* A study of a function, whose store is in memory. */
 static void open_designs(world *w) {
   static const km_design_parameter parameter = {"x", "x"};
@@ -99,6 +110,7 @@ static void open_designs(world *w) {
   static const km_design_variant variants[2] = {{"one", &values[0]}, {"two", &values[1]}};
   static const char *const bands[1] = {"none"};
   static km_design_question question = {.name = "parabola", .figure_count = 1, .bands = bands};
+  w->crew = (km_design_crew){.send = send_nothing, .receive = receive_nothing};
   w->figure = km_design_figure_default();
   w->figure.name = "y";
   question.figures = &w->figure;

@@ -31,6 +31,7 @@ typedef struct world {
   km_design_figure figure;
   km_design_result result;
   km_asked_design asked;
+  km_design_crew crew;
   km_option_value value;
   km_builder *builder;
   km_assignment assignment;

@@ -35,8 +35,12 @@ void kstudy_close(kstudy_open *open);
 
 /* Pictures of what the study came to, in the formats of the list. */
 kt_exit kstudy_plot(const kstudy_request *request, kstudy_open *open, const kt_formats *formats);
+/* BASE.study-report.html. */
+kt_exit kstudy_report(const kstudy_request *request, kstudy_open *open);
 /* The tables and statistics, on the standard output. */
 kt_exit kstudy_print(const kstudy_request *request, kstudy_open *open);
+/* A figure's name as a part of a file's name. */
+void kstudy_word(const char *figure, char *out, size_t size);
 /* The models of the best design, or of the worst cases of a sample, as files. */
 kt_exit kstudy_write_models(const kstudy_request *request, kstudy_open *open);
 

@@ -42,8 +42,7 @@ static kt_exit write_design(const kstudy_request *r, const kstudy_open *o, int d
   return result;
 }
 
-/* The name of a figure in a file's name. */
-static void word_of(const char *figure, char *out, size_t size) {
+void kstudy_word(const char *figure, char *out, size_t size) {
   size_t used = 0;
   for (const char *c = figure; *c && used + 1 < size; ++c)
     out[used++] = strchr(" /:\\", *c) ? '_' : *c;
@@ -59,7 +58,7 @@ static kt_exit write_worst(const kstudy_request *r, kstudy_open *o) {
     char word[128], name[112];
     if (!figure->better || km_design_study_statistics(o->study, f, &st, NULL) || st.count == 0)
       continue;
-    word_of(figure->name, name, sizeof name);
+    kstudy_word(figure->name, name, sizeof name);
     snprintf(word, sizeof word, "worst-%s", name);
     result = write_design(r, o, figure->better > 0 ? st.least_design : st.greatest_design, word);
   }

@@ -1,7 +1,9 @@
 /* Pictures of a study: one overlay a question of variants, or of the start and the best design. */
 #include "kstudy/kstudy.h"
 
+#include "report/plot/designs_plot.h"
 #include "report/plot/question_plot.h"
+#include "report/plot/table_plot.h"
 #include "report/record/designs_text.h"
 
 #include <stdio.h>
@@ -66,6 +68,31 @@ static kt_exit draw(const kstudy_request *r, const kstudy_open *o, const overlay
   return result;
 }
 
+/* The paths of the first point that the question traces, over each other; nothing where it traces none. */
+static kt_exit draw_paths(const kstudy_request *r, const kstudy_open *o, const overlay *v, int question,
+                          kt_format format) {
+  km_plotted_table tables[MOST_OVERLAID];
+  size_t y[MOST_OVERLAID];
+  char name[256];
+  for (int i = 0; i < v->count; ++i) {
+    const km_table *table = km_question_table(v->asked[i].question);
+    km_span points = km_table_span(table, "point.");
+    if (points.count < 3)
+      return KT_DONE;
+    y[i] = points.first + 1;
+    tables[i] = (km_plotted_table){table, v->answers[i].name, points.first, &y[i]};
+  }
+  km_text out = {0};
+  km_error error;
+  km_status status = km_table_plot(tables, (size_t)v->count, 1, kt_canvas_format(format), &out, &error);
+  if (status)
+    kt_say(&r->common, KM_ERROR, "%s: %s", o->name, error.text);
+  snprintf(name, sizeof name, "%.200s-paths", o->def.questions[question].name);
+  kt_exit result = status ? kt_exit_of(status) : kt_write(&r->common, o->base, name, kt_format_word(format), &out);
+  km_text_free(&out);
+  return result;
+}
+
 static kt_exit plot_question(const kstudy_request *r, const kstudy_open *o, int question, const kt_formats *formats) {
   overlay *v = KM_NEW(overlay, 1);
   kt_exit result = v ? KT_DONE : KT_INTERNAL;
@@ -73,14 +100,97 @@ static kt_exit plot_question(const kstudy_request *r, const kstudy_open *o, int 
     gather(v, o, question);
   for (int f = KT_SVG; f <= KT_PNG && v && v->count > 0; ++f)
     if (formats->wanted[f])
-      result = kt_worse(result, draw(r, o, v, question, (kt_format)f));
+      result = kt_worse(result,
+                        kt_worse(draw(r, o, v, question, (kt_format)f), draw_paths(r, o, v, question, (kt_format)f)));
   if (v)
     overlay_free(v);
   return result;
 }
 
+/* The study's name in pictures, which hold no path. */
+static const char *name_of(const kstudy_open *o) {
+  const char *slash = strrchr(o->base, '/');
+  return slash ? slash + 1 : o->base;
+}
+
+/* One picture of the study itself; what has nothing to show is left out. */
+typedef km_status (*draw_figure)(const km_designs_picture *picture, int figure, km_text *out, km_error *error);
+typedef km_status (*draw_whole)(const km_designs_picture *picture, km_text *out, km_error *error);
+
+static kt_exit write_picture(const kstudy_request *r, const kstudy_open *o, km_status status, const km_error *error,
+                             const char *subject, const char *word, kt_format format, km_text *out) {
+  char name[256];
+  if (status == KM_NO_RESULT)
+    return KT_DONE;
+  if (status) {
+    kt_say(&r->common, KM_ERROR, "%s: %s", o->name, error->text);
+    return kt_exit_of(status);
+  }
+  kstudy_word(subject, name, 200);
+  snprintf(name + strlen(name), 50, "%s%s", subject[0] ? "-" : "", word);
+  return kt_write(&r->common, o->base, name, kt_format_word(format), out);
+}
+
+static kt_exit draw_figures(const kstudy_request *r, kstudy_open *o, kt_format format, const char *word,
+                            draw_figure draw_it) {
+  const km_designs_picture picture = {o->study, &o->def, name_of(o), kt_canvas_format(format)};
+  kt_exit result = KT_DONE;
+  for (int f = 0; f < km_design_study_figures(o->study); ++f) {
+    km_text out = {0};
+    km_error error;
+    km_status status = draw_it(&picture, f, &out, &error);
+    const char *name = km_design_study_figure(o->study, f)->name;
+    result = kt_worse(result, write_picture(r, o, status, &error, name, word, format, &out));
+    km_text_free(&out);
+  }
+  return result;
+}
+
+static kt_exit draw_study(const kstudy_request *r, kstudy_open *o, kt_format format, const char *word,
+                          draw_whole draw_it) {
+  const km_designs_picture picture = {o->study, &o->def, name_of(o), kt_canvas_format(format)};
+  km_text out = {0};
+  km_error error;
+  km_status status = draw_it(&picture, &out, &error);
+  kt_exit result = write_picture(r, o, status, &error, "", word, format, &out);
+  km_text_free(&out);
+  return result;
+}
+
+static kt_exit draw_bands(const kstudy_request *r, kstudy_open *o, kt_format format) {
+  const km_designs_picture picture = {o->study, &o->def, name_of(o), kt_canvas_format(format)};
+  kt_exit result = KT_DONE;
+  for (int q = 0; q < o->def.question_count; ++q)
+    for (int b = 0; b < o->def.questions[q].band_count; ++b) {
+      km_text out = {0};
+      km_error error;
+      km_status status = km_designs_bands(&picture, q, b, &out, &error);
+      result =
+          kt_worse(result, write_picture(r, o, status, &error, o->def.questions[q].bands[b], "bands", format, &out));
+      km_text_free(&out);
+    }
+  return result;
+}
+
+static kt_exit draw_own(const kstudy_request *r, kstudy_open *o, kt_format format) {
+  kt_exit result = draw_bands(r, o, format);
+  if (o->def.sample) {
+    result = kt_worse(result, draw_figures(r, o, format, "histogram", km_designs_histogram));
+    result = kt_worse(result, draw_figures(r, o, format, "scatter", km_designs_scatter));
+    result = kt_worse(result, draw_figures(r, o, format, "convergence", km_designs_convergence));
+  }
+  if (o->def.optimise && o->def.optimise->goal_count == 2)
+    result = kt_worse(result, draw_study(r, o, format, "front", km_designs_front));
+  else if (o->def.optimise)
+    result = kt_worse(result, draw_study(r, o, format, "progress", km_designs_progress));
+  return result;
+}
+
 kt_exit kstudy_plot(const kstudy_request *r, kstudy_open *o, const kt_formats *formats) {
   kt_exit result = KT_DONE;
+  for (int f = KT_SVG; f <= KT_PNG; ++f)
+    if (formats->wanted[f])
+      result = kt_worse(result, draw_own(r, o, (kt_format)f));
   for (int q = 0; q < o->def.question_count && !o->def.sample; ++q)
     result = kt_worse(result, plot_question(r, o, q, formats));
   return result;

@@ -1,5 +1,6 @@
 /* kstudy run and resume: asks what the store doesn't have, and delivers. */
 #include "kstudy/kstudy.h"
+#include "kstudy/ranks.h"
 
 #include <signal.h>
 #include <stdio.h>
@@ -52,14 +53,15 @@ static void watch_end(const watch *w) {
     fprintf(stderr, "\r%60s\r", "");
 }
 
-static kt_exit ask(const kstudy_request *r, const kstudy_open *o) {
+static kt_exit ask(const kstudy_request *r, const kstudy_open *o, const kstudy_ranks *ranks) {
   watch w = {.common = &r->common, .terminal = isatty(STDERR_FILENO), .start = now()};
   w.last = w.start;
   struct sigaction action = {.sa_handler = interrupt}, before[2];
   sigaction(SIGINT, &action, &before[0]);
   sigaction(SIGTERM, &action, &before[1]);
   km_error error;
-  km_status status = km_design_study_run(o->study, r->common.jobs, show, &w, &error);
+  km_status status = ranks->count > 1 ? km_design_study_lead(o->study, r->common.jobs, &ranks->crew, show, &w, &error)
+                                      : km_design_study_run(o->study, r->common.jobs, show, &w, &error);
   watch_end(&w);
   sigaction(SIGINT, &before[0], NULL);
   sigaction(SIGTERM, &before[1], NULL);
@@ -77,6 +79,7 @@ static kt_exit deliver(const kstudy_request *r, kstudy_open *o, const kt_formats
   if (!r->common.quiet)
     result = kstudy_print(r, o);
   result = kt_worse(result, kstudy_plot(r, o, formats));
+  result = kt_worse(result, kstudy_report(r, o));
   return kt_worse(result, kstudy_write_models(r, o));
 }
 
@@ -90,9 +93,36 @@ static kt_exit judge(kstudy_open *o) {
   return o->def.sample || y.outcomes[KM_DESIGN_DONE] == y.count ? KT_DONE : KT_PARTIAL;
 }
 
+/* The first rank has the store and the files; it tells the others when there is nothing left to do. */
+static kt_exit lead(const kstudy_request *r, bool resume, const kt_formats *formats, const kstudy_ranks *ranks) {
+  kstudy_open o;
+  kt_exit result = kstudy_bring(r, resume, &o);
+  if (result == KT_DONE)
+    result = ask(r, &o, ranks);
+  if (result == KT_DONE)
+    result = kt_worse(deliver(r, &o, formats), judge(&o));
+  kstudy_close(&o);
+  return result;
+}
+
+/* What is wrong with the study is told by the first rank. */
+static kt_exit serve(const kstudy_request *r, const kstudy_ranks *ranks) {
+  kstudy_request quiet = *r;
+  kstudy_open o;
+  km_error error;
+  quiet.store = ":memory:";
+  quiet.common.quiet = true;
+  signal(SIGINT, SIG_IGN); /* mpirun tells all; the first rank stops, and dismisses the others */
+  kt_exit result = kstudy_bring(&quiet, false, &o);
+  km_status status = result == KT_DONE ? km_design_study_serve(o.study, r->common.jobs, &ranks->crew, &error) : KM_OK;
+  if (status)
+    kt_say(&r->common, KM_ERROR, "rank %d: %s", ranks->rank, error.text);
+  kstudy_close(&o);
+  return kt_worse(result, kt_exit_of(status));
+}
+
 static kt_exit run(int argc, char **argv, bool resume, const char *about) {
   kstudy_request r = {.common = KT_COMMON("kstudy")};
-  kstudy_open o;
   kt_formats formats;
   kt_options all = {0};
   const kt_option table[] = {{"format", 0, "LIST", "Pictures as some of svg,pdf,png (default svg)",
@@ -102,12 +132,10 @@ static kt_exit run(int argc, char **argv, bool resume, const char *about) {
   kt_options_read(&all, about, argc, argv);
   if (!kt_formats_parse_among(&r.common, r.format ? r.format : "svg", "svg,pdf,png", &formats))
     return KT_USAGE;
-  kt_exit result = kstudy_bring(&r, resume, &o);
-  if (result == KT_DONE)
-    result = ask(&r, &o);
-  if (result == KT_DONE)
-    result = kt_worse(deliver(&r, &o, &formats), judge(&o));
-  kstudy_close(&o);
+  kstudy_ranks ranks;
+  kstudy_ranks_join(&ranks);
+  kt_exit result = ranks.rank == 0 ? lead(&r, resume, &formats, &ranks) : serve(&r, &ranks);
+  kstudy_ranks_leave(&ranks);
   return result;
 }
 

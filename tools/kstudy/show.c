@@ -2,6 +2,7 @@
 #include "kstudy/kstudy.h"
 
 #include "exchange/json/json.h"
+#include "report/document/designs_report.h"
 #include "report/record/designs_text.h"
 
 #include <string.h>
@@ -13,6 +14,18 @@ kt_exit kstudy_print(const kstudy_request *r, kstudy_open *o) {
   if (status)
     kt_say(&r->common, KM_ERROR, "%s: %s", o->name, error.text);
   kt_exit result = status ? kt_exit_of(status) : kt_print(&r->common, &out);
+  km_text_free(&out);
+  return result;
+}
+
+kt_exit kstudy_report(const kstudy_request *r, kstudy_open *o) {
+  const char *slash = strrchr(o->base, '/');
+  km_text out = {0};
+  km_error error;
+  km_status status = km_designs_report(o->study, &o->def, slash ? slash + 1 : o->base, true, &out, &error);
+  if (status)
+    kt_say(&r->common, KM_ERROR, "%s: %s", o->name, error.text);
+  kt_exit result = status ? kt_exit_of(status) : kt_write(&r->common, o->base, "study-report", "html", &out);
   km_text_free(&out);
   return result;
 }

@@ -213,6 +213,26 @@ KM_API double km_design_study_base(const km_design_study *study, int parameter);
  * answered is stored. KM_IO, KM_MEMORY. */
 KM_API km_status km_design_study_run(km_design_study *study, int jobs, km_progress progress, void *context,
                                      km_error *error);
+/* Processes that answer designs together: one leads and has the store, the others serve it, each with a study of its own
+ * of the same definition. How messages travel is the caller's. */
+typedef struct km_design_crew {
+  void *context;
+  int size; /* members beside the leader, 1 … size; the leader is 0 */
+  /* False: the message didn't go. */
+  bool (*send)(void *context, int member, const void *bytes, size_t size);
+  /* The next message, whoever sent it, borrowed until the next call: its sender; -1: there is none. `wait`: until there
+   * is one. */
+  int (*receive)(void *context, bool wait, const void **bytes, size_t *size);
+} km_design_crew;
+/* km_design_study_run by the leader, with the members' help: they get pieces of work as they ask for them. Optimisations
+ * go on the leader's threads alone. KM_IO: a message didn't go, or a member failed. */
+KM_API km_status km_design_study_lead(km_design_study *study, int jobs, const km_design_crew *crew,
+                                      km_progress progress, void *context, km_error *error);
+/* Answers the leader's designs until it says that there are no more. KM_IO, KM_MEMORY. */
+KM_API km_status km_design_study_serve(km_design_study *study, int jobs, const km_design_crew *crew, km_error *error);
+/* Ends the service of all members; by the leader, whatever went wrong. */
+KM_API void km_design_crew_dismiss(const km_design_crew *crew);
+
 /* The same without asking anything: takes what the store has, so that designs and results are those of a run that ended
  * here. */
 KM_API km_status km_design_study_recall(km_design_study *study, km_error *error);

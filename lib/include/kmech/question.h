@@ -87,6 +87,8 @@ KM_API void km_question_watch(km_question *question, km_progress progress, void 
 
 /* Checks what needs several options, and makes what answers need; asking does it by itself. KM_USAGE, KM_MODEL. */
 KM_API km_status km_question_prepare(km_question *question, km_error *error);
+/* After km_mechanism_renumber: what was prepared and answered is forgotten, options stay. */
+KM_API void km_question_refresh(km_question *question);
 /* What the caller should know of how the options were understood, of the last preparation. Borrowed. */
 KM_API const km_messages *km_question_notes(const km_question *question);
 

@@ -23,6 +23,8 @@ static void take_series(plot_range *x, plot_range *y, const km_plot_series *seri
       continue;
     take(x, series->x[i]);
     take(y, series->y[i]);
+    if (series->base)
+      take(y, series->base[i]);
   }
 }
 

@@ -18,6 +18,33 @@ static void draw_arrow(const km_plot_layout *layout, const km_frame *frame, km_c
     km_canvas_polygon(layout->canvas, colour, head, 3);
 }
 
+/* The area from `begin` up to `end` between a line and its base. */
+static void draw_area(const km_plot_layout *layout, const km_frame *frame, const km_plot_series *s, size_t begin,
+                      size_t end) {
+  size_t count = end - begin;
+  km_canvas_point *corners = KM_ARENA_NEW(layout->arena, km_canvas_point, 2 * count);
+  km_colour colour = km_palette_colour(s->colour);
+  colour.alpha = 0.2;
+  for (size_t i = 0; i < count && corners; i++) {
+    corners[i] = km_frame_map(frame, s->x[begin + i], s->y[begin + i]);
+    corners[2 * count - 1 - i] = km_frame_map(frame, s->x[begin + i], s->base[begin + i]);
+  }
+  if (corners && count > 1)
+    km_canvas_polygon(layout->canvas, colour, corners, 2 * count);
+}
+
+static void draw_areas(const km_plot_layout *layout, const km_frame *frame, const km_plot_series *s) {
+  size_t begin = 0;
+  km_canvas_clip(layout->canvas, frame->left, frame->top, frame->width, frame->height);
+  for (size_t i = 0; i <= s->count; i++) {
+    if (i < s->count && km_axis_takes(s->x[i]) && km_axis_takes(s->y[i]) && km_axis_takes(s->base[i]))
+      continue;
+    draw_area(layout, frame, s, begin, i);
+    begin = i + 1;
+  }
+  km_canvas_release(layout->canvas);
+}
+
 static void draw_curve(const km_plot_layout *layout, const km_frame *frame, const km_plot_series *series,
                        const km_curve *curves, size_t index) {
   const km_curve *curve = &curves[index];
@@ -46,6 +73,9 @@ static void draw_lines(const km_plot_layout *layout, size_t panel) {
     curves[i] = km_curve_make(&frame, &source->series[i], layout->arena);
     any = any || curves[i].has_end;
   }
+  for (size_t i = 0; i < source->series_count; i++)
+    if (source->series[i].base)
+      draw_areas(layout, &frame, &source->series[i]);
   for (int context = 1; context >= 0; context--) /* grey lines lie beneath the others */
     for (size_t i = 0; i < source->series_count; i++)
       if ((source->series[i].colour < 0) == context)

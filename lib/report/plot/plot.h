@@ -12,8 +12,9 @@ typedef struct km_plot_series {
   const char *name; /* UTF-8, written at the line's end; markup is not interpreted */
   const double *x, *y;
   size_t count;
-  int colour; /* index into the palette (palette.h); -1 grey (context line) */
-  int dash;   /* index into its dash patterns; 0 solid */
+  int colour;         /* index into the palette (palette.h); -1 grey (context line) */
+  int dash;           /* index into its dash patterns; 0 solid */
+  const double *base; /* [count] the area between y and this is filled lightly; NULL: none is */
 } km_plot_series;
 
 /* A named position on the x axis (a toggle, a limit, a dead centre). */

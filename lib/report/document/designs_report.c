@@ -1,0 +1,126 @@
+/* The report of a study of designs. */
+#include "report/document/designs_report.h"
+
+#include "kmech/version.h"
+#include "report/document/document.h"
+#include "report/record/designs_table.h"
+
+#include <math.h>
+#include <string.h>
+
+enum { MOST_FACTS = 40 };
+
+typedef struct facts {
+  const char *cells[2 * MOST_FACTS];
+  size_t rows;
+} facts;
+
+static void add(facts *f, const char *name, const char *what) {
+  if (f->rows == MOST_FACTS || !what)
+    return;
+  f->cells[2 * f->rows] = name;
+  f->cells[2 * f->rows++ + 1] = what;
+}
+
+/* The answer in one sentence. */
+static const char *lead_of(km_document_maker *m, const km_design_study *s, const km_design_study_def *def,
+                           const km_design_yield *y) {
+  const km_design_optimise *o = def->optimise;
+  int best = km_design_study_best(s);
+  km_design_result r;
+  if (o && o->goal_count == 2)
+    return km_document_format(m, "%d of %d designs lie on the front of %s and %s.", km_design_study_front(s, NULL, 0),
+                              y->count, o->goals[0].figure, o->goals[1].figure);
+  if (o && best < 0)
+    return "No design is good enough.";
+  if (o) {
+    int figure = 0;
+    while (strcmp(km_design_study_figure(s, figure)->name, o->goals[0].figure) != 0)
+      ++figure;
+    km_design_study_result(s, best, &r, NULL);
+    return km_document_format(m, "The best of %d designs has %s %.6g %s.", y->count, o->goals[0].figure,
+                              r.figures[figure], km_design_study_figure_unit(s, figure));
+  }
+  return km_document_format(m, "%d of %d designs are good enough, %.4g %% (95 %% confidence: %.4g to %.4g %%).",
+                            y->good, y->count, 100.0 * y->share, 100.0 * y->share_low, 100.0 * y->share_high);
+}
+
+static void add_table(km_document_maker *m, const km_designs_table *t) {
+  const char **cells = KM_ARENA_NEW(&m->arena, const char *, (size_t)(t->rows * t->columns) + 1);
+  size_t count = 0;
+  for (int r = 0; r < t->rows && cells; ++r)
+    for (int c = 0; c < t->columns; ++c)
+      cells[count++] = km_arena_string(&m->arena, t->cells[r][c]);
+  if (count && !m->arena.failed)
+    km_document_cells(m, KM_BLOCK_TABLE, cells, (size_t)t->rows, (size_t)t->columns);
+}
+
+static void add_outcomes(km_document_maker *m, const km_design_yield *y, facts *f) {
+  for (int o = 0; o < KM_DESIGN_OUTCOMES; ++o)
+    if (y->outcomes[o])
+      add(f, km_design_outcome_name((km_design_outcome)o), km_document_format(m, "%d designs", y->outcomes[o]));
+}
+
+static void add_limits(km_document_maker *m, const km_design_study *s, facts *f) {
+  for (int i = 0; i < km_design_study_figures(s); ++i) {
+    const km_design_figure *figure = km_design_study_figure(s, i);
+    if (isfinite(figure->low) || isfinite(figure->high))
+      add(f, km_document_format(m, "limits of %s", figure->name),
+          km_document_format(m, "%g to %g %s", figure->low, figure->high, km_design_study_figure_unit(s, i)));
+  }
+}
+
+static void add_facts(km_document_maker *m, const km_design_study *s, const km_design_study_def *def,
+                      const km_design_yield *y) {
+  facts *f = KM_ARENA_NEW(&m->arena, facts, 1);
+  if (!f)
+    return;
+  for (int p = 0; p < def->parameter_count; ++p)
+    add(f, def->parameters[p].name, def->parameters[p].path);
+  for (int q = 0; q < def->question_count; ++q)
+    add(f, "question",
+        km_document_format(m, "%s (%s)", def->questions[q].name,
+                           def->questions[q].kind ? def->questions[q].kind : "function"));
+  add_limits(m, s, f);
+  add_outcomes(m, y, f);
+  km_document_cells(m, KM_BLOCK_FACTS, f->cells, f->rows, 2);
+}
+
+static km_status make(km_document_maker *m, km_design_study *s, const km_design_study_def *def, km_designs_table *table,
+                      km_error *error) {
+  km_design_yield y;
+  km_status status = km_design_study_yield(s, &y, error);
+  if (!status)
+    status = km_designs_table_make(s, def, table, error);
+  if (status)
+    return status;
+  km_document_lead(m, lead_of(m, s, def, &y));
+  km_document_heading(m, def->sample ? "Figures of merit" : "Designs");
+  add_table(m, table);
+  if (table->marked)
+    km_document_text(m, "* the best of its column");
+  km_document_heading(m, "What was asked");
+  add_facts(m, s, def, &y);
+  return m->arena.failed ? km_fail(error, KM_MEMORY, "out of memory for the report") : KM_OK;
+}
+
+km_status km_designs_report(km_design_study *s, const km_design_study_def *def, const char *name, bool html,
+                            km_text *out, km_error *error) {
+  km_document_maker *m = KM_NEW(km_document_maker, 1);
+  km_designs_table *table = KM_NEW(km_designs_table, 1);
+  km_status status =
+      m && table ? make(m, s, def, table, error) : km_fail(error, KM_MEMORY, "out of memory for the report");
+  if (!status) {
+    km_document d = {.title = name,
+                     .subtitle = "study of designs",
+                     .footer = km_document_format(m, "kmech %s, kstudy", km_version()),
+                     .blocks = m->blocks,
+                     .count = m->count};
+    status = html ? km_document_html(&d, out, error) : km_document_pdf(&d, out, error);
+  }
+  if (m)
+    km_arena_free(&m->arena);
+  km_free(m);
+  km_free(table);
+  return status;
+}

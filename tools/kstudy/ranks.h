@@ -1,0 +1,17 @@
+/* The ranks of mpirun, where kstudy runs under it and was built with MPI. */
+#ifndef KSTUDY_RANKS_H
+#define KSTUDY_RANKS_H
+
+#include "kmech/design_study.h"
+
+typedef struct kstudy_ranks {
+  int rank, count; /* 0 of 1 without mpirun */
+  km_design_crew crew;
+} kstudy_ranks;
+
+/* Joins the others; nothing happens without mpirun. */
+void kstudy_ranks_join(kstudy_ranks *ranks);
+/* The leader dismisses the others first. All ranks call it. */
+void kstudy_ranks_leave(kstudy_ranks *ranks);
+
+#endif
