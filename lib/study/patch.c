@@ -19,13 +19,18 @@ static void probe_close(probe *p) {
   km_model_free(p->model);
 }
 
-/* False: such values are no model. */
-static bool probe_open(const km_design_study *s, const double *values, probe *out) {
+static km_status no_memory(km_error *error) {
+  return km_fail(error, KM_MEMORY, "out of memory for a study");
+}
+
+/* KM_MODEL …: such values are no model. */
+static km_status probe_open(const km_design_study *s, const double *values, probe *out, km_error *error) {
   *out = (probe){0};
-  if (km_design_read_model(s, values, &out->model, NULL))
-    return false;
+  km_status status = km_design_read_model(s, values, &out->model, error);
+  if (status)
+    return status;
   km_model_numbers_list(out->model, &out->numbers);
-  return !out->numbers.failed;
+  return out->numbers.failed ? no_memory(error) : KM_OK;
 }
 
 /* Another value near the base one. Powers of 2 alone would hide a factor's rounding. */
@@ -60,23 +65,26 @@ static bool find_places(const probe *base, const probe *probes, const double *va
   return out->places && out->count > 0;
 }
 
-static bool probe_parameter(km_design_study *s, const probe *base, int parameter) {
+/* s->patch.works tells what came out. */
+static km_status probe_parameter(km_design_study *s, const probe *base, int parameter, km_error *error) {
   double values[KM_MOST_DESIGN_PARAMETERS], tried[PROBES];
   probe probes[PROBES] = {{0}};
-  bool good = true;
-  for (int k = 0; k < PROBES && good; ++k) {
+  km_status status = KM_OK;
+  bool alike = true;
+  for (int k = 0; k < PROBES && !status; ++k) {
     km_design_clear(s, values);
     values[parameter] = tried[k] = moved(s->base[parameter], k);
-    good = probe_open(s, values, &probes[k]) && probes[k].numbers.count == base->numbers.count;
+    status = probe_open(s, values, &probes[k], error);
+    alike = alike && !status && probes[k].numbers.count == base->numbers.count;
   }
-  good = good && find_places(base, probes, tried, &s->arena, &s->patch.parameters[parameter]);
+  s->patch.works = alike && find_places(base, probes, tried, &s->arena, &s->patch.parameters[parameter]);
   for (int k = 0; k < PROBES; ++k)
     probe_close(&probes[k]);
-  return good;
+  return status == KM_MEMORY || s->arena.failed ? no_memory(error) : KM_OK;
 }
 
 /* Does patching give what the reader gives, where all parameters change at once? */
-static bool trial(const km_design_study *s, probe *base, int k) {
+static km_status trial(km_design_study *s, probe *base, int k, km_error *error) {
   double values[KM_MOST_DESIGN_PARAMETERS];
   probe read;
   for (int p = 0; p < s->def->parameter_count; ++p) {
@@ -84,11 +92,13 @@ static bool trial(const km_design_study *s, probe *base, int k) {
     for (int i = 0; i < s->patch.parameters[p].count; ++i)
       *base->numbers.items[s->patch.parameters[p].places[i]].at = values[p];
   }
-  bool same = probe_open(s, values, &read) && read.numbers.count == base->numbers.count;
+  km_status status = probe_open(s, values, &read, error);
+  bool same = !status && read.numbers.count == base->numbers.count;
   for (size_t i = 0; i < base->numbers.count && same; ++i)
     same = same_bits(*read.numbers.items[i].at, *base->numbers.items[i].at);
   probe_close(&read);
-  return same;
+  s->patch.works = same;
+  return status == KM_MEMORY ? status : KM_OK;
 }
 
 km_status km_patch_find(km_design_study *s, km_error *error) {
@@ -96,7 +106,7 @@ km_status km_patch_find(km_design_study *s, km_error *error) {
   const char *paths[KM_MOST_DESIGN_PARAMETERS];
   bool plain[KM_MOST_DESIGN_PARAMETERS];
   double values[KM_MOST_DESIGN_PARAMETERS];
-  probe base;
+  probe base = {0};
   for (int p = 0; p < count; ++p)
     paths[p] = s->def->parameters[p].path;
   km_status status = km_model_read_numbers(s->bytes, s->size, paths, count, s->base, plain, error);
@@ -104,14 +114,16 @@ km_status km_patch_find(km_design_study *s, km_error *error) {
     return status;
   s->patch.parameters = KM_ARENA_NEW(&s->arena, km_patch_places, (size_t)count + 1);
   km_design_clear(s, values);
-  s->patch.works = s->patch.parameters && probe_open(s, values, &base);
-  if (!s->patch.works)
-    return s->arena.failed ? km_fail(error, KM_MEMORY, "out of memory for a study") : KM_OK;
+  status = s->patch.parameters ? probe_open(s, values, &base, error) : no_memory(error);
+  s->patch.works = status == KM_OK;
   s->patch.number_count = base.numbers.count;
-  for (int p = 0; p < count && s->patch.works; ++p)
-    s->patch.works = plain[p] && probe_parameter(s, &base, p);
-  for (int k = 0; k < TRIALS && s->patch.works; ++k)
-    s->patch.works = trial(s, &base, k);
+  for (int p = 0; p < count && s->patch.works && !status; ++p) {
+    s->patch.works = plain[p];
+    if (plain[p])
+      status = probe_parameter(s, &base, p, error);
+  }
+  for (int k = 0; k < TRIALS && s->patch.works && !status; ++k)
+    status = trial(s, &base, k, error);
   probe_close(&base);
-  return KM_OK;
+  return status;
 }

@@ -23,6 +23,8 @@ static const char schema[] =
     " figures BLOB NOT NULL, bands BLOB, PRIMARY KEY(question, design)) WITHOUT ROWID;";
 
 static km_status fail(const km_store *s, km_error *error) {
+  if (s->arena.failed)
+    return km_fail(error, KM_MEMORY, "out of memory for the store %s", s->path);
   int code = s->db ? sqlite3_extended_errcode(s->db) : SQLITE_NOMEM;
   const char *reason = s->db ? sqlite3_errmsg(s->db) : "out of memory";
   if ((code & 0xff) == SQLITE_NOMEM)
@@ -71,6 +73,8 @@ static km_status take(km_store *s, const char *identity, const char *what, bool 
   if (!tables)
     return fail(s, error);
   const char *ours = text_of(s, "SELECT value FROM study WHERE key = ?", "identity");
+  if (s->arena.failed)
+    return fail(s, error);
   if (strcmp(tables, "0") != 0 && !ours)
     return km_fail(error, KM_IO, "%s: this is a database, but no store of a study", s->path);
   if (ours && strcmp(ours, identity) == 0)
@@ -137,13 +141,13 @@ void km_store_free(km_store *s) {
 km_status km_store_question(km_store *s, const char *key, const char *name, int *id, km_error *error) {
   static const char find[] = "SELECT id FROM questions WHERE key = ?";
   const char *text = text_of(s, find, key);
-  km_status status = KM_OK;
-  if (!text)
+  km_status status = s->arena.failed ? fail(s, error) : KM_OK;
+  if (!status && !text)
     status = insert(s, "INSERT INTO questions(key, name) VALUES(?, ?)", key, name, error);
   if (!status && !text)
     text = text_of(s, find, key);
   *id = text ? (int)strtol(text, NULL, 10) : 0;
-  return status || text ? status : km_fail(error, KM_MEMORY, "out of memory for a store");
+  return status || text ? status : fail(s, error);
 }
 
 static void bind_numbers(sqlite3_stmt *statement, int index, const double *numbers, int count) {

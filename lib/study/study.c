@@ -39,8 +39,9 @@ static void choose_reference(km_design_study *s) {
 
 /* The reference design's model; where that is none, the file's. */
 static km_status read_reference(km_design_study *s, km_model **out, km_error *error) {
-  if (km_design_read_model(s, s->reference, out, NULL) == KM_OK)
-    return KM_OK;
+  km_status status = km_design_read_model(s, s->reference, out, error);
+  if (!status || status == KM_MEMORY)
+    return status;
   km_design_clear(s, s->reference);
   return km_design_read_model(s, s->reference, out, error);
 }

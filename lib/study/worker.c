@@ -79,11 +79,11 @@ static bool may_patch(const km_design_worker *w, const double *values) {
   return true;
 }
 
-/* Puts the values into the worker's model and mechanism. False: the design is to be read. */
-static bool patch(km_design_worker *w, const double *values) {
+/* Puts the values into the worker's model and mechanism. KM_PARTIAL: the design is to be read. */
+static km_status patch(km_design_worker *w, const double *values) {
   const km_design_study *s = w->study;
   if (!w->model || km_design_is_reference(s, values) || !may_patch(w, values))
-    return false;
+    return KM_PARTIAL;
   for (int p = 0; p < s->def->parameter_count; ++p) {
     const km_patch_places *places = &s->patch.parameters[p];
     for (int i = 0; i < places->count; ++i) {
@@ -91,7 +91,7 @@ static bool patch(km_design_worker *w, const double *values) {
       *w->numbers.items[at].at = isnan(values[p]) ? w->own[at] : values[p];
     }
   }
-  return km_mechanism_renumber(w->mechanism, NULL) == KM_OK;
+  return km_mechanism_renumber(w->mechanism, NULL);
 }
 
 static void fail_answer(km_design_answer *a, const km_design_question *q, km_design_outcome outcome,
@@ -225,10 +225,12 @@ km_status km_design_worker_answer(km_design_worker *w, const double *values, con
   const km_design_study_def *def = w->study->def;
   if (def->function)
     return answer_function(w, values, &answers[0]);
-  bool patched = patch(w, values);
+  km_status status = patch(w, values);
+  bool patched = status == KM_OK;
   km_model *model = NULL;
   km_error found;
-  km_status status = patched ? KM_OK : km_design_read_model(w->study, values, &model, &found);
+  if (!patched && status != KM_MEMORY)
+    status = km_design_read_model(w->study, values, &model, &found);
   if (status == KM_MEMORY)
     return no_memory(error);
   bool faulty = status != KM_OK;

@@ -7,8 +7,11 @@
 #include "exchange/json/convert.h"
 #include "exchange/json/json.h"
 #include "kmech/kmech.h"
+#include "report/document/designs_report.h"
 #include "report/document/question_report.h"
+#include "report/plot/designs_plot.h"
 #include "report/plot/question_plot.h"
+#include "report/record/designs_text.h"
 #include "report/record/question_record.h"
 
 #include <stdlib.h>
@@ -237,6 +240,50 @@ static km_status convert(const char *text) {
   return status;
 }
 
+/* A study from its text to its tables and pictures. */
+static km_status study_designs(const char *json) {
+  static const char text[] =
+      "{\"model\": \"in memory\", \"parameters\": {\"crank\": \"crank.end.y\"}, \"sample\": {\"count\": 5,"
+      "\"parameters\": {\"crank\": {\"uniform\": [0.5, 0.6]}}}, \"ask\": [{\"question\": \"mobility\","
+      "\"options\": {\"steps\": 4, \"point\": \"crank/end\"}, \"bands\": [\"q.B\"], \"figures\": {"
+      "\"stroke\": \"span q.B\", \"path\": {\"figure\": \"distance\", \"point\": \"rod/end\", \"through\": [[0, 1]]}}}]}";
+  km_design_study_def def = km_design_study_default();
+  km_design_study *study = NULL;
+  km_text table = {0}, csv = {0}, picture = {0}, report = {0};
+  km_error error;
+  km_status status = km_design_study_read(text, strlen(text), NULL, &def, &error);
+  def.model = NULL;
+  def.bytes = json;
+  def.size = strlen(json);
+  if (!status)
+    status = km_design_study_open(&def, NULL, false, &study, &error);
+  if (!status)
+    status = km_design_study_run(study, 1, NULL, NULL, &error);
+  if (!status)
+    status = km_designs_print(study, &def, "study", &table, &error);
+  if (!status)
+    status = km_designs_csv(study, &def, &csv, &error);
+  if (!status)
+    status = km_designs_report(study, &def, "study", true, &report, &error);
+  const km_designs_picture shown = {study, &def, "study", KM_CANVAS_SVG};
+  if (!status)
+    status = km_designs_bands(&shown, 0, 0, &picture, &error);
+  if (!status)
+    status = km_designs_histogram(&shown, 0, &picture, &error);
+  km_text_free(&table);
+  km_text_free(&csv);
+  km_text_free(&picture);
+  km_text_free(&report);
+  km_design_study_free(study);
+  km_design_study_def_free(&def);
+  return status;
+}
+
+static void test_designs(void **unused) {
+  (void)unused;
+  fail_each(study_designs, "slider_crank");
+}
+
 /* Nothing in them is left out: a note that finds no memory is lost without harm. */
 static void test_robots(void **unused) {
   (void)unused;
@@ -260,7 +307,7 @@ int main(void) {
   const struct CMUnitTest tests[] = {
       cmocka_unit_test(test_mobility), cmocka_unit_test(test_advantage), cmocka_unit_test(test_forces),
       cmocka_unit_test(test_check),    cmocka_unit_test(test_track),     cmocka_unit_test(test_poses),
-      cmocka_unit_test(test_robots),
+      cmocka_unit_test(test_robots),   cmocka_unit_test(test_designs),
   };
   return cmocka_run_group_tests(tests, NULL, NULL);
 }

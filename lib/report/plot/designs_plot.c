@@ -11,8 +11,12 @@
 
 enum { MOST_BINS = 60, MOST_DOTS = 400, MOST_POINTS = 400, MOST_PANELS = 9 };
 
-static km_status nothing(km_error *error) {
-  return km_fail(error, KM_NO_RESULT, "there is nothing to draw");
+/* There is nothing to draw, or no memory to draw it with. */
+static km_status nothing(km_arena *arena, km_error *error) {
+  bool failed = arena->failed;
+  km_arena_free(arena);
+  return failed ? km_fail(error, KM_MEMORY, "out of memory for a plot")
+                : km_fail(error, KM_NO_RESULT, "there is nothing to draw");
 }
 
 static const char *words(km_arena *arena, const char *format, ...) __attribute__((format(printf, 2, 3)));
@@ -88,10 +92,10 @@ km_status km_designs_histogram(const km_designs_picture *p, int figure, km_text 
   int count;
   km_status status = km_design_study_statistics(p->study, figure, &st, error);
   double *values = status ? NULL : values_of(p, figure, &arena, &count);
-  if (status || !values || count < 2 || !(st.greatest > st.least)) {
-    km_arena_free(&arena);
-    return status ? status : nothing(error);
-  }
+  if (status)
+    return status;
+  if (!values || count < 2 || !(st.greatest > st.least))
+    return nothing(&arena, error);
   bars b = make_bars(values, count, st.least, st.greatest, &arena);
   km_plot_mark marks[5];
   km_plot_series series = {.x = b.x, .y = b.y, .base = b.base, .count = b.count};
@@ -164,10 +168,8 @@ km_status km_designs_scatter(const km_designs_picture *p, int figure, km_text *o
                                       .series_count = 1};
       ++count;
     }
-  if (!count && !arena.failed) {
-    km_arena_free(&arena);
-    return nothing(error);
-  }
+  if (!count)
+    return nothing(&arena, error);
   km_plot plot = {.title = words(&arena, "What %s depends on", km_design_study_figure(p->study, figure)->name),
                   .subtitle = words(&arena, "%s · one dot a design, the parameters' designs in order", p->name),
                   .x_label = "share of the designs with a smaller value of the parameter (%)",
@@ -203,10 +205,8 @@ km_status km_designs_convergence(const km_designs_picture *p, int figure, km_tex
   int count;
   double *values = values_of(p, figure, &arena, &count);
   double *room = KM_ARENA_NEW(&arena, double, 4 * (MOST_POINTS + 2));
-  if (!values || !room || count < 20) {
-    km_arena_free(&arena);
-    return nothing(error);
-  }
+  if (!values || !room || count < 20)
+    return nothing(&arena, error);
   double *mean = room + MOST_POINTS + 2, *low = mean + MOST_POINTS + 2, *high = low + MOST_POINTS + 2;
   size_t points = running_mean(values, count, room, mean, low, high);
   const km_plot_series series[] = {
@@ -245,30 +245,31 @@ static void make_fan(const double *quantiles, const double *x, int rows, const d
       .name = named ? names[3] : NULL, .x = x, .y = columns + 3 * rows, .count = (size_t)rows, .colour = 1};
 }
 
-/* The driver's values over the rows, by the question's own plan. */
-static bool driver_of(const km_designs_picture *p, int question, int band, int rows, double *x, km_arena *arena,
-                      const char *labels[2]) {
-  km_asked_design asked;
+/* The driver's values over the rows, and the axes' names, by the question's own plan. KM_NO_RESULT: no design has an
+ * answer in full. */
+static km_status driver_of(const km_designs_picture *p, int question, int band, int rows, double *x, km_arena *arena,
+                           const char *labels[2], km_error *error) {
+  km_asked_design asked = {0};
+  const char *column = p->def->questions[question].bands[band];
   km_status status = KM_NO_RESULT;
-  for (int i = 0; i < km_design_study_designs(p->study) && status != KM_OK; ++i) {
-    status = km_design_study_ask(p->study, i, question, &asked, NULL);
-    const km_sweep_plan *plan = status == KM_OK ? km_question_plan(asked.question) : NULL;
-    for (int r = 0; plan && r < rows; ++r)
-      x[r] = plan->arclength > 0.0 ? r * plan->arclength
-                                   : plan->from + (plan->to - plan->from) * r / (rows > 1 ? rows - 1 : 1);
-    const km_table *table = plan ? km_question_table(asked.question) : NULL;
-    const char *column = p->def->questions[question].bands[band];
-    const char *unit = table ? km_table_unit(table, (size_t)km_table_find(table, column)) : "";
-    if (plan)
-      labels[1] = words(arena, *unit ? "%s (%s)" : "%s", column, unit);
-    if (plan)
-      labels[0] = plan->arclength > 0.0
-                      ? "arc length"
-                      : words(arena, "driver %s (%s)", km_model_coordinate_label(asked.model, plan->coordinate),
-                              km_model_coordinate_unit(asked.model, plan->coordinate));
+  for (int i = 0; i < km_design_study_designs(p->study) && status != KM_OK && status != KM_MEMORY; ++i) {
     km_asked_design_free(&asked);
+    status = km_design_study_ask(p->study, i, question, &asked, error);
   }
-  return status == KM_OK;
+  if (status == KM_OK) {
+    const km_sweep_plan *plan = km_question_plan(asked.question);
+    const km_table *table = km_question_table(asked.question);
+    const char *unit = km_table_unit(table, (size_t)km_table_find(table, column));
+    bool driven = plan->arclength <= 0.0;
+    for (int r = 0; r < rows; ++r)
+      x[r] = driven ? plan->from + (plan->to - plan->from) * r / (rows > 1 ? rows - 1 : 1) : r * plan->arclength;
+    labels[0] = !driven ? "arc length"
+                        : words(arena, "driver %s (%s)", km_model_coordinate_label(asked.model, plan->coordinate),
+                                km_model_coordinate_unit(asked.model, plan->coordinate));
+    labels[1] = words(arena, *unit ? "%s (%s)" : "%s", column, unit);
+  }
+  km_asked_design_free(&asked);
+  return status == KM_OK || status == KM_MEMORY ? status : km_fail(error, KM_NO_RESULT, "there is nothing to draw");
 }
 
 km_status km_designs_bands(const km_designs_picture *p, int question, int band, km_text *out, km_error *error) {
@@ -285,8 +286,8 @@ km_status km_designs_bands(const km_designs_picture *p, int question, int band, 
   int *counts = KM_ARENA_NEW(&arena, int, (size_t)rows + 1);
   if (!arena.failed)
     status = km_design_study_bands(p->study, question, band, &rows, quantiles, counts, error);
-  if (!status && !arena.failed && !driver_of(p, question, band, rows, x, &arena, labels))
-    status = nothing(error);
+  if (!status && !arena.failed)
+    status = driver_of(p, question, band, rows, x, &arena, labels, error);
   if (status) {
     km_arena_free(&arena);
     return status;

@@ -47,6 +47,7 @@ static void fill_row(km_designs_table *g, const km_design_study *s, const km_des
   km_design_study_result(s, design, &r, NULL);
   km_design_label(s, def, design, &name);
   snprintf(g->cells[row][column++], CELL, "%.*s", CELL - 1, name.data ? name.data : "");
+  g->failed = g->failed || name.failed;
   km_text_free(&name);
   for (int p = 0; p < def->parameter_count && column < MOST_COLUMNS; ++p)
     set_number(g->cells[row][column++], isnan(values[p]) ? km_design_study_base(s, p) : values[p]);
@@ -117,7 +118,7 @@ static km_status fill_optimum(km_designs_table *g, const km_design_study *s, con
   if (def->optimise->goal_count == 2)
     return fill_front(g, s, def, error);
   fill_designs(g, s, def, designs, km_design_study_designs(s) == 0 ? 0 : best > 0 ? 2 : 1, false);
-  return KM_OK;
+  return g->failed ? km_fail(error, KM_MEMORY, "out of memory for a table") : KM_OK;
 }
 
 static km_status fill_statistics(km_designs_table *g, km_design_study *s, km_error *error) {
@@ -152,5 +153,5 @@ km_status km_designs_table_make(km_design_study *s, const km_design_study_def *d
   if (def->sample)
     return fill_statistics(out, s, error);
   fill_variants(out, s, def);
-  return KM_OK;
+  return out->failed ? km_fail(error, KM_MEMORY, "out of memory for a table") : KM_OK;
 }

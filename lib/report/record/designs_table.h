@@ -11,6 +11,7 @@ typedef struct km_designs_table {
   char cells[KM_DESIGNS_ROWS + 3][KM_DESIGNS_COLUMNS][KM_DESIGNS_CELL];
   int rows, columns;
   int left_out; /* designs that had no room */
+  bool failed;  /* while it was made: out of memory */
   bool marked;  /* "*" stands before the best of a figure */
 } km_designs_table;
 

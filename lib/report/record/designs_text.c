@@ -31,6 +31,7 @@ static void print_cells(const km_designs_table *g, km_text *out) {
     while (line.size && line.data[line.size - 1] == ' ')
       line.data[--line.size] = '\0';
     km_text_format(out, "%s\n", line.failed || !line.data ? "" : line.data);
+    out->failed = out->failed || line.failed;
     km_text_free(&line);
   }
 }
@@ -49,6 +50,7 @@ static void print_outcomes(const km_design_study *s, const km_design_study_def *
       km_text name = {0};
       km_design_label(s, def, i, &name);
       km_text_format(out, "    %s: %s\n", name.data ? name.data : "", r.reason);
+      out->failed = out->failed || name.failed;
       km_text_free(&name);
       ++listed;
     }
