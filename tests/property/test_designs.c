@@ -46,7 +46,7 @@ static double by_hand(int c, const double *values, double length) {
   km_model *model;
   km_mechanism *m;
   km_state *state;
-  km_question *q;
+  km_question *q = NULL;
   km_error error;
   double value = nan("");
   km_option_value steps = {.whole = 20};
