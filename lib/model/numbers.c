@@ -36,6 +36,19 @@ static void add_bodies(km_model_numbers *n, km_model *m) {
   }
 }
 
+static void add_shapes(km_model_numbers *n, km_model *m) {
+  for (int i = 0; i < m->shape_count; ++i) {
+    km_model_shape *at = &m->shapes[i];
+    add(n, at->scale, 3, KM_NUMBER_CHECKED);
+    add(n, at->size, 3, KM_NUMBER_CHECKED);
+    add_vector(n, &at->pose.p, KM_NUMBER_CHECKED);
+    for (int k = 0; k < 3; ++k)
+      add_vector(n, &at->pose.R.axis[k], KM_NUMBER_CHECKED);
+    add(n, &at->density, 1, KM_NUMBER_CHECKED);
+    add(n, at->color, 4, KM_NUMBER_CHECKED);
+  }
+}
+
 static void add_joints(km_model_numbers *n, km_model *m) {
   for (int c = 0; c < m->coordinate_count; ++c) {
     km_model_coordinate *at = &m->coordinates[c];
@@ -54,8 +67,15 @@ static void add_joints(km_model_numbers *n, km_model *m) {
     if (at->prescribed.values)
       add(n, at->prescribed.values, law_size(&at->prescribed), KM_NUMBER_CHECKED);
   }
-  for (int c = 0; c < m->coupling_count; ++c)
-    add(n, m->couplings[c].ratios, (size_t)m->couplings[c].count, KM_NUMBER_CHECKED);
+  for (int c = 0; c < m->coupling_count; ++c) {
+    km_model_coupling *at = &m->couplings[c];
+    if (at->ratios)
+      add(n, at->ratios, (size_t)at->count, KM_NUMBER_CHECKED);
+    add(n, &at->constant, 1, KM_NUMBER_CHECKED);
+    add(n, at->polynomial, (size_t)at->polynomial_count, KM_NUMBER_CHECKED);
+  }
+  for (int p = 0; p < m->pose_count; ++p)
+    add(n, m->poses[p].values, (size_t)m->poses[p].count, KM_NUMBER_CHECKED);
 }
 
 static void add_forces(km_model_numbers *n, km_model *m) {
@@ -92,6 +112,7 @@ static void add_analysis(km_model_numbers *n, km_model *m) {
 void km_model_numbers_list(km_model *m, km_model_numbers *out) {
   *out = (km_model_numbers){0};
   add_bodies(out, m);
+  add_shapes(out, m);
   add_joints(out, m);
   add_forces(out, m);
   add_analysis(out, m);
