@@ -42,5 +42,6 @@ void bench_scale(void);
 void bench_forces(void);
 void bench_arm(void);
 void bench_study(void);
+void bench_load(void);
 
 #endif

@@ -291,11 +291,13 @@ static void test_robots(void **unused) {
                         "<link name='c'/><joint name='j' type='prismatic'><origin xyz='1 0 0'/><parent link='a'/>"
                         "<child link='b'/></joint><joint name='k' type='continuous'><parent link='a'/><child link='c'/>"
                         "<axis xyz='1 1 0'/><mimic joint='j'/></joint></robot>");
-  fail_each_of(convert,
-               "<mujoco><default><joint axis='0 0 1' stiffness='2'/><default class='x'/></default><worldbody>"
-               "<replicate count='2'><body name='b' childclass='x'><joint/><joint type='slide'/><site name='s' "
-               "pos='1 0 0'/></body></replicate></worldbody><equality><connect site1='s0' site2='s1'/>"
-               "</equality><actuator><motor joint='b0'/></actuator></mujoco>");
+  fail_each_of(
+      convert,
+      "<mujoco><default><joint axis='0 0 1' stiffness='2'/><default class='x'/></default><worldbody>"
+      "<replicate count='2'><body name='b' childclass='x'><joint/><joint type='slide'/><geom size='1' mass='1'/><site name='s' "
+      "pos='1 0 0'/></body></replicate></worldbody><equality><connect site1='s0' site2='s1'/>"
+      "<joint joint1='b0' joint2='b1' polycoef='0 1 2'/></equality><actuator><motor joint='b0' ctrlrange='-1 1'/>"
+      "</actuator><keyframe><key qpos='0 0 0 0'/></keyframe></mujoco>");
   fail_each_of(convert,
                "<sdf version='1.9'><model name='m'><link name='a'/><link name='b'><pose relative_to='a'/></link>"
                "<frame name='f' attached_to='a'><pose>1 0 0 0 0 0</pose></frame><joint name='j' type='universal'>"
@@ -303,11 +305,38 @@ static void test_robots(void **unused) {
                "</joint></model></sdf>");
 }
 
+/* Writes a model in every format. */
+static km_status write_all(const char *json) {
+  km_model *model = NULL;
+  km_bytes bytes;
+  km_error error;
+  km_status status = km_model_read(json, strlen(json), NULL, &model, &error);
+  for (int format = KM_FORMAT_JSON; format <= KM_FORMAT_SDF && !status; ++format) {
+    status = km_model_write_as(model, (km_model_format)format, NULL, NULL, &bytes, &error);
+    km_bytes_free(&bytes);
+  }
+  km_model_free(model);
+  return status;
+}
+
+static void test_written(void **unused) {
+  (void)unused;
+  fail_each_of(
+      write_all,
+      "{\"poses\": {\"home\": {\"A\": 1}}, \"assemblies\": [{\"name\": \"a\", \"bodies\": [{\"name\": \"b\", "
+      "\"shapes\": [{\"box\": [1, 2, 3], \"density\": 2}], \"frames\": [{\"name\": \"t\", \"T\": [1, 0, 0]}]}, "
+      "{\"name\": \"c\", \"frames\": [{\"name\": \"t\", \"T\": [1, 0, 0]}]}], \"joints\": [{\"name\": \"A\", "
+      "\"type\": \"Rz\", \"body_frame_pairs\": [\"fixed\", \"b\"]}, {\"name\": \"B\", \"type\": \"universal\", "
+      "\"body_frame_pairs\": [\"b/t\", \"c/t\"]}, {\"name\": \"C\", \"type\": \"screw\", \"pitch\": 1, "
+      "\"body_frame_pairs\": [\"fixed\", \"c\"]}], \"couplings\": [{\"name\": \"k\", \"joints\": [\"A\", \"C\"], "
+      "\"polynomial\": [0, 1, 2]}]}]}");
+}
+
 int main(void) {
   const struct CMUnitTest tests[] = {
       cmocka_unit_test(test_mobility), cmocka_unit_test(test_advantage), cmocka_unit_test(test_forces),
       cmocka_unit_test(test_check),    cmocka_unit_test(test_track),     cmocka_unit_test(test_poses),
-      cmocka_unit_test(test_robots),   cmocka_unit_test(test_designs),
+      cmocka_unit_test(test_robots),   cmocka_unit_test(test_designs),   cmocka_unit_test(test_written),
   };
   return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -7,6 +7,7 @@
 
 kt_exit kmob_info(int argc, char **argv);
 kt_exit kmob_at(int argc, char **argv);
+kt_exit kmob_frame(int argc, char **argv);
 kt_exit kmob_sweep(int argc, char **argv);
 kt_exit kmob_graph(int argc, char **argv);
 kt_exit kmob_check(int argc, char **argv);

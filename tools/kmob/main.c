@@ -4,6 +4,7 @@
 static const kt_command commands[] = {
     {"info", "topology, substructures, mobility and mobility numbers at the file's pose", kmob_info},
     {"at", "the same at a pose: --set JOINT=VALUE", kmob_at},
+    {"frame", "where a frame is and how it moves: --frame BODY/FRAME", kmob_frame},
     {"sweep", "every mobility number over a driver's range: tables and plots", kmob_sweep},
     {"graph", "bodies, joints, loops and substructures as a graph for graphviz", kmob_graph},
     {"check", "everything suspicious about a model, and what to do", kmob_check},
