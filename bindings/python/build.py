@@ -61,6 +61,7 @@ def compile_module(options, package):
 
 def main():
     options = read_arguments()
+    options.include = [str(Path(folder).resolve()) for folder in options.include]
     package = Path(options.to).resolve() / "kmech"
     copy_modules(package)
     write_comments(package, options.include)
