@@ -187,8 +187,7 @@ static void least_norm(const km_mechanism *m, km_state *s, km_statics *st) {
   }
 }
 
-void km_statics_hold(const km_mechanism *m, const km_state *s, km_forces *f, km_statics *st) {
-  km_forces_update(m, s, f);
+void km_statics_hold(const km_mechanism *m, const km_state *s, const km_forces *f, km_statics *st) {
   gather_loads(m, s, f, st->work);
   km_pushed_points_update(m, f, st);
   km_actuators_hold(m, s, st);
@@ -207,13 +206,7 @@ static void forget(const km_mechanism *m, km_statics *st) {
   st->direction_count = st->degree = 0;
 }
 
-void km_statics_update(const km_mechanism *m, km_state *s, km_forces *f, km_statics *st) {
-  if (!st || !st->work || st->work->mechanism != m || !f || f->mechanism != m)
-    return;
-  if (!km_state_knows_motion(m, s)) {
-    forget(m, st);
-    return;
-  }
+void km_statics_balance(const km_mechanism *m, km_state *s, km_forces *f, km_statics *st) {
   km_statics_work *w = st->work;
   km_statics_hold(m, s, f, st);
   least_norm(m, s, st);
@@ -226,4 +219,15 @@ void km_statics_update(const km_mechanism *m, km_state *s, km_forces *f, km_stat
     km_pushed_points_apply(m, f, st);
   }
   km_statics_carry(m, s, f, st);
+}
+
+void km_statics_update(const km_mechanism *m, km_state *s, km_forces *f, km_statics *st) {
+  if (!st || !st->work || st->work->mechanism != m || !f || f->mechanism != m)
+    return;
+  if (!km_state_knows_motion(m, s)) {
+    forget(m, st);
+    return;
+  }
+  km_forces_update(m, s, f);
+  km_statics_balance(m, s, f, st);
 }

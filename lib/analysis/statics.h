@@ -96,8 +96,11 @@ bool km_carrying_reserve(const km_mechanism *mechanism, km_statics_work *work);
 
 /* Actuator forces, directions out of their reach, and whether they hold, from work->tau. */
 void km_actuators_hold(const km_mechanism *mechanism, const km_state *state, km_statics *statics);
-/* The part of km_statics_update that finds the actuators' forces; f̄ and reactions stay as they were. */
-void km_statics_hold(const km_mechanism *mechanism, const km_state *state, km_forces *forces, km_statics *statics);
+/* km_statics_update for forces that are at hand, as those of a motion (km_dynamics_balance). */
+void km_statics_balance(const km_mechanism *mechanism, km_state *state, km_forces *forces, km_statics *statics);
+/* The part of it that finds the actuators' forces; f̄ and reactions stay as they were. */
+void km_statics_hold(const km_mechanism *mechanism, const km_state *state, const km_forces *forces,
+                     km_statics *statics);
 /* After km_statics_hold, along a sweep: every actuator's force as n/d, both smooth along the motion, d = 0 where the
  * actuators lose a freedom. `motion`: rates of the coordinates along it (NULL: unknown). Exactly 0 where rounding is
  * all there is; NaN where they never hold. False if a rank has grown: what came before had a freedom less within reach,

@@ -82,6 +82,7 @@ static double clear_force(const watch *w, const km_mechanism *m, int actuator) {
 
 static void values(void *self, km_sweeper *r, double *n, double *d) {
   watch *w = self;
+  km_forces_update(r->m, r->s, w->forces);
   km_statics_hold(r->m, r->s, w->forces, w->statics);
   w->grown = !km_statics_ratios(r->m, w->statics, w->moves ? r->rates : NULL, n, d) || w->grown;
 }

@@ -10,6 +10,7 @@ static bool allocate(km_forces *f, const km_mechanism *m, int load_count) {
   size_t bodies = (size_t)m->topology.body_count;
   f->loads = KM_ARENA_NEW(&f->arena, km_load, (size_t)load_count);
   f->pose = KM_ARENA_NEW(&f->arena, km_pose, bodies);
+  f->twist = KM_ARENA_NEW(&f->arena, km_twist, bodies);
   f->body = KM_ARENA_NEW(&f->arena, km_wrench, bodies);
   f->joint = KM_ARENA_NEW(&f->arena, double, (size_t)m->coordinate_count);
   f->extra = KM_ARENA_NEW(&f->arena, double, (size_t)m->coordinate_count);
@@ -96,7 +97,7 @@ static void add_weights(const km_mechanism *m, km_forces *f) {
   }
 }
 
-static void add_loads(const km_mechanism *m, km_forces *f) {
+void km_loads_add(const km_mechanism *m, km_forces *f) {
   for (int i = 0; i < f->load_count; ++i) {
     const km_load *load = &f->loads[i];
     const km_model_frame *frame = &m->model->frames[load->frame];
@@ -126,7 +127,7 @@ void km_forces_update(const km_mechanism *m, const km_state *s, km_forces *f) {
     if (f->extra[c] != 0.0)
       km_forces_add_joint(m->model, f, c, f->extra[c]);
   add_weights(m, f);
-  add_loads(m, f);
+  km_loads_add(m, f);
   km_springs_add(m, s, f);
 }
 

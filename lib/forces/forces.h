@@ -16,9 +16,11 @@ struct km_forces {
   double *extra; /* [coordinate] forces in joints along +q that an analysis sets; 0 at first */
   km_load *loads;
   const km_model_module **springs; /* force modules of type stiffness */
+  struct km_moving_forces *moving; /* what acts beside them while the mechanism moves; NULL in statics */
   /* At the last pose, by km_forces_update. Wrenches along the inertial axes, moments about `origin`. */
   km_vec3 origin;     /* near the mechanism: far from the inertial origin digits would be lost */
   km_pose *pose;      /* [body] in the inertial frame moved to `origin` */
+  km_twist *twist;    /* [body] about `origin`; 0 in statics */
   km_wrench *body;    /* [body] applied wrenches */
   double *joint;      /* [coordinate] forces in joints along +q */
   double force_size;  /* Σ of the forces' lengths, … */
@@ -30,10 +32,31 @@ void km_force_unit(const km_model *model, int coordinate, km_text *out);
 void km_torque_unit(const km_model *model, km_text *out);
 
 double km_law_force(const km_law *law, double displacement);
+/* The integral of the force from 0. */
+double km_law_work(const km_law *law, double displacement);
+
+/* A port between frames as it stands: from the parent's origin to the child's, and the line of its displacement. Two
+ * points in one place have no line between them: a force there has no direction, and counts as 0. */
+typedef struct km_line {
+  km_vec3 from, to, along; /* unit vector */
+  double displacement, rate;
+} km_line;
+km_line km_line_of(const km_mechanism *mechanism, const km_forces *forces, const km_port *port, km_distance distance);
+/* What a module measures: a coordinate, or a displacement between frames; and its rate. */
+double km_module_input(const km_mechanism *mechanism, const km_state *state, const km_forces *forces,
+                       const km_model_module *module, double *rate);
+/* Adds the module's force at its output; returns the rate at which the output moves along it. */
+double km_module_push(const km_mechanism *mechanism, const km_state *state, km_forces *forces,
+                      const km_model_module *module, double force);
+
 /* Gathers the model's modules of type stiffness into forces->springs. */
 km_status km_springs_gather(const km_model *model, km_forces *forces, km_error *error);
 /* Adds their forces at the poses. */
 void km_springs_add(const km_mechanism *mechanism, const km_state *state, km_forces *forces);
+/* What they store at the poses, from displacement 0 on. */
+double km_springs_energy(const km_mechanism *mechanism, const km_state *state, const km_forces *forces);
+/* Adds the loads at the poses. */
+void km_loads_add(const km_mechanism *mechanism, km_forces *forces);
 
 /* Adds a force in a joint along +q of a coordinate. */
 void km_forces_add_joint(const km_model *model, km_forces *forces, int coordinate, double force);

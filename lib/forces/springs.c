@@ -11,6 +11,31 @@ double km_law_force(const km_law *law, double x) {
   return force;
 }
 
+double km_law_work(const km_law *law, double x) {
+  double from = 0.0, work = 0.0;
+  int piece = 0, step = x < 0.0 ? -1 : 1;
+  while (piece < law->knot_count && 0.0 >= law->knots[piece])
+    ++piece;
+  for (bool last = false; !last;) {
+    /* To the knot that comes next on the way, or to x. */
+    int knot = step > 0 ? piece : piece - 1;
+    double to = x;
+    last = knot < 0 || knot >= law->knot_count || (x - law->knots[knot]) * step <= 0.0;
+    if (!last)
+      to = law->knots[knot];
+    double at_to = 0.0, at_from = 0.0;
+    for (int k = law->start[piece + 1] - 1; k >= law->start[piece]; --k) {
+      double c = law->coefficients[k] / (k - law->start[piece] + 1);
+      at_to = (at_to + c) * to;
+      at_from = (at_from + c) * from;
+    }
+    work += at_to - at_from;
+    from = to;
+    piece += step;
+  }
+  return work;
+}
+
 km_status km_springs_gather(const km_model *model, km_forces *f, km_error *error) {
   f->springs = KM_ARENA_NEW(&f->arena, const km_model_module *, (size_t)model->module_count);
   for (int i = 0; i < model->module_count && f->springs; ++i)
@@ -19,18 +44,16 @@ km_status km_springs_gather(const km_model *model, km_forces *f, km_error *error
   return f->arena.failed ? km_fail(error, KM_MEMORY, "out of memory for the springs") : KM_OK;
 }
 
-/* A port between frames as it stands: from the parent's origin to the child's, and the line of its displacement. */
-typedef struct line {
-  km_vec3 from, to, along; /* unit vector */
-  double displacement;
-} line;
-
-/* Two points in one place have no line between them: a force there has no direction, and counts as 0. */
-static line line_of(const km_mechanism *m, const km_forces *f, const km_port *port, km_distance distance) {
+km_line km_line_of(const km_mechanism *m, const km_forces *f, const km_port *port, km_distance distance) {
   const km_model_frame *a = &m->model->frames[port->frame[0]], *b = &m->model->frames[port->frame[1]];
   km_pose A = km_pose_product(&f->pose[a->body], &a->pose);
-  line l = {.from = A.p, .to = km_pose_point(&f->pose[b->body], b->pose.p)};
+  km_line l = {.from = A.p, .to = km_pose_point(&f->pose[b->body], b->pose.p)};
   km_vec3 way = km_vec3_sub(l.to, l.from);
+  km_twist va = f->twist[a->body], vb = f->twist[b->body];
+  /* Of the child's point against the parent's body: about an axis that turns with the parent its rate along the axis is
+   * that of the displacement, and along the line between the points it is the distance's. */
+  km_vec3 rate =
+      km_vec3_sub(km_vec3_add(vb.v, km_vec3_cross(vb.w, l.to)), km_vec3_add(va.v, km_vec3_cross(va.w, l.to)));
   if (distance == KM_DISTANCE_EUCLID) {
     l.displacement = km_vec3_norm(way);
     l.along = l.displacement > 0.0 ? km_vec3_scale(1.0 / l.displacement, way) : (km_vec3){0, 0, 0};
@@ -38,34 +61,49 @@ static line line_of(const km_mechanism *m, const km_forces *f, const km_port *po
     l.along = A.R.axis[distance - KM_DISTANCE_X];
     l.displacement = km_vec3_dot(l.along, way);
   }
+  l.rate = km_vec3_dot(l.along, rate);
   return l;
 }
 
-static double displacement(const km_mechanism *m, const km_state *s, const km_forces *f,
-                           const km_model_module *spring) {
-  if (spring->input.coordinate >= 0)
-    return s->q[spring->input.coordinate];
-  return line_of(m, f, &spring->input, spring->distance).displacement;
+double km_module_input(const km_mechanism *m, const km_state *s, const km_forces *f, const km_model_module *module,
+                       double *rate) {
+  int c = module->input.coordinate;
+  if (c >= 0) {
+    *rate = s->rate[c];
+    return s->q[c];
+  }
+  km_line l = km_line_of(m, f, &module->input, module->distance);
+  *rate = l.rate;
+  return l.displacement;
 }
 
-/* Pushes the two frames apart. Both forces act at the child's point: along a parent's axis their line must pass
- * through it, so that the power is that of the displacement. */
-static void push(const km_mechanism *m, km_forces *f, const km_model_module *spring, double force) {
+/* Between frames both forces act at the child's point: along a parent's axis their line must pass through it, so that
+ * the power is that of the displacement. */
+double km_module_push(const km_mechanism *m, const km_state *s, km_forces *f, const km_model_module *module,
+                      double force) {
   const km_vec3 none = {0, 0, 0};
-  line l = line_of(m, f, &spring->output, spring->distance);
-  const int *frame = spring->output.frame;
+  int c = module->output.coordinate;
+  if (c >= 0) {
+    km_forces_add_joint(m->model, f, c, force);
+    return s->rate[c];
+  }
+  km_line l = km_line_of(m, f, &module->output, module->distance);
+  const int *frame = module->output.frame;
   km_forces_add(f, m->model->frames[frame[1]].body, km_vec3_scale(force, l.along), none, l.to);
   km_forces_add(f, m->model->frames[frame[0]].body, km_vec3_scale(-force, l.along), none, l.to);
+  return l.rate;
 }
 
 void km_springs_add(const km_mechanism *m, const km_state *s, km_forces *f) {
-  for (int i = 0; i < f->spring_count; ++i) {
-    const km_model_module *spring = f->springs[i];
-    double force = km_law_force(&spring->law, displacement(m, s, f, spring));
-    int c = spring->output.coordinate;
-    if (c < 0)
-      push(m, f, spring, force);
-    else
-      km_forces_add_joint(m->model, f, c, force);
-  }
+  double rate;
+  for (int i = 0; i < f->spring_count; ++i)
+    km_module_push(m, s, f, f->springs[i],
+                   km_law_force(&f->springs[i]->law, km_module_input(m, s, f, f->springs[i], &rate)));
+}
+
+double km_springs_energy(const km_mechanism *m, const km_state *s, const km_forces *f) {
+  double rate, energy = 0.0;
+  for (int i = 0; i < f->spring_count; ++i)
+    energy -= km_law_work(&f->springs[i]->law, km_module_input(m, s, f, f->springs[i], &rate));
+  return energy;
 }

@@ -53,3 +53,43 @@ km_status km_state_coordinates(const km_mechanism *m, const km_state *s, double 
     values[c] = km_state_coordinate(s, c);
   return status;
 }
+
+double km_state_rate(const km_state *s, int coordinate) {
+  if (!s || coordinate < 0 || coordinate >= s->mechanism->coordinate_count)
+    return nan("");
+  return s->rate[coordinate] / km_model_coordinate_factor(s->mechanism->model, coordinate);
+}
+
+double km_state_acceleration(const km_state *s, int coordinate) {
+  if (!s || coordinate < 0 || coordinate >= s->mechanism->coordinate_count)
+    return nan("");
+  return s->acceleration[coordinate] / km_model_coordinate_factor(s->mechanism->model, coordinate);
+}
+
+km_status km_state_set_rate(const km_mechanism *m, km_state *s, int coordinate, double rate, km_error *error) {
+  km_status status = km_check_state(m, s, error);
+  if (!status)
+    status = km_check_index(coordinate, m->coordinate_count, "coordinate", error);
+  if (status)
+    return status;
+  const char *label = m->model->coordinates[coordinate].label;
+  if (!isfinite(rate))
+    return km_fail(error, KM_USAGE, "rate %g for %s; expected a finite value", rate, label);
+  if (m->held[coordinate])
+    return km_fail(error, KM_USAGE, "joint \"%s\" is held; expected one that is free to move", label);
+  s->rate[coordinate] = rate * km_model_coordinate_factor(m->model, coordinate);
+  return KM_OK;
+}
+
+double km_state_time(const km_state *s) {
+  return s ? s->time : nan("");
+}
+
+km_status km_state_set_time(const km_mechanism *m, km_state *s, double time, km_error *error) {
+  km_status status = km_check_state(m, s, error);
+  if (!status && !isfinite(time))
+    status = km_fail(error, KM_USAGE, "time %g; expected a finite value", time);
+  if (!status)
+    s->time = time;
+  return status;
+}

@@ -80,11 +80,11 @@ static void planar_loop(const km_mechanism *m, const km_loop *loop, const km_pla
 }
 
 static void update_planar(const km_mechanism *m, km_state *s, const km_substructure *sub, const km_program *program) {
-  planar_steps(program, m->planar_steps + program->step_start, s->q, sub->size, s->planar_slot, s->twist);
+  km_twist *h = s->twist + program->twist_start;
+  planar_steps(program, m->planar_steps + program->step_start, s->q, sub->size, s->planar_slot, h);
   for (int i = 0; i < program->loop_count; ++i) {
     int l = m->loop_order[program->loop_start + i];
-    planar_loop(m, &m->loops[l], s->planar_slot, s->twist, &s->misfit[l], km_state_error(s, sub),
-                km_state_jacobian(s, sub));
+    planar_loop(m, &m->loops[l], s->planar_slot, h, &s->misfit[l], km_state_error(s, sub), km_state_jacobian(s, sub));
   }
 }
 
@@ -129,15 +129,16 @@ static void spatial_steps(const km_mechanism *m, km_state *s, const km_program *
     const km_pose *from = &s->slot[step->from];
     km_pose X = {step->turned ? km_rotation_product(&from->R, &step->before.R) : from->R,
                  km_pose_point(from, step->before.p)};
-    s->slot[step->to] = spatial_motion(step, X, s, size, s->twist + 3 * i);
+    s->slot[step->to] = spatial_motion(step, X, s, size, s->twist + program->twist_start + 3 * i);
   }
 }
 
 static void spatial_loop(const km_mechanism *m, const km_program *program, const km_loop *loop, const km_state *s,
-                         km_twist *misfit, double *error, double *J) {
+                         km_twist *misfit, km_vec3 *taken, double *error, double *J) {
   km_pose a = km_pose_product(&s->slot[loop->slot[0]], &loop->close[0]);
   km_pose b = km_pose_product(&s->slot[loop->slot[1]], &loop->close[1]);
   km_vec3 first = loop->local ? a.p : loop->point[0];
+  *taken = first;
   const km_vec3 o[2] = {first, km_vec3_sub(first, loop->apart)};
   b.p = km_vec3_add(km_vec3_sub(b.p, a.p), loop->apart);
   km_pose back = km_pose_inverse(&b), E = {km_rotation_product(&a.R, &back.R), km_rotate(&a.R, back.p)};
@@ -151,7 +152,7 @@ static void spatial_loop(const km_mechanism *m, const km_program *program, const
     int freedom = km_primitive_freedom(m->steps[program->step_start + entry->step].primitive);
     int side = entry->side < 0.0;
     for (int k = 0; k < freedom; ++k) {
-      const km_twist *h = &s->twist[3 * entry->step + k];
+      const km_twist *h = &s->twist[program->twist_start + 3 * entry->step + k];
       km_vec3 v = km_vec3_add(h->v, km_vec3_cross(h->w, o[side]));
       const double column[6] = {v.x, v.y, v.z, h->w.x, h->w.y, h->w.z};
       double *out = J + entry->at + (size_t)k * entry->next;
@@ -165,7 +166,8 @@ static void update_spatial(const km_mechanism *m, km_state *s, const km_substruc
   spatial_steps(m, s, program, sub->size);
   for (int i = 0; i < program->loop_count; ++i) {
     int l = m->loop_order[program->loop_start + i];
-    spatial_loop(m, program, &m->loops[l], s, &s->misfit[l], km_state_error(s, sub), km_state_jacobian(s, sub));
+    spatial_loop(m, program, &m->loops[l], s, &s->misfit[l], &s->place[l], km_state_error(s, sub),
+                 km_state_jacobian(s, sub));
   }
 }
 

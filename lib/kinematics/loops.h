@@ -12,6 +12,12 @@ void km_loops_update(const km_mechanism *mechanism, km_state *state, const km_su
 /* What a term of a coupling adds to its row, and the derivative by the scaled coordinate. */
 double km_term_value(const km_mechanism *mechanism, const km_state *state, const km_term *term, double *slope);
 
+/* γ = −J̇ q̇, the right side of J q̈ = γ, scaled as J, at the pose of the last km_loops_update of this substructure:
+ * of every loop's independent rows, gamma[rows]. `rate`[coordinate]: rates that keep the loops closed, in radians and
+ * the model's length; theory 3, ḣ = ad(twist of what carries it) h. O(steps). */
+void km_loops_velocity_products(const km_mechanism *mechanism, km_state *state, const km_substructure *sub,
+                                const double *rate, double *gamma);
+
 /* √(eᵀe/6) of the substructure's worst loop (235), coupling errors alike, and which loop that is (-1: a coupling
  * or none). Scaled. */
 double km_loops_residual(const km_mechanism *mechanism, const km_state *state, const km_substructure *sub, int *worst);

@@ -5,14 +5,6 @@
 
 #include <string.h>
 
-static int longest_program(const km_mechanism *m) {
-  int steps = 0;
-  for (int i = 0; i < m->program_count; ++i)
-    if (m->programs[i].step_count > steps)
-      steps = m->programs[i].step_count;
-  return steps;
-}
-
 static bool reserve_partition(const km_substructure *sub, km_partition *p, km_arena *arena) {
   return sub->pattern.start
              ? km_partition_reserve_sparse(p, sub->rows, sub->columns, sub->pattern.start, sub->pattern.row, arena)
@@ -25,6 +17,8 @@ static bool allocate(const km_mechanism *m, km_state *s) {
   size_t coordinates = (size_t)m->coordinate_count;
   size_t columns = (size_t)m->largest_columns;
   s->q = KM_ARENA_NEW(arena, double, coordinates);
+  s->rate = KM_ARENA_NEW(arena, double, coordinates);
+  s->acceleration = KM_ARENA_NEW(arena, double, coordinates);
   s->ball = KM_ARENA_NEW(arena, km_quaternion, (size_t)m->ball_count);
   s->jacobian = KM_ARENA_NEW(arena, double, m->matrix_size);
   s->error = KM_ARENA_NEW(arena, double, (size_t)m->error_size);
@@ -36,7 +30,9 @@ static bool allocate(const km_mechanism *m, km_state *s) {
   s->pose = KM_ARENA_NEW(arena, km_pose, (size_t)t->body_count);
   s->slot = KM_ARENA_NEW(arena, km_pose, (size_t)m->largest_slots);
   s->planar_slot = KM_ARENA_NEW(arena, km_planar_pose, (size_t)m->largest_slots);
-  s->twist = KM_ARENA_NEW(arena, km_twist, 3 * (size_t)longest_program(m));
+  s->twist = KM_ARENA_NEW(arena, km_twist, (size_t)m->twist_count);
+  s->place = KM_ARENA_NEW(arena, km_vec3, (size_t)t->loop_count);
+  s->slot_motion = KM_ARENA_NEW(arena, km_slot_motion, (size_t)m->largest_slots);
   s->work = KM_ARENA_NEW(arena, double, columns);
   s->part = KM_ARENA_NEW(arena, double, columns);
   s->forced = KM_ARENA_NEW(arena, bool, columns);
@@ -111,8 +107,12 @@ km_status km_state_create(const km_mechanism *m, km_state **out, km_error *error
 void km_state_restart(km_state *s) {
   if (!s)
     return;
+  const km_mechanism *m = s->mechanism;
   km_state_unlock(s);
-  km_state_set(s->mechanism, s, s->mechanism->start);
+  km_state_set(m, s, m->start);
+  memcpy(s->rate, m->start_rate, (size_t)m->coordinate_count * sizeof *s->rate);
+  memset(s->acceleration, 0, (size_t)m->coordinate_count * sizeof *s->acceleration);
+  s->time = 0.0;
 }
 
 void km_state_free(km_state *s) {
@@ -345,6 +345,8 @@ int km_state_limit_touched(const km_state *s, const km_substructure *sub, const 
 
 void km_state_copy(const km_mechanism *m, km_state *to, const km_state *from) {
   memcpy(to->q, from->q, (size_t)m->coordinate_count * sizeof *to->q);
+  memcpy(to->rate, from->rate, (size_t)m->coordinate_count * sizeof *to->rate);
+  to->time = from->time;
   memcpy(to->ball, from->ball, (size_t)m->ball_count * sizeof *to->ball);
 }
 

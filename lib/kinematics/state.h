@@ -10,6 +10,11 @@ typedef struct km_planar_pose {
   double angle, cosine, sine, x, y;
 } km_planar_pose;
 
+/* Of a slot against its base: its twist, and its acceleration where no rate changes. */
+typedef struct km_slot_motion {
+  km_twist twist, product;
+} km_slot_motion;
+
 /* A null space basis that grows with the freedom. */
 typedef struct km_basis {
   double *Z;
@@ -22,6 +27,9 @@ struct km_state {
   km_arena arena;
   const km_mechanism *mechanism;
   double *q;               /* [coordinate] radians, or the model's length unit. A ball's: rotation vector, derived */
+  double *rate;            /* [coordinate] per the model's time unit; a ball's: its angular velocity's components */
+  double *acceleration;    /* [coordinate] the rates' rates. By km_dynamics_accelerate */
+  double time;             /* the model's time unit */
   km_quaternion *ball;     /* [ball] what a ball's coordinates really are. By km_state_move, km_state_set */
   double *jacobian;        /* [matrix_size] by substructure, in its pattern. By km_loops_update */
   double *error;           /* [error_size] by substructure, the rows' errors. By km_loops_update */
@@ -33,15 +41,18 @@ struct km_state {
   km_pose *pose;           /* [body] in the inertial frame, model's length unit. By km_poses_update */
   km_pose *slot;           /* [largest_slots] workspace of spatial programs */
   km_planar_pose *planar_slot;
-  km_twist *twist;     /* [3 · longest program] columns of the steps */
-  double *work;        /* [largest_columns] */
-  double *part;        /* [largest_columns] of km_least_step */
-  bool *forced;        /* [largest_columns] */
-  bool *locked;        /* [coordinate] held by the state, beside what the mechanism holds. By km_state_lock */
-  bool *locked_column; /* [columns of all substructures] the same, for their partitions */
+  km_twist *twist; /* [twist_count] columns of the programs' steps, a planar one's as (x, y, turn) in v. By
+                    * km_loops_update */
+  km_vec3 *place;  /* [loop] in space: where its rows are taken, from its first branch's origin. By the same */
+  km_slot_motion *slot_motion; /* [largest_slots] workspace of km_loops_velocity_products */
+  double *work;                /* [largest_columns] */
+  double *part;                /* [largest_columns] of km_least_step */
+  bool *forced;                /* [largest_columns] */
+  bool *locked;                /* [coordinate] held by the state, beside what the mechanism holds. By km_state_lock */
+  bool *locked_column;         /* [columns of all substructures] the same, for their partitions */
 };
 
-enum { KM_NO_DRIVER = -1, KM_NEVER = -2 };
+enum { KM_NO_DRIVER = -1, KM_NEVER = -2, KM_PRESCRIBED = -3 /* the prescribed columns of a motion are forced */ };
 
 /* The pivots at hand don't belong to the present pose: they are searched anew before they are used. */
 static inline void km_state_forget_pivots(km_state *s, int substructure) {

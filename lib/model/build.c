@@ -155,7 +155,8 @@ km_status km_model_set(km_builder *b, const km_settings_def *def, km_error *erro
   km_status status = set_units(&units, def, error);
   if (status)
     return status;
-  if (!km_builder_sane(def->gravity, 3) || !(def->characteristic_length >= 0.0) ||
+  if (!km_builder_sane(def->gravity, 3) ||
+      !(def->characteristic_length == 0.0 || def->characteristic_length > 1e-100) ||
       !(def->closure_tolerance >= 0.0 && def->closure_tolerance < 0.1))
     return km_fail(error, KM_MODEL,
                    "found a gravity that is not finite, a characteristic length below 0 or a closure tolerance "

@@ -116,6 +116,14 @@ typedef struct km_law {
   const double *coefficients; /* lowest power first */
 } km_law;
 
+/* Numbers of a tyre by Fiala. */
+typedef struct km_tire {
+  double radius, stiffness, damping; /* without load; vertical */
+  double rolling_resistance, width;  /* lengths */
+  double longitudinal, lateral;      /* stiffnesses: force for each unit of slip */
+  double friction_peak, friction_sliding, relaxation[2];
+} km_tire;
+
 typedef struct km_model_module {
   const char *name, *where;
   km_module_type type;
@@ -125,6 +133,7 @@ typedef struct km_model_module {
   double reference, kp, ki, kd; /* of a controller */
   int table_count;              /* of a motor's table: rows */
   const double *table;          /* [2 · table_count] t, f */
+  km_tire tire;
 } km_model_module;
 
 typedef struct km_applied_load {
@@ -163,6 +172,11 @@ typedef struct km_model_sweep {
   int steps;
 } km_model_sweep;
 
+/* Settings of a simulation; 0: not given. */
+typedef struct km_simulation_settings {
+  double span, step, relative, absolute;
+} km_simulation_settings;
+
 struct km_model {
   km_arena arena;
   const struct km_origin
@@ -174,6 +188,7 @@ struct km_model {
   int include_dir_count;
   km_units units;
   km_vec3 gravity;
+  km_simulation_settings simulation;
   double characteristic_length; /* 0: the file states none */
   bool length_shared;           /* it is that of another model, which this one is compared with */
   double closure_tolerance;

@@ -45,6 +45,7 @@ bool km_compile_allocate(km_mechanism *m, km_walks *walks) {
   size_t substructures = (size_t)m->topology.substructure_count, bodies = (size_t)m->model->body_count;
   m->held = KM_ARENA_NEW(arena, bool, coordinates);
   m->start = KM_ARENA_NEW(arena, double, coordinates);
+  m->start_rate = KM_ARENA_NEW(arena, double, coordinates);
   m->low = KM_ARENA_NEW(arena, double, coordinates);
   m->high = KM_ARENA_NEW(arena, double, coordinates);
   m->max_rate = KM_ARENA_NEW(arena, double, coordinates);
@@ -110,6 +111,7 @@ static void set_coordinates(km_mechanism *m, const km_hold *holds, int hold_coun
     double factor = km_model_coordinate_factor(model, c);
     bool length = km_joint_is_length(model->joints[def->joint].type, def->index);
     m->start[c] = factor * def->position;
+    m->start_rate[c] = factor * def->rate;
     m->low[c] = factor * def->low;
     m->high[c] = factor * def->high;
     m->max_rate[c] = factor * def->max_rate;
@@ -124,6 +126,7 @@ static void set_coordinates(km_mechanism *m, const km_hold *holds, int hold_coun
   }
   for (int h = 0; h < hold_count; ++h) {
     m->held[holds[h].coordinate] = true;
+    m->start_rate[holds[h].coordinate] = 0.0;
     m->start[holds[h].coordinate] = holds[h].value * km_model_coordinate_factor(model, holds[h].coordinate);
   }
 }

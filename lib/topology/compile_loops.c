@@ -211,6 +211,8 @@ static void compile_program(km_mechanism *m, km_program *program, km_walks *w) {
     set_point(w, loop);
     find_motion_space(m, program, loop, w, &plane);
   }
+  program->twist_start = m->twist_count;
+  m->twist_count += (program->planar ? 1 : 3) * program->step_count;
   if (program->planar)
     km_compile_planar(m, program, w, &plane);
   else

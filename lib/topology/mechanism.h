@@ -43,6 +43,7 @@ typedef struct km_program {
   int step_start, step_count; /* into steps or planar_steps */
   int loop_start, loop_count; /* into loop_order */
   int slot_count;
+  int twist_start; /* into the states' twists: three a step in space, one in a plane */
 } km_program;
 
 /* A step's columns in a loop's block: +1 on the virtual side, -1 on the other. */
@@ -126,6 +127,7 @@ struct km_mechanism {
   int coordinate_count, ball_count;
   bool *held;           /* [coordinate] */
   double *start;        /* [coordinate] initial displacement: radians, or the model's length unit */
+  double *start_rate;   /* [coordinate] initial rate, per time; 0 of held ones */
   double *low, *high;   /* [coordinate] limits, the same units */
   double *max_rate;     /* [coordinate] of the drive, the same units over the model's time unit; infinity: none */
   double *max_force;    /* [coordinate] of the drive, a force or (of angles) a torque; infinity: none */
@@ -152,6 +154,7 @@ struct km_mechanism {
   km_arc *arcs;   /* bodies by level, without the inertial frame */
   int *arc_of;    /* [body] into arcs; -1 for the inertial frame */
   int program_count, step_count, planar_step_count, entry_count, coupling_count, term_count, curve_size;
+  int twist_count;
   int largest_slots, largest_rows, largest_columns;
   size_t matrix_size;
   int error_size;

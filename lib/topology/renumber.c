@@ -29,7 +29,7 @@ static void clear(km_mechanism *s) {
   memset(s->loops, 0, (size_t)s->topology.loop_count * sizeof *s->loops);
   s->ball_count = 0;
   s->program_count = s->step_count = s->planar_step_count = s->entry_count = s->coupling_count = s->term_count =
-      s->curve_size = 0;
+      s->curve_size = s->twist_count = 0;
   s->largest_slots = s->largest_rows = s->largest_columns = 0;
   s->matrix_size = 0;
   s->error_size = 0;

@@ -55,6 +55,15 @@ static void open_handles(world *w) {
   if (w->plan.coordinate < 0)
     w->plan = (km_sweep_plan){.coordinate = 0, .to = 0.1, .steps = 3, .direction = -1, .sign = 1.0};
   km_forces_create(w->mechanism, NULL, NULL, 0, &w->forces, NULL);
+  km_forces_create(w->mechanism, NULL, NULL, 0, &w->moving_forces, NULL);
+  km_dynamics_create(w->mechanism, w->moving_forces, &w->dynamics, NULL);
+  w->simulation_def = km_simulation_default();
+  w->history_def = km_history_default(w->model);
+  w->rates[0] = (km_constant_rate){0, 0.1};
+  w->inverse_def = (km_inverse_def){.rates = w->rates, .rate_count = 1, .until = 0.1, .steps = 2};
+  w->history_def.until = 0.1;
+  w->history_def.every = 0.05;
+  km_simulation_create(w->dynamics, w->state, &w->simulation_def, &w->simulation, NULL);
   km_statics_create(w->mechanism, NULL, 0, KM_AXES_JOINT, &w->statics, NULL);
   km_lever_create(w->mechanism, &w->input, &w->output, &w->lever, NULL);
   km_losses_create(w->mechanism, &w->input, &w->output, &w->losses, NULL);
@@ -169,6 +178,9 @@ void world_close(world *w) {
   km_lever_free(w->lever);
   km_losses_free(w->losses);
   km_transmission_free(w->transmission);
+  km_simulation_free(w->simulation);
+  km_dynamics_free(w->dynamics);
+  km_forces_free(w->moving_forces);
   km_forces_free(w->forces);
   km_statics_free(&w->statics);
   km_state_free(w->state);

@@ -17,7 +17,13 @@ typedef struct world {
   km_lever *lever;
   km_losses_work *losses;
   km_transmission_work *transmission;
-  km_forces *forces;
+  km_forces *forces, *moving_forces;
+  km_dynamics *dynamics;
+  km_simulation *simulation;
+  km_simulation_def simulation_def;
+  km_history_def history_def;
+  km_constant_rate rates[1];
+  km_inverse_def inverse_def;
   km_statics statics;
   km_study_def study_def, other_study_def;
   km_study_place place;

@@ -71,8 +71,8 @@ static void test_tilted_planes(void **unused) {
 /* Of the models those in a plane; and each planar loop has three constraints by nature, whatever else is redundant. */
 static void test_models(void **unused) {
   (void)unused;
-  static const char *const planar[] = {"fourbar",      "slider_crank", "klann",       "brake", "scissor_lift",
-                                       "toggle_press", "jansen",       "peaucellier", "bonnet"};
+  static const char *const planar[] = {"fourbar", "slider_crank", "klann",  "brake",   "scissor_lift", "toggle_press",
+                                       "jansen",  "peaucellier",  "bonnet", "andrews", "a02"};
   for (const char *const *name = all_models; *name; ++name) {
     fixture f = fixture_open(*name);
     double normal[3];

@@ -10,10 +10,10 @@
 #include <stdio.h>
 #include <string.h>
 
-const char *const all_models[] = {
-    "fourbar",      "slider_crank", "bricard",     "sarrus3", "sarrus4", "klann",  "excavator", "brake",
-    "bennett",      "stewart",      "delta",       "robot7r", "panda",   "iiwa14", "vehicle",   "scissor_lift",
-    "toggle_press", "jansen",       "peaucellier", "rssr",    "bonnet",  NULL};
+const char *const all_models[] = {"fourbar",     "slider_crank", "bricard", "sarrus3",      "sarrus4",      "klann",
+                                  "excavator",   "brake",        "bennett", "stewart",      "delta",        "robot7r",
+                                  "panda",       "iiwa14",       "vehicle", "scissor_lift", "toggle_press", "jansen",
+                                  "peaucellier", "rssr",         "bonnet",  "andrews",      "a02",          NULL};
 
 bool has_one_freedom(const char *name) {
   static const char *const several[] = {"stewart", "delta", "vehicle", "rssr", NULL};

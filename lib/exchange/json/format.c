@@ -13,7 +13,7 @@ static const km_field units_fields[] = {
 static const km_object_format units_format = {"units", units_fields};
 
 static const km_field simulation_fields[] = {
-    {"integration_type", "Name of the integration method.", STRING},
+    {"integration_type", "Name of the integration method. Kept; ksim has an option for it.", STRING},
     {"time_span", "Duration.", NUMBER, UNIT(.time = 1)},
     {"time_step", "Time between two rows of results.", NUMBER, UNIT(.time = 1)},
     {"relative_error", "Relative error allowed in a step.", NUMBER},
@@ -32,7 +32,7 @@ static const km_field parameters_fields[] = {
      "Largest error that closed loops may keep, relative to the size of the loop. Rounded data (CAD) may need more than "
      "the default.",
      NUMBER, UNSTATED("1e-9")},
-    {"simulation", "Settings of a simulation. Kept; no tool here simulates.", OBJECT(simulation_format)},
+    {"simulation", "Settings of ksim, which its options override.", OBJECT(simulation_format)},
     {"characteristic_length", "Length by which lengths are divided where they are compared with angles.", NUMBER,
      UNIT(.length = 1), UNSTATED("the longest link")},
     {0}};

@@ -27,7 +27,7 @@ static const km_field module_fields[] = {
     {"name", "Name of the force module.", STRING, REQUIRED},
     {"type",
      "stiffness is a force from a displacement, damping and friction from a rate, motor from time, pid a controller, "
-     "fiala_tire a tyre. Statics counts stiffness; the others are kept for a simulation.",
+     "fiala_tire a tyre. Statics counts stiffness; the others count in a simulation.",
      STRING, REQUIRED},
     {"input", "Where the variable is measured.", OBJECT(port_format), UNSTATED("the output")},
     {"output", "Where the force acts.", OBJECT(port_format), UNSTATED("the input")},
@@ -50,7 +50,7 @@ static const km_field module_fields[] = {
     {"ki", "Force of a pid for each unit of the error's integral over time.", NUMBER, BY(GAIN), UNIT(.time = -1),
      UNSTATED("0")},
     {"kd", "Force of a pid for each unit of the error's rate.", NUMBER, BY(GAIN), UNIT(.time = 1), UNSTATED("0")},
-    {"tire", "Numbers of a fiala_tire. Kept for a simulation.", OBJECT(tire_format)},
+    {"tire", "Numbers of a fiala_tire, whose parent frame is the road (its z axis the normal) and whose child frame is the wheel's (its y axis the axle).", OBJECT(tire_format)},
     ACTIVE,
     {0}};
 const km_object_format km_format_module = {"force_module", module_fields};
@@ -80,7 +80,7 @@ static const km_field strut_fields[] = {
      OBJECT(gas_spring_format)},
     {"cylinder", "Whether it is an actuator.", BOOLEAN, UNSTATED("false")},
     {"limits", "Least and greatest length.", SHAPE(RANGE), UNIT(.length = 1), UNSTATED("none")},
-    {"damping", "Viscous damping for a simulation. Kept.", NUMBER, UNIT(.force = 1, .time = 1, .length = -1),
+    {"damping", "Viscous damping in a simulation.", NUMBER, UNIT(.force = 1, .time = 1, .length = -1),
      UNSTATED("0")},
     ACTIVE,
     {0}};

@@ -123,9 +123,17 @@ static void read_parameters(km_reader *reader, const km_value *root) {
   read_units(reader, parameters, &place);
   read_folders(reader, km_value_get(parameters, "include_dir"));
   model->gravity = km_reader_vector(parameters, "gravity");
+  const km_value *simulation = km_value_get(parameters, "simulation");
+  model->simulation = (km_simulation_settings){
+      km_reader_number(simulation, "time_span", 0.0), km_reader_number(simulation, "time_step", 0.0),
+      km_reader_number(simulation, "relative_error", 0.0), km_reader_number(simulation, "absolute_error", 0.0)};
   model->characteristic_length = km_reader_number(parameters, "characteristic_length", 0.0);
   if (km_value_get(parameters, "characteristic_length"))
     km_reader_positive(reader, &place, "characteristic_length", model->characteristic_length);
+  km_place length = {&place, "characteristic_length", 0};
+  if (model->characteristic_length > 0.0 && !(model->characteristic_length > 1e-100))
+    km_reader_error(reader, &length, "found %s; expected a length whose square is a number",
+                    KM_SHOWN(model->characteristic_length));
   model->closure_tolerance_given = km_value_get(parameters, "closure_tolerance") != NULL;
   model->closure_tolerance = km_reader_number(parameters, "closure_tolerance", 1e-9);
   km_place tolerance = {&place, "closure_tolerance", 0};

@@ -48,6 +48,28 @@ static void read_law(km_reader *reader, const km_value *module, km_model_module 
   out->kd = km_reader_number(module, "kd", 0.0);
 }
 
+static void read_tire(km_reader *reader, const km_value *module, const km_place *place, km_tire *out) {
+  const km_value *t = km_value_get(module, "tire");
+  km_place at = {place, "tire", 0};
+  *out = (km_tire){
+      .radius = km_reader_number(t, "unloaded_radius", 0.0),
+      .stiffness = km_reader_number(t, "vertical_stiffness", 0.0),
+      .damping = km_reader_number(t, "vertical_damping", 0.0),
+      .rolling_resistance = km_reader_number(t, "rolling_resistance", 0.0),
+      .width = km_reader_number(t, "width", 0.0),
+      .longitudinal = km_reader_number(t, "longitudinal_stiffness", 0.0),
+      .lateral = km_reader_number(t, "lateral_stiffness", 0.0),
+      .friction_peak = km_reader_number(t, "friction_peak", 1.0),
+      .relaxation = {km_reader_number(t, "relaxation_length_x", 0.0), km_reader_number(t, "relaxation_length_y", 0.0)}};
+  out->friction_sliding = km_reader_number(t, "friction_sliding", out->friction_peak);
+  static const char *const numbers[] = {
+      "unloaded_radius",        "vertical_stiffness", "vertical_damping", "rolling_resistance", "width",
+      "longitudinal_stiffness", "lateral_stiffness",  "friction_peak",    "friction_sliding",   "relaxation_length_x",
+      "relaxation_length_y"};
+  for (size_t i = 0; t && i < sizeof numbers / sizeof *numbers; ++i)
+    km_reader_not_negative(reader, t, numbers[i], &at);
+}
+
 /* False where the port names what is left out. */
 static bool read_port(km_reader *reader, const km_value *port, int assembly, const km_place *place, km_port *out) {
   const char *type = km_reader_string(port, "type");
@@ -139,6 +161,8 @@ static void read_module(km_reader *reader, const km_value *module, int assembly,
     return;
   }
   read_law(reader, module, &def);
+  if (def.type == KM_MODULE_TIRE)
+    read_tire(reader, module, place, &def.tire);
   reader->origin->modules[reader->model->module_count] = module;
   reader->model->modules[reader->model->module_count++] = def;
   if (!either)

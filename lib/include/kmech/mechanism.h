@@ -66,6 +66,15 @@ KM_API km_status km_state_set_coordinates(const km_mechanism *mechanism, km_stat
 KM_API km_status km_state_set_coordinate(const km_mechanism *mechanism, km_state *state, int coordinate, double value,
                                          km_error *error);
 
+/* Rates of coordinates in the model's units per time unit, and accelerations; those of a ball joint are the components
+ * of its angular velocity along its parent frame's axes. NaN: there is no such coordinate. */
+KM_API double km_state_rate(const km_state *state, int coordinate);
+KM_API double km_state_acceleration(const km_state *state, int coordinate);
+KM_API km_status km_state_set_rate(const km_mechanism *mechanism, km_state *state, int coordinate, double rate,
+                                   km_error *error);
+KM_API double km_state_time(const km_state *state);
+KM_API km_status km_state_set_time(const km_mechanism *mechanism, km_state *state, double time, km_error *error);
+
 #ifdef __cplusplus
 }
 #endif

@@ -1,0 +1,115 @@
+/* A simulation row by row: its columns, and what stands in them. */
+#include "analysis/history_table.h"
+#include "base/check.h"
+
+static const double default_span = 10.0; /* seconds */
+enum { DEFAULT_ROWS = 200 };
+
+km_history_def km_history_default(const km_model *model) {
+  km_history_def def = {.simulation = km_simulation_default()};
+  if (!model)
+    return def;
+  const km_simulation_settings *given = &model->simulation;
+  def.until = given->span > 0.0 ? given->span : default_span / model->units.time->si;
+  def.every = given->step > 0.0 ? given->step : def.until / DEFAULT_ROWS;
+  if (given->relative > 0.0)
+    def.simulation.relative = given->relative;
+  if (given->absolute > 0.0)
+    def.simulation.absolute = given->absolute;
+  return def;
+}
+
+static km_status check_def(const km_mechanism *m, const km_history_def *def, km_error *error) {
+  if (!(def->until > 0.0) || !isfinite(def->until))
+    return km_fail(error, KM_USAGE, "duration %g; expected a positive time", def->until);
+  if (!(def->every > 0.0) || !isfinite(def->every))
+    return km_fail(error, KM_USAGE, "%g between rows; expected a positive time", def->every);
+  return km_history_check_frames(m, def->frames, def->frame_count, error);
+}
+
+static km_status begin(km_history_writer *w, const km_history_def *def, km_error *error) {
+  km_simulation_def simulation = def->simulation;
+  simulation.end = def->until;
+  w->state->time = 0.0;
+  km_status status = km_dynamics_create(w->m, w->forces, &w->dynamics, error);
+  if (!status)
+    status = km_dynamics_project_rates(w->dynamics, w->state, &w->out->rate_change, error);
+  if (!status)
+    status = km_simulation_create(w->dynamics, w->state, &simulation, &w->simulation, error);
+  if (!status)
+    status = km_history_begin(w, error);
+  return status ? status : km_history_row(w, error);
+}
+
+/* Rows at multiples of `every` and at the end; the last one is where the run stopped. */
+static km_status go_on(km_history_writer *w, const km_history_def *def, km_error *error) {
+  double until = def->until, every = def->every;
+  km_status status = KM_OK;
+  for (long row = 1; !status && w->state->time < until; ++row) {
+    double time = (double)row * every;
+    time = time > until - 1e-9 * every ? until : time;
+    status = km_simulation_advance(w->simulation, time, NULL, NULL, error);
+    if (status && status != KM_PARTIAL && status != KM_DIVERGED)
+      return status;
+    km_status written = km_history_row(w, status ? NULL : error);
+    if (!status)
+      status = written;
+    if (!status && def->progress && !def->progress(def->context, time / until))
+      return km_fail(error, KM_CANCELLED, "cancelled at time %g", time);
+  }
+  return status;
+}
+
+static km_status take_crossings(km_history_writer *w, km_status status, km_error *error) {
+  km_history *h = w->out;
+  h->crossing_count = km_simulation_crossing_count(w->simulation);
+  h->crossings = KM_NEW(km_crossing_met, (size_t)h->crossing_count + 1);
+  if (!h->crossings)
+    return km_fail(error, KM_MEMORY, "out of memory for the crossings");
+  for (int i = 0; i < h->crossing_count; ++i)
+    h->crossings[i] = km_simulation_crossing(w->simulation, i);
+  return status;
+}
+
+km_status km_history_run(const km_mechanism *m, km_forces *forces, km_state *state, const km_history_def *def,
+                         km_history *out, km_error *error) {
+  if (!out)
+    return km_check_given(false, "place for the result", error);
+  *out = (km_history){0};
+  km_status status = km_check_given(def != NULL && forces != NULL, "definition or forces", error);
+  if (!status)
+    status = km_check_state(m, state, error);
+  if (!status)
+    status = check_def(m, def, error);
+  if (status)
+    return status;
+  km_error own;
+  km_history_writer w = {.m = m,
+                         .frames = def->frames,
+                         .frame_count = def->frame_count,
+                         .reactions = def->reactions,
+                         .mobility = def->mobility,
+                         .axes = def->axes,
+                         .forces = forces,
+                         .state = state,
+                         .out = out};
+  status = begin(&w, def, &own);
+  if (!status)
+    status = go_on(&w, def, &own);
+  if (w.simulation)
+    status = take_crossings(&w, status, &own);
+  if (status && status != KM_PARTIAL) {
+    out->why = own;
+    km_fail(error, status, "%s", own.text);
+  }
+  km_history_end(&w);
+  return status;
+}
+
+void km_history_free(km_history *h) {
+  if (!h)
+    return;
+  km_table_free(h->table);
+  km_free(h->crossings);
+  *h = (km_history){0};
+}

@@ -1,0 +1,34 @@
+/* Rows of a motion over time: what simulations and prescribed motions write down alike. Private to analysis/. */
+#ifndef KM_ANALYSIS_HISTORY_TABLE_H
+#define KM_ANALYSIS_HISTORY_TABLE_H
+
+#include "dynamics/dynamics.h"
+#include "kmech/history.h"
+
+/* Rows of a motion in the making. */
+typedef struct km_history_writer {
+  const km_mechanism *m;
+  const km_followed_frame *frames;
+  int frame_count;
+  bool reactions, mobility, shaking;
+  km_axes axes;
+  km_forces *forces;
+  km_state *state, *look; /* `look`: a copy whose partitions may be searched */
+  km_dynamics *dynamics;
+  km_simulation *simulation; /* NULL: the motion is known, and nothing is integrated */
+  km_statics statics;
+  double potential; /* at the start */
+  km_history *out;
+} km_history_writer;
+
+/* Makes what reactions and mobility numbers need, and the table with its columns, and takes the energies at the state
+ * for those of the start. KM_MEMORY. */
+km_status km_history_begin(km_history_writer *writer, km_error *error);
+/* Adds a row at the state, whose accelerations are at hand. KM_MEMORY. */
+km_status km_history_row(km_history_writer *writer, km_error *error);
+/* Frees all but the result, the forces and the state. */
+void km_history_end(km_history_writer *writer);
+km_status km_history_check_frames(const km_mechanism *mechanism, const km_followed_frame *frames, int count,
+                                  km_error *error);
+
+#endif

@@ -1,0 +1,255 @@
+/* Closed loops in the equations of motion: partitions, dependent coordinates, rates and velocity products. */
+#include "dynamics/dynamics.h"
+
+#include "kinematics/closure.h"
+#include "kinematics/loops.h"
+
+#include <string.h>
+
+enum { MOST_STEPS = 12 };
+/* Error of the dependent coordinates at an accepted pose; what rounding may leave of many turns; longest step. Scaled. */
+static const double tightly = 1e-13, rounding = 1e-9, longest = 0.5;
+static const double least = 1e-15; /* rounding of a loop's error */
+
+static double largest_primary(const km_partition *p, const double *error) {
+  double largest = 0.0;
+  for (int i = 0; i < p->rank; ++i) {
+    double size = fabs(error[p->row[i]]);
+    largest = size <= largest ? largest : size;
+  }
+  return largest;
+}
+
+/* New pivots at the present Jacobian; prescribed columns stay independent. */
+static bool search_pivots(km_dynamics *d, km_state *s, int index) {
+  const km_mechanism *m = d->mechanism;
+  const km_substructure *sub = &m->substructures[index];
+  const int *coordinate = m->column_coordinate + sub->column_start;
+  int worst;
+  for (int k = 0; k < sub->columns; ++k)
+    s->forced[k] = d->driven[coordinate[k]];
+  double tolerance = km_rank_tolerance(m, sub, km_loops_residual(m, s, sub, &worst));
+  km_partition_factor(&s->partition[index], km_state_jacobian(s, sub), sub->rows, sub->columns, s->forced, tolerance);
+  memset(s->forced, 0, (size_t)sub->columns * sizeof *s->forced);
+  s->pivoted[index] = KM_PRESCRIBED;
+  d->repartitions++;
+  return !s->partition[index].failed && !s->partition[index].forced_dependent;
+}
+
+/* One step of the dependent coordinates by the pivots at hand; the others stay. False where it is none. */
+static bool step_dependent(km_dynamics *d, km_state *s, int index) {
+  const km_substructure *sub = &d->mechanism->substructures[index];
+  double size = 0.0;
+  km_partition_solve(&s->partition[index], km_state_error(s, sub), d->step);
+  for (int k = 0; k < sub->columns; ++k) {
+    d->step[k] = -d->step[k];
+    size = fabs(d->step[k]) <= size ? size : fabs(d->step[k]);
+  }
+  if (!(size < longest))
+    return false;
+  km_state_move(d->mechanism, s, sub, d->step);
+  km_loops_update(d->mechanism, s, sub);
+  return true;
+}
+
+/* The largest reciprocal of a pivot: by how much an error of the loops grows in the coordinates. */
+static double weakness_of(const km_partition *p) {
+  double largest = 1.0;
+  for (int i = 0; i < p->rank; ++i)
+    largest = fmax(largest, fabs(p->inverse[i]));
+  return largest;
+}
+
+/* Newton on the dependent coordinates, with the last evaluation's pivots as long as they shrink the error tenfold a
+ * step. Pivots and Jacobian are then those of the closed pose. */
+static bool close_loops(km_dynamics *d, km_state *s, int index, bool search) {
+  const km_substructure *sub = &d->mechanism->substructures[index];
+  km_partition *p = &s->partition[index];
+  km_loops_update(d->mechanism, s, sub);
+  if (s->pivoted[index] != KM_PRESCRIBED && !search_pivots(d, s, index))
+    return false;
+  double closed = fmax((search ? tightly : d->closing) / weakness_of(p), least);
+  double error = largest_primary(p, km_state_error(s, sub));
+  d->residual = error <= d->residual ? d->residual : error;
+  for (int i = 0; !(error <= closed) && !(d->feeds_back && !search); ++i) {
+    double last = error;
+    if (i == MOST_STEPS || !step_dependent(d, s, index))
+      return false;
+    error = largest_primary(p, km_state_error(s, sub));
+    if (error <= closed || error < 0.1 * last)
+      continue;
+    if (i > 2 && error < rounding) /* it doesn't become smaller */
+      break;
+    if (!km_partition_refactor(p, km_state_jacobian(s, sub)) && !search_pivots(d, s, index))
+      return false;
+  }
+  bool serves = km_partition_refactor(p, km_state_jacobian(s, sub));
+  d->stale = d->stale || !serves;
+  bool good = serves || search_pivots(d, s, index);
+  d->weakness = fmax(d->weakness, weakness_of(p));
+  return good;
+}
+
+/* Room for the cluster's independent coordinates. Grows only where a partition has more of them than ever before. */
+static bool reserve(km_dynamics *d, km_cluster_motion *c, const km_cluster *cluster, size_t count) {
+  if (count <= c->room)
+    return true;
+  size_t n = (size_t)cluster->coordinate_count;
+  c->independent = KM_ARENA_NEW(&d->arena, int, count);
+  c->N = KM_ARENA_NEW(&d->arena, double, count *n);
+  c->P = KM_ARENA_NEW(&d->arena, km_twist, count * (size_t)cluster->node_count);
+  c->U = KM_ARENA_NEW(&d->arena, km_wrench, count);
+  c->D = KM_ARENA_NEW(&d->arena, double, count *count);
+  c->b = KM_ARENA_NEW(&d->arena, double, count);
+  c->udot = KM_ARENA_NEW(&d->arena, double, count);
+  c->room = d->arena.failed ? 0 : count;
+  return !d->arena.failed;
+}
+
+/* Which coordinates of the cluster are independent: those of each partition, then those in no substructure; of both
+ * kinds first the free ones, then the prescribed. */
+static bool list_independent(km_dynamics *d, const km_state *s, int index) {
+  const km_mechanism *m = d->mechanism;
+  const km_cluster *cluster = &d->tree.clusters[index];
+  km_cluster_motion *c = &d->cluster[index];
+  const int *coordinates = d->tree.coordinate_order + cluster->coordinate_start;
+  size_t count = 0;
+  int in_substructures = 0;
+  for (int i = 0; i < cluster->substructure_count; ++i) {
+    int sub = d->tree.substructure_order[cluster->substructure_start + i];
+    in_substructures += m->substructures[sub].columns;
+    count += (size_t)km_partition_freedom(&s->partition[sub]);
+  }
+  count += (size_t)(cluster->coordinate_count - in_substructures);
+  if (!reserve(d, c, cluster, count))
+    return false;
+  int k = 0;
+  for (int pass = 0; pass < 2; ++pass) {
+    for (int i = 0, first = 0; i < cluster->substructure_count; ++i) {
+      int sub = d->tree.substructure_order[cluster->substructure_start + i];
+      const km_partition *p = &s->partition[sub];
+      for (int o = p->rank; o < p->columns; ++o)
+        if (d->driven[coordinates[first + p->column[o]]] == (pass == 1))
+          c->independent[k++] = first + p->column[o];
+      first += m->substructures[sub].columns;
+    }
+    for (int o = in_substructures; o < cluster->coordinate_count; ++o)
+      if (d->driven[coordinates[o]] == (pass == 1))
+        c->independent[k++] = o;
+    if (pass == 0)
+      c->freedom = k;
+  }
+  c->driven = k - c->freedom;
+  return true;
+}
+
+/* N of the cluster, in radians and the model's length unit. */
+static void fill_N(km_dynamics *d, const km_state *s, int index) {
+  const km_mechanism *m = d->mechanism;
+  const km_cluster *cluster = &d->tree.clusters[index];
+  km_cluster_motion *c = &d->cluster[index];
+  const int *coordinates = d->tree.coordinate_order + cluster->coordinate_start;
+  int n = cluster->coordinate_count, count = c->freedom + c->driven;
+  memset(c->N, 0, (size_t)count * (size_t)n * sizeof *c->N);
+  for (int k = 0; k < count; ++k) {
+    double *N = c->N + (size_t)k * (size_t)n;
+    int own = c->independent[k], sub = m->substructure_of[coordinates[own]];
+    N[own] = 1.0;
+    if (sub < 0)
+      continue;
+    const km_partition *p = &s->partition[sub];
+    int column = m->column_of[coordinates[own]], first = own - column, place = p->rank;
+    while (p->column[place] != column)
+      ++place;
+    const double *B = p->B + (size_t)(place - p->rank) * (size_t)p->rank;
+    double inverse = 1.0 / m->unit[coordinates[own]];
+    for (int i = 0; i < p->rank; ++i) {
+      int dependent = first + p->column[i];
+      N[dependent] = -B[i] * m->unit[coordinates[dependent]] * inverse;
+    }
+  }
+}
+
+/* The dependent rates, by the independent ones; where errors are fed back, rates stay as they are. */
+static void follow_rates(km_dynamics *d, km_state *s, int index) {
+  const km_cluster *cluster = &d->tree.clusters[index];
+  const km_cluster_motion *c = &d->cluster[index];
+  const int *coordinates = d->tree.coordinate_order + cluster->coordinate_start;
+  int n = cluster->coordinate_count, count = c->freedom + c->driven;
+  for (int i = 0; i < n; ++i)
+    c->gamma[i] = 0.0; /* the rates, until they are all known */
+  for (int k = 0; k < count; ++k) {
+    const double *N = c->N + (size_t)k * (size_t)n;
+    double rate = s->rate[coordinates[c->independent[k]]];
+    for (int i = 0; i < n; ++i)
+      c->gamma[i] += N[i] * rate;
+  }
+  for (int i = 0; i < n; ++i)
+    s->rate[coordinates[i]] = c->gamma[i];
+}
+
+/* γ − 2ω ė − ω² e with ė = J q̇. */
+static void feed_back(km_dynamics *d, const km_state *s, const km_substructure *sub) {
+  const km_mechanism *m = d->mechanism;
+  const km_pattern *pattern = &sub->pattern;
+  const double *J = s->jacobian + sub->matrix_start, *e = s->error + sub->error_start, w = d->omega;
+  for (int r = 0; r < sub->rows; ++r)
+    d->row[r] -= w * w * e[r];
+  for (int k = 0; k < sub->columns; ++k) {
+    int c = m->column_coordinate[sub->column_start + k];
+    double rate = 2.0 * w * s->rate[c] / m->unit[c];
+    if (pattern->start)
+      for (int i = pattern->start[k]; i < pattern->start[k + 1]; ++i)
+        d->row[pattern->row[i]] -= J[i] * rate;
+    else
+      for (int r = 0; r < sub->rows; ++r)
+        d->row[r] -= J[(size_t)k * (size_t)sub->rows + (size_t)r] * rate;
+  }
+}
+
+/* γ: of dependent coordinates the velocity products of their loops, and what prescribed accelerations make. */
+static void find_gamma(km_dynamics *d, km_state *s, int index) {
+  const km_mechanism *m = d->mechanism;
+  const km_cluster *cluster = &d->tree.clusters[index];
+  km_cluster_motion *c = &d->cluster[index];
+  const int *coordinates = d->tree.coordinate_order + cluster->coordinate_start;
+  int n = cluster->coordinate_count;
+  memset(c->gamma, 0, (size_t)n * sizeof *c->gamma);
+  for (int i = 0, first = 0; i < cluster->substructure_count; ++i) {
+    int index_of = d->tree.substructure_order[cluster->substructure_start + i];
+    const km_substructure *sub = &m->substructures[index_of];
+    km_loops_velocity_products(m, s, sub, s->rate, d->row);
+    if (d->feeds_back)
+      feed_back(d, s, sub);
+    km_partition_solve(&s->partition[index_of], d->row, d->step);
+    for (int k = 0; k < sub->columns; ++k)
+      c->gamma[first + k] = m->unit[coordinates[first + k]] * d->step[k];
+    first += sub->columns;
+  }
+  for (int k = c->freedom; k < c->freedom + c->driven; ++k) {
+    const double *N = c->N + (size_t)k * (size_t)n;
+    double udot = d->driven_acceleration[coordinates[c->independent[k]]];
+    c->udot[k] = udot;
+    for (int i = 0; i < n; ++i)
+      c->gamma[i] += N[i] * udot;
+  }
+}
+
+bool km_constraints_update(km_dynamics *d, km_state *s, bool search) {
+  const km_topology *t = &d->mechanism->topology;
+  d->residual = 0.0;
+  d->weakness = 1.0;
+  d->stale = false;
+  for (int i = 0; i < t->substructure_count; ++i)
+    if (!close_loops(d, s, i, search))
+      return false;
+  for (int i = 0; i < d->tree.cluster_count; ++i) {
+    if (!list_independent(d, s, i))
+      return false;
+    fill_N(d, s, i);
+    if (!d->feeds_back || search)
+      follow_rates(d, s, i);
+    find_gamma(d, s, i);
+  }
+  return true;
+}

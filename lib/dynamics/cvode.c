@@ -1,0 +1,200 @@
+/* Steps of variable order and length by SUNDIALS' CVODE (A. Hindmarsh and others, 2005): Adams with functional
+ * iteration, and BDF with Newton's method where the motion is stiff. */
+#include "dynamics/simulation.h"
+
+#include <cvode/cvode.h>
+#include <nvector/nvector_serial.h>
+#include <sunlinsol/sunlinsol_dense.h>
+#include <sunmatrix/sunmatrix_dense.h>
+#include <sunnonlinsol/sunnonlinsol_fixedpoint.h>
+
+#include <string.h>
+
+struct km_cvode {
+  SUNContext context;
+  void *memory;
+  N_Vector y;
+  SUNNonlinearSolver functional;
+  SUNMatrix matrix;
+  SUNLinearSolver dense;
+  long seen_failures, seen_steps; /* of the iteration, at the last look */
+};
+
+/* Values that the loops don't agree with are drawn to them with this rate times the step. */
+static const double pull_per_step = 0.05;
+static const double rounding = 1e-15;
+/* Reciprocal of a pivot from which on a constraint almost loses its grip. */
+static const double weak = 1e3;
+/* Of a hundred steps, as many whose functional iteration failed tell stiffness. */
+enum { STIFF_LOOK = 100, STIFF_FAILURES = 20 };
+
+/* ω of Baumgarte's stabilisation by the order of Adams' method: the part of its region of stability that counts
+ * (thesis table 3, theory 7). */
+static double stability_limit(int order) {
+  static const double limits[] = {2.0, 2.0, 2.26, 1.86, 1.4, 1.03, .78, .58, .44, .34, .26, .21, .06};
+  return limits[order < 0 ? 0 : order > 12 ? 12 : order];
+}
+
+static int derivative(double t, N_Vector y, N_Vector ydot, void *data) {
+  km_simulation *run = (km_simulation *)data;
+  return km_simulation_derivative(run, t, NV_DATA_S(y), NV_DATA_S(ydot)) ? 0 : 1;
+}
+
+/* 1 over the error that a component may have. Where a constraint almost loses its grip, accelerations hold rounding over
+ * its pivot: asked for more, steps would creep into the singular pose instead of passing it. */
+static int weights(N_Vector y, N_Vector ewt, void *data) {
+  const km_simulation *run = (const km_simulation *)data;
+  const double *value = NV_DATA_S(y), *tolerance = run->tolerance;
+  double noise = rounding * run->dynamics->weakness, *out = NV_DATA_S(ewt);
+  for (int i = 0; i < run->size; ++i)
+    out[i] = 1.0 / (run->def.relative * fabs(value[i]) + tolerance[i] + noise * (tolerance[i] / run->def.absolute));
+  return 0;
+}
+
+static void silent(int code, const char *module, const char *function, char *text, void *data) {
+  (void)code;
+  (void)module;
+  (void)function;
+  (void)text;
+  (void)data;
+}
+
+static bool start(km_simulation *run, km_cvode *c) {
+  c->memory = CVodeCreate(run->stiff ? CV_BDF : CV_ADAMS, c->context);
+  if (!c->memory || CVodeSetErrHandlerFn(c->memory, silent, NULL) ||
+      CVodeInit(c->memory, derivative, run->time, c->y) || CVodeWFtolerances(c->memory, weights) ||
+      CVodeSetUserData(c->memory, run) || CVodeSetMaxNumSteps(c->memory, -1))
+    return false;
+  if (isfinite(run->def.end) && CVodeSetStopTime(c->memory, run->def.end))
+    return false;
+  if (run->def.max_step > 0.0 && CVodeSetMaxStep(c->memory, run->def.max_step))
+    return false;
+  if (run->stiff) {
+    c->matrix = SUNDenseMatrix(run->size, run->size, c->context);
+    c->dense = c->matrix ? SUNLinSol_Dense(c->y, c->matrix, c->context) : NULL;
+    return c->dense && !CVodeSetLinearSolver(c->memory, c->dense, c->matrix);
+  }
+  c->functional = SUNNonlinSol_FixedPoint(c->y, 0, c->context);
+  return c->functional && !CVodeSetNonlinearSolver(c->memory, c->functional);
+}
+
+static void stop(km_cvode *c) {
+  CVodeFree(&c->memory);
+  if (c->functional)
+    SUNNonlinSolFree(c->functional);
+  if (c->dense)
+    SUNLinSolFree(c->dense);
+  if (c->matrix)
+    SUNMatDestroy(c->matrix);
+  c->functional = NULL;
+  c->dense = NULL;
+  c->matrix = NULL;
+}
+
+km_status km_cvode_create(km_simulation *run, km_error *error) {
+  km_cvode *c = KM_NEW(km_cvode, 1);
+  run->cvode = c;
+  if (c && SUNContext_Create(NULL, &c->context) == 0)
+    c->y = N_VMake_Serial(run->size, run->y, c->context);
+  return c && c->y && start(run, c) ? KM_OK : km_fail(error, KM_MEMORY, "out of memory for the integrator");
+}
+
+void km_cvode_free(km_cvode *c) {
+  if (!c)
+    return;
+  stop(c);
+  if (c->y)
+    N_VDestroy(c->y);
+  SUNContext_Free(&c->context);
+  km_free(c);
+}
+
+/* Over to BDF from the present vector, where Adams' functional iteration often fails. */
+static bool look_for_stiffness(km_simulation *run) {
+  km_cvode *c = run->cvode;
+  long steps, failures;
+  CVodeGetNumSteps(c->memory, &steps);
+  CVodeGetNumNonlinSolvConvFails(c->memory, &failures);
+  if (steps - c->seen_steps < STIFF_LOOK)
+    return true;
+  bool stiff = failures - c->seen_failures >= STIFF_FAILURES;
+  c->seen_steps = steps;
+  c->seen_failures = failures;
+  if (!stiff || run->stiff)
+    return true;
+  run->stiff = true;
+  stop(c);
+  return start(run, c);
+}
+
+static void adapt(km_simulation *run) {
+  double h;
+  int order;
+  CVodeGetLastStep(run->cvode->memory, &h);
+  CVodeGetLastOrder(run->cvode->memory, &order);
+  run->pull = h > 0.0 ? pull_per_step / h : 0.0;
+  run->dynamics->omega = h > 0.0 ? 0.005 * stability_limit(order) / h : 0.0;
+}
+
+static km_status why(const km_simulation *run, int flag, double h, km_error *error) {
+  if (run->outcome != KM_DYNAMICS_DONE)
+    return km_dynamics_fail(run->dynamics, run->outcome, error);
+  if (flag == CV_MEM_FAIL || flag == CV_MEM_NULL)
+    return km_fail(error, KM_MEMORY, "out of memory for the integrator");
+  return km_fail(error, KM_DIVERGED, "the step fell to %g at time %g and its error is still too large", h, run->time);
+}
+
+/* At a pose where constraints lose their grip, steps shrink towards it instead of passing it: what an evaluation there
+ * gives is rounding. One step over it, of a part of the usual length, and a new start behind it. */
+static bool jump_over(km_simulation *run) {
+  static const double parts[] = {0.1, 0.23, 0.041, 0.57, 0.013, 1.0};
+  run->dynamics->closing = 1e-13;
+  for (size_t i = 0; i < sizeof parts / sizeof *parts; ++i) {
+    double h = fmin(parts[i] * run->usual, run->def.end - run->time);
+    if (!(h > 0.0) || !km_fixed_jump(run, h, run->time + h))
+      continue;
+    run->jumped = true;
+    run->outcome = KM_DYNAMICS_DONE;
+    return CVodeReInit(run->cvode->memory, run->time, run->cvode->y) == CV_SUCCESS;
+  }
+  return false;
+}
+
+static bool creeps(const km_simulation *run, double h) {
+  return run->dynamics->weakness > weak && h < 1e-3 * run->usual;
+}
+
+km_status km_cvode_step(km_simulation *run, km_error *error) {
+  km_cvode *c = run->cvode;
+  double t = run->time, h = 0.0;
+  run->outcome = KM_DYNAMICS_DONE;
+  int flag = CVode(c->memory, run->time + 1.0, c->y, &t, CV_ONE_STEP);
+  long failures = 0;
+  CVodeGetNumErrTestFails(c->memory, &failures);
+  CVodeGetLastStep(c->memory, &h);
+  run->jumped = false;
+  if (flag < 0) {
+    km_dynamics_outcome outcome = run->outcome;
+    if (run->usual > 0.0 && jump_over(run))
+      return KM_OK;
+    run->outcome = outcome;
+    CVodeGetCurrentStep(c->memory, &h);
+    return why(run, flag, h, error);
+  }
+  if (creeps(run, h))
+    return jump_over(run) ? KM_OK : why(run, flag, h, error);
+  run->usual += 0.1 * (h - run->usual);
+  run->rejected = failures;
+  run->time = t;
+  run->steps++;
+  adapt(run);
+  return look_for_stiffness(run) ? KM_OK : km_fail(error, KM_MEMORY, "out of memory for the integrator");
+}
+
+bool km_cvode_between(const km_simulation *run, double time, double *y) {
+  N_Vector at = N_VMake_Serial(run->size, y, run->cvode->context);
+  bool good = at && CVodeGetDky(run->cvode->memory, time, 0, at) == CV_SUCCESS;
+  if (at)
+    N_VDestroy(at);
+  return good;
+}

@@ -1,0 +1,270 @@
+/* Runs over time: their space, going on to a time, and the crossings on the way. */
+#include "dynamics/simulation.h"
+
+#include "base/check.h"
+
+#include <string.h>
+
+km_simulation_def km_simulation_default(void) {
+  return (km_simulation_def){.relative = 1e-7, .absolute = 1e-7, .end = HUGE_VAL};
+}
+
+static km_status check_def(const km_mechanism *m, const km_simulation_def *def, double time, km_error *error) {
+  if (!(def->relative >= 0.0) || !(def->absolute > 0.0) || !(def->relative < 1.0) || !isfinite(def->absolute))
+    return km_fail(error, KM_USAGE, "tolerances %g and %g; expected a relative one below 1 and a positive absolute one",
+                   def->relative, def->absolute);
+  if (!(def->max_step >= 0.0) || !isfinite(def->max_step))
+    return km_fail(error, KM_USAGE, "longest step %g; expected 0 or a positive number", def->max_step);
+  if (def->integrator == KM_INTEGRATOR_FIXED && !(def->max_step > 0.0))
+    return km_fail(error, KM_USAGE, "no step is given; expected one for steps of fixed length");
+  if ((unsigned)def->integrator > KM_INTEGRATOR_FIXED || (unsigned)def->stabilisation > KM_STABILISE_BAUMGARTE)
+    return km_fail(error, KM_USAGE, "integrator %d, stabilisation %d; expected one that exists", (int)def->integrator,
+                   (int)def->stabilisation);
+  if (!(def->end >= time))
+    return km_fail(error, KM_USAGE, "end %g; expected a time from %g on", def->end, time);
+  km_status status = km_check_list(def->crossings, def->crossing_count, "crossings", error);
+  for (int i = 0; i < def->crossing_count && !status; ++i) {
+    status = km_check_index(def->crossings[i].coordinate, m->coordinate_count, "coordinate", error);
+    if (!status && !isfinite(def->crossings[i].value))
+      status = km_fail(error, KM_USAGE, "crossing at %g; expected a finite value", def->crossings[i].value);
+  }
+  return status;
+}
+
+/* Places in the vector. */
+static bool lay_out(km_simulation *run) {
+  const km_mechanism *m = run->dynamics->mechanism;
+  int next = 0;
+  run->place = KM_ARENA_NEW(&run->arena, int, (size_t)m->coordinate_count);
+  for (int c = 0; run->place && c < m->coordinate_count; ++c) {
+    int ball = m->ball_of[c];
+    run->place[c] = ball >= 0 && m->ball_coordinate[ball] != c ? -1 : next;
+    next += ball < 0 ? 1 : m->ball_coordinate[ball] == c ? 4 : 0;
+  }
+  run->rate_start = next;
+  run->memory_start = run->rate_start + m->coordinate_count;
+  run->work_start = run->memory_start + run->dynamics->forces->moving->memory_count;
+  run->size = run->work_start + 2;
+  size_t n = (size_t)run->size, crossings = (size_t)run->def.crossing_count;
+  run->y = KM_ARENA_NEW(&run->arena, double, n);
+  run->ydot = KM_ARENA_NEW(&run->arena, double, n);
+  run->at = KM_ARENA_NEW(&run->arena, double, n);
+  run->before = KM_ARENA_NEW(&run->arena, double, n);
+  run->slope = KM_ARENA_NEW(&run->arena, double, n);
+  run->good = KM_ARENA_NEW(&run->arena, double, n);
+  run->tolerance = KM_ARENA_NEW(&run->arena, double, n);
+  run->stage = KM_ARENA_NEW(&run->arena, double, 5 * n);
+  run->crossings = KM_ARENA_NEW(&run->arena, km_crossing, crossings);
+  run->side = KM_ARENA_NEW(&run->arena, double, crossings);
+  return !run->arena.failed;
+}
+
+/* Errors are compared in radians and characteristic lengths, rates per second; works don't steer the step. */
+static void set_tolerances(km_simulation *run) {
+  const km_mechanism *m = run->dynamics->mechanism;
+  double absolute = run->def.absolute, second = m->model->units.time->si;
+  for (int i = 0; i < run->size; ++i)
+    run->tolerance[i] = absolute;
+  for (int c = 0; c < m->coordinate_count; ++c) {
+    if (run->place[c] >= 0)
+      run->tolerance[run->place[c]] = absolute / m->scale[c];
+    run->tolerance[run->rate_start + c] = absolute / m->scale[c] * second;
+  }
+  run->tolerance[run->work_start] = run->tolerance[run->work_start + 1] = HUGE_VAL;
+}
+
+static double side_of(const km_simulation *run, int crossing, const double *y) {
+  const km_crossing *def = &run->crossings[crossing];
+  int place = run->place[def->coordinate];
+  if (place < 0 || run->dynamics->mechanism->ball_of[def->coordinate] >= 0)
+    return 1.0; /* rotation vectors aren't in the vector */
+  return y[place] - def->value;
+}
+
+static km_status begin(km_simulation *run, km_error *error) {
+  km_state *s = run->state;
+  km_dynamics *d = run->dynamics;
+  const km_simulation_def *def = &run->def;
+  for (int i = 0; i < def->crossing_count; ++i) {
+    run->crossings[i] = def->crossings[i];
+    run->crossings[i].value *= km_model_coordinate_factor(d->mechanism->model, def->crossings[i].coordinate);
+  }
+  run->time = run->last_time = s->time;
+  d->feeds_back = def->stabilisation == KM_STABILISE_BAUMGARTE;
+  d->omega = 0.0;
+  d->closing = fmin(fmax(1e-4 * def->relative, 1e-13), 1e-9);
+  d->repartitions = 0;
+  memset(d->forces->moving->memory, 0, (size_t)d->forces->moving->memory_count * sizeof(double));
+  km_status status = km_dynamics_project_rates(d, s, NULL, error);
+  if (!status)
+    status = km_dynamics_accelerate(d, s, error);
+  if (status)
+    return status;
+  km_simulation_pack(run, run->y);
+  for (int i = 0; i < def->crossing_count; ++i)
+    run->side[i] = side_of(run, i, run->y);
+  d->repartitions = 0;
+  return def->integrator == KM_INTEGRATOR_FIXED ? KM_OK : km_cvode_create(run, error);
+}
+
+km_status km_simulation_create(km_dynamics *d, km_state *s, const km_simulation_def *def, km_simulation **out,
+                               km_error *error) {
+  if (!out)
+    return km_check_given(false, "place for the result", error);
+  *out = NULL;
+  km_status status = km_check_given(d != NULL && def != NULL, "equations of motion or definition", error);
+  if (!status)
+    status = km_check_state(d->mechanism, s, error);
+  if (!status)
+    status = check_def(d->mechanism, def, s->time, error);
+  if (status)
+    return status;
+  km_simulation *run = KM_NEW(km_simulation, 1);
+  if (!run)
+    return km_fail(error, KM_MEMORY, "out of memory for the run");
+  *run = (km_simulation){.dynamics = d, .state = s, .def = *def, .stiff = def->integrator == KM_INTEGRATOR_BDF};
+  status = lay_out(run) ? KM_OK : km_fail(error, KM_MEMORY, "out of memory for the run");
+  if (!status) {
+    set_tolerances(run);
+    status = begin(run, error);
+  }
+  if (status)
+    km_simulation_free(run);
+  else
+    *out = run;
+  return status;
+}
+
+void km_simulation_free(km_simulation *run) {
+  if (!run)
+    return;
+  run->dynamics->feeds_back = false;
+  run->dynamics->closing = 1e-13;
+  km_cvode_free(run->cvode);
+  km_free(run->met);
+  km_arena_free(&run->arena);
+  km_free(run);
+}
+
+static bool between(const km_simulation *run, double time, double *y) {
+  if (run->cvode && !run->jumped)
+    return km_cvode_between(run, time, y);
+  if (run->time > run->last_time)
+    km_fixed_between(run, time, y);
+  else
+    memcpy(y, run->y, (size_t)run->size * sizeof *y);
+  return true;
+}
+
+/* Where a crossing's side changes within the last step, by bisection and secants in turn. */
+static double locate(km_simulation *run, int crossing) {
+  double a = run->last_time, b = run->time, fa = run->side[crossing], fb = side_of(run, crossing, run->y);
+  for (int i = 0; i < 100 && b - a > 1e-15 * (fabs(a) + fabs(b)); ++i) {
+    double t = i % 3 == 2 ? 0.5 * (a + b) : a - fa * (b - a) / (fb - fa);
+    if (!(t > a && t < b))
+      t = 0.5 * (a + b);
+    if (!between(run, t, run->at))
+      break;
+    double f = side_of(run, crossing, run->at);
+    if ((f > 0.0) == (fa > 0.0)) {
+      a = t;
+      fa = f;
+    } else {
+      b = t;
+      fb = f;
+    }
+  }
+  return b;
+}
+
+/* The crossings of the last step, in order of time. False when out of memory. `stop`: the first that ends the run. */
+static bool find_crossings(km_simulation *run, double *stop) {
+  size_t first = run->met_count;
+  for (int i = 0; i < run->def.crossing_count; ++i) {
+    double now = side_of(run, i, run->y);
+    if ((now > 0.0) == (run->side[i] > 0.0))
+      continue;
+    double time = locate(run, i);
+    if (!km_reserve((void **)&run->met, &run->met_room, run->met_count + 1, sizeof *run->met))
+      return false;
+    size_t at = run->met_count++;
+    for (; at > first && run->met[at - 1].time > time; --at)
+      run->met[at] = run->met[at - 1];
+    run->met[at] = (km_crossing_met){i, time, now > 0.0 ? 1 : -1};
+    if (run->crossings[i].stops)
+      *stop = fmin(*stop, time);
+    run->side[i] = now;
+  }
+  while (run->met_count > first && run->met[run->met_count - 1].time > *stop)
+    run->met_count--;
+  return true;
+}
+
+static km_status step(km_simulation *run, double *stop, km_error *error) {
+  run->last_time = run->time;
+  memcpy(run->good, run->y, (size_t)run->size * sizeof *run->y);
+  km_status status = run->cvode ? km_cvode_step(run, error) : km_fixed_step(run, error);
+  if (status)
+    return status;
+  if (run->cvode && run->dynamics->stale && !km_simulation_settle(run, run->y, run->time, false))
+    return km_dynamics_fail(run->dynamics, run->outcome, error);
+  return find_crossings(run, stop) ? KM_OK : km_fail(error, KM_MEMORY, "out of memory for the crossings");
+}
+
+/* The state at a time within the last step. */
+static km_status show(km_simulation *run, double time, km_error *error) {
+  if (!between(run, time, run->at))
+    return km_fail(error, KM_INTERNAL, "time %g isn't within the last step", time);
+  bool tight = !run->dynamics->feeds_back;
+  double closing = run->dynamics->closing;
+  run->dynamics->closing = tight ? 1e-13 : closing;
+  bool good = km_simulation_derivative(run, time, run->at, run->ydot);
+  run->dynamics->closing = closing;
+  run->evaluations--;
+  return good ? KM_OK : km_dynamics_fail(run->dynamics, run->outcome, error);
+}
+
+km_status km_simulation_advance(km_simulation *run, double time, km_progress progress, void *context, km_error *error) {
+  km_status status = km_check_given(run != NULL, "run", error);
+  if (status)
+    return status;
+  if (!isfinite(time) || !(time >= run->last_time) || !(time <= run->def.end))
+    return km_fail(error, KM_USAGE, "time %g; expected one from %g to %g", time, run->last_time, run->def.end);
+  double from = run->time, stop = HUGE_VAL;
+  while (run->time < time && run->time < stop && !status) {
+    status = step(run, &stop, error);
+    if (!status && progress && !progress(context, (run->time - from) / (time - from)))
+      return km_fail(error, KM_CANCELLED, "cancelled at time %g", run->time);
+  }
+  if (status) {
+    memcpy(run->y, run->good, (size_t)run->size * sizeof *run->y);
+    km_simulation_derivative(run, run->last_time, run->y, run->ydot);
+    memcpy(run->at, run->y, (size_t)run->size * sizeof *run->y);
+    return status;
+  }
+  status = show(run, fmin(time, stop), error);
+  return !status && stop <= time ? KM_PARTIAL : status;
+}
+
+km_simulation_figures km_simulation_figures_of(const km_simulation *run) {
+  if (!run)
+    return (km_simulation_figures){.time = nan("")};
+  return (km_simulation_figures){.time = run->state->time,
+                                 .steps = run->steps,
+                                 .evaluations = run->evaluations,
+                                 .rejected = run->rejected,
+                                 .repartitions = run->dynamics->repartitions,
+                                 .dissipated = run->at[run->work_start],
+                                 .motor_work = run->at[run->work_start + 1],
+                                 .stiff = run->stiff};
+}
+
+int km_simulation_crossing_count(const km_simulation *run) {
+  return run ? (int)run->met_count : 0;
+}
+
+km_crossing_met km_simulation_crossing(const km_simulation *run, int index) {
+  if (!run || index < 0 || (size_t)index >= run->met_count)
+    return (km_crossing_met){.crossing = -1, .time = nan("")};
+  return run->met[index];
+}

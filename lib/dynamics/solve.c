@@ -1,0 +1,221 @@
+/* The inward and the outward pass over clusters: accelerations from forces and velocity products. */
+#include "dynamics/dynamics.h"
+
+/* A pivot of D below this part of its diagonal is rounding: nothing with mass moves there. */
+static const double no_mass = 1e-13;
+
+km_wrench km_node_force(const km_dynamics *d, int n, km_twist a) {
+  const km_node *node = &d->tree.nodes[n];
+  km_wrench w = node->massive ? km_inertia_times(&d->node[n].inertia, a) : (km_wrench){{0, 0, 0}, {0, 0, 0}};
+  return node->bears ? km_wrench_axpy(1.0, km_articulated_times(&d->articulated[n], a), w) : w;
+}
+
+static bool is_loaded(const km_dynamics *d, int n) {
+  return d->tree.nodes[n].massive || d->tree.nodes[n].bears;
+}
+
+/* ζ and the partial velocities of the cluster's nodes. */
+static void partial_velocities(km_dynamics *d, const km_cluster *cluster, const km_cluster_motion *c) {
+  int coordinates = cluster->coordinate_count, count = c->freedom;
+  for (int i = 0; i < cluster->node_count; ++i) {
+    int n = cluster->node_start + i;
+    const km_node *node = &d->tree.nodes[n];
+    const km_twist *h = &d->column[node->coordinate];
+    km_node_motion *own = &d->node[n];
+    bool inside = node->parent >= cluster->node_start;
+    km_twist *P = c->P + (size_t)i * (size_t)count;
+    const km_twist *from = inside ? c->P + (size_t)(node->parent - cluster->node_start) * (size_t)count : NULL;
+    if (inside)
+      own->zeta = km_twist_axpy(1.0, d->node[node->parent].zeta, own->zeta);
+    else if (cluster->base == 0)
+      own->zeta = km_twist_axpy(1.0, d->node[0].A, own->zeta);
+    for (int k = 0; k < count; ++k)
+      P[k] = from ? from[k] : (km_twist){{0, 0, 0}, {0, 0, 0}};
+    for (int f = 0; f < node->freedom && node->local >= 0; ++f) {
+      const double *N = c->N + node->local + f;
+      own->zeta = km_twist_axpy(c->gamma[node->local + f], h[f], own->zeta);
+      for (int k = 0; k < count; ++k)
+        P[k] = km_twist_axpy(N[(size_t)k * (size_t)coordinates], h[f], P[k]);
+    }
+  }
+}
+
+/* Rotors that turn with the coordinates add a q̇² / 2 to the kinetic energy, and nothing to the base. */
+static void add_armatures(const km_dynamics *d, const km_cluster *cluster, const km_cluster_motion *c) {
+  const int *coordinates = d->tree.coordinate_order + cluster->coordinate_start;
+  size_t n = (size_t)cluster->coordinate_count;
+  int count = c->freedom;
+  for (size_t i = 0; i < n; ++i) {
+    double a = d->armature[coordinates[i]];
+    for (int k = 0; k < count && a != 0.0; ++k) {
+      double part = a * c->N[(size_t)k * n + i];
+      c->b[k] -= part * c->gamma[i];
+      for (int l = 0; l <= k; ++l)
+        c->D[k * count + l] += part * c->N[(size_t)l * n + i];
+    }
+  }
+}
+
+/* D, b and U of the cluster; returns the sum of p + I ζ over its nodes. */
+static km_wrench gather(km_dynamics *d, const km_cluster *cluster, const km_cluster_motion *c) {
+  const int *coordinates = d->tree.coordinate_order + cluster->coordinate_start;
+  km_wrench sum = {{0, 0, 0}, {0, 0, 0}};
+  int count = c->freedom;
+  for (int k = 0; k < count; ++k) {
+    const double *N = c->N + (size_t)k * (size_t)cluster->coordinate_count;
+    double b = 0.0;
+    for (int i = 0; i < cluster->coordinate_count; ++i)
+      b += N[i] * d->forces->joint[coordinates[i]];
+    c->b[k] = b;
+    c->U[k] = (km_wrench){{0, 0, 0}, {0, 0, 0}};
+    for (int l = 0; l <= k; ++l)
+      c->D[k * count + l] = 0.0;
+  }
+  for (int i = 0; i < cluster->node_count; ++i) {
+    int n = cluster->node_start + i;
+    const km_twist *P = c->P + (size_t)i * (size_t)count;
+    km_wrench r = d->node[n].p;
+    if (is_loaded(d, n))
+      r = km_wrench_axpy(1.0, km_node_force(d, n, d->node[n].zeta), r);
+    sum = km_wrench_axpy(1.0, r, sum);
+    for (int k = 0; k < count; ++k) {
+      c->b[k] -= km_wrench_power(r, P[k]);
+      if (!is_loaded(d, n))
+        continue;
+      km_wrench g = km_node_force(d, n, P[k]);
+      c->U[k] = km_wrench_axpy(1.0, g, c->U[k]);
+      for (int l = 0; l <= k; ++l)
+        c->D[k * count + l] += km_wrench_power(g, P[l]);
+    }
+  }
+  return sum;
+}
+
+enum { NONE = -1 };
+
+/* D = L diag Lᵀ in place, by rows; NONE, or the row of a pivot that vanishes. */
+static int factor(double *D, int count) {
+  for (int k = 0; k < count; ++k) {
+    double *row = D + k * count, whole = row[k];
+    for (int l = 0; l < k; ++l) {
+      double sum = row[l];
+      for (int o = 0; o < l; ++o)
+        sum -= row[o] * D[l * count + o];
+      row[l] = sum;
+    }
+    for (int l = 0; l < k; ++l) {
+      double scaled = row[l] / D[l * count + l];
+      row[k] -= scaled * row[l];
+      row[l] = scaled;
+    }
+    if (!(row[k] > no_mass * whole))
+      return k;
+  }
+  return NONE;
+}
+
+static void solve(const double *D, int count, double *x) {
+  for (int k = 0; k < count; ++k)
+    for (int l = 0; l < k; ++l)
+      x[k] -= D[k * count + l] * x[l];
+  for (int k = 0; k < count; ++k)
+    x[k] /= D[k * count + k];
+  for (int k = count - 1; k >= 0; --k)
+    for (int l = k + 1; l < count; ++l)
+      x[k] -= D[l * count + k] * x[l];
+}
+
+/* What the cluster does to its base: as a body of inertia Σ I − U D⁻¹ Uᵀ, with the force sum + U D⁻¹ b. With D = LΔLᵀ
+ * and W = U L⁻ᵀ that is Σ I − W Δ⁻¹ Wᵀ. */
+static void load_base(km_dynamics *d, const km_cluster *cluster, const km_cluster_motion *c, km_wrench sum) {
+  km_articulated *base = &d->articulated[cluster->base];
+  int count = c->freedom;
+  for (int i = 0; i < cluster->node_count; ++i) {
+    int n = cluster->node_start + i;
+    if (d->tree.nodes[n].massive)
+      km_articulated_add_body(base, &d->node[n].inertia);
+    if (d->tree.nodes[n].bears)
+      km_articulated_add(base, &d->articulated[n]);
+  }
+  for (int k = 0; k < count; ++k)
+    sum = km_wrench_axpy(c->udot[k], c->U[k], sum);
+  d->node[cluster->base].p = km_wrench_axpy(1.0, sum, d->node[cluster->base].p);
+  for (int k = 0; k < count; ++k) {
+    for (int l = 0; l < k; ++l)
+      c->U[k] = km_wrench_axpy(-c->D[k * count + l], c->U[l], c->U[k]);
+    km_articulated_add_square(base, -1.0 / c->D[k * count + k], c->U[k]);
+  }
+}
+
+/* b − Uᵀ A in place of b, with the U that load_base left: W = U L⁻ᵀ, so Lᵀ u̇ = Δ⁻¹ (L⁻¹ b − Wᵀ A). */
+static void accelerate(const km_cluster_motion *c, const km_twist *base, double *x) {
+  int count = c->freedom;
+  for (int k = 0; k < count; ++k) {
+    double sum = c->b[k];
+    for (int l = 0; l < k; ++l)
+      sum -= c->D[k * count + l] * x[l];
+    x[k] = sum; /* L⁻¹ b */
+  }
+  for (int k = 0; k < count; ++k)
+    x[k] = (base ? x[k] - km_wrench_power(c->U[k], *base) : x[k]) / c->D[k * count + k];
+  for (int k = count - 1; k >= 0; --k)
+    for (int l = k + 1; l < count; ++l)
+      x[k] -= c->D[l * count + k] * x[l];
+}
+
+static bool inward(km_dynamics *d, int index) {
+  const km_cluster *cluster = &d->tree.clusters[index];
+  km_cluster_motion *c = &d->cluster[index];
+  partial_velocities(d, cluster, c);
+  km_wrench sum = gather(d, cluster, c);
+  if (d->armature)
+    add_armatures(d, cluster, c);
+  int vanished = factor(c->D, c->freedom);
+  if (vanished != NONE && isfinite(c->D[vanished * c->freedom + vanished])) {
+    d->massless = d->tree.coordinate_order[cluster->coordinate_start + c->independent[vanished]];
+    return false;
+  }
+  if (vanished != NONE || cluster->base == 0)
+    return vanished == NONE;
+  for (int k = 0; k < c->freedom; ++k)
+    c->udot[k] = c->b[k];
+  solve(c->D, c->freedom, c->udot);
+  load_base(d, cluster, c, sum);
+  return true;
+}
+
+static void outward(km_dynamics *d, km_state *s, int index) {
+  const km_cluster *cluster = &d->tree.clusters[index];
+  const km_cluster_motion *c = &d->cluster[index];
+  const int *coordinates = d->tree.coordinate_order + cluster->coordinate_start;
+  const km_twist *base = cluster->base ? &d->node[cluster->base].A : NULL;
+  int count = c->freedom, n = cluster->coordinate_count;
+  accelerate(c, base, c->udot);
+  for (int i = 0; i < n; ++i) {
+    double sum = c->gamma[i];
+    for (int k = 0; k < count; ++k)
+      sum += c->N[(size_t)k * (size_t)n + (size_t)i] * c->udot[k];
+    s->acceleration[coordinates[i]] = sum;
+  }
+  for (int i = 0; i < cluster->node_count; ++i) {
+    km_node_motion *node = &d->node[cluster->node_start + i];
+    const km_twist *P = c->P + (size_t)i * (size_t)count;
+    node->A = base ? km_twist_axpy(1.0, node->zeta, *base) : node->zeta;
+    for (int k = 0; k < count; ++k)
+      node->A = km_twist_axpy(c->udot[k], P[k], node->A);
+  }
+}
+
+bool km_tree_solve(km_dynamics *d, km_state *s) {
+  d->massless = -1;
+  d->node[0].A = (km_twist){km_vec3_scale(-1.0, d->forces->stated_gravity), {0, 0, 0}};
+  for (int n = 1; n < d->tree.node_count; ++n)
+    if (d->tree.nodes[n].bears)
+      d->articulated[n] = (km_articulated){0};
+  for (int i = d->tree.cluster_count - 1; i >= 0; --i)
+    if (!inward(d, i))
+      return false;
+  for (int i = 0; i < d->tree.cluster_count; ++i)
+    outward(d, s, i);
+  return true;
+}

@@ -1,0 +1,259 @@
+/* Forces of a mechanism that moves, beside springs: their list, their sum, and the power that they take and give. */
+#include "forces/moving.h"
+
+#include <string.h>
+
+static void touch(km_moving_forces *out, bool *seen, int body) {
+  if (!seen[body])
+    out->touched[out->touched_count++] = body;
+  seen[body] = true;
+}
+
+static void touch_port(const km_model *model, km_moving_forces *out, bool *seen, const km_port *port) {
+  for (int side = 0; side < 2 && port->coordinate < 0; ++side)
+    touch(out, seen, model->frames[port->frame[side]].body);
+}
+
+static void list_bodies(const km_model *model, const km_forces *f, bool *seen) {
+  km_moving_forces *out = f->moving;
+  for (int i = 0; i < f->load_count; ++i)
+    touch(out, seen, model->frames[f->loads[i].frame].body);
+  for (int i = 0; i < model->module_count; ++i) {
+    touch_port(model, out, seen, &model->modules[i].input);
+    touch_port(model, out, seen, &model->modules[i].output);
+  }
+}
+
+static bool has_stop(const km_mechanism *m, int c) {
+  const km_joint_stop *stop = &m->model->joints[m->model->coordinates[c].joint].stop;
+  return (stop->stiffness > 0.0 || stop->damping > 0.0) && (isfinite(m->low[c]) || isfinite(m->high[c]));
+}
+
+static void list_coordinates(const km_mechanism *m, km_moving_forces *out) {
+  for (int c = 0; c < m->coordinate_count; ++c) {
+    const km_model_coordinate *def = &m->model->coordinates[c];
+    if (m->held[c])
+      continue;
+    if (def->damping != 0.0)
+      out->dampers[out->damper_count++] = c;
+    if (has_stop(m, c))
+      out->stops[out->stop_count++] = c;
+    if (m->model->joints[def->joint].friction.coefficient > 0.0 || def->friction > 0.0)
+      out->rubbing[out->rubbing_count++] = c;
+  }
+}
+
+static int memory_need(km_module_type type) {
+  return type == KM_MODULE_PID ? 1 : type == KM_MODULE_TIRE ? 2 : 0;
+}
+
+static void list_modules(const km_model *model, km_moving_forces *out) {
+  for (int i = 0; i < model->module_count; ++i) {
+    const km_model_module *module = &model->modules[i];
+    if (module->type == KM_MODULE_STIFFNESS)
+      continue;
+    out->memory_of[out->module_count] = out->memory_count;
+    out->modules[out->module_count++] = module;
+    out->memory_count += memory_need(module->type);
+  }
+}
+
+static km_status check_tires(const km_model *model, km_error *error) {
+  for (int i = 0; i < model->module_count; ++i) {
+    const km_model_module *module = &model->modules[i];
+    const km_tire *t = &module->tire;
+    if (module->type != KM_MODULE_TIRE)
+      continue;
+    if (module->output.coordinate >= 0)
+      return km_fail(error, KM_MODEL, "%s: a tyre acts in a joint; expected the frames of the road and the wheel",
+                     module->where);
+    const struct {
+      const char *key;
+      double value;
+    } needed[] = {{"unloaded_radius", t->radius},
+                  {"vertical_stiffness", t->stiffness},
+                  {"longitudinal_stiffness", t->longitudinal},
+                  {"lateral_stiffness", t->lateral},
+                  {"relaxation_length_x", t->relaxation[0]},
+                  {"relaxation_length_y", t->relaxation[1]}};
+    for (size_t k = 0; k < sizeof needed / sizeof *needed; ++k)
+      if (!(needed[k].value > 0.0))
+        return km_fail(error, KM_MODEL, "%s.tire.%s: found %g; a simulation expects a positive number", module->where,
+                       needed[k].key, needed[k].value);
+  }
+  return KM_OK;
+}
+
+km_status km_forces_follow_motion(km_forces *f, km_error *error) {
+  if (f->moving)
+    return KM_OK;
+  const km_mechanism *m = f->mechanism;
+  km_status status = check_tires(m->model, error);
+  if (status)
+    return status;
+  km_arena *arena = &f->arena, scratch = {0};
+  size_t bodies = (size_t)m->topology.body_count, coordinates = (size_t)m->coordinate_count;
+  size_t modules = (size_t)m->model->module_count;
+  bool *seen = KM_ARENA_NEW(&scratch, bool, bodies);
+  km_moving_forces *out = KM_ARENA_NEW(arena, km_moving_forces, 1);
+  if (out)
+    *out = (km_moving_forces){.touched = KM_ARENA_NEW(arena, int, bodies),
+                              .dampers = KM_ARENA_NEW(arena, int, coordinates),
+                              .stops = KM_ARENA_NEW(arena, int, coordinates),
+                              .rubbing = KM_ARENA_NEW(arena, int, coordinates),
+                              .modules = KM_ARENA_NEW(arena, const km_model_module *, modules),
+                              .memory_of = KM_ARENA_NEW(arena, int, modules),
+                              .memory = KM_ARENA_NEW(arena, double, 2 * modules),
+                              .rate = KM_ARENA_NEW(arena, double, 2 * modules),
+                              .normal = KM_ARENA_NEW(arena, double, coordinates)};
+  if (!arena->failed && !scratch.failed) {
+    f->moving = out;
+    list_bodies(m->model, f, seen);
+    list_coordinates(m, out);
+    list_modules(m->model, out);
+  }
+  km_arena_free(&scratch);
+  return f->moving ? KM_OK : km_fail(error, KM_MEMORY, "out of memory for the forces");
+}
+
+static void add_dampers(const km_mechanism *m, const km_state *s, km_forces *f) {
+  for (int i = 0; i < f->moving->damper_count; ++i) {
+    int c = f->moving->dampers[i];
+    double force = -m->model->coordinates[c].damping * s->rate[c];
+    f->joint[c] += force;
+    f->moving->dissipation -= force * s->rate[c];
+  }
+}
+
+/* How far a coordinate is beyond its limits: above (> 0) or below (< 0). */
+static double beyond(const km_mechanism *m, const km_state *s, int c) {
+  return s->q[c] > m->high[c] ? s->q[c] - m->high[c] : s->q[c] < m->low[c] ? s->q[c] - m->low[c] : 0.0;
+}
+
+/* A stop pushes back with k x + b v and never pulls. What it takes is what it doesn't store. */
+static void add_stops(const km_mechanism *m, const km_state *s, km_forces *f) {
+  for (int i = 0; i < f->moving->stop_count; ++i) {
+    int c = f->moving->stops[i];
+    const km_joint_stop *stop = &m->model->joints[m->model->coordinates[c].joint].stop;
+    double x = beyond(m, s, c), v = s->rate[c];
+    if (x == 0.0)
+      continue;
+    double push = stop->stiffness * x + stop->damping * v;
+    push = push * x > 0.0 ? push : 0.0;
+    f->joint[c] -= push;
+    f->moving->dissipation += (push - stop->stiffness * x) * v;
+  }
+}
+
+double km_stops_energy(const km_mechanism *m, const km_state *s, const km_forces *f) {
+  double energy = 0.0;
+  for (int i = 0; i < f->moving->stop_count; ++i) {
+    int c = f->moving->stops[i];
+    double x = beyond(m, s, c);
+    energy += 0.5 * m->model->joints[m->model->coordinates[c].joint].stop.stiffness * x * x;
+  }
+  return energy;
+}
+
+/* Regularised Coulomb friction: the whole of μN from the stiction velocity on, and below it a parabola through 0. */
+static double slip_share(double speed, double stiction) {
+  double x = fabs(speed) / stiction;
+  return copysign(x < 1.0 ? x * (2.0 - x) : 1.0, speed);
+}
+
+static void add_friction(const km_mechanism *m, const km_state *s, km_forces *f) {
+  for (int i = 0; i < f->moving->rubbing_count; ++i) {
+    int c = f->moving->rubbing[i];
+    const km_model_coordinate *def = &m->model->coordinates[c];
+    const km_model_joint *joint = &m->model->joints[def->joint];
+    double arm = km_joint_is_length(joint->type, def->index) ? 1.0 : joint->friction.radius;
+    double stiction = joint->friction.stiction_velocity > 0.0 ? joint->friction.stiction_velocity : 1e-3 * m->length;
+    double reach = arm > 0.0 ? arm : m->length; /* a constant torque needs no radius */
+    double full = joint->friction.coefficient * arm * f->moving->normal[c] + def->friction;
+    double force = -full * slip_share(reach * s->rate[c], stiction);
+    f->joint[c] += force;
+    f->moving->dissipation -= force * s->rate[c];
+  }
+}
+
+/* A table's rows are joined by lines; before its first and past its last row the force stays. */
+double km_motor_force(const km_model_module *module, double time) {
+  const double *t = module->table;
+  int rows = module->table_count;
+  if (rows == 0)
+    return km_law_force(&module->law, time);
+  if (time <= t[0])
+    return t[1];
+  for (int i = 1; i < rows; ++i)
+    if (time <= t[2 * i])
+      return t[2 * i - 1] + (t[2 * i + 1] - t[2 * i - 1]) * (time - t[2 * i - 2]) / (t[2 * i] - t[2 * i - 2]);
+  return t[2 * rows - 1];
+}
+
+static void add_module(const km_mechanism *m, const km_state *s, km_forces *f, int index) {
+  km_moving_forces *moving = f->moving;
+  const km_model_module *module = moving->modules[index];
+  int memory = moving->memory_of[index];
+  double rate;
+  switch (module->type) {
+  case KM_MODULE_DAMPING:
+  case KM_MODULE_FRICTION: {
+    km_module_input(m, s, f, module, &rate);
+    double force = km_law_force(&module->law, rate);
+    moving->dissipation -= force * km_module_push(m, s, f, module, force);
+    break;
+  }
+  case KM_MODULE_MOTOR: {
+    double force = km_motor_force(module, s->time);
+    moving->motor_power += force * km_module_push(m, s, f, module, force);
+    break;
+  }
+  case KM_MODULE_PID: {
+    double error = module->reference - km_module_input(m, s, f, module, &rate);
+    double force = module->kp * error + module->ki * moving->memory[memory] - module->kd * rate;
+    moving->rate[memory] = error;
+    moving->motor_power += force * km_module_push(m, s, f, module, force);
+    break;
+  }
+  case KM_MODULE_TIRE:
+    km_tire_push(m, f, index);
+    break;
+  default:
+    break;
+  }
+}
+
+static double power_of_loads(const km_mechanism *m, const km_forces *f) {
+  double power = 0.0;
+  for (int i = 0; i < f->load_count; ++i) {
+    const km_load *load = &f->loads[i];
+    const km_model_frame *frame = &m->model->frames[load->frame];
+    km_pose X = km_pose_product(&f->pose[frame->body], &frame->pose);
+    km_twist V = f->twist[frame->body];
+    km_vec3 force = km_vec3_make(load->force), torque = km_vec3_make(load->torque);
+    if (load->turning) {
+      force = km_rotate(&X.R, force);
+      torque = km_rotate(&X.R, torque);
+    }
+    power += km_wrench_power(km_wrench_at(force, torque, X.p), V);
+  }
+  return power;
+}
+
+void km_forces_update_moving(const km_mechanism *m, const km_state *s, km_forces *f) {
+  km_moving_forces *moving = f->moving;
+  moving->dissipation = moving->motor_power = 0.0;
+  for (int i = 0; i < moving->touched_count; ++i)
+    f->body[moving->touched[i]] = (km_wrench){{0, 0, 0}, {0, 0, 0}};
+  memcpy(f->joint, f->extra, (size_t)m->coordinate_count * sizeof *f->joint);
+  km_springs_add(m, s, f);
+  add_dampers(m, s, f);
+  add_stops(m, s, f);
+  add_friction(m, s, f);
+  for (int i = 0; i < moving->module_count; ++i)
+    add_module(m, s, f, i);
+  if (f->load_count) {
+    km_loads_add(m, f);
+    moving->motor_power += power_of_loads(m, f);
+  }
+}

@@ -1,0 +1,36 @@
+/* What acts on a mechanism only while it moves: damping, stops, friction, motors, controllers, tyres. */
+#ifndef KM_FORCES_MOVING_H
+#define KM_FORCES_MOVING_H
+
+#include "forces/forces.h"
+
+typedef struct km_moving_forces {
+  int touched_count, damper_count, stop_count, rubbing_count, module_count, memory_count;
+  int *touched;                   /* bodies that forces act on: their poses and twists must be known */
+  int *dampers, *stops, *rubbing; /* coordinates */
+  const km_model_module **modules;
+  int *memory_of;     /* [module] its first internal state */
+  double *memory;     /* [memory_count] internal states: ∫e of a controller, the slips of a tyre */
+  double *rate;       /* [memory_count] their rates at the last update */
+  double *normal;     /* [coordinate] the force that presses its sliding surfaces together; set by the caller */
+  double dissipation; /* power that dampers, friction and stops took at the last update: positive */
+  double motor_power; /* power that motors, controllers and loads gave */
+} km_moving_forces;
+
+/* Makes room for what acts in a motion. KM_MEMORY. */
+km_status km_forces_follow_motion(km_forces *forces, km_error *error);
+
+/* Every force but weights at the state's coordinates, rates and time: of bodies that `touched` lists, poses and twists
+ * are given. Never allocates. O(forces). */
+void km_forces_update_moving(const km_mechanism *mechanism, const km_state *state, km_forces *forces);
+
+/* Energy that stops store beside km_springs_energy. */
+double km_stops_energy(const km_mechanism *mechanism, const km_state *state, const km_forces *forces);
+
+/* Value of a motor's law at a time. */
+double km_motor_force(const km_model_module *module, double time);
+
+/* Tyre `index` of the moving forces: its force on the wheel and the road, and the rates of its slips. */
+void km_tire_push(const km_mechanism *mechanism, km_forces *forces, int index);
+
+#endif

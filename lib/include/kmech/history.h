@@ -1,0 +1,60 @@
+/* A simulation as a table: coordinates, rates, accelerations, energies, points and reactions over time. */
+#ifndef KMECH_HISTORY_H
+#define KMECH_HISTORY_H
+
+#include "kmech/simulation.h"
+#include "kmech/statics.h"
+#include "kmech/table.h"
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+/* A frame that the table follows; its name is borrowed. */
+typedef struct km_followed_frame {
+  int frame;
+  const char *name; /* "body/frame" */
+} km_followed_frame;
+
+/* What to write down. Times in the model's time unit; start from km_history_default(). */
+typedef struct km_history_def {
+  km_simulation_def simulation; /* crossings and frames are borrowed; `end` is set to `until` */
+  double until, every;          /* 0: model_parameters.simulation's, or 10 seconds and a two hundredth of the span */
+  const km_followed_frame *frames;
+  int frame_count;
+  bool reactions;
+  km_axes axes;  /* of the reactions */
+  bool mobility; /* mobility numbers, too */
+  km_progress progress;
+  void *context;
+} km_history_def;
+/* The model's own simulation settings where it has some. */
+KM_API km_history_def km_history_default(const km_model *model);
+
+typedef struct km_history {
+  km_table *table;
+  km_simulation_figures figures;
+  km_crossing_met *crossings; /* in order of time */
+  int crossing_count;
+  double rate_change;  /* share of the initial rates that had to change so that the loops stay closed */
+  double worst_loop;   /* largest rms loop error of a row, scaled (235) */
+  double energy_error; /* largest change of kinetic + potential + dissipated − motor work, force × length */
+  double energy_scale; /* largest kinetic energy: what it is compared with */
+  double energy_start; /* kinetic energy at the start */
+  km_error why;        /* of a run that ended early */
+} km_history;
+
+/* Columns: t; q., v., a. of every coordinate; f. of prescribed joints, the force that drives them; energy_kinetic,
+ * energy_potential (0 at the start), energy_dissipated, motor_work; loop_error, evaluations, repartitions; frame.NAME.x
+ * … of followed frames: place, velocity and acceleration of its origin in the inertial frame; r.LABEL.fx … tz reactions
+ * of parent on child; m.LABEL mobility numbers. From the assembled state's pose, rates and time 0. KM_PARTIAL: a
+ * crossing ended the run. KM_DIVERGED, KM_CANCELLED: the table holds what was reached, `why` tells the reason. Else as
+ * km_simulation_create. Free `*out` in any case. */
+KM_API km_status km_history_run(const km_mechanism *mechanism, km_forces *forces, km_state *state,
+                                const km_history_def *def, km_history *out, km_error *error);
+KM_API void km_history_free(km_history *history);
+
+#ifdef __cplusplus
+}
+#endif
+#endif

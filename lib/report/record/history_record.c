@@ -1,0 +1,48 @@
+/* The record of a simulation, key by key. */
+#include "report/record/history_record.h"
+
+#include "report/record/record.h"
+#include "topology/mechanism.h"
+
+static void add_events(const km_model *model, const km_history_def *def, const km_history *h, km_value *record,
+                       km_arena *arena) {
+  km_value *events = km_value_add(arena, record, "events", KM_LIST);
+  for (int i = 0; i < h->crossing_count && !arena->failed; ++i) {
+    const km_crossing *crossing = &def->simulation.crossings[h->crossings[i].crossing];
+    km_value *event = km_value_add(arena, events, NULL, KM_OBJECT);
+    km_value_string(arena, event, "joint", km_model_coordinate_label(model, crossing->coordinate));
+    km_value_number(arena, event, "value", crossing->value);
+    km_value_number(arena, event, "t", h->crossings[i].time);
+    km_value_string(arena, event, "sense", h->crossings[i].sense > 0 ? "up" : "down");
+    km_value_boolean(arena, event, "stops", crossing->stops);
+  }
+}
+
+const km_value *km_history_record(const km_mechanism *m, const km_history_def *def, const km_history *h,
+                                  const char *stopped_by, const char *name, km_arena *arena) {
+  km_value *record = km_record_head(m, "ksim run", name, arena);
+  km_value_number(arena, record, "steps", (double)h->figures.steps);
+  km_value_number(arena, record, "evaluations", (double)h->figures.evaluations);
+  km_value_number(arena, record, "rejected_steps", (double)h->figures.rejected);
+  km_value_number(arena, record, "repartitions", (double)h->figures.repartitions);
+  km_value_boolean(arena, record, "stiff", h->figures.stiff);
+  km_value_number(arena, record, "worst_loop_error", h->worst_loop);
+  km_value_number(arena, record, "energy_error", h->energy_error);
+  km_value_number(arena, record, "largest_kinetic_energy", h->energy_scale);
+  km_value_number(arena, record, "initial_rate_change", h->rate_change);
+  add_events(m->model, def, h, record, arena);
+  km_table_record(h->table, record, arena);
+  km_value_boolean(arena, record, "complete", stopped_by[0] == '\0');
+  km_value_string(arena, record, "stopped_by", stopped_by);
+  return arena->failed ? NULL : record;
+}
+
+const km_value *km_inverse_record(const km_mechanism *m, const km_history *h, const char *stopped_by, const char *name,
+                                  km_arena *arena) {
+  km_value *record = km_record_head(m, "ksim inverse", name, arena);
+  km_value_number(arena, record, "worst_loop_error", h->worst_loop);
+  km_table_record(h->table, record, arena);
+  km_value_boolean(arena, record, "complete", stopped_by[0] == '\0');
+  km_value_string(arena, record, "stopped_by", stopped_by);
+  return arena->failed ? NULL : record;
+}

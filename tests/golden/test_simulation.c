@@ -1,0 +1,167 @@
+/* Simulations with a known end: published benchmarks, closed forms, laws of conservation. */
+#include "support/moving.h"
+
+#include "kmech/history.h"
+#include "kmech/simulation.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+/* Runs a model to a time; NaN-proof: every status is asserted. */
+static km_history run(fixture *f, double until, double every, double tolerance) {
+  km_forces *forces;
+  km_history out;
+  km_error error = {0};
+  km_history_def def = km_history_default(f->model);
+  def.until = until;
+  def.every = every;
+  def.simulation.relative = def.simulation.absolute = tolerance;
+  assert_int_equal(km_forces_create(f->mechanism, NULL, NULL, 0, &forces, NULL), KM_OK);
+  assert_int_equal(km_history_run(f->mechanism, forces, f->state, &def, &out, &error), KM_OK);
+  km_forces_free(forces);
+  return out;
+}
+
+static double at_end(const km_history *h, const char *column) {
+  int found = km_table_find(h->table, column);
+  assert_true(found >= 0);
+  return km_table_row(h->table, km_table_rows(h->table) - 1)[found];
+}
+
+/* Andrews' squeezing mechanism at 0.03 s (E. Hairer, G. Wanner, Solving Ordinary Differential Equations II, VII.7; the
+ * digits are those of the test set for IVP solvers), and its first accelerations. */
+static void test_andrews(void **data) {
+  (void)data;
+  static const struct {
+    const char *column;
+    double value;
+  } published[] = {{"q.beta", 15.81077119629904},   {"q.Theta", -15.75637105984298}, {"q.gamma", 0.04082224013073101},
+                   {"q.phi", -0.5347301163226948},  {"q.delta", 0.5244099658805304}, {"q.Omega", 0.5347301163226948},
+                   {"q.epsilon", 1.048080741042263}};
+  fixture f = fixture_open("andrews");
+  km_history h = run(&f, 0.03, 0.03, 1e-12);
+  for (size_t i = 0; i < sizeof published / sizeof *published; ++i)
+    assert_near(at_end(&h, published[i].column), published[i].value, 1e-8);
+  assert_near(km_table_row(h.table, 0)[km_table_find(h.table, "a.beta")], 14222.4439199541, 1e-8 * 14222.0);
+  assert_near(km_table_row(h.table, 0)[km_table_find(h.table, "a.Theta")], -10666.8329399656, 1e-8 * 10666.0);
+  km_history_free(&h);
+  fixture_close(&f);
+}
+
+/* θ̈ = c cos θ from (π/2, −1) by Runge-Kutta of order 4 with steps so short that they err by 1e-12. */
+static double reduced_angle(double c, double time) {
+  enum { STEPS = 400000 };
+  double q = 0.5 * M_PI, v = -1.0, h = time / STEPS;
+  for (int i = 0; i < STEPS; ++i) {
+    double a1 = c * cos(q), a2 = c * cos(q + 0.5 * h * v);
+    double a3 = c * cos(q + 0.5 * h * (v + 0.5 * h * a1)), a4 = c * cos(q + h * (v + 0.5 * h * a2));
+    q += h * v + h * h / 6.0 * (a1 + a2 + a3);
+    v += h / 6.0 * (a1 + 2.0 * a2 + 2.0 * a3 + a4);
+  }
+  return q;
+}
+
+/* IFToMM's A02 with two windows: 3 θ̈ = −3.5 g cos θ, through eleven folds, where the rank drops. */
+static void test_a02(void **data) {
+  (void)data;
+  fixture f = fixture_open("a02");
+  km_history h = run(&f, 10.0, 0.1, 1e-10);
+  assert_near(at_end(&h, "q.A0"), reduced_angle(-3.5 * 9.81 / 3.0, 10.0) - 0.5 * M_PI, 1e-6);
+  assert_true(h.energy_error <= 1e-8 * h.energy_scale);
+  assert_true(h.worst_loop <= 1e-12);
+  km_history_free(&h);
+  fixture_close(&f);
+}
+
+static const char oscillator[] =
+    "{\"assemblies\": [{\"name\": \"a\", \"bodies\": [{\"name\": \"b\", \"mass\": 2}], \"joints\": [{\"name\": \"X\", "
+    "\"type\": \"Tx\", \"body_frame_pairs\": [\"fixed\", \"b\"], \"initial_displacement\": 0.5, \"damping\": 0.8}], "
+    "\"force_modules\": [{\"name\": \"s\", \"type\": \"stiffness\", \"input\": {\"type\": \"joint\", \"joint\": \"X\"}, "
+    "\"coefficients\": [[0, -18]]}]}]}";
+
+/* 2 ẍ + 0.8 ẋ + 18 x = 0: x = x₀ e^(−0.2 t) (cos ωt + 0.2/ω sin ωt), ω² = 9 − 0.04. */
+static void test_oscillator(void **data) {
+  (void)data;
+  fixture f = fixture_read(oscillator);
+  km_history h = run(&f, 4.0, 0.1, 1e-11);
+  double w = sqrt(9.0 - 0.04);
+  for (size_t r = 0; r < km_table_rows(h.table); ++r) {
+    const double *row = km_table_row(h.table, r);
+    double t = row[0], exact = 0.5 * exp(-0.2 * t) * (cos(w * t) + 0.2 / w * sin(w * t));
+    assert_near(row[km_table_find(h.table, "q.X")], exact, 1e-9);
+  }
+  km_history_free(&h);
+  fixture_close(&f);
+}
+
+static const char floating[] =
+    "{\"assemblies\": [{\"name\": \"a\", \"bodies\": [{\"name\": \"b\", \"mass\": 1.5, \"center_of_mass\": [0.2, 0.1, "
+    "-0.3], \"moment_of_inertia\": {\"Ixx\": 0.02, \"Iyy\": 0.03, \"Izz\": 0.045, \"Ixy\": 0.002}}], \"joints\": "
+    "[{\"name\": \"F\", \"type\": \"float\", \"body_frame_pairs\": [\"fixed\", \"b\"], \"initial_velocity\": [0.3, -0.2, "
+    "0.1, 2, 3, -1]}]}]}";
+
+/* A free body keeps its energy, and its centre of mass goes straight on. */
+static void test_free_body(void **data) {
+  (void)data;
+  fixture f = fixture_read(floating);
+  km_history h = run(&f, 3.0, 0.05, 1e-11);
+  assert_true(h.energy_error <= 1e-8 * h.energy_scale);
+  fixture_close(&f);
+  km_history_free(&h);
+}
+
+/* A prescribed crank: the work of its drive is all the energy that comes in, and the rate is the law's. */
+static void test_prescribed(void **data) {
+  (void)data;
+  char *text = read_model_text("slider_crank"), *end = strstr(text, "\"name\": \"A\"");
+  assert_non_null(end);
+  char *with = (char *)malloc(strlen(text) + 200);
+  size_t head = (size_t)(end - text);
+  memcpy(with, text, head);
+  strcpy(with + head, "\"prescribed\": {\"polynomial\": [5.3311, 2.5, 0.4]}, ");
+  strcat(with, end);
+  fixture f = fixture_read(with);
+  km_history h = run(&f, 4.0, 0.05, 1e-10);
+  assert_near(at_end(&h, "q.A"), 5.3311 + 2.5 * 4.0 + 0.4 * 16.0, 1e-12);
+  assert_near(at_end(&h, "v.A"), 2.5 + 0.8 * 4.0, 1e-12);
+  assert_near(at_end(&h, "a.A"), 0.8, 1e-12);
+  assert_true(h.energy_error <= 1e-7 * h.energy_scale);
+  assert_true(km_table_find(h.table, "f.A") >= 0);
+  km_history_free(&h);
+  fixture_close(&f);
+  free(with);
+  km_free(text);
+}
+
+/* A crossing is located to the integrator's accuracy, and one that stops ends the run there. */
+static void test_crossings(void **data) {
+  (void)data;
+  fixture f = fixture_read(oscillator);
+  km_forces *forces;
+  km_history h;
+  km_error error = {0};
+  const km_crossing crossings[] = {{0, 0.0, false}, {0, -0.3, true}};
+  km_history_def def = km_history_default(f.model);
+  def.until = 4.0;
+  def.every = 0.5;
+  def.simulation.relative = def.simulation.absolute = 1e-11;
+  def.simulation.crossings = crossings;
+  def.simulation.crossing_count = 2;
+  assert_int_equal(km_forces_create(f.mechanism, NULL, NULL, 0, &forces, NULL), KM_OK);
+  assert_int_equal(km_history_run(f.mechanism, forces, f.state, &def, &h, &error), KM_PARTIAL);
+  double w = sqrt(9.0 - 0.04);
+  assert_int_equal(h.crossing_count, 2);
+  assert_near(h.crossings[0].time, (M_PI - atan(w / 0.2)) / w, 1e-8);
+  assert_int_equal(h.crossings[0].sense, -1);
+  assert_near(at_end(&h, "q.X"), -0.3, 1e-9);
+  km_history_free(&h);
+  km_forces_free(forces);
+  fixture_close(&f);
+}
+
+int main(void) {
+  const struct CMUnitTest tests[] = {cmocka_unit_test(test_andrews),    cmocka_unit_test(test_a02),
+                                     cmocka_unit_test(test_oscillator), cmocka_unit_test(test_free_body),
+                                     cmocka_unit_test(test_prescribed), cmocka_unit_test(test_crossings)};
+  return cmocka_run_group_tests(tests, NULL, NULL);
+}

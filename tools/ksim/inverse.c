@@ -1,0 +1,286 @@
+/* ksim inverse: the forces of a motion that is prescribed as a whole. */
+#include "ksim/ksim.h"
+
+#include "base/memory.h"
+#include "exchange/json/json.h"
+#include "kinematics/state.h"
+#include "kmech/inverse.h"
+#include "model/model.h"
+#include "report/plot/history_plot.h"
+#include "report/record/csv.h"
+#include "report/record/history_record.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <string.h>
+
+enum { MOST_RATES = 64, DEFAULT_STEPS = 360 };
+
+typedef struct options {
+  kt_common common;
+  kt_texts holds, sets, rates, frames;
+  const char *model, *base, *format, *joints, *until, *steps;
+  int axes;
+  bool reactions;
+  kt_formats formats;
+} options;
+
+typedef struct work {
+  const options *o;
+  kt_pose pose;
+  char name[256];
+  km_forces *forces;
+  km_constant_rate rates[MOST_RATES];
+  km_inverse_def def;
+  km_history history;
+  int *shown;
+  int shown_count;
+} work;
+
+/* "60rpm" or a number in the model's unit per time unit. */
+static bool read_rate(const km_model *model, int coordinate, const char *text, double *out) {
+  size_t length = strlen(text);
+  char number[64];
+  bool turns = length > 3 && strcmp(text + length - 3, "rpm") == 0;
+  if (turns && km_joint_is_length(model->joints[model->coordinates[coordinate].joint].type,
+                                  model->coordinates[coordinate].index))
+    return false;
+  if (length >= sizeof number)
+    return false;
+  snprintf(number, sizeof number, "%.*s", (int)(turns ? length - 3 : length), text);
+  if (!kt_number(number, out) || !isfinite(*out) || *out == 0.0)
+    return false;
+  if (turns)
+    *out *= 2.0 * M_PI / model->units.angle->si / (60.0 / model->units.time->si);
+  return true;
+}
+
+static kt_exit read_rates(work *w) {
+  const options *o = w->o;
+  kt_exit result = KT_DONE;
+  if (o->rates.count > MOST_RATES)
+    return kt_usage(&o->common, "--rate", "…", "at most 64 rates");
+  for (int i = 0; i < o->rates.count && result == KT_DONE; ++i) {
+    const char *rest = o->rates.items[i];
+    kt_piece label = kt_split(&rest, "=");
+    km_constant_rate *rate = &w->rates[w->def.rate_count];
+    if (!label.text)
+      return KT_INTERNAL;
+    if (label.separator != '=')
+      result = kt_usage(&o->common, "--rate", o->rates.items[i], "JOINT=RATE, as A=60rpm or A=2.5");
+    else
+      result = kt_coordinate(&o->common, w->pose.model, "--rate", label.text, &rate->coordinate);
+    if (result == KT_DONE && !read_rate(w->pose.model, rate->coordinate, rest, &rate->rate))
+      result = kt_usage(&o->common, "--rate", o->rates.items[i],
+                        "a rate other than 0 in the model's unit per time unit, or of an angle in rpm");
+    km_free(label.text);
+    w->def.rate_count += result == KT_DONE;
+  }
+  w->def.rates = w->rates;
+  return result;
+}
+
+/* One turn of the first joint with a rate, where that turns; else the model's simulation. */
+static kt_exit read_until(work *w) {
+  const options *o = w->o;
+  const km_model *model = w->pose.model;
+  w->def.until = model->simulation.span;
+  if (w->def.rate_count) {
+    const km_constant_rate *first = &w->rates[0];
+    bool turns = km_coordinate_turns(w->pose.mechanism, first->coordinate);
+    w->def.until = turns ? 2.0 * M_PI / model->units.angle->si / fabs(first->rate) : 0.0;
+  }
+  kt_exit result = ksim_read_number(&o->common, "--until", o->until, "a positive time", &w->def.until);
+  return result == KT_DONE && !(w->def.until > 0.0)
+             ? kt_usage(&o->common, "--until", "is missing", "the end of the motion, in the model's time unit")
+             : result;
+}
+
+static kt_exit prepare(work *w) {
+  const options *o = w->o;
+  double steps = DEFAULT_STEPS;
+  kt_exit result = read_rates(w);
+  if (result == KT_DONE)
+    result = read_until(w);
+  if (result == KT_DONE)
+    result = ksim_read_number(&o->common, "--steps", o->steps, "a number of steps", &steps);
+  if (result == KT_DONE && (steps != floor(steps) || steps > 1e7))
+    result = kt_usage(&o->common, "--steps", o->steps, "a whole number up to 10 000 000");
+  w->def.steps = (int)steps;
+  w->def.reactions = o->reactions;
+  w->def.axes = (km_axes)o->axes;
+  if (result == KT_DONE)
+    result = ksim_read_frames(&o->common, w->pose.model, &o->frames, &w->def.frames, &w->def.frame_count);
+  w->shown = KM_NEW(int, (size_t)km_model_coordinate_count(w->pose.model) + 1);
+  if (result == KT_DONE && !w->shown)
+    result = KT_INTERNAL;
+  if (result == KT_DONE && o->joints)
+    result = kt_coordinates(&o->common, w->pose.model, "--joints", o->joints, w->shown, &w->shown_count);
+  return result == KT_DONE ? ksim_forces(&o->common, o->model, &w->pose, &w->forces) : result;
+}
+
+/* The greatest of a column by size, and when. */
+static double largest(const km_table *table, size_t column, double *when) {
+  double most = 0.0;
+  for (size_t r = 0; r < km_table_rows(table); ++r) {
+    const double *row = km_table_row(table, r);
+    if (fabs(row[column]) > fabs(most)) {
+      most = row[column];
+      *when = row[0];
+    }
+  }
+  return most;
+}
+
+static void print_summary(const work *w, km_text *out) {
+  const km_table *table = w->history.table;
+  const char *time = w->pose.model->units.time->suffix;
+  km_span driven = km_table_span(table, "f.");
+  size_t rows = km_table_rows(table);
+  km_text_format(out, "%s: %.6g %s, %zu rows\n", w->o->model, km_table_row(table, rows - 1)[0], time, rows);
+  for (size_t i = 0; i < driven.count; ++i) {
+    double when = 0.0, most = largest(table, driven.first + i, &when), square = 0.0;
+    for (size_t r = 0; r < rows; ++r)
+      square += pow(km_table_row(table, r)[driven.first + i], 2.0);
+    km_text_format(out, "  %s is driven by at most %.6g %s at %.6g %s, %.6g rms\n",
+                   km_table_name(table, driven.first + i) + 2, most, km_table_unit(table, driven.first + i), when, time,
+                   sqrt(square / (double)rows));
+  }
+  km_span shaking = km_table_span(table, "shaking.");
+  double force = 0.0, when = 0.0;
+  for (size_t r = 0; r < rows; ++r) {
+    const double *f = km_table_row(table, r) + shaking.first;
+    double size = sqrt(f[0] * f[0] + f[1] * f[1] + f[2] * f[2]);
+    when = size > force ? km_table_row(table, r)[0] : when;
+    force = fmax(force, size);
+  }
+  km_text_format(out, "  shaking force at most %.6g %s at %.6g %s\n", force, km_table_unit(table, shaking.first), when,
+                 time);
+}
+
+static kt_exit write_table(const work *w, const char *base, kt_format format) {
+  km_text out = {0};
+  if (format == KT_CSV) {
+    km_csv_write(w->history.table, &out);
+  } else {
+    km_arena arena = {0};
+    const km_value *record =
+        km_inverse_record(w->pose.mechanism, &w->history, w->history.why.text, w->o->model, &arena);
+    if (record)
+      km_json_write(record, &out);
+    out.failed = out.failed || !record;
+    km_arena_free(&arena);
+  }
+  kt_exit result = kt_write(&w->o->common, base, "inverse", kt_format_word(format), &out);
+  km_text_free(&out);
+  return result;
+}
+
+static kt_exit write_plot(const work *w, const char *base, kt_format format) {
+  const km_plotted_history shown = {.mechanism = w->pose.mechanism,
+                                    .table = w->history.table,
+                                    .name = w->name,
+                                    .joints = w->shown_count ? w->shown : NULL,
+                                    .joint_count = w->shown_count};
+  km_arena arena = {0};
+  km_text out = {0};
+  km_error error;
+  km_plot plot;
+  bool made = km_inverse_plot_make(&shown, &arena, &plot);
+  km_status status = km_plot_finish(made, &plot, &arena, kt_canvas_format(format), &out, &error);
+  kt_exit result = kt_exit_of(status);
+  if (status)
+    kt_say(&w->o->common, KM_ERROR, "%s", error.text);
+  else
+    result = kt_write(&w->o->common, base, "inverse", kt_format_word(format), &out);
+  km_text_free(&out);
+  return result;
+}
+
+static kt_exit deliver(const work *w) {
+  const options *o = w->o;
+  const char *base = o->base ? o->base : w->name;
+  kt_exit result = KT_DONE;
+  km_text summary = {0};
+  if (!o->common.quiet && strcmp(base, "-") != 0) {
+    print_summary(w, &summary);
+    result = kt_print(&o->common, &summary);
+  }
+  km_text_free(&summary);
+  for (int f = KT_CSV; f <= KT_JSON; ++f)
+    if (o->formats.wanted[f])
+      result = kt_worse(result, write_table(w, base, (kt_format)f));
+  for (int f = KT_SVG; f <= KT_PNG; ++f)
+    if (o->formats.wanted[f])
+      result = kt_worse(result, write_plot(w, base, (kt_format)f));
+  return result;
+}
+
+static kt_exit run(const options *o) {
+  work w = {.o = o};
+  km_error error;
+  kt_base_name(o->model, w.name, sizeof w.name);
+  kt_exit result = kt_open(&o->common, o->model, &o->holds, &o->sets, &w.pose);
+  if (result == KT_DONE)
+    result = prepare(&w);
+  if (result == KT_DONE) {
+    kt_progress progress = kt_progress_start(&o->common);
+    w.def.progress = kt_progress_show;
+    w.def.context = &progress;
+    km_status status = km_inverse_run(w.pose.mechanism, w.forces, w.pose.state, &w.def, &w.history, &error);
+    kt_progress_end(&progress);
+    result = kt_exit_of(status);
+    if (status)
+      kt_say(&o->common, KM_ERROR, "%s: %s", o->model, error.text);
+    if (w.history.table && km_table_rows(w.history.table) > 0)
+      result = kt_worse(result, deliver(&w));
+  }
+  km_history_free(&w.history);
+  km_forces_free(w.forces);
+  km_free((km_followed_frame *)w.def.frames);
+  km_free(w.shown);
+  kt_close(&w.pose);
+  return result;
+}
+
+kt_exit ksim_inverse(int argc, char **argv) {
+  options o = {.common = KT_COMMON("ksim")};
+  kt_options all = {.operand = {"model", "MODEL", true, &o.model, NULL}};
+  const kt_option table[] = {
+      {"rate", 0, "JOINT=RATE",
+       "Turn or move a joint at a constant rate: A=60rpm, or in the model's unit per time unit "
+       "(repeatable; beside it the model's prescribed motions count)",
+       KT_TEXTS, &o.rates, KT_ABOUT_MODEL},
+      {"until", 0, "T", "End, in the model's time unit (default: one turn)", KT_TEXT, &o.until, KT_ABOUT_MODEL},
+      {"steps", 0, "N", "Number of intervals (default 360)", KT_TEXT, &o.steps, KT_ABOUT_MODEL},
+      KT_SET(&o.sets, KT_SET_FIRST),
+      KT_HOLD(&o.holds, KT_HOLD_RIGID),
+      KT_MODE(o.common),
+      {"frame", 0, "BODY/FRAME", "Add place, velocity and acceleration of a frame's origin (repeatable)", KT_TEXTS,
+       &o.frames, KT_ABOUT_MODEL},
+      {"reactions", 0, NULL, "Add the reaction in every joint", KT_FLAG, &o.reactions, KT_ABOUT_MODEL},
+      {"axes", 0, "AXES", "Axes of the reactions: joint (default) or fixed", KT_WORD("joint or fixed"), &o.axes,
+       KT_ABOUT_MODEL},
+      {"joints", 0, "LIST", "Joints whose curves are drawn (default: up to eight that move)", KT_TEXT, &o.joints,
+       KT_ABOUT_FILES},
+      {"format", 0, "LIST", KT_FORMATS_HELP, KT_FORMATS_KIND, &o.format, KT_ABOUT_FILES},
+      KT_BASE(&o.base, "Files are BASE.inverse.FORMAT (default: the model's name); - is the standard output"),
+  };
+  KT_OPTIONS_ADD(&all, table);
+  kt_common_options(&all, &o.common, KT_USES_FLOAT);
+  kt_options_read(
+      &all,
+      "What a prescribed motion takes: the forces of its drives, the reactions in the joints, and the shaking force and "
+      "moment on the ground. The motion must leave no freedom. Exit status 1 if it can't be gone to its end."
+      "\vColumns: t; q.JOINT, v.JOINT, a.JOINT; f.JOINT, the force that drives a prescribed joint, along +q; "
+      "energy_kinetic, energy_potential; loop_error; shaking.fx … tz, the sum of the inertia forces about the inertial "
+      "origin; frame.BODY/FRAME.x … vx … ax; r.JOINT.fx … tz, parent on child.",
+      argc, argv);
+  bool piped = o.base && strcmp(o.base, "-") == 0;
+  if (!kt_formats_parse(&o.common, o.format ? o.format : piped ? "csv" : "csv,svg", &o.formats))
+    return KT_USAGE;
+  bool tables_only = !o.formats.wanted[KT_SVG] && !o.formats.wanted[KT_PDF] && !o.formats.wanted[KT_PNG];
+  if (piped && (kt_formats_count(&o.formats) != 1 || !tables_only))
+    return kt_usage(&o.common, "-o", "-", "--format csv or json");
+  return run(&o);
+}

@@ -1,0 +1,52 @@
+/* ksim's commands. */
+#ifndef KSIM_H
+#define KSIM_H
+
+#include "common/common.h"
+#include "common/pose.h"
+
+#include "kmech/history.h"
+#include "report/plot/plot.h"
+
+kt_exit ksim_run(int argc, char **argv);
+kt_exit ksim_inverse(int argc, char **argv);
+
+/* A positive number of an option; what isn't given stays. */
+kt_exit ksim_read_number(const kt_common *common, const char *option, const char *text, const char *expected,
+                         double *out);
+/* BODY/FRAME of --frame; the caller frees `*out` (km_free). */
+kt_exit ksim_read_frames(const kt_common *common, const km_model *model, const kt_texts *texts,
+                         const km_followed_frame **out, int *count);
+/* Gravity, springs and the model's own loads. The caller frees `*out`. */
+kt_exit ksim_forces(const kt_common *common, const char *path, const kt_pose *pose, km_forces **out);
+
+/* What `ksim run` is asked. */
+typedef struct ksim_options {
+  kt_common common;
+  kt_texts holds, sets, events, stops, frames;
+  const char *model, *base, *format, *joints;
+  const char *until, *every, *rtol, *atol, *max_step;
+  int integrator, stabilise, axes;
+  bool reactions, mobility, animate;
+  kt_formats formats;
+} ksim_options;
+
+/* A run, from its options to its files. */
+typedef struct ksim_work {
+  ksim_options *options;
+  kt_pose pose;
+  char name[256]; /* of the model */
+  km_history_def def;
+  km_history history;
+  km_forces *forces;
+  int *shown; /* coordinates of --joints, else those that move most */
+  int shown_count;
+  char stopped_by[KM_ERROR_TEXT]; /* "": it went to the end */
+} ksim_work;
+
+/* Joints, rates and energies over time as a plot of `table`, whose columns are those of a history. */
+km_status ksim_plot_make(const ksim_work *work, const km_table *table, km_arena *arena, km_plot *out, km_error *error);
+/* BASE.motion.html: the mechanism in motion beside its curves. */
+kt_exit ksim_animate(const ksim_work *work, const char *base);
+
+#endif

@@ -1,0 +1,12 @@
+/* ksim's commands. */
+#include "ksim/ksim.h"
+
+static const kt_command commands[] = {
+    {"run", "the motion over time under gravity, springs, motors and all that the model says", ksim_run},
+    {"inverse", "the forces that a prescribed motion takes", ksim_inverse},
+    {0}};
+
+int main(int argc, char **argv) {
+  return (int)kt_run("ksim", "Forward dynamics: how a mechanism with closed loops moves over time.", commands, argc,
+                     argv);
+}

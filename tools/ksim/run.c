@@ -1,0 +1,275 @@
+/* ksim run: options, the run, its files. */
+#include "ksim/ksim.h"
+
+#include "base/memory.h"
+#include "exchange/json/json.h"
+#include "model/model.h"
+#include "report/plot/history_plot.h"
+#include "report/record/csv.h"
+#include "report/record/history_record.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <string.h>
+
+static kt_exit read_numbers(ksim_work *w) {
+  const ksim_options *o = w->options;
+  km_simulation_def *sim = &w->def.simulation;
+  kt_exit result = ksim_read_number(&o->common, "--until", o->until, "a positive time", &w->def.until);
+  if (o->until && !o->every && w->pose.model->simulation.step <= 0.0)
+    w->def.every = w->def.until / 200.0;
+  result = kt_worse(result, ksim_read_number(&o->common, "--every", o->every, "a positive time", &w->def.every));
+  result = kt_worse(result, ksim_read_number(&o->common, "--rtol", o->rtol, "a positive number", &sim->relative));
+  result = kt_worse(result, ksim_read_number(&o->common, "--atol", o->atol, "a positive number", &sim->absolute));
+  result = kt_worse(result, ksim_read_number(&o->common, "--max-step", o->max_step, "a positive time", &sim->max_step));
+  sim->integrator = (km_integrator)o->integrator;
+  sim->stabilisation = (km_stabilisation)o->stabilise;
+  if (sim->integrator == KM_INTEGRATOR_FIXED && !o->max_step && result == KT_DONE)
+    return kt_usage(&o->common, "--integrator", "fixed", "--max-step, the length of its steps");
+  return result;
+}
+
+/* JOINT=VALUE of --event and --stop. */
+static kt_exit read_crossings(ksim_work *w) {
+  ksim_options *o = w->options;
+  kt_settings events = {0}, stops = {0};
+  kt_exit result = kt_settings_add(&o->common, w->pose.model, "--event", o->events.items, o->events.count, &events);
+  if (result == KT_DONE)
+    result = kt_settings_add(&o->common, w->pose.model, "--stop", o->stops.items, o->stops.count, &stops);
+  int count = events.count + stops.count;
+  km_crossing *crossings = KM_NEW(km_crossing, (size_t)count + 1);
+  for (int i = 0; i < count && crossings; ++i) {
+    const kt_setting *from = i < events.count ? &events.items[i] : &stops.items[i - events.count];
+    crossings[i] = (km_crossing){from->coordinate, from->value, i >= events.count};
+  }
+  kt_settings_free(&events);
+  kt_settings_free(&stops);
+  w->def.simulation.crossings = crossings;
+  w->def.simulation.crossing_count = crossings ? count : 0;
+  return crossings ? result : KT_INTERNAL;
+}
+
+static kt_exit read_shown(ksim_work *w) {
+  const ksim_options *o = w->options;
+  w->shown = KM_NEW(int, (size_t)km_model_coordinate_count(w->pose.model) + 1);
+  if (!w->shown)
+    return KT_INTERNAL;
+  return o->joints ? kt_coordinates(&o->common, w->pose.model, "--joints", o->joints, w->shown, &w->shown_count)
+                   : KT_DONE;
+}
+
+static kt_exit prepare(ksim_work *w) {
+  const ksim_options *o = w->options;
+  w->def = km_history_default(w->pose.model);
+  w->def.reactions = o->reactions;
+  w->def.axes = (km_axes)o->axes;
+  w->def.mobility = o->mobility;
+  kt_exit result = read_numbers(w);
+  if (result == KT_DONE)
+    result = read_crossings(w);
+  if (result == KT_DONE)
+    result = ksim_read_frames(&o->common, w->pose.model, &o->frames, &w->def.frames, &w->def.frame_count);
+  if (result == KT_DONE)
+    result = read_shown(w);
+  if (result != KT_DONE)
+    return result;
+  return ksim_forces(&o->common, o->model, &w->pose, &w->forces);
+}
+
+/* What the user should know beside the files. */
+static void tell(ksim_work *w, km_status status) {
+  const ksim_options *o = w->options;
+  const km_history *h = &w->history;
+  const km_model *model = w->pose.model;
+  const char *unit = model->units.time->suffix;
+  if (h->rate_change > 1e-9)
+    kt_say(&o->common, KM_NOTE, "%s: the initial rates would open the loops; they are changed by %.3g of their size",
+           o->model, h->rate_change);
+  if (h->figures.stiff && w->def.simulation.integrator == KM_INTEGRATOR_ADAMS)
+    kt_say(&o->common, KM_NOTE, "%s: the motion is stiff; --integrator bdf took over", o->model);
+  double time = h->table && km_table_rows(h->table) ? km_table_row(h->table, km_table_rows(h->table) - 1)[0] : 0.0;
+  if (status == KM_PARTIAL)
+    snprintf(w->stopped_by, sizeof w->stopped_by, "--stop at %.9g %s", time, unit);
+  else if (status)
+    snprintf(w->stopped_by, sizeof w->stopped_by, "%.900s", h->why.text);
+  if (status && status != KM_PARTIAL)
+    kt_say(&o->common, KM_ERROR, "%s: the run ends at %.9g %s: %s", o->model, time, unit, h->why.text);
+}
+
+static void print_summary(const ksim_work *w, km_text *out) {
+  const km_history *h = &w->history;
+  const km_model *model = w->pose.model;
+  const char *unit = model->units.time->suffix;
+  size_t rows = km_table_rows(h->table);
+  km_text_format(out, "%s: %.6g %s, %zu rows; %ld steps, %ld evaluations, %d new partition%s\n", w->options->model,
+                 km_table_row(h->table, rows - 1)[0], unit, rows, h->figures.steps, h->figures.evaluations,
+                 h->figures.repartitions, h->figures.repartitions == 1 ? "" : "s");
+  km_text_format(out, "  loops closed to %.1e of their size; energy kept to %.1e of the largest kinetic energy\n",
+                 h->worst_loop, h->energy_scale > 0.0 ? h->energy_error / h->energy_scale : 0.0);
+  for (int i = 0; i < h->crossing_count; ++i) {
+    const km_crossing *crossing = &w->def.simulation.crossings[h->crossings[i].crossing];
+    km_text_format(out, "  %s passes %.6g %s %s at %.9g %s\n", km_model_coordinate_label(model, crossing->coordinate),
+                   crossing->value, km_model_coordinate_unit(model, crossing->coordinate),
+                   h->crossings[i].sense > 0 ? "upwards" : "downwards", h->crossings[i].time, unit);
+  }
+}
+
+static kt_exit write_table(const ksim_work *w, const char *base, kt_format format) {
+  km_text out = {0};
+  if (format == KT_CSV) {
+    km_csv_write(w->history.table, &out);
+  } else {
+    km_arena arena = {0};
+    const km_value *record =
+        km_history_record(w->pose.mechanism, &w->def, &w->history, w->stopped_by, w->options->model, &arena);
+    if (record)
+      km_json_write(record, &out);
+    out.failed = out.failed || !record;
+    km_arena_free(&arena);
+  }
+  kt_exit result = kt_write(&w->options->common, base, "run", kt_format_word(format), &out);
+  km_text_free(&out);
+  return result;
+}
+
+km_status ksim_plot_make(const ksim_work *w, const km_table *table, km_arena *arena, km_plot *out, km_error *error) {
+  const km_plotted_history shown = {
+      w->pose.mechanism,         table,   w->def.simulation.crossings,      w->history.crossings,
+      w->history.crossing_count, w->name, w->shown_count ? w->shown : NULL, w->shown_count};
+  return km_history_plot_make(&shown, arena, out) ? KM_OK : km_fail(error, KM_MEMORY, "out of memory for the plot");
+}
+
+static kt_exit write_plot(const ksim_work *w, const char *base, kt_format format) {
+  km_arena arena = {0};
+  km_text out = {0};
+  km_error error;
+  km_plot plot;
+  km_status status = ksim_plot_make(w, w->history.table, &arena, &plot, &error);
+  if (!status)
+    status = km_plot_render(&plot, kt_canvas_format(format), &out, &error);
+  kt_exit result = kt_exit_of(status);
+  if (status)
+    kt_say(&w->options->common, KM_ERROR, "%s", error.text);
+  else
+    result = kt_write(&w->options->common, base, "run", kt_format_word(format), &out);
+  km_text_free(&out);
+  km_arena_free(&arena);
+  return result;
+}
+
+static kt_exit deliver(const ksim_work *w) {
+  const ksim_options *o = w->options;
+  const char *base = o->base ? o->base : w->name;
+  kt_exit result = KT_DONE;
+  km_text summary = {0};
+  if (!o->common.quiet && strcmp(base, "-") != 0) {
+    print_summary(w, &summary);
+    result = kt_print(&o->common, &summary);
+  }
+  km_text_free(&summary);
+  kt_note_size(&o->common, (double)km_table_rows(w->history.table) * (double)km_table_columns(w->history.table) *
+                               (o->formats.wanted[KT_CSV] + o->formats.wanted[KT_JSON]));
+  for (int f = KT_CSV; f <= KT_JSON; ++f)
+    if (o->formats.wanted[f])
+      result = kt_worse(result, write_table(w, base, (kt_format)f));
+  for (int f = KT_SVG; f <= KT_PNG; ++f)
+    if (o->formats.wanted[f])
+      result = kt_worse(result, write_plot(w, base, (kt_format)f));
+  if (o->animate)
+    result = kt_worse(result, ksim_animate(w, base));
+  return result;
+}
+
+static kt_exit simulate(ksim_work *w) {
+  km_error error;
+  kt_progress progress = kt_progress_start(&w->options->common);
+  w->def.progress = kt_progress_show;
+  w->def.context = &progress;
+  km_status status = km_history_run(w->pose.mechanism, w->forces, w->pose.state, &w->def, &w->history, &error);
+  kt_progress_end(&progress);
+  bool some = w->history.table && km_table_rows(w->history.table) > 0;
+  if (!some) {
+    kt_say(&w->options->common, KM_ERROR, "%s: %s", w->options->model, error.text);
+    return kt_exit_of(status);
+  }
+  tell(w, status);
+  kt_exit result = status == KM_PARTIAL ? KT_DONE : kt_exit_of(status); /* the end that was asked for */
+  return kt_worse(result, deliver(w));
+}
+
+static kt_exit run(ksim_options *o) {
+  ksim_work w = {.options = o};
+  kt_base_name(o->model, w.name, sizeof w.name);
+  kt_exit result = kt_open(&o->common, o->model, &o->holds, &o->sets, &w.pose);
+  if (result == KT_DONE)
+    result = prepare(&w);
+  if (result == KT_DONE)
+    result = simulate(&w);
+  km_history_free(&w.history);
+  km_forces_free(w.forces);
+  km_free((km_crossing *)w.def.simulation.crossings);
+  km_free((km_followed_frame *)w.def.frames);
+  km_free(w.shown);
+  kt_close(&w.pose);
+  return result;
+}
+
+static kt_exit check(ksim_options *o) {
+  bool piped = o->base && strcmp(o->base, "-") == 0;
+  if (!kt_formats_parse(&o->common, o->format ? o->format : piped ? "csv" : "csv,svg", &o->formats))
+    return KT_USAGE;
+  bool tables_only = !o->formats.wanted[KT_SVG] && !o->formats.wanted[KT_PDF] && !o->formats.wanted[KT_PNG];
+  if (piped && (kt_formats_count(&o->formats) != 1 || !tables_only || o->animate))
+    return kt_usage(&o->common, "-o", "-", "--format csv or json, without --animate");
+  return KT_DONE;
+}
+
+kt_exit ksim_run(int argc, char **argv) {
+  ksim_options o = {.common = KT_COMMON("ksim")};
+  kt_options all = {.operand = {"model", "MODEL", true, &o.model, NULL}};
+  const kt_option table[] = {
+      {"until", 0, "T", "End, in the model's time unit (default: the model's, else 10 s)", KT_TEXT, &o.until,
+       KT_ABOUT_MODEL},
+      {"every", 0, "DT", "Time between rows (default: the model's, else a 200th of the run)", KT_TEXT, &o.every,
+       KT_ABOUT_MODEL},
+      KT_SET(&o.sets, KT_SET_FIRST),
+      KT_HOLD(&o.holds, KT_HOLD_RIGID),
+      KT_MODE(o.common),
+      {"event", 0, "JOINT=VALUE", "Tell when a joint passes a value (repeatable)", KT_TEXTS, &o.events, KT_ABOUT_MODEL},
+      {"stop", 0, "JOINT=VALUE", "End where a joint passes a value (repeatable)", KT_TEXTS, &o.stops, KT_ABOUT_MODEL},
+      {"frame", 0, "BODY/FRAME", "Add place, velocity and acceleration of a frame's origin (repeatable)", KT_TEXTS,
+       &o.frames, KT_ABOUT_MODEL},
+      {"reactions", 0, NULL, "Add the reaction in every joint", KT_FLAG, &o.reactions, KT_ABOUT_MODEL},
+      {"axes", 0, "AXES", "Axes of the reactions: joint (default) or fixed", KT_WORD("joint or fixed"), &o.axes,
+       KT_ABOUT_MODEL},
+      {"mobility", 0, NULL, "Add every joint's mobility number", KT_FLAG, &o.mobility, KT_ABOUT_MODEL},
+      {"rtol", 0, "E", "Relative error allowed in a step (default: the model's, else 1e-7)", KT_TEXT, &o.rtol,
+       KT_ABOUT_METHOD},
+      {"atol", 0, "E", "Absolute error allowed in a step, of radians and characteristic lengths (the same)", KT_TEXT,
+       &o.atol, KT_ABOUT_METHOD},
+      {"max-step", 0, "DT", "Longest step; of --integrator fixed its length", KT_TEXT, &o.max_step, KT_ABOUT_METHOD},
+      {"integrator", 0, "NAME", "adams (default; changes to bdf where the motion is stiff), bdf or fixed",
+       KT_WORD("adams or bdf or fixed"), &o.integrator, KT_ABOUT_METHOD},
+      {"stabilise", 0, "HOW", "How loops stay closed: project (default) or baumgarte", KT_WORD("project or baumgarte"),
+       &o.stabilise, KT_ABOUT_METHOD},
+      {"joints", 0, "LIST", "Joints whose curves are drawn (default: up to eight that move)", KT_TEXT, &o.joints,
+       KT_ABOUT_FILES},
+      {"animate", 0, NULL, "Write BASE.motion.html too, which plays the motion", KT_FLAG, &o.animate, KT_ABOUT_FILES},
+      {"format", 0, "LIST", KT_FORMATS_HELP, KT_FORMATS_KIND, &o.format, KT_ABOUT_FILES},
+      KT_BASE(&o.base, "Files are BASE.run.FORMAT (default: the model's name); - is the standard output"),
+  };
+  KT_OPTIONS_ADD(&all, table);
+  kt_common_options(&all, &o.common, KT_USES_FLOAT);
+  kt_options_read(
+      &all,
+      "The motion over time from the model's pose and initial rates, under gravity, loads, springs, dampers, motors, "
+      "controllers, stops, tyres and prescribed motions. Exit status 4 if the run can't go on; what was reached is "
+      "written."
+      "\vColumns: t; q.JOINT, v.JOINT, a.JOINT; f.JOINT, the force that drives a prescribed joint; energy_kinetic, "
+      "energy_potential (0 at the start), energy_dissipated, motor_work; loop_error (rms, over the loop's size), "
+      "evaluations, repartitions; frame.BODY/FRAME.x … vx … ax; r.JOINT.fx … tz; m.JOINT. Rates of balls are angular "
+      "velocities along the axes of the parent frame.",
+      argc, argv);
+  kt_exit result = check(&o);
+  return result == KT_DONE ? run(&o) : result;
+}
