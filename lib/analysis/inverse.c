@@ -29,9 +29,9 @@ static km_status no_freedom_left(const km_history_writer *w, km_error *error) {
       continue;
     int free = d->tree.coordinate_order[d->tree.clusters[i].coordinate_start + c->independent[0]];
     return km_fail(error, KM_USAGE,
-                   "%d freedoms are left beside the prescribed motion, one of them at joint \"%s\"; expected a "
-                   "prescribed motion for each, or joints that are held",
-                   c->freedom, w->m->model->coordinates[free].label);
+                   "joint \"%s\" can still move beside the prescribed motion (%d freedom%s more); expected a prescribed "
+                   "motion for each freedom, or joints that are held",
+                   w->m->model->coordinates[free].label, c->freedom, c->freedom == 1 ? "" : "s");
   }
   return KM_OK;
 }

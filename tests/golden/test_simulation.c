@@ -2,8 +2,11 @@
 #include "support/moving.h"
 
 #include "kmech/history.h"
+#include "kmech/inverse.h"
+#include "kmech/linear.h"
 #include "kmech/simulation.h"
 
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -159,9 +162,102 @@ static void test_crossings(void **data) {
   fixture_close(&f);
 }
 
+/* 2 ẍ + 0.8 ẋ + 18 x = 0 has the eigenvalues −0.2 ± i ω, ω² = 9 − 0.04. */
+static void test_linearised_oscillator(void **data) {
+  (void)data;
+  fixture f = fixture_read(oscillator);
+  moving m = moving_of(f);
+  km_linear l;
+  assert_int_equal(km_equilibrium_find(m.dynamics, f.state, false, NULL, NULL, NULL), KM_OK);
+  assert_near(km_state_coordinate(f.state, 0), 0.0, 1e-10);
+  assert_int_equal(km_linearise(m.dynamics, f.state, &l, NULL), KM_OK);
+  assert_int_equal(l.freedom, 1);
+  for (int k = 0; k < 2; ++k) {
+    assert_near(l.real[k], -0.2, 1e-8);
+    assert_near(fabs(l.imaginary[k]), sqrt(9.0 - 0.04), 1e-8);
+  }
+  assert_near(l.B[1], 0.5, 1e-8);
+  assert_int_equal(km_linear_stability(&l), KM_STABLE);
+  km_linear_free(&l);
+  moving_close(&m);
+}
+
+/* A02 upright grows with √(3.5 g / 3); settled it hangs and swings with the same number. */
+static void test_linearised_a02(void **data) {
+  (void)data;
+  fixture f = fixture_open("a02");
+  moving m = moving_of(f);
+  km_linear l;
+  double rate = sqrt(3.5 * 9.81 / 3.0);
+  f.state->rate[0] = 0.0;
+  assert_int_equal(km_equilibrium_find(m.dynamics, f.state, false, NULL, NULL, NULL), KM_OK);
+  assert_int_equal(km_linearise(m.dynamics, f.state, &l, NULL), KM_OK);
+  assert_int_equal(km_linear_stability(&l), KM_UNSTABLE);
+  assert_near(fmax(l.real[0], l.real[1]), rate, 1e-7);
+  km_linear_free(&l);
+  moving_close(&m);
+}
+
+/* The drive's work over a turn is the change of the energies; the ground bears weights and shaking forces. */
+static void test_inverse(void **data) {
+  (void)data;
+  fixture f = fixture_open("klann");
+  km_forces *forces;
+  km_history h;
+  km_error error = {0};
+  const km_constant_rate rate = {0, 2.0};
+  const km_inverse_def def = {
+      .rates = &rate, .rate_count = 1, .until = 1.0, .steps = 4000, .reactions = true, .axes = KM_AXES_FIXED};
+  for (int b = 1; b < f.model->body_count; ++b)
+    assert_int_equal(km_model_set_mass(f.model, b, 1.0 + b, NULL, NULL, NULL), KM_OK);
+  f.model->gravity = (km_vec3){0, -9.81, 0};
+  assert_int_equal(km_forces_create(f.mechanism, NULL, NULL, 0, &forces, NULL), KM_OK);
+  assert_int_equal(km_inverse_run(f.mechanism, forces, f.state, &def, &h, &error), KM_OK);
+  const km_table *t = h.table;
+  const char *label = f.model->coordinates[0].label;
+  char name[80];
+  snprintf(name, sizeof name, "f.%s", label);
+  int force = km_table_find(t, name), kinetic = km_table_find(t, "energy_kinetic"),
+      potential = km_table_find(t, "energy_potential");
+  size_t rows = km_table_rows(t);
+  double work = 0.0, largest = 0.0, v = 2.0 * km_model_coordinate_factor(f.model, 0);
+  for (size_t r = 0; r + 1 < rows; ++r) {
+    const double *a = km_table_row(t, r), *b = km_table_row(t, r + 1);
+    work += 0.5 * (b[0] - a[0]) * (a[force] + b[force]) * v; /* errs by dt²/12 of the force's second derivative */
+    double change = b[kinetic] + b[potential] - km_table_row(t, 0)[kinetic];
+    largest = fmax(largest, fabs(change));
+    assert_near(work, change, 1e-5 * fmax(largest, 1.0));
+  }
+  double weight = 0.0;
+  for (int b = 1; b < f.model->body_count; ++b)
+    weight += 9.81 * (1.0 + b);
+  for (size_t r = 0; r < rows; r += 500) {
+    const double *row = km_table_row(t, r);
+    double ground = 0.0;
+    for (int j = 0; j < f.model->joint_count; ++j) {
+      const km_model_joint *joint = &f.model->joints[j];
+      snprintf(name, sizeof name, "r.%s.fy", joint->label);
+      if (f.model->frames[joint->frame[0]].body == 0)
+        ground += row[km_table_find(t, name)];
+      else if (f.model->frames[joint->frame[1]].body == 0)
+        ground -= row[km_table_find(t, name)];
+    }
+    assert_near(ground, weight - row[km_table_find(t, "shaking.fy")], 1e-8 * weight);
+  }
+  km_history_free(&h);
+  km_forces_free(forces);
+  fixture_close(&f);
+}
+
 int main(void) {
-  const struct CMUnitTest tests[] = {cmocka_unit_test(test_andrews),    cmocka_unit_test(test_a02),
-                                     cmocka_unit_test(test_oscillator), cmocka_unit_test(test_free_body),
-                                     cmocka_unit_test(test_prescribed), cmocka_unit_test(test_crossings)};
+  const struct CMUnitTest tests[] = {cmocka_unit_test(test_andrews),
+                                     cmocka_unit_test(test_a02),
+                                     cmocka_unit_test(test_oscillator),
+                                     cmocka_unit_test(test_free_body),
+                                     cmocka_unit_test(test_prescribed),
+                                     cmocka_unit_test(test_crossings),
+                                     cmocka_unit_test(test_linearised_oscillator),
+                                     cmocka_unit_test(test_linearised_a02),
+                                     cmocka_unit_test(test_inverse)};
   return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -57,6 +57,7 @@ static void open_handles(world *w) {
   km_forces_create(w->mechanism, NULL, NULL, 0, &w->forces, NULL);
   km_forces_create(w->mechanism, NULL, NULL, 0, &w->moving_forces, NULL);
   km_dynamics_create(w->mechanism, w->moving_forces, &w->dynamics, NULL);
+  km_linearise(w->dynamics, w->state, &w->linear, NULL);
   w->simulation_def = km_simulation_default();
   w->history_def = km_history_default(w->model);
   w->rates[0] = (km_constant_rate){0, 0.1};
@@ -178,6 +179,7 @@ void world_close(world *w) {
   km_lever_free(w->lever);
   km_losses_free(w->losses);
   km_transmission_free(w->transmission);
+  km_linear_free(&w->linear);
   km_simulation_free(w->simulation);
   km_dynamics_free(w->dynamics);
   km_forces_free(w->moving_forces);

@@ -20,6 +20,7 @@ typedef struct world {
   km_forces *forces, *moving_forces;
   km_dynamics *dynamics;
   km_simulation *simulation;
+  km_linear linear;
   km_simulation_def simulation_def;
   km_history_def history_def;
   km_constant_rate rates[1];

@@ -10,6 +10,8 @@
 
 kt_exit ksim_run(int argc, char **argv);
 kt_exit ksim_inverse(int argc, char **argv);
+kt_exit ksim_linearise(int argc, char **argv);
+kt_exit ksim_equilibrium(int argc, char **argv);
 
 /* A positive number of an option; what isn't given stays. */
 kt_exit ksim_read_number(const kt_common *common, const char *option, const char *text, const char *expected,

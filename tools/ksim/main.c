@@ -4,6 +4,8 @@
 static const kt_command commands[] = {
     {"run", "the motion over time under gravity, springs, motors and all that the model says", ksim_run},
     {"inverse", "the forces that a prescribed motion takes", ksim_inverse},
+    {"linearise", "state matrices, natural frequencies and modes about a pose", ksim_linearise},
+    {"equilibrium", "a pose at rest, and whether it is stable", ksim_equilibrium},
     {0}};
 
 int main(int argc, char **argv) {

@@ -20,6 +20,7 @@
 #include "kmech/idle.h"
 #include "kmech/inverse.h"
 #include "kmech/kinematics.h"
+#include "kmech/linear.h"
 #include "kmech/losses.h"
 #include "kmech/mechanism.h"
 #include "kmech/mobility.h"

@@ -1,0 +1,54 @@
+/* Small motions about a pose: rest poses, linearised equations of motion, natural modes. */
+#ifndef KMECH_LINEAR_H
+#define KMECH_LINEAR_H
+
+#include "kmech/dynamics.h"
+#include "kmech/progress.h"
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+/* ẋ = A x + B f at the state's pose, with its rates: x the deviations of `freedom` independent coordinates, then those
+ * of their rates; f the forces in all coordinates, along +q. In radians and the model's length, force and time units.
+ * Arrays are column-major. */
+typedef struct km_linear {
+  int freedom, coordinate_count;
+  int *independent;         /* [freedom] coordinates */
+  double *A;                /* [2 freedom × 2 freedom] */
+  double *B;                /* [2 freedom × coordinates] */
+  double *N;                /* [coordinates × freedom] how all coordinates follow the independent ones */
+  double *real, *imaginary; /* [2 freedom] eigenvalues of A, per time unit, by imaginary part */
+  double *modes;   /* [coordinates × 2 freedom × 2] the coordinates' parts of the eigenvectors: real, imaginary; the
+                        * largest scaled entry has length 1 */
+  double residual; /* largest acceleration of an independent coordinate at the pose, scaled: 0 at rest */
+} km_linear;
+
+/* Differences of ±1e-5 (radians, characteristic lengths, and these per second) of the accelerations, which err by about
+ * 1e-9 of their size; eigenvalues by GSL. The state's pose and rates stay. Prescribed coordinates follow their laws at
+ * the state's time. KM_MODEL, KM_DIVERGED: as km_dynamics_accelerate; KM_MEMORY. Free `*out` in any case.
+ * O(freedom · evaluation + freedom³). */
+KM_API km_status km_linearise(km_dynamics *dynamics, km_state *state, km_linear *out, km_error *error);
+KM_API void km_linear_free(km_linear *linear);
+
+/* How a rest pose answers a small push. */
+typedef enum km_stability {
+  KM_STABLE,     /* it swings about the pose, or comes back */
+  KM_UNSTABLE,   /* it leaves the pose */
+  KM_INDIFFERENT /* a motion changes nothing to first order */
+} km_stability;
+KM_API const char *km_stability_name(km_stability stability); /* "stable" … */
+/* Of a pose at rest, by the largest real part among the eigenvalues. */
+KM_API km_stability km_linear_stability(const km_linear *linear);
+
+/* Moves the state to a pose where nothing accelerates: Newton's method on the accelerations of the independent
+ * coordinates, at rest, with steps of at most 0.2 radians or characteristic lengths; `settle`: first lets it fall with
+ * damping until it hardly moves, which leads to a stable pose. KM_NO_RESULT: no rest pose was found from here; KM_MODEL.
+ * Rates are 0 afterwards. */
+KM_API km_status km_equilibrium_find(km_dynamics *dynamics, km_state *state, bool settle, km_progress progress,
+                                     void *context, km_error *error);
+
+#ifdef __cplusplus
+}
+#endif
+#endif
