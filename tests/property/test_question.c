@@ -129,7 +129,8 @@ static void test_minima_are_events(void **unused) {
       km_status status = km_question_ask(q, f.state, &error);
       const km_mobility_sweep *sweep = km_question_mobility(q);
       assert_true(status == KM_OK || status == KM_PARTIAL);
-      assert_int_equal(km_question_event_count(q), sweep->toggle_count + sweep->minimum_count);
+      assert_int_equal(km_question_event_count(q),
+                       sweep->toggle_count + sweep->minimum_count + sweep->motion.branch_count);
       for (size_t i = 0; i < sweep->minimum_count; ++i, ++minima) {
         km_question_event e = km_question_event_at(q, (int)(sweep->toggle_count + i));
         assert_string_equal(e.name, "minimum");

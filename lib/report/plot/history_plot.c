@@ -89,12 +89,12 @@ static void add_joint_panels(sheet *s, const char *prefix, const char *what) {
       if (column < 0 || strcmp(km_table_unit(s->h->table, (size_t)column), unit) != 0)
         continue;
       shown[i] = true;
-      series[count++] = (km_plot_series){model->coordinates[s->joints[i]].label,
-                                         s->t,
-                                         values_of(s, (size_t)column),
-                                         s->rows,
-                                         i % MOST_JOINTS,
-                                         i % MOST_JOINTS};
+      series[count++] = (km_plot_series){.name = model->coordinates[s->joints[i]].label,
+                                         .x = s->t,
+                                         .y = values_of(s, (size_t)column),
+                                         .count = s->rows,
+                                         .colour = i % MOST_JOINTS,
+                                         .dash = i % MOST_JOINTS};
     }
     km_text label = {0};
     km_text_format(&label, *unit ? "%s (%s)" : "%s", what, unit);
@@ -117,7 +117,8 @@ static void add_energies(sheet *s) {
     if (!values || !any)
       continue;
     unit = km_table_unit(s->h->table, (size_t)column);
-    series[count++] = (km_plot_series){names[i], s->t, values, s->rows, i, i};
+    series[count++] =
+        (km_plot_series){.name = names[i], .x = s->t, .y = values, .count = s->rows, .colour = i, .dash = i};
   }
   km_text label = {0};
   km_text_format(&label, "energy (%s)", unit);
@@ -161,7 +162,12 @@ static void add_shaking(sheet *s) {
     km_text_format(&label, "%s (%s)", part ? "shaking moment" : "shaking force",
                    km_table_unit(s->h->table, span.first + part));
     for (size_t k = 0; k < 3 && series; ++k)
-      series[k] = (km_plot_series){names[k], s->t, values_of(s, span.first + part + k), s->rows, (int)k, (int)k};
+      series[k] = (km_plot_series){.name = names[k],
+                                   .x = s->t,
+                                   .y = values_of(s, span.first + part + k),
+                                   .count = s->rows,
+                                   .colour = (int)k,
+                                   .dash = (int)k};
     add_panel(s, keep(s, &label), series, series ? 3 : 0);
   }
 }
