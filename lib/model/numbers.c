@@ -88,6 +88,13 @@ static void add_forces(km_model_numbers *n, km_model *m) {
     for (int k = 0; k < 4; ++k)
       add(n, checked[k], 1, KM_NUMBER_CHECKED);
     add(n, at->table, 2 * (size_t)at->table_count, KM_NUMBER_CHECKED);
+    const km_tire *t = &at->tire;
+    const double *tire[] = {
+        &t->radius,       &t->stiffness, &t->damping,       &t->rolling_resistance, &t->width,
+        &t->longitudinal, &t->lateral,   &t->friction_peak, &t->friction_sliding,   &t->relaxation[0],
+        &t->relaxation[1]};
+    for (size_t k = 0; k < sizeof tire / sizeof *tire; ++k)
+      add(n, tire[k], 1, KM_NUMBER_CHECKED);
   }
   for (int l = 0; l < m->load_count; ++l) {
     add_vector(n, &m->loads[l].force, KM_NUMBER_FREE);
@@ -104,6 +111,10 @@ static void add_analysis(km_model_numbers *n, km_model *m) {
   add(n, &m->sweep.sign, 1, KM_NUMBER_CHECKED);
   add_vector(n, &m->advantage_input.direction, KM_NUMBER_CHECKED);
   add_vector(n, &m->advantage_output.direction, KM_NUMBER_CHECKED);
+  const km_simulation_settings *s = &m->simulation;
+  const double *settings[] = {&s->span, &s->step, &s->relative, &s->absolute};
+  for (int k = 0; k < 4; ++k)
+    add(n, settings[k], 1, KM_NUMBER_CHECKED);
   add(n, &m->characteristic_length, 1, KM_NUMBER_CHECKED);
   add(n, &m->closure_tolerance, 1, KM_NUMBER_CHECKED);
   add(n, &m->rotation_misfit, 1, KM_NUMBER_CHECKED);
