@@ -154,7 +154,7 @@ class Mechanism:
             check(lib.km_reach_pose(model._c, ffi.new("km_hold[]", holds) if holds else ffi.NULL, len(holds),
                                     ffi.new("km_hold[]", sets) if sets else ffi.NULL, len(sets), out, state, error), error)
         self._c, self.model, self._changes = ffi.gc(out[0], lib.km_mechanism_free), model, model._changes
-        self.state = State(self, state[0])
+        self.state, self._turn = State(self, state[0]), threading.Lock()
 
     def _check_current(self) -> None:
         if self._changes != self.model._changes:
@@ -193,13 +193,18 @@ class Mechanism:
         return self._ask("mobility", False, given.pop("progress", None), {"joint": joint, "range": span, "steps": steps, **given})
 
     def _ask(self, kind: str, here: bool, progress: Progress, given: dict[str, Any], state: Optional[State] = None) -> Answer:
-        state = given.pop("state", None) or state or self.state.copy()
+        state = given.pop("state", None) or state or self._copy()
         if not isinstance(state, State) or state.mechanism is not self:
             raise TypeError("state: expected a state of this mechanism")
         answer = Answer(self, kind)
         answer._set(given)
         answer._ask(state, here, progress)
         return answer
+
+    def _copy(self) -> State:
+        """A state of the caller's own: threads that ask at once take turns here."""
+        with self._turn:
+            return self.state.copy()
 
     def arm(self, effector: str, task: str = "pose") -> Any:
         """The chain of joints to a frame, as an arm."""

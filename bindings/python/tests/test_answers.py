@@ -3,6 +3,7 @@ import csv
 import io
 import math
 import subprocess
+import sys
 import threading
 import warnings
 from pathlib import Path
@@ -183,20 +184,27 @@ def test_threads_work_side_by_side(brake):
 
 
 def test_the_gil_is_released(brake):
-    """Another thread counts while the library works."""
-    count, stop = [0], threading.Event()
+    """Another thread counts while the library works: with so long a turn it gets none otherwise."""
+    count, stop, interval = [0], threading.Event(), sys.getswitchinterval()
 
     def spin():
         while not stop.is_set():
             count[0] += 1
 
-    thread = threading.Thread(target=spin)
-    thread.start()
-    before = count[0]
-    brake.sweep("K", 20, 32, 20000)
-    moved = count[0] - before
-    stop.set()
-    thread.join()
+    mechanism, thread = brake.mechanism(), threading.Thread(target=spin)
+    sys.setswitchinterval(0.2)
+    try:
+        thread.start()
+        before = count[0]
+        for _ in range(100):  # a busy machine may not have given it a processor yet
+            mechanism.sweep("K", 20, 32, 20000)
+            moved = count[0] - before
+            if moved > 1000:
+                break
+    finally:
+        stop.set()
+        thread.join()
+        sys.setswitchinterval(interval)
     assert moved > 1000
 
 
