@@ -13,7 +13,7 @@
 struct km_cvode {
   SUNContext context;
   void *memory;
-  N_Vector y;
+  N_Vector y, at; /* the run's vector, and one whose numbers are the caller's */
   SUNNonlinearSolver functional;
   SUNMatrix matrix;
   SUNLinearSolver dense;
@@ -94,9 +94,13 @@ static void stop(km_cvode *c) {
 km_status km_cvode_create(km_simulation *run, km_error *error) {
   km_cvode *c = KM_NEW(km_cvode, 1);
   run->cvode = c;
-  if (c && SUNContext_Create(NULL, &c->context) == 0)
+  if (c && SUNContext_Create(NULL, &c->context) == 0) {
     c->y = N_VMake_Serial(run->size, run->y, c->context);
-  return c && c->y && start(run, c) ? KM_OK : km_fail(error, KM_MEMORY, "out of memory for the integrator");
+    c->at = N_VMake_Serial(run->size, run->at, c->context);
+  }
+  if (c && c->y)
+    N_VEnableFusedOps_Serial(c->y, SUNTRUE);
+  return c && c->y && c->at && start(run, c) ? KM_OK : km_fail(error, KM_MEMORY, "out of memory for the integrator");
 }
 
 void km_cvode_free(km_cvode *c) {
@@ -105,6 +109,8 @@ void km_cvode_free(km_cvode *c) {
   stop(c);
   if (c->y)
     N_VDestroy(c->y);
+  if (c->at)
+    N_VDestroy(c->at);
   SUNContext_Free(&c->context);
   km_free(c);
 }
@@ -192,9 +198,6 @@ km_status km_cvode_step(km_simulation *run, km_error *error) {
 }
 
 bool km_cvode_between(const km_simulation *run, double time, double *y) {
-  N_Vector at = N_VMake_Serial(run->size, y, run->cvode->context);
-  bool good = at && CVodeGetDky(run->cvode->memory, time, 0, at) == CV_SUCCESS;
-  if (at)
-    N_VDestroy(at);
-  return good;
+  N_VSetArrayPointer(y, run->cvode->at);
+  return CVodeGetDky(run->cvode->memory, time, 0, run->cvode->at) == CV_SUCCESS;
 }

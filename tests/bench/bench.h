@@ -43,5 +43,6 @@ void bench_forces(void);
 void bench_arm(void);
 void bench_study(void);
 void bench_load(void);
+void bench_dynamics(void);
 
 #endif

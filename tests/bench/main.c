@@ -11,7 +11,7 @@ static const struct {
   void (*run)(void);
 } benches[] = {{"partition", bench_partition}, {"sweep", bench_sweep},   {"command", bench_command},
                {"scale", bench_scale},         {"forces", bench_forces}, {"arm", bench_arm},
-               {"study", bench_study},         {"load", bench_load}};
+               {"study", bench_study},         {"load", bench_load},     {"dynamics", bench_dynamics}};
 
 /* The BLAS reads its number of threads when it is loaded: start again with that set. */
 static void pin_blas(char **argv) {
@@ -35,7 +35,8 @@ int main(int argc, char **argv) {
   }
   if (!found)
     fprintf(stderr,
-            "kmech_bench: no bench \"%s\"; there are partition, sweep, command, scale, forces, arm, study, load\n",
+            "kmech_bench: no bench \"%s\"; there are partition, sweep, command, scale, forces, arm, study, load, "
+            "dynamics\n",
             wanted);
   return found ? EXIT_SUCCESS : EXIT_FAILURE;
 }

@@ -1,0 +1,25 @@
+/* A four-bar in another multibody library, to compare accelerations with. */
+#ifndef BENCH_PEERS_H
+#define BENCH_PEERS_H
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+/* Crank, coupler and rocker as uniform rods of 1 kg and these lengths, hinges about z at (0, 0) and (ground, 0), gravity
+ * along −y. */
+typedef struct bench_fourbar {
+  double crank, coupler, rocker, ground, gravity;
+  double q[3], v[3]; /* crank on ground, coupler on crank, rocker on ground */
+} bench_fourbar;
+
+typedef struct bench_simbody bench_simbody;
+bench_simbody *bench_simbody_create(const bench_fourbar *bars);
+void bench_simbody_free(bench_simbody *simbody);
+/* Accelerations of the same three coordinates. */
+void bench_simbody_accelerate(bench_simbody *simbody, double out[3]);
+
+#ifdef __cplusplus
+}
+#endif
+#endif
