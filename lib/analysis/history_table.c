@@ -48,6 +48,7 @@ static void figure_columns(const km_history_writer *w, km_table *table, bool *fa
   km_torque_unit(w->m->model, &unit);
   for (int i = 0; i < (w->simulation ? 4 : 2); ++i)
     column(table, failed, unit.failed ? "" : unit.data, energies[i], "", "");
+  *failed = *failed || unit.failed;
   km_text_free(&unit);
   column(table, failed, NULL, "loop_error", "", "");
   if (!w->simulation)
@@ -68,6 +69,7 @@ static void shaking_columns(const km_history_writer *w, km_table *table, bool *f
            : torque.failed ? ""
                            : torque.data,
            "shaking.", parts[k], "");
+  *failed = *failed || torque.failed;
   km_text_free(&torque);
 }
 
@@ -81,6 +83,7 @@ static void frame_columns(const km_history_writer *w, km_table *table, bool *fai
     km_text_format(&unit, "%s%s%s%s", units->length->suffix, order ? "/" : "", order ? units->time->suffix : "",
                    suffixes[order]);
     column(table, failed, unit.failed ? "" : unit.data, "frame.", w->frames[i / 9].name, parts[order][i % 3]);
+    *failed = *failed || unit.failed;
     km_text_free(&unit);
   }
 }
@@ -97,6 +100,7 @@ static void reaction_columns(const km_history_writer *w, km_table *table, bool *
              : torque.failed ? ""
                              : torque.data,
              "r.", model->joints[j].label, parts[k]);
+  *failed = *failed || torque.failed;
   km_text_free(&torque);
 }
 

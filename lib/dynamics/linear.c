@@ -15,7 +15,8 @@ bool km_poise_take(const km_dynamics *d, const km_state *s, km_poise *out) {
   const km_mechanism *m = d->mechanism;
   size_t n = (size_t)m->coordinate_count;
   int count = 0;
-  *out = (km_poise){.q = KM_ARENA_NEW(&out->arena, double, n)};
+  *out = (km_poise){0};
+  out->q = KM_ARENA_NEW(&out->arena, double, n);
   out->rate = KM_ARENA_NEW(&out->arena, double, n);
   out->ball = KM_ARENA_NEW(&out->arena, km_quaternion, (size_t)m->ball_count);
   out->independent = KM_ARENA_NEW(&out->arena, int, n);
@@ -130,11 +131,11 @@ static void take_N(const km_dynamics *d, const km_poise *p, km_linear *out) {
 }
 
 /* A by the independent coordinates and their rates, B by the forces: the equations are linear in these. */
-static bool fill(km_dynamics *d, km_state *s, const km_poise *p, km_linear *out) {
+static bool fill(km_dynamics *d, km_state *s, const km_poise *p, double *work, km_linear *out) {
   const km_mechanism *m = d->mechanism;
   size_t f = (size_t)p->freedom, rows = 2 * f;
-  double *work = KM_NEW(double, 3 * f + 1), second = m->model->units.time->si;
-  bool good = work != NULL;
+  double second = m->model->units.time->si;
+  bool good = true;
   for (size_t k = 0; k < f && good; ++k) {
     int c = p->independent[k];
     double by = step / m->scale[c];
@@ -145,7 +146,6 @@ static bool fill(km_dynamics *d, km_state *s, const km_poise *p, km_linear *out)
   for (int c = 0; c < m->coordinate_count && good; ++c)
     if (!m->held[c])
       good = derivative(d, s, p, OF_FORCE, c, 1.0, work, out->B + (size_t)c * rows + f);
-  km_free(work);
   return good;
 }
 
@@ -208,7 +208,9 @@ km_status km_linearise(km_dynamics *d, km_state *s, km_linear *out, km_error *er
   if (status)
     return status;
   km_poise poise = {0};
-  bool memory = km_poise_take(d, s, &poise) && allocate(out, poise.freedom, d->mechanism->coordinate_count);
+  bool memory = km_poise_take(d, s, &poise);
+  double *work = KM_NEW(double, 2 * (size_t)poise.freedom + 1);
+  memory = memory && work && allocate(out, poise.freedom, d->mechanism->coordinate_count);
   double second = d->mechanism->model->units.time->si;
   bool good = memory;
   if (good) {
@@ -217,14 +219,15 @@ km_status km_linearise(km_dynamics *d, km_state *s, km_linear *out, km_error *er
       out->residual = fmax(out->residual, fabs(s->acceleration[c]) * d->mechanism->scale[c] / (second * second));
     }
     take_N(d, &poise, out);
-    good = fill(d, s, &poise, out);
+    good = fill(d, s, &poise, work, out);
   }
   if (good)
     memory = find_modes(d->mechanism, out);
-  if (memory) {
+  if (poise.acceleration) {
     km_poise_restore(&poise, d->mechanism, s);
     km_dynamics_evaluate(d, s, true);
   }
+  km_free(work);
   km_poise_free(&poise);
   if (!memory)
     return km_fail(error, KM_MEMORY, "out of memory for the linearised equations");

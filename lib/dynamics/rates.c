@@ -85,8 +85,11 @@ km_status km_dynamics_project_rates(km_dynamics *d, km_state *s, double *change,
   for (int c = 0; c < s->mechanism->coordinate_count; ++c)
     s->rate[c] = kept[c];
   km_free(kept);
-  for (int i = 0; closed && i < d->mechanism->topology.substructure_count; ++i)
-    closed = project(d, s, i, &changed, &size);
+  bool memory = true;
+  for (int i = 0; closed && memory && i < d->mechanism->topology.substructure_count; ++i)
+    memory = project(d, s, i, &changed, &size);
+  if (!memory)
+    return km_fail(error, KM_MEMORY, "out of memory for the rates");
   if (change)
     *change = size > 0.0 ? sqrt(changed / size) : sqrt(changed);
   return closed ? KM_OK : km_dynamics_fail(d, KM_DYNAMICS_OPEN, error);

@@ -10,8 +10,11 @@
 #include "report/document/designs_report.h"
 #include "report/document/question_report.h"
 #include "report/plot/designs_plot.h"
+#include "report/plot/history_plot.h"
 #include "report/plot/question_plot.h"
 #include "report/record/designs_text.h"
+#include "report/record/history_record.h"
+#include "report/record/linear_record.h"
 #include "report/record/question_record.h"
 
 #include <stdlib.h>
@@ -116,6 +119,66 @@ static km_status ask_forces(const char *json) {
 }
 
 /* Fails the first calls one by one, and later ones in growing strides: a job has thousands. */
+/* A simulation, its linearisation at the end, the plot and the record. */
+static km_status simulate(const char *json) {
+  fixture f;
+  km_forces *forces = NULL;
+  km_dynamics *dynamics = NULL;
+  km_history history = {0};
+  km_linear linear = {0};
+  km_arena arena = {0};
+  km_text out = {0};
+  km_plot plot;
+  km_status status = open_pose(json, &f);
+  km_history_def def = km_history_default(f.model); /* of a model that is NULL, too */
+  def.until = 0.02;
+  def.every = 0.01;
+  def.reactions = def.mobility = true;
+  if (!status)
+    status = km_forces_create(f.mechanism, NULL, NULL, 0, &forces, NULL);
+  if (!status)
+    status = km_history_run(f.mechanism, forces, f.state, &def, &history, NULL);
+  if (!status)
+    status = km_dynamics_create(f.mechanism, forces, &dynamics, NULL);
+  if (!status)
+    status = km_linearise(dynamics, f.state, &linear, NULL);
+  const km_plotted_history shown = {.mechanism = f.mechanism, .table = history.table, .name = "m"};
+  if (!status && (!km_history_plot_make(&shown, &arena, &plot) ||
+                  !km_history_record(f.mechanism, &def, &history, "", "m", &arena) ||
+                  !km_linear_record(f.mechanism, f.state, &linear, "ksim", "m", &arena)))
+    status = KM_MEMORY;
+  if (!status) {
+    km_linear_mat(&linear, &out);
+    status = out.failed ? KM_MEMORY : KM_OK;
+  }
+  km_text_free(&out);
+  km_arena_free(&arena);
+  km_linear_free(&linear);
+  km_dynamics_free(dynamics);
+  km_history_free(&history);
+  km_forces_free(forces);
+  fixture_close(&f);
+  return status;
+}
+
+/* A prescribed motion. */
+static km_status invert(const char *json) {
+  fixture f;
+  km_forces *forces = NULL;
+  km_history history = {0};
+  const km_constant_rate rate = {0, 0.1};
+  const km_inverse_def def = {.rates = &rate, .rate_count = 1, .until = 0.1, .steps = 2, .reactions = true};
+  km_status status = open_pose(json, &f);
+  if (!status)
+    status = km_forces_create(f.mechanism, NULL, NULL, 0, &forces, NULL);
+  if (!status)
+    status = km_inverse_run(f.mechanism, forces, f.state, &def, &history, NULL);
+  km_history_free(&history);
+  km_forces_free(forces);
+  fixture_close(&f);
+  return status;
+}
+
 static void fail_each_of(job run, const char *text) {
   arm(0);
   assert_int_equal(run(text), KM_OK);
@@ -149,6 +212,16 @@ static void test_advantage(void **unused) {
 static void test_forces(void **unused) {
   (void)unused;
   fail_each(ask_forces, "excavator");
+}
+
+static void test_simulation(void **unused) {
+  (void)unused;
+  fail_each(simulate, "slider_crank");
+}
+
+static void test_inverse(void **unused) {
+  (void)unused;
+  fail_each(invert, "slider_crank");
 }
 
 static void test_check(void **unused) {
@@ -334,9 +407,10 @@ static void test_written(void **unused) {
 
 int main(void) {
   const struct CMUnitTest tests[] = {
-      cmocka_unit_test(test_mobility), cmocka_unit_test(test_advantage), cmocka_unit_test(test_forces),
-      cmocka_unit_test(test_check),    cmocka_unit_test(test_track),     cmocka_unit_test(test_poses),
-      cmocka_unit_test(test_robots),   cmocka_unit_test(test_designs),   cmocka_unit_test(test_written),
+      cmocka_unit_test(test_mobility), cmocka_unit_test(test_advantage),  cmocka_unit_test(test_forces),
+      cmocka_unit_test(test_check),    cmocka_unit_test(test_simulation), cmocka_unit_test(test_inverse),
+      cmocka_unit_test(test_track),    cmocka_unit_test(test_poses),      cmocka_unit_test(test_robots),
+      cmocka_unit_test(test_designs),  cmocka_unit_test(test_written),
   };
   return cmocka_run_group_tests(tests, NULL, NULL);
 }

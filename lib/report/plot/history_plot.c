@@ -36,6 +36,7 @@ static int find(const sheet *s, const char *prefix, const char *label) {
   km_text name = {0};
   km_text_format(&name, "%s%s", prefix, label);
   int column = name.failed ? -1 : km_table_find(s->h->table, name.data);
+  s->arena->failed = s->arena->failed || name.failed;
   km_text_free(&name);
   return column;
 }
