@@ -64,7 +64,7 @@ static double reduced_angle(double c, double time) {
   return q;
 }
 
-/* IFToMM's A02 with two windows: 3 θ̈ = −3.5 g cos θ, through eleven folds, where the rank drops. */
+/* IFToMM's A02 with two windows: 3 θ̈ = −3.5 g cos θ, through ten folds, where the rank drops. */
 static void test_a02(void **data) {
   (void)data;
   fixture f = fixture_open("a02");
