@@ -150,6 +150,8 @@ static void fill_N(km_dynamics *d, const km_state *s, int index) {
   km_cluster_motion *c = &d->cluster[index];
   const int *coordinates = d->tree.coordinate_order + cluster->coordinate_start;
   int n = cluster->coordinate_count, count = c->freedom + c->driven;
+  if (count == 0)
+    return;
   memset(c->N, 0, (size_t)count * (size_t)n * sizeof *c->N);
   for (int k = 0; k < count; ++k) {
     double *N = c->N + (size_t)k * (size_t)n;
