@@ -38,7 +38,7 @@ static void list_coordinates(const km_mechanism *m, km_moving_forces *out) {
       out->dampers[out->damper_count++] = c;
     if (has_stop(m, c))
       out->stops[out->stop_count++] = c;
-    if (m->model->joints[def->joint].friction.coefficient > 0.0 || def->friction > 0.0)
+    if (def->friction > 0.0)
       out->rubbing[out->rubbing_count++] = c;
   }
 }
@@ -104,8 +104,7 @@ km_status km_forces_follow_motion(km_forces *f, km_error *error) {
                               .modules = KM_ARENA_NEW(arena, const km_model_module *, modules),
                               .memory_of = KM_ARENA_NEW(arena, int, modules),
                               .memory = KM_ARENA_NEW(arena, double, 2 * modules),
-                              .rate = KM_ARENA_NEW(arena, double, 2 * modules),
-                              .normal = KM_ARENA_NEW(arena, double, coordinates)};
+                              .rate = KM_ARENA_NEW(arena, double, 2 * modules)};
   if (!arena->failed && !scratch.failed) {
     f->moving = out;
     list_bodies(m->model, f, seen);
@@ -155,22 +154,22 @@ double km_stops_energy(const km_mechanism *m, const km_state *s, const km_forces
   return energy;
 }
 
-/* Regularised Coulomb friction: the whole of μN from the stiction velocity on, and below it a parabola through 0. */
+/* The share of friction that acts at a speed: all of it from the stiction speed on, below it a parabola through 0. */
 static double slip_share(double speed, double stiction) {
   double x = fabs(speed) / stiction;
   return copysign(x < 1.0 ? x * (2.0 - x) : 1.0, speed);
 }
 
+/* Constant friction. A hinge's surfaces slide at its friction's radius, or at the characteristic length. */
 static void add_friction(const km_mechanism *m, const km_state *s, km_forces *f) {
   for (int i = 0; i < f->moving->rubbing_count; ++i) {
     int c = f->moving->rubbing[i];
     const km_model_coordinate *def = &m->model->coordinates[c];
     const km_model_joint *joint = &m->model->joints[def->joint];
-    double arm = km_joint_is_length(joint->type, def->index) ? 1.0 : joint->friction.radius;
+    double radius = joint->friction.radius > 0.0 ? joint->friction.radius : m->length;
+    double reach = km_joint_is_length(joint->type, def->index) ? 1.0 : radius;
     double stiction = joint->friction.stiction_velocity > 0.0 ? joint->friction.stiction_velocity : 1e-3 * m->length;
-    double reach = arm > 0.0 ? arm : m->length; /* a constant torque needs no radius */
-    double full = joint->friction.coefficient * arm * f->moving->normal[c] + def->friction;
-    double force = -full * slip_share(reach * s->rate[c], stiction);
+    double force = -def->friction * slip_share(reach * s->rate[c], stiction);
     f->joint[c] += force;
     f->moving->dissipation -= force * s->rate[c];
   }

@@ -12,7 +12,6 @@ typedef struct km_moving_forces {
   int *memory_of;     /* [module] its first internal state */
   double *memory;     /* [memory_count] internal states: ∫e of a controller, the slips of a tyre */
   double *rate;       /* [memory_count] their rates at the last update */
-  double *normal;     /* [coordinate] the force that presses its sliding surfaces together; set by the caller */
   double dissipation; /* power that dampers, friction and stops took at the last update: positive */
   double motor_power; /* power that motors, controllers and loads gave */
 } km_moving_forces;

@@ -136,6 +136,81 @@ static void test_prescribed(void **data) {
   km_free(text);
 }
 
+static const char rubbing[] =
+    "{\"assemblies\": [{\"name\": \"a\", \"bodies\": [{\"name\": \"b\", \"mass\": 2}], \"joints\": [{\"name\": \"X\", "
+    "\"type\": \"Tx\", \"body_frame_pairs\": [\"fixed\", \"b\"], \"initial_velocity\": 3, \"friction\": {\"torque\": 4, "
+    "\"stiction_velocity\": 1e-6}}]}]}";
+
+/* 4 N stop 2 kg at 3 m/s after 1.5 s and 2.25 m; the friction has taken 9 N m. */
+static void test_constant_friction(void **data) {
+  (void)data;
+  fixture f = fixture_read(rubbing);
+  km_history h = run(&f, 1.0, 0.5, 1e-10);
+  assert_near(at_end(&h, "v.X"), 1.0, 1e-8);
+  assert_near(at_end(&h, "q.X"), 2.0, 1e-8);
+  assert_near(at_end(&h, "energy_dissipated"), 8.0, 1e-6);
+  km_history_free(&h);
+  fixture_close(&f);
+}
+
+static const char stopped[] =
+    "{\"assemblies\": [{\"name\": \"a\", \"bodies\": [{\"name\": \"b\", \"mass\": 1}], \"joints\": [{\"name\": \"X\", "
+    "\"type\": \"Tx\", \"body_frame_pairs\": [\"fixed\", \"b\"], \"initial_velocity\": 1, \"limits\": [-10, 1], \"stop\": "
+    "{\"stiffness\": 400}}]}]}";
+
+/* A stop without damping throws the body back as fast as it came, after half a period of √(m/k). */
+static void test_stop(void **data) {
+  (void)data;
+  fixture f = fixture_read(stopped);
+  km_history h = run(&f, 2.0, 0.5, 1e-10);
+  assert_near(at_end(&h, "v.X"), -1.0, 1e-6);
+  assert_near(at_end(&h, "q.X"), 1.0 - (1.0 - M_PI / 20.0), 1e-6);
+  km_history_free(&h);
+  fixture_close(&f);
+}
+
+/* A wheel of 20 kg at rest on its tyre (height 0.3 m less 20 · 9.81 / 200 000), with a speed and a spin. */
+static char *wheel_text(double speed, double spin) {
+  char *text = (char *)malloc(2000);
+  assert_non_null(text);
+  snprintf(
+      text, 2000,
+      "{\"model_parameters\": {\"gravity\": [0, 0, -9.81]}, \"assemblies\": [{\"name\": \"a\", \"bodies\": [{\"name\": "
+      "\"x\"}, {\"name\": \"z\"}, {\"name\": \"wheel\", \"mass\": 20, \"moment_of_inertia\": {\"Ixx\": 0.5, \"Iyy\": 0.9, "
+      "\"Izz\": 0.5}}], \"joints\": [{\"name\": \"X\", \"type\": \"Tx\", \"body_frame_pairs\": [\"fixed\", \"x\"], "
+      "\"initial_velocity\": %.17g}, {\"name\": \"Z\", \"type\": \"Tz\", \"body_frame_pairs\": [\"x\", \"z\"], "
+      "\"initial_displacement\": %.17g}, {\"name\": \"Y\", \"type\": \"Ry\", \"body_frame_pairs\": [\"z\", \"wheel\"], "
+      "\"initial_velocity\": %.17g}], \"force_modules\": [{\"name\": \"t\", \"type\": \"fiala_tire\", \"input\": {\"type\": "
+      "\"frame\", \"body_frame_pair\": [\"fixed\", \"wheel\"]}, \"tire\": {\"unloaded_radius\": 0.3, \"vertical_stiffness\": "
+      "200000, \"vertical_damping\": 2000, \"longitudinal_stiffness\": 50000, \"lateral_stiffness\": 40000, "
+      "\"friction_peak\": 1, \"friction_sliding\": 0.9, \"relaxation_length_x\": 0.05, \"relaxation_length_y\": 0.15}}]}]}",
+      speed, 0.3 - 20.0 * 9.81 / 200000.0, spin);
+  return text;
+}
+
+/* A wheel that rolls goes on as it is; one that spins too fast drives itself on until it rolls. The road's force changes
+ * speed and spin together: m v r + I ω stays, r the height of the axle. */
+static void test_tire(void **data) {
+  (void)data;
+  const double r = 0.3 - 20.0 * 9.81 / 200000.0;
+  const double spins[2] = {5.0 / r, 20.0};
+  for (int i = 0; i < 2; ++i) {
+    char *text = wheel_text(5.0, spins[i]);
+    fixture f = fixture_read(text);
+    km_history h = run(&f, 2.0, 0.5, 1e-9);
+    double v = at_end(&h, "v.X"), w = at_end(&h, "v.Y");
+    assert_near(at_end(&h, "q.Z"), r, 1e-6);
+    assert_near(v, r * w, 1e-5);
+    assert_near(20.0 * v * r + 0.9 * w, 20.0 * 5.0 * r + 0.9 * spins[i], 1e-5);
+    assert_true(h.energy_error <= 1e-6 * h.energy_scale);
+    if (i == 0)
+      assert_near(v, 5.0, 1e-6);
+    km_history_free(&h);
+    fixture_close(&f);
+    free(text);
+  }
+}
+
 /* A crossing is located to the integrator's accuracy, and one that stops ends the run there. */
 static void test_crossings(void **data) {
   (void)data;
@@ -256,6 +331,9 @@ int main(void) {
                                      cmocka_unit_test(test_free_body),
                                      cmocka_unit_test(test_prescribed),
                                      cmocka_unit_test(test_crossings),
+                                     cmocka_unit_test(test_constant_friction),
+                                     cmocka_unit_test(test_stop),
+                                     cmocka_unit_test(test_tire),
                                      cmocka_unit_test(test_linearised_oscillator),
                                      cmocka_unit_test(test_linearised_a02),
                                      cmocka_unit_test(test_inverse)};
