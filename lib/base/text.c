@@ -75,6 +75,17 @@ void km_text_format(km_text *text, const char *format, ...) {
   va_end(arguments);
 }
 
+char *km_arena_format_list(km_arena *arena, const char *format, va_list arguments) {
+  va_list again;
+  va_copy(again, arguments);
+  int length = vsnprintf(NULL, 0, format, arguments);
+  char *text = length < 0 ? NULL : km_arena_alloc(arena, 1, (size_t)length + 1);
+  if (text)
+    vsnprintf(text, (size_t)length + 1, format, again);
+  va_end(again);
+  return text;
+}
+
 void km_text_number(km_text *text, double value) {
   char number[KM_NUMBER_TEXT];
   km_text_bytes(text, number, km_number_format(number, value));

@@ -6,6 +6,7 @@
 #include "kmech/bytes.h"
 #include "kmech/status.h"
 
+#include <stdarg.h>
 #include <stdbool.h>
 #include <stddef.h>
 
@@ -24,6 +25,8 @@ km_status km_text_give(km_text *text, km_bytes *out, km_error *error);
 void km_text_bytes(km_text *text, const void *bytes, size_t size);
 void km_text_add(km_text *text, const char *string);
 void km_text_format(km_text *text, const char *format, ...) __attribute__((format(printf, 2, 3)));
+/* The same into an arena. NULL when out of memory. */
+char *km_arena_format_list(km_arena *arena, const char *format, va_list arguments);
 void km_text_number(km_text *text, double value);
 
 enum { KM_NUMBER_TEXT = 48 };

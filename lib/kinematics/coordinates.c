@@ -28,7 +28,9 @@ km_status km_state_set_coordinates(const km_mechanism *m, km_state *s, const dou
   return KM_OK;
 }
 
-km_status km_state_set_coordinate(const km_mechanism *m, km_state *s, int coordinate, double value, km_error *error) {
+/* May a coordinate be given this value, or rate (`what` is then "rate ")? */
+static km_status check_setting(const km_mechanism *m, const km_state *s, int coordinate, const char *what, double value,
+                               km_error *error) {
   km_status status = km_check_state(m, s, error);
   if (!status)
     status = km_check_index(coordinate, m->coordinate_count, "coordinate", error);
@@ -36,9 +38,16 @@ km_status km_state_set_coordinate(const km_mechanism *m, km_state *s, int coordi
     return status;
   const char *label = m->model->coordinates[coordinate].label;
   if (!isfinite(value))
-    return km_fail(error, KM_USAGE, "%g for %s; expected a finite value", value, label);
+    return km_fail(error, KM_USAGE, "%s%g for %s; expected a finite value", what, value, label);
   if (m->held[coordinate])
     return km_fail(error, KM_USAGE, "joint \"%s\" is held; expected one that is free to move", label);
+  return KM_OK;
+}
+
+km_status km_state_set_coordinate(const km_mechanism *m, km_state *s, int coordinate, double value, km_error *error) {
+  km_status status = check_setting(m, s, coordinate, "", value, error);
+  if (status)
+    return status;
   s->q[coordinate] = value * km_model_coordinate_factor(m->model, coordinate);
   km_state_set(m, s, s->q);
   forget_motions(m, s);
@@ -67,18 +76,10 @@ double km_state_acceleration(const km_state *s, int coordinate) {
 }
 
 km_status km_state_set_rate(const km_mechanism *m, km_state *s, int coordinate, double rate, km_error *error) {
-  km_status status = km_check_state(m, s, error);
+  km_status status = check_setting(m, s, coordinate, "rate ", rate, error);
   if (!status)
-    status = km_check_index(coordinate, m->coordinate_count, "coordinate", error);
-  if (status)
-    return status;
-  const char *label = m->model->coordinates[coordinate].label;
-  if (!isfinite(rate))
-    return km_fail(error, KM_USAGE, "rate %g for %s; expected a finite value", rate, label);
-  if (m->held[coordinate])
-    return km_fail(error, KM_USAGE, "joint \"%s\" is held; expected one that is free to move", label);
-  s->rate[coordinate] = rate * km_model_coordinate_factor(m->model, coordinate);
-  return KM_OK;
+    s->rate[coordinate] = rate * km_model_coordinate_factor(m->model, coordinate);
+  return status;
 }
 
 double km_state_time(const km_state *s) {

@@ -49,6 +49,10 @@ void kt_say(const kt_common *common, km_severity severity, const char *format, .
 /* `tool: text` on the standard error, with --verbose only. */
 void kt_detail(const kt_common *common, const char *format, ...) __attribute__((format(printf, 2, 3)));
 
+/* What a reader found, with the file in front: its messages, and `text` where it failed without an error among them. */
+kt_exit kt_tell_messages(const kt_common *common, const char *name, const km_messages *messages, km_status status,
+                         const char *text);
+
 /* `OPTION FOUND: expected EXPECTED`; KT_USAGE. */
 kt_exit kt_usage(const kt_common *common, const char *option, const char *found, const char *expected);
 

@@ -79,3 +79,16 @@ void kt_flush(kt_common *common) {
   if (common->log)
     km_text_free(common->log);
 }
+
+kt_exit kt_tell_messages(const kt_common *common, const char *name, const km_messages *messages, km_status status,
+                         const char *text) {
+  bool told = false;
+  for (size_t i = 0; i < km_messages_count(messages); ++i) {
+    km_severity severity = km_messages_severity(messages, i);
+    kt_say(common, severity, "%s: %s", name, km_messages_text(messages, i));
+    told = told || severity == KM_ERROR;
+  }
+  if (status && !told)
+    kt_say(common, KM_ERROR, "%s: %s", name, text);
+  return kt_exit_of(status);
+}

@@ -47,20 +47,6 @@ void kredund_method_options(kt_options *out, kredund_request *r) {
   KT_OPTIONS_ADD(out, table);
 }
 
-/* What the reader found, with the file in front. */
-static kt_exit tell(const kt_common *common, const char *name, const km_messages *messages, km_status status,
-                    const char *text) {
-  bool told = false;
-  for (size_t i = 0; i < km_messages_count(messages); ++i) {
-    km_severity severity = km_messages_severity(messages, i);
-    kt_say(common, severity, "%s: %s", name, km_messages_text(messages, i));
-    told = told || severity == KM_ERROR;
-  }
-  if (status && !told)
-    kt_say(common, KM_ERROR, "%s: %s", name, text);
-  return kt_exit_of(status);
-}
-
 static bool is_model(kredund_open *out, const km_text *text) {
   const km_value *root = NULL;
   return text->data && !km_json_parse(text->data, text->size, &out->arena, &root, NULL) &&
@@ -80,7 +66,7 @@ static kt_exit read_study(const kredund_request *r, kredund_open *out) {
     status = KM_USAGE;
   } else {
     status = km_study_read(text.data ? text.data : "", text.size, out->folder, messages, &out->def, &error);
-    tell(&r->common, out->name, messages, status, error.text);
+    kt_tell_messages(&r->common, out->name, messages, status, error.text);
   }
   km_messages_free(messages);
   km_text_free(&text);
@@ -136,7 +122,7 @@ static kt_exit bind(const kredund_request *r, kredund_open *out) {
         km_study_bind(out->pose.mechanism, out->pose.state, &out->def, r->common.seed, messages, &out->study, &error);
     status = status == KM_NO_RESULT ? KM_OK : status;
   }
-  kt_exit told = tell(&r->common, out->name, messages, status, error.text);
+  kt_exit told = kt_tell_messages(&r->common, out->name, messages, status, error.text);
   km_messages_free(messages);
   return result == KT_DONE ? told : result;
 }

@@ -19,20 +19,6 @@ void kstudy_options(kt_options *out, kstudy_request *r, unsigned uses) {
   out->operand = (kt_operand){"study", "STUDY", true, &r->study, NULL};
 }
 
-/* What the reader found, with the file in front. */
-static kt_exit tell(const kt_common *common, const char *name, const km_messages *messages, km_status status,
-                    const char *text) {
-  bool told = false;
-  for (size_t i = 0; i < km_messages_count(messages); ++i) {
-    km_severity severity = km_messages_severity(messages, i);
-    kt_say(common, severity, "%s: %s", name, km_messages_text(messages, i));
-    told = told || severity == KM_ERROR;
-  }
-  if (status && !told)
-    kt_say(common, KM_ERROR, "%s: %s", name, text);
-  return kt_exit_of(status);
-}
-
 static kt_exit read_study(const kstudy_request *r, kstudy_open *out) {
   km_text text = {0};
   km_error error;
@@ -43,7 +29,7 @@ static kt_exit read_study(const kstudy_request *r, kstudy_open *out) {
   kt_exit result = kt_exit_of(status);
   if (!status) {
     status = km_design_study_read(text.data ? text.data : "", text.size, messages, &out->def, &error);
-    result = tell(&r->common, out->name, messages, status, error.text);
+    result = kt_tell_messages(&r->common, out->name, messages, status, error.text);
   }
   km_messages_free(messages);
   km_text_free(&text);

@@ -268,17 +268,12 @@ static void add_equality(km_written *w, const char *name, const char *one, const
   km_xml_end(&w->xml, "joint");
 }
 
-static double si_of(const km_written *w, int c) {
-  const km_model_coordinate *def = &w->model->coordinates[c];
-  return km_joint_is_length(w->model->joints[def->joint].type, def->index) ? w->length : 1.0;
-}
-
 static void add_coupling(km_written *w, const km_model_coupling *coupling) {
   enum { MOST = 5 };
   double c[MOST] = {0}, constant = coupling->constant;
   int one = coupling->coordinates[0], two = coupling->count > 1 ? coupling->coordinates[1] : -1;
   int count = coupling->polynomial_count ? coupling->polynomial_count : 2;
-  double scale = two >= 0 ? si_of(w, two) : 1.0;
+  double scale = two >= 0 ? km_written_unit(w, two) : 1.0;
   if (count > MOST || coupling->count > 2) {
     km_written_omit(w, "couplings not written, as they have more than two joints or a degree above 4", coupling->name);
     return;
@@ -286,7 +281,7 @@ static void add_coupling(km_written *w, const km_model_coupling *coupling) {
   if (coupling->ratios && coupling->ratios[0] == 0.0)
     return;
   for (int k = 0; k < coupling->count && !coupling->constant_given && coupling->ratios; ++k)
-    constant += coupling->ratios[k] * w->q[coupling->coordinates[k]] / si_of(w, coupling->coordinates[k]);
+    constant += coupling->ratios[k] * w->q[coupling->coordinates[k]] / km_written_unit(w, coupling->coordinates[k]);
   for (int k = 0; k < coupling->polynomial_count; ++k)
     c[k] = coupling->polynomial[k];
   if (coupling->ratios) {
@@ -294,7 +289,7 @@ static void add_coupling(km_written *w, const km_model_coupling *coupling) {
     c[1] = two >= 0 ? -coupling->ratios[1] / coupling->ratios[0] : 0.0;
   }
   for (int k = 0; k < count; ++k)
-    c[k] *= si_of(w, one) / pow(scale, k);
+    c[k] *= km_written_unit(w, one) / pow(scale, k);
   count_from(c, count, w->reference[one], two >= 0 ? w->reference[two] : 0.0);
   add_equality(w, coupling->name, name_of_coordinate(w, one), two >= 0 ? name_of_coordinate(w, two) : NULL, c, count);
 }

@@ -30,36 +30,15 @@ void km_robot_warn(km_robot *robot, const km_xml *at, const char *format, ...) {
 }
 
 const char *km_robot_text(km_robot *robot, const char *format, ...) {
-  va_list arguments, again;
+  va_list arguments;
   va_start(arguments, format);
-  va_copy(again, arguments);
-  int length = vsnprintf(NULL, 0, format, arguments);
-  char *text = length < 0 ? NULL : km_arena_alloc(&robot->arena, 1, (size_t)length + 1);
-  if (text)
-    vsnprintf(text, (size_t)length + 1, format, again);
-  va_end(again);
+  const char *text = km_arena_format_list(&robot->arena, format, arguments);
   va_end(arguments);
   return text ? text : "";
 }
 
 void km_robot_omit(km_robot *robot, const char *kind, const char *name) {
-  int k = 0;
-  while (k < robot->omitted_count && strcmp(robot->omitted[k].kind, kind) != 0)
-    k++;
-  if (k == KM_ROBOT_KINDS)
-    return;
-  if (k == robot->omitted_count)
-    robot->omitted[robot->omitted_count++] = (km_robot_omission){kind, name ? name : "", 0};
-  robot->omitted[k].count++;
-}
-
-static void tell_omissions(const km_robot *robot) {
-  for (int k = 0; k < robot->omitted_count; ++k) {
-    const km_robot_omission *o = &robot->omitted[k];
-    bool named = o->first[0] != '\0';
-    km_messages_add(robot->request->messages, KM_NOTE, "%s: %d%s%.80s%s", o->kind, o->count,
-                    named ? (o->count > 1 ? ", the first is \"" : ", \"") : "", o->first, named ? "\"" : "");
-  }
+  km_omissions_add(&robot->omissions, kind, name);
 }
 
 /* Loops that a file's rounded numbers leave almost closed, or axes almost parallel, close to within the rounding. */
@@ -109,7 +88,7 @@ static km_status finish(km_robot *robot, km_model **out, km_error *error) {
   if (status)
     return status;
   weigh_whole(robot, *out);
-  tell_omissions(robot);
+  km_omissions_tell(&robot->omissions, robot->request->messages);
   return KM_OK;
 }
 

@@ -3,6 +3,7 @@
 #define KM_EXCHANGE_ROBOT_H
 
 #include "base/names.h"
+#include "exchange/robot/omissions.h"
 #include "exchange/xml/xml.h"
 #include "model/finish.h"
 #include "model/solids.h"
@@ -16,14 +17,6 @@ typedef struct km_robot_request {
   km_messages *messages;
 } km_robot_request;
 
-/* A kind of thing that a model can't hold. */
-typedef struct km_robot_omission {
-  const char *kind, *first; /* the name of the first one, "" if it has none */
-  int count;
-} km_robot_omission;
-
-enum { KM_ROBOT_KINDS = 48 };
-
 typedef struct km_robot {
   const km_robot_request *request;
   km_arena arena; /* of what lives as long as the reading */
@@ -31,8 +24,7 @@ typedef struct km_robot {
   km_settings_def settings;
   km_names joints, bodies,
       frames; /* taken names: scope assembly, assembly, body; 0 where they wait for their element */
-  km_robot_omission omitted[KM_ROBOT_KINDS];
-  int omitted_count;
+  km_omissions omissions;
   bool closes;                            /* there are loops */
   double angle_rounding, length_rounding; /* how far axes and points of loops may be off, as the file rounds them */
   double reach;                           /* the largest distance of a frame from its body's origin */

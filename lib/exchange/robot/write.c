@@ -11,36 +11,41 @@
 static const double no_limit = 1e30, open = 1e-6; /* of the largest distance from a frame around it */
 
 const char *km_written_text(km_written *w, const char *format, ...) {
-  va_list arguments, again;
+  va_list arguments;
   va_start(arguments, format);
-  va_copy(again, arguments);
-  int length = vsnprintf(NULL, 0, format, arguments);
-  char *text = length < 0 ? NULL : km_arena_alloc(&w->arena, 1, (size_t)length + 1);
-  if (text)
-    vsnprintf(text, (size_t)length + 1, format, again);
-  va_end(again);
+  const char *text = km_arena_format_list(&w->arena, format, arguments);
   va_end(arguments);
   return text ? text : "";
 }
 
-void km_written_omit(km_written *w, const char *kind, const char *name) {
-  int k = 0, most = (int)(sizeof w->omitted / sizeof *w->omitted);
-  while (k < w->omitted_count && strcmp(w->omitted[k].kind, kind) != 0)
-    k++;
-  if (k == most)
-    return;
-  if (k == w->omitted_count) {
-    w->omitted[k].kind = kind;
-    w->omitted[k].first = name;
-    w->omitted_count++;
+static bool is_length(const km_written *w, int c) {
+  return km_joint_is_length(w->model->joints[w->model->coordinates[c].joint].type, w->model->coordinates[c].index);
+}
+
+double km_written_unit(const km_written *w, int c) {
+  return is_length(w, c) ? w->length : 1.0;
+}
+
+bool km_written_mimic(const km_written *w, int c, int *leader, double *ratio, double *constant) {
+  for (int i = 0; i < w->model->coupling_count; ++i) {
+    const km_model_coupling *coupling = &w->model->couplings[i];
+    if (coupling->coordinates[0] != c || coupling->count != 2 || !coupling->ratios || coupling->ratios[0] == 0.0)
+      continue;
+    *leader = coupling->coordinates[1];
+    *ratio = -coupling->ratios[1] / coupling->ratios[0] * km_written_unit(w, c) / km_written_unit(w, *leader);
+    *constant = coupling->constant_given ? coupling->constant / coupling->ratios[0] * km_written_unit(w, c)
+                                         : w->q[c] - *ratio * w->q[*leader];
+    return true;
   }
-  w->omitted[k].count++;
+  return false;
+}
+
+void km_written_omit(km_written *w, const char *kind, const char *name) {
+  km_omissions_add(&w->omissions, kind, name);
 }
 
 void km_written_tell(const km_written *w) {
-  for (int k = 0; k < w->omitted_count; ++k)
-    km_messages_add(w->messages, KM_NOTE, "%s: %d, %s\"%.80s\"", w->omitted[k].kind, w->omitted[k].count,
-                    w->omitted[k].count > 1 ? "the first is " : "", w->omitted[k].first);
+  km_omissions_tell(&w->omissions, w->messages);
 }
 
 /* Names that are unique in the file: with their assemblies where they aren't alone. */
@@ -313,10 +318,6 @@ void km_written_free(km_written *w) {
   km_arena_free(&w->arena);
 }
 
-static bool is_length(const km_written *w, int c) {
-  return km_joint_is_length(w->model->joints[w->model->coordinates[c].joint].type, w->model->coordinates[c].index);
-}
-
 double km_written_force(const km_written *w, int c) {
   return w->force * (is_length(w, c) ? 1.0 : w->length);
 }
@@ -357,7 +358,7 @@ bool km_written_spring(const km_written *w, int c, double *stiffness, double *re
     if (!is_spring(module) || module->input.coordinate != c)
       continue;
     const double *a = module->law.coefficients + module->law.start[0];
-    double size = is_length(w, c) ? w->length : 1.0;
+    double size = km_written_unit(w, c);
     *stiffness = -a[1] * km_written_force(w, c) / size;
     *rest = -a[0] / a[1] * size;
     return true;

@@ -2,6 +2,7 @@
 #ifndef KM_EXCHANGE_ROBOT_WRITE_H
 #define KM_EXCHANGE_ROBOT_WRITE_H
 
+#include "exchange/robot/omissions.h"
 #include "exchange/xml/write.h"
 #include "kmech/write.h"
 #include "model/model.h"
@@ -39,11 +40,7 @@ typedef struct km_written {
   bool *in_tree;                 /* [joint] */
   int *order;                    /* bodies, parents first; without the inertial frame */
   int ordered;
-  struct {
-    const char *kind, *first;
-    int count;
-  } omitted[24];
-  int omitted_count;
+  km_omissions omissions;
   double length, mass, force, time; /* SI per unit of the model */
 } km_written;
 
@@ -58,6 +55,11 @@ km_written_joint km_written_pass(km_written *w, int joint, int from);
 /* Counts what the format can't say; km_written_tell makes a note of each kind. */
 void km_written_omit(km_written *w, const char *kind, const char *name);
 void km_written_tell(const km_written *w);
+/* SI per unit of a coordinate inside a coupling: the length unit in metres, or 1 (radians). */
+double km_written_unit(const km_written *w, int coordinate);
+/* q_c = ratio · q_leader + constant, radians and metres, of the coupling that lets coordinate c follow another one; the
+ * constant is that of the pose where the coupling states none. False if no line does it. */
+bool km_written_mimic(const km_written *w, int coordinate, int *leader, double *ratio, double *constant);
 const char *km_written_text(km_written *w, const char *format, ...) __attribute__((format(printf, 2, 3)));
 /* The displacement of a motion at a value of its coordinates. */
 km_pose km_written_motion_at(const km_written_motion *motion, const double *q);

@@ -61,31 +61,18 @@ static double shifted(const km_written *w, int c, double value) {
   return fabs(si) < 1e30 ? si - w->reference[c] : si;
 }
 
-static double si_of(const km_written *w, int c) {
-  const km_model_coordinate *def = &w->model->coordinates[c];
-  return km_joint_is_length(w->model->joints[def->joint].type, def->index) ? w->length : 1.0;
-}
-
 /* The coupling by which a coordinate follows another one, if a line does it; counted from the file's pose. */
 static void add_mimic(km_written *w, int c) {
-  for (int i = 0; i < w->model->coupling_count; ++i) {
-    const km_model_coupling *coupling = &w->model->couplings[i];
-    if (coupling->coordinates[0] != c || coupling->count != 2 || !coupling->ratios || coupling->ratios[0] == 0.0)
-      continue;
-    int two = coupling->coordinates[1];
-    double ratio = -coupling->ratios[1] / coupling->ratios[0] * si_of(w, c) / si_of(w, two), constant = 0.0;
-    if (coupling->constant_given)
-      constant = coupling->constant / coupling->ratios[0] * si_of(w, c);
-    else
-      constant = w->q[c] - ratio * w->q[two];
-    km_xml_begin(&w->xml, "mimic");
-    km_xml_set(&w->xml, "joint", w->model->coordinates[two].label);
-    add_number(w, "multiplier", ratio);
-    add_number(w, "offset", constant + ratio * w->reference[two] - w->reference[c]);
-    add_number(w, "reference", 0.0);
-    km_xml_end(&w->xml, "mimic");
+  int leader;
+  double ratio, constant;
+  if (!km_written_mimic(w, c, &leader, &ratio, &constant))
     return;
-  }
+  km_xml_begin(&w->xml, "mimic");
+  km_xml_set(&w->xml, "joint", w->model->coordinates[leader].label);
+  add_number(w, "multiplier", ratio);
+  add_number(w, "offset", constant + ratio * w->reference[leader] - w->reference[c]);
+  add_number(w, "reference", 0.0);
+  km_xml_end(&w->xml, "mimic");
 }
 
 static void add_axis(km_written *w, const char *element, km_vec3 u, int c) {

@@ -95,11 +95,6 @@ static void add_dynamics(km_written *w, int c, bool limited) {
     km_written_omit(w, "inertias of rotors not written", def->label);
 }
 
-static double si_of(const km_written *w, int c) {
-  const km_model_coordinate *def = &w->model->coordinates[c];
-  return km_joint_is_length(w->model->joints[def->joint].type, def->index) ? w->length : 1.0;
-}
-
 static void set_mimic(km_written *w, const char *leader, double multiplier, double offset) {
   km_xml_begin(&w->xml, "mimic");
   km_xml_set(&w->xml, "joint", leader);
@@ -110,18 +105,10 @@ static void set_mimic(km_written *w, const char *leader, double multiplier, doub
 
 /* The coupling by which a coordinate follows another one, if a line does it. */
 static void add_mimic(km_written *w, int c) {
-  for (int i = 0; i < w->model->coupling_count; ++i) {
-    const km_model_coupling *coupling = &w->model->couplings[i];
-    if (coupling->coordinates[0] != c || coupling->count != 2 || !coupling->ratios || coupling->ratios[0] == 0.0)
-      continue;
-    int two = coupling->coordinates[1];
-    double constant = coupling->constant;
-    for (int k = 0; k < 2 && !coupling->constant_given; ++k)
-      constant += coupling->ratios[k] * w->q[coupling->coordinates[k]] / si_of(w, coupling->coordinates[k]);
-    double ratio = -coupling->ratios[1] / coupling->ratios[0] * si_of(w, c) / si_of(w, two);
-    set_mimic(w, w->model->coordinates[two].label, ratio, constant / coupling->ratios[0] * si_of(w, c));
-    return;
-  }
+  int leader;
+  double ratio, constant;
+  if (km_written_mimic(w, c, &leader, &ratio, &constant))
+    set_mimic(w, w->model->coordinates[leader].label, ratio, constant);
 }
 
 static void add_single(km_written *w, const km_written_motion *motion, const char *from, const char *to) {

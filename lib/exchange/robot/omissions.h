@@ -1,0 +1,24 @@
+/* Kinds of things that a reader or a writer leaves out, counted. */
+#ifndef KM_EXCHANGE_ROBOT_OMISSIONS_H
+#define KM_EXCHANGE_ROBOT_OMISSIONS_H
+
+#include "kmech/status.h"
+
+enum { KM_MOST_OMISSIONS = 48 };
+
+typedef struct km_omission {
+  const char *kind, *first; /* the name of the first one, "" if it has none; both borrowed */
+  int count;
+} km_omission;
+
+typedef struct km_omissions {
+  km_omission items[KM_MOST_OMISSIONS];
+  int count;
+} km_omissions;
+
+/* Counts one more; `name` may be NULL. Kinds past the last place are forgotten. */
+void km_omissions_add(km_omissions *omissions, const char *kind, const char *name);
+/* A note for each kind: how many, and the first one. */
+void km_omissions_tell(const km_omissions *omissions, km_messages *messages);
+
+#endif
