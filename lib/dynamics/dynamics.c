@@ -108,18 +108,20 @@ void km_dynamics_drive(km_dynamics *d, km_state *s, bool position) {
   }
 }
 
-/* A point near the mechanism: far from it the moments of its weights would lose digits. */
-static void choose_origin(km_dynamics *d) {
-  km_vec3 near = {0, 0, 0};
+/* Keeps the origin near the mechanism: far from it the moments of its weights would lose digits. False where it is near
+ * enough already. */
+static bool choose_origin(km_dynamics *d) {
   const km_tree *tree = &d->tree;
   for (int n = 1; n < tree->node_count; ++n) {
+    km_vec3 away = d->node[n].pose.p;
     if (!tree->nodes[n].massive)
       continue;
-    near = km_vec3_add(d->node[n].pose.p, d->forces->origin);
-    break;
+    if (!(km_vec3_norm(away) > d->mechanism->length) || !isfinite(away.x + away.y + away.z))
+      return false;
+    d->forces->origin = km_vec3_add(away, d->forces->origin);
+    return true;
   }
-  if (isfinite(near.x + near.y + near.z))
-    d->forces->origin = near;
+  return false;
 }
 
 /* Forces at the nodes' poses and twists, into p of the nodes and τ of the coordinates. */
@@ -147,10 +149,8 @@ km_dynamics_outcome km_dynamics_evaluate(km_dynamics *d, km_state *s, bool searc
   if (!km_constraints_update(d, s, search))
     return KM_DYNAMICS_OPEN;
   km_tree_move(d, s);
-  if (search) {
-    choose_origin(d);
+  if (search && choose_origin(d))
     km_tree_move(d, s);
-  }
   apply_forces(d, s);
   if (km_tree_solve(d, s))
     return KM_DYNAMICS_DONE;

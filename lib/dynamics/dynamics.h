@@ -24,13 +24,13 @@ typedef struct km_node_motion {
 
 /* The numbers of a cluster's partition. */
 typedef struct km_cluster_motion {
-  int freedom, driven;  /* independent coordinates whose acceleration is unknown, and that are prescribed */
-  int *independent;     /* [freedom + driven] places in the cluster, the unknown ones first */
-  double *N;            /* [(freedom + driven) × coordinates], columns one after the other */
-  double *gamma;        /* [coordinates] */
-  km_twist *P;          /* [nodes × (freedom + driven)] by node */
-  km_wrench *U;         /* [freedom] */
-  double *D, *b, *udot; /* [freedom²] LDLᵀ after the inward pass, by rows; [freedom]; [freedom + driven] */
+  int freedom, driven; /* independent coordinates whose acceleration is unknown, and that are prescribed */
+  int *independent;    /* [freedom + driven] places in the cluster, the unknown ones first */
+  double *N;           /* [(freedom + driven) × coordinates], columns one after the other */
+  double *gamma;       /* [coordinates] */
+  km_twist *P;         /* [nodes × (freedom + driven)] by node */
+  km_wrench *U;        /* [freedom] Σ I P; W after the inward pass */
+  double *D, *b, *udot; /* [freedom²] LDLᵀ after the inward pass, by rows; [freedom] then L⁻¹ b; [freedom + driven] */
   size_t room;          /* independent coordinates that there is space for */
 } km_cluster_motion;
 

@@ -1,41 +1,6 @@
 /* The outward pass over the nodes: poses, columns, twists, inertias, velocity products. */
 #include "dynamics/dynamics.h"
-
-static inline km_twist about_axis(km_vec3 axis, double sign, const km_pose *X) {
-  return km_twist_revolute(km_vec3_scale(sign, axis), X->p);
-}
-
-/* One motion from X, its frame: the pose after it. h receives the columns, one a coordinate. */
-static km_pose passed(const km_node *node, km_pose X, const km_state *s, km_twist *h) {
-  double value = node->sign * s->q[node->coordinate];
-  km_vec3 axis = X.R.axis[node->axis];
-  switch (node->primitive) {
-  case KM_PRISMATIC:
-    h[0] = km_twist_prismatic(km_vec3_scale(node->sign, axis));
-    X.p = km_vec3_axpy(value, axis, X.p);
-    break;
-  case KM_REVOLUTE:
-    h[0] = about_axis(axis, node->sign, &X);
-    X.R = km_rotation_turn(&X.R, node->axis, cos(value), sin(value));
-    break;
-  case KM_HELICAL:
-    h[0] = about_axis(axis, node->sign, &X);
-    h[0].v = km_vec3_axpy(node->sign * node->pitch, axis, h[0].v);
-    X.p = km_vec3_axpy(value * node->pitch, axis, X.p);
-    X.R = km_rotation_turn(&X.R, node->axis, cos(value), sin(value));
-    break;
-  case KM_BALL: {
-    /* Rates are about the axes of the joint's own parent frame: before the turn, or, passed against its sense, after. */
-    km_quaternion q = node->sign > 0.0 ? s->ball[node->ball] : km_quaternion_conjugate(s->ball[node->ball]);
-    km_rotation turn = km_quaternion_rotation(q), before = X.R;
-    X.R = km_rotation_product(&X.R, &turn);
-    for (int k = 0; k < 3; ++k)
-      h[k] = about_axis(node->sign > 0.0 ? before.axis[k] : X.R.axis[k], node->sign, &X);
-    break;
-  }
-  }
-  return X;
-}
+#include "kinematics/motion_step.h"
 
 static void move_node(km_dynamics *d, const km_state *s, int n) {
   const km_node *node = &d->tree.nodes[n];
@@ -44,7 +9,9 @@ static void move_node(km_dynamics *d, const km_state *s, int n) {
   km_twist *h = &d->column[node->coordinate], x = {{0, 0, 0}, {0, 0, 0}};
   km_pose X = {node->turned ? km_rotation_product(&parent->pose.R, &node->before.R) : parent->pose.R,
                km_pose_point(&parent->pose, node->before.p)};
-  out->pose = passed(node, X, s, h);
+  const km_quaternion *ball = node->primitive == KM_BALL ? &s->ball[node->ball] : NULL;
+  out->pose = km_motion_step((km_motion){node->primitive, node->axis}, node->sign, node->pitch,
+                             node->sign * s->q[node->coordinate], ball, X, h);
   for (int k = 0; k < node->freedom; ++k)
     x = km_twist_axpy(s->rate[node->coordinate + k], h[k], x);
   out->V = km_twist_axpy(1.0, x, parent->V);

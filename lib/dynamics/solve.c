@@ -114,19 +114,15 @@ static int factor(double *D, int count) {
   return NONE;
 }
 
-static void solve(const double *D, int count, double *x) {
+/* L⁻¹ b in place. */
+static void substitute(const double *D, int count, double *b) {
   for (int k = 0; k < count; ++k)
     for (int l = 0; l < k; ++l)
-      x[k] -= D[k * count + l] * x[l];
-  for (int k = 0; k < count; ++k)
-    x[k] /= D[k * count + k];
-  for (int k = count - 1; k >= 0; --k)
-    for (int l = k + 1; l < count; ++l)
-      x[k] -= D[l * count + k] * x[l];
+      b[k] -= D[k * count + l] * b[l];
 }
 
 /* What the cluster does to its base: as a body of inertia Σ I − U D⁻¹ Uᵀ, with the force sum + U D⁻¹ b. With D = LΔLᵀ
- * and W = U L⁻ᵀ that is Σ I − W Δ⁻¹ Wᵀ. */
+ * and W = U L⁻ᵀ, which takes the place of U, that is Σ I − W Δ⁻¹ Wᵀ and sum + W Δ⁻¹ (L⁻¹ b). */
 static void load_base(km_dynamics *d, const km_cluster *cluster, const km_cluster_motion *c, km_wrench sum) {
   km_articulated *base = &d->articulated[cluster->base];
   int count = c->freedom;
@@ -137,27 +133,24 @@ static void load_base(km_dynamics *d, const km_cluster *cluster, const km_cluste
     if (d->tree.nodes[n].bears)
       km_articulated_add(base, &d->articulated[n]);
   }
-  for (int k = 0; k < count; ++k)
-    sum = km_wrench_axpy(c->udot[k], c->U[k], sum);
-  d->node[cluster->base].p = km_wrench_axpy(1.0, sum, d->node[cluster->base].p);
   for (int k = 0; k < count; ++k) {
+    double pivot = c->D[k * count + k];
     for (int l = 0; l < k; ++l)
       c->U[k] = km_wrench_axpy(-c->D[k * count + l], c->U[l], c->U[k]);
-    km_articulated_add_square(base, -1.0 / c->D[k * count + k], c->U[k]);
+    km_articulated_add_square(base, -1.0 / pivot, c->U[k]);
+    sum = km_wrench_axpy(c->b[k] / pivot, c->U[k], sum);
   }
+  d->node[cluster->base].p = km_wrench_axpy(1.0, sum, d->node[cluster->base].p);
 }
 
-/* b − Uᵀ A in place of b, with the U that load_base left: W = U L⁻ᵀ, so Lᵀ u̇ = Δ⁻¹ (L⁻¹ b − Wᵀ A). */
+/* u̇ from the base's acceleration (NULL: it stands), with the L⁻¹ b and the W that the inward pass left:
+ * Lᵀ u̇ = Δ⁻¹ (L⁻¹ b − Wᵀ A). */
 static void accelerate(const km_cluster_motion *c, const km_twist *base, double *x) {
   int count = c->freedom;
   for (int k = 0; k < count; ++k) {
-    double sum = c->b[k];
-    for (int l = 0; l < k; ++l)
-      sum -= c->D[k * count + l] * x[l];
-    x[k] = sum; /* L⁻¹ b */
+    double pushed = base ? c->b[k] - km_wrench_power(c->U[k], *base) : c->b[k];
+    x[k] = pushed / c->D[k * count + k];
   }
-  for (int k = 0; k < count; ++k)
-    x[k] = (base ? x[k] - km_wrench_power(c->U[k], *base) : x[k]) / c->D[k * count + k];
   for (int k = count - 1; k >= 0; --k)
     for (int l = k + 1; l < count; ++l)
       x[k] -= c->D[l * count + k] * x[l];
@@ -175,12 +168,11 @@ static bool inward(km_dynamics *d, int index) {
     d->massless = d->tree.coordinate_order[cluster->coordinate_start + c->independent[vanished]];
     return false;
   }
-  if (vanished != NONE || cluster->base == 0)
-    return vanished == NONE;
-  for (int k = 0; k < c->freedom; ++k)
-    c->udot[k] = c->b[k];
-  solve(c->D, c->freedom, c->udot);
-  load_base(d, cluster, c, sum);
+  if (vanished != NONE)
+    return false;
+  substitute(c->D, c->freedom, c->b);
+  if (cluster->base > 0)
+    load_base(d, cluster, c, sum);
   return true;
 }
 

@@ -1,6 +1,8 @@
 /* Loop errors and Jacobians by the compiled programs of steps. */
 #include "kinematics/loops.h"
 
+#include "kinematics/motion_step.h"
+
 /* Symbols: X pose of a slot, h unit twist of a step, e = log(X_a X_b⁻¹), J = ±h. Each loop takes e and h at a point o
  * of its own: loops far from each other on one base would lose digits about a common one. A loop that has all rows of v
  * and w takes its point where its frames meet; for the others o must be fixed in the base. */
@@ -88,38 +90,12 @@ static void update_planar(const km_mechanism *m, km_state *s, const km_substruct
   }
 }
 
-/* One motion from X, its frame: the pose after it. h receives the unit twists, one a coordinate. */
 static km_pose spatial_motion(const km_step *step, km_pose X, const km_state *s, double size, km_twist *h) {
   double value = step->sign * s->q[step->coordinate];
-  km_vec3 axis = X.R.axis[step->axis];
-  switch (step->primitive) {
-  case KM_PRISMATIC:
-    X.p = km_vec3_axpy(value / size, axis, X.p);
-    h[0] = km_twist_prismatic(km_vec3_scale(step->sign, axis));
-    break;
-  case KM_REVOLUTE:
-    h[0] = km_twist_revolute(km_vec3_scale(step->sign, axis), X.p);
-    X.R = km_rotation_turn(&X.R, step->axis, cos(value), sin(value));
-    break;
-  case KM_HELICAL:
-    h[0] = km_twist_revolute(km_vec3_scale(step->sign, axis), X.p);
-    h[0].v = km_vec3_axpy(step->sign * step->pitch, axis, h[0].v);
-    X.p = km_vec3_axpy(value * step->pitch, axis, X.p);
-    X.R = km_rotation_turn(&X.R, step->axis, cos(value), sin(value));
-    break;
-  case KM_BALL: {
-    /* Rates are about the axes of the joint's parent frame: the frame before the turn, or, passed
-     * against its sense, the frame after it. */
-    km_quaternion q = step->sign > 0.0 ? s->ball[step->ball] : km_quaternion_conjugate(s->ball[step->ball]);
-    km_rotation turn = km_quaternion_rotation(q), before = X.R;
-    X.R = km_rotation_product(&X.R, &turn);
-    const km_rotation *axes = step->sign > 0.0 ? &before : &X.R;
-    for (int k = 0; k < 3; ++k)
-      h[k] = km_twist_revolute(km_vec3_scale(step->sign, axes->axis[k]), X.p);
-    break;
-  }
-  }
-  return X;
+  if (step->primitive == KM_PRISMATIC)
+    value /= size;
+  const km_quaternion *ball = step->primitive == KM_BALL ? &s->ball[step->ball] : NULL;
+  return km_motion_step((km_motion){step->primitive, step->axis}, step->sign, step->pitch, value, ball, X, h);
 }
 
 static void spatial_steps(const km_mechanism *m, km_state *s, const km_program *program, double size) {
