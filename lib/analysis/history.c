@@ -98,12 +98,7 @@ km_status km_history_run(const km_mechanism *m, km_forces *forces, km_state *sta
     status = go_on(&w, def, &own);
   if (w.simulation)
     status = take_crossings(&w, status, &own);
-  if (status && status != KM_PARTIAL) {
-    out->why = own;
-    km_fail(error, status, "%s", own.text);
-  }
-  km_history_end(&w);
-  return status;
+  return km_history_end(&w, status, status == KM_PARTIAL ? NULL : &own, error);
 }
 
 void km_history_free(km_history *h) {

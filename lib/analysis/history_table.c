@@ -271,11 +271,25 @@ km_status km_history_begin(km_history_writer *w, km_error *error) {
   return KM_OK;
 }
 
-void km_history_end(km_history_writer *w) {
+km_status km_history_check(const km_mechanism *m, const km_forces *forces, const km_state *state, const void *def,
+                           km_history *out, km_error *error) {
+  if (!out)
+    return km_check_given(false, "place for the result", error);
+  *out = (km_history){0};
+  km_status status = km_check_given(def != NULL && forces != NULL, "definition or forces", error);
+  return status ? status : km_check_state(m, state, error);
+}
+
+km_status km_history_end(km_history_writer *w, km_status status, const km_error *why, km_error *error) {
+  if (status && why) {
+    w->out->why = *why;
+    km_fail(error, status, "%s", why->text);
+  }
   km_statics_free(&w->statics);
   km_state_free(w->look);
   km_simulation_free(w->simulation);
   km_dynamics_free(w->dynamics);
+  return status;
 }
 
 km_status km_history_check_frames(const km_mechanism *m, const km_followed_frame *frames, int count, km_error *error) {

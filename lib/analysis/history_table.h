@@ -26,8 +26,11 @@ typedef struct km_history_writer {
 km_status km_history_begin(km_history_writer *writer, km_error *error);
 /* Adds a row at the state, whose accelerations are at hand. KM_MEMORY. */
 km_status km_history_row(km_history_writer *writer, km_error *error);
-/* Frees all but the result, the forces and the state. */
-void km_history_end(km_history_writer *writer);
+/* Empties the result and checks what every such function is given. */
+km_status km_history_check(const km_mechanism *mechanism, const km_forces *forces, const km_state *state,
+                           const void *def, km_history *out, km_error *error);
+/* Hands over why a motion ended early (NULL: as it was asked to), and frees all but the result, the forces and the state. Returns `status`. */
+km_status km_history_end(km_history_writer *writer, km_status status, const km_error *why, km_error *error);
 km_status km_history_check_frames(const km_mechanism *mechanism, const km_followed_frame *frames, int count,
                                   km_error *error);
 

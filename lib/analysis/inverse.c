@@ -28,10 +28,11 @@ static km_status no_freedom_left(const km_history_writer *w, km_error *error) {
     if (c->freedom == 0)
       continue;
     int free = d->tree.coordinate_order[d->tree.clusters[i].coordinate_start + c->independent[0]];
-    return km_fail(error, KM_USAGE,
-                   "joint \"%s\" can still move beside the prescribed motion (%d freedom%s more); expected a prescribed "
-                   "motion for each freedom, or joints that are held",
-                   w->m->model->coordinates[free].label, c->freedom, c->freedom == 1 ? "" : "s");
+    return km_fail(
+        error, KM_USAGE,
+        "joint \"%s\" can still move beside the prescribed motion (%d freedom%s more); expected a prescribed "
+        "motion for each freedom, or joints that are held",
+        w->m->model->coordinates[free].label, c->freedom, c->freedom == 1 ? "" : "s");
   }
   return KM_OK;
 }
@@ -110,12 +111,7 @@ static km_status go_on(km_history_writer *w, const km_inverse_def *def, km_error
 
 km_status km_inverse_run(const km_mechanism *m, km_forces *forces, km_state *state, const km_inverse_def *def,
                          km_history *out, km_error *error) {
-  if (!out)
-    return km_check_given(false, "place for the result", error);
-  *out = (km_history){0};
-  km_status status = km_check_given(def != NULL && forces != NULL, "definition or forces", error);
-  if (!status)
-    status = km_check_state(m, state, error);
+  km_status status = km_history_check(m, forces, state, def, out, error);
   if (!status)
     status = check_def(m, def, error);
   if (status)
@@ -133,10 +129,5 @@ km_status km_inverse_run(const km_mechanism *m, km_forces *forces, km_state *sta
   status = begin(&w, def, &own);
   if (!status)
     status = go_on(&w, def, &own);
-  if (status) {
-    out->why = own;
-    km_fail(error, status, "%s", own.text);
-  }
-  km_history_end(&w);
-  return status;
+  return km_history_end(&w, status, &own, error);
 }

@@ -66,8 +66,8 @@ static km_status make_films(animation *a, km_error *error) {
   const km_drawing drawing = {.mechanism = w->pose.mechanism, .poses = a->poses, .pose_count = a->frames};
   km_plot plot;
   km_status status = km_drawing_film(&drawing, &a->arena, &a->film, error);
-  if (!status)
-    status = ksim_plot_make(w, a->table, &a->arena, &plot, error);
+  if (!status && !ksim_plot_make(w, a->table, &a->arena, &plot))
+    status = km_fail(error, KM_MEMORY, "out of memory for the plot");
   if (status)
     return status;
   plot.title = plot.subtitle = NULL; /* the page has them */

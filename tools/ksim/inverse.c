@@ -2,12 +2,10 @@
 #include "ksim/ksim.h"
 
 #include "base/memory.h"
-#include "exchange/json/json.h"
 #include "kinematics/state.h"
 #include "kmech/inverse.h"
 #include "model/model.h"
 #include "report/plot/history_plot.h"
-#include "report/record/csv.h"
 #include "report/record/history_record.h"
 
 #include <math.h>
@@ -158,61 +156,36 @@ static void print_summary(const work *w, km_text *out) {
                  time);
 }
 
-static kt_exit write_table(const work *w, const char *base, kt_format format) {
-  km_text out = {0};
-  if (format == KT_CSV) {
-    km_csv_write(w->history.table, &out);
-  } else {
-    km_arena arena = {0};
-    const km_value *record =
-        km_inverse_record(w->pose.mechanism, &w->history, w->history.why.text, w->o->model, &arena);
-    if (record)
-      km_json_write(record, &out);
-    out.failed = out.failed || !record;
-    km_arena_free(&arena);
-  }
-  kt_exit result = kt_write(&w->o->common, base, "inverse", kt_format_word(format), &out);
-  km_text_free(&out);
-  return result;
+static const km_value *record(const void *context, km_arena *arena) {
+  const work *w = context;
+  return km_inverse_record(w->pose.mechanism, &w->history, w->history.why.text, w->o->model, arena);
 }
 
-static kt_exit write_plot(const work *w, const char *base, kt_format format) {
+static bool plot(const void *context, km_arena *arena, km_plot *out) {
+  const work *w = context;
   const km_plotted_history shown = {.mechanism = w->pose.mechanism,
                                     .table = w->history.table,
                                     .name = w->name,
                                     .joints = w->shown_count ? w->shown : NULL,
                                     .joint_count = w->shown_count};
-  km_arena arena = {0};
-  km_text out = {0};
-  km_error error;
-  km_plot plot;
-  bool made = km_inverse_plot_make(&shown, &arena, &plot);
-  km_status status = km_plot_finish(made, &plot, &arena, kt_canvas_format(format), &out, &error);
-  kt_exit result = kt_exit_of(status);
-  if (status)
-    kt_say(&w->o->common, KM_ERROR, "%s", error.text);
-  else
-    result = kt_write(&w->o->common, base, "inverse", kt_format_word(format), &out);
-  km_text_free(&out);
-  return result;
+  return km_inverse_plot_make(&shown, arena, out);
 }
 
 static kt_exit deliver(const work *w) {
   const options *o = w->o;
-  const char *base = o->base ? o->base : w->name;
-  kt_exit result = KT_DONE;
   km_text summary = {0};
-  if (!o->common.quiet && strcmp(base, "-") != 0) {
-    print_summary(w, &summary);
-    result = kt_print(&o->common, &summary);
-  }
+  print_summary(w, &summary);
+  const ksim_delivery delivery = {.common = &o->common,
+                                  .formats = &o->formats,
+                                  .base = o->base ? o->base : w->name,
+                                  .word = "inverse",
+                                  .table = w->history.table,
+                                  .summary = &summary,
+                                  .record = record,
+                                  .plot = plot,
+                                  .context = w};
+  kt_exit result = ksim_deliver(&delivery);
   km_text_free(&summary);
-  for (int f = KT_CSV; f <= KT_JSON; ++f)
-    if (o->formats.wanted[f])
-      result = kt_worse(result, write_table(w, base, (kt_format)f));
-  for (int f = KT_SVG; f <= KT_PNG; ++f)
-    if (o->formats.wanted[f])
-      result = kt_worse(result, write_plot(w, base, (kt_format)f));
   return result;
 }
 
@@ -276,11 +249,6 @@ kt_exit ksim_inverse(int argc, char **argv) {
       "energy_kinetic, energy_potential; loop_error; shaking.fx … tz, the sum of the inertia forces about the inertial "
       "origin; frame.BODY/FRAME.x … vx … ax; r.JOINT.fx … tz, parent on child.",
       argc, argv);
-  bool piped = o.base && strcmp(o.base, "-") == 0;
-  if (!kt_formats_parse(&o.common, o.format ? o.format : piped ? "csv" : "csv,svg", &o.formats))
-    return KT_USAGE;
-  bool tables_only = !o.formats.wanted[KT_SVG] && !o.formats.wanted[KT_PDF] && !o.formats.wanted[KT_PNG];
-  if (piped && (kt_formats_count(&o.formats) != 1 || !tables_only))
-    return kt_usage(&o.common, "-o", "-", "--format csv or json");
-  return run(&o);
+  kt_exit result = ksim_read_formats(&o.common, o.format, o.base, false, "--format csv or json", &o.formats);
+  return result == KT_DONE ? run(&o) : result;
 }

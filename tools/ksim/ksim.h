@@ -5,6 +5,7 @@
 #include "common/common.h"
 #include "common/pose.h"
 
+#include "base/value.h"
 #include "kmech/history.h"
 #include "report/plot/plot.h"
 
@@ -21,6 +22,24 @@ kt_exit ksim_read_frames(const kt_common *common, const km_model *model, const k
                          const km_followed_frame **out, int *count);
 /* Gravity, springs and the model's own loads. The caller frees `*out`. */
 kt_exit ksim_forces(const kt_common *common, const char *path, const kt_pose *pose, km_forces **out);
+
+/* A table over time on its way to BASE.WORD.FORMAT and the standard output. Borrowed, but for what `record` and `plot`
+ * make in the arena that they are given; `context` is theirs. */
+typedef struct ksim_delivery {
+  const kt_common *common;
+  const kt_formats *formats;
+  const char *base, *word;
+  const km_table *table;
+  const km_text *summary;
+  const km_value *(*record)(const void *context, km_arena *arena);  /* NULL when out of memory */
+  bool (*plot)(const void *context, km_arena *arena, km_plot *out); /* false when out of memory */
+  const void *context;
+} ksim_delivery;
+kt_exit ksim_deliver(const ksim_delivery *delivery);
+/* The formats of --format (csv,svg; csv with -o -), and whether they suit -o -, which takes one table and nothing
+ * `beside` it. */
+kt_exit ksim_read_formats(const kt_common *common, const char *format, const char *base, bool beside,
+                          const char *expected, kt_formats *out);
 
 /* What `ksim run` is asked. */
 typedef struct ksim_options {
@@ -46,8 +65,9 @@ typedef struct ksim_work {
   char stopped_by[KM_ERROR_TEXT]; /* "": it went to the end */
 } ksim_work;
 
-/* Joints, rates and energies over time as a plot of `table`, whose columns are those of a history. */
-km_status ksim_plot_make(const ksim_work *work, const km_table *table, km_arena *arena, km_plot *out, km_error *error);
+/* Joints, rates and energies over time as a plot of `table`, whose columns are those of a history. False when out of
+ * memory. */
+bool ksim_plot_make(const ksim_work *work, const km_table *table, km_arena *arena, km_plot *out);
 /* BASE.motion.html: the mechanism in motion beside its curves. */
 kt_exit ksim_animate(const ksim_work *work, const char *base);
 

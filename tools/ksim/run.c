@@ -2,10 +2,8 @@
 #include "ksim/ksim.h"
 
 #include "base/memory.h"
-#include "exchange/json/json.h"
 #include "model/model.h"
 #include "report/plot/history_plot.h"
-#include "report/record/csv.h"
 #include "report/record/history_record.h"
 
 #include <math.h>
@@ -114,70 +112,40 @@ static void print_summary(const ksim_work *w, km_text *out) {
   }
 }
 
-static kt_exit write_table(const ksim_work *w, const char *base, kt_format format) {
-  km_text out = {0};
-  if (format == KT_CSV) {
-    km_csv_write(w->history.table, &out);
-  } else {
-    km_arena arena = {0};
-    const km_value *record =
-        km_history_record(w->pose.mechanism, &w->def, &w->history, w->stopped_by, w->options->model, &arena);
-    if (record)
-      km_json_write(record, &out);
-    out.failed = out.failed || !record;
-    km_arena_free(&arena);
-  }
-  kt_exit result = kt_write(&w->options->common, base, "run", kt_format_word(format), &out);
-  km_text_free(&out);
-  return result;
+static const km_value *record(const void *context, km_arena *arena) {
+  const ksim_work *w = context;
+  return km_history_record(w->pose.mechanism, &w->def, &w->history, w->stopped_by, w->options->model, arena);
 }
 
-km_status ksim_plot_make(const ksim_work *w, const km_table *table, km_arena *arena, km_plot *out, km_error *error) {
+bool ksim_plot_make(const ksim_work *w, const km_table *table, km_arena *arena, km_plot *out) {
   const km_plotted_history shown = {
       w->pose.mechanism,         table,   w->def.simulation.crossings,      w->history.crossings,
       w->history.crossing_count, w->name, w->shown_count ? w->shown : NULL, w->shown_count};
-  return km_history_plot_make(&shown, arena, out) ? KM_OK : km_fail(error, KM_MEMORY, "out of memory for the plot");
+  return km_history_plot_make(&shown, arena, out);
 }
 
-static kt_exit write_plot(const ksim_work *w, const char *base, kt_format format) {
-  km_arena arena = {0};
-  km_text out = {0};
-  km_error error;
-  km_plot plot;
-  km_status status = ksim_plot_make(w, w->history.table, &arena, &plot, &error);
-  if (!status)
-    status = km_plot_render(&plot, kt_canvas_format(format), &out, &error);
-  kt_exit result = kt_exit_of(status);
-  if (status)
-    kt_say(&w->options->common, KM_ERROR, "%s", error.text);
-  else
-    result = kt_write(&w->options->common, base, "run", kt_format_word(format), &out);
-  km_text_free(&out);
-  km_arena_free(&arena);
-  return result;
+static bool plot(const void *context, km_arena *arena, km_plot *out) {
+  const ksim_work *w = context;
+  return ksim_plot_make(w, w->history.table, arena, out);
 }
 
 static kt_exit deliver(const ksim_work *w) {
   const ksim_options *o = w->options;
   const char *base = o->base ? o->base : w->name;
-  kt_exit result = KT_DONE;
   km_text summary = {0};
-  if (!o->common.quiet && strcmp(base, "-") != 0) {
-    print_summary(w, &summary);
-    result = kt_print(&o->common, &summary);
-  }
+  print_summary(w, &summary);
+  const ksim_delivery delivery = {.common = &o->common,
+                                  .formats = &o->formats,
+                                  .base = base,
+                                  .word = "run",
+                                  .table = w->history.table,
+                                  .summary = &summary,
+                                  .record = record,
+                                  .plot = plot,
+                                  .context = w};
+  kt_exit result = ksim_deliver(&delivery);
   km_text_free(&summary);
-  kt_note_size(&o->common, (double)km_table_rows(w->history.table) * (double)km_table_columns(w->history.table) *
-                               (o->formats.wanted[KT_CSV] + o->formats.wanted[KT_JSON]));
-  for (int f = KT_CSV; f <= KT_JSON; ++f)
-    if (o->formats.wanted[f])
-      result = kt_worse(result, write_table(w, base, (kt_format)f));
-  for (int f = KT_SVG; f <= KT_PNG; ++f)
-    if (o->formats.wanted[f])
-      result = kt_worse(result, write_plot(w, base, (kt_format)f));
-  if (o->animate)
-    result = kt_worse(result, ksim_animate(w, base));
-  return result;
+  return o->animate ? kt_worse(result, ksim_animate(w, base)) : result;
 }
 
 static kt_exit simulate(ksim_work *w) {
@@ -215,13 +183,8 @@ static kt_exit run(ksim_options *o) {
 }
 
 static kt_exit check(ksim_options *o) {
-  bool piped = o->base && strcmp(o->base, "-") == 0;
-  if (!kt_formats_parse(&o->common, o->format ? o->format : piped ? "csv" : "csv,svg", &o->formats))
-    return KT_USAGE;
-  bool tables_only = !o->formats.wanted[KT_SVG] && !o->formats.wanted[KT_PDF] && !o->formats.wanted[KT_PNG];
-  if (piped && (kt_formats_count(&o->formats) != 1 || !tables_only || o->animate))
-    return kt_usage(&o->common, "-o", "-", "--format csv or json, without --animate");
-  return KT_DONE;
+  return ksim_read_formats(&o->common, o->format, o->base, o->animate, "--format csv or json, without --animate",
+                           &o->formats);
 }
 
 kt_exit ksim_run(int argc, char **argv) {

@@ -2,9 +2,12 @@
 #include "ksim/ksim.h"
 
 #include "base/memory.h"
+#include "exchange/json/json.h"
 #include "model/model.h"
+#include "report/record/csv.h"
 
 #include <math.h>
+#include <string.h>
 
 kt_exit ksim_read_number(const kt_common *common, const char *option, const char *text, const char *expected,
                          double *out) {
@@ -51,4 +54,63 @@ kt_exit ksim_forces(const kt_common *common, const char *path, const kt_pose *po
   if (status)
     kt_say(common, KM_ERROR, "%s: %s", path, error.text);
   return kt_exit_of(status);
+}
+
+kt_exit ksim_read_formats(const kt_common *common, const char *format, const char *base, bool beside,
+                          const char *expected, kt_formats *out) {
+  bool piped = base && strcmp(base, "-") == 0;
+  if (!kt_formats_parse(common, format ? format : piped ? "csv" : "csv,svg", out))
+    return KT_USAGE;
+  bool tables_only = !out->wanted[KT_SVG] && !out->wanted[KT_PDF] && !out->wanted[KT_PNG];
+  if (piped && (kt_formats_count(out) != 1 || !tables_only || beside))
+    return kt_usage(common, "-o", "-", expected);
+  return KT_DONE;
+}
+
+static kt_exit write_table(const ksim_delivery *d, kt_format format) {
+  km_text out = {0};
+  if (format == KT_CSV) {
+    km_csv_write(d->table, &out);
+  } else {
+    km_arena arena = {0};
+    const km_value *record = d->record(d->context, &arena);
+    if (record)
+      km_json_write(record, &out);
+    out.failed = out.failed || !record;
+    km_arena_free(&arena);
+  }
+  kt_exit result = kt_write(d->common, d->base, d->word, kt_format_word(format), &out);
+  km_text_free(&out);
+  return result;
+}
+
+static kt_exit write_plot(const ksim_delivery *d, kt_format format) {
+  km_arena arena = {0};
+  km_text out = {0};
+  km_error error;
+  km_plot plot;
+  bool made = d->plot(d->context, &arena, &plot);
+  km_status status = km_plot_finish(made, &plot, &arena, kt_canvas_format(format), &out, &error);
+  kt_exit result = kt_exit_of(status);
+  if (status)
+    kt_say(d->common, KM_ERROR, "%s", error.text);
+  else
+    result = kt_write(d->common, d->base, d->word, kt_format_word(format), &out);
+  km_text_free(&out);
+  return result;
+}
+
+kt_exit ksim_deliver(const ksim_delivery *d) {
+  kt_exit result = KT_DONE;
+  if (!d->common->quiet && strcmp(d->base, "-") != 0)
+    result = kt_print(d->common, d->summary);
+  kt_note_size(d->common, (double)km_table_rows(d->table) * (double)km_table_columns(d->table) *
+                              (d->formats->wanted[KT_CSV] + d->formats->wanted[KT_JSON]));
+  for (int f = KT_CSV; f <= KT_JSON; ++f)
+    if (d->formats->wanted[f])
+      result = kt_worse(result, write_table(d, (kt_format)f));
+  for (int f = KT_SVG; f <= KT_PNG; ++f)
+    if (d->formats->wanted[f])
+      result = kt_worse(result, write_plot(d, (kt_format)f));
+  return result;
 }
