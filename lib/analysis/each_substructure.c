@@ -8,10 +8,13 @@ km_status km_each_substructure(const km_mechanism *m, km_substructure_look look,
     if (progress && !progress(context, (double)i / count))
       return km_fail(error, KM_CANCELLED, "the search for %s was cancelled", what);
     km_arena arena = {0};
-    bool done = look(self, i, &arena) && !arena.failed;
+    km_status status = look(self, i, &arena, error);
+    bool failed = arena.failed || status == KM_MEMORY;
     km_arena_free(&arena);
-    if (!done)
+    if (failed)
       return km_fail(error, KM_MEMORY, "out of memory for %s", what);
+    if (status)
+      return status;
   }
   return KM_OK;
 }

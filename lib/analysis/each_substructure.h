@@ -5,8 +5,8 @@
 #include "kinematics/state.h"
 #include "kmech/progress.h"
 
-/* Looks at one; what it allocates in the arena is freed behind it. False when out of memory. */
-typedef bool (*km_substructure_look)(void *self, int substructure, km_arena *arena);
+/* Looks at one; what it allocates in the arena is freed behind it. KM_MEMORY needs no text. */
+typedef km_status (*km_substructure_look)(void *self, int substructure, km_arena *arena, km_error *error);
 
 /* Asks the progress callback before each. KM_CANCELLED; KM_MEMORY with "out of memory for <what>". */
 km_status km_each_substructure(const km_mechanism *mechanism, km_substructure_look look, void *self,

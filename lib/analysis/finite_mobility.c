@@ -86,7 +86,8 @@ static void list_basis(km_tangents *f, km_motion_kind kind, km_finite_mobility *
   for (int i = 0; i < k; ++i) {
     for (int r = 0; r < k; ++r)
       f->a[r] = r == i;
-    list_motion(f, f->a, kind, kind == KM_MOTION_SHAKY ? 0.0 : confirmed(f, f->a), out);
+    double length = kind == KM_MOTION_SHAKY ? 0.0 : f->length[i] >= 0.0 ? f->length[i] : confirmed(f, f->a);
+    list_motion(f, f->a, kind, length, out);
   }
 }
 
@@ -149,10 +150,11 @@ typedef struct search {
   km_finite_mobility *out;
 } search;
 
-static bool look(void *self, int index, km_arena *arena) {
+static km_status look(void *self, int index, km_arena *arena, km_error *error) {
   const search *f = self;
+  (void)error;
   f->out->mobility += find_in(f->m, f->s, index, arena, f->out);
-  return true;
+  return KM_OK;
 }
 
 km_status km_finite_mobility_find(const km_mechanism *m, km_state *s, km_progress progress, void *context,

@@ -219,14 +219,16 @@ typedef struct search {
   size_t capacity;
 } search;
 
-static bool look(void *self, int index, km_arena *arena) {
+static km_status look(void *self, int index, km_arena *arena, km_error *error) {
   search *f = self;
   groups g;
   int first = f->out->count;
+  (void)error;
   if (!worth_looking(f->m, index))
-    return true;
-  return make_groups(&g, f->m, f->s, index, arena) && find_in(&g, f->out, &f->capacity) &&
-         (f->out->count == first || keep_lasting(&g, first, arena, f->out));
+    return KM_OK;
+  bool done = make_groups(&g, f->m, f->s, index, arena) && find_in(&g, f->out, &f->capacity) &&
+              (f->out->count == first || keep_lasting(&g, first, arena, f->out));
+  return done ? KM_OK : KM_MEMORY;
 }
 
 km_status km_idle_freedoms_find(const km_mechanism *m, km_state *s, km_progress progress, void *context,

@@ -25,13 +25,24 @@ typedef struct km_left_space {
   signed char *helps; /* [4 · joint] what remedies.c has found out about swaps of a joint: 0 nothing yet */
 } km_left_space;
 
-/* An orthonormal basis of {w: wᵀJ = 0}: one wrench (f; τ) a loop and a force a coupling. What a loop has by itself is
- * kept as its six entries: long chains of loops have little else. */
+/* What a left null vector has in one loop: a wrench (f; τ); or in one coupling: a force. */
+typedef struct km_left_part {
+  int vector; /* of those of several loops */
+  int place;  /* of the loop in the substructure; loops + index of a coupling */
+  double w[6];
+} km_left_part;
+
+/* A basis of {w: wᵀJ = 0}, of unit vectors. What a loop has by itself is kept as its six entries, orthonormal: long
+ * chains of loops have little else. What several loops have only together is at right angles to that, and kept by the
+ * loops that have a part in it. */
 typedef struct km_left_null {
   int *first;    /* [loop + 1] into `local`, by the loop's place in the substructure */
   double *local; /* [6 a vector] */
-  double *whole; /* [rows a vector] of several loops together; 0 along all local ones */
   int local_count, whole_count;
+  int *part_start; /* [whole_count + 1] into `part`, in the order of the vectors, then of the places */
+  km_left_part *part;
+  int *at_start, *at; /* [place + 1] into `at`: the parts of a place, in the order of the vectors */
+  bool orthonormal;   /* those of several loops too; else each alone has few parts */
 } km_left_null;
 
 /* False when out of memory. */
@@ -43,8 +54,25 @@ static inline int km_left_null_count(const km_left_null *null) {
   return null->local_count + null->whole_count;
 }
 
+/* The columns of one loop in J, six entries each, signed as the loop passes the joint. */
+typedef void (*km_left_take)(void *out, int column, const double entry[6]);
+void km_left_visit(const km_left_space *space, int place, km_left_take take, void *out);
+/* Orthonormal left null vectors W[rows × returned] of a matrix that is given transposed: `rows` constraints of `height`
+ * entries. -1: out of memory. */
+int km_left_solve(const double *T, int height, int rows, double tolerance, km_arena *arena, double *W);
+/* The vectors of several loops, where `null` holds those of single loops already. False when out of memory. */
+bool km_left_null_find_whole(const km_left_space *space, km_arena *arena, km_left_null *null);
+
+/* Where the part of a place begins among the rows, and how many rows it has. */
+static inline int km_left_row(const km_left_space *a, int place) {
+  return place < a->sub->loop_count ? 6 * place : 5 * a->sub->loop_count + place;
+}
+static inline int km_left_rows(const km_left_space *a, int place) {
+  return place < a->sub->loop_count ? 6 : 1;
+}
+
 /* Swaps of the loop's joints that would end a redundancy with the wrench w of the loop at `place` in the substructure,
- * by test. `null` are all left null vectors; `work` has room for 2 · whole_count. */
+ * by test. `null` are all left null vectors; `work[2 · whole_count]` is 0, and left so. */
 void km_remedies_find(const km_left_space *space, const km_left_null *null, int place, const double w[6], double *work,
                       km_redundancy *item);
 

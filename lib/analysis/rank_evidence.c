@@ -150,7 +150,7 @@ static bool by_singular_values(const km_mechanism *m, km_state *s, int index, km
     a.twist[c] = km_coordinate_twist(m, s, c);
   }
   find_centre(&a);
-  km_whole_jacobian(m, index, a.twist, a.about, J);
+  km_whole_jacobian(m, s, index, a.twist, a.about, J);
   rescale(&a, rows, J);
   whiten(m, index, rows, arena, J);
   if (arena->failed)

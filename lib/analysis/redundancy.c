@@ -1,6 +1,6 @@
 /* Redundant constraints by name: left null vectors of the loops, and the swaps of joints that end them. */
 #include "analysis/each_substructure.h"
-#include "analysis/left_null.h"
+#include "analysis/lasting.h"
 #include "analysis/nearby.h"
 #include "base/check.h"
 #include "kinematics/poses.h"
@@ -12,6 +12,8 @@
 typedef struct finder {
   km_left_space space;
   km_left_null null, nearby; /* at the pose, and a short way along the motion */
+  double *separated;         /* [6 · local_count] those of single loops, forces apart from couples */
+  bool *lasting;             /* [local_count + whole_count] */
   double *work;              /* [2 · whole_count] */
   km_redundancies *out;
   size_t *capacity;
@@ -29,28 +31,6 @@ static bool look_nearby(finder *f, km_arena *arena) {
   bool found = !km_nearby_go(a->m, a->s, a->index, saved, move) || km_left_null_find(a, arena, &f->nearby);
   km_nearby_return(a->m, a->s, a->index, saved);
   return found;
-}
-
-static double square_along(const double *unit, const double *v, int count) {
-  double dot = 0.0;
-  for (int r = 0; r < count; ++r)
-    dot += unit[r] * v[r];
-  return dot * dot;
-}
-
-/* Is the left null vector v, `count` entries from `at` on, one of the nearby pose too? Its frame has turned by a few
- * hundredths. */
-static bool lasts(const finder *f, const double *v, int at, int count) {
-  const km_left_null *near = &f->nearby;
-  double along = 0.0, size = 0.0;
-  for (int r = 0; r < count; ++r)
-    size += v[r] * v[r];
-  for (int r = 0; r < count && (at + r) / 6 < f->space.sub->loop_count; r += 6)
-    for (int k = near->first[(at + r) / 6]; k < near->first[(at + r) / 6 + 1]; ++k)
-      along += square_along(near->local + 6 * k, v + r, 6);
-  for (int k = 0; k < near->whole_count; ++k)
-    along += square_along(near->whole + (size_t)k * (size_t)f->space.rows + (size_t)at, v, count);
-  return km_left_null_count(near) == km_left_null_count(&f->null) || along > 0.5 * size;
 }
 
 /* The physical meaning of a loop's wrench w: a force on a line, with a pitch, or a couple. */
@@ -117,40 +97,55 @@ static bool is_across(const finder *f, const km_redundancy *item) {
   return item->rotation ? fabs(along) < aligned : fabs(along) > 1.0 - aligned;
 }
 
+/* The vectors of single loops, turned. */
+static void separate_all(finder *f) {
+  const km_left_null *null = &f->null;
+  memcpy(f->separated, null->local, 6 * (size_t)null->local_count * sizeof *f->separated);
+  for (int i = 0; i < f->space.sub->loop_count; ++i)
+    separate(f->separated + 6 * null->first[i], null->first[i + 1] - null->first[i]);
+}
+
 /* The redundancies that single loops have by themselves. */
 static bool single_loops(const finder *f) {
   const km_topology *t = &f->space.m->topology;
-  for (int i = 0; i < f->space.sub->loop_count; ++i) {
-    double wrenches[36];
-    int first = f->null.first[i], count = f->null.first[i + 1] - first;
-    memcpy(wrenches, f->null.local + 6 * first, (size_t)(6 * count) * sizeof *wrenches);
-    separate(wrenches, count);
-    for (int k = 0; k < count; ++k) {
-      const double *w = wrenches + 6 * k;
-      km_redundancy item = {
-          .substructure = f->space.index, .loop = t->loop[t->loop_start[f->space.index] + i], .loops = 1};
+  for (int i = 0; i < f->space.sub->loop_count; ++i)
+    for (int k = f->null.first[i]; k < f->null.first[i + 1]; ++k) {
+      const double *w = f->separated + 6 * k;
+      km_redundancy item = {.substructure = f->space.index,
+                            .loop = t->loop[t->loop_start[f->space.index] + i],
+                            .loops = 1,
+                            .lasting = f->lasting[k]};
       describe(&f->space, i, w, &item);
       km_remedies_find(&f->space, &f->null, i, w, f->work, &item);
-      item.lasting = lasts(f, w, 6 * i, 6);
       item.out_of_plane = is_across(f, &item);
       if (!add_item(f, item))
         return false;
     }
-  }
   return true;
 }
 
-/* The place of the loop that has most part in v, -1: only couplings have; and how many have any. */
-static int chief_loop(const finder *f, const double *v, int *loops) {
+static double square(const double w[6]) {
+  double sum = 0.0;
+  for (int r = 0; r < 6; ++r)
+    sum += w[r] * w[r];
+  return sum;
+}
+
+/* The part of the loop that has most of vector n, NULL: only couplings have; and how many loops have any. */
+static const km_left_part *chief_part(const finder *f, int n, int *loops) {
+  const km_left_null *null = &f->null;
+  const km_left_part *chief = NULL;
   double largest = 0.0;
-  int chief = -1;
   *loops = 0;
-  for (int i = 0; i < f->space.sub->loop_count; ++i) {
-    double size = square_along(v + 6 * i, v + 6 * i, 6); /* to the fourth */
-    *loops += size > 1e-20;
-    if (size > 1.0000002 * largest) {
+  for (int i = null->part_start[n]; i < null->part_start[n + 1]; ++i) {
+    const km_left_part *part = &null->part[i];
+    if (part->place >= f->space.sub->loop_count)
+      continue;
+    double size = square(part->w);
+    *loops += size > 1e-10;
+    if (size > 1.0000001 * largest) {
       largest = size;
-      chief = i;
+      chief = part;
     }
   }
   return chief;
@@ -160,31 +155,34 @@ static int chief_loop(const finder *f, const double *v, int *loops) {
 static bool several_loops(const finder *f) {
   const km_topology *t = &f->space.m->topology;
   for (int n = 0; n < f->null.whole_count; ++n) {
-    const double *v = f->null.whole + (size_t)n * (size_t)f->space.rows;
-    km_redundancy item = {.substructure = f->space.index};
-    int chief = chief_loop(f, v, &item.loops);
-    if (chief < 0)
+    km_redundancy item = {.substructure = f->space.index, .lasting = f->lasting[f->null.local_count + n]};
+    const km_left_part *chief = chief_part(f, n, &item.loops);
+    if (!chief)
       continue;
-    item.loop = t->loop[t->loop_start[f->space.index] + chief];
-    describe(&f->space, chief, v + 6 * chief, &item);
-    km_remedies_find(&f->space, &f->null, chief, v + 6 * chief, f->work, &item);
-    item.lasting = lasts(f, v, 0, f->space.rows);
+    item.loop = t->loop[t->loop_start[f->space.index] + chief->place];
+    describe(&f->space, chief->place, chief->w, &item);
+    km_remedies_find(&f->space, &f->null, chief->place, chief->w, f->work, &item);
     if (!add_item(f, item))
       return false;
   }
   return true;
 }
 
-static bool find_in(finder *f, km_arena *arena) {
+static km_status find_in(finder *f, km_arena *arena, km_error *error) {
   if (!km_left_null_find(&f->space, arena, &f->null))
-    return false;
+    return KM_MEMORY;
   if (km_left_null_count(&f->null) == 0)
-    return true;
+    return KM_OK;
   f->work = KM_ARENA_NEW(arena, double, 2 * (size_t)f->null.whole_count);
-  if (!look_nearby(f, arena) || arena->failed)
-    return false;
+  f->separated = KM_ARENA_NEW(arena, double, 6 * (size_t)f->null.local_count);
+  f->lasting = KM_ARENA_NEW(arena, bool, (size_t)km_left_null_count(&f->null));
+  bool found = look_nearby(f, arena) && !arena->failed;
   km_poses_update(f->space.m, f->space.s);
-  return single_loops(f) && several_loops(f);
+  if (!found)
+    return KM_MEMORY;
+  separate_all(f);
+  km_status status = km_lasting_find(&f->space, &f->null, f->separated, &f->nearby, f->lasting, error);
+  return !status && !(single_loops(f) && several_loops(f)) ? KM_MEMORY : status;
 }
 
 /* The whole search. */
@@ -195,10 +193,10 @@ typedef struct search {
   size_t capacity;
 } search;
 
-static bool look(void *self, int index, km_arena *arena) {
+static km_status look(void *self, int index, km_arena *arena, km_error *error) {
   search *all = self;
   finder f = {.out = all->out, .capacity = &all->capacity};
-  return km_left_space_make(all->m, all->s, index, arena, &f.space) && find_in(&f, arena);
+  return km_left_space_make(all->m, all->s, index, arena, &f.space) ? find_in(&f, arena, error) : KM_MEMORY;
 }
 
 km_status km_redundancies_find(const km_mechanism *m, km_state *s, km_progress progress, void *context,

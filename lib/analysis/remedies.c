@@ -22,14 +22,29 @@ static double dot6(const double *a, const double *b) {
   return sum;
 }
 
-/* `work` has room for 2 · whole_count. */
+/* What the parts of one loop make of the new columns, added to those vectors' x and y in `work`. */
+static void add_parts(const km_left_null *null, int loop, double column[2][6], double sense, double *work) {
+  for (int n = null->at_start[loop]; n < null->at_start[loop + 1]; ++n) {
+    const km_left_part *part = &null->part[null->at[n]];
+    work[2 * part->vector] += sense * dot6(column[0], part->w);
+    work[2 * part->vector + 1] += sense * dot6(column[1], part->w);
+  }
+}
+
+/* The sums of those vectors, each once; `work` is 0 again. */
+static void take_sums(const km_left_null *null, int loop, double *work, reach *out) {
+  for (int n = null->at_start[loop]; n < null->at_start[loop + 1]; ++n) {
+    double *sums = work + 2 * null->part[null->at[n]].vector;
+    add_reach(out, sums[0], sums[1]);
+    sums[0] = sums[1] = 0.0;
+  }
+}
+
 static reach beyond_reach(const km_left_space *a, const km_left_null *null, int joint, const km_twist *h, int count,
                           double *work) {
   const km_topology *t = &a->m->topology;
-  double column[2][6] = {{0}}, *x = work, *y = work + null->whole_count;
+  double column[2][6] = {{0}};
   reach out = {0};
-  for (int k = 0; k < 2 * null->whole_count; ++k)
-    work[k] = 0.0;
   for (int n = a->first_place[joint]; n < a->first_place[joint + 1]; ++n) {
     const km_loop_place *place = &a->place[n];
     double s = km_member_sense(t, t->loop[t->loop_start[a->index] + place->loop], &t->member[place->member]);
@@ -37,14 +52,11 @@ static reach beyond_reach(const km_left_space *a, const km_left_null *null, int 
       km_twist_entries(a->sub, h[i], a->about[place->loop], 1.0, column[i]);
     for (int k = null->first[place->loop]; k < null->first[place->loop + 1]; ++k)
       add_reach(&out, s * dot6(column[0], null->local + 6 * k), s * dot6(column[1], null->local + 6 * k));
-    for (int k = 0; k < null->whole_count; ++k) {
-      const double *w = null->whole + (size_t)k * (size_t)a->rows + (size_t)(6 * place->loop);
-      x[k] += s * dot6(column[0], w);
-      y[k] += s * dot6(column[1], w);
-    }
+    if (null->whole_count)
+      add_parts(null, place->loop, column, s, work);
   }
-  for (int k = 0; k < null->whole_count; ++k)
-    add_reach(&out, x[k], y[k]);
+  for (int n = a->first_place[joint]; n < a->first_place[joint + 1] && null->whole_count; ++n)
+    take_sums(null, a->place[n].loop, work, &out);
   return out;
 }
 

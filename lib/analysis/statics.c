@@ -46,7 +46,7 @@ static km_status take_actuators(const km_mechanism *m, const km_handle *actuator
   return status;
 }
 
-static bool allocate(const km_mechanism *m, int asked, km_statics *st) {
+static km_status allocate(const km_mechanism *m, int asked, km_statics *st, km_error *error) {
   km_statics_work *w = st->work;
   size_t coordinates = (size_t)m->coordinate_count, actuators = coordinates + (size_t)asked;
   w->actuators = KM_ARENA_NEW(&w->arena, km_handle, actuators);
@@ -65,7 +65,8 @@ static bool allocate(const km_mechanism *m, int asked, km_statics *st) {
   st->directions = KM_ARENA_NEW(&w->arena, double, KM_MOST_DIRECTIONS *coordinates);
   st->falls = KM_ARENA_NEW(&w->arena, bool, KM_MOST_DIRECTIONS);
   st->reactions = KM_ARENA_NEW(&w->arena, km_reaction, (size_t)m->topology.joint_count);
-  return !w->arena.failed && km_carrying_reserve(m, w);
+  return w->arena.failed ? km_fail(error, KM_MEMORY, "out of memory for the balance of forces")
+                         : km_carrying_reserve(m, w, error);
 }
 
 static km_status check_actuators(const km_mechanism *m, const km_handle *actuators, int count, km_error *error) {
@@ -97,11 +98,13 @@ km_status km_statics_create_for(const km_mechanism *m, const km_handle *actuator
   if (fits)
     return fits;
   *out = (km_statics){.work = KM_NEW(km_statics_work, 1)};
-  if (!out->work || !allocate(m, actuators ? actuator_count : 0, out))
+  if (!out->work)
     return km_fail(error, KM_MEMORY, "out of memory for the balance of forces");
   out->work->mechanism = m;
   out->axes = axes;
-  km_status status = take_actuators(m, actuators, actuator_count, out, error);
+  km_status status = allocate(m, actuators ? actuator_count : 0, out, error);
+  if (!status)
+    status = take_actuators(m, actuators, actuator_count, out, error);
   if (!status)
     status = km_blocks_make(m, out, error);
   if (!status && !km_holding_reserve(out))
@@ -130,8 +133,10 @@ km_status km_statics_create(const km_mechanism *m, const int *actuators, int act
 void km_statics_free(km_statics *st) {
   if (!st)
     return;
-  if (st->work)
+  if (st->work) {
+    km_carrying_free(st->work);
     km_arena_free(&st->work->arena);
+  }
   km_free(st->work);
   *st = (km_statics){0};
 }

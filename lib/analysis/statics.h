@@ -16,7 +16,9 @@ typedef struct km_holding {
   int columns;
   const int *coordinate;         /* [columns] */
   const double *Z;               /* [freedom × columns] D · range(N) at the present pose */
-  double *gathered;              /* Z put together; NULL: the state's basis of the only substructure serves */
+  bool gathers;                  /* Z has to be put together; else the basis of the only substructure serves */
+  double *gathered;              /* [capacity × columns] Z, where it has */
+  int capacity;                  /* freedoms that there is room for */
   int count;                     /* actuators in this block */
   int *actuator;                 /* [count] into the statics' actuators */
   gsl_matrix *U, *V;             /* of Z_A = U S Vᵀ, padded with rows of 0 to at least as many as columns */
@@ -34,9 +36,11 @@ typedef struct km_holding {
 
 /* Reactions of one substructure. */
 typedef struct km_carrying {
-  int rows, columns; /* of J: 6 · loops + couplings */
+  struct km_equilibrium *large; /* NULL: it is small, and J is solved as a dense matrix */
+  int rows, columns;            /* of J: 6 · loops + couplings */
   int joints;
-  double *J, *T;    /* J, and its transpose */
+  bool *mixed;      /* [6 · joints] of a large one: components that statics alone doesn't determine */
+  double *J, *T;    /* J, and its transpose; these and those below are a small one's */
   double *rhs, *mu; /* [columns], [rows] */
   double *null;     /* [rows × rows] self-stresses: columns of the null space of Jᵀ */
   double *field;    /* [rows × 6 · joints] what they do in every joint */
@@ -92,7 +96,10 @@ void km_push_unit(const km_model *model, const km_handle *actuator, km_text *out
 bool km_pushes_by_force(const km_model *model, const km_handle *actuator);
 /* Space for the parts; false when out of memory. */
 bool km_holding_reserve(km_statics *statics);
-bool km_carrying_reserve(const km_mechanism *mechanism, km_statics_work *work);
+/* The same for a block at a pose of so many freedoms. */
+bool km_holding_fit(km_holding *holding, int freedom, km_arena *arena);
+km_status km_carrying_reserve(const km_mechanism *mechanism, km_statics_work *work, km_error *error);
+void km_carrying_free(km_statics_work *work);
 
 /* Actuator forces, directions out of their reach, and whether they hold, from work->tau. */
 void km_actuators_hold(const km_mechanism *mechanism, const km_state *state, km_statics *statics);
@@ -108,7 +115,16 @@ void km_statics_hold(const km_mechanism *mechanism, const km_state *state, const
 bool km_statics_ratios(const km_mechanism *mechanism, km_statics *statics, const double *motion, double *n, double *d);
 /* The pose of the last km_statics_ratios is a sample: those to come have its signs. */
 void km_statics_refer(const km_mechanism *mechanism, km_statics *statics);
-bool km_ratios_reserve(km_holding *holding, int columns, km_arena *arena);
+/* Reactions of a large substructure, by sparse matrices: one wrench a joint, six equations a body. KM_IO: SPQR isn't
+ * installed. KM_MEMORY. */
+km_status km_equilibrium_create(const km_mechanism *mechanism, int substructure, struct km_equilibrium **out,
+                                km_error *error);
+void km_equilibrium_free(struct km_equilibrium *equilibrium);
+/* Of least norm, into carried[6 · joints], which holds what the joints carry by the tree alone; `mixed` is set where
+ * statics alone doesn't determine a component. Returns the degree of indeterminacy, -1 when out of memory. */
+int km_equilibrium_solve(struct km_equilibrium *equilibrium, const km_statics_work *work, const km_state *state,
+                         double tolerance, double *carried, bool *mixed);
+
 /* Reactions from work->force. */
 void km_statics_carry(const km_mechanism *mechanism, km_state *state, const km_forces *forces, km_statics *statics);
 

@@ -81,14 +81,14 @@ static void add_members(const groups *g, km_statics_work *w) {
   }
 }
 
-/* The columns of a block, and room for its basis where it isn't a substructure's own. */
+/* The columns of a block. Where it isn't one substructure, its basis has to be put together. */
 static void list_columns(const km_mechanism *m, km_holding *h, km_arena *arena) {
   if (h->part_count == 1 && h->alone_count == 0) {
     h->coordinate = m->column_coordinate + m->substructures[h->part[0]].column_start;
     return;
   }
   int *coordinate = KM_ARENA_NEW(arena, int, (size_t)h->columns), count = 0;
-  h->gathered = KM_ARENA_NEW(arena, double, (size_t)h->columns *(size_t)h->columns);
+  h->gathers = true;
   h->coordinate = coordinate;
   for (int i = 0; i < h->part_count && coordinate; ++i)
     for (int k = 0; k < m->substructures[h->part[i]].columns; ++k)

@@ -8,35 +8,56 @@
 
 /* A component of a self-stress below this share of its largest is rounding. */
 static const double no_part = 1e-9;
+/* Up to so many rows dense matrices are the faster ones. */
+enum { MOST_DENSE_ROWS = 120 };
 
-bool km_carrying_reserve(const km_mechanism *m, km_statics_work *w) {
+static void reserve_dense(km_carrying *c, km_arena *arena) {
+  size_t rows = (size_t)c->rows, columns = (size_t)c->columns, parts = 6 * (size_t)c->joints;
+  c->J = KM_ARENA_NEW(arena, double, rows *columns);
+  c->T = KM_ARENA_NEW(arena, double, rows *columns);
+  c->rhs = KM_ARENA_NEW(arena, double, columns);
+  c->mu = KM_ARENA_NEW(arena, double, rows);
+  c->null = KM_ARENA_NEW(arena, double, rows *rows);
+  c->field = KM_ARENA_NEW(arena, double, rows *parts);
+  c->ones = KM_ARENA_NEW(arena, double, rows);
+  for (size_t r = 0; r < rows && c->ones; ++r)
+    c->ones[r] = 1.0;
+  km_partition_reserve(&c->partition, c->columns, c->rows, arena);
+}
+
+static km_status reserve_one(const km_mechanism *m, km_statics_work *w, int index, km_error *error) {
+  const km_topology *t = &m->topology;
+  const km_substructure *sub = &m->substructures[index];
+  km_carrying *c = &w->carrying[index];
+  c->rows = 6 * sub->loop_count + sub->coupling_count;
+  c->columns = sub->columns;
+  c->joints = t->joint_start[index + 1] - t->joint_start[index];
+  for (int j = 0; j < c->joints; ++j)
+    w->place[t->joint[t->joint_start[index] + j]] = j;
+  c->carried = KM_ARENA_NEW(&w->arena, double, 6 * (size_t)c->joints);
+  if (c->rows > MOST_DENSE_ROWS) {
+    c->mixed = KM_ARENA_NEW(&w->arena, bool, 6 * (size_t)c->joints);
+    return km_equilibrium_create(m, index, &c->large, error);
+  }
+  reserve_dense(c, &w->arena);
+  return KM_OK;
+}
+
+km_status km_carrying_reserve(const km_mechanism *m, km_statics_work *w, km_error *error) {
   const km_topology *t = &m->topology;
   km_arena *arena = &w->arena;
+  km_status status = KM_OK;
   w->carrying = KM_ARENA_NEW(arena, km_carrying, (size_t)t->substructure_count);
   w->frame = KM_ARENA_NEW(arena, km_pose, (size_t)t->joint_count);
   w->place = KM_ARENA_NEW(arena, int, (size_t)t->joint_count);
-  for (int i = 0; i < t->substructure_count && !arena->failed; ++i) {
-    const km_substructure *sub = &m->substructures[i];
-    km_carrying *c = &w->carrying[i];
-    c->rows = 6 * sub->loop_count + sub->coupling_count;
-    c->columns = sub->columns;
-    c->joints = t->joint_start[i + 1] - t->joint_start[i];
-    for (int j = 0; j < c->joints; ++j)
-      w->place[t->joint[t->joint_start[i] + j]] = j;
-    size_t rows = (size_t)c->rows, columns = (size_t)c->columns, parts = 6 * (size_t)c->joints;
-    c->J = KM_ARENA_NEW(arena, double, rows *columns);
-    c->T = KM_ARENA_NEW(arena, double, rows *columns);
-    c->rhs = KM_ARENA_NEW(arena, double, columns);
-    c->mu = KM_ARENA_NEW(arena, double, rows);
-    c->null = KM_ARENA_NEW(arena, double, rows *rows);
-    c->field = KM_ARENA_NEW(arena, double, rows *parts);
-    c->carried = KM_ARENA_NEW(arena, double, parts);
-    c->ones = KM_ARENA_NEW(arena, double, rows);
-    for (size_t r = 0; r < rows && c->ones; ++r)
-      c->ones[r] = 1.0;
-    km_partition_reserve(&c->partition, c->columns, c->rows, arena);
-  }
-  return !arena->failed;
+  for (int i = 0; i < t->substructure_count && !arena->failed && !status; ++i)
+    status = reserve_one(m, w, i, error);
+  return status || !arena->failed ? status : km_fail(error, KM_MEMORY, "out of memory for the reactions");
+}
+
+void km_carrying_free(km_statics_work *w) {
+  for (int i = 0; w->carrying && i < w->mechanism->topology.substructure_count; ++i)
+    km_equilibrium_free(w->carrying[i].large);
 }
 
 /* The frame that a reaction is reported in. */
@@ -141,12 +162,17 @@ static void mark(const km_mechanism *m, const km_carrying *c, int index, int deg
   }
 }
 
+static double tolerance_of(const km_mechanism *m, const km_state *s, int index) {
+  const km_substructure *sub = &m->substructures[index];
+  int worst;
+  return km_rank_tolerance(m, sub, km_loops_residual(m, s, sub, &worst));
+}
+
 /* Chord wrenches of one substructure, and the self-stresses that leave every joint free of force along its motion. */
-static int solve(const km_mechanism *m, km_state *s, int index, km_vec3 about, km_statics_work *w) {
+static int solve_chords(const km_mechanism *m, const km_state *s, int index, km_vec3 about, km_statics_work *w) {
   const km_substructure *sub = &m->substructures[index];
   km_carrying *c = &w->carrying[index];
-  int worst;
-  km_whole_jacobian(m, index, w->twist, about, c->J);
+  km_whole_jacobian(m, s, index, w->twist, about, c->J);
   for (int r = 0; r < c->rows; ++r)
     for (int k = 0; k < c->columns; ++k)
       c->T[(size_t)r * (size_t)c->columns + (size_t)k] = c->J[(size_t)k * (size_t)c->rows + (size_t)r];
@@ -154,38 +180,59 @@ static int solve(const km_mechanism *m, km_state *s, int index, km_vec3 about, k
     int coordinate = m->column_coordinate[sub->column_start + k];
     c->rhs[k] = m->unit[coordinate] * (w->force[coordinate] + w->tau[coordinate]);
   }
-  double tolerance = km_rank_tolerance(m, sub, km_loops_residual(m, s, sub, &worst));
-  km_partition_factor(&c->partition, c->T, c->columns, c->rows, NULL, tolerance);
+  km_partition_factor(&c->partition, c->T, c->columns, c->rows, NULL, tolerance_of(m, s, index));
   km_partition_solve(&c->partition, c->rhs, c->mu);
   int degree = km_partition_freedom(&c->partition);
   km_partition_null(&c->partition, c->ones, degree, c->null);
   return degree;
 }
 
-static void carry_substructure(const km_mechanism *m, km_state *s, const km_forces *f, int index, km_statics *st) {
+static void carry_small(const km_mechanism *m, const km_state *s, const km_forces *f, int index, km_statics *st) {
   const km_topology *t = &m->topology;
   km_statics_work *w = st->work;
   km_carrying *c = &w->carrying[index];
-  int first = t->joint_start[index];
-  const km_model_frame *frame = &m->model->frames[m->model->joints[t->joint[first]].frame[0]];
+  const km_model_frame *frame = &m->model->frames[m->model->joints[t->joint[t->joint_start[index]]].frame[0]];
   km_vec3 about = km_pose_point(&f->pose[frame->body], frame->pose.p);
-  int degree = solve(m, s, index, about, w);
+  int degree = solve_chords(m, s, index, about, w);
   st->degree += degree;
-  for (int j = 0; j < c->joints; ++j) {
-    int joint = t->joint[first + j];
-    reported(&w->frame[joint], from_tree(m, w, joint), c->carried + 6 * j);
-  }
   spread(m, w, index, about, c->mu, c->carried);
   memset(c->field, 0, (size_t)degree * 6 * (size_t)c->joints * sizeof *c->field);
   for (int k = 0; k < degree; ++k)
     spread(m, w, index, about, c->null + (size_t)k * (size_t)c->rows, c->field + (size_t)k * 6 * (size_t)c->joints);
   make_least(c, degree, m->length);
+  mark(m, c, index, degree, st);
+}
+
+/* Without memory nothing is known of its joints. */
+static void carry_large(const km_mechanism *m, const km_state *s, int index, km_statics *st) {
+  km_carrying *c = &st->work->carrying[index];
+  const int *joint = m->topology.joint + m->topology.joint_start[index];
+  memset(c->mixed, 0, 6 * (size_t)c->joints * sizeof *c->mixed);
+  int degree = km_equilibrium_solve(c->large, st->work, s, tolerance_of(m, s, index), c->carried, c->mixed);
+  for (int i = 0; i < 6 * c->joints; ++i) {
+    st->reactions[joint[i / 6]].indeterminate[i % 6] = c->mixed[i];
+    if (degree < 0)
+      c->carried[i] = nan("");
+  }
+  st->degree += degree > 0 ? degree : 0;
+}
+
+static void carry_substructure(const km_mechanism *m, const km_state *s, const km_forces *f, int index,
+                               km_statics *st) {
+  km_statics_work *w = st->work;
+  km_carrying *c = &w->carrying[index];
+  const int *joint = m->topology.joint + m->topology.joint_start[index];
+  for (int j = 0; j < c->joints; ++j)
+    reported(&w->frame[joint[j]], from_tree(m, w, joint[j]), c->carried + 6 * j);
+  if (c->large)
+    carry_large(m, s, index, st);
+  else
+    carry_small(m, s, f, index, st);
   for (int j = 0; j < c->joints; ++j) {
-    km_reaction *r = &st->reactions[t->joint[first + j]];
+    km_reaction *r = &st->reactions[joint[j]];
     memcpy(r->force, c->carried + 6 * j, sizeof r->force);
     memcpy(r->torque, c->carried + 6 * j + 3, sizeof r->torque);
   }
-  mark(m, c, index, degree, st);
 }
 
 void km_statics_carry(const km_mechanism *m, km_state *s, const km_forces *f, km_statics *st) {

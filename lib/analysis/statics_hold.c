@@ -8,42 +8,16 @@
 /* A motion whose largest actuator moves less than this share of it is out of the actuators' reach. */
 static const double out_of_reach = 1e-9;
 
-static gsl_matrix *matrix(km_arena *arena, int rows, int columns) {
-  gsl_matrix *a = KM_ARENA_NEW(arena, gsl_matrix, 1);
-  double *data = KM_ARENA_NEW(arena, double, (size_t)rows *(size_t)columns);
-  if (a && data)
-    *a = (gsl_matrix){.size1 = (size_t)rows, .size2 = (size_t)columns, .tda = (size_t)columns, .data = data};
-  return a;
-}
-
-static gsl_vector *vector(km_arena *arena, int size) {
-  gsl_vector *a = KM_ARENA_NEW(arena, gsl_vector, 1);
-  double *data = KM_ARENA_NEW(arena, double, (size_t)size);
-  if (a && data)
-    *a = (gsl_vector){.size = (size_t)size, .stride = 1, .data = data};
-  return a;
-}
-
 bool km_holding_reserve(km_statics *st) {
   km_statics_work *w = st->work;
-  km_arena *arena = &w->arena;
-  for (int i = 0; i < w->block_count && !arena->failed; ++i) {
+  for (int i = 0; i < w->block_count && !w->arena.failed; ++i) {
     km_holding *h = &w->holding[i];
-    int columns = h->columns;
-    h->actuator = KM_ARENA_NEW(arena, int, (size_t)st->actuator_count);
-    for (int a = 0; a < st->actuator_count && !arena->failed; ++a)
+    h->actuator = KM_ARENA_NEW(&w->arena, int, (size_t)st->actuator_count);
+    for (int a = 0; a < st->actuator_count && !w->arena.failed; ++a)
       if (w->part[a] == i)
         h->actuator[h->count++] = a;
-    int rows = h->count > columns ? h->count : columns; /* points may be more than what they move */
-    h->U = matrix(arena, rows, columns);
-    h->V = matrix(arena, columns, columns);
-    h->S = vector(arena, columns);
-    h->load = vector(arena, columns);
-    h->answer = vector(arena, columns);
-    h->basis = KM_ARENA_NEW(arena, double, (size_t)columns *(size_t)columns);
-    km_ratios_reserve(h, columns, arena);
   }
-  return !arena->failed;
+  return !w->arena.failed;
 }
 
 /* The part of a matrix or vector that a block of so many freedoms needs now. */
@@ -162,17 +136,24 @@ static bool unreached(const km_mechanism *m, const km_holding *h, km_statics *st
   return !falls;
 }
 
+static int count_freedom(const km_state *s, const km_holding *h) {
+  int freedom = h->alone_count;
+  for (int i = 0; i < h->part_count; ++i)
+    freedom += km_partition_freedom(&s->partition[h->part[i]]);
+  return freedom;
+}
+
 /* Z of the block: that of its only substructure, or those of all, side by side, and 1 for a joint in no loop. */
 static void gather(const km_mechanism *m, const km_state *s, km_holding *h) {
   h->freedom = 0;
-  h->Z = h->gathered ? h->gathered : km_state_basis(s, h->part[0]);
-  if (h->gathered)
-    memset(h->gathered, 0, (size_t)h->columns * (size_t)h->columns * sizeof *h->gathered);
+  h->Z = h->gathers ? h->gathered : km_state_basis(s, h->part[0]);
+  if (h->gathers)
+    memset(h->gathered, 0, (size_t)h->columns * (size_t)h->capacity * sizeof *h->gathered);
   int column = 0;
   for (int i = 0; i < h->part_count; ++i) {
     int columns = m->substructures[h->part[i]].columns, freedom = km_partition_freedom(&s->partition[h->part[i]]);
     const double *Z = km_state_basis(s, h->part[i]);
-    for (int k = 0; k < freedom && h->gathered; ++k)
+    for (int k = 0; k < freedom && h->gathers; ++k)
       memcpy(h->gathered + (size_t)(h->freedom + k) * (size_t)h->columns + column, Z + (size_t)k * (size_t)columns,
              (size_t)columns * sizeof *Z);
     h->freedom += freedom;
@@ -184,6 +165,13 @@ static void gather(const km_mechanism *m, const km_state *s, km_holding *h) {
 
 static void hold_block(const km_mechanism *m, const km_state *s, int index, km_statics *st) {
   km_holding *h = &st->work->holding[index];
+  if (!km_holding_fit(h, count_freedom(s, h), &st->work->arena)) {
+    for (int a = 0; a < h->count; ++a)
+      st->actuator_forces[h->actuator[a]] = nan("");
+    h->freedom = h->rank = 0;
+    st->held = false;
+    return;
+  }
   gather(m, s, h);
   int freedom = h->freedom, rank = 0;
   h->rank = 0;

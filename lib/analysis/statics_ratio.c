@@ -10,26 +10,6 @@
 static const double rounding = 0.1; /* of what loads may be rounding at single poses: digits that a root has to spare */
 static const double out_of_reach = 1e-9; /* a singular value */
 
-static gsl_matrix *square(km_arena *arena, int size) {
-  gsl_matrix *a = KM_ARENA_NEW(arena, gsl_matrix, 1);
-  size_t n = (size_t)size;
-  if (a)
-    *a = (gsl_matrix){.size1 = n, .size2 = n, .tda = n, .data = KM_ARENA_NEW(arena, double, n *n)};
-  return a;
-}
-
-bool km_ratios_reserve(km_holding *h, int columns, km_arena *arena) {
-  int size = h->count > columns ? h->count : columns;
-  h->fixed = square(arena, size);
-  h->turn = square(arena, size);
-  h->moving = KM_ARENA_NEW(arena, double, (size_t)columns *(size_t)columns);
-  h->pivots = KM_ARENA_NEW(arena, gsl_permutation, 1);
-  size_t *places = KM_ARENA_NEW(arena, size_t, (size_t)size);
-  if (h->pivots)
-    *h->pivots = (gsl_permutation){(size_t)size, places};
-  return !arena->failed;
-}
-
 /* The sign of det(turn), rank × rank. */
 static double sense_of(km_holding *h, int rank) {
   int sign;

@@ -1,6 +1,8 @@
 /* The six rows of every loop in the inertial frame, which the motion spaces leave out. */
 #include "analysis/whole_jacobian.h"
 
+#include "kinematics/loops.h"
+
 #include <string.h>
 
 double km_member_sense(const km_topology *t, int loop, const km_member *member) {
@@ -32,7 +34,8 @@ static void fill_loop(const km_mechanism *m, const km_substructure *sub, int loo
   }
 }
 
-void km_whole_jacobian(const km_mechanism *m, int index, const km_twist *twist, km_vec3 about, double *J) {
+void km_whole_jacobian(const km_mechanism *m, const km_state *s, int index, const km_twist *twist, km_vec3 about,
+                       double *J) {
   const km_topology *t = &m->topology;
   const km_substructure *sub = &m->substructures[index];
   int rows = 6 * sub->loop_count + sub->coupling_count;
@@ -44,7 +47,7 @@ void km_whole_jacobian(const km_mechanism *m, int index, const km_twist *twist, 
     for (int k = 0; k < coupling->term_count; ++k) {
       const km_term *term = &m->terms[coupling->term_start + k];
       if (term->column >= 0)
-        J[(size_t)term->column * (size_t)rows + (size_t)(6 * sub->loop_count + i)] = term->coefficient;
+        km_term_value(m, s, term, &J[(size_t)term->column * (size_t)rows + (size_t)(6 * sub->loop_count + i)]);
     }
   }
 }

@@ -4,6 +4,9 @@
 
 #include "kinematics/state.h"
 
+/* Up to so many rows the whole Jacobian is handled as a dense matrix, with orthonormal null vectors. */
+enum { KM_MOST_DENSE_ROWS = 240 };
+
 /* +1 where a walk round the loop (out to the virtual body, back along the other side) passes the joint in the user's
  * sense. */
 double km_member_sense(const km_topology *topology, int loop, const km_member *member);
@@ -14,7 +17,7 @@ void km_twist_entries(const km_substructure *sub, km_twist twist, km_vec3 about,
 
 /* J: six rows a loop in the order of the substructure's loops (along the inertial axes, moments about `about`), then
  * the couplings; rows = 6 · loops + couplings, by the substructure's columns. twist[coordinate] of every coordinate. */
-void km_whole_jacobian(const km_mechanism *mechanism, int substructure, const km_twist *twist, km_vec3 about,
-                       double *J);
+void km_whole_jacobian(const km_mechanism *mechanism, const km_state *state, int substructure, const km_twist *twist,
+                       km_vec3 about, double *J);
 
 #endif

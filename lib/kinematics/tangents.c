@@ -20,10 +20,13 @@ bool km_tangents_make(km_tangents *f, const km_mechanism *m, km_state *s, int in
   f->x = KM_ARENA_NEW(arena, double, n);
   f->move = KM_ARENA_NEW(arena, double, n);
   f->a = KM_ARENA_NEW(arena, double, k);
+  f->length = KM_ARENA_NEW(arena, double, k);
   f->work = KM_ARENA_NEW(arena, double, 4 * k * k + 8 * k);
   if (arena->failed)
     return false;
   int worst;
+  for (size_t i = 0; i < k; ++i)
+    f->length[i] = -1.0;
   f->residual = km_loops_residual(m, s, sub, &worst);
   km_state_save(s, sub, f->pose);
   return true;
@@ -40,14 +43,20 @@ void km_tangents_direction(const km_tangents *f, const double *a, double *x) {
   }
 }
 
-bool km_tangents_is_real(km_tangents *f, const double *a) {
+km_followed km_tangents_try(km_tangents *f, const double *a) {
+  km_followed both = {HUGE_VAL, KM_REAL};
   for (int sign = 1; sign >= -1; sign -= 2) {
-    km_reality reality = km_tangents_follow(f, a, sign).reality;
-    f->doubtful = f->doubtful || reality == KM_LOST || reality == KM_UNDECIDED;
-    if (reality < f->enough)
-      return false;
+    km_followed one = km_tangents_follow(f, a, sign);
+    f->doubtful = f->doubtful || one.reality == KM_LOST || one.reality == KM_UNDECIDED;
+    if (one.reality < f->enough)
+      return (km_followed){0.0, one.reality};
+    both = (km_followed){fmin(both.length, one.length), one.reality < both.reality ? one.reality : both.reality};
   }
-  return true;
+  return both;
+}
+
+bool km_tangents_is_real(km_tangents *f, const double *a) {
+  return km_tangents_try(f, a).reality >= f->enough;
 }
 
 void km_tangents_normalise(double *a, int k) {
@@ -59,13 +68,16 @@ void km_tangents_normalise(double *a, int k) {
 }
 
 bool km_tangents_all_real(km_tangents *f) {
-  int k = f->conditions.freedom;
-  for (int trial_index = 0; trial_index < 2 * k; ++trial_index) {
+  int k = f->conditions.freedom, trials = k == 1 ? 1 : 2 * k; /* of one tangent there are no combinations */
+  for (int trial = 0; trial < trials; ++trial) {
     for (int i = 0; i < k; ++i)
-      f->a[i] = trial_index < k ? trial_index == i : km_tangents_uniform(f);
+      f->a[i] = trial < k ? trial == i : km_tangents_uniform(f);
     km_tangents_normalise(f->a, k);
-    if (!km_tangents_is_real(f, f->a))
+    km_followed found = km_tangents_try(f, f->a);
+    if (found.reality < f->enough)
       return false;
+    if (trial < k)
+      f->length[trial] = found.length;
   }
   return true;
 }

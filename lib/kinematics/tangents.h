@@ -29,7 +29,8 @@ typedef struct km_tangents {
   bool doubtful;              /* some tangent was neither confirmed nor refuted */
   km_reality enough;          /* to count as real; KM_REAL */
   double *x, *move, *work;
-  double *a; /* [freedom] a tangent by its share of each column of Z */
+  double *a;      /* [freedom] a tangent by its share of each column of Z */
+  double *length; /* [freedom] how far each column of Z was followed, ahead and back; -1: not yet */
   uint64_t random;
 } km_tangents;
 
@@ -51,7 +52,10 @@ typedef struct km_followed {
  * coordinate as the driver: what is left of the loops' errors is then theirs, and not moved away. The state is left at
  * the end. See trial.c. */
 km_followed km_tangents_follow(km_tangents *tangents, const double *a, double sign);
-/* Can it be followed ahead and back? `doubtful` remembers answers that are undecided. */
+/* The shorter of the ways ahead and back; 0 where the first of the two shows that the tangent isn't real. `doubtful`
+ * remembers answers that are undecided. */
+km_followed km_tangents_try(km_tangents *tangents, const double *a);
+/* Can it be followed ahead and back? */
 bool km_tangents_is_real(km_tangents *tangents, const double *a);
 /* Are the basis vectors and as many random combinations of them all real? */
 bool km_tangents_all_real(km_tangents *tangents);

@@ -40,6 +40,7 @@ typedef struct km_partition {
   bool forced_dependent; /* a column that should be independent had to be a pivot */
   bool failed;           /* out of memory while the sparse engine grew: the rank means nothing, no freedom is given */
   bool held;             /* set by the caller: forced columns are no pivots, whatever rank that leaves */
+  bool any_independent;  /* set by the caller: the sparse engine need not keep |B| small, any null vectors will do */
   const bool *locked; /* [columns] set by the caller, borrowed; NULL: none. Columns of what doesn't move: their entries
                        * are 0, they come last and count as no freedom */
   int locked_count;   /* at the last search */

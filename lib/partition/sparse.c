@@ -7,6 +7,8 @@
 /* Smaller |B| than that is as good as complete pivoting gives. */
 static const double good_b = 2.0;
 enum { MOST_PASSES = 4 };
+/* Of the largest entry of a column: as pivots such entries let others grow by little, and the row can be a short one. */
+static const double large_share = 0.3;
 
 /* All rows that column c of the matrix comes to hold when the steps so far are subtracted, into list[top … rows-1]:
  * each row behind those whose steps change it. */
@@ -47,6 +49,14 @@ static void scatter(const km_partition *p, const double *matrix, int c) {
     s->x[s->row[i]] = matrix[i];
 }
 
+/* The entries in primary rows only. */
+static void scatter_primary(const km_partition *p, const double *matrix, int c) {
+  const km_sparse *s = p->sparse;
+  for (int i = s->start[c]; i < s->start[c + 1]; ++i)
+    if (s->step_of[s->row[i]] >= 0)
+      s->x[s->row[i]] = matrix[i];
+}
+
 static bool is_finite(const km_partition *p, const double *matrix) {
   const km_sparse *s = p->sparse;
   double poison = 0.0; /* sum of x − x: 0, or not a number */
@@ -76,11 +86,26 @@ static bool make_room(km_sparse *s, int upper_end, int lower_end, int more) {
   return true;
 }
 
-/* Reduces column c by the steps so far: its part in U is stored, the rest stays in x. Returns the row of the largest
- * entry that is left, -1 if all are 0. */
+/* Of the rows with a large entry, that with the fewest entries in the matrix; -1: all are 0. */
+static int choose_row(const km_sparse *s, const km_run *rows, double largest) {
+  int best = -1;
+  for (int i = rows->start; i < rows->end && largest > 0.0; ++i) {
+    int row = s->lower_store.index[i];
+    if (fabs(s->x[row]) < large_share * largest)
+      continue;
+    bool shorter = best < 0 || s->row_size[row] < s->row_size[best];
+    if (shorter || (s->row_size[row] == s->row_size[best] && fabs(s->x[row]) > fabs(s->x[best])))
+      best = row;
+  }
+  return best;
+}
+
+/* Reduces column c by the steps so far: its part in U is stored, the rest stays in x. Returns the row of the pivot, -1
+ * if nothing is left. */
 static int reduce(km_partition *p, const double *matrix, int c, int *upper_end, int *lower_end) {
   km_sparse *s = p->sparse;
-  int top = reach(p, c), best = -1;
+  int top = reach(p, c);
+  double largest = 0.0;
   s->upper[c] = (km_run){*upper_end, *upper_end};
   s->lower[c] = (km_run){*lower_end, *lower_end};
   if (!make_room(s, *upper_end, *lower_end, p->rows - top)) {
@@ -100,13 +125,12 @@ static int reduce(km_partition *p, const double *matrix, int c, int *upper_end, 
       s->x[row] = 0.0;
     } else {
       s->lower_store.index[(*lower_end)++] = row;
-      if (fabs(s->x[row]) > (best < 0 ? 0.0 : fabs(s->x[best])))
-        best = row;
+      largest = fmax(largest, fabs(s->x[row]));
     }
   }
   s->upper[c].end = *upper_end;
   s->lower[c].end = *lower_end;
-  return best;
+  return choose_row(s, &s->lower[c], largest);
 }
 
 /* Column c, reduced in x, becomes the next step with a pivot in `row`. */
@@ -156,6 +180,23 @@ static void arrange(km_partition *p, const bool *forced) {
     }
 }
 
+/* Rows that are no primary constraints leave L: nothing asks for them, and new values for the same pivots needn't be
+ * found for them. */
+static void keep_primary(km_partition *p) {
+  km_sparse *s = p->sparse;
+  int kept = 0;
+  for (int i = 0; i < p->columns; ++i) {
+    km_run *run = &s->lower[s->lead[i]];
+    int start = kept;
+    for (int k = run->start; k < run->end; ++k)
+      if (s->step_of[s->lower_store.index[k]] >= 0) {
+        s->lower_store.index[kept] = s->lower_store.index[k];
+        s->lower_store.value[kept++] = s->lower_store.value[k];
+      }
+    *run = (km_run){start, kept};
+  }
+}
+
 static void eliminate(km_partition *p, const double *matrix, const bool *forced, double threshold) {
   km_sparse *s = p->sparse;
   int upper_end = 0, lower_end = 0, dropped = 0;
@@ -182,6 +223,7 @@ static void eliminate(km_partition *p, const double *matrix, const bool *forced,
   }
   memcpy(p->column + p->rank, s->dropped, (size_t)dropped * sizeof *p->column);
   p->last_pivot = p->rank ? p->smallest_pivot : 0.0;
+  keep_primary(p);
 }
 
 /* U⁻¹ times the column of U that is scattered over work, by step. */
@@ -305,7 +347,7 @@ void km_sparse_factor(km_partition *p, const double *matrix, const bool *forced,
   for (int pass = 0; pass < MOST_PASSES; ++pass) {
     arrange(p, forced);
     eliminate(p, matrix, forced, tolerance * p->scale);
-    if (!find_b(p) || largest_free_b(p, forced) <= good_b || !choose_late(p, forced))
+    if (!find_b(p) || p->any_independent || largest_free_b(p, forced) <= good_b || !choose_late(p, forced))
       break;
   }
 }
@@ -316,7 +358,7 @@ bool km_sparse_refactor(km_partition *p, const double *matrix) {
     return false;
   for (int k = 0; k < p->columns; ++k) {
     int c = p->column[k];
-    scatter(p, matrix, c);
+    scatter_primary(p, matrix, c);
     for (int i = s->upper[c].start; i < s->upper[c].end; ++i) {
       int step = s->upper_store.index[i], row = p->row[step];
       s->upper_store.value[i] = s->x[row];
@@ -363,6 +405,7 @@ void km_sparse_copy(km_partition *to, const km_partition *from) {
   }
   memcpy(t->upper, f->upper, (size_t)from->columns * sizeof *t->upper);
   memcpy(t->lower, f->lower, (size_t)from->columns * sizeof *t->lower);
+  memcpy(t->step_of, f->step_of, (size_t)from->rows * sizeof *t->step_of);
   to->failed = from->failed || !make_room(t, upper, lower, 0);
   if (to->failed)
     return;

@@ -23,6 +23,7 @@ typedef struct km_store {
 struct km_sparse {
   km_arena *arena;        /* what grows, grows there */
   const int *start, *row; /* pattern: rows of column c are row[start[c] … start[c+1]-1] */
+  const int *row_size;    /* [rows] entries of the pattern */
   const int *order;       /* [columns] that keeps L sparse */
   int *lead;              /* [columns] the order of this factorisation */
   int *dropped;           /* [columns] those that became independent, in that order */

@@ -29,6 +29,7 @@ static bool reserve(km_sparse *s, int rows, int columns, km_arena *arena) {
   *s = (km_sparse){.arena = arena,
                    .start = s->start,
                    .row = s->row,
+                   .row_size = s->row_size,
                    .order = s->order,
                    .lead = KM_ARENA_NEW(arena, int, c),
                    .dropped = KM_ARENA_NEW(arena, int, c),
@@ -59,9 +60,11 @@ static bool reserve_partition(km_partition *p, const km_sparse *pattern, int row
 
 bool km_partition_reserve_sparse(km_partition *p, int rows, int columns, const int *start, const int *row,
                                  km_arena *arena) {
-  int *order = KM_ARENA_NEW(arena, int, (size_t)columns + 1);
-  km_sparse pattern = {.start = start, .row = row, .order = order};
-  if (!order || !order_columns(rows, columns, start, row, order)) {
+  int *order = KM_ARENA_NEW(arena, int, (size_t)columns + 1), *size = KM_ARENA_NEW(arena, int, (size_t)rows);
+  km_sparse pattern = {.start = start, .row = row, .row_size = size, .order = order};
+  for (int i = 0; i < start[columns] && size; ++i)
+    size[row[i]]++;
+  if (!order || !size || !order_columns(rows, columns, start, row, order)) {
     arena->failed = true;
     return false;
   }

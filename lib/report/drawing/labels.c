@@ -1,6 +1,6 @@
 /* Names beside what they name. Every label tries places around its spot, nearer ones first; the
  * cheapest is taken, and once all have a place each looks again. */
-#include "report/drawing/parts.h"
+#include "report/drawing/grid.h"
 #include "report/plot/palette.h"
 
 enum { DIRECTIONS = 16, RINGS = 7, ROUNDS = 3 };
@@ -20,8 +20,9 @@ typedef struct board {
   size_t count;
   obstacle *obstacles;
   size_t obstacle_count;
-  const obstacle **near; /* those in reach of the label that is being placed */
-  size_t near_count;
+  km_grid grid;   /* of the obstacles */
+  size_t *placed; /* [placed_count] labels that have a place */
+  size_t placed_count;
   km_rectangle place;
   double em;    /* size of the letters */
   double worst; /* what a place may cost at most: a name that finds none is left out */
@@ -78,8 +79,21 @@ static bool gather(board *b, const km_scene *scene, const km_drawing_trace *trac
   for (size_t i = 0; b->obstacles && i < b->count; ++i)
     if (b->labels[i].arrow)
       add_arrow(b, &b->labels[i]);
-  b->near = KM_ARENA_NEW(scene->arena, const obstacle *, most);
-  return b->obstacles && b->near;
+  b->placed = KM_ARENA_NEW(scene->arena, size_t, b->count);
+  return !scene->arena->failed;
+}
+
+/* Where an obstacle lies, with its width. */
+static km_rectangle frame_of(const obstacle *o) {
+  return (km_rectangle){fmin(o->a.x, o->b.x) - o->reach, fmin(o->a.y, o->b.y) - o->reach,
+                        fabs(o->b.x - o->a.x) + 2.0 * o->reach, fabs(o->b.y - o->a.y) + 2.0 * o->reach};
+}
+
+static bool make_grid(board *b, km_arena *arena) {
+  km_rectangle *frames = KM_ARENA_NEW(arena, km_rectangle, b->obstacle_count);
+  for (size_t i = 0; frames && i < b->obstacle_count; ++i)
+    frames[i] = frame_of(&b->obstacles[i]);
+  return frames && km_grid_make(&b->grid, b->place, 2.0 * b->em, frames, b->obstacle_count, arena);
 }
 
 /* Narrows the part low..high of a segment that lies within from..to in one direction. */
@@ -112,12 +126,14 @@ static double inside(const obstacle *o, km_canvas_point box, km_canvas_point siz
 }
 
 /* Counted until it reaches `bound`. */
-static double picture_cost(const board *b, km_canvas_point box, km_canvas_point size, double bound) {
+static double picture_cost(board *b, km_canvas_point box, km_canvas_point size, double bound) {
   double cost = 0.0;
-  for (size_t i = 0; i < b->near_count && cost < bound; ++i) {
-    double length = inside(b->near[i], box, size);
+  int count = km_grid_find(&b->grid, (km_rectangle){box.x, box.y, size.x, size.y});
+  for (int i = 0; i < count && cost < bound; ++i) {
+    const obstacle *o = &b->obstacles[b->grid.found[i]];
+    double length = inside(o, box, size);
     if (length >= 0.0)
-      cost += b->near[i]->symbol ? cost_symbol : 4.0 + cost_edge * length;
+      cost += o->symbol ? cost_symbol : 4.0 + cost_edge * length;
   }
   return cost;
 }
@@ -156,21 +172,20 @@ static bool crosses(km_canvas_point a, km_canvas_point b, km_canvas_point c, km_
 }
 
 /* A leader must not run through names, other symbols or other leaders. */
-static double leader_cost(const board *b, const km_label *label, km_canvas_point box) {
+static double leader_cost(board *b, const km_label *label, km_canvas_point box) {
   km_canvas_point end = leader_end(label, box), at = {label->at.x, label->at.y};
   obstacle leader = {label->at, {end.x, end.y, 0.0}, 0.0, false};
   double cost = cost_leader;
-  for (size_t i = 0; i < b->count; ++i) {
-    const km_label *other = &b->labels[i];
-    if (other == label || !other->placed)
-      continue;
+  for (size_t i = 0; i < b->placed_count; ++i) {
+    const km_label *other = &b->labels[b->placed[i]];
     km_canvas_point other_at = {other->at.x, other->at.y};
     cost += inside(&leader, other->box, other->size) >= 0.0 ? 4.0 * cost_symbol : 0.0;
     if (has_leader(b->em, other, other->box) && crosses(at, end, other_at, leader_end(other, other->box)))
       cost += 2.0 * cost_symbol;
   }
-  for (size_t i = 0; i < b->near_count; ++i) {
-    const obstacle *o = b->near[i];
+  int count = km_grid_find(&b->grid, frame_of(&leader));
+  for (int i = 0; i < count; ++i) {
+    const obstacle *o = &b->obstacles[b->grid.found[i]];
     if (!o->symbol || km_spot_distance(o->a, label->at) < 0.5)
       continue;
     km_canvas_point corner = {o->a.x - o->reach, o->a.y - o->reach}, size = {2.0 * o->reach, 2.0 * o->reach};
@@ -182,10 +197,8 @@ static double leader_cost(const board *b, const km_label *label, km_canvas_point
 /* Of a box against the other names and their leaders. */
 static double names_cost(const board *b, const km_label *label, km_canvas_point box) {
   double cost = 0.0;
-  for (size_t i = 0; i < b->count; ++i) {
-    const km_label *other = &b->labels[i];
-    if (other == label || !other->placed)
-      continue;
+  for (size_t i = 0; i < b->placed_count; ++i) {
+    const km_label *other = &b->labels[b->placed[i]];
     cost += overlap(box, label->size, other->box, other->size) ? clash : 0.0;
     if (!has_leader(b->em, other, other->box))
       continue;
@@ -197,7 +210,7 @@ static double names_cost(const board *b, const km_label *label, km_canvas_point 
 }
 
 /* The cheap parts first: what reaches `bound` needs no closer look. */
-static double cost_of(const board *b, const km_label *label, km_canvas_point box, double bound) {
+static double cost_of(board *b, const km_label *label, km_canvas_point box, double bound) {
   double cost = cost_distance * fmax(leader_length(label, box), 0.0);
   if (cost < bound)
     cost += picture_cost(b, box, label->size, bound - cost);
@@ -206,17 +219,6 @@ static double cost_of(const board *b, const km_label *label, km_canvas_point box
   if (cost < bound && has_leader(b->em, label, box))
     cost += leader_cost(b, label, box);
   return cost;
-}
-
-/* Gathers the obstacles that a box or leader of the label can meet. */
-static void look_around(board *b, const km_label *label) {
-  double far = label->radius + (ring_sizes[RINGS - 1] + 0.5) * b->em;
-  km_canvas_point reach = {far + label->size.x, far + label->size.y};
-  km_canvas_point corner = {label->at.x - reach.x, label->at.y - reach.y};
-  b->near_count = 0;
-  for (size_t i = 0; i < b->obstacle_count; ++i)
-    if (inside(&b->obstacles[i], corner, (km_canvas_point){2.0 * reach.x, 2.0 * reach.y}) >= 0.0)
-      b->near[b->near_count++] = &b->obstacles[i];
 }
 
 static km_canvas_point box_at(const board *b, const km_label *label, int ring, int direction) {
@@ -232,10 +234,21 @@ static km_canvas_point box_over(const km_label *label) {
   return (km_canvas_point){label->at.x - 0.5 * label->size.x, label->at.y - 0.5 * label->size.y};
 }
 
-static void place_label(board *b, km_label *label) {
+/* The label gives its place up, to look for a better one. */
+static void leave(board *b, size_t index) {
+  if (!b->labels[index].placed)
+    return;
+  b->labels[index].placed = false;
+  size_t i = 0;
+  while (b->placed[i] != index)
+    ++i;
+  b->placed[i] = b->placed[--b->placed_count];
+}
+
+static void place_label(board *b, size_t index) {
+  km_label *label = &b->labels[index];
   double least = b->worst;
-  label->placed = false;
-  look_around(b, label);
+  leave(b, index);
   for (int ring = label->inside ? -1 : 0; ring < RINGS; ++ring)
     for (int d = 0; d < (ring < 0 ? 1 : DIRECTIONS); ++d) {
       km_canvas_point box = ring < 0 ? box_over(label) : box_at(b, label, ring, d);
@@ -248,6 +261,8 @@ static void place_label(board *b, km_label *label) {
       label->box = box;
       label->placed = true;
     }
+  if (label->placed)
+    b->placed[b->placed_count++] = index;
 }
 
 void km_label_paint(km_canvas *canvas, const km_label *label, const km_font *font) {
@@ -270,15 +285,13 @@ void km_labels_place(km_canvas *canvas, const km_scene *scene, const km_drawing_
   board b = {.labels = labels, .count = count, .place = place, .em = font->size};
   double needed = 16.0 * b.em * b.em * (double)count;
   b.worst = needed > place.width * place.height ? 0.4 * cost_symbol : clash; /* no thicket of leaders */
-  if (!gather(&b, scene, traces, trace_count))
+  if (!gather(&b, scene, traces, trace_count) || !make_grid(&b, scene->arena))
     return;
   for (size_t i = 0; i < count; ++i)
     labels[i].size = km_canvas_measure(canvas, font, labels[i].text);
   for (int round = 0; round < ROUNDS; ++round)
     for (size_t i = 0; i < count; ++i)
-      place_label(&b, &labels[i]);
-  for (size_t i = 0; i < count; ++i) {
-    look_around(&b, &labels[i]);
+      place_label(&b, i);
+  for (size_t i = 0; i < count; ++i)
     labels[i].veiled = labels[i].placed && picture_cost(&b, labels[i].box, labels[i].size, clash) > 0.0;
-  }
 }

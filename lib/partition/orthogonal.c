@@ -1,0 +1,165 @@
+/* Q R of large matrices by SPQR. */
+#include "partition/orthogonal.h"
+
+#include "base/library.h"
+#include "base/memory.h"
+
+#include <dlfcn.h>
+#include <string.h>
+#include <SuiteSparseQR_C.h>
+
+#define SPQR_FUNCTIONS(X)                                                                                              \
+  X(cholmod_l_start)                                                                                                   \
+  X(cholmod_l_finish)                                                                                                  \
+  X(cholmod_l_free_dense)                                                                                              \
+  X(SuiteSparseQR_C_factorize)                                                                                         \
+  X(SuiteSparseQR_C_solve)                                                                                             \
+  X(SuiteSparseQR_C_qmult)                                                                                             \
+  X(SuiteSparseQR_C_free)
+
+typedef struct library {
+#define X(name) __typeof__(name) *name; /* the function's own type */
+  SPQR_FUNCTIONS(X)
+#undef X
+} library;
+
+struct km_orthogonal {
+  library spqr;
+  cholmod_common common;
+  SuiteSparseQR_C_factorization *QR;
+  SuiteSparse_long rows, columns, entries, *start, *row;
+  double *value;
+  int rank;
+};
+
+static bool load(library *out) {
+  void *handle = dlopen(KM_SPQR, RTLD_NOW | RTLD_LOCAL);
+  bool found = handle != NULL;
+#define X(name) found = found && km_library_function(handle, #name, &out->name);
+  SPQR_FUNCTIONS(X)
+#undef X
+  return found;
+}
+
+km_status km_orthogonal_create(int rows, int columns, int entries, km_orthogonal **out, km_error *error) {
+  *out = NULL;
+  km_orthogonal *q = KM_NEW(km_orthogonal, 1);
+  if (!q)
+    return km_fail(error, KM_MEMORY, "out of memory for a factorisation");
+  if (!load(&q->spqr)) {
+    const char *reason = dlerror();
+    km_fail(error, KM_IO, "a large mechanism can't be solved: %.300s; expected SuiteSparse's SPQR to be installed",
+            reason ? reason : "a function of SPQR is missing");
+    km_free(q);
+    return KM_IO;
+  }
+  q->spqr.cholmod_l_start(&q->common);
+  q->common.SPQR_nthreads = 1; /* the same sums in the same order on every machine */
+  q->common.SPQR_grain = 1;
+  q->common.print = 0;
+  q->rows = rows;
+  q->columns = columns;
+  q->entries = entries;
+  q->start = KM_NEW(SuiteSparse_long, (size_t)columns + 1);
+  q->row = KM_NEW(SuiteSparse_long, (size_t)entries + 1);
+  q->value = KM_NEW(double, (size_t)entries + 1);
+  *out = q;
+  if (q->start && q->row && q->value)
+    return KM_OK;
+  km_orthogonal_free(q);
+  *out = NULL;
+  return km_fail(error, KM_MEMORY, "out of memory for a factorisation");
+}
+
+void km_orthogonal_free(km_orthogonal *q) {
+  if (!q)
+    return;
+  q->spqr.SuiteSparseQR_C_free(&q->QR, &q->common);
+  q->spqr.cholmod_l_finish(&q->common);
+  km_free(q->start);
+  km_free(q->row);
+  km_free(q->value);
+  km_free(q);
+}
+
+km_columns km_orthogonal_columns(km_orthogonal *q) {
+  return (km_columns){q->start, q->row, q->value};
+}
+
+bool km_orthogonal_factor(km_orthogonal *q, double tolerance) {
+  cholmod_sparse A = {.nrow = (size_t)q->rows,
+                      .ncol = (size_t)q->columns,
+                      .nzmax = (size_t)q->start[q->columns],
+                      .p = q->start,
+                      .i = q->row,
+                      .x = q->value,
+                      .itype = CHOLMOD_LONG,
+                      .xtype = CHOLMOD_REAL,
+                      .dtype = CHOLMOD_DOUBLE,
+                      .sorted = 1,
+                      .packed = 1};
+  q->spqr.SuiteSparseQR_C_free(&q->QR, &q->common);
+  q->QR = q->spqr.SuiteSparseQR_C_factorize(SPQR_ORDERING_COLAMD, tolerance, &A, &q->common);
+  q->rank = (int)q->common.SPQR_istat[4];
+  return q->QR != NULL;
+}
+
+int km_orthogonal_rank(const km_orthogonal *q) {
+  return q->rank;
+}
+
+static cholmod_dense dense(double *x, SuiteSparse_long rows, int columns) {
+  size_t size = (size_t)rows * (size_t)columns;
+  return (cholmod_dense){.nrow = (size_t)rows,
+                         .ncol = (size_t)columns,
+                         .nzmax = size,
+                         .d = (size_t)rows,
+                         .x = x,
+                         .xtype = CHOLMOD_REAL,
+                         .dtype = CHOLMOD_DOUBLE};
+}
+
+bool km_orthogonal_reject(km_orthogonal *q, double *v) {
+  cholmod_dense V = dense(v, q->rows, 1);
+  cholmod_dense *Y = q->spqr.SuiteSparseQR_C_qmult(SPQR_QTX, q->QR, &V, &q->common);
+  if (Y)
+    memset(Y->x, 0, (size_t)q->rank * sizeof(double));
+  cholmod_dense *rest = Y ? q->spqr.SuiteSparseQR_C_qmult(SPQR_QX, q->QR, Y, &q->common) : NULL;
+  bool done = rest != NULL;
+  if (done)
+    memcpy(v, rest->x, V.nzmax * sizeof(double));
+  q->spqr.cholmod_l_free_dense(&Y, &q->common);
+  q->spqr.cholmod_l_free_dense(&rest, &q->common);
+  return done;
+}
+
+bool km_orthogonal_squares(km_orthogonal *q, double *v, int count, double *squares) {
+  cholmod_dense V = dense(v, q->rows, count);
+  cholmod_dense *Y = q->spqr.SuiteSparseQR_C_qmult(SPQR_QTX, q->QR, &V, &q->common);
+  bool done = Y != NULL;
+  for (int k = 0; k < count && done; ++k) {
+    const double *y = (const double *)Y->x + (size_t)k * Y->d;
+    squares[k] = 0.0;
+    for (int i = 0; i < q->rank; ++i)
+      squares[k] += y[i] * y[i];
+  }
+  q->spqr.cholmod_l_free_dense(&Y, &q->common);
+  return done;
+}
+
+bool km_orthogonal_least(km_orthogonal *q, const double *b, double *x) {
+  double *copy = KM_NEW(double, (size_t)q->columns + 1); /* the library's interface has no const */
+  if (!copy)
+    return false;
+  memcpy(copy, b, (size_t)q->columns * sizeof *b);
+  cholmod_dense B = dense(copy, q->columns, 1);
+  cholmod_dense *Y = q->spqr.SuiteSparseQR_C_solve(SPQR_RTX_EQUALS_ETB, q->QR, &B, &q->common);
+  cholmod_dense *X = Y ? q->spqr.SuiteSparseQR_C_qmult(SPQR_QX, q->QR, Y, &q->common) : NULL;
+  bool done = X != NULL;
+  if (done)
+    memcpy(x, X->x, (size_t)q->rows * sizeof *x);
+  q->spqr.cholmod_l_free_dense(&Y, &q->common);
+  q->spqr.cholmod_l_free_dense(&X, &q->common);
+  km_free(copy);
+  return done;
+}

@@ -1,0 +1,36 @@
+/* Q R of a large matrix with few entries: projections and solutions of least norm. SuiteSparse's SPQR does it (T. Davis,
+ * Algorithm 915, 2011), loaded when it is first needed. */
+#ifndef KM_PARTITION_ORTHOGONAL_H
+#define KM_PARTITION_ORTHOGONAL_H
+
+#include "kmech/status.h"
+
+#include <stdbool.h>
+
+typedef struct km_orthogonal km_orthogonal;
+
+/* Space for matrices of rows × columns with up to `entries` entries. KM_IO: the library isn't installed. KM_MEMORY. */
+km_status km_orthogonal_create(int rows, int columns, int entries, km_orthogonal **out, km_error *error);
+void km_orthogonal_free(km_orthogonal *q);
+
+/* The matrix to fill before km_orthogonal_factor, by columns: entries start[c] … start[c+1]-1 of `row`, ascending, and
+ * `value`. */
+typedef struct km_columns {
+  long *start, *row;
+  double *value;
+} km_columns;
+km_columns km_orthogonal_columns(km_orthogonal *q);
+
+/* Columns of which no more than `tolerance` is left over those before them count as spanned by these. False when out of
+ * memory. O(entries of R), by COLAMD's order. */
+bool km_orthogonal_factor(km_orthogonal *q, double tolerance);
+int km_orthogonal_rank(const km_orthogonal *q);
+
+/* Takes out of v[rows] what the columns span of it. False when out of memory. */
+bool km_orthogonal_reject(km_orthogonal *q, double *v);
+/* |v|² of what the columns span of each of `count` vectors v[rows · count]. False when out of memory. */
+bool km_orthogonal_squares(km_orthogonal *q, double *v, int count, double *squares);
+/* The x[rows] of least |x| with Aᵀx = b[columns], which must have one. False when out of memory. */
+bool km_orthogonal_least(km_orthogonal *q, const double *b, double *x);
+
+#endif

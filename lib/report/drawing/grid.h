@@ -1,0 +1,25 @@
+/* Which of many things on a page lie about a place: a grid of cells, each with those whose frames meet it. Private to
+ * drawing/. */
+#ifndef KM_DRAWING_GRID_H
+#define KM_DRAWING_GRID_H
+
+#include "report/drawing/parts.h"
+
+typedef struct km_grid {
+  double left, top, cell; /* size of a cell */
+  int columns, rows;
+  int *first, *item; /* [cells + 1] into the items */
+  unsigned *seen;    /* [count] the last question that met an item */
+  unsigned question;
+  int *found; /* [count] the answer */
+} km_grid;
+
+/* Of `count` things that lie within frames; what lies off `place` counts to the cells at its edge. False when out of
+ * memory. */
+bool km_grid_make(km_grid *grid, km_rectangle place, double cell, const km_rectangle *frames, size_t count,
+                  km_arena *arena);
+
+/* How many things may meet a frame: their numbers, each once, in grid->found. */
+int km_grid_find(km_grid *grid, km_rectangle frame);
+
+#endif

@@ -1,0 +1,116 @@
+/* Reactions by sparse matrices against those by dense ones: two formulations, one of the loops and one of the bodies. */
+#include "support/lattices.h"
+#include "support/random_mechanism.h"
+#include "support/support.h"
+
+#include "analysis/statics.h"
+
+#include <math.h>
+
+enum { LOADS = 4 };
+
+static km_forces *load_randomly(fixture *f, randomness *r) {
+  km_load loads[LOADS];
+  km_forces *forces = NULL;
+  for (int i = 0; i < LOADS; ++i) {
+    loads[i] = (km_load){.frame = below(r, f->model->frame_count)};
+    for (int k = 0; k < 3; ++k) {
+      loads[i].force[k] = uniform(r, -10.0, 10.0);
+      loads[i].torque[k] = uniform(r, -10.0, 10.0);
+    }
+  }
+  assert_int_equal(km_forces_create(f->mechanism, NULL, loads, LOADS, &forces, NULL), KM_OK);
+  return forces;
+}
+
+/* From now on every substructure is solved as a large one. */
+static void make_large(fixture *f, km_statics *statics) {
+  km_statics_work *w = statics->work;
+  for (int i = 0; i < f->mechanism->topology.substructure_count; ++i) {
+    km_carrying *c = &w->carrying[i];
+    if (c->large)
+      continue;
+    c->mixed = KM_ARENA_NEW(&w->arena, bool, 6 * (size_t)c->joints);
+    assert_non_null(c->mixed);
+    assert_int_equal(km_equilibrium_create(f->mechanism, i, &c->large, NULL), KM_OK);
+  }
+}
+
+static double largest_of(const km_statics *statics, int joints) {
+  double largest = 0.0;
+  for (int j = 0; j < joints; ++j)
+    for (int k = 0; k < 3; ++k)
+      largest = fmax(largest, fmax(fabs(statics->reactions[j].force[k]), fabs(statics->reactions[j].torque[k])));
+  return largest;
+}
+
+static void compare(fixture *f, randomness *r) {
+  km_statics small, large;
+  km_mobility mobility;
+  km_forces *forces = load_randomly(f, r);
+  int joints = f->model->joint_count;
+  km_mobility_update(f->mechanism, f->state, &mobility);
+  assert_int_equal(km_statics_create(f->mechanism, NULL, 0, KM_AXES_JOINT, &small, NULL), KM_OK);
+  assert_int_equal(km_statics_create(f->mechanism, NULL, 0, KM_AXES_JOINT, &large, NULL), KM_OK);
+  make_large(f, &large);
+  km_statics_update(f->mechanism, f->state, forces, &small);
+  km_statics_update(f->mechanism, f->state, forces, &large);
+  assert_int_equal(small.degree, large.degree);
+  /* Both lose as many digits as the smallest pivot has less than 1: a thousandth is left to them. */
+  double tolerance = 1e-9 * fmax(1.0, largest_of(&small, joints));
+  for (int j = 0; j < joints; ++j)
+    for (int k = 0; k < 3; ++k) {
+      const km_reaction *a = &small.reactions[j], *b = &large.reactions[j];
+      assert_near(a->force[k], b->force[k], tolerance);
+      assert_near(a->torque[k], b->torque[k], tolerance);
+      assert_int_equal(a->indeterminate[k], b->indeterminate[k]);
+      assert_int_equal(a->indeterminate[3 + k], b->indeterminate[3 + k]);
+    }
+  km_statics_free(&small);
+  km_statics_free(&large);
+  km_forces_free(forces);
+}
+
+static void shipped_models(void **state) {
+  (void)state;
+  randomness r = {3};
+  for (const char *const *name = all_models; *name; ++name) {
+    fixture f = fixture_open(*name);
+    compare(&f, &r);
+    fixture_close(&f);
+  }
+}
+
+/* With gears, at any pose. */
+static void random_mechanisms(void **state) {
+  (void)state;
+  for (uint64_t seed = 1; seed <= 150; ++seed) {
+    randomness r = {seed};
+    char *text = random_mechanism(&r, true);
+    fixture f = fixture_read(text);
+    km_free(text);
+    if (f.mechanism->coordinate_count)
+      go_somewhere(&f, &r);
+    compare(&f, &r);
+    fixture_close(&f);
+  }
+}
+
+static void lattices(void **state) {
+  (void)state;
+  randomness r = {5};
+  for (int kind = 0; kind < 2; ++kind) {
+    km_text text = {0};
+    (kind ? write_miura : write_trellis)(&text, 4, 4, 0.0);
+    fixture f = fixture_read(text.data);
+    compare(&f, &r);
+    km_text_free(&text);
+    fixture_close(&f);
+  }
+}
+
+int main(void) {
+  const struct CMUnitTest tests[] = {cmocka_unit_test(shipped_models), cmocka_unit_test(random_mechanisms),
+                                     cmocka_unit_test(lattices)};
+  return cmocka_run_group_tests(tests, NULL, NULL);
+}
