@@ -226,6 +226,15 @@ static void check_frames(const km_model *model, km_findings *f) {
           model->bodies[model->frames[i].body].name);
 }
 
+static void check_turn(const km_mechanism *m, const km_state *s, int c, km_findings *f) {
+  const km_model_joint *joint = &m->model->joints[m->model->coordinates[c].joint];
+  double over = km_state_over_turned(m, c, &s->q[c]), unit = m->model->units.angle->si;
+  if (over > 1e-9)
+    add(f, KM_FINDING_FAULT, "limits", "start inside the limits, or widen them",
+        "joint %s starts turned by %.6g %s, past its limit of %g", joint->label, (over + m->most_turn[c]) / unit,
+        km_model_coordinate_unit(m->model, c), joint->most_turn);
+}
+
 static void check_start(const km_mechanism *m, const km_state *s, km_findings *f) {
   const km_model *model = m->model;
   for (int c = 0; c < model->coordinate_count; ++c) {
@@ -235,6 +244,7 @@ static void check_start(const km_mechanism *m, const km_state *s, km_findings *f
     if (q < def->low - slack || q > def->high + slack)
       add(f, KM_FINDING_FAULT, "limits", "start inside the limits, or widen them",
           "joint %s starts at %.6g %s, outside its limits [%g, %g]", def->label, q, unit, def->low, def->high);
+    check_turn(m, s, c, f);
     if (!m->held[c] && fabs(s->q[c] - m->start[c]) > 1e-3 * m->unit[c])
       add(f, KM_FINDING_WARNING, "start", "write the closed pose with kmob convert",
           "joint %s is given at %.6g %s, but the loops close at %.6g %s", def->label, def->position, unit, q, unit);

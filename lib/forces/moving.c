@@ -26,7 +26,8 @@ static void list_bodies(const km_model *model, const km_forces *f, bool *seen) {
 
 static bool has_stop(const km_mechanism *m, int c) {
   const km_joint_stop *stop = &m->model->joints[m->model->coordinates[c].joint].stop;
-  return (stop->stiffness > 0.0 || stop->damping > 0.0) && (isfinite(m->low[c]) || isfinite(m->high[c]));
+  bool limited = isfinite(m->low[c]) || isfinite(m->high[c]) || isfinite(m->most_turn[c]);
+  return (stop->stiffness > 0.0 || stop->damping > 0.0) && limited;
 }
 
 static void list_coordinates(const km_mechanism *m, km_moving_forces *out) {
@@ -129,18 +130,35 @@ static double beyond(const km_mechanism *m, const km_state *s, int c) {
   return s->q[c] > m->high[c] ? s->q[c] - m->high[c] : s->q[c] < m->low[c] ? s->q[c] - m->low[c] : 0.0;
 }
 
-/* A stop pushes back with k x + b v and never pulls. What it takes is what it doesn't store. */
+/* A push against a rate, k x + b v, that never pulls. What it takes is what it doesn't store. */
+static double push_of(const km_joint_stop *stop, double x, double v, km_forces *f) {
+  double push = stop->stiffness * x + stop->damping * v;
+  push = push * x > 0.0 ? push : 0.0;
+  f->moving->dissipation += (push - stop->stiffness * x) * v;
+  return push;
+}
+
+/* The angle of a ball grows along its own axis, q/|q|: the same in both frames. */
+static void add_stop_of_ball(const km_mechanism *m, const km_state *s, int c, km_forces *f) {
+  const km_joint_stop *stop = &m->model->joints[m->model->coordinates[c].joint].stop;
+  double x = km_state_over_turned(m, c, &s->q[c]);
+  if (!(x > 0.0))
+    return;
+  km_vec3 q = km_vec3_make(&s->q[c]), u = km_vec3_scale(1.0 / km_vec3_norm(q), q);
+  double push = push_of(stop, x, km_vec3_dot(u, km_vec3_make(&s->rate[c])), f);
+  f->joint[c] -= push * u.x;
+  f->joint[c + 1] -= push * u.y;
+  f->joint[c + 2] -= push * u.z;
+}
+
 static void add_stops(const km_mechanism *m, const km_state *s, km_forces *f) {
   for (int i = 0; i < f->moving->stop_count; ++i) {
     int c = f->moving->stops[i];
     const km_joint_stop *stop = &m->model->joints[m->model->coordinates[c].joint].stop;
-    double x = beyond(m, s, c), v = s->rate[c];
-    if (x == 0.0)
-      continue;
-    double push = stop->stiffness * x + stop->damping * v;
-    push = push * x > 0.0 ? push : 0.0;
-    f->joint[c] -= push;
-    f->moving->dissipation += (push - stop->stiffness * x) * v;
+    double x = beyond(m, s, c);
+    if (x != 0.0)
+      f->joint[c] -= push_of(stop, x, s->rate[c], f);
+    add_stop_of_ball(m, s, c, f);
   }
 }
 
@@ -149,7 +167,8 @@ double km_stops_energy(const km_mechanism *m, const km_state *s, const km_forces
   for (int i = 0; i < f->moving->stop_count; ++i) {
     int c = f->moving->stops[i];
     double x = beyond(m, s, c);
-    energy += 0.5 * m->model->joints[m->model->coordinates[c].joint].stop.stiffness * x * x;
+    double turned = fmax(km_state_over_turned(m, c, &s->q[c]), 0.0);
+    energy += 0.5 * m->model->joints[m->model->coordinates[c].joint].stop.stiffness * (x * x + turned * turned);
   }
   return energy;
 }

@@ -284,20 +284,28 @@ bool km_coordinate_turns(const km_mechanism *m, int c) {
   return m->ball_of[c] < 0 && type != KM_SCREW && !km_joint_is_length(type, def->index);
 }
 
-/* How far q is above (> 0) or below (< 0) the limits of coordinate c; 0 within them, rounding included. */
-static double excess(const km_mechanism *m, int c, double q) {
-  double slack = 1e-12 * (m->unit[c] + fabs(q));
-  return q > m->high[c] + slack ? q - m->high[c] : q < m->low[c] - slack ? q - m->low[c] : 0.0;
+double km_state_over_turned(const km_mechanism *m, int c, const double *q) {
+  return m->most_turn[c] < HUGE_VAL ? km_vec3_norm(km_vec3_make(q)) - m->most_turn[c] : -HUGE_VAL;
+}
+
+/* How far coordinate c, whose value is at q, is above (> 0) or below (< 0) its limits; 0 within them, rounding
+ * included. The limit of a ball's angle counts as one of its first coordinate. */
+static double excess(const km_mechanism *m, int c, const double *q) {
+  double slack = 1e-12 * (m->unit[c] + fabs(*q)), turned = km_state_over_turned(m, c, q);
+  return turned > slack            ? turned
+         : *q > m->high[c] + slack ? *q - m->high[c]
+         : *q < m->low[c] - slack  ? *q - m->low[c]
+                                   : 0.0;
 }
 
 bool km_state_is_outside(const km_state *s, int coordinate) {
-  return excess(s->mechanism, coordinate, s->q[coordinate]) != 0.0;
+  return excess(s->mechanism, coordinate, &s->q[coordinate]) != 0.0;
 }
 
 int km_state_outside(const km_state *s, const km_substructure *sub) {
   for (int k = 0; k < sub->columns; ++k) {
     int c = s->mechanism->column_coordinate[sub->column_start + k];
-    if (excess(s->mechanism, c, s->q[c]) != 0.0)
+    if (excess(s->mechanism, c, &s->q[c]) != 0.0)
       return c;
   }
   return -1;
@@ -306,8 +314,10 @@ int km_state_outside(const km_state *s, const km_substructure *sub) {
 int km_state_limit_passed(const km_state *s, const km_substructure *sub, const double *saved) {
   for (int k = 0; k < sub->columns; ++k) {
     int c = s->mechanism->column_coordinate[sub->column_start + k];
-    double out = excess(s->mechanism, c, s->q[c]);
-    if (out * (s->q[c] - saved[k]) > 0.0)
+    double out = excess(s->mechanism, c, &s->q[c]), went = s->q[c] - saved[k];
+    if (out != 0.0 && s->mechanism->most_turn[c] < HUGE_VAL) /* a ball's three coordinates are neighbours */
+      went = km_state_over_turned(s->mechanism, c, &s->q[c]) - km_state_over_turned(s->mechanism, c, &saved[k]);
+    if (out * went > 0.0)
       return c;
   }
   return -1;
@@ -336,7 +346,8 @@ int km_state_limit_touched(const km_state *s, const km_substructure *sub, const 
     for (int i = turns(move, t0[k], t1[k], h, at) - 1; i >= 0; --i) {
       double u = at[i], bend = h * u * (1.0 - u) * (t0[k] * (1.0 - u) - t1[k] * u);
       double way = m->unit[c] * (move * u * u * (3.0 - 2.0 * u) + bend);
-      if (u > 0.0 && u < 1.0 && excess(m, c, saved[k] + way) * way > 0.0)
+      double q = saved[k] + way;
+      if (u > 0.0 && u < 1.0 && excess(m, c, &q) * way > 0.0)
         return c;
     }
   }

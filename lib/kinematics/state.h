@@ -105,6 +105,9 @@ void km_state_save(const km_state *state, const km_substructure *sub, double *sa
 void km_state_restore(km_state *state, const km_substructure *sub, const double *saved);
 /* The scaled step that leads from the saved coordinates to the present ones. */
 void km_state_difference(const km_state *state, const km_substructure *sub, const double *saved, double *step);
+/* How far a ball whose first coordinate is c, with the rotation vector q[3], is past the limit of its angle; negative:
+ * within it, -infinity where there is none. */
+double km_state_over_turned(const km_mechanism *mechanism, int c, const double *q);
 /* Is the coordinate outside its limits, by more than rounding? */
 bool km_state_is_outside(const km_state *state, int coordinate);
 /* The coordinate of the substructure that is outside its limits; -1 none. */

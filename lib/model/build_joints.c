@@ -33,6 +33,10 @@ static km_status check_joint(const km_joint_def *def, const char *name, int free
     if (!(def->low[k] <= def->high[k]))
       return km_fail(error, KM_MODEL, "joint \"%.80s\": found limits [%g, %g]; expected low ≤ high", name, def->low[k],
                      def->high[k]);
+  if (!(def->most_turn >= 0.0 && def->most_turn <= 1e60) || (def->type != KM_SPHERICAL && def->most_turn != 0.0))
+    return km_fail(error, KM_MODEL,
+                   "joint \"%.80s\": found %g as the largest turn; expected an angle, and it only on a spherical joint",
+                   name, def->most_turn);
   for (size_t k = 0; k < n; ++k)
     if (check_drive(def, name, k, error))
       return KM_MODEL;
@@ -125,6 +129,7 @@ km_status km_model_add_joint(km_builder *b, const km_joint_def *def, km_joint_id
                        .frame = {frame[0], frame[1]},
                        .first_coordinate = m->coordinate_count,
                        .pitch = def->pitch,
+                       .most_turn = def->most_turn,
                        .friction = {def->friction, def->friction_radius, def->stiction_velocity},
                        .stop = {def->stop_stiffness, def->stop_damping},
                        .prescribed = {def->law, def->law_count, values},

@@ -86,7 +86,7 @@ static void join(km_mesh *mesh, const int *same, int *number) {
     }
   for (int t = 0; t < mesh->triangle_count; ++t) {
     const int *c = mesh->triangles[t].corner;
-    km_triangle triangle = {{number[same[c[0]]], number[same[c[1]]], number[same[c[2]]]}};
+    km_triangle triangle = {{number[same[c[0]]], number[same[c[1]]], number[same[c[2]]]}, mesh->triangles[t].color};
     c = triangle.corner;
     if (c[0] != c[1] && c[1] != c[2] && c[2] != c[0])
       mesh->triangles[triangles++] = triangle;

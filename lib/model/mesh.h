@@ -8,7 +8,8 @@
 #include <stdbool.h>
 
 typedef struct km_triangle {
-  int corner[3]; /* vertices, counter-clockwise seen from outside */
+  int corner[3];  /* vertices, counter-clockwise seen from outside */
+  unsigned color; /* 0x1RRGGBB; 0: none is stated */
 } km_triangle;
 
 typedef struct km_mesh {

@@ -71,6 +71,7 @@ typedef struct km_model_joint {
   int frame[2];         /* parent, child */
   int first_coordinate; /* into the coordinates */
   double pitch;
+  double most_turn; /* of a spherical joint: limit of the angle |q|, in the file's unit; 0: none */
   km_joint_friction friction;
   km_joint_stop stop;
   km_joint_prescribed prescribed;

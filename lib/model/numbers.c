@@ -59,10 +59,14 @@ static void add_joints(km_model_numbers *n, km_model *m) {
   }
   for (int j = 0; j < m->joint_count; ++j) {
     km_model_joint *at = &m->joints[j];
-    const double *checked[] = {&at->pitch,           &at->friction.coefficient,
-                               &at->friction.radius, &at->friction.stiction_velocity,
-                               &at->stop.stiffness,  &at->stop.damping};
-    for (int k = 0; k < 6; ++k)
+    const double *checked[] = {&at->pitch,
+                               &at->most_turn,
+                               &at->friction.coefficient,
+                               &at->friction.radius,
+                               &at->friction.stiction_velocity,
+                               &at->stop.stiffness,
+                               &at->stop.damping};
+    for (int k = 0; k < 7; ++k)
       add(n, checked[k], 1, KM_NUMBER_CHECKED);
     if (at->prescribed.values)
       add(n, at->prescribed.values, law_size(&at->prescribed), KM_NUMBER_CHECKED);

@@ -48,6 +48,7 @@ bool km_compile_allocate(km_mechanism *m, km_walks *walks) {
   m->start_rate = KM_ARENA_NEW(arena, double, coordinates);
   m->low = KM_ARENA_NEW(arena, double, coordinates);
   m->high = KM_ARENA_NEW(arena, double, coordinates);
+  m->most_turn = KM_ARENA_NEW(arena, double, coordinates);
   m->max_rate = KM_ARENA_NEW(arena, double, coordinates);
   m->max_force = KM_ARENA_NEW(arena, double, coordinates);
   m->armature = KM_ARENA_NEW(arena, double, coordinates);
@@ -114,6 +115,8 @@ static void set_coordinates(km_mechanism *m, const km_hold *holds, int hold_coun
     m->start_rate[c] = factor * def->rate;
     m->low[c] = factor * def->low;
     m->high[c] = factor * def->high;
+    double turn = def->index == 0 ? model->joints[def->joint].most_turn : 0.0;
+    m->most_turn[c] = turn > 0.0 ? factor * turn : HUGE_VAL;
     m->max_rate[c] = factor * def->max_rate;
     m->max_force[c] = def->max_force;
     m->armature[c] = def->armature;

@@ -129,6 +129,7 @@ struct km_mechanism {
   double *start;        /* [coordinate] initial displacement: radians, or the model's length unit */
   double *start_rate;   /* [coordinate] initial rate, per time; 0 of held ones */
   double *low, *high;   /* [coordinate] limits, the same units */
+  double *most_turn;    /* [coordinate] limit of a ball's angle, at its first one; infinity: none */
   double *max_rate;     /* [coordinate] of the drive, the same units over the model's time unit; infinity: none */
   double *max_force;    /* [coordinate] of the drive, a force or (of angles) a torque; infinity: none */
   double *armature;     /* [coordinate] inertia of the drive's rotor: a mass, of angles times length² */

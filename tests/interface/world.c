@@ -1,6 +1,7 @@
 /* Opens a world of a linkage, of one whose state was never assembled, or of an arm on its path. */
 #include "interface/world.h"
 
+#include <dirent.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -208,6 +209,24 @@ void world_refused(km_status status, const char *function, const char *with) {
     return;
   printf("%s with %s: expected a status, found KM_OK\n", function, with);
   ++faults;
+}
+
+static char folder[] = "/tmp/kmech-calls-XXXXXX";
+
+void world_enter(void) {
+  if (mkdtemp(folder) && chdir(folder) == 0)
+    return;
+  fputs("can't make a folder\n", stderr);
+  exit(1);
+}
+
+void world_leave(void) {
+  DIR *list = opendir(folder);
+  for (struct dirent *entry = list ? readdir(list) : NULL; entry; entry = readdir(list))
+    unlink(entry->d_name); /* folders among them stay, and are none of ours */
+  if (list)
+    closedir(list);
+  rmdir(folder);
 }
 
 int world_faults(void) {

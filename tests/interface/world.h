@@ -78,5 +78,8 @@ void world_begin(const char *function, const char *with);
 /* A status of a call that had to be refused, or of one that may do. */
 void world_refused(km_status status, const char *function, const char *with);
 int world_faults(void);
+/* A folder of its own for files that calls write, as the current one; and gone again. */
+void world_enter(void);
+void world_leave(void);
 
 #endif

@@ -13,10 +13,10 @@ km_mesh *solid_prism(int n, double r, double h, double turn) {
     int next = (i + 1) % n;
     m->vertices[i] = (km_vec3){r * cos(a), r * sin(a), -0.5 * h};
     m->vertices[n + i] = (km_vec3){r * cos(a), r * sin(a), 0.5 * h};
-    m->triangles[4 * i] = (km_triangle){{bottom, next, i}};
-    m->triangles[4 * i + 1] = (km_triangle){{top, n + i, n + next}};
-    m->triangles[4 * i + 2] = (km_triangle){{i, next, n + next}};
-    m->triangles[4 * i + 3] = (km_triangle){{i, n + next, n + i}};
+    m->triangles[4 * i] = (km_triangle){.corner = {bottom, next, i}};
+    m->triangles[4 * i + 1] = (km_triangle){.corner = {top, n + i, n + next}};
+    m->triangles[4 * i + 2] = (km_triangle){.corner = {i, next, n + next}};
+    m->triangles[4 * i + 3] = (km_triangle){.corner = {i, n + next, n + i}};
   }
   return m;
 }

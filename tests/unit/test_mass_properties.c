@@ -17,7 +17,7 @@ static km_mesh *sphere(int levels) {
     m->vertices[3 * t] = (km_vec3){x, 0, 0};
     m->vertices[3 * t + (mirrored ? 2 : 1)] = (km_vec3){0, y, 0};
     m->vertices[3 * t + (mirrored ? 1 : 2)] = (km_vec3){0, 0, z};
-    m->triangles[t] = (km_triangle){{3 * t, 3 * t + 1, 3 * t + 2}};
+    m->triangles[t] = (km_triangle){.corner = {3 * t, 3 * t + 1, 3 * t + 2}};
   }
   for (int l = 0; l < levels; ++l) {
     km_mesh *fine = km_mesh_create(12 * m->triangle_count, 4 * m->triangle_count);
@@ -119,7 +119,7 @@ static void far_away(void **state) {
 }
 
 static void turn_round(km_triangle *t) {
-  *t = (km_triangle){{t->corner[0], t->corner[2], t->corner[1]}};
+  *t = (km_triangle){.corner = {t->corner[0], t->corner[2], t->corner[1]}};
 }
 
 static void inside_out(void **state) {

@@ -22,8 +22,11 @@ typedef struct told {
   double *J;      /* [6 × coordinates] by the spanning tree */
   double *moving; /* [6 × freedom] the twists that the loops allow */
   int coordinates, freedom;
+  bool weighs;        /* every free motion moves some mass */
+  double inverse[36]; /* the inverse of the inertia that the frame shows */
 } told;
 
+static const char *const pushes[6] = {"fx", "fy", "fz", "tx", "ty", "tz"};
 static const char *const rows[6] = {"vx", "vy", "vz", "wx", "wy", "wz"};
 
 /* The twists of the mechanism's own motions: J N. */
@@ -55,7 +58,11 @@ static km_status look(const kt_pose *pose, int frame, km_arena *arena, told *out
     status = km_motions_basis(pose->mechanism, pose->state, N, &out->freedom, error);
   if (!status)
     multiply(out->J, N, out->coordinates, out->freedom, out->moving);
-  return status;
+  if (status)
+    return status;
+  status = km_frame_inverse_inertia(pose->mechanism, pose->state, frame, out->inverse, error);
+  out->weighs = status == KM_OK;
+  return status == KM_MODEL ? KM_OK : status;
 }
 
 static void print_matrix(const double *M, int columns, km_text *out) {
@@ -64,6 +71,20 @@ static void print_matrix(const double *M, int columns, km_text *out) {
     for (int c = 0; c < columns; ++c)
       km_text_format(out, " %12.6g", M[6 * c + r] + 0.0);
     km_text_add(out, "\n");
+  }
+}
+
+/* What a push along an axis of the inertial frame feels, a force or a torque. */
+static void print_masses(const km_model *model, const told *t, km_text *out) {
+  const char *mass = model->units.mass->suffix, *length = model->units.length->suffix;
+  km_text_format(out, "\nmass that a push along each axis feels, from rest (forces %s, torques %s*%s²)\n", mass, mass,
+                 length);
+  for (int r = 0; r < 6; ++r) {
+    const double *block = t->inverse + (r < 3 ? 0 : 21), easy = t->inverse[7 * r];
+    if (easy > 1e-12 * (block[0] + block[7] + block[14]))
+      km_text_format(out, "  %s %12.6g\n", pushes[r], 1.0 / easy);
+    else
+      km_text_format(out, "  %s    it can't move\n", pushes[r]);
   }
 }
 
@@ -81,6 +102,10 @@ static void print(const options *o, const km_model *model, const told *t, km_tex
     km_text_format(out, "%s %s", c ? "," : "", model->coordinates[c].label);
   km_text_add(out, "\n");
   print_matrix(t->J, t->coordinates, out);
+  if (t->weighs)
+    print_masses(model, t, out);
+  else
+    km_text_add(out, "\nno masses that pushes feel: a free motion moves no mass\n");
 }
 
 static void add_matrix(km_value *record, const char *key, const double *M, int columns, km_arena *arena) {
@@ -104,6 +129,12 @@ static const km_value *record_of(const options *o, const kt_pose *pose, const to
     km_value_string(arena, labels, NULL, pose->model->coordinates[c].label);
   add_matrix(record, "jacobian", t->J, t->coordinates, arena);
   add_matrix(record, "motions", t->moving, t->freedom, arena);
+  if (t->weighs)
+    add_matrix(record, "inverse_inertia", t->inverse, 6, arena);
+  else
+    km_value_add(arena, record, "inverse_inertia", KM_NULL);
+  if (!t->weighs)
+    km_value_string(arena, record, "inverse_inertia_state", "a free motion moves no mass");
   return record;
 }
 
@@ -134,11 +165,12 @@ kt_exit kmob_frame(int argc, char **argv) {
   kt_common_options(&all, &o.request.common, KT_USES_FLOAT);
   kt_options_read(
       &all,
-      "Where a frame is in the inertial frame, how it moves with each coordinate along the spanning tree, and "
-      "which twists the loops leave it."
+      "Where a frame is in the inertial frame, how it moves with each coordinate along the spanning tree, "
+      "which twists the loops leave it, and the inertia that it shows."
       "\vJSON keys beside those of every record: frame, position, rotation (rows), coordinates (labels of the "
       "Jacobian's columns), jacobian and motions (six rows vx vy vz wx wy wz, inertial axes, at the frame's "
-      "origin; radians and the model's length unit).",
+      "origin; radians and the model's length unit), inverse_inertia (six rows: the twist per time that a unit force or "
+      "torque gives the frame from rest, in one over the model's mass unit; null where a free motion moves no mass).",
       argc, argv);
   if (!o.frame)
     return kt_usage(&o.request.common, "--frame", "is missing", "the frame, as crank/tip");

@@ -15,6 +15,7 @@ enum { OPTION_FORMAT = 0x3001 };
 bool kredund_tracks_read(kt_options *all, const char *about, int argc, char **argv, kredund_request *r,
                          kt_formats *formats) {
   const kt_option files[] = {
+      KT_POSE(r->common),
       {"format", 0, "LIST", KT_FORMATS_HELP, KT_FORMATS_KIND, &r->formats, KT_ABOUT_FILES},
       KT_BASE(&r->base, "Begin of the files' names (default: the study's name, or its folder's for study.json); - is "
                         "the standard output"),

@@ -140,8 +140,14 @@ static void add_frame_path(const writer *w, km_value *list, int frame) {
   km_value_string(w->arena, path, NULL, f->name);
 }
 
-static void add_limits(const writer *w, km_value *twin, const km_model_coordinate *c, int count) {
+static void add_limits(const writer *w, km_value *twin, const km_model_joint *joint, const km_model_coordinate *c,
+                       int count) {
+  const double turn[2] = {0.0, joint->most_turn};
   bool some = false;
+  if (joint->type == KM_SPHERICAL && joint->most_turn > 0.0) {
+    add_numbers(w, twin, "limits", turn, 2);
+    return;
+  }
   for (int k = 0; k < count; ++k)
     some = some || isfinite(c[k].low) || isfinite(c[k].high);
   if (!some)
@@ -173,7 +179,7 @@ static void add_joint(const writer *w, km_value *list, int index) {
   add_coordinates(w, twin, "initial_displacement", &c->position, count);
   add_coordinates(w, twin, "initial_velocity", &c->rate, count);
   add_coordinates(w, twin, "damping", &c->damping, count);
-  add_limits(w, twin, c, count);
+  add_limits(w, twin, joint, c, count);
   add_coordinates(w, twin, "max_rate", &c->max_rate, count);
   add_coordinates(w, twin, "max_force", &c->max_force, count);
   add_coordinates(w, twin, "armature", &c->armature, count);

@@ -26,8 +26,17 @@ static void read_coordinates(km_reader *reader, const km_value *joint, const cha
     values[k] = item->number;
 }
 
+/* One range on a ball is that of the angle by which it turns. */
+static void read_most_turn(km_reader *reader, const km_value *range, const km_place *at, km_model_joint *out) {
+  if (range->first->number == 0.0 && range->last->number > 0.0)
+    out->most_turn = range->last->number;
+  else
+    km_reader_error(reader, at, "found [%s, %s]; expected 0 and the largest angle of the ball's turn",
+                    KM_SHOWN(range->first->number), KM_SHOWN(range->last->number));
+}
+
 static void read_limits(km_reader *reader, const km_value *joint, int freedom, const km_place *place,
-                        km_model_coordinate *coordinates) {
+                        km_model_joint *out, km_model_coordinate *coordinates) {
   const km_value *limits = km_value_get(joint, "limits");
   for (int k = 0; k < freedom; ++k) {
     coordinates[k].low = -HUGE_VAL;
@@ -38,6 +47,10 @@ static void read_limits(km_reader *reader, const km_value *joint, int freedom, c
   km_place at = {place, "limits", 0};
   bool pairs = limits->first && limits->first->kind == KM_LIST;
   size_t given = pairs ? limits->count : 1;
+  if (!pairs && out->type == KM_SPHERICAL) {
+    read_most_turn(reader, limits, &at, out);
+    return;
+  }
   if (given != (size_t)freedom) {
     km_reader_error(reader, &at, "found %zu ranges; expected %d (one a coordinate of this type)", given, freedom);
     return;
@@ -235,7 +248,7 @@ void km_read_coordinates(km_reader *reader, const km_value *value, const km_plac
   for (int k = 0; k < freedom; ++k)
     model->coordinates[joint->first_coordinate + k] = (km_model_coordinate){
         .joint = index, .index = k, .position = position[k], .rate = rate[k], .damping = damping[k]};
-  read_limits(reader, value, freedom, place, &model->coordinates[joint->first_coordinate]);
+  read_limits(reader, value, freedom, place, joint, &model->coordinates[joint->first_coordinate]);
   read_drive(reader, value, freedom, place, &model->coordinates[joint->first_coordinate]);
 }
 

@@ -2,6 +2,7 @@
 #include "exchange/mesh/model_meshes.h"
 #include "exchange/mesh/shapes.h"
 
+#include <math.h>
 #include <string.h>
 #include <unistd.h>
 
@@ -36,6 +37,14 @@ static km_status read_mesh(const km_model *model, const km_model_body *body, km_
   return status;
 }
 
+static void paint(km_mesh *mesh, const double color[4]) {
+  unsigned code = 1;
+  for (int k = 0; k < 3; ++k)
+    code = code << 8 | (unsigned)lround(255.0 * color[k]);
+  for (int t = 0; t < mesh->triangle_count; ++t)
+    mesh->triangles[t].color = color[3] > 0.0 ? code : 0;
+}
+
 km_status km_model_read_meshes(const km_model *model, km_mesh ***meshes, km_error *error) {
   int count = 0;
   km_status status = KM_OK;
@@ -49,9 +58,13 @@ km_status km_model_read_meshes(const km_model *model, km_mesh ***meshes, km_erro
     }
   for (int s = 0; s < model->shape_count && !status; ++s, ++count) {
     km_mesh *part = NULL;
+    if (model->shapes[s].color[3] == 0.0) /* it can't be seen */
+      continue;
     status = km_shape_mesh(model, &model->shapes[s], &part, error);
-    if (!status)
+    if (!status) {
+      paint(part, model->shapes[s].color);
       status = km_mesh_join(&list[model->shapes[s].body], part, error);
+    }
   }
   if (!status && count == 0)
     return km_fail(error, KM_USAGE,

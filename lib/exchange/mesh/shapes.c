@@ -15,7 +15,7 @@ static km_mesh *box(const double size[3]) {
     mesh->vertices[v] =
         (km_vec3){(v & 1 ? 0.5 : -0.5) * size[0], (v & 2 ? 0.5 : -0.5) * size[1], (v & 4 ? 0.5 : -0.5) * size[2]};
   for (int t = 0; mesh && t < 12; ++t)
-    mesh->triangles[t] = (km_triangle){{faces[t][0], faces[t][1], faces[t][2]}};
+    mesh->triangles[t] = (km_triangle){.corner = {faces[t][0], faces[t][1], faces[t][2]}};
   return mesh;
 }
 
@@ -35,12 +35,12 @@ static km_mesh *turned(const double (*profile)[2], int rings) {
     }
   for (int k = 0; k < AROUND; ++k) {
     int next = (k + 1) % AROUND, last = 1 + (rings - 1) * AROUND;
-    mesh->triangles[count++] = (km_triangle){{0, 1 + next, 1 + k}};
-    mesh->triangles[count++] = (km_triangle){{top, last + k, last + next}};
+    mesh->triangles[count++] = (km_triangle){.corner = {0, 1 + next, 1 + k}};
+    mesh->triangles[count++] = (km_triangle){.corner = {top, last + k, last + next}};
     for (int r = 0; r + 1 < rings; ++r) {
       int a = 1 + r * AROUND + k, b = 1 + r * AROUND + next, c = a + AROUND, d = b + AROUND;
-      mesh->triangles[count++] = (km_triangle){{a, b, c}};
-      mesh->triangles[count++] = (km_triangle){{b, d, c}};
+      mesh->triangles[count++] = (km_triangle){.corner = {a, b, c}};
+      mesh->triangles[count++] = (km_triangle){.corner = {b, d, c}};
     }
   }
   return mesh;

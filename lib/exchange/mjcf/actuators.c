@@ -84,7 +84,4 @@ void km_mjcf_read_actuators(km_mjcf *m) {
       else
         driven[joint] = true;
     }
-  for (const km_xml *list = km_xml_child(m->root, "tendon"); list; list = km_xml_next(list))
-    for (const km_xml *e = list->first; e; e = e->next)
-      km_robot_omit(m->robot, "tendons left out", km_xml_attribute_of(e, "name"));
 }

@@ -174,6 +174,12 @@ static void read_coupling(km_mjcf *m, const km_xml *e) {
                   (km_coordinate_ref){second ? m->joints[two].id : (km_joint_id){0}, 0}, c, 5);
 }
 
+static void read_tendons(km_mjcf *m, const km_xml *e) {
+  double c[5];
+  if (read_polynomial(m->robot, e, c))
+    km_mjcf_couple_tendons(m, e, c);
+}
+
 static void read_equality(km_mjcf *m, const km_xml *e) {
   if (!is_active(e))
     km_robot_omit(m->robot, "constraints that aren't active left out", km_xml_attribute_of(e, "name"));
@@ -181,6 +187,8 @@ static void read_equality(km_mjcf *m, const km_xml *e) {
     read_loop(m, e, e->name[0] == 'w');
   else if (strcmp(e->name, "joint") == 0)
     read_coupling(m, e);
+  else if (strcmp(e->name, "tendon") == 0)
+    read_tendons(m, e);
   else
     km_robot_warn(m->robot, e, "a constraint of the kind \"%.40s\" is left out; the model moves more freely without it",
                   e->name);

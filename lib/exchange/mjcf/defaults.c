@@ -24,6 +24,8 @@ static void read_settings(km_mjcf *m, const km_xml *e) {
     memcpy(c->order, order, 3);
   if (limits)
     c->autolimits = is_true(limits);
+  if (km_xml_attribute_of(e, "exactmeshinertia"))
+    c->exact_meshes = is_true(km_xml_attribute_of(e, "exactmeshinertia"));
   if (from)
     c->from_geoms = is_true(from) ? KM_MJCF_YES : strcmp(from, "false") == 0 ? KM_MJCF_NO : KM_MJCF_AUTO;
   if (coordinate && strcmp(coordinate, "global") == 0)
@@ -35,7 +37,7 @@ static void read_settings(km_mjcf *m, const km_xml *e) {
 }
 
 void km_mjcf_read_compiler(km_mjcf *m) {
-  m->compiler = (km_mjcf_compiler){M_PI / 180.0, {'x', 'y', 'z'}, true, KM_MJCF_AUTO, {0, 5}, 0, 0, NULL};
+  m->compiler = (km_mjcf_compiler){M_PI / 180.0, {'x', 'y', 'z'}, true, KM_MJCF_AUTO, {0, 5}, 0, 0, false, NULL};
   for (const km_xml *e = km_xml_child(m->root, "compiler"); e; e = km_xml_next(e))
     read_settings(m, e);
 }

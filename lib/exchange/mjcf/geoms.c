@@ -60,8 +60,12 @@ void km_mjcf_weigh(km_mjcf *m, const km_xml *geom, const km_mjcf_place *place, k
   km_pose own;
   if (!has_line(m, geom, place, &s, &own))
     own = km_mjcf_pose(m, geom, place);
-  if (mesh || !solid_of(&s, &solid)) {
-    km_robot_omit(m->robot, "shapes that aren't weighed, as they are meshes or have no plain form",
+  bool known =
+      mesh && strcmp(s.type, "mesh") == 0 ? km_mjcf_weigh_mesh(m, mesh, &solid) : !mesh && solid_of(&s, &solid);
+  if (!known) {
+    km_robot_omit(m->robot,
+                  "shapes that aren't weighed, as their mesh isn't found, counts by its convex hull or gives a plain "
+                  "form its size",
                   km_xml_attribute_of(geom, "name"));
     return;
   }
@@ -87,26 +91,6 @@ km_mass km_mjcf_inertial(km_mjcf *m, const km_xml *e, const km_mjcf_place *place
   return km_mass_moved(&pose, mass);
 }
 
-/* The file of a mesh, and its scale; false: there is none of that name. */
-static bool find_mesh(km_mjcf *m, const char *name, km_shape_def *def) {
-  const km_mjcf_place place = {km_pose_identity(), NULL, ""};
-  for (const km_xml *list = km_xml_child(m->root, "asset"); list; list = km_xml_next(list))
-    for (const km_xml *e = km_xml_child(list, "mesh"); e; e = km_xml_next(e)) {
-      const char *own = km_xml_attribute_of(e, "name"), *file = km_xml_attribute_of(e, "file");
-      const char *slash = file ? strrchr(file, '/') : NULL, *base = slash ? slash + 1 : file;
-      size_t stem = base ? strcspn(base, ".") : 0;
-      bool named = own ? strcmp(own, name) == 0 : base && strlen(name) == stem && strncmp(base, name, stem) == 0;
-      if (!named || !file)
-        continue;
-      def->mesh =
-          km_robot_mesh(m->robot, km_robot_text(m->robot, "%s%s%s", m->compiler.meshes ? m->compiler.meshes : "",
-                                                m->compiler.meshes ? "/" : "", file));
-      km_mjcf_numbers(m, e, &place, "scale", def->scale, 3);
-      return true;
-    }
-  return false;
-}
-
 /* Sizes are halves, but for radii. */
 static bool set_kind(const shape *s, km_shape_def *def) {
   bool box = strcmp(s->type, "box") == 0, cylinder = strcmp(s->type, "cylinder") == 0;
@@ -117,6 +101,22 @@ static bool set_kind(const shape *s, km_shape_def *def) {
   for (int k = 0; k < km_shape_sizes(def->kind); ++k)
     def->size[k] = (k == 0 && !box ? 1.0 : 2.0) * s->size[k];
   return def->kind != KM_SHAPE_SPHERE || strcmp(s->type, "sphere") == 0;
+}
+
+/* A geom's own colour, or that of its material. */
+static void read_color(km_mjcf *m, const km_xml *geom, const km_mjcf_place *place, double color[4]) {
+  const char *material = km_mjcf_get(m, geom, place, "material");
+  if (km_mjcf_numbers(m, geom, place, "rgba", color, 4) > 0 || !material)
+    return;
+  for (const km_xml *list = km_xml_child(m->root, "asset"); list; list = km_xml_next(list))
+    for (const km_xml *e = km_xml_child(list, "material"); e; e = km_xml_next(e)) {
+      const char *name = km_xml_attribute_of(e, "name");
+      if (name && strcmp(name, material) == 0) {
+        const km_mjcf_place plain = {km_pose_identity(), NULL, ""};
+        km_mjcf_numbers(m, e, &plain, "rgba", color, 4);
+        return;
+      }
+    }
 }
 
 void km_mjcf_show(km_mjcf *m, const km_xml *geom, const km_mjcf_place *place, km_body_id body) {
@@ -130,14 +130,20 @@ void km_mjcf_show(km_mjcf *m, const km_xml *geom, const km_mjcf_place *place, km
   km_pose own;
   if (!has_line(m, geom, place, &s, &own))
     own = km_mjcf_pose(m, geom, place);
+  km_mjcf_mesh found;
   if (mesh && strcmp(s.type, "mesh") == 0)
     def.kind = KM_SHAPE_OF_MESH;
-  bool known = def.kind == KM_SHAPE_OF_MESH ? find_mesh(m, mesh, &def) : set_kind(&s, &def);
+  bool known = def.kind == KM_SHAPE_OF_MESH ? km_mjcf_find_mesh(m, mesh, &found) : set_kind(&s, &def);
   if (!known) {
     km_robot_omit(m->robot, "shapes left out of drawings", km_xml_attribute_of(geom, "name"));
     return;
   }
-  km_mjcf_numbers(m, geom, place, "rgba", def.color, 4);
+  read_color(m, geom, place, def.color);
+  if (def.kind == KM_SHAPE_OF_MESH) {
+    def.mesh = km_robot_mesh(m->robot, found.file);
+    memcpy(def.scale, found.scale, sizeof def.scale);
+    own = km_pose_product(&own, &found.pose);
+  }
   km_pose pose = km_pose_product(&place->pose, &own);
   km_robot_shape(m->robot, geom, body, &def, &pose);
 }

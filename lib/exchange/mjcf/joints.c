@@ -50,7 +50,7 @@ static void read_limits(km_mjcf *m, const km_xml *e, const km_mjcf_place *place,
   if (!(automatic ? given && m->compiler.autolimits : strcmp(limited, "true") == 0))
     return;
   if (joint->type == KM_SPHERICAL)
-    km_robot_omit(m->robot, "limits of ball joints left out", joint->name);
+    km_robot_limit_turn(m->robot, joint, given ? bound(range[1]) * unit : 0.0);
   else
     km_robot_limit(m->robot, joint, 0, given ? bound(range[0]) * unit : 0.0, given ? bound(range[1]) * unit : 0.0);
 }

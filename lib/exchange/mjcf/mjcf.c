@@ -38,6 +38,7 @@ void km_mjcf_read(km_robot *robot, km_xml *root) {
   if (!robot->failed && !robot->arena.failed) {
     km_mjcf_read_constraints(&m);
     km_mjcf_read_actuators(&m);
+    km_mjcf_count_tendons(&m);
     km_mjcf_read_keyframes(&m);
     count_others(&m);
   }
@@ -46,4 +47,5 @@ void km_mjcf_read(km_robot *robot, km_xml *root) {
   km_names_free(&m.joint_names);
   km_names_free(&m.site_names);
   km_names_free(&m.driven_names);
+  km_names_free(&m.mesh_names);
 }

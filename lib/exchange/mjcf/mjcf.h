@@ -40,6 +40,7 @@ typedef struct km_mjcf_compiler {
   km_mjcf_answer from_geoms; /* masses are those of the geoms; auto: where a body states none */
   double groups[2];          /* of the geoms that weigh */
   double least_mass, least_inertia;
+  bool exact_meshes;  /* volumes of meshes are signed */
   const char *meshes; /* folder of the meshes; NULL: that of the file */
 } km_mjcf_compiler;
 
@@ -48,14 +49,15 @@ typedef struct km_mjcf {
   const km_xml *root;
   km_assembly_id assembly;
   km_mjcf_compiler compiler;
-  km_names class_names, body_names, joint_names, site_names, driven_names;
+  km_names class_names, body_names, joint_names, site_names, driven_names, mesh_names;
   km_mjcf_class *classes;
   km_mjcf_body *bodies; /* [0] is the world */
   km_mjcf_joint *joints;
   km_mjcf_site *sites;
-  double *most_forces; /* of the joints that actuators drive, by the names of those */
-  int class_count, body_count, joint_count, site_count, driven_count, copies;
-  size_t class_room, body_room, joint_room, site_room;
+  km_mass *mesh_masses; /* of the meshes that were weighed, by the names of those; of density 1 */
+  double *most_forces;  /* of the joints that actuators drive, by the names of those */
+  int class_count, body_count, joint_count, site_count, driven_count, mesh_count, copies;
+  size_t class_room, body_room, joint_room, site_room, mesh_room;
 } km_mjcf;
 
 /* Where elements stand: the pose of their frame in the body, the class of their defaults, what is added to names. */
@@ -83,6 +85,18 @@ double km_mjcf_number(km_mjcf *m, const km_xml *element, const km_mjcf_place *pl
 km_pose km_mjcf_pose(km_mjcf *m, const km_xml *element, const km_mjcf_place *place);
 km_vec3 km_mjcf_unit(km_robot *robot, const km_xml *at, const char *what, const double u[3]);
 
+/* A mesh of the assets: x = pose · scale · v. */
+typedef struct km_mjcf_mesh {
+  const km_xml *element;
+  const char *file;
+  double scale[3];
+  km_pose pose;
+} km_mjcf_mesh;
+/* False: there is none of that name. */
+bool km_mjcf_find_mesh(km_mjcf *m, const char *name, km_mjcf_mesh *out);
+/* Its mass properties, of density 1. False: there is no such mesh, or it can't be read or weighed. */
+bool km_mjcf_weigh_mesh(km_mjcf *m, const char *name, km_mass *out);
+
 /* Adds the mass of a geom to a sum, in the body's frame. */
 void km_mjcf_weigh(km_mjcf *m, const km_xml *geom, const km_mjcf_place *place, km_mass *sum);
 /* Adds a geom to what its body looks like. */
@@ -104,6 +118,10 @@ void km_mjcf_add_joint(km_mjcf *m, const km_xml *joint, const km_mjcf_place *pla
 /* Equality constraints and actuators, when the bodies are there. */
 void km_mjcf_read_constraints(km_mjcf *m);
 void km_mjcf_read_actuators(km_mjcf *m);
+/* The constraint between two fixed tendons, or of one of them, as a coupling; c: its polynomial. */
+void km_mjcf_couple_tendons(km_mjcf *m, const km_xml *constraint, const double c[5]);
+/* Counts the tendons that no coupling tells. */
+void km_mjcf_count_tendons(km_mjcf *m);
 /* Keyframes, as named poses. */
 void km_mjcf_read_keyframes(km_mjcf *m);
 /* The index of what an attribute names; -1: reported. */

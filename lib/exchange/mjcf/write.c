@@ -1,10 +1,10 @@
 /* A model as MJCF: nested bodies, with loops closed by constraints. */
-#include "exchange/robot/write.h"
+#include "exchange/mjcf/write.h"
 
 #include <math.h>
 #include <string.h>
 
-static void set_pose(km_written *w, const km_pose *X) {
+void km_mjcf_set_pose(km_written *w, const km_pose *X) {
   const double p[3] = {X->p.x, X->p.y, X->p.z};
   double q[4];
   km_written_quaternion(&X->R, q);
@@ -36,6 +36,20 @@ static void add_inertial(km_written *w, int body) {
   km_xml_end(&w->xml, "inertial");
 }
 
+/* A ball's angle counts from the pose that is written; that is the model's own where it stands at 0. */
+static void add_turn_limit(km_written *w, const km_written_motion *motion) {
+  double most = w->model->joints[w->model->coordinates[motion->coordinate].joint].most_turn;
+  const double range[2] = {0.0, most * w->model->units.angle->si}, *from = w->reference + motion->coordinate;
+  if (most == 0.0)
+    return;
+  if (from[0] != 0.0 || from[1] != 0.0 || from[2] != 0.0) {
+    km_written_omit(w, "limits of turned ball joints not written", motion->name);
+    return;
+  }
+  km_xml_set(&w->xml, "limited", "true");
+  km_xml_set_numbers(&w->xml, "range", range, 2, false);
+}
+
 /* What the joint's drive, friction and limits are. */
 static void set_dynamics(km_written *w, const km_written_motion *motion) {
   const km_model_coordinate *c = &w->model->coordinates[motion->coordinate];
@@ -45,8 +59,10 @@ static void set_dynamics(km_written *w, const km_written_motion *motion) {
   set_number(w, "frictionloss", c->friction * km_written_force(w, motion->coordinate));
   if (isfinite(c->max_rate))
     km_written_omit(w, "largest rates not written", motion->name);
-  if (motion->primitive == KM_BALL)
+  if (motion->primitive == KM_BALL) {
+    add_turn_limit(w, motion);
     return;
+  }
   if (isfinite(c->max_force)) {
     double most = c->max_force * km_written_force(w, motion->coordinate);
     km_xml_set_numbers(&w->xml, "actuatorfrcrange", (const double[2]){-most, most}, 2, false);
@@ -75,14 +91,12 @@ static void add_single(km_written *w, const km_written_motion *motion, const cha
   set_number(w, "ref", reference);
 }
 
-static const char *slide_of(km_written *w, const char *screw) {
-  return km_written_text(w, "%s:slide", screw);
-}
-
 /* One motion as a joint of the body, where the motion's frame at the file's pose is `in_body`. */
-static void add_motion(km_written *w, const km_written_motion *motion, const km_pose *in_body) {
+static void add_motion(km_written *w, km_mjcf_order *order, const km_written_motion *motion, const km_pose *in_body) {
   double reference = w->reference[motion->coordinate];
+  int joint = w->model->coordinates[motion->coordinate].joint;
   if (motion->primitive == KM_BALL) {
+    km_mjcf_remember(w, order, KM_MJCF_BALL, joint, motion);
     const double p[3] = {in_body->p.x, in_body->p.y, in_body->p.z};
     km_xml_begin(&w->xml, "joint");
     km_xml_set(&w->xml, "name", motion->name);
@@ -94,18 +108,21 @@ static void add_motion(km_written *w, const km_written_motion *motion, const km_
     return;
   }
   if (motion->primitive == KM_HELICAL) { /* a slide that follows the hinge */
-    add_single(w, motion, slide_of(w, motion->name), true, in_body, reference * motion->pitch);
+    km_mjcf_remember(w, order, KM_MJCF_SLIDE_OF_SCREW, joint, motion);
+    add_single(w, motion, km_mjcf_slide_of(w, motion->name), true, in_body, reference * motion->pitch);
     km_xml_end(&w->xml, "joint");
   }
+  km_mjcf_remember(w, order, KM_MJCF_SINGLE, joint, motion);
   add_single(w, motion, motion->name, motion->primitive == KM_PRISMATIC, in_body, reference);
   set_dynamics(w, motion);
   km_xml_end(&w->xml, "joint");
 }
 
 /* The joints of a body, whose pose in its parent is `X`. */
-static void add_joints(km_written *w, const km_written_joint *way, const km_pose *X) {
+static void add_joints(km_written *w, km_mjcf_order *order, const km_written_joint *way, const km_pose *X) {
   km_pose back = km_pose_inverse(X), at = km_pose_identity();
   if (w->model->joints[way->joint].type == KM_FLOAT && way->from == 0) {
+    km_mjcf_remember(w, order, KM_MJCF_FREE, way->joint, NULL);
     km_xml_begin(&w->xml, "freejoint");
     km_xml_set(&w->xml, "name", w->joints[way->joint]);
     km_xml_end(&w->xml, "freejoint");
@@ -114,7 +131,7 @@ static void add_joints(km_written *w, const km_written_joint *way, const km_pose
   for (int i = 0; i < way->count; ++i) {
     at = km_pose_product(&at, &way->motion[i].before);
     km_pose in_body = km_pose_product(&back, &at);
-    add_motion(w, &way->motion[i], &in_body);
+    add_motion(w, order, &way->motion[i], &in_body);
     km_pose step = km_written_motion_at(&way->motion[i], w->reference);
     at = km_pose_product(&at, &step);
   }
@@ -133,7 +150,7 @@ static void add_sites(km_written *w, int body) {
     X.p = km_vec3_scale(w->length, X.p);
     km_xml_begin(&w->xml, "site");
     km_xml_set(&w->xml, "name", km_written_text(w, "%s/%s", w->bodies[body], m->frames[f].name));
-    set_pose(w, &X);
+    km_mjcf_set_pose(w, &X);
     km_xml_end(&w->xml, "site");
   }
 }
@@ -168,15 +185,15 @@ static const char *twin_of(km_written *w, int joint) {
   return km_written_text(w, "%s:end", w->joints[joint]);
 }
 
-static void add_body(km_written *w, int body);
+static void add_body(km_written *w, km_mjcf_order *order, int body);
 
 /* What hangs on a body: the tree's bodies, and the massless ends of loops. */
-static void add_children(km_written *w, int body) {
+static void add_children(km_written *w, km_mjcf_order *order, int body) {
   for (int i = 0; i < w->ordered; ++i) {
     const km_model_joint *def = &w->model->joints[w->arc[w->order[i]]];
     int a = w->model->frames[def->frame[0]].body, b = w->model->frames[def->frame[1]].body;
     if ((a == w->order[i] ? b : a) == body)
-      add_body(w, w->order[i]);
+      add_body(w, order, w->order[i]);
   }
   for (int j = 0; j < w->model->joint_count; ++j) {
     if (w->in_tree[j] || w->model->frames[w->model->joints[j].frame[0]].body != body || !is_welded(w, j))
@@ -185,24 +202,25 @@ static void add_children(km_written *w, int body) {
     km_pose X = between(w, body, way.to);
     km_xml_begin(&w->xml, "body");
     km_xml_set(&w->xml, "name", twin_of(w, j));
-    set_pose(w, &X);
-    add_joints(w, &way, &X);
+    km_mjcf_set_pose(w, &X);
+    add_joints(w, order, &way, &X);
     km_xml_end(&w->xml, "body");
   }
 }
 
-static void add_body(km_written *w, int body) {
+static void add_body(km_written *w, km_mjcf_order *order, int body) {
   const km_model_joint *def = &w->model->joints[w->arc[body]];
   int a = w->model->frames[def->frame[0]].body;
   km_written_joint way = km_written_pass(w, w->arc[body], a == body ? w->model->frames[def->frame[1]].body : a);
   km_pose X = between(w, way.from, body);
   km_xml_begin(&w->xml, "body");
   km_xml_set(&w->xml, "name", w->bodies[body]);
-  set_pose(w, &X);
+  km_mjcf_set_pose(w, &X);
   add_inertial(w, body);
-  add_joints(w, &way, &X);
+  add_joints(w, order, &way, &X);
   add_sites(w, body);
-  add_children(w, body);
+  km_mjcf_write_geoms(w, body);
+  add_children(w, order, body);
   km_xml_end(&w->xml, "body");
 }
 
@@ -245,74 +263,15 @@ static void close_loop(km_written *w, int joint) {
   add_connect(w, km_written_text(w, "%s:axis", w->joints[joint]), from, way.to, km_vec3_add(X.p, along));
 }
 
-/* A polynomial P(y) = x as one in y - b of x - a. */
-static void count_from(double *c, int count, double a, double b) {
-  for (int i = 0; i < count; ++i)
-    for (int k = count - 2; k >= i; --k)
-      c[k] += b * c[k + 1];
-  c[0] -= a;
-}
-
-static const char *name_of_coordinate(const km_written *w, int coordinate) {
-  return w->model->coordinates[coordinate].label;
-}
-
-static void add_equality(km_written *w, const char *name, const char *one, const char *two, const double *c,
-                         int count) {
-  km_xml_begin(&w->xml, "joint");
-  km_xml_set(&w->xml, "name", name);
-  km_xml_set(&w->xml, "joint1", one);
-  if (two)
-    km_xml_set(&w->xml, "joint2", two);
-  km_xml_set_numbers(&w->xml, "polycoef", c, count, false);
-  km_xml_end(&w->xml, "joint");
-}
-
-static void add_coupling(km_written *w, const km_model_coupling *coupling) {
-  enum { MOST = 5 };
-  double c[MOST] = {0}, constant = coupling->constant;
-  int one = coupling->coordinates[0], two = coupling->count > 1 ? coupling->coordinates[1] : -1;
-  int count = coupling->polynomial_count ? coupling->polynomial_count : 2;
-  double scale = two >= 0 ? km_written_unit(w, two) : 1.0;
-  if (count > MOST || coupling->count > 2) {
-    km_written_omit(w, "couplings not written, as they have more than two joints or a degree above 4", coupling->name);
-    return;
-  }
-  if (coupling->ratios && coupling->ratios[0] == 0.0)
-    return;
-  for (int k = 0; k < coupling->count && !coupling->constant_given && coupling->ratios; ++k)
-    constant += coupling->ratios[k] * w->q[coupling->coordinates[k]] / km_written_unit(w, coupling->coordinates[k]);
-  for (int k = 0; k < coupling->polynomial_count; ++k)
-    c[k] = coupling->polynomial[k];
-  if (coupling->ratios) {
-    c[0] = constant / coupling->ratios[0];
-    c[1] = two >= 0 ? -coupling->ratios[1] / coupling->ratios[0] : 0.0;
-  }
-  for (int k = 0; k < count; ++k)
-    c[k] *= km_written_unit(w, one) / pow(scale, k);
-  count_from(c, count, w->reference[one], two >= 0 ? w->reference[two] : 0.0);
-  add_equality(w, coupling->name, name_of_coordinate(w, one), two >= 0 ? name_of_coordinate(w, two) : NULL, c, count);
-}
-
-static void add_screws(km_written *w) {
-  for (int j = 0; j < w->model->joint_count; ++j) {
-    const km_model_joint *def = &w->model->joints[j];
-    const double line[2] = {0.0, def->pitch * w->length / (2.0 * M_PI)};
-    if (def->type == KM_SCREW)
-      add_equality(w, slide_of(w, w->joints[j]), slide_of(w, w->joints[j]), w->joints[j], line, 2);
-  }
-}
-
 static void add_constraints(km_written *w) {
   const km_model *m = w->model;
   km_xml_begin(&w->xml, "equality");
   for (int j = 0; j < m->joint_count; ++j)
     if (!w->in_tree[j])
       close_loop(w, j);
-  add_screws(w);
-  for (int i = 0; i < m->coupling_count; ++i)
-    add_coupling(w, &m->couplings[i]);
+  km_mjcf_write_couplings(w);
   km_xml_end(&w->xml, "equality");
+  km_mjcf_write_tendons(w);
 }
 
 static void add_actuators(km_written *w) {
@@ -328,6 +287,7 @@ static void add_actuators(km_written *w) {
 }
 
 km_status km_mjcf_write(km_written *w, km_error *error) {
+  km_mjcf_order order = {0};
   const km_model *m = w->model;
   km_vec3 g = km_vec3_scale(w->length / (w->time * w->time), m->gravity);
   if (!km_written_refer(w, false))
@@ -340,15 +300,15 @@ km_status km_mjcf_write(km_written *w, km_error *error) {
   km_xml_begin(&w->xml, "option");
   km_xml_set_numbers(&w->xml, "gravity", (const double[3]){g.x, g.y, g.z}, 3, false);
   km_xml_end(&w->xml, "option");
+  km_mjcf_write_assets(w);
   km_xml_begin(&w->xml, "worldbody");
   add_sites(w, 0);
-  add_children(w, 0);
+  add_children(w, &order, 0);
   km_xml_end(&w->xml, "worldbody");
   add_constraints(w);
   add_actuators(w);
+  km_mjcf_write_keyframes(w, &order);
   km_xml_end(&w->xml, "mujoco");
   km_written_omit_forces(w);
-  for (int i = 0; i < m->pose_count; ++i)
-    km_written_omit(w, "named poses not written", m->poses[i].name);
   return KM_OK;
 }

@@ -21,21 +21,32 @@ static bool is_readable(const char *path) {
   return stat(path, &found) == 0 && S_ISREG(found.st_mode) && access(path, R_OK) == 0;
 }
 
-const char *km_robot_find(km_robot *robot, const char *name) {
-  const char *path = without_scheme(name), *file = robot->request->file, *slash = file ? strrchr(file, '/') : NULL;
-  const char *folder = slash ? km_robot_text(robot, "%.*s", (int)(slash - file), file) : ".";
-  if (path[0] == '/')
-    return is_readable(path) ? path : NULL;
-  const char *behind = path != name ? strchr(path, '/') : NULL; /* without the package's name */
+static const char *find_above(km_robot *robot, const char *folder, const char *path) {
   for (int n = 0; n < MOST_PARENTS && !robot->arena.failed; ++n) {
     const char *found = km_robot_text(robot, "%s/%s", folder, path);
     if (is_readable(found))
       return found;
-    if (behind && is_readable(found = km_robot_text(robot, "%s%s", folder, behind)))
-      return found;
     folder = km_robot_text(robot, "%s/..", folder);
   }
   return NULL;
+}
+
+static const char *folder_of(km_robot *robot) {
+  const char *file = robot->request->file, *slash = file ? strrchr(file, '/') : NULL;
+  return slash ? km_robot_text(robot, "%.*s", (int)(slash - file), file) : ".";
+}
+
+const char *km_robot_find_whole(km_robot *robot, const char *name) {
+  const char *path = without_scheme(name);
+  if (path[0] == '/')
+    return is_readable(path) ? path : NULL;
+  return find_above(robot, folder_of(robot), path);
+}
+
+const char *km_robot_find(km_robot *robot, const char *name) {
+  const char *path = without_scheme(name), *found = km_robot_find_whole(robot, name);
+  const char *behind = path != name && path[0] != '/' ? strchr(path, '/') : NULL; /* without the package's name */
+  return found || !behind ? found : find_above(robot, folder_of(robot), behind + 1);
 }
 
 km_xml *km_robot_read_file(km_robot *robot, const char *path, const km_xml *at) {

@@ -50,6 +50,7 @@ km_joint_id km_robot_add_joint(km_robot *robot, const km_robot_joint *joint) {
   def.parent = km_robot_frame(robot, joint->at, joint->parent, joint->name, &parent);
   def.child = km_robot_frame(robot, joint->at, joint->child, joint->name, &child);
   def.pitch = joint->pitch;
+  def.most_turn = joint->most_turn;
   memcpy(def.position, joint->position, sizeof def.position);
   memcpy(def.damping, joint->damping, sizeof def.damping);
   memcpy(def.low, joint->low, sizeof def.low);
@@ -119,6 +120,13 @@ void km_robot_limit(km_robot *robot, km_robot_joint *joint, int k, double low, d
   } else {
     km_robot_omit(robot, "limits left out, as the lower one isn't below the upper one", joint->name);
   }
+}
+
+void km_robot_limit_turn(km_robot *robot, km_robot_joint *joint, double most) {
+  if (most > 0.0)
+    joint->most_turn = isfinite(most) ? most : 0.0;
+  else
+    km_robot_omit(robot, "limits left out, as the lower one isn't below the upper one", joint->name);
 }
 
 void km_robot_drive(km_robot *robot, km_robot_joint *joint, int k, double force, double rate) {

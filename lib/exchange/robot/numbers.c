@@ -47,11 +47,7 @@ int km_robot_parse_some(km_robot *robot, const km_xml *at, const char *what, con
 }
 
 bool km_robot_parse(km_robot *robot, const km_xml *at, const char *what, const char *text, double *out, int count) {
-  double values[16];
-  if (km_robot_parse_some(robot, at, what, text, values, count, count) < 0)
-    return false;
-  memcpy(out, values, (size_t)count * sizeof *out);
-  return true;
+  return km_robot_parse_some(robot, at, what, text, out, count, count) == count;
 }
 
 bool km_robot_numbers(km_robot *robot, const km_xml *element, const char *attribute, double *out, int count) {

@@ -49,7 +49,8 @@ void km_robot_omit(km_robot *robot, const char *kind, const char *name);
 /* Text that lives as long as the reading; "" when out of memory. */
 const char *km_robot_text(km_robot *robot, const char *format, ...) __attribute__((format(printf, 2, 3)));
 
-/* Finite numbers between blanks. False if there are none in `text` (NULL too), or (reported) not exactly `count`. */
+/* Finite numbers between blanks. False if there are none in `text` (NULL too), or (reported) not exactly `count`; `out`
+ * may hold some of them then. */
 bool km_robot_parse(km_robot *robot, const km_xml *at, const char *what, const char *text, double *out, int count);
 /* The same of from `least` to `most` numbers: how many; -1: reported, or none. */
 int km_robot_parse_some(km_robot *robot, const km_xml *at, const char *what, const char *text, double *out, int least,
@@ -85,7 +86,7 @@ typedef struct km_robot_joint {
   km_body_id parent, child;
   km_pose in_parent, in_child; /* the joint's frame */
   km_vec3 axis;                /* unit, in the joint's frame; ignored by joints without an axis */
-  double pitch;
+  double pitch, most_turn;     /* of a screw; of a ball, 0: any */
   double position[KM_MAX_FREEDOM], damping[KM_MAX_FREEDOM], low[KM_MAX_FREEDOM], high[KM_MAX_FREEDOM];
   double max_rate[KM_MAX_FREEDOM], max_force[KM_MAX_FREEDOM], armature[KM_MAX_FREEDOM], friction[KM_MAX_FREEDOM];
 } km_robot_joint;
@@ -100,6 +101,8 @@ void km_robot_tie(km_robot *robot, const km_xml *at, km_assembly_id assembly, km
                   const km_pose *pose, bool floating);
 /* Limits that are no range are dropped, and counted. */
 void km_robot_limit(km_robot *robot, km_robot_joint *joint, int k, double low, double high);
+/* The largest angle of a ball; one that isn't above 0 is dropped, and counted. */
+void km_robot_limit_turn(km_robot *robot, km_robot_joint *joint, double most);
 /* What the drive of coordinate k can give, a force and a rate; infinite where nothing is told. What isn't above 0 is
  * dropped, and counted. */
 void km_robot_drive(km_robot *robot, km_robot_joint *joint, int k, double force, double rate);
@@ -115,6 +118,8 @@ const char *km_robot_free_name(km_robot *robot, const km_names *names, int scope
 /* The path at which a file is found that a description names: beside it, in a folder above it, or behind the package's
  * name there. NULL if nowhere. */
 const char *km_robot_find(km_robot *robot, const char *name);
+/* The same by the whole path alone, the package's name included. */
+const char *km_robot_find_whole(km_robot *robot, const char *name);
 /* The tree of a file that the description includes; NULL: reported at `at`. */
 km_xml *km_robot_read_file(km_robot *robot, const char *path, const km_xml *at);
 /* The path that a file is found at, as a model names it, from its own folder; where it isn't found, what stands behind the scheme. */

@@ -195,7 +195,7 @@ bool km_written_fold(km_written_joint *joint) {
   return true;
 }
 
-static km_pose through(const km_written_joint *way, const double *q) {
+km_pose km_written_through(const km_written_joint *way, const double *q) {
   km_pose X = km_pose_identity();
   for (int i = 0; i < way->count; ++i) {
     km_pose step = km_written_motion_at(&way->motion[i], q);
@@ -237,7 +237,7 @@ static void place(km_written *w, const double *q) {
   for (int i = 0; i < w->ordered; ++i) {
     int body = w->order[i];
     km_written_joint way = km_written_pass(w, w->arc[body], parent_of(w, body));
-    km_pose X = through(&way, q);
+    km_pose X = km_written_through(&way, q);
     w->world[body] = km_pose_product(&w->world[way.from], &X);
   }
 }
@@ -271,7 +271,7 @@ static km_status check_loops(km_written *w, km_error *error) {
       continue;
     int from = m->frames[m->joints[j].frame[0]].body;
     km_written_joint way = km_written_pass(w, j, from);
-    km_pose X = through(&way, w->q);
+    km_pose X = km_written_through(&way, w->q);
     km_pose Y = km_pose_product(&w->world[from], &X);
     if (km_vec3_norm(km_vec3_sub(Y.p, w->world[way.to].p)) > most * size)
       return km_fail(error, KM_MODEL, "the loop of joint %s is open at this pose; expected the pose of a closed one",
@@ -371,11 +371,6 @@ void km_written_omit_forces(km_written *w) {
   for (int i = 0; i < m->module_count; ++i)
     if (!is_spring(&m->modules[i]))
       km_written_omit(w, "force modules not written, as the format has none of their kind", m->modules[i].name);
-  for (int s = 0; s < m->shape_count; ++s)
-    km_written_omit(w, "shapes not written", w->bodies[m->shapes[s].body]);
-  for (int b = 1; b < m->body_count; ++b)
-    if (m->bodies[b].mesh)
-      km_written_omit(w, "shapes not written", w->bodies[b]);
   for (int i = 0; i < m->load_count; ++i)
     km_written_omit(w, "loads not written", m->loads[i].name);
   for (int j = 0; j < m->joint_count; ++j)

@@ -63,6 +63,8 @@ bool km_written_mimic(const km_written *w, int coordinate, int *leader, double *
 const char *km_written_text(km_written *w, const char *format, ...) __attribute__((format(printf, 2, 3)));
 /* The displacement of a motion at a value of its coordinates. */
 km_pose km_written_motion_at(const km_written_motion *motion, const double *q);
+/* The pose of the way's last body in its first one. */
+km_pose km_written_through(const km_written_joint *way, const double *q);
 /* Is the way along its axis alone, or about an axis through the body's origin, so that `after` may be turned away? */
 bool km_written_fold(km_written_joint *joint);
 
@@ -78,6 +80,8 @@ bool km_written_spring(const km_written *w, int coordinate, double *stiffness, d
 void km_written_omit_forces(km_written *w);
 /* Mass, centre and inertia in SI. */
 double km_written_mass(const km_written *w, int body, double center[3], double inertia[6]);
+/* What a body looks like, lengths in metres: the mesh that it is defined by first. NULL: nothing, or out of memory. */
+const km_model_shape *km_written_shapes(km_written *w, int body, int *count);
 void km_written_quaternion(const km_rotation *R, double wxyz[4]);
 
 typedef km_status (*km_robot_write)(km_written *w, km_error *error);

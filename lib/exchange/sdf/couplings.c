@@ -11,7 +11,7 @@ static int mimic_leader(const km_sdf *sdf, int joint) {
   const char *name = km_xml_attribute_of(mimic_of(sdf, joint), "joint");
   int scope = sdf->entities[joint].scope;
   int found = name ? km_names_get(&sdf->joints, scope, name) : -1;
-  return found >= 0 || !name ? found : km_sdf_find(sdf, scope, name);
+  return found >= 0 || !name ? found : km_sdf_find(sdf, sdf->entities[joint].home, name);
 }
 
 /* A follower's value where what it imitates is at 0. */
@@ -69,7 +69,7 @@ static int find_between(km_sdf *sdf, int reference, int link, km_vec3 axis, doub
     if (e->kind != KM_SDF_JOINT || !sdf->joint_ids[i].value)
       continue;
     int child = km_sdf_link_of(sdf, i);
-    int parent = km_sdf_link_of(sdf, km_sdf_find(sdf, e->scope, km_sdf_text(e->at, "parent")));
+    int parent = km_sdf_link_of(sdf, km_sdf_find(sdf, e->home, km_sdf_text(e->at, "parent")));
     bool forward = parent == reference && child == link, backward = parent == link && child == reference;
     if (!forward && !backward)
       continue;
@@ -84,8 +84,8 @@ static int find_between(km_sdf *sdf, int reference, int link, km_vec3 axis, doub
 static void add_gear(km_sdf *sdf, int gear) {
   const km_sdf_entity *e = &sdf->entities[gear];
   const char *body = km_sdf_text(e->at, "gearbox_reference_body");
-  int reference = km_sdf_link_of(sdf, km_sdf_need(sdf, e->scope, body, e->at, "reference body"));
-  int parent = km_sdf_link_of(sdf, km_sdf_need(sdf, e->scope, km_sdf_text(e->at, "parent"), e->at, "parent"));
+  int reference = km_sdf_link_of(sdf, km_sdf_need(sdf, e->home, body, e->at, "reference body"));
+  int parent = km_sdf_link_of(sdf, km_sdf_need(sdf, e->home, km_sdf_text(e->at, "parent"), e->at, "parent"));
   int child = km_sdf_link_of(sdf, gear);
   const km_xml *axis = km_xml_child(e->at, "axis"), *axis2 = km_xml_child(e->at, "axis2");
   km_vec3 first = km_rotate(&e->world.R, km_sdf_axis(sdf, gear, axis));

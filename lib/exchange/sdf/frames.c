@@ -4,6 +4,7 @@
 #include "base/nearest.h"
 
 #include <string.h>
+#include <sys/stat.h>
 
 enum { MOST_INCLUDES = 1000 };
 
@@ -12,9 +13,12 @@ static int find_here(const km_sdf *sdf, int scope, const char *name) {
   return index >= 0 ? index : km_names_get(&sdf->joints, scope, name);
 }
 
-int km_sdf_find(const km_sdf *sdf, int scope, const char *name) {
+int km_sdf_find(const km_sdf *sdf, int home, const char *name) {
+  int scope = sdf->entities[home].is_merged ? sdf->entities[home].scope : home;
   if (strcmp(name, "world") == 0)
     return 0;
+  if (strcmp(name, "__model__") == 0)
+    return home;
   for (;;) {
     if (strcmp(name, "__model__") == 0)
       return scope;
@@ -35,14 +39,15 @@ int km_sdf_find(const km_sdf *sdf, int scope, const char *name) {
   }
 }
 
-int km_sdf_need(km_sdf *sdf, int scope, const char *name, const km_xml *at, const char *kind) {
-  int index = km_sdf_find(sdf, scope, name);
+int km_sdf_need(km_sdf *sdf, int home, const char *name, const km_xml *at, const char *kind) {
+  int index = km_sdf_find(sdf, home, name);
   if (index >= 0)
     return index;
+  int scope = sdf->entities[home].is_merged ? sdf->entities[home].scope : home;
   km_nearest nearest = {.wanted = name};
   char text[KM_NEAREST_TEXT];
   for (int i = 1; i < sdf->entity_count; ++i)
-    if (sdf->entities[i].scope == scope)
+    if (sdf->entities[i].scope == scope && !sdf->entities[i].is_merged)
       km_nearest_offer(&nearest, sdf->entities[i].name);
   km_robot_error(sdf->robot, at, "found the %s \"%.80s\", which isn't there; expected one of the model; nearest: %s",
                  kind, name, km_nearest_text(&nearest, text));
@@ -71,22 +76,22 @@ static void attach(km_sdf *sdf, int index) {
   if (e->kind == KM_SDF_JOINT && !to[0])
     km_robot_error(sdf->robot, e->at, "joint \"%.80s\" has no child; expected <child>", e->name);
   else if (e->kind == KM_SDF_JOINT)
-    e->attached = km_sdf_need(sdf, e->scope, to, km_xml_child(e->at, "child"), "child");
+    e->attached = km_sdf_need(sdf, e->home, to, km_xml_child(e->at, "child"), "child");
   else if (e->kind == KM_SDF_FRAME)
-    e->attached = to && to[0] ? km_sdf_need(sdf, e->scope, to, e->at, "frame") : e->scope;
+    e->attached = to && to[0] ? km_sdf_need(sdf, e->home, to, e->at, "frame") : e->home;
 }
 
 /* What `pose` is relative to: what it says, else the child of a joint, what a frame is attached to, the model. */
 static void find_base(km_sdf *sdf, int index) {
   km_sdf_entity *e = &sdf->entities[index];
-  const km_xml *pose = km_xml_child(e->at, "pose");
+  const km_xml *pose = e->pose;
   const char *to = km_xml_attribute_of(pose, "relative_to"), *old = km_xml_attribute_of(pose, "frame");
   bool moves_with = e->kind == KM_SDF_JOINT || e->kind == KM_SDF_FRAME;
-  e->base = moves_with ? e->attached : e->scope;
+  e->base = moves_with ? e->attached : e->home;
   if (to && to[0])
-    e->base = km_sdf_need(sdf, e->scope, to, pose, "frame");
-  else if (old && old[0] && km_sdf_find(sdf, e->scope, old) >= 0)
-    e->base = km_sdf_find(sdf, e->scope, old);
+    e->base = km_sdf_need(sdf, e->home, to, pose, "frame");
+  else if (old && old[0] && km_sdf_find(sdf, e->home, old) >= 0)
+    e->base = km_sdf_find(sdf, e->home, old);
   else if (old && old[0])
     km_robot_omit(sdf->robot, "frames of poses left out, as they aren't there", old);
 }
@@ -94,7 +99,7 @@ static void find_base(km_sdf *sdf, int index) {
 /* A model whose pose is that of one of the frames inside: where that frame is in the model counts backwards. */
 static void use_placement(km_sdf *sdf, int index) {
   km_sdf_entity *model = &sdf->entities[index];
-  const char *name = km_xml_attribute_of(model->at, "placement_frame");
+  const char *name = model->placement;
   int frame = name && name[0] ? km_sdf_need(sdf, index, name, model->at, "frame") : -1;
   km_pose inside = km_pose_identity();
   int steps = 0;
@@ -143,36 +148,64 @@ void km_sdf_place_all(km_sdf *sdf) {
     place(sdf, i, chain);
 }
 
+/* The tree of the model.config in the model's folder, or of one beside the file or above it that has the model's name.
+ * `folder`: where it is. */
+static const km_xml *find_config(km_robot *robot, const char *uri, const km_xml *at, const char **folder) {
+  const char *slash = strrchr(uri, '/'), *name = slash ? slash + 1 : uri;
+  const char *path = km_robot_find_whole(robot, km_robot_text(robot, "%s/model.config", uri));
+  *folder = uri;
+  if (path)
+    return km_robot_read_file(robot, path, at);
+  path = km_robot_find_whole(robot, "model.config");
+  const km_xml *tree = path ? km_robot_read_file(robot, path, at) : NULL;
+  *folder = ".";
+  return tree && strcmp(km_sdf_text(tree, "name"), name) == 0 ? tree : NULL;
+}
+
 /* The description's file: itself, or in a model's folder the last one that model.config names, or model.sdf. */
 static const char *find_file(km_robot *robot, const char *uri, const km_xml *at) {
   size_t length = strlen(uri);
+  const char *file = "model.sdf", *folder;
   if (length > 4 && strcmp(uri + length - 4, ".sdf") == 0)
     return km_robot_find(robot, uri);
-  const char *config = km_robot_find(robot, km_robot_text(robot, "%s/model.config", uri)), *file = "model.sdf";
-  const km_xml *tree = config ? km_robot_read_file(robot, config, at) : NULL;
+  const km_xml *tree = find_config(robot, uri, at, &folder);
   for (const km_xml *sdf = km_xml_child(tree, "sdf"); sdf; sdf = km_xml_next(sdf))
     file = sdf->text;
-  return km_robot_find(robot, km_robot_text(robot, "%s/%s", uri, file));
+  return km_robot_find_whole(robot, km_robot_text(robot, "%s/%s", tree ? folder : uri, file));
 }
 
-const km_xml *km_sdf_include(km_sdf *sdf, const km_xml *include, const char **version) {
+/* A file that holds itself would never end. */
+static bool is_open(const km_sdf *sdf, const char *path) {
+  struct stat own, other;
+  if (stat(path, &own) != 0)
+    return false;
+  const char *main_file = sdf->robot->request->file;
+  if (main_file && stat(main_file, &other) == 0 && own.st_dev == other.st_dev && own.st_ino == other.st_ino)
+    return true;
+  for (const km_sdf_file *file = sdf->file; file; file = file->outer)
+    if (stat(file->path, &other) == 0 && own.st_dev == other.st_dev && own.st_ino == other.st_ino)
+      return true;
+  return false;
+}
+
+const km_xml *km_sdf_include(km_sdf *sdf, const km_xml *include, const char **version, const char **path) {
   km_robot *robot = sdf->robot;
-  const char *uri = km_sdf_text(include, "uri"), *path = uri[0] ? find_file(robot, uri, include) : NULL;
-  if (!path || sdf->includes++ == MOST_INCLUDES) {
-    km_robot_error(
-        robot, include,
-        path ? "\"%.200s\" is one include too many; expected at most a thousand"
-             : "the model \"%.200s\" to include isn't there; expected it beside the file or in a folder above",
-        uri);
+  const char *uri = km_sdf_text(include, "uri");
+  *path = uri[0] ? find_file(robot, uri, include) : NULL;
+  if (!*path)
+    km_robot_error(robot, include,
+                   "the model \"%.200s\" to include isn't there; expected it beside the file or in a folder above",
+                   uri);
+  else if (is_open(sdf, *path))
+    km_robot_error(robot, include, "for the model \"%.200s\" found a file that includes it; expected another one", uri);
+  else if (sdf->includes++ == MOST_INCLUDES)
+    km_robot_error(robot, include, "\"%.200s\" is one include too many; expected at most a thousand", uri);
+  if (robot->failed)
     return NULL;
-  }
-  const km_xml *root = km_robot_read_file(robot, path, include);
+  const km_xml *root = km_robot_read_file(robot, *path, include);
   const km_xml *model = km_xml_child(root, "model");
   *version = km_xml_attribute_of(root, "version");
-  const char *merge = km_xml_attribute_of(include, "merge");
-  if (merge && (strcmp(merge, "true") == 0 || strcmp(merge, "1") == 0))
-    km_robot_warn(robot, include, "the model to merge is read as a model of its own; its names stay in it");
   if (root && !model)
-    km_robot_error(robot, include, "\"%.200s\" holds no model; expected one to include", path);
+    km_robot_error(robot, include, "\"%.200s\" holds no model; expected one to include", *path);
   return model;
 }

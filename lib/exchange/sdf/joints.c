@@ -39,8 +39,8 @@ km_vec3 km_sdf_axis(km_sdf *sdf, int joint, const km_xml *axis) {
   km_vec3 unit = length > 0.0 ? km_vec3_scale(1.0 / length, km_vec3_make(u)) : (km_vec3){0, 0, 1};
   if (!(length > 0.0))
     km_robot_error(sdf->robot, xyz, "joint \"%.80s\": its axis is 0 0 0; expected a direction", e->name);
-  bool of_model = sdf->entities[e->scope].old_axes || strcmp(old, "true") == 0 || strcmp(old, "1") == 0;
-  int frame = in && in[0] ? km_sdf_need(sdf, e->scope, in, xyz, "frame") : of_model ? e->scope : -1;
+  bool of_model = sdf->entities[e->home].old_axes || strcmp(old, "true") == 0 || strcmp(old, "1") == 0;
+  int frame = in && in[0] ? km_sdf_need(sdf, e->home, in, xyz, "frame") : of_model ? e->home : -1;
   if (frame < 0 || frame == joint)
     return unit;
   km_vec3 turned = km_rotate_back(&e->world.R, km_rotate(&sdf->entities[frame].world.R, unit));
@@ -153,7 +153,7 @@ static bool in_static(const km_sdf *sdf, int entity) {
 static bool find_ends(km_sdf *sdf, int index, int *parent, int *child) {
   const km_sdf_entity *e = &sdf->entities[index];
   const char *name = km_sdf_text(e->at, "parent");
-  int to = name[0] ? km_sdf_need(sdf, e->scope, name, km_xml_child(e->at, "parent"), "parent") : -1;
+  int to = name[0] ? km_sdf_need(sdf, e->home, name, km_xml_child(e->at, "parent"), "parent") : -1;
   if (!name[0])
     km_robot_error(sdf->robot, e->at, "joint \"%.80s\" has no parent; expected <parent>", e->name);
   *parent = km_sdf_link_of(sdf, to);
@@ -184,6 +184,7 @@ static void add_joint(km_sdf *sdf, int index) {
   joint.in_parent = from(&sdf->entities[parent].world, &e->world);
   joint.in_child = from(&sdf->entities[child].world, &e->world);
   unite(sdf, parent, child);
+  sdf->entities[child].is_child = true;
   if (joint.type == KM_UNIVERSAL) {
     add_two_hinges(sdf, index, &joint);
     return;
@@ -203,12 +204,14 @@ static void add_joint(km_sdf *sdf, int index) {
   }
 }
 
-/* What no joint ties: all links of static models, of the rest the first link of what hangs together. */
-static void tie_rest(km_sdf *sdf) {
+/* What no joint ties: all links of static models, of the rest one link of what hangs together: the first that is child
+ * of no joint, where there is one. */
+static void tie_rest(km_sdf *sdf, bool children_too) {
   for (int i = 1; i < sdf->entity_count; ++i) {
     const km_sdf_entity *e = &sdf->entities[i];
     bool fixed = in_static(sdf, i);
-    if (e->kind != KM_SDF_LINK || !e->body.value || (!fixed && leader(sdf, i) == 0))
+    bool tied = fixed ? children_too : leader(sdf, i) == 0 || (e->is_child && !children_too);
+    if (e->kind != KM_SDF_LINK || !e->body.value || tied)
       continue;
     km_robot_tie(sdf->robot, e->at, sdf->entities[e->scope].assembly, e->body, e->name, &e->world,
                  !fixed && sdf->robot->request->floating);
@@ -232,6 +235,7 @@ void km_sdf_add_joints(km_sdf *sdf) {
   }
   if (sdf->robot->failed)
     return;
-  tie_rest(sdf);
+  tie_rest(sdf, false);
+  tie_rest(sdf, true);
   km_sdf_add_couplings(sdf);
 }

@@ -38,9 +38,10 @@ km_pose km_sdf_pose(km_robot *robot, const km_xml *element) {
   return pose;
 }
 
-/* A new entity under its name; -1: out of memory. */
-static int add_entity(km_sdf *sdf, km_sdf_kind kind, const km_xml *at, const char *name, int scope) {
+/* A new entity under its name, written in `home`; -1: out of memory. */
+static int add_entity(km_sdf *sdf, km_sdf_kind kind, const km_xml *at, const char *name, int home) {
   km_robot *robot = sdf->robot;
+  int scope = home >= 0 && sdf->entities[home].is_merged ? sdf->entities[home].scope : home;
   km_names *names = kind == KM_SDF_JOINT ? &sdf->joints : &sdf->frames;
   if (!km_arena_grow(&robot->arena, (void **)&sdf->entities, &sdf->entity_room, (size_t)sdf->entity_count + 1,
                      sizeof *sdf->entities))
@@ -54,7 +55,9 @@ static int add_entity(km_sdf *sdf, km_sdf_kind kind, const km_xml *at, const cha
   sdf->entities[sdf->entity_count] = (km_sdf_entity){.kind = kind,
                                                      .name = name,
                                                      .at = at,
+                                                     .pose = km_xml_child(at, "pose"),
                                                      .scope = scope,
+                                                     .home = home,
                                                      .base = -1,
                                                      .attached = -1,
                                                      .raw = km_pose_identity(),
@@ -116,62 +119,86 @@ static void read_visual(km_robot *robot, const km_xml *v, const char *link, km_b
   km_robot_shape(robot, v, body, &def, &pose);
 }
 
-static void read_link(km_sdf *sdf, const km_xml *e, int model) {
+/* The canonical link of a model is the one that it names, or the first one. */
+static void choose_first(km_sdf_entity *model, const char *name, int index) {
+  const char *canonical = km_xml_attribute_of(model->at, "canonical_link");
+  if (model->first_link < 0 || (canonical && strcmp(canonical, name) == 0))
+    model->first_link = index;
+}
+
+static void read_link(km_sdf *sdf, const km_xml *e, int home) {
   km_robot *robot = sdf->robot;
-  int index = add_entity(sdf, KM_SDF_LINK, e, name_of(e), model);
+  int index = add_entity(sdf, KM_SDF_LINK, e, name_of(e), home);
   if (index < 0)
     return;
+  int model = sdf->entities[index].scope;
   km_mass mass = read_mass(robot, e);
   sdf->entities[index].raw = km_sdf_pose(robot, e);
   if (sdf->entities[index].name[0])
     sdf->entities[index].body =
         km_robot_body(robot, e, sdf->entities[model].assembly, sdf->entities[index].name, &mass, NULL);
-  const char *canonical = km_xml_attribute_of(sdf->entities[model].at, "canonical_link");
-  if (sdf->entities[model].first_link < 0 || (canonical && strcmp(canonical, name_of(e)) == 0))
-    sdf->entities[model].first_link = index;
+  choose_first(&sdf->entities[home], name_of(e), index);
+  choose_first(&sdf->entities[model], name_of(e), index);
   for (const km_xml *v = km_xml_child(e, "visual"); v; v = km_xml_next(v))
     read_visual(robot, v, name_of(e), sdf->entities[index].body);
   for (const km_xml *c = km_xml_child(e, "collision"); c; c = km_xml_next(c))
     km_robot_omit(robot, "collision shapes left out", name_of(e));
 }
 
-static void read_scope(km_sdf *sdf, const km_xml *e, int scope, const char *version);
+static void read_members(km_sdf *sdf, const km_xml *e, int home, const char *version);
 
-/* A model, or an included one with the name and pose that `include` gives it. */
-static void read_model(km_sdf *sdf, const km_xml *e, const km_xml *include, int scope, const char *version) {
-  const char *other = km_sdf_text(include, "name");
-  int index = add_entity(sdf, KM_SDF_MODEL, e, other[0] ? other : name_of(e), scope);
+static bool is_merging(const km_xml *include) {
+  return include && is_true(km_xml_attribute_of(include, "merge"));
+}
+
+/* A model, or an included one with the name and pose that `include` gives it, or merged into the one around it. */
+static void read_model(km_sdf *sdf, const km_xml *e, const km_xml *include, int home, const char *version) {
+  const char *other = km_sdf_text(include, "name"), *own = other[0] ? other : name_of(e);
+  bool merging = is_merging(include);
+  const char *name = merging ? km_robot_text(sdf->robot, "_merged__%s__model__", own) : own;
+  int index = add_entity(sdf, KM_SDF_MODEL, e, name, home);
   if (index < 0)
     return;
   km_sdf_entity *model = &sdf->entities[index];
+  const km_sdf_entity *around = &sdf->entities[model->scope];
   int minor = version && strncmp(version, "1.", 2) == 0 ? atoi(version + 2) : 99;
   bool replaced = km_xml_child(include, "pose") != NULL;
-  const char *fixed = km_sdf_text(include, "static");
+  const char *fixed = km_sdf_text(include, "static"), *placement = km_sdf_text(include, "placement_frame");
   model->raw = km_sdf_pose(sdf->robot, replaced ? include : e);
-  model->at = replaced ? include : e;
+  model->pose = km_xml_child(replaced ? include : e, "pose");
+  model->placement = placement[0] ? placement : km_xml_attribute_of(e, "placement_frame");
   model->old_axes = minor < 5;
-  model->is_static = is_true(fixed[0] ? fixed : km_sdf_text(e, "static")) || sdf->entities[scope].is_static;
-  model->assembly = km_robot_assembly(sdf->robot, e, model->name, sdf->entities[scope].assembly);
-  read_scope(sdf, e, index, version);
+  model->is_merged = merging;
+  model->is_static = around->is_static || (!merging && is_true(fixed[0] ? fixed : km_sdf_text(e, "static")));
+  model->assembly = merging ? around->assembly : km_robot_assembly(sdf->robot, e, model->name, around->assembly);
+  read_members(sdf, e, index, version);
+}
+
+static void read_include(km_sdf *sdf, const km_xml *e, int home) {
+  const char *version = NULL;
+  km_sdf_file file = {NULL, sdf->file};
+  const km_xml *model = km_sdf_include(sdf, e, &version, &file.path);
+  if (!model)
+    return;
+  sdf->file = &file;
+  read_model(sdf, model, e, home, version);
+  sdf->file = file.outer;
 }
 
 /* What stands in a model or a world. */
-static void read_scope(km_sdf *sdf, const km_xml *scope_element, int scope, const char *version) {
+static void read_members(km_sdf *sdf, const km_xml *around, int home, const char *version) {
   static const char *const silent[] = {
       "pose",  "static", "self_collide", "allow_auto_disable", "enable_wind",    "gravity", "physics",
       "scene", "audio",  "wind",         "atmosphere",         "magnetic_field", NULL};
-  for (const km_xml *e = scope_element->first; e && !sdf->robot->arena.failed; e = e->next) {
-    if (strcmp(e->name, "link") == 0 && scope > 0) {
-      read_link(sdf, e, scope);
+  for (const km_xml *e = around->first; e && !sdf->robot->arena.failed; e = e->next) {
+    if (strcmp(e->name, "link") == 0 && home > 0) {
+      read_link(sdf, e, home);
     } else if (strcmp(e->name, "model") == 0) {
-      read_model(sdf, e, NULL, scope, version);
+      read_model(sdf, e, NULL, home, version);
     } else if (strcmp(e->name, "include") == 0) {
-      const char *its_version = NULL;
-      const km_xml *model = km_sdf_include(sdf, e, &its_version);
-      if (model)
-        read_model(sdf, model, e, scope, its_version);
+      read_include(sdf, e, home);
     } else if (strcmp(e->name, "joint") == 0 || strcmp(e->name, "frame") == 0) {
-      int index = add_entity(sdf, e->name[0] == 'j' ? KM_SDF_JOINT : KM_SDF_FRAME, e, name_of(e), scope);
+      int index = add_entity(sdf, e->name[0] == 'j' ? KM_SDF_JOINT : KM_SDF_FRAME, e, name_of(e), home);
       if (index >= 0)
         sdf->entities[index].raw = km_sdf_pose(sdf->robot, e);
     } else {
@@ -188,7 +215,7 @@ static void read_world(km_sdf *sdf, const km_xml *world, const char *version) {
   const km_xml *gravity = km_xml_child(world, "gravity");
   if (gravity)
     km_robot_parse(sdf->robot, gravity, "gravity", gravity->text, sdf->robot->settings.gravity, 3);
-  read_scope(sdf, world, 0, version);
+  read_members(sdf, world, 0, version);
   for (const km_xml *more = km_xml_next(world); more; more = km_xml_next(more))
     km_robot_omit(sdf->robot, "further worlds left out", name_of(more));
 }

@@ -13,21 +13,32 @@ typedef enum km_sdf_kind { KM_SDF_WORLD, KM_SDF_MODEL, KM_SDF_LINK, KM_SDF_JOINT
 typedef struct km_sdf_entity {
   km_sdf_kind kind;
   const char *name;
-  const km_xml *at;
-  int scope;     /* the model or world around it, -1: none */
+  const km_xml *at, *pose; /* pose: the element that says where it is; NULL: none */
+  int scope;               /* the model or world among whose names its own is, -1: none */
+  int home;      /* the model or world that it was written in; not the scope where that one was merged into it */
   int base;      /* its frame is relative to this one, -1: to none */
   int attached;  /* what a frame moves with, and a joint's child; -1: not known */
   km_pose raw;   /* in the base */
   km_pose world; /* as the file has it */
   bool known;    /* `world` is */
+  bool is_child; /* a link that some joint has as its child */
   km_body_id body;
   km_assembly_id assembly;  /* of a model */
   bool is_static, old_axes; /* of a model; axes are in its frame, as before version 1.5 */
+  bool is_merged;           /* a model that is no more than the frame from which its former members are seen */
+  const char *placement;    /* of a model: the frame inside that its pose is that of; NULL: its own */
   int first_link;           /* of a model, the canonical one; -1: none */
 } km_sdf_entity;
 
+/* The files that are being read, the innermost first. */
+typedef struct km_sdf_file {
+  const char *path;
+  const struct km_sdf_file *outer;
+} km_sdf_file;
+
 typedef struct km_sdf {
   km_robot *robot;
+  const km_sdf_file *file; /* NULL: the main one */
   km_names frames, joints; /* scope: the entity around; what may be meant by a name, joints last */
   km_sdf_entity *entities;
   int entity_count, includes;
@@ -42,17 +53,17 @@ double km_sdf_number(km_robot *robot, const km_xml *element, const char *child, 
 /* The element `pose`: six numbers, or seven with a quaternion. */
 km_pose km_sdf_pose(km_robot *robot, const km_xml *element);
 
-/* What a name means inside of a model or world: `a::b` is b in the model a. -1: nothing. */
-int km_sdf_find(const km_sdf *sdf, int scope, const char *name);
+/* What a name means that was written in a model or world: `a::b` is b in the model a. -1: nothing. */
+int km_sdf_find(const km_sdf *sdf, int home, const char *name);
 /* The same; what isn't there is reported. `kind` is what is looked for, in words. */
-int km_sdf_need(km_sdf *sdf, int scope, const char *name, const km_xml *at, const char *kind);
+int km_sdf_need(km_sdf *sdf, int home, const char *name, const km_xml *at, const char *kind);
 /* The link that an entity moves with; 0: the world; -1: none. */
 int km_sdf_link_of(const km_sdf *sdf, int entity);
 /* Says what each entity is relative to, then where it is. */
 void km_sdf_place_all(km_sdf *sdf);
 
-/* The model that an element `include` names; NULL: reported. `version`: that of its file. */
-const km_xml *km_sdf_include(km_sdf *sdf, const km_xml *include, const char **version);
+/* The model that an element `include` names; NULL: reported. `version` and `path`: those of its file. */
+const km_xml *km_sdf_include(km_sdf *sdf, const km_xml *include, const char **version, const char **path);
 
 /* Joints of all models, couplings, and what ties the rest to the world. */
 void km_sdf_add_joints(km_sdf *sdf);

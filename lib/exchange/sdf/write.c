@@ -37,13 +37,54 @@ static void add_inertial(km_written *w, const double center[3], double mass, con
   km_xml_end(&w->xml, "inertial");
 }
 
+static void add_geometry(km_written *w, const km_model_shape *shape) {
+  static const char *const elements[] = {[KM_SHAPE_OF_MESH] = "mesh",
+                                         [KM_SHAPE_BOX] = "box",
+                                         [KM_SHAPE_SPHERE] = "sphere",
+                                         [KM_SHAPE_CYLINDER] = "cylinder",
+                                         [KM_SHAPE_CAPSULE] = "capsule"};
+  const char *element = elements[shape->kind];
+  km_xml_begin(&w->xml, "geometry");
+  km_xml_begin(&w->xml, element);
+  if (shape->kind == KM_SHAPE_OF_MESH) {
+    km_xml_text(&w->xml, "uri", shape->mesh);
+    km_xml_numbers(&w->xml, "scale", shape->scale, 3, false);
+  } else if (shape->kind == KM_SHAPE_BOX) {
+    km_xml_numbers(&w->xml, "size", shape->size, 3, false);
+  } else {
+    add_number(w, "radius", shape->size[0]);
+    if (shape->kind != KM_SHAPE_SPHERE)
+      add_number(w, "length", shape->size[1]);
+  }
+  km_xml_end(&w->xml, element);
+  km_xml_end(&w->xml, "geometry");
+}
+
+static void add_visual(km_written *w, const km_model_shape *shape, int index) {
+  km_xml_begin(&w->xml, "visual");
+  km_xml_set(&w->xml, "name", km_written_text(w, "visual%d", index));
+  add_pose(w, &shape->pose, NULL);
+  add_geometry(w, shape);
+  if (shape->color[3] >= 0.0) {
+    km_xml_begin(&w->xml, "material");
+    km_xml_numbers(&w->xml, "ambient", shape->color, 4, false);
+    km_xml_numbers(&w->xml, "diffuse", shape->color, 4, false);
+    km_xml_end(&w->xml, "material");
+  }
+  km_xml_end(&w->xml, "visual");
+}
+
 static void add_link(km_written *w, int body) {
   double center[3], I[6];
   double mass = km_written_mass(w, body, center, I);
+  int shapes;
+  const km_model_shape *shape = km_written_shapes(w, body, &shapes);
   km_xml_begin(&w->xml, "link");
   km_xml_set(&w->xml, "name", w->bodies[body]);
   add_pose(w, &w->world[body], NULL);
   add_inertial(w, center, mass, I);
+  for (int i = 0; i < shapes; ++i)
+    add_visual(w, &shape[i], i);
   km_xml_end(&w->xml, "link");
 }
 

@@ -29,10 +29,52 @@ static void add_massless(km_written *w, const char *name) {
   km_xml_end(&w->xml, "link");
 }
 
+static void add_geometry(km_written *w, const km_model_shape *shape) {
+  static const char *const elements[] = {[KM_SHAPE_OF_MESH] = "mesh",
+                                         [KM_SHAPE_BOX] = "box",
+                                         [KM_SHAPE_SPHERE] = "sphere",
+                                         [KM_SHAPE_CYLINDER] = "cylinder",
+                                         [KM_SHAPE_CAPSULE] = "capsule"};
+  const char *element = elements[shape->kind];
+  km_xml_begin(&w->xml, "geometry");
+  km_xml_begin(&w->xml, element);
+  if (shape->kind == KM_SHAPE_OF_MESH) {
+    km_xml_set(&w->xml, "filename", shape->mesh);
+    km_xml_set_numbers(&w->xml, "scale", shape->scale, 3, false);
+  } else if (shape->kind == KM_SHAPE_BOX) {
+    km_xml_set_numbers(&w->xml, "size", shape->size, 3, false);
+  } else {
+    km_xml_set_numbers(&w->xml, "radius", shape->size, 1, false);
+    if (shape->kind != KM_SHAPE_SPHERE)
+      km_xml_set_numbers(&w->xml, "length", shape->size + 1, 1, false);
+  }
+  km_xml_end(&w->xml, element);
+  km_xml_end(&w->xml, "geometry");
+  if (shape->kind == KM_SHAPE_CAPSULE)
+    km_written_omit(w, "capsules, which not every reader of URDF knows", w->bodies[shape->body]);
+}
+
+static void add_visual(km_written *w, const km_model_shape *shape, int index) {
+  km_xml_begin(&w->xml, "visual");
+  set_origin(w, &shape->pose);
+  add_geometry(w, shape);
+  if (shape->color[3] >= 0.0) {
+    km_xml_begin(&w->xml, "material"); /* a name means one colour in all of the file */
+    km_xml_set(&w->xml, "name", km_written_text(w, "%s:%d", w->bodies[shape->body], index));
+    km_xml_begin(&w->xml, "color");
+    km_xml_set_numbers(&w->xml, "rgba", shape->color, 4, false);
+    km_xml_end(&w->xml, "color");
+    km_xml_end(&w->xml, "material");
+  }
+  km_xml_end(&w->xml, "visual");
+}
+
 static void add_link(km_written *w, int body) {
   static const char *const keys[6] = {"ixx", "iyy", "izz", "ixy", "iyz", "ixz"};
   double center[3], I[6];
   double mass = km_written_mass(w, body, center, I);
+  int shapes;
+  const km_model_shape *shape = km_written_shapes(w, body, &shapes);
   km_pose at = {km_rotation_identity(), km_vec3_make(center)};
   km_xml_begin(&w->xml, "link");
   km_xml_set(&w->xml, "name", w->bodies[body]);
@@ -46,6 +88,8 @@ static void add_link(km_written *w, int body) {
     km_xml_set_numbers(&w->xml, keys[k], &I[k], 1, false);
   km_xml_end(&w->xml, "inertia");
   km_xml_end(&w->xml, "inertial");
+  for (int i = 0; i < shapes; ++i)
+    add_visual(w, &shape[i], i);
   km_xml_end(&w->xml, "link");
 }
 

@@ -16,6 +16,7 @@ typedef struct parsing {
   int depth, first_line;
   const char *fault; /* why the parser was stopped, and where; NULL: it wasn't */
   unsigned long line, column;
+  bool bad_text; /* the parser found what XML doesn't allow */
 } parsing;
 
 static void *allocate(size_t size) {
@@ -169,9 +170,57 @@ static km_status parse(parsing *p, const char *bytes, size_t size, km_error *err
   return done == XML_STATUS_OK && !short_of_text ? KM_OK : tell(p, error);
 }
 
+static km_status parse_once(const char *bytes, size_t size, parsing *p, km_error *error) {
+  static const XML_Memory_Handling_Suite memory = {allocate, reallocate, km_free};
+  p->parser = XML_ParserCreate_MM(NULL, &memory, NULL);
+  p->texts = KM_NEW(km_text, KM_XML_DEPTH + 1);
+  km_status status = p->parser && p->texts ? parse(p, bytes, size, error)
+                                           : km_fail(error, KM_MEMORY, "out of memory while reading XML");
+  p->bad_text = status == KM_MODEL && !p->fault;
+  for (int i = 0; p->texts && i <= KM_XML_DEPTH; ++i)
+    km_text_free(&p->texts[i]);
+  km_free(p->texts);
+  if (p->parser)
+    XML_ParserFree(p->parser);
+  return status;
+}
+
+/* Where a piece of text ends that begins with `start` at `at`: `end` where it never does. NULL: it doesn't begin here. */
+static char *end_of(char *at, char *end, const char *start, const char *stop) {
+  size_t first = strlen(start), last = strlen(stop);
+  if ((size_t)(end - at) < first || memcmp(at, start, first) != 0)
+    return NULL;
+  char *found = memmem(at + first, (size_t)(end - at) - first, stop, last);
+  return found ? found + last : end;
+}
+
+static void blank_out(char *from, const char *to) {
+  for (; from < to; ++from)
+    if (*from != '\n')
+      *from = ' ';
+}
+
+/* Blanks in the place of comments, which other readers let hold "--", and of XML declarations behind them. */
+static char *without_comments(const char *bytes, size_t size) {
+  char *copy = km_alloc(size + 1, 1), *end = copy ? copy + size : NULL;
+  if (!copy)
+    return NULL;
+  memcpy(copy, bytes, size);
+  for (char *at = copy; (at = memchr(at, '<', (size_t)(end - at))) != NULL; ++at) {
+    char *data = end_of(at, end, "<![CDATA[", "]]>"), *comment = end_of(at, end, "<!--", "-->");
+    char *declaration = at > copy ? end_of(at, end, "<?xml ", "?>") : NULL;
+    if (data)
+      at = data - 1;
+    else if (comment)
+      blank_out(at, comment);
+    else if (declaration)
+      blank_out(at, declaration);
+  }
+  return copy;
+}
+
 km_status km_xml_parse(const char *bytes, size_t size, const char *file, km_arena *arena, km_xml **root,
                        km_error *error) {
-  static const XML_Memory_Handling_Suite memory = {allocate, reallocate, km_free};
   parsing p = {.arena = arena, .file = file};
   *root = NULL;
   for (; size && is_blank(*bytes); ++bytes, --size)
@@ -180,15 +229,15 @@ km_status km_xml_parse(const char *bytes, size_t size, const char *file, km_aren
     --size;
   if (size > INT_MAX)
     return km_fail(error, KM_MODEL, "the file has %zu bytes; expected at most %d", size, INT_MAX);
-  p.parser = XML_ParserCreate_MM(NULL, &memory, NULL);
-  p.texts = KM_NEW(km_text, KM_XML_DEPTH + 1);
-  km_status status = p.parser && p.texts ? parse(&p, bytes, size, error)
-                                         : km_fail(error, KM_MEMORY, "out of memory while reading XML");
-  for (int i = 0; p.texts && i <= KM_XML_DEPTH; ++i)
-    km_text_free(&p.texts[i]);
-  km_free(p.texts);
-  if (p.parser)
-    XML_ParserFree(p.parser);
+  parsing again = p;
+  km_status status = parse_once(bytes, size, &p, error);
+  if (p.bad_text) {
+    char *copy = without_comments(bytes, size);
+    status =
+        copy ? parse_once(copy, size, &again, error) : km_fail(error, KM_MEMORY, "out of memory while reading XML");
+    p.root = again.root;
+    km_free(copy);
+  }
   if (!status)
     *root = p.root;
   return status;

@@ -123,6 +123,7 @@ typedef struct km_joint_def {
   double pitch;              /* of a screw: travel in one turn */
   double position[KM_MAX_FREEDOM], velocity[KM_MAX_FREEDOM], damping[KM_MAX_FREEDOM];
   double low[KM_MAX_FREEDOM], high[KM_MAX_FREEDOM];           /* ∓infinity by default */
+  double most_turn; /* of a spherical joint: limit of the angle |q| of its rotation vector; 0: none */
   double max_rate[KM_MAX_FREEDOM], max_force[KM_MAX_FREEDOM]; /* of the drive; infinity by default */
   double armature[KM_MAX_FREEDOM];                            /* inertia of the drive's rotor, seen by the coordinate */
   double constant_friction[KM_MAX_FREEDOM];                   /* force, or torque of angles */

@@ -35,6 +35,15 @@ KM_API km_status km_frame_twist(const km_mechanism *mechanism, const km_state *s
 KM_API km_status km_frame_jacobian(const km_mechanism *mechanism, const km_state *state, int frame, double *J,
                                    km_error *error);
 
+/* Λ⁻¹ = J N (Nᵀ M N)⁻¹ (J N)ᵀ [6 × 6]: the twist per time that a wrench (f; τ) at the frame's origin gives it from rest,
+ * beside what else acts (O. Khatib, A unified approach for motion and force control, 1987; N lets the loops keep closed).
+ * M has the bodies' masses and the rotors' inertias. In one over mass, over mass × length, over mass × length² of the
+ * model; symmetric, singular where the frame can't move. 1/Λ⁻¹_ii is the mass that a push along axis i feels. After
+ * km_poses_update and km_mobility_update. KM_MODEL: a free motion moves no mass; KM_USAGE; KM_MEMORY.
+ * O(bodies · freedom · (depth + freedom)). */
+KM_API km_status km_frame_inverse_inertia(const km_mechanism *mechanism, const km_state *state, int frame,
+                                          double inverse[36], km_error *error);
+
 #ifdef __cplusplus
 }
 #endif

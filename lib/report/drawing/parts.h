@@ -90,6 +90,7 @@ typedef struct km_face {
   int count;
   unsigned shown; /* bit k: the edge from corner k on */
   int body;
+  unsigned color; /* that the mesh states, as km_triangle; 0: none */
   km_spot normal; /* of length 1, towards the viewer */
   double shade;   /* 0 dark … 1 light */
 } km_face;

@@ -107,6 +107,7 @@ static km_face *face_of(const km_scene *scene, int body, int triangle) {
   for (int k = 0; k < 3; ++k)
     spots[k] = km_project(scene->view, km_pose_point(&scene->pose[body], surface->mesh->vertices[t->corner[k]]));
   *face = (km_face){.body = body,
+                    .color = t->color,
                     .spots = spots,
                     .count = 3,
                     .shown = surface->shown[triangle],
@@ -130,11 +131,18 @@ void km_scene_add_faces(km_scene *scene) {
   scene->faces = km_faces_order(scene->faces, scene->arena);
 }
 
+static km_colour colour_of(const km_scene *scene, const km_face *face) {
+  unsigned code = face->color;
+  if (code == 0)
+    return km_palette_colour(scene->shapes[face->body].colour);
+  return (km_colour){(code >> 16 & 255U) / 255.0, (code >> 8 & 255U) / 255.0, (code & 255U) / 255.0, 1};
+}
+
 void km_face_paint(const km_scene *scene, km_canvas *canvas, const km_face *face) {
   enum { MOST_CORNERS = 32 + 1 };
   static const km_colour white = {1, 1, 1, 1}, black = {0.1, 0.1, 0.1, 1};
   km_canvas_point points[MOST_CORNERS];
-  km_colour body = km_palette_colour(scene->shapes[face->body].colour);
+  km_colour body = colour_of(scene, face);
   km_colour light = km_mix(body, white, 0.62), dark = km_mix(body, black, 0.35);
   km_colour fill = km_faded(scene, km_mix(dark, light, face->shade));
   km_pen seam = {.colour = fill, .width = 0.5},
