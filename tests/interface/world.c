@@ -1,4 +1,5 @@
 /* Opens a world of a linkage, of one whose state was never assembled, or of an arm on its path. */
+#define _GNU_SOURCE /* mkdtemp */
 #include "interface/world.h"
 
 #include <dirent.h>
