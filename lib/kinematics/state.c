@@ -162,7 +162,7 @@ double *km_state_rows(const km_mechanism *m, km_state *s, int index, int count) 
   return R;
 }
 
-static void turn_ball(const km_mechanism *m, km_state *s, int ball, km_vec3 turn) {
+void km_state_turn_ball(const km_mechanism *m, km_state *s, int ball, km_vec3 turn) {
   int c = m->ball_coordinate[ball];
   km_quaternion q = km_quaternion_product(km_quaternion_exp(turn), s->ball[ball]);
   s->ball[ball] = km_quaternion_normalised(q);
@@ -180,7 +180,7 @@ void km_state_move(const km_mechanism *m, km_state *s, const km_substructure *su
       s->q[c] += m->unit[c] * step[k];
     } else {
       if (!s->locked[c]) /* no turn at all would still round */
-        turn_ball(m, s, m->ball_of[c], km_vec3_make(step + k));
+        km_state_turn_ball(m, s, m->ball_of[c], km_vec3_make(step + k));
       k += 2;
     }
   }

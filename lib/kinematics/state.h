@@ -86,6 +86,8 @@ double *km_state_rows(const km_mechanism *mechanism, km_state *state, int substr
 /* Adds a step to the coordinates of a substructure: step[column] scaled; a ball turns about the axes of the
  * joint's parent frame. */
 void km_state_move(const km_mechanism *mechanism, km_state *state, const km_substructure *sub, const double *step);
+/* Turns a ball by a rotation vector along the parent frame's axes. */
+void km_state_turn_ball(const km_mechanism *mechanism, km_state *state, int ball, km_vec3 turn);
 /* Sets every coordinate (radians, model's length unit). */
 void km_state_set(const km_mechanism *mechanism, km_state *state, const double *q);
 /* Keeps a coordinate at its value until km_state_unlock: closing, driving, following, tangents and mobility numbers of

@@ -74,6 +74,8 @@ static void open_handles(world *w) {
   km_drive_create(w->mechanism, w->state, w->plan.coordinate, false, &w->drive, NULL);
   km_question_create(w->mechanism, "mobility", &w->question, NULL);
   km_follow_create(w->mechanism, w->state, -1, 1.0, false, &w->follow, NULL);
+  km_hand_create(w->mechanism, w->state, &w->hand, NULL);
+  w->grip = (km_hand_grip){.body = 1};
 }
 
 /* A builder with a body and a joint, and a definition of each kind. */
@@ -178,6 +180,7 @@ void world_close(world *w) {
   km_question_free(w->question);
   km_drive_free(w->drive);
   km_follow_free(w->follow);
+  km_hand_free(w->hand);
   km_lever_free(w->lever);
   km_losses_free(w->losses);
   km_transmission_free(w->transmission);

@@ -14,6 +14,8 @@ typedef struct world {
   km_state *state, *fresh, *other_state;
   km_drive *drive;
   km_follow *follow;
+  km_hand *hand;
+  km_hand_grip grip;
   km_lever *lever;
   km_losses_work *losses;
   km_transmission_work *transmission;

@@ -25,7 +25,7 @@ bool km_model_find_mesh(const km_model *model, const char *name, km_text *path) 
   return false;
 }
 
-static km_status read_mesh(const km_model *model, const km_model_body *body, km_mesh **out, km_error *error) {
+km_status km_body_mesh(const km_model *model, const km_model_body *body, km_mesh **out, km_error *error) {
   km_text path = {0};
   km_status status = KM_OK;
   if (!km_model_find_mesh(model, body->mesh, &path))
@@ -54,7 +54,7 @@ km_status km_model_read_meshes(const km_model *model, km_mesh ***meshes, km_erro
   for (int b = 1; b < model->body_count && !status; ++b)
     if (model->bodies[b].mesh) {
       ++count;
-      status = read_mesh(model, &model->bodies[b], &list[b], error);
+      status = km_body_mesh(model, &model->bodies[b], &list[b], error);
     }
   for (int s = 0; s < model->shape_count && !status; ++s, ++count) {
     km_mesh *part = NULL;

@@ -1,0 +1,203 @@
+// kview's page in a browser: page.mjs MODULES KVIEW KMOB MODELS_DIR smoke|all|guide [PICTURES_DIR]
+import { execFileSync } from "node:child_process";
+import { mkdtempSync, readdirSync, rmSync, statSync, copyFileSync, readFileSync, writeFileSync } from "node:fs";
+import { tmpdir } from "node:os";
+import { join } from "node:path";
+import { launch, serve, visit } from "./support.mjs";
+
+const [modules, kview, kmob, models, which, pictures] = process.argv.slice(2);
+const browser = await launch(modules), folder = mkdtempSync(join(tmpdir(), "kview-"));
+let failed = 0, passed = 0;
+
+function check(good, what) {
+  if (good) ++passed;
+  else {
+    ++failed;
+    console.error(`failed: ${what}`);
+  }
+}
+
+/** Visits a model and does something with the page; every fault of its script is a failure. */
+async function on(model, options, work) {
+  const server = model.endsWith(".html") ? { address: `file://${model}`, stop() {} } : await serve(kview, model);
+  try {
+    const { page, faults, context } = await visit(browser, server.address, options);
+    await work(page, server);
+    check(!faults.length, `${model}: ${faults.join("; ")}`);
+    await context.close();
+  } catch (error) {
+    check(false, `${model}: ${error}`);
+  } finally {
+    server.stop();
+  }
+}
+
+const until = (page, condition, argument) => page.waitForFunction(condition, argument, { timeout: 15000 });
+
+/** A slider that is set leads to the numbers that kmob tells of the pose, to the digits shown. */
+async function slider(page, model, label, value) {
+  const name = await page.evaluate((l) => kview.store.model.coordinates.findIndex((c) => c.label === l), label);
+  const row = page.locator(`.row[data-coordinate="${name}"]`);
+  await row.locator("input.value").fill(String(value));
+  await row.locator("input.value").press("Enter");
+  await until(page, ([i, v]) => Math.abs(kview.store.pose.q[i] - v) < 1e-12, [name, value]);
+  const record = JSON.parse(execFileSync(kmob, ["at", model, "--set", `${label}=${value}`, "--format", "json", "--quiet"]));
+  const shown = await page.evaluate(() => [...document.querySelectorAll(".row")].map((r) => [Number(r.dataset.coordinate), r.querySelector(".number").textContent]));
+  const labels = await page.evaluate(() => kview.store.model.coordinates.map((c) => c.label));
+  for (const [coordinate, text] of shown)
+    if (coordinate >= 0) check(text === record.mobility_numbers[labels[coordinate]].toFixed(4), `${model}: the number of ${labels[coordinate]} at ${label} = ${value}: ${text}`);
+}
+
+/** A body dragged by the mouse follows, with the loops closed. */
+async function drag(page, model) {
+  const box = await page.locator("canvas").first().boundingBox();
+  const spot = await page.evaluate(() => {
+    const { view } = kview, box = view.canvas.getBoundingClientRect();
+    let best = null;
+    for (let i = 0; i < 2500; ++i) {
+      const x = box.left + ((i * 37) % 97) / 97 * box.width, y = box.top + ((i * 61) % 89) / 89 * box.height;
+      const hit = view.hit({ clientX: x, clientY: y });
+      if (hit && hit.kind === "body" && hit.index > (best?.body ?? 0)) best = { x, y, body: hit.index };
+    }
+    return best;
+  });
+  if (!spot) return check(false, `${model}: no body is seen`);
+  const before = await page.evaluate(() => Array.from(kview.store.pose.q));
+  await page.mouse.move(spot.x, spot.y);
+  await page.mouse.down();
+  for (let k = 1; k <= 12; ++k) {
+    await page.mouse.move(spot.x + (k * box.width) / 150, spot.y - (k * box.height) / 170);
+    await page.waitForTimeout(16);
+  }
+  await page.waitForTimeout(150);
+  await page.mouse.up();
+  const after = await page.evaluate(() => ({ q: Array.from(kview.store.pose.q), residual: kview.store.pose.residual }));
+  check(after.residual <= 1e-9, `${model}: loops are open by ${after.residual} after a drag`);
+  return after.q.some((q, i) => q !== before[i]);
+}
+
+async function smoke() {
+  const model = join(models, "excavator.json");
+  await on(model, {}, async (page) => {
+    await until(page, () => kview.store.table);
+    await slider(page, model, "M", 2.8);
+    check(await drag(page, model), `${model}: a drag moves nothing`);
+    await page.keyboard.press("Control+z");
+    const end = await page.evaluate(() => kview.store.ask("point 5 1.2 -0.3 0 30 0 0 0 1 0"));
+    check(end.kind === "pose", `${model}: ${JSON.stringify(end)}`);
+  });
+  const out = join(folder, "klann.html");
+  execFileSync(kview, ["export", join(models, "klann.json"), "-o", out, "--quiet"]);
+  check(statSync(out).size <= 2 << 20, `the exported page has ${statSync(out).size} bytes`);
+  await on(out, {}, async (page) => {
+    await until(page, () => kview.store.table);
+    const before = await page.evaluate(() => kview.store.pose.q[0]);
+    await page.locator(".row input[type=range]").first().fill("2");
+    check((await page.evaluate(() => kview.store.pose.q[0])) !== before, "the exported page's slider moves nothing");
+  });
+}
+
+async function everyModel() {
+  for (const file of readdirSync(models).filter((f) => f.endsWith(".json")).sort()) {
+    const model = join(models, file);
+    await on(model, {}, async (page) => {
+      await page.waitForTimeout(300);
+      await drag(page, model);
+    });
+  }
+}
+
+/** The slider of a slider-crank stops at its dead point and says so; the crank passes it. */
+async function toggles() {
+  const model = join(models, "slider_crank.json");
+  await on(model, {}, async (page) => {
+    const index = (label) => page.evaluate((l) => kview.store.model.coordinates.findIndex((c) => c.label === l), label);
+    const b = await index("B"), a = await index("A");
+    await page.evaluate((i) => kview.store.pull(`joint ${i} 100`, () => true), b);
+    await until(page, () => kview.store.pose.stop === "toggle");
+    check((await page.locator(".status").textContent()).includes("toggle"), "the toggle isn't told");
+    await page.evaluate((i) => kview.store.pull(`joint ${i} ${kview.store.pose.q[i] + 2}`, () => true), a);
+    await until(page, () => kview.store.pose.there);
+    check(await page.evaluate(() => kview.store.pose.residual <= 1e-9), "the loops are open behind the toggle");
+  });
+}
+
+/** A pivot that is dragged changes the curve while the file's stays; undo brings it back; a variant is kept. */
+async function design() {
+  const model = join(models, "brake.json");
+  await on(model, {}, async (page) => {
+    await until(page, () => kview.store.table);
+    const joint = await page.evaluate(() => kview.store.model.joints.findIndex((j) => j.label === "D"));
+    await page.keyboard.press("d");
+    await page.evaluate((j) => kview.store.select({ kind: "joint", index: j }), joint);
+    const fields = page.locator(".pivot input"), first = await page.evaluate(() => Array.from(kview.store.table.values[kview.store.table.values.length - 1]));
+    const at = Number(await fields.nth(0).inputValue());
+    await fields.nth(0).fill(String(at + 0.5));
+    await fields.nth(0).press("Enter");
+    await until(page, () => kview.store.model.edited);
+    await page.waitForTimeout(300);
+    check(await page.evaluate((old) => kview.store.table.values[kview.store.table.values.length - 1].some((v, i) => v !== old[i]), first), "the curve doesn't follow the pivot");
+    check(await page.evaluate(() => kview.store.base && kview.store.base !== kview.store.table), "the file's own curve is lost");
+    await page.getByRole("button", { name: "Keep this design" }).click();
+    check(await page.evaluate(() => kview.store.variants.length === 1), "no variant is kept");
+    await page.keyboard.press("Escape");
+    await page.locator("canvas").first().focus();
+    await page.keyboard.press("Control+z");
+    await until(page, () => !kview.store.model.edited);
+  });
+}
+
+/** A file that changes is read again; one that is wrong is told with its place. */
+async function reload() {
+  const file = join(folder, "fourbar.json"), text = readFileSync(join(models, "fourbar.json"), "utf8");
+  copyFileSync(join(models, "fourbar.json"), file);
+  await on(file, {}, async (page) => {
+    writeFileSync(file, text.replace('"joints"', '"joint"'));
+    await until(page, () => document.querySelector(".status").classList.contains("alert"));
+    writeFileSync(file, text);
+    await until(page, () => document.querySelector(".status").textContent.includes("read again"));
+  });
+}
+
+/** Every control has a name, and nothing is wider than the window. */
+async function sizes() {
+  for (const [width, height] of [[1600, 1000], [1000, 760], [390, 844]])
+    for (const colorScheme of ["light", "dark"])
+      await on(join(models, "excavator.json"), { viewport: { width, height }, colorScheme, hasTouch: width < 500 }, async (page) => {
+        await until(page, () => kview.store.table);
+        await page.waitForTimeout(400);
+        const wide = await page.evaluate(() => document.documentElement.scrollWidth - document.documentElement.clientWidth);
+        check(wide <= 0, `${width} ${colorScheme}: wider than the window by ${wide}`);
+        const nameless = await page.evaluate(() => [...document.querySelectorAll("button, input, select")].filter((n) => !(n.getAttribute("aria-label") || n.textContent.trim() || n.labels?.length)).map((n) => n.outerHTML));
+        check(!nameless.length, `without a name: ${nameless.slice(0, 3)}`);
+        if (pictures) await page.screenshot({ path: join(pictures, `kview.${width}.${colorScheme}.png`) });
+      });
+}
+
+/** The pictures of docs/kview.md. */
+async function guide() {
+  await on(join(models, "excavator.json"), {}, async (page) => {
+    await until(page, () => kview.store.table);
+    for (let k = 0; k < 8; ++k) await page.evaluate(() => kview.store.ask("point 5 1.2 -0.3 0 6 -1 1.2 0 0 0"));
+    await page.evaluate(() => {
+      kview.store.select({ kind: "joint", index: kview.store.model.joints.findIndex((j) => j.label === "O") });
+      kview.store.say("");
+    });
+    await page.waitForTimeout(500);
+    await page.screenshot({ path: join(pictures, "kview.excavator.png") });
+  });
+}
+
+if (which === "guide") await guide();
+else await smoke();
+if (which === "all") {
+  await toggles();
+  await design();
+  await reload();
+  await sizes();
+  await everyModel();
+}
+await browser.close();
+rmSync(folder, { recursive: true });
+console.log(`${passed} passed, ${failed} failed`);
+process.exit(failed ? 1 : 0);

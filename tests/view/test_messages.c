@@ -1,0 +1,378 @@
+/* What kview's server answers: pulls lead where kmob's ways lead, loops stay closed and on their branch, designs come back
+ * as they were saved, and whatever else comes is refused. */
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+
+#include <cmocka.h>
+
+#include "kmech/sweep.h"
+#include "kview/guard.h"
+#include "kview/messages.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+static const char *const models[] = {"a02",          "andrews",      "bennett", "bonnet",       "brake",   "bricard",
+                                     "delta",        "excavator",    "fourbar", "iiwa14",       "jansen",  "klann",
+                                     "panda",        "peaucellier",  "robot7r", "rssr",         "sarrus3", "sarrus4",
+                                     "scissor_lift", "slider_crank", "stewart", "toggle_press", "vehicle", NULL};
+
+static uint64_t state_of_chance = 1;
+static double chance(double low, double high) {
+  state_of_chance = state_of_chance * 6364136223846793005u + 1442695040888963407u;
+  return low + (high - low) * (double)(state_of_chance >> 11) / 9007199254740992.0;
+}
+
+static kv_session open_session(const char *name) {
+  static char path[512];
+  snprintf(path, sizeof path, MODELS_DIR "/%s.json", name);
+  kv_session s = {.opening = {.path = path}, .asked = {.kind = -1}};
+  km_error error;
+  if (kv_session_load(&s, &error))
+    fail_msg("%s", error.text);
+  return s;
+}
+
+static kv_answer tell(kv_session *s, const char *text) {
+  kv_answer answer;
+  kv_answer_message(s, text, strlen(text), &answer);
+  assert_true(answer.bytes.size > 0 && !answer.bytes.failed);
+  return answer;
+}
+
+/* The answer is of this kind: a word of JSON, or of bytes. */
+static void expect(kv_session *s, const char *text, const char *kind) {
+  kv_answer answer = tell(s, text);
+  if (answer.binary) {
+    static const char *const words[] = {"", "pose", "patch", "table"};
+    assert_string_equal(words[(unsigned char)answer.bytes.data[0]], kind);
+  } else {
+    char begin[64];
+    snprintf(begin, sizeof begin, "{\"kind\":\"%s\"", kind);
+    if (strncmp(answer.bytes.data, begin, strlen(begin)) != 0)
+      fail_msg("%s: expected %s, found %.300s", text, kind, answer.bytes.data);
+  }
+  kv_buffer_free(&answer.bytes);
+}
+
+static void every_model_answers(void **unused) {
+  (void)unused;
+  for (const char *const *name = models; *name; ++name) {
+    kv_session s = open_session(*name);
+    expect(&s, "1 hello 1", "model");
+    expect(&s, "2 pose", "pose");
+    expect(&s, "3 motions", "motions");
+    expect(&s, "4 forces", "forces");
+    expect(&s, "5 mark", "pose");
+    expect(&s, "6 write", "file");
+    if (km_sweep_plan_default(s.model).coordinate >= 0) {
+      km_sweep_plan plan = km_sweep_plan_default(s.model);
+      char text[128];
+      snprintf(text, sizeof text, "7 ask 0 %d %.17g %.17g 20", plan.coordinate, plan.from, plan.to);
+      expect(&s, text, "table");
+      expect(&s, "8 again", "table");
+      snprintf(text, sizeof text, "9 track %d", plan.coordinate);
+      expect(&s, text, "track");
+    }
+    kv_session_close(&s);
+  }
+}
+
+static int coordinate_of(const kv_session *s, const char *label) {
+  int coordinate = -1;
+  km_error error;
+  assert_int_equal(km_model_find_coordinate(s->model, label, &coordinate, &error), KM_OK);
+  return coordinate;
+}
+
+/* Pulled to a value as by a slider, the numbers are those of `kmob at --set`. */
+static void a_slider_leads_to_the_pose_of_kmob_at(void **unused) {
+  (void)unused;
+  static const struct {
+    const char *model, *joint;
+    double to;
+  } cases[] = {{"excavator", "M", 2.9},
+               {"klann", "A", 1.0},
+               {"brake", "K", 23.0},
+               {"bricard", "A", 2.0},
+               {"slider_crank", "A", 3.0}};
+  for (size_t i = 0; i < sizeof cases / sizeof *cases; ++i) {
+    kv_session s = open_session(cases[i].model);
+    km_hold goal = {coordinate_of(&s, cases[i].joint), cases[i].to};
+    char text[128];
+    snprintf(text, sizeof text, "1 joint %d %.17g", goal.coordinate, goal.value);
+    s.move.there = false;
+    for (int k = 0; k < 400 && !s.move.there; ++k)
+      expect(&s, text, "pose");
+    km_mechanism *mechanism;
+    km_state *state;
+    km_error error;
+    km_mobility mobility;
+    assert_int_equal(km_reach_pose(s.model, NULL, 0, &goal, 1, &mechanism, &state, &error), KM_OK);
+    km_mobility_update(mechanism, state, &mobility);
+    for (int c = 0; c < km_model_coordinate_count(s.model); ++c) {
+      assert_true(fabs(km_state_coordinate(state, c) - km_state_coordinate(s.state, c)) <= 1e-8);
+      assert_true(fabs(km_mobility_number(state, c) - km_mobility_number(s.state, c)) <= 1e-8);
+    }
+    km_state_free(state);
+    km_mechanism_free(mechanism);
+    kv_session_close(&s);
+  }
+}
+
+/* The bucket's tip over 1000 random drags: loops closed, limits kept, and never another branch. Of the excavator's cylinders
+ * each length belongs to one pose of a branch, so the pose that drives lead to from the file's is the same. */
+static void the_bucket_keeps_its_branch(void **unused) {
+  (void)unused;
+  kv_session s = open_session("excavator");
+  static const char *const cylinders[] = {"B", "M", "N", "O"};
+  int n = km_model_coordinate_count(s.model);
+  for (int drag = 0; drag < 1000; ++drag) {
+    char text[256];
+    snprintf(text, sizeof text, "1 point 5 1.2 -0.3 0 %.12g %.12g %.12g 0 0 0", chance(-4, 12), chance(-6, 6),
+             chance(-4, 9));
+    for (int k = 0; k < 3; ++k)
+      expect(&s, text, "pose");
+    assert_true(s.mobility.residual <= 1e-9 && s.mobility.mobility == 4);
+    if (drag % 50)
+      continue;
+    km_hold goals[4];
+    km_error error;
+    for (int k = 0; k < 4; ++k) {
+      goals[k].coordinate = coordinate_of(&s, cylinders[k]);
+      goals[k].value = km_state_coordinate(s.state, goals[k].coordinate);
+    }
+    km_mechanism *mechanism;
+    km_state *state;
+    assert_int_equal(km_reach_pose(s.model, NULL, 0, goals, 4, &mechanism, &state, &error), KM_OK);
+    for (int c = 0; c < n; ++c)
+      assert_true(fabs(km_state_coordinate(state, c) - km_state_coordinate(s.state, c)) <= 1e-7);
+    km_state_free(state);
+    km_mechanism_free(mechanism);
+  }
+  kv_session_close(&s);
+}
+
+/* Bricard's linkage passes its two planar poses, where half of its numbers are 0, and comes round. */
+static void bricard_goes_round(void **unused) {
+  (void)unused;
+  kv_session s = open_session("bricard");
+  int zero_poses = 0, a = coordinate_of(&s, "A"), b = coordinate_of(&s, "B");
+  double way = 0.0, last = km_state_coordinate(s.state, a), sense = 1.0, least_a = 1.0, least_b = 1.0;
+  for (int k = 0; k < 900; ++k) {
+    /* whichever of two neighbours can move now is pulled on */
+    bool by_a = km_mobility_number(s.state, a) > km_mobility_number(s.state, b);
+    int coordinate = by_a ? a : b;
+    double before[2] = {km_state_coordinate(s.state, a), km_state_coordinate(s.state, b)};
+    static double rate[2] = {1.0, 0.0};
+    double direction = rate[by_a ? 0 : 1] == 0.0 ? sense : rate[by_a ? 0 : 1];
+    char text[128];
+    snprintf(text, sizeof text, "1 joint %d %.17g", coordinate,
+             km_state_coordinate(s.state, coordinate) + copysign(0.05, direction));
+    expect(&s, text, "pose");
+    assert_true(s.mobility.residual <= 1e-9 && s.mobility.mobility == 1);
+    double moved[2] = {km_state_coordinate(s.state, a) - before[0], km_state_coordinate(s.state, b) - before[1]};
+    for (int i = 0; i < 2; ++i)
+      rate[i] = moved[i] != 0.0 ? moved[i] : rate[i];
+    way += fabs(km_state_coordinate(s.state, a) - last);
+    last = km_state_coordinate(s.state, a);
+    least_a = fmin(least_a, km_mobility_number(s.state, a));
+    least_b = fmin(least_b, km_mobility_number(s.state, b));
+    zero_poses += km_mobility_number(s.state, a) < 1e-3 || km_mobility_number(s.state, b) < 1e-3;
+  }
+  assert_true(way > 6.0 && zero_poses >= 2 && least_a < 1e-3 && least_b < 1e-3);
+  kv_session_close(&s);
+}
+
+static void undo_comes_back(void **unused) {
+  (void)unused;
+  kv_session s = open_session("fourbar");
+  double first = km_state_coordinate(s.state, 0);
+  expect(&s, "1 joint 0 1.2 1", "pose");
+  expect(&s, "2 mark", "pose");
+  expect(&s, "3 pivot 1 1 1.2 0", "model");
+  expect(&s, "4 mark", "pose");
+  double second = km_state_coordinate(s.state, 0);
+  assert_true(s.edited);
+  expect(&s, "5 undo -1", "pose");
+  assert_true(!s.edited);
+  expect(&s, "6 undo -1", "pose");
+  assert_true(fabs(km_state_coordinate(s.state, 0) - first) <= 1e-12);
+  expect(&s, "7 undo -1", "pose"); /* there is nothing before */
+  expect(&s, "8 undo 1", "pose");
+  expect(&s, "9 undo 1", "pose");
+  assert_true(s.edited && fabs(km_state_coordinate(s.state, 0) - second) <= 1e-12);
+  kv_session_close(&s);
+}
+
+/* Reads what was saved as a model of its own, at its pose. */
+static void reads_back(const kv_session *s, const char *json) {
+  const char *from = strstr(json, "\"text\":\"");
+  char *text = malloc(strlen(json) + 1), *to = text;
+  assert_non_null(from);
+  for (from += 8; *from != '"'; ++from) { /* the escapes that the server writes */
+    if (*from != '\\') {
+      *to++ = *from;
+      continue;
+    }
+    ++from;
+    *to++ = *from == 'u' ? (char)strtol((char[]){from[1], from[2], from[3], from[4], 0}, NULL, 16) : *from;
+    from += *from == 'u' ? 4 : 0;
+  }
+  km_model *model;
+  km_mechanism *mechanism;
+  km_state *state;
+  km_error error;
+  km_read_def def = {.file = s->opening.path};
+  if (km_model_read_as(text, (size_t)(to - text), &def, NULL, &model, &error) ||
+      km_mechanism_compile(model, NULL, 0, &mechanism, &error) || km_state_create(mechanism, &state, &error) ||
+      km_assemble(mechanism, state, NULL, &error))
+    fail_msg("%s", error.text);
+  km_poses_update(mechanism, state);
+  double length = km_mechanism_characteristic_length(mechanism, NULL);
+  for (int j = 0; j < km_model_joint_count(model); ++j) {
+    double a[3], b[3];
+    km_frame_position(mechanism, state, km_model_joint_frame(model, j, true), a);
+    km_frame_position(s->mechanism, s->state, km_model_joint_frame(s->model, j, true), b);
+    for (int k = 0; k < 3; ++k)
+      assert_true(fabs(a[k] - b[k]) <= 1e-7 * length);
+  }
+  km_state_free(state);
+  km_mechanism_free(mechanism);
+  km_model_free(model);
+  free(text);
+}
+
+/* A pivot that is moved keeps the pose, but for those of cylinders, which follow; the joint is where it was put; and what is
+ * saved is the same mechanism. */
+static void a_design_is_saved(void **unused) {
+  (void)unused;
+  static const char *const names[] = {"fourbar", "klann", "jansen", "toggle_press", "bennett", NULL};
+  for (const char *const *name = names; *name; ++name) {
+    kv_session s = open_session(*name);
+    int n = km_model_coordinate_count(s.model), moved = 0;
+    expect(&s, "1 joint 0 0.1", "pose");
+    double *q = malloc((size_t)n * sizeof *q), length = km_mechanism_characteristic_length(s.mechanism, NULL);
+    for (int j = 0; j < km_model_joint_count(s.model); ++j) {
+      double at[3];
+      char text[256];
+      km_error error;
+      int frames[2] = {km_model_joint_frame(s.model, j, false), km_model_joint_frame(s.model, j, true)};
+      bool ground = km_model_frame_body(s.model, frames[0]) == 0 || km_model_frame_body(s.model, frames[1]) == 0;
+      bool exact = strcmp(*name, "toggle_press") != 0; /* it has a slide */
+      if (ground && (strcmp(km_model_frame_name(s.model, frames[0]), "origin") == 0 ||
+                     strcmp(km_model_frame_name(s.model, frames[1]), "origin") == 0))
+        continue;
+      km_state_coordinates(s.mechanism, s.state, q, &error);
+      km_frame_position(s.mechanism, s.state, frames[1], at);
+      at[0] += 0.01 * length;
+      at[1] += 0.0;
+      snprintf(text, sizeof text, "2 pivot %d %.17g %.17g %.17g", j, at[0], at[1], at[2]);
+      expect(&s, text, "model");
+      for (int c = 0; c < n && exact; ++c)
+        assert_true(fabs(km_state_coordinate(s.state, c) - q[c]) <= 1e-7 * (1.0 + fabs(q[c])));
+      double now[3];
+      km_frame_position(s.mechanism, s.state, frames[1], now);
+      for (int k = 0; k < 3 && exact; ++k)
+        assert_true(fabs(now[k] - at[k]) <= 1e-9 * length);
+      assert_true(s.mobility.residual <= 1e-9);
+      ++moved;
+    }
+    free(q);
+    if (moved) {
+      kv_answer answer = tell(&s, "3 write");
+      reads_back(&s, answer.bytes.data);
+      kv_buffer_free(&answer.bytes);
+    }
+    kv_session_close(&s);
+  }
+}
+
+static void what_is_wrong_is_refused(void **unused) {
+  (void)unused;
+  static const char *const wrong[] = {"",
+                                      " ",
+                                      "x",
+                                      "1",
+                                      "1 ",
+                                      "1 fly",
+                                      "1 joint",
+                                      "1 joint 0",
+                                      "1 joint x 1",
+                                      "1 joint 0 nan",
+                                      "1 joint 0 inf",
+                                      "1 joint 1e9 1",
+                                      "1 joint -1 1",
+                                      "1 joint 0.5 1",
+                                      "1 hello 2",
+                                      "1 place 1 2",
+                                      "1 hold 99 1",
+                                      "1 point 99 0 0 0 0 0 0 0 0 0",
+                                      "1 point 1 0 0",
+                                      "1 ask 0 -1 0 0 0",
+                                      "1 ask 99 0 0 1 10",
+                                      "1 ask 0 0 0 1 99999999",
+                                      "1 mode 3",
+                                      "1 pivot 99 0 0 0",
+                                      "1 frame 999 0 0 0",
+                                      "1 patch 0 0",
+                                      "1 design 1",
+                                      "1 lever 0 0",
+                                      "1 track 99",
+                                      "1 undo",
+                                      "-1 pose"};
+  kv_session s = open_session("fourbar");
+  for (size_t i = 0; i < sizeof wrong / sizeof *wrong; ++i)
+    expect(&s, wrong[i], "error");
+  kv_answer answer;
+  char *large = malloc(KV_MOST_MESSAGE + 1);
+  memset(large, '1', KV_MOST_MESSAGE + 1);
+  kv_answer_message(&s, large, KV_MOST_MESSAGE + 1, &answer);
+  assert_non_null(strstr(answer.bytes.data, "65536"));
+  kv_buffer_free(&answer.bytes);
+  kv_answer_message(&s, "1 pose\0more", 11, &answer);
+  assert_non_null(strstr(answer.bytes.data, "NUL"));
+  kv_buffer_free(&answer.bytes);
+  free(large);
+  kv_session_close(&s);
+  expect(&s, "1 pose", "error"); /* no model */
+}
+
+static void only_this_page_comes_in(void **unused) {
+  (void)unused;
+  kv_guard g = {.port = 4711}, other;
+  char path[128];
+  assert_true(kv_guard_make(&g) && kv_guard_make(&other));
+  assert_int_equal(strlen(g.token), 32);
+  assert_string_not_equal(g.token, other.token);
+  snprintf(path, sizeof path, "/%s/", g.token);
+  assert_true(kv_guard_path(&g, path, "") && !kv_guard_path(&other, path, "") && !kv_guard_path(&g, path, "ws"));
+  snprintf(path, sizeof path, "/%s/ws", g.token);
+  assert_true(kv_guard_path(&g, path, "ws"));
+  snprintf(path, sizeof path, "/%s/../etc/passwd", g.token);
+  assert_true(!kv_guard_path(&g, path, "") && !kv_guard_path(&g, "/", "") && !kv_guard_path(&g, "", ""));
+  assert_true(kv_guard_host(&g, "127.0.0.1:4711") && kv_guard_host(&g, "localhost:4711"));
+  assert_true(!kv_guard_host(&g, "evil.example:4711") && !kv_guard_host(&g, "127.0.0.1:4712") &&
+              !kv_guard_host(&g, ""));
+  assert_true(kv_guard_origin(&g, "http://127.0.0.1:4711") && !kv_guard_origin(&g, "http://evil.example"));
+  assert_true(!kv_guard_origin(&g, "") && !kv_guard_origin(&g, "null") &&
+              !kv_guard_origin(&g, "http://127.0.0.1:47110"));
+}
+
+int main(void) {
+  const struct CMUnitTest tests[] = {
+      cmocka_unit_test(every_model_answers),
+      cmocka_unit_test(a_slider_leads_to_the_pose_of_kmob_at),
+      cmocka_unit_test(the_bucket_keeps_its_branch),
+      cmocka_unit_test(bricard_goes_round),
+      cmocka_unit_test(undo_comes_back),
+      cmocka_unit_test(a_design_is_saved),
+      cmocka_unit_test(what_is_wrong_is_refused),
+      cmocka_unit_test(only_this_page_comes_in),
+  };
+  return cmocka_run_group_tests(tests, NULL, NULL);
+}

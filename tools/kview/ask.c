@@ -1,0 +1,256 @@
+/* Sweeps: the session's question over its motion, and how far a slider goes. */
+#include "kview/messages.h"
+
+#include <math.h>
+#include <string.h>
+
+enum { MOST_NUMBERS = 4000000, TRACK_STEPS = 48 };
+static const double most_seconds = 4.0; /* a page waits no longer for a sweep */
+
+/* Ends work that takes too long: other pages wait too. */
+typedef struct clock_limit {
+  struct timespec start;
+} clock_limit;
+
+static bool goes_on(void *context, double done) {
+  const clock_limit *limit = context;
+  struct timespec now;
+  (void)done;
+  clock_gettime(CLOCK_MONOTONIC, &now);
+  double passed = (double)(now.tv_sec - limit->start.tv_sec) + 1e-9 * (double)(now.tv_nsec - limit->start.tv_nsec);
+  return passed < most_seconds;
+}
+
+/* Options that the kind of question doesn't have are left out. */
+static bool has_option(int kind, const char *name) {
+  const km_option *option;
+  for (int i = 0; (option = km_question_option(kind, i)) != NULL; ++i)
+    if (strcmp(option->name, name) == 0)
+      return true;
+  return false;
+}
+
+static km_status set(km_question *question, int kind, const char *name, const km_option_value *value, km_error *error) {
+  return has_option(kind, name) ? km_question_set(question, name, value, error) : KM_OK;
+}
+
+static km_status set_end(const kv_session *s, km_question *question, int kind, const char *name, int coordinate,
+                         km_error *error) {
+  km_option_value value = {.end = {.kind = KM_HANDLE_JOINT, .coordinate = coordinate}};
+  value.end.name = km_model_coordinate_label(s->model, coordinate);
+  return coordinate < 0 ? KM_OK : set(question, kind, name, &value, error);
+}
+
+static km_status make(const kv_session *s, const kv_asked *a, km_question **out, km_error *error) {
+  km_option_value driver = {.coordinate = a->driver}, range = {.numbers = {a->from, a->to}};
+  km_option_value steps = {.whole = a->steps}, length = {.numbers = {a->from}};
+  km_status status = km_question_create(s->mechanism, km_question_kind_name(a->kind), out, error);
+  if (!status && a->driver >= 0)
+    status = set(*out, a->kind, "joint", &driver, error);
+  if (!status && a->driver >= 0)
+    status = set(*out, a->kind, "range", &range, error);
+  if (!status && a->driver < 0 && a->from > 0.0)
+    status = set(*out, a->kind, "arclength", &length, error);
+  if (!status)
+    status = set(*out, a->kind, "steps", &steps, error);
+  if (!status)
+    status = set_end(s, *out, a->kind, "input", a->input, error);
+  if (!status)
+    status = set_end(s, *out, a->kind, "output", a->output, error);
+  return status;
+}
+
+static km_status run(kv_session *s, km_question *question, km_error *error) {
+  clock_limit limit;
+  clock_gettime(CLOCK_MONOTONIC, &limit.start);
+  km_question_watch(question, goes_on, &limit);
+  km_status status = kv_session_probe(s, error);
+  if (!status)
+    status = km_question_ask(question, s->probe, error);
+  km_question_watch(question, NULL, NULL);
+  if (status == KM_CANCELLED)
+    km_fail(error, KM_CANCELLED, "the sweep took more than %g s; ask for fewer steps", most_seconds);
+  return status == KM_PARTIAL ? KM_OK : status;
+}
+
+static void add_events(const km_question *question, kv_buffer *out) {
+  kv_add(out, ",\"events\":[");
+  for (int i = 0; i < km_question_event_count(question); ++i) {
+    km_question_event e = km_question_event_at(question, i);
+    kv_add_comma(out);
+    kv_add(out, "{\"name\":");
+    kv_add_string(out, e.name);
+    kv_add(out, ",\"subject\":");
+    kv_add_string(out, e.subject);
+    kv_add(out, ",\"s\":");
+    kv_add_number(out, e.s);
+    kv_add(out, ",\"value\":");
+    kv_add_number(out, e.value);
+    kv_add(out, "}");
+  }
+  kv_add(out, "]");
+}
+
+static void add_columns(const km_table *table, kv_buffer *out) {
+  kv_add(out, ",\"columns\":[");
+  for (size_t c = 0; c < km_table_columns(table); ++c) {
+    kv_add_comma(out);
+    kv_add(out, "{\"name\":");
+    kv_add_string(out, km_table_name(table, c));
+    kv_add(out, ",\"unit\":");
+    kv_add_string(out, km_table_unit(table, c));
+    kv_add(out, "}");
+  }
+  kv_add(out, "]");
+}
+
+static void add_notes(const km_messages *notes, kv_buffer *out) {
+  kv_add(out, ",\"notes\":[");
+  for (size_t i = 0; i < km_messages_count(notes); ++i) {
+    kv_add_comma(out);
+    kv_add_string(out, km_messages_text(notes, i));
+  }
+  kv_add(out, "]}");
+}
+
+/* The header's length, in a binary message of numbers, is a multiple of 8 with what stands before it. */
+static km_status add_table(const kv_call *call, const kv_asked *a, const km_question *question, km_error *error) {
+  const km_table *table = km_question_table(question);
+  size_t rows = km_table_rows(table), columns = km_table_columns(table);
+  kv_buffer header = {0}, *out = &call->answer->bytes;
+  if (rows * columns > MOST_NUMBERS)
+    return km_fail(error, KM_USAGE, "a table of %zu rows and %zu columns is more than a page shows", rows, columns);
+  kv_add(&header, "{\"question\":");
+  kv_add_string(&header, km_question_kind_name(a->kind));
+  kv_add(&header, ",\"driver\":%d", a->driver);
+  add_columns(table, &header);
+  add_events(question, &header);
+  add_notes(km_question_notes(question), &header);
+  while (!header.failed && header.size % 8 != 4)
+    kv_add(&header, " ");
+  call->answer->binary = true;
+  kv_add_u32(out, KV_TABLE);
+  kv_add_u32(out, call->request);
+  kv_add_u32(out, (uint32_t)header.size);
+  kv_add_u32(out, (uint32_t)rows);
+  kv_add_u32(out, (uint32_t)columns);
+  kv_add_bytes(out, header.data ? header.data : "", header.size);
+  for (size_t r = 0; r < rows; ++r)
+    for (size_t c = 0; c < columns; ++c)
+      kv_add_f64(out, km_table_row(table, r)[c]);
+  out->failed = out->failed || header.failed;
+  kv_buffer_free(&header);
+  return KM_OK;
+}
+
+static km_status answer(const kv_call *call, km_error *error) {
+  kv_session *s = call->session;
+  km_status status = s->question ? KM_OK : make(s, &s->asked, &s->question, error);
+  if (!status)
+    status = run(s, s->question, error);
+  if (!status)
+    return add_table(call, &s->asked, s->question, error);
+  km_question_free(s->question);
+  s->question = NULL;
+  return status;
+}
+
+/* ask KIND DRIVER FROM TO STEPS [INPUT OUTPUT]; DRIVER -1: by arc length, FROM long a step (0: as the model says). */
+km_status kv_ask(const kv_call *call, km_error *error) {
+  kv_session *s = call->session;
+  const kv_asked asked = {.kind = kv_index(call, 0),
+                          .driver = kv_index(call, 1),
+                          .from = call->arguments[2],
+                          .to = call->arguments[3],
+                          .steps = kv_index(call, 4),
+                          .input = call->count > 5 ? kv_index(call, 5) : -1,
+                          .output = call->count > 6 ? kv_index(call, 6) : -1};
+  km_question_free(s->question);
+  s->question = NULL;
+  s->asked = asked;
+  km_status status = answer(call, error);
+  if (status)
+    s->asked.kind = -1;
+  return status;
+}
+
+/* again: the same question about the present design. */
+km_status kv_again(const kv_call *call, km_error *error) {
+  if (call->session->asked.kind < 0)
+    return km_fail(error, KM_USAGE, "nothing was asked yet");
+  return answer(call, error);
+}
+
+/* One way of a slider: how far it goes towards `to`, and the toggles of other joints on the way. */
+static km_status go(const kv_call *call, int coordinate, double to, bool *first, km_error *error) {
+  kv_session *s = call->session;
+  kv_buffer *out = &call->answer->bytes;
+  const kv_asked way = {.kind = 0,
+                        .driver = coordinate,
+                        .from = km_state_coordinate(s->state, coordinate),
+                        .to = to,
+                        .steps = TRACK_STEPS,
+                        .input = -1,
+                        .output = -1};
+  km_question *question = NULL;
+  km_status status = way.from == to ? KM_OK : make(s, &way, &question, error);
+  if (!status && question)
+    status = run(s, question, error);
+  for (int i = 0; !status && question && i < km_question_event_count(question); ++i) {
+    km_question_event e = km_question_event_at(question, i);
+    bool own = strcmp(e.subject, km_model_coordinate_label(s->model, coordinate)) == 0;
+    if (strcmp(e.name, "minimum") == 0 || strcmp(e.name, "maximum") == 0)
+      continue;
+    if (!*first)
+      kv_add(out, ",");
+    *first = false;
+    kv_add(out, "{\"name\":");
+    kv_add_string(out, e.name);
+    kv_add(out, ",\"subject\":");
+    kv_add_string(out, e.subject);
+    kv_add(out, ",\"own\":%s,\"s\":", own ? "true" : "false");
+    kv_add_number(out, e.s);
+    kv_add(out, "}");
+  }
+  const km_sweep *motion = question ? km_question_motion(question) : NULL;
+  if (motion && motion->end.stop) {
+    if (!*first)
+      kv_add(out, ",");
+    *first = false;
+    kv_add(out, "{\"name\":\"%s\",\"subject\":", motion->end.stop == KM_STOP_LIMIT ? "limit" : "end");
+    kv_add_string(out, motion->end.coordinate >= 0 ? km_model_coordinate_label(s->model, motion->end.coordinate) : "");
+    kv_add(out, ",\"own\":true,\"s\":");
+    kv_add_number(out, motion->end.position);
+    kv_add(out, "}");
+  }
+  km_question_free(question);
+  return status;
+}
+
+/* track COORDINATE: what a slider meets on its way from the present pose to either side. */
+km_status kv_track(const kv_call *call, km_error *error) {
+  kv_session *s = call->session;
+  int coordinate = kv_index(call, 0);
+  double low, high, at = km_state_coordinate(s->state, coordinate);
+  if (coordinate < 0 || coordinate >= km_model_coordinate_count(s->model))
+    return km_fail(error, KM_USAGE, "there is no coordinate %d", coordinate);
+  km_model_coordinate_limits(s->model, coordinate, &low, &high);
+  const char *unit = km_model_coordinate_unit(s->model, coordinate);
+  double turn = strcmp(unit, "deg") == 0   ? 180.0
+                : strcmp(unit, "rad") == 0 ? 3.14159265358979
+                                           : 2.0 * km_mechanism_characteristic_length(s->mechanism, NULL);
+  low = fmax(low, at - turn);
+  high = fmin(high, at + turn);
+  bool first = true;
+  kv_add(&call->answer->bytes, "{\"kind\":\"track\",\"request\":%u,\"coordinate\":%d,\"low\":", call->request,
+         coordinate);
+  kv_add_number(&call->answer->bytes, low);
+  kv_add(&call->answer->bytes, ",\"high\":");
+  kv_add_number(&call->answer->bytes, high);
+  kv_add(&call->answer->bytes, ",\"events\":[");
+  km_status status = low < at ? go(call, coordinate, low, &first, error) : KM_OK;
+  if (!status && high > at)
+    status = go(call, coordinate, high, &first, error);
+  kv_add(&call->answer->bytes, "]}");
+  return status;
+}

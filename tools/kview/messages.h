@@ -1,0 +1,56 @@
+/* What a page and the server tell each other: docs/kview-protocol.md. */
+#ifndef KVIEW_MESSAGES_H
+#define KVIEW_MESSAGES_H
+
+#include "kview/session.h"
+
+enum {
+  KV_PROTOCOL = 1,
+  KV_MOST_MESSAGE = 64 * 1024, /* bytes that a page may send in one message */
+  KV_MOST_ARGUMENTS = 40000    /* numbers in it */
+};
+
+/* The first word of a binary answer. */
+typedef enum kv_answer_kind { KV_POSE = 1, KV_PATCH = 2, KV_TABLE = 3 } kv_answer_kind;
+
+typedef struct kv_answer {
+  kv_buffer bytes;
+  bool binary; /* else JSON text */
+} kv_answer;
+
+/* Answers one message of a page: always one answer, which may be {"kind":"error"}. The message needn't end with a NUL, and
+ * may hold anything. */
+void kv_answer_message(kv_session *session, const char *message, size_t size, kv_answer *out);
+
+/* The parts of answers. */
+void kv_describe(const kv_session *session, unsigned request, kv_buffer *out);
+void kv_add_pose(const kv_session *session, unsigned request, kv_buffer *out);
+void kv_add_error(unsigned request, const km_error *error, kv_buffer *out);
+
+/* What the verbs of one file are called with. */
+typedef struct kv_call {
+  kv_session *session;
+  unsigned request;
+  const double *arguments;
+  int count;
+  kv_answer *answer;
+} kv_call;
+
+/* Each fills the answer, or returns a status with the error that becomes the answer. */
+typedef km_status kv_verb(const kv_call *call, km_error *error);
+
+/* ask.c: sweeps and the limits of a slider. */
+kv_verb kv_ask, kv_again, kv_track;
+/* why.c: what shows why it moves as it does. */
+kv_verb kv_motions, kv_diagnose, kv_forces, kv_lever;
+/* modes.c */
+kv_verb kv_modes, kv_mode;
+/* patches.c: what bodies look like. */
+kv_verb kv_patch;
+/* saved.c */
+kv_verb kv_write;
+
+/* An argument as an index; -1 where it is none. */
+int kv_index(const kv_call *call, int argument);
+
+#endif

@@ -1,0 +1,90 @@
+/* kview open: a page in the browser. */
+#include "kview/kview.h"
+#include "kview/server.h"
+
+#include <stdio.h>
+#include <string.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+typedef struct options {
+  kt_common common;
+  const char *model, *port;
+  bool no_browser, stay;
+} options;
+
+/* By a grandchild, which nobody has to wait for. */
+static void open_browser(const char *address) {
+  pid_t child = fork();
+  if (child == 0) {
+    if (fork() == 0) {
+      if (freopen("/dev/null", "w", stdout) && freopen("/dev/null", "w", stderr))
+        execlp("xdg-open", "xdg-open", address, (char *)NULL);
+      _exit(127);
+    }
+    _exit(0);
+  }
+  if (child > 0)
+    waitpid(child, NULL, 0);
+}
+
+static void ready(void *context, const char *address) {
+  const options *o = context;
+  printf("%s\n", address);
+  fflush(stdout);
+  if (!o->no_browser)
+    open_browser(address);
+}
+
+static bool read_port(const options *o, int *port) {
+  double value = 0.0;
+  if (o->port && (!kt_number(o->port, &value) || value < 1.0 || value > 65535.0 || value != (double)(int)value)) {
+    kt_usage(&o->common, "--port", o->port, "a whole number from 1 to 65535");
+    return false;
+  }
+  *port = (int)value;
+  return true;
+}
+
+/* What is wrong with the model shows here, not only in a page. */
+static kt_exit try_model(const options *o) {
+  kv_session session = {.opening = {.path = o->model, .floating = o->common.floating, .pose = o->common.pose}};
+  km_error error;
+  km_status status = kv_session_load(&session, &error);
+  if (status)
+    kt_say(&o->common, KM_ERROR, "%s: %s", o->model, error.text);
+  kv_session_close(&session);
+  return kt_exit_of(status);
+}
+
+kt_exit kview_open(int argc, char **argv) {
+  options o = {.common = KT_COMMON("kview")};
+  kt_options all = {0};
+  const kt_option table[] = {
+      {"port", 0, "N", "Listen on this port of 127.0.0.1 (default: a free one)", KT_TEXT, &o.port, KT_ABOUT_METHOD},
+      {"no-browser", 0, NULL, "Only print the address", KT_FLAG, &o.no_browser, KT_ABOUT_METHOD},
+      {"stay", 0, NULL, "Go on when the last page is closed, until Ctrl-C", KT_FLAG, &o.stay, KT_ABOUT_METHOD},
+      {"pose", 0, "NAME", "Start from this one of the poses that the model names", KT_TEXT, &o.common.pose,
+       KT_ABOUT_MODEL},
+  };
+  KT_OPTIONS_ADD(&all, table);
+  kt_common_options(&all, &o.common, KT_USES_FLOAT);
+  all.operand = (kt_operand){"model", "MODEL", true, &o.model, NULL};
+  kt_options_read(&all, "Open a model in the browser: a page of this machine alone, which moves it by hand.", argc,
+                  argv);
+  kv_server_def def = {.opening = {.path = o.model, .floating = o.common.floating, .pose = o.common.pose},
+                       .stay = o.stay,
+                       .ready = ready,
+                       .context = &o};
+  if (!read_port(&o, &def.port))
+    return KT_USAGE;
+  if (strcmp(o.model, "-") == 0)
+    return kt_usage(&o.common, "MODEL", "-", "a file, which is read again when it changes");
+  kt_exit result = try_model(&o);
+  km_error error;
+  if (result == KT_DONE && kv_serve(&def, &error)) {
+    kt_say(&o.common, KM_ERROR, "%s", error.text);
+    result = KT_USAGE;
+  }
+  return result;
+}

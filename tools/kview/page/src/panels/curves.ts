@@ -1,0 +1,387 @@
+// The curves of a question over its sweep, with a mark at the present pose.
+import uPlot from "uplot";
+import { button, el, replace, save, shown } from "../dom";
+import { RecordedLink } from "../link";
+import { DASHES, OKABE } from "../palette";
+import { Table } from "../protocol";
+import { Store } from "../store";
+import { rangeOf } from "./tree";
+
+const MOST_LINES = 7;
+const WORDS: Record<string, string> = { mobility: "Mobility numbers", advantage: "Mechanical advantage", forces: "Actuator forces" };
+
+/** The columns that answer the question: the others are the pose and its evidence. */
+function answers(table: Table): number[] {
+  const prefix = table.question === "mobility" ? "m." : table.question === "advantage" ? "ma." : "f.";
+  return table.columns.flatMap((c, i) => (c.name.startsWith(prefix) ? [i] : []));
+}
+
+export class Curves {
+  readonly node = el("section", { class: "panel curves", "aria-label": "Curves" });
+  private place = el("div", { class: "plot" });
+  private chips = el("div", { class: "chips" });
+  private question = el("select", { "aria-label": "Question", onchange: () => this.choose() });
+  private driver = el("select", { "aria-label": "Driver", onchange: () => this.choose(true) });
+  private ends = el("span", { class: "ends" });
+  private input = el("select", { "aria-label": "Input", onchange: () => void this.ask() });
+  private output = el("select", { "aria-label": "Output", onchange: () => void this.ask() });
+  private from = el("input", { type: "text", inputmode: "decimal", "aria-label": "From", onchange: () => void this.ask() });
+  private to = el("input", { type: "text", inputmode: "decimal", "aria-label": "To", onchange: () => void this.ask() });
+  private plot: uPlot | null = null;
+  private shown = new Set<string>();
+  private filled = "";
+  private shape = "";
+  private playing = 0;
+  private play = button("▶", "Play the motion", () => this.toggle(), { class: "play" });
+
+  constructor(private store: Store) {
+    const bar = el("div", { class: "tools" }, this.play, this.question, el("label", {}, "over ", this.driver), this.from, "…", this.to, this.ends,
+      button("CSV", "Save the table", () => this.saveTable(), { class: "small" }));
+    this.ends.append(this.input, " / ", this.output);
+    this.node.append(bar, this.chips, this.place);
+    store.on(["model"], () => this.fill());
+    store.on(["table", "variants"], () => this.show());
+    store.on(["pose"], () => this.plot?.redraw(false, false));
+    store.on(["look"], () => this.rebuild());
+    new ResizeObserver(() => this.fit()).observe(this.place);
+  }
+
+  private fit(): void {
+    this.plot?.setSize({ width: this.place.clientWidth, height: Math.max(90, this.place.clientHeight) });
+  }
+
+  /** Choices, and the file's own question at first. */
+  private fill(): void {
+    const { model } = this.store, key = JSON.stringify([model.name, model.coordinates.map((c) => [c.label, c.held])]);
+    if (key === this.filled || !this.store.pose) return;
+    this.filled = key;
+    const free = model.coordinates.flatMap((c, i) => (c.held ? [] : [el("option", { value: i, text: c.label })]));
+    const recorded = this.store.link.recorded;
+    replace(this.question, ...model.questions.map((q, i) => el("option", { value: i, text: WORDS[q] ?? q })));
+    replace(this.driver, el("option", { value: "-1", text: "arc length" }), ...free);
+    for (const select of [this.input, this.output]) replace(select, ...free.map((o) => o.cloneNode(true)));
+    const { sweep } = model;
+    const first = sweep.driver >= 0 ? sweep.driver : sweep.arclength > 0 ? -1 : model.coordinates.findIndex((c) => !c.held);
+    this.driver.value = String(first);
+    if (model.input >= 0) this.input.value = String(model.input);
+    if (model.output >= 0) this.output.value = String(model.output);
+    if (model.input >= 0 && model.output >= 0) this.question.value = String(Math.max(0, model.questions.indexOf("advantage")));
+    this.setRange(sweep.driver >= 0 && sweep.driver === first ? [sweep.from, sweep.to] : null);
+    for (const field of [this.driver, this.input, this.output, this.from, this.to]) field.disabled = recorded;
+    void this.ask();
+  }
+
+  private setRange(range: [number, number] | null): void {
+    const driver = Number(this.driver.value);
+    if (driver < 0) {
+      const { arclength } = this.store.model.sweep;
+      this.from.value = String(arclength > 0 ? arclength : 0.02);
+      this.to.value = "";
+    } else {
+      const [low, high] = range ?? rangeOf(this.store, driver, this.store.pose.q[driver]);
+      this.from.value = shown(low, 5);
+      this.to.value = shown(high, 5);
+    }
+    this.to.hidden = driver < 0;
+  }
+
+  private choose(driver = false): void {
+    if (driver) this.setRange(null);
+    void this.ask();
+  }
+
+  private async ask(): Promise<void> {
+    const { store } = this, kind = this.question.value, word = store.model.questions[Number(kind)];
+    const driver = Number(this.driver.value), own = store.model.sweep;
+    const number = (field: HTMLInputElement): number => Number(field.value.replace("−", "-").replace(",", ".")) || 0;
+    this.ends.hidden = word !== "advantage";
+    const steps = driver < 0 ? Math.min(own.steps || 400, 1000) : store.model.coordinates.length > 500 ? 24 : 200;
+    const ends = word === "advantage" ? ` ${this.input.value} ${this.output.value}` : "";
+    store.busy = true;
+    store.base = store.model.edited ? store.base : null;
+    const answer = await store.ask(`ask ${kind} ${driver} ${number(this.from)} ${driver < 0 ? 0 : number(this.to)} ${steps}${ends}`);
+    store.busy = false;
+    if (answer.kind === "error") this.empty(answer.text);
+  }
+
+  private empty(text: string): void {
+    this.plot?.destroy();
+    this.plot = null;
+    this.shape = "";
+    this.chips.replaceChildren();
+    replace(this.place, el("p", { class: "hint", text }));
+  }
+
+  /** A new table: the same lines get other numbers, or the plot is made anew. */
+  private show(): void {
+    const { table } = this.store;
+    if (!table) return;
+    const columns = answers(table), shape = JSON.stringify([table.question, table.driver, columns.map((c) => table.columns[c]), this.extras().length]);
+    if (!columns.length || !table.values[0]?.length) return this.empty("Nothing to show: the sweep has no row.");
+    if (shape === this.shape && this.plot) {
+      this.plot.setData(this.data());
+      return;
+    }
+    this.shape = shape;
+    const held = new Set(this.store.model.coordinates.filter((c) => c.held).map((c) => `m.${c.label}`));
+    const lively = columns.filter((c) => !held.has(table.columns[c].name)).sort((a, b) => spread(table.values[b]) - spread(table.values[a]));
+    this.shown = new Set(lively.slice(0, MOST_LINES).map((c) => table.columns[c].name));
+    this.showChips(columns);
+    this.rebuild();
+  }
+
+  private showChips(columns: number[]): void {
+    const { table } = this.store;
+    if (!table) return;
+    replace(this.chips, ...(columns.length < 2 ? [] : columns.map((c, i) => {
+      const name = table.columns[c].name, label = name.replace(/^(ma|m|f)\./, "");
+      return el("button", { type: "button", class: "chip", "aria-pressed": String(this.shown.has(name)), style: `--c:${OKABE[i % OKABE.length]}`, onclick: () => {
+        if (!this.shown.delete(name)) this.shown.add(name);
+        this.showChips(columns);
+        this.rebuild();
+      } }, label);
+    })));
+  }
+
+  /** Curves of other designs: the file's own, and those kept as variants. */
+  private extras(): { name: string; table: Table }[] {
+    const { store } = this, { table } = store, out: { name: string; table: Table }[] = [];
+    if (!table) return out;
+    if (store.model.edited && store.base && store.base !== table && store.base.question === table.question) out.push({ name: "file", table: store.base });
+    for (const variant of store.variants) if (variant.table?.question === table.question && variant.table.driver === table.driver) out.push({ name: variant.name, table: variant.table });
+    return out;
+  }
+
+  private lines(): { column: string; colour: string; dash: number[]; table: Table; label: string; width: number }[] {
+    const { table } = this.store;
+    if (!table) return [];
+    const columns = answers(table), dark = document.documentElement.dataset.theme === "dark", out: ReturnType<Curves["lines"]> = [];
+    for (const extra of this.extras())
+      columns.forEach((c, i) => {
+        const name = table.columns[c].name;
+        if (this.shown.has(name)) out.push({ column: name, colour: extra.name === "file" ? (dark ? "#6b7380" : "#b9c0ca") : `${OKABE[i % OKABE.length]}88`, dash: extra.name === "file" ? [] : [6, 5], table: extra.table, label: extra.name, width: 1.5 });
+      });
+    columns.forEach((c, i) => {
+      const name = table.columns[c].name;
+      if (this.shown.has(name)) out.push({ column: name, colour: OKABE[i % OKABE.length], dash: DASHES[Math.floor(i / OKABE.length) % DASHES.length], table, label: name.replace(/^(ma|m|f)\./, ""), width: 2 });
+    });
+    return out;
+  }
+
+  /** All lines over one axis: those of other tables are read off at its places. */
+  private data(): uPlot.AlignedData {
+    const table = this.store.table!, s = table.values[1];
+    const order = s.length > 1 && s[s.length - 1] < s[0] ? Array.from(s.keys()).reverse() : null;
+    const sorted = (values: Float64Array): (number | null)[] => {
+      const list = Array.from(order ?? values.keys(), (i) => values[i]);
+      return list.map((v) => (Number.isFinite(v) ? v : null));
+    };
+    const own = sorted(s) as number[];
+    return [own, ...this.lines().map((line) => {
+      const values = line.table.values[line.table.columns.findIndex((c) => c.name === line.column)];
+      if (!values) return own.map(() => null);
+      return line.table === table ? sorted(values) : own.map((x) => between(line.table.values[1], values, x));
+    })] as uPlot.AlignedData;
+  }
+
+  private rebuild(): void {
+    const { table, model } = this.store;
+    if (!table || !this.shape) return;
+    this.plot?.destroy();
+    this.place.replaceChildren();
+    const style = getComputedStyle(document.documentElement), ink = style.getPropertyValue("--ink2").trim(), line = style.getPropertyValue("--line").trim();
+    const lines = this.lines(), unit = table.driver >= 0 ? model.coordinates[table.driver].unit : "";
+    const axis = { stroke: ink, grid: { stroke: line, width: 1 }, ticks: { stroke: line, width: 1 }, font: "12px system-ui" };
+    const numbers = table.question === "mobility";
+    this.plot = new uPlot({
+      width: this.place.clientWidth || 400, height: Math.max(90, this.place.clientHeight), legend: { show: false }, pxAlign: 0, cursor: { drag: { x: false, y: false } },
+      padding: [10, Math.min(90, 16 + 7 * Math.max(0, ...lines.map((l) => l.label.length))), 0, 0],
+      scales: { x: { time: false }, y: numbers ? { range: [0, 1.02] } : { range: (_u, low, high) => tamed(low, high, lines) } },
+      axes: [
+        { ...axis, label: table.driver >= 0 ? `${model.coordinates[table.driver].label} / ${unit}` : "arc length s", labelSize: 18, labelFont: "12px system-ui", size: 34 },
+        { ...axis, size: 54 },
+      ],
+      series: [{}, ...lines.map((l) => ({ stroke: l.colour, width: l.width, dash: l.dash, points: { show: false }, label: l.label }))],
+      hooks: { draw: [(u) => this.drawOver(u, lines)] },
+    }, this.data(), this.place);
+    this.plot.over.addEventListener("pointerdown", (e) => this.point(e));
+    this.plot.over.addEventListener("pointermove", (e) => e.buttons && this.point(e));
+    this.plot.over.addEventListener("pointerup", () => void this.store.settle());
+  }
+
+  /** Where the present pose stands on the axis; null: this sweep's axis isn't a coordinate. */
+  private present(): number | null {
+    const { table, pose, link } = this.store;
+    if (!table) return null;
+    if (link instanceof RecordedLink) return table.values[1][link.at] ?? null;
+    if (table.driver >= 0) return pose.q[table.driver];
+    return this.nearest();
+  }
+
+  /** The row of the table whose coordinates are nearest to the pose; angles count full turns as none. */
+  private nearest(): number | null {
+    const { table, pose, model } = this.store;
+    if (!table) return null;
+    const columns = model.coordinates.map((c) => table.columns.findIndex((k) => k.name === `q.${c.label}`));
+    let best = -1, least = Infinity;
+    for (let r = 0; r < table.values[0].length; ++r) {
+      let sum = 0;
+      columns.forEach((c, i) => {
+        if (c < 0) return;
+        const turn = model.coordinates[i].unit === "rad" ? 2 * Math.PI : model.coordinates[i].unit === "deg" ? 360 : 0;
+        let d = table.values[c][r] - pose.q[i];
+        if (turn) d = ((d - turn * Math.round(d / turn)) / turn) * 2 * Math.PI;
+        sum += d * d;
+      });
+      if (sum < least) [best, least] = [r, sum];
+    }
+    return best >= 0 && least < 0.05 ? table.values[1][best] : null;
+  }
+
+  private drawOver(u: uPlot, lines: ReturnType<Curves["lines"]>): void {
+    const { ctx, bbox } = u, style = getComputedStyle(document.documentElement), scale = window.devicePixelRatio;
+    ctx.save();
+    ctx.font = `${12 * scale}px system-ui`;
+    ctx.textBaseline = "middle";
+    ctx.textAlign = "left";
+    const taken: number[] = [];
+    lines.forEach((line, i) => {
+      const values = u.data[i + 1] as (number | null)[];
+      let last = values.length - 1;
+      while (last >= 0 && values[last] === null) --last;
+      if (last < 0 || line.table !== this.store.table) return;
+      let y = Math.max(bbox.top + 6, Math.min(bbox.top + bbox.height - 6, u.valToPos(values[last]!, "y", true)));
+      while (taken.some((t) => Math.abs(t - y) < 12 * scale)) y -= 12 * scale;
+      taken.push(y);
+      ctx.fillStyle = line.colour;
+      ctx.fillText(line.label, bbox.left + bbox.width + 5 * scale, y);
+    });
+    const toggles = this.store.table?.events.filter((e) => e.s !== null && /toggle|pole|zero|branch/.test(e.name)) ?? [];
+    for (const toggle of toggles) {
+      const x = u.valToPos(toggle.s!, "x", true);
+      ctx.fillStyle = style.getPropertyValue("--warn");
+      ctx.beginPath();
+      ctx.moveTo(x, bbox.top + bbox.height - 7 * scale);
+      ctx.lineTo(x + 4 * scale, bbox.top + bbox.height);
+      ctx.lineTo(x - 4 * scale, bbox.top + bbox.height);
+      ctx.fill();
+    }
+    const at = this.present();
+    if (at !== null) {
+      const x = Math.round(u.valToPos(at, "x", true));
+      ctx.strokeStyle = style.getPropertyValue("--ink");
+      ctx.lineWidth = 1.5 * scale;
+      ctx.beginPath();
+      ctx.moveTo(x, bbox.top);
+      ctx.lineTo(x, bbox.top + bbox.height);
+      ctx.stroke();
+      lines.forEach((line, i) => {
+        if (line.table !== this.store.table) return;
+        const y = between(u.data[0] as unknown as Float64Array, u.data[i + 1] as unknown as Float64Array, at);
+        if (y === null || x < bbox.left || x > bbox.left + bbox.width) return;
+        ctx.fillStyle = line.colour;
+        ctx.beginPath();
+        ctx.arc(x, u.valToPos(y, "y", true), 3.6 * scale, 0, 7);
+        ctx.fill();
+      });
+    }
+    ctx.restore();
+  }
+
+  private point(e: PointerEvent): void {
+    if (!this.plot) return;
+    const box = this.plot.over.getBoundingClientRect();
+    this.goTo(this.plot.posToVal(e.clientX - box.left, "x"));
+  }
+
+  private goTo(s: number): void {
+    const { store } = this, { table, link } = store;
+    if (!table) return;
+    const row = rowAt(table.values[1], s);
+    if (link instanceof RecordedLink) link.pull(`row ${row}`, (answer) => store.take(answer));
+    else if (table.driver >= 0) store.pull(`joint ${table.driver} ${Math.max(Math.min(...table.values[1]), Math.min(Math.max(...table.values[1]), s))}`, () => true);
+    else this.place_(row);
+  }
+
+  /** The pose of a row of the table. */
+  private place_(row: number): void {
+    const { store } = this, { table, model } = store;
+    if (!table) return;
+    const q = model.coordinates.map((c, i) => {
+      const column = table.columns.findIndex((k) => k.name === `q.${c.label}`);
+      return column < 0 ? store.pose.q[i] : table.values[column][row];
+    });
+    store.pull(`place ${q.join(" ")}`, () => false);
+  }
+
+  /** Goes through the sweep and back. */
+  private toggle(): void {
+    if (this.playing) {
+      cancelAnimationFrame(this.playing);
+      this.playing = 0;
+      void this.store.settle();
+    } else {
+      const { table } = this.store;
+      if (!table) return;
+      const s = table.values[1], rows = s.length, start = performance.now(), begin = rowAt(s, this.present() ?? s[0]);
+      const there = (time: number): void => {
+        const at = (begin + ((time - start) / 6000) * rows) % (2 * rows - 2), row = at < rows ? at : 2 * rows - 2 - at;
+        const low = Math.floor(row), part = row - low;
+        if (table.driver >= 0 && !this.store.link.recorded) this.goTo(s[low] + part * ((s[low + 1] ?? s[low]) - s[low]));
+        else this.goTo(s[Math.round(row)]);
+        this.playing = requestAnimationFrame(there);
+      };
+      this.playing = requestAnimationFrame(there);
+    }
+    this.play.textContent = this.playing ? "⏸" : "▶";
+    this.play.setAttribute("aria-label", this.playing ? "Pause" : "Play the motion");
+  }
+
+  startStop(): void {
+    this.toggle();
+  }
+
+  private saveTable(): void {
+    const { table, model } = this.store;
+    if (!table) return;
+    const quoted = (text: string): string => (/[",\n]/.test(text) ? `"${text.replace(/"/g, '""')}"` : text);
+    const head = table.columns.map((c) => quoted(c.unit && c.name !== "s" ? `${c.name}_${c.unit}` : c.name)).join(",");
+    const rows = Array.from(table.values[0].keys(), (r) => table.values.map((v) => String(v[r]).replace("Infinity", "inf").replace("NaN", "nan")).join(","));
+    save(`${model.name.replace(/\.\w+$/, "")}.${table.question}.csv`, [head, ...rows].join("\r\n") + "\r\n", "text/csv");
+  }
+}
+
+function spread(values: Float64Array): number {
+  let low = Infinity, high = -Infinity;
+  for (const v of values) if (Number.isFinite(v)) (low = Math.min(low, v)), (high = Math.max(high, v));
+  return high - low;
+}
+
+export function rowAt(s: Float64Array, x: number): number {
+  let best = 0;
+  for (let r = 1; r < s.length; ++r) if (Math.abs(s[r] - x) < Math.abs(s[best] - x)) best = r;
+  return best;
+}
+
+/** Between rows by the line through both; null outside and where there is no value. */
+function between(s: ArrayLike<number>, values: ArrayLike<number | null>, x: number): number | null {
+  for (let r = 1; r < s.length; ++r) {
+    const low = Math.min(s[r - 1], s[r]), high = Math.max(s[r - 1], s[r]);
+    if (x < low || x > high) continue;
+    const a = values[r - 1], b = values[r];
+    if (a === null || b === null || !Number.isFinite(a) || !Number.isFinite(b)) return null;
+    return s[r] === s[r - 1] ? a : a + ((x - s[r - 1]) / (s[r] - s[r - 1])) * (b - a);
+  }
+  return null;
+}
+
+/** The range of an axis whose curves may have poles: what most rows need. */
+function tamed(low: number, high: number, lines: { table: Table; column: string }[]): [number, number] {
+  const all: number[] = [];
+  for (const line of lines) for (const v of line.table.values[line.table.columns.findIndex((c) => c.name === line.column)] ?? []) if (Number.isFinite(v)) all.push(v);
+  if (!all.length) return [low ?? 0, high ?? 1];
+  all.sort((a, b) => a - b);
+  const at = (part: number): number => all[Math.round(part * (all.length - 1))], middle = at(0.95) - at(0.05);
+  const bottom = Math.max(all[0], at(0.05) - 2 * middle), top = Math.min(all[all.length - 1], at(0.95) + 2 * middle), pad = 0.06 * (top - bottom) || 0.1 * Math.abs(top) || 1;
+  return [bottom - pad, top + pad];
+}

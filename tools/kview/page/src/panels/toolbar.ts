@@ -1,0 +1,94 @@
+// The bar on top: views, colours, hand or design, undo, theme.
+import { button, el } from "../dom";
+import { ColourBy, Store } from "../store";
+import { Side, View } from "../view/view";
+
+export class Toolbar {
+  readonly node = el("header", { class: "bar" });
+  private title = el("strong");
+  private undo = button("↶", "Undo (Ctrl+Z)", () => void this.step(-1));
+  private redo = button("↷", "Redo (Ctrl+Shift+Z)", () => void this.step(1));
+  private mobility = el("span", { class: "badge", title: "Mobility at this pose" });
+  private design = el("button", { type: "button", "aria-pressed": "false", title: "Drag pivots instead of bodies: the links change (D)", onclick: () => this.toggleDesign() }, "Design");
+
+  constructor(private store: Store, private view: View) {
+    const colour = el("select", { "aria-label": "Colours", onchange: () => {
+      store.colourBy = colour.value as ColourBy;
+      store.tell("look");
+    } }, ...([["bodies", "Bodies"], ["substructures", "Substructures"], ["mobility", "Mobility numbers"]] as const).map(([v, t]) => el("option", { value: v, text: t })));
+    const sides: [Side, string, string][] = [["fit", "Fit", "Fit the mechanism into the view (F)"], ["xy", "xy", "Look at the xy plane (1)"], ["xz", "xz", "Look at the xz plane (2)"], ["yz", "yz", "Look at the yz plane (3)"], ["iso", "iso", "Look from above and aside (4)"]];
+    const toggle = (text: string, name: string, get: () => boolean, set: (on: boolean) => void): HTMLElement => {
+      const node = el("button", { type: "button", title: name, "aria-label": name, "aria-pressed": String(get()), onclick: () => {
+        set(!get());
+        node.setAttribute("aria-pressed", String(get()));
+        store.tell("look");
+      } }, text);
+      return node;
+    };
+    this.node.append(
+      this.title, this.mobility,
+      el("div", { class: "set", role: "group", "aria-label": "Steps" }, this.undo, this.redo),
+      el("div", { class: "set", role: "group", "aria-label": "View" }, ...sides.map(([side, text, name]) => button(text, name, () => view.see(side)))),
+      el("label", { class: "colour" }, "Colours ", colour),
+      el("div", { class: "set", role: "group", "aria-label": "Show" },
+        toggle("Names", "Names of joints (N)", () => store.labels, (on) => (store.labels = on)),
+        toggle("Frames", "Axes of bodies: x red, y green, z blue", () => store.frames, (on) => (store.frames = on))),
+      this.design,
+      button("Copy pose", "Copy the pose as --set arguments", () => void this.copyPose()),
+      button("◐", "Light or dark", () => this.theme(), { class: "theme" }),
+    );
+    store.on(["model"], () => this.follow());
+    store.on(["pose"], () => this.follow());
+  }
+
+  private follow(): void {
+    const { model, pose, link } = this.store;
+    this.title.textContent = model.name + (model.edited ? " *" : "");
+    document.title = `${model.name} – kview`;
+    if (!pose) return;
+    this.mobility.textContent = `M = ${pose.mobility}`;
+    this.undo.disabled = !pose.canUndo || link.recorded;
+    this.redo.disabled = !pose.canRedo || link.recorded;
+    this.design.hidden = link.recorded;
+  }
+
+  async step(direction: number): Promise<void> {
+    const { store } = this, edited = store.model.edited;
+    await store.ask(`undo ${direction}`);
+    if (edited || store.pose.edited) {
+      await store.ask("hello 1");
+      await store.ask("pose");
+      if (store.table) await store.ask("again");
+    }
+  }
+
+  toggleDesign(): void {
+    const { store } = this;
+    if (store.link.recorded) return;
+    store.mode = store.mode === "move" ? "design" : "move";
+    this.design.setAttribute("aria-pressed", String(store.mode === "design"));
+    document.documentElement.dataset.mode = store.mode;
+    store.say(store.mode === "design" ? "Design: drag a joint to another place; the curve follows." : "");
+    store.tell("selection");
+  }
+
+  private async copyPose(): Promise<void> {
+    const { model, pose } = this.store;
+    const quoted = (label: string): string => (/^[\w.-]+$/.test(label) ? label : `'${label.replace(/([,=/[\\])/g, "\\$1").replace(/'/g, "'\\''")}'`);
+    const joint = model.joints.filter((j) => j.count && !model.coordinates[j.first].held && !(j.count > 1 && /spherical|float/.test(j.type)));
+    const words = joint.map((j) => `--set ${quoted(j.label)}=${Array.from(pose.q.subarray(j.first, j.first + j.count)).join(",")}`).join(" ");
+    try {
+      await navigator.clipboard.writeText(words);
+      this.store.say("The pose is copied as --set arguments.");
+    } catch {
+      this.store.say(words);
+    }
+  }
+
+  theme(): void {
+    const { dataset } = document.documentElement;
+    dataset.theme = dataset.theme === "dark" ? "light" : "dark";
+    this.store.tell("look");
+    this.view.themed();
+  }
+}

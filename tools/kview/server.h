@@ -1,0 +1,21 @@
+/* Pages in browsers on this machine: HTTP and WebSocket on a loopback address. */
+#ifndef KVIEW_SERVER_H
+#define KVIEW_SERVER_H
+
+#include "kview/session.h"
+
+enum { KV_ADDRESS = 128 };
+
+typedef struct kv_server_def {
+  kv_opening opening;
+  int port;  /* 0: a free one */
+  bool stay; /* goes on when the last page is closed */
+  /* Told the address once pages can come. */
+  void (*ready)(void *context, const char *address);
+  void *context;
+} kv_server_def;
+
+/* Serves until the last page is closed or the process is interrupted. KM_IO: the port can't be had. */
+km_status kv_serve(const kv_server_def *def, km_error *error);
+
+#endif

@@ -1,0 +1,263 @@
+/* What one page works on: reading, compiling, placing. */
+#include "kview/session.h"
+
+#include "kmech/sweep.h"
+
+#include <stdlib.h>
+#include <string.h>
+#include <sys/stat.h>
+
+/* What is made of a model. */
+typedef struct compiled {
+  km_mechanism *mechanism;
+  km_state *state, *probe;
+  km_hand *hand;
+} compiled;
+
+static void drop(compiled *c) {
+  km_hand_free(c->hand);
+  km_state_free(c->probe);
+  km_state_free(c->state);
+  km_mechanism_free(c->mechanism);
+  *c = (compiled){0};
+}
+
+static km_status follow(const compiled *c, km_mobility *mobility) {
+  km_poses_update(c->mechanism, c->state);
+  km_mobility_update(c->mechanism, c->state, mobility);
+  return KM_OK;
+}
+
+/* Compiles with holds; q: where to start from, NULL: the model's own pose. */
+static km_status compile(const km_model *model, const km_hold *holds, int count, const double *q, compiled *out,
+                         km_mobility *mobility, km_error *error) {
+  km_assembly evidence;
+  *out = (compiled){0};
+  km_status status;
+  if (q) {
+    status = km_mechanism_compile(model, holds, count, &out->mechanism, error);
+    if (!status)
+      status = km_state_create(out->mechanism, &out->state, error);
+    if (!status)
+      status = km_state_set_coordinates(out->mechanism, out->state, q, error);
+    if (!status)
+      status = km_assemble(out->mechanism, out->state, &evidence, error);
+  } else {
+    status = km_reach_pose(model, holds, count, NULL, 0, &out->mechanism, &out->state, error);
+  }
+  if (!status)
+    status = km_state_create(out->mechanism, &out->probe, error);
+  if (!status)
+    status = follow(out, mobility);
+  if (!status)
+    status = km_hand_create(out->mechanism, out->state, &out->hand, error);
+  if (status)
+    drop(out);
+  return status;
+}
+
+static void forget_question(kv_session *s) {
+  km_question_free(s->question);
+  s->question = NULL;
+  free(s->modes);
+  s->modes = NULL;
+  s->mode_count = 0;
+}
+
+static void adopt(kv_session *s, compiled *c) {
+  compiled old = {s->mechanism, s->state, s->probe, s->hand};
+  forget_question(s);
+  s->mechanism = c->mechanism;
+  s->state = c->state;
+  s->probe = c->probe;
+  s->hand = c->hand;
+  s->move = (km_hand_move){.coordinate = -1, .there = true};
+  drop(&old);
+}
+
+static void forget_undo(kv_session *s) {
+  for (int i = 0; i < s->undo_count; ++i)
+    free(s->undo[i].numbers);
+  s->undo_count = s->undo_at = 0;
+}
+
+static struct timespec written(const char *path) {
+  struct stat there;
+  return stat(path, &there) == 0 ? there.st_mtim : (struct timespec){0, 0};
+}
+
+bool kv_session_is_stale(const kv_session *s) {
+  struct timespec now = written(s->opening.path);
+  return now.tv_sec != 0 && (now.tv_sec != s->changed.tv_sec || now.tv_nsec != s->changed.tv_nsec);
+}
+
+static km_status read_model(kv_session *s, km_messages *messages, km_model **out, km_error *error) {
+  km_read_def def = {.floating = s->opening.floating};
+  km_status status = km_model_load_as(s->opening.path, &def, messages, out, error);
+  int pose;
+  if (!status && s->opening.pose) {
+    status = km_model_find_pose(*out, s->opening.pose, &pose, error);
+    if (!status)
+      status = km_model_take_pose(*out, pose, error);
+  }
+  return status;
+}
+
+/* The values at which a coordinate of the old model of that name was held, in the new one. */
+static int carry_holds(const kv_session *s, const km_model *model, km_hold *out) {
+  int count = 0;
+  for (int h = 0; h < s->hold_count; ++h) {
+    km_error error;
+    const char *label = km_model_coordinate_label(s->model, s->holds[h].coordinate);
+    if (!km_model_find_coordinate(model, label, &out[count].coordinate, &error))
+      out[count++].value = s->holds[h].value;
+  }
+  return count;
+}
+
+static int *find_origins(const km_model *model) {
+  int *origin = malloc((size_t)(km_model_body_count(model) + 1) * sizeof *origin);
+  for (int f = km_model_frame_count(model); origin && f-- > 0;)
+    origin[km_model_frame_body(model, f)] = f; /* the first of each body */
+  return origin;
+}
+
+/* The model's own holds at the first reading; later those that the page has. */
+static int first_holds(const kv_session *s, const km_model *model, km_hold *out) {
+  if (s->model)
+    return carry_holds(s, model, out);
+  for (int h = 0; h < km_model_hold_count(model); ++h)
+    out[h] = km_model_hold_at(model, h);
+  return km_model_hold_count(model);
+}
+
+km_status kv_session_load(kv_session *s, km_error *error) {
+  compiled made = {0};
+  km_mobility mobility;
+  km_model *model = NULL;
+  km_messages *messages = km_messages_create();
+  s->changed = written(s->opening.path);
+  km_status status = messages ? read_model(s, messages, &model, error) : km_fail(error, KM_MEMORY, "out of memory");
+  size_t room = status ? 0 : (size_t)km_model_coordinate_count(model) + 1;
+  km_hold *holds = status ? NULL : calloc(room, sizeof *holds);
+  int *origin = status ? NULL : find_origins(model);
+  double *places = status ? NULL : kv_frame_places(model);
+  int count = 0;
+  if (!status && (!holds || !origin || !places))
+    status = km_fail(error, KM_MEMORY, "out of memory");
+  if (!status) {
+    count = first_holds(s, model, holds);
+    status = compile(model, holds, count, NULL, &made, &mobility, error);
+  }
+  if (status) {
+    free(holds);
+    free(origin);
+    free(places);
+    km_model_free(model);
+    km_messages_free(messages);
+    return status;
+  }
+  forget_undo(s);
+  adopt(s, &made);
+  km_model_free(s->model);
+  km_messages_free(s->messages);
+  free(s->holds);
+  free(s->origin);
+  free(s->file_places);
+  s->model = model;
+  s->messages = messages;
+  s->holds = holds;
+  s->hold_count = count;
+  s->origin = origin;
+  s->file_places = places;
+  s->mobility = mobility;
+  s->edited = false;
+  s->asked.kind = -1;
+  return kv_session_mark(s, error);
+}
+
+void kv_session_close(kv_session *s) {
+  compiled none = {0};
+  adopt(s, &none);
+  forget_undo(s);
+  km_model_free(s->model);
+  km_messages_free(s->messages);
+  free(s->holds);
+  free(s->origin);
+  free(s->file_places);
+  *s = (kv_session){.opening = s->opening};
+}
+
+/* All coordinates; the caller frees it. */
+static double *coordinates(const kv_session *s) {
+  double *q = calloc((size_t)km_model_coordinate_count(s->model) + 1, sizeof *q);
+  km_error error;
+  if (q)
+    km_state_coordinates(s->mechanism, s->state, q, &error);
+  return q;
+}
+
+km_status kv_session_hold(kv_session *s, int coordinate, bool held, km_error *error) {
+  int joint = km_model_coordinate_joint(s->model, coordinate), first, freedom, count = 0;
+  if (joint < 0)
+    return km_fail(error, KM_USAGE, "there is no coordinate %d", coordinate);
+  freedom = km_model_joint_freedom(s->model, joint, &first);
+  /* A rotation vector is held as a whole, so a joint always is. */
+  km_hold *holds = calloc((size_t)km_model_coordinate_count(s->model) + 1, sizeof *holds);
+  double *q = coordinates(s);
+  if (!holds || !q) {
+    free(holds);
+    free(q);
+    return km_fail(error, KM_MEMORY, "out of memory");
+  }
+  for (int h = 0; h < s->hold_count; ++h)
+    if (s->holds[h].coordinate < first || s->holds[h].coordinate >= first + freedom)
+      holds[count++] = s->holds[h];
+  for (int k = 0; held && k < freedom; ++k)
+    holds[count++] = (km_hold){first + k, q[first + k]};
+  compiled made;
+  km_status status = compile(s->model, holds, count, q, &made, &s->mobility, error);
+  free(q);
+  if (status) {
+    free(holds);
+    return status;
+  }
+  adopt(s, &made);
+  free(s->holds);
+  s->holds = holds;
+  s->hold_count = count;
+  return KM_OK;
+}
+
+void kv_session_follow(kv_session *s) {
+  const compiled c = {s->mechanism, s->state, s->probe, s->hand};
+  follow(&c, &s->mobility);
+}
+
+km_status kv_session_probe(kv_session *s, km_error *error) {
+  km_assembly evidence;
+  double *q = coordinates(s);
+  km_status status =
+      q ? km_state_set_coordinates(s->mechanism, s->probe, q, error) : km_fail(error, KM_MEMORY, "out of memory");
+  free(q);
+  return status ? status : km_assemble(s->mechanism, s->probe, &evidence, error);
+}
+
+km_status kv_session_place(kv_session *s, const double *q, km_error *error) {
+  km_assembly evidence;
+  double *before = coordinates(s);
+  km_error ignored;
+  if (!before)
+    return km_fail(error, KM_MEMORY, "out of memory");
+  km_status status = km_state_set_coordinates(s->mechanism, s->state, q, error);
+  if (!status)
+    status = km_assemble(s->mechanism, s->state, &evidence, error);
+  if (status) {
+    km_state_set_coordinates(s->mechanism, s->state, before, &ignored);
+    km_assemble(s->mechanism, s->state, &evidence, &ignored);
+  }
+  free(before);
+  km_hand_release(s->hand);
+  kv_session_follow(s);
+  return status;
+}

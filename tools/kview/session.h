@@ -1,0 +1,89 @@
+/* What one page works on: the model as its file has it and as the page has changed it, at a pose. One thread's. */
+#ifndef KVIEW_SESSION_H
+#define KVIEW_SESSION_H
+
+#include "kview/buffer.h"
+
+#include "kmech/edit.h"
+#include "kmech/frames.h"
+#include "kmech/hand.h"
+#include "kmech/parts.h"
+#include "kmech/question.h"
+
+#include <time.h>
+
+enum { KV_UNDO_BYTES = 8 << 20, KV_MOST_UNDO = 200 };
+
+/* How the model is opened, for every page alike. */
+typedef struct kv_opening {
+  const char *path; /* of the model's file */
+  bool floating;
+  const char *pose; /* named in the model; NULL: its own */
+} kv_opening;
+
+/* A pose and the places of the frames, to come back to. */
+typedef struct kv_moment {
+  double *numbers; /* [coordinates + 3 · frames] */
+} kv_moment;
+
+/* A question as the page asks it, to be asked again when the design changes. */
+typedef struct kv_asked {
+  int kind; /* -1: none */
+  int driver, steps, input, output;
+  double from, to;
+} kv_asked;
+
+typedef struct kv_session {
+  kv_opening opening;
+  struct timespec changed; /* when the file was written last */
+  km_model *model;
+  km_mechanism *mechanism;
+  km_state *state, *probe; /* the page's pose; and one for sweeps and searches */
+  km_hand *hand;
+  km_mobility mobility;
+  km_hand_move move; /* of the last pull */
+  km_hold *holds;    /* [hold_count], room for every coordinate */
+  int hold_count;
+  int *origin;         /* [body] its frame `origin` */
+  double *file_places; /* [3 · frames] as the file has them */
+  bool edited;         /* a number of the design isn't the file's */
+  kv_moment undo[KV_MOST_UNDO];
+  int undo_count, undo_at; /* poses kept; the place of the present one */
+  kv_asked asked;
+  km_question *question; /* of `asked`; NULL: to be made */
+  double *modes;         /* assembly modes found last: [mode_count × coordinates] */
+  int mode_count;
+  km_messages *messages; /* what the reader had to say */
+} kv_session;
+
+/* Reads the model and assembles it. On failure `error` tells what is wrong with the file, and the session has no model,
+ * or keeps the one it had. */
+km_status kv_session_load(kv_session *session, km_error *error);
+void kv_session_close(kv_session *session);
+/* Has the file been written since it was read? */
+bool kv_session_is_stale(const kv_session *session);
+
+/* Compiles the model anew with the holds, at the present pose. On failure everything stays as it was. */
+km_status kv_session_hold(kv_session *session, int coordinate, bool held, km_error *error);
+/* Puts the coordinates at values and closes the loops next to them; where they don't close, the pose stays. */
+km_status kv_session_place(kv_session *session, const double *q, km_error *error);
+/* The state has moved: poses, mobility numbers and evidence follow. */
+void kv_session_follow(kv_session *session);
+/* Brings `probe` to the page's pose. */
+km_status kv_session_probe(kv_session *session, km_error *error);
+
+/* Keeps the present pose and design as a step to come back to; and goes a step back (-1) or ahead (+1). */
+km_status kv_session_mark(kv_session *session, km_error *error);
+km_status kv_session_step(kv_session *session, int direction, km_error *error);
+
+/* Moves the frames of a joint on both its bodies so that its place in the present pose is at `point` (inertial frame):
+ * the pose stays, the links change. */
+km_status kv_session_move_pivot(kv_session *session, int joint, const double point[3], km_error *error);
+/* Gives a frame another place in its body. The loops close next to the present pose; else the frame stays. */
+km_status kv_session_move_frame(kv_session *session, int frame, const double T[3], km_error *error);
+/* Places of all frames in their bodies: [3 · frames]. NULL when out of memory; the caller frees it. */
+double *kv_frame_places(const km_model *model);
+/* Takes the places of all frames: T[3 · frames], of a design that was kept. */
+km_status kv_session_take_design(kv_session *session, const double *T, km_error *error);
+
+#endif

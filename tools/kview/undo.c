@@ -1,0 +1,62 @@
+/* Steps to come back to: poses and designs. */
+#include "kview/session.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+static size_t moment_size(const kv_session *s) {
+  return (size_t)km_model_coordinate_count(s->model) + 3 * (size_t)km_model_frame_count(s->model);
+}
+
+static km_status take(const kv_session *s, double *numbers, km_error *error) {
+  int n = km_model_coordinate_count(s->model);
+  km_status status = km_state_coordinates(s->mechanism, s->state, numbers, error);
+  for (int f = 0; f < km_model_frame_count(s->model) && !status; ++f) {
+    double R[9];
+    status = km_model_frame_pose(s->model, f, R, numbers + n + 3 * f, error);
+  }
+  return status;
+}
+
+static int most(const kv_session *s) {
+  size_t fit = KV_UNDO_BYTES / (moment_size(s) * sizeof(double) + 1);
+  return fit < 2 ? 2 : fit > KV_MOST_UNDO ? KV_MOST_UNDO : (int)fit;
+}
+
+static void drop_first(kv_session *s) {
+  free(s->undo[0].numbers);
+  memmove(s->undo, s->undo + 1, (size_t)(s->undo_count - 1) * sizeof *s->undo);
+  --s->undo_count;
+}
+
+km_status kv_session_mark(kv_session *s, km_error *error) {
+  size_t size = moment_size(s) * sizeof(double);
+  double *numbers = malloc(size + 1);
+  km_status status = numbers ? take(s, numbers, error) : km_fail(error, KM_MEMORY, "out of memory");
+  bool same = !status && s->undo_count && memcmp(s->undo[s->undo_at].numbers, numbers, size) == 0;
+  if (status || same) {
+    free(numbers);
+    return status;
+  }
+  while (s->undo_count > s->undo_at + 1)
+    free(s->undo[--s->undo_count].numbers);
+  if (s->undo_count == most(s))
+    drop_first(s);
+  s->undo_at = s->undo_count++;
+  s->undo[s->undo_at].numbers = numbers;
+  return KM_OK;
+}
+
+km_status kv_session_step(kv_session *s, int direction, km_error *error) {
+  km_status status = kv_session_mark(s, error); /* what isn't kept yet can be come back to */
+  int to = s->undo_at + direction;
+  if (status || to < 0 || to >= s->undo_count)
+    return status;
+  const double *numbers = s->undo[to].numbers;
+  status = kv_session_take_design(s, numbers + km_model_coordinate_count(s->model), error);
+  if (!status)
+    status = kv_session_place(s, numbers, error);
+  if (!status)
+    s->undo_at = to;
+  return status;
+}
