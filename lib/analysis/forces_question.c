@@ -129,8 +129,17 @@ static void unprepare(km_question *q) {
   o->statics = (km_statics){0};
 }
 
-const km_question_class km_forces_question = {"forces", options,     OPTIONS, sizeof(own), prepare,  answer,
-                                              motion,   event_count, event,   forget,      unprepare};
+const km_question_class km_forces_question = {.name = "forces",
+                                              .options = options,
+                                              .option_count = OPTIONS,
+                                              .size = sizeof(own),
+                                              .prepare = prepare,
+                                              .answer = answer,
+                                              .motion = motion,
+                                              .event_count = event_count,
+                                              .event = event,
+                                              .forget = forget,
+                                              .unprepare = unprepare};
 
 const km_statics_sweep *km_question_statics(const km_question *q) {
   return km_question_has(q, &km_forces_question) ? &((const own *)q->own)->sweep : NULL;

@@ -69,8 +69,17 @@ static void unprepare(km_question *q) {
   (void)q;
 }
 
-const km_question_class km_mobility_question = {"mobility", options,     OPTIONS, sizeof(own), prepare,  answer,
-                                                motion,     event_count, event,   forget,      unprepare};
+const km_question_class km_mobility_question = {.name = "mobility",
+                                                .options = options,
+                                                .option_count = OPTIONS,
+                                                .size = sizeof(own),
+                                                .prepare = prepare,
+                                                .answer = answer,
+                                                .motion = motion,
+                                                .event_count = event_count,
+                                                .event = event,
+                                                .forget = forget,
+                                                .unprepare = unprepare};
 
 const km_mobility_sweep *km_question_mobility(const km_question *q) {
   return km_question_has(q, &km_mobility_question) ? &((const own *)q->own)->sweep : NULL;

@@ -6,7 +6,8 @@
 
 #include <string.h>
 
-static const km_question_class *const kinds[] = {&km_mobility_question, &km_advantage_question, &km_forces_question};
+static const km_question_class *const kinds[] = {&km_mobility_question, &km_advantage_question, &km_forces_question,
+                                                 &km_track_question};
 
 int km_question_kinds(void) {
   return (int)(sizeof kinds / sizeof *kinds);
@@ -25,7 +26,7 @@ static const km_option *option_of(const km_question_class *kind, int index) {
   if (index >= 0 && index < kind->option_count)
     return &kind->options[index];
   int common = index - kind->option_count;
-  return index >= 0 && common < KM_MOTION_OPTIONS ? &km_motion_options[common] : NULL;
+  return index >= 0 && kind->motion && common < KM_MOTION_OPTIONS ? &km_motion_options[common] : NULL;
 }
 
 const km_option *km_question_option(int kind, int index) {
@@ -37,7 +38,7 @@ static const km_question_class *find_kind(const char *name, km_error *error) {
   for (int i = 0; name && i < km_question_kinds(); ++i)
     if (strcmp(kinds[i]->name, name) == 0)
       return kinds[i];
-  km_fail(error, KM_USAGE, "there is no kind of question \"%s\"; expected mobility, advantage or forces",
+  km_fail(error, KM_USAGE, "there is no kind of question \"%s\"; expected mobility, advantage, forces or track",
           name ? name : "");
   return NULL;
 }
@@ -135,6 +136,8 @@ static km_status check_numbers(const km_option *o, const km_option_value *v, km_
     return km_fail(error, KM_USAGE, "`%s` %g: expected a number greater than %g", o->name, v->numbers[0], o->low);
   if (o->type == KM_OPTION_SENSE && !(fabs(v->numbers[0]) > 0.0))
     return km_fail(error, KM_USAGE, "`%s`: expected a joint with +1 or -1", o->name);
+  if (o->type == KM_OPTION_FILE && !(v->text && v->text[0]))
+    return km_fail(error, KM_USAGE, "`%s`: expected a file's name", o->name);
   if (o->type == KM_OPTION_WORD && (v->whole < 0 || v->whole > o->high))
     return km_fail(error, KM_USAGE, "`%s`: expected %s", o->name, o->words);
   return KM_OK;
@@ -154,6 +157,8 @@ static km_option_value copy_of(km_question *q, km_option_type type, const km_opt
     v.coordinates = copied(q, v.coordinates, v.count, sizeof *v.coordinates);
   if (type == KM_OPTION_LOADS)
     v.loads = copied(q, v.loads, v.count, sizeof *v.loads);
+  if (type == KM_OPTION_FILE)
+    v.text = km_arena_string(&q->arena, v.text);
   if (type == KM_OPTION_END && v.end.name)
     v.end.name = km_arena_string(&q->arena, v.end.name);
   if (type == KM_OPTION_ENDS) {
@@ -242,7 +247,7 @@ km_status km_question_ask(km_question *q, km_state *s, km_error *error) {
   km_status status = km_question_prepare(q, error);
   if (!status)
     status = km_check_state(q->m, s, error);
-  if (!status)
+  if (!status && q->kind->motion)
     status = km_question_make_plan(q, &q->plan, error);
   return status ? status : answer(q, s, error);
 }
@@ -251,6 +256,8 @@ km_status km_question_ask_here(km_question *q, km_state *s, km_error *error) {
   km_status status = km_question_prepare(q, error);
   if (!status)
     status = km_check_state(q->m, s, error);
+  if (!status && !q->kind->motion)
+    status = km_fail(error, KM_USAGE, "a question about a %s isn't about one pose", q->kind->name);
   if (status)
     return status;
   const km_option_value *points = km_question_motion_value(q, KM_MOTION_POINT);
@@ -261,16 +268,16 @@ km_status km_question_ask_here(km_question *q, km_state *s, km_error *error) {
 }
 
 const km_sweep_plan *km_question_plan(const km_question *q) {
-  return q && q->answered ? &q->plan : NULL;
+  return q && q->answered && q->kind->motion ? &q->plan : NULL;
 }
 
 const km_sweep *km_question_motion(const km_question *q) {
-  return q && q->answered ? q->kind->motion(q) : NULL;
+  return q && q->answered && q->kind->motion ? q->kind->motion(q) : NULL;
 }
 
 const km_table *km_question_table(const km_question *q) {
   const km_sweep *motion = km_question_motion(q);
-  return motion ? motion->table : NULL;
+  return motion ? motion->table : q && q->answered ? q->kind->table(q) : NULL;
 }
 
 bool km_question_is(const km_question *q, const km_question_class *kind) {

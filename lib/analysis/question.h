@@ -16,14 +16,15 @@ typedef struct km_question_class {
   km_status (*prepare)(km_question *question, km_error *error);
   /* Sweeps by the plan; the last answer is gone already. */
   km_status (*answer)(km_question *question, km_state *state, const km_sweep_plan *plan, km_error *error);
-  const km_sweep *(*motion)(const km_question *question);
+  const km_sweep *(*motion)(const km_question *question); /* NULL: it moves by other means than a plan, */
+  const km_table *(*table)(const km_question *question);  /* and this is what it answers */
   int (*event_count)(const km_question *question); /* beside those of every motion */
   km_question_event (*event)(const km_question *question, int index);
   void (*forget)(km_question *question);    /* frees the last answer */
   void (*unprepare)(km_question *question); /* frees what `prepare` made; after a failed one too */
 } km_question_class;
 
-extern const km_question_class km_mobility_question, km_advantage_question, km_forces_question;
+extern const km_question_class km_mobility_question, km_advantage_question, km_forces_question, km_track_question;
 
 struct km_question {
   const km_mechanism *m;

@@ -82,6 +82,8 @@ km_status km_question_make_plan(km_question *q, km_sweep_plan *out, km_error *er
   km_status given = km_check_given(q && out, "question or place for its plan", error);
   if (given)
     return given;
+  if (!q->kind->motion)
+    return km_fail(error, KM_USAGE, "a question about a %s has no plan of a motion", q->kind->name);
   km_sweep_plan plan = km_sweep_plan_default(q->m->model);
   const km_option_value *steps = km_question_motion_value(q, KM_MOTION_STEPS),
                         *points = km_question_motion_value(q, KM_MOTION_POINT);

@@ -259,6 +259,10 @@ km_track_end km_track_ending(const km_track *t) {
   return t->end;
 }
 
+int km_track_samples(const km_track *t) {
+  return t ? t->plan.path->samples : 0;
+}
+
 const km_table *km_track_rows(const km_track *t) {
   if (!t)
     return NULL;

@@ -106,6 +106,6 @@ km_status km_design_study_ask(const km_design_study *s, int design, int question
   if (!status)
     status = km_question_create(out->mechanism, q->kind, &out->question, error);
   if (!status)
-    status = km_design_set_options(q, out->model, out->question, error);
+    status = km_design_set_options(s->def, q, out->model, out->question, error);
   return status ? status : km_question_ask(out->question, out->state, error);
 }

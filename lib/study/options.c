@@ -106,8 +106,25 @@ static int word_place(const char *words, const char *word) {
   return -1;
 }
 
-static km_status read_value(const km_option *what, const km_design_option *o, const km_model *model, km_arena *arena,
-                            km_option_value *v, km_error *error) {
+/* A file as it is seen from the study's folder. NULL when out of memory. */
+static const char *beside(const char *folder, const char *file, km_arena *arena) {
+  km_text path = {0};
+  if (folder && folder[0] && file[0] != '/')
+    km_text_format(&path, "%s/", folder);
+  km_text_add(&path, file);
+  const char *kept = km_text_keep(&path, arena);
+  km_text_free(&path);
+  return kept;
+}
+
+const char *km_design_file(const km_design_study_def *study, const km_design_question *q, const km_design_option *o,
+                           km_arena *arena) {
+  const km_option *what = q->kind ? find_option(q->kind, o->name) : NULL;
+  return what && what->type == KM_OPTION_FILE && o->text_count == 1 ? beside(study->folder, o->texts[0], arena) : NULL;
+}
+
+static km_status read_value(const km_option *what, const km_design_option *o, const km_model *model, const char *folder,
+                            km_arena *arena, km_option_value *v, km_error *error) {
   double number = nan("");
   km_status status = KM_OK;
   bool one_text = o->text_count == 1;
@@ -146,6 +163,9 @@ static km_status read_value(const km_option *what, const km_design_option *o, co
   case KM_OPTION_POINTS:
   case KM_OPTION_ENDS:
     return read_lists(what, o, model, arena, v, error);
+  case KM_OPTION_FILE:
+    v->text = one_text ? beside(folder, o->texts[0], arena) : NULL;
+    return v->text ? KM_OK : expected(o, "a file's name", error);
   case KM_OPTION_LOADS:
     break;
   }
@@ -181,22 +201,22 @@ static km_status set_points(const km_design_question *q, const km_model *model, 
   km_arena arena = {0};
   km_option_value value = {0};
   const km_option *what = find_option(q->kind, "point");
-  km_status status = what ? read_value(what, &o, model, &arena, &value, error) : no_option(q, "point", error);
+  km_status status = what ? read_value(what, &o, model, NULL, &arena, &value, error) : no_option(q, "point", error);
   if (!status)
     status = km_question_set(question, "point", &value, error);
   km_arena_free(&arena);
   return status;
 }
 
-km_status km_design_set_options(const km_design_question *q, const km_model *model, km_question *question,
-                                km_error *error) {
+km_status km_design_set_options(const km_design_study_def *study, const km_design_question *q, const km_model *model,
+                                km_question *question, km_error *error) {
   km_status status = KM_OK;
   for (int i = 0; i < q->option_count && !status; ++i) {
     km_arena arena = {0};
     km_option_value value = {0};
     const km_design_option *o = &q->options[i];
     const km_option *what = find_option(q->kind, o->name);
-    status = what ? read_value(what, o, model, &arena, &value, error) : no_option(q, o->name, error);
+    status = what ? read_value(what, o, model, study->folder, &arena, &value, error) : no_option(q, o->name, error);
     if (!status)
       status = km_question_set(question, o->name, &value, error);
     km_arena_free(&arena);

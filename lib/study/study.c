@@ -47,26 +47,35 @@ static km_status read_reference(km_design_study *s, km_model **out, km_error *er
 }
 
 /* The rows of a motion of so many steps are asked in full only when the study runs: two are enough to see the columns. */
+static km_status ask_briefly(km_question *q, km_state *state, int *rows, km_error *error) {
+  km_sweep_plan plan;
+  km_status status = km_question_make_plan(q, &plan, error);
+  km_option_value short_motion = {.whole = 1};
+  *rows = status ? 0 : plan.steps + 1;
+  if (!status)
+    status = km_question_set(q, "steps", &short_motion, error);
+  return status ? status : km_question_ask(q, state, error);
+}
+
+static km_status ask_track(km_question *q, km_state *state, int *rows, km_error *error) {
+  km_status status = km_question_ask(q, state, error);
+  *rows = km_question_track(q) ? km_track_samples(km_question_track(q)) : 0;
+  return status;
+}
+
 static km_status try_question(km_design_study *s, int index, const km_model *model, km_error *error) {
   const km_design_question *def = &s->def->questions[index];
   km_mechanism *m = NULL;
   km_state *state = NULL;
   km_question *q = NULL;
-  km_sweep_plan plan;
   km_error found;
   km_status status = km_design_bring(model, def, &m, &state, &found);
   if (!status)
     status = km_question_create(m, def->kind, &q, &found);
   if (!status)
-    status = km_design_set_options(def, model, q, &found);
+    status = km_design_set_options(s->def, def, model, q, &found);
   if (!status)
-    status = km_question_make_plan(q, &plan, &found);
-  s->band_rows[index] = status ? 0 : plan.steps + 1;
-  km_option_value short_motion = {.whole = 1};
-  if (!status)
-    status = km_question_set(q, "steps", &short_motion, &found);
-  if (!status)
-    status = km_question_ask(q, state, &found);
+    status = (strcmp(def->kind, "track") == 0 ? ask_track : ask_briefly)(q, state, &s->band_rows[index], &found);
   if (status == KM_OK || status == KM_PARTIAL)
     status = km_design_check_figures(def, q, s->units + s->first_figure[index], &s->arena, &found);
   if (status)
@@ -168,12 +177,36 @@ static void add_question(km_text *out, const km_design_question *q) {
     add_name(out, q->bands[b]);
 }
 
+/* What stands in the files that a question names. */
+static km_status add_files(const km_design_study *s, const km_design_question *q, km_text *out, km_error *error) {
+  km_status status = KM_OK;
+  for (int i = 0; i < q->option_count && !status; ++i) {
+    km_arena arena = {0};
+    km_text bytes = {0};
+    char key[KM_SHA256_TEXT];
+    const char *file = km_design_file(s->def, q, &q->options[i], &arena);
+    status = file ? km_file_read(file, &bytes, error) : KM_OK;
+    if (file && !status) {
+      km_sha256(bytes.data, bytes.size, key);
+      add_name(out, key);
+    }
+    km_text_free(&bytes);
+    km_arena_free(&arena);
+  }
+  return status;
+}
+
 /* All that a question's answers depend on, beside the model and the design. */
 static km_status register_question(km_design_study *s, int index, km_error *error) {
   km_text text = {0};
   char key[KM_SHA256_TEXT];
   add_name(&text, km_version());
   add_question(&text, &s->def->questions[index]);
+  km_status status = add_files(s, &s->def->questions[index], &text, error);
+  if (status) {
+    km_text_free(&text);
+    return status;
+  }
   add_numbers(&text, &s->length, 1);
   bool failed = text.failed;
   if (!failed)

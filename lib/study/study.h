@@ -77,8 +77,11 @@ void km_design_values(const km_design_study *study, int design, double *values);
 km_status km_patch_find(km_design_study *study, km_error *error);
 
 /* options.c: gives a question the options of its definition. */
-km_status km_design_set_options(const km_design_question *def, const km_model *model, km_question *question,
-                                km_error *error);
+km_status km_design_set_options(const km_design_study_def *study, const km_design_question *def, const km_model *model,
+                                km_question *question, km_error *error);
+/* The file that an option names, seen from where the program runs. NULL: it names none, or out of memory. */
+const char *km_design_file(const km_design_study_def *study, const km_design_question *def,
+                           const km_design_option *option, km_arena *arena);
 /* Holds or sets by labels, behind those that `out` has already. */
 km_status km_design_settings(const km_model *model, const km_design_setting *settings, int count, const char *what,
                              km_hold *out, int *out_count, km_error *error);

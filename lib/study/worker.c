@@ -102,8 +102,23 @@ static void fail_answer(km_design_answer *a, const km_design_question *q, km_des
     a->figures[f] = nan("");
 }
 
+/* Where and why an arm's track ended. */
+static void tell_track(const km_track *track, km_design_answer *a) {
+  static const char *const reasons[] = {
+      [KM_TRACK_LIMIT] = "a joint is at its limit", [KM_TRACK_RATE] = "a joint would be too fast",
+      [KM_TRACK_SINGULAR] = "the pose is singular", [KM_TRACK_HELD] = "with the held joints the arm can't go on",
+      [KM_TRACK_EDGE] = "the workspace ends here",  [KM_TRACK_GAVE_OUT] = "dynamic programming gave out"};
+  km_track_end end = km_track_ending(track);
+  const char *reason = (size_t)end.stop < sizeof reasons / sizeof *reasons ? reasons[end.stop] : NULL;
+  snprintf(a->reason, sizeof a->reason, "ends at s = %.9g%s%s", end.s, reason ? ": " : "", reason ? reason : "");
+}
+
 /* Where and why the motion ended. */
 static void tell_end(const km_model *model, const km_question *q, km_design_answer *a) {
+  if (km_question_track(q)) {
+    tell_track(km_question_track(q), a);
+    return;
+  }
   const km_sweep *motion = km_question_motion(q);
   const km_sweep_plan *plan = km_question_plan(q);
   const km_statics_sweep *statics = km_question_statics(q);
@@ -122,11 +137,12 @@ static void tell_end(const km_model *model, const km_question *q, km_design_answ
     snprintf(a->reason, sizeof a->reason, "a part of the answer is missing");
 }
 
-static km_status make_question(const km_design_question *def, const km_mechanism *m, const km_model *model,
+static km_status make_question(const km_design_worker *w, int index, const km_mechanism *m, const km_model *model,
                                km_question **out, km_error *error) {
+  const km_design_question *def = &w->study->def->questions[index];
   km_status status = km_question_create(m, def->kind, out, error);
   if (!status)
-    status = km_design_set_options(def, model, *out, error);
+    status = km_design_set_options(w->study->def, def, model, *out, error);
   if (status) {
     km_question_free(*out);
     *out = NULL;
@@ -152,7 +168,7 @@ static km_status ask(const km_design_worker *w, int index, const km_mechanism *m
   const km_design_question *def = &w->study->def->questions[index];
   km_error found = {.text = ""};
   km_question_refresh(*q);
-  km_status status = *q ? KM_OK : make_question(def, m, model, q, &found);
+  km_status status = *q ? KM_OK : make_question(w, index, m, model, q, &found);
   if (!status)
     status = km_question_ask(*q, state, &found);
   if (status == KM_MEMORY)

@@ -338,7 +338,7 @@ static km_status study_designs(const char *json) {
     status = km_designs_csv(study, &def, &csv, &error);
   if (!status)
     status = km_designs_report(study, &def, "study", true, &report, &error);
-  const km_designs_picture shown = {study, &def, "study", KM_CANVAS_SVG};
+  const km_designs_picture shown = {.study = study, .def = &def, .name = "study", .format = KM_CANVAS_SVG};
   if (!status)
     status = km_designs_bands(&shown, 0, 0, &picture, &error);
   if (!status)

@@ -98,6 +98,66 @@ static void as_by_hand(void **state) {
   }
 }
 
+/* The least distance from the limits on an arm's track, as kredund finds it. */
+static double track_by_hand(const double *base, double length) {
+  km_assignment assignments[2] = {{"fixed.A1.x", base[0]}, {"fixed.A1.y", base[1]}};
+  km_model *model;
+  km_mechanism *m;
+  km_state *state;
+  km_study *study;
+  km_track *track;
+  km_text text = {0};
+  km_error error;
+  double value = nan("");
+  km_study_def def = km_study_def_default();
+  assert_int_equal(km_model_load_varied(MODELS_DIR "/iiwa14.json", assignments, 2, NULL, &model, &error), KM_OK);
+  if (length > 0.0)
+    km_model_share_length(model, length);
+  assert_int_equal(km_reach_pose(model, NULL, 0, NULL, 0, &m, &state, &error), KM_OK);
+  assert_int_equal(km_file_read(STUDIES_DIR "/iiwa_weld/study.json", &text, &error), KM_OK);
+  assert_int_equal(km_study_read(text.data, text.size, "", NULL, &def, &error), KM_OK);
+  assert_int_equal(km_study_bind(m, state, &def, 1, NULL, &study, &error), KM_OK);
+  km_track_plan plan = km_study_plan(study, 0);
+  km_status status = km_track_run(km_study_arm(study), &plan, &track, &error);
+  assert_true(status == KM_OK || status == KM_PARTIAL);
+  km_table_figure(km_track_rows(track), "limit_margin", KM_FIGURE_MIN, 0, &value, NULL, &error);
+  km_track_free(track);
+  km_study_free(study);
+  km_study_def_free(&def);
+  km_text_free(&text);
+  km_state_free(state);
+  km_mechanism_free(m);
+  km_model_free(model);
+  return value;
+}
+
+static void tracks_as_by_hand(void **state) {
+  (void)state;
+  static const double bases[3][2] = {{0.0, 0.0}, {-0.03, 0.1}, {0.02, 0.05}};
+  const char *file = "iiwa_weld/study.json";
+  const km_design_option study = {.name = "study", .texts = &file, .text_count = 1};
+  designs d;
+  designs_of_model(&d, "iiwa14", "track");
+  designs_add_parameter(&d, "fixed.A1.x");
+  designs_add_parameter(&d, "fixed.A1.y");
+  designs_add_figure(&d, "margin", KM_DESIGN_MIN, "limit_margin");
+  d.options[0] = study;
+  d.questions[0].option_count = 1;
+  d.def.folder = STUDIES_DIR;
+  const km_design_variant variants[3] = {{"one", bases[0]}, {"two", bases[1]}, {"three", bases[2]}};
+  d.def.variants = variants;
+  d.def.variant_count = 3;
+  km_design_study *s = designs_run(&d, NULL, 2);
+  assert_true(s->patch.works);
+  for (int i = 0; i < 3; ++i) {
+    double wanted = track_by_hand(bases[i], i ? s->length : 0.0);
+    km_design_result r = designs_result(s, i);
+    assert_true(isfinite(wanted));
+    assert_memory_equal(&r.figures[0], &wanted, sizeof wanted);
+  }
+  km_design_study_free(s);
+}
+
 static void sample_of_cranks(designs *d, int count) {
   static const double steps = 30.0;
   designs_of_model(d, "slider_crank", "mobility");
@@ -324,6 +384,7 @@ static void cancelled_runs_go_on(void **state) {
 
 int main(void) {
   const struct CMUnitTest tests[] = {cmocka_unit_test(as_by_hand),
+                                     cmocka_unit_test(tracks_as_by_hand),
                                      cmocka_unit_test(threads_change_nothing),
                                      cmocka_unit_test(stroke_of_normal_cranks),
                                      cmocka_unit_test(samples_by_number),

@@ -108,6 +108,9 @@ kt_exit kt_asked_value(const kt_common *common, const km_model *model, const km_
     return kt_end(common, model, name, text, arena, &out->end);
   case KM_OPTION_ENDS:
     return read_ends(common, model, name, texts, arena, out);
+  case KM_OPTION_FILE:
+    out->text = text;
+    return KT_DONE;
   case KM_OPTION_LOADS:
     return kt_loads(common, model, texts, arena, out);
   }

@@ -22,9 +22,10 @@ typedef struct kstudy_open {
   km_design_study_def def;
   km_design_sample sample; /* with the rows of its CSV file */
   km_design_study *study;
-  const char *name; /* in messages */
-  char model[4096]; /* the model's file, seen from here */
-  char base[4096];  /* of files' names */
+  const char *name;  /* in messages */
+  char model[4096];  /* the model's file, seen from here */
+  char folder[4096]; /* that of the study */
+  char base[4096];   /* of files' names */
   char store[4096 + 16];
 } kstudy_open;
 

@@ -116,6 +116,9 @@ kt_exit kstudy_bring(const kstudy_request *r, bool must_exist, kstudy_open *out)
     return result;
   beside_study(r->study, out->def.model, out->model, sizeof out->model);
   out->def.model = out->model;
+  if (strcmp(r->study, "-") != 0)
+    kt_folder_of(r->study, out->folder, sizeof out->folder);
+  out->def.folder = out->folder;
   if (r->base)
     snprintf(out->base, sizeof out->base, "%s", r->base);
   else

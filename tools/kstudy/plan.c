@@ -3,7 +3,9 @@
 
 #include "base/text.h"
 
+#include <math.h>
 #include <stdio.h>
+#include <sys/resource.h>
 #include <time.h>
 
 static double now(void) {
@@ -43,6 +45,12 @@ static double bytes_of(const kstudy_open *o) {
   return bytes;
 }
 
+/* What the pilot took at most, in bytes. Its own results are in memory; a run's go to a file. */
+static double memory_of(const kstudy_open *o, int piloted) {
+  struct rusage usage;
+  return getrusage(RUSAGE_SELF, &usage) ? 0.0 : fmax(0.0, 1024.0 * (double)usage.ru_maxrss - bytes_of(o) * piloted);
+}
+
 static void print(const kstudy_open *o, double each, int piloted, int ranks, int jobs, km_text *out) {
   int designs = planned(o);
   double workers = (double)ranks * jobs;
@@ -51,6 +59,7 @@ static void print(const kstudy_open *o, double each, int piloted, int ranks, int
   km_text_format(out, "  pilot: %d designs, %.4g ms each on one thread\n", piloted, 1e3 * each);
   km_text_format(out, "  time on %d rank%s of %d thread%s: about %.3g s\n", ranks, ranks == 1 ? "" : "s", jobs,
                  jobs == 1 ? "" : "s", each * designs / workers);
+  km_text_format(out, "  memory on each rank: about %.2g MB, however many designs\n", 1e-6 * memory_of(o, piloted));
   km_text_format(out, "  store: about %.3g MB\n", 1e-6 * bytes_of(o) * designs);
 }
 

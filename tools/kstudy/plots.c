@@ -54,18 +54,54 @@ static void gather(overlay *v, const kstudy_open *o, int question) {
   }
 }
 
+static kt_exit write_overlay(const kstudy_request *r, const kstudy_open *o, km_status status, const km_error *error,
+                             const char *name, kt_format format, km_text *out) {
+  if (status)
+    kt_say(&r->common, KM_ERROR, "%s: %s", o->name, error->text);
+  kt_exit result = status ? kt_exit_of(status) : kt_write(&r->common, o->base, name, kt_format_word(format), out);
+  km_text_free(out);
+  return result;
+}
+
+/* The columns that figures are taken from, each once; the distance from the limits where none has one. Returns how many. */
+static size_t columns_of(const km_design_question *q, const km_table *table, size_t *y) {
+  size_t count = 0;
+  for (int f = 0; f < q->figure_count; ++f) {
+    int column = q->figures[f].column ? km_table_find(table, q->figures[f].column) : -1;
+    bool known = column < 0;
+    for (size_t k = 0; k < count && !known; ++k)
+      known = y[k] == (size_t)column;
+    if (!known)
+      y[count++] = (size_t)column;
+  }
+  int margin = km_table_find(table, "limit_margin");
+  if (count == 0 && margin >= 0)
+    y[count++] = (size_t)margin;
+  return count;
+}
+
+/* What figures are taken from along the path, of all designs over each other. */
+static kt_exit draw_tracks(const kstudy_request *r, const kstudy_open *o, const overlay *v, int question,
+                           kt_format format) {
+  km_plotted_table tables[MOST_OVERLAID];
+  size_t y[KM_MOST_DESIGN_FIGURES], columns = 0;
+  for (int i = 0; i < v->count; ++i) {
+    const km_table *table = km_question_table(v->asked[i].question);
+    columns = columns_of(&o->def.questions[question], table, y);
+    tables[i] = (km_plotted_table){table, v->answers[i].name, (size_t)km_table_find(table, "s"), y};
+  }
+  km_text out = {0};
+  km_error error;
+  km_status status = km_table_plot(tables, (size_t)v->count, columns, kt_canvas_format(format), &out, &error);
+  return write_overlay(r, o, status, &error, o->def.questions[question].name, format, &out);
+}
+
 static kt_exit draw(const kstudy_request *r, const kstudy_open *o, const overlay *v, int question, kt_format format) {
   km_comparison comparison = {.answers = v->answers, .count = v->count, .ordered = o->def.axis_count > 0};
   km_text out = {0};
   km_error error;
   km_status status = km_question_plot(&comparison, kt_canvas_format(format), &out, &error);
-  if (status)
-    kt_say(&r->common, KM_ERROR, "%s: %s", o->name, error.text);
-  kt_exit result = status
-                       ? kt_exit_of(status)
-                       : kt_write(&r->common, o->base, o->def.questions[question].name, kt_format_word(format), &out);
-  km_text_free(&out);
-  return result;
+  return write_overlay(r, o, status, &error, o->def.questions[question].name, format, &out);
 }
 
 /* The paths of the first point that the question traces, over each other; nothing where it traces none. */
@@ -85,12 +121,8 @@ static kt_exit draw_paths(const kstudy_request *r, const kstudy_open *o, const o
   km_text out = {0};
   km_error error;
   km_status status = km_table_plot(tables, (size_t)v->count, 1, kt_canvas_format(format), &out, &error);
-  if (status)
-    kt_say(&r->common, KM_ERROR, "%s: %s", o->name, error.text);
   snprintf(name, sizeof name, "%.200s-paths", o->def.questions[question].name);
-  kt_exit result = status ? kt_exit_of(status) : kt_write(&r->common, o->base, name, kt_format_word(format), &out);
-  km_text_free(&out);
-  return result;
+  return write_overlay(r, o, status, &error, name, format, &out);
 }
 
 static kt_exit plot_question(const kstudy_request *r, const kstudy_open *o, int question, const kt_formats *formats) {
@@ -98,10 +130,15 @@ static kt_exit plot_question(const kstudy_request *r, const kstudy_open *o, int 
   kt_exit result = v ? KT_DONE : KT_INTERNAL;
   if (v)
     gather(v, o, question);
-  for (int f = KT_SVG; f <= KT_PNG && v && v->count > 0; ++f)
-    if (formats->wanted[f])
-      result = kt_worse(result,
-                        kt_worse(draw(r, o, v, question, (kt_format)f), draw_paths(r, o, v, question, (kt_format)f)));
+  bool track = strcmp(o->def.questions[question].kind, "track") == 0;
+  for (int f = KT_SVG; f <= KT_PNG && v && v->count > 0; ++f) {
+    if (!formats->wanted[f])
+      continue;
+    kt_exit drawn = (track ? draw_tracks : draw)(r, o, v, question, (kt_format)f);
+    if (!track)
+      drawn = kt_worse(drawn, draw_paths(r, o, v, question, (kt_format)f));
+    result = kt_worse(result, drawn);
+  }
   if (v)
     overlay_free(v);
   return result;
@@ -133,7 +170,8 @@ static kt_exit write_picture(const kstudy_request *r, const kstudy_open *o, km_s
 
 static kt_exit draw_figures(const kstudy_request *r, kstudy_open *o, kt_format format, const char *word,
                             draw_figure draw_it) {
-  const km_designs_picture picture = {o->study, &o->def, name_of(o), kt_canvas_format(format)};
+  const km_designs_picture picture = {
+      .study = o->study, .def = &o->def, .name = name_of(o), .format = kt_canvas_format(format)};
   kt_exit result = KT_DONE;
   for (int f = 0; f < km_design_study_figures(o->study); ++f) {
     km_text out = {0};
@@ -148,7 +186,8 @@ static kt_exit draw_figures(const kstudy_request *r, kstudy_open *o, kt_format f
 
 static kt_exit draw_study(const kstudy_request *r, kstudy_open *o, kt_format format, const char *word,
                           draw_whole draw_it) {
-  const km_designs_picture picture = {o->study, &o->def, name_of(o), kt_canvas_format(format)};
+  const km_designs_picture picture = {
+      .study = o->study, .def = &o->def, .name = name_of(o), .format = kt_canvas_format(format)};
   km_text out = {0};
   km_error error;
   km_status status = draw_it(&picture, &out, &error);
@@ -158,7 +197,8 @@ static kt_exit draw_study(const kstudy_request *r, kstudy_open *o, kt_format for
 }
 
 static kt_exit draw_bands(const kstudy_request *r, kstudy_open *o, kt_format format) {
-  const km_designs_picture picture = {o->study, &o->def, name_of(o), kt_canvas_format(format)};
+  const km_designs_picture picture = {
+      .study = o->study, .def = &o->def, .name = name_of(o), .format = kt_canvas_format(format)};
   kt_exit result = KT_DONE;
   for (int q = 0; q < o->def.question_count; ++q)
     for (int b = 0; b < o->def.questions[q].band_count; ++b) {

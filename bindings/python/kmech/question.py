@@ -3,6 +3,7 @@ from __future__ import annotations
 
 import functools
 import inspect
+import os
 from typing import Any, Iterable, NamedTuple, Optional
 
 from ._kmech import ffi, lib
@@ -18,6 +19,7 @@ _EXPECTED = {
     lib.KM_OPTION_COORDINATES: "a list of joints' labels", lib.KM_OPTION_POINTS: "a list of \"body/frame\"",
     lib.KM_OPTION_END: "a joint's label, or (\"body/frame\", [dx, dy, dz])",
     lib.KM_OPTION_ENDS: "a list of (\"body/frame\", [dx, dy, dz])",
+    lib.KM_OPTION_FILE: "a file's name",
     lib.KM_OPTION_LOADS: "a list of {\"frame\": \"body/frame\", \"force\": […], \"torque\": […], \"turning\": False}",
 }
 
@@ -144,6 +146,8 @@ class Values:
             if value not in option.words:
                 raise UsageError(f"{what}: found {value!r}; expected {' or '.join(option.words)}")
             out.whole = option.words.index(value)
+        elif kind == lib.KM_OPTION_FILE:
+            out.text = self.text(os.fspath(value))
         elif kind == lib.KM_OPTION_COORDINATE:
             out.coordinate = self.model._coordinate(value)
         elif kind == lib.KM_OPTION_SENSE:

@@ -16,12 +16,24 @@ from kmech import ffi, lib
 
 
 def test_every_kind_of_question_is_a_method(brake):
-    assert kmech.kinds() == ["mobility", "advantage", "forces"]
-    for kind in kmech.kinds():
+    assert kmech.kinds() == ["mobility", "advantage", "forces", "track"]
+    for kind in kmech.kinds()[:3]:
         answer = getattr(brake, kind)(range=(20, 32), steps=4)
         assert len(answer) == 5 and answer.complete
         assert kind in getattr(kmech.Model, kind).__doc__
         assert "range" in str(__import__("inspect").signature(getattr(kmech.Mechanism, kind)))
+
+
+def test_a_track_is_a_question(iiwa, source):
+    answer = iiwa.track(study=source / "studies/iiwa_weld/study.json", method="dls")
+    assert answer.complete and len(answer) == 161 and answer.events == []
+    assert answer.figure("limit_margin", "min")[0] > 0 and "<svg" in answer._repr_svg_()
+    with pytest.raises(kmech.KmechError, match="`study` is missing"):
+        iiwa.track()
+    with pytest.raises(kmech.KmechError, match="gone.json"):
+        iiwa.track(study="gone.json")
+    with pytest.raises(TypeError):
+        iiwa.track(study=3)
 
 
 def test_rows_are_those_of_the_c_library(brake, tmp_path):

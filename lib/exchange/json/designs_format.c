@@ -71,8 +71,10 @@ static const km_object_format figure_format = {"figure", figure_fields};
 
 static const km_field question_fields[] = {
     {"name", "Of its files.", STRING, UNSTATED("the question's own word")},
-    {"question", "\"mobility\", \"advantage\" or \"forces\".", STRING, REQUIRED},
-    {"options", "The options of the sweep commands: {\"joint\": \"A\", \"range\": [0, 6.28], \"steps\": 100, …}.",
+    {"question", "\"mobility\", \"advantage\", \"forces\" or \"track\".", STRING, REQUIRED},
+    {"options",
+     "The options of the sweep commands: {\"joint\": \"A\", \"range\": [0, 6.28], \"steps\": 100, …}; of a track: "
+     "{\"study\": a path study's file, \"method\": \"greedy\"}.",
      SHAPE(ANY)},
     {"hold", "Joints that are kept at a value.", SHAPE(COORDINATE_MAP)},
     {"set", "Joints that are moved to a value first.", SHAPE(COORDINATE_MAP)},

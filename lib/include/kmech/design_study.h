@@ -148,7 +148,8 @@ typedef struct km_design_setting {
 
 typedef struct km_design_question {
   const char *name; /* of its files and figures */
-  const char *kind; /* of km_question_create; NULL: the study's function gives the figures, in their order */
+  const char *
+      kind; /* of km_question_create: "mobility", "advantage", "forces", "track"; NULL: the study's function gives the figures, in their order */
   const km_design_option *options;
   int option_count;
   const km_design_setting *holds, *sets; /* beside the model's own holds; sets: the pose that the motion starts from */
@@ -181,6 +182,7 @@ typedef struct km_design_study_def {
   const km_design_optimise *optimise;
   const km_design_question *questions;
   int question_count;
+  const char *folder;      /* from which files that questions name are seen; NULL: where the program runs */
   const char *sample_file; /* a CSV file that the sample's list is still to be read from; NULL: none */
   struct km_arena *memory; /* of what was read, NULL: none */
 } km_design_study_def;

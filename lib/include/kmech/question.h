@@ -14,6 +14,7 @@
 
 #include "kmech/advantage_sweep.h"
 #include "kmech/mobility_sweep.h"
+#include "kmech/path_study.h"
 #include "kmech/statics_sweep.h"
 #include "kmech/sweep_redundancy.h"
 
@@ -35,7 +36,8 @@ typedef enum km_option_type {
   KM_OPTION_POINTS,      /* points[count] */
   KM_OPTION_END,         /* end */
   KM_OPTION_ENDS,        /* ends[count]: points along directions */
-  KM_OPTION_LOADS        /* loads[count]: all that act, instead of the model's own */
+  KM_OPTION_LOADS,       /* loads[count]: all that act, instead of the model's own */
+  KM_OPTION_FILE         /* text: a file's name */
 } km_option_type;
 
 /* An option of a kind of question. */
@@ -62,10 +64,12 @@ typedef struct km_option_value {
   const km_load *loads;
   const km_handle *ends;
   km_handle end;
+  const char *text;
 } km_option_value;
 
-/* The kinds of question, 0 … km_question_kinds() - 1: the name ("mobility", "advantage", "forces"; "" if there is no
- * such kind) and an option, its own ones first, then those of every motion; NULL past the last one. */
+/* The kinds of question, 0 … km_question_kinds() - 1: the name ("mobility", "advantage", "forces", "track"; "" if there
+ * is no such kind) and an option, its own ones first, then those of every motion, which a track has none of; NULL past
+ * the last one. */
 KM_API int km_question_kinds(void);
 KM_API const char *km_question_kind_name(int kind);
 KM_API const km_option *km_question_option(int kind, int index);
@@ -92,17 +96,19 @@ KM_API void km_question_refresh(km_question *question);
 /* What the caller should know of how the options were understood, of the last preparation. Borrowed. */
 KM_API const km_messages *km_question_notes(const km_question *question);
 
-/* The plan by which asking would move the mechanism. Points are borrowed until an option is set. KM_USAGE. */
+/* The plan by which asking would move the mechanism. Points are borrowed until an option is set. KM_USAGE: also of a
+ * track, which moves by a path study. */
 KM_API km_status km_question_make_plan(km_question *question, km_sweep_plan *out, km_error *error);
 
 /* Moves the assembled state over the motion and answers at every row. KM_PARTIAL: the rows end (or begin) before the
  * range does, or the answer is no for a part of them; KM_NO_RESULT: there is no row. A new answer replaces the last
  * one. Cost: that of the sweep (km_mobility_sweep_run …). */
 KM_API km_status km_question_ask(km_question *question, km_state *state, km_error *error);
-/* One row at the state's pose, where nothing moves. Options of the motion don't count, but for the points. */
+/* One row at the state's pose, where nothing moves. Options of the motion don't count, but for the points. KM_USAGE: a
+ * track isn't about one pose. */
 KM_API km_status km_question_ask_here(km_question *question, km_state *state, km_error *error);
 
-/* The last answer. Before the first one: NULL, 0. Borrowed until the next. */
+/* The last answer. Before the first one: NULL, 0. Borrowed until the next. A track has neither plan nor motion. */
 KM_API const km_sweep_plan *km_question_plan(const km_question *question);
 KM_API const km_sweep *km_question_motion(const km_question *question);
 KM_API const km_table *km_question_table(const km_question *question);
@@ -118,6 +124,7 @@ KM_API int km_question_event_count(const km_question *question);
 KM_API km_question_event km_question_event_at(const km_question *question, int index);
 
 /* What each kind gives beyond that; NULL of another kind, and before the first answer. */
+KM_API const km_track *km_question_track(const km_question *question);
 KM_API const km_mobility_sweep *km_question_mobility(const km_question *question);
 KM_API const km_sweep_redundancies *km_question_redundancies(const km_question *question); /* of "mobility" */
 KM_API const km_advantage_sweep *km_question_advantage(const km_question *question);

@@ -111,6 +111,7 @@ KM_API km_status km_track_run(const km_arm *arm, const km_track_plan *plan, km_t
 KM_API void km_track_free(km_track *track);
 
 KM_API km_track_end km_track_ending(const km_track *track);
+KM_API int km_track_samples(const km_track *track); /* of the path: rows that a whole track has */
 /* Columns as cli.md: step, s, t_s, q., v., z., z.path, objective., error_position, error_rotation, limit_margin. */
 KM_API const km_table *km_track_rows(const km_track *track); /* borrowed */
 

@@ -3,12 +3,13 @@
 
 #include "kmech/version.h"
 #include "report/document/document.h"
+#include "report/plot/designs_plot.h"
 #include "report/record/designs_table.h"
 
 #include <math.h>
 #include <string.h>
 
-enum { MOST_FACTS = 40 };
+enum { MOST_FACTS = 40, MOST_FIGURES_SHOWN = 3 };
 
 typedef struct facts {
   const char *cells[2 * MOST_FACTS];
@@ -86,8 +87,78 @@ static void add_facts(km_document_maker *m, const km_design_study *s, const km_d
   km_document_cells(m, KM_BLOCK_FACTS, f->cells, f->rows, 2);
 }
 
+/* One of the study's own pictures. */
+typedef struct shown {
+  km_designs_picture picture;
+  enum { HISTOGRAM, SCATTER, BANDS, PROGRESS, FRONT } kind;
+  int index, band; /* of the figure, or of the question and its band */
+} shown;
+
+static km_status draw_picture(const shown *s, const km_designs_picture *picture, km_error *error) {
+  switch (s->kind) {
+  case HISTOGRAM:
+    return km_designs_histogram(picture, s->index, NULL, error);
+  case SCATTER:
+    return km_designs_scatter(picture, s->index, NULL, error);
+  case BANDS:
+    return km_designs_bands(picture, s->index, s->band, NULL, error);
+  case PROGRESS:
+    return km_designs_progress(picture, NULL, error);
+  case FRONT:
+    return km_designs_front(picture, NULL, error);
+  }
+  return KM_NO_RESULT;
+}
+
+static km_status draw_shown(void *context, km_canvas *canvas, double width, double height, km_error *error) {
+  const shown *s = context;
+  km_designs_picture picture = s->picture;
+  picture.canvas = canvas;
+  picture.width = width;
+  picture.height = height;
+  return draw_picture(s, &picture, error);
+}
+
+/* Left out where there is nothing to draw. */
+static void show(km_document_maker *m, const shown *what, const char *shows, double height) {
+  shown *kept = KM_ARENA_NEW(&m->arena, shown, 1);
+  if (!kept)
+    return;
+  *kept = *what;
+  kept->picture.only_try = true;
+  km_status status = draw_picture(kept, &kept->picture, NULL);
+  kept->picture.only_try = false;
+  m->arena.failed = m->arena.failed || status == KM_MEMORY;
+  if (!status)
+    km_document_picture(m, shows, height, draw_shown, kept);
+}
+
+static void add_pictures(km_document_maker *m, km_design_study *s, const km_design_study_def *def, const char *name) {
+  shown what = {.picture = {.study = s, .def = def, .name = name}};
+  const km_design_optimise *o = def->optimise;
+  if (o) {
+    what.kind = o->goal_count == 2 ? FRONT : PROGRESS;
+    show(m, &what, o->goal_count == 2 ? "both goals of all designs, and the front" : "the way to the best design", 260);
+  }
+  for (int f = 0; def->sample && f < km_design_study_figures(s) && f < MOST_FIGURES_SHOWN; ++f) {
+    const char *figure = km_design_study_figure(s, f)->name;
+    what.index = f;
+    what.kind = HISTOGRAM;
+    show(m, &what, km_document_format(m, "how often %s has which value", figure), 230);
+    what.kind = SCATTER;
+    show(m, &what, km_document_format(m, "%s over the parameters", figure), 300);
+  }
+  what.kind = BANDS;
+  for (int q = 0; q < def->question_count; ++q)
+    for (int b = 0; b < def->questions[q].band_count && b < MOST_FIGURES_SHOWN; ++b) {
+      what.index = q;
+      what.band = b;
+      show(m, &what, km_document_format(m, "quantiles of %s along the motion", def->questions[q].bands[b]), 300);
+    }
+}
+
 static km_status make(km_document_maker *m, km_design_study *s, const km_design_study_def *def, km_designs_table *table,
-                      km_error *error) {
+                      const char *name, km_error *error) {
   km_design_yield y;
   km_status status = km_design_study_yield(s, &y, error);
   if (!status)
@@ -99,6 +170,7 @@ static km_status make(km_document_maker *m, km_design_study *s, const km_design_
   add_table(m, table);
   if (table->marked)
     km_document_text(m, "* the best of its column");
+  add_pictures(m, s, def, name);
   km_document_heading(m, "What was asked");
   add_facts(m, s, def, &y);
   return m->arena.failed ? km_fail(error, KM_MEMORY, "out of memory for the report") : KM_OK;
@@ -109,7 +181,7 @@ km_status km_designs_report(km_design_study *s, const km_design_study_def *def, 
   km_document_maker *m = KM_NEW(km_document_maker, 1);
   km_designs_table *table = KM_NEW(km_designs_table, 1);
   km_status status =
-      m && table ? make(m, s, def, table, error) : km_fail(error, KM_MEMORY, "out of memory for the report");
+      m && table ? make(m, s, def, table, name, error) : km_fail(error, KM_MEMORY, "out of memory for the report");
   if (!status) {
     km_document d = {.title = name,
                      .subtitle = "study of designs",

@@ -67,7 +67,7 @@ km_status km_designs_progress(const km_designs_picture *p, km_text *out, km_erro
                   .y_label = label_of(p, 0, &arena),
                   .panels = &panel,
                   .panel_count = 1};
-  return km_plot_finish(!arena.failed, &plot, &arena, p->format, out, error);
+  return km_designs_finish(p, !arena.failed, &plot, &arena, out, error);
 }
 
 /* The designs near the front: those much worse in both goals would leave it no room. */
@@ -115,5 +115,5 @@ km_status km_designs_front(const km_designs_picture *p, km_text *out, km_error *
                   .y_label = label_of(p, 1, &arena),
                   .panels = &panel,
                   .panel_count = 1};
-  return km_plot_finish(!arena.failed, &plot, &arena, p->format, out, error);
+  return km_designs_finish(p, !arena.failed, &plot, &arena, out, error);
 }

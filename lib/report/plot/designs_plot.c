@@ -19,6 +19,17 @@ static km_status nothing(km_arena *arena, km_error *error) {
                 : km_fail(error, KM_NO_RESULT, "there is nothing to draw");
 }
 
+km_status km_designs_finish(const km_designs_picture *p, bool made, const km_plot *plot, km_arena *arena, km_text *out,
+                            km_error *error) {
+  if (!p->only_try && !p->canvas)
+    return km_plot_finish(made, plot, arena, p->format, out, error);
+  km_status status = !made         ? km_fail(error, KM_MEMORY, "out of memory for a plot")
+                     : p->only_try ? KM_OK
+                                   : km_plot_place(plot, p->canvas, p->width, p->height, error);
+  km_arena_free(arena);
+  return status;
+}
+
 static const char *words(km_arena *arena, const char *format, ...) __attribute__((format(printf, 2, 3)));
 
 static const char *words(km_arena *arena, const char *format, ...) {
@@ -108,7 +119,7 @@ km_status km_designs_histogram(const km_designs_picture *p, int figure, km_text 
                   .y_label = "share of the designs (%)",
                   .panels = &panel,
                   .panel_count = 1};
-  return km_plot_finish(!arena.failed, &plot, &arena, p->format, out, error);
+  return km_designs_finish(p, !arena.failed, &plot, &arena, out, error);
 }
 
 typedef struct placed {
@@ -176,7 +187,7 @@ km_status km_designs_scatter(const km_designs_picture *p, int figure, km_text *o
                   .y_label = label_of(p, figure, &arena),
                   .panels = panels,
                   .panel_count = (size_t)count};
-  return km_plot_finish(!arena.failed, &plot, &arena, p->format, out, error);
+  return km_designs_finish(p, !arena.failed, &plot, &arena, out, error);
 }
 
 /* Mean, and where its interval ends, at some of the counts. */
@@ -221,7 +232,7 @@ km_status km_designs_convergence(const km_designs_picture *p, int figure, km_tex
                   .y_label = label_of(p, figure, &arena),
                   .panels = &panel,
                   .panel_count = 1};
-  return km_plot_finish(!arena.failed, &plot, &arena, p->format, out, error);
+  return km_designs_finish(p, !arena.failed, &plot, &arena, out, error);
 }
 
 /* Lines of the quantiles, each over `from` [rows] (NULL: over 0): the middle one strong, pairs of the others around lighter
@@ -245,6 +256,22 @@ static void make_fan(const double *quantiles, const double *x, int rows, const d
       .name = named ? names[3] : NULL, .x = x, .y = columns + 3 * rows, .count = (size_t)rows, .colour = 1};
 }
 
+/* What the rows stand at: the driver's values, or the way along the motion. Returns the axis' name. */
+static const char *list_driver(const km_asked_design *asked, int rows, double *x, km_arena *arena) {
+  const km_sweep_plan *plan = km_question_plan(asked->question);
+  const km_table *table = km_question_table(asked->question);
+  bool driven = plan && plan->arclength <= 0.0;
+  int s = km_table_find(table, "s");
+  for (int r = 0; r < rows; ++r)
+    x[r] = driven ? plan->from + (plan->to - plan->from) * r / (rows > 1 ? rows - 1 : 1)
+           : plan ? r * plan->arclength
+                  : km_table_row(table, (size_t)r)[s];
+  if (driven)
+    return words(arena, "driver %s (%s)", km_model_coordinate_label(asked->model, plan->coordinate),
+                 km_model_coordinate_unit(asked->model, plan->coordinate));
+  return plan ? "arc length" : words(arena, "way along the path%s (%s)", "", km_table_unit(table, (size_t)s));
+}
+
 /* The driver's values over the rows, and the axes' names, by the question's own plan. KM_NO_RESULT: no design has an
  * answer in full. */
 static km_status driver_of(const km_designs_picture *p, int question, int band, int rows, double *x, km_arena *arena,
@@ -257,15 +284,9 @@ static km_status driver_of(const km_designs_picture *p, int question, int band, 
     status = km_design_study_ask(p->study, i, question, &asked, error);
   }
   if (status == KM_OK) {
-    const km_sweep_plan *plan = km_question_plan(asked.question);
     const km_table *table = km_question_table(asked.question);
     const char *unit = km_table_unit(table, (size_t)km_table_find(table, column));
-    bool driven = plan->arclength <= 0.0;
-    for (int r = 0; r < rows; ++r)
-      x[r] = driven ? plan->from + (plan->to - plan->from) * r / (rows > 1 ? rows - 1 : 1) : r * plan->arclength;
-    labels[0] = !driven ? "arc length"
-                        : words(arena, "driver %s (%s)", km_model_coordinate_label(asked.model, plan->coordinate),
-                                km_model_coordinate_unit(asked.model, plan->coordinate));
+    labels[0] = list_driver(&asked, rows, x, arena);
     labels[1] = words(arena, *unit ? "%s (%s)" : "%s", column, unit);
   }
   km_asked_design_free(&asked);
@@ -306,5 +327,5 @@ km_status km_designs_bands(const km_designs_picture *p, int question, int band, 
                   .panels = panels,
                   .panel_count = 2,
                   .own_y = true};
-  return km_plot_finish(!arena.failed, &plot, &arena, p->format, out, error);
+  return km_designs_finish(p, !arena.failed, &plot, &arena, out, error);
 }

@@ -1,5 +1,6 @@
 /* Pictures of studies of designs: spreads of figures, what they depend on, quantiles along a motion, the way to the best
- * design. Each appends its bytes to `out`. KM_NO_RESULT: there is nothing to draw. */
+ * design. Each appends its bytes to `out`, where it
+ * doesn't draw on a canvas. KM_NO_RESULT: there is nothing to draw. */
 #ifndef KM_REPORT_PLOT_DESIGNS_PLOT_H
 #define KM_REPORT_PLOT_DESIGNS_PLOT_H
 
@@ -12,7 +13,14 @@ typedef struct km_designs_picture {
   const km_design_study_def *def;
   const char *name; /* of the study, in subtitles */
   km_canvas_format format;
+  km_canvas *canvas; /* to draw on, in a place of this size, instead of a picture of its own in `out`; NULL: none */
+  double width, height;
+  bool only_try; /* nothing is drawn: is there something to draw? */
 } km_designs_picture;
+
+/* Renders a plot as the picture asks for, or fails if it couldn't be made; frees the arena. */
+km_status km_designs_finish(const km_designs_picture *picture, bool made, const km_plot *plot, km_arena *arena,
+                            km_text *out, km_error *error);
 
 /* How often a figure has which values, with its quantiles and limits. */
 km_status km_designs_histogram(const km_designs_picture *picture, int figure, km_text *out, km_error *error);

@@ -5,6 +5,7 @@
 #include "report/plot/advantage_plot.h"
 #include "report/plot/mobility_plot.h"
 #include "report/plot/statics_plot.h"
+#include "report/plot/table_plot.h"
 
 static km_swept swept(const km_answered *a) {
   return (km_swept){a->mechanism, km_question_plan(a->question), km_question_motion(a->question), a->name};
@@ -53,6 +54,25 @@ static km_status plot_statics(const km_comparison *c, km_canvas_format format, k
   return status;
 }
 
+/* What an arm has to spare along its path: columns of every track's table. */
+static km_status plot_tracks(const km_comparison *c, km_canvas_format format, km_text *out, km_error *error) {
+  static const char *const names[] = {"limit_margin", "objective.path-control", "objective.singular-value"};
+  enum { COLUMNS = sizeof names / sizeof *names };
+  km_plotted_table *tables = KM_NEW(km_plotted_table, (size_t)c->count);
+  size_t y[COLUMNS];
+  if (!tables)
+    return no_memory(error);
+  for (int i = 0; i < c->count; ++i) {
+    const km_table *table = km_question_table(c->answers[i].question);
+    for (size_t k = 0; k < COLUMNS; ++k)
+      y[k] = (size_t)km_table_find(table, names[k]);
+    tables[i] = (km_plotted_table){table, c->answers[i].name, (size_t)km_table_find(table, "s"), y};
+  }
+  km_status status = km_table_plot(tables, (size_t)c->count, COLUMNS, format, out, error);
+  km_free(tables);
+  return status;
+}
+
 km_status km_question_plot(const km_comparison *c, km_canvas_format format, km_text *out, km_error *error) {
   if (c->count > 0 && km_question_mobility(c->answers[0].question))
     return plot_mobility(c, format, out, error);
@@ -60,5 +80,7 @@ km_status km_question_plot(const km_comparison *c, km_canvas_format format, km_t
     return plot_advantage(c, format, out, error);
   if (c->count > 0 && km_question_statics(c->answers[0].question))
     return plot_statics(c, format, out, error);
+  if (c->count > 0 && km_question_track(c->answers[0].question))
+    return plot_tracks(c, format, out, error);
   return km_fail(error, KM_USAGE, "there is no answer to plot");
 }
