@@ -1,6 +1,8 @@
 /* Reading whole files, and writing them whole or not at all. */
 #include "base/file.h"
 
+#include "base/check.h"
+
 #include "base/memory.h"
 
 #include <errno.h>
@@ -31,6 +33,8 @@ static km_status read_all(FILE *file, const char *path, km_text *out, km_error *
 }
 
 km_status km_file_read(const char *path, km_text *out, km_error *error) {
+  if (!path || !out)
+    return km_check_given(false, path ? "place for the bytes" : "path of a file", error);
   if (strcmp(path, "-") == 0)
     return read_all(stdin, "standard input", out, error);
   FILE *file = fopen(path, "rb");
@@ -142,6 +146,8 @@ static km_status replace(const char *path, const km_text *bytes, mode_t mode, km
 }
 
 km_status km_file_write(const char *path, const km_text *bytes, km_error *error) {
+  if (!path || !bytes)
+    return km_check_given(false, path ? "text" : "path of a file", error);
   if (bytes->failed)
     return km_fail(error, KM_MEMORY, "%s: out of memory", path);
   if (strcmp(path, "-") == 0)

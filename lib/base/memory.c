@@ -43,6 +43,8 @@ static bool new_block(km_arena *arena, size_t size) {
 }
 
 void *km_arena_alloc(km_arena *arena, size_t count, size_t size) {
+  if (!arena)
+    return NULL;
   if (arena->failed || (size && count > (SIZE_MAX / 2 - ALIGNMENT) / size)) {
     arena->failed = true;
     return NULL;
@@ -60,7 +62,7 @@ void *km_arena_alloc(km_arena *arena, size_t count, size_t size) {
 }
 
 char *km_arena_string(km_arena *arena, const char *text) {
-  if (!text)
+  if (!arena || !text)
     return NULL;
   size_t size = strlen(text) + 1;
   char *copy = km_arena_alloc(arena, size, 1);
@@ -70,6 +72,8 @@ char *km_arena_string(km_arena *arena, const char *text) {
 }
 
 void km_arena_free(km_arena *arena) {
+  if (!arena)
+    return;
   while (arena->block) {
     struct km_arena_block *previous = arena->block->previous;
     km_free(arena->block);
@@ -93,6 +97,8 @@ bool km_arena_grow(km_arena *arena, void **data, size_t *capacity, size_t need, 
 }
 
 bool km_reserve(void **data, size_t *capacity, size_t need, size_t size) {
+  if (!data || !capacity)
+    return false;
   if (need <= *capacity)
     return true;
   size_t grown = *capacity + *capacity / 2 + 16;

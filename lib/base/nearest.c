@@ -37,6 +37,8 @@ static size_t distance_to(const char *wanted, const char *name) {
 }
 
 void km_nearest_offer(km_nearest *nearest, const char *name) {
+  if (!nearest || !nearest->wanted || !name)
+    return;
   size_t distance = distance_to(nearest->wanted, name);
   for (int i = 0; i < nearest->count; ++i)
     if (strcmp(nearest->names[i], name) == 0)
@@ -56,6 +58,8 @@ void km_nearest_offer(km_nearest *nearest, const char *name) {
 }
 
 const char *km_nearest_text(const km_nearest *nearest, char out[KM_NEAREST_TEXT]) {
+  if (!nearest || !out)
+    return "";
   size_t used = 0;
   strcpy(out, nearest->count ? "" : "none");
   for (int i = 0; i < nearest->count; ++i) {

@@ -145,6 +145,8 @@ static char *put_plain(char *to, const char *digits, int count, int point) {
 }
 
 size_t km_number_format(char out[KM_NUMBER_TEXT], double value) {
+  if (!out)
+    return 0;
   char *to = out, buffer[MOST_DIGITS];
   uint64_t bits;
   memcpy(&bits, &value, sizeof bits);

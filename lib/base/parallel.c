@@ -23,6 +23,8 @@ static void *run(void *data) {
 }
 
 void km_parallel_for(int count, int jobs, void (*work)(void *context, int index), void *context) {
+  if (!work)
+    return;
   queue q = {.count = count, .work = work, .context = context};
   pthread_t threads[MOST_THREADS];
   int started = 0;

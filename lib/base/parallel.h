@@ -1,10 +1,8 @@
-/* Independent pieces of work on several threads. */
+/* Threads that stay, beside those of kmech/parallel.h. */
 #ifndef KM_BASE_PARALLEL_H
 #define KM_BASE_PARALLEL_H
 
-/* Calls work(context, i) once for every i below `count`, on up to `jobs` threads (1: on the caller's). Pieces
- * must not share anything that they change; then the results don't depend on `jobs`. */
-void km_parallel_for(int count, int jobs, void (*work)(void *context, int index), void *context);
+#include "kmech/parallel.h"
 
 /* Threads that stay, for many small rounds of such work. NULL when out of memory (and then every round is done on the
  * caller's thread). One caller at a time. */

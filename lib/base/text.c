@@ -1,7 +1,7 @@
 /* Text that grows, and numbers as text. */
 #include "base/text.h"
 
-#include "base/memory.h"
+#include "base/check.h"
 
 #include <math.h>
 #include <stdarg.h>
@@ -20,18 +20,24 @@ static bool grow(km_text *text, size_t more) {
 }
 
 const char *km_text_keep(km_text *text, km_arena *arena) {
+  if (!text || !arena)
+    return "";
   const char *kept = text->failed ? NULL : km_arena_string(arena, text->data ? text->data : "");
   arena->failed = arena->failed || text->failed;
   km_text_free(text);
-  return kept;
+  return kept ? kept : "";
 }
 
 void km_text_free(km_text *text) {
+  if (!text)
+    return;
   km_free(text->data);
   *text = (km_text){0};
 }
 
 km_status km_text_give(km_text *text, km_bytes *out, km_error *error) {
+  if (!text || !out)
+    return km_check_given(false, text ? "place for the result" : "text", error);
   km_text_add(text, "");
   if (text->failed) {
     km_text_free(text);
@@ -50,6 +56,8 @@ void km_bytes_free(km_bytes *bytes) {
 }
 
 void km_text_bytes(km_text *text, const void *bytes, size_t size) {
+  if (!text || (!bytes && size))
+    return;
   if (!grow(text, size))
     return;
   if (size)
@@ -59,10 +67,13 @@ void km_text_bytes(km_text *text, const void *bytes, size_t size) {
 }
 
 void km_text_add(km_text *text, const char *string) {
-  km_text_bytes(text, string, strlen(string));
+  if (string)
+    km_text_bytes(text, string, strlen(string));
 }
 
 void km_text_format(km_text *text, const char *format, ...) {
+  if (!text || !format)
+    return;
   va_list arguments, again;
   va_start(arguments, format);
   va_copy(again, arguments);

@@ -4,6 +4,8 @@
 #include <string.h>
 
 km_value *km_value_add(km_arena *arena, km_value *parent, const char *key, km_kind kind) {
+  if (!arena)
+    return NULL;
   km_value *value = KM_ARENA_NEW(arena, km_value, 1);
   char *name = km_arena_string(arena, key);
   if (arena->failed)
@@ -32,13 +34,15 @@ km_value *km_value_string(km_arena *arena, km_value *parent, const char *key, co
   char *copy = km_arena_string(arena, string);
   km_value *value = km_value_add(arena, parent, key, KM_STRING);
   if (value)
-    value->string = copy;
+    value->string = copy ? copy : "";
   return value;
 }
 
 km_value *km_value_words(km_arena *arena, km_value *parent, const char *key, km_text *text) {
+  if (!arena)
+    return NULL;
   const char *words = km_text_keep(text, arena);
-  return words ? km_value_string(arena, parent, key, words) : NULL;
+  return arena->failed ? NULL : km_value_string(arena, parent, key, words);
 }
 
 km_value *km_value_boolean(km_arena *arena, km_value *parent, const char *key, int truth) {
@@ -50,16 +54,16 @@ km_value *km_value_boolean(km_arena *arena, km_value *parent, const char *key, i
 
 km_value *km_value_numbers(km_arena *arena, km_value *parent, const char *key, const double *numbers, size_t count) {
   km_value *list = km_value_add(arena, parent, key, KM_LIST);
-  for (size_t i = 0; i < count; ++i)
+  for (size_t i = 0; numbers && i < count; ++i)
     km_value_number(arena, list, NULL, numbers[i]);
   return list;
 }
 
 const km_value *km_value_get(const km_value *object, const char *key) {
-  if (!object || object->kind != KM_OBJECT)
+  if (!object || !key || object->kind != KM_OBJECT)
     return NULL;
   for (const km_value *member = object->first; member; member = member->next)
-    if (strcmp(member->key, key) == 0)
+    if (member->key && strcmp(member->key, key) == 0)
       return member;
   return NULL;
 }

@@ -19,7 +19,8 @@ def functions(folder):
         text = re.sub(r"/\*.*?\*/", "", header.read_text(), flags=re.S)
         text = re.sub(r"^\s*#.*(\\\n.*)*$", "", text, flags=re.M)
         for match in re.finditer(r"\bKM_API\s+([^;]*?)\b(km_\w+)\(([^;]*?)\)\s*(?:__attribute__[^;]*)?;", text):
-            parameters = [] if match.group(3).strip() == "void" else match.group(3).split(",")
+            listed = re.sub(r"\w[\w ]*\(\*(\w+)\)\([^)]*\)", r"callback \1", match.group(3))  # a function that is called back
+            parameters = [] if listed.strip() == "void" else listed.split(",")
             found.append((header.name, match.group(1).replace(" *", "*").strip(), match.group(2),
                           [parameter(p) for p in parameters]))
     return found

@@ -142,6 +142,8 @@ static void open_designs(world *w) {
 void world_open(world *w, world_kind kind) {
   *w = (world){.names = {"fixed", "origin"}, .loads = {{.frame = 1, .force = {1, 0, 0}}}, .holds = {{0, 0.0}}};
   w->messages = km_messages_create();
+  w->record = km_value_add(&w->arena, NULL, NULL, KM_OBJECT);
+  w->nearest.wanted = "a";
   w->table = km_table_create();
   km_table_add_column(w->table, "a", "mm");
   km_table_add_row(w->table);
@@ -196,6 +198,8 @@ void world_close(world *w) {
   km_mechanism_free(w->mechanism);
   km_mechanism_free(w->other_mechanism);
   km_model_free(w->model);
+  km_text_free(&w->text);
+  km_arena_free(&w->arena);
   km_model_free(w->other_model);
   km_table_free(w->table);
   km_messages_free(w->messages);

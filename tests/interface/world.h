@@ -56,6 +56,11 @@ typedef struct world {
   km_sweep_def sweep_def;
   km_end_def end;
   km_messages *messages;
+  km_text text;
+  km_arena arena;
+  km_value *record;
+  km_nearest nearest;
+  char buffer[KM_NEAREST_TEXT];
   km_mobility_sweep sweep;
   km_handle input, output;
   km_sweep_plan plan;

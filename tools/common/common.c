@@ -1,9 +1,9 @@
 /* What the tools share: common options, subcommands, reading models. */
 #include "common/common.h"
 
-#include "base/file.h"
-#include "base/memory.h"
 #include "common/pages.h"
+#include "kmech/files.h"
+#include "kmech/memory.h"
 #include "kmech/version.h"
 
 #include <argp.h>

@@ -2,10 +2,10 @@
 #ifndef KT_COMMON_H
 #define KT_COMMON_H
 
-#include "base/text.h"
-#include "base/value.h"
 #include "common/options.h"
 #include "kmech/mechanism.h"
+#include "kmech/text.h"
+#include "kmech/value.h"
 #include "report/plot/canvas.h"
 
 /* Exit codes of every tool (cli.md). */

@@ -1,7 +1,7 @@
 /* Labels, values and lists on the command line. */
 #include "common/common.h"
 
-#include "base/memory.h"
+#include "kmech/memory.h"
 
 #include <math.h>
 #include <stdlib.h>

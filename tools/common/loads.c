@@ -1,9 +1,9 @@
 /* Reads --load: changed and added loads. */
 #include "common/asked.h"
 
-#include "base/memory.h"
-#include "base/nearest.h"
-#include "base/text.h"
+#include "kmech/memory.h"
+#include "kmech/nearest.h"
+#include "kmech/text.h"
 
 #include <string.h>
 

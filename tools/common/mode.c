@@ -1,7 +1,7 @@
 /* Assembly modes on the command line: how they are numbered, and bringing a pose to one. */
 #include "common/mode.h"
 
-#include "base/memory.h"
+#include "kmech/memory.h"
 #include "model/model.h"
 
 enum { STARTS = 300 };

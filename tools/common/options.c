@@ -1,8 +1,8 @@
 /* Reads command lines by tables of options: each becomes argp's own table and parser. */
 #include "common/options.h"
 
-#include "base/nearest.h"
 #include "common/pages.h"
+#include "kmech/nearest.h"
 
 #include <argp.h>
 #include <errno.h>

@@ -1,8 +1,8 @@
 /* Output files and their formats. */
 #include "common/common.h"
 
-#include "base/file.h"
-#include "base/memory.h"
+#include "kmech/files.h"
+#include "kmech/memory.h"
 
 #include <string.h>
 #include <sys/stat.h>

@@ -1,8 +1,8 @@
 /* Brings a model to the pose that a command asks for. */
 #include "common/pose.h"
 
-#include "base/memory.h"
 #include "common/mode.h"
+#include "kmech/memory.h"
 #include "kmech/sweep.h"
 #include "model/model.h"
 

@@ -1,7 +1,7 @@
 /* Sweeps one model and writes its report. */
 #include "common/report.h"
 
-#include "base/file.h"
+#include "kmech/files.h"
 #include "report/document/question_report.h"
 
 #include <stdio.h>

@@ -1,9 +1,9 @@
 /* Asks several models one question at once and writes their tables and one plot. */
 #include "common/sweep.h"
 
-#include "base/parallel.h"
 #include "common/drives.h"
-#include "exchange/json/json.h"
+#include "kmech/parallel.h"
+#include "kmech/value.h"
 #include "report/plot/question_plot.h"
 #include "report/record/csv.h"
 #include "report/record/question_record.h"

@@ -1,7 +1,7 @@
 /* Reads --vary and makes the variants. */
 #include "common/vary.h"
 
-#include "base/memory.h"
+#include "kmech/memory.h"
 
 #include <stdio.h>
 #include <string.h>

@@ -1,7 +1,7 @@
 /* kma at: mechanical advantage at one pose. */
 #include "kma/kma.h"
 
-#include "exchange/json/json.h"
+#include "kmech/value.h"
 #include "report/record/advantage_record.h"
 
 #include <math.h>

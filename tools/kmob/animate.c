@@ -1,7 +1,7 @@
 /* kmob draw --animate: the motion as a page that plays it, or as an animated picture. */
 #include "kmob/draw.h"
 
-#include "base/memory.h"
+#include "kmech/memory.h"
 #include "kmech/mobility_sweep.h"
 #include "kmech/version.h"
 #include "report/document/film_page.h"

@@ -1,7 +1,7 @@
 /* kmob check: everything suspicious about a model. */
 #include "kmob/kmob.h"
 
-#include "exchange/json/json.h"
+#include "kmech/value.h"
 #include "report/record/check_record.h"
 #include "report/record/mobility_record.h"
 

@@ -1,9 +1,9 @@
 /* kmob convert: a checked model out. */
 #include "kmob/kmob.h"
 
-#include "base/memory.h"
 #include "exchange/json/convert.h"
 #include "exchange/json/draw.h"
+#include "kmech/memory.h"
 #include "kmech/write.h"
 
 typedef struct options {

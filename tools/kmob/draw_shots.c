@@ -1,9 +1,9 @@
 /* The poses and paths of a picture: the model moved through what was asked. */
 #include "kmob/draw.h"
 
-#include "base/memory.h"
 #include "exchange/mesh/model_meshes.h"
 #include "kinematics/state.h"
+#include "kmech/memory.h"
 
 #include <math.h>
 #include <string.h>

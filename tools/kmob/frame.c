@@ -1,11 +1,11 @@
 /* kmob frame: where a frame is and how it moves. */
 #include "kmob/kmob.h"
 
-#include "base/memory.h"
-#include "exchange/json/json.h"
 #include "kmech/frames.h"
+#include "kmech/memory.h"
 #include "kmech/mobility.h"
 #include "kmech/motions.h"
+#include "kmech/value.h"
 #include "model/model.h"
 #include "report/record/record.h"
 

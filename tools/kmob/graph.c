@@ -1,7 +1,7 @@
 /* kmob graph: bodies, joints, loops and substructures as a graph. */
 #include "kmob/kmob.h"
 
-#include "base/memory.h"
+#include "kmech/memory.h"
 #include "model/model.h"
 #include "report/drawing/graph.h"
 

@@ -1,7 +1,7 @@
 /* kmob info, kmob at: one pose. */
 #include "kmob/kmob.h"
 
-#include "exchange/json/json.h"
+#include "kmech/value.h"
 #include "model/model.h"
 #include "report/record/diagnosis_record.h"
 #include "report/record/mobility_record.h"

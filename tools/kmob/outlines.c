@@ -1,7 +1,7 @@
 /* kmob draw --scale, --format dxf: the outlines of links. */
 #include "kmob/draw.h"
 
-#include "base/memory.h"
+#include "kmech/memory.h"
 #include "report/drawing/outlines.h"
 
 static kt_exit write_format(const kmob_draw_options *o, const km_outlines *outlines, kt_format format,

@@ -1,9 +1,9 @@
 /* kmob plot: columns of tables, one over another. */
 #include "kmob/kmob.h"
 
-#include "base/file.h"
-#include "base/memory.h"
-#include "base/nearest.h"
+#include "kmech/files.h"
+#include "kmech/memory.h"
+#include "kmech/nearest.h"
 #include "report/plot/table_plot.h"
 #include "report/record/csv.h"
 

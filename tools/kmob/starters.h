@@ -2,7 +2,7 @@
 #ifndef KMOB_STARTERS_H
 #define KMOB_STARTERS_H
 
-#include "base/text.h"
+#include "kmech/text.h"
 #include "model/units.h"
 
 /* The kinds, as options list them; a kind is its place there. */

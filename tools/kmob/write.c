@@ -1,9 +1,9 @@
 /* What the commands that write model files share: the file, and the units asked for. */
 #include "kmob/kmob.h"
 
-#include "base/file.h"
-#include "base/memory.h"
-#include "exchange/json/json.h"
+#include "kmech/files.h"
+#include "kmech/memory.h"
+#include "kmech/value.h"
 
 kt_exit kmob_write_text(const kt_common *common, const char *file, const km_text *text) {
   km_error error;

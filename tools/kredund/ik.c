@@ -1,9 +1,9 @@
 /* kredund ik: all branches of poses that reach one pose of the effector. kredund selfmotion: one of them. */
 #include "kredund/kredund.h"
 
-#include "base/memory.h"
-#include "exchange/json/json.h"
 #include "kinematics/poses.h"
+#include "kmech/memory.h"
+#include "kmech/value.h"
 #include "report/record/csv.h"
 #include "report/record/track_record.h"
 

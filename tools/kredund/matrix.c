@@ -1,10 +1,10 @@
 /* kredund matrix: a Jacobian with its path column in, path-control and pose-control columns out. */
 #include "kredund/kredund.h"
 
-#include "base/file.h"
-#include "base/memory.h"
-#include "exchange/json/json.h"
 #include "kmech/control.h"
+#include "kmech/files.h"
+#include "kmech/memory.h"
+#include "kmech/value.h"
 #include "kmech/version.h"
 
 #include <stdlib.h>

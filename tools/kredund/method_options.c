@@ -1,7 +1,7 @@
 /* The options about methods, put into the study's definition. */
 #include "kredund/kredund.h"
 
-#include "base/memory.h"
+#include "kmech/memory.h"
 #include "model/methods.h"
 
 #include <stdio.h>

@@ -1,9 +1,9 @@
 /* The options that say what arm, path and methods are meant; and how they become a study. */
 #include "kredund/kredund.h"
 
-#include "base/file.h"
-#include "base/memory.h"
-#include "exchange/json/json.h"
+#include "kmech/files.h"
+#include "kmech/memory.h"
+#include "kmech/value.h"
 
 #include <stdio.h>
 #include <string.h>

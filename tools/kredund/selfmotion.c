@@ -1,7 +1,7 @@
 /* kredund selfmotion: every pose that holds the effector where it is. */
 #include "kredund/tracks.h"
 
-#include "exchange/json/json.h"
+#include "kmech/value.h"
 #include "report/plot/motion_map_plot.h"
 #include "report/record/csv.h"
 

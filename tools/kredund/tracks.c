@@ -1,8 +1,8 @@
 /* Runs the methods of a study and writes their tables and pictures. */
 #include "kredund/tracks.h"
 
-#include "base/memory.h"
-#include "exchange/json/json.h"
+#include "kmech/memory.h"
+#include "kmech/value.h"
 #include "report/plot/motion_map_plot.h"
 #include "report/plot/track_plot.h"
 #include "report/record/csv.h"

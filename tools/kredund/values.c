@@ -1,8 +1,8 @@
 /* What options say, put into the study's definition. */
 #include "kredund/kredund.h"
 
-#include "base/file.h"
-#include "base/memory.h"
+#include "kmech/files.h"
+#include "kmech/memory.h"
 #include "model/objectives.h"
 
 #include <stdio.h>

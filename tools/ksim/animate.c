@@ -1,8 +1,8 @@
 /* ksim run --animate: the motion as a page that plays it beside its curves. */
 #include "ksim/ksim.h"
 
-#include "base/memory.h"
 #include "kinematics/poses.h"
+#include "kmech/memory.h"
 #include "kmech/version.h"
 #include "report/document/film_page.h"
 #include "report/drawing/film_drawing.h"

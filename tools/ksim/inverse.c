@@ -1,9 +1,9 @@
 /* ksim inverse: the forces of a motion that is prescribed as a whole. */
 #include "ksim/ksim.h"
 
-#include "base/memory.h"
 #include "kinematics/state.h"
 #include "kmech/inverse.h"
+#include "kmech/memory.h"
 #include "model/model.h"
 #include "report/plot/history_plot.h"
 #include "report/record/history_record.h"

@@ -5,8 +5,8 @@
 #include "common/common.h"
 #include "common/pose.h"
 
-#include "base/value.h"
 #include "kmech/history.h"
+#include "kmech/value.h"
 #include "report/plot/plot.h"
 
 kt_exit ksim_run(int argc, char **argv);

@@ -1,9 +1,9 @@
 /* ksim linearise and ksim equilibrium: small motions about a pose, and poses at rest. */
 #include "ksim/ksim.h"
 
-#include "base/memory.h"
-#include "exchange/json/json.h"
 #include "kmech/linear.h"
+#include "kmech/memory.h"
+#include "kmech/value.h"
 #include "report/record/linear_record.h"
 
 #include <stdio.h>

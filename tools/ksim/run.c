@@ -1,7 +1,7 @@
 /* ksim run: options, the run, its files. */
 #include "ksim/ksim.h"
 
-#include "base/memory.h"
+#include "kmech/memory.h"
 #include "model/model.h"
 #include "report/plot/history_plot.h"
 #include "report/record/history_record.h"

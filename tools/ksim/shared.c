@@ -1,8 +1,8 @@
 /* What ksim's commands read alike. */
 #include "ksim/ksim.h"
 
-#include "base/memory.h"
-#include "exchange/json/json.h"
+#include "kmech/memory.h"
+#include "kmech/value.h"
 #include "model/model.h"
 #include "report/record/csv.h"
 

@@ -3,7 +3,7 @@
 #include "common/drives.h"
 #include "kstatic/kstatic.h"
 
-#include "exchange/json/json.h"
+#include "kmech/value.h"
 #include "report/record/statics_record.h"
 
 typedef struct options {

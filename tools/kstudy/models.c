@@ -1,8 +1,8 @@
 /* Writes designs as model files: the best of an optimisation, the worst of a sample. */
 #include "kstudy/kstudy.h"
 
-#include "base/file.h"
-#include "base/memory.h"
+#include "kmech/files.h"
+#include "kmech/memory.h"
 
 #include <math.h>
 #include <stdio.h>

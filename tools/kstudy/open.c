@@ -1,8 +1,8 @@
 /* Opens the study of the command line with its model, its sample and its store. */
 #include "kstudy/kstudy.h"
 
-#include "base/file.h"
-#include "base/memory.h"
+#include "kmech/files.h"
+#include "kmech/memory.h"
 #include "report/record/csv.h"
 
 #include <stdio.h>

@@ -1,7 +1,7 @@
 /* kstudy plan: what a run would cost, from a measured pilot. */
 #include "kstudy/kstudy.h"
 
-#include "base/text.h"
+#include "kmech/text.h"
 
 #include <math.h>
 #include <stdio.h>

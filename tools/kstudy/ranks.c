@@ -3,7 +3,7 @@
 
 #ifdef KSTUDY_MPI
 
-#include "base/memory.h"
+#include "kmech/memory.h"
 
 #include <limits.h>
 #include <mpi.h>

@@ -1,7 +1,7 @@
 /* kstudy show and export: what the store has. */
 #include "kstudy/kstudy.h"
 
-#include "exchange/json/json.h"
+#include "kmech/value.h"
 #include "report/document/designs_report.h"
 #include "report/record/designs_text.h"
 

@@ -1,6 +1,8 @@
 /* JSON text to trees of values. The only user of the JSON library. */
 #include "exchange/json/json.h"
 
+#include "base/check.h"
+
 #include <jansson.h>
 #include <math.h>
 #include <string.h>
@@ -56,6 +58,8 @@ km_status km_json_parse_open(const char *bytes, size_t size, km_arena *arena, km
 
 km_status km_json_parse(const char *bytes, size_t size, km_arena *arena, const km_value **root, km_error *error) {
   km_value *open = NULL;
+  if (!bytes || !arena || !root)
+    return km_check_given(false, !bytes ? "text" : !arena ? "arena" : "place for the result", error);
   km_status status = km_json_parse_open(bytes, size, arena, &open, error);
   *root = open;
   return status;

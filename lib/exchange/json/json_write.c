@@ -80,6 +80,8 @@ static void write_value(const km_value *value, int level, km_text *out) {
 }
 
 void km_json_write(const km_value *value, km_text *out) {
+  if (!value || !out)
+    return;
   write_value(value, 0, out);
   km_text_add(out, "\n");
 }
