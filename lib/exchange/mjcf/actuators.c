@@ -49,6 +49,7 @@ void km_mjcf_read_forces(km_mjcf *m) {
       const char *joint = km_xml_attribute_of(e, joint_key(e));
       if (!joint)
         continue;
+      joint = km_mjcf_full(m, joint);
       int index = km_names_get(&m->driven_names, 0, joint);
       if (index < 0) {
         index = m->driven_count++;
@@ -73,6 +74,8 @@ void km_mjcf_read_actuators(km_mjcf *m) {
   for (const km_xml *list = km_xml_child(m->root, "actuator"); list && driven; list = km_xml_next(list))
     for (const km_xml *e = list->first; e; e = e->next) {
       const char *key = joint_key(e);
+      if (!km_mjcf_is_here(m, e))
+        continue;
       int joint = km_xml_attribute_of(e, key) ? km_mjcf_find(m, e, key, &m->joint_names, "joint") : -1;
       bool single = joint >= 0 && (m->joints[joint].type == KM_RZ || m->joints[joint].type == KM_TZ);
       km_error error;

@@ -80,7 +80,7 @@ static void read_site(km_mjcf *m, const km_xml *e, const km_mjcf_place *place, i
   if (!name || !name[0])
     return;
   km_pose own = km_mjcf_pose(m, e, place), pose = km_pose_product(&place->pose, &own);
-  name = km_robot_text(robot, "%s%s", name, place->suffix);
+  name = km_robot_text(robot, "%s%s%s", m->prefix, name, place->suffix);
   if (!km_arena_grow(&robot->arena, (void **)&m->sites, &m->site_room, (size_t)m->site_count + 1, sizeof *m->sites))
     return;
   if (km_names_get(&m->site_names, 0, name) >= 0)
@@ -91,21 +91,19 @@ static void read_site(km_mjcf *m, const km_xml *e, const km_mjcf_place *place, i
   km_robot_frame(robot, e, m->bodies[body].id, name, &pose);
 }
 
-static void read_body(km_mjcf *m, const km_xml *e, const km_mjcf_place *place, int parent);
-
 /* Sites and bodies inside of a body. */
 static void read_member(km_mjcf *m, const km_xml *e, const km_mjcf_place *place, void *context) {
-  static const char *const others[] = {"attach", "composite", "flexcomp"};
   int body = *(int *)context;
   if (strcmp(e->name, "body") == 0)
-    read_body(m, e, place, body);
+    km_mjcf_read_body(m, e, place, body);
   else if (strcmp(e->name, "site") == 0)
     read_site(m, e, place, body);
   else if (strcmp(e->name, "geom") == 0)
     km_mjcf_show(m, e, place, m->bodies[body].id);
-  for (size_t i = 0; i < sizeof others / sizeof *others; ++i)
-    if (strcmp(e->name, others[i]) == 0)
-      km_robot_warn(m->robot, e, "<%s> is left out, with the bodies that it would add", e->name);
+  else if (strcmp(e->name, "attach") == 0)
+    km_mjcf_attach(m, e, place, body);
+  else if (strcmp(e->name, "composite") == 0 || strcmp(e->name, "flexcomp") == 0)
+    km_robot_omit(m->robot, "composite and flexible bodies left out", km_xml_attribute_of(e, "prefix"));
 }
 
 static int add_body(km_mjcf *m, const char *name, km_body_id id, const km_pose *world) {
@@ -160,12 +158,12 @@ static km_mass bounded(const km_mjcf *m, km_mass mass) {
   return mass;
 }
 
-static void read_body(km_mjcf *m, const km_xml *e, const km_mjcf_place *place, int parent) {
+void km_mjcf_read_body(km_mjcf *m, const km_xml *e, const km_mjcf_place *place, int parent) {
   km_robot *robot = m->robot;
   const char *own = km_xml_attribute_of(e, "name"), *class = km_xml_attribute_of(e, "childclass");
   km_pose local = km_mjcf_pose(m, e, place), pose = km_pose_product(&place->pose, &local);
   km_mjcf_place inside = {km_pose_identity(), class ? class : place->class, place->suffix};
-  const char *name = own && own[0] ? km_robot_text(robot, "%s%s", own, place->suffix)
+  const char *name = own && own[0] ? km_robot_text(robot, "%s%s%s", m->prefix, own, place->suffix)
                                    : km_robot_free_name(robot, &robot->bodies, m->assembly.value,
                                                         km_robot_text(robot, "body%d", m->body_count), "body");
   content *c = km_arena_alloc(&robot->arena, 1, sizeof *c);
@@ -200,6 +198,17 @@ static void reserve_names(km_mjcf *m, const km_xml *element) {
       m->robot->arena.failed = true;
     reserve_names(m, e);
   }
+}
+
+void km_mjcf_read_members(km_mjcf *m, const km_xml *e, const km_mjcf_place *place, int body, bool frame) {
+  km_mjcf_place inside = *place;
+  const char *class = km_xml_attribute_of(e, "childclass");
+  if (frame) {
+    km_pose own = km_mjcf_pose(m, e, place);
+    inside.pose = km_pose_product(&place->pose, &own);
+  }
+  inside.class = class ? class : place->class;
+  km_mjcf_walk(m, e, &inside, read_member, &body);
 }
 
 void km_mjcf_read_bodies(km_mjcf *m) {

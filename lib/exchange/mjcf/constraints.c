@@ -22,7 +22,7 @@ double km_mjcf_start_offset(const km_mjcf *m, const char *joint) {
   for (const km_xml *list = km_xml_child(m->root, "equality"); list; list = km_xml_next(list))
     for (const km_xml *e = km_xml_child(list, "joint"); e; e = km_xml_next(e)) {
       const char *one = km_xml_attribute_of(e, "joint1");
-      if (one && strcmp(one, joint) == 0 && is_active(e) && read_polynomial(m->robot, e, c))
+      if (one && strcmp(km_mjcf_full(m, one), joint) == 0 && is_active(e) && read_polynomial(m->robot, e, c))
         return c[0];
     }
   return 0.0;
@@ -30,7 +30,7 @@ double km_mjcf_start_offset(const km_mjcf *m, const char *joint) {
 
 int km_mjcf_find(km_mjcf *m, const km_xml *e, const char *key, const km_names *names, const char *kind) {
   const char *name = km_xml_attribute_of(e, key);
-  int index = name ? km_names_get(names, 0, name) : -1;
+  int index = name ? km_names_get(names, 0, km_mjcf_full(m, name)) : -1;
   if (index >= 0)
     return index;
   km_nearest nearest = {.wanted = name ? name : ""};
@@ -45,7 +45,8 @@ int km_mjcf_find(km_mjcf *m, const km_xml *e, const char *key, const km_names *n
 
 static const char *constraint_name(km_mjcf *m, const km_xml *e) {
   const char *name = km_xml_attribute_of(e, "name");
-  return km_robot_free_name(m->robot, &m->robot->joints, m->assembly.value, name && name[0] ? name : e->name, "loop");
+  return km_robot_free_name(m->robot, &m->robot->joints, m->assembly.value,
+                            km_mjcf_full(m, name && name[0] ? name : e->name), "loop");
 }
 
 /* Both ends of a constraint as bodies and the frames on them that coincide; false: reported. */
@@ -169,7 +170,7 @@ static void read_coupling(km_mjcf *m, const km_xml *e) {
     return;
   shift(c, m->joints[one].reference, second ? m->joints[two].reference : 0.0);
   const char *name = km_xml_attribute_of(e, "name");
-  km_robot_couple(m->robot, e, name && name[0] ? name : m->joints[one].name, m->assembly,
+  km_robot_couple(m->robot, e, name && name[0] ? km_mjcf_full(m, name) : m->joints[one].name, m->assembly,
                   (km_coordinate_ref){m->joints[one].id, 0},
                   (km_coordinate_ref){second ? m->joints[two].id : (km_joint_id){0}, 0}, c, 5);
 }
@@ -181,6 +182,8 @@ static void read_tendons(km_mjcf *m, const km_xml *e) {
 }
 
 static void read_equality(km_mjcf *m, const km_xml *e) {
+  if (!km_mjcf_is_here(m, e))
+    return;
   if (!is_active(e))
     km_robot_omit(m->robot, "constraints that aren't active left out", km_xml_attribute_of(e, "name"));
   else if (strcmp(e->name, "connect") == 0 || strcmp(e->name, "weld") == 0)

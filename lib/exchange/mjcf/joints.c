@@ -23,7 +23,7 @@ static bool find_type(km_mjcf *m, const km_xml *e, const km_mjcf_place *place, k
 static const char *name_of(km_mjcf *m, const km_xml *e, const km_mjcf_place *place, const char *body) {
   const char *name = km_xml_attribute_of(e, "name");
   if (name && name[0])
-    return km_robot_text(m->robot, "%s%s", name, place->suffix);
+    return km_robot_text(m->robot, "%s%s%s", m->prefix, name, place->suffix);
   return km_robot_free_name(m->robot, &m->robot->joints, m->assembly.value, body, "joint");
 }
 

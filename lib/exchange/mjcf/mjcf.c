@@ -25,7 +25,7 @@ static void count_others(km_mjcf *m) {
 }
 
 void km_mjcf_read(km_robot *robot, km_xml *root) {
-  km_mjcf m = {.robot = robot, .root = root};
+  km_mjcf m = {.robot = robot, .root = root, .prefix = "", .suffix = ""};
   robot->settings.gravity[2] = -9.81;
   km_mjcf_include(robot, root);
   m.assembly = km_robot_assembly(robot, root, km_xml_attribute_of(root, "model"), (km_assembly_id){0});

@@ -47,6 +47,8 @@ typedef struct km_mjcf_compiler {
 typedef struct km_mjcf {
   km_robot *robot;
   const km_xml *root;
+  const char *prefix, *suffix; /* of the names of an attached model, else "" */
+  int depth;                   /* of attached models: 0, the main one */
   km_assembly_id assembly;
   km_mjcf_compiler compiler;
   km_names class_names, body_names, joint_names, site_names, driven_names, mesh_names;
@@ -106,6 +108,15 @@ km_mass km_mjcf_inertial(km_mjcf *m, const km_xml *inertial, const km_mjcf_place
 
 /* The tree of bodies. */
 void km_mjcf_read_bodies(km_mjcf *m);
+/* A body at a place of another one (index), with all that it carries; and the members of a frame, or of a world. */
+void km_mjcf_read_body(km_mjcf *m, const km_xml *e, const km_mjcf_place *place, int parent);
+void km_mjcf_read_members(km_mjcf *m, const km_xml *e, const km_mjcf_place *place, int body, bool frame);
+/* The element `attach` of a body. */
+void km_mjcf_attach(km_mjcf *m, const km_xml *attach, const km_mjcf_place *place, int body);
+/* What a name of the file is called in the model. */
+const char *km_mjcf_full(const km_mjcf *m, const char *name);
+/* Of an attached model: has everything been attached that an element names? */
+bool km_mjcf_is_here(const km_mjcf *m, const km_xml *element);
 /* A joint between a body (or what lies between) and its parent. `index`: of how many joints of the body; */
 typedef struct km_mjcf_link {
   km_body_id parent, child;

@@ -79,7 +79,7 @@ void km_mjcf_couple_tendons(km_mjcf *m, const km_xml *e, const double c[5]) {
     return;
   }
   const char *name = km_xml_attribute_of(e, "name");
-  km_coupling_def def = {.name = name && name[0] ? name : km_xml_attribute_of(e, "tendon1"),
+  km_coupling_def def = {.name = km_mjcf_full(m, name && name[0] ? name : km_xml_attribute_of(e, "tendon1")),
                          .assembly = m->assembly,
                          .count = s->count,
                          .coordinates = refs,
