@@ -33,6 +33,8 @@ static km_status begin(km_history_writer *w, const km_history_def *def, km_error
   w->state->time = 0.0;
   km_status status = km_dynamics_create(w->m, w->forces, &w->dynamics, error);
   if (!status)
+    status = km_rubbing_create(w->dynamics, &w->rubbing, error);
+  if (!status)
     status = km_dynamics_project_rates(w->dynamics, w->state, &w->out->rate_change, error);
   if (!status)
     status = km_simulation_create(w->dynamics, w->state, &simulation, &w->simulation, error);

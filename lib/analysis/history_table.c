@@ -288,6 +288,7 @@ km_status km_history_end(km_history_writer *w, km_status status, const km_error 
   km_statics_free(&w->statics);
   km_state_free(w->look);
   km_simulation_free(w->simulation);
+  km_rubbing_free(w->rubbing);
   km_dynamics_free(w->dynamics);
   return status;
 }

@@ -2,7 +2,7 @@
 #ifndef KM_ANALYSIS_HISTORY_TABLE_H
 #define KM_ANALYSIS_HISTORY_TABLE_H
 
-#include "dynamics/dynamics.h"
+#include "analysis/rubbing.h"
 #include "kmech/history.h"
 
 /* Rows of a motion in the making. */
@@ -15,6 +15,7 @@ typedef struct km_history_writer {
   km_forces *forces;
   km_state *state, *look; /* `look`: a copy whose partitions may be searched */
   km_dynamics *dynamics;
+  km_rubbing *rubbing;
   km_simulation *simulation; /* NULL: the motion is known, and nothing is integrated */
   km_statics statics;
   double potential; /* at the start */

@@ -86,16 +86,6 @@ void km_losses_free(km_losses_work *w) {
   km_free(w);
 }
 
-/* The force of a joint's last reaction across a coordinate's axis; of balls and threads all of it. */
-static km_vec3 normal_force(const km_mechanism *m, const km_losses_work *w, int c) {
-  const km_twist *h = &w->statics.work->twist[c];
-  km_vec3 force = km_vec3_make(w->statics.reactions[m->model->coordinates[c].joint].force);
-  bool turns = km_vec3_norm(h->w) > 0.5;
-  km_vec3 axis = turns ? h->w : h->v;
-  bool all = m->ball_of[c] >= 0 || m->model->joints[m->model->coordinates[c].joint].type == KM_SCREW;
-  return all ? force : km_vec3_axpy(-km_vec3_dot(force, axis), axis, force);
-}
-
 /* What rubs in the motion `rates`. */
 static void find_rubbing(const km_mechanism *m, km_losses_work *w, const double *rates) {
   w->friction.count = 0;
@@ -135,7 +125,7 @@ static bool make_equations(const km_mechanism *m, km_state *s, km_losses_work *w
   km_friction *f = &w->friction;
   double ideal = balance(m, s, w, -1);
   for (int c = 0; c < f->count; ++c) {
-    km_vec3 a = normal_force(m, w, w->rubbing[c]);
+    km_vec3 a = km_normal_force(m, &w->statics, w->rubbing[c]);
     memcpy(f->a + 3 * c, (double[3]){a.x, a.y, a.z}, 3 * sizeof *f->a);
   }
   for (int k = 0; k < f->count && isfinite(ideal); ++k) {
@@ -144,7 +134,7 @@ static bool make_equations(const km_mechanism *m, km_state *s, km_losses_work *w
       return false;
     f->w[k] = (force - ideal) / ideal;
     for (int c = 0; c < f->count; ++c) {
-      km_vec3 both = normal_force(m, w, w->rubbing[c]), a = km_vec3_make(f->a + 3 * c);
+      km_vec3 both = km_normal_force(m, &w->statics, w->rubbing[c]), a = km_vec3_make(f->a + 3 * c);
       km_vec3 b = km_vec3_axpy(-1.0 - f->w[k], a, both);
       memcpy(f->B + 3 * (c * f->count + k), (double[3]){b.x, b.y, b.z}, 3 * sizeof *f->B);
     }

@@ -226,6 +226,12 @@ void km_statics_balance(const km_mechanism *m, km_state *s, km_forces *f, km_sta
   km_statics_carry(m, s, f, st);
 }
 
+void km_statics_bear(const km_mechanism *m, km_state *s, const km_forces *f, const double *driving, km_statics *st) {
+  gather_loads(m, s, f, st->work);
+  memcpy(st->work->force, driving, (size_t)m->coordinate_count * sizeof *driving);
+  km_statics_carry(m, s, f, st);
+}
+
 void km_statics_update(const km_mechanism *m, km_state *s, km_forces *f, km_statics *st) {
   if (!st || !st->work || st->work->mechanism != m || !f || f->mechanism != m)
     return;

@@ -105,6 +105,11 @@ void km_carrying_free(km_statics_work *work);
 void km_actuators_hold(const km_mechanism *mechanism, const km_state *state, km_statics *statics);
 /* km_statics_update for forces that are at hand, as those of a motion (km_dynamics_balance). */
 void km_statics_balance(const km_mechanism *mechanism, km_state *state, km_forces *forces, km_statics *statics);
+/* Reactions alone, for forces that are at hand as those of a motion, with `driving` [coordinate] of what is prescribed. */
+void km_statics_bear(const km_mechanism *mechanism, km_state *state, const km_forces *forces, const double *driving,
+                     km_statics *statics);
+/* The force of a joint's last reaction across a coordinate's axis (KM_AXES_FIXED); of balls and screws all of it. */
+km_vec3 km_normal_force(const km_mechanism *mechanism, const km_statics *statics, int coordinate);
 /* The part of it that finds the actuators' forces; f̄ and reactions stay as they were. */
 void km_statics_hold(const km_mechanism *mechanism, const km_state *state, const km_forces *forces,
                      km_statics *statics);

@@ -248,3 +248,12 @@ void km_statics_carry(const km_mechanism *m, km_state *s, const km_forces *f, km
   for (int i = 0; i < m->topology.substructure_count; ++i)
     carry_substructure(m, s, f, i, st);
 }
+
+km_vec3 km_normal_force(const km_mechanism *m, const km_statics *st, int c) {
+  const km_twist *h = &st->work->twist[c];
+  km_vec3 force = km_vec3_make(st->reactions[m->model->coordinates[c].joint].force);
+  bool turns = km_vec3_norm(h->w) > 0.5;
+  km_vec3 axis = turns ? h->w : h->v;
+  bool all = m->ball_of[c] >= 0 || m->model->joints[m->model->coordinates[c].joint].type == KM_SCREW;
+  return all ? force : km_vec3_axpy(-km_vec3_dot(force, axis), axis, force);
+}

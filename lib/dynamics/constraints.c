@@ -7,9 +7,12 @@
 #include <string.h>
 
 enum { MOST_STEPS = 12 };
+static const double most_growth = 8.0;
 /* Error of the dependent coordinates at an accepted pose; what rounding may leave of many turns; longest step. Scaled. */
 static const double tightly = 1e-13, rounding = 1e-9, longest = 0.5;
 static const double least = 1e-15; /* rounding of a loop's error */
+/* A step by the last evaluation's pivots shrinks an error about as much. */
+static const double stale_gain = 20.0;
 
 static double largest_primary(const km_partition *p, const double *error) {
   double largest = 0.0;
@@ -32,8 +35,31 @@ static bool search_pivots(km_dynamics *d, km_state *s, int index) {
   km_partition_factor(&s->partition[index], km_state_jacobian(s, sub), sub->rows, sub->columns, s->forced, tolerance);
   memset(s->forced, 0, (size_t)sub->columns * sizeof *s->forced);
   s->pivoted[index] = KM_PRESCRIBED;
-  d->repartitions++;
+  d->renewed[index]++;
   return !s->partition[index].failed && !s->partition[index].forced_dependent;
+}
+
+/* Can the motion go on with these pivots until a pose is accepted? */
+static bool carries_on(const km_partition *p) {
+  return p->largest_b <= most_growth * fmax(p->pivoted_b, 1.0);
+}
+
+/* Other pivots within a motion: first the dependent rates are made to follow by those that served up to here, so that the
+ * motion doesn't jump to what the vector holds of its new independent coordinates. */
+static bool change_pivots(km_dynamics *d, km_state *s, int index) {
+  const km_mechanism *m = d->mechanism;
+  const int *coordinate = m->column_coordinate + m->substructures[index].column_start;
+  const km_partition *p = &s->partition[index];
+  for (int i = 0; i < p->rank && !d->feeds_back && isfinite(p->largest_b); ++i) {
+    double rate = 0.0;
+    for (int k = 0; k < km_partition_freedom(p); ++k) {
+      int c = coordinate[p->column[p->rank + k]];
+      rate -= p->B[(size_t)k * (size_t)p->rank + (size_t)i] * s->rate[c] / m->unit[c];
+    }
+    s->rate[coordinate[p->column[i]]] = rate * m->unit[coordinate[p->column[i]]];
+  }
+  d->repivoted = true;
+  return search_pivots(d, s, index);
 }
 
 /* One step of the dependent coordinates by the pivots at hand; the others stay. False where it is none. */
@@ -60,34 +86,49 @@ static double weakness_of(const km_partition *p) {
   return largest;
 }
 
-/* Newton on the dependent coordinates, with the last evaluation's pivots as long as they shrink the error tenfold a
- * step. Pivots and Jacobian are then those of the closed pose. */
+/* The error at which loops count as closed: where constraints are weak it grows in the coordinates. */
+static double close_enough(const km_dynamics *d, const km_partition *p, bool search) {
+  return fmax((search ? tightly : d->closing) / weakness_of(p), least);
+}
+
+/* The pivots at hand on the present Jacobian; others where a pose is accepted and they don't serve any more. */
+static bool refresh(km_dynamics *d, km_state *s, int index, bool search) {
+  km_partition *p = &s->partition[index];
+  if (km_partition_refactor(p, km_state_jacobian(s, &d->mechanism->substructures[index])))
+    return true;
+  d->stale = true;
+  return search ? change_pivots(d, s, index) : carries_on(p);
+}
+
+/* Newton on the dependent coordinates, with pivots of the last evaluation where they are good enough for a step. Pivots and
+ * Jacobian are then those of the closed pose. */
 static bool close_loops(km_dynamics *d, km_state *s, int index, bool search) {
   const km_substructure *sub = &d->mechanism->substructures[index];
   km_partition *p = &s->partition[index];
   km_loops_update(d->mechanism, s, sub);
   if (s->pivoted[index] != KM_PRESCRIBED && !search_pivots(d, s, index))
     return false;
-  double closed = fmax((search ? tightly : d->closing) / weakness_of(p), least);
-  double error = largest_primary(p, km_state_error(s, sub));
+  double error = largest_primary(p, km_state_error(s, sub)), last = HUGE_VAL;
+  bool fresh = false, open = !d->feeds_back || search;
   d->residual = error <= d->residual ? d->residual : error;
-  for (int i = 0; !(error <= closed) && !(d->feeds_back && !search); ++i) {
-    double last = error;
-    if (i == MOST_STEPS || !step_dependent(d, s, index))
-      return false;
-    error = largest_primary(p, km_state_error(s, sub));
-    if (error <= closed || error < 0.1 * last)
+  for (int steps = 0; open || !fresh;) {
+    double closed = close_enough(d, p, search);
+    if (!fresh && (!open || error <= closed || error > stale_gain * closed || !(error < 0.1 * last))) {
+      if (!refresh(d, s, index, search))
+        return false;
+      fresh = true;
       continue;
-    if (i > 2 && error < rounding) /* it doesn't become smaller */
+    }
+    if (error <= closed || (steps > 3 && error < rounding && !(error < 0.1 * last))) /* it doesn't become smaller */
       break;
-    if (!km_partition_refactor(p, km_state_jacobian(s, sub)) && !search_pivots(d, s, index))
+    if (steps++ == MOST_STEPS || !step_dependent(d, s, index))
       return false;
+    fresh = false;
+    last = error;
+    error = largest_primary(p, km_state_error(s, sub));
   }
-  bool serves = km_partition_refactor(p, km_state_jacobian(s, sub));
-  d->stale = d->stale || !serves;
-  bool good = serves || search_pivots(d, s, index);
   d->weakness = fmax(d->weakness, weakness_of(p));
-  return good;
+  return true;
 }
 
 /* Room for the cluster's independent coordinates. Grows only where a partition has more of them than ever before. */
@@ -241,7 +282,7 @@ bool km_constraints_update(km_dynamics *d, km_state *s, bool search) {
   const km_topology *t = &d->mechanism->topology;
   d->residual = 0.0;
   d->weakness = 1.0;
-  d->stale = false;
+  d->stale = d->repivoted = false;
   for (int i = 0; i < t->substructure_count; ++i)
     if (!close_loops(d, s, i, search))
       return false;

@@ -20,13 +20,16 @@ struct km_cvode {
   long seen_failures, seen_steps; /* of the iteration, at the last look */
 };
 
-/* Values that the loops don't agree with are drawn to them with this rate times the step. */
-static const double pull_per_step = 0.05;
-static const double rounding = 1e-15;
-/* Reciprocal of a pivot from which on a constraint almost loses its grip. */
-static const double weak = 1e3;
 /* Of a hundred steps, as many whose functional iteration failed tell stiffness. */
 enum { STIFF_LOOK = 100, STIFF_FAILURES = 20 };
+/* What rounding may make of a step, over the error allowed. */
+static const double most_blindness = 0.3, hopeless = 1e6;
+/* The longest step over a singular pose: radians or characteristic lengths. */
+static const double most_motion = 0.5;
+/* Steps that are made as they come where there was no such step. */
+enum { UNSEEING = 50 };
+/* What an evaluation tells CVODE: to try a shorter step, or to stop. */
+enum { RETRY = 1, STOP = -1 };
 
 /* ω of Baumgarte's stabilisation by the order of Adams' method: the part of its region of stability that counts
  * (thesis table 3, theory 7). */
@@ -35,19 +38,22 @@ static double stability_limit(int order) {
   return limits[order < 0 ? 0 : order > 12 ? 12 : order];
 }
 
+/* A step isn't made where accelerations are rounding. */
 static int derivative(double t, N_Vector y, N_Vector ydot, void *data) {
   km_simulation *run = (km_simulation *)data;
-  return km_simulation_derivative(run, t, NV_DATA_S(y), NV_DATA_S(ydot)) ? 0 : 1;
+  if (!km_simulation_derivative(run, t, NV_DATA_S(y), NV_DATA_S(ydot)))
+    return RETRY;
+  run->blind = run->unseeing == 0 && km_simulation_blindness(run, run->usual) > most_blindness;
+  return run->blind ? STOP : 0;
 }
 
-/* 1 over the error that a component may have. Where a constraint almost loses its grip, accelerations hold rounding over
- * its pivot: asked for more, steps would creep into the singular pose instead of passing it. */
+/* 1 over the error that a component may have. */
 static int weights(N_Vector y, N_Vector ewt, void *data) {
   const km_simulation *run = (const km_simulation *)data;
   const double *value = NV_DATA_S(y), *tolerance = run->tolerance;
-  double noise = rounding * run->dynamics->weakness, *out = NV_DATA_S(ewt);
+  double *out = NV_DATA_S(ewt);
   for (int i = 0; i < run->size; ++i)
-    out[i] = 1.0 / (run->def.relative * fabs(value[i]) + tolerance[i] + noise * (tolerance[i] / run->def.absolute));
+    out[i] = 1.0 / (run->def.relative * fabs(value[i]) + tolerance[i]);
   return 0;
 }
 
@@ -99,7 +105,7 @@ km_status km_cvode_create(km_simulation *run, km_error *error) {
     c->at = N_VMake_Serial(run->size, run->at, c->context);
   }
   if (c && c->y)
-    N_VEnableFusedOps_Serial(c->y, SUNTRUE);
+    km_vector_use_lanes(c->y);
   return c && c->y && c->at && start(run, c) ? KM_OK : km_fail(error, KM_MEMORY, "out of memory for the integrator");
 }
 
@@ -138,7 +144,7 @@ static void adapt(km_simulation *run) {
   int order;
   CVodeGetLastStep(run->cvode->memory, &h);
   CVodeGetLastOrder(run->cvode->memory, &order);
-  run->pull = h > 0.0 ? pull_per_step / h : 0.0;
+  km_simulation_shift(run);
   run->dynamics->omega = h > 0.0 ? 0.005 * stability_limit(order) / h : 0.0;
 }
 
@@ -150,47 +156,53 @@ static km_status why(const km_simulation *run, int flag, double h, km_error *err
   return km_fail(error, KM_DIVERGED, "the step fell to %g at time %g and its error is still too large", h, run->time);
 }
 
-/* At a pose where constraints lose their grip, steps shrink towards it instead of passing it: what an evaluation there
- * gives is rounding. One step over it, of a part of the usual length, and a new start behind it. */
-static bool jump_over(km_simulation *run) {
-  static const double parts[] = {0.1, 0.23, 0.041, 0.57, 0.013, 1.0};
-  run->dynamics->closing = 1e-13;
-  for (size_t i = 0; i < sizeof parts / sizeof *parts; ++i) {
-    double h = fmin(parts[i] * run->usual, run->def.end - run->time);
-    if (!(h > 0.0) || !km_fixed_jump(run, h, run->time + h))
+/* One step over a pose where constraints lose their grip, whose evaluations lie before and behind it; and a new start. Of
+ * several lengths the first that sees well, else the one that sees best, rather one whose end sees well. */
+static bool pass_over(km_simulation *run) {
+  double chosen = 0.0, least = HUGE_VAL, longest = most_motion / km_simulation_speed(run);
+  bool over = false; /* `chosen` ends behind the pose */
+  for (double h = run->usual; h < 20.0 * run->usual && h < longest && least > most_blindness; h *= 1.15) {
+    double step = fmin(h, run->def.end - run->time), blindness, after;
+    if (!(step > 0.0) || !km_collocation_try(run, step, &blindness, &after) || blindness > hopeless)
       continue;
-    run->jumped = true;
-    run->outcome = KM_DYNAMICS_DONE;
-    return CVodeReInit(run->cvode->memory, run->time, run->cvode->y) == CV_SUCCESS;
+    bool ends = after <= most_blindness || run->time + step >= run->def.end;
+    if ((over && !ends) || (over == ends && !(blindness < least)))
+      continue;
+    chosen = step;
+    least = ends ? blindness : fmax(blindness, 2.0 * most_blindness);
+    over = ends;
+    km_collocation_keep(run);
   }
-  return false;
-}
-
-static bool creeps(const km_simulation *run, double h) {
-  return run->dynamics->weakness > weak && h < 1e-3 * run->usual;
+  run->outcome = KM_DYNAMICS_DONE;
+  return chosen > 0.0 && km_collocation_step(run, chosen) &&
+         CVodeReInit(run->cvode->memory, run->time, run->cvode->y) == CV_SUCCESS;
 }
 
 km_status km_cvode_step(km_simulation *run, km_error *error) {
   km_cvode *c = run->cvode;
   double t = run->time, h = 0.0;
   run->outcome = KM_DYNAMICS_DONE;
+  run->way = KM_STEP_CVODE;
+  run->blind = false;
   int flag = CVode(c->memory, run->time + 1.0, c->y, &t, CV_ONE_STEP);
-  long failures = 0;
-  CVodeGetNumErrTestFails(c->memory, &failures);
-  CVodeGetLastStep(c->memory, &h);
-  run->jumped = false;
   if (flag < 0) {
     km_dynamics_outcome outcome = run->outcome;
-    if (run->usual > 0.0 && jump_over(run))
+    memcpy(run->y, run->good, (size_t)run->size * sizeof *run->y);
+    if (run->usual > 0.0 && pass_over(run))
       return KM_OK;
+    if (run->blind) {
+      run->unseeing = UNSEEING;
+      return CVodeReInit(c->memory, run->time, c->y) ? km_fail(error, KM_MEMORY, "out of memory for the integrator")
+                                                     : km_cvode_step(run, error);
+    }
     run->outcome = outcome;
     CVodeGetCurrentStep(c->memory, &h);
     return why(run, flag, h, error);
   }
-  if (creeps(run, h))
-    return jump_over(run) ? KM_OK : why(run, flag, h, error);
-  run->usual += 0.1 * (h - run->usual);
-  run->rejected = failures;
+  CVodeGetNumErrTestFails(c->memory, &run->rejected);
+  CVodeGetLastStep(c->memory, &h);
+  run->usual = fmax(h, 0.998 * run->usual);
+  run->unseeing -= run->unseeing > 0;
   run->time = t;
   run->steps++;
   adapt(run);

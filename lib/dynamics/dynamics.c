@@ -31,6 +31,7 @@ static bool allocate(km_dynamics *d) {
   d->step = KM_ARENA_NEW(arena, double, (size_t)m->largest_columns);
   d->driven_velocity = KM_ARENA_NEW(arena, km_twist, nodes);
   d->driven = KM_ARENA_NEW(arena, bool, coordinates);
+  d->renewed = KM_ARENA_NEW(arena, int, (size_t)m->topology.substructure_count);
   d->driven_acceleration = KM_ARENA_NEW(arena, double, coordinates);
   for (int i = 0; i < d->tree.cluster_count && !arena->failed; ++i)
     d->cluster[i].gamma = KM_ARENA_NEW(arena, double, (size_t)d->tree.clusters[i].coordinate_count);
@@ -144,6 +145,14 @@ static void apply_forces(km_dynamics *d, const km_state *s) {
   }
 }
 
+/* After km_tree_move. */
+static km_dynamics_outcome solve(km_dynamics *d, km_state *s) {
+  apply_forces(d, s);
+  if (km_tree_solve(d, s))
+    return KM_DYNAMICS_DONE;
+  return d->massless >= 0 ? KM_DYNAMICS_MASSLESS : KM_DYNAMICS_OPEN;
+}
+
 km_dynamics_outcome km_dynamics_evaluate(km_dynamics *d, km_state *s, bool search) {
   km_dynamics_drive(d, s, true);
   if (!km_constraints_update(d, s, search))
@@ -151,10 +160,13 @@ km_dynamics_outcome km_dynamics_evaluate(km_dynamics *d, km_state *s, bool searc
   km_tree_move(d, s);
   if (search && choose_origin(d))
     km_tree_move(d, s);
-  apply_forces(d, s);
-  if (km_tree_solve(d, s))
-    return KM_DYNAMICS_DONE;
-  return d->massless >= 0 ? KM_DYNAMICS_MASSLESS : KM_DYNAMICS_OPEN;
+  km_dynamics_outcome outcome = solve(d, s);
+  return outcome == KM_DYNAMICS_DONE && d->press ? d->press(d->press_context, s) : outcome;
+}
+
+km_dynamics_outcome km_dynamics_resolve(km_dynamics *d, km_state *s) {
+  km_tree_move(d, s);
+  return solve(d, s);
 }
 
 km_status km_dynamics_fail(const km_dynamics *d, km_dynamics_outcome outcome, km_error *error) {
@@ -164,6 +176,8 @@ km_status km_dynamics_fail(const km_dynamics *d, km_dynamics_outcome outcome, km
                    "joint \"%s\" can move without moving any mass, so that its acceleration isn't determined; expected "
                    "a mass or a moment of inertia on what it moves",
                    model->coordinates[d->massless].label);
+  if (outcome == KM_DYNAMICS_JAMMED)
+    return km_fail(error, KM_DIVERGED, "friction jams: none agrees with the forces that press the joints under it");
   if (d->arena.failed)
     return km_fail(error, KM_MEMORY, "out of memory for the equations of motion");
   return km_fail(error, KM_DIVERGED, "a loop can't be closed: the largest error is %g of its size", d->residual);
@@ -294,5 +308,13 @@ double km_dynamics_loop_error(const km_dynamics *d) {
 }
 
 int km_dynamics_repartitions(const km_dynamics *d) {
-  return d ? d->repartitions : 0;
+  int sum = 0;
+  for (int i = 0; d && i < d->mechanism->topology.substructure_count; ++i)
+    sum += d->renewed[i];
+  return sum;
+}
+
+void km_dynamics_forget_repartitions(km_dynamics *d) {
+  for (int i = 0; i < d->mechanism->topology.substructure_count; ++i)
+    d->renewed[i] = 0;
 }

@@ -13,6 +13,14 @@
 #include "forces/moving.h"
 #include "kmech/dynamics.h"
 
+/* What an evaluation comes to. */
+typedef enum km_dynamics_outcome {
+  KM_DYNAMICS_DONE,
+  KM_DYNAMICS_OPEN,     /* a loop can't be closed, or memory is out */
+  KM_DYNAMICS_MASSLESS, /* a free motion has no mass */
+  KM_DYNAMICS_JAMMED    /* no friction agrees with what presses under it */
+} km_dynamics_outcome;
+
 /* What an evaluation leaves of a node. Twists and wrenches about km_forces.origin, along the inertial axes. */
 typedef struct km_node_motion {
   km_pose pose; /* its frame, from that origin */
@@ -55,21 +63,20 @@ struct km_dynamics {
   double closing;              /* error at which loops count as closed within a step, scaled */
   double residual;             /* largest scaled loop error of the last evaluation, before it closed the loops */
   double weakness;             /* largest reciprocal of a pivot at the last evaluation: what rounding grows by */
-  int repartitions;            /* partitions that were renewed since km_dynamics_create */
+  int *renewed;                /* [substructure] how often its partition was renewed since km_dynamics_create */
   bool stale;                  /* a monitor asks for new pivots at the next accepted pose */
-  int massless;                /* coordinate on which nothing with mass moves; -1: none */
+  bool repivoted;              /* the last evaluation has changed pivots in a motion */
+  /* Forces by the accelerations: called once these are known; goes on by km_dynamics_resolve. NULL: none. */
+  km_dynamics_outcome (*press)(void *context, km_state *state);
+  void *press_context;
+  int massless; /* coordinate on which nothing with mass moves; -1: none */
 };
-
-/* What an evaluation comes to. */
-typedef enum km_dynamics_outcome {
-  KM_DYNAMICS_DONE,
-  KM_DYNAMICS_OPEN,    /* a loop can't be closed, or memory is out */
-  KM_DYNAMICS_MASSLESS /* a free motion has no mass */
-} km_dynamics_outcome;
 
 /* Accelerations at the state's time, coordinates and rates. `search`: the pose is one that the motion goes through, where
  * partitions may be renewed and the origin moves along; else pivots change only where they have to. */
 km_dynamics_outcome km_dynamics_evaluate(km_dynamics *dynamics, km_state *state, bool search);
+/* Forces and accelerations once more, after one that is set from outside has changed. */
+km_dynamics_outcome km_dynamics_resolve(km_dynamics *dynamics, km_state *state);
 km_status km_dynamics_fail(const km_dynamics *dynamics, km_dynamics_outcome outcome, km_error *error);
 /* Puts prescribed coordinates to their rates at the state's time, and to their values. */
 void km_dynamics_drive(km_dynamics *dynamics, km_state *state, bool position);
@@ -80,6 +87,9 @@ void km_dynamics_balance(km_dynamics *dynamics, const km_state *state);
 
 /* The sum of the inertia forces of all bodies at the last evaluation, without weights: about km_forces.origin. */
 km_wrench km_dynamics_inertia_forces(const km_dynamics *dynamics);
+
+/* km_dynamics_repartitions counts from here on. */
+void km_dynamics_forget_repartitions(km_dynamics *dynamics);
 
 /* What prescribed motions give at the last evaluation. */
 double km_dynamics_driving_power(const km_dynamics *dynamics, const km_state *state);

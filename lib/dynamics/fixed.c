@@ -9,7 +9,7 @@ static void combine(const km_simulation *run, const double *slope, double h, dou
     out[i] = run->y[i] + h * slope[i];
 }
 
-bool km_fixed_jump(km_simulation *run, double h, double to) {
+static bool make_step(km_simulation *run, double h, double to) {
   size_t n = (size_t)run->size;
   double *k1 = run->stage, *k2 = k1 + n, *k3 = k2 + n, *k4 = k3 + n, *at = k4 + n, t = run->time;
   bool good = km_simulation_derivative(run, t, run->y, k1);
@@ -35,10 +35,9 @@ km_status km_fixed_step(km_simulation *run, km_error *error) {
   double h = run->def.max_step, left = run->def.end - run->time;
   bool last = left < h * (1.0 + 1e-9); /* rather a little longer than followed by a tiny one */
   h = last ? left : h;
-  run->jumped = true;
-  return km_fixed_jump(run, h, last ? run->def.end : run->time + h)
-             ? KM_OK
-             : km_dynamics_fail(run->dynamics, run->outcome, error);
+  run->way = KM_STEP_RUNGE_KUTTA;
+  return make_step(run, h, last ? run->def.end : run->time + h) ? KM_OK
+                                                                : km_dynamics_fail(run->dynamics, run->outcome, error);
 }
 
 /* The cubic with the values at both ends, the slope at the first, and a last slope that the step's mean gives: good to

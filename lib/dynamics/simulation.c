@@ -5,6 +5,9 @@
 
 #include <string.h>
 
+/* Errors of steps add up: a step may have this part of the error that is asked for. */
+static const double share = 0.05;
+
 km_simulation_def km_simulation_default(void) {
   return (km_simulation_def){.relative = 1e-7, .absolute = 1e-7, .end = HUGE_VAL};
 }
@@ -44,16 +47,20 @@ static bool lay_out(km_simulation *run) {
   run->rate_start = next;
   run->memory_start = run->rate_start + m->coordinate_count;
   run->work_start = run->memory_start + run->dynamics->forces->moving->memory_count;
-  run->size = run->work_start + 2;
+  run->size = (run->work_start + 2 + KM_VECTOR_LANES - 1) / KM_VECTOR_LANES * KM_VECTOR_LANES;
   size_t n = (size_t)run->size, crossings = (size_t)run->def.crossing_count;
   run->y = KM_ARENA_NEW(&run->arena, double, n);
   run->ydot = KM_ARENA_NEW(&run->arena, double, n);
   run->at = KM_ARENA_NEW(&run->arena, double, n);
+  run->shift = KM_ARENA_NEW(&run->arena, double, n);
+  run->seen = KM_ARENA_NEW(&run->arena, double, n);
+  run->closed = KM_ARENA_NEW(&run->arena, double, n);
   run->before = KM_ARENA_NEW(&run->arena, double, n);
   run->slope = KM_ARENA_NEW(&run->arena, double, n);
   run->good = KM_ARENA_NEW(&run->arena, double, n);
   run->tolerance = KM_ARENA_NEW(&run->arena, double, n);
-  run->stage = KM_ARENA_NEW(&run->arena, double, 5 * n);
+  run->stage = KM_ARENA_NEW(&run->arena, double, (KM_STAGES + 2) * n);
+  run->kept = KM_ARENA_NEW(&run->arena, double, KM_STAGES *n);
   run->crossings = KM_ARENA_NEW(&run->arena, km_crossing, crossings);
   run->side = KM_ARENA_NEW(&run->arena, double, crossings);
   return !run->arena.failed;
@@ -70,7 +77,8 @@ static void set_tolerances(km_simulation *run) {
       run->tolerance[run->place[c]] = absolute / m->scale[c];
     run->tolerance[run->rate_start + c] = absolute / m->scale[c] * second;
   }
-  run->tolerance[run->work_start] = run->tolerance[run->work_start + 1] = HUGE_VAL;
+  for (int i = run->work_start; i < run->size; ++i)
+    run->tolerance[i] = HUGE_VAL;
 }
 
 static double side_of(const km_simulation *run, int crossing, const double *y) {
@@ -78,7 +86,7 @@ static double side_of(const km_simulation *run, int crossing, const double *y) {
   int place = run->place[def->coordinate];
   if (place < 0 || run->dynamics->mechanism->ball_of[def->coordinate] >= 0)
     return 1.0; /* rotation vectors aren't in the vector */
-  return y[place] - def->value;
+  return y[place] + run->shift[place] - def->value;
 }
 
 static km_status begin(km_simulation *run, km_error *error) {
@@ -92,8 +100,7 @@ static km_status begin(km_simulation *run, km_error *error) {
   run->time = run->last_time = s->time;
   d->feeds_back = def->stabilisation == KM_STABILISE_BAUMGARTE;
   d->omega = 0.0;
-  d->closing = fmin(fmax(1e-4 * def->relative, 1e-13), 1e-9);
-  d->repartitions = 0;
+  d->closing = fmin(fmax(1e-2 * def->relative, 1e-13), 1e-7);
   memset(d->forces->moving->memory, 0, (size_t)d->forces->moving->memory_count * sizeof(double));
   km_status status = km_dynamics_project_rates(d, s, NULL, error);
   if (!status)
@@ -103,7 +110,7 @@ static km_status begin(km_simulation *run, km_error *error) {
   km_simulation_pack(run, run->y);
   for (int i = 0; i < def->crossing_count; ++i)
     run->side[i] = side_of(run, i, run->y);
-  d->repartitions = 0;
+  km_dynamics_forget_repartitions(d);
   return def->integrator == KM_INTEGRATOR_FIXED ? KM_OK : km_cvode_create(run, error);
 }
 
@@ -123,6 +130,8 @@ km_status km_simulation_create(km_dynamics *d, km_state *s, const km_simulation_
   if (!run)
     return km_fail(error, KM_MEMORY, "out of memory for the run");
   *run = (km_simulation){.dynamics = d, .state = s, .def = *def, .stiff = def->integrator == KM_INTEGRATOR_BDF};
+  run->def.relative *= share;
+  run->def.absolute *= share;
   status = lay_out(run) ? KM_OK : km_fail(error, KM_MEMORY, "out of memory for the run");
   if (!status) {
     set_tolerances(run);
@@ -147,12 +156,14 @@ void km_simulation_free(km_simulation *run) {
 }
 
 static bool between(const km_simulation *run, double time, double *y) {
-  if (run->cvode && !run->jumped)
-    return km_cvode_between(run, time, y);
-  if (run->time > run->last_time)
-    km_fixed_between(run, time, y);
-  else
+  if (!(run->time > run->last_time))
     memcpy(y, run->y, (size_t)run->size * sizeof *y);
+  else if (run->way == KM_STEP_CVODE)
+    return km_cvode_between(run, time, y);
+  else if (run->way == KM_STEP_COLLOCATION)
+    km_collocation_between(run, time, y);
+  else
+    km_fixed_between(run, time, y);
   return true;
 }
 
@@ -221,6 +232,12 @@ static km_status show(km_simulation *run, double time, km_error *error) {
   bool good = km_simulation_derivative(run, time, run->at, run->ydot);
   run->dynamics->closing = closing;
   run->evaluations--;
+  if (good &&
+      km_simulation_blindness(run, run->usual) > 1.0) { /* the vector's rates are better than those that follow */
+    memcpy(run->state->rate, run->seen + run->rate_start,
+           (size_t)run->dynamics->mechanism->coordinate_count * sizeof(double));
+    km_tree_move(run->dynamics, run->state);
+  }
   return good ? KM_OK : km_dynamics_fail(run->dynamics, run->outcome, error);
 }
 
@@ -253,7 +270,7 @@ km_simulation_figures km_simulation_figures_of(const km_simulation *run) {
                                  .steps = run->steps,
                                  .evaluations = run->evaluations,
                                  .rejected = run->rejected,
-                                 .repartitions = run->dynamics->repartitions,
+                                 .repartitions = km_dynamics_repartitions(run->dynamics),
                                  .dissipated = run->at[run->work_start],
                                  .motor_work = run->at[run->work_start + 1],
                                  .stiff = run->stiff};

@@ -7,6 +7,13 @@
 
 typedef struct km_cvode km_cvode;
 
+/* The vector's size is a multiple of this; components past the last are 0 and count for nothing. */
+enum { KM_VECTOR_LANES = 4 };
+
+enum { KM_STAGES = 6 }; /* of collocation */
+
+typedef enum km_step_way { KM_STEP_CVODE, KM_STEP_RUNGE_KUTTA, KM_STEP_COLLOCATION } km_step_way;
+
 struct km_simulation {
   km_arena arena;
   km_dynamics *dynamics;
@@ -18,18 +25,22 @@ struct km_simulation {
   int size, rate_start, memory_start, work_start;
   int *place;             /* [coordinate] of its value; of a ball's first one the quaternion's */
   double *y, *ydot;       /* [size] at `time` */
+  double *shift;          /* [size] what the state has more than the vector, since pivots changed (vector.c) */
+  double *seen, *closed;  /* [size] the vector with it, at the last evaluation; and the state that it became */
   double *tolerance;      /* [size] absolute */
-  double *stage;          /* [5 × size] of Runge-Kutta */
+  double *stage;          /* [(KM_STAGES + 2) × size] of steps that aren't CVODE's */
+  double *kept;           /* [KM_STAGES × size] those of collocation that the last step was made with */
   double *before, *slope; /* [size] the vector before the last fixed step, and its derivative */
   double *good;           /* [size] the vector before the last step */
   double last_time;       /* before the last step */
   double usual;           /* length of a step that counts as usual */
-  bool jumped;            /* the last step was one of Runge-Kutta */
+  km_step_way way;        /* how the last step was made */
   double time;
-  double pull;                 /* how fast values that the loops don't agree with are drawn to them, per time */
   km_dynamics_outcome outcome; /* of the last evaluation that failed */
   long steps, evaluations, rejected;
   bool stiff;
+  int unseeing; /* steps to come that don't look for it */
+  bool blind;   /* CVODE has stopped before a pose where accelerations are rounding */
   km_crossing_met *met;
   size_t met_count, met_room;
   double *at;      /* [size] the vector between steps */
@@ -40,6 +51,8 @@ struct km_simulation {
 /* The state from the vector, and back. */
 void km_simulation_unpack(km_simulation *run, const double *y, double time);
 void km_simulation_pack(km_simulation *run, double *y);
+/* From here on the state at the last evaluation is what the vector there means (vector.c). */
+void km_simulation_shift(km_simulation *run);
 /* The vector's derivative. False where an evaluation fails: the step is too long. */
 bool km_simulation_derivative(km_simulation *run, double time, const double *y, double *ydot);
 /* Closes the loops of an accepted pose tightly and renews partitions that ask for it; what the state then is goes back into
@@ -50,11 +63,24 @@ bool km_simulation_settle(km_simulation *run, double *y, double time, bool keep)
 km_status km_cvode_create(km_simulation *run, km_error *error);
 void km_cvode_free(km_cvode *cvode);
 km_status km_cvode_step(km_simulation *run, km_error *error);
+/* Gives an N_Vector of NVECTOR_SERIAL, and all that CVODE clones from it, faster operations: its size is a multiple of
+ * KM_VECTOR_LANES. */
+void km_vector_use_lanes(void *vector);
 km_status km_fixed_step(km_simulation *run, km_error *error);
-/* A step of length h by Runge-Kutta, the loops closed after it. False, with the vector as it was, where it fails. */
-bool km_fixed_jump(km_simulation *run, double h, double to);
+/* The largest rate at the last evaluation, in radians or characteristic lengths per time. */
+double km_simulation_speed(const km_simulation *run);
+/* Where constraints lose their grip for a moment, with a smallest pivot δ, poses are known to ε/δ and accelerations to
+ * ε v²/δ³. What that leaves in a step of length h at the last evaluation, over the error allowed. */
+double km_simulation_blindness(const km_simulation *run, double h);
+/* The stages of a step of length h, the largest blindness at one of them and that at the last one, both for a usual step;
+ * false where there are none. */
+bool km_collocation_try(km_simulation *run, double h, double *blindness, double *after);
+/* The step with the stages that were kept; false, with the vector as it was, where it fails. */
+void km_collocation_keep(km_simulation *run);
+bool km_collocation_step(km_simulation *run, double h);
 /* The vector at a time within the last step. */
 bool km_cvode_between(const km_simulation *run, double time, double *y);
 void km_fixed_between(const km_simulation *run, double time, double *y);
+void km_collocation_between(const km_simulation *run, double time, double *y);
 
 #endif

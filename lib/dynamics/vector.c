@@ -3,93 +3,139 @@
 
 #include <string.h>
 
+/* The vector's dependent coordinates go their own way, within the error that steps may have; evaluations begin to close
+ * the loops from them, and take nothing else from them. By other pivots they become independent: were they then taken as
+ * they stand, the motion would jump. Instead the state goes on from where it is, and what the vector lacks is kept in
+ * `shift`: a constant has no derivative, so that the integrator's past stays good. */
+
 void km_simulation_unpack(km_simulation *run, const double *y, double time) {
   const km_mechanism *m = run->dynamics->mechanism;
   km_state *s = run->state;
-  const double *rate = y + run->rate_start;
+  double *seen = run->seen;
+  for (int i = 0; i < run->size; ++i)
+    seen[i] = y[i] + run->shift[i];
   for (int c = 0; c < m->coordinate_count; ++c) {
     if (m->ball_of[c] < 0)
-      s->q[c] = y[run->place[c]];
-    s->rate[c] = rate[c];
+      s->q[c] = seen[run->place[c]];
+    s->rate[c] = seen[run->rate_start + c];
   }
   for (int b = 0; b < m->ball_count; ++b) {
-    const double *q = y + run->place[m->ball_coordinate[b]];
+    const double *q = seen + run->place[m->ball_coordinate[b]];
     s->ball[b] = km_quaternion_normalised((km_quaternion){q[0], q[1], q[2], q[3]});
   }
   s->time = time;
   const km_moving_forces *moving = run->dynamics->forces->moving;
-  memcpy(moving->memory, y + run->memory_start, (size_t)moving->memory_count * sizeof *y);
+  memcpy(moving->memory, seen + run->memory_start, (size_t)moving->memory_count * sizeof *y);
 }
 
-void km_simulation_pack(km_simulation *run, double *y) {
+/* The state's coordinates and rates into `closed`; of a quaternion and its opposite the one that is nearer to `seen`. */
+static void take_state(km_simulation *run) {
   const km_mechanism *m = run->dynamics->mechanism;
   const km_state *s = run->state;
   for (int c = 0; c < m->coordinate_count; ++c)
     if (m->ball_of[c] < 0)
-      y[run->place[c]] = s->q[c];
+      run->closed[run->place[c]] = s->q[c];
   for (int b = 0; b < m->ball_count; ++b) {
     const km_quaternion *q = &s->ball[b];
-    double *to = y + run->place[m->ball_coordinate[b]];
-    to[0] = q->w;
-    to[1] = q->x;
-    to[2] = q->y;
-    to[3] = q->z;
+    int place = run->place[m->ball_coordinate[b]];
+    const double *y = run->seen + place;
+    double same = q->w * y[0] + q->x * y[1] + q->y * y[2] + q->z * y[3] < 0.0 ? -1.0 : 1.0;
+    const double values[4] = {same * q->w, same * q->x, same * q->y, same * q->z};
+    memcpy(run->closed + place, values, sizeof values);
   }
-  memcpy(y + run->rate_start, s->rate, (size_t)m->coordinate_count * sizeof *y);
+  memcpy(run->closed + run->rate_start, s->rate, (size_t)m->coordinate_count * sizeof *s->rate);
 }
 
-/* q̇ = ½ ω q, and what draws the vector's quaternion to the closed one (on its side of the sphere). */
-static void ball_derivative(const km_simulation *run, int ball, const double *y, double *ydot) {
+/* Accelerations at a time, and the state in `closed`. */
+static km_dynamics_outcome evaluate(km_simulation *run, double time, const double *y, bool search) {
+  km_simulation_unpack(run, y, time);
+  run->outcome = km_dynamics_evaluate(run->dynamics, run->state, search);
+  if (run->outcome != KM_DYNAMICS_DONE)
+    return run->outcome;
+  take_state(run);
+  if (run->dynamics->repivoted)
+    km_simulation_shift(run);
+  return KM_DYNAMICS_DONE;
+}
+
+void km_simulation_shift(km_simulation *run) {
+  for (int i = 0; i < run->memory_start; ++i) {
+    run->shift[i] += run->closed[i] - run->seen[i];
+    run->seen[i] = run->closed[i];
+  }
+}
+
+void km_simulation_pack(km_simulation *run, double *y) {
+  take_state(run);
+  for (int i = 0; i < run->memory_start; ++i)
+    y[i] = run->closed[i] - run->shift[i];
+}
+
+/* q̇, of balls ½ ω q, and q̈. False where they aren't finite. */
+static bool differentiate(km_simulation *run, double *ydot) {
+  const km_mechanism *m = run->dynamics->mechanism;
   const km_state *s = run->state;
-  const double *w = &s->rate[run->dynamics->mechanism->ball_coordinate[ball]];
-  km_quaternion q = s->ball[ball], d = km_quaternion_product((km_quaternion){0.0, w[0], w[1], w[2]}, q);
-  double same = q.w * y[0] + q.x * y[1] + q.y * y[2] + q.z * y[3] < 0.0 ? -1.0 : 1.0;
-  const double closed[4] = {same * q.w, same * q.x, same * q.y, same * q.z};
-  const double rate[4] = {same * d.w, same * d.x, same * d.y, same * d.z};
-  for (int i = 0; i < 4; ++i)
-    ydot[i] = 0.5 * rate[i] + run->pull * (closed[i] - y[i]);
+  double sum = 0.0; /* not finite where any acceleration isn't */
+  for (int c = 0; c < m->coordinate_count; ++c) {
+    if (m->ball_of[c] < 0)
+      ydot[run->place[c]] = s->rate[c];
+    ydot[run->rate_start + c] = m->held[c] ? 0.0 : s->acceleration[c];
+    sum += ydot[run->rate_start + c];
+  }
+  for (int b = 0; b < m->ball_count; ++b) {
+    const double *w = &s->rate[m->ball_coordinate[b]], *q = run->closed + run->place[m->ball_coordinate[b]];
+    km_quaternion rate =
+        km_quaternion_product((km_quaternion){0.0, w[0], w[1], w[2]}, (km_quaternion){q[0], q[1], q[2], q[3]});
+    const double half[4] = {0.5 * rate.w, 0.5 * rate.x, 0.5 * rate.y, 0.5 * rate.z};
+    memcpy(ydot + run->place[m->ball_coordinate[b]], half, sizeof half);
+  }
+  return isfinite(sum);
 }
 
 bool km_simulation_derivative(km_simulation *run, double time, const double *y, double *ydot) {
   km_dynamics *d = run->dynamics;
-  const km_mechanism *m = d->mechanism;
-  const km_state *s = run->state;
+  km_dynamics_outcome outcome = run->outcome;
   run->evaluations++;
-  km_simulation_unpack(run, y, time);
-  km_dynamics_outcome outcome = km_dynamics_evaluate(d, run->state, false);
-  if (outcome != KM_DYNAMICS_DONE) {
-    run->outcome = outcome;
+  if (evaluate(run, time, y, false) != KM_DYNAMICS_DONE)
     return false;
-  }
-  const double *rate = y + run->rate_start;
-  double *acceleration = ydot + run->rate_start;
-  for (int c = 0; c < m->coordinate_count; ++c) {
-    if (m->ball_of[c] < 0)
-      ydot[run->place[c]] = s->rate[c] + run->pull * (s->q[c] - y[run->place[c]]);
-    acceleration[c] = m->held[c] ? 0.0 : s->acceleration[c] + run->pull * (s->rate[c] - rate[c]);
-  }
-  for (int b = 0; b < m->ball_count; ++b) {
-    int place = run->place[m->ball_coordinate[b]];
-    ball_derivative(run, b, y + place, ydot + place);
-  }
-  const km_moving_forces *moving = d->forces->moving;
-  memcpy(ydot + run->memory_start, moving->rate, (size_t)moving->memory_count * sizeof *ydot);
-  double sum = 0.0; /* not finite where any acceleration isn't */
-  for (int c = 0; c < m->coordinate_count; ++c)
-    sum += acceleration[c];
-  if (!isfinite(sum)) {
+  run->outcome = outcome;
+  if (!differentiate(run, ydot)) {
     run->outcome = KM_DYNAMICS_OPEN;
     return false;
   }
+  const km_moving_forces *moving = d->forces->moving;
+  memcpy(ydot + run->memory_start, moving->rate, (size_t)moving->memory_count * sizeof *ydot);
   ydot[run->work_start] = moving->dissipation;
-  ydot[run->work_start + 1] = moving->motor_power + km_dynamics_driving_power(d, s);
+  ydot[run->work_start + 1] = moving->motor_power + km_dynamics_driving_power(d, run->state);
+  for (int i = run->work_start + 2; i < run->size; ++i)
+    ydot[i] = 0.0;
   return true;
 }
 
 bool km_simulation_settle(km_simulation *run, double *y, double time, bool keep) {
-  km_simulation_unpack(run, y, time);
-  run->outcome = km_dynamics_evaluate(run->dynamics, run->state, true);
-  if (run->outcome == KM_DYNAMICS_DONE && keep)
+  if (evaluate(run, time, y, true) != KM_DYNAMICS_DONE)
+    return false;
+  if (keep)
     km_simulation_pack(run, y);
-  return run->outcome == KM_DYNAMICS_DONE;
+  return true;
+}
+
+double km_simulation_speed(const km_simulation *run) {
+  const km_mechanism *m = run->dynamics->mechanism;
+  double speed = 0.0;
+  for (int c = 0; c < m->coordinate_count; ++c)
+    speed = fmax(speed, m->scale[c] * fabs(run->state->rate[c]));
+  return speed;
+}
+
+double km_simulation_blindness(const km_simulation *run, double h) {
+  static const double rounding = 3e-15, loose = 10.0;
+  const km_mechanism *m = run->dynamics->mechanism;
+  double push = 0.0, w = run->dynamics->weakness;
+  if (!(w > loose))
+    return 0.0;
+  double speed = km_simulation_speed(run);
+  for (int c = 0; c < m->coordinate_count; ++c)
+    push = fmax(push, m->scale[c] * fabs(run->state->acceleration[c]));
+  return rounding * w * w * fmax(speed * speed, push) * h / (run->def.absolute + run->def.relative * speed);
 }

@@ -173,8 +173,7 @@ double km_stops_energy(const km_mechanism *m, const km_state *s, const km_forces
   return energy;
 }
 
-/* The share of friction that acts at a speed: all of it from the stiction speed on, below it a parabola through 0. */
-static double slip_share(double speed, double stiction) {
+double km_slip_share(double speed, double stiction) {
   double x = fabs(speed) / stiction;
   return copysign(x < 1.0 ? x * (2.0 - x) : 1.0, speed);
 }
@@ -188,9 +187,17 @@ static void add_friction(const km_mechanism *m, const km_state *s, km_forces *f)
     double radius = joint->friction.radius > 0.0 ? joint->friction.radius : m->length;
     double reach = km_joint_is_length(joint->type, def->index) ? 1.0 : radius;
     double stiction = joint->friction.stiction_velocity > 0.0 ? joint->friction.stiction_velocity : 1e-3 * m->length;
-    double force = -def->friction * slip_share(reach * s->rate[c], stiction);
+    double force = -def->friction * km_slip_share(reach * s->rate[c], stiction);
     f->joint[c] += force;
     f->moving->dissipation -= force * s->rate[c];
+  }
+}
+
+static void add_pressed(const km_mechanism *m, const km_state *s, km_forces *f) {
+  const double *pressed = f->moving->pressed;
+  for (int c = 0; pressed && c < m->coordinate_count; ++c) {
+    f->joint[c] += pressed[c];
+    f->moving->dissipation -= pressed[c] * s->rate[c];
   }
 }
 
@@ -268,6 +275,7 @@ void km_forces_update_moving(const km_mechanism *m, const km_state *s, km_forces
   add_dampers(m, s, f);
   add_stops(m, s, f);
   add_friction(m, s, f);
+  add_pressed(m, s, f);
   for (int i = 0; i < moving->module_count; ++i)
     add_module(m, s, f, i);
   if (f->load_count) {

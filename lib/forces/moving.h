@@ -12,6 +12,7 @@ typedef struct km_moving_forces {
   int *memory_of;     /* [module] its first internal state */
   double *memory;     /* [memory_count] internal states: ∫e of a controller, the slips of a tyre */
   double *rate;       /* [memory_count] their rates at the last update */
+  double *pressed;    /* [coordinate] friction by what presses, which an analysis sets; NULL: none */
   double dissipation; /* power that dampers, friction and stops took at the last update: positive */
   double motor_power; /* power that motors, controllers and loads gave */
 } km_moving_forces;
@@ -25,6 +26,9 @@ void km_forces_update_moving(const km_mechanism *mechanism, const km_state *stat
 
 /* Energy that stops store beside km_springs_energy. */
 double km_stops_energy(const km_mechanism *mechanism, const km_state *state, const km_forces *forces);
+
+/* The share of friction that acts at a speed: all of it from the stiction speed on, below it a parabola through 0. */
+double km_slip_share(double speed, double stiction);
 
 /* Value of a motor's law at a time. */
 double km_motor_force(const km_model_module *module, double time);

@@ -126,5 +126,6 @@ void bench_dynamics(void) {
   accelerations();
   simulate("slider_crank", 20.0, 0.03, 1e-4, 0.01);
   simulate("bricard", 100.0, 0.01, 1e-11, 0.0);
+  simulate("excavator_drop", 10.0, 0.03, 1e-4, 0.03);
   simulate("excavator", 10.0, 0.03, 1e-4, 0.03);
 }

@@ -4,6 +4,7 @@
 #include "kmech/linear.h"
 #include "kmech/memory.h"
 #include "kmech/value.h"
+#include "model/model.h"
 #include "report/record/linear_record.h"
 
 #include <stdio.h>
@@ -25,6 +26,19 @@ typedef struct work {
   km_linear linear;
 } work;
 
+/* Friction has no slope to linearise where nothing slides. */
+static void tell_friction(const kt_common *common, const char *path, const km_model *model) {
+  for (int j = 0; j < model->joint_count; ++j) {
+    if (!(model->joints[j].friction.coefficient > 0.0))
+      continue;
+    kt_say(common, KM_NOTE,
+           "%s: the coefficient of friction of joint \"%s\" doesn't count at rest and in small motions; it does in "
+           "ksim run and ksim inverse",
+           path, model->joints[j].label);
+    return;
+  }
+}
+
 static kt_exit open_work(work *w) {
   const options *o = w->o;
   km_error error;
@@ -33,6 +47,7 @@ static kt_exit open_work(work *w) {
     result = ksim_forces(&o->common, o->model, &w->pose, &w->forces);
   if (result != KT_DONE)
     return result;
+  tell_friction(&o->common, o->model, w->pose.model);
   km_status status = km_dynamics_create(w->pose.mechanism, w->forces, &w->dynamics, &error);
   if (status)
     kt_say(&o->common, KM_ERROR, "%s: %s", o->model, error.text);

@@ -3,7 +3,6 @@
 
 #include "kmech/memory.h"
 #include "kmech/value.h"
-#include "model/model.h"
 #include "report/record/csv.h"
 
 #include <math.h>
@@ -29,19 +28,6 @@ kt_exit ksim_read_frames(const kt_common *common, const km_model *model, const k
   return result;
 }
 
-/* Coulomb friction needs the reactions, which equations of motion in independent coordinates leave out. */
-static void tell_friction(const kt_common *common, const char *path, const km_model *model) {
-  for (int j = 0; j < model->joint_count; ++j) {
-    if (!(model->joints[j].friction.coefficient > 0.0))
-      continue;
-    kt_say(common, KM_NOTE,
-           "%s: the coefficient of friction of joint \"%s\" doesn't count in a motion yet; only a constant torque of "
-           "friction does",
-           path, model->joints[j].label);
-    return;
-  }
-}
-
 kt_exit ksim_forces(const kt_common *common, const char *path, const kt_pose *pose, km_forces **out) {
   int count = km_model_load_count(pose->model);
   km_load *loads = KM_NEW(km_load, (size_t)count + 1);
@@ -50,7 +36,6 @@ kt_exit ksim_forces(const kt_common *common, const char *path, const kt_pose *po
     loads[i] = km_model_load_at(pose->model, i);
   km_status status = loads ? km_forces_create(pose->mechanism, NULL, loads, count, out, &error) : KM_MEMORY;
   km_free(loads);
-  tell_friction(common, path, pose->model);
   if (status)
     kt_say(common, KM_ERROR, "%s: %s", path, error.text);
   return kt_exit_of(status);

@@ -123,8 +123,7 @@ static const km_field joint_fields[] = {
     {"initial_velocity", "Rate at the start of a simulation. Rates that open loops change as little as they can.",
      SHAPE(COORDINATES), BY(COORDINATE), UNIT(.time = -1), UNSTATED("0")},
     {"damping", "Viscous damping in a simulation.", SHAPE(COORDINATES), BY(STIFFNESS), UNIT(.time = 1), UNSTATED("0")},
-    {"friction",
-     "Friction in the joint. kma counts the losses by the coefficient; mobility and statics leave friction out.",
+    {"friction", "Friction in the joint. kma and ksim count the coefficient; mobility and statics leave friction out.",
      OBJECT(friction_format), UNSTATED("none")},
     {"limits",
      "Least and greatest value, for each coordinate. One range [0, angle] on a spherical joint limits the angle by which "

@@ -9,7 +9,8 @@ extern "C" {
 #endif
 
 /* One thread's equations of motion of a mechanism, with all that its model says acts: masses, gravity, loads, springs,
- * dampers, stops, motors, controllers, tyres, prescribed motions. */
+ * dampers, stops, motors, controllers, tyres, prescribed motions. Joints' coefficients of friction act in km_history_run and
+ * km_inverse_run alone. */
 typedef struct km_dynamics km_dynamics;
 
 /* `forces` (km_forces_create) and the mechanism are borrowed and must outlive it. KM_MEMORY, KM_MODEL: a force or a

@@ -32,10 +32,11 @@ typedef struct km_crossing {
 typedef struct km_simulation_def {
   km_integrator integrator;
   km_stabilisation stabilisation;
-  double relative, absolute; /* error allowed in a step; of coordinates in radians and characteristic lengths, of rates
-                              * in those per second. 1e-7 each */
-  double max_step;           /* 0: none; of KM_INTEGRATOR_FIXED: the step */
-  double end;                /* no step goes past it; infinity: none */
+  /* The error to stay near; a step may have a twentieth of it. Of coordinates in radians and characteristic lengths, of
+   * rates in those per second. 1e-7 each. */
+  double relative, absolute;
+  double max_step; /* 0: none; of KM_INTEGRATOR_FIXED: the step */
+  double end;      /* no step goes past it; infinity: none */
   const km_crossing *crossings;
   int crossing_count;
 } km_simulation_def;

@@ -1,0 +1,124 @@
+/* Friction by what presses joints' surfaces together, in a motion. */
+#include "analysis/rubbing.h"
+
+#include "analysis/statics.h"
+
+#include <string.h>
+
+struct km_rubbing {
+  km_arena arena;
+  km_dynamics *dynamics;
+  km_statics statics;
+  int count;
+  int *place;      /* [count] coordinates that rub */
+  double *driving; /* [coordinate] forces of prescribed motions; 0 elsewhere */
+};
+
+/* Iterations, and the change at which they end, over the sum of all forces. */
+enum { MOST_ROUNDS = 100 };
+static const double settled = 1e-12;
+
+/* The distance from a coordinate's axis at which its surfaces slide; 0: it doesn't rub. */
+static double arm_of(const km_mechanism *m, int c) {
+  const km_model_coordinate *def = &m->model->coordinates[c];
+  const km_model_joint *joint = &m->model->joints[def->joint];
+  if (m->held[c] || !(joint->friction.coefficient > 0.0))
+    return 0.0;
+  return km_joint_is_length(joint->type, def->index) ? 1.0 : joint->friction.radius;
+}
+
+/* The friction along a coordinate for a normal force of 1; of a ball its part about this axis. */
+static double resistance(const km_mechanism *m, const km_state *s, int c) {
+  const km_joint_friction *friction = &m->model->joints[m->model->coordinates[c].joint].friction;
+  double stiction = friction->stiction_velocity > 0.0 ? friction->stiction_velocity : 1e-3 * m->length;
+  double arm = arm_of(m, c), rate = s->rate[c], speed = fabs(rate);
+  if (m->ball_of[c] >= 0)
+    speed = km_vec3_norm(km_vec3_make(s->rate + m->ball_coordinate[m->ball_of[c]]));
+  if (!(speed > 0.0))
+    return 0.0;
+  return -friction->coefficient * arm * km_slip_share(arm * speed, stiction) * rate / speed;
+}
+
+/* What every joint carries at the present accelerations. */
+static void find_reactions(km_rubbing *w, km_state *s) {
+  km_dynamics *d = w->dynamics;
+  for (int c = 0; c < d->mechanism->coordinate_count; ++c)
+    w->driving[c] = d->driven[c] ? km_dynamics_driving_force(d, s, c) : 0.0;
+  km_dynamics_balance(d, s);
+  km_statics_bear(d->mechanism, s, d->forces, w->driving, &w->statics);
+}
+
+static km_dynamics_outcome press(void *context, km_state *s) {
+  km_rubbing *w = context;
+  km_dynamics *d = w->dynamics;
+  double *pressed = d->forces->moving->pressed;
+  for (int round = 0; round < MOST_ROUNDS; ++round) {
+    double change = 0.0;
+    find_reactions(w, s);
+    for (int i = 0; i < w->count; ++i) {
+      int c = w->place[i];
+      double force = resistance(d->mechanism, s, c) * km_vec3_norm(km_normal_force(d->mechanism, &w->statics, c));
+      change = fmax(change, fabs(force - pressed[c]) / arm_of(d->mechanism, c));
+      pressed[c] = force;
+    }
+    if (change <= settled * d->forces->force_size)
+      return KM_DYNAMICS_DONE;
+    km_dynamics_outcome outcome = km_dynamics_resolve(d, s);
+    if (outcome != KM_DYNAMICS_DONE)
+      return outcome;
+  }
+  return KM_DYNAMICS_JAMMED;
+}
+
+static bool reserve(km_rubbing *w) {
+  const km_mechanism *m = w->dynamics->mechanism;
+  size_t n = (size_t)m->coordinate_count;
+  w->place = KM_ARENA_NEW(&w->arena, int, n);
+  w->driving = KM_ARENA_NEW(&w->arena, double, n);
+  double *pressed = KM_ARENA_NEW(&w->arena, double, n);
+  if (w->arena.failed)
+    return false;
+  for (int c = 0; c < m->coordinate_count; ++c)
+    if (arm_of(m, c) > 0.0)
+      w->place[w->count++] = c;
+  w->dynamics->forces->moving->pressed = pressed;
+  w->dynamics->press = press;
+  w->dynamics->press_context = w;
+  return true;
+}
+
+static bool rubs(const km_mechanism *m) {
+  for (int c = 0; c < m->coordinate_count; ++c)
+    if (arm_of(m, c) > 0.0)
+      return true;
+  return false;
+}
+
+km_status km_rubbing_create(km_dynamics *d, km_rubbing **out, km_error *error) {
+  static const int none[1] = {0};
+  *out = NULL;
+  if (!rubs(d->mechanism))
+    return KM_OK;
+  km_rubbing *w = KM_NEW(km_rubbing, 1);
+  if (!w)
+    return km_fail(error, KM_MEMORY, "out of memory for the friction");
+  w->dynamics = d;
+  km_status status = km_statics_create(d->mechanism, none, 0, KM_AXES_FIXED, &w->statics, error);
+  if (!status && !reserve(w))
+    status = km_fail(error, KM_MEMORY, "out of memory for the friction");
+  if (status)
+    km_rubbing_free(w);
+  else
+    *out = w;
+  return status;
+}
+
+void km_rubbing_free(km_rubbing *w) {
+  if (!w)
+    return;
+  w->dynamics->forces->moving->pressed = NULL;
+  w->dynamics->press = NULL;
+  km_statics_free(&w->statics);
+  km_arena_free(&w->arena);
+  km_free(w);
+}

@@ -1,0 +1,108 @@
+/* One step of Gauss's collocation: order 12 from six evaluations that lie where the caller can see them. */
+#include "dynamics/simulation.h"
+
+#include <string.h>
+
+/* y' = Σ k_i ℓ_i(θ) over the step, θ from 0 to 1, ℓ_i Lagrange's polynomials of the nodes c_i, k_i = f(y(c_i)): E. Hairer,
+ * G. Wanner, Solving Ordinary Differential Equations II, IV.5. Roots of Legendre's polynomial of degree 6 on [0, 1]. */
+static const double node[KM_STAGES] = {0.033765242898423975, 0.16939530676686776, 0.38069040695840156,
+                                       0.61930959304159849,  0.83060469323313224, 0.96623475710157603};
+enum { MOST_ROUNDS = 30 };
+/* Rounds are repeated until a stage changes by so little, over the error allowed; or until rounding stops them. */
+static const double settled = 1e-2;
+
+/* ∫ ℓ_i from 0 to θ, for every i. */
+static void integrals(double theta, double out[KM_STAGES]) {
+  for (int i = 0; i < KM_STAGES; ++i) {
+    double p[KM_STAGES + 1] = {1.0}; /* ℓ_i by its coefficients, lowest power first */
+    int degree = 0;
+    for (int j = 0; j < KM_STAGES; ++j) {
+      if (j == i)
+        continue;
+      double scale = 1.0 / (node[i] - node[j]);
+      ++degree;
+      for (int k = degree; k >= 0; --k)
+        p[k] = scale * ((k > 0 ? p[k - 1] : 0.0) - node[j] * p[k]);
+    }
+    out[i] = 0.0;
+    for (int k = degree; k >= 0; --k)
+      out[i] = theta * (out[i] + p[k] / (k + 1));
+  }
+}
+
+/* y + h Σ weight_i k_i */
+static void combine(const double *stage, size_t n, const double *y, double h, const double weight[KM_STAGES],
+                    double *out) {
+  for (size_t c = 0; c < n; ++c) {
+    double sum = 0.0;
+    for (int i = 0; i < KM_STAGES; ++i)
+      sum += weight[i] * stage[(size_t)i * n + c];
+    out[c] = y[c] + h * sum;
+  }
+}
+
+/* The largest change of a stage, over the error that steps may have; what is evaluated goes into `stage`. */
+static double replace(const km_simulation *run, double *stage, const double *evaluated, double h) {
+  double largest = 0.0;
+  for (int c = 0; c < run->size; ++c) {
+    largest = fmax(largest, fabs(h * (evaluated[c] - stage[c])) / run->tolerance[c]);
+    stage[c] = evaluated[c];
+  }
+  return largest;
+}
+
+bool km_collocation_try(km_simulation *run, double h, double *blindness, double *after) {
+  size_t n = (size_t)run->size;
+  double weight[KM_STAGES][KM_STAGES], *at = run->stage + KM_STAGES * n, *slope = at + n;
+  for (int i = 0; i < KM_STAGES; ++i)
+    integrals(node[i], weight[i]);
+  if (!km_simulation_derivative(run, run->time, run->y, slope))
+    return false;
+  for (int i = 0; i < KM_STAGES; ++i)
+    memcpy(run->stage + (size_t)i * n, slope, n * sizeof *slope);
+  double change = HUGE_VAL, last = HUGE_VAL;
+  *blindness = *after = 0.0;
+  for (int round = 0; change > settled && !(round > 6 && change > 0.3 * last); ++round) {
+    last = change;
+    change = 0.0;
+    if (round == MOST_ROUNDS)
+      return false;
+    *blindness = 0.0;
+    for (int i = 0; i < KM_STAGES; ++i) {
+      combine(run->stage, n, run->y, h, weight[i], at);
+      if (!km_simulation_derivative(run, run->time + node[i] * h, at, slope))
+        return false;
+      *after = km_simulation_blindness(run, run->usual);
+      *blindness = fmax(*blindness, *after);
+      change = fmax(change, replace(run, run->stage + (size_t)i * n, slope, h));
+    }
+  }
+  *blindness = fmax(*blindness, change - settled);
+  return true;
+}
+
+void km_collocation_keep(km_simulation *run) {
+  memcpy(run->kept, run->stage, KM_STAGES * (size_t)run->size * sizeof *run->kept);
+}
+
+bool km_collocation_step(km_simulation *run, double h) {
+  size_t n = (size_t)run->size;
+  double weight[KM_STAGES];
+  integrals(1.0, weight);
+  memcpy(run->before, run->y, n * sizeof *run->y);
+  combine(run->kept, n, run->before, h, weight, run->y);
+  if (!km_simulation_settle(run, run->y, run->time + h, true)) {
+    memcpy(run->y, run->before, n * sizeof *run->y);
+    return false;
+  }
+  run->time += h;
+  run->steps++;
+  run->way = KM_STEP_COLLOCATION;
+  return true;
+}
+
+void km_collocation_between(const km_simulation *run, double time, double *y) {
+  double weight[KM_STAGES], h = run->time - run->last_time;
+  integrals((time - run->last_time) / h, weight);
+  combine(run->kept, (size_t)run->size, run->before, h, weight, y);
+}

@@ -1,0 +1,168 @@
+/* Friction by what presses, in motions with closed forms or against sums of their own. */
+#include "support/support.h"
+
+#include "kmech/history.h"
+#include "kmech/inverse.h"
+
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+static km_history run(fixture *f, double until, double every, double tolerance, bool reactions) {
+  km_forces *forces;
+  km_history out;
+  km_error error = {0};
+  km_history_def def = km_history_default(f->model);
+  def.until = until;
+  def.every = every;
+  def.simulation.relative = def.simulation.absolute = tolerance;
+  def.reactions = reactions;
+  assert_int_equal(km_forces_create(f->mechanism, NULL, NULL, 0, &forces, NULL), KM_OK);
+  assert_int_equal(km_history_run(f->mechanism, forces, f->state, &def, &out, &error), KM_OK);
+  km_forces_free(forces);
+  return out;
+}
+
+static double entry(const km_history *h, size_t row, const char *column) {
+  int found = km_table_find(h->table, column);
+  assert_true(found >= 0);
+  return km_table_row(h->table, row)[found];
+}
+
+static double at_end(const km_history *h, const char *column) {
+  return entry(h, km_table_rows(h->table) - 1, column);
+}
+
+/* A block of 2 kg on a slope of 30°: its weight's part along the slope less μ times the part across it, or nothing. */
+static void test_incline(void **data) {
+  (void)data;
+  for (int sticks = 0; sticks < 2; ++sticks) {
+    double mu = sticks ? 0.7 : 0.3, g = 9.81, time = 2.0;
+    char text[1000];
+    snprintf(
+        text, sizeof text,
+        "{\"model_parameters\": {\"gravity\": [0, 0, -9.81]}, \"fixed\": {\"frames\": [{\"name\": \"slope\", \"R\": "
+        "[[0.86602540378443865, 0, 0.5], [0, 1, 0], [-0.5, 0, 0.86602540378443865]]}]}, \"assemblies\": [{\"name\": "
+        "\"a\", \"bodies\": [{\"name\": \"b\", \"mass\": 2}], \"joints\": [{\"name\": \"X\", \"type\": \"Tx\", "
+        "\"body_frame_pairs\": [[\"fixed\", \"slope\"], [\"b\"]], \"friction\": {\"coefficient\": %g, "
+        "\"stiction_velocity\": 1e-6}}]}]}",
+        mu);
+    fixture f = fixture_read(text);
+    km_history h = run(&f, time, 0.5, 1e-9, false);
+    double a = sticks ? 0.0 : g * (0.5 - mu * sqrt(0.75)), creep = 2e-6; /* the stiction speed times the time */
+    assert_near(at_end(&h, "q.X"), 0.5 * a * time * time, creep);
+    assert_near(at_end(&h, "v.X"), a * time, 1e-6);
+    if (!sticks)
+      assert_near(at_end(&h, "energy_dissipated"), mu * 2.0 * g * sqrt(0.75) * 0.5 * a * time * time, 1e-4);
+    km_history_free(&h);
+    fixture_close(&f);
+  }
+}
+
+/* The angular acceleration of a point mass m at l with friction μ on a journal of radius r: m l² θ̈ = −m g l sin θ −
+ * μ r N sgn ω, N the length of (m l θ̈ + m g sin θ, m l ω² + m g cos θ). */
+static double swing(double q, double v) {
+  const double m = 1.5, l = 0.8, g = 9.81, couple = 0.4 * 0.05;
+  double a = -g / l * sin(q);
+  for (int i = 0; i < 60; ++i) {
+    double across = m * (l * a + g * sin(q)), along = m * (l * v * v + g * cos(q));
+    a = -g / l * sin(q) - couple * sqrt(across * across + along * along) * (v > 0.0 ? 1.0 : -1.0) / (m * l * l);
+  }
+  return a;
+}
+
+/* A pendulum on a journal turns against its friction; an own Runge-Kutta of the equation above, while it goes one way. */
+static void test_journal(void **data) {
+  (void)data;
+  fixture f = fixture_read(
+      "{\"model_parameters\": {\"gravity\": [0, -9.81, 0]}, \"assemblies\": [{\"name\": \"a\", \"bodies\": [{\"name\": \"b\", "
+      "\"mass\": 1.5, \"center_of_mass\": [0, -0.8, 0]}], \"joints\": [{\"name\": \"A\", \"type\": \"Rz\", "
+      "\"body_frame_pairs\": [\"fixed\", \"b\"], \"initial_velocity\": 9, \"friction\": {\"coefficient\": 0.4, \"radius\": "
+      "0.05, \"stiction_velocity\": 1e-6}}]}]}");
+  km_history h = run(&f, 1.0, 0.25, 1e-10, false);
+  enum { STEPS = 20000 };
+  double q = 0.0, v = 9.0, dt = 1.0 / STEPS;
+  for (int i = 0; i < STEPS; ++i) {
+    double a1 = swing(q, v), a2 = swing(q + 0.5 * dt * v, v + 0.5 * dt * a1);
+    double a3 = swing(q + 0.5 * dt * v + 0.25 * dt * dt * a1, v + 0.5 * dt * a2);
+    double a4 = swing(q + dt * v + 0.5 * dt * dt * a2, v + dt * a3);
+    q += dt * v + dt * dt / 6.0 * (a1 + a2 + a3);
+    v += dt / 6.0 * (a1 + 2.0 * a2 + 2.0 * a3 + a4);
+  }
+  assert_true(v > 0.1); /* it hasn't turned back */
+  assert_near(at_end(&h, "q.A"), q, 1e-7);
+  assert_near(at_end(&h, "v.A"), v, 1e-7);
+  km_history_free(&h);
+  fixture_close(&f);
+}
+
+static char *with_friction(void) {
+  char *text = read_model_text("slider_crank"), *out = (char *)malloc(strlen(text) + 1000), *to = out;
+  static const char *const joints[] = {"\"name\": \"B\"", "\"name\": \"C\""};
+  const char *from = text;
+  assert_non_null(out);
+  for (int i = 0; i < 2; ++i) {
+    const char *place = strstr(from, joints[i]);
+    assert_non_null(place);
+    to += sprintf(to, "%.*s\"friction\": {\"coefficient\": 0.2, \"radius\": 0.05, \"stiction_velocity\": 0.01}, ",
+                  (int)(place - from), from);
+    from = place;
+  }
+  strcpy(to, from);
+  km_free(text);
+  return out;
+}
+
+/* In a closed loop: what friction and the damper take between two rows is μ r N |v| + b v² at the reactions that are told,
+ * by Simpson's rule over three rows; and nothing else is lost. */
+static void test_loop(void **data) {
+  (void)data;
+  char *text = with_friction();
+  fixture f = fixture_read(text);
+  const double dt = 0.002;
+  km_history h = run(&f, 1.0, dt, 1e-9, true);
+  assert_true(h.energy_error <= 1e-7 * h.energy_scale);
+  size_t rows = km_table_rows(h.table);
+  double power[3] = {0}, sum = 0.0;
+  for (size_t r = 0; r < rows; ++r) {
+    double slide = entry(&h, r, "v.B"), turn = entry(&h, r, "v.C");
+    /* B slides along its own z axis, C turns about its own x axis. */
+    double press = hypot(entry(&h, r, "r.B.fx"), entry(&h, r, "r.B.fy"));
+    double journal = hypot(entry(&h, r, "r.C.fy"), entry(&h, r, "r.C.fz"));
+    double x = fmin(fabs(slide) / 0.01, 1.0), y = fmin(0.05 * fabs(turn) / 0.01, 1.0);
+    power[r % 3] =
+        0.2 * press * x * (2.0 - x) * fabs(slide) + 0.2 * 0.05 * journal * y * (2.0 - y) * fabs(turn) + slide * slide;
+    if (r % 2 == 0 && r > 0)
+      sum += dt / 3.0 * (power[r % 3] + 4.0 * power[(r + 2) % 3] + power[(r + 1) % 3]);
+  }
+  assert_near(sum, at_end(&h, "energy_dissipated"), 2e-4 * sum);
+  assert_true(sum > 0.1);
+  km_history_free(&h);
+  fixture_close(&f);
+  free(text);
+}
+
+/* The drive of a motion bears the friction: a wheel of weight m g on a journal needs μ r m g. */
+static void test_drive(void **data) {
+  (void)data;
+  fixture f = fixture_read(
+      "{\"model_parameters\": {\"gravity\": [0, -9.81, 0]}, \"assemblies\": [{\"name\": \"a\", \"bodies\": "
+      "[{\"name\": \"b\", \"mass\": 4}], \"joints\": [{\"name\": \"A\", \"type\": \"Rz\", "
+      "\"body_frame_pairs\": [\"fixed\", \"b\"], \"friction\": {\"coefficient\": 0.25, \"radius\": 0.1}}]}]}");
+  km_forces *forces;
+  km_history h;
+  const km_constant_rate rate = {0, 3.0};
+  const km_inverse_def def = {.rates = &rate, .rate_count = 1, .until = 1.0, .steps = 4};
+  assert_int_equal(km_forces_create(f.mechanism, NULL, NULL, 0, &forces, NULL), KM_OK);
+  assert_int_equal(km_inverse_run(f.mechanism, forces, f.state, &def, &h, NULL), KM_OK);
+  assert_near(at_end(&h, "f.A"), 0.25 * 0.1 * 4.0 * 9.81, 1e-12);
+  km_history_free(&h);
+  km_forces_free(forces);
+  fixture_close(&f);
+}
+
+int main(void) {
+  const struct CMUnitTest tests[] = {cmocka_unit_test(test_incline), cmocka_unit_test(test_journal),
+                                     cmocka_unit_test(test_loop), cmocka_unit_test(test_drive)};
+  return cmocka_run_group_tests(tests, NULL, NULL);
+}
