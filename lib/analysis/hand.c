@@ -111,20 +111,24 @@ static void refresh(km_hand *h, int coordinate) {
   km_poses_update(h->mechanism, h->state);
 }
 
-/* A component of a rotation vector outside loops turns freely, within its limits. */
+/* A component of a rotation vector outside loops turns freely, within its limits and the ball's. */
 static void turn(km_hand *h, int coordinate, double target, double most, km_hand_move *out) {
   const km_mechanism *m = h->mechanism;
-  double factor = km_model_coordinate_factor(m->model, coordinate), goal = target * factor;
+  int first = m->ball_coordinate[m->ball_of[coordinate]];
+  double factor = km_model_coordinate_factor(m->model, coordinate), goal = target * factor, others = 0.0;
   double q = h->state->q[coordinate], within = fmin(fmax(goal, m->low[coordinate]), m->high[coordinate]);
+  for (int c = first; c < first + 3; ++c)
+    others += c == coordinate ? 0.0 : h->state->q[c] * h->state->q[c];
+  double ball = sqrt(fmax(m->most_turn[first] * m->most_turn[first] - others, 0.0));
+  within = fmin(fmax(within, -ball), ball);
   memcpy(h->z, h->state->q, (size_t)m->coordinate_count * sizeof *h->z);
   h->z[coordinate] = q + fmin(fmax(within - q, -most), most);
   km_state_set(m, h->state, h->z);
-  *out = (km_hand_move){.stop = h->z[coordinate] == within && within != goal ? KM_HAND_LIMIT : KM_HAND_FREE,
-                        .coordinate = -1,
+  bool limited = h->z[coordinate] == within && within != goal;
+  *out = (km_hand_move){.stop = limited ? KM_HAND_LIMIT : KM_HAND_FREE,
+                        .coordinate = limited ? coordinate : -1,
                         .there = h->z[coordinate] == goal,
                         .left = (goal - h->z[coordinate]) / factor};
-  if (out->stop == KM_HAND_LIMIT)
-    out->coordinate = coordinate;
 }
 
 static void drive(km_hand *h, int coordinate, double target, double most, km_hand_move *out) {

@@ -234,13 +234,26 @@ static double room_to_limits(const km_hand *h) {
   return part;
 }
 
-/* Is a coordinate further outside its limits than before? */
-static bool leaves_limits(const km_hand *h) {
+/* A ball's angle is limited as a whole: how far it is turned. */
+static double turned(const double *q) {
+  return km_vec3_norm(km_vec3_make(q));
+}
+
+/* Is a coordinate further outside its limits than before? Then it is the one that blocks; a ball only stops the hand. */
+static bool leaves_limits(km_hand *h) {
   const km_mechanism *m = h->mechanism;
   for (int c = 0; c < m->coordinate_count; ++c) {
     double q = h->state->q[c], old = h->saved_q[c], slack = 1e-12 * (m->unit[c] + fabs(q));
     if ((q > m->high[c] + slack && q > old) || (q < m->low[c] - slack && q < old))
       return true;
+  }
+  for (int b = 0; b < m->ball_count; ++b) {
+    int c = m->ball_coordinate[b];
+    double angle = turned(h->state->q + c);
+    if (angle > m->most_turn[c] + 1e-12 && angle > turned(h->saved_q + c)) {
+      h->blocking = c;
+      return true;
+    }
   }
   return false;
 }

@@ -44,5 +44,6 @@ void bench_arm(void);
 void bench_study(void);
 void bench_load(void);
 void bench_dynamics(void);
+void bench_view(void); /* where kview is built */
 
 #endif

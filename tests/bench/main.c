@@ -9,9 +9,14 @@
 static const struct {
   const char *name;
   void (*run)(void);
-} benches[] = {{"partition", bench_partition}, {"sweep", bench_sweep},   {"command", bench_command},
-               {"scale", bench_scale},         {"forces", bench_forces}, {"arm", bench_arm},
-               {"study", bench_study},         {"load", bench_load},     {"dynamics", bench_dynamics}};
+} benches[] = {
+    {"partition", bench_partition}, {"sweep", bench_sweep},   {"command", bench_command},
+    {"scale", bench_scale},         {"forces", bench_forces}, {"arm", bench_arm},
+    {"study", bench_study},         {"load", bench_load},     {"dynamics", bench_dynamics},
+#ifdef BENCH_VIEW
+    {"view", bench_view},
+#endif
+};
 
 /* The BLAS reads its number of threads when it is loaded: start again with that set. */
 static void pin_blas(char **argv) {

@@ -243,6 +243,35 @@ static void limits_are_named(void **state) {
   let_go(&h);
 }
 
+/* A ball whose angle is limited as a whole is turned and pulled up to its limit, and no further. */
+static void balls_keep_their_limit(void **state) {
+  (void)state;
+  fixture f = fixture_read(
+      "{\"assemblies\": [{\"name\": \"a\", \"bodies\": [{\"name\": \"b\", \"frames\": [{\"name\": \"t\", \"T\": [1, 0, 0]}]}], "
+      "\"joints\": [{\"name\": \"S\", \"type\": \"spherical\", \"limits\": [0, 0.5], \"body_frame_pairs\": "
+      "[[\"fixed\", \"origin\"], [\"b\", \"origin\"]]}]}]}");
+  km_hand *hand;
+  km_mobility mobility;
+  km_error error;
+  km_hand_move move = {0};
+  km_mobility_update(f.mechanism, f.state, &mobility);
+  km_poses_update(f.mechanism, f.state);
+  assert_int_equal(km_hand_create(f.mechanism, f.state, &hand, &error), KM_OK);
+  for (int i = 0; i < 40; ++i)
+    assert_int_equal(km_hand_pull_joint(hand, 2, 2.0, 0.1, &move, &error), KM_OK);
+  assert_int_equal(move.stop, KM_HAND_LIMIT);
+  assert_near(km_state_coordinate(f.state, 2), 0.5, 1e-12);
+  km_hand_grip grip = {.body = 1, .point = {1, 0, 0}, .target = {0, 0, 5}};
+  for (int i = 0; i < 60; ++i) {
+    assert_int_equal(km_hand_pull_point(hand, &grip, 0.1, &move, &error), KM_OK);
+    km_vec3 q = km_vec3_make(f.state->q);
+    assert_true(km_vec3_norm(q) <= 0.5 + 1e-9);
+  }
+  assert_int_equal(move.stop, KM_HAND_LIMIT);
+  km_hand_free(hand);
+  fixture_close(&f);
+}
+
 static void misuse_is_refused(void **state) {
   (void)state;
   held h = take_hold("excavator");
@@ -267,6 +296,7 @@ int main(void) {
       cmocka_unit_test(points_keep_the_loops),      cmocka_unit_test(reachable_points_are_reached),
       cmocka_unit_test(joints_end_where_drives_do), cmocka_unit_test(toggles_stop_softly),
       cmocka_unit_test(limits_are_named),           cmocka_unit_test(misuse_is_refused),
+      cmocka_unit_test(balls_keep_their_limit),
   };
   return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -188,6 +188,44 @@ static void bricard_goes_round(void **unused) {
   kv_session_close(&s);
 }
 
+/* All rows of an arm's self-motion hold its effector. */
+static void a_selfmotion_holds_the_effector(void **unused) {
+  (void)unused;
+  kv_session s = open_session("iiwa14");
+  int frame = -1;
+  km_error error;
+  const char *const names[] = {"flange", "tool"};
+  assert_int_equal(km_model_find_frame(s.model, names, 2, &frame, &error), KM_OK);
+  expect(&s, "1 joint 1 0.7 5", "pose");
+  expect(&s, "1 joint 3 -1.1 5", "pose");
+  km_frame_pose before, after;
+  assert_int_equal(km_frame_place(s.mechanism, s.state, frame, &before, &error), KM_OK);
+  char text[64];
+  snprintf(text, sizeof text, "2 selfmotion %d", frame);
+  kv_answer answer = tell(&s, text);
+  assert_memory_equal(answer.bytes.data, "{\"kind\":\"selfmotion\"", 20);
+  int rows = 0;
+  for (const char *at = strstr(answer.bytes.data, "\"q\":["); (at = strchr(at + 1, '[')) != NULL;) {
+    double q[7];
+    if (at[1] == '[')
+      continue;
+    const char *number = at + 1;
+    for (int k = 0; k < 7; ++k) {
+      char *end;
+      q[k] = strtod(number, &end);
+      number = end + 1;
+    }
+    assert_int_equal(kv_session_place(&s, q, &error), KM_OK);
+    assert_int_equal(km_frame_place(s.mechanism, s.state, frame, &after, &error), KM_OK);
+    for (int k = 0; k < 3; ++k)
+      assert_true(fabs(after.p[k] - before.p[k]) <= 1e-8);
+    ++rows;
+  }
+  assert_true(rows > 20);
+  kv_buffer_free(&answer.bytes);
+  kv_session_close(&s);
+}
+
 static void undo_comes_back(void **unused) {
   (void)unused;
   kv_session s = open_session("fourbar");
@@ -370,6 +408,7 @@ int main(void) {
       cmocka_unit_test(the_bucket_keeps_its_branch),
       cmocka_unit_test(bricard_goes_round),
       cmocka_unit_test(undo_comes_back),
+      cmocka_unit_test(a_selfmotion_holds_the_effector),
       cmocka_unit_test(a_design_is_saved),
       cmocka_unit_test(what_is_wrong_is_refused),
       cmocka_unit_test(only_this_page_comes_in),

@@ -4,7 +4,7 @@
 #include <math.h>
 #include <string.h>
 
-enum { MOST_NUMBERS = 4000000, TRACK_STEPS = 48 };
+enum { MOST_NUMBERS = 4000000, MOST_STEPS = 5000, TRACK_STEPS = 48 };
 static const double most_seconds = 4.0; /* a page waits no longer for a sweep */
 
 /* Ends work that takes too long: other pages wait too. */
@@ -165,6 +165,8 @@ km_status kv_ask(const kv_call *call, km_error *error) {
                           .steps = kv_index(call, 4),
                           .input = call->count > 5 ? kv_index(call, 5) : -1,
                           .output = call->count > 6 ? kv_index(call, 6) : -1};
+  if (asked.steps > MOST_STEPS)
+    return km_fail(error, KM_USAGE, "%d steps are more than a page shows; expected up to %d", asked.steps, MOST_STEPS);
   km_question_free(s->question);
   s->question = NULL;
   s->asked = asked;

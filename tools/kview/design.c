@@ -5,34 +5,26 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* The mechanism takes over the model's numbers at the present pose; it is compiled anew where a loop's motion space has
- * changed. */
-static km_status take_over(kv_session *s, km_error *error) {
+enum { MOST_LENGTHS = 100 };
+
+/* The mechanism takes over the model's numbers, at the pose next to q[coordinate] where its loops close; it is compiled
+ * anew where a loop's motion space has changed. */
+static km_status take_over(kv_session *s, const double *q, km_error *error) {
   int n = km_model_coordinate_count(s->model);
-  double *q = calloc((size_t)n + 1, sizeof *q);
-  if (!q)
-    return km_fail(error, KM_MEMORY, "out of memory");
-  km_status status = km_state_coordinates(s->mechanism, s->state, q, error);
+  km_status status = KM_OK;
   for (int c = 0; c < n && !status; ++c)
     status = km_model_set_position(s->model, c, q[c], error);
   if (!status)
     status = km_mechanism_renumber(s->mechanism, error);
-  if (status == KM_PARTIAL) {
-    /* Held or not, the coordinate's joint stays as it is: the mechanism is made anew with the holds that are there. */
-    int first = s->hold_count ? s->holds[0].coordinate : 0;
-    status = n ? kv_session_hold(s, first, s->hold_count > 0, error) : KM_OK;
-    free(q);
+  if (status == KM_PARTIAL)
+    return kv_session_compile(s, q, error);
+  if (status)
     return status;
-  }
-  if (!status) {
-    km_state_restart(s->state);
-    km_state_restart(s->probe);
-    if (s->question)
-      km_question_refresh(s->question);
-    status = kv_session_place(s, q, error);
-  }
-  free(q);
-  return status;
+  km_state_restart(s->state);
+  km_state_restart(s->probe);
+  if (s->question)
+    km_question_refresh(s->question);
+  return kv_session_place(s, q, error);
 }
 
 double *kv_frame_places(const km_model *model) {
@@ -45,32 +37,50 @@ double *kv_frame_places(const km_model *model) {
   return places;
 }
 
+/* Links of a million lengths have no digits left to close loops with. */
+static km_status check_places(const kv_session *s, const double *T, km_error *error) {
+  for (int k = 0; k < 3 * km_model_frame_count(s->model); ++k)
+    if (!(fabs(T[k] - s->file_places[k]) <= MOST_LENGTHS * s->file_length))
+      return km_fail(error, KM_USAGE, "frame \"%s\" would be moved by %g; expected at most %d characteristic lengths",
+                     km_model_frame_name(s->model, k / 3), T[k] - s->file_places[k], MOST_LENGTHS);
+  return KM_OK;
+}
+
 static km_status set_frames(kv_session *s, const double *T, km_error *error) {
-  km_status status = KM_OK;
+  km_status status = check_places(s, T, error);
   for (int f = 0; f < km_model_frame_count(s->model) && !status; ++f)
     status = km_model_set_frame(s->model, f, T + 3 * f, NULL, error);
   return status;
 }
 
-/* Changes what `T` says; where the loops don't close then, everything is as before. */
-static km_status change(kv_session *s, const double *before, const double *T, km_error *error) {
+/* Changes what `T` says, at the pose next to q (NULL: the present one); where the loops don't close then, everything is
+ * as before. */
+static km_status change(kv_session *s, const double *before, const double *T, const double *q, km_error *error) {
   km_error ignored;
+  double *present = kv_session_coordinates(s);
+  if (!present)
+    return km_fail(error, KM_MEMORY, "out of memory");
   km_status status = set_frames(s, T, error);
   if (!status)
-    status = take_over(s, error);
+    status = take_over(s, q ? q : present, error);
   if (status && !set_frames(s, before, &ignored))
-    take_over(s, &ignored);
+    take_over(s, present, &ignored);
   if (!status)
     s->edited = memcmp(T, s->file_places, 3 * (size_t)km_model_frame_count(s->model) * sizeof *T) != 0;
+  free(present);
   return status;
 }
 
-km_status kv_session_take_design(kv_session *s, const double *T, km_error *error) {
+km_status kv_session_take_design(kv_session *s, const double *T, const double *q, km_error *error) {
   double *before = kv_frame_places(s->model);
   size_t size = 3 * (size_t)km_model_frame_count(s->model) * sizeof *before;
   if (!before)
     return km_fail(error, KM_MEMORY, "out of memory");
-  km_status status = memcmp(before, T, size) ? change(s, before, T, error) : KM_OK;
+  km_status status = KM_OK;
+  if (memcmp(before, T, size))
+    status = change(s, before, T, q, error);
+  else if (q)
+    status = kv_session_place(s, q, error);
   free(before);
   return status;
 }
@@ -84,7 +94,7 @@ km_status kv_session_move_frame(kv_session *s, int frame, const double T[3], km_
     status = km_fail(error, KM_USAGE, "there is no frame %d", frame);
   if (!status) {
     memcpy(after + 3 * frame, T, 3 * sizeof *T);
-    status = change(s, before, after, error);
+    status = change(s, before, after, NULL, error);
   }
   free(before);
   free(after);
@@ -177,7 +187,7 @@ km_status kv_session_move_pivot(kv_session *s, int joint, const double point[3],
     status = shift_pin(s, joint, shift, after, error);
   }
   if (!status)
-    status = change(s, before, after, error);
+    status = change(s, before, after, NULL, error);
   free(before);
   free(after);
   return status;

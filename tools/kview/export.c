@@ -196,7 +196,7 @@ kt_exit kview_export(int argc, char **argv) {
   km_error error;
   km_status status = record(&session, &recording, &error);
   if (status)
-    kt_say(&o.common, KM_ERROR, "%s: %s", o.model, error.text);
+    kview_say(&o.common, o.model, status, &error);
   kt_exit result = status ? kt_exit_of(status) : write_page(&o, &recording);
   kv_buffer_free(&recording);
   kv_session_close(&session);

@@ -20,7 +20,7 @@ static bool is_command(const char *word) {
 int main(int argc, char **argv) {
   static char open[] = "open";
   static const char about[] = "A mechanism in the hand: moved, seen through and changed in the browser.";
-  bool model = argc > 1 && argv[1][0] != '-' && !is_command(argv[1]);
+  bool model = argc > 1 && (argv[1][0] != '-' || !argv[1][1]) && !is_command(argv[1]);
   char **words = calloc((size_t)argc + 2, sizeof *words);
   if (!words)
     return KT_INTERNAL;

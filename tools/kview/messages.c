@@ -122,7 +122,7 @@ static km_status design(const kv_call *c, km_error *error) {
   int n = 3 * km_model_frame_count(c->session->model);
   if (c->count != n)
     return km_fail(error, KM_USAGE, "found %d numbers; expected %d, three for each frame", c->count, n);
-  km_status status = kv_session_take_design(c->session, c->arguments, error);
+  km_status status = kv_session_take_design(c->session, c->arguments, NULL, error);
   if (status)
     return status;
   kv_describe(c->session, c->request, &c->answer->bytes);
@@ -159,6 +159,7 @@ static const struct {
     {"lever", 2, 2, kv_lever},
     {"modes", 1, 1, kv_modes},
     {"mode", 1, 1, kv_mode},
+    {"selfmotion", 1, 1, kv_selfmotion},
     {"pivot", 4, 4, pivot},
     {"frame", 4, 4, frame},
     {"design", 0, KV_MOST_ARGUMENTS, design},

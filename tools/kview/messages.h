@@ -45,6 +45,8 @@ kv_verb kv_ask, kv_again, kv_track;
 kv_verb kv_motions, kv_diagnose, kv_forces, kv_lever;
 /* modes.c */
 kv_verb kv_modes, kv_mode;
+/* selfmotion.c */
+kv_verb kv_selfmotion;
 /* patches.c: what bodies look like. */
 kv_verb kv_patch;
 /* saved.c */

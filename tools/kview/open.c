@@ -46,13 +46,21 @@ static bool read_port(const options *o, int *port) {
   return true;
 }
 
+/* A file that can't be read is named by the error itself. */
+void kview_say(const kt_common *common, const char *path, km_status status, const km_error *error) {
+  if (status == KM_IO)
+    kt_say(common, KM_ERROR, "%s", error->text);
+  else
+    kt_say(common, KM_ERROR, "%s: %s", path, error->text);
+}
+
 /* What is wrong with the model shows here, not only in a page. */
 static kt_exit try_model(const options *o) {
   kv_session session = {.opening = {.path = o->model, .floating = o->common.floating, .pose = o->common.pose}};
   km_error error;
   km_status status = kv_session_load(&session, &error);
   if (status)
-    kt_say(&o->common, KM_ERROR, "%s: %s", o->model, error.text);
+    kview_say(&o->common, o->model, status, &error);
   kv_session_close(&session);
   return kt_exit_of(status);
 }

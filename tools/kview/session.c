@@ -170,6 +170,7 @@ km_status kv_session_load(kv_session *s, km_error *error) {
   s->hold_count = count;
   s->origin = origin;
   s->file_places = places;
+  s->file_length = km_mechanism_characteristic_length(s->mechanism, NULL);
   s->mobility = mobility;
   s->edited = false;
   s->asked.kind = -1;
@@ -188,8 +189,7 @@ void kv_session_close(kv_session *s) {
   *s = (kv_session){.opening = s->opening};
 }
 
-/* All coordinates; the caller frees it. */
-static double *coordinates(const kv_session *s) {
+double *kv_session_coordinates(const kv_session *s) {
   double *q = calloc((size_t)km_model_coordinate_count(s->model) + 1, sizeof *q);
   km_error error;
   if (q)
@@ -204,7 +204,7 @@ km_status kv_session_hold(kv_session *s, int coordinate, bool held, km_error *er
   freedom = km_model_joint_freedom(s->model, joint, &first);
   /* A rotation vector is held as a whole, so a joint always is. */
   km_hold *holds = calloc((size_t)km_model_coordinate_count(s->model) + 1, sizeof *holds);
-  double *q = coordinates(s);
+  double *q = kv_session_coordinates(s);
   if (!holds || !q) {
     free(holds);
     free(q);
@@ -229,6 +229,14 @@ km_status kv_session_hold(kv_session *s, int coordinate, bool held, km_error *er
   return KM_OK;
 }
 
+km_status kv_session_compile(kv_session *s, const double *q, km_error *error) {
+  compiled made;
+  km_status status = compile(s->model, s->holds, s->hold_count, q, &made, &s->mobility, error);
+  if (!status)
+    adopt(s, &made);
+  return status;
+}
+
 void kv_session_follow(kv_session *s) {
   const compiled c = {s->mechanism, s->state, s->probe, s->hand};
   follow(&c, &s->mobility);
@@ -236,7 +244,7 @@ void kv_session_follow(kv_session *s) {
 
 km_status kv_session_probe(kv_session *s, km_error *error) {
   km_assembly evidence;
-  double *q = coordinates(s);
+  double *q = kv_session_coordinates(s);
   km_status status =
       q ? km_state_set_coordinates(s->mechanism, s->probe, q, error) : km_fail(error, KM_MEMORY, "out of memory");
   free(q);
@@ -245,7 +253,7 @@ km_status kv_session_probe(kv_session *s, km_error *error) {
 
 km_status kv_session_place(kv_session *s, const double *q, km_error *error) {
   km_assembly evidence;
-  double *before = coordinates(s);
+  double *before = kv_session_coordinates(s);
   km_error ignored;
   if (!before)
     return km_fail(error, KM_MEMORY, "out of memory");

@@ -46,6 +46,7 @@ typedef struct kv_session {
   int hold_count;
   int *origin;         /* [body] its frame `origin` */
   double *file_places; /* [3 · frames] as the file has them */
+  double file_length;  /* the characteristic length of the file's design */
   bool edited;         /* a number of the design isn't the file's */
   kv_moment undo[KV_MOST_UNDO];
   int undo_count, undo_at; /* poses kept; the place of the present one */
@@ -65,6 +66,10 @@ bool kv_session_is_stale(const kv_session *session);
 
 /* Compiles the model anew with the holds, at the present pose. On failure everything stays as it was. */
 km_status kv_session_hold(kv_session *session, int coordinate, bool held, km_error *error);
+/* Compiles the model anew with the holds that are there, at the pose next to q. On failure everything stays. */
+km_status kv_session_compile(kv_session *session, const double *q, km_error *error);
+/* All coordinates; NULL when out of memory. The caller frees it. */
+double *kv_session_coordinates(const kv_session *session);
 /* Puts the coordinates at values and closes the loops next to them; where they don't close, the pose stays. */
 km_status kv_session_place(kv_session *session, const double *q, km_error *error);
 /* The state has moved: poses, mobility numbers and evidence follow. */
@@ -83,7 +88,8 @@ km_status kv_session_move_pivot(kv_session *session, int joint, const double poi
 km_status kv_session_move_frame(kv_session *session, int frame, const double T[3], km_error *error);
 /* Places of all frames in their bodies: [3 · frames]. NULL when out of memory; the caller frees it. */
 double *kv_frame_places(const km_model *model);
-/* Takes the places of all frames: T[3 · frames], of a design that was kept. */
-km_status kv_session_take_design(kv_session *session, const double *T, km_error *error);
+/* Takes the places of all frames: T[3 · frames], of a design that was kept; at the pose next to q[coordinate], NULL: the
+ * present one. */
+km_status kv_session_take_design(kv_session *session, const double *T, const double *q, km_error *error);
 
 #endif

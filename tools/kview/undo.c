@@ -53,9 +53,7 @@ km_status kv_session_step(kv_session *s, int direction, km_error *error) {
   if (status || to < 0 || to >= s->undo_count)
     return status;
   const double *numbers = s->undo[to].numbers;
-  status = kv_session_take_design(s, numbers + km_model_coordinate_count(s->model), error);
-  if (!status)
-    status = kv_session_place(s, numbers, error);
+  status = kv_session_take_design(s, numbers + km_model_coordinate_count(s->model), numbers, error);
   if (!status)
     s->undo_at = to;
   return status;

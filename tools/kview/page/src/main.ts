@@ -14,6 +14,7 @@ const root = document.documentElement;
 root.dataset.theme = matchMedia("(prefers-color-scheme: dark)").matches ? "dark" : "light";
 
 const link = openLink();
+if (link.recorded) root.dataset.recorded = "";
 const store = new Store(link);
 const view = new View(store);
 const bar = new Toolbar(store, view);

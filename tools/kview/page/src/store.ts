@@ -30,6 +30,7 @@ export class Store {
   redundancy = -1;
   forces: Forces | null = null;
   lever: Lever | null = null;
+  ends: [number, number] | null = null; // input and output of the leverage
   variants: Variant[] = [];
   busy = false;
   private listeners = new Map<Topic, (() => void)[]>();

@@ -95,6 +95,8 @@ export class Curves {
     const driver = Number(this.driver.value), own = store.model.sweep;
     const number = (field: HTMLInputElement): number => Number(field.value.replace("−", "-").replace(",", ".")) || 0;
     this.ends.hidden = word !== "advantage";
+    store.ends = word === "advantage" || (store.model.input >= 0 && store.model.output >= 0) ? [Number(this.input.value), Number(this.output.value)] : null;
+    store.tell("why");
     const steps = driver < 0 ? Math.min(own.steps || 400, 1000) : store.model.coordinates.length > 500 ? 24 : 200;
     const ends = word === "advantage" ? ` ${this.input.value} ${this.output.value}` : "";
     store.busy = true;
@@ -244,18 +246,17 @@ export class Curves {
     ctx.font = `${12 * scale}px system-ui`;
     ctx.textBaseline = "middle";
     ctx.textAlign = "left";
-    const taken: number[] = [];
+    const ends: { y: number; line: (typeof lines)[number] }[] = [];
     lines.forEach((line, i) => {
       const values = u.data[i + 1] as (number | null)[];
       let last = values.length - 1;
       while (last >= 0 && values[last] === null) --last;
-      if (last < 0 || line.table !== this.store.table) return;
-      let y = Math.max(bbox.top + 6, Math.min(bbox.top + bbox.height - 6, u.valToPos(values[last]!, "y", true)));
-      while (taken.some((t) => Math.abs(t - y) < 12 * scale)) y -= 12 * scale;
-      taken.push(y);
+      if (last >= 0 && line.table === this.store.table) ends.push({ y: u.valToPos(values[last]!, "y", true), line });
+    });
+    for (const { y, line } of apart(ends, 13 * scale, bbox.top + 6 * scale, bbox.top + bbox.height - 4 * scale)) {
       ctx.fillStyle = line.colour;
       ctx.fillText(line.label, bbox.left + bbox.width + 5 * scale, y);
-    });
+    }
     const toggles = this.store.table?.events.filter((e) => e.s !== null && /toggle|pole|zero|branch/.test(e.name)) ?? [];
     for (const toggle of toggles) {
       const x = u.valToPos(toggle.s!, "x", true);
@@ -271,6 +272,7 @@ export class Curves {
       const x = Math.round(u.valToPos(at, "x", true));
       ctx.strokeStyle = style.getPropertyValue("--ink");
       ctx.lineWidth = 1.5 * scale;
+      ctx.setLineDash([]);
       ctx.beginPath();
       ctx.moveTo(x, bbox.top);
       ctx.lineTo(x, bbox.top + bbox.height);
@@ -384,4 +386,12 @@ function tamed(low: number, high: number, lines: { table: Table; column: string 
   const at = (part: number): number => all[Math.round(part * (all.length - 1))], middle = at(0.95) - at(0.05);
   const bottom = Math.max(all[0], at(0.05) - 2 * middle), top = Math.min(all[all.length - 1], at(0.95) + 2 * middle), pad = 0.06 * (top - bottom) || 0.1 * Math.abs(top) || 1;
   return [bottom - pad, top + pad];
+}
+
+/** Labels in their order from top to bottom, moved so far that none covers another. */
+function apart<T extends { y: number }>(labels: T[], height: number, top: number, bottom: number): T[] {
+  const sorted = labels.sort((a, b) => a.y - b.y);
+  sorted.forEach((label, i) => (label.y = Math.max(label.y, top, i ? sorted[i - 1].y + height : top)));
+  for (let i = sorted.length - 1, below = bottom; i >= 0; --i) below = (sorted[i].y = Math.min(sorted[i].y, below)) - height;
+  return sorted;
 }

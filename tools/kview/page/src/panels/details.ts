@@ -1,6 +1,7 @@
 // What is known of the selection and of the whole, and why it moves as it does.
 import { button, el, replace, save, shown } from "../dom";
 import { OKABE, scaleColour } from "../palette";
+import { SelfMotion } from "../protocol";
 import { Store } from "../store";
 import { typeOf } from "./tree";
 
@@ -94,7 +95,24 @@ export class Details {
     const frames = model.frames.filter((f) => f.body === b && f.name !== "origin").map((f) => f.name);
     const list: Fact[] = [["Joints", joints.join(", ") || "none"], ["Frames", frames.join(", ") || "none"]];
     if (body.mass > 0) list.push(["Mass", shown(body.mass)]);
-    replace(this.chosen, el("h2", { text: b === 0 ? "The inertial frame" : `Body ${body.name}` }), facts(list));
+    replace(this.chosen, el("h2", { text: b === 0 ? "The inertial frame" : `Body ${body.name}` }), facts(list), this.store.mode === "design" ? this.dimensions(b) : null);
+  }
+
+  /** Places of the body's frames in it, typed. */
+  private dimensions(b: number): HTMLElement {
+    const { store } = this, frames = store.model.frames.map((f, i) => ({ f, i })).filter(({ f }) => f.body === b && f.name !== "origin");
+    const row = ({ f, i }: (typeof frames)[number]): HTMLElement => {
+      const fields = f.T.map((x, k) => el("input", { type: "text", inputmode: "decimal", "aria-label": `${"xyz"[k]} of ${f.name}`, value: shown(x, 6), onchange: () => void move() }));
+      const move = async (): Promise<void> => {
+        const numbers = fields.map((field) => Number(field.value.replace("−", "-").replace(",", ".")));
+        if (!numbers.every(Number.isFinite) || (await store.ask(`frame ${i} ${numbers.join(" ")}`)).kind === "error") return;
+        await store.ask("pose");
+        if (store.table) await store.ask("again");
+        await store.settle();
+      };
+      return el("div", { class: "pivot" }, el("h3", { text: f.name }), ...fields);
+    };
+    return el("div", {}, el("h2", { text: `Places in the body, ${this.unit()}` }), ...frames.map(row));
   }
 
   // Why
@@ -102,11 +120,11 @@ export class Details {
   /** Asks again, after a move, what is shown of the pose. */
   private asking = false;
   private refreshAnswers(): void {
-    const { store } = this, stamp = Array.from(store.pose.q).join();
+    const { store } = this, stamp = Array.from(store.pose.q).join() + store.ends + store.arrows;
     if (this.asking || store.link.recorded || stamp === this.stamp) return;
     const asks: string[] = [];
     if (store.arrows) asks.push("forces");
-    if (store.model.input >= 0 && store.model.output >= 0) asks.push(`lever ${store.model.input} ${store.model.output}`);
+    if (store.ends && store.ends[0] !== store.ends[1]) asks.push(`lever ${store.ends.join(" ")}`);
     if (!asks.length) return;
     this.stamp = stamp;
     this.asking = true;
@@ -119,13 +137,15 @@ export class Details {
   private explain(): void {
     const { store } = this, { model } = store;
     if (!store.pose) return;
+    this.refreshAnswers();
     const parts: (HTMLElement | null)[] = [];
-    if (store.lever && model.input >= 0) {
+    if (store.lever && store.ends) {
       const value = store.lever.state === "finite" ? shown(store.lever.value ?? NaN) : store.lever.state;
       this.lever.textContent = `${value} ${store.lever.state === "finite" ? store.lever.unit : ""}`;
-      parts.push(el("h2", { text: `Leverage ${model.coordinates[model.input].label} over ${model.coordinates[model.output].label}` }), this.lever);
+      const [input, output] = store.ends.map((c) => model.coordinates[c].label);
+      parts.push(el("div", { class: "group" }, el("h2", { text: `Leverage ${input} over ${output}` }), this.lever));
     }
-    if (!store.link.recorded) parts.push(this.motions(), this.redundancies(), this.forces(), this.modes(), this.variants());
+    if (!store.link.recorded) parts.push(this.motions(), this.selfMotion(), this.redundancies(), this.forces(), this.modes(), this.variants());
     replace(this.why, ...parts);
   }
 
@@ -145,6 +165,40 @@ export class Details {
     this.store.motion = this.store.motions && k < this.store.motions.motions.length ? k : -1;
     if (this.store.motion < 0) this.stopSwing();
     this.explain();
+  }
+
+  /** Of an arm with joints to spare: the effector stays where it is while the slider moves the others. */
+  private self: SelfMotion | null = null;
+  private effector = -1;
+  private selfMotion(): HTMLElement | null {
+    const { store } = this, { model } = store;
+    if (model.substructures.length || model.coordinates.filter((c) => !c.held).length < 7) return null;
+    const frames = model.frames.map((f, i) => ({ f, i })).filter(({ f }) => f.body > 0 && f.name !== "origin");
+    if (this.effector < 0 || this.effector >= model.frames.length) this.effector = frames.length ? frames[frames.length - 1].i : model.frames.length - 1;
+    const choice = el("select", { "aria-label": "Effector", onchange: () => {
+      this.effector = Number(choice.value);
+      this.self = null;
+      this.explain();
+    } }, ...frames.map(({ f, i }) => el("option", { value: i, selected: i === this.effector, text: `${model.bodies[f.body].name}/${f.name}` })));
+    const find = async (): Promise<void> => {
+      const answer = await store.ask(`selfmotion ${this.effector}`);
+      this.self = answer.kind === "selfmotion" ? answer : null;
+      this.explain();
+    };
+    return el("div", { class: "group" }, el("h2", { text: "Self-motion" }), el("div", { class: "chips" }, choice,
+      button("Find", "Find the poses that hold the effector where it is", () => void find())), this.self ? this.selfSlider(this.self) : null);
+  }
+
+  private selfSlider(self: SelfMotion): HTMLElement {
+    const { store } = this, at = self.u.reduce((best, u, i) => (Math.abs(u) < Math.abs(self.u[best]) ? i : best), 0);
+    const slider = el("input", { type: "range", min: "0", max: String(self.u.length - 1), step: "1", value: String(at), "aria-label": "Along the self-motion", class: "wide" });
+    slider.addEventListener("input", () => {
+      const q = Array.from(store.pose.q), row = self.q[Number(slider.value)];
+      self.coordinates.forEach((c, k) => (q[c] = row[k]));
+      store.pull(`place ${q.join(" ")}`, () => false);
+    });
+    slider.addEventListener("change", () => void store.settle());
+    return el("div", {}, slider, el("p", { class: "hint", text: self.whole ? "A closed curve: every joint stays within its limits." : `${new Set(self.arc).size} arc(s) within the limits.` }));
   }
 
   private redundancies(): HTMLElement {

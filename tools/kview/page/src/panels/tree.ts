@@ -15,7 +15,7 @@ export function typeOf(joint: Joint): { symbol: string; word: string } {
   return { symbol: found?.[1] ?? "·", word: found?.[2] ?? joint.type };
 }
 
-interface Row { node: HTMLElement; slider: HTMLInputElement | null; value: HTMLInputElement | null; bar: HTMLElement; number: HTMLElement; coordinate: number; joint: number; ticks: HTMLElement }
+interface Row { node: HTMLElement; slider: HTMLInputElement | null; value: HTMLInputElement | null; bar: HTMLElement; number: HTMLElement; coordinate: number; joint: number; ticks: HTMLElement; seen: boolean }
 
 /** The range of a coordinate's slider: its limits, or a turn or a few lengths about where it began. */
 export function rangeOf(store: Store, coordinate: number, at: number): [number, number] {
@@ -33,6 +33,15 @@ export class Tree {
   private search = el("input", { type: "search", placeholder: "Search", "aria-label": "Search bodies and joints", oninput: () => this.filter() });
   private active = -1; // the slider that is held
   private shape = "";
+  /** Of thousands of rows only those in sight follow each pose. */
+  private sight = new IntersectionObserver((entries) => {
+    for (const entry of entries) {
+      const row = this.byNode.get(entry.target);
+      if (row) row.seen = entry.isIntersecting;
+    }
+    this.follow();
+  });
+  private byNode = new Map<Element, Row>();
 
   constructor(private store: Store) {
     const sort = button("Sort by mobility", "Sort joints by mobility number", () => {
@@ -55,6 +64,9 @@ export class Tree {
       if (!joint.count) this.rows.push(this.row(j, -1));
       for (let k = 0; k < joint.count; ++k) this.rows.push(this.row(j, joint.first + k));
     });
+    this.sight.disconnect();
+    this.byNode = new Map(this.rows.map((row) => [row.node, row]));
+    if (this.rows.length > 60) for (const row of this.rows) this.sight.observe(row.node);
     this.sort();
     replace(this.bodies, ...model.bodies.map((body, b) =>
       el("button", { type: "button", class: "body", "data-body": b, onclick: () => this.store.select({ kind: "body", index: b }) },
@@ -81,7 +93,7 @@ export class Tree {
     const node = el("div", { class: "row", "data-joint": j, "data-coordinate": coordinate },
       el("div", { class: "line" }, pick, number, hold), meter,
       c ? el("div", { class: "line" }, el("div", { class: "track" }, slider, ticks), value, el("span", { class: "unit", text: c.unit })) : null);
-    return { node, slider, value, bar, number, coordinate, joint: j, ticks };
+    return { node, slider, value, bar, number, coordinate, joint: j, ticks, seen: true };
   }
 
   private wire(slider: HTMLInputElement, value: HTMLInputElement, coordinate: number): void {
@@ -147,6 +159,7 @@ export class Tree {
     const { pose, model } = this.store;
     if (!pose || pose.q.length !== model.coordinates.length || !this.rows.length) return;
     for (const row of this.rows) {
+      if (!row.seen) continue;
       const number = row.coordinate >= 0 ? pose.m[row.coordinate] : 0;
       row.bar.style.width = `${100 * number}%`;
       row.bar.style.background = scaleColour(number);

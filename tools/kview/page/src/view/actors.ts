@@ -124,7 +124,6 @@ export class Actors {
         group.add(rail);
         return;
       }
-      if (Math.abs(axis.dot(down)) > 0.9 && joint.type !== "spherical") down.set(1, 0, 0).cross(axis).normalize();
       const foot = new Mesh(new ConeGeometry(3.4 * this.thick, 5 * this.thick, 4, 1).rotateY(Math.PI / 4), this.material());
       foot.quaternion.setFromUnitVectors(UP, down.clone().negate());
       foot.position.copy(vector(frame.T).addScaledVector(down, 2.5 * this.thick));
@@ -177,6 +176,18 @@ export class Actors {
     strut.rod.position.copy(from);
     strut.rod.quaternion.copy(turn);
     strut.rod.scale.set(1, length, 1);
+  }
+
+  /** Points that the view has to show: all vertices of bodies and joints, or the corners of their boxes. */
+  corners(take: (at: Vector3) => void): void {
+    const at = new Vector3();
+    for (const group of [...this.bodies, ...this.joints])
+      group.traverse((node) => {
+        if (!(node instanceof Mesh)) return;
+        const position = (node.geometry as BufferGeometry).getAttribute("position");
+        const stride = position ? Math.max(1, Math.floor(position.count / 2000)) : 1;
+        for (let i = 0; position && i < position.count; i += stride) take(at.fromBufferAttribute(position as BufferAttribute, i).applyMatrix4(node.matrixWorld));
+      });
   }
 
   /** A frame's origin in the inertial frame. */

@@ -1,5 +1,5 @@
 // The picture: camera, light, what the pointer grips, arrows, names. It draws only when something has changed.
-import { AmbientLight, BufferAttribute, BufferGeometry, Color, DirectionalLight, GridHelper, Group, Line, LineBasicMaterial, Matrix4, Object3D, OrthographicCamera, Plane, Quaternion, Raycaster, Scene, Vector2, Vector3, WebGLRenderer, MOUSE, TOUCH } from "three";
+import { AmbientLight, Box3, BufferAttribute, BufferGeometry, Color, DirectionalLight, GridHelper, Group, Line, LineBasicMaterial, Matrix4, Object3D, OrthographicCamera, Plane, Quaternion, Raycaster, Scene, Vector2, Vector3, WebGLRenderer, MOUSE, TOUCH } from "three";
 import { OrbitControls } from "three/examples/jsm/controls/OrbitControls.js";
 import { el } from "../dom";
 import { OKABE, scaleColour, softened } from "../palette";
@@ -35,7 +35,7 @@ export class View {
   private patches: Patch[] = [];
   private dirty = true;
   private grip: Grip | null = null;
-  private span = 1;
+  private half: [number, number] = [1, 1];
   private built = "";
   private swingStart = 0;
   frames = 0;
@@ -213,11 +213,25 @@ export class View {
     this.camera.near = -20 * size;
     this.camera.far = 40 * size;
     this.camera.zoom = 1;
-    this.span = 1.12 * size;
+    this.camera.updateMatrixWorld();
+    this.fit();
     this.setGrid();
     this.resize();
     this.controls.update();
     this.draw();
+  }
+
+  /** What of the view the mechanism takes: half its width and height seen from the camera, which looks at their middle. */
+  private fit(): void {
+    const box = new Box3(), right = new Vector3(), up = new Vector3(), out = new Vector3(), towards = this.camera.position.clone().sub(this.controls.target);
+    this.camera.lookAt(this.controls.target);
+    this.camera.matrix.extractBasis(right, up, out);
+    this.actors.corners((p) => box.expandByPoint(new Vector3(p.dot(right), p.dot(up), p.dot(out))));
+    if (box.isEmpty()) return;
+    const middle = box.getCenter(new Vector3()), size = box.getSize(new Vector3());
+    this.controls.target.set(0, 0, 0).addScaledVector(right, middle.x).addScaledVector(up, middle.y).addScaledVector(out, middle.z);
+    this.camera.position.copy(this.controls.target).add(towards);
+    this.half = [0.5 * size.x + 3 * this.actors.thick, 0.5 * size.y + 3 * this.actors.thick];
   }
 
   private planeSide(normal: Vector3): [Vector3, Vector3] {
@@ -259,7 +273,7 @@ export class View {
     const width = this.node.clientWidth || 1, height = this.node.clientHeight || 1;
     this.renderer.setSize(width, height, false);
     const wide = width / height;
-    const half = 0.5 * this.span * (wide < 1 ? 1 / wide : 1) * (wide > 1.6 ? 0.82 : 0.95);
+    const half = 1.12 * Math.max(this.half[1], this.half[0] / wide);
     this.camera.left = -half * wide;
     this.camera.right = half * wide;
     this.camera.top = half;
@@ -271,7 +285,7 @@ export class View {
   private render(): void {
     this.dirty = false;
     ++this.frames;
-    this.light.position.copy(this.camera.position).add(this.camera.up).add(new Vector3(0.4, 0.2, 0.3).multiplyScalar(this.span));
+    this.light.position.copy(this.camera.position).add(this.camera.up).add(new Vector3(0.4, 0.2, 0.3).multiplyScalar(this.actors.size));
     this.light.target.position.copy(this.controls.target);
     this.light.target.updateMatrixWorld();
     this.renderer.render(this.scene, this.camera);

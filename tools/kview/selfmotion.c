@@ -1,0 +1,52 @@
+/* Self-motions: how an arm with joints to spare moves while its effector stays. */
+#include "kview/messages.h"
+
+#include "kmech/arm.h"
+#include "kmech/selfmotion.h"
+
+#include <stdlib.h>
+
+static void add_rows(const kv_call *call, const km_arm *arm, const km_selfmotion *motion) {
+  kv_buffer *out = &call->answer->bytes;
+  int columns = km_arm_coordinates(arm);
+  kv_add(out, "{\"kind\":\"selfmotion\",\"request\":%u,\"whole\":%s,\"coordinates\":[", call->request,
+         motion->whole ? "true" : "false");
+  for (int c = 0; c < columns; ++c) {
+    kv_add_comma(out);
+    kv_add(out, "%d", km_arm_coordinate(arm, c));
+  }
+  kv_add(out, "],\"u\":");
+  kv_add_numbers(out, motion->row_u, motion->row_count);
+  kv_add(out, ",\"arc\":[");
+  for (int r = 0; r < motion->row_count; ++r) {
+    kv_add_comma(out);
+    kv_add(out, "%d", motion->row_arc[r]);
+  }
+  kv_add(out, "],\"q\":[");
+  for (int r = 0; r < motion->row_count; ++r) {
+    kv_add_comma(out);
+    kv_add_numbers(out, motion->row_q + (size_t)r * (size_t)columns, columns);
+  }
+  kv_add(out, "]}");
+}
+
+/* selfmotion FRAME: the poses that hold this frame where it is, within the limits. */
+km_status kv_selfmotion(const kv_call *call, km_error *error) {
+  kv_session *s = call->session;
+  km_arm *arm = NULL;
+  km_selfmotion motion = {0};
+  km_status status = km_arm_create(s->mechanism, s->state, kv_index(call, 0), KM_TASK_POSE, &arm, error);
+  double *q = status ? NULL : calloc((size_t)km_arm_coordinates(arm) + 1, sizeof *q);
+  if (!status && !q)
+    status = km_fail(error, KM_MEMORY, "out of memory");
+  for (int c = 0; !status && c < km_arm_coordinates(arm); ++c)
+    q[c] = km_state_coordinate(s->state, km_arm_coordinate(arm, c));
+  if (!status)
+    status = km_selfmotion_follow(arm, q, NULL, NULL, &motion, error);
+  if (!status)
+    add_rows(call, arm, &motion);
+  km_selfmotion_free(&motion);
+  km_arm_free(arm);
+  free(q);
+  return status;
+}
