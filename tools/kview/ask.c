@@ -30,6 +30,13 @@ static bool has_option(int kind, const char *name) {
   return false;
 }
 
+int kv_question_kind(int index) {
+  for (int kind = 0; kind < km_question_kinds(); ++kind)
+    if (has_option(kind, "range") && !has_option(kind, "study") && index-- == 0)
+      return kind;
+  return -1;
+}
+
 static km_status set(km_question *question, int kind, const char *name, const km_option_value *value, km_error *error) {
   return has_option(kind, name) ? km_question_set(question, name, value, error) : KM_OK;
 }
@@ -158,7 +165,7 @@ static km_status answer(const kv_call *call, km_error *error) {
 /* ask KIND DRIVER FROM TO STEPS [INPUT OUTPUT]; DRIVER -1: by arc length, FROM long a step (0: as the model says). */
 km_status kv_ask(const kv_call *call, km_error *error) {
   kv_session *s = call->session;
-  const kv_asked asked = {.kind = kv_index(call, 0),
+  const kv_asked asked = {.kind = kv_question_kind(kv_index(call, 0)),
                           .driver = kv_index(call, 1),
                           .from = call->arguments[2],
                           .to = call->arguments[3],
@@ -187,7 +194,7 @@ km_status kv_again(const kv_call *call, km_error *error) {
 static km_status go(const kv_call *call, int coordinate, double to, bool *first, km_error *error) {
   kv_session *s = call->session;
   kv_buffer *out = &call->answer->bytes;
-  const kv_asked way = {.kind = 0,
+  const kv_asked way = {.kind = kv_question_kind(0),
                         .driver = coordinate,
                         .from = km_state_coordinate(s->state, coordinate),
                         .to = to,

@@ -137,9 +137,9 @@ static void add_defaults(const km_model *m, kv_buffer *out) {
 
 static void add_questions(kv_buffer *out) {
   kv_add(out, ",\"questions\":[");
-  for (int k = 0; k < km_question_kinds(); ++k) {
+  for (int k = 0; kv_question_kind(k) >= 0; ++k) {
     kv_add_comma(out);
-    kv_add_string(out, km_question_kind_name(k));
+    kv_add_string(out, km_question_kind_name(kv_question_kind(k)));
   }
   kv_add(out, "]");
 }

@@ -85,11 +85,14 @@ static km_status add_tables(kv_session *s, kv_buffer *out, km_error *error) {
   bool lever = km_handle_default(s->model, false, &end) && end.kind == KM_HANDLE_JOINT;
   km_status status = KM_OK;
   kv_add(out, ",\"tables\":[");
-  for (int kind = km_question_kinds() - 1; kind >= 0 && !status; --kind) { /* mobility last: the poses are its rows */
-    const char *name = km_question_kind_name(kind);
+  int count = 0;
+  while (kv_question_kind(count) >= 0)
+    ++count;
+  while (count-- > 0 && !status) { /* mobility last: the poses are its rows */
+    const char *name = km_question_kind_name(kv_question_kind(count));
     if ((strcmp(name, "advantage") == 0 && !lever) || strcmp(name, "forces") == 0)
       continue;
-    ask_text(s, kind, text, sizeof text);
+    ask_text(s, count, text, sizeof text);
     status = add_answer(s, text, out, error);
   }
   kv_add(out, "]");

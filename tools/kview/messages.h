@@ -41,6 +41,8 @@ typedef km_status kv_verb(const kv_call *call, km_error *error);
 
 /* ask.c: sweeps and the limits of a slider. */
 kv_verb kv_ask, kv_again, kv_track;
+/* The questions that a page can ask, those over a driver's range: the library's kind of the index-th; -1: there is none. */
+int kv_question_kind(int index);
 /* why.c: what shows why it moves as it does. */
 kv_verb kv_motions, kv_diagnose, kv_forces, kv_lever;
 /* modes.c */

@@ -32,7 +32,6 @@ export class Store {
   lever: Lever | null = null;
   ends: [number, number] | null = null; // input and output of the leverage
   variants: Variant[] = [];
-  busy = false;
   private listeners = new Map<Topic, (() => void)[]>();
   private pulling = 0; // how many messages a pull has taken; 0: none goes on
 

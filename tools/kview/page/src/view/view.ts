@@ -1,5 +1,5 @@
 // The picture: camera, light, what the pointer grips, arrows, names. It draws only when something has changed.
-import { AmbientLight, Box3, BufferAttribute, BufferGeometry, Color, DirectionalLight, GridHelper, Group, Line, LineBasicMaterial, Matrix4, Object3D, OrthographicCamera, Plane, Quaternion, Raycaster, Scene, Vector2, Vector3, WebGLRenderer, MOUSE, TOUCH } from "three";
+import { AmbientLight, Box3, DirectionalLight, GridHelper, Group, Object3D, OrthographicCamera, Plane, Raycaster, Scene, Vector2, Vector3, WebGLRenderer, MOUSE, TOUCH } from "three";
 import { OrbitControls } from "three/examples/jsm/controls/OrbitControls.js";
 import { el } from "../dom";
 import { OKABE, scaleColour, softened } from "../palette";
@@ -8,7 +8,9 @@ import { Store } from "../store";
 import { Actors, Look } from "./actors";
 import { arrow, turn } from "./arrows";
 import { bodyMatrix, vector } from "./geometry";
+import { makeGrid } from "./grid";
 import { Labels } from "./labels";
+import { swung } from "./swing";
 
 export type Side = "fit" | "plane" | "xy" | "xz" | "yz" | "iso";
 const SIDES: Record<string, [Vector3, Vector3]> = {
@@ -149,7 +151,7 @@ export class View {
     const { store, marks } = this, thick = 0.55 * this.actors.thick, size = this.actors.size;
     marks.clear();
     if (store.arrows && store.forces) {
-      const { loads, reactions, actuators } = store.forces;
+      const { loads, reactions } = store.forces;
       const largest = Math.max(1e-300, ...loads.map((l) => vector(l.force).length()), ...reactions.map((r) => vector(r.force).length()));
       const grown = (force: number[]): Vector3 => {
         const way = vector(force), length = way.length();
@@ -157,7 +159,6 @@ export class View {
       };
       for (const load of loads) marks.add(arrow(vector(load.point), grown(load.force), 1.3 * thick, "#d55e00"));
       for (const reaction of reactions) marks.add(arrow(vector(reaction.point), grown(reaction.force), thick, "#0072b2"));
-      void actuators;
     }
     const redundancy = store.diagnosis?.redundancies[store.redundancy];
     if (redundancy) {
@@ -171,27 +172,12 @@ export class View {
     this.draw();
   }
 
-  showPath(points: Float32Array): void {
-    const geometry = new BufferGeometry();
-    geometry.setAttribute("position", new BufferAttribute(points, 3));
-    this.marks.add(new Line(geometry, new LineBasicMaterial({ color: new Color("#009e73") })));
-    this.draw();
-  }
-
   /** An instantaneous motion, back and forth about the pose. */
   private swing(time: number): void {
     const { store, actors } = this, motion = store.motions?.motions[store.motion];
     if (!motion) return;
     this.swingStart ||= time;
-    const phase = Math.sin((time - this.swingStart) / 380), fastest = Math.max(...motion.twists.map((t) => Math.hypot(t[0], t[1], t[2]) / actors.size + 0.5 * Math.hypot(t[3], t[4], t[5])), 1e-12);
-    const amount = (0.12 * phase) / fastest, moved = { ...store.pose, bodies: store.pose.bodies.slice() };
-    motion.twists.forEach((twist, b) => {
-      const w = vector(twist, 3), X = bodyMatrix(store.pose, b), angle = w.length() * amount;
-      const rotation = new Matrix4().makeRotationFromQuaternion(new Quaternion().setFromAxisAngle(w.lengthSq() ? w.normalize() : new Vector3(0, 0, 1), angle));
-      const place = new Vector3().setFromMatrixPosition(X).addScaledVector(vector(twist), amount);
-      const e = rotation.multiply(X.setPosition(0, 0, 0)).elements;
-      moved.bodies.set([e[0], e[4], e[8], e[1], e[5], e[9], e[2], e[6], e[10], place.x, place.y, place.z], 12 * b);
-    });
+    const moved = swung(store.pose, motion.twists, Math.sin((time - this.swingStart) / 380), actors.size);
     actors.move(store.model, moved);
     this.draw();
   }
@@ -244,22 +230,8 @@ export class View {
 
   private setGrid(): void {
     if (this.grid) this.scene.remove(this.grid);
-    const { size, middle } = this.actors, cell = 10 ** Math.floor(Math.log10(size / 3)), count = 2 * Math.ceil((1.2 * size) / cell);
-    const dark = document.documentElement.dataset.theme === "dark";
-    this.grid = new GridHelper(count * cell, count, dark ? "#3c424c" : "#c9ced6", dark ? "#2a2f37" : "#e3e6eb");
-    const { normal } = this.store.model;
-    if (normal) {
-      this.grid.quaternion.setFromUnitVectors(new Vector3(0, 1, 0), vector(normal));
-      const behind = vector(normal).multiplyScalar(-12 * this.actors.thick);
-      this.grid.position.copy(middle.clone().sub(vector(normal).multiplyScalar(middle.dot(vector(normal)))).add(behind));
-      const facing = this.camera.position.clone().sub(this.controls.target).dot(vector(normal));
-      if (facing < 0) this.grid.position.sub(behind.multiplyScalar(2));
-    } else {
-      this.grid.rotateX(Math.PI / 2);
-      this.grid.position.set(Math.round(middle.x / cell) * cell, Math.round(middle.y / cell) * cell, Math.min(0, middle.z));
-    }
-    (this.grid.material as LineBasicMaterial).depthWrite = false;
-    this.grid.renderOrder = -1;
+    const towards = this.camera.position.clone().sub(this.controls.target);
+    this.grid = makeGrid(this.actors, this.store.model.normal, towards, document.documentElement.dataset.theme === "dark");
     this.scene.add(this.grid);
   }
 
