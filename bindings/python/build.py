@@ -27,6 +27,7 @@ def read_arguments():
     parser.add_argument("--library", required=True)
     parser.add_argument("--to", required=True)
     parser.add_argument("--compiler", default="cc")
+    parser.add_argument("--installed", action="store_true", help="find the library where the system does")
     return parser.parse_args()
 
 
@@ -52,7 +53,8 @@ def compile_module(options, package):
     ffi.cdef(declarations.declarations(options.compiler, options.include) + OWN)
     library = str(Path(options.library).resolve())
     ffi.set_source("kmech._kmech", (HERE / "progress.c").read_text(), include_dirs=options.include, libraries=["kmech"],
-                   library_dirs=[library], runtime_library_dirs=[library], extra_compile_args=["-O2", "-w"])
+                   library_dirs=[library], runtime_library_dirs=[] if options.installed else [library],
+                   extra_compile_args=["-O2", "-w", "-g0"])
     os.environ["CC"] = options.compiler
     ffi.compile(tmpdir=str(package.parent), verbose=False)
     for left in [package / "_kmech.c", *package.glob("*.o")]:
