@@ -50,7 +50,9 @@ file(WRITE ${CMAKE_CURRENT_BINARY_DIR}/triggers "activate-noawait ldconfig\n")
 set(CPACK_DEBIAN_DEVELOPMENT_PACKAGE_NAME libkmech-dev)
 set(CPACK_DEBIAN_DEVELOPMENT_DESCRIPTION "Headers of kmech's library, its static form, and how CMake and pkg-config find it")
 set(CPACK_DEBIAN_DEVELOPMENT_PACKAGE_SECTION libdevel)
-set(CPACK_DEBIAN_DEVELOPMENT_PACKAGE_DEPENDS "${CPACK_DEBIAN_LIBRARY_PACKAGE_NAME} (= ${PROJECT_VERSION})")
+# The static library needs them, and pkg-config looks for what kmech.pc names.
+set(CPACK_DEBIAN_DEVELOPMENT_PACKAGE_DEPENDS "${CPACK_DEBIAN_LIBRARY_PACKAGE_NAME} (= ${PROJECT_VERSION}), \
+libjansson-dev, libgsl-dev, libnlopt-dev, libmd-dev, libexpat1-dev, libsqlite3-dev, libsuitesparse-dev, libsundials-dev")
 
 if(TARGET kmech_python)
   list(APPEND CPACK_COMPONENTS_ALL python)
