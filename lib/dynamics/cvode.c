@@ -21,13 +21,15 @@ struct km_cvode {
 };
 
 /* Of a hundred steps, as many whose functional iteration failed tell stiffness. */
-enum { STIFF_LOOK = 100, STIFF_FAILURES = 20 };
+enum { STIFF_LOOK = 100, STIFF_FAILURES = 50 };
 /* What rounding may make of a step, over the error allowed. */
 static const double most_blindness = 0.3, hopeless = 1e6;
 /* The longest step over a singular pose: radians or characteristic lengths. */
 static const double most_motion = 0.5;
 /* Steps that are made as they come where there was no such step. */
 enum { UNSEEING = 50 };
+/* The loops' error where forces are stiff. */
+static const double tightest = 1e-13;
 /* What an evaluation tells CVODE: to try a shorter step, or to stop. */
 enum { RETRY = 1, STOP = -1 };
 
@@ -76,6 +78,7 @@ static bool start(km_simulation *run, km_cvode *c) {
   if (run->def.max_step > 0.0 && CVodeSetMaxStep(c->memory, run->def.max_step))
     return false;
   if (run->stiff) {
+    run->dynamics->closing = tightest; /* its Jacobian is found by differences */
     c->matrix = SUNDenseMatrix(run->size, run->size, c->context);
     c->dense = c->matrix ? SUNLinSol_Dense(c->y, c->matrix, c->context) : NULL;
     return c->dense && !CVodeSetLinearSolver(c->memory, c->dense, c->matrix);

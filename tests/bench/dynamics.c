@@ -128,4 +128,5 @@ void bench_dynamics(void) {
   simulate("bricard", 100.0, 0.01, 1e-11, 0.0);
   simulate("excavator_drop", 10.0, 0.03, 1e-4, 0.03);
   simulate("excavator", 10.0, 0.03, 1e-4, 0.03);
+  simulate("vehicle_circle", 4.0, 0.1, 1e-4, 0.0);
 }

@@ -211,6 +211,46 @@ static void test_tire(void **data) {
   }
 }
 
+/* A wheel that is carried forwards at 10 m/s and sideways at `aside`, 20 kg on it: the carriage bears what the tyre pushes
+ * sideways, and how much it turns about the upright. */
+static char *carried_text(double aside) {
+  char *text = (char *)malloc(2500);
+  assert_non_null(text);
+  snprintf(
+      text, 2500,
+      "{\"model_parameters\": {\"gravity\": [0, 0, -9.81]}, \"assemblies\": [{\"name\": \"a\", \"bodies\": [{\"name\": "
+      "\"x\"}, {\"name\": \"y\"}, {\"name\": \"z\"}, {\"name\": \"wheel\", \"mass\": 20, \"moment_of_inertia\": {\"Ixx\": "
+      "0.5, \"Iyy\": 0.9, \"Izz\": 0.5}}], \"joints\": [{\"name\": \"X\", \"type\": \"Tx\", \"body_frame_pairs\": "
+      "[\"fixed\", \"x\"], \"prescribed\": {\"polynomial\": [0, 10]}}, {\"name\": \"Y\", \"type\": \"Ty\", "
+      "\"body_frame_pairs\": [\"x\", \"y\"], \"prescribed\": {\"polynomial\": [0, %.17g]}}, {\"name\": \"Z\", \"type\": "
+      "\"Tz\", \"body_frame_pairs\": [\"y\", \"z\"], \"initial_displacement\": 0.299019}, {\"name\": \"S\", \"type\": "
+      "\"Ry\", \"body_frame_pairs\": [\"z\", \"wheel\"], \"initial_velocity\": 33.4}], \"force_modules\": [{\"name\": \"t\", "
+      "\"type\": \"fiala_tire\", \"input\": {\"type\": \"frame\", \"body_frame_pair\": [\"fixed\", \"wheel\"]}, \"tire\": "
+      "{\"unloaded_radius\": 0.3, \"vertical_stiffness\": 200000, \"vertical_damping\": 2000, \"longitudinal_stiffness\": "
+      "50000, \"lateral_stiffness\": 4000, \"friction_peak\": 1, \"friction_sliding\": 0.9, \"relaxation_length_x\": 0.05, "
+      "\"relaxation_length_y\": 0.15}}]}]}",
+      aside);
+  return text;
+}
+
+/* Fiala: F_y = −μ F_z (1 − H³) sgn α with H = 1 − C_α |tan α|/(3 μ F_z), and −μ F_z past tan α = 3 μ F_z/C_α; μ by the
+ * slip. The lateral slip has settled after a few times 0.15 m. */
+static void test_tire_sideways(void **data) {
+  (void)data;
+  static const double sides[] = {0.5, -0.5, 1.2, 3.0};
+  for (size_t i = 0; i < sizeof sides / sizeof *sides; ++i) {
+    char *text = carried_text(sides[i]);
+    fixture f = fixture_read(text);
+    km_history h = run(&f, 2.0, 0.5, 1e-8);
+    double tangent = sides[i] / 10.0, mu = 1.0 - 0.1 * fabs(tangent), most = mu * 20.0 * 9.81;
+    double H = fmax(0.0, 1.0 - 4000.0 * fabs(tangent) / (3.0 * most));
+    assert_near(at_end(&h, "f.Y"), copysign(most * (1.0 - H * H * H), sides[i]), 1e-4 * most);
+    km_history_free(&h);
+    fixture_close(&f);
+    free(text);
+  }
+}
+
 /* A crossing is located to the integrator's accuracy, and one that stops ends the run there. */
 static void test_crossings(void **data) {
   (void)data;
@@ -334,6 +374,7 @@ int main(void) {
                                      cmocka_unit_test(test_constant_friction),
                                      cmocka_unit_test(test_stop),
                                      cmocka_unit_test(test_tire),
+                                     cmocka_unit_test(test_tire_sideways),
                                      cmocka_unit_test(test_linearised_oscillator),
                                      cmocka_unit_test(test_linearised_a02),
                                      cmocka_unit_test(test_inverse)};

@@ -127,8 +127,54 @@ static void test_folds(void **data) {
   }
 }
 
+/* In the table's last row. */
+static double last(const km_history *h, const char *column) {
+  int found = km_table_find(h->table, column);
+  assert_true(found >= 0);
+  return km_table_row(h->table, km_table_rows(h->table) - 1)[found];
+}
+
+static km_history history(fixture *f, double until) {
+  km_forces *forces;
+  km_history h;
+  km_history_def def = km_history_default(f->model);
+  def.until = def.every = until;
+  assert_int_equal(km_forces_create(f->mechanism, NULL, NULL, 0, &forces, NULL), KM_OK);
+  assert_int_equal(km_history_run(f->mechanism, forces, f->state, &def, &h, NULL), KM_OK);
+  km_forces_free(forces);
+  return h;
+}
+
+/* Porter's governor at a steady speed w: the balls hang (m + M)/m · g/w² below their pivot, the sleeve twice as low. */
+static void test_governor(void **data) {
+  (void)data;
+  fixture f = fixture_open("governor");
+  km_history h = history(&f, 10.0);
+  double w = 12.130539970747;
+  assert_near(last(&h, "q.S"), 0.6 - 2.0 * 3.0 * 9.81 / (w * w), 1e-8);
+  km_history_free(&h);
+  fixture_close(&f);
+}
+
+/* Section 7.4: three substructures; at 15 m/s with the rack at 1 cm a circle as wide as the steering makes it: the wheels'
+ * mean angle is about the rack's way over the arms' 0.14 m, and the tyres slip. */
+static void test_vehicle(void **data) {
+  (void)data;
+  fixture f = fixture_open("vehicle_circle");
+  assert_int_equal(f.mechanism->topology.substructure_count, 3);
+  km_history h = history(&f, 3.0);
+  double speed = hypot(last(&h, "v.A"), last(&h, "v.B")), radius = speed / fabs(last(&h, "v.F"));
+  assert_near(speed, 15.0, 0.1);
+  assert_true(radius > 2.78 / (0.01 / 0.14) && radius < 3.0 * 2.78 / (0.01 / 0.14));
+  assert_true(h.energy_error <= 1e-4 * h.energy_scale);
+  assert_true(last(&h, "q.D") < 0.0); /* it leans out of the bend, which is to the right */
+  km_history_free(&h);
+  fixture_close(&f);
+}
+
 int main(void) {
-  const struct CMUnitTest tests[] = {cmocka_unit_test(test_slider_crank), cmocka_unit_test(test_bricard),
-                                     cmocka_unit_test(test_excavator_drop), cmocka_unit_test(test_folds)};
+  const struct CMUnitTest tests[] = {cmocka_unit_test(test_slider_crank),   cmocka_unit_test(test_bricard),
+                                     cmocka_unit_test(test_excavator_drop), cmocka_unit_test(test_folds),
+                                     cmocka_unit_test(test_governor),       cmocka_unit_test(test_vehicle)};
   return cmocka_run_group_tests(tests, NULL, NULL);
 }
