@@ -131,7 +131,7 @@ async function design() {
     await page.keyboard.press("d");
     await page.evaluate((j) => kview.store.select({ kind: "joint", index: j }), joint);
     const fields = page.locator(".pivot input"), first = await page.evaluate(() => Array.from(kview.store.table.values[kview.store.table.values.length - 1]));
-    const at = Number(await fields.nth(0).inputValue());
+    const at = Number((await fields.nth(0).inputValue()).replace("−", "-"));
     await fields.nth(0).fill(String(at + 0.5));
     await fields.nth(0).press("Enter");
     await until(page, () => kview.store.model.edited);

@@ -197,7 +197,7 @@ export class Curves {
         { ...axis, size: 54 },
       ],
       series: [{}, ...lines.map((l) => ({ stroke: l.colour, width: l.width, dash: l.dash, points: { show: false }, label: l.label }))],
-      hooks: { draw: [(u) => this.drawOver(u, lines)] },
+      hooks: { draw: [(u) => this.drawOver(u, this.lines())] }, // of the table that is shown by then
     }, this.data(), this.place);
     this.plot.over.addEventListener("pointerdown", (e) => this.point(e));
     this.plot.over.addEventListener("pointermove", (e) => e.buttons && this.point(e));

@@ -195,7 +195,8 @@ export class Actors {
     return vector(model.frames[frame].T).applyMatrix4(bodyMatrix(pose, model.frames[frame].body));
   }
 
-  paint(look: Look, selected: { kind: string; index: number } | null, frames: boolean): void {
+  /** Colours; `over`: joints show through the bodies, where they are looked for. */
+  paint(look: Look, selected: { kind: string; index: number } | null, frames: boolean, over: boolean): void {
     const line = new Color(look.dark ? "#000" : "#222");
     const paint = (node: Object3D, colour: Color, on: boolean): void => {
       if (!(node instanceof Mesh)) return;
@@ -207,6 +208,10 @@ export class Actors {
       const on = selected?.kind === "body" && selected.index === b;
       group.children.forEach((child) => paint(child, new Color(look.bodyColour(b)), on));
     });
+    for (const mesh of this.joints) {
+      (mesh.material as MeshLambertMaterial).depthTest = !over;
+      mesh.renderOrder = over ? 2 : 0;
+    }
     this.joints.forEach((mesh, j) => paint(mesh, new Color(look.jointColour(j)), selected?.kind === "joint" && selected.index === j));
     for (const strut of this.rods) {
       paint(strut.barrel, new Color(look.jointColour(strut.joint)), false);

@@ -104,12 +104,23 @@ export class View {
     };
   }
 
+  /** Has the body another design than its file, so that its mesh no longer fits? Then it is drawn as a link. */
+  private isChanged(body: number): boolean {
+    const { model, first } = this.store;
+    return body > 0 && model.edited && model.frames.some((f, i) => f.body === body && f.T.some((x, k) => Math.abs(x - first[3 * i + k]) > 1e-9 * model.length));
+  }
+
+  /** Do joints show through bodies? Of planar mechanisms, and while pivots are dragged. */
+  private over(): boolean {
+    return this.store.mode === "design" || !!this.store.model.normal;
+  }
+
   private rebuild(): void {
     const { model, pose } = this.store;
     if (!pose || pose.q.length !== model.coordinates.length || pose.bodies.length !== 12 * model.bodies.length) return;
     const first = this.built !== model.name + model.bodies.length;
     const middle = this.actors.middle.clone(), size = this.actors.size;
-    this.actors.build(model, pose, this.patches);
+    this.actors.build(model, pose, this.patches.filter((p) => !this.isChanged(p.body)));
     this.labels.set(model.joints.length <= 400 ? model.joints.map((j) => j.label) : []);
     if (first) {
       this.built = model.name + model.bodies.length;
@@ -130,7 +141,7 @@ export class View {
     }
     this.actors.move(model, pose);
     model.joints.forEach((joint, j) => this.labels.place(j, this.actors.place(model, pose, joint.frames[1])));
-    if (this.store.colourBy === "mobility") this.actors.paint(this.look(), this.store.selection, this.store.frames);
+    if (this.store.colourBy === "mobility") this.actors.paint(this.look(), this.store.selection, this.store.frames, this.over());
     this.showMarks();
     this.draw();
   }
@@ -140,7 +151,7 @@ export class View {
     this.labels.node.hidden = !this.store.labels;
     const selected = this.store.selection;
     this.labels.emphasise(selected?.kind === "joint" ? selected.index : -1);
-    this.actors.paint(this.look(), selected, this.store.frames);
+    this.actors.paint(this.look(), selected, this.store.frames, this.over());
     this.showMarks();
     this.draw();
   }
@@ -302,7 +313,7 @@ export class View {
       if (!owner || hit.object.type === "LineSegments" || (owner.kind === "body" && owner.index === 0)) continue;
       if (!found) found = { ...owner, at: hit.point };
       // a joint's symbol is small: it wins over the link that hides it
-      if (owner.kind === "joint" && hit.distance - hits[0].distance < 12 * this.actors.thick) return { ...owner, at: hit.point };
+      if (owner.kind === "joint" && (this.over() || hit.distance - hits[0].distance < 12 * this.actors.thick)) return { ...owner, at: hit.point };
     }
     return found;
   }
