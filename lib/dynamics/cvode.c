@@ -20,8 +20,10 @@ struct km_cvode {
   long seen_failures, seen_steps; /* of the iteration, at the last look */
 };
 
-/* Of a hundred steps, as many whose functional iteration failed tell stiffness. */
-enum { STIFF_LOOK = 100, STIFF_FAILURES = 50 };
+/* Of a hundred steps, as many whose functional iteration failed tell stiffness; fewer steps than so many to the end are
+ * rather made by Adams' method, as each of BDF's costs a matrix. */
+static const double few_steps = 3e5;
+enum { STIFF_LOOK = 100, STIFF_FAILURES = 20 };
 /* What rounding may make of a step, over the error allowed. */
 static const double most_blindness = 0.3, hopeless = 1e6;
 /* The longest step over a singular pose: radians or characteristic lengths. */
@@ -132,7 +134,9 @@ static bool look_for_stiffness(km_simulation *run) {
   CVodeGetNumNonlinSolvConvFails(c->memory, &failures);
   if (steps - c->seen_steps < STIFF_LOOK)
     return true;
-  bool stiff = failures - c->seen_failures >= STIFF_FAILURES;
+  double h;
+  CVodeGetLastStep(c->memory, &h);
+  bool stiff = failures - c->seen_failures >= STIFF_FAILURES && run->def.end - run->time > few_steps * h;
   c->seen_steps = steps;
   c->seen_failures = failures;
   if (!stiff || run->stiff)

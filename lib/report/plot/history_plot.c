@@ -209,7 +209,10 @@ bool km_history_plot_make(const km_plotted_history *h, km_arena *arena, km_plot 
   add_joint_panels(&s, "q.", "coordinate");
   add_joint_panels(&s, "v.", "rate");
   add_drives(&s);
+  size_t before = s.panel_count;
   add_joint_panels(&s, "m.", "mobility number");
+  for (size_t p = before; p < s.panel_count; ++p)
+    s.panels[p].y_high = 1.0;
   add_energies(&s);
   add_marks(&s);
   return finish(&s, "Motion over time", out);

@@ -143,11 +143,14 @@ static bool y_in_degrees(const km_plot *plot, size_t panel) {
 
 static void fit_y(km_plot_layout *layout, const plot_range *y, double frame_height) {
   const km_plot *plot = layout->plot;
-  bool given = !plot->own_y && plot->y_low < plot->y_high && km_axis_takes(plot->y_low) && km_axis_takes(plot->y_high);
   size_t most = most_y_ticks(layout, frame_height);
-  for (size_t p = 0; p < plot->panel_count; p++)
-    layout->y[p] = given ? km_axis_fit(plot->y_low, plot->y_high, most, y_in_degrees(plot, p), false)
+  for (size_t p = 0; p < plot->panel_count; p++) {
+    double low = plot->own_y ? plot->panels[p].y_low : plot->y_low;
+    double high = plot->own_y ? plot->panels[p].y_high : plot->y_high;
+    bool given = low < high && km_axis_takes(low) && km_axis_takes(high);
+    layout->y[p] = given ? km_axis_fit(low, high, most, y_in_degrees(plot, p), false)
                          : km_axis_fit(y[p].low, y[p].high, most, y_in_degrees(plot, p), !plot->equal);
+  }
 }
 
 static bool has_y_multiplier(const km_plot_layout *layout) {

@@ -25,8 +25,9 @@ typedef struct km_plot_mark {
 } km_plot_mark;
 
 typedef struct km_plot_panel {
-  const char *title;   /* NULL: none */
-  const char *y_label; /* of a plot whose panels have their own y axes */
+  const char *title;    /* NULL: none */
+  const char *y_label;  /* of a plot whose panels have their own y axes */
+  double y_low, y_high; /* of its own y axis; both 0: fitted to the data */
   const km_plot_series *series;
   size_t series_count;
   const km_plot_mark *marks;
