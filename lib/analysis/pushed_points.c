@@ -65,7 +65,21 @@ bool km_pushes_by_force(const km_model *model, const km_handle *actuator) {
   return km_joint_is_length(model->joints[def->joint].type, def->index);
 }
 
+double km_actuator_most(const km_mechanism *m, const km_handle *actuator) {
+  bool joint = m && actuator && actuator->kind == KM_HANDLE_JOINT;
+  return joint && actuator->coordinate >= 0 && actuator->coordinate < m->coordinate_count
+             ? m->max_force[actuator->coordinate]
+             : HUGE_VAL;
+}
+
+bool km_actuator_passes(const km_mechanism *m, const km_handle *actuator, double force) {
+  return fabs(force) > (1.0 + 1e-9) * km_actuator_most(m, actuator);
+}
+
 void km_push_unit(const km_model *model, const km_handle *actuator, km_text *out) {
+  bool sound = model && actuator && actuator->coordinate < model->coordinate_count;
+  if (!sound || (actuator->kind == KM_HANDLE_JOINT && actuator->coordinate < 0))
+    return;
   if (actuator->kind == KM_HANDLE_POINT)
     km_text_add(out, model->units.force->suffix);
   else

@@ -75,13 +75,6 @@ static inline double km_actuator_scale(const km_mechanism *m, const km_statics *
   const km_handle *h = &st->actuators[actuator];
   return h->kind == KM_HANDLE_JOINT ? m->scale[h->coordinate] : 1.0 / m->length;
 }
-/* The largest force that the drive of an actuator can give; infinite: any, or a point. And is that less than a force? */
-static inline double km_actuator_most(const km_mechanism *m, const km_handle *actuator) {
-  return actuator->kind == KM_HANDLE_JOINT ? m->max_force[actuator->coordinate] : HUGE_VAL;
-}
-static inline bool km_actuator_passes(const km_mechanism *m, const km_handle *actuator, double force) {
-  return fabs(force) > (1.0 + 1e-9) * km_actuator_most(m, actuator);
-}
 /* Calls for every free coordinate between a point's body and the inertial frame in the tree. */
 typedef void (*km_mover_visit)(void *context, int coordinate, bool against);
 void km_point_each_mover(const km_mechanism *mechanism, const km_handle *point, km_mover_visit at, void *context);
@@ -91,8 +84,7 @@ km_status km_blocks_make(const km_mechanism *mechanism, km_statics *statics, km_
 /* work->row of every point, from work->twist; and the wrenches of points that hold, added to what is applied. */
 void km_pushed_points_update(const km_mechanism *mechanism, const km_forces *forces, km_statics *statics);
 void km_pushed_points_apply(const km_mechanism *mechanism, const km_forces *forces, km_statics *statics);
-/* "N", "N*mm": the unit of an actuator's force. Appended. Is it a force, not a torque? */
-void km_push_unit(const km_model *model, const km_handle *actuator, km_text *out);
+/* Is an actuator's force a force, not a torque? */
 bool km_pushes_by_force(const km_model *model, const km_handle *actuator);
 /* Space for the parts; false when out of memory. */
 bool km_holding_reserve(km_statics *statics);

@@ -279,6 +279,8 @@ void km_state_difference(const km_state *s, const km_substructure *sub, const do
 }
 
 bool km_coordinate_turns(const km_mechanism *m, int c) {
+  if (!m || c < 0 || c >= m->coordinate_count)
+    return false;
   const km_model_coordinate *def = &m->model->coordinates[c];
   km_joint_type type = m->model->joints[def->joint].type;
   return m->ball_of[c] < 0 && type != KM_SCREW && !km_joint_is_length(type, def->index);
@@ -359,6 +361,15 @@ void km_state_copy(const km_mechanism *m, km_state *to, const km_state *from) {
   memcpy(to->rate, from->rate, (size_t)m->coordinate_count * sizeof *to->rate);
   to->time = from->time;
   memcpy(to->ball, from->ball, (size_t)m->ball_count * sizeof *to->ball);
+}
+
+km_status km_state_assign(const km_mechanism *m, km_state *to, const km_state *from, km_error *error) {
+  km_status status = km_check_state(m, to, error);
+  if (!status)
+    status = km_check_state(m, from, error);
+  if (!status)
+    km_state_copy(m, to, from);
+  return status;
 }
 
 /* Of the numbers that are this coordinate in the file's unit, one with few digits where there is one: 30 degrees

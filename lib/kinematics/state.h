@@ -120,8 +120,6 @@ int km_state_limit_passed(const km_state *state, const km_substructure *sub, con
  * unit of the way's parameter, over h of it): a coordinate may turn outside its limit and come back. */
 int km_state_limit_touched(const km_state *state, const km_substructure *sub, const double *saved, const double *t0,
                            const double *t1, double h);
-/* Does a full turn of the coordinate bring the mechanism back? True for hinges, not for slides, screws, balls. */
-bool km_coordinate_turns(const km_mechanism *mechanism, int coordinate);
 /* Copies the coordinates of one state to another of the same model. */
 void km_state_copy(const km_mechanism *mechanism, km_state *to, const km_state *from);
 

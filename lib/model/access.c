@@ -132,3 +132,14 @@ km_status km_model_find_pose(const km_model *model, const char *name, int *pose,
   return km_fail(error, KM_USAGE, "\"%.80s\" names no pose; the nearest of %d are %s", name, model->pose_count,
                  km_nearest_text(&nearest, names));
 }
+
+bool km_model_coordinate_is_length(const km_model *model, int coordinate) {
+  if (!model || coordinate < 0 || coordinate >= model->coordinate_count)
+    return false;
+  const km_model_coordinate *c = &model->coordinates[coordinate];
+  return km_joint_is_length(model->joints[c->joint].type, c->index);
+}
+
+km_units km_model_units(const km_model *model) {
+  return model ? model->units : km_units_default();
+}

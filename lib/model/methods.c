@@ -1,6 +1,8 @@
 /* The methods of path studies: words, defaults, settings and their ranges. */
 #include "model/methods.h"
 
+#include "base/check.h"
+
 #include <math.h>
 #include <string.h>
 
@@ -66,6 +68,8 @@ km_method km_method_default(km_method_kind kind) {
 }
 
 km_status km_method_of_word(const char *word, km_method *out, km_error *error) {
+  if (!word || !out)
+    return km_check_given(false, word ? "place for the result" : "word", error);
   int kind = km_method_find(word);
   *out = km_method_default(kind < 0 ? KM_GREEDY : (km_method_kind)kind);
   if (strcmp(word, "pinv") == 0)
@@ -85,11 +89,15 @@ static const setting *find(const char *key) {
 }
 
 bool km_method_has(km_method_kind kind, const char *key) {
+  if (!key || (int)kind < 0 || kind >= KM_METHODS)
+    return false;
   const setting *s = find(key);
   return s && s->methods >> kind & 1u;
 }
 
 void km_method_owners(const char *key, km_text *out) {
+  if (!key || !out)
+    return;
   const setting *s = find(key);
   for (int k = 0; k < KM_METHODS && s; ++k)
     if (s->methods >> k & 1u)
@@ -120,6 +128,8 @@ static km_status out_of_range(const setting *s, double value, km_error *error) {
 }
 
 km_status km_method_set(km_method *m, const char *key, double value, km_error *error) {
+  if (!m || !key)
+    return km_check_given(false, key ? "method" : "setting", error);
   const setting *s = find(key);
   if (!s || s->kind == WORD)
     return km_fail(error, KM_USAGE, "\"%.40s\" is no setting that is a number", key);
@@ -134,6 +144,8 @@ km_status km_method_set(km_method *m, const char *key, double value, km_error *e
 }
 
 km_status km_method_set_leaf(km_method *m, const char *word, km_error *error) {
+  if (!m || !word)
+    return km_check_given(false, word ? "method" : "word", error);
   m->sum = strcmp(word, "sum") == 0;
   return m->sum || strcmp(word, "min") == 0
              ? KM_OK
@@ -153,6 +165,8 @@ static km_status check_branches(const km_method *m, const char **key, km_error *
 }
 
 km_status km_method_check(const km_method *m, const char **key, km_error *error) {
+  if (!m || !key)
+    return km_check_given(false, key ? "method" : "place for the setting", error);
   for (int i = 0; i < SETTINGS; ++i) {
     const setting *s = &settings[i];
     if (s->kind == WORD)

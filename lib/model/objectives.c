@@ -1,5 +1,7 @@
 /* Objectives and tasks by name. */
-#include "model/objectives.h"
+#include "kmech/track.h"
+
+#include "base/check.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -62,6 +64,8 @@ static km_status unknown(const char *word, km_error *error) {
 }
 
 km_status km_objective_add(km_objective *objective, const char *word, double weight, km_error *error) {
+  if (!objective || !word)
+    return km_check_given(false, word ? "objective" : "word", error);
   int kind = km_objective_find(word);
   if (!(fabs(weight) <= 1e6) || weight == 0.0)
     return km_fail(error, KM_USAGE, "expected a weight other than 0, of magnitude up to 1e6");
@@ -72,6 +76,8 @@ km_status km_objective_add(km_objective *objective, const char *word, double wei
 }
 
 km_status km_task_of_word(const char *word, km_task *out, km_error *error) {
+  if (!word || !out)
+    return km_check_given(false, word ? "place for the result" : "word", error);
   static const char *const tasks[] = {"pose", "position", "axis"};
   for (int k = 0; k < 3; ++k)
     if (strcmp(word, tasks[k]) == 0) {

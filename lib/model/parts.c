@@ -35,6 +35,10 @@ double km_model_body_mass(const km_model *model, int body, double center_of_mass
   return known ? model->bodies[body].mass : nan("");
 }
 
+const char *km_model_body_mesh(const km_model *model, int body) {
+  return model && is_one(body, model->body_count) ? model->bodies[body].mesh : NULL;
+}
+
 int km_model_joint_type(const km_model *model, int joint) {
   return model && is_one(joint, model->joint_count) ? (int)model->joints[joint].type : -1;
 }
@@ -84,4 +88,8 @@ km_hold km_model_hold_at(const km_model *model, int index) {
   if (!model || !is_one(index, model->hold_count))
     return (km_hold){-1, nan("")};
   return (km_hold){model->holds[index].coordinate, model->holds[index].value};
+}
+
+int km_model_sweep_coordinate(const km_model *model) {
+  return model ? model->sweep.coordinate : -1;
 }

@@ -14,11 +14,17 @@ static const km_unit forces[] = {{"newtons", "N", 1.0}, {"pounds-force", "lbf", 
 
 static const km_unit *const tables[KM_QUANTITIES] = {angles, lengths, masses, times, forces};
 
+static bool is_quantity(km_quantity quantity) {
+  return (int)quantity >= 0 && quantity < KM_QUANTITIES;
+}
+
 km_units km_units_default(void) {
   return (km_units){angles, lengths, masses, times, forces};
 }
 
 const char *km_quantity_name(km_quantity quantity) {
+  if (!is_quantity(quantity))
+    return "";
   static const char *const names[KM_QUANTITIES] = {"angle", "length", "mass", "time", "force"};
   return names[quantity];
 }
@@ -28,6 +34,8 @@ const km_unit *km_quantity_units(km_quantity quantity) {
 }
 
 const km_unit *km_unit_find(km_quantity quantity, const char *word) {
+  if (!is_quantity(quantity) || !word)
+    return NULL;
   for (const km_unit *unit = tables[quantity]; unit->word; ++unit)
     if (strcmp(unit->word, word) == 0 || strcmp(unit->suffix, word) == 0)
       return unit;
@@ -35,6 +43,8 @@ const km_unit *km_unit_find(km_quantity quantity, const char *word) {
 }
 
 const km_unit **km_units_slot(km_units *units, km_quantity quantity) {
+  if (!units || !is_quantity(quantity))
+    return NULL;
   const km_unit **slots[KM_QUANTITIES] = {&units->angle, &units->length, &units->mass, &units->time, &units->force};
   return slots[quantity];
 }
@@ -51,6 +61,8 @@ km_dimension km_dimension_power(km_dimension a, int n) {
 }
 
 double km_units_factor(const km_units *units, km_dimension d) {
+  if (!units || !units->angle || !units->length || !units->mass || !units->time || !units->force)
+    return nan("");
   return pow(units->angle->si, d.angle) * pow(units->length->si, d.length) * pow(units->mass->si, d.mass) *
          pow(units->time->si, d.time) * pow(units->force->si, d.force);
 }

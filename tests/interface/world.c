@@ -144,6 +144,7 @@ void world_open(world *w, world_kind kind) {
   w->messages = km_messages_create();
   w->record = km_value_add(&w->arena, NULL, NULL, KM_OBJECT);
   w->nearest.wanted = "a";
+  w->units = km_units_default();
   w->table = km_table_create();
   km_table_add_column(w->table, "a", "mm");
   km_table_add_row(w->table);

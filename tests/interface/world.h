@@ -57,6 +57,7 @@ typedef struct world {
   km_end_def end;
   km_messages *messages;
   km_text text;
+  km_units units;
   km_arena arena;
   km_value *record;
   km_nearest nearest;

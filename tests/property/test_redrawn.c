@@ -4,9 +4,9 @@
 #include "support/random_mechanism.h"
 
 #include "base/text.h"
-#include "exchange/json/draw.h"
 #include "exchange/json/json.h"
 #include "kmech/frames.h"
+#include "kmech/write.h"
 
 #include <math.h>
 #include <stdio.h>

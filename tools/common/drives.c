@@ -1,15 +1,13 @@
 /* What actuators must give beyond what their drives can. */
 #include "common/drives.h"
 
-#include "analysis/statics.h"
-
-void kt_tell_drive(const kt_common *common, const char *name, const km_mechanism *m, const km_handle *actuator,
+void kt_tell_drive(const kt_common *common, const char *name, const kt_pose *pose, const km_handle *actuator,
                    double force, const char *where) {
   km_text unit = {0};
-  if (!km_actuator_passes(m, actuator, force))
+  if (!km_actuator_passes(pose->mechanism, actuator, force))
     return;
-  km_push_unit(m->model, actuator, &unit);
+  km_push_unit(pose->model, actuator, &unit);
   kt_say(common, KM_WARNING, "%s: actuator %s must give %.6g %s%s, more than its max_force of %.6g", name,
-         actuator->name, force, unit.data ? unit.data : "", where, km_actuator_most(m, actuator));
+         actuator->name, force, unit.data ? unit.data : "", where, km_actuator_most(pose->mechanism, actuator));
   km_text_free(&unit);
 }

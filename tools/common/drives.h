@@ -2,11 +2,11 @@
 #ifndef KT_DRIVES_H
 #define KT_DRIVES_H
 
-#include "common/common.h"
+#include "common/pose.h"
 #include "kmech/statics.h"
 
 /* Warns where an actuator's force is more than its joint's max_force. `where`: " at 3 rad", or "". */
-void kt_tell_drive(const kt_common *common, const char *name, const km_mechanism *mechanism, const km_handle *actuator,
+void kt_tell_drive(const kt_common *common, const char *name, const kt_pose *pose, const km_handle *actuator,
                    double force, const char *where);
 
 #endif

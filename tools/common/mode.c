@@ -2,12 +2,12 @@
 #include "common/mode.h"
 
 #include "kmech/memory.h"
-#include "model/model.h"
+#include "kmech/parts.h"
 
 enum { STARTS = 300 };
 
 static km_status find_driver(const kt_texts *sets, const km_model *model, int *driver, km_error *error) {
-  *driver = model->sweep.coordinate;
+  *driver = km_model_sweep_coordinate(model);
   if (sets->count > 0) {
     const char *rest = sets->items[0];
     kt_piece label = kt_split(&rest, "=");
@@ -48,7 +48,7 @@ kt_exit kt_mode_take(const kt_common *common, const char *path, const kt_texts *
                      km_model_coordinate_label(pose->model, driver), modes.count == 1 ? "is only" : "are only",
                      modes.count, modes.count == 1 ? "" : "1 to ", modes.count);
   if (!status)
-    status = take(pose, modes.coordinates + (common->mode - 1) * pose->model->coordinate_count, &error);
+    status = take(pose, modes.coordinates + (common->mode - 1) * km_model_coordinate_count(pose->model), &error);
   km_modes_free(&modes);
   if (status)
     kt_say(common, KM_ERROR, "%s: %s", path, error.text);

@@ -3,17 +3,21 @@
 
 #include "common/mode.h"
 #include "kmech/memory.h"
+#include "kmech/parts.h"
 #include "kmech/sweep.h"
-#include "model/model.h"
+#include "kmech/units.h"
 
 /* The model's own holds, overridden by the command line's. */
 static kt_exit gather_holds(const kt_common *common, const km_model *model, const kt_texts *texts, kt_settings *out) {
-  if (model->hold_count) {
-    out->items = KM_NEW(kt_setting, (size_t)model->hold_count);
+  int count = km_model_hold_count(model);
+  if (count > 0) {
+    out->items = KM_NEW(kt_setting, (size_t)count);
     if (!out->items)
       return KT_INTERNAL;
-    for (int h = 0; h < model->hold_count; ++h)
-      out->items[out->count++] = (kt_setting){model->holds[h].coordinate, model->holds[h].value};
+    for (int h = 0; h < count; ++h) {
+      km_hold hold = km_model_hold_at(model, h);
+      out->items[out->count++] = (kt_setting){hold.coordinate, hold.value};
+    }
   }
   return kt_settings_add(common, model, "--hold", (char **)(size_t)texts->items, texts->count, out);
 }
@@ -51,7 +55,7 @@ static kt_exit reach(const kt_common *common, const char *path, const kt_setting
   else
     kt_detail(common, "%s: at its pose; held coordinates: %d, moved by --set: %d, characteristic length %g %s", path,
               holds->count, sets->count, km_mechanism_characteristic_length(out->mechanism, NULL),
-              out->model->units.length->suffix);
+              km_model_units(out->model).length->suffix);
   return kt_exit_of(status);
 }
 

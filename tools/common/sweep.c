@@ -19,7 +19,7 @@ static void tell_drives(kt_sweep_job *j, const km_statics_sweep *statics) {
     const km_force_event *largest = &statics->largest[i];
     char where[80];
     snprintf(where, sizeof where, " at %.6g%s", largest->s, km_sweep_unit(m, km_question_plan(j->question)));
-    kt_tell_drive(&j->common, j->name, m, &statics->actuators[i], largest->value, where);
+    kt_tell_drive(&j->common, j->name, &j->pose, &statics->actuators[i], largest->value, where);
   }
 }
 

@@ -1,9 +1,8 @@
 /* kmob convert: a checked model out. */
 #include "kmob/kmob.h"
 
-#include "exchange/json/convert.h"
-#include "exchange/json/draw.h"
 #include "kmech/memory.h"
+#include "kmech/parts.h"
 #include "kmech/write.h"
 
 typedef struct options {
@@ -16,11 +15,12 @@ typedef struct options {
 /* Meshes are files of their own, in the model's length unit. */
 static void tell_of_meshes(const options *o, const km_model *model, const km_units *units) {
   bool any = false;
-  for (int b = 1; b < model->body_count; ++b)
-    any = any || model->bodies[b].mesh;
-  if (any && units->length != model->units.length)
-    kt_say(&o->common, KM_WARNING, "%s: its meshes stay in %s; they need a scale of %g", o->model,
-           model->units.length->word, model->units.length->si / units->length->si);
+  const km_unit *own = km_model_units(model).length;
+  for (int b = 1; b <= km_model_body_count(model); ++b)
+    any = any || km_model_body_mesh(model, b);
+  if (any && units->length != own)
+    kt_say(&o->common, KM_WARNING, "%s: its meshes stay in %s; they need a scale of %g", o->model, own->word,
+           own->si / units->length->si);
 }
 
 /* A parameter has no dimension, so it can't follow the units, nor can the frames that a drawing becomes follow it. */
@@ -58,7 +58,7 @@ static kt_exit write_robot(const options *o, const kt_pose *pose, km_model_forma
 }
 
 static kt_exit convert_pose(const options *o, const kt_pose *pose) {
-  km_units units = pose->model->units;
+  km_units units = km_model_units(pose->model);
   kt_exit result = kmob_choose_units(&o->common, o->units, &units);
   if (result != KT_DONE)
     return result;
@@ -66,8 +66,9 @@ static kt_exit convert_pose(const options *o, const kt_pose *pose) {
   km_arena arena = {0};
   km_error error;
   const km_value *value = NULL;
-  double *q = KM_ARENA_NEW(&arena, double, (size_t)pose->model->coordinate_count);
-  for (int c = 0; q && c < pose->model->coordinate_count; ++c)
+  int count = km_model_coordinate_count(pose->model);
+  double *q = KM_ARENA_NEW(&arena, double, (size_t)count);
+  for (int c = 0; q && c < count; ++c)
     q[c] = km_state_coordinate(pose->state, c);
   if (q && format != KM_FORMAT_JSON) {
     result = write_robot(o, pose, format, q);

@@ -5,8 +5,8 @@
 #include "kmech/memory.h"
 #include "kmech/mobility.h"
 #include "kmech/motions.h"
+#include "kmech/units.h"
 #include "kmech/value.h"
-#include "model/model.h"
 #include "report/record/record.h"
 
 #include <string.h>
@@ -76,7 +76,8 @@ static void print_matrix(const double *M, int columns, km_text *out) {
 
 /* What a push along an axis of the inertial frame feels, a force or a torque. */
 static void print_masses(const km_model *model, const told *t, km_text *out) {
-  const char *mass = model->units.mass->suffix, *length = model->units.length->suffix;
+  km_units units = km_model_units(model);
+  const char *mass = units.mass->suffix, *length = units.length->suffix;
   km_text_format(out, "\nmass that a push along each axis feels, from rest (forces %s, torques %s*%s²)\n", mass, mass,
                  length);
   for (int r = 0; r < 6; ++r) {
@@ -91,15 +92,15 @@ static void print_masses(const km_model *model, const told *t, km_text *out) {
 static void print(const options *o, const km_model *model, const told *t, km_text *out) {
   const double *R = t->pose.R, *p = t->pose.p;
   km_text_format(out, "%s: frame %s at %.9g, %.9g, %.9g %s\n\naxes, as columns\n", o->request.model, o->frame, p[0],
-                 p[1], p[2], model->units.length->suffix);
+                 p[1], p[2], km_model_units(model).length->suffix);
   for (int r = 0; r < 3; ++r)
     km_text_format(out, "  %12.9f %12.9f %12.9f\n", R[3 * r], R[3 * r + 1], R[3 * r + 2]);
   km_text_format(out, "\ntwists of its %d motion%s, each of unit size (lengths in %s, angles in rad)\n", t->freedom,
-                 t->freedom == 1 ? "" : "s", model->units.length->suffix);
+                 t->freedom == 1 ? "" : "s", km_model_units(model).length->suffix);
   print_matrix(t->moving, t->freedom, out);
   km_text_add(out, "\nJacobian along the spanning tree, of");
   for (int c = 0; c < t->coordinates; ++c)
-    km_text_format(out, "%s %s", c ? "," : "", model->coordinates[c].label);
+    km_text_format(out, "%s %s", c ? "," : "", km_model_coordinate_label(model, c));
   km_text_add(out, "\n");
   print_matrix(t->J, t->coordinates, out);
   if (t->weighs)
@@ -126,7 +127,7 @@ static const km_value *record_of(const options *o, const kt_pose *pose, const to
     km_value_numbers(arena, R, NULL, t->pose.R + 3 * r, 3);
   km_value *labels = km_value_add(arena, record, "coordinates", KM_LIST);
   for (int c = 0; c < t->coordinates; ++c)
-    km_value_string(arena, labels, NULL, pose->model->coordinates[c].label);
+    km_value_string(arena, labels, NULL, km_model_coordinate_label(pose->model, c));
   add_matrix(record, "jacobian", t->J, t->coordinates, arena);
   add_matrix(record, "motions", t->moving, t->freedom, arena);
   if (t->weighs)

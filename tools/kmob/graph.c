@@ -2,7 +2,7 @@
 #include "kmob/kmob.h"
 
 #include "kmech/memory.h"
-#include "model/model.h"
+#include "kmech/parts.h"
 #include "report/drawing/graph.h"
 
 #include <errno.h>
@@ -44,10 +44,11 @@ static kt_exit describe(const options *o, km_text *dot) {
   km_model *model = kt_load(&o->common, o->model, &result);
   if (!model)
     return result;
-  km_hold *holds = KM_NEW(km_hold, (size_t)model->hold_count);
-  for (int h = 0; holds && h < model->hold_count; ++h)
-    holds[h] = (km_hold){model->holds[h].coordinate, model->holds[h].value};
-  km_status status = holds ? km_mechanism_compile(model, holds, model->hold_count, &mechanism, &error)
+  int count = km_model_hold_count(model);
+  km_hold *holds = KM_NEW(km_hold, (size_t)count);
+  for (int h = 0; holds && h < count; ++h)
+    holds[h] = km_model_hold_at(model, h);
+  km_status status = holds ? km_mechanism_compile(model, holds, count, &mechanism, &error)
                            : km_fail(&error, KM_MEMORY, "out of memory");
   kt_base_name(o->model, name, sizeof name);
   if (status)

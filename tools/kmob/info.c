@@ -2,7 +2,6 @@
 #include "kmob/kmob.h"
 
 #include "kmech/value.h"
-#include "model/model.h"
 #include "report/record/diagnosis_record.h"
 #include "report/record/mobility_record.h"
 
@@ -12,9 +11,9 @@ static void print_modes(const km_model *model, const km_modes *modes, int driver
                  modes->isolated ? "" : " (something still moves: these are samples)");
   for (int i = 0; i < modes->count; ++i) {
     km_text_format(out, "  %d:", i + 1);
-    for (int c = 0; c < model->coordinate_count; ++c)
-      km_text_format(out, "%s %s %.6g %s", c ? "," : "", model->coordinates[c].label,
-                     modes->coordinates[i * model->coordinate_count + c], km_model_coordinate_unit(model, c));
+    for (int c = 0; c < km_model_coordinate_count(model); ++c)
+      km_text_format(out, "%s %s %.6g %s", c ? "," : "", km_model_coordinate_label(model, c),
+                     modes->coordinates[i * km_model_coordinate_count(model) + c], km_model_coordinate_unit(model, c));
     km_text_add(out, "\n");
   }
 }
@@ -25,8 +24,9 @@ static void add_modes(const km_model *model, const km_modes *modes, int driver, 
   km_value *list = km_value_add(arena, record, "modes", KM_LIST);
   for (int i = 0; i < modes->count && !arena->failed; ++i) {
     km_value *mode = km_value_add(arena, list, NULL, KM_OBJECT);
-    for (int c = 0; c < model->coordinate_count; ++c)
-      km_value_number(arena, mode, model->coordinates[c].label, modes->coordinates[i * model->coordinate_count + c]);
+    for (int c = 0; c < km_model_coordinate_count(model); ++c)
+      km_value_number(arena, mode, km_model_coordinate_label(model, c),
+                      modes->coordinates[i * km_model_coordinate_count(model) + c]);
   }
 }
 

@@ -3,7 +3,7 @@
 #define KMOB_H
 
 #include "common/pose.h"
-#include "model/units.h"
+#include "kmech/units.h"
 
 kt_exit kmob_info(int argc, char **argv);
 kt_exit kmob_at(int argc, char **argv);

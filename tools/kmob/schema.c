@@ -1,13 +1,10 @@
 /* kmob schema: the formats of models and of studies of designs, for editors and for the guide. */
 #include "kmob/kmob.h"
 
-#include "exchange/json/format.h"
+#include "kmech/schema.h"
 
 #define FORMATS "json or markdown"
 #define FILES   "model or study"
-
-static const km_object_format *const formats[] = {&km_format_model, &km_format_designs};
-static const char *const titles[] = {"kmech model", "kmech study of designs"};
 
 kt_exit kmob_schema(int argc, char **argv) {
   kt_common common = KT_COMMON("kmob");
@@ -25,13 +22,13 @@ kt_exit kmob_schema(int argc, char **argv) {
   kt_options_read(&all, "The JSON schema of the model format, or of studies of designs.", argc, argv);
   if (markdown) {
     km_text text = {0};
-    km_format_markdown(formats[of], &text);
+    km_schema_markdown((km_schema)of, &text);
     kt_exit result = kmob_write_text(&common, file, &text);
     km_text_free(&text);
     return result;
   }
   km_arena arena = {0};
-  const km_value *schema = km_format_schema(formats[of], titles[of], &arena);
+  const km_value *schema = km_schema_record((km_schema)of, &arena);
   kt_exit result = schema ? kmob_write_value(&common, file, schema) : KT_INTERNAL;
   km_arena_free(&arena);
   return result;

@@ -3,7 +3,7 @@
 #define KMOB_STARTERS_H
 
 #include "kmech/text.h"
-#include "model/units.h"
+#include "kmech/units.h"
 
 /* The kinds, as options list them; a kind is its place there. */
 #define KMOB_KINDS "fourbar or slider-crank or cylinder or six-bar or parallel or arm"

@@ -2,7 +2,6 @@
 #include "kredund/kredund.h"
 
 #include "kmech/memory.h"
-#include "model/methods.h"
 
 #include <stdio.h>
 #include <string.h>

@@ -3,7 +3,6 @@
 
 #include "kmech/files.h"
 #include "kmech/memory.h"
-#include "model/objectives.h"
 
 #include <stdio.h>
 #include <string.h>

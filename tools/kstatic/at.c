@@ -52,8 +52,8 @@ static kt_exit run(const options *o, const kt_pose *pose) {
     km_statics_update(pose->mechanism, pose->state, km_question_forces(question), statics);
     tell_falls(o, pose, statics);
     for (int i = 0; i < statics->actuator_count; ++i)
-      kt_tell_drive(&o->request.common, o->request.model, pose->mechanism, &statics->actuators[i],
-                    statics->actuator_forces[i], "");
+      kt_tell_drive(&o->request.common, o->request.model, pose, &statics->actuators[i], statics->actuator_forces[i],
+                    "");
     result = describe(o, pose, statics);
     if (result == KT_DONE && !statics->held)
       result = KT_PARTIAL;

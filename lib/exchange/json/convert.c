@@ -1,6 +1,7 @@
 /* Writing a checked model back: every number in its unit, in the pose that is asked for. */
 #include "exchange/json/convert.h"
 
+#include "base/check.h"
 #include "exchange/json/built.h"
 
 #include "exchange/json/convert_drawn.h"
@@ -343,8 +344,25 @@ static void convert_parameters(const converter *c, const km_value *parameters, k
   }
 }
 
+km_status km_check_convert(const km_model *model, const km_units *units, const double *q, const km_arena *arena,
+                           const km_value **out, km_error *error) {
+  km_status status = km_check_given(model && arena, "model, or no arena", error);
+  if (!status)
+    status = km_check_given(units && units->angle && units->length && units->mass && units->time && units->force,
+                            "units", error);
+  if (!status)
+    status = km_check_given(out != NULL, "place for the result", error);
+  for (int c = 0; q && !status && c < model->coordinate_count; ++c)
+    if (!isfinite(q[c]))
+      status = km_fail(error, KM_USAGE, "found a displacement that is not finite");
+  return status;
+}
+
 km_status km_model_convert(const km_model *model, const km_units *units, const double *q, bool frames, km_arena *arena,
                            const km_value **out, km_error *error) {
+  km_status sound = km_check_convert(model, units, q, arena, out, error);
+  if (sound)
+    return sound;
   if (!model->origin)
     return km_built_convert(model, units, q, frames, arena, out, error);
   const km_value *given = model->origin->root;
@@ -373,5 +391,5 @@ km_status km_model_convert(const km_model *model, const km_units *units, const d
 }
 
 bool km_model_has_parameters(const km_model *model) {
-  return model->origin && km_value_get(model->origin->root, "parameters") != NULL;
+  return model && model->origin && km_value_get(model->origin->root, "parameters") != NULL;
 }

@@ -1,5 +1,5 @@
 /* Writing a model as drawings: which assemblies and joints can be drawn, and the tree around them. */
-#include "exchange/json/draw.h"
+#include "exchange/json/convert.h"
 
 #include "exchange/json/convert.h"
 #include "exchange/json/convert_drawn.h"
@@ -242,6 +242,9 @@ static bool is_drawn(const km_model *model, const double *q) {
 
 km_status km_model_draw(const km_model *model, const km_units *units, const double *q, km_messages *notes,
                         km_arena *arena, const km_value **out, km_error *error) {
+  km_status sound = km_check_convert(model, units, q, arena, out, error);
+  if (sound)
+    return sound;
   if (is_drawn(model, q))
     return km_model_convert(model, units, q, false, arena, out, error);
   km_arena own = {0};

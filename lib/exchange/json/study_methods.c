@@ -1,8 +1,8 @@
 /* Methods and objectives of a study. */
 #include "exchange/json/study.h"
 
+#include "kmech/track.h"
 #include "model/methods.h"
-#include "model/objectives.h"
 
 static void warn_of_others(km_study_reader *s, const km_value *method, const km_place *place, const km_method *m) {
   for (const km_value *v = method->first; v; v = v->next) {

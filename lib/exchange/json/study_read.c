@@ -3,7 +3,7 @@
 
 #include "base/check.h"
 #include "exchange/json/json.h"
-#include "model/objectives.h"
+#include "kmech/track.h"
 
 /* One call: what was there before it, so that it can be told what came with it. */
 typedef struct call {

@@ -72,6 +72,10 @@ KM_API double km_state_rate(const km_state *state, int coordinate);
 KM_API double km_state_acceleration(const km_state *state, int coordinate);
 KM_API km_status km_state_set_rate(const km_mechanism *mechanism, km_state *state, int coordinate, double rate,
                                    km_error *error);
+/* Copies coordinates, rates and time of one state to another of the same mechanism. KM_USAGE. O(coordinates). */
+KM_API km_status km_state_assign(const km_mechanism *mechanism, km_state *to, const km_state *from, km_error *error);
+/* Does a full turn of the coordinate bring the mechanism back? True for hinges, not for slides, screws, balls. */
+KM_API bool km_coordinate_turns(const km_mechanism *mechanism, int coordinate);
 KM_API double km_state_time(const km_state *state);
 KM_API km_status km_state_set_time(const km_mechanism *mechanism, km_state *state, double time, km_error *error);
 

@@ -98,6 +98,8 @@ KM_API int km_model_joint_freedom(const km_model *model, int joint, int *first);
 KM_API int km_model_coordinate_joint(const km_model *model, int coordinate);
 /* Limits in the coordinate's unit, minus or plus infinity where there is none. False if it has none at all. */
 KM_API bool km_model_coordinate_limits(const km_model *model, int coordinate, double *low, double *high);
+/* Is it a length, and not an angle? False if there is no such coordinate. */
+KM_API bool km_model_coordinate_is_length(const km_model *model, int coordinate);
 /* The model is to use this characteristic length (in its own length unit, > 0), that of another one that it is compared
  * with. To be called before the model is compiled. */
 KM_API void km_model_share_length(km_model *model, double length);

@@ -19,6 +19,8 @@ KM_API int km_model_body_assembly(const km_model *model, int body);
 /* Mass of a body, NaN if there is no such body, and its centre of mass in the body's frame (may be NULL). */
 KM_API double km_model_body_mass(const km_model *model, int body, double center_of_mass[3]);
 
+/* The file of a body's mesh, as its definition names it; NULL: it has none. Borrowed. */
+KM_API const char *km_model_body_mesh(const km_model *model, int body);
 /* A joint's type; -1: there is no such joint. The type's word as files write it: "Rz", "spherical" …; "". */
 KM_API int km_model_joint_type(const km_model *model, int joint);
 KM_API const char *km_joint_type_word(km_joint_type type);
@@ -36,6 +38,9 @@ KM_API int km_model_actuator(const km_model *model, int index);
 /* What the model keeps at values (analysis.hold): how many coordinates, and each of them; coordinate -1: there is none. */
 KM_API int km_model_hold_count(const km_model *model);
 KM_API km_hold km_model_hold_at(const km_model *model, int index);
+
+/* The coordinate that the model proposes to drive (analysis.sweep); -1: none. */
+KM_API int km_model_sweep_coordinate(const km_model *model);
 
 /* The substructure that a coordinate lies in, -1: in no loop and no coupling. And is it held in this mechanism? */
 KM_API int km_coordinate_substructure(const km_mechanism *mechanism, int coordinate);

@@ -4,6 +4,7 @@
 
 #include "kmech/advantage.h"
 #include "kmech/forces.h"
+#include "kmech/text.h"
 
 #ifdef __cplusplus
 extern "C" {
@@ -59,6 +60,13 @@ KM_API void km_statics_free(km_statics *statics);
  * With the actuators' forces where they hold the pose, else with f̄. Updates the forces too.
  * O(coordinates · (6 loops + couplings)²) a substructure; never allocates. */
 KM_API void km_statics_update(const km_mechanism *mechanism, km_state *state, km_forces *forces, km_statics *statics);
+
+/* Is a force more than the drive of an actuator can give, rounding aside? And that most: infinite where it can give any,
+ * as a point that is pushed. */
+KM_API bool km_actuator_passes(const km_mechanism *mechanism, const km_handle *actuator, double force);
+KM_API double km_actuator_most(const km_mechanism *mechanism, const km_handle *actuator);
+/* " N", " N*mm": the unit of an actuator's force. Appended. */
+KM_API void km_push_unit(const km_model *model, const km_handle *actuator, km_text *out);
 
 #ifdef __cplusplus
 }

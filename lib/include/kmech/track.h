@@ -5,6 +5,7 @@
 #include "kmech/path.h"
 #include "kmech/progress.h"
 #include "kmech/table.h"
+#include "kmech/text.h"
 
 #include <stdbool.h>
 
@@ -31,6 +32,10 @@ KM_API int km_objective_find(const char *word);               /* -1: none */
 typedef struct km_objective {
   double weight[KM_OBJECTIVES];
 } km_objective;
+/* Adds an objective of that name to a weighted sum. KM_USAGE: there is none, or it is no weight. */
+KM_API km_status km_objective_add(km_objective *objective, const char *word, double weight, km_error *error);
+/* What must follow the path: "pose", "position" or "axis". KM_USAGE: no task has that name. */
+KM_API km_status km_task_of_word(const char *word, km_task *out, km_error *error);
 KM_API km_objective km_objective_of(km_objective_kind kind);
 /* The only kind, if it has weight 1; -1: a weighted sum. */
 KM_API int km_objective_single(const km_objective *objective);
@@ -70,6 +75,18 @@ typedef struct km_method {
   int joint_count;
 } km_method;
 KM_API km_method km_method_default(km_method_kind kind);
+/* The default method of a word. KM_USAGE: there is none of that name; `out` is then greedy. */
+KM_API km_status km_method_of_word(const char *word, km_method *out, km_error *error);
+/* Has a method a setting of that name; and which methods have (appended: "dp, global"; nothing: it is no setting)? */
+KM_API bool km_method_has(km_method_kind kind, const char *key);
+KM_API void km_method_owners(const char *key, km_text *out);
+/* A setting that is a number, as a study writes it: angles in degrees. KM_USAGE: the value is out of the setting's range,
+ * or there is no such setting; the method stays as it is. */
+KM_API km_status km_method_set(km_method *method, const char *key, double value, km_error *error);
+/* What a leaf of look-ahead counts: "min" or "sum". KM_USAGE: another word. */
+KM_API km_status km_method_set_leaf(km_method *method, const char *word, km_error *error);
+/* KM_USAGE: a setting is out of its range, or doesn't fit the others; *key is then the setting. */
+KM_API km_status km_method_check(const km_method *method, const char **key, km_error *error);
 
 typedef enum km_track_stop {
   KM_TRACK_COMPLETE,

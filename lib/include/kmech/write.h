@@ -3,7 +3,8 @@
 #define KMECH_WRITE_H
 
 #include "kmech/bytes.h"
-#include "kmech/model.h"
+#include "kmech/units.h"
+#include "kmech/value.h"
 
 #ifdef __cplusplus
 extern "C" {
@@ -31,6 +32,25 @@ KM_API km_model_format km_model_format_of(const char *file);
  * bodies · joints. */
 KM_API km_status km_model_write_as(const km_model *model, km_model_format format, const double *q,
                                    km_messages *messages, km_bytes *out, km_error *error);
+
+/* The model as a tree in other units, version 1.0 or newer as the file, with the given initial displacements (q as above).
+ * Everything that was read is kept, left-out elements too. A drawing stays one where the pose is the drawn one; for another
+ * pose, or where `frames` asks for it, it is written as frames of the bodies. Expressions and parameters stay where both
+ * the units and the drawing do, else they become numbers. The tree and its text live in `arena`. KM_USAGE, KM_MEMORY. Cost:
+ * linear in the file. */
+KM_API km_status km_model_convert(const km_model *model, const km_units *units, const double *q, bool frames,
+                                  km_arena *arena, const km_value **out, km_error *error);
+/* The model as a tree whose assemblies are `drawn` in the pose q, in other units: the frames, centres of mass and inertias
+ * of their bodies stand where the inertial frame sees them, and joints are told by `bodies`, `at` and `axis` where that
+ * says all. A joint whose coordinates need whole frames (ball, float, universal and planar joints that are turned) keeps
+ * its pair of frames. Frames that only such joints named are left out. An assembly that can't be drawn keeps its frames,
+ * with a note in `notes` (may be NULL). Expressions become numbers, struts stay struts. Points are rounded to 1e-14 of the
+ * largest coordinate. A model that is drawn in this pose already is written as by km_model_convert, expressions and all.
+ * KM_NO_RESULT: no assembly can be drawn; KM_USAGE, KM_MEMORY. Cost: linear in the file. */
+KM_API km_status km_model_draw(const km_model *model, const km_units *units, const double *q, km_messages *notes,
+                               km_arena *arena, const km_value **out, km_error *error);
+/* Does the model's file name numbers by parameters? */
+KM_API bool km_model_has_parameters(const km_model *model);
 
 #ifdef __cplusplus
 }

@@ -1,0 +1,23 @@
+/* The formats by their names, for those who publish them. */
+#include "kmech/schema.h"
+
+#include "exchange/json/format.h"
+
+static const struct {
+  const km_object_format *format;
+  const char *title;
+} formats[KM_SCHEMAS] = {[KM_SCHEMA_MODEL] = {&km_format_model, "kmech model"},
+                         [KM_SCHEMA_DESIGNS] = {&km_format_designs, "kmech study of designs"}};
+
+static bool is_known(km_schema of) {
+  return (int)of >= 0 && of < KM_SCHEMAS;
+}
+
+const km_value *km_schema_record(km_schema of, km_arena *arena) {
+  return is_known(of) && arena ? km_format_schema(formats[of].format, formats[of].title, arena) : NULL;
+}
+
+void km_schema_markdown(km_schema of, km_text *out) {
+  if (is_known(of) && out)
+    km_format_markdown(formats[of].format, out);
+}
