@@ -54,7 +54,7 @@ static km_status plan_driver(const km_question *q, km_sweep_plan *plan, km_error
 static km_status plan_length(const km_question *q, km_sweep_plan *plan, km_error *error) {
   const km_option_value *length = km_question_motion_value(q, KM_MOTION_ARCLENGTH),
                         *direction = km_question_motion_value(q, KM_MOTION_DIRECTION),
-                        *branch = km_question_motion_value(q, KM_MOTION_BRANCH);
+                        *branch = km_question_motion_value(q, KM_MOTION_BRANCH_POINT);
   bool driven = is_set(q, KM_MOTION_JOINT) || is_set(q, KM_MOTION_RANGE);
   if (length && driven)
     return km_fail(error, KM_USAGE, "`arclength` %g: expected it without `joint` and `range`", length->numbers[0]);

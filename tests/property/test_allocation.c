@@ -13,9 +13,7 @@
 #include "report/plot/history_plot.h"
 #include "report/plot/question_plot.h"
 #include "report/record/designs_text.h"
-#include "report/record/history_record.h"
-#include "report/record/linear_record.h"
-#include "report/record/question_record.h"
+#include "kmech/records.h"
 
 #include <stdlib.h>
 #include <string.h>

@@ -6,7 +6,7 @@
 #include "kmech/advantage_sweep.h"
 #include "kmech/statics_sweep.h"
 #include "model/model.h"
-#include "report/record/csv.h"
+#include "kmech/records.h"
 
 #include <math.h>
 #include <string.h>

@@ -3,7 +3,7 @@
 
 #include "base/names.h"
 #include "exchange/json/json.h"
-#include "report/record/csv.h"
+#include "kmech/records.h"
 
 #include <float.h>
 #include <stdio.h>

@@ -5,7 +5,7 @@
 #include "kmech/statics_sweep.h"
 #include "report/document/advantage_report.h"
 #include "report/document/statics_report.h"
-#include "report/record/csv.h"
+#include "kmech/records.h"
 #include "report/record/mobility_record.h"
 
 #include <math.h>

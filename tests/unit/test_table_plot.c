@@ -4,7 +4,7 @@
 #include "base/nearest.h"
 #include "report/plot/parts.h"
 #include "report/plot/table_plot.h"
-#include "report/record/csv.h"
+#include "kmech/records.h"
 
 #include <float.h>
 #include <math.h>

@@ -3,7 +3,7 @@
 
 #include "base/memory.h"
 #include "base/text.h"
-#include "report/record/csv.h"
+#include "kmech/records.h"
 
 #include <math.h>
 #include <string.h>

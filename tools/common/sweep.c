@@ -5,9 +5,7 @@
 #include "kmech/parallel.h"
 #include "kmech/value.h"
 #include "report/plot/question_plot.h"
-#include "report/record/csv.h"
-#include "report/record/question_record.h"
-#include "report/record/sweep_text.h"
+#include "kmech/records.h"
 
 #include <stdio.h>
 #include <string.h>

@@ -2,7 +2,7 @@
 #include "kma/kma.h"
 
 #include "kmech/value.h"
-#include "report/record/advantage_record.h"
+#include "kmech/records.h"
 
 #include <math.h>
 

@@ -10,7 +10,7 @@
 #include "report/plot/film_plot.h"
 #include "report/plot/mobility_plot.h"
 #include "report/plot/sweep_strip.h"
-#include "report/record/sweep_text.h"
+#include "kmech/records.h"
 
 #include <math.h>
 

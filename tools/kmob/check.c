@@ -2,8 +2,7 @@
 #include "kmob/kmob.h"
 
 #include "kmech/value.h"
-#include "report/record/check_record.h"
-#include "report/record/mobility_record.h"
+#include "kmech/records.h"
 
 static kt_exit write_findings(const kmob_request *o, const kt_pose *pose, const km_findings *findings) {
   km_text out = {0};

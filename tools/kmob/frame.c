@@ -7,7 +7,7 @@
 #include "kmech/motions.h"
 #include "kmech/units.h"
 #include "kmech/value.h"
-#include "report/record/record.h"
+#include "kmech/records.h"
 
 #include <string.h>
 

@@ -2,8 +2,7 @@
 #include "kmob/kmob.h"
 
 #include "kmech/value.h"
-#include "report/record/diagnosis_record.h"
-#include "report/record/mobility_record.h"
+#include "kmech/records.h"
 
 static void print_modes(const km_model *model, const km_modes *modes, int driver, km_text *out) {
   km_text_format(out, "\n%s assembly mode%s with %s where it is%s\n", modes->count == 1 ? "one" : "different",

@@ -5,7 +5,7 @@
 #include "kmech/memory.h"
 #include "kmech/nearest.h"
 #include "report/plot/table_plot.h"
-#include "report/record/csv.h"
+#include "kmech/records.h"
 
 #include <string.h>
 

@@ -4,7 +4,7 @@
 #include "kinematics/poses.h"
 #include "kmech/memory.h"
 #include "kmech/value.h"
-#include "report/record/csv.h"
+#include "kmech/records.h"
 #include "report/record/track_record.h"
 
 #include <string.h>

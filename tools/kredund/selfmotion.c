@@ -3,7 +3,7 @@
 
 #include "kmech/value.h"
 #include "report/plot/motion_map_plot.h"
-#include "report/record/csv.h"
+#include "kmech/records.h"
 
 #include <string.h>
 

@@ -5,7 +5,7 @@
 #include "kmech/value.h"
 #include "report/plot/motion_map_plot.h"
 #include "report/plot/track_plot.h"
-#include "report/record/csv.h"
+#include "kmech/records.h"
 
 #include <stdio.h>
 #include <string.h>

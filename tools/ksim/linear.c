@@ -4,8 +4,8 @@
 #include "kmech/linear.h"
 #include "kmech/memory.h"
 #include "kmech/value.h"
+#include "kmech/records.h"
 #include "model/model.h"
-#include "report/record/linear_record.h"
 
 #include <stdio.h>
 #include <string.h>

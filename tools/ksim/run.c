@@ -4,7 +4,7 @@
 #include "kmech/memory.h"
 #include "model/model.h"
 #include "report/plot/history_plot.h"
-#include "report/record/history_record.h"
+#include "kmech/records.h"
 
 #include <math.h>
 #include <stdio.h>

@@ -3,7 +3,7 @@
 
 #include "kmech/memory.h"
 #include "kmech/value.h"
-#include "report/record/csv.h"
+#include "kmech/records.h"
 
 #include <math.h>
 #include <string.h>

@@ -4,7 +4,7 @@
 #include "kstatic/kstatic.h"
 
 #include "kmech/value.h"
-#include "report/record/statics_record.h"
+#include "kmech/records.h"
 
 typedef struct options {
   kt_request request;

@@ -3,7 +3,7 @@
 
 #include "kmech/files.h"
 #include "kmech/memory.h"
-#include "report/record/csv.h"
+#include "kmech/records.h"
 
 #include <stdio.h>
 #include <string.h>

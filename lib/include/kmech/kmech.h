@@ -40,6 +40,7 @@
 #include "kmech/plane.h"
 #include "kmech/progress.h"
 #include "kmech/question.h"
+#include "kmech/records.h"
 #include "kmech/redundancy.h"
 #include "kmech/schema.h"
 #include "kmech/selfmotion.h"

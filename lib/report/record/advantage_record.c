@@ -1,6 +1,8 @@
 /* Mechanical advantage, at a pose and over a sweep, as a record and as text. */
 #include "report/record/advantage_record.h"
 
+#include "kinematics/state.h"
+
 #include "report/record/sweep_text.h"
 #include "report/record/transmission_record.h"
 #include "topology/mechanism.h"
@@ -19,9 +21,17 @@ static void add_losses(const km_losses *losses, const km_advantage *a, km_value 
     km_value_number(arena, item, "locks_from", losses->locks_from);
 }
 
+/* Does an end name something of this mechanism? */
+static bool fits(const km_mechanism *m, const km_handle *h) {
+  return h->name && (h->kind != KM_HANDLE_JOINT || (h->coordinate >= 0 && h->coordinate < m->coordinate_count));
+}
+
 km_value *km_advantage_record(const km_mechanism *m, const km_state *s, const km_handle *input, const km_handle *output,
                               const km_advantage *a, const km_transmission *t, const km_losses *losses,
                               const char *name, km_arena *arena) {
+  if (km_check_state(m, s, NULL) || !input || !output || !a || !t || !losses || !name || !arena || !fits(m, input) ||
+      !fits(m, output))
+    return NULL;
   km_value *record = km_record_head(m, "kma", name, arena);
   const char *unit = km_advantage_unit(m->model, input, output);
   km_value_string(arena, record, "input", input->name);
@@ -62,6 +72,8 @@ void km_advantage_words(const km_mechanism *m, const km_handle *input, const km_
 
 void km_advantage_print(const km_mechanism *m, const km_handle *input, const km_handle *output, const km_advantage *a,
                         const km_transmission *t, const km_losses *losses, const char *name, km_text *out) {
+  if (!m || !input || !output || !a || !t || !losses || !name || !out || !fits(m, input) || !fits(m, output))
+    return;
   const char *unit = km_advantage_unit(m->model, output, input);
   km_text_format(out, "%s: %s over %s\n  ", name, input->name, output->name);
   km_advantage_words(m, input, output, a, out);

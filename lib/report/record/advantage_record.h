@@ -5,17 +5,10 @@
 #include "base/text.h"
 #include "kmech/advantage_sweep.h"
 #include "kmech/losses.h"
+#include "kmech/records.h"
 #include "kmech/transmission.h"
 #include "report/record/record.h"
 
-/* What `kma at` gives (cli.md). NULL when out of memory (arena->failed). */
-km_value *km_advantage_record(const km_mechanism *mechanism, const km_state *state, const km_handle *input,
-                              const km_handle *output, const km_advantage *advantage,
-                              const km_transmission *transmission, const km_losses *losses, const char *name,
-                              km_arena *arena);
-void km_advantage_print(const km_mechanism *mechanism, const km_handle *input, const km_handle *output,
-                        const km_advantage *advantage, const km_transmission *transmission, const km_losses *losses,
-                        const char *name, km_text *out);
 /* What `kma sweep --format json` gives, and a summary to act on. */
 km_value *km_advantage_sweep_record(const km_mechanism *mechanism, const km_advantage_sweep *sweep,
                                     const char *stopped_by, const char *name, km_arena *arena);

@@ -1,8 +1,10 @@
 /* Findings of a check as a record and as text. */
-#include "report/record/check_record.h"
+#include "kmech/records.h"
 
 /* Faults first; of one severity in the order in which they were found. */
 void km_findings_print(const km_findings *f, const char *name, km_text *out) {
+  if (!f || !name || !out)
+    return;
   if (f->count == 0) {
     km_text_format(out, "%s: nothing suspicious\n", name);
     return;
@@ -21,6 +23,8 @@ void km_findings_print(const km_findings *f, const char *name, km_text *out) {
 }
 
 void km_findings_record(const km_findings *f, km_value *record, km_arena *arena) {
+  if (!f || !record || !arena)
+    return;
   km_value *list = km_value_add(arena, record, "findings", KM_LIST);
   for (size_t i = 0; i < f->count && !arena->failed; ++i) {
     km_value *item = km_value_add(arena, list, NULL, KM_OBJECT);

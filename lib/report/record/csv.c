@@ -1,5 +1,5 @@
 /* Tables as comma-separated values. */
-#include "report/record/csv.h"
+#include "kmech/records.h"
 
 #include "base/check.h"
 #include "base/file.h"
@@ -22,6 +22,8 @@ static void write_field(const char *name, const char *unit, km_text *out) {
 }
 
 void km_csv_write(const km_table *table, km_text *out) {
+  if (!table || !out)
+    return;
   size_t columns = km_table_columns(table);
   for (size_t c = 0; c < columns; ++c) {
     if (c)

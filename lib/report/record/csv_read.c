@@ -1,6 +1,7 @@
 /* Reads tables of comma-separated values. */
-#include "report/record/csv.h"
+#include "kmech/records.h"
 
+#include "base/check.h"
 #include "base/memory.h"
 #include "model/units.h"
 
@@ -180,6 +181,8 @@ static km_status read_all(sheet *s) {
 }
 
 km_status km_csv_read(const km_text *text, const char *file, km_table **out, km_error *error) {
+  if (!text || !out)
+    return km_check_given(false, text ? "place for the result" : "text of a table", error);
   const char *data = text->data ? text->data : "";
   sheet s = {file, data, data + text->size, 1, {0}, km_table_create(), error};
   km_status status = s.table ? read_all(&s) : km_fail(error, KM_MEMORY, "out of memory for a table");
@@ -202,6 +205,8 @@ static bool is_called(const km_table *table, size_t column, const char *wanted, 
 }
 
 int km_csv_find(const km_table *table, const char *name) {
+  if (!table || !name)
+    return -1;
   for (int whole = 1; whole >= 0; --whole)
     for (size_t c = 0; c < km_table_columns(table); ++c)
       if (is_called(table, c, name, whole))

@@ -79,6 +79,8 @@ static void print_idle(const km_mechanism *m, const km_diagnosis *d, km_text *ou
 }
 
 void km_diagnosis_record(const km_mechanism *m, const km_diagnosis *d, km_value *record, km_arena *arena) {
+  if (!m || !d || !record || !arena)
+    return;
   if (d->finite.undecided)
     km_value_add(arena, record, "finite_mobility", KM_NULL);
   else
@@ -146,6 +148,8 @@ static void print_redundancies(const km_mechanism *m, const km_redundancies *fou
 }
 
 void km_diagnosis_print(const km_mechanism *m, const km_diagnosis *d, bool all, km_text *out) {
+  if (!m || !d || !out)
+    return;
   print_finite(&d->finite, out);
   print_idle(m, d, out);
   print_redundancies(m, &d->redundancies, all, out);

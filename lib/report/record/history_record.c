@@ -1,5 +1,5 @@
 /* The record of a simulation, key by key. */
-#include "report/record/history_record.h"
+#include "kmech/records.h"
 
 #include "report/record/record.h"
 #include "topology/mechanism.h"
@@ -20,6 +20,8 @@ static void add_events(const km_model *model, const km_history_def *def, const k
 
 const km_value *km_history_record(const km_mechanism *m, const km_history_def *def, const km_history *h,
                                   const char *stopped_by, const char *name, km_arena *arena) {
+  if (!m || !def || !h || !stopped_by || !name || !arena)
+    return NULL;
   km_value *record = km_record_head(m, "ksim run", name, arena);
   km_value_number(arena, record, "steps", (double)h->figures.steps);
   km_value_number(arena, record, "evaluations", (double)h->figures.evaluations);
@@ -39,6 +41,8 @@ const km_value *km_history_record(const km_mechanism *m, const km_history_def *d
 
 const km_value *km_inverse_record(const km_mechanism *m, const km_history *h, const char *stopped_by, const char *name,
                                   km_arena *arena) {
+  if (!m || !h || !stopped_by || !name || !arena)
+    return NULL;
   km_value *record = km_record_head(m, "ksim inverse", name, arena);
   km_value_number(arena, record, "worst_loop_error", h->worst_loop);
   km_table_record(h->table, record, arena);

@@ -1,5 +1,7 @@
 /* Linearised equations of motion: text, record and MATLAB's file. */
-#include "report/record/linear_record.h"
+#include "kmech/records.h"
+
+#include "kinematics/state.h"
 
 #include "report/record/record.h"
 #include "topology/mechanism.h"
@@ -36,6 +38,8 @@ static void add_movers(const km_mechanism *m, const km_linear *l, int k, km_text
 
 /* Pairs of conjugate eigenvalues are one line. */
 void km_linear_print(const km_mechanism *m, const km_linear *l, km_text *out) {
+  if (!m || !l || l->coordinate_count != m->coordinate_count || !out)
+    return;
   double second = m->model->units.time->si, largest = 0.0;
   for (int k = 0; k < 2 * l->freedom; ++k)
     largest = fmax(largest, hypot(l->real[k], l->imaginary[k]) / second);
@@ -68,6 +72,8 @@ static void add_matrix(const double *matrix, int rows, int columns, const char *
 
 const km_value *km_linear_record(const km_mechanism *m, const km_state *s, const km_linear *l, const char *tool,
                                  const char *name, km_arena *arena) {
+  if (km_check_state(m, s, NULL) || !l || l->coordinate_count != m->coordinate_count || !tool || !name || !arena)
+    return NULL;
   km_value *record = km_record_head(m, tool, name, arena);
   km_value_number(arena, record, "freedom", l->freedom);
   km_value *independent = km_value_add(arena, record, "independent", KM_LIST);
@@ -99,6 +105,8 @@ static void add_mat(const char *name, const double *values, int rows, int column
 }
 
 void km_linear_mat(const km_linear *l, km_text *out) {
+  if (!l || !out)
+    return;
   int size = 2 * l->freedom;
   add_mat("A", l->A, size, size, out);
   add_mat("B", l->B, size, l->coordinate_count, out);
@@ -108,6 +116,8 @@ void km_linear_mat(const km_linear *l, km_text *out) {
 }
 
 void km_matrix_csv(const double *matrix, int rows, int columns, km_text *out) {
+  if (!matrix || !out)
+    return;
   for (int r = 0; r < rows; ++r) {
     for (int c = 0; c < columns; ++c) {
       if (c)

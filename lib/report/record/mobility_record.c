@@ -1,6 +1,8 @@
 /* Mobility, at a pose and over a sweep, as a record. */
 #include "report/record/mobility_record.h"
 
+#include "kinematics/state.h"
+
 #include "kmech/plane.h"
 #include "report/record/diagnosis_record.h"
 #include "report/record/singularities.h"
@@ -77,6 +79,8 @@ static void add_plane(const km_mechanism *m, const km_state *s, const km_mobilit
 
 km_value *km_mobility_record(const km_mechanism *m, const km_state *s, const km_mobility *mobility, const char *name,
                              km_arena *arena) {
+  if (km_check_state(m, s, NULL) || !mobility || !name || !arena)
+    return NULL;
   const km_model *model = m->model;
   km_value *record = km_record_head(m, "kmob", name, arena);
   km_value_number(arena, record, "bodies", model->body_count - 1);

@@ -3,16 +3,10 @@
 #define KM_REPORT_RECORD_MOBILITY_RECORD_H
 
 #include "kmech/mobility_sweep.h"
+#include "kmech/records.h"
 #include "kmech/sweep_redundancy.h"
 #include "report/record/record.h"
 #include "report/record/sweep_text.h"
-
-/* What `kmob info` and `kmob at` give (cli.md). NULL when out of memory (arena->failed). */
-km_value *km_mobility_record(const km_mechanism *mechanism, const km_state *state, const km_mobility *mobility,
-                             const char *name, km_arena *arena);
-/* The same for people; `verbose` adds the evidence of each rank. */
-void km_mobility_print(const km_mechanism *mechanism, const km_state *state, const km_mobility *mobility,
-                       const char *name, bool verbose, km_text *out);
 
 /* What `kmob sweep --format json` gives. */
 km_value *km_mobility_sweep_record(const km_mechanism *mechanism, const km_mobility_sweep *sweep,

@@ -1,6 +1,8 @@
 /* Mobility analyses in words and tables for a terminal. */
 #include "report/record/mobility_record.h"
 
+#include "kinematics/state.h"
+
 #include "kmech/plane.h"
 #include "report/record/singularities.h"
 #include "topology/mechanism.h"
@@ -77,6 +79,8 @@ static void print_coordinates(const km_mechanism *m, const km_state *s, km_text 
 
 void km_mobility_print(const km_mechanism *m, const km_state *s, const km_mobility *mobility, const char *name,
                        bool verbose, km_text *out) {
+  if (km_check_state(m, s, NULL) || !mobility || !name || !out)
+    return;
   const km_model *model = m->model;
   const km_topology *t = &m->topology;
   km_text_format(out, "%s: %d bod%s, %d joint%s with %d coordinate%s, %d loop%s, %d substructure%s\n", name,

@@ -1,12 +1,15 @@
 /* Finds the record and the summary of each kind of question. */
-#include "report/record/question_record.h"
+#include "kmech/records.h"
 
+#include "analysis/question.h"
 #include "report/record/advantage_record.h"
 #include "report/record/mobility_record.h"
 #include "report/record/statics_record.h"
 
 km_value *km_question_record(const km_question *q, const km_mechanism *m, const char *stopped_by, const char *name,
                              km_arena *arena) {
+  if (!q || !m || q->m != m || !stopped_by || !name || !arena)
+    return NULL;
   if (km_question_mobility(q))
     return km_mobility_sweep_record(m, km_question_mobility(q), km_question_redundancies(q), stopped_by, name, arena);
   if (km_question_advantage(q))
@@ -17,6 +20,8 @@ km_value *km_question_record(const km_question *q, const km_mechanism *m, const 
 }
 
 void km_question_print(const km_question *q, const km_mechanism *m, const char *name, km_text *out) {
+  if (!q || !m || q->m != m || !name || !out)
+    return;
   const km_sweep_plan *plan = km_question_plan(q);
   if (km_question_mobility(q))
     km_mobility_sweep_print(m, plan, km_question_mobility(q), km_question_redundancies(q), name, out);

@@ -5,6 +5,8 @@
 #include "topology/mechanism.h"
 
 km_value *km_record_head(const km_mechanism *m, const char *tool, const char *name, km_arena *arena) {
+  if (!m || !tool || !name || !arena)
+    return NULL;
   const km_model *model = m->model;
   km_value *record = km_value_add(arena, NULL, NULL, KM_OBJECT);
   km_value_string(arena, record, "kmech", KM_VERSION);

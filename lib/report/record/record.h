@@ -3,10 +3,9 @@
 #define KM_REPORT_RECORD_RECORD_H
 
 #include "base/value.h"
+#include "kmech/records.h"
 #include "kmech/sweep_plan.h"
 
-/* The head that every record starts with: kmech, tool, model, model_sha256, units, characteristic_length. */
-km_value *km_record_head(const km_mechanism *mechanism, const char *tool, const char *name, km_arena *arena);
 /* `columns` and `rows`. */
 void km_table_record(const km_table *table, km_value *record, km_arena *arena);
 /* How the mechanism moved: branch_points, cycle, complete, stopped_by. */

@@ -1,6 +1,8 @@
 /* The balance of forces, at a pose and over a sweep, as a record and as text. */
 #include "report/record/statics_record.h"
 
+#include "kinematics/state.h"
+
 #include "analysis/statics.h"
 #include "report/record/sweep_text.h"
 #include "topology/mechanism.h"
@@ -52,6 +54,8 @@ static void add_excess(const km_mechanism *m, const km_handle *actuators, const 
 
 km_value *km_statics_record(const km_mechanism *m, const km_state *s, const km_statics *st, const char *name,
                             km_arena *arena) {
+  if (km_check_state(m, s, NULL) || !st || !st->work || st->work->mechanism != m || !name || !arena)
+    return NULL;
   km_value *record = km_record_head(m, "kstatic", name, arena);
   km_value_boolean(arena, record, "held", st->held);
   add_directions(m, st, record, arena);
@@ -77,6 +81,9 @@ km_value *km_statics_record(const km_mechanism *m, const km_state *s, const km_s
 
 /* The fastest joints of a motion, three at most. */
 void km_direction_words(const km_mechanism *m, const km_statics *st, int direction, km_text *out) {
+  if (!m || !st || !st->work || st->work->mechanism != m || !out || direction < 0 || direction >= st->direction_count ||
+      direction >= KM_MOST_DIRECTIONS)
+    return;
   enum { MOST_NAMED = 4 };
   const double *rates = st->directions + (size_t)direction * (size_t)m->coordinate_count;
   double last = HUGE_VAL;
@@ -201,6 +208,8 @@ static void print_reactions(const km_mechanism *m, const km_statics *st, int wid
 }
 
 void km_statics_print(const km_mechanism *m, const km_statics *st, const char *name, km_text *out) {
+  if (!m || !st || !st->work || st->work->mechanism != m || !name || !out)
+    return;
   int width = km_widest_label(m->model);
   km_text_format(
       out, "%s: %s\n", name,

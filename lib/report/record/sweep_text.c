@@ -1,6 +1,7 @@
 /* What every sweep says for people, and pieces of text that reports share. */
 #include "report/record/sweep_text.h"
 
+#include "base/check.h"
 #include "topology/mechanism.h"
 
 #include <string.h>
@@ -46,6 +47,9 @@ static void held_words(const km_mechanism *m, int substructure, km_text *out) {
 }
 
 const char *km_sweep_unit(const km_mechanism *m, const km_sweep_plan *plan) {
+  if (!m || !plan ||
+      (plan->arclength <= 0.0 && km_check_index(plan->coordinate, m->coordinate_count, "coordinate", NULL)))
+    return "";
   static const char *const units[] = {" rad", " deg", " m", " mm", " cm", " in"};
   for (size_t i = 0; i < sizeof units / sizeof *units && plan->arclength <= 0.0; ++i)
     if (strcmp(units[i] + 1, km_model_coordinate_unit(m->model, plan->coordinate)) == 0)
@@ -90,7 +94,18 @@ static void print_end(const km_mechanism *m, const km_sweep_plan *plan, const km
     stop_reason(m, plan, sweep, &sweep->end, out);
 }
 
+/* Was the motion one of this mechanism, by all that its end names? */
+static bool fits(const km_mechanism *m, const km_sweep_plan *plan, const km_reach *reach) {
+  bool follows = plan->arclength > 0.0;
+  bool driven = follows || (plan->coordinate >= 0 && plan->coordinate < m->coordinate_count);
+  bool limit = reach->stop != KM_STOP_LIMIT || (reach->coordinate >= 0 && reach->coordinate < m->coordinate_count);
+  bool toggle = reach->stop != KM_STOP_TOGGLE || follows || reach->substructure < m->topology.substructure_count;
+  return driven && limit && toggle;
+}
+
 void km_sweep_stop_text(const km_mechanism *m, const km_sweep_plan *plan, const km_sweep *sweep, km_text *out) {
+  if (!m || !plan || !sweep || !out || !fits(m, plan, &sweep->start) || !fits(m, plan, &sweep->end))
+    return;
   if (sweep->start.stop)
     print_start(m, plan, sweep, out);
   if (plan->arclength > 0.0 && plan->cycle && sweep->cycle == 0.0 && !sweep->end.stop)

@@ -3,6 +3,7 @@
 #define KM_REPORT_RECORD_SWEEP_TEXT_H
 
 #include "base/text.h"
+#include "kmech/records.h"
 #include "kmech/sweep_plan.h"
 
 const char *km_plural(int count); /* "" or "s" */
@@ -11,11 +12,7 @@ void km_text_padded(const char *label, int width, km_text *out);
 int km_widest_label(const km_model *model);
 /* The labels of a substructure's joints, each after a blank. */
 void km_joints_print(const km_mechanism *mechanism, int substructure, km_text *out);
-/* " mm", or nothing for an arc length. */
-const char *km_sweep_unit(const km_mechanism *mechanism, const km_sweep_plan *plan);
 
-/* Why the sweep ended where it did, in words: empty where the whole range was reached. */
-void km_sweep_stop_text(const km_mechanism *mechanism, const km_sweep_plan *plan, const km_sweep *sweep, km_text *out);
 /* The first lines of a summary: range, mobility, cycle and branch points. */
 void km_sweep_print(const km_mechanism *mechanism, const km_sweep_plan *plan, const km_sweep *sweep, const char *name,
                     km_text *out);
