@@ -140,7 +140,7 @@ void km_mjcf_attach(km_mjcf *m, const km_xml *attach, const km_mjcf_place *place
   km_names_free(&child.mesh_names);
 }
 
-/* Do all names of a constraint or an actuator mean something that was attached? */
+/* Do all names of a constraint or an actuator mean something that was attached? Those of a tendon's joints, too. */
 bool km_mjcf_is_here(const km_mjcf *m, const km_xml *e) {
   static const struct {
     const char *key;
@@ -155,5 +155,6 @@ bool km_mjcf_is_here(const km_mjcf *m, const km_xml *e) {
     if (name && km_names_get(names, 0, km_mjcf_full(m, name)) < 0)
       return false;
   }
-  return true;
+  return m->depth == 0 || (km_mjcf_tendon_is_here(m, km_xml_attribute_of(e, "tendon1")) &&
+                           km_mjcf_tendon_is_here(m, km_xml_attribute_of(e, "tendon2")));
 }

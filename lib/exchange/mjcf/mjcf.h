@@ -131,6 +131,8 @@ void km_mjcf_read_constraints(km_mjcf *m);
 void km_mjcf_read_actuators(km_mjcf *m);
 /* The constraint between two fixed tendons, or of one of them, as a coupling; c: its polynomial. */
 void km_mjcf_couple_tendons(km_mjcf *m, const km_xml *constraint, const double c[5]);
+/* Have all joints of a fixed tendon been attached? True without a tendon. */
+bool km_mjcf_tendon_is_here(const km_mjcf *m, const char *name);
 /* Counts the tendons that no coupling tells. */
 void km_mjcf_count_tendons(km_mjcf *m);
 /* Keyframes, as named poses. */

@@ -34,6 +34,14 @@ static const km_xml *find_fixed(const km_mjcf *m, const char *name) {
   return NULL;
 }
 
+bool km_mjcf_tendon_is_here(const km_mjcf *m, const char *name) {
+  const km_xml *tendon = name ? find_fixed(m, name) : NULL;
+  for (const km_xml *e = km_xml_child(tendon, "joint"); e; e = km_xml_next(e))
+    if (!km_mjcf_is_here(m, e))
+      return false;
+  return true;
+}
+
 static bool is_single(const km_mjcf *m, int joint) {
   return m->joints[joint].type == KM_RZ || m->joints[joint].type == KM_TZ;
 }
