@@ -66,6 +66,13 @@ static double moment_rounding(const km_model_body *body, double heaviest, double
   return 1e-9 * size + 1e-12 * fmax(body->mass, 1e-3 * heaviest) * far * far;
 }
 
+/* Of three rising principal moments none can be larger than the two others together. A planar model may state one alone;
+ * what a file's rounded digits make of a flat body is none of its faults. */
+static bool no_body_has(const double moments[3]) {
+  static const double rounded = 1e-3;
+  return moments[1] > 1e-9 * moments[2] && moments[0] + moments[1] < (1.0 - rounded) * moments[2];
+}
+
 void km_model_check_inertias(const km_model *model, km_messages *messages) {
   double heaviest = 0.0, far = reach(model), moments[3];
   for (int b = 1; b < model->body_count; ++b)
@@ -78,6 +85,12 @@ void km_model_check_inertias(const km_model *model, km_messages *messages) {
                       "%s.moment_of_inertia: a principal moment is negative: %.4g, beside %.4g and %.4g; expected "
                       "moments of at least 0",
                       body->where, moments[0], moments[1], moments[2]);
+    else if (no_body_has(moments))
+      km_messages_add(
+          messages, KM_NOTE,
+          "%s.moment_of_inertia: no body has such moments of inertia, as the largest is more than the sum of "
+          "the others: %.4g, %.4g and %.4g",
+          body->where, moments[0], moments[1], moments[2]);
   }
 }
 

@@ -16,7 +16,7 @@ void km_model_assign_labels(km_model *model, km_names *labels, km_messages *mess
 bool km_model_stands_in(km_model *model, const char *file);
 /* Reports every body that no chain of joints ties to the inertial frame. */
 void km_model_check_ties(km_model *model, km_messages *messages);
-/* Reports negative principal moments. After every body and frame is there: their size tells what rounding is. */
+/* Reports negative principal moments, and notes moments that no body has. After every body and frame is there: their size tells what rounding is. */
 void km_model_check_inertias(const km_model *model, km_messages *messages);
 /* How many sizes a kind of shape has. */
 int km_shape_sizes(km_shape_kind kind);
