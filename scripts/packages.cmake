@@ -59,6 +59,13 @@ if(TARGET kmech_python)
   set(CPACK_DEBIAN_PYTHON_PACKAGE_NAME python3-kmech)
   set(CPACK_DEBIAN_PYTHON_DESCRIPTION "Python package of kmech")
   set(CPACK_DEBIAN_PYTHON_PACKAGE_SECTION python)
+  # What Python compiles when it is used belongs to no package: it goes before the package does.
+  set(CPACK_DEBIAN_PYTHON_PACKAGE_CONTROL_EXTRA ${CMAKE_CURRENT_BINARY_DIR}/python-control/prerm)
+  file(WRITE ${CPACK_DEBIAN_PYTHON_PACKAGE_CONTROL_EXTRA}
+    "#!/bin/sh\nset -e\nrm -rf /usr/lib/python3/dist-packages/kmech/__pycache__\n")
+  file(CHMOD ${CPACK_DEBIAN_PYTHON_PACKAGE_CONTROL_EXTRA} PERMISSIONS OWNER_READ OWNER_WRITE OWNER_EXECUTE GROUP_READ
+    GROUP_EXECUTE WORLD_READ WORLD_EXECUTE)
+  set(CPACK_DEBIAN_PYTHON_PACKAGE_CONTROL_STRICT_PERMISSION TRUE)
   set(CPACK_DEBIAN_PYTHON_PACKAGE_DEPENDS
     "${CPACK_DEBIAN_LIBRARY_PACKAGE_NAME} (= ${PROJECT_VERSION}), python3 (>= 3.11), python3 (<< 3.12), python3-cffi-backend, python3-numpy")
 endif()
