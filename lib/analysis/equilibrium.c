@@ -10,8 +10,7 @@
 #include <stdint.h>
 #include <string.h>
 
-enum { LOOKS = 3 };                 /* random self-stresses that are looked at */
-static const double no_part = 1e-9; /* a component of a self-stress below this share of its largest is rounding */
+enum { LOOKS = 3 }; /* random self-stresses that are looked at */
 
 typedef struct km_equilibrium {
   const km_mechanism *m;
@@ -293,7 +292,7 @@ static bool mark(equilibrium *e, bool *mixed) {
     for (int i = 0; i < 6 * e->joints; ++i)
       largest = fmax(largest, fabs(e->row[i]) * (i % 6 < 3 ? 1.0 : to_size));
     for (int i = 0; i < 6 * e->joints; ++i)
-      mixed[i] = mixed[i] || fabs(e->row[i]) * (i % 6 < 3 ? 1.0 : to_size) > no_part * largest;
+      mixed[i] = mixed[i] || fabs(e->row[i]) * (i % 6 < 3 ? 1.0 : to_size) > km_no_part * largest;
   }
   return true;
 }

@@ -7,6 +7,8 @@
 
 #include <string.h>
 
+/* Up to so many rows a dense matrix is solved, and the vectors are orthonormal. */
+enum { MOST_DENSE_ROWS = 240 };
 /* Entries of a unit vector below this are rounding. */
 static const double least_part = 1e-12;
 
@@ -257,7 +259,7 @@ bool km_left_null_find_whole(const km_left_space *a, km_arena *arena, km_left_nu
   km_arena scratch = {0};
   reduced R = {.a = a};
   bool found = find_complements(&R, out, &scratch) &&
-               (R.rows <= KM_MOST_DENSE_ROWS ? solve_dense : solve_sparse)(&R, &scratch, arena, out);
+               (R.rows <= MOST_DENSE_ROWS ? solve_dense : solve_sparse)(&R, &scratch, arena, out);
   km_arena_free(&scratch);
   return found && list_by_place(a, arena, out);
 }

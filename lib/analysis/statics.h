@@ -34,6 +34,9 @@ typedef struct km_holding {
   gsl_permutation *pivots;
 } km_holding;
 
+/* A component of a self-stress below this share of its largest is rounding. */
+static const double km_no_part = 1e-9;
+
 /* Reactions of one substructure. */
 typedef struct km_carrying {
   struct km_equilibrium *large; /* NULL: it is small, and J is solved as a dense matrix */

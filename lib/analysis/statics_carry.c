@@ -6,8 +6,6 @@
 
 #include <string.h>
 
-/* A component of a self-stress below this share of its largest is rounding. */
-static const double no_part = 1e-9;
 /* Up to so many rows dense matrices are the faster ones. */
 enum { MOST_DENSE_ROWS = 120 };
 
@@ -157,7 +155,7 @@ static void mark(const km_mechanism *m, const km_carrying *c, int index, int deg
     for (size_t i = 0; i < parts; ++i)
       largest = fmax(largest, fabs(field[i]) / (i % 6 < 3 ? 1.0 : size));
     for (size_t i = 0; i < parts; ++i)
-      if (fabs(field[i]) / (i % 6 < 3 ? 1.0 : size) > no_part * largest)
+      if (fabs(field[i]) / (i % 6 < 3 ? 1.0 : size) > km_no_part * largest)
         st->reactions[m->topology.joint[m->topology.joint_start[index] + (int)(i / 6)]].indeterminate[i % 6] = true;
   }
 }

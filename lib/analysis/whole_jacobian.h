@@ -4,9 +4,6 @@
 
 #include "kinematics/state.h"
 
-/* Up to so many rows the whole Jacobian is handled as a dense matrix, with orthonormal null vectors. */
-enum { KM_MOST_DENSE_ROWS = 240 };
-
 /* +1 where a walk round the loop (out to the virtual body, back along the other side) passes the joint in the user's
  * sense. */
 double km_member_sense(const km_topology *topology, int loop, const km_member *member);

@@ -3,6 +3,15 @@
 
 #include <string.h>
 
+const char *km_shape_word(km_shape_kind kind) {
+  static const char *const words[KM_SHAPE_KINDS] = {[KM_SHAPE_OF_MESH] = "mesh",
+                                                    [KM_SHAPE_BOX] = "box",
+                                                    [KM_SHAPE_SPHERE] = "sphere",
+                                                    [KM_SHAPE_CYLINDER] = "cylinder",
+                                                    [KM_SHAPE_CAPSULE] = "capsule"};
+  return words[kind];
+}
+
 int km_shape_sizes(km_shape_kind kind) {
   static const int counts[KM_SHAPE_KINDS] = {0, 3, 1, 2, 2};
   return counts[kind];

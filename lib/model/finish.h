@@ -18,6 +18,8 @@ bool km_model_stands_in(km_model *model, const char *file);
 void km_model_check_ties(km_model *model, km_messages *messages);
 /* Reports negative principal moments, and notes moments that no body has. After every body and frame is there: their size tells what rounding is. */
 void km_model_check_inertias(const km_model *model, km_messages *messages);
+/* "mesh", "box" …, as our format and those of robots call a kind of shape. */
+const char *km_shape_word(km_shape_kind kind);
 /* How many sizes a kind of shape has. */
 int km_shape_sizes(km_shape_kind kind);
 /* A rotation from the rows of its matrix: |RᵀR − I| ≤ 1e-6 and det > 0, then made exactly orthonormal. `misfit` is the

@@ -83,16 +83,12 @@ static size_t columns_of(const km_design_question *q, const km_table *table, siz
 /* What figures are taken from along the path, of all designs over each other. */
 static kt_exit draw_tracks(const kstudy_request *r, const kstudy_open *o, const overlay *v, int question,
                            kt_format format) {
-  km_plotted_table tables[MOST_OVERLAID];
-  size_t y[KM_MOST_DESIGN_FIGURES], columns = 0;
-  for (int i = 0; i < v->count; ++i) {
-    const km_table *table = km_question_table(v->asked[i].question);
-    columns = columns_of(&o->def.questions[question], table, y);
-    tables[i] = (km_plotted_table){table, v->answers[i].name, (size_t)km_table_find(table, "s"), y};
-  }
+  const km_comparison comparison = {.answers = v->answers, .count = v->count};
+  size_t columns[KM_MOST_DESIGN_FIGURES];
+  size_t count = columns_of(&o->def.questions[question], km_question_table(v->asked[0].question), columns);
   km_text out = {0};
   km_error error;
-  km_status status = km_table_plot(tables, (size_t)v->count, columns, kt_canvas_format(format), &out, &error);
+  km_status status = km_question_plot_columns(&comparison, columns, count, kt_canvas_format(format), &out, &error);
   return write_overlay(r, o, status, &error, o->def.questions[question].name, format, &out);
 }
 

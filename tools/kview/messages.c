@@ -26,6 +26,13 @@ static km_status give_pose(const kv_call *c) {
   return KM_OK;
 }
 
+/* The answer to what changed the model: its description. */
+static km_status describe_changed(const kv_call *c, km_status status) {
+  if (!status)
+    kv_describe(c->session, c->request, &c->answer->bytes);
+  return status;
+}
+
 static km_status hello(const kv_call *c, km_error *error) {
   if (kv_index(c, 0) != KV_PROTOCOL)
     return km_fail(error, KM_USAGE, "this server speaks version %d of the protocol", KV_PROTOCOL);
@@ -81,10 +88,7 @@ static km_status place(const kv_call *c, km_error *error) {
 /* hold COORDINATE 0|1 */
 static km_status hold(const kv_call *c, km_error *error) {
   km_status status = kv_session_hold(c->session, kv_index(c, 0), c->arguments[1] != 0.0, error);
-  if (status)
-    return status;
-  kv_describe(c->session, c->request, &c->answer->bytes); /* loops and substructures are others */
-  return KM_OK;
+  return describe_changed(c, status); /* loops and substructures are others */
 }
 
 static km_status mark(const kv_call *c, km_error *error) {
@@ -102,19 +106,13 @@ static km_status undo(const kv_call *c, km_error *error) {
 /* pivot JOINT X Y Z, in the inertial frame */
 static km_status pivot(const kv_call *c, km_error *error) {
   km_status status = kv_session_move_pivot(c->session, kv_index(c, 0), c->arguments + 1, error);
-  if (status)
-    return status;
-  kv_describe(c->session, c->request, &c->answer->bytes);
-  return KM_OK;
+  return describe_changed(c, status);
 }
 
 /* frame FRAME x y z, in its body */
 static km_status frame(const kv_call *c, km_error *error) {
   km_status status = kv_session_move_frame(c->session, kv_index(c, 0), c->arguments + 1, error);
-  if (status)
-    return status;
-  kv_describe(c->session, c->request, &c->answer->bytes);
-  return KM_OK;
+  return describe_changed(c, status);
 }
 
 /* design T…: three numbers a frame */
@@ -123,18 +121,12 @@ static km_status design(const kv_call *c, km_error *error) {
   if (c->count != n)
     return km_fail(error, KM_USAGE, "found %d numbers; expected %d, three for each frame", c->count, n);
   km_status status = kv_session_take_design(c->session, c->arguments, NULL, error);
-  if (status)
-    return status;
-  kv_describe(c->session, c->request, &c->answer->bytes);
-  return KM_OK;
+  return describe_changed(c, status);
 }
 
 static km_status reload(const kv_call *c, km_error *error) {
   km_status status = kv_session_load(c->session, error);
-  if (status)
-    return status;
-  kv_describe(c->session, c->request, &c->answer->bytes);
-  return KM_OK;
+  return describe_changed(c, status);
 }
 
 static const struct {

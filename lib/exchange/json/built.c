@@ -75,7 +75,6 @@ static void add_frames(const writer *w, km_value *parent, int body) {
 }
 
 static void add_shape(const writer *w, km_value *list, const km_model_shape *shape) {
-  static const char *const kinds[KM_SHAPE_KINDS] = {"mesh", "box", "sphere", "cylinder", "capsule"};
   km_value *twin = km_value_add(w->arena, list, NULL, KM_OBJECT);
   double rows[9];
   if (shape->kind == KM_SHAPE_OF_MESH)
@@ -83,7 +82,7 @@ static void add_shape(const writer *w, km_value *list, const km_model_shape *sha
   else if (shape->kind == KM_SHAPE_SPHERE)
     km_value_number(w->arena, twin, "sphere", shape->size[0]);
   else
-    add_numbers(w, twin, kinds[shape->kind], shape->size, (size_t)km_shape_sizes(shape->kind));
+    add_numbers(w, twin, km_shape_word(shape->kind), shape->size, (size_t)km_shape_sizes(shape->kind));
   if (shape->scale[0] != 1.0 || shape->scale[1] != 1.0 || shape->scale[2] != 1.0)
     add_numbers(w, twin, "scale", shape->scale, 3);
   add_vector(w, twin, "T", shape->pose.p);

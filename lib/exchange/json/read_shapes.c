@@ -3,13 +3,11 @@
 
 #include <string.h>
 
-static const char *const kinds[KM_SHAPE_KINDS] = {"mesh", "box", "sphere", "cylinder", "capsule"};
-
 /* The kind that is told; -1: reported. */
 static int find_kind(km_reader *reader, const km_value *value, const km_place *place) {
   int found = -1, count = 0;
   for (int k = 0; k < KM_SHAPE_KINDS; ++k)
-    if (km_value_get(value, kinds[k])) {
+    if (km_value_get(value, km_shape_word((km_shape_kind)k))) {
       found = k;
       count++;
     }
@@ -34,12 +32,12 @@ static bool read_numbers(km_reader *reader, const km_value *value, const km_plac
 
 static void read_size(km_reader *reader, const km_value *value, const km_place *place, km_model_shape *out) {
   const km_value *scale = km_value_get(value, "scale");
-  km_place scale_at = {place, "scale", 0}, at = {place, kinds[out->kind], 0};
+  km_place scale_at = {place, "scale", 0}, at = {place, km_shape_word(out->kind), 0};
   int count = km_shape_sizes(out->kind);
   if (out->kind != KM_SHAPE_OF_MESH) {
     if (scale)
-      km_reader_error(reader, &scale_at, "found a scale of a %s; expected it only of a mesh", kinds[out->kind]);
-    if (!read_numbers(reader, km_value_get(value, kinds[out->kind]), &at, count, out->size))
+      km_reader_error(reader, &scale_at, "found a scale of a %s; expected it only of a mesh", km_shape_word(out->kind));
+    if (!read_numbers(reader, km_value_get(value, km_shape_word(out->kind)), &at, count, out->size))
       return;
     for (int k = 0; k < count; ++k)
       if (!(out->size[k] > 0.0))

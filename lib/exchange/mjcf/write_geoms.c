@@ -34,14 +34,9 @@ static void set_size(km_written *w, const km_model_shape *shape) {
 }
 
 static void add_geom(km_written *w, const km_model_shape *shape, int index) {
-  static const char *const types[] = {[KM_SHAPE_OF_MESH] = "mesh",
-                                      [KM_SHAPE_BOX] = "box",
-                                      [KM_SHAPE_SPHERE] = "sphere",
-                                      [KM_SHAPE_CYLINDER] = "cylinder",
-                                      [KM_SHAPE_CAPSULE] = "capsule"};
   const double none = 0.0;
   km_xml_begin(&w->xml, "geom");
-  km_xml_set(&w->xml, "type", types[shape->kind]);
+  km_xml_set(&w->xml, "type", km_shape_word(shape->kind));
   if (shape->kind == KM_SHAPE_OF_MESH)
     km_xml_set(&w->xml, "mesh", mesh_name(w, shape, index));
   else

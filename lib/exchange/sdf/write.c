@@ -1,6 +1,8 @@
 /* A model as SDFormat: links where they stand, and all joints between them. */
 #include "exchange/robot/write.h"
 
+#include "model/finish.h"
+
 #include <math.h>
 #include <string.h>
 
@@ -38,12 +40,7 @@ static void add_inertial(km_written *w, const double center[3], double mass, con
 }
 
 static void add_geometry(km_written *w, const km_model_shape *shape) {
-  static const char *const elements[] = {[KM_SHAPE_OF_MESH] = "mesh",
-                                         [KM_SHAPE_BOX] = "box",
-                                         [KM_SHAPE_SPHERE] = "sphere",
-                                         [KM_SHAPE_CYLINDER] = "cylinder",
-                                         [KM_SHAPE_CAPSULE] = "capsule"};
-  const char *element = elements[shape->kind];
+  const char *element = km_shape_word(shape->kind);
   km_xml_begin(&w->xml, "geometry");
   km_xml_begin(&w->xml, element);
   if (shape->kind == KM_SHAPE_OF_MESH) {

@@ -1,6 +1,8 @@
 /* A model as URDF: a tree of links. Loops can't be told. */
 #include "exchange/robot/write.h"
 
+#include "model/finish.h"
+
 #include <math.h>
 #include <string.h>
 
@@ -30,12 +32,7 @@ static void add_massless(km_written *w, const char *name) {
 }
 
 static void add_geometry(km_written *w, const km_model_shape *shape) {
-  static const char *const elements[] = {[KM_SHAPE_OF_MESH] = "mesh",
-                                         [KM_SHAPE_BOX] = "box",
-                                         [KM_SHAPE_SPHERE] = "sphere",
-                                         [KM_SHAPE_CYLINDER] = "cylinder",
-                                         [KM_SHAPE_CAPSULE] = "capsule"};
-  const char *element = elements[shape->kind];
+  const char *element = km_shape_word(shape->kind);
   km_xml_begin(&w->xml, "geometry");
   km_xml_begin(&w->xml, element);
   if (shape->kind == KM_SHAPE_OF_MESH) {

@@ -54,23 +54,28 @@ static km_status plot_statics(const km_comparison *c, km_canvas_format format, k
   return status;
 }
 
-/* What an arm has to spare along its path: columns of every track's table. */
-static km_status plot_tracks(const km_comparison *c, km_canvas_format format, km_text *out, km_error *error) {
-  static const char *const names[] = {"limit_margin", "objective.path-control", "objective.singular-value"};
-  enum { COLUMNS = sizeof names / sizeof *names };
+km_status km_question_plot_columns(const km_comparison *c, const size_t *columns, size_t count, km_canvas_format format,
+                                   km_text *out, km_error *error) {
   km_plotted_table *tables = KM_NEW(km_plotted_table, (size_t)c->count);
-  size_t y[COLUMNS];
   if (!tables)
     return no_memory(error);
   for (int i = 0; i < c->count; ++i) {
     const km_table *table = km_question_table(c->answers[i].question);
-    for (size_t k = 0; k < COLUMNS; ++k)
-      y[k] = (size_t)km_table_find(table, names[k]);
-    tables[i] = (km_plotted_table){table, c->answers[i].name, (size_t)km_table_find(table, "s"), y};
+    tables[i] = (km_plotted_table){table, c->answers[i].name, (size_t)km_table_find(table, "s"), columns};
   }
-  km_status status = km_table_plot(tables, (size_t)c->count, COLUMNS, format, out, error);
+  km_status status = km_table_plot(tables, (size_t)c->count, count, format, out, error);
   km_free(tables);
   return status;
+}
+
+/* What an arm has to spare along its path. */
+static km_status plot_tracks(const km_comparison *c, km_canvas_format format, km_text *out, km_error *error) {
+  static const char *const names[] = {"limit_margin", "objective.path-control", "objective.singular-value"};
+  enum { COLUMNS = sizeof names / sizeof *names };
+  size_t columns[COLUMNS];
+  for (size_t k = 0; k < COLUMNS; ++k)
+    columns[k] = (size_t)km_table_find(km_question_table(c->answers[0].question), names[k]);
+  return km_question_plot_columns(c, columns, COLUMNS, format, out, error);
 }
 
 km_status km_question_plot(const km_comparison *c, km_canvas_format format, km_text *out, km_error *error) {

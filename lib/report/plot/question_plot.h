@@ -22,6 +22,9 @@ typedef struct km_comparison {
   bool ordered; /* variants, whose order the colours show; else models, whose colours differ most */
 } km_comparison;
 
+/* The given columns of the answers' tables over the way s: all tables have the same columns. */
+km_status km_question_plot_columns(const km_comparison *comparison, const size_t *columns, size_t count,
+                                   km_canvas_format format, km_text *out, km_error *error);
 /* Appends the picture's bytes. */
 km_status km_question_plot(const km_comparison *comparison, km_canvas_format format, km_text *out, km_error *error);
 
