@@ -75,7 +75,7 @@ void km_arm_task_rows(const km_arm *a, const km_rotation *effector, km_twist twi
 /* The same by the kernel of seven joints; false if an angle is too large for its sines. */
 static bool update_seven(const km_arm *a, km_arm_space *s, const double *q) {
   for (int k = 0; k < SEVEN; ++k)
-    if (!(fabs(q[k]) <= KM_SEVEN_ANGLE))
+    if (!(fabs(q[k]) <= KM_SINCOS_MOST))
       return false;
   km_one_forward(a, q, s->seven);
   memcpy(&s->pose.R, s->seven->R, sizeof s->pose.R);

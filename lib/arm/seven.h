@@ -4,6 +4,7 @@
 #define KM_ARM_SEVEN_H
 
 #include "arm/arm.h"
+#include "spatial/sincos.h"
 
 #include <stdint.h>
 #include <string.h>
@@ -19,8 +20,6 @@ enum { SEVEN = 7, KM_NEWTON_MOST = 16 };
 static inline bool km_seven_fits(const km_arm *arm) {
   return arm->n == SEVEN && arm->task == KM_TASK_POSE;
 }
-/* Its sines are good for such angles. */
-#define KM_SEVEN_ANGLE 1e5
 /* Below this ratio of R's diagonal the Jacobian is left to pivoting. */
 #define KM_SEVEN_REGULAR 1e-6
 
@@ -36,18 +35,8 @@ static inline bool km_seven_fits(const km_arm *arm) {
 #define PICK(mask, a, b) ((mask) ? (a) : (b))
 #define SMALLER(a, b)    ((a) < (b) ? (a) : (b))
 #define LARGER(a, b)     ((a) > (b) ? (a) : (b))
-static inline uint64_t km_one_bits(double x) {
-  uint64_t bits;
-  memcpy(&bits, &x, sizeof bits);
-  return bits;
-}
-static inline double km_one_number(uint64_t bits) {
-  double x;
-  memcpy(&x, &bits, sizeof x);
-  return x;
-}
-#define km_bits_of   km_one_bits
-#define km_number_of km_one_number
+#define km_bits_of   km_double_bits
+#define km_number_of km_bits_double
 #include "arm/seven_body.h"
 #undef T
 #undef BITS

@@ -287,7 +287,7 @@ static unsigned fill_lanes(const km_tracker *w, double ds, int count, const km_n
     predict(w->arm, from[l], &ways[l], ds, step);
     for (int i = 0; i < SEVEN; ++i) {
       q[i] = from[l]->q[i] + step[i];
-      near = near && fabs(q[i]) <= 0.5 * KM_SEVEN_ANGLE;
+      near = near && fabs(q[i]) <= 0.5 * KM_SINCOS_MOST;
     }
     if (!near)
       continue;

@@ -5,9 +5,6 @@
 #include <string.h>
 
 enum { MOST_ITERATIONS = 60 };
-static const double closed = 1e-12;     /* rms of the primary rows (theory 4) */
-static const double settled = 1e-9;     /* a step below this shows that the pose is found, not just the error small */
-static const double longest_step = 0.6; /* radians, or substructure sizes */
 
 double km_rank_tolerance(const km_mechanism *m, const km_substructure *sub, double misfit) {
   int size = sub->rows > sub->columns ? sub->rows : sub->columns;
@@ -83,7 +80,7 @@ static double primary_rms(const km_partition *p, const double *error) {
  * searched with the loose tolerance of an open pose may leave out rows that count: they aren't kept. */
 static void factor(const km_mechanism *m, km_state *s, int index, int driver, double residual) {
   const km_substructure *sub = &m->substructures[index];
-  if (residual < 0.05 && s->pivoted[index] == driver &&
+  if (residual < km_near_closed && s->pivoted[index] == driver &&
       km_partition_refactor(&s->partition[index], km_state_jacobian(s, sub)))
     return;
   double tolerance = km_rank_tolerance(m, sub, residual);
@@ -107,18 +104,18 @@ static double newton_step(const km_mechanism *m, km_state *s, int index, int dri
   return largest;
 }
 
-/* Coordinates of many turns carry their rounding into the loops: thresholds grow with it,
+/* Thresholds grow with it,
  * up to the 1e6 radians where it drowns the geometry. */
 static double grain(const km_mechanism *m, const km_state *s, const km_substructure *sub) {
   const int *coordinate = m->column_coordinate + sub->column_start;
   double largest = 0.0;
   for (int k = 0; k < sub->columns; ++k)
     largest = fmax(largest, fabs(s->q[coordinate[k]] / m->unit[coordinate[k]]));
-  return fmin(1.0 + 1e-3 * largest, 1e3);
+  return fmin(1.0 + km_grain_growth * largest, km_grain_most);
 }
 
 static km_closure_outcome verdict(const km_mechanism *m, double residual, double coarse) {
-  return residual <= fmax(m->closure_tolerance, coarse * closed) ? KM_CLOSED : KM_INCONSISTENT;
+  return residual <= fmax(m->closure_tolerance, coarse * km_closed) ? KM_CLOSED : KM_INCONSISTENT;
 }
 
 km_closure_outcome km_loops_close(const km_mechanism *m, km_state *s, int index, int driver, km_closure *evidence) {
@@ -135,21 +132,21 @@ km_closure_outcome km_loops_close(const km_mechanism *m, km_state *s, int index,
       first = evidence->residual;
     factor(m, s, index, driver, evidence->residual);
     double step = newton_step(m, s, index, driver, x);
-    bool small = primary_rms(&s->partition[index], km_state_error(s, sub)) <= coarse * closed;
-    if (small && step <= coarse * settled)
+    bool small = primary_rms(&s->partition[index], km_state_error(s, sub)) <= coarse * km_closed;
+    if (small && step <= coarse * km_settled)
       return verdict(m, evidence->residual, coarse);
-    if (!isfinite(step) || evidence->residual > 1e3 * (first + 0.1))
+    if (!isfinite(step) || evidence->residual > km_residual_growth * (first + km_residual_floor))
       return KM_OPEN;
-    if (step > longest_step)
+    if (step > km_longest_newton)
       for (int k = 0; k < sub->columns; ++k)
-        x[k] *= longest_step / step;
+        x[k] *= km_longest_newton / step;
     if (i + 1 == MOST_ITERATIONS)
       break;
     evidence->correction += km_step_length(m, sub, x);
     km_state_move(m, s, sub, x);
   }
   /* At a singular pose Newton only halves its distance: the error is as small as it can be shown to be. */
-  return driver < 0 && primary_rms(&s->partition[index], km_state_error(s, sub)) <= coarse * closed
+  return driver < 0 && primary_rms(&s->partition[index], km_state_error(s, sub)) <= coarse * km_closed
              ? verdict(m, evidence->residual, coarse)
              : KM_OPEN;
 }

@@ -4,6 +4,17 @@
 
 #include "kinematics/state.h"
 
+static const double km_closed = 1e-12;      /* rms of the primary rows (theory 4) */
+static const double km_settled = 1e-9;      /* a step below this shows that the pose is found, not just the error small */
+static const double km_longest_newton = 0.6; /* radians, or substructure sizes */
+static const double km_near_closed = 0.05;  /* residual below which the pivots of the last pose serve */
+
+/* Coordinates of many turns carry their rounding into the loops: thresholds grow by this per radian or size of the
+ * largest one, to so much at most. */
+static const double km_grain_growth = 1e-3, km_grain_most = 1e3;
+/* A residual above the first one plus the floor, times the growth, leads nowhere. */
+static const double km_residual_growth = 1e3, km_residual_floor = 0.1;
+
 typedef enum km_closure_outcome {
   KM_CLOSED,
   KM_INCONSISTENT, /* the primary equations close, the others keep more than the closure tolerance */

@@ -6,9 +6,6 @@
 
 #include <string.h>
 
-static const double singular = 1e-7; /* last pivot, relative: closer to a singular pose the tangent is noise */
-static const double farther = 4.0;   /* than this many last steps, the last step says nothing */
-
 bool km_course_reserve(km_course *course, const km_continuation *c, km_arena *arena) {
   const km_substructure *sub = km_continuation_sub(c);
   size_t n = (size_t)sub->columns;
@@ -81,7 +78,7 @@ bool km_continuation_tangent(km_continuation *c, const double *along, double *t)
 void km_continuation_predict(km_continuation *c, double h, bool alone) {
   const km_course *course = &c->course;
   int columns = km_continuation_sub(c)->columns;
-  bool known = course->last_h != 0.0 && fabs(h) <= farther * fabs(course->last_h);
+  bool known = course->last_h != 0.0 && fabs(h) <= km_continuation_farther * fabs(course->last_h);
   if (known && alone) {
     km_curve_ahead(columns, course->last_h, course->last_move, course->last_t, course->t, h, c->move);
     return;
@@ -105,7 +102,7 @@ km_step_fate km_continuation_correct(km_continuation *c, const km_step_terms *te
       !km_continuation_tangent(c, t, c->next_t))
     return KM_STEP_OPEN;
   const km_partition *p = &c->state->partition[c->substructure];
-  if (p->rank < terms->least_rank || p->last_pivot < singular * p->scale)
+  if (p->rank < terms->least_rank || p->last_pivot < km_continuation_singular * p->scale)
     return KM_STEP_OPEN; /* a singular pose has no tangent of its own */
   double along = km_continuation_dot(c, t, next);
   double cosine = along / sqrt(km_continuation_dot(c, t, t) * km_continuation_dot(c, next, next));

@@ -5,6 +5,11 @@
 
 #include "kinematics/state.h"
 
+/* The last pivot, relative: closer to a singular pose the tangent is noise. */
+static const double km_continuation_singular = 1e-7;
+/* Farther than this many last steps, the last step says nothing. */
+static const double km_continuation_farther = 4.0;
+
 /* What the next step depends on, beside the pose. */
 typedef struct km_course {
   double *t;                  /* [columns] the present tangent, per unit of the parameter */

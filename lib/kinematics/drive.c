@@ -1,5 +1,5 @@
 /* Moving a driver: controlled steps to a target, ends, limits, and singular poses that are passed. */
-#include "kinematics/drive.h"
+#include "kinematics/drive_lanes.h"
 
 #include "kinematics/closure.h"
 #include "kinematics/curve.h"
@@ -9,7 +9,6 @@
 
 /* Predictor-corrector in the driver s. Symbols: t = dq/ds (scaled, driver's entry 1), h the step in s. */
 
-static const double furthest = 0.6;      /* that any coordinate may go in a step, scaled */
 static const double shortest = 1e-11;    /* a step below this doesn't move: the end is located */
 static const double leaving = 1e-14;     /* the same on the way back from a located end, where all is steep */
 static const double branch_width = 1e-5; /* a change of sign that stays below this step is a branch point */
@@ -72,7 +71,7 @@ static bool predict(km_drive *d, double h) {
     km_state_restore(d->c.state, sub, d->c.from);
   }
   for (int k = 0; k < sub->columns; ++k)
-    if (!(fabs(d->c.move[k]) <= furthest))
+    if (!(fabs(d->c.move[k]) <= km_drive_furthest))
       return false;
   return d->strain <= 1.0;
 }
@@ -82,9 +81,9 @@ static attempt try_step(km_drive *d, double h, double tightness) {
   if (!predict(d, h))
     return BENT;
   const km_step_terms terms = {.parameter = d->here.s + h,
-                               .most_correction =
-                                   tightness * km_step_length(d->c.mechanism, km_drive_driven(d), d->c.move) + 1e-9,
-                               .least_cosine = 1.0 - tightness * 0.4,
+                               .most_correction = km_drive_most_correction(
+                                   tightness, km_step_length(d->c.mechanism, km_drive_driven(d), d->c.move)),
+                               .least_cosine = km_drive_least_cosine(tightness),
                                .least_rank = d->c.course.reference.rank};
   km_step_fate fate = km_continuation_correct(&d->c, &terms);
   if (fate != KM_STEP_TAKEN)
@@ -121,12 +120,12 @@ static bool cross(km_drive *d, double target, int *limit) {
   const km_substructure *sub = km_drive_driven(d);
   double side = target > d->here.s ? 1.0 : -1.0;
   double gap = target - side * crossing - d->here.s;
-  if (gap != 0.0 && advance(d, gap, 0.25, limit) != ACCEPTED)
+  if (gap != 0.0 && advance(d, gap, km_drive_tightness, limit) != ACCEPTED)
     return false;
   double h = target + side * crossing - d->here.s, near = target - d->here.s;
   km_state_save(d->c.state, sub, d->near);
   d->passing = true;
-  attempt beyond = advance(d, h, 0.05, limit);
+  attempt beyond = advance(d, h, km_drive_crossing_tightness, limit);
   d->passing = false;
   if (beyond != ACCEPTED)
     return false;
@@ -161,15 +160,15 @@ static attempt walk(km_drive *d, double target, int *limit) {
     double left = target - d->here.s;
     bool arrives = fabs(left) <= step;
     double h = arrives ? left : copysign(step, left);
-    attempt result = advance(d, h, 0.25, limit);
+    attempt result = advance(d, h, km_drive_tightness, limit);
     if (result == ACCEPTED) {
-      if (fabs(h) > 1e-6)
+      if (fabs(h) > km_drive_leaves)
         d->here.stopped = 0.0;
       if (arrives) { /* s + (target - s) may be the next number */
         d->here.s = target;
         km_continuation_place(&d->c, target);
       }
-      if (d->strain * pow(step / fabs(h), 4.0) < easy)
+      if (d->strain == 0.0 || d->strain * pow(step / fabs(h), 4.0) < easy)
         step = fmin(2.0 * step, km_drive_longest);
       continue;
     }
@@ -183,7 +182,7 @@ static attempt walk(km_drive *d, double target, int *limit) {
       return result;
     }
   }
-  d->here.largest = fmax(step, 1e-3);
+  d->here.largest = fmax(step, km_drive_least_first);
   return ACCEPTED;
 }
 
@@ -210,7 +209,7 @@ static void settle_at_limit(km_drive *d, int c) {
   for (int round = 0; round < 2; ++round) {
     double q = d->c.state->q[c], bound = fabs(m->high[c] - q) < fabs(q - m->low[c]) ? m->high[c] : m->low[c];
     double gap = (bound - q) / m->unit[c] / d->c.course.t[k];
-    if (m->ball_of[c] >= 0 || gap == 0.0 || !(fabs(gap) < 1e-7) || advance(d, gap, 0.25, &limit) != ACCEPTED)
+    if (m->ball_of[c] >= 0 || gap == 0.0 || !(fabs(gap) < 1e-7) || advance(d, gap, km_drive_tightness, &limit) != ACCEPTED)
       return;
   }
 }
@@ -220,7 +219,7 @@ static double within_own_limit(const km_drive *d, double goal) {
   const km_mechanism *m = d->c.mechanism;
   int c = d->c.coordinate;
   double unit = m->unit[c], high = fmax(m->high[c] / unit, d->here.s), low = fmin(m->low[c] / unit, d->here.s);
-  double slack = 1e-12 * (1.0 + fabs(goal));
+  double slack = km_drive_slack(goal);
   return d->c.ignore_limits || (goal <= high + slack && goal >= low - slack) ? goal : goal > high ? high : low;
 }
 
@@ -247,9 +246,9 @@ km_reach km_drive_to(km_drive *d, double target) {
     return (km_reach){KM_STOP_GAVE_OUT, nan(""), -1, -1};
   if (d->c.substructure < 0)
     return drive_tree_joint(d, target);
+  km_drive_settle(d);
   const km_mechanism *m = d->c.mechanism;
-  double factor = km_model_coordinate_factor(m->model, d->c.coordinate) / m->unit[d->c.coordinate];
-  double goal = target * factor, own = within_own_limit(d, goal);
+  double factor = km_drive_factor(d), goal = target * factor, own = within_own_limit(d, goal);
   int limit = -1;
   attempt result = ACCEPTED;
   if (d->here.s != own) {

@@ -6,8 +6,13 @@
 #include "kinematics/least_path.h"
 #include "kmech/sweep.h"
 
-/* The longest step, radians or substructure sizes. */
-static const double km_drive_longest = 0.3;
+/* In radians or substructure sizes: the longest step of a driver, the step that a drive to the next target is begun with
+ * at least, and how far any coordinate may go in a step. */
+static const double km_drive_longest = 0.3, km_drive_least_first = 1e-3, km_drive_furthest = 0.6;
+/* How closely a step has to keep to the prediction, and the same where a singular pose is crossed. */
+static const double km_drive_tightness = 0.25, km_drive_crossing_tightness = 0.05;
+/* A longer step leaves an end behind that was located before. */
+static const double km_drive_leaves = 1e-6;
 
 /* Where a drive is, beside its course and the state's pose. */
 typedef struct km_drive_place {
@@ -29,7 +34,27 @@ struct km_drive {
   double *near, *far; /* poses to come back to */
   km_least_path path; /* where other freedoms are left */
   double strain;      /* of the last prediction by it: at 1 its error is all that is allowed */
+  struct km_drive_lanes *lanes; /* where this drive goes beside others, and which of them it is; NULL: alone */
+  int lane;
 };
+
+/* How much correction a step allows, and the least cosine between its tangents. */
+static const double km_drive_least_correction = 1e-9;
+static inline double km_drive_most_correction(double tightness, double length) {
+  return tightness * length + km_drive_least_correction;
+}
+static inline double km_drive_least_cosine(double tightness) {
+  return 1.0 - tightness * 0.4;
+}
+/* Of the driver: a value in the model's unit times this is the scaled one. */
+static inline double km_drive_factor(const km_drive *d) {
+  const km_mechanism *m = d->c.mechanism;
+  return km_model_coordinate_factor(m->model, d->c.coordinate) / m->unit[d->c.coordinate];
+}
+/* The slack of a driver's own limit. */
+static inline double km_drive_slack(double goal) {
+  return 1e-12 * (1.0 + fabs(goal));
+}
 
 static inline const km_substructure *km_drive_driven(const km_drive *d) {
   return km_continuation_sub(&d->c);

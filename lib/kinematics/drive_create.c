@@ -1,5 +1,5 @@
 /* Making drives, and coming back to a place of one. */
-#include "kinematics/drive.h"
+#include "kinematics/drive_lanes.h"
 
 #include "base/check.h"
 #include "kinematics/loops.h"
@@ -61,6 +61,7 @@ void km_drive_free(km_drive *d) {
 void km_drive_mark(km_drive *d) {
   if (!d)
     return;
+  km_drive_settle(d);
   d->marked = true;
   if (d->c.substructure < 0) {
     d->mark.s = d->c.state->q[d->c.coordinate];
@@ -78,6 +79,7 @@ void km_drive_return(km_drive *d) {
     d->c.state->q[d->c.coordinate] = d->mark.s;
     return;
   }
+  km_drive_settle(d);
   d->here = d->mark;
   km_course_copy(&d->c.course, &d->mark_course, km_drive_driven(d)->columns);
   km_state_restore(d->c.state, km_drive_driven(d), d->mark_pose);

@@ -27,8 +27,9 @@ static void planar_steps(const km_program *program, const km_planar_step *steps,
       slot[step->to] = (km_planar_pose){from->angle, c, s, x + value * ux, y + value * uy};
       h[i] = (km_twist){{step->sign * ux, step->sign * uy, 0.0}, {0.0, 0.0, 0.0}};
     } else {
-      double angle = from->angle + value;
-      slot[step->to] = (km_planar_pose){angle, cos(angle), sin(angle), x, y};
+      double angle = from->angle + value, sine, cosine;
+      km_sincos(angle, &sine, &cosine);
+      slot[step->to] = (km_planar_pose){angle, cosine, sine, x, y};
       h[i] = (km_twist){{step->sign * y, -step->sign * x, step->sign}, {0.0, 0.0, 0.0}};
     }
   }
@@ -46,14 +47,13 @@ static km_vec3 planar_error(const km_loop *loop, const km_planar_pose *slot, dou
   place[0] = ax;
   place[1] = ay;
   double cosine, sine, alpha;
-  if (fabs(turn) < 1e-3) { /* series good to 1e-16 */
-    double t2 = turn * turn;
-    cosine = 1.0 - 0.5 * t2 + t2 * t2 / 24.0;
-    sine = turn * (1.0 - t2 / 6.0 + t2 * t2 / 120.0);
-    alpha = 1.0 - t2 / 12.0 - t2 * t2 / 720.0;
+  if (fabs(turn) < KM_SMALL_MISFIT) { /* series good to 1e-16 */
+    double t2 = turn * turn, t4 = t2 * t2;
+    cosine = 1.0 - 0.5 * t2 + t4 * (1.0 / 24.0);
+    sine = turn * (1.0 - t2 * (1.0 / 6.0) + t4 * (1.0 / 120.0));
+    alpha = 1.0 - t2 * (1.0 / 12.0) - t4 * (1.0 / 720.0);
   } else {
-    cosine = cos(turn);
-    sine = sin(turn);
+    km_sincos(turn, &sine, &cosine);
     alpha = 0.5 * turn * cos(0.5 * turn) / sin(0.5 * turn);
   }
   double px = cosine * dx - sine * dy, py = sine * dx + cosine * dy;

@@ -3,6 +3,7 @@
 #define KM_KINEMATICS_MOTION_STEP_H
 
 #include "model/joint_type.h"
+#include "spatial/sincos.h"
 #include "spatial/twist.h"
 
 /* The pose after a motion from X, its frame. `sign` is -1 where the joint is passed against its sense; `value` is the
@@ -11,6 +12,7 @@
 static inline km_pose km_motion_step(km_motion motion, double sign, double pitch, double value,
                                      const km_quaternion *ball, km_pose X, km_twist *h) {
   km_vec3 axis = X.R.axis[motion.axis];
+  double sine, cosine;
   switch (motion.primitive) {
   case KM_PRISMATIC:
     h[0] = km_twist_prismatic(km_vec3_scale(sign, axis));
@@ -18,13 +20,15 @@ static inline km_pose km_motion_step(km_motion motion, double sign, double pitch
     break;
   case KM_REVOLUTE:
     h[0] = km_twist_revolute(km_vec3_scale(sign, axis), X.p);
-    X.R = km_rotation_turn(&X.R, motion.axis, cos(value), sin(value));
+    km_sincos(value, &sine, &cosine);
+    X.R = km_rotation_turn(&X.R, motion.axis, cosine, sine);
     break;
   case KM_HELICAL:
     h[0] = km_twist_revolute(km_vec3_scale(sign, axis), X.p);
     h[0].v = km_vec3_axpy(sign * pitch, axis, h[0].v);
     X.p = km_vec3_axpy(value * pitch, axis, X.p);
-    X.R = km_rotation_turn(&X.R, motion.axis, cos(value), sin(value));
+    km_sincos(value, &sine, &cosine);
+    X.R = km_rotation_turn(&X.R, motion.axis, cosine, sine);
     break;
   case KM_BALL: {
     /* Rates are about the axes of the joint's parent frame: the frame before the turn, or, passed against its sense, the

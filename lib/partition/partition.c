@@ -229,9 +229,8 @@ bool km_partition_refactor(km_partition *p, const double *matrix) {
     finite = is_small(p) ? km_small_refactor(p, matrix) : refactor(p, matrix);
     finite = finish(p) && finite;
   }
-  /* A rank that drops shrinks a pivot together with what stands right of it: B alone needn't show it. */
-  double usual = p->pivoted_b > 1.0 ? p->pivoted_b : 1.0;
-  return finite && p->largest_b <= 2.0 * usual && (p->rank == 0 || largest_inverse(p) * p->smallest_pivot <= 10.0);
+  double inverse = largest_inverse(p), smallest = p->rank == 0 ? 0.0 : p->smallest_pivot;
+  return finite && km_pivots_serve(p->largest_b, p->pivoted_b, inverse, smallest);
 }
 
 /* The steps of elimination on the right side alone. */

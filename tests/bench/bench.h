@@ -37,6 +37,7 @@ void bench_agree(const char *bench, const char *what, const double *a, const dou
 /* The benchmarks, one a file. */
 void bench_partition(void);
 void bench_sweep(void);
+void bench_lanes(void);
 void bench_command(void);
 void bench_scale(void);
 void bench_forces(void);

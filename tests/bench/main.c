@@ -10,9 +10,9 @@ static const struct {
   const char *name;
   void (*run)(void);
 } benches[] = {
-    {"partition", bench_partition}, {"sweep", bench_sweep},   {"command", bench_command},
-    {"scale", bench_scale},         {"forces", bench_forces}, {"arm", bench_arm},
-    {"study", bench_study},         {"load", bench_load},     {"dynamics", bench_dynamics},
+    {"partition", bench_partition}, {"sweep", bench_sweep},       {"lanes", bench_lanes}, {"command", bench_command},
+    {"scale", bench_scale},         {"forces", bench_forces},     {"arm", bench_arm},     {"study", bench_study},
+    {"load", bench_load},           {"dynamics", bench_dynamics},
 #ifdef BENCH_VIEW
     {"view", bench_view},
 #endif
@@ -39,9 +39,10 @@ int main(int argc, char **argv) {
     ++found;
   }
   if (!found)
-    fprintf(stderr,
-            "kmech_bench: no bench \"%s\"; there are partition, sweep, command, scale, forces, arm, study, load, "
-            "dynamics\n",
-            wanted);
+    fprintf(
+        stderr,
+        "kmech_bench: no bench \"%s\"; there are partition, sweep, lanes, command, scale, forces, arm, study, load, "
+        "dynamics\n",
+        wanted);
   return found ? EXIT_SUCCESS : EXIT_FAILURE;
 }

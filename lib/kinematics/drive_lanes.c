@@ -1,0 +1,382 @@
+/* Drives side by side: which of them may ride, what passes between a drive and its lane, and the choice of registers. */
+#include "kinematics/lane_store.h"
+
+#include "kinematics/loops.h"
+#include "kmech/sweep.h"
+
+#include <string.h>
+
+/* Past this |B| whoever looks at the pose may search pivots: see km_numbers_update. */
+static const double largest_settled_b = 30.0;
+
+static bool same_steps(const km_mechanism *a, const km_mechanism *b, const km_program *p, const km_program *q) {
+  if (p->step_count != q->step_count || p->loop_count != q->loop_count || p->step_start != q->step_start ||
+      p->loop_start != q->loop_start || p->twist_start != q->twist_start)
+    return false;
+  for (int i = p->step_start; i < p->step_start + p->step_count; ++i) {
+    const km_planar_step *x = &a->planar_steps[i], *y = &b->planar_steps[i];
+    if (x->slides != y->slides || x->coordinate != y->coordinate || x->sign != y->sign || x->from != y->from ||
+        x->to != y->to)
+      return false;
+  }
+  return true;
+}
+
+static bool same_loop(const km_mechanism *a, const km_mechanism *b, int l) {
+  const km_loop *x = &a->loops[l], *y = &b->loops[l];
+  if (x->lambda != y->lambda || memcmp(x->rows, y->rows, (size_t)x->lambda * sizeof *x->rows) != 0 ||
+      x->local != y->local || x->row_start != y->row_start || x->slot[0] != y->slot[0] || x->slot[1] != y->slot[1] ||
+      x->entry_start != y->entry_start || x->entry_count != y->entry_count)
+    return false;
+  for (int i = x->entry_start; i < x->entry_start + x->entry_count; ++i) {
+    const km_entry *e = &a->entries[i], *f = &b->entries[i];
+    if (e->step != f->step || e->column != f->column || e->side != f->side || e->at != f->at)
+      return false;
+  }
+  return true;
+}
+
+static bool same_couplings(const km_mechanism *a, const km_mechanism *b, const km_substructure *sub) {
+  for (int i = sub->coupling_start; i < sub->coupling_start + sub->coupling_count; ++i) {
+    const km_coupling *x = &a->couplings[i], *y = &b->couplings[i];
+    if (x->row != y->row || x->term_start != y->term_start || x->term_count != y->term_count)
+      return false;
+    for (int k = x->term_start; k < x->term_start + x->term_count; ++k) {
+      const km_term *s = &a->terms[k], *t = &b->terms[k];
+      if (s->coordinate != t->coordinate || s->column != t->column || s->curve_count > 0 || t->curve_count > 0 ||
+          s->at != t->at)
+        return false;
+    }
+  }
+  return true;
+}
+
+/* Do the mechanisms of two drives differ in numbers only, in the substructure that moves? */
+static bool same_structure(const km_drive *d, const km_drive *e) {
+  const km_mechanism *a = d->c.mechanism, *b = e->c.mechanism;
+  if (a->coordinate_count != b->coordinate_count || d->c.substructure != e->c.substructure ||
+      d->c.coordinate != e->c.coordinate || d->c.column != e->c.column)
+    return false;
+  const km_substructure *s = km_drive_driven(d), *t = km_drive_driven(e);
+  if (s->rows != t->rows || s->columns != t->columns || s->column_start != t->column_start ||
+      s->program_count != t->program_count || s->program_start != t->program_start || s->loop_start != t->loop_start ||
+      s->loop_count != t->loop_count || s->coupling_start != t->coupling_start ||
+      s->coupling_count != t->coupling_count || t->pattern.start)
+    return false;
+  for (int p = s->program_start; p < s->program_start + s->program_count; ++p)
+    if (!b->programs[p].planar || !same_steps(a, b, &a->programs[p], &b->programs[p]))
+      return false;
+  for (int i = s->loop_start; i < s->loop_start + s->loop_count; ++i)
+    if (a->loop_order[i] != b->loop_order[i] || !same_loop(a, b, a->loop_order[i]))
+      return false;
+  const size_t columns = (size_t)s->columns * sizeof *a->column_coordinate;
+  return memcmp(a->column_coordinate + s->column_start, b->column_coordinate + s->column_start, columns) == 0 &&
+         same_couplings(a, b, s);
+}
+
+/* Are lanes for this drive at all? */
+static bool fits(const km_drive *d) {
+  const km_mechanism *m = d->c.mechanism;
+  if (d->c.substructure < 0)
+    return false;
+  const km_substructure *sub = km_drive_driven(d);
+  for (int k = 0; k < sub->columns; ++k)
+    if (m->ball_of[m->column_coordinate[sub->column_start + k]] >= 0)
+      return false;
+  return !sub->pattern.start && same_structure(d, d);
+}
+
+static km_lanes_number *numbers(km_arena *arena, int count) {
+  return KM_ARENA_NEW(arena, km_lanes_number, (size_t)count + 1);
+}
+
+static bool reserve(km_drive_lanes *l) {
+  const km_mechanism *m = l->m;
+  km_arena *arena = &l->arena;
+  int columns = l->sub->columns, rows = l->sub->rows, coordinates = m->coordinate_count;
+  l->used = KM_ARENA_NEW(arena, bool, 2 * (size_t)columns * (size_t)rows);
+  l->is_length = KM_ARENA_NEW(arena, bool, (size_t)columns);
+  l->is_limited = KM_ARENA_NEW(arena, bool, (size_t)columns);
+  l->steps = KM_ARENA_NEW(arena, km_lane_step, (size_t)m->planar_step_count);
+  l->loops = KM_ARENA_NEW(arena, km_lane_loop, (size_t)m->topology.loop_count);
+  l->couplings = KM_ARENA_NEW(arena, km_lane_coupling, (size_t)m->coupling_count + 1);
+  l->slots = KM_ARENA_NEW(arena, km_lane_slot, (size_t)m->largest_slots);
+  l->h = KM_ARENA_NEW(arena, km_lane_column, (size_t)m->twist_count);
+  l->coefficients = numbers(arena, m->term_count);
+  l->term_unit = numbers(arena, m->term_count);
+  l->q = numbers(arena, coordinates);
+  l->misfit = numbers(arena, 3 * m->topology.loop_count);
+  l->J = numbers(arena, rows * columns);
+  km_lanes_number **by_column[] = {&l->unit,      &l->weight, &l->low,  &l->high,   &l->t, &l->last_t,
+                                   &l->last_move, &l->from,   &l->move, &l->next_t, &l->x};
+  for (size_t i = 0; i < sizeof by_column / sizeof *by_column; ++i)
+    *by_column[i] = numbers(arena, columns);
+  km_lanes_number **by_row[] = {&l->B, &l->error, &l->y, &l->inverse};
+  for (size_t i = 0; i < sizeof by_row / sizeof *by_row; ++i)
+    *by_row[i] = numbers(arena, rows);
+  return km_replay_reserve(&l->replay, rows, columns, arena);
+}
+
+static void set_pattern(km_drive_lanes *l) {
+  const km_mechanism *m = l->m;
+  for (int i = 0; i < l->sub->loop_count; ++i) {
+    const km_loop *loop = &m->loops[m->loop_order[l->sub->loop_start + i]];
+    for (int e = loop->entry_start; e < loop->entry_start + loop->entry_count; ++e)
+      for (int r = 0; r < loop->lambda; ++r)
+        l->used[m->entries[e].at + (size_t)r] = true;
+  }
+  for (int i = 0; i < l->sub->coupling_count; ++i) {
+    const km_coupling *coupling = &m->couplings[l->sub->coupling_start + i];
+    for (int k = coupling->term_start; k < coupling->term_start + coupling->term_count; ++k)
+      if (m->terms[k].column >= 0)
+        l->used[m->terms[k].at] = true;
+  }
+}
+
+static void take_steps(km_drive_lanes *l, const km_mechanism *m, int i) {
+  for (int p = l->sub->program_start; p < l->sub->program_start + l->sub->program_count; ++p) {
+    const km_program *program = &m->programs[p];
+    for (int k = program->step_start; k < program->step_start + program->step_count; ++k) {
+      const km_planar_step *step = &m->planar_steps[k];
+      l->steps[k].x.of[i] = step->x;
+      l->steps[k].y.of[i] = step->y;
+      l->steps[k].ux.of[i] = step->ux;
+      l->steps[k].uy.of[i] = step->uy;
+    }
+  }
+}
+
+static void take_loops(km_drive_lanes *l, const km_mechanism *m, int i) {
+  for (int k = 0; k < l->sub->loop_count; ++k) {
+    int index = m->loop_order[l->sub->loop_start + k];
+    const km_loop *loop = &m->loops[index];
+    km_lane_loop *to = &l->loops[index];
+    for (int a = 0; a < 2; ++a) {
+      to->close[0][a].of[i] = loop->planar_close[0][a];
+      to->close[1][a].of[i] = loop->planar_close[1][a];
+      to->apart[a].of[i] = loop->planar_apart[a];
+      to->point[a].of[i] = loop->planar_point[a];
+    }
+    for (int a = 0; a < 3; ++a)
+      to->fixed[a].of[i] = loop->fixed_misfit[2 + a];
+    to->turn.of[i] = loop->planar_turn;
+  }
+}
+
+static void take_couplings(km_drive_lanes *l, const km_mechanism *m, int i) {
+  for (int k = l->sub->coupling_start; k < l->sub->coupling_start + l->sub->coupling_count; ++k) {
+    const km_coupling *coupling = &m->couplings[k];
+    l->couplings[k].constant.of[i] = coupling->constant;
+    for (int t = coupling->term_start; t < coupling->term_start + coupling->term_count; ++t) {
+      l->coefficients[t].of[i] = m->terms[t].coefficient;
+      l->term_unit[t].of[i] = m->unit[m->terms[t].coordinate];
+    }
+  }
+}
+
+/* The numbers of drive i's mechanism into its lane. */
+static void take_numbers(km_drive_lanes *l, int i) {
+  const km_drive *d = l->drives[i];
+  const km_mechanism *m = d->c.mechanism;
+  const km_substructure *sub = km_drive_driven(d);
+  take_steps(l, m, i);
+  take_loops(l, m, i);
+  take_couplings(l, m, i);
+  for (int k = 0; k < sub->columns; ++k) {
+    int c = m->column_coordinate[sub->column_start + k];
+    l->unit[k].of[i] = m->unit[c];
+    l->weight[k].of[i] = m->column_weight[sub->column_start + k];
+    l->low[k].of[i] = m->low[c];
+    l->high[k].of[i] = m->high[c];
+    l->is_length[k] = l->is_length[k] || m->unit[c] != 1.0;
+    l->is_limited[k] = l->is_limited[k] || (!d->c.ignore_limits && (isfinite(m->low[c]) || isfinite(m->high[c])));
+  }
+  l->inverse_size.of[i] = 1.0 / sub->size;
+  l->closure_tolerance.of[i] = m->closure_tolerance;
+  l->driver_low.of[i] = d->c.ignore_limits ? -HUGE_VAL : m->low[l->coordinate] / m->unit[l->coordinate];
+  l->driver_high.of[i] = d->c.ignore_limits ? HUGE_VAL : m->high[l->coordinate] / m->unit[l->coordinate];
+}
+
+km_status km_drive_lanes_create(km_drive *const *drives, int count, km_drive_lanes **out, km_error *error) {
+  *out = NULL;
+  for (int i = 0; i < count; ++i)
+    if (i == 0 ? !fits(drives[0]) : !same_structure(drives[0], drives[i]))
+      return KM_OK;
+  km_drive_lanes *l = KM_NEW(km_drive_lanes, 1);
+  if (l) {
+    const km_drive *first = drives[0];
+    *l = (km_drive_lanes){.count = count, .m = first->c.mechanism, .sub = km_drive_driven(first)};
+    l->coordinate = first->c.coordinate;
+    l->column = first->c.column;
+  }
+  if (!l || !reserve(l)) {
+    km_drive_lanes_free(l);
+    return km_fail(error, KM_MEMORY, "out of memory for a sweep");
+  }
+  set_pattern(l);
+  for (int i = 0; i < count; ++i) {
+    l->drives[i] = drives[i];
+    drives[i]->lanes = l;
+    drives[i]->lane = i;
+    take_numbers(l, i);
+  }
+  *out = l;
+  return KM_OK;
+}
+
+void km_drive_lanes_free(km_drive_lanes *l) {
+  if (!l)
+    return;
+  for (int i = 0; i < l->count; ++i) {
+    if (!l->drives[i])
+      continue;
+    km_drive_settle(l->drives[i]);
+    l->drives[i]->lanes = NULL;
+  }
+  km_arena_free(&l->arena);
+  km_free(l);
+}
+
+/* May the drive take steps in its lane: one freedom, known pivots that belong to the last pose, and a regular pose? */
+static bool may_ride(const km_drive *d) {
+  const km_state *s = d->c.state;
+  const km_partition *p = &s->partition[d->c.substructure], *reference = &d->c.course.reference;
+  return d->here.known && d->c.course.last_h != 0.0 && s->pivoted[d->c.substructure] == d->c.column &&
+         !p->forced_dependent && !p->locked && km_partition_freedom(p) == 1 && reference->rank == p->rank &&
+         reference->searches == p->searches && p->last_pivot >= km_continuation_singular * p->scale;
+}
+
+static bool same_pivots(const km_drive_lanes *l, const km_partition *p) {
+  const km_replay *r = &l->replay;
+  return r->rank == p->rank && memcmp(r->row, p->row, (size_t)r->rank * sizeof *r->row) == 0 &&
+         memcmp(r->column, p->column, (size_t)r->column_count * sizeof *r->column) == 0;
+}
+
+/* The first one aboard decides by which pivots all go. */
+static void take_pivots(km_drive_lanes *l, const km_partition *p) {
+  size_t size = (size_t)l->sub->rows * (size_t)l->sub->columns;
+  memcpy(l->used + size, l->used, size);
+  km_replay_make(&l->replay, p, l->used + size);
+  memset(l->J, 0, size * sizeof *l->J);
+}
+
+/* The course of drive i into its lane, if it may ride. */
+static void board(km_drive_lanes *l, int i) {
+  const km_drive *d = l->drives[i];
+  const km_course *course = &d->c.course;
+  const km_partition *p = &d->c.state->partition[d->c.substructure];
+  if (!may_ride(d))
+    return;
+  if (!l->aboard && !same_pivots(l, p))
+    take_pivots(l, p);
+  else if (!same_pivots(l, p))
+    return;
+  for (int c = 0; c < l->m->coordinate_count; ++c)
+    l->q[c].of[i] = d->c.state->q[c];
+  for (int k = 0; k < l->sub->columns; ++k) {
+    l->t[k].of[i] = course->t[k];
+    l->last_t[k].of[i] = course->last_t[k];
+    l->last_move[k].of[i] = course->last_move[k];
+  }
+  l->last_h.of[i] = course->last_h;
+  l->sign.of[i] = course->reference.sign;
+  l->s.of[i] = d->here.s;
+  l->largest.of[i] = d->here.largest;
+  l->stopped.of[i] = d->here.stopped;
+  l->pivoted_b.of[i] = p->pivoted_b;
+  l->smallest_pivot.of[i] = p->rank > 0 ? p->smallest_pivot : 0.0;
+  l->aboard |= 1u << i;
+}
+
+/* What a look at the pose reads: coordinates, the tangent, the null space, and what is left of the loops. */
+static void show(km_drive_lanes *l, int i) {
+  km_drive *d = l->drives[i];
+  km_state *s = d->c.state;
+  const km_substructure *sub = km_drive_driven(d);
+  const int *coordinate = l->m->column_coordinate + sub->column_start;
+  km_partition *p = &s->partition[d->c.substructure];
+  for (int k = 0; k < sub->columns; ++k) {
+    s->q[coordinate[k]] = l->q[coordinate[k]].of[i];
+    d->c.course.t[k] = l->t[k].of[i];
+  }
+  for (int k = 0; k < l->replay.rank; ++k)
+    p->B[k] = l->B[k].of[i];
+  p->largest_b = l->largest_b.of[i];
+  for (int k = 0; k < sub->loop_count; ++k) {
+    int index = l->m->loop_order[sub->loop_start + k];
+    km_twist *misfit = &s->misfit[index];
+    misfit->v.x = l->misfit[3 * index].of[i];
+    misfit->v.y = l->misfit[3 * index + 1].of[i];
+    misfit->w.z = l->misfit[3 * index + 2].of[i];
+  }
+  for (int k = 0; k < sub->coupling_count; ++k) {
+    int row = l->m->couplings[sub->coupling_start + k].row;
+    km_state_error(s, sub)[row] = l->error[row].of[i];
+  }
+}
+
+void km_drive_settle(km_drive *d) {
+  km_drive_lanes *l = d->lanes;
+  unsigned own = l ? 1u << d->lane : 0;
+  if (!l || !(l->aboard & own))
+    return;
+  l->aboard &= ~own;
+  if (!(l->ahead & own))
+    return;
+  l->ahead &= ~own;
+  int i = d->lane;
+  km_course *course = &d->c.course;
+  km_state *s = d->c.state;
+  const km_substructure *sub = km_drive_driven(d);
+  for (int k = 0; k < sub->columns; ++k) {
+    course->last_t[k] = l->last_t[k].of[i];
+    course->last_move[k] = l->last_move[k].of[i];
+  }
+  course->last_h = l->last_h.of[i];
+  course->reference.sign = (int)l->sign.of[i];
+  d->here.s = l->s.of[i];
+  d->here.largest = l->largest.of[i];
+  d->here.stopped = l->stopped.of[i];
+  /* The loops were closed before the driver got its value to the last bit. */
+  double value = s->q[l->coordinate];
+  s->q[l->coordinate] = l->closed_at.of[i];
+  km_loops_update(d->c.mechanism, s, sub);
+  km_partition_refactor(&s->partition[d->c.substructure], km_state_jacobian(s, sub));
+  s->q[l->coordinate] = value;
+}
+
+static unsigned take_step(km_drive_lanes *l, unsigned wanted) {
+#ifdef KM_LANES_AVX512
+  if (__builtin_cpu_supports("avx512f") && __builtin_cpu_supports("avx512dq"))
+    return km_lanes_step_avx512(l, wanted);
+#endif
+#ifdef KM_LANES_AVX2
+  if (__builtin_cpu_supports("avx2"))
+    return km_lanes_step_avx2(l, wanted);
+#endif
+  return km_lanes_step_plain(l, wanted);
+}
+
+void km_drive_lanes_to(km_drive_lanes *l, unsigned wanted, const double *targets, km_reach *reaches) {
+  for (int i = 0; i < l->count; ++i) {
+    if (!(wanted >> i & 1))
+      continue;
+    if (!(l->aboard >> i & 1))
+      board(l, i);
+    l->target.of[i] = targets[i] * km_drive_factor(l->drives[i]);
+  }
+  unsigned riding = wanted & l->aboard, took = riding ? take_step(l, riding) : 0;
+  for (int i = 0; i < l->count; ++i) {
+    if (!(wanted >> i & 1))
+      continue;
+    if (!(took >> i & 1)) {
+      reaches[i] = km_drive_to(l->drives[i], targets[i]);
+      continue;
+    }
+    reaches[i] = (km_reach){KM_STOP_NONE, targets[i], -1, -1};
+    l->ahead |= 1u << i;
+    show(l, i);
+    if (!(l->largest_b.of[i] <= largest_settled_b))
+      km_drive_settle(l->drives[i]);
+  }
+}

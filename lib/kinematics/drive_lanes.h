@@ -1,0 +1,26 @@
+/* Drives of mechanisms that differ in their numbers only, side by side: a step that needs no decision is taken for all
+ * of them in vectors, any other by the drive alone. */
+#ifndef KM_KINEMATICS_DRIVE_LANES_H
+#define KM_KINEMATICS_DRIVE_LANES_H
+
+#include "kinematics/drive.h"
+
+/* As many drives go side by side, whatever registers the processor has. */
+enum { KM_DRIVE_LANES = 8 };
+
+typedef struct km_drive_lanes km_drive_lanes;
+
+/* For `count` drives of the same coordinate, each with a mechanism and a state of its own; they are borrowed and have to
+ * outlive the lanes. *out is NULL where their mechanisms differ in more than numbers, or have what lanes aren't for (space,
+ * balls, couplings by polynomials, large substructures): then drive them one by one. KM_MEMORY. */
+km_status km_drive_lanes_create(km_drive *const *drives, int count, km_drive_lanes **out, km_error *error);
+void km_drive_lanes_free(km_drive_lanes *lanes);
+
+/* km_drive_to(drives[i], targets[i]) for every drive whose bit i is set in `wanted`, with the same bits: of coordinates,
+ * tangents, null spaces and residuals. The Jacobian of a state is up to date only after km_drive_settle. */
+void km_drive_lanes_to(km_drive_lanes *lanes, unsigned wanted, const double *targets, km_reach *reaches);
+
+/* Gives a drive back what its lane has found, so that it can go on alone. Part of whatever moves a drive. */
+void km_drive_settle(km_drive *drive);
+
+#endif

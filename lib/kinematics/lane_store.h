@@ -1,0 +1,81 @@
+/* What the lanes of several drives hold: arrays with an element for each lane. Private to kinematics/. */
+#ifndef KM_KINEMATICS_LANE_STORE_H
+#define KM_KINEMATICS_LANE_STORE_H
+
+#include "kinematics/drive_lanes.h"
+#include "partition/replay.h"
+
+/* One number of every lane. */
+typedef struct km_lanes_number {
+  double of[KM_DRIVE_LANES];
+} km_lanes_number;
+
+/* The numbers of a planar step and of a planar loop: see km_planar_step and km_loop. */
+typedef struct km_lane_step {
+  km_lanes_number x, y, ux, uy;
+} km_lane_step;
+typedef struct km_lane_loop {
+  km_lanes_number close[2][2], apart[2], point[2], turn, fixed[3]; /* fixed: v z, w x, w y */
+} km_lane_loop;
+typedef struct km_lane_coupling {
+  km_lanes_number constant;
+} km_lane_coupling;
+
+typedef struct km_lane_slot {
+  km_lanes_number angle, cosine, sine, x, y;
+} km_lane_slot;
+/* A column of a planar step: v x, v y, turn. */
+typedef struct km_lane_column {
+  km_lanes_number x, y, turn;
+} km_lane_column;
+
+struct km_drive_lanes {
+  km_arena arena;
+  int count;
+  km_drive *drives[KM_DRIVE_LANES];
+  const km_mechanism *m; /* of the first drive: the structure is that of all */
+  const km_substructure *sub;
+  int coordinate, column; /* the driver */
+  unsigned aboard;        /* bits: lanes that hold the course of their drive */
+  unsigned ahead;         /* and those whose course is newer than that of the drive */
+  bool *used;             /* [rows × columns] pattern of the Jacobian, and room for that of the reduced one */
+  km_replay replay;       /* by the pivots of the lanes aboard */
+  bool *is_length;        /* [columns] its unit isn't 1 */
+  bool *is_limited;       /* [columns] in some lane */
+
+  /* Numbers of the mechanisms. */
+  km_lane_step *steps; /* [planar steps of the mechanism] */
+  km_lane_loop *loops; /* [loop] */
+  km_lane_coupling *couplings;
+  km_lanes_number *coefficients, *term_unit;     /* [term] */
+  km_lanes_number *unit, *weight, *low, *high;   /* [columns] */
+  km_lanes_number inverse_size, closure_tolerance, driver_low, driver_high; /* the driver's limits, scaled */
+
+  /* Where the drives are. */
+  km_lanes_number *q;                     /* [coordinate] */
+  km_lanes_number *t, *last_t, *last_move; /* [columns] as in km_course */
+  km_lanes_number last_h, s, largest, stopped, closed_at; /* closed_at: the driver where the loops were closed */
+  km_lanes_number sign, next_sign;        /* of the pivots' product, ±1, and where the step ends */
+  km_lanes_number pivoted_b, smallest_pivot;
+  km_lanes_number target; /* of the step, scaled */
+
+  /* What a step leaves: */
+  km_lanes_number *B;      /* [rank] null vector of the driver: the dependent columns' in pivot order, negative */
+  km_lanes_number *misfit; /* [3 × loop] as (x, y, turn) */
+  km_lanes_number *error;  /* [rows] */
+  km_lanes_number largest_b;
+
+  /* and what it works on. */
+  km_lanes_number *from, *move, *next_t, *x; /* [columns] */
+  km_lanes_number *J, *y, *inverse;          /* [rows × columns], [rows], [rank] */
+  km_lane_slot *slots;
+  km_lane_column *h;
+};
+
+/* One step of the lanes `wanted` to their targets. Returns those that took it; the others are where they were. By the
+ * processor's registers. */
+unsigned km_lanes_step_plain(km_drive_lanes *lanes, unsigned wanted);
+unsigned km_lanes_step_avx2(km_drive_lanes *lanes, unsigned wanted);
+unsigned km_lanes_step_avx512(km_drive_lanes *lanes, unsigned wanted);
+
+#endif

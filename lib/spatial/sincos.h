@@ -1,0 +1,47 @@
+/* Sine and cosine of a double, with the bits that lanes side by side have too. */
+#ifndef KM_SPATIAL_SINCOS_H
+#define KM_SPATIAL_SINCOS_H
+
+#include <math.h>
+#include <stdint.h>
+#include <string.h>
+
+/* The polynomials are good for angles up to this. */
+#define KM_SINCOS_MOST 1e5
+
+static inline uint64_t km_double_bits(double x) {
+  uint64_t bits;
+  memcpy(&bits, &x, sizeof bits);
+  return bits;
+}
+static inline double km_bits_double(uint64_t bits) {
+  double x;
+  memcpy(&x, &bits, sizeof x);
+  return x;
+}
+
+#define T            double
+#define BITS         uint64_t
+#define NONE         ((uint64_t)0)
+#define FN(name)     km_near_##name
+#define km_bits_of   km_double_bits
+#define km_number_of km_bits_double
+#include "spatial/sincos_body.h"
+#undef T
+#undef BITS
+#undef NONE
+#undef FN
+#undef km_bits_of
+#undef km_number_of
+
+/* To an ulp or so, of any angle. */
+static inline void km_sincos(double x, double *sine, double *cosine) {
+  if (fabs(x) <= KM_SINCOS_MOST) {
+    km_near_sincos(x, sine, cosine);
+  } else {
+    *sine = sin(x);
+    *cosine = cos(x);
+  }
+}
+
+#endif

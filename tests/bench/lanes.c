@@ -1,0 +1,100 @@
+/* Whole points of a sweep for eight samples side by side: every driver moved by a step, the loops closed, the mobility
+ * numbers of each. Against the same samples one after the other. */
+#include "analysis/mobility.h"
+#include "bench.h"
+#include "kinematics/drive_lanes.h"
+#include "machine.h"
+
+#include <math.h>
+#include <stdio.h>
+
+enum { POINTS = 200 };
+
+/* Eight equal machines, there and back. */
+typedef struct samples {
+  bench_machine machines[KM_DRIVE_LANES];
+  km_drive *drives[KM_DRIVE_LANES];
+  km_drive_lanes *lanes; /* NULL: one after the other */
+  const char *name;
+  double from, to;
+  bool backwards;
+} samples;
+
+static double target(const samples *s, int i) {
+  return s->from + (s->to - s->from) * (s->backwards ? POINTS - i : i) / POINTS;
+}
+
+static void numbers(const samples *s, int i) {
+  const bench_machine *m = &s->machines[i];
+  km_numbers_update(m->mechanism, m->state, s->drives[i]->c.substructure);
+}
+
+static void run_beside(void *context) {
+  samples *s = context;
+  double targets[KM_DRIVE_LANES];
+  km_reach reaches[KM_DRIVE_LANES];
+  for (int p = 1; p <= POINTS; ++p) {
+    for (int i = 0; i < KM_DRIVE_LANES; ++i)
+      targets[i] = target(s, p);
+    km_drive_lanes_to(s->lanes, (1u << KM_DRIVE_LANES) - 1, targets, reaches);
+    for (int i = 0; i < KM_DRIVE_LANES; ++i) {
+      if (reaches[i].stop)
+        bench_fail(s->name, "the driver stops at point %d", p);
+      numbers(s, i);
+    }
+  }
+  s->backwards = !s->backwards;
+}
+
+static void run_alone(void *context) {
+  samples *s = context;
+  for (int i = 0; i < KM_DRIVE_LANES; ++i)
+    for (int p = 1; p <= POINTS; ++p) {
+      if (km_drive_to(s->drives[i], target(s, p)).stop)
+        bench_fail(s->name, "the driver stops at point %d", p);
+      numbers(s, i);
+    }
+  s->backwards = !s->backwards;
+}
+
+static samples open_samples(const char *model, const char *driver, double length, bool beside) {
+  samples s = {.name = model};
+  for (int i = 0; i < KM_DRIVE_LANES; ++i) {
+    s.machines[i] = bench_machine_load(model);
+    int c = bench_machine_coordinate(&s.machines[i], driver);
+    s.from = km_state_coordinate(s.machines[i].state, c);
+    if (km_drive_create(s.machines[i].mechanism, s.machines[i].state, c, false, &s.drives[i], NULL))
+      bench_fail(model, "no drive");
+  }
+  s.to = s.from + length;
+  if (beside && (km_drive_lanes_create(s.drives, KM_DRIVE_LANES, &s.lanes, NULL) || !s.lanes))
+    bench_fail(model, "no lanes");
+  return s;
+}
+
+static void close_samples(samples *s) {
+  km_drive_lanes_free(s->lanes);
+  for (int i = 0; i < KM_DRIVE_LANES; ++i) {
+    km_drive_free(s->drives[i]);
+    bench_machine_free(&s->machines[i]);
+  }
+}
+
+static void measure(const char *model, const char *driver, double length) {
+  samples beside = open_samples(model, driver, length, true), alone = open_samples(model, driver, length, false);
+  bench_contender c[] = {{.name = "side by side", .run = run_beside, .context = &beside},
+                         {.name = "one by one", .run = run_alone, .context = &alone}};
+  char name[64];
+  bench_time(c, 2);
+  snprintf(name, sizeof name, "lanes/%s", model);
+  bench_figure(name, "million_points_per_second", 1e3 * POINTS * KM_DRIVE_LANES / c[0].median);
+  bench_figure(name, "over_one_by_one", bench_ratio(&c[1], &c[0]));
+  close_samples(&beside);
+  close_samples(&alone);
+}
+
+void bench_lanes(void) {
+  measure("slider_crank", "A", 2.0 * M_PI);
+  measure("excavator", "M", 0.55);
+  measure("klann", "A", 2.0 * M_PI);
+}

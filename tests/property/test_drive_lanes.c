@@ -1,0 +1,151 @@
+/* Drives side by side have the bits of drives that go alone: where they ride in vectors, where they leave for a limit, a
+ * dead point or new pivots, and whatever goes beside them. */
+#include "support/support.h"
+
+#include "analysis/mobility.h"
+#include "kinematics/lane_store.h"
+#include "kinematics/loops.h"
+#include "kmech/edit.h"
+#include "kmech/sweep_plan.h"
+
+#include <math.h>
+#include <string.h>
+
+enum { ROWS = 120 };
+
+/* A design, and the drive of its sweep's joint. */
+typedef struct design {
+  fixture f;
+  km_drive *drive;
+  double from, to;
+} design;
+
+/* Every component of every frame's place times a factor of its own: what is 0 stays 0, so a plane stays a plane. */
+static void vary(km_model *m, randomness *r, double spread) {
+  for (int f = 0; f < m->frame_count; ++f) {
+    km_vec3 p = m->frames[f].pose.p;
+    const double T[3] = {p.x * uniform(r, 1 - spread, 1 + spread), p.y * uniform(r, 1 - spread, 1 + spread),
+                         p.z * uniform(r, 1 - spread, 1 + spread)};
+    assert_int_equal(km_model_set_frame(m, f, T, NULL, NULL), KM_OK);
+  }
+}
+
+/* Variant number `seed` of a model; 0: the model itself. Where its loops can't be closed or move otherwise, the model
+ * itself too. */
+static design open_design(const char *name, uint64_t seed, bool ignore_limits) {
+  randomness r = {seed};
+  design d = {.f = fixture_open(name)};
+  if (seed > 0)
+    vary(d.f.model, &r, 2e-3);
+  km_state_restart(d.f.state);
+  if (km_mechanism_renumber(d.f.mechanism, NULL) || km_assemble(d.f.mechanism, d.f.state, NULL, NULL)) {
+    fixture_close(&d.f);
+    d.f = fixture_open(name);
+  }
+  km_sweep_plan plan = km_sweep_plan_default(d.f.model);
+  d.from = plan.from;
+  d.to = plan.to;
+  assert_int_equal(km_drive_create(d.f.mechanism, d.f.state, plan.coordinate, ignore_limits, &d.drive, NULL), KM_OK);
+  return d;
+}
+
+static void close_design(design *d) {
+  km_drive_free(d->drive);
+  fixture_close(&d->f);
+}
+
+static void same_bits(const char *name, int row, design *a, design *b) {
+  const km_mechanism *m = a->f.mechanism;
+  int n = m->coordinate_count, sub = a->drive->c.substructure, worst;
+  double x[64], y[64];
+  assert_true(n <= 64);
+  assert_true(km_drive_tangent(a->drive, x) == km_drive_tangent(b->drive, y));
+  km_numbers_update(m, a->f.state, sub);
+  km_numbers_update(b->f.mechanism, b->f.state, sub);
+  double residuals[2] = {km_loops_residual(m, a->f.state, &m->substructures[sub], &worst),
+                         km_loops_residual(b->f.mechanism, b->f.state, &b->f.mechanism->substructures[sub], &worst)};
+  for (int c = 0; c < n; ++c)
+    if (a->f.state->q[c] != b->f.state->q[c] || x[c] != y[c] || a->f.state->numbers[c] != b->f.state->numbers[c])
+      fail_msg("%s, row %d, coordinate %d: %.17g %.17g %.17g beside others, %.17g %.17g %.17g alone", name, row, c,
+               a->f.state->q[c], x[c], a->f.state->numbers[c], b->f.state->q[c], y[c], b->f.state->numbers[c]);
+  assert_true(residuals[0] == residuals[1]);
+}
+
+static void same_reach(const km_reach *a, const km_reach *b) {
+  assert_int_equal(a->stop, b->stop);
+  assert_true(a->position == b->position);
+  assert_int_equal(a->coordinate, b->coordinate);
+}
+
+/* Drives `count` designs side by side over their range, and the same ones alone. Returns how many steps were taken in
+ * lanes. */
+static int compare(const char *name, int count, uint64_t seed, bool ignore_limits) {
+  design beside[KM_DRIVE_LANES], alone[KM_DRIVE_LANES];
+  km_drive *drives[KM_DRIVE_LANES];
+  km_drive_lanes *lanes;
+  int ridden = 0;
+  for (int i = 0; i < count; ++i) {
+    beside[i] = open_design(name, seed ? seed + (uint64_t)i : 0, ignore_limits);
+    alone[i] = open_design(name, seed ? seed + (uint64_t)i : 0, ignore_limits);
+    drives[i] = beside[i].drive;
+  }
+  assert_int_equal(km_drive_lanes_create(drives, count, &lanes, NULL), KM_OK);
+  unsigned going = (1u << count) - 1;
+  for (int row = 0; row <= ROWS && lanes && going; ++row) {
+    double targets[KM_DRIVE_LANES];
+    km_reach reaches[KM_DRIVE_LANES];
+    for (int i = 0; i < count; ++i)
+      targets[i] = beside[i].from + (beside[i].to - beside[i].from) * row / ROWS;
+    km_drive_lanes_to(lanes, going, targets, reaches);
+    ridden += __builtin_popcount(lanes->ahead & going);
+    for (int i = 0; i < count; ++i) {
+      if (!(going >> i & 1))
+        continue;
+      km_reach reach = km_drive_to(alone[i].drive, targets[i]);
+      same_reach(&reaches[i], &reach);
+      same_bits(name, row, &beside[i], &alone[i]);
+      if (row > 0 && reach.stop)
+        going &= ~(1u << i);
+    }
+  }
+  km_drive_lanes_free(lanes);
+  for (int i = 0; i < count; ++i) {
+    same_bits(name, -1, &beside[i], &alone[i]);
+    close_design(&beside[i]);
+    close_design(&alone[i]);
+  }
+  return ridden;
+}
+
+static bool has_sweep(const char *name) {
+  fixture f = fixture_open(name);
+  km_sweep_plan plan = km_sweep_plan_default(f.model);
+  bool has = plan.coordinate >= 0 && f.mechanism->substructure_of[plan.coordinate] >= 0;
+  fixture_close(&f);
+  return has;
+}
+
+static void as_alone(void **state) {
+  (void)state;
+  int rode = 0;
+  for (const char *const *name = all_models; *name; ++name) {
+    if (!has_sweep(*name))
+      continue;
+    int steps = compare(*name, KM_DRIVE_LANES, 1, false) + compare(*name, KM_DRIVE_LANES, 100, true);
+    rode += steps > 0;
+  }
+  assert_true(rode >= 5);
+}
+
+/* Any number of drives, equal ones too. */
+static void any_number(void **state) {
+  (void)state;
+  for (int count = 1; count <= KM_DRIVE_LANES; ++count)
+    assert_true(compare("slider_crank", count, 7, false) > count * ROWS / 2);
+  assert_true(compare("excavator", KM_DRIVE_LANES, 0, false) > KM_DRIVE_LANES * ROWS / 2);
+}
+
+int main(void) {
+  const struct CMUnitTest tests[] = {cmocka_unit_test(as_alone), cmocka_unit_test(any_number)};
+  return cmocka_run_group_tests(tests, NULL, NULL);
+}
