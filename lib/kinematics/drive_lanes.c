@@ -108,7 +108,7 @@ static bool reserve(km_drive_lanes *l) {
   l->misfit = numbers(arena, 3 * m->topology.loop_count);
   l->J = numbers(arena, rows * columns);
   km_lanes_number **by_column[] = {&l->unit,      &l->weight, &l->low,  &l->high,   &l->t, &l->last_t,
-                                   &l->last_move, &l->from,   &l->move, &l->next_t, &l->x};
+                                   &l->last_move, &l->from,   &l->move, &l->next_t, &l->x, &l->numbers};
   for (size_t i = 0; i < sizeof by_column / sizeof *by_column; ++i)
     *by_column[i] = numbers(arena, columns);
   km_lanes_number **by_row[] = {&l->B, &l->error, &l->y, &l->inverse};
@@ -288,20 +288,17 @@ static void board(km_drive_lanes *l, int i) {
   l->aboard |= 1u << i;
 }
 
-/* What a look at the pose reads: coordinates, the tangent, the null space, and what is left of the loops. */
+/* What a look at the pose reads: coordinates, mobility numbers, the tangent, and what is left of the loops. */
 static void show(km_drive_lanes *l, int i) {
   km_drive *d = l->drives[i];
   km_state *s = d->c.state;
   const km_substructure *sub = km_drive_driven(d);
   const int *coordinate = l->m->column_coordinate + sub->column_start;
-  km_partition *p = &s->partition[d->c.substructure];
   for (int k = 0; k < sub->columns; ++k) {
     s->q[coordinate[k]] = l->q[coordinate[k]].of[i];
+    s->numbers[coordinate[k]] = l->numbers[k].of[i];
     d->c.course.t[k] = l->t[k].of[i];
   }
-  for (int k = 0; k < l->replay.rank; ++k)
-    p->B[k] = l->B[k].of[i];
-  p->largest_b = l->largest_b.of[i];
   for (int k = 0; k < sub->loop_count; ++k) {
     int index = l->m->loop_order[sub->loop_start + k];
     km_twist *misfit = &s->misfit[index];
@@ -343,6 +340,11 @@ void km_drive_settle(km_drive *d) {
   km_loops_update(d->c.mechanism, s, sub);
   km_partition_refactor(&s->partition[d->c.substructure], km_state_jacobian(s, sub));
   s->q[l->coordinate] = value;
+  km_state_null(d->c.mechanism, s, d->c.substructure, 1);
+}
+
+bool km_drive_rides(const km_drive *d) {
+  return d->lanes && (d->lanes->ahead >> d->lane & 1);
 }
 
 static unsigned take_step(km_drive_lanes *l, unsigned wanted) {

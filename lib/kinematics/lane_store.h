@@ -47,22 +47,23 @@ struct km_drive_lanes {
   km_lane_step *steps; /* [planar steps of the mechanism] */
   km_lane_loop *loops; /* [loop] */
   km_lane_coupling *couplings;
-  km_lanes_number *coefficients, *term_unit;     /* [term] */
-  km_lanes_number *unit, *weight, *low, *high;   /* [columns] */
+  km_lanes_number *coefficients, *term_unit;                                /* [term] */
+  km_lanes_number *unit, *weight, *low, *high;                              /* [columns] */
   km_lanes_number inverse_size, closure_tolerance, driver_low, driver_high; /* the driver's limits, scaled */
 
   /* Where the drives are. */
-  km_lanes_number *q;                     /* [coordinate] */
-  km_lanes_number *t, *last_t, *last_move; /* [columns] as in km_course */
+  km_lanes_number *q;                                     /* [coordinate] */
+  km_lanes_number *t, *last_t, *last_move;                /* [columns] as in km_course */
   km_lanes_number last_h, s, largest, stopped, closed_at; /* closed_at: the driver where the loops were closed */
-  km_lanes_number sign, next_sign;        /* of the pivots' product, ±1, and where the step ends */
+  km_lanes_number sign, next_sign;                        /* of the pivots' product, ±1, and where the step ends */
   km_lanes_number pivoted_b, smallest_pivot;
   km_lanes_number target; /* of the step, scaled */
 
   /* What a step leaves: */
-  km_lanes_number *B;      /* [rank] null vector of the driver: the dependent columns' in pivot order, negative */
-  km_lanes_number *misfit; /* [3 × loop] as (x, y, turn) */
-  km_lanes_number *error;  /* [rows] */
+  km_lanes_number *B;       /* [rank] null vector of the driver: the dependent columns' in pivot order, negative */
+  km_lanes_number *misfit;  /* [3 × loop] as (x, y, turn) */
+  km_lanes_number *error;   /* [rows] */
+  km_lanes_number *numbers; /* [columns] mobility numbers */
   km_lanes_number largest_b;
 
   /* and what it works on. */

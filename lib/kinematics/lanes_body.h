@@ -27,6 +27,9 @@ typedef uint64_t word __attribute__((vector_size(8 * WIDTH)));
 
 #define SIGN_BIT ((uint64_t)1 << 63)
 
+/* Squares of lengths that differ by less than this factor are left to the lengths. */
+#define SURE (1.0 - 1e-9)
+
 /* Newton needs three or four steps; where it takes more, the drive alone goes on. */
 enum { MOST_ITERATIONS = 8 };
 
@@ -73,10 +76,15 @@ static inline vector all(double value) {
   return (vector){0.0} + value;
 }
 static inline unsigned bits_of(mask m) {
-  unsigned bits = 0;
-  for (int i = 0; i < WIDTH; ++i)
-    bits |= (unsigned)(m[i] & 1) << i;
-  return bits;
+#if WIDTH == 8
+  return (unsigned)_mm512_movepi64_mask((__m512i)m);
+#elif WIDTH == 4
+  return (unsigned)_mm256_movemask_pd((__m256d)m);
+#elif defined __SSE2__
+  return (unsigned)_mm_movemask_pd((__m128d)m);
+#else
+  return (unsigned)(m[0] & 1) | (unsigned)(m[1] & 1) << 1;
+#endif
 }
 static inline mask mask_of(unsigned bits) {
   mask m = {0};
@@ -137,7 +145,7 @@ static inline mask steps(km_drive_lanes *l, const km_program *program, int g) {
 /* wrapped of loops.c. Where the number of turns is near a half, rounding decides: those lanes leave. */
 static inline vector wrapped(vector angle, mask *fit) {
   const double magic = 6755399441055744.0; /* 1.5 · 2⁵²: adding it rounds to a whole number */
-  vector turns = angle / all(2.0 * M_PI), whole = turns + magic - magic;
+  vector turns = angle * (0.5 * M_1_PI), whole = turns + magic - magic;
   mask within = size_of(angle) <= all(M_PI);
   *fit &= within | (size_of(turns - whole) < all(0.25));
   return pick(within, angle, angle - 2.0 * M_PI * whole);
@@ -183,8 +191,8 @@ static inline mask close_loop(km_drive_lanes *l, int index, const km_lane_column
   return fit;
 }
 
-/* km_loops_update and km_loops_residual. Returns the lanes that the formulas are good for. */
-static inline mask update(km_drive_lanes *l, int g, vector *residual) {
+/* km_loops_update, and six times the square of km_loops_residual. Returns the lanes that the formulas are good for. */
+static inline mask update(km_drive_lanes *l, int g, vector *square) {
   const km_mechanism *m = l->m;
   mask fit = mask_of(~0u);
   vector largest = all(0.0);
@@ -199,9 +207,9 @@ static inline mask update(km_drive_lanes *l, int g, vector *residual) {
       fit &= close_loop(l, index, l->h + program->twist_start, g);
       vector ex = GET(l->misfit[3 * index]), ey = GET(l->misfit[3 * index + 1]), turn = GET(l->misfit[3 * index + 2]);
       vector vz = GET(n->fixed[0]), wx = GET(n->fixed[1]), wy = GET(n->fixed[2]);
-      vector rms = root((ex * ex + ey * ey + vz * vz + (wx * wx + wy * wy + turn * turn)) / all(6.0));
-      fit &= rms - rms == all(0.0);
-      largest = larger(rms, largest);
+      vector sum = ex * ex + ey * ey + vz * vz + (wx * wx + wy * wy + turn * turn);
+      fit &= sum - sum == all(0.0);
+      largest = larger(sum, largest);
     }
   }
   for (int i = 0; i < l->sub->coupling_count; ++i) {
@@ -215,11 +223,10 @@ static inline mask update(km_drive_lanes *l, int g, vector *residual) {
       sum += coefficient * (GET(l->q[term->coordinate]) / GET(l->term_unit[coupling->term_start + k]));
     }
     PUT(l->error[coupling->row], sum);
-    vector size = size_of(sum) / all(sqrt(6.0));
-    fit &= size - size == all(0.0);
-    largest = larger(size, largest);
+    fit &= sum - sum == all(0.0);
+    largest = larger(sum * sum, largest);
   }
-  *residual = largest;
+  *square = largest;
   return fit;
 }
 
@@ -292,13 +299,13 @@ static inline vector product(const km_drive_lanes *l, const km_lanes_number *a, 
   return sum;
 }
 
-static inline vector primary_rms(const km_drive_lanes *l, int g) {
+static inline vector primary_square(const km_drive_lanes *l, int g) {
   vector sum = all(0.0);
   for (int i = 0; i < l->replay.rank; ++i) {
     vector e = GET(l->error[l->replay.row[i]]);
     sum += e * e;
   }
-  return root(sum / all(l->replay.rank));
+  return sum;
 }
 
 /* Adds a scaled step where the mask is set. */
@@ -321,30 +328,36 @@ static inline vector grain(const km_drive_lanes *l, int g) {
   return pick(coarse < all(km_grain_most), coarse, all(km_grain_most));
 }
 
-/* km_loops_close from a prediction. Returns the lanes that closed; `correction` is what Newton moved. */
+/* km_loops_close from a prediction. Returns the lanes that closed; `correction`: sum of the squares of what Newton moved,
+ * times the number of moves, which is no less than the square of their sum.
+ *
+ * Squares stand for lengths, so that roots and quotients aren't waited for. Where that could decide otherwise than the
+ * lengths do, the lane leaves. */
 static inline mask close_loops(km_drive_lanes *l, mask trying, vector *correction, int g) {
-  vector coarse = grain(l, g), first = all(0.0);
+  vector coarse = grain(l, g), least = coarse * km_closed, tolerance = GET(l->closure_tolerance);
+  vector primary = least * least * (double)l->replay.rank,
+         most = 6.0 * SURE * larger(tolerance * tolerance, least * least);
+  vector sum = all(0.0);
   mask done = mask_of(0);
-  *correction = all(0.0);
-  for (int i = 0; i < MOST_ITERATIONS; ++i) {
-    vector residual;
-    trying &= update(l, g, &residual) & (residual < all(km_near_closed));
-    if (i == 0)
-      first = residual;
+  int moves = 0;
+  for (; moves < MOST_ITERATIONS; ++moves) {
+    vector square;
+    trying &= update(l, g, &square) & (square < all(6.0 * SURE * km_near_closed * km_near_closed));
     trying &= factor(l, g);
-    vector step = newton(l, g);
-    mask small = primary_rms(l, g) <= coarse * km_closed;
+    vector step = newton(l, g), error = primary_square(l, g);
+    mask small = error <= SURE * primary;
+    trying &= small | (error * SURE > primary);
     mask found = trying & ~done & small & (step <= coarse * km_settled);
-    vector tolerance = GET(l->closure_tolerance), least = coarse * km_closed;
-    trying &= ~found | (residual <= pick(tolerance < least, least, tolerance));
+    trying &= ~found | (square <= most);
     done |= found;
-    trying &= done | ((step <= all(km_longest_newton)) & (residual <= km_residual_growth * (first + km_residual_floor)));
+    trying &= done | (step <= all(km_longest_newton));
     mask going = trying & ~done;
     if (!bits_of(going))
       break;
-    *correction = pick(going, *correction + root(product(l, l->x, l->x, g)), *correction);
+    sum = pick(going, sum + product(l, l->x, l->x, g), sum);
     move(l, l->x, going, g);
   }
+  *correction = sum * (double)moves;
   return trying & done;
 }
 
@@ -353,8 +366,7 @@ static inline void predict(km_drive_lanes *l, vector h, int g) {
   vector last_h = GET(l->last_h), u = h / last_h + 1.0;
   vector h00 = 2.0 * u * u * u - 3.0 * u * u + 1.0, h10 = u * u * u - 2.0 * u * u + u, h11 = u * u * u - u * u;
   for (int k = 0; k < l->sub->columns; ++k)
-    PUT(l->move[k],
-        -h00 * GET(l->last_move[k]) + last_h * (h10 * GET(l->last_t[k]) + h11 * GET(l->t[k])));
+    PUT(l->move[k], -h00 * GET(l->last_move[k]) + last_h * (h10 * GET(l->last_t[k]) + h11 * GET(l->t[k])));
 }
 
 /* The lanes for which one step leads to the target: within the driver's limits, no longer than the step control allows, and
@@ -389,12 +401,13 @@ static inline void set_next_tangent(km_drive_lanes *l, int g) {
   PUT(l->next_t[l->column], all(1.0));
 }
 
-/* Not too much corrected, not too sharp a turn, no jump to another branch. */
-static inline mask keeps_to_curve(const km_drive_lanes *l, vector length, vector correction, int g) {
+/* Not too much corrected, not too sharp a turn, no jump to another branch. By squares, as in close_loops. */
+static inline mask keeps_to_curve(const km_drive_lanes *l, vector square, vector correction, int g) {
+  const double cosine = km_drive_least_cosine(km_drive_tightness), part = km_drive_tightness;
   vector along = product(l, l->t, l->next_t, g);
-  vector cosine = along / root(product(l, l->t, l->t, g) * product(l, l->next_t, l->next_t, g));
-  return (correction <= km_drive_tightness * length + km_drive_least_correction) &
-         (cosine >= all(km_drive_least_cosine(km_drive_tightness))) & (GET(l->next_sign) == GET(l->sign));
+  vector squares = product(l, l->t, l->t, g) * product(l, l->next_t, l->next_t, g);
+  return (correction <= SURE * part * part * square) & (along > all(0.0)) &
+         (SURE * along * along >= cosine * cosine * squares) & (GET(l->next_sign) == GET(l->sign));
 }
 
 /* km_continuation_accept, and what walk does after it. */
@@ -419,6 +432,24 @@ static inline void accept(km_drive_lanes *l, mask took, vector h, int g) {
   PUT(l->q[l->coordinate], pick(took, GET(l->target) * GET(l->unit[l->column]), q));
 }
 
+/* km_partition_null and km_mobility_numbers, of one freedom. */
+static inline void set_numbers(km_drive_lanes *l, int g) {
+  const km_replay *r = &l->replay;
+  vector own = GET(l->weight[l->column]), sum = own * own;
+  for (int i = 0; i < r->rank; ++i) {
+    int k = r->column[i];
+    vector value = -GET(l->B[i]) * GET(l->weight[k]);
+    PUT(l->numbers[k], value);
+    sum += value * value;
+  }
+  PUT(l->numbers[l->column], own);
+  vector factor = 1.0 / root(sum);
+  for (int k = 0; k < l->sub->columns; ++k) {
+    vector z = GET(l->numbers[k]) * factor;
+    PUT(l->numbers[k], z * z);
+  }
+}
+
 static unsigned step(km_drive_lanes *l, unsigned wanted, int g) {
   const int *coordinate = l->m->column_coordinate + l->sub->column_start;
   vector h = GET(l->target) - GET(l->s), correction;
@@ -430,17 +461,18 @@ static unsigned step(km_drive_lanes *l, unsigned wanted, int g) {
     trying &= size_of(GET(l->move[k])) <= all(km_drive_furthest);
     PUT(l->from[k], GET(l->q[coordinate[k]]));
   }
-  vector length = root(product(l, l->move, l->move, g));
+  vector square = product(l, l->move, l->move, g);
   move(l, l->move, trying, g);
   vector q = GET(l->q[l->coordinate]);
   PUT(l->q[l->coordinate], pick(trying, (GET(l->s) + h) * GET(l->unit[l->column]), q));
   mask took = close_loops(l, trying, &correction, g);
   set_next_tangent(l, g);
-  took &= keeps_to_curve(l, length, correction, g);
+  took &= keeps_to_curve(l, square, correction, g);
   took &= clear_of_limits(l, h, g);
   for (int k = 0; k < l->sub->columns; ++k)
     PUT(l->q[coordinate[k]], pick(took, GET(l->q[coordinate[k]]), GET(l->from[k])));
   accept(l, took, h, g);
+  set_numbers(l, g);
   return bits_of(took);
 }
 

@@ -7,9 +7,9 @@
 
 /* One step of Gauss-Jordan elimination. Places are column · rows + row. */
 typedef struct km_replay_step {
-  int pivot, row;                  /* place and row of the pivot */
-  int target_start, target_count;  /* rows that lose a multiple of the pivot's, into `rows` */
-  int column_start, column_count;  /* columns behind the pivot's that have an entry in its row: their first places, into
+  int pivot, row;                 /* place and row of the pivot */
+  int target_start, target_count; /* rows that lose a multiple of the pivot's, into `rows` */
+  int column_start, column_count; /* columns behind the pivot's that have an entry in its row: their first places, into
                                     * `columns` */
 } km_replay_step;
 

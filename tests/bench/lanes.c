@@ -26,7 +26,8 @@ static double target(const samples *s, int i) {
 
 static void numbers(const samples *s, int i) {
   const bench_machine *m = &s->machines[i];
-  km_numbers_update(m->mechanism, m->state, s->drives[i]->c.substructure);
+  if (!km_drive_rides(s->drives[i]))
+    km_numbers_update(m->mechanism, m->state, s->drives[i]->c.substructure);
 }
 
 static void run_beside(void *context) {
