@@ -1,4 +1,5 @@
 /* The question about mobility numbers. */
+#include "analysis/mobility_sweep.h"
 #include "analysis/question.h"
 
 #include <math.h>
@@ -28,15 +29,34 @@ static km_status prepare(km_question *q, km_error *error) {
   return KM_OK;
 }
 
+static void answer_all(km_question *const *q, km_state *const *s, int count, km_status *statuses, km_error *errors) {
+  km_sweep_plan plans[KM_DRIVE_LANES];
+  km_mobility_job jobs[KM_DRIVE_LANES];
+  for (int i = 0; i < count; ++i) {
+    plans[i] = q[i]->plan;
+    plans[i].singularities = flag(q[i], SINGULARITIES);
+    jobs[i] = (km_mobility_job){q[i]->m, s[i], &plans[i], &((own *)q[i]->own)->sweep, KM_OK, &errors[i]};
+  }
+  km_mobility_sweeps_run(jobs, count);
+  for (int i = 0; i < count; ++i) {
+    own *o = q[i]->own;
+    statuses[i] = jobs[i].status;
+    if (statuses[i] != KM_OK && statuses[i] != KM_PARTIAL)
+      continue;
+    km_status found =
+        km_sweep_redundancies_find(q[i]->m, &o->sweep.motion, flag(q[i], REDUNDANCIES), &o->redundancies, &errors[i]);
+    statuses[i] = found ? found : statuses[i];
+  }
+}
+
 static km_status answer(km_question *q, km_state *s, const km_sweep_plan *plan, km_error *error) {
-  own *o = q->own;
-  km_sweep_plan asked = *plan;
-  asked.singularities = flag(q, SINGULARITIES);
-  km_status status = km_mobility_sweep_run(q->m, s, &asked, &o->sweep, error);
-  if (status != KM_OK && status != KM_PARTIAL)
-    return status;
-  km_status found = km_sweep_redundancies_find(q->m, &o->sweep.motion, flag(q, REDUNDANCIES), &o->redundancies, error);
-  return found ? found : status;
+  (void)plan;
+  km_status status;
+  km_error found = {.text = ""};
+  answer_all(&q, &s, 1, &status, &found);
+  if (error && status)
+    *error = found;
+  return status;
 }
 
 static const km_sweep *motion(const km_question *q) {
@@ -75,6 +95,7 @@ const km_question_class km_mobility_question = {.name = "mobility",
                                                 .size = sizeof(own),
                                                 .prepare = prepare,
                                                 .answer = answer,
+                                                .answer_all = answer_all,
                                                 .motion = motion,
                                                 .event_count = event_count,
                                                 .event = event,

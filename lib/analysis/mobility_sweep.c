@@ -1,5 +1,5 @@
 /* Mobility numbers over a sweep, and where a joint loses its grip: roots of its entry in the direction of motion. */
-#include "kmech/mobility_sweep.h"
+#include "analysis/mobility_sweep.h"
 #include "analysis/singular.h"
 #include "base/check.h"
 
@@ -9,6 +9,7 @@ static const double zero = 1e-9;
 /* What a mobility sweep remembers from row to row. */
 typedef struct watch {
   km_mobility_sweep *out;
+  km_observer observer;
   double *z, *last_z; /* [coordinate] unit direction of motion at the row and at the row before */
   double last_s;
   bool have_last;
@@ -60,29 +61,60 @@ static void normalise(const km_mechanism *m, const double *rates, double *z) {
     z[c] = m->scale[c] * rates[c];
     sum += z[c] * z[c];
   }
+  double inverse = 1.0 / sqrt(sum);
   for (int c = 0; c < m->coordinate_count; ++c)
-    z[c] /= sqrt(sum);
+    z[c] *= inverse;
 }
 
 static bool is_idle(const km_sweep *sweep, int coordinate) {
   return sweep->idle_coordinates && sweep->idle_coordinates[coordinate];
 }
 
+/* The only null vector, as the mobility numbers have it; its sense is that of the rates. */
+static void take_null_vector(const km_sweeper *r, double *z) {
+  const km_mechanism *m = r->m;
+  const km_substructure *sub = &m->substructures[r->substructure];
+  const int *coordinate = m->column_coordinate + sub->column_start;
+  const double *Z = km_state_basis(r->s, r->substructure);
+  double along = 0.0;
+  for (int k = 0; k < sub->columns; ++k)
+    along += Z[k] * m->scale[coordinate[k]] * r->rates[coordinate[k]];
+  for (int k = 0; k < sub->columns; ++k)
+    z[coordinate[k]] = along < 0.0 ? -Z[k] : Z[k];
+}
+
 /* The unit direction of the one free motion, in the order of the coordinates, beside which idle freedoms move least;
  * false where there is more than one, or the driver stands at its own toggle. */
 static bool direction(const km_sweeper *r, double *z) {
-  if (r->substructure < 0 || km_partition_freedom(&r->s->partition[r->substructure]) - r->out->idle != 1 ||
-      !r->mover.rates(r->mover.self, r->rates))
+  double residual;
+  int freedom = r->substructure < 0 ? 0 : km_partition_freedom(&r->s->partition[r->substructure]);
+  if (freedom - r->out->idle != 1)
     return false;
-  normalise(r->m, r->rates, z);
+  if (r->mover.rides && r->mover.rides(r->mover.self, &residual)) {
+    r->mover.direction(r->mover.self, z);
+    return true;
+  }
+  if (!r->mover.rates(r->mover.self, r->rates))
+    return false;
+  if (freedom == 1)
+    take_null_vector(r, z);
+  else
+    normalise(r->m, r->rates, z);
   return true;
 }
 
+/* A root is found where the next place would be nearer than this part of the interval: the places before it were that near
+ * already, and the errors of regula falsi multiply. */
+static const double found = 1e-9;
+
 /* Between last_s and s the sign of z_c changes: where exactly, by regula falsi (Illinois) on the closed pose. */
 static double locate(const watch *w, const km_sweeper *r, int c, double s) {
-  double a = w->last_s, b = s, fa = w->last_z[c], fb = w->z[c], root = b;
+  double a = w->last_s, b = s, fa = w->last_z[c], fb = w->z[c], root = b, width = fabs(b - a);
   for (int i = 0; i < 60 && fabs(b - a) > 1e-13 * (fabs(a) + fabs(b)); ++i) {
+    double last = root;
     root = (a * fb - b * fa) / (fb - fa);
+    if (i > 1 && fabs(root - last) < found * width)
+      break;
     if (!r->mover.probe(r->mover.self, root, r->rates))
       break;
     normalise(r->m, r->rates, r->scratch);
@@ -157,30 +189,63 @@ static km_status end_at(void *self, km_sweeper *r, double s, km_error *error) {
                                                     : km_fail(error, KM_MEMORY, "out of memory for the dead points");
 }
 
+static km_status open_watch(watch *w, const km_mobility_job *job) {
+  size_t count = (size_t)job->m->coordinate_count;
+  km_mobility_sweep *out = job->out;
+  bool singularities = job->plan->singularities;
+  *out = (km_mobility_sweep){
+      .motion = {.substructure = -1}, .extremes = KM_NEW(km_extreme, count), .smallest = {nan(""), nan("")}};
+  *w = (watch){.out = out, .z = KM_NEW(double, 2 * count)};
+  bool ready = w->z && out->extremes && (!singularities || km_singular_watch_make(&w->singular, job->m));
+  if (!ready)
+    return km_fail(job->error, KM_MEMORY, "out of memory for a sweep");
+  w->last_z = w->z + count;
+  w->observer = (km_observer){.self = w,
+                              .columns = add_columns,
+                              .cells = write_numbers,
+                              .seen = see,
+                              .passed = singularities ? pass : NULL,
+                              .corner = forget,
+                              .ended = end_at,
+                              .reads_jacobian = singularities};
+  for (size_t c = 0; c < count; ++c)
+    out->extremes[c] = (km_extreme){HUGE_VAL, nan("")};
+  return KM_OK;
+}
+
+void km_mobility_sweeps_run(km_mobility_job *jobs, int count) {
+  watch watches[KM_DRIVE_LANES];
+  km_sweep_job sweeps[KM_DRIVE_LANES];
+  int of[KM_DRIVE_LANES], going = 0;
+  for (int i = 0; i < count; ++i) {
+    km_mobility_job *job = &jobs[i];
+    *job->out = (km_mobility_sweep){.motion = {.substructure = -1}};
+    watches[i] = (watch){0};
+    job->status = km_check_sweep(job->m, job->s, job->plan, job->error);
+    if (!job->status)
+      job->status = open_watch(&watches[i], job);
+    if (job->status)
+      continue;
+    of[going] = i;
+    sweeps[going++] =
+        (km_sweep_job){job->m, job->s, job->plan, &watches[i].observer, &job->out->motion, KM_OK, job->error};
+  }
+  km_sweeps_run(sweeps, going);
+  for (int k = 0; k < going; ++k)
+    jobs[of[k]].status = sweeps[k].status;
+  for (int i = 0; i < count; ++i) {
+    km_singular_watch_free(&watches[i].singular);
+    km_free(watches[i].z);
+  }
+}
+
 km_status km_mobility_sweep_run(const km_mechanism *m, km_state *s, const km_sweep_plan *plan, km_mobility_sweep *out,
                                 km_error *error) {
   if (!out)
     return km_check_given(false, "place for the result", error);
-  *out = (km_mobility_sweep){.motion = {.substructure = -1}};
-  km_status fits = km_check_sweep(m, s, plan, error);
-  if (fits)
-    return fits;
-  size_t count = (size_t)m->coordinate_count;
-  *out = (km_mobility_sweep){
-      .motion = {.substructure = -1}, .extremes = KM_NEW(km_extreme, count), .smallest = {nan(""), nan("")}};
-  double *z = KM_NEW(double, 2 * count);
-  watch w = {.out = out, .z = z, .last_z = z + count};
-  bool ready = z && out->extremes && (!plan->singularities || km_singular_watch_make(&w.singular, m));
-  km_status status = ready ? KM_OK : km_fail(error, KM_MEMORY, "out of memory for a sweep");
-  if (!status) {
-    km_observer observer = {&w, add_columns, write_numbers, see, plan->singularities ? pass : NULL, forget, end_at};
-    for (size_t c = 0; c < count; ++c)
-      out->extremes[c] = (km_extreme){HUGE_VAL, nan("")};
-    status = km_sweep_run(m, s, plan, &observer, &out->motion, error);
-  }
-  km_singular_watch_free(&w.singular);
-  km_free(z);
-  return status;
+  km_mobility_job job = {m, s, plan, out, KM_OK, error};
+  km_mobility_sweeps_run(&job, 1);
+  return job.status;
 }
 
 void km_mobility_sweep_free(km_mobility_sweep *sweep) {

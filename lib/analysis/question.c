@@ -234,22 +234,65 @@ const km_messages *km_question_notes(const km_question *q) {
   return q ? q->notes : NULL;
 }
 
-static km_status answer(km_question *q, km_state *s, km_error *error) {
+static void begin_answer(km_question *q) {
   forget(q);
   q->plan.progress = q->progress;
   q->plan.context = q->context;
-  km_status status = q->kind->answer(q, s, &q->plan, error);
+}
+
+static void end_answer(km_question *q, km_status status) {
   q->answered = status == KM_OK || status == KM_PARTIAL;
+}
+
+static km_status answer(km_question *q, km_state *s, km_error *error) {
+  begin_answer(q);
+  km_status status = q->kind->answer(q, s, &q->plan, error);
+  end_answer(q, status);
   return status;
 }
 
-km_status km_question_ask(km_question *q, km_state *s, km_error *error) {
+/* Prepared, and with a plan if it has one. */
+static km_status make_ready(km_question *q, const km_state *s, km_error *error) {
   km_status status = km_question_prepare(q, error);
   if (!status)
     status = km_check_state(q->m, s, error);
   if (!status && q->kind->motion)
     status = km_question_make_plan(q, &q->plan, error);
+  return status;
+}
+
+km_status km_question_ask(km_question *q, km_state *s, km_error *error) {
+  km_status status = make_ready(q, s, error);
   return status ? status : answer(q, s, error);
+}
+
+void km_questions_ask(km_question *const *q, km_state *const *s, int count, km_status *statuses, km_error *errors) {
+  km_question *ready[KM_DRIVE_LANES];
+  km_state *at[KM_DRIVE_LANES];
+  km_status found[KM_DRIVE_LANES];
+  km_error told[KM_DRIVE_LANES];
+  int of[KM_DRIVE_LANES], going = 0;
+  for (int i = 0; i < count; ++i) {
+    statuses[i] = make_ready(q[i], s[i], &errors[i]);
+    if (statuses[i])
+      continue;
+    if (!q[i]->kind->answer_all || q[i]->kind != q[0]->kind) {
+      statuses[i] = answer(q[i], s[i], &errors[i]);
+      continue;
+    }
+    begin_answer(q[i]);
+    told[going].text[0] = '\0';
+    of[going] = i;
+    ready[going] = q[i];
+    at[going++] = s[i];
+  }
+  if (going > 0)
+    q[0]->kind->answer_all(ready, at, going, found, told);
+  for (int k = 0; k < going; ++k) {
+    statuses[of[k]] = found[k];
+    errors[of[k]] = told[k];
+    end_answer(ready[k], found[k]);
+  }
 }
 
 km_status km_question_ask_here(km_question *q, km_state *s, km_error *error) {

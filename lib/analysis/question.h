@@ -3,6 +3,7 @@
 #define KM_ANALYSIS_QUESTION_H
 
 #include "base/memory.h"
+#include "kinematics/drive_lanes.h"
 #include "kmech/question.h"
 #include "topology/mechanism.h"
 
@@ -16,9 +17,12 @@ typedef struct km_question_class {
   km_status (*prepare)(km_question *question, km_error *error);
   /* Sweeps by the plan; the last answer is gone already. */
   km_status (*answer)(km_question *question, km_state *state, const km_sweep_plan *plan, km_error *error);
+  /* NULL, or the same of several questions of the kind, each with a state of its own: side by side. */
+  void (*answer_all)(km_question *const *questions, km_state *const *states, int count, km_status *statuses,
+                     km_error *errors);
   const km_sweep *(*motion)(const km_question *question); /* NULL: it moves by other means than a plan, */
   const km_table *(*table)(const km_question *question);  /* and this is what it answers */
-  int (*event_count)(const km_question *question); /* beside those of every motion */
+  int (*event_count)(const km_question *question);        /* beside those of every motion */
   km_question_event (*event)(const km_question *question, int index);
   void (*forget)(km_question *question);    /* frees the last answer */
   void (*unprepare)(km_question *question); /* frees what `prepare` made; after a failed one too */
@@ -59,6 +63,11 @@ extern const km_option km_motion_options[KM_MOTION_OPTIONS];
 /* The value of one of the kind's own options, or of every motion's; NULL: it isn't set. */
 const km_option_value *km_question_own_value(const km_question *question, int index);
 const km_option_value *km_question_motion_value(const km_question *question, int index);
+
+/* km_question_ask of up to KM_DRIVE_LANES questions, each about a mechanism and a state of its own: those of one kind go side
+ * by side where that is faster, with the same bits. */
+void km_questions_ask(km_question *const *questions, km_state *const *states, int count, km_status *statuses,
+                      km_error *errors);
 
 /* Is it a question of this kind, with an answer (or ready for one)? */
 bool km_question_is(const km_question *question, const km_question_class *kind);

@@ -65,25 +65,23 @@ static void stay(void *self) {
 
 /* One row at the state's pose, where nothing moves. */
 static km_status stand(km_sweeper *r, km_error *error) {
-  r->mover = (km_mover){NULL, no_motion, no_pose, stay};
+  r->mover = (km_mover){NULL, no_motion, no_pose, stay, NULL, NULL};
   km_status status = km_sweeper_prepare(r, error);
   return status ? status : km_sweeper_row(r, 0, 0.0, error);
 }
 
-static km_status run(km_sweeper *r, km_error *error) {
+static km_status open_sweeper(km_sweeper *r, const km_sweep_job *job) {
+  *r = (km_sweeper){.m = job->m, .s = job->s, .plan = job->plan, .observer = job->observer, .out = job->out};
+  r->substructure = -1;
+  *r->out = (km_sweep){.substructure = -1};
   size_t count = (size_t)r->m->coordinate_count;
   r->out->table = km_table_create();
   r->out->between = km_table_create();
   r->rates = KM_NEW(double, 2 * count);
   if (!r->out->table || !r->out->between || !r->rates)
-    return km_fail(error, KM_MEMORY, "out of memory for a sweep");
+    return km_fail(job->error, KM_MEMORY, "out of memory for a sweep");
   r->scratch = r->rates + count;
-  km_status status = km_sweeper_columns(r, error);
-  if (status)
-    return status;
-  if (r->plan->steps == 0)
-    return stand(r, error);
-  return r->plan->arclength > 0.0 ? km_sweep_by_length(r, error) : km_sweep_by_driver(r, error);
+  return km_sweeper_columns(r, job->error);
 }
 
 bool km_sweeper_meets(km_sweeper *r) {
@@ -97,13 +95,29 @@ double km_sweeper_near_end(double s, double end, int k) {
   return end + (s - end) * ldexp(1.0, -2 * k);
 }
 
+/* Does a driver move it? */
+static bool is_driven(const km_sweep_plan *plan) {
+  return plan->steps > 0 && !(plan->arclength > 0.0);
+}
+
+void km_sweeps_run(km_sweep_job *jobs, int count) {
+  km_sweeper sweepers[KM_DRIVE_LANES];
+  for (int i = 0; i < count; ++i) {
+    jobs[i].status = open_sweeper(&sweepers[i], &jobs[i]);
+    if (!jobs[i].status && !is_driven(jobs[i].plan))
+      jobs[i].status = jobs[i].plan->steps == 0 ? stand(&sweepers[i], jobs[i].error)
+                                                : km_sweep_by_length(&sweepers[i], jobs[i].error);
+  }
+  km_sweeps_by_driver(sweepers, jobs, count);
+  for (int i = 0; i < count; ++i)
+    km_free(sweepers[i].rates);
+}
+
 km_status km_sweep_run(const km_mechanism *m, km_state *s, const km_sweep_plan *plan, const km_observer *observer,
                        km_sweep *out, km_error *error) {
-  km_sweeper r = {.m = m, .s = s, .plan = plan, .observer = observer, .out = out, .substructure = -1};
-  *out = (km_sweep){.substructure = -1};
-  km_status status = run(&r, error);
-  km_free(r.rates);
-  return status;
+  km_sweep_job job = {.m = m, .s = s, .plan = plan, .observer = observer, .out = out, .error = error};
+  km_sweeps_run(&job, 1);
+  return job.status;
 }
 
 void km_sweep_free(km_sweep *sweep) {

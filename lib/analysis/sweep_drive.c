@@ -80,44 +80,77 @@ static km_status pass(km_sweeper *r, double from, double to, bool begins, bool e
   return status;
 }
 
-static km_status rows(km_sweeper *r, km_error *error) {
-  km_drive *drive = drive_of(r);
+/* The rows of one sweep as they come: what is left to do, beside the sweeper. */
+typedef struct walk {
+  km_sweeper *r;
+  km_sweep_job *job;
+  seat at;
+  int step, row; /* the next ones; step 0 leads to the first row */
+  double last;
+  int crossings; /* of the drive, at the last row */
+  bool over;
+} walk;
+
+/* The driver's next value; false where the sweep is over. */
+static bool next(walk *w, double *target) {
+  km_sweeper *r = w->r;
   const km_sweep_plan *plan = r->plan;
-  km_reach *start = &r->out->start, *end = &r->out->end;
-  *start = *end = km_drive_to(drive, plan->from);
-  km_status status = km_sweeper_row(r, 0, start->position, error);
-  int row = 1;
-  double last = start->position;
-  for (int i = 1; i <= plan->steps && !status; ++i) {
-    double s = i == plan->steps ? plan->to : plan->from + (plan->to - plan->from) * i / plan->steps;
-    if (start->stop && !reachable(r, s))
+  if (w->job->status || w->over)
+    return false;
+  *target = plan->from;
+  if (w->step == 0)
+    return true;
+  for (; w->step <= plan->steps; ++w->step) {
+    double s = w->step == plan->steps ? plan->to : plan->from + (plan->to - plan->from) * w->step / plan->steps;
+    if (r->out->start.stop && !reachable(r, s))
       continue;
-    if (!km_sweeper_goes_on(r, i))
-      return km_fail(error, KM_CANCELLED, "stopped at %g", s);
-    int crossings = km_drive_crossings(drive);
-    status = pass(r, last, s, row == 1, i == plan->steps, error);
-    if (status)
-      return status;
-    *end = km_drive_to(drive, s);
-    bool again = end->stop && fabs(end->position - last) <= 1e-9 * (1.0 + fabs(last));
-    if (!again) /* the end may be where the last row stands already */
-      status = km_sweeper_row(r, row++, end->position, error);
-    if (!status && km_drive_crossings(drive) > crossings && r->substructure >= 0)
-      status = km_sweeper_find_branch(r, error);
-    last = end->position;
-    if (end->stop)
-      break;
+    if (!km_sweeper_goes_on(r, w->step)) {
+      w->job->status = km_fail(w->job->error, KM_CANCELLED, "stopped at %g", s);
+      return false;
+    }
+    w->crossings = km_drive_crossings(w->at.drive);
+    w->job->status = pass(r, w->last, s, w->row == 1, w->step == plan->steps, w->job->error);
+    *target = s;
+    return !w->job->status;
   }
-  for (int i = 0; i < 2 && !status; ++i) { /* where the driver itself gives out */
+  return false;
+}
+
+/* The row where the drive has arrived. */
+static void arrive(walk *w, km_reach reach) {
+  km_sweeper *r = w->r;
+  km_status status = KM_OK;
+  if (r->observer->reads_jacobian)
+    km_drive_settle(w->at.drive);
+  r->out->end = reach;
+  if (w->step == 0)
+    r->out->start = reach;
+  bool again = w->step > 0 && reach.stop && fabs(reach.position - w->last) <= 1e-9 * (1.0 + fabs(w->last));
+  if (!again) /* the end may be where the last row stands already */
+    status = km_sweeper_row(r, w->row++, reach.position, w->job->error);
+  if (!status && w->step > 0 && km_drive_crossings(w->at.drive) > w->crossings && r->substructure >= 0)
+    status = km_sweeper_find_branch(r, w->job->error);
+  w->last = reach.position;
+  w->over = w->step > 0 && reach.stop;
+  w->step++;
+  w->job->status = status;
+}
+
+/* Behind the last row: where the driver itself gives out. */
+static km_status finish(const walk *w) {
+  km_sweeper *r = w->r;
+  const km_reach *start = &r->out->start, *end = &r->out->end;
+  km_status status = KM_OK;
+  for (int i = 0; i < 2 && !status; ++i) {
     const km_reach *reach = i ? end : start;
     bool again = i && end->position == start->position;
     if (reach->stop == KM_STOP_TOGGLE && !again && r->observer->ended)
-      status = r->observer->ended(r->observer->self, r, reach->position, error);
+      status = r->observer->ended(r->observer->self, r, reach->position, w->job->error);
   }
   if (status)
     return status;
   if (start->stop == KM_STOP_GAVE_OUT || end->stop == KM_STOP_GAVE_OUT)
-    return km_fail(error, KM_DIVERGED,
+    return km_fail(w->job->error, KM_DIVERGED,
                    "the sweep gave out at %.9g: too many steps to the next row; expected a range that "
                    "so many rows resolve",
                    end->position);
@@ -145,21 +178,84 @@ static void settle(void *self) {
   at->away = false;
 }
 
-km_status km_sweep_by_driver(km_sweeper *r, km_error *error) {
-  seat at = {NULL, false};
+static bool rides(void *self, double *residual) {
+  const km_drive *drive = ((const seat *)self)->drive;
+  bool riding = km_drive_rides(drive);
+  if (riding)
+    *residual = km_drive_ridden_residual(drive);
+  return riding;
+}
+
+static void direction(void *self, double *z) {
+  km_drive_ridden_direction(((const seat *)self)->drive, z);
+}
+
+static km_status begin_walk(walk *w) {
+  km_sweeper *r = w->r;
+  km_error *error = w->job->error;
   r->substructure = r->out->substructure = r->m->substructure_of[r->plan->coordinate];
   km_status status = km_sweeper_leave_branch(r, r->plan->coordinate, error);
   if (!status)
     status = km_sweep_enter_limits(r->m, r->s, r->plan, error);
-  if (status)
-    return status;
-  status = km_drive_create(r->m, r->s, r->plan->coordinate, r->plan->ignore_limits, &at.drive, error);
-  if (status)
-    return status;
-  r->mover = (km_mover){&at, rates, probe, settle};
-  status = km_sweeper_prepare(r, error);
   if (!status)
-    status = rows(r, error);
-  km_drive_free(at.drive);
+    status = km_drive_create(r->m, r->s, r->plan->coordinate, r->plan->ignore_limits, &w->at.drive, error);
+  if (status)
+    return status;
+  r->mover = (km_mover){&w->at, rates, probe, settle, rides, direction};
+  return km_sweeper_prepare(r, error);
+}
+
+/* Moves each of the walks that goes on to its next row. False where none does. */
+static bool advance(walk *walks, int count, km_drive_lanes *lanes) {
+  double targets[KM_DRIVE_LANES];
+  km_reach reaches[KM_DRIVE_LANES];
+  unsigned going = 0;
+  for (int i = 0; i < count; ++i)
+    going |= next(&walks[i], &targets[i]) ? 1u << i : 0;
+  if (lanes)
+    km_drive_lanes_to(lanes, going, targets, reaches);
+  for (int i = 0; i < count; ++i) {
+    if (!(going >> i & 1))
+      continue;
+    arrive(&walks[i], lanes ? reaches[i] : km_drive_to(walks[i].at.drive, targets[i]));
+  }
+  return going != 0;
+}
+
+/* Side by side, if there are several and lanes are for them. */
+static km_status advance_all(walk *walks, int count) {
+  km_drive *drives[KM_DRIVE_LANES];
+  km_drive_lanes *lanes = NULL;
+  for (int i = 0; i < count; ++i)
+    drives[i] = walks[i].at.drive;
+  km_status status = count > 1 ? km_drive_lanes_create(drives, count, &lanes, NULL) : KM_OK;
+  while (!status && advance(walks, count, lanes))
+    continue;
+  km_drive_lanes_free(lanes);
   return status;
+}
+
+void km_sweeps_by_driver(km_sweeper *sweepers, km_sweep_job *jobs, int count) {
+  walk walks[KM_DRIVE_LANES];
+  int going = 0;
+  for (int i = 0; i < count; ++i) {
+    const km_sweep_plan *plan = jobs[i].plan;
+    if (jobs[i].status || plan->steps == 0 || plan->arclength > 0.0)
+      continue;
+    walks[going] = (walk){.r = &sweepers[i], .job = &jobs[i]};
+    jobs[i].status = begin_walk(&walks[going]);
+    if (jobs[i].status)
+      km_drive_free(walks[going].at.drive);
+    else
+      ++going;
+  }
+  bool failed = going > 0 && advance_all(walks, going) == KM_MEMORY;
+  for (int i = 0; i < going; ++i) {
+    km_sweep_job *job = walks[i].job;
+    if (failed)
+      job->status = km_fail(job->error, KM_MEMORY, "out of memory for a sweep");
+    else if (!job->status)
+      job->status = finish(&walks[i]);
+    km_drive_free(walks[i].at.drive);
+  }
 }

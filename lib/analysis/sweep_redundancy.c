@@ -7,15 +7,17 @@
 #include <math.h>
 #include <stdlib.h>
 
-static int mobility_of(const km_table *table, size_t row) {
-  return (int)km_table_row(table, row)[km_table_find(table, "dof")];
+/* The mobility at a row; `dof` is its column. */
+static int mobility_of(const km_table *table, int dof, size_t row) {
+  return (int)km_table_row(table, row)[dof];
 }
 
 /* The first row of the least mobility. */
 static size_t plainest_row(const km_table *table) {
+  int dof = km_table_find(table, "dof");
   size_t best = 0;
   for (size_t r = 1; r < km_table_rows(table); ++r)
-    if (mobility_of(table, r) < mobility_of(table, best))
+    if (mobility_of(table, dof, r) < mobility_of(table, dof, best))
       best = r;
   return best;
 }
@@ -51,10 +53,10 @@ static km_status list_extra(const km_sweep *sweep, int least, km_sweep_redundanc
   out->extra = KM_NEW(km_extra_redundancy, rows + sweep->branch_count);
   if (!out->extra)
     return km_fail(error, KM_MEMORY, "out of memory for the redundant constraints");
-  int s = km_table_find(table, "s");
+  int s = km_table_find(table, "s"), dof = km_table_find(table, "dof");
   for (size_t r = 0; r < rows; ++r)
-    if (mobility_of(table, r) > least)
-      out->extra[count++] = (km_extra_redundancy){km_table_row(table, r)[s], mobility_of(table, r) - least};
+    if (mobility_of(table, dof, r) > least)
+      out->extra[count++] = (km_extra_redundancy){km_table_row(table, r)[s], mobility_of(table, dof, r) - least};
   for (size_t i = 0; i < sweep->branch_count; ++i)
     if (sweep->branches[i].mobility > sweep->freedom)
       out->extra[count++] = (km_extra_redundancy){sweep->branches[i].s, sweep->branches[i].mobility - sweep->freedom};
@@ -84,7 +86,7 @@ km_status km_sweep_redundancies_find(const km_mechanism *m, const km_sweep *swee
     return KM_OK;
   km_state *state = NULL;
   size_t row = plainest_row(sweep->table);
-  km_status status = list_extra(sweep, mobility_of(sweep->table, row), out, error);
+  km_status status = list_extra(sweep, mobility_of(sweep->table, km_table_find(sweep->table, "dof"), row), out, error);
   if (!status && named)
     status = stand_at(m, sweep->table, row, &state, error);
   if (!status && named)

@@ -66,7 +66,9 @@ static bool add_columns(const km_sweeper *r, km_table *table) {
 }
 
 km_status km_sweeper_columns(const km_sweeper *r, km_error *error) {
-  bool added = add_columns(r, r->out->between) && add_columns(r, r->out->table);
+  enum { FIRST_ROWS = 1000 }; /* of long sweeps, which may end early */
+  size_t rows = (size_t)r->plan->steps + 1;
+  bool added = add_columns(r, r->out->table) && km_table_reserve(r->out->table, rows < FIRST_ROWS ? rows : FIRST_ROWS);
   return added ? KM_OK : km_fail(error, KM_MEMORY, "out of memory for the table");
 }
 
@@ -108,18 +110,26 @@ bool km_sweeper_motion(km_sweeper *r) {
   return moves;
 }
 
+/* Brings the mobility numbers of what moves up to date, and returns the residual of its loops. */
+static double look(km_sweeper *r) {
+  double residual;
+  int worst;
+  if (r->mover.rides && r->mover.rides(r->mover.self, &residual))
+    return residual;
+  km_numbers_update(r->m, r->s, r->substructure);
+  return km_loops_residual(r->m, r->s, &r->m->substructures[r->substructure], &worst);
+}
+
 /* A row at the state's pose, where r->rates is the motion if points' derivatives are asked for. */
 static bool write_row(km_sweeper *r, km_table *table, int step, double s) {
   const km_mechanism *m = r->m;
   double *cell = km_table_add_row(table);
   if (!cell)
     return false;
-  int mobility = r->other_mobility, worst;
+  int mobility = r->other_mobility;
   double residual = r->other_residual;
   if (r->substructure >= 0) {
-    const km_substructure *sub = &m->substructures[r->substructure];
-    km_numbers_update(m, r->s, r->substructure);
-    residual = fmax(residual, km_loops_residual(m, r->s, sub, &worst));
+    residual = fmax(residual, look(r));
     mobility += km_partition_freedom(&r->s->partition[r->substructure]);
   }
   *cell++ = step;
@@ -136,6 +146,9 @@ static bool write_row(km_sweeper *r, km_table *table, int step, double s) {
 }
 
 bool km_sweeper_between(km_sweeper *r, double s) {
+  km_table *table = r->out->between; /* few sweeps have such rows */
+  if (km_table_columns(table) == 0 && !add_columns(r, table))
+    return false;
   return write_row(r, r->out->between, 0, s);
 }
 

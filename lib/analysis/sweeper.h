@@ -2,7 +2,7 @@
 #ifndef KM_ANALYSIS_SWEEPER_H
 #define KM_ANALYSIS_SWEEPER_H
 
-#include "kinematics/state.h"
+#include "kinematics/drive_lanes.h"
 #include "kmech/sweep_plan.h"
 
 /* How the mechanism moves from row to row: by a driver or by arc length. */
@@ -13,6 +13,10 @@ typedef struct km_mover {
   /* The same at another s near the row, where the state then stands; `settle` comes back to the row. */
   bool (*probe)(void *self, double s, double *rates);
   void (*settle)(void *self);
+  /* NULL, or: is the row reached beside others, so that the state has its mobility numbers already? Then the residual of the
+   * loops that move, and the unit direction of motion by coordinates. */
+  bool (*rides)(void *self, double *residual);
+  void (*direction)(void *self, double *z);
 } km_mover;
 
 typedef struct km_sweeper km_sweeper;
@@ -32,6 +36,8 @@ typedef struct km_observer {
   void (*corner)(void *self);
   /* The driver itself gives out at s. */
   km_status (*ended)(void *self, km_sweeper *sweeper, double s, km_error *error);
+  /* Looks at more than coordinates, mobility numbers, rates and residual: the state's Jacobian and partition. */
+  bool reads_jacobian;
 } km_observer;
 
 /* Everything that one sweep needs at hand. */
@@ -56,6 +62,20 @@ enum { KM_LEAST_SAMPLES = 360 };
 /* Moves the assembled state over the plan's range; see km_mobility_sweep_run. Free `*out` in any case. */
 km_status km_sweep_run(const km_mechanism *mechanism, km_state *state, const km_sweep_plan *plan,
                        const km_observer *observer, km_sweep *out, km_error *error);
+
+/* One of several sweeps. */
+typedef struct km_sweep_job {
+  const km_mechanism *m;
+  km_state *s; /* of its own */
+  const km_sweep_plan *plan;
+  const km_observer *observer;
+  km_sweep *out;
+  km_status status; /* and the error, which may be NULL: how it ended */
+  km_error *error;
+} km_sweep_job;
+
+/* km_sweep_run of up to KM_DRIVE_LANES jobs; those by a driver go side by side, with the same bits. */
+void km_sweeps_run(km_sweep_job *jobs, int count);
 
 /* For public functions: KM_USAGE unless the state is the mechanism's and the plan one for it. */
 km_status km_check_sweep(const km_mechanism *mechanism, const km_state *state, const km_sweep_plan *plan,
@@ -90,8 +110,9 @@ km_status km_sweeper_find_branch(km_sweeper *sweeper, km_error *error);
  * coordinate most, from where the branch point can be passed smoothly. */
 km_status km_sweeper_leave_branch(km_sweeper *sweeper, int coordinate, km_error *error);
 
-/* The rows of a driven sweep, and of one by arc length. */
-km_status km_sweep_by_driver(km_sweeper *sweeper, km_error *error);
+/* The rows of driven sweeps side by side, and of one by arc length. Of jobs[i] the sweeper is sweepers[i]; those with a
+ * status are over already. */
+void km_sweeps_by_driver(km_sweeper *sweepers, km_sweep_job *jobs, int count);
 km_status km_sweep_by_length(km_sweeper *sweeper, km_error *error);
 
 /* Asks the progress callback; false: cancelled. */

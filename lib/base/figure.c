@@ -20,11 +20,14 @@ static double value_of(const series *f, size_t row) {
 
 /* The row of the smallest value, of the largest with sign -1; the number of rows where none has a value. */
 static size_t extreme(const series *f, double sign) {
-  size_t rows = f->rows, best = rows;
-  for (size_t r = 0; r < rows; ++r) {
-    bool counts = !isnan(value_of(f, r));
-    if (counts && (best == rows || sign * value_of(f, r) < sign * value_of(f, best)))
-      best = r;
+  size_t best = f->rows;
+  double least = HUGE_VAL;
+  for (size_t r = 0; r < f->rows; ++r) {
+    double value = sign * value_of(f, r);
+    if (!(value < least) && (best < f->rows || isnan(value)))
+      continue;
+    least = value;
+    best = r;
   }
   return best;
 }

@@ -5,7 +5,8 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum { BLOCK_SIZE = 1 << 16, ALIGNMENT = 64 };
+/* An arena's first block, and the size that they grow to: many arenas hold little. */
+enum { FIRST_BLOCK = 1 << 11, LARGEST_BLOCK = 1 << 16, ALIGNMENT = 64 };
 
 struct km_arena_block {
   struct km_arena_block *previous;
@@ -33,11 +34,14 @@ static char *block_start(struct km_arena_block *block) {
 }
 
 static bool new_block(km_arena *arena, size_t size) {
-  struct km_arena_block *block = km_alloc(1, sizeof *block + ALIGNMENT + (size > BLOCK_SIZE ? size : BLOCK_SIZE));
+  size_t usual = arena->block ? 2 * arena->block->size : FIRST_BLOCK;
+  usual = usual > LARGEST_BLOCK ? LARGEST_BLOCK : usual;
+  usual = size > usual ? size : usual;
+  struct km_arena_block *block = km_alloc(1, sizeof *block + ALIGNMENT + usual);
   if (!block)
     return false;
   block->previous = arena->block;
-  block->size = size > BLOCK_SIZE ? size : BLOCK_SIZE;
+  block->size = usual;
   arena->block = block;
   return true;
 }

@@ -6,6 +6,7 @@
 
 #include <math.h>
 #include <stdbool.h>
+#include <stdint.h>
 #include <string.h>
 
 typedef struct column {
@@ -61,14 +62,21 @@ bool km_table_is_plain(const km_table *table, size_t index) {
   return table->columns[index].plain;
 }
 
+bool km_table_reserve(km_table *table, size_t rows) {
+  if (!table || (table->column_count && rows > SIZE_MAX / 16 / table->column_count))
+    return false;
+  void *data = table->data;
+  bool reserved = km_reserve(&data, &table->data_capacity, rows * table->column_count, sizeof(double));
+  table->data = data;
+  return reserved;
+}
+
 double *km_table_add_row(km_table *table) {
   if (!table)
     return NULL;
-  void *data = table->data;
   size_t used = table->row_count * table->column_count;
-  if (!km_reserve(&data, &table->data_capacity, used + table->column_count, sizeof(double)))
+  if (!km_table_reserve(table, table->row_count + 1))
     return NULL;
-  table->data = data;
   for (size_t c = 0; c < table->column_count; ++c)
     table->data[used + c] = nan("");
   table->row_count++;

@@ -273,6 +273,7 @@ km_reach km_drive_to(km_drive *d, double target) {
 bool km_drive_tangent(km_drive *d, double *rates) {
   if (!d || !rates)
     return false;
+  km_drive_settle(d);
   const km_mechanism *m = d->c.mechanism;
   memset(rates, 0, (size_t)m->coordinate_count * sizeof *rates);
   rates[d->c.coordinate] = 1.0;
@@ -281,9 +282,10 @@ bool km_drive_tangent(km_drive *d, double *rates) {
   if (!d->here.known && !start(d))
     return false;
   const km_substructure *sub = km_drive_driven(d);
+  double inverse = 1.0 / m->unit[d->c.coordinate];
   for (int k = 0; k < sub->columns; ++k) {
     int c = m->column_coordinate[sub->column_start + k];
-    rates[c] = d->c.course.t[k] * m->unit[c] / m->unit[d->c.coordinate];
+    rates[c] = d->c.course.t[k] * m->unit[c] * inverse;
   }
   return true;
 }

@@ -21,6 +21,7 @@ typedef struct km_drive_place {
   double stopped; /* the direction that ended here, ±1, while the pose is close to that end; else 0 */
   int crossings;  /* singular poses passed so far */
   bool known;     /* the course's tangent belongs to the present pose */
+  int pivoted;    /* of a mark: the state's pivots were searched for this driver column; KM_NEVER */
 } km_drive_place;
 
 struct km_drive {
@@ -49,7 +50,7 @@ static inline double km_drive_least_cosine(double tightness) {
 /* Of the driver: a value in the model's unit times this is the scaled one. */
 static inline double km_drive_factor(const km_drive *d) {
   const km_mechanism *m = d->c.mechanism;
-  return km_model_coordinate_factor(m->model, d->c.coordinate) / m->unit[d->c.coordinate];
+  return m->factor[d->c.coordinate] / m->unit[d->c.coordinate];
 }
 /* The slack of a driver's own limit. */
 static inline double km_drive_slack(double goal) {

@@ -72,6 +72,18 @@ void km_drive_mark(km_drive *d) {
   km_state_save(d->c.state, km_drive_driven(d), d->mark_pose);
 }
 
+/* The pivots of the mark serve again. False where they were another's, or don't fit. */
+static bool take_pivots_back(km_drive *d) {
+  km_state *s = d->c.state;
+  int sub = d->c.substructure;
+  km_partition *p = &s->partition[sub];
+  if (d->here.pivoted != d->c.column || d->c.course.reference.searches == 0)
+    return false;
+  km_partition_copy_pivots(p, &d->c.course.reference);
+  s->pivoted[sub] = d->c.column;
+  return km_partition_refactor(p, km_state_jacobian(s, km_drive_driven(d)));
+}
+
 void km_drive_return(km_drive *d) {
   if (!d || !d->marked)
     return;
@@ -84,5 +96,6 @@ void km_drive_return(km_drive *d) {
   km_course_copy(&d->c.course, &d->mark_course, km_drive_driven(d)->columns);
   km_state_restore(d->c.state, km_drive_driven(d), d->mark_pose);
   km_loops_update(d->c.mechanism, d->c.state, km_drive_driven(d));
-  km_state_forget_pivots(d->c.state, d->c.substructure);
+  if (!take_pivots_back(d))
+    km_state_forget_pivots(d->c.state, d->c.substructure);
 }

@@ -107,8 +107,8 @@ static bool reserve(km_drive_lanes *l) {
   l->q = numbers(arena, coordinates);
   l->misfit = numbers(arena, 3 * m->topology.loop_count);
   l->J = numbers(arena, rows * columns);
-  km_lanes_number **by_column[] = {&l->unit,      &l->weight, &l->low,  &l->high,   &l->t, &l->last_t,
-                                   &l->last_move, &l->from,   &l->move, &l->next_t, &l->x, &l->numbers};
+  km_lanes_number **by_column[] = {&l->unit, &l->weight, &l->low,    &l->high, &l->t, &l->last_t, &l->last_move,
+                                   &l->from, &l->move,   &l->next_t, &l->x,    &l->z, &l->numbers};
   for (size_t i = 0; i < sizeof by_column / sizeof *by_column; ++i)
     *by_column[i] = numbers(arena, columns);
   km_lanes_number **by_row[] = {&l->B, &l->error, &l->y, &l->inverse};
@@ -288,27 +288,13 @@ static void board(km_drive_lanes *l, int i) {
   l->aboard |= 1u << i;
 }
 
-/* What a look at the pose reads: coordinates, mobility numbers, the tangent, and what is left of the loops. */
+/* What a look at the pose reads of a state: coordinates and mobility numbers. */
 static void show(km_drive_lanes *l, int i) {
-  km_drive *d = l->drives[i];
-  km_state *s = d->c.state;
-  const km_substructure *sub = km_drive_driven(d);
-  const int *coordinate = l->m->column_coordinate + sub->column_start;
-  for (int k = 0; k < sub->columns; ++k) {
+  km_state *s = l->drives[i]->c.state;
+  const int *coordinate = l->m->column_coordinate + l->sub->column_start;
+  for (int k = 0; k < l->sub->columns; ++k) {
     s->q[coordinate[k]] = l->q[coordinate[k]].of[i];
     s->numbers[coordinate[k]] = l->numbers[k].of[i];
-    d->c.course.t[k] = l->t[k].of[i];
-  }
-  for (int k = 0; k < sub->loop_count; ++k) {
-    int index = l->m->loop_order[sub->loop_start + k];
-    km_twist *misfit = &s->misfit[index];
-    misfit->v.x = l->misfit[3 * index].of[i];
-    misfit->v.y = l->misfit[3 * index + 1].of[i];
-    misfit->w.z = l->misfit[3 * index + 2].of[i];
-  }
-  for (int k = 0; k < sub->coupling_count; ++k) {
-    int row = l->m->couplings[sub->coupling_start + k].row;
-    km_state_error(s, sub)[row] = l->error[row].of[i];
   }
 }
 
@@ -326,6 +312,7 @@ void km_drive_settle(km_drive *d) {
   km_state *s = d->c.state;
   const km_substructure *sub = km_drive_driven(d);
   for (int k = 0; k < sub->columns; ++k) {
+    course->t[k] = l->t[k].of[i];
     course->last_t[k] = l->last_t[k].of[i];
     course->last_move[k] = l->last_move[k].of[i];
   }
@@ -345,6 +332,17 @@ void km_drive_settle(km_drive *d) {
 
 bool km_drive_rides(const km_drive *d) {
   return d->lanes && (d->lanes->ahead >> d->lane & 1);
+}
+
+double km_drive_ridden_residual(const km_drive *d) {
+  return d->lanes->residual.of[d->lane];
+}
+
+void km_drive_ridden_direction(const km_drive *d, double *z) {
+  const km_drive_lanes *l = d->lanes;
+  const int *coordinate = l->m->column_coordinate + l->sub->column_start;
+  for (int k = 0; k < l->sub->columns; ++k)
+    z[coordinate[k]] = l->z[k].of[d->lane];
 }
 
 static unsigned take_step(km_drive_lanes *l, unsigned wanted) {

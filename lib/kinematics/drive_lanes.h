@@ -17,12 +17,16 @@ km_status km_drive_lanes_create(km_drive *const *drives, int count, km_drive_lan
 void km_drive_lanes_free(km_drive_lanes *lanes);
 
 /* km_drive_to(drives[i], targets[i]) for every drive whose bit i is set in `wanted`, with the same bits. Where
- * km_drive_rides says so, the state has the coordinates and mobility numbers, the drive has its tangent, and
- * km_loops_residual is right; Jacobian, partition and null space are up to date only after km_drive_settle. */
+ * km_drive_rides says so, the state has its coordinates and mobility numbers; whatever else is read of it (Jacobian,
+ * partition, null space, loop errors) is up to date only after km_drive_settle. */
 void km_drive_lanes_to(km_drive_lanes *lanes, unsigned wanted, const double *targets, km_reach *reaches);
 
 /* Did the drive's last step go in its lane? */
 bool km_drive_rides(const km_drive *drive);
+/* Of a drive that rides: km_loops_residual of its substructure; and its null vector D q̇ at unit length, in which the driver
+ * is positive, into z[coordinate] (the others stay). */
+double km_drive_ridden_residual(const km_drive *drive);
+void km_drive_ridden_direction(const km_drive *drive, double *z);
 /* Gives a drive back what its lane has found, so that it can go on alone. Part of whatever moves a drive. */
 void km_drive_settle(km_drive *drive);
 

@@ -63,7 +63,9 @@ struct km_drive_lanes {
   km_lanes_number *B;       /* [rank] null vector of the driver: the dependent columns' in pivot order, negative */
   km_lanes_number *misfit;  /* [3 × loop] as (x, y, turn) */
   km_lanes_number *error;   /* [rows] */
+  km_lanes_number *z;       /* [columns] unit direction of motion, lengths over the characteristic length */
   km_lanes_number *numbers; /* [columns] mobility numbers */
+  km_lanes_number residual; /* of the worst loop */
   km_lanes_number largest_b;
 
   /* and what it works on. */

@@ -191,6 +191,14 @@ static inline mask close_loop(km_drive_lanes *l, int index, const km_lane_column
   return fit;
 }
 
+/* Six times the square of a loop's residual. */
+static inline vector loop_square(const km_drive_lanes *l, int index, int g) {
+  const km_lane_loop *n = &l->loops[index];
+  vector ex = GET(l->misfit[3 * index]), ey = GET(l->misfit[3 * index + 1]), turn = GET(l->misfit[3 * index + 2]);
+  vector vz = GET(n->fixed[0]), wx = GET(n->fixed[1]), wy = GET(n->fixed[2]);
+  return ex * ex + ey * ey + vz * vz + (wx * wx + wy * wy + turn * turn);
+}
+
 /* km_loops_update, and six times the square of km_loops_residual. Returns the lanes that the formulas are good for. */
 static inline mask update(km_drive_lanes *l, int g, vector *square) {
   const km_mechanism *m = l->m;
@@ -203,11 +211,8 @@ static inline mask update(km_drive_lanes *l, int g, vector *square) {
     fit &= steps(l, program, g);
     for (int i = 0; i < program->loop_count; ++i) {
       int index = m->loop_order[program->loop_start + i];
-      const km_lane_loop *n = &l->loops[index];
       fit &= close_loop(l, index, l->h + program->twist_start, g);
-      vector ex = GET(l->misfit[3 * index]), ey = GET(l->misfit[3 * index + 1]), turn = GET(l->misfit[3 * index + 2]);
-      vector vz = GET(n->fixed[0]), wx = GET(n->fixed[1]), wy = GET(n->fixed[2]);
-      vector sum = ex * ex + ey * ey + vz * vz + (wx * wx + wy * wy + turn * turn);
+      vector sum = loop_square(l, index, g);
       fit &= sum - sum == all(0.0);
       largest = larger(sum, largest);
     }
@@ -439,15 +444,27 @@ static inline void set_numbers(km_drive_lanes *l, int g) {
   for (int i = 0; i < r->rank; ++i) {
     int k = r->column[i];
     vector value = -GET(l->B[i]) * GET(l->weight[k]);
-    PUT(l->numbers[k], value);
+    PUT(l->z[k], value);
     sum += value * value;
   }
-  PUT(l->numbers[l->column], own);
+  PUT(l->z[l->column], own);
   vector factor = 1.0 / root(sum);
   for (int k = 0; k < l->sub->columns; ++k) {
-    vector z = GET(l->numbers[k]) * factor;
+    vector z = GET(l->z[k]) * factor;
+    PUT(l->z[k], z);
     PUT(l->numbers[k], z * z);
   }
+}
+
+/* km_loops_residual. */
+static inline void set_residual(km_drive_lanes *l, int g) {
+  vector largest = all(0.0);
+  for (int i = 0; i < l->sub->loop_count; ++i)
+    largest = larger(loop_square(l, l->m->loop_order[l->sub->loop_start + i], g), largest);
+  largest = root(largest / all(6.0));
+  for (int i = 0; i < l->sub->coupling_count; ++i)
+    largest = larger(size_of(GET(l->error[l->m->couplings[l->sub->coupling_start + i].row])) / all(sqrt(6.0)), largest);
+  PUT(l->residual, largest);
 }
 
 static unsigned step(km_drive_lanes *l, unsigned wanted, int g) {
@@ -473,6 +490,7 @@ static unsigned step(km_drive_lanes *l, unsigned wanted, int g) {
     PUT(l->q[coordinate[k]], pick(took, GET(l->q[coordinate[k]]), GET(l->from[k])));
   accept(l, took, h, g);
   set_numbers(l, g);
+  set_residual(l, g);
   return bits_of(took);
 }
 

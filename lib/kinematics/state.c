@@ -377,7 +377,9 @@ km_status km_state_assign(const km_mechanism *m, km_state *to, const km_state *f
 double km_state_coordinate(const km_state *s, int coordinate) {
   if (!s || coordinate < 0 || coordinate >= s->mechanism->coordinate_count)
     return nan("");
-  double factor = km_model_coordinate_factor(s->mechanism->model, coordinate), q = s->q[coordinate];
+  double factor = s->mechanism->factor[coordinate], q = s->q[coordinate];
+  if (factor == 1.0)
+    return q;
   double exact = q / factor, rounded = nearbyint(exact * 1e10) / 1e10;
   return rounded * factor == q ? rounded : exact;
 }

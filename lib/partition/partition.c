@@ -273,6 +273,10 @@ void km_partition_copy_pivots(km_partition *to, const km_partition *from) {
   to->stride = from->stride;
   to->sign = from->sign;
   to->searches = from->searches;
+  to->scale = from->scale;
+  to->first_pivot = from->first_pivot;
+  to->last_pivot = from->last_pivot;
+  to->first_dropped = from->first_dropped;
   to->smallest_pivot = from->smallest_pivot;
   to->pivoted_b = from->pivoted_b;
   to->forced_dependent = from->forced_dependent;

@@ -124,15 +124,33 @@ typedef struct turn {
   atomic_int next;
 } turn;
 
+/* How many designs a thread takes at once: enough for the lanes, and no so many that others have nothing to do. */
+static int piece(const km_batch *b) {
+  int share = b->count / (2 * b->jobs);
+  return share < 1 ? 1 : share > KM_DRIVE_LANES ? KM_DRIVE_LANES : share;
+}
+
 static void work(void *context, int worker) {
   turn *r = context;
   km_batch *b = r->batch;
   const km_design_study_def *def = b->study->def;
-  for (int i = atomic_fetch_add(&r->next, 1); i < b->count; i = atomic_fetch_add(&r->next, 1)) {
-    b->statuses[i] = KM_OK;
-    if (wants(b, i))
-      b->statuses[i] = km_design_worker_answer(b->workers[worker], b->values + i * def->parameter_count,
-                                               b->wanted + i * def->question_count, b->answers[i], &b->errors[i]);
+  int size = piece(b);
+  for (int first = atomic_fetch_add(&r->next, size); first < b->count; first = atomic_fetch_add(&r->next, size)) {
+    km_design_task tasks[KM_DRIVE_LANES];
+    int of[KM_DRIVE_LANES], count = 0;
+    for (int i = first; i < b->count && i < first + size; ++i) {
+      b->statuses[i] = KM_OK;
+      if (!wants(b, i))
+        continue;
+      of[count] = i;
+      tasks[count++] = (km_design_task){.values = b->values + i * def->parameter_count,
+                                        .wanted = b->wanted + i * def->question_count,
+                                        .answers = b->answers[i],
+                                        .error = &b->errors[i]};
+    }
+    km_design_worker_answer(b->workers[worker], tasks, count);
+    for (int k = 0; k < count; ++k)
+      b->statuses[of[k]] = tasks[k].status;
   }
 }
 

@@ -5,6 +5,7 @@
 #include "base/file.h"
 #include "base/memory.h"
 #include "base/text.h"
+#include "kinematics/drive_lanes.h"
 #include "kmech/design_study.h"
 
 typedef struct km_store km_store;
@@ -93,15 +94,22 @@ void km_design_take_bands(const km_design_question *def, const km_question *ques
 km_status km_design_check_figures(const km_design_question *def, const km_question *question, const char **units,
                                   km_arena *arena, km_error *error);
 
-/* worker.c: one thread's model, mechanism and state, which answers one design after another. Lanes would take several
- * designs in one call, each with the bits that it has alone. */
+/* One design to be answered by a worker. */
+typedef struct km_design_task {
+  const double *values;      /* [parameters] */
+  const bool *wanted;        /* [questions] NULL: all */
+  km_design_answer *answers; /* [questions] */
+  km_status status;          /* KM_MEMORY; whatever else goes wrong is an outcome */
+  km_error *error;
+} km_design_task;
+
+/* worker.c: one thread's models, mechanisms and states, which answer several designs side by side, each with the bits that it
+ * has alone. */
 typedef struct km_design_worker km_design_worker;
 km_status km_design_worker_create(const km_design_study *study, km_design_worker **out, km_error *error);
 void km_design_worker_free(km_design_worker *worker);
-/* Answers the questions that are wanted[question count] (NULL: all) of a design. KM_MEMORY; whatever else goes wrong is
- * an outcome. */
-km_status km_design_worker_answer(km_design_worker *worker, const double *values, const bool *wanted,
-                                  km_design_answer *answers, km_error *error);
+/* Answers the questions of up to KM_DRIVE_LANES tasks. */
+void km_design_worker_answer(km_design_worker *worker, km_design_task *tasks, int count);
 
 /* model.c: the model of a design by the whole reader, with the length that serves all. */
 km_status km_design_read_model(const km_design_study *study, const double *values, km_model **out, km_error *error);

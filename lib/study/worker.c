@@ -1,4 +1,5 @@
-/* One thread of a study: puts a design's numbers into its model and asks the questions. */
+/* One thread of a study: puts the numbers of designs into models and asks the questions, side by side. */
+#include "analysis/question.h"
 #include "kmech/kinematics.h"
 #include "model/numbers.h"
 #include "study/study.h"
@@ -7,51 +8,60 @@
 #include <stdio.h>
 #include <string.h>
 
-struct km_design_worker {
-  const km_design_study *study;
-  km_model *model; /* that is patched; NULL: every design is read */
+/* A model whose numbers are patched, and what is made of it. */
+typedef struct seat {
+  km_model *model; /* NULL: not opened */
   km_model_numbers numbers;
   double *own; /* [numbers] of the file */
   km_mechanism *mechanism;
   km_state *state;
   km_question *questions[KM_MOST_DESIGN_QUESTIONS]; /* about the mechanism, as far as they were asked */
+} seat;
+
+struct km_design_worker {
+  const km_design_study *study;
+  seat seats[KM_DRIVE_LANES]; /* opened as designs come side by side */
 };
 
 static km_status no_memory(km_error *error) {
   return km_fail(error, KM_MEMORY, "out of memory for a study");
 }
 
+static void close_seat(seat *at) {
+  for (int q = 0; q < KM_MOST_DESIGN_QUESTIONS; ++q)
+    km_question_free(at->questions[q]);
+  km_state_free(at->state);
+  km_mechanism_free(at->mechanism);
+  km_model_numbers_free(&at->numbers);
+  km_model_free(at->model);
+  km_free(at->own);
+}
+
 void km_design_worker_free(km_design_worker *w) {
   if (!w)
     return;
-  for (int q = 0; q < KM_MOST_DESIGN_QUESTIONS; ++q)
-    km_question_free(w->questions[q]);
-  km_state_free(w->state);
-  km_mechanism_free(w->mechanism);
-  km_model_numbers_free(&w->numbers);
-  km_model_free(w->model);
-  km_free(w->own);
+  for (int i = 0; i < KM_DRIVE_LANES; ++i)
+    close_seat(&w->seats[i]);
   km_free(w);
 }
 
-static km_status open_model(km_design_worker *w, km_error *error) {
-  const km_design_study *s = w->study;
+static km_status open_seat(const km_design_study *s, seat *at, km_error *error) {
   double values[KM_MOST_DESIGN_PARAMETERS];
   km_design_clear(s, values);
   km_read_def how = {.file = s->def->model};
-  km_status status = km_model_read_as(s->bytes, s->size, &how, NULL, &w->model, error);
+  km_status status = km_model_read_as(s->bytes, s->size, &how, NULL, &at->model, error);
   if (status)
     return status;
-  double unit = km_model_length_unit(w->model);
-  km_model_share_length(w->model, s->length * unit / unit);
-  km_model_numbers_list(w->model, &w->numbers);
-  w->own = KM_NEW(double, w->numbers.count + 1);
-  if (!w->own || w->numbers.failed)
+  double unit = km_model_length_unit(at->model);
+  km_model_share_length(at->model, s->length * unit / unit);
+  km_model_numbers_list(at->model, &at->numbers);
+  at->own = KM_NEW(double, at->numbers.count + 1);
+  if (!at->own || at->numbers.failed)
     return no_memory(error);
-  for (size_t i = 0; i < w->numbers.count; ++i)
-    w->own[i] = *w->numbers.items[i].at;
-  status = km_mechanism_compile(w->model, NULL, 0, &w->mechanism, error);
-  return status ? status : km_state_create(w->mechanism, &w->state, error);
+  for (size_t i = 0; i < at->numbers.count; ++i)
+    at->own[i] = *at->numbers.items[i].at;
+  status = km_mechanism_compile(at->model, NULL, 0, &at->mechanism, error);
+  return status ? status : km_state_create(at->mechanism, &at->state, error);
 }
 
 km_status km_design_worker_create(const km_design_study *study, km_design_worker **out, km_error *error) {
@@ -60,12 +70,11 @@ km_status km_design_worker_create(const km_design_study *study, km_design_worker
   if (!w)
     return no_memory(error);
   w->study = study;
-  return study->patch.works ? open_model(w, error) : KM_OK;
+  return study->patch.works ? open_seat(study, &w->seats[0], error) : KM_OK;
 }
 
 /* False: the reader would check more than a patch does. */
-static bool may_patch(const km_design_worker *w, const double *values) {
-  const km_design_study *s = w->study;
+static bool may_patch(const km_design_study *s, const seat *at, const double *values) {
   for (int p = 0; p < s->def->parameter_count; ++p) {
     const km_patch_places *places = &s->patch.parameters[p];
     if (isnan(values[p]))
@@ -73,25 +82,33 @@ static bool may_patch(const km_design_worker *w, const double *values) {
     if (!(fabs(values[p]) <= 1e60))
       return false;
     for (int i = 0; i < places->count; ++i)
-      if (w->numbers.items[places->places[i]].rule == KM_NUMBER_NOT_NEGATIVE && !(values[p] >= 0.0))
+      if (at->numbers.items[places->places[i]].rule == KM_NUMBER_NOT_NEGATIVE && !(values[p] >= 0.0))
         return false;
   }
   return true;
 }
 
-/* Puts the values into the worker's model and mechanism. KM_PARTIAL: the design is to be read. */
-static km_status patch(km_design_worker *w, const double *values) {
-  const km_design_study *s = w->study;
-  if (!w->model || km_design_is_reference(s, values) || !may_patch(w, values))
+/* Puts the values into the seat's model and mechanism. KM_PARTIAL: the design is to be read. */
+static km_status patch(const km_design_study *s, seat *at, const double *values) {
+  if (!s->patch.works || km_design_is_reference(s, values))
+    return KM_PARTIAL;
+  if (!at->mechanism) {
+    close_seat(at);
+    *at = (seat){0};
+    km_status opened = open_seat(s, at, NULL);
+    if (opened)
+      return opened == KM_MEMORY ? KM_MEMORY : KM_PARTIAL;
+  }
+  if (!may_patch(s, at, values))
     return KM_PARTIAL;
   for (int p = 0; p < s->def->parameter_count; ++p) {
     const km_patch_places *places = &s->patch.parameters[p];
     for (int i = 0; i < places->count; ++i) {
-      int at = places->places[i];
-      *w->numbers.items[at].at = isnan(values[p]) ? w->own[at] : values[p];
+      int place = places->places[i];
+      *at->numbers.items[place].at = isnan(values[p]) ? at->own[place] : values[p];
     }
   }
-  return km_mechanism_renumber(w->mechanism, NULL);
+  return km_mechanism_renumber(at->mechanism, NULL);
 }
 
 static void fail_answer(km_design_answer *a, const km_design_question *q, km_design_outcome outcome,
@@ -162,105 +179,158 @@ static void take_answer(const km_design_worker *w, int index, const km_model *mo
     tell_end(model, q, a);
 }
 
-/* `*q`: the question about the mechanism; made where it is NULL, and kept. */
-static km_status ask(const km_design_worker *w, int index, const km_mechanism *m, const km_model *model,
-                     km_state *state, km_question **q, km_design_answer *a, km_error *error) {
-  const km_design_question *def = &w->study->def->questions[index];
-  km_error found = {.text = ""};
-  km_question_refresh(*q);
-  km_status status = *q ? KM_OK : make_question(w, index, m, model, q, &found);
-  if (!status)
-    status = km_question_ask(*q, state, &found);
+/* A question about one design that is assembled. */
+typedef struct asking {
+  const km_model *model;
+  const km_mechanism *mechanism;
+  km_state *state;
+  km_question **question; /* about the mechanism; made where it is NULL, and kept */
+  km_design_task *task;
+} asking;
+
+static void settle_answer(const km_design_worker *w, int index, const asking *a, km_status status,
+                          const km_error *found) {
+  km_design_answer *answer = &a->task->answers[index];
   if (status == KM_MEMORY)
-    return no_memory(error);
-  if (status == KM_OK || status == KM_PARTIAL)
-    take_answer(w, index, model, *q, status, a);
+    a->task->status = no_memory(a->task->error);
+  else if (status == KM_OK || status == KM_PARTIAL)
+    take_answer(w, index, a->model, *a->question, status, answer);
   else
-    fail_answer(a, def,
+    fail_answer(answer, &w->study->def->questions[index],
                 status == KM_NO_RESULT  ? KM_DESIGN_EMPTY
                 : status == KM_DIVERGED ? KM_DESIGN_GAVE_OUT
                                         : KM_DESIGN_UNASSEMBLED,
-                found.text);
-  return KM_OK;
+                found->text);
 }
 
-static bool goes_on_the_spot(const km_design_worker *w, int question) {
-  const km_design_question *q = &w->study->def->questions[question];
-  return w->model->hold_count == 0 && q->hold_count == 0 && q->set_count == 0;
-}
-
-/* At the worker's own mechanism, where the numbers are already. */
-static km_status answer_patched(km_design_worker *w, int question, km_design_answer *a, km_error *error) {
-  km_error found;
-  km_state_restart(w->state);
-  km_status status = km_assemble(w->mechanism, w->state, NULL, &found);
-  if (status == KM_MEMORY)
-    return no_memory(error);
-  if (status) {
-    fail_answer(a, &w->study->def->questions[question], KM_DESIGN_UNASSEMBLED, found.text);
-    return KM_OK;
+/* Asks question `index` of several designs, side by side where its kind can. */
+static void ask(const km_design_worker *w, int index, const asking *designs, int count) {
+  km_question *questions[KM_DRIVE_LANES];
+  km_state *states[KM_DRIVE_LANES];
+  km_status statuses[KM_DRIVE_LANES];
+  km_error found[KM_DRIVE_LANES];
+  int of[KM_DRIVE_LANES], ready = 0;
+  for (int i = 0; i < count; ++i) {
+    const asking *a = &designs[i];
+    km_question_refresh(*a->question);
+    km_status made = *a->question ? KM_OK : make_question(w, index, a->mechanism, a->model, a->question, &found[ready]);
+    if (made) {
+      settle_answer(w, index, a, made, &found[ready]);
+      continue;
+    }
+    questions[ready] = *a->question;
+    states[ready] = a->state;
+    of[ready++] = i;
   }
-  return ask(w, question, w->mechanism, w->model, w->state, &w->questions[question], a, error);
+  if (ready > 0)
+    km_questions_ask(questions, states, ready, statuses, found);
+  for (int k = 0; k < ready; ++k)
+    settle_answer(w, index, &designs[of[k]], statuses[k], &found[k]);
+}
+
+/* A design on its way through the questions. */
+typedef struct design {
+  km_design_task *task;
+  seat *at;        /* where its numbers are; NULL: it was read */
+  km_model *model; /* that was read; NULL: it is faulty, as `found` says */
+  km_error found;
+} design;
+
+static void fail_assembly(const km_design_worker *w, int question, const design *d, km_status status,
+                          const char *reason) {
+  if (status == KM_MEMORY)
+    d->task->status = no_memory(d->task->error);
+  else
+    fail_answer(&d->task->answers[question], &w->study->def->questions[question],
+                status == KM_DIVERGED ? KM_DESIGN_GAVE_OUT : KM_DESIGN_UNASSEMBLED, reason);
+}
+
+/* May the question be asked where the design's numbers are? */
+static bool goes_on_the_spot(const km_design_worker *w, const design *d, int question) {
+  const km_design_question *q = &w->study->def->questions[question];
+  return d->at && d->at->model->hold_count == 0 && q->hold_count == 0 && q->set_count == 0;
 }
 
 /* A mechanism of its own, at the pose that holds and sets ask for. */
-static km_status answer_brought(const km_design_worker *w, const km_model *model, int question, km_design_answer *a,
-                                km_error *error) {
+static void answer_brought(const km_design_worker *w, int question, const design *d) {
   km_mechanism *m = NULL;
   km_state *state = NULL;
   km_question *asked = NULL;
   km_error found;
-  const km_design_question *q = &w->study->def->questions[question];
-  km_status status = km_design_bring(model, q, &m, &state, &found);
-  if (status == KM_MEMORY)
-    no_memory(error);
-  else if (status)
-    fail_answer(a, q, status == KM_DIVERGED ? KM_DESIGN_GAVE_OUT : KM_DESIGN_UNASSEMBLED, found.text);
-  if (!status)
-    status = ask(w, question, m, model, state, &asked, a, error);
-  else if (status != KM_MEMORY)
-    status = KM_OK;
+  const km_model *model = d->at ? d->at->model : d->model;
+  km_status status = km_design_bring(model, &w->study->def->questions[question], &m, &state, &found);
+  if (status) {
+    fail_assembly(w, question, d, status, found.text);
+  } else {
+    const asking a = {model, m, state, &asked, d->task};
+    ask(w, question, &a, 1);
+  }
   km_question_free(asked);
   km_state_free(state);
   km_mechanism_free(m);
-  return status;
 }
 
-static km_status answer_function(const km_design_worker *w, const double *values, km_design_answer *a) {
+/* Those whose numbers are in a seat together, the others one by one. */
+static void answer_question(const km_design_worker *w, int question, const design *designs, int count) {
+  asking together[KM_DRIVE_LANES];
+  int ready = 0;
+  for (int i = 0; i < count; ++i) {
+    const design *d = &designs[i];
+    km_error found;
+    if (d->task->status || (d->task->wanted && !d->task->wanted[question]))
+      continue;
+    if (!d->at && !d->model) {
+      fail_answer(&d->task->answers[question], &w->study->def->questions[question], KM_DESIGN_FAULTY, d->found.text);
+      continue;
+    }
+    if (!goes_on_the_spot(w, d, question)) {
+      answer_brought(w, question, d);
+      continue;
+    }
+    km_state_restart(d->at->state);
+    km_status status = km_assemble(d->at->mechanism, d->at->state, NULL, &found);
+    if (status)
+      fail_assembly(w, question, d, status, found.text);
+    else
+      together[ready++] = (asking){d->at->model, d->at->mechanism, d->at->state, &d->at->questions[question], d->task};
+  }
+  ask(w, question, together, ready);
+}
+
+static km_status answer_function(const km_design_worker *w, const km_design_task *task) {
   const km_design_study_def *def = w->study->def;
+  km_design_answer *a = &task->answers[0];
   km_error found = {.text = ""};
   a->outcome = KM_DESIGN_DONE;
   a->reason[0] = '\0';
-  if (def->function(def->context, values, a->figures, &found))
+  if (def->function(def->context, task->values, a->figures, &found))
     fail_answer(a, &def->questions[0], KM_DESIGN_FAULTY, found.text);
   return KM_OK;
 }
 
-km_status km_design_worker_answer(km_design_worker *w, const double *values, const bool *wanted,
-                                  km_design_answer *answers, km_error *error) {
+/* Brings the design's numbers into a seat, or reads it. */
+static void open_design(km_design_worker *w, seat *at, km_design_task *task, design *out) {
+  *out = (design){.task = task};
+  km_status status = patch(w->study, at, task->values);
+  if (status == KM_OK)
+    out->at = at;
+  else if (status != KM_MEMORY)
+    status = km_design_read_model(w->study, task->values, &out->model, &out->found);
+  task->status = status == KM_MEMORY ? no_memory(task->error) : KM_OK;
+}
+
+void km_design_worker_answer(km_design_worker *w, km_design_task *tasks, int count) {
   const km_design_study_def *def = w->study->def;
-  if (def->function)
-    return answer_function(w, values, &answers[0]);
-  km_status status = patch(w, values);
-  bool patched = status == KM_OK;
-  km_model *model = NULL;
-  km_error found;
-  if (!patched && status != KM_MEMORY)
-    status = km_design_read_model(w->study, values, &model, &found);
-  if (status == KM_MEMORY)
-    return no_memory(error);
-  bool faulty = status != KM_OK;
-  status = KM_OK;
-  for (int q = 0; q < def->question_count && !status; ++q) {
-    if (wanted && !wanted[q])
-      continue;
-    if (faulty)
-      fail_answer(&answers[q], &def->questions[q], KM_DESIGN_FAULTY, found.text);
-    else if (patched && goes_on_the_spot(w, q))
-      status = answer_patched(w, q, &answers[q], error);
-    else
-      status = answer_brought(w, patched ? w->model : model, q, &answers[q], error);
+  design designs[KM_DRIVE_LANES];
+  if (def->function) {
+    for (int i = 0; i < count; ++i)
+      tasks[i].status = answer_function(w, &tasks[i]);
+    return;
   }
-  km_model_free(model);
-  return status;
+  for (int i = 0; i < count; ++i)
+    open_design(w, &w->seats[i], &tasks[i], &designs[i]);
+  for (int q = 0; q < def->question_count; ++q)
+    answer_question(w, q, designs, count);
+  for (int i = 0; i < count; ++i)
+    km_model_free(designs[i].model);
 }

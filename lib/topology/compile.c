@@ -54,6 +54,7 @@ bool km_compile_allocate(km_mechanism *m, km_walks *walks) {
   m->armature = KM_ARENA_NEW(arena, double, coordinates);
   m->friction = KM_ARENA_NEW(arena, double, coordinates);
   m->scale = KM_ARENA_NEW(arena, double, coordinates);
+  m->factor = KM_ARENA_NEW(arena, double, coordinates);
   m->unit = KM_ARENA_NEW(arena, double, coordinates);
   m->ball_of = KM_ARENA_NEW(arena, int, coordinates);
   m->ball_coordinate = KM_ARENA_NEW(arena, int, coordinates);
@@ -111,6 +112,7 @@ static void set_coordinates(km_mechanism *m, const km_hold *holds, int hold_coun
     const km_model_coordinate *def = &model->coordinates[c];
     double factor = km_model_coordinate_factor(model, c);
     bool length = km_joint_is_length(model->joints[def->joint].type, def->index);
+    m->factor[c] = factor;
     m->start[c] = factor * def->position;
     m->start_rate[c] = factor * def->rate;
     m->low[c] = factor * def->low;

@@ -135,6 +135,7 @@ struct km_mechanism {
   double *armature;     /* [coordinate] inertia of the drive's rotor: a mass, of angles times length² */
   double *friction;     /* [coordinate] constant friction, a force or a torque */
   double *scale;        /* [coordinate] D of theory 4: 1, or 1/characteristic length for lengths */
+  double *factor;       /* [coordinate] km_model_coordinate_factor */
   double *unit;         /* [coordinate] 1, or the substructure's size for lengths: coordinate = unit · scaled */
   int *ball_of;         /* [coordinate] ball motion that it belongs to, -1 */
   int *ball_coordinate; /* [ball] its first coordinate */

@@ -54,22 +54,51 @@ static void close_design(design *d) {
   fixture_close(&d->f);
 }
 
+/* What a row of a sweep shows. */
+typedef struct shown {
+  double residual;
+  double direction[64];
+} shown;
+
+static shown look(design *d) {
+  const km_mechanism *m = d->f.mechanism;
+  int sub = d->drive->c.substructure, worst;
+  const km_substructure *s = &m->substructures[sub];
+  shown out = {0};
+  if (km_drive_rides(d->drive)) {
+    out.residual = km_drive_ridden_residual(d->drive);
+    km_drive_ridden_direction(d->drive, out.direction);
+    return out;
+  }
+  km_numbers_update(m, d->f.state, sub);
+  out.residual = km_loops_residual(m, d->f.state, s, &worst);
+  const double *Z = km_state_basis(d->f.state, sub);
+  double sense = Z[d->drive->c.column] < 0.0 ? -1.0 : 1.0;
+  for (int k = 0; k < s->columns && km_partition_freedom(&d->f.state->partition[sub]) == 1; ++k)
+    out.direction[m->column_coordinate[s->column_start + k]] = sense * Z[k];
+  return out;
+}
+
 static void same_bits(const char *name, int row, design *a, design *b) {
-  const km_mechanism *m = a->f.mechanism;
-  int n = m->coordinate_count, sub = a->drive->c.substructure, worst;
-  double x[64], y[64];
+  int n = a->f.mechanism->coordinate_count;
   assert_true(n <= 64);
-  assert_true(km_drive_tangent(a->drive, x) == km_drive_tangent(b->drive, y));
-  if (!km_drive_rides(a->drive))
-    km_numbers_update(m, a->f.state, sub);
-  km_numbers_update(b->f.mechanism, b->f.state, sub);
-  double residuals[2] = {km_loops_residual(m, a->f.state, &m->substructures[sub], &worst),
-                         km_loops_residual(b->f.mechanism, b->f.state, &b->f.mechanism->substructures[sub], &worst)};
+  shown x = look(a), y = look(b);
   for (int c = 0; c < n; ++c)
-    if (a->f.state->q[c] != b->f.state->q[c] || x[c] != y[c] || a->f.state->numbers[c] != b->f.state->numbers[c])
+    if (a->f.state->q[c] != b->f.state->q[c] || x.direction[c] != y.direction[c] ||
+        a->f.state->numbers[c] != b->f.state->numbers[c])
       fail_msg("%s, row %d, coordinate %d: %.17g %.17g %.17g beside others, %.17g %.17g %.17g alone", name, row, c,
-               a->f.state->q[c], x[c], a->f.state->numbers[c], b->f.state->q[c], y[c], b->f.state->numbers[c]);
-  assert_true(residuals[0] == residuals[1]);
+               a->f.state->q[c], x.direction[c], a->f.state->numbers[c], b->f.state->q[c], y.direction[c],
+               b->f.state->numbers[c]);
+  assert_true(x.residual == y.residual);
+}
+
+/* All that a drive leaves, when it goes on alone. */
+static void same_end(design *a, design *b) {
+  double x[64], y[64];
+  const km_mechanism *m = a->f.mechanism;
+  assert_true(km_drive_tangent(a->drive, x) == km_drive_tangent(b->drive, y));
+  assert_memory_equal(x, y, (size_t)m->coordinate_count * sizeof *x);
+  assert_memory_equal(a->f.state->jacobian, b->f.state->jacobian, m->matrix_size * sizeof(double));
 }
 
 static void same_reach(const km_reach *a, const km_reach *b) {
@@ -112,6 +141,7 @@ static int compare(const char *name, int count, uint64_t seed, bool ignore_limit
   km_drive_lanes_free(lanes);
   for (int i = 0; i < count; ++i) {
     same_bits(name, -1, &beside[i], &alone[i]);
+    same_end(&beside[i], &alone[i]);
     close_design(&beside[i]);
     close_design(&alone[i]);
   }

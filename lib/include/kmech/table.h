@@ -20,6 +20,8 @@ KM_API void km_table_free(km_table *table);
 KM_API int km_table_add_column(km_table *table, const char *name, const char *unit);
 /* The same for a column whose header has no unit in CSV (`s`); its unit is known all the same. */
 KM_API int km_table_add_plain_column(km_table *table, const char *name, const char *unit);
+/* Room for so many rows at once, which then needn't grow one by one; false when out of memory. */
+KM_API bool km_table_reserve(km_table *table, size_t rows);
 /* A new row, filled with NaN; NULL when out of memory. Valid until the next row. */
 KM_API double *km_table_add_row(km_table *table);
 
