@@ -10,37 +10,40 @@ static const double zero = 1e-9;
 typedef struct watch {
   km_mobility_sweep *out;
   km_observer observer;
+  double *room;       /* of the next two, which change places from row to row */
   double *z, *last_z; /* [coordinate] unit direction of motion at the row and at the row before */
   double last_s;
   bool have_last;
+  int *shown; /* coordinate of each column of numbers, -1: of a joint that can't move */
+  int shown_count;
   km_singular_watch singular;
 } watch;
 
+/* A column for each coordinate, and one for each joint that has none. */
 static bool add_columns(void *self, const km_sweeper *r, km_table *table) {
-  (void)self;
+  watch *w = self;
   const km_model *model = r->m->model;
   bool added = true;
+  w->shown_count = 0;
   for (int j = 0; j < model->joint_count; ++j) {
     const km_model_joint *joint = &model->joints[j];
     int freedom = km_model_freedom(model, j);
-    if (freedom == 0)
+    if (freedom == 0) {
       added = km_sweeper_column(table, "m.", joint->label, "", NULL) && added;
-    for (int k = 0; k < freedom; ++k)
-      added = km_sweeper_column(table, "m.", model->coordinates[joint->first_coordinate + k].label, "", NULL) && added;
+      w->shown[w->shown_count++] = -1;
+    }
+    for (int c = joint->first_coordinate; c < joint->first_coordinate + freedom; ++c) {
+      added = km_sweeper_column(table, "m.", model->coordinates[c].label, "", NULL) && added;
+      w->shown[w->shown_count++] = c;
+    }
   }
   return (!r->plan->singularities || km_sweeper_column(table, "", "singular_value", "", NULL)) && added;
 }
 
 static double *write_numbers(void *self, km_sweeper *r, double *cell) {
   watch *w = self;
-  const km_model *model = r->m->model;
-  for (int j = 0; j < model->joint_count; ++j) {
-    int first = model->joints[j].first_coordinate, freedom = km_model_freedom(model, j);
-    if (freedom == 0)
-      *cell++ = 0.0;
-    for (int k = 0; k < freedom; ++k)
-      *cell++ = r->s->numbers[first + k];
-  }
+  for (int i = 0; i < w->shown_count; ++i)
+    *cell++ = w->shown[i] < 0 ? 0.0 : r->s->numbers[w->shown[i]];
   if (r->plan->singularities)
     *cell++ = km_singular_kept(&w->singular, r);
   return cell;
@@ -195,11 +198,13 @@ static km_status open_watch(watch *w, const km_mobility_job *job) {
   bool singularities = job->plan->singularities;
   *out = (km_mobility_sweep){
       .motion = {.substructure = -1}, .extremes = KM_NEW(km_extreme, count), .smallest = {nan(""), nan("")}};
-  *w = (watch){.out = out, .z = KM_NEW(double, 2 * count)};
-  bool ready = w->z && out->extremes && (!singularities || km_singular_watch_make(&w->singular, job->m));
+  *w = (watch){
+      .out = out, .room = KM_NEW(double, 2 * count), .shown = KM_NEW(int, count + (size_t)job->m->model->joint_count)};
+  bool ready = w->room && w->shown && out->extremes && (!singularities || km_singular_watch_make(&w->singular, job->m));
   if (!ready)
     return km_fail(job->error, KM_MEMORY, "out of memory for a sweep");
-  w->last_z = w->z + count;
+  w->z = w->room;
+  w->last_z = w->room + count;
   w->observer = (km_observer){.self = w,
                               .columns = add_columns,
                               .cells = write_numbers,
@@ -235,7 +240,8 @@ void km_mobility_sweeps_run(km_mobility_job *jobs, int count) {
     jobs[of[k]].status = sweeps[k].status;
   for (int i = 0; i < count; ++i) {
     km_singular_watch_free(&watches[i].singular);
-    km_free(watches[i].z);
+    km_free(watches[i].room);
+    km_free(watches[i].shown);
   }
 }
 

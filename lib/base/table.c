@@ -62,23 +62,27 @@ bool km_table_is_plain(const km_table *table, size_t index) {
   return table->columns[index].plain;
 }
 
+static bool make_room(km_table *table, size_t numbers) {
+  void *data = table->data;
+  bool made = km_reserve(&data, &table->data_capacity, numbers, sizeof(double));
+  table->data = data;
+  return made;
+}
+
 bool km_table_reserve(km_table *table, size_t rows) {
   if (!table || (table->column_count && rows > SIZE_MAX / 16 / table->column_count))
     return false;
-  void *data = table->data;
-  bool reserved = km_reserve(&data, &table->data_capacity, rows * table->column_count, sizeof(double));
-  table->data = data;
-  return reserved;
+  return make_room(table, rows * table->column_count);
 }
 
 double *km_table_add_row(km_table *table) {
   if (!table)
     return NULL;
-  size_t used = table->row_count * table->column_count;
-  if (!km_table_reserve(table, table->row_count + 1))
+  size_t used = table->row_count * table->column_count, end = used + table->column_count;
+  if (end > table->data_capacity && !make_room(table, end))
     return NULL;
-  for (size_t c = 0; c < table->column_count; ++c)
-    table->data[used + c] = nan("");
+  for (size_t c = used; c < end; ++c)
+    table->data[c] = nan("");
   table->row_count++;
   return table->data + used;
 }

@@ -4,10 +4,10 @@
 
 #include "kinematics/state.h"
 
-static const double km_closed = 1e-12;      /* rms of the primary rows (theory 4) */
-static const double km_settled = 1e-9;      /* a step below this shows that the pose is found, not just the error small */
+static const double km_closed = 1e-12; /* rms of the primary rows (theory 4) */
+static const double km_settled = 1e-9; /* a step below this shows that the pose is found, not just the error small */
 static const double km_longest_newton = 0.6; /* radians, or substructure sizes */
-static const double km_near_closed = 0.05;  /* residual below which the pivots of the last pose serve */
+static const double km_near_closed = 0.05;   /* residual below which the pivots of the last pose serve */
 
 /* Coordinates of many turns carry their rounding into the loops: thresholds grow by this per radian or size of the
  * largest one, to so much at most. */

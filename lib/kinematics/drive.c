@@ -150,6 +150,14 @@ static bool cross(km_drive *d, double target, int *limit) {
   return true;
 }
 
+/* After a step of h that was accepted: how long the next one may be. */
+static double lengthen(km_drive *d, double step, double h) {
+  if (fabs(h) > km_drive_leaves)
+    d->here.stopped = 0.0;
+  bool easily = d->strain == 0.0 || d->strain * pow(step / fabs(h), 4.0) < easy;
+  return easily ? fmin(2.0 * step, km_drive_longest) : step;
+}
+
 /* Advances to `target` by controlled steps; the step that arrives sets the driver exactly. */
 static attempt walk(km_drive *d, double target, int *limit) {
   double step = d->here.largest;
@@ -162,14 +170,11 @@ static attempt walk(km_drive *d, double target, int *limit) {
     double h = arrives ? left : copysign(step, left);
     attempt result = advance(d, h, km_drive_tightness, limit);
     if (result == ACCEPTED) {
-      if (fabs(h) > km_drive_leaves)
-        d->here.stopped = 0.0;
+      step = lengthen(d, step, h);
       if (arrives) { /* s + (target - s) may be the next number */
         d->here.s = target;
         km_continuation_place(&d->c, target);
       }
-      if (d->strain == 0.0 || d->strain * pow(step / fabs(h), 4.0) < easy)
-        step = fmin(2.0 * step, km_drive_longest);
       continue;
     }
     if (result == OPEN && arrives && may_cross && cross(d, target, limit))
@@ -209,7 +214,8 @@ static void settle_at_limit(km_drive *d, int c) {
   for (int round = 0; round < 2; ++round) {
     double q = d->c.state->q[c], bound = fabs(m->high[c] - q) < fabs(q - m->low[c]) ? m->high[c] : m->low[c];
     double gap = (bound - q) / m->unit[c] / d->c.course.t[k];
-    if (m->ball_of[c] >= 0 || gap == 0.0 || !(fabs(gap) < 1e-7) || advance(d, gap, km_drive_tightness, &limit) != ACCEPTED)
+    if (m->ball_of[c] >= 0 || gap == 0.0 || !(fabs(gap) < 1e-7) ||
+        advance(d, gap, km_drive_tightness, &limit) != ACCEPTED)
       return;
   }
 }
@@ -239,6 +245,17 @@ static bool touches(km_drive *d, double goal) {
     return true;
   km_state_restore(d->c.state, sub, d->c.from);
   return false;
+}
+
+void km_drive_begin(km_drive *d, double target) {
+  km_drive_settle(d);
+  double goal = within_own_limit(d, target * km_drive_factor(d)), left = goal - d->here.s, step = d->here.largest;
+  int limit;
+  if (fabs(left) <= step || !(d->here.known || start(d)))
+    return;
+  double h = copysign(step, left);
+  if (advance(d, h, km_drive_tightness, &limit) == ACCEPTED)
+    d->here.largest = fmax(lengthen(d, step, h), km_drive_least_first);
 }
 
 km_reach km_drive_to(km_drive *d, double target) {

@@ -29,12 +29,12 @@ struct km_drive {
   km_continuation c;
   km_drive_place here, mark;
   km_course mark_course;
-  double *mark_pose;  /* of the state at `mark` */
-  bool marked;        /* `mark` is a place */
-  bool passing;       /* this step goes over a singular pose on purpose */
-  double *near, *far; /* poses to come back to */
-  km_least_path path; /* where other freedoms are left */
-  double strain;      /* of the last prediction by it: at 1 its error is all that is allowed */
+  double *mark_pose;            /* of the state at `mark` */
+  bool marked;                  /* `mark` is a place */
+  bool passing;                 /* this step goes over a singular pose on purpose */
+  double *near, *far;           /* poses to come back to */
+  km_least_path path;           /* where other freedoms are left */
+  double strain;                /* of the last prediction by it: at 1 its error is all that is allowed */
   struct km_drive_lanes *lanes; /* where this drive goes beside others, and which of them it is; NULL: alone */
   int lane;
 };
@@ -60,5 +60,9 @@ static inline double km_drive_slack(double goal) {
 static inline const km_substructure *km_drive_driven(const km_drive *d) {
   return km_continuation_sub(&d->c);
 }
+
+/* The first of several steps towards the target, if it takes several and the first is accepted: km_drive_to goes on from
+ * there with the same bits. */
+void km_drive_begin(km_drive *drive, double target);
 
 #endif

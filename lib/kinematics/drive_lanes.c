@@ -357,26 +357,49 @@ static unsigned take_step(km_drive_lanes *l, unsigned wanted) {
   return km_lanes_step_plain(l, wanted);
 }
 
+/* Aboard, if it may: where there is a way to go it takes the first step alone, after which it mostly may. */
+static void call_aboard(km_drive_lanes *l, int i, double target) {
+  board(l, i);
+  if (l->aboard >> i & 1)
+    return;
+  km_drive_begin(l->drives[i], target);
+  board(l, i);
+}
+
+/* The lanes of `going` that are at their targets now. */
+static unsigned arrived(const km_drive_lanes *l, unsigned going) {
+  unsigned there = 0;
+  for (int i = 0; i < l->count; ++i)
+    if (going >> i & 1 && l->s.of[i] == l->target.of[i])
+      there |= 1u << i;
+  return there;
+}
+
 void km_drive_lanes_to(km_drive_lanes *l, unsigned wanted, const double *targets, km_reach *reaches) {
   for (int i = 0; i < l->count; ++i) {
     if (!(wanted >> i & 1))
       continue;
     if (!(l->aboard >> i & 1))
-      board(l, i);
+      call_aboard(l, i, targets[i]);
     l->target.of[i] = targets[i] * km_drive_factor(l->drives[i]);
   }
-  unsigned riding = wanted & l->aboard, took = riding ? take_step(l, riding) : 0;
+  unsigned going = wanted & l->aboard, there = 0;
+  while (going) {
+    going = take_step(l, going);
+    l->ahead |= going;
+    there |= arrived(l, going);
+    going &= ~there;
+  }
   for (int i = 0; i < l->count; ++i) {
     if (!(wanted >> i & 1))
       continue;
-    if (!(took >> i & 1)) {
+    if (l->ahead >> i & 1)
+      show(l, i);
+    if (!(there >> i & 1))
       reaches[i] = km_drive_to(l->drives[i], targets[i]);
-      continue;
-    }
-    reaches[i] = (km_reach){KM_STOP_NONE, targets[i], -1, -1};
-    l->ahead |= 1u << i;
-    show(l, i);
-    if (!(l->largest_b.of[i] <= largest_settled_b))
+    else
+      reaches[i] = (km_reach){KM_STOP_NONE, targets[i], -1, -1};
+    if (there >> i & 1 && !(l->largest_b.of[i] <= largest_settled_b))
       km_drive_settle(l->drives[i]);
   }
 }

@@ -182,7 +182,8 @@ static km_status start(km_follow *f, int coordinate, double sign, km_error *erro
   int column = coordinate >= 0 ? m->column_of[coordinate] : liveliest(f);
   if (f->freedom == 0 || !first_tangent(f, column, sign))
     return km_fail(error, KM_NO_RESULT, "nothing moves: %s",
-                   f->freedom ? "the joint that should is at a dead point" : "the mechanism is a structure at this pose");
+                   f->freedom ? "the joint that should is at a dead point"
+                              : "the mechanism is a structure at this pose");
   km_partition_copy_pivots(&f->c.course.reference, &f->c.state->partition[f->c.substructure]);
   remember(f);
   km_follow_set_origin(f);

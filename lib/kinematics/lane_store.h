@@ -75,7 +75,7 @@ struct km_drive_lanes {
   km_lane_column *h;
 };
 
-/* One step of the lanes `wanted` to their targets. Returns those that took it; the others are where they were. By the
+/* One step of the lanes `wanted` towards their targets. Returns those that took it; the others are where they were. By the
  * processor's registers. */
 unsigned km_lanes_step_plain(km_drive_lanes *lanes, unsigned wanted);
 unsigned km_lanes_step_avx2(km_drive_lanes *lanes, unsigned wanted);

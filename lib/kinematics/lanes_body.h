@@ -374,15 +374,20 @@ static inline void predict(km_drive_lanes *l, vector h, int g) {
     PUT(l->move[k], -h00 * GET(l->last_move[k]) + last_h * (h10 * GET(l->last_t[k]) + h11 * GET(l->t[k])));
 }
 
-/* The lanes for which one step leads to the target: within the driver's limits, no longer than the step control allows, and
- * not too long for the cubic. */
+/* The step that the step control allows towards the target; `arrives`: it leads there. */
+static inline vector choose_step(const km_drive_lanes *l, mask *arrives, int g) {
+  vector left = GET(l->target) - GET(l->s), largest = GET(l->largest);
+  *arrives = size_of(left) <= largest;
+  return pick(*arrives, left, (vector)((word)largest | ((word)left & SIGN_BIT)));
+}
+
+/* The lanes whose target lies within the driver's limits, and whose step isn't too long for the cubic. */
 static inline mask may_step(const km_drive_lanes *l, vector h, int g) {
-  vector s = GET(l->s), goal = GET(l->target), length = size_of(h);
+  vector s = GET(l->s), goal = GET(l->target);
   vector slack = 1e-12 * (1.0 + size_of(goal));
   vector high = larger(s, GET(l->driver_high)), low = -larger(-s, -GET(l->driver_low));
   mask within = (goal <= high + slack) & (goal >= low - slack);
-  return within & (h != all(0.0)) & (length <= GET(l->largest)) &
-         (length <= km_continuation_farther * size_of(GET(l->last_h)));
+  return within & (h != all(0.0)) & (size_of(h) <= km_continuation_farther * size_of(GET(l->last_h)));
 }
 
 /* Lanes where no coordinate can have come near a limit: outside one, by more than rounding, or beyond one on the way, which
@@ -416,7 +421,7 @@ static inline mask keeps_to_curve(const km_drive_lanes *l, vector square, vector
 }
 
 /* km_continuation_accept, and what walk does after it. */
-static inline void accept(km_drive_lanes *l, mask took, vector h, int g) {
+static inline void accept(km_drive_lanes *l, mask took, mask arrives, vector h, int g) {
   const int *coordinate = l->m->column_coordinate + l->sub->column_start;
   for (int k = 0; k < l->sub->columns; ++k) {
     vector way = GET(l->q[coordinate[k]]) - GET(l->from[k]), t = GET(l->t[k]);
@@ -431,10 +436,10 @@ static inline void accept(km_drive_lanes *l, mask took, vector h, int g) {
   mask away = took & (size_of(h) > all(km_drive_leaves));
   PUT(l->last_h, pick(took, h, GET(l->last_h)));
   PUT(l->closed_at, pick(took, q, GET(l->closed_at)));
-  PUT(l->s, pick(took, GET(l->target), s));
+  PUT(l->s, pick(took, pick(arrives, GET(l->target), s + h), s));
   PUT(l->largest, pick(took, larger(longest, all(km_drive_least_first)), largest));
   PUT(l->stopped, pick(away, all(0.0), GET(l->stopped)));
-  PUT(l->q[l->coordinate], pick(took, GET(l->target) * GET(l->unit[l->column]), q));
+  PUT(l->q[l->coordinate], pick(took & arrives, GET(l->target) * GET(l->unit[l->column]), q));
 }
 
 /* km_partition_null and km_mobility_numbers, of one freedom. */
@@ -469,7 +474,8 @@ static inline void set_residual(km_drive_lanes *l, int g) {
 
 static unsigned step(km_drive_lanes *l, unsigned wanted, int g) {
   const int *coordinate = l->m->column_coordinate + l->sub->column_start;
-  vector h = GET(l->target) - GET(l->s), correction;
+  mask arrives;
+  vector h = choose_step(l, &arrives, g), correction;
   mask trying = mask_of(wanted) & may_step(l, h, g);
   if (!bits_of(trying))
     return 0;
@@ -488,7 +494,7 @@ static unsigned step(km_drive_lanes *l, unsigned wanted, int g) {
   took &= clear_of_limits(l, h, g);
   for (int k = 0; k < l->sub->columns; ++k)
     PUT(l->q[coordinate[k]], pick(took, GET(l->q[coordinate[k]]), GET(l->from[k])));
-  accept(l, took, h, g);
+  accept(l, took, arrives, h, g);
   set_numbers(l, g);
   set_residual(l, g);
   return bits_of(took);
