@@ -14,6 +14,8 @@ typedef struct watch {
   double *z, *last_z; /* [coordinate] unit direction of motion at the row and at the row before */
   double last_s;
   bool have_last;
+  int *watched; /* coordinates that may lose their grip */
+  int watched_count;
   int *shown; /* coordinate of each column of numbers, -1: of a joint that can't move */
   int shown_count;
   km_singular_watch singular;
@@ -142,6 +144,12 @@ static void note_extremes(const watch *w, const km_sweeper *r, double s) {
       w->out->extremes[c] = (km_extreme){r->s->numbers[c], s};
 }
 
+static void choose_watched(watch *w, const km_sweeper *r) {
+  for (int c = 0; c < r->m->coordinate_count; ++c)
+    if (r->m->substructure_of[c] == r->substructure && !r->m->held[c] && !is_idle(r->out, c))
+      w->watched[w->watched_count++] = c;
+}
+
 /* Looks for toggles since the last row, and comes back to this one. */
 static km_status see(void *self, km_sweeper *r, double s, km_error *error) {
   watch *w = self;
@@ -153,10 +161,11 @@ static km_status see(void *self, km_sweeper *r, double s, km_error *error) {
     w->have_last = false;
     return KM_OK;
   }
+  if (w->watched_count == 0)
+    choose_watched(w, r);
   bool moved = false, failed = false;
-  for (int c = 0; c < r->m->coordinate_count; ++c) {
-    if (r->m->substructure_of[c] != r->substructure || r->m->held[c] || is_idle(r->out, c))
-      continue;
+  for (int i = 0; i < w->watched_count; ++i) {
+    int c = w->watched[i];
     bool here = fabs(w->z[c]) < zero, before = w->have_last && fabs(w->last_z[c]) < zero;
     bool between = w->have_last && !here && !before && w->z[c] * w->last_z[c] < 0.0;
     if (here && !before)
@@ -198,9 +207,12 @@ static km_status open_watch(watch *w, const km_mobility_job *job) {
   bool singularities = job->plan->singularities;
   *out = (km_mobility_sweep){
       .motion = {.substructure = -1}, .extremes = KM_NEW(km_extreme, count), .smallest = {nan(""), nan("")}};
-  *w = (watch){
-      .out = out, .room = KM_NEW(double, 2 * count), .shown = KM_NEW(int, count + (size_t)job->m->model->joint_count)};
-  bool ready = w->room && w->shown && out->extremes && (!singularities || km_singular_watch_make(&w->singular, job->m));
+  *w = (watch){.out = out};
+  w->room = KM_NEW(double, 2 * count);
+  w->watched = KM_NEW(int, count);
+  w->shown = KM_NEW(int, count + (size_t)job->m->model->joint_count);
+  bool ready = w->room && w->watched && w->shown && out->extremes &&
+               (!singularities || km_singular_watch_make(&w->singular, job->m));
   if (!ready)
     return km_fail(job->error, KM_MEMORY, "out of memory for a sweep");
   w->z = w->room;
@@ -241,6 +253,7 @@ void km_mobility_sweeps_run(km_mobility_job *jobs, int count) {
   for (int i = 0; i < count; ++i) {
     km_singular_watch_free(&watches[i].singular);
     km_free(watches[i].room);
+    km_free(watches[i].watched);
     km_free(watches[i].shown);
   }
 }

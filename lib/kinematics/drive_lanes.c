@@ -192,6 +192,7 @@ static void take_numbers(km_drive_lanes *l, int i) {
     l->is_limited[k] = l->is_limited[k] || (!d->c.ignore_limits && (isfinite(m->low[c]) || isfinite(m->high[c])));
   }
   l->inverse_size.of[i] = 1.0 / sub->size;
+  l->factor.of[i] = km_drive_factor(d);
   l->closure_tolerance.of[i] = m->closure_tolerance;
   l->driver_low.of[i] = d->c.ignore_limits ? -HUGE_VAL : m->low[l->coordinate] / m->unit[l->coordinate];
   l->driver_high.of[i] = d->c.ignore_limits ? HUGE_VAL : m->high[l->coordinate] / m->unit[l->coordinate];
@@ -381,7 +382,7 @@ void km_drive_lanes_to(km_drive_lanes *l, unsigned wanted, const double *targets
       continue;
     if (!(l->aboard >> i & 1))
       call_aboard(l, i, targets[i]);
-    l->target.of[i] = targets[i] * km_drive_factor(l->drives[i]);
+    l->target.of[i] = targets[i] * l->factor.of[i];
   }
   unsigned going = wanted & l->aboard, there = 0;
   while (going) {

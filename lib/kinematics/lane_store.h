@@ -58,6 +58,7 @@ struct km_drive_lanes {
   km_lanes_number sign, next_sign;                        /* of the pivots' product, ±1, and where the step ends */
   km_lanes_number pivoted_b, smallest_pivot;
   km_lanes_number target; /* of the step, scaled */
+  km_lanes_number factor; /* a target in the model's unit times this is the scaled one */
 
   /* What a step leaves: */
   km_lanes_number *B;       /* [rank] null vector of the driver: the dependent columns' in pivot order, negative */

@@ -58,13 +58,13 @@ static inline vector root(vector a) {
 #endif
 }
 
+/* Numbers lie where doubles may: and they change no pointer, which memcpy might. */
+typedef double stored __attribute__((vector_size(8 * WIDTH), aligned(8)));
 static inline vector get(const double *number) {
-  vector value;
-  memcpy(&value, number, sizeof value);
-  return value;
+  return *(const stored *)number;
 }
 static inline void put(double *number, vector value) {
-  memcpy(number, &value, sizeof value);
+  *(stored *)number = value;
 }
 static inline vector pick(mask m, vector a, vector b) { /* a where the mask is set */
   return (vector)(((mask)a & m) | ((mask)b & ~m));
