@@ -1,6 +1,8 @@
 /* Joins PNG pictures into an animated one: https://wiki.mozilla.org/APNG_Specification. */
 #include "report/plot/apng.h"
 
+#include "report/plot/png.h"
+
 #include <stdint.h>
 #include <string.h>
 
@@ -14,36 +16,6 @@ typedef struct chunk {
 
 static uint32_t number_at(const unsigned char *bytes) {
   return (uint32_t)bytes[0] << 24 | (uint32_t)bytes[1] << 16 | (uint32_t)bytes[2] << 8 | bytes[3];
-}
-
-static void put_number(unsigned char *out, uint32_t value) {
-  for (int i = 0; i < 4; ++i)
-    out[i] = (unsigned char)(value >> (24 - 8 * i));
-}
-
-/* The cyclic redundancy check of ISO 3309, continued. */
-static uint32_t check(uint32_t sum, const unsigned char *bytes, size_t size) {
-  for (size_t i = 0; i < size; ++i) {
-    sum ^= bytes[i];
-    for (int bit = 0; bit < 8; ++bit)
-      sum = sum & 1 ? 0xedb88320U ^ sum >> 1 : sum >> 1;
-  }
-  return sum;
-}
-
-/* Appends a chunk whose data come in two parts. */
-static void put_chunk(km_text *out, const char *type, const unsigned char *head, uint32_t head_size,
-                      const unsigned char *data, uint32_t size) {
-  unsigned char number[4];
-  uint32_t sum = check(UINT32_MAX, (const unsigned char *)type, 4);
-  sum = check(check(sum, head, head_size), data, size);
-  put_number(number, head_size + size);
-  km_text_bytes(out, number, 4);
-  km_text_bytes(out, type, 4);
-  km_text_bytes(out, head, head_size);
-  km_text_bytes(out, data, size);
-  put_number(number, ~sum);
-  km_text_bytes(out, number, 4);
 }
 
 /* Reads the chunk at *place and moves behind it; false at the end, or where the bytes are no chunk. */
@@ -61,29 +33,29 @@ static bool next_chunk(const km_text *png, size_t *place, chunk *out) {
 
 static void put_animation_control(const km_apng *a) {
   unsigned char data[8] = {0}; /* plays 0: for ever */
-  put_number(data, a->frames);
-  put_chunk(a->out, "acTL", data, 8, data, 0);
+  km_png_put_number(data, a->frames);
+  km_png_put_chunk(a->out, "acTL", data, 8, data, 0);
 }
 
 static void put_frame_control(km_apng *a) {
   unsigned char data[26] = {0}; /* at (0, 0), replacing what was there */
-  put_number(data, a->sequence++);
+  km_png_put_number(data, a->sequence++);
   memcpy(data + 4, a->size, 8);
   data[20] = (unsigned char)(a->milliseconds >> 8);
   data[21] = (unsigned char)a->milliseconds;
   data[22] = 1000 >> 8;
   data[23] = 1000 & 255;
-  put_chunk(a->out, "fcTL", data, 26, data, 0);
+  km_png_put_chunk(a->out, "fcTL", data, 26, data, 0);
 }
 
 static void put_image_data(km_apng *a, const chunk *c) {
   unsigned char number[4];
   if (a->added == 0) {
-    put_chunk(a->out, c->type, number, 0, c->data, c->size);
+    km_png_put_chunk(a->out, c->type, number, 0, c->data, c->size);
     return;
   }
-  put_number(number, a->sequence++);
-  put_chunk(a->out, "fdAT", number, 4, c->data, c->size);
+  km_png_put_number(number, a->sequence++);
+  km_png_put_chunk(a->out, "fdAT", number, 4, c->data, c->size);
 }
 
 /* The first picture gives the file's head. */
@@ -104,7 +76,7 @@ static bool put_chunk_of(km_apng *a, const chunk *c, bool *begun) {
   if (image)
     put_image_data(a, c);
   else if (a->added == 0 && !*begun)
-    put_chunk(a->out, c->type, c->data, 0, c->data, c->size);
+    km_png_put_chunk(a->out, c->type, c->data, 0, c->data, c->size);
   return true;
 }
 
@@ -122,6 +94,6 @@ km_status km_apng_add(km_apng *a, const km_text *png, km_error *error) {
     return km_fail(error, KM_INTERNAL, "picture %u of an animation is no PNG of the first one's size", a->added + 1);
   }
   if (++a->added == a->frames)
-    put_chunk(a->out, "IEND", NULL, 0, NULL, 0);
+    km_png_put_chunk(a->out, "IEND", NULL, 0, NULL, 0);
   return a->out->failed ? km_fail(error, KM_MEMORY, "out of memory for a picture") : KM_OK;
 }

@@ -13,17 +13,20 @@
   X(cairo_arc)                                                                                                         \
   X(cairo_clip)                                                                                                        \
   X(cairo_copy_path)                                                                                                   \
-  X(cairo_create) X(cairo_destroy) X(cairo_fill_preserve) X(cairo_font_options_create) X(cairo_font_options_destroy)   \
-      X(cairo_font_options_set_antialias) X(cairo_font_options_set_hint_metrics) X(cairo_font_options_set_hint_style)  \
-          X(cairo_image_surface_create) X(cairo_line_to) X(cairo_move_to) X(cairo_new_path) X(cairo_new_sub_path) X(   \
-              cairo_paint) X(cairo_path_destroy) X(cairo_pdf_surface_create_for_stream)                                \
-              X(cairo_pdf_surface_set_metadata) X(cairo_pdf_surface_set_size) X(cairo_rectangle) X(cairo_restore) X(   \
-                  cairo_rotate) X(cairo_save) X(cairo_scale) X(cairo_set_dash) X(cairo_set_line_cap)                   \
-                  X(cairo_set_line_join) X(cairo_set_line_width) X(cairo_set_source_rgb) X(cairo_set_source_rgba) X(   \
-                      cairo_show_page) X(cairo_status) X(cairo_status_to_string) X(cairo_stroke)                       \
-                      X(cairo_surface_destroy) X(cairo_surface_finish) X(cairo_surface_status) X(                      \
-                          cairo_surface_write_to_png_stream) X(cairo_svg_surface_create_for_stream) X(cairo_translate) \
-                          X(cairo_user_to_device) X(g_free) X(g_object_unref) X(g_strndup) X(g_utf8_make_valid)        \
+  X(cairo_create)                                                                                                      \
+  X(cairo_destroy)                                                                                                     \
+  X(cairo_fill_preserve) X(cairo_font_options_create) X(cairo_font_options_destroy) X(                                 \
+      cairo_font_options_set_antialias) X(cairo_font_options_set_hint_metrics) X(cairo_font_options_set_hint_style)    \
+      X(cairo_image_surface_create) X(cairo_image_surface_get_height) X(cairo_image_surface_get_stride)                \
+          X(cairo_image_surface_get_width) X(cairo_surface_flush) X(cairo_line_to) X(cairo_move_to) X(cairo_new_path)  \
+              X(cairo_new_sub_path) X(cairo_paint) X(cairo_path_destroy) X(cairo_pdf_surface_create_for_stream) X(     \
+                  cairo_pdf_surface_set_metadata) X(cairo_pdf_surface_set_size) X(cairo_rectangle) X(cairo_restore)    \
+                  X(cairo_rotate) X(cairo_save) X(cairo_scale) X(cairo_set_dash) X(cairo_set_line_cap) X(              \
+                      cairo_set_line_join) X(cairo_set_line_width) X(cairo_set_source_rgb) X(cairo_set_source_rgba)    \
+                      X(cairo_show_page) X(cairo_status) X(cairo_status_to_string) X(cairo_stroke) X(                  \
+                          cairo_surface_destroy) X(cairo_surface_finish) X(cairo_surface_status)                       \
+                          X(cairo_image_surface_get_data) X(cairo_svg_surface_create_for_stream) X(cairo_translate) X( \
+                              cairo_user_to_device) X(g_free) X(g_object_unref) X(g_strndup) X(g_utf8_make_valid)      \
                               X(pango_cairo_context_set_font_options) X(pango_cairo_font_map_get_default) X(           \
                                   pango_cairo_show_layout) X(pango_context_set_language)                               \
                                   X(pango_context_set_round_glyph_positions) X(pango_font_description_free) X(         \

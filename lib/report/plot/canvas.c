@@ -4,6 +4,7 @@
 #include "base/memory.h"
 #include "report/plot/cairo_library.h"
 #include "report/plot/canvas_bytes.h"
+#include "report/plot/png.h"
 #include "report/plot/svg_path.h"
 
 #include <math.h>
@@ -13,7 +14,8 @@ static const char *const font_family = "DejaVu Sans";
 /* The font's ascent and height in em. Single lines are placed by these, whatever font a foreign
  * script falls back to, so that names of different scripts share a baseline. */
 static const double font_ascent = 0.928, font_height = 1.164;
-static const double png_scale = 2;      /* 144 dpi */
+static const double png_scale = 2; /* 144 dpi, */
+static const unsigned png_per_metre = 5669;
 static const double page_limit = 14400; /* PDF's own limit: 200 inches */
 
 struct km_canvas {
@@ -118,10 +120,21 @@ km_status km_canvas_record(const km_canvas_recorder *recorder, km_canvas **canva
   return KM_OK;
 }
 
+static cairo_status_t write_pixels(km_canvas *canvas) {
+  const km_cairo *lib = canvas->lib;
+  lib->cairo_surface_flush(canvas->surface);
+  const km_pixels pixels = {.data = lib->cairo_image_surface_get_data(canvas->surface),
+                            .width = lib->cairo_image_surface_get_width(canvas->surface),
+                            .height = lib->cairo_image_surface_get_height(canvas->surface),
+                            .stride = lib->cairo_image_surface_get_stride(canvas->surface),
+                            .per_metre = png_per_metre};
+  return pixels.data && km_png_write(&pixels, canvas->out) ? CAIRO_STATUS_SUCCESS : CAIRO_STATUS_NO_MEMORY;
+}
+
 static cairo_status_t write_out(km_canvas *canvas) {
   cairo_status_t status = canvas->lib->cairo_status(canvas->cairo);
   if (status == CAIRO_STATUS_SUCCESS && canvas->format == KM_CANVAS_PNG)
-    status = canvas->lib->cairo_surface_write_to_png_stream(canvas->surface, append, canvas);
+    status = write_pixels(canvas);
   canvas->lib->cairo_surface_finish(canvas->surface);
   if (status == CAIRO_STATUS_SUCCESS)
     status = canvas->lib->cairo_surface_status(canvas->surface);
@@ -129,8 +142,6 @@ static cairo_status_t write_out(km_canvas *canvas) {
     return status;
   if (canvas->format == KM_CANVAS_SVG)
     km_svg_drop_id(canvas->out, canvas->start);
-  if (canvas->format == KM_CANVAS_PNG)
-    km_png_add_resolution(canvas->out, canvas->start);
   return canvas->out->failed ? CAIRO_STATUS_NO_MEMORY : CAIRO_STATUS_SUCCESS;
 }
 

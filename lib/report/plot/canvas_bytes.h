@@ -6,7 +6,5 @@
 
 /* Takes out the name of an SVG's page, which depends on the process. The picture begins at `start`. */
 void km_svg_drop_id(km_text *out, size_t start);
-/* Says in a PNG how many pixels an inch has. */
-void km_png_add_resolution(km_text *out, size_t start);
 
 #endif
