@@ -150,3 +150,8 @@ void km_serially(void (*work)(void *context), void *context) {
   work(context);
   pthread_mutex_unlock(&mutex);
 }
+
+const void *km_thread_mark(void) {
+  static _Thread_local char mark;
+  return &mark;
+}

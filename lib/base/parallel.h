@@ -15,4 +15,7 @@ void km_team_run(km_team *team, int count, void (*work)(void *context, int index
 /* Calls work(context) while no other thread is in here: for libraries that keep things for the whole process. */
 void km_serially(void (*work)(void *context), void *context);
 
+/* An address that tells the calling thread from every other that runs. */
+const void *km_thread_mark(void);
+
 #endif

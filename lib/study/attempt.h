@@ -1,0 +1,53 @@
+/* One start of an optimisation: what NLopt asks of it. Private to study/. */
+#ifndef KM_STUDY_ATTEMPT_H
+#define KM_STUDY_ATTEMPT_H
+
+#include "study/algorithms.h"
+#include "study/ask.h"
+
+#include <stdatomic.h>
+
+/* What the starts of an optimisation share. */
+typedef struct km_optimisation {
+  km_design_study *study;
+  const km_design_optimise *def;
+  const km_algorithm *algorithm;
+  bool compute;
+  km_progress progress;
+  const void *caller; /* km_thread_mark: the thread that called the library tells the progress */
+  void *context;
+  atomic_int evaluations; /* of all starts */
+  atomic_bool stopped;
+  int total;
+} km_optimisation;
+
+/* One start. */
+typedef struct km_attempt {
+  km_optimisation *o;
+  int number;
+  double weight; /* of the first of two goals; < 0: the goal `goal` alone */
+  int goal;
+  double ideal[2], range[2]; /* of the front's ends */
+  km_batch batch;
+  nlopt_opt optimiser;
+  double *values; /* [count × parameters] what was asked for */
+  size_t room;
+  int count;
+  double worst;                             /* objective so far; a design that fails is worse than that */
+  double slack[2 * KM_MOST_DESIGN_FIGURES]; /* of the point that was asked last */
+  double last[KM_MOST_DESIGN_PARAMETERS];   /* that point, scaled */
+  double last_value;
+  bool has_last;
+  km_status status;
+  km_error error;
+} km_attempt;
+
+/* How many limits the figures have, which are constraints. */
+int km_optimise_limits(const km_design_study *study);
+/* NLopt's functions, with an attempt as their context: the objective and the limits of the point x, scaled to 0 … 1 by the
+ * variables' bounds, and where they are asked for the gradients by central differences. */
+double km_attempt_evaluate(unsigned count, const double *x, double *gradient, void *attempt);
+void km_attempt_constrain(unsigned limits, double *result, unsigned count, const double *x, double *gradient,
+                          void *attempt);
+
+#endif
