@@ -1,11 +1,9 @@
 /* Steps of variable order and length by SUNDIALS' CVODE (A. Hindmarsh and others, 2005): Adams with functional
  * iteration, and BDF with Newton's method where the motion is stiff. */
-#include "dynamics/simulation.h"
+#include "dynamics/newton.h"
 
 #include <cvode/cvode.h>
 #include <nvector/nvector_serial.h>
-#include <sunlinsol/sunlinsol_dense.h>
-#include <sunmatrix/sunmatrix_dense.h>
 #include <sunnonlinsol/sunnonlinsol_fixedpoint.h>
 
 #include <string.h>
@@ -15,40 +13,29 @@ struct km_cvode {
   void *memory;
   N_Vector y, at; /* the run's vector, and one whose numbers are the caller's */
   SUNNonlinearSolver functional;
-  SUNMatrix matrix;
-  SUNLinearSolver dense;
-  long seen_failures, seen_steps; /* of the iteration, at the last look */
+  km_newton *newton;
+  bool due; /* the other method's turn has come */
 };
 
-/* Of a hundred steps, as many whose functional iteration failed tell stiffness; fewer steps than so many to the end are
- * rather made by Adams' method, as each of BDF's costs a matrix. */
-static const double few_steps = 3e5;
-enum { STIFF_LOOK = 100, STIFF_FAILURES = 20 };
 /* What rounding may make of a step, over the error allowed. */
-static const double most_blindness = 0.3, hopeless = 1e6;
+static const double most_blindness = 0.1, hopeless = 1e6;
 /* The longest step over a singular pose: radians or characteristic lengths. */
 static const double most_motion = 0.5;
 /* Steps that are made as they come where there was no such step. */
 enum { UNSEEING = 50 };
-/* The loops' error where forces are stiff. */
-static const double tightest = 1e-13;
-/* What an evaluation tells CVODE: to try a shorter step, or to stop. */
-enum { RETRY = 1, STOP = -1 };
-
-/* ω of Baumgarte's stabilisation by the order of Adams' method: the part of its region of stability that counts
- * (thesis table 3, theory 7). */
-static double stability_limit(int order) {
-  static const double limits[] = {2.0, 2.0, 2.26, 1.86, 1.4, 1.03, .78, .58, .44, .34, .26, .21, .06};
-  return limits[order < 0 ? 0 : order > 12 ? 12 : order];
-}
+/* What an evaluation tells CVODE: to go on, or to try a shorter step. */
+enum { GO_ON = 0, RETRY = 1 };
 
 /* A step isn't made where accelerations are rounding. */
 static int derivative(double t, N_Vector y, N_Vector ydot, void *data) {
   km_simulation *run = (km_simulation *)data;
   if (!km_simulation_derivative(run, t, NV_DATA_S(y), NV_DATA_S(ydot)))
     return RETRY;
-  run->blind = run->unseeing == 0 && km_simulation_blindness(run, run->usual) > most_blindness;
-  return run->blind ? STOP : 0;
+  km_choice_see(&run->choice, t, NV_DATA_S(y), NV_DATA_S(ydot), run->tolerance);
+  if (run->unseeing || !(km_simulation_blindness(run, run->usual) > most_blindness))
+    return GO_ON;
+  run->blind = true;
+  return RETRY;
 }
 
 /* 1 over the error that a component may have. */
@@ -70,7 +57,8 @@ static void silent(int code, const char *module, const char *function, char *tex
 }
 
 static bool start(km_simulation *run, km_cvode *c) {
-  c->memory = CVodeCreate(run->stiff ? CV_BDF : CV_ADAMS, c->context);
+  bool bdf = run->choice.method == KM_BDF;
+  c->memory = CVodeCreate(bdf ? CV_BDF : CV_ADAMS, c->context);
   if (!c->memory || CVodeSetErrHandlerFn(c->memory, silent, NULL) ||
       CVodeInit(c->memory, derivative, run->time, c->y) || CVodeWFtolerances(c->memory, weights) ||
       CVodeSetUserData(c->memory, run) || CVodeSetMaxNumSteps(c->memory, -1))
@@ -79,11 +67,9 @@ static bool start(km_simulation *run, km_cvode *c) {
     return false;
   if (run->def.max_step > 0.0 && CVodeSetMaxStep(c->memory, run->def.max_step))
     return false;
-  if (run->stiff) {
-    run->dynamics->closing = tightest; /* its Jacobian is found by differences */
-    c->matrix = SUNDenseMatrix(run->size, run->size, c->context);
-    c->dense = c->matrix ? SUNLinSol_Dense(c->y, c->matrix, c->context) : NULL;
-    return c->dense && !CVodeSetLinearSolver(c->memory, c->dense, c->matrix);
+  if (bdf) {
+    c->newton = km_newton_create(run, c->memory, c->context);
+    return c->newton && !CVodeSetStabLimDet(c->memory, SUNTRUE);
   }
   c->functional = SUNNonlinSol_FixedPoint(c->y, 0, c->context);
   return c->functional && !CVodeSetNonlinearSolver(c->memory, c->functional);
@@ -93,13 +79,9 @@ static void stop(km_cvode *c) {
   CVodeFree(&c->memory);
   if (c->functional)
     SUNNonlinSolFree(c->functional);
-  if (c->dense)
-    SUNLinSolFree(c->dense);
-  if (c->matrix)
-    SUNMatDestroy(c->matrix);
+  km_newton_free(c->newton);
   c->functional = NULL;
-  c->dense = NULL;
-  c->matrix = NULL;
+  c->newton = NULL;
 }
 
 km_status km_cvode_create(km_simulation *run, km_error *error) {
@@ -126,24 +108,19 @@ void km_cvode_free(km_cvode *c) {
   km_free(c);
 }
 
-/* Over to BDF from the present vector, where Adams' functional iteration often fails. */
-static bool look_for_stiffness(km_simulation *run) {
+/* The other method from the present vector on. */
+static bool change_method(km_simulation *run) {
   km_cvode *c = run->cvode;
-  long steps, failures;
-  CVodeGetNumSteps(c->memory, &steps);
-  CVodeGetNumNonlinSolvConvFails(c->memory, &failures);
-  if (steps - c->seen_steps < STIFF_LOOK)
-    return true;
-  double h;
-  CVodeGetLastStep(c->memory, &h);
-  bool stiff = failures - c->seen_failures >= STIFF_FAILURES && run->def.end - run->time > few_steps * h;
-  c->seen_steps = steps;
-  c->seen_failures = failures;
-  if (!stiff || run->stiff)
-    return true;
-  run->stiff = true;
+  c->due = false;
+  km_choice_change(&run->choice);
   stop(c);
   return start(run, c);
+}
+
+/* Evaluations so far, and as many as have taken the time of what Newton's method computed beside them. */
+static double work_of(const km_simulation *run) {
+  static const double operations = 64.0; /* of an evaluation, a component */
+  return (double)run->evaluations + run->operations / (operations * run->size);
 }
 
 static void adapt(km_simulation *run) {
@@ -152,13 +129,15 @@ static void adapt(km_simulation *run) {
   CVodeGetLastStep(run->cvode->memory, &h);
   CVodeGetLastOrder(run->cvode->memory, &order);
   km_simulation_shift(run);
-  run->dynamics->omega = h > 0.0 ? 0.005 * stability_limit(order) / h : 0.0;
+  run->dynamics->omega = h > 0.0 ? 0.005 * km_stability_limit(order) / h : 0.0;
+  const km_taken_step step = {run->time, h, order, work_of(run)};
+  run->cvode->due = km_choice_step(&run->choice, &step, run->tolerance);
 }
 
 static km_status why(const km_simulation *run, int flag, double h, km_error *error) {
   if (run->outcome != KM_DYNAMICS_DONE)
     return km_dynamics_fail(run->dynamics, run->outcome, error);
-  if (flag == CV_MEM_FAIL || flag == CV_MEM_NULL)
+  if (flag == CV_MEM_FAIL || flag == CV_MEM_NULL || run->arena.failed)
     return km_fail(error, KM_MEMORY, "out of memory for the integrator");
   return km_fail(error, KM_DIVERGED, "the step fell to %g at time %g and its error is still too large", h, run->time);
 }
@@ -168,7 +147,7 @@ static km_status why(const km_simulation *run, int flag, double h, km_error *err
 static bool pass_over(km_simulation *run) {
   double chosen = 0.0, least = HUGE_VAL, longest = most_motion / km_simulation_speed(run);
   bool over = false; /* `chosen` ends behind the pose */
-  for (double h = run->usual; h < 20.0 * run->usual && h < longest && least > most_blindness; h *= 1.15) {
+  for (double h = run->usual; h < 20.0 * run->usual && h < longest && least > most_blindness; h *= 1.07) {
     double step = fmin(h, run->def.end - run->time), blindness, after;
     if (!(step > 0.0) || !km_collocation_try(run, step, &blindness, &after) || blindness > hopeless)
       continue;
@@ -181,39 +160,66 @@ static bool pass_over(km_simulation *run) {
     km_collocation_keep(run);
   }
   run->outcome = KM_DYNAMICS_DONE;
+  run->blind = run->blind && !(chosen > 0.0);
   return chosen > 0.0 && km_collocation_step(run, chosen) &&
          CVodeReInit(run->cvode->memory, run->time, run->cvode->y) == CV_SUCCESS;
 }
 
-km_status km_cvode_step(km_simulation *run, km_error *error) {
-  km_cvode *c = run->cvode;
-  double t = run->time, h = 0.0;
-  run->outcome = KM_DYNAMICS_DONE;
-  run->way = KM_STEP_CVODE;
-  run->blind = false;
-  int flag = CVode(c->memory, run->time + 1.0, c->y, &t, CV_ONE_STEP);
-  if (flag < 0) {
-    km_dynamics_outcome outcome = run->outcome;
-    memcpy(run->y, run->good, (size_t)run->size * sizeof *run->y);
-    if (run->usual > 0.0 && pass_over(run))
-      return KM_OK;
-    if (run->blind) {
-      run->unseeing = UNSEEING;
-      return CVodeReInit(c->memory, run->time, c->y) ? km_fail(error, KM_MEMORY, "out of memory for the integrator")
-                                                     : km_cvode_step(run, error);
-    }
-    run->outcome = outcome;
-    CVodeGetCurrentStep(c->memory, &h);
-    return why(run, flag, h, error);
-  }
-  CVodeGetNumErrTestFails(c->memory, &run->rejected);
-  CVodeGetLastStep(c->memory, &h);
+static void accept_step(km_simulation *run, double t) {
+  double h;
+  CVodeGetNumErrTestFails(run->cvode->memory, &run->rejected);
+  CVodeGetLastStep(run->cvode->memory, &h);
   run->usual = fmax(h, 0.998 * run->usual);
   run->unseeing -= run->unseeing > 0;
   run->time = t;
   run->steps++;
   adapt(run);
-  return look_for_stiffness(run) ? KM_OK : km_fail(error, KM_MEMORY, "out of memory for the integrator");
+}
+
+/* Some steps as they come, blind as they may be. */
+static bool go_on_unseeing(km_simulation *run) {
+  run->unseeing = UNSEEING;
+  run->blind = false;
+  return CVodeReInit(run->cvode->memory, run->time, run->cvode->y) == CV_SUCCESS;
+}
+
+/* A step of CVODE. Where it couldn't be made, the vector is as it was. */
+static int try_step(km_simulation *run) {
+  double t = run->time;
+  run->outcome = KM_DYNAMICS_DONE;
+  run->way = KM_STEP_CVODE;
+  run->blind = false;
+  int flag = CVode(run->cvode->memory, run->time + 1.0, run->cvode->y, &t, CV_ONE_STEP);
+  if (flag < 0)
+    memcpy(run->y, run->good, (size_t)run->size * sizeof *run->y);
+  else
+    accept_step(run, t);
+  return flag;
+}
+
+km_status km_cvode_step(km_simulation *run, km_error *error) {
+  km_cvode *c = run->cvode;
+  if (c->due && !change_method(run)) /* not before: between steps the past of this method is asked for */
+    return km_fail(error, KM_MEMORY, "out of memory for the integrator");
+  if (run->blind && pass_over(run)) /* CVODE has come near, by steps that became shorter */
+    return KM_OK;
+  if (run->blind && !go_on_unseeing(run))
+    return km_fail(error, KM_MEMORY, "out of memory for the integrator");
+  int flag = try_step(run);
+  if (flag >= 0)
+    return KM_OK;
+  km_dynamics_outcome outcome = run->outcome;
+  if (run->usual > 0.0 && pass_over(run))
+    return KM_OK;
+  if (run->blind && go_on_unseeing(run))
+    return km_cvode_step(run, error);
+  c->due = km_choice_fail(&run->choice);
+  if (c->due)
+    return km_cvode_step(run, error);
+  double h;
+  run->outcome = outcome;
+  CVodeGetCurrentStep(c->memory, &h);
+  return why(run, flag, h, error);
 }
 
 bool km_cvode_between(const km_simulation *run, double time, double *y) {

@@ -63,7 +63,8 @@ static bool lay_out(km_simulation *run) {
   run->kept = KM_ARENA_NEW(&run->arena, double, KM_STAGES *n);
   run->crossings = KM_ARENA_NEW(&run->arena, km_crossing, crossings);
   run->side = KM_ARENA_NEW(&run->arena, double, crossings);
-  return !run->arena.failed;
+  bool adams = run->def.integrator == KM_INTEGRATOR_ADAMS;
+  return km_choice_create(&run->choice, adams ? KM_ADAMS : KM_BDF, !adams, run->size, &run->arena);
 }
 
 /* Errors are compared in radians and characteristic lengths, rates per second; works don't steer the step. */
@@ -129,7 +130,7 @@ km_status km_simulation_create(km_dynamics *d, km_state *s, const km_simulation_
   km_simulation *run = KM_NEW(km_simulation, 1);
   if (!run)
     return km_fail(error, KM_MEMORY, "out of memory for the run");
-  *run = (km_simulation){.dynamics = d, .state = s, .def = *def, .stiff = def->integrator == KM_INTEGRATOR_BDF};
+  *run = (km_simulation){.dynamics = d, .state = s, .def = *def};
   run->def.relative *= share;
   run->def.absolute *= share;
   status = lay_out(run) ? KM_OK : km_fail(error, KM_MEMORY, "out of memory for the run");
@@ -273,7 +274,7 @@ km_simulation_figures km_simulation_figures_of(const km_simulation *run) {
                                  .repartitions = km_dynamics_repartitions(run->dynamics),
                                  .dissipated = run->at[run->work_start],
                                  .motor_work = run->at[run->work_start + 1],
-                                 .stiff = run->stiff};
+                                 .stiff = run->choice.method == KM_BDF};
 }
 
 int km_simulation_crossing_count(const km_simulation *run) {

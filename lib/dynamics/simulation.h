@@ -3,6 +3,7 @@
 #define KM_DYNAMICS_SIMULATION_H
 
 #include "dynamics/dynamics.h"
+#include "dynamics/method.h"
 #include "kmech/simulation.h"
 
 typedef struct km_cvode km_cvode;
@@ -38,9 +39,10 @@ struct km_simulation {
   double time;
   km_dynamics_outcome outcome; /* of the last evaluation that failed */
   long steps, evaluations, rejected;
-  bool stiff;
-  int unseeing; /* steps to come that don't look for it */
-  bool blind;   /* CVODE has stopped before a pose where accelerations are rounding */
+  km_choice choice;  /* between CVODE's methods */
+  double operations; /* beside evaluations, so far */
+  int unseeing;      /* steps to come that don't look for it */
+  bool blind;        /* CVODE has stopped before a pose where accelerations are rounding */
   km_crossing_met *met;
   size_t met_count, met_room;
   double *at;      /* [size] the vector between steps */

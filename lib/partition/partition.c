@@ -89,7 +89,7 @@ static void eliminate(km_partition *p, int step, int row) {
   l[row] = 0.0;
   for (int k = step + 1; k < p->columns; ++k) {
     double *x = reduced_column(p, p->column[k]), u = x[row];
-    for (int r = 0; r < p->stride; r += 2)
+    for (int r = 0; r < p->stride && u != 0.0; r += 2) /* loops that share few joints leave many zeros */
       *(km_pair *)(x + r) -= *(const km_pair *)(l + r) * (km_pair){u, u};
   }
 }

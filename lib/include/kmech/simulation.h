@@ -10,7 +10,7 @@ extern "C" {
 #endif
 
 typedef enum km_integrator {
-  KM_INTEGRATOR_ADAMS, /* variable order and step; takes over to BDF where the motion turns out stiff */
+  KM_INTEGRATOR_ADAMS, /* variable order and step; BDF takes over while the motion turns out stiff */
   KM_INTEGRATOR_BDF,   /* for stiff forces: stops, tyres, strong dampers */
   KM_INTEGRATOR_FIXED  /* Runge-Kutta of order 4, one step of `max_step` after the other: bounded work per step */
 } km_integrator;
@@ -67,7 +67,7 @@ typedef struct km_simulation_figures {
   int repartitions;
   double dissipated, motor_work; /* force × length, since the start: taken by dampers, friction, stops, tyres; given by
                                   * motors, controllers, loads, prescribed motions */
-  bool stiff;                    /* it went over to BDF */
+  bool stiff;                    /* the last steps were BDF's */
 } km_simulation_figures;
 KM_API km_simulation_figures km_simulation_figures_of(const km_simulation *simulation);
 
