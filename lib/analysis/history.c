@@ -108,5 +108,6 @@ void km_history_free(km_history *h) {
     return;
   km_table_free(h->table);
   km_free(h->crossings);
+  km_free(h->exceeded);
   *h = (km_history){0};
 }

@@ -218,11 +218,52 @@ static double *write_reactions(km_history_writer *w, double *out) {
   return out;
 }
 
+/* What the drive of a coordinate gives: prescribed, or by motors and controllers. */
+static double drive_of(const km_history_writer *w, int c) {
+  const km_dynamics *d = w->dynamics;
+  double given = d->forces->moving->drive[c];
+  return d->driven[c] ? given + km_dynamics_driving_force(d, w->state, c) : given;
+}
+
+static void watch_drives(km_history_writer *w) {
+  for (int i = 0; i < w->watched_count; ++i) {
+    km_exceeded *e = &w->watched[i];
+    double now = e->of_force ? drive_of(w, e->coordinate) : km_state_rate(w->state, e->coordinate);
+    if (!(fabs(now) > fabs(e->most)))
+      continue;
+    e->most = now;
+    e->time = w->state->time;
+  }
+}
+
+static bool list_watched(km_history_writer *w) {
+  const km_mechanism *m = w->m;
+  w->watched = KM_NEW(km_exceeded, 2 * (size_t)m->coordinate_count + 1);
+  for (int c = 0; w->watched && c < m->coordinate_count; ++c) {
+    if (isfinite(m->max_force[c]))
+      w->watched[w->watched_count++] = (km_exceeded){.coordinate = c, .of_force = true, .bound = m->max_force[c]};
+    if (isfinite(m->max_rate[c]))
+      w->watched[w->watched_count++] =
+          (km_exceeded){.coordinate = c, .bound = m->max_rate[c] / km_model_coordinate_factor(m->model, c)};
+  }
+  return w->watched != NULL;
+}
+
+/* Of what was watched, what went beyond its bound. */
+static void hand_over_exceeded(km_history_writer *w) {
+  km_history *h = w->out;
+  h->exceeded = w->watched;
+  for (int i = 0; i < w->watched_count; ++i)
+    if (fabs(w->watched[i].most) > w->watched[i].bound * (1.0 + 1e-9))
+      h->exceeded[h->exceeded_count++] = w->watched[i];
+}
+
 km_status km_history_row(km_history_writer *w, km_error *error) {
   double *out = km_table_add_row(w->out->table);
   if (!out)
     return km_fail(error, KM_MEMORY, "out of memory for the table");
   *out++ = w->state->time;
+  watch_drives(w);
   out = write_coordinates(w, out);
   out = write_figures(w, out);
   if (w->shaking)
@@ -261,6 +302,8 @@ km_status km_history_begin(km_history_writer *w, km_error *error) {
     status = km_state_create(w->m, &w->look, error);
   if (!status && w->reactions)
     status = make_statics(w, error);
+  if (!status && !list_watched(w))
+    status = km_fail(error, KM_MEMORY, "out of memory for what drives give");
   if (!status)
     status = make_table(w, error);
   if (status)
@@ -285,6 +328,7 @@ km_status km_history_end(km_history_writer *w, km_status status, const km_error 
     w->out->why = *why;
     km_fail(error, status, "%s", why->text);
   }
+  hand_over_exceeded(w);
   km_statics_free(&w->statics);
   km_state_free(w->look);
   km_simulation_free(w->simulation);

@@ -18,7 +18,9 @@ typedef struct km_history_writer {
   km_rubbing *rubbing;
   km_simulation *simulation; /* NULL: the motion is known, and nothing is integrated */
   km_statics statics;
-  double potential; /* at the start */
+  double potential;     /* at the start */
+  km_exceeded *watched; /* [watched_count] drives that have a bound, and the most that was asked of them */
+  int watched_count;
   km_history *out;
 } km_history_writer;
 

@@ -28,6 +28,10 @@ static km_status check_def(const km_mechanism *m, const km_simulation_def *def, 
   km_status status = km_check_list(def->crossings, def->crossing_count, "crossings", error);
   for (int i = 0; i < def->crossing_count && !status; ++i) {
     status = km_check_index(def->crossings[i].coordinate, m->coordinate_count, "coordinate", error);
+    if (!status && m->ball_of[def->crossings[i].coordinate] >= 0)
+      status = km_fail(error, KM_USAGE,
+                       "crossing of \"%s\", a coordinate of a ball; expected a hinge's, a slide's or a screw's",
+                       m->model->coordinates[def->crossings[i].coordinate].label);
     if (!status && !isfinite(def->crossings[i].value))
       status = km_fail(error, KM_USAGE, "crossing at %g; expected a finite value", def->crossings[i].value);
   }
@@ -85,8 +89,6 @@ static void set_tolerances(km_simulation *run) {
 static double side_of(const km_simulation *run, int crossing, const double *y) {
   const km_crossing *def = &run->crossings[crossing];
   int place = run->place[def->coordinate];
-  if (place < 0 || run->dynamics->mechanism->ball_of[def->coordinate] >= 0)
-    return 1.0; /* rotation vectors aren't in the vector */
   return y[place] + run->shift[place] - def->value;
 }
 

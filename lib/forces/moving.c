@@ -105,7 +105,8 @@ km_status km_forces_follow_motion(km_forces *f, km_error *error) {
                               .modules = KM_ARENA_NEW(arena, const km_model_module *, modules),
                               .memory_of = KM_ARENA_NEW(arena, int, modules),
                               .memory = KM_ARENA_NEW(arena, double, 2 * modules),
-                              .rate = KM_ARENA_NEW(arena, double, 2 * modules)};
+                              .rate = KM_ARENA_NEW(arena, double, 2 * modules),
+                              .drive = KM_ARENA_NEW(arena, double, coordinates)};
   if (!arena->failed && !scratch.failed) {
     f->moving = out;
     list_bodies(m->model, f, seen);
@@ -215,6 +216,14 @@ double km_motor_force(const km_model_module *module, double time) {
   return t[2 * rows - 1];
 }
 
+/* A motor's force or a controller's, and its power. */
+static void drive(const km_mechanism *m, const km_state *s, km_forces *f, const km_model_module *module, double force) {
+  int c = module->output.coordinate;
+  f->moving->motor_power += force * km_module_push(m, s, f, module, force);
+  if (c >= 0)
+    f->moving->drive[c] += force;
+}
+
 static void add_module(const km_mechanism *m, const km_state *s, km_forces *f, int index) {
   km_moving_forces *moving = f->moving;
   const km_model_module *module = moving->modules[index];
@@ -228,16 +237,13 @@ static void add_module(const km_mechanism *m, const km_state *s, km_forces *f, i
     moving->dissipation -= force * km_module_push(m, s, f, module, force);
     break;
   }
-  case KM_MODULE_MOTOR: {
-    double force = km_motor_force(module, s->time);
-    moving->motor_power += force * km_module_push(m, s, f, module, force);
+  case KM_MODULE_MOTOR:
+    drive(m, s, f, module, km_motor_force(module, s->time));
     break;
-  }
   case KM_MODULE_PID: {
     double error = module->reference - km_module_input(m, s, f, module, &rate);
-    double force = module->kp * error + module->ki * moving->memory[memory] - module->kd * rate;
     moving->rate[memory] = error;
-    moving->motor_power += force * km_module_push(m, s, f, module, force);
+    drive(m, s, f, module, module->kp * error + module->ki * moving->memory[memory] - module->kd * rate);
     break;
   }
   case KM_MODULE_TIRE:
@@ -276,6 +282,9 @@ void km_forces_update_moving(const km_mechanism *m, const km_state *s, km_forces
   add_stops(m, s, f);
   add_friction(m, s, f);
   add_pressed(m, s, f);
+  for (int i = 0; i < moving->module_count; ++i)
+    if (moving->modules[i]->output.coordinate >= 0)
+      moving->drive[moving->modules[i]->output.coordinate] = 0.0;
   for (int i = 0; i < moving->module_count; ++i)
     add_module(m, s, f, i);
   if (f->load_count) {

@@ -6,8 +6,6 @@
 
 #include <string.h>
 
-static const double step = 1e-4; /* central differences of J err by its square and by 1e-16 over it */
-
 static bool left_null(const km_substructure *sub, const double *J, double tolerance, km_arena *arena, double **W,
                       int *count) {
   size_t rows = (size_t)sub->rows, columns = (size_t)sub->columns;
@@ -29,38 +27,34 @@ static bool left_null(const km_substructure *sub, const double *J, double tolera
   return true;
 }
 
-/* dJ/dε along scaled direction x, at the saved pose. */
-static void jacobian_rate(const km_mechanism *m, km_state *s, const km_substructure *sub, const double *saved,
-                          const double *x, double *move, double *J, double *rate) {
-  size_t size = (size_t)sub->rows * (size_t)sub->columns;
-  for (int side = 1; side >= -1; side -= 2) {
-    for (int k = 0; k < sub->columns; ++k)
-      move[k] = side * step * x[k];
-    km_state_restore(s, sub, saved);
-    km_state_move(m, s, sub, move);
-    km_loops_update(m, s, sub);
-    km_state_jacobian_dense(s, sub, J);
-    for (size_t i = 0; i < size; ++i)
-      rate[i] = (side > 0 ? 0.0 : rate[i]) + side * J[i] / (2.0 * step);
+/* γ = −J̇ q̇ at q̇ = a + b; b may be NULL. rate[coordinate] is workspace. */
+static void products_of(const km_mechanism *m, km_state *s, const km_substructure *sub, const double *a,
+                        const double *b, double *rate, double *gamma) {
+  for (int k = 0; k < sub->columns; ++k) {
+    int c = m->column_coordinate[sub->column_start + k];
+    rate[c] = m->unit[c] * (a[k] + (b ? b[k] : 0.0));
   }
+  km_loops_velocity_products(m, s, sub, rate, gamma);
 }
 
-/* Q_i(a, b) += w_iᵀ rate_a x_b, made symmetric. */
-static void add_conditions(const km_substructure *sub, const double *W, const double *rate, int a, const double *x,
-                           km_second_order *out) {
-  int n = sub->columns, k = out->freedom;
-  for (int i = 0; i < out->conditions; ++i) {
-    const double *w = W + (size_t)i * (size_t)sub->rows;
-    double *Q = out->Q + (size_t)i * (size_t)(k * k);
-    for (int b = 0; b < k; ++b) {
-      double sum = 0.0;
-      for (int c = 0; c < n; ++c)
-        for (int r = 0; r < sub->rows; ++r)
-          sum += w[r] * rate[(size_t)c * (size_t)sub->rows + (size_t)r] * x[(size_t)b * (size_t)n + (size_t)c];
-      Q[a * k + b] += 0.5 * sum;
-      Q[b * k + a] += 0.5 * sum;
+/* Q_i(a, b) = wᵢᵀ (J̇(a) b + J̇(b) a) / 2 for every pair of the directions x: γ is a square of q̇, so that this is
+ * −wᵢᵀ (γ(a + b) − γ(a) − γ(b)) / 2. gamma[(freedom + 1) × rows]. */
+static void fill_conditions(const km_mechanism *m, km_state *s, const km_substructure *sub, const double *W,
+                            const double *x, double *rate, double *gamma, km_second_order *out) {
+  size_t n = (size_t)sub->columns, rows = (size_t)sub->rows, k = (size_t)out->freedom;
+  double *both = gamma + k * rows;
+  for (size_t a = 0; a < k; ++a)
+    products_of(m, s, sub, x + a * n, NULL, rate, gamma + a * rows);
+  for (size_t a = 0; a < k; ++a)
+    for (size_t b = 0; b <= a; ++b) {
+      products_of(m, s, sub, x + a * n, x + b * n, rate, both);
+      for (size_t i = 0; i < (size_t)out->conditions; ++i) {
+        double sum = 0.0;
+        for (size_t r = 0; r < rows; ++r)
+          sum -= 0.5 * W[i * rows + r] * (both[r] - gamma[a * rows + r] - gamma[b * rows + r]);
+        out->Q[i * k * k + a * k + b] = out->Q[i * k * k + b * k + a] = sum;
+      }
     }
-  }
 }
 
 bool km_second_order_start(const km_mechanism *m, km_state *s, int index, km_arena *arena, km_second_order *out) {
@@ -89,9 +83,9 @@ bool km_second_order_build(const km_mechanism *m, km_state *s, int index, km_are
   out->built = true;
   if (!out->redundant)
     return true;
-  double *W, *saved = KM_ARENA_NEW(arena, double, KM_SAVED_PER_COLUMN *n);
-  double *x = KM_ARENA_NEW(arena, double, n *k), *move = KM_ARENA_NEW(arena, double, n);
-  double *rate = KM_ARENA_NEW(arena, double, n *rows), *J = KM_ARENA_NEW(arena, double, n *rows);
+  double *W, *x = KM_ARENA_NEW(arena, double, n *k), *J = KM_ARENA_NEW(arena, double, n *rows);
+  double *rate = KM_ARENA_NEW(arena, double, (size_t)m->coordinate_count);
+  double *gamma = KM_ARENA_NEW(arena, double, (k + 1) * rows);
   if (arena->failed)
     return false;
   km_loops_update(m, s, sub);
@@ -103,14 +97,7 @@ bool km_second_order_build(const km_mechanism *m, km_state *s, int index, km_are
     return false;
   for (size_t i = 0; i < n * k; ++i)
     x[i] = out->Z[i] / weight[i % n];
-  km_state_save(s, sub, saved);
-  for (int a = 0; a < out->freedom; ++a) {
-    jacobian_rate(m, s, sub, saved, x + (size_t)a * n, move, J, rate);
-    add_conditions(sub, W, rate, a, x, out);
-  }
-  km_state_restore(s, sub, saved);
-  km_loops_update(m, s, sub);
-  km_state_forget_pivots(s, index);
+  fill_conditions(m, s, sub, W, x, rate, gamma, out);
   for (size_t i = 0; i < (size_t)out->conditions * k * k; ++i)
     out->size = fmax(out->size, fabs(out->Q[i]));
   return true;

@@ -14,7 +14,7 @@ typedef struct km_second_order {
   double *Z;    /* [freedom × columns] D·range(N), orthonormal */
   double *Q;    /* [conditions × freedom × freedom] symmetric */
   double size;  /* largest entry of Q: what a condition is compared with */
-  double noise; /* what differences and the pose's misfit may have made of 0: Q below it says nothing */
+  double noise; /* what the pose's misfit may have made of 0: Q below it says nothing */
 } km_second_order;
 
 /* The tangents of the state's (closed) pose, which stays; no conditions yet. False when out of memory. */

@@ -4,9 +4,9 @@
 #include "kinematics/state.h"
 #include "kmech/inverse.h"
 #include "kmech/memory.h"
+#include "kmech/records.h"
 #include "model/model.h"
 #include "report/plot/history_plot.h"
-#include "kmech/records.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -175,6 +175,7 @@ static kt_exit deliver(const work *w) {
   const options *o = w->o;
   km_text summary = {0};
   print_summary(w, &summary);
+  ksim_tell_drives(&o->common, o->model, &w->pose, &w->history);
   const ksim_delivery delivery = {.common = &o->common,
                                   .formats = &o->formats,
                                   .base = o->base ? o->base : w->name,
@@ -229,6 +230,7 @@ kt_exit ksim_inverse(int argc, char **argv) {
       KT_SET(&o.sets, KT_SET_FIRST),
       KT_HOLD(&o.holds, KT_HOLD_RIGID),
       KT_MODE(o.common),
+      KT_POSE(o.common),
       {"frame", 0, "BODY/FRAME", "Add place, velocity and acceleration of a frame's origin (repeatable)", KT_TEXTS,
        &o.frames, KT_ABOUT_MODEL},
       {"reactions", 0, NULL, "Add the reaction in every joint", KT_FLAG, &o.reactions, KT_ABOUT_MODEL},

@@ -23,6 +23,9 @@ kt_exit ksim_read_frames(const kt_common *common, const km_model *model, const k
 /* Gravity, springs and the model's own loads. The caller frees `*out`. */
 kt_exit ksim_forces(const kt_common *common, const char *path, const kt_pose *pose, km_forces **out);
 
+/* Warns of drives that went beyond their joints' bounds. */
+void ksim_tell_drives(const kt_common *common, const char *path, const kt_pose *pose, const km_history *history);
+
 /* A table over time on its way to BASE.WORD.FORMAT and the standard output. Borrowed, but for what `record` and `plot`
  * make in the arena that they are given; `context` is theirs. */
 typedef struct ksim_delivery {

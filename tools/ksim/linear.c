@@ -3,8 +3,8 @@
 
 #include "kmech/linear.h"
 #include "kmech/memory.h"
-#include "kmech/value.h"
 #include "kmech/records.h"
+#include "kmech/value.h"
 #include "model/model.h"
 
 #include <stdio.h>
@@ -169,6 +169,7 @@ static void read_options(options *o, bool linear, int argc, char **argv) {
       KT_SET(&o->sets, linear ? "Move a joint to a value; the loops follow" : KT_SET_FIRST),
       KT_HOLD(&o->holds, KT_HOLD_RIGID),
       KT_MODE(o->common),
+      KT_POSE(o->common),
       {"format", 0, "FORMAT", "table (default) or json", KT_WORD("table or json"), &o->json, KT_ABOUT_FILES},
   };
   const kt_option of_linear[] = {

@@ -2,9 +2,9 @@
 #include "ksim/ksim.h"
 
 #include "kmech/memory.h"
+#include "kmech/records.h"
 #include "model/model.h"
 #include "report/plot/history_plot.h"
-#include "kmech/records.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -85,6 +85,7 @@ static void tell(ksim_work *w, km_status status) {
            o->model, h->rate_change);
   if (h->figures.stiff && w->def.simulation.integrator == KM_INTEGRATOR_ADAMS)
     kt_say(&o->common, KM_NOTE, "%s: the motion is stiff; --integrator bdf took over", o->model);
+  ksim_tell_drives(&o->common, o->model, &w->pose, h);
   double time = h->table && km_table_rows(h->table) ? km_table_row(h->table, km_table_rows(h->table) - 1)[0] : 0.0;
   if (status == KM_PARTIAL)
     snprintf(w->stopped_by, sizeof w->stopped_by, "--stop at %.9g %s", time, unit);
@@ -198,6 +199,7 @@ kt_exit ksim_run(int argc, char **argv) {
       KT_SET(&o.sets, KT_SET_FIRST),
       KT_HOLD(&o.holds, KT_HOLD_RIGID),
       KT_MODE(o.common),
+      KT_POSE(o.common),
       {"event", 0, "JOINT=VALUE", "Tell when a joint passes a value (repeatable)", KT_TEXTS, &o.events, KT_ABOUT_MODEL},
       {"stop", 0, "JOINT=VALUE", "End where a joint passes a value (repeatable)", KT_TEXTS, &o.stops, KT_ABOUT_MODEL},
       {"frame", 0, "BODY/FRAME", "Add place, velocity and acceleration of a frame's origin (repeatable)", KT_TEXTS,

@@ -2,8 +2,9 @@
 #include "ksim/ksim.h"
 
 #include "kmech/memory.h"
-#include "kmech/value.h"
 #include "kmech/records.h"
+#include "kmech/units.h"
+#include "kmech/value.h"
 
 #include <math.h>
 #include <string.h>
@@ -39,6 +40,25 @@ kt_exit ksim_forces(const kt_common *common, const char *path, const kt_pose *po
   if (status)
     kt_say(common, KM_ERROR, "%s: %s", path, error.text);
   return kt_exit_of(status);
+}
+
+void ksim_tell_drives(const kt_common *common, const char *path, const kt_pose *pose, const km_history *h) {
+  const km_model *model = pose->model;
+  const char *time = km_model_units(model).time->suffix;
+  for (int i = 0; i < h->exceeded_count; ++i) {
+    const km_exceeded *e = &h->exceeded[i];
+    const char *label = km_model_coordinate_label(model, e->coordinate);
+    km_text unit = {0};
+    if (e->of_force)
+      km_push_unit(model, &(km_handle){.kind = KM_HANDLE_JOINT, .coordinate = e->coordinate}, &unit);
+    else
+      km_text_format(&unit, "%s/%s", km_model_coordinate_unit(model, e->coordinate), time);
+    kt_say(common, KM_WARNING,
+           e->of_force ? "%s: the drive of joint \"%s\" gives %.6g %s at %.6g %s, more than its max_force of %.6g"
+                       : "%s: joint \"%s\" moves at %.6g %s at %.6g %s, faster than its max_rate of %.6g",
+           path, label, e->most, unit.data ? unit.data : "", e->time, time, e->bound);
+    km_text_free(&unit);
+  }
 }
 
 kt_exit ksim_read_formats(const kt_common *common, const char *format, const char *base, bool beside,

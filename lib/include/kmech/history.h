@@ -31,11 +31,21 @@ typedef struct km_history_def {
 /* The model's own simulation settings where it has some. */
 KM_API km_history_def km_history_default(const km_model *model);
 
+/* A joint's drive that goes beyond its max_force or max_rate: the most of all rows. */
+typedef struct km_exceeded {
+  int coordinate;
+  bool of_force; /* else of the rate */
+  double most;   /* by size: a force, or of angles a torque; or the coordinate's unit over the time unit */
+  double time, bound;
+} km_exceeded;
+
 typedef struct km_history {
   km_table *table;
   km_simulation_figures figures;
   km_crossing_met *crossings; /* in order of time */
   int crossing_count;
+  km_exceeded *exceeded; /* by coordinate; motors, controllers and prescribed motions are drives */
+  int exceeded_count;
   double rate_change;  /* share of the initial rates that had to change so that the loops stay closed */
   double worst_loop;   /* largest rms loop error of a row, scaled (235) */
   double energy_error; /* largest change of kinetic + potential + dissipated − motor work, force × length */

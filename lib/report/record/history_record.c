@@ -18,6 +18,17 @@ static void add_events(const km_model *model, const km_history_def *def, const k
   }
 }
 
+/* The drives that went beyond their bounds. */
+static void add_exceeded(const km_model *model, const km_history *h, km_value *record, km_arena *arena) {
+  static const char *const keys[2] = {"beyond_max_rate", "beyond_max_force"};
+  for (int force = 1; force >= 0; --force) {
+    km_value *list = km_value_add(arena, record, keys[force], KM_LIST);
+    for (int i = 0; i < h->exceeded_count && !arena->failed; ++i)
+      if (h->exceeded[i].of_force == (force == 1))
+        km_value_string(arena, list, NULL, km_model_coordinate_label(model, h->exceeded[i].coordinate));
+  }
+}
+
 const km_value *km_history_record(const km_mechanism *m, const km_history_def *def, const km_history *h,
                                   const char *stopped_by, const char *name, km_arena *arena) {
   if (!m || !def || !h || !stopped_by || !name || !arena)
@@ -33,6 +44,7 @@ const km_value *km_history_record(const km_mechanism *m, const km_history_def *d
   km_value_number(arena, record, "largest_kinetic_energy", h->energy_scale);
   km_value_number(arena, record, "initial_rate_change", h->rate_change);
   add_events(m->model, def, h, record, arena);
+  add_exceeded(m->model, h, record, arena);
   km_table_record(h->table, record, arena);
   km_value_boolean(arena, record, "complete", stopped_by[0] == '\0');
   km_value_string(arena, record, "stopped_by", stopped_by);
@@ -45,6 +57,7 @@ const km_value *km_inverse_record(const km_mechanism *m, const km_history *h, co
     return NULL;
   km_value *record = km_record_head(m, "ksim inverse", name, arena);
   km_value_number(arena, record, "worst_loop_error", h->worst_loop);
+  add_exceeded(m->model, h, record, arena);
   km_table_record(h->table, record, arena);
   km_value_boolean(arena, record, "complete", stopped_by[0] == '\0');
   km_value_string(arena, record, "stopped_by", stopped_by);
