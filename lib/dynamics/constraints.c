@@ -23,20 +23,39 @@ static double largest_primary(const km_partition *p, const double *error) {
   return largest;
 }
 
-/* New pivots at the present Jacobian; prescribed columns stay independent. */
-static bool search_pivots(km_dynamics *d, km_state *s, int index) {
-  const km_mechanism *m = d->mechanism;
+/* Pivots at the present Jacobian, with the columns in s->forced independent if that is possible. */
+static bool factor(const km_mechanism *m, km_state *s, int index) {
   const km_substructure *sub = &m->substructures[index];
-  const int *coordinate = m->column_coordinate + sub->column_start;
+  km_partition *p = &s->partition[index];
   int worst;
+  double tolerance = km_rank_tolerance(m, sub, km_loops_residual(m, s, sub, &worst));
+  km_partition_factor(p, km_state_jacobian(s, sub), sub->rows, sub->columns, s->forced, tolerance);
+  memset(s->forced, 0, (size_t)sub->columns * sizeof *s->forced);
+  return !p->failed && !p->forced_dependent;
+}
+
+/* A new partition at the present Jacobian; prescribed columns stay independent. */
+static bool search_pivots(km_dynamics *d, km_state *s, int index) {
+  const km_substructure *sub = &d->mechanism->substructures[index];
+  const int *coordinate = d->mechanism->column_coordinate + sub->column_start;
   for (int k = 0; k < sub->columns; ++k)
     s->forced[k] = d->driven[coordinate[k]];
-  double tolerance = km_rank_tolerance(m, sub, km_loops_residual(m, s, sub, &worst));
-  km_partition_factor(&s->partition[index], km_state_jacobian(s, sub), sub->rows, sub->columns, s->forced, tolerance);
-  memset(s->forced, 0, (size_t)sub->columns * sizeof *s->forced);
   s->pivoted[index] = KM_PRESCRIBED;
   d->renewed[index]++;
-  return !s->partition[index].failed && !s->partition[index].forced_dependent;
+  return factor(d->mechanism, s, index);
+}
+
+/* Pivots in another order for the partition at hand, where that one is good and only pivots have become small. */
+static bool keep_partition(const km_mechanism *m, km_state *s, int index) {
+  km_partition *p = &s->partition[index];
+  double pivoted_b = p->pivoted_b;
+  if (!km_partition_serves(p->largest_b, pivoted_b))
+    return false;
+  for (int i = p->rank; i < p->columns; ++i)
+    s->forced[p->column[i]] = true;
+  bool kept = factor(m, s, index);
+  p->pivoted_b = pivoted_b; /* the partition is as old as it was */
+  return kept;
 }
 
 /* Can the motion go on with these pivots until a pose is accepted? */
@@ -97,7 +116,9 @@ static bool refresh(km_dynamics *d, km_state *s, int index, bool search) {
   if (km_partition_refactor(p, km_state_jacobian(s, &d->mechanism->substructures[index])))
     return true;
   d->stale = true;
-  return search ? change_pivots(d, s, index) : carries_on(p);
+  if (!search)
+    return carries_on(p);
+  return keep_partition(d->mechanism, s, index) || change_pivots(d, s, index);
 }
 
 /* Newton on the dependent coordinates, with pivots of the last evaluation where they are good enough for a step. Pivots and
