@@ -311,6 +311,7 @@ km_status km_history_begin(km_history_writer *w, km_error *error) {
   km_dynamics_energy(w->dynamics, w->state, &energy, NULL);
   w->potential = energy.potential;
   w->out->energy_start = energy.kinetic;
+  w->out->effort = km_dynamics_effort(w->dynamics, w->state);
   return KM_OK;
 }
 

@@ -233,6 +233,13 @@ bool km_partition_refactor(km_partition *p, const double *matrix) {
   return finite && km_pivots_serve(p->largest_b, p->pivoted_b, inverse, smallest);
 }
 
+double km_partition_multiplications(const km_partition *p) {
+  double rows = p->rows, columns = p->columns, rank = p->rank;
+  if (p->sparse)
+    return km_sparse_multiplications(p);
+  return rank * rows * (columns - 0.5 * (rank + 1.0)) + rank * (rows + 1.0) + rank * (columns - rank);
+}
+
 /* The steps of elimination on the right side alone. */
 void km_partition_solve(const km_partition *p, const double *rhs, double *x) {
   if (p->sparse) {

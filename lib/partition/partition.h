@@ -83,6 +83,9 @@ static inline bool km_pivots_serve(double largest_b, double pivoted_b, double la
   return km_partition_serves(largest_b, pivoted_b) && largest_inverse * smallest_pivot <= 10.0;
 }
 
+/* About how many multiplications a refactor, B and one solution take. */
+double km_partition_multiplications(const km_partition *partition);
+
 /* Takes over which pivots another partition of the same size uses, for a refactor of its own. */
 void km_partition_copy_pivots(km_partition *to, const km_partition *from);
 

@@ -395,6 +395,23 @@ void km_sparse_solve(const km_partition *p, const double *rhs, double *x) {
     x[p->column[c]] = 0.0;
 }
 
+/* A column's entries of U take what their steps have in L; L is divided by the pivot; B by the upper columns of every
+ * independent one, and the right side once through all of them. */
+double km_sparse_multiplications(const km_partition *p) {
+  const km_sparse *s = p->sparse;
+  double sum = 0.0, entries = 0.0;
+  for (int k = 0; k < p->columns; ++k) {
+    const km_run *upper = &s->upper[p->column[k]];
+    for (int i = upper->start; i < upper->end; ++i) {
+      const km_run *lower = &s->lower[p->column[s->upper_store.index[i]]];
+      sum += lower->end - lower->start;
+    }
+    if (k < p->rank)
+      entries += upper->end - upper->start + s->lower[p->column[k]].end - s->lower[p->column[k]].start + 1.0;
+  }
+  return sum + entries * (2.0 + p->columns - p->rank);
+}
+
 void km_sparse_copy(km_partition *to, const km_partition *from) {
   km_sparse *t = to->sparse;
   const km_sparse *f = from->sparse;

@@ -44,6 +44,7 @@ void km_sparse_factor(km_partition *partition, const double *matrix, const bool 
 /* False where a value is not finite, or when out of memory. */
 bool km_sparse_refactor(km_partition *partition, const double *matrix);
 void km_sparse_solve(const km_partition *partition, const double *rhs, double *x);
+double km_sparse_multiplications(const km_partition *p);
 void km_sparse_copy(km_partition *to, const km_partition *from);
 
 #endif

@@ -54,6 +54,13 @@ KM_API double km_dynamics_driving_force(const km_dynamics *dynamics, const km_st
 KM_API double km_dynamics_loop_error(const km_dynamics *dynamics);
 KM_API int km_dynamics_repartitions(const km_dynamics *dynamics);
 
+/* About how many multiplications a solution of the equations of motion takes once poses, columns and forces are known:
+ * by clusters, and if the bordered matrix (133) were dense. After km_dynamics_accelerate. NaN: nothing to tell of. */
+typedef struct km_effort {
+  double multiplications, dense;
+} km_effort;
+KM_API km_effort km_dynamics_effort(const km_dynamics *dynamics, const km_state *state);
+
 #ifdef __cplusplus
 }
 #endif

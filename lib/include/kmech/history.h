@@ -51,6 +51,7 @@ typedef struct km_history {
   double energy_error; /* largest change of kinetic + potential + dissipated − motor work, force × length */
   double energy_scale; /* largest kinetic energy: what it is compared with */
   double energy_start; /* kinetic energy at the start */
+  km_effort effort;    /* of an evaluation's solution */
   km_error why;        /* of a run that ended early */
 } km_history;
 
