@@ -123,13 +123,20 @@ static double work_of(const km_simulation *run) {
   return (double)run->evaluations + run->operations / (operations * run->size);
 }
 
+/* The ω with which the rounding of a loop's error stays an acceleration within the error allowed: the first steps, which
+ * are very short, would ask for far more. */
+static double firmest(const km_simulation *run) {
+  static const double rounding = 1e-14;
+  return sqrt(run->def.absolute / rounding) * run->dynamics->mechanism->model->units.time->si;
+}
+
 static void adapt(km_simulation *run) {
   double h;
   int order;
   CVodeGetLastStep(run->cvode->memory, &h);
   CVodeGetLastOrder(run->cvode->memory, &order);
   km_simulation_shift(run);
-  run->dynamics->omega = h > 0.0 ? 0.005 * km_stability_limit(order) / h : 0.0;
+  run->dynamics->omega = h > 0.0 ? fmin(0.005 * km_stability_limit(order) / h, firmest(run)) : 0.0;
   const km_taken_step step = {run->time, h, order, work_of(run)};
   run->cvode->due = km_choice_step(&run->choice, &step, run->tolerance);
 }

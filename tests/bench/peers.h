@@ -1,4 +1,4 @@
-/* A four-bar in another multibody library, to compare accelerations with. */
+/* A four-bar in other multibody libraries, to compare accelerations with. */
 #ifndef BENCH_PEERS_H
 #define BENCH_PEERS_H
 
@@ -18,6 +18,13 @@ bench_simbody *bench_simbody_create(const bench_fourbar *bars);
 void bench_simbody_free(bench_simbody *simbody);
 /* Accelerations of the same three coordinates. */
 void bench_simbody_accelerate(bench_simbody *simbody, double out[3]);
+
+typedef struct bench_mujoco bench_mujoco;
+bench_mujoco *bench_mujoco_create(const bench_fourbar *bars);
+void bench_mujoco_free(bench_mujoco *mujoco);
+/* The same. Its constraints are soft and leave out J̇ q̇: only where nothing moves are these the accelerations of rigid
+ * loops. */
+void bench_mujoco_accelerate(bench_mujoco *mujoco, double out[3]);
 
 #ifdef __cplusplus
 }
