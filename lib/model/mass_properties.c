@@ -107,6 +107,36 @@ km_status km_mass_properties_of(const km_mesh *mesh, km_mass_properties *out, km
   return KM_OK;
 }
 
+static km_status check_closed(const km_mesh *mesh, const char *name, km_error *error) {
+  km_mesh_faults faults;
+  km_status status = km_mesh_check(mesh, &faults, error);
+  if (status)
+    return status;
+  if (faults.open_edges)
+    return km_fail(error, KM_MODEL, "%s: has %d open edge%s; expected a closed surface to go with a density", name,
+                   faults.open_edges, faults.open_edges == 1 ? "" : "s");
+  if (faults.mixed_edges)
+    return km_fail(error, KM_MODEL,
+                   "%s: has %d edge%s between faces that look opposite ways; expected all to look "
+                   "outwards",
+                   name, faults.mixed_edges, faults.mixed_edges == 1 ? "" : "s");
+  return KM_OK;
+}
+
+km_status km_mesh_weigh(const km_mesh *mesh, const char *name, km_mass *out, km_error *error) {
+  km_mass_properties found;
+  km_error local;
+  km_status status = check_closed(mesh, name, error);
+  if (!status && km_mass_properties_of(mesh, &found, &local))
+    status = km_fail(error, KM_MODEL, "%s: %.200s; expected a closed surface to go with a density", name, local.text);
+  if (status)
+    return status;
+  *out = (km_mass){.mass = found.volume, .center = found.center};
+  for (int k = 0; k < 6; ++k)
+    out->inertia[k] = found.inertia[k];
+  return KM_OK;
+}
+
 /* Turns the symmetric A about the axis that is neither p nor q so that A_pq becomes 0. */
 static void annihilate(double A[3][3], int p, int q) {
   if (A[p][q] == 0.0)

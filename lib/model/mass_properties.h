@@ -3,6 +3,7 @@
 #define KM_MODEL_MASS_PROPERTIES_H
 
 #include "model/mesh.h"
+#include "model/solids.h"
 
 typedef struct km_mass_properties {
   double volume;     /* length³, positive */
@@ -25,6 +26,10 @@ km_status km_mesh_check(const km_mesh *mesh, km_mesh_faults *out, km_error *erro
  * 1996; D. Eberly, Polyhedral mass properties, 2002). Precondition: the mesh has no faults. KM_MODEL if it
  * encloses no volume. Cost: linear. */
 km_status km_mass_properties_of(const km_mesh *mesh, km_mass_properties *out, km_error *error);
+
+/* The same of a surface that may have faults, as a mass of density 1. KM_MODEL, with the surface's name: it isn't closed, its
+ * faces look opposite ways, or it encloses no volume; KM_MEMORY. */
+km_status km_mesh_weigh(const km_mesh *mesh, const char *name, km_mass *out, km_error *error);
 
 /* The principal moments of an inertia (Ixx Iyy Izz Ixy Iyz Izx), rising; each to 1e-15 of the largest. Jacobi's method.
  */

@@ -38,6 +38,18 @@ void km_mesh_box(const km_mesh *mesh, km_vec3 *low, km_vec3 *high) {
   *high = h;
 }
 
+void km_mesh_scale(km_mesh *mesh, const double by[3]) {
+  for (int v = 0; v < mesh->vertex_count; ++v) {
+    km_vec3 *p = &mesh->vertices[v];
+    *p = (km_vec3){by[0] * p->x, by[1] * p->y, by[2] * p->z};
+  }
+  for (int t = 0; t < mesh->triangle_count && by[0] * by[1] * by[2] < 0.0; ++t) {
+    int corner = mesh->triangles[t].corner[1];
+    mesh->triangles[t].corner[1] = mesh->triangles[t].corner[2];
+    mesh->triangles[t].corner[2] = corner;
+  }
+}
+
 typedef struct sorted {
   double along;
   int vertex;

@@ -25,14 +25,17 @@ void km_mesh_free(km_mesh *mesh);
 /* Corners of the smallest box along the axes; both 0 for a mesh without vertices. */
 void km_mesh_box(const km_mesh *mesh, km_vec3 *low, km_vec3 *high);
 
+/* Stretches it along the axes; where that is a mirror, its faces are turned round and look outwards again. */
+void km_mesh_scale(km_mesh *mesh, const double by[3]);
+
 /* Makes one vertex of those that lie within a millionth of the mesh's size of each other, and drops triangles
  * that are left without area between three vertices: files repeat a vertex for each of its normals, and round.
  * False when out of memory. */
 bool km_mesh_weld(km_mesh *mesh);
 
-/* Reads a file of any format that assimp knows, all of its parts where the file's scene puts them, welded.
+/* Reads a file of any format that assimp knows, or MuJoCo's own, all of its parts where the file's scene puts them, welded.
  * Coordinates are rounded to single precision (assimp's). The caller frees `*out`. KM_IO with the file's name
- * and assimp's reason. */
+ * and the reason. */
 km_status km_mesh_read(const char *path, km_mesh **out, km_error *error);
 
 #endif

@@ -79,3 +79,9 @@ km_mass km_solid_capsule(double r, double h) {
     sum.inertia[k] += caps.inertia[k];
   return sum;
 }
+
+km_mass km_solid_cone(double r, double h) {
+  km_mass cone = symmetric(2.0 / 3.0 * M_PI * r * r * h, 0.15 * r * r, 0.15 * r * r, 0.15 * h * h);
+  cone.center.z = -0.5 * h;
+  return cone;
+}

@@ -19,6 +19,8 @@ km_mass km_solid_box(const double half[3]);
 km_mass km_solid_ellipsoid(const double half[3]);
 km_mass km_solid_cylinder(double radius, double half);
 km_mass km_solid_capsule(double radius, double half);
+/* With the tip at +half and the base at -half, about the middle between them. */
+km_mass km_solid_cone(double radius, double half);
 km_mass km_mass_scaled(double factor, km_mass mass);
 
 #endif

@@ -20,7 +20,7 @@ static int make_folder(void **state) {
 
 static int remove_folder(void **state) {
   (void)state;
-  static const char *const names[] = {"m.json", "part.obj", "part.ply", "text.stl", "binary.stl"};
+  static const char *const names[] = {"m.json", "part.obj", "part.ply", "text.stl", "binary.stl", "own.msh"};
   char path[64];
   for (size_t i = 0; i < sizeof names / sizeof *names; ++i) {
     snprintf(path, sizeof path, "%s/%s", folder, names[i]);
@@ -98,6 +98,27 @@ static void put_binary_stl(const km_mesh *m, const char *name) {
   put(name, &text);
 }
 
+/* MuJoCo's own format. `lost`: so many bytes are missing at its end. */
+static void put_msh(const km_mesh *m, bool faces, int corner, size_t lost) {
+  km_text text = {0};
+  const int32_t counts[4] = {m->vertex_count, m->vertex_count, 0, faces ? m->triangle_count : 0};
+  const float normal[3] = {0, 0, 1};
+  km_text_bytes(&text, (const char *)counts, sizeof counts);
+  for (int i = 0; i < m->vertex_count; ++i) {
+    const float x[3] = {(float)m->vertices[i].x, (float)m->vertices[i].y, (float)m->vertices[i].z};
+    km_text_bytes(&text, (const char *)x, sizeof x);
+  }
+  for (int i = 0; i < m->vertex_count; ++i)
+    km_text_bytes(&text, (const char *)normal, sizeof normal);
+  for (int t = 0; t < counts[3]; ++t) {
+    const int32_t c[3] = {m->triangles[t].corner[0], m->triangles[t].corner[1],
+                          t == 0 ? corner : m->triangles[t].corner[2]};
+    km_text_bytes(&text, (const char *)c, sizeof c);
+  }
+  text.size -= lost;
+  put("own.msh", &text);
+}
+
 /* A model in millimetres and grams with one body of density 0.5 g/mm³ and the mesh. */
 static km_status load(const char *mesh, km_model **out, km_error *error) {
   char path[64];
@@ -140,6 +161,41 @@ static void files(void **state) {
   km_mesh_free(m);
 }
 
+/* A prism is convex: with its faces or without them it weighs the same. */
+static void files_of_mujoco(void **state) {
+  (void)state;
+  km_mesh *m = solid_prism(24, 12.5, 40, 0);
+  km_mass_properties p = solid_weigh(m);
+  km_model *model;
+  km_error error;
+  for (int faces = 0; faces < 2; ++faces) {
+    put_msh(m, faces, m->triangles[0].corner[2], 0);
+    if (load("own.msh", &model, &error))
+      fail_msg("%s", error.text);
+    assert_near(model->bodies[1].mass / (0.5 * p.volume), 1, 1e-6);
+    for (int k = 0; k < 6; ++k)
+      assert_near(model->bodies[1].inertia[k] / (0.5 * p.inertia[0]), p.inertia[k] / p.inertia[0], 1e-6);
+    km_model_free(model);
+  }
+  put_msh(m, true, m->vertex_count, 0);
+  assert_int_equal(load("own.msh", &model, &error), KM_MODEL);
+  assert_non_null(strstr(error.text, "a corner that isn't there"));
+  put_msh(m, true, -1, 0);
+  assert_int_equal(load("own.msh", &model, &error), KM_MODEL);
+  put_msh(m, true, 0, 4); /* no longer its format, nor any other one */
+  assert_int_equal(load("own.msh", &model, &error), KM_MODEL);
+  assert_non_null(strstr(error.text, "isn't a mesh that can be read"));
+  m->vertices[0].x = (double)NAN;
+  put_msh(m, true, m->triangles[0].corner[2], 0);
+  assert_int_equal(load("own.msh", &model, &error), KM_MODEL);
+  for (int i = 0; i < m->vertex_count; ++i)
+    m->vertices[i].z = 0, m->vertices[i].x = i;
+  put_msh(m, false, 0, 0);
+  assert_int_equal(load("own.msh", &model, &error), KM_MODEL);
+  assert_non_null(strstr(error.text, "lie in a plane"));
+  km_mesh_free(m);
+}
+
 static void open_files(void **state) {
   (void)state;
   km_model *model;
@@ -155,6 +211,7 @@ static void open_files(void **state) {
 }
 
 int main(void) {
-  const struct CMUnitTest tests[] = {cmocka_unit_test(files), cmocka_unit_test(open_files)};
+  const struct CMUnitTest tests[] = {cmocka_unit_test(files), cmocka_unit_test(files_of_mujoco),
+                                     cmocka_unit_test(open_files)};
   return cmocka_run_group_tests_name("mesh_files", tests, make_folder, remove_folder);
 }

@@ -78,14 +78,20 @@ static double ellipsoid(double z) { /* half axes 0.3, 0.3, 0.8 */
   return 0.09 * (1 - z * z / 0.64);
 }
 
+static double cone(double z) { /* radius 0.3, half length 0.8 */
+  double r = 0.15 * (1 - z / 0.8);
+  return r * r;
+}
+
 static void solids_weigh_what_their_discs_weigh(void **unused) {
   (void)unused;
   const double half[3] = {0.3, 0.3, 0.8};
-  const km_mass found[] = {km_solid_capsule(0.3, 0.5), km_solid_ellipsoid(half)};
-  const km_mass expected[] = {by_discs(capsule, 0.8), by_discs(ellipsoid, 0.8)};
-  for (int i = 0; i < 2; ++i) { /* Simpson's error: h⁴ times derivatives of size 100, and at the caps' edges h³ */
+  const km_mass found[] = {km_solid_capsule(0.3, 0.5), km_solid_ellipsoid(half), km_solid_cone(0.3, 0.8)};
+  const km_mass expected[] = {by_discs(capsule, 0.8), by_discs(ellipsoid, 0.8), by_discs(cone, 0.8)};
+  for (int i = 0; i < 3; ++i) { /* Simpson's error: h⁴ times derivatives of size 100, and at the caps' edges h³ */
     assert_near(found[i].mass, expected[i].mass, 1e-9);
-    assert_near(found[i].inertia[0], expected[i].inertia[0], 1e-9);
+    double away = found[i].mass * found[i].center.z * found[i].center.z;
+    assert_near(found[i].inertia[0] + away, expected[i].inertia[0], 1e-9);
     assert_near(found[i].inertia[2], expected[i].inertia[2], 1e-9);
   }
 }

@@ -3,7 +3,7 @@
 #include "base/library.h"
 #include "base/memory.h"
 #include "base/parallel.h"
-#include "model/mesh.h"
+#include "exchange/mesh/msh.h"
 
 #include <assimp/cimport.h>
 #include <assimp/postprocess.h>
@@ -115,6 +115,9 @@ static void read_job(void *context) {
 }
 
 km_status km_mesh_read(const char *path, km_mesh **out, km_error *error) {
+  km_status status = km_msh_read(path, out, error);
+  if (status || *out)
+    return status;
   job j = {.path = path, .error = error};
   km_serially(read_job, &j); /* assimp keeps its last error for the whole process */
   *out = j.mesh;

@@ -83,19 +83,6 @@ static km_status read_file(const km_model *model, const km_model_shape *shape, k
   return status;
 }
 
-/* Scaled, and turned inside out again where the scale is a mirror. */
-static void scale(km_mesh *mesh, const double by[3]) {
-  for (int v = 0; v < mesh->vertex_count; ++v) {
-    km_vec3 *p = &mesh->vertices[v];
-    *p = (km_vec3){by[0] * p->x, by[1] * p->y, by[2] * p->z};
-  }
-  for (int t = 0; t < mesh->triangle_count && by[0] * by[1] * by[2] < 0.0; ++t) {
-    int corner = mesh->triangles[t].corner[1];
-    mesh->triangles[t].corner[1] = mesh->triangles[t].corner[2];
-    mesh->triangles[t].corner[2] = corner;
-  }
-}
-
 km_status km_shape_mesh(const km_model *model, const km_model_shape *shape, km_mesh **out, km_error *error) {
   km_status status = KM_OK;
   const double *size = shape->size;
@@ -113,7 +100,7 @@ km_status km_shape_mesh(const km_model *model, const km_model_shape *shape, km_m
   if (status)
     return status;
   if (shape->kind == KM_SHAPE_OF_MESH)
-    scale(*out, shape->scale);
+    km_mesh_scale(*out, shape->scale);
   for (int v = 0; v < (*out)->vertex_count; ++v)
     (*out)->vertices[v] = km_pose_point(&shape->pose, (*out)->vertices[v]);
   return KM_OK;

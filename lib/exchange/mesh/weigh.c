@@ -4,42 +4,6 @@
 
 static const char not_found[] = "is found neither beside the file nor in include_dir";
 
-static km_status check_closed(const km_mesh *mesh, const char *path, km_error *error) {
-  km_mesh_faults faults;
-  km_status status = km_mesh_check(mesh, &faults, error);
-  if (status)
-    return status;
-  if (faults.open_edges)
-    return km_fail(error, KM_MODEL, "%s: has %d open edge%s; expected a closed surface to go with a density", path,
-                   faults.open_edges, faults.open_edges == 1 ? "" : "s");
-  if (faults.mixed_edges)
-    return km_fail(error, KM_MODEL,
-                   "%s: has %d edge%s between faces that look opposite ways; expected all to look "
-                   "outwards",
-                   path, faults.mixed_edges, faults.mixed_edges == 1 ? "" : "s");
-  return KM_OK;
-}
-
-static km_status weigh_mesh(const km_mesh *mesh, const char *path, km_mass_properties *out, km_error *error) {
-  km_error local;
-  km_status status = check_closed(mesh, path, error);
-  if (!status && km_mass_properties_of(mesh, out, &local))
-    status = km_fail(error, KM_MODEL, "%s: %.200s; expected a closed surface to go with a density", path, local.text);
-  return status;
-}
-
-/* A mesh of density 1. */
-static km_status weigh_surface(const km_mesh *mesh, const char *path, km_mass *out, km_error *error) {
-  km_mass_properties found;
-  km_status status = weigh_mesh(mesh, path, &found, error);
-  if (status)
-    return status;
-  *out = (km_mass){.mass = found.volume, .center = found.center};
-  for (int k = 0; k < 6; ++k)
-    out->inertia[k] = found.inertia[k];
-  return KM_OK;
-}
-
 static km_status weigh_definition(const km_model *model, const km_model_body *body, km_mass *out, km_error *error) {
   km_mesh *mesh = NULL;
   km_text path = {0};
@@ -49,7 +13,7 @@ static km_status weigh_definition(const km_model *model, const km_model_body *bo
   if (!status)
     status = km_mesh_read(path.data, &mesh, error);
   if (!status)
-    status = weigh_surface(mesh, path.data, out, error);
+    status = km_mesh_weigh(mesh, path.data, out, error);
   km_mesh_free(mesh);
   km_text_free(&path);
   return status;
@@ -61,7 +25,7 @@ static km_status weigh_shape(const km_model *model, const km_model_shape *shape,
     return KM_OK;
   km_status status = km_shape_mesh(model, shape, &mesh, error);
   if (!status)
-    status = weigh_surface(mesh, shape->mesh, out, error);
+    status = km_mesh_weigh(mesh, shape->mesh, out, error);
   km_mesh_free(mesh);
   return status;
 }

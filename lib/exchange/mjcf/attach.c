@@ -66,8 +66,9 @@ static const km_xml *find_part(const km_xml *e, const char *kind, const char *na
   return NULL;
 }
 
-/* Its bodies: one with all that it carries, the members of a frame, or those of the world. */
-static void read_part(km_mjcf *child, const km_xml *attach, const km_mjcf_place *place, int body) {
+/* Its bodies: one with all that it carries, the members of a frame, or those of the world. Returns the element of those;
+ * NULL: it isn't there. */
+static const km_xml *read_part(km_mjcf *child, const km_xml *attach, const km_mjcf_place *place, int body) {
   const char *name = km_xml_attribute_of(attach, "body"), *frame = km_xml_attribute_of(attach, "frame");
   km_mjcf_place inside = {place->pose, NULL, child->suffix};
   const km_xml *world = km_xml_child(child->root, "worldbody");
@@ -84,6 +85,7 @@ static void read_part(km_mjcf *child, const km_xml *attach, const km_mjcf_place 
     km_mjcf_read_body(child, part, &inside, body);
   else
     km_mjcf_read_members(child, part, &inside, body, frame != NULL);
+  return part;
 }
 
 /* The tables of names grow on in the one around. */
@@ -129,10 +131,12 @@ void km_mjcf_attach(km_mjcf *m, const km_xml *attach, const km_mjcf_place *place
                                           child.compiler.meshes ? child.compiler.meshes : "");
   km_mjcf_read_classes(&child);
   km_mjcf_read_forces(&child);
-  read_part(&child, attach, place, body);
+  const km_xml *part = read_part(&child, attach, place, body);
   if (!robot->failed && !robot->arena.failed) {
     km_mjcf_read_constraints(&child);
     km_mjcf_read_actuators(&child);
+    if (!own)
+      km_mjcf_read_attached_keyframes(&child, part, m->joint_count);
   }
   hand_back(&child, m);
   km_names_free(&child.class_names);

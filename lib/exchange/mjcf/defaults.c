@@ -29,7 +29,9 @@ static void read_settings(km_mjcf *m, const km_xml *e) {
   if (from)
     c->from_geoms = is_true(from) ? KM_MJCF_YES : strcmp(from, "false") == 0 ? KM_MJCF_NO : KM_MJCF_AUTO;
   if (coordinate && strcmp(coordinate, "global") == 0)
-    km_robot_error(m->robot, e, "coordinate: found \"global\"; expected coordinates of the frames around each element");
+    km_robot_error(
+        m->robot, e,
+        "coordinate: found \"global\"; expected coordinates in the frame around each element, as MuJoCo 2.3.3 saves such a model");
   km_robot_numbers(m->robot, e, "inertiagrouprange", c->groups, 2);
   c->least_mass = km_robot_number(m->robot, e, "boundmass", c->least_mass);
   c->least_inertia = km_robot_number(m->robot, e, "boundinertia", c->least_inertia);

@@ -64,8 +64,8 @@ void km_mjcf_weigh(km_mjcf *m, const km_xml *geom, const km_mjcf_place *place, k
       mesh && strcmp(s.type, "mesh") == 0 ? km_mjcf_weigh_mesh(m, mesh, &solid) : !mesh && solid_of(&s, &solid);
   if (!known) {
     km_robot_omit(m->robot,
-                  "shapes that aren't weighed, as their mesh isn't found, counts by its convex hull or gives a plain "
-                  "form its size",
+                  "shapes that aren't weighed, as their mesh isn't found, has no volume or gives a plain form its "
+                  "size",
                   km_xml_attribute_of(geom, "name"));
     return;
   }
@@ -133,7 +133,7 @@ void km_mjcf_show(km_mjcf *m, const km_xml *geom, const km_mjcf_place *place, km
   km_mjcf_mesh found;
   if (mesh && strcmp(s.type, "mesh") == 0)
     def.kind = KM_SHAPE_OF_MESH;
-  bool known = def.kind == KM_SHAPE_OF_MESH ? km_mjcf_find_mesh(m, mesh, &found) : set_kind(&s, &def);
+  bool known = def.kind == KM_SHAPE_OF_MESH ? km_mjcf_find_mesh(m, mesh, &found) && found.file : set_kind(&s, &def);
   if (!known) {
     km_robot_omit(m->robot, "shapes left out of drawings", km_xml_attribute_of(geom, "name"));
     return;

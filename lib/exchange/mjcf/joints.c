@@ -8,16 +8,14 @@ static const struct {
   km_joint_type type;
 } types[] = {{"hinge", KM_RZ}, {"slide", KM_TZ}, {"ball", KM_SPHERICAL}, {"free", KM_FLOAT}};
 
-static bool find_type(km_mjcf *m, const km_xml *e, const km_mjcf_place *place, km_joint_type *out) {
+km_joint_type km_mjcf_joint_type(km_mjcf *m, const km_xml *e, const km_mjcf_place *place) {
   const char *word = strcmp(e->name, "freejoint") == 0 ? "free" : km_mjcf_get(m, e, place, "type");
   word = word ? word : "hinge";
   for (size_t i = 0; i < sizeof types / sizeof *types; ++i)
-    if (strcmp(types[i].word, word) == 0) {
-      *out = types[i].type;
-      return true;
-    }
+    if (strcmp(types[i].word, word) == 0)
+      return types[i].type;
   km_robot_error(m->robot, e, "type: found \"%.40s\"; expected hinge, slide, ball or free", word);
-  return false;
+  return KM_RZ;
 }
 
 static const char *name_of(km_mjcf *m, const km_xml *e, const km_mjcf_place *place, const char *body) {
@@ -129,8 +127,7 @@ static void set_single(km_mjcf *m, const km_xml *e, const km_mjcf_place *place, 
 
 void km_mjcf_add_joint(km_mjcf *m, const km_xml *e, const km_mjcf_place *place, const km_mjcf_link *link) {
   km_robot_joint joint = km_robot_joint_default();
-  if (!find_type(m, e, place, &joint.type))
-    return;
+  joint.type = km_mjcf_joint_type(m, e, place);
   bool single = joint.type == KM_RZ || joint.type == KM_TZ;
   double unit = joint.type == KM_TZ ? 1.0 : m->compiler.angle;
   joint.at = e;

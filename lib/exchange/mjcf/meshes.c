@@ -1,7 +1,7 @@
-/* Meshes that geoms name: where their files are, and what they weigh as MuJoCo counts. */
+/* Meshes that geoms name: where they are, and their surfaces. */
 #include "exchange/mjcf/mjcf.h"
 
-#include "model/mesh.h"
+#include "model/hull.h"
 
 #include <string.h>
 
@@ -13,7 +13,7 @@ static const km_xml *find_element(const km_mjcf *m, const char *name) {
       const char *dot = base ? strrchr(base, '.') : NULL;
       size_t stem = dot ? (size_t)(dot - base) : base ? strlen(base) : 0;
       bool named = own ? strcmp(own, name) == 0 : base && strlen(name) == stem && strncmp(base, name, stem) == 0;
-      if (named && file)
+      if (named && (file || km_xml_attribute_of(e, "vertex")))
         return e;
     }
   return NULL;
@@ -25,10 +25,10 @@ bool km_mjcf_find_mesh(km_mjcf *m, const char *name, km_mjcf_mesh *out) {
   double at[3] = {0}, turn[4] = {1, 0, 0, 0};
   if (!e)
     return false;
-  const char *folder = m->compiler.meshes;
+  const char *folder = m->compiler.meshes, *file = km_xml_attribute_of(e, "file");
   *out = (km_mjcf_mesh){.element = e, .scale = {1, 1, 1}};
-  out->file =
-      km_robot_text(m->robot, "%s%s%s", folder ? folder : "", folder ? "/" : "", km_xml_attribute_of(e, "file"));
+  if (file)
+    out->file = km_robot_text(m->robot, "%s%s%s", folder ? folder : "", folder ? "/" : "", file);
   km_mjcf_numbers(m, e, &place, "scale", out->scale, 3);
   km_mjcf_numbers(m, e, &place, "refpos", at, 3);
   km_mjcf_numbers(m, e, &place, "refquat", turn, 4);
@@ -41,120 +41,53 @@ bool km_mjcf_find_mesh(km_mjcf *m, const char *name, km_mjcf_mesh *out) {
   return true;
 }
 
-/* Twice the area of a triangle, along its normal. */
-static km_vec3 normal_of(const km_vec3 v[3]) {
-  return km_vec3_cross(km_vec3_sub(v[1], v[0]), km_vec3_sub(v[2], v[0]));
+/* Numbers of an attribute, three a piece; NULL: there are none, or they are no whole pieces. */
+static double *read_threes(km_mjcf *m, const km_xml *e, const char *key, int *count) {
+  const char *text = km_xml_attribute_of(e, key);
+  int numbers = text ? km_robot_count(text) : 0;
+  *count = numbers / 3;
+  double *out = numbers % 3 == 0 && numbers > 0 ? KM_ARENA_NEW(&m->robot->arena, double, (size_t)numbers) : NULL;
+  if (numbers % 3)
+    km_robot_error(m->robot, e, "%s: found %d numbers; expected three for each", key, numbers);
+  return out && km_robot_parse(m->robot, e, key, text, out, numbers) ? out : NULL;
 }
 
-static km_vec3 middle_of(const km_vec3 v[3]) {
-  return km_vec3_scale(1.0 / 3.0, km_vec3_add(v[0], km_vec3_add(v[1], v[2])));
-}
-
-/* How a triangle counts: by the pyramid between it and a point, or by its own area. */
-typedef enum counting { BY_VOLUME, BY_UNSIGNED_VOLUME, BY_AREA } counting;
-
-static double size_of(const km_vec3 v[3], km_vec3 from, counting how) {
-  km_vec3 n = normal_of(v);
-  double volume = km_vec3_dot(km_vec3_sub(middle_of(v), from), n) / 6.0;
-  return how == BY_AREA ? 0.5 * km_vec3_norm(n) : how == BY_UNSIGNED_VOLUME ? fabs(volume) : volume;
-}
-
-static void corners(const km_mesh *mesh, int t, km_vec3 origin, km_vec3 v[3]) {
-  for (int k = 0; k < 3; ++k)
-    v[k] = km_vec3_sub(mesh->vertices[mesh->triangles[t].corner[k]], origin);
-}
-
-/* Its weighted mean over the triangles: of their middles, or of the pyramids' centres, which are a quarter nearer to
- * their top. */
-static km_vec3 mean(const km_mesh *mesh, km_vec3 from, counting how) {
-  km_vec3 sum = {0, 0, 0}, v[3];
-  double total = 0.0, near = how == BY_AREA ? 0.0 : 0.25;
-  for (int t = 0; t < mesh->triangle_count; ++t) {
-    corners(mesh, t, (km_vec3){0, 0, 0}, v);
-    double size = size_of(v, from, how);
-    km_vec3 center = km_vec3_add(km_vec3_scale(1.0 - near, middle_of(v)), km_vec3_scale(near, from));
-    sum = km_vec3_axpy(size, center, sum);
-    total += size;
+static bool copy_faces(km_mjcf *m, const km_xml *e, const double *corners, km_mesh *mesh) {
+  for (int k = 0; k < 3 * mesh->triangle_count; ++k) {
+    double corner = corners[k];
+    if (!(corner >= 0.0 && corner < mesh->vertex_count && corner == floor(corner))) {
+      km_robot_error(m->robot, e, "face: found the vertex %g; expected one of the %d, from 0", corner,
+                     mesh->vertex_count);
+      return false;
+    }
+    mesh->triangles[k / 3].corner[k % 3] = (int)corner;
   }
-  return total > 0.0 ? km_vec3_scale(1.0 / total, sum) : from;
-}
-
-/* ∫ x_i x_j over the pyramid with its top at the origin, or over the triangle, of size 1. */
-static double product(const km_vec3 v[3], int i, int j, counting how) {
-  const double x[3][3] = {{v[0].x, v[0].y, v[0].z}, {v[1].x, v[1].y, v[1].z}, {v[2].x, v[2].y, v[2].z}};
-  double sum = 0.0;
-  for (int a = 0; a < 3; ++a)
-    for (int b = 0; b < 3; ++b)
-      sum += (a == b ? 2.0 : 1.0) * x[a][i] * x[b][j];
-  return sum / (how == BY_AREA ? 12.0 : 20.0);
-}
-
-/* Mass properties of density 1 as MuJoCo's compiler finds them (mjCMesh::Process): by pyramids seen from the middle of
- * the surface and, for the moments, from the centre of mass. The unsigned volumes of the default count twice what lies
- * behind a dent, but those of an open or badly oriented surface stay positive. */
-static km_mass weigh(const km_mesh *mesh, counting how) {
-  static const int pair[6][2] = {{0, 0}, {1, 1}, {2, 2}, {0, 1}, {1, 2}, {0, 2}};
-  km_vec3 middle = mean(mesh, (km_vec3){0, 0, 0}, BY_AREA), v[3];
-  km_mass out = {.center = mean(mesh, middle, how)};
-  double P[6] = {0};
-  for (int t = 0; t < mesh->triangle_count; ++t) {
-    corners(mesh, t, out.center, v);
-    double size = size_of(v, (km_vec3){0, 0, 0}, how);
-    out.mass += size;
-    for (int k = 0; k < 6; ++k)
-      P[k] += size * product(v, pair[k][0], pair[k][1], how);
-  }
-  const double moments[6] = {P[1] + P[2], P[0] + P[2], P[0] + P[1], -P[3], -P[4], -P[5]};
-  memcpy(out.inertia, moments, sizeof moments);
-  return out;
-}
-
-static void scale(km_mesh *mesh, const double by[3]) {
-  bool mirrored = by[0] * by[1] * by[2] < 0.0;
-  for (int v = 0; v < mesh->vertex_count; ++v) {
-    km_vec3 *p = &mesh->vertices[v];
-    *p = (km_vec3){by[0] * p->x, by[1] * p->y, by[2] * p->z};
-  }
-  for (int t = 0; t < mesh->triangle_count && mirrored; ++t) {
-    int corner = mesh->triangles[t].corner[1];
-    mesh->triangles[t].corner[1] = mesh->triangles[t].corner[2];
-    mesh->triangles[t].corner[2] = corner;
-  }
-}
-
-static bool find_counting(km_mjcf *m, const km_xml *e, counting *out) {
-  const km_mjcf_place place = {km_pose_identity(), NULL, ""};
-  const char *word = km_mjcf_get(m, e, &place, "inertia");
-  *out = !word || strcmp(word, "legacy") == 0 ? (m->compiler.exact_meshes ? BY_VOLUME : BY_UNSIGNED_VOLUME)
-         : strcmp(word, "shell") == 0         ? BY_AREA
-                                              : BY_VOLUME;
-  return !word || strcmp(word, "convex") != 0;
-}
-
-bool km_mjcf_weigh_mesh(km_mjcf *m, const char *name, km_mass *out) {
-  km_robot *robot = m->robot;
-  km_mjcf_mesh found;
-  km_mesh *mesh = NULL;
-  km_error error;
-  counting how;
-  int known = km_names_get(&m->mesh_names, 0, name);
-  if (known >= 0) {
-    *out = m->mesh_masses[known];
-    return true;
-  }
-  const char *path = km_mjcf_find_mesh(m, name, &found) ? km_robot_find(robot, found.file) : NULL;
-  if (!path || !find_counting(m, found.element, &how) || km_mesh_read(path, &mesh, &error))
-    return false;
-  scale(mesh, found.scale);
-  *out = weigh(mesh, how);
-  km_mesh_free(mesh);
-  *out = km_mass_moved(&found.pose, *out);
-  if (!km_arena_grow(&robot->arena, (void **)&m->mesh_masses, &m->mesh_room, (size_t)m->mesh_count + 1,
-                     sizeof *m->mesh_masses) ||
-      !km_names_set(&m->mesh_names, 0, name, m->mesh_count)) {
-    robot->arena.failed = true;
-    return false;
-  }
-  m->mesh_masses[m->mesh_count++] = *out;
   return true;
+}
+
+/* A mesh whose vertices stand in the model; without faces it is their convex hull. */
+static km_mesh *read_inline(km_mjcf *m, const km_xml *e) {
+  int vertices, faces;
+  const double *at = read_threes(m, e, "vertex", &vertices), *corners = read_threes(m, e, "face", &faces);
+  km_mesh *mesh = at ? km_mesh_create(vertices, faces) : NULL, *hull = NULL;
+  km_error error;
+  if (!mesh)
+    return NULL;
+  for (int v = 0; v < vertices; ++v)
+    mesh->vertices[v] = km_vec3_make(at + 3 * v);
+  if (faces && corners && copy_faces(m, e, corners, mesh))
+    return mesh;
+  if (!faces)
+    km_mesh_hull(mesh, &hull, &error);
+  km_mesh_free(mesh);
+  return hull;
+}
+
+km_mesh *km_mjcf_read_mesh(km_mjcf *m, const km_mjcf_mesh *mesh) {
+  km_mesh *out = NULL;
+  km_error error;
+  const char *path = mesh->file ? km_robot_find(m->robot, mesh->file) : NULL;
+  if (!mesh->file)
+    return read_inline(m, mesh->element);
+  return path && !km_mesh_read(path, &out, &error) ? out : NULL;
 }

@@ -3,6 +3,7 @@
 #define KM_EXCHANGE_MJCF_H
 
 #include "exchange/robot/robot.h"
+#include "model/mesh.h"
 
 /* Reads the element `mujoco`: a km_robot_read. */
 void km_mjcf_read(km_robot *robot, km_xml *root);
@@ -90,12 +91,14 @@ km_vec3 km_mjcf_unit(km_robot *robot, const km_xml *at, const char *what, const 
 /* A mesh of the assets: x = pose · scale · v. */
 typedef struct km_mjcf_mesh {
   const km_xml *element;
-  const char *file;
+  const char *file; /* NULL: its vertices stand in the model */
   double scale[3];
   km_pose pose;
 } km_mjcf_mesh;
 /* False: there is none of that name. */
 bool km_mjcf_find_mesh(km_mjcf *m, const char *name, km_mjcf_mesh *out);
+/* Its surface, neither scaled nor moved; the caller frees it. NULL: it can't be read. */
+km_mesh *km_mjcf_read_mesh(km_mjcf *m, const km_mjcf_mesh *mesh);
 /* Its mass properties, of density 1. False: there is no such mesh, or it can't be read or weighed. */
 bool km_mjcf_weigh_mesh(km_mjcf *m, const char *name, km_mass *out);
 
@@ -124,6 +127,8 @@ typedef struct km_mjcf_link {
   bool on_world;
   const char *body; /* its name, and the joint's if it has none itself */
 } km_mjcf_link;
+/* The kind of a joint; another word than MJCF has is reported. */
+km_joint_type km_mjcf_joint_type(km_mjcf *m, const km_xml *joint, const km_mjcf_place *place);
 void km_mjcf_add_joint(km_mjcf *m, const km_xml *joint, const km_mjcf_place *place, const km_mjcf_link *link);
 
 /* Equality constraints and actuators, when the bodies are there. */
@@ -137,6 +142,8 @@ bool km_mjcf_tendon_is_here(const km_mjcf *m, const char *name);
 void km_mjcf_count_tendons(km_mjcf *m);
 /* Keyframes, as named poses. */
 void km_mjcf_read_keyframes(km_mjcf *m);
+/* Those of an attached model: poses of the joints that came with the part, from the index of the first one. */
+void km_mjcf_read_attached_keyframes(km_mjcf *m, const km_xml *part, int first_joint);
 /* The index of what an attribute names; -1: reported. */
 int km_mjcf_find(km_mjcf *m, const km_xml *e, const char *key, const km_names *names, const char *kind);
 /* The largest forces that actuators give, before the joints are there; and that of one joint, infinite: any. */

@@ -133,3 +133,23 @@ void km_robot_shape(km_robot *robot, const km_xml *at, km_body_id body, km_shape
   if (status)
     km_robot_builder_failed(robot, at, status, &error);
 }
+
+/* The element that is no URDF but a macro of it; NULL: none. */
+static const km_xml *find_macro(const km_xml *element) {
+  if (strncmp(element->name, "xacro:", 6) == 0)
+    return element;
+  for (const km_xml *e = element->first; e; e = e->next) {
+    const km_xml *macro = find_macro(e);
+    if (macro)
+      return macro;
+  }
+  return NULL;
+}
+
+bool km_robot_refuses_macros(km_robot *robot, const km_xml *root) {
+  const km_xml *macro = find_macro(root);
+  if (macro)
+    km_robot_error(robot, macro, "<%.40s> is a macro of xacro; expected a file in which xacro has expanded its macros",
+                   macro->name);
+  return macro != NULL;
+}

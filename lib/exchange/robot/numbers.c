@@ -22,6 +22,13 @@ static bool is_empty(const char *text) {
   return !text || text[strspn(text, blanks)] == '\0';
 }
 
+int km_robot_count(const char *text) {
+  int count = 0;
+  for (text += strspn(text, blanks); *text; text += strspn(text, blanks), ++count)
+    text += strcspn(text, blanks);
+  return count;
+}
+
 int km_robot_parse_some(km_robot *robot, const km_xml *at, const char *what, const char *text, double *out, int least,
                         int most) {
   int count = 0;

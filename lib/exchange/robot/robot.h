@@ -46,9 +46,13 @@ void km_robot_error(km_robot *robot, const km_xml *at, const char *format, ...) 
 void km_robot_warn(km_robot *robot, const km_xml *at, const char *format, ...) __attribute__((format(printf, 3, 4)));
 /* Counts a thing of some kind ("collision shapes") that is left out; each kind is one note at the end. */
 void km_robot_omit(km_robot *robot, const char *kind, const char *name);
+/* Reports a macro of xacro among the elements of a URDF file, if there is one. */
+bool km_robot_refuses_macros(km_robot *robot, const km_xml *root);
 /* Text that lives as long as the reading; "" when out of memory. */
 const char *km_robot_text(km_robot *robot, const char *format, ...) __attribute__((format(printf, 2, 3)));
 
+/* How many words stand between blanks or commas. */
+int km_robot_count(const char *text);
 /* Finite numbers between blanks. False if there are none in `text` (NULL too), or (reported) not exactly `count`; `out`
  * may hold some of them then. */
 bool km_robot_parse(km_robot *robot, const km_xml *at, const char *what, const char *text, double *out, int count);

@@ -164,10 +164,9 @@ static const km_xml *find_config(km_robot *robot, const char *uri, const km_xml 
 
 /* The description's file: itself, or in a model's folder the last one that model.config names, or model.sdf. */
 static const char *find_file(km_robot *robot, const char *uri, const km_xml *at) {
-  size_t length = strlen(uri);
-  const char *file = "model.sdf", *folder;
-  if (length > 4 && strcmp(uri + length - 4, ".sdf") == 0)
-    return km_robot_find(robot, uri);
+  const char *file = "model.sdf", *folder, *own = km_robot_find(robot, uri);
+  if (own)
+    return own;
   const km_xml *tree = find_config(robot, uri, at, &folder);
   for (const km_xml *sdf = km_xml_child(tree, "sdf"); sdf; sdf = km_xml_next(sdf))
     file = sdf->text;
@@ -203,6 +202,10 @@ const km_xml *km_sdf_include(km_sdf *sdf, const km_xml *include, const char **ve
   if (robot->failed)
     return NULL;
   const km_xml *root = km_robot_read_file(robot, *path, include);
+  if (root && strcmp(root->name, "robot") == 0) {
+    *version = NULL;
+    return km_sdf_from_urdf(robot, root);
+  }
   const km_xml *model = km_xml_child(root, "model");
   *version = km_xml_attribute_of(root, "version");
   if (root && !model)

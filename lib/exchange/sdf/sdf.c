@@ -17,7 +17,7 @@ double km_sdf_number(km_robot *robot, const km_xml *element, const char *child, 
   return value;
 }
 
-static bool is_true(const char *text) {
+bool km_sdf_is_true(const char *text) {
   return text && (strcmp(text, "true") == 0 || strcmp(text, "1") == 0);
 }
 
@@ -29,7 +29,7 @@ km_pose km_sdf_pose(km_robot *robot, const km_xml *element) {
   if (!e || !km_robot_parse(robot, e, "pose", e->text, v, quaternion ? 7 : 6))
     return km_pose_identity();
   km_pose pose = {km_rotation_identity(), km_vec3_make(v)};
-  double unit = is_true(km_xml_attribute_of(e, "degrees")) ? M_PI / 180.0 : 1.0;
+  double unit = km_sdf_is_true(km_xml_attribute_of(e, "degrees")) ? M_PI / 180.0 : 1.0;
   km_robot_judge_digits(robot, e->text, M_PI / 12.0 / unit, &robot->angle_rounding);
   if (quaternion && (v[3] != 0.0 || v[4] != 0.0 || v[5] != 0.0 || v[6] != 0.0))
     pose.R = km_quaternion_rotation(km_quaternion_normalised((km_quaternion){v[6], v[3], v[4], v[5]}));
@@ -71,54 +71,6 @@ static const char *name_of(const km_xml *e) {
   return name ? name : "";
 }
 
-/* A link without a statement of its mass has 1 kg and 1 kg·m². */
-static km_mass read_mass(km_robot *robot, const km_xml *link) {
-  static const char *const keys[6] = {"ixx", "iyy", "izz", "ixy", "iyz", "ixz"};
-  const km_xml *inertial = km_xml_child(link, "inertial"), *inertia = km_xml_child(inertial, "inertia");
-  km_mass mass = {.mass = km_sdf_number(robot, inertial, "mass", 1.0)};
-  for (int k = 0; k < 6; ++k)
-    mass.inertia[k] = km_sdf_number(robot, inertia, keys[k], k < 3 ? 1.0 : 0.0);
-  if (is_true(km_xml_attribute_of(inertial, "auto")))
-    km_robot_omit(robot, "masses from collision shapes left out: they count 1 kg", name_of(link));
-  double rounding = robot->angle_rounding;
-  km_pose pose = km_sdf_pose(robot, inertial);
-  robot->angle_rounding = rounding; /* no joint depends on it */
-  return km_mass_moved(&pose, mass);
-}
-
-static void read_visual(km_robot *robot, const km_xml *v, const char *link, km_body_id body) {
-  const km_xml *geometry = km_xml_child(v, "geometry");
-  const km_xml *box = km_xml_child(geometry, "box"), *ball = km_xml_child(geometry, "sphere");
-  const km_xml *round = km_xml_child(geometry, "cylinder"), *capsule = km_xml_child(geometry, "capsule");
-  const km_xml *mesh = km_xml_child(geometry, "mesh"), *scale = km_xml_child(mesh, "scale");
-  const km_xml *sides = km_xml_child(box, "size"), *color = km_xml_child(km_xml_child(v, "material"), "diffuse");
-  km_shape_def def = km_shape_default();
-  if (mesh && km_sdf_text(mesh, "uri")[0]) {
-    def.kind = KM_SHAPE_OF_MESH;
-    def.mesh = km_robot_mesh(robot, km_sdf_text(mesh, "uri"));
-    if (scale)
-      km_robot_parse(robot, scale, "scale", scale->text, def.scale, 3);
-  } else if (sides) {
-    def.kind = KM_SHAPE_BOX;
-    km_robot_parse(robot, sides, "size", sides->text, def.size, 3);
-  } else if (ball) {
-    def.size[0] = km_sdf_number(robot, ball, "radius", 0.0);
-  } else if (round || capsule) {
-    def.kind = round ? KM_SHAPE_CYLINDER : KM_SHAPE_CAPSULE;
-    def.size[0] = km_sdf_number(robot, round ? round : capsule, "radius", 0.0);
-    def.size[1] = km_sdf_number(robot, round ? round : capsule, "length", 0.0);
-  } else {
-    km_robot_omit(robot, "visual shapes left out", link);
-    return;
-  }
-  if (color && km_robot_parse_some(robot, color, "diffuse", color->text, def.color, 3, 4) == 3)
-    def.color[3] = 1.0;
-  double rounding = robot->angle_rounding;
-  km_pose pose = km_sdf_pose(robot, v);
-  robot->angle_rounding = rounding; /* no joint depends on it */
-  km_robot_shape(robot, v, body, &def, &pose);
-}
-
 /* The canonical link of a model is the one that it names, or the first one. */
 static void choose_first(km_sdf_entity *model, const char *name, int index) {
   const char *canonical = km_xml_attribute_of(model->at, "canonical_link");
@@ -132,7 +84,7 @@ static void read_link(km_sdf *sdf, const km_xml *e, int home) {
   if (index < 0)
     return;
   int model = sdf->entities[index].scope;
-  km_mass mass = read_mass(robot, e);
+  km_mass mass = km_sdf_mass(robot, e);
   sdf->entities[index].raw = km_sdf_pose(robot, e);
   if (sdf->entities[index].name[0])
     sdf->entities[index].body =
@@ -140,7 +92,7 @@ static void read_link(km_sdf *sdf, const km_xml *e, int home) {
   choose_first(&sdf->entities[home], name_of(e), index);
   choose_first(&sdf->entities[model], name_of(e), index);
   for (const km_xml *v = km_xml_child(e, "visual"); v; v = km_xml_next(v))
-    read_visual(robot, v, name_of(e), sdf->entities[index].body);
+    km_sdf_show(robot, v, name_of(e), sdf->entities[index].body);
   for (const km_xml *c = km_xml_child(e, "collision"); c; c = km_xml_next(c))
     km_robot_omit(robot, "collision shapes left out", name_of(e));
 }
@@ -148,7 +100,7 @@ static void read_link(km_sdf *sdf, const km_xml *e, int home) {
 static void read_members(km_sdf *sdf, const km_xml *e, int home, const char *version);
 
 static bool is_merging(const km_xml *include) {
-  return include && is_true(km_xml_attribute_of(include, "merge"));
+  return include && km_sdf_is_true(km_xml_attribute_of(include, "merge"));
 }
 
 /* A model, or an included one with the name and pose that `include` gives it, or merged into the one around it. */
@@ -169,7 +121,7 @@ static void read_model(km_sdf *sdf, const km_xml *e, const km_xml *include, int 
   model->placement = placement[0] ? placement : km_xml_attribute_of(e, "placement_frame");
   model->old_axes = minor < 5;
   model->is_merged = merging;
-  model->is_static = around->is_static || (!merging && is_true(fixed[0] ? fixed : km_sdf_text(e, "static")));
+  model->is_static = around->is_static || (!merging && km_sdf_is_true(fixed[0] ? fixed : km_sdf_text(e, "static")));
   model->assembly = merging ? around->assembly : km_robot_assembly(sdf->robot, e, model->name, around->assembly);
   read_members(sdf, e, index, version);
 }

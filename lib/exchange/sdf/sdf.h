@@ -50,8 +50,14 @@ typedef struct km_sdf {
 /* A child's text; "" if there is no such child. */
 const char *km_sdf_text(const km_xml *element, const char *child);
 double km_sdf_number(km_robot *robot, const km_xml *element, const char *child, double otherwise);
+bool km_sdf_is_true(const char *text);
 /* The element `pose`: six numbers, or seven with a quaternion. */
 km_pose km_sdf_pose(km_robot *robot, const km_xml *element);
+
+/* Adds what a link looks like, by an element `visual`. */
+void km_sdf_show(km_robot *robot, const km_xml *visual, const char *link, km_body_id body);
+/* What it weighs. */
+km_mass km_sdf_mass(km_robot *robot, const km_xml *link);
 
 /* What a name means that was written in a model or world: `a::b` is b in the model a. -1: nothing. */
 int km_sdf_find(const km_sdf *sdf, int home, const char *name);
@@ -62,8 +68,11 @@ int km_sdf_link_of(const km_sdf *sdf, int entity);
 /* Says what each entity is relative to, then where it is. */
 void km_sdf_place_all(km_sdf *sdf);
 
-/* The model that an element `include` names; NULL: reported. `version` and `path`: those of its file. */
+/* The model that an element `include` names, of SDFormat or URDF; NULL: reported. `version` and `path`: those of its file. */
 const km_xml *km_sdf_include(km_sdf *sdf, const km_xml *include, const char **version, const char **path);
+
+/* The root of a URDF file as a model; NULL: reported. */
+const km_xml *km_sdf_from_urdf(km_robot *robot, const km_xml *root);
 
 /* Joints of all models, couplings, and what ties the rest to the world. */
 void km_sdf_add_joints(km_sdf *sdf);

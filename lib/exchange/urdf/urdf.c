@@ -123,18 +123,6 @@ static void read_link(km_urdf *urdf, const km_xml *root, const km_xml *link) {
   read_shapes(robot, root, link, name, urdf->bodies[index]);
 }
 
-/* The element that is no URDF but a macro of it; NULL: none. */
-static const km_xml *find_macro(const km_xml *element) {
-  if (strncmp(element->name, "xacro:", 6) == 0)
-    return element;
-  for (const km_xml *e = element->first; e; e = e->next) {
-    const km_xml *macro = find_macro(e);
-    if (macro)
-      return macro;
-  }
-  return NULL;
-}
-
 static void count_others(km_robot *robot, const km_xml *root) {
   static const char *const known[] = {"link", "joint", "material", NULL};
   for (const km_xml *e = root->first; e; e = e->next) {
@@ -180,12 +168,8 @@ static int count_children(const km_xml *root, const char *name) {
 
 void km_urdf_read(km_robot *robot, km_xml *root) {
   km_urdf urdf = {.robot = robot};
-  const km_xml *macro = find_macro(root);
-  if (macro) {
-    km_robot_error(robot, macro, "<%.40s> is a macro of xacro; expected a file in which xacro has expanded its macros",
-                   macro->name);
+  if (km_robot_refuses_macros(robot, root))
     return;
-  }
   robot->settings.gravity[2] = -9.81;
   urdf.assembly = km_robot_assembly(robot, root, km_xml_attribute_of(root, "name"), (km_assembly_id){0});
   size_t links = (size_t)count_children(root, "link"), joints = (size_t)count_children(root, "joint");
