@@ -94,3 +94,36 @@ bool family_rank_flags(uint64_t seed) {
   }
   return true;
 }
+
+/* The last pivot of a linkage as it is written, and the verdict. */
+static double last_pivot(const linkage *l, randomness *r, bool *doubtful) {
+  char *json = linkage_text(l, (writing){0}, r);
+  fixture f = fixture_read(json);
+  km_mobility found;
+  km_substructure_mobility e;
+  km_rank_evidence verdict;
+  km_mobility_update(f.mechanism, f.state, &found);
+  km_poses_update(f.mechanism, f.state);
+  km_substructure_evidence(f.mechanism, f.state, 0, &e);
+  assert_int_equal(km_rank_evidence_find(f.mechanism, f.state, 0, &verdict, NULL), KM_OK);
+  *doubtful = verdict.doubtful;
+  km_free(json);
+  fixture_close(&f);
+  return e.last_pivot;
+}
+
+pivot_range mirrored_pivots(uint64_t seed, double height) {
+  randomness r = {seed};
+  pivot_range out = {.least = 1.0};
+  linkage l = folded(&r, height);
+  for (int i = 0; i < 32; ++i) {
+    bool doubtful;
+    linkage other = rewritten(&l, &r);
+    double pivot = last_pivot(&other, &r, &doubtful);
+    out.least = fmin(out.least, pivot);
+    out.most = fmax(out.most, pivot);
+    out.doubtful += doubtful;
+    out.count++;
+  }
+  return out;
+}

@@ -33,5 +33,11 @@ bool family_short_link(uint64_t seed);
 /* Nearly singular loops: mirror images, other orders and senses of the joints, other frames get the same flag for a
  * doubtful rank, and the same mobility where it isn't doubtful. */
 bool family_rank_flags(uint64_t seed);
+/* Pivots of a nearly folded four-bar and of its mirror images, written in several ways, and how many are doubtful. */
+typedef struct pivot_range {
+  double least, most;
+  int doubtful, count;
+} pivot_range;
+pivot_range mirrored_pivots(uint64_t seed, double height);
 
 #endif
