@@ -133,6 +133,16 @@ km_status km_model_find_pose(const km_model *model, const char *name, int *pose,
                  km_nearest_text(&nearest, names));
 }
 
+double km_model_pose_value(const km_model *model, int pose, int coordinate) {
+  if (!model || pose < 0 || pose >= model->pose_count)
+    return (double)NAN;
+  const km_model_pose *p = &model->poses[pose];
+  for (int k = 0; k < p->count; ++k)
+    if (p->coordinates[k] == coordinate)
+      return p->values[k];
+  return (double)NAN;
+}
+
 bool km_model_coordinate_is_length(const km_model *model, int coordinate) {
   if (!model || coordinate < 0 || coordinate >= model->coordinate_count)
     return false;

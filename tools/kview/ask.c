@@ -50,7 +50,7 @@ static km_status set_end(const kv_session *s, km_question *question, int kind, c
 
 static km_status make(const kv_session *s, const kv_asked *a, km_question **out, km_error *error) {
   km_option_value driver = {.coordinate = a->driver}, range = {.numbers = {a->from, a->to}};
-  km_option_value steps = {.whole = a->steps}, length = {.numbers = {a->from}};
+  km_option_value steps = {.whole = a->steps}, length = {.numbers = {a->from}}, branch = {.whole = a->branch};
   km_status status = km_question_create(s->mechanism, km_question_kind_name(a->kind), out, error);
   if (!status && a->driver >= 0)
     status = set(*out, a->kind, "joint", &driver, error);
@@ -60,6 +60,8 @@ static km_status make(const kv_session *s, const kv_asked *a, km_question **out,
     status = set(*out, a->kind, "arclength", &length, error);
   if (!status)
     status = set(*out, a->kind, "steps", &steps, error);
+  if (!status && a->driver < 0 && a->branch > 1)
+    status = set(*out, a->kind, "branch", &branch, error);
   if (!status)
     status = set_end(s, *out, a->kind, "input", a->input, error);
   if (!status)
@@ -120,6 +122,15 @@ static void add_notes(const km_messages *notes, kv_buffer *out) {
   kv_add(out, "]}");
 }
 
+/* How many motions meet at the first branch point of a sweep by arc length; 0: there is none. */
+static int count_branches(const km_question *question) {
+  const km_sweep *motion = km_question_motion(question);
+  return !motion                  ? 0
+         : motion->start_branches ? motion->start_branches
+         : motion->branch_count   ? motion->branches[0].branches
+                                  : 0;
+}
+
 /* The header's length, in a binary message of numbers, is a multiple of 8 with what stands before it. */
 static km_status add_table(const kv_call *call, const kv_asked *a, const km_question *question, km_error *error) {
   const km_table *table = km_question_table(question);
@@ -129,7 +140,7 @@ static km_status add_table(const kv_call *call, const kv_asked *a, const km_ques
     return km_fail(error, KM_USAGE, "a table of %zu rows and %zu columns is more than a page shows", rows, columns);
   kv_add(&header, "{\"question\":");
   kv_add_string(&header, km_question_kind_name(a->kind));
-  kv_add(&header, ",\"driver\":%d", a->driver);
+  kv_add(&header, ",\"driver\":%d,\"branches\":%d", a->driver, count_branches(question));
   add_columns(table, &header);
   add_events(question, &header);
   add_notes(km_question_notes(question), &header);
@@ -162,7 +173,8 @@ static km_status answer(const kv_call *call, km_error *error) {
   return status;
 }
 
-/* ask KIND DRIVER FROM TO STEPS [INPUT OUTPUT]; DRIVER -1: by arc length, FROM long a step (0: as the model says). */
+/* ask KIND DRIVER FROM TO STEPS [INPUT OUTPUT [BRANCH]]; INPUT, OUTPUT -1: none; DRIVER -1: by arc length, FROM long a step
+ * (0: as the model says), at the first branch point along motion BRANCH. */
 km_status kv_ask(const kv_call *call, km_error *error) {
   kv_session *s = call->session;
   const kv_asked asked = {.kind = kv_question_kind(kv_index(call, 0)),
@@ -171,7 +183,8 @@ km_status kv_ask(const kv_call *call, km_error *error) {
                           .to = call->arguments[3],
                           .steps = kv_index(call, 4),
                           .input = call->count > 5 ? kv_index(call, 5) : -1,
-                          .output = call->count > 6 ? kv_index(call, 6) : -1};
+                          .output = call->count > 6 ? kv_index(call, 6) : -1,
+                          .branch = call->count > 7 ? kv_index(call, 7) : 0};
   if (asked.steps > MOST_STEPS)
     return km_fail(error, KM_USAGE, "%d steps are more than a page shows; expected up to %d", asked.steps, MOST_STEPS);
   km_question_free(s->question);

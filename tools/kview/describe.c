@@ -4,6 +4,8 @@
 #include "kmech/advantage.h"
 #include "kmech/forces.h"
 #include "kmech/plane.h"
+#include "kmech/statics.h"
+#include "kmech/units.h"
 #include "kmech/version.h"
 
 #include <math.h>
@@ -70,6 +72,16 @@ static void add_joints(const km_model *m, kv_buffer *out) {
   kv_add(out, "]");
 }
 
+/* The unit of a force or torque in a coordinate. */
+static void add_push_unit(const km_model *m, int coordinate, kv_buffer *out) {
+  const km_handle end = {.kind = KM_HANDLE_JOINT, .coordinate = coordinate};
+  km_text unit = {0};
+  km_push_unit(m, &end, &unit);
+  kv_add_string(out, unit.data ? unit.data : "");
+  out->failed = out->failed || unit.failed;
+  km_text_free(&unit);
+}
+
 static void add_coordinates(const kv_session *s, kv_buffer *out) {
   const km_model *m = s->model;
   kv_add(out, ",\"coordinates\":[");
@@ -81,6 +93,8 @@ static void add_coordinates(const kv_session *s, kv_buffer *out) {
     kv_add_string(out, km_model_coordinate_label(m, c));
     kv_add(out, ",\"unit\":");
     kv_add_string(out, km_model_coordinate_unit(m, c));
+    kv_add(out, ",\"push\":");
+    add_push_unit(m, c, out);
     kv_add(out, ",\"joint\":%d,\"substructure\":%d,\"held\":%s,\"low\":", km_model_coordinate_joint(m, c),
            km_coordinate_substructure(s->mechanism, c), km_coordinate_is_held(s->mechanism, c) ? "true" : "false");
     kv_add_number(out, low);
@@ -168,6 +182,8 @@ void kv_describe(const kv_session *s, unsigned request, kv_buffer *out) {
   kv_add_string(out, name_of(s->opening.path));
   kv_add(out, ",\"meters\":");
   kv_add_number(out, km_model_length_unit(s->model));
+  kv_add(out, ",\"force\":");
+  kv_add_string(out, km_model_units(s->model).force->suffix);
   kv_add(out, ",\"length\":");
   kv_add_number(out, length);
   kv_add(out, ",\"kutzbach\":%d,\"kutzbachPlanar\":%d,\"kutzbachExtended\":%d,\"redundant\":%d,\"edited\":%s",

@@ -79,6 +79,15 @@ static void ask_text(const kv_session *s, int kind, char *out, size_t size) {
     snprintf(out + count, size - (size_t)count, " %d %d", ends[0], ends[1]);
 }
 
+/* Does anything push or weigh? */
+static bool has_forces(const km_model *model) {
+  bool some = km_model_load_count(model) > 0 || km_model_actuator_count(model) > 0;
+  double center[3];
+  for (int b = 1; b <= km_model_body_count(model); ++b)
+    some = some || km_model_body_mass(model, b, center) > 0.0;
+  return some;
+}
+
 static km_status add_tables(kv_session *s, kv_buffer *out, km_error *error) {
   char text[256];
   km_handle end;
@@ -90,7 +99,8 @@ static km_status add_tables(kv_session *s, kv_buffer *out, km_error *error) {
     ++count;
   while (count-- > 0 && !status) { /* mobility last: the poses are its rows */
     const char *name = km_question_kind_name(kv_question_kind(count));
-    if ((strcmp(name, "advantage") == 0 && !lever) || strcmp(name, "forces") == 0)
+    bool forces = strcmp(name, "forces") == 0;
+    if ((strcmp(name, "advantage") == 0 && !lever) || (forces && !has_forces(s->model)))
       continue;
     ask_text(s, count, text, sizeof text);
     status = add_answer(s, text, out, error);

@@ -112,6 +112,8 @@ KM_API const char *km_model_sha256(const km_model *model); /* of the bytes read;
 KM_API int km_model_pose_count(const km_model *model);
 KM_API const char *km_model_pose_name(const km_model *model, int pose);
 KM_API km_status km_model_find_pose(const km_model *model, const char *name, int *pose, km_error *error);
+/* What a pose says of a coordinate, in its unit; NaN: nothing, or there is no such pose or coordinate. O(what it says). */
+KM_API double km_model_pose_value(const km_model *model, int pose, int coordinate);
 
 /* Index of the joint or coordinate that a label (or full path) names; KM_USAGE with the nearest labels if
  * none does. A joint's label is also that of its coordinate where it has just one. */

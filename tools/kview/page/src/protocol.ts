@@ -6,11 +6,11 @@ export interface Body { name: string; assembly: number; patches: number; mass: n
 export interface Frame { name: string; body: number; R: number[]; T: number[] }
 export interface Joint { label: string; type: string; frames: [number, number]; first: number; count: number }
 export interface Coordinate {
-  label: string; unit: string; joint: number; substructure: number; held: boolean; low: number | null; high: number | null;
+  label: string; unit: string; push: string; joint: number; substructure: number; held: boolean; low: number | null; high: number | null;
 }
 export interface Substructure { loops: number; rank: number; mobility: number; coordinates: number }
 export interface Model {
-  kind: "model"; request: number; version: string; name: string; meters: number; length: number;
+  kind: "model"; request: number; version: string; name: string; meters: number; force: string; length: number;
   kutzbach: number; kutzbachPlanar: number; kutzbachExtended: number; redundant: number; edited: boolean; normal?: number[];
   assemblies: { name: string; parent: number }[];
   bodies: Body[]; frames: Frame[]; joints: Joint[]; coordinates: Coordinate[]; substructures: Substructure[];
@@ -28,7 +28,7 @@ export interface Pose {
 export interface Column { name: string; unit: string }
 export interface Event { name: string; subject: string; s: number | null; value: number | null }
 export interface Table {
-  kind: "table"; request: number; question: string; driver: number; columns: Column[]; events: Event[]; notes: string[];
+  kind: "table"; request: number; question: string; driver: number; branches: number; columns: Column[]; events: Event[]; notes: string[];
   values: Float64Array[]; // by column
 }
 export interface Patch {

@@ -22,6 +22,7 @@ export class Curves {
   private output = el("select", { "aria-label": "Output", onchange: () => void this.ask() });
   private from = el("input", { type: "text", inputmode: "decimal", "aria-label": "From", onchange: () => void this.ask() });
   private to = el("input", { type: "text", inputmode: "decimal", "aria-label": "To", onchange: () => void this.ask() });
+  private branch = el("select", { "aria-label": "At the branch point", title: "Which motion goes on where several meet", hidden: true, onchange: () => void this.ask() });
   private plot: uPlot | null = null;
   private shown = new Set<string>();
   private filled = "";
@@ -30,7 +31,7 @@ export class Curves {
   private play = button("▶", "Play the motion", () => this.toggle(), { class: "play" });
 
   constructor(private store: Store) {
-    const bar = el("div", { class: "tools" }, this.play, this.question, el("label", {}, "over ", this.driver), this.from, "…", this.to, this.ends,
+    const bar = el("div", { class: "tools" }, this.play, this.question, el("label", {}, "over ", this.driver), this.from, "…", this.to, this.ends, this.branch,
       button("CSV", "Save the table", () => this.saveTable(), { class: "small" }));
     this.ends.append(this.input, " / ", this.output);
     this.node.append(bar, this.chips, this.place);
@@ -81,7 +82,10 @@ export class Curves {
   }
 
   private choose(driver = false): void {
-    if (driver) this.setRange(null);
+    if (driver) {
+      this.setRange(null);
+      this.branch.replaceChildren();
+    }
     void this.ask();
   }
 
@@ -93,7 +97,8 @@ export class Curves {
     store.ends = word === "advantage" || (store.model.input >= 0 && store.model.output >= 0) ? [Number(this.input.value), Number(this.output.value)] : null;
     store.tell("why");
     const steps = driver < 0 ? Math.min(own.steps || 400, 1000) : store.model.coordinates.length > 500 ? 24 : 200;
-    const ends = word === "advantage" ? ` ${this.input.value} ${this.output.value}` : "";
+    const along = driver < 0 ? Number(this.branch.value) : 0, words = word === "advantage" ? ` ${this.input.value} ${this.output.value}` : along > 1 ? " -1 -1" : "";
+    const ends = words + (along > 1 ? ` ${along}` : "");
     store.base = store.model.edited ? store.base : null;
     const answer = await store.ask(`ask ${kind} ${driver} ${number(this.from)} ${driver < 0 ? 0 : number(this.to)} ${steps}${ends}`);
     if (answer.kind === "error") this.empty(answer.text);
@@ -111,6 +116,7 @@ export class Curves {
   private show(): void {
     const { table } = this.store;
     if (!table) return;
+    this.offerBranches(table);
     const columns = answers(table), shape = JSON.stringify([table.question, table.driver, columns.map((c) => table.columns[c]), this.extras().length]);
     if (!columns.length || !table.values[0]?.length) return this.empty("Nothing to show: the sweep has no row.");
     if (shape === this.shape && this.plot) {
@@ -123,6 +129,17 @@ export class Curves {
     this.shown = new Set(lively.slice(0, MOST_LINES).map((c) => table.columns[c].name));
     this.showChips(columns);
     this.rebuild();
+  }
+
+  /** Where motions meet, any of them can go on: the smooth one, or another one ahead or back. */
+  private offerBranches(table: Table): void {
+    const count = table.driver < 0 && !this.store.link.recorded ? 2 * table.branches - 1 : 0;
+    this.branch.hidden = count < 2 && this.branch.options.length < 2;
+    if (count <= this.branch.options.length) return;
+    const chosen = this.branch.value;
+    replace(this.branch, ...Array.from({ length: count }, (_, k) =>
+      el("option", { value: k + 1, text: k === 0 ? "branch point: smoothly on" : `branch point: motion ${2 + ((k - 1) >> 1)}, ${k % 2 ? "ahead" : "back"}` })));
+    this.branch.value = chosen || "1";
   }
 
   private showChips(columns: number[]): void {

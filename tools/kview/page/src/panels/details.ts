@@ -1,7 +1,7 @@
 // What is known of the selection and of the whole, and why it moves as it does.
 import { button, el, replace, save, shown } from "../dom";
 import { OKABE, scaleColour } from "../palette";
-import { SelfMotion } from "../protocol";
+import { Forces, SelfMotion } from "../protocol";
 import { Store } from "../store";
 import { typeOf } from "./tree";
 
@@ -219,7 +219,7 @@ export class Details {
 
   private forces(): HTMLElement {
     const { store } = this, { forces, model } = store;
-    const list: Fact[] = store.arrows && forces ? forces.actuators.filter((a) => a.force !== null).slice(0, 12).map((a) => [model.coordinates[a.coordinate].label, shown(a.force!)]) : [];
+    const list: Fact[] = store.arrows && forces ? forces.actuators.filter((a) => a.force !== null).slice(0, 12).map((a) => [model.coordinates[a.coordinate].label, `${shown(a.force!)} ${model.coordinates[a.coordinate].push}`]) : [];
     return el("div", { class: "group" }, el("h2", { text: "Forces" }),
       el("button", { type: "button", "aria-pressed": String(store.arrows), onclick: () => {
         store.arrows = !store.arrows;
@@ -228,7 +228,17 @@ export class Details {
         store.tell("why");
       } }, store.arrows ? "Hide arrows" : "Show loads and reactions"),
       store.arrows && forces ? el("p", { class: "hint", text: forces.held ? "The actuators hold this pose:" : "The actuators can't hold this pose." }) : null,
-      list.length ? facts(list) : null);
+      list.length ? facts(list) : null, store.arrows && forces ? this.largest(forces, model.force) : null);
+  }
+
+  /** What the arrows' lengths mean: they grow with the square root of the force. */
+  private largest(forces: Forces, unit: string): HTMLElement | null {
+    const size = (v: number[]): number => Math.hypot(...v);
+    const load = Math.max(0, ...forces.loads.map((l) => size(l.force))), reaction = Math.max(0, ...forces.reactions.map((r) => size(r.force)));
+    const list: Fact[] = [];
+    if (load > 0) list.push(["Largest load", `${shown(load)} ${unit}`]);
+    if (reaction > 0) list.push(["Largest reaction", `${shown(reaction)} ${unit}`]);
+    return list.length ? facts(list) : null;
   }
 
   private modeCount = 0;

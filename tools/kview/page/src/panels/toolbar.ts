@@ -8,6 +8,7 @@ export class Toolbar {
   private title = el("strong");
   private undo = button("↶", "Undo (Ctrl+Z)", () => void this.step(-1));
   private redo = button("↷", "Redo (Ctrl+Shift+Z)", () => void this.step(1));
+  private poses = el("select", { "aria-label": "Poses of the model", title: "Go to a pose that the model names", hidden: true, onchange: () => void this.goToPose() });
   private mobility = el("span", { class: "badge", title: "Mobility at this pose" });
   private design = el("button", { type: "button", "aria-pressed": "false", title: "Drag pivots instead of bodies: the links change (D)", onclick: () => this.toggleDesign() }, "Design");
 
@@ -33,7 +34,7 @@ export class Toolbar {
       el("div", { class: "set", role: "group", "aria-label": "Show" },
         toggle("Names", "Names of joints (N)", () => store.labels, (on) => (store.labels = on)),
         toggle("Frames", "Axes of bodies: x red, y green, z blue", () => store.frames, (on) => (store.frames = on))),
-      this.design,
+      this.design, this.poses,
       button("Copy pose", "Copy the pose as --set arguments", () => void this.copyPose()),
       button("◐", "Light or dark", () => this.theme(), { class: "theme" }),
     );
@@ -45,11 +46,29 @@ export class Toolbar {
     const { model, pose, link } = this.store;
     this.title.textContent = model.name + (model.edited ? " *" : "");
     document.title = `${model.name} – kview`;
+    this.fillPoses();
     if (!pose) return;
     this.mobility.textContent = `M = ${pose.mobility}`;
     this.undo.disabled = !pose.canUndo || link.recorded;
     this.redo.disabled = !pose.canRedo || link.recorded;
     this.design.hidden = link.recorded;
+  }
+
+  private fillPoses(): void {
+    const { poses } = this.store.model;
+    this.poses.hidden = !poses.length || this.store.link.recorded;
+    if (this.poses.dataset.names === poses.join("\n")) return;
+    this.poses.dataset.names = poses.join("\n");
+    this.poses.replaceChildren(el("option", { value: "", text: "Pose …" }), ...poses.map((name, i) => el("option", { value: i, text: name })));
+  }
+
+  /** The menu shows its title again, so that the same pose can be chosen once more. */
+  private async goToPose(): Promise<void> {
+    const { store } = this, choice = this.poses.value, name = store.model.poses[Number(choice)];
+    this.poses.value = "";
+    if (choice === "" || (await store.ask(`named ${choice}`)).kind === "error") return;
+    await store.settle();
+    store.say(`The pose "${name}" of the model.`);
   }
 
   async step(direction: number): Promise<void> {

@@ -30,25 +30,32 @@ export function jointAxis(type: string): Vector3 {
   return new Vector3(letter === "x" ? 1 : 0, letter === "y" ? 1 : 0, letter === "x" || letter === "y" ? 0 : 1);
 }
 
-/** Where joints and named frames are on a body, in its own frame; no two in one place. */
-export function bodyPoints(model: Model, body: number, near: number): { at: Vector3; joint: number }[] {
-  const points: { at: Vector3; joint: number }[] = [];
-  const add = (at: Vector3, joint: number): void => {
-    if (!points.some((p) => p.at.distanceTo(at) <= near)) points.push({ at, joint });
-  };
+/** What belongs to each body: its ends of joints, and its frames. */
+export interface Members { ends: { joint: number; end: 0 | 1; frame: number }[]; frames: number[] }
+
+const found = new WeakMap<Model, Members[]>();
+
+export function members(model: Model): Members[] {
+  const known = found.get(model);
+  if (known) return known;
+  const out: Members[] = model.bodies.map(() => ({ ends: [], frames: [] }));
+  model.frames.forEach((frame, f) => out[frame.body].frames.push(f));
   model.joints.forEach((joint, j) =>
-    joint.frames.forEach((f) => {
-      if (model.frames[f].body === body) add(vector(model.frames[f].T), j);
-    }),
+    joint.frames.forEach((frame, end) => out[model.frames[frame].body].ends.push({ joint: j, end: end as 0 | 1, frame })),
   );
-  let first = true;
-  for (const frame of model.frames) {
-    if (frame.body !== body) continue;
-    if (!first && body > 0) add(vector(frame.T), -1);
-    first = false;
-  }
-  const mass = model.bodies[body].mass;
-  if (body > 0 && points.length === 1 && mass > 0) add(vector(model.bodies[body].center), -1);
+  found.set(model, out);
+  return out;
+}
+
+/** Where joints and named frames are on a body, in its own frame; no two in one place. */
+export function bodyPoints(model: Model, body: number, near: number): Vector3[] {
+  const points: Vector3[] = [], { ends, frames } = members(model)[body], { mass, center } = model.bodies[body];
+  const add = (at: Vector3): void => {
+    if (!points.some((p) => p.distanceTo(at) <= near)) points.push(at);
+  };
+  for (const { frame } of ends) add(vector(model.frames[frame].T));
+  if (body > 0) for (const f of frames.slice(1)) add(vector(model.frames[f].T));
+  if (body > 0 && points.length === 1 && mass > 0) add(vector(center));
   return points;
 }
 
@@ -62,7 +69,7 @@ export function extent(model: Model, pose: Pose): { middle: Vector3; size: numbe
   };
   for (const joint of model.joints) for (const f of joint.frames) add(model.frames[f].body, vector(model.frames[f].T));
   model.bodies.forEach((body, b) => {
-    if (b > 0) for (const p of bodyPoints(model, b, 0)) add(b, p.at);
+    if (b > 0) for (const p of bodyPoints(model, b, 0)) add(b, p);
     if (b > 0 && body.mass > 0 && body.patches) add(b, vector(body.center));
   });
   if (!(high.x >= low.x)) return { middle: new Vector3(), size: model.length };

@@ -17,8 +17,9 @@ export class Labels {
     });
   }
 
-  place(index: number, at: Vector3): void {
-    this.labels[index]?.at.copy(at);
+  /** Puts each where `place` says. */
+  each(place: (index: number) => Vector3): void {
+    this.labels.forEach((label, i) => label.at.copy(place(i)));
   }
 
   emphasise(index: number): void {

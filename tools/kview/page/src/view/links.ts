@@ -1,13 +1,13 @@
 // The links of bodies without meshes: bars, plates and hulls between the joints.
-import { BufferGeometry, CapsuleGeometry, Float32BufferAttribute, Quaternion, SphereGeometry, Vector3 } from "three";
+import { BufferGeometry, CapsuleGeometry, CylinderGeometry, Float32BufferAttribute, Quaternion, SphereGeometry, Vector3 } from "three";
 import { ConvexGeometry } from "three/examples/jsm/geometries/ConvexGeometry.js";
 import { mergeGeometries } from "three/examples/jsm/utils/BufferGeometryUtils.js";
 
 const UP = new Vector3(0, 1, 0);
 
-export function rod(from: Vector3, to: Vector3, radius: number): BufferGeometry {
+export function rod(from: Vector3, to: Vector3, radius: number, fine = true): BufferGeometry {
   const way = to.clone().sub(from), length = way.length();
-  const geometry = new CapsuleGeometry(radius, Math.max(length, 1e-9), 6, 14);
+  const long = Math.max(length, 1e-9), geometry = fine ? new CapsuleGeometry(radius, long, 6, 14) : new CylinderGeometry(radius, radius, long, 5);
   if (length > 0) geometry.applyQuaternion(new Quaternion().setFromUnitVectors(UP, way.divideScalar(length)));
   const middle = from.clone().add(to).multiplyScalar(0.5);
   return geometry.translate(middle.x, middle.y, middle.z);
@@ -67,26 +67,26 @@ function plate(corners: Vector3[], normal: Vector3, thin: number): BufferGeometr
 }
 
 /** What a merge needs: positions and normals only, no index. */
-function plain(geometry: BufferGeometry): BufferGeometry {
+export function plain(geometry: BufferGeometry): BufferGeometry {
   const out = geometry.index ? geometry.toNonIndexed() : geometry;
   for (const name of Object.keys(out.attributes)) if (name !== "position" && name !== "normal") out.deleteAttribute(name);
   return out;
 }
 
-/** The shape of a link over its points, all of it within one geometry. */
-export function linkGeometry(points: Vector3[], radius: number, size: number): BufferGeometry | null {
+/** The shape of a link over its points, all of it within one geometry; `fine`: with many facets. */
+export function linkGeometry(points: Vector3[], radius: number, size: number, fine: boolean): BufferGeometry | null {
   const parts: BufferGeometry[] = [];
   if (points.length === 1) parts.push(new SphereGeometry(1.5 * radius, 20, 14).translate(points[0].x, points[0].y, points[0].z));
   else if (points.length > 1 && inLine(points, size)) {
     const far = points.reduce((a, p) => (p.distanceTo(points[0]) > a.distanceTo(points[0]) ? p : a), points[0]);
     const other = points.reduce((a, p) => (p.distanceTo(far) > a.distanceTo(far) ? p : a), far);
-    parts.push(rod(far, other, radius));
+    parts.push(rod(far, other, radius, fine));
   } else if (points.length > 2) {
     const normal = planeOf(points, size);
     if (normal) {
       const corners = hull(points, normal);
       parts.push(plate(corners, normal, 0.45 * radius));
-      corners.forEach((c, i) => parts.push(rod(c, corners[(i + 1) % corners.length], 0.8 * radius)));
+      corners.forEach((c, i) => parts.push(rod(c, corners[(i + 1) % corners.length], 0.8 * radius, fine)));
     } else if (points.length > 24) parts.push(new ConvexGeometry(points));
     else {
       parts.push(new ConvexGeometry(points));

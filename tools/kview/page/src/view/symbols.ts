@@ -15,16 +15,16 @@ function cross(radius: number): BufferGeometry {
 }
 
 /** The symbol of a joint type, about the origin of its frame; `width` is the half length of a pin. */
-export function symbolGeometry(type: string, radius: number, width: number): BufferGeometry {
-  const axis = jointAxis(type);
-  if (/^R[xyz]$/.test(type)) return along(new CylinderGeometry(1.55 * radius, 1.55 * radius, 2 * width, 24), axis);
+export function symbolGeometry(type: string, radius: number, width: number, fine: boolean): BufferGeometry {
+  const around = fine ? 24 : 6, axis = jointAxis(type);
+  if (/^R[xyz]$/.test(type)) return along(new CylinderGeometry(1.55 * radius, 1.55 * radius, 2 * width, around), axis);
   if (/^T[xyz]$/.test(type)) return along(new BoxGeometry(3.4 * radius, 5 * radius, 3.4 * radius), axis);
-  if (type === "spherical") return new SphereGeometry(2.1 * radius, 24, 16);
+  if (type === "spherical") return new SphereGeometry(2.1 * radius, around, fine ? 16 : 5);
   if (type === "float") return new TorusGeometry(2.6 * radius, 0.4 * radius, 8, 24);
   if (type === "universal") return cross(radius);
   if (type === "planar") return along(new BoxGeometry(6 * radius, 0.7 * radius, 6 * radius), axis);
   if (type === "rigid") return new BoxGeometry(2.4 * radius, 2.4 * radius, 2.4 * radius);
-  const barrel = along(new CylinderGeometry(1.7 * radius, 1.7 * radius, 5 * radius, 24), axis); // cylindrical, screw
+  const barrel = along(new CylinderGeometry(1.7 * radius, 1.7 * radius, 5 * radius, around), axis); // cylindrical, screw
   if (type !== "screw") return barrel;
   const thread = new TorusGeometry(1.8 * radius, 0.3 * radius, 8, 24).rotateX(Math.PI / 2);
   return mergeGeometries([barrel, along(thread, axis)])!;

@@ -1,5 +1,5 @@
 // The picture: camera, light, what the pointer grips, arrows, names. It draws only when something has changed.
-import { AmbientLight, Box3, DirectionalLight, GridHelper, Group, Object3D, OrthographicCamera, Plane, Raycaster, Scene, Vector2, Vector3, WebGLRenderer, MOUSE, TOUCH } from "three";
+import { AmbientLight, Box3, DirectionalLight, GridHelper, Group, OrthographicCamera, Plane, Raycaster, Scene, Vector2, Vector3, WebGLRenderer, MOUSE, TOUCH } from "three";
 import { OrbitControls } from "three/examples/jsm/controls/OrbitControls.js";
 import { el } from "../dom";
 import { OKABE, scaleColour, softened } from "../palette";
@@ -140,7 +140,7 @@ export class View {
       return;
     }
     this.actors.move(model, pose);
-    model.joints.forEach((joint, j) => this.labels.place(j, this.actors.place(model, pose, joint.frames[1])));
+    this.labels.each((j) => this.actors.place(model, pose, model.joints[j].frames[1]));
     if (this.store.colourBy === "mobility") this.actors.paint(this.look(), this.store.selection, this.store.frames, this.over());
     this.showMarks();
     this.draw();
@@ -300,16 +300,11 @@ export class View {
     return caster;
   }
 
-  private owner(node: Object3D | null): { kind: string; index: number } | null {
-    for (let at = node; at; at = at.parent) if (at.userData.kind) return at.userData as { kind: string; index: number };
-    return null;
-  }
-
   private hit(e: PointerEvent): { kind: string; index: number; at: Vector3 } | null {
     const hits = this.ray(e).intersectObjects(this.actors.root.children, true);
     let found: { kind: string; index: number; at: Vector3 } | null = null;
     for (const hit of hits) {
-      const owner = this.owner(hit.object);
+      const owner = this.actors.owner(hit.object, hit.instanceId);
       if (!owner || hit.object.type === "LineSegments" || (owner.kind === "body" && owner.index === 0)) continue;
       if (!found) found = { ...owner, at: hit.point };
       // a joint's symbol is small: it wins over the link that hides it
