@@ -86,6 +86,17 @@ void km_arena_free(km_arena *arena) {
   arena->failed = false;
 }
 
+void km_arena_join(km_arena *arena, km_arena *from) {
+  struct km_arena_block *first = from->block;
+  while (first && first->previous)
+    first = first->previous;
+  if (first) {
+    first->previous = arena->block;
+    arena->block = from->block;
+  }
+  *from = (km_arena){0};
+}
+
 bool km_arena_grow(km_arena *arena, void **data, size_t *capacity, size_t need, size_t size) {
   if (need <= *capacity && *data)
     return true;

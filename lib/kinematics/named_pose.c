@@ -43,6 +43,8 @@ km_status km_model_take_pose(km_model *model, int index, km_error *error) {
   km_status status = km_check_given(model != NULL, "model", error);
   if (!status)
     status = km_check_index(index, model->pose_count, "pose", error);
+  if (!status)
+    status = km_model_keep_unedited(model, error);
   if (status)
     return status;
   const km_model_pose *pose = &model->poses[index];

@@ -178,6 +178,14 @@ typedef struct km_simulation_settings {
   double span, step, relative, absolute;
 } km_simulation_settings;
 
+/* The numbers that calls can change, as they were before the first change. */
+typedef struct km_unedited {
+  km_model_body *bodies;
+  km_model_frame *frames;
+  km_model_coordinate *coordinates;
+  km_applied_load *loads;
+} km_unedited;
+
 struct km_model {
   km_arena arena;
   const struct km_origin
@@ -210,9 +218,13 @@ struct km_model {
   bool actuators_given; /* also where the list is empty */
   km_model_handle advantage_input, advantage_output;
   km_model_sweep sweep;
+  const km_unedited *unedited; /* NULL: nothing was changed */
   int assembly_count, body_count, frame_count, shape_count, joint_count, coordinate_count, coupling_count, module_count;
   int load_count, hold_count, pose_count, actuator_count;
 };
+
+/* Before a change: keeps the numbers as they were read, once. KM_MEMORY: the model is as it was. */
+km_status km_model_keep_unedited(km_model *model, km_error *error);
 
 static inline int km_model_freedom(const km_model *model, int joint) {
   return km_joint_kind_of(model->joints[joint].type)->freedom;

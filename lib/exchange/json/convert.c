@@ -5,6 +5,7 @@
 #include "exchange/json/built.h"
 
 #include "exchange/json/convert_drawn.h"
+#include "exchange/json/edits.h"
 #include "exchange/json/format.h"
 #include "exchange/json/reader.h"
 
@@ -358,6 +359,20 @@ km_status km_check_convert(const km_model *model, const km_units *units, const d
   return status;
 }
 
+/* A model with changed numbers: its file is written first, then what has changed. */
+static km_status convert_edited(const km_model *model, const km_units *units, const double *q, bool frames,
+                                km_arena *arena, const km_value **out, km_error *error) {
+  km_model file = km_edits_undone(model);
+  double *present = KM_ARENA_NEW(arena, double, (size_t)model->coordinate_count);
+  if (!present)
+    return km_fail(error, KM_MEMORY, "out of memory while converting the model");
+  for (int c = 0; c < model->coordinate_count; ++c)
+    present[c] = q ? q[c] : model->coordinates[c].position;
+  bool undrawn = frames || km_edits_break_drawing(model) || km_drawing_moved(&file, present);
+  km_status status = km_model_convert(&file, units, present, undrawn, arena, out, error);
+  return status ? status : km_edits_write(model, units, !undrawn, arena, (km_value *)*out, error);
+}
+
 km_status km_model_convert(const km_model *model, const km_units *units, const double *q, bool frames, km_arena *arena,
                            const km_value **out, km_error *error) {
   km_status sound = km_check_convert(model, units, q, arena, out, error);
@@ -365,6 +380,8 @@ km_status km_model_convert(const km_model *model, const km_units *units, const d
     return sound;
   if (!model->origin)
     return km_built_convert(model, units, q, frames, arena, out, error);
+  if (model->unedited)
+    return convert_edited(model, units, q, frames, arena, out, error);
   const km_value *given = model->origin->root;
   bool undraw = frames || (q && km_drawing_moved(model, q));
   converter c = {.model = model,

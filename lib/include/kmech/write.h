@@ -10,9 +10,11 @@
 extern "C" {
 #endif
 
-/* A model in its own format (JSON), in its own units; all that was read is kept. `q` [coordinate count]: initial
- * displacements in the model's units, NULL: the model's own. The caller frees `*out`. KM_USAGE, KM_MEMORY. Cost: linear
- * in the file. */
+/* A model in its own format (JSON), in its own units; all that was read is kept, and what calls have changed since
+ * (kmech/edit.h) takes the place of the file's numbers. `q` [coordinate count]: initial
+ * displacements in the model's units, NULL: the model's own. The caller frees `*out`. KM_USAGE: also where a
+ * change is one that no file says: of a body's own frame, of a strut's parts, of a mass that is weighed by a density;
+ * KM_MEMORY. Cost: linear in the file. */
 KM_API km_status km_model_write(const km_model *model, const double *q, km_bytes *out, km_error *error);
 
 /* The formats that a model is written in. */
