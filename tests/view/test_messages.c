@@ -15,6 +15,7 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <unistd.h>
 
 static const char *const models[] = {"a02",          "andrews",      "bennett", "bonnet",       "brake",   "bricard",
                                      "delta",        "excavator",    "fourbar", "iiwa14",       "jansen",  "klann",
@@ -330,6 +331,60 @@ static void a_design_is_saved(void **unused) {
   }
 }
 
+static const char by_name[] =
+    "{\"model_parameters\": {\"version\": \"1.1\"}, \"parameters\": {\"crank\": {\"value\": 2, \"low\": 1}, \"reach\": "
+    "\"2*crank\", \"load\": 3}, \"poses\": {\"up\": {\"A\": 1.5}}, \"assemblies\": [{\"name\": \"a\", \"bodies\": [{\"name\": "
+    "\"b\", \"mass\": \"load\", \"frames\": [{\"name\": \"f\", \"T\": [\"reach\", 0, 0]}]}, {\"name\": \"c\"}], \"joints\": "
+    "[{\"name\": \"A\", \"type\": \"Rz\", \"body_frame_pairs\": [\"fixed\", \"b\"]}, {\"name\": \"B\", \"type\": \"Rz\", "
+    "\"body_frame_pairs\": [\"b/f\", \"c\"]}]}]}";
+
+static double reach_of(const kv_session *s) {
+  double R[9], T[3] = {0};
+  km_error error;
+  for (int f = 0; f < km_model_frame_count(s->model); ++f)
+    if (strcmp(km_model_frame_name(s->model, f), "f") == 0)
+      km_model_frame_pose(s->model, f, R, T, &error);
+  return T[0];
+}
+
+/* What depends on a parameter follows it; undo comes back, also past a frame that was dragged; the file that is written has
+ * both. Poses have their names. */
+static void parameters_and_poses_have_names(void **unused) {
+  (void)unused;
+  char path[] = "/tmp/kview_names.XXXXXX";
+  double center[3];
+  int file = mkstemp(path);
+  assert_true(file >= 0 && write(file, by_name, sizeof by_name - 1) == (ssize_t)(sizeof by_name - 1));
+  close(file);
+  kv_session s = {.opening = {.path = path}, .asked = {.kind = -1}};
+  km_error error;
+  assert_int_equal(kv_session_load(&s, &error), KM_OK);
+  assert_int_equal(s.parameters.count, 2);
+  expect(&s, "1 named 0", "pose");
+  assert_true(km_state_coordinate(s.state, 0) == 1.5);
+  expect(&s, "2 named 1", "error");
+  expect(&s, "3 parameters 5 7", "model");
+  assert_true(reach_of(&s) == 10.0 && km_model_body_mass(s.model, 1, center) == 7.0 && s.edited);
+  assert_true(km_state_coordinate(s.state, 0) == 1.5); /* the pose stays */
+  expect(&s, "4 mark", "pose");
+  expect(&s, "5 frame 2 11 0 0", "model");
+  expect(&s, "6 parameters 6 7", "model");
+  assert_true(reach_of(&s) == 11.0); /* dragged, it no longer follows */
+  kv_answer answer = tell(&s, "7 write");
+  assert_non_null(strstr(answer.bytes.data, "[11, 0, 0]"));
+  assert_non_null(strstr(answer.bytes.data, "value\\\": 6"));
+  kv_buffer_free(&answer.bytes);
+  expect(&s, "8 undo -1", "pose");
+  assert_true(reach_of(&s) == 10.0 && s.parameters.items[0].value == 5.0);
+  expect(&s, "9 undo -1", "pose");
+  assert_true(reach_of(&s) == 4.0 && !s.edited && km_model_body_mass(s.model, 1, center) == 3.0);
+  expect(&s, "10 parameters 1", "error");
+  expect(&s, "11 parameters 1 -1", "error"); /* a negative mass */
+  assert_true(km_model_body_mass(s.model, 1, center) == 3.0);
+  kv_session_close(&s);
+  unlink(path);
+}
+
 static void what_is_wrong_is_refused(void **unused) {
   (void)unused;
   static const char *const wrong[] = {"",
@@ -359,6 +414,8 @@ static void what_is_wrong_is_refused(void **unused) {
                                       "1 frame 999 0 0 0",
                                       "1 patch 0 0",
                                       "1 design 1",
+                                      "1 parameters 1",
+                                      "1 named 0",
                                       "1 lever 0 0",
                                       "1 track 99",
                                       "1 undo",
@@ -410,6 +467,7 @@ int main(void) {
       cmocka_unit_test(undo_comes_back),
       cmocka_unit_test(a_selfmotion_holds_the_effector),
       cmocka_unit_test(a_design_is_saved),
+      cmocka_unit_test(parameters_and_poses_have_names),
       cmocka_unit_test(what_is_wrong_is_refused),
       cmocka_unit_test(only_this_page_comes_in),
   };

@@ -158,6 +158,28 @@ static void add_questions(kv_buffer *out) {
   kv_add(out, "]");
 }
 
+static void add_parameters(const kv_session *s, kv_buffer *out) {
+  kv_add(out, ",\"parameters\":[");
+  for (int i = 0; i < s->parameters.count; ++i) {
+    const kv_parameter *p = &s->parameters.items[i];
+    kv_add_comma(out);
+    kv_add(out, "{\"name\":");
+    kv_add_string(out, p->name);
+    kv_add(out, ",\"note\":");
+    kv_add_string(out, p->note);
+    kv_add(out, ",\"value\":");
+    kv_add_number(out, p->value);
+    kv_add(out, ",\"file\":");
+    kv_add_number(out, p->file);
+    kv_add(out, ",\"low\":");
+    kv_add_number(out, p->low);
+    kv_add(out, ",\"high\":");
+    kv_add_number(out, p->high);
+    kv_add(out, "}");
+  }
+  kv_add(out, "]");
+}
+
 static void add_notes(const kv_session *s, kv_buffer *out) {
   kv_add(out, ",\"notes\":[");
   for (size_t i = 0; i < km_messages_count(s->messages); ++i) {
@@ -201,6 +223,7 @@ void kv_describe(const kv_session *s, unsigned request, kv_buffer *out) {
   add_substructures(s, out);
   add_defaults(s->model, out);
   add_questions(out);
+  add_parameters(s, out);
   add_notes(s, out);
   kv_add(out, "}");
 }

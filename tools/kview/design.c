@@ -66,7 +66,7 @@ static km_status change(kv_session *s, const double *before, const double *T, co
   if (status && !set_frames(s, before, &ignored))
     take_over(s, present, &ignored);
   if (!status)
-    s->edited = memcmp(T, s->file_places, 3 * (size_t)km_model_frame_count(s->model) * sizeof *T) != 0;
+    kv_session_note_edits(s);
   free(present);
   return status;
 }

@@ -85,27 +85,6 @@ static km_status place(const kv_call *c, km_error *error) {
   return status ? status : give_pose(c);
 }
 
-/* named POSE: one of those that the model names; what it doesn't say starts from the present pose. */
-static km_status named(const kv_call *c, km_error *error) {
-  kv_session *s = c->session;
-  int pose = kv_index(c, 0);
-  double *q = kv_session_coordinates(s);
-  if (!q)
-    return km_fail(error, KM_MEMORY, "out of memory");
-  km_status status = KM_OK;
-  if (pose < 0 || pose >= km_model_pose_count(s->model))
-    status = km_fail(error, KM_USAGE, "there is no pose %d", pose);
-  for (int k = 0; k < km_model_coordinate_count(s->model) && !status; ++k) {
-    double value = km_model_pose_value(s->model, pose, k);
-    q[k] = isnan(value) ? q[k] : value;
-  }
-  if (!status)
-    status = kv_session_place(s, q, error);
-  s->move = (km_hand_move){.coordinate = -1, .there = true};
-  free(q);
-  return status ? status : give_pose(c);
-}
-
 /* hold COORDINATE 0|1 */
 static km_status hold(const kv_call *c, km_error *error) {
   km_status status = kv_session_hold(c->session, kv_index(c, 0), c->arguments[1] != 0.0, error);
@@ -160,7 +139,7 @@ static const struct {
     {"joint", 2, 3, pull_joint},
     {"point", 10, 10, pull_point},
     {"place", 0, KV_MOST_ARGUMENTS, place},
-    {"named", 1, 1, named},
+    {"named", 1, 1, kv_named},
     {"hold", 2, 2, hold},
     {"mark", 0, 0, mark},
     {"undo", 1, 1, undo},
@@ -177,6 +156,7 @@ static const struct {
     {"pivot", 4, 4, pivot},
     {"frame", 4, 4, frame},
     {"design", 0, KV_MOST_ARGUMENTS, design},
+    {"parameters", 1, KV_MOST_ARGUMENTS, kv_take_parameters},
     {"patch", 2, 2, kv_patch},
     {"write", 0, 0, kv_write},
     {"reload", 0, 0, reload},

@@ -45,12 +45,14 @@ kv_verb kv_ask, kv_again, kv_track;
 int kv_question_kind(int index);
 /* why.c: what shows why it moves as it does. */
 kv_verb kv_motions, kv_diagnose, kv_forces, kv_lever;
-/* modes.c */
-kv_verb kv_modes, kv_mode;
+/* modes.c: poses that are found or named. */
+kv_verb kv_modes, kv_mode, kv_named;
 /* selfmotion.c */
 kv_verb kv_selfmotion;
 /* patches.c: what bodies look like. */
 kv_verb kv_patch;
+/* parameters.c */
+kv_verb kv_take_parameters;
 /* saved.c */
 kv_verb kv_write;
 

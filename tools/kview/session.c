@@ -141,18 +141,25 @@ km_status kv_session_load(kv_session *s, km_error *error) {
   size_t room = status ? 0 : (size_t)km_model_coordinate_count(model) + 1;
   km_hold *holds = status ? NULL : calloc(room, sizeof *holds);
   int *origin = status ? NULL : find_origins(model);
-  double *places = status ? NULL : kv_frame_places(model);
+  double *places = status ? NULL : kv_frame_places(model), *own = status ? NULL : kv_frame_places(model);
+  kv_parameters parameters = {0};
   int count = 0;
-  if (!status && (!holds || !origin || !places))
+  if (!status && (!holds || !origin || !places || !own))
     status = km_fail(error, KM_MEMORY, "out of memory");
   if (!status) {
     count = first_holds(s, model, holds);
     status = compile(model, holds, count, NULL, &made, &mobility, error);
   }
+  if (!status) {
+    status = kv_parameters_read(s->opening.path, &parameters, error);
+    if (status)
+      drop(&made);
+  }
   if (status) {
     free(holds);
     free(origin);
     free(places);
+    free(own);
     km_model_free(model);
     km_messages_free(messages);
     return status;
@@ -164,12 +171,16 @@ km_status kv_session_load(kv_session *s, km_error *error) {
   free(s->holds);
   free(s->origin);
   free(s->file_places);
+  free(s->own_places);
+  kv_parameters_free(&s->parameters);
   s->model = model;
   s->messages = messages;
   s->holds = holds;
   s->hold_count = count;
   s->origin = origin;
   s->file_places = places;
+  s->own_places = own;
+  s->parameters = parameters;
   s->file_length = km_mechanism_characteristic_length(s->mechanism, NULL);
   s->mobility = mobility;
   s->edited = false;
@@ -186,6 +197,8 @@ void kv_session_close(kv_session *s) {
   free(s->holds);
   free(s->origin);
   free(s->file_places);
+  free(s->own_places);
+  kv_parameters_free(&s->parameters);
   *s = (kv_session){.opening = s->opening};
 }
 
@@ -235,6 +248,24 @@ km_status kv_session_compile(kv_session *s, const double *q, km_error *error) {
   if (!status)
     adopt(s, &made);
   return status;
+}
+
+km_status kv_session_take_model(kv_session *s, km_model *model, const double *q, km_error *error) {
+  compiled made;
+  km_status status = compile(model, s->holds, s->hold_count, q, &made, &s->mobility, error);
+  if (status)
+    return status;
+  adopt(s, &made);
+  km_model_free(s->model);
+  s->model = model;
+  return KM_OK;
+}
+
+void kv_session_note_edits(kv_session *s) {
+  double *places = kv_frame_places(s->model);
+  size_t size = 3 * (size_t)km_model_frame_count(s->model) * sizeof *places;
+  s->edited = !places || kv_parameters_differ(&s->parameters) || memcmp(places, s->file_places, size) != 0;
+  free(places);
 }
 
 void kv_session_follow(kv_session *s) {

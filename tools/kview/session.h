@@ -7,6 +7,7 @@
 #include "kmech/edit.h"
 #include "kmech/frames.h"
 #include "kmech/hand.h"
+#include "kmech/memory.h"
 #include "kmech/parts.h"
 #include "kmech/question.h"
 
@@ -21,9 +22,9 @@ typedef struct kv_opening {
   const char *pose; /* named in the model; NULL: its own */
 } kv_opening;
 
-/* A pose and the places of the frames, to come back to. */
+/* A pose, the places of the frames and the parameters, to come back to. */
 typedef struct kv_moment {
-  double *numbers; /* [coordinates + 3 · frames] */
+  double *numbers; /* [coordinates + 3 · frames + parameters] */
 } kv_moment;
 
 /* A question as the page asks it, to be asked again when the design changes. */
@@ -33,6 +34,19 @@ typedef struct kv_asked {
   int branch; /* by arc length: which motion goes on at the first branch point; 1, or 0: the smooth one */
   double from, to;
 } kv_asked;
+
+/* A parameter of the file that is a plain number. */
+typedef struct kv_parameter {
+  const char *name, *note;
+  double value, file; /* that of the present design, and as the file has it */
+  double low, high;   /* what the file proposes */
+} kv_parameter;
+
+typedef struct kv_parameters {
+  km_arena memory;
+  kv_parameter *items;
+  int count;
+} kv_parameters;
 
 typedef struct kv_session {
   kv_opening opening;
@@ -47,8 +61,10 @@ typedef struct kv_session {
   int hold_count;
   int *origin;         /* [body] its frame `origin` */
   double *file_places; /* [3 · frames] as the file has them */
-  double file_length;  /* the characteristic length of the file's design */
-  bool edited;         /* a number of the design isn't the file's */
+  double *own_places;  /* the same of the present parameters */
+  kv_parameters parameters;
+  double file_length; /* the characteristic length of the file's design */
+  bool edited;        /* a number of the design isn't the file's */
   kv_moment undo[KV_MOST_UNDO];
   int undo_count, undo_at; /* poses kept; the place of the present one */
   kv_asked asked;
@@ -69,6 +85,11 @@ bool kv_session_is_stale(const kv_session *session);
 km_status kv_session_hold(kv_session *session, int coordinate, bool held, km_error *error);
 /* Compiles the model anew with the holds that are there, at the pose next to q. On failure everything stays. */
 km_status kv_session_compile(kv_session *session, const double *q, km_error *error);
+/* Takes over another model of the same parts at the pose next to q; on failure everything stays, and the model is the
+ * caller's. */
+km_status kv_session_take_model(kv_session *session, km_model *model, const double *q, km_error *error);
+/* Says whether the design is still that of the file. */
+void kv_session_note_edits(kv_session *session);
 /* All coordinates; NULL when out of memory. The caller frees it. */
 double *kv_session_coordinates(const kv_session *session);
 /* Puts the coordinates at values and closes the loops next to them; where they don't close, the pose stays. */
@@ -92,5 +113,12 @@ double *kv_frame_places(const km_model *model);
 /* Takes the places of all frames: T[3 · frames], of a design that was kept; at the pose next to q[coordinate], NULL: the
  * present one. */
 km_status kv_session_take_design(kv_session *session, const double *T, const double *q, km_error *error);
+
+/* parameters.c: those of a file; none where its format has none. KM_IO, KM_MEMORY. Free in any case. */
+km_status kv_parameters_read(const char *path, kv_parameters *out, km_error *error);
+void kv_parameters_free(kv_parameters *parameters);
+bool kv_parameters_differ(const kv_parameters *parameters);
+/* Reads the file with other values of the parameters, at the pose next to the present one. On failure everything stays. */
+km_status kv_session_set_parameters(kv_session *session, const double *values, km_error *error);
 
 #endif

@@ -5,7 +5,8 @@
 #include <string.h>
 
 static size_t moment_size(const kv_session *s) {
-  return (size_t)km_model_coordinate_count(s->model) + 3 * (size_t)km_model_frame_count(s->model);
+  return (size_t)km_model_coordinate_count(s->model) + 3 * (size_t)km_model_frame_count(s->model) +
+         (size_t)s->parameters.count;
 }
 
 static km_status take(const kv_session *s, double *numbers, km_error *error) {
@@ -15,6 +16,8 @@ static km_status take(const kv_session *s, double *numbers, km_error *error) {
     double R[9];
     status = km_model_frame_pose(s->model, f, R, numbers + n + 3 * f, error);
   }
+  for (int i = 0; i < s->parameters.count && !status; ++i)
+    numbers[n + 3 * km_model_frame_count(s->model) + i] = s->parameters.items[i].value;
   return status;
 }
 
@@ -53,7 +56,10 @@ km_status kv_session_step(kv_session *s, int direction, km_error *error) {
   if (status || to < 0 || to >= s->undo_count)
     return status;
   const double *numbers = s->undo[to].numbers;
-  status = kv_session_take_design(s, numbers + km_model_coordinate_count(s->model), numbers, error);
+  int n = km_model_coordinate_count(s->model);
+  status = kv_session_set_parameters(s, numbers + n + 3 * km_model_frame_count(s->model), error);
+  if (!status)
+    status = kv_session_take_design(s, numbers + n, numbers, error);
   if (!status)
     s->undo_at = to;
   return status;

@@ -9,13 +9,14 @@ export interface Coordinate {
   label: string; unit: string; push: string; joint: number; substructure: number; held: boolean; low: number | null; high: number | null;
 }
 export interface Substructure { loops: number; rank: number; mobility: number; coordinates: number }
+export interface Parameter { name: string; note: string; value: number; file: number; low: number | null; high: number | null }
 export interface Model {
   kind: "model"; request: number; version: string; name: string; meters: number; force: string; length: number;
   kutzbach: number; kutzbachPlanar: number; kutzbachExtended: number; redundant: number; edited: boolean; normal?: number[];
   assemblies: { name: string; parent: number }[];
   bodies: Body[]; frames: Frame[]; joints: Joint[]; coordinates: Coordinate[]; substructures: Substructure[];
   sweep: { driver: number; from: number; to: number; steps: number; arclength: number };
-  input: number; output: number; loads: number; actuators: number[]; poses: string[]; questions: string[]; notes: string[];
+  input: number; output: number; loads: number; actuators: number[]; poses: string[]; questions: string[]; parameters: Parameter[]; notes: string[];
 }
 
 export const STOPS = ["free", "limit", "toggle", "nearest"] as const;

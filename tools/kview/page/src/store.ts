@@ -6,7 +6,7 @@ import { bodyColours } from "./palette";
 export type Selection = { kind: "body" | "joint"; index: number } | null;
 export type ColourBy = "bodies" | "substructures" | "mobility";
 export type Mode = "move" | "design";
-export interface Variant { name: string; places: number[]; table: Table | null }
+export interface Variant { name: string; places: number[]; parameters: number[]; table: Table | null }
 
 type Topic = "model" | "pose" | "selection" | "table" | "look" | "why" | "variants" | "message";
 

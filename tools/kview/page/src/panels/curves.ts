@@ -160,7 +160,7 @@ export class Curves {
     const { store } = this, { table } = store, out: { name: string; table: Table }[] = [];
     if (!table) return out;
     if (store.model.edited && store.base && store.base !== table && store.base.question === table.question) out.push({ name: "file", table: store.base });
-    for (const variant of store.variants) if (variant.table?.question === table.question && variant.table.driver === table.driver) out.push({ name: variant.name, table: variant.table });
+    for (const variant of store.variants) if (variant.table && variant.table !== table && variant.table.question === table.question && variant.table.driver === table.driver) out.push({ name: variant.name, table: variant.table });
     return out;
   }
 

@@ -1,8 +1,9 @@
 // What is known of the selection and of the whole, and why it moves as it does.
-import { button, el, replace, save, shown } from "../dom";
+import { button, el, replace, shown } from "../dom";
 import { OKABE, scaleColour } from "../palette";
 import { Forces, SelfMotion } from "../protocol";
 import { Store } from "../store";
+import { parameters, typed, variants } from "./design";
 import { typeOf } from "./tree";
 
 type Fact = [string, string | HTMLElement];
@@ -79,7 +80,7 @@ export class Details {
     const at = [0, 1, 2].map((i) => [0, 1, 2].reduce((s, k) => s + pose.bodies[b + 3 * i + k] * frame.T[k], pose.bodies[b + 9 + i]));
     const fields = at.map((x, i) => el("input", { type: "text", inputmode: "decimal", "aria-label": `${"xyz"[i]} of the pivot`, value: shown(x, 6), onchange: () => void move() }));
     const move = async (): Promise<void> => {
-      const numbers = fields.map((f) => Number(f.value.replace("−", "-").replace(",", ".")));
+      const numbers = fields.map((f) => typed(f.value));
       if (numbers.every(Number.isFinite) && (await store.ask(`pivot ${j} ${numbers.join(" ")}`)).kind !== "error") {
         await store.ask("pose");
         await store.ask("again");
@@ -104,7 +105,7 @@ export class Details {
     const row = ({ f, i }: (typeof frames)[number]): HTMLElement => {
       const fields = f.T.map((x, k) => el("input", { type: "text", inputmode: "decimal", "aria-label": `${"xyz"[k]} of ${f.name}`, value: shown(x, 6), onchange: () => void move() }));
       const move = async (): Promise<void> => {
-        const numbers = fields.map((field) => Number(field.value.replace("−", "-").replace(",", ".")));
+        const numbers = fields.map((field) => typed(field.value));
         if (!numbers.every(Number.isFinite) || (await store.ask(`frame ${i} ${numbers.join(" ")}`)).kind === "error") return;
         await store.ask("pose");
         if (store.table) await store.ask("again");
@@ -138,6 +139,7 @@ export class Details {
     const { store } = this, { model } = store;
     if (!store.pose) return;
     this.refreshAnswers();
+    if (this.why.contains(document.activeElement) && document.activeElement instanceof HTMLInputElement && document.activeElement.type === "text") return;
     const parts: (HTMLElement | null)[] = [];
     if (store.lever && store.ends) {
       const value = store.lever.state === "finite" ? shown(store.lever.value ?? NaN) : store.lever.state;
@@ -145,7 +147,7 @@ export class Details {
       const [input, output] = store.ends.map((c) => model.coordinates[c].label);
       parts.push(el("div", { class: "group" }, el("h2", { text: `Leverage ${input} over ${output}` }), this.lever));
     }
-    if (!store.link.recorded) parts.push(this.motions(), this.selfMotion(), this.redundancies(), this.forces(), this.modes(), this.variants());
+    if (!store.link.recorded) parts.push(parameters(store), this.motions(), this.selfMotion(), this.redundancies(), this.forces(), this.modes(), variants(store));
     replace(this.why, ...parts);
   }
 
@@ -252,40 +254,5 @@ export class Details {
     return el("div", { class: "group" }, el("h2", { text: "Assembly modes" }), el("div", { class: "chips" },
       driver < 0 ? el("p", { class: "hint", text: "No loops." }) : button("Find", "Find the assembly modes", () => void find()),
       ...Array.from({ length: this.modeCount }, (_, k) => button(String(k + 1), `Take assembly mode ${k + 1}`, () => void store.ask(`mode ${k}`).then(() => store.settle()), { class: "chip" }))));
-  }
-
-  private variants(): HTMLElement {
-    const { store } = this;
-    const keep = (): void => {
-      const name = String.fromCharCode(65 + store.variants.length);
-      store.variants = [...store.variants, { name, places: store.model.frames.flatMap((f) => f.T), table: store.table }];
-      store.tell("variants");
-    };
-    const take = async (places: number[]): Promise<void> => {
-      if ((await store.ask(`design ${places.join(" ")}`)).kind === "error") return;
-      await store.ask("pose");
-      await store.ask("again");
-      await store.settle();
-    };
-    const write = async (): Promise<void> => {
-      const answer = await store.ask("write");
-      if (answer.kind === "file") save(store.model.name.replace(/(\.\w+)?$/, ".changed.json"), answer.text, "application/json");
-    };
-    return el("div", { class: "group" }, el("h2", { text: "Design" }), el("div", { class: "chips" },
-      button("Keep as a variant", "Keep this design and its curve as a variant", keep, { disabled: store.variants.length >= 8 }),
-      store.model.edited ? button("Back to the file's", "Take the file's own design", () => void take(store.first)) : null,
-      button("Save as a file", "Save the model with this pose and design", () => void write())),
-      store.variants.length ? this.variantTable(take) : null);
-  }
-
-  private variantTable(take: (places: number[]) => Promise<void>): HTMLElement {
-    const { store } = this;
-    const rows = store.variants.map((v) => {
-      const column = v.table?.columns.findIndex((c) => /^(ma|m|f)\./.test(c.name)) ?? -1;
-      const values = v.table && column >= 0 ? Array.from(v.table.values[column]).filter(Number.isFinite) : [];
-      return el("tr", {}, el("th", { scope: "row" }, button(v.name, `Take variant ${v.name}`, () => void take(v.places), { class: "chip" })),
-        el("td", { text: values.length ? shown(Math.min(...values)) : "–" }), el("td", { text: values.length ? shown(Math.max(...values)) : "–" }));
-    });
-    return el("table", {}, el("thead", {}, el("tr", {}, el("th", { text: "Variant" }), el("th", { text: "least" }), el("th", { text: "most" }))), el("tbody", {}, ...rows));
   }
 }
