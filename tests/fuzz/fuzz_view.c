@@ -32,12 +32,12 @@ static double between(double low, double high) {
 static const struct {
   const char *word;
   int arguments, share;
-} verbs[] = {{"hello", 1, 10},      {"pose", 0, 10},      {"joint", 2, 200},  {"point", 10, 200}, {"place", 7, 20},
-             {"hold", 2, 30},       {"mark", 0, 40},      {"undo", 1, 60},    {"ask", 5, 10},     {"again", 0, 5},
-             {"track", 1, 4},       {"motions", 0, 20},   {"diagnose", 0, 1}, {"forces", 0, 30},  {"lever", 2, 30},
-             {"modes", 1, 1},       {"mode", 1, 10},      {"pivot", 4, 80},   {"frame", 4, 80},   {"design", 9, 10},
-             {"patch", 2, 10},      {"selfmotion", 1, 1}, {"write", 0, 10},   {"reload", 0, 1},   {"named", 1, 10},
-             {"parameters", 2, 10}, {"fly", 1, 5}};
+} verbs[] = {{"hello", 1, 10},   {"pose", 0, 10},       {"joint", 2, 200},  {"point", 10, 200}, {"place", 7, 20},
+             {"hold", 2, 30},    {"mark", 0, 40},       {"undo", 1, 60},    {"ask", 5, 10},     {"again", 0, 5},
+             {"track", 1, 4},    {"motions", 0, 20},    {"diagnose", 0, 1}, {"forces", 0, 30},  {"lever", 2, 30},
+             {"modes", 1, 1},    {"mode", 1, 10},       {"pivot", 4, 80},   {"frame", 4, 80},   {"design", 9, 10},
+             {"patch", 2, 10},   {"selfmotion", 1, 1},  {"write", 0, 10},   {"reload", 0, 1},   {"named", 1, 10},
+             {"columns", 2, 10}, {"parameters", 2, 10}, {"fly", 1, 5}};
 enum { VERBS = (int)(sizeof verbs / sizeof *verbs) };
 
 static int pick_verb(void) {

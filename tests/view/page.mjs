@@ -1,4 +1,4 @@
-// kview's page in a browser: page.mjs MODULES KVIEW KMOB MODELS_DIR smoke|all|guide [PICTURES_DIR]
+// kview's page in a browser: page.mjs MODULES KVIEW KMOB MODELS_DIR smoke|all|guide|PART [PICTURES_DIR]
 import { execFileSync } from "node:child_process";
 import { mkdtempSync, readdirSync, rmSync, statSync, copyFileSync, readFileSync, writeFileSync } from "node:fs";
 import { tmpdir } from "node:os";
@@ -94,6 +94,8 @@ async function smoke() {
     const before = await page.evaluate(() => kview.store.pose.q[0]);
     await page.locator(".row input[type=range]").first().fill("2");
     check((await page.evaluate(() => kview.store.pose.q[0])) !== before, "the exported page's slider moves nothing");
+    await page.getByLabel("Question").selectOption({ label: "Actuator forces" });
+    await until(page, () => kview.store.table.question === "forces");
   });
 }
 
@@ -147,6 +149,91 @@ async function design() {
   });
 }
 
+/** Bricard's linkage is pulled round, by whichever of two neighbours can move, through the planar poses where the other one
+ * stands: never open, never a jump. */
+async function bricard() {
+  await on(join(models, "bricard.json"), {}, async (page) => {
+    const found = await page.evaluate(async () => {
+      const { store } = kview, index = (label) => store.model.coordinates.findIndex((c) => c.label === label);
+      const pair = [index("A"), index("B")], sense = [1, 1], out = { open: 0, jump: 0, way: 0, planar: 0, error: "" };
+      for (let k = 0; k < 400; ++k) {
+        const before = Array.from(store.pose.q), m = store.pose.m, which = m[pair[0]] > m[pair[1]] ? 0 : 1, c = pair[which];
+        const answer = await store.ask(`joint ${c} ${before[c] + 0.08 * sense[which]}`);
+        if (answer.kind !== "pose") return { ...out, error: JSON.stringify(answer) };
+        const moved = Array.from(answer.q, (v, i) => v - before[i]);
+        pair.forEach((p, i) => (sense[i] = moved[p] !== 0 ? Math.sign(moved[p]) : sense[i]));
+        out.open = Math.max(out.open, answer.residual);
+        out.jump = Math.max(out.jump, ...moved.map(Math.abs));
+        out.way += Math.abs(moved[pair[0]]);
+        out.planar += pair.some((p) => answer.m[p] < 1e-3) ? 1 : 0;
+      }
+      return out;
+    });
+    check(found.open <= 1e-9 && !found.error, `Bricard's loop is open by ${found.open} ${found.error}`);
+    check(found.jump < 0.5, `Bricard's linkage jumps by ${found.jump}`);
+    check(found.way > 6 && found.planar >= 2, `Bricard's linkage doesn't come round: ${JSON.stringify(found)}`);
+  });
+}
+
+const flat = {
+  model_parameters: { version: "1.1", units: { length: "mm", angle: "deg" } },
+  parameters: { crank: { value: 40, low: 20, high: 80, note: "length of the crank" } },
+  poses: { up: { A: 120 } },
+  assemblies: [{
+    name: "parallelogram", drawn: "assembled", bodies: [{ name: "crank" }, { name: "coupler" }, { name: "rocker" }],
+    joints: [["A", "fixed", "crank", 0], ["B", "crank", "coupler", "crank"], ["C", "coupler", "rocker", "100+crank"], ["D", "fixed", "rocker", 100]].map(([name, from, to, x]) => ({ name, type: "revolute", bodies: [from, to], at: [x, 0] })),
+  }],
+  analysis: { sweep: { arclength: 0.05, steps: 200 } },
+};
+
+/** A parallelogram laid flat goes on along any of the motions that meet there; poses and parameters go by their names. */
+async function names() {
+  const file = join(folder, "flat.json");
+  writeFileSync(file, JSON.stringify(flat));
+  await on(file, {}, async (page) => {
+    await until(page, () => kview.store.table?.branches === 2);
+    const last = () => page.evaluate(() => kview.store.table.values.map((v) => v[v.length - 1]));
+    const smooth = await last(), choice = page.getByLabel("At the branch point");
+    check((await choice.locator("option").count()) === 3, "three ways on are offered where two motions meet");
+    await page.evaluate(() => (kview.store.table = null));
+    await choice.selectOption("2");
+    await until(page, () => kview.store.table);
+    check((await last()).some((v, i) => Math.abs(v - smooth[i]) > 1), "the other motion is the smooth one");
+    await page.getByLabel("Parameter crank").fill("55");
+    await page.getByLabel("Parameter crank").press("Enter");
+    await until(page, () => kview.store.model.edited && kview.store.model.parameters[0].value === 55);
+    const text = await page.evaluate(async () => (await kview.store.ask("write")).text);
+    check(JSON.parse(text).parameters.crank.value === 55, "the file that is saved has the old parameter");
+    await page.getByLabel("Poses of the model").selectOption("0");
+    await until(page, () => Math.abs(kview.store.pose.q[0] - 120) < 1e-6);
+    await page.getByLabel("Parameter crank").fill("50");
+    await page.getByLabel("Parameter crank").press("Enter");
+    await until(page, () => kview.store.model.parameters[0].value === 50);
+    check(await page.evaluate(() => Math.abs(kview.store.pose.q[0] - 120) < 1e-6 && kview.store.pose.residual <= 1e-9), "the pose isn't kept when a parameter changes");
+    await page.getByLabel("Parameter crank").fill("five");
+    await page.getByLabel("Parameter crank").press("Enter");
+    await until(page, () => document.querySelector(".status").textContent.includes("needs a number"));
+  });
+}
+
+/** An arm's columns are arrows at its joints, and a click into the map of its self-motion takes it there in place. */
+async function arm() {
+  await on(join(models, "iiwa14.json"), {}, async (page) => {
+    await page.getByRole("button", { name: "Show path-control" }).click();
+    await until(page, () => kview.store.columns && kview.view.marks.children.length > 0);
+    const { columns, rates } = await page.evaluate(() => ({ columns: kview.store.columns.columns.length, rates: kview.store.columns.columns[1] }));
+    check(columns === 2 && rates.some((r) => Math.abs(r) > 0.1), `an arm of seven joints has ${columns} columns`);
+    await page.getByRole("button", { name: "Find the poses that hold" }).click();
+    await page.locator("svg.map").waitFor();
+    const place = () => page.evaluate(() => Array.from(kview.store.pose.bodies.slice(-3)));
+    const before = await place(), q = await page.evaluate(() => Array.from(kview.store.pose.q));
+    await page.locator("svg.map").click({ position: { x: 30, y: 40 } });
+    await until(page, (old) => kview.store.pose.q.some((v, i) => Math.abs(v - old[i]) > 1e-3), q);
+    const after = await place();
+    check(after.every((v, i) => Math.abs(v - before[i]) < 1e-5), `the effector moves by ${after.map((v, i) => v - before[i])}`);
+  });
+}
+
 /** A file that changes is read again; one that is wrong is told with its place. */
 async function reload() {
   const file = join(folder, "fourbar.json"), text = readFileSync(join(models, "fourbar.json"), "utf8");
@@ -168,6 +255,16 @@ async function sizes() {
         await page.waitForTimeout(400);
         const wide = await page.evaluate(() => document.documentElement.scrollWidth - document.documentElement.clientWidth);
         check(wide <= 0, `${width} ${colorScheme}: wider than the window by ${wide}`);
+        const out = await page.evaluate(() => {
+          const box = { x: 0, y: 0 };
+          kview.view.actors.corners((p) => {
+            const spot = p.clone().project(kview.view.camera);
+            box.x = Math.max(box.x, Math.abs(spot.x));
+            box.y = Math.max(box.y, Math.abs(spot.y));
+          });
+          return Math.max(box.x, box.y);
+        });
+        check(out < 1, `${width} ${colorScheme}: the mechanism is cut off at ${out} of the view's half`);
         const nameless = await page.evaluate(() => [...document.querySelectorAll("button, input, select")].filter((n) => !(n.getAttribute("aria-label") || n.textContent.trim() || n.labels?.length)).map((n) => n.outerHTML));
         check(!nameless.length, `without a name: ${nameless.slice(0, 3)}`);
         if (pictures) await page.screenshot({ path: join(pictures, `kview.${width}.${colorScheme}.png`) });
@@ -188,15 +285,11 @@ async function guide() {
   });
 }
 
+const parts = { toggles, design, reload, bricard, names, arm, sizes, everyModel };
 if (which === "guide") await guide();
+else if (which in parts) await parts[which]();
 else await smoke();
-if (which === "all") {
-  await toggles();
-  await design();
-  await reload();
-  await sizes();
-  await everyModel();
-}
+if (which === "all") for (const part of Object.values(parts)) await part();
 await browser.close();
 rmSync(folder, { recursive: true });
 console.log(`${passed} passed, ${failed} failed`);

@@ -30,10 +30,12 @@ static bool has_option(int kind, const char *name) {
   return false;
 }
 
-int kv_question_kind(int index) {
-  for (int kind = 0; kind < km_question_kinds(); ++kind)
-    if (has_option(kind, "range") && !has_option(kind, "study") && index-- == 0)
+int kv_question_kind(const kv_session *s, int index) {
+  for (int kind = 0; kind < km_question_kinds(); ++kind) {
+    bool track = has_option(kind, "study");
+    if ((track ? s->opening.study != NULL : has_option(kind, "range")) && index-- == 0)
       return kind;
+  }
   return -1;
 }
 
@@ -51,7 +53,10 @@ static km_status set_end(const kv_session *s, km_question *question, int kind, c
 static km_status make(const kv_session *s, const kv_asked *a, km_question **out, km_error *error) {
   km_option_value driver = {.coordinate = a->driver}, range = {.numbers = {a->from, a->to}};
   km_option_value steps = {.whole = a->steps}, length = {.numbers = {a->from}}, branch = {.whole = a->branch};
+  km_option_value study = {.text = s->opening.study};
   km_status status = km_question_create(s->mechanism, km_question_kind_name(a->kind), out, error);
+  if (!status && has_option(a->kind, "study")) /* it moves by the study's path, and by nothing else */
+    return set(*out, a->kind, "study", &study, error);
   if (!status && a->driver >= 0)
     status = set(*out, a->kind, "joint", &driver, error);
   if (!status && a->driver >= 0)
@@ -177,7 +182,7 @@ static km_status answer(const kv_call *call, km_error *error) {
  * (0: as the model says), at the first branch point along motion BRANCH. */
 km_status kv_ask(const kv_call *call, km_error *error) {
   kv_session *s = call->session;
-  const kv_asked asked = {.kind = kv_question_kind(kv_index(call, 0)),
+  const kv_asked asked = {.kind = kv_question_kind(s, kv_index(call, 0)),
                           .driver = kv_index(call, 1),
                           .from = call->arguments[2],
                           .to = call->arguments[3],
@@ -207,7 +212,7 @@ km_status kv_again(const kv_call *call, km_error *error) {
 static km_status go(const kv_call *call, int coordinate, double to, bool *first, km_error *error) {
   kv_session *s = call->session;
   kv_buffer *out = &call->answer->bytes;
-  const kv_asked way = {.kind = kv_question_kind(0),
+  const kv_asked way = {.kind = kv_question_kind(s, 0),
                         .driver = coordinate,
                         .from = km_state_coordinate(s->state, coordinate),
                         .to = to,

@@ -149,11 +149,11 @@ static void add_defaults(const km_model *m, kv_buffer *out) {
   kv_add(out, "]");
 }
 
-static void add_questions(kv_buffer *out) {
+static void add_questions(const kv_session *s, kv_buffer *out) {
   kv_add(out, ",\"questions\":[");
-  for (int k = 0; kv_question_kind(k) >= 0; ++k) {
+  for (int k = 0; kv_question_kind(s, k) >= 0; ++k) {
     kv_add_comma(out);
-    kv_add_string(out, km_question_kind_name(kv_question_kind(k)));
+    kv_add_string(out, km_question_kind_name(kv_question_kind(s, k)));
   }
   kv_add(out, "]");
 }
@@ -222,7 +222,7 @@ void kv_describe(const kv_session *s, unsigned request, kv_buffer *out) {
   add_coordinates(s, out);
   add_substructures(s, out);
   add_defaults(s->model, out);
-  add_questions(out);
+  add_questions(s, out);
   add_parameters(s, out);
   add_notes(s, out);
   kv_add(out, "}");

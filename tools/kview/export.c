@@ -95,10 +95,10 @@ static km_status add_tables(kv_session *s, kv_buffer *out, km_error *error) {
   km_status status = KM_OK;
   kv_add(out, ",\"tables\":[");
   int count = 0;
-  while (kv_question_kind(count) >= 0)
+  while (kv_question_kind(s, count) >= 0)
     ++count;
   while (count-- > 0 && !status) { /* mobility last: the poses are its rows */
-    const char *name = km_question_kind_name(kv_question_kind(count));
+    const char *name = km_question_kind_name(kv_question_kind(s, count));
     bool forces = strcmp(name, "forces") == 0;
     if ((strcmp(name, "advantage") == 0 && !lever) || (forces && !has_forces(s->model)))
       continue;

@@ -153,6 +153,7 @@ static const struct {
     {"modes", 1, 1, kv_modes},
     {"mode", 1, 1, kv_mode},
     {"selfmotion", 1, 1, kv_selfmotion},
+    {"columns", 2, 2, kv_columns},
     {"pivot", 4, 4, pivot},
     {"frame", 4, 4, frame},
     {"design", 0, KV_MOST_ARGUMENTS, design},

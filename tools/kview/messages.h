@@ -41,14 +41,15 @@ typedef km_status kv_verb(const kv_call *call, km_error *error);
 
 /* ask.c: sweeps and the limits of a slider. */
 kv_verb kv_ask, kv_again, kv_track;
-/* The questions that a page can ask, those over a driver's range: the library's kind of the index-th; -1: there is none. */
-int kv_question_kind(int index);
+/* The questions that a page can ask, those over a driver's range, and with a path study the track: the library's kind of the
+ * index-th; -1: there is none. */
+int kv_question_kind(const kv_session *session, int index);
 /* why.c: what shows why it moves as it does. */
 kv_verb kv_motions, kv_diagnose, kv_forces, kv_lever;
 /* modes.c: poses that are found or named. */
 kv_verb kv_modes, kv_mode, kv_named;
-/* selfmotion.c */
-kv_verb kv_selfmotion;
+/* selfmotion.c, columns.c: arms with joints to spare. */
+kv_verb kv_selfmotion, kv_columns;
 /* patches.c: what bodies look like. */
 kv_verb kv_patch;
 /* parameters.c */

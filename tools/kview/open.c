@@ -9,7 +9,7 @@
 
 typedef struct options {
   kt_common common;
-  const char *model, *port;
+  const char *model, *port, *study;
   bool no_browser, stay;
 } options;
 
@@ -72,6 +72,8 @@ kt_exit kview_open(int argc, char **argv) {
       {"port", 0, "N", "Listen on this port of 127.0.0.1 (default: a free one)", KT_TEXT, &o.port, KT_ABOUT_METHOD},
       {"no-browser", 0, NULL, "Only print the address", KT_FLAG, &o.no_browser, KT_ABOUT_METHOD},
       {"stay", 0, NULL, "Go on when the last page is closed, until Ctrl-C", KT_FLAG, &o.stay, KT_ABOUT_METHOD},
+      {"study", 0, "FILE", "Offer the question track too, along the path of this path study", KT_TEXT, &o.study,
+       KT_ABOUT_MODEL},
       {"pose", 0, "NAME", "Start from this one of the poses that the model names", KT_TEXT, &o.common.pose,
        KT_ABOUT_MODEL},
   };
@@ -80,10 +82,11 @@ kt_exit kview_open(int argc, char **argv) {
   all.operand = (kt_operand){"model", "MODEL", true, &o.model, NULL};
   kt_options_read(&all, "Open a model in the browser: a page of this machine alone, which moves it by hand.", argc,
                   argv);
-  kv_server_def def = {.opening = {.path = o.model, .floating = o.common.floating, .pose = o.common.pose},
-                       .stay = o.stay,
-                       .ready = ready,
-                       .context = &o};
+  kv_server_def def = {
+      .opening = {.path = o.model, .floating = o.common.floating, .pose = o.common.pose, .study = o.study},
+      .stay = o.stay,
+      .ready = ready,
+      .context = &o};
   if (!read_port(&o, &def.port))
     return KT_USAGE;
   if (strcmp(o.model, "-") == 0)

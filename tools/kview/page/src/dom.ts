@@ -35,6 +35,12 @@ export function shown(value: number, digits = 4): string {
   return value.toFixed(Math.max(0, Math.min(6, digits - 1 - Math.floor(Math.log10(size))))).replace("-", "−");
 }
 
+/** A number as people type it; NaN where it is none. */
+export function typed(text: string): number {
+  const plain = text.trim().replace("−", "-").replace(",", ".");
+  return plain === "" ? NaN : Number(plain);
+}
+
 export function save(name: string, text: string, type: string): void {
   const link = el("a", { href: URL.createObjectURL(new Blob([text], { type })), download: name });
   link.click();

@@ -53,10 +53,12 @@ export interface Forces {
 export interface Lever { kind: "lever"; request: number; state: string; unit: string; value: number | null }
 export interface Modes { kind: "modes"; request: number; count: number; isolated: boolean }
 export interface SelfMotion { kind: "selfmotion"; request: number; whole: boolean; coordinates: number[]; u: number[]; arc: number[]; q: number[][] }
+/** Rates of an arm's joints: the path-control column, then the pose-control columns. */
+export interface Columns { kind: "columns"; request: number; entry: number; coordinates: number[]; columns: number[][] }
 export interface File { kind: "file"; request: number; text: string }
 export interface Failure { kind: "error"; request: number; text: string }
 export type Answer =
-  | Model | Pose | Table | Patch | Track | Motions | Diagnosis | Forces | Lever | Modes | SelfMotion | File | Failure;
+  | Model | Pose | Table | Patch | Track | Motions | Diagnosis | Forces | Lever | Modes | SelfMotion | Columns | File | Failure;
 
 function pose(data: DataView): Pose {
   const n = data.getUint32(8, true), bodies = data.getUint32(12, true), flags = data.getUint32(24, true);

@@ -1,12 +1,14 @@
 // What the page knows, and who is told when it changes.
 import { Link } from "./link";
-import { Answer, Diagnosis, Failure, Forces, Lever, Model, Motions, Pose, Table } from "./protocol";
+import { Answer, Columns, Diagnosis, Failure, Forces, Lever, Model, Motions, Pose, Table } from "./protocol";
 import { bodyColours } from "./palette";
 
 export type Selection = { kind: "body" | "joint"; index: number } | null;
 export type ColourBy = "bodies" | "substructures" | "mobility";
 export type Mode = "move" | "design";
 export interface Variant { name: string; places: number[]; parameters: number[]; table: Table | null }
+
+const READ = 2500; // ms that an error stays at least, while poses go on
 
 type Topic = "model" | "pose" | "selection" | "table" | "look" | "why" | "variants" | "message";
 
@@ -30,6 +32,8 @@ export class Store {
   redundancy = -1;
   forces: Forces | null = null;
   lever: Lever | null = null;
+  columns: Columns | null = null;
+  column = -1; // the one that is shown
   ends: [number, number] | null = null; // input and output of the leverage
   variants: Variant[] = [];
   private listeners = new Map<Topic, (() => void)[]>();
@@ -47,7 +51,9 @@ export class Store {
     for (const listener of told) listener();
   }
 
+  private saidAt = 0;
   say(text: string, alert = false): void {
+    this.saidAt = performance.now();
     this.message = text;
     this.alert = alert;
     this.tell("message");
@@ -85,6 +91,11 @@ export class Store {
         this.forces = answer;
         this.tell("why");
         break;
+      case "columns":
+        this.columns = answer;
+        this.column = Math.min(this.column, answer.columns.length - 1);
+        this.tell("why");
+        break;
       case "lever":
         this.lever = answer;
         this.tell("why");
@@ -106,7 +117,7 @@ export class Store {
     if (pose.stop === "limit") this.say(`${label} is at its limit.`);
     else if (pose.stop === "toggle") this.say(`${label} is at a toggle: its mobility number is 0 here. Move another joint.`);
     else if (pose.stop === "nearest" && !pose.there) this.say("No motion brings the point any nearer.");
-    else if (this.message && !this.alert) this.say("");
+    else if (this.message && (!this.alert || performance.now() - this.saidAt > READ)) this.say("");
   }
 
   async ask(words: string): Promise<Answer> {

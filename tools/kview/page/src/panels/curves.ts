@@ -1,6 +1,6 @@
 // The curves of a question over its sweep, with a mark at the present pose.
 import uPlot from "uplot";
-import { button, el, replace, save, shown } from "../dom";
+import { button, el, replace, save, shown, typed } from "../dom";
 import { RecordedLink } from "../link";
 import { DASHES, OKABE } from "../palette";
 import { Table } from "../protocol";
@@ -9,7 +9,7 @@ import { answers, apart, between, rowAt, spread, tamed } from "./rows";
 import { rangeOf } from "./tree";
 
 const MOST_LINES = 7;
-const WORDS: Record<string, string> = { mobility: "Mobility numbers", advantage: "Mechanical advantage", forces: "Actuator forces" };
+const WORDS: Record<string, string> = { mobility: "Mobility numbers", advantage: "Mechanical advantage", forces: "Actuator forces", track: "Track of the path study" };
 
 export class Curves {
   readonly node = el("section", { class: "panel curves", "aria-label": "Curves" });
@@ -23,6 +23,8 @@ export class Curves {
   private from = el("input", { type: "text", inputmode: "decimal", "aria-label": "From", onchange: () => void this.ask() });
   private to = el("input", { type: "text", inputmode: "decimal", "aria-label": "To", onchange: () => void this.ask() });
   private branch = el("select", { "aria-label": "At the branch point", title: "Which motion goes on where several meet", hidden: true, onchange: () => void this.ask() });
+  private over = el("label", {}, "over ", this.driver);
+  private dots = el("span", { text: "…" });
   private plot: uPlot | null = null;
   private shown = new Set<string>();
   private filled = "";
@@ -31,7 +33,7 @@ export class Curves {
   private play = button("▶", "Play the motion", () => this.toggle(), { class: "play" });
 
   constructor(private store: Store) {
-    const bar = el("div", { class: "tools" }, this.play, this.question, el("label", {}, "over ", this.driver), this.from, "…", this.to, this.ends, this.branch,
+    const bar = el("div", { class: "tools" }, this.play, this.question, this.over, this.from, this.dots, this.to, this.ends, this.branch,
       button("CSV", "Save the table", () => this.saveTable(), { class: "small" }));
     this.ends.append(this.input, " / ", this.output);
     this.node.append(bar, this.chips, this.place);
@@ -91,8 +93,14 @@ export class Curves {
 
   private async ask(): Promise<void> {
     const { store } = this, kind = this.question.value, word = store.model.questions[Number(kind)];
-    const driver = Number(this.driver.value), own = store.model.sweep;
-    const number = (field: HTMLInputElement): number => Number(field.value.replace("−", "-").replace(",", ".")) || 0;
+    const track = word === "track", driver = track ? -1 : Number(this.driver.value), own = store.model.sweep;
+    for (const part of [this.over, this.from, this.dots]) part.hidden = track;
+    this.to.hidden = track || driver < 0;
+    const number = (field: HTMLInputElement): number => typed(field.value);
+    if (!track && ![this.from, ...(driver < 0 ? [] : [this.to])].every((field) => Number.isFinite(number(field)))) {
+      store.say(driver < 0 ? "A step of arc length needs a number." : "The range needs two numbers.", true);
+      return;
+    }
     this.ends.hidden = word !== "advantage";
     store.ends = word === "advantage" || (store.model.input >= 0 && store.model.output >= 0) ? [Number(this.input.value), Number(this.output.value)] : null;
     store.tell("why");
@@ -100,7 +108,7 @@ export class Curves {
     const along = driver < 0 ? Number(this.branch.value) : 0, words = word === "advantage" ? ` ${this.input.value} ${this.output.value}` : along > 1 ? " -1 -1" : "";
     const ends = words + (along > 1 ? ` ${along}` : "");
     store.base = store.model.edited ? store.base : null;
-    const answer = await store.ask(`ask ${kind} ${driver} ${number(this.from)} ${driver < 0 ? 0 : number(this.to)} ${steps}${ends}`);
+    const answer = await store.ask(`ask ${kind} ${driver} ${track ? 0 : number(this.from)} ${driver < 0 ? 0 : number(this.to)} ${steps}${ends}`);
     if (answer.kind === "error") this.empty(answer.text);
   }
 
@@ -146,7 +154,7 @@ export class Curves {
     const { table } = this.store;
     if (!table) return;
     replace(this.chips, ...(columns.length < 2 ? [] : columns.map((c, i) => {
-      const name = table.columns[c].name, label = name.replace(/^(ma|m|f)\./, "");
+      const name = table.columns[c].name, label = name.replace(/^(ma|m|f|fbar|objective)\./, "");
       return el("button", { type: "button", class: "chip", "aria-pressed": String(this.shown.has(name)), style: `--c:${OKABE[i % OKABE.length]}`, onclick: () => {
         if (!this.shown.delete(name)) this.shown.add(name);
         this.showChips(columns);
@@ -175,7 +183,7 @@ export class Curves {
       });
     columns.forEach((c, i) => {
       const name = table.columns[c].name;
-      if (this.shown.has(name)) out.push({ column: name, colour: OKABE[i % OKABE.length], dash: DASHES[Math.floor(i / OKABE.length) % DASHES.length], table, label: name.replace(/^(ma|m|f)\./, ""), width: 2 });
+      if (this.shown.has(name)) out.push({ column: name, colour: OKABE[i % OKABE.length], dash: DASHES[Math.floor(i / OKABE.length) % DASHES.length], table, label: name.replace(/^(ma|m|f|fbar|objective)\./, ""), width: 2 });
     });
     return out;
   }

@@ -1,13 +1,7 @@
 // The design by hand: parameters typed, variants kept, the model saved.
-import { button, el, save, shown } from "../dom";
+import { button, el, save, shown, typed } from "../dom";
 import { Parameter } from "../protocol";
 import { Store } from "../store";
-
-/** A number as people type it; NaN where it is none. */
-export function typed(text: string): number {
-  const plain = text.trim().replace("−", "-").replace(",", ".");
-  return plain === "" ? NaN : Number(plain);
-}
 
 /** The design has changed: the pose and the curve follow, and undo comes back to before. */
 async function follow(store: Store): Promise<void> {

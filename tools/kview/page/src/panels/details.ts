@@ -1,9 +1,10 @@
 // What is known of the selection and of the whole, and why it moves as it does.
-import { button, el, replace, shown } from "../dom";
+import { button, el, replace, shown, typed } from "../dom";
 import { OKABE, scaleColour } from "../palette";
-import { Forces, SelfMotion } from "../protocol";
+import { Forces } from "../protocol";
 import { Store } from "../store";
-import { parameters, typed, variants } from "./design";
+import { ArmPanel } from "./arm";
+import { parameters, variants } from "./design";
 import { typeOf } from "./tree";
 
 type Fact = [string, string | HTMLElement];
@@ -19,6 +20,7 @@ export class Details {
   private why = el("div", { class: "why" });
   private lever = el("output", { class: "big" });
   private stamp = "";
+  private arm = new ArmPanel(this.store, () => this.explain());
 
   constructor(private store: Store, private stopSwing: () => void) {
     this.node.append(this.whole, this.chosen, this.why);
@@ -121,11 +123,12 @@ export class Details {
   /** Asks again, after a move, what is shown of the pose. */
   private asking = false;
   private refreshAnswers(): void {
-    const { store } = this, stamp = Array.from(store.pose.q).join() + store.ends + store.arrows;
+    const { store } = this, stamp = Array.from(store.pose.q).join() + store.ends + store.arrows + this.arm.wanted();
     if (this.asking || store.link.recorded || stamp === this.stamp) return;
     const asks: string[] = [];
     if (store.arrows) asks.push("forces");
     if (store.ends && store.ends[0] !== store.ends[1]) asks.push(`lever ${store.ends.join(" ")}`);
+    if (this.arm.wanted()) asks.push(this.arm.wanted());
     if (!asks.length) return;
     this.stamp = stamp;
     this.asking = true;
@@ -147,7 +150,7 @@ export class Details {
       const [input, output] = store.ends.map((c) => model.coordinates[c].label);
       parts.push(el("div", { class: "group" }, el("h2", { text: `Leverage ${input} over ${output}` }), this.lever));
     }
-    if (!store.link.recorded) parts.push(parameters(store), this.motions(), this.selfMotion(), this.redundancies(), this.forces(), this.modes(), variants(store));
+    if (!store.link.recorded) parts.push(parameters(store), this.motions(), this.arm.node(), this.redundancies(), this.forces(), this.modes(), variants(store));
     replace(this.why, ...parts);
   }
 
@@ -167,40 +170,6 @@ export class Details {
     this.store.motion = this.store.motions && k < this.store.motions.motions.length ? k : -1;
     if (this.store.motion < 0) this.stopSwing();
     this.explain();
-  }
-
-  /** Of an arm with joints to spare: the effector stays where it is while the slider moves the others. */
-  private self: SelfMotion | null = null;
-  private effector = -1;
-  private selfMotion(): HTMLElement | null {
-    const { store } = this, { model } = store;
-    if (model.substructures.length || model.coordinates.filter((c) => !c.held).length < 7) return null;
-    const frames = model.frames.map((f, i) => ({ f, i })).filter(({ f }) => f.body > 0 && f.name !== "origin");
-    if (this.effector < 0 || this.effector >= model.frames.length) this.effector = frames.length ? frames[frames.length - 1].i : model.frames.length - 1;
-    const choice = el("select", { "aria-label": "Effector", onchange: () => {
-      this.effector = Number(choice.value);
-      this.self = null;
-      this.explain();
-    } }, ...frames.map(({ f, i }) => el("option", { value: i, selected: i === this.effector, text: `${model.bodies[f.body].name}/${f.name}` })));
-    const find = async (): Promise<void> => {
-      const answer = await store.ask(`selfmotion ${this.effector}`);
-      this.self = answer.kind === "selfmotion" ? answer : null;
-      this.explain();
-    };
-    return el("div", { class: "group" }, el("h2", { text: "Self-motion" }), el("div", { class: "chips" }, choice,
-      button("Find", "Find the poses that hold the effector where it is", () => void find())), this.self ? this.selfSlider(this.self) : null);
-  }
-
-  private selfSlider(self: SelfMotion): HTMLElement {
-    const { store } = this, at = self.u.reduce((best, u, i) => (Math.abs(u) < Math.abs(self.u[best]) ? i : best), 0);
-    const slider = el("input", { type: "range", min: "0", max: String(self.u.length - 1), step: "1", value: String(at), "aria-label": "Along the self-motion", class: "wide" });
-    slider.addEventListener("input", () => {
-      const q = Array.from(store.pose.q), row = self.q[Number(slider.value)];
-      self.coordinates.forEach((c, k) => (q[c] = row[k]));
-      store.pull(`place ${q.join(" ")}`, () => false);
-    });
-    slider.addEventListener("change", () => void store.settle());
-    return el("div", {}, slider, el("p", { class: "hint", text: self.whole ? "A closed curve: every joint stays within its limits." : `${new Set(self.arc).size} arc(s) within the limits.` }));
   }
 
   private redundancies(): HTMLElement {

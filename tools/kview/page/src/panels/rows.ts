@@ -3,8 +3,12 @@ import { Table } from "../protocol";
 
 /** The columns that answer the question: the others are the pose and its evidence. */
 export function answers(table: Table): number[] {
-  const prefix = table.question === "mobility" ? "m." : table.question === "advantage" ? "ma." : "f.";
-  return table.columns.flatMap((c, i) => (c.name.startsWith(prefix) ? [i] : []));
+  const begins = (pattern: RegExp): number[] => table.columns.flatMap((c, i) => (pattern.test(c.name) ? [i] : []));
+  if (table.question === "mobility") return begins(/^m\./);
+  if (table.question === "advantage") return begins(/^ma\./);
+  if (table.question === "track") return begins(/^(limit_margin$|objective\.|z\.)/);
+  const forces = begins(/^f\./);
+  return forces.length ? forces : begins(/^fbar\./); // without actuators: the least forces that hold the pose
 }
 
 export function spread(values: Float64Array): number {

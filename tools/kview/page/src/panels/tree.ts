@@ -1,5 +1,5 @@
 // Bodies and joints, each joint with its mobility number and a slider.
-import { button, el, replace, shown } from "../dom";
+import { button, el, replace, shown, typed } from "../dom";
 import { OKABE, scaleColour } from "../palette";
 import { RecordedLink } from "../link";
 import { Joint, Track } from "../protocol";
@@ -112,8 +112,12 @@ export class Tree {
     slider.addEventListener("pointerenter", () => this.askTrack(coordinate));
     slider.addEventListener("focus", () => this.askTrack(coordinate));
     value.addEventListener("change", () => {
-      const wanted = Number(value.value.replace("−", "-").replace(",", "."));
-      if (!Number.isFinite(wanted)) return this.follow();
+      const wanted = typed(value.value);
+      if (!Number.isFinite(wanted)) {
+        value.value = shown(store.pose.q[coordinate], 5);
+        store.say(`"${store.model.coordinates[coordinate].label}" needs a number.`, true);
+        return;
+      }
       this.pull(coordinate, wanted, () => true);
       void store.settle();
     });

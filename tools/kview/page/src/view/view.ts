@@ -7,7 +7,7 @@ import { Patch } from "../protocol";
 import { Store } from "../store";
 import { Actors, Look } from "./actors";
 import { arrow, turn } from "./arrows";
-import { bodyMatrix, vector } from "./geometry";
+import { bodyMatrix, frameMatrix, jointAxis, vector } from "./geometry";
 import { makeGrid } from "./grid";
 import { Labels } from "./labels";
 import { swung } from "./swing";
@@ -171,6 +171,7 @@ export class View {
       for (const load of loads) marks.add(arrow(vector(load.point), grown(load.force), 1.3 * thick, "#d55e00"));
       for (const reaction of reactions) marks.add(arrow(vector(reaction.point), grown(reaction.force), thick, "#0072b2"));
     }
+    this.showColumn(thick);
     const redundancy = store.diagnosis?.redundancies[store.redundancy];
     if (redundancy) {
       const way = vector(redundancy.direction), at = redundancy.rotation ? this.actors.middle : vector(redundancy.point);
@@ -181,6 +182,19 @@ export class View {
       );
     }
     this.draw();
+  }
+
+  /** A column of an arm: at each joint an arrow along its axis, as long as its rate; turning ones with two heads. */
+  private showColumn(thick: number): void {
+    const { store } = this, { model, pose, columns } = store, rates = columns?.columns[store.column];
+    if (!columns || !rates) return;
+    const largest = Math.max(...rates.map(Math.abs), 1e-12);
+    columns.coordinates.forEach((c, k) => {
+      const joint = model.joints[model.coordinates[c].joint], frame = model.frames[joint.frames[0]], slides = /^T/.test(joint.type);
+      const axis = jointAxis(joint.type).transformDirection(frameMatrix(frame)).transformDirection(bodyMatrix(pose, frame.body));
+      const way = axis.multiplyScalar((0.2 * this.actors.size * rates[k]) / largest);
+      if (way.length() > 0.004 * this.actors.size) this.marks.add(arrow(this.actors.place(model, pose, joint.frames[1]), way, 1.1 * thick, store.column === 0 ? "#009e73" : "#cc79a7", !slides));
+    });
   }
 
   /** An instantaneous motion, back and forth about the pose. */
@@ -222,6 +236,7 @@ export class View {
   private fit(): void {
     const box = new Box3(), right = new Vector3(), up = new Vector3(), out = new Vector3(), towards = this.camera.position.clone().sub(this.controls.target);
     this.camera.lookAt(this.controls.target);
+    this.camera.updateMatrix(); // lookAt alone turns it, and leaves the matrix as it was
     this.camera.matrix.extractBasis(right, up, out);
     this.actors.corners((p) => box.expandByPoint(new Vector3(p.dot(right), p.dot(up), p.dot(out))));
     if (box.isEmpty()) return;
