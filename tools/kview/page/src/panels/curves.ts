@@ -134,7 +134,8 @@ export class Curves {
     this.shape = shape;
     const held = new Set(this.store.model.coordinates.filter((c) => c.held).map((c) => `m.${c.label}`));
     const lively = columns.filter((c) => !held.has(table.columns[c].name)).sort((a, b) => spread(table.values[b]) - spread(table.values[a]));
-    this.shown = new Set(lively.slice(0, MOST_LINES).map((c) => table.columns[c].name));
+    if (table.question === "track") this.shown = new Set(["limit_margin"]); // the others have units and sizes of their own
+    else this.shown = new Set(lively.slice(0, MOST_LINES).map((c) => table.columns[c].name));
     this.showChips(columns);
     this.rebuild();
   }

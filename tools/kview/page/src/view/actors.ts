@@ -33,7 +33,7 @@ export class Actors {
     const { middle, size } = extent(model, pose);
     this.middle = middle;
     this.size = size;
-    this.thick = 0.013 * size;
+    this.thick = Math.min(0.013 * size, 0.08 * model.length); // links of a long chain stay links
     const layers = this.layers(model), links: Solid[] = [], pins: Solid[] = [], shapes = new Map<string, BufferGeometry>();
     const own = new Map<number, Patch[]>();
     for (const patch of patches) own.set(patch.body, [...(own.get(patch.body) ?? []), patch]);
