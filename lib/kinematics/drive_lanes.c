@@ -94,7 +94,6 @@ static bool reserve(km_drive_lanes *l) {
   const km_mechanism *m = l->m;
   km_arena *arena = &l->arena;
   int columns = l->sub->columns, rows = l->sub->rows, coordinates = m->coordinate_count;
-  l->used = KM_ARENA_NEW(arena, bool, 2 * (size_t)columns * (size_t)rows);
   l->is_length = KM_ARENA_NEW(arena, bool, (size_t)columns);
   l->is_limited = KM_ARENA_NEW(arena, bool, (size_t)columns);
   l->steps = KM_ARENA_NEW(arena, km_lane_step, (size_t)m->planar_step_count);
@@ -115,22 +114,6 @@ static bool reserve(km_drive_lanes *l) {
   for (size_t i = 0; i < sizeof by_row / sizeof *by_row; ++i)
     *by_row[i] = numbers(arena, rows);
   return km_replay_reserve(&l->replay, rows, columns, arena);
-}
-
-static void set_pattern(km_drive_lanes *l) {
-  const km_mechanism *m = l->m;
-  for (int i = 0; i < l->sub->loop_count; ++i) {
-    const km_loop *loop = &m->loops[m->loop_order[l->sub->loop_start + i]];
-    for (int e = loop->entry_start; e < loop->entry_start + loop->entry_count; ++e)
-      for (int r = 0; r < loop->lambda; ++r)
-        l->used[m->entries[e].at + (size_t)r] = true;
-  }
-  for (int i = 0; i < l->sub->coupling_count; ++i) {
-    const km_coupling *coupling = &m->couplings[l->sub->coupling_start + i];
-    for (int k = coupling->term_start; k < coupling->term_start + coupling->term_count; ++k)
-      if (m->terms[k].column >= 0)
-        l->used[m->terms[k].at] = true;
-  }
 }
 
 static void take_steps(km_drive_lanes *l, const km_mechanism *m, int i) {
@@ -214,7 +197,6 @@ km_status km_drive_lanes_create(km_drive *const *drives, int count, km_drive_lan
     km_drive_lanes_free(l);
     return km_fail(error, KM_MEMORY, "out of memory for a sweep");
   }
-  set_pattern(l);
   for (int i = 0; i < count; ++i) {
     l->drives[i] = drives[i];
     drives[i]->lanes = l;
@@ -247,18 +229,10 @@ static bool may_ride(const km_drive *d) {
          reference->searches == p->searches && p->last_pivot >= km_continuation_singular * p->scale;
 }
 
-static bool same_pivots(const km_drive_lanes *l, const km_partition *p) {
-  const km_replay *r = &l->replay;
-  return r->rank == p->rank && memcmp(r->row, p->row, (size_t)r->rank * sizeof *r->row) == 0 &&
-         memcmp(r->column, p->column, (size_t)r->column_count * sizeof *r->column) == 0;
-}
-
 /* The first one aboard decides by which pivots all go. */
 static void take_pivots(km_drive_lanes *l, const km_partition *p) {
-  size_t size = (size_t)l->sub->rows * (size_t)l->sub->columns;
-  memcpy(l->used + size, l->used, size);
-  km_replay_make(&l->replay, p, l->used + size);
-  memset(l->J, 0, size * sizeof *l->J);
+  km_replay_make(&l->replay, p, l->sub->pattern.used);
+  memset(l->J, 0, l->sub->pattern.size * sizeof *l->J);
 }
 
 /* The course of drive i into its lane, if it may ride. */
@@ -268,9 +242,9 @@ static void board(km_drive_lanes *l, int i) {
   const km_partition *p = &d->c.state->partition[d->c.substructure];
   if (!may_ride(d))
     return;
-  if (!l->aboard && !same_pivots(l, p))
+  if (!l->aboard && !km_replay_fits(&l->replay, p))
     take_pivots(l, p);
-  else if (!same_pivots(l, p))
+  else if (!km_replay_fits(&l->replay, p))
     return;
   for (int c = 0; c < l->m->coordinate_count; ++c)
     l->q[c].of[i] = d->c.state->q[c];

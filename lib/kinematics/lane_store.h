@@ -38,7 +38,6 @@ struct km_drive_lanes {
   int coordinate, column; /* the driver */
   unsigned aboard;        /* bits: lanes that hold the course of their drive */
   unsigned ahead;         /* and those whose course is newer than that of the drive */
-  bool *used;             /* [rows × columns] pattern of the Jacobian, and room for that of the reduced one */
   km_replay replay;       /* by the pivots of the lanes aboard */
   bool *is_length;        /* [columns] its unit isn't 1 */
   bool *is_limited;       /* [columns] in some lane */

@@ -12,6 +12,7 @@ bool km_replay_reserve(km_replay *r, int rows, int columns, km_arena *arena) {
   r->fill = KM_ARENA_NEW(arena, int, m *n);
   r->row = KM_ARENA_NEW(arena, int, m);
   r->column = KM_ARENA_NEW(arena, int, n);
+  r->reduced = KM_ARENA_NEW(arena, bool, m *n);
   return !arena->failed;
 }
 
@@ -33,8 +34,9 @@ static void note_fill(km_replay *r, const km_replay_step *step, int first, bool 
   }
 }
 
-void km_replay_make(km_replay *r, const km_partition *p, bool *used) {
+void km_replay_make(km_replay *r, const km_partition *p, const bool *used) {
   int targets = 0, columns = 0, rows = r->row_count;
+  memcpy(r->reduced, used, (size_t)rows * (size_t)r->column_count * sizeof *used);
   r->rank = p->rank;
   r->fill_count = 0;
   memcpy(r->row, p->row, (size_t)rows * sizeof *r->row);
@@ -43,14 +45,19 @@ void km_replay_make(km_replay *r, const km_partition *p, bool *used) {
     km_replay_step *step = &r->steps[s];
     int first = p->column[s] * rows;
     *step = (km_replay_step){.pivot = first + p->row[s], .row = p->row[s], .column_start = columns};
-    list_targets(r, step, used + first, &targets);
+    list_targets(r, step, r->reduced + first, &targets);
     for (int k = s + 1; k < r->column_count; ++k) {
       int other = p->column[k] * rows;
-      if (!used[other + step->row])
+      if (!r->reduced[other + step->row])
         continue;
       r->columns[columns++] = other;
-      note_fill(r, step, other, used + other);
+      note_fill(r, step, other, r->reduced + other);
     }
     step->column_count = columns - step->column_start;
   }
+}
+
+bool km_replay_fits(const km_replay *r, const km_partition *p) {
+  return r->rank == p->rank && memcmp(r->row, p->row, (size_t)r->rank * sizeof *r->row) == 0 &&
+         memcmp(r->column, p->column, (size_t)r->column_count * sizeof *r->column) == 0;
 }

@@ -20,13 +20,15 @@ typedef struct km_replay {
   int *fill; /* [fill_count] places that hold something else than 0 only after elimination */
   int fill_count;
   int *row, *column; /* of the pivots, then the independent columns, as in the partition */
+  bool *reduced;     /* [rows × columns] pattern of the reduced matrix */
 } km_replay;
 
 /* Space for lists of matrices of this size. False when out of memory. */
 bool km_replay_reserve(km_replay *replay, int rows, int columns, km_arena *arena);
-/* The list for the pivots of a dense partition. `used`[rows × columns, column-major]: can the entry be other than 0? It is
- * overwritten by the same of the reduced matrix. Leaving out what is 0 changes no value: x − l·0 = x. O(rows·columns·rank).
- */
-void km_replay_make(km_replay *replay, const km_partition *partition, bool *used);
+/* The list for the pivots of a dense partition. `used`[rows × columns, column-major]: can the entry be other than 0? Leaving
+ * out what is 0 changes no value: x − l·0 = x. O(rows·columns·rank). */
+void km_replay_make(km_replay *replay, const km_partition *partition, const bool *used);
+/* Is it the list for these pivots? */
+bool km_replay_fits(const km_replay *replay, const km_partition *partition);
 
 #endif

@@ -65,7 +65,8 @@ static void place_rows(void *context, int column, int first, int count, km_entry
 static void place_dense(void *context, int column, int first, int count, km_entry *entry, km_term *term) {
   const km_substructure *sub = context;
   size_t rows = (size_t)sub->rows, at = (size_t)column * rows + (size_t)first;
-  (void)count;
+  for (int i = 0; i < count; ++i)
+    sub->pattern.used[at + (size_t)i] = true;
   if (entry) {
     entry->at = at;
     entry->next = rows;
@@ -74,9 +75,12 @@ static void place_dense(void *context, int column, int first, int count, km_entr
     term->at = at;
 }
 
-static void store_all(km_mechanism *m, km_substructure *sub) {
-  sub->pattern = (km_pattern){.size = (size_t)sub->rows * (size_t)sub->columns};
-  visit_all(m, sub, place_dense, sub);
+static bool store_all(km_mechanism *m, km_substructure *sub) {
+  size_t size = (size_t)sub->rows * (size_t)sub->columns;
+  sub->pattern = (km_pattern){.size = size, .used = KM_ARENA_NEW(&m->arena, bool, size)};
+  if (sub->pattern.used)
+    visit_all(m, sub, place_dense, sub);
+  return sub->pattern.used != NULL;
 }
 
 static bool store_entries(km_mechanism *m, km_substructure *sub, int *start) {
@@ -88,16 +92,14 @@ static bool store_entries(km_mechanism *m, km_substructure *sub, int *start) {
     f.next[c] = start[c];
   if (done)
     visit_all(m, sub, place_rows, &f);
-  sub->pattern = (km_pattern){start, f.row, (size_t)start[columns]};
+  sub->pattern = (km_pattern){.start = start, .row = f.row, .size = (size_t)start[columns]};
   km_arena_free(&scratch);
   return done;
 }
 
 bool km_compile_pattern(km_mechanism *m, km_substructure *sub) {
-  if (sub->rows < LEAST_ROWS) {
-    store_all(m, sub);
-    return true;
-  }
+  if (sub->rows < LEAST_ROWS)
+    return store_all(m, sub);
   int *start = KM_ARENA_NEW(&m->arena, int, (size_t)sub->columns + 1);
   if (!start)
     return false;
@@ -106,6 +108,5 @@ bool km_compile_pattern(km_mechanism *m, km_substructure *sub) {
     start[c + 1] += start[c];
   if ((double)start[sub->columns] * LEAST_SHARE <= (double)sub->rows * sub->columns)
     return store_entries(m, sub, start);
-  store_all(m, sub);
-  return true;
+  return store_all(m, sub);
 }

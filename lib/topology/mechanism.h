@@ -91,6 +91,7 @@ typedef struct km_term {
 typedef struct km_pattern {
   int *start, *row; /* NULL: all */
   size_t size;      /* stored values */
+  bool *used;       /* [rows × columns] where all are stored: can the value be other than 0? NULL: by its entries */
 } km_pattern;
 
 typedef struct km_substructure {

@@ -112,8 +112,8 @@ static void brake(void) {
   if (!km_handle_default(h.session.model, false, &input) || !km_handle_default(h.session.model, true, &output) ||
       km_model_find_joint(h.session.model, "D", &joint, &error))
     bench_fail("view", "the brake has no leverage");
-  for (int kind = 0; kv_question_kind(kind) >= 0; ++kind)
-    if (strcmp(km_question_kind_name(kv_question_kind(kind)), "advantage") == 0) {
+  for (int kind = 0; kv_question_kind(&h.session, kind) >= 0; ++kind)
+    if (strcmp(km_question_kind_name(kv_question_kind(&h.session, kind)), "advantage") == 0) {
       snprintf(ask, sizeof ask, "1 ask %d %d %.17g %.17g 199 %d %d", kind, plan.coordinate, plan.from, plan.to,
                input.coordinate, output.coordinate);
       tell(&h.session, ask);
