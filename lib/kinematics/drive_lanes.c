@@ -341,13 +341,15 @@ static void call_aboard(km_drive_lanes *l, int i, double target) {
   board(l, i);
 }
 
-/* The lanes of `going` that are at their targets now. */
-static unsigned arrived(const km_drive_lanes *l, unsigned going) {
-  unsigned there = 0;
-  for (int i = 0; i < l->count; ++i)
-    if (going >> i & 1 && l->s.of[i] == l->target.of[i])
-      there |= 1u << i;
-  return there;
+/* What a drive has reached: in its lane, or alone from where its lane has stopped. */
+static km_reach arrive(km_drive_lanes *l, int i, bool there, double target) {
+  if (l->ahead >> i & 1)
+    show(l, i);
+  if (!there)
+    return km_drive_to(l->drives[i], target);
+  if (!(l->largest_b.of[i] <= largest_settled_b))
+    km_drive_settle(l->drives[i]);
+  return (km_reach){KM_STOP_NONE, target, -1, -1};
 }
 
 void km_drive_lanes_to(km_drive_lanes *l, unsigned wanted, const double *targets, km_reach *reaches) {
@@ -358,23 +360,13 @@ void km_drive_lanes_to(km_drive_lanes *l, unsigned wanted, const double *targets
       call_aboard(l, i, targets[i]);
     l->target.of[i] = targets[i] * l->factor.of[i];
   }
-  unsigned going = wanted & l->aboard, there = 0;
-  while (going) {
+  unsigned there = 0;
+  for (unsigned going = wanted & l->aboard; going; going &= ~l->there) {
     going = take_step(l, going);
     l->ahead |= going;
-    there |= arrived(l, going);
-    going &= ~there;
+    there |= l->there;
   }
-  for (int i = 0; i < l->count; ++i) {
-    if (!(wanted >> i & 1))
-      continue;
-    if (l->ahead >> i & 1)
-      show(l, i);
-    if (!(there >> i & 1))
-      reaches[i] = km_drive_to(l->drives[i], targets[i]);
-    else
-      reaches[i] = (km_reach){KM_STOP_NONE, targets[i], -1, -1};
-    if (there >> i & 1 && !(l->largest_b.of[i] <= largest_settled_b))
-      km_drive_settle(l->drives[i]);
-  }
+  for (int i = 0; i < l->count; ++i)
+    if (wanted >> i & 1)
+      reaches[i] = arrive(l, i, there >> i & 1, targets[i]);
 }

@@ -37,6 +37,7 @@ struct km_drive_lanes {
   const km_substructure *sub;
   int coordinate, column; /* the driver */
   unsigned aboard;        /* bits: lanes that hold the course of their drive */
+  unsigned there;         /* those that the last step led to their targets */
   unsigned ahead;         /* and those whose course is newer than that of the drive */
   km_replay replay;       /* by the pivots of the lanes aboard */
   bool *is_length;        /* [columns] its unit isn't 1 */

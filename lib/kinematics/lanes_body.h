@@ -497,11 +497,13 @@ static unsigned step(km_drive_lanes *l, unsigned wanted, int g) {
   accept(l, took, arrives, h, g);
   set_numbers(l, g);
   set_residual(l, g);
+  l->there |= bits_of(took & arrives) << g;
   return bits_of(took);
 }
 
 unsigned NAME(km_drive_lanes *lanes, unsigned wanted) {
   unsigned took = 0;
+  lanes->there = 0;
   for (int g = 0; g < KM_DRIVE_LANES; g += WIDTH)
     took |= step(lanes, wanted >> g & ((1u << WIDTH) - 1), g) << g;
   return took;
