@@ -7,17 +7,26 @@
 #include <math.h>
 #include <stdlib.h>
 
-/* The mobility at a row; `dof` is its column. */
-static int mobility_of(const km_table *table, int dof, size_t row) {
-  return (int)km_table_row(table, row)[dof];
+/* The column of mobilities, row by row. */
+typedef struct mobilities {
+  const double *first;
+  size_t rows, width;
+} mobilities;
+
+static mobilities mobilities_of(const km_table *table) {
+  return (mobilities){km_table_row(table, 0) + km_table_find(table, "dof"), km_table_rows(table),
+                      km_table_columns(table)};
+}
+
+static int mobility_at(const mobilities *m, size_t row) {
+  return (int)m->first[row * m->width];
 }
 
 /* The first row of the least mobility. */
-static size_t plainest_row(const km_table *table) {
-  int dof = km_table_find(table, "dof");
+static size_t plainest_row(const mobilities *m) {
   size_t best = 0;
-  for (size_t r = 1; r < km_table_rows(table); ++r)
-    if (mobility_of(table, dof, r) < mobility_of(table, dof, best))
+  for (size_t r = 1; r < m->rows; ++r)
+    if (mobility_at(m, r) < mobility_at(m, best))
       best = r;
   return best;
 }
@@ -47,16 +56,16 @@ static bool near(double a, double b) {
 }
 
 /* Branch points as well as rows, those of one place once. */
-static km_status list_extra(const km_sweep *sweep, int least, km_sweep_redundancies *out, km_error *error) {
-  const km_table *table = sweep->table;
-  size_t rows = km_table_rows(table), count = 0;
-  out->extra = KM_NEW(km_extra_redundancy, rows + sweep->branch_count);
+static km_status list_extra(const km_sweep *sweep, const mobilities *m, int least, km_sweep_redundancies *out,
+                            km_error *error) {
+  size_t count = 0;
+  out->extra = KM_NEW(km_extra_redundancy, m->rows + sweep->branch_count);
   if (!out->extra)
     return km_fail(error, KM_MEMORY, "out of memory for the redundant constraints");
-  int s = km_table_find(table, "s"), dof = km_table_find(table, "dof");
-  for (size_t r = 0; r < rows; ++r)
-    if (mobility_of(table, dof, r) > least)
-      out->extra[count++] = (km_extra_redundancy){km_table_row(table, r)[s], mobility_of(table, dof, r) - least};
+  int s = km_table_find(sweep->table, "s");
+  for (size_t r = 0; r < m->rows; ++r)
+    if (mobility_at(m, r) > least)
+      out->extra[count++] = (km_extra_redundancy){km_table_row(sweep->table, r)[s], mobility_at(m, r) - least};
   for (size_t i = 0; i < sweep->branch_count; ++i)
     if (sweep->branches[i].mobility > sweep->freedom)
       out->extra[count++] = (km_extra_redundancy){sweep->branches[i].s, sweep->branches[i].mobility - sweep->freedom};
@@ -85,8 +94,9 @@ km_status km_sweep_redundancies_find(const km_mechanism *m, const km_sweep *swee
   if (km_table_rows(sweep->table) == 0)
     return KM_OK;
   km_state *state = NULL;
-  size_t row = plainest_row(sweep->table);
-  km_status status = list_extra(sweep, mobility_of(sweep->table, km_table_find(sweep->table, "dof"), row), out, error);
+  const mobilities by_row = mobilities_of(sweep->table);
+  size_t row = plainest_row(&by_row);
+  km_status status = list_extra(sweep, &by_row, mobility_at(&by_row, row), out, error);
   if (!status && named)
     status = stand_at(m, sweep->table, row, &state, error);
   if (!status && named)
