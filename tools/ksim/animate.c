@@ -70,7 +70,8 @@ static km_status make_films(animation *a, km_error *error) {
     status = km_fail(error, KM_MEMORY, "out of memory for the plot");
   if (status)
     return status;
-  plot.title = plot.subtitle = NULL; /* the page has them */
+  plot.title = plot.subtitle = NULL; /* the page has them, and the motion itself */
+  plot.strip = (km_plot_strip){0};
   return km_plot_film(&plot, plot_width, panel_height * (double)plot.panel_count, a->frames, &a->arena, &a->curves,
                       error);
 }

@@ -3,10 +3,11 @@
 
 #include "base/text.h"
 #include "kinematics/state.h"
+#include "report/plot/sweep_strip.h"
 
 #include <string.h>
 
-enum { MOST_JOINTS = 8, MOST_PANELS = 10, MOST_SERIES = 64 };
+enum { MOST_JOINTS = 8, MOST_PANELS = 10, MOST_SERIES = 64, STRIP_POSES = 5 };
 
 typedef struct sheet {
   const km_plotted_history *h;
@@ -199,6 +200,9 @@ static bool finish(sheet *s, const char *title, km_plot *out) {
                    .panels = s->panels,
                    .panel_count = s->panel_count,
                    .own_y = true};
+  km_sweep_strip *strip = KM_ARENA_NEW(s->arena, km_sweep_strip, 1);
+  if (strip)
+    out->strip = km_motion_strip_make(h->mechanism, h->table, STRIP_POSES, s->arena, strip);
   return !s->arena->failed;
 }
 

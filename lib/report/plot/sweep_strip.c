@@ -79,21 +79,20 @@ static void draw(void *context, km_canvas *canvas, double top, double width) {
     draw_names(strip, canvas, top + strip_height + names_height - margin, width);
 }
 
-static bool fits(const km_swept *sweep) {
-  int bodies = sweep->mechanism->topology.body_count;
-  return bodies >= 2 && bodies <= MOST_BODIES && km_table_rows(sweep->motion->table) > 0;
+static bool fits(const km_mechanism *m, const km_table *table) {
+  int bodies = m->topology.body_count;
+  return bodies >= 2 && bodies <= MOST_BODIES && km_table_rows(table) > 0;
 }
 
-/* The poses of some rows of a sweep; NULL when out of memory. */
-static km_pose *poses_of(const km_swept *sweep, const size_t *rows, int count, km_arena *arena) {
-  const km_mechanism *m = sweep->mechanism;
+/* The poses of some rows; NULL when out of memory. */
+static km_pose *poses_of(const km_mechanism *m, const km_table *table, const size_t *rows, int count, km_arena *arena) {
   size_t bodies = (size_t)m->topology.body_count;
   double *q = KM_ARENA_NEW(arena, double, (size_t)m->coordinate_count);
   km_pose *poses = KM_ARENA_NEW(arena, km_pose, (size_t)count * bodies);
   km_state *state = NULL;
   arena->failed = arena->failed || km_state_create(m, &state, NULL);
   for (int k = 0; k < count && !arena->failed; ++k)
-    km_row_pose(m, sweep->motion->table, rows[k], state, q, poses + (size_t)k * bodies);
+    km_row_pose(m, table, rows[k], state, q, poses + (size_t)k * bodies);
   km_state_free(state);
   return arena->failed ? NULL : poses;
 }
@@ -103,26 +102,61 @@ static double s_of(const km_swept *sweep, size_t row) {
   return km_table_row(table, row)[km_table_find(table, "s")];
 }
 
-static km_drawing drawing_of(const km_swept *sweep, const size_t *rows, int count, km_arena *arena) {
-  return (km_drawing){.mechanism = sweep->mechanism,
-                      .poses = poses_of(sweep, rows, count, arena),
+static km_drawing drawing_of(const km_mechanism *m, const km_table *table, const size_t *rows, int count,
+                             km_arena *arena) {
+  return (km_drawing){.mechanism = m,
+                      .poses = poses_of(m, table, rows, count, arena),
                       .pose_count = (size_t)count,
                       .alone = true,
                       .bare = true};
+}
+
+/* Row k of `count` evenly spaced ones, from the first to the last. */
+static size_t spaced_row(const km_table *table, int k, int count) {
+  return k + 1 == count ? km_table_rows(table) - 1 : (size_t)k * km_table_rows(table) / (size_t)(count - 1);
 }
 
 km_plot_strip km_sweep_strip_make(const km_swept *sweep, int count, km_arena *arena, km_sweep_strip *out) {
   const km_table *table = sweep->motion->table;
   size_t rows[KM_MOST_STRIP_POSES] = {0};
   *out = (km_sweep_strip){.count = count, .layers = 1};
-  if (!fits(sweep))
+  if (!fits(sweep->mechanism, table))
     return (km_plot_strip){0};
   for (int k = 0; k < count; ++k) {
-    rows[k] = k + 1 == count ? km_table_rows(table) - 1 : (size_t)k * km_table_rows(table) / (size_t)(count - 1);
+    rows[k] = spaced_row(table, k, count);
     out->captions[k] = caption(sweep, s_of(sweep, rows[k]), arena);
   }
-  out->drawings[0] = drawing_of(sweep, rows, count, arena);
+  out->drawings[0] = drawing_of(sweep->mechanism, table, rows, count, arena);
   return arena->failed ? (km_plot_strip){0} : (km_plot_strip){strip_height, draw, out};
+}
+
+/* Does a mechanism go so far that pictures of one scale would show specks? By the places of its bodies. */
+static bool goes_far(const km_pose *poses, size_t bodies, int count) {
+  static const double many = 6.0; /* times its size at first */
+  double size = 0.0, way = 0.0;
+  for (size_t b = 1; b < bodies; ++b) {
+    size = fmax(size, km_vec3_norm(km_vec3_sub(poses[b].p, poses[1].p)));
+    for (int k = 1; k < count; ++k)
+      way = fmax(way, km_vec3_norm(km_vec3_sub(poses[(size_t)k * bodies + b].p, poses[b].p)));
+  }
+  return size > 0.0 && way > many * size;
+}
+
+km_plot_strip km_motion_strip_make(const km_mechanism *m, const km_table *table, int count, km_arena *arena,
+                                   km_sweep_strip *out) {
+  size_t rows[KM_MOST_STRIP_POSES] = {0};
+  *out = (km_sweep_strip){.count = count, .layers = 1};
+  if (!fits(m, table))
+    return (km_plot_strip){0};
+  for (int k = 0; k < count; ++k) {
+    km_text text = {0};
+    rows[k] = spaced_row(table, k, count);
+    km_text_format(&text, "%.4g %s", km_table_row(table, rows[k])[0], m->model->units.time->suffix);
+    out->captions[k] = km_text_keep(&text, arena);
+  }
+  out->drawings[0] = drawing_of(m, table, rows, count, arena);
+  bool far = !arena->failed && goes_far(out->drawings[0].poses, (size_t)m->topology.body_count, count);
+  return arena->failed || far ? (km_plot_strip){0} : (km_plot_strip){strip_height, draw, out};
 }
 
 /* Where the stroke that all share ends: it begins where the first one does. NaN where the drivers differ. */
@@ -159,7 +193,7 @@ km_plot_strip km_comparison_strip_make(const km_swept *sweeps, int count, bool o
   const char **names = km_short_names_of(&sweeps[0].name, sizeof *sweeps, count, arena);
   *out = (km_sweep_strip){.count = POSES, .layers = shown};
   for (int i = 0; i < count; ++i)
-    if (!fits(&sweeps[i]))
+    if (!fits(sweeps[i].mechanism, sweeps[i].motion->table))
       return (km_plot_strip){0};
   double begin = s_of(&sweeps[0], 0), end = common_end(sweeps, count);
   for (int k = 0; k < POSES; ++k)
@@ -173,7 +207,7 @@ km_plot_strip km_comparison_strip_make(const km_swept *sweeps, int count, bool o
     for (int k = 0; k < POSES; ++k)
       rows[k] =
           isfinite(end) ? row_at(&sweeps[i], begin + k * (end - begin) / (POSES - 1)) : (size_t)k * last / (POSES - 1);
-    out->drawings[layer] = drawing_of(&sweeps[i], rows, POSES, arena);
+    out->drawings[layer] = drawing_of(sweeps[i].mechanism, sweeps[i].motion->table, rows, POSES, arena);
     out->names[layer] = names[i];
     out->colours[layer] = km_palette_compared(i, count, ordered);
   }

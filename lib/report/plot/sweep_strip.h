@@ -1,5 +1,5 @@
-/* Small drawings for the strip beneath a plot: poses over a sweep, from first to last; of what is compared, over each other.
- */
+/* Small drawings for the strip beneath a plot: poses over a sweep or a time, from first to last; of what is compared, over
+ * each other. */
 #ifndef KM_REPORT_PLOT_SWEEP_STRIP_H
 #define KM_REPORT_PLOT_SWEEP_STRIP_H
 
@@ -23,6 +23,10 @@ typedef struct km_sweep_strip {
 /* Poses of `count` rows of the sweep, evenly spaced, from the table's coordinates. A strip without height where there
  * is nothing to draw, or too much for its size. `out` is the strip's context and must outlive it. */
 km_plot_strip km_sweep_strip_make(const km_swept *sweep, int count, km_arena *arena, km_sweep_strip *out);
+
+/* The same of a motion over time, whose table has the time in its first column. None of what goes far away. */
+km_plot_strip km_motion_strip_make(const km_mechanism *mechanism, const km_table *table, int count, km_arena *arena,
+                                   km_sweep_strip *out);
 
 /* The models or variants of a comparison over each other, in the colours of their curves: where the stroke that they
  * share begins, in its middle and at its end, or, where they have no driver of one name, so far along their own rows.
