@@ -20,8 +20,8 @@ km_history_def km_history_default(const km_model *model) {
 }
 
 static km_status check_def(const km_mechanism *m, const km_history_def *def, km_error *error) {
-  if (!(def->until > 0.0) || !isfinite(def->until))
-    return km_fail(error, KM_USAGE, "duration %g; expected a positive time", def->until);
+  if (!isfinite(def->start) || !(def->until > def->start) || !isfinite(def->until))
+    return km_fail(error, KM_USAGE, "end %g; expected a time after the start at %g", def->until, def->start);
   if (!(def->every > 0.0) || !isfinite(def->every))
     return km_fail(error, KM_USAGE, "%g between rows; expected a positive time", def->every);
   return km_history_check_frames(m, def->frames, def->frame_count, error);
@@ -30,7 +30,7 @@ static km_status check_def(const km_mechanism *m, const km_history_def *def, km_
 static km_status begin(km_history_writer *w, const km_history_def *def, km_error *error) {
   km_simulation_def simulation = def->simulation;
   simulation.end = def->until;
-  w->state->time = 0.0;
+  w->state->time = def->start;
   km_status status = km_dynamics_create(w->m, w->forces, &w->dynamics, error);
   if (!status)
     status = km_rubbing_create(w->dynamics, &w->rubbing, error);
@@ -48,7 +48,7 @@ static km_status go_on(km_history_writer *w, const km_history_def *def, km_error
   double until = def->until, every = def->every;
   km_status status = KM_OK;
   for (long row = 1; !status && w->state->time < until; ++row) {
-    double time = (double)row * every;
+    double time = def->start + (double)row * every;
     time = time > until - 1e-9 * every ? until : time;
     status = km_simulation_advance(w->simulation, time, NULL, NULL, error);
     if (status && status != KM_PARTIAL && status != KM_DIVERGED)
@@ -56,7 +56,7 @@ static km_status go_on(km_history_writer *w, const km_history_def *def, km_error
     km_status written = km_history_row(w, status ? NULL : error);
     if (!status)
       status = written;
-    if (!status && def->progress && !def->progress(def->context, time / until))
+    if (!status && def->progress && !def->progress(def->context, (time - def->start) / (until - def->start)))
       return km_fail(error, KM_CANCELLED, "cancelled at time %g", time);
   }
   return status;

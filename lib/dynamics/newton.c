@@ -100,7 +100,7 @@ static bool factor(km_newton *n) {
     n->column[k] = M;
   }
   n->run->operations += 2.0 / 3.0 * pow(n->count, 3.0);
-  return SUNDlsMat_denseGETRF(n->column, n->count, n->count, n->pivot) == 0;
+  return n->count == 0 || SUNDlsMat_denseGETRF(n->column, n->count, n->count, n->pivot) == 0;
 }
 
 /* What CVODE is told: to go on, to try a shorter step, to give up. */
@@ -131,7 +131,8 @@ static int solve(SUNLinearSolver solver, SUNMatrix A, N_Vector out, N_Vector rig
   (void)A, (void)tolerance;
   for (int k = 0; k < n->count; ++k)
     n->x[k] = b[n->component[k]];
-  SUNDlsMat_denseGETRS(n->column, n->count, n->pivot, n->x);
+  if (n->count > 0) /* else nothing moves freely */
+    SUNDlsMat_denseGETRS(n->column, n->count, n->pivot, n->x);
   memmove(x, b, size * sizeof *x);
   for (int k = 0; k < n->count; ++k) {
     const double *J = n->J + (size_t)k * size;

@@ -49,7 +49,7 @@ typedef struct ksim_options {
   kt_common common;
   kt_texts holds, sets, events, stops, frames;
   const char *model, *base, *format, *joints;
-  const char *until, *every, *rtol, *atol, *max_step;
+  const char *until, *every, *rtol, *atol, *max_step, *from;
   int integrator, stabilise, axes;
   bool reactions, mobility, animate;
   kt_formats formats;
@@ -67,6 +67,9 @@ typedef struct ksim_work {
   int shown_count;
   char stopped_by[KM_ERROR_TEXT]; /* "": it went to the end */
 } ksim_work;
+
+/* The pose, the rates and the time of --from's last row, where it is given. */
+kt_exit ksim_go_on(ksim_work *work);
 
 /* Joints, rates and energies over time as a plot of `table`, whose columns are those of a history. False when out of
  * memory. */

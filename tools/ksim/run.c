@@ -62,7 +62,9 @@ static kt_exit prepare(ksim_work *w) {
   w->def.reactions = o->reactions;
   w->def.axes = (km_axes)o->axes;
   w->def.mobility = o->mobility;
-  kt_exit result = read_numbers(w);
+  kt_exit result = ksim_go_on(w);
+  if (result == KT_DONE)
+    result = read_numbers(w);
   if (result == KT_DONE)
     result = read_crossings(w);
   if (result == KT_DONE)
@@ -199,6 +201,8 @@ kt_exit ksim_run(int argc, char **argv) {
        KT_ABOUT_MODEL},
       {"every", 0, "DT", "Time between rows (default: the model's, else a 200th of the run)", KT_TEXT, &o.every,
        KT_ABOUT_MODEL},
+      {"from", 0, "TABLE.csv", "Go on from the last row of a run's table: its pose, its rates and its time", KT_TEXT,
+       &o.from, KT_ABOUT_MODEL},
       KT_SET(&o.sets, KT_SET_FIRST),
       KT_HOLD(&o.holds, KT_HOLD_RIGID),
       KT_MODE(o.common),

@@ -19,6 +19,7 @@ typedef struct km_followed_frame {
 /* What to write down. Times in the model's time unit; start from km_history_default(). */
 typedef struct km_history_def {
   km_simulation_def simulation; /* crossings and frames are borrowed; `end` is set to `until` */
+  double start;                 /* the time at which the motion begins; 0 */
   double until, every;          /* 0: model_parameters.simulation's, or 10 seconds and a two hundredth of the span */
   const km_followed_frame *frames;
   int frame_count;
@@ -58,7 +59,7 @@ typedef struct km_history {
 /* Columns: t; q., v., a. of every coordinate; f. of prescribed joints, the force that drives them; energy_kinetic,
  * energy_potential (0 at the start), energy_dissipated, motor_work; loop_error, evaluations, repartitions; frame.NAME.x
  * … of followed frames: place, velocity and acceleration of its origin in the inertial frame; r.LABEL.fx … tz reactions
- * of parent on child; m.LABEL mobility numbers. From the assembled state's pose, rates and time 0. KM_PARTIAL: a
+ * of parent on child; m.LABEL mobility numbers. From the assembled state's pose and rates. KM_PARTIAL: a
  * crossing ended the run. KM_DIVERGED, KM_CANCELLED: the table holds what was reached, `why` tells the reason. Else as
  * km_simulation_create. Free `*out` in any case. */
 KM_API km_status km_history_run(const km_mechanism *mechanism, km_forces *forces, km_state *state,

@@ -1,0 +1,94 @@
+/* ksim run --from: going on where the table of an earlier run ends. */
+#include "ksim/ksim.h"
+
+#include "kinematics/state.h"
+#include "kmech/files.h"
+#include "kmech/memory.h"
+#include "kmech/records.h"
+#include "model/model.h"
+
+#include <math.h>
+
+static kt_exit read_table(const ksim_options *o, km_table **out) {
+  km_text text = {0};
+  km_error error;
+  km_status status = km_file_read(o->from, &text, &error);
+  if (!status)
+    status = km_csv_read(&text, o->from, out, &error);
+  km_text_free(&text);
+  if (status)
+    kt_say(&o->common, KM_ERROR, "--from: %s", error.text);
+  return kt_exit_of(status);
+}
+
+/* The last row's value of PREFIX and the coordinate's label. */
+static kt_exit read_value(const ksim_work *w, const km_table *table, const char *prefix, int coordinate, double *out) {
+  const ksim_options *o = w->options;
+  km_text name = {0};
+  km_text_format(&name, "%s%s", prefix, km_model_coordinate_label(w->pose.model, coordinate));
+  int column = name.failed ? -1 : km_csv_find(table, name.data);
+  if (column >= 0)
+    *out = km_table_row(table, km_table_rows(table) - 1)[column];
+  kt_exit result = name.failed ? KT_INTERNAL : KT_DONE;
+  if (!name.failed && (column < 0 || !isfinite(*out))) {
+    kt_say(&o->common, KM_ERROR, "--from %s: its last row has no %s; expected the table of a run of this model",
+           o->from, name.data);
+    result = KT_USAGE;
+  }
+  km_text_free(&name);
+  return result;
+}
+
+static kt_exit take_row(ksim_work *w, const km_table *table) {
+  const km_mechanism *m = w->pose.mechanism;
+  int count = km_model_coordinate_count(w->pose.model);
+  int time = km_csv_find(table, "t");
+  kt_exit result = KT_DONE;
+  km_error error;
+  if (km_table_rows(table) == 0 || time < 0) {
+    kt_say(&w->options->common, KM_ERROR, "--from %s: it has no row with a time; expected the table of a run",
+           w->options->from);
+    return KT_USAGE;
+  }
+  w->def.start = km_table_row(table, km_table_rows(table) - 1)[time];
+  double *q = KM_NEW(double, (size_t)count + 1);
+  for (int c = 0; c < count && q && result == KT_DONE; ++c) {
+    double rate = 0.0;
+    result = read_value(w, table, "q.", c, &q[c]);
+    if (result == KT_DONE)
+      result = read_value(w, table, "v.", c, &rate);
+    if (result == KT_DONE && !m->held[c])
+      result = kt_exit_of(km_state_set_rate(m, w->pose.state, c, rate, NULL));
+  }
+  if (q && result == KT_DONE)
+    result = kt_exit_of(km_state_set_coordinates(m, w->pose.state, q, &error));
+  km_free(q);
+  return q ? result : KT_INTERNAL;
+}
+
+/* Integrals of controllers and slips of tyres aren't in tables. */
+static void tell_memories(const ksim_work *w) {
+  const km_model *model = w->pose.model;
+  for (int i = 0; i < model->module_count; ++i) {
+    const km_model_module *module = &model->modules[i];
+    if (module->type != KM_MODULE_TIRE && !(module->type == KM_MODULE_PID && module->ki != 0.0))
+      continue;
+    kt_say(&w->options->common, KM_NOTE,
+           "%s: integrals of controllers and slips of tyres aren't in tables; with --from they start from 0",
+           w->options->model);
+    return;
+  }
+}
+
+kt_exit ksim_go_on(ksim_work *w) {
+  km_table *table = NULL;
+  if (!w->options->from)
+    return KT_DONE;
+  kt_exit result = read_table(w->options, &table);
+  if (result == KT_DONE)
+    result = take_row(w, table);
+  if (result == KT_DONE)
+    tell_memories(w);
+  km_table_free(table);
+  return result;
+}
