@@ -76,6 +76,34 @@ static void test_a02(void **data) {
   fixture_close(&f);
 }
 
+/* IFToMM's A01: 1 kg on a massless bar of 1 m, let go level. Half a swing takes 2 K(sin 45°)/√g, with K(k) =
+ * π/(2 M(1, √(1 − k²))), M the arithmetic-geometric mean; then it stands level on the other side. */
+static void test_a01(void **data) {
+  (void)data;
+  enum { HALVES = 8 };
+  double a = 1.0, b = sqrt(0.5);
+  for (int i = 0; i < 8; ++i) {
+    double mean = 0.5 * (a + b);
+    b = sqrt(a * b);
+    a = mean;
+  }
+  double half = M_PI / (a * sqrt(9.81));
+  fixture f = fixture_read(
+      "{\"model_parameters\": {\"gravity\": [0, -9.81, 0]}, \"assemblies\": [{\"name\": \"a\", \"bodies\": "
+      "[{\"name\": \"bar\", \"mass\": 1, \"center_of_mass\": [1, 0, 0]}], \"joints\": [{\"name\": "
+      "\"A\", \"type\": \"Rz\", \"body_frame_pairs\": [\"fixed\", \"bar\"], "
+      "\"initial_displacement\": 3.141592653589793}]}]}");
+  km_history h = run(&f, HALVES * half, half, 1e-11);
+  int q = km_table_find(h.table, "q.A"), v = km_table_find(h.table, "v.A");
+  for (size_t r = 1; r <= HALVES; ++r) {
+    assert_near(km_table_row(h.table, r)[q], r % 2 ? 2.0 * M_PI : M_PI, 1e-9);
+    assert_near(km_table_row(h.table, r)[v], 0.0, 1e-8);
+  }
+  assert_true(h.energy_error <= 1e-9 * h.energy_scale + 1e-9);
+  km_history_free(&h);
+  fixture_close(&f);
+}
+
 static const char oscillator[] =
     "{\"assemblies\": [{\"name\": \"a\", \"bodies\": [{\"name\": \"b\", \"mass\": 2}], \"joints\": [{\"name\": \"X\", "
     "\"type\": \"Tx\", \"body_frame_pairs\": [\"fixed\", \"b\"], \"initial_displacement\": 0.5, \"damping\": 0.8}], "
@@ -366,6 +394,7 @@ static void test_inverse(void **data) {
 
 int main(void) {
   const struct CMUnitTest tests[] = {cmocka_unit_test(test_andrews),
+                                     cmocka_unit_test(test_a01),
                                      cmocka_unit_test(test_a02),
                                      cmocka_unit_test(test_oscillator),
                                      cmocka_unit_test(test_free_body),
