@@ -7,6 +7,7 @@
 
 #include <cmocka.h>
 
+#include "kmech/arm.h"
 #include "kmech/sweep.h"
 #include "kview/guard.h"
 #include "kview/messages.h"
@@ -331,6 +332,49 @@ static void a_design_is_saved(void **unused) {
   }
 }
 
+static void read_column(const char *text, int which, double *out, int count) {
+  const char *at = strstr(text, "\"columns\":[") + strlen("\"columns\":[");
+  for (int k = 0; k <= which; ++k)
+    at = strchr(at, '[') + 1;
+  for (int c = 0; c < count; ++c) {
+    char *end;
+    out[c] = strtod(at, &end);
+    at = end + 1;
+  }
+}
+
+/* The path-control column moves the effector along the direction alone, and the pose-control column not at all. */
+static void columns_move_the_effector(void **unused) {
+  (void)unused;
+  kv_session s = open_session("iiwa14");
+  int tool = km_model_frame_count(s.model) - 1;
+  for (int direction = 0; direction < 6; ++direction) {
+    char text[64];
+    double J[6 * 7], q[7], rates[7];
+    km_arm *arm;
+    km_error error;
+    snprintf(text, sizeof text, "1 columns %d %d", tool, direction);
+    kv_answer answer = tell(&s, text);
+    assert_int_equal(km_arm_create(s.mechanism, s.state, tool, KM_TASK_POSE, &arm, &error), KM_OK);
+    km_state_coordinates(s.mechanism, s.state, q, &error);
+    assert_int_equal(km_arm_jacobian(arm, q, J, &error), KM_OK);
+    for (int k = 0; k < 2; ++k) {
+      double twist[6] = {0};
+      read_column(answer.bytes.data, k, rates, 7);
+      for (int c = 0; c < 7; ++c)
+        for (int r = 0; r < 6; ++r)
+          twist[r] += J[6 * c + r] * rates[c];
+      for (int r = 0; r < 6; ++r)
+        assert_true(k == 0 && r == direction ? twist[r] > 1e-3 : fabs(twist[r]) < 1e-12);
+    }
+    km_arm_free(arm);
+    kv_buffer_free(&answer.bytes);
+  }
+  expect(&s, "1 columns 0 0", "error");
+  expect(&s, "1 columns 999 0", "error");
+  kv_session_close(&s);
+}
+
 static const char by_name[] =
     "{\"model_parameters\": {\"version\": \"1.1\"}, \"parameters\": {\"crank\": {\"value\": 2, \"low\": 1}, \"reach\": "
     "\"2*crank\", \"load\": 3}, \"poses\": {\"up\": {\"A\": 1.5}}, \"assemblies\": [{\"name\": \"a\", \"bodies\": [{\"name\": "
@@ -416,6 +460,7 @@ static void what_is_wrong_is_refused(void **unused) {
                                       "1 design 1",
                                       "1 parameters 1",
                                       "1 named 0",
+                                      "1 columns 1 6",
                                       "1 lever 0 0",
                                       "1 track 99",
                                       "1 undo",
@@ -467,6 +512,7 @@ int main(void) {
       cmocka_unit_test(undo_comes_back),
       cmocka_unit_test(a_selfmotion_holds_the_effector),
       cmocka_unit_test(a_design_is_saved),
+      cmocka_unit_test(columns_move_the_effector),
       cmocka_unit_test(parameters_and_poses_have_names),
       cmocka_unit_test(what_is_wrong_is_refused),
       cmocka_unit_test(only_this_page_comes_in),

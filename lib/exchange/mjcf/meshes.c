@@ -71,14 +71,15 @@ static km_mesh *read_inline(km_mjcf *m, const km_xml *e) {
   const double *at = read_threes(m, e, "vertex", &vertices), *corners = read_threes(m, e, "face", &faces);
   km_mesh *mesh = at ? km_mesh_create(vertices, faces) : NULL, *hull = NULL;
   km_error error;
+  m->robot->arena.failed = m->robot->arena.failed || (at && !mesh);
   if (!mesh)
     return NULL;
   for (int v = 0; v < vertices; ++v)
     mesh->vertices[v] = km_vec3_make(at + 3 * v);
   if (faces && corners && copy_faces(m, e, corners, mesh))
     return mesh;
-  if (!faces)
-    km_mesh_hull(mesh, &hull, &error);
+  if (!faces && km_mesh_hull(mesh, &hull, &error) == KM_MEMORY)
+    m->robot->arena.failed = true;
   km_mesh_free(mesh);
   return hull;
 }

@@ -59,9 +59,10 @@ static bool weigh_mesh(km_robot *robot, const km_xml *mesh, const double scale[3
   if (!path || km_mesh_read(path, &surface, &error))
     return false;
   km_mesh_scale(surface, scale);
-  bool weighed = km_mesh_weigh(surface, path, out, &error) == KM_OK;
+  km_status status = km_mesh_weigh(surface, path, out, &error);
+  robot->arena.failed = robot->arena.failed || status == KM_MEMORY;
   km_mesh_free(surface);
-  return weighed;
+  return status == KM_OK;
 }
 
 /* A collision's shape of density 1, in its own frame. */
