@@ -197,6 +197,8 @@ static km_status answer(kv_session *s, char *text, double *arguments, kv_call *c
   if (verb < 0)
     return km_fail(error, KM_USAGE, "\"%.*s\" is not a verb", (int)(length < 40 ? length : 40), at);
   call->count = read_arguments(at + length, arguments);
+  if (call->count < 0)
+    return km_fail(error, KM_USAGE, "%s: an argument isn't a finite number, or there are too many", verbs[verb].word);
   if (call->count < verbs[verb].least || call->count > verbs[verb].most)
     return km_fail(error, KM_USAGE, "%s: expected %d to %d numbers", verbs[verb].word, verbs[verb].least,
                    verbs[verb].most);

@@ -317,7 +317,7 @@ export class Curves {
 
   private goTo(s: number): void {
     const { store } = this, { table, link } = store;
-    if (!table) return;
+    if (!table || !Number.isFinite(s)) return;
     const row = rowAt(table.values[1], s);
     if (link instanceof RecordedLink) link.pull(`row ${row}`, (answer) => store.take(answer));
     else if (table.driver >= 0) store.pull(`joint ${table.driver} ${Math.max(Math.min(...table.values[1]), Math.min(Math.max(...table.values[1]), s))}`, () => true);
@@ -343,9 +343,13 @@ export class Curves {
       void this.store.settle();
     } else {
       const { table } = this.store;
-      if (!table) return;
+      if (!table || table.values[1].length < 2) {
+        this.store.say("There is no motion to play: the sweep has one pose at most.");
+        return;
+      }
       const s = table.values[1], rows = s.length, start = performance.now(), begin = rowAt(s, this.present() ?? s[0]);
       const there = (time: number): void => {
+        if (this.store.table !== table) return this.toggle(); // another question: its motion isn't this one
         const at = (begin + ((time - start) / 6000) * rows) % (2 * rows - 2), row = at < rows ? at : 2 * rows - 2 - at;
         const low = Math.floor(row), part = row - low;
         if (table.driver >= 0 && !this.store.link.recorded) this.goTo(s[low] + part * ((s[low + 1] ?? s[low]) - s[low]));
@@ -354,7 +358,7 @@ export class Curves {
       };
       this.playing = requestAnimationFrame(there);
     }
-    this.play.textContent = this.playing ? "⏸" : "▶";
+    this.play.textContent = this.playing ? "❚❚" : "▶";
     this.play.setAttribute("aria-label", this.playing ? "Pause" : "Play the motion");
   }
 

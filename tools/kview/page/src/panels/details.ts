@@ -102,8 +102,9 @@ export class Details {
   }
 
   /** Places of the body's frames in it, typed. */
-  private dimensions(b: number): HTMLElement {
+  private dimensions(b: number): HTMLElement | null {
     const { store } = this, frames = store.model.frames.map((f, i) => ({ f, i })).filter(({ f }) => f.body === b && f.name !== "origin");
+    if (!frames.length) return null;
     const row = ({ f, i }: (typeof frames)[number]): HTMLElement => {
       const fields = f.T.map((x, k) => el("input", { type: "text", inputmode: "decimal", "aria-label": `${"xyz"[k]} of ${f.name}`, value: shown(x, 6), onchange: () => void move() }));
       const move = async (): Promise<void> => {

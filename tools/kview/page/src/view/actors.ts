@@ -2,7 +2,7 @@
 import { BufferAttribute, BufferGeometry, Color, CylinderGeometry, DoubleSide, EdgesGeometry, Group, LineBasicMaterial, LineSegments, Matrix4, Mesh, MeshLambertMaterial, Object3D, Quaternion, Vector3, ConeGeometry, AxesHelper } from "three";
 import { Model, Patch, Pose } from "../protocol";
 import { Crowd, Owner, Solid } from "./crowd";
-import { bodyMatrix, bodyPoints, extent, frameMatrix, jointAxis, members, vector } from "./geometry";
+import { bodyMatrix, bodyPoints, extent, frameMatrix, jointAxis, members, usualReach, vector } from "./geometry";
 import { linkGeometry, plain } from "./links";
 import { symbolGeometry } from "./symbols";
 
@@ -33,7 +33,9 @@ export class Actors {
     const { middle, size } = extent(model, pose);
     this.middle = middle;
     this.size = size;
-    this.thick = Math.min(0.013 * size, 0.08 * model.length); // links of a long chain stay links
+    const reach = usualReach(model);
+    // links of a long chain stay links, and are seen
+    this.thick = reach > 0 ? Math.max(Math.min(0.013 * size, 0.12 * reach), 0.0025 * size) : 0.013 * size;
     const layers = this.layers(model), links: Solid[] = [], pins: Solid[] = [], shapes = new Map<string, BufferGeometry>();
     const own = new Map<number, Patch[]>();
     for (const patch of patches) own.set(patch.body, [...(own.get(patch.body) ?? []), patch]);

@@ -59,6 +59,16 @@ export function bodyPoints(model: Model, body: number, near: number): Vector3[] 
   return points;
 }
 
+/** How far apart the points of a body usually are: the median over the bodies; 0: none has two. */
+export function usualReach(model: Model): number {
+  const all: number[] = [];
+  for (let b = 1; b < model.bodies.length; ++b) {
+    const points = bodyPoints(model, b, 0), far = Math.max(0, ...points.map((p) => p.distanceTo(points[0])));
+    if (far > 0) all.push(far);
+  }
+  return all.length ? all.sort((a, b) => a - b)[all.length >> 1] : 0;
+}
+
 /** The size of the mechanism: the diagonal of the box around its joints in a pose, and its middle. */
 export function extent(model: Model, pose: Pose): { middle: Vector3; size: number } {
   const low = new Vector3(Infinity, Infinity, Infinity), high = new Vector3(-Infinity, -Infinity, -Infinity);
