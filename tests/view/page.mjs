@@ -137,8 +137,7 @@ async function design() {
     await fields.nth(0).fill(String(at + 0.5));
     await fields.nth(0).press("Enter");
     await until(page, () => kview.store.model.edited);
-    await page.waitForTimeout(300);
-    check(await page.evaluate((old) => kview.store.table.values[kview.store.table.values.length - 1].some((v, i) => v !== old[i]), first), "the curve doesn't follow the pivot");
+    await until(page, (old) => kview.store.table.values[kview.store.table.values.length - 1].some((v, i) => v !== old[i]), first); // the curve follows
     check(await page.evaluate(() => kview.store.base && kview.store.base !== kview.store.table), "the file's own curve is lost");
     await page.getByRole("button", { name: "Keep this design" }).click();
     check(await page.evaluate(() => kview.store.variants.length === 1), "no variant is kept");
