@@ -189,7 +189,7 @@ typedef struct km_design_study_def {
 KM_API km_design_study_def km_design_study_default(void);
 KM_API km_design_figure km_design_figure_default(void); /* KM_DESIGN_MIN, no limits */
 
-/* Reads a definition from JSON (docs/studies.md). Findings go to `messages` with their place; KM_MODEL, KM_MEMORY. The
+/* Reads JSON (docs/studies.md) into a definition that began as km_design_study_default. Findings go to `messages` with their place; KM_MODEL, KM_MEMORY. The
  * definition is to be freed in any case. */
 KM_API km_status km_design_study_read(const char *bytes, size_t size, km_messages *messages, km_design_study_def *def,
                                       km_error *error);
