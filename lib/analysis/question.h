@@ -1,4 +1,4 @@
-/* A question and what makes its kind. Private to analysis/. */
+/* A question and what makes its kind. Private to the library. */
 #ifndef KM_ANALYSIS_QUESTION_H
 #define KM_ANALYSIS_QUESTION_H
 

@@ -186,6 +186,10 @@ int km_arm_rows(const km_arm *a) {
   return a ? a->rows : 0;
 }
 
+int km_arm_freedom(const km_arm *a) {
+  return a ? a->freedom : 0;
+}
+
 double km_arm_length(const km_arm *a) {
   if (!a)
     return nan("");

@@ -145,6 +145,23 @@ const km_arm *km_study_arm(const km_study *study) {
   return study->arm;
 }
 
+const km_path *km_study_bound_path(const km_study *study) {
+  return study ? study->path : NULL;
+}
+
+km_status km_study_start(const km_study *s, double *q, double *moved, km_error *error) {
+  km_status status = km_check_given(s != NULL, "study", error);
+  if (status)
+    return status;
+  if (s->start_status)
+    return km_fail(error, s->start_status, "%s", s->start_error.text);
+  if (q)
+    memcpy(q, s->start, (size_t)s->arm->n * sizeof *q);
+  if (moved)
+    *moved = s->start_moved;
+  return KM_OK;
+}
+
 int km_study_methods(const km_study *study) {
   if (!study)
     return 0;

@@ -20,6 +20,18 @@ static km_pose pose_of(const km_mechanism *m, const km_state *s, int frame) {
   return km_pose_product(&s->pose[def->body], &def->pose);
 }
 
+km_status km_frame_pose_make(const double p[3], const double turn[3], km_frame_pose *out, km_error *error) {
+  km_status status = km_check_given(p && turn && out, "place, rotation vector or place for the result", error);
+  for (int k = 0; k < 3 && !status; ++k)
+    if (!isfinite(p[k]) || !isfinite(turn[k]))
+      status = km_fail(error, KM_USAGE, "a pose of %g and %g; expected finite numbers", p[k], turn[k]);
+  if (status)
+    return status;
+  const km_pose pose = {km_quaternion_rotation(km_quaternion_exp(km_vec3_make(turn))), km_vec3_make(p)};
+  km_pose_write(&pose, out);
+  return KM_OK;
+}
+
 void km_pose_write(const km_pose *X, km_frame_pose *out) {
   km_rotation_rows(&X->R, out->R);
   out->p[0] = X->p.x;

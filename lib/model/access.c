@@ -3,6 +3,7 @@
 
 #include "base/check.h"
 #include "base/nearest.h"
+#include "kmech/parts.h"
 
 #include <math.h>
 #include <string.h>
@@ -152,4 +153,15 @@ bool km_model_coordinate_is_length(const km_model *model, int coordinate) {
 
 km_units km_model_units(const km_model *model) {
   return model ? model->units : km_units_default();
+}
+
+double km_model_joint_friction(const km_model *model, int joint) {
+  return model && joint >= 0 && joint < model->joint_count ? model->joints[joint].friction.coefficient : (double)NAN;
+}
+
+void km_model_simulated(const km_model *model, double *span, double *step) {
+  if (span)
+    *span = model ? model->simulation.span : 0.0;
+  if (step)
+    *step = model ? model->simulation.step : 0.0;
 }

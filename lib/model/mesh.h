@@ -18,6 +18,12 @@ typedef struct km_mesh {
   km_triangle *triangles;
 } km_mesh;
 
+/* The meshes of a model's bodies, by body; NULL where one has none. */
+struct km_meshes {
+  int count;
+  km_mesh *items[];
+};
+
 /* Room for so many vertices and triangles, all zero. The caller frees it; NULL when out of memory. */
 km_mesh *km_mesh_create(int vertex_count, int triangle_count);
 void km_mesh_free(km_mesh *mesh);

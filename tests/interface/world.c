@@ -139,6 +139,20 @@ static void open_designs(world *w) {
   need(km_design_study_open(&w->designs_def, NULL, false, &w->designs, &w->error), &w->error);
 }
 
+/* What pictures are made of. */
+static void open_pictures(world *w) {
+  w->answered = (km_answered){.question = w->question, .name = "model"};
+  w->comparison = (km_comparison){&w->answered, 1, false};
+  w->plotted = (km_plotted_table){w->table, "table", 0, w->columns};
+  w->history_shown = (km_plotted_history){.mechanism = w->mechanism, .table = w->sweep.motion.table, .name = "model"};
+  need(km_table_chart(&w->plotted, 1, 1, &w->chart, &w->error), &w->error);
+  need(km_drawing_create(w->mechanism, &w->drawing, &w->error), &w->error);
+  km_poses_update(w->mechanism, w->state);
+  need(km_drawing_add_pose(w->drawing, w->mechanism, w->state, &w->error), &w->error);
+  w->page = (km_motion_page){.quantity = "way", .values = w->numbers, .seconds = 1.0};
+  w->tracks = (km_tracks){w->study, "study", "model", &w->track, w->track ? 1 : 0};
+}
+
 void world_open(world *w, world_kind kind) {
   *w = (world){.names = {"fixed", "origin"}, .loads = {{.frame = 1, .force = {1, 0, 0}}}, .holds = {{0, 0.0}}};
   w->messages = km_messages_create();
@@ -169,9 +183,12 @@ void world_open(world *w, world_kind kind) {
   open_designs(w);
   if (kind == WORLD_LOOPS)
     need(km_mobility_sweep_run(w->mechanism, w->state, &w->plan, &w->sweep, &w->error), &w->error);
+  open_pictures(w);
 }
 
 void world_close(world *w) {
+  km_chart_free(w->chart);
+  km_drawing_free(w->drawing);
   km_mobility_sweep_free(&w->sweep);
   km_track_free(w->track);
   km_design_study_free(w->designs);

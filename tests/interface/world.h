@@ -72,6 +72,18 @@ typedef struct world {
   km_objective objective;
   km_hold holds[2];
   km_load loads[1];
+  km_answered answered;
+  km_comparison comparison;
+  km_plotted_table plotted;
+  km_plotted_history history_shown;
+  size_t columns[3];
+  km_chart *chart;
+  km_drawing *drawing;
+  km_drawing_look look;
+  km_motion_page page;
+  km_tracks tracks;
+  km_selfmotion selfmotion;
+  km_ik_solutions solutions;
   km_error error;
   const char *names[2];
   double numbers[WORLD_NUMBERS];

@@ -6,14 +6,11 @@
 #include "base/text.h"
 #include "exchange/json/convert.h"
 #include "exchange/json/json.h"
+#include "kmech/design_results.h"
+#include "kmech/drawing.h"
 #include "kmech/kmech.h"
-#include "report/document/designs_report.h"
-#include "report/document/question_report.h"
-#include "report/plot/designs_plot.h"
-#include "report/plot/history_plot.h"
-#include "report/plot/question_plot.h"
-#include "report/record/designs_text.h"
 #include "kmech/records.h"
+#include "report/plot/designs_plot.h"
 
 #include <stdlib.h>
 #include <string.h>
@@ -64,18 +61,22 @@ static km_status diagnose(const char *json) {
 
 /* Asks, and writes the answer as a record, a plot, a report. */
 static km_status write_answer(const fixture *f, const km_question *q) {
-  km_answered answer = {f->mechanism, q, "model", NULL, 0};
+  km_answered answer = {q, "model", NULL, 0};
+  km_chart *chart = NULL;
   km_arena arena = {0};
   km_text record = {0}, summary = {0}, plot = {0}, report = {0};
   const km_value *value = km_question_record(q, f->mechanism, "", "model", &arena);
   if (value)
     km_json_write(value, &record);
   km_question_print(q, f->mechanism, "model", &summary);
-  km_status status = km_question_plot(&(const km_comparison){&answer, 1, false}, KM_CANVAS_SVG, &plot, NULL);
+  km_status status = km_question_chart(&(const km_comparison){&answer, 1, false}, &chart, NULL);
+  if (!status)
+    status = km_chart_picture(chart, KM_PICTURE_SVG, &plot, NULL);
   if (!status && !km_question_mobility(q))
     status = km_question_report(&answer, "", true, &report, NULL);
   if (!status && (!value || arena.failed || record.failed || summary.failed || plot.failed || report.failed))
     status = KM_MEMORY;
+  km_chart_free(chart);
   km_text_free(&report);
   km_text_free(&plot);
   km_text_free(&summary);
@@ -126,7 +127,8 @@ static km_status simulate(const char *json) {
   km_linear linear = {0};
   km_arena arena = {0};
   km_text out = {0};
-  km_plot plot;
+  km_chart *chart = NULL;
+  km_drawing *drawing = NULL;
   km_status status = open_pose(json, &f);
   km_history_def def = km_history_default(f.model); /* of a model that is NULL, too */
   def.until = 0.02;
@@ -141,14 +143,28 @@ static km_status simulate(const char *json) {
   if (!status)
     status = km_linearise(dynamics, f.state, &linear, NULL);
   const km_plotted_history shown = {.mechanism = f.mechanism, .table = history.table, .name = "m"};
-  if (!status && (!km_history_plot_make(&shown, &arena, &plot) ||
-                  !km_history_record(f.mechanism, &def, &history, "", "m", &arena) ||
+  if (!status)
+    status = km_history_chart(&shown, &chart, NULL);
+  if (!status)
+    status = km_drawing_create(f.mechanism, &drawing, NULL);
+  if (!status)
+    status = km_drawing_add_path(drawing, 1, "path", NULL);
+  if (!status)
+    status = km_drawing_add_rows(drawing, history.table, NULL);
+  if (!status) {
+    static const double times[] = {0.0, 0.01, 0.02};
+    const km_motion_page page = {.quantity = "time", .values = times, .seconds = 1.0, .chart = chart};
+    status = km_drawing_page(drawing, &(const km_drawing_look){0}, &page, &out, NULL);
+  }
+  if (!status && (!km_history_record(f.mechanism, &def, &history, "", "m", &arena) ||
                   !km_linear_record(f.mechanism, f.state, &linear, "ksim", "m", &arena)))
     status = KM_MEMORY;
   if (!status) {
     km_linear_mat(&linear, &out);
     status = out.failed ? KM_MEMORY : KM_OK;
   }
+  km_drawing_free(drawing);
+  km_chart_free(chart);
   km_text_free(&out);
   km_arena_free(&arena);
   km_linear_free(&linear);
@@ -336,7 +352,7 @@ static km_status study_designs(const char *json) {
     status = km_designs_csv(study, &def, &csv, &error);
   if (!status)
     status = km_designs_report(study, &def, "study", true, &report, &error);
-  const km_designs_picture shown = {.study = study, .def = &def, .name = "study", .format = KM_CANVAS_SVG};
+  const km_designs_shown shown = {.study = study, .def = &def, .name = "study", .format = KM_PICTURE_SVG};
   if (!status)
     status = km_designs_bands(&shown, 0, 0, &picture, &error);
   if (!status)

@@ -262,7 +262,7 @@ static void panels_have_room(void **state) {
     km_canvas *canvas;
     km_arena arena = {0};
     km_plot_layout_size(&plot, &width, &height);
-    assert_int_equal(km_canvas_create(KM_CANVAS_SVG, width, height, &bytes, &canvas, NULL), KM_OK);
+    assert_int_equal(km_canvas_create(KM_PICTURE_SVG, width, height, &bytes, &canvas, NULL), KM_OK);
     km_plot_layout layout = {.plot = &plot, .canvas = canvas, .arena = &arena};
     km_plot_layout_make(&layout, width, height);
     assert_true(layout.fits && layout.columns * layout.rows >= panels && layout.columns * (layout.rows - 1) < panels);

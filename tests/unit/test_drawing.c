@@ -15,13 +15,13 @@ const char *__lsan_default_suppressions(void) {
   return "leak:libfontconfig\nleak:libpango\n";
 }
 
-static km_drawing drawing_of(fixture *f) {
+static km_drawing_def drawing_of(fixture *f) {
   km_poses_update(f->mechanism, f->state);
-  return (km_drawing){
+  return (km_drawing_def){
       .mechanism = f->mechanism, .poses = f->state->pose, .pose_count = 1, .title = "title", .name = "name"};
 }
 
-static void render(const km_drawing *drawing, km_canvas_format format, km_text *out) {
+static void render(const km_drawing_def *drawing, km_picture_format format, km_text *out) {
   km_error error;
   if (km_drawing_render(drawing, format, out, &error))
     fail_msg("%s", error.text);
@@ -30,13 +30,13 @@ static void render(const km_drawing *drawing, km_canvas_format format, km_text *
 static void the_same_bytes_for_every_model(void **state) {
   (void)state;
   for (int m = 0; all_models[m]; ++m)
-    for (int format = KM_CANVAS_SVG; format <= KM_CANVAS_PNG; ++format) {
+    for (int format = KM_PICTURE_SVG; format <= KM_PICTURE_PNG; ++format) {
       fixture f = fixture_open(all_models[m]);
-      km_drawing drawing = drawing_of(&f);
+      km_drawing_def drawing = drawing_of(&f);
       km_text a = {0}, b = {0};
       drawing.bodies = true;
-      render(&drawing, (km_canvas_format)format, &a);
-      render(&drawing, (km_canvas_format)format, &b);
+      render(&drawing, (km_picture_format)format, &a);
+      render(&drawing, (km_picture_format)format, &b);
       assert_int_equal(a.size, b.size);
       assert_memory_equal(a.data, b.data, a.size);
       km_text_free(&a);
@@ -60,7 +60,7 @@ static void the_plane_of_motion_is_found(void **state) {
                {"iiwa14", "iso view", false}};
   for (size_t i = 0; i < sizeof cases / sizeof cases[0]; ++i) {
     fixture f = fixture_open(cases[i].model);
-    km_drawing drawing = drawing_of(&f);
+    km_drawing_def drawing = drawing_of(&f);
     km_projection view = km_view_make(&drawing);
     assert_string_equal(view.name, cases[i].view);
     assert_int_equal(view.planar, cases[i].planar);
@@ -72,7 +72,7 @@ static void views_are_right_handed(void **state) {
   (void)state;
   fixture f = fixture_open("panda");
   for (int v = KM_VIEW_AUTO; v <= KM_VIEW_ISO; ++v) {
-    km_drawing drawing = drawing_of(&f);
+    km_drawing_def drawing = drawing_of(&f);
     drawing.view = (km_view)v;
     km_projection view = km_view_make(&drawing);
     km_vec3 toward = km_vec3_cross(view.right, view.up);
@@ -99,7 +99,7 @@ static void what_lies_in_front_comes_last(void **state) {
   (void)state;
   fixture f = fixture_read(crossing);
   km_arena arena = {0};
-  km_drawing drawing = drawing_of(&f);
+  km_drawing_def drawing = drawing_of(&f);
   drawing.view = KM_VIEW_XY;
   km_studio studio = {.drawing = &drawing, .place = {0, 0, 400, 300}};
   assert_true(km_studio_open(&studio));
@@ -128,7 +128,7 @@ static void what_lies_in_front_comes_last(void **state) {
 static void loads_are_arrows_with_names(void **state) {
   (void)state;
   fixture f = fixture_open("excavator");
-  km_drawing drawing = drawing_of(&f);
+  km_drawing_def drawing = drawing_of(&f);
   km_studio studio = {.drawing = &drawing, .place = {0, 0, 400, 300}};
   assert_true(km_studio_open(&studio));
   km_scene scene = km_studio_scene(&studio, 0, 1.0);
@@ -156,7 +156,7 @@ static void names_do_not_overlap(void **state) {
   (void)state;
   enum { NAMES = 60 };
   fixture f = fixture_open("brake");
-  km_drawing drawing = drawing_of(&f);
+  km_drawing_def drawing = drawing_of(&f);
   km_text out = {0};
   km_canvas *canvas;
   km_arena arena = {0};
@@ -164,7 +164,7 @@ static void names_do_not_overlap(void **state) {
   const km_font font = {.size = 8, .width = 120};
   km_label labels[NAMES] = {{0}};
   char texts[NAMES][64];
-  assert_int_equal(km_canvas_create(KM_CANVAS_SVG, 400, 300, &out, &canvas, NULL), KM_OK);
+  assert_int_equal(km_canvas_create(KM_PICTURE_SVG, 400, 300, &out, &canvas, NULL), KM_OK);
   for (int i = 0; i < NAMES; ++i) {
     snprintf(texts[i], sizeof texts[i], "joint %d%s", i, i % 7 ? "" : " with a much longer name than the others have");
     labels[i] = (km_label){
@@ -206,9 +206,9 @@ static void any_size_can_be_drawn(void **state) {
     char json[1024];
     snprintf(json, sizeof json, pendulum, sizes[i][0], sizes[i][1]);
     fixture f = fixture_read(json);
-    km_drawing drawing = drawing_of(&f);
+    km_drawing_def drawing = drawing_of(&f);
     km_text out = {0};
-    render(&drawing, KM_CANVAS_SVG, &out);
+    render(&drawing, KM_PICTURE_SVG, &out);
     assert_null(strstr(out.data, "nan"));
     assert_null(strstr(out.data, "inf"));
     km_text_free(&out);
@@ -219,11 +219,11 @@ static void any_size_can_be_drawn(void **state) {
 static void a_page_too_small_is_refused(void **state) {
   (void)state;
   fixture f = fixture_open("fourbar");
-  km_drawing drawing = drawing_of(&f);
+  km_drawing_def drawing = drawing_of(&f);
   km_text out = {0};
   km_error error;
   drawing.width = drawing.height = 100;
-  assert_int_equal(km_drawing_render(&drawing, KM_CANVAS_SVG, &out, &error), KM_USAGE);
+  assert_int_equal(km_drawing_render(&drawing, KM_PICTURE_SVG, &out, &error), KM_USAGE);
   assert_int_equal(out.size, 0);
   km_text_free(&out);
   fixture_close(&f);
@@ -248,9 +248,10 @@ static void overlay(const fixture *a, const fixture *b, km_text lines[2]) {
   km_canvas *canvas;
   km_poses_update(a->mechanism, a->state);
   km_poses_update(b->mechanism, b->state);
-  const km_drawing drawings[2] = {{.mechanism = a->mechanism, .poses = a->state->pose, .pose_count = 1, .bare = true},
-                                  {.mechanism = b->mechanism, .poses = b->state->pose, .pose_count = 1, .bare = true}};
-  assert_int_equal(km_canvas_create(KM_CANVAS_SVG, 200, 200, &out, &canvas, NULL), KM_OK);
+  const km_drawing_def drawings[2] = {
+      {.mechanism = a->mechanism, .poses = a->state->pose, .pose_count = 1, .bare = true},
+      {.mechanism = b->mechanism, .poses = b->state->pose, .pose_count = 1, .bare = true}};
+  assert_int_equal(km_canvas_create(KM_PICTURE_SVG, 200, 200, &out, &canvas, NULL), KM_OK);
   assert_int_equal(km_drawing_overlay(drawings, colours, 2, canvas, place, NULL), KM_OK);
   assert_int_equal(km_canvas_finish(canvas, NULL), KM_OK);
   km_canvas_free(canvas);
@@ -287,12 +288,12 @@ static void thumbnails_of_any_size(void **state) {
   (void)state;
   km_text out = {0};
   km_canvas *canvas;
-  assert_int_equal(km_canvas_create(KM_CANVAS_PNG, 640, 520, &out, &canvas, NULL), KM_OK);
+  assert_int_equal(km_canvas_create(KM_PICTURE_PNG, 640, 520, &out, &canvas, NULL), KM_OK);
   for (int m = 0; all_models[m]; ++m) {
     fixture f = fixture_open(all_models[m]);
     km_poses_update(f.mechanism, f.state);
     km_rectangle place = {10 + 120 * (m % 5), 10 + 100 * (m / 5), 110, 90}, tiny = {600, 10, 2, 1};
-    km_drawing drawing = {.mechanism = f.mechanism, .poses = f.state->pose, .pose_count = 1, .bare = true};
+    km_drawing_def drawing = {.mechanism = f.mechanism, .poses = f.state->pose, .pose_count = 1, .bare = true};
     assert_int_equal(km_drawing_place(&drawing, canvas, place, NULL), KM_OK);
     drawing.view = KM_VIEW_ISO;
     assert_int_equal(km_drawing_place(&drawing, canvas, tiny, NULL), KM_OK);
@@ -315,7 +316,7 @@ static void a_row_of_poses_shares_its_scale(void **state) {
   fixture f = fixture_open("klann");
   size_t bodies = (size_t)f.model->body_count;
   km_pose *poses = KM_NEW(km_pose, 2 * bodies);
-  km_drawing drawing = drawing_of(&f);
+  km_drawing_def drawing = drawing_of(&f);
   memcpy(poses, f.state->pose, bodies * sizeof *poses);
   km_drive *drive;
   assert_int_equal(km_drive_create(f.mechanism, f.state, 0, true, &drive, NULL), KM_OK);
@@ -334,7 +335,7 @@ static void a_row_of_poses_shares_its_scale(void **state) {
     scale[k] = studio.view.scale;
     assert_int_equal(km_studio_close(&studio, NULL), KM_OK);
     km_text out = {0};
-    render(&drawing, KM_CANVAS_SVG, &out);
+    render(&drawing, KM_PICTURE_SVG, &out);
     km_text_free(&out);
   }
   assert_near(scale[0], scale[1], 0.0);

@@ -30,7 +30,7 @@ typedef struct motion {
   km_mobility_sweep sweep;
   km_pose *poses;
   size_t rows, bodies;
-  km_drawing drawing;
+  km_drawing_def drawing;
   km_arena arena;
   km_film film;
 } motion;
@@ -49,7 +49,7 @@ static motion open_motion(const char *name, int steps) {
   for (size_t r = 0; r < m.rows; ++r)
     km_row_pose(m.f.mechanism, m.sweep.motion.table, r, m.f.state, q, m.poses + r * m.bodies);
   free(q);
-  m.drawing = (km_drawing){.mechanism = m.f.mechanism, .poses = m.poses, .pose_count = m.rows};
+  m.drawing = (km_drawing_def){.mechanism = m.f.mechanism, .poses = m.poses, .pose_count = m.rows};
   return m;
 }
 
@@ -83,7 +83,7 @@ static void movers_carry_bodies_as_their_poses_do(void **state) {
   for (size_t n = 0; n < sizeof names / sizeof *names; ++n) {
     motion m = open_motion(names[n], 24);
     make_film(&m);
-    km_drawing whole = m.drawing;
+    km_drawing_def whole = m.drawing;
     whole.alone = whole.steady = true;
     km_studio studio = {.drawing = &whole, .place = {0, 0, m.film.width, m.film.height}};
     assert_true(km_studio_open(&studio));
@@ -124,7 +124,7 @@ static void hinges_in_a_plane_are_only_moved(void **state) {
 static void the_ground_stands_still(void **state) {
   (void)state;
   motion m = open_motion("klann", 24);
-  km_drawing steady = m.drawing;
+  km_drawing_def steady = m.drawing;
   steady.alone = steady.steady = true;
   km_studio studio = {.drawing = &steady, .place = {0, 0, 360, 360}};
   km_spot directions[16];
@@ -330,7 +330,7 @@ static void pages_need_nothing_else(void **state) {
   double *values = KM_ARENA_NEW(&m.arena, double, m.rows);
   const km_film *films[] = {&m.film};
   const char *const alt[] = {"alt"};
-  const km_film_stop stop = {12.5, "\"a\" <stop>"};
+  const km_motion_stop stop = {12.5, "\"a\" <stop>"};
   const km_film_page page = {.title = "</script><b>",
                              .subtitle = "",
                              .footer = "",
@@ -372,7 +372,7 @@ static void add_square(km_apng *apng, double size, double place, km_status expec
   km_text png = {0};
   km_canvas *canvas;
   km_error error;
-  assert_int_equal(km_canvas_create(KM_CANVAS_PNG, size, 20, &png, &canvas, &error), KM_OK);
+  assert_int_equal(km_canvas_create(KM_PICTURE_PNG, size, 20, &png, &canvas, &error), KM_OK);
   km_canvas_rectangle(canvas, (km_colour){1, 0, 0, 1}, place, 5, 5, 5);
   assert_int_equal(km_canvas_finish(canvas, &error), KM_OK);
   km_canvas_free(canvas);

@@ -14,9 +14,9 @@ const char *__lsan_default_suppressions(void) {
   return "leak:libfontconfig\nleak:libpango\n";
 }
 
-static km_drawing drawing_of(fixture *f) {
+static km_drawing_def drawing_of(fixture *f) {
   km_poses_update(f->mechanism, f->state);
-  return (km_drawing){.mechanism = f->mechanism, .poses = f->state->pose, .pose_count = 1};
+  return (km_drawing_def){.mechanism = f->mechanism, .poses = f->state->pose, .pose_count = 1};
 }
 
 static km_canvas_point on_arc(const km_outline_part *arc, double angle) {
@@ -46,7 +46,7 @@ static void outlines_are_closed_around_each_link(void **state) {
   static const char *const names[] = {"klann", "fourbar", "brake", "slider_crank"};
   for (size_t n = 0; n < sizeof names / sizeof *names; ++n) {
     fixture f = fixture_open(names[n]);
-    km_drawing drawing = drawing_of(&f);
+    km_drawing_def drawing = drawing_of(&f);
     km_arena arena = {0};
     km_outlines o;
     km_error error;
@@ -72,7 +72,7 @@ static void outlines_are_closed_around_each_link(void **state) {
 static void holes_are_at_true_distances(void **state) {
   (void)state;
   fixture f = fixture_open("fourbar");
-  km_drawing drawing = drawing_of(&f);
+  km_drawing_def drawing = drawing_of(&f);
   km_arena arena = {0};
   km_outlines o;
   km_error error;
@@ -104,7 +104,7 @@ static void holes_are_at_true_distances(void **state) {
 static void dxf_holds_every_part(void **state) {
   (void)state;
   fixture f = fixture_open("klann");
-  km_drawing drawing = drawing_of(&f);
+  km_drawing_def drawing = drawing_of(&f);
   km_arena arena = {0};
   km_outlines o;
   km_text out = {0};
@@ -141,19 +141,19 @@ static void dxf_holds_every_part(void **state) {
 static void pages_are_at_scale(void **state) {
   (void)state;
   fixture f = fixture_open("klann");
-  km_drawing drawing = drawing_of(&f);
+  km_drawing_def drawing = drawing_of(&f);
   km_arena arena = {0};
   km_outlines o;
   km_text out = {0};
   km_error error;
   double width = 0.0;
   assert_int_equal(km_outlines_make(&drawing, 0.0, &arena, &o, &error), KM_OK);
-  assert_int_equal(km_outlines_render(&o, 0.01, KM_CANVAS_SVG, &out, &error), KM_OK);
+  assert_int_equal(km_outlines_render(&o, 0.01, KM_PICTURE_SVG, &out, &error), KM_OK);
   const char *found = strstr(out.data, "width=\"");
   assert_non_null(found);
   width = strtod(found + 7, NULL);
   assert_near(width - 36.0, (o.high[0] - o.low[0]) * 0.01 / 0.0254 * 72.0, 1e-5);
-  assert_int_equal(km_outlines_render(&o, 1e6, KM_CANVAS_SVG, &out, &error), KM_USAGE);
+  assert_int_equal(km_outlines_render(&o, 1e6, KM_PICTURE_SVG, &out, &error), KM_USAGE);
   km_text_free(&out);
   km_arena_free(&arena);
   fixture_close(&f);
@@ -162,7 +162,7 @@ static void pages_are_at_scale(void **state) {
 static void space_has_no_outlines(void **state) {
   (void)state;
   fixture f = fixture_open("stewart");
-  km_drawing drawing = drawing_of(&f);
+  km_drawing_def drawing = drawing_of(&f);
   km_arena arena = {0};
   km_outlines o;
   km_error error;

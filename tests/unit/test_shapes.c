@@ -2,6 +2,7 @@
 #include "support/support.h"
 
 #include "exchange/mesh/shapes.h"
+#include "kmech/drawing.h"
 #include "model/mass_properties.h"
 
 #include <math.h>
@@ -57,10 +58,10 @@ static void meshes_stand_for_solids(void **unused) {
     assert_near(km_vec3_norm(km_vec3_sub(found.center, exact.center)), 0.0, 1e-12);
     km_mesh_free(mesh);
   }
-  km_mesh **meshes;
+  km_meshes *meshes;
   assert_int_equal(km_model_read_meshes(f.model, &meshes, NULL), KM_OK);
-  assert_non_null(meshes[1]);
-  km_meshes_free(f.model, meshes);
+  assert_non_null(meshes->items[1]);
+  km_meshes_free(meshes);
   fixture_close(&f);
 }
 

@@ -2,9 +2,9 @@
 #include "support/shown.h"
 
 #include "base/nearest.h"
+#include "kmech/records.h"
 #include "report/plot/parts.h"
 #include "report/plot/table_plot.h"
-#include "kmech/records.h"
 
 #include <float.h>
 #include <math.h>
@@ -156,7 +156,7 @@ static void equal_plots_keep_shapes(void **state) {
     km_error error;
     double width, height;
     km_plot_layout_size(&plot, &width, &height);
-    assert_int_equal(km_canvas_create(KM_CANVAS_SVG, width, height, &out, &canvas, &error), KM_OK);
+    assert_int_equal(km_canvas_create(KM_PICTURE_SVG, width, height, &out, &canvas, &error), KM_OK);
     km_plot_layout layout = {.plot = &plot, .canvas = canvas, .arena = &arena};
     km_plot_layout_make(&layout, width, height);
     assert_true(layout.fits);

@@ -4,9 +4,9 @@
 
 #include "common/options.h"
 #include "kmech/mechanism.h"
+#include "kmech/picture_format.h"
 #include "kmech/text.h"
 #include "kmech/value.h"
-#include "report/plot/canvas.h"
 
 /* Exit codes of every tool (cli.md). */
 typedef enum kt_exit {
@@ -142,7 +142,7 @@ bool kt_formats_parse(const kt_common *common, const char *text, kt_formats *out
 bool kt_formats_parse_among(const kt_common *common, const char *text, const char *among, kt_formats *out);
 int kt_formats_count(const kt_formats *formats);
 const char *kt_format_word(kt_format format);
-km_canvas_format kt_canvas_format(kt_format format);
+km_picture_format kt_picture_format(kt_format format);
 
 /* Writes BASE.RESULT.FORMAT, or the standard output for base "-"; tells where unless quiet. */
 kt_exit kt_write(const kt_common *common, const char *base, const char *result, const char *format,

@@ -13,8 +13,8 @@ const char *kt_format_word(kt_format format) {
   return words[format];
 }
 
-km_canvas_format kt_canvas_format(kt_format format) {
-  return format == KT_PDF ? KM_CANVAS_PDF : format == KT_PNG ? KM_CANVAS_PNG : KM_CANVAS_SVG;
+km_picture_format kt_picture_format(kt_format format) {
+  return format == KT_PDF ? KM_PICTURE_PDF : format == KT_PNG ? KM_PICTURE_PNG : KM_PICTURE_SVG;
 }
 
 static int find_format(const char *word) {

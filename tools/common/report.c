@@ -2,7 +2,7 @@
 #include "common/report.h"
 
 #include "kmech/files.h"
-#include "report/document/question_report.h"
+#include "kmech/pictures.h"
 
 #include <stdio.h>
 #include <string.h>
@@ -53,7 +53,7 @@ static kt_exit write_file(const kt_sweep_job *j, bool html, const km_text *bytes
 static kt_exit deliver(const kt_sweep_job *j, bool html) {
   km_text out = {0};
   km_error error;
-  km_answered answer = {j->pose.mechanism, j->question, j->label, NULL, 0};
+  km_answered answer = {j->question, j->label, NULL, 0};
   km_status status = km_question_report(&answer, j->stopped_by.data ? j->stopped_by.data : "", html, &out, &error);
   kt_exit result = kt_exit_of(status);
   if (status)

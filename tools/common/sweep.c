@@ -3,9 +3,9 @@
 
 #include "common/drives.h"
 #include "kmech/parallel.h"
-#include "kmech/value.h"
-#include "report/plot/question_plot.h"
+#include "kmech/pictures.h"
 #include "kmech/records.h"
+#include "kmech/value.h"
 
 #include <stdio.h>
 #include <string.h>
@@ -174,16 +174,19 @@ static kt_exit write_plot(const kt_sweep_options *o, const kt_sweep_job *jobs, c
   km_comparison comparison = {.answers = shown, .ordered = o->variants.number_count > 0};
   for (int i = 0; i < job_count(o); ++i)
     if (kt_sweep_job_delivers(&jobs[i]))
-      shown[comparison.count++] =
-          (km_answered){jobs[i].pose.mechanism, jobs[i].question, jobs[i].label, jobs[i].shown, jobs[i].shown_count};
+      shown[comparison.count++] = (km_answered){jobs[i].question, jobs[i].label, jobs[i].shown, jobs[i].shown_count};
   km_text out = {0};
   km_error error;
-  km_status status = km_question_plot(&comparison, kt_canvas_format(format), &out, &error);
+  km_chart *chart = NULL;
+  km_status status = km_question_chart(&comparison, &chart, &error);
+  if (!status)
+    status = km_chart_picture(chart, kt_picture_format(format), &out, &error);
   kt_exit result = kt_exit_of(status);
   if (status)
     kt_say_asked(&o->common, KM_ERROR, NULL, error.text);
   else
     result = kt_write(&o->common, base, word_of(o), kt_format_word(format), &out);
+  km_chart_free(chart);
   km_text_free(&out);
   return result;
 }

@@ -7,14 +7,14 @@
 #include <stdio.h>
 #include <string.h>
 
-static kt_exit read_size(const kmob_draw_options *o, km_drawing *drawing) {
+static kt_exit read_size(kmob_draw_options *o) {
   const char *x = strchr(o->size, 'x');
   char width[32];
   if (!x || (size_t)(x - o->size) >= sizeof width)
     return kt_usage(&o->common, "--size", o->size, "WIDTHxHEIGHT in points");
   snprintf(width, sizeof width, "%.*s", (int)(x - o->size), o->size);
-  if (!kt_number(width, &drawing->width) || !kt_number(x + 1, &drawing->height) || drawing->width <= 0.0 ||
-      drawing->height <= 0.0)
+  if (!kt_number(width, &o->look.width) || !kt_number(x + 1, &o->look.height) || o->look.width <= 0.0 ||
+      o->look.height <= 0.0)
     return kt_usage(&o->common, "--size", o->size, "WIDTHxHEIGHT in points");
   return KT_DONE;
 }
@@ -47,7 +47,7 @@ static kt_exit read_outlines(kmob_draw_options *o) {
 }
 
 /* What needs no model. */
-static kt_exit read_options(kmob_draw_options *o, km_drawing *drawing, int *poses) {
+static kt_exit read_options(kmob_draw_options *o, int *poses) {
   double count = 0.0;
   if (o->models.count > 1) {
     kt_say(&o->common, KM_ERROR, "one model at a time; found \"%s\" too", o->models.items[1]);
@@ -65,7 +65,7 @@ static kt_exit read_options(kmob_draw_options *o, km_drawing *drawing, int *pose
     return kt_usage(&o->common, "--animate", "--meshes", "--format apng with it: a page draws links");
   if (o->base && strcmp(o->base, "-") == 0)
     return kt_usage(&o->common, "-o", "-", "a file's name: pictures don't go to the standard output");
-  if (o->view && !km_view_find(o->view, &drawing->view))
+  if (o->view && !km_view_find(o->view, &o->look.view))
     return kt_usage(&o->common, "--view", o->view, "xy, xz, yz, iso or auto");
   if (o->poses && (!kt_number(o->poses, &count) || count < 1.0 || count > KT_MOST_TEXTS || count != floor(count)))
     return kt_usage(&o->common, "--poses", o->poses, "a whole number from 1 to 256");
@@ -75,29 +75,33 @@ static kt_exit read_options(kmob_draw_options *o, km_drawing *drawing, int *pose
   kt_exit outlines = read_outlines(o);
   if (outlines != KT_DONE)
     return outlines;
-  return o->size ? read_size(o, drawing) : KT_DONE;
+  return o->size ? read_size(o) : KT_DONE;
 }
 
-static kt_exit write_files(const kmob_draw_options *o, const km_drawing *drawing) {
-  char base[256];
+static kt_exit write_picture(const kmob_shots *shots, const char *base, kt_format format) {
+  const kmob_draw_options *o = shots->options;
+  const km_drawing_look look = kmob_shots_look(shots);
+  km_text out = {0};
+  km_error error;
+  km_status status = km_drawing_picture(shots->drawing, &look, kt_picture_format(format), &out, &error);
+  kt_exit result = kt_exit_of(status);
+  if (status)
+    kt_say(&o->common, KM_ERROR, "%s", error.text);
+  else
+    result = kt_write(&o->common, base, "motion", kt_format_word(format), &out);
+  km_text_free(&out);
+  return result;
+}
+
+static kt_exit write_files(const kmob_shots *shots) {
+  const kmob_draw_options *o = shots->options;
+  const char *base = o->base ? o->base : shots->name;
   kt_exit result = KT_DONE;
-  kt_base_name(o->path, base, sizeof base);
   if (o->drawn_scale > 0.0 || o->formats.wanted[KT_DXF])
-    result = kmob_write_outlines(o, drawing, o->base ? o->base : base);
-  for (int f = KT_SVG; f <= KT_PNG; ++f) {
-    if (!o->formats.wanted[f] || o->drawn_scale > 0.0)
-      continue;
-    km_text out = {0};
-    km_error error;
-    km_status status = km_drawing_render(drawing, kt_canvas_format((kt_format)f), &out, &error);
-    kt_exit written = kt_exit_of(status);
-    if (status)
-      kt_say(&o->common, KM_ERROR, "%s", error.text);
-    else
-      written = kt_write(&o->common, o->base ? o->base : base, "motion", kt_format_word((kt_format)f), &out);
-    km_text_free(&out);
-    result = kt_worse(written, result);
-  }
+    result = kmob_write_outlines(o, shots->drawing, base);
+  for (int f = KT_SVG; f <= KT_PNG; ++f)
+    if (o->formats.wanted[f] && !(o->drawn_scale > 0.0))
+      result = kt_worse(result, write_picture(shots, base, (kt_format)f));
   return result;
 }
 
@@ -118,7 +122,7 @@ static void add_options(kt_options *out, kmob_draw_options *o) {
       KT_SET(&o->sets, KT_SET_FIRST),
       {"view", 0, "VIEW", "xy, xz, yz, iso, or auto: the plane of motion, if there is one (default)",
        KT_TEXT_OF("xy or xz or yz or iso or auto"), &o->view, KT_ABOUT_FILES},
-      {"bodies", 0, NULL, "Name the bodies too", KT_FLAG, &o->bodies, KT_ABOUT_FILES},
+      {"bodies", 0, NULL, "Name the bodies too", KT_FLAG, &o->look.bodies, KT_ABOUT_FILES},
       {"meshes", 0, NULL, "Draw bodies by their meshes, where they have one", KT_FLAG, &o->meshes, KT_ABOUT_FILES},
       {"size", 0, "WxH", "Size of the page in points (1/72 inch)", KT_TEXT, &o->size, KT_ABOUT_FILES},
       {"scale", 0, "A:B", "Draw the outlines of a planar mechanism's links, with holes for hinges, at this scale: 1:1",
@@ -144,16 +148,14 @@ kt_exit kmob_draw(int argc, char **argv) {
   add_options(&all, &o);
   kt_options_read(&all, "A picture of the mechanism: links, joints, poses, paths of points.", argc, argv);
   o.path = o.models.items[0];
-  km_drawing drawing = {0};
   kmob_shots shots = {.options = &o};
-  kt_exit result = read_options(&o, &drawing, &shots.asked);
+  kt_exit result = read_options(&o, &shots.asked);
   if (result == KT_DONE)
     result = kmob_shots_take(&shots);
   if (result == KT_DONE && o.animate) {
-    result = kmob_animate(&shots, &drawing);
-  } else if (result == KT_DONE || (result == KT_PARTIAL && shots.count)) {
-    kmob_shots_show(&shots, &drawing);
-    kt_exit written = write_files(&o, &drawing);
+    result = kmob_animate(&shots);
+  } else if (result == KT_DONE || (result == KT_PARTIAL && km_drawing_poses(shots.drawing))) {
+    kt_exit written = write_files(&shots);
     result = kt_worse(written, result);
   }
   kmob_shots_free(&shots);

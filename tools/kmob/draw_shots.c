@@ -1,10 +1,6 @@
 /* The poses and paths of a picture: the model moved through what was asked. */
 #include "kmob/draw.h"
 
-#include "exchange/mesh/model_meshes.h"
-#include "kinematics/state.h"
-#include "kmech/memory.h"
-
 #include <math.h>
 #include <string.h>
 
@@ -21,17 +17,11 @@ static kt_exit report(const kmob_shots *s, km_status status, const km_error *err
   return kt_exit_of(status);
 }
 
-/* Keeps the bodies' places of a state as the next pose. */
+/* Keeps the pose of a state, perhaps of another compilation of the model, as the next one. */
 static kt_exit keep_pose(kmob_shots *s, const km_mechanism *mechanism, km_state *state) {
-  size_t bodies = (size_t)mechanism->model->body_count;
-  km_pose *poses = km_resize(s->poses, (s->count + 1) * bodies, sizeof *poses);
-  if (!poses)
-    return out_of_memory(s);
-  s->poses = poses;
+  km_error error;
   km_poses_update(mechanism, state);
-  memcpy(poses + s->count * bodies, state->pose, bodies * sizeof *poses);
-  s->count++;
-  return KT_DONE;
+  return report(s, km_drawing_add_pose(s->drawing, mechanism, state, &error), &error);
 }
 
 /* One pose for every --at. */
@@ -71,30 +61,29 @@ static km_status start_drive(motion *m, km_error *error) {
                                   error);
 }
 
-kt_exit kmob_shots_plan(const kmob_shots *s, km_sweep_plan *plan) {
+kt_exit kmob_shots_ask(const kmob_shots *s, km_question **question, km_sweep_plan *plan) {
   const kmob_draw_options *o = s->options;
-  km_question *question = NULL;
   km_error error;
-  kt_exit result = kt_ask(&o->common, o->path, &o->asked, &s->pose, &question);
-  if (result == KT_DONE) {
-    km_status status = km_question_make_plan(question, plan, &error);
-    if (status)
-      kt_say_asked(&o->common, KM_ERROR, o->path, error.text);
-    result = kt_exit_of(status);
-  }
-  km_question_free(question);
-  return result;
+  kt_exit result = kt_ask(&o->common, o->path, &o->asked, &s->pose, question);
+  if (result != KT_DONE)
+    return result;
+  km_status status = km_question_make_plan(*question, plan, &error);
+  if (status)
+    kt_say_asked(&o->common, KM_ERROR, o->path, error.text);
+  return kt_exit_of(status);
 }
 
 static kt_exit start(motion *m) {
   const kmob_shots *s = m->shots;
   km_error error;
-  kt_exit planned = kmob_shots_plan(s, &m->plan);
+  km_question *question = NULL;
+  kt_exit planned = kmob_shots_ask(s, &question, &m->plan);
+  km_question_free(question);
   if (planned != KT_DONE)
     return planned;
   km_status status = km_state_create(s->pose.mechanism, &m->state, &error);
   if (!status)
-    km_state_copy(s->pose.mechanism, m->state, s->pose.state);
+    status = km_state_assign(s->pose.mechanism, m->state, s->pose.state, &error);
   if (!status && m->plan.arclength > 0.0)
     status = km_follow_create(s->pose.mechanism, m->state, m->plan.direction, m->plan.sign, m->plan.ignore_limits,
                               &m->follow, &error);
@@ -113,9 +102,9 @@ static void stop(motion *m) {
 static bool full_turn(const motion *m) {
   const km_model *model = m->shots->pose.model;
   int c = m->plan.coordinate;
-  if (m->follow || km_joint_is_length(model->joints[model->coordinates[c].joint].type, model->coordinates[c].index))
+  if (m->follow || km_model_coordinate_is_length(model, c))
     return false;
-  return fabs(fabs(m->plan.to - m->plan.from) * km_model_coordinate_factor(model, c) - 2.0 * M_PI) < 1e-6;
+  return fabs(fabs(m->plan.to - m->plan.from) * km_model_units(model).angle->si - 2.0 * M_PI) < 1e-6;
 }
 
 /* Moves to a part (0 … 1) of the range; false at its end within reach. */
@@ -185,34 +174,27 @@ static kt_exit take_poses(kmob_shots *s) {
 
 static kt_exit visit_points(void *context, const km_mechanism *mechanism, km_state *state) {
   kmob_shots *s = context;
+  km_error error;
   km_poses_update(mechanism, state);
-  for (size_t t = 0; t < s->trace_count; ++t) {
-    double at[3];
-    km_frame_position(mechanism, state, s->traces[t].frame, at);
-    s->paths[t][s->traces[t].count++] = km_vec3_make(at);
-  }
-  return KT_DONE;
+  return report(s, km_drawing_lead_paths(s->drawing, mechanism, state, &error), &error);
 }
 
-kt_exit kmob_shots_traces(kmob_shots *s, size_t points) {
+kt_exit kmob_shots_paths(kmob_shots *s) {
   const kt_texts *texts = &s->options->traces;
   kt_exit result = KT_DONE;
-  s->traces = KM_NEW(km_drawing_trace, (size_t)texts->count);
-  s->paths = KM_NEW(km_vec3 *, (size_t)texts->count);
-  for (int t = 0; t < texts->count && s->traces && s->paths && result == KT_DONE; ++t) {
-    s->traces[t].name = texts->items[t];
-    s->traces[t].points = s->paths[t] = KM_NEW(km_vec3, points);
-    if (!s->paths[t])
-      return out_of_memory(s);
-    s->trace_count++;
-    result = kt_frame(&s->options->common, s->pose.model, "--trace", texts->items[t], &s->traces[t].frame);
+  for (int t = 0; t < texts->count && result == KT_DONE; ++t) {
+    int frame;
+    km_error error;
+    result = kt_frame(&s->options->common, s->pose.model, "--trace", texts->items[t], &frame);
+    if (result == KT_DONE)
+      result = report(s, km_drawing_add_path(s->drawing, frame, texts->items[t], &error), &error);
   }
-  return s->traces && s->paths ? result : out_of_memory(s);
+  return result;
 }
 
 static kt_exit take_paths(kmob_shots *s) {
   motion m = {.shots = s};
-  kt_exit result = kmob_shots_traces(s, PATH_STEPS + 1);
+  kt_exit result = kmob_shots_paths(s);
   if (result == KT_DONE)
     result = start(&m);
   if (result == KT_DONE)
@@ -228,17 +210,15 @@ static kt_exit take_file_pose(kmob_shots *s) {
   return keep_pose(s, s->pose.mechanism, s->pose.state);
 }
 
-static kt_exit take_meshes(kmob_shots *s) {
-  km_error error;
-  return report(s, km_model_read_meshes(s->pose.model, &s->meshes, &error), &error);
-}
-
 kt_exit kmob_shots_take(kmob_shots *s) {
   const kmob_draw_options *o = s->options;
+  km_error error;
   kt_base_name(o->path, s->name, sizeof s->name);
   kt_exit result = kt_open(&o->common, o->path, &o->holds, &o->sets, &s->pose);
+  if (result == KT_DONE)
+    result = report(s, km_drawing_create(s->pose.mechanism, &s->drawing, &error), &error);
   if (result == KT_DONE && o->meshes)
-    result = take_meshes(s);
+    result = report(s, km_model_read_meshes(s->pose.model, &s->meshes, &error), &error);
   if (result != KT_DONE)
     return result;
   if (o->animate)
@@ -250,27 +230,18 @@ kt_exit kmob_shots_take(kmob_shots *s) {
   return result == KT_DONE && s->title.failed ? out_of_memory(s) : result;
 }
 
-void kmob_shots_show(const kmob_shots *s, km_drawing *drawing) {
-  drawing->mechanism = s->pose.mechanism;
-  drawing->poses = s->poses;
-  drawing->pose_count = s->count;
-  drawing->traces = s->traces;
-  drawing->trace_count = s->trace_count;
-  drawing->meshes = (const km_mesh *const *)s->meshes;
-  drawing->bodies = s->options->bodies;
-  drawing->loads = !s->options->animate; /* arrows that turn would cover the motion */
-  drawing->title = s->title.data;
-  drawing->name = s->name;
+km_drawing_look kmob_shots_look(const kmob_shots *s) {
+  km_drawing_look look = s->options->look;
+  look.meshes = s->meshes;
+  look.loads = !s->options->animate; /* arrows that turn would cover the motion */
+  look.title = s->title.data;
+  look.name = s->name;
+  return look;
 }
 
 void kmob_shots_free(kmob_shots *s) {
-  for (size_t t = 0; t < s->trace_count; ++t)
-    km_free(s->paths[t]);
-  km_free(s->paths);
-  km_free(s->traces);
-  km_free(s->poses);
-  if (s->meshes)
-    km_meshes_free(s->pose.model, s->meshes);
+  km_drawing_free(s->drawing);
+  km_meshes_free(s->meshes);
   km_text_free(&s->title);
   kt_close(&s->pose);
 }

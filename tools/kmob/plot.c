@@ -4,7 +4,7 @@
 #include "kmech/files.h"
 #include "kmech/memory.h"
 #include "kmech/nearest.h"
-#include "report/plot/table_plot.h"
+#include "kmech/pictures.h"
 #include "kmech/records.h"
 
 #include <string.h>
@@ -119,13 +119,16 @@ static kt_exit write_plot(const work *w, kt_format format) {
   const options *o = w->options;
   km_text out = {0};
   km_error error;
-  km_status status =
-      km_table_plot(w->shown, (size_t)o->tables.count, w->columns, kt_canvas_format(format), &out, &error);
+  km_chart *chart = NULL;
+  km_status status = km_table_chart(w->shown, o->tables.count, (int)w->columns, &chart, &error);
+  if (!status)
+    status = km_chart_picture(chart, kt_picture_format(format), &out, &error);
   kt_exit result = kt_exit_of(status);
   if (status)
     kt_say(&o->common, KM_ERROR, "%s", error.text);
   else
     result = kt_write(&o->common, o->base ? o->base : w->names[0], "plot", kt_format_word(format), &out);
+  km_chart_free(chart);
   km_text_free(&out);
   return result;
 }

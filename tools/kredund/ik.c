@@ -1,11 +1,11 @@
 /* kredund ik: all branches of poses that reach one pose of the effector. kredund selfmotion: one of them. */
 #include "kredund/kredund.h"
 
-#include "kinematics/poses.h"
 #include "kmech/memory.h"
-#include "kmech/value.h"
 #include "kmech/records.h"
-#include "report/record/track_record.h"
+#include "kmech/tracks.h"
+#include "kmech/units.h"
+#include "kmech/value.h"
 
 #include <string.h>
 
@@ -13,33 +13,28 @@ static kt_exit read_pose(const kredund_request *r, const kredund_open *open, km_
   double value[6];
   if (!kt_numbers(r->pose, 6, value))
     return kt_usage(&r->common, "--pose", r->pose, "six numbers X,Y,Z,RX,RY,RZ");
-  double unit = open->pose.model->units.angle->si;
-  km_vec3 turn = {value[3] * unit, value[4] * unit, value[5] * unit};
-  km_pose pose = {km_quaternion_rotation(km_quaternion_exp(turn)), km_vec3_make(value)};
-  km_pose_write(&pose, out);
+  double unit = km_model_units(open->pose.model).angle->si;
+  const double turn[3] = {value[3] * unit, value[4] * unit, value[5] * unit};
+  if (km_frame_pose_make(value, turn, out, NULL))
+    return kt_usage(&r->common, "--pose", r->pose, "six finite numbers X,Y,Z,RX,RY,RZ");
   return KT_DONE;
 }
 
 /* --pose, the path's first pose, or where the arm is. */
 static kt_exit find_target(const kredund_request *r, const kredund_open *open, km_frame_pose *out) {
-  const km_study *s = open->study;
+  const km_path *path = km_study_bound_path(open->study);
   if (r->pose)
     return read_pose(r, open, out);
-  if (s->path) {
-    km_path_pose(s->path, 0, out);
+  if (path) {
+    km_path_pose(path, 0, out);
     return KT_DONE;
   }
-  km_arm_space space;
-  double q[KM_ARM_MOST];
-  if (!km_arm_space_create(s->arm, &space))
-    return KT_INTERNAL;
-  for (int k = 0; k < s->arm->n; ++k)
-    q[k] = km_arm_read(s->arm, k, s->start[k]);
-  km_arm_update(s->arm, &space, q);
-  km_pose pose = km_arm_to_model(s->arm, &space.pose);
-  km_pose_write(&pose, out);
-  km_arm_space_free(&space);
-  return KT_DONE;
+  kt_exit result;
+  double *q = kredund_start(r, open, &result);
+  if (q)
+    result = kt_exit_of(km_arm_place(km_study_arm(open->study), q, out, NULL));
+  km_free(q);
+  return result;
 }
 
 static kt_exit answer(const kredund_request *r, const km_value *record, km_text *text, km_arena *arena) {
@@ -56,7 +51,7 @@ static kt_exit run(const kredund_request *r, const kredund_open *open) {
   km_error error;
   km_arena arena = {0};
   km_text text = {0};
-  const km_arm *arm = open->study->arm;
+  const km_arm *arm = km_study_arm(open->study);
   kt_exit result = find_target(r, open, &target);
   if (result != KT_DONE)
     return result;

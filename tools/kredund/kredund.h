@@ -2,8 +2,8 @@
 #ifndef KREDUND_H
 #define KREDUND_H
 
-#include "arm/study.h"
 #include "common/pose.h"
+#include "kmech/path_study.h"
 
 kt_exit kredund_track(int argc, char **argv);
 kt_exit kredund_compare(int argc, char **argv);
@@ -46,6 +46,9 @@ typedef struct kredund_open {
  * do with the arm's own pose. Says what is wrong. The caller closes it in any case. */
 kt_exit kredund_bring(const kredund_request *request, bool needs_path, kredund_open *out);
 void kredund_close(kredund_open *open);
+/* Where the study's arm starts: q[coordinates of the arm], which the caller frees (km_free). NULL, said, with the exit
+ * otherwise. */
+double *kredund_start(const kredund_request *request, const kredund_open *open, kt_exit *exit);
 
 /* Marks the parts of the definition that options say, so that those of the study's file don't count. */
 void kredund_claim_parts(const kredund_request *request, km_study_def *def);

@@ -89,13 +89,25 @@ static kt_exit find_model(const kredund_request *r, kredund_open *out) {
   return KT_DONE;
 }
 
+double *kredund_start(const kredund_request *r, const kredund_open *open, kt_exit *exit) {
+  km_error error;
+  double *q = KM_NEW(double, (size_t)km_arm_coordinates(km_study_arm(open->study)) + 1);
+  km_status status = q ? km_study_start(open->study, q, NULL, &error) : km_fail(&error, KM_MEMORY, "out of memory");
+  *exit = kt_exit_of(status);
+  if (!status)
+    return q;
+  kt_say(&r->common, KM_ERROR, "%s: %s", open->name, error.text);
+  km_free(q);
+  return NULL;
+}
+
 static void note_start(const kredund_request *r, const kredund_open *out) {
-  const km_study *s = out->study;
-  if (s->path && !s->start_status && s->start_moved > 1e-6)
+  double moved = 0.0;
+  if (km_study_bound_path(out->study) && !km_study_start(out->study, NULL, &moved, NULL) && moved > 1e-6)
     kt_say(&r->common, KM_NOTE,
            "%s: the starting pose isn't at the path's first pose; inverse kinematics moves it by up to "
            "%.3g rad (slides: over L)",
-           out->name, s->start_moved);
+           out->name, moved);
 }
 
 /* Is --path a whole study? Then it says everything that the options don't. */

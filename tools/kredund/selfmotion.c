@@ -1,9 +1,9 @@
 /* kredund selfmotion: every pose that holds the effector where it is. */
 #include "kredund/tracks.h"
 
-#include "kmech/value.h"
-#include "report/plot/motion_map_plot.h"
+#include "kmech/memory.h"
 #include "kmech/records.h"
+#include "kmech/value.h"
 
 #include <string.h>
 
@@ -12,7 +12,7 @@ static kt_exit write_curve(const kredund_request *r, const kredund_open *open, c
   kt_exit result = KT_DONE;
   if (formats->wanted[KT_CSV]) {
     km_text out = {0};
-    km_table *table = km_selfmotion_table(open->study->arm, motion, r->ignore_limits);
+    km_table *table = km_selfmotion_table(km_study_arm(open->study), motion, r->ignore_limits);
     if (table)
       km_csv_write(table, &out);
     else
@@ -24,7 +24,8 @@ static kt_exit write_curve(const kredund_request *r, const kredund_open *open, c
   if (formats->wanted[KT_JSON]) {
     km_arena arena = {0};
     km_text out = {0};
-    const km_value *record = km_selfmotion_record(open->study->arm, motion, r->ignore_limits, open->model, &arena);
+    const km_value *record =
+        km_selfmotion_record(km_study_arm(open->study), motion, r->ignore_limits, open->model, &arena);
     if (record)
       km_json_write(record, &out);
     else
@@ -43,10 +44,10 @@ static kt_exit write_map(const kredund_request *r, const kredund_open *open, con
   bool pictures = formats->wanted[KT_SVG] || formats->wanted[KT_PDF] || formats->wanted[KT_PNG];
   if (!pictures)
     return KT_DONE;
-  if (!open->study->path || open->study->arm->freedom != 1) {
+  if (!km_study_bound_path(open->study) || km_arm_freedom(km_study_arm(open->study)) != 1) {
     bool alone = !formats->wanted[KT_CSV] && !formats->wanted[KT_JSON];
     kt_say(&r->common, alone ? KM_ERROR : KM_NOTE, "%s: there is no map to draw: it needs %s", open->name,
-           open->study->path ? "one spare freedom" : "a path");
+           km_study_bound_path(open->study) ? "one spare freedom" : "a path");
     return alone ? KT_PARTIAL : KT_DONE;
   }
   kt_exit result = kredund_tracks_run(&tracks);
@@ -54,38 +55,47 @@ static kt_exit write_map(const kredund_request *r, const kredund_open *open, con
     result = KT_DONE; /* the map shows where a method ends */
   for (int f = KT_SVG; f <= KT_PNG && result == KT_DONE; ++f)
     if (formats->wanted[f])
-      result = kredund_tracks_picture(&tracks, base, "selfmotion", (kt_format)f, km_motion_map_plot);
+      result = kredund_tracks_picture(&tracks, base, "selfmotion", (kt_format)f, km_tracks_map);
   kredund_tracks_free(&tracks);
   return result;
 }
 
-static kt_exit run(const kredund_request *r, const kt_formats *formats, const kredund_open *open) {
+/* Prints and writes the self-motion through q. */
+static kt_exit deliver(const kredund_request *r, const kt_formats *formats, const kredund_open *open, const double *q) {
+  const km_arm *arm = km_study_arm(open->study);
   const char *base = r->base ? r->base : open->base;
   km_selfmotion motion;
   km_error error;
-  if (open->study->start_status) {
-    kt_say(&r->common, KM_ERROR, "%s: %s", open->name, open->study->start_error.text);
-    return kt_exit_of(open->study->start_status);
-  }
-  if (open->study->arm->freedom < 1) {
-    kt_say(&r->common, KM_ERROR, "%s: the arm has no freedom to spare for its task: it has no self-motion", open->name);
-    return KT_PARTIAL;
-  }
-  km_status status = km_selfmotion_follow(open->study->arm, open->study->start, NULL, NULL, &motion, &error);
+  km_status status = km_selfmotion_follow(arm, q, NULL, NULL, &motion, &error);
   kt_exit result = kt_exit_of(status);
-  if (status) {
+  if (status)
     kt_say(&r->common, KM_ERROR, "%s: %s", open->name, error.text);
-  } else {
-    if (!r->common.quiet && strcmp(base, "-") != 0) {
-      km_text text = {0};
-      km_selfmotion_print(open->study->arm, &motion, open->name, &text);
-      result = kt_print(&r->common, &text);
-      km_text_free(&text);
-    }
+  if (!status && !r->common.quiet && strcmp(base, "-") != 0) {
+    km_text text = {0};
+    km_selfmotion_print(arm, &motion, open->name, &text);
+    result = kt_print(&r->common, &text);
+    km_text_free(&text);
+  }
+  if (!status) {
     result = kt_worse(result, write_curve(r, open, formats, &motion, base));
     result = kt_worse(result, write_map(r, open, formats, base));
   }
   km_selfmotion_free(&motion);
+  return result;
+}
+
+static kt_exit run(const kredund_request *r, const kt_formats *formats, const kredund_open *open) {
+  kt_exit result;
+  double *q = kredund_start(r, open, &result);
+  if (!q)
+    return result;
+  if (km_arm_freedom(km_study_arm(open->study)) < 1) {
+    kt_say(&r->common, KM_ERROR, "%s: the arm has no freedom to spare for its task: it has no self-motion", open->name);
+    result = KT_PARTIAL;
+  } else {
+    result = deliver(r, formats, open, q);
+  }
+  km_free(q);
   return result;
 }
 

@@ -2,10 +2,8 @@
 #include "kredund/tracks.h"
 
 #include "kmech/memory.h"
-#include "kmech/value.h"
-#include "report/plot/motion_map_plot.h"
-#include "report/plot/track_plot.h"
 #include "kmech/records.h"
+#include "kmech/value.h"
 
 #include <stdio.h>
 #include <string.h>
@@ -36,18 +34,24 @@ bool kredund_tracks_read(kt_options *all, const char *about, int argc, char **ar
   return true;
 }
 
+static void say_no_start(const kredund_tracks *t, const char *label) {
+  km_error error = {0};
+  km_study_start(t->open->study, NULL, NULL, &error);
+  kt_say(&t->request->common, KM_ERROR, "%s: %s: nowhere to start, at s = 0, t = 0 s: %s", t->open->name, label,
+         error.text);
+}
+
 static void say_end(const kredund_tracks *t, int index) {
   const km_track *track = t->items[index];
   char label[64];
   km_text why = {0};
   km_tracks_label(&t->all, index, ' ', label, sizeof label);
   km_track_end_text(track, &why);
-  if (track->end.stop == KM_TRACK_START)
-    kt_say(&t->request->common, KM_ERROR, "%s: %s: nowhere to start, at s = 0, t = 0 s: %s", t->open->name, label,
-           t->open->study->start_error.text);
+  if (km_track_ending(track).stop == KM_TRACK_START)
+    say_no_start(t, label);
   else if (why.size)
     kt_say(&t->request->common, KM_ERROR, "%s: %s %s", t->open->name, label, why.data);
-  if (track->summary.greedy_instead)
+  if (km_track_summarise(track).greedy_instead)
     kt_say(&t->request->common, KM_NOTE, "%s: %s isn't as good as greedy on this path; greedy's track is given",
            t->open->name, label);
   km_text_free(&why);
@@ -62,7 +66,7 @@ static kt_exit run_one(kredund_tracks *t, int index) {
   plan.seed = common->seed;
   plan.progress = kt_progress_show;
   plan.context = &progress;
-  km_status status = km_track_run(t->open->study->arm, &plan, &t->items[index], &error);
+  km_status status = km_track_run(km_study_arm(t->open->study), &plan, &t->items[index], &error);
   kt_progress_end(&progress);
   if (t->items[index])
     say_end(t, index);
@@ -74,7 +78,7 @@ static kt_exit run_one(kredund_tracks *t, int index) {
 
 kt_exit kredund_tracks_run(kredund_tracks *t) {
   kt_exit result = KT_DONE;
-  t->count = t->open->study->method_count;
+  t->count = km_study_methods(t->open->study);
   t->items = KM_NEW(km_track *, (size_t)t->count);
   t->all = (km_tracks){t->open->study, t->open->name, t->open->model_name, t->items, t->count};
   for (int i = 0; i < t->count && t->items; ++i)
@@ -92,7 +96,7 @@ void kredund_tracks_free(kredund_tracks *t) {
 
 static kt_exit write_table(const kredund_tracks *t, int index, const char *name) {
   km_text out = {0};
-  km_csv_write(t->items[index]->table, &out);
+  km_csv_write(km_track_rows(t->items[index]), &out);
   kt_exit result = kt_write(&t->request->common, name, "track", "csv", &out);
   km_text_free(&out);
   return result;
@@ -131,7 +135,7 @@ kt_exit kredund_tracks_picture(const kredund_tracks *t, const char *base, const 
                                kredund_draw draw) {
   km_text out = {0};
   km_error error;
-  km_status status = draw(&t->all, kt_canvas_format(format), &out, &error);
+  km_status status = draw(&t->all, kt_picture_format(format), &out, &error);
   kt_exit result = kt_exit_of(status);
   if (status)
     kt_say(&t->request->common, KM_ERROR, "%s", error.text);
@@ -143,7 +147,7 @@ kt_exit kredund_tracks_picture(const kredund_tracks *t, const char *base, const 
 
 static bool anything(const kredund_tracks *t) {
   for (int i = 0; i < t->count; ++i)
-    if (t->items[i] && km_table_rows(t->items[i]->table) > 1)
+    if (t->items[i] && km_table_rows(km_track_rows(t->items[i])) > 1)
       return true;
   return false;
 }
@@ -153,7 +157,7 @@ static double count_numbers(const kredund_tracks *t) {
   double numbers = 0.0;
   int best = km_tracks_best(&t->all);
   for (int i = 0; i < t->count; ++i) {
-    const km_table *table = t->items[i] ? t->items[i]->table : NULL;
+    const km_table *table = t->items[i] ? km_track_rows(t->items[i]) : NULL;
     int copies = t->formats.wanted[KT_JSON] + t->formats.wanted[KT_CSV] * (1 + (i == best && t->count > 1));
     if (table)
       numbers += copies * (double)km_table_rows(table) * (double)km_table_columns(table);
@@ -164,7 +168,7 @@ static double count_numbers(const kredund_tracks *t) {
 kt_exit kredund_tracks_deliver(kredund_tracks *t, const char *base) {
   const kt_common *common = &t->request->common;
   kt_exit result = KT_DONE;
-  bool map = t->map && t->open->study->arm->freedom == 1;
+  bool map = t->map && km_arm_freedom(km_study_arm(t->open->study)) == 1;
   bool piped = strcmp(base, "-") == 0;
   if (piped && t->formats.wanted[KT_CSV] && t->count > 1)
     return kt_usage(common, "-o", "-", "one method with --format csv");
@@ -182,9 +186,9 @@ kt_exit kredund_tracks_deliver(kredund_tracks *t, const char *base) {
   for (int f = KT_SVG; f <= KT_PNG && anything(t); ++f) {
     if (!t->formats.wanted[f])
       continue;
-    result = kt_worse(result, kredund_tracks_picture(t, base, "track", (kt_format)f, km_tracks_plot));
+    result = kt_worse(result, kredund_tracks_picture(t, base, "track", (kt_format)f, km_tracks_picture));
     result = kt_worse(result, kredund_tracks_picture(t, base, map ? "selfmotion" : "motion", (kt_format)f,
-                                                     map ? km_motion_map_plot : km_tracks_draw));
+                                                     map ? km_tracks_map : km_tracks_drawing));
   }
   return result;
 }

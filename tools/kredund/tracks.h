@@ -2,8 +2,8 @@
 #ifndef KREDUND_TRACKS_H
 #define KREDUND_TRACKS_H
 
+#include "kmech/tracks.h"
 #include "kredund/kredund.h"
-#include "report/record/track_record.h"
 
 typedef struct kredund_tracks {
   const kredund_request *request;
@@ -18,7 +18,7 @@ typedef struct kredund_tracks {
 /* Runs every method of the study; KT_PARTIAL: none comes to the path's end. The caller frees it in any case. */
 kt_exit kredund_tracks_run(kredund_tracks *tracks);
 void kredund_tracks_free(kredund_tracks *tracks);
-typedef km_status (*kredund_draw)(const km_tracks *, km_canvas_format, km_text *, km_error *);
+typedef km_status (*kredund_draw)(const km_tracks *, km_picture_format, km_text *, km_error *);
 kt_exit kredund_tracks_picture(const kredund_tracks *tracks, const char *base, const char *word, kt_format format,
                                kredund_draw draw);
 /* Tables and pictures by the formats; the summary on the standard output. */

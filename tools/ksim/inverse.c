@@ -1,12 +1,11 @@
 /* ksim inverse: the forces of a motion that is prescribed as a whole. */
 #include "ksim/ksim.h"
 
-#include "kinematics/state.h"
 #include "kmech/inverse.h"
 #include "kmech/memory.h"
+#include "kmech/parts.h"
 #include "kmech/records.h"
-#include "model/model.h"
-#include "report/plot/history_plot.h"
+#include "kmech/units.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -40,16 +39,16 @@ static bool read_rate(const km_model *model, int coordinate, const char *text, d
   size_t length = strlen(text);
   char number[64];
   bool turns = length > 3 && strcmp(text + length - 3, "rpm") == 0;
-  if (turns && km_joint_is_length(model->joints[model->coordinates[coordinate].joint].type,
-                                  model->coordinates[coordinate].index))
+  if (turns && km_model_coordinate_is_length(model, coordinate))
     return false;
   if (length >= sizeof number)
     return false;
   snprintf(number, sizeof number, "%.*s", (int)(turns ? length - 3 : length), text);
   if (!kt_number(number, out) || !isfinite(*out) || *out == 0.0)
     return false;
+  const km_units units = km_model_units(model);
   if (turns)
-    *out *= 2.0 * M_PI / model->units.angle->si / (60.0 / model->units.time->si);
+    *out *= 2.0 * M_PI / units.angle->si / (60.0 / units.time->si);
   return true;
 }
 
@@ -82,11 +81,11 @@ static kt_exit read_rates(work *w) {
 static kt_exit read_until(work *w) {
   const options *o = w->o;
   const km_model *model = w->pose.model;
-  w->def.until = model->simulation.span;
+  km_model_simulated(model, &w->def.until, NULL);
   if (w->def.rate_count) {
     const km_constant_rate *first = &w->rates[0];
     bool turns = km_coordinate_turns(w->pose.mechanism, first->coordinate);
-    w->def.until = turns ? 2.0 * M_PI / model->units.angle->si / fabs(first->rate) : 0.0;
+    w->def.until = turns ? 2.0 * M_PI / km_model_units(model).angle->si / fabs(first->rate) : 0.0;
   }
   kt_exit result = ksim_read_number(&o->common, "--until", o->until, "a positive time", &w->def.until);
   return result == KT_DONE && !(w->def.until > 0.0)
@@ -132,7 +131,7 @@ static double largest(const km_table *table, size_t column, double *when) {
 
 static void print_summary(const work *w, km_text *out) {
   const km_table *table = w->history.table;
-  const char *time = w->pose.model->units.time->suffix;
+  const char *time = km_model_units(w->pose.model).time->suffix;
   km_span driven = km_table_span(table, "f.");
   size_t rows = km_table_rows(table);
   km_text_format(out, "%s: %.6g %s, %zu rows\n", w->o->model, km_table_row(table, rows - 1)[0], time, rows);
@@ -161,14 +160,14 @@ static const km_value *record(const void *context, km_arena *arena) {
   return km_inverse_record(w->pose.mechanism, &w->history, w->history.why.text, w->o->model, arena);
 }
 
-static bool plot(const void *context, km_arena *arena, km_plot *out) {
+static km_status chart(const void *context, km_chart **out, km_error *error) {
   const work *w = context;
   const km_plotted_history shown = {.mechanism = w->pose.mechanism,
                                     .table = w->history.table,
                                     .name = w->name,
                                     .joints = w->shown_count ? w->shown : NULL,
                                     .joint_count = w->shown_count};
-  return km_inverse_plot_make(&shown, arena, out);
+  return km_inverse_chart(&shown, out, error);
 }
 
 static kt_exit deliver(const work *w) {
@@ -183,7 +182,7 @@ static kt_exit deliver(const work *w) {
                                   .table = w->history.table,
                                   .summary = &summary,
                                   .record = record,
-                                  .plot = plot,
+                                  .chart = chart,
                                   .context = w};
   kt_exit result = ksim_deliver(&delivery);
   km_text_free(&summary);

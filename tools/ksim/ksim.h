@@ -6,8 +6,8 @@
 #include "common/pose.h"
 
 #include "kmech/history.h"
+#include "kmech/pictures.h"
 #include "kmech/value.h"
-#include "report/plot/plot.h"
 
 kt_exit ksim_run(int argc, char **argv);
 kt_exit ksim_inverse(int argc, char **argv);
@@ -26,16 +26,16 @@ kt_exit ksim_forces(const kt_common *common, const char *path, const kt_pose *po
 /* Warns of drives that went beyond their joints' bounds. */
 void ksim_tell_drives(const kt_common *common, const char *path, const kt_pose *pose, const km_history *history);
 
-/* A table over time on its way to BASE.WORD.FORMAT and the standard output. Borrowed, but for what `record` and `plot`
- * make in the arena that they are given; `context` is theirs. */
+/* A table over time on its way to BASE.WORD.FORMAT and the standard output. Borrowed, but for what `record` makes in the
+ * arena that it is given, and the plot that `chart` makes; `context` is theirs. */
 typedef struct ksim_delivery {
   const kt_common *common;
   const kt_formats *formats;
   const char *base, *word;
   const km_table *table;
   const km_text *summary;
-  const km_value *(*record)(const void *context, km_arena *arena);  /* NULL when out of memory */
-  bool (*plot)(const void *context, km_arena *arena, km_plot *out); /* false when out of memory */
+  const km_value *(*record)(const void *context, km_arena *arena); /* NULL when out of memory */
+  km_status (*chart)(const void *context, km_chart **out, km_error *error);
   const void *context;
 } ksim_delivery;
 kt_exit ksim_deliver(const ksim_delivery *delivery);
@@ -71,9 +71,8 @@ typedef struct ksim_work {
 /* The pose, the rates and the time of --from's last row, where it is given. */
 kt_exit ksim_go_on(ksim_work *work);
 
-/* Joints, rates and energies over time as a plot of `table`, whose columns are those of a history. False when out of
- * memory. */
-bool ksim_plot_make(const ksim_work *work, const km_table *table, km_arena *arena, km_plot *out);
+/* Joints, rates and energies over time as a plot of `table`, whose columns are those of a history. The caller frees it. */
+km_status ksim_chart(const ksim_work *work, const km_table *table, km_chart **out, km_error *error);
 /* BASE.motion.html: the mechanism in motion beside its curves. */
 kt_exit ksim_animate(const ksim_work *work, const char *base);
 

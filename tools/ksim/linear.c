@@ -3,9 +3,9 @@
 
 #include "kmech/linear.h"
 #include "kmech/memory.h"
+#include "kmech/parts.h"
 #include "kmech/records.h"
 #include "kmech/value.h"
-#include "model/model.h"
 
 #include <stdio.h>
 #include <string.h>
@@ -28,13 +28,13 @@ typedef struct work {
 
 /* Friction has no slope to linearise where nothing slides. */
 static void tell_friction(const kt_common *common, const char *path, const km_model *model) {
-  for (int j = 0; j < model->joint_count; ++j) {
-    if (!(model->joints[j].friction.coefficient > 0.0))
+  for (int j = 0; j < km_model_joint_count(model); ++j) {
+    if (!(km_model_joint_friction(model, j) > 0.0))
       continue;
     kt_say(common, KM_NOTE,
            "%s: the coefficient of friction of joint \"%s\" doesn't count at rest and in small motions; it does in "
            "ksim run and ksim inverse",
-           path, model->joints[j].label);
+           path, km_model_joint_label(model, j));
     return;
   }
 }

@@ -2,9 +2,9 @@
 #include "ksim/ksim.h"
 
 #include "kmech/memory.h"
+#include "kmech/parts.h"
 #include "kmech/records.h"
-#include "model/model.h"
-#include "report/plot/history_plot.h"
+#include "kmech/units.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -14,7 +14,9 @@ static kt_exit read_numbers(ksim_work *w) {
   const ksim_options *o = w->options;
   km_simulation_def *sim = &w->def.simulation;
   kt_exit result = ksim_read_number(&o->common, "--until", o->until, "a positive time", &w->def.until);
-  if (o->until && !o->every && w->pose.model->simulation.step <= 0.0)
+  double step;
+  km_model_simulated(w->pose.model, NULL, &step);
+  if (o->until && !o->every && step <= 0.0)
     w->def.every = w->def.until / 200.0;
   result = kt_worse(result, ksim_read_number(&o->common, "--every", o->every, "a positive time", &w->def.every));
   result = kt_worse(result, ksim_read_number(&o->common, "--rtol", o->rtol, "a positive number", &sim->relative));
@@ -81,7 +83,7 @@ static void tell(ksim_work *w, km_status status) {
   const ksim_options *o = w->options;
   const km_history *h = &w->history;
   const km_model *model = w->pose.model;
-  const char *unit = model->units.time->suffix;
+  const char *unit = km_model_units(model).time->suffix;
   if (h->rate_change > 1e-9)
     kt_say(&o->common, KM_NOTE, "%s: the initial rates would open the loops; they are changed by %.3g of their size",
            o->model, h->rate_change);
@@ -103,7 +105,7 @@ static void tell(ksim_work *w, km_status status) {
 static void print_summary(const ksim_work *w, km_text *out) {
   const km_history *h = &w->history;
   const km_model *model = w->pose.model;
-  const char *unit = model->units.time->suffix;
+  const char *unit = km_model_units(model).time->suffix;
   size_t rows = km_table_rows(h->table);
   km_text_format(out, "%s: %.6g %s, %zu rows; %ld steps, %ld evaluations, %d new partition%s\n", w->options->model,
                  km_table_row(h->table, rows - 1)[0], unit, rows, h->figures.steps, h->figures.evaluations,
@@ -123,16 +125,16 @@ static const km_value *record(const void *context, km_arena *arena) {
   return km_history_record(w->pose.mechanism, &w->def, &w->history, w->stopped_by, w->options->model, arena);
 }
 
-bool ksim_plot_make(const ksim_work *w, const km_table *table, km_arena *arena, km_plot *out) {
+km_status ksim_chart(const ksim_work *w, const km_table *table, km_chart **out, km_error *error) {
   const km_plotted_history shown = {
       w->pose.mechanism,         table,   w->def.simulation.crossings,      w->history.crossings,
       w->history.crossing_count, w->name, w->shown_count ? w->shown : NULL, w->shown_count};
-  return km_history_plot_make(&shown, arena, out);
+  return km_history_chart(&shown, out, error);
 }
 
-static bool plot(const void *context, km_arena *arena, km_plot *out) {
+static km_status chart(const void *context, km_chart **out, km_error *error) {
   const ksim_work *w = context;
-  return ksim_plot_make(w, w->history.table, arena, out);
+  return ksim_chart(w, w->history.table, out, error);
 }
 
 static kt_exit deliver(const ksim_work *w) {
@@ -147,7 +149,7 @@ static kt_exit deliver(const ksim_work *w) {
                                   .table = w->history.table,
                                   .summary = &summary,
                                   .record = record,
-                                  .plot = plot,
+                                  .chart = chart,
                                   .context = w};
   kt_exit result = ksim_deliver(&delivery);
   km_text_free(&summary);

@@ -90,17 +90,18 @@ static kt_exit write_table(const ksim_delivery *d, kt_format format) {
 }
 
 static kt_exit write_plot(const ksim_delivery *d, kt_format format) {
-  km_arena arena = {0};
   km_text out = {0};
   km_error error;
-  km_plot plot;
-  bool made = d->plot(d->context, &arena, &plot);
-  km_status status = km_plot_finish(made, &plot, &arena, kt_canvas_format(format), &out, &error);
+  km_chart *chart = NULL;
+  km_status status = d->chart(d->context, &chart, &error);
+  if (!status)
+    status = km_chart_picture(chart, kt_picture_format(format), &out, &error);
   kt_exit result = kt_exit_of(status);
   if (status)
     kt_say(d->common, KM_ERROR, "%s", error.text);
   else
     result = kt_write(d->common, d->base, d->word, kt_format_word(format), &out);
+  km_chart_free(chart);
   km_text_free(&out);
   return result;
 }

@@ -1,10 +1,8 @@
 /* Pictures of a study: one overlay a question of variants, or of the start and the best design. */
 #include "kstudy/kstudy.h"
 
-#include "report/plot/designs_plot.h"
-#include "report/plot/question_plot.h"
-#include "report/plot/table_plot.h"
-#include "report/record/designs_text.h"
+#include "kmech/design_results.h"
+#include "kmech/pictures.h"
 
 #include <stdio.h>
 #include <string.h>
@@ -34,7 +32,7 @@ static void add(overlay *v, const kstudy_open *o, int design, int question, cons
     km_asked_design_free(a);
     return;
   }
-  v->answers[v->count++] = (km_answered){a->mechanism, a->question, km_arena_string(&v->arena, name), NULL, 0};
+  v->answers[v->count++] = (km_answered){a->question, km_arena_string(&v->arena, name), NULL, 0};
 }
 
 static void gather(overlay *v, const kstudy_open *o, int question) {
@@ -54,12 +52,19 @@ static void gather(overlay *v, const kstudy_open *o, int question) {
   }
 }
 
-static kt_exit write_overlay(const kstudy_request *r, const kstudy_open *o, km_status status, const km_error *error,
-                             const char *name, kt_format format, km_text *out) {
+/* Draws a plot that was made, or says why it wasn't; frees it. */
+static kt_exit write_overlay(const kstudy_request *r, const kstudy_open *o, km_status made, km_chart *chart,
+                             const km_error *why, const char *name, kt_format format) {
+  km_text out = {0};
+  km_error error = {.status = made};
+  if (made)
+    error = *why;
+  km_status status = made ? made : km_chart_picture(chart, kt_picture_format(format), &out, &error);
   if (status)
-    kt_say(&r->common, KM_ERROR, "%s: %s", o->name, error->text);
-  kt_exit result = status ? kt_exit_of(status) : kt_write(&r->common, o->base, name, kt_format_word(format), out);
-  km_text_free(out);
+    kt_say(&r->common, KM_ERROR, "%s: %s", o->name, error.text);
+  kt_exit result = status ? kt_exit_of(status) : kt_write(&r->common, o->base, name, kt_format_word(format), &out);
+  km_chart_free(chart);
+  km_text_free(&out);
   return result;
 }
 
@@ -83,21 +88,25 @@ static size_t columns_of(const km_design_question *q, const km_table *table, siz
 /* What figures are taken from along the path, of all designs over each other. */
 static kt_exit draw_tracks(const kstudy_request *r, const kstudy_open *o, const overlay *v, int question,
                            kt_format format) {
-  const km_comparison comparison = {.answers = v->answers, .count = v->count};
+  km_plotted_table tables[MOST_OVERLAID];
   size_t columns[KM_MOST_DESIGN_FIGURES];
   size_t count = columns_of(&o->def.questions[question], km_question_table(v->asked[0].question), columns);
-  km_text out = {0};
+  for (int i = 0; i < v->count; ++i) {
+    const km_table *table = km_question_table(v->asked[i].question);
+    tables[i] = (km_plotted_table){table, v->answers[i].name, (size_t)km_table_find(table, "s"), columns};
+  }
+  km_chart *chart = NULL;
   km_error error;
-  km_status status = km_question_plot_columns(&comparison, columns, count, kt_canvas_format(format), &out, &error);
-  return write_overlay(r, o, status, &error, o->def.questions[question].name, format, &out);
+  km_status status = km_table_chart(tables, v->count, (int)count, &chart, &error);
+  return write_overlay(r, o, status, chart, &error, o->def.questions[question].name, format);
 }
 
 static kt_exit draw(const kstudy_request *r, const kstudy_open *o, const overlay *v, int question, kt_format format) {
   km_comparison comparison = {.answers = v->answers, .count = v->count, .ordered = o->def.axis_count > 0};
-  km_text out = {0};
+  km_chart *chart = NULL;
   km_error error;
-  km_status status = km_question_plot(&comparison, kt_canvas_format(format), &out, &error);
-  return write_overlay(r, o, status, &error, o->def.questions[question].name, format, &out);
+  km_status status = km_question_chart(&comparison, &chart, &error);
+  return write_overlay(r, o, status, chart, &error, o->def.questions[question].name, format);
 }
 
 /* The paths of the first point that the question traces, over each other; nothing where it traces none. */
@@ -114,11 +123,11 @@ static kt_exit draw_paths(const kstudy_request *r, const kstudy_open *o, const o
     y[i] = points.first + 1;
     tables[i] = (km_plotted_table){table, v->answers[i].name, points.first, &y[i]};
   }
-  km_text out = {0};
+  km_chart *chart = NULL;
   km_error error;
-  km_status status = km_table_plot(tables, (size_t)v->count, 1, kt_canvas_format(format), &out, &error);
+  km_status status = km_table_chart(tables, v->count, 1, &chart, &error);
   snprintf(name, sizeof name, "%.200s-paths", o->def.questions[question].name);
-  return write_overlay(r, o, status, &error, name, format, &out);
+  return write_overlay(r, o, status, chart, &error, name, format);
 }
 
 static kt_exit plot_question(const kstudy_request *r, const kstudy_open *o, int question, const kt_formats *formats) {
@@ -146,64 +155,48 @@ static const char *name_of(const kstudy_open *o) {
   return slash ? slash + 1 : o->base;
 }
 
-/* One picture of the study itself; what has nothing to show is left out. */
-typedef km_status (*draw_figure)(const km_designs_picture *picture, int figure, km_text *out, km_error *error);
-typedef km_status (*draw_whole)(const km_designs_picture *picture, km_text *out, km_error *error);
+/* A picture of the study itself; what has nothing to show is left out. */
+typedef struct own_picture {
+  km_designs_plot plot;
+  int index, band;
+  const char *subject, *word; /* of the file's name */
+} own_picture;
 
-static kt_exit write_picture(const kstudy_request *r, const kstudy_open *o, km_status status, const km_error *error,
-                             const char *subject, const char *word, kt_format format, km_text *out) {
+static kt_exit write_own(const kstudy_request *r, kstudy_open *o, const own_picture *p, kt_format format) {
   char name[256];
-  if (status == KM_NO_RESULT)
-    return KT_DONE;
-  if (status) {
-    kt_say(&r->common, KM_ERROR, "%s: %s", o->name, error->text);
-    return kt_exit_of(status);
-  }
-  kstudy_word(subject, name, 200);
-  snprintf(name + strlen(name), 50, "%s%s", subject[0] ? "-" : "", word);
-  return kt_write(&r->common, o->base, name, kt_format_word(format), out);
-}
-
-static kt_exit draw_figures(const kstudy_request *r, kstudy_open *o, kt_format format, const char *word,
-                            draw_figure draw_it) {
-  const km_designs_picture picture = {
-      .study = o->study, .def = &o->def, .name = name_of(o), .format = kt_canvas_format(format)};
-  kt_exit result = KT_DONE;
-  for (int f = 0; f < km_design_study_figures(o->study); ++f) {
-    km_text out = {0};
-    km_error error;
-    km_status status = draw_it(&picture, f, &out, &error);
-    const char *name = km_design_study_figure(o->study, f)->name;
-    result = kt_worse(result, write_picture(r, o, status, &error, name, word, format, &out));
-    km_text_free(&out);
-  }
-  return result;
-}
-
-static kt_exit draw_study(const kstudy_request *r, kstudy_open *o, kt_format format, const char *word,
-                          draw_whole draw_it) {
-  const km_designs_picture picture = {
-      .study = o->study, .def = &o->def, .name = name_of(o), .format = kt_canvas_format(format)};
   km_text out = {0};
   km_error error;
-  km_status status = draw_it(&picture, &out, &error);
-  kt_exit result = write_picture(r, o, status, &error, "", word, format, &out);
+  km_status status = km_designs_picture(o->study, &o->def, name_of(o), p->plot, p->index, p->band,
+                                        kt_picture_format(format), &out, &error);
+  kt_exit result = KT_DONE;
+  if (status && status != KM_NO_RESULT) {
+    kt_say(&r->common, KM_ERROR, "%s: %s", o->name, error.text);
+    result = kt_exit_of(status);
+  } else if (!status) {
+    kstudy_word(p->subject, name, 200);
+    snprintf(name + strlen(name), 50, "%s%s", p->subject[0] ? "-" : "", p->word);
+    result = kt_write(&r->common, o->base, name, kt_format_word(format), &out);
+  }
   km_text_free(&out);
   return result;
 }
 
+static kt_exit draw_figures(const kstudy_request *r, kstudy_open *o, kt_format format, const char *word,
+                            km_designs_plot plot) {
+  kt_exit result = KT_DONE;
+  for (int f = 0; f < km_design_study_figures(o->study); ++f) {
+    const own_picture picture = {plot, f, 0, km_design_study_figure(o->study, f)->name, word};
+    result = kt_worse(result, write_own(r, o, &picture, format));
+  }
+  return result;
+}
+
 static kt_exit draw_bands(const kstudy_request *r, kstudy_open *o, kt_format format) {
-  const km_designs_picture picture = {
-      .study = o->study, .def = &o->def, .name = name_of(o), .format = kt_canvas_format(format)};
   kt_exit result = KT_DONE;
   for (int q = 0; q < o->def.question_count; ++q)
     for (int b = 0; b < o->def.questions[q].band_count; ++b) {
-      km_text out = {0};
-      km_error error;
-      km_status status = km_designs_bands(&picture, q, b, &out, &error);
-      result =
-          kt_worse(result, write_picture(r, o, status, &error, o->def.questions[q].bands[b], "bands", format, &out));
-      km_text_free(&out);
+      const own_picture picture = {KM_DESIGNS_BANDS, q, b, o->def.questions[q].bands[b], "bands"};
+      result = kt_worse(result, write_own(r, o, &picture, format));
     }
   return result;
 }
@@ -211,14 +204,16 @@ static kt_exit draw_bands(const kstudy_request *r, kstudy_open *o, kt_format for
 static kt_exit draw_own(const kstudy_request *r, kstudy_open *o, kt_format format) {
   kt_exit result = draw_bands(r, o, format);
   if (o->def.sample) {
-    result = kt_worse(result, draw_figures(r, o, format, "histogram", km_designs_histogram));
-    result = kt_worse(result, draw_figures(r, o, format, "scatter", km_designs_scatter));
-    result = kt_worse(result, draw_figures(r, o, format, "convergence", km_designs_convergence));
+    result = kt_worse(result, draw_figures(r, o, format, "histogram", KM_DESIGNS_HISTOGRAM));
+    result = kt_worse(result, draw_figures(r, o, format, "scatter", KM_DESIGNS_SCATTER));
+    result = kt_worse(result, draw_figures(r, o, format, "convergence", KM_DESIGNS_CONVERGENCE));
   }
-  if (o->def.optimise && o->def.optimise->goal_count == 2)
-    result = kt_worse(result, draw_study(r, o, format, "front", km_designs_front));
-  else if (o->def.optimise)
-    result = kt_worse(result, draw_study(r, o, format, "progress", km_designs_progress));
+  if (o->def.optimise) {
+    bool front = o->def.optimise->goal_count == 2;
+    const own_picture picture = {front ? KM_DESIGNS_FRONT : KM_DESIGNS_PROGRESS, 0, 0, "",
+                                 front ? "front" : "progress"};
+    result = kt_worse(result, write_own(r, o, &picture, format));
+  }
   return result;
 }
 

@@ -1,9 +1,8 @@
 /* kstudy show and export: what the store has. */
 #include "kstudy/kstudy.h"
 
+#include "kmech/design_results.h"
 #include "kmech/value.h"
-#include "report/document/designs_report.h"
-#include "report/record/designs_text.h"
 
 #include <string.h>
 

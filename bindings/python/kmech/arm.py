@@ -115,7 +115,13 @@ class Track:
     def plot(self) -> Picture:
         """The plots that kredund draws of a track."""
         name = ffi.new("char[]", bytes_of(self.study.model.name, "name"))
-        return Picture(lambda format, out, error: lib.km_track_picture(self.study._c, self._c, name, format, out, error))
+
+        def draw(format: int, out: Any, error: Any) -> int:
+            items = ffi.new("km_track *[]", [self._c])
+            tracks = ffi.new("km_tracks *", [self.study._c, name, name, items, 1])
+            return lib.km_tracks_picture(tracks, format, out, error)
+
+        return Picture(draw)
 
     def _repr_svg_(self) -> str:
         return self.plot()._repr_svg_()

@@ -28,9 +28,12 @@ class Picture:
         """The bytes of a file. `format`: svg, pdf or png."""
         if format not in FORMATS:
             raise UsageError(f"format: found {format!r}; expected svg, pdf or png")
-        out, error = ffi.new("km_bytes *"), new_error()
-        check(self._draw(FORMATS[format], out, error), error)
-        return taken(out)
+        out, error = ffi.new("km_text *"), new_error()
+        try:
+            check(self._draw(FORMATS[format], out, error), error)
+            return bytes(ffi.buffer(out.data, out.size))
+        finally:
+            lib.km_text_free(out)
 
     def save(self, path: Union[str, Path]) -> Path:
         """Writes a file, whose ending tells the format."""

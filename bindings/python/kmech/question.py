@@ -244,7 +244,20 @@ class Answer:
     def plot(self) -> Picture:
         """The plot that the tools draw of this answer."""
         name = ffi.new("char[]", bytes_of(self._mechanism.model.name, "name"))
-        return Picture(lambda format, out, error: lib.km_question_picture(self._c, name, format, out, error))
+
+        def draw(format: int, out: Any, error: Any) -> int:
+            answer = ffi.new("km_answered *", {"question": self._c, "name": name})
+            comparison = ffi.new("km_comparison *", {"answers": answer, "count": 1})
+            chart = ffi.new("km_chart **")
+            status = lib.km_question_chart(comparison, chart, error)
+            if status:
+                return status
+            try:
+                return lib.km_chart_picture(chart[0], format, out, error)
+            finally:
+                lib.km_chart_free(chart[0])
+
+        return Picture(draw)
 
     def _repr_svg_(self) -> str:
         return self.plot()._repr_svg_()

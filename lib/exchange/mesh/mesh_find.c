@@ -2,6 +2,9 @@
 #include "exchange/mesh/model_meshes.h"
 #include "exchange/mesh/shapes.h"
 
+#include "base/check.h"
+#include "kmech/drawing.h"
+
 #include <math.h>
 #include <string.h>
 #include <unistd.h>
@@ -45,27 +48,28 @@ static void paint(km_mesh *mesh, const double color[4]) {
     mesh->triangles[t].color = color[3] > 0.0 ? code : 0;
 }
 
-km_status km_model_read_meshes(const km_model *model, km_mesh ***meshes, km_error *error) {
-  int count = 0;
+/* Adds a shape to its body's mesh, unless it can't be seen. */
+static km_status add_shape(const km_model *model, const km_model_shape *shape, km_meshes *meshes, km_error *error) {
+  km_mesh *part = NULL;
+  if (shape->color[3] == 0.0)
+    return KM_OK;
+  km_status status = km_shape_mesh(model, shape, &part, error);
+  if (status)
+    return status;
+  paint(part, shape->color);
+  return km_mesh_join(&meshes->items[shape->body], part, error);
+}
+
+static km_status read_all(const km_model *model, km_meshes *meshes, km_error *error) {
+  int count = model->shape_count;
   km_status status = KM_OK;
-  km_mesh **list = *meshes = KM_NEW(km_mesh *, (size_t)model->body_count);
-  if (!list)
-    return km_fail(error, KM_MEMORY, "out of memory for meshes");
   for (int b = 1; b < model->body_count && !status; ++b)
     if (model->bodies[b].mesh) {
       ++count;
-      status = km_body_mesh(model, &model->bodies[b], &list[b], error);
+      status = km_body_mesh(model, &model->bodies[b], &meshes->items[b], error);
     }
-  for (int s = 0; s < model->shape_count && !status; ++s, ++count) {
-    km_mesh *part = NULL;
-    if (model->shapes[s].color[3] == 0.0) /* it can't be seen */
-      continue;
-    status = km_shape_mesh(model, &model->shapes[s], &part, error);
-    if (!status) {
-      paint(part, model->shapes[s].color);
-      status = km_mesh_join(&list[model->shapes[s].body], part, error);
-    }
-  }
+  for (int s = 0; s < model->shape_count && !status; ++s)
+    status = add_shape(model, &model->shapes[s], meshes, error);
   if (!status && count == 0)
     return km_fail(error, KM_USAGE,
                    "no body has a mesh; expected a definition or shapes, such as \"definition\": "
@@ -73,8 +77,27 @@ km_status km_model_read_meshes(const km_model *model, km_mesh ***meshes, km_erro
   return status;
 }
 
-void km_meshes_free(const km_model *model, km_mesh **meshes) {
-  for (int b = 0; meshes && b < model->body_count; ++b)
-    km_mesh_free(meshes[b]);
+km_status km_model_read_meshes(const km_model *model, km_meshes **out, km_error *error) {
+  if (!out)
+    return km_check_given(false, "place for the meshes", error);
+  *out = NULL;
+  km_status status = km_check_given(model != NULL, "model", error);
+  if (status)
+    return status;
+  km_meshes *meshes = km_alloc(1, sizeof *meshes + (size_t)model->body_count * sizeof *meshes->items);
+  if (!meshes)
+    return km_fail(error, KM_MEMORY, "out of memory for meshes");
+  meshes->count = model->body_count;
+  status = read_all(model, meshes, error);
+  if (!status)
+    *out = meshes;
+  else
+    km_meshes_free(meshes);
+  return status;
+}
+
+void km_meshes_free(km_meshes *meshes) {
+  for (int b = 0; meshes && b < meshes->count; ++b)
+    km_mesh_free(meshes->items[b]);
   km_free(meshes);
 }

@@ -10,10 +10,6 @@
 bool km_model_find_mesh(const km_model *model, const char *name, km_text *path);
 /* Reads the mesh that a body names. KM_IO: it can't be found or read. The caller frees `*out`. */
 km_status km_body_mesh(const km_model *model, const km_model_body *body, km_mesh **out, km_error *error);
-/* Reads the meshes of all bodies that name one: meshes[body], NULL for the others. KM_USAGE: there is none; KM_IO: one
- * can't be found or read. The caller frees the list and each of them in any case: km_meshes_free. */
-km_status km_model_read_meshes(const km_model *model, km_mesh ***meshes, km_error *error);
-void km_meshes_free(const km_model *model, km_mesh **meshes);
 
 /* Mass properties of the bodies with a density, from their meshes; faults go to the messages. */
 void km_model_weigh(km_model *model, km_messages *messages);

@@ -26,7 +26,8 @@ KM_API int km_arm_coordinates(const km_arm *arm);
 KM_API int km_arm_coordinate(const km_arm *arm, int column); /* the mechanism's coordinate of a column, base first */
 KM_API double km_arm_length(const km_arm *arm);              /* L, in the model's length unit */
 
-KM_API int km_arm_rows(const km_arm *arm); /* of the task: 6, 5 or 3 */
+KM_API int km_arm_rows(const km_arm *arm);    /* of the task: 6, 5 or 3 */
+KM_API int km_arm_freedom(const km_arm *arm); /* to spare for it: coordinates − rows, 0 without an arm */
 
 /* Effector kinematics at q[n] (model's units, base first). The pose in the inertial frame; J[rows × n], column-major:
  * v of the effector's origin along the inertial axes, then of a pose ω along them, of an axis ω along the effector's x

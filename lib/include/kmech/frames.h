@@ -19,6 +19,10 @@ typedef struct km_frame_pose {
   double R[9], p[3];
 } km_frame_pose;
 
+/* The pose at p, turned from the inertial axes by the rotation vector turn[3]: about its direction by its length in
+ * radians, right-handed. KM_USAGE: not finite. */
+KM_API km_status km_frame_pose_make(const double p[3], const double turn[3], km_frame_pose *out, km_error *error);
+
 /* The pose of a frame of the model. After km_poses_update. KM_USAGE. O(1). */
 KM_API km_status km_frame_place(const km_mechanism *mechanism, const km_state *state, int frame, km_frame_pose *out,
                                 km_error *error);

@@ -90,6 +90,12 @@ KM_API km_status km_study_bind(const km_mechanism *mechanism, const km_state *st
 KM_API void km_study_free(km_study *study);
 
 KM_API const km_arm *km_study_arm(const km_study *study);
+/* Its path; NULL: it has none. Borrowed. */
+KM_API const km_path *km_study_bound_path(const km_study *study);
+/* Where its tracks start: q[n] in the model's units, base first; and `moved`, by how much inverse kinematics moved the
+ * largest coordinate from what was given, in radians, slides over L. Either may be NULL. KM_NO_RESULT: no start within the
+ * limits reaches the path's first pose, and neither is set. */
+KM_API km_status km_study_start(const km_study *study, double *q, double *moved, km_error *error);
 /* The plan of method i: path, start, method, objective; jobs 1, seed 1. */
 KM_API km_track_plan km_study_plan(const km_study *study, int method);
 KM_API int km_study_methods(const km_study *study);

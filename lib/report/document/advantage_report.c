@@ -43,10 +43,11 @@ static void add_lead(km_document_maker *k, const km_plotted_advantage *p) {
     km_document_lead(k, km_document_format(k, "The mechanical advantage of %s over %s is nowhere finite %s.",
                                            sweep->input.name, sweep->output.name, stroke));
   else
-    km_document_lead(k, km_document_format(
-                            k, "The mechanical advantage of %s over %s goes from %s to %s, %s. %s", sweep->input.name,
-                            sweep->output.name, bound_words(k, p, &sweep->lowest), bound_words(k, p, &sweep->highest),
-                            stroke, sweep->toggle_count ? "Its dead points are listed below." : "It has no dead point there."));
+    km_document_lead(k, km_document_format(k, "The mechanical advantage of %s over %s goes from %s to %s, %s. %s",
+                                           sweep->input.name, sweep->output.name, bound_words(k, p, &sweep->lowest),
+                                           bound_words(k, p, &sweep->highest), stroke,
+                                           sweep->toggle_count ? "Its dead points are listed below."
+                                                               : "It has no dead point there."));
 }
 
 static void add_facts(km_document_maker *k, const km_plotted_advantage *p, const char *stopped_by) {

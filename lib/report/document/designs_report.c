@@ -1,5 +1,6 @@
 /* The report of a study of designs. */
-#include "report/document/designs_report.h"
+#include "base/check.h"
+#include "kmech/design_results.h"
 
 #include "kmech/version.h"
 #include "report/document/document.h"
@@ -87,68 +88,44 @@ static void add_facts(km_document_maker *m, const km_design_study *s, const km_d
   km_document_cells(m, KM_BLOCK_FACTS, f->cells, f->rows, 2);
 }
 
-/* One of the study's own pictures. */
-typedef struct shown {
-  km_designs_picture picture;
-  enum { HISTOGRAM, SCATTER, BANDS, PROGRESS, FRONT } kind;
-  int index, band; /* of the figure, or of the question and its band */
-} shown;
-
-static km_status draw_picture(const shown *s, const km_designs_picture *picture, km_error *error) {
-  switch (s->kind) {
-  case HISTOGRAM:
-    return km_designs_histogram(picture, s->index, NULL, error);
-  case SCATTER:
-    return km_designs_scatter(picture, s->index, NULL, error);
-  case BANDS:
-    return km_designs_bands(picture, s->index, s->band, NULL, error);
-  case PROGRESS:
-    return km_designs_progress(picture, NULL, error);
-  case FRONT:
-    return km_designs_front(picture, NULL, error);
-  }
-  return KM_NO_RESULT;
-}
-
 static km_status draw_shown(void *context, km_canvas *canvas, double width, double height, km_error *error) {
-  const shown *s = context;
-  km_designs_picture picture = s->picture;
+  km_designs_shown picture = *(const km_designs_shown *)context;
   picture.canvas = canvas;
   picture.width = width;
   picture.height = height;
-  return draw_picture(s, &picture, error);
+  return km_designs_draw(&picture, NULL, error);
 }
 
 /* Left out where there is nothing to draw. */
-static void show(km_document_maker *m, const shown *what, const char *shows, double height) {
-  shown *kept = KM_ARENA_NEW(&m->arena, shown, 1);
+static void show(km_document_maker *m, const km_designs_shown *what, const char *shows, double height) {
+  km_designs_shown *kept = KM_ARENA_NEW(&m->arena, km_designs_shown, 1);
   if (!kept)
     return;
   *kept = *what;
-  kept->picture.only_try = true;
-  km_status status = draw_picture(kept, &kept->picture, NULL);
-  kept->picture.only_try = false;
+  kept->only_try = true;
+  km_status status = km_designs_draw(kept, NULL, NULL);
+  kept->only_try = false;
   m->arena.failed = m->arena.failed || status == KM_MEMORY;
   if (!status)
     km_document_picture(m, shows, height, draw_shown, kept);
 }
 
 static void add_pictures(km_document_maker *m, km_design_study *s, const km_design_study_def *def, const char *name) {
-  shown what = {.picture = {.study = s, .def = def, .name = name}};
+  km_designs_shown what = {.study = s, .def = def, .name = name};
   const km_design_optimise *o = def->optimise;
   if (o) {
-    what.kind = o->goal_count == 2 ? FRONT : PROGRESS;
+    what.plot = o->goal_count == 2 ? KM_DESIGNS_FRONT : KM_DESIGNS_PROGRESS;
     show(m, &what, o->goal_count == 2 ? "both goals of all designs, and the front" : "the way to the best design", 260);
   }
   for (int f = 0; def->sample && f < km_design_study_figures(s) && f < MOST_FIGURES_SHOWN; ++f) {
     const char *figure = km_design_study_figure(s, f)->name;
     what.index = f;
-    what.kind = HISTOGRAM;
+    what.plot = KM_DESIGNS_HISTOGRAM;
     show(m, &what, km_document_format(m, "how often %s has which value", figure), 230);
-    what.kind = SCATTER;
+    what.plot = KM_DESIGNS_SCATTER;
     show(m, &what, km_document_format(m, "%s over the parameters", figure), 300);
   }
-  what.kind = BANDS;
+  what.plot = KM_DESIGNS_BANDS;
   for (int q = 0; q < def->question_count; ++q)
     for (int b = 0; b < def->questions[q].band_count && b < MOST_FIGURES_SHOWN; ++b) {
       what.index = q;
@@ -178,6 +155,9 @@ static km_status make(km_document_maker *m, km_design_study *s, const km_design_
 
 km_status km_designs_report(km_design_study *s, const km_design_study_def *def, const char *name, bool html,
                             km_text *out, km_error *error) {
+  km_status given = km_check_given(s && def && name && out, "study, name or place for the result", error);
+  if (given)
+    return given;
   km_document_maker *m = KM_NEW(km_document_maker, 1);
   km_designs_table *table = KM_NEW(km_designs_table, 1);
   km_status status =

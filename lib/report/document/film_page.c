@@ -104,11 +104,11 @@ static void add_stops(const km_film_page *page, km_text *out) {
   size_t last = page->films[0]->frame_count - 1;
   km_text_add(out, "<div class=\"stops\">");
   for (size_t i = 0; i < page->stop_count && last > 0; ++i) {
-    const km_film_stop *stop = &page->stops[i];
+    const km_motion_stop *stop = &page->stops[i];
     km_text_format(out, "<button style=\"left:");
-    km_svg_number(out, 100.0 * stop->frame / (double)last, 2);
+    km_svg_number(out, 100.0 * stop->pose / (double)last, 2);
     km_text_add(out, "%\" data-frame=\"");
-    km_svg_number(out, stop->frame, 2);
+    km_svg_number(out, stop->pose, 2);
     km_text_add(out, "\" title=\"");
     km_html_escape(stop->name, out);
     km_text_add(out, "\" aria-label=\"");

@@ -2,13 +2,8 @@
 #ifndef KM_REPORT_DOCUMENT_FILM_PAGE_H
 #define KM_REPORT_DOCUMENT_FILM_PAGE_H
 
+#include "kmech/drawing.h"
 #include "report/plot/film.h"
-
-/* A place on the slider's track. */
-typedef struct km_film_stop {
-  double frame; /* between frames, too */
-  const char *name;
-} km_film_stop;
 
 /* Everything is borrowed. */
 typedef struct km_film_page {
@@ -18,7 +13,7 @@ typedef struct km_film_page {
   size_t film_count;
   const char *quantity, *unit; /* what the slider moves; unit may be "" */
   const double *values;        /* [frame] of it */
-  const km_film_stop *stops;
+  const km_motion_stop *stops;
   size_t stop_count;
   bool closed;    /* the last frame looks as the first: the film goes round; else forth and back */
   double seconds; /* from the first frame to the last */

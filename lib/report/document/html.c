@@ -66,7 +66,7 @@ static void add_table(const km_block *block, km_text *out) {
 static km_status add_address(const km_block *block, double width, km_text *out, km_error *error) {
   km_text svg = {0};
   km_canvas *canvas;
-  km_status status = km_canvas_create(KM_CANVAS_SVG, width, block->height, &svg, &canvas, error);
+  km_status status = km_canvas_create(KM_PICTURE_SVG, width, block->height, &svg, &canvas, error);
   if (!status) {
     status = block->draw(block->context, canvas, width, block->height, error);
     if (!status)

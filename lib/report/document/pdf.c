@@ -232,7 +232,7 @@ static void lay_out(writer *w) {
 
 km_status km_document_pdf(const km_document *document, km_text *out, km_error *error) {
   writer w = {.document = document, .error = error};
-  km_status status = km_canvas_create(KM_CANVAS_PDF, page_width, page_height, out, &w.canvas, error);
+  km_status status = km_canvas_create(KM_PICTURE_PDF, page_width, page_height, out, &w.canvas, error);
   if (status)
     return status;
   lay_out(&w);

@@ -1,7 +1,8 @@
 /* Finds the report of each kind of question, and says in words what acts. */
-#include "report/document/question_report.h"
-
+#include "analysis/question.h"
+#include "base/check.h"
 #include "forces/forces.h"
+#include "kmech/pictures.h"
 #include "report/document/advantage_report.h"
 #include "report/document/statics_report.h"
 
@@ -31,7 +32,7 @@ static km_status statics_report(const km_answered *a, const km_swept *swept, con
                                 km_text *out, km_error *error) {
   km_plotted_statics plotted = {*swept, km_question_statics(a->question), NULL, 0};
   km_text acting = {0};
-  acting_words(a->mechanism->model, km_question_forces(a->question), &acting);
+  acting_words(a->question->m->model, km_question_forces(a->question), &acting);
   km_status status = acting.failed ? km_fail(error, KM_MEMORY, "out of memory for the report")
                                    : km_statics_report(&plotted, km_question_balance(a->question), acting.data,
                                                        stopped_by, html, out, error);
@@ -40,8 +41,15 @@ static km_status statics_report(const km_answered *a, const km_swept *swept, con
 }
 
 km_status km_question_report(const km_answered *a, const char *stopped_by, bool html, km_text *out, km_error *error) {
-  km_swept swept = {a->mechanism, km_question_plan(a->question), km_question_motion(a->question), a->name};
+  km_status status =
+      km_check_given(a && a->question && a->name && stopped_by && out, "answer or place for the result", error);
+  if (status)
+    return status;
+  km_swept swept = {a->question->m, km_question_plan(a->question), km_question_motion(a->question), a->name};
   const km_advantage_sweep *advantage = km_question_advantage(a->question);
+  const km_table *table = km_question_table(a->question);
+  if (!table || km_table_rows(table) == 0)
+    return km_fail(error, KM_USAGE, "there is no answer to report");
   if (km_question_statics(a->question))
     return statics_report(a, &swept, stopped_by, html, out, error);
   if (!advantage)

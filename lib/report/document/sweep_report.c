@@ -124,11 +124,11 @@ static km_status draw_strip(void *context, km_canvas *canvas, double width, doub
 }
 
 /* Poses of rows of the table, for one drawing. */
-static km_drawing *make_drawing(km_document_maker *maker, const km_swept *s) {
+static km_drawing_def *make_drawing(km_document_maker *maker, const km_swept *s) {
   const km_mechanism *m = s->mechanism;
   size_t bodies = (size_t)m->topology.body_count, rows = km_table_rows(s->motion->table);
   size_t count = rows < POSES ? rows : POSES;
-  km_drawing *drawing = KM_ARENA_NEW(&maker->arena, km_drawing, 1);
+  km_drawing_def *drawing = KM_ARENA_NEW(&maker->arena, km_drawing_def, 1);
   km_pose *poses = KM_ARENA_NEW(&maker->arena, km_pose, count * bodies);
   double *q = KM_ARENA_NEW(&maker->arena, double, (size_t)m->coordinate_count);
   km_state *state;
@@ -139,7 +139,7 @@ static km_drawing *make_drawing(km_document_maker *maker, const km_swept *s) {
     km_row_pose(m, s->motion->table, row_of(s->motion->table, k, count), state, q, poses + k * bodies);
   }
   km_state_free(state);
-  *drawing = (km_drawing){
+  *drawing = (km_drawing_def){
       .mechanism = m, .poses = poses, .pose_count = count, .full = count / 2, .name = s->name, .loads = true};
   return drawing;
 }
@@ -147,7 +147,7 @@ static km_drawing *make_drawing(km_document_maker *maker, const km_swept *s) {
 void km_report_poses(km_document_maker *maker, const km_swept *s) {
   if (s->mechanism->topology.body_count < 2)
     return;
-  km_drawing *drawing = make_drawing(maker, s);
+  km_drawing_def *drawing = make_drawing(maker, s);
   km_sweep_strip *kept = KM_ARENA_NEW(&maker->arena, km_sweep_strip, 1);
   km_plot_strip *strip = KM_ARENA_NEW(&maker->arena, km_plot_strip, 1);
   if (!drawing || maker->arena.failed)

@@ -168,7 +168,7 @@ size_t km_studio_most_labels(const km_studio *s) {
 }
 
 size_t km_studio_labels(const km_studio *s, const km_scene *scene, km_label *labels) {
-  const km_drawing *d = s->drawing;
+  const km_drawing_def *d = s->drawing;
   const km_model *model = d->mechanism->model;
   size_t count = 0;
   for (size_t t = 0; t < d->trace_count; ++t)
@@ -239,7 +239,7 @@ km_status km_studio_close(km_studio *s, km_error *error) {
   return failed ? km_fail(error, KM_MEMORY, "out of memory for a drawing") : KM_OK;
 }
 
-km_status km_drawing_place(const km_drawing *drawing, km_canvas *canvas, km_rectangle place, km_error *error) {
+km_status km_drawing_place(const km_drawing_def *drawing, km_canvas *canvas, km_rectangle place, km_error *error) {
   km_studio s = {.drawing = drawing, .canvas = canvas, .place = place};
   if (km_studio_open(&s))
     km_studio_draw(&s);

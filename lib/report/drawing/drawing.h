@@ -4,11 +4,9 @@
 #define KM_REPORT_DRAWING_DRAWING_H
 
 #include "kinematics/state.h"
+#include "kmech/drawing.h"
 #include "model/mesh.h"
 #include "report/plot/canvas.h"
-
-/* AUTO is the plane in which the mechanism moves, or ISO where it moves in none. */
-typedef enum km_view { KM_VIEW_AUTO, KM_VIEW_XY, KM_VIEW_XZ, KM_VIEW_YZ, KM_VIEW_ISO } km_view;
 
 /* The path of a point, in the inertial frame. */
 typedef struct km_drawing_trace {
@@ -23,7 +21,7 @@ typedef struct km_rectangle {
 } km_rectangle;
 
 /* What to draw. Everything is borrowed; zeros are good defaults for what comes after pose_count. */
-typedef struct km_drawing {
+typedef struct km_drawing_def {
   const km_mechanism *mechanism;
   const km_pose *poses; /* [pose_count · bodies] bodies in the inertial frame, pose by pose */
   size_t pose_count;    /* all of them fit into the picture */
@@ -39,23 +37,21 @@ typedef struct km_drawing {
   bool bare;                /* without any names */
   const char *title, *name; /* what is shown; the model's name. Of km_drawing_render only */
   double width, height;     /* points; 0: chosen from the shape. Of km_drawing_render only */
-} km_drawing;
+} km_drawing_def;
 
 /* Appends a page with the drawing, its title, scale bar and axes to `out`. The same drawing gives
  * the same bytes. KM_USAGE (a page too small or too large), KM_MEMORY, KM_INTERNAL. */
-km_status km_drawing_render(const km_drawing *drawing, km_canvas_format format, km_text *out, km_error *error);
+km_status km_drawing_render(const km_drawing_def *drawing, km_picture_format format, km_text *out, km_error *error);
 
 /* Draws into a rectangle of a page, nothing around it. Drawings that differ only in `full` share
  * scale and view: with `alone`, a row of them shows a motion. KM_MEMORY. */
-km_status km_drawing_place(const km_drawing *drawing, km_canvas *canvas, km_rectangle place, km_error *error);
+km_status km_drawing_place(const km_drawing_def *drawing, km_canvas *canvas, km_rectangle place, km_error *error);
 /* Several mechanisms over each other, each as drawings[k].full has it, in one view and at one scale: their links as lines
  * of the palette's colours[k], the ground of the first. They fit into the place in all their poses. KM_MEMORY. */
-km_status km_drawing_overlay(const km_drawing *drawings, const int *colours, int count, km_canvas *canvas,
+km_status km_drawing_overlay(const km_drawing_def *drawings, const int *colours, int count, km_canvas *canvas,
                              km_rectangle place, km_error *error);
 
 /* Whether the view that is asked for looks along the axes of a mechanism that moves in a plane. */
-bool km_drawing_is_planar(const km_drawing *drawing);
-/* "xy", "iso", "auto" ...; false if the word is no view. */
-bool km_view_find(const char *word, km_view *view);
+bool km_drawing_def_is_planar(const km_drawing_def *drawing);
 
 #endif

@@ -23,7 +23,7 @@ typedef struct stand {
 } stand;
 
 static const km_pose *pose_of(const work *w, size_t frame, int body) {
-  const km_drawing *d = w->studio.drawing;
+  const km_drawing_def *d = w->studio.drawing;
   return d->poses + frame * (size_t)d->mechanism->model->body_count + (size_t)body;
 }
 
@@ -189,7 +189,7 @@ static void draw_follower(work *w, int mover, const km_drawing_trace *trace, km_
 }
 
 static void draw_followers(work *w) {
-  const km_drawing *d = w->studio.drawing;
+  const km_drawing_def *d = w->studio.drawing;
   size_t most = km_studio_most_labels(&w->studio), base = w->film->mover_count;
   km_label *labels = KM_ARENA_NEW(&w->studio.arena, km_label, most);
   km_font font = km_studio_font(&w->studio);
@@ -206,7 +206,7 @@ static void draw_followers(work *w) {
 }
 
 static void draw_film(work *w) {
-  const km_drawing *d = w->studio.drawing;
+  const km_drawing_def *d = w->studio.drawing;
   w->rigid = KM_ARENA_NEW(&w->studio.arena, bool, (size_t)d->mechanism->model->body_count);
   w->first = scene_of(w, 0, &w->studio.arena);
   w->carrier = KM_ARENA_NEW(&w->studio.arena, int, w->first.count + 1);
@@ -225,25 +225,28 @@ static void draw_film(work *w) {
 }
 
 /* As high as the shape asks for, within reason. */
-static double height_of(const km_drawing *drawing, double width, km_error *error) {
+static km_status find_height(const km_drawing_def *drawing, double width, double *height, km_error *error) {
   km_studio s = {.drawing = drawing, .place = {0, 0, width, width}};
-  double height = width;
+  *height = width;
   if (km_studio_open(&s)) {
     double across = s.extent.high[0] - s.extent.low[0], up = s.extent.high[1] - s.extent.low[1];
-    height = across > 0.0 ? 60.0 + (width - 60.0) * up / across : height_most;
+    *height = across > 0.0 ? 60.0 + (width - 60.0) * up / across : height_most;
   }
-  km_studio_close(&s, error);
-  return fmin(fmax(height, height_least), height_most);
+  *height = fmin(fmax(*height, height_least), height_most);
+  return km_studio_close(&s, error);
 }
 
-km_status km_drawing_film(const km_drawing *drawing, km_arena *arena, km_film *film, km_error *error) {
-  km_drawing steady = *drawing;
+km_status km_drawing_film(const km_drawing_def *drawing, km_arena *arena, km_film *film, km_error *error) {
+  km_drawing_def steady = *drawing;
   steady.alone = steady.steady = true;
   steady.full = 0;
   steady.meshes = NULL;
   double width = drawing->width > 0.0 ? drawing->width : width_default;
-  double height = drawing->height > 0.0 ? drawing->height : height_of(&steady, width, error);
-  km_status status = km_film_open(film, arena, width, height, drawing->pose_count, error);
+  double height = drawing->height;
+  km_status status = height > 0.0 ? KM_OK : find_height(&steady, width, &height, error);
+  if (status)
+    return status;
+  status = km_film_open(film, arena, width, height, drawing->pose_count, error);
   if (status)
     return status;
   work w = {.studio = {.drawing = &steady, .canvas = film->canvas, .place = {0, 0, width, height}}, .film = film};

@@ -9,6 +9,6 @@
  * one of index b − 1) that carries what is drawn of it; rods that slide, and everything in space, are drawn anew. Names
  * and the ends of paths follow their points. Meshes aren't drawn. The drawing's width and height are the film's; 0:
  * chosen from the shape. The film's memory is the arena's; the caller closes the film. KM_MEMORY. */
-km_status km_drawing_film(const km_drawing *drawing, km_arena *arena, km_film *film, km_error *error);
+km_status km_drawing_film(const km_drawing_def *drawing, km_arena *arena, km_film *film, km_error *error);
 
 #endif

@@ -1,7 +1,7 @@
 /* A mechanism's topology as a graph in the DOT language. */
-#include "report/drawing/graph.h"
-
+#include "kmech/drawing.h"
 #include "report/plot/palette.h"
+#include "topology/mechanism.h"
 
 #include <math.h>
 #include <string.h>
@@ -135,6 +135,8 @@ static void add_title(const km_mechanism *m, const char *title, km_text *out) {
 }
 
 void km_graph_write(const km_mechanism *mechanism, const char *title, km_text *out) {
+  if (!mechanism || !title || !out)
+    return;
   km_text_add(out, "digraph mechanism {\n"
                    "  graph [fontname=\"DejaVu Sans\" fontsize=11 nodesep=0.35 ranksep=0.6 labelloc=t];\n"
                    "  node [fontname=\"DejaVu Sans\" fontsize=11 shape=ellipse margin=\"0.08,0.04\"];\n"

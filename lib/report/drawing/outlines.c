@@ -31,7 +31,7 @@ static void add(work *w, km_outline_part part) {
 
 /* Where a point of a body lies in the plane: x to the right, y upwards, about the inertial origin. */
 static km_spot flat(const work *w, int body, km_vec3 point) {
-  const km_drawing *d = w->studio.drawing;
+  const km_drawing_def *d = w->studio.drawing;
   km_vec3 p = km_pose_point(&d->poses[d->full * (size_t)d->mechanism->model->body_count + (size_t)body], point);
   return (km_spot){km_vec3_dot(w->studio.view.right, p), km_vec3_dot(w->studio.view.up, p), 0};
 }
@@ -98,10 +98,10 @@ static void find(work *w, double width) {
   }
 }
 
-km_status km_outlines_make(const km_drawing *drawing, double width, km_arena *arena, km_outlines *out,
+km_status km_outlines_make(const km_drawing_def *drawing, double width, km_arena *arena, km_outlines *out,
                            km_error *error) {
   *out = (km_outlines){.model = drawing->mechanism->model, .low = {HUGE_VAL, HUGE_VAL}, .high = {-HUGE_VAL, -HUGE_VAL}};
-  if (!km_drawing_is_planar(drawing))
+  if (!km_drawing_def_is_planar(drawing))
     return km_fail(error, KM_USAGE,
                    "outlines of links that don't move in the plane of the view; expected a mechanism "
                    "in a plane, seen along its axes");
@@ -149,7 +149,7 @@ static void draw_part(const sheet *s, const km_outline_part *p) {
   km_canvas_polyline(s->canvas, &pen, points, (size_t)count);
 }
 
-km_status km_outlines_render(const km_outlines *o, double scale, km_canvas_format format, km_text *out,
+km_status km_outlines_render(const km_outlines *o, double scale, km_picture_format format, km_text *out,
                              km_error *error) {
   const double inch = 0.0254;
   sheet s = {.outlines = o, .scale = scale * o->model->units.length->si / inch * 72.0, .margin = 18};

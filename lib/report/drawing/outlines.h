@@ -24,13 +24,14 @@ typedef struct km_outlines {
 
 /* `width` 0: as the drawing has it, two digits of it. KM_USAGE: the mechanism doesn't move in a plane of this view;
  * KM_MEMORY. */
-km_status km_outlines_make(const km_drawing *drawing, double width, km_arena *arena, km_outlines *out, km_error *error);
+km_status km_outlines_make(const km_drawing_def *drawing, double width, km_arena *arena, km_outlines *out,
+                           km_error *error);
 
 /* AutoCAD's exchange format, release 12: lines, arcs and circles in the model's length unit, a layer for each body. */
 km_status km_outlines_dxf(const km_outlines *outlines, km_text *out, km_error *error);
 
 /* A page on which a length is `scale` times as long as it is. KM_USAGE: the page would be too large. */
-km_status km_outlines_render(const km_outlines *outlines, double scale, km_canvas_format format, km_text *out,
+km_status km_outlines_render(const km_outlines *outlines, double scale, km_picture_format format, km_text *out,
                              km_error *error);
 
 #endif

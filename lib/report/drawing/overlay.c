@@ -86,7 +86,7 @@ static void paint(km_studio *studios, const int *colours, int count, km_arena *a
     paint_links(&scenes[k], studios[k].canvas, km_palette_text(colours[k]));
 }
 
-km_status km_drawing_overlay(const km_drawing *drawings, const int *colours, int count, km_canvas *canvas,
+km_status km_drawing_overlay(const km_drawing_def *drawings, const int *colours, int count, km_canvas *canvas,
                              km_rectangle place, km_error *error) {
   km_arena arena = {0};
   km_studio *studios = KM_ARENA_NEW(&arena, km_studio, (size_t)count);

@@ -12,7 +12,7 @@ typedef struct page {
 } page;
 
 static void describe(const km_studio *s, km_text *out) {
-  const km_drawing *d = s->drawing;
+  const km_drawing_def *d = s->drawing;
   km_text_format(out, "%s · ", d->name ? d->name : "");
   km_text_add(out, s->view.name);
   if (d->pose_count > 1 && !d->alone)
@@ -101,7 +101,7 @@ static void draw_axes(const km_studio *s, const page *p) {
 
 /* As high as the shape asks for, within reason. */
 static void choose_size(const km_studio *s, page *p) {
-  const km_drawing *d = s->drawing;
+  const km_drawing_def *d = s->drawing;
   double width = s->extent.high[0] - s->extent.low[0], height = s->extent.high[1] - s->extent.low[1];
   double shape = width > 0.0 ? height / width : height > 0.0 ? 1.0 : 0.0;
   p->width = d->width > 0.0 ? d->width : width_default;
@@ -117,7 +117,7 @@ static void choose_fonts(page *p) {
   p->note = (km_font){.size = 7.5 * p->size};
 }
 
-static const char *title_of(const km_drawing *d) {
+static const char *title_of(const km_drawing_def *d) {
   return d->title ? d->title : "";
 }
 static const char *about_of(const page *p) {
@@ -133,7 +133,7 @@ static void draw_titles(const km_studio *s, const page *p) {
 }
 
 /* What is left between titles and scale. */
-static km_rectangle place_of(km_canvas *canvas, const km_drawing *d, page *p) {
+static km_rectangle place_of(km_canvas *canvas, const km_drawing_def *d, page *p) {
   double title = km_canvas_measure(canvas, &p->title, title_of(d)).y;
   double subtitle = km_canvas_measure(canvas, &p->subtitle, about_of(p)).y;
   p->head = p->margin + fmax(title + subtitle + 3.0 * p->size, 30.0 * p->size);
@@ -141,7 +141,7 @@ static km_rectangle place_of(km_canvas *canvas, const km_drawing *d, page *p) {
   return (km_rectangle){p->margin, p->head, p->width - 2.0 * p->margin, p->height - p->head - p->foot};
 }
 
-static void draw_page(const km_drawing *d, km_canvas *canvas, page *p, km_status *status, km_error *error) {
+static void draw_page(const km_drawing_def *d, km_canvas *canvas, page *p, km_status *status, km_error *error) {
   km_studio s = {.drawing = d, .canvas = canvas, .place = place_of(canvas, d, p)};
   if (km_studio_open(&s)) {
     km_studio_draw(&s);
@@ -156,7 +156,7 @@ static void draw_page(const km_drawing *d, km_canvas *canvas, page *p, km_status
 }
 
 /* Size and subtitle need the view, but not the canvas. */
-static km_status plan_page(const km_drawing *d, page *p, km_error *error) {
+static km_status plan_page(const km_drawing_def *d, page *p, km_error *error) {
   km_studio s = {.drawing = d, .place = {0, 0, width_default, width_default}};
   if (km_studio_open(&s)) {
     choose_size(&s, p);
@@ -166,7 +166,7 @@ static km_status plan_page(const km_drawing *d, page *p, km_error *error) {
   return km_studio_close(&s, error);
 }
 
-static km_status render(const km_drawing *d, page *p, km_canvas_format format, km_text *out, km_error *error) {
+static km_status render(const km_drawing_def *d, page *p, km_picture_format format, km_text *out, km_error *error) {
   km_canvas *canvas;
   if (!(p->width >= size_least && p->height >= size_least))
     return km_fail(error, KM_USAGE, "a drawing of %g x %g points; expected at least %g each", p->width, p->height,
@@ -181,7 +181,7 @@ static km_status render(const km_drawing *d, page *p, km_canvas_format format, k
   return status;
 }
 
-km_status km_drawing_render(const km_drawing *drawing, km_canvas_format format, km_text *out, km_error *error) {
+km_status km_drawing_render(const km_drawing_def *drawing, km_picture_format format, km_text *out, km_error *error) {
   page p = {0};
   km_status status = plan_page(drawing, &p, error);
   if (status == KM_OK)

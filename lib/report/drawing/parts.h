@@ -132,7 +132,7 @@ enum { KM_BLACK = -2 };
 
 /* What stays the same from pose to pose. */
 typedef struct km_studio {
-  const km_drawing *drawing;
+  const km_drawing_def *drawing;
   km_canvas *canvas;
   km_rectangle place;
   km_arena arena;
@@ -169,8 +169,8 @@ void km_studio_draw(km_studio *studio);
 km_status km_studio_close(km_studio *studio, km_error *error);
 
 /* Views. */
-km_projection km_view_make(const km_drawing *drawing);
-km_extent km_extent_of(const km_drawing *drawing, const km_shape *shapes, const km_projection *view);
+km_projection km_view_make(const km_drawing_def *drawing);
+km_extent km_extent_of(const km_drawing_def *drawing, const km_shape *shapes, const km_projection *view);
 void km_projection_fit(km_projection *view, const km_extent *extent, km_rectangle inner);
 km_spot km_project(const km_projection *view, km_vec3 point);
 /* A direction on the page: x right, y down, depth. */
@@ -180,7 +180,7 @@ km_spot km_project_direction(const km_projection *view, km_vec3 direction);
 km_shape *km_shapes_make(const km_model *model, km_arena *arena);
 km_mark *km_marks_make(const km_model *model, const km_shape *shapes, km_arena *arena);
 
-km_surface *km_surfaces_make(const km_drawing *drawing, km_arena *arena);
+km_surface *km_surfaces_make(const km_drawing_def *drawing, km_arena *arena);
 
 /* The scene of a pose, in the order of painting. */
 void km_scene_build(km_scene *scene);

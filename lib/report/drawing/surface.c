@@ -74,7 +74,7 @@ static void make_surface(const km_mesh *mesh, km_surface *out, km_arena *arena) 
   out->inwards = volume_of(mesh) < 0.0;
 }
 
-km_surface *km_surfaces_make(const km_drawing *drawing, km_arena *arena) {
+km_surface *km_surfaces_make(const km_drawing_def *drawing, km_arena *arena) {
   int bodies = drawing->mechanism->model->body_count;
   km_surface *surfaces = KM_ARENA_NEW(arena, km_surface, (size_t)bodies);
   for (int b = 0; surfaces && drawing->meshes && b < bodies && !arena->failed; ++b)

@@ -8,6 +8,8 @@ static const double parallel = 1e-6; /* sines below this are 0 */
 static const char *const words[] = {"auto", "xy", "xz", "yz", "iso"};
 
 bool km_view_find(const char *word, km_view *view) {
+  if (!word || !view)
+    return false;
   for (int i = 0; i <= KM_VIEW_ISO; ++i) {
     if (strcmp(word, words[i]) != 0)
       continue;
@@ -30,7 +32,7 @@ typedef struct axes {
   bool turns, slides, spatial;
 } axes;
 
-static axes axes_of(const km_drawing *drawing, int joint) {
+static axes axes_of(const km_drawing_def *drawing, int joint) {
   const km_model *model = drawing->mechanism->model;
   const km_model_joint *def = &model->joints[joint];
   const km_model_frame *frame = &model->frames[def->frame[0]];
@@ -68,7 +70,7 @@ static bool moves_in(const axes *a, km_vec3 normal) {
 
 /* Whether every joint that counts moves in the plane: those in loops, if there are any, and then
  * most of the others (an excavator swings on its tracks, but works in a plane). */
-static bool is_plane(const km_drawing *drawing, km_vec3 normal) {
+static bool is_plane(const km_drawing_def *drawing, km_vec3 normal) {
   const km_mechanism *m = drawing->mechanism;
   int good = 0, bad = 0;
   for (int j = 0; j < m->model->joint_count; ++j) {
@@ -83,7 +85,7 @@ static bool is_plane(const km_drawing *drawing, km_vec3 normal) {
   return good > 3 * bad;
 }
 
-static bool find_plane(const km_drawing *drawing, km_vec3 *normal) {
+static bool find_plane(const km_drawing_def *drawing, km_vec3 *normal) {
   static const km_vec3 planes[] = {{0, 0, 1}, {0, -1, 0}, {1, 0, 0}};
   int joints = drawing->mechanism->model->joint_count;
   bool turns = false;
@@ -141,7 +143,7 @@ static void look_from_corner(km_projection *view, const km_model *model) {
   view->name = "iso view";
 }
 
-km_projection km_view_make(const km_drawing *drawing) {
+km_projection km_view_make(const km_drawing_def *drawing) {
   static const km_vec3 normals[] = {{0, 0, 1}, {0, -1, 0}, {1, 0, 0}};
   static const char *const names[] = {"view of the xy plane", "view of the xz plane", "view of the yz plane"};
   const km_model *model = drawing->mechanism->model;
@@ -166,7 +168,7 @@ km_projection km_view_make(const km_drawing *drawing) {
   return view;
 }
 
-bool km_drawing_is_planar(const km_drawing *drawing) {
+bool km_drawing_def_is_planar(const km_drawing_def *drawing) {
   return km_view_make(drawing).planar;
 }
 
@@ -182,14 +184,14 @@ static void take(km_extent *extent, const km_projection *view, km_vec3 point) {
 }
 
 /* The first point of a body that has any: far from it the inertial origin may lie. */
-static km_vec3 some_point(const km_drawing *drawing, const km_shape *shapes) {
+static km_vec3 some_point(const km_drawing_def *drawing, const km_shape *shapes) {
   for (int b = 0; b < drawing->mechanism->model->body_count; ++b)
     if (shapes[b].count)
       return km_pose_point(&drawing->poses[b], shapes[b].points[0]);
   return (km_vec3){0, 0, 0};
 }
 
-km_extent km_extent_of(const km_drawing *drawing, const km_shape *shapes, const km_projection *view) {
+km_extent km_extent_of(const km_drawing_def *drawing, const km_shape *shapes, const km_projection *view) {
   int bodies = drawing->mechanism->model->body_count;
   km_extent extent = {.origin = some_point(drawing, shapes)};
   for (size_t p = 0; p < drawing->pose_count; ++p)

@@ -87,11 +87,3 @@ bool km_advantage_plot_make(const km_plotted_advantage *sweeps, int count, bool 
       .strip = strip};
   return !arena->failed && km_sweep_plot_make(&picture, arena, out);
 }
-
-km_status km_advantage_plot(const km_plotted_advantage *sweeps, int count, bool ordered, km_canvas_format format,
-                            km_text *out, km_error *error) {
-  km_arena arena = {0};
-  km_plot plot;
-  bool made = km_advantage_plot_make(sweeps, count, ordered, true, &arena, &plot);
-  return km_plot_finish(made, &plot, &arena, format, out, error);
-}

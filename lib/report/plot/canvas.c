@@ -20,7 +20,7 @@ static const double page_limit = 14400; /* PDF's own limit: 200 inches */
 
 struct km_canvas {
   const km_cairo *lib;
-  km_canvas_format format;
+  km_picture_format format;
   km_text *out;
   size_t start; /* size of `out` before the first byte */
   cairo_surface_t *surface;
@@ -40,9 +40,9 @@ static cairo_status_t append(void *closure, const unsigned char *bytes, unsigned
 }
 
 static cairo_surface_t *make_surface(km_canvas *canvas, double width, double height) {
-  if (canvas->format == KM_CANVAS_SVG)
+  if (canvas->format == KM_PICTURE_SVG)
     return canvas->lib->cairo_svg_surface_create_for_stream(append, canvas, width, height);
-  if (canvas->format == KM_CANVAS_PNG)
+  if (canvas->format == KM_PICTURE_PNG)
     return canvas->lib->cairo_image_surface_create(CAIRO_FORMAT_RGB24, (int)lround(width * png_scale),
                                                    (int)lround(height * png_scale));
   cairo_surface_t *surface = canvas->lib->cairo_pdf_surface_create_for_stream(append, canvas, width, height);
@@ -78,7 +78,7 @@ static bool size_fits(double width, double height) {
   return width >= 1 && height >= 1 && width <= page_limit && height <= page_limit;
 }
 
-km_status km_canvas_create(km_canvas_format format, double width, double height, km_text *out, km_canvas **canvas,
+km_status km_canvas_create(km_picture_format format, double width, double height, km_text *out, km_canvas **canvas,
                            km_error *error) {
   *canvas = NULL;
   if (!size_fits(width, height))
@@ -95,7 +95,7 @@ km_status km_canvas_create(km_canvas_format format, double width, double height,
   made->start = out->size;
   made->surface = make_surface(made, width, height);
   made->cairo = lib->cairo_create(made->surface);
-  if (format == KM_CANVAS_PNG)
+  if (format == KM_PICTURE_PNG)
     lib->cairo_scale(made->cairo, png_scale, png_scale);
   lib->cairo_set_line_join(made->cairo, CAIRO_LINE_JOIN_ROUND);
   prepare_text(made);
@@ -133,14 +133,14 @@ static cairo_status_t write_pixels(km_canvas *canvas) {
 
 static cairo_status_t write_out(km_canvas *canvas) {
   cairo_status_t status = canvas->lib->cairo_status(canvas->cairo);
-  if (status == CAIRO_STATUS_SUCCESS && canvas->format == KM_CANVAS_PNG)
+  if (status == CAIRO_STATUS_SUCCESS && canvas->format == KM_PICTURE_PNG)
     status = write_pixels(canvas);
   canvas->lib->cairo_surface_finish(canvas->surface);
   if (status == CAIRO_STATUS_SUCCESS)
     status = canvas->lib->cairo_surface_status(canvas->surface);
   if (status != CAIRO_STATUS_SUCCESS)
     return status;
-  if (canvas->format == KM_CANVAS_SVG)
+  if (canvas->format == KM_PICTURE_SVG)
     km_svg_drop_id(canvas->out, canvas->start);
   return canvas->out->failed ? CAIRO_STATUS_NO_MEMORY : CAIRO_STATUS_SUCCESS;
 }
@@ -184,7 +184,7 @@ void km_canvas_free(km_canvas *canvas) {
 }
 
 void km_canvas_page(km_canvas *canvas, double width, double height) {
-  if (canvas->format != KM_CANVAS_PDF || !size_fits(width, height)) {
+  if (canvas->format != KM_PICTURE_PDF || !size_fits(width, height)) {
     canvas->page_refused = true;
     return;
   }

@@ -5,9 +5,8 @@
 #define KM_REPORT_PLOT_CANVAS_H
 
 #include "base/text.h"
+#include "kmech/picture_format.h"
 #include "kmech/status.h"
-
-typedef enum km_canvas_format { KM_CANVAS_SVG, KM_CANVAS_PDF, KM_CANVAS_PNG } km_canvas_format;
 
 typedef struct km_canvas km_canvas;
 
@@ -42,7 +41,7 @@ typedef struct km_anchor {
 
 /* A white page of width x height points, each from 1 to 14400. Bytes are appended to the borrowed
  * `out` until the canvas is freed. KM_USAGE (size), KM_MEMORY, KM_INTERNAL. */
-km_status km_canvas_create(km_canvas_format format, double width, double height, km_text *out, km_canvas **canvas,
+km_status km_canvas_create(km_picture_format format, double width, double height, km_text *out, km_canvas **canvas,
                            km_error *error);
 /* Completes the bytes and tells whether everything since the creation went well; if it did not,
  * `out` is as it was before. KM_USAGE (a second page outside PDF), KM_MEMORY, KM_INTERNAL. */

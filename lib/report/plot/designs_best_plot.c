@@ -9,14 +9,14 @@
 
 enum { MOST_FRONT = 512 };
 
-static int figure_of(const km_designs_picture *p, int goal) {
+static int figure_of(const km_designs_shown *p, int goal) {
   int figure = 0;
   while (strcmp(km_design_study_figure(p->study, figure)->name, p->def->optimise->goals[goal].figure) != 0)
     ++figure;
   return figure;
 }
 
-static const char *label_of(const km_designs_picture *p, int goal, km_arena *arena) {
+static const char *label_of(const km_designs_shown *p, int goal, km_arena *arena) {
   char text[256];
   int figure = figure_of(p, goal);
   const char *unit = km_design_study_figure_unit(p->study, figure);
@@ -31,7 +31,7 @@ static km_status nothing(km_arena *arena, km_error *error) {
 }
 
 /* Dots of all designs that are good enough, each followed by a gap; and the best so far. */
-km_status km_designs_progress(const km_designs_picture *p, km_text *out, km_error *error) {
+km_status km_designs_progress(const km_designs_shown *p, km_text *out, km_error *error) {
   km_arena arena = {0};
   int count = km_design_study_designs(p->study), figure = figure_of(p, 0), good = 0;
   bool largest = p->def->optimise->goals[0].largest;
@@ -71,7 +71,7 @@ km_status km_designs_progress(const km_designs_picture *p, km_text *out, km_erro
 }
 
 /* The designs near the front: those much worse in both goals would leave it no room. */
-static void place_dots(const km_designs_picture *p, const double *front_x, const double *front_y, int count, double *x,
+static void place_dots(const km_designs_shown *p, const double *front_x, const double *front_y, int count, double *x,
                        double *y) {
   int f = figure_of(p, 0), g = figure_of(p, 1);
   double wide = fabs(front_x[count - 1] - front_x[0]), high = fabs(front_y[count - 1] - front_y[0]);
@@ -85,7 +85,7 @@ static void place_dots(const km_designs_picture *p, const double *front_x, const
   }
 }
 
-km_status km_designs_front(const km_designs_picture *p, km_text *out, km_error *error) {
+km_status km_designs_front(const km_designs_shown *p, km_text *out, km_error *error) {
   km_arena arena = {0};
   int front[MOST_FRONT], designs = km_design_study_designs(p->study);
   int count = km_design_study_front(p->study, front, MOST_FRONT), f = figure_of(p, 0), g = figure_of(p, 1);

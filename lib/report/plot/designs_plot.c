@@ -19,13 +19,12 @@ static km_status nothing(km_arena *arena, km_error *error) {
                 : km_fail(error, KM_NO_RESULT, "there is nothing to draw");
 }
 
-km_status km_designs_finish(const km_designs_picture *p, bool made, const km_plot *plot, km_arena *arena, km_text *out,
+km_status km_designs_finish(const km_designs_shown *p, bool made, const km_plot *plot, km_arena *arena, km_text *out,
                             km_error *error) {
-  if (!p->only_try && !p->canvas)
-    return km_plot_finish(made, plot, arena, p->format, out, error);
   km_status status = !made         ? km_fail(error, KM_MEMORY, "out of memory for a plot")
                      : p->only_try ? KM_OK
-                                   : km_plot_place(plot, p->canvas, p->width, p->height, error);
+                     : p->canvas   ? km_plot_place(plot, p->canvas, p->width, p->height, error)
+                                   : km_plot_render(plot, p->format, out, error);
   km_arena_free(arena);
   return status;
 }
@@ -42,13 +41,13 @@ static const char *words(km_arena *arena, const char *format, ...) {
 }
 
 /* "stroke (mm)" */
-static const char *label_of(const km_designs_picture *p, int figure, km_arena *arena) {
+static const char *label_of(const km_designs_shown *p, int figure, km_arena *arena) {
   const char *unit = km_design_study_figure_unit(p->study, figure);
   return words(arena, *unit ? "%s (%s)" : "%s", km_design_study_figure(p->study, figure)->name, unit);
 }
 
 /* All values that there are; count 0: none. */
-static double *values_of(const km_designs_picture *p, int figure, km_arena *arena, int *count) {
+static double *values_of(const km_designs_shown *p, int figure, km_arena *arena, int *count) {
   int room = km_design_study_column(p->study, figure, NULL, 0);
   double *values = KM_ARENA_NEW(arena, double, (size_t)room + 1);
   *count = 0;
@@ -82,8 +81,8 @@ static bars make_bars(const double *values, int count, double low, double high, 
   return b;
 }
 
-static size_t add_marks(const km_designs_picture *p, int figure, const km_design_statistics *st, double low,
-                        double high, km_plot_mark *marks) {
+static size_t add_marks(const km_designs_shown *p, int figure, const km_design_statistics *st, double low, double high,
+                        km_plot_mark *marks) {
   static const int shown[] = {1, 3, 5};
   static const char *const names[] = {"5 %", "50 %", "95 %"};
   const km_design_figure *f = km_design_study_figure(p->study, figure);
@@ -97,7 +96,7 @@ static size_t add_marks(const km_designs_picture *p, int figure, const km_design
   return count;
 }
 
-km_status km_designs_histogram(const km_designs_picture *p, int figure, km_text *out, km_error *error) {
+km_status km_designs_histogram(const km_designs_shown *p, int figure, km_text *out, km_error *error) {
   km_arena arena = {0};
   km_design_statistics st;
   int count;
@@ -133,7 +132,7 @@ static int by_value(const void *a, const void *b) {
 }
 
 /* A dot is a run of one point: a gap follows each. */
-static bool make_dots(const km_designs_picture *p, int figure, int parameter, km_arena *arena, km_plot_series *out) {
+static bool make_dots(const km_designs_shown *p, int figure, int parameter, km_arena *arena, km_plot_series *out) {
   int count = km_design_study_column(p->study, figure, NULL, 0), used = 0;
   double parameters[KM_MOST_DESIGN_PARAMETERS];
   count = count < MOST_DOTS ? count : MOST_DOTS;
@@ -157,7 +156,7 @@ static bool make_dots(const km_designs_picture *p, int figure, int parameter, km
   return used > 1;
 }
 
-km_status km_designs_scatter(const km_designs_picture *p, int figure, km_text *out, km_error *error) {
+km_status km_designs_scatter(const km_designs_shown *p, int figure, km_text *out, km_error *error) {
   double ranks[KM_MOST_DESIGN_PARAMETERS];
   km_plot_series series[MOST_PANELS];
   km_plot_panel panels[MOST_PANELS];
@@ -211,7 +210,7 @@ static size_t running_mean(const double *values, int count, double *x, double *m
   return used;
 }
 
-km_status km_designs_convergence(const km_designs_picture *p, int figure, km_text *out, km_error *error) {
+km_status km_designs_convergence(const km_designs_shown *p, int figure, km_text *out, km_error *error) {
   km_arena arena = {0};
   int count;
   double *values = values_of(p, figure, &arena, &count);
@@ -274,7 +273,7 @@ static const char *list_driver(const km_asked_design *asked, int rows, double *x
 
 /* The driver's values over the rows, and the axes' names, by the question's own plan. KM_NO_RESULT: no design has an
  * answer in full. */
-static km_status driver_of(const km_designs_picture *p, int question, int band, int rows, double *x, km_arena *arena,
+static km_status driver_of(const km_designs_shown *p, int question, int band, int rows, double *x, km_arena *arena,
                            const char *labels[2], km_error *error) {
   km_asked_design asked = {0};
   const char *column = p->def->questions[question].bands[band];
@@ -293,7 +292,7 @@ static km_status driver_of(const km_designs_picture *p, int question, int band, 
   return status == KM_OK || status == KM_MEMORY ? status : km_fail(error, KM_NO_RESULT, "there is nothing to draw");
 }
 
-km_status km_designs_bands(const km_designs_picture *p, int question, int band, km_text *out, km_error *error) {
+km_status km_designs_bands(const km_designs_shown *p, int question, int band, km_text *out, km_error *error) {
   km_arena arena = {0};
   int rows;
   const char *labels[2] = {"", ""};

@@ -271,11 +271,3 @@ bool km_mobility_plot_make(const km_plotted_sweep *sweeps, int count, bool order
     fill_plot(&l, sweeps, count, out);
   return !arena->failed;
 }
-
-km_status km_mobility_plot(const km_plotted_sweep *sweeps, int count, bool ordered, km_canvas_format format,
-                           km_text *out, km_error *error) {
-  km_arena arena = {0};
-  km_plot plot;
-  bool made = km_mobility_plot_make(sweeps, count, ordered, &arena, &plot);
-  return km_plot_finish(made, &plot, &arena, format, out, error);
-}

@@ -16,12 +16,9 @@ typedef struct km_plotted_sweep {
   int shown_count;
 } km_plotted_sweep;
 
-/* Appends the picture's bytes. Joints whose numbers agree share a line; past eight lines each substructure gets
+/* Builds the plot in the arena. Joints whose numbers agree share a line; past eight lines each substructure gets
  * a panel of its own. Several sweeps overlay, told apart by their colours; `ordered`: variants, whose order the
- * colours show. */
-km_status km_mobility_plot(const km_plotted_sweep *sweeps, int count, bool ordered, km_canvas_format format,
-                           km_text *out, km_error *error);
-/* The same before it is rendered, in the arena. False when out of memory. */
+ * colours show. False when out of memory. */
 bool km_mobility_plot_make(const km_plotted_sweep *sweeps, int count, bool ordered, km_arena *arena, km_plot *out);
 
 #endif

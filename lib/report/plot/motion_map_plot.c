@@ -5,6 +5,7 @@
 #include "report/plot/axis.h"
 #include "report/plot/curve.h"
 #include "report/plot/palette.h"
+#include "report/plot/track_plot.h"
 
 #include <stdio.h>
 #include <string.h>
@@ -328,9 +329,14 @@ static void paint(picture *p) {
   legend(p, right, p->frame.top + 166);
 }
 
-km_status km_motion_map_plot(const km_tracks *t, km_canvas_format format, km_text *out, km_error *error) {
+km_status km_tracks_map(const km_tracks *t, km_picture_format format, km_text *out, km_error *error) {
   km_motion_map map;
-  km_status status =
+  km_status status = km_check_tracks(t, false, format, out, error);
+  if (!status && t->study->start_status)
+    status = km_fail(error, KM_USAGE, "%s", t->study->start_error.text);
+  if (status)
+    return status;
+  status =
       km_motion_map_make(t->study->arm, t->study->path, t->study->start, &t->study->objective, STATIONS, &map, error);
   picture p = {.tracks = t, .map = &map};
   if (!status)

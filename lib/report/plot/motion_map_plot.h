@@ -20,8 +20,4 @@ int km_map_cells(const km_station *station, double low, double high, km_map_cell
 /* Dark blue to pale yellow: light and dark survive a grey print and every kind of colour blindness. */
 km_colour km_map_shade(int shade);
 
-/* Self-motion over path length, coloured by the objective, hatched where a joint is outside its limits, the tracks
- * drawn over it. KM_USAGE (not one spare freedom), KM_MEMORY, KM_INTERNAL. */
-km_status km_motion_map_plot(const km_tracks *tracks, km_canvas_format format, km_text *out, km_error *error);
-
 #endif

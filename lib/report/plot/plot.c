@@ -111,7 +111,7 @@ km_status km_plot_place(const km_plot *plot, km_canvas *canvas, double width, do
   return status;
 }
 
-km_status km_plot_render(const km_plot *plot, km_canvas_format format, km_text *out, km_error *error) {
+km_status km_plot_render(const km_plot *plot, km_picture_format format, km_text *out, km_error *error) {
   double width, height;
   km_plot_layout_size(plot, &width, &height);
   if (!(width >= size_least && height >= size_least))
@@ -128,13 +128,5 @@ km_status km_plot_render(const km_plot *plot, km_canvas_format format, km_text *
     status = km_canvas_finish(canvas, error);
   km_canvas_free(canvas);
   km_arena_free(&arena);
-  return status;
-}
-
-km_status km_plot_finish(bool made, const km_plot *plot, km_arena *arena, km_canvas_format format, km_text *out,
-                         km_error *error) {
-  km_status status =
-      made ? km_plot_render(plot, format, out, error) : km_fail(error, KM_MEMORY, "out of memory for the plot");
-  km_arena_free(arena);
   return status;
 }

@@ -56,10 +56,7 @@ typedef struct km_plot {
 /* Appends the picture's bytes to `out`. The same plot gives the same bytes (no date, no random id).
  * KM_USAGE (a page too small or too large), KM_MEMORY or KM_INTERNAL (the graphics library's own
  * failure, in words); `out` then is as it was. */
-km_status km_plot_render(const km_plot *plot, km_canvas_format format, km_text *out, km_error *error);
-/* The same of a plot that was built in the arena, which is freed. `made` false: memory failed on the way (KM_MEMORY). */
-km_status km_plot_finish(bool made, const km_plot *plot, km_arena *arena, km_canvas_format format, km_text *out,
-                         km_error *error);
+km_status km_plot_render(const km_plot *plot, km_picture_format format, km_text *out, km_error *error);
 
 /* Draws the plot, without its strip, at the origin of a page that is there already. */
 km_status km_plot_place(const km_plot *plot, km_canvas *canvas, double width, double height, km_error *error);

@@ -60,7 +60,7 @@ static void draw(void *context, km_canvas *canvas, double top, double width) {
   const km_font font = {.size = 8, .width = width / strip->count};
   double each = (width - 2 * margin) / strip->count;
   for (int k = 0; k < strip->count; ++k) {
-    km_drawing layers[KM_MOST_STRIP_LAYERS];
+    km_drawing_def layers[KM_MOST_STRIP_LAYERS];
     for (int i = 0; i < strip->layers; ++i) {
       layers[i] = strip->drawings[i];
       layers[i].full = (size_t)k;
@@ -102,13 +102,13 @@ static double s_of(const km_swept *sweep, size_t row) {
   return km_table_row(table, row)[km_table_find(table, "s")];
 }
 
-static km_drawing drawing_of(const km_mechanism *m, const km_table *table, const size_t *rows, int count,
-                             km_arena *arena) {
-  return (km_drawing){.mechanism = m,
-                      .poses = poses_of(m, table, rows, count, arena),
-                      .pose_count = (size_t)count,
-                      .alone = true,
-                      .bare = true};
+static km_drawing_def drawing_of(const km_mechanism *m, const km_table *table, const size_t *rows, int count,
+                                 km_arena *arena) {
+  return (km_drawing_def){.mechanism = m,
+                          .poses = poses_of(m, table, rows, count, arena),
+                          .pose_count = (size_t)count,
+                          .alone = true,
+                          .bare = true};
 }
 
 /* Row k of `count` evenly spaced ones, from the first to the last. */

@@ -182,11 +182,3 @@ bool km_table_plot_make(const km_plotted_table *tables, size_t count, size_t col
                    .equal = lies_in_plane(&s)};
   return !arena->failed;
 }
-
-km_status km_table_plot(const km_plotted_table *tables, size_t count, size_t columns, km_canvas_format format,
-                        km_text *out, km_error *error) {
-  km_arena arena = {0};
-  km_plot plot;
-  bool made = km_table_plot_make(tables, count, columns, &arena, &plot);
-  return km_plot_finish(made, &plot, &arena, format, out, error);
-}

@@ -1,6 +1,8 @@
 /* Pictures of tracks: a page of plots over the path, and the arm along it. */
 #include "report/plot/track_plot.h"
 
+#include "report/plot/chart.h"
+
 #include "kinematics/poses.h"
 #include "report/drawing/drawing.h"
 #include "report/plot/plot.h"
@@ -196,7 +198,22 @@ static void draw_head(const km_tracks *tracks, km_canvas *canvas) {
   km_canvas_words(canvas, &subtitle, grey, &about, (km_canvas_point){margin, margin + 21}, (km_anchor){0, 0, 0});
 }
 
-km_status km_tracks_plot(const km_tracks *tracks, km_canvas_format format, km_text *out, km_error *error) {
+km_status km_check_tracks(const km_tracks *tracks, bool some, km_picture_format format, const km_text *out,
+                          km_error *error) {
+  km_status status = km_check_picture(out, format, error);
+  if (!status && !km_tracks_are_whole(tracks))
+    status = km_fail(error, KM_USAGE, "found no tracks of a study with a path");
+  if (status || !some)
+    return status;
+  int best = km_tracks_best(tracks);
+  bool any = best >= 0 && km_table_rows(tracks->items[best]->table) > 0;
+  return any ? KM_OK : km_fail(error, KM_USAGE, "there is no track to draw");
+}
+
+km_status km_tracks_picture(const km_tracks *tracks, km_picture_format format, km_text *out, km_error *error) {
+  km_status given = km_check_tracks(tracks, true, format, out, error);
+  if (given)
+    return given;
   km_arena arena = {0};
   km_canvas *canvas = NULL;
   km_plot plots[KM_TRACK_PLOTS];
@@ -230,7 +247,7 @@ static bool pose_at(const km_track *t, km_state *state, size_t row, double *q, k
 }
 
 static km_status draw_arm(const km_tracks *tracks, const km_track *t, km_arena *arena, km_state *state,
-                          km_canvas_format format, km_text *out, km_error *error) {
+                          km_picture_format format, km_text *out, km_error *error) {
   enum { SHOWN = 6, TRACED = 300 };
   const km_mechanism *m = t->arm->mechanism;
   size_t rows = km_table_rows(t->table), bodies = (size_t)m->topology.body_count;
@@ -249,21 +266,24 @@ static km_status draw_arm(const km_tracks *tracks, const km_track *t, km_arena *
     points[i] = km_vec3_make(p);
   }
   km_drawing_trace trace = {t->arm->frame, m->model->frames[t->arm->frame].name, points, traced};
-  km_drawing drawing = {.mechanism = m,
-                        .poses = poses,
-                        .pose_count = shown,
-                        .traces = &trace,
-                        .trace_count = 1,
-                        .title = "The arm along the path",
-                        .name = tracks->model};
+  km_drawing_def drawing = {.mechanism = m,
+                            .poses = poses,
+                            .pose_count = shown,
+                            .traces = &trace,
+                            .trace_count = 1,
+                            .title = "The arm along the path",
+                            .name = tracks->model};
   return km_drawing_render(&drawing, format, out, error);
 }
 
-km_status km_tracks_draw(const km_tracks *tracks, km_canvas_format format, km_text *out, km_error *error) {
+km_status km_tracks_drawing(const km_tracks *tracks, km_picture_format format, km_text *out, km_error *error) {
+  km_status status = km_check_tracks(tracks, true, format, out, error);
+  if (status)
+    return status;
   const km_track *t = tracks->items[km_tracks_best(tracks)];
   km_arena arena = {0};
   km_state *state = NULL;
-  km_status status = km_state_create(t->arm->mechanism, &state, error);
+  status = km_state_create(t->arm->mechanism, &state, error);
   if (!status)
     status = draw_arm(tracks, t, &arena, state, format, out, error);
   km_state_free(state);

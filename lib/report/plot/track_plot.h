@@ -5,13 +5,11 @@
 #include "report/plot/plot.h"
 #include "report/record/track_record.h"
 
-/* Joint angles with their limits, path-control entries, objectives, limit margin and tracking error over the path,
- * on one page; of several methods side by side. KM_USAGE, KM_MEMORY, KM_INTERNAL. */
-km_status km_tracks_plot(const km_tracks *tracks, km_canvas_format format, km_text *out, km_error *error);
+/* KM_USAGE unless these are tracks that can be drawn, in a picture of this format. `some`: at least one with rows. */
+km_status km_check_tracks(const km_tracks *tracks, bool some, km_picture_format format, const km_text *out,
+                          km_error *error);
 /* The page's plots before they are rendered, in the arena. Returns their number, 0 when out of memory. */
 enum { KM_TRACK_PLOTS = 8 };
 size_t km_tracks_plots_make(const km_tracks *tracks, km_arena *arena, km_plot *out);
-/* The arm along the first complete track (or the longest), with the effector's path. */
-km_status km_tracks_draw(const km_tracks *tracks, km_canvas_format format, km_text *out, km_error *error);
 
 #endif

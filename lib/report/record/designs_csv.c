@@ -1,6 +1,6 @@
 /* A study's designs as CSV and as a record. */
-#include "report/record/designs_text.h"
-
+#include "base/check.h"
+#include "kmech/design_results.h"
 #include "kmech/version.h"
 
 #include <math.h>
@@ -8,7 +8,9 @@
 
 void km_design_label(const km_design_study *s, const km_design_study_def *def, int design, km_text *out) {
   double values[KM_MOST_DESIGN_PARAMETERS];
-  if (def->variant_count) {
+  if (!s || !def || !out || design < 0 || design >= km_design_study_designs(s))
+    return;
+  if (design < def->variant_count) {
     km_text_add(out, def->variants[design].name);
     return;
   }
@@ -61,7 +63,9 @@ static double shown_value(const km_design_study *s, const double *values, int pa
 km_status km_designs_csv(const km_design_study *s, const km_design_study_def *def, km_text *out, km_error *error) {
   double values[KM_MOST_DESIGN_PARAMETERS];
   km_design_result r;
-  km_status status = KM_OK;
+  km_status status = km_check_given(s && def && out, "study or place for the result", error);
+  if (status)
+    return status;
   add_header(s, def, out);
   for (int i = 0; i < km_design_study_designs(s) && !status; ++i) {
     km_text name = {0};
@@ -156,10 +160,12 @@ static km_status add_statistics(km_design_study *s, km_arena *arena, km_value *r
 km_status km_designs_record(km_design_study *s, const km_design_study_def *def, const char *name, km_arena *arena,
                             km_value **out, km_error *error) {
   km_design_yield yield;
-  km_status status = km_design_study_yield(s, &yield, error);
-  km_value *record = *out = km_value_add(arena, NULL, NULL, KM_OBJECT);
+  km_status status = km_check_given(s && def && name && arena && out, "study, name or place for the result", error);
+  if (!status)
+    status = km_design_study_yield(s, &yield, error);
   if (status)
     return status;
+  km_value *record = *out = km_value_add(arena, NULL, NULL, KM_OBJECT);
   km_value_string(arena, record, "kmech", km_version());
   km_value_string(arena, record, "tool", "kstudy");
   km_value_string(arena, record, "study", name);

@@ -1,5 +1,6 @@
 /* What a study came to, in tables for people. */
-#include "report/record/designs_text.h"
+#include "base/check.h"
+#include "kmech/design_results.h"
 
 #include "report/record/designs_table.h"
 #include "report/record/sweep_text.h"
@@ -129,7 +130,9 @@ static km_status print_main(km_design_study *s, const km_design_study_def *def, 
 km_status km_designs_print(km_design_study *s, const km_design_study_def *def, const char *name, km_text *out,
                            km_error *error) {
   km_design_yield y;
-  km_status status = km_design_study_yield(s, &y, error);
+  km_status status = km_check_given(s && def && name && out, "study, name or place for the result", error);
+  if (!status)
+    status = km_design_study_yield(s, &y, error);
   if (status)
     return status;
   int designs = km_design_study_designs(s);

@@ -4,6 +4,10 @@
 
 #include <string.h>
 
+static bool is_motion_of(const km_arm *a, const km_selfmotion *m) {
+  return a && m && (m->columns == a->n || (m->count == 0 && m->row_count == 0 && m->arc_count == 0));
+}
+
 static void add_motion(const km_arm *a, const km_selfmotion *m, km_value *record, km_arena *arena) {
   km_value_boolean(arena, record, "closed", m->closed);
   km_value_boolean(arena, record, "but_for_full_turns", m->turns_on);
@@ -29,6 +33,8 @@ static void add_motion(const km_arm *a, const km_selfmotion *m, km_value *record
 }
 
 km_value *km_selfmotion_record(const km_arm *a, const km_selfmotion *m, bool all, const char *model, km_arena *arena) {
+  if (!is_motion_of(a, m) || !model || !arena)
+    return NULL;
   km_value *record = km_arm_record(a, model, arena);
   km_table *table = km_selfmotion_table(a, m, all);
   add_motion(a, m, record, arena);
@@ -81,6 +87,8 @@ static bool add_motion_row(const km_arm *a, km_arm_space *space, km_table *table
 }
 
 km_table *km_selfmotion_table(const km_arm *a, const km_selfmotion *m, bool all) {
+  if (!is_motion_of(a, m))
+    return NULL;
   km_table *table = km_table_create();
   km_arm_space space;
   if (!table || !km_arm_space_create(a, &space)) {
@@ -139,6 +147,8 @@ static void print_motion(const km_arm *a, const km_selfmotion *m, const char *in
 }
 
 void km_selfmotion_print(const km_arm *a, const km_selfmotion *m, const char *name, km_text *out) {
+  if (!is_motion_of(a, m) || !name || !out)
+    return;
   km_text_format(out, "%s: self-motion, ", name);
   print_motion(a, m, "  ", out);
   km_text_format(out, "  effector held to %.2g (lengths over L); %d poses\n", m->error,
@@ -180,6 +190,8 @@ static void add_turns(const km_arm *a, const double *shown, km_value *branch, km
 }
 
 km_value *km_ik_solutions_record(const km_arm *a, const km_ik_solutions *b, const char *model, km_arena *arena) {
+  if (!a || !b || !model || !arena)
+    return NULL;
   km_value *record = km_arm_record(a, model, arena);
   km_value_number(arena, record, "count", b->count);
   km_value_boolean(arena, record, "sampled", is_sampled(a));
@@ -218,6 +230,8 @@ static void print_pose(const km_arm *a, const km_ik_solutions *b, int i, km_text
 }
 
 void km_ik_solutions_print(const km_arm *a, const km_ik_solutions *b, const char *name, km_text *out) {
+  if (!a || !b || !name || !out)
+    return;
   bool sampled = is_sampled(a);
   km_text_format(out, "%s: %s%d branch%s", name, sampled ? "a sample of " : "", b->count, b->count == 1 ? "" : "es");
   if (b->within < b->count)

@@ -6,7 +6,22 @@
 #include <stdio.h>
 #include <string.h>
 
+bool km_tracks_are_whole(const km_tracks *t) {
+  if (!t || !t->study || !t->study->path || !t->name || !t->model || t->count < 0 || (t->count > 0 && !t->items) ||
+      t->count > t->study->method_count)
+    return false;
+  for (int i = 0; i < t->count; ++i)
+    if (t->items[i] && t->items[i]->arm != t->study->arm)
+      return false;
+  return true;
+}
+
 void km_tracks_label(const km_tracks *t, int index, char separator, char *out, size_t size) {
+  if (!out || !size)
+    return;
+  out[0] = '\0';
+  if (!t || !t->study || index < 0 || index >= t->study->method_count)
+    return;
   const char *word = t->study->methods[index].word;
   int before = 0;
   for (int i = 0; i < index; ++i)
@@ -20,6 +35,8 @@ void km_tracks_label(const km_tracks *t, int index, char separator, char *out, s
 int km_tracks_best(const km_tracks *t) {
   int best = -1;
   double best_score = 0.0;
+  if (!t || !t->items)
+    return -1;
   for (int i = 0; i < t->count; ++i) {
     if (!t->items[i])
       continue;
@@ -56,6 +73,8 @@ static void add_held(const km_track *t, km_text *out) {
 }
 
 void km_track_end_text(const km_track *t, km_text *out) {
+  if (!t || !out)
+    return;
   const km_arm *a = t->arm;
   const km_track_end *end = &t->end;
   if (end->stop == KM_TRACK_COMPLETE)
@@ -184,6 +203,8 @@ km_value *km_arm_record(const km_arm *a, const char *model, km_arena *arena) {
 }
 
 km_value *km_tracks_record(const km_tracks *t, const char *model, km_arena *arena) {
+  if (!km_tracks_are_whole(t) || !model || !arena)
+    return NULL;
   const km_path *path = t->study->path;
   km_value *record = km_arm_record(t->study->arm, model, arena);
   km_value_string(arena, record, "objective", km_objective_name(&t->study->objective));
@@ -260,6 +281,8 @@ static void print_best(const km_tracks *t, km_text *out) {
 }
 
 void km_tracks_print(const km_tracks *t, km_text *out) {
+  if (!km_tracks_are_whole(t) || !out)
+    return;
   print_head(t, out);
   const char *name = km_objective_name(&t->study->objective);
   km_text_format(out, "  %-12s %7s  %9s %8s  %19s  %8s %8s  %9s\n", "", "", "position", "rotation", name, "joint",
