@@ -4,6 +4,7 @@
 #include "kinematics/loops.h"
 #include "kinematics/relax.h"
 #include "kmech/kinematics.h"
+#include "topology/compile.h"
 
 #include <string.h>
 
@@ -186,6 +187,28 @@ static double misfit_here(const km_mechanism *m, km_state *s, int index) {
   return km_loops_residual(m, s, &m->substructures[index], &worst);
 }
 
+/* Newton closes a loop in the scale of its slides' start. Where that is far larger than the loop that comes out, what is
+ * left of the misfit may be all of the loop. */
+static km_status check_scale(const km_mechanism *m, const km_state *s, int index, const km_closure *evidence,
+                             km_error *error) {
+  const km_substructure *sub = &m->substructures[index];
+  double size = km_substructure_size(m, index, s->q);
+  if (evidence->residual * sub->size <= fmax(m->closure_tolerance, 1e-9) * size)
+    return KM_OK;
+  const int *list = m->column_coordinate + sub->column_start;
+  int farthest = list[0];
+  for (int k = 0; k < sub->columns; ++k)
+    if (km_model_coordinate_is_length(m->model, list[k]) &&
+        (!km_model_coordinate_is_length(m->model, farthest) || fabs(m->start[list[k]]) > fabs(m->start[farthest])))
+      farthest = list[k];
+  return km_fail(
+      error, KM_MODEL,
+      "substructure %d starts with \"%.80s\" at %.4g and comes out %.4g large, so that rounding leaves it open; "
+      "expected a start near the assembled pose",
+      index + 1, m->model->coordinates[farthest].label,
+      m->start[farthest] / km_model_coordinate_factor(m->model, farthest), size);
+}
+
 static km_status assemble_all(const km_mechanism *m, km_state *s, double *saved, km_assembly *total, km_error *error) {
   for (int i = 0; i < m->topology.substructure_count; ++i) {
     km_closure evidence;
@@ -196,6 +219,9 @@ static km_status assemble_all(const km_mechanism *m, km_state *s, double *saved,
       return status;
     if (outcome != KM_CLOSED)
       return report_open(m, s, i, &evidence, error);
+    status = check_scale(m, s, i, &evidence, error);
+    if (status)
+      return status;
     status = evidence.iterations > 0 ? check_rigid(m, s, i, first_misfit, error) : KM_OK;
     if (status)
       return status;

@@ -149,9 +149,7 @@ static void number_balls(km_mechanism *m) {
   }
 }
 
-/* The largest distance between neighbouring joint frames of the loops, or slide at the start: a length that
- * every pose shares, and that scales with the units. */
-static double substructure_size(const km_mechanism *m, int s) {
+double km_substructure_size(const km_mechanism *m, int s, const double *q) {
   const km_topology *t = &m->topology;
   const km_model *model = m->model;
   double size = 0.0;
@@ -176,7 +174,7 @@ static double substructure_size(const km_mechanism *m, int s) {
     const km_model_joint *joint = &model->joints[t->joint[i]];
     for (int k = 0; k < km_model_freedom(model, t->joint[i]); ++k)
       if (km_joint_is_length(joint->type, k))
-        size = fmax(size, fabs(m->start[joint->first_coordinate + k]));
+        size = fmax(size, fabs(q[joint->first_coordinate + k]));
   }
   return size > 0.0 ? size : m->length;
 }
@@ -318,7 +316,7 @@ void km_compile_numbers(km_mechanism *m, const km_compiling *how, km_walks *walk
   set_coordinates(m, how->holds, how->hold_count);
   number_balls(m);
   for (int s = 0; s < m->topology.substructure_count; ++s)
-    m->substructures[s].size = substructure_size(m, s);
+    m->substructures[s].size = km_substructure_size(m, s, m->start);
   set_columns(m, walks->next);
   for (int s = 0; s < m->topology.substructure_count; ++s)
     compile_substructure(m, s, walks);
