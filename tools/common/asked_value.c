@@ -48,20 +48,20 @@ static kt_exit read_coordinates(const kt_common *common, const km_model *model, 
                                 km_arena *arena, km_option_value *out) {
   int *list = KM_ARENA_NEW(arena, int, (size_t)km_model_coordinate_count(model) + 1);
   out->coordinates = list;
-  return list ? kt_coordinates(common, model, name, text, list, &out->count) : KT_INTERNAL;
+  return list ? kt_coordinates(common, model, name, text, list, &out->count) : KT_NO_MEMORY;
 }
 
 static kt_exit read_points(const kt_common *common, const km_model *model, const char *name, const kt_texts *texts,
                            km_arena *arena, km_option_value *out) {
   km_sweep_point *points = KM_ARENA_NEW(arena, km_sweep_point, (size_t)texts->count);
-  kt_exit result = points ? KT_DONE : KT_INTERNAL;
+  kt_exit result = points ? KT_DONE : KT_NO_MEMORY;
   out->points = points;
   out->count = texts->count;
   for (int i = 0; i < texts->count && result == KT_DONE; ++i) {
     char *plain = kt_plain(texts->items[i]);
     points[i].name = km_arena_string(arena, plain);
     km_free(plain);
-    result = points[i].name ? kt_frame(common, model, name, texts->items[i], &points[i].frame) : KT_INTERNAL;
+    result = points[i].name ? kt_frame(common, model, name, texts->items[i], &points[i].frame) : KT_NO_MEMORY;
   }
   return result;
 }
@@ -69,7 +69,7 @@ static kt_exit read_points(const kt_common *common, const km_model *model, const
 static kt_exit read_ends(const kt_common *common, const km_model *model, const char *name, const kt_texts *texts,
                          km_arena *arena, km_option_value *out) {
   km_handle *ends = KM_ARENA_NEW(arena, km_handle, (size_t)texts->count);
-  kt_exit result = ends ? KT_DONE : KT_INTERNAL;
+  kt_exit result = ends ? KT_DONE : KT_NO_MEMORY;
   out->ends = ends;
   out->count = texts->count;
   for (int i = 0; i < texts->count && result == KT_DONE; ++i)

@@ -84,6 +84,14 @@ static void close_output(void) {
   _exit(KT_USAGE);
 }
 
+static kt_exit tell_memory(const char *tool, kt_exit result) {
+  const kt_common common = KT_COMMON(tool);
+  if (result != KT_NO_MEMORY)
+    return result;
+  kt_say(&common, KM_ERROR, "out of memory");
+  return KT_INTERNAL;
+}
+
 kt_exit kt_run(const char *tool, const char *about, const kt_command *commands, int argc, char **argv) {
   atexit(close_output);
   argp_err_exit_status = KT_USAGE;
@@ -105,7 +113,7 @@ kt_exit kt_run(const char *tool, const char *about, const kt_command *commands, 
     char name[64];
     snprintf(name, sizeof name, "%s %s", tool, c->name);
     argv[1] = name;
-    return c->run(argc - 1, argv + 1);
+    return tell_memory(tool, c->run(argc - 1, argv + 1));
   }
   const kt_common common = KT_COMMON(tool);
   km_text names = {0};

@@ -15,7 +15,8 @@ typedef enum kt_exit {
   KT_USAGE = 2,
   KT_BAD_MODEL = 3,
   KT_GAVE_OUT = 4,
-  KT_INTERNAL = 5
+  KT_INTERNAL = 5,
+  KT_NO_MEMORY = 6 /* within a tool alone: memory is short, and nobody has said so. kt_run does, and ends with 5 */
 } kt_exit;
 
 kt_exit kt_exit_of(km_status status);

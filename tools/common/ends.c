@@ -36,7 +36,7 @@ static kt_exit read_point(const kt_common *common, const km_model *model, const 
   out->name = km_arena_string(arena, name);
   km_free(name);
   if (!place || !out->name)
-    return KT_INTERNAL;
+    return KT_NO_MEMORY;
   memcpy(place, text, size - 1);
   return kt_frame(common, model, option, place, &out->frame);
 }

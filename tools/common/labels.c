@@ -136,7 +136,7 @@ static kt_exit add_text(const kt_common *common, const km_model *model, const ch
       kt_say(common, KM_ERROR, "%s %s: \"%s\" is not a number", option, text, item.text ? item.text : "");
       result = KT_USAGE;
     } else if (given < count && !add(out, first + given, value)) {
-      result = KT_INTERNAL;
+      result = KT_NO_MEMORY;
     }
     km_free(item.text);
   }
@@ -188,7 +188,7 @@ kt_exit kt_coordinates(const kt_common *common, const km_model *model, const cha
     kt_piece label = kt_split(&rest, ",");
     int first = 0, freedom = 0;
     last = label.separator;
-    result = label.text ? find(common, model, option, text, label.text, &first, &freedom) : KT_INTERNAL;
+    result = label.text ? find(common, model, option, text, label.text, &first, &freedom) : KT_NO_MEMORY;
     if (result == KT_DONE)
       result = add_coordinates(common, option, text, model, first, freedom, out, count);
     km_free(label.text);

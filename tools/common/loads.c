@@ -103,7 +103,7 @@ static kt_exit read_one(const kt_common *common, const km_model *model, const ch
     if (place)
       memcpy(place, text, size);
     if (!place)
-      result = KT_INTERNAL;
+      result = KT_NO_MEMORY;
     else if (v.count == 1 || !strchr(place, '/'))
       result = unknown(common, model, text, name.text);
     else
@@ -122,7 +122,7 @@ kt_exit kt_loads(const kt_common *common, const km_model *model, const kt_texts 
   kt_exit result = KT_DONE;
   loads all = {KM_ARENA_NEW(arena, km_load, (size_t)(own + texts->count)), own};
   if (!all.items)
-    return KT_INTERNAL;
+    return KT_NO_MEMORY;
   for (int i = 0; i < own; ++i)
     all.items[i] = km_model_load_at(model, i);
   for (int i = 0; i < texts->count && result == KT_DONE; ++i)

@@ -13,7 +13,7 @@ static kt_exit gather_holds(const kt_common *common, const km_model *model, cons
   if (count > 0) {
     out->items = KM_NEW(kt_setting, (size_t)count);
     if (!out->items)
-      return KT_INTERNAL;
+      return KT_NO_MEMORY;
     for (int h = 0; h < count; ++h) {
       km_hold hold = km_model_hold_at(model, h);
       out->items[out->count++] = (kt_setting){hold.coordinate, hold.value};

@@ -76,7 +76,7 @@ kt_exit kt_report(kt_sweep_options *o) {
   o->variants.count = 1;
   kt_sweep_job *j = KM_NEW(kt_sweep_job, 1);
   if (!j)
-    return KT_INTERNAL;
+    return KT_NO_MEMORY;
   *j = (kt_sweep_job){.options = o, .path = o->models.items[0], .common = o->common};
   kt_sweep_job_open(j, 0.0);
   kt_sweep_job_run(j);

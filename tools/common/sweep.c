@@ -101,7 +101,7 @@ void kt_sweep_job_close(kt_sweep_job *j) {
 static kt_exit read_shown(kt_sweep_job *j) {
   j->shown = KM_NEW(int, (size_t)km_model_coordinate_count(j->pose.model) + 1);
   return j->shown ? kt_coordinates(&j->common, j->pose.model, "--joints", j->options->joints, j->shown, &j->shown_count)
-                  : KT_INTERNAL;
+                  : KT_NO_MEMORY;
 }
 
 void kt_sweep_job_run(kt_sweep_job *j) {
@@ -266,7 +266,7 @@ static kt_exit run(const kt_sweep_options *o) {
   kt_sweep_job *jobs = KM_NEW(kt_sweep_job, (size_t)count);
   kt_exit result = KT_DONE;
   if (!jobs)
-    return KT_INTERNAL;
+    return KT_NO_MEMORY;
   for (int i = 0; i < count; ++i) {
     jobs[i].options = o;
     jobs[i].path = o->models.items[i / o->variants.count];

@@ -61,7 +61,7 @@ static kt_exit read_one(const kt_common *common, const char *text, kt_varied *ou
   size_t size = (size_t)(equals - text);
   out->path = KM_NEW(char, size + 1);
   if (!out->path)
-    return KT_INTERNAL;
+    return KT_NO_MEMORY;
   memcpy(out->path, text, size);
   bool read = *equals && size > 0 && (strchr(equals, ':') ? read_range(equals + 1, out) : read_list(equals + 1, out));
   return read ? KT_DONE : kt_usage(common, "--vary", text, "PATH=FROM:TO:N, or PATH=A,B,C");

@@ -45,9 +45,10 @@ kt_exit kma_report(int argc, char **argv) {
   kt_report_options(&all, &o, "advantage", KT_REPORT_BASE("advantage-report"));
   kt_asked_explain(&all, "point", "BODY/FRAME:DX,DY,DZ",
                    "A point along a direction as output (a second one: as input before it)");
-  kt_options_read(&all,
-                  "A report to hand on: the mechanism in its poses, the leverage curve with its extremes and dead points, "
-                  "transmission metrics and a table, as PDF pages or one HTML file.",
-                  argc, argv);
+  kt_options_read(
+      &all,
+      "A report to hand on: the mechanism in its poses, the leverage curve with its extremes and dead points, "
+      "transmission metrics and a table, as PDF pages or one HTML file.",
+      argc, argv);
   return part_points(&o) ? kt_report(&o) : KT_USAGE;
 }

@@ -5,9 +5,9 @@
 #include "kmech/memory.h"
 #include "kmech/mobility.h"
 #include "kmech/motions.h"
+#include "kmech/records.h"
 #include "kmech/units.h"
 #include "kmech/value.h"
-#include "kmech/records.h"
 
 #include <string.h>
 

@@ -144,7 +144,7 @@ static kt_exit run(const options *o) {
   }
   kt_exit result = describe(o, &dot);
   if (result == KT_DONE && dot.failed)
-    result = KT_INTERNAL;
+    result = KT_NO_MEMORY;
   if (result == KT_DONE && o->svg)
     result = draw(o, &dot, &svg);
   if (result == KT_DONE && o->dot)

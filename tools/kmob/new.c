@@ -63,7 +63,7 @@ kt_exit kmob_new(int argc, char **argv) {
   kt_exit result = choose_units(&o, &units);
   choose_path(&o, &path);
   if (result == KT_DONE)
-    result = path.data && !path.failed ? write_starter(&o, &units, path.data) : KT_INTERNAL;
+    result = path.data && !path.failed ? write_starter(&o, &units, path.data) : KT_NO_MEMORY;
   km_text_free(&path);
   return result;
 }

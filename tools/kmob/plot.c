@@ -38,7 +38,7 @@ static kt_exit read_columns(work *w) {
       kt_piece piece = kt_split(&rest, ",");
       last = piece.separator;
       if (!piece.text)
-        return KT_INTERNAL;
+        return KT_NO_MEMORY;
       if (w->columns == MOST_COLUMNS || !*piece.text) {
         km_free(piece.text);
         return kt_usage(&o->common, "--y", o->y.items[i], "names of columns, at most 64");
@@ -163,7 +163,7 @@ kt_exit kmob_plot(int argc, char **argv) {
   kt_exit result = read_options(&o);
   work *w = result == KT_DONE ? KM_NEW(work, 1) : NULL;
   if (!w)
-    return result == KT_DONE ? KT_INTERNAL : result;
+    return result == KT_DONE ? KT_NO_MEMORY : result;
   w->options = &o;
   result = run(w);
   for (size_t c = 0; c < w->columns; ++c)

@@ -29,7 +29,7 @@ kt_exit kmob_schema(int argc, char **argv) {
   }
   km_arena arena = {0};
   const km_value *schema = km_schema_record((km_schema)of, &arena);
-  kt_exit result = schema ? kmob_write_value(&common, file, schema) : KT_INTERNAL;
+  kt_exit result = schema ? kmob_write_value(&common, file, schema) : KT_NO_MEMORY;
   km_arena_free(&arena);
   return result;
 }

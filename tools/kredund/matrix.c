@@ -46,7 +46,7 @@ static kt_exit read_row(const options *o, char *line, int number, sheet *out) {
     if (!kt_number(field, &value))
       return complain(o, number, columns, field, "a finite number");
     if (!km_reserve((void **)&out->items, &out->capacity, out->count + 1, sizeof *out->items))
-      return KT_INTERNAL;
+      return KT_NO_MEMORY;
     out->items[out->count++] = value;
   }
   if (out->rows > 0 && columns != out->columns) {

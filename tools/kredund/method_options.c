@@ -35,13 +35,13 @@ static kt_exit fault(const km_study_def *def, km_messages *messages, int index, 
 static kt_exit name_methods(kredund_open *open, const char *names, km_messages *messages, km_study_method *out) {
   kt_exit result = KT_DONE;
   const char *rest = names;
-  for (char last = ','; last == ',' && result != KT_INTERNAL;) {
+  for (char last = ','; last == ',' && result != KT_NO_MEMORY;) {
     kt_piece piece = kt_split(&rest, ",");
     km_error error;
     int index = open->def.method_count++;
     last = piece.separator;
     if (!piece.text)
-      result = KT_INTERNAL;
+      result = KT_NO_MEMORY;
     else if (km_method_of_word(piece.text, &out[index].method, &error))
       result = fault(&open->def, messages, index, NULL, &error);
     km_free(piece.text);
@@ -106,7 +106,7 @@ kt_exit kredund_set_methods(const kredund_request *r, kredund_open *open, km_mes
     return KT_DONE;
   km_study_method *methods = copy_of_methods(open, names);
   if (!methods)
-    return KT_INTERNAL;
+    return KT_NO_MEMORY;
   def->methods = methods;
   if (names)
     result = name_methods(open, names, messages, methods);

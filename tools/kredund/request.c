@@ -146,7 +146,7 @@ static kt_exit bring(const kredund_request *r, bool needs_path, kredund_open *ou
     kt_folder_of(r->study, folder, sizeof folder);
   out->folder = km_arena_string(&out->arena, folder);
   if (!out->folder)
-    return KT_INTERNAL;
+    return KT_NO_MEMORY;
   out->def.path_optional = !needs_path;
   kredund_claim_parts(r, &out->def);
   kt_exit result = r->study ? read_study(r, out) : KT_DONE;

@@ -85,7 +85,7 @@ kt_exit kredund_tracks_run(kredund_tracks *t) {
     result = kt_worse(result, run_one(t, i));
   if (result == KT_PARTIAL && t->complete > 0)
     result = KT_DONE; /* the best gets to the end; that others don't is what several methods are for */
-  return t->items ? result : KT_INTERNAL;
+  return t->items ? result : KT_NO_MEMORY;
 }
 
 void kredund_tracks_free(kredund_tracks *t) {

@@ -120,5 +120,5 @@ kt_exit kredund_set_parts(const kredund_request *r, kredund_open *open, km_messa
     result = kredund_set_methods(r, open, messages);
   if (r->path && result == KT_DONE)
     result = set_path(r, open, messages);
-  return open->arena.failed ? KT_INTERNAL : result;
+  return open->arena.failed ? KT_NO_MEMORY : result;
 }

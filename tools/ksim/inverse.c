@@ -62,7 +62,7 @@ static kt_exit read_rates(work *w) {
     kt_piece label = kt_split(&rest, "=");
     km_constant_rate *rate = &w->rates[w->def.rate_count];
     if (!label.text)
-      return KT_INTERNAL;
+      return KT_NO_MEMORY;
     if (label.separator != '=')
       result = kt_usage(&o->common, "--rate", o->rates.items[i], "JOINT=RATE, as A=60rpm or A=2.5");
     else
@@ -110,7 +110,7 @@ static kt_exit prepare(work *w) {
     result = ksim_read_frames(&o->common, w->pose.model, &o->frames, &w->def.frames, &w->def.frame_count);
   w->shown = KM_NEW(int, (size_t)km_model_coordinate_count(w->pose.model) + 1);
   if (result == KT_DONE && !w->shown)
-    result = KT_INTERNAL;
+    result = KT_NO_MEMORY;
   if (result == KT_DONE && o->joints)
     result = kt_coordinates(&o->common, w->pose.model, "--joints", o->joints, w->shown, &w->shown_count);
   return result == KT_DONE ? ksim_forces(&o->common, o->model, &w->pose, &w->forces) : result;

@@ -46,14 +46,14 @@ static kt_exit read_crossings(ksim_work *w) {
   kt_settings_free(&stops);
   w->def.simulation.crossings = crossings;
   w->def.simulation.crossing_count = crossings ? count : 0;
-  return crossings ? result : KT_INTERNAL;
+  return crossings ? result : KT_NO_MEMORY;
 }
 
 static kt_exit read_shown(ksim_work *w) {
   const ksim_options *o = w->options;
   w->shown = KM_NEW(int, (size_t)km_model_coordinate_count(w->pose.model) + 1);
   if (!w->shown)
-    return KT_INTERNAL;
+    return KT_NO_MEMORY;
   return o->joints ? kt_coordinates(&o->common, w->pose.model, "--joints", o->joints, w->shown, &w->shown_count)
                    : KT_DONE;
 }

@@ -13,11 +13,13 @@ static kt_exit write_text(const kstudy_request *r, const kstudy_open *o, const c
   km_error error;
   size_t length = km_model_write_varied(bytes, size, values, count, NULL, 0, &error);
   km_text text = {.data = length ? KM_NEW(char, length + 1) : NULL, .size = length, .capacity = length + 1};
-  kt_exit result = KT_INTERNAL;
-  if (!length)
+  kt_exit result = KT_NO_MEMORY;
+  if (!length) {
     kt_say(&r->common, KM_ERROR, "%s: %s", o->name, error.text);
-  else if (text.data && km_model_write_varied(bytes, size, values, count, text.data, length + 1, &error))
+    result = kt_exit_of(error.status);
+  } else if (text.data && km_model_write_varied(bytes, size, values, count, text.data, length + 1, &error)) {
     result = kt_write(&r->common, o->base, word, "json", &text);
+  }
   km_text_free(&text);
   return result;
 }

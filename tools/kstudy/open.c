@@ -56,7 +56,7 @@ static kt_exit take_rows(const kstudy_request *r, kstudy_open *out, const km_tab
   }
   double *values = KM_ARENA_NEW(&out->arena, double, rows *(size_t)parameters);
   if (!values || !list)
-    return KT_INTERNAL;
+    return KT_NO_MEMORY;
   for (int p = 0; p < parameters; ++p) {
     const char *name = km_arena_string(&out->arena, km_table_name(table, (size_t)p));
     list[p] = (km_design_parameter){name, name};

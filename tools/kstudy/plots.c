@@ -24,32 +24,31 @@ static void overlay_free(overlay *v) {
   km_free(v);
 }
 
-/* Adds a design's answer, if it has one. */
-static void add(overlay *v, const kstudy_open *o, int design, int question, const char *name) {
+/* Adds a design's answer, if it has one. False when out of memory. */
+static bool add(overlay *v, const kstudy_open *o, int design, int question, const char *name) {
   km_asked_design *a = &v->asked[v->count];
   km_status status = km_design_study_ask(o->study, design, question, a, NULL);
+  const char *kept = km_arena_string(&v->arena, name);
   if (status != KM_OK && status != KM_PARTIAL) {
     km_asked_design_free(a);
-    return;
+    return status != KM_MEMORY;
   }
-  v->answers[v->count++] = (km_answered){a->question, km_arena_string(&v->arena, name), NULL, 0};
+  v->answers[v->count++] = (km_answered){a->question, kept, NULL, 0};
+  return kept != NULL;
 }
 
-static void gather(overlay *v, const kstudy_open *o, int question) {
+static bool gather(overlay *v, const kstudy_open *o, int question) {
   int designs = km_design_study_designs(o->study), best = km_design_study_best(o->study);
-  if (o->def.optimise) {
-    if (designs > 0)
-      add(v, o, 0, question, "start");
-    if (best > 0)
-      add(v, o, best, question, "best");
-    return;
-  }
-  for (int i = 0; i < designs && i < MOST_OVERLAID; ++i) {
+  if (o->def.optimise)
+    return (designs < 1 || add(v, o, 0, question, "start")) && (best < 1 || add(v, o, best, question, "best"));
+  bool good = true;
+  for (int i = 0; i < designs && i < MOST_OVERLAID && good; ++i) {
     km_text name = {0};
     km_design_label(o->study, &o->def, i, &name);
-    add(v, o, i, question, name.data ? name.data : "");
+    good = !name.failed && add(v, o, i, question, name.data ? name.data : "");
     km_text_free(&name);
   }
+  return good;
 }
 
 /* Draws a plot that was made, or says why it wasn't; frees it. */
@@ -132,11 +131,9 @@ static kt_exit draw_paths(const kstudy_request *r, const kstudy_open *o, const o
 
 static kt_exit plot_question(const kstudy_request *r, const kstudy_open *o, int question, const kt_formats *formats) {
   overlay *v = KM_NEW(overlay, 1);
-  kt_exit result = v ? KT_DONE : KT_INTERNAL;
-  if (v)
-    gather(v, o, question);
+  kt_exit result = v && gather(v, o, question) ? KT_DONE : KT_NO_MEMORY;
   bool track = strcmp(o->def.questions[question].kind, "track") == 0;
-  for (int f = KT_SVG; f <= KT_PNG && v && v->count > 0; ++f) {
+  for (int f = KT_SVG; f <= KT_PNG && result == KT_DONE && v->count > 0; ++f) {
     if (!formats->wanted[f])
       continue;
     kt_exit drawn = (track ? draw_tracks : draw)(r, o, v, question, (kt_format)f);

@@ -17,6 +17,7 @@ typedef struct options {
 
 static void add_base64(kv_buffer *out, const kv_buffer *bytes) {
   static const char letters[] = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
+  out->failed = out->failed || bytes->failed;
   for (size_t i = 0; i < bytes->size; i += 3) {
     unsigned value = 0;
     for (size_t k = 0; k < 3; ++k)

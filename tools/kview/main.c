@@ -1,6 +1,7 @@
 /* kview's commands. */
 #include "kview/kview.h"
 
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -22,8 +23,10 @@ int main(int argc, char **argv) {
   static const char about[] = "A mechanism in the hand: moved, seen through and changed in the browser.";
   bool model = argc > 1 && (argv[1][0] != '-' || !argv[1][1]) && !is_command(argv[1]);
   char **words = calloc((size_t)argc + 2, sizeof *words);
-  if (!words)
+  if (!words) {
+    fputs("kview: out of memory\n", stderr);
     return KT_INTERNAL;
+  }
   int count = 0;
   for (int i = 0; i < argc; ++i) {
     if (i == 1 && model)

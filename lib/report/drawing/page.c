@@ -52,10 +52,8 @@ static void draw_scale(const km_studio *s, const page *p) {
   for (int k = 0; k < 2; ++k)
     km_canvas_line(s->canvas, &pen, (km_canvas_point){k ? end : x, y - 2.5 * p->size},
                    (km_canvas_point){k ? end : x, y + 2.5 * p->size});
-  if (!label.failed)
-    km_canvas_text(s->canvas, &p->note, pen.colour, label.data, (km_canvas_point){end + 5.0 * p->size, y},
-                   (km_anchor){0, 0.5, 0});
-  km_text_free(&label);
+  km_canvas_words(s->canvas, &p->note, pen.colour, &label, (km_canvas_point){end + 5.0 * p->size, y},
+                  (km_anchor){0, 0.5, 0});
 }
 
 /* The direction on the page in which an axis has its name: past the tip, but aside where a longer
@@ -163,7 +161,8 @@ static km_status plan_page(const km_drawing_def *d, page *p, km_error *error) {
     choose_fonts(p);
     describe(&s, &p->about);
   }
-  return km_studio_close(&s, error);
+  km_status status = km_studio_close(&s, error);
+  return !status && p->about.failed ? km_fail(error, KM_MEMORY, "out of memory for a drawing") : status;
 }
 
 static km_status render(const km_drawing_def *d, page *p, km_picture_format format, km_text *out, km_error *error) {
