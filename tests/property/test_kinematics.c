@@ -1,6 +1,10 @@
 /* Laws that hold at every pose of every model. */
 #include "support/laws.h"
 
+#include "kinematics/loops.h"
+
+#include <math.h>
+
 enum { POSES = 12 };
 
 static void at_random_poses(law check) {
@@ -36,11 +40,32 @@ static void twists_are_derivatives(void **state) {
   at_random_poses(law_twists);
 }
 
+/* q1 - 2 q2 = 0, opened by δ: the row is over its largest ratio, and the misfit is the root mean square of six. */
+static void open_couplings_are_told_by_size(void **state) {
+  (void)state;
+  fixture f = fixture_read("{\"assemblies\": [{\"name\": \"gears\", \"bodies\": [{\"name\": \"a\"}, {\"name\": \"b\"}],"
+                           "\"joints\": [{\"name\": \"A\", \"type\": \"Rz\", \"body_frame_pairs\": [\"fixed\", \"a\"]},"
+                           "{\"name\": \"B\", \"type\": \"Rz\", \"body_frame_pairs\": [\"fixed\", \"b\"]}],"
+                           "\"couplings\": [{\"name\": \"mesh\", \"joints\": [\"A\", \"B\"], \"ratios\": [1, -2]}]}],"
+                           "\"model_parameters\": {\"version\": \"1.1\"}}");
+  const km_substructure *sub = &f.mechanism->substructures[0];
+  for (int k = -4; k <= 4; ++k) {
+    double delta = 0.05 * k, values[2] = {0.4 + delta, 0.2};
+    int worst = 7;
+    km_error error;
+    assert_int_equal(km_state_set_coordinates(f.mechanism, f.state, values, &error), KM_OK);
+    km_loops_update(f.mechanism, f.state, sub);
+    assert_near(km_loops_residual(f.mechanism, f.state, sub, &worst), fabs(delta) / 2.0 / sqrt(6.0), 1e-15);
+    assert_int_equal(worst, k ? -1 : worst);
+  }
+  fixture_close(&f);
+}
+
 int main(void) {
   const struct CMUnitTest tests[] = {
       cmocka_unit_test(jacobian_is_the_derivative),     cmocka_unit_test(null_space_is_null),
       cmocka_unit_test(numbers_equal_those_of_the_svd), cmocka_unit_test(numbers_belong_to_the_space),
-      cmocka_unit_test(twists_are_derivatives),
+      cmocka_unit_test(twists_are_derivatives),         cmocka_unit_test(open_couplings_are_told_by_size),
   };
   return cmocka_run_group_tests(tests, NULL, NULL);
 }

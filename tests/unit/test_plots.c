@@ -250,10 +250,34 @@ static void drawings_are_at_their_rows(void **state) {
   fixture_close(&f);
 }
 
+/* Whichever side is too short. */
+static void small_plots_are_refused(void **state) {
+  (void)state;
+  static const double sizes[][2] = {{400, 20}, {20, 400}, {20, 20}, {400, 300}};
+  const double x[] = {0, 1}, y[] = {0, 1};
+  const km_plot_series series = {.name = "y", .x = x, .y = y, .count = 2};
+  const km_plot_panel panel = {.series = &series, .series_count = 1};
+  for (size_t i = 0; i < 4; ++i) {
+    km_plot plot = {.title = "t", .x_label = "x", .y_label = "y", .panels = &panel, .panel_count = 1};
+    km_text out = {0};
+    km_error error;
+    plot.width = sizes[i][0];
+    plot.height = sizes[i][1];
+    assert_int_equal(km_plot_render(&plot, KM_PICTURE_SVG, &out, &error), i < 3 ? KM_USAGE : KM_OK);
+    assert_int_equal(out.size > 0, i == 3);
+    if (i < 3)
+      assert_non_null(strstr(error.text, "points; expected at least 120 each"));
+    km_text_free(&out);
+  }
+}
+
 int main(void) {
-  const struct CMUnitTest tests[] = {
-      cmocka_unit_test(mobility_plots_draw_their_columns),      cmocka_unit_test(overlaid_sweeps_have_a_colour_each),
-      cmocka_unit_test(short_names_keep_numbers_whole),         cmocka_unit_test(track_plots_draw_their_columns),
-      cmocka_unit_test(maps_are_paler_where_values_are_higher), cmocka_unit_test(drawings_are_at_their_rows)};
+  const struct CMUnitTest tests[] = {cmocka_unit_test(mobility_plots_draw_their_columns),
+                                     cmocka_unit_test(overlaid_sweeps_have_a_colour_each),
+                                     cmocka_unit_test(short_names_keep_numbers_whole),
+                                     cmocka_unit_test(track_plots_draw_their_columns),
+                                     cmocka_unit_test(maps_are_paler_where_values_are_higher),
+                                     cmocka_unit_test(drawings_are_at_their_rows),
+                                     cmocka_unit_test(small_plots_are_refused)};
   return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -23,17 +23,19 @@ static void set_head(km_designs_table *g, int column, const char *name, const ch
 }
 
 /* Which design has the best value of a figure; -1: none is better than another. */
-static int best_of(const km_design_study *s, int figure, int designs) {
+static int best_of(km_designs_table *g, const km_design_study *s, int figure, int designs) {
   const km_design_figure *f = km_design_study_figure(s, figure);
   int best = -1;
   double value = nan("");
   km_design_result r;
-  for (int i = 0; i < designs && f->better; ++i)
-    if (!km_design_study_result(s, i, &r, NULL) && r.outcome == KM_DESIGN_DONE &&
-        km_design_is_better(f, r.figures[figure], value)) {
+  for (int i = 0; i < designs && f->better; ++i) {
+    km_status status = km_design_study_result(s, i, &r, NULL);
+    g->failed = g->failed || status == KM_MEMORY;
+    if (!status && r.outcome == KM_DESIGN_DONE && km_design_is_better(f, r.figures[figure], value)) {
       best = i;
       value = r.figures[figure];
     }
+  }
   return best;
 }
 
@@ -43,8 +45,10 @@ static void fill_row(km_designs_table *g, const km_design_study *s, const km_des
   km_design_result r = {.outcome = KM_DESIGN_MISSING};
   km_text name = {0};
   int column = 0;
-  km_design_study_values(s, design, values, NULL);
-  km_design_study_result(s, design, &r, NULL);
+  if (km_design_study_values(s, design, values, NULL) || km_design_study_result(s, design, &r, NULL)) {
+    g->failed = true;
+    return;
+  }
   km_design_label(s, def, design, &name);
   snprintf(g->cells[row][column++], CELL, "%.*s", CELL - 1, name.data ? name.data : "");
   g->failed = g->failed || name.failed;
@@ -76,7 +80,7 @@ static void fill_designs(km_designs_table *g, const km_design_study *s, const km
                          const int *designs, int count, bool mark) {
   int best[KM_MOST_DESIGN_FIGURES];
   for (int f = 0; f < km_design_study_figures(s); ++f) {
-    best[f] = mark ? best_of(s, f, km_design_study_designs(s)) : -1;
+    best[f] = mark ? best_of(g, s, f, km_design_study_designs(s)) : -1;
     g->marked = g->marked || best[f] >= 0;
   }
   fill_heads(g, s, def);
