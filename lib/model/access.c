@@ -165,3 +165,12 @@ void km_model_simulated(const km_model *model, double *span, double *step) {
   if (step)
     *step = model ? model->simulation.step : 0.0;
 }
+
+bool km_model_remembers(const km_model *model) {
+  for (int i = 0; model && i < model->module_count; ++i) {
+    const km_model_module *module = &model->modules[i];
+    if (module->type == KM_MODULE_TIRE || (module->type == KM_MODULE_PID && module->ki != 0.0))
+      return true;
+  }
+  return false;
+}

@@ -2,7 +2,9 @@
 #include "judge.h"
 
 #include "kmech/advantage.h"
+#include "kmech/linear.h"
 #include "kmech/mobility_sweep.h"
+#include "kmech/simulation.h"
 #include "kmech/statics.h"
 
 #include <stdlib.h>
@@ -113,6 +115,46 @@ static void lever(const km_model *model, const km_mechanism *mechanism, km_state
   km_lever_free(made);
 }
 
+/* Long runs end here: stiff ones take as many steps as they like. */
+static bool few_steps(void *context, double done) {
+  enum { MOST_STEPS = 60 };
+  int *steps = context;
+  (void)done;
+  return ++*steps < MOST_STEPS;
+}
+
+/* Some steps of the motion, and the equations about where they led. */
+static void move(const km_model *model, const km_mechanism *mechanism, km_state *state, size_t choice) {
+  km_forces *forces = NULL;
+  km_dynamics *dynamics = NULL;
+  km_simulation *run = NULL;
+  km_linear linear = {0};
+  km_error error = {0};
+  int steps = 0;
+  km_simulation_def def = km_simulation_default();
+  def.integrator = choice % 5 == 0 ? KM_INTEGRATOR_BDF : choice % 5 == 1 ? KM_INTEGRATOR_FIXED : KM_INTEGRATOR_ADAMS;
+  def.stabilisation = choice % 3 == 0 ? KM_STABILISE_BAUMGARTE : KM_STABILISE_PROJECT;
+  def.max_step = choice % 5 == 1 ? 1e-3 : 0.0;
+  km_status status = km_forces_create(mechanism, NULL, NULL, 0, &forces, &error);
+  if (!status)
+    status = km_dynamics_create(mechanism, forces, &dynamics, &error);
+  if (!status)
+    status = km_simulation_create(dynamics, state, &def, &run, &error);
+  if (!status)
+    status = km_simulation_advance(run, km_simulation_figures_of(run).time + 1.0, few_steps, &steps, &error);
+  for (int c = 0; c < km_model_coordinate_count(model) && (!status || status == KM_CANCELLED); ++c)
+    if (!(km_state_coordinate(state, c) == km_state_coordinate(state, c)))
+      fuzz_fail("a motion leads to a coordinate that isn't a number");
+  if (!status || status == KM_CANCELLED)
+    status = km_linearise(dynamics, state, &linear, &error);
+  if (status)
+    fuzz_refusal(status, &error);
+  km_linear_free(&linear);
+  km_simulation_free(run);
+  km_dynamics_free(dynamics);
+  km_forces_free(forces);
+}
+
 static bool assemble(const km_model *model, size_t choice) {
   km_mechanism *mechanism = NULL;
   km_state *state = NULL;
@@ -139,6 +181,8 @@ static bool assemble(const km_model *model, size_t choice) {
     balance(model, mechanism, state, choice);
     lever(model, mechanism, state, choice);
     sweep(model, mechanism, state, choice);
+    if (choice % 4 == 0)
+      move(model, mechanism, state, choice / 4);
   }
   km_state_free(state);
   km_mechanism_free(mechanism);

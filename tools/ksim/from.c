@@ -1,11 +1,10 @@
 /* ksim run --from: going on where the table of an earlier run ends. */
 #include "ksim/ksim.h"
 
-#include "kinematics/state.h"
 #include "kmech/files.h"
 #include "kmech/memory.h"
+#include "kmech/parts.h"
 #include "kmech/records.h"
-#include "model/model.h"
 
 #include <math.h>
 
@@ -57,7 +56,7 @@ static kt_exit take_row(ksim_work *w, const km_table *table) {
     result = read_value(w, table, "q.", c, &q[c]);
     if (result == KT_DONE)
       result = read_value(w, table, "v.", c, &rate);
-    if (result == KT_DONE && !m->held[c])
+    if (result == KT_DONE && !km_coordinate_is_held(m, c))
       result = kt_exit_of(km_state_set_rate(m, w->pose.state, c, rate, NULL));
   }
   if (q && result == KT_DONE)
@@ -68,16 +67,10 @@ static kt_exit take_row(ksim_work *w, const km_table *table) {
 
 /* Integrals of controllers and slips of tyres aren't in tables. */
 static void tell_memories(const ksim_work *w) {
-  const km_model *model = w->pose.model;
-  for (int i = 0; i < model->module_count; ++i) {
-    const km_model_module *module = &model->modules[i];
-    if (module->type != KM_MODULE_TIRE && !(module->type == KM_MODULE_PID && module->ki != 0.0))
-      continue;
+  if (km_model_remembers(w->pose.model))
     kt_say(&w->options->common, KM_NOTE,
            "%s: integrals of controllers and slips of tyres aren't in tables; with --from they start from 0",
            w->options->model);
-    return;
-  }
 }
 
 kt_exit ksim_go_on(ksim_work *w) {

@@ -37,6 +37,9 @@ KM_API double km_model_joint_friction(const km_model *model, int joint);
  * between rows; 0: it doesn't. Each place may be NULL. */
 KM_API void km_model_simulated(const km_model *model, double *span, double *step);
 
+/* Has it controllers with integrals, or tyres, whose state isn't in coordinates and rates? */
+KM_API bool km_model_remembers(const km_model *model);
+
 /* The actuators that the model names (analysis.actuators): how many, and the coordinate of each; -1. */
 KM_API int km_model_actuator_count(const km_model *model);
 KM_API int km_model_actuator(const km_model *model, int index);
