@@ -9,83 +9,6 @@
 /* Past this |B| whoever looks at the pose may search pivots: see km_numbers_update. */
 static const double largest_settled_b = 30.0;
 
-static bool same_steps(const km_mechanism *a, const km_mechanism *b, const km_program *p, const km_program *q) {
-  if (p->step_count != q->step_count || p->loop_count != q->loop_count || p->step_start != q->step_start ||
-      p->loop_start != q->loop_start || p->twist_start != q->twist_start)
-    return false;
-  for (int i = p->step_start; i < p->step_start + p->step_count; ++i) {
-    const km_planar_step *x = &a->planar_steps[i], *y = &b->planar_steps[i];
-    if (x->slides != y->slides || x->coordinate != y->coordinate || x->sign != y->sign || x->from != y->from ||
-        x->to != y->to)
-      return false;
-  }
-  return true;
-}
-
-static bool same_loop(const km_mechanism *a, const km_mechanism *b, int l) {
-  const km_loop *x = &a->loops[l], *y = &b->loops[l];
-  if (x->lambda != y->lambda || memcmp(x->rows, y->rows, (size_t)x->lambda * sizeof *x->rows) != 0 ||
-      x->local != y->local || x->row_start != y->row_start || x->slot[0] != y->slot[0] || x->slot[1] != y->slot[1] ||
-      x->entry_start != y->entry_start || x->entry_count != y->entry_count)
-    return false;
-  for (int i = x->entry_start; i < x->entry_start + x->entry_count; ++i) {
-    const km_entry *e = &a->entries[i], *f = &b->entries[i];
-    if (e->step != f->step || e->column != f->column || e->side != f->side || e->at != f->at)
-      return false;
-  }
-  return true;
-}
-
-static bool same_couplings(const km_mechanism *a, const km_mechanism *b, const km_substructure *sub) {
-  for (int i = sub->coupling_start; i < sub->coupling_start + sub->coupling_count; ++i) {
-    const km_coupling *x = &a->couplings[i], *y = &b->couplings[i];
-    if (x->row != y->row || x->term_start != y->term_start || x->term_count != y->term_count)
-      return false;
-    for (int k = x->term_start; k < x->term_start + x->term_count; ++k) {
-      const km_term *s = &a->terms[k], *t = &b->terms[k];
-      if (s->coordinate != t->coordinate || s->column != t->column || s->curve_count > 0 || t->curve_count > 0 ||
-          s->at != t->at)
-        return false;
-    }
-  }
-  return true;
-}
-
-/* Do the mechanisms of two drives differ in numbers only, in the substructure that moves? */
-static bool same_structure(const km_drive *d, const km_drive *e) {
-  const km_mechanism *a = d->c.mechanism, *b = e->c.mechanism;
-  if (a->coordinate_count != b->coordinate_count || d->c.substructure != e->c.substructure ||
-      d->c.coordinate != e->c.coordinate || d->c.column != e->c.column)
-    return false;
-  const km_substructure *s = km_drive_driven(d), *t = km_drive_driven(e);
-  if (s->rows != t->rows || s->columns != t->columns || s->column_start != t->column_start ||
-      s->program_count != t->program_count || s->program_start != t->program_start || s->loop_start != t->loop_start ||
-      s->loop_count != t->loop_count || s->coupling_start != t->coupling_start ||
-      s->coupling_count != t->coupling_count || t->pattern.start)
-    return false;
-  for (int p = s->program_start; p < s->program_start + s->program_count; ++p)
-    if (!b->programs[p].planar || !same_steps(a, b, &a->programs[p], &b->programs[p]))
-      return false;
-  for (int i = s->loop_start; i < s->loop_start + s->loop_count; ++i)
-    if (a->loop_order[i] != b->loop_order[i] || !same_loop(a, b, a->loop_order[i]))
-      return false;
-  const size_t columns = (size_t)s->columns * sizeof *a->column_coordinate;
-  return memcmp(a->column_coordinate + s->column_start, b->column_coordinate + s->column_start, columns) == 0 &&
-         same_couplings(a, b, s);
-}
-
-/* Are lanes for this drive at all? */
-static bool fits(const km_drive *d) {
-  const km_mechanism *m = d->c.mechanism;
-  if (d->c.substructure < 0)
-    return false;
-  const km_substructure *sub = km_drive_driven(d);
-  for (int k = 0; k < sub->columns; ++k)
-    if (m->ball_of[m->column_coordinate[sub->column_start + k]] >= 0)
-      return false;
-  return !sub->pattern.start && same_structure(d, d);
-}
-
 static km_lanes_number *numbers(km_arena *arena, int count) {
   return KM_ARENA_NEW(arena, km_lanes_number, (size_t)count + 1);
 }
@@ -116,75 +39,10 @@ static bool reserve(km_drive_lanes *l) {
   return km_replay_reserve(&l->replay, rows, columns, arena);
 }
 
-static void take_steps(km_drive_lanes *l, const km_mechanism *m, int i) {
-  for (int p = l->sub->program_start; p < l->sub->program_start + l->sub->program_count; ++p) {
-    const km_program *program = &m->programs[p];
-    for (int k = program->step_start; k < program->step_start + program->step_count; ++k) {
-      const km_planar_step *step = &m->planar_steps[k];
-      l->steps[k].x.of[i] = step->x;
-      l->steps[k].y.of[i] = step->y;
-      l->steps[k].ux.of[i] = step->ux;
-      l->steps[k].uy.of[i] = step->uy;
-    }
-  }
-}
-
-static void take_loops(km_drive_lanes *l, const km_mechanism *m, int i) {
-  for (int k = 0; k < l->sub->loop_count; ++k) {
-    int index = m->loop_order[l->sub->loop_start + k];
-    const km_loop *loop = &m->loops[index];
-    km_lane_loop *to = &l->loops[index];
-    for (int a = 0; a < 2; ++a) {
-      to->close[0][a].of[i] = loop->planar_close[0][a];
-      to->close[1][a].of[i] = loop->planar_close[1][a];
-      to->apart[a].of[i] = loop->planar_apart[a];
-      to->point[a].of[i] = loop->planar_point[a];
-    }
-    for (int a = 0; a < 3; ++a)
-      to->fixed[a].of[i] = loop->fixed_misfit[2 + a];
-    to->turn.of[i] = loop->planar_turn;
-  }
-}
-
-static void take_couplings(km_drive_lanes *l, const km_mechanism *m, int i) {
-  for (int k = l->sub->coupling_start; k < l->sub->coupling_start + l->sub->coupling_count; ++k) {
-    const km_coupling *coupling = &m->couplings[k];
-    l->couplings[k].constant.of[i] = coupling->constant;
-    for (int t = coupling->term_start; t < coupling->term_start + coupling->term_count; ++t) {
-      l->coefficients[t].of[i] = m->terms[t].coefficient;
-      l->term_unit[t].of[i] = m->unit[m->terms[t].coordinate];
-    }
-  }
-}
-
-/* The numbers of drive i's mechanism into its lane. */
-static void take_numbers(km_drive_lanes *l, int i) {
-  const km_drive *d = l->drives[i];
-  const km_mechanism *m = d->c.mechanism;
-  const km_substructure *sub = km_drive_driven(d);
-  take_steps(l, m, i);
-  take_loops(l, m, i);
-  take_couplings(l, m, i);
-  for (int k = 0; k < sub->columns; ++k) {
-    int c = m->column_coordinate[sub->column_start + k];
-    l->unit[k].of[i] = m->unit[c];
-    l->weight[k].of[i] = m->column_weight[sub->column_start + k];
-    l->low[k].of[i] = m->low[c];
-    l->high[k].of[i] = m->high[c];
-    l->is_length[k] = l->is_length[k] || m->unit[c] != 1.0;
-    l->is_limited[k] = l->is_limited[k] || (!d->c.ignore_limits && (isfinite(m->low[c]) || isfinite(m->high[c])));
-  }
-  l->inverse_size.of[i] = 1.0 / sub->size;
-  l->factor.of[i] = km_drive_factor(d);
-  l->closure_tolerance.of[i] = m->closure_tolerance;
-  l->driver_low.of[i] = d->c.ignore_limits ? -HUGE_VAL : m->low[l->coordinate] / m->unit[l->coordinate];
-  l->driver_high.of[i] = d->c.ignore_limits ? HUGE_VAL : m->high[l->coordinate] / m->unit[l->coordinate];
-}
-
 km_status km_drive_lanes_create(km_drive *const *drives, int count, km_drive_lanes **out, km_error *error) {
   *out = NULL;
   for (int i = 0; i < count; ++i)
-    if (i == 0 ? !fits(drives[0]) : !same_structure(drives[0], drives[i]))
+    if (i == 0 ? !km_lanes_fit(drives[0]) : !km_lanes_same_structure(drives[0], drives[i]))
       return KM_OK;
   km_drive_lanes *l = KM_NEW(km_drive_lanes, 1);
   if (l) {
@@ -201,7 +59,7 @@ km_status km_drive_lanes_create(km_drive *const *drives, int count, km_drive_lan
     l->drives[i] = drives[i];
     drives[i]->lanes = l;
     drives[i]->lane = i;
-    take_numbers(l, i);
+    km_lanes_take_numbers(l, i);
   }
   *out = l;
   return KM_OK;
@@ -332,10 +190,18 @@ static unsigned take_step(km_drive_lanes *l, unsigned wanted) {
   return km_lanes_step_plain(l, wanted);
 }
 
+/* A target so many of the longest steps away is left to the drive alone, which gives up at a number of steps. */
+static const double most_steps = 1e4;
+
 /* Aboard, if it may: where there is a way to go it takes the first step alone, after which it mostly may. */
 static void call_aboard(km_drive_lanes *l, int i, double target) {
-  board(l, i);
-  if (l->aboard >> i & 1)
+  if (!(l->aboard >> i & 1))
+    board(l, i);
+  l->target.of[i] = target * l->factor.of[i];
+  bool far = !(fabs(l->target.of[i] - l->drives[i]->here.s) < most_steps * km_drive_longest);
+  if (far)
+    km_drive_settle(l->drives[i]);
+  if (far || l->aboard >> i & 1)
     return;
   km_drive_begin(l->drives[i], target);
   board(l, i);
@@ -353,13 +219,9 @@ static km_reach arrive(km_drive_lanes *l, int i, bool there, double target) {
 }
 
 void km_drive_lanes_to(km_drive_lanes *l, unsigned wanted, const double *targets, km_reach *reaches) {
-  for (int i = 0; i < l->count; ++i) {
-    if (!(wanted >> i & 1))
-      continue;
-    if (!(l->aboard >> i & 1))
+  for (int i = 0; i < l->count; ++i)
+    if (wanted >> i & 1)
       call_aboard(l, i, targets[i]);
-    l->target.of[i] = targets[i] * l->factor.of[i];
-  }
   unsigned there = 0;
   for (unsigned going = wanted & l->aboard; going; going &= ~l->there) {
     going = take_step(l, going);

@@ -76,6 +76,12 @@ struct km_drive_lanes {
   km_lane_column *h;
 };
 
+/* Do the mechanisms of two drives differ in numbers only, in the substructure that moves? And are lanes for it at all? */
+bool km_lanes_same_structure(const km_drive *one, const km_drive *other);
+bool km_lanes_fit(const km_drive *drive);
+/* The numbers of the index-th drive's mechanism into its lane. */
+void km_lanes_take_numbers(km_drive_lanes *lanes, int index);
+
 /* One step of the lanes `wanted` towards their targets. Returns those that took it; the others are where they were. By the
  * processor's registers. */
 unsigned km_lanes_step_plain(km_drive_lanes *lanes, unsigned wanted);

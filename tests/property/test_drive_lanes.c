@@ -176,7 +176,34 @@ static void any_number(void **state) {
   assert_true(compare("excavator", KM_DRIVE_LANES, 0, false) > KM_DRIVE_LANES * ROWS / 2);
 }
 
+/* A target that takes too many steps: given up at the same place. */
+static void too_far(void **state) {
+  (void)state;
+  design beside[2] = {open_design("slider_crank", 1, false), open_design("slider_crank", 2, false)};
+  design alone[2] = {open_design("slider_crank", 1, false), open_design("slider_crank", 2, false)};
+  km_drive *drives[2] = {beside[0].drive, beside[1].drive};
+  static const double targets[2] = {1e6, -1e300};
+  km_drive_lanes *lanes;
+  km_reach reaches[2];
+  assert_int_equal(km_drive_lanes_create(drives, 2, &lanes, NULL), KM_OK);
+  for (int i = 0; i < 2; ++i)
+    assert_int_equal(km_drive_to(beside[i].drive, 0.1).stop, km_drive_to(alone[i].drive, 0.1).stop);
+  km_drive_lanes_to(lanes, 3, targets, reaches);
+  for (int i = 0; i < 2; ++i) {
+    km_reach reach = km_drive_to(alone[i].drive, targets[i]);
+    assert_int_equal(reach.stop, KM_STOP_GAVE_OUT);
+    same_reach(&reaches[i], &reach);
+  }
+  km_drive_lanes_free(lanes);
+  for (int i = 0; i < 2; ++i) {
+    same_end(&beside[i], &alone[i]);
+    close_design(&beside[i]);
+    close_design(&alone[i]);
+  }
+}
+
 int main(void) {
-  const struct CMUnitTest tests[] = {cmocka_unit_test(as_alone), cmocka_unit_test(any_number)};
+  const struct CMUnitTest tests[] = {cmocka_unit_test(as_alone), cmocka_unit_test(any_number),
+                                     cmocka_unit_test(too_far)};
   return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -1,0 +1,82 @@
+/* Vectors of WIDTH doubles and their masks: a part of lanes_body.h. */
+#ifdef __SSE2__
+#include <immintrin.h>
+#endif
+
+typedef double vector __attribute__((vector_size(8 * WIDTH)));
+typedef int64_t mask __attribute__((vector_size(8 * WIDTH)));
+typedef uint64_t word __attribute__((vector_size(8 * WIDTH)));
+
+#define T            vector
+#define BITS         word
+#define NONE         ((word){0})
+#define FN(name)     lanes_##name
+#define km_bits_of   (word)
+#define km_number_of (vector)
+#include "spatial/sincos_body.h"
+
+#define SIGN_BIT ((uint64_t)1 << 63)
+
+/* a > b ? a : b, as the processor's maximum. */
+static inline vector larger(vector a, vector b) {
+#if WIDTH == 8
+  return (vector)_mm512_max_pd((__m512d)a, (__m512d)b);
+#elif WIDTH == 4
+  return (vector)_mm256_max_pd((__m256d)a, (__m256d)b);
+#elif defined __SSE2__
+  return (vector)_mm_max_pd((__m128d)a, (__m128d)b);
+#else
+  return (vector){a[0] > b[0] ? a[0] : b[0], a[1] > b[1] ? a[1] : b[1]};
+#endif
+}
+
+static inline vector root(vector a) {
+#if WIDTH == 8
+  return (vector)_mm512_sqrt_pd((__m512d)a);
+#elif WIDTH == 4
+  return (vector)_mm256_sqrt_pd((__m256d)a);
+#elif defined __SSE2__
+  return (vector)_mm_sqrt_pd((__m128d)a);
+#else
+  return (vector){sqrt(a[0]), sqrt(a[1])};
+#endif
+}
+
+/* Numbers lie where doubles may: and they change no pointer, which memcpy might. */
+typedef double stored __attribute__((vector_size(8 * WIDTH), aligned(8)));
+static inline vector get(const double *number) {
+  return *(const stored *)number;
+}
+static inline void put(double *number, vector value) {
+  *(stored *)number = value;
+}
+static inline vector pick(mask m, vector a, vector b) { /* a where the mask is set */
+  return (vector)(((mask)a & m) | ((mask)b & ~m));
+}
+static inline vector size_of(vector a) {
+  return (vector)((mask)a & INT64_MAX);
+}
+static inline vector all(double value) {
+  return (vector){0.0} + value;
+}
+static inline unsigned bits_of(mask m) {
+#if WIDTH == 8
+  return (unsigned)_mm512_movepi64_mask((__m512i)m);
+#elif WIDTH == 4
+  return (unsigned)_mm256_movemask_pd((__m256d)m);
+#elif defined __SSE2__
+  return (unsigned)_mm_movemask_pd((__m128d)m);
+#else
+  return (unsigned)(m[0] & 1) | (unsigned)(m[1] & 1) << 1;
+#endif
+}
+static inline mask mask_of(unsigned bits) {
+  mask m = {0};
+  for (int i = 0; i < WIDTH; ++i)
+    m[i] = -(int64_t)(bits >> i & 1);
+  return m;
+}
+
+/* Below, g is the first lane of the register: lanes g … g + WIDTH-1 are worked on. */
+#define GET(number)        get((number).of + g)
+#define PUT(number, value) put((number).of + g, (value))
