@@ -31,11 +31,14 @@ typedef enum km_designs_plot {
   KM_DESIGNS_CONVERGENCE, /* a figure's mean and its interval over the number of designs */
   KM_DESIGNS_BANDS,       /* quantiles of a question's column over the driver */
   KM_DESIGNS_PROGRESS, /* an optimisation's goal over the designs that were asked: of each start, and the best so far */
-  KM_DESIGNS_FRONT     /* both goals of all designs, and the front */
+  KM_DESIGNS_FRONT,    /* both goals of all designs, and the front */
+  KM_DESIGNS_ANSWERS, /* a question's answers for all designs over each other; for the start and the best of an optimisation */
+  KM_DESIGNS_PATHS /* the same of the path of the first point that the question traces */
 } km_designs_plot;
 
 /* `index`: of the figure, or of the question; `band`: which of its bands. KM_NO_RESULT: there is nothing to draw;
- * KM_INTERNAL: the graphics library's own failure. O(designs). */
+ * KM_INTERNAL: the graphics library's own failure. O(designs); answers and paths of a question are asked for again, of 64
+ * designs at most. */
 KM_API km_status km_designs_picture(km_design_study *study, const km_design_study_def *def, const char *name,
                                     km_designs_plot plot, int index, int band, km_picture_format format, km_text *out,
                                     km_error *error);

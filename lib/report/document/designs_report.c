@@ -117,6 +117,14 @@ static void add_pictures(km_document_maker *m, km_design_study *s, const km_desi
     what.plot = o->goal_count == 2 ? KM_DESIGNS_FRONT : KM_DESIGNS_PROGRESS;
     show(m, &what, o->goal_count == 2 ? "both goals of all designs, and the front" : "the way to the best design", 260);
   }
+  for (int q = 0; q < def->question_count; ++q) {
+    const char *question = def->questions[q].name;
+    what.index = q;
+    what.plot = KM_DESIGNS_ANSWERS;
+    show(m, &what, km_document_format(m, "%s, of the designs over each other", question), 300);
+    what.plot = KM_DESIGNS_PATHS;
+    show(m, &what, km_document_format(m, "the paths of %s over each other", question), 300);
+  }
   for (int f = 0; def->sample && f < km_design_study_figures(s) && f < MOST_FIGURES_SHOWN; ++f) {
     const char *figure = km_design_study_figure(s, f)->name;
     what.index = f;

@@ -17,6 +17,10 @@ km_status km_designs_draw(const km_designs_shown *p, km_text *out, km_error *err
     return km_designs_progress(p, out, error);
   case KM_DESIGNS_FRONT:
     return km_designs_front(p, out, error);
+  case KM_DESIGNS_ANSWERS:
+    return km_designs_answers(p, p->index, out, error);
+  case KM_DESIGNS_PATHS:
+    return km_designs_paths(p, p->index, out, error);
   }
   return km_fail(error, KM_USAGE, "found no picture of a study");
 }
@@ -25,6 +29,8 @@ static km_status check_place(km_design_study *study, const km_design_study_def *
                              int band, km_error *error) {
   if (plot <= KM_DESIGNS_CONVERGENCE)
     return km_check_index(index, km_design_study_figures(study), "figure", error);
+  if (plot == KM_DESIGNS_ANSWERS || plot == KM_DESIGNS_PATHS)
+    return km_check_index(index, def->question_count, "question", error);
   if (plot != KM_DESIGNS_BANDS)
     return def->optimise ? KM_OK : km_fail(error, KM_NO_RESULT, "the study has no goals");
   km_status status = km_check_index(index, def->question_count, "question", error);
@@ -37,7 +43,7 @@ km_status km_designs_picture(km_design_study *study, const km_design_study_def *
   km_status status = km_check_picture(out, format, error);
   if (!status)
     status = km_check_given(study && def && name, "study or name", error);
-  if (!status && ((int)plot < KM_DESIGNS_HISTOGRAM || (int)plot > KM_DESIGNS_FRONT))
+  if (!status && ((int)plot < KM_DESIGNS_HISTOGRAM || (int)plot > KM_DESIGNS_PATHS))
     status = km_fail(error, KM_USAGE, "found no picture of a study");
   if (!status)
     status = check_place(study, def, plot, index, band, error);

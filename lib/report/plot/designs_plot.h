@@ -38,5 +38,9 @@ km_status km_designs_bands(const km_designs_shown *picture, int question, int ba
 km_status km_designs_progress(const km_designs_shown *picture, km_text *out, km_error *error);
 /* Both goals of all designs, and the front. */
 km_status km_designs_front(const km_designs_shown *picture, km_text *out, km_error *error);
+/* Of up to 64 designs over each other, of an optimisation of the start and the best: what a question answers, and the path
+ * of the first point that it traces. */
+km_status km_designs_answers(const km_designs_shown *picture, int question, km_text *out, km_error *error);
+km_status km_designs_paths(const km_designs_shown *picture, int question, km_text *out, km_error *error);
 
 #endif
