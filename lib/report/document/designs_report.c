@@ -43,6 +43,8 @@ static const char *lead_of(km_document_maker *m, const km_design_study *s, const
     return km_document_format(m, "The best of %d designs has %s %.6g %s.", y->count, o->goals[0].figure,
                               r.figures[figure], km_design_study_figure_unit(s, figure));
   }
+  if (!def->sample)
+    return km_document_format(m, "%d of %d designs are good enough.", y->good, y->count);
   return km_document_format(m, "%d of %d designs are good enough, %.4g %% (95 %% confidence: %.4g to %.4g %%).",
                             y->good, y->count, 100.0 * y->share, 100.0 * y->share_low, 100.0 * y->share_high);
 }
