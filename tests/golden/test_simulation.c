@@ -321,8 +321,46 @@ static void test_linearised_oscillator(void **data) {
   }
   assert_near(l.B[1], 0.5, 1e-8);
   assert_int_equal(km_linear_stability(&l), KM_STABLE);
+  /* The real and the imaginary part a quarter of a swing apart, from and to the pose. */
+  km_table *motion = NULL;
+  assert_int_equal(km_linear_motion(m.dynamics, f.state, &l, 1, 5, &motion, NULL), KM_OK);
+  int q = km_table_find(motion, "q.X");
+  double a = 0.25;
+  for (int r = 0; r < 5; ++r) {
+    assert_near(km_table_row(motion, (size_t)r)[0], 90.0 * r, 1e-12);
+    assert_near(km_table_row(motion, (size_t)r)[q], a * (r % 2 ? (r - 2) * l.modes[3] : (1 - r % 4) * l.modes[2]),
+                1e-9);
+  }
+  assert_near(km_state_coordinate(f.state, 0), 0.0, 1e-10);
+  km_table_free(motion);
   km_linear_free(&l);
   moving_close(&m);
+}
+
+/* Every row of a mode's motion closes the loops, and the independent coordinate grows or dies by its factor over four time
+ * constants. */
+static void assert_mode_keeps_loops(moving *m, fixture f, const km_linear *l, int k) {
+  km_table *motion = NULL;
+  assert_int_equal(km_linear_motion(m->dynamics, f.state, l, k, 9, &motion, NULL), KM_OK);
+  size_t first = km_table_span(motion, "q.").first;
+  int lead = l->independent[0];
+  double rest = km_state_coordinate(f.state, lead), most = 0.0;
+  for (size_t r = 0; r < 9; ++r)
+    most = fmax(most, fabs(km_table_row(motion, r)[first + (size_t)lead] - rest));
+  assert_true(most > 1e-3);
+  for (size_t r = 0; r < 9; ++r) {
+    const double *row = km_table_row(motion, r);
+    double along = l->real[k] < 0.0 ? (double)r : 8.0 - (double)r;
+    assert_near(fabs(row[first + (size_t)lead] - rest), most * exp(-0.5 * along), 1e-9);
+    km_assembly evidence;
+    km_state *state;
+    assert_int_equal(km_state_create(f.mechanism, &state, NULL), KM_OK);
+    assert_int_equal(km_state_set_coordinates(f.mechanism, state, row + first, NULL), KM_OK);
+    assert_int_equal(km_assemble(f.mechanism, state, &evidence, NULL), KM_OK);
+    assert_int_equal(evidence.iterations, 0);
+    km_state_free(state);
+  }
+  km_table_free(motion);
 }
 
 /* A02 upright grows with √(3.5 g / 3); settled it hangs and swings with the same number. */
@@ -337,6 +375,8 @@ static void test_linearised_a02(void **data) {
   assert_int_equal(km_linearise(m.dynamics, f.state, &l, NULL), KM_OK);
   assert_int_equal(km_linear_stability(&l), KM_UNSTABLE);
   assert_near(fmax(l.real[0], l.real[1]), rate, 1e-7);
+  for (int k = 0; k < 2; ++k)
+    assert_mode_keeps_loops(&m, f, &l, k);
   km_linear_free(&l);
   moving_close(&m);
 }

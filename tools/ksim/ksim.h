@@ -6,6 +6,7 @@
 #include "common/pose.h"
 
 #include "kmech/history.h"
+#include "kmech/linear.h"
 #include "kmech/pictures.h"
 #include "kmech/value.h"
 
@@ -73,6 +74,17 @@ kt_exit ksim_go_on(ksim_work *work);
 
 /* Joints, rates and energies over time as a plot of `table`, whose columns are those of a history. The caller frees it. */
 km_status ksim_chart(const ksim_work *work, const km_table *table, km_chart **out, km_error *error);
+/* The modes of linearised equations in motion. */
+typedef struct ksim_modes {
+  const kt_common *common;
+  const char *model, *base; /* the model's file, BASE of the files */
+  const kt_pose *pose;
+  km_dynamics *dynamics;
+  const km_linear *linear;
+  int only; /* one line of the modes' table, from 1 on; 0: all */
+} ksim_modes;
+/* BASE.mode1.html …: by the lines of the table. */
+kt_exit ksim_animate_modes(const ksim_modes *modes);
 /* BASE.motion.html: the mechanism in motion beside its curves. */
 kt_exit ksim_animate(const ksim_work *work, const char *base);
 

@@ -15,7 +15,8 @@ typedef struct options {
   kt_texts holds, sets;
   const char *model, *base;
   int json;
-  bool settle, matrices;
+  bool settle, matrices, animate;
+  int only; /* the mode that is shown, a line of the table; 0: all */
 } options;
 
 typedef struct work {
@@ -24,6 +25,8 @@ typedef struct work {
   km_forces *forces;
   km_dynamics *dynamics;
   km_linear linear;
+  const char *base; /* of the files: that of -o, else */
+  char name[256];   /* the model's */
 } work;
 
 /* Friction has no slope to linearise where nothing slides. */
@@ -42,6 +45,8 @@ static void tell_friction(const kt_common *common, const char *path, const km_mo
 static kt_exit open_work(work *w) {
   const options *o = w->o;
   km_error error;
+  kt_base_name(o->model, w->name, sizeof w->name);
+  w->base = o->base ? o->base : w->name;
   kt_exit result = kt_open(&o->common, o->model, &o->holds, &o->sets, &w->pose);
   if (result == KT_DONE)
     result = ksim_forces(&o->common, o->model, &w->pose, &w->forces);
@@ -102,16 +107,19 @@ static kt_exit write_matrix(const work *w, const char *base, const char *word, c
 static kt_exit write_matrices(const work *w) {
   const options *o = w->o;
   const km_linear *l = &w->linear;
-  char name[256];
+  const char *base = w->base;
   km_text mat = {0};
-  kt_base_name(o->model, name, sizeof name);
-  const char *base = o->base ? o->base : name;
   kt_exit result = write_matrix(w, base, "A", l->A, 2 * l->freedom, 2 * l->freedom);
   result = kt_worse(result, write_matrix(w, base, "B", l->B, 2 * l->freedom, l->coordinate_count));
   km_linear_mat(l, &mat);
   result = kt_worse(result, kt_write(&o->common, base, "linear", "mat", &mat));
   km_text_free(&mat);
   return result;
+}
+
+static kt_exit animate(const work *w) {
+  const options *o = w->o;
+  return ksim_animate_modes(&(ksim_modes){&o->common, o->model, w->base, &w->pose, w->dynamics, &w->linear, o->only});
 }
 
 static kt_exit run_linearise(work *w) {
@@ -131,7 +139,9 @@ static kt_exit run_linearise(work *w) {
         w->o->model, w->linear.residual);
   result = answer(w, "ksim linearise", "linear", &lines);
   km_text_free(&lines);
-  return w->o->matrices ? kt_worse(result, write_matrices(w)) : result;
+  if (w->o->matrices)
+    result = kt_worse(result, write_matrices(w));
+  return w->o->animate ? kt_worse(result, animate(w)) : result;
 }
 
 static kt_exit run_equilibrium(work *w) {
@@ -175,6 +185,9 @@ static void read_options(options *o, bool linear, int argc, char **argv) {
   const kt_option of_linear[] = {
       {"matrices", 0, NULL, "Write BASE.A.csv, BASE.B.csv and BASE.linear.mat (MATLAB, level 4) too", KT_FLAG,
        &o->matrices, KT_ABOUT_FILES},
+      {"animate", 0, NULL, "Write BASE.mode1.html … too, which play the modes, by the lines of the table", KT_FLAG,
+       &o->animate, KT_ABOUT_FILES},
+      {"only", 0, "LINE", "Animate the mode of this line of the table alone", KT_COUNT, &o->only, KT_ABOUT_FILES},
       KT_BASE(&o->base, "Write BASE.linear.txt or .json instead of the standard output"),
   };
   const kt_option of_rest[] = {
@@ -203,6 +216,10 @@ static void read_options(options *o, bool linear, int argc, char **argv) {
 kt_exit ksim_linearise(int argc, char **argv) {
   options o = {.common = KT_COMMON("ksim")};
   read_options(&o, true, argc, argv);
+  if (o.only && !o.animate) {
+    kt_say(&o.common, KM_ERROR, "--only %d: expected --animate with it", o.only);
+    return KT_USAGE;
+  }
   work w = {.o = &o};
   kt_exit result = run_linearise(&w);
   close_work(&w);

@@ -4,6 +4,7 @@
 
 #include "kmech/dynamics.h"
 #include "kmech/progress.h"
+#include "kmech/table.h"
 
 #ifdef __cplusplus
 extern "C" {
@@ -30,6 +31,26 @@ typedef struct km_linear {
  * O(freedom · evaluation + freedom³). */
 KM_API km_status km_linearise(km_dynamics *dynamics, km_state *state, km_linear *out, km_error *error);
 KM_API void km_linear_free(km_linear *linear);
+
+/* What happens to a deviation in a mode. */
+typedef enum km_linear_kind {
+  KM_LINEAR_STILL,  /* the eigenvalue is 0 but for the differences: it stays */
+  KM_LINEAR_SWINGS, /* the eigenvalue is complex, one of a pair */
+  KM_LINEAR_DIES,   /* real and negative */
+  KM_LINEAR_GROWS   /* real and positive */
+} km_linear_kind;
+/* KM_LINEAR_STILL without such an eigenvalue. O(freedom). */
+KM_API km_linear_kind km_linear_kind_of(const km_linear *linear, int eigenvalue);
+
+/* The motion q = q0 + a (Re v cos φ − Im v sin φ) of an eigenvector v, as a table to draw (km_drawing_add_rows): `rows`
+ * rows, first the column `phase` (0 to 360 deg) or, where the eigenvalue is real, `t` (over four time constants, a
+ * factor e^λt for the cosine), then q. of every coordinate. The loops are closed on the independent coordinates; the
+ * amplitude a is 0.25 radians or characteristic lengths, halved until loops close and bend the motion by less than half
+ * of it. It tells the shape alone: neither the decay of a swing nor its size. The state is at the pose that was
+ * linearised and comes back to it. The caller frees `*out`. KM_USAGE: no such eigenvalue, fewer than 2 rows; KM_DIVERGED:
+ * the loops close along the mode with no amplitude; KM_MODEL, KM_MEMORY. O(rows · closing the loops). */
+KM_API km_status km_linear_motion(km_dynamics *dynamics, km_state *state, const km_linear *linear, int eigenvalue,
+                                  int rows, km_table **out, km_error *error);
 
 /* How a rest pose answers a small push. */
 typedef enum km_stability {

@@ -10,8 +10,6 @@
 #include <string.h>
 
 enum { MOST_NAMED = 3 };
-/* Of the largest eigenvalue: a smaller one is 0 but for the differences that A is made by. */
-static const double rounding = 1e-5;
 
 /* The joints that move most in mode k, with their parts of the largest. */
 static void add_movers(const km_mechanism *m, const km_linear *l, int k, km_text *out) {
@@ -40,21 +38,21 @@ static void add_movers(const km_mechanism *m, const km_linear *l, int k, km_text
 void km_linear_print(const km_mechanism *m, const km_linear *l, km_text *out) {
   if (!m || !l || l->coordinate_count != m->coordinate_count || !out)
     return;
-  double second = m->model->units.time->si, largest = 0.0;
-  for (int k = 0; k < 2 * l->freedom; ++k)
-    largest = fmax(largest, hypot(l->real[k], l->imaginary[k]) / second);
+  double second = m->model->units.time->si;
   km_text_format(out, "  %-14s %-12s %-12s %s\n", "frequency Hz", "period s", "damping", "moves");
   for (int k = 0; k < 2 * l->freedom; ++k) {
     double re = l->real[k] / second, im = l->imaginary[k] / second, size = hypot(re, im);
     double damping = fabs(re) > 1e-9 * size ? -re / size : 0.0;
+    km_linear_kind kind = km_linear_kind_of(l, k);
     if (im < 0.0)
       continue;
-    if (size < rounding * largest)
+    if (kind == KM_LINEAR_STILL)
       km_text_format(out, "  %-14s %-12s %-12s ", "0", "-", "-");
-    else if (im > 0.0)
+    else if (kind == KM_LINEAR_SWINGS)
       km_text_format(out, "  %-14.6g %-12.6g %-12.4g ", im / (2.0 * M_PI), 2.0 * M_PI / im, damping);
     else
-      km_text_format(out, "  %-14s %-12s %s %-8.4g ", re < 0.0 ? "dies away" : "grows", "-", "in s", 1.0 / fabs(re));
+      km_text_format(out, "  %-14s %-12s %s %-8.4g ", kind == KM_LINEAR_DIES ? "dies away" : "grows", "-", "in s",
+                     1.0 / fabs(re));
     add_movers(m, l, k, out);
     km_text_add(out, "\n");
   }
