@@ -1,9 +1,9 @@
 /* Accelerations of a four-bar against Simbody's and MuJoCo's, and how much faster than real time simulations run. */
 #include "dynamics/dynamics.h"
 #include "bench.h"
-#include "exchange/json/json.h"
 #include "kmech/history.h"
 #include "machine.h"
+#include "moving.h"
 #include "peers.h"
 
 #include <math.h>
@@ -11,58 +11,10 @@
 #include <string.h>
 #include <time.h>
 
-static const char fourbar[] =
-    "{\"model_parameters\": {\"gravity\": [0, -9.81, 0]}, \"assemblies\": [{\"name\": \"m\", \"bodies\": ["
-    "{\"name\": \"crank\", \"mass\": 1, \"center_of_mass\": [0.2, 0, 0], \"moment_of_inertia\": {\"Izz\": "
-    "0.0133333333333333333}, \"frames\": [{\"name\": \"end\", \"T\": [0.4, 0, 0]}]},"
-    "{\"name\": \"coupler\", \"mass\": 1, \"center_of_mass\": [0.5, 0, 0], \"moment_of_inertia\": {\"Izz\": "
-    "0.0833333333333333333}, \"frames\": [{\"name\": \"end\", \"T\": [1, 0, 0]}]},"
-    "{\"name\": \"rocker\", \"mass\": 1, \"center_of_mass\": [0.45, 0, 0], \"moment_of_inertia\": {\"Izz\": 0.0675}, "
-    "\"frames\": [{\"name\": \"end\", \"T\": [0.9, 0, 0]}]}], \"joints\": ["
-    "{\"name\": \"A\", \"type\": \"Rz\", \"body_frame_pairs\": [\"fixed\", \"crank\"], \"initial_displacement\": 0.9, "
-    "\"initial_velocity\": 2},"
-    "{\"name\": \"B\", \"type\": \"Rz\", \"body_frame_pairs\": [[\"crank\", \"end\"], [\"coupler\"]], "
-    "\"initial_displacement\": -0.5},"
-    "{\"name\": \"D\", \"type\": \"Rz\", \"body_frame_pairs\": [[\"fixed\", \"ground\"], [\"rocker\"]], "
-    "\"initial_displacement\": 1.5},"
-    "{\"name\": \"C\", \"type\": \"Rz\", \"body_frame_pairs\": [[\"coupler\", \"end\"], [\"rocker\", \"end\"]], "
-    "\"initial_displacement\": 1}]}], \"fixed\": {\"frames\": [{\"name\": \"ground\", \"T\": [1.1, 0, 0]}]}}";
-
-typedef struct moving {
-  km_model *model;
-  km_mechanism *mechanism;
-  km_state *state;
-  km_forces *forces;
-  km_dynamics *dynamics;
-} moving;
-
 static void run_ours(void *context) {
-  moving *m = context;
+  bench_moving *m = context;
   if (km_dynamics_evaluate(m->dynamics, m->state, false) != KM_DYNAMICS_DONE)
     bench_fail("dynamics", "no acceleration");
-}
-
-static moving start(const char *text) {
-  moving m = {0};
-  km_assembly evidence;
-  km_error error = {0};
-  if (km_model_read(text, strlen(text), NULL, &m.model, NULL) ||
-      km_mechanism_compile(m.model, NULL, 0, &m.mechanism, &error) || km_state_create(m.mechanism, &m.state, &error) ||
-      km_assemble(m.mechanism, m.state, &evidence, &error) ||
-      km_forces_create(m.mechanism, NULL, NULL, 0, &m.forces, &error) ||
-      km_dynamics_create(m.mechanism, m.forces, &m.dynamics, &error) ||
-      km_dynamics_project_rates(m.dynamics, m.state, NULL, &error) ||
-      km_dynamics_accelerate(m.dynamics, m.state, &error))
-    bench_fail("dynamics", "%s", error.text);
-  return m;
-}
-
-static void end(moving *m) {
-  km_dynamics_free(m->dynamics);
-  km_forces_free(m->forces);
-  km_state_free(m->state);
-  km_mechanism_free(m->mechanism);
-  km_model_free(m->model);
 }
 
 #ifdef BENCH_SIMBODY
@@ -79,7 +31,7 @@ static void run_mujoco(void *context) {
 }
 
 /* At rest both must say the same. */
-static void agree_at_rest(moving *m, const bench_fourbar *bars) {
+static void agree_at_rest(bench_moving *m, const bench_fourbar *bars) {
   bench_fourbar still = *bars;
   double rates[3] = {bars->v[0], bars->v[1], bars->v[2]}, theirs[3];
   for (int i = 0; i < 3; ++i)
@@ -96,13 +48,12 @@ static void agree_at_rest(moving *m, const bench_fourbar *bars) {
 #endif
 
 static void accelerations(void) {
-  moving m = start(fourbar);
+  bench_moving m = bench_start(bench_fourbar_model);
   bench_contender all[3] = {{.name = "kmech", .run = run_ours, .context = &m}};
   int count = 1;
 #if defined(BENCH_SIMBODY) || defined(BENCH_MUJOCO)
   const km_state *s = m.state;
-  const bench_fourbar bars = {
-      0.4, 1.0, 0.9, 1.1, 9.81, {s->q[0], s->q[1], s->q[2]}, {s->rate[0], s->rate[1], s->rate[2]}};
+  const bench_fourbar bars = bench_bars(s);
 #endif
 #ifdef BENCH_SIMBODY
   bench_simbody *simbody = bench_simbody_create(&bars);
@@ -128,7 +79,7 @@ static void accelerations(void) {
   bench_figure("dynamics", "fourbar acceleration, MuJoCo over ours", bench_ratio(&all[at_mujoco], &all[0]));
   bench_mujoco_free(mujoco);
 #endif
-  end(&m);
+  bench_end(&m);
 }
 
 /* A row of four-bars as IFToMM's benchmark A02 has it, upright, pushed at 1 m/s: time of an integrator's step. */
@@ -161,7 +112,7 @@ static char *windows(int count) {
 static void row_of_windows(int count) {
   enum { PARTS = 6 };
   char *text = windows(count);
-  moving m = start(text);
+  bench_moving m = bench_start(text);
   km_simulation *run;
   km_error error = {0};
   km_simulation_def def = km_simulation_default();
@@ -180,7 +131,7 @@ static void row_of_windows(int count) {
   char figure[80];
   snprintf(figure, sizeof figure, "a02 with %d windows, us a step and window", count);
   bench_figure("dynamics", figure, bench_median(times + 1, PARTS - 1));
-  end(&m);
+  bench_end(&m);
   km_free(text);
 }
 
@@ -216,6 +167,7 @@ void bench_dynamics(void) {
   accelerations();
   for (int windows = 10; windows <= 1000; windows *= 10)
     row_of_windows(windows);
+  bench_equal_accuracy();
   simulate("slider_crank", 20.0, 0.03, 1e-4, 0.01);
   simulate("bricard", 100.0, 0.01, 1e-11, 0.0);
   simulate("excavator_drop", 10.0, 0.03, 1e-4, 0.03);

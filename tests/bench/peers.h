@@ -19,6 +19,12 @@ void bench_simbody_free(bench_simbody *simbody);
 /* Accelerations of the same three coordinates. */
 void bench_simbody_accelerate(bench_simbody *simbody, double out[3]);
 
+/* Moves the four-bar from its first pose to the times 1, 2, … by one of Simbody's integrators, to an accuracy:
+ * q[times][3]. */
+enum { BENCH_SIMBODY_INTEGRATORS = 2 };
+const char *bench_simbody_integrator(int integrator); /* its name */
+void bench_simbody_simulate(bench_simbody *simbody, int integrator, double accuracy, int times, double *q);
+
 typedef struct bench_mujoco bench_mujoco;
 bench_mujoco *bench_mujoco_create(const bench_fourbar *bars);
 void bench_mujoco_free(bench_mujoco *mujoco);

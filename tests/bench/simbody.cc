@@ -3,6 +3,8 @@
 
 #include <Simbody.h>
 
+#include <memory>
+
 using namespace SimTK;
 
 struct bench_simbody {
@@ -44,4 +46,27 @@ extern "C" void bench_simbody_accelerate(bench_simbody *s, double out[3]) {
   const Vector &a = s->state.getUDot();
   for (int i = 0; i < 3; ++i)
     out[i] = a[i];
+}
+
+// CPodes, Simbody's port of CVODE, fails an assertion in Debian's build.
+extern "C" const char *bench_simbody_integrator(int integrator) {
+  return integrator == 0 ? "Runge-Kutta-Merson" : "Runge-Kutta-Fehlberg";
+}
+
+static std::unique_ptr<Integrator> integrator_of(const System &system, int integrator) {
+  if (integrator == 0)
+    return std::make_unique<RungeKuttaMersonIntegrator>(system);
+  return std::make_unique<RungeKuttaFeldbergIntegrator>(system);
+}
+
+extern "C" void bench_simbody_simulate(bench_simbody *s, int integrator, double accuracy, int times, double *q) {
+  std::unique_ptr<Integrator> steps = integrator_of(s->system, integrator);
+  steps->setAccuracy(accuracy);
+  TimeStepper stepper(s->system, *steps);
+  stepper.initialize(s->state);
+  for (int t = 0; t < times; ++t) {
+    stepper.stepTo(t + 1.0);
+    for (int i = 0; i < 3; ++i)
+      q[3 * t + i] = steps->getState().getQ()[i];
+  }
 }
