@@ -3,13 +3,12 @@
 
 #include "base/check.h"
 #include "dynamics/linear.h"
+#include "partition/eigen.h"
 
-#include <gsl/gsl_eigen.h>
-#include <gsl/gsl_math.h>
 #include <string.h>
 
 static const double step = 1e-5;
-static const double still = 1e-6; /* of the largest eigenvalue: a real part, or an eigenvalue, below this counts as 0 */
+static const double still = 1e-6; /* of the largest eigenvalue: what is below this counts as 0 */
 
 bool km_poise_take(const km_dynamics *d, const km_state *s, km_poise *out) {
   const km_mechanism *m = d->mechanism;
@@ -149,17 +148,22 @@ static bool fill(km_dynamics *d, km_state *s, const km_poise *p, double *work, k
   return good;
 }
 
-/* Real and imaginary parts of the coordinates in eigenvector k, the largest scaled one of length 1. */
-static void keep_mode(const km_mechanism *m, const km_linear *l, const gsl_vector_complex *v, double *out) {
+/* An eigenvector of A: its imaginary part is `sign` times a column, or 0. */
+typedef struct eigenvector {
+  const double *real, *imaginary; /* imaginary NULL: 0 */
+  double sign;
+} eigenvector;
+
+/* Real and imaginary parts of the coordinates in an eigenvector, the largest scaled one of length 1. */
+static void keep_mode(const km_mechanism *m, const km_linear *l, eigenvector v, double *out) {
   int n = l->coordinate_count;
   double largest = 0.0;
   for (int c = 0; c < n; ++c) {
     double re = 0.0, im = 0.0;
     for (int k = 0; k < l->freedom; ++k) {
-      gsl_complex z = gsl_vector_complex_get(v, (size_t)k);
       double N = l->N[(size_t)k * (size_t)n + (size_t)c];
-      re += N * GSL_REAL(z);
-      im += N * GSL_IMAG(z);
+      re += N * v.real[k];
+      im += v.imaginary ? N * v.sign * v.imaginary[k] : 0.0;
     }
     out[c] = re;
     out[n + c] = im;
@@ -169,33 +173,63 @@ static void keep_mode(const km_mechanism *m, const km_linear *l, const gsl_vecto
     out[c] /= largest;
 }
 
-static bool find_modes(const km_mechanism *m, km_linear *l) {
+/* What LAPACK gives of A. */
+typedef struct eigensystem {
+  double *A, *real, *imaginary, *vectors;
+  int *order; /* by size */
+} eigensystem;
+
+static eigenvector vector_of(const eigensystem *e, size_t size, size_t k) {
+  if (e->imaginary[k] == 0.0)
+    return (eigenvector){e->vectors + k * size, NULL, 0.0};
+  size_t first = e->imaginary[k] > 0.0 ? k : k - 1;
+  return (eigenvector){e->vectors + first * size, e->vectors + (first + 1) * size, e->imaginary[k] > 0.0 ? 1.0 : -1.0};
+}
+
+/* By size; of those that only rounding tells apart, what grows first. */
+static bool precedes(const eigensystem *e, int a, int b) {
+  double size[] = {hypot(e->real[a], e->imaginary[a]), hypot(e->real[b], e->imaginary[b])};
+  double close = still * fmax(size[0], size[1]);
+  return fabs(size[0] - size[1]) > close ? size[0] < size[1] : e->real[a] > e->real[b] + close;
+}
+
+/* Stable, so that pairs stay together. */
+static void sort(const eigensystem *e, int size) {
+  for (int k = 0; k < size; ++k) {
+    int at = k;
+    for (; at > 0 && precedes(e, k, e->order[at - 1]); --at)
+      e->order[at] = e->order[at - 1];
+    e->order[at] = k;
+  }
+}
+
+static km_status find_modes(const km_mechanism *m, km_linear *l, km_error *error) {
   size_t size = 2 * (size_t)l->freedom;
   if (size == 0)
-    return true;
-  gsl_matrix *A = gsl_matrix_alloc(size, size);
-  gsl_vector_complex *values = gsl_vector_complex_alloc(size);
-  gsl_matrix_complex *vectors = gsl_matrix_complex_alloc(size, size);
-  gsl_eigen_nonsymmv_workspace *work = gsl_eigen_nonsymmv_alloc(size);
-  bool good = A && values && vectors && work;
-  for (size_t r = 0; r < size && good; ++r)
-    for (size_t c = 0; c < size; ++c)
-      gsl_matrix_set(A, r, c, l->A[c * size + r]);
-  good = good && gsl_eigen_nonsymmv(A, values, vectors, work) == 0;
-  if (good)
-    gsl_eigen_nonsymmv_sort(values, vectors, GSL_EIGEN_SORT_ABS_ASC);
-  for (size_t k = 0; k < size && good; ++k) {
-    gsl_complex z = gsl_vector_complex_get(values, k);
-    gsl_vector_complex_view v = gsl_matrix_complex_column(vectors, k);
-    l->real[k] = GSL_REAL(z);
-    l->imaginary[k] = GSL_IMAG(z);
-    keep_mode(m, l, &v.vector, l->modes + k * 2 * (size_t)l->coordinate_count);
+    return KM_OK;
+  km_arena arena = {0};
+  eigensystem e = {.A = KM_ARENA_NEW(&arena, double, size *size),
+                   .real = KM_ARENA_NEW(&arena, double, size),
+                   .imaginary = KM_ARENA_NEW(&arena, double, size),
+                   .vectors = KM_ARENA_NEW(&arena, double, size *size),
+                   .order = KM_ARENA_NEW(&arena, int, size)};
+  km_status status = KM_OK;
+  if (arena.failed) {
+    status = km_fail(error, KM_MEMORY, "out of memory for the linearised equations");
+  } else {
+    memcpy(e.A, l->A, size * size * sizeof *e.A);
+    status = km_eigen((int)size, e.A, e.real, e.imaginary, e.vectors, error);
   }
-  gsl_matrix_free(A);
-  gsl_vector_complex_free(values);
-  gsl_matrix_complex_free(vectors);
-  gsl_eigen_nonsymmv_free(work);
-  return good;
+  if (!status)
+    sort(&e, (int)size);
+  for (size_t k = 0; k < size && !status; ++k) {
+    size_t from = (size_t)e.order[k];
+    l->real[k] = e.real[from];
+    l->imaginary[k] = e.imaginary[from];
+    keep_mode(m, l, vector_of(&e, size, from), l->modes + k * 2 * (size_t)l->coordinate_count);
+  }
+  km_arena_free(&arena);
+  return status;
 }
 
 km_status km_linearise(km_dynamics *d, km_state *s, km_linear *out, km_error *error) {
@@ -222,7 +256,7 @@ km_status km_linearise(km_dynamics *d, km_state *s, km_linear *out, km_error *er
     good = fill(d, s, &poise, work, out);
   }
   if (good)
-    memory = find_modes(d->mechanism, out);
+    status = find_modes(d->mechanism, out, error);
   if (poise.acceleration) {
     km_poise_restore(&poise, d->mechanism, s);
     km_dynamics_evaluate(d, s, true);
@@ -231,7 +265,7 @@ km_status km_linearise(km_dynamics *d, km_state *s, km_linear *out, km_error *er
   km_poise_free(&poise);
   if (!memory)
     return km_fail(error, KM_MEMORY, "out of memory for the linearised equations");
-  return good ? KM_OK : km_fail(error, KM_DIVERGED, "the loops can't be closed beside the pose; is it a dead point?");
+  return good ? status : km_fail(error, KM_DIVERGED, "the loops can't be closed beside the pose; is it a dead point?");
 }
 
 void km_linear_free(km_linear *l) {

@@ -15,20 +15,22 @@ extern "C" {
  * Arrays are column-major. */
 typedef struct km_linear {
   int freedom, coordinate_count;
-  int *independent;         /* [freedom] coordinates */
-  double *A;                /* [2 freedom × 2 freedom] */
-  double *B;                /* [2 freedom × coordinates] */
-  double *N;                /* [coordinates × freedom] how all coordinates follow the independent ones */
-  double *real, *imaginary; /* [2 freedom] eigenvalues of A, per time unit, by imaginary part */
+  int *independent; /* [freedom] coordinates */
+  double *A;        /* [2 freedom × 2 freedom] */
+  double *B;        /* [2 freedom × coordinates] */
+  double *N;        /* [coordinates × freedom] how all coordinates follow the independent ones */
+  /* [2 freedom] eigenvalues of A, per time unit, by size; of a pair the one with the positive imaginary part first, of
+   * equally large ones what grows. */
+  double *real, *imaginary;
   double *modes;   /* [coordinates × 2 freedom × 2] the coordinates' parts of the eigenvectors: real, imaginary; the
                         * largest scaled entry has length 1 */
   double residual; /* largest acceleration of an independent coordinate at the pose, scaled: 0 at rest */
 } km_linear;
 
 /* Differences of ±1e-5 (radians, characteristic lengths, and these per second) of the accelerations, which err by about
- * 1e-9 of their size; eigenvalues by GSL. The state's pose and rates stay. Prescribed coordinates follow their laws at
- * the state's time. KM_MODEL, KM_DIVERGED: as km_dynamics_accelerate; KM_MEMORY. Free `*out` in any case.
- * O(freedom · evaluation + freedom³). */
+ * 1e-9 of their size; eigenvalues by LAPACK's dgeev. The state's pose and rates stay. Prescribed coordinates follow
+ * their laws at the state's time. KM_MODEL, KM_DIVERGED: as km_dynamics_accelerate; KM_IO: LAPACKE isn't installed;
+ * KM_MEMORY. Free `*out` in any case. O(freedom · evaluation + freedom³). */
 KM_API km_status km_linearise(km_dynamics *dynamics, km_state *state, km_linear *out, km_error *error);
 KM_API void km_linear_free(km_linear *linear);
 

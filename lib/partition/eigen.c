@@ -1,0 +1,39 @@
+/* Eigenvalues by LAPACKE. */
+#include "partition/eigen.h"
+
+#include "base/library.h"
+#include "base/memory.h"
+
+#include <dlfcn.h>
+#include <lapacke.h>
+#include <math.h>
+
+/* The form that takes its workspace from the caller. */
+typedef __typeof__(LAPACKE_dgeev_work) solver;
+
+static km_status load(solver **out, km_error *error) {
+  void *handle = dlopen(KM_LAPACKE, RTLD_NOW | RTLD_LOCAL);
+  if (handle && km_library_function(handle, "LAPACKE_dgeev_work", out))
+    return KM_OK;
+  const char *reason = dlerror();
+  return km_fail(error, KM_IO, "eigenvalues can't be computed: %.300s; expected LAPACKE to be installed",
+                 reason ? reason : "its function is missing");
+}
+
+km_status km_eigen(int n, double *A, double *real, double *imaginary, double *vectors, km_error *error) {
+  for (size_t i = 0; i < (size_t)n * (size_t)n; ++i)
+    if (!isfinite(A[i])) /* dgeev may go on for ever */
+      return km_fail(error, KM_DIVERGED, "eigenvalues can't be computed: a number of the matrix isn't finite");
+  solver *solve;
+  km_status status = load(&solve, error);
+  if (status)
+    return status;
+  const size_t size = 4 * (size_t)n; /* the least with vectors */
+  double *work = KM_NEW(double, size);
+  if (!work)
+    return km_fail(error, KM_MEMORY, "out of memory for eigenvalues");
+  lapack_int info =
+      solve(LAPACK_COL_MAJOR, 'N', 'V', n, A, n, real, imaginary, NULL, 1, vectors, n, work, (lapack_int)size);
+  km_free(work);
+  return info == 0 ? KM_OK : km_fail(error, KM_DIVERGED, "the iteration for eigenvalues doesn't end");
+}
