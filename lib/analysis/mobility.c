@@ -3,9 +3,6 @@
 #include "kinematics/closure.h"
 #include "kinematics/loops.h"
 
-/* Past this |B| the null vectors lean so far on the forced columns that digits are lost. */
-static const double largest_good_b = 30.0;
-
 static void set_numbers(const km_mechanism *m, km_state *s, int index) {
   const km_substructure *sub = &m->substructures[index];
   const km_partition *p = &s->partition[index];
@@ -18,7 +15,7 @@ static void set_numbers(const km_mechanism *m, km_state *s, int index) {
 
 void km_numbers_update(const km_mechanism *m, km_state *s, int index) {
   const km_substructure *sub = &m->substructures[index];
-  if (s->pivoted[index] == KM_NEVER || !(s->partition[index].largest_b <= largest_good_b)) {
+  if (s->pivoted[index] == KM_NEVER || !(s->partition[index].largest_b <= km_largest_good_b)) {
     int worst;
     km_pivot(m, s, index, KM_NO_DRIVER, km_rank_tolerance(m, sub, km_loops_residual(m, s, sub, &worst)));
   }

@@ -95,16 +95,11 @@ double km_sweeper_near_end(double s, double end, int k) {
   return end + (s - end) * ldexp(1.0, -2 * k);
 }
 
-/* Does a driver move it? */
-static bool is_driven(const km_sweep_plan *plan) {
-  return plan->steps > 0 && !(plan->arclength > 0.0);
-}
-
 void km_sweeps_run(km_sweep_job *jobs, int count) {
   km_sweeper sweepers[KM_DRIVE_LANES];
   for (int i = 0; i < count; ++i) {
     jobs[i].status = open_sweeper(&sweepers[i], &jobs[i]);
-    if (!jobs[i].status && !is_driven(jobs[i].plan))
+    if (!jobs[i].status && !km_plan_is_driven(jobs[i].plan))
       jobs[i].status = jobs[i].plan->steps == 0 ? stand(&sweepers[i], jobs[i].error)
                                                 : km_sweep_by_length(&sweepers[i], jobs[i].error);
   }

@@ -239,8 +239,7 @@ void km_sweeps_by_driver(km_sweeper *sweepers, km_sweep_job *jobs, int count) {
   walk walks[KM_DRIVE_LANES];
   int going = 0;
   for (int i = 0; i < count; ++i) {
-    const km_sweep_plan *plan = jobs[i].plan;
-    if (jobs[i].status || plan->steps == 0 || plan->arclength > 0.0)
+    if (jobs[i].status || !km_plan_is_driven(jobs[i].plan))
       continue;
     walks[going] = (walk){.r = &sweepers[i], .job = &jobs[i]};
     jobs[i].status = begin_walk(&walks[going]);

@@ -22,13 +22,9 @@ static void add_named(km_table *table, const char *prefix, const char *name, con
   *failed = !km_sweeper_column(table, prefix, name, suffix, unit) || *failed;
 }
 
-static bool is_driven(const km_sweeper *r) {
-  return r->plan->arclength <= 0.0 && r->plan->steps > 0;
-}
-
 /* Arc length mixes radians and lengths over the characteristic length: it has no unit. */
 static const char *s_unit(const km_sweeper *r) {
-  return !is_driven(r) ? "" : km_model_coordinate_unit(r->m->model, r->plan->coordinate);
+  return !km_plan_is_driven(r->plan) ? "" : km_model_coordinate_unit(r->m->model, r->plan->coordinate);
 }
 
 static void add_point_columns(const km_sweeper *r, const km_sweep_point *point, km_table *table, bool *failed) {
@@ -39,7 +35,7 @@ static void add_point_columns(const km_sweeper *r, const km_sweep_point *point, 
   if (!r->plan->derivatives)
     return;
   km_text unit = {0};
-  km_text_format(&unit, is_driven(r) ? "%s/%s" : "%s", length, s_unit(r));
+  km_text_format(&unit, km_plan_is_driven(r->plan) ? "%s/%s" : "%s", length, s_unit(r));
   for (int k = 0; k < 3 && !unit.failed; ++k)
     add_named(table, "point.", point->name, slopes[k], unit.data, failed);
   km_text_free(&unit);
@@ -90,7 +86,7 @@ static double *write_points(const km_sweeper *r, double *cell) {
   if (r->plan->point_count == 0)
     return cell;
   km_poses_update(r->m, r->s);
-  double factor = is_driven(r) ? km_model_coordinate_factor(r->m->model, r->plan->coordinate) : 1.0;
+  double factor = km_plan_is_driven(r->plan) ? km_model_coordinate_factor(r->m->model, r->plan->coordinate) : 1.0;
   for (int i = 0; i < r->plan->point_count; ++i) {
     km_frame_position(r->m, r->s, r->plan->points[i].frame, cell);
     cell += 3;

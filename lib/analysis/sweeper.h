@@ -63,6 +63,11 @@ enum { KM_LEAST_SAMPLES = 360 };
 km_status km_sweep_run(const km_mechanism *mechanism, km_state *state, const km_sweep_plan *plan,
                        const km_observer *observer, km_sweep *out, km_error *error);
 
+/* Does a driver move it, rather than the arc length or nothing? */
+static inline bool km_plan_is_driven(const km_sweep_plan *plan) {
+  return plan->steps > 0 && !(plan->arclength > 0.0);
+}
+
 /* One of several sweeps. */
 typedef struct km_sweep_job {
   const km_mechanism *m;

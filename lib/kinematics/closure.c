@@ -5,6 +5,8 @@
 #include <string.h>
 
 enum { MOST_ITERATIONS = 60 };
+/* A residual above the first one plus the floor, times the growth, leads nowhere. */
+static const double residual_growth = 1e3, residual_floor = 0.1;
 
 double km_rank_tolerance(const km_mechanism *m, const km_substructure *sub, double misfit) {
   int size = sub->rows > sub->columns ? sub->rows : sub->columns;
@@ -104,8 +106,7 @@ static double newton_step(const km_mechanism *m, km_state *s, int index, int dri
   return largest;
 }
 
-/* Thresholds grow with it,
- * up to the 1e6 radians where it drowns the geometry. */
+/* The factor of all thresholds, up to the 1e6 radians where rounding drowns the geometry. */
 static double grain(const km_mechanism *m, const km_state *s, const km_substructure *sub) {
   const int *coordinate = m->column_coordinate + sub->column_start;
   double largest = 0.0;
@@ -135,7 +136,7 @@ km_closure_outcome km_loops_close(const km_mechanism *m, km_state *s, int index,
     bool small = primary_rms(&s->partition[index], km_state_error(s, sub)) <= coarse * km_closed;
     if (small && step <= coarse * km_settled)
       return verdict(m, evidence->residual, coarse);
-    if (!isfinite(step) || evidence->residual > km_residual_growth * (first + km_residual_floor))
+    if (!isfinite(step) || evidence->residual > residual_growth * (first + residual_floor))
       return KM_OPEN;
     if (step > km_longest_newton)
       for (int k = 0; k < sub->columns; ++k)

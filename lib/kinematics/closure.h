@@ -12,9 +12,6 @@ static const double km_near_closed = 0.05;   /* residual below which the pivots 
 /* Coordinates of many turns carry their rounding into the loops: thresholds grow by this per radian or size of the
  * largest one, to so much at most. */
 static const double km_grain_growth = 1e-3, km_grain_most = 1e3;
-/* A residual above the first one plus the floor, times the growth, leads nowhere. */
-static const double km_residual_growth = 1e3, km_residual_floor = 0.1;
-
 typedef enum km_closure_outcome {
   KM_CLOSED,
   KM_INCONSISTENT, /* the primary equations close, the others keep more than the closure tolerance */

@@ -40,9 +40,8 @@ struct km_drive {
 };
 
 /* How much correction a step allows, and the least cosine between its tangents. */
-static const double km_drive_least_correction = 1e-9;
 static inline double km_drive_most_correction(double tightness, double length) {
-  return tightness * length + km_drive_least_correction;
+  return tightness * length + 1e-9;
 }
 static inline double km_drive_least_cosine(double tightness) {
   return 1.0 - tightness * 0.4;

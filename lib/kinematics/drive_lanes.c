@@ -6,9 +6,6 @@
 
 #include <string.h>
 
-/* Past this |B| whoever looks at the pose may search pivots: see km_numbers_update. */
-static const double largest_settled_b = 30.0;
-
 static km_lanes_number *numbers(km_arena *arena, int count) {
   return KM_ARENA_NEW(arena, km_lanes_number, (size_t)count + 1);
 }
@@ -213,7 +210,7 @@ static km_reach arrive(km_drive_lanes *l, int i, bool there, double target) {
     show(l, i);
   if (!there)
     return km_drive_to(l->drives[i], target);
-  if (!(l->largest_b.of[i] <= largest_settled_b))
+  if (!(l->largest_b.of[i] <= km_largest_good_b)) /* whoever looks at the pose searches other pivots */
     km_drive_settle(l->drives[i]);
   return (km_reach){KM_STOP_NONE, target, -1, -1};
 }

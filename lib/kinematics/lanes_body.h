@@ -50,8 +50,8 @@ static inline mask factor(km_drive_lanes *l, int g) {
   PUT(l->largest_b, largest_b);
   PUT(l->next_sign, (vector)((word)all(1.0) | (sign & SIGN_BIT)));
   vector pivoted_b = larger(GET(l->pivoted_b), all(1.0));
-  return (sum - sum == all(0.0)) & (largest_b <= 2.0 * pivoted_b) &
-         (largest_inverse * GET(l->smallest_pivot) <= all(10.0));
+  return (sum - sum == all(0.0)) & (largest_b <= km_most_growth_of_b * pivoted_b) &
+         (largest_inverse * GET(l->smallest_pivot) <= all(km_most_shrinking));
 }
 
 /* newton_step of closure.c, of one freedom, which the driver has. Returns the largest entry. */

@@ -72,15 +72,20 @@ void km_partition_factor(km_partition *partition, const double *matrix, int rows
  * vanishes or a value is not finite: then factor again. O(rows·rank·columns). */
 bool km_partition_refactor(km_partition *partition, const double *matrix);
 
+/* Pivots serve while max |B| has grown by the first at most, and the smallest pivot has shrunk by the second. */
+static const double km_most_growth_of_b = 2.0, km_most_shrinking = 10.0;
+/* Past this |B| the null vectors lean so far on forced columns that digits are lost. */
+static const double km_largest_good_b = 30.0;
+
 /* Are the independent columns still good ones: max |B| now, and when they were chosen (thesis 5.5, 7.2). */
 static inline bool km_partition_serves(double largest_b, double pivoted_b) {
-  return largest_b <= 2.0 * (pivoted_b > 1.0 ? pivoted_b : 1.0);
+  return largest_b <= km_most_growth_of_b * (pivoted_b > 1.0 ? pivoted_b : 1.0);
 }
 
 /* Do pivots still serve, by max |B| and the largest reciprocal of a pivot now, and what was found when they were searched?
  * A rank that drops shrinks a pivot together with what stands right of it: B alone needn't show it. */
 static inline bool km_pivots_serve(double largest_b, double pivoted_b, double largest_inverse, double smallest_pivot) {
-  return km_partition_serves(largest_b, pivoted_b) && largest_inverse * smallest_pivot <= 10.0;
+  return km_partition_serves(largest_b, pivoted_b) && largest_inverse * smallest_pivot <= km_most_shrinking;
 }
 
 /* About how many multiplications a refactor, B and one solution take. */

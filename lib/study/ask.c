@@ -124,7 +124,7 @@ typedef struct turn {
   atomic_int next;
 } turn;
 
-/* How many designs a thread takes at once: enough for the lanes, and no so many that others have nothing to do. */
+/* How many designs a thread takes at once: enough for the lanes, and not so many that others have nothing to do. */
 static int piece(const km_batch *b) {
   int share = b->count / (2 * b->jobs);
   return share < 1 ? 1 : share > KM_DRIVE_LANES ? KM_DRIVE_LANES : share;

@@ -189,16 +189,23 @@ static bool assemble(const km_model *model, size_t choice) {
   return !status;
 }
 
+char *fuzz_exact(const void *bytes, size_t size) {
+  char *copy = malloc(size ? size : 1);
+  if (!copy)
+    exit(2);
+  if (size)
+    memcpy(copy, bytes, size);
+  return copy;
+}
+
 int fuzz_model(const void *bytes, size_t size, size_t choice) {
   km_model *model = NULL;
   km_error error = {0};
   km_messages *messages = km_messages_create();
-  char *exact = malloc(size ? size : 1); /* of its own size, so that a byte too far is seen */
+  char *exact = fuzz_exact(bytes, size);
   int depth = 0;
-  if (!exact || !messages)
+  if (!messages)
     exit(2);
-  if (size)
-    memcpy(exact, bytes, size);
   km_status status = km_model_read(exact, size, messages, &model, &error);
   if (status) {
     fuzz_refusal(status, &error);

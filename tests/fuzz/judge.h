@@ -10,6 +10,8 @@
 /* Ends the program with what was wrong. Of the program. */
 _Noreturn void fuzz_fail(const char *what);
 
+/* The bytes in memory of their own size, so that a byte read too far is seen; to be freed. Ends the program without memory. */
+char *fuzz_exact(const void *bytes, size_t size);
 /* A status that a bad input may give, with words. */
 void fuzz_refusal(km_status status, const km_error *error);
 /* Is every joint of the posed state closed, by its own motion between the frames of its two bodies, to the residual that the

@@ -3,6 +3,8 @@
 #include "report/plot/question_plot.h"
 #include "report/plot/table_plot.h"
 
+#include <string.h>
+
 enum { MOST_OVERLAID = 64 };
 
 /* The designs that are compared. */
@@ -38,9 +40,11 @@ static bool add(overlay *v, const km_designs_shown *p, int design, int question,
 static bool gather(overlay *v, const km_designs_shown *p, int question) {
   int designs = km_design_study_designs(p->study), best = km_design_study_best(p->study);
   if (p->def->optimise)
-    return (designs < 1 || add(v, p, 0, question, "start")) && (best < 1 || add(v, p, best, question, "best"));
+    return (designs < 1 || add(v, p, 0, question, "start")) &&
+           (best < 1 || (p->only_try && v->count > 0) || add(v, p, best, question, "best"));
   bool good = true;
-  for (int i = 0; i < designs && i < MOST_OVERLAID && good; ++i) {
+  int enough = p->only_try ? 1 : MOST_OVERLAID; /* one answer shows that there is something to draw */
+  for (int i = 0; i < designs && i < MOST_OVERLAID && v->count < enough && good; ++i) {
     km_text name = {0};
     km_design_label(p->study, p->def, i, &name);
     good = !name.failed && add(v, p, i, question, name.data ? name.data : "");
@@ -140,6 +144,15 @@ km_status km_designs_answers(const km_designs_shown *p, int question, km_text *o
   return draw(p, question, make_answers, out, error);
 }
 
+static bool traces_points(const km_design_question *q) {
+  for (int i = 0; i < q->option_count; ++i)
+    if (strcmp(q->options[i].name, "point") == 0)
+      return true;
+  return false;
+}
+
 km_status km_designs_paths(const km_designs_shown *p, int question, km_text *out, km_error *error) {
+  if (!traces_points(&p->def->questions[question])) /* before any design is asked */
+    return km_fail(error, KM_NO_RESULT, "the question traces no point");
   return draw(p, question, make_paths, out, error);
 }

@@ -47,11 +47,9 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size) {
   km_error error = {0};
   km_design_study_def def = km_design_study_default();
   km_messages *messages = km_messages_create();
-  char *exact = malloc(size ? size : 1);
-  if (!exact || !messages)
+  char *exact = fuzz_exact(data, size);
+  if (!messages)
     exit(2);
-  if (size)
-    memcpy(exact, data, size);
   km_status status = km_design_study_read(exact, size, messages, &def, &error);
   if (status)
     refused(status, &error);

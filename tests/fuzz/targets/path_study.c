@@ -65,11 +65,9 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size) {
   km_study *study = NULL;
   km_study_def def = km_study_def_default();
   km_messages *messages = km_messages_create();
-  char *exact = malloc(size ? size : 1);
-  if (!exact || !messages)
+  char *exact = fuzz_exact(data, size);
+  if (!messages)
     exit(2);
-  if (size)
-    memcpy(exact, data, size);
   km_status status = km_study_read(exact, size, "", messages, &def, &error);
   if (!status && steps_of(&def) <= MOST_STEPS)
     status = km_study_bind(mechanism, state, &def, 1, messages, &study, &error);
