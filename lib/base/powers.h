@@ -1,5 +1,10 @@
 /* Powers of ten for number.c: the 128 leading bits of 10^k for k = -292 ... 324, rounded up, high word first.
  * Written by scripts/powers. */
+#ifndef KM_POWERS_H
+#define KM_POWERS_H
+
+#include <stdint.h>
+
 static const uint64_t powers[][2] = {
     {0xFF77B1FCBEBCDC4F, 0x25E8E89C13BB0F7B}, {0x9FAACF3DF73609B1, 0x77B191618C54E9AD},
     {0xC795830D75038C1D, 0xD59DF5B9EF6A2418}, {0xF97AE3D0D2446F25, 0x4B0573286B44AD1E},
@@ -311,3 +316,5 @@ static const uint64_t powers[][2] = {
     {0xCA5E89B18B602368, 0x385BB19CB14BDFC5}, {0xFCF62C1DEE382C42, 0x46729E03DD9ED7B6},
     {0x9E19DB92B4E31BA9, 0x6C07A2C26A8346D2},
 };
+
+#endif

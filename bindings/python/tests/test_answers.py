@@ -2,6 +2,7 @@
 import csv
 import io
 import math
+import os
 import subprocess
 import sys
 import threading
@@ -13,6 +14,10 @@ import pytest
 
 import kmech
 from kmech import ffi, lib
+
+
+def test_the_version_is_the_projects():
+    assert kmech.__version__ == os.environ["KMECH_VERSION"]
 
 
 def test_every_kind_of_question_is_a_method(brake):
