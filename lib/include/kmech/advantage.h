@@ -11,43 +11,51 @@ extern "C" {
 #endif
 
 /* An end of a mechanism that is pushed, or pushes: a joint, or a point of a body along a direction. */
-typedef enum km_handle_kind { KM_HANDLE_NONE, KM_HANDLE_JOINT, KM_HANDLE_POINT } km_handle_kind;
+typedef enum km_handle_kind {
+  KM_HANDLE_NONE,  /* no end */
+  KM_HANDLE_JOINT, /* a joint's coordinate */
+  KM_HANDLE_POINT  /* a point of a body along a direction */
+} km_handle_kind;
 
+/* One such end. Start from {0}. */
 typedef struct km_handle {
-  km_handle_kind kind;
+  km_handle_kind kind; /* which members count */
   int coordinate;      /* of a joint */
   int frame;           /* the point: a frame's origin */
   double direction[3]; /* unit vector along the inertial axes */
   const char *name;    /* as columns call it: a joint's label, or body/frame:dx,dy,dz; borrowed */
 } km_handle;
 
+/* What kind of number an advantage is. */
 typedef enum km_advantage_state {
-  KM_ADVANTAGE_FINITE,
+  KM_ADVANTAGE_FINITE,   /* both move */
   KM_ADVANTAGE_ZERO,     /* the input stands while the output moves */
   KM_ADVANTAGE_INFINITE, /* the output stands while the input moves */
   KM_ADVANTAGE_UNDEFINED /* both stand, or nothing moves */
 } km_advantage_state;
 
+/* Which motion an advantage is about. */
 typedef enum km_advantage_method {
   KM_ADVANTAGE_SINGLE_FREEDOM, /* the one motion there is: Z_i / Z_k (287) */
   KM_ADVANTAGE_LEAST_MOTION    /* of several freedoms, the motion of least length that moves the input: Z Zᵀ */
 } km_advantage_method;
 
+/* The advantage at one pose. */
 typedef struct km_advantage {
-  km_advantage_state state;
-  km_advantage_method method;
-  double value;          /* q̇_in / q̇_out, angles in radians, the model's length; infinity or NaN by state */
-  double velocity_ratio; /* q̇_out / q̇_in */
+  km_advantage_state state;   /* says what `value` can be */
+  km_advantage_method method; /* of which motion it is */
+  double value;               /* q̇_in / q̇_out, angles in radians, the model's length; infinity or NaN by state */
+  double velocity_ratio;      /* q̇_out / q̇_in */
   double input_rate, output_rate; /* in that motion, whose largest scaled rate is 1; 0 where they count as 0 */
 } km_advantage;
 
-/* The model's own analysis.mechanical_advantage: false where it has none (of this end). */
+/* An end of the model's own analysis.mechanical_advantage, its `output` or its input: false where it has none. */
 KM_API bool km_handle_default(const km_model *model, bool output, km_handle *out);
 
 /* An input and an output, with the workspace of one thread. */
 typedef struct km_lever km_lever;
 
-/* KM_USAGE: an end that is held or can't move, both the same, or of parts that don't move each other. The caller
+/* Prepares for a driving `input` and a driven `output`. KM_USAGE: an end that is held or can't move, both the same, or of parts that don't move each other. The caller
  * frees `*out`. */
 KM_API km_status km_lever_create(const km_mechanism *mechanism, const km_handle *input, const km_handle *output,
                                  km_lever **out, km_error *error);

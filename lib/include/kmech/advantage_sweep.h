@@ -11,22 +11,23 @@ extern "C" {
 
 /* A pose at which the advantage is 0, infinite or undefined, located by root finding. */
 typedef struct km_advantage_toggle {
-  km_advantage_state state;
-  double s;
+  km_advantage_state state; /* the advantage there, never finite */
+  double s;                 /* of the driver, model's unit, or arc length */
 } km_advantage_toggle;
 
 /* A value of a sweep, and where; s is NaN if there is none. */
 typedef struct km_peak {
-  double value, s;
+  double value, s; /* the extreme; of the driver or arc length */
 } km_peak;
 
+/* The rows of a sweep with their advantages, and what lies between the rows. */
 typedef struct km_advantage_sweep {
-  km_sweep motion; /* its table has ma.<input>/<output>, and force_ratio. where joints have friction */
-  km_handle input, output;
-  size_t column;              /* of the advantage, in the table */
-  bool friction;              /* some joint has friction: the next column is the actual force ratio */
-  km_advantage_method method; /* of the first row */
-  km_advantage_toggle *toggles;
+  km_sweep motion;              /* its table has ma.<input>/<output>, and force_ratio. where joints have friction */
+  km_handle input, output;      /* the ends that were asked for */
+  size_t column;                /* of the advantage, in the table */
+  bool friction;                /* some joint has friction: the next column is the actual force ratio */
+  km_advantage_method method;   /* of the first row */
+  km_advantage_toggle *toggles; /* in the order of the sweep */
   size_t toggle_count;
   km_transmission last; /* of the last row, with why metrics are undefined there; if the transmission was asked for */
   km_peak lowest, highest; /* of the advantage, between the rows too; infinite beside a toggle */

@@ -9,10 +9,15 @@
 extern "C" {
 #endif
 
+/* The chain, cut out of a mechanism. Immutable but for km_arm_set_rates. */
 typedef struct km_arm km_arm;
 
 /* What of the effector must follow: its whole pose (6 rows), its origin (3), or its origin and z axis (5). */
-typedef enum km_task { KM_TASK_POSE, KM_TASK_POSITION, KM_TASK_AXIS } km_task;
+typedef enum km_task {
+  KM_TASK_POSE,     /* position and rotation: 6 rows */
+  KM_TASK_POSITION, /* the origin: 3 rows */
+  KM_TASK_AXIS      /* the origin and the direction of the z axis: 5 rows */
+} km_task;
 
 /* The chain to `effector` (a frame of the model), joints passed in either sense, held and rigid joints rigid at the
  * state's values; other branches of the model don't matter. Lengths are scaled by L, the model's characteristic length
@@ -22,6 +27,7 @@ KM_API km_status km_arm_create(const km_mechanism *mechanism, const km_state *st
                                km_arm **out, km_error *error);
 KM_API void km_arm_free(km_arm *arm);
 
+/* The number of its coordinates n; 0 without an arm. */
 KM_API int km_arm_coordinates(const km_arm *arm);
 KM_API int km_arm_coordinate(const km_arm *arm, int column); /* the mechanism's coordinate of a column, base first */
 KM_API double km_arm_length(const km_arm *arm);              /* L, in the model's length unit */
@@ -43,7 +49,7 @@ KM_API km_status km_arm_jacobian(const km_arm *arm, const double *q, double *J, 
 KM_API km_status km_arm_solve(const km_arm *arm, const km_frame_pose *pose, const double *near, unsigned long seed,
                               km_progress progress, void *context, double *q, km_error *error);
 
-/* Largest speeds: value[n] in the model's angle or length unit per time unit, base first; NULL: none. KM_USAGE if
+/* Largest speeds: values[n] in the model's angle or length unit per time unit, base first; NULL: none. KM_USAGE if
  * one isn't greater than 0. */
 KM_API km_status km_arm_set_rates(km_arm *arm, const double *values, int count, km_error *error);
 

@@ -12,8 +12,8 @@ extern "C" {
 
 /* Ended by a NUL that `size` doesn't count. */
 typedef struct km_bytes {
-  char *data;
-  size_t size;
+  char *data;  /* the caller's, freed by km_bytes_free */
+  size_t size; /* without the closing NUL */
 } km_bytes;
 /* Frees what `bytes` holds, and empties it. */
 KM_API void km_bytes_free(km_bytes *bytes);

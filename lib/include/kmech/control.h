@@ -10,10 +10,10 @@ extern "C" {
 
 /* Evidence of the rank. */
 typedef struct km_control {
-  int rank, freedom;
+  int rank, freedom;                /* of the matrix; columns − rank */
   double last_pivot, first_dropped; /* magnitudes; 0 dropped: nothing was left */
-  double tolerance;
-  double path_entry; /* z = |the null space's last row| */
+  double tolerance;                 /* below which a pivot counts as 0 */
+  double path_entry;                /* z = |the null space's last row| */
 } km_control;
 
 /* Z′ of the null space of matrix[rows × columns] (column-major, its last column the path's): first the path-control

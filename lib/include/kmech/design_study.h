@@ -22,7 +22,11 @@
 extern "C" {
 #endif
 
-enum { KM_MOST_DESIGN_PARAMETERS = 32, KM_MOST_DESIGN_FIGURES = 64, KM_MOST_DESIGN_QUESTIONS = 16 };
+enum {
+  KM_MOST_DESIGN_PARAMETERS = 32, /* of one study */
+  KM_MOST_DESIGN_FIGURES = 64,    /* of all its questions together */
+  KM_MOST_DESIGN_QUESTIONS = 16   /* of one study */
+};
 
 /* A number that differs from design to design. */
 typedef struct km_design_parameter {
@@ -38,10 +42,11 @@ typedef struct km_design_variant {
 
 /* The values that one parameter takes in a grid of all combinations, the last axis changing fastest. */
 typedef struct km_design_axis {
-  int parameter, count;
+  int parameter, count; /* which; how many values */
   const double *values; /* [count] */
 } km_design_axis;
 
+/* How a number is spread. */
 typedef enum km_distribution {
   KM_UNIFORM,         /* between low and high */
   KM_NORMAL,          /* mean and deviation */
@@ -50,11 +55,12 @@ typedef enum km_distribution {
 
 /* How a parameter spreads. All in the file's units. */
 typedef struct km_design_spread {
-  int parameter;
-  km_distribution distribution;
-  double low, high, mean, deviation;
+  int parameter;                     /* which */
+  km_distribution distribution;      /* which of the numbers count */
+  double low, high, mean, deviation; /* bounds; of a normal distribution mean and standard deviation */
 } km_design_spread;
 
+/* How a sample is drawn. */
 typedef enum km_sampling {
   KM_SAMPLING_SOBOL, /* low-discrepancy sequence (Sobol; Antonov and Saleev), shifted modulo 1 by numbers from the seed */
   KM_SAMPLING_LATIN,  /* Latin hypercube: each of `count` slices of every parameter has one design */
@@ -64,9 +70,9 @@ typedef enum km_sampling {
 
 /* A sample. Design i follows from (method, seed, i) alone, of a Latin hypercube from the count too. */
 typedef struct km_design_sample {
-  km_sampling method;
-  int count;
-  unsigned long seed;
+  km_sampling method;              /* how it is drawn */
+  int count;                       /* designs, at most */
+  unsigned long seed;              /* of what is random */
   const km_design_spread *spreads; /* of parameters that aren't among them the model's own value counts */
   int spread_count;
   const double *list; /* [count × parameter_count] of KM_SAMPLING_LIST */
@@ -78,53 +84,55 @@ typedef struct km_design_sample {
 
 /* A variable of an optimisation, within bounds. */
 typedef struct km_design_variable {
-  int parameter;
-  double low, high;
-  double start; /* NaN: the model's own value where it is known and within the bounds, else the middle */
+  int parameter;    /* which */
+  double low, high; /* its bounds */
+  double start;     /* NaN: the model's own value where it is known and within the bounds, else the middle */
 } km_design_variable;
 
+/* What an optimisation makes as small or as large as it can. */
 typedef struct km_design_goal {
-  const char *figure;
-  bool largest; /* else the smallest is best */
+  const char *figure; /* by its name */
+  bool largest;       /* else the smallest is best */
 } km_design_goal;
 
 /* An optimisation. The limits of figures are its constraints. With two goals: the front of what can't be bettered in
  * both. */
 typedef struct km_design_optimise {
-  const km_design_variable *variables;
+  const km_design_variable *variables; /* what it may change */
   int variable_count;
-  km_design_goal goals[2];
+  km_design_goal goals[2]; /* one, or two that compete */
   int goal_count;
   const char *algorithm; /* km_design_algorithm lists them */
   int evaluations;       /* most designs of each start */
   double tolerance;      /* of the variables, over the width of their bounds */
   int starts;            /* the first at the variables' starts, the others spread over the bounds by the seed; of two
                           * goals: points of the front that are looked for */
-  unsigned long seed;
+  unsigned long seed;    /* of starts, and of algorithms with chance */
 } km_design_optimise;
 
+/* What of an answer's column is the figure. */
 typedef enum km_design_figure_kind {
-  KM_DESIGN_MIN,
-  KM_DESIGN_MAX,
-  KM_DESIGN_SPAN,
-  KM_DESIGN_MEAN,
-  KM_DESIGN_AT,
+  KM_DESIGN_MIN,       /* the least value over the rows */
+  KM_DESIGN_MAX,       /* the greatest */
+  KM_DESIGN_SPAN,      /* greatest − least */
+  KM_DESIGN_MEAN,      /* over the driver, by the trapezoidal rule */
+  KM_DESIGN_AT,        /* at a value of the driver */
   KM_DESIGN_WHERE_MIN, /* the driver's value at the least value */
-  KM_DESIGN_WHERE_MAX,
-  KM_DESIGN_REACHED,  /* how much of the driver's range is reached: |last s − first s| */
-  KM_DESIGN_TOGGLES,  /* how many toggles lie in it */
-  KM_DESIGN_DISTANCE, /* root mean square of the distances of given points from the path of `column`, a point that the
+  KM_DESIGN_WHERE_MAX, /* that at the greatest value */
+  KM_DESIGN_REACHED,   /* how much of the driver's range is reached: |last s − first s| */
+  KM_DESIGN_TOGGLES,   /* how many toggles lie in it */
+  KM_DESIGN_DISTANCE,  /* root mean square of the distances of given points from the path of `column`, a point that the
                        * question traces: path synthesis */
-  KM_DESIGN_FIGURE_KINDS
+  KM_DESIGN_FIGURE_KINDS /* how many there are */
 } km_design_figure_kind;
 
 /* A figure of merit: one number from an answer. */
 typedef struct km_design_figure {
   const char *name;
-  km_design_figure_kind kind;
-  const char *column;   /* of the answer's table; "body/frame" of KM_DESIGN_DISTANCE */
-  double at;            /* the s of KM_DESIGN_AT */
-  const double *points; /* [3 × point_count] of KM_DESIGN_DISTANCE, inertial axes, model's length unit */
+  km_design_figure_kind kind; /* what it takes from the rows */
+  const char *column;         /* of the answer's table; "body/frame" of KM_DESIGN_DISTANCE */
+  double at;                  /* the s of KM_DESIGN_AT */
+  const double *points;       /* [3 × point_count] of KM_DESIGN_DISTANCE, inertial axes, model's length unit */
   int point_count;
   double low, high; /* what is good enough; ∓infinity: any */
   int better;       /* +1: larger ones are, −1: smaller ones, 0: neither */
@@ -133,8 +141,8 @@ typedef struct km_design_figure {
 /* An option of a question (km_question_option): what its type takes, with joints by labels and frames by their paths. */
 typedef struct km_design_option {
   const char *name;
-  bool flag;
-  const double *numbers;
+  bool flag;             /* of an option without an argument */
+  const double *numbers; /* of one that takes numbers */
   int number_count;
   const char *const *texts; /* labels, words, "body/frame", "body/frame:dx,dy,dz" */
   int text_count;
@@ -142,19 +150,20 @@ typedef struct km_design_option {
 
 /* A joint's coordinate, by its label, and a value. */
 typedef struct km_design_setting {
-  const char *coordinate;
-  double value;
+  const char *coordinate; /* its label */
+  double value;           /* in the coordinate's unit */
 } km_design_setting;
 
+/* A question that every design is asked, and its figures. */
 typedef struct km_design_question {
   const char *name; /* of its files and figures */
   const char *
       kind; /* of km_question_create: "mobility", "advantage", "forces", "track"; NULL: the study's function gives the figures, in their order */
-  const km_design_option *options;
+  const km_design_option *options; /* how it is asked */
   int option_count;
   const km_design_setting *holds, *sets; /* beside the model's own holds; sets: the pose that the motion starts from */
   int hold_count, set_count;
-  const km_design_figure *figures;
+  const km_design_figure *figures; /* what its answer is reduced to */
   int figure_count;
   const char *const *bands; /* columns of which every row is kept, for quantiles along the motion */
   int band_count;
@@ -167,20 +176,20 @@ typedef km_status (*km_design_function)(void *context, const double *values, dou
 /* What a study is. Start from km_design_study_default(). All that it points to is borrowed and must outlive the study,
  * but for `memory`. Just one of variants, axes, sample and optimise says which designs there are. */
 typedef struct km_design_study_def {
-  const char *model; /* file; meshes are looked for from its folder; NULL: `bytes` or `function` alone */
-  const char *bytes; /* [size] its text; NULL: read from the file */
-  size_t size;
+  const char *model;           /* file; meshes are looked for from its folder; NULL: `bytes` or `function` alone */
+  const char *bytes;           /* [size] its text; NULL: read from the file */
+  size_t size;                 /* bytes of the text */
   km_design_function function; /* instead of a model */
-  void *context;
-  const km_design_parameter *parameters;
+  void *context;               /* handed to `function` */
+  const km_design_parameter *parameters; /* what differs between designs */
   int parameter_count;
-  const km_design_variant *variants;
+  const km_design_variant *variants; /* designs by name */
   int variant_count;
-  const km_design_axis *axes;
+  const km_design_axis *axes; /* all combinations of values */
   int axis_count;
-  const km_design_sample *sample;
-  const km_design_optimise *optimise;
-  const km_design_question *questions;
+  const km_design_sample *sample;      /* designs by chance, or a list; NULL: none */
+  const km_design_optimise *optimise;  /* a search; NULL: none */
+  const km_design_question *questions; /* what each design is asked */
   int question_count;
   const char *folder;      /* from which files that questions name are seen; NULL: where the program runs */
   const char *sample_file; /* a CSV file that the sample's list is still to be read from; NULL: none */
@@ -195,6 +204,7 @@ KM_API km_status km_design_study_read(const char *bytes, size_t size, km_message
                                       km_error *error);
 KM_API void km_design_study_def_free(km_design_study_def *def);
 
+/* A study that was opened on its store. */
 typedef struct km_design_study km_design_study;
 
 /* Checks a definition, its model and questions, and opens its store, which is made where there is none; path NULL: in
@@ -218,8 +228,8 @@ KM_API km_status km_design_study_run(km_design_study *study, int jobs, km_progre
 /* Processes that answer designs together: one leads and has the store, the others serve it, each with a study of its own
  * of the same definition. How messages travel is the caller's. */
 typedef struct km_design_crew {
-  void *context;
-  int size; /* members beside the leader, 1 … size; the leader is 0 */
+  void *context; /* handed to both functions */
+  int size;      /* members beside the leader, 1 … size; the leader is 0 */
   /* False: the message didn't go. */
   bool (*send)(void *context, int member, const void *bytes, size_t size);
   /* The next message, whoever sent it, borrowed until the next call: its sender; -1: there is none. `wait`: until there
@@ -244,18 +254,21 @@ KM_API int km_design_study_found(const km_design_study *study);
 
 /* What became of a design. */
 typedef enum km_design_outcome {
-  KM_DESIGN_DONE,
+  KM_DESIGN_DONE,        /* answered in full */
   KM_DESIGN_SHORT,       /* the motion ends before its range does, or a part of the answer is no */
   KM_DESIGN_EMPTY,       /* no pose of the range is in reach */
   KM_DESIGN_UNASSEMBLED, /* its loops can't close, or the pose asked for isn't in reach */
   KM_DESIGN_FAULTY,      /* it isn't a model: a negative mass … */
   KM_DESIGN_GAVE_OUT,    /* an iteration gave out */
   KM_DESIGN_MISSING,     /* not asked yet */
-  KM_DESIGN_OUTCOMES
+  KM_DESIGN_OUTCOMES     /* how many there are */
 } km_design_outcome;
 KM_API const char *km_design_outcome_name(km_design_outcome outcome); /* "done", "stops short" … */
 
-enum { KM_DESIGN_REASON = 200 };
+enum {
+  KM_DESIGN_REASON = 200 /* bytes of a reason, the NUL included */
+};
+/* What a design answered. */
 typedef struct km_design_result {
   km_design_outcome outcome;              /* the worst of its questions */
   char reason[KM_DESIGN_REASON];          /* "" when done */
@@ -279,17 +292,20 @@ KM_API int km_design_study_front(const km_design_study *study, int *designs, int
 KM_API const char *km_design_algorithm(int index);
 KM_API const char *km_design_algorithm_about(int index);
 
-enum { KM_DESIGN_QUANTILES = 7, KM_MOST_RANKED_DESIGNS = 200000 };
+enum {
+  KM_DESIGN_QUANTILES = 7,        /* how many quantiles are told */
+  KM_MOST_RANKED_DESIGNS = 200000 /* from how many of the first designs quantiles and ranks are */
+};
 /* 1, 5, 25, 50, 75, 95, 99 %: the probability of quantile k. */
 KM_API double km_design_quantile(int k);
 
 /* What the designs say of a figure. Designs whose motion stops short count with what they have; those without a value
  * don't. Intervals are those of 95 % confidence. */
 typedef struct km_design_statistics {
-  int count;                    /* designs with a value */
-  double mean, mean_half_width; /* 1.96 s/√n; of a low-discrepancy sample the error is smaller */
-  double deviation;             /* s, with n − 1 */
-  double least, greatest;
+  int count;                             /* designs with a value */
+  double mean, mean_half_width;          /* 1.96 s/√n; of a low-discrepancy sample the error is smaller */
+  double deviation;                      /* s, with n − 1 */
+  double least, greatest;                /* extreme values */
   int least_design, greatest_design;     /* -1: none */
   double quantiles[KM_DESIGN_QUANTILES]; /* of the first KM_MOST_RANKED_DESIGNS designs */
   int good;                              /* designs within the figure's limits */
@@ -316,7 +332,8 @@ KM_API int km_design_study_column(km_design_study *study, int figure, double *va
 KM_API km_status km_design_study_ranks(km_design_study *study, int figure, double *correlation, km_error *error);
 
 /* Sobol's indices of a sample with `indices`, of its spreads in their order: first-order (Saltelli et al. 2010) and total
- * (Jansen 1999), each [spread count], with half widths of their intervals. Rows with a design that has no value don't
+ * (Jansen 1999), each [spread count], with half widths of their intervals (first_half_width,
+ * total_half_width). Rows with a design that has no value don't
  * count. KM_USAGE: the sample isn't one with indices. */
 KM_API km_status km_design_study_indices(km_design_study *study, int figure, double *first, double *first_half_width,
                                          double *total, double *total_half_width, km_error *error);
@@ -336,10 +353,10 @@ KM_API km_status km_design_study_model(const km_design_study *study, int design,
 /* Brings a design to its pose and asks it a question: for pictures. The caller frees all four. KM_PARTIAL, KM_NO_RESULT
  * as km_question_ask. */
 typedef struct km_asked_design {
-  km_model *model;
-  km_mechanism *mechanism;
-  km_state *state;
-  km_question *question;
+  km_model *model;         /* with the design's numbers */
+  km_mechanism *mechanism; /* compiled from it */
+  km_state *state;         /* of that mechanism, where the question left it */
+  km_question *question;   /* with its answer */
 } km_asked_design;
 KM_API km_status km_design_study_ask(const km_design_study *study, int design, int question, km_asked_design *out,
                                      km_error *error);

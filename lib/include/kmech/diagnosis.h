@@ -10,10 +10,11 @@
 extern "C" {
 #endif
 
+/* The three answers about one pose. */
 typedef struct km_diagnosis {
-  km_finite_mobility finite;
-  km_redundancies redundancies;
-  km_idle_freedoms idle;
+  km_finite_mobility finite;    /* which motions are real */
+  km_redundancies redundancies; /* what is constrained twice */
+  km_idle_freedoms idle;        /* what moves by itself */
 } km_diagnosis;
 
 /* All three at an assembled pose. Free `*out` in any case. KM_CANCELLED, KM_MEMORY. Cost: the sum of them. */
@@ -24,26 +25,27 @@ KM_API void km_diagnosis_free(km_diagnosis *diagnosis);
 /* How much a finding matters: a fault keeps the mechanism from working as it is described, a warning is likely to be a
  * mistake, a remark tells what a mechanism of its kind has by nature. */
 typedef enum km_finding_severity {
-  KM_FINDING_FAULT,
-  KM_FINDING_WARNING,
-  KM_FINDING_REMARK,
-  KM_FINDING_SEVERITIES
+  KM_FINDING_FAULT,     /* it can't work as it is described */
+  KM_FINDING_WARNING,   /* likely to be a mistake */
+  KM_FINDING_REMARK,    /* so by nature */
+  KM_FINDING_SEVERITIES /* how many there are */
 } km_finding_severity;
 KM_API const char *km_finding_severity_name(km_finding_severity severity); /* "fault", "warning", "remark" */
 
 /* One finding: a word for programs, what was found, what to do. */
 typedef struct km_finding {
-  km_finding_severity severity;
+  km_finding_severity severity; /* how much it matters */
   const char *kind; /* "redundant", "shaky", "undecided", "branch", "doubtful-rank", "units", "angles", "massless-loop",
                      * "unused-frame", "idle", "limits", "start", "reader" */
-  const char *statement, *advice;
+  const char *statement, *advice; /* what was found; what to do */
 } km_finding;
 
+/* All findings about a model. */
 typedef struct km_findings {
   km_finding *items; /* in the order in which they were found */
   size_t count;
-  size_t counts[KM_FINDING_SEVERITIES];
-  struct km_findings_store *store;
+  size_t counts[KM_FINDING_SEVERITIES]; /* of each severity */
+  struct km_findings_store *store;      /* of the texts */
 } km_findings;
 
 /* Examines an assembled pose. `messages` are the reader's, whose warnings and notes count; NULL: none. Free `*out` in any

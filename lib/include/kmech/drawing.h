@@ -42,7 +42,13 @@ KM_API int km_drawing_poses(const km_drawing *drawing);
 KM_API bool km_drawing_comes_round(const km_drawing *drawing);
 
 /* From where it is seen. AUTO is the plane in which the mechanism moves, or ISO where it moves in none. */
-typedef enum km_view { KM_VIEW_AUTO, KM_VIEW_XY, KM_VIEW_XZ, KM_VIEW_YZ, KM_VIEW_ISO } km_view;
+typedef enum km_view {
+  KM_VIEW_AUTO, /* chosen */
+  KM_VIEW_XY,   /* along z */
+  KM_VIEW_XZ,   /* along y */
+  KM_VIEW_YZ,   /* along x */
+  KM_VIEW_ISO   /* from x, y and z alike */
+} km_view;
 /* "xy", "iso", "auto" …; false if the word is no view. */
 KM_API bool km_view_find(const char *word, km_view *view);
 /* Does the view look along the axes of a mechanism that moves in a plane? False without a pose. */
@@ -56,7 +62,7 @@ KM_API void km_meshes_free(km_meshes *meshes);
 
 /* How a drawing looks. Everything is borrowed; start from {0}. */
 typedef struct km_drawing_look {
-  km_view view;
+  km_view view;             /* from where it is seen */
   const km_meshes *meshes;  /* of the mechanism's model, drawn instead of bars and plates; NULL: none */
   bool bodies;              /* names them, too */
   bool loads;               /* the model's loads as arrows */
@@ -85,16 +91,16 @@ KM_API km_status km_drawing_dxf(const km_drawing *drawing, km_view view, double 
 
 /* A named place on a motion's slider. */
 typedef struct km_motion_stop {
-  double pose; /* between poses, too */
-  const char *name;
+  double pose;      /* between poses, too */
+  const char *name; /* what stands there */
 } km_motion_stop;
 
 /* A page that plays the poses, with a slider. Everything is borrowed; start from {0}. */
 typedef struct km_motion_page {
-  const char *title, *subtitle, *footer;
-  const char *quantity, *unit; /* what the slider moves; unit may be "" */
-  const double *values;        /* [poses] of it */
-  const km_motion_stop *stops;
+  const char *title, *subtitle, *footer; /* its headings and its last line; may be NULL */
+  const char *quantity, *unit;           /* what the slider moves; unit may be "" */
+  const double *values;                  /* [poses] of it */
+  const km_motion_stop *stops;           /* marked on the slider */
   size_t stop_count;
   bool closed;           /* the last pose is followed by the first; else it goes forth and back */
   double seconds;        /* from the first pose to the last */

@@ -41,7 +41,7 @@ KM_API km_status km_dynamics_accelerate(km_dynamics *dynamics, km_state *state, 
  * of mass at the inertial origin) and springs; power that dampers, friction, stops and tyres take; power that motors,
  * controllers, loads and prescribed motions give. */
 typedef struct km_energy {
-  double kinetic, potential, dissipation, motor_power;
+  double kinetic, potential, dissipation, motor_power; /* energies; powers */
 } km_energy;
 KM_API km_status km_dynamics_energy(km_dynamics *dynamics, km_state *state, km_energy *out, km_error *error);
 
@@ -57,7 +57,7 @@ KM_API int km_dynamics_repartitions(const km_dynamics *dynamics);
 /* About how many multiplications a solution of the equations of motion takes once poses, columns and forces are known:
  * by clusters, and if the bordered matrix (133) were dense. After km_dynamics_accelerate. NaN: nothing to tell of. */
 typedef struct km_effort {
-  double multiplications, dense;
+  double multiplications, dense; /* by clusters; with the dense matrix */
 } km_effort;
 KM_API km_effort km_dynamics_effort(const km_dynamics *dynamics, const km_state *state);
 

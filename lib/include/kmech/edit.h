@@ -12,10 +12,10 @@ extern "C" {
 
 /* Place of a frame in its body: T (length), and R by rows (NULL: as it is). */
 KM_API km_status km_model_set_frame(km_model *model, int frame, const double T[3], const double R[9], km_error *error);
-/* The value that a coordinate starts the assembly from, and its limits (∓infinity: none). */
+/* The `position` that a coordinate starts the assembly from, and its limits `low` and `high` (∓infinity: none). */
 KM_API km_status km_model_set_position(km_model *model, int coordinate, double position, km_error *error);
 KM_API km_status km_model_set_limits(km_model *model, int coordinate, double low, double high, km_error *error);
-/* Mass, centre of mass (in the body's frame) and inertia about it: Ixx Iyy Izz Ixy Iyz Izx; NULL: as it is. */
+/* A body's `mass`, center_of_mass (in the body's frame) and inertia about it: Ixx Iyy Izz Ixy Iyz Izx; NULL: as it is. */
 KM_API km_status km_model_set_mass(km_model *model, int body, double mass, const double center_of_mass[3],
                                    const double inertia[6], km_error *error);
 /* A load's force and torque; NULL: as it is. */

@@ -11,6 +11,7 @@
 extern "C" {
 #endif
 
+/* How real a motion is that first order allows. */
 typedef enum km_motion_kind {
   KM_MOTION_REGULAR, /* every direction of the null space is one of a smooth family */
   KM_MOTION_BRANCH,  /* one of several motions that meet at the pose */
@@ -20,21 +21,24 @@ typedef enum km_motion_kind {
 
 /* One direction of motion, and how far it was followed with the loops closed. */
 typedef struct km_finite_motion {
-  km_motion_kind kind;
-  int substructure;
+  km_motion_kind kind;     /* how real it is */
+  int substructure;        /* that moves */
   double *direction;       /* [coordinate] unit rates: radians, lengths over the characteristic length */
   double confirmed_length; /* of arc: how far the loops stayed closed; 0 for shaky ones */
 } km_finite_motion;
 
-enum { KM_MOST_MOTIONS = 64 };
+enum {
+  KM_MOST_MOTIONS = 64 /* how many are listed */
+};
 
+/* The real motions at a pose. */
 typedef struct km_finite_mobility {
   int mobility;   /* dimension of the set of real motions through the pose; the least it can be where undecided */
   bool undecided; /* some direction was neither confirmed nor refuted */
   int motion_count;
-  bool truncated; /* there are more motions than are listed */
-  km_finite_motion motions[KM_MOST_MOTIONS];
-  double *store; /* of the directions */
+  bool truncated;                            /* there are more motions than are listed */
+  km_finite_motion motions[KM_MOST_MOTIONS]; /* [motion_count] */
+  double *store;                             /* of the directions */
 } km_finite_mobility;
 
 /* The finite mobility at an assembled pose (theory 5). A substructure without redundant constraints has its
@@ -45,6 +49,7 @@ typedef struct km_finite_mobility {
 KM_API km_status km_finite_mobility_find(const km_mechanism *mechanism, km_state *state, km_progress progress,
                                          void *context, km_finite_mobility *out, km_error *error);
 KM_API void km_finite_mobility_free(km_finite_mobility *mobility);
+/* "regular", "branch", "shaky", "open"; "". */
 KM_API const char *km_motion_kind_name(km_motion_kind kind);
 
 #ifdef __cplusplus

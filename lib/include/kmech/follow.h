@@ -10,6 +10,7 @@
 extern "C" {
 #endif
 
+/* A motion that is being followed. */
 typedef struct km_follow km_follow;
 
 /* Where several motions meet. */
@@ -23,11 +24,12 @@ typedef struct km_branch_point {
  * it. Arc length is Euclidean over the substructure's coordinates: radians, lengths over the characteristic
  * length. The direction is that in which `coordinate` (-1: the one with the largest mobility number) moves with
  * `sign`; with several freedoms, the direction of that coordinate that moves the others least, carried along
- * without turning. At a branch point, along the motion nearest to it. KM_USAGE if the coordinate is held or in no loop;
+ * without turning. Limits end it, but with `ignore_limits`. At a branch point, along the motion nearest to it. KM_USAGE if the coordinate is held or in no loop;
  * KM_NO_RESULT if nothing moves. The caller frees `*out`. */
 KM_API km_status km_follow_create(const km_mechanism *mechanism, km_state *state, int coordinate, double sign,
                                   bool ignore_limits, km_follow **out, km_error *error);
 KM_API void km_follow_free(km_follow *follow);
+/* The substructure that moves; -1 without one. */
 KM_API int km_follow_substructure(const km_follow *follow);
 KM_API int
 km_follow_start_branches(const km_follow *follow); /* motions that meet at the starting pose; 0: it is regular */

@@ -12,9 +12,9 @@ extern "C" {
 
 /* A wrench on the body of a frame, acting at the frame's origin. Force and torque in the model's units. */
 typedef struct km_load {
-  int frame;
-  double force[3], torque[3];
-  bool turning; /* along the frame's axes, else along the inertial frame's */
+  int frame;                  /* of the model */
+  double force[3], torque[3]; /* model's units of force, and of force × length */
+  bool turning;               /* along the frame's axes, else along the inertial frame's */
 } km_load;
 
 /* The forces of one thread: which act, and their values at the last pose. */

@@ -16,7 +16,7 @@ extern "C" {
 /* Rotation by rows (its columns are the frame's axes), and the origin's position in the model's length unit, both in
  * the inertial frame. */
 typedef struct km_frame_pose {
-  double R[9], p[3];
+  double R[9], p[3]; /* rotation; position */
 } km_frame_pose;
 
 /* The pose at p, turned from the inertial axes by the rotation vector turn[3]: about its direction by its length in
@@ -39,7 +39,7 @@ KM_API km_status km_frame_twist(const km_mechanism *mechanism, const km_state *s
 KM_API km_status km_frame_jacobian(const km_mechanism *mechanism, const km_state *state, int frame, double *J,
                                    km_error *error);
 
-/* Λ⁻¹ = J N (Nᵀ M N)⁻¹ (J N)ᵀ [6 × 6]: the twist per time that a wrench (f; τ) at the frame's origin gives it from rest,
+/* inverse = Λ⁻¹ = J N (Nᵀ M N)⁻¹ (J N)ᵀ [6 × 6]: the twist per time that a wrench (f; τ) at the frame's origin gives it from rest,
  * beside what else acts (O. Khatib, A unified approach for motion and force control, 1987; N lets the loops keep closed).
  * M has the bodies' masses and the rotors' inertias. In one over mass, over mass × length, over mass × length² of the
  * model; symmetric, singular where the frame can't move. 1/Λ⁻¹_ii is the mass that a push along axis i feels. After

@@ -20,17 +20,17 @@ KM_API const char *km_hand_stop_name(km_hand_stop stop); /* "free", "limit", "to
 
 /* How far a pull came. */
 typedef struct km_hand_move {
-  km_hand_stop stop;
-  int coordinate; /* LIMIT: the one at its limit; TOGGLE: the one that is pulled; else -1 */
-  bool there;     /* the target is reached: a joint's exactly, a point's to 1e-9 of the characteristic length */
-  double left;    /* from here to the target: the coordinate's unit, or the model's length */
+  km_hand_stop stop; /* what kept it from its target */
+  int coordinate;    /* LIMIT: the one at its limit; TOGGLE: the one that is pulled; else -1 */
+  bool there;        /* the target is reached: a joint's exactly, a point's to 1e-9 of the characteristic length */
+  double left;       /* from here to the target: the coordinate's unit, or the model's length */
 } km_hand_move;
 
 /* The point of a body that is held, in the body's frame, and where it is to go, in the inertial frame; model's length
  * unit. `normal` (unit vector; 0: none): distances along it don't count, as when a mouse moves in the plane of a screen. */
 typedef struct km_hand_grip {
-  int body;
-  double point[3], target[3], normal[3];
+  int body;                              /* which is held */
+  double point[3], target[3], normal[3]; /* of the body; where to; across the plane of the pull */
 } km_hand_grip;
 
 /* A hand on an assembled state, which must outlive it and is moved by it. KM_USAGE, KM_MEMORY. The caller frees `*out`. */
@@ -51,7 +51,7 @@ KM_API km_status km_hand_pull_joint(km_hand *hand, int coordinate, double target
 
 /* Moves the point towards its target: z = Aᵀ(A Aᵀ + ε)⁻¹ e in the motions that the loops and the limits allow, A the
  * point's velocities over L in the basis D⁻¹Z, e the way that is left over L, ε falling with it; steps that would bend too much, open the
- * loops or lead away are halved, and none leaves its branch. Otherwise as above. O(substructures that carry the body). */
+ * loops or lead away are halved, and none leaves its branch. `most` and all else as above. O(substructures that carry the body). */
 KM_API km_status km_hand_pull_point(km_hand *hand, const km_hand_grip *grip, double most, km_hand_move *out,
                                     km_error *error);
 

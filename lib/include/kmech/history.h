@@ -12,20 +12,20 @@ extern "C" {
 
 /* A frame that the table follows; its name is borrowed. */
 typedef struct km_followed_frame {
-  int frame;
+  int frame;        /* of the model */
   const char *name; /* "body/frame" */
 } km_followed_frame;
 
 /* What to write down. Times in the model's time unit; start from km_history_default(). */
 typedef struct km_history_def {
-  km_simulation_def simulation; /* crossings and frames are borrowed; `end` is set to `until` */
-  double start;                 /* the time at which the motion begins; 0 */
-  double until, every;          /* 0: model_parameters.simulation's, or 10 seconds and a two hundredth of the span */
-  const km_followed_frame *frames;
+  km_simulation_def simulation;    /* crossings and frames are borrowed; `end` is set to `until` */
+  double start;                    /* the time at which the motion begins; 0 */
+  double until, every;             /* 0: model_parameters.simulation's, or 10 seconds and a two hundredth of the span */
+  const km_followed_frame *frames; /* whose origins are written down */
   int frame_count;
-  bool reactions;
-  km_axes axes;  /* of the reactions */
-  bool mobility; /* mobility numbers, too */
+  bool reactions; /* of every joint, too */
+  km_axes axes;   /* of the reactions */
+  bool mobility;  /* mobility numbers, too */
   km_progress progress;
   void *context;
 } km_history_def;
@@ -34,16 +34,17 @@ KM_API km_history_def km_history_default(const km_model *model);
 
 /* A joint's drive that goes beyond its max_force or max_rate: the most of all rows. */
 typedef struct km_exceeded {
-  int coordinate;
-  bool of_force; /* else of the rate */
-  double most;   /* by size: a force, or of angles a torque; or the coordinate's unit over the time unit */
-  double time, bound;
+  int coordinate;     /* of the drive */
+  bool of_force;      /* else of the rate */
+  double most;        /* by size: a force, or of angles a torque; or the coordinate's unit over the time unit */
+  double time, bound; /* when; what the drive can give */
 } km_exceeded;
 
+/* What a simulation gave. */
 typedef struct km_history {
-  km_table *table;
-  km_simulation_figures figures;
-  km_crossing_met *crossings; /* in order of time */
+  km_table *table;               /* a row for each time */
+  km_simulation_figures figures; /* how the run went */
+  km_crossing_met *crossings;    /* in order of time */
   int crossing_count;
   km_exceeded *exceeded; /* by coordinate; motors, controllers and prescribed motions are drives */
   int exceeded_count;

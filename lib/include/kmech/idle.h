@@ -12,19 +12,22 @@
 extern "C" {
 #endif
 
-enum { KM_MOST_IDLE_BODIES = 4 };
+enum {
+  KM_MOST_IDLE_BODIES = 4 /* of one group */
+};
 
 /* A group of bodies that hinges and slides tie together, all of whose other joints have several coordinates. */
 typedef struct km_idle_freedom {
-  int substructure;
-  int freedoms; /* of the group while all other bodies stand, at the pose and a short way along the motion */
+  int substructure; /* that the group lies in */
+  int freedoms;     /* of the group while all other bodies stand, at the pose and a short way along the motion */
   int body_count;
   int bodies[KM_MOST_IDLE_BODIES]; /* of the model; 0 is the inertial frame and never in a group */
 } km_idle_freedom;
 
+/* All such groups. */
 typedef struct km_idle_freedoms {
-  int count, mobility; /* groups; the sum of their freedoms */
-  km_idle_freedom *items;
+  int count, mobility;    /* groups; the sum of their freedoms */
+  km_idle_freedom *items; /* [count] */
 } km_idle_freedoms;
 
 /* At an assembled pose; the state is left at it. By test: rank of the group's own joints with its neighbours fixed.

@@ -10,20 +10,20 @@ extern "C" {
 
 /* A coordinate that goes on from its value at a constant rate. */
 typedef struct km_constant_rate {
-  int coordinate;
-  double rate; /* the coordinate's unit per time unit */
+  int coordinate; /* which goes on */
+  double rate;    /* the coordinate's unit per time unit */
 } km_constant_rate;
 
 /* Lists are borrowed. Beside these rates the model's own prescribed motions count. */
 typedef struct km_inverse_def {
-  const km_constant_rate *rates;
+  const km_constant_rate *rates; /* what moves, and how fast */
   int rate_count;
-  double until; /* the model's time unit */
-  int steps;    /* intervals between rows */
-  const km_followed_frame *frames;
+  double until;                    /* the model's time unit */
+  int steps;                       /* intervals between rows */
+  const km_followed_frame *frames; /* whose origins are written down */
   int frame_count;
-  bool reactions;
-  km_axes axes;
+  bool reactions; /* of every joint, too */
+  km_axes axes;   /* of the reactions */
   km_progress progress;
   void *context;
 } km_inverse_def;

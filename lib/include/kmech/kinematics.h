@@ -28,7 +28,7 @@ KM_API km_status km_model_take_pose(km_model *model, int pose, km_error *error);
 
 /* Poses of all bodies in the inertial frame from the state's coordinates. */
 KM_API void km_poses_update(const km_mechanism *mechanism, km_state *state);
-/* Origin of a frame of the model in the inertial frame, model's length unit. After km_poses_update. */
+/* The `position` of a frame's origin in the inertial frame, model's length unit. After km_poses_update. */
 KM_API void km_frame_position(const km_mechanism *mechanism, const km_state *state, int frame, double position[3]);
 
 #ifdef __cplusplus

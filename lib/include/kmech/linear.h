@@ -14,11 +14,11 @@ extern "C" {
  * of their rates; f the forces in all coordinates, along +q. In radians and the model's length, force and time units.
  * Arrays are column-major. */
 typedef struct km_linear {
-  int freedom, coordinate_count;
-  int *independent; /* [freedom] coordinates */
-  double *A;        /* [2 freedom × 2 freedom] */
-  double *B;        /* [2 freedom × coordinates] */
-  double *N;        /* [coordinates × freedom] how all coordinates follow the independent ones */
+  int freedom, coordinate_count; /* independent coordinates; all coordinates */
+  int *independent;              /* [freedom] coordinates */
+  double *A;                     /* [2 freedom × 2 freedom] */
+  double *B;                     /* [2 freedom × coordinates] */
+  double *N;                     /* [coordinates × freedom] how all coordinates follow the independent ones */
   /* [2 freedom] eigenvalues of A, per time unit, by size; of a pair the one with the positive imaginary part first, of
    * equally large ones what grows. */
   double *real, *imaginary;

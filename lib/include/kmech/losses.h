@@ -18,12 +18,13 @@ typedef struct km_losses {
   const char *why; /* why it is undefined; NULL: it isn't */
 } km_losses;
 
+/* The workspace of one thread. */
 typedef struct km_losses_work km_losses_work;
 
 /* Does any joint of the model have friction? */
 KM_API bool km_model_has_friction(const km_model *model);
 
-/* KM_MEMORY, KM_USAGE. The caller frees `*out`. */
+/* Prepares for a driving `input` and a driven `output`. KM_MEMORY, KM_USAGE. The caller frees `*out`. */
 KM_API km_status km_losses_create(const km_mechanism *mechanism, const km_handle *input, const km_handle *output,
                                   km_losses_work **out, km_error *error);
 KM_API void km_losses_free(km_losses_work *work);

@@ -8,13 +8,15 @@
 extern "C" {
 #endif
 
+/* A compiled model. Immutable but for km_mechanism_renumber, shared by threads. */
 typedef struct km_mechanism km_mechanism;
+/* A pose of a mechanism with its workspace: one thread's. */
 typedef struct km_state km_state;
 
 /* A coordinate kept at a value; the joint then counts as rigid in it. In the model's unit. */
 typedef struct km_hold {
-  int coordinate;
-  double value;
+  int coordinate; /* of the model */
+  double value;   /* in the coordinate's unit */
 } km_hold;
 
 /* Compiles the model: topology, each loop's own motion space, and the list of operations that kinematics
@@ -36,11 +38,11 @@ KM_API km_status km_mechanism_renumber(km_mechanism *mechanism, km_error *error)
  * the greatest distance between two joints in the assembled pose; else one length unit. Of several models that are
  * compared the first one's serves all. In the model's length unit. `source` may be NULL. */
 typedef enum km_length_source {
-  KM_LENGTH_STATED,
-  KM_LENGTH_SHARED,
-  KM_LENGTH_LONGEST_LINK,
-  KM_LENGTH_JOINTS,
-  KM_LENGTH_UNIT
+  KM_LENGTH_STATED,       /* the model states it */
+  KM_LENGTH_SHARED,       /* another model's (km_model_share_length) */
+  KM_LENGTH_LONGEST_LINK, /* between two joints of one body */
+  KM_LENGTH_JOINTS,       /* between two joints in the assembled pose */
+  KM_LENGTH_UNIT          /* one length unit */
 } km_length_source;
 KM_API double km_mechanism_characteristic_length(const km_mechanism *mechanism, km_length_source *source);
 KM_API const char *km_length_source_name(km_length_source source); /* "stated", "longest link" … */
@@ -66,16 +68,17 @@ KM_API km_status km_state_set_coordinates(const km_mechanism *mechanism, km_stat
 KM_API km_status km_state_set_coordinate(const km_mechanism *mechanism, km_state *state, int coordinate, double value,
                                          km_error *error);
 
-/* Rates of coordinates in the model's units per time unit, and accelerations; those of a ball joint are the components
+/* Each `rate` of coordinates in the model's units per time unit, and accelerations; those of a ball joint are the components
  * of its angular velocity along its parent frame's axes. NaN: there is no such coordinate. */
 KM_API double km_state_rate(const km_state *state, int coordinate);
 KM_API double km_state_acceleration(const km_state *state, int coordinate);
 KM_API km_status km_state_set_rate(const km_mechanism *mechanism, km_state *state, int coordinate, double rate,
                                    km_error *error);
-/* Copies coordinates, rates and time of one state to another of the same mechanism. KM_USAGE. O(coordinates). */
+/* Copies coordinates, rates and time `from` one state to another of the same mechanism. KM_USAGE. O(coordinates). */
 KM_API km_status km_state_assign(const km_mechanism *mechanism, km_state *to, const km_state *from, km_error *error);
 /* Does a full turn of the coordinate bring the mechanism back? True for hinges, not for slides, screws, balls. */
 KM_API bool km_coordinate_turns(const km_mechanism *mechanism, int coordinate);
+/* The `time` at which the state is, in the model's unit: prescribed motions and motors follow it. KM_USAGE: not finite. */
 KM_API double km_state_time(const km_state *state);
 KM_API km_status km_state_set_time(const km_mechanism *mechanism, km_state *state, double time, km_error *error);
 

@@ -10,12 +10,13 @@ extern "C" {
 
 /* Evidence of a substructure's rank. Pivots are relative to its Jacobian's largest entry. */
 typedef struct km_substructure_mobility {
-  int joints, loops, coordinates; /* coordinates: free ones */
-  int rank, mobility;
+  int joints, loops, coordinates;   /* coordinates: free ones */
+  int rank, mobility;               /* of its Jacobian; coordinates − rank */
   double last_pivot, first_dropped; /* 0 dropped: nothing was left */
-  double tolerance;
+  double tolerance;                 /* relative, below which a pivot counts as 0 */
 } km_substructure_mobility;
 
+/* Counts of freedoms at a pose, by formulas and by rank. */
 typedef struct km_mobility {
   int kutzbach;          /* 6(n − 1 − j) + Σ f − couplings (270) */
   int kutzbach_extended; /* Σ f − Σ λ − couplings */
@@ -30,7 +31,9 @@ typedef struct km_mobility {
  * substructure. */
 KM_API void km_mobility_update(const km_mechanism *mechanism, km_state *state, km_mobility *out);
 
+/* How many kinematic substructures there are. */
 KM_API int km_substructure_count(const km_mechanism *mechanism);
+/* Rank, mobility and pivots of one, as the last km_mobility_update found them. All 0 if there is no such substructure. */
 KM_API void km_substructure_evidence(const km_mechanism *mechanism, const km_state *state, int substructure,
                                      km_substructure_mobility *out);
 /* After km_mobility_update: number of a coordinate; 0 for held ones, 1 outside loops and couplings. */

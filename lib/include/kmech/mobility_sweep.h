@@ -10,16 +10,18 @@ extern "C" {
 
 /* A pose at which a coordinate's mobility number passes through 0. */
 typedef struct km_toggle {
-  int coordinate;
-  double s; /* of the driver, model's unit */
+  int coordinate; /* whose number is 0 there */
+  double s;       /* of the driver, model's unit */
 } km_toggle;
 
+/* A smallest value along a sweep. */
 typedef struct km_extreme {
   double number, s; /* a smallest value, and where */
 } km_extreme;
 
+/* The rows of a sweep with every mobility number, and what lies between the rows. */
 typedef struct km_mobility_sweep {
-  km_sweep motion;
+  km_sweep motion;    /* its table has m. of every coordinate */
   km_toggle *toggles; /* in the order of the sweep */
   size_t toggle_count, toggle_capacity;
   km_extreme *extremes; /* [coordinate] smallest mobility numbers over the rows */
@@ -34,7 +36,9 @@ typedef struct km_mobility_sweep {
  * kept singular value of the moving substructure's J D⁻¹ (rows: lengths over its size, each loop about a point of its
  * own) is a column, and its minima are located; KM_USAGE above KM_MOST_SINGULAR coordinates. Free `*out` in any case.
  */
-enum { KM_MOST_SINGULAR = 300 };
+enum {
+  KM_MOST_SINGULAR = 300 /* coordinates of which singular values are found along a sweep */
+};
 KM_API km_status km_mobility_sweep_run(const km_mechanism *mechanism, km_state *state, const km_sweep_plan *plan,
                                        km_mobility_sweep *out, km_error *error);
 KM_API void km_mobility_sweep_free(km_mobility_sweep *sweep);

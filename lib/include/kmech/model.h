@@ -10,6 +10,7 @@
 extern "C" {
 #endif
 
+/* A model: what a file says, or a builder was told. */
 typedef struct km_model km_model;
 
 /* Reads a model from `size` bytes of JSON, URDF, MJCF or SDF, which the text itself tells apart. Warnings, notes and up
@@ -23,7 +24,7 @@ KM_API km_status km_model_load(const char *path, km_messages *messages, km_model
 /* A number of a model file, and the value that it is read with instead of its own, in the file's units. */
 typedef struct km_assignment {
   const char *path; /* such as crank.tip.x */
-  double value;
+  double value;     /* instead of the file's */
 } km_assignment;
 
 /* The variant of a model in which some numbers have other values: km_model_read, after the values have been put into
@@ -96,7 +97,7 @@ KM_API const char *km_model_coordinate_unit(const km_model *model, int coordinat
 KM_API int km_model_joint_freedom(const km_model *model, int joint, int *first);
 /* The joint that a coordinate belongs to; -1: there is no such coordinate. */
 KM_API int km_model_coordinate_joint(const km_model *model, int coordinate);
-/* Limits in the coordinate's unit, minus or plus infinity where there is none. False if it has none at all. */
+/* Limits `*low` and `*high` in the coordinate's unit, minus or plus infinity where there is none. False if it has none at all. */
 KM_API bool km_model_coordinate_limits(const km_model *model, int coordinate, double *low, double *high);
 /* Is it a length, and not an angle? False if there is no such coordinate. */
 KM_API bool km_model_coordinate_is_length(const km_model *model, int coordinate);

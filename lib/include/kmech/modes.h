@@ -11,13 +11,16 @@
 extern "C" {
 #endif
 
+/* The modes that were found. */
 typedef struct km_modes {
   int count;           /* different configurations; the first is the state's own */
   double *coordinates; /* [count × coordinate count] model's units */
   bool isolated; /* each stands alone; false: with the driver fixed something still moves, and these are samples */
 } km_modes;
 
-enum { KM_MOST_MODE_STARTS = 1000000 };
+enum {
+  KM_MOST_MODE_STARTS = 1000000 /* the most random starts */
+};
 
 /* Fixes `driver` where the state has it, starts the other coordinates of its substructure at random places (the
  * same for the same seed), closes the loops, and keeps what differs by more than 1e-6 (full turns of hinges don't

@@ -16,7 +16,7 @@ KM_API int km_model_assembly_count(const km_model *model);
 KM_API const char *km_model_assembly_name(const km_model *model, int assembly);
 KM_API int km_model_assembly_parent(const km_model *model, int assembly);
 KM_API int km_model_body_assembly(const km_model *model, int body);
-/* Mass of a body, NaN if there is no such body, and its centre of mass in the body's frame (may be NULL). */
+/* Mass of a body, NaN if there is no such body, and its center_of_mass in the body's frame (may be NULL). */
 KM_API double km_model_body_mass(const km_model *model, int body, double center_of_mass[3]);
 
 /* The file of a body's mesh, as its definition names it; NULL: it has none. Borrowed. */
@@ -33,7 +33,7 @@ KM_API bool km_model_joint_is_drawn(const km_model *model, int joint);
 
 /* Coefficient of friction in a joint; 0: it has none, NaN: there is no such joint. */
 KM_API double km_model_joint_friction(const km_model *model, int joint);
-/* What the model states of its simulation (model_parameters.simulation), in its time unit: how long it is, and the time
+/* What the model states of its simulation (model_parameters.simulation), in its time unit: the `*span` of it, and the `*step`
  * between rows; 0: it doesn't. Each place may be NULL. */
 KM_API void km_model_simulated(const km_model *model, double *span, double *step);
 
@@ -57,10 +57,10 @@ KM_API bool km_coordinate_is_held(const km_mechanism *mechanism, int coordinate)
 
 /* What a body looks like: its mesh and its shapes as triangles in the body's frame. Round shapes come as polyhedra. */
 typedef struct km_surface_patch {
-  int vertex_count, triangle_count;
-  double *vertices; /* [3 · vertex_count] */
-  int *triangles;   /* [3 · triangle_count] vertices, counter-clockwise seen from outside */
-  double color[4];  /* red, green, blue, opacity, 0 to 1; opacity < 0: none is stated */
+  int vertex_count, triangle_count; /* lengths of both lists */
+  double *vertices;                 /* [3 · vertex_count] */
+  int *triangles;                   /* [3 · triangle_count] vertices, counter-clockwise seen from outside */
+  double color[4];                  /* red, green, blue, opacity, 0 to 1; opacity < 0: none is stated */
 } km_surface_patch;
 
 /* The parts of a body's surface, 0 … the count: its mesh first, then its shapes. 0: it has none. */

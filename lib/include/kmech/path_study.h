@@ -15,16 +15,18 @@ typedef struct km_study_place {
   bool option;      /* of the command, not of the file: km_study_read keeps the part, and its faults are KM_USAGE */
 } km_study_place;
 
+/* Names, and whose they are. */
 typedef struct km_study_names {
-  const char *const *items;
-  int count; /* 0: not given */
-  km_study_place place;
+  const char *const *items; /* [count] */
+  int count;                /* 0: not given */
+  km_study_place place;     /* for messages */
 } km_study_names;
 
+/* Numbers, and whose they are. */
 typedef struct km_study_numbers {
-  const double *items; /* NULL: not given */
-  int count;
-  km_study_place place;
+  const double *items;  /* NULL: not given */
+  int count;            /* 0: not given */
+  km_study_place place; /* for messages */
 } km_study_numbers;
 
 /* The path, in the model's units throughout: angles of arcs and the turn speed, too, are in its angle unit. */
@@ -34,9 +36,10 @@ typedef struct km_study_path {
   const double *turns;   /* [3 × points of the one segment] rotation vectors instead of R, NULL: none */
   const char *file;      /* from which the poses are, NULL: none; */
   const int *lines;      /* [points of the one segment] where in it */
-  km_study_place place;
+  km_study_place place;  /* for messages */
 } km_study_path;
 
+/* A method that a study asks for. */
 typedef struct km_study_method {
   km_method method;      /* its joints are found when the study is bound, */
   km_study_names joints; /* by these labels */
@@ -50,17 +53,17 @@ typedef struct km_study_def {
   km_study_names coordinates; /* order of q0 and rates by labels; none: from the base out */
   km_study_numbers q0;        /* where to start, in the model's units; none: at the state's pose */
   km_study_numbers
-      rates; /* largest joint speeds (km_arm_set_rates); none: the drives' max_rate, if the path has a speed */
-  km_task task;
-  km_study_place task_place;
-  km_study_path path;
-  bool path_optional; /* without a path the start is q0 itself; else it is missing */
-  const km_study_method *methods;
-  int method_count; /* 0: greedy */
-  km_study_place methods_place;
-  km_objective objective; /* path-control */
-  km_study_place objective_place;
-  struct km_arena *memory; /* of what was read, NULL: none */
+      rates;    /* largest joint speeds (km_arm_set_rates); none: the drives' max_rate, if the path has a speed */
+  km_task task; /* what must follow the path */
+  km_study_place task_place;      /* for messages */
+  km_study_path path;             /* what it follows */
+  bool path_optional;             /* without a path the start is q0 itself; else it is missing */
+  const km_study_method *methods; /* [method_count] each gives a track */
+  int method_count;               /* 0: greedy */
+  km_study_place methods_place;   /* for messages */
+  km_objective objective;         /* path-control */
+  km_study_place objective_place; /* for messages */
+  struct km_arena *memory;        /* of what was read, NULL: none */
 } km_study_def;
 KM_API km_study_def km_study_def_default(void);
 
@@ -70,7 +73,7 @@ KM_API km_study_def km_study_def_default(void);
  * KM_MEMORY. The definition is to be freed in any case. */
 KM_API km_status km_study_read(const char *bytes, size_t size, const char *folder, km_messages *messages,
                                km_study_def *def, km_error *error);
-/* The path alone, of the text of a study or of a path; and that of a CSV file of poses. `place` is how messages are to
+/* The path alone, of the text of a study or of a path, seen from its `folder`; and that of a CSV file of poses. `place` is how messages are to
  * name it, and stays in the definition; statuses as above, KM_USAGE for those of an option. */
 KM_API km_status km_study_read_path(const char *bytes, size_t size, const char *folder, km_study_place place,
                                     km_messages *messages, km_study_def *def, km_error *error);
@@ -78,6 +81,7 @@ KM_API km_status km_study_read_poses(const char *file, km_study_place place, km_
                                      km_error *error);
 KM_API void km_study_def_free(km_study_def *def);
 
+/* A study that is bound to a mechanism. */
 typedef struct km_study km_study;
 
 /* Makes arm, path, start and methods from a definition and a mechanism of its model at its pose. The start is q0, or else
@@ -89,6 +93,7 @@ KM_API km_status km_study_bind(const km_mechanism *mechanism, const km_state *st
                                unsigned long seed, km_messages *messages, km_study **out, km_error *error);
 KM_API void km_study_free(km_study *study);
 
+/* Its arm. Borrowed. */
 KM_API const km_arm *km_study_arm(const km_study *study);
 /* Its path; NULL: it has none. Borrowed. */
 KM_API const km_path *km_study_bound_path(const km_study *study);
@@ -98,6 +103,7 @@ KM_API const km_path *km_study_bound_path(const km_study *study);
 KM_API km_status km_study_start(const km_study *study, double *q, double *moved, km_error *error);
 /* The plan of method i: path, start, method, objective; jobs 1, seed 1. */
 KM_API km_track_plan km_study_plan(const km_study *study, int method);
+/* The number of its methods. */
 KM_API int km_study_methods(const km_study *study);
 
 #ifdef __cplusplus

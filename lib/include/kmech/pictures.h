@@ -23,24 +23,24 @@ typedef struct km_answered {
 /* Answers of several models or variants in one plot. */
 typedef struct km_comparison {
   const km_answered *answers; /* all to questions of one kind */
-  int count;
-  bool ordered; /* variants, whose order the colours show; else models, whose colours differ most */
+  int count;                  /* of the answers */
+  bool ordered;               /* variants, whose order the colours show; else models, whose colours differ most */
 } km_comparison;
 
 /* One of the tables that share a plot. Everything is borrowed. */
 typedef struct km_plotted_table {
-  const km_table *table;
-  const char *name;
-  size_t x;        /* the column across */
-  const size_t *y; /* [columns] those upwards: the same columns of every table, with the same units */
+  const km_table *table; /* with the columns */
+  const char *name;      /* as the plot calls it */
+  size_t x;              /* the column across */
+  const size_t *y;       /* [columns] those upwards: the same columns of every table, with the same units */
 } km_plotted_table;
 
 /* What to show of a history's table, or of some of its rows. Everything is borrowed. */
 typedef struct km_plotted_history {
-  const km_mechanism *mechanism;
-  const km_table *table;
-  const km_crossing *crossings; /* of the definition, */
-  const km_crossing_met *met;   /* and those that were met: marked in the plot */
+  const km_mechanism *mechanism; /* whose coordinates the columns are */
+  const km_table *table;         /* its rows, all or some */
+  const km_crossing *crossings;  /* of the definition, */
+  const km_crossing_met *met;    /* and those that were met: marked in the plot */
   int met_count;
   const char *name; /* of the model */
   const int

@@ -42,8 +42,8 @@ typedef enum km_option_type {
 
 /* An option of a kind of question. */
 typedef struct km_option {
-  const char *name;
-  km_option_type type;
+  const char *name;      /* as km_question_set takes it */
+  km_option_type type;   /* what it takes */
   const char *argument;  /* as a help shows it: "FROM:TO"; NULL: a flag has none */
   const char *unit;      /* "driver's", "length/time²" …; "": none */
   const char *otherwise; /* what holds where it isn't set, in words; NULL: nothing to tell */
@@ -53,18 +53,19 @@ typedef struct km_option {
   bool of_motion;        /* says how the mechanism moves: no matter to a question about one pose */
 } km_option;
 
+/* The value of an option: those members count that its type names. */
 typedef struct km_option_value {
-  bool flag;
-  int whole;
-  double numbers[3];
-  int coordinate;
-  int count;
-  const int *coordinates;
-  const km_sweep_point *points;
-  const km_load *loads;
-  const km_handle *ends;
-  km_handle end;
-  const char *text;
+  bool flag;                    /* switched on */
+  int whole;                    /* a whole number, or the place of a word */
+  double numbers[3];            /* in the option's unit */
+  int coordinate;               /* of the model; -1: none */
+  int count;                    /* of the list */
+  const int *coordinates;       /* of the model */
+  const km_sweep_point *points; /* frames with the names of their columns */
+  const km_load *loads;         /* instead of the model's */
+  const km_handle *ends;        /* that are pushed */
+  km_handle end;                /* of an advantage */
+  const char *text;             /* of a file */
 } km_option_value;
 
 /* The kinds of question, 0 … km_question_kinds() - 1: the name ("mobility", "advantage", "forces", "track"; "" if there
@@ -120,6 +121,8 @@ typedef struct km_question_event {
   const char *subject; /* a joint's label; "": the answer itself, or the mechanism */
   double s, value;     /* value: NaN where there is none */
 } km_question_event;
+/* The places of the last answer in the order of the sweep, 0 … the count; past the last one with
+ * names "" and numbers NaN. Texts are borrowed. */
 KM_API int km_question_event_count(const km_question *question);
 KM_API km_question_event km_question_event_at(const km_question *question, int index);
 

@@ -42,22 +42,25 @@ KM_API void km_diagnosis_record(const km_mechanism *mechanism, const km_diagnosi
                                 km_arena *arena);
 /* `all`: also what planar loops have by nature. */
 KM_API void km_diagnosis_print(const km_mechanism *mechanism, const km_diagnosis *diagnosis, bool all, km_text *out);
+/* The findings for people: each with what to do; nothing found is said, too. */
 KM_API void km_findings_print(const km_findings *findings, const char *name, km_text *out);
 /* Adds `findings` to a record. */
 KM_API void km_findings_record(const km_findings *findings, km_value *record, km_arena *arena);
-/* What `kma at` gives (cli.md). */
+/* What `kma at` gives (cli.md), of a driving `input` and a driven `output`. */
 KM_API km_value *km_advantage_record(const km_mechanism *mechanism, const km_state *state, const km_handle *input,
                                      const km_handle *output, const km_advantage *advantage,
                                      const km_transmission *transmission, const km_losses *losses, const char *name,
                                      km_arena *arena);
+/* The same for people, appended; `input` and `output` as above. */
 KM_API void km_advantage_print(const km_mechanism *mechanism, const km_handle *input, const km_handle *output,
                                const km_advantage *advantage, const km_transmission *transmission,
                                const km_losses *losses, const char *name, km_text *out);
 /* What `kstatic at` gives (cli.md). NULL when out of memory (arena->failed). */
 KM_API km_value *km_statics_record(const km_mechanism *mechanism, const km_state *state, const km_statics *statics,
                                    const char *name, km_arena *arena);
+/* The same for people, appended: forces of the actuators, least-norm forces, reactions. */
 KM_API void km_statics_print(const km_mechanism *mechanism, const km_statics *statics, const char *name, km_text *out);
-/* Which joints would move, the fastest first: "D by -1 rad, N by 0.9 m, …". */
+/* Which joints would move in a `direction` of the balance, the fastest first: "D by -1 rad, N by 0.9 m, …". */
 KM_API void km_direction_words(const km_mechanism *mechanism, const km_statics *statics, int direction, km_text *out);
 /* What a sweep's `--format json` gives (cli.md). `name`: the model's; `stopped_by`: km_sweep_stop_text. NULL when out of
  * memory (arena->failed) or without an answer. */
@@ -74,13 +77,13 @@ KM_API const km_value *km_linear_record(const km_mechanism *mechanism, const km_
 /* A, B, N and the eigenvalues (real and imaginary parts as columns) as a MAT-file of level 4, for little-endian
  * machines. */
 KM_API void km_linear_mat(const km_linear *linear, km_text *out);
-/* A matrix without header, row by row. */
+/* A matrix[rows × columns], column-major, as CSV without header, row by row. */
 KM_API void km_matrix_csv(const double *matrix, int rows, int columns, km_text *out);
 /* kmech, tool, model … figures, events, columns, rows, complete, stopped_by. NULL when out of memory. */
 KM_API const km_value *km_history_record(const km_mechanism *mechanism, const km_history_def *def,
                                          const km_history *history, const char *stopped_by, const char *name,
                                          km_arena *arena);
-/* The same of a motion that is prescribed as a whole. */
+/* The same of a motion that is prescribed as a whole; `stopped_by` as above. */
 KM_API const km_value *km_inverse_record(const km_mechanism *mechanism, const km_history *history,
                                          const char *stopped_by, const char *name, km_arena *arena);
 

@@ -8,10 +8,11 @@
 extern "C" {
 #endif
 
+/* A format that has a schema. */
 typedef enum km_schema {
-  KM_SCHEMA_MODEL,
+  KM_SCHEMA_MODEL,   /* models */
   KM_SCHEMA_DESIGNS, /* studies of designs */
-  KM_SCHEMAS
+  KM_SCHEMAS         /* how many there are */
 } km_schema;
 
 /* The JSON schema (draft 2020-12). NULL: there is no such format, or out of memory (arena->failed). */

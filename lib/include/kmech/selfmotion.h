@@ -21,14 +21,14 @@ typedef struct km_arc_span {
 /* One component: a curve of poses. Arc length u is Euclidean over the coordinates: radians, slides over L. Full turns
  * of hinges don't count as a difference. */
 typedef struct km_selfmotion {
-  int count, columns;
-  double *u; /* [count] increasing; 0 at the pose that it was followed from */
-  double *q; /* [count × columns] model's units, base first; continuous */
-  bool closed;
-  bool turns_on;     /* closed but for full turns of hinges with limits that leave room for them: only limits end it */
-  double length;     /* of the closed curve, or from end to end */
-  double error;      /* of the effector's pose, the largest along it: lengths over L */
-  km_arc_span *arcs; /* at all full turns that the limits leave room for, by their turns */
+  int count, columns; /* poses; coordinates n of the arm */
+  double *u;          /* [count] increasing; 0 at the pose that it was followed from */
+  double *q;          /* [count × columns] model's units, base first; continuous */
+  bool closed;        /* it comes back to its start, full turns of hinges aside */
+  bool turns_on;      /* closed but for full turns of hinges with limits that leave room for them: only limits end it */
+  double length;      /* of the closed curve, or from end to end */
+  double error;       /* of the effector's pose, the largest along it: lengths over L */
+  km_arc_span *arcs;  /* at all full turns that the limits leave room for, by their turns */
   int arc_count;
   int *turn;             /* [arc_count × columns] the full turn in which a hinge with room for several is in the arc's
                           * middle, else 0; NULL with two spare freedoms */
@@ -36,10 +36,12 @@ typedef struct km_selfmotion {
   int row_count;         /* the arcs' poses, from located end to located end; of a whole curve back to its start */
   int *row_arc;          /* [row_count] which arc */
   double *row_u, *row_q; /* [row_count], [row_count × columns]; limited hinges within their limits, continuous */
-  unsigned long evaluations;
+  unsigned long evaluations; /* Jacobians that it took */
 } km_selfmotion;
 
-enum { KM_SELFMOTION_DIRECTIONS = 12 };
+enum {
+  KM_SELFMOTION_DIRECTIONS = 12 /* looked in with two spare freedoms */
+};
 
 /* Follows the self-motion through q[n] (model's units, base first) in both senses: round its closed curve, or until it
  * ends in a singular pose, or its slides leave for infinity. Where limits are crossed is found as roots along the
@@ -54,7 +56,7 @@ KM_API void km_selfmotion_free(km_selfmotion *motion);
 
 /* All components of the poses that hold the effector at a pose. */
 typedef struct km_ik_solutions {
-  int count;
+  int count;             /* components */
   km_selfmotion *items;  /* with one freedom: curves; else single poses (count 1, length 0) */
   double *pose;          /* [count × columns] of each branch: within the limits, as far from them as it gets */
   double *margin;        /* [count] limit distance there; below 0: no pose within the limits */

@@ -9,6 +9,7 @@
 extern "C" {
 #endif
 
+/* The method of a run. */
 typedef enum km_integrator {
   KM_INTEGRATOR_ADAMS, /* variable order and step; BDF takes over while the motion turns out stiff */
   KM_INTEGRATOR_BDF,   /* for stiff forces: stops, tyres, strong dampers */
@@ -23,25 +24,26 @@ typedef enum km_stabilisation {
 
 /* A crossing to locate: where a coordinate passes a value. */
 typedef struct km_crossing {
-  int coordinate;
-  double value; /* the coordinate's unit */
-  bool stops;   /* the run ends there */
+  int coordinate; /* which passes */
+  double value;   /* the coordinate's unit */
+  bool stops;     /* the run ends there */
 } km_crossing;
 
 /* Times in the model's time unit. Start from km_simulation_default(). */
 typedef struct km_simulation_def {
-  km_integrator integrator;
-  km_stabilisation stabilisation;
+  km_integrator integrator;       /* by which method */
+  km_stabilisation stabilisation; /* how loops stay closed */
   /* The error to stay near; a step may have a twentieth of it. Of coordinates in radians and characteristic lengths, of
    * rates in those per second. 1e-7 each. */
   double relative, absolute;
-  double max_step; /* 0: none; of KM_INTEGRATOR_FIXED: the step */
-  double end;      /* no step goes past it; infinity: none */
-  const km_crossing *crossings;
+  double max_step;              /* 0: none; of KM_INTEGRATOR_FIXED: the step */
+  double end;                   /* no step goes past it; infinity: none */
+  const km_crossing *crossings; /* [crossing_count] what is looked for on the way */
   int crossing_count;
 } km_simulation_def;
 KM_API km_simulation_def km_simulation_default(void);
 
+/* A run. */
 typedef struct km_simulation km_simulation;
 
 /* Prepares a run from the assembled state's pose, rates (made to keep the loops, see km_dynamics_project_rates) and time.
@@ -61,10 +63,10 @@ KM_API km_status km_simulation_advance(km_simulation *simulation, double time, k
 
 /* What a run has done so far. */
 typedef struct km_simulation_figures {
-  double time;             /* up to which it has gone */
-  long steps, evaluations; /* of the integrator */
-  long rejected;           /* steps whose error was too large */
-  int repartitions;
+  double time;                   /* up to which it has gone */
+  long steps, evaluations;       /* of the integrator */
+  long rejected;                 /* steps whose error was too large */
+  int repartitions;              /* how often independent coordinates were chosen anew */
   double dissipated, motor_work; /* force × length, since the start: taken by dampers, friction, stops, tyres; given by
                                   * motors, controllers, loads, prescribed motions */
   bool stiff;                    /* the last steps were BDF's */
@@ -73,9 +75,9 @@ KM_API km_simulation_figures km_simulation_figures_of(const km_simulation *simul
 
 /* The crossings that were met, in order: which of the definition's, the time, and the sense (+1: upwards). */
 typedef struct km_crossing_met {
-  int crossing;
-  double time;
-  int sense;
+  int crossing; /* which, from 0 */
+  double time;  /* when, located */
+  int sense;    /* +1: upwards, -1: downwards */
 } km_crossing_met;
 KM_API int km_simulation_crossing_count(const km_simulation *simulation);
 KM_API km_crossing_met km_simulation_crossing(const km_simulation *simulation, int index);

@@ -10,23 +10,30 @@
 extern "C" {
 #endif
 
-typedef enum km_axes { KM_AXES_JOINT, KM_AXES_FIXED } km_axes;
+/* Along which axes reactions are told. */
+typedef enum km_axes {
+  KM_AXES_JOINT, /* those of the child's joint frame */
+  KM_AXES_FIXED  /* those of the inertial frame */
+} km_axes;
 
 /* The wrench of parent on child through a joint, actuator and spring parts included: moment about the origin of the
  * child's joint frame, along that frame's axes or the inertial frame's. */
 typedef struct km_reaction {
-  double force[3], torque[3];
-  bool indeterminate[6]; /* fx fy fz tx ty tz: statics alone doesn't determine it; the least-norm one is given */
+  double force[3], torque[3]; /* model's units of force, and of force × length */
+  bool indeterminate[6];      /* fx fy fz tx ty tz: statics alone doesn't determine it; the least-norm one is given */
 } km_reaction;
 
+/* The workspace behind a balance. */
 typedef struct km_statics_work km_statics_work;
 
-enum { KM_MOST_DIRECTIONS = 64 };
+enum {
+  KM_MOST_DIRECTIONS = 64 /* how many are kept */
+};
 
 /* The balance of one thread. Forces in the model's units, those of angles per radian; rates in radians and the
  * model's length. */
 typedef struct km_statics {
-  int actuator_count;
+  int actuator_count;         /* of the set */
   const km_handle *actuators; /* joints, or points that are pushed along a direction */
   double *actuator_forces;    /* [actuator] NaN where the set can't hold its substructure */
   double *least_norm;         /* [coordinate] f̄; 0 of held ones */
@@ -38,7 +45,7 @@ typedef struct km_statics {
   km_reaction *reactions; /* [joint] */
   km_axes axes;           /* of the reactions */
   int degree;             /* of static indeterminacy: redundant constraints */
-  km_statics_work *work;
+  km_statics_work *work;  /* of the library */
 } km_statics;
 
 /* Prepares for a set of actuators (coordinates, copied; NULL: every free coordinate). KM_USAGE: an actuator is held

@@ -9,18 +9,21 @@
 extern "C" {
 #endif
 
+/* What happens to an actuator's force between rows. */
 typedef enum km_force_event_kind {
   KM_FORCE_BALANCED, /* the load balances itself: the actuator holds nothing */
   KM_FORCE_PEAK,     /* the actuator's force is larger than at either side */
   KM_FORCE_UNBOUNDED /* the actuator is at a toggle against its load: no force is enough */
 } km_force_event_kind;
 
+/* A place of a sweep where an actuator's force is special. */
 typedef struct km_force_event {
-  km_force_event_kind kind;
-  int actuator; /* into the statics' actuators */
-  double s, value;
+  km_force_event_kind kind; /* what it is */
+  int actuator;             /* into the statics' actuators */
+  double s, value;          /* where: the driver, or arc length; the force there */
 } km_force_event;
 
+/* The rows of a sweep with the forces that hold them. */
 typedef struct km_statics_sweep {
   km_sweep motion; /* its table has f., fbar., r., held */
   int actuator_count;

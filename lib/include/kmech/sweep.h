@@ -10,6 +10,7 @@
 extern "C" {
 #endif
 
+/* What ends a motion. */
 typedef enum km_stop {
   KM_STOP_NONE,    /* the whole range was reached */
   KM_STOP_TOGGLE,  /* the driver can't move its substructure any further */
@@ -19,7 +20,7 @@ typedef enum km_stop {
 
 /* How far a motion came. */
 typedef struct km_reach {
-  km_stop stop;
+  km_stop stop;     /* why it came no further */
   double position;  /* of the driver, model's unit: the target, or the located end (to 1e-9 or better) */
   int substructure; /* KM_STOP_TOGGLE: that which stops; -1 none */
   int coordinate;   /* KM_STOP_LIMIT: the coordinate at its limit; -1 none */
@@ -29,7 +30,8 @@ typedef struct km_reach {
 typedef struct km_drive km_drive;
 
 /* Prepares to drive `coordinate` of an assembled state; the state must outlive the drive and is moved by it.
- * KM_USAGE if the coordinate is held or a component of a ball joint. The caller frees `*out`. */
+ * Limits end the motion, but with
+ * `ignore_limits`. KM_USAGE if the coordinate is held or a component of a ball joint. The caller frees `*out`. */
 KM_API km_status km_drive_create(const km_mechanism *mechanism, km_state *state, int coordinate, bool ignore_limits,
                                  km_drive **out, km_error *error);
 KM_API void km_drive_free(km_drive *drive);
@@ -53,7 +55,7 @@ KM_API void km_drive_return(km_drive *drive);
 KM_API int km_drive_crossings(const km_drive *drive);
 
 /* Compiles the model and brings it to a pose: assembled at the file's pose, then moved along its branch, one
- * coordinate after the other, until every `hold` and every `set` has its value. Held coordinates stay rigid in
+ * coordinate after the other, until all `holds` and `sets` have their values. Held coordinates stay rigid in
  * the mechanism that comes out, set ones are free again. Limits don't count. KM_MODEL: the file's own pose can't
  * be closed; KM_NO_RESULT: a value can't be reached (with the end that was located); KM_USAGE: a rotation vector
  * is held or set only in part. The caller frees both. */

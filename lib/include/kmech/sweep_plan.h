@@ -12,26 +12,29 @@
 extern "C" {
 #endif
 
+/* A point whose way a sweep writes down. */
 typedef struct km_sweep_point {
   int frame;        /* of the model */
   const char *name; /* "body/frame", as the columns call it */
 } km_sweep_point;
 
-enum { KM_MOST_SWEEP_STEPS = 10000000 };
+enum {
+  KM_MOST_SWEEP_STEPS = 10000000 /* the most intervals */
+};
 
 /* What to sweep. Start from km_sweep_plan_default(). */
 typedef struct km_sweep_plan {
-  int coordinate;   /* the driver; -1: the model's analysis.sweep */
-  double from, to;  /* model's unit */
-  int steps;        /* intervals; rows = steps + 1. 0: one row at the state's pose, where nothing moves */
-  double arclength; /* > 0: by arc length instead, `steps` times this much; coordinate, from, to don't count */
-  int direction;    /* the coordinate that starts the motion, -1: the one with the largest mobility number */
-  double sign;      /* +1 or -1 */
-  int branch;       /* by arc length, at the first branch point: 1 (or 0) goes on smoothly; 2, 3 take the next motion
+  int coordinate;     /* the driver; -1: the model's analysis.sweep */
+  double from, to;    /* model's unit */
+  int steps;          /* intervals; rows = steps + 1. 0: one row at the state's pose, where nothing moves */
+  double arclength;   /* > 0: by arc length instead, `steps` times this much; coordinate, from, to don't count */
+  int direction;      /* the coordinate that starts the motion, -1: the one with the largest mobility number */
+  double sign;        /* +1 or -1 */
+  int branch;         /* by arc length, at the first branch point: 1 (or 0) goes on smoothly; 2, 3 take the next motion
                      * ahead and back, 4, 5 the one after, … */
-  bool cycle;       /* by arc length: KM_PARTIAL unless the motion comes back to its start */
-  bool ignore_limits;
-  const km_sweep_point *points;
+  bool cycle;         /* by arc length: KM_PARTIAL unless the motion comes back to its start */
+  bool ignore_limits; /* joints go beyond their limits */
+  const km_sweep_point *points; /* [point_count] whose way is written down */
   int point_count;
   bool derivatives;   /* of the points along s */
   bool singularities; /* of mobility sweeps: the smallest kept singular value too */

@@ -11,10 +11,11 @@ extern "C" {
 
 /* A pose of the sweep with more redundant constraints than the others, and as much more mobility. */
 typedef struct km_extra_redundancy {
-  double s;
-  int more;
+  double s; /* where: the driver, or arc length */
+  int more; /* how many more redundant constraints */
 } km_extra_redundancy;
 
+/* What is constrained twice along a sweep. */
 typedef struct km_sweep_redundancies {
   km_redundancies lasting;    /* if asked for: named at a pose of the least mobility, redundant at every pose */
   km_extra_redundancy *extra; /* rows and branch points, by s in the order of the sweep */

@@ -10,6 +10,7 @@
 extern "C" {
 #endif
 
+/* Rows of numbers in named columns. */
 typedef struct km_table km_table;
 
 /* NULL when out of memory. The caller frees it. */
@@ -25,10 +26,12 @@ KM_API bool km_table_reserve(km_table *table, size_t rows);
 /* A new row, filled with NaN; NULL when out of memory. Valid until the next row. */
 KM_API double *km_table_add_row(km_table *table);
 
+/* How many rows and columns there are. */
 KM_API size_t km_table_rows(const km_table *table);
 KM_API size_t km_table_columns(const km_table *table);
 KM_API const char *km_table_name(const km_table *table, size_t column); /* borrowed, without unit */
 KM_API const char *km_table_unit(const km_table *table, size_t column); /* "": dimensionless */
+/* Is the column's header without its unit? */
 KM_API bool km_table_is_plain(const km_table *table, size_t column);
 /* A whole column: values[rows]. KM_USAGE: there is no such column. */
 KM_API km_status km_table_column(const km_table *table, size_t column, double *values, km_error *error);
@@ -43,15 +46,15 @@ KM_API int km_table_find(const km_table *table, const char *name);
 
 /* Columns of one kind, side by side: the first one's index and how many there are. */
 typedef struct km_span {
-  size_t first, count;
+  size_t first, count; /* 0: there are none */
 } km_span;
 /* The columns whose names begin with `prefix` ("q."); count 0 if there are none. */
 KM_API km_span km_table_span(const km_table *table, const char *prefix);
 
 /* A figure of merit of a column over the rows. */
 typedef enum km_figure {
-  KM_FIGURE_MIN,
-  KM_FIGURE_MAX,
+  KM_FIGURE_MIN,  /* the least value */
+  KM_FIGURE_MAX,  /* the greatest */
   KM_FIGURE_SPAN, /* max − min */
   KM_FIGURE_MEAN, /* over s, by the trapezoidal rule */
   KM_FIGURE_AT    /* at a given s: between rows by the line through both */

@@ -22,7 +22,7 @@ typedef enum km_objective_kind {
   KM_LIMIT_DISTANCE, /* min over limited joints of (distance to the nearer limit)/(half range) */
   KM_JOINT_TRAVEL,   /* the path entry z = 1/√(1 + |q′|²): less joint travel for the same way is better */
   KM_RATE_MARGIN,    /* min over rated joints of 1 − |q̇|/rate, at the least rates that follow the path */
-  KM_OBJECTIVES
+  KM_OBJECTIVES      /* how many there are */
 } km_objective_kind;
 
 KM_API const char *km_objective_word(km_objective_kind kind); /* "path-control" … */
@@ -30,18 +30,20 @@ KM_API int km_objective_find(const char *word);               /* -1: none */
 
 /* A weighted sum of them. */
 typedef struct km_objective {
-  double weight[KM_OBJECTIVES];
+  double weight[KM_OBJECTIVES]; /* of each kind; 0: it doesn't count */
 } km_objective;
 /* Adds an objective of that name to a weighted sum. KM_USAGE: there is none, or it is no weight. */
 KM_API km_status km_objective_add(km_objective *objective, const char *word, double weight, km_error *error);
 /* What must follow the path: "pose", "position" or "axis". KM_USAGE: no task has that name. */
 KM_API km_status km_task_of_word(const char *word, km_task *out, km_error *error);
+/* The sum in which one kind alone has weight 1. */
 KM_API km_objective km_objective_of(km_objective_kind kind);
 /* The only kind, if it has weight 1; -1: a weighted sum. */
 KM_API int km_objective_single(const km_objective *objective);
 /* "singular-value", or "weighted" of several. */
 KM_API const char *km_objective_name(const km_objective *objective);
 
+/* How a redundant arm follows a path. */
 typedef enum km_method_kind {
   KM_GREEDY,    /* the path-control column: the pseudo-inverse method, found without one (318) */
   KM_LOOKAHEAD, /* a tree of branches that turn the path-control column, receding with the path */
@@ -50,16 +52,20 @@ typedef enum km_method_kind {
   KM_GRADIENT,  /* greedy, and up the objective's slope in the null space */
   KM_DP,        /* dynamic programming over the self-motions: the reference */
   KM_GLOBAL,    /* NLopt over the whole path's turns */
-  KM_METHODS
+  KM_METHODS    /* how many there are */
 } km_method_kind;
 
+/* "greedy", "lookahead" …; "" for none. */
 KM_API const char *km_method_word(km_method_kind kind);
 KM_API int km_method_find(const char *word); /* -1: none; "pinv" is greedy */
 
-enum { KM_METHOD_JOINTS = 8 };
+enum {
+  KM_METHOD_JOINTS = 8 /* the most that are held */
+};
 
+/* A method with its settings. Start from km_method_default(). */
 typedef struct km_method {
-  km_method_kind kind;
+  km_method_kind kind;          /* which settings count */
   const char *word;             /* what it was asked for by: "pinv" for greedy, too */
   int branches, levels;         /* lookahead: odd; 3 and 3 */
   double angle;                 /* radians between branches, and the most of gradient, dp, global: 30° */
@@ -74,6 +80,7 @@ typedef struct km_method {
   int joints[KM_METHOD_JOINTS]; /* fixed: held columns of the arm; joint_count 0: those that pivoting leaves free */
   int joint_count;
 } km_method;
+/* The method with the settings that km_method names. */
 KM_API km_method km_method_default(km_method_kind kind);
 /* The default method of a word. KM_USAGE: there is none of that name; `out` is then greedy. */
 KM_API km_status km_method_of_word(const char *word, km_method *out, km_error *error);
@@ -88,8 +95,9 @@ KM_API km_status km_method_set_leaf(km_method *method, const char *word, km_erro
 /* KM_USAGE: a setting is out of its range, or doesn't fit the others; *key is then the setting. */
 KM_API km_status km_method_check(const km_method *method, const char **key, km_error *error);
 
+/* Why a track ends. */
 typedef enum km_track_stop {
-  KM_TRACK_COMPLETE,
+  KM_TRACK_COMPLETE, /* the path does */
   KM_TRACK_LIMIT,    /* a joint is at its limit */
   KM_TRACK_RATE,     /* a joint would be faster than it may */
   KM_TRACK_SINGULAR, /* the pose can't move along the path, though another one could */
@@ -101,22 +109,24 @@ typedef enum km_track_stop {
 
 /* How a track ended. */
 typedef struct km_track_end {
-  km_track_stop stop;
+  km_track_stop stop;  /* why */
   int column;          /* LIMIT, RATE: of the arm; else -1 */
   int sample;          /* the last sample that was reached, -1 none */
   double s, t;         /* where it ended: the path's metric in the model's length unit, and seconds; */
   double travel, turn; /* how far its origin travelled to there, model's length unit, and how far it turned, radians */
 } km_track_end;
 
+/* A track: a pose of the arm for each sample of the path. */
 typedef struct km_track km_track;
 
+/* What to follow, from where, and how. */
 typedef struct km_track_plan {
-  const km_path *path;
-  const double *start; /* [n] model's units: reaches the first pose */
-  km_method method;
-  km_objective objective;
-  int jobs;
-  unsigned long seed;
+  const km_path *path;    /* of the same arm */
+  const double *start;    /* [n] model's units: reaches the first pose */
+  km_method method;       /* how */
+  km_objective objective; /* what is made large */
+  int jobs;               /* threads */
+  unsigned long seed;     /* of what is random */
   km_progress progress;
   void *context;
 } km_track_plan;
@@ -127,6 +137,7 @@ typedef struct km_track_plan {
 KM_API km_status km_track_run(const km_arm *arm, const km_track_plan *plan, km_track **out, km_error *error);
 KM_API void km_track_free(km_track *track);
 
+/* How it ended. */
 KM_API km_track_end km_track_ending(const km_track *track);
 KM_API int km_track_samples(const km_track *track); /* of the path: rows that a whole track has */
 /* Columns as cli.md: step, s, t_s, q., v., z., z.path, objective., error_position, error_rotation, limit_margin. */
@@ -135,17 +146,17 @@ KM_API const km_table *km_track_rows(const km_track *track); /* borrowed */
 /* What a summary tells. Objectives are the plan's. */
 typedef struct km_track_summary {
   double error_position, error_rotation; /* largest; model's length and angle unit */
-  double objective_min, objective_mean;
-  double joint_travel; /* Σ|Δq|, slides over L */
-  double rate;         /* largest joint speed, slides over L a second */
-  int rate_column;
-  double limit_margin;
-  int violations;            /* rows outside a limit or a rate: 0, or a fault */
-  unsigned long evaluations; /* Jacobians */
-  double seconds;            /* of work; not in records, which are the same for the same input */
-  bool greedy_instead;       /* look-ahead: greedy's track was better and is given */
-  double converged;          /* dp: relative change of the value at half the spacing and stage; else NaN */
-  bool bounded;              /* dp: there were more states than it keeps, so they lie wider than the spacing */
+  double objective_min, objective_mean;  /* over the rows */
+  double joint_travel;                   /* Σ|Δq|, slides over L */
+  double rate;                           /* largest joint speed, slides over L a second */
+  int rate_column;                       /* whose speed that is, a column of the arm; -1: none */
+  double limit_margin;                   /* least distance to a limit over half the range; 1 without limits */
+  int violations;                        /* rows outside a limit or a rate: 0, or a fault */
+  unsigned long evaluations;             /* Jacobians */
+  double seconds;                        /* of work; not in records, which are the same for the same input */
+  bool greedy_instead;                   /* look-ahead: greedy's track was better and is given */
+  double converged;                      /* dp: relative change of the value at half the spacing and stage; else NaN */
+  bool bounded; /* dp: there were more states than it keeps, so they lie wider than the spacing */
 } km_track_summary;
 KM_API km_track_summary km_track_summarise(const km_track *track);
 

@@ -13,7 +13,7 @@ extern "C" {
 
 /* The tracks of one study, method by method. Everything is borrowed. */
 typedef struct km_tracks {
-  const km_study *study;
+  const km_study *study;  /* whose methods they are */
   const char *name;       /* of the study or model, for people */
   const char *model;      /* for pictures */
   km_track *const *items; /* [count]; NULL where a method failed */
@@ -44,13 +44,13 @@ KM_API km_status km_tracks_drawing(const km_tracks *tracks, km_picture_format fo
 KM_API km_status km_tracks_map(const km_tracks *tracks, km_picture_format format, km_text *out, km_error *error);
 
 /* A self-motion of the arm as record, text and table. Rows are the poses within the limits, or the whole curve with `all`.
- * Names are those of models, for people. The caller frees the table; NULL when out of memory. */
+ * `model` and `name`: the model's, for people. The caller frees the table; NULL when out of memory. */
 KM_API km_value *km_selfmotion_record(const km_arm *arm, const km_selfmotion *motion, bool all, const char *model,
                                       km_arena *arena);
 KM_API void km_selfmotion_print(const km_arm *arm, const km_selfmotion *motion, const char *name, km_text *out);
 KM_API km_table *km_selfmotion_table(const km_arm *arm, const km_selfmotion *motion, bool all);
 
-/* All branches of inverse kinematics. */
+/* All branches of inverse kinematics; `model` and `name` as above. */
 KM_API km_value *km_ik_solutions_record(const km_arm *arm, const km_ik_solutions *solutions, const char *model,
                                         km_arena *arena);
 KM_API void km_ik_solutions_print(const km_arm *arm, const km_ik_solutions *solutions, const char *name, km_text *out);

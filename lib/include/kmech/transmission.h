@@ -14,6 +14,7 @@ typedef struct km_metric {
   const char *why; /* NULL: defined */
 } km_metric;
 
+/* The metrics of one pose. */
 typedef struct km_transmission {
   /* The wrench that reaches the output: reciprocal to all joints of the loop but input and output (thesis 8.1). Unit
    * force and its moment (a unit couple where there is no force) about the inertial origin, along its axes. */
@@ -28,8 +29,9 @@ typedef struct km_transmission {
   km_metric condition;       /* σ_max / σ_min of the same */
 } km_transmission;
 
-/* The workspace of one thread. The caller frees `*out`. KM_MEMORY. */
+/* The workspace of one thread. */
 typedef struct km_transmission_work km_transmission_work;
+/* Prepares for a driving `input` and a driven `output`. The caller frees `*out`. KM_MEMORY. */
 KM_API km_status km_transmission_create(const km_mechanism *mechanism, const km_handle *input, const km_handle *output,
                                         km_transmission_work **out, km_error *error);
 KM_API void km_transmission_free(km_transmission_work *work);

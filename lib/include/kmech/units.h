@@ -10,10 +10,11 @@ extern "C" {
 
 /* One unit of a quantity: the word in a file, the suffix in a column, its size in SI. */
 typedef struct km_unit {
-  const char *word, *suffix;
-  double si;
+  const char *word, *suffix; /* in a file: "degrees"; in a column: "deg" */
+  double si;                 /* radians, metres, kilograms, seconds, newtons of one */
 } km_unit;
 
+/* A unit for each quantity. */
 typedef struct km_units {
   const km_unit *angle, *length, *mass, *time, *force; /* borrowed for ever */
 } km_units;
@@ -21,10 +22,18 @@ typedef struct km_units {
 /* Exponents of the five base units; generalised forces and rates of angles count radians, so `angle` is 1 only for angles
  * written in the angle unit. */
 typedef struct km_dimension {
-  signed char angle, length, mass, time, force;
+  signed char angle, length, mass, time, force; /* exponents */
 } km_dimension;
 
-typedef enum km_quantity { KM_ANGLE, KM_LENGTH, KM_MASS, KM_TIME, KM_FORCE, KM_QUANTITIES } km_quantity;
+/* What has a unit of its own. */
+typedef enum km_quantity {
+  KM_ANGLE,     /* radians in SI */
+  KM_LENGTH,    /* metres */
+  KM_MASS,      /* kilograms */
+  KM_TIME,      /* seconds */
+  KM_FORCE,     /* newtons */
+  KM_QUANTITIES /* how many there are */
+} km_quantity;
 
 KM_API km_units km_units_default(void); /* radians, metres, kilograms, seconds, newtons */
 /* Those of a model; the default ones without a model. */

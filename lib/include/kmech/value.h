@@ -8,25 +8,34 @@
 extern "C" {
 #endif
 
-typedef enum km_kind { KM_NULL, KM_BOOLEAN, KM_NUMBER, KM_STRING, KM_LIST, KM_OBJECT } km_kind;
+/* What a value is. */
+typedef enum km_kind {
+  KM_NULL,    /* nothing; a number that isn't finite */
+  KM_BOOLEAN, /* true or false */
+  KM_NUMBER,  /* a double */
+  KM_STRING,  /* text */
+  KM_LIST,    /* values in order */
+  KM_OBJECT   /* values with keys, in order */
+} km_kind;
 
 /* A tree lives in an arena and is freed with it. */
 typedef struct km_value {
-  km_kind kind;
-  const char *key; /* inside an object, else NULL */
-  double number;   /* KM_NUMBER; KM_BOOLEAN: 0 or 1 */
-  const char *string;
+  km_kind kind;                         /* which members count */
+  const char *key;                      /* inside an object, else NULL */
+  double number;                        /* KM_NUMBER; KM_BOOLEAN: 0 or 1 */
+  const char *string;                   /* KM_STRING; else NULL */
   struct km_value *first, *last, *next; /* members of a list or an object, and the next sibling */
-  size_t count;
+  size_t count;                         /* of the members */
 } km_value;
 
 /* Each adds a member to `parent` (key NULL for a list; parent NULL for a root) and returns it, NULL when out of memory. A
- * parent that is NULL because an earlier call failed is caught by the arena's flag. Texts are copied. */
+ * parent that is NULL because an earlier call failed is caught by the arena's flag. Texts are copied. A `number`, a `string`: the member's value. */
 KM_API km_value *km_value_add(km_arena *arena, km_value *parent, const char *key, km_kind kind);
 KM_API km_value *km_value_number(km_arena *arena, km_value *parent, const char *key, double number);
 KM_API km_value *km_value_string(km_arena *arena, km_value *parent, const char *key, const char *string);
 /* The text's words; frees it. */
 KM_API km_value *km_value_words(km_arena *arena, km_value *parent, const char *key, km_text *text);
+/* `truth`: 0 is false. */
 KM_API km_value *km_value_boolean(km_arena *arena, km_value *parent, const char *key, int truth);
 /* A list of numbers. */
 KM_API km_value *km_value_numbers(km_arena *arena, km_value *parent, const char *key, const double *numbers,

@@ -19,7 +19,7 @@ KM_API km_status km_model_write(const km_model *model, const double *q, km_bytes
 
 /* The formats that a model is written in. */
 typedef enum km_model_format {
-  KM_FORMAT_JSON,
+  KM_FORMAT_JSON, /* the model format */
   KM_FORMAT_URDF, /* a tree: joints that close loops are left out */
   KM_FORMAT_MJCF, /* loops by constraints */
   KM_FORMAT_SDF   /* loops as joints */

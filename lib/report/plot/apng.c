@@ -51,7 +51,7 @@ static void put_frame_control(km_apng *a) {
 static void put_image_data(km_apng *a, const chunk *c) {
   unsigned char number[4];
   if (a->added == 0) {
-    km_png_put_chunk(a->out, c->type, number, 0, c->data, c->size);
+    km_png_put_chunk(a->out, c->type, c->data, 0, c->data, c->size);
     return;
   }
   km_png_put_number(number, a->sequence++);
