@@ -171,9 +171,15 @@ static void jansen_steps_as_drawn(void **state) {
 }
 
 int main(void) {
-  const struct CMUnitTest tests[] = {cmocka_unit_test(every_known_fact_holds),
-                                     cmocka_unit_test(excavator_substructures), cmocka_unit_test(robot_columns),
-                                     cmocka_unit_test(peaucellier_runs_straight),
-                                     cmocka_unit_test(jansen_steps_as_drawn)};
+  const struct CMUnitTest tests[] = {
+      claim_test(every_known_fact_holds, "Every fact that the models state",
+                 "whole numbers exactly, mobility numbers to the digits stated"),
+      cmocka_unit_test(excavator_substructures),
+      claim_test(robot_columns, "The columns of the thesis's 7R robot (thesis section 11.4)",
+                 "half of the last digit printed, and rounding of the frames that were found for it"),
+      claim_test(peaucellier_runs_straight, "Peaucellier's linkage draws the line x = 100 mm",
+                 "the loops are closed to 1e-12 of its size"),
+      claim_test(jansen_steps_as_drawn, "The foot of Jansen's leg goes where five pairs of circles meet",
+                 "the loops are closed to 1e-12 of its size")};
   return cmocka_run_group_tests(tests, NULL, NULL);
 }

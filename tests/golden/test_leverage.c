@@ -207,9 +207,12 @@ static void excavator_under_gravity(void **state) {
 }
 
 int main(void) {
-  const struct CMUnitTest tests[] = {
-      cmocka_unit_test(toggles_are_located),   cmocka_unit_test(toggles_by_arc_length),
-      cmocka_unit_test(through_change_points), cmocka_unit_test(balances_and_peaks),
-      cmocka_unit_test(forces_without_bound),  cmocka_unit_test(excavator_under_gravity)};
+  const struct CMUnitTest tests[] = {claim_test(toggles_are_located, "A four-bar's dead centres by the cosine rule",
+                                                "ends and events are located to 1e-9"),
+                                     cmocka_unit_test(toggles_by_arc_length),
+                                     cmocka_unit_test(through_change_points),
+                                     cmocka_unit_test(balances_and_peaks),
+                                     cmocka_unit_test(forces_without_bound),
+                                     cmocka_unit_test(excavator_under_gravity)};
   return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -186,13 +186,23 @@ static void excavator_twins_are_equal(void **state) {
 
 int main(void) {
   const struct CMUnitTest tests[] = {
-      cmocka_unit_test(slider_crank_closed_form),
-      cmocka_unit_test(long_crank_stops_where_it_must),
-      cmocka_unit_test(equal_crank_passes_its_branch_point),
-      cmocka_unit_test(sarrus_numbers_are_constant),
-      cmocka_unit_test(bricard_square_and_triangle),
-      cmocka_unit_test(klann_turns_round_on_one_branch),
-      cmocka_unit_test(excavator_twins_are_equal),
+      claim_test(slider_crank_closed_form,
+                 "All mobility numbers of slider-cranks with α = 0.001 to 0.99 over a turn, in closed form",
+                 "the loops are closed to 1e-12, over the least squared rate"),
+      claim_test(long_crank_stops_where_it_must, "A crank longer than the rod turns to asin(1/α), α = 1.0001 to 10",
+                 "ends of sweeps are located to 1e-9"),
+      claim_test(equal_crank_passes_its_branch_point, "A crank as long as the rod passes its branch point: x = 2 cos θ",
+                 "the root of what the loops are closed to, at the branch point"),
+      claim_test(sarrus_numbers_are_constant,
+                 "Sarrus: 1/18 and 2/9 with three legs, 1/24 and 1/6 with four, at every height (thesis 10.2.1)",
+                 "the loops are closed to 1e-12, over the least pivot"),
+      claim_test(bricard_square_and_triangle,
+                 "Bricard: 0 and 1/3 alternating in the planar triangle, one freedom throughout (thesis 10.1.2)",
+                 "the loops are closed to 1e-12, over the least pivot"),
+      claim_test(klann_turns_round_on_one_branch, "Klann's leg closes its cycle on one branch",
+                 "the loops are closed to 1e-12, over the least pivot"),
+      claim_test(excavator_twins_are_equal,
+                 "The twin cylinders of the excavator's boom have equal numbers (thesis 10.3)", "rounding"),
   };
   return cmocka_run_group_tests(tests, NULL, NULL);
 }

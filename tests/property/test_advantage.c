@@ -360,15 +360,24 @@ static void rows_are_those_of_their_poses(void **state) {
 
 int main(void) {
   const struct CMUnitTest tests[] = {
-      cmocka_unit_test(inverse_of_the_rate),
+      claim_test(
+          inverse_of_the_rate,
+          "The mechanical advantage is the inverse of the rate at which the closed loops move the output",
+          "a fifteenth of the change of a fourth-order difference as its step doubles, and rounding over the step"),
       cmocka_unit_test(an_arm_in_no_loop),
       cmocka_unit_test(rows_are_those_of_their_poses),
-      cmocka_unit_test(minus_the_ratio_of_forces),
-      cmocka_unit_test(characteristic_length_does_not_count),
-      cmocka_unit_test(single_cardan_joint),
+      claim_test(minus_the_ratio_of_forces, "The input force that balances an output force τ is −τ/MA",
+                 "1e-8 of the ratio: rounding over the input's mobility number, above 1e-4"),
+      claim_test(characteristic_length_does_not_count,
+                 "The mechanical advantage doesn't depend on the characteristic length", "rounding: 1e-9 of it"),
+      claim_test(single_cardan_joint, "A Cardan joint turns at cos β/(1 − sin²β cos²θ) of its input's rate",
+                 "the loops are closed to 1e-12"),
       cmocka_unit_test(double_cardan_joint),
-      cmocka_unit_test(transmission_of_a_four_bar),
-      cmocka_unit_test(friction_of_a_slide),
+      claim_test(transmission_of_a_four_bar,
+                 "A four-bar's transmission angle is that of the cosine rule, and its indices are the sine",
+                 "the loops are closed to 1e-12"),
+      claim_test(friction_of_a_slide, "The efficiency of a crank that drives a slide with friction is 1 − μ tan β",
+                 "the loops are closed to 1e-12, over the rod's angle"),
   };
   return cmocka_run_group_tests(tests, NULL, NULL);
 }

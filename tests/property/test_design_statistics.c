@@ -294,10 +294,18 @@ static void bad_definitions(void **state) {
 
 int main(void) {
   const struct CMUnitTest tests[] = {
-      cmocka_unit_test(indices_of_ishigami),    cmocka_unit_test(ranks),
-      cmocka_unit_test(no_good_design),         cmocka_unit_test(known_quantiles),
-      cmocka_unit_test(accurate_enough),        cmocka_unit_test(every_algorithm_finds_the_bottom),
-      cmocka_unit_test(limits_are_constraints), cmocka_unit_test(starts_on_threads),
-      cmocka_unit_test(front_of_schaffer),      cmocka_unit_test(bad_definitions)};
+      claim_test(
+          indices_of_ishigami,
+          "Sobol's indices of Ishigami's function, first order and total (Ishigami and Homma, 1990)",
+          "an error of 0.01 from 4096 low-discrepancy samples, well below a random sample's confidence interval"),
+      cmocka_unit_test(ranks),
+      cmocka_unit_test(no_good_design),
+      cmocka_unit_test(known_quantiles),
+      cmocka_unit_test(accurate_enough),
+      cmocka_unit_test(every_algorithm_finds_the_bottom),
+      cmocka_unit_test(limits_are_constraints),
+      cmocka_unit_test(starts_on_threads),
+      cmocka_unit_test(front_of_schaffer),
+      cmocka_unit_test(bad_definitions)};
   return cmocka_run_group_tests(tests, NULL, NULL);
 }

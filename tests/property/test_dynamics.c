@@ -43,6 +43,9 @@ static void test_dalembert(void **data) {
 }
 
 int main(void) {
-  const struct CMUnitTest tests[] = {cmocka_unit_test(test_dalembert)};
+  const struct CMUnitTest tests[] = {
+      claim_test(test_dalembert,
+                 "Accelerations satisfy d'Alembert's principle by momenta along the motion, on 300 random mechanisms",
+                 "central differences over 1e-5 err by 1e-10 times third derivatives, and by 1e-16/1e-5")};
   return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -110,7 +110,9 @@ static void lattices(void **state) {
 }
 
 int main(void) {
-  const struct CMUnitTest tests[] = {cmocka_unit_test(shipped_models), cmocka_unit_test(random_mechanisms),
-                                     cmocka_unit_test(lattices)};
+  const struct CMUnitTest tests[] = {
+      claim_test(shipped_models, "Reactions by sparse matrices are those by dense ones, every model",
+                 "1e-9 of the largest reaction: both lose as many digits as the smallest pivot is below 1"),
+      cmocka_unit_test(random_mechanisms), cmocka_unit_test(lattices)};
   return cmocka_run_group_tests(tests, NULL, NULL);
 }

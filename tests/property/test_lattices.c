@@ -49,7 +49,7 @@ static void check(const km_text *text, int loops, bool planar) {
   assert_int_equal(evidence.loops, loops);
   for (int l = 0; l < loops && planar; ++l)
     assert_int_equal(f.mechanism->loops[l].lambda, 3);
-  assert_int_equal(rank_by_spqr(&f, evidence.tolerance * f.state->partition[0].scale), evidence.rank);
+  assert_near(evidence.rank, rank_by_spqr(&f, evidence.tolerance * f.state->partition[0].scale), 0.0);
   assert_int_equal(mobility.mobility, 1);
   assert_true(mobility.residual < 1e-9);
   fixture_close(&f);
@@ -90,9 +90,12 @@ static void miuras(void **state) {
 
 int main(void) {
   const struct CMUnitTest tests[] = {
-      cmocka_unit_test(chains),
-      cmocka_unit_test(trellises),
-      cmocka_unit_test(miuras),
+      claim_test(chains, "Ranks of chains of up to 9900 loops are those of SuiteSparse's rank-revealing QR",
+                 "none: whole numbers"),
+      claim_test(trellises, "Ranks of trellises of up to 9900 loops are those of SuiteSparse's rank-revealing QR",
+                 "none: whole numbers"),
+      claim_test(miuras, "Ranks of folded sheets of up to 9900 loops are those of SuiteSparse's rank-revealing QR",
+                 "none: whole numbers"),
   };
   return cmocka_run_group_tests(tests, NULL, NULL);
 }

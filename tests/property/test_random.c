@@ -68,10 +68,32 @@ static void reactions(void **state) {
 }
 
 int main(void) {
-  const struct CMUnitTest tests[] = {cmocka_unit_test(jacobian),     cmocka_unit_test(null_space),
-                                     cmocka_unit_test(numbers),      cmocka_unit_test(forced),
-                                     cmocka_unit_test(twists),       cmocka_unit_test(equilibrium),
-                                     cmocka_unit_test(transmitted),  cmocka_unit_test(least_norm),
-                                     cmocka_unit_test(virtual_work), cmocka_unit_test(reactions)};
+  const struct CMUnitTest tests[] = {
+      claim_test(jacobian, "The loops' Jacobian is the derivative of their error, on 150 random mechanisms",
+                 "central differences over 1e-5 err by 1e-10 times third derivatives, and by 1e-16/1e-5"),
+      claim_test(null_space, "J N = 0 for all six rows of every loop, on 150 random mechanisms",
+                 "rounding of sums of products, 1e-12 of the largest column"),
+      claim_test(
+          numbers,
+          "Mobility numbers and ranks are those of LAPACK's singular value decomposition, on 150 random mechanisms",
+          "rounding of both over the smallest singular value that is kept"),
+      claim_test(forced,
+                 "Mobility numbers are the same with another column forced independent, on 150 random mechanisms",
+                 "rounding over the smallest pivot"),
+      claim_test(twists, "Twists of bodies are derivatives of their poses, on 150 random mechanisms",
+                 "three times what a central difference errs by, and rounding over the step"),
+      claim_test(equilibrium, "Force and moment on every body add up to nothing, on 150 random mechanisms with gears",
+                 "rounding: 1e-10 of the largest force, or of its moment"),
+      claim_test(transmitted,
+                 "A joint's reaction has the actuator's force along the joint's motion, on 150 random mechanisms",
+                 "rounding: 1e-10 of the largest force or moment"),
+      claim_test(least_norm, "Least-norm forces lie in the space of motions, on 150 random mechanisms",
+                 "rounding of the sums"),
+      claim_test(virtual_work,
+                 "Loads, springs and actuators have no power in any free motion, on 150 random mechanisms",
+                 "rounding: 1e-10 of the powers that cancel"),
+      claim_test(reactions,
+                 "Reactions are LAPACK's least-norm solution of all equations of all bodies, on 150 random mechanisms",
+                 "1e-8 of the largest force: rounding over the smallest singular value")};
   return cmocka_run_group_tests(tests, NULL, NULL);
 }

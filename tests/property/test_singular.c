@@ -75,7 +75,8 @@ static void minima_where_mobility_is_gained(void **state) {
 
 int main(void) {
   const struct CMUnitTest tests[] = {
-      cmocka_unit_test(those_of_lapacke),
+      claim_test(those_of_lapacke, "The smallest singular value along a sweep is LAPACK's",
+                 "rounding, of matrices of size about 1"),
       cmocka_unit_test(minima_where_mobility_is_gained),
   };
   return cmocka_run_group_tests(tests, NULL, NULL);

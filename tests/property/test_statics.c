@@ -51,8 +51,16 @@ static void reactions(void **state) {
 }
 
 int main(void) {
-  const struct CMUnitTest tests[] = {cmocka_unit_test(equilibrium), cmocka_unit_test(transmitted),
-                                     cmocka_unit_test(virtual_work), cmocka_unit_test(least_norm),
-                                     cmocka_unit_test(reactions)};
+  const struct CMUnitTest tests[] = {
+      claim_test(equilibrium, "Force and moment on every body add up to nothing, every model under random loads",
+                 "rounding: 1e-10 of the largest force, or of its moment"),
+      claim_test(transmitted, "A joint's reaction has the actuator's force along the joint's motion, every model",
+                 "rounding: 1e-10 of the largest force or moment"),
+      claim_test(virtual_work, "Loads, springs and actuators have no power in any free motion, every model",
+                 "rounding: 1e-10 of the powers that cancel"),
+      claim_test(least_norm, "Least-norm forces lie in the space of motions, also with another characteristic length",
+                 "rounding of the sums"),
+      claim_test(reactions, "Reactions are LAPACK's least-norm solution of all equations of all bodies, every model",
+                 "1e-8 of the largest force: rounding over the smallest singular value")};
   return cmocka_run_group_tests(tests, NULL, NULL);
 }

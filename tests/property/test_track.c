@@ -238,10 +238,15 @@ static void records_are_the_same_every_time(void **state) {
 
 int main(void) {
   const struct CMUnitTest tests[] = {
-      cmocka_unit_test(all_methods_stay_on_the_path),  cmocka_unit_test(one_branch_is_greedy),
-      cmocka_unit_test(threads_dont_matter),           cmocka_unit_test(units_dont_matter),
-      cmocka_unit_test(look_ahead_is_at_least_greedy), cmocka_unit_test(greedy_moves_by_its_column),
-      cmocka_unit_test(other_arms_and_tasks),          cmocka_unit_test(records_are_the_same_every_time),
+      claim_test(all_methods_stay_on_the_path, "Every method for redundant arms stays on the path",
+                 "the tolerance that tracks promise"),
+      cmocka_unit_test(one_branch_is_greedy),
+      cmocka_unit_test(threads_dont_matter),
+      cmocka_unit_test(units_dont_matter),
+      cmocka_unit_test(look_ahead_is_at_least_greedy),
+      cmocka_unit_test(greedy_moves_by_its_column),
+      cmocka_unit_test(other_arms_and_tasks),
+      cmocka_unit_test(records_are_the_same_every_time),
   };
   return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -80,7 +80,7 @@ void law_numbers(fixture *f, randomness *r) {
   for (int s = 0; s < m->topology.substructure_count; ++s) {
     const km_substructure *sub = &m->substructures[s];
     double *numbers = KM_NEW(double, (size_t)sub->columns);
-    assert_int_equal(numbers_by_svd(f, s, numbers), f->state->partition[s].rank);
+    assert_near(f->state->partition[s].rank, numbers_by_svd(f, s, numbers), 0.0);
     for (int k = 0; k < sub->columns; ++k)
       assert_near(f->state->numbers[m->column_coordinate[sub->column_start + k]], numbers[k], 1e-10);
     km_free(numbers);
@@ -145,7 +145,7 @@ static void differences(fixture *f, const double *q, const km_quaternion *balls,
 
 static void check_rate(km_vec3 near, km_vec3 far, km_vec3 want, double rounding) {
   km_vec3 change = km_vec3_sub(far, near), off = km_vec3_sub(near, want);
-  assert_true(km_vec3_norm(off) <= km_vec3_norm(change) + rounding);
+  assert_at_most(km_vec3_norm(off), km_vec3_norm(change) + rounding);
 }
 
 /* Body twists from the joints' rates against finite differences of the poses along the tree, at any rates. The error of

@@ -93,10 +93,21 @@ void fixture_close(fixture *f) {
 }
 
 void assert_near_at(double a, double b, double tolerance, const char *what, const char *file, int line) {
+  evidence_compare(a, b, tolerance);
   if (fabs(a - b) <= tolerance)
     return;
   print_error("%s: %.17g is not %.17g within %.3g (off by %.3g)\n", what, a, b, tolerance, fabs(a - b));
   _fail(file, line);
+}
+
+void assert_same_bits_at(const double *a, const double *b, size_t count, const char *what, const char *file, int line) {
+  for (size_t i = 0; i < count; ++i) {
+    evidence_compare(a[i], b[i], 0.0);
+    if (memcmp(&a[i], &b[i], sizeof a[i]) == 0)
+      continue;
+    print_error("%s: %.17g has other bits than %.17g, at %zu\n", what, a[i], b[i], i);
+    _fail(file, line);
+  }
 }
 
 static uint64_t next(randomness *r) {

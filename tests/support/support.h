@@ -10,6 +10,8 @@
 
 #include <cmocka.h>
 
+#include "support/evidence.h"
+
 #include "kinematics/state.h"
 #include "kmech/mobility_sweep.h"
 
@@ -42,6 +44,11 @@ fixture parallelogram(double angle);
 /* |a − b| ≤ tolerance, and neither is NaN. */
 #define assert_near(a, b, tolerance) assert_near_at((a), (b), (tolerance), #a, __FILE__, __LINE__)
 void assert_near_at(double a, double b, double tolerance, const char *what, const char *file, int line);
+/* A deviation, from 0 to the bound. */
+#define assert_at_most(a, bound) assert_near((a), 0.0, (bound))
+/* Numbers with the same bits. */
+#define assert_same_bits(a, b, count) assert_same_bits_at((a), (b), (count), #a, __FILE__, __LINE__)
+void assert_same_bits_at(const double *a, const double *b, size_t count, const char *what, const char *file, int line);
 
 /* Deterministic numbers: splitmix64. */
 typedef struct randomness {

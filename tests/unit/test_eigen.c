@@ -74,7 +74,7 @@ static void not_finite(void **state) {
 
 int main(void) {
   const struct CMUnitTest tests[] = {
-      cmocka_unit_test(random_matrices),
+      claim_test(random_matrices, "Eigenvalues and vectors satisfy A x = λ x, random matrices", "rounding of sums"),
       cmocka_unit_test(known_pair),
       cmocka_unit_test(not_finite),
   };

@@ -258,9 +258,17 @@ static int clean(void **state) {
 
 int main(void) {
   const struct CMUnitTest both[] = {
-      cmocka_unit_test(every_size),    cmocka_unit_test(large_ones),     cmocka_unit_test(forced_columns),
-      cmocka_unit_test(kept_pivots),   cmocka_unit_test(refused_pivots), cmocka_unit_test(not_finite),
-      cmocka_unit_test(extreme_sizes), cmocka_unit_test(empty),          cmocka_unit_test(locked_columns),
+      claim_test(every_size,
+                 "Complete pivoting finds LAPACK's rank, numbers and null space, random matrices of every size",
+                 "rounding over the smallest pivot"),
+      cmocka_unit_test(large_ones),
+      cmocka_unit_test(forced_columns),
+      cmocka_unit_test(kept_pivots),
+      cmocka_unit_test(refused_pivots),
+      cmocka_unit_test(not_finite),
+      cmocka_unit_test(extreme_sizes),
+      cmocka_unit_test(empty),
+      cmocka_unit_test(locked_columns),
   };
   const struct CMUnitTest dense[] = {cmocka_unit_test(ties)};
   int failed = cmocka_run_group_tests(both, NULL, clean) + cmocka_run_group_tests(dense, NULL, clean);
