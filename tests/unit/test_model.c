@@ -4,6 +4,8 @@
 #include "exchange/json/convert.h"
 #include "exchange/json/format.h"
 #include "exchange/json/json.h"
+#include "exchange/json/study.h"
+#include "kmech/schema.h"
 
 #include <stdlib.h>
 #include <string.h>
@@ -204,7 +206,7 @@ static void check_described(const km_value *schema, const km_object_format *form
       return;
   seen[known] = format;
   const km_value *object =
-      format == &km_format_model ? schema : km_value_get(km_value_get(schema, "$defs"), format->name);
+      known == 0 ? schema : km_value_get(km_value_get(schema, "$defs"), format->name); /* the first one is the root */
   for (const km_field *field = format->fields; field->key; ++field) {
     const km_value *told = km_value_get(km_value_get(km_value_get(object, "properties"), field->key), "description");
     if (!field->help || !told)
@@ -220,13 +222,21 @@ static void check_described(const km_value *schema, const km_object_format *form
 static void every_key_is_described_in_the_schema(void **state) {
   (void)state;
   enum { MOST = 64 };
-  const km_object_format *seen[MOST] = {NULL};
-  km_arena arena = {0};
-  const km_value *schema = km_format_schema(&km_format_model, "kmech model", &arena);
-  assert_non_null(schema);
-  check_described(schema, &km_format_model, seen);
-  assert_non_null(seen[20]);
-  km_arena_free(&arena);
+  static const struct {
+    const km_object_format *format;
+    int least; /* of its objects */
+  } formats[KM_SCHEMAS] = {[KM_SCHEMA_MODEL] = {&km_format_model, 20},
+                           [KM_SCHEMA_DESIGNS] = {&km_format_designs, 8},
+                           [KM_SCHEMA_PATHS] = {&km_format_study, 6}};
+  for (int of = 0; of < KM_SCHEMAS; ++of) {
+    const km_object_format *seen[MOST] = {NULL};
+    km_arena arena = {0};
+    const km_value *schema = km_schema_record((km_schema)of, &arena);
+    assert_non_null(schema);
+    check_described(schema, formats[of].format, seen);
+    assert_non_null(seen[formats[of].least - 1]);
+    km_arena_free(&arena);
+  }
 }
 
 int main(void) {

@@ -67,7 +67,7 @@ static void print_version(FILE *stream, struct argp_state *state) {
 }
 
 static void print_help(const char *tool, const char *about, const kt_command *commands) {
-  printf("Usage: %s COMMAND [OPTION...] MODEL...\n%s\n\n", tool, about);
+  printf("Usage: %s COMMAND [OPTION...] FILE...\n%s\n\n", tool, about);
   for (const kt_command *c = commands; c->name; ++c)
     printf("  %-9s %s\n", c->name, c->summary);
   printf("\n`%s COMMAND --help` tells a command's options. A model of - is the standard input.\n"

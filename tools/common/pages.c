@@ -1,6 +1,7 @@
 /* Writes the manual pages and the completions of the tools from what their commands know of themselves. */
 #include "common/pages.h"
 
+#include "common/roff.h"
 #include "kmech/version.h"
 
 #include <ctype.h>
@@ -14,34 +15,12 @@ static const kt_option added[] = {
     {"version", 'V', NULL, "Print the version", {0}, NULL, KT_ABOUT_ALL},
 };
 
-/* The code point at *text, which moves behind it. */
-static unsigned next_point(const char **text) {
-  const unsigned char *c = (const unsigned char *)*text;
-  int more = *c < 0xC0 ? 0 : *c < 0xE0 ? 1 : *c < 0xF0 ? 2 : 3;
-  unsigned point = *c & (more == 0 ? 0x7Fu : 0x3Fu >> more);
-  for (++c; more > 0 && *c; --more)
-    point = point << 6 | (*c++ & 0x3Fu);
-  *text = (const char *)c;
-  return point;
-}
-
-/* Text for roff: nothing in it is a request or an escape, and every character is what it is. */
 static void put_roff(const char *text, size_t length) {
-  static const char special[] = "\\-'`^~";
-  static const char *const escapes[] = {"\\e", "\\-", "\\(aq", "\\(ga", "\\(ha", "\\(ti"};
-  const char *end = text + length;
-  if (length && *text == '.')
-    fputs("\\&", stdout);
-  while (text < end) {
-    unsigned point = next_point(&text);
-    const char *found = point < 0x80 ? strchr(special, (int)point) : NULL;
-    if (found)
-      fputs(escapes[found - special], stdout);
-    else if (point < 0x80)
-      putchar((int)point);
-    else
-      printf("\\[u%04X]", point);
-  }
+  km_text roff = {0};
+  kt_roff(text, length, &roff);
+  if (roff.size)
+    fputs(roff.data, stdout);
+  km_text_free(&roff);
 }
 
 static void put_line(const char *before, const char *text) {
@@ -110,7 +89,9 @@ static void put_end(const char *others) {
   fputs(".SH EXIT STATUS\n0 done; 1 done, but the answer is no or partial; 2 usage or files; 3 the model is bad; 4 an "
         "iteration gave out; 5 internal.\n.SH SEE ALSO\n",
         stdout);
-  printf("%s.BR kmech\\-model (5),\n.BR kmech\\-path\\-study (5)\n", others);
+  printf("%s.BR kmech (7),\n.BR kmech\\-model (5),\n.BR kmech\\-path\\-study (5),\n.BR kmech\\-study (5),\n"
+         ".BR kmech\\-tables (5)\n",
+         others);
 }
 
 static void print_manual(const kt_options *options, const char *command, const char *about) {

@@ -35,6 +35,7 @@ typedef enum km_shape {
   KM_SHAPE_WORD_MAP,       /* {name: object, or a text that stands for one} */
   KM_SHAPE_OBJECT,
   KM_SHAPE_OBJECTS, /* a list of objects */
+  KM_SHAPE_METHODS, /* a text, an object, or a list of either; checked by its reader */
   KM_SHAPE_END,     /* a joint's path, or an object; checked by its reader */
   KM_SHAPE_ANY      /* kept as it is, not looked into */
 } km_shape;
@@ -68,8 +69,9 @@ typedef struct km_field {
   bool required;
   km_dimension dimension;
   km_measure measure;
-  const km_object_format *object; /* of KM_SHAPE_OBJECT(S), KM_SHAPE_END, KM_SHAPE_PARAMETERS, maps of objects */
-  const char *unstated;           /* what counts where the file doesn't state it; NULL: nothing */
+  const km_object_format
+      *object; /* of KM_SHAPE_OBJECT(S), KM_SHAPE_METHODS, KM_SHAPE_END, KM_SHAPE_PARAMETERS, maps of objects */
+  const char *unstated; /* what counts where the file doesn't state it; NULL: nothing */
 } km_field;
 
 struct km_object_format {
@@ -79,6 +81,7 @@ struct km_object_format {
 
 extern const km_object_format km_format_model;
 extern const km_object_format km_format_designs; /* of studies of designs */
+extern const km_object_format km_format_study;   /* of path studies */
 /* Objects whose contents decide the units of numbers inside. */
 extern const km_object_format km_format_joint, km_format_coupling, km_format_module, km_format_strut;
 /* Objects that have frames. */
@@ -104,7 +107,8 @@ void km_field_unit_text(const km_field *field, km_text *out);
 /* Every object's keys as tables in Markdown, each below a line `<!-- keys: NAME -->`. */
 void km_format_markdown(const km_object_format *format, km_text *out);
 
-/* The published JSON schema (draft 2020-12) of the table; `title` tells what it describes. */
-const km_value *km_format_schema(const km_object_format *format, const char *title, km_arena *arena);
+/* The published JSON schema (draft 2020-12) of the table; `title` tells what it describes, `expressions` whether texts may
+ * stand for numbers. */
+const km_value *km_format_schema(const km_object_format *format, const char *title, bool expressions, km_arena *arena);
 
 #endif

@@ -244,6 +244,7 @@ static void check_field(km_messages *m, const km_place *place, const km_value *v
   case KM_SHAPE_WORD_MAP:
     check_object_map(m, place, value, field);
     break;
+  case KM_SHAPE_METHODS:
   case KM_SHAPE_END:
   case KM_SHAPE_ANY:
     break;

@@ -56,6 +56,13 @@ static void either(const schema *s, km_value *object, km_value **a, km_value **b
   *b = km_value_add(s->arena, options, NULL, KM_OBJECT);
 }
 
+static void either_text_or(const schema *s, km_value *object, const char *name) {
+  km_value *a, *b;
+  either(s, object, &a, &b);
+  type(s, a, "string");
+  reference(s, b, name);
+}
+
 static void coordinates(const schema *s, km_value *object) {
   km_value *a, *b;
   either(s, object, &a, &b);
@@ -208,6 +215,12 @@ static void describe(const schema *s, km_value *object, const km_object_format *
     reference(s, b, field->object->name);
     define(s, field->object);
     break;
+  case KM_SHAPE_METHODS:
+    either(s, object, &a, &b);
+    either_text_or(s, a, field->object->name);
+    either_text_or(s, list(s, b, 0), field->object->name);
+    define(s, field->object);
+    break;
   case KM_SHAPE_END:
     either(s, object, &a, &b);
     path(s, a);
@@ -239,7 +252,7 @@ static void define(const schema *s, const km_object_format *format) {
   describe_object(s, member(s, s->definitions, format->name), format);
 }
 
-const km_value *km_format_schema(const km_object_format *format, const char *title, km_arena *arena) {
+const km_value *km_format_schema(const km_object_format *format, const char *title, bool expressions, km_arena *arena) {
   km_value *root = km_value_add(arena, NULL, NULL, KM_OBJECT);
   km_value_string(arena, root, "$schema", "https://json-schema.org/draft/2020-12/schema");
   km_value_string(arena, root, "title", title);
@@ -250,9 +263,13 @@ const km_value *km_format_schema(const km_object_format *format, const char *tit
   either(&s, member(&s, s.definitions, "path"), &a, &b);
   type(&s, a, "string");
   type(&s, list(&s, b, 0), "string");
-  either(&s, member(&s, s.definitions, "number"), &a, &b); /* or an expression */
-  type(&s, a, "number");
-  type(&s, b, "string");
+  if (expressions) {
+    either(&s, member(&s, s.definitions, "number"), &a, &b);
+    type(&s, a, "number");
+    type(&s, b, "string");
+  } else {
+    type(&s, member(&s, s.definitions, "number"), "number");
+  }
   describe_object(&s, root, format);
   if (arena->failed)
     return NULL;

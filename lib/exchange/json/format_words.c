@@ -30,6 +30,7 @@ void km_field_shape_text(const km_field *field, km_text *out) {
       [KM_SHAPE_WORD_MAP] = "{name: text, or %s}",
       [KM_SHAPE_OBJECT] = "%s",
       [KM_SHAPE_OBJECTS] = "list of %s",
+      [KM_SHAPE_METHODS] = "text, %s, or a list of either",
       [KM_SHAPE_END] = "path, or %s",
       [KM_SHAPE_ANY] = "anything",
   };

@@ -12,7 +12,7 @@ typedef struct km_study_reader {
   const char *folder; /* where files that the text names are looked for */
 } km_study_reader;
 
-extern const km_object_format km_format_study, km_format_path, km_format_method;
+extern const km_object_format km_format_path, km_format_method;
 
 /* The parts of the reader. What is wrong goes to the reader's messages. */
 void km_study_path_of(km_study_reader *s, const km_value *value, km_study_path *out);

@@ -12,6 +12,7 @@ extern "C" {
 typedef enum km_schema {
   KM_SCHEMA_MODEL,   /* models */
   KM_SCHEMA_DESIGNS, /* studies of designs */
+  KM_SCHEMA_PATHS,   /* path studies */
   KM_SCHEMAS         /* how many there are */
 } km_schema;
 
