@@ -152,10 +152,12 @@ static bool close_loops(km_dynamics *d, km_state *s, int index, bool search) {
   return true;
 }
 
-/* Room for the cluster's independent coordinates. Grows only where a partition has more of them than ever before. */
+/* Room for the cluster's independent coordinates, at least for one, so that there are addresses to count from. Grows only where
+ * a partition has more of them than ever before. */
 static bool reserve(km_dynamics *d, km_cluster_motion *c, const km_cluster *cluster, size_t count) {
-  if (count <= c->room)
+  if (count <= c->room && c->room > 0)
     return true;
+  count = count > 0 ? count : 1;
   size_t n = (size_t)cluster->coordinate_count;
   c->independent = KM_ARENA_NEW(&d->arena, int, count);
   c->N = KM_ARENA_NEW(&d->arena, double, count *n);

@@ -59,18 +59,11 @@ static inline km_rotation km_rotation_onto(int k, km_vec3 u) {
   int i = (k + 1) % 3, j = (k + 2) % 3;
   km_rotation R = km_rotation_identity();
   double across = c[i] * c[i] + c[j] * c[j], sum = c[k] < 0.0 ? across / (1.0 - c[k]) : 1.0 + c[k];
-  km_vec3 middle = km_vec3_add(R.axis[k], u);
+  km_vec3 middle = {k == 0 ? sum : u.x, k == 1 ? sum : u.y, k == 2 ? sum : u.z}; /* u plus the axis */
   R.axis[k] = u;
-  if (across > 0.0) {
+  if (across > 1e-280) { /* whose square roots have all their digits */
     R.axis[i] = km_vec3_axpy(-c[i] / sum, middle, R.axis[i]);
     R.axis[j] = km_vec3_axpy(-c[j] / sum, middle, R.axis[j]);
-    for (int pass = 0; pass < 2 && c[k] < 0.0; ++pass) { /* rounding of u grows where it is almost opposite */
-      int n = pass ? j : i;
-      R.axis[n] = km_vec3_axpy(-km_vec3_dot(u, R.axis[n]), u, R.axis[n]);
-      if (pass)
-        R.axis[j] = km_vec3_axpy(-km_vec3_dot(R.axis[i], R.axis[j]), R.axis[i], R.axis[j]);
-      R.axis[n] = km_vec3_scale(1.0 / km_vec3_norm(R.axis[n]), R.axis[n]);
-    }
   } else if (c[k] < 0.0) {
     R.axis[j] = km_vec3_scale(-1.0, R.axis[j]);
   }

@@ -6,8 +6,9 @@
 
 #include <string.h>
 
+/* A blank name is quoted too: a line of nothing else would be none to those who read it. */
 static void write_field(const char *name, const char *unit, km_text *out) {
-  bool quoted = strpbrk(name, ",\"\r\n") != NULL;
+  bool quoted = strpbrk(name, ",\"\r\n") != NULL || name[strspn(name, " \t")] == '\0';
   if (quoted)
     km_text_add(out, "\"");
   for (const char *c = name; *c; ++c) {
