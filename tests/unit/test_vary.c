@@ -173,13 +173,13 @@ static void drawings_and_struts_have_paths(void **state) {
   static const struct {
     const char *path, *from, *to;
     double value;
-  } edits[] = {{"B.x", "[160, 10]", "[161, 10]", 161},
-               {"hinge.B.at.1", "[160, 10]", "[160, 12]", 12},
-               {"gas.gas_spring.force", "\"force\": 420", "\"force\": 400", 400},
-               {"hinge.gas.gas_spring.length", "\"length\": 340", "\"length\": 350", 350},
+  } edits[] = {{"B.x", "[130, 70]", "[131, 70]", 131},
+               {"hinge.B.at.1", "[130, 70]", "[130, 72]", 72},
+               {"gas.gas_spring.force", "\"force\": 800", "\"force\": 780", 780},
+               {"hinge.gas.gas_spring.length", "\"length\": 400", "\"length\": 410", 410},
                {"gas.limits.0", "\"planar\"", "\"limits\": [100, 900], \"planar\"", 100},
                {"bonnet.mass", "\"mass\": 14", "\"mass\": 15", 15},
-               {"spring_foot.y", "[330, -130]", "[330, -120]", -120}};
+               {"spring_foot.y", "[5, -320]", "[5, -310]", -310}};
   char *text = read_model_text("bonnet");
   for (size_t i = 0; i < sizeof edits / sizeof *edits; ++i) {
     char *limited = edited(text, "\"planar\"", "\"limits\": [0, 900], \"planar\"");
