@@ -159,15 +159,6 @@ static void drop(km_partition *p, int c) {
     s->x[s->lower_store.index[i]] = 0.0;
 }
 
-static bool is_locked(const km_partition *p, int c) {
-  return p->locked && p->locked[c];
-}
-
-/* Is it for the caller to say that the column is an independent one? */
-static bool is_given(const km_partition *p, const bool *forced, int c) {
-  return (forced && forced[c]) || is_locked(p, c);
-}
-
 /* Those that shall stay independent behind the others, then the forced ones, then the locked ones. */
 static void arrange(km_partition *p, const bool *forced) {
   km_sparse *s = p->sparse;
@@ -175,7 +166,7 @@ static void arrange(km_partition *p, const bool *forced) {
   for (int group = 0; group < 4; ++group)
     for (int i = 0; i < p->columns; ++i) {
       int c = s->order[i];
-      if (group == (is_locked(p, c) ? 3 : is_given(p, forced, c) ? 2 : s->late[c] ? 1 : 0))
+      if (group == (km_sparse_is_locked(p, c) ? 3 : km_sparse_is_given(p, forced, c) ? 2 : s->late[c] ? 1 : 0))
         s->lead[n++] = c;
     }
 }
@@ -226,8 +217,7 @@ static void eliminate(km_partition *p, const double *matrix, const bool *forced,
   keep_primary(p);
 }
 
-/* U⁻¹ times the column of U that is scattered over work, by step. */
-static void solve_upper(const km_partition *p, double *y) {
+void km_sparse_solve_upper(const km_partition *p, double *y) {
   const km_sparse *s = p->sparse;
   for (int k = p->rank - 1; k >= 0; --k) {
     double value = y[k] * p->inverse[k];
@@ -259,7 +249,7 @@ static bool find_b(km_partition *p) {
     memset(b, 0, (size_t)p->rank * sizeof *b);
     for (int i = own->start; i < own->end; ++i)
       b[s->upper_store.index[i]] = s->upper_store.value[i];
-    solve_upper(p, b);
+    km_sparse_solve_upper(p, b);
     for (int i = 0; i < p->rank; ++i) {
       p->largest_b = fmax(p->largest_b, fabs(b[i]));
       sum += b[i];
@@ -278,7 +268,7 @@ static int list_null(km_partition *p, const bool *forced) {
     return 0;
   }
   for (int k = p->rank; k < p->columns; ++k) {
-    if (is_given(p, forced, p->column[k]))
+    if (km_sparse_is_given(p, forced, p->column[k]))
       continue;
     const double *b = p->B + (size_t)(k - p->rank) * (size_t)p->rank;
     double *n = p->sparse->null + (size_t)count++ * (size_t)p->columns;
@@ -302,7 +292,7 @@ static bool choose_late(km_partition *p, const bool *forced) {
     for (int k = step; k < count; ++k)
       for (int c = 0; c < n; ++c) {
         double size = fabs(s->null[(size_t)k * (size_t)n + (size_t)c]);
-        if (!s->late[c] && !is_given(p, forced, c) &&
+        if (!s->late[c] && !km_sparse_is_given(p, forced, c) &&
             (best < 0 || size > fabs(s->null[(size_t)vector * (size_t)n + (size_t)best]))) {
           best = c;
           vector = k;
@@ -330,9 +320,21 @@ static bool choose_late(km_partition *p, const bool *forced) {
 static double largest_free_b(const km_partition *p, const bool *forced) {
   double largest = 0.0;
   for (int k = p->rank; k < p->columns; ++k)
-    for (int i = 0; i < p->rank && !is_given(p, forced, p->column[k]); ++i)
+    for (int i = 0; i < p->rank && !km_sparse_is_given(p, forced, p->column[k]); ++i)
       largest = fmax(largest, fabs(p->B[(size_t)(k - p->rank) * (size_t)p->rank + (size_t)i]));
   return largest;
+}
+
+/* Until no column is dependent that no pivot tells. */
+static void eliminate_all(km_partition *p, const double *matrix, const bool *forced, double threshold) {
+  int hidden = -1;
+  do {
+    if (hidden >= 0)
+      p->sparse->late[hidden] = true;
+    arrange(p, forced);
+    eliminate(p, matrix, forced, threshold);
+    hidden = p->failed ? -1 : km_sparse_hidden(p, forced, threshold);
+  } while (hidden >= 0 && !p->sparse->late[hidden]);
 }
 
 void km_sparse_factor(km_partition *p, const double *matrix, const bool *forced, double tolerance) {
@@ -340,13 +342,12 @@ void km_sparse_factor(km_partition *p, const double *matrix, const bool *forced,
   p->scale = 0.0;
   p->locked_count = 0;
   for (int c = 0; c < p->columns; ++c)
-    p->locked_count += is_locked(p, c);
+    p->locked_count += km_sparse_is_locked(p, c);
   for (int i = 0; i < s->start[p->columns]; ++i)
     p->scale = fmax(p->scale, fabs(matrix[i]));
   memset(s->late, 0, (size_t)p->columns * sizeof *s->late);
   for (int pass = 0; pass < MOST_PASSES; ++pass) {
-    arrange(p, forced);
-    eliminate(p, matrix, forced, tolerance * p->scale);
+    eliminate_all(p, matrix, forced, tolerance * p->scale);
     if (!find_b(p) || p->any_independent || largest_free_b(p, forced) <= good_b || !choose_late(p, forced))
       break;
   }
@@ -388,7 +389,7 @@ void km_sparse_solve(const km_partition *p, const double *rhs, double *x) {
       subtract(p, k, y[k]);
   }
   memset(s->x, 0, (size_t)p->rows * sizeof *s->x);
-  solve_upper(p, y);
+  km_sparse_solve_upper(p, y);
   for (int i = 0; i < p->rank; ++i)
     x[p->column[i]] = y[i];
   for (int c = p->rank; c < p->columns; ++c)

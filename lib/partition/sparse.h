@@ -40,10 +40,23 @@ struct km_sparse {
   size_t null_capacity, b_capacity;
 };
 
+static inline bool km_sparse_is_locked(const km_partition *p, int c) {
+  return p->locked && p->locked[c];
+}
+
+/* Is it for the caller to say that the column is an independent one? */
+static inline bool km_sparse_is_given(const km_partition *p, const bool *forced, int c) {
+  return (forced && forced[c]) || km_sparse_is_locked(p, c);
+}
+
 void km_sparse_factor(km_partition *partition, const double *matrix, const bool *forced, double tolerance);
 /* False where a value is not finite, or when out of memory. */
 bool km_sparse_refactor(km_partition *partition, const double *matrix);
 void km_sparse_solve(const km_partition *partition, const double *rhs, double *x);
+/* U⁻¹ y by step. */
+void km_sparse_solve_upper(const km_partition *partition, double *y);
+/* A column among the pivots' that the others make dependent to the threshold, though no pivot tells; -1: none. */
+int km_sparse_hidden(const km_partition *partition, const bool *forced, double threshold);
 double km_sparse_multiplications(const km_partition *p);
 void km_sparse_copy(km_partition *to, const km_partition *from);
 
