@@ -28,8 +28,11 @@ bool km_walks_create(const km_mechanism *m, size_t steps, km_arena *arena, km_wa
   return !arena->failed;
 }
 
+/* By more than rounding. The diagonal alone can't tell: it is 1 up to angles of 1e-8. */
 static bool turns(const km_rotation *R) {
-  return R->axis[0].x != 1.0 || R->axis[1].y != 1.0 || R->axis[2].z != 1.0;
+  const km_vec3 *a = R->axis;
+  double across = fmax(fmax(fabs(a[0].y), fabs(a[0].z)), fmax(fabs(a[1].z), fmax(fabs(a[1].x), fabs(a[2].x))));
+  return a[0].x != 1.0 || a[1].y != 1.0 || a[2].z != 1.0 || fmax(across, fabs(a[2].y)) > 1e-15;
 }
 
 /* Goes to another frame of the body that the walk stands on. On the base body the origin goes along: positions are

@@ -61,6 +61,20 @@ static void open_couplings_are_told_by_size(void **state) {
   fixture_close(&f);
 }
 
+/* A slide between a hinge and a ball, along a frame that is turned by less than the diagonal of a rotation shows: the hinge turns it
+ * back. */
+static void small_turns_of_frames_count(void **state) {
+  (void)state;
+  fixture f = fixture_read(
+      "{\"fixed\": {\"frames\": [{\"name\": \"far\", \"T\": [1, 0, 0]}]}, \"assemblies\": [{\"name\": \"a\", \"bodies\": "
+      "[{\"name\": \"b\", \"frames\": [{\"name\": \"turned\", \"R\": [[1, -5e-9, 0], [5e-9, 1, 0], [0, 0, 1]]}]}, {\"name\": "
+      "\"c\"}], \"joints\": [{\"name\": \"A\", \"type\": \"Rz\", \"body_frame_pairs\": [\"fixed\", \"b\"]}, {\"name\": \"S\", "
+      "\"type\": \"Tx\", \"body_frame_pairs\": [[\"b\", \"turned\"], [\"c\"]], \"initial_displacement\": 1}, {\"name\": \"C\", "
+      "\"type\": \"spherical\", \"body_frame_pairs\": [[\"fixed\", \"far\"], [\"c\"]]}]}]}");
+  assert_near(f.state->q[0], -5e-9, 1e-15);
+  fixture_close(&f);
+}
+
 int main(void) {
   const struct CMUnitTest tests[] = {
       claim_test(jacobian_is_the_derivative,
@@ -78,6 +92,7 @@ int main(void) {
           twists_are_derivatives, "Twists of bodies are derivatives of their poses, at random poses of every model",
           "three times what a central difference errs by, told by its change as the step doubles, and rounding over the step"),
       cmocka_unit_test(open_couplings_are_told_by_size),
+      cmocka_unit_test(small_turns_of_frames_count),
   };
   return cmocka_run_group_tests(tests, NULL, NULL);
 }

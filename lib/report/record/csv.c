@@ -6,9 +6,11 @@
 
 #include <string.h>
 
-/* A blank name is quoted too: a line of nothing else would be none to those who read it. */
+/* Blank names are quoted too, since a line of nothing else is none to those who read it, and names that begin as a mark of the
+ * encoding. */
 static void write_field(const char *name, const char *unit, km_text *out) {
-  bool quoted = strpbrk(name, ",\"\r\n") != NULL || name[strspn(name, " \t")] == '\0';
+  bool quoted =
+      strpbrk(name, ",\"\r\n") != NULL || name[strspn(name, " \t")] == '\0' || strncmp(name, "\xEF\xBB\xBF", 3) == 0;
   if (quoted)
     km_text_add(out, "\"");
   for (const char *c = name; *c; ++c) {
