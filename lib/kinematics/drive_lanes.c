@@ -18,13 +18,13 @@ static bool reserve(km_drive_lanes *l) {
   l->is_limited = KM_ARENA_NEW(arena, bool, (size_t)columns);
   l->steps = KM_ARENA_NEW(arena, km_lane_step, (size_t)m->planar_step_count);
   l->loops = KM_ARENA_NEW(arena, km_lane_loop, (size_t)m->topology.loop_count);
+  l->entries = KM_ARENA_NEW(arena, km_lane_entry, (size_t)m->entry_count + 1);
   l->couplings = KM_ARENA_NEW(arena, km_lane_coupling, (size_t)m->coupling_count + 1);
   l->slots = KM_ARENA_NEW(arena, km_lane_slot, (size_t)m->largest_slots);
   l->h = KM_ARENA_NEW(arena, km_lane_column, (size_t)m->twist_count);
   l->coefficients = numbers(arena, m->term_count);
   l->term_unit = numbers(arena, m->term_count);
   l->q = numbers(arena, coordinates);
-  l->misfit = numbers(arena, 3 * m->topology.loop_count);
   l->J = numbers(arena, rows * columns);
   km_lanes_number **by_column[] = {&l->unit, &l->weight, &l->low,    &l->high, &l->t, &l->last_t, &l->last_move,
                                    &l->from, &l->move,   &l->next_t, &l->x,    &l->z, &l->numbers};
@@ -33,7 +33,7 @@ static bool reserve(km_drive_lanes *l) {
   km_lanes_number **by_row[] = {&l->B, &l->error, &l->y, &l->inverse};
   for (size_t i = 0; i < sizeof by_row / sizeof *by_row; ++i)
     *by_row[i] = numbers(arena, rows);
-  return km_replay_reserve(&l->replay, rows, columns, arena);
+  return km_replay_reserve(&l->replay, rows, columns, KM_DRIVE_LANES, arena);
 }
 
 km_status km_drive_lanes_create(km_drive *const *drives, int count, km_drive_lanes **out, km_error *error) {
@@ -41,10 +41,11 @@ km_status km_drive_lanes_create(km_drive *const *drives, int count, km_drive_lan
   for (int i = 0; i < count; ++i)
     if (i == 0 ? !km_lanes_fit(drives[0]) : !km_lanes_same_structure(drives[0], drives[i]))
       return KM_OK;
-  km_drive_lanes *l = KM_NEW(km_drive_lanes, 1);
+  km_arena arena = {0};
+  km_drive_lanes *l = KM_ARENA_NEW(&arena, km_drive_lanes, 1); /* aligned as registers want it */
   if (l) {
     const km_drive *first = drives[0];
-    *l = (km_drive_lanes){.count = count, .m = first->c.mechanism, .sub = km_drive_driven(first)};
+    *l = (km_drive_lanes){.arena = arena, .count = count, .m = first->c.mechanism, .sub = km_drive_driven(first)};
     l->coordinate = first->c.coordinate;
     l->column = first->c.column;
   }
@@ -52,6 +53,7 @@ km_status km_drive_lanes_create(km_drive *const *drives, int count, km_drive_lan
     km_drive_lanes_free(l);
     return km_fail(error, KM_MEMORY, "out of memory for a sweep");
   }
+  km_lanes_take_structure(l);
   for (int i = 0; i < count; ++i) {
     l->drives[i] = drives[i];
     drives[i]->lanes = l;
@@ -71,8 +73,8 @@ void km_drive_lanes_free(km_drive_lanes *l) {
     km_drive_settle(l->drives[i]);
     l->drives[i]->lanes = NULL;
   }
-  km_arena_free(&l->arena);
-  km_free(l);
+  km_arena arena = l->arena; /* in which `l` lies */
+  km_arena_free(&arena);
 }
 
 /* May the drive take steps in its lane: one freedom, known pivots that belong to the last pose, and a regular pose? */
@@ -192,16 +194,27 @@ static const double most_steps = 1e4;
 
 /* Aboard, if it may: where there is a way to go it takes the first step alone, after which it mostly may. */
 static void call_aboard(km_drive_lanes *l, int i, double target) {
-  if (!(l->aboard >> i & 1))
-    board(l, i);
-  l->target.of[i] = target * l->factor.of[i];
-  bool far = !(fabs(l->target.of[i] - l->drives[i]->here.s) < most_steps * km_drive_longest);
+  km_drive *d = l->drives[i];
+  board(l, i);
+  bool far = !(fabs(target * l->factor.of[i] - d->here.s) < most_steps * km_drive_longest);
   if (far)
-    km_drive_settle(l->drives[i]);
+    km_drive_settle(d);
   if (far || l->aboard >> i & 1)
     return;
-  km_drive_begin(l->drives[i], target);
+  km_drive_begin(d, target);
   board(l, i);
+}
+
+/* Sets the targets of those that are aboard, and lets those leave that have too far to go. */
+static void set_targets(km_drive_lanes *l, unsigned wanted, const double *targets) {
+  for (int i = 0; i < l->count; ++i) {
+    if (!(wanted >> i & 1))
+      continue;
+    double target = targets[i] * l->factor.of[i];
+    l->target.of[i] = target;
+    if (!(fabs(target - l->s.of[i]) < most_steps * km_drive_longest))
+      km_drive_settle(l->drives[i]);
+  }
 }
 
 /* What a drive has reached: in its lane, or alone from where its lane has stopped. */
@@ -215,17 +228,26 @@ static km_reach arrive(km_drive_lanes *l, int i, bool there, double target) {
   return (km_reach){KM_STOP_NONE, target, -1, -1};
 }
 
-void km_drive_lanes_to(km_drive_lanes *l, unsigned wanted, const double *targets, km_reach *reaches) {
-  for (int i = 0; i < l->count; ++i)
-    if (wanted >> i & 1)
-      call_aboard(l, i, targets[i]);
+/* Steps of the lanes `wanted` towards their targets. Returns those that got there. */
+static unsigned go(km_drive_lanes *l, unsigned wanted) {
   unsigned there = 0;
-  for (unsigned going = wanted & l->aboard; going; going &= ~l->there) {
+  for (unsigned going = wanted; going; going &= ~l->there) {
     going = take_step(l, going);
     l->ahead |= going;
     there |= l->there;
   }
-  for (int i = 0; i < l->count; ++i)
-    if (wanted >> i & 1)
-      reaches[i] = arrive(l, i, there >> i & 1, targets[i]);
+  return there;
+}
+
+void km_drive_lanes_to(km_drive_lanes *l, unsigned wanted, const double *targets, km_reach *reaches) {
+  for (unsigned left = wanted & ~l->aboard; left; left &= left - 1) {
+    int i = __builtin_ctz(left);
+    call_aboard(l, i, targets[i]);
+  }
+  set_targets(l, wanted & l->aboard, targets);
+  unsigned there = go(l, wanted & l->aboard);
+  for (unsigned left = wanted; left; left &= left - 1) {
+    int i = __builtin_ctz(left);
+    reaches[i] = arrive(l, i, there >> i & 1, targets[i]);
+  }
 }

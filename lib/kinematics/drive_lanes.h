@@ -6,7 +6,7 @@
 #include "kinematics/drive.h"
 
 /* As many drives go side by side, whatever registers the processor has. */
-enum { KM_DRIVE_LANES = 8 };
+enum { KM_DRIVE_LANES = 16 };
 
 typedef struct km_drive_lanes km_drive_lanes;
 

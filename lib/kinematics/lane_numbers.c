@@ -110,6 +110,29 @@ static void take_loops(km_drive_lanes *l, const km_mechanism *m, int i) {
   }
 }
 
+/* Places of the rows x, y, turn behind `start`, `stride` doubles apart; `none` for one that is no row of the loop. */
+static void place_rows(const km_loop *loop, int start, int none, int *place) {
+  for (int a = 0; a < 3; ++a)
+    place[a] = none * KM_DRIVE_LANES;
+  for (int r = 0; r < loop->lambda; ++r)
+    place[loop->rows[r]] = (start + r) * KM_DRIVE_LANES;
+}
+
+void km_lanes_take_structure(km_drive_lanes *l) {
+  const km_mechanism *m = l->m;
+  for (int k = 0; k < l->sub->loop_count; ++k) {
+    int index = m->loop_order[l->sub->loop_start + k];
+    const km_loop *loop = &m->loops[index];
+    place_rows(loop, loop->row_start, l->sub->rows, l->loops[index].row);
+    for (int i = loop->entry_start; i < loop->entry_start + loop->entry_count; ++i) {
+      const km_entry *entry = &m->entries[i];
+      l->entries[i].step = entry->step;
+      l->entries[i].side = entry->side;
+      place_rows(loop, (int)entry->at, l->sub->rows * l->sub->columns, l->entries[i].at);
+    }
+  }
+}
+
 static void take_couplings(km_drive_lanes *l, const km_mechanism *m, int i) {
   for (int k = l->sub->coupling_start; k < l->sub->coupling_start + l->sub->coupling_count; ++k) {
     const km_coupling *coupling = &m->couplings[k];

@@ -16,7 +16,16 @@ typedef struct km_lane_step {
 } km_lane_step;
 typedef struct km_lane_loop {
   km_lanes_number close[2][2], apart[2], point[2], turn, fixed[3]; /* fixed: v z, w x, w y */
+  km_lanes_number misfit[3];                                       /* as (x, y, turn) */
+  km_lanes_number origin[2][2]; /* the point of its rows, in x and y, from each of the two origins */
+  int row[3];                   /* places of the rows x, y, turn in `error`; behind its end if they are none */
 } km_lane_loop;
+/* See km_entry. at: places of the rows x, y, turn in J; behind its end if they are none. */
+typedef struct km_lane_entry {
+  int step;
+  double side;
+  int at[3];
+} km_lane_entry;
 typedef struct km_lane_coupling {
   km_lanes_number constant;
 } km_lane_coupling;
@@ -46,6 +55,7 @@ struct km_drive_lanes {
   /* Numbers of the mechanisms. */
   km_lane_step *steps; /* [planar steps of the mechanism] */
   km_lane_loop *loops; /* [loop] */
+  km_lane_entry *entries;
   km_lane_coupling *couplings;
   km_lanes_number *coefficients, *term_unit;                                /* [term] */
   km_lanes_number *unit, *weight, *low, *high;                              /* [columns] */
@@ -62,8 +72,7 @@ struct km_drive_lanes {
 
   /* What a step leaves: */
   km_lanes_number *B;       /* [rank] null vector of the driver: the dependent columns' in pivot order, negative */
-  km_lanes_number *misfit;  /* [3 × loop] as (x, y, turn) */
-  km_lanes_number *error;   /* [rows] */
+  km_lanes_number *error;   /* [rows], and one more for what is no row; J alike */
   km_lanes_number *z;       /* [columns] unit direction of motion, lengths over the characteristic length */
   km_lanes_number *numbers; /* [columns] mobility numbers */
   km_lanes_number residual; /* of the worst loop */
@@ -79,6 +88,8 @@ struct km_drive_lanes {
 /* Do the mechanisms of two drives differ in numbers only, in the substructure that moves? And are lanes for it at all? */
 bool km_lanes_same_structure(const km_drive *one, const km_drive *other);
 bool km_lanes_fit(const km_drive *drive);
+/* Where the numbers of the loops' rows and entries go. */
+void km_lanes_take_structure(km_drive_lanes *lanes);
 /* The numbers of the index-th drive's mechanism into its lane. */
 void km_lanes_take_numbers(km_drive_lanes *lanes, int index);
 

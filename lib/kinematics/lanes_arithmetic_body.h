@@ -70,6 +70,9 @@ static inline unsigned bits_of(mask m) {
   return (unsigned)(m[0] & 1) | (unsigned)(m[1] & 1) << 1;
 #endif
 }
+static inline mask every(void) {
+  return (mask){0} == (mask){0};
+}
 static inline mask mask_of(unsigned bits) {
   mask m = {0};
   for (int i = 0; i < WIDTH; ++i)
@@ -77,6 +80,10 @@ static inline mask mask_of(unsigned bits) {
   return m;
 }
 
-/* Below, g is the first lane of the register: lanes g … g + WIDTH-1 are worked on. */
-#define GET(number)        get((number).of + g)
-#define PUT(number, value) put((number).of + g, (value))
+/* Below, work is on `count` registers from lane `first` on: what isn't a number is read once for all of them. Register r
+ * begins at lane first + AT(r) of a number. */
+enum { TOGETHER = 2 };
+#define EACH(r)            for (int r = 0; r < count; ++r)
+#define AT(r)              (first + WIDTH * (r))
+#define GET(number)        get((number).of + AT(r))
+#define PUT(number, value) put((number).of + AT(r), (value))

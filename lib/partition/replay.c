@@ -3,12 +3,13 @@
 
 #include <string.h>
 
-bool km_replay_reserve(km_replay *r, int rows, int columns, km_arena *arena) {
+bool km_replay_reserve(km_replay *r, int rows, int columns, int stride, km_arena *arena) {
   size_t m = (size_t)rows, n = (size_t)columns, steps = m < n ? m : n;
-  *r = (km_replay){.row_count = rows, .column_count = columns};
+  *r = (km_replay){.row_count = rows, .column_count = columns, .stride = stride};
   r->steps = KM_ARENA_NEW(arena, km_replay_step, steps);
-  r->rows = KM_ARENA_NEW(arena, int, steps *m);
-  r->columns = KM_ARENA_NEW(arena, int, steps *n);
+  r->scales = KM_ARENA_NEW(arena, int, steps *m);
+  r->updates = KM_ARENA_NEW(arena, km_replay_update, steps * m * n);
+  r->turns = KM_ARENA_NEW(arena, km_replay_update, steps * m);
   r->fill = KM_ARENA_NEW(arena, int, m *n);
   r->row = KM_ARENA_NEW(arena, int, m);
   r->column = KM_ARENA_NEW(arena, int, n);
@@ -16,45 +17,54 @@ bool km_replay_reserve(km_replay *r, int rows, int columns, km_arena *arena) {
   return !arena->failed;
 }
 
-static void list_targets(km_replay *r, km_replay_step *step, const bool *column, int *count) {
-  step->target_start = *count;
-  for (int i = 0; i < r->row_count; ++i)
-    if (i != step->row && column[i])
-      r->rows[(*count)++] = i;
-  step->target_count = *count - step->target_start;
+/* How far the lists have come. */
+typedef struct ends {
+  int *scale;
+  km_replay_update *update, *turn;
+} ends;
+
+/* The rows that lose a multiple of the pivot's: those with an entry in its column, `first` its first place. */
+static void list_targets(const km_replay *r, int first, int row, ends *to) {
+  for (int i = 0; i < r->row_count; ++i) {
+    if (i == row || !r->reduced[first + i])
+      continue;
+    *to->scale++ = (first + i) * r->stride;
+    *to->turn++ = (km_replay_update){i * r->stride, (first + i) * r->stride, row * r->stride};
+  }
 }
 
 /* A column that has an entry in the pivot's row: what the targets get may fill it. */
-static void note_fill(km_replay *r, const km_replay_step *step, int first, bool *column) {
-  for (int i = 0; i < step->target_count; ++i) {
-    int row = r->rows[step->target_start + i];
-    if (!column[row])
-      r->fill[r->fill_count++] = first + row;
-    column[row] = true;
+static void list_updates(km_replay *r, int first, int row, int other, ends *to) {
+  for (int i = 0; i < r->row_count; ++i) {
+    if (i == row || !r->reduced[first + i])
+      continue;
+    *to->update++ = (km_replay_update){(other + i) * r->stride, (first + i) * r->stride, (other + row) * r->stride};
+    if (!r->reduced[other + i])
+      r->fill[r->fill_count++] = (other + i) * r->stride;
+    r->reduced[other + i] = true;
   }
 }
 
 void km_replay_make(km_replay *r, const km_partition *p, const bool *used) {
-  int targets = 0, columns = 0, rows = r->row_count;
+  int rows = r->row_count;
+  ends to = {r->scales, r->updates, r->turns};
   memcpy(r->reduced, used, (size_t)rows * (size_t)r->column_count * sizeof *used);
   r->rank = p->rank;
   r->fill_count = 0;
   memcpy(r->row, p->row, (size_t)rows * sizeof *r->row);
   memcpy(r->column, p->column, (size_t)r->column_count * sizeof *r->column);
   for (int s = 0; s < p->rank; ++s) {
-    km_replay_step *step = &r->steps[s];
-    int first = p->column[s] * rows;
-    *step = (km_replay_step){.pivot = first + p->row[s], .row = p->row[s], .column_start = columns};
-    list_targets(r, step, r->reduced + first, &targets);
-    for (int k = s + 1; k < r->column_count; ++k) {
-      int other = p->column[k] * rows;
-      if (!r->reduced[other + step->row])
-        continue;
-      r->columns[columns++] = other;
-      note_fill(r, step, other, r->reduced + other);
-    }
-    step->column_count = columns - step->column_start;
+    int first = p->column[s] * rows, row = p->row[s];
+    ends from = to;
+    list_targets(r, first, row, &to);
+    for (int k = s + 1; k < r->column_count; ++k)
+      if (r->reduced[p->column[k] * rows + row])
+        list_updates(r, first, row, p->column[k] * rows, &to);
+    r->steps[s] = (km_replay_step){.pivot = (first + row) * r->stride,
+                                   .scale_count = (int)(to.scale - from.scale),
+                                   .update_count = (int)(to.update - from.update)};
   }
+  r->turn_count = (int)(to.turn - r->turns);
 }
 
 bool km_replay_fits(const km_replay *r, const km_partition *p) {
