@@ -223,7 +223,14 @@ static void take_extremes(watch *w) {
 }
 
 static km_status run(const km_mechanism *m, km_state *s, const km_sweep_plan *plan, watch *w, km_error *error) {
-  km_observer observer = {w, add_columns, write_value, see, pass, forget, end_at, true};
+  km_observer observer = {.self = w,
+                          .columns = add_columns,
+                          .cells = write_value,
+                          .seen = see,
+                          .passed = pass,
+                          .corner = forget,
+                          .ended = end_at,
+                          .reads_jacobian = true};
   w->scan = (km_scan){.self = w,
                       .values = values,
                       .sampled = sampled,

@@ -6,14 +6,24 @@
 /* |z| below this is 0: z = Z_j of the one free direction, known to about 1e-12. */
 static const double zero = 1e-9;
 
+/* For a root between a and b, with the values fa and fb: the place that is looked at next. */
+typedef struct search {
+  double a, b, fa, fb, root, width;
+  int round;
+  bool open; /* the value at `root` is wanted */
+} search;
+
 /* What a mobility sweep remembers from row to row. */
 typedef struct watch {
   km_mobility_sweep *out;
   km_observer observer;
   double *room;       /* of the next two, which change places from row to row */
   double *z, *last_z; /* [coordinate] unit direction of motion at the row and at the row before */
-  double last_s;
+  double s, last_s;
   bool have_last;
+  search at;
+  bool searching; /* for a toggle of the coordinate watched[next] */
+  int next;
   int *watched; /* coordinates that may lose their grip */
   int watched_count;
   int *shown; /* coordinate of each column of numbers, -1: of a joint that can't move */
@@ -44,8 +54,10 @@ static bool add_columns(void *self, const km_sweeper *r, km_table *table) {
 
 static double *write_numbers(void *self, km_sweeper *r, double *cell) {
   watch *w = self;
-  for (int i = 0; i < w->shown_count; ++i)
-    *cell++ = w->shown[i] < 0 ? 0.0 : r->s->numbers[w->shown[i]];
+  const int *shown = w->shown;
+  const double *numbers = r->s->numbers;
+  for (int i = 0, count = w->shown_count; i < count; ++i)
+    *cell++ = shown[i] < 0 ? 0.0 : numbers[shown[i]];
   if (r->plan->singularities)
     *cell++ = km_singular_kept(&w->singular, r);
   return cell;
@@ -91,11 +103,10 @@ static void take_null_vector(const km_sweeper *r, double *z) {
 /* The unit direction of the one free motion, in the order of the coordinates, beside which idle freedoms move least;
  * false where there is more than one, or the driver stands at its own toggle. */
 static bool direction(const km_sweeper *r, double *z) {
-  double residual;
   int freedom = r->substructure < 0 ? 0 : km_partition_freedom(&r->s->partition[r->substructure]);
   if (freedom - r->out->idle != 1)
     return false;
-  if (r->mover.rides && r->mover.rides(r->mover.self, &residual)) {
+  if (r->rides) {
     r->mover.direction(r->mover.self, z);
     return true;
   }
@@ -112,36 +123,43 @@ static bool direction(const km_sweeper *r, double *z) {
  * already, and the errors of regula falsi multiply. */
 static const double found = 1e-9;
 
-/* Between last_s and s the sign of z_c changes: where exactly, by regula falsi (Illinois) on the closed pose. */
-static double locate(const watch *w, const km_sweeper *r, int c, double s) {
-  double a = w->last_s, b = s, fa = w->last_z[c], fb = w->z[c], root = b, width = fabs(b - a);
-  for (int i = 0; i < 60 && fabs(b - a) > 1e-13 * (fabs(a) + fabs(b)); ++i) {
-    double last = root;
-    root = (a * fb - b * fa) / (fb - fa);
-    if (i > 1 && fabs(root - last) < found * width)
-      break;
-    if (!r->mover.probe(r->mover.self, root, r->rates))
-      break;
-    normalise(r->m, r->rates, r->scratch);
-    double f = r->scratch[c];
-    if (fabs(f) < 1e-14)
-      break;
-    if (f * fb < 0.0) {
-      a = b;
-      fa = fb;
-    } else {
-      fa *= 0.5;
-    }
-    b = root;
-    fb = f;
+/* The next place of the search, or none where the root is found: by regula falsi (Illinois) on the closed pose. */
+static void choose_place(search *at) {
+  double last = at->root;
+  at->open = at->round < 60 && fabs(at->b - at->a) > 1e-13 * (fabs(at->a) + fabs(at->b));
+  if (!at->open)
+    return;
+  at->root = (at->a * at->fb - at->b * at->fa) / (at->fb - at->fa);
+  at->open = at->round <= 1 || fabs(at->root - last) >= found * at->width;
+}
+
+/* The sign of z_c changes between last_s and s: where exactly? */
+static void begin_search(watch *w, int c) {
+  double a = w->last_s, b = w->s;
+  w->at = (search){.a = a, .b = b, .fa = w->last_z[c], .fb = w->z[c], .root = b, .width = fabs(b - a)};
+  choose_place(&w->at);
+}
+
+/* f: z_c at the place that was chosen. */
+static void narrow(search *at, double f) {
+  if (f * at->fb < 0.0) {
+    at->a = at->b;
+    at->fa = at->fb;
+  } else {
+    at->fa *= 0.5;
   }
-  return root;
+  at->b = at->root;
+  at->fb = f;
+  at->round++;
+  choose_place(at);
 }
 
 static void note_extremes(const watch *w, const km_sweeper *r, double s) {
-  for (int c = 0; c < r->m->coordinate_count; ++c)
-    if (r->s->numbers[c] < w->out->extremes[c].number)
-      w->out->extremes[c] = (km_extreme){r->s->numbers[c], s};
+  const double *numbers = r->s->numbers;
+  km_extreme *extremes = w->out->extremes;
+  for (int c = 0, count = r->m->coordinate_count; c < count; ++c)
+    if (numbers[c] < extremes[c].number)
+      extremes[c] = (km_extreme){numbers[c], s};
 }
 
 static void choose_watched(watch *w, const km_sweeper *r) {
@@ -150,7 +168,45 @@ static void choose_watched(watch *w, const km_sweeper *r) {
       w->watched[w->watched_count++] = c;
 }
 
-/* Looks for toggles since the last row, and comes back to this one. */
+/* The next of the watched coordinates, from w->next on, whose entry may be 0 at this row or have been since the last. */
+static int next_candidate(const watch *w) {
+  const int *watched = w->watched;
+  const double *z = w->z, *last = w->last_z;
+  int i = w->next, count = w->watched_count;
+  while (w->have_last && i < count && z[watched[i]] * last[watched[i]] > zero)
+    ++i;
+  return i;
+}
+
+/* Lists the toggles since the last row as far as no more has to be seen for them; then this row is the last one. */
+static bool list_toggles(watch *w) {
+  for (; (w->next = next_candidate(w)) < w->watched_count; ++w->next) {
+    int c = w->watched[w->next];
+    bool here = fabs(w->z[c]) < zero, before = w->have_last && fabs(w->last_z[c]) < zero;
+    bool between = w->have_last && !here && !before && w->z[c] * w->last_z[c] < 0.0;
+    if (here && !before && !add_toggle(w->out, c, w->s))
+      return false;
+    if (between && !w->searching)
+      begin_search(w, c);
+    w->searching = between && w->at.open;
+    if (w->searching)
+      return true;
+    if (between && !add_toggle(w->out, c, w->at.root))
+      return false;
+  }
+  double *swap = w->last_z;
+  w->last_z = w->z;
+  w->z = swap;
+  w->last_s = w->s;
+  w->have_last = true;
+  return true;
+}
+
+static km_status go_on(watch *w, km_error *error) {
+  return list_toggles(w) ? KM_OK : km_fail(error, KM_MEMORY, "out of memory for the dead points");
+}
+
+/* Looks for toggles since the last row. */
 static km_status see(void *self, km_sweeper *r, double s, km_error *error) {
   watch *w = self;
   km_status status = km_singular_see(&w->singular, r, s, w->out, error);
@@ -163,25 +219,27 @@ static km_status see(void *self, km_sweeper *r, double s, km_error *error) {
   }
   if (w->watched_count == 0)
     choose_watched(w, r);
-  bool moved = false, failed = false;
-  for (int i = 0; i < w->watched_count; ++i) {
-    int c = w->watched[i];
-    bool here = fabs(w->z[c]) < zero, before = w->have_last && fabs(w->last_z[c]) < zero;
-    bool between = w->have_last && !here && !before && w->z[c] * w->last_z[c] < 0.0;
-    if (here && !before)
-      failed = !add_toggle(w->out, c, s) || failed;
-    if (between)
-      failed = !add_toggle(w->out, c, locate(w, r, c, s)) || failed;
-    moved = moved || between;
+  w->s = s;
+  w->next = 0;
+  return go_on(w, error);
+}
+
+static bool wants(void *self, double *s) {
+  const watch *w = self;
+  *s = w->at.root;
+  return w->searching;
+}
+
+static km_status shown(void *self, km_sweeper *r, const double *rates, km_error *error) {
+  watch *w = self;
+  w->at.open = false;
+  if (rates) {
+    normalise(r->m, rates, r->scratch);
+    double f = r->scratch[w->watched[w->next]];
+    if (!(fabs(f) < 1e-14))
+      narrow(&w->at, f);
   }
-  if (moved)
-    r->mover.settle(r->mover.self);
-  double *swap = w->last_z;
-  w->last_z = w->z;
-  w->z = swap;
-  w->last_s = s;
-  w->have_last = true;
-  return failed ? km_fail(error, KM_MEMORY, "out of memory for the dead points") : KM_OK;
+  return go_on(w, error);
 }
 
 static km_status pass(void *self, km_sweeper *r, double s, km_error *error) {
@@ -221,6 +279,8 @@ static km_status open_watch(watch *w, const km_mobility_job *job) {
                               .columns = add_columns,
                               .cells = write_numbers,
                               .seen = see,
+                              .wants = wants,
+                              .shown = shown,
                               .passed = singularities ? pass : NULL,
                               .corner = forget,
                               .ended = end_at,

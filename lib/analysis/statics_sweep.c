@@ -178,7 +178,14 @@ static km_status take_events(watch *w, const km_sweep_plan *plan, km_error *erro
 static km_status run(const km_mechanism *m, km_state *s, const km_sweep_plan *plan, watch *w, km_error *error) {
   km_statics_sweep *out = w->out;
   const km_statics *st = w->statics;
-  km_observer observer = {w, add_columns, write_cells, see, look, forget, end_at, true};
+  km_observer observer = {.self = w,
+                          .columns = add_columns,
+                          .cells = write_cells,
+                          .seen = see,
+                          .passed = look,
+                          .corner = forget,
+                          .ended = end_at,
+                          .reads_jacobian = true};
   w->scan = (km_scan){.self = w,
                       .values = values,
                       .sampled = sampled,

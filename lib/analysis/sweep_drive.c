@@ -59,10 +59,12 @@ static double look_ahead(km_sweeper *r, double s, bool *stops, bool *meets) {
 /* Shows the observer the poses on the way from a row to the next one, if it asks for them: all the nearer to one
  * another where the motion begins or ends. */
 static km_status pass(km_sweeper *r, double from, double to, bool begins, bool ends, km_error *error) {
+  if (!r->observer->passed)
+    return KM_OK;
   int pieces = (KM_LEAST_SAMPLES + r->plan->steps - 1) / r->plan->steps;
   double last = from;
   km_status status = KM_OK;
-  for (int k = 1; k <= pieces && r->observer->passed && !status; ++k) {
+  for (int k = 1; k <= pieces && !status; ++k) {
     bool stops, meets;
     double s = k == pieces ? to : from + (to - from) * k / pieces, next = look_ahead(r, s, &stops, &meets);
     bool over = stops || (ends && k == pieces); /* the row will be there */
@@ -116,22 +118,61 @@ static bool next(walk *w, double *target) {
   return false;
 }
 
-/* The row where the drive has arrived. */
-static void arrive(walk *w, km_reach reach) {
+/* The row where the drive has arrived; then what the observer wants to see near it has to follow. */
+static void write_row(walk *w, km_reach reach) {
   km_sweeper *r = w->r;
   km_status status = KM_OK;
   if (r->observer->reads_jacobian)
     km_drive_settle(w->at.drive);
+  r->rides = km_drive_rides(w->at.drive);
+  if (r->rides)
+    r->residual = km_drive_ridden_residual(w->at.drive);
   r->out->end = reach;
   if (w->step == 0)
     r->out->start = reach;
   bool again = w->step > 0 && reach.stop && fabs(reach.position - w->last) <= 1e-9 * (1.0 + fabs(w->last));
   if (!again) /* the end may be where the last row stands already */
     status = km_sweeper_row(r, w->row++, reach.position, w->job->error);
+  w->job->status = status;
+}
+
+/* Shows each of the walks `going` what its observer wants to see near its row, side by side where they ride. */
+static void show_near_rows(walk *walks, unsigned going, km_drive_lanes *lanes) {
+  double places[KM_DRIVE_LANES], *rates[KM_DRIVE_LANES];
+  unsigned wanting = going, left = 0;
+  while (wanting) {
+    for (unsigned rest = wanting; rest; rest &= rest - 1) {
+      int i = __builtin_ctz(rest);
+      const km_observer *observer = walks[i].r->observer;
+      rates[i] = walks[i].r->rates;
+      if (walks[i].job->status || !observer->wants || !observer->wants(observer->self, &places[i]))
+        wanting &= ~(1u << i);
+    }
+    unsigned visited = lanes && wanting ? km_drive_lanes_visit(lanes, wanting, places, rates) : 0;
+    for (unsigned rest = wanting; rest; rest &= rest - 1) {
+      int i = __builtin_ctz(rest);
+      km_sweeper *r = walks[i].r;
+      bool moved = visited >> i & 1 || r->mover.probe(r->mover.self, places[i], r->rates);
+      walks[i].job->status = r->observer->shown(r->observer->self, r, moved ? r->rates : NULL, walks[i].job->error);
+    }
+    left |= wanting;
+  }
+  for (; left; left &= left - 1) {
+    km_sweeper *r = walks[__builtin_ctz(left)].r;
+    r->mover.settle(r->mover.self);
+  }
+}
+
+/* Behind the row. */
+static void leave_row(walk *w) {
+  km_sweeper *r = w->r;
+  const km_reach *reach = &r->out->end;
+  km_status status = w->job->status;
+  r->rides = false;
   if (!status && w->step > 0 && km_drive_crossings(w->at.drive) > w->crossings && r->substructure >= 0)
     status = km_sweeper_find_branch(r, w->job->error);
-  w->last = reach.position;
-  w->over = w->step > 0 && reach.stop;
+  w->last = reach->position;
+  w->over = w->step > 0 && reach->stop;
   w->step++;
   w->job->status = status;
 }
@@ -178,14 +219,6 @@ static void settle(void *self) {
   at->away = false;
 }
 
-static bool rides(void *self, double *residual) {
-  const km_drive *drive = ((const seat *)self)->drive;
-  bool riding = km_drive_rides(drive);
-  if (riding)
-    *residual = km_drive_ridden_residual(drive);
-  return riding;
-}
-
 static void direction(void *self, double *z) {
   km_drive_ridden_direction(((const seat *)self)->drive, z);
 }
@@ -201,7 +234,7 @@ static km_status begin_walk(walk *w) {
     status = km_drive_create(r->m, r->s, r->plan->coordinate, r->plan->ignore_limits, &w->at.drive, error);
   if (status)
     return status;
-  r->mover = (km_mover){&w->at, rates, probe, settle, rides, direction};
+  r->mover = (km_mover){&w->at, rates, probe, settle, direction};
   return km_sweeper_prepare(r, error);
 }
 
@@ -214,11 +247,13 @@ static bool advance(walk *walks, int count, km_drive_lanes *lanes) {
     going |= next(&walks[i], &targets[i]) ? 1u << i : 0;
   if (lanes)
     km_drive_lanes_to(lanes, going, targets, reaches);
-  for (int i = 0; i < count; ++i) {
-    if (!(going >> i & 1))
-      continue;
-    arrive(&walks[i], lanes ? reaches[i] : km_drive_to(walks[i].at.drive, targets[i]));
-  }
+  for (int i = 0; i < count; ++i)
+    if (going >> i & 1)
+      write_row(&walks[i], lanes ? reaches[i] : km_drive_to(walks[i].at.drive, targets[i]));
+  show_near_rows(walks, going, lanes);
+  for (int i = 0; i < count; ++i)
+    if (going >> i & 1)
+      leave_row(&walks[i]);
   return going != 0;
 }
 

@@ -123,9 +123,14 @@ static km_stop reason(const km_follow *follow, km_status moved) {
   return !moved ? KM_STOP_NONE : km_follow_limit(follow) >= 0 ? KM_STOP_LIMIT : KM_STOP_TOGGLE;
 }
 
+static km_status row(km_sweeper *r, int step, double s, km_error *error) {
+  km_status status = km_sweeper_row(r, step, s, error);
+  return status ? status : km_sweeper_near_row(r, error);
+}
+
 static km_status rows(km_sweeper *r, km_follow *follow, km_error *error) {
   const km_sweep_plan *plan = r->plan;
-  km_status status = km_sweeper_row(r, 0, 0.0, error);
+  km_status status = row(r, 0, 0.0, error);
   for (int i = 1; i <= plan->steps && !status; ++i) {
     if (!km_sweeper_goes_on(r, i))
       return km_fail(error, KM_CANCELLED, "stopped at %g", km_follow_length(follow));
@@ -141,7 +146,7 @@ static km_status rows(km_sweeper *r, km_follow *follow, km_error *error) {
     if (plan->cycle && r->out->cycle > 0.0)
       return status; /* the row that repeats the start is left out */
     if (!status)
-      status = km_sweeper_row(r, i, moved ? km_follow_length(follow) : plan->arclength * i, error);
+      status = row(r, i, moved ? km_follow_length(follow) : plan->arclength * i, error);
     if (moved)
       return status ? status : KM_PARTIAL;
   }
@@ -156,7 +161,7 @@ static bool stands(void *self, double *out) {
 
 /* Nothing moves: the starting pose is all there is. */
 static km_status only_row(km_sweeper *r, km_error *error) {
-  r->mover = (km_mover){NULL, stands, NULL, NULL, NULL, NULL};
+  r->mover = (km_mover){NULL, stands, NULL, NULL, NULL};
   r->out->end = (km_reach){KM_STOP_TOGGLE, 0.0, -1, -1};
   km_status status = km_sweeper_row(r, 0, 0.0, error);
   return status ? status : KM_PARTIAL;
@@ -169,7 +174,7 @@ km_status km_sweep_by_length(km_sweeper *r, km_error *error) {
     status = km_follow_create(r->m, r->s, r->plan->direction, r->plan->sign, r->plan->ignore_limits, &follow, error);
   if (status)
     return status == KM_NO_RESULT ? only_row(r, error) : status;
-  r->mover = (km_mover){follow, rates, probe, settle, NULL, NULL};
+  r->mover = (km_mover){follow, rates, probe, settle, NULL};
   r->substructure = r->out->substructure = km_follow_substructure(follow);
   r->out->start_branches = km_follow_start_branches(follow);
   status = km_sweeper_prepare(r, error);

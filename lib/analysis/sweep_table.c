@@ -1,6 +1,7 @@
 /* The table of a sweep: its columns and rows. */
 #include "analysis/mobility.h"
 #include "analysis/sweeper.h"
+#include "base/table.h"
 #include "base/text.h"
 #include "kinematics/loops.h"
 #include "kinematics/poses.h"
@@ -11,7 +12,9 @@
 
 bool km_sweeper_column(km_table *table, const char *prefix, const char *name, const char *suffix, const char *unit) {
   km_text text = {0};
-  km_text_format(&text, "%s%s%s", prefix, name, suffix);
+  km_text_add(&text, prefix);
+  km_text_add(&text, name);
+  km_text_add(&text, suffix);
   bool added = !text.failed && km_table_add_column(table, text.data, unit) >= 0;
   km_text_free(&text);
   return added;
@@ -108,10 +111,9 @@ bool km_sweeper_motion(km_sweeper *r) {
 
 /* Brings the mobility numbers of what moves up to date, and returns the residual of its loops. */
 static double look(km_sweeper *r) {
-  double residual;
   int worst;
-  if (r->mover.rides && r->mover.rides(r->mover.self, &residual))
-    return residual;
+  if (r->rides)
+    return r->residual;
   km_numbers_update(r->m, r->s, r->substructure);
   return km_loops_residual(r->m, r->s, &r->m->substructures[r->substructure], &worst);
 }
@@ -119,19 +121,21 @@ static double look(km_sweeper *r) {
 /* A row at the state's pose, where r->rates is the motion if points' derivatives are asked for. */
 static bool write_row(km_sweeper *r, km_table *table, int step, double s) {
   const km_mechanism *m = r->m;
-  double *cell = km_table_add_row(table);
+  double *cell = km_table_add_raw_row(table);
   if (!cell)
     return false;
   int mobility = r->other_mobility;
   double residual = r->other_residual;
   if (r->substructure >= 0) {
-    residual = fmax(residual, look(r));
+    double own = look(r);
+    residual = own > residual || isnan(residual) ? own : residual; /* fmax */
     mobility += km_partition_freedom(&r->s->partition[r->substructure]);
   }
   *cell++ = step;
   *cell++ = s;
-  for (int c = 0; c < m->coordinate_count; ++c)
-    *cell++ = km_state_coordinate(r->s, c);
+  int coordinates = m->coordinate_count;
+  for (int c = 0; c < coordinates; ++c)
+    *cell++ = km_state_shown(r->s, c);
   cell = r->observer->cells(r->observer->self, r, cell);
   *cell++ = mobility;
   for (int i = 0; i < m->topology.substructure_count; ++i)
@@ -156,6 +160,21 @@ km_status km_sweeper_row(km_sweeper *r, int step, double s, km_error *error) {
   if (!write_row(r, r->out->table, step, s))
     return km_fail(error, KM_MEMORY, "out of memory for the table");
   return r->observer->seen ? r->observer->seen(r->observer->self, r, s, error) : KM_OK;
+}
+
+km_status km_sweeper_near_row(km_sweeper *r, km_error *error) {
+  const km_observer *observer = r->observer;
+  km_status status = KM_OK;
+  bool left = false;
+  double s;
+  while (!status && observer->wants && observer->wants(observer->self, &s)) {
+    bool moved = r->mover.probe(r->mover.self, s, r->rates);
+    status = observer->shown(observer->self, r, moved ? r->rates : NULL, error);
+    left = true;
+  }
+  if (left)
+    r->mover.settle(r->mover.self);
+  return status;
 }
 
 /* Of several freedoms some may be idle. */

@@ -13,9 +13,7 @@ typedef struct km_mover {
   /* The same at another s near the row, where the state then stands; `settle` comes back to the row. */
   bool (*probe)(void *self, double s, double *rates);
   void (*settle)(void *self);
-  /* NULL, or: is the row reached beside others, so that the state has its mobility numbers already? Then the residual of the
-   * loops that move, and the unit direction of motion by coordinates. */
-  bool (*rides)(void *self, double *residual);
+  /* Where the sweeper rides: the unit direction of motion by coordinates. */
   void (*direction)(void *self, double *z);
 } km_mover;
 
@@ -30,6 +28,10 @@ typedef struct km_observer {
   double *(*cells)(void *self, km_sweeper *sweeper, double *cell);
   /* After each row: what lies between it and the last one. Leaves the state at the row. */
   km_status (*seen)(void *self, km_sweeper *sweeper, double s, km_error *error);
+  /* Behind `seen`: a place near the row at which the observer wants to know the rates, false: at none; and those rates, NULL
+   * where the motion doesn't get there. `shown` comes after each place that is wanted. */
+  bool (*wants)(void *self, double *s);
+  km_status (*shown)(void *self, km_sweeper *sweeper, const double *rates, km_error *error);
   /* At poses between rows, close enough to show what happens there; an observer without it isn't shown any. */
   km_status (*passed)(void *self, km_sweeper *sweeper, double s, km_error *error);
   /* The motion turns a corner: directions before and after it have nothing to do with each other. */
@@ -51,6 +53,8 @@ struct km_sweeper {
   int substructure;      /* the one that moves, -1: none */
   double *rates;         /* [coordinate] */
   double *scratch;       /* [coordinate] */
+  bool rides;            /* the row was reached beside others, and the state has its mobility numbers already: */
+  double residual;       /* of the loops that move, then */
   double other_residual; /* of the substructures that stand still */
   int other_mobility;
 };
@@ -91,8 +95,9 @@ bool km_sweeper_column(km_table *table, const char *prefix, const char *name, co
 km_status km_sweeper_columns(const km_sweeper *sweeper, km_error *error);
 /* The numbers of what stands still, once, and which freedoms are idle. KM_MEMORY. */
 km_status km_sweeper_prepare(km_sweeper *sweeper, km_error *error);
-/* A row at the state's pose, shown to the observer. */
+/* A row at the state's pose, shown to the observer; and the places near it that the observer wants. */
 km_status km_sweeper_row(km_sweeper *sweeper, int step, double s, km_error *error);
+km_status km_sweeper_near_row(km_sweeper *sweeper, km_error *error);
 
 /* A row at a pose between rows, where r->rates is the motion: into the sweep's `between`. False when out of memory. */
 bool km_sweeper_between(km_sweeper *sweeper, double s);

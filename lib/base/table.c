@@ -1,5 +1,5 @@
 /* Tables of numbers with named columns. */
-#include "kmech/table.h"
+#include "base/table.h"
 
 #include "base/check.h"
 #include "base/memory.h"
@@ -75,16 +75,19 @@ bool km_table_reserve(km_table *table, size_t rows) {
   return make_room(table, rows * table->column_count);
 }
 
-double *km_table_add_row(km_table *table) {
-  if (!table)
-    return NULL;
+double *km_table_add_raw_row(km_table *table) {
   size_t used = table->row_count * table->column_count, end = used + table->column_count;
   if (end > table->data_capacity && !make_room(table, end))
     return NULL;
-  for (size_t c = used; c < end; ++c)
-    table->data[c] = nan("");
   table->row_count++;
   return table->data + used;
+}
+
+double *km_table_add_row(km_table *table) {
+  double *cells = table ? km_table_add_raw_row(table) : NULL;
+  for (size_t c = 0; cells && c < table->column_count; ++c)
+    cells[c] = nan("");
+  return cells;
 }
 
 size_t km_table_rows(const km_table *table) {

@@ -287,23 +287,27 @@ km_reach km_drive_to(km_drive *d, double target) {
   return (km_reach){KM_STOP_TOGGLE, d->here.s / factor, d->c.substructure, -1};
 }
 
-bool km_drive_tangent(km_drive *d, double *rates) {
-  if (!d || !rates)
-    return false;
-  km_drive_settle(d);
+void km_drive_rates(const km_drive *d, const double *t, int stride, double *rates) {
   const km_mechanism *m = d->c.mechanism;
   memset(rates, 0, (size_t)m->coordinate_count * sizeof *rates);
   rates[d->c.coordinate] = 1.0;
   if (d->c.substructure < 0)
-    return true;
-  if (!d->here.known && !start(d))
-    return false;
+    return;
   const km_substructure *sub = km_drive_driven(d);
   double inverse = 1.0 / m->unit[d->c.coordinate];
   for (int k = 0; k < sub->columns; ++k) {
     int c = m->column_coordinate[sub->column_start + k];
-    rates[c] = d->c.course.t[k] * m->unit[c] * inverse;
+    rates[c] = t[k * stride] * m->unit[c] * inverse;
   }
+}
+
+bool km_drive_tangent(km_drive *d, double *rates) {
+  if (!d || !rates)
+    return false;
+  km_drive_settle(d);
+  if (d->c.substructure >= 0 && !d->here.known && !start(d))
+    return false;
+  km_drive_rates(d, d->c.course.t, 1, rates);
   return true;
 }
 

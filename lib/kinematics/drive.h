@@ -60,6 +60,8 @@ static inline const km_substructure *km_drive_driven(const km_drive *d) {
   return km_continuation_sub(&d->c);
 }
 
+/* The rates of all coordinates per unit of the driver, by the tangent t[column · stride]. */
+void km_drive_rates(const km_drive *drive, const double *t, int stride, double *rates);
 /* The first of several steps towards the target, if it takes several and the first is accepted: km_drive_to goes on from
  * there with the same bits. */
 void km_drive_begin(km_drive *drive, double target);

@@ -24,10 +24,18 @@ static bool reserve(km_drive_lanes *l) {
   l->h = KM_ARENA_NEW(arena, km_lane_column, (size_t)m->twist_count);
   l->coefficients = numbers(arena, m->term_count);
   l->term_unit = numbers(arena, m->term_count);
-  l->q = numbers(arena, coordinates);
   l->J = numbers(arena, rows * columns);
-  km_lanes_number **by_column[] = {&l->unit, &l->weight, &l->low,    &l->high, &l->t, &l->last_t, &l->last_move,
-                                   &l->from, &l->move,   &l->next_t, &l->x,    &l->z, &l->numbers};
+  l->place_count = (size_t)(coordinates + 4 * columns);
+  l->kept = KM_ARENA_NEW(arena, km_lanes_number, l->place_count);
+  l->q = KM_ARENA_NEW(arena, km_lanes_number, l->place_count);
+  if (l->q) {
+    l->t = l->q + coordinates;
+    l->last_t = l->t + columns;
+    l->last_move = l->last_t + columns;
+    l->z = l->last_move + columns;
+  }
+  km_lanes_number **by_column[] = {&l->unit, &l->weight, &l->low, &l->high,   &l->from,
+                                   &l->move, &l->next_t, &l->x,   &l->numbers};
   for (size_t i = 0; i < sizeof by_column / sizeof *by_column; ++i)
     *by_column[i] = numbers(arena, columns);
   km_lanes_number **by_row[] = {&l->B, &l->error, &l->y, &l->inverse};
@@ -110,11 +118,11 @@ static void board(km_drive_lanes *l, int i) {
     l->last_t[k].of[i] = course->last_t[k];
     l->last_move[k].of[i] = course->last_move[k];
   }
-  l->last_h.of[i] = course->last_h;
+  l->here.last_h.of[i] = course->last_h;
   l->sign.of[i] = course->reference.sign;
-  l->s.of[i] = d->here.s;
-  l->largest.of[i] = d->here.largest;
-  l->stopped.of[i] = d->here.stopped;
+  l->here.s.of[i] = d->here.s;
+  l->here.largest.of[i] = d->here.largest;
+  l->here.stopped.of[i] = d->here.stopped;
   l->pivoted_b.of[i] = p->pivoted_b;
   l->smallest_pivot.of[i] = p->rank > 0 ? p->smallest_pivot : 0.0;
   l->aboard |= 1u << i;
@@ -148,14 +156,14 @@ void km_drive_settle(km_drive *d) {
     course->last_t[k] = l->last_t[k].of[i];
     course->last_move[k] = l->last_move[k].of[i];
   }
-  course->last_h = l->last_h.of[i];
+  course->last_h = l->here.last_h.of[i];
   course->reference.sign = (int)l->sign.of[i];
-  d->here.s = l->s.of[i];
-  d->here.largest = l->largest.of[i];
-  d->here.stopped = l->stopped.of[i];
+  d->here.s = l->here.s.of[i];
+  d->here.largest = l->here.largest.of[i];
+  d->here.stopped = l->here.stopped.of[i];
   /* The loops were closed before the driver got its value to the last bit. */
   double value = s->q[l->coordinate];
-  s->q[l->coordinate] = l->closed_at.of[i];
+  s->q[l->coordinate] = l->here.closed_at.of[i];
   km_loops_update(d->c.mechanism, s, sub);
   km_partition_refactor(&s->partition[d->c.substructure], km_state_jacobian(s, sub));
   s->q[l->coordinate] = value;
@@ -167,7 +175,7 @@ bool km_drive_rides(const km_drive *d) {
 }
 
 double km_drive_ridden_residual(const km_drive *d) {
-  return d->lanes->residual.of[d->lane];
+  return d->lanes->here.residual.of[d->lane];
 }
 
 void km_drive_ridden_direction(const km_drive *d, double *z) {
@@ -212,7 +220,7 @@ static void set_targets(km_drive_lanes *l, unsigned wanted, const double *target
       continue;
     double target = targets[i] * l->factor.of[i];
     l->target.of[i] = target;
-    if (!(fabs(target - l->s.of[i]) < most_steps * km_drive_longest))
+    if (!(fabs(target - l->here.s.of[i]) < most_steps * km_drive_longest))
       km_drive_settle(l->drives[i]);
   }
 }
@@ -223,7 +231,7 @@ static km_reach arrive(km_drive_lanes *l, int i, bool there, double target) {
     show(l, i);
   if (!there)
     return km_drive_to(l->drives[i], target);
-  if (!(l->largest_b.of[i] <= km_largest_good_b)) /* whoever looks at the pose searches other pivots */
+  if (!(l->here.largest_b.of[i] <= km_largest_good_b)) /* whoever looks at the pose searches other pivots */
     km_drive_settle(l->drives[i]);
   return (km_reach){KM_STOP_NONE, target, -1, -1};
 }
@@ -236,6 +244,32 @@ static unsigned go(km_drive_lanes *l, unsigned wanted) {
     l->ahead |= going;
     there |= l->there;
   }
+  return there;
+}
+
+static void keep(km_drive_lanes *l) {
+  l->kept_here = l->here;
+  memcpy(l->kept, l->q, l->place_count * sizeof *l->q);
+}
+
+static void come_back(km_drive_lanes *l) {
+  l->here = l->kept_here;
+  memcpy(l->q, l->kept, l->place_count * sizeof *l->q);
+}
+
+unsigned km_drive_lanes_visit(km_drive_lanes *l, unsigned wanted, const double *targets, double *const *rates) {
+  set_targets(l, wanted & l->aboard, targets);
+  unsigned ahead = l->ahead & l->aboard, there = 0;
+  if (!(wanted & l->aboard))
+    return 0;
+  keep(l);
+  there = go(l, wanted & l->aboard);
+  for (unsigned left = there; left; left &= left - 1) {
+    int i = __builtin_ctz(left);
+    km_drive_rates(l->drives[i], &l->t->of[i], KM_DRIVE_LANES, rates[i]);
+  }
+  come_back(l);
+  l->ahead = ahead;
   return there;
 }
 

@@ -21,6 +21,10 @@ void km_drive_lanes_free(km_drive_lanes *lanes);
  * partition, null space, loop errors) is up to date only after km_drive_settle. */
 void km_drive_lanes_to(km_drive_lanes *lanes, unsigned wanted, const double *targets, km_reach *reaches);
 
+/* Rates at targets near by: km_drive_tangent at targets[i] into rates[i], for every bit of `wanted`. The drives stay where they
+ * are. Returns those that could go in their lanes; the others have to go alone. */
+unsigned km_drive_lanes_visit(km_drive_lanes *lanes, unsigned wanted, const double *targets, double *const *rates);
+
 /* Did the drive's last step go in its lane? */
 bool km_drive_rides(const km_drive *drive);
 /* Of a drive that rides: km_loops_residual of its substructure; and its null vector D q̇ at unit length, in which the driver

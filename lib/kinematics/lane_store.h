@@ -38,6 +38,11 @@ typedef struct km_lane_column {
   km_lanes_number x, y, turn;
 } km_lane_column;
 
+/* See km_course and km_drive_place. closed_at: the driver where the loops were closed; residual: of the worst loop. */
+typedef struct km_lane_place {
+  km_lanes_number last_h, s, largest, stopped, closed_at, residual, largest_b;
+} km_lane_place;
+
 struct km_drive_lanes {
   km_arena arena;
   int count;
@@ -62,10 +67,10 @@ struct km_drive_lanes {
   km_lanes_number inverse_size, closure_tolerance, driver_low, driver_high; /* the driver's limits, scaled */
 
   /* Where the drives are. */
-  km_lanes_number *q;                                     /* [coordinate] */
-  km_lanes_number *t, *last_t, *last_move;                /* [columns] as in km_course */
-  km_lanes_number last_h, s, largest, stopped, closed_at; /* closed_at: the driver where the loops were closed */
-  km_lanes_number sign, next_sign;                        /* of the pivots' product, ±1, and where the step ends */
+  km_lane_place here;
+  km_lanes_number *q;                      /* [coordinate] */
+  km_lanes_number *t, *last_t, *last_move; /* [columns] as in km_course */
+  km_lanes_number sign, next_sign;         /* of the pivots' product, ±1, and where the step ends */
   km_lanes_number pivoted_b, smallest_pivot;
   km_lanes_number target; /* of the step, scaled */
   km_lanes_number factor; /* a target in the model's unit times this is the scaled one */
@@ -75,10 +80,13 @@ struct km_drive_lanes {
   km_lanes_number *error;   /* [rows], and one more for what is no row; J alike */
   km_lanes_number *z;       /* [columns] unit direction of motion, lengths over the characteristic length */
   km_lanes_number *numbers; /* [columns] mobility numbers */
-  km_lanes_number residual; /* of the worst loop */
-  km_lanes_number largest_b;
 
-  /* and what it works on. */
+  /* All that makes a place lies in one block, which q begins. A copy, to come back to. */
+  size_t place_count;
+  km_lanes_number *kept;
+  km_lane_place kept_here;
+
+  /* What a step works on. */
   km_lanes_number *from, *move, *next_t, *x; /* [columns] */
   km_lanes_number *J, *y, *inverse;          /* [rows × columns], [rows], [rank] */
   km_lane_slot *slots;

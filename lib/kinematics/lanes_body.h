@@ -61,7 +61,7 @@ static inline void factor(km_drive_lanes *l, mask *fit, int first, int count) {
     }
   }
   EACH(r) {
-    PUT(l->largest_b, largest_b[r]);
+    PUT(l->here.largest_b, largest_b[r]);
     PUT(l->next_sign, (vector)((word)all(1.0) | (sign[r] & SIGN_BIT)));
     vector pivoted_b = larger(GET(l->pivoted_b), all(1.0));
     fit[r] &= (sum[r] - sum[r] == all(0.0)) & (largest_b[r] <= km_most_growth_of_b * pivoted_b) &
@@ -198,7 +198,7 @@ static inline void close_loops(km_drive_lanes *l, mask *trying, vector *correcti
 static inline void predict(km_drive_lanes *l, const vector *h, mask *fit, int first, int count) {
   vector last_h[TOGETHER], h00[TOGETHER], h10[TOGETHER], h11[TOGETHER];
   EACH(r) {
-    last_h[r] = GET(l->last_h);
+    last_h[r] = GET(l->here.last_h);
     vector u = h[r] / last_h[r] + 1.0;
     h00[r] = 2.0 * u * u * u - 3.0 * u * u + 1.0;
     h10[r] = u * u * u - 2.0 * u * u + u;
@@ -215,7 +215,7 @@ static inline void predict(km_drive_lanes *l, const vector *h, mask *fit, int fi
 /* The step that the step control allows towards the target; `arrives`: it leads there. */
 static inline void choose_step(const km_drive_lanes *l, vector *h, mask *arrives, int first, int count) {
   EACH(r) {
-    vector left = GET(l->target) - GET(l->s), largest = GET(l->largest);
+    vector left = GET(l->target) - GET(l->here.s), largest = GET(l->here.largest);
     arrives[r] = size_of(left) <= largest;
     h[r] = pick(arrives[r], left, (vector)((word)largest | ((word)left & SIGN_BIT)));
   }
@@ -224,11 +224,11 @@ static inline void choose_step(const km_drive_lanes *l, vector *h, mask *arrives
 /* Clears the lanes whose target doesn't lie within the driver's limits, and whose step is too long for the cubic. */
 static inline void may_step(const km_drive_lanes *l, const vector *h, mask *fit, int first, int count) {
   EACH(r) {
-    vector s = GET(l->s), goal = GET(l->target);
+    vector s = GET(l->here.s), goal = GET(l->target);
     vector slack = 1e-12 * (1.0 + size_of(goal));
     vector high = larger(s, GET(l->driver_high)), low = -larger(-s, -GET(l->driver_low));
     fit[r] &= (goal <= high + slack) & (goal >= low - slack) & (h[r] != all(0.0)) &
-              (size_of(h[r]) <= km_continuation_farther * size_of(GET(l->last_h)));
+              (size_of(h[r]) <= km_continuation_farther * size_of(GET(l->here.last_h)));
   }
 }
 
@@ -292,14 +292,14 @@ static inline void accept(km_drive_lanes *l, const mask *took, const mask *arriv
     }
   }
   EACH(r) {
-    vector s = GET(l->s), largest = GET(l->largest), longer = 2.0 * largest, q = GET(l->q[l->coordinate]);
+    vector s = GET(l->here.s), largest = GET(l->here.largest), longer = 2.0 * largest, q = GET(l->q[l->coordinate]);
     vector longest = pick(longer < all(km_drive_longest), longer, all(km_drive_longest));
     mask away = took[r] & (size_of(h[r]) > all(km_drive_leaves));
-    PUT(l->last_h, pick(took[r], h[r], GET(l->last_h)));
-    PUT(l->closed_at, pick(took[r], q, GET(l->closed_at)));
-    PUT(l->s, pick(took[r], pick(arrives[r], GET(l->target), s + h[r]), s));
-    PUT(l->largest, pick(took[r], larger(longest, all(km_drive_least_first)), largest));
-    PUT(l->stopped, pick(away, all(0.0), GET(l->stopped)));
+    PUT(l->here.last_h, pick(took[r], h[r], GET(l->here.last_h)));
+    PUT(l->here.closed_at, pick(took[r], q, GET(l->here.closed_at)));
+    PUT(l->here.s, pick(took[r], pick(arrives[r], GET(l->target), s + h[r]), s));
+    PUT(l->here.largest, pick(took[r], larger(longest, all(km_drive_least_first)), largest));
+    PUT(l->here.stopped, pick(away, all(0.0), GET(l->here.stopped)));
     PUT(l->q[l->coordinate], pick(took[r] & arrives[r], GET(l->target) * GET(l->unit[l->column]), q));
   }
 }
@@ -350,7 +350,7 @@ static inline void set_residual(km_drive_lanes *l, int first, int count) {
     largest[r] = larger(size_of(GET(*error)) / all(sqrt(6.0)), largest[r]);
   }
   EACH(r)
-  PUT(l->residual, largest[r]);
+  PUT(l->here.residual, largest[r]);
 }
 
 /* One step of lanes first … first + count · WIDTH-1. */
@@ -375,7 +375,7 @@ static inline unsigned step(km_drive_lanes *l, unsigned wanted, int first, int c
   move(l, l->move, took, first, count);
   EACH(r) {
     vector q = GET(l->q[l->coordinate]);
-    PUT(l->q[l->coordinate], pick(took[r], (GET(l->s) + h[r]) * GET(l->unit[l->column]), q));
+    PUT(l->q[l->coordinate], pick(took[r], (GET(l->here.s) + h[r]) * GET(l->unit[l->column]), q));
   }
   close_loops(l, took, correction, first, count);
   set_next_tangent(l, first, count);

@@ -99,6 +99,13 @@ void km_state_unlock(km_state *state); /* all of them */
 static inline bool km_state_holds(const km_state *s, int coordinate) {
   return s->mechanism->held[coordinate] || s->locked[coordinate];
 }
+/* Value of a coordinate in the model's unit, of which q is `factor` times as much. */
+double km_in_unit(double q, double factor);
+/* km_state_coordinate of a coordinate that there is. */
+static inline double km_state_shown(const km_state *s, int coordinate) {
+  double factor = s->mechanism->factor[coordinate], q = s->q[coordinate];
+  return factor == 1.0 ? q : km_in_unit(q, factor);
+}
 /* Clears the columns of what is locked in a substructure's Jacobian. Part of km_loops_update. */
 void km_state_clear_locked(km_state *state, const km_substructure *sub);
 /* The coordinates of one substructure, to come back to. */
