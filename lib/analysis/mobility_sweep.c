@@ -28,6 +28,7 @@ typedef struct watch {
   int watched_count;
   int *shown; /* coordinate of each column of numbers, -1: of a joint that can't move */
   int shown_count;
+  size_t first_shown; /* place of their columns in the table */
   km_singular_watch singular;
 } watch;
 
@@ -37,6 +38,7 @@ static bool add_columns(void *self, const km_sweeper *r, km_table *table) {
   const km_model *model = r->m->model;
   bool added = true;
   w->shown_count = 0;
+  w->first_shown = km_table_columns(table);
   for (int j = 0; j < model->joint_count; ++j) {
     const km_model_joint *joint = &model->joints[j];
     int freedom = km_model_freedom(model, j);
@@ -154,12 +156,19 @@ static void narrow(search *at, double f) {
   choose_place(at);
 }
 
-static void note_extremes(const watch *w, const km_sweeper *r, double s) {
-  const double *numbers = r->s->numbers;
+/* The smallest mobility numbers of the table's rows. */
+static void find_extremes(const watch *w) {
+  const km_table *table = w->out->motion.table;
   km_extreme *extremes = w->out->extremes;
-  for (int c = 0, count = r->m->coordinate_count; c < count; ++c)
-    if (numbers[c] < extremes[c].number)
-      extremes[c] = (km_extreme){numbers[c], s};
+  size_t rows = km_table_rows(table), columns = km_table_columns(table);
+  const double *cells = km_table_row(table, 0);
+  for (int i = 0; i < w->shown_count; ++i) {
+    int c = w->shown[i];
+    const double *number = cells + w->first_shown + i;
+    for (size_t row = 0; row < rows && c >= 0; ++row)
+      if (number[row * columns] < extremes[c].number)
+        extremes[c] = (km_extreme){number[row * columns], cells[row * columns + 1]};
+  }
 }
 
 static void choose_watched(watch *w, const km_sweeper *r) {
@@ -212,7 +221,6 @@ static km_status see(void *self, km_sweeper *r, double s, km_error *error) {
   km_status status = km_singular_see(&w->singular, r, s, w->out, error);
   if (status)
     return status;
-  note_extremes(w, r, s);
   if (!direction(r, w->z)) {
     w->have_last = false;
     return KM_OK;
@@ -284,7 +292,8 @@ static km_status open_watch(watch *w, const km_mobility_job *job) {
                               .passed = singularities ? pass : NULL,
                               .corner = forget,
                               .ended = end_at,
-                              .reads_jacobian = singularities};
+                              .reads_jacobian = singularities,
+                              .skips = !singularities};
   for (size_t c = 0; c < count; ++c)
     out->extremes[c] = (km_extreme){HUGE_VAL, nan("")};
   return KM_OK;
@@ -308,8 +317,10 @@ void km_mobility_sweeps_run(km_mobility_job *jobs, int count) {
         (km_sweep_job){job->m, job->s, job->plan, &watches[i].observer, &job->out->motion, KM_OK, job->error};
   }
   km_sweeps_run(sweeps, going);
-  for (int k = 0; k < going; ++k)
+  for (int k = 0; k < going; ++k) {
     jobs[of[k]].status = sweeps[k].status;
+    find_extremes(&watches[of[k]]);
+  }
   for (int i = 0; i < count; ++i) {
     km_singular_watch_free(&watches[i].singular);
     km_free(watches[i].room);

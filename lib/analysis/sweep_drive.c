@@ -2,6 +2,7 @@
 #include "analysis/sweeper.h"
 
 #include <math.h>
+#include <string.h>
 
 /* A drive, and whether it has left the row for a look at poses beside it. */
 typedef struct seat {
@@ -93,6 +94,11 @@ typedef struct walk {
   bool over;
 } walk;
 
+/* The driver's value at a step from 1 on. */
+static double value_at(const km_sweep_plan *plan, int step) {
+  return step == plan->steps ? plan->to : plan->from + (plan->to - plan->from) * step / plan->steps;
+}
+
 /* The driver's next value; false where the sweep is over. */
 static bool next(walk *w, double *target) {
   km_sweeper *r = w->r;
@@ -103,7 +109,7 @@ static bool next(walk *w, double *target) {
   if (w->step == 0)
     return true;
   for (; w->step <= plan->steps; ++w->step) {
-    double s = w->step == plan->steps ? plan->to : plan->from + (plan->to - plan->from) * w->step / plan->steps;
+    double s = value_at(plan, w->step);
     if (r->out->start.stop && !reachable(r, s))
       continue;
     if (!km_sweeper_goes_on(r, w->step)) {
@@ -116,6 +122,29 @@ static bool next(walk *w, double *target) {
     return !w->job->status;
   }
   return false;
+}
+
+/* How many rows may be passed at once from the next one on: the observer doesn't look at all of them, and nothing else does.
+ */
+static int rows_ahead(const walk *w) {
+  const km_sweeper *r = w->r;
+  if (w->step == 0 || !r->observer->skips || r->out->start.stop || r->plan->derivatives)
+    return 1;
+  int left = r->plan->steps - w->step + 1;
+  return left < KM_DRIVE_ROWS ? left : KM_DRIVE_ROWS;
+}
+
+/* A quiet row that was passed; the observer sees the last one. */
+static void write_passed_row(walk *w, double s, bool is_last) {
+  km_sweeper *r = w->r;
+  if (w->job->status)
+    return;
+  r->rides = true;
+  r->residual = km_drive_ridden_residual(w->at.drive);
+  w->job->status =
+      is_last ? km_sweeper_row(r, w->row++, s, w->job->error) : km_sweeper_write_row(r, w->row++, s, w->job->error);
+  w->last = s;
+  w->step++;
 }
 
 /* The row where the drive has arrived; then what the observer wants to see near it has to follow. */
@@ -238,15 +267,44 @@ static km_status begin_walk(walk *w) {
   return km_sweeper_prepare(r, error);
 }
 
-/* Moves each of the walks that goes on to its next row. False where none does. */
+/* Moves the walks `going` in lanes: through quiet rows, which are written, to the row behind them. targets[lane]: of the next
+ * row, and then of the one where they arrive. */
+static void move_beside(walk *walks, unsigned going, km_drive_lanes *lanes, double *targets, km_reach *reaches) {
+  double rows[KM_DRIVE_ROWS * KM_DRIVE_LANES];
+  int count = KM_DRIVE_ROWS;
+  for (unsigned rest = going; rest; rest &= rest - 1) {
+    int ahead = rows_ahead(&walks[__builtin_ctz(rest)]);
+    count = ahead < count ? ahead : count;
+  }
+  memcpy(rows, targets, KM_DRIVE_LANES * sizeof *rows);
+  for (int k = 1; k < count; ++k)
+    for (unsigned rest = going; rest; rest &= rest - 1) {
+      int i = __builtin_ctz(rest);
+      rows[k * KM_DRIVE_LANES + i] = value_at(walks[i].r->plan, walks[i].step + k);
+    }
+  int passed = km_drive_lanes_pass(lanes, going, rows, count);
+  for (int k = 0; k < passed; ++k) {
+    km_drive_lanes_show(lanes, k);
+    for (unsigned rest = going; rest; rest &= rest - 1) {
+      int i = __builtin_ctz(rest);
+      write_passed_row(&walks[i], rows[k * KM_DRIVE_LANES + i], k + 1 == passed);
+    }
+  }
+  if (passed > 0)
+    km_drive_lanes_show(lanes, passed);
+  memcpy(targets, rows + passed * KM_DRIVE_LANES, KM_DRIVE_LANES * sizeof *targets);
+  km_drive_lanes_arrive(lanes, going, targets, reaches);
+}
+
+/* Moves each of the walks that goes on to its next row, or over several. False where none does. */
 static bool advance(walk *walks, int count, km_drive_lanes *lanes) {
-  double targets[KM_DRIVE_LANES];
+  double targets[KM_DRIVE_LANES] = {0.0};
   km_reach reaches[KM_DRIVE_LANES];
   unsigned going = 0;
   for (int i = 0; i < count; ++i)
     going |= next(&walks[i], &targets[i]) ? 1u << i : 0;
   if (lanes)
-    km_drive_lanes_to(lanes, going, targets, reaches);
+    move_beside(walks, going, lanes, targets, reaches);
   for (int i = 0; i < count; ++i)
     if (going >> i & 1)
       write_row(&walks[i], lanes ? reaches[i] : km_drive_to(walks[i].at.drive, targets[i]));

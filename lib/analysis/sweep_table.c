@@ -152,14 +152,18 @@ bool km_sweeper_between(km_sweeper *r, double s) {
   return write_row(r, r->out->between, 0, s);
 }
 
-km_status km_sweeper_row(km_sweeper *r, int step, double s, km_error *error) {
+km_status km_sweeper_write_row(km_sweeper *r, int step, double s, km_error *error) {
   /* The direction of motion first: the numbers may search other pivots. */
   bool tangent = r->plan->derivatives && r->mover.rates(r->mover.self, r->rates);
-  for (int c = 0; c < r->m->coordinate_count && r->plan->derivatives && !tangent; ++c)
-    r->rates[c] = nan("");
-  if (!write_row(r, r->out->table, step, s))
-    return km_fail(error, KM_MEMORY, "out of memory for the table");
-  return r->observer->seen ? r->observer->seen(r->observer->self, r, s, error) : KM_OK;
+  if (r->plan->derivatives && !tangent)
+    for (int c = 0; c < r->m->coordinate_count; ++c)
+      r->rates[c] = nan("");
+  return write_row(r, r->out->table, step, s) ? KM_OK : km_fail(error, KM_MEMORY, "out of memory for the table");
+}
+
+km_status km_sweeper_row(km_sweeper *r, int step, double s, km_error *error) {
+  km_status status = km_sweeper_write_row(r, step, s, error);
+  return status || !r->observer->seen ? status : r->observer->seen(r->observer->self, r, s, error);
 }
 
 km_status km_sweeper_near_row(km_sweeper *r, km_error *error) {

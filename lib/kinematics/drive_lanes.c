@@ -34,13 +34,18 @@ static bool reserve(km_drive_lanes *l) {
     l->last_move = l->last_t + columns;
     l->z = l->last_move + columns;
   }
-  km_lanes_number **by_column[] = {&l->unit, &l->weight, &l->low, &l->high,   &l->from,
-                                   &l->move, &l->next_t, &l->x,   &l->numbers};
+  km_lanes_number **by_column[] = {&l->unit, &l->weight, &l->low, &l->high,    &l->from,
+                                   &l->move, &l->next_t, &l->x,   &l->numbers, &l->before};
   for (size_t i = 0; i < sizeof by_column / sizeof *by_column; ++i)
     *by_column[i] = numbers(arena, columns);
   km_lanes_number **by_row[] = {&l->B, &l->error, &l->y, &l->inverse};
   for (size_t i = 0; i < sizeof by_row / sizeof *by_row; ++i)
     *by_row[i] = numbers(arena, rows);
+  for (int r = 0; r < KM_DRIVE_ROWS; ++r) {
+    l->rows[r].q = numbers(arena, 3 * columns);
+    l->rows[r].z = l->rows[r].q ? l->rows[r].q + columns : NULL;
+    l->rows[r].numbers = l->rows[r].q ? l->rows[r].z + columns : NULL;
+  }
   return km_replay_reserve(&l->replay, rows, columns, KM_DRIVE_LANES, arena);
 }
 
@@ -129,12 +134,13 @@ static void board(km_drive_lanes *l, int i) {
 }
 
 /* What a look at the pose reads of a state: coordinates and mobility numbers. */
-static void show(km_drive_lanes *l, int i) {
-  km_state *s = l->drives[i]->c.state;
+static void show(const km_drive_lanes *l, int i) {
+  const km_lane_row *row = l->shown;
   const int *coordinate = l->m->column_coordinate + l->sub->column_start;
-  for (int k = 0; k < l->sub->columns; ++k) {
-    s->q[coordinate[k]] = l->q[coordinate[k]].of[i];
-    s->numbers[coordinate[k]] = l->numbers[k].of[i];
+  double *q = l->drives[i]->c.state->q, *numbers = l->drives[i]->c.state->numbers;
+  for (int k = 0, count = l->sub->columns; k < count; ++k) {
+    q[coordinate[k]] = row->q[k].of[i];
+    numbers[coordinate[k]] = row->numbers[k].of[i];
   }
 }
 
@@ -144,6 +150,7 @@ void km_drive_settle(km_drive *d) {
   if (!l || !(l->aboard & own))
     return;
   l->aboard &= ~own;
+  l->known &= ~own;
   if (!(l->ahead & own))
     return;
   l->ahead &= ~own;
@@ -175,14 +182,14 @@ bool km_drive_rides(const km_drive *d) {
 }
 
 double km_drive_ridden_residual(const km_drive *d) {
-  return d->lanes->here.residual.of[d->lane];
+  return d->lanes->shown->residual.of[d->lane];
 }
 
 void km_drive_ridden_direction(const km_drive *d, double *z) {
   const km_drive_lanes *l = d->lanes;
   const int *coordinate = l->m->column_coordinate + l->sub->column_start;
   for (int k = 0; k < l->sub->columns; ++k)
-    z[coordinate[k]] = l->z[k].of[d->lane];
+    z[coordinate[k]] = l->shown->z[k].of[d->lane];
 }
 
 static unsigned take_step(km_drive_lanes *l, unsigned wanted) {
@@ -273,15 +280,56 @@ unsigned km_drive_lanes_visit(km_drive_lanes *l, unsigned wanted, const double *
   return there;
 }
 
-void km_drive_lanes_to(km_drive_lanes *l, unsigned wanted, const double *targets, km_reach *reaches) {
+static void take_row(km_drive_lanes *l, int index) {
+  km_lane_row *row = &l->rows[index];
+  const int *coordinate = l->m->column_coordinate + l->sub->column_start;
+  int columns = l->sub->columns;
+  for (int k = 0; k < columns; ++k)
+    row->q[k] = l->q[coordinate[k]];
+  memcpy(row->z, l->z, (size_t)columns * sizeof *row->z);
+  memcpy(row->numbers, l->numbers, (size_t)columns * sizeof *row->numbers);
+  row->residual = l->here.residual;
+}
+
+/* The row is the last one now. */
+static void remember_row(km_drive_lanes *l) {
+  memcpy(l->before, l->z, (size_t)l->sub->columns * sizeof *l->before);
+  l->known = l->arrived;
+}
+
+int km_drive_lanes_pass(km_drive_lanes *l, unsigned wanted, const double *targets, int rows) {
+  int passed = 0;
   for (unsigned left = wanted & ~l->aboard; left; left &= left - 1) {
     int i = __builtin_ctz(left);
     call_aboard(l, i, targets[i]);
   }
-  set_targets(l, wanted & l->aboard, targets);
-  unsigned there = go(l, wanted & l->aboard);
+  for (;; ++passed) {
+    set_targets(l, wanted & l->aboard, targets + (size_t)passed * KM_DRIVE_LANES);
+    l->arrived = go(l, wanted & l->aboard);
+    take_row(l, passed);
+    bool goes_on = passed + 1 < rows && l->arrived == wanted && !(wanted & ~(l->quiet & l->known));
+    remember_row(l);
+    if (!goes_on)
+      break;
+  }
+  l->shown = &l->rows[passed];
+  return passed;
+}
+
+void km_drive_lanes_show(km_drive_lanes *l, int row) {
+  l->shown = &l->rows[row];
+  for (unsigned left = l->ahead; left; left &= left - 1)
+    show(l, __builtin_ctz(left));
+}
+
+void km_drive_lanes_arrive(km_drive_lanes *l, unsigned wanted, const double *targets, km_reach *reaches) {
   for (unsigned left = wanted; left; left &= left - 1) {
     int i = __builtin_ctz(left);
-    reaches[i] = arrive(l, i, there >> i & 1, targets[i]);
+    reaches[i] = arrive(l, i, l->arrived >> i & 1, targets[i]);
   }
+}
+
+void km_drive_lanes_to(km_drive_lanes *l, unsigned wanted, const double *targets, km_reach *reaches) {
+  km_drive_lanes_pass(l, wanted, targets, 1);
+  km_drive_lanes_arrive(l, wanted, targets, reaches);
 }

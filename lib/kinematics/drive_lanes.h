@@ -21,6 +21,17 @@ void km_drive_lanes_free(km_drive_lanes *lanes);
  * partition, null space, loop errors) is up to date only after km_drive_settle. */
 void km_drive_lanes_to(km_drive_lanes *lanes, unsigned wanted, const double *targets, km_reach *reaches);
 
+/* The same in two parts, over several rows. Drives go through up to KM_DRIVE_ROWS rows of targets, targets[row ×
+ * KM_DRIVE_LANES + i], as long as all of them ride and the rows are quiet: since the row before no entry of a direction of
+ * motion has changed its sign or come near 0. Returns how many quiet rows they have passed. km_drive_lanes_arrive then ends
+ * the row behind them: `targets` and `reaches` are of that row alone. */
+enum { KM_DRIVE_ROWS = 16 };
+int km_drive_lanes_pass(km_drive_lanes *lanes, unsigned wanted, const double *targets, int rows);
+void km_drive_lanes_arrive(km_drive_lanes *lanes, unsigned wanted, const double *targets, km_reach *reaches);
+/* Before that: shows a quiet row, 0 is the first, as if the drives were there: coordinates and mobility numbers in the states,
+ * km_drive_ridden_residual and km_drive_ridden_direction. */
+void km_drive_lanes_show(km_drive_lanes *lanes, int row);
+
 /* Rates at targets near by: km_drive_tangent at targets[i] into rates[i], for every bit of `wanted`. The drives stay where they
  * are. Returns those that could go in their lanes; the others have to go alone. */
 unsigned km_drive_lanes_visit(km_drive_lanes *lanes, unsigned wanted, const double *targets, double *const *rates);

@@ -118,8 +118,22 @@ static void place_rows(const km_loop *loop, int start, int none, int *place) {
     place[loop->rows[r]] = (start + r) * KM_DRIVE_LANES;
 }
 
+/* The steps of a program that only the driver carries. */
+static void mark_still(km_drive_lanes *l, const km_program *program) {
+  const km_planar_step *steps = l->m->planar_steps + program->step_start;
+  km_lane_step *marks = l->steps + program->step_start;
+  for (int i = 0; i < program->step_count; ++i) {
+    bool carried = steps[i].from == 0;
+    for (int k = 0; k < i && !carried; ++k)
+      carried = steps[k].to == steps[i].from && marks[k].still;
+    marks[i].still = carried && steps[i].coordinate == l->coordinate;
+  }
+}
+
 void km_lanes_take_structure(km_drive_lanes *l) {
   const km_mechanism *m = l->m;
+  if (l->sub->program_count == 1) /* several take the same slots in turn */
+    mark_still(l, &m->programs[l->sub->program_start]);
   for (int k = 0; k < l->sub->loop_count; ++k) {
     int index = m->loop_order[l->sub->loop_start + k];
     const km_loop *loop = &m->loops[index];

@@ -13,6 +13,7 @@ typedef struct km_lanes_number {
 /* The numbers of a planar step and of a planar loop: see km_planar_step and km_loop. */
 typedef struct km_lane_step {
   km_lanes_number x, y, ux, uy;
+  bool still; /* stays where it is while the loops are closed: only the driver carries it */
 } km_lane_step;
 typedef struct km_lane_loop {
   km_lanes_number close[2][2], apart[2], point[2], turn, fixed[3]; /* fixed: v z, w x, w y */
@@ -37,6 +38,12 @@ typedef struct km_lane_slot {
 typedef struct km_lane_column {
   km_lanes_number x, y, turn;
 } km_lane_column;
+
+/* What is shown of a row. */
+typedef struct km_lane_row {
+  km_lanes_number *q, *z, *numbers; /* [columns] */
+  km_lanes_number residual;
+} km_lane_row;
 
 /* See km_course and km_drive_place. closed_at: the driver where the loops were closed; residual: of the worst loop. */
 typedef struct km_lane_place {
@@ -85,6 +92,14 @@ struct km_drive_lanes {
   size_t place_count;
   km_lanes_number *kept;
   km_lane_place kept_here;
+
+  /* Rows that were passed, and behind them the one where the drives are; `shown` is one of them. */
+  km_lane_row rows[KM_DRIVE_ROWS];
+  const km_lane_row *shown;
+  km_lanes_number *before; /* [columns] z at the row before, */
+  unsigned known;          /* in these lanes */
+  unsigned quiet;          /* lanes where no entry of z has changed its sign, or come near 0, since then */
+  unsigned arrived;        /* lanes that the last row's steps led to their targets */
 
   /* What a step works on. */
   km_lanes_number *from, *move, *next_t, *x; /* [columns] */

@@ -15,16 +15,19 @@
 /* Squares of lengths that differ by less than this factor are left to the lengths. */
 #define SURE (1.0 - 1e-9)
 
+/* Entries of the direction of motion at two rows whose product is below this are looked at more closely. */
+#define QUIET 1e-9
+
 /* Newton needs three or four steps; where it takes more, the drive alone goes on. */
 enum { MOST_ITERATIONS = 8 };
 
-/* km_partition_refactor: the reduced matrix in J, and B. Clears the lanes whose pivots don't serve any more. */
-static inline void factor(km_drive_lanes *l, mask *fit, int first, int count) {
+/* km_partition_refactor: the reduced matrix in J, B and its largest entry. Clears the lanes whose pivots don't serve any more. */
+static inline void factor(km_drive_lanes *l, vector *largest_b, mask *fit, int first, int count) {
   const km_replay *replay = &l->replay;
   const int *scale = replay->scales;
   const km_replay_update *update = replay->updates;
   double *J = l->J->of;
-  vector largest_inverse[TOGETHER], largest_b[TOGETHER], sum[TOGETHER], inverse[TOGETHER];
+  vector largest_inverse[TOGETHER], sum[TOGETHER], inverse[TOGETHER];
   word sign[TOGETHER];
   EACH(r) {
     largest_inverse[r] = largest_b[r] = sum[r] = all(0.0);
@@ -61,7 +64,6 @@ static inline void factor(km_drive_lanes *l, mask *fit, int first, int count) {
     }
   }
   EACH(r) {
-    PUT(l->here.largest_b, largest_b[r]);
     PUT(l->next_sign, (vector)((word)all(1.0) | (sign[r] & SIGN_BIT)));
     vector pivoted_b = larger(GET(l->pivoted_b), all(1.0));
     fit[r] &= (sum[r] - sum[r] == all(0.0)) & (largest_b[r] <= km_most_growth_of_b * pivoted_b) &
@@ -148,11 +150,12 @@ static inline bool any(const mask *m, int count) {
 }
 
 /* km_loops_close from a prediction. Leaves in `trying` the lanes that closed; `correction`: sum of the squares of what Newton
- * moved, times the number of moves, which is no less than the square of their sum.
+ * moved, times the number of moves, which is no less than the square of their sum. `largest_b`: as of factor.
  *
  * Squares stand for lengths, so that roots and quotients aren't waited for. Where that could decide otherwise than the
  * lengths do, the lane leaves. */
-static inline void close_loops(km_drive_lanes *l, mask *trying, vector *correction, int first, int count) {
+static inline void close_loops(km_drive_lanes *l, mask *trying, vector *correction, vector *largest_b, int first,
+                               int count) {
   vector coarse[TOGETHER], primary[TOGETHER], most[TOGETHER], sum[TOGETHER];
   mask done[TOGETHER], going[TOGETHER];
   int moves = 0;
@@ -166,8 +169,8 @@ static inline void close_loops(km_drive_lanes *l, mask *trying, vector *correcti
   }
   for (; moves < MOST_ITERATIONS; ++moves) {
     vector square[TOGETHER], step[TOGETHER], error[TOGETHER], moved[TOGETHER];
-    update(l, square, trying, first, count);
-    factor(l, trying, first, count);
+    update(l, moves > 0, square, trying, first, count);
+    factor(l, largest_b, trying, first, count);
     newton(l, error, step, first, count);
     EACH(r) {
       mask small = error[r] <= SURE * primary[r];
@@ -275,8 +278,8 @@ static inline void keep_to_curve(const km_drive_lanes *l, const vector *square, 
 }
 
 /* km_continuation_accept where `took` is set, and what walk does after it; elsewhere back to where the step began. */
-static inline void accept(km_drive_lanes *l, const mask *took, const mask *arrives, const vector *h, int first,
-                          int count) {
+static inline void accept(km_drive_lanes *l, const mask *took, const mask *arrives, const vector *h,
+                          const vector *largest_b, int first, int count) {
   const int *coordinate = l->m->column_coordinate + l->sub->column_start;
   for (int k = 0; k < l->sub->columns; ++k) {
     km_lanes_number *to = &l->q[coordinate[k]];
@@ -295,6 +298,7 @@ static inline void accept(km_drive_lanes *l, const mask *took, const mask *arriv
     vector s = GET(l->here.s), largest = GET(l->here.largest), longer = 2.0 * largest, q = GET(l->q[l->coordinate]);
     vector longest = pick(longer < all(km_drive_longest), longer, all(km_drive_longest));
     mask away = took[r] & (size_of(h[r]) > all(km_drive_leaves));
+    PUT(l->here.largest_b, pick(took[r], largest_b[r], GET(l->here.largest_b)));
     PUT(l->here.last_h, pick(took[r], h[r], GET(l->here.last_h)));
     PUT(l->here.closed_at, pick(took[r], q, GET(l->here.closed_at)));
     PUT(l->here.s, pick(took[r], pick(arrives[r], GET(l->target), s + h[r]), s));
@@ -304,36 +308,48 @@ static inline void accept(km_drive_lanes *l, const mask *took, const mask *arriv
   }
 }
 
-/* km_partition_null and km_mobility_numbers, of one freedom. */
-static inline void set_numbers(km_drive_lanes *l, int first, int count) {
+/* km_partition_null and km_mobility_numbers, of one freedom, of the lanes that `took` the step. */
+static inline void set_numbers(km_drive_lanes *l, const mask *took, int first, int count) {
   const km_replay *replay = &l->replay;
+  km_lanes_number *z = l->x; /* Newton is through */
   vector own[TOGETHER], sum[TOGETHER], factor[TOGETHER];
   EACH(r) {
     own[r] = GET(l->weight[l->column]);
     sum[r] = own[r] * own[r];
+    PUT(z[l->column], own[r]);
   }
   for (int i = 0; i < replay->rank; ++i) {
     int k = replay->column[i];
     EACH(r) {
       vector value = -GET(l->B[i]) * GET(l->weight[k]);
-      PUT(l->z[k], value);
+      PUT(z[k], value);
       sum[r] += value * value;
     }
   }
-  EACH(r) {
-    PUT(l->z[l->column], own[r]);
-    factor[r] = 1.0 / root(sum[r]);
-  }
+  EACH(r)
+  factor[r] = 1.0 / root(sum[r]);
   for (int k = 0; k < l->sub->columns; ++k)
     EACH(r) {
-      vector z = GET(l->z[k]) * factor[r];
-      PUT(l->z[k], z);
-      PUT(l->numbers[k], z * z);
+      vector unit = pick(took[r], GET(z[k]) * factor[r], GET(l->z[k]));
+      PUT(l->z[k], unit);
+      PUT(l->numbers[k], unit * unit);
     }
 }
 
-/* km_loops_residual. */
-static inline void set_residual(km_drive_lanes *l, int first, int count) {
+/* Lanes where no entry of the direction of motion has changed its sign, or come near 0, since the row before, and whose pivots
+ * serve whoever looks at the row. */
+static inline void find_quiet(const km_drive_lanes *l, mask *quiet, int first, int count) {
+  EACH(r)
+  quiet[r] = GET(l->here.largest_b) <= all(km_largest_good_b);
+  for (int k = 0; k < l->sub->columns; ++k)
+    EACH(r) {
+      vector z = GET(l->z[k]), before = GET(l->before[k]);
+      quiet[r] &= (z * before > all(QUIET)) | ((z == all(0.0)) & (before == all(0.0)));
+    }
+}
+
+/* km_loops_residual, of the lanes that `took` the step. */
+static inline void set_residual(km_drive_lanes *l, const mask *took, int first, int count) {
   vector largest[TOGETHER];
   EACH(r)
   largest[r] = all(0.0);
@@ -350,14 +366,14 @@ static inline void set_residual(km_drive_lanes *l, int first, int count) {
     largest[r] = larger(size_of(GET(*error)) / all(sqrt(6.0)), largest[r]);
   }
   EACH(r)
-  PUT(l->here.residual, largest[r]);
+  PUT(l->here.residual, pick(took[r], largest[r], GET(l->here.residual)));
 }
 
 /* One step of lanes first … first + count · WIDTH-1. */
 static inline unsigned step(km_drive_lanes *l, unsigned wanted, int first, int count) {
   const int *coordinate = l->m->column_coordinate + l->sub->column_start;
-  vector h[TOGETHER], square[TOGETHER], correction[TOGETHER];
-  mask arrives[TOGETHER], took[TOGETHER];
+  vector h[TOGETHER], square[TOGETHER], correction[TOGETHER], largest_b[TOGETHER];
+  mask arrives[TOGETHER], took[TOGETHER], quiet[TOGETHER];
   unsigned taken = 0;
   EACH(r) {
     took[r] = mask_of(wanted >> AT(r));
@@ -377,15 +393,17 @@ static inline unsigned step(km_drive_lanes *l, unsigned wanted, int first, int c
     vector q = GET(l->q[l->coordinate]);
     PUT(l->q[l->coordinate], pick(took[r], (GET(l->here.s) + h[r]) * GET(l->unit[l->column]), q));
   }
-  close_loops(l, took, correction, first, count);
+  close_loops(l, took, correction, largest_b, first, count);
   set_next_tangent(l, first, count);
   keep_to_curve(l, square, correction, took, first, count);
   clear_of_limits(l, h, took, first, count);
-  accept(l, took, arrives, h, first, count);
-  set_numbers(l, first, count);
-  set_residual(l, first, count);
+  accept(l, took, arrives, h, largest_b, first, count);
+  set_numbers(l, took, first, count);
+  set_residual(l, took, first, count);
+  find_quiet(l, quiet, first, count);
   EACH(r) {
     taken |= bits_of(took[r]) << AT(r);
+    l->quiet |= bits_of(quiet[r]) << AT(r);
     l->there |= bits_of(took[r] & arrives[r]) << AT(r);
   }
   return taken;
@@ -396,6 +414,7 @@ unsigned NAME(km_drive_lanes *lanes, unsigned wanted) {
   const unsigned own = (1u << WIDTH) - 1;
   unsigned took = 0;
   lanes->there = 0;
+  lanes->quiet &= ~wanted;
   for (int first = 0; first < KM_DRIVE_LANES; first += TOGETHER * WIDTH) {
     unsigned one = wanted >> first & own, other = wanted >> (first + WIDTH) & own;
     if (one && other)

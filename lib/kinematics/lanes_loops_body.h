@@ -1,7 +1,8 @@
 /* Loop errors and Jacobians of several drives in vectors: a part of lanes_body.h. */
 
-/* planar_steps of loops.c. Clears the lanes whose angles are too large for the sines. */
-static inline void steps(km_drive_lanes *l, const km_program *program, mask *fit, int first, int count) {
+/* planar_steps of loops.c; `again`: only Newton has moved since the last time. Clears the lanes whose angles are too large for
+ * the sines. */
+static inline void steps(km_drive_lanes *l, const km_program *program, bool again, mask *fit, int first, int count) {
   const km_planar_step *fixed = l->m->planar_steps + program->step_start;
   const km_lane_step *numbers = l->steps + program->step_start;
   km_lane_slot *slots = l->slots;
@@ -15,6 +16,8 @@ static inline void steps(km_drive_lanes *l, const km_program *program, mask *fit
   for (int i = 0; i < program->step_count; ++i) {
     const km_planar_step *step = &fixed[i];
     const km_lane_step *n = &numbers[i];
+    if (again && n->still)
+      continue;
     const km_lane_slot *from = &slots[step->from];
     km_lane_slot *to = &slots[step->to];
     km_lane_column *h = &l->h[program->twist_start + i];
@@ -140,7 +143,7 @@ static inline void set_coupling(km_drive_lanes *l, int index, vector *square, ma
 }
 
 /* km_loops_update, and six times the square of km_loops_residual. Clears the lanes that the formulas aren't good for. */
-static inline void update(km_drive_lanes *l, vector *square, mask *fit, int first, int count) {
+static inline void update(km_drive_lanes *l, bool again, vector *square, mask *fit, int first, int count) {
   const km_mechanism *m = l->m;
   EACH(r)
   square[r] = all(0.0);
@@ -151,7 +154,7 @@ static inline void update(km_drive_lanes *l, vector *square, mask *fit, int firs
   }
   for (int p = 0; p < l->sub->program_count; ++p) {
     const km_program *program = &m->programs[l->sub->program_start + p];
-    steps(l, program, fit, first, count);
+    steps(l, program, again, fit, first, count);
     for (int i = 0; i < program->loop_count; ++i) {
       int index = m->loop_order[program->loop_start + i];
       find_misfit(l, index, fit, first, count);
