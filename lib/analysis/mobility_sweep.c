@@ -28,7 +28,7 @@ typedef struct watch {
   int watched_count;
   int *shown; /* coordinate of each column of numbers, -1: of a joint that can't move */
   int shown_count;
-  size_t first_shown; /* place of their columns in the table */
+  size_t *cell; /* [coordinate] of its number in a row */
   km_singular_watch singular;
 } watch;
 
@@ -38,7 +38,6 @@ static bool add_columns(void *self, const km_sweeper *r, km_table *table) {
   const km_model *model = r->m->model;
   bool added = true;
   w->shown_count = 0;
-  w->first_shown = km_table_columns(table);
   for (int j = 0; j < model->joint_count; ++j) {
     const km_model_joint *joint = &model->joints[j];
     int freedom = km_model_freedom(model, j);
@@ -47,6 +46,7 @@ static bool add_columns(void *self, const km_sweeper *r, km_table *table) {
       w->shown[w->shown_count++] = -1;
     }
     for (int c = joint->first_coordinate; c < joint->first_coordinate + freedom; ++c) {
+      w->cell[c] = km_table_columns(table);
       added = km_sweeper_column(table, "m.", model->coordinates[c].label, "", NULL) && added;
       w->shown[w->shown_count++] = c;
     }
@@ -157,15 +157,14 @@ static void narrow(search *at, double f) {
 }
 
 /* The smallest mobility numbers of the table's rows. */
-static void find_extremes(const watch *w) {
+static void find_extremes(const watch *w, int count) {
   const km_table *table = w->out->motion.table;
   km_extreme *extremes = w->out->extremes;
   size_t rows = km_table_rows(table), columns = km_table_columns(table);
   const double *cells = km_table_row(table, 0);
-  for (int i = 0; i < w->shown_count; ++i) {
-    int c = w->shown[i];
-    const double *number = cells + w->first_shown + i;
-    for (size_t row = 0; row < rows && c >= 0; ++row)
+  for (int c = 0; c < count && rows > 0; ++c) {
+    const double *number = cells + w->cell[c];
+    for (size_t row = 0; row < rows; ++row)
       if (number[row * columns] < extremes[c].number)
         extremes[c] = (km_extreme){number[row * columns], cells[row * columns + 1]};
   }
@@ -276,8 +275,9 @@ static km_status open_watch(watch *w, const km_mobility_job *job) {
   *w = (watch){.out = out};
   w->room = KM_NEW(double, 2 * count);
   w->watched = KM_NEW(int, count);
+  w->cell = KM_NEW(size_t, count);
   w->shown = KM_NEW(int, count + (size_t)job->m->model->joint_count);
-  bool ready = w->room && w->watched && w->shown && out->extremes &&
+  bool ready = w->room && w->watched && w->cell && w->shown && out->extremes &&
                (!singularities || km_singular_watch_make(&w->singular, job->m));
   if (!ready)
     return km_fail(job->error, KM_MEMORY, "out of memory for a sweep");
@@ -293,7 +293,7 @@ static km_status open_watch(watch *w, const km_mobility_job *job) {
                               .corner = forget,
                               .ended = end_at,
                               .reads_jacobian = singularities,
-                              .skips = !singularities};
+                              .number_cells = singularities ? NULL : w->cell};
   for (size_t c = 0; c < count; ++c)
     out->extremes[c] = (km_extreme){HUGE_VAL, nan("")};
   return KM_OK;
@@ -319,12 +319,13 @@ void km_mobility_sweeps_run(km_mobility_job *jobs, int count) {
   km_sweeps_run(sweeps, going);
   for (int k = 0; k < going; ++k) {
     jobs[of[k]].status = sweeps[k].status;
-    find_extremes(&watches[of[k]]);
+    find_extremes(&watches[of[k]], sweeps[k].m->coordinate_count);
   }
   for (int i = 0; i < count; ++i) {
     km_singular_watch_free(&watches[i].singular);
     km_free(watches[i].room);
     km_free(watches[i].watched);
+    km_free(watches[i].cell);
     km_free(watches[i].shown);
   }
 }

@@ -124,27 +124,30 @@ static bool next(walk *w, double *target) {
   return false;
 }
 
-/* How many rows may be passed at once from the next one on: the observer doesn't look at all of them, and nothing else does.
- */
+/* How many rows may be passed at once from the next one on, because the observer doesn't look at all of them. */
 static int rows_ahead(const walk *w) {
   const km_sweeper *r = w->r;
-  if (w->step == 0 || !r->observer->skips || r->out->start.stop || r->plan->derivatives)
+  const km_sweep_plan *plan = r->plan;
+  if (w->step == 0 || !r->observer->number_cells || r->out->start.stop || plan->derivatives || plan->point_count > 0)
     return 1;
-  int left = r->plan->steps - w->step + 1;
+  int left = plan->steps - w->step + 1;
   return left < KM_DRIVE_ROWS ? left : KM_DRIVE_ROWS;
 }
 
-/* A quiet row that was passed; the observer sees the last one. */
-static void write_passed_row(walk *w, double s, bool is_last) {
+/* The quiet rows that were passed, at s[row × KM_DRIVE_LANES]. The observer sees the last one, which the state shows. */
+static void write_passed_rows(walk *w, int count, const double *s) {
   km_sweeper *r = w->r;
-  if (w->job->status)
-    return;
-  r->rides = true;
-  r->residual = km_drive_ridden_residual(w->at.drive);
-  w->job->status =
-      is_last ? km_sweeper_row(r, w->row++, s, w->job->error) : km_sweeper_write_row(r, w->row++, s, w->job->error);
-  w->last = s;
-  w->step++;
+  for (int k = 0; k < count && !w->job->status; ++k) {
+    double at = s[k * KM_DRIVE_LANES];
+    const km_ridden_row row = km_drive_ridden_row(w->at.drive, k);
+    r->rides = true;
+    r->residual = row.residual;
+    w->job->status = k + 1 < count ? km_sweeper_passed_row(r, &row, w->row, at, w->job->error)
+                                   : km_sweeper_row(r, w->row, at, w->job->error);
+    w->last = at;
+    w->row++;
+    w->step++;
+  }
 }
 
 /* The row where the drive has arrived; then what the observer wants to see near it has to follow. */
@@ -283,15 +286,12 @@ static void move_beside(walk *walks, unsigned going, km_drive_lanes *lanes, doub
       rows[k * KM_DRIVE_LANES + i] = value_at(walks[i].r->plan, walks[i].step + k);
     }
   int passed = km_drive_lanes_pass(lanes, going, rows, count);
-  for (int k = 0; k < passed; ++k) {
-    km_drive_lanes_show(lanes, k);
-    for (unsigned rest = going; rest; rest &= rest - 1) {
-      int i = __builtin_ctz(rest);
-      write_passed_row(&walks[i], rows[k * KM_DRIVE_LANES + i], k + 1 == passed);
-    }
-  }
-  if (passed > 0)
+  if (passed > 0) {
+    km_drive_lanes_show(lanes, passed - 1);
+    for (unsigned rest = going; rest; rest &= rest - 1)
+      write_passed_rows(&walks[__builtin_ctz(rest)], passed, rows + __builtin_ctz(rest));
     km_drive_lanes_show(lanes, passed);
+  }
   memcpy(targets, rows + passed * KM_DRIVE_LANES, KM_DRIVE_LANES * sizeof *targets);
   km_drive_lanes_arrive(lanes, going, targets, reaches);
 }

@@ -118,6 +118,11 @@ static double look(km_sweeper *r) {
   return km_loops_residual(r->m, r->s, &r->m->substructures[r->substructure], &worst);
 }
 
+/* fmax, which isn't a call. */
+static double larger(double a, double b) {
+  return b > a || isnan(a) ? b : a;
+}
+
 /* A row at the state's pose, where r->rates is the motion if points' derivatives are asked for. */
 static bool write_row(km_sweeper *r, km_table *table, int step, double s) {
   const km_mechanism *m = r->m;
@@ -127,8 +132,7 @@ static bool write_row(km_sweeper *r, km_table *table, int step, double s) {
   int mobility = r->other_mobility;
   double residual = r->other_residual;
   if (r->substructure >= 0) {
-    double own = look(r);
-    residual = own > residual || isnan(residual) ? own : residual; /* fmax */
+    residual = larger(residual, look(r));
     mobility += km_partition_freedom(&r->s->partition[r->substructure]);
   }
   *cell++ = step;
@@ -152,18 +156,40 @@ bool km_sweeper_between(km_sweeper *r, double s) {
   return write_row(r, r->out->between, 0, s);
 }
 
-km_status km_sweeper_write_row(km_sweeper *r, int step, double s, km_error *error) {
+km_status km_sweeper_row(km_sweeper *r, int step, double s, km_error *error) {
   /* The direction of motion first: the numbers may search other pivots. */
   bool tangent = r->plan->derivatives && r->mover.rates(r->mover.self, r->rates);
   if (r->plan->derivatives && !tangent)
     for (int c = 0; c < r->m->coordinate_count; ++c)
       r->rates[c] = nan("");
-  return write_row(r, r->out->table, step, s) ? KM_OK : km_fail(error, KM_MEMORY, "out of memory for the table");
+  if (!write_row(r, r->out->table, step, s))
+    return km_fail(error, KM_MEMORY, "out of memory for the table");
+  return r->observer->seen ? r->observer->seen(r->observer->self, r, s, error) : KM_OK;
 }
 
-km_status km_sweeper_row(km_sweeper *r, int step, double s, km_error *error) {
-  km_status status = km_sweeper_write_row(r, step, s, error);
-  return status || !r->observer->seen ? status : r->observer->seen(r->observer->self, r, s, error);
+km_status km_sweeper_passed_row(km_sweeper *r, const km_ridden_row *passed, int step, double s, km_error *error) {
+  const km_mechanism *m = r->m;
+  const km_substructure *sub = &m->substructures[r->substructure];
+  const int *coordinate = m->column_coordinate + sub->column_start;
+  const size_t *number_cells = r->observer->number_cells;
+  size_t columns = km_table_columns(r->out->table), residual = columns - 1,
+         dof = residual - 1 - (size_t)m->topology.substructure_count;
+  double *cells = km_table_add_raw_row(r->out->table);
+  if (!cells)
+    return km_fail(error, KM_MEMORY, "out of memory for the table");
+  memcpy(cells, cells - columns, columns * sizeof *cells);
+  cells[0] = step;
+  cells[1] = s;
+  for (int k = 0, count = sub->columns; k < count; ++k) {
+    int c = coordinate[k];
+    cells[2 + c] = km_in_unit(passed->q[k * KM_DRIVE_LANES], m->factor[c]);
+    if (number_cells[c])
+      cells[number_cells[c]] = passed->numbers[k * KM_DRIVE_LANES];
+  }
+  cells[dof] = r->other_mobility + 1;
+  cells[dof + 1 + (size_t)r->substructure] = 1.0;
+  cells[residual] = larger(r->other_residual, passed->residual);
+  return KM_OK;
 }
 
 km_status km_sweeper_near_row(km_sweeper *r, km_error *error) {

@@ -26,7 +26,7 @@ typedef struct km_observer {
   /* Writes the cells of its columns at the row's pose, and returns the one behind them. The moving substructure has
    * its partition and null space. */
   double *(*cells)(void *self, km_sweeper *sweeper, double *cell);
-  /* After each row, or just after some: see `skips`. What lies between it and the last one. Leaves the state at the row. */
+  /* After each row, or just after some: see number_cells. What lies between it and the last one. Leaves the state at the row. */
   km_status (*seen)(void *self, km_sweeper *sweeper, double s, km_error *error);
   /* Behind `seen`: a place near the row at which the observer wants to know the rates, false: at none; and those rates, NULL
    * where the motion doesn't get there. `shown` comes after each place that is wanted. */
@@ -40,9 +40,10 @@ typedef struct km_observer {
   km_status (*ended)(void *self, km_sweeper *sweeper, double s, km_error *error);
   /* Looks at more than coordinates, mobility numbers, rates and residual: the state's Jacobian and partition. */
   bool reads_jacobian;
-  /* Looks for places where an entry of the direction of motion is 0, and nothing else: of rows between which none comes near
-   * 0 only the last one needs be `seen`. */
-  bool skips;
+  /* Of an observer that looks for places where an entry of the direction of motion is 0, and for nothing else: the cell of each
+   * coordinate's mobility number in a row, 0: none. Of rows between which no entry comes near 0 only the last one has to be
+   * `seen`, and in the others only coordinates, mobility numbers and the residual are new. Else NULL. */
+  const size_t *number_cells;
 } km_observer;
 
 /* Everything that one sweep needs at hand. */
@@ -98,12 +99,12 @@ bool km_sweeper_column(km_table *table, const char *prefix, const char *name, co
 km_status km_sweeper_columns(const km_sweeper *sweeper, km_error *error);
 /* The numbers of what stands still, once, and which freedoms are idle. KM_MEMORY. */
 km_status km_sweeper_prepare(km_sweeper *sweeper, km_error *error);
-/* A row at the state's pose. */
-km_status km_sweeper_write_row(km_sweeper *sweeper, int step, double s, km_error *error);
-/* The same, shown to the observer; and the places near it that the observer wants. */
+/* A row at the state's pose, shown to the observer; and the places near it that the observer wants. */
 km_status km_sweeper_row(km_sweeper *sweeper, int step, double s, km_error *error);
 km_status km_sweeper_near_row(km_sweeper *sweeper, km_error *error);
 
+/* The row behind the last one, where just one freedom moves and the drive has passed: see km_observer.number_cells. */
+km_status km_sweeper_passed_row(km_sweeper *sweeper, const km_ridden_row *passed, int step, double s, km_error *error);
 /* A row at a pose between rows, where r->rates is the motion: into the sweep's `between`. False when out of memory. */
 bool km_sweeper_between(km_sweeper *sweeper, double s);
 /* Functions may turn close to an end of the motion, where a driver gives out as the root of the way: places k = 1, 2, …

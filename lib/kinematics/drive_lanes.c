@@ -316,6 +316,11 @@ int km_drive_lanes_pass(km_drive_lanes *l, unsigned wanted, const double *target
   return passed;
 }
 
+km_ridden_row km_drive_ridden_row(const km_drive *d, int row) {
+  const km_lane_row *at = &d->lanes->rows[row];
+  return (km_ridden_row){&at->q->of[d->lane], &at->numbers->of[d->lane], at->residual.of[d->lane]};
+}
+
 void km_drive_lanes_show(km_drive_lanes *l, int row) {
   l->shown = &l->rows[row];
   for (unsigned left = l->ahead; left; left &= left - 1)

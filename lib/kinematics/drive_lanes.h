@@ -28,8 +28,13 @@ void km_drive_lanes_to(km_drive_lanes *lanes, unsigned wanted, const double *tar
 enum { KM_DRIVE_ROWS = 16 };
 int km_drive_lanes_pass(km_drive_lanes *lanes, unsigned wanted, const double *targets, int rows);
 void km_drive_lanes_arrive(km_drive_lanes *lanes, unsigned wanted, const double *targets, km_reach *reaches);
-/* Before that: shows a quiet row, 0 is the first, as if the drives were there: coordinates and mobility numbers in the states,
- * km_drive_ridden_residual and km_drive_ridden_direction. */
+/* Before that, of a quiet row, 0 is the first: what a drive found there; and the row is shown as if the drives were there:
+ * coordinates and mobility numbers in the states, km_drive_ridden_residual and km_drive_ridden_direction. */
+typedef struct km_ridden_row {
+  const double *q, *numbers; /* [column × KM_DRIVE_LANES] coordinates, mobility numbers */
+  double residual;
+} km_ridden_row;
+km_ridden_row km_drive_ridden_row(const km_drive *drive, int row);
 void km_drive_lanes_show(km_drive_lanes *lanes, int row);
 
 /* Rates at targets near by: km_drive_tangent at targets[i] into rates[i], for every bit of `wanted`. The drives stay where they

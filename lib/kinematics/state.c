@@ -374,7 +374,7 @@ km_status km_state_assign(const km_mechanism *m, km_state *to, const km_state *f
 
 /* Of the numbers that are this coordinate in the file's unit, one with few digits where there is one: 30 degrees
  * come back as 30, though 30 · (π/180) / (π/180) doesn't. */
-double km_in_unit(double q, double factor) {
+double km_in_other_unit(double q, double factor) {
   double exact = q / factor, rounded = nearbyint(exact * 1e10) / 1e10;
   return rounded * factor == q ? rounded : exact;
 }

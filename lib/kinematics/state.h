@@ -100,11 +100,13 @@ static inline bool km_state_holds(const km_state *s, int coordinate) {
   return s->mechanism->held[coordinate] || s->locked[coordinate];
 }
 /* Value of a coordinate in the model's unit, of which q is `factor` times as much. */
-double km_in_unit(double q, double factor);
+double km_in_other_unit(double q, double factor);
+static inline double km_in_unit(double q, double factor) {
+  return factor == 1.0 ? q : km_in_other_unit(q, factor);
+}
 /* km_state_coordinate of a coordinate that there is. */
 static inline double km_state_shown(const km_state *s, int coordinate) {
-  double factor = s->mechanism->factor[coordinate], q = s->q[coordinate];
-  return factor == 1.0 ? q : km_in_unit(q, factor);
+  return km_in_unit(s->q[coordinate], s->mechanism->factor[coordinate]);
 }
 /* Clears the columns of what is locked in a substructure's Jacobian. Part of km_loops_update. */
 void km_state_clear_locked(km_state *state, const km_substructure *sub);
