@@ -68,6 +68,7 @@ void km_drive_mark(km_drive *d) {
     return;
   }
   d->mark = d->here;
+  d->mark.pivoted = d->c.state->pivoted[d->c.substructure];
   km_course_copy(&d->mark_course, &d->c.course, km_drive_driven(d)->columns);
   km_state_save(d->c.state, km_drive_driven(d), d->mark_pose);
 }

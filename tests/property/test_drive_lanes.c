@@ -3,6 +3,7 @@
 #include "support/support.h"
 
 #include "analysis/mobility.h"
+#include "analysis/mobility_sweep.h"
 #include "kinematics/lane_store.h"
 #include "kinematics/loops.h"
 #include "kmech/edit.h"
@@ -184,6 +185,108 @@ static void any_number(void **state) {
   assert_true(compare("excavator", KM_DRIVE_LANES, 0, false, ROWS, false) > KM_DRIVE_LANES * ROWS / 2);
 }
 
+/* Places near a row that lanes visit: the rates of a drive that goes there alone and comes back; and nothing has changed for
+ * the rows that follow. */
+static void compare_visits(const char *name) {
+  design beside[KM_DRIVE_LANES], alone[KM_DRIVE_LANES];
+  km_drive *drives[KM_DRIVE_LANES];
+  double rates[KM_DRIVE_LANES][64], expected[64], *out[KM_DRIVE_LANES];
+  const unsigned all = (1u << KM_DRIVE_LANES) - 1;
+  km_drive_lanes *lanes;
+  int visited = 0;
+  for (int i = 0; i < KM_DRIVE_LANES; ++i) {
+    beside[i] = open_design(name, 50 + (uint64_t)i, false);
+    alone[i] = open_design(name, 50 + (uint64_t)i, false);
+    drives[i] = beside[i].drive;
+    out[i] = rates[i];
+  }
+  assert_int_equal(km_drive_lanes_create(drives, KM_DRIVE_LANES, &lanes, NULL), KM_OK);
+  for (int row = 0; row <= ROWS; ++row) {
+    double targets[KM_DRIVE_LANES], places[KM_DRIVE_LANES];
+    km_reach reaches[KM_DRIVE_LANES];
+    for (int i = 0; i < KM_DRIVE_LANES; ++i) {
+      targets[i] = target_at(&beside[i], i, row, ROWS, false);
+      places[i] = targets[i] - 0.4 * (beside[i].to - beside[i].from) / ROWS * (i % 5 - 2);
+    }
+    km_drive_lanes_to(lanes, all, targets, reaches);
+    for (int i = 0; i < KM_DRIVE_LANES; ++i) {
+      km_drive_to(alone[i].drive, targets[i]);
+      same_bits(name, row, &beside[i], &alone[i]);
+    }
+    unsigned there = km_drive_lanes_visit(lanes, all & ~(1u << row % KM_DRIVE_LANES), places, out);
+    visited += __builtin_popcount(there);
+    for (int i = 0; i < KM_DRIVE_LANES; ++i) {
+      if (!(there >> i & 1))
+        continue;
+      km_drive_mark(alone[i].drive);
+      assert_int_equal(km_drive_to(alone[i].drive, places[i]).stop, KM_STOP_NONE);
+      assert_true(km_drive_tangent(alone[i].drive, expected));
+      km_drive_return(alone[i].drive);
+      assert_memory_equal(rates[i], expected, (size_t)beside[i].f.mechanism->coordinate_count * sizeof *expected);
+    }
+  }
+  assert_true(visited > ROWS);
+  km_drive_lanes_free(lanes);
+  for (int i = 0; i < KM_DRIVE_LANES; ++i) {
+    same_end(&beside[i], &alone[i]);
+    close_design(&beside[i]);
+    close_design(&alone[i]);
+  }
+}
+
+static void visits(void **state) {
+  (void)state;
+  compare_visits("slider_crank");
+  compare_visits("klann");
+  compare_visits("brake");
+}
+
+/* Sweeps beside each other, over many rows at once where they are quiet, have the tables and toggles of sweeps alone. */
+static void sweeps_as_alone(void **state) {
+  (void)state;
+  static const char *const models[] = {"slider_crank", "fourbar", "excavator", "klann", "brake"};
+  for (size_t k = 0; k < sizeof models / sizeof *models; ++k) {
+    design d[KM_DRIVE_LANES];
+    km_mobility_sweep beside[KM_DRIVE_LANES];
+    km_mobility_job jobs[KM_DRIVE_LANES];
+    km_error errors[KM_DRIVE_LANES];
+    km_sweep_plan plan;
+    for (int i = 0; i < KM_DRIVE_LANES; ++i) {
+      d[i] = open_design(models[k], 300 + (uint64_t)i, false);
+      plan = km_sweep_plan_default(d[i].f.model);
+      jobs[i] = (km_mobility_job){d[i].f.mechanism, d[i].f.state, &plan, &beside[i], KM_OK, &errors[i]};
+    }
+    km_mobility_sweeps_run(jobs, KM_DRIVE_LANES);
+    for (int i = 0; i < KM_DRIVE_LANES; ++i) {
+      design again = open_design(models[k], 300 + (uint64_t)i, false);
+      km_mobility_sweep alone;
+      assert_int_equal(km_mobility_sweep_run(again.f.mechanism, again.f.state, &plan, &alone, NULL), jobs[i].status);
+      size_t rows = km_table_rows(alone.motion.table), columns = km_table_columns(alone.motion.table);
+      assert_int_equal(km_table_rows(beside[i].motion.table), rows);
+      for (size_t row = 0; row < rows; ++row)
+        for (size_t c = 0; c < columns; ++c) {
+          double x = km_table_row(beside[i].motion.table, row)[c], y = km_table_row(alone.motion.table, row)[c];
+          if (x != y && !(isnan(x) && isnan(y)))
+            fail_msg("%s, design %d, row %zu, %s: %.17g beside others, %.17g alone", models[k], i, row,
+                     km_table_name(alone.motion.table, c), x, y);
+        }
+      assert_int_equal(beside[i].toggle_count, alone.toggle_count);
+      for (size_t t = 0; t < alone.toggle_count; ++t) {
+        assert_int_equal(beside[i].toggles[t].coordinate, alone.toggles[t].coordinate);
+        assert_true(beside[i].toggles[t].s == alone.toggles[t].s);
+      }
+      for (int c = 0; c < again.f.mechanism->coordinate_count; ++c)
+        assert_true(beside[i].extremes[c].number == alone.extremes[c].number);
+      km_mobility_sweep_free(&alone);
+      close_design(&again);
+    }
+    for (int i = 0; i < KM_DRIVE_LANES; ++i) {
+      km_mobility_sweep_free(&beside[i]);
+      close_design(&d[i]);
+    }
+  }
+}
+
 /* A target that takes too many steps: given up at the same place. */
 static void too_far(void **state) {
   (void)state;
@@ -211,7 +314,7 @@ static void too_far(void **state) {
 }
 
 int main(void) {
-  const struct CMUnitTest tests[] = {cmocka_unit_test(as_alone), cmocka_unit_test(any_number),
-                                     cmocka_unit_test(too_far)};
+  const struct CMUnitTest tests[] = {cmocka_unit_test(as_alone), cmocka_unit_test(any_number), cmocka_unit_test(visits),
+                                     cmocka_unit_test(sweeps_as_alone), cmocka_unit_test(too_far)};
   return cmocka_run_group_tests(tests, NULL, NULL);
 }
