@@ -26,7 +26,7 @@ int km_branch_directions(const km_mechanism *m, km_state *s, int index, double *
   }
   if (arena.failed) {
     found = -1;
-  } else {
+  } else if (f.conditions.redundant) { /* a regular pose has its pivots already */
     km_state_restore(s, f.sub, f.pose);
     km_loops_update(m, s, f.sub);
     km_pivot(m, s, index, KM_NO_DRIVER, km_rank_tolerance(m, f.sub, 0.0));
