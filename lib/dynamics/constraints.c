@@ -121,13 +121,23 @@ static bool refresh(km_dynamics *d, km_state *s, int index, bool search) {
   return keep_partition(d->mechanism, s, index) || change_pivots(d, s, index);
 }
 
+/* Are the prescribed columns independent? The pivots at hand may be those of other equations that had this state. */
+static bool serves_drives(const km_dynamics *d, const km_partition *p, int index) {
+  const int *coordinate = d->mechanism->column_coordinate + d->mechanism->substructures[index].column_start;
+  for (int i = 0; i < p->rank; ++i)
+    if (d->driven[coordinate[p->column[i]]])
+      return false;
+  return true;
+}
+
 /* Newton on the dependent coordinates, with pivots of the last evaluation where they are good enough for a step. Pivots and
  * Jacobian are then those of the closed pose. */
 static bool close_loops(km_dynamics *d, km_state *s, int index, bool search) {
   const km_substructure *sub = &d->mechanism->substructures[index];
   km_partition *p = &s->partition[index];
   km_loops_update(d->mechanism, s, sub);
-  if (s->pivoted[index] != KM_PRESCRIBED && !search_pivots(d, s, index))
+  bool served = s->pivoted[index] == KM_PRESCRIBED && serves_drives(d, p, index);
+  if (!served && !search_pivots(d, s, index))
     return false;
   double error = largest_primary(p, km_state_error(s, sub)), last = HUGE_VAL;
   bool fresh = false, open = !d->feeds_back || search;

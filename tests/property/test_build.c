@@ -4,9 +4,9 @@
 #include "support/support.h"
 
 #include "kmech/advantage_sweep.h"
+#include "kmech/records.h"
 #include "kmech/statics_sweep.h"
 #include "model/model.h"
-#include "kmech/records.h"
 
 #include <math.h>
 #include <string.h>
@@ -152,6 +152,124 @@ static void wrong_joints(void **state) {
   km_builder_free(s.b);
 }
 
+static void wrong_numbers_of_joints(void **state) {
+  (void)state;
+  start s = begin();
+  km_error e;
+  km_joint_def right = km_joint_default();
+  right.name = "B";
+  right.parent = s.ground;
+  right.child = s.origin;
+  km_joint_def joint = right;
+  joint.position[0] = (double)NAN;
+  refuse(km_model_add_joint(s.b, &joint, NULL, &e), &e, "found a number that is not finite");
+  joint = right;
+  joint.stop_damping = -1.0;
+  refuse(km_model_add_joint(s.b, &joint, NULL, &e), &e, "found a friction or stop of -1; expected at least 0");
+  joint = right;
+  joint.most_turn = 2.0;
+  refuse(km_model_add_joint(s.b, &joint, NULL, &e), &e, "found 2 as the largest turn");
+  joint = right;
+  joint.max_rate[0] = 0.0;
+  refuse(km_model_add_joint(s.b, &joint, NULL, &e), &e, "found a largest rate of 0");
+  joint = right;
+  joint.armature[0] = -3.0;
+  refuse(km_model_add_joint(s.b, &joint, NULL, &e), &e, "found an armature of -3");
+  km_builder_free(s.b);
+}
+
+static void wrong_laws(void **state) {
+  (void)state;
+  start s = begin();
+  km_error e;
+  const double back[2] = {1.0, 0.0}, endless[1] = {HUGE_VAL};
+  const int none[3] = {-1, 0, 0}, one[1] = {1};
+  const km_force_def right = {.name = "spring", .type = KM_MODULE_STIFFNESS, .coordinate = {s.joint, 0}};
+  km_force_def force = right;
+  force.coefficients = endless;
+  refuse(km_model_add_force(s.b, &force, &e), &e, "the law is not complete");
+  force.piece_sizes = none;
+  force.knot_count = 2;
+  force.knots = back;
+  refuse(km_model_add_force(s.b, &force, &e), &e, "found 0 after 1; expected increasing knots");
+  force = right;
+  force.coefficients = endless;
+  force.piece_sizes = none;
+  refuse(km_model_add_force(s.b, &force, &e), &e, "a piece has -1 coefficients");
+  force.piece_sizes = one;
+  refuse(km_model_add_force(s.b, &force, &e), &e, "found a coefficient that is not finite");
+  km_builder_free(s.b);
+}
+
+static void wrong_shapes(void **state) {
+  (void)state;
+  start s = begin();
+  km_error e;
+  km_shape_def shape = km_shape_default();
+  refuse(km_model_add_shape(s.b, (km_body_id){0}, &shape, &e), &e, "found no body of this builder to put it on");
+  refuse(km_model_add_shape(s.b, s.body, &shape, &e), &e, "a shape of body \"arm\": expected");
+  shape.kind = KM_SHAPE_BOX;
+  shape.size[0] = shape.size[1] = shape.size[2] = 1.0;
+  shape.R[0] = 0.5;
+  refuse(km_model_add_shape(s.b, s.body, &shape, &e), &e, "not a rotation");
+  km_builder_free(s.b);
+}
+
+/* Of holds, poses, directions and settings. */
+static void wrong_values(void **state) {
+  (void)state;
+  start s = begin();
+  km_error e;
+  const km_coordinate_ref one = {s.joint, 0};
+  const double endless[1] = {HUGE_VAL}, zero[1] = {0.0};
+  refuse(km_model_add_hold(s.b, one, endless[0], &e), &e, "a hold: found no builder, or a value that is not finite");
+  refuse(km_model_add_pose(s.b, "home", &one, endless, 1, &e), &e, "pose \"home\": found no builder, or a value");
+  assert_int_equal(km_model_add_pose(s.b, "home", &one, zero, 1, &e), KM_OK);
+  refuse(km_model_add_pose(s.b, "home", &one, zero, 1, &e), &e, "pose \"home\": this name is used twice");
+  km_body_def far = km_body_default();
+  km_body_id far_body;
+  far.name = "far";
+  assert_int_equal(km_model_add_body(s.b, &far, &far_body, &e), KM_OK);
+  const km_end_def joint = {.coordinate = one}, still = {.frame = km_builder_origin(s.b, far_body)};
+  refuse(km_model_set_advantage(s.b, &joint, &still, &e), &e, "expected a direction with a length");
+  const km_coupling_def lawless = {.name = "g", .count = 1, .coordinates = &one};
+  refuse(km_model_add_coupling(s.b, &lawless, &e), &e, "expected one or more coordinates, each with a finite ratio");
+  km_settings_def settings = km_settings_default();
+  settings.gravity[0] = HUGE_VAL;
+  refuse(km_model_set(s.b, &settings, &e), &e, "found a gravity that is not finite");
+  refuse(km_model_add_assembly(s.b, "a", (km_assembly_id){7}, NULL, &e), &e,
+         "found a parent that is none of this builder");
+  km_body_def body = km_body_default();
+  body.name = "lost";
+  body.assembly = (km_assembly_id){7};
+  refuse(km_model_add_body(s.b, &body, NULL, &e), &e, "found an assembly that is none of this builder");
+  km_builder_free(s.b);
+}
+
+/* Calls without what they work on are the caller's mistake. */
+static void nothing_to_build(void **state) {
+  (void)state;
+  enum { CALLS = 6 };
+  km_error e[CALLS];
+  const km_coordinate_ref none = {{0}, 0};
+  const km_status status[CALLS] = {km_builder_create(NULL, &e[0]),
+                                   km_model_set(NULL, NULL, &e[1]),
+                                   km_model_add_actuator(NULL, none, &e[2]),
+                                   km_model_set_sweep(NULL, NULL, &e[3]),
+                                   km_model_set_advantage(NULL, NULL, NULL, &e[4]),
+                                   km_builder_finish(NULL, NULL, &e[5])};
+  static const char *const words[CALLS] = {"found no place for the builder",
+                                           "found no builder or no settings",
+                                           "found no builder",
+                                           "found no builder or no sweep",
+                                           "found no builder, no input or no output",
+                                           "found no builder, or one that is finished"};
+  for (int i = 0; i < CALLS; ++i) {
+    assert_int_equal(status[i], KM_USAGE);
+    assert_string_equal(e[i].text, words[i]);
+  }
+}
+
 static void wrong_rest(void **state) {
   (void)state;
   start s = begin();
@@ -216,8 +334,15 @@ static void wrong_wholes(void **state) {
 }
 
 int main(void) {
-  const struct CMUnitTest tests[] = {cmocka_unit_test(the_same_tables), cmocka_unit_test(wrong_bodies_and_frames),
-                                     cmocka_unit_test(wrong_joints), cmocka_unit_test(wrong_rest),
+  const struct CMUnitTest tests[] = {cmocka_unit_test(the_same_tables),
+                                     cmocka_unit_test(wrong_bodies_and_frames),
+                                     cmocka_unit_test(wrong_joints),
+                                     cmocka_unit_test(wrong_rest),
+                                     cmocka_unit_test(wrong_numbers_of_joints),
+                                     cmocka_unit_test(wrong_laws),
+                                     cmocka_unit_test(wrong_shapes),
+                                     cmocka_unit_test(wrong_values),
+                                     cmocka_unit_test(nothing_to_build),
                                      cmocka_unit_test(wrong_wholes)};
   return cmocka_run_group_tests(tests, NULL, NULL);
 }

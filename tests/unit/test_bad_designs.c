@@ -1,0 +1,213 @@
+/* What studies of designs refuse before they ask anything, each with its words. */
+#include "support/designs.h"
+#include "support/refusals.h"
+
+#include <math.h>
+
+static km_status sum(void *context, const double *x, double *f, km_error *error) {
+  (void)context, (void)error;
+  f[0] = x[0] + x[1];
+  f[1] = x[0] - x[1];
+  return KM_OK;
+}
+
+static const double infinite[2] = {HUGE_VAL, 1.0}, one[2] = {1.0, 1.0};
+static const km_design_variant variant = {"v", infinite};
+static const km_design_axis no_values = {0, 0, one}, endless = {0, 2, infinite};
+static const km_design_axis twice[2] = {{0, 2, one}, {0, 2, one}}, of_another = {7, 2, one};
+static double many[100000];
+static const km_design_axis large[2] = {{0, 100000, many}, {1, 100000, many}};
+
+/* A study of a function of two numbers with a sample of both. */
+static void sampled(designs *d) {
+  designs_of_function(d, sum, 2, 2);
+  for (int p = 0; p < 2; ++p)
+    d->spreads[p] = (km_design_spread){p, KM_UNIFORM, .low = 0.0, .high = 1.0};
+  d->sample = (km_design_sample){.count = 16, .seed = 1, .spreads = d->spreads, .spread_count = 2};
+  d->def.sample = &d->sample;
+}
+
+static void with_grid(designs *d, const km_design_axis *axes, int count) {
+  d->def.sample = NULL;
+  d->def.axes = axes;
+  d->def.axis_count = count;
+}
+
+static void optimised(designs *d) {
+  d->def.sample = NULL;
+  d->variables[0] = (km_design_variable){0, 0.0, 1.0, 0.5};
+  d->optimise = (km_design_optimise){.variables = d->variables,
+                                     .variable_count = 1,
+                                     .goals = {{"f0", false}},
+                                     .goal_count = 1,
+                                     .algorithm = km_design_algorithm(0),
+                                     .evaluations = 10,
+                                     .tolerance = 1e-6,
+                                     .starts = 1};
+  d->def.optimise = &d->optimise;
+}
+
+static void no_way(designs *d) {
+  d->def.sample = NULL;
+}
+static void no_model(designs *d) {
+  d->def.function = NULL;
+}
+static void too_many_parameters(designs *d) {
+  d->def.parameter_count = KM_MOST_DESIGN_PARAMETERS + 1;
+}
+static void endless_variant(designs *d) {
+  d->def.sample = NULL;
+  d->def.variants = &variant;
+  d->def.variant_count = 1;
+}
+static void empty_axis(designs *d) {
+  with_grid(d, &no_values, 1);
+}
+static void endless_axis(designs *d) {
+  with_grid(d, &endless, 1);
+}
+static void axis_twice(designs *d) {
+  with_grid(d, twice, 2);
+}
+static void axis_of_another(designs *d) {
+  with_grid(d, &of_another, 1);
+}
+static void large_grid(designs *d) {
+  with_grid(d, large, 2);
+}
+static void other_distribution(designs *d) {
+  d->spreads[0].distribution = (km_distribution)7;
+}
+static void far_bounds(designs *d) {
+  d->spreads[0] = (km_design_spread){0, KM_TRUNCATED_NORMAL, 50.0, 60.0, 0.0, 1.0};
+}
+static void other_method(designs *d) {
+  d->sample.method = (km_sampling)9;
+}
+static void nothing_spreads(designs *d) {
+  d->sample.spread_count = 0;
+}
+static void spreads_twice(designs *d) {
+  d->spreads[1].parameter = 0;
+}
+static void no_width(designs *d) {
+  d->sample.accuracy_figure = "f0";
+}
+static void nothing_varies(designs *d) {
+  optimised(d);
+  d->optimise.variable_count = 0;
+}
+static void start_outside(designs *d) {
+  optimised(d);
+  d->variables[0].start = 3.0;
+}
+static void no_goal(designs *d) {
+  optimised(d);
+  d->optimise.goal_count = 0;
+}
+static void unnamed_goal(designs *d) {
+  optimised(d);
+  d->optimise.goals[0].figure = NULL;
+}
+static void coarse(designs *d) {
+  optimised(d);
+  d->optimise.tolerance = 1.5;
+}
+static void unnamed_figure(designs *d) {
+  d->figures[0].name = NULL;
+}
+static void other_figure(designs *d) {
+  d->figures[0].kind = KM_DESIGN_FIGURE_KINDS;
+}
+static void no_limits(designs *d) {
+  d->figures[0].low = 2.0;
+  d->figures[0].high = 1.0;
+}
+static void no_column(designs *d) {
+  d->questions[0].kind = "mobility";
+}
+static void no_points(designs *d) {
+  d->questions[0].kind = "mobility";
+  d->figures[0].kind = d->figures[1].kind = KM_DESIGN_DISTANCE;
+  d->figures[0].column = "a/b";
+}
+static void no_question(designs *d) {
+  d->def.question_count = 0;
+}
+static void unnamed_question(designs *d) {
+  d->questions[0].name = NULL;
+}
+static void question_twice(designs *d) {
+  d->questions[1] = d->questions[0];
+  d->def.question_count = 2;
+}
+static void two_questions(designs *d) {
+  d->questions[1] = (km_design_question){.name = "other"};
+  d->def.question_count = 2;
+}
+static void too_many_figures(designs *d) {
+  d->questions[0].figure_count = KM_MOST_DESIGN_FIGURES + 1;
+}
+static void figure_twice(designs *d) {
+  d->figures[1].name = d->figures[0].name;
+}
+
+static const struct {
+  void (*spoil)(designs *d);
+  const char *words;
+} spoilt[] = {
+    {no_way, "found 0 of variants, grid, sample and optimise; expected just one"},
+    {no_model, "model: expected a file"},
+    {too_many_parameters, "parameters: found 33; expected at most 32"},
+    {endless_variant, "variants.v: a value that isn't finite"},
+    {empty_axis, "grid.x0: found no values; expected at least one"},
+    {endless_axis, "grid.x0: a value that isn't finite"},
+    {axis_twice, "grid.x0: it has two axes"},
+    {axis_of_another, "grid: there is no parameter 7; expected 0 to 1"},
+    {large_grid, "grid: found 1e+10 designs; expected at most"},
+    {other_distribution, "sample.parameters.x0: there is no such distribution"},
+    {far_bounds, "sample.parameters.x0: found bounds [50, 60] more than 8 deviations from the mean 0"},
+    {other_method, "sample.method: there is no such method"},
+    {nothing_spreads, "sample.parameters: found none; expected at least one that spreads"},
+    {spreads_twice, "sample.parameters.x0: it is there twice"},
+    {no_width, "sample.accuracy: found a half width of 0"},
+    {nothing_varies, "optimise.variables: found none; expected at least one"},
+    {start_outside, "optimise.variables.x0: the start 3 lies outside [0, 1]"},
+    {no_goal, "optimise: found 0 goals; expected one or two"},
+    {unnamed_goal, "optimise.minimise: expected the name of a figure"},
+    {coarse, "optimise.tolerance: found 1.5; expected at least 0 and less than 1"},
+    {unnamed_figure, "a figure has no name"},
+    {other_figure, "figures.f0: there is no such kind of figure"},
+    {no_limits, "figures.f0: found limits [2, 1]; expected low ≤ high"},
+    {no_column, "figures.f0: expected a column"},
+    {no_points, "figures.f0: found no points; expected at least one"},
+    {no_question, "ask: found 0 questions; expected 1 to 16"},
+    {unnamed_question, "ask[0]: expected a name and a kind of question"},
+    {question_twice, "ask: two questions are called"},
+    {two_questions, "a function answers one question without kind and bands"},
+    {too_many_figures, "ask: more than 64 figures"},
+    {figure_twice, "ask: two figures are called \"f0\""},
+};
+
+static void studies_are_refused(void **state) {
+  (void)state;
+  int silent = 0;
+  for (size_t i = 0; i < COUNT(spoilt); ++i) {
+    designs d;
+    km_design_study *study = NULL;
+    km_error error = {.text = ""};
+    sampled(&d);
+    spoilt[i].spoil(&d);
+    km_status status = km_design_study_open(&d.def, NULL, false, &study, &error);
+    const told_text t = {"a study", spoilt[i].words};
+    silent += !is_told(&t, status, KM_USAGE, NULL, &error);
+    km_design_study_free(study);
+  }
+  assert_int_equal(silent, 0);
+}
+
+int main(void) {
+  const struct CMUnitTest tests[] = {cmocka_unit_test(studies_are_refused)};
+  return cmocka_run_group_tests(tests, NULL, NULL);
+}
