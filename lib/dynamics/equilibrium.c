@@ -10,6 +10,7 @@
 enum { MOST_STEPS = 60, SETTLING_STEPS = 20000 };
 static const double longest = 0.2;   /* of a step: radians or characteristic lengths */
 static const double at_rest = 1e-11; /* a Newton step below this ends */
+static const double unheld = 1e-6;   /* radians or characteristic lengths per second², that no motion changes */
 static const double settled = 1e-3;  /* speed per second, radians or characteristic lengths, that hardly moves */
 
 static void stop(const km_mechanism *m, km_state *s) {
@@ -40,8 +41,32 @@ static bool newton_step(const double *K, const double *a, int f, double *x) {
   return good;
 }
 
-/* One step; `size`: its length, scaled. KM_OK, KM_NO_RESULT, KM_MODEL … */
-static km_status step_once(km_dynamics *d, km_state *s, double *size, km_error *error) {
+/* A Newton step: its length, scaled, and the largest of the accelerations that no step takes away, in radians or characteristic
+ * lengths per second², with its coordinate. */
+typedef struct rest_step {
+  double size, left;
+  int coordinate;
+} rest_step;
+
+/* a + K x, beyond what rounding makes of it. */
+static void see_left(const km_mechanism *m, const km_poise *p, const double *K, const double *x, rest_step *step) {
+  double second = 1.0 / m->model->units.time->si;
+  int f = p->freedom;
+  step->left = 0.0;
+  for (int r = 0; r < f; ++r) {
+    double sum = p->acceleration[r], size = fabs(sum);
+    for (int c = 0; c < f; ++c) {
+      sum += K[c * f + r] * x[c];
+      size += fabs(K[c * f + r]);
+    }
+    double left = (fabs(sum) - 1e-9 * size) * m->scale[p->independent[r]] * second * second;
+    if (left > step->left)
+      *step = (rest_step){step->size, left, p->independent[r]};
+  }
+}
+
+/* One step. KM_OK, KM_NO_RESULT, KM_MODEL … */
+static km_status step_once(km_dynamics *d, km_state *s, rest_step *step, km_error *error) {
   const km_mechanism *m = d->mechanism;
   km_poise p = {0};
   stop(m, s);
@@ -57,11 +82,13 @@ static km_status step_once(km_dynamics *d, km_state *s, double *size, km_error *
     p.acceleration[k] = s->acceleration[p.independent[k]];
   good = good && km_stiffness_of_accelerations(d, s, &p, work, K) &&
          (f == 0 || newton_step(K, p.acceleration, p.freedom, x));
-  *size = 0.0;
+  step->size = 0.0;
   for (size_t k = 0; k < f && good; ++k)
-    *size = fmax(*size, fabs(x[k]) * m->scale[p.independent[k]]);
-  double share = *size > longest ? longest / *size : 1.0;
-  good = good && isfinite(*size);
+    step->size = fmax(step->size, fabs(x[k]) * m->scale[p.independent[k]]);
+  if (good)
+    see_left(m, &p, K, x, step);
+  double share = step->size > longest ? longest / step->size : 1.0;
+  good = good && isfinite(step->size);
   for (size_t k = 0; k < f && good; ++k)
     km_nudge(m, s, p.independent[k], share * x[k]);
   km_free(K);
@@ -111,11 +138,15 @@ km_status km_equilibrium_find(km_dynamics *d, km_state *s, bool settles, km_prog
     status = km_check_state(d->mechanism, s, error);
   if (!status && settles)
     status = settle(d, s, progress, context, error);
-  double size = HUGE_VAL;
-  for (int i = 0; i < MOST_STEPS && !status && !(size <= at_rest); ++i)
-    status = step_once(d, s, &size, error);
-  if (!status && !(size <= 1e3 * at_rest))
+  rest_step step = {.size = HUGE_VAL};
+  for (int i = 0; i < MOST_STEPS && !status && !(step.size <= at_rest); ++i)
+    status = step_once(d, s, &step, error);
+  if (!status && !(step.size <= 1e3 * at_rest))
     status = km_fail(error, KM_NO_RESULT, "no rest pose was found from here");
+  if (!status && step.left > unheld)
+    status = km_fail(error, KM_NO_RESULT,
+                     "no rest pose was found: nothing near here holds joint \"%s\" against what acts on it",
+                     d->mechanism->model->coordinates[step.coordinate].label);
   if (status == KM_DIVERGED)
     status = km_fail(error, KM_NO_RESULT, "no rest pose was found: the loops can't be closed on the way");
   if (!status || status == KM_NO_RESULT) {

@@ -36,27 +36,14 @@ static bool make_spline(law *l) {
   return done;
 }
 
-static km_status check_table(const km_model_joint *joint, km_error *error) {
-  const km_joint_prescribed *def = &joint->prescribed;
-  if (def->count < 2)
-    return km_fail(error, KM_MODEL, "%s: the prescribed table has %d rows; expected at least 2", joint->where,
-                   def->count);
-  for (int i = 1; i < def->count; ++i)
-    if (!(def->values[2 * i] > def->values[2 * i - 2]))
-      return km_fail(error, KM_MODEL, "%s: found time %g after %g in the prescribed table; expected increasing times",
-                     joint->where, def->values[2 * i], def->values[2 * i - 2]);
-  return KM_OK;
-}
-
 km_status km_prescribed_create(const km_mechanism *m, km_prescribed **out, km_error *error) {
   const km_model *model = m->model;
   km_prescribed *p = KM_NEW(km_prescribed, 1);
   *out = NULL;
-  km_status status = KM_OK;
   if (p)
     p->laws = KM_NEW(law, (size_t)model->coordinate_count + 1);
   bool done = p && p->laws;
-  for (int j = 0; done && !status && j < model->joint_count; ++j) {
+  for (int j = 0; done && j < model->joint_count; ++j) {
     const km_model_joint *joint = &model->joints[j];
     int c = joint->first_coordinate;
     if (joint->prescribed.law == KM_MOTION_FREE || m->held[c])
@@ -66,18 +53,14 @@ km_status km_prescribed_create(const km_mechanism *m, km_prescribed **out, km_er
                .factor = km_model_coordinate_factor(model, c),
                .angle = model->units.angle->si,
                .def = &joint->prescribed};
-    if (l->def->law == KM_MOTION_TABLE) {
-      status = check_table(joint, error);
-      done = status || make_spline(l);
-    }
+    done = l->def->law != KM_MOTION_TABLE || make_spline(l);
   }
-  if (!done)
-    status = km_fail(error, KM_MEMORY, "out of memory for the prescribed motions");
-  if (status)
+  if (!done) {
     km_prescribed_free(p);
-  else
-    *out = p;
-  return status;
+    return km_fail(error, KM_MEMORY, "out of memory for the prescribed motions");
+  }
+  *out = p;
+  return KM_OK;
 }
 
 void km_prescribed_free(km_prescribed *p) {

@@ -3,7 +3,9 @@
 
 #include "kmech/path_study.h"
 
+#include <stdlib.h>
 #include <string.h>
+#include <unistd.h>
 
 #define ASSEMBLY(inside)                                                                                               \
   "{\"assemblies\": [{\"name\": \"a\", \"bodies\": [{\"name\": \"b\"}, {\"name\": \"c\"}], " inside "}]"
@@ -102,8 +104,37 @@ static void path_studies_are_refused(void **state) {
   }
 }
 
+/* Files of poses. */
+static void files_of_poses_are_refused(void **state) {
+  (void)state;
+  static const struct {
+    const char *bytes;
+    size_t size;
+    const char *words;
+  } files[] = {{"", 0, "is empty; expected poses"},
+               {"x,y,z\0,rx,ry,rz\n", 16, "holds a NUL byte; expected text"},
+               {"x,y,z,rx,ry,rz\n1,2,3,0,0,0\n", 27, "holds 1 poses; expected at least 2"}};
+  for (size_t i = 0; i < COUNT(files); ++i) {
+    char path[] = "/tmp/poses-XXXXXX";
+    km_study_def def = km_study_def_default();
+    km_error error = {.text = ""};
+    km_messages *messages = km_messages_create();
+    int file = mkstemp(path);
+    assert_true(file >= 0 && write(file, files[i].bytes, files[i].size) == (ssize_t)files[i].size);
+    close(file);
+    const told_text told_of = {path, files[i].words};
+    km_status status = km_study_read_poses(path, (km_study_place){"path", false}, messages, &def, &error);
+    unlink(path);
+    assert_words(&told_of, status, status, messages, &error);
+    assert_int_not_equal(status, KM_OK);
+    km_study_def_free(&def);
+    km_messages_free(messages);
+  }
+}
+
 int main(void) {
   const struct CMUnitTest tests[] = {cmocka_unit_test(models_are_refused), cmocka_unit_test(what_is_left_out_is_told),
-                                     cmocka_unit_test(path_studies_are_refused)};
+                                     cmocka_unit_test(path_studies_are_refused),
+                                     cmocka_unit_test(files_of_poses_are_refused)};
   return cmocka_run_group_tests(tests, NULL, NULL);
 }
