@@ -143,16 +143,18 @@ static void results(void **state) {
   km_text_free(&out);
 }
 
-/* A place that isn't finite can't be written. */
+/* A place that isn't finite can't be written, nor a loop that is open. */
 static void writing(void **state) {
   (void)state;
   fixture f = fixture_open("fourbar");
   km_error e = {.text = ""};
   km_bytes bytes;
-  const double q[4] = {0.0, HUGE_VAL, 0.0, 0.0};
+  const double q[4] = {0.0, HUGE_VAL, 0.0, 0.0}, open[4] = {0.5, 0.0, 0.0, 0.0};
   expect(km_model_write(f.model, q, &bytes, &e), KM_USAGE, &e, "found a displacement that is not finite");
   expect(km_model_write_as(f.model, KM_FORMAT_URDF, q, NULL, &bytes, &e), KM_USAGE, &e,
          "found a displacement that is not finite");
+  expect(km_model_write_as(f.model, KM_FORMAT_MJCF, open, NULL, &bytes, &e), KM_MODEL, &e,
+         "is open at this pose; expected the pose of a closed one");
   fixture_close(&f);
 }
 

@@ -4,12 +4,16 @@
 
 static const char not_found[] = "is found neither beside the file nor in include_dir";
 
+static km_status find_needed(const km_model *model, const char *mesh, km_text *path, km_error *error) {
+  if (km_model_find_mesh(model, mesh, path))
+    return KM_OK;
+  return km_fail(error, KM_MODEL, "mesh \"%.200s\" %s; its density needs it", mesh, not_found);
+}
+
 static km_status weigh_definition(const km_model *model, const km_model_body *body, km_mass *out, km_error *error) {
   km_mesh *mesh = NULL;
   km_text path = {0};
-  km_status status = KM_OK;
-  if (!km_model_find_mesh(model, body->mesh, &path))
-    status = km_fail(error, KM_MODEL, "mesh \"%.200s\" %s; its density needs it", body->mesh, not_found);
+  km_status status = find_needed(model, body->mesh, &path, error);
   if (!status)
     status = km_mesh_read(path.data, &mesh, error);
   if (!status)
@@ -21,11 +25,15 @@ static km_status weigh_definition(const km_model *model, const km_model_body *bo
 
 static km_status weigh_shape(const km_model *model, const km_model_shape *shape, km_mass *out, km_error *error) {
   km_mesh *mesh = NULL;
+  km_text path = {0};
   if (km_shape_solid(shape, out))
     return KM_OK;
-  km_status status = km_shape_mesh(model, shape, &mesh, error);
+  km_status status = shape->kind == KM_SHAPE_OF_MESH ? find_needed(model, shape->mesh, &path, error) : KM_OK;
+  if (!status)
+    status = km_shape_mesh(model, shape, &mesh, error);
   if (!status)
     status = km_mesh_weigh(mesh, shape->mesh, out, error);
+  km_text_free(&path);
   km_mesh_free(mesh);
   return status;
 }
