@@ -14,7 +14,9 @@
 #include "model/model.h"
 
 #include <math.h>
+#include <stdlib.h>
 #include <string.h>
+#include <unistd.h>
 
 static void expect(km_status status, km_status expected, const km_error *error, const char *words) {
   const told_text t = {"a call", words};
@@ -121,6 +123,38 @@ static void inverse_runs(void **state) {
   fixture_close(&f);
 }
 
+/* Drives that can't be, and a search that is cancelled. */
+static void drives_and_rest(void **state) {
+  (void)state;
+  fixture f = fixture_read(
+      "{\"model_parameters\": {\"gravity\": [0, 0, -9.81]}, \"assemblies\": [{\"name\": \"a\", \"bodies\": [{\"name\": \"b\", \"mass\": 1, "
+      "\"center_of_mass\": [1, 0, 0], \"moment_of_inertia\": {\"Ixx\": 1, \"Iyy\": 1, \"Izz\": 1}}], \"joints\": [{\"name\": \"S\", \"type\": \"spherical\", \"body_frame_pairs\": "
+      "[\"fixed\", \"b\"]}]}]}");
+  km_forces *forces = forces_of(&f);
+  km_dynamics *d;
+  km_error e = {.text = ""};
+  assert_int_equal(km_dynamics_create(f.mechanism, forces, &d, &e), KM_OK);
+  expect(km_dynamics_prescribe(d, 0, 0.0, 1.0, &e), KM_USAGE, &e, "joint \"S[0]\" is held, or a ball");
+  expect(km_equilibrium_find(d, f.state, true, stop, NULL, &e), KM_CANCELLED, &e, "cancelled while settling");
+  km_dynamics_free(d);
+  km_forces_free(forces);
+  fixture_close(&f);
+}
+
+/* A file that is only large. */
+static void large_files(void **state) {
+  (void)state;
+  char path[] = "/tmp/large-XXXXXX";
+  km_model *model;
+  km_error e = {.text = ""};
+  int file = mkstemp(path);
+  assert_true(file >= 0 && ftruncate(file, (off_t)1 << 33) == 0);
+  close(file);
+  km_status status = km_model_load(path, NULL, &model, &e);
+  unlink(path);
+  expect(status, KM_IO, &e, "MiB; expected a model file");
+}
+
 /* Objects of two mechanisms. */
 static void strangers(void **state) {
   (void)state;
@@ -216,6 +250,8 @@ int main(void) {
                                      cmocka_unit_test(inverse_runs),
                                      cmocka_unit_test(strangers),
                                      cmocka_unit_test(ends_and_actuators),
+                                     cmocka_unit_test(drives_and_rest),
+                                     cmocka_unit_test(large_files),
                                      cmocka_unit_test(sweeps),
                                      cmocka_unit_test(poses)};
   return cmocka_run_group_tests(tests, NULL, NULL);

@@ -3,6 +3,7 @@
 #include "support/refusals.h"
 
 #include <math.h>
+#include <stdio.h>
 
 static km_status sum(void *context, const double *x, double *f, km_error *error) {
   (void)context, (void)error;
@@ -207,7 +208,41 @@ static void studies_are_refused(void **state) {
   assert_int_equal(silent, 0);
 }
 
+static bool stop(void *context, double done) {
+  (void)context, (void)done;
+  return false;
+}
+
+/* Runs that are stopped, and more dimensions than Sobol's sequence has: two for each of 24 parameters. */
+static void runs_are_refused(void **state) {
+  (void)state;
+  enum { MANY = 24 };
+  designs d;
+  km_design_study *study = NULL;
+  km_error error = {.text = ""};
+  const told_text stopped = {"a run", "stopped after"},
+                  dimensions = {"a sample", "a Sobol sequence has at most 40 dimensions, and 48"};
+  static char names[MANY][8];
+  static km_design_parameter parameters[MANY];
+  static km_design_spread spreads[MANY];
+  sampled(&d);
+  assert_int_equal(km_design_study_open(&d.def, NULL, false, &study, &error), KM_OK);
+  km_status status = km_design_study_run(study, 1, stop, NULL, &error);
+  assert_words(&stopped, status, KM_CANCELLED, NULL, &error);
+  km_design_study_free(study);
+  for (int p = 0; p < MANY; ++p) {
+    snprintf(names[p], sizeof names[p], "x%d", p);
+    parameters[p] = (km_design_parameter){names[p], names[p]};
+    spreads[p] = (km_design_spread){p, KM_UNIFORM, .low = 0.0, .high = 1.0};
+  }
+  d.def.parameters = parameters;
+  d.def.parameter_count = MANY;
+  d.sample = (km_design_sample){.count = 4, .seed = 1, .spreads = spreads, .spread_count = MANY, .indices = true};
+  status = km_design_study_open(&d.def, NULL, false, &study, &error);
+  assert_words(&dimensions, status, KM_USAGE, NULL, &error);
+}
+
 int main(void) {
-  const struct CMUnitTest tests[] = {cmocka_unit_test(studies_are_refused)};
+  const struct CMUnitTest tests[] = {cmocka_unit_test(studies_are_refused), cmocka_unit_test(runs_are_refused)};
   return cmocka_run_group_tests(tests, NULL, NULL);
 }

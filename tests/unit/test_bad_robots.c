@@ -77,6 +77,7 @@ static const told_text sdf[] = {
      "joint \"J\": its thread_pitch is 0"},
     {MODEL("<model name='n'/><joint name='J' type='revolute'><parent>n</parent><child>a</child></joint>"),
      "joint \"J\": one of its ends is no link"},
+    {MODEL("<joint name='J' type='revolute'>" BETWEEN "<axis><xyz>0 0 0</xyz></axis></joint>"), "its axis is 0 0 0"},
     {MODEL("<link/>"), "a link without a name"},
     {MODEL("<link name='a'/>"), "link \"a\": this name is used twice"},
     {"<sdf version='1.9'/>", "found no model"},
