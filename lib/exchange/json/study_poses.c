@@ -91,15 +91,15 @@ static void guess_columns(sheet *s, int count) {
     s->column[(count == 7 ? W : RX) + k - 3] = k;
 }
 
+/* A place, and all of a quaternion or all of a rotation vector, and nothing of the other. */
 static bool whole(const sheet *s) {
-  bool quaternion = true, vector = true, place = true;
+  int place = 0, vector = 0, quaternion = s->column[W] >= 0;
   for (int k = 0; k < 3; ++k) {
-    place = place && s->column[X + k] >= 0;
-    quaternion = quaternion && s->column[QX + k] >= 0;
-    vector = vector && s->column[RX + k] >= 0;
+    place += s->column[X + k] >= 0;
+    quaternion += s->column[QX + k] >= 0;
+    vector += s->column[RX + k] >= 0;
   }
-  quaternion = quaternion && s->column[W] >= 0;
-  return place && quaternion != vector;
+  return place == 3 && ((quaternion == 4 && vector == 0) || (quaternion == 0 && vector == 3));
 }
 
 static bool read_turn(sheet *s, int line, const double *value) {
