@@ -234,6 +234,16 @@ static void wrong_values(void **state) {
   refuse(km_model_set_advantage(s.b, &joint, &still, &e), &e, "expected a direction with a length");
   const km_coupling_def lawless = {.name = "g", .count = 1, .coordinates = &one};
   refuse(km_model_add_coupling(s.b, &lawless, &e), &e, "expected one or more coordinates, each with a finite ratio");
+  km_joint_def ball = km_joint_default();
+  km_joint_id ball_id;
+  ball.name = "S";
+  ball.type = KM_SPHERICAL;
+  ball.parent = s.origin;
+  ball.child = km_builder_origin(s.b, far_body);
+  assert_int_equal(km_model_add_joint(s.b, &ball, &ball_id, &e), KM_OK);
+  const km_coordinate_ref component = {ball_id, 1};
+  const km_coupling_def turned = {.name = "g", .count = 1, .coordinates = &component, .ratios = (const double[]){1.0}};
+  refuse(km_model_add_coupling(s.b, &turned, &e), &e, "found a component of a rotation vector");
   km_settings_def settings = km_settings_default();
   settings.gravity[0] = HUGE_VAL;
   refuse(km_model_set(s.b, &settings, &e), &e, "found a gravity that is not finite");

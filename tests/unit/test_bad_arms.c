@@ -128,6 +128,35 @@ static void bound_studies(void **state) {
   fixture_close(&f);
 }
 
+/* More joints than an arm may have, and a setting that no method has. */
+static void long_arms(void **state) {
+  (void)state;
+  enum { LINKS = 33 };
+  km_text text = {0};
+  km_error e = {.text = ""};
+  km_arm *arm = NULL;
+  int frame;
+  km_text_add(&text, "{\"assemblies\": [{\"name\": \"a\", \"bodies\": [");
+  for (int i = 0; i < LINKS; ++i)
+    km_text_format(&text, "%s{\"name\": \"b%d\", \"frames\": [{\"name\": \"tip\", \"T\": [1, 0, 0]}]}", i ? "," : "",
+                   i);
+  km_text_add(&text, "], \"joints\": [{\"name\": \"J0\", \"type\": \"Rz\", \"body_frame_pairs\": [\"fixed\", \"b0\"]}");
+  for (int i = 1; i < LINKS; ++i)
+    km_text_format(&text,
+                   ",{\"name\": \"J%d\", \"type\": \"R%c\", \"body_frame_pairs\": [[\"b%d\", \"tip\"], \"b%d\"]}", i,
+                   "xyz"[i % 3], i - 1, i);
+  km_text_add(&text, "]}]}");
+  fixture f = fixture_read(text.data);
+  static const char *const tip[] = {"b32", "tip"};
+  assert_int_equal(km_model_find_frame(f.model, tip, 2, &frame, NULL), KM_OK);
+  expect(km_arm_create(f.mechanism, f.state, frame, KM_TASK_POSE, &arm, &e), KM_USAGE, &e,
+         "more than 32 coordinates on the way to the effector");
+  km_method method = km_method_default(KM_LOOKAHEAD);
+  expect(km_method_set(&method, "colour", 1.0, &e), KM_USAGE, &e, "\"colour\" is no setting that is a number");
+  km_text_free(&text);
+  fixture_close(&f);
+}
+
 static void paths(void **state) {
   (void)state;
   fixture f = fixture_open("panda");
@@ -147,6 +176,6 @@ static void paths(void **state) {
 int main(void) {
   const struct CMUnitTest tests[] = {cmocka_unit_test(values), cmocka_unit_test(nothing_to_spare),
                                      cmocka_unit_test(tracks), cmocka_unit_test(bound_studies),
-                                     cmocka_unit_test(paths)};
+                                     cmocka_unit_test(paths),  cmocka_unit_test(long_arms)};
   return cmocka_run_group_tests(tests, NULL, NULL);
 }

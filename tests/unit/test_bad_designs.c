@@ -2,6 +2,8 @@
 #include "support/designs.h"
 #include "support/refusals.h"
 
+#include "kmech/design_results.h"
+
 #include <math.h>
 #include <stdio.h>
 
@@ -242,7 +244,96 @@ static void runs_are_refused(void **state) {
   assert_words(&dimensions, status, KM_USAGE, NULL, &error);
 }
 
+/* A joint that is held twice, and a picture that isn't one. */
+static void holds_and_pictures(void **state) {
+  (void)state;
+  static const km_design_setting twice[2] = {{"A", 0.1}, {"A", 0.2}};
+  designs d;
+  km_design_study *study = NULL;
+  km_error e = {.text = ""};
+  km_text out = {0};
+  const told_text held = {"holds", "\"A\" is named twice"}, none = {"a picture", "found no picture of a study"};
+  designs_of_model(&d, "fourbar", "mobility");
+  d.questions[0].holds = twice;
+  d.questions[0].hold_count = 2;
+  designs_add_figure(&d, "grip", KM_DESIGN_MIN, "m.A");
+  designs_add_parameter(&d, "rocker.mass");
+  d.spreads[0] = (km_design_spread){0, KM_UNIFORM, .low = 1.0, .high = 2.0};
+  d.sample = (km_design_sample){.count = 2, .seed = 1, .spreads = d.spreads, .spread_count = 1};
+  d.def.sample = &d.sample;
+  km_status status = km_design_study_open(&d.def, NULL, false, &study, &e);
+  assert_words(&held, status, status, NULL, &e);
+  sampled(&d);
+  study = designs_run(&d, NULL, 1);
+  status = km_designs_picture(study, &d.def, "x", (km_designs_plot)99, 0, 0, KM_PICTURE_SVG, &out, &e);
+  assert_words(&none, status, KM_USAGE, NULL, &e);
+  km_text_free(&out);
+  km_design_study_free(study);
+}
+
+/* A crew of one member, of whom one message comes. */
+typedef struct talk {
+  bool sends;
+  int from; /* of the message; -1: none comes */
+  const void *bytes;
+  size_t size;
+} talk;
+
+static bool say(void *context, int member, const void *bytes, size_t size) {
+  (void)member, (void)bytes, (void)size;
+  return ((const talk *)context)->sends;
+}
+
+static int hear(void *context, bool wait, const void **bytes, size_t *size) {
+  const talk *t = context;
+  *bytes = t->bytes;
+  *size = t->size;
+  return wait ? t->from : -1;
+}
+
+/* What is left of a crew where messages don't go, or say what they shouldn't. */
+static void crews_are_refused(void **state) {
+  (void)state;
+  static const int answers = 2; /* the word that begins a member's answers */
+  static const struct {
+    int what;
+    char text[8];
+  } failed = {3, "no more"}; /* the word that begins a member's complaint */
+  struct {
+    talk talk;
+    const char *words;
+  } led[] = {{{false, 1, "", 0}, "rank 1 can't be reached"},
+             {{true, -1, NULL, 0}, "the other ranks can't be reached"},
+             {{true, 1, &failed, sizeof failed}, "rank 1: no more"},
+             {{true, 1, &answers, sizeof answers}, "rank 1 sent an answer that can't be read"}};
+  designs d;
+  km_design_study *study = NULL;
+  km_error e = {.text = ""};
+  sampled(&d);
+  for (size_t i = 0; i < COUNT(led); ++i) {
+    const km_design_crew crew = {.context = &led[i].talk, .size = 1, .send = say, .receive = hear};
+    const told_text t = {"a crew", led[i].words};
+    assert_int_equal(km_design_study_open(&d.def, NULL, false, &study, &e), KM_OK);
+    km_status status = km_design_study_lead(study, 1, &crew, NULL, NULL, &e);
+    assert_words(&t, status, KM_IO, NULL, &e);
+    km_design_study_free(study);
+  }
+  talk nobody = {true, -1, NULL, 0};
+  const km_design_crew few = {&nobody, -1, say, hear}, alone = {&nobody, 1, say, hear};
+  const told_text size = {"a crew", "found a crew of -1 members"}, leader = {"a crew", "the leader can't be reached"};
+  const told_text threads = {"a crew", "found 0 threads; expected 1 to 1024"};
+  assert_int_equal(km_design_study_open(&d.def, NULL, false, &study, &e), KM_OK);
+  km_status status = km_design_study_serve(study, 1, &few, &e);
+  assert_words(&size, status, KM_USAGE, NULL, &e);
+  status = km_design_study_serve(study, 0, &alone, &e);
+  assert_words(&threads, status, KM_USAGE, NULL, &e);
+  status = km_design_study_serve(study, 1, &alone, &e);
+  assert_words(&leader, status, KM_IO, NULL, &e);
+  km_design_study_free(study);
+}
+
 int main(void) {
-  const struct CMUnitTest tests[] = {cmocka_unit_test(studies_are_refused), cmocka_unit_test(runs_are_refused)};
+  const struct CMUnitTest tests[] = {cmocka_unit_test(studies_are_refused), cmocka_unit_test(runs_are_refused),
+                                     cmocka_unit_test(crews_are_refused), cmocka_unit_test(holds_and_pictures)};
   return cmocka_run_group_tests(tests, NULL, NULL);
 }

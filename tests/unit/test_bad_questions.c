@@ -4,6 +4,7 @@
 
 #include "kmech/design_results.h"
 #include "kmech/drawing.h"
+#include "kmech/edit.h"
 #include "kmech/motions.h"
 #include "kmech/pictures.h"
 #include "kmech/question.h"
@@ -106,11 +107,19 @@ static void pictures(void **state) {
   const double value = 0.0;
   const km_motion_page page = {.quantity = "A", .unit = "", .values = &value, .seconds = 0.0};
   expect(km_drawing_page(drawing, &plain, &page, &out, &e), KM_USAGE, &e, "0 seconds; expected more than 0");
+  km_table *endless = km_table_create();
+  for (int c = 0; c < 4; ++c)
+    assert_true(km_table_add_column(endless, ((const char *const[]){"q.A", "q.B", "q.C", "q.D"})[c], "rad") >= 0);
+  double *row = km_table_add_row(endless);
+  for (int c = 0; c < 4; ++c)
+    row[c] = c == 2 ? (double)NAN : 0.0;
+  expect(km_drawing_add_rows(drawing, endless, &e), KM_USAGE, &e, "row 0: q.C isn't a finite number");
+  km_table_free(endless);
   km_meshes_free(meshes);
-  km_drawing_free(drawing);
   km_question_free(first);
   km_question_free(second);
   km_question_free(none);
+  km_drawing_free(drawing);
   km_table_free(table);
   km_text_free(&out);
   fixture_close(&f);
@@ -158,6 +167,39 @@ static void writing(void **state) {
   fixture_close(&f);
 }
 
+/* A strut's own frames stand in no file. */
+static void changed_struts(void **state) {
+  (void)state;
+  fixture f = fixture_open("bonnet");
+  km_error e = {.text = ""};
+  km_bytes bytes;
+  const double T[3] = {1.0, 2.0, 0.0};
+  int frame = -1;
+  for (int i = 0; i < km_model_frame_count(f.model); ++i)
+    if (strcmp(f.model->bodies[f.model->frames[i].body].name, "gas:from") == 0)
+      frame = i;
+  for (int i = 0; i < km_model_frame_count(f.model); ++i)
+    if (strcmp(f.model->bodies[f.model->frames[i].body].name, "gas:to") == 0 &&
+        strcmp(f.model->frames[i].name, "origin") != 0)
+      frame = i;
+  assert_int_equal(km_model_set_frame(f.model, frame, T, NULL, &e), KM_OK);
+  expect(km_model_write(f.model, NULL, &bytes, &e), KM_USAGE, &e, "which is a strut's: a file can't say it");
+  fixture_close(&f);
+}
+
+/* A track moves along its path: it isn't about one pose. */
+static void tracks_here(void **state) {
+  (void)state;
+  fixture f = fixture_open("panda");
+  km_error e = {.text = ""};
+  km_question *q = asking(&f, "track");
+  const km_option_value study = {.text = STUDIES_DIR "/panda_circle/study.json"};
+  assert_int_equal(km_question_set(q, "study", &study, &e), KM_OK);
+  expect(km_question_ask_here(q, f.state, &e), KM_USAGE, &e, "a question about a track isn't about one pose");
+  km_question_free(q);
+  fixture_close(&f);
+}
+
 /* Motions are asked of a state whose mobility is known. */
 static void motions(void **state) {
   (void)state;
@@ -173,7 +215,9 @@ static void motions(void **state) {
 }
 
 int main(void) {
-  const struct CMUnitTest tests[] = {cmocka_unit_test(options), cmocka_unit_test(plans),   cmocka_unit_test(pictures),
-                                     cmocka_unit_test(results), cmocka_unit_test(writing), cmocka_unit_test(motions)};
+  const struct CMUnitTest tests[] = {cmocka_unit_test(options),        cmocka_unit_test(plans),
+                                     cmocka_unit_test(pictures),       cmocka_unit_test(results),
+                                     cmocka_unit_test(writing),        cmocka_unit_test(motions),
+                                     cmocka_unit_test(changed_struts), cmocka_unit_test(tracks_here)};
   return cmocka_run_group_tests(tests, NULL, NULL);
 }
