@@ -224,7 +224,7 @@ static void runs_are_refused(void **state) {
   km_error error = {.text = ""};
   const told_text stopped = {"a run", "stopped after"},
                   dimensions = {"a sample", "a Sobol sequence has at most 40 dimensions, and 48"};
-  static char names[MANY][8];
+  static char names[MANY][16];
   static km_design_parameter parameters[MANY];
   static km_design_spread spreads[MANY];
   sampled(&d);
@@ -247,14 +247,14 @@ static void runs_are_refused(void **state) {
 /* A joint that is held twice, and a picture that isn't one. */
 static void holds_and_pictures(void **state) {
   (void)state;
-  static const km_design_setting twice[2] = {{"A", 0.1}, {"A", 0.2}};
+  static const km_design_setting held_twice[2] = {{"A", 0.1}, {"A", 0.2}};
   designs d;
   km_design_study *study = NULL;
   km_error e = {.text = ""};
   km_text out = {0};
   const told_text held = {"holds", "\"A\" is named twice"}, none = {"a picture", "found no picture of a study"};
   designs_of_model(&d, "fourbar", "mobility");
-  d.questions[0].holds = twice;
+  d.questions[0].holds = held_twice;
   d.questions[0].hold_count = 2;
   designs_add_figure(&d, "grip", KM_DESIGN_MIN, "m.A");
   designs_add_parameter(&d, "rocker.mass");
