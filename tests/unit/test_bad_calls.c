@@ -195,6 +195,7 @@ static void ends_and_actuators(void **state) {
   const int twice[2] = {1, 1};
   expect(km_statics_create(f.mechanism, twice, 2, KM_AXES_JOINT, &statics, &e), KM_USAGE, &e,
          "actuator \"B\" is named twice; expected each joint once");
+  km_statics_free(&statics);
   fixture_close(&f);
 }
 
