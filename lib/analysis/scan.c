@@ -105,6 +105,7 @@ static bool find_root(km_scan *scan, km_sweeper *r, int i, part which, double *r
   search q = {scan, r, i, which, 1.0, false};
   gsl_function f = {at, &q};
   double low = fmin(scan->s[0], scan->s[1]), high = fmax(scan->s[0], scan->s[1]);
+  *root = low;
   gsl_root_fsolver *solver = gsl_root_fsolver_alloc(gsl_root_fsolver_brent);
   if (!solver)
     return false;

@@ -49,10 +49,10 @@ static km_status meet_branch(km_sweeper *r, km_follow *follow, km_error *error) 
   size_t columns = (size_t)r->m->substructures[r->substructure].columns;
   if (!km_follow_branch(follow, &point))
     return KM_OK;
-  double *directions = KM_NEW(double, (KM_MOST_BRANCHES + 1) * columns),
-         *smooth = directions + KM_MOST_BRANCHES * columns;
+  double *directions = KM_NEW(double, (KM_MOST_BRANCHES + 1) * columns);
   if (!directions)
     return km_fail(error, KM_MEMORY, "out of memory for the branch points");
+  double *smooth = directions + KM_MOST_BRANCHES * columns;
   km_follow_at_branch(follow, smooth);
   point.branches = km_branch_directions(r->m, r->s, r->substructure, directions);
   km_status status = km_sweeper_add_branch(r, point, error);

@@ -29,8 +29,8 @@ void km_free(void *block) {
 }
 
 static char *block_start(struct km_arena_block *block) {
-  uintptr_t address = (uintptr_t)(block + 1);
-  return (char *)((address + ALIGNMENT - 1) / ALIGNMENT * ALIGNMENT);
+  char *start = (char *)(block + 1);
+  return start + (ALIGNMENT - (uintptr_t)start % ALIGNMENT) % ALIGNMENT;
 }
 
 static bool new_block(km_arena *arena, size_t size) {
@@ -104,7 +104,7 @@ bool km_arena_grow(km_arena *arena, void **data, size_t *capacity, size_t need, 
   void *bigger = km_arena_alloc(arena, grown, size);
   if (!bigger)
     return false;
-  if (*capacity > 0)
+  if (*data)
     memcpy(bigger, *data, *capacity * size);
   *data = bigger;
   *capacity = grown;

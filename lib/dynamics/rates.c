@@ -23,7 +23,7 @@ static void prescribed_part(const km_dynamics *d, const km_state *s, int index, 
 }
 
 /* D⁻¹ Z Zᵀ D of the rest, Z over the independent coordinates that aren't prescribed. */
-static bool keep_null_part(const km_dynamics *d, km_state *s, int index, double *y, double *sum) {
+static bool keep_null_part(const km_dynamics *d, km_state *s, int index, const double *y, double *sum) {
   const km_mechanism *m = d->mechanism;
   const km_substructure *sub = &m->substructures[index];
   const km_partition *p = &s->partition[index];

@@ -24,13 +24,13 @@ static void partial_velocities(km_dynamics *d, const km_cluster *cluster, const 
     km_node_motion *own = &d->node[n];
     bool inside = node->parent >= cluster->node_start;
     km_twist *P = c->P + (size_t)i * (size_t)count;
-    const km_twist *from = inside ? c->P + (size_t)(node->parent - cluster->node_start) * (size_t)count : NULL;
+    const km_twist *from = inside ? c->P + (size_t)(node->parent - cluster->node_start) * (size_t)count : P;
     if (inside)
       own->zeta = km_twist_axpy(1.0, d->node[node->parent].zeta, own->zeta);
     else if (cluster->base == 0)
       own->zeta = km_twist_axpy(1.0, d->node[0].A, own->zeta);
     for (int k = 0; k < count; ++k)
-      P[k] = from ? from[k] : (km_twist){{0, 0, 0}, {0, 0, 0}};
+      P[k] = inside ? from[k] : (km_twist){{0, 0, 0}, {0, 0, 0}};
     for (int f = 0; f < node->freedom && node->local >= 0; ++f) {
       const double *N = c->N + node->local + f;
       own->zeta = km_twist_axpy(c->gamma[node->local + f], h[f], own->zeta);

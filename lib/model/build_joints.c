@@ -69,7 +69,7 @@ static size_t law_size(const km_joint_def *def) {
 static bool grow_coordinates(km_builder *b, int freedom) {
   km_model *m = b->model;
   return km_arena_grow(&m->arena, (void **)&m->coordinates, &b->coordinate_room,
-                       (size_t)(m->coordinate_count + freedom), sizeof *m->coordinates);
+                       (size_t)m->coordinate_count + (size_t)freedom, sizeof *m->coordinates);
 }
 
 static void add_coordinates(km_model *m, const km_joint_def *def, int joint) {

@@ -157,7 +157,8 @@ static km_status check_branches(const km_method *m, const char **key, km_error *
   if (m->branches % 2 == 0)
     return km_fail(error, KM_USAGE, "found %d; expected an odd number", m->branches);
   *key = "angle";
-  double widest = (m->branches - 1) / 2 * m->angle * 180.0 / M_PI;
+  int outermost = (m->branches - 1) / 2;
+  double widest = outermost * m->angle * 180.0 / M_PI;
   if (m->kind == KM_LOOKAHEAD && widest > 89.0)
     return km_fail(error, KM_USAGE, "the outermost of %d branches turns by %s degrees; expected less than 90",
                    m->branches, KM_SHOWN(round(widest * 1e6) / 1e6));

@@ -136,7 +136,7 @@ static km_status add_row(km_design_study *s, int figure, int row, double middle,
 
 km_status km_design_study_indices(km_design_study *s, int figure, double *first, double *first_half_width,
                                   double *total, double *total_half_width, km_error *error) {
-  km_design_statistics statistics;
+  km_design_statistics statistics = {0};
   sums all = {0}, one[KM_MOST_DESIGN_PARAMETERS] = {{0}}, any[KM_MOST_DESIGN_PARAMETERS] = {{0}};
   km_status status = km_check_given(first && first_half_width && total && total_half_width, "place for indices", error);
   if (!status)

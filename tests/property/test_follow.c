@@ -113,6 +113,40 @@ static void parallelogram_branches(void **state) {
   fixture_close(&f);
 }
 
+/* The other motion of the parallelogram: the rocker's tip is that of the parallel pose, reflected in the line from the crank's
+ * tip to the rocker's pivot. Motion 2 goes it ahead, 3 back; 1 stays parallel, and a fourth isn't there. */
+static void parallelogram_turns_where_asked(void **state) {
+  (void)state;
+  enum { STEPS = 60 };
+  double last[4] = {0};
+  for (int branch = 1; branch <= 4; ++branch) {
+    fixture f = parallelogram(1.0);
+    km_mobility_sweep sweep;
+    km_error error;
+    km_sweep_plan plan = {
+        .coordinate = -1, .steps = STEPS, .arclength = 0.1, .direction = -1, .sign = 1.0, .branch = branch};
+    km_status status = km_mobility_sweep_run(f.mechanism, f.state, &plan, &sweep, &error);
+    assert_int_equal(status, branch < 4 ? KM_OK : KM_USAGE);
+    if (status)
+      assert_non_null(strstr(error.text, "branch 4: 2 motions meet at 4.28318531; expected at most 3"));
+    double corner = 2.0 * (M_PI - 1.0);
+    for (size_t r = 0; !status && r < km_table_rows(sweep.motion.table); ++r) {
+      const double *row = km_table_row(sweep.motion.table, r);
+      double a = row[km_table_find(sweep.motion.table, "q.A")], d = row[km_table_find(sweep.motion.table, "q.D")];
+      double ux = 2.0 - cos(a), uy = -sin(a), along = 2.0 * 2.0 * ux / (ux * ux + uy * uy);
+      bool parallel = branch == 1 || row[1] < corner; /* else Q = P + 2 (v·u) u / u² − v, v = (2, 0) */
+      assert_near(cos(d), parallel ? cos(a) : cos(a) + along * ux - 2.0 - 2.0, 1e-8);
+      assert_near(sin(d), parallel ? sin(a) : sin(a) + along * uy, 1e-8);
+      last[branch - 1] = a;
+    }
+    km_mobility_sweep_free(&sweep);
+    fixture_close(&f);
+  }
+  assert_near(last[0], 1.0 + 0.05 * STEPS, 1e-9);
+  assert_near(last[1] - M_PI, M_PI - last[2], 1e-8); /* ahead as far as back */
+  assert_true(fabs(last[1] - M_PI) > 0.1);
+}
+
 /* The drivers' toggles don't stop it: the four-bar of test_sweep whose crank can only rock goes round its cycle. */
 static void toggles_are_passed(void **state) {
   (void)state;
@@ -170,6 +204,7 @@ int main(void) {
                                      cmocka_unit_test(a_held_platform_comes_back),
                                      cmocka_unit_test(length_is_a_property_of_the_motion),
                                      cmocka_unit_test(parallelogram_branches),
+                                     cmocka_unit_test(parallelogram_turns_where_asked),
                                      cmocka_unit_test(toggles_are_passed),
                                      cmocka_unit_test(small_steps_with_two_freedoms)};
   return cmocka_run_group_tests(tests, NULL, NULL);

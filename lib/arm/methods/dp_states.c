@@ -16,8 +16,8 @@ static bool by_mean(const km_dp_grid *g) {
 bool km_dp_better(const km_dp_grid *g, const km_dp_state *a, const km_dp_state *b) {
   if (a->samples != b->samples)
     return a->samples > b->samples;
-  double x[2] = {km_run_rounded(a->least), km_run_rounded(a->sum)};
-  double y[2] = {km_run_rounded(b->least), km_run_rounded(b->sum)};
+  const double x[2] = {km_run_rounded(a->least), km_run_rounded(a->sum)};
+  const double y[2] = {km_run_rounded(b->least), km_run_rounded(b->sum)};
   int first = by_mean(g);
   if (x[first] != y[first])
     return x[first] > y[first];

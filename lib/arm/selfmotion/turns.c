@@ -57,7 +57,6 @@ void km_arm_turn_toward(const km_arm *a, const double *near, double *q) {
 typedef struct lifting {
   const km_loop_curve *curve;
   km_lifts *out;
-  size_t capacity;
   int first[KM_ARM_MOST], last[KM_ARM_MOST]; /* of each hinge's shift */
   int shift[KM_ARM_MOST];
   double *shifted; /* [count × n] the curve's angles at a shift */
@@ -107,7 +106,7 @@ static void set_ranges(lifting *l) {
 }
 
 static bool add_arcs(lifting *l, const km_loop_curve *at, const km_arc_span *arcs, int count) {
-  const size_t n = (size_t)at->arm->n, size = (size_t)(l->out->count + count);
+  const size_t n = (size_t)at->arm->n, size = (size_t)l->out->count + (size_t)count;
   km_lifts *out = l->out;
   km_arc_span *spans = km_resize(out->arcs, size + 1, sizeof *spans);
   out->arcs = spans ? spans : out->arcs;

@@ -1,7 +1,6 @@
 /* Writing a model as drawings: which assemblies and joints can be drawn, and the tree around them. */
 #include "exchange/json/convert.h"
 
-#include "exchange/json/convert.h"
 #include "exchange/json/convert_drawn.h"
 #include "exchange/json/json.h"
 #include "exchange/json/json_model.h"

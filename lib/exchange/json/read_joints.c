@@ -28,7 +28,8 @@ static void read_coordinates(km_reader *reader, const km_value *joint, const cha
 
 /* One range on a ball is that of the angle by which it turns. */
 static void read_most_turn(km_reader *reader, const km_value *range, const km_place *at, km_model_joint *out) {
-  if (range->first->number == 0.0 && range->last->number > 0.0)
+  if (range->first->number == 0.0 && /* NOLINT(*NullDereference): the format's check has seen to two numbers */
+      range->last->number > 0.0)
     out->most_turn = range->last->number;
   else
     km_reader_error(reader, at, "found [%s, %s]; expected 0 and the largest angle of the ball's turn",
@@ -57,7 +58,7 @@ static void read_limits(km_reader *reader, const km_value *joint, int freedom, c
   }
   const km_value *pair = pairs ? limits->first : limits;
   for (int k = 0; k < freedom; ++k, pair = pair->next) {
-    coordinates[k].low = pair->first->number;
+    coordinates[k].low = pair->first->number; /* NOLINT(*NullDereference): as above */
     coordinates[k].high = pair->last->number;
     if (coordinates[k].low > coordinates[k].high)
       km_reader_error(reader, &at, "found [%s, %s]; expected low ≤ high", KM_SHOWN(coordinates[k].low),

@@ -48,7 +48,7 @@ static km_status first_error(const call *c, km_status status, km_error *error) {
 
 /* What the call came to: `status` of the text, or of what was found in it. */
 static km_status end(call *c, km_status status, bool option, km_error *error) {
-  if (!status && c->s.arena->failed)
+  if (!status && c->s.arena->failed) /* NOLINT(*NullDereference): begin() has seen to it */
     status = memory(error);
   else if (!status && faulty(c))
     status = first_error(c, option ? KM_USAGE : c->s.reader.unreadable ? KM_IO : KM_MODEL, error);

@@ -281,7 +281,7 @@ static void set_number(const reading *r, double value, km_arena *arena) {
     if (!point)
       point = km_value_add(arena, r->object, r->field->key, KM_LIST);
     while (point && point->count < 3 && !arena->failed)
-      number = km_value_number(arena, point, NULL, 0.0);
+      km_value_number(arena, point, NULL, 0.0);
     number = point ? point->first : NULL;
     for (int i = 0; i < r->component && number; ++i)
       number = number->next;

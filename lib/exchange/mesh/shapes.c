@@ -101,7 +101,7 @@ km_status km_shape_mesh(const km_model *model, const km_model_shape *shape, km_m
     return status;
   if (shape->kind == KM_SHAPE_OF_MESH)
     km_mesh_scale(*out, shape->scale);
-  for (int v = 0; v < (*out)->vertex_count; ++v)
+  for (int v = 0; v < (*out)->vertex_count; ++v) /* NOLINT(*NullDereference): without a fault there is a mesh */
     (*out)->vertices[v] = km_pose_point(&shape->pose, (*out)->vertices[v]);
   return KM_OK;
 }

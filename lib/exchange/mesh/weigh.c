@@ -94,10 +94,8 @@ km_status km_model_weigh_meshes(km_model *model, km_error *error) {
   if (!model)
     return km_fail(error, KM_USAGE, "found no model");
   km_messages *messages = km_messages_create();
-  if (!model || !messages) {
-    km_messages_free(messages);
-    return km_fail(error, model ? KM_MEMORY : KM_USAGE, model ? "out of memory for meshes" : "found no model");
-  }
+  if (!messages)
+    return km_fail(error, KM_MEMORY, "out of memory for meshes");
   km_model_weigh(model, messages);
   km_status status = model->arena.failed ? km_fail(error, KM_MEMORY, "out of memory for meshes") : KM_OK;
   for (size_t i = 0; i < km_messages_count(messages) && !status; ++i)

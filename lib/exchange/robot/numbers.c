@@ -92,7 +92,7 @@ static double half_unit(const char *number, size_t length) {
       decimals += point;
     }
   }
-  int power = c < number + length ? atoi(c + 1) : 0;
+  double power = c < number + length ? strtod(c + 1, NULL) : 0.0;
   return digits >= 5 && point ? 0.5 * pow(10.0, power - decimals) : 0.0;
 }
 

@@ -113,7 +113,7 @@ static void read_model(km_sdf *sdf, const km_xml *e, const km_xml *include, int 
     return;
   km_sdf_entity *model = &sdf->entities[index];
   const km_sdf_entity *around = &sdf->entities[model->scope];
-  int minor = version && strncmp(version, "1.", 2) == 0 ? atoi(version + 2) : 99;
+  long minor = version && strncmp(version, "1.", 2) == 0 ? strtol(version + 2, NULL, 10) : 99;
   bool replaced = km_xml_child(include, "pose") != NULL;
   const char *fixed = km_sdf_text(include, "static"), *placement = km_sdf_text(include, "placement_frame");
   model->raw = km_sdf_pose(sdf->robot, replaced ? include : e);

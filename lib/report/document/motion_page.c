@@ -60,7 +60,7 @@ static km_status check_page(const km_motion_page *page, const km_text *out, km_e
 km_status km_drawing_page(const km_drawing *drawing, const km_drawing_look *look, const km_motion_page *page,
                           km_text *out, km_error *error) {
   km_arena arena = {0};
-  km_drawing_def def;
+  km_drawing_def def = {0};
   km_film film = {0}, curves = {0};
   const km_film *const films[] = {&film, &curves};
   km_status status = check_page(page, out, error);
