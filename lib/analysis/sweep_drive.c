@@ -10,77 +10,11 @@ typedef struct seat {
   bool away;
 } seat;
 
-static km_drive *drive_of(const km_sweeper *r) {
-  return ((const seat *)r->mover.self)->drive;
-}
-
 /* FROM is out of reach and the motion towards it ended at a bound: does s lie in what is left of the range? */
 static bool reachable(const km_sweeper *r, double s) {
   const km_sweep_plan *plan = r->plan;
   double bound = r->out->start.position, away = plan->to >= plan->from ? 1.0 : -1.0;
   return away * (bound - plan->from) > 0.0 && away * (s - bound) > 1e-9 * (1.0 + fabs(bound));
-}
-
-/* Drives on to s and shows the observer that pose; false where the driver stops before it, or the observer fails. */
-static bool show(km_sweeper *r, double s, km_status *status, km_error *error) {
-  if (km_drive_to(drive_of(r), s).stop)
-    return false;
-  *status = r->observer->passed(r->observer->self, r, s, error);
-  return !*status;
-}
-
-/* From the first row to s: the poses close to the row, and s. */
-static km_status begin(km_sweeper *r, double from, double s, km_error *error) {
-  km_status status = KM_OK;
-  bool goes_on = !km_sweeper_meets(r);
-  for (int k = KM_END_PLACES; k >= 0 && goes_on; --k)
-    goes_on = show(r, k ? km_sweeper_near_end(s, from, k) : s, &status, error);
-  return status;
-}
-
-/* From s to the last row: the poses close to the row. */
-static km_status end(km_sweeper *r, double s, double last, km_error *error) {
-  km_status status = KM_OK;
-  bool goes_on = true;
-  for (int k = 1; k <= KM_END_PLACES && goes_on; ++k)
-    goes_on = show(r, km_sweeper_near_end(s, last, k), &status, error);
-  return status;
-}
-
-/* Where a way to s ends, and whether at a place whose neighbours are worth a look; comes back. */
-static double look_ahead(km_sweeper *r, double s, bool *stops, bool *meets) {
-  km_drive_mark(drive_of(r));
-  km_reach reach = km_drive_to(drive_of(r), s);
-  *stops = reach.stop != KM_STOP_NONE;
-  *meets = km_sweeper_meets(r);
-  km_drive_return(drive_of(r));
-  return reach.position;
-}
-
-/* Shows the observer the poses on the way from a row to the next one, if it asks for them: all the nearer to one
- * another where the motion begins or ends. */
-static km_status pass(km_sweeper *r, double from, double to, bool begins, bool ends, km_error *error) {
-  if (!r->observer->passed)
-    return KM_OK;
-  int pieces = (KM_LEAST_SAMPLES + r->plan->steps - 1) / r->plan->steps;
-  double last = from;
-  km_status status = KM_OK;
-  for (int k = 1; k <= pieces && !status; ++k) {
-    bool stops, meets;
-    double s = k == pieces ? to : from + (to - from) * k / pieces, next = look_ahead(r, s, &stops, &meets);
-    bool over = stops || (ends && k == pieces); /* the row will be there */
-    double middle = over ? 0.5 * (last + next) : next;
-    if (begins && k == 1) {
-      status = begin(r, from, middle, error);
-      last = middle;
-    } else if (k < pieces && !over) {
-      status = km_drive_to(drive_of(r), s).stop ? KM_OK : r->observer->passed(r->observer->self, r, s, error);
-      last = s;
-    }
-    if (over)
-      return status || meets ? status : end(r, last, next, error);
-  }
-  return status;
 }
 
 /* The rows of one sweep as they come: what is left to do, beside the sweeper. */
@@ -117,7 +51,8 @@ static bool next(walk *w, double *target) {
       return false;
     }
     w->crossings = km_drive_crossings(w->at.drive);
-    w->job->status = pass(r, w->last, s, w->row == 1, w->step == plan->steps, w->job->error);
+    if (r->observer->passed)
+      w->job->status = km_sweeper_pass(r, w->at.drive, w->last, s, w->row == 1, w->step == plan->steps, w->job->error);
     *target = s;
     return !w->job->status;
   }

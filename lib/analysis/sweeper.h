@@ -111,6 +111,10 @@ bool km_sweeper_between(km_sweeper *sweeper, double s);
  * between s and it, each nearer to the end, at which the observer looks too. */
 enum { KM_END_PLACES = 12 };
 double km_sweeper_near_end(double s, double end, int k);
+/* Shows the observer the poses on the way from a row to the next one: all the nearer to one another where the motion begins or
+ * ends. The drive goes on to one of them, or stays. */
+km_status km_sweeper_pass(km_sweeper *sweeper, km_drive *drive, double from, double to, bool begins, bool ends,
+                          km_error *error);
 /* Does the state stand where several motions meet? No pose next to it is well known. */
 bool km_sweeper_meets(km_sweeper *sweeper);
 

@@ -162,6 +162,8 @@ void km_drive_settle(km_drive *d) {
     course->t[k] = l->t[k].of[i];
     course->last_t[k] = l->last_t[k].of[i];
     course->last_move[k] = l->last_move[k].of[i];
+    int c = l->m->column_coordinate[sub->column_start + k];
+    s->q[c] = l->q[c].of[i];
   }
   course->last_h = l->here.last_h.of[i];
   course->reference.sign = (int)l->sign.of[i];

@@ -1,4 +1,4 @@
-/* Whole points of a sweep for eight samples side by side: every driver moved by a step, the loops closed, the mobility
+/* Whole points of a sweep for as many samples as go side by side: every driver moved by a step, the loops closed, the mobility
  * numbers of each. Against the same samples one after the other. */
 #include "analysis/mobility.h"
 #include "bench.h"
@@ -10,7 +10,7 @@
 
 enum { POINTS = 200 };
 
-/* Eight equal machines, there and back. */
+/* Equal machines, there and back. */
 typedef struct samples {
   bench_machine machines[KM_DRIVE_LANES];
   km_drive *drives[KM_DRIVE_LANES];

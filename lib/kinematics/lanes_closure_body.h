@@ -1,0 +1,182 @@
+/* Closing the loops of several drives in vectors: a part of lanes_body.h. */
+
+/* Squares of lengths that differ by less than this factor are left to the lengths. */
+#define SURE (1.0 - 1e-9)
+
+/* Newton needs three or four steps; where it takes more, the drive alone goes on. */
+enum { MOST_ITERATIONS = 8 };
+
+/* km_partition_refactor: the reduced matrix in J, B and its largest entry. Clears the lanes whose pivots don't serve any more. */
+static inline void factor(km_drive_lanes *l, vector *largest_b, mask *fit, int first, int count) {
+  const km_replay *replay = &l->replay;
+  const int *scale = replay->scales;
+  const km_replay_update *update = replay->updates;
+  double *J = l->J->of;
+  vector largest_inverse[TOGETHER], sum[TOGETHER], inverse[TOGETHER];
+  word sign[TOGETHER];
+  EACH(r) {
+    largest_inverse[r] = largest_b[r] = sum[r] = all(0.0);
+    sign[r] = NONE;
+  }
+  for (int s = 0; s < replay->rank; ++s) {
+    const km_replay_step *step = &replay->steps[s];
+    EACH(r) {
+      inverse[r] = 1.0 / get(J + step->pivot + AT(r));
+      PUT(l->inverse[s], inverse[r]);
+      largest_inverse[r] = larger(size_of(inverse[r]), largest_inverse[r]);
+      sign[r] ^= (word)inverse[r];
+    }
+    for (const int *end = scale + step->scale_count; scale < end; ++scale) {
+      double *x = J + *scale;
+      EACH(r)
+      put(x + AT(r), get(x + AT(r)) * inverse[r]);
+    }
+    for (const km_replay_update *end = update + step->update_count; update < end; ++update) {
+      double *x = J + update->x;
+      const double *a = J + update->l, *u = J + update->u;
+      EACH(r)
+      put(x + AT(r), get(x + AT(r)) - get(a + AT(r)) * get(u + AT(r)));
+    }
+  }
+  const km_lanes_number *last = l->J + replay->column[replay->rank] * replay->row_count;
+  for (int i = 0; i < replay->rank; ++i) {
+    const km_lanes_number *entry = &last[replay->row[i]];
+    EACH(r) {
+      vector b = GET(*entry) * GET(l->inverse[i]);
+      PUT(l->B[i], b);
+      largest_b[r] = larger(size_of(b), largest_b[r]);
+      sum[r] += b;
+    }
+  }
+  EACH(r) {
+    PUT(l->next_sign, (vector)((word)all(1.0) | (sign[r] & SIGN_BIT)));
+    vector pivoted_b = larger(GET(l->pivoted_b), all(1.0));
+    fit[r] &= (sum[r] - sum[r] == all(0.0)) & (largest_b[r] <= km_most_growth_of_b * pivoted_b) &
+              (largest_inverse[r] * GET(l->smallest_pivot) <= all(km_most_shrinking));
+  }
+}
+
+/* newton_step of closure.c, of one freedom, which the driver has. `error`: the sum of the squares of the primary rows' errors,
+ * `largest`: the step's largest entry. */
+static inline void newton(km_drive_lanes *l, vector *error, vector *largest, int first, int count) {
+  const km_replay *replay = &l->replay;
+  const double *J = l->J->of;
+  double *y = l->y->of;
+  EACH(r)
+  error[r] = largest[r] = all(0.0);
+  for (int i = 0; i < replay->row_count; ++i)
+    EACH(r)
+  PUT(l->y[i], GET(l->error[i]));
+  for (const km_replay_update *turn = replay->turns, *end = turn + replay->turn_count; turn < end; ++turn) {
+    double *x = y + turn->x;
+    const double *a = J + turn->l, *u = y + turn->u;
+    EACH(r)
+    put(x + AT(r), get(x + AT(r)) - get(a + AT(r)) * get(u + AT(r)));
+  }
+  for (int i = 0; i < replay->rank; ++i) {
+    int row = replay->row[i], column = replay->column[i];
+    EACH(r) {
+      vector x = -(GET(l->y[row]) * GET(l->inverse[i])), e = GET(l->error[row]);
+      PUT(l->x[column], x);
+      largest[r] = larger(size_of(x), largest[r]);
+      error[r] += e * e;
+    }
+  }
+  EACH(r)
+  PUT(l->x[l->column], all(0.0));
+}
+
+/* sum += (D a)·(D b) */
+static inline void add_product(const km_drive_lanes *l, const km_lanes_number *a, const km_lanes_number *b, vector *sum,
+                               int first, int count) {
+  for (int k = 0; k < l->sub->columns; ++k)
+    EACH(r) {
+      vector weight = GET(l->weight[k]);
+      sum[r] += weight * GET(a[k]) * weight * GET(b[k]);
+    }
+}
+
+/* Adds a scaled step where the mask is set. */
+static inline void move(km_drive_lanes *l, const km_lanes_number *step, const mask *where, int first, int count) {
+  const int *coordinate = l->m->column_coordinate + l->sub->column_start;
+  for (int k = 0; k < l->sub->columns; ++k) {
+    km_lanes_number *to = &l->q[coordinate[k]];
+    bool is_length = l->is_length[k];
+    EACH(r) {
+      vector q = GET(*to), by = GET(step[k]);
+      PUT(*to, pick(where[r], q + (is_length ? GET(l->unit[k]) * by : by), q));
+    }
+  }
+}
+
+static inline void grain(const km_drive_lanes *l, vector *coarse, int first, int count) {
+  const int *coordinate = l->m->column_coordinate + l->sub->column_start;
+  EACH(r)
+  coarse[r] = all(0.0);
+  for (int k = 0; k < l->sub->columns; ++k) {
+    const km_lanes_number *at = &l->q[coordinate[k]];
+    bool is_length = l->is_length[k];
+    EACH(r) {
+      vector q = GET(*at);
+      coarse[r] = larger(size_of(is_length ? q / GET(l->unit[k]) : q), coarse[r]);
+    }
+  }
+  EACH(r) {
+    vector grown = 1.0 + km_grain_growth * coarse[r];
+    coarse[r] = pick(grown < all(km_grain_most), grown, all(km_grain_most));
+  }
+}
+
+static inline bool any(const mask *m, int count) {
+  mask some = {0};
+  EACH(r)
+  some |= m[r];
+  return bits_of(some) != 0;
+}
+
+/* km_loops_close from a prediction. Leaves in `trying` the lanes that closed; `correction`: sum of the squares of what Newton
+ * moved, times the number of moves, which is no less than the square of their sum. `largest_b`: as of factor.
+ *
+ * Squares stand for lengths, so that roots and quotients aren't waited for. Where that could decide otherwise than the
+ * lengths do, the lane leaves. */
+static inline void close_loops(km_drive_lanes *l, mask *trying, vector *correction, vector *largest_b, int first,
+                               int count) {
+  vector coarse[TOGETHER], primary[TOGETHER], most[TOGETHER], sum[TOGETHER];
+  mask done[TOGETHER], going[TOGETHER];
+  int moves = 0;
+  grain(l, coarse, first, count);
+  EACH(r) {
+    vector least = coarse[r] * km_closed, tolerance = GET(l->closure_tolerance);
+    primary[r] = least * least * (double)l->replay.rank;
+    most[r] = 6.0 * SURE * larger(tolerance * tolerance, least * least);
+    sum[r] = all(0.0);
+    done[r] = ~every();
+  }
+  for (; moves < MOST_ITERATIONS; ++moves) {
+    vector square[TOGETHER], step[TOGETHER], error[TOGETHER], moved[TOGETHER];
+    update(l, moves > 0, square, trying, first, count);
+    factor(l, largest_b, trying, first, count);
+    newton(l, error, step, first, count);
+    EACH(r) {
+      mask small = error[r] <= SURE * primary[r];
+      trying[r] &=
+          (square[r] < all(6.0 * SURE * km_near_closed * km_near_closed)) & (small | (error[r] * SURE > primary[r]));
+      mask found = trying[r] & ~done[r] & small & (step[r] <= coarse[r] * km_settled);
+      trying[r] &= ~found | (square[r] <= most[r]);
+      done[r] |= found;
+      trying[r] &= done[r] | (step[r] <= all(km_longest_newton));
+      going[r] = trying[r] & ~done[r];
+      moved[r] = sum[r];
+    }
+    if (!any(going, count))
+      break;
+    add_product(l, l->x, l->x, moved, first, count);
+    EACH(r)
+    sum[r] = pick(going[r], moved[r], sum[r]);
+    move(l, l->x, going, first, count);
+  }
+  EACH(r) {
+    correction[r] = sum[r] * (double)moves;
+    trying[r] &= done[r];
+  }
+}
