@@ -164,9 +164,15 @@ static void find_extremes(const watch *w, int count) {
   const double *cells = km_table_row(table, 0);
   for (int c = 0; c < count && rows > 0; ++c) {
     const double *number = cells + w->cell[c];
+    double least = HUGE_VAL;
+    size_t at = 0;
     for (size_t row = 0; row < rows; ++row)
-      if (number[row * columns] < extremes[c].number)
-        extremes[c] = (km_extreme){number[row * columns], cells[row * columns + 1]};
+      if (number[row * columns] < least) {
+        least = number[row * columns];
+        at = row;
+      }
+    if (least < HUGE_VAL)
+      extremes[c] = (km_extreme){least, cells[at * columns + 1]};
   }
 }
 

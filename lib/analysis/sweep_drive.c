@@ -72,17 +72,14 @@ static int rows_ahead(const walk *w) {
 /* The quiet rows that were passed, at s[row × KM_DRIVE_LANES]. The observer sees the last one, which the state shows. */
 static void write_passed_rows(walk *w, int count, const double *s) {
   km_sweeper *r = w->r;
-  for (int k = 0; k < count && !w->job->status; ++k) {
-    double at = s[k * KM_DRIVE_LANES];
-    const km_ridden_row row = km_drive_ridden_row(w->at.drive, k);
-    r->rides = true;
-    r->residual = row.residual;
-    w->job->status = k + 1 < count ? km_sweeper_passed_row(r, &row, w->row, at, w->job->error)
-                                   : km_sweeper_row(r, w->row, at, w->job->error);
-    w->last = at;
-    w->row++;
-    w->step++;
-  }
+  int last = count - 1;
+  km_status status = km_sweeper_passed_rows(r, w->at.drive, last, w->row, s, w->job->error);
+  r->rides = true;
+  r->residual = km_drive_ridden_residual(w->at.drive);
+  w->last = s[last * KM_DRIVE_LANES];
+  w->row += count;
+  w->step += count;
+  w->job->status = status ? status : km_sweeper_row(r, w->row - 1, w->last, w->job->error);
 }
 
 /* The row where the drive has arrived; then what the observer wants to see near it has to follow. */

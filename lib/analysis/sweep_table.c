@@ -11,12 +11,16 @@
 #include <string.h>
 
 bool km_sweeper_column(km_table *table, const char *prefix, const char *name, const char *suffix, const char *unit) {
-  km_text text = {0};
-  km_text_add(&text, prefix);
-  km_text_add(&text, name);
-  km_text_add(&text, suffix);
-  bool added = !text.failed && km_table_add_column(table, text.data, unit) >= 0;
-  km_text_free(&text);
+  size_t a = strlen(prefix), b = strlen(name), c = strlen(suffix);
+  char usual[128], *text = a + b + c < sizeof usual ? usual : KM_NEW(char, a + b + c + 1);
+  if (!text)
+    return false;
+  memcpy(text, prefix, a);
+  memcpy(text + a, name, b);
+  memcpy(text + a + b, suffix, c + 1);
+  bool added = km_table_add_column(table, text, unit) >= 0;
+  if (text != usual)
+    km_free(text);
   return added;
 }
 
@@ -126,7 +130,7 @@ static double larger(double a, double b) {
 /* A row at the state's pose, where r->rates is the motion if points' derivatives are asked for. */
 static bool write_row(km_sweeper *r, km_table *table, int step, double s) {
   const km_mechanism *m = r->m;
-  double *cell = km_table_add_raw_row(table);
+  double *cell = km_table_add_raw_rows(table, 1);
   if (!cell)
     return false;
   int mobility = r->other_mobility;
@@ -167,28 +171,42 @@ km_status km_sweeper_row(km_sweeper *r, int step, double s, km_error *error) {
   return r->observer->seen ? r->observer->seen(r->observer->self, r, s, error) : KM_OK;
 }
 
-km_status km_sweeper_passed_row(km_sweeper *r, const km_ridden_row *passed, int step, double s, km_error *error) {
+/* What a coordinate was at the rows, and its mobility number, into the cells of the first row; the others are `width` apart. */
+static void fill_coordinate(const km_ridden_row *rows, int count, size_t width, int column, double factor, double *q,
+                            double *number) {
+  const size_t at = (size_t)column * KM_DRIVE_LANES;
+  for (int i = 0; i < count; ++i)
+    q[(size_t)i * width] = km_in_unit(rows[i].q[at], factor);
+  for (int i = 0; i < count && number; ++i)
+    number[(size_t)i * width] = rows[i].numbers[at];
+}
+
+km_status km_sweeper_passed_rows(km_sweeper *r, const km_drive *drive, int count, int step, const double *s,
+                                 km_error *error) {
   const km_mechanism *m = r->m;
   const km_substructure *sub = &m->substructures[r->substructure];
   const int *coordinate = m->column_coordinate + sub->column_start;
   const size_t *number_cells = r->observer->number_cells;
-  size_t columns = km_table_columns(r->out->table), residual = columns - 1,
+  size_t width = km_table_columns(r->out->table), residual = width - 1,
          dof = residual - 1 - (size_t)m->topology.substructure_count;
-  double *cells = km_table_add_raw_row(r->out->table);
-  if (!cells)
+  double *first = km_table_add_raw_rows(r->out->table, (size_t)count), *cells = first;
+  km_ridden_row rows[KM_DRIVE_ROWS];
+  if (!first)
     return km_fail(error, KM_MEMORY, "out of memory for the table");
-  memcpy(cells, cells - columns, columns * sizeof *cells);
-  cells[0] = step;
-  cells[1] = s;
-  for (int k = 0, count = sub->columns; k < count; ++k) {
-    int c = coordinate[k];
-    cells[2 + c] = km_in_unit(passed->q[k * KM_DRIVE_LANES], m->factor[c]);
-    if (number_cells[c])
-      cells[number_cells[c]] = passed->numbers[k * KM_DRIVE_LANES];
+  for (int i = 0; i < count; ++i, cells += width) {
+    rows[i] = km_drive_ridden_row(drive, i);
+    memcpy(cells, cells - width, width * sizeof *cells);
+    cells[0] = step + i;
+    cells[1] = s[i * KM_DRIVE_LANES];
+    cells[dof] = r->other_mobility + 1;
+    cells[dof + 1 + (size_t)r->substructure] = 1.0;
+    cells[residual] = larger(r->other_residual, rows[i].residual);
   }
-  cells[dof] = r->other_mobility + 1;
-  cells[dof + 1 + (size_t)r->substructure] = 1.0;
-  cells[residual] = larger(r->other_residual, passed->residual);
+  for (int k = 0; k < sub->columns; ++k) {
+    int c = coordinate[k];
+    fill_coordinate(rows, count, width, k, m->factor[c], first + 2 + c,
+                    number_cells[c] ? first + number_cells[c] : NULL);
+  }
   return KM_OK;
 }
 

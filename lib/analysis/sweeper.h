@@ -103,8 +103,10 @@ km_status km_sweeper_prepare(km_sweeper *sweeper, km_error *error);
 km_status km_sweeper_row(km_sweeper *sweeper, int step, double s, km_error *error);
 km_status km_sweeper_near_row(km_sweeper *sweeper, km_error *error);
 
-/* The row behind the last one, where just one freedom moves and the drive has passed: see km_observer.number_cells. */
-km_status km_sweeper_passed_row(km_sweeper *sweeper, const km_ridden_row *passed, int step, double s, km_error *error);
+/* The first `count` of the quiet rows that the drive has passed, behind the last one of the table; just one freedom moves. See
+ * km_observer.number_cells. `step` and s[row × KM_DRIVE_LANES] of the first of them. */
+km_status km_sweeper_passed_rows(km_sweeper *sweeper, const km_drive *drive, int count, int step, const double *s,
+                                 km_error *error);
 /* A row at a pose between rows, where r->rates is the motion: into the sweep's `between`. False when out of memory. */
 bool km_sweeper_between(km_sweeper *sweeper, double s);
 /* Functions may turn close to an end of the motion, where a driver gives out as the root of the way: places k = 1, 2, …

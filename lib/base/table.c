@@ -75,16 +75,16 @@ bool km_table_reserve(km_table *table, size_t rows) {
   return make_room(table, rows * table->column_count);
 }
 
-double *km_table_add_raw_row(km_table *table) {
-  size_t used = table->row_count * table->column_count, end = used + table->column_count;
+double *km_table_add_raw_rows(km_table *table, size_t count) {
+  size_t used = table->row_count * table->column_count, end = used + count * table->column_count;
   if (end > table->data_capacity && !make_room(table, end))
     return NULL;
-  table->row_count++;
+  table->row_count += count;
   return table->data + used;
 }
 
 double *km_table_add_row(km_table *table) {
-  double *cells = table ? km_table_add_raw_row(table) : NULL;
+  double *cells = table ? km_table_add_raw_rows(table, 1) : NULL;
   for (size_t c = 0; cells && c < table->column_count; ++c)
     cells[c] = nan("");
   return cells;

@@ -4,7 +4,7 @@
 
 #include "kmech/table.h"
 
-/* km_table_add_row for a caller that sets every cell: what they hold at first is anything. */
-double *km_table_add_raw_row(km_table *table);
+/* Several km_table_add_row for a caller that sets every cell: what they hold at first is anything. */
+double *km_table_add_raw_rows(km_table *table, size_t count);
 
 #endif

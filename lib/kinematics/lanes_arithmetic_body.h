@@ -4,7 +4,6 @@
 #endif
 
 typedef double vector __attribute__((vector_size(8 * WIDTH)));
-typedef int64_t mask __attribute__((vector_size(8 * WIDTH)));
 typedef uint64_t word __attribute__((vector_size(8 * WIDTH)));
 
 #define T            vector
@@ -50,19 +49,50 @@ static inline vector get(const double *number) {
 static inline void put(double *number, vector value) {
   *(stored *)number = value;
 }
-static inline vector pick(mask m, vector a, vector b) { /* a where the mask is set */
-  return (vector)(((mask)a & m) | ((mask)b & ~m));
-}
 static inline vector size_of(vector a) {
-  return (vector)((mask)a & INT64_MAX);
+  return (vector)((word)a & INT64_MAX);
 }
 static inline vector all(double value) {
   return (vector){0.0} + value;
 }
-static inline unsigned bits_of(mask m) {
+
+/* Of each lane whether something holds: a bit where the processor has registers for them, else all bits of a number. */
 #if WIDTH == 8
-  return (unsigned)_mm512_movepi64_mask((__m512i)m);
-#elif WIDTH == 4
+typedef unsigned mask;
+static inline mask at_most(vector a, vector b) {
+  return _mm512_cmp_pd_mask((__m512d)a, (__m512d)b, _CMP_LE_OQ);
+}
+static inline mask below(vector a, vector b) {
+  return _mm512_cmp_pd_mask((__m512d)a, (__m512d)b, _CMP_LT_OQ);
+}
+static inline mask equal(vector a, vector b) {
+  return _mm512_cmp_pd_mask((__m512d)a, (__m512d)b, _CMP_EQ_OQ);
+}
+static inline vector pick(mask m, vector a, vector b) { /* a where the mask is set */
+  return (vector)_mm512_mask_blend_pd((__mmask8)m, (__m512d)b, (__m512d)a);
+}
+static inline unsigned bits_of(mask m) {
+  return m & 0xff;
+}
+static inline mask mask_of(unsigned bits) {
+  return bits;
+}
+#else
+typedef int64_t mask __attribute__((vector_size(8 * WIDTH)));
+static inline mask at_most(vector a, vector b) {
+  return a <= b;
+}
+static inline mask below(vector a, vector b) {
+  return a < b;
+}
+static inline mask equal(vector a, vector b) {
+  return a == b;
+}
+static inline vector pick(mask m, vector a, vector b) {
+  return (vector)(((mask)a & m) | ((mask)b & ~m));
+}
+static inline unsigned bits_of(mask m) {
+#if WIDTH == 4
   return (unsigned)_mm256_movemask_pd((__m256d)m);
 #elif defined __SSE2__
   return (unsigned)_mm_movemask_pd((__m128d)m);
@@ -70,14 +100,15 @@ static inline unsigned bits_of(mask m) {
   return (unsigned)(m[0] & 1) | (unsigned)(m[1] & 1) << 1;
 #endif
 }
-static inline mask every(void) {
-  return (mask){0} == (mask){0};
-}
 static inline mask mask_of(unsigned bits) {
   mask m = {0};
   for (int i = 0; i < WIDTH; ++i)
     m[i] = -(int64_t)(bits >> i & 1);
   return m;
+}
+#endif
+static inline mask is_finite(vector a) {
+  return equal(a - a, all(0.0));
 }
 
 /* Below, work is on `count` registers from lane `first` on: what isn't a number is read once for all of them. Register r

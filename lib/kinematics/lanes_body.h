@@ -32,7 +32,7 @@ static inline void predict(km_drive_lanes *l, const vector *h, mask *fit, int fi
     EACH(r) {
       vector way = -h00[r] * GET(l->last_move[k]) + last_h[r] * (h10[r] * GET(l->last_t[k]) + h11[r] * GET(l->t[k]));
       PUT(l->move[k], way);
-      fit[r] &= size_of(way) <= all(km_drive_furthest);
+      fit[r] &= at_most(size_of(way), all(km_drive_furthest));
     }
 }
 
@@ -40,7 +40,7 @@ static inline void predict(km_drive_lanes *l, const vector *h, mask *fit, int fi
 static inline void choose_step(const km_drive_lanes *l, vector *h, mask *arrives, int first, int count) {
   EACH(r) {
     vector left = GET(l->target) - GET(l->here.s), largest = GET(l->here.largest);
-    arrives[r] = size_of(left) <= largest;
+    arrives[r] = at_most(size_of(left), largest);
     h[r] = pick(arrives[r], left, (vector)((word)largest | ((word)left & SIGN_BIT)));
   }
 }
@@ -51,8 +51,8 @@ static inline void may_step(const km_drive_lanes *l, const vector *h, mask *fit,
     vector s = GET(l->here.s), goal = GET(l->target);
     vector slack = 1e-12 * (1.0 + size_of(goal));
     vector high = larger(s, GET(l->driver_high)), low = -larger(-s, -GET(l->driver_low));
-    fit[r] &= (goal <= high + slack) & (goal >= low - slack) & (h[r] != all(0.0)) &
-              (size_of(h[r]) <= km_continuation_farther * size_of(GET(l->here.last_h)));
+    fit[r] &= at_most(goal, high + slack) & at_most(low - slack, goal) & ~equal(h[r], all(0.0)) &
+              at_most(size_of(h[r]), km_continuation_farther * size_of(GET(l->here.last_h)));
   }
 }
 
@@ -66,7 +66,7 @@ static inline void clear_of_limits(const km_drive_lanes *l, const vector *h, mas
     EACH(r) {
       vector from = GET(l->from[k]), to = GET(l->q[coordinate[k]]), unit = GET(l->unit[k]);
       vector bend = unit * size_of(h[r]) * larger(size_of(GET(l->t[k])), size_of(GET(l->next_t[k])));
-      fit[r] &= (larger(from, to) + bend < GET(l->high[k])) & (-larger(-from, -to) - bend > GET(l->low[k]));
+      fit[r] &= below(larger(from, to) + bend, GET(l->high[k])) & below(GET(l->low[k]), -larger(-from, -to) - bend);
     }
   }
 }
@@ -93,9 +93,9 @@ static inline void keep_to_curve(const km_drive_lanes *l, const vector *square, 
   add_product(l, l->t, l->t, before, first, count);
   add_product(l, l->next_t, l->next_t, behind, first, count);
   EACH(r)
-  fit[r] &= (correction[r] <= SURE * part * part * square[r]) & (along[r] > all(0.0)) &
-            (SURE * along[r] * along[r] >= cosine * cosine * (before[r] * behind[r])) &
-            (GET(l->next_sign) == GET(l->sign));
+  fit[r] &= at_most(correction[r], SURE * part * part * square[r]) & below(all(0.0), along[r]) &
+            at_most(cosine * cosine * (before[r] * behind[r]), SURE * along[r] * along[r]) &
+            equal(GET(l->next_sign), GET(l->sign));
 }
 
 /* km_continuation_accept where `took` is set, and what walk does after it; elsewhere back to where the step began. */
@@ -117,8 +117,8 @@ static inline void accept(km_drive_lanes *l, const mask *took, const mask *arriv
   }
   EACH(r) {
     vector s = GET(l->here.s), largest = GET(l->here.largest), longer = 2.0 * largest, q = GET(l->q[l->coordinate]);
-    vector longest = pick(longer < all(km_drive_longest), longer, all(km_drive_longest));
-    mask away = took[r] & (size_of(h[r]) > all(km_drive_leaves));
+    vector longest = pick(below(longer, all(km_drive_longest)), longer, all(km_drive_longest));
+    mask away = took[r] & below(all(km_drive_leaves), size_of(h[r]));
     PUT(l->here.largest_b, pick(took[r], largest_b[r], GET(l->here.largest_b)));
     PUT(l->here.last_h, pick(took[r], h[r], GET(l->here.last_h)));
     PUT(l->here.closed_at, pick(took[r], q, GET(l->here.closed_at)));
@@ -161,11 +161,11 @@ static inline void set_numbers(km_drive_lanes *l, const mask *took, int first, i
  * serve whoever looks at the row. */
 static inline void find_quiet(const km_drive_lanes *l, mask *quiet, int first, int count) {
   EACH(r)
-  quiet[r] = GET(l->here.largest_b) <= all(km_largest_good_b);
+  quiet[r] = at_most(GET(l->here.largest_b), all(km_largest_good_b));
   for (int k = 0; k < l->sub->columns; ++k)
     EACH(r) {
       vector z = GET(l->z[k]), before = GET(l->before[k]);
-      quiet[r] &= (z * before > all(QUIET)) | ((z == all(0.0)) & (before == all(0.0)));
+      quiet[r] &= below(all(QUIET), z * before) | (equal(z, all(0.0)) & equal(before, all(0.0)));
     }
 }
 

@@ -51,8 +51,8 @@ static inline void factor(km_drive_lanes *l, vector *largest_b, mask *fit, int f
   EACH(r) {
     PUT(l->next_sign, (vector)((word)all(1.0) | (sign[r] & SIGN_BIT)));
     vector pivoted_b = larger(GET(l->pivoted_b), all(1.0));
-    fit[r] &= (sum[r] - sum[r] == all(0.0)) & (largest_b[r] <= km_most_growth_of_b * pivoted_b) &
-              (largest_inverse[r] * GET(l->smallest_pivot) <= all(km_most_shrinking));
+    fit[r] &= is_finite(sum[r]) & at_most(largest_b[r], km_most_growth_of_b * pivoted_b) &
+              at_most(largest_inverse[r] * GET(l->smallest_pivot), all(km_most_shrinking));
   }
 }
 
@@ -123,7 +123,7 @@ static inline void grain(const km_drive_lanes *l, vector *coarse, int first, int
   }
   EACH(r) {
     vector grown = 1.0 + km_grain_growth * coarse[r];
-    coarse[r] = pick(grown < all(km_grain_most), grown, all(km_grain_most));
+    coarse[r] = pick(below(grown, all(km_grain_most)), grown, all(km_grain_most));
   }
 }
 
@@ -150,7 +150,7 @@ static inline void close_loops(km_drive_lanes *l, mask *trying, vector *correcti
     primary[r] = least * least * (double)l->replay.rank;
     most[r] = 6.0 * SURE * larger(tolerance * tolerance, least * least);
     sum[r] = all(0.0);
-    done[r] = ~every();
+    done[r] = mask_of(0);
   }
   for (; moves < MOST_ITERATIONS; ++moves) {
     vector square[TOGETHER], step[TOGETHER], error[TOGETHER], moved[TOGETHER];
@@ -158,13 +158,13 @@ static inline void close_loops(km_drive_lanes *l, mask *trying, vector *correcti
     factor(l, largest_b, trying, first, count);
     newton(l, error, step, first, count);
     EACH(r) {
-      mask small = error[r] <= SURE * primary[r];
-      trying[r] &=
-          (square[r] < all(6.0 * SURE * km_near_closed * km_near_closed)) & (small | (error[r] * SURE > primary[r]));
-      mask found = trying[r] & ~done[r] & small & (step[r] <= coarse[r] * km_settled);
-      trying[r] &= ~found | (square[r] <= most[r]);
+      mask small = at_most(error[r], SURE * primary[r]);
+      trying[r] &= below(square[r], all(6.0 * SURE * km_near_closed * km_near_closed)) &
+                   (small | below(primary[r], error[r] * SURE));
+      mask found = trying[r] & ~done[r] & small & at_most(step[r], coarse[r] * km_settled);
+      trying[r] &= ~found | at_most(square[r], most[r]);
       done[r] |= found;
-      trying[r] &= done[r] | (step[r] <= all(km_longest_newton));
+      trying[r] &= done[r] | at_most(step[r], all(km_longest_newton));
       going[r] = trying[r] & ~done[r];
       moved[r] = sum[r];
     }

@@ -39,7 +39,7 @@ static inline void steps(km_drive_lanes *l, const km_program *program, bool agai
       } else {
         angle += value;
         lanes_sincos(angle, &s, &c);
-        fit[r] &= size_of(angle) <= all(KM_SINCOS_MOST);
+        fit[r] &= at_most(size_of(angle), all(KM_SINCOS_MOST));
         PUT(h->x, sign * y);
         PUT(h->y, -sign * x);
         PUT(h->turn, all(sign));
@@ -57,8 +57,8 @@ static inline void steps(km_drive_lanes *l, const km_program *program, bool agai
 static inline vector wrapped(vector angle, mask *fit) {
   const double magic = 6755399441055744.0; /* 1.5 · 2⁵²: adding it rounds to a whole number */
   vector turns = angle * (0.5 * M_1_PI), whole = turns + magic - magic;
-  mask within = size_of(angle) <= all(M_PI);
-  *fit &= within | (size_of(turns - whole) < all(0.25));
+  mask within = at_most(size_of(angle), all(M_PI));
+  *fit &= within | below(size_of(turns - whole), all(0.25));
   return pick(within, angle, angle - 2.0 * M_PI * whole);
 }
 
@@ -77,7 +77,7 @@ static inline void find_misfit(km_drive_lanes *l, int index, mask *fit, int firs
     vector apart_x = GET(n->apart[0]), apart_y = GET(n->apart[1]);
     vector dx = ax - bx - apart_x, dy = ay - by - apart_y;
     vector turn = wrapped(GET(a->angle) - GET(b->angle) + GET(n->turn), &fit[r]);
-    fit[r] &= size_of(turn) < all(KM_SMALL_MISFIT);
+    fit[r] &= below(size_of(turn), all(KM_SMALL_MISFIT));
     vector t2 = turn * turn, t4 = t2 * t2;
     vector cosine = 1.0 - 0.5 * t2 + t4 * (1.0 / 24.0);
     vector sine = turn * (1.0 - t2 * (1.0 / 6.0) + t4 * (1.0 / 120.0));
@@ -137,7 +137,7 @@ static inline void set_coupling(km_drive_lanes *l, int index, vector *square, ma
       sum += coefficient * (GET(l->q[term->coordinate]) / GET(l->term_unit[coupling->term_start + k]));
     }
     PUT(l->error[coupling->row], sum);
-    fit[r] &= sum - sum == all(0.0);
+    fit[r] &= is_finite(sum);
     square[r] = larger(sum * sum, square[r]);
   }
 }
@@ -161,7 +161,7 @@ static inline void update(km_drive_lanes *l, bool again, vector *square, mask *f
       set_entries(l, index, l->h + program->twist_start, first, count);
       EACH(r) {
         vector sum = loop_square(&l->loops[index], r, first);
-        fit[r] &= sum - sum == all(0.0);
+        fit[r] &= is_finite(sum);
         square[r] = larger(sum, square[r]);
       }
     }
