@@ -47,6 +47,7 @@ static km_status find_frame(const km_model *model, const char *text, size_t leng
 
 static bool read_direction(const char *text, double out[3]) {
   char end;
+  /* NOLINTNEXTLINE(cert-err34-c): what is out of range is infinite, and refused below */
   if (sscanf(text, "%lf,%lf,%lf%c", &out[0], &out[1], &out[2], &end) != 3)
     return false;
   double size = sqrt(out[0] * out[0] + out[1] * out[1] + out[2] * out[2]);

@@ -61,8 +61,6 @@ static kt_exit describe(const options *o, km_text *dot) {
   return kt_exit_of(status);
 }
 
-extern char **environ;
-
 /* Starts `dot -Tsvg` on a file, with its standard output in the pipe's writing end. 0 or an errno. */
 static int start_graphviz(FILE *in, const int pipe_ends[2], pid_t *child) {
   char program[] = "dot", option[] = "-Tsvg";
