@@ -5,7 +5,6 @@
 #include "base/parallel.h"
 
 #include <math.h>
-#include <stdatomic.h>
 #include <stdio.h>
 #include <string.h>
 
@@ -70,6 +69,7 @@ static km_status make_room(km_batch *b, km_error *error) {
   b->statuses = KM_ARENA_NEW(&b->arena, km_status, room);
   b->workers = KM_ARENA_NEW(&b->arena, km_design_worker *, jobs);
   b->errors = KM_ARENA_NEW(&b->arena, km_error, room);
+  b->answered = KM_ARENA_NEW(&b->arena, atomic_bool, room);
   for (int i = 0; i < b->room && !b->arena.failed; ++i)
     b->answers[i] = km_design_answers(b->study, &b->arena);
   return b->arena.failed ? no_memory(error) : KM_OK;
@@ -118,71 +118,105 @@ static bool wants(const km_batch *b, int i) {
   return false;
 }
 
-/* A turn: pieces take the next worker that is free, one a thread. */
-typedef struct turn {
-  km_batch *batch;
-  atomic_int next;
-} turn;
-
 /* How many designs a thread takes at once: enough for the lanes, and not so many that others have nothing to do. */
-static int piece(const km_batch *b) {
+static int piece_of(const km_batch *b) {
   int share = b->count / (2 * b->jobs);
   return share < 1 ? 1 : share > KM_DRIVE_LANES ? KM_DRIVE_LANES : share;
 }
 
-static void work(void *context, int worker) {
-  turn *r = context;
-  km_batch *b = r->batch;
-  const km_design_study_def *def = b->study->def;
-  int size = piece(b);
-  for (int first = atomic_fetch_add(&r->next, size); first < b->count; first = atomic_fetch_add(&r->next, size)) {
-    km_design_task tasks[KM_DRIVE_LANES];
-    int of[KM_DRIVE_LANES], count = 0;
-    for (int i = first; i < b->count && i < first + size; ++i) {
-      b->statuses[i] = KM_OK;
-      if (!wants(b, i))
-        continue;
-      of[count] = i;
-      tasks[count++] = (km_design_task){.values = b->values + i * def->parameter_count,
-                                        .wanted = b->wanted + i * def->question_count,
-                                        .answers = b->answers[i],
-                                        .error = &b->errors[i]};
-    }
-    km_design_worker_answer(b->workers[worker], tasks, count);
-    for (int k = 0; k < count; ++k)
-      b->statuses[of[k]] = tasks[k].status;
-  }
+/* A turn: pieces take the next worker that is free, one a thread. */
+typedef struct turn {
+  km_batch *batch;
+  int piece; /* designs of each */
+  atomic_int next;
+  const void *caller; /* its thread stores what is answered, in the order of the designs; NULL: nothing is stored now */
+  int stored;
+  km_status status;
+  km_error *error;
+} turn;
+
+static turn begin_turn(km_batch *b, km_error *error) {
+  turn r = {.batch = b, .piece = piece_of(b), .error = error};
+  atomic_init(&r.next, 0);
+  for (int i = 0; i < b->count; ++i)
+    atomic_init(&b->answered[i], false);
+  return r;
 }
 
-static km_status store(km_batch *b, int i, km_error *error) {
+static void answer(const turn *r, int worker, int first) {
+  km_batch *b = r->batch;
   const km_design_study_def *def = b->study->def;
+  int end = first + r->piece < b->count ? first + r->piece : b->count;
+  km_design_task tasks[KM_DRIVE_LANES];
+  int of[KM_DRIVE_LANES], count = 0;
+  for (int i = first; i < end; ++i) {
+    b->statuses[i] = KM_OK;
+    if (!wants(b, i))
+      continue;
+    of[count] = i;
+    tasks[count++] = (km_design_task){.values = b->values + i * def->parameter_count,
+                                      .wanted = b->wanted + i * def->question_count,
+                                      .answers = b->answers[i],
+                                      .error = &b->errors[i]};
+  }
+  km_design_worker_answer(b->workers[worker], tasks, count);
+  for (int k = 0; k < count; ++k)
+    b->statuses[of[k]] = tasks[k].status;
+  for (int i = first; i < end; ++i)
+    atomic_store(&b->answered[i], true);
+}
+
+static km_status store_one(km_batch *b, int i, km_error *error) {
+  const km_design_study_def *def = b->study->def;
+  if (b->statuses[i])
+    return km_fail(error, b->statuses[i], "%s", b->errors[i].text);
+  if (!wants(b, i)) {
+    b->study->found++;
+    return KM_OK;
+  }
   km_status status = KM_OK;
-  for (int q = 0; q < def->question_count && !status; ++q) {
+  for (int q = 0; q < def->question_count && !status; ++q)
     if (b->wanted[i * def->question_count + q])
       status = km_design_put(b->study, q, b->values + i * def->parameter_count, &b->answers[i][q], error);
-  }
+  b->study->computed++;
   return status;
 }
 
+/* As far as the answers are there. */
+static void store_answered(turn *r) {
+  const km_batch *b = r->batch;
+  while (!r->status && r->stored < b->count && atomic_load(&b->answered[r->stored]))
+    r->status = store_one(r->batch, r->stored++, r->error);
+}
+
+static void work(void *context, int worker) {
+  turn *r = context;
+  bool stores = r->caller == km_thread_mark();
+  for (int first = atomic_fetch_add(&r->next, r->piece); first < r->batch->count;
+       first = atomic_fetch_add(&r->next, r->piece)) {
+    answer(r, worker, first);
+    if (stores)
+      store_answered(r);
+  }
+}
+
 void km_batch_compute(km_batch *b) {
-  turn r = {.batch = b};
-  atomic_init(&r.next, 0);
+  turn r = begin_turn(b, NULL);
   km_team_run(b->team, b->jobs, work, &r);
 }
 
 km_status km_batch_store(km_batch *b, km_error *error) {
-  km_status status = KM_OK;
-  for (int i = 0; i < b->count && !status; ++i) {
-    if (b->statuses[i])
-      status = km_fail(error, b->statuses[i], "%s", b->errors[i].text);
-    else if (!wants(b, i))
-      b->study->found++;
-    else {
-      status = store(b, i, error);
-      b->study->computed++;
-    }
-  }
-  return status;
+  turn r = {.batch = b, .error = error};
+  store_answered(&r);
+  return r.status;
+}
+
+km_status km_batch_run(km_batch *b, km_error *error) {
+  turn r = begin_turn(b, error);
+  r.caller = km_thread_mark();
+  km_team_run(b->team, b->jobs, work, &r);
+  store_answered(&r);
+  return r.status;
 }
 
 void km_batch_result(const km_batch *b, int i, km_design_result *out) {

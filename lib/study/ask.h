@@ -5,6 +5,8 @@
 #include "study/store.h"
 #include "study/study.h"
 
+#include <stdatomic.h>
+
 /* Some designs that are asked together, each on one of several threads. */
 typedef struct km_batch {
   km_design_study *study;
@@ -16,6 +18,7 @@ typedef struct km_batch {
   km_status *statuses;        /* [room] */
   km_design_worker **workers; /* [jobs] */
   km_error *errors;           /* [room] */
+  atomic_bool *answered;      /* [room] in this turn */
   struct km_team *team;
   int jobs;
 } km_batch;
@@ -29,6 +32,8 @@ km_status km_batch_add(km_batch *batch, const double *values, km_error *error);
  * after a clear. */
 void km_batch_compute(km_batch *batch);
 km_status km_batch_store(km_batch *batch, km_error *error);
+/* Both, so that the caller stores what is answered while the others go on. */
+km_status km_batch_run(km_batch *batch, km_error *error);
 void km_batch_clear(km_batch *batch);
 /* The figures of all questions of design i of the batch, and its worst outcome. */
 void km_batch_result(const km_batch *batch, int index, km_design_result *out);

@@ -8,7 +8,7 @@
 #include <math.h>
 #include <time.h>
 
-enum { LEAST_ROOM = 64, MOST_ROOM = 4096, MOST_JOBS = 1024, FIRST_CHECK = 64 };
+enum { LEAST_ROOM = 256, MOST_ROOM = 4096, MOST_JOBS = 1024, FIRST_CHECK = 64 };
 
 /* A batch is to take about so long: what a killed run loses, and how soon one stops. */
 static const double batch_seconds = 0.1;
@@ -79,9 +79,7 @@ static km_status run_batch(run *r, int end, km_error *error) {
     status = km_batch_add(&r->batch, values, error);
   }
   if (!status && r->compute)
-    km_batch_compute(&r->batch);
-  if (!status && r->compute)
-    status = km_batch_store(&r->batch, error);
+    status = km_batch_run(&r->batch, error);
   r->next = end;
   return status;
 }
