@@ -6,6 +6,7 @@
 #include "study/study.h"
 
 #include <math.h>
+#include <sqlite3.h>
 #include <stdio.h>
 #include <string.h>
 #include <unistd.h>
@@ -328,6 +329,27 @@ static void a_store_has_one_study_and_one_user(void **state) {
   unlink(path);
 }
 
+/* Whoever's database it is, it stays as it is. */
+static void a_database_of_others_is_no_store(void **state) {
+  (void)state;
+  char path[64];
+  designs d;
+  km_design_study *s;
+  km_error error;
+  sqlite3 *db;
+  store_path(path);
+  sample_of_cranks(&d, 4);
+  assert_int_equal(sqlite3_open(path, &db), SQLITE_OK);
+  assert_int_equal(sqlite3_exec(db, "CREATE TABLE recipes(name TEXT)", NULL, NULL, NULL), SQLITE_OK);
+  sqlite3_close(db);
+  assert_int_equal(km_design_study_open(&d.def, path, true, &s, &error), KM_IO);
+  assert_non_null(strstr(error.text, "this is a database, but no store of a study"));
+  assert_int_equal(sqlite3_open(path, &db), SQLITE_OK);
+  assert_int_equal(sqlite3_exec(db, "INSERT INTO recipes VALUES('bread')", NULL, NULL, NULL), SQLITE_OK);
+  sqlite3_close(db);
+  unlink(path);
+}
+
 /* A design that can't be patched goes through the reader, which tells what is wrong with it. */
 static void faulty_designs_are_results(void **state) {
   (void)state;
@@ -390,6 +412,7 @@ int main(void) {
                                      cmocka_unit_test(samples_by_number),
                                      cmocka_unit_test(truncated_tails),
                                      cmocka_unit_test(a_store_is_asked_first),
+                                     cmocka_unit_test(a_database_of_others_is_no_store),
                                      cmocka_unit_test(a_store_has_one_study_and_one_user),
                                      cmocka_unit_test(faulty_designs_are_results),
                                      cmocka_unit_test(cancelled_runs_go_on)};

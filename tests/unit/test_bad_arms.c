@@ -6,6 +6,7 @@
 #include "kmech/path.h"
 #include "kmech/selfmotion.h"
 #include "kmech/track.h"
+#include "kmech/tracks.h"
 
 #include <math.h>
 #include <string.h>
@@ -65,6 +66,27 @@ static void nothing_to_spare(void **state) {
   fixture_close(&g);
 }
 
+/* Three links of 1 m whose first hinge may hardly turn: the pose behind it is reached, but never within the limits. */
+static void beyond_limits(void **state) {
+  (void)state;
+  fixture f = fixture_read(
+      "{\"assemblies\": [{\"name\": \"a\", \"bodies\": [{\"name\": \"b\", \"frames\": [{\"name\": \"tip\", \"T\": [1, 0, 0]}]}, "
+      "{\"name\": \"c\", \"frames\": [{\"name\": \"tip\", \"T\": [1, 0, 0]}]}, {\"name\": \"d\", \"frames\": [{\"name\": \"tip\", "
+      "\"T\": [1, 0, 0]}]}], \"joints\": [{\"name\": \"A\", \"type\": \"Rz\", \"body_frame_pairs\": [\"fixed\", \"b\"], \"limits\": "
+      "[-0.1, 0.1]}, {\"name\": \"B\", \"type\": \"Ry\", \"body_frame_pairs\": [[\"b\", \"tip\"], \"c\"], \"limits\": [-0.1, 0.1]}, "
+      "{\"name\": \"C\", \"type\": \"Rz\", \"body_frame_pairs\": [[\"c\", \"tip\"], \"d\"], \"limits\": [-0.1, 0.1]}]}]}");
+  km_arm *arm = arm_of(&f, "d", "tip", KM_TASK_POSITION);
+  const double q[3] = {0.0, 0.05, 0.05}, behind[3] = {3.0, 0.2, 0.4};
+  double found[3];
+  km_frame_pose pose;
+  km_error e = {.text = ""};
+  assert_int_equal(km_arm_place(arm, behind, &pose, &e), KM_OK);
+  expect(km_arm_solve(arm, &pose, q, 1, NULL, NULL, found, &e), KM_NO_RESULT, &e,
+         "but never with all joints within their limits");
+  km_arm_free(arm);
+  fixture_close(&f);
+}
+
 static void tracks(void **state) {
   (void)state;
   opened_study o = study_open("panda_circle");
@@ -94,6 +116,23 @@ static void tracks(void **state) {
   km_track_free(track);
   km_study_free(o.study);
   fixture_close(&o.f);
+}
+
+/* A map shows one spare freedom; for its position alone an arm of seven joints has four. */
+static void maps(void **state) {
+  (void)state;
+  fixture f = fixture_open("panda");
+  km_study *study = study_of(&f, PANDA_CIRCLE ", \"task\": \"position\"}");
+  km_track *none[1] = {NULL};
+  const km_tracks tracks = {study, "x", "panda", none, 0};
+  km_text out = {0};
+  km_error e = {.text = ""};
+  expect(km_tracks_map(&tracks, KM_PICTURE_SVG, &out, &e), KM_USAGE, &e,
+         "the arm has 4 spare freedoms for its task; a map needs 1");
+  assert_int_equal(out.size, 0);
+  km_text_free(&out);
+  km_study_free(study);
+  fixture_close(&f);
 }
 
 #define STUDY(inside)                                                                                                  \
@@ -174,8 +213,9 @@ static void paths(void **state) {
 }
 
 int main(void) {
-  const struct CMUnitTest tests[] = {cmocka_unit_test(values), cmocka_unit_test(nothing_to_spare),
-                                     cmocka_unit_test(tracks), cmocka_unit_test(bound_studies),
-                                     cmocka_unit_test(paths),  cmocka_unit_test(long_arms)};
+  const struct CMUnitTest tests[] = {cmocka_unit_test(values),        cmocka_unit_test(nothing_to_spare),
+                                     cmocka_unit_test(tracks),        cmocka_unit_test(bound_studies),
+                                     cmocka_unit_test(paths),         cmocka_unit_test(long_arms),
+                                     cmocka_unit_test(beyond_limits), cmocka_unit_test(maps)};
   return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -3,6 +3,7 @@
 #include "support/refusals.h"
 
 #include "kmech/advantage.h"
+#include "kmech/build.h"
 #include "kmech/dynamics.h"
 #include "kmech/history.h"
 #include "kmech/inverse.h"
@@ -214,6 +215,57 @@ static void sweeps(void **state) {
   fixture_close(&f);
 }
 
+/* Two motions meet where a parallelogram's links lie on one line: there is no fifth way on. */
+static void branches(void **state) {
+  (void)state;
+  fixture f = parallelogram(0.5);
+  km_mobility_sweep sweep;
+  km_error e = {.text = ""};
+  km_sweep_plan plan = km_sweep_plan_default(f.model);
+  plan.arclength = 0.2;
+  plan.steps = 50;
+  plan.branch = 9;
+  expect(km_mobility_sweep_run(f.mechanism, f.state, &plan, &sweep, &e), KM_USAGE, &e, "branch 9: 2 motions meet at");
+  assert_non_null(strstr(e.text, "expected at most 3"));
+  km_mobility_sweep_free(&sweep);
+  fixture_close(&f);
+}
+
+/* A polygon of hinges, one more than singular values are found of. */
+static void many_singular_values(void **state) {
+  (void)state;
+  enum { HINGES = KM_MOST_SINGULAR + 1 };
+  km_text text = {0};
+  km_mobility_sweep sweep;
+  km_error e = {.text = ""};
+  km_text_add(
+      &text,
+      "{\"model_parameters\": {\"version\": \"1.1\"}, \"assemblies\": [{\"name\": \"a\", \"drawn\": \"assembled\", "
+      "\"bodies\": [");
+  for (int i = 1; i < HINGES; ++i)
+    km_text_format(&text, "%s{\"name\": \"%d\"}", i > 1 ? ", " : "", i);
+  km_text_add(&text, "], \"joints\": [");
+  for (int i = 0; i < HINGES; ++i)
+    km_text_format(
+        &text,
+        "%s{\"name\": \"J%d\", \"type\": \"revolute\", \"bodies\": [\"%.*d%s\", \"%.*d%s\"], \"at\": [%.17g, %.17g]}",
+        i ? ", " : "", i, i > 0, i, i ? "" : "fixed", i + 1 < HINGES, (i + 1) % HINGES, i + 1 < HINGES ? "" : "fixed",
+        cos(2.0 * M_PI * i / HINGES), sin(2.0 * M_PI * i / HINGES));
+  km_text_add(&text, "]}]}");
+  fixture f = fixture_read(text.data);
+  km_sweep_plan plan = km_sweep_plan_default(f.model);
+  plan.coordinate = 0;
+  plan.from = 0.0;
+  plan.to = 0.1;
+  plan.steps = 1;
+  plan.singularities = true;
+  expect(km_mobility_sweep_run(f.mechanism, f.state, &plan, &sweep, &e), KM_USAGE, &e,
+         "singular values of substructure 1, which has 301 coordinates; expected at most 300");
+  km_mobility_sweep_free(&sweep);
+  km_text_free(&text);
+  fixture_close(&f);
+}
+
 static void poses(void **state) {
   (void)state;
   fixture f = fixture_open("fourbar");
@@ -241,6 +293,7 @@ static void poses(void **state) {
          "\"A\" is held; expected a joint that is free to move");
   km_state_free(of_held);
   km_mechanism_free(held);
+  expect(km_model_weigh_meshes(NULL, &e), KM_USAGE, &e, "found no model");
   expect(km_model_find_pose(f.model, "home", &pose, &e), KM_USAGE, &e, "\"home\" names no pose: the model names none");
   fixture_close(&f);
 }
@@ -254,6 +307,8 @@ int main(void) {
                                      cmocka_unit_test(drives_and_rest),
                                      cmocka_unit_test(large_files),
                                      cmocka_unit_test(sweeps),
+                                     cmocka_unit_test(branches),
+                                     cmocka_unit_test(many_singular_values),
                                      cmocka_unit_test(poses)};
   return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -271,6 +271,26 @@ static void holds_and_pictures(void **state) {
   km_design_study_free(study);
 }
 
+/* A function gives figures only: it has no answer to draw. */
+static void no_answers(void **state) {
+  (void)state;
+  static const double values[2] = {1.0, 2.0};
+  static const km_design_variant both = {"both", values};
+  designs d;
+  km_error e = {.text = ""};
+  km_text out = {0};
+  const told_text none = {"a picture", "no design has an answer"};
+  designs_of_function(&d, sum, 2, 2);
+  d.def.variants = &both;
+  d.def.variant_count = 1;
+  km_design_study *study = designs_run(&d, NULL, 1);
+  km_status status = km_designs_picture(study, &d.def, "x", KM_DESIGNS_ANSWERS, 0, 0, KM_PICTURE_SVG, &out, &e);
+  assert_words(&none, status, KM_NO_RESULT, NULL, &e);
+  assert_int_equal(out.size, 0);
+  km_text_free(&out);
+  km_design_study_free(study);
+}
+
 /* A crew of one member, of whom one message comes. */
 typedef struct talk {
   bool sends;
@@ -334,6 +354,7 @@ static void crews_are_refused(void **state) {
 
 int main(void) {
   const struct CMUnitTest tests[] = {cmocka_unit_test(studies_are_refused), cmocka_unit_test(runs_are_refused),
-                                     cmocka_unit_test(crews_are_refused), cmocka_unit_test(holds_and_pictures)};
+                                     cmocka_unit_test(crews_are_refused), cmocka_unit_test(holds_and_pictures),
+                                     cmocka_unit_test(no_answers)};
   return cmocka_run_group_tests(tests, NULL, NULL);
 }

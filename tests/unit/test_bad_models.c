@@ -9,7 +9,10 @@
 
 #define ASSEMBLY(inside)                                                                                               \
   "{\"assemblies\": [{\"name\": \"a\", \"bodies\": [{\"name\": \"b\"}, {\"name\": \"c\"}], " inside "}]"
-#define HINGE            "{\"name\": \"A\", \"type\": \"Rz\", \"body_frame_pairs\": [\"fixed\", \"b\"]}"
+#define HINGE "{\"name\": \"A\", \"type\": \"Rz\", \"body_frame_pairs\": [\"fixed\", \"b\"]}"
+#define HINGED(joint)                                                                                                  \
+  "\"bodies\": [{\"name\": \"b\"}], \"joints\": [{\"name\": \"" joint                                                  \
+  "\", \"type\": \"Rz\", \"body_frame_pairs\": [\"fixed\", \"b\"]}]"
 #define RIGID            "{\"name\": \"R\", \"type\": \"rigid\", \"body_frame_pairs\": [\"b\", \"c\"]}"
 #define BALL(more)       "{\"name\": \"S\", \"type\": \"spherical\", \"body_frame_pairs\": [\"b\", \"c\"]" more "}"
 #define TIED(more)       ASSEMBLY("\"joints\": [" HINGE ", " RIGID "]" more)
@@ -50,6 +53,10 @@ static const told_text refused[] = {
              "an_identifier_of_more_than_sixty_four_characters_which_can_not_be_a_parameter_of_any_model_at_all\"}" NEWER(
                  "") "}",
      "there is no parameter \"an_identifier"},
+    {"{\"assemblies\": [{\"name\": \"a\", " HINGED("b/J") ", \"assemblies\": [{\"name\": \"b\", " HINGED(
+         "J") "}]}, "
+              "{\"name\": \"y\", " HINGED("J") "}, {\"name\": \"z\", " HINGED("b/J") "}]}",
+     "the label \"a/b/J\" is that of another joint; expected another name"},
 };
 
 static const told_text told[] = {

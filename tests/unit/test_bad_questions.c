@@ -158,8 +158,13 @@ static void writing(void **state) {
   fixture f = fixture_open("fourbar");
   km_error e = {.text = ""};
   km_bytes bytes;
+  km_arena arena = {0};
+  const km_value *tree = NULL;
   const double q[4] = {0.0, HUGE_VAL, 0.0, 0.0}, open[4] = {0.5, 0.0, 0.0, 0.0};
   expect(km_model_write(f.model, q, &bytes, &e), KM_USAGE, &e, "found a displacement that is not finite");
+  expect(km_model_convert(f.model, &f.model->units, q, false, &arena, &tree, &e), KM_USAGE, &e,
+         "found a displacement that is not finite");
+  assert_null(tree);
   expect(km_model_write_as(f.model, KM_FORMAT_URDF, q, NULL, &bytes, &e), KM_USAGE, &e,
          "found a displacement that is not finite");
   expect(km_model_write_as(f.model, KM_FORMAT_MJCF, open, NULL, &bytes, &e), KM_MODEL, &e,

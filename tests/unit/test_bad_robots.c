@@ -1,6 +1,13 @@
 /* What the readers of URDF, MJCF and SDF refuse or warn of, each with its words. */
 #include "support/refusals.h"
 
+#include "base/text.h"
+#include "kmech/files.h"
+
+#include <stdio.h>
+#include <stdlib.h>
+#include <unistd.h>
+
 #define ROBOT(inside) "<robot name='r'><link name='a'/><link name='b'/>" inside "</robot>"
 #define ENDS          "<parent link='a'/><child link='b'/>"
 
@@ -24,7 +31,8 @@ static const told_text urdf[] = {
 #define PAIR                 "<body name='a'><joint name='A'/><body name='b'><joint name='B'/></body></body>"
 #define MESH(mesh)                                                                                                     \
   BEFORE("<asset><mesh name='m' " mesh "/></asset>", "<body><joint/><geom type='mesh' mesh='m'/></body>")
-#define CORNERS "vertex='0 0 0 1 0 0 0 1 0 0 0 1' "
+#define JOINTS_8 "<joint/><joint/><joint/><joint/><joint/><joint/><joint/><joint/>"
+#define CORNERS  "vertex='0 0 0 1 0 0 0 1 0 0 0 1' "
 
 static const told_text mjcf[] = {
     {WORLD("<body name='a'/><body name='a'/>"), "body \"a\": this name is used twice"},
@@ -47,6 +55,7 @@ static const told_text mjcf[] = {
     {"<mujoco><worldbody><body><joint name='A' type='ball'/></body></worldbody><tendon><fixed name='t'><joint joint='A' coef='1'/>"
      "</fixed></tendon><equality><tendon tendon1='t'/></equality></mujoco>",
      "found the joint \"A\"; expected at most"},
+    {WORLD("<body>" JOINTS_8 JOINTS_8 JOINTS_8 JOINTS_8 "<joint/></body>"), "a body with more than 32 joints"},
     {WORLD("<attach model='gone' body='x' prefix='p'/>"), "the model \"gone\" to attach isn't there"},
 };
 
@@ -113,9 +122,31 @@ static void sdf_is_refused(void **state) {
   assert_models_told(sdf, COUNT(sdf), true);
 }
 
+/* A file that includes another one a thousand times and once more. */
+static void includes_end(void **state) {
+  (void)state;
+  enum { MOST = 1000 };
+  char folder[] = "/tmp/kmech_includes.XXXXXX", path[64];
+  km_text part = {0}, all = {0};
+  assert_non_null(mkdtemp(folder));
+  snprintf(path, sizeof path, "%s/part.sdf", folder);
+  km_text_add(&part, "<sdf version='1.9'><model name='p'><link name='l'/></model></sdf>");
+  assert_int_equal(km_file_write(path, &part, NULL), KM_OK);
+  km_text_add(&all, "<sdf version='1.9'><model name='m'><link name='a'/>");
+  for (int i = 0; i <= MOST; ++i)
+    km_text_format(&all, "<include><name>p%d</name><uri>%s</uri></include>", i, path);
+  km_text_add(&all, "</model></sdf>");
+  const told_text many = {all.data, "is one include too many; expected at most a thousand"};
+  assert_models_told(&many, 1, true);
+  unlink(path);
+  rmdir(folder);
+  km_text_free(&part);
+  km_text_free(&all);
+}
+
 int main(void) {
   const struct CMUnitTest tests[] = {cmocka_unit_test(urdf_is_refused), cmocka_unit_test(mjcf_is_refused),
                                      cmocka_unit_test(what_is_read_all_the_same_is_warned_of),
-                                     cmocka_unit_test(sdf_is_refused)};
+                                     cmocka_unit_test(sdf_is_refused), cmocka_unit_test(includes_end)};
   return cmocka_run_group_tests(tests, NULL, NULL);
 }

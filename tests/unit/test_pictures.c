@@ -5,6 +5,7 @@
 #include "kmech/drawing.h"
 #include "kmech/tracks.h"
 #include "report/drawing/drawing.h"
+#include "report/plot/canvas.h"
 #include "report/plot/sweep_strip.h"
 
 #include <math.h>
@@ -179,11 +180,30 @@ static void rotation_vectors_turn(void **unused) {
   assert_int_equal(km_frame_pose_make(p, endless, &pose, &error), KM_USAGE);
 }
 
+/* Only PDF has pages, and each has a size. */
+static void pages_that_cannot_be(void **unused) {
+  (void)unused;
+  static const km_picture_format formats[] = {KM_PICTURE_SVG, KM_PICTURE_PDF};
+  static const double widths[] = {100.0, 0.5};
+  for (int i = 0; i < 2; ++i) {
+    km_text out = {0};
+    km_canvas *canvas;
+    km_error error = {.text = ""};
+    assert_int_equal(km_canvas_create(formats[i], 100.0, 100.0, &out, &canvas, &error), KM_OK);
+    km_canvas_page(canvas, widths[i], 100.0);
+    assert_int_equal(km_canvas_finish(canvas, &error), KM_USAGE);
+    assert_non_null(strstr(error.text, "a second page that can't be; only PDF has several, of 1 to"));
+    assert_int_equal(out.size, 0);
+    km_canvas_free(canvas);
+    km_text_free(&out);
+  }
+}
+
 int main(void) {
   const struct CMUnitTest tests[] = {
       cmocka_unit_test(poses_are_those_of_rows),        cmocka_unit_test(turns_come_round),
       cmocka_unit_test(pages_need_a_row_for_each_pose), cmocka_unit_test(what_cannot_be_drawn_is_told),
-      cmocka_unit_test(rotation_vectors_turn),
+      cmocka_unit_test(rotation_vectors_turn),          cmocka_unit_test(pages_that_cannot_be),
   };
   return cmocka_run_group_tests(tests, NULL, NULL);
 }

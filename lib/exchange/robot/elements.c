@@ -68,10 +68,6 @@ km_body_id km_robot_body(km_robot *robot, const km_xml *at, km_assembly_id assem
   km_error error;
   km_mass sane = mass ? sane_mass(robot, at, name, *mass) : (km_mass){0};
   km_body_def def = km_body_default();
-  if (!name[0]) {
-    km_robot_error(robot, at, "found an empty name of a body; expected at least one character");
-    return id;
-  }
   def.name =
       strcmp(name, "fixed") == 0 ? km_robot_free_name(robot, &robot->bodies, assembly.value, name, "body") : name;
   def.assembly = assembly;

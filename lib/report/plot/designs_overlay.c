@@ -113,8 +113,6 @@ static km_status make_paths(const overlay *v, const km_designs_shown *p, int que
   for (int i = 0; i < v->count && !arena->failed; ++i) {
     const km_table *table = km_question_table(v->asked[i].question);
     km_span points = km_table_span(table, "point.");
-    if (points.count < 3)
-      return km_fail(error, KM_NO_RESULT, "the question traces no point");
     y[i] = points.first + 1;
     tables[i] = (km_plotted_table){table, v->answers[i].name, points.first, &y[i]};
   }

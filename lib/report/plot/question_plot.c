@@ -56,17 +56,15 @@ static bool plot_tracks(const km_comparison *c, km_arena *arena, km_plot *out) {
 }
 
 km_status km_question_plot_make(const km_comparison *c, km_arena *arena, km_plot *out, km_error *error) {
-  const km_question *first = c->count > 0 ? c->answers[0].question : NULL;
-  bool made = false;
+  const km_question *first = c->answers[0].question;
+  bool made;
   if (km_question_mobility(first))
     made = plot_mobility(c, arena, out);
   else if (km_question_advantage(first))
     made = plot_advantage(c, arena, out);
   else if (km_question_statics(first))
     made = plot_statics(c, arena, out);
-  else if (km_question_track(first))
-    made = plot_tracks(c, arena, out);
   else
-    return km_fail(error, KM_USAGE, "there is no answer to plot");
+    made = plot_tracks(c, arena, out);
   return made ? KM_OK : km_fail(error, KM_MEMORY, "out of memory for a plot");
 }

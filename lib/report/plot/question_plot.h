@@ -5,7 +5,7 @@
 #include "kmech/pictures.h"
 #include "report/plot/plot.h"
 
-/* Builds the plot in the arena. KM_USAGE: there is no answer; KM_MEMORY. */
+/* Builds the plot of one answer or several of one kind in the arena. KM_MEMORY. */
 km_status km_question_plot_make(const km_comparison *comparison, km_arena *arena, km_plot *out, km_error *error);
 
 #endif
