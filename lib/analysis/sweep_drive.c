@@ -86,6 +86,8 @@ static void write_passed_rows(walk *w, int count, const double *s) {
 static void write_row(walk *w, km_reach reach) {
   km_sweeper *r = w->r;
   km_status status = KM_OK;
+  if (w->job->status) /* in a row that was passed */
+    return;
   if (r->observer->reads_jacobian)
     km_drive_settle(w->at.drive);
   r->rides = km_drive_rides(w->at.drive);
@@ -222,7 +224,6 @@ static void move_beside(walk *walks, unsigned going, km_drive_lanes *lanes, doub
     km_drive_lanes_show(lanes, passed - 1);
     for (unsigned rest = going; rest; rest &= rest - 1)
       write_passed_rows(&walks[__builtin_ctz(rest)], passed, rows + __builtin_ctz(rest));
-    km_drive_lanes_show(lanes, passed);
   }
   memcpy(targets, rows + passed * KM_DRIVE_LANES, KM_DRIVE_LANES * sizeof *targets);
   km_drive_lanes_arrive(lanes, going, targets, reaches);

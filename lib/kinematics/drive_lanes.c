@@ -25,7 +25,7 @@ static bool reserve(km_drive_lanes *l) {
   l->coefficients = numbers(arena, m->term_count);
   l->term_unit = numbers(arena, m->term_count);
   l->J = numbers(arena, rows * columns);
-  l->place_count = (size_t)(coordinates + 4 * columns);
+  l->place_count = (size_t)(coordinates + 5 * columns);
   l->kept = KM_ARENA_NEW(arena, km_lanes_number, l->place_count);
   l->q = KM_ARENA_NEW(arena, km_lanes_number, l->place_count);
   if (l->q) {
@@ -33,9 +33,10 @@ static bool reserve(km_drive_lanes *l) {
     l->last_t = l->t + columns;
     l->last_move = l->last_t + columns;
     l->z = l->last_move + columns;
+    l->numbers = l->z + columns;
   }
-  km_lanes_number **by_column[] = {&l->unit, &l->weight, &l->low, &l->high,    &l->from,
-                                   &l->move, &l->next_t, &l->x,   &l->numbers, &l->before};
+  km_lanes_number **by_column[] = {&l->unit, &l->weight, &l->low, &l->high,  &l->from,
+                                   &l->move, &l->next_t, &l->x,   &l->before};
   for (size_t i = 0; i < sizeof by_column / sizeof *by_column; ++i)
     *by_column[i] = numbers(arena, columns);
   km_lanes_number **by_row[] = {&l->B, &l->error, &l->y, &l->inverse};
@@ -314,7 +315,7 @@ int km_drive_lanes_pass(km_drive_lanes *l, unsigned wanted, const double *target
     if (!goes_on)
       break;
   }
-  l->shown = &l->rows[passed];
+  l->passed = passed;
   return passed;
 }
 
@@ -330,6 +331,7 @@ void km_drive_lanes_show(km_drive_lanes *l, int row) {
 }
 
 void km_drive_lanes_arrive(km_drive_lanes *l, unsigned wanted, const double *targets, km_reach *reaches) {
+  l->shown = &l->rows[l->passed];
   for (unsigned left = wanted; left; left &= left - 1) {
     int i = __builtin_ctz(left);
     reaches[i] = arrive(l, i, l->arrived >> i & 1, targets[i]);

@@ -96,6 +96,7 @@ struct km_drive_lanes {
   /* Rows that were passed, and behind them the one where the drives are; `shown` is one of them. */
   km_lane_row rows[KM_DRIVE_ROWS];
   const km_lane_row *shown;
+  int passed;              /* quiet rows before the last one */
   km_lanes_number *before; /* [columns] z at the row before, */
   unsigned known;          /* in these lanes */
   unsigned quiet;          /* lanes where no entry of z has changed its sign, or come near 0, since then */
