@@ -21,6 +21,11 @@ static const double easy = 0.05; /* strain: a step twice as long has 16 times th
 
 enum { MOST_STEPS = 200000 }; /* towards one target */
 
+/* Near a singular pose steps shrink and grow again by halves. Where they stay short nothing moves but what rounding lets
+ * through, and so many attempts in a row without a step as long as `creeping` are enough to know. */
+enum { MOST_CREEPING = 5000 };
+static const double creeping = 1e-5;
+
 static void remember_pivots(km_drive *d) {
   km_partition_copy_pivots(&d->c.course.reference, &d->c.state->partition[d->c.substructure]);
 }
@@ -162,14 +167,15 @@ static double lengthen(km_drive *d, double step, double h) {
 static attempt walk(km_drive *d, double target, int *limit) {
   double step = d->here.largest;
   bool may_cross = true;
-  for (int steps = 0; d->here.s != target; ++steps) {
-    if (steps == MOST_STEPS)
+  for (int steps = 0, crept = 0; d->here.s != target; ++steps, ++crept) {
+    if (steps == MOST_STEPS || crept == MOST_CREEPING)
       return EXHAUSTED;
     double left = target - d->here.s;
     bool arrives = fabs(left) <= step;
     double h = arrives ? left : copysign(step, left);
     attempt result = advance(d, h, km_drive_tightness, limit);
     if (result == ACCEPTED) {
+      crept = fabs(h) < creeping ? crept : 0;
       step = lengthen(d, step, h);
       if (arrives) { /* s + (target - s) may be the next number */
         d->here.s = target;
