@@ -91,10 +91,10 @@ static bool choose_actions(km_dp_grid *g) {
     double *tilt = g->tilts + k * a->freedom;
     if (a->freedom == 1) {
       int step = (k + 1) / 2;
-      tilt[0] = (k % 2 ? -1.0 : 1.0) * most * step / each; /* NOLINT(*DivideZero): of one freedom at least 1 */
+      tilt[0] = (k % 2 ? -1.0 : 1.0) * most * step / each;
     } else {
       double around = M_PI * 0.25 * ((k - 1) % 8), size = most * (k > 8 ? 0.5 : 1.0);
-      tilt[(k - 1) / 4 % a->freedom] += size * cos(around);
+      tilt[(k - 1) / 4 % a->freedom] += size * cos(around); /* NOLINT(*DivideZero): else one action */
       tilt[((k - 1) / 4 + 1) % a->freedom] += size * sin(around);
     }
   }
