@@ -147,7 +147,7 @@ static int count_freedom(const km_state *s, const km_holding *h) {
 static void gather(const km_mechanism *m, const km_state *s, km_holding *h) {
   h->freedom = 0;
   h->Z = h->gathers ? h->gathered : km_state_basis(s, h->part[0]);
-  if (h->gathers)
+  if (h->gathers && h->gathered) /* NULL: nothing is free */
     memset(h->gathered, 0, (size_t)h->columns * (size_t)h->capacity * sizeof *h->gathered);
   int column = 0;
   for (int i = 0; i < h->part_count; ++i) {
