@@ -2,6 +2,8 @@
 #include "analysis/mobility_sweep.h"
 #include "analysis/singular.h"
 #include "base/check.h"
+#include "base/table.h"
+#include "kinematics/drive_lanes.h"
 
 /* |z| below this is 0: z = Z_j of the one free direction, known to about 1e-12. */
 static const double zero = 1e-9;
@@ -159,20 +161,10 @@ static void narrow(search *at, double f) {
 /* The smallest mobility numbers of the table's rows. */
 static void find_extremes(const watch *w, int count) {
   const km_table *table = w->out->motion.table;
-  km_extreme *extremes = w->out->extremes;
-  size_t rows = km_table_rows(table), columns = km_table_columns(table);
-  const double *cells = km_table_row(table, 0);
-  for (int c = 0; c < count && rows > 0; ++c) {
-    const double *number = cells + w->cell[c];
-    double least = HUGE_VAL;
-    size_t at = 0;
-    for (size_t row = 0; row < rows; ++row)
-      if (number[row * columns] < least) {
-        least = number[row * columns];
-        at = row;
-      }
-    if (least < HUGE_VAL)
-      extremes[c] = (km_extreme){least, cells[at * columns + 1]};
+  for (int c = 0; c < count; ++c) {
+    size_t row = km_table_extreme_row(table, w->cell[c], 1.0);
+    if (row < km_table_rows(table))
+      w->out->extremes[c] = (km_extreme){km_table_row(table, row)[w->cell[c]], km_table_row(table, row)[1]};
   }
 }
 
@@ -187,7 +179,7 @@ static int next_candidate(const watch *w) {
   const int *watched = w->watched;
   const double *z = w->z, *last = w->last_z;
   int i = w->next, count = w->watched_count;
-  while (w->have_last && i < count && z[watched[i]] * last[watched[i]] > zero)
+  while (w->have_last && i < count && z[watched[i]] * last[watched[i]] > km_drive_quiet)
     ++i;
   return i;
 }

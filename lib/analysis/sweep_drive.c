@@ -102,11 +102,11 @@ static void write_row(walk *w, km_reach reach) {
   w->job->status = status;
 }
 
-/* Shows each of the walks `going` what its observer wants to see near its row, side by side where they ride. */
-static void show_near_rows(walk *walks, unsigned going, km_drive_lanes *lanes) {
+/* Shows the walks `going` what their observers want to see near the row, side by side as long as they ride. */
+static void show_beside(walk *walks, unsigned going, km_drive_lanes *lanes) {
   double places[KM_DRIVE_LANES], *rates[KM_DRIVE_LANES];
-  unsigned wanting = going, left = 0;
-  while (wanting) {
+  while (going) {
+    unsigned wanting = going;
     for (unsigned rest = wanting; rest; rest &= rest - 1) {
       int i = __builtin_ctz(rest);
       const km_observer *observer = walks[i].r->observer;
@@ -114,18 +114,22 @@ static void show_near_rows(walk *walks, unsigned going, km_drive_lanes *lanes) {
       if (walks[i].job->status || !observer->wants || !observer->wants(observer->self, &places[i]))
         wanting &= ~(1u << i);
     }
-    unsigned visited = lanes && wanting ? km_drive_lanes_visit(lanes, wanting, places, rates) : 0;
-    for (unsigned rest = wanting; rest; rest &= rest - 1) {
-      int i = __builtin_ctz(rest);
-      km_sweeper *r = walks[i].r;
-      bool moved = visited >> i & 1 || r->mover.probe(r->mover.self, places[i], r->rates);
-      walks[i].job->status = r->observer->shown(r->observer->self, r, moved ? r->rates : NULL, walks[i].job->error);
+    going = wanting ? km_drive_lanes_visit(lanes, wanting, places, rates) : 0;
+    for (unsigned rest = going; rest; rest &= rest - 1) {
+      const walk *w = &walks[__builtin_ctz(rest)];
+      w->job->status = w->r->observer->shown(w->r->observer->self, w->r, w->r->rates, w->job->error);
     }
-    left |= wanting;
   }
-  for (; left; left &= left - 1) {
-    km_sweeper *r = walks[__builtin_ctz(left)].r;
-    r->mover.settle(r->mover.self);
+}
+
+/* What is left to be seen near the row is looked at by each drive alone. */
+static void show_near_rows(walk *walks, unsigned going, km_drive_lanes *lanes) {
+  if (lanes)
+    show_beside(walks, going, lanes);
+  for (unsigned rest = going; rest; rest &= rest - 1) {
+    const walk *w = &walks[__builtin_ctz(rest)];
+    if (!w->job->status)
+      w->job->status = km_sweeper_near_row(w->r, w->job->error);
   }
 }
 

@@ -11,16 +11,12 @@
 #include <string.h>
 
 bool km_sweeper_column(km_table *table, const char *prefix, const char *name, const char *suffix, const char *unit) {
-  size_t a = strlen(prefix), b = strlen(name), c = strlen(suffix);
-  char usual[128], *text = a + b + c < sizeof usual ? usual : KM_NEW(char, a + b + c + 1);
-  if (!text)
-    return false;
-  memcpy(text, prefix, a);
-  memcpy(text + a, name, b);
-  memcpy(text + a + b, suffix, c + 1);
-  bool added = km_table_add_column(table, text, unit) >= 0;
-  if (text != usual)
-    km_free(text);
+  km_text text = {0};
+  km_text_add(&text, prefix);
+  km_text_add(&text, name);
+  km_text_add(&text, suffix);
+  bool added = !text.failed && km_table_add_column(table, text.data, unit) >= 0;
+  km_text_free(&text);
   return added;
 }
 
@@ -122,11 +118,6 @@ static double look(km_sweeper *r) {
   return km_loops_residual(r->m, r->s, &r->m->substructures[r->substructure], &worst);
 }
 
-/* fmax, which isn't a call. */
-static double larger(double a, double b) {
-  return b > a || isnan(a) ? b : a;
-}
-
 /* A row at the state's pose, where r->rates is the motion if points' derivatives are asked for. */
 static bool write_row(km_sweeper *r, km_table *table, int step, double s) {
   const km_mechanism *m = r->m;
@@ -136,7 +127,7 @@ static bool write_row(km_sweeper *r, km_table *table, int step, double s) {
   int mobility = r->other_mobility;
   double residual = r->other_residual;
   if (r->substructure >= 0) {
-    residual = larger(residual, look(r));
+    residual = fmax(residual, look(r));
     mobility += km_partition_freedom(&r->s->partition[r->substructure]);
   }
   *cell++ = step;
@@ -200,7 +191,7 @@ km_status km_sweeper_passed_rows(km_sweeper *r, const km_drive *drive, int count
     cells[1] = s[i * KM_DRIVE_LANES];
     cells[dof] = r->other_mobility + 1;
     cells[dof + 1 + (size_t)r->substructure] = 1.0;
-    cells[residual] = larger(r->other_residual, rows[i].residual);
+    cells[residual] = fmax(r->other_residual, rows[i].residual);
   }
   for (int k = 0; k < sub->columns; ++k) {
     int c = coordinate[k];

@@ -1,6 +1,6 @@
 /* Figures of merit of a table's columns. */
 #include "base/check.h"
-#include "kmech/table.h"
+#include "base/table.h"
 
 #include <math.h>
 
@@ -18,13 +18,13 @@ static double value_of(const series *f, size_t row) {
   return f->first[row * f->width + f->column];
 }
 
-/* The row of the smallest value, of the largest with sign -1; the number of rows where none has a value. */
-static size_t extreme(const series *f, double sign) {
-  size_t best = f->rows;
+size_t km_table_extreme_row(const km_table *table, size_t column, double sign) {
+  size_t rows = km_table_rows(table), width = km_table_columns(table), best = rows;
+  const double *cell = rows > 0 ? km_table_row(table, 0) + column : NULL;
   double least = HUGE_VAL;
-  for (size_t r = 0; r < f->rows; ++r) {
-    double value = sign * value_of(f, r);
-    if (!(value < least) && (best < f->rows || isnan(value)))
+  for (size_t r = 0; r < rows; ++r) {
+    double value = sign * cell[r * width];
+    if (!(value < least) && (best < rows || isnan(value)))
       continue;
     least = value;
     best = r;
@@ -76,7 +76,8 @@ km_status km_table_figure(const km_table *table, const char *column, km_figure f
   series f = {km_table_row(table, 0), rows, km_table_columns(table), (size_t)s, (size_t)index};
   bool wants_low = figure == KM_FIGURE_MIN || figure == KM_FIGURE_SPAN;
   bool wants_high = figure == KM_FIGURE_MAX || figure == KM_FIGURE_SPAN;
-  size_t low = wants_low ? extreme(&f, 1.0) : rows, high = wants_high ? extreme(&f, -1.0) : rows;
+  size_t low = wants_low ? km_table_extreme_row(table, f.column, 1.0) : rows;
+  size_t high = wants_high ? km_table_extreme_row(table, f.column, -1.0) : rows;
   size_t row = figure == KM_FIGURE_MIN ? low : figure == KM_FIGURE_MAX ? high : rows;
   *value = nan("");
   if (row < rows)

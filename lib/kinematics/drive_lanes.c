@@ -237,10 +237,10 @@ static void set_targets(km_drive_lanes *l, unsigned wanted, const double *target
 
 /* What a drive has reached: in its lane, or alone from where its lane has stopped. */
 static km_reach arrive(km_drive_lanes *l, int i, bool there, double target) {
-  if (l->ahead >> i & 1)
-    show(l, i);
   if (!there)
     return km_drive_to(l->drives[i], target);
+  if (l->ahead >> i & 1)
+    show(l, i);
   if (!(l->here.largest_b.of[i] <= km_largest_good_b)) /* whoever looks at the pose searches other pivots */
     km_drive_settle(l->drives[i]);
   return (km_reach){KM_STOP_NONE, target, -1, -1};

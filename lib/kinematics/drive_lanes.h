@@ -16,14 +16,16 @@ typedef struct km_drive_lanes km_drive_lanes;
 km_status km_drive_lanes_create(km_drive *const *drives, int count, km_drive_lanes **out, km_error *error);
 void km_drive_lanes_free(km_drive_lanes *lanes);
 
+/* A row is quiet as long as no entry of a unit direction of motion, times what it was at the row before, is below this. */
+static const double km_drive_quiet = 1e-9;
+
 /* km_drive_to(drives[i], targets[i]) for every drive whose bit i is set in `wanted`, with the same bits. Where
  * km_drive_rides says so, the state has its coordinates and mobility numbers; whatever else is read of it (Jacobian,
  * partition, null space, loop errors) is up to date only after km_drive_settle. */
 void km_drive_lanes_to(km_drive_lanes *lanes, unsigned wanted, const double *targets, km_reach *reaches);
 
 /* The same in two parts, over several rows. Drives go through up to KM_DRIVE_ROWS rows of targets, targets[row ×
- * KM_DRIVE_LANES + i], as long as all of them ride and the rows are quiet: since the row before no entry of a direction of
- * motion has changed its sign or come near 0. Returns how many quiet rows they have passed. km_drive_lanes_arrive then ends
+ * KM_DRIVE_LANES + i], as long as all of them ride and the rows are quiet. Returns how many quiet rows they have passed. km_drive_lanes_arrive then ends
  * the row behind them: `targets` and `reaches` are of that row alone. */
 enum { KM_DRIVE_ROWS = 16 };
 int km_drive_lanes_pass(km_drive_lanes *lanes, unsigned wanted, const double *targets, int rows);

@@ -14,9 +14,6 @@
 
 #include "kinematics/lanes_closure_body.h" /* on both */
 
-/* Entries of the direction of motion at two rows whose product is below this are looked at more closely. */
-#define QUIET 1e-9
-
 /* km_curve_ahead: the cubic through the last two poses and their tangents, continued by h. Clears the lanes where it leads
  * too far. */
 static inline void predict(km_drive_lanes *l, const vector *h, mask *fit, int first, int count) {
@@ -165,7 +162,7 @@ static inline void find_quiet(const km_drive_lanes *l, mask *quiet, int first, i
   for (int k = 0; k < l->sub->columns; ++k)
     EACH(r) {
       vector z = GET(l->z[k]), before = GET(l->before[k]);
-      quiet[r] &= below(all(QUIET), z * before) | (equal(z, all(0.0)) & equal(before, all(0.0)));
+      quiet[r] &= below(all(km_drive_quiet), z * before) | (equal(z, all(0.0)) & equal(before, all(0.0)));
     }
 }
 

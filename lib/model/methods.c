@@ -32,7 +32,7 @@ static const setting settings[] = {
     {"below", 1u << KM_DLS, NUMBER, 1e-9, 10, false, AT(below)},
     {"gain", 1u << KM_GRADIENT, NUMBER, -1e6, 1e6, false, AT(gain)},
     {"spacing", 1u << KM_DP, NUMBER, 1e-3, 10, true, AT(spacing)},
-    {"knots", 1u << KM_GLOBAL, WHOLE, 2, 64, false, AT(knots)},
+    {"knots", 1u << KM_GLOBAL, WHOLE, 2, KM_METHOD_KNOTS, false, AT(knots)},
     {"evaluations", 1u << KM_GLOBAL, WHOLE, 10, 1e6, false, AT(evaluations)},
 };
 enum { SETTINGS = sizeof settings / sizeof *settings };

@@ -5,14 +5,12 @@
 #include <nlopt.h>
 #include <string.h>
 
-enum { MOST_KNOTS = 64 }; /* as km_method_check lets through */
-
 typedef struct problem {
   km_run *run;
   const double *x; /* [knots × freedom] tan φ at the knots */
   double tilt[KM_ARM_MOST];
   double best_cost;
-  double best[MOST_KNOTS * KM_ARM_MOST];
+  double best[KM_METHOD_KNOTS * KM_ARM_MOST];
   nlopt_opt opt;
   km_status status;
   km_error *error;
@@ -61,7 +59,7 @@ static double cost(unsigned count, const double *x, double *gradient, void *cont
 static bool optimise(problem *p, nlopt_algorithm algorithm, int evaluations) {
   const km_method *method = &p->run->plan->method;
   unsigned count = (unsigned)(method->knots * p->run->arm->freedom);
-  double most = tan(method->angle), x[MOST_KNOTS * KM_ARM_MOST], value;
+  double most = tan(method->angle), x[KM_METHOD_KNOTS * KM_ARM_MOST], value;
   p->opt = nlopt_create(algorithm, count);
   if (!p->opt)
     return false;

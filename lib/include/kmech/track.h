@@ -60,7 +60,8 @@ KM_API const char *km_method_word(km_method_kind kind);
 KM_API int km_method_find(const char *word); /* -1: none; "pinv" is greedy */
 
 enum {
-  KM_METHOD_JOINTS = 8 /* the most that are held */
+  KM_METHOD_JOINTS = 8, /* the most that are held */
+  KM_METHOD_KNOTS = 64  /* the most of global */
 };
 
 /* A method with its settings. Start from km_method_default(). */
