@@ -58,7 +58,7 @@ void km_left_visit(const km_left_space *a, int place, km_left_take take, void *o
     for (int c = first; c < first + km_model_freedom(a->m->model, member->joint); ++c) {
       if (a->m->column_of[c] < 0)
         continue;
-      double column[6], sense = km_member_sense(t, loop, member);
+      double column[6], sense = km_member_sense(member);
       km_twist_entries(a->sub, km_coordinate_twist(a->m, a->s, c), a->about[place], a->m->unit[c], column);
       for (int r = 0; r < 6; ++r)
         column[r] *= sense;

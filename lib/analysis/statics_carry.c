@@ -98,7 +98,7 @@ static void spread(const km_mechanism *m, const km_statics_work *w, int index, k
     km_wrench wrench = unscaled(&m->substructures[index], mu + 6 * (i - t->loop_start[index]), about);
     for (int n = t->member_start[loop]; n < t->member_start[loop + 1]; ++n) {
       int joint = t->member[n].joint;
-      double part[6], sense = km_member_sense(t, loop, &t->member[n]);
+      double part[6], sense = km_member_sense(&t->member[n]);
       reported(&w->frame[joint], wrench, part);
       for (int k = 0; k < 6; ++k)
         out[6 * w->place[joint] + k] += sense * part[k];

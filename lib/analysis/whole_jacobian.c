@@ -5,11 +5,6 @@
 
 #include <string.h>
 
-double km_member_sense(const km_topology *t, int loop, const km_member *member) {
-  bool against = member->joint != t->chord[loop] && t->against[member->joint];
-  return member->side * (against ? -1.0 : 1.0);
-}
-
 void km_twist_entries(const km_substructure *sub, km_twist h, km_vec3 about, double unit, double out[6]) {
   double scale = unit / sub->size;
   km_vec3 v = km_vec3_add(h.v, km_vec3_cross(h.w, about));
@@ -26,7 +21,7 @@ static void fill_loop(const km_mechanism *m, const km_substructure *sub, int loo
     for (int c = first; c < first + km_model_freedom(m->model, member->joint); ++c) {
       if (m->column_of[c] < 0)
         continue;
-      double column[6], sense = km_member_sense(t, loop, member);
+      double column[6], sense = km_member_sense(member);
       km_twist_entries(sub, twist[c], about, m->unit[c], column);
       for (int r = 0; r < 6; ++r)
         J[(size_t)m->column_of[c] * (size_t)rows + (size_t)r] = sense * column[r];

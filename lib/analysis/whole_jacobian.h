@@ -4,10 +4,6 @@
 
 #include "kinematics/state.h"
 
-/* +1 where a walk round the loop (out to the virtual body, back along the other side) passes the joint in the user's
- * sense. */
-double km_member_sense(const km_topology *topology, int loop, const km_member *member);
-
 /* Six entries (v; ω) of a twist about `about`, lengths over the substructure's size, of a coordinate in units of
  * `unit`. */
 void km_twist_entries(const km_substructure *sub, km_twist twist, km_vec3 about, double unit, double out[6]);

@@ -6,13 +6,13 @@
 
 /* Where walks have been, by body: kept from program to program by a stamp instead of clearing. */
 typedef struct km_walks {
-  int *stamp, *first_step, *step_count; /* [body] */
-  km_stand *stand;                      /* [body] */
-  km_pose *zero;                        /* [slot] poses of a program's slots when all coordinates are 0 */
-  km_twist *twist;                      /* [entry + 2] twists of one loop */
-  int *next;                            /* [substructure] where its next column goes */
-  int *parent, *first, *frame;          /* [body], [body + 2], [2 · joint] of km_longest_link */
-  int program;                          /* the current stamp */
+  int *stamp, *via, *first_step, *step_count; /* [body] `via`: the joint by which it was reached */
+  km_stand *stand;                            /* [body] */
+  km_pose *zero;                              /* [slot] poses of a program's slots when all coordinates are 0 */
+  km_twist *twist;                            /* [entry + 2] twists of one loop */
+  int *next;                                  /* [substructure] where its next column goes */
+  int *parent, *first, *frame;                /* [body], [body + 2], [2 · joint] of km_longest_link */
+  int program;                                /* the current stamp */
 } km_walks;
 
 bool km_walks_create(const km_mechanism *mechanism, size_t steps, km_arena *arena, km_walks *out);

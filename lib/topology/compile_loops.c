@@ -16,6 +16,7 @@ void km_compile_bounds(const km_mechanism *m, size_t *steps, size_t *entries) {
 bool km_walks_create(const km_mechanism *m, size_t steps, km_arena *arena, km_walks *w) {
   size_t bodies = (size_t)m->model->body_count;
   *w = (km_walks){.stamp = KM_ARENA_NEW(arena, int, bodies),
+                  .via = KM_ARENA_NEW(arena, int, bodies),
                   .first_step = KM_ARENA_NEW(arena, int, bodies),
                   .step_count = KM_ARENA_NEW(arena, int, bodies),
                   .stand = KM_ARENA_NEW(arena, km_stand, bodies),
@@ -87,33 +88,40 @@ static void add_entries(km_mechanism *m, km_program *program, km_loop *loop, int
   }
 }
 
-/* Walks from the base down one side of the loop; bodies that another loop has reached are not walked again. */
+/* A body stands `at` in the present program, reached by a joint that became `count` steps. */
+static void remember(km_walks *w, int body, int joint, const km_stand *at, int first, int count) {
+  w->stamp[body] = w->program;
+  w->via[body] = joint;
+  w->stand[body] = *at;
+  w->first_step[body] = first;
+  w->step_count[body] = count;
+}
+
+/* Walks from the base down one side of the loop; bodies that another loop has reached the same way are not walked again.
+ */
 static km_stand walk_side(km_mechanism *m, km_program *program, km_loop *loop, int l, int side, km_stand from,
                           km_walks *w) {
   const km_topology *t = &m->topology;
   double size = m->substructures[t->substructure_of_loop[l]].size;
   km_stand at = from;
+  bool shared = true; /* every body so far was reached by the joint by which the program's other loops reach it */
   for (int i = t->member_start[l]; i < t->member_start[l + 1]; ++i) {
     const km_member *member = &t->member[i];
     if (member->side != side)
       continue;
-    bool chord = member->joint == t->chord[l], against = !chord && t->against[member->joint];
-    int first = program->step_count;
-    if (chord) {
-      pass(m, program, member->joint, false, size, &at);
-      add_entries(m, program, loop, first, program->step_count - first, side);
+    int first = program->step_count,
+        body = m->model->frames[m->model->joints[member->joint].frame[!member->against]].body;
+    bool passed = shared && w->stamp[body] == w->program && w->via[body] == member->joint;
+    shared = passed || (shared && member->joint != t->chord[l] && w->stamp[body] != w->program);
+    if (passed) {
+      at = w->stand[body];
+      add_entries(m, program, loop, w->first_step[body], w->step_count[body], side);
       continue;
     }
-    int body = m->model->frames[m->model->joints[member->joint].frame[!against]].body;
-    if (w->stamp[body] != w->program) {
-      pass(m, program, member->joint, against, size, &at);
-      w->stamp[body] = w->program;
-      w->stand[body] = at;
-      w->first_step[body] = first;
-      w->step_count[body] = program->step_count - first;
-    }
-    at = w->stand[body];
-    add_entries(m, program, loop, w->first_step[body], w->step_count[body], side);
+    pass(m, program, member->joint, member->against, size, &at);
+    add_entries(m, program, loop, first, program->step_count - first, side);
+    if (shared)
+      remember(w, body, member->joint, &at, first, program->step_count - first);
   }
   return at;
 }
@@ -197,8 +205,7 @@ static void compile_program(km_mechanism *m, km_program *program, km_walks *w) {
   const km_topology *t = &m->topology;
   int first = m->loop_order[program->loop_start];
   const km_member *member = &t->member[t->member_start[first]];
-  bool against = member->joint != t->chord[first] && t->against[member->joint];
-  int base_frame = m->model->joints[member->joint].frame[against];
+  int base_frame = m->model->joints[member->joint].frame[member->against];
   km_stand base = {0, km_pose_identity(), base_frame, m->model->frames[base_frame].pose.p};
   program->base_frame = base_frame;
   program->step_start = m->step_count;

@@ -1,14 +1,9 @@
 /* Spanning tree, loops and substructures of a graph. */
-#include "topology/topology.h"
+#include "topology/short_loops.h"
 
 #include <string.h>
 
-/* Joints at each body in file order: the items of body b are item[start[b]] … item[start[b + 1] - 1]. */
-typedef struct incidence {
-  int *start, *item;
-} incidence;
-
-static void build_incidence(const km_graph *g, incidence *at) {
+static void build_incidence(const km_graph *g, km_incidence *at) {
   for (int j = 0; j < g->joint_count; ++j) {
     at->start[g->edges[j].tail + 1]++;
     at->start[g->edges[j].head + 1]++;
@@ -25,7 +20,7 @@ static void build_incidence(const km_graph *g, incidence *at) {
 }
 
 /* Breadth-first from the inertial frame. */
-static void grow_tree(const km_graph *g, const incidence *at, km_topology *t) {
+static void grow_tree(const km_graph *g, const km_incidence *at, km_topology *t) {
   for (int b = 0; b < g->body_count; ++b)
     t->parent[b] = t->arc[b] = t->level[b] = -1;
   int tail = 1;
@@ -77,7 +72,7 @@ static void find_chords(const km_graph *g, km_topology *t, int *members) {
 /* Writes the tree joints from `base` down to `body`, ending just before *end; returns the first. */
 static km_member *write_path(const km_topology *t, int base, int body, int side, km_member *end) {
   for (; body != base; body = t->parent[body])
-    *--end = (km_member){t->arc[body], side};
+    *--end = (km_member){t->arc[body], side, t->against[t->arc[body]]};
   return end;
 }
 
@@ -89,7 +84,7 @@ static void list_members(const km_graph *g, km_topology *t) {
     int out = t->level[edge->tail] - t->level[base], back = t->level[edge->head] - t->level[base];
     t->member_start[l] = used;
     write_path(t, base, edge->tail, +1, t->member + used + out);
-    t->member[used + out] = (km_member){t->chord[l], +1};
+    t->member[used + out] = (km_member){t->chord[l], +1, false};
     used += out + 1 + back;
     write_path(t, base, edge->head, -1, t->member + used);
   }
@@ -199,8 +194,8 @@ static bool allocate(const km_graph *g, km_arena *arena, km_topology *t) {
 }
 
 static bool build(const km_graph *g, km_arena *arena, km_arena *scratch, km_topology *t) {
-  incidence at = {KM_ARENA_NEW(scratch, int, (size_t)g->body_count + 2),
-                  KM_ARENA_NEW(scratch, int, 2 * (size_t)g->joint_count)};
+  km_incidence at = {KM_ARENA_NEW(scratch, int, (size_t)g->body_count + 2),
+                     KM_ARENA_NEW(scratch, int, 2 * (size_t)g->joint_count)};
   int *set = KM_ARENA_NEW(scratch, int, (size_t)g->joint_count);
   int *class_of = KM_ARENA_NEW(scratch, int, (size_t)g->body_count);
   bool *inside = KM_ARENA_NEW(scratch, bool, (size_t)g->joint_count);
@@ -220,7 +215,7 @@ static bool build(const km_graph *g, km_arena *arena, km_arena *scratch, km_topo
   number_substructures(t, set, inside);
   group_all(t);
   group_bodies(t, class_of);
-  return true;
+  return km_short_loops_find(g, &at, scratch, t);
 }
 
 km_status km_topology_build(const km_graph *graph, km_arena *arena, km_topology *out, km_error *error) {

@@ -25,8 +25,14 @@ typedef struct km_graph {
 /* A joint of a loop, with the side of the loop that it lies on. */
 typedef struct km_member {
   int joint;
-  int side; /* +1 on the path to the virtual body (the chord's too), -1 on the path to the body it is cut from */
+  int side;     /* +1 on the path to the virtual body (the chord's too), -1 on the path to the body it is cut from */
+  bool against; /* the path from the base passes it against the user's sense */
 } km_member;
+
+/* +1 where the walk around the loop (out along the virtual side, back along the other) follows the user's sense. */
+static inline double km_member_sense(const km_member *member) {
+  return member->side * (member->against ? -1.0 : 1.0);
+}
 
 typedef struct km_topology {
   int body_count, joint_count, loop_count, substructure_count;
@@ -36,7 +42,7 @@ typedef struct km_topology {
   int *arc;                   /* [body] the joint to `parent`; -1 for body 0 */
   bool *against;              /* [joint] a tree joint whose user sense runs towards the inertial frame */
   int *chord;                 /* [loop] the joint that closes it */
-  int *base;                  /* [loop] lowest common ancestor of the chord's bodies */
+  int *base;                  /* [loop] the body of the loop that is nearest to the inertial frame */
   int *member_start;          /* [loop + 1] into `member` */
   km_member *member;          /* base to virtual body in order, then base to embedding body in order */
   int *substructure_of_joint; /* [joint] -1: in no loop and no coupling */
@@ -50,8 +56,9 @@ typedef struct km_topology {
 } km_topology;
 
 /* Level-ordered spanning tree (ties in file order: widest tree, shortest loops), chords, loops and
- * substructures, numbered by their first joint in file order. Time and memory linear in the graph plus the
- * lengths of the loops. KM_MEMORY only. */
+ * substructures, numbered by their first joint in file order. A loop is its chord with the tree's path between the
+ * chord's ends; in large substructures it is a shorter cycle through its chord where there is one
+ * (topology/short_loops.h). Time and memory linear in the graph plus the lengths of the loops. KM_MEMORY only. */
 km_status km_topology_build(const km_graph *graph, km_arena *arena, km_topology *out, km_error *error);
 
 #endif

@@ -1,8 +1,9 @@
 /* Ranks of substructures of up to ten thousand loops, anywhere in space, against SuiteSparse's rank-revealing QR. */
 #include "support/lattices.h"
-#include "support/support.h"
+#include "support/laws.h"
 
 #include "kmech/mobility.h"
+#include "topology/short_loops.h"
 
 #include <SuiteSparseQR_C.h>
 
@@ -88,6 +89,25 @@ static void miuras(void **state) {
   check_sizes(write_miura, 99, 1);
 }
 
+/* Loops of large substructures share joints that no tree's loops share. */
+static void laws_of_large_lattices(void **state) {
+  (void)state;
+  static const law laws[] = {law_jacobian, law_null_space, law_numbers, law_forced, law_twists};
+  static const writer writers[] = {chain, write_trellis, write_miura};
+  for (size_t i = 0; i < sizeof writers / sizeof *writers; ++i) {
+    km_text text = {0};
+    randomness r = {i + 1};
+    writers[i](&text, 8, 9, 0.0);
+    fixture f = fixture_read(text.data);
+    assert_true(f.mechanism->topology.loop_count > KM_MOST_TREE_LOOPS);
+    go_somewhere(&f, &r);
+    for (size_t k = 0; k < sizeof laws / sizeof *laws; ++k)
+      laws[k](&f, &r);
+    fixture_close(&f);
+    km_text_free(&text);
+  }
+}
+
 int main(void) {
   const struct CMUnitTest tests[] = {
       claim_test(chains, "Ranks of chains of up to 9900 loops are those of SuiteSparse's rank-revealing QR",
@@ -96,6 +116,7 @@ int main(void) {
                  "none: whole numbers"),
       claim_test(miuras, "Ranks of folded sheets of up to 9900 loops are those of SuiteSparse's rank-revealing QR",
                  "none: whole numbers"),
+      cmocka_unit_test(laws_of_large_lattices),
   };
   return cmocka_run_group_tests(tests, NULL, NULL);
 }

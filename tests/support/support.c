@@ -179,9 +179,8 @@ static km_vec3 place_of(const fixture *f, int joint) {
 }
 
 /* +1 where the walk around the loop (out along the virtual side, back along the other) follows the user's sense. */
-static double sense(const km_topology *t, int loop, const km_member *member) {
-  bool against = member->joint != t->chord[loop] && t->against[member->joint];
-  return member->side * (against ? -1.0 : 1.0);
+static double sense(const km_member *member) {
+  return member->side * (member->against ? -1.0 : 1.0);
 }
 
 double *whole_jacobian(const fixture *f, int substructure, int *rows) {
@@ -203,7 +202,7 @@ double *whole_jacobian(const fixture *f, int substructure, int *rows) {
           continue;
         km_twist h = column_in_space(f, c);
         h.v = km_vec3_scale(m->unit[c] / sub->size, km_vec3_add(h.v, km_vec3_cross(h.w, about)));
-        double s = sense(t, loop, &t->member[k]), *out = J + (size_t)m->column_of[c] * ld + 6 * (size_t)i;
+        double s = sense(&t->member[k]), *out = J + (size_t)m->column_of[c] * ld + 6 * (size_t)i;
         const double column[6] = {h.v.x, h.v.y, h.v.z, h.w.x, h.w.y, h.w.z};
         for (int r = 0; r < 6; ++r)
           out[r] = s * column[r];
