@@ -269,10 +269,8 @@ static double ratio(double a, double b) {
 }
 
 static void update_rows(const km_mechanism *m, const km_state *s, km_lever *l) {
-  if (l->input.handle.kind == KM_HANDLE_POINT || l->output.handle.kind == KM_HANDLE_POINT) { /* joints need no poses */
-    km_poses_about(m, s, (km_vec3){0, 0, 0}, l->pose);
-    km_poses_about(m, s, l->pose[m->arcs[0].body].p, l->pose);
-  }
+  if (l->input.handle.kind == KM_HANDLE_POINT || l->output.handle.kind == KM_HANDLE_POINT) /* joints need no poses */
+    km_poses_nearby(m, s, l->pose);
   update_row(m, s, l, &l->input);
   update_row(m, s, l, &l->output);
 }

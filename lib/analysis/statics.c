@@ -155,12 +155,12 @@ static double reach(const km_mechanism *m, const km_forces *f) {
 static void gather_loads(const km_mechanism *m, const km_state *s, const km_forces *f, km_statics_work *w) {
   const km_topology *t = &m->topology;
   double size = reach(m, f);
+  km_twists_about(m, s, f->pose, w->twist);
   memcpy(w->subtree, f->body, (size_t)t->body_count * sizeof *f->body);
   memcpy(w->tau, f->joint, (size_t)m->coordinate_count * sizeof *w->tau);
   for (int c = 0; c < m->coordinate_count; ++c) {
     const km_model_coordinate *def = &m->model->coordinates[c];
     bool length = km_joint_is_length(m->model->joints[def->joint].type, def->index);
-    w->twist[c] = km_coordinate_twist_about(m, s, f->pose, c);
     w->least_load[c] =
         rounding * (length ? f->force_size + f->couple_size / size : f->force_size * size + f->couple_size);
   }

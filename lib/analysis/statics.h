@@ -4,9 +4,11 @@
 
 #include "forces/forces.h"
 #include "kmech/statics.h"
+#include "partition/pair.h"
 
 #include <gsl/gsl_matrix.h>
 #include <gsl/gsl_permutation.h>
+#include <string.h>
 
 /* Solving for the actuators of one block: a substructure, or several and joints in no loop that pushed points move
  * together. A motion x of its freedoms moves the actuators by Z_A x. */
@@ -37,19 +39,52 @@ typedef struct km_holding {
 /* A component of a self-stress below this share of its largest is rounding. */
 static const double km_no_part = 1e-9;
 
+/* A loop that goes through a joint, and the sign with which its chord's wrench acts there. */
+typedef struct km_passing {
+  int loop; /* among the substructure's */
+  double sense;
+} km_passing;
+
+/* Of two loops: Σ over the joints that they share of the product of their senses, alone, times the joint's arm d, and
+ * times d dᵀ: xx yy zz, yz zx xy. */
+typedef struct km_arm_moments {
+  double count;
+  km_vec3 first, squares, products;
+} km_arm_moments;
+
+typedef struct km_stress_entry {
+  int row;
+  double value;
+} km_stress_entry;
+
 /* Reactions of one substructure. */
 typedef struct km_carrying {
   struct km_equilibrium *large; /* NULL: it is small, and J is solved as a dense matrix */
   int rows, columns;            /* of J: 6 · loops + couplings */
-  int joints;
+  int loops, joints;
+  const int *joint; /* [joints] */
+  double size;      /* of the substructure: the chords' forces are counted times it */
   bool *mixed;      /* [6 · joints] of a large one: components that statics alone doesn't determine */
-  double *J, *T;    /* J, and its transpose; these and those below are a small one's */
-  double *rhs, *mu; /* [columns], [rows] */
-  double *null;     /* [rows × rows] self-stresses: columns of the null space of Jᵀ */
-  double *field;    /* [rows × 6 · joints] what they do in every joint */
-  double *carried;  /* [6 · joints] of the particular solution */
-  double *ones;     /* [rows] */
-  km_partition partition;
+  double *reported; /* [6 · joints] of a large one: what they carry as it is reported */
+  /* Of a small one: */
+  int *first;          /* [joints + 1] into `passing` */
+  km_passing *passing; /* the loops that go through each joint */
+  km_vec3 *arm;        /* [joints] from the point that moments of chords are about to where its reaction is */
+  double *T;           /* [columns × felt_count] Jᵀ of all six rows of every loop, but for what no motion feels */
+  int *felt;           /* [rows] the rows of J that T has; then the others */
+  int felt_count;
+  double *rhs, *mu;        /* [columns]; [rows] the chords' wrenches, f · size and τ */
+  km_arm_moments *moments; /* [loops × loops] with b ≤ a, a · loops + b */
+  int *stress_start;       /* [rows + 1] into `stress` */
+  km_stress_entry *stress; /* self-stresses N by their entries */
+  double *metric;          /* [rows × rows] M: μᵀ M μ is the Σ of km_chords_make_least */
+  double *image;           /* [rows × rows] M N */
+  km_pair *looks;          /* [2 · rows + 6 · joints] workspace of km_stresses_mark */
+  double *gram;            /* [rows × rows] Nᵀ M N; its Cholesky factor, the diagonal as reciprocals */
+  double *gradient;        /* [rows] half the slope of Σ where μ is 0, */
+  double *slope;           /* [rows] the same along each self-stress, */
+  double *share;           /* [rows] and how much of each is added */
+  km_partition partition;  /* of T */
 } km_carrying;
 
 struct km_statics_work {
@@ -67,6 +102,7 @@ struct km_statics_work {
   double *force;       /* [coordinate] of the actuators, or f̄ */
   double *least_load;  /* [coordinate] below this a generalised force is rounding */
   km_pose *frame;      /* [joint] in which its reaction is reported, about the forces' origin */
+  km_wrench *carried;  /* [joint] its reaction along the inertial axes */
   int *place;          /* [joint] among the joints of its substructure */
   km_holding *holding; /* [block_count] */
   int block_count;
@@ -94,6 +130,9 @@ bool km_holding_reserve(km_statics *statics);
 /* The same for a block at a pose of so many freedoms. */
 bool km_holding_fit(km_holding *holding, int freedom, km_arena *arena);
 km_status km_carrying_reserve(const km_mechanism *mechanism, km_statics_work *work, km_error *error);
+/* From now on the substructure is solved as a large one. */
+km_status km_carrying_make_large(const km_mechanism *mechanism, km_statics_work *work, int substructure,
+                                 km_error *error);
 void km_carrying_free(km_statics_work *work);
 
 /* Actuator forces, directions out of their reach, and whether they hold, from work->tau. */
@@ -124,6 +163,14 @@ void km_equilibrium_free(struct km_equilibrium *equilibrium);
  * statics alone doesn't determine a component. Returns the degree of indeterminacy, -1 when out of memory. */
 int km_equilibrium_solve(struct km_equilibrium *equilibrium, const km_statics_work *work, const km_state *state,
                          double tolerance, double *carried, bool *mixed);
+
+/* From a μ that balances the loads, and what the joints carry by the tree alone in work->carried: what they carry of
+ * least Σ |force|² + |torque / length|², into the same; and which components along the reactions' axes are statically
+ * indeterminate, into the reactions. Returns the degree of indeterminacy. */
+int km_chords_make_least(km_carrying *carrying, km_statics_work *work, double length, km_reaction *reactions);
+
+/* Marks the components in which some self-stress has a part, with `gram` factored. */
+void km_stresses_mark(km_carrying *carrying, const km_statics_work *work, int degree, km_reaction *reactions);
 
 /* Reactions from work->force. */
 void km_statics_carry(const km_mechanism *mechanism, km_state *state, const km_forces *forces, km_statics *statics);

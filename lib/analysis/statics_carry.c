@@ -9,18 +9,52 @@
 /* Up to so many rows dense matrices are the faster ones. */
 enum { MOST_DENSE_ROWS = 120 };
 
+/* The loops that go through each joint, by the topology alone. */
+static void list_passing(const km_mechanism *m, const km_statics_work *w, int index, km_arena *arena, km_carrying *c) {
+  const km_topology *t = &m->topology;
+  int start = t->loop_start[index], end = t->loop_start[index + 1], count = 0;
+  c->first = KM_ARENA_NEW(arena, int, (size_t)c->joints + 2);
+  for (int i = start; i < end; ++i)
+    count += t->member_start[t->loop[i] + 1] - t->member_start[t->loop[i]];
+  c->passing = KM_ARENA_NEW(arena, km_passing, (size_t)count);
+  if (arena->failed)
+    return;
+  for (int i = start; i < end; ++i)
+    for (int n = t->member_start[t->loop[i]]; n < t->member_start[t->loop[i] + 1]; ++n)
+      c->first[w->place[t->member[n].joint] + 2]++;
+  for (int j = 0; j < c->joints; ++j)
+    c->first[j + 2] += c->first[j + 1];
+  for (int i = start; i < end; ++i)
+    for (int n = t->member_start[t->loop[i]]; n < t->member_start[t->loop[i] + 1]; ++n)
+      c->passing[c->first[w->place[t->member[n].joint] + 1]++] =
+          (km_passing){i - start, km_member_sense(&t->member[n])};
+}
+
 static void reserve_dense(km_carrying *c, km_arena *arena) {
-  size_t rows = (size_t)c->rows, columns = (size_t)c->columns, parts = 6 * (size_t)c->joints;
-  c->J = KM_ARENA_NEW(arena, double, rows *columns);
+  size_t rows = (size_t)c->rows, columns = (size_t)c->columns;
+  c->arm = KM_ARENA_NEW(arena, km_vec3, (size_t)c->joints);
   c->T = KM_ARENA_NEW(arena, double, rows *columns);
+  c->felt = KM_ARENA_NEW(arena, int, rows);
   c->rhs = KM_ARENA_NEW(arena, double, columns);
   c->mu = KM_ARENA_NEW(arena, double, rows);
-  c->null = KM_ARENA_NEW(arena, double, rows *rows);
-  c->field = KM_ARENA_NEW(arena, double, rows *parts);
-  c->ones = KM_ARENA_NEW(arena, double, rows);
-  for (size_t r = 0; r < rows && c->ones; ++r)
-    c->ones[r] = 1.0;
+  c->moments = KM_ARENA_NEW(arena, km_arm_moments, (size_t)c->loops * (size_t)c->loops);
+  c->stress_start = KM_ARENA_NEW(arena, int, rows + 1);
+  c->stress = KM_ARENA_NEW(arena, km_stress_entry, rows * rows);
+  c->metric = KM_ARENA_NEW(arena, double, rows *rows);
+  c->image = KM_ARENA_NEW(arena, double, rows *rows);
+  c->looks = KM_ARENA_NEW(arena, km_pair, 2 * rows + 6 * (size_t)c->joints);
+  c->gram = KM_ARENA_NEW(arena, double, rows *rows);
+  c->gradient = KM_ARENA_NEW(arena, double, rows);
+  c->slope = KM_ARENA_NEW(arena, double, rows);
+  c->share = KM_ARENA_NEW(arena, double, rows);
   km_partition_reserve(&c->partition, c->columns, c->rows, arena);
+}
+
+km_status km_carrying_make_large(const km_mechanism *m, km_statics_work *w, int index, km_error *error) {
+  km_carrying *c = &w->carrying[index];
+  c->reported = KM_ARENA_NEW(&w->arena, double, 6 * (size_t)c->joints);
+  c->mixed = KM_ARENA_NEW(&w->arena, bool, 6 * (size_t)c->joints);
+  return km_equilibrium_create(m, index, &c->large, error);
 }
 
 static km_status reserve_one(const km_mechanism *m, km_statics_work *w, int index, km_error *error) {
@@ -29,14 +63,15 @@ static km_status reserve_one(const km_mechanism *m, km_statics_work *w, int inde
   km_carrying *c = &w->carrying[index];
   c->rows = 6 * sub->loop_count + sub->coupling_count;
   c->columns = sub->columns;
+  c->loops = sub->loop_count;
   c->joints = t->joint_start[index + 1] - t->joint_start[index];
+  c->joint = t->joint + t->joint_start[index];
+  c->size = sub->size;
   for (int j = 0; j < c->joints; ++j)
-    w->place[t->joint[t->joint_start[index] + j]] = j;
-  c->carried = KM_ARENA_NEW(&w->arena, double, 6 * (size_t)c->joints);
-  if (c->rows > MOST_DENSE_ROWS) {
-    c->mixed = KM_ARENA_NEW(&w->arena, bool, 6 * (size_t)c->joints);
-    return km_equilibrium_create(m, index, &c->large, error);
-  }
+    w->place[c->joint[j]] = j;
+  if (c->rows > MOST_DENSE_ROWS)
+    return km_carrying_make_large(m, w, index, error);
+  list_passing(m, w, index, &w->arena, c);
   reserve_dense(c, &w->arena);
   return KM_OK;
 }
@@ -47,6 +82,7 @@ km_status km_carrying_reserve(const km_mechanism *m, km_statics_work *w, km_erro
   km_status status = KM_OK;
   w->carrying = KM_ARENA_NEW(arena, km_carrying, (size_t)t->substructure_count);
   w->frame = KM_ARENA_NEW(arena, km_pose, (size_t)t->joint_count);
+  w->carried = KM_ARENA_NEW(arena, km_wrench, (size_t)t->joint_count);
   w->place = KM_ARENA_NEW(arena, int, (size_t)t->joint_count);
   for (int i = 0; i < t->substructure_count && !arena->failed && !status; ++i)
     status = reserve_one(m, w, i, error);
@@ -59,18 +95,14 @@ void km_carrying_free(km_statics_work *w) {
 }
 
 /* The frame that a reaction is reported in. */
-static km_pose report_frame(const km_mechanism *m, const km_forces *f, int joint, km_axes axes) {
+static void set_frame(const km_mechanism *m, const km_forces *f, int joint, km_axes axes, km_pose *out) {
   const km_model_frame *frame = &m->model->frames[m->model->joints[joint].frame[1]];
-  km_pose X = km_pose_product(&f->pose[frame->body], &frame->pose);
+  const km_pose *body = &f->pose[frame->body];
+  for (int k = 0; k < 3; ++k)
+    out->R.axis[k] = km_rotate(&body->R, frame->pose.R.axis[k]);
   if (axes == KM_AXES_FIXED)
-    X.R = km_rotation_identity();
-  return X;
-}
-
-static void reported(const km_pose *frame, km_wrench w, double out[6]) {
-  w = km_wrench_turned_back(&frame->R, km_wrench_about(w, frame->p));
-  const double values[6] = {w.f.x, w.f.y, w.f.z, w.t.x, w.t.y, w.t.z};
-  memcpy(out, values, sizeof values);
+    out->R = km_rotation_identity();
+  out->p = km_pose_point(body, frame->pose.p);
 }
 
 /* What a tree joint carries without any loop: its parent holds all that hangs on the child. */
@@ -83,168 +115,124 @@ static km_wrench from_tree(const km_mechanism *m, const km_statics_work *w, int 
   return km_wrench_axpy(against ? 1.0 : -1.0, w->subtree[body], (km_wrench){{0, 0, 0}, {0, 0, 0}});
 }
 
-/* The wrench of six scaled entries (f · size; τ about `about`), about the origin. */
-static km_wrench unscaled(const km_substructure *sub, const double *mu, km_vec3 about) {
-  km_wrench w = {km_vec3_scale(1.0 / sub->size, km_vec3_make(mu)), km_vec3_make(mu + 3)};
-  return (km_wrench){w.f, km_vec3_add(w.t, km_vec3_cross(about, w.f))};
-}
-
-/* What the chords' wrenches do in every joint of the substructure, added to out[6 · joints]. */
-static void spread(const km_mechanism *m, const km_statics_work *w, int index, km_vec3 about, const double *mu,
-                   double *out) {
-  const km_topology *t = &m->topology;
-  for (int i = t->loop_start[index]; i < t->loop_start[index + 1]; ++i) {
-    int loop = t->loop[i];
-    km_wrench wrench = unscaled(&m->substructures[index], mu + 6 * (i - t->loop_start[index]), about);
-    for (int n = t->member_start[loop]; n < t->member_start[loop + 1]; ++n) {
-      int joint = t->member[n].joint;
-      double part[6], sense = km_member_sense(&t->member[n]);
-      reported(&w->frame[joint], wrench, part);
-      for (int k = 0; k < 6; ++k)
-        out[6 * w->place[joint] + k] += sense * part[k];
-    }
-  }
-}
-
-/* f·f' + τ·τ'/L² over all joints. */
-static double product(const km_carrying *c, double length, const double *a, const double *b) {
-  double forces = 0.0, torques = 0.0;
-  for (int j = 0; j < c->joints; ++j)
-    for (int k = 0; k < 3; ++k) {
-      forces += a[6 * j + k] * b[6 * j + k];
-      torques += a[6 * j + 3 + k] * b[6 * j + 3 + k];
-    }
-  return forces + torques / (length * length);
-}
-
-static void subtract(const km_carrying *c, double factor, const double *b, double *a) {
-  for (int k = 0; k < 6 * c->joints; ++k)
-    a[k] -= factor * b[k];
-}
-
-/* Takes the self-stresses out of what is carried: what remains is of least norm. One that lies in couplings alone
- * stresses no joint. */
-static void make_least(const km_carrying *c, int degree, double length) {
-  size_t parts = 6 * (size_t)c->joints;
-  double largest = 0.0;
-  for (int k = 0; k < degree; ++k)
-    largest = fmax(largest, product(c, length, c->field + (size_t)k * parts, c->field + (size_t)k * parts));
-  for (int k = 0; k < degree; ++k) {
-    double *field = c->field + (size_t)k * parts;
-    for (int pass = 0; pass < 2; ++pass)
-      for (int o = 0; o < k; ++o)
-        subtract(c, product(c, length, c->field + (size_t)o * parts, field), c->field + (size_t)o * parts, field);
-    double square = product(c, length, field, field), size = square > 1e-18 * largest ? sqrt(square) : HUGE_VAL;
-    for (size_t i = 0; i < parts; ++i)
-      field[i] /= size;
-  }
-  for (int pass = 0; pass < 2; ++pass)
-    for (int k = 0; k < degree; ++k) {
-      const double *field = c->field + (size_t)k * parts;
-      subtract(c, product(c, length, field, c->carried), field, c->carried);
-    }
-}
-
-/* A component is determined if no self-stress has a part in it. */
-static void mark(const km_mechanism *m, const km_carrying *c, int index, int degree, km_statics *st) {
-  double size = m->substructures[index].size;
-  size_t parts = 6 * (size_t)c->joints;
-  for (int k = 0; k < degree; ++k) {
-    const double *field = c->field + (size_t)k * parts;
-    double largest = 0.0;
-    for (size_t i = 0; i < parts; ++i)
-      largest = fmax(largest, fabs(field[i]) / (i % 6 < 3 ? 1.0 : size));
-    for (size_t i = 0; i < parts; ++i)
-      if (fabs(field[i]) / (i % 6 < 3 ? 1.0 : size) > km_no_part * largest)
-        st->reactions[m->topology.joint[m->topology.joint_start[index] + (int)(i / 6)]].indeterminate[i % 6] = true;
-  }
-}
-
 static double tolerance_of(const km_mechanism *m, const km_state *s, int index) {
   const km_substructure *sub = &m->substructures[index];
   int worst;
   return km_rank_tolerance(m, sub, km_loops_residual(m, s, sub, &worst));
 }
 
-/* Chord wrenches of one substructure, and the self-stresses that leave every joint free of force along its motion. */
-static int solve_chords(const km_mechanism *m, const km_state *s, int index, km_vec3 about, km_statics_work *w) {
+/* Jᵀ of all six rows of every loop, as km_whole_jacobian has them: each joint's columns once, for every loop through it. */
+static void fill_transposed(const km_mechanism *m, const km_state *s, const km_substructure *sub, km_vec3 about,
+                            const km_twist *twist, km_carrying *c) {
+  size_t columns = (size_t)c->columns;
+  memset(c->T, 0, columns * (size_t)c->rows * sizeof *c->T);
+  for (int j = 0; j < c->joints; ++j) {
+    int first = m->model->joints[c->joint[j]].first_coordinate;
+    for (int q = first; q < first + km_model_freedom(m->model, c->joint[j]); ++q) {
+      if (m->column_of[q] < 0)
+        continue;
+      double entry[6];
+      km_twist_entries(sub, twist[q], about, m->unit[q], entry);
+      for (int i = c->first[j]; i < c->first[j + 1]; ++i) {
+        double *to = c->T + 6 * (size_t)c->passing[i].loop * columns + (size_t)m->column_of[q];
+        for (size_t r = 0; r < 6; ++r)
+          to[r * columns] = c->passing[i].sense * entry[r];
+      }
+    }
+  }
+  km_coupling_entries(m, s, sub, c->T + 6 * (size_t)c->loops * columns, columns, 1);
+}
+
+/* Leaves out of Jᵀ the components of chords that no motion feels, as those across a plane: self-stresses by themselves. */
+static void leave_unfelt(km_carrying *c) {
+  int columns = c->columns, unfelt = c->rows;
+  c->felt_count = 0;
+  for (int r = 0; r < c->rows; ++r) {
+    const double *from = c->T + (size_t)r * (size_t)columns;
+    bool felt = false;
+    for (int k = 0; k < columns && !felt; ++k)
+      felt = from[k] != 0.0;
+    if (!felt) {
+      c->felt[--unfelt] = r;
+      continue;
+    }
+    if (c->felt_count < r)
+      memcpy(c->T + (size_t)c->felt_count * (size_t)columns, from, (size_t)columns * sizeof *from);
+    c->felt[c->felt_count++] = r;
+  }
+}
+
+/* Chord wrenches of one substructure that balance the loads: Jᵀ μ = f + τ. The null space of Jᵀ are the self-stresses,
+ * which leave every joint free of force along its motion. */
+static void solve_chords(const km_mechanism *m, const km_state *s, int index, km_vec3 about, km_statics_work *w) {
   const km_substructure *sub = &m->substructures[index];
   km_carrying *c = &w->carrying[index];
-  km_whole_jacobian(m, s, index, w->twist, about, c->J);
-  for (int r = 0; r < c->rows; ++r)
-    for (int k = 0; k < c->columns; ++k)
-      c->T[(size_t)r * (size_t)c->columns + (size_t)k] = c->J[(size_t)k * (size_t)c->rows + (size_t)r];
+  fill_transposed(m, s, sub, about, w->twist, c);
+  leave_unfelt(c);
   for (int k = 0; k < c->columns; ++k) { /* τ holds the force of a spring in the joint already */
     int coordinate = m->column_coordinate[sub->column_start + k];
     c->rhs[k] = m->unit[coordinate] * (w->force[coordinate] + w->tau[coordinate]);
   }
-  km_partition_factor(&c->partition, c->T, c->columns, c->rows, NULL, tolerance_of(m, s, index));
-  km_partition_solve(&c->partition, c->rhs, c->mu);
-  int degree = km_partition_freedom(&c->partition);
-  km_partition_null(&c->partition, c->ones, degree, c->null);
-  return degree;
+  km_partition_factor(&c->partition, c->T, c->columns, c->felt_count, NULL, tolerance_of(m, s, index));
+  km_partition_solve(&c->partition, c->rhs, c->share);
+  memset(c->mu, 0, (size_t)c->rows * sizeof *c->mu);
+  for (int i = 0; i < c->felt_count; ++i)
+    c->mu[c->felt[i]] = c->share[i];
 }
 
 static void carry_small(const km_mechanism *m, const km_state *s, const km_forces *f, int index, km_statics *st) {
-  const km_topology *t = &m->topology;
   km_statics_work *w = st->work;
   km_carrying *c = &w->carrying[index];
-  const km_model_frame *frame = &m->model->frames[m->model->joints[t->joint[t->joint_start[index]]].frame[0]];
+  const km_model_frame *frame = &m->model->frames[m->model->joints[c->joint[0]].frame[0]];
   km_vec3 about = km_pose_point(&f->pose[frame->body], frame->pose.p);
-  int degree = solve_chords(m, s, index, about, w);
-  st->degree += degree;
-  spread(m, w, index, about, c->mu, c->carried);
-  memset(c->field, 0, (size_t)degree * 6 * (size_t)c->joints * sizeof *c->field);
-  for (int k = 0; k < degree; ++k)
-    spread(m, w, index, about, c->null + (size_t)k * (size_t)c->rows, c->field + (size_t)k * 6 * (size_t)c->joints);
-  make_least(c, degree, m->length);
-  mark(m, c, index, degree, st);
+  solve_chords(m, s, index, about, w);
+  for (int j = 0; j < c->joints; ++j)
+    c->arm[j] = km_vec3_sub(w->frame[c->joint[j]].p, about);
+  st->degree += km_chords_make_least(c, w, m->length, st->reactions);
 }
 
-/* Without memory nothing is known of its joints. */
+/* From what the tree alone makes them carry. Without memory nothing is known of its joints. */
 static void carry_large(const km_mechanism *m, const km_state *s, int index, km_statics *st) {
   km_carrying *c = &st->work->carrying[index];
-  const int *joint = m->topology.joint + m->topology.joint_start[index];
+  for (int j = 0; j < c->joints; ++j) {
+    memcpy(c->reported + 6 * j, st->reactions[c->joint[j]].force, 3 * sizeof *c->reported);
+    memcpy(c->reported + 6 * j + 3, st->reactions[c->joint[j]].torque, 3 * sizeof *c->reported);
+  }
   memset(c->mixed, 0, 6 * (size_t)c->joints * sizeof *c->mixed);
-  int degree = km_equilibrium_solve(c->large, st->work, s, tolerance_of(m, s, index), c->carried, c->mixed);
-  for (int i = 0; i < 6 * c->joints; ++i) {
-    st->reactions[joint[i / 6]].indeterminate[i % 6] = c->mixed[i];
-    if (degree < 0)
-      c->carried[i] = nan("");
+  int degree = km_equilibrium_solve(c->large, st->work, s, tolerance_of(m, s, index), c->reported, c->mixed);
+  for (int i = 0; i < 6 * c->joints && degree < 0; ++i)
+    c->reported[i] = nan("");
+  for (int j = 0; j < c->joints; ++j) {
+    km_reaction *r = &st->reactions[c->joint[j]];
+    memcpy(r->force, c->reported + 6 * j, sizeof r->force);
+    memcpy(r->torque, c->reported + 6 * j + 3, sizeof r->torque);
+    memcpy(r->indeterminate, c->mixed + 6 * j, sizeof r->indeterminate);
   }
   st->degree += degree > 0 ? degree : 0;
 }
 
-static void carry_substructure(const km_mechanism *m, const km_state *s, const km_forces *f, int index,
-                               km_statics *st) {
-  km_statics_work *w = st->work;
-  km_carrying *c = &w->carrying[index];
-  const int *joint = m->topology.joint + m->topology.joint_start[index];
-  for (int j = 0; j < c->joints; ++j)
-    reported(&w->frame[joint[j]], from_tree(m, w, joint[j]), c->carried + 6 * j);
-  if (c->large)
-    carry_large(m, s, index, st);
-  else
-    carry_small(m, s, f, index, st);
-  for (int j = 0; j < c->joints; ++j) {
-    km_reaction *r = &st->reactions[joint[j]];
-    memcpy(r->force, c->carried + 6 * j, sizeof r->force);
-    memcpy(r->torque, c->carried + 6 * j + 3, sizeof r->torque);
-  }
+static void report(const km_statics_work *w, int joint, km_reaction *r) {
+  km_wrench carried = km_wrench_turned_back(&w->frame[joint].R, w->carried[joint]);
+  memcpy(r->force, &carried.f, sizeof r->force);
+  memcpy(r->torque, &carried.t, sizeof r->torque);
 }
 
 void km_statics_carry(const km_mechanism *m, km_state *s, const km_forces *f, km_statics *st) {
+  km_statics_work *w = st->work;
   st->degree = 0;
   for (int j = 0; j < m->topology.joint_count; ++j) {
-    double part[6];
-    st->work->frame[j] = report_frame(m, f, j, st->axes);
-    st->reactions[j] = (km_reaction){{0}, {0}, {0}};
-    reported(&st->work->frame[j], from_tree(m, st->work, j), part);
-    memcpy(st->reactions[j].force, part, sizeof st->reactions[j].force);
-    memcpy(st->reactions[j].torque, part + 3, sizeof st->reactions[j].torque);
+    set_frame(m, f, j, st->axes, &w->frame[j]);
+    w->carried[j] = km_wrench_about(from_tree(m, w, j), w->frame[j].p);
+    memset(st->reactions[j].indeterminate, 0, sizeof st->reactions[j].indeterminate);
   }
   for (int i = 0; i < m->topology.substructure_count; ++i)
-    carry_substructure(m, s, f, i, st);
+    if (!w->carrying[i].large)
+      carry_small(m, s, f, i, st);
+  for (int j = 0; j < m->topology.joint_count; ++j)
+    report(w, j, &st->reactions[j]);
+  for (int i = 0; i < m->topology.substructure_count; ++i)
+    if (w->carrying[i].large)
+      carry_large(m, s, i, st);
 }
 
 km_vec3 km_normal_force(const km_mechanism *m, const km_statics *st, int c) {

@@ -1,7 +1,6 @@
 /* Actuators against loads: Y_Aᵀ f_A = −Yᵀ τ, block by block. */
 #include "analysis/statics.h"
 
-#include <gsl/gsl_blas.h>
 #include <gsl/gsl_linalg.h>
 #include <string.h>
 
@@ -26,6 +25,11 @@ static gsl_matrix top(const gsl_matrix *a, int rows, int columns) {
 }
 static gsl_vector first(const gsl_vector *a, int size) {
   return (gsl_vector){.size = (size_t)size, .stride = 1, .data = a->data};
+}
+
+/* Elements, without the call that GSL makes of each. */
+static double *entry(const gsl_matrix *a, size_t row, size_t column) {
+  return a->data + row * a->tda + column;
 }
 
 /* Adds the motion Z x as a direction. */
@@ -87,10 +91,10 @@ static double scaled_rate(const km_mechanism *m, const km_statics *st, const km_
 
 /* Z_A, a row an actuator, scaled: f_A = D F makes Z_Aᵀ F = −g. */
 static void fill(const km_mechanism *m, const km_statics *st, const km_holding *h, gsl_matrix *U) {
-  gsl_matrix_set_zero(U);
-  for (int a = 0; a < h->count; ++a)
+  for (size_t a = 0; a < U->size1; ++a)
     for (size_t k = 0; k < U->size2; ++k)
-      gsl_matrix_set(U, (size_t)a, k, scaled_rate(m, st, h, h->actuator[a], h->Z + k * (size_t)h->columns));
+      *entry(U, a, k) =
+          a < (size_t)h->count ? scaled_rate(m, st, h, h->actuator[a], h->Z + k * (size_t)h->columns) : 0.0;
 }
 
 /* A unit vector at right angles to the `count` rows of `basis`, from v: false if nothing is left of it. */
@@ -124,9 +128,9 @@ static bool unreached(const km_mechanism *m, const km_holding *h, km_statics *st
     memset(x, 0, (size_t)freedom * sizeof *x);
     for (int k = 0; k < freedom; ++k) {
       if (i >= rank)
-        x[k] = gsl_matrix_get(h->V, (size_t)k, (size_t)i);
+        x[k] = *entry(h->V, (size_t)k, (size_t)i);
       for (int n = rank; n < freedom && i < rank; ++n)
-        x[k] += gsl_matrix_get(h->V, (size_t)k, (size_t)n) * h->load->data[n] / size;
+        x[k] += *entry(h->V, (size_t)k, (size_t)n) * h->load->data[n] / size;
     }
     if (straighten(basis, kept, freedom, x)) {
       add_direction(m, h, x, i < rank, st);
@@ -163,6 +167,21 @@ static void gather(const km_mechanism *m, const km_state *s, km_holding *h) {
     h->gathered[(size_t)h->freedom++ * (size_t)h->columns + (size_t)column++] = 1.0;
 }
 
+/* U S Vᵀ of a matrix, in its place. */
+static void decompose(gsl_matrix *U, gsl_matrix *V, gsl_vector *S) {
+  if (U->size2 > 1) {
+    gsl_linalg_SV_decomp_jacobi(U, V, S);
+    return;
+  }
+  double square = 0.0;
+  for (size_t a = 0; a < U->size1; ++a)
+    square += *entry(U, a, 0) * *entry(U, a, 0);
+  S->data[0] = sqrt(square);
+  *entry(V, 0, 0) = 1.0;
+  for (size_t a = 0; a < U->size1; ++a)
+    *entry(U, a, 0) /= square > 0.0 ? S->data[0] : 1.0;
+}
+
 static void hold_block(const km_mechanism *m, const km_state *s, int index, km_statics *st) {
   km_holding *h = &st->work->holding[index];
   if (!km_holding_fit(h, count_freedom(s, h), &st->work->arena)) {
@@ -181,9 +200,13 @@ static void hold_block(const km_mechanism *m, const km_state *s, int index, km_s
   gsl_vector S = first(h->S, freedom), g = first(h->answer, freedom), load = first(h->load, freedom);
   double noise = loads_on(m, h, st->work, &g);
   fill(m, st, h, &U);
-  gsl_linalg_SV_decomp_jacobi(&U, &V, &S);
-  gsl_blas_dgemv(CblasTrans, 1.0, &V, &g, 0.0, &load);
-  while (rank < freedom && gsl_vector_get(&S, (size_t)rank) > out_of_reach)
+  decompose(&U, &V, &S);
+  for (size_t i = 0; i < load.size; ++i) { /* Vᵀ g */
+    load.data[i] = 0.0;
+    for (size_t k = 0; k < g.size; ++k)
+      load.data[i] += *entry(&V, k, i) * g.data[k];
+  }
+  while (rank < freedom && S.data[rank] > out_of_reach)
     ++rank;
   h->rank = rank;
   h->noise = noise;
@@ -192,7 +215,7 @@ static void hold_block(const km_mechanism *m, const km_state *s, int index, km_s
     int actuator = h->actuator[a];
     double F = 0.0;
     for (size_t i = 0; i < (size_t)rank; ++i)
-      F -= gsl_matrix_get(&U, (size_t)a, i) * gsl_vector_get(&load, i) / gsl_vector_get(&S, i);
+      F -= *entry(&U, (size_t)a, i) * load.data[i] / S.data[i];
     st->actuator_forces[actuator] = F * km_actuator_scale(m, st, actuator);
   }
   bool holds = unreached(m, h, st);

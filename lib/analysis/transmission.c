@@ -311,11 +311,8 @@ void km_transmission_update(const km_mechanism *m, km_state *s, km_transmission_
                             &out->manipulability,      &out->condition};
   for (size_t i = 0; i < sizeof all / sizeof *all; ++i)
     undefined(all[i], out->no_wrench);
-  km_poses_about(m, s, (km_vec3){0, 0, 0}, w->pose);
-  km_vec3 origin = w->pose[m->arcs[0].body].p;
-  km_poses_about(m, s, origin, w->pose);
-  for (int c = 0; c < m->coordinate_count; ++c)
-    w->twist[c] = km_coordinate_twist_about(m, s, w->pose, c);
+  km_vec3 origin = km_poses_nearby(m, s, w->pose);
+  km_twists_about(m, s, w->pose, w->twist);
   km_wrench wrench;
   if (!out->no_wrench) {
     km_vec3 about = centre_of(m, w, w->ring[w->at_output]);

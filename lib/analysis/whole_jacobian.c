@@ -29,6 +29,18 @@ static void fill_loop(const km_mechanism *m, const km_substructure *sub, int loo
   }
 }
 
+void km_coupling_entries(const km_mechanism *m, const km_state *s, const km_substructure *sub, double *first,
+                         size_t down, size_t across) {
+  for (int i = 0; i < sub->coupling_count; ++i) {
+    const km_coupling *coupling = &m->couplings[sub->coupling_start + i];
+    for (int k = 0; k < coupling->term_count; ++k) {
+      const km_term *term = &m->terms[coupling->term_start + k];
+      if (term->column >= 0)
+        km_term_value(m, s, term, &first[(size_t)i * down + (size_t)term->column * across]);
+    }
+  }
+}
+
 void km_whole_jacobian(const km_mechanism *m, const km_state *s, int index, const km_twist *twist, km_vec3 about,
                        double *J) {
   const km_topology *t = &m->topology;
@@ -37,12 +49,5 @@ void km_whole_jacobian(const km_mechanism *m, const km_state *s, int index, cons
   memset(J, 0, (size_t)rows * (size_t)sub->columns * sizeof *J);
   for (int i = 0; i < sub->loop_count; ++i)
     fill_loop(m, sub, t->loop[t->loop_start[index] + i], twist, about, rows, J + 6 * i);
-  for (int i = 0; i < sub->coupling_count; ++i) {
-    const km_coupling *coupling = &m->couplings[sub->coupling_start + i];
-    for (int k = 0; k < coupling->term_count; ++k) {
-      const km_term *term = &m->terms[coupling->term_start + k];
-      if (term->column >= 0)
-        km_term_value(m, s, term, &J[(size_t)term->column * (size_t)rows + (size_t)(6 * sub->loop_count + i)]);
-    }
-  }
+  km_coupling_entries(m, s, sub, J + 6 * sub->loop_count, 1, (size_t)rows);
 }

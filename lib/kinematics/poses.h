@@ -18,9 +18,13 @@ km_twist km_coordinate_twist(const km_mechanism *mechanism, const km_state *stat
 /* Poses of all bodies in the inertial frame moved to `origin`: near the mechanism they keep their digits.
  * pose[body count]. */
 void km_poses_about(const km_mechanism *mechanism, const km_state *state, km_vec3 origin, km_pose *pose);
+/* The same about the origin of a body near the mechanism, which is returned. */
+km_vec3 km_poses_nearby(const km_mechanism *mechanism, const km_state *state, km_pose *pose);
 /* km_coordinate_twist about that origin. */
 km_twist km_coordinate_twist_about(const km_mechanism *mechanism, const km_state *state, const km_pose *pose,
                                    int coordinate);
+/* Of every coordinate: twist[coordinate count]. */
+void km_twists_about(const km_mechanism *mechanism, const km_state *state, const km_pose *pose, km_twist *twist);
 /* A pose as the public record. */
 void km_pose_write(const km_pose *pose, km_frame_pose *out);
 /* The frame that a joint starts from (its parent frame), in the inertial frame. */

@@ -31,11 +31,5 @@ km_pose km_motion_passed(km_motion motion, double pitch, const double *value, do
 }
 
 km_twist km_motion_twist(km_motion motion, double pitch, const km_pose *frame, int k) {
-  km_vec3 axis = frame->R.axis[motion.primitive == KM_BALL ? k : motion.axis];
-  if (motion.primitive == KM_PRISMATIC)
-    return km_twist_prismatic(axis);
-  km_twist t = km_twist_revolute(axis, frame->p);
-  if (motion.primitive == KM_HELICAL)
-    t.v = km_vec3_axpy(pitch, axis, t.v);
-  return t;
+  return km_axis_twist(motion.primitive, pitch, frame->R.axis[motion.primitive == KM_BALL ? k : motion.axis], frame->p);
 }

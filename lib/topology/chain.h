@@ -35,6 +35,16 @@ km_pose km_frame_to_frame(const km_model *model, int a, int b, double size);
 /* km_motion_pose, undone if sign < 0. */
 km_pose km_motion_passed(km_motion motion, double pitch, const double *value, double sign);
 
+/* The unit twist of a motion along or about an axis through a point. */
+static inline km_twist km_axis_twist(km_primitive primitive, double pitch, km_vec3 axis, km_vec3 point) {
+  if (primitive == KM_PRISMATIC)
+    return km_twist_prismatic(axis);
+  km_twist t = km_twist_revolute(axis, point);
+  if (primitive == KM_HELICAL)
+    t.v = km_vec3_axpy(pitch, axis, t.v);
+  return t;
+}
+
 /* The unit twist of a motion's coordinate k at a frame (a ball's about the frame's axis k). */
 km_twist km_motion_twist(km_motion motion, double pitch, const km_pose *frame, int k);
 
