@@ -4,6 +4,7 @@
 #include "analysis/scan.h"
 #include "analysis/transmission.h"
 #include "base/check.h"
+#include "base/table.h"
 #include "base/text.h"
 #include "kmech/losses.h"
 
@@ -31,13 +32,13 @@ static bool add_columns(void *self, const km_sweeper *r, km_table *table) {
   const char *unit = km_advantage_unit(r->m->model, &w->out->input, &w->out->output);
   km_text_format(&name, "%s/%s", w->out->input.name, w->out->output.name);
   w->out->column = km_table_columns(table);
-  bool added = !name.failed && km_sweeper_column(table, "ma.", name.data, "", unit[0] ? unit : NULL);
+  bool added = !name.failed && km_table_join_column(table, "ma.", name.data, "", unit[0] ? unit : NULL);
   if (w->losses)
-    added = added && km_sweeper_column(table, "force_ratio.", name.data, "", unit[0] ? unit : NULL);
+    added = added && km_table_join_column(table, "force_ratio.", name.data, "", unit[0] ? unit : NULL);
   km_text_free(&name);
   for (int i = 0; i < KM_METRIC_COLUMNS && w->transmission; ++i) {
     unit = km_transmission_unit(r->m->model, &w->out->output, i);
-    added = added && km_sweeper_column(table, km_transmission_name(i), "", "", unit[0] ? unit : NULL);
+    added = added && km_table_join_column(table, km_transmission_name(i), "", "", unit[0] ? unit : NULL);
   }
   return added;
 }

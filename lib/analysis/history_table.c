@@ -4,6 +4,7 @@
 #include "analysis/statics.h"
 #include "analysis/sweeper.h"
 #include "base/check.h"
+#include "base/table.h"
 #include "base/text.h"
 #include "kinematics/loops.h"
 
@@ -12,7 +13,7 @@
 /* "frame." "crank/tip" ".x" */
 static void column(km_table *table, bool *failed, const char *unit, const char *prefix, const char *name,
                    const char *suffix) {
-  *failed = !km_sweeper_column(table, prefix, name, suffix, unit) || *failed;
+  *failed = !km_table_join_column(table, prefix, name, suffix, unit) || *failed;
 }
 
 /* A coordinate's unit over the time unit, once or squared; or its force. Borrowed from `text`. */

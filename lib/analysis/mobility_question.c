@@ -35,7 +35,7 @@ static void answer_all(km_question *const *q, km_state *const *s, int count, km_
   for (int i = 0; i < count; ++i) {
     plans[i] = q[i]->plan;
     plans[i].singularities = flag(q[i], SINGULARITIES);
-    jobs[i] = (km_mobility_job){q[i]->m, s[i], &plans[i], &((own *)q[i]->own)->sweep, KM_OK, &errors[i]};
+    jobs[i] = (km_mobility_job){q[i]->m, s[i], &plans[i], &((own *)q[i]->own)->sweep, &q[i]->room, KM_OK, &errors[i]};
   }
   km_mobility_sweeps_run(jobs, count);
   for (int i = 0; i < count; ++i) {
@@ -81,6 +81,11 @@ static km_question_event event(const km_question *q, int index) {
 
 static void forget(km_question *q) {
   own *o = q->own;
+  if (o->sweep.motion.table) {
+    km_table_free(q->room.table);
+    q->room.table = o->sweep.motion.table;
+    o->sweep.motion.table = NULL;
+  }
   km_mobility_sweep_free(&o->sweep);
   km_sweep_redundancies_free(&o->redundancies);
 }

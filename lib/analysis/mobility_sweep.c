@@ -44,16 +44,16 @@ static bool add_columns(void *self, const km_sweeper *r, km_table *table) {
     const km_model_joint *joint = &model->joints[j];
     int freedom = km_model_freedom(model, j);
     if (freedom == 0) {
-      added = km_sweeper_column(table, "m.", joint->label, "", NULL) && added;
+      added = km_table_join_column(table, "m.", joint->label, "", NULL) && added;
       w->shown[w->shown_count++] = -1;
     }
     for (int c = joint->first_coordinate; c < joint->first_coordinate + freedom; ++c) {
       w->cell[c] = km_table_columns(table);
-      added = km_sweeper_column(table, "m.", model->coordinates[c].label, "", NULL) && added;
+      added = km_table_join_column(table, "m.", model->coordinates[c].label, "", NULL) && added;
       w->shown[w->shown_count++] = c;
     }
   }
-  return (!r->plan->singularities || km_sweeper_column(table, "", "singular_value", "", NULL)) && added;
+  return (!r->plan->singularities || km_table_join_column(table, "", "singular_value", "", NULL)) && added;
 }
 
 static double *write_numbers(void *self, km_sweeper *r, double *cell) {
@@ -268,8 +268,7 @@ static km_status open_watch(watch *w, const km_mobility_job *job) {
   size_t count = (size_t)job->m->coordinate_count;
   km_mobility_sweep *out = job->out;
   bool singularities = job->plan->singularities;
-  *out = (km_mobility_sweep){
-      .motion = {.substructure = -1}, .extremes = KM_NEW(km_extreme, count), .smallest = {nan(""), nan("")}};
+  out->extremes = KM_NEW(km_extreme, count);
   *w = (watch){.out = out};
   w->room = KM_NEW(double, 2 * count);
   w->watched = KM_NEW(int, count);
@@ -303,7 +302,7 @@ void km_mobility_sweeps_run(km_mobility_job *jobs, int count) {
   int of[KM_DRIVE_LANES], going = 0;
   for (int i = 0; i < count; ++i) {
     km_mobility_job *job = &jobs[i];
-    *job->out = (km_mobility_sweep){.motion = {.substructure = -1}};
+    *job->out = (km_mobility_sweep){.motion = {.substructure = -1}, .smallest = {nan(""), nan("")}};
     watches[i] = (watch){0};
     job->status = km_check_sweep(job->m, job->s, job->plan, job->error);
     if (!job->status)
@@ -311,8 +310,8 @@ void km_mobility_sweeps_run(km_mobility_job *jobs, int count) {
     if (job->status)
       continue;
     of[going] = i;
-    sweeps[going++] =
-        (km_sweep_job){job->m, job->s, job->plan, &watches[i].observer, &job->out->motion, KM_OK, job->error};
+    sweeps[going++] = (km_sweep_job){job->m,    job->s, job->plan, &watches[i].observer, &job->out->motion,
+                                     job->room, KM_OK,  job->error};
   }
   km_sweeps_run(sweeps, going);
   for (int k = 0; k < going; ++k) {
@@ -332,7 +331,7 @@ km_status km_mobility_sweep_run(const km_mechanism *m, km_state *s, const km_swe
                                 km_error *error) {
   if (!out)
     return km_check_given(false, "place for the result", error);
-  km_mobility_job job = {m, s, plan, out, KM_OK, error};
+  km_mobility_job job = {.m = m, .s = s, .plan = plan, .out = out, .error = error};
   km_mobility_sweeps_run(&job, 1);
   return job.status;
 }

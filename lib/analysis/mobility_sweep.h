@@ -11,6 +11,7 @@ typedef struct km_mobility_job {
   km_state *s;
   const km_sweep_plan *plan;
   km_mobility_sweep *out;
+  km_sweep_room *room; /* NULL: none */
   km_status status;
   km_error *error;
 } km_mobility_job;

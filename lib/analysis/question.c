@@ -87,6 +87,7 @@ void km_question_free(km_question *q) {
   forget(q);
   unprepare(q);
   km_messages_free(q->notes);
+  km_sweep_room_free(&q->room);
   km_arena_free(&q->arena);
   km_free(q);
 }

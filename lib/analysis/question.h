@@ -2,8 +2,7 @@
 #ifndef KM_ANALYSIS_QUESTION_H
 #define KM_ANALYSIS_QUESTION_H
 
-#include "base/memory.h"
-#include "kinematics/drive_lanes.h"
+#include "analysis/sweeper.h"
 #include "kmech/question.h"
 #include "topology/mechanism.h"
 
@@ -41,6 +40,7 @@ struct km_question {
   km_progress progress;
   void *context;
   bool prepared, answered;
+  km_sweep_room room; /* of the last answer, for the next one */
   void *own;
 };
 

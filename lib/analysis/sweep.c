@@ -2,6 +2,7 @@
 #include "analysis/mobility.h"
 #include "analysis/sweeper.h"
 #include "base/check.h"
+#include "base/table.h"
 
 #include <math.h>
 
@@ -75,7 +76,8 @@ static km_status open_sweeper(km_sweeper *r, const km_sweep_job *job) {
   r->substructure = -1;
   *r->out = (km_sweep){.substructure = -1};
   size_t count = (size_t)r->m->coordinate_count;
-  r->out->table = km_table_create();
+  r->out->table = km_table_begin_again(job->room->table);
+  job->room->table = NULL;
   r->out->between = km_table_create();
   r->rates = KM_NEW(double, 2 * count);
   if (!r->out->table || !r->out->between || !r->rates)
@@ -95,9 +97,19 @@ double km_sweeper_near_end(double s, double end, int k) {
   return end + (s - end) * ldexp(1.0, -2 * k);
 }
 
+void km_sweep_room_free(km_sweep_room *room) {
+  km_table_free(room->table);
+  km_arena_free(&room->drive);
+  km_arena_free(&room->lanes);
+  room->table = NULL;
+}
+
 void km_sweeps_run(km_sweep_job *jobs, int count) {
   km_sweeper sweepers[KM_DRIVE_LANES];
+  km_sweep_room rooms[KM_DRIVE_LANES];
   for (int i = 0; i < count; ++i) {
+    rooms[i] = (km_sweep_room){0};
+    jobs[i].room = jobs[i].room ? jobs[i].room : &rooms[i];
     jobs[i].status = open_sweeper(&sweepers[i], &jobs[i]);
     if (!jobs[i].status && !km_plan_is_driven(jobs[i].plan))
       jobs[i].status = jobs[i].plan->steps == 0 ? stand(&sweepers[i], jobs[i].error)
@@ -106,6 +118,8 @@ void km_sweeps_run(km_sweep_job *jobs, int count) {
   km_sweeps_by_driver(sweepers, jobs, count);
   for (int i = 0; i < count; ++i)
     km_free(sweepers[i].rates);
+  for (int i = 0; i < count; ++i)
+    km_sweep_room_free(&rooms[i]);
 }
 
 km_status km_sweep_run(const km_mechanism *m, km_state *s, const km_sweep_plan *plan, const km_observer *observer,

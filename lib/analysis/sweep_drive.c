@@ -201,11 +201,38 @@ static km_status begin_walk(walk *w) {
   if (!status)
     status = km_sweep_enter_limits(r->m, r->s, r->plan, error);
   if (!status)
-    status = km_drive_create(r->m, r->s, r->plan->coordinate, r->plan->ignore_limits, &w->at.drive, error);
+    status = km_drive_create_in(&w->job->room->drive, r->m, r->s, r->plan->coordinate, r->plan->ignore_limits,
+                                &w->at.drive, error);
   if (status)
     return status;
   r->mover = (km_mover){&w->at, rates, probe, settle, direction};
   return km_sweeper_prepare(r, error);
+}
+
+/* Do both drive the same range, and are at the same row? */
+static bool same_row(const walk *a, const walk *b) {
+  const km_sweep_plan *p = a->r->plan, *q = b->r->plan;
+  return a->step == b->step && p->from == q->from && p->to == q->to && p->steps == q->steps;
+}
+
+/* Those of the walks `going` that do so with the first of them. */
+static unsigned at_first_row(const walk *walks, unsigned going) {
+  unsigned same = 0;
+  for (unsigned rest = going; rest; rest &= rest - 1)
+    same |= same_row(&walks[__builtin_ctz(going)], &walks[__builtin_ctz(rest)]) ? rest & -rest : 0;
+  return same;
+}
+
+/* The targets of the walks `going`, k rows on, of which `same` have the same one. */
+static void set_targets(const walk *walks, unsigned going, unsigned same, int k, double *targets) {
+  const walk *first = &walks[__builtin_ctz(going)];
+  double target = value_at(first->r->plan, first->step + k);
+  for (int i = 0; i < KM_DRIVE_LANES; ++i)
+    targets[i] = target;
+  for (unsigned rest = going & ~same; rest; rest &= rest - 1) {
+    int i = __builtin_ctz(rest);
+    targets[i] = value_at(walks[i].r->plan, walks[i].step + k);
+  }
 }
 
 /* Moves the walks `going` in lanes: through quiet rows, which are written, to the row behind them. targets[lane]: of the next
@@ -217,12 +244,10 @@ static void move_beside(walk *walks, unsigned going, km_drive_lanes *lanes, doub
     int ahead = rows_ahead(&walks[__builtin_ctz(rest)]);
     count = ahead < count ? ahead : count;
   }
+  unsigned same = at_first_row(walks, going);
   memcpy(rows, targets, KM_DRIVE_LANES * sizeof *rows);
   for (int k = 1; k < count; ++k)
-    for (unsigned rest = going; rest; rest &= rest - 1) {
-      int i = __builtin_ctz(rest);
-      rows[k * KM_DRIVE_LANES + i] = value_at(walks[i].r->plan, walks[i].step + k);
-    }
+    set_targets(walks, going, same, k, rows + k * KM_DRIVE_LANES);
   int passed = km_drive_lanes_pass(lanes, going, rows, count);
   if (passed > 0) {
     km_drive_lanes_show(lanes, passed - 1);
@@ -240,7 +265,7 @@ static bool advance(walk *walks, int count, km_drive_lanes *lanes) {
   unsigned going = 0;
   for (int i = 0; i < count; ++i)
     going |= next(&walks[i], &targets[i]) ? 1u << i : 0;
-  if (lanes)
+  if (lanes && going)
     move_beside(walks, going, lanes, targets, reaches);
   for (int i = 0; i < count; ++i)
     if (going >> i & 1)
@@ -255,13 +280,14 @@ static bool advance(walk *walks, int count, km_drive_lanes *lanes) {
 /* Side by side, if there are several and lanes are for them. */
 static km_status advance_all(walk *walks, int count) {
   km_drive *drives[KM_DRIVE_LANES];
+  km_arena *memory = &walks[0].job->room->lanes;
   km_drive_lanes *lanes = NULL;
   for (int i = 0; i < count; ++i)
     drives[i] = walks[i].at.drive;
-  km_status status = count > 1 ? km_drive_lanes_create(drives, count, &lanes, NULL) : KM_OK;
+  km_status status = count > 1 ? km_drive_lanes_create(memory, drives, count, &lanes, NULL) : KM_OK;
   while (!status && advance(walks, count, lanes))
     continue;
-  km_drive_lanes_free(lanes);
+  km_drive_lanes_free(memory, lanes);
   return status;
 }
 
@@ -274,7 +300,7 @@ void km_sweeps_by_driver(km_sweeper *sweepers, km_sweep_job *jobs, int count) {
     walks[going] = (walk){.r = &sweepers[i], .job = &jobs[i]};
     jobs[i].status = begin_walk(&walks[going]);
     if (jobs[i].status)
-      km_drive_free(walks[going].at.drive);
+      km_drive_free_into(&jobs[i].room->drive, walks[going].at.drive);
     else
       ++going;
   }
@@ -285,6 +311,6 @@ void km_sweeps_by_driver(km_sweeper *sweepers, km_sweep_job *jobs, int count) {
       job->status = km_fail(job->error, KM_MEMORY, "out of memory for a sweep");
     else if (!job->status)
       job->status = finish(&walks[i]);
-    km_drive_free(walks[i].at.drive);
+    km_drive_free_into(&job->room->drive, walks[i].at.drive);
   }
 }

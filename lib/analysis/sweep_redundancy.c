@@ -22,12 +22,19 @@ static int mobility_at(const mobilities *m, size_t row) {
   return (int)m->first[row * m->width];
 }
 
-/* The first row of the least mobility. */
-static size_t plainest_row(const mobilities *m) {
+/* The first row of the least mobility, and how many rows have more. */
+static size_t plainest_row(const mobilities *m, size_t *above) {
   size_t best = 0;
-  for (size_t r = 1; r < m->rows; ++r)
-    if (mobility_at(m, r) < mobility_at(m, best))
+  *above = 0;
+  for (size_t r = 1; r < m->rows; ++r) {
+    int more = mobility_at(m, r) - mobility_at(m, best);
+    if (more < 0) {
       best = r;
+      *above = r; /* all before it */
+    } else if (more > 0) {
+      ++*above;
+    }
+  }
   return best;
 }
 
@@ -55,15 +62,17 @@ static bool near(double a, double b) {
   return fabs(a - b) <= 1e-6 * (1.0 + fabs(a));
 }
 
-/* Branch points as well as rows, those of one place once. */
-static km_status list_extra(const km_sweep *sweep, const mobilities *m, int least, km_sweep_redundancies *out,
-                            km_error *error) {
+/* Branch points as well as the rows `above` the least mobility, those of one place once. */
+static km_status list_extra(const km_sweep *sweep, const mobilities *m, int least, size_t above,
+                            km_sweep_redundancies *out, km_error *error) {
   size_t count = 0;
-  out->extra = KM_NEW(km_extra_redundancy, m->rows + sweep->branch_count);
+  if (above + sweep->branch_count == 0)
+    return KM_OK;
+  out->extra = KM_NEW(km_extra_redundancy, above + sweep->branch_count);
   if (!out->extra)
     return km_fail(error, KM_MEMORY, "out of memory for the redundant constraints");
   int s = km_table_find(sweep->table, "s");
-  for (size_t r = 0; r < m->rows; ++r)
+  for (size_t r = 0; r < m->rows && count < above; ++r)
     if (mobility_at(m, r) > least)
       out->extra[count++] = (km_extra_redundancy){km_table_row(sweep->table, r)[s], mobility_at(m, r) - least};
   for (size_t i = 0; i < sweep->branch_count; ++i)
@@ -95,8 +104,8 @@ km_status km_sweep_redundancies_find(const km_mechanism *m, const km_sweep *swee
     return KM_OK;
   km_state *state = NULL;
   const mobilities by_row = mobilities_of(sweep->table);
-  size_t row = plainest_row(&by_row);
-  km_status status = list_extra(sweep, &by_row, mobility_at(&by_row, row), out, error);
+  size_t above, row = plainest_row(&by_row, &above);
+  km_status status = list_extra(sweep, &by_row, mobility_at(&by_row, row), above, out, error);
   if (!status && named)
     status = stand_at(m, sweep->table, row, &state, error);
   if (!status && named)

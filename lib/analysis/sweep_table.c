@@ -10,19 +10,9 @@
 #include <stdio.h>
 #include <string.h>
 
-bool km_sweeper_column(km_table *table, const char *prefix, const char *name, const char *suffix, const char *unit) {
-  km_text text = {0};
-  km_text_add(&text, prefix);
-  km_text_add(&text, name);
-  km_text_add(&text, suffix);
-  bool added = !text.failed && km_table_add_column(table, text.data, unit) >= 0;
-  km_text_free(&text);
-  return added;
-}
-
 static void add_named(km_table *table, const char *prefix, const char *name, const char *suffix, const char *unit,
                       bool *failed) {
-  *failed = !km_sweeper_column(table, prefix, name, suffix, unit) || *failed;
+  *failed = !km_table_join_column(table, prefix, name, suffix, unit) || *failed;
 }
 
 /* Arc length mixes radians and lengths over the characteristic length: it has no unit. */
@@ -186,7 +176,7 @@ km_status km_sweeper_passed_rows(km_sweeper *r, const km_drive *drive, int count
     return km_fail(error, KM_MEMORY, "out of memory for the table");
   for (int i = 0; i < count; ++i, cells += width) {
     rows[i] = km_drive_ridden_row(drive, i);
-    memcpy(cells, cells - width, width * sizeof *cells);
+    memcpy(cells, first - width, width * sizeof *cells); /* most cells stay */
     cells[0] = step + i;
     cells[1] = s[i * KM_DRIVE_LANES];
     cells[dof] = r->other_mobility + 1;

@@ -2,6 +2,7 @@
 #ifndef KM_ANALYSIS_SWEEPER_H
 #define KM_ANALYSIS_SWEEPER_H
 
+#include "base/memory.h"
 #include "kinematics/drive_lanes.h"
 #include "kmech/sweep_plan.h"
 
@@ -76,6 +77,13 @@ static inline bool km_plan_is_driven(const km_sweep_plan *plan) {
   return plan->steps > 0 && !(plan->arclength > 0.0);
 }
 
+/* Memory of an earlier sweep for the next one, which takes it and gives back what doesn't belong to its result. */
+typedef struct km_sweep_room {
+  km_table *table; /* NULL: a new one is made */
+  km_arena drive, lanes;
+} km_sweep_room;
+void km_sweep_room_free(km_sweep_room *room);
+
 /* One of several sweeps. */
 typedef struct km_sweep_job {
   const km_mechanism *m;
@@ -83,7 +91,8 @@ typedef struct km_sweep_job {
   const km_sweep_plan *plan;
   const km_observer *observer;
   km_sweep *out;
-  km_status status; /* and the error, which may be NULL: how it ended */
+  km_sweep_room *room; /* NULL: none */
+  km_status status;    /* and the error, which may be NULL: how it ended */
   km_error *error;
 } km_sweep_job;
 
@@ -94,8 +103,6 @@ void km_sweeps_run(km_sweep_job *jobs, int count);
 km_status km_check_sweep(const km_mechanism *mechanism, const km_state *state, const km_sweep_plan *plan,
                          km_error *error);
 
-/* A column called prefix + name + suffix; false when out of memory. */
-bool km_sweeper_column(km_table *table, const char *prefix, const char *name, const char *suffix, const char *unit);
 km_status km_sweeper_columns(const km_sweeper *sweeper, km_error *error);
 /* The numbers of what stands still, once, and which freedoms are idle. KM_MEMORY. */
 km_status km_sweeper_prepare(km_sweeper *sweeper, km_error *error);

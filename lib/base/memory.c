@@ -75,15 +75,42 @@ char *km_arena_string(km_arena *arena, const char *text) {
   return copy;
 }
 
+static void free_blocks(struct km_arena_block *block) {
+  while (block) {
+    struct km_arena_block *previous = block->previous;
+    km_free(block);
+    block = previous;
+  }
+}
+
 void km_arena_free(km_arena *arena) {
   if (!arena)
     return;
-  while (arena->block) {
-    struct km_arena_block *previous = arena->block->previous;
-    km_free(arena->block);
-    arena->block = previous;
+  free_blocks(arena->block);
+  *arena = (km_arena){0};
+}
+
+km_arena km_arena_take(km_arena *memory) {
+  km_arena arena = {0};
+  if (memory) {
+    arena = *memory;
+    *memory = (km_arena){0};
   }
-  arena->failed = false;
+  return arena;
+}
+
+void km_arena_give(km_arena *arena, km_arena *memory) {
+  struct km_arena_block *kept = arena->block; /* mostly the largest one */
+  if (!memory || !kept) {
+    km_arena_free(arena);
+    return;
+  }
+  free_blocks(kept->previous);
+  kept->previous = NULL;
+  memset(block_start(kept), 0, kept->used);
+  kept->used = 0;
+  *memory = (km_arena){.block = kept};
+  *arena = (km_arena){0};
 }
 
 void km_arena_join(km_arena *arena, km_arena *from) {

@@ -19,6 +19,7 @@ struct km_table {
   column *columns;
   double *data;
   size_t column_count, column_capacity, row_count, data_capacity;
+  size_t kept_columns; /* before the table was begun again, 0: others were added since */
 };
 
 km_table *km_table_create(void) {
@@ -34,26 +35,73 @@ void km_table_free(km_table *table) {
   km_free(table);
 }
 
-static int add_column(km_table *table, const char *name, const char *unit, bool plain) {
-  if (!table || !name || table->row_count > 0)
+km_table *km_table_begin_again(km_table *table) {
+  if (!table)
+    return km_table_create();
+  if (table->column_count > table->kept_columns)
+    table->kept_columns = table->column_count;
+  table->column_count = 0;
+  table->row_count = 0;
+  return table;
+}
+
+/* A column's name in three parts. */
+typedef struct title {
+  const char *prefix, *name, *suffix;
+} title;
+
+static bool is_called(const char *text, const title *t) {
+  size_t prefix = strlen(t->prefix), name = strlen(t->name);
+  return strncmp(text, t->prefix, prefix) == 0 && strncmp(text + prefix, t->name, name) == 0 &&
+         strcmp(text + prefix + name, t->suffix) == 0;
+}
+
+static char *joined(km_arena *arena, const title *t) {
+  size_t prefix = strlen(t->prefix), name = strlen(t->name), suffix = strlen(t->suffix);
+  char *text = km_arena_alloc(arena, prefix + name + suffix + 1, 1);
+  if (text) {
+    memcpy(text, t->prefix, prefix);
+    memcpy(text + prefix, t->name, name);
+    memcpy(text + prefix + name, t->suffix, suffix + 1);
+  }
+  return text;
+}
+
+/* Was the next column the same before the table was begun again? */
+static bool is_kept(const km_table *table, const title *t, const char *unit, bool plain) {
+  if (table->column_count >= table->kept_columns)
+    return false;
+  const column *kept = &table->columns[table->column_count];
+  return is_called(kept->name, t) && strcmp(kept->unit, unit) == 0 && kept->plain == plain;
+}
+
+static int add_column(km_table *table, const title *t, const char *unit, bool plain) {
+  if (!table || !t->name || table->row_count > 0)
     return -1;
-  void *columns = table->columns;
-  if (!km_reserve(&columns, &table->column_capacity, table->column_count + 1, sizeof(column)))
-    return -1;
-  table->columns = columns;
-  column new = {km_arena_string(&table->arena, name), km_arena_string(&table->arena, unit ? unit : ""), plain};
-  if (table->arena.failed)
-    return -1;
-  table->columns[table->column_count] = new;
+  if (!is_kept(table, t, unit ? unit : "", plain)) {
+    void *columns = table->columns;
+    if (!km_reserve(&columns, &table->column_capacity, table->column_count + 1, sizeof(column)))
+      return -1;
+    table->columns = columns;
+    column new = {joined(&table->arena, t), km_arena_string(&table->arena, unit ? unit : ""), plain};
+    if (table->arena.failed)
+      return -1;
+    table->columns[table->column_count] = new;
+    table->kept_columns = 0;
+  }
   return (int)table->column_count++;
 }
 
+bool km_table_join_column(km_table *table, const char *prefix, const char *name, const char *suffix, const char *unit) {
+  return add_column(table, &(title){prefix, name, suffix}, unit, false) >= 0;
+}
+
 int km_table_add_column(km_table *table, const char *name, const char *unit) {
-  return add_column(table, name, unit, false);
+  return add_column(table, &(title){"", name, ""}, unit, false);
 }
 
 int km_table_add_plain_column(km_table *table, const char *name, const char *unit) {
-  return add_column(table, name, unit, true);
+  return add_column(table, &(title){"", name, ""}, unit, true);
 }
 
 bool km_table_is_plain(const km_table *table, size_t index) {

@@ -4,6 +4,12 @@
 
 #include "kmech/table.h"
 
+/* Appends a column called prefix + name + suffix; false when out of memory. */
+bool km_table_join_column(km_table *table, const char *prefix, const char *name, const char *suffix, const char *unit);
+/* No rows and no columns, but the memory of both: whoever adds the same columns again gets them without any work. NULL: a new
+ * table, NULL when out of memory. */
+km_table *km_table_begin_again(km_table *table);
+
 /* Several km_table_add_row for a caller that sets every cell: what they hold at first is anything. */
 double *km_table_add_raw_rows(km_table *table, size_t count);
 

@@ -60,6 +60,11 @@ static inline const km_substructure *km_drive_driven(const km_drive *d) {
   return km_continuation_sub(&d->c);
 }
 
+/* km_drive_create and km_drive_free; the memory of an earlier drive is taken from `memory` and given back there. */
+km_status km_drive_create_in(km_arena *memory, const km_mechanism *mechanism, km_state *state, int coordinate,
+                             bool ignore_limits, km_drive **out, km_error *error);
+void km_drive_free_into(km_arena *memory, km_drive *drive);
+
 /* The rates of all coordinates per unit of the driver, by the tangent t[column · stride]. */
 void km_drive_rates(const km_drive *drive, const double *t, int stride, double *rates);
 /* The first of several steps towards the target, if it takes several and the first is accepted: km_drive_to goes on from

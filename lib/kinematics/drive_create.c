@@ -15,11 +15,7 @@ static bool allocate(km_drive *d) {
          km_course_reserve(&d->mark_course, &d->c, &d->arena);
 }
 
-km_status km_drive_create(const km_mechanism *m, km_state *s, int coordinate, bool ignore_limits, km_drive **out,
-                          km_error *error) {
-  if (!out)
-    return km_check_given(false, "place for the result", error);
-  *out = NULL;
+static km_status check(const km_mechanism *m, const km_state *s, int coordinate, km_error *error) {
   km_status fits = km_check_state(m, s, error);
   if (!fits)
     fits = km_check_index(coordinate, m->coordinate_count, "coordinate", error);
@@ -33,10 +29,23 @@ km_status km_drive_create(const km_mechanism *m, km_state *s, int coordinate, bo
                    "\"%s\" is a component of a rotation vector; expected a driver with a coordinate of its own "
                    "(a spherical joint can be held, not driven)",
                    label);
-  km_drive *d = KM_NEW(km_drive, 1);
+  return KM_OK;
+}
+
+km_status km_drive_create_in(km_arena *memory, const km_mechanism *m, km_state *s, int coordinate, bool ignore_limits,
+                             km_drive **out, km_error *error) {
+  if (!out)
+    return km_check_given(false, "place for the result", error);
+  *out = NULL;
+  km_status fits = check(m, s, coordinate, error);
+  if (fits)
+    return fits;
+  km_arena arena = km_arena_take(memory);
+  km_drive *d = KM_ARENA_NEW(&arena, km_drive, 1);
   if (!d)
     return km_fail(error, KM_MEMORY, "out of memory for a sweep");
-  *d = (km_drive){.c = {.mechanism = m,
+  *d = (km_drive){.arena = arena,
+                  .c = {.mechanism = m,
                         .state = s,
                         .coordinate = coordinate,
                         .substructure = m->substructure_of[coordinate],
@@ -51,11 +60,20 @@ km_status km_drive_create(const km_mechanism *m, km_state *s, int coordinate, bo
   return KM_OK;
 }
 
-void km_drive_free(km_drive *d) {
+km_status km_drive_create(const km_mechanism *m, km_state *s, int coordinate, bool ignore_limits, km_drive **out,
+                          km_error *error) {
+  return km_drive_create_in(NULL, m, s, coordinate, ignore_limits, out, error);
+}
+
+void km_drive_free_into(km_arena *memory, km_drive *d) {
   if (!d)
     return;
-  km_arena_free(&d->arena);
-  km_free(d);
+  km_arena arena = d->arena; /* in which `d` lies */
+  km_arena_give(&arena, memory);
+}
+
+void km_drive_free(km_drive *d) {
+  km_drive_free_into(NULL, d);
 }
 
 void km_drive_mark(km_drive *d) {

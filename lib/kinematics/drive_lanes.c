@@ -50,12 +50,13 @@ static bool reserve(km_drive_lanes *l) {
   return km_replay_reserve(&l->replay, rows, columns, KM_DRIVE_LANES, arena);
 }
 
-km_status km_drive_lanes_create(km_drive *const *drives, int count, km_drive_lanes **out, km_error *error) {
+km_status km_drive_lanes_create(km_arena *memory, km_drive *const *drives, int count, km_drive_lanes **out,
+                                km_error *error) {
   *out = NULL;
   for (int i = 0; i < count; ++i)
     if (i == 0 ? !km_lanes_fit(drives[0]) : !km_lanes_same_structure(drives[0], drives[i]))
       return KM_OK;
-  km_arena arena = {0};
+  km_arena arena = km_arena_take(memory);
   km_drive_lanes *l = KM_ARENA_NEW(&arena, km_drive_lanes, 1); /* aligned as registers want it */
   if (l) {
     const km_drive *first = drives[0];
@@ -64,7 +65,7 @@ km_status km_drive_lanes_create(km_drive *const *drives, int count, km_drive_lan
     l->column = first->c.column;
   }
   if (!l || !reserve(l)) {
-    km_drive_lanes_free(l);
+    km_drive_lanes_free(memory, l);
     return km_fail(error, KM_MEMORY, "out of memory for a sweep");
   }
   km_lanes_take_structure(l);
@@ -78,7 +79,7 @@ km_status km_drive_lanes_create(km_drive *const *drives, int count, km_drive_lan
   return KM_OK;
 }
 
-void km_drive_lanes_free(km_drive_lanes *l) {
+void km_drive_lanes_free(km_arena *memory, km_drive_lanes *l) {
   if (!l)
     return;
   for (int i = 0; i < l->count; ++i) {
@@ -88,7 +89,7 @@ void km_drive_lanes_free(km_drive_lanes *l) {
     l->drives[i]->lanes = NULL;
   }
   km_arena arena = l->arena; /* in which `l` lies */
-  km_arena_free(&arena);
+  km_arena_give(&arena, memory);
 }
 
 /* May the drive take steps in its lane: one freedom, known pivots that belong to the last pose, and a regular pose? */

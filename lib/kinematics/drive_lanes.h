@@ -12,9 +12,11 @@ typedef struct km_drive_lanes km_drive_lanes;
 
 /* For `count` drives of the same coordinate, each with a mechanism and a state of its own; they are borrowed and have to
  * outlive the lanes. *out is NULL where their mechanisms differ in more than numbers, or have what lanes aren't for (space,
- * balls, couplings by polynomials, large substructures): then drive them one by one. KM_MEMORY. */
-km_status km_drive_lanes_create(km_drive *const *drives, int count, km_drive_lanes **out, km_error *error);
-void km_drive_lanes_free(km_drive_lanes *lanes);
+ * balls, couplings by polynomials, large substructures): then drive them one by one. The memory of earlier lanes is taken from
+ * `memory` and given back there; NULL: there is none. KM_MEMORY. */
+km_status km_drive_lanes_create(km_arena *memory, km_drive *const *drives, int count, km_drive_lanes **out,
+                                km_error *error);
+void km_drive_lanes_free(km_arena *memory, km_drive_lanes *lanes);
 
 /* A row is quiet as long as no entry of a unit direction of motion, times what it was at the row before, is below this. */
 static const double km_drive_quiet = 1e-9;

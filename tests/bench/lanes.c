@@ -68,13 +68,13 @@ static samples open_samples(const char *model, const char *driver, double length
       bench_fail(model, "no drive");
   }
   s.to = s.from + length;
-  if (beside && (km_drive_lanes_create(s.drives, KM_DRIVE_LANES, &s.lanes, NULL) || !s.lanes))
+  if (beside && (km_drive_lanes_create(NULL, s.drives, KM_DRIVE_LANES, &s.lanes, NULL) || !s.lanes))
     bench_fail(model, "no lanes");
   return s;
 }
 
 static void close_samples(samples *s) {
-  km_drive_lanes_free(s->lanes);
+  km_drive_lanes_free(NULL, s->lanes);
   for (int i = 0; i < KM_DRIVE_LANES; ++i) {
     km_drive_free(s->drives[i]);
     bench_machine_free(&s->machines[i]);

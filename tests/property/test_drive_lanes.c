@@ -126,7 +126,7 @@ static int compare(const char *name, int count, uint64_t seed, bool ignore_limit
     alone[i] = open_design(name, seed ? seed + (uint64_t)i : 0, ignore_limits);
     drives[i] = beside[i].drive;
   }
-  assert_int_equal(km_drive_lanes_create(drives, count, &lanes, NULL), KM_OK);
+  assert_int_equal(km_drive_lanes_create(NULL, drives, count, &lanes, NULL), KM_OK);
   unsigned going = (1u << count) - 1;
   for (int row = 0; row <= rows && lanes && going; ++row) {
     double targets[KM_DRIVE_LANES];
@@ -145,7 +145,7 @@ static int compare(const char *name, int count, uint64_t seed, bool ignore_limit
         going &= ~(1u << i);
     }
   }
-  km_drive_lanes_free(lanes);
+  km_drive_lanes_free(NULL, lanes);
   for (int i = 0; i < count; ++i) {
     same_bits(name, -1, &beside[i], &alone[i]);
     same_end(&beside[i], &alone[i]);
@@ -200,7 +200,7 @@ static void compare_visits(const char *name) {
     drives[i] = beside[i].drive;
     out[i] = rates[i];
   }
-  assert_int_equal(km_drive_lanes_create(drives, KM_DRIVE_LANES, &lanes, NULL), KM_OK);
+  assert_int_equal(km_drive_lanes_create(NULL, drives, KM_DRIVE_LANES, &lanes, NULL), KM_OK);
   for (int row = 0; row <= ROWS; ++row) {
     double targets[KM_DRIVE_LANES], places[KM_DRIVE_LANES];
     km_reach reaches[KM_DRIVE_LANES];
@@ -226,7 +226,7 @@ static void compare_visits(const char *name) {
     }
   }
   assert_true(visited > ROWS);
-  km_drive_lanes_free(lanes);
+  km_drive_lanes_free(NULL, lanes);
   for (int i = 0; i < KM_DRIVE_LANES; ++i) {
     same_end(&beside[i], &alone[i]);
     close_design(&beside[i]);
@@ -254,7 +254,8 @@ static void sweeps_as_alone(void **state) {
     for (int i = 0; i < KM_DRIVE_LANES; ++i) {
       d[i] = open_design(models[k], 300 + (uint64_t)i, false);
       plan = km_sweep_plan_default(d[i].f.model);
-      jobs[i] = (km_mobility_job){d[i].f.mechanism, d[i].f.state, &plan, &beside[i], KM_OK, &errors[i]};
+      jobs[i] = (km_mobility_job){
+          .m = d[i].f.mechanism, .s = d[i].f.state, .plan = &plan, .out = &beside[i], .error = &errors[i]};
     }
     km_mobility_sweeps_run(jobs, KM_DRIVE_LANES);
     for (int i = 0; i < KM_DRIVE_LANES; ++i) {
@@ -296,7 +297,7 @@ static void too_far(void **state) {
   static const double targets[2] = {1e6, -1e300};
   km_drive_lanes *lanes;
   km_reach reaches[2];
-  assert_int_equal(km_drive_lanes_create(drives, 2, &lanes, NULL), KM_OK);
+  assert_int_equal(km_drive_lanes_create(NULL, drives, 2, &lanes, NULL), KM_OK);
   for (int i = 0; i < 2; ++i)
     assert_int_equal(km_drive_to(beside[i].drive, 0.1).stop, km_drive_to(alone[i].drive, 0.1).stop);
   km_drive_lanes_to(lanes, 3, targets, reaches);
@@ -305,7 +306,7 @@ static void too_far(void **state) {
     assert_int_equal(reach.stop, KM_STOP_GAVE_OUT);
     same_reach(&reaches[i], &reach);
   }
-  km_drive_lanes_free(lanes);
+  km_drive_lanes_free(NULL, lanes);
   for (int i = 0; i < 2; ++i) {
     same_end(&beside[i], &alone[i]);
     close_design(&beside[i]);

@@ -61,6 +61,34 @@ static void test_mobility_is_the_sweep(void **unused) {
   fixture_close(&direct);
 }
 
+/* A question that is asked again has memory of its last answer at hand, whatever that was about. */
+static void test_the_next_answer_is_as_the_first(void **unused) {
+  (void)unused;
+  fixture asked = fixture_open("excavator"), other = fixture_open("excavator");
+  km_question *again = question(&asked, "mobility");
+  set(again, "steps", (km_option_value){.whole = 40});
+  ask(again, &asked, KM_OK);
+  for (int round = 0; round < 3; ++round) {
+    km_question *first = question(&other, "mobility");
+    if (round > 0)
+      set(again, "steps", (km_option_value){.whole = 10 + round});
+    set(first, "steps", (km_option_value){.whole = round > 0 ? 10 + round : 40});
+    for (int i = 0; i < 2 && round == 2; ++i)
+      set(i ? first : again, "singularities", (km_option_value){.flag = true}); /* another column */
+    km_state_restart(asked.state);
+    km_state_restart(other.state);
+    assert_int_equal(km_assemble(asked.mechanism, asked.state, NULL, NULL), KM_OK);
+    assert_int_equal(km_assemble(other.mechanism, other.state, NULL, NULL), KM_OK);
+    ask(again, &asked, KM_OK);
+    ask(first, &other, KM_OK);
+    assert_same_table(km_question_table(again), km_question_table(first));
+    km_question_free(first);
+  }
+  km_question_free(again);
+  fixture_close(&asked);
+  fixture_close(&other);
+}
+
 static void test_row_at_a_pose_is_the_sweeps_row(void **unused) {
   (void)unused;
   static const char *const kinds[] = {"mobility", "advantage", "forces"};
@@ -250,10 +278,15 @@ static void test_figures(void **unused) {
 
 int main(void) {
   const struct CMUnitTest tests[] = {
-      cmocka_unit_test(test_mobility_is_the_sweep),    cmocka_unit_test(test_row_at_a_pose_is_the_sweeps_row),
-      cmocka_unit_test(test_events_are_the_toggles),   cmocka_unit_test(test_minima_are_events),
-      cmocka_unit_test(test_options_reach_the_forces), cmocka_unit_test(test_refusals),
-      cmocka_unit_test(test_values_are_copied),        cmocka_unit_test(test_figures),
+      cmocka_unit_test(test_the_next_answer_is_as_the_first),
+      cmocka_unit_test(test_mobility_is_the_sweep),
+      cmocka_unit_test(test_row_at_a_pose_is_the_sweeps_row),
+      cmocka_unit_test(test_events_are_the_toggles),
+      cmocka_unit_test(test_minima_are_events),
+      cmocka_unit_test(test_options_reach_the_forces),
+      cmocka_unit_test(test_refusals),
+      cmocka_unit_test(test_values_are_copied),
+      cmocka_unit_test(test_figures),
   };
   return cmocka_run_group_tests(tests, NULL, NULL);
 }

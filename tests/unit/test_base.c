@@ -1,7 +1,9 @@
 /* Base services: numbers as text, names, records, JSON, tables, CSV. */
 #include "support/support.h"
 
+#include "base/memory.h"
 #include "base/names.h"
+#include "base/table.h"
 #include "exchange/json/json.h"
 #include "kmech/records.h"
 
@@ -106,6 +108,52 @@ static void csv_quotes_what_needs_it(void **state) {
   km_table_free(table);
 }
 
+/* Whatever columns it had, it has those that are added now. */
+static void tables_begin_again(void **state) {
+  (void)state;
+  static const char *const sets[][3] = {
+      {"s", "q.a", "q.b"}, {"s", "q.a", "q.b"}, {"s", "q.ab", "q.b"}, {"s", "q.b", "m.b"}, {"s", "q.b", NULL}};
+  km_table *table = km_table_begin_again(NULL);
+  for (size_t k = 0; k < sizeof sets / sizeof *sets; ++k) {
+    table = km_table_begin_again(table);
+    assert_int_equal(km_table_rows(table), 0);
+    assert_int_equal(km_table_columns(table), 0);
+    size_t count = sets[k][2] ? 3 : 2;
+    assert_int_equal(km_table_add_plain_column(table, sets[k][0], k % 2 ? "mm" : "deg"), 0);
+    for (size_t c = 1; c < count; ++c)
+      assert_true(km_table_join_column(table, c == 1 ? "q." : "", sets[k][c] + (c == 1 ? 2 : 0), "", "rad"));
+    double *row = km_table_add_row(table);
+    for (size_t c = 0; c < count; ++c) {
+      assert_string_equal(km_table_name(table, c), sets[k][c]);
+      assert_string_equal(km_table_unit(table, c), c ? "rad" : k % 2 ? "mm" : "deg");
+      assert_true(isnan(row[c]));
+    }
+    assert_true(km_table_is_plain(table, 0) && !km_table_is_plain(table, 1));
+    assert_int_equal(km_table_columns(table), count);
+  }
+  km_table_free(table);
+}
+
+/* What was written there is 0 again, however large it was. */
+static void arenas_are_passed_on(void **state) {
+  (void)state;
+  km_arena memory = {0};
+  for (size_t round = 0; round < 4; ++round) {
+    km_arena arena = km_arena_take(&memory);
+    assert_null(memory.block);
+    for (size_t size = 100; size < 100000; size *= 3) {
+      unsigned char *bytes = KM_ARENA_NEW(&arena, unsigned char, size);
+      for (size_t i = 0; i < size; ++i)
+        assert_int_equal(bytes[i], 0);
+      memset(bytes, 0xff, size);
+    }
+    km_arena_give(&arena, round % 2 ? NULL : &memory);
+    assert_null(arena.block);
+    assert_true((memory.block != NULL) == (round % 2 == 0));
+  }
+  km_arena_free(&memory);
+}
+
 static void messages_stop_at_twenty_errors(void **state) {
   (void)state;
   km_messages *messages = km_messages_create();
@@ -125,6 +173,8 @@ int main(void) {
       cmocka_unit_test(json_comes_back),
       cmocka_unit_test(bad_json_has_a_place),
       cmocka_unit_test(csv_quotes_what_needs_it),
+      cmocka_unit_test(tables_begin_again),
+      cmocka_unit_test(arenas_are_passed_on),
       cmocka_unit_test(messages_stop_at_twenty_errors),
   };
   return cmocka_run_group_tests(tests, NULL, NULL);
