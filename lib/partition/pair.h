@@ -81,4 +81,44 @@ static inline km_pair km_row_bits(int row) {
   return (km_pair)(km_bits){last - row, last - row - 1};
 }
 
+/* No infinity, nothing that is no number: x − x is 0 then. */
+static inline bool km_all_finite(const double *x, int count) {
+  km_pair poison[2] = {{0.0, 0.0}, {0.0, 0.0}};
+  int i = 0;
+  for (; i + 4 <= count; i += 4)
+    for (int k = 0; k < 2; ++k)
+      poison[k] += km_pair_load(x + i + 2 * k) - km_pair_load(x + i + 2 * k);
+  for (; i < count; ++i)
+    poison[0] += (km_pair){x[i] - x[i], 0.0};
+  poison[0] += poison[1];
+  return poison[0][0] + poison[0][1] == 0.0;
+}
+
+static inline double km_sum_of_squares(const double *x, int count) {
+  km_pair sums[2] = {{0.0, 0.0}, {0.0, 0.0}};
+  int i = 0;
+  for (; i + 4 <= count; i += 4)
+    for (int k = 0; k < 2; ++k)
+      sums[k] += km_pair_load(x + i + 2 * k) * km_pair_load(x + i + 2 * k);
+  for (; i < count; ++i)
+    sums[0] += (km_pair){x[i] * x[i], 0.0};
+  sums[0] += sums[1];
+  return sums[0][0] + sums[0][1];
+}
+
+/* The largest |x| of those that are numbers; 0: there is none. */
+static inline double km_largest_size(const double *x, int count) {
+  const int64_t magnitude = KM_MAGNITUDE;
+  const km_pair mask = (km_pair)(km_bits){magnitude, magnitude};
+  km_pair best[2] = {{0.0, 0.0}, {0.0, 0.0}};
+  int i = 0;
+  for (; i + 4 <= count; i += 4)
+    for (int k = 0; k < 2; ++k)
+      best[k] = km_pair_larger(km_pair_and(km_pair_load(x + i + 2 * k), mask), best[k]);
+  for (; i < count; ++i)
+    best[0] = km_pair_larger(km_pair_and((km_pair){x[i], 0.0}, mask), best[0]);
+  best[0] = km_pair_larger(best[0], best[1]);
+  return best[0][0] > best[0][1] ? best[0][0] : best[0][1];
+}
+
 #endif

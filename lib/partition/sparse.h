@@ -1,6 +1,6 @@
 /* The sparse engine of a partition, for large substructures: LU of one column after the other (J. Gilbert, T. Peierls,
  * Sparse partial pivoting in time proportional to arithmetic operations, 1988) in an order that keeps L sparse
- * (COLAMD). A column that those before it make nearly dependent becomes an independent coordinate. Which columns these
+ * (COLAMD). Columns with a single entry come first. A column that those before it make nearly dependent becomes an independent coordinate. Which columns these
  * are is then chosen again by complete pivoting of the null space, so that |B| is as small as with complete pivoting of
  * the whole matrix. Private to partition/. */
 #ifndef KM_PARTITION_SPARSE_H
@@ -20,18 +20,26 @@ typedef struct km_store {
   size_t capacity;
 } km_store;
 
+/* An entry of a row: which one of the matrix, and in which column. */
+typedef struct km_row_entry {
+  int entry, column;
+} km_row_entry;
+
 struct km_sparse {
-  km_arena *arena;        /* what grows, grows there */
-  const int *start, *row; /* pattern: rows of column c are row[start[c] … start[c+1]-1] */
-  const int *row_size;    /* [rows] entries of the pattern */
-  const int *order;       /* [columns] that keeps L sparse */
-  int *lead;              /* [columns] the order of this factorisation */
-  int *dropped;           /* [columns] those that became independent, in that order */
-  bool *late;             /* [columns] is to come last, since it should stay independent */
-  km_run *upper,
-      *lower; /* [columns] of each: its entries of U, by step in an order that replays it, and of L, by row */
-  km_store upper_store, lower_store; /* index: the step, the row. L holds multiples, of the independent columns too,
-                                      * where they mean nothing */
+  km_arena *arena;            /* what grows, grows there */
+  const int *start, *row;     /* pattern: rows of column c are row[start[c] … start[c+1]-1] */
+  const km_row_entry *by_row; /* the same entries: of row r from by_row[row_start[r]] on */
+  const int *row_start;       /* [rows + 1] */
+  const int *order;           /* [columns] that keeps L sparse */
+  int *lead;                  /* [columns] the order of this factorisation */
+  int singles;                /* so many of its first columns are single ones */
+  int *zero, zero_count;      /* entries of their pattern that must be 0 for that */
+  int *open;     /* [columns] entries other than 0 in rows without a pivot, while singles are sought; -1: is one */
+  int *dropped;  /* [columns] those that became independent, in that order; before, those that may become single */
+  bool *late;    /* [columns] is to come last, since it should stay independent */
+  km_run *upper; /* [columns] of each: its entries of U, by step in an order that replays it */
+  km_run *lower; /* [columns] and of L, by row; independent columns have none */
+  km_store upper_store, lower_store; /* index: the step, the row */
   int *step_of;                      /* [rows] that used the row, -1: none yet */
   double *x;                         /* [rows] accumulators, 0 between columns */
   int *list, *stack, *next;          /* [rows] rows that a column reaches; walking them */
@@ -49,6 +57,18 @@ static inline bool km_sparse_is_given(const km_partition *p, const bool *forced,
   return (forced && forced[c]) || km_sparse_is_locked(p, c);
 }
 
+/* Subtracts a step from the accumulators. */
+static inline void km_sparse_subtract(const km_sparse *s, const km_run *below, double u) {
+  for (int i = below->start; i < below->end; ++i)
+    s->x[s->lower_store.index[i]] -= s->lower_store.value[i] * u;
+}
+
+/* A step with a pivot of that size was found. */
+static inline void km_sparse_note(km_partition *p, double size) {
+  p->first_pivot = size > p->first_pivot ? size : p->first_pivot;
+  p->smallest_pivot = size < p->smallest_pivot ? size : p->smallest_pivot;
+}
+
 void km_sparse_factor(km_partition *partition, const double *matrix, const bool *forced, double tolerance);
 /* False where a value is not finite, or when out of memory. */
 bool km_sparse_refactor(km_partition *partition, const double *matrix);
@@ -57,6 +77,15 @@ void km_sparse_solve(const km_partition *partition, const double *rhs, double *x
 void km_sparse_solve_upper(const km_partition *partition, double *y);
 /* A column among the pivots' that the others make dependent to the threshold, though no pivot tells; -1: none. */
 int km_sparse_hidden(const km_partition *partition, const bool *forced, double threshold);
+/* Room for so many entries of U and of L in all. False when out of memory. */
+bool km_sparse_make_room(km_sparse *sparse, int upper, int lower);
+/* The columns with one entry in the rows that no other of them has taken, as the first pivots: nothing is eliminated by
+ * them. `given` columns and late ones, and entries of up to `least`, are left. Returns how many entries U has. */
+int km_sparse_take_singles(km_partition *partition, const double *matrix, const bool *forced, double least);
+/* One elimination in the order of `late` and `forced`. */
+void km_sparse_eliminate(km_partition *partition, const double *matrix, const bool *forced, double threshold);
+/* The columns of B. False where a value is not finite. */
+bool km_sparse_find_b(km_partition *partition);
 double km_sparse_multiplications(const km_partition *p);
 void km_sparse_copy(km_partition *to, const km_partition *from);
 

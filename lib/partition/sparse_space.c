@@ -24,14 +24,28 @@ static bool order_columns(int rows, int columns, const int *start, const int *ro
   return done;
 }
 
+/* The entries of every row. row_start[rows + 2]: the next free place of row r is row_start[r + 1] while they are placed. */
+static void sort_by_row(int rows, int columns, const km_sparse *pattern, int *row_start, km_row_entry *by_row) {
+  for (int i = 0; i < pattern->start[columns]; ++i)
+    row_start[pattern->row[i] + 2]++;
+  for (int r = 0; r < rows; ++r)
+    row_start[r + 2] += row_start[r + 1];
+  for (int c = 0; c < columns; ++c)
+    for (int i = pattern->start[c]; i < pattern->start[c + 1]; ++i)
+      by_row[row_start[pattern->row[i] + 1]++] = (km_row_entry){i, c};
+}
+
 static bool reserve(km_sparse *s, int rows, int columns, km_arena *arena) {
   size_t r = (size_t)rows, c = (size_t)columns;
   *s = (km_sparse){.arena = arena,
                    .start = s->start,
                    .row = s->row,
-                   .row_size = s->row_size,
+                   .by_row = s->by_row,
+                   .row_start = s->row_start,
                    .order = s->order,
                    .lead = KM_ARENA_NEW(arena, int, c),
+                   .zero = KM_ARENA_NEW(arena, int, (size_t)s->start[columns]),
+                   .open = KM_ARENA_NEW(arena, int, c),
                    .dropped = KM_ARENA_NEW(arena, int, c),
                    .late = KM_ARENA_NEW(arena, bool, c),
                    .upper = KM_ARENA_NEW(arena, km_run, c),
@@ -60,11 +74,12 @@ static bool reserve_partition(km_partition *p, const km_sparse *pattern, int row
 
 bool km_partition_reserve_sparse(km_partition *p, int rows, int columns, const int *start, const int *row,
                                  km_arena *arena) {
-  int *order = KM_ARENA_NEW(arena, int, (size_t)columns + 1), *size = KM_ARENA_NEW(arena, int, (size_t)rows);
-  km_sparse pattern = {.start = start, .row = row, .row_size = size, .order = order};
-  for (int i = 0; i < start[columns] && size; ++i)
-    size[row[i]]++;
-  if (!order || !size || !order_columns(rows, columns, start, row, order)) {
+  int *order = KM_ARENA_NEW(arena, int, (size_t)columns + 1), *row_start = KM_ARENA_NEW(arena, int, (size_t)rows + 2);
+  km_row_entry *by_row = KM_ARENA_NEW(arena, km_row_entry, (size_t)start[columns]);
+  km_sparse pattern = {.start = start, .row = row, .by_row = by_row, .row_start = row_start, .order = order};
+  if (!arena->failed)
+    sort_by_row(rows, columns, &pattern, row_start, by_row);
+  if (arena->failed || !order_columns(rows, columns, start, row, order)) {
     arena->failed = true;
     return false;
   }
@@ -74,4 +89,18 @@ bool km_partition_reserve_sparse(km_partition *p, int rows, int columns, const i
 bool km_partition_reserve_like(km_partition *p, const km_partition *other, int rows, int columns, km_arena *arena) {
   return other->sparse ? reserve_partition(p, other->sparse, rows, columns, arena)
                        : km_partition_reserve(p, rows, columns, arena);
+}
+
+bool km_sparse_make_room(km_sparse *s, int upper, int lower) {
+  km_store *stores[2] = {&s->upper_store, &s->lower_store};
+  size_t need[2] = {(size_t)upper, (size_t)lower};
+  for (int i = 0; i < 2; ++i) {
+    size_t values = stores[i]->capacity; /* both arrays of a store grow together */
+    if (need[i] <= stores[i]->capacity && stores[i]->index)
+      continue;
+    if (!km_arena_grow(s->arena, (void **)&stores[i]->value, &values, need[i], sizeof(double)) ||
+        !km_arena_grow(s->arena, (void **)&stores[i]->index, &stores[i]->capacity, need[i], sizeof(int)))
+      return false;
+  }
+  return true;
 }

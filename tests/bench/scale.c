@@ -4,8 +4,10 @@
 
 #include "base/text.h"
 #include "kinematics/closure.h"
+#include "kinematics/loops.h"
 #include "kmech/mobility.h"
 #include "support/chains.h"
+#include "support/lattices.h"
 
 #include <stdio.h>
 #include <SuiteSparseQR_C.h>
@@ -85,15 +87,32 @@ static void run_spqr(void *context) {
   cholmod_l_free_sparse(&R, &e->common);
 }
 
-static void open_engines(engines *e, int n) {
-  km_text text = {0};
+/* Some way along the motion: where nothing is parallel, hardly an entry is 0 by chance. */
+static void go_on(engines *e) {
+  const km_substructure *sub = &e->mechanism->substructures[0];
+  double *move = KM_NEW(double, (size_t)sub->columns);
+  km_mobility mobility;
+  km_closure closure;
+  km_mobility_update(e->mechanism, e->state, &mobility);
+  const double *Z = km_state_basis(e->state, 0), *weight = e->mechanism->column_weight + sub->column_start;
+  for (int k = 0; k < mobility.mobility && move; ++k)
+    for (int c = 0; c < sub->columns; ++c)
+      move[c] += 2.0 * Z[(size_t)k * (size_t)sub->columns + (size_t)c] / weight[c];
+  if (move)
+    km_state_move(e->mechanism, e->state, sub, move);
+  km_free(move);
+  if (!move || km_loops_close(e->mechanism, e->state, 0, KM_NO_DRIVER, &closure) != KM_CLOSED)
+    bench_fail("scale/engines", "the loops don't close");
+}
+
+static void open_engines(engines *e, const km_text *text, bool away) {
   km_error error;
-  write_chain(&text, n);
-  if (km_model_read(text.data, text.size, NULL, &e->model, &error) ||
+  if (km_model_read(text->data, text->size, NULL, &e->model, &error) ||
       km_mechanism_compile(e->model, NULL, 0, &e->mechanism, &error) ||
       km_state_create(e->mechanism, &e->state, &error) || km_assemble(e->mechanism, e->state, NULL, &error))
     bench_fail("scale/engines", "%s", error.text);
-  km_text_free(&text);
+  if (away)
+    go_on(e);
   const km_substructure *sub = &e->mechanism->substructures[0];
   e->whole = KM_NEW(double, (size_t)sub->rows *(size_t)sub->columns);
   if (!e->whole)
@@ -122,12 +141,13 @@ static void close_engines(engines *e) {
   km_model_free(e->model);
 }
 
-static void compare_engines(int n) {
+/* The name is that of the model and of the figures, behind `over_spqr`. */
+static void compare_engines(const char *name, const km_text *text, bool away, int n) {
   enum { MOST_DENSE = 40 };
   const char *const bench = "scale/engines";
-  char figure[40];
+  char figure[64];
   engines e = {0};
-  open_engines(&e, n);
+  open_engines(&e, text, away);
   bench_contender all[4] = {{.name = "sparse", .run = run_sparse, .context = &e},
                             {.name = "sparse, pivots kept", .run = run_kept, .context = &e},
                             {.name = "SPQR", .run = run_spqr, .context = &e},
@@ -136,15 +156,34 @@ static void compare_engines(int n) {
   const km_partition *p = &e.state->partition[0];
   if (e.common.SPQR_istat[4] != p->rank || (n <= MOST_DENSE && e.dense.rank != p->rank))
     bench_fail(bench, "rank %d, by SPQR %d, dense %d", p->rank, (int)e.common.SPQR_istat[4], e.dense.rank);
-  snprintf(figure, sizeof figure, "over_spqr_%d", n);
+  snprintf(figure, sizeof figure, "over_spqr%s_%d", name, n);
   bench_figure(bench, figure, bench_ratio(&all[2], &all[0]));
-  snprintf(figure, sizeof figure, "kept_over_spqr_%d", n);
+  snprintf(figure, sizeof figure, "kept_over_spqr%s_%d", name, n);
   bench_figure(bench, figure, bench_ratio(&all[2], &all[1]));
   if (n <= MOST_DENSE) {
-    snprintf(figure, sizeof figure, "over_dense_%d", n);
+    snprintf(figure, sizeof figure, "over_dense%s_%d", name, n);
     bench_figure(bench, figure, bench_ratio(&all[3], &all[0]));
   }
   close_engines(&e);
+}
+
+/* As it is drawn, where all columns are left with a single entry in turn, and away from there. */
+static void compare_chains(int n) {
+  km_text text = {0};
+  write_chain(&text, n);
+  compare_engines("", &text, false, n);
+  compare_engines("_away", &text, true, n);
+  km_text_free(&text);
+}
+
+static void compare_lattices(int n) {
+  km_text trellis = {0}, sheet = {0};
+  write_trellis(&trellis, n, n, 0.0);
+  compare_engines("_trellis", &trellis, false, n * n);
+  write_miura(&sheet, n + 1, n + 1, 0.0);
+  compare_engines("_sheet", &sheet, false, n * n);
+  km_text_free(&trellis);
+  km_text_free(&sheet);
 }
 
 void bench_scale(void) {
@@ -155,5 +194,7 @@ void bench_scale(void) {
   for (size_t i = 0; i < sizeof lengths / sizeof *lengths; ++i)
     measure("scale/chain", write_chain, lengths[i], 2);
   for (size_t i = 0; i < sizeof lengths / sizeof *lengths; ++i)
-    compare_engines(lengths[i]);
+    compare_chains(lengths[i]);
+  for (int n = 10; n <= 30; n *= 3)
+    compare_lattices(n);
 }

@@ -5,6 +5,8 @@
 #include <stdlib.h>
 #include <string.h>
 
+static randomness source = {5};
+
 /* A band with some entries far off, of a rank that is less than full: as a substructure of many loops. */
 static void fill_band(int rows, int columns, int *start, int *row) {
   int entries = 0;
@@ -59,6 +61,56 @@ static void against_the_dense_engine(void **state) {
   }
 }
 
+/* Some entries of the pattern are 0 at this pose, and others at the next one. */
+static void fill_zeros(double share, bool only_zeros) {
+  const km_sparse *s = f.p.sparse;
+  for (int c = 0; c < f.columns; ++c)
+    for (int i = s->start[c]; i < s->start[c + 1]; ++i) {
+      double *entry = &f.J[c * f.rows + s->row[i]];
+      bool changes = uniform(&source, 0.0, 1.0) < share;
+      if (changes && (!only_zeros || *entry == 0.0))
+        *entry = only_zeros ? any() : 0.0;
+    }
+}
+
+/* J_pd B = J_pi in the primary rows. */
+static void check_primary_rows(const km_partition *p) {
+  for (int k = p->rank; k < p->columns; ++k)
+    for (int i = 0; i < p->rank; ++i) {
+      double sum = f.J[p->column[k] * f.rows + p->row[i]];
+      for (int n = 0; n < p->rank; ++n)
+        sum -= f.J[p->column[n] * f.rows + p->row[i]] * p->B[(k - p->rank) * p->rank + n];
+      assert_near(sum, 0.0, 1e-10 * (1.0 + p->largest_b));
+    }
+}
+
+static void zeros_that_fill(void **state) {
+  (void)state;
+  static int start[MOST + 1], row[MOST * MOST];
+  int kept = 0, refused = 0, singles = 0;
+  for (int i = 0; i < 400; ++i) {
+    fill_band(20 + index_below(50), 20 + index_below(60), start, row);
+    reserve();
+    assert_true(km_partition_reserve_sparse(&f.p, f.rows, f.columns, start, row, &f.arena));
+    fill_zeros(0.6, false);
+    run_svd();
+    factor(&f.p);
+    singles += f.p.sparse->singles;
+    assert_near(f.p.rank, f.svd_rank, 0.0);
+    if (f.p.largest_b < 1e3)
+      check_all(&f.p, 1e-9);
+    fill_zeros(0.01, true);
+    if (!km_partition_refactor(&f.p, stored(&f.p))) {
+      ++refused;
+      continue;
+    }
+    ++kept;
+    if (f.p.largest_b < 1e3)
+      check_primary_rows(&f.p);
+  }
+  assert_true(kept > 20 && refused > 20 && singles > 2000);
+}
+
 static int clean(void **state) {
   (void)state;
   km_arena_free(&f.arena);
@@ -66,8 +118,11 @@ static int clean(void **state) {
 }
 
 int main(void) {
-  const struct CMUnitTest tests[] = {claim_test(
-      against_the_dense_engine, "The sparse engine finds the dense one's rank, and LAPACK's mobility numbers",
-      "rounding over the smallest pivot, where |B| stays below 1000")};
+  const struct CMUnitTest tests[] = {
+      claim_test(against_the_dense_engine,
+                 "The sparse engine finds the dense one's rank, and LAPACK's mobility numbers",
+                 "rounding over the smallest pivot, where |B| stays below 1000"),
+      cmocka_unit_test(zeros_that_fill),
+  };
   return cmocka_run_group_tests(tests, NULL, clean);
 }
