@@ -12,6 +12,8 @@ bool km_course_reserve(km_course *course, const km_continuation *c, km_arena *ar
   course->t = KM_ARENA_NEW(arena, double, n);
   course->last_t = KM_ARENA_NEW(arena, double, n);
   course->last_move = KM_ARENA_NEW(arena, double, n);
+  for (int i = 0; i < KM_OLDER_STEPS; ++i)
+    course->older_t[i] = KM_ARENA_NEW(arena, double, n);
   return km_partition_reserve_like(&course->reference, &c->state->partition[c->substructure], sub->rows, sub->columns,
                                    arena);
 }
@@ -22,6 +24,11 @@ void km_course_copy(km_course *to, const km_course *from, int columns) {
   memcpy(to->last_t, from->last_t, bytes);
   memcpy(to->last_move, from->last_move, bytes);
   to->last_h = from->last_h;
+  to->older_count = from->older_count;
+  for (int i = 0; i < from->older_count; ++i) {
+    memcpy(to->older_t[i], from->older_t[i], bytes);
+    to->older_h[i] = from->older_h[i];
+  }
   km_partition_copy_pivots(&to->reference, &from->reference);
 }
 
@@ -117,9 +124,27 @@ int km_continuation_limit(const km_continuation *c, double h) {
   return passed >= 0 ? passed : km_state_limit_touched(c->state, sub, c->from, c->course.t, c->next_t, h);
 }
 
+/* The last step becomes an older one before a step of h; returns the tangent that is given up. On the way back the same poses
+ * come again. */
+static double *grow_older(km_course *course, double h, bool alone) {
+  if (alone || course->last_h == 0.0 || h * course->last_h < 0.0) {
+    course->older_count = 0;
+    return course->last_t;
+  }
+  double *spare = course->older_t[KM_OLDER_STEPS - 1];
+  for (int i = KM_OLDER_STEPS - 1; i > 0; --i) {
+    course->older_t[i] = course->older_t[i - 1];
+    course->older_h[i] = course->older_h[i - 1];
+  }
+  course->older_t[0] = course->last_t;
+  course->older_h[0] = course->last_h;
+  course->older_count += course->older_count < KM_OLDER_STEPS;
+  return spare;
+}
+
 void km_continuation_accept(km_continuation *c, double h) {
   km_course *course = &c->course;
-  double *spare = course->last_t;
+  double *spare = grow_older(course, h, km_partition_freedom(&c->state->partition[c->substructure]) <= 1);
   km_state_difference(c->state, km_continuation_sub(c), c->from, course->last_move);
   course->last_t = course->t;
   course->t = c->next_t;

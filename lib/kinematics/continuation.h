@@ -10,12 +10,17 @@ static const double km_continuation_singular = 1e-7;
 /* Farther than this many last steps, the last step says nothing. */
 static const double km_continuation_farther = 4.0;
 
+enum { KM_OLDER_STEPS = 3 };
+
 /* What the next step depends on, beside the pose. */
 typedef struct km_course {
-  double *t;                  /* [columns] the present tangent, per unit of the parameter */
-  double *last_t, *last_move; /* [columns] tangent where the last step began, and the step */
-  double last_h;              /* its length in the parameter; 0: there is none */
-  km_partition reference;     /* pivots of the present pose, to compare signs with */
+  double *t;                       /* [columns] the present tangent, per unit of the parameter */
+  double *last_t, *last_move;      /* [columns] tangent where the last step began, and the step */
+  double last_h;                   /* its length in the parameter; 0: there is none */
+  int older_count;                 /* where more freedoms than one are left: steps before the last one that count */
+  double *older_t[KM_OLDER_STEPS]; /* [columns] the tangents where they began, the latest step first */
+  double older_h[KM_OLDER_STEPS];  /* their lengths */
+  km_partition reference;          /* pivots of the present pose, to compare signs with */
 } km_course;
 
 typedef struct km_continuation {

@@ -71,9 +71,12 @@ static bool predict(km_drive *d, double h) {
   if (is_alone(d)) {
     km_continuation_predict(&d->c, h, true);
   } else {
-    d->strain = km_least_path_predict(&d->path, d->c.mechanism, d->c.state, d->c.substructure, d->c.column,
-                                      &d->c.course.reference, d->c.from, d->c.course.t, h, d->c.move);
-    km_state_restore(d->c.state, sub, d->c.from);
+    d->strain = km_least_path_continue(d->c.mechanism, sub, &d->c.course, h, d->c.move);
+    if (!(d->strain <= 1.0)) {
+      d->strain = km_least_path_predict(&d->path, d->c.mechanism, d->c.state, d->c.substructure, d->c.column,
+                                        &d->c.course.reference, d->c.from, d->c.course.t, h, d->c.move);
+      km_state_restore(d->c.state, sub, d->c.from);
+    }
   }
   for (int k = 0; k < sub->columns; ++k)
     if (!(fabs(d->c.move[k]) <= km_drive_furthest))

@@ -12,7 +12,7 @@ static const double allowed = 1e-7;
 static const double grain = 1e-13; /* rounding of a step, scaled */
 
 /* J. R. Cash and A. H. Karp, A variable order Runge-Kutta method, 1990. */
-static const double nodes[KM_PATH_STAGES][KM_PATH_STAGES - 1] = {
+static const double stage_shares[KM_PATH_STAGES][KM_PATH_STAGES - 1] = {
     {0},
     {1.0 / 5},
     {3.0 / 40, 9.0 / 40},
@@ -86,7 +86,7 @@ double km_least_path_predict(km_least_path *path, const km_mechanism *m, km_stat
   memcpy(path->rate[0], t, (size_t)columns * sizeof *t);
   km_state_forget_pivots(s, index);
   for (int i = 1; i < KM_PATH_STAGES; ++i) {
-    combine(path, nodes[i], i, columns, h, move);
+    combine(path, stage_shares[i], i, columns, h, move);
     if (!(largest(move, columns) <= 1.0)) /* too far for the field to mean anything */
       return HUGE_VAL;
     km_state_restore(s, sub, saved);
@@ -100,5 +100,89 @@ double km_least_path_predict(km_least_path *path, const km_mechanism *m, km_stat
   combine(path, difference, KM_PATH_STAGES, columns, h, move);
   double error = largest(move, columns);
   combine(path, fifth, KM_PATH_STAGES, columns, h, move);
+  km_partition_copy_pivots(&s->partition[index], pivots);
+  s->pivoted[index] = driver;
   return error / (allowed * largest(move, columns) + grain);
+}
+
+enum { MOST_NODES = KM_OLDER_STEPS + 2, LEAST_NODES = 4 };
+
+/* The weights w with Σ w_k x_k^j = moment_j, j = 0 … count-1, in place of the moments. Å. Björck and V. Pereyra, Solution of
+ * Vandermonde systems of equations, 1970. */
+static void weigh_nodes(const double *x, int count, double *moment) {
+  for (int k = 0; k < count - 1; ++k)
+    for (int i = count - 1; i > k; --i)
+      moment[i] -= x[k] * moment[i - 1];
+  for (int k = count - 2; k >= 0; --k) {
+    for (int i = k + 1; i < count; ++i)
+      moment[i] /= x[i] - x[i - k - 1];
+    for (int i = k; i < count - 1; ++i)
+      moment[i] -= moment[i + 1];
+  }
+}
+
+/* Tangents at the nodes x, counted from the pose in units of h. */
+typedef struct nodes {
+  int count;
+  double x[MOST_NODES];
+  const double *t[MOST_NODES];
+} nodes;
+
+static nodes gather_nodes(const km_course *c, double h) {
+  nodes n = {.count = 2 + c->older_count, .x = {0.0, -c->last_h / h}, .t = {c->t, c->last_t}};
+  for (int i = 0; i < c->older_count; ++i) {
+    n.x[2 + i] = n.x[1 + i] - c->older_h[i] / h;
+    n.t[2 + i] = c->older_t[i];
+  }
+  return n;
+}
+
+static km_vec3 weighted_turn(const nodes *n, const double *weight, int column) {
+  km_vec3 sum = {0, 0, 0};
+  for (int i = 0; i < n->count; ++i)
+    sum = km_vec3_axpy(weight[i], km_vec3_make(n->t[i] + column), sum);
+  return sum;
+}
+
+/* A ball's rotation vector isn't the integral of its angular velocity ω, which turns itself. By the series of W. Magnus,
+ * 1954, u = ∫ω − h³/12 ω × ω̇ − h⁴/24 ω × ω̈ + O(h⁵). */
+static void wind_balls(const km_mechanism *m, const km_substructure *sub, const nodes *n, double h, double *move) {
+  const int *coordinate = m->column_coordinate + sub->column_start;
+  double slope[MOST_NODES] = {0.0, 1.0}, bend[MOST_NODES] = {0.0, 0.0, 2.0};
+  weigh_nodes(n->x, n->count, slope);
+  weigh_nodes(n->x, n->count, bend);
+  for (int k = 0; k < sub->columns; ++k) {
+    if (m->ball_of[coordinate[k]] < 0)
+      continue;
+    km_vec3 change = km_vec3_axpy(0.5, weighted_turn(n, bend, k), weighted_turn(n, slope, k));
+    km_vec3 lag = km_vec3_scale(-h * h / 12.0, km_vec3_cross(km_vec3_make(n->t[0] + k), change));
+    move[k] += lag.x;
+    move[k + 1] += lag.y;
+    move[k + 2] += lag.z;
+    k += 2;
+  }
+}
+
+double km_least_path_continue(const km_mechanism *m, const km_substructure *sub, const km_course *c, double h,
+                              double *move) {
+  if (c->last_h == 0.0 || 2 + c->older_count < LEAST_NODES)
+    return HUGE_VAL;
+  nodes n = gather_nodes(c, h);
+  double whole[MOST_NODES], less[MOST_NODES] = {0.0}, error = 0.0;
+  for (int i = 0; i < n.count; ++i) /* moments of [0, 1] */
+    whole[i] = less[i] = 1.0 / (i + 1);
+  less[n.count - 1] = 0.0;
+  weigh_nodes(n.x, n.count, whole);
+  weigh_nodes(n.x, n.count - 1, less);
+  for (int k = 0; k < sub->columns; ++k) {
+    double sum = 0.0, apart = 0.0;
+    for (int i = 0; i < n.count; ++i) {
+      sum += whole[i] * n.t[i][k];
+      apart += (whole[i] - less[i]) * n.t[i][k];
+    }
+    move[k] = h * sum;
+    error = fabs(h * apart) <= error ? error : fabs(h * apart); /* NaN stays */
+  }
+  wind_balls(m, sub, &n, h, move);
+  return error / (allowed * largest(move, sub->columns) + grain);
 }

@@ -2,7 +2,7 @@
 #ifndef KM_KINEMATICS_LEAST_PATH_H
 #define KM_KINEMATICS_LEAST_PATH_H
 
-#include "kinematics/state.h"
+#include "kinematics/continuation.h"
 
 enum { KM_PATH_STAGES = 6 };
 
@@ -16,9 +16,14 @@ bool km_least_path_reserve(km_least_path *path, int columns, km_arena *arena);
 /* The move along t = dq/ds (driver's entry 1, the others least) from the saved pose, where t is known, to s + h: a step
  * of Runge-Kutta's fifth order, whose stages use the pivots of the pose. Returns what the fourth order says otherwise,
  * over the length of the move and the error that is allowed: above 1 the step is too long. Leaves the state off the
- * pose, with its pivots to be searched. */
+ * pose, with the pivots of the pose. */
 double km_least_path_predict(km_least_path *path, const km_mechanism *mechanism, km_state *state, int substructure,
                              int driver, const km_partition *pivots, const double *saved, const double *t, double h,
                              double *move);
+/* The same by the tangents of the poses before, which takes no stages: the polynomial through them, as Adams and Bashforth
+ * have it, wherever the poses are. Returns what it says otherwise with one tangent less, likewise; HUGE_VAL where there are
+ * less than four. The state stays where it is. */
+double km_least_path_continue(const km_mechanism *mechanism, const km_substructure *sub, const km_course *course,
+                              double h, double *move);
 
 #endif

@@ -145,11 +145,15 @@ static double *basis_room(km_state *s, const km_substructure *sub, int index, in
 
 double *km_state_null(const km_mechanism *m, km_state *s, int index, int count) {
   const km_substructure *sub = &m->substructures[index];
+  const km_partition *p = &s->partition[index];
+  km_basis *basis = &s->basis[index];
   double *Z = basis_room(s, sub, index, count);
-  s->basis[index].known = Z != NULL;
-  s->basis[index].count = Z ? count : 0;
-  if (Z)
-    km_partition_null(&s->partition[index], m->column_weight + sub->column_start, count, Z);
+  int there = Z && basis->edition == p->edition ? basis->count : 0;
+  if (Z && there < count)
+    km_partition_null_more(p, m->column_weight + sub->column_start, there, count, Z);
+  basis->known = Z != NULL;
+  basis->count = !Z ? 0 : there < count ? count : there;
+  basis->edition = p->edition;
   return Z;
 }
 

@@ -19,8 +19,9 @@ typedef struct km_slot_motion {
 typedef struct km_basis {
   double *Z;
   size_t capacity;
-  bool known; /* a null space was made at this pose or one before it */
-  int count;  /* vectors of it: 0 while it holds rows */
+  bool known;       /* a null space was made at this pose or one before it */
+  int count;        /* vectors of it: 0 while it holds rows */
+  unsigned edition; /* of the partition that they were made from */
 } km_basis;
 
 struct km_state {
@@ -77,8 +78,8 @@ bool km_state_knows_motion(const km_mechanism *mechanism, const km_state *state)
 
 /* J as a whole matrix: J[rows × columns], column-major. */
 void km_state_jacobian_dense(const km_state *state, const km_substructure *sub, double *J);
-/* km_partition_null of a substructure's partition with the weights D, into the state: Z[count × columns]. NULL when out
- * of memory (then km_partition_freedom is 0 too). */
+/* km_partition_null of a substructure's partition with the weights D, into the state: Z[count × columns], those that are
+ * there already not again. NULL when out of memory (then km_partition_freedom is 0 too). */
 double *km_state_null(const km_mechanism *mechanism, km_state *state, int substructure, int count);
 /* km_partition_rows in the same place: R[rank × columns]. NULL when out of memory. */
 double *km_state_rows(const km_mechanism *mechanism, km_state *state, int substructure, int count);

@@ -17,10 +17,10 @@ static void scale(double *z, int count, double factor) {
 }
 
 /* Modified Gram-Schmidt, twice: with a forced driver near its toggle N is badly conditioned, and one pass
- * would leave its columns that much out of square. The first vector has length 1 already. */
-static void orthonormalise(double *Z, int columns, int count) {
+ * would leave its columns that much out of square. The first vector has length 1 already, those before `first` are done. */
+static void orthonormalise(double *Z, int columns, int first, int count) {
   size_t n = (size_t)columns;
-  for (int k = 1; k < count; ++k) {
+  for (int k = first > 1 ? first : 1; k < count; ++k) {
     double *z = Z + (size_t)k * n;
     for (int pass = 0; pass < 2; ++pass) {
       for (int o = 0; o < k; ++o) {
@@ -50,13 +50,17 @@ static double null_vector(const km_partition *p, const double *weight, int k, do
   return sum;
 }
 
-void km_partition_null(const km_partition *p, const double *weight, int count, double *Z) {
-  for (int k = 0; k < count; ++k) {
+void km_partition_null_more(const km_partition *p, const double *weight, int first, int count, double *Z) {
+  for (int k = first; k < count; ++k) {
     double square = null_vector(p, weight, k, Z + (size_t)k * (size_t)p->columns);
     if (k == 0)
       scale(Z, p->columns, 1.0 / sqrt(square));
   }
-  orthonormalise(Z, p->columns, count);
+  orthonormalise(Z, p->columns, first, count);
+}
+
+void km_partition_null(const km_partition *p, const double *weight, int count, double *Z) {
+  km_partition_null_more(p, weight, 0, count, Z);
 }
 
 /* Row i of [I B], that is of J's row space, over the weights; returns its square. */
@@ -79,7 +83,7 @@ void km_partition_rows(const km_partition *p, const double *weight, int count, d
     if (i == 0)
       scale(R, p->columns, 1.0 / sqrt(square));
   }
-  orthonormalise(R, p->columns, p->rank);
+  orthonormalise(R, p->columns, 0, p->rank);
 }
 
 void km_mobility_numbers(const double *Z, int columns, int freedom, double *numbers) {

@@ -94,27 +94,19 @@ static void eliminate(km_partition *p, int step, int row) {
   }
 }
 
-/* False if a value is not finite. */
-static bool load(km_partition *p, const double *matrix) {
-  double poison = 0.0, largest = 0.0; /* poison: sum of x − x, 0 or not a number */
-  for (int c = 0; c < p->columns; ++c) {
-    const double *from = matrix + (size_t)c * (size_t)p->rows;
+static void load(km_partition *p, const double *matrix) {
+  size_t rows = (size_t)p->rows;
+  for (int c = 0; c < p->columns && rows > 0; ++c) {
     double *to = reduced_column(p, c);
     to[p->stride - 1] = 0.0;
-    for (int r = 0; r < p->rows; ++r) {
-      double size = fabs(from[r]);
-      to[r] = from[r];
-      largest = size > largest ? size : largest;
-      poison += size - size;
-    }
+    memcpy(to, matrix + (size_t)c * rows, rows * sizeof *to);
   }
-  p->scale = largest;
-  return poison == 0.0;
 }
 
 /* km_small_factor for any size. */
 static void factor(km_partition *p, const double *matrix, int candidates, double tolerance) {
   load(p, matrix);
+  p->scale = km_largest_size(matrix, p->rows * p->columns);
   const int64_t magnitude = KM_MAGNITUDE;
   memset(p->work, 0, (size_t)p->stride * sizeof *p->work);
   for (int r = 0; r < p->rows; ++r)
@@ -145,12 +137,10 @@ static void factor(km_partition *p, const double *matrix, int candidates, double
 }
 
 static bool refactor(km_partition *p, const double *matrix) {
-  double scale = p->scale;
-  bool finite = load(p, matrix);
-  p->scale = scale;
+  load(p, matrix);
   for (int step = 0; step < p->rank; ++step)
     eliminate(p, step, p->row[step]);
-  return finite;
+  return km_all_finite(matrix, p->rows * p->columns);
 }
 
 /* The rows without pivot behind the others. */
@@ -217,11 +207,13 @@ void km_partition_factor(km_partition *p, const double *matrix, int rows, int co
   }
   order_rows(p);
   p->searches++;
+  p->edition++;
   p->pivoted_b = p->largest_b;
 }
 
 bool km_partition_refactor(km_partition *p, const double *matrix) {
   p->stride = stride_of(p->rows);
+  p->edition++;
   bool finite;
   if (p->sparse) {
     finite = km_sparse_refactor(p, matrix);
@@ -248,12 +240,12 @@ void km_partition_solve(const km_partition *p, const double *rhs, double *x) {
   }
   const int rank = p->rank, rows = p->rows, *const row = p->row;
   double *const y = p->work;
-  for (int r = 0; r < rows; ++r)
-    y[r] = rhs[r];
+  y[p->stride - 1] = 0.0;
+  memcpy(y, rhs, (size_t)rows * sizeof *y);
   for (int step = 0; step < rank; ++step) {
     const double *l = reduced_column(p, p->column[step]), u = y[row[step]];
-    for (int r = 0; r < rows; ++r)
-      y[r] -= l[r] * u;
+    for (int r = 0; r < p->stride; r += 2)
+      *(km_pair *)(y + r) -= *(const km_pair *)(l + r) * (km_pair){u, u};
   }
   for (int i = 0; i < rank; ++i)
     x[p->column[i]] = y[row[i]] * p->inverse[i];
@@ -288,6 +280,7 @@ void km_partition_copy_pivots(km_partition *to, const km_partition *from) {
   to->pivoted_b = from->pivoted_b;
   to->forced_dependent = from->forced_dependent;
   to->locked_count = from->locked_count;
+  to->edition++;
   memcpy(to->row, from->row, (size_t)from->rows * sizeof *to->row);
   memcpy(to->column, from->column, (size_t)from->columns * sizeof *to->column);
   if (to->sparse)

@@ -37,6 +37,7 @@ typedef struct km_partition {
   double largest_b, pivoted_b;                   /* max |B_ij|, and its value when pivots were last searched */
   int sign;              /* of the product of the pivots: flips where det of the pivot block does */
   unsigned searches;     /* how often pivots were searched */
+  unsigned edition;      /* how often anything of this changed: what was made from it is good for its edition */
   bool forced_dependent; /* a column that should be independent had to be a pivot */
   bool failed;           /* out of memory while the sparse engine grew: the rank means nothing, no freedom is given */
   bool held;             /* set by the caller: forced columns are no pivots, whatever rank that leaves */
@@ -106,6 +107,9 @@ void km_partition_solve(const km_partition *partition, const double *rhs, double
  * ones come last): Z[count × columns, leading dimension columns], rows in the matrix's column order. The basis
  * is not unique, its range is. */
 void km_partition_null(const km_partition *partition, const double *weight, int count, double *Z);
+
+/* Its vectors first … count-1, where Z has those before them. */
+void km_partition_null_more(const km_partition *partition, const double *weight, int first, int count, double *Z);
 
 /* Orthonormal basis of the row space of J·diag(weight)⁻¹ over the dependent columns and the first `count` independent
  * ones, the entries of the others 0: R[rank × columns, leading dimension columns]. What is at right angles to it is

@@ -100,17 +100,23 @@ void bench_sweep(void) {
   sweep slider = start("slider_crank", "A", 2.0 * M_PI);
   sweep klann = start("klann", "A", 2.0 * M_PI);
   sweep excavator = start("excavator", "M", 0.55);
+  sweep stewart = start("stewart", "P1", 0.1); /* several freedoms: the others move least */
+  sweep delta = start("delta", "A1", 0.6);
   by_hand hand = start_hand(&slider);
   check(&slider, &hand);
   bench_contender c[] = {{.name = "slider_crank", .run = run_sweep, .context = &slider},
                          {.name = "klann", .run = run_sweep, .context = &klann},
                          {.name = "excavator", .run = run_sweep, .context = &excavator},
+                         {.name = "stewart", .run = run_sweep, .context = &stewart},
+                         {.name = "delta", .run = run_sweep, .context = &delta},
                          {.name = "slider_crank by hand", .run = run_hand, .context = &hand}};
-  bench_time(c, 4);
-  bench_figure("sweep/slider_crank", "over_hand", bench_ratio(&c[0], &c[3]));
-  for (int i = 0; i < 3; ++i)
+  bench_time(c, 6);
+  bench_figure("sweep/slider_crank", "over_hand", bench_ratio(&c[0], &c[5]));
+  for (int i = 0; i < 5; ++i)
     report_speed(&c[i]);
   finish(&slider);
   finish(&klann);
   finish(&excavator);
+  finish(&stewart);
+  finish(&delta);
 }
