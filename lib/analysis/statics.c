@@ -143,9 +143,10 @@ void km_statics_free(km_statics *st) {
 
 /* How far the mechanism reaches from its origin: what turns forces into moments. */
 static double reach(const km_mechanism *m, const km_forces *f) {
-  double size = 0.0;
+  double square = 0.0;
   for (int b = 1; b < m->topology.body_count; ++b)
-    size = fmax(size, km_vec3_norm(f->pose[b].p));
+    square = fmax(square, km_vec3_dot(f->pose[b].p, f->pose[b].p));
+  double size = sqrt(square);
   for (int i = 0; i < m->topology.substructure_count; ++i)
     size = fmax(size, m->substructures[i].size);
   return size > 0.0 ? size : 1.0;

@@ -5,13 +5,6 @@
 
 #include <string.h>
 
-void km_twist_entries(const km_substructure *sub, km_twist h, km_vec3 about, double unit, double out[6]) {
-  double scale = unit / sub->size;
-  km_vec3 v = km_vec3_add(h.v, km_vec3_cross(h.w, about));
-  const double values[6] = {v.x * scale, v.y * scale, v.z * scale, h.w.x, h.w.y, h.w.z};
-  memcpy(out, values, sizeof values);
-}
-
 static void fill_loop(const km_mechanism *m, const km_substructure *sub, int loop, const km_twist *twist, km_vec3 about,
                       int rows, double *J) {
   const km_topology *t = &m->topology;

@@ -6,7 +6,17 @@
 
 /* Six entries (v; ω) of a twist about `about`, lengths over the substructure's size, of a coordinate in units of
  * `unit`. */
-void km_twist_entries(const km_substructure *sub, km_twist twist, km_vec3 about, double unit, double out[6]);
+static inline void km_twist_entries(const km_substructure *sub, km_twist twist, km_vec3 about, double unit,
+                                    double out[6]) {
+  double scale = unit / sub->size;
+  km_vec3 v = km_vec3_add(twist.v, km_vec3_cross(twist.w, about));
+  out[0] = v.x * scale;
+  out[1] = v.y * scale;
+  out[2] = v.z * scale;
+  out[3] = twist.w.x;
+  out[4] = twist.w.y;
+  out[5] = twist.w.z;
+}
 
 /* J: six rows a loop in the order of the substructure's loops (along the inertial axes, moments about `about`), then
  * the couplings; rows = 6 · loops + couplings, by the substructure's columns. twist[coordinate] of every coordinate. */
