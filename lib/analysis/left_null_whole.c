@@ -5,6 +5,7 @@
 #include "analysis/whole_jacobian.h"
 #include "kinematics/loops.h"
 
+#include <stdlib.h>
 #include <string.h>
 
 /* Up to so many rows a dense matrix is solved, and the vectors are orthonormal. */
@@ -171,30 +172,39 @@ static bool fill_sparse(reduced *R, km_arena *scratch) {
   return true;
 }
 
-/* A null vector w of the reduced rows, as unit vector in its parts; those that are 0 are left out. False when out of
- * memory. */
-static bool add_vector(const reduced *R, const double *w, km_arena *arena, size_t *room, km_left_null *out) {
-  const km_substructure *sub = R->a->sub;
-  int places = sub->loop_count + sub->coupling_count, count = out->part_start[out->whole_count];
+/* The part that a null vector w of the reduced rows, of that size, has in one place. */
+static km_left_part part_of(const reduced *R, const double *w, double size, int vector, int place) {
+  km_left_part part = {.vector = vector, .place = place};
+  int first = R->first[place], count = R->first[place + 1] - first;
+  if (place >= R->a->sub->loop_count) {
+    part.w[0] = w[first] / size;
+    return part;
+  }
+  for (int k = 0; k < count; ++k)
+    for (int r = 0; r < 6; ++r)
+      part.w[r] += w[first + k] / size * R->C[36 * place + 6 * k + r];
+  return part;
+}
+
+/* A null vector w that has entries in the rows of these places, in ascending order, as unit vector in its parts; those that
+ * are 0 are left out. False when out of memory. */
+static bool add_vector(const reduced *R, const double *w, const int *places, int place_count, km_arena *arena,
+                       size_t *room, km_left_null *out) {
+  int count = out->part_start[out->whole_count];
   double square = 0.0;
-  for (int r = 0; r < R->rows; ++r)
-    square += w[r] * w[r];
+  for (int i = 0; i < place_count; ++i)
+    for (int r = R->first[places[i]]; r < R->first[places[i] + 1]; ++r)
+      square += w[r] * w[r];
   double size = sqrt(square);
-  for (int i = 0; i < places; ++i) {
+  for (int i = 0; i < place_count; ++i) {
     double largest = 0.0;
-    for (int r = R->first[i]; r < R->first[i + 1]; ++r)
-      largest = fmax(largest, fabs(w[r]));
+    for (int r = R->first[places[i]]; r < R->first[places[i] + 1]; ++r)
+      largest = fabs(w[r]) > largest ? fabs(w[r]) : largest;
     if (largest <= least_part * size)
       continue;
     if (!km_arena_grow(arena, (void **)&out->part, room, (size_t)count + 1, sizeof *out->part))
       return false;
-    km_left_part *part = &out->part[count++];
-    *part = (km_left_part){.vector = out->whole_count, .place = i};
-    if (i >= sub->loop_count)
-      part->w[0] = w[R->first[i]] / size;
-    for (int k = 0; i < sub->loop_count && k < R->first[i + 1] - R->first[i]; ++k)
-      for (int r = 0; r < 6; ++r)
-        part->w[r] += w[R->first[i] + k] / size * R->C[36 * i + 6 * k + r];
+    out->part[count++] = part_of(R, w, size, out->whole_count, places[i]);
   }
   out->part_start[++out->whole_count] = count;
   return true;
@@ -212,29 +222,92 @@ static bool solve_dense(reduced *R, km_arena *scratch, km_arena *arena, km_left_
   if (!W || !fill_dense(R, scratch))
     return false;
   int found = km_left_solve(R->entries, R->a->sub->columns, R->rows, R->a->tolerance, scratch, W);
-  bool whole = found >= 0 && reserve_vectors(found, arena, out);
+  int place_count = R->a->sub->loop_count + R->a->sub->coupling_count;
+  int *places = KM_ARENA_NEW(scratch, int, (size_t)place_count);
+  bool whole = found >= 0 && places && reserve_vectors(found, arena, out);
+  for (int i = 0; i < place_count && whole; ++i)
+    places[i] = i;
   for (int n = 0; n < found && whole; ++n)
-    whole = add_vector(R, W + (size_t)n * rows, arena, &room, out);
+    whole = add_vector(R, W + (size_t)n * rows, places, place_count, arena, &room, out);
   out->orthonormal = true;
   return whole;
+}
+
+/* A null vector by its entries, and the places in whose rows they are. */
+typedef struct sparse_vector {
+  double *w;     /* [rows] 0 between vectors */
+  int *row;      /* [rows + 1] */
+  double *entry; /* [rows + 1] */
+  int *place_of; /* [row] */
+  int *places;   /* [place] */
+  bool *is_met;  /* [place] */
+} sparse_vector;
+
+static bool reserve_vector(const reduced *R, km_arena *scratch, sparse_vector *v) {
+  const km_substructure *sub = R->a->sub;
+  size_t rows = (size_t)R->rows, places = (size_t)(sub->loop_count + sub->coupling_count);
+  *v = (sparse_vector){.w = KM_ARENA_NEW(scratch, double, rows),
+                       .row = KM_ARENA_NEW(scratch, int, rows + 1),
+                       .entry = KM_ARENA_NEW(scratch, double, rows + 1),
+                       .place_of = KM_ARENA_NEW(scratch, int, rows),
+                       .places = KM_ARENA_NEW(scratch, int, places),
+                       .is_met = KM_ARENA_NEW(scratch, bool, places)};
+  for (int i = 0; i < sub->loop_count + sub->coupling_count && !scratch->failed; ++i)
+    for (int r = R->first[i]; r < R->first[i + 1]; ++r)
+      v->place_of[r] = i;
+  return !scratch->failed;
+}
+
+static int ascending(const void *a, const void *b) {
+  int x = *(const int *)a, y = *(const int *)b;
+  return (x > y) - (x < y);
+}
+
+/* The places of the rows, each once and ascending. Of many rows they are found by looking at all places. */
+static int list_places(const reduced *R, sparse_vector *v, int rows) {
+  int all = R->a->sub->loop_count + R->a->sub->coupling_count, count = 0;
+  bool many = rows > all / 16;
+  for (int i = 0; i < rows; ++i) {
+    int place = v->place_of[v->row[i]];
+    if (!v->is_met[place] && !many)
+      v->places[count++] = place;
+    v->is_met[place] = true;
+  }
+  for (int i = 0; i < all && many; ++i)
+    if (v->is_met[i])
+      v->places[count++] = i;
+  if (!many)
+    qsort(v->places, (size_t)count, sizeof *v->places, ascending);
+  for (int i = 0; i < count; ++i)
+    v->is_met[v->places[i]] = false;
+  return count;
+}
+
+static bool add_sparse_vector(const reduced *R, const km_partition *p, int k, sparse_vector *v, km_arena *arena,
+                              size_t *room, km_left_null *out) {
+  int count = km_partition_null_entries(p, k, v->row, v->entry);
+  for (int i = 0; i < count; ++i)
+    v->w[v->row[i]] = v->entry[i];
+  bool added = add_vector(R, v->w, v->places, list_places(R, v, count), arena, room, out);
+  for (int i = 0; i < count; ++i)
+    v->w[v->row[i]] = 0.0;
+  return added;
 }
 
 /* One vector for each superfluous row: the row itself and those of the factor that make it up. */
 static bool solve_sparse(reduced *R, km_arena *scratch, km_arena *arena, km_left_null *out) {
   km_partition p;
+  sparse_vector v;
   size_t room = 0;
-  double *w = KM_ARENA_NEW(scratch, double, (size_t)R->rows);
-  if (!fill_sparse(R, scratch) ||
-      !km_partition_reserve_sparse(&p, R->a->sub->columns, R->rows, R->start, R->column, scratch) || !w)
+  if (!reserve_vector(R, scratch, &v) || !fill_sparse(R, scratch) ||
+      !km_partition_reserve_sparse(&p, R->a->sub->columns, R->rows, R->start, R->column, scratch))
     return false;
   p.any_independent = true;
   km_partition_factor(&p, R->entries, R->a->sub->columns, R->rows, NULL, R->a->tolerance);
   int found = km_partition_freedom(&p);
   bool whole = !p.failed && reserve_vectors(found, arena, out);
-  for (int n = 0; n < found && whole; ++n) {
-    km_partition_direction(&p, p.column[p.rank + n], w);
-    whole = add_vector(R, w, arena, &room, out);
-  }
+  for (int n = 0; n < found && whole; ++n)
+    whole = add_sparse_vector(R, &p, n, &v, arena, &room, out);
   return whole;
 }
 

@@ -63,6 +63,11 @@ void km_least_step(const km_mechanism *m, km_state *s, int index, int driver, do
   if (count <= 0)
     return;
   bool by_rows = p->rank < count;
+  if (p->sparse && (by_rows ? p->rank : count) > KM_MANY_VECTORS &&
+      km_partition_reject_null(p, weight, count, x, s->part)) {
+    s->basis[index].count = 0;
+    return;
+  }
   const double *Y = by_rows ? km_state_rows(m, s, index, count) : km_state_null(m, s, index, count);
   if (!Y)
     return;

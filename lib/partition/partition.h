@@ -41,7 +41,8 @@ typedef struct km_partition {
   bool forced_dependent; /* a column that should be independent had to be a pivot */
   bool failed;           /* out of memory while the sparse engine grew: the rank means nothing, no freedom is given */
   bool held;             /* set by the caller: forced columns are no pivots, whatever rank that leaves */
-  bool any_independent;  /* set by the caller: the sparse engine need not keep |B| small, any null vectors will do */
+  bool any_independent; /* set by the caller: any null vectors will do, and km_partition_null_entries alone is asked for
+                          * them; the sparse engine doesn't keep |B| small then, and makes no B */
   const bool *locked; /* [columns] set by the caller, borrowed; NULL: none. Columns of what doesn't move: their entries
                        * are 0, they come last and count as no freedom */
   int locked_count;   /* at the last search */
@@ -116,8 +117,21 @@ void km_partition_null_more(const km_partition *partition, const double *weight,
  * diag(weight) times a null vector. O(columns·rank²): cheaper than km_partition_null where rank < count. */
 void km_partition_rows(const km_partition *partition, const double *weight, int count, double *R);
 
+/* More vectors than that are many: then sums run in lanes, and sparse Q R is worth its start. */
+enum { KM_MANY_VECTORS = 48 };
+
+/* Takes out of x what it has of the null space of the first `count` independent columns, in the norm |diag(weight) x|.
+ * work[columns]. False, and x kept, where SuiteSparse's SPQR isn't installed or memory is out. For many sparse null vectors:
+ * O(entries of their Q R), where km_partition_null takes O(columns·count²). */
+bool km_partition_reject_null(const km_partition *partition, const double *weight, int count, double *x, double *work);
+
 /* The null vector that moves independent column `column` by 1 and the other independent ones not at all. */
 void km_partition_direction(const km_partition *partition, int column, double *direction);
+
+/* The null vector of the k-th independent column, of a sparse partition that was factored with `any_independent`: the columns
+ * in which it has entries, in no order, and the entries, that of the independent column being 1. Returns how many, rank + 1 at
+ * most. O(entries of the columns of U that it takes). */
+int km_partition_null_entries(const km_partition *partition, int k, int *column, double *value);
 
 /* Mobility numbers m_j = Σ_k Z_jk², (278). */
 void km_mobility_numbers(const double *Z, int columns, int freedom, double *numbers);

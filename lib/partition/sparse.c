@@ -91,12 +91,13 @@ void km_sparse_factor(km_partition *p, const double *matrix, const bool *forced,
   km_sparse *s = p->sparse;
   p->scale = km_largest_size(matrix, s->start[p->columns]);
   p->locked_count = 0;
+  p->largest_b = 0.0;
   for (int c = 0; c < p->columns; ++c)
     p->locked_count += km_sparse_is_locked(p, c);
   memset(s->late, 0, (size_t)p->columns * sizeof *s->late);
   for (int pass = 0; pass < MOST_PASSES; ++pass) {
     eliminate_all(p, matrix, forced, tolerance * p->scale);
-    if (!km_sparse_find_b(p) || p->any_independent || largest_free_b(p, forced) <= good_b || !choose_late(p, forced))
+    if (p->any_independent || !km_sparse_find_b(p) || largest_free_b(p, forced) <= good_b || !choose_late(p, forced))
       break;
   }
 }

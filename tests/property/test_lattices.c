@@ -1,7 +1,10 @@
 /* Ranks of substructures of up to ten thousand loops, anywhere in space, against SuiteSparse's rank-revealing QR. */
+#include "support/chains.h"
 #include "support/lattices.h"
 #include "support/laws.h"
 
+#include "kinematics/closure.h"
+#include "kinematics/loops.h"
 #include "kmech/mobility.h"
 #include "topology/short_loops.h"
 
@@ -108,6 +111,44 @@ static void laws_of_large_lattices(void **state) {
   }
 }
 
+/* A chain whose links lie on one line has a motion of every link, and a step loses what it has of all of them. */
+static void many_motions(void **state) {
+  (void)state;
+  enum { LOOPS = 60 };
+  km_text text = {0};
+  randomness r = {5};
+  write_chain(&text, LOOPS);
+  fixture f = fixture_read(text.data);
+  const km_mechanism *m = f.mechanism;
+  const km_substructure *sub = &m->substructures[0];
+  size_t columns = (size_t)sub->columns;
+  double *zero = KM_NEW(double, (size_t)m->coordinate_count), *x = KM_NEW(double, columns);
+  double *rest = KM_NEW(double, columns);
+  assert_int_equal(km_state_set_coordinates(m, f.state, zero, NULL), KM_OK);
+  km_loops_update(m, f.state, sub);
+  law_numbers(&f, &r);
+  int freedom = km_partition_freedom(&f.state->partition[0]);
+  assert_true(freedom > KM_MANY_VECTORS && f.state->partition[0].rank > KM_MANY_VECTORS);
+  const double *weight = m->column_weight + sub->column_start, *Z = km_state_null(m, f.state, 0, freedom);
+  for (size_t c = 0; c < columns; ++c)
+    rest[c] = x[c] = uniform(&r, -1.0, 1.0);
+  for (int k = 0; k < freedom; ++k) {
+    double along = 0.0;
+    for (size_t c = 0; c < columns; ++c)
+      along += Z[(size_t)k * columns + c] * weight[c] * x[c];
+    for (size_t c = 0; c < columns; ++c)
+      rest[c] -= along * Z[(size_t)k * columns + c] / weight[c];
+  }
+  km_least_step(m, f.state, 0, KM_NO_DRIVER, x);
+  for (size_t c = 0; c < columns; ++c)
+    assert_near(x[c], rest[c], 1e-11);
+  km_free(zero);
+  km_free(x);
+  km_free(rest);
+  fixture_close(&f);
+  km_text_free(&text);
+}
+
 int main(void) {
   const struct CMUnitTest tests[] = {
       claim_test(chains, "Ranks of chains of up to 9900 loops are those of SuiteSparse's rank-revealing QR",
@@ -117,6 +158,7 @@ int main(void) {
       claim_test(miuras, "Ranks of folded sheets of up to 9900 loops are those of SuiteSparse's rank-revealing QR",
                  "none: whole numbers"),
       cmocka_unit_test(laws_of_large_lattices),
+      cmocka_unit_test(many_motions),
   };
   return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -111,6 +111,66 @@ static void zeros_that_fill(void **state) {
   assert_true(kept > 20 && refused > 20 && singles > 2000);
 }
 
+/* J n = 0 for every null vector that is given by its entries; they are as many as the singular values tell. */
+static void null_vectors_by_their_entries(void **state) {
+  (void)state;
+  static int start[MOST + 1], row[MOST * MOST], column[MOST];
+  double value[MOST];
+  for (int i = 0; i < 200; ++i) {
+    fill_band(20 + index_below(50), 20 + index_below(60), start, row);
+    reserve();
+    assert_true(km_partition_reserve_sparse(&f.p, f.rows, f.columns, start, row, &f.arena));
+    fill_zeros(0.5, false);
+    run_svd();
+    f.p.any_independent = true;
+    factor(&f.p);
+    assert_near(km_partition_freedom(&f.p), f.columns - f.svd_rank, 0.0);
+    for (int k = 0; k < km_partition_freedom(&f.p); ++k) {
+      int count = km_partition_null_entries(&f.p, k, column, value), units = 0;
+      double residual[MOST] = {0}, largest = 0.0;
+      for (int n = 0; n < count; ++n) {
+        largest = fmax(largest, fabs(value[n]));
+        units += column[n] == f.p.column[f.p.rank + k] && value[n] == 1.0;
+        for (int r = 0; r < f.rows; ++r)
+          residual[r] += f.J[column[n] * f.rows + r] * value[n];
+      }
+      assert_int_equal(units, 1);
+      for (int r = 0; r < f.rows && largest < 1e4; ++r)
+        assert_near(residual[r], 0.0, 1e-9 * largest);
+    }
+  }
+}
+
+/* What is left of a step is at right angles to the null space, as by Z. */
+static void steps_without_null_vectors(void **state) {
+  (void)state;
+  static int start[MOST + 1], row[MOST * MOST];
+  double x[MOST], left[MOST], work[MOST];
+  for (int i = 0; i < 100; ++i) {
+    fill_band(20 + index_below(20), 30 + index_below(50), start, row);
+    reserve();
+    assert_true(km_partition_reserve_sparse(&f.p, f.rows, f.columns, start, row, &f.arena));
+    factor(&f.p);
+    int freedom = km_partition_freedom(&f.p);
+    if (freedom == 0 || f.p.largest_b > 1e3)
+      continue;
+    km_partition_null(&f.p, f.D, freedom, f.Z);
+    for (int c = 0; c < f.columns; ++c)
+      x[c] = any();
+    memcpy(left, x, sizeof left);
+    assert_true(km_partition_reject_null(&f.p, f.D, freedom, left, work));
+    for (int k = 0; k < freedom; ++k) {
+      double along = 0.0;
+      for (int c = 0; c < f.columns; ++c)
+        along += f.Z[k * f.columns + c] * f.D[c] * x[c];
+      for (int c = 0; c < f.columns; ++c)
+        x[c] -= along * f.Z[k * f.columns + c] / f.D[c];
+    }
+    for (int c = 0; c < f.columns; ++c)
+      assert_near(left[c], x[c], 1e-10);
+  }
+}
+
 static int clean(void **state) {
   (void)state;
   km_arena_free(&f.arena);
@@ -123,6 +183,8 @@ int main(void) {
                  "The sparse engine finds the dense one's rank, and LAPACK's mobility numbers",
                  "rounding over the smallest pivot, where |B| stays below 1000"),
       cmocka_unit_test(zeros_that_fill),
+      cmocka_unit_test(null_vectors_by_their_entries),
+      cmocka_unit_test(steps_without_null_vectors),
   };
   return cmocka_run_group_tests(tests, NULL, clean);
 }

@@ -15,13 +15,20 @@ typedef struct obstacle {
   bool symbol;
 } obstacle;
 
+/* A label that has a place: is there a leader to its spot, and where does it end? */
+typedef struct placed_label {
+  size_t index;
+  bool has_leader;
+  km_canvas_point end;
+} placed_label;
+
 typedef struct board {
   km_label *labels;
   size_t count;
   obstacle *obstacles;
   size_t obstacle_count;
-  km_grid grid;   /* of the obstacles */
-  size_t *placed; /* [placed_count] labels that have a place */
+  km_grid grid;         /* of the obstacles */
+  placed_label *placed; /* [placed_count] */
   size_t placed_count;
   km_rectangle place;
   double em;    /* size of the letters */
@@ -79,7 +86,7 @@ static bool gather(board *b, const km_scene *scene, const km_drawing_trace *trac
   for (size_t i = 0; b->obstacles && i < b->count; ++i)
     if (b->labels[i].arrow)
       add_arrow(b, &b->labels[i]);
-  b->placed = KM_ARENA_NEW(scene->arena, size_t, b->count);
+  b->placed = KM_ARENA_NEW(scene->arena, placed_label, b->count);
   return !scene->arena->failed;
 }
 
@@ -177,10 +184,11 @@ static double leader_cost(board *b, const km_label *label, km_canvas_point box) 
   obstacle leader = {label->at, {end.x, end.y, 0.0}, 0.0, false};
   double cost = cost_leader;
   for (size_t i = 0; i < b->placed_count; ++i) {
-    const km_label *other = &b->labels[b->placed[i]];
+    const placed_label *placed = &b->placed[i];
+    const km_label *other = &b->labels[placed->index];
     km_canvas_point other_at = {other->at.x, other->at.y};
     cost += inside(&leader, other->box, other->size) >= 0.0 ? 4.0 * cost_symbol : 0.0;
-    if (has_leader(b->em, other, other->box) && crosses(at, end, other_at, leader_end(other, other->box)))
+    if (placed->has_leader && crosses(at, end, other_at, placed->end))
       cost += 2.0 * cost_symbol;
   }
   int count = km_grid_find(&b->grid, frame_of(&leader));
@@ -198,12 +206,12 @@ static double leader_cost(board *b, const km_label *label, km_canvas_point box) 
 static double names_cost(const board *b, const km_label *label, km_canvas_point box) {
   double cost = 0.0;
   for (size_t i = 0; i < b->placed_count; ++i) {
-    const km_label *other = &b->labels[b->placed[i]];
+    const placed_label *placed = &b->placed[i];
+    const km_label *other = &b->labels[placed->index];
     cost += overlap(box, label->size, other->box, other->size) ? clash : 0.0;
-    if (!has_leader(b->em, other, other->box))
+    if (!placed->has_leader)
       continue;
-    km_canvas_point end = leader_end(other, other->box);
-    const obstacle leader = {other->at, {end.x, end.y, 0.0}, 0.0, false};
+    const obstacle leader = {other->at, {placed->end.x, placed->end.y, 0.0}, 0.0, false};
     cost += inside(&leader, box, label->size) >= 0.0 ? 4.0 * cost_symbol : 0.0;
   }
   return cost;
@@ -240,7 +248,7 @@ static void leave(board *b, size_t index) {
     return;
   b->labels[index].placed = false;
   size_t i = 0;
-  while (b->placed[i] != index)
+  while (b->placed[i].index != index)
     ++i;
   b->placed[i] = b->placed[--b->placed_count];
 }
@@ -262,7 +270,8 @@ static void place_label(board *b, size_t index) {
       label->placed = true;
     }
   if (label->placed)
-    b->placed[b->placed_count++] = index;
+    b->placed[b->placed_count++] =
+        (placed_label){index, has_leader(b->em, label, label->box), leader_end(label, label->box)};
 }
 
 void km_label_paint(km_canvas *canvas, const km_label *label, const km_font *font) {
