@@ -1,109 +1,108 @@
-/* Newton's steps in vectors of four, included once for each instruction set: NAME is the function. */
+/* Newton's steps in vectors of WIDTH lanes, included once for each instruction set: NAME is the function. */
 #include "arm/seven.h"
 
-typedef double lane4 __attribute__((vector_size(32)));
-typedef int64_t bits4 __attribute__((vector_size(32)));
-typedef uint64_t word4 __attribute__((vector_size(32)));
+#include "spatial/vectors_body.h"
 
-static inline lane4 root4(lane4 x) {
-  return (lane4){sqrt(x[0]), sqrt(x[1]), sqrt(x[2]), sqrt(x[3])};
-}
-static inline lane4 pick4(bits4 mask, lane4 a, lane4 b) { /* a where the mask is set */
-  return (lane4)(((bits4)a & mask) | ((bits4)b & ~mask));
-}
-
-static inline bool any4(bits4 mask) {
-  return (mask[0] | mask[1] | mask[2] | mask[3]) != 0;
-}
-
-#define T                lane4
-#define BITS             word4
-#define FN(name)         four_##name
-#define ZERO             ((lane4){0.0, 0.0, 0.0, 0.0})
-#define SIGN             (NONE + ((uint64_t)1 << 63))
-#define NONE             ((word4){0, 0, 0, 0})
-#define ROOT(x)          root4(x)
-#define MASK             bits4
-#define ANY(mask)        any4(mask)
-#define PICK(mask, a, b) pick4((mask), (a), (b))
-#define SMALLER(a, b)    pick4((bits4)((a) < (b)), (a), (b))
-#define LARGER(a, b)     pick4((bits4)((a) > (b)), (a), (b))
-#define km_bits_of(x)    ((word4)(x))
-#define km_number_of(x)  ((lane4)(x))
+#define T               vector
+#define BITS            word
+#define FN(name)        lanes_##name
+#define ZERO            ((vector){0.0})
+#define NONE            ((word){0})
+#define SIGN            (NONE + SIGN_BIT)
+#define ROOT(x)         root(x)
+#define MASK            mask
+#define BELOW(a, b)     below((a), (b))
+#define ANY(m)          (bits_of(m) != 0)
+#define PICK(m, a, b)   pick((m), (a), (b))
+#define SMALLER(a, b)   pick(below((a), (b)), (a), (b))
+#define LARGER(a, b)    pick(below((b), (a)), (a), (b))
+#define km_bits_of(x)   ((word)(x))
+#define km_number_of(x) ((vector)(x))
 #include "arm/seven_body.h"
 
-static inline unsigned set4(bits4 mask) { /* lane by lane a bit */
-  return (mask[0] ? 1u : 0u) | (mask[1] ? 2u : 0u) | (mask[2] ? 4u : 0u) | (mask[3] ? 8u : 0u);
-}
-
 /* What is left to the target: e[6]; lanes whose turn isn't small are taken out. Returns its length. */
-static inline lane4 left4(const km_arm *a, const four_seven *k, const km_pose *target, lane4 *e, bits4 *fit) {
-  lane4 sine2, trace;
-  four_vec v = {target->p.x - k->p.x, target->p.y - k->p.y, target->p.z - k->p.z};
-  four_vec w = four_turn_left(k->R, &target->R, &sine2, &trace);
-  *fit &= (bits4)(sine2 < ZERO + KM_SMALL_TURN) & (bits4)(trace > ZERO + 1.0);
+static inline vector left(const km_arm *a, const lanes_seven *k, const km_pose *target, vector *e, mask *fit) {
+  vector sine2, trace;
+  lanes_vec v = {target->p.x - k->p.x, target->p.y - k->p.y, target->p.z - k->p.z};
+  lanes_vec w = lanes_turn_left(k->R, &target->R, &sine2, &trace);
+  *fit &= below(sine2, all(KM_SMALL_TURN)) & below(all(1.0), trace);
   e[0] = v.x;
   e[1] = v.y;
   e[2] = v.z;
   e[3] = w.x;
   e[4] = w.y;
   e[5] = w.z;
-  return root4(a->shrink * four_dot(v, v) + four_dot(w, w));
+  return root(a->shrink * lanes_dot(v, v) + lanes_dot(w, w));
 }
 
-static inline bits4 regular4(const four_seven *k) {
-  return (bits4)(k->least > k->largest * KM_SEVEN_REGULAR);
+static inline mask regular(const lanes_seven *k) {
+  return below(k->largest * KM_SEVEN_REGULAR, k->least);
+}
+
+/* Newton's steps of lanes first … first + WIDTH - 1, q[7] being where they begin. Returns the lanes that arrive; the Jacobian
+ * there is factored. */
+static inline mask correct(const km_arm *a, const km_pose *target, km_lanes *io, int first, vector *q, lanes_seven *k) {
+  vector e[6], x[SEVEN], moved[SEVEN], most = get(io->most + first);
+  mask fit = mask_of((1u << WIDTH) - 1), active = fit;
+  unsigned used = io->used >> first & ((1u << WIDTH) - 1);
+  for (int i = 0; i < SEVEN; ++i)
+    moved[i] = ZERO;
+  for (int step = 0;; ++step) {
+    lanes_forward(a, q, k);
+    io->evaluations += (unsigned)__builtin_popcount(bits_of(active) & used);
+    vector rest = left(a, k, target, e, &fit);
+    fit &= below(rest, all(KM_NEWTON_FAR));
+    active = fit & below(all(KM_NEWTON_DONE), rest);
+    if (!ANY(active) || step == KM_NEWTON_MOST)
+      break;
+    lanes_factor(k);
+    fit &= regular(k);
+    lanes_solve(k, e, x);
+    vector sum = ZERO;
+    for (int i = 0; i < SEVEN; ++i) {
+      moved[i] = pick(active, moved[i] + x[i], moved[i]);
+      q[i] = pick(active, q[i] + x[i], q[i]);
+      sum += moved[i] * moved[i];
+    }
+    fit &= at_most(root(sum), most) | ~active;
+  }
+  lanes_factor(k);
+  return fit & ~active & regular(k);
+}
+
+/* The columns for a unit twist xi[6] of lanes from `first` on. */
+static inline void put_columns(const double *xi, km_lanes *io, int first, const vector *q, const lanes_seven *k) {
+  vector e[6], x[SEVEN], path[SEVEN + 1], sigma[6];
+  for (int r = 0; r < 6; ++r)
+    e[r] = all(xi[r]);
+  lanes_solve(k, e, x);
+  lanes_path_column(x, path);
+  for (int i = 0; i < SEVEN; ++i) {
+    put(io->q[i] + first, q[i]);
+    put(io->null[i] + first, k->null[i]);
+    put(io->path[i] + first, path[i]);
+  }
+  put(io->path[SEVEN] + first, path[SEVEN]);
+  if (!io->want_sigma)
+    return;
+  lanes_singular_values(k, sigma);
+  for (int r = 0; r < 6; ++r)
+    put(io->sigma[r] + first, sigma[r]);
 }
 
 unsigned NAME(const km_arm *a, const km_pose *target, const double *xi, km_lanes *io);
 unsigned NAME(const km_arm *a, const km_pose *target, const double *xi, km_lanes *io) {
-  four_seven k;
-  lane4 q[SEVEN], x[SEVEN], e[6], path[SEVEN + 1], moved[SEVEN], most;
-  bits4 fit = ~(bits4){0, 0, 0, 0}, active = fit;
-  for (int i = 0; i < SEVEN; ++i) {
-    memcpy(&q[i], io->q[i], sizeof q[i]);
-    moved[i] = ZERO;
+  unsigned arrived = 0;
+  for (int first = 0; first < KM_LANES; first += WIDTH) {
+    lanes_seven k;
+    vector q[SEVEN];
+    if (!(io->used >> first & ((1u << WIDTH) - 1)))
+      continue;
+    for (int i = 0; i < SEVEN; ++i)
+      q[i] = get(io->q[i] + first);
+    mask fit = correct(a, target, io, first, q, &k);
+    put_columns(xi, io, first, q, &k);
+    arrived |= bits_of(fit) << first;
   }
-  memcpy(&most, io->most, sizeof most);
-  for (int step = 0;; ++step) {
-    four_forward(a, q, &k);
-    io->evaluations += (unsigned)__builtin_popcount(set4(active) & io->used);
-    lane4 left = left4(a, &k, target, e, &fit);
-    fit &= (bits4)(left < ZERO + KM_NEWTON_FAR);
-    active = fit & (bits4)(left > ZERO + KM_NEWTON_DONE);
-    if (!any4(active))
-      break;
-    if (step == KM_NEWTON_MOST) {
-      fit &= ~active;
-      break;
-    }
-    four_factor(&k);
-    fit &= regular4(&k);
-    four_solve(&k, e, x);
-    lane4 sum = ZERO;
-    for (int i = 0; i < SEVEN; ++i) {
-      moved[i] = pick4(active, moved[i] + x[i], moved[i]);
-      q[i] = pick4(active, q[i] + x[i], q[i]);
-      sum += moved[i] * moved[i];
-    }
-    fit &= (bits4)(root4(sum) <= most) | ~active;
-  }
-  four_factor(&k);
-  fit &= regular4(&k);
-  for (int r = 0; r < 6; ++r)
-    e[r] = ZERO + xi[r];
-  four_solve(&k, e, x);
-  four_path_column(x, path);
-  for (int i = 0; i < SEVEN; ++i) {
-    memcpy(io->q[i], &q[i], sizeof q[i]);
-    memcpy(io->null[i], &k.null[i], sizeof q[i]);
-    memcpy(io->jacobian[i], k.jacobian[i], sizeof io->jacobian[i]);
-  }
-  memcpy(io->path, path, sizeof io->path);
-  if (io->want_sigma) {
-    lane4 sigma[6];
-    four_singular_values(&k, sigma);
-    memcpy(io->sigma, sigma, sizeof io->sigma);
-  }
-  return set4(fit);
+  return arrived;
 }

@@ -1,4 +1,4 @@
-/* Arms with seven joints for a whole pose: one spare freedom. A kernel of fixed size, for one pose and for four side by
+/* Arms with seven joints for a whole pose: one spare freedom. A kernel of fixed size, for one pose and for eight side by
  * side with the same bits. */
 #ifndef KM_ARM_SEVEN_H
 #define KM_ARM_SEVEN_H
@@ -31,12 +31,13 @@ static inline bool km_seven_fits(const km_arm *arm) {
 #define NONE             ((uint64_t)0)
 #define ROOT(x)          sqrt(x)
 #define MASK             bool
+#define BELOW(a, b)      ((a) < (b))
 #define ANY(mask)        (mask)
 #define PICK(mask, a, b) ((mask) ? (a) : (b))
 #define SMALLER(a, b)    ((a) < (b) ? (a) : (b))
 #define LARGER(a, b)     ((a) > (b) ? (a) : (b))
-#define km_bits_of   km_double_bits
-#define km_number_of km_bits_double
+#define km_bits_of       km_double_bits
+#define km_number_of     km_bits_double
 #include "arm/seven_body.h"
 #undef T
 #undef BITS
@@ -46,6 +47,7 @@ static inline bool km_seven_fits(const km_arm *arm) {
 #undef NONE
 #undef ROOT
 #undef MASK
+#undef BELOW
 #undef ANY
 #undef PICK
 #undef SMALLER
@@ -53,12 +55,11 @@ static inline bool km_seven_fits(const km_arm *arm) {
 #undef km_bits_of
 #undef km_number_of
 
-/* Four poses side by side, lane by lane in the last index. */
-enum { KM_LANES = 4 };
+/* Eight poses side by side, lane by lane in the last index. */
+enum { KM_LANES = 8 };
 typedef struct km_lanes {
   double q[SEVEN][KM_LANES]; /* in: where Newton begins; out: the poses */
   double most[KM_LANES];     /* how far it may go */
-  double jacobian[SEVEN][6][KM_LANES];
   double path[SEVEN + 1][KM_LANES], null[SEVEN][KM_LANES];
   bool want_sigma;
   double sigma[6][KM_LANES];  /* singular values in no order, if they are wanted */

@@ -3,7 +3,7 @@
  * nothing is contracted and nothing is summed across lanes: so a lane has the bits of the plain double.
  *
  * What the includer defines: T; BITS, an unsigned integer of the same size, and NONE, 0 of it; FN(name); km_bits_of(x),
- * km_number_of(bits); ROOT(x).
+ * km_number_of(bits); ROOT(x); MASK, lane by lane whether something holds, BELOW(a, b), ANY(mask), PICK(mask, a, b).
  *
  *   Jᵀ = Q [R; 0] by Householder's reflections (7 × 6). The last column of Q spans J's null space, and
  *   x = Q [R⁻ᵀ b; 0] is the least x with J x = b. */
@@ -208,7 +208,7 @@ static inline void FN(singular_values)(const FN(seven) * k, T *sigma) {
           yy += y[c] * y[c];
           xy += x[c] * y[c];
         }
-        MASK askew = xy * xy > xx * yy * 1e-27;
+        MASK askew = BELOW(xx * yy * 1e-27, xy * xy);
         if (!ANY(askew))
           continue;
         turned = true;

@@ -251,25 +251,20 @@ km_step_end km_tracker_step(const km_tracker *w, km_tracker_space *s, int sample
   return check(w, sample, &here, from, to);
 }
 
-/* Puts a lane's pose into the space and its columns into a node. */
+/* Puts a lane's pose and its columns into a node. */
 static void take_lane(const km_tracker *w, km_tracker_space *s, const km_path_point *point, const km_lanes *lanes,
                       int l, const km_node *from, km_node *to) {
   double side = 0.0, values[KM_OBJECTIVES];
   for (int i = 0; i < SEVEN; ++i) {
     to->q[i] = lanes->q[i][l];
     to->path[i] = lanes->path[i][l];
-    s->arm.null[i] = lanes->null[i][l];
-    side += from->self[i] * s->arm.null[i];
-    for (int r = 0; r < 6; ++r)
-      s->arm.jacobian[6 * i + r] = lanes->jacobian[i][r][l];
+    side += from->self[i] * lanes->null[i][l];
   }
-  s->arm.null[SEVEN] = 0.0;
-  s->arm.null_count = 1;
-  for (int r = 0; r < 6; ++r)
+  for (int i = 0; i < SEVEN; ++i)
+    to->self[i] = (side < 0.0 ? -1.0 : 1.0) * lanes->null[i][l];
+  for (int r = 0; r < 6 && lanes->want_sigma; ++r)
     s->arm.sigma[r] = lanes->sigma[r][l];
   s->arm.sigma_stands = lanes->want_sigma;
-  for (int i = 0; i < SEVEN; ++i)
-    to->self[i] = (side < 0.0 ? -1.0 : 1.0) * s->arm.null[i];
   to->z = to->path[SEVEN] = lanes->path[SEVEN][l];
   if (!w->objective)
     return;

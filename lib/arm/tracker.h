@@ -64,9 +64,9 @@ void km_tracker_begin(const km_tracker *walk, km_tracker_space *space, int sampl
 km_step_end km_tracker_step(const km_tracker *walk, km_tracker_space *space, int sample, double fraction,
                             const km_node *from, const km_step_choice *way, km_node *to);
 
-/* Up to four whole steps from nodes at one sample, side by side where the arm is one of seven joints; ways with a tilt
+/* Up to eight whole steps from nodes at one sample, side by side where the arm is one of seven joints; ways with a tilt
  * only. The same bits as km_tracker_step one by one. */
-enum { KM_WALK_ABREAST = 4 };
+enum { KM_WALK_ABREAST = 8 };
 void km_tracker_steps(const km_tracker *walk, km_tracker_space *space, int sample, int count,
                       const km_node *const *from, const km_step_choice *ways, km_node *const *to, km_step_end *ends);
 

@@ -1,10 +1,5 @@
-/* Vectors of WIDTH doubles and their masks: a part of lanes_body.h. */
-#ifdef __SSE2__
-#include <immintrin.h>
-#endif
-
-typedef double vector __attribute__((vector_size(8 * WIDTH)));
-typedef uint64_t word __attribute__((vector_size(8 * WIDTH)));
+/* Arithmetic of lanes: a part of lanes_body.h. */
+#include "spatial/vectors_body.h"
 
 #define T            vector
 #define BITS         word
@@ -13,103 +8,6 @@ typedef uint64_t word __attribute__((vector_size(8 * WIDTH)));
 #define km_bits_of   (word)
 #define km_number_of (vector)
 #include "spatial/sincos_body.h"
-
-#define SIGN_BIT ((uint64_t)1 << 63)
-
-/* a > b ? a : b, as the processor's maximum. */
-static inline vector larger(vector a, vector b) {
-#if WIDTH == 8
-  return (vector)_mm512_max_pd((__m512d)a, (__m512d)b);
-#elif WIDTH == 4
-  return (vector)_mm256_max_pd((__m256d)a, (__m256d)b);
-#elif defined __SSE2__
-  return (vector)_mm_max_pd((__m128d)a, (__m128d)b);
-#else
-  return (vector){a[0] > b[0] ? a[0] : b[0], a[1] > b[1] ? a[1] : b[1]};
-#endif
-}
-
-static inline vector root(vector a) {
-#if WIDTH == 8
-  return (vector)_mm512_sqrt_pd((__m512d)a);
-#elif WIDTH == 4
-  return (vector)_mm256_sqrt_pd((__m256d)a);
-#elif defined __SSE2__
-  return (vector)_mm_sqrt_pd((__m128d)a);
-#else
-  return (vector){sqrt(a[0]), sqrt(a[1])};
-#endif
-}
-
-/* Numbers lie where doubles may: and they change no pointer, which memcpy might. */
-typedef double stored __attribute__((vector_size(8 * WIDTH), aligned(8)));
-static inline vector get(const double *number) {
-  return *(const stored *)number;
-}
-static inline void put(double *number, vector value) {
-  *(stored *)number = value;
-}
-static inline vector size_of(vector a) {
-  return (vector)((word)a & INT64_MAX);
-}
-static inline vector all(double value) {
-  return (vector){0.0} + value;
-}
-
-/* Of each lane whether something holds: a bit where the processor has registers for them, else all bits of a number. */
-#if WIDTH == 8
-typedef unsigned mask;
-static inline mask at_most(vector a, vector b) {
-  return _mm512_cmp_pd_mask((__m512d)a, (__m512d)b, _CMP_LE_OQ);
-}
-static inline mask below(vector a, vector b) {
-  return _mm512_cmp_pd_mask((__m512d)a, (__m512d)b, _CMP_LT_OQ);
-}
-static inline mask equal(vector a, vector b) {
-  return _mm512_cmp_pd_mask((__m512d)a, (__m512d)b, _CMP_EQ_OQ);
-}
-static inline vector pick(mask m, vector a, vector b) { /* a where the mask is set */
-  return (vector)_mm512_mask_blend_pd((__mmask8)m, (__m512d)b, (__m512d)a);
-}
-static inline unsigned bits_of(mask m) {
-  return m & 0xff;
-}
-static inline mask mask_of(unsigned bits) {
-  return bits;
-}
-#else
-typedef int64_t mask __attribute__((vector_size(8 * WIDTH)));
-static inline mask at_most(vector a, vector b) {
-  return a <= b;
-}
-static inline mask below(vector a, vector b) {
-  return a < b;
-}
-static inline mask equal(vector a, vector b) {
-  return a == b;
-}
-static inline vector pick(mask m, vector a, vector b) {
-  return (vector)(((mask)a & m) | ((mask)b & ~m));
-}
-static inline unsigned bits_of(mask m) {
-#if WIDTH == 4
-  return (unsigned)_mm256_movemask_pd((__m256d)m);
-#elif defined __SSE2__
-  return (unsigned)_mm_movemask_pd((__m128d)m);
-#else
-  return (unsigned)(m[0] & 1) | (unsigned)(m[1] & 1) << 1;
-#endif
-}
-static inline mask mask_of(unsigned bits) {
-  mask m = {0};
-  for (int i = 0; i < WIDTH; ++i)
-    m[i] = -(int64_t)(bits >> i & 1);
-  return m;
-}
-#endif
-static inline mask is_finite(vector a) {
-  return equal(a - a, all(0.0));
-}
 
 /* Below, work is on `count` registers from lane `first` on: what isn't a number is read once for all of them. Register r
  * begins at lane first + AT(r) of a number. */

@@ -165,7 +165,7 @@ typedef struct walker {
   km_tracker walk;
   km_tracker_space space;
   km_arena arena;
-  km_node start, nodes[2], four[KM_WALK_ABREAST];
+  km_node start, nodes[2], siblings[KM_WALK_ABREAST];
 } walker;
 
 static void run_steps(void *context) {
@@ -178,7 +178,7 @@ static void run_steps(void *context) {
 }
 
 /* Four branches from the start, and the same one by one. */
-static const double tilts[KM_WALK_ABREAST] = {-0.5, 0.0, 0.3, 0.5};
+static const double tilts[KM_WALK_ABREAST] = {-0.5, -0.3, -0.1, 0.0, 0.1, 0.2, 0.3, 0.5};
 
 static void run_abreast(void *context) {
   walker *w = context;
@@ -188,7 +188,7 @@ static void run_abreast(void *context) {
   km_step_end ends[KM_WALK_ABREAST];
   for (int i = 0; i < KM_WALK_ABREAST; ++i) {
     from[i] = &w->start;
-    to[i] = &w->four[i];
+    to[i] = &w->siblings[i];
     ways[i] = (km_step_choice){.tilt = &tilts[i]};
   }
   km_tracker_steps(&w->walk, &w->space, 0, KM_WALK_ABREAST, from, ways, to, ends);
@@ -198,7 +198,7 @@ static void run_one_by_one(void *context) {
   walker *w = context;
   for (int i = 0; i < KM_WALK_ABREAST; ++i) {
     const km_step_choice way = {.tilt = &tilts[i]};
-    km_tracker_step(&w->walk, &w->space, 0, 1.0, &w->start, &way, &w->four[i]);
+    km_tracker_step(&w->walk, &w->space, 0, 1.0, &w->start, &way, &w->siblings[i]);
   }
 }
 
@@ -236,7 +236,7 @@ static walker walker_of(const km_study *study, int jobs) {
   for (int i = 0; i < 2 && whole; ++i)
     whole = km_node_create(study->arm, &w.arena, &w.nodes[i]);
   for (int i = 0; i < KM_WALK_ABREAST && whole; ++i)
-    whole = km_node_create(study->arm, &w.arena, &w.four[i]);
+    whole = km_node_create(study->arm, &w.arena, &w.siblings[i]);
   if (!whole)
     bench_fail(name, "out of memory");
   for (int k = 0; k < N; ++k)
@@ -254,10 +254,10 @@ static void agree_abreast(walker *w) {
   double q[KM_WALK_ABREAST][N];
   run_abreast(w);
   for (int i = 0; i < KM_WALK_ABREAST; ++i)
-    memcpy(q[i], w->four[i].q, sizeof q[i]);
+    memcpy(q[i], w->siblings[i].q, sizeof q[i]);
   run_one_by_one(w);
   for (int i = 0; i < KM_WALK_ABREAST; ++i)
-    bench_agree(name, "siblings side by side", q[i], w->four[i].q, N, 0.0);
+    bench_agree(name, "siblings side by side", q[i], w->siblings[i].q, N, 0.0);
 }
 
 static void bench_nodes(void) {
@@ -270,8 +270,8 @@ static void bench_nodes(void) {
   walker one = walker_of(study, 1), two = walker_of(study, 2);
   agree_abreast(&one);
   bench_contender c[] = {{.name = "192 greedy steps on a path", .run = run_steps, .context = &one},
-                         {.name = "four siblings one by one", .run = run_one_by_one, .context = &one},
-                         {.name = "four siblings side by side", .run = run_abreast, .context = &one},
+                         {.name = "eight siblings one by one", .run = run_one_by_one, .context = &one},
+                         {.name = "eight siblings side by side", .run = run_abreast, .context = &one},
                          {.name = "look-ahead", .run = run_look_ahead, .context = &one},
                          {.name = "look-ahead on two threads", .run = run_look_ahead, .context = &two}};
   int intervals = study->path->samples - 1;

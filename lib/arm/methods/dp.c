@@ -14,7 +14,7 @@ enum { MOST_TRIES = 200 };
 /* Jacobians a pass may take: far more than the states of any path need whose steps are ordinary. */
 enum { MOST_WORK = 100000, WORK_ASIDE = 2000000 }; /* a sample, and beside them */
 
-/* Lead up to four states of the last stage on, side by side, each by an action of its own. */
+/* Lead up to KM_WALK_ABREAST states of the last stage on, side by side, each by an action of its own. */
 static void lead(km_dp_grid *g, int worker, int first, int count) {
   km_run *run = g->run;
   const size_t n = (size_t)run->arm->n;

@@ -31,8 +31,8 @@ typedef struct tree {
   km_node root;
   km_step_end middle; /* how the untilted branch ended, if on its first step */
   int sample, level, level_count, depth;
-  int sharing; /* workers of this level */
-  bool eased;  /* branches turn back as far as the rates ask */
+  int sharing, group; /* of this level: workers, and nodes that are grown abreast */
+  bool eased;         /* branches turn back as far as the rates ask */
 } tree;
 
 /* tan φ towards each pose-control column. One freedom: kφ from −(n−1)/2 to (n−1)/2. Two: the middle and a circle of
@@ -91,7 +91,7 @@ static void take_step(tree *t, int index, int k, tree_node *node, km_step_end st
   km_node_copy(t->run->arm, here, &node->end);
 }
 
-/* Follows up to four branches over one level, side by side, each as far as it goes. */
+/* Follows up to KM_WALK_ABREAST branches over one level, side by side, each as far as it goes. */
 static void grow(tree *t, int worker, int first, int count) {
   km_run *run = t->run;
   tree_node *node[KM_WALK_ABREAST];
@@ -125,8 +125,17 @@ static void grow(tree *t, int worker, int first, int count) {
 
 static void grow_some(void *context, int worker) {
   tree *t = context;
-  for (int i = worker * KM_WALK_ABREAST; i < t->level_count; i += t->sharing * KM_WALK_ABREAST)
-    grow(t, worker, i, t->level_count - i < KM_WALK_ABREAST ? t->level_count - i : KM_WALK_ABREAST);
+  for (int i = worker * t->group; i < t->level_count; i += t->sharing * t->group)
+    grow(t, worker, i, t->level_count - i < t->group ? t->level_count - i : t->group);
+}
+
+/* Groups of one size for each worker, as few as lanes allow. */
+static void share_level(tree *t) {
+  int groups = (t->level_count + KM_WALK_ABREAST - 1) / KM_WALK_ABREAST;
+  bool worth = groups * t->stride >= THREADS_PAY;
+  t->sharing = !worth ? 1 : groups < t->workers ? groups : t->workers;
+  groups = (groups + t->sharing - 1) / t->sharing * t->sharing;
+  t->group = (t->level_count + groups - 1) / groups;
 }
 
 /* The branch of level 1 that a node descends from, and φ of any level on the way, counted from the middle. */
@@ -238,11 +247,8 @@ static int look_ahead(tree *t) {
   t->middle = (km_step_end){KM_TRACK_COMPLETE, -1, 0.0};
   for (t->level = 0; t->level < levels; ++t->level) {
     t->level_count = t->level_start[t->level + 1] - t->level_start[t->level];
-    int groups = (t->level_count + KM_WALK_ABREAST - 1) / KM_WALK_ABREAST;
-    bool worth = groups * t->stride >= THREADS_PAY;
-    int workers = !worth ? 1 : groups < t->workers ? groups : t->workers;
-    t->sharing = workers;
-    km_team_run(t->team, workers, grow_some, t);
+    share_level(t);
+    km_team_run(t->team, t->sharing, grow_some, t);
   }
   choice best = choose(t, levels);
   return best.level < 0 ? -1 : branch_of(t, best.level, best.index, 0);
