@@ -1,6 +1,8 @@
 /* The Lie algebra that a loop's twists generate, and which of its rows are independent. */
 #include "topology/motion_space.h"
 
+#include <stdbool.h>
+
 static double dot(km_twist a, km_twist b) {
   return km_vec3_dot(a.v, b.v) + km_vec3_dot(a.w, b.w);
 }
@@ -63,11 +65,28 @@ static double *entry(km_twist *t, int row) {
   return entries[row];
 }
 
+static void list_rows(km_motion_space *g, const bool *used) {
+  for (int r = 0, n = 0; r < 6; ++r)
+    if (used[r])
+      g->rows[n++] = r;
+}
+
+/* The rows that have entries; returns how many. */
+static int find_rows(km_motion_space *g, bool *found) {
+  int count = 0;
+  for (int r = 0; r < 6; ++r) {
+    for (int k = 0; k < g->dimension && !found[r]; ++k)
+      found[r] = *entry(&g->basis[k], r) != 0.0;
+    count += found[r];
+  }
+  return count;
+}
+
 /* Elimination with complete pivoting on the basis: its pivot rows determine the rest. Near ties go to the
  * lower row, so that equal loops get equal rows. */
-static void choose_rows(km_motion_space *g) {
+static void eliminate_rows(km_motion_space *g) {
   km_twist work[6];
-  int used[6] = {0};
+  bool used[6] = {false};
   for (int k = 0; k < g->dimension; ++k)
     work[k] = g->basis[k];
   for (int n = 0; n < g->dimension; ++n) {
@@ -83,13 +102,20 @@ static void choose_rows(km_motion_space *g) {
     km_twist pivot = work[column];
     work[column] = work[n];
     work[n] = pivot;
-    used[row] = 1;
+    used[row] = true;
     for (int k = n + 1; k < g->dimension; ++k)
       work[k] = km_twist_axpy(-*entry(&work[k], row) / *entry(&pivot, row), pivot, work[k]);
   }
-  for (int r = 0, n = 0; r < 6; ++r)
-    if (used[r])
-      g->rows[n++] = r;
+  list_rows(g, used);
+}
+
+/* Where as many rows have entries as there are dimensions, as in a plane, they are all. */
+static void choose_rows(km_motion_space *g) {
+  bool found[6] = {false};
+  if (find_rows(g, found) == g->dimension)
+    list_rows(g, found);
+  else
+    eliminate_rows(g);
 }
 
 void km_motion_space_close(const km_twist *twists, int count, double tolerance, km_motion_space *out) {

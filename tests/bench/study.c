@@ -110,6 +110,13 @@ static void memory(void) {
   bench_figure("study", "memory_MB_of_1e6", large);
 }
 
+static void renumber(void *context) {
+  const bench_machine *machine = context;
+  for (int i = 0; i < FEW; ++i)
+    if (km_mechanism_renumber(machine->mechanism, NULL))
+      bench_fail("study", "no new numbers");
+}
+
 static void many(void) {
   double seconds[2];
   for (int jobs = 1; jobs <= 2; ++jobs) {
@@ -133,10 +140,12 @@ void bench_study(void) {
   bench_contender c[] = {{.name = "200 designs", .run = run_study, .context = &few},
                          {.name = "400 designs", .run = run_study, .context = &more},
                          {.name = "400 designs on two threads", .run = run_study, .context = &two},
-                         {.name = "200 sweeps", .run = run_sweeps, .context = &alone}};
-  bench_time(c, 4);
+                         {.name = "200 sweeps", .run = run_sweeps, .context = &alone},
+                         {.name = "200 times new numbers", .run = renumber, .context = &alone.machine}};
+  bench_time(c, 5);
   /* what opening costs is in both studies */
   bench_figure("study", "overhead_per_sample", (c[1].median - c[0].median) / c[3].median - 1.0);
+  bench_figure("study", "new_numbers_microseconds", 1e-3 * c[4].median / FEW);
   bench_figure("study", "two_threads_over_one", bench_ratio(&c[1], &c[2]));
   km_question_free(alone.question);
   bench_machine_free(&alone.machine);
