@@ -211,10 +211,13 @@ static void carry_large(const km_mechanism *m, const km_state *s, int index, km_
   st->degree += degree > 0 ? degree : 0;
 }
 
+/* Along the axes of the joint's frame. */
 static void report(const km_statics_work *w, int joint, km_reaction *r) {
-  km_wrench carried = km_wrench_turned_back(&w->frame[joint].R, w->carried[joint]);
-  memcpy(r->force, &carried.f, sizeof r->force);
-  memcpy(r->torque, &carried.t, sizeof r->torque);
+  const km_rotation *R = &w->frame[joint].R;
+  for (int k = 0; k < 3; ++k) {
+    r->force[k] = km_vec3_dot(R->axis[k], w->carried[joint].f);
+    r->torque[k] = km_vec3_dot(R->axis[k], w->carried[joint].t);
+  }
 }
 
 void km_statics_carry(const km_mechanism *m, km_state *s, const km_forces *f, km_statics *st) {
