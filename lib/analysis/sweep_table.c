@@ -29,7 +29,8 @@ static void add_point_columns(const km_sweeper *r, const km_sweep_point *point, 
     return;
   km_text unit = {0};
   km_text_format(&unit, km_plan_is_driven(r->plan) ? "%s/%s" : "%s", length, s_unit(r));
-  for (int k = 0; k < 3 && !unit.failed; ++k)
+  *failed = *failed || unit.failed;
+  for (int k = 0; k < 3 && !*failed; ++k)
     add_named(table, "point.", point->name, slopes[k], unit.data, failed);
   km_text_free(&unit);
 }

@@ -79,8 +79,11 @@ km_status km_model_read_as(const char *bytes, size_t size, const km_read_def *de
   km_messages_free(own);
   if (!status) {
     km_sha256(bytes, size, (*out)->sha256);
-    if (def->file)
-      km_model_miss_meshes(*out, messages);
+    if (def->file && !km_model_miss_meshes(*out, messages)) {
+      status = km_fail(error, KM_MEMORY, "out of memory while reading the model");
+      km_model_free(*out);
+      *out = NULL;
+    }
   }
   return status;
 }

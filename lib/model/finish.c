@@ -26,7 +26,7 @@ static int root_of(int *parent, int body) {
 
 /* Every body must be tied to the inertial frame. */
 void km_model_check_ties(km_model *model, km_messages *messages) {
-  int *parent = KM_NEW(int, (size_t)model->body_count);
+  int *parent = model->arena.failed ? NULL : KM_NEW(int, (size_t)model->body_count);
   if (!parent) {
     model->arena.failed = true;
     return;

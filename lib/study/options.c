@@ -114,8 +114,7 @@ static const char *beside(const char *folder, const char *file, km_arena *arena)
     km_text_format(&path, "%s/", folder);
   km_text_add(&path, file);
   const char *kept = km_text_keep(&path, arena);
-  km_text_free(&path);
-  return kept;
+  return arena->failed ? NULL : kept;
 }
 
 const char *km_design_file(const km_design_study_def *study, const km_design_question *q, const km_design_option *o,
@@ -165,8 +164,10 @@ static km_status read_value(const km_option *what, const km_design_option *o, co
   case KM_OPTION_ENDS:
     return read_lists(what, o, model, arena, v, error);
   case KM_OPTION_FILE:
-    v->text = one_text ? beside(folder, o->texts[0], arena) : NULL;
-    return v->text ? KM_OK : expected(o, "a file's name", error);
+    if (!one_text)
+      return expected(o, "a file's name", error);
+    v->text = beside(folder, o->texts[0], arena);
+    return v->text ? KM_OK : km_fail(error, KM_MEMORY, "out of memory for options");
   case KM_OPTION_LOADS:
     break;
   }

@@ -227,16 +227,14 @@ km_status km_design_study_result(const km_design_study *s, int design, km_design
     status = km_design_study_values(s, design, values, error);
   if (status)
     return status;
-  km_arena arena = {0};
-  km_design_answer *answers = km_design_answers(s, &arena);
-  if (!answers)
-    status = km_fail(error, KM_MEMORY, "out of memory for a study");
+  double figures[KM_MOST_DESIGN_FIGURES];
+  km_design_answer answers[KM_MOST_DESIGN_QUESTIONS]; /* without bands */
   for (int q = 0; q < s->def->question_count && !status; ++q) {
     bool found;
+    answers[q] = (km_design_answer){.outcome = KM_DESIGN_MISSING, .figures = figures + s->first_figure[q]};
     status = km_design_look_up(s, q, values, &answers[q], &found, error);
   }
   if (!status)
     km_design_gather(s, answers, out);
-  km_arena_free(&arena);
   return status;
 }

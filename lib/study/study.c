@@ -26,7 +26,7 @@ static km_status read_text(km_design_study *s, km_error *error) {
   if (!status)
     s->bytes = km_text_keep(&text, &s->arena);
   km_text_free(&text);
-  return status || s->bytes ? status : no_memory(error);
+  return !status && s->arena.failed ? no_memory(error) : status;
 }
 
 /* The length that serves all designs is that of the first variant or grid point, as where kmob compares variants; of
@@ -185,7 +185,7 @@ static km_status add_files(const km_design_study *s, const km_design_question *q
     km_text bytes = {0};
     char key[KM_SHA256_TEXT];
     const char *file = km_design_file(s->def, q, &q->options[i], &arena);
-    status = file ? km_file_read(file, &bytes, error) : KM_OK;
+    status = arena.failed ? no_memory(error) : file ? km_file_read(file, &bytes, error) : KM_OK;
     if (file && !status) {
       km_sha256(bytes.data, bytes.size, key);
       add_name(out, key);

@@ -96,9 +96,10 @@ typedef struct kt_piece {
   char *text;
   char separator; /* what ended it, 0 at the end */
 } kt_piece;
-/* Splits off the first piece of *rest and moves *rest behind it. The caller frees piece.text. */
+/* Splits off the first piece of *rest and moves *rest behind it. The caller frees piece.text. Where there is no memory for
+ * a word of the command line, the tool says so and ends. */
 kt_piece kt_split(const char **rest, const char *separators);
-/* The text without its escapes; the caller frees it. NULL when out of memory. */
+/* The text without its escapes, in the same way. */
 char *kt_plain(const char *text);
 
 /* label=value or label=v,v,v : the values of a joint's coordinates, in the model's units. */

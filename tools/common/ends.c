@@ -46,7 +46,7 @@ kt_exit kt_end(const kt_common *common, const km_model *model, const char *optio
                km_handle *out) {
   const char *rest = text;
   kt_piece label = kt_split(&rest, "");
-  bool known = label.text && km_model_find_coordinate(model, label.text, &out->coordinate, NULL) == KM_OK;
+  bool known = km_model_find_coordinate(model, label.text, &out->coordinate, NULL) == KM_OK;
   km_free(label.text);
   if (!known && kt_direction(text))
     return read_point(common, model, option, text, arena, out);

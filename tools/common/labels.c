@@ -3,9 +3,16 @@
 
 #include "kmech/memory.h"
 
+#include <errno.h>
 #include <math.h>
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+
+static _Noreturn void give_up(void) {
+  fprintf(stderr, "%s: out of memory\n", program_invocation_short_name);
+  exit(KT_INTERNAL);
+}
 
 kt_piece kt_split(const char **rest, const char *separators) {
   km_text text = {0};
@@ -16,6 +23,8 @@ kt_piece kt_split(const char **rest, const char *separators) {
       ++c;
     km_text_bytes(&text, c, 1);
   }
+  if (text.failed)
+    give_up();
   kt_piece piece = {text.data, *c};
   *rest = *c ? c + 1 : c;
   return piece;
@@ -36,7 +45,7 @@ bool kt_numbers(const char *text, int count, double *out) {
   char last = ',';
   for (int k = 0; k < count; ++k) {
     kt_piece item = kt_split(&rest, ",");
-    bool good = last == ',' && item.text && kt_number(item.text, &out[k]);
+    bool good = last == ',' && kt_number(item.text, &out[k]);
     last = item.separator;
     km_free(item.text);
     if (!good)
@@ -50,8 +59,7 @@ kt_exit kt_coordinate(const kt_common *common, const km_model *model, const char
   km_error error;
   const char *rest = text;
   kt_piece label = kt_split(&rest, "");
-  km_status status = label.text ? km_model_find_coordinate(model, label.text, coordinate, &error)
-                                : km_fail(&error, KM_MEMORY, "out of memory");
+  km_status status = km_model_find_coordinate(model, label.text, coordinate, &error);
   km_free(label.text);
   if (status)
     kt_say(common, KM_ERROR, "%s %s: %s", option, text, error.text);
@@ -62,16 +70,13 @@ kt_exit kt_frame(const kt_common *common, const km_model *model, const char *opt
   const char *names[64], *rest = text;
   char *owned[64];
   size_t count = 0;
-  bool whole = true;
   km_error error;
   for (char last = '/'; last == '/' && count < 64; ++count) {
     kt_piece piece = kt_split(&rest, "/");
     names[count] = owned[count] = piece.text;
-    whole = whole && piece.text;
     last = piece.separator;
   }
-  km_status status =
-      whole ? km_model_find_frame(model, names, count, frame, &error) : km_fail(&error, KM_MEMORY, "out of memory");
+  km_status status = km_model_find_frame(model, names, count, frame, &error);
   for (size_t i = 0; i < count; ++i)
     km_free(owned[i]);
   if (status)
@@ -132,8 +137,8 @@ static kt_exit add_text(const kt_common *common, const km_model *model, const ch
     kt_piece item = kt_split(&rest, ",");
     double value;
     last = item.separator;
-    if (!item.text || !kt_number(item.text, &value)) {
-      kt_say(common, KM_ERROR, "%s %s: \"%s\" is not a number", option, text, item.text ? item.text : "");
+    if (!kt_number(item.text, &value)) {
+      kt_say(common, KM_ERROR, "%s %s: \"%s\" is not a number", option, text, item.text);
       result = KT_USAGE;
     } else if (given < count && !add(out, first + given, value)) {
       result = KT_NO_MEMORY;
@@ -188,7 +193,7 @@ kt_exit kt_coordinates(const kt_common *common, const km_model *model, const cha
     kt_piece label = kt_split(&rest, ",");
     int first = 0, freedom = 0;
     last = label.separator;
-    result = label.text ? find(common, model, option, text, label.text, &first, &freedom) : KT_NO_MEMORY;
+    result = find(common, model, option, text, label.text, &first, &freedom);
     if (result == KT_DONE)
       result = add_coordinates(common, option, text, model, first, freedom, out, count);
     km_free(label.text);

@@ -32,7 +32,7 @@ static bool read_values(const char *text, values *out) {
   const char *rest = text;
   for (char last = ','; last == ',' && out->count < 6;) {
     kt_piece item = kt_split(&rest, ",:");
-    bool good = item.text && kt_number(item.text, &out->items[out->count]);
+    bool good = kt_number(item.text, &out->items[out->count]);
     last = item.separator;
     km_free(item.text);
     if (!good)
@@ -89,7 +89,7 @@ static kt_exit read_one(const kt_common *common, const km_model *model, const ch
   kt_piece name = kt_split(&rest, "=");
   values v;
   kt_exit result = KT_DONE;
-  km_load *load = name.text ? named(model, name.text, out) : NULL;
+  km_load *load = named(model, name.text, out);
   if (name.separator != '=' || !read_values(rest, &v)) {
     result = kt_usage(common, "--load", text,
                       "NAME=FX,FY,FZ or NAME=FX,FY,FZ,TX,TY,TZ, or NAME=FACTOR for a load of the model; :frame behind "

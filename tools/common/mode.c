@@ -11,8 +11,7 @@ static km_status find_driver(const kt_texts *sets, const km_model *model, int *d
   if (sets->count > 0) {
     const char *rest = sets->items[0];
     kt_piece label = kt_split(&rest, "=");
-    km_status status = label.text ? km_model_find_coordinate(model, label.text, driver, error)
-                                  : km_fail(error, KM_MEMORY, "out of memory");
+    km_status status = km_model_find_coordinate(model, label.text, driver, error);
     km_free(label.text);
     return status;
   }

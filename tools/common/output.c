@@ -39,7 +39,7 @@ bool kt_formats_parse_among(const kt_common *common, const char *text, const cha
   bool good = true;
   for (char last = ','; last == ',' && good;) {
     kt_piece piece = kt_split(&rest, ",");
-    int found = piece.text ? find_format(piece.text) : -1;
+    int found = find_format(piece.text);
     last = piece.separator;
     good = found >= 0 && stands_in(among, words[found]);
     if (good)
@@ -47,8 +47,7 @@ bool kt_formats_parse_among(const kt_common *common, const char *text, const cha
     else if (found >= 0)
       kt_say(common, KM_ERROR, "--format %s: expected some of %s", piece.text, among);
     else
-      kt_say(common, KM_ERROR, "--format %s: \"%s\" is not a format; expected some of %s", text,
-             piece.text ? piece.text : "", among);
+      kt_say(common, KM_ERROR, "--format %s: \"%s\" is not a format; expected some of %s", text, piece.text, among);
     km_free(piece.text);
   }
   return good;

@@ -8,49 +8,48 @@
 
 enum { MOST_VALUES = 1024 };
 
-static bool keep(kt_varied *v, double value) {
+static kt_exit keep(kt_varied *v, double value) {
   double *values = v->count < MOST_VALUES ? km_resize(v->values, (size_t)v->count + 1, sizeof *values) : NULL;
   if (!values)
-    return false;
+    return v->count < MOST_VALUES ? KT_NO_MEMORY : KT_USAGE;
   v->values = values;
   v->values[v->count++] = value;
-  return true;
+  return KT_DONE;
 }
 
 /* FROM:TO:N, both ends among the N values. */
-static bool read_range(const char *text, kt_varied *out) {
+static kt_exit read_range(const char *text, kt_varied *out) {
   const char *rest = text;
   double part[3];
   char last = ':';
   for (int k = 0; k < 3; ++k) {
     kt_piece piece = kt_split(&rest, ":");
-    bool good = last == ':' && piece.text && kt_number(piece.text, &part[k]);
+    bool good = last == ':' && kt_number(piece.text, &part[k]);
     last = piece.separator;
     km_free(piece.text);
     if (!good)
-      return false;
+      return KT_USAGE;
   }
   int count = part[2] >= 1.0 && part[2] <= MOST_VALUES ? (int)part[2] : 0;
   if (last != '\0' || count < 1 || (double)count != part[2] || (count == 1 && part[0] != part[1]))
-    return false;
-  for (int i = 0; i < count; ++i)
-    if (!keep(out, i + 1 == count ? part[1] : part[0] + (part[1] - part[0]) * i / (count - 1)))
-      return false;
-  return true;
+    return KT_USAGE;
+  kt_exit result = KT_DONE;
+  for (int i = 0; i < count && result == KT_DONE; ++i)
+    result = keep(out, i + 1 == count ? part[1] : part[0] + (part[1] - part[0]) * i / (count - 1));
+  return result;
 }
 
-static bool read_list(const char *text, kt_varied *out) {
+static kt_exit read_list(const char *text, kt_varied *out) {
   const char *rest = text;
-  for (char last = ','; last == ',';) {
+  kt_exit result = KT_DONE;
+  for (char last = ','; last == ',' && result == KT_DONE;) {
     kt_piece piece = kt_split(&rest, ",");
     double value;
-    bool good = piece.text && kt_number(piece.text, &value) && keep(out, value);
+    result = kt_number(piece.text, &value) ? keep(out, value) : KT_USAGE;
     last = piece.separator;
     km_free(piece.text);
-    if (!good)
-      return false;
   }
-  return true;
+  return result;
 }
 
 /* The path keeps its backslashes, which the library reads. */
@@ -63,8 +62,10 @@ static kt_exit read_one(const kt_common *common, const char *text, kt_varied *ou
   if (!out->path)
     return KT_NO_MEMORY;
   memcpy(out->path, text, size);
-  bool read = *equals && size > 0 && (strchr(equals, ':') ? read_range(equals + 1, out) : read_list(equals + 1, out));
-  return read ? KT_DONE : kt_usage(common, "--vary", text, "PATH=FROM:TO:N, or PATH=A,B,C");
+  kt_exit result = !*equals || size == 0 ? KT_USAGE
+                   : strchr(equals, ':') ? read_range(equals + 1, out)
+                                         : read_list(equals + 1, out);
+  return result == KT_USAGE ? kt_usage(common, "--vary", text, "PATH=FROM:TO:N, or PATH=A,B,C") : result;
 }
 
 kt_exit kt_variants_read(const kt_common *common, const kt_texts *texts, int most, kt_variants *out) {

@@ -23,8 +23,7 @@ static kt_exit read_formats(options *o) {
   const char *rest = o->format ? o->format : "dot";
   for (char last = ','; last == ',';) {
     kt_piece piece = kt_split(&rest, ",");
-    const char *word = piece.text ? piece.text : "";
-    bool dot = strcmp(word, "dot") == 0, svg = strcmp(word, "svg") == 0;
+    bool dot = strcmp(piece.text, "dot") == 0, svg = strcmp(piece.text, "svg") == 0;
     km_free(piece.text);
     if (!dot && !svg)
       return kt_usage(&o->common, "--format", o->format, "some of dot,svg");

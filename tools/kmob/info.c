@@ -58,17 +58,17 @@ static kt_exit describe(const kmob_request *o, const kt_pose *pose, km_text *out
       add_modes(pose->model, &modes, driver, record, &arena);
     if (!arena.failed)
       km_json_write(record, out);
-    status = arena.failed ? KM_MEMORY : KM_OK;
   } else {
     km_mobility_print(pose->mechanism, pose->state, &mobility, o->pose.model, o->pose.common.verbose, out);
     km_diagnosis_print(pose->mechanism, &diagnosis, o->pose.common.verbose, out);
     if (o->modes)
       print_modes(pose->model, &modes, driver, out);
   }
+  bool arena_failed = arena.failed;
   km_arena_free(&arena);
   km_diagnosis_free(&diagnosis);
   km_modes_free(&modes);
-  return kt_exit_of(status);
+  return arena_failed ? KT_NO_MEMORY : kt_exit_of(status);
 }
 
 static kt_exit run(const kmob_request *o) {

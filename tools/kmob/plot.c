@@ -37,8 +37,6 @@ static kt_exit read_columns(work *w) {
     for (char last = ','; last == ',';) {
       kt_piece piece = kt_split(&rest, ",");
       last = piece.separator;
-      if (!piece.text)
-        return KT_NO_MEMORY;
       if (w->columns == MOST_COLUMNS || !*piece.text) {
         km_free(piece.text);
         return kt_usage(&o->common, "--y", o->y.items[i], "names of columns, at most 64");

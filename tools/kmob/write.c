@@ -38,14 +38,14 @@ kt_exit kmob_choose_units(const kt_common *common, const char *list, km_units *u
   bool chosen[KM_QUANTITIES] = {false};
   for (char last = list ? ',' : 0; last == ',';) {
     kt_piece piece = kt_split(&rest, ",");
-    int quantity = piece.text ? choose_unit(piece.text, units) : -1;
+    int quantity = choose_unit(piece.text, units);
     last = piece.separator;
     if (quantity < 0)
       kt_say(
           common, KM_ERROR,
           "--units %s: \"%s\" is not a unit; expected some of radians degrees, meters millimeters centimeters inches, "
           "kilograms grams pounds, seconds milliseconds, newtons pounds-force",
-          list, piece.text ? piece.text : "");
+          list, piece.text);
     else if (chosen[quantity])
       kt_say(common, KM_ERROR, "--units %s: \"%s\" is a second unit of %s; expected one", list, piece.text,
              km_quantity_name((km_quantity)quantity));

@@ -63,9 +63,10 @@ static kt_exit read_sheet(const options *o, sheet *out) {
   km_text text = {0};
   km_error error;
   kt_exit result = KT_DONE;
-  if (km_file_read(o->file, &text, &error)) {
+  km_status status = km_file_read(o->file, &text, &error);
+  if (status) {
     kt_say(&o->common, KM_ERROR, "%s", error.text);
-    result = KT_USAGE;
+    result = kt_exit_of(status);
   }
   char *line = text.data;
   if (line && strncmp(line, "\xEF\xBB\xBF", 3) == 0)

@@ -35,14 +35,12 @@ static kt_exit fault(const km_study_def *def, km_messages *messages, int index, 
 static kt_exit name_methods(kredund_open *open, const char *names, km_messages *messages, km_study_method *out) {
   kt_exit result = KT_DONE;
   const char *rest = names;
-  for (char last = ','; last == ',' && result != KT_NO_MEMORY;) {
+  for (char last = ','; last == ',';) {
     kt_piece piece = kt_split(&rest, ",");
     km_error error;
     int index = open->def.method_count++;
     last = piece.separator;
-    if (!piece.text)
-      result = KT_NO_MEMORY;
-    else if (km_method_of_word(piece.text, &out[index].method, &error))
+    if (km_method_of_word(piece.text, &out[index].method, &error))
       result = fault(&open->def, messages, index, NULL, &error);
     km_free(piece.text);
   }

@@ -34,7 +34,7 @@ static kt_exit set_numbers(const kredund_request *r, kredund_open *open, const c
   out->count = 0;
   for (char last = ','; last == ',' && items;) {
     kt_piece piece = kt_split(&rest, ",");
-    bool fine = piece.text && kt_number(piece.text, &items[out->count++]);
+    bool fine = kt_number(piece.text, &items[out->count++]);
     last = piece.separator;
     km_free(piece.text);
     if (!fine)
@@ -53,7 +53,7 @@ static kt_exit add_weighted(const kredund_request *r, kredund_open *open, km_mes
     km_error error;
     char place[128];
     last = weight.separator;
-    if (name.separator != '=' || !weight.text || !kt_number(weight.text, &value)) {
+    if (name.separator != '=' || !kt_number(weight.text, &value)) {
       result = kt_usage(&r->common, "--objective", r->objective, "NAME, or NAME=WEIGHT,NAME=WEIGHT");
     } else if (km_objective_add(&open->def.objective, name.text, value, &error)) {
       snprintf(place, sizeof place, "--objective.%s", name.text);

@@ -61,8 +61,6 @@ static kt_exit read_rates(work *w) {
     const char *rest = o->rates.items[i];
     kt_piece label = kt_split(&rest, "=");
     km_constant_rate *rate = &w->rates[w->def.rate_count];
-    if (!label.text)
-      return KT_NO_MEMORY;
     if (label.separator != '=')
       result = kt_usage(&o->common, "--rate", o->rates.items[i], "JOINT=RATE, as A=60rpm or A=2.5");
     else

@@ -33,7 +33,9 @@ static void add_base64(kv_buffer *out, const kv_buffer *bytes) {
 static km_status add_answer(kv_session *s, const char *message, kv_buffer *out, km_error *error) {
   kv_answer answer;
   kv_answer_message(s, message, strlen(message), &answer);
-  km_status status = answer.binary ? KM_OK : km_fail(error, KM_USAGE, "%s", answer.bytes.data ? answer.bytes.data : "");
+  km_status status = answer.fault.status;
+  if (status)
+    *error = answer.fault;
   if (!status) {
     kv_add_comma(out);
     kv_add(out, "\"");
@@ -156,31 +158,28 @@ static bool compose(const kv_buffer *recording, kv_buffer *out) {
 }
 
 /* Whole or not at all: beside it, then renamed. */
-static bool write_file(const char *path, const kv_buffer *bytes) {
+static kt_exit write_file(const kt_common *common, const char *path, const kv_buffer *bytes) {
   kv_buffer beside = {0};
   kv_add(&beside, "%s.%ld.part", path, (long)getpid());
-  FILE *file = beside.failed ? NULL : fopen(beside.data, "wb");
+  if (beside.failed)
+    return KT_NO_MEMORY;
+  FILE *file = fopen(beside.data, "wb");
   bool good = file && fwrite(bytes->data, 1, bytes->size, file) == bytes->size;
   good = file && fclose(file) == 0 && good;
   good = good && rename(beside.data, path) == 0;
   if (file && !good)
     remove(beside.data);
   kv_buffer_free(&beside);
-  return good;
+  if (!good)
+    kt_say(common, KM_ERROR, "%s: can't be written", path);
+  return good ? KT_DONE : KT_USAGE;
 }
 
 static kt_exit write_page(const options *o, const kv_buffer *recording) {
   kv_buffer page = {0};
-  kt_exit result = KT_DONE;
-  if (!compose(recording, &page)) {
-    kt_say(&o->common, KM_ERROR, "out of memory");
-    result = KT_INTERNAL;
-  } else if (!write_file(o->output, &page)) {
-    kt_say(&o->common, KM_ERROR, "%s: can't be written", o->output);
-    result = KT_USAGE;
-  } else {
+  kt_exit result = compose(recording, &page) ? write_file(&o->common, o->output, &page) : KT_NO_MEMORY;
+  if (result == KT_DONE)
     kt_say(&o->common, KM_NOTE, "wrote %s", o->output);
-  }
   kv_buffer_free(&page);
   return result;
 }

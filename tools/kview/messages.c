@@ -208,7 +208,6 @@ static km_status answer(kv_session *s, char *text, double *arguments, kv_call *c
 }
 
 void kv_answer_message(kv_session *s, const char *message, size_t size, kv_answer *out) {
-  km_error error = {0};
   *out = (kv_answer){0};
   bool fits = size <= KV_MOST_MESSAGE;
   char *text = malloc(fits ? size + 1 : 1);
@@ -216,23 +215,25 @@ void kv_answer_message(kv_session *s, const char *message, size_t size, kv_answe
   kv_call call = {.session = s, .arguments = arguments, .answer = out};
   km_status status = KM_OK;
   if (!text || !arguments)
-    status = km_fail(&error, KM_MEMORY, "out of memory");
+    status = km_fail(&out->fault, KM_MEMORY, "out of memory");
   else if (!fits)
-    status = km_fail(&error, KM_USAGE, "a message of more than %d bytes", KV_MOST_MESSAGE);
+    status = km_fail(&out->fault, KM_USAGE, "a message of more than %d bytes", KV_MOST_MESSAGE);
   else if (memchr(message, '\0', size))
-    status = km_fail(&error, KM_USAGE, "a message with a NUL in it");
+    status = km_fail(&out->fault, KM_USAGE, "a message with a NUL in it");
   if (!status) {
     memcpy(text, message, size);
     text[size] = '\0';
-    status = answer(s, text, arguments, &call, &error);
+    status = answer(s, text, arguments, &call, &out->fault);
   }
   free(text);
   free(arguments);
-  if (!status && !out->bytes.failed)
+  if (!status && !out->bytes.failed) {
+    out->fault = (km_error){0};
     return;
+  }
   kv_buffer_free(&out->bytes);
   out->binary = false;
   if (!status)
-    km_fail(&error, KM_MEMORY, "out of memory");
-  kv_add_error(call.request, &error, &out->bytes);
+    km_fail(&out->fault, KM_MEMORY, "out of memory");
+  kv_add_error(call.request, &out->fault, &out->bytes);
 }

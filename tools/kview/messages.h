@@ -15,7 +15,8 @@ typedef enum kv_answer_kind { KV_POSE = 1, KV_PATCH = 2, KV_TABLE = 3 } kv_answe
 
 typedef struct kv_answer {
   kv_buffer bytes;
-  bool binary; /* else JSON text */
+  bool binary;    /* else JSON text */
+  km_error fault; /* what the text tells where it is an error; its status is KM_OK elsewhere */
 } kv_answer;
 
 /* Answers one message of a page: always one answer, which may be {"kind":"error"}. The message needn't end with a NUL, and

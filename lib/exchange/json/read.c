@@ -250,7 +250,7 @@ static km_status read_model(km_model *model, const char *bytes, size_t size, con
   km_format_check(root, messages);
   if (km_messages_errors(messages))
     return first_error(messages, error);
-  km_reader reader = {.model = model, .messages = messages};
+  km_reader reader = {.model = model, .messages = messages, .arena = &model->arena};
   reader.origin = allocate(model, root, &reader.strut_room);
   if (model->arena.failed)
     return km_fail(error, KM_MEMORY, "out of memory while reading the model");

@@ -21,6 +21,7 @@ typedef struct km_reader {
   km_model *model;
   struct km_origin *origin;
   km_messages *messages;
+  const km_arena *arena;                       /* of what is read */
   double rotation_misfit;                      /* the largest entry of RᵀR − I so far */
   km_names assemblies, bodies, frames, joints; /* scope: the parent */
   km_names labels;                             /* scopes: see finish.h */

@@ -28,6 +28,7 @@ static km_status begin(call *c, km_study_def *def, const char *folder, km_messag
   }
   c->s.arena = def->memory;
   c->s.reader.messages = messages;
+  c->s.reader.arena = def->memory;
   c->had = km_messages_count(messages);
   c->errors = km_messages_errors(messages);
   return KM_OK;

@@ -32,8 +32,10 @@ km_status km_body_mesh(const km_model *model, const km_model_body *body, km_mesh
   km_text path = {0};
   km_status status = KM_OK;
   if (!km_model_find_mesh(model, body->mesh, &path))
-    status = km_fail(error, KM_IO, "%s.definition: mesh \"%.200s\" is found neither beside the file nor in include_dir",
-                     body->where, body->mesh);
+    status = path.failed ? km_fail(error, KM_MEMORY, "out of memory for meshes")
+                         : km_fail(error, KM_IO,
+                                   "%s.definition: mesh \"%.200s\" is found neither beside the file nor in include_dir",
+                                   body->where, body->mesh);
   else
     status = km_mesh_read(path.data, out, error);
   km_text_free(&path);

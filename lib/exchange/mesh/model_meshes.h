@@ -6,14 +6,15 @@
 #include "model/mesh.h"
 #include "model/model.h"
 
-/* Appends the path at which a mesh file is found: in the file's folder or one of include_dir. False if nowhere. */
+/* Appends the path at which a mesh file is found: in the file's folder or one of include_dir. False if nowhere, or, with
+ * path->failed, for want of memory. */
 bool km_model_find_mesh(const km_model *model, const char *name, km_text *path);
 /* Reads the mesh that a body names. KM_IO: it can't be found or read. The caller frees `*out`. */
 km_status km_body_mesh(const km_model *model, const km_model_body *body, km_mesh **out, km_error *error);
 
 /* Mass properties of the bodies with a density, from their meshes; faults go to the messages. */
 void km_model_weigh(km_model *model, km_messages *messages);
-/* One warning of the meshes that aren't found: no error until something needs them. */
-void km_model_miss_meshes(const km_model *model, km_messages *messages);
+/* One warning of the meshes that aren't found: no error until something needs them. False when out of memory. */
+bool km_model_miss_meshes(const km_model *model, km_messages *messages);
 
 #endif

@@ -75,8 +75,10 @@ static km_status read_file(const km_model *model, const km_model_shape *shape, k
   km_text path = {0};
   km_status status = KM_OK;
   if (!km_model_find_mesh(model, shape->mesh, &path))
-    status = km_fail(error, KM_IO, "%s: mesh \"%.200s\" is found neither beside the file nor in include_dir",
-                     shape->where, shape->mesh);
+    status = path.failed
+                 ? km_fail(error, KM_MEMORY, "out of memory for meshes")
+                 : km_fail(error, KM_IO, "%s: mesh \"%.200s\" is found neither beside the file nor in include_dir",
+                           shape->where, shape->mesh);
   else
     status = km_mesh_read(path.data, out, error);
   km_text_free(&path);

@@ -7,6 +7,8 @@ static const char not_found[] = "is found neither beside the file nor in include
 static km_status find_needed(const km_model *model, const char *mesh, km_text *path, km_error *error) {
   if (km_model_find_mesh(model, mesh, path))
     return KM_OK;
+  if (path->failed)
+    return km_fail(error, KM_MEMORY, "out of memory for meshes");
   return km_fail(error, KM_MODEL, "mesh \"%.200s\" %s; its density needs it", mesh, not_found);
 }
 
@@ -105,7 +107,7 @@ km_status km_model_weigh_meshes(km_model *model, km_error *error) {
   return status;
 }
 
-void km_model_miss_meshes(const km_model *model, km_messages *messages) {
+bool km_model_miss_meshes(const km_model *model, km_messages *messages) {
   const char *where = NULL, *part = "", *name = "";
   int missed = 0;
   km_text path = {0};
@@ -115,16 +117,20 @@ void km_model_miss_meshes(const km_model *model, km_messages *messages) {
     const char *mesh = body ? model->bodies[k].mesh : shape->mesh;
     if (!mesh || km_model_find_mesh(model, mesh, &path))
       continue;
+    if (path.failed)
+      break;
     if (missed++ == 0) {
       where = body ? model->bodies[k].where : shape->where;
       part = body ? ".definition" : "";
       name = mesh;
     }
   }
+  bool found_out = !path.failed;
   km_text_free(&path);
   if (missed == 1)
     km_messages_add(messages, KM_WARNING, "%s%s: mesh \"%.200s\" %s", where, part, name, not_found);
   else if (missed)
     km_messages_add(messages, KM_WARNING, "%s%s: mesh \"%.200s\" %s, nor are the meshes of %d other bodies", where,
                     part, name, not_found, missed - 1);
+  return found_out;
 }

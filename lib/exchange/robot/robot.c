@@ -7,6 +7,8 @@
 
 static void report(km_robot *robot, km_severity severity, const km_xml *at, const char *format, va_list arguments) {
   char text[KM_ERROR_TEXT], place[400] = "";
+  if (robot->arena.failed) /* what is missing then may be missing for that reason */
+    return;
   vsnprintf(text, sizeof text, format, arguments);
   if (at)
     snprintf(place, sizeof place, "%.300s%sline %d, column %d: ", at->file ? at->file : "", at->file ? ": " : "",

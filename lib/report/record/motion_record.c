@@ -47,20 +47,20 @@ km_value *km_selfmotion_record(const km_arm *a, const km_selfmotion *m, bool all
   return arena->failed ? NULL : record;
 }
 
-static void add_motion_columns(const km_arm *a, km_table *table) {
-  km_table_add_column(table, "step", NULL);
-  km_table_add_plain_column(table, "s", "rad");
-  km_table_add_column(table, "arc", NULL);
-  for (int k = 0; k < a->n; ++k) {
+/* False when out of memory. */
+static bool add_motion_columns(const km_arm *a, km_table *table) {
+  bool added = km_table_add_column(table, "step", NULL) >= 0 && km_table_add_plain_column(table, "s", "rad") >= 0 &&
+               km_table_add_column(table, "arc", NULL) >= 0;
+  for (int k = 0; k < a->n && added; ++k) {
     km_text name = {0};
+    const char *unit = km_model_coordinate_unit(a->mechanism->model, a->coordinate[k]);
     km_text_format(&name, "q.%s", km_arm_label(a, k));
-    km_table_add_column(table, name.data ? name.data : "",
-                        km_model_coordinate_unit(a->mechanism->model, a->coordinate[k]));
+    added = !name.failed && km_table_add_column(table, name.data, unit) >= 0;
     km_text_free(&name);
   }
-  km_table_add_column(table, "objective.manipulability", NULL);
-  km_table_add_column(table, "objective.singular-value", NULL);
-  km_table_add_column(table, "limit_margin", NULL);
+  return added && km_table_add_column(table, "objective.manipulability", NULL) >= 0 &&
+         km_table_add_column(table, "objective.singular-value", NULL) >= 0 &&
+         km_table_add_column(table, "limit_margin", NULL) >= 0;
 }
 
 /* A row; `shown` in the model's units. */
@@ -95,8 +95,7 @@ km_table *km_selfmotion_table(const km_arm *a, const km_selfmotion *m, bool all)
     km_table_free(table);
     return NULL;
   }
-  add_motion_columns(a, table);
-  bool whole = true;
+  bool whole = add_motion_columns(a, table);
   all = all && m->count > 0; /* a surface has no whole curve */
   for (int i = 0; i < (all ? m->count : m->row_count) && whole; ++i)
     whole = all ? add_motion_row(a, &space, table, (double)NAN, m->u[i], m->q + i * a->n)
