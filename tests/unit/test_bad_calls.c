@@ -172,6 +172,10 @@ static void strangers(void **state) {
   expect(km_linear_motion(of_g, g.state, &linear, 0, 9, &motion, &e), KM_USAGE, &e,
          "linearised equations of 4 coordinates; expected those of the mechanism's 7");
   expect(km_linear_motion(d, f.state, &linear, 7, 9, &motion, &e), KM_USAGE, &e, "eigenvalue 7; expected one of 2");
+  for (int c = 0; c < 8; ++c) /* the mode of no pose: what follows the independent coordinate goes the wrong way */
+    linear.modes[c] *= c % 4 == linear.independent[0] ? 1.0 : -1.0;
+  expect(km_linear_motion(d, f.state, &linear, 0, 9, &motion, &e), KM_DIVERGED, &e,
+         "the loops can't be closed along the mode; is the pose a dead point?");
   km_linear_free(&linear);
   km_dynamics_free(d);
   km_dynamics_free(of_g);

@@ -183,11 +183,12 @@ static double distance_between(const km_arm *a, const double *x, const double *y
   return sqrt(sum);
 }
 
-/* Takes a pose over, at its nearest turn, if it is within the limits and nearer than the best so far. */
-static void take_nearer(const km_arm *a, double *at, const double *near, double *best, double *q) {
+/* Takes a pose over, at its nearest turn, if it is within the limits, nearer than the best so far, and leads to the target. */
+static void take_nearer(km_finder *f, double *at, const double *near, double *best, double *q) {
+  const km_arm *a = f->arm;
   km_arm_turn_toward(a, near, at);
   double distance = distance_between(a, at, near);
-  if (km_arm_limit_passed(a, at) >= 0 || distance >= *best)
+  if (km_arm_limit_passed(a, at) >= 0 || distance >= *best || !km_arm_reach(a, &f->space, &f->target, NULL, 5, 0.1, at))
     return;
   *best = distance;
   memcpy(q, at, (size_t)a->n * sizeof *q);
@@ -201,13 +202,13 @@ static bool nearest_of(km_finder *f, const double *near, double *q) {
     for (int i = 0; i < c->count; ++i) {
       memcpy(at, c->q + i * f->arm->n, (size_t)f->arm->n * sizeof *at);
       km_arm_unwind(f->arm, at);
-      take_nearer(f->arm, at, near, &best, q);
+      take_nearer(f, at, near, &best, q);
     }
     int arc_count = 0;
     km_arc_span *arcs = f->arm->freedom == 1 ? km_loop_curve_arcs(c, &arc_count) : NULL;
     for (int k = 0; arcs && k < arc_count; ++k)
       if (middle_of(f->arm, c, &arcs[k], at))
-        take_nearer(f->arm, at, near, &best, q);
+        take_nearer(f, at, near, &best, q);
     km_free(arcs);
   }
   return best < (double)INFINITY;
@@ -230,8 +231,6 @@ km_status km_arm_nearest(const km_arm *a, const km_pose *target, const double *n
     status = km_fail(error, KM_NO_RESULT,
                      "the pose is reached on %d branch%s, but never with all joints within their limits", f.count,
                      f.count == 1 ? "" : "es");
-  else if (!status && !km_arm_reach(a, &f.space, target, NULL, 5, 0.1, q))
-    status = km_fail(error, KM_DIVERGED, "inverse kinematics gave out");
   km_finder_free(&f);
   return status;
 }
