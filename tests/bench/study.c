@@ -94,7 +94,10 @@ static double memory_of(int count, const char *store) {
     quick.options = &short_motion;
     s.def.questions = &quick;
     s.def.sample = &s.sample;
-    _exit(km_design_study_open(&s.def, store, false, &study, NULL) || km_design_study_run(study, 1, NULL, NULL, NULL));
+    bool failed =
+        km_design_study_open(&s.def, store, false, &study, NULL) || km_design_study_run(study, 1, NULL, NULL, NULL);
+    km_design_study_free(study); /* with the files that lie beside an open store */
+    _exit(failed);
   }
   if (child < 0 || wait4(child, &status, 0, &usage) != child || status != 0)
     bench_fail("study", "a study of %d designs failed", count);
@@ -104,7 +107,7 @@ static double memory_of(int count, const char *store) {
 
 static void memory(void) {
   char store[64];
-  snprintf(store, sizeof store, "bench.%d.sqlite", (int)getpid());
+  snprintf(store, sizeof store, P_tmpdir "/kmech_bench.%d.sqlite", (int)getpid());
   double small = memory_of(1000, store), large = memory_of(1000000, store);
   bench_figure("study", "memory_MB_of_1e3", small);
   bench_figure("study", "memory_MB_of_1e6", large);
