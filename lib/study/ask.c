@@ -103,9 +103,10 @@ km_status km_batch_add(km_batch *b, const double *values, km_error *error) {
   km_status status = KM_OK;
   memcpy(b->values + i * def->parameter_count, values, (size_t)def->parameter_count * sizeof *values);
   for (int q = 0; q < def->question_count && !status; ++q) {
-    bool found;
+    bool found = false;
     b->answers[i][q].outcome = KM_DESIGN_MISSING;
-    status = km_design_look_up(b->study, q, values, &b->answers[i][q], &found, error);
+    if (!b->is_new)
+      status = km_design_look_up(b->study, q, values, &b->answers[i][q], &found, error);
     wanted[q] = !found;
   }
   return status;

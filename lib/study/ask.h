@@ -21,6 +21,7 @@ typedef struct km_batch {
   atomic_bool *answered;      /* [room] in this turn */
   struct km_team *team;
   int jobs;
+  bool is_new; /* the store has had nothing to begin with, and isn't asked for designs that are added */
 } km_batch;
 
 /* Free in any case. KM_MEMORY, KM_MODEL. */

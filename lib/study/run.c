@@ -8,7 +8,7 @@
 #include <math.h>
 #include <time.h>
 
-enum { LEAST_ROOM = 256, MOST_ROOM = 4096, MOST_JOBS = 1024, FIRST_CHECK = 64 };
+enum { LEAST_ROOM = 768, MOST_ROOM = 4096, MOST_JOBS = 1024, FIRST_CHECK = 64 };
 
 /* A batch is to take about so long: what a killed run loses, and how soon one stops. */
 static const double batch_seconds = 0.1;
@@ -150,6 +150,8 @@ static km_status run_designs(run *r, int jobs, km_error *error) {
   int room = jobs * LEAST_ROOM < MOST_ROOM ? jobs * LEAST_ROOM : MOST_ROOM; /* at least one a thread */
   km_status status = km_batch_open(&r->batch, s, r->compute ? jobs : 0, room, error);
   r->size = r->compute ? jobs : room;
+  if (!status)
+    status = km_store_is_empty(s->store, &r->batch.is_new, error);
   if (!status)
     status = go(r, error);
   km_batch_close(&r->batch);

@@ -150,6 +150,16 @@ km_status km_store_question(km_store *s, const char *key, const char *name, int 
   return status || text ? status : fail(s, error);
 }
 
+km_status km_store_is_empty(const km_store *s, bool *empty, km_error *error) {
+  sqlite3_stmt *statement = NULL;
+  int code = sqlite3_prepare_v2(s->db, "SELECT 1 FROM results LIMIT 1", -1, &statement, NULL);
+  if (code == SQLITE_OK)
+    code = sqlite3_step(statement);
+  sqlite3_finalize(statement);
+  *empty = code == SQLITE_DONE;
+  return code == SQLITE_DONE || code == SQLITE_ROW ? KM_OK : fail(s, error);
+}
+
 static void bind_numbers(sqlite3_stmt *statement, int index, const double *numbers, int count) {
   /* A NULL would be no blob: no parameters are an empty one. */
   sqlite3_bind_blob(statement, index, count ? (const void *)numbers : "", count * (int)sizeof *numbers, SQLITE_STATIC);

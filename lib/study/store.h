@@ -12,6 +12,8 @@ void km_store_free(km_store *store);
 
 /* The number of a question by the hash of all that its answers depend on. */
 km_status km_store_question(km_store *store, const char *key, const char *name, int *id, km_error *error);
+/* Are there no results yet? */
+km_status km_store_is_empty(const km_store *store, bool *empty, km_error *error);
 /* How much of a kind of result there is: bands[band_numbers] only where the question keeps some. */
 typedef struct km_store_shape {
   int question, parameters, figures, band_numbers;
