@@ -149,15 +149,21 @@ static int count_freedom(const km_state *s, const km_holding *h) {
 
 /* Z of the block: that of its only substructure, or those of all, side by side, and 1 for a joint in no loop. */
 static void gather(const km_mechanism *m, const km_state *s, km_holding *h) {
+  if (!h->gathers) {
+    h->Z = km_state_basis(s, h->part[0]);
+    h->freedom = km_partition_freedom(&s->partition[h->part[0]]);
+    return;
+  }
+  h->Z = h->gathered;
   h->freedom = 0;
-  h->Z = h->gathers ? h->gathered : km_state_basis(s, h->part[0]);
-  if (h->gathers && h->gathered) /* NULL: nothing is free */
-    memset(h->gathered, 0, (size_t)h->columns * (size_t)h->capacity * sizeof *h->gathered);
+  if (!h->gathered) /* nothing is free */
+    return;
+  memset(h->gathered, 0, (size_t)h->columns * (size_t)h->capacity * sizeof *h->gathered);
   int column = 0;
   for (int i = 0; i < h->part_count; ++i) {
     int columns = m->substructures[h->part[i]].columns, freedom = km_partition_freedom(&s->partition[h->part[i]]);
     const double *Z = km_state_basis(s, h->part[i]);
-    for (int k = 0; k < freedom && h->gathers; ++k)
+    for (int k = 0; k < freedom; ++k)
       memcpy(h->gathered + (size_t)(h->freedom + k) * (size_t)h->columns + column, Z + (size_t)k * (size_t)columns,
              (size_t)columns * sizeof *Z);
     h->freedom += freedom;
