@@ -3,11 +3,11 @@
  * free motions. Coupled motions share a force of unknown size: of their equations only those combinations count that it
  * has no part in. The answer of least Σ |force|² + |torque / L|² is Gᵀ's by Q R. */
 #include "analysis/statics.h"
+#include "base/random.h"
 
 #include "kinematics/loops.h"
 #include "partition/orthogonal.h"
 
-#include <stdint.h>
 #include <string.h>
 
 enum { LOOKS = 3 }; /* random self-stresses that are looked at */
@@ -283,10 +283,8 @@ static bool mark(equilibrium *e, bool *mixed) {
   uint64_t random = 1;
   for (int look = 0; look < LOOKS; ++look) {
     double largest = 0.0;
-    for (int i = 0; i < 6 * e->joints; ++i) {
-      random = random * 6364136223846793005u + 1442695040888963407u;
-      e->row[i] = (double)(random >> 11) * 0x1p-52 - 1.0;
-    }
+    for (int i = 0; i < 6 * e->joints; ++i)
+      e->row[i] = km_uniform(&random);
     if (!km_orthogonal_reject(e->q, e->row))
       return false;
     for (int i = 0; i < 6 * e->joints; ++i)

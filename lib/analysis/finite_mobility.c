@@ -4,6 +4,7 @@
 #include "analysis/each_substructure.h"
 
 #include "base/check.h"
+#include "base/random.h"
 #include "kinematics/loops.h"
 #include "kinematics/tangents.h"
 
@@ -20,7 +21,7 @@ static int common_span(km_tangents *f, double *basis) {
     for (int mix = 0; mix < 3 && together && found > 0; ++mix) {
       memset(f->a, 0, (size_t)k * sizeof *f->a);
       for (int i = 0; i <= found; ++i) {
-        double share = km_tangents_uniform(f);
+        double share = km_uniform(&f->random);
         for (int r = 0; r < k; ++r)
           f->a[r] += share * basis[(size_t)i * (size_t)k + (size_t)r];
       }

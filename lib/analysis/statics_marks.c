@@ -1,8 +1,8 @@
 /* Which components of reactions statics alone doesn't determine: those in which some self-stress has a part. Two random
  * ones are looked at side by side; both miss a component with a chance of 1e-18. */
 #include "analysis/statics.h"
+#include "base/random.h"
 
-#include <stdint.h>
 #include <string.h>
 
 /* Vectors and wrenches of both. */
@@ -28,10 +28,8 @@ static km_pair size_of(km_pair a) {
 static void draw(int degree, km_pair *share) {
   uint64_t random = 1;
   for (int k = 0; k < degree; ++k)
-    for (int look = 0; look < 2; ++look) {
-      random = random * 6364136223846793005u + 1442695040888963407u;
-      share[k][look] = (double)(random >> 11) * 0x1p-52 - 1.0;
-    }
+    for (int look = 0; look < 2; ++look)
+      share[k][look] = km_uniform(&random);
 }
 
 /* parts[6 · joints]: what both do in the joints, along the reactions' axes. */

@@ -1,12 +1,8 @@
 /* Directions in the null space that satisfy the second-order conditions. */
 #include "kinematics/tangents.h"
 
+#include "base/random.h"
 #include "kinematics/loops.h"
-
-double km_tangents_uniform(km_tangents *f) { /* -1 … 1, always the same sequence */
-  f->random = f->random * 6364136223846793005u + 1442695040888963407u;
-  return (double)(f->random >> 11) * 0x1p-52 - 1.0;
-}
 
 bool km_tangents_make(km_tangents *f, const km_mechanism *m, km_state *s, int index, km_arena *arena) {
   const km_substructure *sub = &m->substructures[index];
@@ -71,7 +67,7 @@ bool km_tangents_all_real(km_tangents *f) {
   int k = f->conditions.freedom, trials = k == 1 ? 1 : 2 * k; /* of one tangent there are no combinations */
   for (int trial = 0; trial < trials; ++trial) {
     for (int i = 0; i < k; ++i)
-      f->a[i] = trial < k ? trial == i : km_tangents_uniform(f);
+      f->a[i] = trial < k ? trial == i : km_uniform(&f->random);
     km_tangents_normalise(f->a, k);
     km_followed found = km_tangents_try(f, f->a);
     if (found.reality < f->enough)
@@ -95,7 +91,7 @@ bool km_tangents_random(km_tangents *f) {
   if (k == 1 || !need_conditions(f)) /* the only tangent has been tried as it is */
     return false;
   for (int i = 0; i < k; ++i)
-    f->a[i] = km_tangents_uniform(f);
+    f->a[i] = km_uniform(&f->random);
   km_tangents_normalise(f->a, k);
   return km_second_order_solve(&f->conditions, f->a, f->work) && km_tangents_is_real(f, f->a);
 }

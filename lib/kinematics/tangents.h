@@ -37,8 +37,6 @@ typedef struct km_tangents {
 /* At the state's pose, which `pose` keeps. False when out of memory. */
 bool km_tangents_make(km_tangents *tangents, const km_mechanism *mechanism, km_state *state, int substructure,
                       km_arena *arena);
-/* -1 … 1, always the same sequence. */
-double km_tangents_uniform(km_tangents *tangents);
 void km_tangents_normalise(double *a, int freedom);
 /* Scaled unit direction D⁻¹Z a. */
 void km_tangents_direction(const km_tangents *tangents, const double *a, double *x);
