@@ -98,7 +98,7 @@ double km_control_columns(const km_arm *a, const km_arm_space *s, const double *
     double xi[6], rates[SEVEN];
     for (int r = 0; r < 6; ++r)
       xi[r] = -s->jacobian[6 * SEVEN + r];
-    km_one_solve(s->seven, xi, rates);
+    km_one_solve(s->seven, xi, 0.0, rates);
     km_one_path_column(rates, path);
     return path[SEVEN];
   }
@@ -114,15 +114,22 @@ double km_control_columns(const km_arm *a, const km_arm_space *s, const double *
   return path[n];
 }
 
-void km_control_solve(const km_arm *a, km_arm_space *s, const double *rhs, const bool *held, double *x) {
-  double all[KM_ARM_MOST + 1];
+void km_control_solve(const km_arm *a, km_arm_space *s, const double *rhs, const double *moved, const bool *held,
+                      double *x) {
+  double all[KM_ARM_MOST + 1], row[KM_ARM_MOST];
   if (s->seven_factored) {
-    km_one_solve(s->seven, rhs, x);
+    km_one_solve(s->seven, rhs, moved ? -km_one_along_null(s->seven, moved) : 0.0, x);
     return;
   }
   km_partition_solve(&s->partition, rhs, all);
   memcpy(x, all, (size_t)a->n * sizeof *x);
   km_control_project_out(a, s, x);
+  if (moved) {
+    memcpy(row, moved, (size_t)a->n * sizeof *row);
+    km_control_project_out(a, s, row);
+    for (int k = 0; k < a->n; ++k)
+      x[k] -= moved[k] - row[k];
+  }
   for (int k = 0; held && k < a->n; ++k)
     x[k] = held[k] ? 0.0 : x[k];
 }
@@ -139,7 +146,7 @@ bool km_arm_reach(const km_arm *a, km_arm_space *s, const km_pose *target, const
     if (!(left < 1e6))
       return false;
     km_control_factor(a, s, none, held);
-    km_control_solve(a, s, e, held, x);
+    km_control_solve(a, s, e, NULL, held, x);
     double size = sqrt(dot(x, x, a->n)), scale = size > longest ? longest / size : 1.0;
     for (int k = 0; k < a->n; ++k)
       q[k] += scale * x[k];

@@ -21,8 +21,10 @@ void km_control_pivot(const km_arm *arm, km_arm_space *space, const double *xi, 
 double km_control_columns(const km_arm *arm, const km_arm_space *space, const double *guide, double *path,
                           double *self);
 
-/* After km_control_factor: the least x[n] with J x = rhs[rows] (in the range of J). */
-void km_control_solve(const km_arm *arm, km_arm_space *space, const double *rhs, const bool *held, double *x);
+/* After km_control_factor: the x[n] with J x = rhs[rows] (in the range of J) that makes moved[n] + x the least, moved
+ * being no part of the null space then; NULL: 0, the least x. */
+void km_control_solve(const km_arm *arm, km_arm_space *space, const double *rhs, const double *moved, const bool *held,
+                      double *x);
 
 /* Takes the null space's part out of x[n]. */
 void km_control_project_out(const km_arm *arm, const km_arm_space *space, double *x);

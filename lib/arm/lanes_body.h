@@ -8,8 +8,9 @@
 #define FN(name)        lanes_##name
 #define ZERO            ((vector){0.0})
 #define NONE            ((word){0})
-#define SIGN            (NONE + SIGN_BIT)
 #define ROOT(x)         root(x)
+#define SIZE(x)         ((vector)((word)(x) & ~(NONE + SIGN_BIT)))
+#define SIGNED(size, x) ((vector)((word)(size) | ((word)(x) & (NONE + SIGN_BIT))))
 #define MASK            mask
 #define BELOW(a, b)     below((a), (b))
 #define ANY(m)          (bits_of(m) != 0)
@@ -39,25 +40,29 @@ static inline mask regular(const lanes_seven *k) {
   return below(k->largest * KM_SEVEN_REGULAR, k->least);
 }
 
-/* Newton's steps of lanes first … first + WIDTH - 1, q[7] being where they begin. Returns the lanes that arrive; the Jacobian
- * there is factored. */
+/* Newton's steps of lanes first … first + WIDTH - 1, q[7] being where they begin. Returns the lanes that arrive; the
+ * Jacobian there is factored. */
 static inline mask correct(const km_arm *a, const km_pose *target, km_lanes *io, int first, vector *q, lanes_seven *k) {
-  vector e[6], x[SEVEN], moved[SEVEN], most = get(io->most + first);
+  vector e[6], x[SEVEN], moved[SEVEN], most = get(io->most + first), far = ZERO;
   mask fit = mask_of((1u << WIDTH) - 1), active = fit;
   unsigned used = io->used >> first & ((1u << WIDTH) - 1);
-  for (int i = 0; i < SEVEN; ++i)
-    moved[i] = ZERO;
+  for (int i = 0; i < SEVEN; ++i) {
+    moved[i] = get(io->moved[i] + first);
+    far += moved[i] * moved[i];
+  }
+  mask guessed = below(ZERO, far);
   for (int step = 0;; ++step) {
     lanes_forward(a, q, k);
     io->evaluations += (unsigned)__builtin_popcount(bits_of(active) & used);
     vector rest = left(a, k, target, e, &fit);
     fit &= below(rest, all(KM_NEWTON_FAR));
-    active = fit & below(all(KM_NEWTON_DONE), rest);
+    active = fit & (below(all(KM_NEWTON_DONE), rest) | guessed);
+    guessed = mask_of(0); /* a guess is followed by a step at least, which takes its part along the null vector out */
     if (!ANY(active) || step == KM_NEWTON_MOST)
       break;
     lanes_factor(k);
     fit &= regular(k);
-    lanes_solve(k, e, x);
+    lanes_solve(k, e, -lanes_along_null(k, moved), x);
     vector sum = ZERO;
     for (int i = 0; i < SEVEN; ++i) {
       moved[i] = pick(active, moved[i] + x[i], moved[i]);
@@ -66,6 +71,8 @@ static inline mask correct(const km_arm *a, const km_pose *target, km_lanes *io,
     }
     fit &= at_most(root(sum), most) | ~active;
   }
+  for (int i = 0; i < SEVEN; ++i)
+    put(io->moved[i] + first, moved[i]);
   lanes_factor(k);
   return fit & ~active & regular(k);
 }
@@ -75,7 +82,7 @@ static inline void put_columns(const double *xi, km_lanes *io, int first, const 
   vector e[6], x[SEVEN], path[SEVEN + 1], sigma[6];
   for (int r = 0; r < 6; ++r)
     e[r] = all(xi[r]);
-  lanes_solve(k, e, x);
+  lanes_solve(k, e, ZERO, x);
   lanes_path_column(x, path);
   for (int i = 0; i < SEVEN; ++i) {
     put(io->q[i] + first, q[i]);

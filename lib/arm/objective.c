@@ -8,7 +8,7 @@ bool km_objective_by_mean(const km_objective *objective) {
 static double smallest_entry(const double *path, int n) {
   double least = fabs(path[0]);
   for (int i = 1; i <= n; ++i)
-    least = fmin(least, fabs(path[i]));
+    least = fabs(path[i]) < least ? fabs(path[i]) : least;
   return least;
 }
 

@@ -27,9 +27,10 @@ static inline bool km_seven_fits(const km_arm *arm) {
 #define BITS             uint64_t
 #define FN(name)         km_one_##name
 #define ZERO             0.0
-#define SIGN             ((uint64_t)1 << 63)
 #define NONE             ((uint64_t)0)
 #define ROOT(x)          sqrt(x)
+#define SIZE(x)          fabs(x)
+#define SIGNED(size, x)  copysign((size), (x))
 #define MASK             bool
 #define BELOW(a, b)      ((a) < (b))
 #define ANY(mask)        (mask)
@@ -43,9 +44,10 @@ static inline bool km_seven_fits(const km_arm *arm) {
 #undef BITS
 #undef FN
 #undef ZERO
-#undef SIGN
 #undef NONE
 #undef ROOT
+#undef SIZE
+#undef SIGNED
 #undef MASK
 #undef BELOW
 #undef ANY
@@ -58,8 +60,9 @@ static inline bool km_seven_fits(const km_arm *arm) {
 /* Eight poses side by side, lane by lane in the last index. */
 enum { KM_LANES = 8 };
 typedef struct km_lanes {
-  double q[SEVEN][KM_LANES]; /* in: where Newton begins; out: the poses */
-  double most[KM_LANES];     /* how far it may go */
+  double q[SEVEN][KM_LANES];     /* in: where Newton begins; out: the poses */
+  double moved[SEVEN][KM_LANES]; /* how far this is from the predictor, in and out */
+  double most[KM_LANES];         /* how far it may be */
   double path[SEVEN + 1][KM_LANES], null[SEVEN][KM_LANES];
   bool want_sigma;
   double sigma[6][KM_LANES];  /* singular values in no order, if they are wanted */

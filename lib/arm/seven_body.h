@@ -3,7 +3,8 @@
  * nothing is contracted and nothing is summed across lanes: so a lane has the bits of the plain double.
  *
  * What the includer defines: T; BITS, an unsigned integer of the same size, and NONE, 0 of it; FN(name); km_bits_of(x),
- * km_number_of(bits); ROOT(x); MASK, lane by lane whether something holds, BELOW(a, b), ANY(mask), PICK(mask, a, b).
+ * km_number_of(bits); ROOT(x); SIZE(x), |x|; SIGNED(size, x), a size with the sign of x; MASK, lane by lane whether
+ * something holds, BELOW(a, b), ANY(mask), PICK(mask, a, b).
  *
  *   Jᵀ = Q [R; 0] by Householder's reflections (7 × 6). The last column of Q spans J's null space, and
  *   x = Q [R⁻ᵀ b; 0] is the least x with J x = b. */
@@ -99,15 +100,50 @@ static inline void FN(forward)(const km_arm *a, const T *q, FN(seven) * k) {
   }
 }
 
+/* Loops of the factor are short and wait for their sums: unrolled, they keep them in registers. */
+#define UNROLLED _Pragma("GCC unroll 8")
+
+/* Σ a[i] b[i] over i ≥ c, in two sums that don't wait for each other. */
+static inline T FN(product)(const T *a, const T *b, int c) {
+  T sum[2] = {a[6] * b[6], ZERO};
+  UNROLLED
+  for (int i = 5; i >= c; --i)
+    sum[i & 1] += a[i] * b[i];
+  return sum[0] + sum[1];
+}
+
 /* x = Q [y; last] of y[6]. */
 static inline void FN(apply)(const FN(seven) * k, T *x) {
+  UNROLLED
   for (int c = 5; c >= 0; --c) {
-    T sum = k->v[c][c] * x[c];
-    for (int i = c + 1; i < SEVEN; ++i)
-      sum += k->v[c][i] * x[i];
-    sum *= k->inverse[c];
+    T sum = FN(product)(k->v[c], x, c) * k->inverse[c];
+    UNROLLED
     for (int i = c; i < SEVEN; ++i)
       x[i] -= sum * k->v[c][i];
+  }
+}
+
+/* Reflection c of the Jacobian's rows A, and row c of R. */
+static inline void FN(reflect)(FN(seven) * k, T A[6][SEVEN], int c) {
+  T *v = k->v[c], rest = FN(product)(A[c], A[c], c + 1), head = A[c][c];
+  T square = rest + head * head, norm = ROOT(square);
+  T diagonal = SIGNED(norm, head);
+  v[c] = head + diagonal;
+  UNROLLED
+  for (int i = c + 1; i < SEVEN; ++i)
+    v[i] = A[c][i];
+  k->inverse[c] = 1.0 / (square + head * diagonal);
+  k->r[c][c] = -diagonal;
+  k->pivot_inverse[c] = -k->inverse[c] * v[c]; /* square + head · diagonal = diagonal · v[c] */
+  k->least = c == 0 ? norm : SMALLER(norm, k->least);
+  k->largest = c == 0 ? norm : LARGER(norm, k->largest);
+  UNROLLED
+  for (int j = c + 1; j < 6; ++j) {
+    T sum = (FN(product)(v, A[j], c + 1) + v[c] * A[j][c]) * k->inverse[c];
+    k->r[c][j] = A[j][c] - sum * v[c];
+    UNROLLED
+    for (int i = c + 1; i < SEVEN; ++i)
+      A[j][i] -= sum * v[i];
   }
 }
 
@@ -117,47 +153,32 @@ static inline void FN(factor)(FN(seven) * k) {
   for (int r = 0; r < 6; ++r)
     for (int j = 0; j < SEVEN; ++j)
       A[r][j] = k->jacobian[j][r];
-  for (int c = 0; c < 6; ++c) {
-    T square = A[c][c] * A[c][c];
-    for (int i = c + 1; i < SEVEN; ++i)
-      square += A[c][i] * A[c][i];
-    T head = A[c][c], norm = ROOT(square);
-    T diagonal = km_number_of(km_bits_of(norm) | (km_bits_of(head) & SIGN)); /* with the head's sign */
-    T *v = k->v[c];
-    v[c] = head + diagonal;
-    for (int i = c + 1; i < SEVEN; ++i)
-      v[i] = A[c][i];
-    k->inverse[c] = 1.0 / (square + head * diagonal);
-    k->r[c][c] = -diagonal;
-    k->pivot_inverse[c] = 1.0 / k->r[c][c];
-    k->least = c == 0 ? norm : SMALLER(norm, k->least);
-    k->largest = c == 0 ? norm : LARGER(norm, k->largest);
-    for (int j = c + 1; j < 6; ++j) {
-      T sum = v[c] * A[j][c];
-      for (int i = c + 1; i < SEVEN; ++i)
-        sum += v[i] * A[j][i];
-      sum *= k->inverse[c];
-      k->r[c][j] = A[j][c] - sum * v[c];
-      for (int i = c + 1; i < SEVEN; ++i)
-        A[j][i] -= sum * v[i];
-    }
-  }
+  UNROLLED
+  for (int c = 0; c < 6; ++c)
+    FN(reflect)(k, A, c);
   for (int i = 0; i < 6; ++i)
     k->null[i] = ZERO;
   k->null[6] = ZERO + 1.0;
   FN(apply)(k, k->null);
 }
 
-/* The least x with J x = b. */
-static inline void FN(solve)(const FN(seven) * k, const T *b, T *x) {
+/* The x with J x = b that is `along` long along the null vector; the least one for 0. */
+static inline void FN(solve)(const FN(seven) * k, const T *b, T along, T *x) {
+  UNROLLED
   for (int c = 0; c < 6; ++c) {
     T sum = b[c];
+    UNROLLED
     for (int i = 0; i < c; ++i)
       sum -= k->r[i][c] * x[i];
     x[c] = sum * k->pivot_inverse[c];
   }
-  x[6] = ZERO;
+  x[6] = along;
   FN(apply)(k, x);
+}
+
+/* How far x goes along the null vector. */
+static inline T FN(along_null)(const FN(seven) * k, const T *x) {
+  return FN(product)(k->null, x, 0);
 }
 
 /* The turn from R to a target's, as a rotation vector in the inertial axes, for small ones: the skew part of the
@@ -180,10 +201,7 @@ static inline FN(vec) FN(turn_left)(const FN(vec) * R, const km_rotation *target
 
 /* (q′, 1)/√(1 + |q′|²) of q′[7], into path[8]. */
 static inline void FN(path_column)(const T *rates, T *path) {
-  T sum = rates[0] * rates[0];
-  for (int i = 1; i < SEVEN; ++i)
-    sum += rates[i] * rates[i];
-  T scale = 1.0 / ROOT(1.0 + sum);
+  T scale = 1.0 / ROOT(1.0 + FN(product)(rates, rates, 0));
   for (int i = 0; i < SEVEN; ++i)
     path[i] = rates[i] * scale;
   path[SEVEN] = scale;
@@ -212,9 +230,8 @@ static inline void FN(singular_values)(const FN(seven) * k, T *sigma) {
         if (!ANY(askew))
           continue;
         turned = true;
-        T zeta = (yy - xx) / (2.0 * xy), size = km_number_of(km_bits_of(zeta) & ~SIGN);
-        T t = 1.0 / (size + ROOT(1.0 + zeta * zeta));
-        t = km_number_of(km_bits_of(t) | (km_bits_of(zeta) & SIGN));
+        T zeta = (yy - xx) / (2.0 * xy), size = SIZE(zeta);
+        T t = SIGNED(1.0 / (size + ROOT(1.0 + zeta * zeta)), zeta);
         T cosine = 1.0 / ROOT(1.0 + t * t), sine = cosine * t;
         for (int c = 0; c < SEVEN; ++c) {
           T old = x[c];
@@ -230,3 +247,4 @@ static inline void FN(singular_values)(const FN(seven) * k, T *sigma) {
     sigma[r] = ROOT(sum);
   }
 }
+#undef UNROLLED

@@ -4,24 +4,6 @@
 
 #include <string.h>
 
-bool km_node_create(const km_arm *a, km_arena *arena, km_node *node) {
-  size_t n = (size_t)a->n, freedom = (size_t)a->freedom;
-  *node = (km_node){.q = KM_ARENA_NEW(arena, double, n),
-                    .path = KM_ARENA_NEW(arena, double, n + 1),
-                    .self = KM_ARENA_NEW(arena, double, freedom *n)};
-  return !arena->failed;
-}
-
-void km_node_copy(const km_arm *a, km_node *to, const km_node *from) {
-  size_t n = (size_t)a->n;
-  memcpy(to->q, from->q, n * sizeof *to->q);
-  memcpy(to->path, from->path, (n + 1) * sizeof *to->path);
-  if (a->freedom > 0)
-    memcpy(to->self, from->self, (size_t)a->freedom * n * sizeof *to->self);
-  to->z = from->z;
-  to->value = from->value;
-}
-
 bool km_tracker_space_create(const km_arm *a, km_tracker_space *s) {
   *s = (km_tracker_space){0};
   if (km_arm_space_create(a, &s->arm) && km_node_create(a, &s->arm.arena, &s->here))
@@ -72,6 +54,7 @@ void km_tracker_begin(const km_tracker *w, km_tracker_space *s, int sample, cons
   km_arm_update(w->arm, &s->arm, q);
   look_around(w, s, &w->path->points[sample], way, NULL, out);
   set_senses(w->arm, out->self);
+  out->bends = 0;
 }
 
 /* δ = Jᵀ(JJᵀ + λ²)⁻¹ξ, by Cholesky's factors of the small matrix. The Jacobian is that of the last update. */
@@ -119,22 +102,23 @@ static bool damp(const km_tracker *w, km_tracker_space *s, const km_path_point *
   return true;
 }
 
-/* Newton steps to a point of the path, none of them far: at most `most` away from where it begins. Leaves the Jacobian
- * of the pose. */
+/* Newton steps to the point of the path's fibre that is nearest to the predictor, at most `most` away from it: q is
+ * `moved` away from the predictor, as it is given and as it is returned. Leaves the Jacobian of the pose. */
 static bool correct(const km_tracker *w, km_tracker_space *s, const km_path_point *point, const km_step_choice *way,
-                    double most, double *q) {
-  double e[KM_ARM_ROWS], x[KM_ARM_MOST], xi[KM_ARM_ROWS], moved[KM_ARM_MOST] = {0};
+                    double most, double *q, double *moved) {
+  double e[KM_ARM_ROWS], x[KM_ARM_MOST], xi[KM_ARM_ROWS];
   const int n = w->arm->n;
+  const bool guessed = length(moved, n) > 0.0;
   for (int step = 0; step <= KM_NEWTON_MOST; ++step) {
     km_arm_update(w->arm, &s->arm, q);
     double left = km_arm_error(w->arm, &s->arm, &point->pose, e, NULL, NULL);
-    if (left <= KM_NEWTON_DONE)
+    if (left <= KM_NEWTON_DONE && !(guessed && step == 0)) /* a step takes a guess's part in the null space out */
       return true;
     if (!(left < KM_NEWTON_FAR))
       return false;
     km_arm_task_rows(w->arm, &s->arm.pose.R, point->twist, xi);
     km_control_factor(w->arm, &s->arm, xi, way->held);
-    km_control_solve(w->arm, &s->arm, e, way->held, x);
+    km_control_solve(w->arm, &s->arm, e, moved, way->held, x);
     for (int k = 0; k < n; ++k) {
       moved[k] += x[k];
       q[k] += x[k];
@@ -145,52 +129,24 @@ static bool correct(const km_tracker *w, km_tracker_space *s, const km_path_poin
   return false;
 }
 
-/* δ = (c₁/z + tan φ·c₂/z)Δσ. */
-static void predict(const km_arm *a, const km_node *here, const km_step_choice *way, double ds, double *step) {
-  double inverse = 1.0 / here->z;
-  for (int k = 0; k < a->n; ++k) {
-    double rate = here->path[k];
-    for (int j = 0; way->tilt && j < a->freedom; ++j)
-      rate += way->tilt[j] * here->self[j * a->n + k];
-    step[k] = rate * inverse * ds;
-  }
-}
-
-/* How long a corrector may be: half the predictor, but for rounding. */
-static double corrector_most(const double *step, int n) {
-  return 0.5 * length(step, n) + 1e-12;
-}
-
 /* One step from space->here by dσ to a point; false if it is refused. */
 static bool try_step(const km_tracker *w, km_tracker_space *s, const km_path_point *from, const km_path_point *point,
-                     const km_step_choice *way, double *q) {
+                     const km_step_choice *way, km_node *to) {
   const km_arm *a = w->arm;
   const km_node *here = &s->here;
-  double ds = point->s - from->s, step[KM_ARM_MOST];
-  bool damped = way->damping > 0.0 && damp(w, s, from, way, here, step);
-  if (damped)
+  double ds = point->s - from->s, step[KM_ARM_MOST], moved[KM_ARM_MOST] = {0}, most = 1.0;
+  if (way->damping > 0.0 && damp(w, s, from, way, here, step)) {
     for (int k = 0; k < a->n; ++k)
-      step[k] *= ds;
-  else
-    predict(a, here, way, ds, step);
-  for (int k = 0; k < a->n; ++k)
-    q[k] = here->q[k] + step[k];
-  /* What damping leaves undone is the corrector's: it may be as long as a step. */
-  return correct(w, s, point, way, damped ? 1.0 : corrector_most(step, a->n), q);
-}
-
-void km_node_rates(const km_arm *a, const double *path, const double *self, double speed, const double *mean,
-                   double *rates) {
-  for (int k = 0; k < a->n; ++k)
-    rates[k] = path[a->n] > 0.0 ? path[k] / path[a->n] * speed : 0.0;
-  for (int j = 0; j < a->freedom; ++j) {
-    const double *c = self + j * a->n;
-    double along = 0.0;
-    for (int k = 0; k < a->n; ++k)
-      along += c[k] * mean[k];
-    for (int k = 0; k < a->n; ++k)
-      rates[k] += along * c[k];
+      step[k] *= ds; /* what damping leaves undone is the corrector's: it may be as long as a step */
+  } else {
+    most = km_node_predict(a, here, way, ds, step, moved);
   }
+  for (int k = 0; k < a->n; ++k)
+    to->q[k] = here->q[k] + step[k] + moved[k];
+  if (!correct(w, s, point, way, most, to->q, moved))
+    return false;
+  km_node_remember(a, here, way, ds, moved, to);
+  return true;
 }
 
 /* A joint that is faster than it may; -1: none. */
@@ -210,9 +166,9 @@ static km_step_end check(const km_tracker *w, int sample, const km_path_point *p
     end.stop = KM_TRACK_LIMIT;
     return end;
   }
-  double dt = point->t - w->path->points[sample].t, mean[KM_ARM_MOST] = {0}, rates[KM_ARM_MOST];
+  double per_second = 1.0 / (point->t - w->path->points[sample].t), mean[KM_ARM_MOST] = {0}, rates[KM_ARM_MOST];
   for (int k = 0; k < a->n; ++k)
-    mean[k] = (to->q[k] - from->q[k]) / dt;
+    mean[k] = (to->q[k] - from->q[k]) * per_second;
   end.column = too_fast(a, mean);
   if (end.column < 0) {
     km_node_rates(a, to->path, to->self, point->speed, mean, rates);
@@ -238,7 +194,7 @@ km_step_end km_tracker_step(const km_tracker *w, km_tracker_space *s, int sample
       return (km_step_end){KM_TRACK_SINGULAR, -1, done};
     double next = fraction - done <= h * (1.0 + 1e-9) ? fraction : done + h;
     km_path_point point = next < 1.0 ? km_path_at(w->path, sample, next) : w->path->points[sample + 1];
-    if (!try_step(w, s, &here, &point, way, to->q)) {
+    if (!try_step(w, s, &here, &point, way, to)) {
       h *= 0.5;
       continue;
     }
@@ -252,10 +208,12 @@ km_step_end km_tracker_step(const km_tracker *w, km_tracker_space *s, int sample
 }
 
 /* Puts a lane's pose and its columns into a node. */
-static void take_lane(const km_tracker *w, km_tracker_space *s, const km_path_point *point, const km_lanes *lanes,
-                      int l, const km_node *from, km_node *to) {
-  double side = 0.0, values[KM_OBJECTIVES];
+static void take_lane(const km_tracker *w, km_tracker_space *s, int sample, const km_lanes *lanes, int l,
+                      const km_node *from, const km_step_choice *way, km_node *to) {
+  const km_path_point *here = &w->path->points[sample], *point = here + 1;
+  double side = 0.0, values[KM_OBJECTIVES], moved[SEVEN];
   for (int i = 0; i < SEVEN; ++i) {
+    moved[i] = lanes->moved[i][l];
     to->q[i] = lanes->q[i][l];
     to->path[i] = lanes->path[i][l];
     side += from->self[i] * lanes->null[i][l];
@@ -266,6 +224,7 @@ static void take_lane(const km_tracker *w, km_tracker_space *s, const km_path_po
     s->arm.sigma[r] = lanes->sigma[r][l];
   s->arm.sigma_stands = lanes->want_sigma;
   to->z = to->path[SEVEN] = lanes->path[SEVEN][l];
+  km_node_remember(w->arm, from, way, point->s - here->s, moved, to);
   if (!w->objective)
     return;
   km_objective_values(w->arm, &s->arm, to->q, to->path, point->speed, w->objective, values);
@@ -277,19 +236,21 @@ static unsigned fill_lanes(const km_tracker *w, double ds, int count, const km_n
                            const km_step_choice *ways, km_lanes *lanes) {
   unsigned used = 0;
   for (int l = 0; l < count; ++l) {
-    double step[SEVEN], q[SEVEN];
+    double step[SEVEN], moved[SEVEN], q[SEVEN];
     bool near = from[l]->z >= KM_PATH_ENTRY_LEAST;
-    predict(w->arm, from[l], &ways[l], ds, step);
+    double most = km_node_predict(w->arm, from[l], &ways[l], ds, step, moved);
     for (int i = 0; i < SEVEN; ++i) {
-      q[i] = from[l]->q[i] + step[i];
+      q[i] = from[l]->q[i] + step[i] + moved[i];
       near = near && fabs(q[i]) <= 0.5 * KM_SINCOS_MOST;
     }
     if (!near)
       continue;
     for (int k = used ? l : 0; k < KM_LANES; ++k) { /* the first one stands in for all */
-      lanes->most[k] = corrector_most(step, SEVEN);
-      for (int i = 0; i < SEVEN; ++i)
+      lanes->most[k] = most;
+      for (int i = 0; i < SEVEN; ++i) {
         lanes->q[i][k] = q[i];
+        lanes->moved[i][k] = moved[i];
+      }
       if (used)
         break;
     }
@@ -301,7 +262,7 @@ static unsigned fill_lanes(const km_tracker *w, double ds, int count, const km_n
 void km_tracker_steps(const km_tracker *w, km_tracker_space *s, int sample, int count, const km_node *const *from,
                       const km_step_choice *ways, km_node *const *to, km_step_end *ends) {
   const km_path_point *here = &w->path->points[sample], *point = here + 1;
-  km_lanes lanes = {.used = 0};
+  km_lanes lanes; /* large: what isn't used isn't set */
   unsigned done = 0;
   if (count > 1 && s->arm.seven) {
     double xi[6];
@@ -317,7 +278,7 @@ void km_tracker_steps(const km_tracker *w, km_tracker_space *s, int sample, int 
   }
   for (int l = 0; l < count; ++l) {
     if (done & 1u << l) {
-      take_lane(w, s, point, &lanes, l, from[l], to[l]);
+      take_lane(w, s, sample, &lanes, l, from[l], &ways[l], to[l]);
       ends[l] = check(w, sample, point, from[l], to[l]);
     } else {
       ends[l] = km_tracker_step(w, s, sample, 1.0, from[l], &ways[l], to[l]);

@@ -6,11 +6,16 @@
 #include "arm/objective.h"
 #include "arm/path.h"
 
-/* A pose on the path, with the directions that lead on. Arrays belong to a km_arena. */
+/* A pose on the path, with the directions that lead on. Its arrays stand in one block, which belongs to a km_arena. */
+enum { KM_NODE_BENDS = 2 };
 typedef struct km_node {
   double *q;    /* [n] */
   double *path; /* [n + 1] path-control column */
   double *self; /* [freedom × n] pose-control columns, following those of the node before */
+  double *bend; /* [KM_NODE_BENDS × n] what Newton added to the predictors of the last steps, the latest first */
+  double *tilt; /* [freedom] of these steps */
+  double along; /* Δσ of each of them */
+  int bends;    /* how many of them are known */
   double z;     /* path entry */
   double value; /* of the objective */
 } km_node;
@@ -47,6 +52,15 @@ typedef struct km_step_choice {
 void km_node_rates(const km_arm *arm, const double *path, const double *self, double speed, const double *mean,
                    double *rates);
 
+/* A step by Δσ from a node: the predictor (c₁/z + tan φ·c₂/z)Δσ[n], and the corrector moved[n] to expect after it, 0 where
+ * the steps before were others. Returns how long the corrector may be: half the predictor. */
+double km_node_predict(const km_arm *arm, const km_node *here, const km_step_choice *way, double ds, double *step,
+                       double *moved);
+
+/* Tells the node at a step's end what its corrector moved[n] was. */
+void km_node_remember(const km_arm *arm, const km_node *from, const km_step_choice *way, double ds, const double *moved,
+                      km_node *to);
+
 /* Why a step doesn't lead to its end, and how far it leads. */
 typedef struct km_step_end {
   km_track_stop stop;
@@ -59,8 +73,10 @@ void km_tracker_begin(const km_tracker *walk, km_tracker_space *space, int sampl
                       const km_step_choice *way, km_node *out);
 
 /* From a node at `sample` to a fraction of the interval after it: predictor (c₁/z + tan φ·c₂/z)Δσ, then Newton steps
- * of least norm to 1e-12; a corrector longer than half the predictor is refused and the step halved. Limits and rates
- * are checked at the end only. */
+ * to 1e-12 towards the pose that is nearest to the predictor. A corrector (from the predictor to the pose) longer than
+ * half the predictor is refused and the step halved. Where the steps before had the same Δσ and tilt, Newton begins at
+ * the corrector 2d₁ − d₂ that their correctors lead to expect; as the pose is the nearest one all the same, this only
+ * saves a Jacobian. Limits and rates are checked at the end only. */
 km_step_end km_tracker_step(const km_tracker *walk, km_tracker_space *space, int sample, double fraction,
                             const km_node *from, const km_step_choice *way, km_node *to);
 

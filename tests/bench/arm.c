@@ -1,10 +1,13 @@
 /* A greedy step of a 7R arm (forward kinematics, Jacobian, partition, rotation onto the path) against the same rates by
- * LAPACK's singular values and by Orocos KDL; and the nodes of look-ahead against greedy steps. */
+ * LAPACK's singular values, Eigen's LLT and Orocos KDL; and the nodes of look-ahead against greedy steps. */
 #include "bench.h"
 #include "machine.h"
 
 #ifdef BENCH_KDL
 #include "kdl.h"
+#endif
+#ifdef BENCH_EIGEN
+#include "eigen.h"
 #endif
 #include "arm/control.h"
 #include "arm/seven.h"
@@ -13,6 +16,7 @@
 #include "arm/tracker.h"
 
 #include <lapacke.h>
+#include <stdio.h>
 #include <string.h>
 
 enum { POSES = 16, N = 7 };
@@ -85,6 +89,15 @@ static void run_svd(void *context) {
   }
 }
 
+#ifdef BENCH_EIGEN
+static void run_eigen(void *context) {
+  problem *p = context;
+  int i = p->pose = (p->pose + 1) % POSES;
+  km_arm_update(p->arm, &p->space, p->q[i]);
+  bench_eigen_llt(p->space.jacobian, p->xi[i], p->rates);
+}
+#endif
+
 #ifdef BENCH_KDL
 static void make_kdl(problem *p) {
   double zero[N] = {0}, axis[3 * N], point[3 * N], tip[3] = {p->space.pose.p.x, p->space.pose.p.y, p->space.pose.p.z};
@@ -130,6 +143,9 @@ static void bench_step(void) {
   bench_contender c[] = {
       {.name = "greedy step", .run = run_own, .context = &p},
       {.name = "by LAPACK's singular values", .run = run_svd, .context = &p},
+#ifdef BENCH_EIGEN
+      {.name = "own kinematics with Eigen's LLT", .run = run_eigen, .context = &p},
+#endif
 #ifdef BENCH_KDL
       {.name = "KDL pinv", .run = run_kdl_pinv, .context = &p},
       {.name = "KDL wdls", .run = run_kdl_wdls, .context = &p},
@@ -143,10 +159,12 @@ static void bench_step(void) {
     agree(&p, &c[0], &c[i], 1e-9);
   bench_time(c, count);
   bench_figure(name, "greedy step, ns", c[0].median);
-  bench_figure(name, "by LAPACK's singular values / greedy step", bench_ratio(&c[1], &c[0]));
+  for (int i = 1; i < count; ++i) {
+    char text[80];
+    snprintf(text, sizeof text, "%s / greedy step", c[i].name);
+    bench_figure(name, text, bench_ratio(&c[i], &c[0]));
+  }
 #ifdef BENCH_KDL
-  bench_figure(name, "KDL pinv / greedy step", bench_ratio(&c[2], &c[0]));
-  bench_figure(name, "KDL wdls / greedy step", bench_ratio(&c[3], &c[0]));
   bench_kdl_free(p.kdl);
 #endif
   km_arm_space_free(&p.space);
@@ -177,7 +195,7 @@ static void run_steps(void *context) {
       bench_fail(name, "the track stops");
 }
 
-/* Four branches from the start, and the same one by one. */
+/* Eight branches from the start, and the same one by one. */
 static const double tilts[KM_WALK_ABREAST] = {-0.5, -0.3, -0.1, 0.0, 0.1, 0.2, 0.3, 0.5};
 
 static void run_abreast(void *context) {

@@ -85,7 +85,7 @@ static void take_step(tree *t, int index, int k, tree_node *node, km_step_end st
   }
   if (k == 0)
     km_node_copy(t->run->arm, &t->first[index], &node->end);
-  node->least = fmin(node->least, node->end.value);
+  node->least = node->end.value < node->least ? node->end.value : node->least;
   node->sum += node->end.value;
   node->samples++;
   km_node_copy(t->run->arm, here, &node->end);
