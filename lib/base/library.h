@@ -7,4 +7,15 @@
 /* Puts the address of the library's function `name` into the function pointer at `function`; false if there is none. */
 bool km_library_function(void *handle, const char *name, void *function);
 
+/* Functions that several files of one library hold. */
+typedef struct km_library {
+  const char *const *files; /* NULL behind the last */
+  const char *const *names; /* of the functions; NULL behind the last */
+  void *functions;          /* as many pointers to functions, in the order of the names */
+  bool loaded;
+} km_library;
+
+/* Loads the functions, unless they are, whichever thread asks. NULL, or why they can't be had. Never unloaded. */
+const char *km_library_load(km_library *library);
+
 #endif

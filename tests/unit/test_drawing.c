@@ -232,8 +232,8 @@ static void a_page_too_small_is_refused(void **state) {
 /* The points of every line in a colour, one line after the other. */
 static void lines_in(const char *svg, km_colour colour, km_text *out) {
   char stroke[64];
-  snprintf(stroke, sizeof stroke, "stroke:rgb(%.6g%%,%.6g%%,%.6g%%)", 100 * colour.red, 100 * colour.green,
-           100 * colour.blue);
+  snprintf(stroke, sizeof stroke, "stroke=\"#%02lx%02lx%02lx\"", lround(255 * colour.red), lround(255 * colour.green),
+           lround(255 * colour.blue));
   for (const char *path = strstr(svg, "<path"); path; path = strstr(path + 1, "<path")) {
     const char *end = strstr(path, "/>"), *d = strstr(path, " d=\""), *own = strstr(path, stroke);
     if (own && d && own < end && d < end)

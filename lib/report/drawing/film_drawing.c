@@ -253,5 +253,5 @@ km_status km_drawing_film(const km_drawing_def *drawing, km_arena *arena, km_fil
   if (km_studio_open(&w.studio))
     draw_film(&w);
   status = km_studio_close(&w.studio, error);
-  return status == KM_OK && arena->failed ? km_fail(error, KM_MEMORY, "out of memory for a film") : status;
+  return status ? status : km_film_end(film, error);
 }

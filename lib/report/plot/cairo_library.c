@@ -1,56 +1,31 @@
-/* Loads cairo and Pango. */
+/* Loads cairo, FreeType and Pango. */
 #include "report/plot/cairo_library.h"
 
 #include "base/library.h"
 
-#include <dlfcn.h>
-#include <stdatomic.h>
-
-/* Each library that holds some of the functions; the loader finds those that they need. */
-static const char *const files[] = {"libpangocairo-1.0.so.0", "libcairo.so.2", "libpango-1.0.so.0",
-                                    "libgobject-2.0.so.0", "libglib-2.0.so.0"};
-enum { FILES = sizeof files / sizeof *files };
-
-static bool find(void *const *handles, const char *name, void *function) {
-  for (int i = 0; i < FILES; ++i)
-    if (km_library_function(handles[i], name, function))
-      return true;
-  return false;
+static const void *load(km_library *library, km_error *error) {
+  const char *reason = km_library_load(library);
+  if (!reason)
+    return library->functions;
+  km_fail(error, KM_IO, "pictures can't be drawn: %.300s; expected cairo and Pango to be installed", reason);
+  return NULL;
 }
 
-static bool load(km_cairo *out) {
-  void *handles[FILES];
-  for (int i = 0; i < FILES; ++i) {
-    handles[i] = dlopen(files[i], RTLD_NOW | RTLD_LOCAL);
-    if (!handles[i])
-      return false;
-  }
-  bool found = true;
-#define X(name) found = find(handles, #name, &out->name) && found;
-  KM_CAIRO_FUNCTIONS(X)
-#undef X
-  return found;
-}
+#define X(name) #name,
 
-/* Two threads that load at once write the same addresses: the first to finish publishes its own. */
 const km_cairo *km_cairo_load(km_error *error) {
-  static km_cairo kept;
-  static atomic_int state; /* 0: not loaded, 1: one thread is loading, 2: loaded */
-  int none = 0;
-  if (atomic_load(&state) == 2)
-    return &kept;
-  km_cairo own;
-  if (!load(&own)) {
-    const char *reason = dlerror();
-    km_fail(error, KM_IO, "pictures can't be drawn: %.300s; expected cairo and Pango to be installed",
-            reason ? reason : "a function of theirs is missing");
-    return NULL;
-  }
-  if (atomic_compare_exchange_strong(&state, &none, 1)) {
-    kept = own;
-    atomic_store(&state, 2);
-  }
-  while (atomic_load(&state) != 2)
-    ;
-  return &kept;
+  static const char *const files[] = {"libcairo.so.2", "libfreetype.so.6", NULL};
+  static const char *const names[] = {KM_CAIRO_FUNCTIONS(X) NULL};
+  static km_cairo functions;
+  static km_library library = {files, names, &functions, false};
+  return load(&library, error);
+}
+
+const km_pango_functions *km_pango_load(km_error *error) {
+  static const char *const files[] = {"libpangocairo-1.0.so.0", "libcairo.so.2",    "libpango-1.0.so.0",
+                                      "libgobject-2.0.so.0",    "libglib-2.0.so.0", NULL};
+  static const char *const names[] = {KM_PANGO_FUNCTIONS(X) NULL};
+  static km_pango_functions functions;
+  static km_library library = {files, names, &functions, false};
+  return load(&library, error);
 }

@@ -40,11 +40,12 @@ typedef struct km_anchor {
 } km_anchor;
 
 /* A white page of width x height points, each from 1 to 14400. Bytes are appended to the borrowed
- * `out` until the canvas is freed. KM_USAGE (size), KM_MEMORY, KM_INTERNAL. */
+ * `out` until the canvas is freed. KM_USAGE (size), KM_MEMORY, KM_IO (cairo is needed, and isn't installed). */
 km_status km_canvas_create(km_picture_format format, double width, double height, km_text *out, km_canvas **canvas,
                            km_error *error);
 /* Completes the bytes and tells whether everything since the creation went well; if it did not,
- * `out` is as it was before. KM_USAGE (a second page outside PDF), KM_MEMORY, KM_INTERNAL. */
+ * `out` is as it was before. KM_USAGE (a second page outside PDF), KM_MEMORY, KM_IO (cairo or Pango is needed, and isn't
+ * installed), KM_INTERNAL. */
 km_status km_canvas_finish(km_canvas *canvas, km_error *error);
 void km_canvas_free(km_canvas *canvas);
 
@@ -59,8 +60,7 @@ typedef struct km_canvas_recorder {
   double slack; /* points: corners that lie so near to a line past them are left out */
 } km_canvas_recorder;
 
-/* A canvas without a page, whose drawing goes to the borrowed recorder; it isn't finished, only freed. Clips don't
- * count. KM_MEMORY. */
+/* A canvas without a page, whose drawing goes to the borrowed recorder. Clips don't count. KM_MEMORY. */
 km_status km_canvas_record(const km_canvas_recorder *recorder, km_canvas **canvas, km_error *error);
 
 /* Ends this page and begins a white one of another size. PDF only. */

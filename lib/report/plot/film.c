@@ -119,6 +119,11 @@ km_status km_film_open(km_film *film, km_arena *arena, double width, double heig
   return km_canvas_record(&film->recorder, &film->canvas, error);
 }
 
+km_status km_film_end(km_film *film, km_error *error) {
+  km_status status = km_canvas_finish(film->canvas, error);
+  return status == KM_OK && film->arena->failed ? km_fail(error, KM_MEMORY, "out of memory for a film") : status;
+}
+
 void km_film_close(km_film *film) {
   km_canvas_free(film->canvas);
   film->canvas = NULL;

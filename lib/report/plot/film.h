@@ -55,6 +55,8 @@ typedef struct km_film {
 /* An empty film of so many frames and its canvas. KM_MEMORY. */
 km_status km_film_open(km_film *film, km_arena *arena, double width, double height, size_t frame_count,
                        km_error *error);
+/* Whether all that was drawn is in the film. KM_MEMORY, KM_IO (a text needs Pango, which isn't installed). */
+km_status km_film_end(km_film *film, km_error *error);
 /* Frees the canvas; the film stays with its arena. */
 void km_film_close(km_film *film);
 

@@ -60,5 +60,5 @@ km_status km_plot_film(const km_plot *plot, double width, double height, size_t 
     if (!arena->failed)
       add_marks(film, &layout);
   }
-  return status == KM_OK && arena->failed ? km_fail(error, KM_MEMORY, "out of memory for a film") : status;
+  return status ? status : km_film_end(film, error);
 }

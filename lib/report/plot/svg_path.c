@@ -2,21 +2,28 @@
 #include "report/plot/svg_path.h"
 
 #include <math.h>
-#include <stdio.h>
 
-static const double scales[] = {1, 10, 100, 1000};
+static const double scales[] = {1, 10, 100, 1000, 1e4, 1e5, 1e6};
 
+enum { NUMBER = 32 }; /* bytes of a number at most */
+
+/* Digits from behind, without zeros at the end of the decimals nor one before the point. */
 static void write_steps(km_text *out, long long steps, int decimals) {
-  long long scale = (long long)scales[decimals], size = steps < 0 ? -steps : steps, rest = size % scale;
+  char text[NUMBER], *at = text + NUMBER;
+  unsigned long long size = steps < 0 ? 0ULL - (unsigned long long)steps : (unsigned long long)steps;
+  bool some = false;
+  for (int i = 0; i < decimals; ++i, size /= 10)
+    if (some || size % 10) {
+      *--at = (char)('0' + size % 10);
+      some = true;
+    }
+  if (some)
+    *--at = '.';
+  for (; size || at == text + NUMBER; size /= 10)
+    *--at = (char)('0' + size % 10);
   if (steps < 0)
-    km_text_add(out, "-");
-  if (size >= scale || rest == 0)
-    km_text_format(out, "%lld", size / scale);
-  if (rest == 0)
-    return;
-  for (; rest % 10 == 0; rest /= 10)
-    --decimals;
-  km_text_format(out, ".%0*lld", decimals, rest);
+    *--at = '-';
+  km_text_bytes(out, at, (size_t)(text + NUMBER - at));
 }
 
 void km_svg_number(km_text *out, double value, int decimals) {
@@ -100,7 +107,18 @@ void km_svg_path_add(km_svg_path *p, char command, const km_canvas_point *points
   } else if (command == 'M') {
     move(p, points[0]);
   } else {
-    add_points(p, 'c', points, 3);
-    p->kept = points[2];
+    int count = km_canvas_path_takes(command);
+    add_points(p, command == 'Q' ? 'q' : 'c', points, count);
+    p->kept = points[count - 1];
   }
+}
+
+void km_svg_path_write(km_text *out, const km_canvas_path *path, int decimals, double slack) {
+  km_svg_path written = {.out = out, .decimals = decimals, .slack = slack};
+  const km_canvas_point *points = path->points;
+  for (size_t i = 0; i < path->command_count; ++i) {
+    km_svg_path_add(&written, path->commands[i], points);
+    points += km_canvas_path_takes(path->commands[i]);
+  }
+  km_svg_path_end(&written);
 }
