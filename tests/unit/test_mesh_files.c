@@ -3,6 +3,8 @@
 #include "support/support.h"
 
 #include "base/file.h"
+#include "base/memory.h"
+#include "exchange/mesh/plain.h"
 #include "model/model.h"
 
 #include <math.h>
@@ -196,6 +198,114 @@ static void files_of_mujoco(void **state) {
   km_mesh_free(m);
 }
 
+static bool is_plain(const char *name, const char *bytes, size_t size, size_t *triangles) {
+  km_text text = {0};
+  km_soup soup = {0};
+  km_text_bytes(&text, bytes, size);
+  bool plain = km_plain_mesh_scan(name, &text, &soup);
+  assert_false(soup.failed);
+  *triangles = soup.count / 3;
+  km_free(soup.corners);
+  km_text_free(&text);
+  return plain;
+}
+
+#define CORNERS "v 0 0 0\nv 2 0 0\nv 2 2 0\nv 0 2 0\nv 1 0.5 0\nv 0 0 1\n"
+#define FACET   "facet normal 0 0 1\nouter loop\nvertex 0 0 0\nvertex 1 0 0\nvertex 0 1 0\nendloop\nendfacet\n"
+
+/* What is read without assimp, and what is left to it. */
+static void plain_files_are_told_from_others(void **state) {
+  (void)state;
+  static const struct {
+    const char *name, *text;
+    int triangles; /* 0: it isn't plain */
+  } cases[] = {
+      {"a.obj", CORNERS "f 1 2 3\n", 1},
+      {"A.OBJ",
+       "# two\r\nmtllib x\\y.mtl\r\ng a b\r\n" CORNERS
+       "vn 0 0 1\nvt 0 0\ns off\nusemtl m\nl 1 2\nf 1//1 2//1 3//1 4//1",
+       2},
+      {"a.obj", CORNERS "f -6 -5/1/1 -4\nf 1 2\n  f\t1/1 2 3 \n", 2},
+      {"a.obj", CORNERS "f 1 2 3\nv 5e-1 +1 .5\nf 1 2 7\n", 2},
+      {"a.obj", CORNERS, 0},
+      {"a.obj", "", 0},
+      {"a.obj", CORNERS "f 1 2 5 4 3\n", 0},                    /* it turns right */
+      {"a.obj", CORNERS "f 1 2 3 6\n", 0},                      /* it isn't flat */
+      {"a.obj", CORNERS "f 1 2 2 3\n", 0},                      /* no corner */
+      {"a.obj", CORNERS "v 1 3 0\nv 1 -1 0\nf 1 3 8 4 2\n", 0}, /* a star */
+      {"a.obj", CORNERS "f 1 2 7\n", 0},
+      {"a.obj", CORNERS "f 0 1 2\n", 0},
+      {"a.obj", CORNERS "f -7 1 2\n", 0},
+      {"a.obj", CORNERS "f 1 2 three\n", 0},
+      {"a.obj", CORNERS "f 1 2 \\\n3\n", 0},
+      {"a.obj", CORNERS "f 1 2 3\rf 2 3 4\n", 0},
+      {"a.obj", CORNERS "f 1 2 3\nvp 0 0\n", 0},
+      {"a.obj", "v 0 0 0 1\n" CORNERS "f 1 2 3\n", 0},
+      {"a.obj", "v 0 0 nan\n" CORNERS "f 1 2 3\n", 0},
+      {"a.obj", "v 0 0 1e999\n" CORNERS "f 1 2 3\n", 0},
+      {"a.obj", "v 0 0 0x1\n" CORNERS "f 1 2 3\n", 0},
+      {"a.obj", "v 0 0\n" CORNERS "f 1 2 3\n", 0},
+      {"a.obj", "v 0 0 1,5\n" CORNERS "f 1 2 3\n", 0},
+      {"a.stl", "solid of two parts\n" FACET "\n  endsolid\nsolid\n" FACET "endsolid b\n", 2},
+      {"a.stl", "solid\n" FACET, 0},
+      {"a.stl", FACET "endsolid\n", 0},
+      {"a.stl", "solid\nendsolid\n", 0},
+      {"a.stl", "solid\nfacet normal 0 0 1\nouter loop\nvertex 0 0 0\nvertex 1 0 0\nendloop\nendfacet\nendsolid\n", 0},
+      {"a.stl", "solid\nfacet normal 0 0 1\nouter\n", 0},
+  };
+  size_t triangles;
+  for (size_t i = 0; i < sizeof cases / sizeof *cases; ++i) {
+    bool plain = is_plain(cases[i].name, cases[i].text, strlen(cases[i].text), &triangles);
+    if (plain != (cases[i].triangles > 0) || (plain && triangles != (size_t)cases[i].triangles))
+      fail_msg("case %zu: plain %d, %zu triangles", i, plain, triangles);
+  }
+  assert_false(is_plain("a.obj", CORNERS "f 1 2 3\0\n", sizeof CORNERS "f 1 2 3\0\n" - 1, &triangles));
+}
+
+/* Binary STL: its size has to be that of its count, and its numbers finite. */
+static void binary_files_are_whole(void **state) {
+  (void)state;
+  char bytes[84 + 50] = "solid, though binary";
+  const uint32_t one = 1;
+  const float bad = HUGE_VALF;
+  size_t triangles;
+  memcpy(bytes + 80, &one, sizeof one);
+  assert_true(is_plain("a.stl", bytes, sizeof bytes, &triangles) && triangles == 1);
+  assert_false(is_plain("a.stl", bytes, sizeof bytes - 1, &triangles));
+  memcpy(bytes + 100, &bad, sizeof bad);
+  assert_false(is_plain("a.stl", bytes, sizeof bytes, &triangles));
+}
+
+/* An L, 1 thick, of three bars of 1 × 2, 1 and 1 × 2, its faces as polygons. With a statement that only assimp knows, or with
+ * its two concave faces, it is assimp's: the same body. */
+static void polygons_bound_the_same_body(void **state) {
+  (void)state;
+  static const char corners[] = "v 0 0 0\nv 3 0 0\nv 3 1 0\nv 1 1 0\nv 1 3 0\nv 0 3 0\n"
+                                "v 0 0 1\nv 3 0 1\nv 3 1 1\nv 1 1 1\nv 1 3 1\nv 0 3 1\n"
+                                "f 1 2 8 7\nf 2 3 9 8\nf 3 4 10 9\nf 4 5 11 10\nf 5 6 12 11\nf 6 1 7 12\n";
+  static const char convex[] = "f 1 4 3 2\nf 1 6 5 4\nf 7 8 9 10\nf 7 10 11 12\n",
+                    concave[] = "f 6 5 4 3 2 1\nf 7 8 9 10 11 12\n";
+  for (int way = 0; way < 3; ++way) {
+    km_text text = {0};
+    km_model *model;
+    km_error error;
+    size_t triangles;
+    km_text_add(&text, way == 2 ? "vp 0 0\n" : "");
+    km_text_add(&text, corners);
+    km_text_add(&text, way == 1 ? concave : convex);
+    assert_int_equal(is_plain("part.obj", text.data, text.size, &triangles), way == 0);
+    put("part.obj", &text);
+    if (load("part.obj", &model, &error))
+      fail_msg("%s", error.text);
+    const km_model_body *body = &model->bodies[1];
+    const double tolerance = way == 0 ? 1e-14 : 1e-6;
+    assert_near(body->mass, 0.5 * 5.0, 5 * tolerance);
+    assert_near(body->center_of_mass.x, (3.0 * 1.5 + 2.0 * 0.5) / 5.0, 5 * tolerance);
+    assert_near(body->center_of_mass.z, 0.5, 5 * tolerance);
+    km_model_free(model);
+  }
+}
+
 static void open_files(void **state) {
   (void)state;
   km_model *model;
@@ -211,7 +321,11 @@ static void open_files(void **state) {
 }
 
 int main(void) {
-  const struct CMUnitTest tests[] = {cmocka_unit_test(files), cmocka_unit_test(files_of_mujoco),
-                                     cmocka_unit_test(open_files)};
+  const struct CMUnitTest tests[] = {cmocka_unit_test(files),
+                                     cmocka_unit_test(files_of_mujoco),
+                                     cmocka_unit_test(open_files),
+                                     cmocka_unit_test(plain_files_are_told_from_others),
+                                     cmocka_unit_test(binary_files_are_whole),
+                                     cmocka_unit_test(polygons_bound_the_same_body)};
   return cmocka_run_group_tests_name("mesh_files", tests, make_folder, remove_folder);
 }

@@ -4,6 +4,7 @@
 #include "base/memory.h"
 #include "base/parallel.h"
 #include "exchange/mesh/msh.h"
+#include "exchange/mesh/plain.h"
 
 #include <assimp/cimport.h>
 #include <assimp/postprocess.h>
@@ -116,6 +117,8 @@ static void read_job(void *context) {
 
 km_status km_mesh_read(const char *path, km_mesh **out, km_error *error) {
   km_status status = km_msh_read(path, out, error);
+  if (!status && !*out)
+    status = km_plain_mesh_read(path, out, error);
   if (status || *out)
     return status;
   job j = {.path = path, .error = error};
