@@ -96,7 +96,11 @@ static void check_finite(const km_mobility *mobility, const km_finite_mobility *
     branches += finite->motions[i].kind == KM_MOTION_BRANCH;
     shaky += finite->motions[i].kind == KM_MOTION_SHAKY;
   }
-  if (finite->undecided)
+  if (finite->undecided && finite->truncated)
+    add(f, KM_FINDING_WARNING, "undecided", "try a pose nearby (kmob at --set)",
+        "the finite mobility is undecided: first order allows %d, and only some of its directions were tried",
+        mobility->mobility);
+  else if (finite->undecided)
     add(f, KM_FINDING_WARNING, "undecided",
         "try a pose nearby (kmob at --set), or state a closure_tolerance for rounded data",
         "the finite mobility is undecided: first order allows %d, and of some directions only a short way is confirmed",
@@ -108,7 +112,8 @@ static void check_finite(const km_mobility *mobility, const km_finite_mobility *
   if (branches)
     add(f, KM_FINDING_WARNING, "branch",
         "start from another pose, or follow one motion through it with kmob sweep --arclength",
-        "the pose is a branch point: %d motions meet, mobility %d there", branches, mobility->mobility);
+        "the pose is a branch point: %s%d motions meet, mobility %d there", finite->truncated ? "at least " : "",
+        branches, mobility->mobility);
 }
 
 static km_status check_ranks(const km_mechanism *m, km_state *s, km_findings *f, km_error *error) {

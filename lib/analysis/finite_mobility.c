@@ -6,7 +6,7 @@
 #include "base/check.h"
 #include "base/random.h"
 #include "kinematics/loops.h"
-#include "kinematics/tangents.h"
+#include "kinematics/many_tangents.h"
 
 #include <string.h>
 
@@ -52,7 +52,7 @@ static int common_span(km_tangents *f, double *basis) {
 /* The dimension of the motion through the state's present pose, assumed to be one where just one family passes. */
 static int dimension_here(const km_mechanism *m, km_state *s, int index, km_arena *arena, bool *doubtful) {
   km_tangents f;
-  if (!km_tangents_make(&f, m, s, index, arena))
+  if (!km_tangents_make(&f, m, s, index, arena) || !km_tangents_make_basis(&f))
     return 0;
   int k = f.conditions.freedom, dimension = k;
   if (k > 1 && !km_tangents_all_real(&f)) {
@@ -64,22 +64,43 @@ static int dimension_here(const km_mechanism *m, km_state *s, int index, km_aren
   return dimension;
 }
 
-static void list_motion(km_tangents *f, const double *a, km_motion_kind kind, double length, km_finite_mobility *out) {
+/* A direction, scaled. */
+static void list_direction(const km_tangents *f, const double *x, km_motion_kind kind, double length,
+                           km_finite_mobility *out) {
   if (out->motion_count == KM_MOST_MOTIONS) {
     out->truncated = true;
     return;
   }
   int coordinates = f->m->coordinate_count;
   double *rates = out->store + (size_t)out->motion_count * (size_t)coordinates;
-  km_tangents_direction(f, a, f->x);
   for (int k = 0; k < f->sub->columns; ++k)
-    rates[f->m->column_coordinate[f->sub->column_start + k]] = f->x[k] * f->m->column_weight[f->sub->column_start + k];
+    rates[f->m->column_coordinate[f->sub->column_start + k]] = x[k] * f->m->column_weight[f->sub->column_start + k];
   out->motions[out->motion_count++] = (km_finite_motion){kind, f->index, rates, length};
 }
 
+static void list_motion(km_tangents *f, const double *a, km_motion_kind kind, double length, km_finite_mobility *out) {
+  km_tangents_direction(f, a, f->direction);
+  list_direction(f, f->direction, kind, length, out);
+}
+
+/* The same of a branch that isn't listed yet, from the motion `first` on. */
+static void list_new(const km_tangents *f, const double *x, int first, double length, km_finite_mobility *out) {
+  const int *coordinate = f->m->column_coordinate + f->sub->column_start;
+  const double *weight = f->m->column_weight + f->sub->column_start;
+  for (int i = first; i < out->motion_count; ++i) {
+    double along = 0.0;
+    for (int c = 0; c < f->sub->columns; ++c)
+      along += weight[c] * x[c] * out->motions[i].direction[coordinate[c]];
+    if (fabs(along) > 0.999)
+      return;
+  }
+  list_direction(f, x, KM_MOTION_BRANCH, length, out);
+}
+
 static double confirmed(km_tangents *f, const double *a) {
-  double back = km_tangents_follow(f, a, -1.0).length; /* the state is left at the end of the way ahead */
-  return fmin(back, km_tangents_follow(f, a, 1.0).length);
+  km_tangents_direction(f, a, f->direction);
+  double back = km_tangents_follow(f, f->direction, -1.0).length; /* the state is left at the end of the way ahead */
+  return fmin(back, km_tangents_follow(f, f->direction, 1.0).length);
 }
 
 static void list_basis(km_tangents *f, km_motion_kind kind, km_finite_mobility *out) {
@@ -121,23 +142,75 @@ static int find_branches(km_tangents *f, km_arena *arena, km_finite_mobility *ou
   return best;
 }
 
+/* The dimension there if all tangents are real, as along most motions; else one motion has led there, and there may be more.
+ */
+static int least_dimension_here(const km_mechanism *m, km_state *s, int index) {
+  km_arena arena = {0};
+  km_tangents f;
+  km_many_tangents many = {0};
+  double length;
+  int dimension = 1;
+  if (km_tangents_make(&f, m, s, index, &arena) && km_many_tangents_make(&many, &f) &&
+      (f.conditions.freedom <= 1 || !f.conditions.redundant || km_many_tangents_all_real(&many, &length)))
+    dimension = f.conditions.freedom;
+  km_many_tangents_free(&many);
+  km_arena_free(&arena);
+  return dimension;
+}
+
+/* The real motions that were found from the starts that are tried, each once; the largest dimension of one. */
+static int find_some_branches(km_many_tangents *many, km_finite_mobility *out) {
+  km_tangents *f = many->f;
+  int best = 0, first = out->motion_count;
+  double length;
+  while (km_many_tangents_next(many, &length)) {
+    int dimension = least_dimension_here(f->m, f->s, f->index);
+    best = dimension > best ? dimension : best;
+    list_new(f, many->x, first, length, out);
+  }
+  return best;
+}
+
+/* Of many freedoms a bounded number of directions is tried. */
+static int find_in_many(km_tangents *f, km_finite_mobility *out) {
+  km_many_tangents many;
+  double length;
+  int k = f->conditions.freedom, mobility = k;
+  bool made = km_many_tangents_make(&many, f);
+  out->truncated = true;
+  if (made && km_many_tangents_all_real(&many, &length)) {
+    list_direction(f, many.x, KM_MOTION_REGULAR, length, out);
+  } else if (made && f->conditions.redundant) {
+    bool refuted = !f->doubtful; /* not all are real: k − 1 is the most that can be */
+    mobility = find_some_branches(&many, out);
+    out->undecided = out->undecided || !(refuted && mobility == k - 1);
+  }
+  km_many_tangents_free(&many);
+  return mobility;
+}
+
+static int find_in_few(km_tangents *f, km_arena *arena, km_finite_mobility *out) {
+  int k = f->conditions.freedom;
+  if (k == 0 || !km_tangents_make_basis(f))
+    return 0;
+  if (!f->conditions.redundant || km_tangents_all_real(f)) {
+    list_basis(f, KM_MOTION_REGULAR, out);
+    return k;
+  }
+  f->doubtful = f->doubtful && k == 1; /* of several directions tried, most need not be real */
+  int mobility = find_branches(f, arena, out);
+  bool undecided = f->doubtful && mobility < k;
+  if (mobility == 0)
+    list_basis(f, undecided ? KM_MOTION_OPEN : KM_MOTION_SHAKY, out);
+  out->undecided = out->undecided || undecided;
+  return mobility;
+}
+
 static int find_in(const km_mechanism *m, km_state *s, int index, km_arena *arena, km_finite_mobility *out) {
   km_tangents f;
   if (!km_tangents_make(&f, m, s, index, arena))
     return 0;
-  int k = f.conditions.freedom, mobility = k;
-  if (k > 0) {
-    if (!f.conditions.redundant || km_tangents_all_real(&f)) {
-      list_basis(&f, KM_MOTION_REGULAR, out);
-    } else {
-      f.doubtful = f.doubtful && k == 1; /* of several directions tried, most need not be real */
-      mobility = find_branches(&f, arena, out);
-      bool undecided = f.doubtful && mobility < k;
-      if (mobility == 0)
-        list_basis(&f, undecided ? KM_MOTION_OPEN : KM_MOTION_SHAKY, out);
-      out->undecided = out->undecided || undecided;
-    }
-  }
+  int mobility = km_tangents_are_many(&f) ? find_in_many(&f, out) : find_in_few(&f, arena, out);
   km_state_restore(s, f.sub, f.pose);
   km_loops_update(m, s, f.sub);
   km_state_forget_pivots(s, index);

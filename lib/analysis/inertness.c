@@ -74,8 +74,8 @@ static bool is_singular(const km_mechanism *m, const motion *motions, int freedo
 
 km_status km_moves_no_mass(const km_mechanism *m, km_state *s, int index, bool *inert, km_error *error) {
   km_arena arena = {0};
-  int freedom = km_partition_freedom(&s->partition[index]), columns = m->substructures[index].columns;
   const double *Z = km_state_basis(s, index);
+  int freedom = km_partition_freedom(&s->partition[index]), columns = m->substructures[index].columns;
   motion *motions = KM_ARENA_NEW(&arena, motion, (size_t)freedom);
   for (int k = 0; k < freedom && motions; ++k)
     make_motion(m, s, index, Z + (size_t)k * (size_t)columns, &arena, &motions[k]);

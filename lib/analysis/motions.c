@@ -55,9 +55,10 @@ km_status km_substructure_null(const km_mechanism *m, const km_state *s, int ind
 
 km_status km_substructure_basis(const km_mechanism *m, const km_state *s, int index, double *Z, km_error *error) {
   km_status status = check(m, s, index, Z, error);
-  size_t count = status ? 0 : (size_t)km_partition_freedom(&s->partition[index]);
+  const double *basis = status ? NULL : km_state_basis(s, index);
+  size_t count = basis ? (size_t)km_partition_freedom(&s->partition[index]) : 0;
   if (count > 0)
-    memcpy(Z, km_state_basis(s, index), count * (size_t)m->substructures[index].columns * sizeof *Z);
+    memcpy(Z, basis, count * (size_t)m->substructures[index].columns * sizeof *Z);
   return status;
 }
 

@@ -10,8 +10,8 @@
 /* All motions at once, each by another amount, so that none hides another. */
 static void choose_move(const km_mechanism *m, const km_state *s, int index, double *move) {
   const km_substructure *sub = &m->substructures[index];
-  int freedom = km_partition_freedom(&s->partition[index]);
   const double *Z = km_state_basis(s, index), *weight = m->column_weight + sub->column_start;
+  int freedom = km_partition_freedom(&s->partition[index]);
   memset(move, 0, (size_t)sub->columns * sizeof *move);
   for (int c = 0; c < sub->columns; ++c)
     for (int i = 0; i < freedom; ++i)

@@ -3,27 +3,53 @@
 
 #include "kinematics/closure.h"
 #include "kinematics/loops.h"
-#include "kinematics/tangents.h"
+#include "kinematics/many_tangents.h"
+
+#include <string.h>
+
+/* Counts the direction behind the `found` ones if it isn't one of them, in one sense or the other. */
+static int count_new(const km_tangents *f, const double *directions, int found) {
+  size_t n = (size_t)f->sub->columns;
+  for (int i = 0; i < found; ++i)
+    if (fabs(km_step_dot(f->m, f->sub, directions + (size_t)found * n, directions + (size_t)i * n)) > 0.999)
+      return found;
+  return found + 1;
+}
+
+static int find_in_few(km_tangents *f, double *directions) {
+  int found = 0;
+  if (!km_tangents_make_basis(f) || km_tangents_all_real(f))
+    return 0;
+  for (int start = 0; start < KM_STARTS_PER_FREEDOM * f->conditions.freedom && found < KM_MOST_BRANCHES; ++start) {
+    if (!km_tangents_random(f))
+      continue;
+    km_tangents_direction(f, f->a, directions + (size_t)found * (size_t)f->sub->columns);
+    found = count_new(f, directions, found);
+  }
+  return found;
+}
+
+static int find_in_many(km_tangents *f, double *directions) {
+  km_many_tangents many;
+  int found = 0;
+  double length;
+  if (km_many_tangents_make(&many, f) && !km_many_tangents_all_real(&many, &length))
+    while (found < KM_MOST_BRANCHES && km_many_tangents_next(&many, &length)) {
+      memcpy(directions + (size_t)found * (size_t)f->sub->columns, many.x, (size_t)f->sub->columns * sizeof *many.x);
+      found = count_new(f, directions, found);
+    }
+  km_many_tangents_free(&many);
+  return found;
+}
 
 int km_branch_directions(const km_mechanism *m, km_state *s, int index, double *directions) {
   km_arena arena = {0};
   km_tangents f;
-  int found = 0, n = m->substructures[index].columns;
+  int found = 0;
   bool made = km_tangents_make(&f, m, s, index, &arena);
   f.enough = KM_UNDECIDED; /* rounded data have branches too */
-  if (made && f.conditions.redundant && !km_tangents_all_real(&f)) {
-    for (int start = 0; start < KM_STARTS_PER_FREEDOM * f.conditions.freedom && found < KM_MOST_BRANCHES; ++start) {
-      if (!km_tangents_random(&f))
-        continue;
-      double *x = directions + (size_t)found * (size_t)n;
-      km_tangents_direction(&f, f.a, x);
-      bool known = false;
-      for (int i = 0; i < found && !known; ++i) {
-        known = fabs(km_step_dot(m, f.sub, x, directions + (size_t)i * (size_t)n)) > 0.999;
-      }
-      found += !known;
-    }
-  }
+  if (made && f.conditions.redundant)
+    found = (km_tangents_are_many(&f) ? find_in_many : find_in_few)(&f, directions);
   if (arena.failed) {
     found = -1;
   } else if (f.conditions.redundant) { /* a regular pose has its pivots already */

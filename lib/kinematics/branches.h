@@ -8,7 +8,7 @@ enum { KM_MOST_BRANCHES = 16 };
 
 /* Where several motions meet at the state's pose: those that differ in more than their sense, as unit directions
  * (scaled steps) into directions[KM_MOST_BRANCHES × columns]. Returns their number, 0 at a regular pose, -1 when out of
- * memory; the state stays, with its pivots searched afresh. */
+ * memory; of many freedoms those that a few starts find; the state stays, with its pivots searched afresh. */
 int km_branch_directions(const km_mechanism *mechanism, km_state *state, int substructure, double *directions);
 
 /* At a branch point no direction is the mechanism's own: a short step leads onto the motion that moves the coordinate

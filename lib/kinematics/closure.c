@@ -54,17 +54,22 @@ static void project(const km_substructure *sub, const double *weight, const doub
   }
 }
 
+/* How many motions leave the driver alone. */
+static int motions_beside(const km_partition *p, int driver) {
+  return km_partition_freedom(p) - (driver >= 0 && !p->forced_dependent);
+}
+
 /* D x loses what it has of the null space Z, or keeps what it has of the row space R: whichever has fewer vectors. */
 void km_least_step(const km_mechanism *m, km_state *s, int index, int driver, double *x) {
   const km_substructure *sub = &m->substructures[index];
   const km_partition *p = &s->partition[index];
   const double *weight = m->column_weight + sub->column_start;
-  int count = km_partition_freedom(p) - (driver >= 0 && !p->forced_dependent);
+  int count = motions_beside(p, driver);
   if (count <= 0)
     return;
   bool by_rows = p->rank < count;
   if (p->sparse && (by_rows ? p->rank : count) > KM_MANY_VECTORS &&
-      km_partition_reject_null(p, weight, count, x, s->part)) {
+      km_partition_reject_null(p, km_state_jacobian(s, sub), weight, count, x, s->part)) {
     s->basis[index].count = 0;
     return;
   }
@@ -96,14 +101,26 @@ static void factor(const km_mechanism *m, km_state *s, int index, int driver, do
     km_state_forget_pivots(s, index);
 }
 
+/* The least x with J x = the loops' errors in the primary rows. */
+static void solve_least(const km_mechanism *m, km_state *s, int index, int driver, double *x) {
+  const km_substructure *sub = &m->substructures[index];
+  const km_partition *p = &s->partition[index];
+  int count = motions_beside(p, driver);
+  if (p->rows_only && km_partition_least(p, km_state_jacobian(s, sub), m->column_weight + sub->column_start, count,
+                                         km_state_error(s, sub), x))
+    return;
+  km_partition_solve(p, km_state_error(s, sub), x);
+  if (!p->rows_only)
+    km_least_step(m, s, index, driver, x);
+}
+
 /* The next step into x; returns its largest entry. */
 static double newton_step(const km_mechanism *m, km_state *s, int index, int driver, double *x) {
   const km_substructure *sub = &m->substructures[index];
   double largest = 0.0;
-  km_partition_solve(&s->partition[index], km_state_error(s, sub), x);
+  solve_least(m, s, index, driver, x);
   for (int k = 0; k < sub->columns; ++k)
     x[k] = -x[k];
-  km_least_step(m, s, index, driver, x);
   if (driver >= 0) /* where it came out dependent, the step wants to move it */
     x[driver] = 0.0;
   for (int k = 0; k < sub->columns; ++k)

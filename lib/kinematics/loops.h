@@ -21,6 +21,12 @@ double km_term_value(const km_mechanism *mechanism, const km_state *state, const
 void km_loops_velocity_products(const km_mechanism *mechanism, km_state *state, const km_substructure *sub,
                                 const double *rate, double *gamma);
 
+/* ∂γ/∂x by the scaled rates x, in the pattern of the Jacobian: slopes[pattern.size], of which entries that no loop or coupling
+ * has are kept. γ is a square of the rates: ∂γ/∂x x = 2 γ, and ∂γ/∂x of the rates a, times b, is γ(a + b) − γ(a) − γ(b). The
+ * same pose, units and cost. */
+void km_loops_velocity_slopes(const km_mechanism *mechanism, km_state *state, const km_substructure *sub,
+                              const double *rate, double *slopes);
+
 /* √(eᵀe/6) of the substructure's worst loop (235), coupling errors alike, and which loop that is (-1: a coupling
  * or none). Scaled. */
 double km_loops_residual(const km_mechanism *mechanism, const km_state *state, const km_substructure *sub, int *worst);

@@ -57,7 +57,7 @@ static void fill_conditions(const km_mechanism *m, km_state *s, const km_substru
     }
 }
 
-bool km_second_order_start(const km_mechanism *m, km_state *s, int index, km_arena *arena, km_second_order *out) {
+bool km_second_order_start(const km_mechanism *m, km_state *s, int index, km_second_order *out) {
   const km_substructure *sub = &m->substructures[index];
   int worst;
   km_loops_update(m, s, sub);
@@ -69,10 +69,15 @@ bool km_second_order_start(const km_mechanism *m, km_state *s, int index, km_are
                            .redundant = p->rank < sub->rows,
                            .tolerance = tolerance,
                            .noise = fmax(1e-7, 100.0 * residual)};
+  return !p->failed;
+}
+
+bool km_second_order_basis(const km_mechanism *m, const km_state *s, int index, km_arena *arena, km_second_order *out) {
+  const km_substructure *sub = &m->substructures[index];
   out->Z = KM_ARENA_NEW(arena, double, (size_t)sub->columns *(size_t)out->freedom);
   if (arena->failed)
     return false;
-  km_partition_null(p, m->column_weight + sub->column_start, out->freedom, out->Z);
+  km_partition_null(&s->partition[index], m->column_weight + sub->column_start, out->freedom, out->Z);
   return true;
 }
 

@@ -11,14 +11,17 @@ typedef struct km_second_order {
   bool redundant; /* some constraint is: then conditions may stand between a tangent and a motion */
   bool built;     /* Q is */
   double tolerance;
-  double *Z;    /* [freedom × columns] D·range(N), orthonormal */
+  double *Z;    /* [freedom × columns] D·range(N), orthonormal; NULL: not asked for */
   double *Q;    /* [conditions × freedom × freedom] symmetric */
   double size;  /* largest entry of Q: what a condition is compared with */
   double noise; /* what the pose's misfit may have made of 0: Q below it says nothing */
 } km_second_order;
 
-/* The tangents of the state's (closed) pose, which stays; no conditions yet. False when out of memory. */
-bool km_second_order_start(const km_mechanism *mechanism, km_state *state, int substructure, km_arena *arena,
+/* How many tangents the state's (closed) pose has, which stays; no basis of them and no conditions yet. False when out of
+ * memory. */
+bool km_second_order_start(const km_mechanism *mechanism, km_state *state, int substructure, km_second_order *out);
+/* The basis, right after that. False when out of memory. */
+bool km_second_order_basis(const km_mechanism *mechanism, const km_state *state, int substructure, km_arena *arena,
                            km_second_order *out);
 /* The conditions at the same pose. Dense: O(rows² · columns), so only where first order leaves a choice. */
 bool km_second_order_build(const km_mechanism *mechanism, km_state *state, int substructure, km_arena *arena,

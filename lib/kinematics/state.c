@@ -45,8 +45,10 @@ static bool allocate(const km_mechanism *m, km_state *s) {
     if (!m->substructures[i].pattern.start)
       km_arena_grow(arena, (void **)&s->basis[i].Z, &s->basis[i].capacity,
                     (size_t)m->substructures[i].columns * (size_t)m->substructures[i].columns, sizeof(double));
-  for (int i = 0; i < t->substructure_count && !arena->failed; ++i)
+  for (int i = 0; i < t->substructure_count && !arena->failed; ++i) {
+    s->basis[i].arena = arena;
     km_state_forget_pivots(s, i);
+  }
   return !arena->failed;
 }
 
@@ -81,7 +83,7 @@ bool km_state_knows_motion(const km_mechanism *m, const km_state *s) {
   if (!km_state_fits(m, s))
     return false;
   for (int i = 0; i < m->topology.substructure_count; ++i)
-    if (!s->basis[i].known || s->basis[i].count < km_partition_freedom(&s->partition[i]))
+    if (!s->basis[i].known || (!s->basis[i].waits && s->basis[i].count < km_partition_freedom(&s->partition[i])))
       return false;
   return true;
 }
@@ -135,32 +137,38 @@ void km_state_jacobian_dense(const km_state *s, const km_substructure *sub, doub
       J[(size_t)c * (size_t)sub->rows + (size_t)pattern->row[i]] = values[i];
 }
 
-static double *basis_room(km_state *s, const km_substructure *sub, int index, int count) {
-  km_basis *basis = &s->basis[index];
-  return km_arena_grow(&s->arena, (void **)&basis->Z, &basis->capacity, (size_t)count * (size_t)sub->columns,
+static double *basis_room(km_basis *basis, const km_substructure *sub, int count) {
+  return km_arena_grow(basis->arena, (void **)&basis->Z, &basis->capacity, (size_t)count * (size_t)sub->columns,
                        sizeof *basis->Z)
              ? basis->Z
              : NULL;
 }
 
-double *km_state_null(const km_mechanism *m, km_state *s, int index, int count) {
+double *km_state_null(const km_mechanism *m, const km_state *s, int index, int count) {
   const km_substructure *sub = &m->substructures[index];
-  const km_partition *p = &s->partition[index];
+  km_partition *p = &s->partition[index];
   km_basis *basis = &s->basis[index];
-  double *Z = basis_room(s, sub, index, count);
+  double *Z = basis_room(basis, sub, count);
   int there = Z && basis->edition == p->edition ? basis->count : 0;
   if (Z && there < count)
     km_partition_null_more(p, m->column_weight + sub->column_start, there, count, Z);
   basis->known = Z != NULL;
+  basis->waits = false;
   basis->count = !Z ? 0 : there < count ? count : there;
   basis->edition = p->edition;
+  p->failed = p->failed || !Z;
   return Z;
+}
+
+const double *km_state_basis(const km_state *s, int index) {
+  return km_state_null(s->mechanism, s, index, km_partition_freedom(&s->partition[index]));
 }
 
 double *km_state_rows(const km_mechanism *m, km_state *s, int index, int count) {
   const km_substructure *sub = &m->substructures[index];
-  double *R = basis_room(s, sub, index, s->partition[index].rank);
+  double *R = basis_room(&s->basis[index], sub, s->partition[index].rank);
   s->basis[index].count = 0;
+  s->basis[index].waits = false;
   if (R)
     km_partition_rows(&s->partition[index], m->column_weight + sub->column_start, count, R);
   return R;

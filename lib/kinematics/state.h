@@ -17,9 +17,11 @@ typedef struct km_slot_motion {
 
 /* A null space basis that grows with the freedom. */
 typedef struct km_basis {
+  km_arena *arena; /* the state's, in which it grows */
   double *Z;
   size_t capacity;
-  bool known;       /* a null space was made at this pose or one before it */
+  bool known;       /* what moves was found at this pose or one before it */
+  bool waits;       /* the mobility numbers needed no basis: it is made when it is first asked for */
   int count;        /* vectors of it: 0 while it holds rows */
   unsigned edition; /* of the partition that they were made from */
 } km_basis;
@@ -65,10 +67,9 @@ static inline double *km_state_jacobian(km_state *s, const km_substructure *sub)
 static inline double *km_state_error(km_state *s, const km_substructure *sub) {
   return s->error + sub->error_start;
 }
-/* The basis that km_state_null made last. */
-static inline const double *km_state_basis(const km_state *s, int substructure) {
-  return s->basis[substructure].Z;
-}
+/* The basis of all motions by the partition at hand, made where it isn't there yet. NULL when out of memory (then
+ * km_partition_freedom is 0 too). */
+const double *km_state_basis(const km_state *state, int substructure);
 
 /* For public functions: is this a state of the mechanism? KM_USAGE where it isn't. */
 bool km_state_fits(const km_mechanism *mechanism, const km_state *state);
@@ -80,7 +81,7 @@ bool km_state_knows_motion(const km_mechanism *mechanism, const km_state *state)
 void km_state_jacobian_dense(const km_state *state, const km_substructure *sub, double *J);
 /* km_partition_null of a substructure's partition with the weights D, into the state: Z[count × columns], those that are
  * there already not again. NULL when out of memory (then km_partition_freedom is 0 too). */
-double *km_state_null(const km_mechanism *mechanism, km_state *state, int substructure, int count);
+double *km_state_null(const km_mechanism *mechanism, const km_state *state, int substructure, int count);
 /* km_partition_rows in the same place: R[rank × columns]. NULL when out of memory. */
 double *km_state_rows(const km_mechanism *mechanism, km_state *state, int substructure, int count);
 

@@ -8,24 +8,31 @@ bool km_tangents_make(km_tangents *f, const km_mechanism *m, km_state *s, int in
   const km_substructure *sub = &m->substructures[index];
   size_t n = (size_t)sub->columns;
   *f = (km_tangents){.m = m, .s = s, .index = index, .sub = sub, .enough = KM_REAL, .random = 1, .arena = arena};
-  if (!km_second_order_start(m, s, index, arena, &f->conditions))
+  if (!km_second_order_start(m, s, index, &f->conditions))
     return false;
-  size_t k = (size_t)f->conditions.freedom;
   f->pose = KM_ARENA_NEW(arena, double, KM_SAVED_PER_COLUMN *n);
   f->last = KM_ARENA_NEW(arena, double, KM_SAVED_PER_COLUMN *n);
   f->x = KM_ARENA_NEW(arena, double, n);
   f->move = KM_ARENA_NEW(arena, double, n);
-  f->a = KM_ARENA_NEW(arena, double, k);
-  f->length = KM_ARENA_NEW(arena, double, k);
-  f->work = KM_ARENA_NEW(arena, double, 4 * k * k + 8 * k);
+  f->direction = KM_ARENA_NEW(arena, double, n);
   if (arena->failed)
     return false;
   int worst;
-  for (size_t i = 0; i < k; ++i)
-    f->length[i] = -1.0;
   f->residual = km_loops_residual(m, s, sub, &worst);
   km_state_save(s, sub, f->pose);
   return true;
+}
+
+bool km_tangents_make_basis(km_tangents *f) {
+  size_t k = (size_t)f->conditions.freedom;
+  f->a = KM_ARENA_NEW(f->arena, double, k);
+  f->length = KM_ARENA_NEW(f->arena, double, k);
+  f->work = KM_ARENA_NEW(f->arena, double, 4 * k * k + 8 * k);
+  if (f->arena->failed)
+    return false;
+  for (size_t i = 0; i < k; ++i)
+    f->length[i] = -1.0;
+  return km_second_order_basis(f->m, f->s, f->index, f->arena, &f->conditions);
 }
 
 void km_tangents_direction(const km_tangents *f, const double *a, double *x) {
@@ -39,10 +46,10 @@ void km_tangents_direction(const km_tangents *f, const double *a, double *x) {
   }
 }
 
-km_followed km_tangents_try(km_tangents *f, const double *a) {
+km_followed km_tangents_try(km_tangents *f, const double *direction) {
   km_followed both = {HUGE_VAL, KM_REAL};
   for (int sign = 1; sign >= -1; sign -= 2) {
-    km_followed one = km_tangents_follow(f, a, sign);
+    km_followed one = km_tangents_follow(f, direction, sign);
     f->doubtful = f->doubtful || one.reality == KM_LOST || one.reality == KM_UNDECIDED;
     if (one.reality < f->enough)
       return (km_followed){0.0, one.reality};
@@ -52,7 +59,8 @@ km_followed km_tangents_try(km_tangents *f, const double *a) {
 }
 
 bool km_tangents_is_real(km_tangents *f, const double *a) {
-  return km_tangents_try(f, a).reality >= f->enough;
+  km_tangents_direction(f, a, f->direction);
+  return km_tangents_try(f, f->direction).reality >= f->enough;
 }
 
 void km_tangents_normalise(double *a, int k) {
@@ -69,7 +77,8 @@ bool km_tangents_all_real(km_tangents *f) {
     for (int i = 0; i < k; ++i)
       f->a[i] = trial < k ? trial == i : km_uniform(&f->random);
     km_tangents_normalise(f->a, k);
-    km_followed found = km_tangents_try(f, f->a);
+    km_tangents_direction(f, f->a, f->direction);
+    km_followed found = km_tangents_try(f, f->direction);
     if (found.reality < f->enough)
       return false;
     if (trial < k)

@@ -29,14 +29,17 @@ typedef struct km_tangents {
   bool doubtful;              /* some tangent was neither confirmed nor refuted */
   km_reality enough;          /* to count as real; KM_REAL */
   double *x, *move, *work;
-  double *a;      /* [freedom] a tangent by its share of each column of Z */
-  double *length; /* [freedom] how far each column of Z was followed, ahead and back; -1: not yet */
+  double *direction; /* of the tangent that is tried */
+  double *a;         /* [freedom] a tangent by its share of each column of Z */
+  double *length;    /* [freedom] how far each column of Z was followed, ahead and back; -1: not yet */
   uint64_t random;
 } km_tangents;
 
-/* At the state's pose, which `pose` keeps. False when out of memory. */
+/* At the state's pose, which `pose` keeps. Directions can be followed and tried. False when out of memory. */
 bool km_tangents_make(km_tangents *tangents, const km_mechanism *mechanism, km_state *state, int substructure,
                       km_arena *arena);
+/* A basis of the null space, right after that, for all that is said by shares of it. False when out of memory. */
+bool km_tangents_make_basis(km_tangents *tangents);
 void km_tangents_normalise(double *a, int freedom);
 /* Scaled unit direction D⁻¹Z a. */
 void km_tangents_direction(const km_tangents *tangents, const double *a, double *x);
@@ -46,13 +49,13 @@ typedef struct km_followed {
   km_reality reality;
 } km_followed;
 
-/* Follows a tangent from the pose, `sign` ahead or back, with the fastest
+/* Follows a direction (scaled) from the pose, `sign` ahead or back, with the fastest
  * coordinate as the driver: what is left of the loops' errors is then theirs, and not moved away. The state is left at
  * the end. See trial.c. */
-km_followed km_tangents_follow(km_tangents *tangents, const double *a, double sign);
-/* The shorter of the ways ahead and back; 0 where the first of the two shows that the tangent isn't real. `doubtful`
+km_followed km_tangents_follow(km_tangents *tangents, const double *direction, double sign);
+/* The shorter of the ways ahead and back; 0 where the first of the two shows that the direction isn't real. `doubtful`
  * remembers answers that are undecided. */
-km_followed km_tangents_try(km_tangents *tangents, const double *a);
+km_followed km_tangents_try(km_tangents *tangents, const double *direction);
 /* Can it be followed ahead and back? */
 bool km_tangents_is_real(km_tangents *tangents, const double *a);
 /* Are the basis vectors and as many random combinations of them all real? */

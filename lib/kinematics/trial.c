@@ -80,13 +80,15 @@ static bool go(km_tangents *f, int driver, double way, double *misfit) {
   int column;
   double moved = fastest(f->move, f->sub->columns, &column);
   double most = way > 0.0 ? 3.0 * fmax(*misfit, noise) * pow(1.0 + moved / way, highest_power) : HUGE_VAL;
+  km_partition *p = &f->s->partition[f->index];
+  p->rows_only = p->sparse && km_partition_freedom(p) > KM_MANY_VECTORS;
   km_state_save(f->s, f->sub, f->last);
   km_state_move(f->m, f->s, f->sub, f->move);
   double length = km_step_length(f->m, f->sub, f->move);
   bool closed = km_close_held(f->m, f->s, f->index, driver, &evidence) != KM_OPEN;
   if (closed && evidence.residual <= most && evidence.correction <= (way > 0.0 ? 0.3 : 0.05) * length + slack(f)) {
     *misfit = evidence.residual;
-    if (km_partition_freedom(&f->s->partition[f->index]) > 1)
+    if (km_partition_freedom(p) > 1 || p->rows_only)
       km_state_forget_pivots(f->s, f->index); /* further on there may be more */
     return true;
   }
@@ -105,7 +107,7 @@ static void look_ahead(km_tangents *f, int driver, double h) {
   const km_partition *p = &f->s->partition[f->index];
   int column, n = f->sub->columns;
   double *t = f->x;
-  if (km_partition_freedom(p) == 1 && p->column[p->rank] == driver) {
+  if (km_partition_freedom(p) == 1 && p->column[p->rank] == driver && !p->rows_only) {
     km_partition_direction(p, driver, t);
     double sign = copysign(1.0, km_step_dot(f->m, f->sub, t, f->move)), size = fastest(t, n, &column);
     for (int c = 0; c < n && isfinite(size); ++c)
@@ -125,17 +127,16 @@ static km_reality judge(const km_tangents *f, const record *r, double tolerance,
   return whole && misfit <= tolerance ? KM_REAL : KM_UNDECIDED;
 }
 
-km_followed km_tangents_follow(km_tangents *f, const double *a, double sign) {
+km_followed km_tangents_follow(km_tangents *f, const double *direction, double sign) {
   record r = {0};
   int column, columns = f->sub->columns, driver = -1;
   double start = f->residual, tolerance = fmax(f->m->closure_tolerance, 3.0 * start);
   double first = fmin(fmax(first_step, grain * start), longest_step), h = first;
   double misfit = 0.0, way = 0.0, opened = HUGE_VAL; /* where the loops open */
   km_followed result = {0};
-  km_tangents_direction(f, a, f->x);
-  double size = fastest(f->x, columns, &column);
+  double size = fastest(direction, columns, &column);
   for (int c = 0; c < columns; ++c)
-    f->move[c] = sign * h * f->x[c] / size;
+    f->move[c] = sign * h * direction[c] / size;
   km_state_restore(f->s, f->sub, f->pose);
   km_state_forget_pivots(f->s, f->index);
   /* Past that place it goes on, to see how they open. */
@@ -158,6 +159,7 @@ km_followed km_tangents_follow(km_tangents *f, const double *a, double sign) {
     h = fmin(1.5 * h, longest_step);
     look_ahead(f, driver, h);
   }
+  f->s->partition[f->index].rows_only = false;
   km_state_forget_pivots(f->s, f->index);
   result.reality = judge(f, &r, tolerance, way >= whole_way);
   return result;

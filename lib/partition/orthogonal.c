@@ -11,7 +11,11 @@
 #define SPQR_FUNCTIONS(X)                                                                                              \
   X(cholmod_l_start)                                                                                                   \
   X(cholmod_l_finish)                                                                                                  \
+  X(cholmod_l_free)                                                                                                    \
   X(cholmod_l_free_dense)                                                                                              \
+  X(cholmod_l_free_sparse)                                                                                             \
+  X(cholmod_l_transpose)                                                                                               \
+  X(SuiteSparseQR_C)                                                                                                   \
   X(SuiteSparseQR_C_factorize)                                                                                         \
   X(SuiteSparseQR_C_solve)                                                                                             \
   X(SuiteSparseQR_C_qmult)                                                                                             \
@@ -86,18 +90,22 @@ km_columns km_orthogonal_columns(km_orthogonal *q) {
   return (km_columns){q->start, q->row, q->value};
 }
 
+static cholmod_sparse matrix_of(const km_orthogonal *q) {
+  return (cholmod_sparse){.nrow = (size_t)q->rows,
+                          .ncol = (size_t)q->columns,
+                          .nzmax = (size_t)q->start[q->columns],
+                          .p = q->start,
+                          .i = q->row,
+                          .x = q->value,
+                          .itype = CHOLMOD_LONG,
+                          .xtype = CHOLMOD_REAL,
+                          .dtype = CHOLMOD_DOUBLE,
+                          .sorted = 1,
+                          .packed = 1};
+}
+
 bool km_orthogonal_factor(km_orthogonal *q, double tolerance) {
-  cholmod_sparse A = {.nrow = (size_t)q->rows,
-                      .ncol = (size_t)q->columns,
-                      .nzmax = (size_t)q->start[q->columns],
-                      .p = q->start,
-                      .i = q->row,
-                      .x = q->value,
-                      .itype = CHOLMOD_LONG,
-                      .xtype = CHOLMOD_REAL,
-                      .dtype = CHOLMOD_DOUBLE,
-                      .sorted = 1,
-                      .packed = 1};
+  cholmod_sparse A = matrix_of(q);
   q->spqr.SuiteSparseQR_C_free(&q->QR, &q->common);
   q->QR = q->spqr.SuiteSparseQR_C_factorize(SPQR_ORDERING_COLAMD, tolerance, &A, &q->common);
   q->rank = (int)q->common.SPQR_istat[4];
@@ -144,6 +152,57 @@ bool km_orthogonal_squares(km_orthogonal *q, double *v, int count, double *squar
       squares[k] += y[i] * y[i];
   }
   q->spqr.cholmod_l_free_dense(&Y, &q->common);
+  return done;
+}
+
+/* Adds |R⁻ᵀ b|² of every row b of the matrix to its share: y by rows of R, that is by columns of Rᵀ, from the first entry of
+ * b on. `place` says which column of R a column of the matrix is. */
+static void add_shares(const km_orthogonal *q, const cholmod_sparse *rows_of_r, const cholmod_sparse *by_row,
+                       const long *place, double *y, double *share) {
+  const long *start = rows_of_r->p, *column = rows_of_r->i, *row_start = by_row->p, *entry = by_row->i;
+  const double *value = rows_of_r->x, *b = by_row->x;
+  for (long r = 0; r < q->rows; ++r) {
+    long first = q->columns;
+    for (long i = row_start[r]; i < row_start[r + 1]; ++i) {
+      long k = place[entry[i]];
+      y[k] = b[i];
+      first = k < first ? k : first;
+    }
+    double sum = 0.0;
+    for (long k = first; k < q->columns; ++k) {
+      if (y[k] == 0.0)
+        continue;
+      double own = y[k] / value[start[k]]; /* the diagonal is a row's first entry */
+      for (long i = start[k] + 1; i < start[k + 1]; ++i)
+        y[column[i]] -= value[i] * own;
+      sum += own * own;
+      y[k] = 0.0;
+    }
+    share[r] = sum;
+  }
+}
+
+bool km_orthogonal_shares(km_orthogonal *q, double tolerance, double *share) {
+  const library *f = &q->spqr;
+  cholmod_sparse A = matrix_of(q), *R = NULL;
+  SuiteSparse_long *order = NULL;
+  long rank = f->SuiteSparseQR_C(SPQR_ORDERING_COLAMD, tolerance, q->columns, 0, &A, NULL, NULL, NULL, NULL, &R, &order,
+                                 NULL, NULL, NULL, &q->common);
+  cholmod_sparse *rows_of_r = rank == q->columns ? f->cholmod_l_transpose(R, 1, &q->common) : NULL;
+  cholmod_sparse *by_row = rows_of_r ? f->cholmod_l_transpose(&A, 1, &q->common) : NULL;
+  long *place = KM_NEW(long, (size_t)q->columns + 1);
+  double *y = KM_NEW(double, (size_t)q->columns + 1);
+  bool done = by_row && place && y;
+  for (long k = 0; k < q->columns && done; ++k)
+    place[order ? order[k] : k] = k;
+  if (done)
+    add_shares(q, rows_of_r, by_row, place, y, share);
+  km_free(y);
+  km_free(place);
+  f->cholmod_l_free_sparse(&by_row, &q->common);
+  f->cholmod_l_free_sparse(&rows_of_r, &q->common);
+  f->cholmod_l_free_sparse(&R, &q->common);
+  f->cholmod_l_free((size_t)q->columns, sizeof *order, order, &q->common);
   return done;
 }
 

@@ -30,6 +30,9 @@ int km_orthogonal_rank(const km_orthogonal *q);
 bool km_orthogonal_reject(km_orthogonal *q, double *v);
 /* |v|² of what the columns span of each of `count` vectors v[rows · count]. False when out of memory. */
 bool km_orthogonal_squares(km_orthogonal *q, double *v, int count, double *squares);
+/* The same of every unit vector: share[row], by R alone. False when out of memory, or where the columns depend on each
+ * other to the tolerance. Factors by itself. O(entries of R that the rows of the matrix reach). */
+bool km_orthogonal_shares(km_orthogonal *q, double tolerance, double *share);
 /* The x[rows] of least |x| with Aᵀx = b[columns], which must have one. False when out of memory. */
 bool km_orthogonal_least(km_orthogonal *q, const double *b, double *x);
 

@@ -42,7 +42,9 @@ typedef struct km_partition {
   bool failed;           /* out of memory while the sparse engine grew: the rank means nothing, no freedom is given */
   bool held;             /* set by the caller: forced columns are no pivots, whatever rank that leaves */
   bool any_independent; /* set by the caller: any null vectors will do, and km_partition_null_entries alone is asked for
-                          * them; the sparse engine doesn't keep |B| small then, and makes no B */
+                         * them; the sparse engine doesn't keep |B| small then, and makes no B */
+  bool rows_only;     /* set by the caller: the rank and which rows are primary are enough, for km_partition_least; the
+                       * sparse engine makes no null vectors then */
   const bool *locked; /* [columns] set by the caller, borrowed; NULL: none. Columns of what doesn't move: their entries
                        * are 0, they come last and count as no freedom */
   int locked_count;   /* at the last search */
@@ -120,10 +122,16 @@ void km_partition_rows(const km_partition *partition, const double *weight, int 
 /* More vectors than that are many: then sums run in lanes, and sparse Q R is worth its start. */
 enum { KM_MANY_VECTORS = 48 };
 
-/* Takes out of x what it has of the null space of the first `count` independent columns, in the norm |diag(weight) x|.
- * work[columns]. False, and x kept, where SuiteSparse's SPQR isn't installed or memory is out. For many sparse null vectors:
- * O(entries of their Q R), where km_partition_null takes O(columns·count²). */
-bool km_partition_reject_null(const km_partition *partition, const double *weight, int count, double *x, double *work);
+/* Takes out of x what it has of the null space of the first `count` independent columns, in the norm |diag(weight) x|, by the
+ * matrix that the sparse engine factored last. work[columns]. False, and x kept, where SuiteSparse's SPQR isn't installed or
+ * memory is out. O(entries of the Q R of the primary rows), where km_partition_null takes O(columns·count²). */
+bool km_partition_reject_null(const km_partition *partition, const double *matrix, const double *weight, int count,
+                              double *x, double *work);
+
+/* The x of least |diag(weight) x| with the primary rows of J x = rhs[rows], in the same columns and on the same terms: 0 in the
+ * others. No block of pivots is inverted, which may be a bad one where many columns are independent. */
+bool km_partition_least(const km_partition *partition, const double *matrix, const double *weight, int count,
+                        const double *rhs, double *x);
 
 /* The null vector that moves independent column `column` by 1 and the other independent ones not at all. */
 void km_partition_direction(const km_partition *partition, int column, double *direction);
@@ -135,5 +143,10 @@ int km_partition_null_entries(const km_partition *partition, int k, int *column,
 
 /* Mobility numbers m_j = Σ_k Z_jk², (278). */
 void km_mobility_numbers(const double *Z, int columns, int freedom, double *numbers);
+
+/* The same without null vectors, by what the rows of the matrix that was factored last leave of every unit vector: good to
+ * 1e-13. O(columns·rank²), of the sparse engine O(entries of R that the columns reach). False where SuiteSparse's SPQR isn't
+ * installed or memory is out. */
+bool km_partition_numbers(const km_partition *partition, const double *matrix, const double *weight, double *numbers);
 
 #endif

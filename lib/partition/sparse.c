@@ -29,37 +29,85 @@ static int list_null(km_partition *p, const bool *forced) {
   return count;
 }
 
+/* The largest entry of null vector k, of those in columns that may still become independent ones. */
+static void find_largest(const km_partition *p, const bool *forced, int k) {
+  const km_sparse *s = p->sparse;
+  const double *v = s->null + (size_t)k * (size_t)p->columns;
+  int best = -1;
+  for (int c = 0; c < p->columns; ++c)
+    if ((best < 0 || fabs(v[c]) > fabs(v[best])) && !s->late[c] && !km_sparse_is_given(p, forced, c))
+      best = c;
+  s->largest[k] = best;
+}
+
+/* Of the null vectors from `first` on, that with the largest entry. */
+static int vector_of_largest(const km_partition *p, int first, int count) {
+  const km_sparse *s = p->sparse;
+  size_t n = (size_t)p->columns;
+  int best = first;
+  for (int k = first + 1; k < count; ++k)
+    if (fabs(s->null[(size_t)k * n + (size_t)s->largest[k]]) >
+        fabs(s->null[(size_t)best * n + (size_t)s->largest[best]]))
+      best = k;
+  return best;
+}
+
+static void swap_vectors(const km_partition *p, int a, int b) {
+  const km_sparse *s = p->sparse;
+  double *x = s->null + (size_t)a * (size_t)p->columns, *y = s->null + (size_t)b * (size_t)p->columns;
+  int column = s->largest[a];
+  s->largest[a] = s->largest[b];
+  s->largest[b] = column;
+  for (int c = 0; c < p->columns; ++c) {
+    double swap = x[c];
+    x[c] = y[c];
+    y[c] = swap;
+  }
+}
+
+/* Takes what the later null vectors have in the pivot's column out of them by null vector `step`. Few have any where the
+ * null vectors are local. */
+static void subtract_from_later(const km_partition *p, const bool *forced, int step, int count) {
+  const km_sparse *s = p->sparse;
+  const double *own = s->null + (size_t)step * (size_t)p->columns;
+  int pivot = s->largest[step];
+  for (int k = step + 1; k < count; ++k) {
+    double *v = s->null + (size_t)k * (size_t)p->columns, share = own[pivot] != 0.0 ? v[pivot] / own[pivot] : 0.0;
+    for (int c = 0; c < p->columns && share != 0.0; ++c)
+      v[c] -= share * own[c];
+    if (share != 0.0 || s->largest[k] == pivot)
+      find_largest(p, forced, k);
+  }
+}
+
 /* Complete pivoting on N: the columns of the matrix that serve best as independent ones become late. Returns whether
  * they aren't those that are independent now. */
 static bool choose_late(km_partition *p, const bool *forced) {
   km_sparse *s = p->sparse;
-  int count = list_null(p, forced), n = p->columns;
+  int count = list_null(p, forced);
   bool changed = false;
-  memset(s->late, 0, (size_t)n * sizeof *s->late);
+  memset(s->late, 0, (size_t)p->columns * sizeof *s->late);
+  for (int k = 0; k < count; ++k)
+    find_largest(p, forced, k);
   for (int step = 0; step < count; ++step) {
-    int best = -1, vector = step;
-    for (int k = step; k < count; ++k)
-      for (int c = 0; c < n; ++c) {
-        double size = fabs(s->null[(size_t)k * (size_t)n + (size_t)c]);
-        if (!s->late[c] && !km_sparse_is_given(p, forced, c) &&
-            (best < 0 || size > fabs(s->null[(size_t)vector * (size_t)n + (size_t)best]))) {
-          best = c;
-          vector = k;
-        }
-      }
-    double *own = s->null + (size_t)step * (size_t)n, *other = s->null + (size_t)vector * (size_t)n;
-    s->late[best] = true;
-    for (int c = 0; c < n && vector != step; ++c) {
-      double swap = own[c];
-      own[c] = other[c];
-      other[c] = swap;
-    }
-    for (int k = step + 1; k < count && own[best] != 0.0; ++k) {
-      double *v = s->null + (size_t)k * (size_t)n, share = v[best] / own[best];
-      for (int c = 0; c < n; ++c)
-        v[c] -= share * own[c];
-    }
+    int vector = vector_of_largest(p, step, count);
+    s->late[s->largest[vector]] = true;
+    if (vector != step)
+      swap_vectors(p, step, vector);
+    subtract_from_later(p, forced, step, count);
   }
+  for (int k = 0; k < p->rank; ++k)
+    changed = changed || s->late[p->column[k]];
+  return changed;
+}
+
+/* Columns with more entries than others are shared by several loops: with those independent, null vectors reach no further
+ * than a loop and its neighbours. Returns whether they aren't those that are independent now. */
+static bool leave_shared(km_partition *p) {
+  km_sparse *s = p->sparse;
+  bool changed = false;
+  for (int c = 0; c < p->columns; ++c)
+    s->late[c] = (s->start[c + 1] - s->start[c]) * p->columns > s->start[p->columns];
   for (int k = 0; k < p->rank; ++k)
     changed = changed || s->late[p->column[k]];
   return changed;
@@ -97,7 +145,12 @@ void km_sparse_factor(km_partition *p, const double *matrix, const bool *forced,
   memset(s->late, 0, (size_t)p->columns * sizeof *s->late);
   for (int pass = 0; pass < MOST_PASSES; ++pass) {
     eliminate_all(p, matrix, forced, tolerance * p->scale);
-    if (p->any_independent || !km_sparse_find_b(p) || largest_free_b(p, forced) <= good_b || !choose_late(p, forced))
+    if (p->any_independent || p->rows_only)
+      break;
+    bool finite = km_sparse_find_b(p), first_of_many = pass == 0 && km_partition_freedom(p) > KM_MANY_VECTORS;
+    if (finite && largest_free_b(p, forced) <= good_b)
+      break;
+    if (!(first_of_many && leave_shared(p)) && !(finite && choose_late(p, forced)))
       break;
   }
 }

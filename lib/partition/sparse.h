@@ -45,6 +45,7 @@ struct km_sparse {
   int *list, *stack, *next;          /* [rows] rows that a column reaches; walking them */
   bool *seen;                        /* [rows] */
   double *null;                      /* [columns × freedom] to choose independent columns by */
+  int *largest;                      /* [columns] of each of these vectors, the column with its largest entry */
   size_t null_capacity, b_capacity;
 };
 

@@ -167,6 +167,13 @@ static void keep_primary(km_partition *p) {
   }
 }
 
+/* The independent columns, before they are reduced: nothing above them yet. */
+static void clear_dropped(const km_partition *p, int count) {
+  const km_sparse *s = p->sparse;
+  for (int i = 0; i < count; ++i)
+    s->upper[s->dropped[i]] = s->lower[s->dropped[i]] = (km_run){0, 0};
+}
+
 /* The independent columns once more, now by all steps: those that came later have next to nothing of them at these values,
  * but may have at the next ones by the same pivots. */
 static void reduce_dropped(km_partition *p, const double *matrix, int count, int upper_end, int lower_end) {
@@ -188,7 +195,12 @@ void km_sparse_eliminate(km_partition *p, const double *matrix, const bool *forc
   int upper_end = km_sparse_take_singles(p, matrix, forced, fmax(threshold, single_share * p->scale));
   arrange(p, forced);
   for (int i = s->singles; i < p->columns; ++i) {
-    int c = s->lead[i], row = reduce(p, matrix, c, &upper_end, &lower_end);
+    int c = s->lead[i];
+    if (p->rank == p->rows) { /* nothing can be left of it */
+      s->dropped[dropped++] = c;
+      continue;
+    }
+    int row = reduce(p, matrix, c, &upper_end, &lower_end);
     double size = row < 0 ? 0.0 : fabs(s->x[row]);
     if (size > threshold && !(p->held && forced && forced[c])) {
       use(p, c, row);
@@ -203,7 +215,9 @@ void km_sparse_eliminate(km_partition *p, const double *matrix, const bool *forc
       p->first_dropped = size > p->first_dropped ? size : p->first_dropped;
     }
   }
-  reduce_dropped(p, matrix, dropped, upper_end, lower_end);
+  clear_dropped(p, dropped);
+  if (!p->rows_only)
+    reduce_dropped(p, matrix, dropped, upper_end, lower_end);
   memcpy(p->column + p->rank, s->dropped, (size_t)dropped * sizeof *p->column);
   p->last_pivot = p->rank ? p->smallest_pivot : 0.0;
   keep_primary(p);

@@ -83,7 +83,7 @@ bool km_sparse_refactor(km_partition *p, const double *matrix) {
       s->x[s->lower_store.index[i]] = 0.0;
     }
   }
-  return km_sparse_find_b(p);
+  return p->any_independent || p->rows_only || km_sparse_find_b(p);
 }
 
 void km_sparse_solve(const km_partition *p, const double *rhs, double *x) {

@@ -47,6 +47,7 @@ static bool reserve(km_sparse *s, int rows, int columns, km_arena *arena) {
                    .zero = KM_ARENA_NEW(arena, int, (size_t)s->start[columns]),
                    .open = KM_ARENA_NEW(arena, int, c),
                    .dropped = KM_ARENA_NEW(arena, int, c),
+                   .largest = KM_ARENA_NEW(arena, int, c),
                    .late = KM_ARENA_NEW(arena, bool, c),
                    .upper = KM_ARENA_NEW(arena, km_run, c),
                    .lower = KM_ARENA_NEW(arena, km_run, c),

@@ -15,7 +15,7 @@ static fixture chain_of(int n) {
 
 static void laws_hold(void **state) {
   (void)state;
-  static const law laws[] = {law_jacobian, law_null_space, law_numbers, law_forced, law_twists};
+  static const law laws[] = {law_jacobian, law_slopes, law_null_space, law_numbers, law_forced, law_twists};
   for (int n = 8; n <= 40; n *= 2) {
     randomness r = {(uint64_t)n};
     fixture f = chain_of(n);

@@ -95,7 +95,7 @@ static void miuras(void **state) {
 /* Loops of large substructures share joints that no tree's loops share. */
 static void laws_of_large_lattices(void **state) {
   (void)state;
-  static const law laws[] = {law_jacobian, law_null_space, law_numbers, law_forced, law_twists};
+  static const law laws[] = {law_jacobian, law_slopes, law_null_space, law_numbers, law_forced, law_twists};
   static const writer writers[] = {chain, write_trellis, write_miura};
   for (size_t i = 0; i < sizeof writers / sizeof *writers; ++i) {
     km_text text = {0};

@@ -23,6 +23,10 @@ static void jacobian(void **state) {
   (void)state;
   on_random_mechanisms(law_jacobian, false);
 }
+static void slopes(void **state) {
+  (void)state;
+  on_random_mechanisms(law_slopes, true);
+}
 static void null_space(void **state) {
   (void)state;
   on_random_mechanisms(law_null_space, false);
@@ -71,6 +75,7 @@ int main(void) {
   const struct CMUnitTest tests[] = {
       claim_test(jacobian, "The loops' Jacobian is the derivative of their error, on 150 random mechanisms",
                  "central differences over 1e-5 err by 1e-10 times third derivatives, and by 1e-16/1e-5"),
+      cmocka_unit_test(slopes),
       claim_test(null_space, "J N = 0 for all six rows of every loop, on 150 random mechanisms",
                  "rounding of sums of products, 1e-12 of the largest column"),
       claim_test(

@@ -87,6 +87,41 @@ void write_drawn_chain(km_text *text, int n, double away) {
   finish(&d);
 }
 
+void write_five_bars(km_text *text, int n, double away) {
+  drawing d;
+  begin(&d, text, away);
+  begin_body(&d, "base", 0, 0);
+  for (int i = 0; i <= n; ++i)
+    add_frame(&d, i == 0, "P", i, 0, (km_vec3){2.0 * i, 0, 0}, up);
+  end_body(&d);
+  add_ground(&d, "base", 0, 0);
+  for (int i = 0; i <= n; ++i) {
+    km_vec3 left = {2.0 * i + 0.3, 1.0, 0}, top = {2.0 * i + 1.1, 1.7, 0}, right = {2.0 * i + 2.3, 1.0, 0};
+    begin_body(&d, "crank", i, 0);
+    add_frame(&d, true, "P", i, 0, (km_vec3){2.0 * i, 0, 0}, up);
+    if (i < n)
+      add_frame(&d, false, "Q", i, 0, left, up);
+    if (i > 0)
+      add_frame(&d, false, "R", i - 1, 0, (km_vec3){2.0 * i + 0.3, 1.0, 0}, up);
+    end_body(&d);
+    add_joint(&d, "Rz", "P", i, 0, "base", 0, 0, "crank", i, 0);
+    if (i == n)
+      break;
+    begin_body(&d, "c", i, 0);
+    add_frame(&d, true, "Q", i, 0, left, up);
+    add_frame(&d, false, "S", i, 0, top, up);
+    end_body(&d);
+    begin_body(&d, "e", i, 0);
+    add_frame(&d, true, "S", i, 0, top, up);
+    add_frame(&d, false, "R", i, 0, right, up);
+    end_body(&d);
+    add_joint(&d, "Rz", "Q", i, 0, "crank", i, 0, "c", i, 0);
+    add_joint(&d, "Rz", "S", i, 0, "c", i, 0, "e", i, 0);
+    add_joint(&d, "Rz", "R", i, 0, "e", i, 0, "crank", i + 1, 0);
+  }
+  finish(&d);
+}
+
 void write_trellis(km_text *text, int rows, int columns, double away) {
   const km_vec3 along = {1.0, 0.0, 0.0}, across = {0.3, 1.1, 0.0};
   drawing d;

@@ -42,6 +42,51 @@ void law_jacobian(fixture *f, randomness *r) {
   }
 }
 
+/* Γ(a) b, by the pattern of the Jacobian. */
+static void apply_slopes(const km_substructure *sub, const double *slopes, const double *b, double *out) {
+  memset(out, 0, (size_t)sub->rows * sizeof *out);
+  for (int c = 0; c < sub->columns; ++c)
+    for (int r = 0, i = c * sub->rows; !sub->pattern.start && r < sub->rows; ++r, ++i)
+      out[r] += slopes[i] * b[c];
+  for (int c = 0; c < sub->columns && sub->pattern.start; ++c)
+    for (int i = sub->pattern.start[c]; i < sub->pattern.start[c + 1]; ++i)
+      out[sub->pattern.row[i]] += slopes[i] * b[c];
+}
+
+/* γ is a square: Γ(a) b = γ(a + b) − γ(a) − γ(b), Γ = ∂γ/∂x by the scaled rates x. */
+void law_slopes(fixture *f, randomness *r) {
+  const km_mechanism *m = f->mechanism;
+  for (int s = 0; s < m->topology.substructure_count; ++s) {
+    const km_substructure *sub = &m->substructures[s];
+    size_t rows = (size_t)sub->rows, columns = (size_t)sub->columns;
+    double *x = KM_NEW(double, 2 * columns), *rate = KM_NEW(double, (size_t)m->coordinate_count);
+    double *gamma = KM_NEW(double, 3 * rows + 1), *slopes = KM_NEW(double, sub->pattern.size + 1);
+    double *polar = KM_NEW(double, rows + 1), largest = 0.0;
+    km_loops_update(m, f->state, sub);
+    for (size_t c = 0; c < 2 * columns; ++c)
+      x[c] = uniform(r, -1.0, 1.0);
+    for (int n = 0; n < 3; ++n) {
+      for (size_t c = 0; c < columns; ++c) {
+        int k = m->column_coordinate[(size_t)sub->column_start + c];
+        rate[k] = m->unit[k] * (n == 0 ? x[c] : n == 1 ? x[columns + c] : x[c] + x[columns + c]);
+      }
+      km_loops_velocity_products(m, f->state, sub, rate, gamma + (size_t)n * rows);
+      if (n == 0)
+        km_loops_velocity_slopes(m, f->state, sub, rate, slopes);
+    }
+    apply_slopes(sub, slopes, x + columns, polar);
+    for (size_t i = 0; i < 3 * rows; ++i)
+      largest = fmax(largest, fabs(gamma[i]));
+    for (size_t i = 0; i < rows; ++i)
+      assert_near(polar[i], gamma[2 * rows + i] - gamma[i] - gamma[rows + i], 1e-12 * (1.0 + largest));
+    km_free(x);
+    km_free(rate);
+    km_free(gamma);
+    km_free(slopes);
+    km_free(polar);
+  }
+}
+
 /* J N = 0 for the whole six-row Jacobian, which also shows that the dropped rows were dependent. */
 void law_null_space(fixture *f, randomness *r) {
   (void)r;

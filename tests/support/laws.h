@@ -7,6 +7,7 @@
 typedef void (*law)(fixture *f, randomness *r);
 
 void law_jacobian(fixture *f, randomness *r);   /* J is the derivative of the loop error */
+void law_slopes(fixture *f, randomness *r);     /* of the velocity products: their polar form */
 void law_null_space(fixture *f, randomness *r); /* J N = 0 for all six rows of every loop */
 void law_numbers(fixture *f, randomness *r);    /* numbers in [0, 1], their sum, and those of LAPACKE's SVD */
 void law_forced(fixture *f, randomness *r);     /* a forced driver doesn't change the numbers */

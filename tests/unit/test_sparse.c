@@ -158,7 +158,7 @@ static void steps_without_null_vectors(void **state) {
     for (int c = 0; c < f.columns; ++c)
       x[c] = any();
     memcpy(left, x, sizeof left);
-    assert_true(km_partition_reject_null(&f.p, f.D, freedom, left, work));
+    assert_true(km_partition_reject_null(&f.p, stored(&f.p), f.D, freedom, left, work));
     for (int k = 0; k < freedom; ++k) {
       double along = 0.0;
       for (int c = 0; c < f.columns; ++c)
@@ -168,6 +168,47 @@ static void steps_without_null_vectors(void **state) {
     }
     for (int c = 0; c < f.columns; ++c)
       assert_near(left[c], x[c], 1e-10);
+  }
+}
+
+/* Mobility numbers and least solutions by the rows alone are those by Z. */
+static void by_rows_alone(void **state) {
+  (void)state;
+  static int start[MOST + 1], row[MOST * MOST];
+  double rhs[MOST], x[MOST], least[MOST], work[MOST], numbers[MOST], by_rows[MOST];
+  for (int i = 0; i < 100; ++i) {
+    fill_band(20 + index_below(20), 30 + index_below(50), start, row);
+    reserve();
+    assert_true(km_partition_reserve_sparse(&f.p, f.rows, f.columns, start, row, &f.arena));
+    factor(&f.p);
+    int freedom = km_partition_freedom(&f.p), rank = f.p.rank;
+    if (freedom == 0 || f.p.largest_b > 1e3)
+      continue;
+    km_partition_null(&f.p, f.D, freedom, f.Z);
+    km_mobility_numbers(f.Z, f.columns, freedom, numbers);
+    assert_true(km_partition_numbers(&f.p, stored(&f.p), f.D, by_rows));
+    for (int c = 0; c < f.columns; ++c)
+      assert_near(by_rows[c], numbers[c], 1e-10);
+    for (int r = 0; r < f.rows; ++r)
+      rhs[r] = any();
+    km_partition_solve(&f.p, rhs, x);
+    assert_true(km_partition_reject_null(&f.p, stored(&f.p), f.D, freedom, x, work));
+    f.p.rows_only = true;
+    factor(&f.p);
+    assert_int_equal(f.p.rank, rank);
+    assert_true(km_partition_least(&f.p, stored(&f.p), f.D, freedom, rhs, least));
+    for (int k = 0; k < rank; ++k) { /* the primary rows may be others: the solution of these */
+      double sum = 0.0;
+      for (int c = 0; c < f.columns; ++c)
+        sum += f.J[c * f.rows + f.p.row[k]] * least[c];
+      assert_near(sum, rhs[f.p.row[k]], 1e-9);
+    }
+    for (int k = 0; k < freedom; ++k) {
+      double along = 0.0;
+      for (int c = 0; c < f.columns; ++c)
+        along += f.Z[k * f.columns + c] * f.D[c] * least[c];
+      assert_near(along, 0.0, 1e-9);
+    }
   }
 }
 
@@ -185,6 +226,7 @@ int main(void) {
       cmocka_unit_test(zeros_that_fill),
       cmocka_unit_test(null_vectors_by_their_entries),
       cmocka_unit_test(steps_without_null_vectors),
+      cmocka_unit_test(by_rows_alone),
   };
   return cmocka_run_group_tests(tests, NULL, clean);
 }

@@ -36,7 +36,7 @@ typedef struct km_finite_mobility {
   int mobility;   /* dimension of the set of real motions through the pose; the least it can be where undecided */
   bool undecided; /* some direction was neither confirmed nor refuted */
   int motion_count;
-  bool truncated;                            /* there are more motions than are listed */
+  bool truncated;                            /* there are more motions than are listed, or may be */
   km_finite_motion motions[KM_MOST_MOTIONS]; /* [motion_count] */
   double *store;                             /* of the directions */
 } km_finite_mobility;
@@ -45,7 +45,10 @@ typedef struct km_finite_mobility {
  * instantaneous mobility. Else the tangents are tried: all of them, and where that fails those that satisfy the
  * second-order condition wᵀ(J̇ q̇) = 0 for every left null vector w of J; each is confirmed by following it by 0.3 rad
  * (or substructure sizes) of its fastest coordinate, ahead and back. Where the loops open as a power of the way it is
- * refuted, whatever its order. The state keeps its pose. Free `*out` in any case. KM_MEMORY. */
+ * refuted, whatever its order. Of a substructure with more than 12 freedoms, or more than 240 equations and more than one
+ * freedom, random directions are tried: two where all tangents are real, which then shows by one that is followed, and at a
+ * branch point up to 1200 / coordinates of them, at least two; of those only a bound of the mobility comes, `undecided`. The
+ * state keeps its pose. Free `*out` in any case. KM_MEMORY. O(a few dozen sparse factorisations) for each direction. */
 KM_API km_status km_finite_mobility_find(const km_mechanism *mechanism, km_state *state, km_progress progress,
                                          void *context, km_finite_mobility *out, km_error *error);
 KM_API void km_finite_mobility_free(km_finite_mobility *mobility);

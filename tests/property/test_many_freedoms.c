@@ -1,0 +1,200 @@
+/* Substructures with many freedoms: what is found without a basis of them is what a basis gives. */
+#include "support/chains.h"
+#include "support/lattices.h"
+#include "support/laws.h"
+#include "support/linkages.h"
+
+#include "kinematics/closure.h"
+#include "kinematics/loops.h"
+#include "kinematics/many_tangents.h"
+#include "kmech/finite_mobility.h"
+#include "kmech/motions.h"
+#include "topology/mechanism.h"
+
+#include <stdio.h>
+#include <string.h>
+
+enum { LOOPS = 60 };
+
+static fixture five_bars(int n) {
+  km_text text = {0};
+  write_five_bars(&text, n, 0.0);
+  fixture f = fixture_read(text.data);
+  km_text_free(&text);
+  return f;
+}
+
+/* A chain of parallelograms with all links on one line. */
+static fixture folded_chain(int n) {
+  km_text text = {0};
+  write_chain(&text, n);
+  fixture f = fixture_read(text.data);
+  km_text_free(&text);
+  double *zero = KM_NEW(double, (size_t)f.mechanism->coordinate_count);
+  assert_int_equal(km_state_set_coordinates(f.mechanism, f.state, zero, NULL), KM_OK);
+  km_free(zero);
+  return f;
+}
+
+static void laws_of_many_freedoms(void **state) {
+  (void)state;
+  static const law laws[] = {law_jacobian, law_slopes, law_null_space, law_numbers, law_forced};
+  fixture fixtures[] = {five_bars(LOOPS), folded_chain(LOOPS)};
+  for (size_t i = 0; i < sizeof fixtures / sizeof *fixtures; ++i) {
+    randomness r = {i + 1};
+    for (size_t k = 0; k < sizeof laws / sizeof *laws; ++k)
+      laws[k](&fixtures[i], &r);
+    assert_true(km_partition_freedom(&fixtures[i].state->partition[0]) > KM_MANY_VECTORS);
+    fixture_close(&fixtures[i]);
+  }
+}
+
+/* The mobility is known before there is a basis, and whoever asks for one gets it. */
+static void bases_wait(void **state) {
+  (void)state;
+  fixture f = five_bars(LOOPS);
+  km_mobility mobility;
+  km_mobility_update(f.mechanism, f.state, &mobility);
+  assert_int_equal(mobility.mobility, LOOPS + 1);
+  assert_int_equal(f.state->basis[0].count, 0);
+  size_t n = (size_t)f.mechanism->coordinate_count;
+  double *N = KM_NEW(double, n *n);
+  int freedom;
+  assert_int_equal(km_motions_basis(f.mechanism, f.state, N, &freedom, NULL), KM_OK);
+  assert_int_equal(freedom, LOOPS + 1);
+  for (size_t c = 0; c < n; ++c) {
+    double sum = 0.0;
+    for (size_t k = 0; k < (size_t)freedom; ++k)
+      sum += N[k * n + c] * N[k * n + c] * f.mechanism->scale[c] * f.mechanism->scale[c];
+    assert_near(sum, f.state->numbers[c], 1e-11);
+  }
+  km_free(N);
+  fixture_close(&f);
+}
+
+static km_finite_mobility find(fixture *f) {
+  km_finite_mobility found;
+  assert_int_equal(km_finite_mobility_find(f->mechanism, f->state, NULL, NULL, &found, NULL), KM_OK);
+  return found;
+}
+
+static void many_real_freedoms(void **state) {
+  (void)state;
+  fixture f = five_bars(LOOPS);
+  km_finite_mobility found = find(&f);
+  assert_int_equal(found.mobility, LOOPS + 1);
+  assert_false(found.undecided);
+  assert_true(found.truncated && found.motion_count == 1 && found.motions[0].kind == KM_MOTION_REGULAR);
+  assert_true(found.motions[0].confirmed_length > 0.3);
+  km_finite_mobility_free(&found);
+  fixture_close(&f);
+}
+
+/* Every loop of the folded chain goes on as a parallelogram or crossed, 2^60 branches: some are found, first one along which
+ * most cranks turn alike. */
+static void a_folded_chain(void **state) {
+  (void)state;
+  fixture f = folded_chain(LOOPS);
+  const km_mechanism *m = f.mechanism;
+  km_finite_mobility found = find(&f);
+  assert_int_equal(found.mobility, 2); /* with the last coupler, in no loop */
+  assert_true(found.undecided && found.truncated && found.motion_count >= 1);
+  assert_int_equal(found.motions[0].kind, KM_MOTION_BRANCH);
+  int first, last;
+  assert_int_equal(km_model_find_coordinate(f.model, "P30", &first, NULL), KM_OK);
+  assert_int_equal(km_model_find_coordinate(f.model, "P60", &last, NULL), KM_OK);
+  assert_near(found.motions[0].direction[last], found.motions[0].direction[first], 1e-6);
+  for (int i = 0; i < found.motion_count; ++i) { /* each is one of second order */
+    double length = 0.0;
+    for (int c = 0; c < m->coordinate_count; ++c)
+      length += found.motions[i].direction[c] * found.motions[i].direction[c];
+    assert_near(length, 1.0, 1e-9);
+    assert_true(found.motions[i].confirmed_length > 0.3);
+  }
+  km_finite_mobility_free(&found);
+  fixture_close(&f);
+}
+
+/* The motion of few freedoms that goes along x in one sense or the other; -1: none does. */
+static int motion_along(const fixture *f, const km_finite_mobility *few, const km_tangents *t, const double *x) {
+  const int *coordinate = f->mechanism->column_coordinate + t->sub->column_start;
+  const double *weight = f->mechanism->column_weight + t->sub->column_start;
+  for (int i = 0; i < few->motion_count; ++i) {
+    double along = 0.0;
+    for (int c = 0; c < t->sub->columns; ++c)
+      along += weight[c] * x[c] * few->motions[i].direction[coordinate[c]];
+    if (fabs(along) > 0.999)
+      return i;
+  }
+  return -1;
+}
+
+/* All starts of the sparse way at a pose that the dense way decides: they find its branches, each of them, and no other
+ * ones; and all tangents are real by the one where they are by the other. Returns whether there were any branches. */
+static bool compare(fixture f) {
+  const km_mechanism *m = f.mechanism;
+  km_finite_mobility few = find(&f);
+  km_arena arena = {0};
+  km_tangents t;
+  km_many_tangents many;
+  bool met[KM_MOST_MOTIONS] = {false};
+  double length;
+  assert_false(few.undecided || few.truncated);
+  km_loops_update(m, f.state, &m->substructures[0]);
+  assert_true(km_tangents_make(&t, m, f.state, 0, &arena) && km_many_tangents_make(&many, &t));
+  bool regular = few.motion_count == 0 || few.motions[0].kind == KM_MOTION_REGULAR;
+  bool branches = few.motion_count > 0 && few.motions[0].kind == KM_MOTION_BRANCH;
+  if (t.conditions.freedom > 0)
+    assert_int_equal(km_many_tangents_all_real(&many, &length), regular);
+  many.most_starts = regular ? 0 : 100 * t.conditions.freedom;
+  while (km_many_tangents_next(&many, &length)) {
+    int i = motion_along(&f, &few, &t, many.x);
+    assert_true(i >= 0 && few.motions[i].kind == KM_MOTION_BRANCH);
+    met[i] = true;
+  }
+  for (int i = 0; i < few.motion_count && branches; ++i)
+    assert_true(met[i]);
+  km_many_tangents_free(&many);
+  km_arena_free(&arena);
+  km_finite_mobility_free(&few);
+  fixture_close(&f);
+  return branches;
+}
+
+static fixture written(const linkage *l, randomness *r) {
+  char *json = linkage_text(l, (writing){.own_frames = below(r, 2)}, r);
+  fixture f = fixture_read(json);
+  km_free(json);
+  return f;
+}
+
+/* A four-bar on one line with a = c, b = d, or with no such equality, where it shakes. */
+static fixture flat_fourbar(randomness *r, bool change_point) {
+  double crank = uniform(r, 0.2, 0.8), base = uniform(r, 1, 2), rocker = change_point ? crank : uniform(r, 0.2, 0.8);
+  const km_vec3 z = {0, 0, 1}, along[4] = {z, z, z, z};
+  const km_vec3 at[4] = {{0, 0, 0}, {crank, 0, 0}, {base + rocker, 0, 0}, {base, 0, 0}};
+  linkage l = hinged_loop(at, along, 4);
+  return written(&l, r);
+}
+
+static void sparse_is_dense(void **state) {
+  (void)state;
+  int branched = 0;
+  for (uint64_t seed = 1; seed <= 60; ++seed) {
+    randomness r = {seed};
+    branched += compare(flat_fourbar(&r, seed % 2));
+    linkage l = moving_loop(below(&r, MOVING_KINDS), &r);
+    branched += compare(written(&l, &r));
+  }
+  for (int n = 1; n <= 3; ++n)
+    branched += compare(folded_chain(n));
+  assert_true(branched >= 33);
+}
+
+int main(void) {
+  const struct CMUnitTest tests[] = {
+      cmocka_unit_test(laws_of_many_freedoms), cmocka_unit_test(bases_wait),      cmocka_unit_test(many_real_freedoms),
+      cmocka_unit_test(a_folded_chain),        cmocka_unit_test(sparse_is_dense),
+  };
+  return cmocka_run_group_tests(tests, NULL, NULL);
+}
