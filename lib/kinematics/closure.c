@@ -1,5 +1,7 @@
 /* Newton's method on the loops of a substructure, with least steps. */
 #include "kinematics/closure.h"
+
+#include "base/larger.h"
 #include "kinematics/loops.h"
 
 #include <string.h>
@@ -124,7 +126,7 @@ static double newton_step(const km_mechanism *m, km_state *s, int index, int dri
   if (driver >= 0) /* where it came out dependent, the step wants to move it */
     x[driver] = 0.0;
   for (int k = 0; k < sub->columns; ++k)
-    largest = fmax(largest, fabs(x[k]));
+    largest = km_larger(fabs(x[k]), largest);
   return largest;
 }
 
@@ -133,18 +135,18 @@ static double grain(const km_mechanism *m, const km_state *s, const km_substruct
   const int *coordinate = m->column_coordinate + sub->column_start;
   double largest = 0.0;
   for (int k = 0; k < sub->columns; ++k)
-    largest = fmax(largest, fabs(s->q[coordinate[k]] / m->unit[coordinate[k]]));
-  return fmin(1.0 + km_grain_growth * largest, km_grain_most);
+    largest = km_larger(fabs(s->q[coordinate[k]] / m->unit[coordinate[k]]), largest);
+  return km_smaller(1.0 + km_grain_growth * largest, km_grain_most);
 }
 
 static km_closure_outcome verdict(const km_mechanism *m, double residual, double coarse) {
-  return residual <= fmax(m->closure_tolerance, coarse * km_closed) ? KM_CLOSED : KM_INCONSISTENT;
+  return residual <= km_larger(m->closure_tolerance, coarse * km_closed) ? KM_CLOSED : KM_INCONSISTENT;
 }
 
 km_closure_outcome km_loops_close(const km_mechanism *m, km_state *s, int index, int driver, km_closure *evidence) {
   const km_substructure *sub = &m->substructures[index];
   double *x = s->work, first = 0.0, coarse = grain(m, s, sub);
-  *evidence = (km_closure){.worst = -1};
+  *evidence = (km_closure){.worst = -1, .left = x};
   for (int i = 0; i < MOST_ITERATIONS; ++i) {
     km_loops_update(m, s, sub);
     evidence->iterations = i;
@@ -156,7 +158,7 @@ km_closure_outcome km_loops_close(const km_mechanism *m, km_state *s, int index,
     factor(m, s, index, driver, evidence->residual);
     double step = newton_step(m, s, index, driver, x);
     bool small = primary_rms(&s->partition[index], km_state_error(s, sub)) <= coarse * km_closed;
-    if (small && step <= coarse * km_settled)
+    if (small && step <= coarse * (i == 0 && driver >= 0 ? km_settled_at_once : km_settled))
       return verdict(m, evidence->residual, coarse);
     if (!isfinite(step) || evidence->residual > residual_growth * (first + residual_floor))
       return KM_OPEN;

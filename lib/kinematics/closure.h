@@ -6,6 +6,9 @@
 
 static const double km_closed = 1e-12; /* rms of the primary rows (theory 4) */
 static const double km_settled = 1e-9; /* a step below this shows that the pose is found, not just the error small */
+/* The same of a predicted pose, whose error isn't the square of another one: near singular poses a small error can be far
+ * away. */
+static const double km_settled_at_once = 1e-12;
 static const double km_longest_newton = 0.6; /* radians, or substructure sizes */
 static const double km_near_closed = 0.05;   /* residual below which the pivots of the last pose serve */
 
@@ -21,9 +24,10 @@ typedef enum km_closure_outcome {
 /* Evidence of one closure. */
 typedef struct km_closure {
   int iterations;
-  double residual;   /* rms loop error of the worst loop, scaled */
-  int worst;         /* that loop; -1: a coupling */
-  double correction; /* scaled length of all that Newton moved, |D δq| */
+  double residual;    /* rms loop error of the worst loop, scaled */
+  int worst;          /* that loop; -1: a coupling */
+  double correction;  /* scaled length of all that Newton moved, |D δq| */
+  const double *left; /* [columns] the step that was too small to be taken, in the state's `work`; of closed loops */
 } km_closure;
 
 /* Newton steps from the state's coordinates until the primary rows are below 1e-12 rms; each step has the least

@@ -1,8 +1,8 @@
 /* Predictor, corrector and memory of a step along a motion. */
 #include "kinematics/continuation.h"
 
+#include "base/larger.h"
 #include "kinematics/closure.h"
-#include "kinematics/curve.h"
 
 #include <string.h>
 
@@ -14,6 +14,9 @@ bool km_course_reserve(km_course *course, const km_continuation *c, km_arena *ar
   course->last_move = KM_ARENA_NEW(arena, double, n);
   for (int i = 0; i < KM_OLDER_STEPS; ++i)
     course->older_t[i] = KM_ARENA_NEW(arena, double, n);
+  course->rest = KM_ARENA_NEW(arena, double, n);
+  for (int i = 0; i < KM_CURVE_MOVES; ++i)
+    course->moves[i] = KM_ARENA_NEW(arena, double, n);
   return km_partition_reserve_like(&course->reference, &c->state->partition[c->substructure], sub->rows, sub->columns,
                                    arena);
 }
@@ -29,12 +32,23 @@ void km_course_copy(km_course *to, const km_course *from, int columns) {
     memcpy(to->older_t[i], from->older_t[i], bytes);
     to->older_h[i] = from->older_h[i];
   }
+  memcpy(to->rest, from->rest, bytes);
+  to->equal_count = from->equal_count;
+  for (int i = 0; i < from->equal_count; ++i)
+    memcpy(to->moves[i], from->moves[i], bytes);
   km_partition_copy_pivots(&to->reference, &from->reference);
+}
+
+void km_course_begin(km_course *course, int columns) {
+  course->last_h = 0.0;
+  course->equal_count = 0;
+  memset(course->rest, 0, (size_t)columns * sizeof *course->rest);
 }
 
 bool km_continuation_reserve(km_continuation *c, km_arena *arena) {
   size_t n = (size_t)km_continuation_sub(c)->columns;
   c->next_t = KM_ARENA_NEW(arena, double, n);
+  c->next_rest = KM_ARENA_NEW(arena, double, n);
   c->move = KM_ARENA_NEW(arena, double, n);
   c->work = KM_ARENA_NEW(arena, double, n);
   c->from = KM_ARENA_NEW(arena, double, KM_SAVED_PER_COLUMN *n);
@@ -82,12 +96,41 @@ bool km_continuation_tangent(km_continuation *c, const double *along, double *t)
   return true;
 }
 
+static bool as_long(double h, double other) {
+  return fabs(h - other) <= km_continuation_same * fabs(h);
+}
+
+/* The polynomial through nine poses in place of the cubic, where they agree. Two sums, that don't wait for each other. */
+static void look_farther(km_continuation *c, double h) {
+  const km_course *course = &c->course;
+  const int columns = km_continuation_sub(c)->columns;
+  double apart = 0.0;
+  for (int k = 0; k < columns; ++k) {
+    double even = h * (km_curve_tangents[0] * course->t[k] + km_curve_tangents[1] * course->last_t[k]);
+    double odd = course->rest[k];
+    for (int i = 0; i < KM_CURVE_MOVES; i += 2) {
+      even += km_curve_moves[i] * course->moves[i][k];
+      odd += km_curve_moves[i + 1] * course->moves[i + 1][k];
+    }
+    c->work[k] = even + odd;
+    apart = km_larger(fabs(c->work[k] - c->move[k]), apart);
+  }
+  if (!(apart <= km_continuation_agreement * fabs(h)))
+    return;
+  double *cubic = c->move;
+  c->move = c->work;
+  c->work = cubic;
+}
+
 void km_continuation_predict(km_continuation *c, double h, bool alone) {
   const km_course *course = &c->course;
   int columns = km_continuation_sub(c)->columns;
   bool known = course->last_h != 0.0 && fabs(h) <= km_continuation_farther * fabs(course->last_h);
   if (known && alone) {
     km_curve_ahead(columns, course->last_h, course->last_move, course->last_t, course->t, h, c->move);
+    bool equal = course->equal_count == KM_CURVE_MOVES && as_long(h, course->last_h);
+    if (equal && c->column >= 0 && c->mechanism->ball_count == 0)
+      look_farther(c, h);
     return;
   }
   double slope = known ? 0.5 * h / course->last_h : 0.0;
@@ -108,6 +151,7 @@ km_step_fate km_continuation_correct(km_continuation *c, const km_step_terms *te
   if (km_loops_close(c->mechanism, c->state, c->substructure, c->column, &evidence) != KM_CLOSED ||
       !km_continuation_tangent(c, t, c->next_t))
     return KM_STEP_OPEN;
+  memcpy(c->next_rest, evidence.left, (size_t)km_continuation_sub(c)->columns * sizeof *c->next_rest);
   const km_partition *p = &c->state->partition[c->substructure];
   if (p->rank < terms->least_rank || p->last_pivot < km_continuation_singular * p->scale)
     return KM_STEP_OPEN; /* a singular pose has no tangent of its own */
@@ -142,10 +186,27 @@ static double *grow_older(km_course *course, double h, bool alone) {
   return spare;
 }
 
+/* The last move joins those that are right to the last digit. */
+static void grow_moves(km_continuation *c, double h) {
+  km_course *course = &c->course;
+  double *move = course->moves[KM_CURVE_MOVES - 1], *rest = c->next_rest;
+  for (int i = KM_CURVE_MOVES - 1; i > 0; --i)
+    course->moves[i] = course->moves[i - 1];
+  for (int k = 0; k < km_continuation_sub(c)->columns; ++k)
+    move[k] = course->last_move[k] + (rest[k] - course->rest[k]);
+  course->moves[0] = move;
+  c->next_rest = course->rest;
+  course->rest = rest;
+  course->equal_count = !as_long(h, course->last_h) ? 1 : course->equal_count + (course->equal_count < KM_CURVE_MOVES);
+}
+
 void km_continuation_accept(km_continuation *c, double h) {
   km_course *course = &c->course;
-  double *spare = grow_older(course, h, km_partition_freedom(&c->state->partition[c->substructure]) <= 1);
+  bool alone = km_partition_freedom(&c->state->partition[c->substructure]) <= 1;
+  double *spare = grow_older(course, h, alone);
   km_state_difference(c->state, km_continuation_sub(c), c->from, course->last_move);
+  if (alone)
+    grow_moves(c, h);
   course->last_t = course->t;
   course->t = c->next_t;
   c->next_t = spare;

@@ -3,12 +3,19 @@
 #ifndef KM_KINEMATICS_CONTINUATION_H
 #define KM_KINEMATICS_CONTINUATION_H
 
+#include "kinematics/curve.h"
 #include "kinematics/state.h"
 
 /* The last pivot, relative: closer to a singular pose the tangent is noise. */
 static const double km_continuation_singular = 1e-7;
 /* Farther than this many last steps, the last step says nothing. */
 static const double km_continuation_farther = 4.0;
+
+/* Steps are as long as each other to within this part, as far as the prediction goes. */
+static const double km_continuation_same = 1e-9;
+/* Predictions by nine poses and by two may differ by this, per unit of the parameter; else a singular pose is too near for
+ * so many terms. */
+static const double km_continuation_agreement = 1e-3;
 
 enum { KM_OLDER_STEPS = 3 };
 
@@ -20,7 +27,11 @@ typedef struct km_course {
   int older_count;                 /* where more freedoms than one are left: steps before the last one that count */
   double *older_t[KM_OLDER_STEPS]; /* [columns] the tangents where they began, the latest step first */
   double older_h[KM_OLDER_STEPS];  /* their lengths */
-  km_partition reference;          /* pivots of the present pose, to compare signs with */
+  /* Where one freedom is left: Newton's step that closing the last pose has left undone, below 1e-9, and the last moves with
+   * it, the latest first, in which nothing but rounding is left. */
+  double *rest, *moves[KM_CURVE_MOVES]; /* [columns] */
+  int equal_count;                      /* last steps that are as long as each other, so many at most */
+  km_partition reference;               /* pivots of the present pose, to compare signs with */
 } km_course;
 
 typedef struct km_continuation {
@@ -31,6 +42,7 @@ typedef struct km_continuation {
   bool ignore_limits;
   km_course course;
   double *next_t, *move; /* [columns] tangent of the pose that was tried last, and the way to it */
+  double *next_rest;     /* [columns] Newton's step that was left undone there */
   double *from;          /* saved pose where the step begins */
   double *work;          /* [columns] */
 } km_continuation;
@@ -65,9 +77,13 @@ double km_continuation_dot(const km_continuation *continuation, const double *a,
  * left. */
 bool km_continuation_tangent(km_continuation *continuation, const double *along, double *t);
 
+/* Forgets the steps that led here. */
+void km_course_begin(km_course *course, int columns);
+
 /* Into `move`, from a regular pose. A motion of one freedom: the cubic through the last two poses and their tangents,
- * continued by h. With more that would be unstable (its other root is -5), and Adams-Bashforth's second serves. Without
- * a last step, or far beyond it, the tangent. */
+ * continued by h; after eight steps as long as h the polynomial of degree ten through nine poses, where the two agree: it
+ * often needs no correction. With more freedoms the cubic would be unstable (its other root is -5), and Adams-Bashforth's
+ * second serves. Without a last step, or far beyond it, the tangent. */
 void km_continuation_predict(km_continuation *continuation, double h, bool alone);
 /* Goes by `move`, closes the loops and finds next_t. Leaves the state where it ended. */
 km_step_fate km_continuation_correct(km_continuation *continuation, const km_step_terms *terms);

@@ -12,6 +12,15 @@ static inline void km_curve_ahead(int n, double last_h, const double *last_move,
     move[k] = -h00 * last_move[k] + last_h * (h10 * last_t[k] + h11 * t[k]);
 }
 
+/* The polynomial of degree ten through nine poses, one h apart, and the tangents at the last two of them, one h after the
+ * last (Hermite's interpolation): the weights of the eight moves between the poses and of the two tangents times h, the
+ * latest first. Its error is 9! 2! h¹¹ y⁽¹¹⁾/11!. More tangents would have larger weights, and what is left in them from
+ * closing the loops would grow from step to step. */
+enum { KM_CURVE_MOVES = 8 };
+static const double km_curve_moves[KM_CURVE_MOVES] = {-6989.0 / 140.0, -1585.0 / 28.0, 767.0 / 28.0, -409.0 / 28.0,
+                                                      179.0 / 28.0,    -281.0 / 140.0, 11.0 / 28.0,  -1.0 / 28.0};
+static const double km_curve_tangents[2] = {18.0, 72.0};
+
 /* Between two poses: `move` leads from the first to the second over `h`, t0 and t1 are their tangents. Out: the
  * move from the first pose to parameter `at`, and the tangent there. */
 static inline void km_curve_between(int n, double h, const double *move, const double *t0, const double *t1, double at,

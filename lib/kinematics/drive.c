@@ -1,6 +1,7 @@
 /* Moving a driver: controlled steps to a target, ends, limits, and singular poses that are passed. */
 #include "kinematics/drive_lanes.h"
 
+#include "base/larger.h"
 #include "kinematics/closure.h"
 #include "kinematics/curve.h"
 #include "kinematics/loops.h"
@@ -40,7 +41,7 @@ static bool start(km_drive *d) {
            km_rank_tolerance(d->c.mechanism, sub, residual));
   d->here.known = km_continuation_tangent(&d->c, NULL, d->c.course.t);
   remember_pivots(d);
-  d->c.course.last_h = 0.0;
+  km_course_begin(&d->c.course, km_drive_driven(d)->columns);
   return d->here.known;
 }
 
@@ -154,7 +155,7 @@ static bool cross(km_drive *d, double target, int *limit) {
   memcpy(d->c.course.t, d->c.next_t, (size_t)sub->columns * sizeof *d->c.course.t);
   d->here.crossings++;
   d->here.s = target;
-  d->c.course.last_h = 0.0;
+  km_course_begin(&d->c.course, sub->columns);
   return true;
 }
 
@@ -163,7 +164,7 @@ static double lengthen(km_drive *d, double step, double h) {
   if (fabs(h) > km_drive_leaves)
     d->here.stopped = 0.0;
   bool easily = d->strain == 0.0 || d->strain * pow(step / fabs(h), 4.0) < easy;
-  return easily ? fmin(2.0 * step, km_drive_longest) : step;
+  return easily ? km_smaller(2.0 * step, km_drive_longest) : step;
 }
 
 /* Advances to `target` by controlled steps; the step that arrives sets the driver exactly. */
@@ -196,7 +197,7 @@ static attempt walk(km_drive *d, double target, int *limit) {
       return result;
     }
   }
-  d->here.largest = fmax(step, km_drive_least_first);
+  d->here.largest = km_larger(step, km_drive_least_first);
   return ACCEPTED;
 }
 
@@ -233,7 +234,8 @@ static void settle_at_limit(km_drive *d, int c) {
 static double within_own_limit(const km_drive *d, double goal) {
   const km_mechanism *m = d->c.mechanism;
   int c = d->c.coordinate;
-  double unit = m->unit[c], high = fmax(m->high[c] / unit, d->here.s), low = fmin(m->low[c] / unit, d->here.s);
+  double unit = m->unit[c], high = km_larger(m->high[c] / unit, d->here.s),
+         low = km_smaller(m->low[c] / unit, d->here.s);
   double slack = km_drive_slack(goal);
   return d->c.ignore_limits || (goal <= high + slack && goal >= low - slack) ? goal : goal > high ? high : low;
 }

@@ -10,10 +10,27 @@ static km_lanes_number *numbers(km_arena *arena, int count) {
   return KM_ARENA_NEW(arena, km_lanes_number, (size_t)count + 1);
 }
 
+/* The numbers that make a place, one block of them. */
+static void reserve_place(km_drive_lanes *l) {
+  int columns = l->sub->columns, coordinates = l->m->coordinate_count;
+  km_lanes_number **by_column[] = {&l->t, &l->last_t, &l->last_move, &l->rest, &l->z, &l->numbers};
+  const int count = sizeof by_column / sizeof *by_column;
+  l->place_count = (size_t)(coordinates + (count + KM_CURVE_MOVES) * columns);
+  l->kept = KM_ARENA_NEW(&l->arena, km_lanes_number, l->place_count);
+  l->q = KM_ARENA_NEW(&l->arena, km_lanes_number, l->place_count);
+  if (!l->q)
+    return;
+  km_lanes_number *next = l->q + coordinates;
+  for (int i = 0; i < count; ++i, next += columns)
+    *by_column[i] = next;
+  for (int i = 0; i < KM_CURVE_MOVES; ++i, next += columns)
+    l->moves[i] = next;
+}
+
 static bool reserve(km_drive_lanes *l) {
   const km_mechanism *m = l->m;
   km_arena *arena = &l->arena;
-  int columns = l->sub->columns, rows = l->sub->rows, coordinates = m->coordinate_count;
+  int columns = l->sub->columns, rows = l->sub->rows;
   l->is_length = KM_ARENA_NEW(arena, bool, (size_t)columns);
   l->is_limited = KM_ARENA_NEW(arena, bool, (size_t)columns);
   l->steps = KM_ARENA_NEW(arena, km_lane_step, (size_t)m->planar_step_count);
@@ -25,16 +42,7 @@ static bool reserve(km_drive_lanes *l) {
   l->coefficients = numbers(arena, m->term_count);
   l->term_unit = numbers(arena, m->term_count);
   l->J = numbers(arena, rows * columns);
-  l->place_count = (size_t)(coordinates + 5 * columns);
-  l->kept = KM_ARENA_NEW(arena, km_lanes_number, l->place_count);
-  l->q = KM_ARENA_NEW(arena, km_lanes_number, l->place_count);
-  if (l->q) {
-    l->t = l->q + coordinates;
-    l->last_t = l->t + columns;
-    l->last_move = l->last_t + columns;
-    l->z = l->last_move + columns;
-    l->numbers = l->z + columns;
-  }
+  reserve_place(l);
   km_lanes_number **by_column[] = {&l->unit, &l->weight, &l->low, &l->high,  &l->from,
                                    &l->move, &l->next_t, &l->x,   &l->before};
   for (size_t i = 0; i < sizeof by_column / sizeof *by_column; ++i)
@@ -124,8 +132,12 @@ static void board(km_drive_lanes *l, int i) {
     l->t[k].of[i] = course->t[k];
     l->last_t[k].of[i] = course->last_t[k];
     l->last_move[k].of[i] = course->last_move[k];
+    l->rest[k].of[i] = course->rest[k];
+    for (int j = 0; j < KM_CURVE_MOVES; ++j)
+      l->moves[j][k].of[i] = course->moves[j][k];
   }
   l->here.last_h.of[i] = course->last_h;
+  l->here.equal_count.of[i] = course->equal_count;
   l->sign.of[i] = course->reference.sign;
   l->here.s.of[i] = d->here.s;
   l->here.largest.of[i] = d->here.largest;
@@ -164,10 +176,14 @@ void km_drive_settle(km_drive *d) {
     course->t[k] = l->t[k].of[i];
     course->last_t[k] = l->last_t[k].of[i];
     course->last_move[k] = l->last_move[k].of[i];
+    course->rest[k] = l->rest[k].of[i];
+    for (int j = 0; j < KM_CURVE_MOVES; ++j)
+      course->moves[j][k] = l->moves[j][k].of[i];
     int c = l->m->column_coordinate[sub->column_start + k];
     s->q[c] = l->q[c].of[i];
   }
   course->last_h = l->here.last_h.of[i];
+  course->equal_count = (int)l->here.equal_count.of[i];
   course->reference.sign = (int)l->sign.of[i];
   d->here.s = l->here.s.of[i];
   d->here.largest = l->here.largest.of[i];

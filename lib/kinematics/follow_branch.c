@@ -127,7 +127,7 @@ static void set_out(km_follow *f, const double *direction, double sense) {
   for (int k = 0; k < sub_of(f)->columns; ++k)
     f->c.course.t[k] = direction[k] / size;
   km_state_forget_pivots(f->c.state, f->c.substructure);
-  f->c.course.last_h = 0.0; /* the step before was on another branch */
+  km_course_begin(&f->c.course, sub_of(f)->columns); /* the step before was on another branch */
   f->g = 0.0;
 }
 

@@ -47,7 +47,7 @@ typedef struct km_lane_row {
 
 /* See km_course and km_drive_place. closed_at: the driver where the loops were closed; residual: of the worst loop. */
 typedef struct km_lane_place {
-  km_lanes_number last_h, s, largest, stopped, closed_at, residual, largest_b;
+  km_lanes_number last_h, equal_count, s, largest, stopped, closed_at, residual, largest_b;
 } km_lane_place;
 
 struct km_drive_lanes {
@@ -76,8 +76,9 @@ struct km_drive_lanes {
   /* Where the drives are. */
   km_lane_place here;
   km_lanes_number *q;                      /* [coordinate] */
-  km_lanes_number *t, *last_t, *last_move; /* [columns] as in km_course */
-  km_lanes_number sign, next_sign;         /* of the pivots' product, ±1, and where the step ends */
+  km_lanes_number *t, *last_t, *last_move; /* [columns] as in km_course; so are these: */
+  km_lanes_number *rest, *moves[KM_CURVE_MOVES];
+  km_lanes_number sign, next_sign; /* of the pivots' product, ±1, and where the step ends */
   km_lanes_number pivoted_b, smallest_pivot;
   km_lanes_number target; /* of the step, scaled */
   km_lanes_number factor; /* a target in the model's unit times this is the scaled one */

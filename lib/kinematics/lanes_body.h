@@ -14,8 +14,41 @@
 
 #include "kinematics/lanes_closure_body.h" /* on both */
 
-/* km_curve_ahead: the cubic through the last two poses and their tangents, continued by h. Clears the lanes where it leads
- * too far. */
+/* Of continuation.c: is a step as long as the last one? */
+static inline mask as_long(const km_drive_lanes *l, vector h, int r, int first) {
+  return at_most(size_of(h - GET(l->here.last_h)), km_continuation_same * size_of(h));
+}
+
+/* look_farther of continuation.c: the polynomial through nine poses in place of the cubic, where they agree. */
+static inline void look_farther(km_drive_lanes *l, const vector *h, const mask *fit, int first, int count) {
+  vector apart[TOGETHER];
+  mask far[TOGETHER];
+  EACH(r) {
+    far[r] = fit[r] & as_long(l, h[r], r, first) & equal(GET(l->here.equal_count), all(KM_CURVE_MOVES));
+    apart[r] = all(0.0);
+  }
+  if (!any(far, count))
+    return;
+  for (int k = 0; k < l->sub->columns; ++k)
+    EACH(r) {
+      vector even = h[r] * (km_curve_tangents[0] * GET(l->t[k]) + km_curve_tangents[1] * GET(l->last_t[k]));
+      vector odd = GET(l->rest[k]);
+      for (int i = 0; i < KM_CURVE_MOVES; i += 2) {
+        even += km_curve_moves[i] * GET(l->moves[i][k]);
+        odd += km_curve_moves[i + 1] * GET(l->moves[i + 1][k]);
+      }
+      vector way = even + odd;
+      apart[r] = larger(size_of(way - GET(l->move[k])), apart[r]);
+      PUT(l->x[k], way);
+    }
+  EACH(r)
+  far[r] &= at_most(apart[r], km_continuation_agreement * size_of(h[r]));
+  for (int k = 0; k < l->sub->columns; ++k)
+    EACH(r)
+  PUT(l->move[k], pick(far[r], GET(l->x[k]), GET(l->move[k])));
+}
+
+/* km_continuation_predict. Clears the lanes where it leads too far. */
 static inline void predict(km_drive_lanes *l, const vector *h, mask *fit, int first, int count) {
   vector last_h[TOGETHER], h00[TOGETHER], h10[TOGETHER], h11[TOGETHER];
   EACH(r) {
@@ -26,11 +59,13 @@ static inline void predict(km_drive_lanes *l, const vector *h, mask *fit, int fi
     h11[r] = u * u * u - u * u;
   }
   for (int k = 0; k < l->sub->columns; ++k)
-    EACH(r) {
-      vector way = -h00[r] * GET(l->last_move[k]) + last_h[r] * (h10[r] * GET(l->last_t[k]) + h11[r] * GET(l->t[k]));
-      PUT(l->move[k], way);
-      fit[r] &= at_most(size_of(way), all(km_drive_furthest));
-    }
+    EACH(r)
+  PUT(l->move[k], -h00[r] * GET(l->last_move[k]) + last_h[r] * (h10[r] * GET(l->last_t[k]) + h11[r] * GET(l->t[k])));
+  if (l->m->ball_count == 0)
+    look_farther(l, h, fit, first, count);
+  for (int k = 0; k < l->sub->columns; ++k)
+    EACH(r)
+  fit[r] &= at_most(size_of(GET(l->move[k])), all(km_drive_furthest));
 }
 
 /* The step that the step control allows towards the target; `arrives`: it leads there. */
@@ -95,10 +130,25 @@ static inline void keep_to_curve(const km_drive_lanes *l, const vector *square, 
             equal(GET(l->next_sign), GET(l->sign));
 }
 
-/* km_continuation_accept where `took` is set, and what walk does after it; elsewhere back to where the step began. */
+/* grow_moves of continuation.c; `way`: the last move. */
+static inline void grow_moves(km_drive_lanes *l, int k, vector way, mask took, int r, int first) {
+  vector x = GET(l->x[k]), rest = GET(l->rest[k]);
+  for (int i = KM_CURVE_MOVES - 1; i > 0; --i)
+    PUT(l->moves[i][k], pick(took, GET(l->moves[i - 1][k]), GET(l->moves[i][k])));
+  PUT(l->moves[0][k], pick(took, way + (x - rest), GET(l->moves[0][k])));
+  PUT(l->rest[k], pick(took, x, rest));
+}
+
+/* km_continuation_accept where `took` is set, and what walk does after it; elsewhere back to where the step began. `x` is what
+ * Newton has left undone. */
 static inline void accept(km_drive_lanes *l, const mask *took, const mask *arrives, const vector *h,
                           const vector *largest_b, int first, int count) {
   const int *coordinate = l->m->column_coordinate + l->sub->column_start;
+  EACH(r) {
+    vector equals = GET(l->here.equal_count), most = all(KM_CURVE_MOVES);
+    vector grown = pick(below(equals, most), equals + 1.0, most);
+    PUT(l->here.equal_count, pick(took[r], pick(as_long(l, h[r], r, first), grown, all(1.0)), equals));
+  }
   for (int k = 0; k < l->sub->columns; ++k) {
     km_lanes_number *to = &l->q[coordinate[k]];
     bool is_length = l->is_length[k];
@@ -106,6 +156,7 @@ static inline void accept(km_drive_lanes *l, const mask *took, const mask *arriv
       vector q = GET(*to), from = GET(l->from[k]), way = q - from, t = GET(l->t[k]);
       if (is_length)
         way /= GET(l->unit[k]);
+      grow_moves(l, k, way, took[r], r, first);
       PUT(*to, pick(took[r], q, from));
       PUT(l->last_move[k], pick(took[r], way, GET(l->last_move[k])));
       PUT(l->last_t[k], pick(took[r], t, GET(l->last_t[k])));

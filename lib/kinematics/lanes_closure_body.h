@@ -154,6 +154,7 @@ static inline void close_loops(km_drive_lanes *l, mask *trying, vector *correcti
   }
   for (; moves < MOST_ITERATIONS; ++moves) {
     vector square[TOGETHER], step[TOGETHER], error[TOGETHER], moved[TOGETHER];
+    const double settled = moves == 0 ? km_settled_at_once : km_settled;
     update(l, moves > 0, square, trying, first, count);
     factor(l, largest_b, trying, first, count);
     newton(l, error, step, first, count);
@@ -161,7 +162,7 @@ static inline void close_loops(km_drive_lanes *l, mask *trying, vector *correcti
       mask small = at_most(error[r], SURE * primary[r]);
       trying[r] &= below(square[r], all(6.0 * SURE * km_near_closed * km_near_closed)) &
                    (small | below(primary[r], error[r] * SURE));
-      mask found = trying[r] & ~done[r] & small & at_most(step[r], coarse[r] * km_settled);
+      mask found = trying[r] & ~done[r] & small & at_most(step[r], coarse[r] * settled);
       trying[r] &= ~found | at_most(square[r], most[r]);
       done[r] |= found;
       trying[r] &= done[r] | at_most(step[r], all(km_longest_newton));

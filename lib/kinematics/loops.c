@@ -8,7 +8,11 @@
  * and w takes its point where its frames meet; for the others o must be fixed in the base. */
 
 static inline double wrapped(double angle) {
-  return fabs(angle) <= M_PI ? angle : angle - 2.0 * M_PI * round(angle / (2.0 * M_PI));
+  const double magic = 6755399441055744.0; /* 1.5 · 2⁵²: adding it rounds to a whole number */
+  if (fabs(angle) <= M_PI)
+    return angle;
+  double turns = angle * (0.5 * M_1_PI), whole = fabs(turns) < 1e12 ? turns + magic - magic : round(turns);
+  return angle - 2.0 * M_PI * whole;
 }
 
 static void planar_steps(const km_program *program, const km_planar_step *steps, const double *q, double size,
