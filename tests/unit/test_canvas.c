@@ -116,6 +116,44 @@ static void other_text_is_left_to_pango(void **state) {
   km_letters_free(&letters);
 }
 
+/* From the leftmost to the rightmost point of what Pango draws. */
+static void outline_reach(km_pango *pango, double *left, double *right) {
+  km_canvas_path path = {0};
+  km_pango_outline(pango, &path);
+  assert_false(path.failed);
+  *left = HUGE_VAL;
+  *right = -HUGE_VAL;
+  for (size_t i = 0; i < path.point_count; ++i) {
+    *left = fmin(*left, path.points[i].x);
+    *right = fmax(*right, path.points[i].x);
+  }
+  km_canvas_path_free(&path);
+}
+
+/* The outlines of a text fill its box from end to end, however long it is, and where lines from the right begin far from
+ * the left. */
+static void outlines_fill_their_box(void **state) {
+  (void)state;
+  static const char *const words[] = {"关节", "מפרק", "مفصل", "ジョイント", "plain"};
+  km_pango *pango;
+  assert_int_equal(km_pango_create(&pango, NULL), KM_OK);
+  for (size_t i = 0; i < sizeof words / sizeof *words; ++i)
+    for (int repeated = 1; repeated <= 60; repeated += 59)
+      for (int wide = 0; wide < 2; ++wide) {
+        const km_font font = {.size = 10, .width = wide ? 3000 : 0};
+        km_text text = {0};
+        double left, right;
+        for (int k = 0; k < repeated; ++k)
+          km_text_add(&text, words[i]);
+        km_text_box box = km_pango_set(pango, &font, text.data);
+        outline_reach(pango, &left, &right);
+        assert_near(left, box.left, 0.5 * font.size);
+        assert_near(right, box.left + box.width, 0.5 * font.size);
+        km_text_free(&text);
+      }
+  km_pango_free(pango);
+}
+
 static void draw(int format, const char *text, const km_font *font, double angle, km_text *out) {
   km_canvas *canvas;
   km_error error = {0};
@@ -211,11 +249,9 @@ static void text_is_held_where_asked(void **state) {
 
 int main(void) {
   const struct CMUnitTest tests[] = {
-      cmocka_unit_test(letters_are_where_pango_sets_them),
-      cmocka_unit_test(other_text_is_left_to_pango),
-      cmocka_unit_test(every_text_is_drawn),
-      cmocka_unit_test(glyphs_are_defined_once),
-      cmocka_unit_test(text_is_held_where_asked),
+      cmocka_unit_test(letters_are_where_pango_sets_them), cmocka_unit_test(other_text_is_left_to_pango),
+      cmocka_unit_test(outlines_fill_their_box),           cmocka_unit_test(every_text_is_drawn),
+      cmocka_unit_test(glyphs_are_defined_once),           cmocka_unit_test(text_is_held_where_asked),
   };
   return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -114,7 +114,8 @@ static void take_path(const cairo_path_t *from, km_canvas_path *path) {
 }
 
 void km_pango_outline(km_pango *p, km_canvas_path *path) {
-  cairo_surface_t *surface = p->lib->cairo_image_surface_create(CAIRO_FORMAT_A8, 1, 1); /* only its path is asked for */
+  /* Without bounds: of an image, glyphs that lie outside would be left out. */
+  cairo_surface_t *surface = p->lib->cairo_recording_surface_create(CAIRO_CONTENT_ALPHA, NULL);
   cairo_t *cairo = p->lib->cairo_create(surface);
   p->lib->pango_cairo_layout_path(cairo, p->layout);
   cairo_path_t *outline = p->lib->cairo_copy_path(cairo);
