@@ -12,7 +12,6 @@ enum {
   END = 256,
   LONGEST = 258, /* bytes of a repetition */
   FARTHEST = 32768,
-  CODE_MOST = 15,   /* bits */
   TOKENS = 1 << 15, /* of a block */
   SEEN_BITS = 12,
   LOOK_FURTHER = 4 /* pixels: where what is near repeats less */
