@@ -166,15 +166,14 @@ static void find_motion_space(km_mechanism *m, const km_program *program, km_loo
   int count = list_twists(m, program, loop, w, plane);
   /* Directions are told apart by what 1e-16 data can blur, or by what the file says it can. */
   double tolerance = m->closure_tolerance_given ? fmax(3e-8, 30.0 * m->closure_tolerance) : 3e-8;
+  const int most = program->planar ? 3 : 6;
   km_motion_space space;
-  km_motion_space_close(w->twist, count, tolerance, &space);
+  km_motion_space_close(w->twist, count, most, tolerance, &space);
   loop->lambda = space.dimension;
-  loop->local = loop->lambda == (program->planar ? 3 : 6);
+  loop->local = loop->lambda == most;
   enum { TURN_IN_SPACE = 5, TURN_IN_PLANE = 2 };
   for (int i = 0; i < space.dimension; ++i)
     loop->rows[i] = program->planar && space.rows[i] == TURN_IN_SPACE ? TURN_IN_PLANE : space.rows[i];
-  loop->gap = space.kept;
-  loop->gap_dropped = space.dropped;
 }
 
 static void compile_loop(km_mechanism *m, km_program *program, int l, km_stand base, km_walks *w, int *entries) {

@@ -68,8 +68,6 @@ typedef struct km_loop {
   double planar_turn;     /* turn of the one frame against the other when all coordinates are 0 */
   double fixed_misfit[6]; /* planar: what no coordinate can change (v z, w x, w y in the plane's frame) */
   int entry_start, entry_count;
-  double gap; /* smallest direction that counted as a motion, largest that didn't: evidence for lambda */
-  double gap_dropped;
 } km_loop;
 
 typedef struct km_coupling {

@@ -21,7 +21,6 @@ static km_twist reduced(const km_motion_space *g, km_twist t) {
 
 static void accept(km_motion_space *g, km_twist rest, double size) {
   g->basis[g->dimension++] = scaled(1.0 / size, rest);
-  g->kept = fmin(g->kept, size);
 }
 
 /* Adds the candidate that stands out most, if any does; candidates are replaced by what is left of them. */
@@ -36,26 +35,22 @@ static int add_largest(km_motion_space *g, km_twist *candidates, int count, doub
       best = i;
     }
   }
-  if (best < 0 || g->dimension == 6)
+  if (best < 0 || !(largest > tolerance))
     return 0;
-  if (!(largest > tolerance)) {
-    g->dropped = fmax(g->dropped, largest);
-    return 0;
-  }
   accept(g, candidates[best], largest);
   return 1;
 }
 
-static void close_span(km_motion_space *g, double tolerance) {
+static void close_span(km_motion_space *g, int most, double tolerance) {
   km_twist brackets[15];
   int grown = 1;
-  while (grown && g->dimension < 6) {
+  while (grown && g->dimension < most) {
     int count = 0;
     grown = 0;
     for (int i = 0; i < g->dimension; ++i)
       for (int j = 0; j < i; ++j)
         brackets[count++] = km_twist_bracket(g->basis[i], g->basis[j]);
-    while (add_largest(g, brackets, count, tolerance))
+    while (g->dimension < most && add_largest(g, brackets, count, tolerance))
       grown = 1;
   }
 }
@@ -118,18 +113,16 @@ static void choose_rows(km_motion_space *g) {
     eliminate_rows(g);
 }
 
-void km_motion_space_close(const km_twist *twists, int count, double tolerance, km_motion_space *out) {
-  *out = (km_motion_space){.kept = HUGE_VAL};
-  for (int i = 0; i < count; ++i) {
+void km_motion_space_close(const km_twist *twists, int count, int most, double tolerance, km_motion_space *out) {
+  *out = (km_motion_space){0};
+  for (int i = 0; i < count && out->dimension < most; ++i) {
     double size = sqrt(dot(twists[i], twists[i]));
     km_twist rest = reduced(out, scaled(1.0 / size, twists[i]));
     double left = sqrt(dot(rest, rest));
-    if (left > tolerance && out->dimension < 6)
+    if (left > tolerance)
       accept(out, rest, left);
-    else
-      out->dropped = fmax(out->dropped, left);
   }
-  close_span(out, tolerance);
+  close_span(out, most, tolerance);
   if (out->dimension == 5) { /* no subalgebra of rigid motions has dimension 5 (theory 5): rounding */
     out->dimension = 6;
     for (int r = 0; r < 6; ++r)
