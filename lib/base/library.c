@@ -28,7 +28,7 @@ static bool load(km_library *library) {
   void *handles[FILES_MOST + 1] = {NULL};
   any_function *functions = library->functions;
   for (int i = 0; library->files[i]; ++i)
-    if (!(handles[i] = dlopen(library->files[i], RTLD_LAZY | RTLD_LOCAL)))
+    if (!(handles[i] = dlopen(library->files[i], RTLD_NOW | RTLD_LOCAL)))
       return false;
   for (int i = 0; library->names[i]; ++i)
     if (!find(handles, library->names[i], &functions[i]))

@@ -14,7 +14,7 @@ typedef struct km_pixels {
   unsigned per_metre;        /* resolution */
 } km_pixels;
 
-/* Appends the file; false when out of memory. O(pixels). */
+/* Appends the file; false when out of memory, or where zlib isn't there. O(pixels). */
 bool km_png_write(const km_pixels *pixels, km_text *out);
 
 /* Four bytes, the highest first. */
