@@ -15,10 +15,11 @@ typedef struct groups {
   const km_mechanism *m;
   km_state *s;
   int index;
-  int *parent; /* [body] union-find */
-  int *size;   /* [body] of the group, at its representative */
-  int *place;  /* [body] in its group, by the order of the model; -1 in none */
-  bool *fixed; /* [body] at a representative: the group isn't free to be idle */
+  int *parent;              /* [body] union-find */
+  int *size;                /* [body] of the group, at its representative */
+  int *place;               /* [body] in its group, by the order of the model; -1 in none */
+  bool *fixed;              /* [body] at a representative: the group isn't free to be idle */
+  int *joint_start, *joint; /* by representative [body + 1]: the joints at bodies of the group */
 } groups;
 
 static int find(const groups *g, int body) {
@@ -58,71 +59,134 @@ static void tie(const groups *g) {
   }
 }
 
-/* Writes the twist as six entries of a column, lengths over the substructure's size. */
-static void put(const groups *g, km_twist h, km_vec3 about, double unit, double sign, double *column) {
-  double entry[6];
-  km_twist_entries(&g->m->substructures[g->index], h, about, unit, entry);
-  for (int r = 0; r < 6; ++r)
-    column[r] += sign * entry[r];
-}
-
 /* The group's joints and coordinates. */
 static void count_joints(const groups *g, int group, int *joints, int *coordinates) {
   const km_model *model = g->m->model;
-  const km_topology *t = &g->m->topology;
-  *joints = *coordinates = 0;
-  for (int i = t->joint_start[g->index]; i < t->joint_start[g->index + 1]; ++i) {
-    int j = t->joint[i], first = model->joints[j].first_coordinate;
-    if (find(g, body_at(model, j, 0)) != group && find(g, body_at(model, j, 1)) != group)
-      continue;
-    ++*joints;
+  *joints = g->joint_start[group + 1] - g->joint_start[group];
+  *coordinates = 0;
+  for (int i = g->joint_start[group]; i < g->joint_start[group + 1]; ++i) {
+    int j = g->joint[i], first = model->joints[j].first_coordinate;
     for (int c = first; c < first + km_model_freedom(model, j); ++c)
       *coordinates += g->m->column_of[c] >= 0;
   }
 }
 
-/* Fills the equations of joint `j` into six rows of A. Returns the next free column. */
-static int fill_joint(const groups *g, int group, int j, km_vec3 about, int row, int rows, int next, double *A) {
+/* The equations of a group by their entries: six rows for each joint, six columns for each body and one for each coordinate. */
+typedef struct equations {
+  int rows, columns;
+  int *start, *row;                           /* of column c the rows are row[start[c] … start[c + 1]-1], */
+  double *value;                              /* and these its entries */
+  int next[KM_MOST_IDLE_BODIES], next_column; /* of each body, how many of its joints are filled */
+} equations;
+
+static bool reserve_equations(const groups *g, int group, int bodies, km_arena *scratch, equations *e) {
+  int joints, coordinates, ends[KM_MOST_IDLE_BODIES] = {0};
+  count_joints(g, group, &joints, &coordinates);
+  *e = (equations){.rows = 6 * joints, .columns = 6 * bodies + coordinates, .next_column = 6 * bodies};
+  e->start = KM_ARENA_NEW(scratch, int, (size_t)e->columns + 1);
+  e->row = KM_ARENA_NEW(scratch, int, 12 * (size_t)joints + 6 * (size_t)coordinates);
+  e->value = KM_ARENA_NEW(scratch, double, 12 * (size_t)joints + 6 * (size_t)coordinates);
+  if (scratch->failed)
+    return false;
+  for (int i = g->joint_start[group]; i < g->joint_start[group + 1]; ++i)
+    for (int end = 0; end < 2; ++end) {
+      int body = body_at(g->m->model, g->joint[i], end);
+      if (find(g, body) == group)
+        ends[g->place[body]]++;
+    }
+  for (int c = 0; c < e->columns; ++c)
+    e->start[c + 1] = e->start[c] + (c < 6 * bodies ? ends[c / 6] : 6);
+  return true;
+}
+
+/* Fills the equations of joint `j`, from `row` on. */
+static void fill_joint(const groups *g, int group, int j, km_vec3 about, int row, equations *e) {
   const km_model *model = g->m->model;
   int first = model->joints[j].first_coordinate;
   for (int end = 0; end < 2; ++end) {
-    int body = body_at(model, j, end);
+    int body = body_at(model, j, end), place = g->place[body];
     if (find(g, body) != group)
       continue;
-    for (int r = 0; r < 6; ++r)
-      A[(size_t)(6 * g->place[body] + r) * (size_t)rows + (size_t)(row + r)] = end ? 1.0 : -1.0;
+    for (int r = 0; r < 6; ++r) {
+      int at = e->start[6 * place + r] + e->next[place];
+      e->row[at] = row + r;
+      e->value[at] = end ? 1.0 : -1.0;
+    }
+    e->next[place]++;
   }
-  for (int c = first; c < first + km_model_freedom(model, j); ++c)
-    if (g->m->column_of[c] >= 0)
-      put(g, km_coordinate_twist(g->m, g->s, c), about, g->m->unit[c], -1.0, A + (size_t)next++ * (size_t)rows + row);
-  return next;
+  for (int c = first; c < first + km_model_freedom(model, j); ++c) {
+    if (g->m->column_of[c] < 0)
+      continue;
+    int at = e->start[e->next_column++];
+    double entry[6]; /* lengths over the substructure's size */
+    km_twist_entries(&g->m->substructures[g->index], km_coordinate_twist(g->m, g->s, c), about, g->m->unit[c], entry);
+    for (int r = 0; r < 6; ++r) {
+      e->row[at + r] = row + r;
+      e->value[at + r] = 0.0 - entry[r];
+    }
+  }
+}
+
+/* How many columns the others make dependent; -1 when out of memory. */
+static int solve(const equations *e, km_arena *scratch) {
+  enum { MOST_DENSE_ROWS = 60 };
+  const double tolerance = 1e-9 * e->columns;
+  km_partition p;
+  if (e->rows > MOST_DENSE_ROWS) {
+    if (!km_partition_reserve_sparse(&p, e->rows, e->columns, e->start, e->row, scratch))
+      return -1;
+    p.rows_only = true;
+    km_partition_factor(&p, e->value, e->rows, e->columns, NULL, tolerance);
+    return p.failed ? -1 : km_partition_freedom(&p);
+  }
+  double *A = KM_ARENA_NEW(scratch, double, (size_t)e->rows *(size_t)e->columns);
+  if (!A || !km_partition_reserve(&p, e->rows, e->columns, scratch))
+    return -1;
+  for (int c = 0; c < e->columns; ++c)
+    for (int i = e->start[c]; i < e->start[c + 1]; ++i)
+      A[(size_t)c * (size_t)e->rows + (size_t)e->row[i]] = e->value[i];
+  km_partition_factor(&p, A, e->rows, e->columns, NULL, tolerance);
+  return km_partition_freedom(&p);
 }
 
 /* Freedoms of the group while all other bodies stand; -1 when out of memory. */
 static int freedoms(const groups *g, int group, int bodies) {
-  const km_model *model = g->m->model;
-  const km_topology *t = &g->m->topology;
   km_arena scratch = {0};
-  km_partition p;
-  int joints, coordinates;
-  count_joints(g, group, &joints, &coordinates);
-  int rows = 6 * joints, columns = 6 * bodies + coordinates, next = 6 * bodies, row = 0;
-  double *A = KM_ARENA_NEW(&scratch, double, (size_t)rows *(size_t)columns);
-  int found = -1;
-  if (A && km_partition_reserve(&p, rows, columns, &scratch)) {
-    km_vec3 about = g->s->pose[group].p;
-    for (int i = t->joint_start[g->index]; i < t->joint_start[g->index + 1]; ++i) {
-      int j = t->joint[i];
-      if (find(g, body_at(model, j, 0)) != group && find(g, body_at(model, j, 1)) != group)
-        continue;
-      next = fill_joint(g, group, j, about, row, rows, next, A);
-      row += 6;
-    }
-    km_partition_factor(&p, A, rows, columns, NULL, 1e-9 * columns);
-    found = km_partition_freedom(&p);
+  equations e;
+  int found = -1, row = 0;
+  if (reserve_equations(g, group, bodies, &scratch, &e)) {
+    for (int i = g->joint_start[group]; i < g->joint_start[group + 1]; ++i, row += 6)
+      fill_joint(g, group, g->joint[i], g->s->pose[group].p, row, &e);
+    found = solve(&e, &scratch);
   }
   km_arena_free(&scratch);
   return found;
+}
+
+/* Lists the joints of every group, in the order of the substructure. */
+static bool list_joints(groups *g, km_arena *arena) {
+  const km_topology *t = &g->m->topology;
+  const km_model *model = g->m->model;
+  int first = t->joint_start[g->index], end = t->joint_start[g->index + 1];
+  g->joint_start = KM_ARENA_NEW(arena, int, (size_t)model->body_count + 2);
+  g->joint = KM_ARENA_NEW(arena, int, 2 * (size_t)(end - first));
+  if (arena->failed)
+    return false;
+  for (int pass = 0; pass < 2; ++pass) { /* first to count, then to place: joint_start[b + 1] is the next place of b */
+    for (int i = first; i < end; ++i) {
+      int a = find(g, body_at(model, t->joint[i], 0)), b = find(g, body_at(model, t->joint[i], 1));
+      for (int n = 0; n < (a == b ? 1 : 2); ++n) {
+        int group = n ? b : a;
+        if (pass == 0)
+          g->joint_start[group + 2]++;
+        else
+          g->joint[g->joint_start[group + 1]++] = t->joint[i];
+      }
+    }
+    for (int b = 0; b < model->body_count && pass == 0; ++b)
+      g->joint_start[b + 2] += g->joint_start[b + 1];
+  }
+  return true;
 }
 
 /* Groups and the places of bodies in them. */
@@ -134,7 +198,9 @@ static bool make_groups(groups *g, const km_mechanism *m, km_state *s, int index
                 KM_ARENA_NEW(arena, int, bodies),
                 KM_ARENA_NEW(arena, int, bodies),
                 KM_ARENA_NEW(arena, int, bodies),
-                KM_ARENA_NEW(arena, bool, bodies)};
+                KM_ARENA_NEW(arena, bool, bodies),
+                NULL,
+                NULL};
   if (arena->failed)
     return false;
   const km_topology *t = &m->topology;
@@ -153,7 +219,7 @@ static bool make_groups(groups *g, const km_mechanism *m, km_state *s, int index
       if (g->place[body] < 0)
         g->place[body] = g->size[find(g, body)]++;
     }
-  return true;
+  return list_joints(g, arena);
 }
 
 static bool add(const groups *g, int group, int count, km_idle_freedoms *out, size_t *capacity) {

@@ -1,8 +1,10 @@
 /* Going a short way along the motion and back. */
 #include "analysis/nearby.h"
 
+#include "base/random.h"
 #include "kinematics/closure.h"
 #include "kinematics/loops.h"
+#include "kinematics/many_tangents.h"
 #include "kinematics/poses.h"
 
 #include <string.h>
@@ -18,11 +20,32 @@ static void choose_move(const km_mechanism *m, const km_state *s, int index, dou
       move[c] += 0.02 * (1.0 + 0.3 * i) * Z[(size_t)i * (size_t)sub->columns + (size_t)c] / weight[c];
 }
 
+/* Of many motions a random mixture, with the fastest coordinate by as much. */
+static void choose_of_many(const km_mechanism *m, km_state *s, int index, double *part, double *move) {
+  static const double short_way = 0.05;
+  const km_substructure *sub = &m->substructures[index];
+  const double *weight = m->column_weight + sub->column_start;
+  uint64_t random = 1;
+  double fastest = 0.0;
+  for (int c = 0; c < sub->columns; ++c)
+    move[c] = km_uniform(&random) / weight[c];
+  bool moves = km_tangent_project(m, s, index, move, part);
+  for (int c = 0; c < sub->columns; ++c)
+    fastest = fmax(fastest, fabs(move[c]));
+  for (int c = 0; c < sub->columns; ++c)
+    move[c] = moves ? short_way / fastest * move[c] : 0.0;
+}
+
 bool km_nearby_go(const km_mechanism *m, km_state *s, int index, double *saved, double *move) {
   const km_substructure *sub = &m->substructures[index];
-  bool moves = km_partition_freedom(&s->partition[index]) > 0;
+  km_partition *p = &s->partition[index];
+  bool moves = km_partition_freedom(p) > 0, many = km_partition_freedom(p) > KM_MANY_VECTORS;
   km_closure evidence;
-  choose_move(m, s, index, move);
+  p->rows_only = p->sparse && many;
+  if (many)
+    choose_of_many(m, s, index, saved, move);
+  else
+    choose_move(m, s, index, move);
   km_state_save(s, sub, saved);
   km_state_move(m, s, sub, move);
   km_state_forget_pivots(s, index);
@@ -35,6 +58,7 @@ bool km_nearby_go(const km_mechanism *m, km_state *s, int index, double *saved, 
 
 void km_nearby_return(const km_mechanism *m, km_state *s, int index, const double *saved) {
   const km_substructure *sub = &m->substructures[index];
+  s->partition[index].rows_only = false;
   km_state_restore(s, sub, saved);
   km_loops_update(m, s, sub);
   km_state_forget_pivots(s, index);

@@ -4,8 +4,8 @@
 
 #include "kinematics/state.h"
 
-/* Moves one substructure by a few hundredths along all its motions and closes it; its partition and body poses are
- * those of the pose found. False where nothing moves or the loops don't close there. Then or later, km_nearby_return
+/* Moves one substructure by a few hundredths along all its motions and closes it; its partition's rank and body poses
+ * are those of the pose found. False where nothing moves or the loops don't close there. Then or later, km_nearby_return
  * brings the saved pose back. saved[KM_SAVED_PER_COLUMN · columns], move[columns]. The state's null space must be up to
  * date. */
 bool km_nearby_go(const km_mechanism *mechanism, km_state *state, int substructure, double *saved, double *move);

@@ -8,14 +8,14 @@
 #include <string.h>
 
 /* More freedoms have too many branches to be listed, and the dense conditions of more rows take too long. */
-enum { MOST_FREEDOM = 12, MOST_ROWS = 240 };
+enum { MOST_ROWS = 240 };
 /* So many starts times columns are sought for: each takes a few dozen sparse factorisations. */
 enum { MOST_WORK = 1200, LEAST_STARTS = 2 };
 enum { TRIALS = 2 }; /* random directions that show that all are real */
 
 bool km_tangents_are_many(const km_tangents *f) {
   int freedom = f->conditions.freedom;
-  return freedom > 1 && (freedom > MOST_FREEDOM || f->sub->rows > MOST_ROWS);
+  return freedom > 1 && (freedom > KM_MOST_BASIS_TRIED || f->sub->rows > MOST_ROWS);
 }
 
 bool km_many_tangents_make(km_many_tangents *many, km_tangents *f) {
@@ -37,22 +37,26 @@ static void return_to_pose(const km_tangents *f) {
   km_pivot(f->m, f->s, f->index, KM_NO_DRIVER, f->conditions.tolerance);
 }
 
-/* x loses what the loops don't allow, and gets length 1. False if nothing is left. */
+bool km_tangent_project(const km_mechanism *m, km_state *s, int index, double *x, double *part) {
+  const km_substructure *sub = &m->substructures[index];
+  const bool *locked = s->partition[index].locked;
+  for (int c = 0; c < sub->columns; ++c) {
+    x[c] = locked && locked[c] ? 0.0 : x[c];
+    part[c] = x[c];
+  }
+  km_least_step(m, s, index, KM_NO_DRIVER, part);
+  for (int c = 0; c < sub->columns; ++c)
+    x[c] -= part[c];
+  double length = km_step_length(m, sub, x);
+  for (int c = 0; c < sub->columns; ++c)
+    x[c] /= length;
+  return isfinite(length) && length > 0.0;
+}
+
 static bool project(km_many_tangents *many) {
   const km_tangents *f = many->f;
-  const bool *locked = f->s->partition[f->index].locked;
   return_to_pose(f);
-  for (int c = 0; c < f->sub->columns; ++c) {
-    many->x[c] = locked && locked[c] ? 0.0 : many->x[c];
-    many->part[c] = many->x[c];
-  }
-  km_least_step(f->m, f->s, f->index, KM_NO_DRIVER, many->part);
-  for (int c = 0; c < f->sub->columns; ++c)
-    many->x[c] -= many->part[c];
-  double length = km_step_length(f->m, f->sub, many->x);
-  for (int c = 0; c < f->sub->columns; ++c)
-    many->x[c] /= length;
-  return isfinite(length) && length > 0.0;
+  return km_tangent_project(f->m, f->s, f->index, many->x, many->part);
 }
 
 bool km_many_tangents_any(km_many_tangents *many) {
@@ -75,11 +79,17 @@ static bool need_conditions(km_many_tangents *many) {
   return !status;
 }
 
+/* Shows the second order, before a single step, that the direction isn't real? Where following takes longer than that. */
+static bool is_refuted(km_many_tangents *many) {
+  return many->f->conditions.redundant && many->f->conditions.freedom > KM_MANY_VECTORS && need_conditions(many) &&
+         km_second_order_many_breaks(&many->conditions, many->x);
+}
+
 bool km_many_tangents_all_real(km_many_tangents *many, double *length) {
+  int trials = many->f->conditions.redundant ? TRIALS : 1; /* where nothing is redundant all are real anyway */
   *length = HUGE_VAL;
-  for (int trial = 0; trial < TRIALS; ++trial) {
-    if (!km_many_tangents_any(many) || (many->f->conditions.redundant && need_conditions(many) &&
-                                        km_second_order_many_breaks(&many->conditions, many->x)))
+  for (int trial = 0; trial < trials; ++trial) {
+    if (!km_many_tangents_any(many) || is_refuted(many))
       return false;
     km_followed found = km_tangents_try(many->f, many->x);
     if (found.reality < many->f->enough)

@@ -8,6 +8,8 @@
 #include <stdint.h>
 
 enum { KM_STARTS_PER_FREEDOM = 40 };
+/* More freedoms are tried by single directions, and followed without a basis. */
+enum { KM_MOST_BASIS_TRIED = 12 };
 
 /* Does a motion follow the tangent? */
 typedef enum km_reality {

@@ -81,7 +81,7 @@ static bool go(km_tangents *f, int driver, double way, double *misfit) {
   double moved = fastest(f->move, f->sub->columns, &column);
   double most = way > 0.0 ? 3.0 * fmax(*misfit, noise) * pow(1.0 + moved / way, highest_power) : HUGE_VAL;
   km_partition *p = &f->s->partition[f->index];
-  p->rows_only = p->sparse && km_partition_freedom(p) > KM_MANY_VECTORS;
+  p->rows_only = p->sparse && km_partition_freedom(p) > KM_MOST_BASIS_TRIED;
   km_state_save(f->s, f->sub, f->last);
   km_state_move(f->m, f->s, f->sub, f->move);
   double length = km_step_length(f->m, f->sub, f->move);

@@ -129,7 +129,7 @@ static void eliminate_all(km_partition *p, const double *matrix, const bool *for
   int hidden = -1;
   do {
     if (hidden >= 0)
-      p->sparse->late[hidden] = true;
+      p->sparse->late[hidden] = p->sparse->waits = true;
     km_sparse_eliminate(p, matrix, forced, threshold);
     hidden = p->failed ? -1 : km_sparse_hidden(p, forced, threshold);
   } while (hidden >= 0 && !p->sparse->late[hidden]);
@@ -139,6 +139,7 @@ void km_sparse_factor(km_partition *p, const double *matrix, const bool *forced,
   km_sparse *s = p->sparse;
   p->scale = km_largest_size(matrix, s->start[p->columns]);
   p->locked_count = 0;
+  s->waits = false;
   p->largest_b = 0.0;
   for (int c = 0; c < p->columns; ++c)
     p->locked_count += km_sparse_is_locked(p, c);

@@ -37,6 +37,8 @@ struct km_sparse {
   int *open;     /* [columns] entries other than 0 in rows without a pivot, while singles are sought; -1: is one */
   int *dropped;  /* [columns] those that became independent, in that order; before, those that may become single */
   bool *late;    /* [columns] is to come last, since it should stay independent */
+  bool waits;    /* columns that leave only a small pivot become late ones: small pivots that share a vanishing singular
+                  * value then come last, where they tell */
   km_run *upper; /* [columns] of each: its entries of U, by step in an order that replays it */
   km_run *lower; /* [columns] and of L, by row; independent columns have none */
   km_store upper_store, lower_store; /* index: the step, the row */

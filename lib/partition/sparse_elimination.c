@@ -6,6 +6,8 @@
 
 /* Of the largest entry of the matrix: smaller pivots aren't taken unseen. */
 static const double single_share = 0.01;
+/* Of the largest entry of a column: smaller pivots can wait. */
+static const double small_share = 0.01;
 /* Of the largest entry of a column: as pivots such entries let others grow by little, and the row can be a short one. */
 static const double large_share = 0.3;
 
@@ -136,8 +138,9 @@ static int group_of(const km_partition *p, const bool *forced, int c) {
   return km_sparse_is_locked(p, c) ? 3 : km_sparse_is_given(p, forced, c) ? 2 : p->sparse->late[c] ? 1 : 0;
 }
 
-/* Behind the single columns: those that shall stay independent behind the others, then the forced ones, then the locked ones. */
-static void arrange(km_partition *p, const bool *forced) {
+/* Behind the single columns: those that shall stay independent behind the others, then the forced ones, then the locked ones.
+ * Returns where the first of these begin. */
+static int arrange(km_partition *p, const bool *forced) {
   km_sparse *s = p->sparse;
   int next[GROUPS] = {s->singles, 0, 0, 0};
   for (int c = 0; c < p->columns; ++c)
@@ -148,6 +151,23 @@ static void arrange(km_partition *p, const bool *forced) {
   for (int i = 0; i < p->columns; ++i)
     if (s->open[s->order[i]] >= 0)
       s->lead[next[group_of(p, forced, s->order[i])]++] = s->order[i];
+  return next[0];
+}
+
+/* Is the pivot small beside what the column had? */
+static bool is_small(const km_sparse *s, const double *matrix, int c, double size) {
+  double largest = 0.0;
+  for (int i = s->start[c]; i < s->start[c + 1]; ++i)
+    largest = fabs(matrix[i]) > largest ? fabs(matrix[i]) : largest;
+  return size < small_share * largest;
+}
+
+/* The column at place i becomes the last one before `end`. */
+static void put_off(km_sparse *s, int i, int end) {
+  int c = s->lead[i];
+  memmove(s->lead + i, s->lead + i + 1, (size_t)(end - 1 - i) * sizeof *s->lead);
+  s->lead[end - 1] = c;
+  s->late[c] = true;
 }
 
 /* Rows that are no primary constraints leave L: nothing asks for them, and new values for the same pivots needn't be
@@ -193,7 +213,7 @@ void km_sparse_eliminate(km_partition *p, const double *matrix, const bool *forc
   for (int r = 0; r < p->rows; ++r)
     s->step_of[r] = -1;
   int upper_end = km_sparse_take_singles(p, matrix, forced, fmax(threshold, single_share * p->scale));
-  arrange(p, forced);
+  int early = arrange(p, forced);
   for (int i = s->singles; i < p->columns; ++i) {
     int c = s->lead[i];
     if (p->rank == p->rows) { /* nothing can be left of it */
@@ -202,6 +222,13 @@ void km_sparse_eliminate(km_partition *p, const double *matrix, const bool *forc
     }
     int row = reduce(p, matrix, c, &upper_end, &lower_end);
     double size = row < 0 ? 0.0 : fabs(s->x[row]);
+    if (s->waits && i < early && !s->late[c] && is_small(s, matrix, c, size)) {
+      drop(p, c);
+      upper_end = s->upper[c].start;
+      lower_end = s->lower[c].start;
+      put_off(s, i--, early);
+      continue;
+    }
     if (size > threshold && !(p->held && forced && forced[c])) {
       use(p, c, row);
       lower_end = s->lower[c].end;

@@ -8,6 +8,7 @@
 #include "kinematics/loops.h"
 #include "kinematics/many_tangents.h"
 #include "kmech/finite_mobility.h"
+#include "kmech/idle.h"
 #include "kmech/motions.h"
 #include "topology/mechanism.h"
 
@@ -70,6 +71,37 @@ static void bases_wait(void **state) {
   }
   km_free(N);
   fixture_close(&f);
+}
+
+/* All loops of a platform close through the tree's only way to it; in large ones no bar lies in many of them. Every bar spins,
+ * whichever way its group is solved. */
+static void bars_of_a_platform(void **state) {
+  (void)state;
+  static const law laws[] = {law_jacobian, law_slopes, law_null_space, law_numbers};
+  km_text text = {0};
+  write_bars(&text, LOOPS, 0.0);
+  fixture f = fixture_read(text.data);
+  const km_topology *t = &f.mechanism->topology;
+  randomness r = {1};
+  int sharing[2 * LOOPS + 1] = {0};
+  for (int i = 0; i < t->member_start[t->loop_count]; ++i)
+    sharing[t->member[i].joint]++;
+  for (int j = 0; j < f.model->joint_count; ++j)
+    assert_true(sharing[j] <= 9);
+  for (size_t k = 0; k < sizeof laws / sizeof *laws; ++k)
+    laws[k](&f, &r);
+  km_idle_freedoms idle;
+  assert_int_equal(km_idle_freedoms_find(f.mechanism, f.state, NULL, NULL, &idle, NULL), KM_OK);
+  assert_int_equal(idle.mobility, LOOPS);
+  assert_int_equal(idle.count, LOOPS);
+  km_idle_freedoms_free(&idle);
+  km_finite_mobility found;
+  assert_int_equal(km_finite_mobility_find(f.mechanism, f.state, NULL, NULL, &found, NULL), KM_OK);
+  assert_int_equal(found.mobility, LOOPS);
+  assert_false(found.undecided);
+  km_finite_mobility_free(&found);
+  fixture_close(&f);
+  km_text_free(&text);
 }
 
 static km_finite_mobility find(fixture *f) {
@@ -194,7 +226,7 @@ static void sparse_is_dense(void **state) {
 int main(void) {
   const struct CMUnitTest tests[] = {
       cmocka_unit_test(laws_of_many_freedoms), cmocka_unit_test(bases_wait),      cmocka_unit_test(many_real_freedoms),
-      cmocka_unit_test(a_folded_chain),        cmocka_unit_test(sparse_is_dense),
+      cmocka_unit_test(a_folded_chain),        cmocka_unit_test(sparse_is_dense), cmocka_unit_test(bars_of_a_platform),
   };
   return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -122,6 +122,32 @@ void write_five_bars(km_text *text, int n, double away) {
   finish(&d);
 }
 
+void write_bars(km_text *text, int n, double away) {
+  drawing d;
+  begin(&d, text, away);
+  for (int side = 0; side < 2; ++side) {
+    begin_body(&d, side ? "top" : "base", 0, 0);
+    for (int i = 0; i < n; ++i) {
+      double w = 2.0 * M_PI * i / n;
+      km_vec3 foot = {3.0 * cos(w), 3.0 * sin(w), 0.0}, head = {cos(w + 0.5), sin(w + 0.5), 2.0 + 0.1 * sin(7.0 * w)};
+      add_frame(&d, i == 0, side ? "B" : "A", i, 0, side ? head : foot, up);
+    }
+    end_body(&d);
+  }
+  add_ground(&d, "base", 0, 0);
+  for (int i = 0; i < n; ++i) {
+    double w = 2.0 * M_PI * i / n;
+    km_vec3 foot = {3.0 * cos(w), 3.0 * sin(w), 0.0}, head = {cos(w + 0.5), sin(w + 0.5), 2.0 + 0.1 * sin(7.0 * w)};
+    begin_body(&d, "bar", i, 0);
+    add_frame(&d, true, "A", i, 0, foot, up);
+    add_frame(&d, false, "B", i, 0, head, up);
+    end_body(&d);
+    add_joint(&d, "spherical", "A", i, 0, "base", 0, 0, "bar", i, 0);
+    add_joint(&d, "spherical", "B", i, 0, "bar", i, 0, "top", 0, 0);
+  }
+  finish(&d);
+}
+
 void write_trellis(km_text *text, int rows, int columns, double away) {
   const km_vec3 along = {1.0, 0.0, 0.0}, across = {0.3, 1.1, 0.0};
   drawing d;

@@ -11,6 +11,8 @@
 void write_drawn_chain(km_text *out, int n, double away);
 /* n five-bars between n + 1 cranks: mobility n + 1. */
 void write_five_bars(km_text *out, int n, double away);
+/* A platform on n bars between spherical joints: beyond six bars n − 6 are redundant, and every bar spins. */
+void write_bars(km_text *out, int n, double away);
 /* A garden trellis: rows + 1 bars and columns + 1 bars, hinged where they cross. rows · columns loops, mobility 1: all
  * hinges but the first two rows' and columns' are redundant. */
 void write_trellis(km_text *out, int rows, int columns, double away);
