@@ -135,6 +135,12 @@ km_status km_carrying_make_large(const km_mechanism *mechanism, km_statics_work 
                                  km_error *error);
 void km_carrying_free(km_statics_work *work);
 
+/* U S Vᵀ of a matrix whose first `rows` rows alone aren't 0, fewer than its columns, in its place; V is whole. False when out of
+ * memory. O(columns² · rows), where Jacobi's method takes O(columns³) a sweep. */
+bool km_decompose_wide(gsl_matrix *U, gsl_matrix *V, gsl_vector *S, int rows);
+/* The same of rows of an orthonormal basis: where all its columns keep their length, the other rows are 0, and U is the matrix
+ * itself. False where they don't. */
+bool km_decompose_straight(const gsl_matrix *U, gsl_matrix *V, gsl_vector *S);
 /* Actuator forces, directions out of their reach, and whether they hold, from work->tau. */
 void km_actuators_hold(const km_mechanism *mechanism, const km_state *state, km_statics *statics);
 /* km_statics_update for forces that are at hand, as those of a motion (km_dynamics_balance). */

@@ -1,5 +1,6 @@
 /* Actuators against loads: Y_Aᵀ f_A = −Yᵀ τ, block by block. */
 #include "analysis/statics.h"
+#include "partition/partition.h"
 
 #include <gsl/gsl_linalg.h>
 #include <string.h>
@@ -124,6 +125,10 @@ static bool unreached(const km_mechanism *m, const km_holding *h, km_statics *st
     size = hypot(size, h->load->data[i]);
   bool falls = size > h->noise;
   for (int i = falls ? rank - 1 : rank; i < freedom && kept < freedom - rank; ++i) {
+    if (st->direction_count >= KM_MOST_DIRECTIONS) { /* the others are counted */
+      st->direction_count += freedom - rank - kept;
+      break;
+    }
     double *x = basis + (size_t)kept * (size_t)freedom;
     memset(x, 0, (size_t)freedom * sizeof *x);
     for (int k = 0; k < freedom; ++k) {
@@ -173,8 +178,18 @@ static void gather(const km_mechanism *m, const km_state *s, km_holding *h) {
     h->gathered[(size_t)h->freedom++ * (size_t)h->columns + (size_t)column++] = 1.0;
 }
 
-/* U S Vᵀ of a matrix, in its place. */
-static void decompose(gsl_matrix *U, gsl_matrix *V, gsl_vector *S) {
+static bool push_joints(const km_statics *st, const km_holding *h) {
+  bool all = true;
+  for (int a = 0; a < h->count; ++a)
+    all = all && st->actuators[h->actuator[a]].kind == KM_HANDLE_JOINT;
+  return all;
+}
+
+/* U S Vᵀ of the actuators' rows, in their place. */
+static void decompose(const km_statics *st, const km_holding *h, gsl_matrix *U, gsl_matrix *V, gsl_vector *S) {
+  bool many = U->size2 > KM_MANY_VECTORS, wide = (size_t)h->count < U->size2;
+  if (many && (wide ? km_decompose_wide(U, V, S, h->count) : push_joints(st, h) && km_decompose_straight(U, V, S)))
+    return;
   if (U->size2 > 1) {
     gsl_linalg_SV_decomp_jacobi(U, V, S);
     return;
@@ -206,7 +221,7 @@ static void hold_block(const km_mechanism *m, const km_state *s, int index, km_s
   gsl_vector S = first(h->S, freedom), g = first(h->answer, freedom), load = first(h->load, freedom);
   double noise = loads_on(m, h, st->work, &g);
   fill(m, st, h, &U);
-  decompose(&U, &V, &S);
+  decompose(st, h, &U, &V, &S);
   for (size_t i = 0; i < load.size; ++i) { /* Vᵀ g */
     load.data[i] = 0.0;
     for (size_t k = 0; k < g.size; ++k)

@@ -4,6 +4,7 @@
 #include "support/laws.h"
 #include "support/linkages.h"
 
+#include "analysis/statics.h"
 #include "kinematics/closure.h"
 #include "kinematics/loops.h"
 #include "kinematics/many_tangents.h"
@@ -12,6 +13,7 @@
 #include "kmech/motions.h"
 #include "topology/mechanism.h"
 
+#include <gsl/gsl_linalg.h>
 #include <stdio.h>
 #include <string.h>
 
@@ -223,10 +225,50 @@ static void sparse_is_dense(void **state) {
   assert_true(branched >= 33);
 }
 
+/* Of a few rows in many columns: A = U S Vᵀ, U and V with columns at right angles, and the values of Jacobi's method. */
+static void wide_singular_values(void **state) {
+  (void)state;
+  enum { COLUMNS = 60, MOST_ROWS = 5 };
+  randomness r = {3};
+  for (int n = 0; n < 60; ++n) {
+    int rows = n % (MOST_ROWS + 1);
+    gsl_matrix *A = gsl_matrix_calloc(COLUMNS, COLUMNS), *U = gsl_matrix_calloc(COLUMNS, COLUMNS);
+    gsl_matrix *V = gsl_matrix_calloc(COLUMNS, COLUMNS), *W = gsl_matrix_calloc(COLUMNS, COLUMNS);
+    gsl_vector *S = gsl_vector_calloc(COLUMNS), *T = gsl_vector_calloc(COLUMNS);
+    for (int a = 0; a < rows; ++a)
+      for (int k = 0; k < COLUMNS; ++k) /* sometimes the last row depends on the first */
+        gsl_matrix_set(A, (size_t)a, (size_t)k,
+                       n % 4 == 3 && a > 0 && a == rows - 1 ? 2.0 * gsl_matrix_get(A, 0, (size_t)k)
+                                                            : uniform(&r, -1.0, 1.0));
+    gsl_matrix_memcpy(U, A);
+    assert_true(km_decompose_wide(U, V, S, rows));
+    for (size_t a = 0; a < COLUMNS; ++a)
+      for (size_t k = 0; k < COLUMNS; ++k) {
+        double product = 0.0, square = 0.0;
+        for (size_t i = 0; i < COLUMNS; ++i) {
+          product += gsl_matrix_get(U, a, i) * gsl_vector_get(S, i) * gsl_matrix_get(V, k, i);
+          square += gsl_matrix_get(V, i, a) * gsl_matrix_get(V, i, k);
+        }
+        assert_near(product, gsl_matrix_get(A, a, k), 1e-12);
+        assert_near(square, a == k, 1e-12);
+      }
+    gsl_linalg_SV_decomp_jacobi(A, W, T);
+    for (size_t i = 0; i < COLUMNS; ++i)
+      assert_near(gsl_vector_get(S, i), gsl_vector_get(T, i), 1e-10); /* what Jacobi's method leaves of a 0 */
+    gsl_matrix_free(A);
+    gsl_matrix_free(U);
+    gsl_matrix_free(V);
+    gsl_matrix_free(W);
+    gsl_vector_free(S);
+    gsl_vector_free(T);
+  }
+}
+
 int main(void) {
   const struct CMUnitTest tests[] = {
       cmocka_unit_test(laws_of_many_freedoms), cmocka_unit_test(bases_wait),      cmocka_unit_test(many_real_freedoms),
       cmocka_unit_test(a_folded_chain),        cmocka_unit_test(sparse_is_dense), cmocka_unit_test(bars_of_a_platform),
+      cmocka_unit_test(wide_singular_values),
   };
   return cmocka_run_group_tests(tests, NULL, NULL);
 }
