@@ -3,26 +3,10 @@
 #include "kinematics/closure.h"
 #include "kinematics/loops.h"
 
-/* The numbers of many freedoms, whose basis is left until someone asks for it. */
-static bool find_many(const km_mechanism *m, km_state *s, int index) {
-  const km_substructure *sub = &m->substructures[index];
-  const km_partition *p = &s->partition[index];
-  int freedom = km_partition_freedom(p);
-  if (freedom <= KM_MANY_VECTORS || (!p->sparse && p->rank >= freedom) ||
-      !km_partition_numbers(p, km_state_jacobian(s, sub), m->column_weight + sub->column_start, s->work))
-    return false;
-  s->basis[index].known = s->basis[index].waits = true;
-  return true;
-}
-
 static void set_numbers(const km_mechanism *m, km_state *s, int index) {
   const km_substructure *sub = &m->substructures[index];
-  const km_partition *p = &s->partition[index];
   const int *coordinate = m->column_coordinate + sub->column_start;
-  if (!find_many(m, s, index)) {
-    const double *Z = km_state_basis(s, index);
-    km_mobility_numbers(Z, sub->columns, Z ? km_partition_freedom(p) : 0, s->work);
-  }
+  km_state_numbers(m, s, index, s->work);
   for (int k = 0; k < sub->columns; ++k)
     s->numbers[coordinate[k]] = s->work[k];
 }

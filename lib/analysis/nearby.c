@@ -29,7 +29,7 @@ static void choose_of_many(const km_mechanism *m, km_state *s, int index, double
   double fastest = 0.0;
   for (int c = 0; c < sub->columns; ++c)
     move[c] = km_uniform(&random) / weight[c];
-  bool moves = km_tangent_project(m, s, index, move, part);
+  bool moves = km_tangent_project(m, s, index, move, part) > 0.0;
   for (int c = 0; c < sub->columns; ++c)
     fastest = fmax(fastest, fabs(move[c]));
   for (int c = 0; c < sub->columns; ++c)

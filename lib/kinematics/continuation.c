@@ -3,6 +3,7 @@
 
 #include "base/larger.h"
 #include "kinematics/closure.h"
+#include "kinematics/many_tangents.h"
 
 #include <string.h>
 
@@ -64,6 +65,10 @@ static bool project(km_continuation *c, const double *from, double *t) {
   const km_substructure *sub = km_continuation_sub(c);
   const double *weight = c->mechanism->column_weight + sub->column_start;
   int freedom = km_partition_freedom(&c->state->partition[c->substructure]);
+  if (freedom > KM_MANY_VECTORS) {
+    memmove(t, from, (size_t)sub->columns * sizeof *t);
+    return km_tangent_project(c->mechanism, c->state, c->substructure, t, c->work) > 1e-6;
+  }
   const double *Z = km_state_null(c->mechanism, c->state, c->substructure, freedom);
   if (!Z)
     return false;

@@ -151,9 +151,8 @@ static bool first_tangent(km_follow *f, int column, double sign) {
 /* The column with the greatest mobility number at the state's pose; the first of those that are equal to rounding. */
 static int liveliest(const km_follow *f) {
   km_state *s = f->c.state;
-  int freedom = km_partition_freedom(&s->partition[f->c.substructure]), best = 0;
-  const double *Z = km_state_null(f->c.mechanism, s, f->c.substructure, freedom);
-  km_mobility_numbers(Z, sub_of(f)->columns, Z ? freedom : 0, s->work);
+  int best = 0;
+  km_state_numbers(f->c.mechanism, s, f->c.substructure, s->work);
   for (int k = 1; k < sub_of(f)->columns; ++k)
     if (s->work[k] > 1.000001 * s->work[best])
       best = k;

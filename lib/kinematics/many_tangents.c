@@ -37,7 +37,7 @@ static void return_to_pose(const km_tangents *f) {
   km_pivot(f->m, f->s, f->index, KM_NO_DRIVER, f->conditions.tolerance);
 }
 
-bool km_tangent_project(const km_mechanism *m, km_state *s, int index, double *x, double *part) {
+double km_tangent_project(const km_mechanism *m, km_state *s, int index, double *x, double *part) {
   const km_substructure *sub = &m->substructures[index];
   const bool *locked = s->partition[index].locked;
   for (int c = 0; c < sub->columns; ++c) {
@@ -50,13 +50,14 @@ bool km_tangent_project(const km_mechanism *m, km_state *s, int index, double *x
   double length = km_step_length(m, sub, x);
   for (int c = 0; c < sub->columns; ++c)
     x[c] /= length;
-  return isfinite(length) && length > 0.0;
+  return length;
 }
 
 static bool project(km_many_tangents *many) {
   const km_tangents *f = many->f;
   return_to_pose(f);
-  return km_tangent_project(f->m, f->s, f->index, many->x, many->part);
+  double length = km_tangent_project(f->m, f->s, f->index, many->x, many->part);
+  return isfinite(length) && length > 0.0;
 }
 
 bool km_many_tangents_any(km_many_tangents *many) {

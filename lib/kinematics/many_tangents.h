@@ -14,9 +14,9 @@ typedef struct km_many_tangents {
   double *x, *part;        /* [columns] the direction found last, unit and scaled; workspace */
 } km_many_tangents;
 
-/* Takes out of the scaled step x what the loops don't allow to first order, and gives it length 1; false if nothing is left.
- * The partition is that of the state's Jacobian. part[columns]. */
-bool km_tangent_project(const km_mechanism *mechanism, km_state *state, int substructure, double *x, double *part);
+/* Takes out of the scaled step x what the loops don't allow to first order, and gives the rest length 1; returns the length that
+ * it had. The partition is that of the state's Jacobian. part[columns]. */
+double km_tangent_project(const km_mechanism *mechanism, km_state *state, int substructure, double *x, double *part);
 
 /* Is that so much that no basis is tried? A single tangent is always tried as it is. */
 bool km_tangents_are_many(const km_tangents *tangents);

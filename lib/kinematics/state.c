@@ -164,6 +164,25 @@ const double *km_state_basis(const km_state *s, int index) {
   return km_state_null(s->mechanism, s, index, km_partition_freedom(&s->partition[index]));
 }
 
+/* Without a basis; false where it has to be made. */
+static bool find_many_numbers(const km_mechanism *m, km_state *s, int index, double *numbers) {
+  const km_substructure *sub = &m->substructures[index];
+  const km_partition *p = &s->partition[index];
+  int freedom = km_partition_freedom(p);
+  if (freedom <= KM_MANY_VECTORS || (!p->sparse && p->rank >= freedom) ||
+      !km_partition_numbers(p, km_state_jacobian(s, sub), m->column_weight + sub->column_start, numbers))
+    return false;
+  s->basis[index].known = s->basis[index].waits = true;
+  return true;
+}
+
+void km_state_numbers(const km_mechanism *m, km_state *s, int index, double *numbers) {
+  if (find_many_numbers(m, s, index, numbers))
+    return;
+  const double *Z = km_state_basis(s, index);
+  km_mobility_numbers(Z, m->substructures[index].columns, Z ? km_partition_freedom(&s->partition[index]) : 0, numbers);
+}
+
 double *km_state_rows(const km_mechanism *m, km_state *s, int index, int count) {
   const km_substructure *sub = &m->substructures[index];
   double *R = basis_room(&s->basis[index], sub, s->partition[index].rank);

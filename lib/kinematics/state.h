@@ -82,6 +82,8 @@ void km_state_jacobian_dense(const km_state *state, const km_substructure *sub, 
 /* km_partition_null of a substructure's partition with the weights D, into the state: Z[count × columns], those that are
  * there already not again. NULL when out of memory (then km_partition_freedom is 0 too). */
 double *km_state_null(const km_mechanism *mechanism, const km_state *state, int substructure, int count);
+/* Mobility numbers by column. Those of many freedoms need no basis, which is made when someone asks for it. */
+void km_state_numbers(const km_mechanism *mechanism, km_state *state, int substructure, double *numbers);
 /* km_partition_rows in the same place: R[rank × columns]. NULL when out of memory. */
 double *km_state_rows(const km_mechanism *mechanism, km_state *state, int substructure, int count);
 
