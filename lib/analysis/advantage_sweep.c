@@ -20,6 +20,7 @@ typedef struct watch {
   km_losses_work *losses;             /* NULL: no joint has friction */
   bool followed;                      /* r->rates is the motion at the pose that is looked at */
   bool between;                       /* that pose lies between rows */
+  bool failed;                        /* the losses of the last row found no memory */
   double *reference;                  /* [coordinate] the motion at the last sample: a basis has no sense of its own */
   km_scan scan;
   km_events events;
@@ -64,7 +65,7 @@ static double *write_value(void *self, km_sweeper *r, double *cell) {
   *cell++ = a.value;
   if (w->losses) {
     km_losses losses;
-    km_losses_update(r->m, r->s, w->losses, &losses);
+    w->failed = km_losses_update(r->m, r->s, w->losses, &losses) == KM_MEMORY;
     *cell++ = losses.ratio;
   }
   if (w->transmission) {
@@ -147,7 +148,7 @@ static km_status pass(void *self, km_sweeper *r, double s, km_error *error) {
 
 static km_status see(void *self, km_sweeper *r, double s, km_error *error) {
   watch *w = self;
-  km_status status = pass(self, r, s, error);
+  km_status status = w->failed ? km_fail(error, KM_MEMORY, "out of memory for the losses") : pass(self, r, s, error);
   w->followed = km_sweeper_motion(r); /* what probes have left there isn't the row's */
   return status ? status : note_dead_centre(w, r, s, error);
 }

@@ -1,6 +1,7 @@
 /* A simulation row by row: its columns, and what stands in them. */
 #include "analysis/history_table.h"
 #include "base/check.h"
+#include "kmech/sweep_plan.h"
 
 static const double default_span = 10.0; /* seconds */
 enum { DEFAULT_ROWS = 200 };
@@ -24,6 +25,9 @@ static km_status check_def(const km_mechanism *m, const km_history_def *def, km_
     return km_fail(error, KM_USAGE, "end %g; expected a time after the start at %g", def->until, def->start);
   if (!(def->every > 0.0) || !isfinite(def->every))
     return km_fail(error, KM_USAGE, "%g between rows; expected a positive time", def->every);
+  if ((def->until - def->start) / def->every > KM_MOST_SWEEP_STEPS)
+    return km_fail(error, KM_USAGE, "%g between rows up to %g; expected at most %d rows", def->every, def->until,
+                   KM_MOST_SWEEP_STEPS);
   return km_history_check_frames(m, def->frames, def->frame_count, error);
 }
 

@@ -208,15 +208,18 @@ static double *write_frame(const km_history_writer *w, int frame, double *out) {
   return out;
 }
 
-static double *write_reactions(km_history_writer *w, double *out) {
+static km_status write_reactions(km_history_writer *w, double **cells, km_error *error) {
+  double *out = *cells;
   km_dynamics_balance(w->dynamics, w->state);
-  km_statics_balance(w->m, w->look, w->forces, &w->statics);
+  if (km_statics_balance(w->m, w->look, w->forces, &w->statics))
+    return km_fail(error, KM_MEMORY, "out of memory for the reactions");
   for (int j = 0; j < w->m->model->joint_count; ++j) {
     memcpy(out, w->statics.reactions[j].force, 3 * sizeof *out);
     memcpy(out + 3, w->statics.reactions[j].torque, 3 * sizeof *out);
     out += 6;
   }
-  return out;
+  *cells = out;
+  return KM_OK;
 }
 
 /* What the drive of a coordinate gives: prescribed, or by motors and controllers. */
@@ -276,11 +279,10 @@ km_status km_history_row(km_history_writer *w, km_error *error) {
   km_mobility mobility;
   km_state_copy(w->m, w->look, w->state);
   km_mobility_update(w->m, w->look, &mobility);
-  if (w->reactions)
-    out = write_reactions(w, out);
-  for (int c = 0; w->mobility && c < w->m->coordinate_count; ++c)
+  km_status status = w->reactions ? write_reactions(w, &out, error) : KM_OK;
+  for (int c = 0; w->mobility && c < w->m->coordinate_count && !status; ++c)
     *out++ = km_mobility_number(w->look, c);
-  return KM_OK;
+  return status;
 }
 
 /* Prescribed joints are the actuators of the balance. */

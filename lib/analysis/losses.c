@@ -142,34 +142,36 @@ static bool make_equations(const km_mechanism *m, km_state *s, km_losses_work *w
   return isfinite(ideal);
 }
 
-void km_losses_update(const km_mechanism *m, km_state *s, km_losses_work *w, km_losses *out) {
+km_status km_losses_update(const km_mechanism *m, km_state *s, km_losses_work *w, km_losses *out) {
   if (!out)
-    return;
+    return KM_USAGE;
   *out = (km_losses){.ratio = nan(""), .efficiency = nan(""), .locks_from = nan(""), .why = "the mobility isn't known"};
   if (!w || w->lever->mechanism != m || !km_state_knows_motion(m, s))
-    return;
+    return KM_USAGE;
   km_advantage a;
   *out = (km_losses){.ratio = nan(""), .efficiency = nan(""), .locks_from = nan("")};
   km_lever_update(m, s, w->lever, &a);
   if (w->lever->input.handle.kind != KM_HANDLE_JOINT || a.state != KM_ADVANTAGE_FINITE) {
     out->why = a.state != KM_ADVANTAGE_FINITE ? "the mechanical advantage isn't finite" : "the input is no joint";
-    return;
+    return KM_OK;
   }
   /* The motion in which the output goes against its load. */
   for (int c = 0; c < m->coordinate_count && a.output_rate < 0.0; ++c)
     w->lever->rates[c] = -w->lever->rates[c];
   find_rubbing(m, w, w->lever->rates);
   if (!make_equations(m, s, w)) {
-    out->why = "the input alone can't hold the output";
-    return;
+    bool failed = w->statics.work->arena.failed;
+    out->why = failed ? "there is no memory" : "the input alone can't hold the output";
+    return failed ? KM_MEMORY : KM_OK;
   }
   km_friction_answer answer = km_friction_solve(&w->friction);
   if (answer == KM_FRICTION_OPEN) {
     out->why = "neither motion nor self-locking could be proved";
-    return;
+    return KM_OK;
   }
   out->locks = answer == KM_FRICTION_LOCKS;
   out->locks_from = out->locks ? w->friction.locks_from : nan("");
   out->efficiency = out->locks ? 0.0 : w->friction.load;
   out->ratio = out->efficiency * a.value;
+  return KM_OK;
 }

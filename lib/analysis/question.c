@@ -134,7 +134,8 @@ static km_status check_numbers(const km_option *o, const km_option_value *v, km_
     return km_fail(error, KM_USAGE, "`%s` %d: expected a whole number from %.0f to %.0f", o->name, v->whole, o->low,
                    o->high);
   if (o->type == KM_OPTION_NUMBER && !(v->numbers[0] > o->low && v->numbers[0] <= o->high))
-    return km_fail(error, KM_USAGE, "`%s` %g: expected a number greater than %g", o->name, v->numbers[0], o->low);
+    return km_fail(error, KM_USAGE, "`%s` %g: expected a number greater than %g and at most %g", o->name, v->numbers[0],
+                   o->low, o->high);
   if (o->type == KM_OPTION_SENSE && !(fabs(v->numbers[0]) > 0.0))
     return km_fail(error, KM_USAGE, "`%s`: expected a joint with +1 or -1", o->name);
   if (o->type == KM_OPTION_FILE && !(v->text && v->text[0]))

@@ -1,5 +1,6 @@
 /* The options of every motion, the plan that they make, and the places that every motion has. */
 #include "analysis/question.h"
+#include "analysis/sweeper.h"
 
 #include "base/check.h"
 
@@ -10,7 +11,8 @@ const km_option km_motion_options[KM_MOTION_OPTIONS] = {
     {"range", KM_OPTION_RANGE, "FROM:TO", "driver's", NULL, "Its range in the model's unit", 0, 0, NULL, true},
     {"steps", KM_OPTION_WHOLE, "N", "", NULL, "Number of intervals; N + 1 rows", 1, KM_MOST_SWEEP_STEPS, NULL, true},
     {"arclength", KM_OPTION_NUMBER, "DS", "", NULL,
-     "Follow the motion by arc length instead, DS a row: through dead points", 0, HUGE_VAL, NULL, true},
+     "Follow the motion by arc length instead, DS a row: through dead points", KM_LEAST_ARCLENGTH, KM_MOST_ARCLENGTH,
+     NULL, true},
     {"direction", KM_OPTION_SENSE, "JOINT=+1", "", NULL, "Start so that this joint moves forwards (or -1: backwards)",
      0, 0, NULL, true},
     {"cycle", KM_OPTION_FLAG, NULL, "", NULL,

@@ -212,7 +212,7 @@ static void forget(const km_mechanism *m, km_statics *st) {
   st->direction_count = st->degree = 0;
 }
 
-void km_statics_balance(const km_mechanism *m, km_state *s, km_forces *f, km_statics *st) {
+km_status km_statics_balance(const km_mechanism *m, km_state *s, km_forces *f, km_statics *st) {
   km_statics_work *w = st->work;
   km_statics_hold(m, s, f, st);
   least_norm(m, s, st);
@@ -225,6 +225,7 @@ void km_statics_balance(const km_mechanism *m, km_state *s, km_forces *f, km_sta
     km_pushed_points_apply(m, f, st);
   }
   km_statics_carry(m, s, f, st);
+  return w->arena.failed ? KM_MEMORY : KM_OK;
 }
 
 void km_statics_bear(const km_mechanism *m, km_state *s, const km_forces *f, const double *driving, km_statics *st) {
@@ -233,13 +234,13 @@ void km_statics_bear(const km_mechanism *m, km_state *s, const km_forces *f, con
   km_statics_carry(m, s, f, st);
 }
 
-void km_statics_update(const km_mechanism *m, km_state *s, km_forces *f, km_statics *st) {
+km_status km_statics_update(const km_mechanism *m, km_state *s, km_forces *f, km_statics *st) {
   if (!st || !st->work || st->work->mechanism != m || !f || f->mechanism != m)
-    return;
+    return KM_USAGE;
   if (!km_state_knows_motion(m, s)) {
     forget(m, st);
-    return;
+    return KM_USAGE;
   }
   km_forces_update(m, s, f);
-  km_statics_balance(m, s, f, st);
+  return km_statics_balance(m, s, f, st);
 }

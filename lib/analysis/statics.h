@@ -144,7 +144,7 @@ bool km_decompose_straight(const gsl_matrix *U, gsl_matrix *V, gsl_vector *S);
 /* Actuator forces, directions out of their reach, and whether they hold, from work->tau. */
 void km_actuators_hold(const km_mechanism *mechanism, const km_state *state, km_statics *statics);
 /* km_statics_update for forces that are at hand, as those of a motion (km_dynamics_balance). */
-void km_statics_balance(const km_mechanism *mechanism, km_state *state, km_forces *forces, km_statics *statics);
+km_status km_statics_balance(const km_mechanism *mechanism, km_state *state, km_forces *forces, km_statics *statics);
 /* Reactions alone, for forces that are at hand as those of a motion, with `driving` [coordinate] of what is prescribed. */
 void km_statics_bear(const km_mechanism *mechanism, km_state *state, const km_forces *forces, const double *driving,
                      km_statics *statics);

@@ -106,6 +106,8 @@ static km_status start_at_pole(watch *w, km_error *error) {
 /* A branch point has freedoms for an instant that no actuator may hold: that says nothing of the forces around it. */
 static km_status look(void *self, km_sweeper *r, double s, km_error *error) {
   watch *w = self;
+  if (w->statics->work->arena.failed)
+    return km_fail(error, KM_MEMORY, "out of memory for the balance");
   if (r->substructure >= 0 && km_partition_freedom(&r->s->partition[r->substructure]) > r->out->freedom)
     return KM_OK;
   bool second = w->scan.have > 0;

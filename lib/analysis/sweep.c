@@ -23,7 +23,10 @@ static km_status check_range(const km_mechanism *m, const km_sweep_plan *plan, k
   if (plan->steps == 0)
     return KM_OK;
   if (plan->arclength > 0.0)
-    return isfinite(plan->arclength) ? KM_OK : km_fail(error, KM_USAGE, "an arc length that isn't finite");
+    return plan->arclength > KM_LEAST_ARCLENGTH && plan->arclength <= KM_MOST_ARCLENGTH
+               ? KM_OK
+               : km_fail(error, KM_USAGE, "steps of an arc length of %g; expected one greater than %g and at most %g",
+                         plan->arclength, KM_LEAST_ARCLENGTH, KM_MOST_ARCLENGTH);
   if (!isfinite(plan->from) || !isfinite(plan->to))
     return km_fail(error, KM_USAGE, "a range from %g to %g; expected finite values", plan->from, plan->to);
   return km_check_index(plan->coordinate, m->coordinate_count, "coordinate", error);
@@ -116,8 +119,11 @@ void km_sweeps_run(km_sweep_job *jobs, int count) {
                                                 : km_sweep_by_length(&sweepers[i], jobs[i].error);
   }
   km_sweeps_by_driver(sweepers, jobs, count);
-  for (int i = 0; i < count; ++i)
+  for (int i = 0; i < count; ++i) {
+    if (jobs[i].s->arena.failed && jobs[i].status != KM_MEMORY) /* what a pose has more of than those before */
+      jobs[i].status = km_fail(jobs[i].error, KM_MEMORY, "out of memory for a pose of a sweep");
     km_free(sweepers[i].rates);
+  }
   for (int i = 0; i < count; ++i)
     km_sweep_room_free(&rooms[i]);
 }

@@ -28,13 +28,12 @@ static km_status end(km_sweeper *r, km_drive *d, double s, double last, km_error
 }
 
 /* Where a way to s ends, and whether at a place whose neighbours are worth a look; comes back. */
-static double look_ahead(km_sweeper *r, km_drive *d, double s, bool *stops, bool *meets) {
+static km_reach look_ahead(km_sweeper *r, km_drive *d, double s, bool *meets) {
   km_drive_mark(d);
   km_reach reach = km_drive_to(d, s);
-  *stops = reach.stop != KM_STOP_NONE;
   *meets = km_sweeper_meets(r);
   km_drive_return(d);
-  return reach.position;
+  return reach;
 }
 
 km_status km_sweeper_pass(km_sweeper *r, km_drive *d, double from, double to, bool begins, bool ends, km_error *error) {
@@ -42,9 +41,13 @@ km_status km_sweeper_pass(km_sweeper *r, km_drive *d, double from, double to, bo
   double last = from;
   km_status status = KM_OK;
   for (int k = 1; k <= pieces && !status; ++k) {
-    bool stops, meets;
-    double s = k == pieces ? to : from + (to - from) * k / pieces, next = look_ahead(r, d, s, &stops, &meets);
-    bool over = stops || (ends && k == pieces); /* the row will be there */
+    bool meets;
+    double s = k == pieces ? to : from + (to - from) * k / pieces;
+    km_reach ahead = look_ahead(r, d, s, &meets);
+    if (ahead.stop == KM_STOP_GAVE_OUT) /* so will the way to the row */
+      return KM_OK;
+    double next = ahead.position;
+    bool over = ahead.stop || (ends && k == pieces); /* the row will be there */
     double middle = over ? 0.5 * (last + next) : next;
     if (begins && k == 1) {
       status = begin(r, d, from, middle, error);

@@ -97,7 +97,12 @@ static void write_row(walk *w, km_reach reach) {
   if (w->step == 0)
     r->out->start = reach;
   bool again = w->step > 0 && reach.stop && fabs(reach.position - w->last) <= 1e-9 * (1.0 + fabs(w->last));
-  if (!again) /* the end may be where the last row stands already */
+  if (reach.stop == KM_STOP_GAVE_OUT)
+    status = km_fail(
+        w->job->error, KM_DIVERGED,
+        "the sweep gave out at %.9g: too many steps to the next row; expected a range that so many rows resolve",
+        reach.position);
+  else if (!again) /* the end may be where the last row stands already */
     status = km_sweeper_row(r, w->row++, reach.position, w->job->error);
   w->job->status = status;
 }
@@ -160,11 +165,6 @@ static km_status finish(const walk *w) {
   }
   if (status)
     return status;
-  if (start->stop == KM_STOP_GAVE_OUT || end->stop == KM_STOP_GAVE_OUT)
-    return km_fail(w->job->error, KM_DIVERGED,
-                   "the sweep gave out at %.9g: too many steps to the next row; expected a range that "
-                   "so many rows resolve",
-                   end->position);
   return start->stop || end->stop ? KM_PARTIAL : KM_OK;
 }
 

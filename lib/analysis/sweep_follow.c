@@ -106,8 +106,8 @@ static km_status advance_to(km_sweeper *r, km_follow *follow, double length, boo
   *moved = KM_OK;
   if (km_follow_length(follow) == 0.0)
     status = show_end(r, stretch(r, length), 0.0, true, error);
-  while (!status && !*moved && !km_follow_closed(follow) &&
-         length - km_follow_length(follow) > 1e-9 * r->plan->arclength) {
+  double near = fmax(1e-9 * r->plan->arclength, KM_FINEST_ARC);
+  while (!status && !*moved && !km_follow_closed(follow) && length - km_follow_length(follow) > near) {
     double left = length - km_follow_length(follow), step = stretch(r, left), seen = km_follow_length(follow);
     *moved = km_follow_advance(follow, step);
     status = meet_branch(r, follow, error);

@@ -67,6 +67,9 @@ struct km_sweeper {
 /* Poses that an observer sees at least over the whole range, and the longest arc between them. */
 enum { KM_LEAST_SAMPLES = 360 };
 #define KM_LONGEST_ARC 0.02
+/* Of a step by arc length: more than what the poses' own digits show, and what takes a moment. */
+#define KM_LEAST_ARCLENGTH 1e-8
+#define KM_MOST_ARCLENGTH  1000.0
 
 /* Moves the assembled state over the plan's range; see km_mobility_sweep_run. Free `*out` in any case. */
 km_status km_sweep_run(const km_mechanism *mechanism, km_state *state, const km_sweep_plan *plan,

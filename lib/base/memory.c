@@ -5,8 +5,13 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* An arena's first block, and the size that they grow to: many arenas hold little. */
+/* An arena's first block, and the size that they grow to: many arenas hold little. Where KM_LONE_BLOCKS is defined each
+ * request has a block of its own, so that sanitizers see what runs over its end, and tests can let each one fail. */
+#ifdef KM_LONE_BLOCKS
+enum { FIRST_BLOCK = 0, LARGEST_BLOCK = 0, ALIGNMENT = 64 };
+#else
 enum { FIRST_BLOCK = 1 << 11, LARGEST_BLOCK = 1 << 16, ALIGNMENT = 64 };
+#endif
 
 struct km_arena_block {
   struct km_arena_block *previous;

@@ -20,7 +20,9 @@ typedef enum attempt { ACCEPTED, OPEN, BENT, LIMITED, EXHAUSTED } attempt;
 
 static const double easy = 0.05; /* strain: a step twice as long has 16 times the error over its length */
 
-enum { MOST_STEPS = 200000 }; /* towards one target */
+/* Steps towards one target. One that is further away than so many of the longest can't be reached: fewer are enough to look
+ * for an end or a limit on the way to it. */
+enum { MOST_STEPS = 200000, MOST_STEPS_ASTRAY = 10000 };
 
 /* Near a singular pose steps shrink and grow again by halves. Where they stay short nothing moves but what rounding lets
  * through, and so many attempts in a row without a step as long as `creeping` are enough to know. */
@@ -171,8 +173,9 @@ static double lengthen(km_drive *d, double step, double h) {
 static attempt walk(km_drive *d, double target, int *limit) {
   double step = d->here.largest;
   bool may_cross = true;
+  int most = fabs(target - d->here.s) > MOST_STEPS * km_drive_longest ? MOST_STEPS_ASTRAY : MOST_STEPS;
   for (int steps = 0, crept = 0; d->here.s != target; ++steps, ++crept) {
-    if (steps == MOST_STEPS || crept == MOST_CREEPING)
+    if (steps == most || crept == MOST_CREEPING)
       return EXHAUSTED;
     double left = target - d->here.s;
     bool arrives = fabs(left) <= step;

@@ -17,6 +17,7 @@
 static const double longest = 0.05;  /* of a step: the arc of the cubic between two poses errs by about h⁵/1000 */
 static const double shortest = 1e-9; /* of a step: below, the motion ends */
 static const double furthest_bend = 0.98; /* least cosine between the tangents of a step */
+static const double furthest = 1000.0;    /* of one advance */
 static const double narrow = 4e-3;        /* width to which a branch point is bracketed before it is interpolated */
 
 static const km_substructure *sub_of(const km_follow *f) {
@@ -120,11 +121,11 @@ static bool one_step(km_follow *f, double most) {
 }
 
 km_status km_follow_advance(km_follow *f, double length) {
-  if (!f || !isfinite(length) || !(length > 0.0))
+  if (!f || !(length > 0.0 && length <= furthest))
     return KM_USAGE;
   double target = f->s + length;
   f->branched = false;
-  while (!f->closed && !f->branched && target - f->s > 1e-10 * length)
+  while (!f->closed && !f->branched && target - f->s > fmax(1e-10 * length, KM_FINEST_ARC))
     if (!one_step(f, target - f->s))
       return KM_PARTIAL;
   return KM_OK;

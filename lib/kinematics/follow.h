@@ -5,6 +5,8 @@
 #include "kinematics/continuation.h"
 #include "kmech/follow.h"
 
+#define KM_FINEST_ARC 1e-13 /* shorter ways along a motion drown in rounding */
+
 struct km_follow {
   km_arena arena;
   km_continuation c; /* `from` is the pose where the smooth motion has come to */

@@ -117,7 +117,6 @@ static km_status ask_forces(const char *json) {
   return ask(json, "forces");
 }
 
-/* Fails the first calls one by one, and later ones in growing strides: a job has thousands. */
 /* A simulation, its linearisation at the end, the plot and the record. */
 static km_status simulate(const char *json) {
   fixture f;
@@ -193,6 +192,8 @@ static km_status invert(const char *json) {
   return status;
 }
 
+/* Fails the first calls one by one, and later ones in growing strides: a job has thousands. A study sizes its batches by the
+ * clock: a run that needed fewer calls than were counted had them all. */
 static void fail_each_of(job run, const char *text) {
   arm(0);
   assert_int_equal(run(text), KM_OK);
@@ -201,8 +202,9 @@ static void fail_each_of(job run, const char *text) {
   for (long n = 1; n <= all; n += 1 + n / 400) {
     arm(n);
     km_status status = run(text);
+    km_status expected = calls < n ? KM_OK : KM_MEMORY;
     arm(0);
-    if (status != KM_MEMORY)
+    if (status != expected)
       fail_msg("status %d where call %ld of %ld failed", (int)status, n, all);
   }
 }

@@ -31,7 +31,14 @@ static void options(void **state) {
     km_option_value value;
     const char *words;
   } wrong[] = {
-      {"mobility", "arclength", {.numbers = {-1.0}}, "`arclength` -1: expected a number greater than 0"},
+      {"mobility",
+       "arclength",
+       {.numbers = {-1.0}},
+       "`arclength` -1: expected a number greater than 1e-08 and at most 1000"},
+      {"mobility",
+       "arclength",
+       {.numbers = {1e9}},
+       "`arclength` 1e+09: expected a number greater than 1e-08 and at most 1000"},
       {"mobility", "direction", {.coordinate = 0, .numbers = {0.0}}, "`direction`: expected a joint with +1 or -1"},
       {"track", "study", {.text = ""}, "`study`: expected a file's name"},
       {"forces", "axes", {.whole = 7}, "`axes`: expected joint or fixed"},

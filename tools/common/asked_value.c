@@ -27,8 +27,8 @@ static kt_exit read_whole(const kt_common *common, const km_option *o, const cha
 static kt_exit read_number(const kt_common *common, const km_option *o, const char *name, const char *text,
                            double *out) {
   char expected[80];
-  snprintf(expected, sizeof expected, "a number greater than %g", o->low);
-  return kt_number(text, out) && *out > o->low ? KT_DONE : kt_usage(common, name, text, expected);
+  snprintf(expected, sizeof expected, "a number greater than %g and at most %g", o->low, o->high);
+  return kt_number(text, out) && *out > o->low && *out <= o->high ? KT_DONE : kt_usage(common, name, text, expected);
 }
 
 static kt_exit read_sense(const kt_common *common, const km_model *model, const char *name, const char *text,

@@ -33,8 +33,8 @@ static km_status losses_at(const kt_pose *pose, const ends *e, km_losses *out, k
   if (!km_model_has_friction(pose->model))
     return KM_OK;
   km_status status = km_losses_create(pose->mechanism, &e->input, &e->output, &work, error);
-  if (!status)
-    km_losses_update(pose->mechanism, pose->state, work, out);
+  if (!status && km_losses_update(pose->mechanism, pose->state, work, out) == KM_MEMORY)
+    status = km_fail(error, KM_MEMORY, "out of memory for the losses");
   km_losses_free(work);
   return status;
 }

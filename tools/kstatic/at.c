@@ -49,7 +49,11 @@ static kt_exit run(const options *o, const kt_pose *pose) {
   if (result == KT_DONE) {
     km_statics *statics = km_question_balance(question);
     km_mobility_update(pose->mechanism, pose->state, &mobility);
-    km_statics_update(pose->mechanism, pose->state, km_question_forces(question), statics);
+    if (km_statics_update(pose->mechanism, pose->state, km_question_forces(question), statics) == KM_MEMORY)
+      result = KT_NO_MEMORY;
+  }
+  if (result == KT_DONE) {
+    const km_statics *statics = km_question_balance(question);
     tell_falls(o, pose, statics);
     for (int i = 0; i < statics->actuator_count; ++i)
       kt_tell_drive(&o->request.common, o->request.model, pose, &statics->actuators[i], statics->actuator_forces[i],

@@ -170,8 +170,9 @@ km_status kv_forces(const kv_call *call, km_error *error) {
     status = km_forces_create(s->mechanism, NULL, load, loads, &forces, error);
   if (!status)
     status = km_statics_create(s->mechanism, count ? actuators : NULL, count, KM_AXES_FIXED, &statics, error);
+  if (!status && km_statics_update(s->mechanism, s->state, forces, &statics) == KM_MEMORY)
+    status = km_fail(error, KM_MEMORY, "out of memory");
   if (!status) {
-    km_statics_update(s->mechanism, s->state, forces, &statics);
     kv_add(&call->answer->bytes, "{\"kind\":\"forces\",\"request\":%u", call->request);
     add_loads(s, &call->answer->bytes);
     add_balance(s, &statics, &call->answer->bytes);

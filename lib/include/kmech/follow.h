@@ -34,9 +34,9 @@ KM_API int km_follow_substructure(const km_follow *follow);
 KM_API int
 km_follow_start_branches(const km_follow *follow); /* motions that meet at the starting pose; 0: it is regular */
 
-/* Advances by `length` > 0 (to 1e-9 of it), stopping early where the cycle closes,
- * and after a branch point. KM_PARTIAL: a joint is at its
- * limit, or no further step can be found. Never allocates. */
+/* Advances by `length` > 0, at most 1000 (to 1e-9 of it, but no finer than 1e-13), stopping early where the cycle closes,
+ * and after a branch point. KM_PARTIAL: a joint is at its limit, or no further step can be found. KM_USAGE: another length.
+ * Never allocates. */
 KM_API km_status km_follow_advance(km_follow *follow, double length);
 
 KM_API double km_follow_length(const km_follow *follow); /* arc length so far */

@@ -18,9 +18,9 @@ typedef struct km_followed_frame {
 
 /* What to write down. Times in the model's time unit; start from km_history_default(). */
 typedef struct km_history_def {
-  km_simulation_def simulation;    /* crossings and frames are borrowed; `end` is set to `until` */
-  double start;                    /* the time at which the motion begins; 0 */
-  double until, every;             /* 0: model_parameters.simulation's, or 10 seconds and a two hundredth of the span */
+  km_simulation_def simulation; /* crossings and frames are borrowed; `end` is set to `until` */
+  double start;                 /* the time at which the motion begins; 0 */
+  double until, every;          /* the end, and the time between rows, of which there are at most KM_MOST_SWEEP_STEPS */
   const km_followed_frame *frames; /* whose origins are written down */
   int frame_count;
   bool reactions; /* of every joint, too */

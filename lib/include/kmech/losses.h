@@ -34,8 +34,8 @@ KM_API void km_losses_free(km_losses_work *work);
  * and screws: all of it); weights, loads and springs don't count. What is statically
  * indeterminate counts as its least-norm part. N depends on friction: Newton's method, continued from no friction to
  * all of it. A lock is told where the load that a given input force moves passes through 0 on the way; where neither a
- * motion nor a lock is found, `why` says so. Never allocates. */
-KM_API void km_losses_update(const km_mechanism *mechanism, km_state *state, km_losses_work *work, km_losses *out);
+ * motion nor a lock is found, `why` says so. KM_USAGE: mobility isn't up to date, or the work belongs to another mechanism; KM_MEMORY. */
+KM_API km_status km_losses_update(const km_mechanism *mechanism, km_state *state, km_losses_work *work, km_losses *out);
 
 #ifdef __cplusplus
 }

@@ -65,8 +65,10 @@ KM_API void km_statics_free(km_statics *statics);
  * redundant: all joints as actuators give f̄. Reactions: Jᵀ μ = f + τ for the wrenches μ of the loops' chords; where
  * the structure is indeterminate, of least Σ |force|² + |torque / L|² over all joints, L the characteristic length.
  * With the actuators' forces where they hold the pose, else with f̄. Updates the forces too.
- * O(coordinates · (6 loops + couplings)²) a substructure; never allocates. */
-KM_API void km_statics_update(const km_mechanism *mechanism, km_state *state, km_forces *forces, km_statics *statics);
+ * O(coordinates · (6 loops + couplings)²) a substructure; allocates only where a pose has more freedoms than those before.
+ * KM_USAGE: they don't belong together, or mobility isn't up to date: all is NaN then. KM_MEMORY: nothing is held. */
+KM_API km_status km_statics_update(const km_mechanism *mechanism, km_state *state, km_forces *forces,
+                                   km_statics *statics);
 
 /* Is a force more than the drive of an actuator can give, rounding aside? And that most: infinite where it can give any,
  * as a point that is pushed. */

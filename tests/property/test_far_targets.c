@@ -1,0 +1,96 @@
+/* Ways that no computation should take: targets that are turns by the thousand away, arc lengths that rounding hides, and
+ * such as go round for ever. Each ends, and says so. */
+#include "support/refusals.h"
+#include "support/support.h"
+
+#include "kmech/follow.h"
+
+#include "model/model.h"
+
+#include <math.h>
+#include <string.h>
+
+/* A crank that turns around: a hopeless target is given up after 10000 steps of at most 0.3 rad, not after 200000. */
+static void far_targets_are_given_up_early(void **state) {
+  (void)state;
+  fixture f = fixture_open("fourbar");
+  km_drive *drive;
+  assert_int_equal(km_drive_create(f.mechanism, f.state, f.model->sweep.coordinate, false, &drive, NULL), KM_OK);
+  km_reach reach = km_drive_to(drive, 1e9);
+  double turned = fabs(reach.position) * km_model_coordinate_factor(f.model, f.model->sweep.coordinate);
+  assert_int_equal(reach.stop, KM_STOP_GAVE_OUT);
+  assert_true(turned > 100.0 && turned <= 10000 * 0.3 + 10.0);
+  km_drive_free(drive);
+  fixture_close(&f);
+}
+
+/* Behind the row that gave out none is tried. */
+static void a_sweep_that_gives_out_ends(void **state) {
+  (void)state;
+  static const double ranges[][2] = {{1.0, 1e12}, {-1e12, 1e12}};
+  for (size_t i = 0; i < COUNT(ranges); ++i) {
+    fixture f = fixture_open("fourbar");
+    km_sweep_plan plan = km_sweep_plan_default(f.model);
+    km_mobility_sweep sweep;
+    km_error error = {.text = ""};
+    plan.from = ranges[i][0];
+    plan.to = ranges[i][1];
+    plan.steps = 5;
+    assert_int_equal(km_mobility_sweep_run(f.mechanism, f.state, &plan, &sweep, &error), KM_DIVERGED);
+    assert_int_equal(km_table_rows(sweep.motion.table), i == 0);
+    assert_true(strstr(error.text, "the sweep gave out at ") == error.text);
+    km_mobility_sweep_free(&sweep);
+    fixture_close(&f);
+  }
+}
+
+static void arc_lengths_have_bounds(void **state) {
+  (void)state;
+  static const double wrong[] = {1e-320, 1e-8, 1001.0, 1e300, HUGE_VAL};
+  fixture f = fixture_open("fourbar");
+  for (size_t i = 0; i < COUNT(wrong); ++i) {
+    km_sweep_plan plan = km_sweep_plan_default(f.model);
+    km_mobility_sweep sweep;
+    km_error error = {.text = ""};
+    plan.arclength = wrong[i];
+    plan.steps = 2;
+    assert_int_equal(km_mobility_sweep_run(f.mechanism, f.state, &plan, &sweep, &error), KM_USAGE);
+    assert_true(strstr(error.text, "; expected one greater than 1e-08 and at most 1000") != NULL);
+    km_mobility_sweep_free(&sweep);
+  }
+  fixture_close(&f);
+}
+
+/* The least step that may be asked for still has its length, row by row; a shorter advance stands still, and a longer one
+ * isn't taken. */
+static void short_steps_end(void **state) {
+  (void)state;
+  fixture f = fixture_open("fourbar");
+  km_sweep_plan plan = km_sweep_plan_default(f.model);
+  km_mobility_sweep sweep;
+  plan.arclength = 2e-8;
+  plan.steps = 5;
+  assert_int_equal(km_mobility_sweep_run(f.mechanism, f.state, &plan, &sweep, NULL), KM_OK);
+  assert_int_equal(km_table_rows(sweep.motion.table), 6);
+  for (size_t r = 0; r < 6; ++r)
+    assert_near(km_table_row(sweep.motion.table, r)[1], 2e-8 * (double)r, 1e-13);
+  km_mobility_sweep_free(&sweep);
+  km_follow *follow;
+  assert_int_equal(km_follow_create(f.mechanism, f.state, -1, 1.0, false, &follow, NULL), KM_OK);
+  assert_int_equal(km_follow_advance(follow, 1e-320), KM_OK);
+  assert_near(km_follow_length(follow), 0.0, 1e-13);
+  assert_int_equal(km_follow_advance(follow, 1e9), KM_USAGE);
+  assert_int_equal(km_follow_advance(follow, (double)NAN), KM_USAGE);
+  km_follow_free(follow);
+  fixture_close(&f);
+}
+
+int main(void) {
+  const struct CMUnitTest tests[] = {
+      cmocka_unit_test(far_targets_are_given_up_early),
+      cmocka_unit_test(a_sweep_that_gives_out_ends),
+      cmocka_unit_test(arc_lengths_have_bounds),
+      cmocka_unit_test(short_steps_end),
+  };
+  return cmocka_run_group_tests(tests, NULL, NULL);
+}
