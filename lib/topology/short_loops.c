@@ -1,11 +1,9 @@
 /* Shorter loops than the tree's, which grow long in lattices: a search from both ends of each chord. */
 #include "topology/short_loops.h"
 
-#include <limits.h>
 #include <string.h>
 
-enum { SHORTEST = 4 };     /* loops of so few joints are taken as they are */
-enum { MOST_SHARING = 8 }; /* loops of one joint, where others as short leave it out: legs of a platform */
+enum { SHORTEST = 4 }; /* loops of so few joints are taken as they are */
 
 /* One end of a chord, and the bodies that were reached from it. */
 typedef struct side {
@@ -19,9 +17,7 @@ typedef struct finder {
   const km_graph *g;
   const km_incidence *at;
   km_topology *t;
-  bool *usable;     /* [joint] may lie in other loops than its own: of the tree, or of a shorter loop */
-  int *sharing;     /* [joint] how many loops it lies in */
-  int most_sharing; /* joints in so many are left out of the search */
+  bool *usable; /* [joint] may lie in other loops than its own: of the tree, or of a shorter loop */
   side sides[2];
   int search;
   int *start; /* [loop + 1] into `member`: the loops in the order in which they were found, by `place` */
@@ -71,8 +67,7 @@ static int step(finder *f, int which, int substructure, int *body) {
     *body = s->queue[s->from];
     for (int i = f->at->start[*body]; i < f->at->start[*body + 1]; ++i) {
       int joint = f->at->item[i], next = other_end(f->g, joint, *body);
-      if (!f->usable[joint] || f->sharing[joint] >= f->most_sharing ||
-          f->t->substructure_of_joint[joint] != substructure || s->stamp[next] == f->search)
+      if (!f->usable[joint] || f->t->substructure_of_joint[joint] != substructure || s->stamp[next] == f->search)
         continue;
       if (other->stamp[next] == f->search)
         return joint;
@@ -101,12 +96,11 @@ static int write_way(finder *f, int which, int body, int joint) {
   return count;
 }
 
-/* The shortest way between the chord's ends that has fewer than `most` joints, each in fewer than `sharing` loops, into
- * `path`. Returns how many; 0: there is none. */
-static int find_way(finder *f, int loop, int most, int sharing) {
+/* The shortest way between the chord's ends that has fewer than `most` joints, into `path`. Returns how many; 0: there
+ * is none. */
+static int find_way(finder *f, int loop, int most) {
   const km_edge *ends = &f->g->edges[f->t->chord[loop]];
   f->search++;
-  f->most_sharing = sharing;
   put_out(f, 0, ends->tail);
   put_out(f, 1, ends->head);
   for (int length = 1; length < most; ++length) {
@@ -161,28 +155,16 @@ static bool sort(finder *f, km_arena *scratch) {
   return true;
 }
 
-/* Does a joint of the loop lie in many loops already? */
-static bool is_crowded(const finder *f, int loop) {
-  bool crowded = false;
-  for (int i = f->t->member_start[loop]; i < f->t->member_start[loop + 1]; ++i)
-    crowded = crowded || f->sharing[f->t->member[i].joint] >= MOST_SHARING;
-  return crowded;
-}
-
 static void shorten(finder *f, int loop, int *used) {
   const km_topology *t = f->t;
   int s = t->substructure_of_loop[loop], length = length_of(t, loop);
   bool large = t->loop_start[s + 1] - t->loop_start[s] > KM_MOST_TREE_LOOPS;
-  int joints = large && length > SHORTEST ? find_way(f, loop, length - 1, INT_MAX) : 0;
-  if (large && joints == 0 && is_crowded(f, loop))
-    joints = find_way(f, loop, length, MOST_SHARING);
+  int joints = large && length > SHORTEST ? find_way(f, loop, length - 1) : 0;
   if (joints)
     write_loop(f, loop, joints, f->member + *used);
   else
     memcpy(f->member + *used, t->member + t->member_start[loop], (size_t)length * sizeof *f->member);
-  int end = *used + (joints ? joints + 1 : length);
-  for (; *used < end; ++*used)
-    f->sharing[f->member[*used].joint]++;
+  *used += joints ? joints + 1 : length;
   f->usable[t->chord[loop]] = true;
 }
 
@@ -206,7 +188,6 @@ static bool make_finder(finder *f, km_arena *scratch) {
                          .via = KM_ARENA_NEW(scratch, int, bodies),
                          .queue = KM_ARENA_NEW(scratch, int, bodies)};
   f->usable = KM_ARENA_NEW(scratch, bool, joints);
-  f->sharing = KM_ARENA_NEW(scratch, int, joints);
   f->start = KM_ARENA_NEW(scratch, int, loops + 1);
   f->place = KM_ARENA_NEW(scratch, int, loops);
   f->order = KM_ARENA_NEW(scratch, int, loops);

@@ -75,21 +75,14 @@ static void bases_wait(void **state) {
   fixture_close(&f);
 }
 
-/* All loops of a platform close through the tree's only way to it; in large ones no bar lies in many of them. Every bar spins,
- * whichever way its group is solved. */
+/* Every bar of a platform spins; the group of the platform itself is solved by its entries. */
 static void bars_of_a_platform(void **state) {
   (void)state;
   static const law laws[] = {law_jacobian, law_slopes, law_null_space, law_numbers};
   km_text text = {0};
   write_bars(&text, LOOPS, 0.0);
   fixture f = fixture_read(text.data);
-  const km_topology *t = &f.mechanism->topology;
   randomness r = {1};
-  int sharing[2 * LOOPS + 1] = {0};
-  for (int i = 0; i < t->member_start[t->loop_count]; ++i)
-    sharing[t->member[i].joint]++;
-  for (int j = 0; j < f.model->joint_count; ++j)
-    assert_true(sharing[j] <= 9);
   for (size_t k = 0; k < sizeof laws / sizeof *laws; ++k)
     laws[k](&f, &r);
   km_idle_freedoms idle;
