@@ -282,6 +282,8 @@ km_status km_history_row(km_history_writer *w, km_error *error) {
   km_status status = w->reactions ? write_reactions(w, &out, error) : KM_OK;
   for (int c = 0; w->mobility && c < w->m->coordinate_count && !status; ++c)
     *out++ = km_mobility_number(w->look, c);
+  if (status)
+    km_table_drop_row(w->out->table);
   return status;
 }
 

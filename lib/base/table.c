@@ -138,6 +138,11 @@ double *km_table_add_row(km_table *table) {
   return cells;
 }
 
+void km_table_drop_row(km_table *table) {
+  if (table->row_count > 0)
+    table->row_count--;
+}
+
 size_t km_table_rows(const km_table *table) {
   if (!table)
     return 0;

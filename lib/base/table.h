@@ -12,6 +12,8 @@ km_table *km_table_begin_again(km_table *table);
 
 /* Several km_table_add_row for a caller that sets every cell: what they hold at first is anything. */
 double *km_table_add_raw_rows(km_table *table, size_t count);
+/* Takes the last row away: what was to stand in it can't be found. */
+void km_table_drop_row(km_table *table);
 
 /* The first row of a column's smallest value, of its largest with sign −1; the number of rows where none has a value. */
 size_t km_table_extreme_row(const km_table *table, size_t column, double sign);

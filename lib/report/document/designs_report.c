@@ -178,7 +178,9 @@ km_status km_designs_report(km_design_study *s, const km_design_study_def *def, 
                      .footer = km_document_format(m, "kmech %s, kstudy", km_version()),
                      .blocks = m->blocks,
                      .count = m->count};
-    status = html ? km_document_html(&d, out, error) : km_document_pdf(&d, out, error);
+    status = m->arena.failed ? km_fail(error, KM_MEMORY, "out of memory for the report")
+             : html          ? km_document_html(&d, out, error)
+                             : km_document_pdf(&d, out, error);
   }
   if (m)
     km_arena_free(&m->arena);
