@@ -44,7 +44,7 @@ void km_node_rates(const km_arm *a, const double *path, const double *self, doub
   }
 }
 
-static double length(const double *x, int n) {
+double km_joint_length(const double *x, int n) {
   double sum = 0.0;
   for (int i = 0; i < n; ++i)
     sum += x[i] * x[i];
@@ -80,14 +80,14 @@ static void expect(const km_arm *a, const km_node *here, const km_step_choice *w
     bool moves = on && !(way->held && way->held[k]);
     moved[k] = !moves ? 0.0 : here->bends > 1 ? 2.0 * last[k] - before[k] : last[k];
   }
-  if (on && !(length(moved, a->n) <= most))
+  if (on && !(km_joint_length(moved, a->n) <= most))
     memset(moved, 0, (size_t)a->n * sizeof *moved);
 }
 
 double km_node_predict(const km_arm *a, const km_node *here, const km_step_choice *way, double ds, double *step,
                        double *moved) {
   predict(a, here, way, ds, step);
-  double most = 0.5 * length(step, a->n) + 1e-12; /* half the predictor, but for rounding */
+  double most = 0.5 * km_joint_length(step, a->n) + 1e-12; /* half the predictor, but for rounding */
   expect(a, here, way, ds, most, moved);
   return most;
 }

@@ -16,13 +16,6 @@ void km_tracker_space_free(km_tracker_space *s) {
   km_arm_space_free(&s->arm);
 }
 
-static double length(const double *x, int n) {
-  double sum = 0.0;
-  for (int i = 0; i < n; ++i)
-    sum += x[i] * x[i];
-  return sqrt(sum);
-}
-
 /* Columns and value of a node at whose q the space's Jacobian stands. */
 static void look_around(const km_tracker *w, km_tracker_space *s, const km_path_point *point, const km_step_choice *way,
                         const double *guide, km_node *node) {
@@ -108,7 +101,7 @@ static bool correct(const km_tracker *w, km_tracker_space *s, const km_path_poin
                     double most, double *q, double *moved) {
   double e[KM_ARM_ROWS], x[KM_ARM_MOST], xi[KM_ARM_ROWS];
   const int n = w->arm->n;
-  const bool guessed = length(moved, n) > 0.0;
+  const bool guessed = km_joint_length(moved, n) > 0.0;
   for (int step = 0; step <= KM_NEWTON_MOST; ++step) {
     km_arm_update(w->arm, &s->arm, q);
     double left = km_arm_error(w->arm, &s->arm, &point->pose, e, NULL, NULL);
@@ -123,7 +116,7 @@ static bool correct(const km_tracker *w, km_tracker_space *s, const km_path_poin
       moved[k] += x[k];
       q[k] += x[k];
     }
-    if (!(length(moved, n) <= most))
+    if (!(km_joint_length(moved, n) <= most))
       return false;
   }
   return false;

@@ -57,6 +57,9 @@ void km_node_rates(const km_arm *arm, const double *path, const double *self, do
 double km_node_predict(const km_arm *arm, const km_node *here, const km_step_choice *way, double ds, double *step,
                        double *moved);
 
+/* √(Σ xᵢ²) of joint values. */
+double km_joint_length(const double *x, int n);
+
 /* Tells the node at a step's end what its corrector moved[n] was. */
 void km_node_remember(const km_arm *arm, const km_node *from, const km_step_choice *way, double ds, const double *moved,
                       km_node *to);

@@ -6,22 +6,17 @@
 #include <dlfcn.h>
 #include <string.h>
 
-/* POSIX lets a function's address through a void *, C's conversions don't. */
-bool km_library_function(void *handle, const char *name, void *function) {
-  void *address = dlsym(handle, name);
-  memcpy(function, &address, sizeof address);
-  return address != NULL;
-}
-
 enum { FILES_MOST = 8 };
 
 typedef void (*any_function)(void);
 
+/* POSIX lets a function's address through a void *, C's conversions don't. */
 static bool find(void *const *handles, const char *name, any_function *function) {
-  for (int i = 0; handles[i]; ++i)
-    if (km_library_function(handles[i], name, function))
-      return true;
-  return false;
+  void *address = NULL;
+  for (int i = 0; handles[i] && !address; ++i)
+    address = dlsym(handles[i], name);
+  memcpy(function, &address, sizeof address);
+  return address != NULL;
 }
 
 static bool load(km_library *library) {

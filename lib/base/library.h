@@ -4,10 +4,7 @@
 
 #include <stdbool.h>
 
-/* Puts the address of the library's function `name` into the function pointer at `function`; false if there is none. */
-bool km_library_function(void *handle, const char *name, void *function);
-
-/* Functions that several files of one library hold. */
+/* Functions that the files of a library hold. */
 typedef struct km_library {
   const char *const *files; /* NULL behind the last */
   const char *const *names; /* of the functions; NULL behind the last */

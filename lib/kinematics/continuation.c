@@ -212,6 +212,8 @@ void km_continuation_accept(km_continuation *c, double h) {
   km_state_difference(c->state, km_continuation_sub(c), c->from, course->last_move);
   if (alone)
     grow_moves(c, h);
+  else
+    course->equal_count = 0;
   course->last_t = course->t;
   course->t = c->next_t;
   c->next_t = spare;

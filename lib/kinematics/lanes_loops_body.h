@@ -53,13 +53,10 @@ static inline void steps(km_drive_lanes *l, const km_program *program, bool agai
   }
 }
 
-/* wrapped of loops.c. Where the number of turns is near a half, rounding decides: those lanes leave. */
-static inline vector wrapped(vector angle, mask *fit) {
-  const double magic = 6755399441055744.0; /* 1.5 · 2⁵²: adding it rounds to a whole number */
-  vector turns = angle * (0.5 * M_1_PI), whole = turns + magic - magic;
-  mask within = at_most(size_of(angle), all(M_PI));
-  *fit &= within | below(size_of(turns - whole), all(0.25));
-  return pick(within, angle, angle - 2.0 * M_PI * whole);
+/* wrapped of loops.c, for the angles of lanes that fit (KM_SINCOS_MOST). */
+static inline vector wrapped(vector angle) {
+  vector turns = angle * (0.5 * M_1_PI), whole = turns + KM_ROUNDING - KM_ROUNDING;
+  return pick(at_most(size_of(angle), all(M_PI)), angle, angle - 2.0 * M_PI * whole);
 }
 
 /* planar_error of loops.c. Clears the lanes whose misfit is large. */
@@ -76,7 +73,7 @@ static inline void find_misfit(km_drive_lanes *l, int index, mask *fit, int firs
     vector bx = GET(b->x) + bc * cb0 - bs * cb1, by = GET(b->y) + bs * cb0 + bc * cb1;
     vector apart_x = GET(n->apart[0]), apart_y = GET(n->apart[1]);
     vector dx = ax - bx - apart_x, dy = ay - by - apart_y;
-    vector turn = wrapped(GET(a->angle) - GET(b->angle) + GET(n->turn), &fit[r]);
+    vector turn = wrapped(GET(a->angle) - GET(b->angle) + GET(n->turn));
     fit[r] &= below(size_of(turn), all(KM_SMALL_MISFIT));
     vector t2 = turn * turn, t4 = t2 * t2;
     vector cosine = 1.0 - 0.5 * t2 + t4 * (1.0 / 24.0);

@@ -8,10 +8,9 @@
  * and w takes its point where its frames meet; for the others o must be fixed in the base. */
 
 static inline double wrapped(double angle) {
-  const double magic = 6755399441055744.0; /* 1.5 · 2⁵²: adding it rounds to a whole number */
   if (fabs(angle) <= M_PI)
     return angle;
-  double turns = angle * (0.5 * M_1_PI), whole = fabs(turns) < 1e12 ? turns + magic - magic : round(turns);
+  double turns = angle * (0.5 * M_1_PI), whole = fabs(turns) < 1e12 ? turns + KM_ROUNDING - KM_ROUNDING : round(turns);
   return angle - 2.0 * M_PI * whole;
 }
 

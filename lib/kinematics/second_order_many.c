@@ -22,8 +22,8 @@ static bool list_rows(km_second_order_many *c, const bool *locked, km_arena *are
   c->at = KM_ARENA_NEW(arena, int, pattern->size);
   if (arena->failed)
     return false;
-  for (int pass = 0; pass < 2;
-       ++pass) { /* first to count, then to place: row_start[r + 1] is the next place of row r */
+  /* The first pass counts, the second one places: row_start[r + 1] is then the next place of row r. */
+  for (int pass = 0; pass < 2; ++pass) {
     for (int k = 0; k < sub->columns; ++k) {
       int first = pattern->start ? pattern->start[k] : k * sub->rows;
       int end = pattern->start ? pattern->start[k + 1] : first + sub->rows;

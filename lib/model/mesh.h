@@ -40,8 +40,8 @@ void km_mesh_scale(km_mesh *mesh, const double by[3]);
 bool km_mesh_weld(km_mesh *mesh);
 
 /* Reads a file of any format that assimp knows, or MuJoCo's own, all of its parts where the file's scene puts them, welded.
- * Coordinates that assimp reads are rounded to single precision; those of plain OBJ and STL texts aren't. The caller frees `*out`. KM_IO with the file's name
- * and the reason. */
+ * Coordinates that assimp reads are rounded to single precision; those of plain OBJ and STL texts aren't. The caller
+ * frees `*out`. KM_IO with the file's name and the reason. */
 km_status km_mesh_read(const char *path, km_mesh **out, km_error *error);
 
 #endif

@@ -4,7 +4,6 @@
 #include "base/library.h"
 #include "base/memory.h"
 
-#include <dlfcn.h>
 #include <lapacke.h>
 #include <math.h>
 
@@ -12,12 +11,14 @@
 typedef __typeof__(LAPACKE_dgeev_work) solver;
 
 static km_status load(solver **out, km_error *error) {
-  void *handle = dlopen(KM_LAPACKE, RTLD_NOW | RTLD_LOCAL);
-  if (handle && km_library_function(handle, "LAPACKE_dgeev_work", out))
-    return KM_OK;
-  const char *reason = dlerror();
-  return km_fail(error, KM_IO, "eigenvalues can't be computed: %.300s; expected LAPACKE to be installed",
-                 reason ? reason : "its function is missing");
+  static const char *const files[] = {KM_LAPACKE, NULL}, *const names[] = {"LAPACKE_dgeev_work", NULL};
+  static solver *function;
+  static km_library library = {files, names, &function, false};
+  const char *reason = km_library_load(&library);
+  *out = function;
+  return reason
+             ? km_fail(error, KM_IO, "eigenvalues can't be computed: %.300s; expected LAPACKE to be installed", reason)
+             : KM_OK;
 }
 
 km_status km_eigen(int n, double *A, double *real, double *imaginary, double *vectors, km_error *error) {

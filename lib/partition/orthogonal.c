@@ -4,7 +4,6 @@
 #include "base/library.h"
 #include "base/memory.h"
 
-#include <dlfcn.h>
 #include <string.h>
 #include <SuiteSparseQR_C.h>
 
@@ -28,7 +27,7 @@ typedef struct library {
 } library;
 
 struct km_orthogonal {
-  library spqr;
+  const library *spqr;
   cholmod_common common;
   SuiteSparseQR_C_factorization *QR;
   SuiteSparse_long rows, columns, entries, *start, *row;
@@ -36,28 +35,30 @@ struct km_orthogonal {
   int rank;
 };
 
-static bool load(library *out) {
-  void *handle = dlopen(KM_SPQR, RTLD_NOW | RTLD_LOCAL);
-  bool found = handle != NULL;
-#define X(name) found = found && km_library_function(handle, #name, &out->name);
-  SPQR_FUNCTIONS(X)
+static const library *load(km_error *error) {
+#define X(name) #name,
+  static const char *const files[] = {KM_SPQR, NULL}, *const names[] = {SPQR_FUNCTIONS(X) NULL};
 #undef X
-  return found;
+  static library functions;
+  static km_library spqr = {files, names, &functions, false};
+  const char *reason = km_library_load(&spqr);
+  if (!reason)
+    return &functions;
+  km_fail(error, KM_IO, "a large mechanism can't be solved: %.300s; expected SuiteSparse's SPQR to be installed",
+          reason);
+  return NULL;
 }
 
 km_status km_orthogonal_create(int rows, int columns, int entries, km_orthogonal **out, km_error *error) {
   *out = NULL;
+  const library *spqr = load(error);
+  if (!spqr)
+    return KM_IO;
   km_orthogonal *q = KM_NEW(km_orthogonal, 1);
   if (!q)
     return km_fail(error, KM_MEMORY, "out of memory for a factorisation");
-  if (!load(&q->spqr)) {
-    const char *reason = dlerror();
-    km_fail(error, KM_IO, "a large mechanism can't be solved: %.300s; expected SuiteSparse's SPQR to be installed",
-            reason ? reason : "a function of SPQR is missing");
-    km_free(q);
-    return KM_IO;
-  }
-  q->spqr.cholmod_l_start(&q->common);
+  q->spqr = spqr;
+  q->spqr->cholmod_l_start(&q->common);
   q->common.SPQR_nthreads = 1; /* the same sums in the same order on every machine */
   q->common.SPQR_grain = 1;
   q->common.print = 0;
@@ -78,8 +79,8 @@ km_status km_orthogonal_create(int rows, int columns, int entries, km_orthogonal
 void km_orthogonal_free(km_orthogonal *q) {
   if (!q)
     return;
-  q->spqr.SuiteSparseQR_C_free(&q->QR, &q->common);
-  q->spqr.cholmod_l_finish(&q->common);
+  q->spqr->SuiteSparseQR_C_free(&q->QR, &q->common);
+  q->spqr->cholmod_l_finish(&q->common);
   km_free(q->start);
   km_free(q->row);
   km_free(q->value);
@@ -106,8 +107,8 @@ static cholmod_sparse matrix_of(const km_orthogonal *q) {
 
 bool km_orthogonal_factor(km_orthogonal *q, double tolerance) {
   cholmod_sparse A = matrix_of(q);
-  q->spqr.SuiteSparseQR_C_free(&q->QR, &q->common);
-  q->QR = q->spqr.SuiteSparseQR_C_factorize(SPQR_ORDERING_COLAMD, tolerance, &A, &q->common);
+  q->spqr->SuiteSparseQR_C_free(&q->QR, &q->common);
+  q->QR = q->spqr->SuiteSparseQR_C_factorize(SPQR_ORDERING_COLAMD, tolerance, &A, &q->common);
   q->rank = (int)q->common.SPQR_istat[4];
   return q->QR != NULL;
 }
@@ -129,21 +130,21 @@ static cholmod_dense dense(double *x, SuiteSparse_long rows, int columns) {
 
 bool km_orthogonal_reject(km_orthogonal *q, double *v) {
   cholmod_dense V = dense(v, q->rows, 1);
-  cholmod_dense *Y = q->spqr.SuiteSparseQR_C_qmult(SPQR_QTX, q->QR, &V, &q->common);
+  cholmod_dense *Y = q->spqr->SuiteSparseQR_C_qmult(SPQR_QTX, q->QR, &V, &q->common);
   if (Y)
     memset(Y->x, 0, (size_t)q->rank * sizeof(double));
-  cholmod_dense *rest = Y ? q->spqr.SuiteSparseQR_C_qmult(SPQR_QX, q->QR, Y, &q->common) : NULL;
+  cholmod_dense *rest = Y ? q->spqr->SuiteSparseQR_C_qmult(SPQR_QX, q->QR, Y, &q->common) : NULL;
   bool done = rest != NULL;
   if (done)
     memcpy(v, rest->x, V.nzmax * sizeof(double));
-  q->spqr.cholmod_l_free_dense(&Y, &q->common);
-  q->spqr.cholmod_l_free_dense(&rest, &q->common);
+  q->spqr->cholmod_l_free_dense(&Y, &q->common);
+  q->spqr->cholmod_l_free_dense(&rest, &q->common);
   return done;
 }
 
 bool km_orthogonal_squares(km_orthogonal *q, double *v, int count, double *squares) {
   cholmod_dense V = dense(v, q->rows, count);
-  cholmod_dense *Y = q->spqr.SuiteSparseQR_C_qmult(SPQR_QTX, q->QR, &V, &q->common);
+  cholmod_dense *Y = q->spqr->SuiteSparseQR_C_qmult(SPQR_QTX, q->QR, &V, &q->common);
   bool done = Y != NULL;
   for (int k = 0; k < count && done; ++k) {
     const double *y = (const double *)Y->x + (size_t)k * Y->d;
@@ -151,7 +152,7 @@ bool km_orthogonal_squares(km_orthogonal *q, double *v, int count, double *squar
     for (int i = 0; i < q->rank; ++i)
       squares[k] += y[i] * y[i];
   }
-  q->spqr.cholmod_l_free_dense(&Y, &q->common);
+  q->spqr->cholmod_l_free_dense(&Y, &q->common);
   return done;
 }
 
@@ -183,7 +184,7 @@ static void add_shares(const km_orthogonal *q, const cholmod_sparse *rows_of_r, 
 }
 
 bool km_orthogonal_shares(km_orthogonal *q, double tolerance, double *share) {
-  const library *f = &q->spqr;
+  const library *f = q->spqr;
   cholmod_sparse A = matrix_of(q), *R = NULL;
   SuiteSparse_long *order = NULL;
   long rank = f->SuiteSparseQR_C(SPQR_ORDERING_COLAMD, tolerance, q->columns, 0, &A, NULL, NULL, NULL, NULL, &R, &order,
@@ -212,13 +213,13 @@ bool km_orthogonal_least(km_orthogonal *q, const double *b, double *x) {
     return false;
   memcpy(copy, b, (size_t)q->columns * sizeof *b);
   cholmod_dense B = dense(copy, q->columns, 1);
-  cholmod_dense *Y = q->spqr.SuiteSparseQR_C_solve(SPQR_RTX_EQUALS_ETB, q->QR, &B, &q->common);
-  cholmod_dense *X = Y ? q->spqr.SuiteSparseQR_C_qmult(SPQR_QX, q->QR, Y, &q->common) : NULL;
+  cholmod_dense *Y = q->spqr->SuiteSparseQR_C_solve(SPQR_RTX_EQUALS_ETB, q->QR, &B, &q->common);
+  cholmod_dense *X = Y ? q->spqr->SuiteSparseQR_C_qmult(SPQR_QX, q->QR, Y, &q->common) : NULL;
   bool done = X != NULL;
   if (done)
     memcpy(x, X->x, (size_t)q->rows * sizeof *x);
-  q->spqr.cholmod_l_free_dense(&Y, &q->common);
-  q->spqr.cholmod_l_free_dense(&X, &q->common);
+  q->spqr->cholmod_l_free_dense(&Y, &q->common);
+  q->spqr->cholmod_l_free_dense(&X, &q->common);
   km_free(copy);
   return done;
 }

@@ -6,6 +6,9 @@
 #include <stdint.h>
 #include <string.h>
 
+/* 1.5 · 2⁵²: adding it to a number of less than 2⁵¹ rounds it to a whole number, which stands in the low bits then. */
+#define KM_ROUNDING 6755399441055744.0
+
 /* The polynomials are good for angles up to this. */
 #define KM_SINCOS_MOST 1e5
 

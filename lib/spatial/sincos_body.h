@@ -7,8 +7,7 @@
 /* Sine and cosine for |x| up to 1e5, to an ulp or so: Cody and Waite's reduction by π/2 in three parts, and the
  * polynomials of fdlibm. */
 static inline void FN(sincos)(T x, T *sine, T *cosine) {
-  const double magic = 6755399441055744.0; /* 1.5 · 2⁵²: adding it rounds to a whole number, in the low bits */
-  T shifted = x * 0.63661977236758134308 + magic, n = shifted - magic;
+  T shifted = x * 0.63661977236758134308 + KM_ROUNDING, n = shifted - KM_ROUNDING;
   T r = ((x - n * 1.57079632673412561417e+00) - n * 6.07710050630396597660e-11) - n * 2.02226624879595063154e-21;
   T z = r * r;
   T s = r + r * z *

@@ -57,24 +57,34 @@ static void add_ground(drawing *d, const char *body, int i, int k) {
 
 static const km_vec3 up = {0.0, 0.0, 1.0};
 
+/* A base with a pin at every second unit of length, standing still. */
+static void add_base(drawing *d, int n) {
+  begin_body(d, "base", 0, 0);
+  for (int i = 0; i <= n; ++i)
+    add_frame(d, i == 0, "P", i, 0, (km_vec3){2.0 * i, 0, 0}, up);
+  end_body(d);
+  add_ground(d, "base", 0, 0);
+}
+
+/* The crank on pin i of the base, whose end belongs to the loop before it and to the one behind it. */
+static void add_crank(drawing *d, const char *name, int i, int n, km_vec3 end) {
+  begin_body(d, name, i, 0);
+  add_frame(d, true, "P", i, 0, (km_vec3){2.0 * i, 0, 0}, up);
+  if (i < n)
+    add_frame(d, false, "Q", i, 0, end, up);
+  if (i > 0)
+    add_frame(d, false, "R", i - 1, 0, end, up);
+  end_body(d);
+  add_joint(d, "Rz", "P", i, 0, "base", 0, 0, name, i, 0);
+}
+
 void write_drawn_chain(km_text *text, int n, double away) {
   drawing d;
   begin(&d, text, away);
-  begin_body(&d, "base", 0, 0);
-  for (int i = 0; i <= n; ++i)
-    add_frame(&d, i == 0, "P", i, 0, (km_vec3){2.0 * i, 0, 0}, up);
-  end_body(&d);
-  add_ground(&d, "base", 0, 0);
+  add_base(&d, n);
   for (int i = 0; i <= n; ++i) {
     km_vec3 top = {2.0 * i + 0.6, 0.8, 0}, next = {2.0 * i + 2.6, 0.8, 0};
-    begin_body(&d, "b", i, 0);
-    add_frame(&d, true, "P", i, 0, (km_vec3){2.0 * i, 0, 0}, up);
-    if (i < n)
-      add_frame(&d, false, "Q", i, 0, top, up);
-    if (i > 0)
-      add_frame(&d, false, "R", i - 1, 0, top, up);
-    end_body(&d);
-    add_joint(&d, "Rz", "P", i, 0, "base", 0, 0, "b", i, 0);
+    add_crank(&d, "b", i, n, top);
     if (i == n)
       break;
     begin_body(&d, "c", i, 0);
@@ -90,21 +100,10 @@ void write_drawn_chain(km_text *text, int n, double away) {
 void write_five_bars(km_text *text, int n, double away) {
   drawing d;
   begin(&d, text, away);
-  begin_body(&d, "base", 0, 0);
-  for (int i = 0; i <= n; ++i)
-    add_frame(&d, i == 0, "P", i, 0, (km_vec3){2.0 * i, 0, 0}, up);
-  end_body(&d);
-  add_ground(&d, "base", 0, 0);
+  add_base(&d, n);
   for (int i = 0; i <= n; ++i) {
     km_vec3 left = {2.0 * i + 0.3, 1.0, 0}, top = {2.0 * i + 1.1, 1.7, 0}, right = {2.0 * i + 2.3, 1.0, 0};
-    begin_body(&d, "crank", i, 0);
-    add_frame(&d, true, "P", i, 0, (km_vec3){2.0 * i, 0, 0}, up);
-    if (i < n)
-      add_frame(&d, false, "Q", i, 0, left, up);
-    if (i > 0)
-      add_frame(&d, false, "R", i - 1, 0, (km_vec3){2.0 * i + 0.3, 1.0, 0}, up);
-    end_body(&d);
-    add_joint(&d, "Rz", "P", i, 0, "base", 0, 0, "crank", i, 0);
+    add_crank(&d, "crank", i, n, left);
     if (i == n)
       break;
     begin_body(&d, "c", i, 0);

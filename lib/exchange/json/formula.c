@@ -7,14 +7,14 @@
 #include "base/names.h"
 #include "base/nearest.h"
 
-#include <dlfcn.h>
 #include <math.h>
 #include <muParserDLL.h>
 #include <string.h>
 
 enum { LONGEST_FORMULA = 1000, LONGEST_NAME = 60 };
 
-typedef struct library {
+/* In the order of the names in find_muparser. */
+typedef struct muparser_functions {
   muParserHandle_t (*create)(int base);
   void (*release)(muParserHandle_t);
   void (*set)(muParserHandle_t, const char *);
@@ -23,7 +23,7 @@ typedef struct library {
   void (*reset)(muParserHandle_t);
   int (*position)(muParserHandle_t);
   void (*constant)(muParserHandle_t, const char *, double);
-} library;
+} muparser_functions;
 
 struct km_formulas {
   const km_value *parameters;
@@ -32,8 +32,8 @@ struct km_formulas {
   size_t count, room;
   const char **names;
   size_t name_room;
-  library muparser;
-  muParserHandle_t parser; /* NULL: not loaded yet */
+  const muparser_functions *muparser; /* NULL: not loaded yet */
+  muParserHandle_t parser;            /* the same */
 };
 
 static const char *const functions[] = {"sqrt", "sin", "cos", "tan", "atan2", "abs", "min", "max", NULL};
@@ -57,7 +57,7 @@ void km_formulas_free(km_formulas *f) {
   if (!f)
     return;
   if (f->parser)
-    f->muparser.release(f->parser);
+    f->muparser->release(f->parser);
   km_names_free(&f->defined);
   km_free(f->values);
   km_free(f->names);
@@ -100,35 +100,36 @@ bool km_formulas_define(km_formulas *f, const char *name, double value) {
   f->values[f->count] = value;
   f->names[f->count++] = name;
   if (f->parser)
-    f->muparser.constant(f->parser, name, value);
+    f->muparser->constant(f->parser, name, value);
   return true;
 }
 
-static bool find_functions(void *handle, library *l) {
-  return km_library_function(handle, "mupCreate", &l->create) &&
-         km_library_function(handle, "mupRelease", &l->release) && km_library_function(handle, "mupSetExpr", &l->set) &&
-         km_library_function(handle, "mupEval", &l->evaluate) && km_library_function(handle, "mupError", &l->failed) &&
-         km_library_function(handle, "mupErrorReset", &l->reset) &&
-         km_library_function(handle, "mupGetErrorPos", &l->position) &&
-         km_library_function(handle, "mupDefineConst", &l->constant);
+static const muparser_functions *find_muparser(km_error *error) {
+  static const char *const files[] = {KM_MUPARSER, NULL};
+  static const char *const names[] = {"mupCreate",     "mupRelease",     "mupSetExpr",     "mupEval", "mupError",
+                                      "mupErrorReset", "mupGetErrorPos", "mupDefineConst", NULL};
+  static muparser_functions found;
+  static km_library library = {files, names, &found, false};
+  const char *reason = km_library_load(&library);
+  if (!reason)
+    return &found;
+  km_fail(error, KM_IO, "expressions can't be evaluated: %.300s; expected muParser to be installed", reason);
+  return NULL;
 }
 
 static km_status load(km_formulas *f, km_error *error) {
   if (f->parser)
     return KM_OK;
-  void *handle = dlopen(KM_MUPARSER, RTLD_NOW | RTLD_LOCAL);
-  if (!handle || !find_functions(handle, &f->muparser)) {
-    const char *reason = dlerror();
-    return km_fail(error, KM_IO, "expressions can't be evaluated: %.300s; expected muParser to be installed",
-                   reason ? reason : KM_MUPARSER);
-  }
-  f->parser = f->muparser.create(muBASETYPE_FLOAT);
+  f->muparser = find_muparser(error);
+  if (!f->muparser)
+    return KM_IO;
+  f->parser = f->muparser->create(muBASETYPE_FLOAT);
   if (!f->parser)
     return km_fail(error, KM_MEMORY, "out of memory for an expression");
-  f->muparser.constant(f->parser, "pi", M_PI);
-  f->muparser.constant(f->parser, "deg", M_PI / 180.0);
+  f->muparser->constant(f->parser, "pi", M_PI);
+  f->muparser->constant(f->parser, "deg", M_PI / 180.0);
   for (size_t i = 0; i < f->count; ++i)
-    f->muparser.constant(f->parser, f->names[i], f->values[i]);
+    f->muparser->constant(f->parser, f->names[i], f->values[i]);
   return KM_OK;
 }
 
@@ -205,11 +206,11 @@ km_status km_formulas_evaluate(km_formulas *f, const char *text, double *value, 
     status = load(f, error);
   if (status)
     return status;
-  f->muparser.set(f->parser, text);
-  double result = f->muparser.evaluate(f->parser);
-  if (f->muparser.failed(f->parser)) {
-    int position = f->muparser.position(f->parser), length = (int)strlen(text);
-    f->muparser.reset(f->parser);
+  f->muparser->set(f->parser, text);
+  double result = f->muparser->evaluate(f->parser);
+  if (f->muparser->failed(f->parser)) {
+    int position = f->muparser->position(f->parser), length = (int)strlen(text);
+    f->muparser->reset(f->parser);
     return position < 0 || position >= length
                ? km_fail(error, KM_MODEL, "it isn't complete")
                : km_fail(error, KM_MODEL, "it can't be read at character %d", position + 1);

@@ -28,18 +28,23 @@ bool km_model_find_mesh(const km_model *model, const char *name, km_text *path) 
   return false;
 }
 
-km_status km_body_mesh(const km_model *model, const km_model_body *body, km_mesh **out, km_error *error) {
+km_status km_model_read_mesh(const km_model *model, const char *where, const char *part, const char *name,
+                             km_mesh **out, km_error *error) {
   km_text path = {0};
   km_status status = KM_OK;
-  if (!km_model_find_mesh(model, body->mesh, &path))
-    status = path.failed ? km_fail(error, KM_MEMORY, "out of memory for meshes")
-                         : km_fail(error, KM_IO,
-                                   "%s.definition: mesh \"%.200s\" is found neither beside the file nor in include_dir",
-                                   body->where, body->mesh);
+  if (!km_model_find_mesh(model, name, &path))
+    status = path.failed
+                 ? km_fail(error, KM_MEMORY, "out of memory for meshes")
+                 : km_fail(error, KM_IO, "%s%s: mesh \"%.200s\" is found neither beside the file nor in include_dir",
+                           where, part, name);
   else
     status = km_mesh_read(path.data, out, error);
   km_text_free(&path);
   return status;
+}
+
+km_status km_body_mesh(const km_model *model, const km_model_body *body, km_mesh **out, km_error *error) {
+  return km_model_read_mesh(model, body->where, ".definition", body->mesh, out, error);
 }
 
 static void paint(km_mesh *mesh, const double color[4]) {

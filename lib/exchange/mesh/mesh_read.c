@@ -9,27 +9,28 @@
 #include <assimp/cimport.h>
 #include <assimp/postprocess.h>
 #include <assimp/scene.h>
-#include <dlfcn.h>
 #include <limits.h>
 #include <math.h>
 #include <stdint.h>
 #include <string.h>
 
-typedef struct library {
+/* In the order of the names in find_assimp. */
+typedef struct assimp_functions {
   const struct aiScene *(*import)(const char *path, unsigned steps);
   void (*release)(const struct aiScene *scene);
   const char *(*error)(void);
-} library;
+} assimp_functions;
 
-static km_status load_library(library *out, km_error *error) {
-  void *handle = dlopen(KM_ASSIMP, RTLD_NOW | RTLD_LOCAL);
-  if (handle && km_library_function(handle, "aiImportFile", &out->import) &&
-      km_library_function(handle, "aiReleaseImport", &out->release) &&
-      km_library_function(handle, "aiGetErrorString", &out->error))
-    return KM_OK;
-  const char *reason = dlerror();
-  return km_fail(error, KM_IO, "meshes can't be read: %.300s; expected assimp to be installed",
-                 reason ? reason : KM_ASSIMP);
+static const assimp_functions *find_assimp(km_error *error) {
+  static const char *const files[] = {KM_ASSIMP, NULL};
+  static const char *const names[] = {"aiImportFile", "aiReleaseImport", "aiGetErrorString", NULL};
+  static assimp_functions found;
+  static km_library library = {files, names, &found, false};
+  const char *reason = km_library_load(&library);
+  if (!reason)
+    return &found;
+  km_fail(error, KM_IO, "meshes can't be read: %.300s; expected assimp to be installed", reason);
+  return NULL;
 }
 
 static void count_parts(const struct aiScene *scene, int64_t *vertices, int64_t *triangles) {
@@ -93,6 +94,7 @@ static km_status copy_scene(const struct aiScene *scene, const char *path, km_me
 }
 
 typedef struct job {
+  const assimp_functions *assimp;
   const char *path;
   km_mesh *mesh;
   km_error *error;
@@ -101,18 +103,14 @@ typedef struct job {
 
 static void read_job(void *context) {
   job *j = context;
-  library assimp = {0};
-  j->status = load_library(&assimp, j->error);
-  if (j->status)
-    return;
   /* Polygons become triangles; every part goes where the scene's nodes put it. */
-  const struct aiScene *scene = assimp.import(j->path, aiProcess_Triangulate | aiProcess_PreTransformVertices);
+  const struct aiScene *scene = j->assimp->import(j->path, aiProcess_Triangulate | aiProcess_PreTransformVertices);
   if (!scene) {
-    j->status = km_fail(j->error, KM_IO, "%s: isn't a mesh that can be read: %.300s", j->path, assimp.error());
+    j->status = km_fail(j->error, KM_IO, "%s: isn't a mesh that can be read: %.300s", j->path, j->assimp->error());
     return;
   }
   j->status = copy_scene(scene, j->path, &j->mesh, j->error);
-  assimp.release(scene);
+  j->assimp->release(scene);
 }
 
 km_status km_mesh_read(const char *path, km_mesh **out, km_error *error) {
@@ -121,7 +119,9 @@ km_status km_mesh_read(const char *path, km_mesh **out, km_error *error) {
     status = km_plain_mesh_read(path, out, error);
   if (status || *out)
     return status;
-  job j = {.path = path, .error = error};
+  job j = {.assimp = find_assimp(error), .path = path, .error = error};
+  if (!j.assimp)
+    return KM_IO;
   km_serially(read_job, &j); /* assimp keeps its last error for the whole process */
   *out = j.mesh;
   if (j.status) {

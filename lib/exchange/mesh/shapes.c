@@ -71,26 +71,12 @@ static km_mesh *cylinder(double radius, double half) {
   return turned(profile, 2);
 }
 
-static km_status read_file(const km_model *model, const km_model_shape *shape, km_mesh **out, km_error *error) {
-  km_text path = {0};
-  km_status status = KM_OK;
-  if (!km_model_find_mesh(model, shape->mesh, &path))
-    status = path.failed
-                 ? km_fail(error, KM_MEMORY, "out of memory for meshes")
-                 : km_fail(error, KM_IO, "%s: mesh \"%.200s\" is found neither beside the file nor in include_dir",
-                           shape->where, shape->mesh);
-  else
-    status = km_mesh_read(path.data, out, error);
-  km_text_free(&path);
-  return status;
-}
-
 km_status km_shape_mesh(const km_model *model, const km_model_shape *shape, km_mesh **out, km_error *error) {
   km_status status = KM_OK;
   const double *size = shape->size;
   *out = NULL;
   if (shape->kind == KM_SHAPE_OF_MESH)
-    status = read_file(model, shape, out, error);
+    status = km_model_read_mesh(model, shape->where, "", shape->mesh, out, error);
   else if (shape->kind == KM_SHAPE_BOX)
     *out = box(size);
   else if (shape->kind == KM_SHAPE_CYLINDER)

@@ -5,7 +5,6 @@
 #include "base/library.h"
 #include "base/memory.h"
 
-#include <dlfcn.h>
 #include <string.h>
 #include <zlib.h>
 
@@ -18,10 +17,12 @@ typedef struct zip {
   __typeof__(&compress2) compress;
 } zip;
 
-static bool load(zip *out) {
-  void *handle = dlopen("libz.so.1", RTLD_NOW | RTLD_LOCAL);
-  return handle && km_library_function(handle, "compressBound", &out->bound) &&
-         km_library_function(handle, "compress2", &out->compress);
+/* NULL where it can't be had. */
+static const zip *load(void) {
+  static const char *const files[] = {"libz.so.1", NULL}, *const names[] = {"compressBound", "compress2", NULL};
+  static zip functions;
+  static km_library library = {files, names, &functions, false};
+  return km_library_load(&library) ? NULL : &functions;
 }
 
 void km_png_put_number(unsigned char *at, uint32_t value) {
@@ -84,16 +85,16 @@ static void take_lines(const km_pixels *p, unsigned char *to) {
 }
 
 bool km_png_write(const km_pixels *p, km_text *out) {
-  zip z;
-  if (!load(&z))
+  const zip *z = load();
+  if (!z)
     return false;
   size_t size = (size_t)p->height * (3 * (size_t)p->width + 1);
-  uLongf packed = z.bound((uLong)size);
+  uLongf packed = z->bound((uLong)size);
   unsigned char *lines = KM_NEW(unsigned char, size), *data = KM_NEW(unsigned char, packed);
   bool written = lines && data;
   if (written) {
     take_lines(p, lines);
-    written = z.compress(data, &packed, lines, (uLong)size, LEVEL) == Z_OK;
+    written = z->compress(data, &packed, lines, (uLong)size, LEVEL) == Z_OK;
   }
   if (written) {
     put_header(out, p);

@@ -19,16 +19,11 @@ km_value *km_question_record(const km_question *q, const km_mechanism *m, const 
   return NULL;
 }
 
-/* Options that were set after the answer can have left the plan without a driver. */
-static bool moves(const km_mechanism *m, const km_sweep_plan *plan) {
-  return plan && (plan->arclength > 0.0 || (plan->coordinate >= 0 && plan->coordinate < m->coordinate_count));
-}
-
 void km_question_print(const km_question *q, const km_mechanism *m, const char *name, km_text *out) {
   if (!q || !m || q->m != m || !name || !out)
     return;
   const km_sweep_plan *plan = km_question_plan(q);
-  if (!moves(m, plan))
+  if (!plan || plan->steps == 0) /* an answer at one pose has no driver to tell of */
     return;
   if (km_question_mobility(q))
     km_mobility_sweep_print(m, plan, km_question_mobility(q), km_question_redundancies(q), name, out);
