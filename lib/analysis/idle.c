@@ -253,11 +253,12 @@ static bool keep_lasting(const groups *g, int first, km_arena *arena, km_idle_fr
          *move = KM_ARENA_NEW(arena, double, columns);
   if (arena->failed)
     return false;
-  bool moved = km_nearby_go(g->m, g->s, g->index, saved, move);
+  bool moved = km_nearby_go(g->m, g->s, g->index, saved, move), whole = true;
   int kept = first;
   for (int i = first; i < out->count; ++i) {
     km_idle_freedom item = out->items[i];
     int there = moved ? freedoms(g, find(g, item.bodies[0]), item.body_count) : item.freedoms;
+    whole = whole && there >= 0;
     item.freedoms = there < item.freedoms ? there : item.freedoms;
     out->mobility += item.freedoms > 0 ? item.freedoms : 0;
     if (item.freedoms > 0)
@@ -265,7 +266,7 @@ static bool keep_lasting(const groups *g, int first, km_arena *arena, km_idle_fr
   }
   out->count = kept;
   km_nearby_return(g->m, g->s, g->index, saved);
-  return true;
+  return whole;
 }
 
 /* Can the substructure have any? Groups end at joints with several coordinates. */

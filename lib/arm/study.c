@@ -26,8 +26,10 @@ bool km_binder_memory(km_binder *b) {
 }
 
 bool km_binder_pass(km_binder *b, const km_study_place *place, km_status status, const km_error *found) {
-  if (status == KM_MEMORY)
-    return km_binder_memory(b);
+  if (status == KM_MEMORY) {
+    b->status = km_fail(b->error, KM_MEMORY, "%s", found->text);
+    return false;
+  }
   return !status || km_binder_fault(b, place, "%s", found->text);
 }
 

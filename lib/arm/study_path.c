@@ -83,7 +83,7 @@ bool km_bind_path(km_binder *b, const double *q) {
   if (!status)
     status = km_path_make(b->study->arm, &plan, &start, &b->study->path, &fault, &error);
   if (status == KM_MEMORY)
-    return km_binder_memory(b);
+    return km_binder_pass(b, &path->place, status, &error);
   if (status)
     tell(b, &fault, &error);
   return !status;

@@ -8,8 +8,7 @@ bool km_tangents_make(km_tangents *f, const km_mechanism *m, km_state *s, int in
   const km_substructure *sub = &m->substructures[index];
   size_t n = (size_t)sub->columns;
   *f = (km_tangents){.m = m, .s = s, .index = index, .sub = sub, .enough = KM_REAL, .random = 1, .arena = arena};
-  if (!km_second_order_start(m, s, index, &f->conditions))
-    return false;
+  arena->failed = !km_second_order_start(m, s, index, &f->conditions) || arena->failed;
   f->pose = KM_ARENA_NEW(arena, double, KM_SAVED_PER_COLUMN *n);
   f->last = KM_ARENA_NEW(arena, double, KM_SAVED_PER_COLUMN *n);
   f->x = KM_ARENA_NEW(arena, double, n);

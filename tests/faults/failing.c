@@ -2,7 +2,8 @@
  * place finds no memory once: the process is copied, the copy gets none and goes on in a folder of its own, where it leaves
  * what it says (.out, .said), where it failed (.place) and how it ends (.status), and the first process goes on as if nothing
  * had been. A place is the last few of the tool's own functions on the stack; those that are known stand in
- * KMECH_FAIL_IN/places, which the next run of the same tool reads. Calls of other libraries always find memory. Loaded by LD_PRELOAD (tests/faults/memory). */
+ * KMECH_FAIL_IN/places, which the next run of the same tool reads. Calls of other libraries always find memory. The time that
+ * copies take is none to the tool, which may have a limit of time. Loaded by LD_PRELOAD (tests/faults/memory). */
 #include <dirent.h>
 #include <execinfo.h>
 #include <fcntl.h>
@@ -13,6 +14,7 @@
 #include <stdlib.h>
 #include <string.h>
 #include <sys/stat.h>
+#include <sys/syscall.h>
 #include <sys/wait.h>
 #include <time.h>
 #include <unistd.h>
@@ -24,6 +26,7 @@ static uintptr_t base, first, last; /* where the tool is, and its own code */
 static uintptr_t frames[FRAMES];    /* of the present call, from base; 0 behind the last */
 static uint64_t known[PLACES];
 static long copies;
+static int64_t away; /* nanoseconds that the copies took */
 
 extern void *__libc_calloc(size_t count, size_t size);
 extern void *__libc_realloc(void *block, size_t size);
@@ -137,13 +140,29 @@ static void live(long number) {
   alarm(SECONDS);
 }
 
+static int64_t nanoseconds(void) {
+  struct timespec now;
+  syscall(SYS_clock_gettime, CLOCK_MONOTONIC, &now);
+  return 1000000000 * (int64_t)now.tv_sec + now.tv_nsec;
+}
+
+int clock_gettime(clockid_t clock, struct timespec *now) {
+  if (clock != CLOCK_MONOTONIC)
+    return (int)syscall(SYS_clock_gettime, clock, now);
+  int64_t time = nanoseconds() - away;
+  *now = (struct timespec){time / 1000000000, time % 1000000000};
+  return 0;
+}
+
 /* True in the copy. */
 static bool copy(void) {
+  int64_t before = nanoseconds();
   for (int i = 0; i < 1000 && !others_sleep(); ++i)
     nanosleep(&(struct timespec){.tv_nsec = 1000000}, NULL);
   long number = ++copies;
   pid_t child = fork();
   if (child == 0) {
+    away += nanoseconds() - before;
     live(number);
     return true;
   }
@@ -156,6 +175,7 @@ static bool copy(void) {
     fprintf(file, "%d\n", WIFEXITED(status) ? WEXITSTATUS(status) : -WTERMSIG(status));
     fclose(file);
   }
+  away += nanoseconds() - before;
   return false;
 }
 

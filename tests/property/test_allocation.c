@@ -1,5 +1,6 @@
 /* Every allocation of the main jobs fails once: the job ends with KM_MEMORY, nothing crashes, nothing is leaked (which
- * the build under AddressSanitizer shows). The linker sends the library's calloc and realloc through this file. */
+ * the build under AddressSanitizer shows). */
+#include "support/failing.h"
 #include "support/support.h"
 
 #include "base/memory.h"
@@ -15,26 +16,6 @@
 #include <stdlib.h>
 #include <string.h>
 #include <unistd.h>
-
-static long calls, failing; /* counted since `arm`; the one that fails, 0: none */
-
-void *__real_calloc(size_t count, size_t size);
-void *__real_realloc(void *block, size_t size);
-void *__wrap_calloc(size_t count, size_t size);
-void *__wrap_realloc(void *block, size_t size);
-
-void *__wrap_calloc(size_t count, size_t size) {
-  return ++calls == failing ? NULL : __real_calloc(count, size);
-}
-
-void *__wrap_realloc(void *block, size_t size) {
-  return ++calls == failing ? NULL : __real_realloc(block, size);
-}
-
-static void arm(long n) {
-  calls = 0;
-  failing = n;
-}
 
 /* A job from the model's text to the bytes of its result. */
 typedef km_status (*job)(const char *json);
@@ -195,15 +176,15 @@ static km_status invert(const char *json) {
 /* Fails the first calls one by one, and later ones in growing strides: a job has thousands. A study sizes its batches by the
  * clock: a run that needed fewer calls than were counted had them all. */
 static void fail_each_of(job run, const char *text) {
-  arm(0);
+  failing_arm(0);
   assert_int_equal(run(text), KM_OK);
-  long all = calls;
+  long all = failing_calls();
   assert_true(all > 20);
   for (long n = 1; n <= all; n += 1 + n / 400) {
-    arm(n);
+    failing_arm(n);
     km_status status = run(text);
-    km_status expected = calls < n ? KM_OK : KM_MEMORY;
-    arm(0);
+    km_status expected = failing_calls() < n ? KM_OK : KM_MEMORY;
+    failing_arm(0);
     if (status != expected)
       fail_msg("status %d where call %ld of %ld failed", (int)status, n, all);
   }

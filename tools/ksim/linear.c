@@ -154,8 +154,8 @@ static kt_exit run_equilibrium(work *w) {
   km_status status = km_equilibrium_find(w->dynamics, w->pose.state, o->settle, kt_progress_show, &progress, &error);
   kt_progress_end(&progress);
   if (status) {
-    kt_say(&o->common, KM_ERROR, "%s: %s; %s", o->model, error.text,
-           o->settle ? "--set starts from another pose" : "--settle lets it fall to one first");
+    const char *way = o->settle ? "; --set starts from another pose" : "; --settle lets it fall to one first";
+    kt_say(&o->common, KM_ERROR, "%s: %s%s", o->model, error.text, status == KM_NO_RESULT ? way : "");
     return status == KM_NO_RESULT ? KT_PARTIAL : kt_exit_of(status);
   }
   result = linearise(w);

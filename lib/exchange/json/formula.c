@@ -123,9 +123,7 @@ static km_status load(km_formulas *f, km_error *error) {
   f->muparser = find_muparser(error);
   if (!f->muparser)
     return KM_IO;
-  f->parser = f->muparser->create(muBASETYPE_FLOAT);
-  if (!f->parser)
-    return km_fail(error, KM_MEMORY, "out of memory for an expression");
+  f->parser = f->muparser->create(muBASETYPE_FLOAT); /* never NULL: it throws where there is no memory */
   f->muparser->constant(f->parser, "pi", M_PI);
   f->muparser->constant(f->parser, "deg", M_PI / 180.0);
   for (size_t i = 0; i < f->count; ++i)

@@ -60,7 +60,9 @@ static int analysis_frame(km_reader *reader, const km_value *path, const km_plac
   int frame = -1;
   km_error problem;
   km_path_names_gather(path, &p);
-  if (km_model_find_frame(reader->model, p.names, p.count, &frame, &problem))
+  km_status status = km_model_find_frame(reader->model, p.names, p.count, &frame, &problem);
+  reader->model->arena.failed = reader->model->arena.failed || status == KM_MEMORY;
+  if (status)
     km_reader_error(reader, place, "%s", problem.text);
   return frame;
 }

@@ -90,5 +90,7 @@ km_mesh *km_mjcf_read_mesh(km_mjcf *m, const km_mjcf_mesh *mesh) {
   const char *path = mesh->file ? km_robot_find(m->robot, mesh->file) : NULL;
   if (!mesh->file)
     return read_inline(m, mesh->element);
-  return path && !km_mesh_read(path, &out, &error) ? out : NULL;
+  km_status status = path ? km_mesh_read(path, &out, &error) : KM_OK;
+  m->robot->arena.failed = m->robot->arena.failed || status == KM_MEMORY;
+  return status ? NULL : out;
 }

@@ -56,10 +56,13 @@ static bool weigh_mesh(km_robot *robot, const km_xml *mesh, const double scale[3
   const char *path = km_robot_find(robot, km_sdf_text(mesh, "uri"));
   km_mesh *surface = NULL;
   km_error error;
-  if (!path || km_mesh_read(path, &surface, &error))
+  if (!path)
     return false;
-  km_mesh_scale(surface, scale);
-  km_status status = km_mesh_weigh(surface, path, out, &error);
+  km_status status = km_mesh_read(path, &surface, &error);
+  if (!status) {
+    km_mesh_scale(surface, scale);
+    status = km_mesh_weigh(surface, path, out, &error);
+  }
   robot->arena.failed = robot->arena.failed || status == KM_MEMORY;
   km_mesh_free(surface);
   return status == KM_OK;
