@@ -235,32 +235,30 @@ static int choose_motion(const km_mechanism *m, km_state *s, km_lever *l) {
   return freedom;
 }
 
-double km_largest_rate(const km_mechanism *m, const double *rates) {
+static double largest_rate(const km_mechanism *m, const double *rates) {
   double largest = 0.0;
   for (int c = 0; c < m->coordinate_count; ++c)
     largest = fmax(largest, fabs(rates[c] / m->unit[c]));
   return largest;
 }
 
-double km_lever_rate(const km_mechanism *m, const km_lever_end *end, const double *rates, double *size) {
-  double rate = 0.0, largest = km_largest_rate(m, rates);
+static void find_rate(const km_mechanism *m, const double *rates, double largest, km_lever_end *end) {
   if (end->handle.kind == KM_HANDLE_JOINT) {
     int own = end->handle.coordinate;
-    *size = m->unit[own] * largest;
-    return rates[own];
+    end->size = m->unit[own] * largest;
+    end->rate = rates[own];
+    return;
   }
   /* A coordinate that stands has a rate of rounding: of the largest one, not of its own. */
-  *size = 0.0;
+  end->size = end->rate = 0.0;
   for (int c = 0; c < m->coordinate_count; ++c) {
-    rate += end->row[c] * rates[c];
-    *size += end->speed[c] * m->unit[c] * largest;
+    end->rate += end->row[c] * rates[c];
+    end->size += end->speed[c] * m->unit[c] * largest;
   }
-  return rate;
 }
 
-static double clear_rate(const km_mechanism *m, const km_lever_end *end, const double *rates) {
-  double size, rate = km_lever_rate(m, end, rates, &size);
-  return fabs(rate) > zero_rate_tolerance * size ? rate : 0.0;
+static double clear_rate(const km_lever_end *end) {
+  return fabs(end->rate) > zero_rate_tolerance * end->size ? end->rate : 0.0;
 }
 
 /* Of two rates that are 0 where they count as 0. */
@@ -277,14 +275,17 @@ static void update_rows(const km_mechanism *m, const km_state *s, km_lever *l) {
 
 /* The advantage in the motion l->rates, which was chosen from so many freedoms. */
 static void measure(const km_mechanism *m, km_lever *l, int freedom, km_advantage *out) {
-  double largest = km_largest_rate(m, l->rates);
+  double largest = largest_rate(m, l->rates);
   for (int c = 0; c < m->coordinate_count && largest > 0.0; ++c)
     l->rates[c] /= largest;
   *out = (km_advantage){.method = freedom == 1 ? KM_ADVANTAGE_SINGLE_FREEDOM : KM_ADVANTAGE_LEAST_MOTION};
   /* Where the input has no part in several freedoms there is no motion of its own. */
   bool moves = largest > (freedom == 1 ? 0.0 : zero_rate_tolerance);
-  out->input_rate = moves ? clear_rate(m, &l->input, l->rates) : 0.0;
-  out->output_rate = moves ? clear_rate(m, &l->output, l->rates) : 0.0;
+  double scaled = largest > 0.0 ? 1.0 : 0.0;
+  find_rate(m, l->rates, scaled, &l->input);
+  find_rate(m, l->rates, scaled, &l->output);
+  out->input_rate = moves ? clear_rate(&l->input) : 0.0;
+  out->output_rate = moves ? clear_rate(&l->output) : 0.0;
   bool in = out->input_rate != 0.0, outwards = out->output_rate != 0.0;
   out->state = in && outwards ? KM_ADVANTAGE_FINITE
                : in           ? KM_ADVANTAGE_INFINITE

@@ -22,6 +22,8 @@ typedef struct watch {
   bool between;                       /* that pose lies between rows */
   bool failed;                        /* the losses of the last row found no memory */
   double *reference;                  /* [coordinate] the motion at the last sample: a basis has no sense of its own */
+  double sense;             /* of the lever's motion at the pose that was looked at last, beside the sweep's: ±1 */
+  km_advantage_state state; /* at the row that was written last */
   km_scan scan;
   km_events events;
   km_advantage_state last_state; /* of the row before */
@@ -60,6 +62,8 @@ static double *write_value(void *self, km_sweeper *r, double *cell) {
   km_advantage a;
   w->followed = w->between || km_sweeper_motion(r);
   look(w, r, &a);
+  if (!w->between)
+    w->state = a.state;
   if (km_table_rows(w->out->motion.table) == 1)
     w->out->method = a.method;
   *cell++ = a.value;
@@ -79,12 +83,9 @@ static double *write_value(void *self, km_sweeper *r, double *cell) {
   return cell;
 }
 
-/* The lever at the state's pose; -1 if its motion runs against that of the sweep, or with several freedoms against that
- * of the last sample. */
-static double update(const watch *w, km_sweeper *r) {
-  km_advantage a;
+/* -1 if the lever's motion runs against that of the sweep, or with several freedoms against that of the last sample. */
+static double sense_of(const watch *w, const km_sweeper *r) {
   double along = 0.0;
-  look(w, r, &a);
   const double *way = w->followed && r->out->freedom == 1 ? r->rates : w->reference;
   for (int c = 0; c < r->m->coordinate_count; ++c)
     along += w->lever->rates[c] * way[c] / (r->m->unit[c] * r->m->unit[c]);
@@ -93,21 +94,20 @@ static double update(const watch *w, km_sweeper *r) {
 
 /* Both rates, in one sense along the sweep. */
 static void values(void *self, km_sweeper *r, double *n, double *d) {
-  const watch *w = self;
-  double sense = update(w, r);
+  watch *w = self;
+  km_advantage a;
+  look(w, r, &a);
+  w->sense = sense_of(w, r);
   const km_lever_end *ends[2] = {&w->lever->input, &w->lever->output};
   double *const out[2] = {n, d};
-  for (int i = 0; i < 2; ++i) {
-    double size, rate = km_lever_rate(r->m, ends[i], w->lever->rates, &size);
-    *out[i] = fabs(rate) > rounding * size ? sense * rate : 0.0;
-  }
+  for (int i = 0; i < 2; ++i)
+    *out[i] = fabs(ends[i]->rate) > rounding * ends[i]->size ? w->sense * ends[i]->rate : 0.0;
 }
 
 static void sampled(void *self, km_sweeper *r) {
   const watch *w = self;
-  double sense = update(w, r);
   for (int c = 0; c < r->m->coordinate_count; ++c)
-    w->reference[c] = sense * w->lever->rates[c];
+    w->reference[c] = w->sense * w->lever->rates[c];
 }
 
 /* The leverage beside a pole, for pictures. */
@@ -130,14 +130,12 @@ static km_status add_toggle(watch *w, km_advantage_state state, double s, km_err
 
 /* A row at the dead centre of its own driver: the rate that vanishes there comes no nearer to 0 than the driver's
  * digits allow, and the search between rows has nothing to find. */
-static km_status note_dead_centre(watch *w, const km_sweeper *r, double s, km_error *error) {
-  km_advantage a;
-  look(w, r, &a);
-  bool toggle = a.state == KM_ADVANTAGE_ZERO || a.state == KM_ADVANTAGE_INFINITE, known = a.state == w->last_state;
+static km_status note_dead_centre(watch *w, double s, km_error *error) {
+  bool toggle = w->state == KM_ADVANTAGE_ZERO || w->state == KM_ADVANTAGE_INFINITE, known = w->state == w->last_state;
   for (size_t i = 0; i < w->events.count; ++i)
     known = known || (is_toggle(&w->events.items[i]) && fabs(w->events.items[i].s - s) <= 1e-6 * (1.0 + fabs(s)));
-  w->last_state = a.state;
-  return toggle && !known ? add_toggle(w, a.state, s, error) : KM_OK;
+  w->last_state = w->state;
+  return toggle && !known ? add_toggle(w, w->state, s, error) : KM_OK;
 }
 
 static km_status pass(void *self, km_sweeper *r, double s, km_error *error) {
@@ -149,8 +147,7 @@ static km_status pass(void *self, km_sweeper *r, double s, km_error *error) {
 static km_status see(void *self, km_sweeper *r, double s, km_error *error) {
   watch *w = self;
   km_status status = w->failed ? km_fail(error, KM_MEMORY, "out of memory for the losses") : pass(self, r, s, error);
-  w->followed = km_sweeper_motion(r); /* what probes have left there isn't the row's */
-  return status ? status : note_dead_centre(w, r, s, error);
+  return status ? status : note_dead_centre(w, s, error);
 }
 
 static void forget(void *self) {

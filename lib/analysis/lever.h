@@ -9,7 +9,9 @@
 typedef struct km_lever_end {
   km_handle handle;
   double *row;   /* [coordinate] */
-  double *speed; /* [coordinate] of a point: its whole speed at unit rate; what rounding is measured by */
+  double *speed; /* [coordinate] of a point: its whole speed at unit rate */
+  double rate;   /* in the lever's motion */
+  double size;   /* what rounding of that rate is measured by */
 } km_lever_end;
 
 struct km_lever {
@@ -30,10 +32,5 @@ km_status km_check_handles(const km_mechanism *mechanism, const km_handle *input
 /* The advantage in a given motion, rates[coordinate]: at a branch point the one that is followed. */
 void km_lever_along(const km_mechanism *mechanism, const km_state *state, km_lever *lever, const double *rates,
                     km_advantage *out);
-
-/* The largest scaled rate. */
-double km_largest_rate(const km_mechanism *mechanism, const double *rates);
-/* The rate of an end in a motion, and what rounding is measured by. */
-double km_lever_rate(const km_mechanism *mechanism, const km_lever_end *end, const double *rates, double *size);
 
 #endif

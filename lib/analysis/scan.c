@@ -13,6 +13,9 @@ enum { MOST_ITERATIONS = 100, APPROACHES = 16 };
 
 /* A function that changes less, relatively, is constant. */
 static const double least_swing = 1e-9;
+/* How near to each other the bounds of an extreme come, relatively: Brent's steps are at least √ε long, because a function
+ * changes by no more than rounding over less. */
+static const double nearest = 4.0 * GSL_SQRT_DBL_EPSILON;
 /* What of a smooth function is left at its own root, or at one that it shares; of its values beside it. */
 static const double left_over = 1e-7;
 
@@ -142,7 +145,7 @@ static km_status find_extreme(km_scan *scan, km_sweeper *r, int i, double sign, 
   for (int k = 0; found && k < MOST_ITERATIONS && !q.lost; ++k) {
     found = gsl_min_fminimizer_iterate(solver) == GSL_SUCCESS;
     double left = gsl_min_fminimizer_x_lower(solver), right = gsl_min_fminimizer_x_upper(solver);
-    if (right - left <= 1e-9 * (fabs(left) + fabs(right)))
+    if (right - left <= nearest * fmax(fabs(left), fabs(right)) + 1e-9 * (high - low))
       break;
   }
   double s = gsl_min_fminimizer_x_minimum(solver), value = sign * gsl_min_fminimizer_f_minimum(solver);
@@ -180,43 +183,40 @@ static double place(double s, double pole, bool away, int k) {
   return pole + (s - pole) * ldexp(1.0, away ? k - APPROACHES : -1 - k);
 }
 
-/* Function i on the way from s to a pole, or away from it: its run ends there, or begins. */
-static km_status approach(km_scan *scan, km_sweeper *r, int i, double s, double pole, bool away, km_error *error) {
+/* The way from s to a pole, or away from it: function i takes its samples there, -1: none does, and `between` sees them. */
+static km_status approach(km_scan *scan, km_sweeper *r, int i, double s, double pole, bool away, bool seen,
+                          km_error *error) {
   km_status status = KM_OK;
-  bool moved = false;
-  if (away)
-    scan->runs[i].have = 0;
-  for (int k = 0; k < APPROACHES && scan->extremes && !status; ++k) {
+  bool moved = false, takes = scan->extremes && i >= 0, shows = scan->between && !seen;
+  for (int k = 0; k < APPROACHES && (takes || shows) && !status; ++k) {
     double x = place(s, pole, away, k);
-    if (visit(scan, r, x) && isfinite(scan->probe_n[i] / scan->probe_d[i]))
+    if (!visit(scan, r, x))
+      continue;
+    if (shows && !scan->between(scan->self, r, x))
+      return km_fail(error, KM_MEMORY, "out of memory for a sweep");
+    if (takes && isfinite(scan->probe_n[i] / scan->probe_d[i]))
       status = take(scan, r, i, x, scan->probe_n[i] / scan->probe_d[i], &moved, error);
   }
-  if (!away)
-    scan->runs[i].have = 0;
   return status;
 }
 
 km_status km_scan_show(km_scan *scan, km_sweeper *r, double s, double pole, bool away, km_error *error) {
-  for (int k = 0; k < APPROACHES && scan->between; ++k) {
-    double x = place(s, pole, away, k);
-    if (visit(scan, r, x) && !scan->between(scan->self, r, x))
-      return km_fail(error, KM_MEMORY, "out of memory for a sweep");
-  }
-  return KM_OK;
+  return approach(scan, r, -1, s, pole, away, false, error);
 }
 
-/* Both sides of a pole between the last two samples, as far as they lie between them. */
+/* Both sides of a pole between the last two samples, as far as they lie between them: a run ends there, another begins. */
 static km_status pass_pole(km_scan *scan, km_sweeper *r, int i, double pole, km_error *error) {
   km_status status = KM_OK;
-  bool shown = pole == scan->shown;
+  bool seen = pole == scan->shown;
   for (int away = 0; away < 2 && !status; ++away) {
     double s = scan->s[away ? 0 : 1];
     if (s == pole)
       continue;
-    if (!shown)
-      status = km_scan_show(scan, r, s, pole, away, error);
-    if (!status)
-      status = approach(scan, r, i, s, pole, away, error);
+    if (away)
+      scan->runs[i].have = 0;
+    status = approach(scan, r, i, s, pole, away, seen, error);
+    if (!away)
+      scan->runs[i].have = 0;
   }
   scan->shown = pole;
   return status;

@@ -13,6 +13,8 @@ static const double out_of_reach = 1e-9; /* a singular value */
 /* The sign of det(turn), rank × rank. */
 static double sense_of(km_holding *h, int rank) {
   int sign;
+  if (rank == 1)
+    return gsl_matrix_get(h->turn, 0, 0) < 0.0 ? -1.0 : 1.0;
   gsl_matrix turn = *h->turn;
   turn.size1 = turn.size2 = h->pivots->size = (size_t)rank;
   gsl_linalg_LU_decomp(&turn, h->pivots, &sign);

@@ -18,6 +18,8 @@ typedef struct watch {
   km_events events;
   bool moves; /* r->rates is the motion */
   bool grown; /* the actuators reach more freedoms than before */
+  bool known; /* the balance is that of the state's pose, by this edition of the partition that moves: */
+  unsigned edition;
 } watch;
 
 static bool add_forces(const watch *w, const km_model *model, km_table *table) {
@@ -53,10 +55,16 @@ static bool add_columns(void *self, const km_sweeper *r, km_table *table) {
   return added && km_table_join_column(table, "held", "", "", NULL);
 }
 
+static unsigned edition_of(const km_sweeper *r) {
+  return r->substructure >= 0 ? r->s->partition[r->substructure].edition : 0;
+}
+
 static double *write_cells(void *self, km_sweeper *r, double *cell) {
   watch *w = self;
   const km_statics *st = w->statics;
   km_statics_update(r->m, r->s, w->forces, w->statics);
+  w->known = true;
+  w->edition = edition_of(r);
   if (km_table_rows(w->out->motion.table) == 1)
     w->out->degree = st->degree;
   for (int i = 0; i < st->actuator_count; ++i)
@@ -83,8 +91,11 @@ static double clear_force(const watch *w, const km_mechanism *m, int actuator) {
 
 static void values(void *self, km_sweeper *r, double *n, double *d) {
   watch *w = self;
-  km_forces_update(r->m, r->s, w->forces);
-  km_statics_hold(r->m, r->s, w->forces, w->statics);
+  if (!w->known || w->edition != edition_of(r)) {
+    km_forces_update(r->m, r->s, w->forces);
+    km_statics_hold(r->m, r->s, w->forces, w->statics);
+  }
+  w->known = false;
   w->grown = !km_statics_ratios(r->m, w->statics, w->moves ? r->rates : NULL, n, d) || w->grown;
 }
 
@@ -104,8 +115,7 @@ static km_status start_at_pole(watch *w, km_error *error) {
 }
 
 /* A branch point has freedoms for an instant that no actuator may hold: that says nothing of the forces around it. */
-static km_status look(void *self, km_sweeper *r, double s, km_error *error) {
-  watch *w = self;
+static km_status look(watch *w, km_sweeper *r, double s, km_error *error) {
   if (w->statics->work->arena.failed)
     return km_fail(error, KM_MEMORY, "out of memory for the balance");
   if (r->substructure >= 0 && km_partition_freedom(&r->s->partition[r->substructure]) > r->out->freedom)
@@ -121,6 +131,12 @@ static km_status look(void *self, km_sweeper *r, double s, km_error *error) {
   return status;
 }
 
+static km_status pass(void *self, km_sweeper *r, double s, km_error *error) {
+  watch *w = self;
+  w->known = false;
+  return look(w, r, s, error);
+}
+
 static km_status see(void *self, km_sweeper *r, double s, km_error *error) {
   watch *w = self;
   if (!w->statics->held && w->out->unheld++ == 0)
@@ -132,13 +148,15 @@ static km_status see(void *self, km_sweeper *r, double s, km_error *error) {
     if (!isnan(f) && (isnan(largest->s) || fabs(f) > fabs(largest->value)))
       w->out->largest[i] = (km_force_event){KM_FORCE_PEAK, i, s, f};
   }
-  return look(self, r, s, error);
+  return look(w, r, s, error);
 }
 
 /* The forces beside a pole, for pictures. */
 static bool between(void *self, km_sweeper *r, double s) {
-  (void)self;
-  return km_sweeper_between(r, s);
+  watch *w = self;
+  bool written = km_sweeper_between(r, s);
+  w->known = false;
+  return written;
 }
 
 static km_status end_at(void *self, km_sweeper *r, double s, km_error *error) {
@@ -185,7 +203,7 @@ static km_status run(const km_mechanism *m, km_state *s, const km_sweep_plan *pl
                           .columns = add_columns,
                           .cells = write_cells,
                           .seen = see,
-                          .passed = look,
+                          .passed = pass,
                           .corner = forget,
                           .ended = end_at,
                           .reads_jacobian = true};

@@ -27,37 +27,46 @@ static km_status end(km_sweeper *r, km_drive *d, double s, double last, km_error
   return status;
 }
 
-/* Where a way to s ends, and whether at a place whose neighbours are worth a look; comes back. */
-static km_reach look_ahead(km_sweeper *r, km_drive *d, double s, bool *meets) {
+/* Drives on to s, and stays there unless something ends the motion before it, or `ends` says that it ends there: then it
+ * comes back. Where the way ended, and whether at a place whose neighbours are worth a look. */
+static km_reach go_on(km_sweeper *r, km_drive *d, double s, bool ends, bool *meets) {
   km_drive_mark(d);
   km_reach reach = km_drive_to(d, s);
   *meets = km_sweeper_meets(r);
-  km_drive_return(d);
+  if (reach.stop || ends)
+    km_drive_return(d);
   return reach;
 }
 
-km_status km_sweeper_pass(km_sweeper *r, km_drive *d, double from, double to, bool begins, bool ends, km_error *error) {
-  int pieces = (KM_LEAST_SAMPLES + r->plan->steps - 1) / r->plan->steps;
-  double last = from;
+int km_sweeper_parts(const km_sweeper *r) {
+  return (KM_LEAST_SAMPLES + r->plan->steps - 1) / r->plan->steps;
+}
+
+double km_sweeper_part(double from, double to, int k, int parts) {
+  return k == parts ? to : from + (to - from) * k / parts;
+}
+
+km_status km_sweeper_pass(km_sweeper *r, km_drive *d, const km_sweep_way *way, int first, km_error *error) {
+  int parts = km_sweeper_parts(r);
+  double last = km_sweeper_part(way->from, way->to, first - 1, parts);
   km_status status = KM_OK;
-  for (int k = 1; k <= pieces && !status; ++k) {
-    bool meets;
-    double s = k == pieces ? to : from + (to - from) * k / pieces;
-    km_reach ahead = look_ahead(r, d, s, &meets);
+  for (int k = first; k <= parts && !status; ++k) {
+    bool meets, begins = way->begins && k == 1, ends = way->ends && k == parts;
+    double s = km_sweeper_part(way->from, way->to, k, parts);
+    km_reach ahead = go_on(r, d, s, begins || ends, &meets);
     if (ahead.stop == KM_STOP_GAVE_OUT) /* so will the way to the row */
       return KM_OK;
-    double next = ahead.position;
-    bool over = ahead.stop || (ends && k == pieces); /* the row will be there */
-    double middle = over ? 0.5 * (last + next) : next;
-    if (begins && k == 1) {
-      status = begin(r, d, from, middle, error);
+    bool over = ahead.stop || ends; /* the row will be there */
+    double middle = over ? 0.5 * (last + ahead.position) : ahead.position;
+    if (begins) {
+      status = begin(r, d, way->from, middle, error);
       last = middle;
-    } else if (k < pieces && !over) {
-      status = km_drive_to(d, s).stop ? KM_OK : r->observer->passed(r->observer->self, r, s, error);
+    } else if (k < parts && !over) {
+      status = r->observer->passed(r->observer->self, r, s, error);
       last = s;
     }
     if (over)
-      return status || meets ? status : end(r, d, last, next, error);
+      return status || meets ? status : end(r, d, last, ahead.position, error);
   }
   return status;
 }

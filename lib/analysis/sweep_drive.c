@@ -51,8 +51,10 @@ static bool next(walk *w, double *target) {
       return false;
     }
     w->crossings = km_drive_crossings(w->at.drive);
-    if (r->observer->passed)
-      w->job->status = km_sweeper_pass(r, w->at.drive, w->last, s, w->row == 1, w->step == plan->steps, w->job->error);
+    if (r->observer->passed) {
+      km_sweep_way way = {w->last, s, w->row == 1, w->step == plan->steps};
+      w->job->status = km_sweeper_pass(r, w->at.drive, &way, 1, w->job->error);
+    }
     *target = s;
     return !w->job->status;
   }

@@ -123,10 +123,17 @@ bool km_sweeper_between(km_sweeper *sweeper, double s);
  * between s and it, each nearer to the end, at which the observer looks too. */
 enum { KM_END_PLACES = 12 };
 double km_sweeper_near_end(double s, double end, int k);
-/* Shows the observer the poses on the way from a row to the next one: all the nearer to one another where the motion begins or
- * ends. The drive goes on to one of them, or stays. */
-km_status km_sweeper_pass(km_sweeper *sweeper, km_drive *drive, double from, double to, bool begins, bool ends,
-                          km_error *error);
+/* The way from a row to the next one, and whether the first row is its beginning or the last row its end. */
+typedef struct km_sweep_way {
+  double from, to;
+  bool begins, ends;
+} km_sweep_way;
+/* It has so many parts, so that the observer sees KM_LEAST_SAMPLES poses of the range; and where part k ends, 0: begins. */
+int km_sweeper_parts(const km_sweeper *sweeper);
+double km_sweeper_part(double from, double to, int k, int parts);
+/* Shows the observer the poses between the parts of a way, and more of them near where the motion begins or ends. The drive
+ * stands where part `first` begins, from 1; it goes on to the last of the poses or, where nothing ends the motion, to the row. */
+km_status km_sweeper_pass(km_sweeper *sweeper, km_drive *drive, const km_sweep_way *way, int first, km_error *error);
 /* Does the state stand where several motions meet? No pose next to it is well known. */
 bool km_sweeper_meets(km_sweeper *sweeper);
 
