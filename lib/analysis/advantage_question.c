@@ -1,4 +1,5 @@
 /* The question about mechanical advantage. */
+#include "analysis/advantage_sweep.h"
 #include "analysis/question.h"
 
 #include "base/text.h"
@@ -42,11 +43,18 @@ static km_status prepare(km_question *q, km_error *error) {
                  have_input ? "output" : "input", have_input ? "output" : "input");
 }
 
-static km_status answer(km_question *q, km_state *s, const km_sweep_plan *plan, km_error *error) {
-  own *o = q->own;
-  const km_option_value *transmission = km_question_own_value(q, TRANSMISSION);
-  return km_advantage_sweep_run(q->m, s, plan, &o->ends[0], &o->ends[1], transmission && transmission->flag, &o->sweep,
-                                error);
+static void answer_all(km_question *const *q, km_state *const *s, int count, km_status *statuses, km_error *errors) {
+  km_advantage_job jobs[KM_DRIVE_LANES];
+  for (int i = 0; i < count; ++i) {
+    own *o = q[i]->own;
+    const km_option_value *transmission = km_question_own_value(q[i], TRANSMISSION);
+    jobs[i] = (km_advantage_job){
+        q[i]->m,   s[i],        &q[i]->plan, &o->ends[0], &o->ends[1], transmission && transmission->flag,
+        &o->sweep, &q[i]->room, KM_OK,       &errors[i]};
+  }
+  km_advantage_sweeps_run(jobs, count);
+  for (int i = 0; i < count; ++i)
+    statuses[i] = jobs[i].status;
 }
 
 static const km_sweep *motion(const km_question *q) {
@@ -72,7 +80,9 @@ static km_question_event event(const km_question *q, int index) {
 }
 
 static void forget(km_question *q) {
-  km_advantage_sweep_free(&((own *)q->own)->sweep);
+  km_advantage_sweep *sweep = &((own *)q->own)->sweep;
+  km_question_keep_table(q, &sweep->motion);
+  km_advantage_sweep_free(sweep);
 }
 
 static void unprepare(km_question *q) {
@@ -84,7 +94,7 @@ const km_question_class km_advantage_question = {.name = "advantage",
                                                  .option_count = OPTIONS,
                                                  .size = sizeof(own),
                                                  .prepare = prepare,
-                                                 .answer = answer,
+                                                 .answer_all = answer_all,
                                                  .motion = motion,
                                                  .event_count = event_count,
                                                  .event = event,

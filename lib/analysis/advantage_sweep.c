@@ -1,5 +1,5 @@
 /* Mechanical advantage over a sweep: its toggles are roots of the input's and the output's rate. */
-#include "kmech/advantage_sweep.h"
+#include "analysis/advantage_sweep.h"
 #include "analysis/lever.h"
 #include "analysis/scan.h"
 #include "analysis/transmission.h"
@@ -15,6 +15,7 @@ static const double together = 1e-8;  /* a zero of both rates: neither 0 nor inf
 
 typedef struct watch {
   km_advantage_sweep *out;
+  km_observer observer;
   km_lever *lever;
   km_transmission_work *transmission; /* NULL: not asked for */
   km_losses_work *losses;             /* NULL: no joint has friction */
@@ -46,8 +47,22 @@ static bool add_columns(void *self, const km_sweeper *r, km_table *table) {
   return added;
 }
 
+/* In a lane there is one freedom, whose unit direction is known. */
+static void look_in_lane(const watch *w, const km_sweeper *r, km_advantage *out) {
+  const km_mechanism *m = r->m;
+  memset(r->scratch, 0, (size_t)m->coordinate_count * sizeof *r->scratch);
+  r->mover.direction(r->mover.self, r->scratch);
+  for (int c = 0; c < m->coordinate_count; ++c)
+    r->scratch[c] /= m->scale[c];
+  km_lever_along(m, r->s, w->lever, r->scratch, out);
+}
+
 /* At a branch point there are more freedoms for an instant: the motion that is followed counts, r->rates. */
 static void look(const watch *w, const km_sweeper *r, km_advantage *out) {
+  if (r->rides) {
+    look_in_lane(w, r, out);
+    return;
+  }
   const km_substructure *sub = r->substructure >= 0 ? &r->m->substructures[r->substructure] : NULL;
   bool meeting = sub && r->out->freedom == 1 && km_partition_freedom(&r->s->partition[r->substructure]) > 1 &&
                  w->lever->moves[r->m->column_coordinate[sub->column_start]];
@@ -60,7 +75,7 @@ static void look(const watch *w, const km_sweeper *r, km_advantage *out) {
 static double *write_value(void *self, km_sweeper *r, double *cell) {
   watch *w = self;
   km_advantage a;
-  w->followed = w->between || km_sweeper_motion(r);
+  w->followed = w->between || r->rides || km_sweeper_motion(r);
   look(w, r, &a);
   if (!w->between)
     w->state = a.state;
@@ -85,6 +100,8 @@ static double *write_value(void *self, km_sweeper *r, double *cell) {
 
 /* -1 if the lever's motion runs against that of the sweep, or with several freedoms against that of the last sample. */
 static double sense_of(const watch *w, const km_sweeper *r) {
+  if (r->rides) /* the direction in which the driver moves forwards */
+    return 1.0;
   double along = 0.0;
   const double *way = w->followed && r->out->freedom == 1 ? r->rates : w->reference;
   for (int c = 0; c < r->m->coordinate_count; ++c)
@@ -140,7 +157,7 @@ static km_status note_dead_centre(watch *w, double s, km_error *error) {
 
 static km_status pass(void *self, km_sweeper *r, double s, km_error *error) {
   watch *w = self;
-  w->followed = km_sweeper_motion(r);
+  w->followed = r->rides || km_sweeper_motion(r);
   return km_scan_sample(&w->scan, r, s, error);
 }
 
@@ -221,15 +238,59 @@ static void take_extremes(watch *w) {
       open_bounds(w->out, w->out->toggles[i].s);
 }
 
-static km_status run(const km_mechanism *m, km_state *s, const km_sweep_plan *plan, watch *w, km_error *error) {
-  km_observer observer = {.self = w,
-                          .columns = add_columns,
-                          .cells = write_value,
-                          .seen = see,
-                          .passed = pass,
-                          .corner = forget,
-                          .ended = end_at,
-                          .reads_jacobian = true};
+static km_status check_job(const km_advantage_job *job) {
+  km_status status = km_check_sweep(job->m, job->s, job->plan, job->error);
+  if (!status)
+    status = km_check_handles(job->m, job->input, job->output, job->error);
+  if (!status)
+    status = km_check_given(job->input->name && job->output->name, "name of input or output", job->error);
+  return status;
+}
+
+/* Does the lever belong to what moves by the plan's driver, and to nothing else? Then the direction of motion tells all. */
+static bool moves_with_driver(const km_mechanism *m, const km_sweep_plan *plan, const km_lever *lever) {
+  if (!km_plan_is_driven(plan))
+    return false;
+  int moving = m->substructure_of[plan->coordinate];
+  for (int c = 0; c < m->coordinate_count && moving >= 0; ++c)
+    if (lever->moves[c] && m->substructure_of[c] != moving)
+      return false;
+  return moving >= 0;
+}
+
+static km_status open_instruments(watch *w, const km_advantage_job *job) {
+  const km_mechanism *m = job->m;
+  km_status status = km_lever_create(m, job->input, job->output, &w->lever, job->error);
+  if (!status && job->transmission)
+    status = km_transmission_create(m, job->input, job->output, &w->transmission, job->error);
+  w->out->friction = km_model_has_friction(m->model);
+  if (!status && w->out->friction)
+    status = km_losses_create(m, job->input, job->output, &w->losses, job->error);
+  return status;
+}
+
+static km_status open_watch(watch *w, const km_advantage_job *job) {
+  km_advantage_sweep *out = job->out;
+  *out = (km_advantage_sweep){.motion = {.substructure = -1}};
+  *w = (watch){.out = out};
+  km_status status = check_job(job);
+  if (status)
+    return status;
+  km_peak none = {nan(""), nan("")};
+  *out = (km_advantage_sweep){
+      .motion = {.substructure = -1}, .input = *job->input, .output = *job->output, .lowest = none, .highest = none};
+  status = open_instruments(w, job);
+  if (status)
+    return status;
+  w->observer =
+      (km_observer){.self = w,
+                    .columns = add_columns,
+                    .cells = write_value,
+                    .seen = see,
+                    .passed = pass,
+                    .corner = forget,
+                    .ended = end_at,
+                    .reads_jacobian = w->transmission || w->losses || !moves_with_driver(job->m, job->plan, w->lever)};
   w->scan = (km_scan){.self = w,
                       .values = values,
                       .sampled = sampled,
@@ -237,10 +298,23 @@ static km_status run(const km_mechanism *m, km_state *s, const km_sweep_plan *pl
                       .ratios = true,
                       .extremes = true,
                       .events = &w->events};
-  w->reference = KM_NEW(double, (size_t)m->coordinate_count);
+  w->reference = KM_NEW(double, (size_t)job->m->coordinate_count);
   if (!w->reference || !km_scan_reserve(&w->scan, 1))
-    return km_fail(error, KM_MEMORY, "out of memory for a sweep");
-  km_status status = km_sweep_run(m, s, plan, &observer, &w->out->motion, error);
+    return km_fail(job->error, KM_MEMORY, "out of memory for a sweep");
+  return KM_OK;
+}
+
+static void close_watch(watch *w) {
+  km_losses_free(w->losses);
+  km_transmission_free(w->transmission);
+  km_lever_free(w->lever);
+  km_scan_free(&w->scan);
+  km_free(w->reference);
+  km_free(w->events.items);
+}
+
+/* Of a sweep that ended with `status`. */
+static km_status tell(watch *w, const km_sweep_plan *plan, km_status status, km_error *error) {
   if (status && status != KM_PARTIAL)
     return status;
   km_events_sort(&w->events, plan);
@@ -249,37 +323,29 @@ static km_status run(const km_mechanism *m, km_state *s, const km_sweep_plan *pl
   return taken ? taken : status;
 }
 
+void km_advantage_sweeps_run(km_advantage_job *jobs, int count) {
+  watch watches[KM_DRIVE_LANES];
+  km_sweep_job sweeps[KM_DRIVE_LANES];
+  for (int i = 0; i < count; ++i) {
+    km_advantage_job *job = &jobs[i];
+    km_status status = open_watch(&watches[i], job);
+    sweeps[i] = (km_sweep_job){job->m,    job->s, job->plan, &watches[i].observer, &job->out->motion,
+                               job->room, status, job->error};
+  }
+  km_sweeps_run(sweeps, count);
+  for (int i = 0; i < count; ++i) {
+    jobs[i].status = tell(&watches[i], jobs[i].plan, sweeps[i].status, jobs[i].error);
+    close_watch(&watches[i]);
+  }
+}
+
 km_status km_advantage_sweep_run(const km_mechanism *m, km_state *s, const km_sweep_plan *plan, const km_handle *input,
                                  const km_handle *output, bool transmission, km_advantage_sweep *out, km_error *error) {
   if (!out)
     return km_check_given(false, "place for the result", error);
-  *out = (km_advantage_sweep){.motion = {.substructure = -1}};
-  km_status fits = km_check_sweep(m, s, plan, error);
-  if (!fits)
-    fits = km_check_handles(m, input, output, error);
-  if (!fits)
-    fits = km_check_given(input->name && output->name, "name of input or output", error);
-  if (fits)
-    return fits;
-  km_peak none = {nan(""), nan("")};
-  *out = (km_advantage_sweep){
-      .motion = {.substructure = -1}, .input = *input, .output = *output, .lowest = none, .highest = none};
-  watch w = {.out = out};
-  km_status status = km_lever_create(m, input, output, &w.lever, error);
-  if (!status && transmission)
-    status = km_transmission_create(m, input, output, &w.transmission, error);
-  out->friction = km_model_has_friction(m->model);
-  if (!status && out->friction)
-    status = km_losses_create(m, input, output, &w.losses, error);
-  if (!status)
-    status = run(m, s, plan, &w, error);
-  km_losses_free(w.losses);
-  km_transmission_free(w.transmission);
-  km_lever_free(w.lever);
-  km_scan_free(&w.scan);
-  km_free(w.reference);
-  km_free(w.events.items);
-  return status;
+  km_advantage_job job = {m, s, plan, input, output, transmission, out, NULL, KM_OK, error};
+  km_advantage_sweeps_run(&job, 1);
+  return job.status;
 }
 
 void km_advantage_sweep_free(km_advantage_sweep *sweep) {

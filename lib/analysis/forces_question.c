@@ -1,5 +1,6 @@
 /* The question about forces: what actuators hold, what joints carry. */
 #include "analysis/question.h"
+#include "analysis/statics_sweep.h"
 
 #include "kinematics/state.h"
 
@@ -97,9 +98,16 @@ static km_status prepare(km_question *q, km_error *error) {
   return status ? status : prepare_balance(q, o, error);
 }
 
-static km_status answer(km_question *q, km_state *s, const km_sweep_plan *plan, km_error *error) {
-  own *o = q->own;
-  return km_statics_sweep_run(q->m, s, plan, o->forces, &o->statics, &o->sweep, error);
+static void answer_all(km_question *const *q, km_state *const *s, int count, km_status *statuses, km_error *errors) {
+  km_statics_job jobs[KM_DRIVE_LANES];
+  for (int i = 0; i < count; ++i) {
+    own *o = q[i]->own;
+    jobs[i] =
+        (km_statics_job){q[i]->m, s[i], &q[i]->plan, o->forces, &o->statics, &o->sweep, &q[i]->room, KM_OK, &errors[i]};
+  }
+  km_statics_sweeps_run(jobs, count);
+  for (int i = 0; i < count; ++i)
+    statuses[i] = jobs[i].status;
 }
 
 static const km_sweep *motion(const km_question *q) {
@@ -118,7 +126,9 @@ static km_question_event event(const km_question *q, int index) {
 }
 
 static void forget(km_question *q) {
-  km_statics_sweep_free(&((own *)q->own)->sweep);
+  km_statics_sweep *sweep = &((own *)q->own)->sweep;
+  km_question_keep_table(q, &sweep->motion);
+  km_statics_sweep_free(sweep);
 }
 
 static void unprepare(km_question *q) {
@@ -134,7 +144,7 @@ const km_question_class km_forces_question = {.name = "forces",
                                               .option_count = OPTIONS,
                                               .size = sizeof(own),
                                               .prepare = prepare,
-                                              .answer = answer,
+                                              .answer_all = answer_all,
                                               .motion = motion,
                                               .event_count = event_count,
                                               .event = event,

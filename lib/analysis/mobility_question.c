@@ -49,16 +49,6 @@ static void answer_all(km_question *const *q, km_state *const *s, int count, km_
   }
 }
 
-static km_status answer(km_question *q, km_state *s, const km_sweep_plan *plan, km_error *error) {
-  (void)plan;
-  km_status status;
-  km_error found = {.text = ""};
-  answer_all(&q, &s, 1, &status, &found);
-  if (error && status)
-    *error = found;
-  return status;
-}
-
 static const km_sweep *motion(const km_question *q) {
   return &((const own *)q->own)->sweep.motion;
 }
@@ -81,11 +71,7 @@ static km_question_event event(const km_question *q, int index) {
 
 static void forget(km_question *q) {
   own *o = q->own;
-  if (o->sweep.motion.table) {
-    km_table_free(q->room.table);
-    q->room.table = o->sweep.motion.table;
-    o->sweep.motion.table = NULL;
-  }
+  km_question_keep_table(q, &o->sweep.motion);
   km_mobility_sweep_free(&o->sweep);
   km_sweep_redundancies_free(&o->redundancies);
 }
@@ -99,7 +85,6 @@ const km_question_class km_mobility_question = {.name = "mobility",
                                                 .option_count = OPTIONS,
                                                 .size = sizeof(own),
                                                 .prepare = prepare,
-                                                .answer = answer,
                                                 .answer_all = answer_all,
                                                 .motion = motion,
                                                 .event_count = event_count,

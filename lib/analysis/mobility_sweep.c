@@ -265,11 +265,15 @@ static km_status end_at(void *self, km_sweeper *r, double s, km_error *error) {
 }
 
 static km_status open_watch(watch *w, const km_mobility_job *job) {
-  size_t count = (size_t)job->m->coordinate_count;
   km_mobility_sweep *out = job->out;
+  *out = (km_mobility_sweep){.motion = {.substructure = -1}, .smallest = {nan(""), nan("")}};
+  *w = (watch){.out = out};
+  km_status fits = km_check_sweep(job->m, job->s, job->plan, job->error);
+  if (fits)
+    return fits;
+  size_t count = (size_t)job->m->coordinate_count;
   bool singularities = job->plan->singularities;
   out->extremes = KM_NEW(km_extreme, count);
-  *w = (watch){.out = out};
   w->room = KM_NEW(double, 2 * count);
   w->watched = KM_NEW(int, count);
   w->cell = KM_NEW(size_t, count);
@@ -296,34 +300,29 @@ static km_status open_watch(watch *w, const km_mobility_job *job) {
   return KM_OK;
 }
 
+static void close_watch(watch *w) {
+  km_singular_watch_free(&w->singular);
+  km_free(w->room);
+  km_free(w->watched);
+  km_free(w->cell);
+  km_free(w->shown);
+}
+
 void km_mobility_sweeps_run(km_mobility_job *jobs, int count) {
   watch watches[KM_DRIVE_LANES];
   km_sweep_job sweeps[KM_DRIVE_LANES];
-  int of[KM_DRIVE_LANES], going = 0;
   for (int i = 0; i < count; ++i) {
     km_mobility_job *job = &jobs[i];
-    *job->out = (km_mobility_sweep){.motion = {.substructure = -1}, .smallest = {nan(""), nan("")}};
-    watches[i] = (watch){0};
-    job->status = km_check_sweep(job->m, job->s, job->plan, job->error);
-    if (!job->status)
-      job->status = open_watch(&watches[i], job);
-    if (job->status)
-      continue;
-    of[going] = i;
-    sweeps[going++] = (km_sweep_job){job->m,    job->s, job->plan, &watches[i].observer, &job->out->motion,
-                                     job->room, KM_OK,  job->error};
+    km_status status = open_watch(&watches[i], job);
+    sweeps[i] = (km_sweep_job){job->m,    job->s, job->plan, &watches[i].observer, &job->out->motion,
+                               job->room, status, job->error};
   }
-  km_sweeps_run(sweeps, going);
-  for (int k = 0; k < going; ++k) {
-    jobs[of[k]].status = sweeps[k].status;
-    find_extremes(&watches[of[k]], sweeps[k].m->coordinate_count);
-  }
+  km_sweeps_run(sweeps, count);
   for (int i = 0; i < count; ++i) {
-    km_singular_watch_free(&watches[i].singular);
-    km_free(watches[i].room);
-    km_free(watches[i].watched);
-    km_free(watches[i].cell);
-    km_free(watches[i].shown);
+    jobs[i].status = sweeps[i].status;
+    if (jobs[i].status == KM_OK || jobs[i].status == KM_PARTIAL)
+      find_extremes(&watches[i], jobs[i].m->coordinate_count);
+    close_watch(&watches[i]);
   }
 }
 

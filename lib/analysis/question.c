@@ -247,10 +247,25 @@ static void end_answer(km_question *q, km_status status) {
 }
 
 static km_status answer(km_question *q, km_state *s, km_error *error) {
+  km_status status;
+  km_error found = {.text = ""};
   begin_answer(q);
-  km_status status = q->kind->answer(q, s, &q->plan, error);
+  if (q->kind->answer)
+    status = q->kind->answer(q, s, &q->plan, &found);
+  else
+    q->kind->answer_all(&q, &s, 1, &status, &found);
   end_answer(q, status);
+  if (error && status)
+    *error = found;
   return status;
+}
+
+void km_question_keep_table(km_question *q, km_sweep *motion) {
+  if (!motion->table)
+    return;
+  km_table_free(q->room.table);
+  q->room.table = motion->table;
+  motion->table = NULL;
 }
 
 /* Prepared, and with a plan if it has one. */

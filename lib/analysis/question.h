@@ -14,7 +14,7 @@ typedef struct km_question_class {
   size_t size;
   /* Makes `own` ready from the options, after the plan. */
   km_status (*prepare)(km_question *question, km_error *error);
-  /* Sweeps by the plan; the last answer is gone already. */
+  /* Sweeps by the plan; the last answer is gone already. NULL: only answer_all does. */
   km_status (*answer)(km_question *question, km_state *state, const km_sweep_plan *plan, km_error *error);
   /* NULL, or the same of several questions of the kind, each with a state of its own: side by side. */
   void (*answer_all)(km_question *const *questions, km_state *const *states, int count, km_status *statuses,
@@ -59,6 +59,9 @@ enum {
   KM_MOTION_OPTIONS
 };
 extern const km_option km_motion_options[KM_MOTION_OPTIONS];
+
+/* Keeps the table of an answer that is forgotten, for the next one. */
+void km_question_keep_table(km_question *question, km_sweep *motion);
 
 /* The value of one of the kind's own options, or of every motion's; NULL: it isn't set. */
 const km_option_value *km_question_own_value(const km_question *question, int index);

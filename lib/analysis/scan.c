@@ -66,7 +66,7 @@ void km_events_sort(km_events *events, const km_sweep_plan *plan) {
 }
 
 static void evaluate(const km_scan *scan, km_sweeper *r, double *n, double *d) {
-  if (r->substructure >= 0)
+  if (r->substructure >= 0 && !r->rides)
     km_numbers_update(r->m, r->s, r->substructure);
   for (int i = 0; i < scan->count; ++i)
     d[i] = 1.0;
@@ -75,6 +75,7 @@ static void evaluate(const km_scan *scan, km_sweeper *r, double *n, double *d) {
 
 /* Moves the state to s, and fills probe_n and probe_d there; false where the pose can't be reached. */
 static bool visit(const km_scan *scan, km_sweeper *r, double s) {
+  r->rides = false; /* from here on the drive goes alone */
   if (!r->mover.probe(r->mover.self, s, r->rates))
     return false;
   evaluate(scan, r, scan->probe_n, scan->probe_d);

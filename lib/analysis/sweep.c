@@ -107,25 +107,38 @@ void km_sweep_room_free(km_sweep_room *room) {
   room->table = NULL;
 }
 
+/* All that doesn't go beside other sweeps. */
+static km_status begin_sweep(km_sweeper *r, const km_sweep_job *job) {
+  km_status status = open_sweeper(r, job);
+  if (status || km_plan_is_driven(job->plan))
+    return status;
+  return job->plan->steps == 0 ? stand(r, job->error) : km_sweep_by_length(r, job->error);
+}
+
+static void end_sweep(km_sweeper *r, km_sweep_job *job) {
+  if (job->s->arena.failed && job->status != KM_MEMORY) /* what a pose has more of than those before */
+    job->status = km_fail(job->error, KM_MEMORY, "out of memory for a pose of a sweep");
+  km_free(r->rates);
+}
+
 void km_sweeps_run(km_sweep_job *jobs, int count) {
   km_sweeper sweepers[KM_DRIVE_LANES];
   km_sweep_room rooms[KM_DRIVE_LANES];
+  unsigned begun = 0;
   for (int i = 0; i < count; ++i) {
     rooms[i] = (km_sweep_room){0};
+    if (jobs[i].status)
+      continue;
     jobs[i].room = jobs[i].room ? jobs[i].room : &rooms[i];
-    jobs[i].status = open_sweeper(&sweepers[i], &jobs[i]);
-    if (!jobs[i].status && !km_plan_is_driven(jobs[i].plan))
-      jobs[i].status = jobs[i].plan->steps == 0 ? stand(&sweepers[i], jobs[i].error)
-                                                : km_sweep_by_length(&sweepers[i], jobs[i].error);
+    jobs[i].status = begin_sweep(&sweepers[i], &jobs[i]);
+    begun |= 1u << i;
   }
   km_sweeps_by_driver(sweepers, jobs, count);
   for (int i = 0; i < count; ++i) {
-    if (jobs[i].s->arena.failed && jobs[i].status != KM_MEMORY) /* what a pose has more of than those before */
-      jobs[i].status = km_fail(jobs[i].error, KM_MEMORY, "out of memory for a pose of a sweep");
-    km_free(sweepers[i].rates);
-  }
-  for (int i = 0; i < count; ++i)
+    if (begun >> i & 1)
+      end_sweep(&sweepers[i], &jobs[i]);
     km_sweep_room_free(&rooms[i]);
+  }
 }
 
 km_status km_sweep_run(const km_mechanism *m, km_state *s, const km_sweep_plan *plan, const km_observer *observer,

@@ -51,12 +51,8 @@ static bool next(walk *w, double *target) {
       return false;
     }
     w->crossings = km_drive_crossings(w->at.drive);
-    if (r->observer->passed) {
-      km_sweep_way way = {w->last, s, w->row == 1, w->step == plan->steps};
-      w->job->status = km_sweeper_pass(r, w->at.drive, &way, 1, w->job->error);
-    }
     *target = s;
-    return !w->job->status;
+    return true;
   }
   return false;
 }
@@ -84,17 +80,39 @@ static void write_passed_rows(walk *w, int count, const double *s) {
   w->job->status = status ? status : km_sweeper_row(r, w->row - 1, w->last, w->job->error);
 }
 
-/* The row where the drive has arrived; then what the observer wants to see near it has to follow. */
-static void write_row(walk *w, km_reach reach) {
+/* Where the drive has arrived, and the observer is going to look. */
+static void take_ride(walk *w) {
   km_sweeper *r = w->r;
-  km_status status = KM_OK;
-  if (w->job->status) /* in a row that was passed */
-    return;
   if (r->observer->reads_jacobian)
     km_drive_settle(w->at.drive);
   r->rides = km_drive_rides(w->at.drive);
   if (r->rides)
     r->residual = km_drive_ridden_residual(w->at.drive);
+}
+
+static bool is_shown_the_way(const walk *w) {
+  return w->r->observer->passed && w->step > 0;
+}
+
+static km_sweep_way way_to(const walk *w, double s) {
+  return (km_sweep_way){w->last, s, w->row == 1, w->step == w->r->plan->steps};
+}
+
+/* The way to the row at s, from the part `first` on, by the drive alone. */
+static km_reach go_alone(walk *w, double s, int first) {
+  km_sweep_way way = way_to(w, s);
+  if (is_shown_the_way(w))
+    w->job->status = km_sweeper_pass(w->r, w->at.drive, &way, first, w->job->error);
+  return km_drive_to(w->at.drive, s);
+}
+
+/* The row where the drive has arrived; then what the observer wants to see near it has to follow. */
+static void write_row(walk *w, km_reach reach) {
+  km_sweeper *r = w->r;
+  km_status status = KM_OK;
+  if (w->job->status) /* on the way */
+    return;
+  take_ride(w);
   r->out->end = reach;
   if (w->step == 0)
     r->out->start = reach;
@@ -260,6 +278,58 @@ static void move_beside(walk *walks, unsigned going, km_drive_lanes *lanes, doub
   km_drive_lanes_arrive(lanes, going, targets, reaches);
 }
 
+/* Those of the walks `going` whose observers are shown the way to the next row. */
+static unsigned shown_their_way(const walk *walks, unsigned going) {
+  unsigned found = 0;
+  for (unsigned rest = going; rest; rest &= rest - 1)
+    found |= is_shown_the_way(&walks[__builtin_ctz(rest)]) ? rest & -rest : 0;
+  return found;
+}
+
+/* Moves the walks `riding`, which are at one row, over part k of their ways; those that can't in their lanes go to their rows
+ * alone. Returns the others. */
+static unsigned pass_part(walk *walks, unsigned riding, int k, km_drive_lanes *lanes, const double *targets,
+                          km_reach *reaches) {
+  double places[KM_DRIVE_LANES];
+  unsigned able = 0;
+  int parts = km_sweeper_parts(walks[__builtin_ctz(riding)].r);
+  for (unsigned rest = riding; rest; rest &= rest - 1) {
+    int i = __builtin_ctz(rest);
+    km_sweep_way way = way_to(&walks[i], targets[i]);
+    places[i] = km_sweeper_part(way.from, way.to, k, parts);
+    able |= k == parts && way.ends ? 0 : rest & -rest;
+  }
+  unsigned there = km_drive_lanes_try(lanes, able, places, reaches);
+  for (unsigned rest = riding & ~there; rest; rest &= rest - 1) {
+    int i = __builtin_ctz(rest);
+    reaches[i] = go_alone(&walks[i], targets[i], k);
+  }
+  for (unsigned rest = k < parts ? there : 0; rest; rest &= rest - 1) {
+    walk *w = &walks[__builtin_ctz(rest)];
+    take_ride(w);
+    w->job->status = w->r->observer->passed(w->r->observer->self, w->r, places[__builtin_ctz(rest)], w->job->error);
+    w->r->rides = false;
+    there &= w->job->status ? ~(rest & -rest) : ~0U;
+  }
+  return there;
+}
+
+/* Moves the walks `going` to their rows, in lanes as far as they go, and shows their observers the ways. */
+static void pass_beside(walk *walks, unsigned going, km_drive_lanes *lanes, const double *targets, km_reach *reaches) {
+  unsigned riding = lanes ? shown_their_way(walks, going) : 0;
+  riding = riding ? at_first_row(walks, riding) : 0;
+  for (unsigned rest = going; rest; rest &= rest - 1) {
+    int i = __builtin_ctz(rest);
+    if (riding >> i & 1 && !way_to(&walks[i], targets[i]).begins)
+      continue;
+    riding &= ~(1u << i);
+    reaches[i] = go_alone(&walks[i], targets[i], 1);
+  }
+  int parts = riding ? km_sweeper_parts(walks[__builtin_ctz(riding)].r) : 0;
+  for (int k = 1; k <= parts && riding; ++k)
+    riding = pass_part(walks, riding, k, lanes, targets, reaches);
+}
+
 /* Moves each of the walks that goes on to its next row, or over several. False where none does. */
 static bool advance(walk *walks, int count, km_drive_lanes *lanes) {
   double targets[KM_DRIVE_LANES] = {0.0};
@@ -267,11 +337,13 @@ static bool advance(walk *walks, int count, km_drive_lanes *lanes) {
   unsigned going = 0;
   for (int i = 0; i < count; ++i)
     going |= next(&walks[i], &targets[i]) ? 1u << i : 0;
-  if (lanes && going)
+  if (lanes && going && !shown_their_way(walks, going))
     move_beside(walks, going, lanes, targets, reaches);
+  else
+    pass_beside(walks, going, lanes, targets, reaches);
   for (int i = 0; i < count; ++i)
     if (going >> i & 1)
-      write_row(&walks[i], lanes ? reaches[i] : km_drive_to(walks[i].at.drive, targets[i]));
+      write_row(&walks[i], reaches[i]);
   show_near_rows(walks, going, lanes);
   for (int i = 0; i < count; ++i)
     if (going >> i & 1)

@@ -95,7 +95,7 @@ typedef struct km_sweep_job {
   const km_observer *observer;
   km_sweep *out;
   km_sweep_room *room; /* NULL: none */
-  km_status status;    /* and the error, which may be NULL: how it ended */
+  km_status status;    /* and the error, which may be NULL: how it ended; one that has a status already isn't begun */
   km_error *error;
 } km_sweep_job;
 

@@ -284,6 +284,16 @@ static void come_back(km_drive_lanes *l) {
   memcpy(l->q, l->kept, l->place_count * sizeof *l->q);
 }
 
+/* The same for one lane. */
+static void put_back(km_drive_lanes *l, int i) {
+  km_lanes_number *here = (km_lanes_number *)&l->here;
+  const km_lanes_number *kept = (const km_lanes_number *)&l->kept_here;
+  for (size_t k = 0; k < sizeof l->here / sizeof *here; ++k)
+    here[k].of[i] = kept[k].of[i];
+  for (size_t k = 0; k < l->place_count; ++k)
+    l->q[k].of[i] = l->kept[k].of[i];
+}
+
 unsigned km_drive_lanes_visit(km_drive_lanes *l, unsigned wanted, const double *targets, double *const *rates) {
   set_targets(l, wanted & l->aboard, targets);
   unsigned ahead = l->ahead & l->aboard, there = 0;
@@ -334,6 +344,28 @@ int km_drive_lanes_pass(km_drive_lanes *l, unsigned wanted, const double *target
   }
   l->passed = passed;
   return passed;
+}
+
+unsigned km_drive_lanes_try(km_drive_lanes *l, unsigned wanted, const double *targets, km_reach *reaches) {
+  for (unsigned left = wanted & ~l->aboard; left; left &= left - 1)
+    board(l, __builtin_ctz(left));
+  set_targets(l, wanted & l->aboard, targets);
+  unsigned riding = wanted & l->aboard, ahead = l->ahead;
+  if (!riding)
+    return 0;
+  keep(l);
+  l->arrived = go(l, riding);
+  for (unsigned left = riding & ~l->arrived; left; left &= left - 1) {
+    int i = __builtin_ctz(left);
+    put_back(l, i);
+    l->ahead = (l->ahead & ~(1u << i)) | (ahead & 1u << i);
+    km_drive_settle(l->drives[i]);
+  }
+  take_row(l, 0);
+  remember_row(l);
+  l->passed = 0;
+  km_drive_lanes_arrive(l, l->arrived, targets, reaches);
+  return l->arrived;
 }
 
 km_ridden_row km_drive_ridden_row(const km_drive *d, int row) {

@@ -41,6 +41,10 @@ typedef struct km_ridden_row {
 km_ridden_row km_drive_ridden_row(const km_drive *drive, int row);
 void km_drive_lanes_show(km_drive_lanes *lanes, int row);
 
+/* km_drive_to(drives[i], targets[i]) for those drives of `wanted` that can go there in their lanes, with the same bits; their bits
+ * are returned. The others are where they were, and alone. */
+unsigned km_drive_lanes_try(km_drive_lanes *lanes, unsigned wanted, const double *targets, km_reach *reaches);
+
 /* Rates at targets near by: km_drive_tangent at targets[i] into rates[i], for every bit of `wanted`. The drives stay where they
  * are. Returns those that could go in their lanes; the others have to go alone. */
 unsigned km_drive_lanes_visit(km_drive_lanes *lanes, unsigned wanted, const double *targets, double *const *rates);
