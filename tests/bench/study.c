@@ -1,4 +1,5 @@
 /* Studies of designs: what a sample costs beside its sweep, threads, and memory over the number of samples. */
+#include "analysis/question.h"
 #include "bench.h"
 #include "kmech/design_study.h"
 #include "machine.h"
@@ -10,13 +11,13 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
-enum { FEW = 200, MANY = 100000 };
+enum { FEW = 200, MANY = 100000, POSES = 200 };
 
 static const km_design_parameter parameters[2] = {{"crank", "slider_crank.crank.end.y"},
                                                   {"rod", "slider_crank.rod.end.z"}};
 static const km_design_spread spreads[2] = {{0, KM_NORMAL, .mean = 0.6, .deviation = 0.001},
                                             {1, KM_NORMAL, .mean = -1.5, .deviation = 0.001}};
-static const double steps = 199.0;
+static const double steps = POSES - 1;
 static const km_design_option option = {.name = "steps", .numbers = &steps, .number_count = 1};
 static const km_design_figure figures[3] = {
     {.name = "least", .kind = KM_DESIGN_MIN, .column = "m.A", .low = -HUGE_VAL, .high = HUGE_VAL},
@@ -80,6 +81,84 @@ static void run_sweeps(void *context) {
   }
 }
 
+/* One question about as many slider-cranks as go side by side. */
+typedef struct group {
+  bench_machine machines[KM_DRIVE_LANES];
+  km_question *questions[KM_DRIVE_LANES];
+} group;
+
+static group open_group(const char *kind) {
+  group g;
+  for (int i = 0; i < KM_DRIVE_LANES; ++i) {
+    const km_option_value interval_count = {.whole = POSES - 1};
+    km_error error;
+    g.machines[i] = bench_machine_load("slider_crank");
+    const km_mechanism *m = g.machines[i].mechanism;
+    if (km_question_create(m, kind, &g.questions[i], &error) ||
+        km_question_set(g.questions[i], "steps", &interval_count, &error))
+      bench_fail("study", "%s", error.text);
+    const km_option_value input = {.end = {.kind = KM_HANDLE_JOINT, .coordinate = 0, .name = "A"}};
+    const km_option_value output = {
+        .end = {.kind = KM_HANDLE_JOINT, .coordinate = m->coordinate_count - 1, .name = "B"}};
+    if (strcmp(kind, "advantage") == 0 && (km_question_set(g.questions[i], "input", &input, &error) ||
+                                           km_question_set(g.questions[i], "output", &output, &error)))
+      bench_fail("study", "%s", error.text);
+  }
+  return g;
+}
+
+static void close_group(group *g) {
+  for (int i = 0; i < KM_DRIVE_LANES; ++i) {
+    km_question_free(g->questions[i]);
+    bench_machine_free(&g->machines[i]);
+  }
+}
+
+static km_state *begin(const bench_machine *machine) {
+  km_state_restart(machine->state);
+  if (km_assemble(machine->mechanism, machine->state, NULL, NULL))
+    bench_fail("study", "no assembly");
+  return machine->state;
+}
+
+static void ask_together(void *context) {
+  group *g = context;
+  km_state *states[KM_DRIVE_LANES];
+  km_status statuses[KM_DRIVE_LANES];
+  km_error errors[KM_DRIVE_LANES];
+  for (int i = 0; i < KM_DRIVE_LANES; ++i)
+    states[i] = begin(&g->machines[i]);
+  km_questions_ask(g->questions, states, KM_DRIVE_LANES, statuses, errors);
+  for (int i = 0; i < KM_DRIVE_LANES; ++i)
+    if (statuses[i])
+      bench_fail("study", "%s", errors[i].text);
+}
+
+static void ask_alone(void *context) {
+  group *g = context;
+  km_error error;
+  for (int i = 0; i < KM_DRIVE_LANES; ++i)
+    if (km_question_ask(g->questions[i], begin(&g->machines[i]), &error))
+      bench_fail("study", "%s", error.text);
+}
+
+/* What a pose of a sweep costs, with all that is looked for between the poses. */
+static void kinds(void) {
+  static const char *const names[] = {"mobility", "advantage", "forces"};
+  for (int k = 0; k < 3; ++k) {
+    char name[64];
+    group g = open_group(names[k]);
+    bench_contender c[] = {{.name = names[k], .run = ask_together, .context = &g},
+                           {.name = "one by one", .run = ask_alone, .context = &g}};
+    bench_time(c, 2);
+    snprintf(name, sizeof name, "%s_microseconds_a_pose", names[k]);
+    bench_figure("study", name, 1e-3 * c[0].median / (KM_DRIVE_LANES * POSES));
+    snprintf(name, sizeof name, "%s_one_by_one_over_side_by_side", names[k]);
+    bench_figure("study", name, bench_ratio(&c[1], &c[0]));
+    close_group(&g);
+  }
+}
+
 /* The resident memory, in MB, at its greatest, of a study in a process of its own. */
 static double memory_of(int count, const char *store) {
   struct rusage usage;
@@ -136,7 +215,7 @@ static void many(void) {
 void bench_study(void) {
   sampled few = make(FEW, 1), more = make(2 * FEW, 1), two = make(2 * FEW, 2);
   sweeps alone = {.machine = bench_machine_load("slider_crank"), .count = FEW};
-  km_option_value value = {.whole = 199};
+  km_option_value value = {.whole = POSES - 1};
   if (km_question_create(alone.machine.mechanism, "mobility", &alone.question, NULL) ||
       km_question_set(alone.question, "steps", &value, NULL))
     bench_fail("study", "no question");
@@ -152,6 +231,7 @@ void bench_study(void) {
   bench_figure("study", "two_threads_over_one", bench_ratio(&c[1], &c[2]));
   km_question_free(alone.question);
   bench_machine_free(&alone.machine);
+  kinds();
   memory();
   many();
 }

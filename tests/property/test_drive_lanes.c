@@ -6,7 +6,6 @@
 #include "analysis/mobility_sweep.h"
 #include "kinematics/lane_store.h"
 #include "kinematics/loops.h"
-#include "kmech/edit.h"
 #include "kmech/sweep_plan.h"
 
 #include <math.h>
@@ -21,28 +20,8 @@ typedef struct design {
   double from, to;
 } design;
 
-/* Every component of every frame's place times a factor of its own: what is 0 stays 0, so a plane stays a plane. */
-static void vary(km_model *m, randomness *r, double spread) {
-  for (int f = 0; f < m->frame_count; ++f) {
-    km_vec3 p = m->frames[f].pose.p;
-    const double T[3] = {p.x * uniform(r, 1 - spread, 1 + spread), p.y * uniform(r, 1 - spread, 1 + spread),
-                         p.z * uniform(r, 1 - spread, 1 + spread)};
-    assert_int_equal(km_model_set_frame(m, f, T, NULL, NULL), KM_OK);
-  }
-}
-
-/* Variant number `seed` of a model; 0: the model itself. Where its loops can't be closed or move otherwise, the model
- * itself too. */
 static design open_design(const char *name, uint64_t seed, bool ignore_limits) {
-  randomness r = {seed};
-  design d = {.f = fixture_open(name)};
-  if (seed > 0)
-    vary(d.f.model, &r, 2e-3);
-  km_state_restart(d.f.state);
-  if (km_mechanism_renumber(d.f.mechanism, NULL) || km_assemble(d.f.mechanism, d.f.state, NULL, NULL)) {
-    fixture_close(&d.f);
-    d.f = fixture_open(name);
-  }
+  design d = {.f = fixture_open_variant(name, seed)};
   km_sweep_plan plan = km_sweep_plan_default(d.f.model);
   d.from = plan.from;
   d.to = plan.to;

@@ -2,6 +2,7 @@
 #include "support/support.h"
 
 #include "kinematics/loops.h"
+#include "kmech/edit.h"
 
 #include "base/file.h"
 #include "topology/chain.h"
@@ -64,6 +65,29 @@ fixture fixture_open(const char *name) {
   char *text = read_model_text(name);
   fixture f = fixture_read(text);
   km_free(text);
+  return f;
+}
+
+/* Every component of every frame's place times a factor of its own: what is 0 stays 0, so a plane stays a plane. */
+static void vary(km_model *m, randomness *r, double spread) {
+  for (int f = 0; f < m->frame_count; ++f) {
+    km_vec3 p = m->frames[f].pose.p;
+    const double T[3] = {p.x * uniform(r, 1 - spread, 1 + spread), p.y * uniform(r, 1 - spread, 1 + spread),
+                         p.z * uniform(r, 1 - spread, 1 + spread)};
+    assert_int_equal(km_model_set_frame(m, f, T, NULL, NULL), KM_OK);
+  }
+}
+
+fixture fixture_open_variant(const char *name, uint64_t seed) {
+  randomness r = {seed};
+  fixture f = fixture_open(name);
+  if (seed > 0)
+    vary(f.model, &r, 2e-3);
+  km_state_restart(f.state);
+  if (km_mechanism_renumber(f.mechanism, NULL) || km_assemble(f.mechanism, f.state, NULL, NULL)) {
+    fixture_close(&f);
+    f = fixture_open(name);
+  }
   return f;
 }
 
