@@ -69,24 +69,34 @@ static void predict(const km_mechanism *m, km_state *s, double dt) {
   }
 }
 
-static int parts_of(const km_mechanism *m, const km_state *s, double dt) {
+/* How many parts of a step of time would be short enough: whole, and more than MOST_PARTS where rows are too far apart. */
+static double parts_of(const km_mechanism *m, const km_state *s, double dt) {
   double largest = 0.0;
   for (int c = 0; c < m->coordinate_count; ++c)
     largest = fmax(largest, fabs(s->rate[c] * dt * m->scale[c]));
-  return (int)fmin(ceil(largest / longest_move) + 1.0, MOST_PARTS);
+  return ceil(largest / longest_move) + 1.0;
+}
+
+static km_status too_far(const km_history_writer *w, double step, km_error *error) {
+  const char *unit = w->m->model->units.time->suffix;
+  return km_fail(
+      error, KM_PARTIAL,
+      "at %.9g %s the loops can't be closed: the rows are %.9g %s apart, in which joints move too far; expected more "
+      "steps, or a shorter time",
+      w->state->time, unit, step, unit);
 }
 
 static km_status go_to(km_history_writer *w, double time, km_error *error) {
   km_state *s = w->state;
-  double from = s->time;
-  int parts = parts_of(w->m, s, time - from);
+  double from = s->time, wanted = parts_of(w->m, s, time - from);
+  int parts = (int)fmin(wanted, MOST_PARTS);
   for (int i = 1; i <= parts; ++i) {
     double next = i == parts ? time : from + (time - from) * i / parts;
     predict(w->m, s, next - s->time);
     s->time = next;
     km_status status = km_dynamics_accelerate(w->dynamics, s, error);
     if (status)
-      return status;
+      return status == KM_DIVERGED && wanted > MOST_PARTS ? too_far(w, time - from, error) : status;
   }
   return KM_OK;
 }

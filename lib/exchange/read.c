@@ -8,13 +8,14 @@
 
 #include <string.h>
 
-/* A text of XML begins with an angle bracket, after blanks and the byte order mark; JSON never does. */
+/* A text of XML begins with an angle bracket, after blanks and the byte order mark; JSON never does. In UTF-16 each
+ * character of those has a byte of 0 beside it. */
 static bool is_xml(const char *bytes, size_t size) {
+  static const char before[] = " \t\r\n\xEF\xBB\xBF\xFE\xFF";
   size_t i = 0;
-  while (i < size && strchr(" \t\r\n\xEF\xBB\xBF", bytes[i]) && bytes[i])
+  while (i < size && memchr(before, bytes[i], sizeof before))
     i++;
-  bool wide = size > 1 && (memcmp(bytes, "\xFF\xFE", 2) == 0 || memcmp(bytes, "\xFE\xFF", 2) == 0);
-  return wide || (i < size && bytes[i] == '<');
+  return i < size && bytes[i] == '<';
 }
 
 static const struct {

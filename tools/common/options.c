@@ -81,6 +81,15 @@ static void keep_seed(const kt_option *o, const char *text, struct argp_state *s
   *(unsigned long *)o->target = seed;
 }
 
+/* A name may be that of a folder beside which the files come to lie; one that only a folder can have begins no file's. */
+static void keep_begin(const kt_option *o, const char *text, struct argp_state *state) {
+  const char *slash = strrchr(text, '/'), *last = slash ? slash + 1 : text;
+  if (strcmp(last, "") == 0 || strcmp(last, ".") == 0 || strcmp(last, "..") == 0)
+    refuse(state->name, "--%s %s: names a folder; expected the begin of the files' names, as %s%sresult", o->name, text,
+           text, *last ? "/" : "");
+  *(const char **)o->target = text;
+}
+
 static void keep(const kt_option *o, char *text, struct argp_state *state) {
   switch (o->kind.keep) {
   case KT_KEEP_FLAG:
@@ -97,6 +106,9 @@ static void keep(const kt_option *o, char *text, struct argp_state *state) {
     break;
   case KT_KEEP_COUNT:
     keep_count(o, text, state);
+    break;
+  case KT_KEEP_BEGIN:
+    keep_begin(o, text, state);
     break;
   case KT_KEEP_SEED:
     keep_seed(o, text, state);

@@ -40,7 +40,7 @@ km_status kt_modes_find(const kt_common *common, const kt_texts *sets, const kt_
         KT_ABOUT_MODEL                                                                                                 \
   }
 #define KT_BASE(TARGET, HELP)                                                                                          \
-  { "base", 'o', "BASE", HELP, KT_TEXT, TARGET, KT_ABOUT_FILES }
+  { "base", 'o', "BASE", HELP, KT_BEGIN, TARGET, KT_ABOUT_FILES }
 #define KT_SET_FIRST  "Start from another pose: move a joint to a value first"
 #define KT_HOLD_RIGID "Keep a joint rigid at a value (x,y,… for several coordinates)"
 
