@@ -102,8 +102,25 @@ static void shipped_models_have_none_but_a_rod(void **state) {
   }
 }
 
+static bool refuse(void *context, double done) {
+  (void)context, (void)done;
+  return false;
+}
+
+static void searches_can_be_cancelled(void **state) {
+  (void)state;
+  fixture f = fixture_open("rssr");
+  km_idle_freedoms idle;
+  km_error error;
+  assert_int_equal(km_idle_freedoms_find(f.mechanism, f.state, refuse, NULL, &idle, &error), KM_CANCELLED);
+  assert_string_equal(error.text, "the search for the idle freedoms was cancelled");
+  km_idle_freedoms_free(&idle);
+  fixture_close(&f);
+}
+
 int main(void) {
   const struct CMUnitTest tests[] = {cmocka_unit_test(legs), cmocka_unit_test(a_shaft_is_not_idle),
-                                     cmocka_unit_test(shipped_models_have_none_but_a_rod)};
+                                     cmocka_unit_test(shipped_models_have_none_but_a_rod),
+                                     cmocka_unit_test(searches_can_be_cancelled)};
   return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -253,6 +253,7 @@ static void holds_and_pictures(void **state) {
   km_error e = {.text = ""};
   km_text out = {0};
   const told_text held = {"holds", "\"A\" is named twice"}, none = {"a picture", "found no picture of a study"};
+  const told_text few = {"a convergence of 16 designs", "there is nothing to draw"};
   designs_of_model(&d, "fourbar", "mobility");
   d.questions[0].holds = held_twice;
   d.questions[0].hold_count = 2;
@@ -267,7 +268,27 @@ static void holds_and_pictures(void **state) {
   study = designs_run(&d, NULL, 1);
   status = km_designs_picture(study, &d.def, "x", (km_designs_plot)99, 0, 0, KM_PICTURE_SVG, &out, &e);
   assert_words(&none, status, KM_USAGE, NULL, &e);
+  status = km_designs_picture(study, &d.def, "x", KM_DESIGNS_CONVERGENCE, 0, 0, KM_PICTURE_SVG, &out, &e);
+  assert_words(&few, status, KM_NO_RESULT, NULL, &e);
   km_text_free(&out);
+  km_design_study_free(study);
+}
+
+static bool refuse(void *context, double done) {
+  (void)context, (void)done;
+  return false;
+}
+
+static void optimisations_can_be_stopped(void **state) {
+  (void)state;
+  designs d;
+  km_design_study *study = NULL;
+  km_error e = {.text = ""};
+  const told_text stopped = {"a callback that refuses", "designs; what was answered is stored"};
+  designs_of_function(&d, sum, 2, 2);
+  optimised(&d);
+  assert_int_equal(km_design_study_open(&d.def, NULL, false, &study, &e), KM_OK);
+  assert_words(&stopped, km_design_study_run(study, 1, refuse, NULL, &e), KM_CANCELLED, NULL, &e);
   km_design_study_free(study);
 }
 
@@ -353,8 +374,9 @@ static void crews_are_refused(void **state) {
 }
 
 int main(void) {
-  const struct CMUnitTest tests[] = {cmocka_unit_test(studies_are_refused), cmocka_unit_test(runs_are_refused),
-                                     cmocka_unit_test(crews_are_refused), cmocka_unit_test(holds_and_pictures),
-                                     cmocka_unit_test(no_answers)};
+  const struct CMUnitTest tests[] = {
+      cmocka_unit_test(studies_are_refused), cmocka_unit_test(runs_are_refused),
+      cmocka_unit_test(crews_are_refused),   cmocka_unit_test(holds_and_pictures),
+      cmocka_unit_test(no_answers),          cmocka_unit_test(optimisations_can_be_stopped)};
   return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -32,6 +32,7 @@ static const told_text refused[] = {
          "\"mechanical_advantage\": {\"input\": \"A\", \"output\": {\"frame\": [\"c\", \"origin\"], \"direction\": [0, 0, 0]}}"),
      "found no length; expected a direction"},
     {ANALYSIS("\"mechanical_advantage\": {\"input\": 3, \"output\": \"A\"}"), "found 3; expected a joint"},
+    {ANALYSIS("\"mechanical_advantage\": {\"input\": [], \"output\": \"A\"}"), "found a list; expected a joint"},
     {ASSEMBLY("\"joints\": [" HINGE ", " BALL(", \"limits\": [1, 2]") "]") NEWER("") "}",
      "found [1, 2]; expected 0 and the largest angle of the ball's turn"},
     {TIED(

@@ -35,6 +35,7 @@ static const told_text urdf[] = {
 #define CORNERS  "vertex='0 0 0 1 0 0 0 1 0 0 0 1' "
 
 static const told_text mjcf[] = {
+    {WORLD("<body><joint name='A'/><joint name='A' type='slide'/></body>"), "joint \"A\": this name is used twice"},
     {WORLD("<body name='a'/><body name='a'/>"), "body \"a\": this name is used twice"},
     {WORLD("<body name='a'><site name='s'/><site name='s'/></body>"), "site \"s\": this name is used twice"},
     {BEFORE("<compiler eulerseq='xyw'/>", ""), "eulerseq: found \"xyw\""},

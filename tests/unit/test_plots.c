@@ -251,6 +251,28 @@ static void drawings_are_at_their_rows(void **state) {
 }
 
 /* Whichever side is too short. */
+static void crowded_plots_are_refused(void **state) {
+  (void)state;
+  enum { PANELS = 40 };
+  const double x[] = {0, 1}, y[] = {0, 1};
+  const km_plot_series series = {.name = "y", .x = x, .y = y, .count = 2};
+  km_plot_panel panels[PANELS];
+  for (int i = 0; i < PANELS; ++i)
+    panels[i] = (km_plot_panel){.series = &series, .series_count = 1};
+  const km_plot plot = {.title = "t",
+                        .x_label = "x",
+                        .y_label = "y",
+                        .panels = panels,
+                        .panel_count = PANELS,
+                        .width = 120,
+                        .height = 120};
+  km_text out = {0};
+  km_error error;
+  assert_int_equal(km_plot_render(&plot, KM_PICTURE_SVG, &out, &error), KM_USAGE);
+  assert_string_equal(error.text, "40 panels on 120 x 120 points; expected a larger page");
+  km_text_free(&out);
+}
+
 static void small_plots_are_refused(void **state) {
   (void)state;
   static const double sizes[][2] = {{400, 20}, {20, 400}, {20, 20}, {400, 300}};
@@ -278,6 +300,7 @@ int main(void) {
                                      cmocka_unit_test(track_plots_draw_their_columns),
                                      cmocka_unit_test(maps_are_paler_where_values_are_higher),
                                      cmocka_unit_test(drawings_are_at_their_rows),
-                                     cmocka_unit_test(small_plots_are_refused)};
+                                     cmocka_unit_test(small_plots_are_refused),
+                                     cmocka_unit_test(crowded_plots_are_refused)};
   return cmocka_run_group_tests(tests, NULL, NULL);
 }
