@@ -65,7 +65,7 @@ static void see_left(const km_mechanism *m, const km_poise *p, const double *K, 
   }
 }
 
-/* One step. KM_OK, KM_NO_RESULT, KM_MODEL … */
+/* One step. KM_OK, KM_DIVERGED, which its caller words, KM_MODEL … */
 static km_status step_once(km_dynamics *d, km_state *s, rest_step *step, km_error *error) {
   const km_mechanism *m = d->mechanism;
   km_poise p = {0};
@@ -97,7 +97,7 @@ static km_status step_once(km_dynamics *d, km_state *s, rest_step *step, km_erro
   km_poise_free(&p);
   if (!memory)
     return km_fail(error, KM_MEMORY, "out of memory for a rest pose");
-  return good ? KM_OK : km_fail(error, KM_NO_RESULT, "no rest pose was found: the loops can't be closed on the way");
+  return good ? KM_OK : KM_DIVERGED;
 }
 
 /* Falls with a damping of all rates that grows with time, by steps of a part of a second. */
