@@ -8,6 +8,7 @@
 #include "kinematics/closure.h"
 #include "kinematics/loops.h"
 #include "kinematics/many_tangents.h"
+#include "kmech/diagnosis.h"
 #include "kmech/finite_mobility.h"
 #include "kmech/idle.h"
 #include "kmech/motions.h"
@@ -139,6 +140,14 @@ static void a_folded_chain(void **state) {
     assert_true(found.motions[i].confirmed_length > 0.3);
   }
   km_finite_mobility_free(&found);
+  km_findings findings;
+  bool told = false;
+  assert_int_equal(km_check(m, f.state, NULL, NULL, NULL, &findings, NULL), KM_OK);
+  for (size_t i = 0; i < findings.count; ++i)
+    told = told || (strcmp(findings.items[i].kind, "undecided") == 0 &&
+                    strstr(findings.items[i].statement, "only some of its directions were tried"));
+  assert_true(told);
+  km_findings_free(&findings);
   fixture_close(&f);
 }
 
