@@ -73,8 +73,7 @@ static void evaluate(const km_scan *scan, km_sweeper *r, double *n, double *d) {
   scan->values(scan->self, r, n, d);
 }
 
-/* Moves the state to s, and fills probe_n and probe_d there; false where the pose can't be reached. */
-static bool visit(const km_scan *scan, km_sweeper *r, double s) {
+bool km_scan_visit(const km_scan *scan, km_sweeper *r, double s) {
   r->rides = false; /* from here on the drive goes alone */
   if (!r->mover.probe(r->mover.self, s, r->rates))
     return false;
@@ -96,7 +95,7 @@ typedef struct search {
 
 static double at(double s, void *context) {
   search *q = context;
-  bool there = visit(q->scan, q->r, s);
+  bool there = km_scan_visit(q->scan, q->r, s);
   double n = q->scan->probe_n[q->function], d = q->scan->probe_d[q->function];
   double f = q->part == NUMERATOR ? n : q->part == DENOMINATOR ? d : n / d;
   q->lost = q->lost || !there || isnan(f);
@@ -154,7 +153,7 @@ static km_status find_extreme(km_scan *scan, km_sweeper *r, int i, double sign, 
   if (q.lost && !scan->best_counts)
     return KM_OK;
   /* A denominator that touches 0 without a change of sign. */
-  bool flat = !q.lost && visit(scan, r, s) && vanishes(scan->probe_d[i], scan->d[0][i], scan->d[1][i]);
+  bool flat = !q.lost && km_scan_visit(scan, r, s) && vanishes(scan->probe_d[i], scan->d[0][i], scan->d[1][i]);
   bool pole = flat && !vanishes(scan->probe_n[i], scan->n[0][i], scan->n[1][i]);
   if (flat && !pole)
     return KM_OK; /* of two that vanish together the quotient is rounding */
@@ -191,7 +190,7 @@ static km_status approach(km_scan *scan, km_sweeper *r, int i, double s, double 
   bool moved = false, takes = scan->extremes && i >= 0, shows = scan->between && !seen;
   for (int k = 0; k < APPROACHES && (takes || shows) && !status; ++k) {
     double x = place(s, pole, away, k);
-    if (!visit(scan, r, x))
+    if (!km_scan_visit(scan, r, x))
       continue;
     if (shows && !scan->between(scan->self, r, x))
       return km_fail(error, KM_MEMORY, "out of memory for a sweep");

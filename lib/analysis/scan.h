@@ -65,6 +65,8 @@ void km_scan_free(km_scan *scan);
 /* The state stands at s: samples the functions, and looks between this sample and the last ones (Brent's methods, GSL).
  * Comes back to where the mover settles. KM_MEMORY. */
 km_status km_scan_sample(km_scan *scan, km_sweeper *sweeper, double s, km_error *error);
+/* Moves the state to s, and fills probe_n and probe_d there; false where the pose can't be reached. */
+bool km_scan_visit(const km_scan *scan, km_sweeper *sweeper, double s);
 /* Shows `between` the poses on the way from s to a pole, or away from it. Leaves the state at one of them. */
 km_status km_scan_show(km_scan *scan, km_sweeper *sweeper, double s, double pole, bool away, km_error *error);
 /* The newest sample becomes the first of the last ones, and, while there is room, the last of the first ones. */

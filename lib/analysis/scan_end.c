@@ -22,23 +22,47 @@ void km_scan_keep_ending(km_scan *scan) {
   first->have++;
 }
 
-/* Of x at once, twice and four times the root of the way to the end: is nothing left of it there? By the parabola. */
-static bool comes_to_nothing(const double *x, int count) {
-  double once = fabs(x[0]), twice = fabs(x[count]), four = fabs(x[2 * count]);
-  return four != 0.0 && fabs(8.0 * once - 6.0 * twice + four) < 3.0 * 0.05 * once;
+/* An end is located as well as this, relatively. */
+static const double located = 5e-9;
+
+/* The way from a sample to the end, of which the next sample is four times as far away. */
+static double way_from(const km_ending *ending, int k) {
+  return fabs(ending->s[k + 1] - ending->s[k]) / 3.0;
 }
 
-/* The first of three samples that come to the end by quarters of the way, far enough from it: it is located to 1e-9,
- * sometimes less well. -1: none. */
+/* Of x at once, twice and four times the root of the way to the end: what is left of it there by the parabola is no more than
+ * what comes of an end that isn't located exactly. */
+static bool comes_to_nothing(const double *x, int count, double way, double end) {
+  double once = fabs(x[0]), twice = fabs(x[count]), four = fabs(x[2 * count]);
+  double left = (8.0 * once - 6.0 * twice + four) / 3.0;
+  return four != 0.0 && left * left * way < once * once * located * (1.0 + fabs(end));
+}
+
+/* The first of three samples that come to the end by quarters of the way, far enough from it. -1: none. */
 static int nearest(const km_ending *ending, double end) {
   const double *s = ending->s;
   for (int k = 1; k + 2 < ending->have; ++k) {
-    double way = fabs(s[k + 1] - s[k]) / 3.0;
+    double way = way_from(ending, k);
     bool quarters = fabs(fabs(s[k + 2] - s[k + 1]) - 12.0 * way) < 0.01 * way;
-    if (quarters && way > 1e-7 * (1.0 + fabs(end)))
+    if (quarters && way > 20.0 * located * (1.0 + fabs(end)))
       return k;
   }
   return -1;
+}
+
+/* The sweep has left no such samples: by chance its last one before the end was too near to it. Takes them anew, on the way to
+ * `inside`: 0, the first of them; −1: there aren't any. */
+static int sample_anew(const km_scan *scan, km_sweeper *r, km_ending *ending, double end, double inside) {
+  size_t n = (size_t)scan->count;
+  for (int k = 0; k < 3; ++k) {
+    double way = 1e-6 * (1.0 + fabs(end)) * ldexp(1.0, 2 * k), s = end + copysign(way, inside - end);
+    if (way > fabs(inside - end) || !km_scan_visit(scan, r, s))
+      return -1;
+    ending->s[k] = s;
+    memcpy(ending->n + (size_t)k * n, scan->probe_n, n * sizeof *ending->n);
+    memcpy(ending->d + (size_t)k * n, scan->probe_d, n * sizeof *ending->d);
+  }
+  return 0;
 }
 
 /* What rounding has told of a function next to an end where it vanishes or has a pole. */
@@ -59,12 +83,15 @@ km_status km_scan_end(km_scan *scan, km_sweeper *r, double end, km_error *error)
   if (rows < 2)
     return KM_OK;
   bool away = km_table_row(table, 0)[1] == end;
-  const km_ending *ending = away ? &scan->first : &scan->last;
+  km_ending *ending = away ? &scan->first : &scan->last;
   int k = nearest(ending, end), count = scan->count;
   km_status status = KM_OK;
-  for (int i = 0; i < count && k > 0 && !status; ++i) {
-    bool zero = comes_to_nothing(ending->n + k * count + i, count);
-    bool pole = comes_to_nothing(ending->d + k * count + i, count);
+  if (k < 0 && r->out->freedom == 1) /* of several freedoms another way may lead back */
+    k = sample_anew(scan, r, ending, end, km_table_row(table, away ? rows - 1 : 0)[1]);
+  for (int i = 0; i < count && k >= 0 && !status; ++i) {
+    double way = way_from(ending, k);
+    bool zero = comes_to_nothing(ending->n + k * count + i, count, way, end);
+    bool pole = comes_to_nothing(ending->d + k * count + i, count, way, end);
     km_event_kind kind = zero && pole ? KM_EVENT_UNDEFINED : pole ? KM_EVENT_POLE : KM_EVENT_ZERO;
     if (!zero && !pole)
       continue;

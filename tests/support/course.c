@@ -57,10 +57,12 @@ bool course_walk(fixture *f, const km_sweep_plan *plan, const km_sweep *motion, 
   return there;
 }
 
-/* x goes with the root of the way to the end: straight on by half a place, since differences stand between two. */
+/* x goes with the root of the way to the end: on by the parabola through three differences, which stand one and a half, two and a
+ * half and three and a half places before it. The last one has the digits to which the end was located. */
 static bool comes_to_nothing(const double *x, int count) {
-  x += count - 2;
-  return fabs(1.5 * x[1] - 0.5 * x[0]) < 0.6 * fabs(x[1] - x[0]);
+  x += count - 4;
+  double end = 4.375 * x[2] - 5.25 * x[1] + 1.875 * x[0];
+  return fabs(end) < 0.6 * fabs(x[2] - x[1]);
 }
 
 bool course_gives_out(const course *c) {

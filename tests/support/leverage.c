@@ -73,7 +73,9 @@ static bool meets(const course *c, double told, double sense) {
     slack = fmax(slack, fabs(value - leverage(c, best - 1)));
   if (best + 1 < c->count)
     slack = fmax(slack, fabs(value - leverage(c, best + 1)));
-  return sense * (told - value) >= -slack && (best == 0 || sense * (told - value) <= slack);
+  double first = leverage(c, 0);
+  bool before = best == 0 || fabs(told - first) <= fabs(first - leverage(c, 1));
+  return sense * (told - value) >= -slack && (before || sense * (told - value) <= slack);
 }
 
 /* The bounds of a leverage that stays finite. */
