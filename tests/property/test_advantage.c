@@ -358,6 +358,30 @@ static void rows_are_those_of_their_poses(void **state) {
   }
 }
 
+/* The slider's own dead point is where crank and rod are one line, at 0.6 + 1.5: a pole, however near to it one of the 360 poses
+ * lies that the sweep looks at on its way. */
+static void pole_at_the_drivers_end(void **state) {
+  (void)state;
+  const double end = 2.1, from = 1.8;
+  for (int k = 3; k <= 9; ++k) {
+    fixture f = fixture_open("slider_crank");
+    int crank, slider;
+    assert_int_equal(km_model_find_coordinate(f.model, "A", &crank, NULL), KM_OK);
+    assert_int_equal(km_model_find_coordinate(f.model, "B", &slider, NULL), KM_OK);
+    km_handle input = joint(f.model, crank), output = joint(f.model, slider);
+    km_sweep_plan plan = {.coordinate = slider, .direction = -1, .sign = 1.0, .from = from, .steps = 40};
+    plan.to = from + (end - pow(10.0, -k) - from) * 360.0 / 250.0;
+    km_advantage_sweep sweep;
+    assert_int_equal(km_advantage_sweep_run(f.mechanism, f.state, &plan, &input, &output, false, &sweep, NULL),
+                     KM_PARTIAL);
+    assert_int_equal(sweep.toggle_count, 1);
+    assert_int_equal(sweep.toggles[0].state, KM_ADVANTAGE_INFINITE);
+    assert_near(sweep.toggles[0].s, end, 5e-9 * (1.0 + end)); /* as well as an end is located */
+    km_advantage_sweep_free(&sweep);
+    fixture_close(&f);
+  }
+}
+
 int main(void) {
   const struct CMUnitTest tests[] = {
       claim_test(
@@ -366,6 +390,7 @@ int main(void) {
           "a fifteenth of the change of a fourth-order difference as its step doubles, and rounding over the step"),
       cmocka_unit_test(an_arm_in_no_loop),
       cmocka_unit_test(rows_are_those_of_their_poses),
+      cmocka_unit_test(pole_at_the_drivers_end),
       claim_test(minus_the_ratio_of_forces, "The input force that balances an output force τ is −τ/MA",
                  "1e-8 of the ratio: rounding over the input's mobility number, above 1e-4"),
       claim_test(characteristic_length_does_not_count,
