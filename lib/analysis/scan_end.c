@@ -24,17 +24,29 @@ void km_scan_keep_ending(km_scan *scan) {
 
 /* An end is located as well as this, relatively. */
 static const double located = 5e-9;
+/* A function that grows less over four times the way has no power of it that its digits tell. */
+static const double least_growth = 1.2;
 
 /* The way from a sample to the end, of which the next sample is four times as far away. */
 static double way_from(const km_ending *ending, int k) {
   return fabs(ending->s[k + 1] - ending->s[k]) / 3.0;
 }
 
-/* Of x at once, twice and four times the root of the way to the end: what is left of it there by the parabola is no more than
- * what comes of an end that isn't located exactly. */
+/* What a function comes to at the end, from its sizes at once, twice and four times the root of the way to it: by the parabola, or
+ * by a power of the way (Aitken), whichever leaves less. A path of least motion can come to its end by another power than the
+ * root. */
+static double left_at_end(double once, double twice, double four) {
+  double parabola = (8.0 * once - 6.0 * twice + four) / 3.0;
+  if (!(twice > least_growth * once && four > least_growth * twice))
+    return parabola;
+  double power = (once * four - twice * twice) / (once + four - 2.0 * twice);
+  return fabs(power) < fabs(parabola) ? power : parabola;
+}
+
+/* Is what a function comes to no more than what comes of an end that isn't located exactly? */
 static bool comes_to_nothing(const double *x, int count, double way, double end) {
-  double once = fabs(x[0]), twice = fabs(x[count]), four = fabs(x[2 * count]);
-  double left = (8.0 * once - 6.0 * twice + four) / 3.0;
+  double once = fabs(x[0]), four = fabs(x[2 * count]);
+  double left = left_at_end(once, fabs(x[count]), four);
   return four != 0.0 && left * left * way < once * once * located * (1.0 + fabs(end));
 }
 
