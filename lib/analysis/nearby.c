@@ -1,7 +1,6 @@
 /* Going a short way along the motion and back. */
 #include "analysis/nearby.h"
 
-#include "base/random.h"
 #include "kinematics/closure.h"
 #include "kinematics/loops.h"
 #include "kinematics/many_tangents.h"
@@ -20,20 +19,22 @@ static void choose_move(const km_mechanism *m, const km_state *s, int index, dou
       move[c] += 0.02 * (1.0 + 0.3 * i) * Z[(size_t)i * (size_t)sub->columns + (size_t)c] / weight[c];
 }
 
-/* Of many motions a random mixture, with the fastest coordinate by as much. */
-static void choose_of_many(const km_mechanism *m, km_state *s, int index, double *part, double *move) {
+/* Of many motions a random mixture that may be real, with the fastest coordinate by as much. */
+static void choose_of_many(const km_mechanism *m, km_state *s, int index, double *move) {
   static const double short_way = 0.05;
-  const km_substructure *sub = &m->substructures[index];
-  const double *weight = m->column_weight + sub->column_start;
-  uint64_t random = 1;
+  int columns = m->substructures[index].columns;
   double fastest = 0.0;
-  for (int c = 0; c < sub->columns; ++c)
-    move[c] = km_uniform(&random) / weight[c];
-  bool moves = km_tangent_project(m, s, index, move, part) > 0.0;
-  for (int c = 0; c < sub->columns; ++c)
-    fastest = fmax(fastest, fabs(move[c]));
-  for (int c = 0; c < sub->columns; ++c)
-    move[c] = moves ? short_way / fastest * move[c] : 0.0;
+  km_arena arena = {0};
+  km_tangents f;
+  km_many_tangents many = {0};
+  bool moves =
+      km_tangents_make(&f, m, s, index, &arena) && km_many_tangents_make(&many, &f) && km_many_tangents_likely(&many);
+  for (int c = 0; c < columns && moves; ++c)
+    fastest = fmax(fastest, fabs(many.x[c]));
+  for (int c = 0; c < columns; ++c)
+    move[c] = moves ? short_way / fastest * many.x[c] : 0.0;
+  km_many_tangents_free(&many);
+  km_arena_free(&arena);
 }
 
 bool km_nearby_go(const km_mechanism *m, km_state *s, int index, double *saved, double *move) {
@@ -43,7 +44,7 @@ bool km_nearby_go(const km_mechanism *m, km_state *s, int index, double *saved, 
   km_closure evidence;
   p->rows_only = p->sparse && many;
   if (many)
-    choose_of_many(m, s, index, saved, move);
+    choose_of_many(m, s, index, move);
   else
     choose_move(m, s, index, move);
   km_state_save(s, sub, saved);

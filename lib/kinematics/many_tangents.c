@@ -86,6 +86,17 @@ static bool is_refuted(km_many_tangents *many) {
          km_second_order_many_breaks(&many->conditions, many->x);
 }
 
+bool km_many_tangents_likely(km_many_tangents *many) {
+  const double *weight = many->f->m->column_weight + many->f->sub->column_start;
+  if (!km_many_tangents_any(many))
+    return false;
+  if (!is_refuted(many))
+    return true;
+  for (int c = 0; c < many->f->sub->columns; ++c)
+    many->x[c] = (1.0 + 0.3 * km_uniform(&many->f->random)) / weight[c];
+  return project(many) && km_second_order_many_solve(&many->conditions, many->x);
+}
+
 bool km_many_tangents_all_real(km_many_tangents *many, double *length) {
   int trials = many->f->conditions.redundant ? TRIALS : 1; /* where nothing is redundant all are real anyway */
   *length = HUGE_VAL;

@@ -28,6 +28,9 @@ void km_many_tangents_free(km_many_tangents *many);
 /* A random direction of the null space into x. Where all tangents but few were unreal, it would be: the real ones are a
  * closed algebraic cone, and a random direction lies in none but the whole. The state is at the pose. */
 bool km_many_tangents_any(km_many_tangents *many);
+/* The same, and where the second order shows that it isn't real, one that meets the second order, sought from a start that is
+ * nearly even. False where none was found, or memory is out. */
+bool km_many_tangents_likely(km_many_tangents *many);
 /* Is every tangent real, by random directions? `length`: how far these were followed, ahead and back. */
 bool km_many_tangents_all_real(km_many_tangents *many, double *length);
 /* The next direction that meets the second order and is real, into x, and how far it was followed, ahead and back; false: none

@@ -207,6 +207,19 @@ bool km_orthogonal_shares(km_orthogonal *q, double tolerance, double *share) {
   return done;
 }
 
+int km_orthogonal_independent(km_orthogonal *q, double tolerance, int *list) {
+  const library *f = &q->spqr;
+  cholmod_sparse A = matrix_of(q), *R = NULL;
+  SuiteSparse_long *order = NULL;
+  long rank = f->SuiteSparseQR_C(SPQR_ORDERING_COLAMD, tolerance, 0, 0, &A, NULL, NULL, NULL, NULL, &R, &order, NULL,
+                                 NULL, NULL, &q->common);
+  for (long k = 0; k < rank; ++k)
+    list[k] = (int)(order ? order[k] : k);
+  f->cholmod_l_free_sparse(&R, &q->common);
+  f->cholmod_l_free((size_t)q->columns, sizeof *order, order, &q->common);
+  return (int)rank;
+}
+
 bool km_orthogonal_least(km_orthogonal *q, const double *b, double *x) {
   double *copy = KM_NEW(double, (size_t)q->columns + 1); /* the library's interface has no const */
   if (!copy)

@@ -8,21 +8,19 @@ static const double spanned = 1e-14;
 /* What is left of 1 by taking squares out of it keeps that much of rounding. */
 static const double rounding = 1e-13;
 
-/* The primary rows over the weights, as columns; those of the matrix that `left_out` names have no entries. */
-static void fill(const km_partition *p, const double *matrix, const double *weight, const bool *left_out,
-                 km_columns out) {
-  const km_sparse *s = p->sparse;
-  long next = 0;
-  for (int k = 0; k < p->rank; ++k) {
-    for (int i = s->row_start[p->row[k]]; i < s->row_start[p->row[k] + 1]; ++i) {
-      const km_row_entry *at = &s->by_row[i];
-      if (matrix[at->entry] == 0.0 || left_out[at->column])
-        continue;
-      out.row[next] = at->column;
-      out.value[next++] = matrix[at->entry] / weight[at->column];
-    }
-    out.start[k + 1] = next;
+/* Row `row` of the matrix over the weights, NULL: over 1, becomes column k; columns of the matrix that `left_out` names have no
+ * entries. */
+static void fill_row(const km_sparse *s, const double *matrix, const double *weight, const bool *left_out, int row,
+                     int k, km_columns out) {
+  long next = out.start[k];
+  for (int i = s->row_start[row]; i < s->row_start[row + 1]; ++i) {
+    const km_row_entry *at = &s->by_row[i];
+    if (matrix[at->entry] == 0.0 || left_out[at->column])
+      continue;
+    out.row[next] = at->column;
+    out.value[next++] = weight ? matrix[at->entry] / weight[at->column] : matrix[at->entry];
   }
+  out.start[k + 1] = next;
 }
 
 /* The rows, to be factored; the independent columns behind the first `count` are left out. NULL where SPQR isn't installed or
@@ -34,7 +32,8 @@ static km_orthogonal *rows_of(const km_partition *p, const double *matrix, const
   if (left_out && !km_orthogonal_create(p->columns, p->rank, p->sparse->start[p->columns], &q, &error)) {
     for (int k = p->rank + count; k < p->columns; ++k)
       left_out[p->column[k]] = true;
-    fill(p, matrix, weight, left_out, km_orthogonal_columns(q));
+    for (int k = 0; k < p->rank; ++k)
+      fill_row(p->sparse, matrix, weight, left_out, p->row[k], k, km_orthogonal_columns(q));
   }
   km_free(left_out);
   return q;
@@ -95,4 +94,26 @@ bool km_partition_least(const km_partition *p, const double *matrix, const doubl
   km_free(b);
   km_orthogonal_free(q);
   return done;
+}
+
+bool km_sparse_spare_rows(km_partition *p, const double *matrix, const bool *forced, double threshold) {
+  km_orthogonal *q = NULL;
+  km_error error;
+  int rank = -1, *list = KM_NEW(int, (size_t)p->rows + 1);
+  bool *left_out = KM_NEW(bool, (size_t)p->columns + 1);
+  if (list && left_out && !km_orthogonal_create(p->columns, p->rows, p->sparse->start[p->columns], &q, &error)) {
+    for (int c = 0; c < p->columns; ++c)
+      left_out[c] = km_sparse_is_locked(p, c) || (p->held && forced && forced[c]);
+    for (int r = 0; r < p->rows; ++r)
+      fill_row(p->sparse, matrix, NULL, left_out, r, r, km_orthogonal_columns(q));
+    rank = km_orthogonal_independent(q, threshold, list);
+  }
+  for (int r = 0; r < p->rows && rank >= 0; ++r)
+    p->sparse->spare[r] = true;
+  for (int k = 0; k < rank; ++k)
+    p->sparse->spare[list[k]] = false;
+  km_orthogonal_free(q);
+  km_free(left_out);
+  km_free(list);
+  return rank >= 0 && rank < p->rows;
 }

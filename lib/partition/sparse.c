@@ -135,6 +135,20 @@ static void eliminate_all(km_partition *p, const double *matrix, const bool *for
   } while (hidden >= 0 && !p->sparse->late[hidden]);
 }
 
+/* The same of rows, and of no columns. */
+static void eliminate_rows(km_partition *p, const double *matrix, const bool *forced, double threshold) {
+  int hidden = -1;
+  bool looked = false;
+  do {
+    bool found = hidden >= 0 && !looked && km_sparse_spare_rows(p, matrix, forced, threshold);
+    looked = hidden >= 0;
+    if (hidden >= 0 && !found)
+      p->sparse->spare[hidden] = true;
+    km_sparse_eliminate(p, matrix, forced, threshold);
+    hidden = p->failed ? -1 : km_sparse_hidden_row(p, matrix, forced, threshold);
+  } while (hidden >= 0);
+}
+
 void km_sparse_factor(km_partition *p, const double *matrix, const bool *forced, double tolerance) {
   km_sparse *s = p->sparse;
   p->scale = km_largest_size(matrix, s->start[p->columns]);
@@ -144,9 +158,14 @@ void km_sparse_factor(km_partition *p, const double *matrix, const bool *forced,
   for (int c = 0; c < p->columns; ++c)
     p->locked_count += km_sparse_is_locked(p, c);
   memset(s->late, 0, (size_t)p->columns * sizeof *s->late);
+  memset(s->spare, 0, (size_t)p->rows * sizeof *s->spare);
+  if (p->rows_only) {
+    eliminate_rows(p, matrix, forced, tolerance * p->scale);
+    return;
+  }
   for (int pass = 0; pass < MOST_PASSES; ++pass) {
     eliminate_all(p, matrix, forced, tolerance * p->scale);
-    if (p->any_independent || p->rows_only)
+    if (p->any_independent)
       break;
     bool finite = km_sparse_find_b(p), first_of_many = pass == 0 && km_partition_freedom(p) > KM_MANY_VECTORS;
     if (finite && largest_free_b(p, forced) <= good_b)

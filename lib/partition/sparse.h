@@ -46,6 +46,7 @@ struct km_sparse {
   double *x;                         /* [rows] accumulators, 0 between columns */
   int *list, *stack, *next;          /* [rows] rows that a column reaches; walking them */
   bool *seen;                        /* [rows] */
+  bool *spare;                       /* [rows] is to be no primary one, since others make it dependent */
   double *null;                      /* [columns × freedom] to choose independent columns by */
   int *largest;                      /* [columns] of each of these vectors, the column with its largest entry */
   size_t null_capacity, b_capacity;
@@ -80,6 +81,11 @@ void km_sparse_solve(const km_partition *partition, const double *rhs, double *x
 void km_sparse_solve_upper(const km_partition *partition, double *y);
 /* A column among the pivots' that the others make dependent to the threshold, though no pivot tells; -1: none. */
 int km_sparse_hidden(const km_partition *partition, const bool *forced, double threshold);
+/* The same of the rows over all columns that may be pivots, whether or not they are. */
+int km_sparse_hidden_row(const km_partition *partition, const double *matrix, const bool *forced, double threshold);
+/* Spares the rows that others make dependent to the threshold, by Q R over all columns that may be pivots. False where it finds
+ * none, or SuiteSparse's SPQR isn't installed, or memory is out. */
+bool km_sparse_spare_rows(km_partition *partition, const double *matrix, const bool *forced, double threshold);
 /* Room for so many entries of U and of L in all. False when out of memory. */
 bool km_sparse_make_room(km_sparse *sparse, int upper, int lower);
 /* The columns with one entry in the rows that no other of them has taken, as the first pivots: nothing is eliminated by

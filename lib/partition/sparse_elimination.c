@@ -59,12 +59,12 @@ static int row_size(const km_sparse *s, int row) {
   return s->row_start[row + 1] - s->row_start[row];
 }
 
-/* Of the rows with a large entry, that with the fewest entries in the matrix; -1: all are 0. */
+/* Of the rows with a large entry that may be primary ones, that with the fewest entries in the matrix; -1: all are 0. */
 static int choose_row(const km_sparse *s, const km_run *rows, double largest) {
   int best = -1;
   for (int i = rows->start; i < rows->end && largest > 0.0; ++i) {
     int row = s->lower_store.index[i];
-    if (fabs(s->x[row]) < large_share * largest)
+    if (fabs(s->x[row]) < large_share * largest || s->spare[row])
       continue;
     bool shorter = best < 0 || row_size(s, row) < row_size(s, best);
     if (shorter || (row_size(s, row) == row_size(s, best) && fabs(s->x[row]) > fabs(s->x[best])))
@@ -98,7 +98,7 @@ static int reduce(km_partition *p, const double *matrix, int c, int *upper_end, 
       s->x[row] = 0.0;
     } else {
       s->lower_store.index[(*lower_end)++] = row;
-      largest = fabs(s->x[row]) > largest ? fabs(s->x[row]) : largest;
+      largest = fabs(s->x[row]) > largest && !s->spare[row] ? fabs(s->x[row]) : largest;
     }
   }
   s->upper[c].end = *upper_end;

@@ -34,11 +34,13 @@ static void solve(const km_partition *p, double *y) {
   km_sparse_solve_upper(p, y);
 }
 
-int km_sparse_hidden(const km_partition *p, const bool *forced, double threshold) {
+/* The right vector of the block's smallest singular value, by step, into the workspace; false: the value is above the
+ * threshold, or no column has enough of the vector. *most: the step with the largest entry of a column that isn't given. */
+static bool is_singular(const km_partition *p, const bool *forced, double threshold, int *most) {
   static const double start[] = {1.0, 1.25, 1.375, 1.0, 1.5, 1.125, 1.75}; /* no symmetry of mechanisms */
   enum { STARTS = sizeof start / sizeof *start };
   double *y = p->work;
-  int most = -1;
+  *most = -1;
   for (int k = 0, i = 0; k < p->rank; ++k, i = i + 1 < STARTS ? i + 1 : 0)
     y[k] = start[i];
   solve_transposed(p, y);
@@ -46,9 +48,44 @@ int km_sparse_hidden(const km_partition *p, const bool *forced, double threshold
   solve(p, y); /* once is enough: so small a value stands out by the square of its digits */
   double length = sqrt(km_sum_of_squares(y, p->rank));
   if (!(length * threshold >= first && first > 0.0 && isfinite(length))) /* first / length: the singular value */
-    return -1;
+    return false;
   for (int k = 0; k < p->rank; ++k)
-    if (!km_sparse_is_given(p, forced, p->column[k]) && (most < 0 || fabs(y[k]) > fabs(y[most])))
-      most = k;
-  return most >= 0 && fabs(y[most]) * threshold >= first ? p->column[most] : -1;
+    if (!km_sparse_is_given(p, forced, p->column[k]) && (*most < 0 || fabs(y[k]) > fabs(y[*most])))
+      *most = k;
+  return *most >= 0 && fabs(y[*most]) * threshold >= first;
+}
+
+int km_sparse_hidden(const km_partition *p, const bool *forced, double threshold) {
+  int most;
+  return is_singular(p, forced, threshold, &most) ? p->column[most] : -1;
+}
+
+/* Do columns outside the block of pivots keep its rows apart where the block's own don't? By the left vector y. */
+static bool rows_stand_apart(const km_partition *p, const double *matrix, const bool *forced, double threshold,
+                             const double *y) {
+  const km_sparse *s = p->sparse;
+  double square = 0.0;
+  for (int k = p->rank; k < p->columns; ++k) {
+    int c = p->column[k];
+    double sum = 0.0;
+    for (int i = s->start[c]; i < s->start[c + 1] && !km_sparse_is_given(p, forced, c); ++i)
+      if (s->step_of[s->row[i]] >= 0)
+        sum += matrix[i] * y[s->step_of[s->row[i]]];
+    square += sum * sum;
+  }
+  return sqrt(square) > threshold * sqrt(km_sum_of_squares(y, p->rank));
+}
+
+int km_sparse_hidden_row(const km_partition *p, const double *matrix, const bool *forced, double threshold) {
+  int most;
+  double *y = p->work;
+  if (!is_singular(p, forced, threshold, &most))
+    return -1;
+  solve_transposed(p, y);
+  if (rows_stand_apart(p, matrix, forced, threshold, y))
+    return -1;
+  most = 0;
+  for (int k = 1; k < p->rank; ++k)
+    most = fabs(y[k]) > fabs(y[most]) ? k : most;
+  return p->row[most];
 }

@@ -11,7 +11,7 @@ static int list_first(km_partition *p, const double *matrix) {
   for (int c = 0; c < p->columns; ++c) {
     int open = 0;
     for (int k = s->start[c]; k < s->start[c + 1]; ++k)
-      open += matrix[k] != 0.0;
+      open += matrix[k] != 0.0 && !s->spare[s->row[k]];
     s->open[c] = open;
   }
   for (int i = 0; i < p->columns; ++i)
@@ -32,9 +32,9 @@ static int split(km_partition *p, const double *matrix, int c, double least, int
     if (step >= 0) {
       index[end] = step;
       value[end++] = matrix[k];
-    } else if (matrix[k] != 0.0) {
+    } else if (matrix[k] != 0.0 && !s->spare[row[k]]) {
       pivot = k;
-    } else {
+    } else if (!s->spare[row[k]]) {
       zero[zeros++] = k;
     }
   }

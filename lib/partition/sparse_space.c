@@ -56,7 +56,8 @@ static bool reserve(km_sparse *s, int rows, int columns, km_arena *arena) {
                    .list = KM_ARENA_NEW(arena, int, r),
                    .stack = KM_ARENA_NEW(arena, int, r),
                    .next = KM_ARENA_NEW(arena, int, r),
-                   .seen = KM_ARENA_NEW(arena, bool, r)};
+                   .seen = KM_ARENA_NEW(arena, bool, r),
+                   .spare = KM_ARENA_NEW(arena, bool, r)};
   return !arena->failed;
 }
 

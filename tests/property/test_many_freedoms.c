@@ -12,6 +12,7 @@
 #include "kmech/finite_mobility.h"
 #include "kmech/idle.h"
 #include "kmech/motions.h"
+#include "kmech/redundancy.h"
 #include "topology/mechanism.h"
 
 #include <gsl/gsl_linalg.h>
@@ -151,6 +152,21 @@ static void a_folded_chain(void **state) {
   fixture_close(&f);
 }
 
+/* A little further on no loop of it is flat any more: what each had too much along its links was the pose's. */
+static void what_a_folded_chain_has_too_much(void **state) {
+  (void)state;
+  fixture f = folded_chain(LOOPS);
+  km_redundancies found;
+  int lasting = 0;
+  assert_int_equal(km_redundancies_find(f.mechanism, f.state, NULL, NULL, &found, NULL), KM_OK);
+  for (int i = 0; i < found.count; ++i)
+    lasting += found.items[i].lasting;
+  assert_int_equal(found.count, 4 * LOOPS);
+  assert_int_equal(lasting, 3 * LOOPS);
+  km_redundancies_free(&found);
+  fixture_close(&f);
+}
+
 /* The motion of few freedoms that goes along x in one sense or the other; -1: none does. */
 static int motion_along(const fixture *f, const km_finite_mobility *few, const km_tangents *t, const double *x) {
   const int *coordinate = f->mechanism->column_coordinate + t->sub->column_start;
@@ -268,9 +284,10 @@ static void wide_singular_values(void **state) {
 
 int main(void) {
   const struct CMUnitTest tests[] = {
-      cmocka_unit_test(laws_of_many_freedoms), cmocka_unit_test(bases_wait),      cmocka_unit_test(many_real_freedoms),
-      cmocka_unit_test(a_folded_chain),        cmocka_unit_test(sparse_is_dense), cmocka_unit_test(bars_of_a_platform),
-      cmocka_unit_test(wide_singular_values),
+      cmocka_unit_test(laws_of_many_freedoms), cmocka_unit_test(bases_wait),
+      cmocka_unit_test(many_real_freedoms),    cmocka_unit_test(a_folded_chain),
+      cmocka_unit_test(sparse_is_dense),       cmocka_unit_test(bars_of_a_platform),
+      cmocka_unit_test(wide_singular_values),  cmocka_unit_test(what_a_folded_chain_has_too_much),
   };
   return cmocka_run_group_tests(tests, NULL, NULL);
 }
