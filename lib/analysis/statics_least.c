@@ -88,14 +88,14 @@ static void fill_gradient(km_carrying *c, const km_wrench *carried, double lengt
  * self-stresses there are. */
 static int list_stresses(km_carrying *c) {
   const km_partition *p = &c->partition;
-  const double *b = p->B;
   int count = 0, degree = 0;
   for (int k = p->rank; k < c->rows; ++k) {
     c->stress_start[degree++] = count;
     c->stress[count++] = (km_stress_entry){c->felt[k < c->felt_count ? p->column[k] : k], 1.0};
-    for (int i = 0; i < p->rank && k < c->felt_count; ++i, ++b)
-      if (*b != 0.0)
-        c->stress[count++] = (km_stress_entry){c->felt[p->column[i]], -*b};
+    const double *b = k < c->felt_count ? km_partition_b(p, k - p->rank) : NULL;
+    for (int i = 0; i < p->rank && b; ++i)
+      if (b[i] != 0.0)
+        c->stress[count++] = (km_stress_entry){c->felt[p->column[i]], -b[i]};
   }
   c->stress_start[degree] = count;
   return degree;

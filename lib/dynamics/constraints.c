@@ -69,14 +69,16 @@ static bool change_pivots(km_dynamics *d, km_state *s, int index) {
   const km_mechanism *m = d->mechanism;
   const int *coordinate = m->column_coordinate + m->substructures[index].column_start;
   const km_partition *p = &s->partition[index];
-  for (int i = 0; i < p->rank && !d->feeds_back && isfinite(p->largest_b); ++i) {
-    double rate = 0.0;
-    for (int k = 0; k < km_partition_freedom(p); ++k) {
-      int c = coordinate[p->column[p->rank + k]];
-      rate -= p->B[(size_t)k * (size_t)p->rank + (size_t)i] * s->rate[c] / m->unit[c];
-    }
-    s->rate[coordinate[p->column[i]]] = rate * m->unit[coordinate[p->column[i]]];
+  bool follows = !d->feeds_back && isfinite(p->largest_b);
+  memset(d->step, 0, (size_t)p->rank * sizeof *d->step);
+  for (int k = 0; k < km_partition_freedom(p) && follows; ++k) {
+    const double *B = km_partition_b(p, k);
+    int c = coordinate[p->column[p->rank + k]];
+    for (int i = 0; i < p->rank; ++i)
+      d->step[i] -= B[i] * s->rate[c] / m->unit[c];
   }
+  for (int i = 0; i < p->rank && follows; ++i)
+    s->rate[coordinate[p->column[i]]] = d->step[i] * m->unit[coordinate[p->column[i]]];
   d->repivoted = true;
   return search_pivots(d, s, index);
 }
@@ -237,7 +239,7 @@ static void fill_N(km_dynamics *d, const km_state *s, int index) {
     int column = m->column_of[coordinates[own]], first = own - column, place = p->rank;
     while (p->column[place] != column)
       ++place;
-    const double *B = p->B + (size_t)(place - p->rank) * (size_t)p->rank;
+    const double *B = km_partition_b(p, place - p->rank);
     double inverse = 1.0 / m->unit[coordinates[own]];
     for (int i = 0; i < p->rank; ++i) {
       int dependent = first + p->column[i];

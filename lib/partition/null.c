@@ -53,7 +53,7 @@ static void orthonormalise(double *Z, int columns, int first, int count) {
 /* diag(weight) times null vector k; returns its square. */
 static double null_vector(const km_partition *p, const double *weight, int k, double *z) {
   const int rank = p->rank, *const column = p->column;
-  const double *b = p->B + (size_t)k * (size_t)rank;
+  const double *b = km_partition_b(p, k);
   for (int c = rank; c < p->columns; ++c)
     z[column[c]] = 0.0;
   double own = weight[column[rank + k]], sum = own * own;
@@ -79,26 +79,31 @@ void km_partition_null(const km_partition *p, const double *weight, int count, d
   km_partition_null_more(p, weight, 0, count, Z);
 }
 
-/* Row i of [I B], that is of J's row space, over the weights; returns its square. */
-static double row_vector(const km_partition *p, const double *weight, int count, int i, double *r) {
+/* The rows of [I B], that is of J's row space, over the weights; returns the square of the first one. */
+static double row_vectors(const km_partition *p, const double *weight, int count, double *R) {
   const int rank = p->rank, *const column = p->column;
-  memset(r, 0, (size_t)p->columns * sizeof *r);
-  double own = 1.0 / weight[column[i]], sum = own * own;
-  r[column[i]] = own;
+  size_t n = (size_t)p->columns;
+  double square = 0.0;
+  memset(R, 0, (size_t)rank * n * sizeof *R);
+  for (int i = 0; i < rank; ++i)
+    R[(size_t)i * n + (size_t)column[i]] = 1.0 / weight[column[i]];
   for (int k = 0; k < count; ++k) {
+    const double *b = km_partition_b(p, k);
     int c = column[rank + k];
-    r[c] = p->B[(size_t)k * (size_t)rank + (size_t)i] / weight[c];
-    sum += r[c] * r[c];
+    for (int i = 0; i < rank; ++i)
+      R[(size_t)i * n + (size_t)c] = b[i] / weight[c];
   }
-  return sum;
+  for (int k = -1; k < count && rank > 0; ++k) {
+    double entry = R[column[k < 0 ? 0 : rank + k]];
+    square += entry * entry;
+  }
+  return square;
 }
 
 void km_partition_rows(const km_partition *p, const double *weight, int count, double *R) {
-  for (int i = 0; i < p->rank; ++i) {
-    double square = row_vector(p, weight, count, i, R + (size_t)i * (size_t)p->columns);
-    if (i == 0)
-      scale(R, p->columns, 1.0 / sqrt(square));
-  }
+  double square = row_vectors(p, weight, count, R);
+  if (p->rank > 0)
+    scale(R, p->columns, 1.0 / sqrt(square));
   orthonormalise(R, p->columns, 0, p->rank);
 }
 

@@ -189,6 +189,10 @@ static double largest_inverse(const km_partition *p) {
 
 void km_partition_factor(km_partition *p, const double *matrix, int rows, int columns, const bool *forced,
                          double tolerance) {
+  if (p->sparse && p->rows == rows && p->columns == columns && km_sparse_knows(p, matrix, forced, tolerance)) {
+    p->pivoted_b = p->largest_b;
+    return;
+  }
   p->rows = rows;
   p->columns = columns;
   p->stride = stride_of(rows);
@@ -253,11 +257,15 @@ void km_partition_solve(const km_partition *p, const double *rhs, double *x) {
     x[p->column[c]] = 0.0;
 }
 
+const double *km_partition_b(const km_partition *p, int k) {
+  return p->sparse ? km_sparse_gather_b(p, k) : p->B + (size_t)k * (size_t)p->rank;
+}
+
 void km_partition_direction(const km_partition *p, int column, double *direction) {
   int rank = p->rank, k = rank;
   while (p->column[k] != column)
     ++k;
-  const double *b = p->B + (size_t)(k - rank) * (size_t)rank;
+  const double *b = km_partition_b(p, k - rank);
   for (int c = rank; c < p->columns; ++c)
     direction[p->column[c]] = 0.0;
   for (int i = 0; i < rank; ++i)

@@ -28,7 +28,7 @@ typedef struct km_partition {
   double *reduced; /* [columns × stride] rows and columns in the matrix's order. Dependent column i: the multiples of
                     * row[i] that step i subtracted from the others, 0 for itself. Independent: B before `inverse` */
   double *inverse; /* [rank] reciprocals of the pivots */
-  double *B;       /* [freedom × rank, leading dimension `rank`]; the sparse engine's grows with the freedom */
+  double *B;       /* [freedom × rank, leading dimension `rank`], of the dense engine */
   int *place;      /* [rank] where the last search found each pivot: a guess for the next one */
   double *work;    /* [stride] */
   double scale;    /* largest entry of the matrix */
@@ -101,6 +101,9 @@ void km_partition_copy_pivots(km_partition *to, const km_partition *from);
 static inline int km_partition_freedom(const km_partition *p) {
   return p->failed ? 0 : p->columns - p->rank - p->locked_count;
 }
+
+/* Column k of B, that is of the k-th independent coordinate: [rank], good until anything else is asked of the partition. */
+const double *km_partition_b(const km_partition *partition, int k);
 
 /* Particular solution of the primary rows of J x = rhs with the independent coordinates 0.
  * rhs[rows], x[columns]. */

@@ -5,102 +5,10 @@
 #include <math.h>
 #include <string.h>
 
-/* Smaller |B| than that is as good as complete pivoting gives. */
-static const double good_b = 2.0;
+/* Smaller |B| than that is as good as complete pivoting gives. Of many vectors little is made, and they may reach far: the
+ * choice among them isn't worth more. */
+static const double good_b = 2.0, good_b_of_many = 30.0;
 enum { MOST_PASSES = 4 };
-/* The null vectors of the independent columns that aren't forced, by column of the matrix. Returns how many. */
-static int list_null(km_partition *p, const bool *forced) {
-  int count = 0;
-  if (!km_arena_grow(p->sparse->arena, (void **)&p->sparse->null, &p->sparse->null_capacity,
-                     (size_t)(p->columns - p->rank) * (size_t)p->columns, sizeof(double))) {
-    p->failed = true;
-    return 0;
-  }
-  for (int k = p->rank; k < p->columns; ++k) {
-    if (km_sparse_is_given(p, forced, p->column[k]))
-      continue;
-    const double *b = p->B + (size_t)(k - p->rank) * (size_t)p->rank;
-    double *n = p->sparse->null + (size_t)count++ * (size_t)p->columns;
-    memset(n, 0, (size_t)p->columns * sizeof *n);
-    for (int i = 0; i < p->rank; ++i)
-      n[p->column[i]] = -b[i];
-    n[p->column[k]] = 1.0;
-  }
-  return count;
-}
-
-/* The largest entry of null vector k, of those in columns that may still become independent ones. */
-static void find_largest(const km_partition *p, const bool *forced, int k) {
-  const km_sparse *s = p->sparse;
-  const double *v = s->null + (size_t)k * (size_t)p->columns;
-  int best = -1;
-  for (int c = 0; c < p->columns; ++c)
-    if ((best < 0 || fabs(v[c]) > fabs(v[best])) && !s->late[c] && !km_sparse_is_given(p, forced, c))
-      best = c;
-  s->largest[k] = best;
-}
-
-/* Of the null vectors from `first` on, that with the largest entry. */
-static int vector_of_largest(const km_partition *p, int first, int count) {
-  const km_sparse *s = p->sparse;
-  size_t n = (size_t)p->columns;
-  int best = first;
-  for (int k = first + 1; k < count; ++k)
-    if (fabs(s->null[(size_t)k * n + (size_t)s->largest[k]]) >
-        fabs(s->null[(size_t)best * n + (size_t)s->largest[best]]))
-      best = k;
-  return best;
-}
-
-static void swap_vectors(const km_partition *p, int a, int b) {
-  const km_sparse *s = p->sparse;
-  double *x = s->null + (size_t)a * (size_t)p->columns, *y = s->null + (size_t)b * (size_t)p->columns;
-  int column = s->largest[a];
-  s->largest[a] = s->largest[b];
-  s->largest[b] = column;
-  for (int c = 0; c < p->columns; ++c) {
-    double swap = x[c];
-    x[c] = y[c];
-    y[c] = swap;
-  }
-}
-
-/* Takes what the later null vectors have in the pivot's column out of them by null vector `step`. Few have any where the
- * null vectors are local. */
-static void subtract_from_later(const km_partition *p, const bool *forced, int step, int count) {
-  const km_sparse *s = p->sparse;
-  const double *own = s->null + (size_t)step * (size_t)p->columns;
-  int pivot = s->largest[step];
-  for (int k = step + 1; k < count; ++k) {
-    double *v = s->null + (size_t)k * (size_t)p->columns, share = own[pivot] != 0.0 ? v[pivot] / own[pivot] : 0.0;
-    for (int c = 0; c < p->columns && share != 0.0; ++c)
-      v[c] -= share * own[c];
-    if (share != 0.0 || s->largest[k] == pivot)
-      find_largest(p, forced, k);
-  }
-}
-
-/* Complete pivoting on N: the columns of the matrix that serve best as independent ones become late. Returns whether
- * they aren't those that are independent now. */
-static bool choose_late(km_partition *p, const bool *forced) {
-  km_sparse *s = p->sparse;
-  int count = list_null(p, forced);
-  bool changed = false;
-  memset(s->late, 0, (size_t)p->columns * sizeof *s->late);
-  for (int k = 0; k < count; ++k)
-    find_largest(p, forced, k);
-  for (int step = 0; step < count; ++step) {
-    int vector = vector_of_largest(p, step, count);
-    s->late[s->largest[vector]] = true;
-    if (vector != step)
-      swap_vectors(p, step, vector);
-    subtract_from_later(p, forced, step, count);
-  }
-  for (int k = 0; k < p->rank; ++k)
-    changed = changed || s->late[p->column[k]];
-  return changed;
-}
-
 /* Columns with more entries than others are shared by several loops: with those independent, null vectors reach no further
  * than a loop and its neighbours. Returns whether they aren't those that are independent now. */
 static bool leave_shared(km_partition *p) {
@@ -118,9 +26,13 @@ static double largest_free_b(const km_partition *p, const bool *forced) {
   double largest = 0.0;
   if (!forced && !p->locked)
     return p->largest_b;
-  for (int k = p->rank; k < p->columns; ++k)
-    for (int i = 0; i < p->rank && !km_sparse_is_given(p, forced, p->column[k]); ++i)
-      largest = fmax(largest, fabs(p->B[(size_t)(k - p->rank) * (size_t)p->rank + (size_t)i]));
+  for (int k = p->rank; k < p->columns; ++k) {
+    if (km_sparse_is_given(p, forced, p->column[k]))
+      continue;
+    km_run b = km_sparse_b(p, k - p->rank);
+    for (int i = b.start; i < b.end; ++i)
+      largest = fmax(largest, fabs(p->sparse->b_store.value[i]));
+  }
   return largest;
 }
 
@@ -131,11 +43,11 @@ static void eliminate_all(km_partition *p, const double *matrix, const bool *for
     if (hidden >= 0)
       p->sparse->late[hidden] = p->sparse->waits = true;
     km_sparse_eliminate(p, matrix, forced, threshold);
-    hidden = p->failed ? -1 : km_sparse_hidden(p, forced, threshold);
+    hidden = p->failed || p->sparse->overfull ? -1 : km_sparse_hidden(p, forced, threshold);
   } while (hidden >= 0 && !p->sparse->late[hidden]);
 }
 
-/* The same of rows, and of no columns. */
+/* The same of rows, whatever the columns are. */
 static void eliminate_rows(km_partition *p, const double *matrix, const bool *forced, double threshold) {
   int hidden = -1;
   bool looked = false;
@@ -149,6 +61,65 @@ static void eliminate_rows(km_partition *p, const double *matrix, const bool *fo
   } while (hidden >= 0);
 }
 
+/* By columns where that fills little, since their pivots tell more; else by rows. */
+static void find_rows(km_partition *p, const double *matrix, const bool *forced, double threshold) {
+  enum { MOST_FILL = 4 };
+  km_sparse *s = p->sparse;
+  s->most_entries = MOST_FILL * s->start[p->columns];
+  eliminate_all(p, matrix, forced, threshold);
+  s->most_entries = 0;
+  if (!s->overfull)
+    return;
+  s->waits = false;
+  memset(s->late, 0, (size_t)p->columns * sizeof *s->late);
+  eliminate_rows(p, matrix, forced, threshold);
+}
+
+static unsigned flags_of(const km_partition *p) {
+  return (p->held ? 1u : 0u) | (p->any_independent ? 2u : 0u) | (p->rows_only ? 4u : 0u);
+}
+
+/* Column c is forced, and it is locked. */
+static bool was_given(const km_partition *p, const bool *forced, int c) {
+  const bool *given = p->sparse->known_given + 2 * c;
+  return given[0] == (forced && forced[c]) && given[1] == km_sparse_is_locked(p, c);
+}
+
+bool km_sparse_knows(const km_partition *p, const double *matrix, const bool *forced, double tolerance) {
+  const km_sparse *s = p->sparse;
+  bool same = s->is_known && !p->failed && s->known_tolerance == tolerance && s->known_flags == flags_of(p) &&
+              memcmp(s->known, matrix, (size_t)s->start[p->columns] * sizeof *matrix) == 0;
+  for (int c = 0; c < p->columns && same; ++c)
+    same = was_given(p, forced, c);
+  return same;
+}
+
+static void remember(km_partition *p, const double *matrix, const bool *forced, double tolerance) {
+  km_sparse *s = p->sparse;
+  memcpy(s->known, matrix, (size_t)s->start[p->columns] * sizeof *matrix);
+  for (int c = 0; c < p->columns; ++c) {
+    s->known_given[2 * c] = forced && forced[c];
+    s->known_given[2 * c + 1] = km_sparse_is_locked(p, c);
+  }
+  s->known_tolerance = tolerance;
+  s->known_flags = flags_of(p);
+  s->is_known = !p->failed;
+}
+
+/* Passes of elimination until |B| is small enough. */
+static void find_good_columns(km_partition *p, const double *matrix, const bool *forced, double threshold) {
+  for (int pass = 0; pass < MOST_PASSES; ++pass) {
+    eliminate_all(p, matrix, forced, threshold);
+    if (p->any_independent)
+      break;
+    bool finite = km_sparse_find_b(p), many = km_partition_freedom(p) > KM_MANY_VECTORS;
+    if (finite && largest_free_b(p, forced) <= (many && pass > 0 ? good_b_of_many : good_b))
+      break;
+    if (!(many && pass == 0 && leave_shared(p)) && !(finite && km_sparse_choose_late(p, forced)))
+      break;
+  }
+}
+
 void km_sparse_factor(km_partition *p, const double *matrix, const bool *forced, double tolerance) {
   km_sparse *s = p->sparse;
   p->scale = km_largest_size(matrix, s->start[p->columns]);
@@ -159,18 +130,6 @@ void km_sparse_factor(km_partition *p, const double *matrix, const bool *forced,
     p->locked_count += km_sparse_is_locked(p, c);
   memset(s->late, 0, (size_t)p->columns * sizeof *s->late);
   memset(s->spare, 0, (size_t)p->rows * sizeof *s->spare);
-  if (p->rows_only) {
-    eliminate_rows(p, matrix, forced, tolerance * p->scale);
-    return;
-  }
-  for (int pass = 0; pass < MOST_PASSES; ++pass) {
-    eliminate_all(p, matrix, forced, tolerance * p->scale);
-    if (p->any_independent)
-      break;
-    bool finite = km_sparse_find_b(p), first_of_many = pass == 0 && km_partition_freedom(p) > KM_MANY_VECTORS;
-    if (finite && largest_free_b(p, forced) <= good_b)
-      break;
-    if (!(first_of_many && leave_shared(p)) && !(finite && choose_late(p, forced)))
-      break;
-  }
+  (p->rows_only ? find_rows : find_good_columns)(p, matrix, forced, tolerance * p->scale);
+  remember(p, matrix, forced, tolerance);
 }

@@ -34,22 +34,29 @@ struct km_sparse {
   int *lead;                  /* [columns] the order of this factorisation */
   int singles;                /* so many of its first columns are single ones */
   int *zero, zero_count;      /* entries of their pattern that must be 0 for that */
-  int *open;     /* [columns] entries other than 0 in rows without a pivot, while singles are sought; -1: is one */
-  int *dropped;  /* [columns] those that became independent, in that order; before, those that may become single */
-  bool *late;    /* [columns] is to come last, since it should stay independent */
-  bool waits;    /* columns that leave only a small pivot become late ones: small pivots that share a vanishing singular
+  int *open;    /* [columns] entries other than 0 in rows without a pivot, while singles are sought; -1: is one */
+  int *dropped; /* [columns] those that became independent, in that order; before, those that may become single */
+  bool *late;   /* [columns] is to come last, since it should stay independent */
+  bool waits;   /* columns that leave only a small pivot become late ones: small pivots that share a vanishing singular
                   * value then come last, where they tell */
-  km_run *upper; /* [columns] of each: its entries of U, by step in an order that replays it */
-  km_run *lower; /* [columns] and of L, by row; independent columns have none */
+  int most_entries; /* of U and L, beyond which columns that wait end the elimination as overfull; 0: any number */
+  bool overfull;
+  km_run *upper;                     /* [columns] of each: its entries of U, by step in an order that replays it */
+  km_run *lower;                     /* [columns] and of L, by row; independent columns have none */
   km_store upper_store, lower_store; /* index: the step, the row */
   int *step_of;                      /* [rows] that used the row, -1: none yet */
   double *x;                         /* [rows] accumulators, 0 between columns */
   int *list, *stack, *next;          /* [rows] rows that a column reaches; walking them */
   bool *seen;                        /* [rows] */
   bool *spare;                       /* [rows] is to be no primary one, since others make it dependent */
-  double *null;                      /* [columns × freedom] to choose independent columns by */
-  int *largest;                      /* [columns] of each of these vectors, the column with its largest entry */
-  size_t null_capacity, b_capacity;
+  km_run *b;         /* [columns] of independent column k: its entries of B that aren't 0, by step, ascending */
+  km_store b_store;  /* index: the step */
+  double *known;     /* [entries] the matrix that was factored last, while the factor is that of it */
+  bool *known_given; /* [columns] the forced and locked columns then */
+  double known_tolerance;
+  unsigned known_flags;
+  bool is_known;
+  bool keeps_b; /* else there is room for one column of B only: many are found when they are asked for */
 };
 
 static inline bool km_sparse_is_locked(const km_partition *p, int c) {
@@ -74,11 +81,19 @@ static inline void km_sparse_note(km_partition *p, double size) {
 }
 
 void km_sparse_factor(km_partition *partition, const double *matrix, const bool *forced, double tolerance);
+/* Is the factor at hand what these arguments give? */
+bool km_sparse_knows(const km_partition *partition, const double *matrix, const bool *forced, double tolerance);
 /* False where a value is not finite, or when out of memory. */
 bool km_sparse_refactor(km_partition *partition, const double *matrix);
+/* The columns of the independent coordinates that serve best become late, by complete pivoting of the null vectors. Returns
+ * whether they aren't those that are independent now. */
+bool km_sparse_choose_late(km_partition *partition, const bool *forced);
 void km_sparse_solve(const km_partition *partition, const double *rhs, double *x);
 /* U⁻¹ y by step. */
 void km_sparse_solve_upper(const km_partition *partition, double *y);
+/* The steps that a column of U reaches by entries other than 0, each behind those that change it, into list[top … rows-1].
+ * Returns top; their `seen` is set. */
+int km_sparse_reach_upper(const km_partition *partition, const km_run *own);
 /* A column among the pivots' that the others make dependent to the threshold, though no pivot tells; -1: none. */
 int km_sparse_hidden(const km_partition *partition, const bool *forced, double threshold);
 /* The same of the rows over all columns that may be pivots, whether or not they are. */
@@ -88,13 +103,18 @@ int km_sparse_hidden_row(const km_partition *partition, const double *matrix, co
 bool km_sparse_spare_rows(km_partition *partition, const double *matrix, const bool *forced, double threshold);
 /* Room for so many entries of U and of L in all. False when out of memory. */
 bool km_sparse_make_room(km_sparse *sparse, int upper, int lower);
+bool km_sparse_grow(km_sparse *sparse, km_store *store, int need);
 /* The columns with one entry in the rows that no other of them has taken, as the first pivots: nothing is eliminated by
  * them. `given` columns and late ones, and entries of up to `least`, are left. Returns how many entries U has. */
 int km_sparse_take_singles(km_partition *partition, const double *matrix, const bool *forced, double least);
 /* One elimination in the order of `late` and `forced`. */
 void km_sparse_eliminate(km_partition *partition, const double *matrix, const bool *forced, double threshold);
-/* The columns of B. False where a value is not finite. */
+/* The columns of B, or their largest entry alone. False where a value is not finite. */
 bool km_sparse_find_b(km_partition *partition);
+/* The entries of column k of B in the store, until another one is asked for. O(entries of U that it reaches). */
+km_run km_sparse_b(const km_partition *partition, int k);
+/* Column k of B with its zeros, in the workspace. */
+const double *km_sparse_gather_b(const km_partition *partition, int k);
 double km_sparse_multiplications(const km_partition *p);
 void km_sparse_copy(km_partition *to, const km_partition *from);
 

@@ -214,8 +214,12 @@ void km_sparse_eliminate(km_partition *p, const double *matrix, const bool *forc
     s->step_of[r] = -1;
   int upper_end = km_sparse_take_singles(p, matrix, forced, fmax(threshold, single_share * p->scale));
   int early = arrange(p, forced);
+  s->overfull = false;
   for (int i = s->singles; i < p->columns; ++i) {
     int c = s->lead[i];
+    s->overfull = s->waits && s->most_entries > 0 && upper_end + lower_end > s->most_entries;
+    if (s->overfull)
+      return;
     if (p->rank == p->rows) { /* nothing can be left of it */
       s->dropped[dropped++] = c;
       continue;

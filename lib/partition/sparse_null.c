@@ -2,12 +2,11 @@
  * Gilbert, T. Peierls, 1988). */
 #include "partition/sparse.h"
 
-/* The steps that a column of U reaches, into list[top … rows-1]: each behind those that change it. */
-static int reach(const km_partition *p, const km_run *own) {
+int km_sparse_reach_upper(const km_partition *p, const km_run *own) {
   const km_sparse *s = p->sparse;
   int top = p->rows;
   for (int i = own->start; i < own->end; ++i) {
-    int depth = 0;
+    int depth = s->upper_store.value[i] != 0.0 ? 0 : -1;
     s->stack[0] = s->upper_store.index[i];
     s->next[0] = -1;
     while (depth >= 0 && (s->next[depth] >= 0 || !s->seen[s->stack[depth]])) {
@@ -16,7 +15,8 @@ static int reach(const km_partition *p, const km_run *own) {
       if (s->next[depth] < 0)
         s->next[depth] = above->start;
       s->seen[step] = true;
-      while (s->next[depth] < above->end && s->seen[s->upper_store.index[s->next[depth]]])
+      while (s->next[depth] < above->end &&
+             (s->seen[s->upper_store.index[s->next[depth]]] || s->upper_store.value[s->next[depth]] == 0.0))
         s->next[depth]++;
       if (s->next[depth] < above->end) {
         int child = s->upper_store.index[s->next[depth]++];
@@ -37,7 +37,7 @@ int km_partition_null_entries(const km_partition *p, int k, int *column, double 
   int count = 0;
   column[count] = p->column[p->rank + k];
   value[count++] = 1.0;
-  int top = reach(p, own);
+  int top = km_sparse_reach_upper(p, own);
   for (int i = own->start; i < own->end; ++i)
     s->x[s->upper_store.index[i]] = s->upper_store.value[i];
   for (int i = top; i < p->rows; ++i) {

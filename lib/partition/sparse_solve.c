@@ -3,6 +3,7 @@
 #include "partition/sparse.h"
 
 #include <math.h>
+#include <stdlib.h>
 #include <string.h>
 
 /* The entries in primary rows only. */
@@ -26,30 +27,90 @@ void km_sparse_solve_upper(const km_partition *p, double *y) {
   }
 }
 
+static int descending(const void *a, const void *b) {
+  int x = *(const int *)a, y = *(const int *)b;
+  return (y > x) - (y < x);
+}
+
+/* The steps that the column reaches, descending, into list[0 … count-1]; where they are many by looking at all steps. */
+static int list_reached(const km_partition *p, const km_run *own) {
+  km_sparse *s = p->sparse;
+  int top = km_sparse_reach_upper(p, own), count = p->rows - top;
+  if (count > p->rank / 16) {
+    int n = 0;
+    for (int k = p->rank - 1; k >= 0; --k)
+      if (s->seen[k])
+        s->list[n++] = k;
+  } else {
+    memmove(s->list, s->list + top, (size_t)count * sizeof *s->list);
+    qsort(s->list, (size_t)count, sizeof *s->list, descending);
+  }
+  for (int i = 0; i < count; ++i)
+    s->seen[s->list[i]] = false;
+  return count;
+}
+
+/* U⁻¹ times the column of U by the steps that it reaches, into the store from `end` on: the entries other than 0. */
+static km_run solve_reached(const km_partition *p, const km_run *own, int end) {
+  km_sparse *s = p->sparse;
+  km_run run = {end, end};
+  int count = list_reached(p, own);
+  for (int i = own->start; i < own->end; ++i)
+    s->x[s->upper_store.index[i]] = s->upper_store.value[i];
+  for (int i = 0; i < count; ++i) {
+    int step = s->list[i];
+    double value = s->x[step] * p->inverse[step];
+    const km_run *above = &s->upper[p->column[step]];
+    s->x[step] = value;
+    for (int n = above->start; n < above->end && value != 0.0; ++n)
+      s->x[s->upper_store.index[n]] -= s->upper_store.value[n] * value;
+  }
+  for (int i = count - 1; i >= 0; --i) {
+    if (s->x[s->list[i]] != 0.0) {
+      s->b_store.index[run.end] = s->list[i];
+      s->b_store.value[run.end++] = s->x[s->list[i]];
+    }
+    s->x[s->list[i]] = 0.0;
+  }
+  return run;
+}
+
+km_run km_sparse_b(const km_partition *p, int k) {
+  const km_sparse *s = p->sparse;
+  return s->keeps_b ? s->b[k] : solve_reached(p, &s->upper[p->column[p->rank + k]], 0);
+}
+
 bool km_sparse_find_b(km_partition *p) {
   km_sparse *s = p->sparse;
   bool negative = false, finite = true;
+  int end = 0;
   p->largest_b = 0.0;
-  if (p->failed || !km_arena_grow(s->arena, (void **)&p->B, &s->b_capacity,
-                                  (size_t)(p->columns - p->rank) * (size_t)p->rank, sizeof *p->B)) {
-    p->failed = true;
-    return false;
-  }
+  s->keeps_b = km_partition_freedom(p) <= KM_MANY_VECTORS;
   for (int i = 0; i < p->rank; ++i)
     negative = negative != (p->inverse[i] < 0.0);
   for (int k = p->rank; k < p->columns; ++k) {
-    double *b = p->B + (size_t)(k - p->rank) * (size_t)p->rank;
-    const km_run *own = &s->upper[p->column[k]];
-    memset(b, 0, (size_t)p->rank * sizeof *b);
-    for (int i = own->start; i < own->end; ++i)
-      b[s->upper_store.index[i]] = s->upper_store.value[i];
-    km_sparse_solve_upper(p, b);
-    double size = km_largest_size(b, p->rank);
+    p->failed = p->failed || !km_sparse_grow(s, &s->b_store, end + p->rank);
+    if (p->failed)
+      return false;
+    km_run run = solve_reached(p, &s->upper[p->column[k]], end);
+    const double *b = s->b_store.value + end;
+    double size = km_largest_size(b, run.end - end);
     p->largest_b = size > p->largest_b ? size : p->largest_b;
-    finite = km_all_finite(b, p->rank) && finite;
+    finite = km_all_finite(b, run.end - end) && finite;
+    s->b[k - p->rank] = run;
+    end = s->keeps_b ? run.end : 0;
   }
   p->sign = negative ? -1 : 1;
   return finite;
+}
+
+const double *km_sparse_gather_b(const km_partition *p, int k) {
+  const km_sparse *s = p->sparse;
+  km_run b = km_sparse_b(p, k);
+  memset(p->work, 0, (size_t)p->rank * sizeof *p->work);
+  for (int i = b.start; i < b.end; ++i)
+    p->work[s->b_store.index[i]] = s->b_store.value[i];
+  return p->work;
 }
 
 /* Are the entries 0 whose rows the single columns left to others? */
@@ -62,6 +123,7 @@ static bool are_zero(const km_sparse *s, const double *matrix) {
 
 bool km_sparse_refactor(km_partition *p, const double *matrix) {
   km_sparse *s = p->sparse;
+  s->is_known = false;
   if (p->failed || !km_all_finite(matrix, s->start[p->columns]) || !are_zero(s, matrix))
     return false;
   for (int k = 0; k < p->columns; ++k) {
@@ -132,6 +194,7 @@ void km_sparse_copy(km_partition *to, const km_partition *from) {
   memcpy(t->lower, f->lower, (size_t)from->columns * sizeof *t->lower);
   memcpy(t->zero, f->zero, (size_t)f->zero_count * sizeof *t->zero);
   t->zero_count = f->zero_count;
+  t->is_known = false;
   memcpy(t->step_of, f->step_of, (size_t)from->rows * sizeof *t->step_of);
   to->failed = from->failed || !km_sparse_make_room(t, upper, lower);
   if (to->failed)

@@ -47,7 +47,7 @@ static bool reserve(km_sparse *s, int rows, int columns, km_arena *arena) {
                    .zero = KM_ARENA_NEW(arena, int, (size_t)s->start[columns]),
                    .open = KM_ARENA_NEW(arena, int, c),
                    .dropped = KM_ARENA_NEW(arena, int, c),
-                   .largest = KM_ARENA_NEW(arena, int, c),
+                   .b = KM_ARENA_NEW(arena, km_run, c),
                    .late = KM_ARENA_NEW(arena, bool, c),
                    .upper = KM_ARENA_NEW(arena, km_run, c),
                    .lower = KM_ARENA_NEW(arena, km_run, c),
@@ -57,6 +57,8 @@ static bool reserve(km_sparse *s, int rows, int columns, km_arena *arena) {
                    .stack = KM_ARENA_NEW(arena, int, r),
                    .next = KM_ARENA_NEW(arena, int, r),
                    .seen = KM_ARENA_NEW(arena, bool, r),
+                   .known = KM_ARENA_NEW(arena, double, (size_t)s->start[columns]),
+                   .known_given = KM_ARENA_NEW(arena, bool, 2 * c),
                    .spare = KM_ARENA_NEW(arena, bool, r)};
   return !arena->failed;
 }
@@ -93,16 +95,14 @@ bool km_partition_reserve_like(km_partition *p, const km_partition *other, int r
                        : km_partition_reserve(p, rows, columns, arena);
 }
 
+bool km_sparse_grow(km_sparse *s, km_store *store, int need) {
+  size_t values = store->capacity; /* both arrays of a store grow together */
+  if ((size_t)need <= store->capacity && store->index)
+    return true;
+  return km_arena_grow(s->arena, (void **)&store->value, &values, (size_t)need, sizeof(double)) &&
+         km_arena_grow(s->arena, (void **)&store->index, &store->capacity, (size_t)need, sizeof(int));
+}
+
 bool km_sparse_make_room(km_sparse *s, int upper, int lower) {
-  km_store *stores[2] = {&s->upper_store, &s->lower_store};
-  size_t need[2] = {(size_t)upper, (size_t)lower};
-  for (int i = 0; i < 2; ++i) {
-    size_t values = stores[i]->capacity; /* both arrays of a store grow together */
-    if (need[i] <= stores[i]->capacity && stores[i]->index)
-      continue;
-    if (!km_arena_grow(s->arena, (void **)&stores[i]->value, &values, need[i], sizeof(double)) ||
-        !km_arena_grow(s->arena, (void **)&stores[i]->index, &stores[i]->capacity, need[i], sizeof(int)))
-      return false;
-  }
-  return true;
+  return km_sparse_grow(s, &s->upper_store, upper) && km_sparse_grow(s, &s->lower_store, lower);
 }

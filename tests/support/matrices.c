@@ -165,8 +165,9 @@ void check_directions(const km_partition *p) {
       }
       assert_true(fabs(sum) <= 1e-11 * (size + scale));
     }
+    const double *b = km_partition_b(p, k - p->rank);
     for (int i = 0; i < p->rank; ++i)
-      assert_true(-x[p->column[i]] == p->B[(k - p->rank) * p->rank + i]);
+      assert_true(-x[p->column[i]] == b[i]);
   }
 }
 
@@ -238,8 +239,11 @@ void check_all(const km_partition *p, double tolerance) {
   check_permutation(p->row, p->rows);
   check_permutation(p->column, p->columns);
   double largest = 0.0;
-  for (int i = 0; i < p->rank * km_partition_freedom(p); ++i)
-    largest = fmax(largest, fabs(p->B[i]));
+  for (int k = 0; k < km_partition_freedom(p); ++k) {
+    const double *b = km_partition_b(p, k);
+    for (int i = 0; i < p->rank; ++i)
+      largest = fmax(largest, fabs(b[i]));
+  }
   assert_true(p->largest_b == largest);
   check_pivots(p);
   check_directions(p);
