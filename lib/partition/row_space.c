@@ -1,7 +1,10 @@
-/* What many motions have of a step or of a coordinate, from the row space, to which all of them are at right angles: of a
- * matrix with few entries by sparse Q R of its primary rows, which have fewer entries than the motions. */
+/* What many motions have of a step or of a coordinate: of a matrix with few entries by sparse Q R of its primary rows, to which
+ * all motions are at right angles, or of the null vectors, whichever fills R less. */
 #include "partition/orthogonal.h"
 #include "partition/sparse.h"
+
+#include <math.h>
+#include <stdlib.h>
 
 /* Primary rows are independent: each has a pivot. */
 static const double spanned = 1e-14;
@@ -39,6 +42,61 @@ static km_orthogonal *rows_of(const km_partition *p, const double *matrix, const
   return q;
 }
 
+/* Σ over all rows of N, of the first `count` null vectors, of the squared number of entries; it ends beyond `most`. */
+static double crowd_of_null(const km_partition *p, int count, double most, int *entries) {
+  const km_sparse *s = p->sparse;
+  int *met = KM_NEW(int, (size_t)p->rank + 1);
+  double sum = met ? count : HUGE_VAL;
+  *entries = count;
+  for (int k = 0; k < count && sum <= most; ++k) {
+    km_run b = km_sparse_b(p, k);
+    for (int i = b.start; i < b.end; ++i)
+      sum += 2.0 * met[s->b_store.index[i]]++ + 1.0; /* (n + 1)² − n² */
+    *entries += b.end - b.start;
+  }
+  km_free(met);
+  return sum;
+}
+
+static int ascending(const void *a, const void *b) {
+  long x = *(const long *)a, y = *(const long *)b;
+  return (x > y) - (x < y);
+}
+
+/* Null vector k times the weights becomes column k, in work[columns]. */
+static void fill_null(const km_partition *p, const double *weight, int k, double *work, km_columns out) {
+  const km_sparse *s = p->sparse;
+  km_run b = km_sparse_b(p, k);
+  long next = out.start[k], first = next;
+  int own = p->column[p->rank + k];
+  work[own] = weight[own];
+  out.row[next++] = own;
+  for (int i = b.start; i < b.end; ++i) {
+    int c = p->column[s->b_store.index[i]];
+    work[c] = -s->b_store.value[i] * weight[c];
+    out.row[next++] = c;
+  }
+  qsort(out.row + first, (size_t)(next - first), sizeof *out.row, ascending);
+  for (long i = first; i < next; ++i)
+    out.value[i] = work[out.row[i]];
+  out.start[k + 1] = next;
+}
+
+/* The first `count` null vectors, to be factored, where they fill R less than the primary rows; else NULL, as where SPQR isn't
+ * installed or memory is out. */
+static km_orthogonal *null_of(const km_partition *p, const double *weight, int count) {
+  km_orthogonal *q = NULL;
+  km_error error;
+  int entries;
+  double *work = KM_NEW(double, (size_t)p->columns + 1), rows = km_sparse_crowd(p);
+  if (work && !p->sparse->by_rows && !p->any_independent && crowd_of_null(p, count, rows, &entries) < rows &&
+      !km_orthogonal_create(p->columns, count, entries, &q, &error))
+    for (int k = 0; k < count; ++k)
+      fill_null(p, weight, k, work, km_orthogonal_columns(q));
+  km_free(work);
+  return q;
+}
+
 /* Σ R_ij² over the row space's orthonormal basis. */
 static bool dense_shares(const km_partition *p, const double *weight, double *shares) {
   size_t n = (size_t)p->columns;
@@ -58,32 +116,60 @@ static bool sparse_shares(const km_partition *p, const double *matrix, const dou
   return found;
 }
 
+/* Of the null vectors themselves. */
+static bool null_shares(const km_partition *p, const double *weight, double *numbers) {
+  km_orthogonal *q = p->sparse ? null_of(p, weight, km_partition_freedom(p)) : NULL;
+  bool found = q && km_orthogonal_shares(q, spanned, numbers);
+  km_orthogonal_free(q);
+  return found;
+}
+
 bool km_partition_numbers(const km_partition *p, const double *matrix, const double *weight, double *numbers) {
-  if (!(p->sparse ? sparse_shares(p, matrix, weight, numbers) : dense_shares(p, weight, numbers)))
+  bool by_null = null_shares(p, weight, numbers);
+  if (!by_null && !(p->sparse ? sparse_shares(p, matrix, weight, numbers) : dense_shares(p, weight, numbers)))
     return false;
   for (int c = 0; c < p->columns; ++c) {
-    double number = 1.0 - numbers[c];
+    double number = by_null ? numbers[c] : 1.0 - numbers[c];
     numbers[c] = number < rounding || (p->locked && p->locked[c]) ? 0.0 : number;
   }
   return true;
 }
 
-bool km_partition_reject_null(const km_partition *p, const double *matrix, const double *weight, int count, double *x,
-                              double *work) {
-  km_orthogonal *q = rows_of(p, matrix, weight, count);
+/* Takes what the columns of q span, and of the rows the opposite, out of D x. */
+static bool reject(km_orthogonal *q, const km_partition *p, const double *weight, bool by_rows, int count, double *x,
+                   double *work) {
   for (int c = 0; c < p->columns; ++c)
     work[c] = weight[c] * x[c];
-  for (int k = p->rank + count; k < p->columns; ++k)
+  for (int k = p->rank + count; k < p->columns && by_rows; ++k)
     work[p->column[k]] = 0.0; /* moved by none of these motions: x keeps it */
   bool done = q && km_orthogonal_factor(q, spanned) && km_orthogonal_reject(q, work);
   for (int c = 0; c < p->columns && done; ++c)
-    x[c] -= work[c] / weight[c];
+    x[c] = by_rows ? x[c] - work[c] / weight[c] : work[c] / weight[c];
+  return done;
+}
+
+bool km_partition_reject_null(const km_partition *p, const double *matrix, const double *weight, int count, double *x,
+                              double *work) {
+  km_orthogonal *null = null_of(p, weight, count), *q = null ? null : rows_of(p, matrix, weight, count);
+  bool done = reject(q, p, weight, !null, count, x, work);
   km_orthogonal_free(q);
   return done;
 }
 
-bool km_partition_least(const km_partition *p, const double *matrix, const double *weight, int count, const double *rhs,
-                        double *x) {
+/* Any solution, less what it has of the null vectors. */
+static bool least_by_null(const km_partition *p, const double *weight, int count, const double *rhs, double *x) {
+  km_orthogonal *q = null_of(p, weight, count);
+  double *work = KM_NEW(double, (size_t)p->columns + 1);
+  if (q && work)
+    km_partition_solve(p, rhs, x);
+  bool done = work && reject(q, p, weight, false, count, x, work);
+  km_free(work);
+  km_orthogonal_free(q);
+  return done;
+}
+
+static bool least_by_rows(const km_partition *p, const double *matrix, const double *weight, int count,
+                          const double *rhs, double *x) {
   km_orthogonal *q = rows_of(p, matrix, weight, count);
   double *b = KM_NEW(double, (size_t)p->rank + 1);
   for (int k = 0; k < p->rank && b; ++k)
@@ -94,6 +180,11 @@ bool km_partition_least(const km_partition *p, const double *matrix, const doubl
   km_free(b);
   km_orthogonal_free(q);
   return done;
+}
+
+bool km_partition_least(const km_partition *p, const double *matrix, const double *weight, int count, const double *rhs,
+                        double *x) {
+  return least_by_null(p, weight, count, rhs, x) || least_by_rows(p, matrix, weight, count, rhs, x);
 }
 
 bool km_sparse_spare_rows(km_partition *p, const double *matrix, const bool *forced, double threshold) {

@@ -36,6 +36,15 @@ static double largest_free_b(const km_partition *p, const bool *forced) {
   return largest;
 }
 
+/* A column that is dependent though no pivot tells; -1: none, or the rows alone count, and all of them are independent. */
+static int find_hidden(const km_partition *p, const double *matrix, const bool *forced, double threshold) {
+  if (p->failed || p->sparse->overfull)
+    return -1;
+  bool rows_count = p->sparse->by_rows && p->rank == p->rows;
+  return rows_count && km_sparse_hidden_row(p, matrix, forced, threshold) < 0 ? -1
+                                                                              : km_sparse_hidden(p, forced, threshold);
+}
+
 /* Until no column is dependent that no pivot tells. */
 static void eliminate_all(km_partition *p, const double *matrix, const bool *forced, double threshold) {
   int hidden = -1;
@@ -43,7 +52,7 @@ static void eliminate_all(km_partition *p, const double *matrix, const bool *for
     if (hidden >= 0)
       p->sparse->late[hidden] = p->sparse->waits = true;
     km_sparse_eliminate(p, matrix, forced, threshold);
-    hidden = p->failed || p->sparse->overfull ? -1 : km_sparse_hidden(p, forced, threshold);
+    hidden = find_hidden(p, matrix, forced, threshold);
   } while (hidden >= 0 && !p->sparse->late[hidden]);
 }
 
@@ -73,6 +82,28 @@ static void find_rows(km_partition *p, const double *matrix, const bool *forced,
   s->waits = false;
   memset(s->late, 0, (size_t)p->columns * sizeof *s->late);
   eliminate_rows(p, matrix, forced, threshold);
+}
+
+double km_sparse_crowd(const km_partition *p) {
+  const km_sparse *s = p->sparse;
+  double sum = 0.0;
+  for (int c = 0; c < p->columns; ++c) {
+    double count = 0.0;
+    for (int i = s->start[c]; i < s->start[c + 1]; ++i)
+      count += s->step_of[s->row[i]] >= 0;
+    sum += count * count;
+  }
+  return sum;
+}
+
+/* Do some columns have so many entries that Q R of the rows would be full? */
+static bool is_crowded(const km_partition *p) {
+  static const double most_crowd = 100.0; /* entries that share a column with one */
+  const km_sparse *s = p->sparse;
+  double sum = 0.0;
+  for (int c = 0; c < p->columns; ++c)
+    sum += (double)(s->start[c + 1] - s->start[c]) * (s->start[c + 1] - s->start[c]);
+  return sum > most_crowd * s->start[p->columns];
 }
 
 static unsigned flags_of(const km_partition *p) {
@@ -130,6 +161,7 @@ void km_sparse_factor(km_partition *p, const double *matrix, const bool *forced,
     p->locked_count += km_sparse_is_locked(p, c);
   memset(s->late, 0, (size_t)p->columns * sizeof *s->late);
   memset(s->spare, 0, (size_t)p->rows * sizeof *s->spare);
-  (p->rows_only ? find_rows : find_good_columns)(p, matrix, forced, tolerance * p->scale);
+  s->by_rows = p->rows_only && !is_crowded(p);
+  (s->by_rows ? find_rows : find_good_columns)(p, matrix, forced, tolerance * p->scale);
   remember(p, matrix, forced, tolerance);
 }

@@ -56,6 +56,7 @@ struct km_sparse {
   double known_tolerance;
   unsigned known_flags;
   bool is_known;
+  bool by_rows; /* only the rows were asked for: the independent columns have no entries of U, and no B */
   bool keeps_b; /* else there is room for one column of B only: many are found when they are asked for */
 };
 
@@ -111,6 +112,9 @@ int km_sparse_take_singles(km_partition *partition, const double *matrix, const 
 void km_sparse_eliminate(km_partition *partition, const double *matrix, const bool *forced, double threshold);
 /* The columns of B, or their largest entry alone. False where a value is not finite. */
 bool km_sparse_find_b(km_partition *partition);
+/* Σ over all columns of the squared number of entries in primary rows: about how many entries Q R of the rows comes to, at most.
+ */
+double km_sparse_crowd(const km_partition *partition);
 /* The entries of column k of B in the store, until another one is asked for. O(entries of U that it reaches). */
 km_run km_sparse_b(const km_partition *partition, int k);
 /* Column k of B with its zeros, in the workspace. */

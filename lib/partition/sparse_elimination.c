@@ -247,7 +247,7 @@ void km_sparse_eliminate(km_partition *p, const double *matrix, const bool *forc
     }
   }
   clear_dropped(p, dropped);
-  if (!p->rows_only)
+  if (!s->by_rows)
     reduce_dropped(p, matrix, dropped, upper_end, lower_end);
   memcpy(p->column + p->rank, s->dropped, (size_t)dropped * sizeof *p->column);
   p->last_pivot = p->rank ? p->smallest_pivot : 0.0;

@@ -145,7 +145,7 @@ bool km_sparse_refactor(km_partition *p, const double *matrix) {
       s->x[s->lower_store.index[i]] = 0.0;
     }
   }
-  return p->any_independent || p->rows_only || km_sparse_find_b(p);
+  return p->any_independent || s->by_rows || km_sparse_find_b(p);
 }
 
 void km_sparse_solve(const km_partition *p, const double *rhs, double *x) {
@@ -195,6 +195,7 @@ void km_sparse_copy(km_partition *to, const km_partition *from) {
   memcpy(t->zero, f->zero, (size_t)f->zero_count * sizeof *t->zero);
   t->zero_count = f->zero_count;
   t->is_known = false;
+  t->by_rows = f->by_rows;
   memcpy(t->step_of, f->step_of, (size_t)from->rows * sizeof *t->step_of);
   to->failed = from->failed || !km_sparse_make_room(t, upper, lower);
   if (to->failed)

@@ -273,6 +273,57 @@ static void rows_where_no_pivot_tells(void **state) {
   assert_true(hidden >= 15);
 }
 
+/* Local null vectors of columns that many rows share: the numbers and the least solutions are those by Z, whichever of the two
+ * they are found by. */
+static void crowded_rows(void **state) {
+  (void)state;
+  static int start[MOST + 1], row[MOST * MOST];
+  double rhs[MOST], least[MOST], numbers[MOST], found[MOST], work[MOST], step[MOST];
+  for (int i = 0; i < 40; ++i) {
+    int entries = 0, shared = 3, pairs = 20 + index_below(15);
+    f.rows = pairs;
+    f.columns = shared + 2 * pairs;
+    memset(f.J, 0, sizeof f.J);
+    for (int c = 0; c < f.columns; ++c) {
+      f.D[c] = 0.3 + fabs(any());
+      f.forced[c] = false;
+      start[c] = entries;
+      for (int r = 0; r < f.rows; ++r)
+        if (c < shared || (c - shared) / 2 == r) {
+          f.J[c * f.rows + r] = any();
+          row[entries++] = r;
+        }
+    }
+    start[f.columns] = entries;
+    reserve();
+    assert_true(km_partition_reserve_sparse(&f.p, f.rows, f.columns, start, row, &f.arena));
+    factor(&f.p);
+    int freedom = km_partition_freedom(&f.p);
+    assert_int_equal(freedom, f.columns - f.rows);
+    km_partition_null(&f.p, f.D, freedom, f.Z);
+    km_mobility_numbers(f.Z, f.columns, freedom, numbers);
+    assert_true(km_partition_numbers(&f.p, stored(&f.p), f.D, found));
+    for (int c = 0; c < f.columns; ++c)
+      assert_near(found[c], numbers[c], 1e-11);
+    for (int r = 0; r < f.rows; ++r)
+      rhs[r] = any();
+    for (int count = freedom - 1; count <= freedom; ++count) {
+      assert_true(km_partition_least(&f.p, stored(&f.p), f.D, count, rhs, least));
+      for (int r = 0; r < f.rows; ++r) {
+        double sum = -rhs[r];
+        for (int c = 0; c < f.columns; ++c)
+          sum += f.J[c * f.rows + r] * least[c];
+        assert_near(sum, 0.0, 1e-9);
+      }
+      memcpy(step, least, sizeof step);
+      assert_true(km_partition_reject_null(&f.p, stored(&f.p), f.D, count, step, work));
+      for (int c = 0; c < f.columns; ++c)
+        assert_near(step[c], least[c], 1e-9);
+      assert_true(count == freedom || least[f.p.column[f.p.rank + count]] == 0.0);
+    }
+  }
+}
+
 static int clean(void **state) {
   (void)state;
   km_arena_free(&f.arena);
@@ -289,6 +340,7 @@ int main(void) {
       cmocka_unit_test(steps_without_null_vectors),
       cmocka_unit_test(by_rows_alone),
       cmocka_unit_test(rows_where_no_pivot_tells),
+      cmocka_unit_test(crowded_rows),
   };
   return cmocka_run_group_tests(tests, NULL, clean);
 }
