@@ -208,7 +208,7 @@ bool km_orthogonal_shares(km_orthogonal *q, double tolerance, double *share) {
 }
 
 int km_orthogonal_independent(km_orthogonal *q, double tolerance, int *list) {
-  const library *f = &q->spqr;
+  const library *f = q->spqr;
   cholmod_sparse A = matrix_of(q), *R = NULL;
   SuiteSparse_long *order = NULL;
   long rank = f->SuiteSparseQR_C(SPQR_ORDERING_COLAMD, tolerance, 0, 0, &A, NULL, NULL, NULL, NULL, &R, &order, NULL,
