@@ -2,6 +2,7 @@
 #include "exchange/json/json.h"
 
 #include "base/check.h"
+#include "exchange/wide.h"
 
 #include <jansson.h>
 #include <math.h>
@@ -40,18 +41,13 @@ static km_value *convert(km_arena *arena, km_value *parent, const char *key, con
   }
 }
 
-/* With the byte order mark of UTF-16, or as its first character of ASCII stands without one. */
-static bool is_wide(const char *bytes, size_t size) {
-  return size > 1 && (memcmp(bytes, "\xFF\xFE", 2) == 0 || memcmp(bytes, "\xFE\xFF", 2) == 0 || !bytes[0] != !bytes[1]);
-}
-
 km_status km_json_parse_open(const char *bytes, size_t size, km_arena *arena, km_value **root, km_error *error) {
   static const char mark[] = "\xEF\xBB\xBF";
   if (size >= 3 && memcmp(bytes, mark, 3) == 0) {
     bytes += 3;
     size -= 3;
   }
-  if (is_wide(bytes, size))
+  if (km_is_wide(bytes, size))
     return km_fail(error, KM_MODEL, "the text is in UTF-16; expected JSON text in UTF-8");
   json_error_t problem;
   json_t *json = json_loadb(bytes, size, JSON_REJECT_DUPLICATES | JSON_DECODE_INT_AS_REAL | JSON_DECODE_ANY, &problem);

@@ -1,6 +1,8 @@
 /* XML text to trees of elements. The only user of the XML library. */
 #include "exchange/xml/xml.h"
 
+#include "exchange/wide.h"
+
 #include <expat.h>
 #include <limits.h>
 #include <string.h>
@@ -222,16 +224,17 @@ static char *without_comments(const char *bytes, size_t size) {
 km_status km_xml_parse(const char *bytes, size_t size, const char *file, km_arena *arena, km_xml **root,
                        km_error *error) {
   parsing p = {.arena = arena, .file = file};
+  bool wide = km_is_wide(bytes, size); /* bytes aren't characters: they stay as they are */
   *root = NULL;
-  for (; size && is_blank(*bytes); ++bytes, --size)
+  for (; !wide && size && is_blank(*bytes); ++bytes, --size)
     p.first_line += *bytes == '\n';
-  while (size && (bytes[size - 1] == '\0' || is_blank(bytes[size - 1])))
+  while (!wide && size && (bytes[size - 1] == '\0' || is_blank(bytes[size - 1])))
     --size;
   if (size > INT_MAX)
     return km_fail(error, KM_MODEL, "the file has %zu bytes; expected at most %d", size, INT_MAX);
   parsing again = p;
   km_status status = parse_once(bytes, size, &p, error);
-  if (p.bad_text) {
+  if (p.bad_text && !wide) {
     char *copy = without_comments(bytes, size);
     status =
         copy ? parse_once(copy, size, &again, error) : km_fail(error, KM_MEMORY, "out of memory while reading XML");

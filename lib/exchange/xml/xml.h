@@ -22,9 +22,9 @@ typedef struct km_xml {
 enum { KM_XML_DEPTH = 2048 }; /* the deepest nesting */
 
 /* Parses `size` bytes into a tree that lives in `arena`. Blanks before the text, and blanks and NULs behind it, are
- * skipped; prefixes are parts of names. External entities are never fetched. `file` is kept in the elements. KM_MODEL
- * with line and column: text that is not XML, an entity from another file, entities that grow beyond measure, nesting
- * past KM_XML_DEPTH, a name or value longer than a million bytes. */
+ * skipped, except in UTF-16; prefixes are parts of names. External entities are never fetched. `file` is kept in the
+ * elements. KM_MODEL with line and column: text that is not XML, an entity from another file, entities that grow beyond
+ * measure, nesting past KM_XML_DEPTH, a name or value longer than a million bytes. */
 km_status km_xml_parse(const char *bytes, size_t size, const char *file, km_arena *arena, km_xml **root,
                        km_error *error);
 
