@@ -141,13 +141,6 @@ void km_sweeps_run(km_sweep_job *jobs, int count) {
   }
 }
 
-km_status km_sweep_run(const km_mechanism *m, km_state *s, const km_sweep_plan *plan, const km_observer *observer,
-                       km_sweep *out, km_error *error) {
-  km_sweep_job job = {.m = m, .s = s, .plan = plan, .observer = observer, .out = out, .error = error};
-  km_sweeps_run(&job, 1);
-  return job.status;
-}
-
 void km_sweep_free(km_sweep *sweep) {
   if (!sweep)
     return;

@@ -71,10 +71,6 @@ enum { KM_LEAST_SAMPLES = 360 };
 #define KM_LEAST_ARCLENGTH 1e-8
 #define KM_MOST_ARCLENGTH  1000.0
 
-/* Moves the assembled state over the plan's range; see km_mobility_sweep_run. Free `*out` in any case. */
-km_status km_sweep_run(const km_mechanism *mechanism, km_state *state, const km_sweep_plan *plan,
-                       const km_observer *observer, km_sweep *out, km_error *error);
-
 /* Does a driver move it, rather than the arc length or nothing? */
 static inline bool km_plan_is_driven(const km_sweep_plan *plan) {
   return plan->steps > 0 && !(plan->arclength > 0.0);
@@ -99,7 +95,8 @@ typedef struct km_sweep_job {
   km_error *error;
 } km_sweep_job;
 
-/* km_sweep_run of up to KM_DRIVE_LANES jobs; those by a driver go side by side, with the same bits. */
+/* Moves the assembled states of up to KM_DRIVE_LANES jobs over their plans' ranges; see km_mobility_sweep_run. Those by a driver
+ * go side by side, with the same bits. Free each `*out` in any case. */
 void km_sweeps_run(km_sweep_job *jobs, int count);
 
 /* For public functions: KM_USAGE unless the state is the mechanism's and the plan one for it. */
