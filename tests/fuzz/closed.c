@@ -87,6 +87,14 @@ static double farthest(const place *a, const place *b) {
   return most;
 }
 
+/* How far a frame lies from its body's origin, by components: its place in the whole is rounded to that. */
+static double reach(const km_model *model, int frame) {
+  double R[9], T[3] = {0};
+  if (km_model_frame_pose(model, frame, R, T, NULL))
+    fuzz_fail("a joint's frame isn't in the model");
+  return fmax(fabs(T[0]), fmax(fabs(T[1]), fabs(T[2])));
+}
+
 void fuzz_closed(const km_model *model, const km_mechanism *mechanism, const km_state *state, double residual) {
   double unit = km_model_units(model).angle->si, size = 0.0, gap = 0.0, turn = 0.0, angle = 0.0;
   for (int j = 0; j < km_model_joint_count(model); ++j) {
@@ -106,6 +114,8 @@ void fuzz_closed(const km_model *model, const km_mechanism *mechanism, const km_
       continue;
     place there = product(&from, &motion);
     size = fmax(size, farthest(&from, &to));
+    for (int side = 0; side < 2; ++side)
+      size = fmax(size, reach(model, km_model_joint_frame(model, j, side)));
     for (int k = 0; k < 3; ++k)
       gap = fmax(gap, fabs(there.p[k] - to.p[k]));
     for (int k = 0; k < 9; ++k)
