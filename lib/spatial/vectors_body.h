@@ -81,7 +81,11 @@ static inline mask equal(vector a, vector b) {
   return a == b;
 }
 static inline vector pick(mask m, vector a, vector b) {
+#if WIDTH == 4
+  return (vector)_mm256_blendv_pd((__m256d)b, (__m256d)a, (__m256d)m);
+#else
   return (vector)(((mask)a & m) | ((mask)b & ~m));
+#endif
 }
 static inline unsigned bits_of(mask m) {
 #if WIDTH == 4
