@@ -1,5 +1,5 @@
 /* The question about mechanical advantage. */
-#include "analysis/advantage_sweep.h"
+#include "analysis/observers.h"
 #include "analysis/question.h"
 
 #include "base/text.h"
@@ -43,18 +43,10 @@ static km_status prepare(km_question *q, km_error *error) {
                  have_input ? "output" : "input", have_input ? "output" : "input");
 }
 
-static void answer_all(km_question *const *q, km_state *const *s, int count, km_status *statuses, km_error *errors) {
-  km_advantage_job jobs[KM_DRIVE_LANES];
-  for (int i = 0; i < count; ++i) {
-    own *o = q[i]->own;
-    const km_option_value *transmission = km_question_own_value(q[i], TRANSMISSION);
-    jobs[i] = (km_advantage_job){
-        q[i]->m,   s[i],        &q[i]->plan, &o->ends[0], &o->ends[1], transmission && transmission->flag,
-        &o->sweep, &q[i]->room, KM_OK,       &errors[i]};
-  }
-  km_advantage_sweeps_run(jobs, count);
-  for (int i = 0; i < count; ++i)
-    statuses[i] = jobs[i].status;
+static void open_sweep(km_question *q, km_sweep_job *job) {
+  own *o = q->own;
+  const km_option_value *transmission = km_question_own_value(q, TRANSMISSION);
+  km_advantage_sweep_open(job, &o->ends[0], &o->ends[1], transmission && transmission->flag, &o->sweep);
 }
 
 static const km_sweep *motion(const km_question *q) {
@@ -94,7 +86,7 @@ const km_question_class km_advantage_question = {.name = "advantage",
                                                  .option_count = OPTIONS,
                                                  .size = sizeof(own),
                                                  .prepare = prepare,
-                                                 .answer_all = answer_all,
+                                                 .open = open_sweep,
                                                  .motion = motion,
                                                  .event_count = event_count,
                                                  .event = event,

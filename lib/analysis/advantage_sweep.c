@@ -1,6 +1,6 @@
 /* Mechanical advantage over a sweep: its toggles are roots of the input's and the output's rate. */
-#include "analysis/advantage_sweep.h"
 #include "analysis/lever.h"
+#include "analysis/observers.h"
 #include "analysis/scan.h"
 #include "analysis/transmission.h"
 #include "base/check.h"
@@ -238,12 +238,12 @@ static void take_extremes(watch *w) {
       open_bounds(w->out, w->out->toggles[i].s);
 }
 
-static km_status check_job(const km_advantage_job *job) {
+static km_status check_job(const km_sweep_job *job, const km_handle *input, const km_handle *output) {
   km_status status = km_check_sweep(job->m, job->s, job->plan, job->error);
   if (!status)
-    status = km_check_handles(job->m, job->input, job->output, job->error);
+    status = km_check_handles(job->m, input, output, job->error);
   if (!status)
-    status = km_check_given(job->input->name && job->output->name, "name of input or output", job->error);
+    status = km_check_given(input->name && output->name, "name of input or output", job->error);
   return status;
 }
 
@@ -258,93 +258,97 @@ static bool moves_with_driver(const km_mechanism *m, const km_sweep_plan *plan, 
   return moving >= 0;
 }
 
-static km_status open_instruments(watch *w, const km_advantage_job *job) {
+static km_status open_instruments(watch *w, const km_sweep_job *job, bool transmission) {
   const km_mechanism *m = job->m;
-  km_status status = km_lever_create(m, job->input, job->output, &w->lever, job->error);
-  if (!status && job->transmission)
-    status = km_transmission_create(m, job->input, job->output, &w->transmission, job->error);
+  const km_handle *input = &w->out->input, *output = &w->out->output;
+  km_status status = km_lever_create(m, input, output, &w->lever, job->error);
+  if (!status && transmission)
+    status = km_transmission_create(m, input, output, &w->transmission, job->error);
   w->out->friction = km_model_has_friction(m->model);
   if (!status && w->out->friction)
-    status = km_losses_create(m, job->input, job->output, &w->losses, job->error);
+    status = km_losses_create(m, input, output, &w->losses, job->error);
   return status;
 }
 
-static km_status open_watch(watch *w, const km_advantage_job *job) {
-  km_advantage_sweep *out = job->out;
-  *out = (km_advantage_sweep){.motion = {.substructure = -1}};
-  *w = (watch){.out = out};
-  km_status status = check_job(job);
-  if (status)
-    return status;
-  km_peak none = {nan(""), nan("")};
-  *out = (km_advantage_sweep){
-      .motion = {.substructure = -1}, .input = *job->input, .output = *job->output, .lowest = none, .highest = none};
-  status = open_instruments(w, job);
-  if (status)
-    return status;
-  w->observer =
-      (km_observer){.self = w,
-                    .columns = add_columns,
-                    .cells = write_value,
-                    .seen = see,
-                    .passed = pass,
-                    .corner = forget,
-                    .ended = end_at,
-                    .reads_jacobian = w->transmission || w->losses || !moves_with_driver(job->m, job->plan, w->lever)};
-  w->scan = (km_scan){.self = w,
-                      .values = values,
-                      .sampled = sampled,
-                      .between = between,
-                      .ratios = true,
-                      .extremes = true,
-                      .events = &w->events};
-  w->reference = KM_NEW(double, (size_t)job->m->coordinate_count);
-  if (!w->reference || !km_scan_reserve(&w->scan, 1))
-    return km_fail(job->error, KM_MEMORY, "out of memory for a sweep");
-  return KM_OK;
+static km_status tell(void *self, const km_sweep_job *job) {
+  watch *w = self;
+  km_events_sort(&w->events, job->plan);
+  km_status taken = take_toggles(w, job->error);
+  take_extremes(w);
+  return taken ? taken : job->status;
 }
 
-static void close_watch(watch *w) {
+static void close_watch(void *self) {
+  watch *w = self;
   km_losses_free(w->losses);
   km_transmission_free(w->transmission);
   km_lever_free(w->lever);
   km_scan_free(&w->scan);
   km_free(w->reference);
   km_free(w->events.items);
+  km_free(w);
 }
 
-/* Of a sweep that ended with `status`. */
-static km_status tell(watch *w, const km_sweep_plan *plan, km_status status, km_error *error) {
-  if (status && status != KM_PARTIAL)
+static km_observer observer_of(watch *w) {
+  return (km_observer){.self = w,
+                       .columns = add_columns,
+                       .cells = write_value,
+                       .seen = see,
+                       .passed = pass,
+                       .corner = forget,
+                       .ended = end_at,
+                       .tell = tell,
+                       .close = close_watch};
+}
+
+static km_scan scan_of(watch *w) {
+  return (km_scan){.self = w,
+                   .values = values,
+                   .sampled = sampled,
+                   .between = between,
+                   .ratios = true,
+                   .extremes = true,
+                   .events = &w->events};
+}
+
+static km_status open_watch(km_sweep_job *job, bool transmission, km_advantage_sweep *out) {
+  watch *w = KM_NEW(watch, 1);
+  if (!w)
+    return km_fail(job->error, KM_MEMORY, "out of memory for a sweep");
+  w->out = out;
+  w->observer = observer_of(w);
+  w->scan = scan_of(w);
+  job->observer = &w->observer;
+  km_status status = open_instruments(w, job, transmission);
+  if (status)
     return status;
-  km_events_sort(&w->events, plan);
-  km_status taken = take_toggles(w, error);
-  take_extremes(w);
-  return taken ? taken : status;
+  w->observer.reads_jacobian = w->transmission || w->losses || !moves_with_driver(job->m, job->plan, w->lever);
+  w->reference = KM_NEW(double, (size_t)job->m->coordinate_count);
+  if (!w->reference || !km_scan_reserve(&w->scan, 1))
+    return km_fail(job->error, KM_MEMORY, "out of memory for a sweep");
+  return KM_OK;
 }
 
-void km_advantage_sweeps_run(km_advantage_job *jobs, int count) {
-  watch watches[KM_DRIVE_LANES];
-  km_sweep_job sweeps[KM_DRIVE_LANES];
-  for (int i = 0; i < count; ++i) {
-    km_advantage_job *job = &jobs[i];
-    km_status status = open_watch(&watches[i], job);
-    sweeps[i] = (km_sweep_job){job->m,    job->s, job->plan, &watches[i].observer, &job->out->motion,
-                               job->room, status, job->error};
-  }
-  km_sweeps_run(sweeps, count);
-  for (int i = 0; i < count; ++i) {
-    jobs[i].status = tell(&watches[i], jobs[i].plan, sweeps[i].status, jobs[i].error);
-    close_watch(&watches[i]);
-  }
+void km_advantage_sweep_open(km_sweep_job *job, const km_handle *input, const km_handle *output, bool transmission,
+                             km_advantage_sweep *out) {
+  const km_peak none = {nan(""), nan("")};
+  *out = (km_advantage_sweep){.motion = {.substructure = -1}, .lowest = none, .highest = none};
+  job->out = &out->motion;
+  job->status = check_job(job, input, output);
+  if (job->status)
+    return;
+  out->input = *input;
+  out->output = *output;
+  job->status = open_watch(job, transmission, out);
 }
 
 km_status km_advantage_sweep_run(const km_mechanism *m, km_state *s, const km_sweep_plan *plan, const km_handle *input,
                                  const km_handle *output, bool transmission, km_advantage_sweep *out, km_error *error) {
   if (!out)
     return km_check_given(false, "place for the result", error);
-  km_advantage_job job = {m, s, plan, input, output, transmission, out, NULL, KM_OK, error};
-  km_advantage_sweeps_run(&job, 1);
+  km_sweep_job job = {.m = m, .s = s, .plan = plan, .error = error};
+  km_advantage_sweep_open(&job, input, output, transmission, out);
+  km_sweeps_run(&job, 1);
   return job.status;
 }
 

@@ -1,6 +1,6 @@
 /* The question about forces: what actuators hold, what joints carry. */
+#include "analysis/observers.h"
 #include "analysis/question.h"
-#include "analysis/statics_sweep.h"
 
 #include "kinematics/state.h"
 
@@ -98,16 +98,9 @@ static km_status prepare(km_question *q, km_error *error) {
   return status ? status : prepare_balance(q, o, error);
 }
 
-static void answer_all(km_question *const *q, km_state *const *s, int count, km_status *statuses, km_error *errors) {
-  km_statics_job jobs[KM_DRIVE_LANES];
-  for (int i = 0; i < count; ++i) {
-    own *o = q[i]->own;
-    jobs[i] =
-        (km_statics_job){q[i]->m, s[i], &q[i]->plan, o->forces, &o->statics, &o->sweep, &q[i]->room, KM_OK, &errors[i]};
-  }
-  km_statics_sweeps_run(jobs, count);
-  for (int i = 0; i < count; ++i)
-    statuses[i] = jobs[i].status;
+static void open_sweep(km_question *q, km_sweep_job *job) {
+  own *o = q->own;
+  km_statics_sweep_open(job, o->forces, &o->statics, &o->sweep);
 }
 
 static const km_sweep *motion(const km_question *q) {
@@ -144,7 +137,7 @@ const km_question_class km_forces_question = {.name = "forces",
                                               .option_count = OPTIONS,
                                               .size = sizeof(own),
                                               .prepare = prepare,
-                                              .answer_all = answer_all,
+                                              .open = open_sweep,
                                               .motion = motion,
                                               .event_count = event_count,
                                               .event = event,

@@ -1,5 +1,5 @@
 /* The question about mobility numbers. */
-#include "analysis/mobility_sweep.h"
+#include "analysis/observers.h"
 #include "analysis/question.h"
 
 #include <math.h>
@@ -29,24 +29,14 @@ static km_status prepare(km_question *q, km_error *error) {
   return KM_OK;
 }
 
-static void answer_all(km_question *const *q, km_state *const *s, int count, km_status *statuses, km_error *errors) {
-  km_sweep_plan plans[KM_DRIVE_LANES];
-  km_mobility_job jobs[KM_DRIVE_LANES];
-  for (int i = 0; i < count; ++i) {
-    plans[i] = q[i]->plan;
-    plans[i].singularities = flag(q[i], SINGULARITIES);
-    jobs[i] = (km_mobility_job){q[i]->m, s[i], &plans[i], &((own *)q[i]->own)->sweep, &q[i]->room, KM_OK, &errors[i]};
-  }
-  km_mobility_sweeps_run(jobs, count);
-  for (int i = 0; i < count; ++i) {
-    own *o = q[i]->own;
-    statuses[i] = jobs[i].status;
-    if (statuses[i] != KM_OK && statuses[i] != KM_PARTIAL)
-      continue;
-    km_status found =
-        km_sweep_redundancies_find(q[i]->m, &o->sweep.motion, flag(q[i], REDUNDANCIES), &o->redundancies, &errors[i]);
-    statuses[i] = found ? found : statuses[i];
-  }
+static void open_sweep(km_question *q, km_sweep_job *job) {
+  q->plan.singularities = flag(q, SINGULARITIES);
+  km_mobility_sweep_open(job, &((own *)q->own)->sweep);
+}
+
+static km_status conclude(km_question *q, km_error *error) {
+  own *o = q->own;
+  return km_sweep_redundancies_find(q->m, &o->sweep.motion, flag(q, REDUNDANCIES), &o->redundancies, error);
 }
 
 static const km_sweep *motion(const km_question *q) {
@@ -85,7 +75,8 @@ const km_question_class km_mobility_question = {.name = "mobility",
                                                 .option_count = OPTIONS,
                                                 .size = sizeof(own),
                                                 .prepare = prepare,
-                                                .answer_all = answer_all,
+                                                .open = open_sweep,
+                                                .conclude = conclude,
                                                 .motion = motion,
                                                 .event_count = event_count,
                                                 .event = event,

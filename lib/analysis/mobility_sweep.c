@@ -1,5 +1,5 @@
 /* Mobility numbers over a sweep, and where a joint loses its grip: roots of its entry in the direction of motion. */
-#include "analysis/mobility_sweep.h"
+#include "analysis/observers.h"
 #include "analysis/singular.h"
 #include "base/check.h"
 #include "base/table.h"
@@ -264,74 +264,82 @@ static km_status end_at(void *self, km_sweeper *r, double s, km_error *error) {
                                                     : km_fail(error, KM_MEMORY, "out of memory for the dead points");
 }
 
-static km_status open_watch(watch *w, const km_mobility_job *job) {
-  km_mobility_sweep *out = job->out;
-  *out = (km_mobility_sweep){.motion = {.substructure = -1}, .smallest = {nan(""), nan("")}};
-  *w = (watch){.out = out};
-  km_status fits = km_check_sweep(job->m, job->s, job->plan, job->error);
-  if (fits)
-    return fits;
-  size_t count = (size_t)job->m->coordinate_count;
-  bool singularities = job->plan->singularities;
-  out->extremes = KM_NEW(km_extreme, count);
-  w->room = KM_NEW(double, 2 * count);
-  w->watched = KM_NEW(int, count);
-  w->cell = KM_NEW(size_t, count);
-  w->shown = KM_NEW(int, count + (size_t)job->m->model->joint_count);
-  bool ready = w->room && w->watched && w->cell && w->shown && out->extremes &&
-               (!singularities || km_singular_watch_make(&w->singular, job->m));
-  if (!ready)
-    return km_fail(job->error, KM_MEMORY, "out of memory for a sweep");
-  w->z = w->room;
-  w->last_z = w->room + count;
-  w->observer = (km_observer){.self = w,
-                              .columns = add_columns,
-                              .cells = write_numbers,
-                              .seen = see,
-                              .wants = wants,
-                              .shown = shown,
-                              .passed = singularities ? pass : NULL,
-                              .corner = forget,
-                              .ended = end_at,
-                              .reads_jacobian = singularities,
-                              .number_cells = singularities ? NULL : w->cell};
-  for (size_t c = 0; c < count; ++c)
-    out->extremes[c] = (km_extreme){HUGE_VAL, nan("")};
-  return KM_OK;
+static km_status tell(void *self, const km_sweep_job *job) {
+  find_extremes(self, job->m->coordinate_count);
+  return job->status;
 }
 
-static void close_watch(watch *w) {
+static void close_watch(void *self) {
+  watch *w = self;
   km_singular_watch_free(&w->singular);
   km_free(w->room);
   km_free(w->watched);
   km_free(w->cell);
   km_free(w->shown);
+  km_free(w);
 }
 
-void km_mobility_sweeps_run(km_mobility_job *jobs, int count) {
-  watch watches[KM_DRIVE_LANES];
-  km_sweep_job sweeps[KM_DRIVE_LANES];
-  for (int i = 0; i < count; ++i) {
-    km_mobility_job *job = &jobs[i];
-    km_status status = open_watch(&watches[i], job);
-    sweeps[i] = (km_sweep_job){job->m,    job->s, job->plan, &watches[i].observer, &job->out->motion,
-                               job->room, status, job->error};
+static km_observer observer_of(watch *w, bool singularities) {
+  return (km_observer){.self = w,
+                       .columns = add_columns,
+                       .cells = write_numbers,
+                       .seen = see,
+                       .wants = wants,
+                       .shown = shown,
+                       .passed = singularities ? pass : NULL,
+                       .corner = forget,
+                       .ended = end_at,
+                       .tell = tell,
+                       .close = close_watch,
+                       .reads_jacobian = singularities,
+                       .number_cells = singularities ? NULL : w->cell};
+}
+
+/* Space for a mechanism's numbers. */
+static bool reserve(watch *w, const km_mechanism *m) {
+  size_t count = (size_t)m->coordinate_count;
+  w->out->extremes = KM_NEW(km_extreme, count);
+  w->room = KM_NEW(double, 2 * count);
+  w->watched = KM_NEW(int, count);
+  w->cell = KM_NEW(size_t, count);
+  w->shown = KM_NEW(int, count + (size_t)m->model->joint_count);
+  if (!w->room || !w->watched || !w->cell || !w->shown || !w->out->extremes)
+    return false;
+  w->z = w->room;
+  w->last_z = w->room + count;
+  for (size_t c = 0; c < count; ++c)
+    w->out->extremes[c] = (km_extreme){HUGE_VAL, nan("")};
+  return true;
+}
+
+static km_status open_watch(km_sweep_job *job, km_mobility_sweep *out) {
+  km_status fits = km_check_sweep(job->m, job->s, job->plan, job->error);
+  if (fits)
+    return fits;
+  watch *w = KM_NEW(watch, 1);
+  bool singularities = job->plan->singularities, ready = w != NULL;
+  if (ready) {
+    w->out = out;
+    ready = reserve(w, job->m) && (!singularities || km_singular_watch_make(&w->singular, job->m));
+    w->observer = observer_of(w, singularities);
+    job->observer = &w->observer;
   }
-  km_sweeps_run(sweeps, count);
-  for (int i = 0; i < count; ++i) {
-    jobs[i].status = sweeps[i].status;
-    if (jobs[i].status == KM_OK || jobs[i].status == KM_PARTIAL)
-      find_extremes(&watches[i], jobs[i].m->coordinate_count);
-    close_watch(&watches[i]);
-  }
+  return ready ? KM_OK : km_fail(job->error, KM_MEMORY, "out of memory for a sweep");
+}
+
+void km_mobility_sweep_open(km_sweep_job *job, km_mobility_sweep *out) {
+  *out = (km_mobility_sweep){.motion = {.substructure = -1}, .smallest = {nan(""), nan("")}};
+  job->out = &out->motion;
+  job->status = open_watch(job, out);
 }
 
 km_status km_mobility_sweep_run(const km_mechanism *m, km_state *s, const km_sweep_plan *plan, km_mobility_sweep *out,
                                 km_error *error) {
   if (!out)
     return km_check_given(false, "place for the result", error);
-  km_mobility_job job = {.m = m, .s = s, .plan = plan, .out = out, .error = error};
-  km_mobility_sweeps_run(&job, 1);
+  km_sweep_job job = {.m = m, .s = s, .plan = plan, .error = error};
+  km_mobility_sweep_open(&job, out);
+  km_sweeps_run(&job, 1);
   return job.status;
 }
 

@@ -236,8 +236,10 @@ const km_messages *km_question_notes(const km_question *q) {
   return q ? q->notes : NULL;
 }
 
-static void begin_answer(km_question *q) {
+static void begin_answer(km_question *q, km_error *error) {
   forget(q);
+  if (error)
+    error->text[0] = '\0'; /* a part of an answer may come without a message */
   q->plan.progress = q->progress;
   q->plan.context = q->context;
 }
@@ -246,17 +248,32 @@ static void end_answer(km_question *q, km_status status) {
   q->answered = status == KM_OK || status == KM_PARTIAL;
 }
 
-static km_status answer(km_question *q, km_state *s, km_error *error) {
-  km_status status;
-  km_error found = {.text = ""};
-  begin_answer(q);
-  if (q->kind->answer)
-    status = q->kind->answer(q, s, &q->plan, &found);
-  else
-    q->kind->answer_all(&q, &s, 1, &status, &found);
+static km_sweep_job open_sweep(km_question *q, km_state *s, km_error *error) {
+  km_sweep_job job = {.m = q->m, .s = s, .plan = &q->plan, .room = &q->room, .error = error};
+  begin_answer(q, error);
+  q->kind->open(q, &job);
+  return job;
+}
+
+static km_status conclude(km_question *q, const km_sweep_job *job) {
+  km_status status = job->status;
+  if (q->kind->conclude && (status == KM_OK || status == KM_PARTIAL)) {
+    km_status found = q->kind->conclude(q, job->error);
+    status = found ? found : status;
+  }
   end_answer(q, status);
-  if (error && status)
-    *error = found;
+  return status;
+}
+
+static km_status answer(km_question *q, km_state *s, km_error *error) {
+  if (q->kind->open) {
+    km_sweep_job job = open_sweep(q, s, error);
+    km_sweeps_run(&job, 1);
+    return conclude(q, &job);
+  }
+  begin_answer(q, error);
+  km_status status = q->kind->answer(q, s, error);
+  end_answer(q, status);
   return status;
 }
 
@@ -284,32 +301,22 @@ km_status km_question_ask(km_question *q, km_state *s, km_error *error) {
 }
 
 void km_questions_ask(km_question *const *q, km_state *const *s, int count, km_status *statuses, km_error *errors) {
-  km_question *ready[KM_DRIVE_LANES];
-  km_state *at[KM_DRIVE_LANES];
-  km_status found[KM_DRIVE_LANES];
-  km_error told[KM_DRIVE_LANES];
+  km_sweep_job jobs[KM_DRIVE_LANES];
   int of[KM_DRIVE_LANES], going = 0;
   for (int i = 0; i < count; ++i) {
     statuses[i] = make_ready(q[i], s[i], &errors[i]);
     if (statuses[i])
       continue;
-    if (!q[i]->kind->answer_all || q[i]->kind != q[0]->kind) {
+    if (q[i]->kind->open && q[i]->kind == q[0]->kind) {
+      of[going] = i;
+      jobs[going++] = open_sweep(q[i], s[i], &errors[i]);
+    } else {
       statuses[i] = answer(q[i], s[i], &errors[i]);
-      continue;
     }
-    begin_answer(q[i]);
-    told[going].text[0] = '\0';
-    of[going] = i;
-    ready[going] = q[i];
-    at[going++] = s[i];
   }
-  if (going > 0)
-    q[0]->kind->answer_all(ready, at, going, found, told);
-  for (int k = 0; k < going; ++k) {
-    statuses[of[k]] = found[k];
-    errors[of[k]] = told[k];
-    end_answer(ready[k], found[k]);
-  }
+  km_sweeps_run(jobs, going);
+  for (int k = 0; k < going; ++k)
+    statuses[of[k]] = conclude(q[of[k]], &jobs[k]);
 }
 
 km_status km_question_ask_here(km_question *q, km_state *s, km_error *error) {

@@ -14,14 +14,15 @@ typedef struct km_question_class {
   size_t size;
   /* Makes `own` ready from the options, after the plan. */
   km_status (*prepare)(km_question *question, km_error *error);
-  /* Sweeps by the plan; the last answer is gone already. NULL: only answer_all does. */
-  km_status (*answer)(km_question *question, km_state *state, const km_sweep_plan *plan, km_error *error);
-  /* NULL, or the same of several questions of the kind, each with a state of its own: side by side. */
-  void (*answer_all)(km_question *const *questions, km_state *const *states, int count, km_status *statuses,
-                     km_error *errors);
-  const km_sweep *(*motion)(const km_question *question); /* NULL: it moves by other means than a plan, */
-  const km_table *(*table)(const km_question *question);  /* and this is what it answers */
-  int (*event_count)(const km_question *question);        /* beside those of every motion */
+  /* Opens the sweep that answers; the last answer is gone already. */
+  void (*open)(km_question *question, km_sweep_job *job);
+  /* What is found behind a sweep that has ended well. May be NULL. */
+  km_status (*conclude)(km_question *question, km_error *error);
+  const km_sweep *(*motion)(const km_question *question);
+  /* Of a kind that moves by other means than a sweep, whose `open` and `motion` are NULL: the answer, and its rows. */
+  km_status (*answer)(km_question *question, km_state *state, km_error *error);
+  const km_table *(*table)(const km_question *question);
+  int (*event_count)(const km_question *question); /* beside those of every motion */
   km_question_event (*event)(const km_question *question, int index);
   void (*forget)(km_question *question);    /* frees the last answer */
   void (*unprepare)(km_question *question); /* frees what `prepare` made; after a failed one too */

@@ -1,5 +1,5 @@
 /* Static balance over a sweep: where actuators rest, peak, or can't hold. */
-#include "analysis/statics_sweep.h"
+#include "analysis/observers.h"
 #include "analysis/scan.h"
 #include "analysis/statics.h"
 #include "base/check.h"
@@ -197,9 +197,7 @@ static km_status take_events(watch *w, const km_sweep_plan *plan, km_error *erro
   return KM_OK;
 }
 
-static km_status check_job(const km_statics_job *job) {
-  const km_forces *forces = job->forces;
-  const km_statics *statics = job->statics;
+static km_status check_job(const km_sweep_job *job, const km_forces *forces, const km_statics *statics) {
   km_status status = km_check_sweep(job->m, job->s, job->plan, job->error);
   if (!status)
     status = km_check_given(forces && forces->mechanism == job->m, "forces of this mechanism", job->error);
@@ -209,75 +207,86 @@ static km_status check_job(const km_statics_job *job) {
   return status;
 }
 
-static km_status open_watch(watch *w, const km_statics_job *job) {
-  km_statics_sweep *out = job->out;
-  *out = (km_statics_sweep){.motion = {.substructure = -1}, .first_unheld = nan("")};
-  *w = (watch){.out = out, .forces = job->forces, .statics = job->statics};
-  km_status status = check_job(job);
-  if (status)
-    return status;
-  const km_statics *st = job->statics;
-  w->observer = (km_observer){.self = w,
-                              .columns = add_columns,
-                              .cells = write_cells,
-                              .seen = see,
-                              .passed = pass,
-                              .corner = forget,
-                              .ended = end_at,
-                              .reads_jacobian = true};
-  w->scan = (km_scan){.self = w,
-                      .values = values,
-                      .sampled = sampled,
-                      .between = between,
-                      .ratios = true,
-                      .extremes = true,
-                      .events = &w->events};
+static km_status tell(void *self, const km_sweep_job *job) {
+  watch *w = self;
+  km_status taken = take_events(w, job->plan, job->error);
+  return taken ? taken : w->out->unheld ? KM_PARTIAL : job->status;
+}
+
+static void close_watch(void *self) {
+  watch *w = self;
+  km_scan_free(&w->scan);
+  km_free(w->events.items);
+  km_free(w);
+}
+
+static km_observer observer_of(watch *w) {
+  return (km_observer){.self = w,
+                       .columns = add_columns,
+                       .cells = write_cells,
+                       .seen = see,
+                       .passed = pass,
+                       .corner = forget,
+                       .ended = end_at,
+                       .tell = tell,
+                       .close = close_watch,
+                       .reads_jacobian = true};
+}
+
+static km_scan scan_of(watch *w) {
+  return (km_scan){.self = w,
+                   .values = values,
+                   .sampled = sampled,
+                   .between = between,
+                   .ratios = true,
+                   .extremes = true,
+                   .events = &w->events};
+}
+
+/* The actuators, and what each of them has to give: nothing yet. */
+static bool take_actuators(const watch *w) {
+  km_statics_sweep *out = w->out;
+  const km_statics *st = w->statics;
   out->actuators = KM_NEW(km_handle, (size_t)st->actuator_count);
   out->largest = KM_NEW(km_force_event, (size_t)st->actuator_count);
-  if (!out->actuators || !out->largest || !km_scan_reserve(&w->scan, st->actuator_count))
-    return km_fail(job->error, KM_MEMORY, "out of memory for a sweep");
+  if (!out->actuators || !out->largest)
+    return false;
   for (int i = 0; i < st->actuator_count; ++i) {
     out->actuators[out->actuator_count++] = st->actuators[i];
     out->largest[i] = (km_force_event){KM_FORCE_PEAK, i, nan(""), 0.0};
   }
+  return true;
+}
+
+static km_status open_watch(km_sweep_job *job, km_forces *forces, km_statics *statics, km_statics_sweep *out) {
+  km_status status = check_job(job, forces, statics);
+  if (status)
+    return status;
+  watch *w = KM_NEW(watch, 1);
+  if (w) {
+    *w = (watch){.out = out, .forces = forces, .statics = statics};
+    w->observer = observer_of(w);
+    w->scan = scan_of(w);
+    job->observer = &w->observer;
+  }
+  if (!w || !take_actuators(w) || !km_scan_reserve(&w->scan, statics->actuator_count))
+    return km_fail(job->error, KM_MEMORY, "out of memory for a sweep");
   return KM_OK;
 }
 
-static void close_watch(watch *w) {
-  km_scan_free(&w->scan);
-  km_free(w->events.items);
-}
-
-/* Of a sweep that ended with `status`. */
-static km_status tell(watch *w, const km_sweep_plan *plan, km_status status, km_error *error) {
-  if (status && status != KM_PARTIAL)
-    return status;
-  km_status taken = take_events(w, plan, error);
-  return taken ? taken : w->out->unheld ? KM_PARTIAL : status;
-}
-
-void km_statics_sweeps_run(km_statics_job *jobs, int count) {
-  watch watches[KM_DRIVE_LANES];
-  km_sweep_job sweeps[KM_DRIVE_LANES];
-  for (int i = 0; i < count; ++i) {
-    km_statics_job *job = &jobs[i];
-    km_status status = open_watch(&watches[i], job);
-    sweeps[i] = (km_sweep_job){job->m,    job->s, job->plan, &watches[i].observer, &job->out->motion,
-                               job->room, status, job->error};
-  }
-  km_sweeps_run(sweeps, count);
-  for (int i = 0; i < count; ++i) {
-    jobs[i].status = tell(&watches[i], jobs[i].plan, sweeps[i].status, jobs[i].error);
-    close_watch(&watches[i]);
-  }
+void km_statics_sweep_open(km_sweep_job *job, km_forces *forces, km_statics *statics, km_statics_sweep *out) {
+  *out = (km_statics_sweep){.motion = {.substructure = -1}, .first_unheld = nan("")};
+  job->out = &out->motion;
+  job->status = open_watch(job, forces, statics, out);
 }
 
 km_status km_statics_sweep_run(const km_mechanism *m, km_state *s, const km_sweep_plan *plan, km_forces *forces,
                                km_statics *statics, km_statics_sweep *out, km_error *error) {
   if (!out)
     return km_check_given(false, "place for the result", error);
-  km_statics_job job = {m, s, plan, forces, statics, out, NULL, KM_OK, error};
-  km_statics_sweeps_run(&job, 1);
+  km_sweep_job job = {.m = m, .s = s, .plan = plan, .error = error};
+  km_statics_sweep_open(&job, forces, statics, out);
+  km_sweeps_run(&job, 1);
   return job.status;
 }
 

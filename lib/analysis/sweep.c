@@ -119,6 +119,8 @@ static void end_sweep(km_sweeper *r, km_sweep_job *job) {
   if (job->s->arena.failed && job->status != KM_MEMORY) /* what a pose has more of than those before */
     job->status = km_fail(job->error, KM_MEMORY, "out of memory for a pose of a sweep");
   km_free(r->rates);
+  if (job->status == KM_OK || job->status == KM_PARTIAL)
+    job->status = job->observer->tell(job->observer->self, job);
 }
 
 void km_sweeps_run(km_sweep_job *jobs, int count) {
@@ -137,6 +139,8 @@ void km_sweeps_run(km_sweep_job *jobs, int count) {
   for (int i = 0; i < count; ++i) {
     if (begun >> i & 1)
       end_sweep(&sweepers[i], &jobs[i]);
+    if (jobs[i].observer)
+      jobs[i].observer->close(jobs[i].observer->self);
     km_sweep_room_free(&rooms[i]);
   }
 }

@@ -19,8 +19,9 @@ typedef struct km_mover {
 } km_mover;
 
 typedef struct km_sweeper km_sweeper;
+typedef struct km_sweep_job km_sweep_job;
 
-/* What is looked at: mobility numbers, leverage, forces. Any function but `columns` and `cells` may be NULL. */
+/* What is looked at: mobility numbers, leverage, forces. Any function but `columns`, `cells`, `tell` and `close` may be NULL. */
 typedef struct km_observer {
   void *self;
   bool (*columns)(void *self, const km_sweeper *sweeper, km_table *table); /* false: out of memory */
@@ -39,6 +40,9 @@ typedef struct km_observer {
   void (*corner)(void *self);
   /* The driver itself gives out at s. */
   km_status (*ended)(void *self, km_sweeper *sweeper, double s, km_error *error);
+  /* Behind the last row, where the job's status is KM_OK or KM_PARTIAL: what is found from all rows. The status from now on. */
+  km_status (*tell)(void *self, const km_sweep_job *job);
+  void (*close)(void *self); /* frees the observer */
   /* Looks at more than coordinates, mobility numbers, rates and residual: the state's Jacobian and partition. */
   bool reads_jacobian;
   /* Of an observer that looks for places where an entry of the direction of motion is 0, and for nothing else: the cell of each
@@ -83,20 +87,21 @@ typedef struct km_sweep_room {
 } km_sweep_room;
 void km_sweep_room_free(km_sweep_room *room);
 
-/* One of several sweeps. */
-typedef struct km_sweep_job {
+/* One of several sweeps. What it looks at sets `observer` and `out`, and a status where it can't: see observers.h. */
+struct km_sweep_job {
   const km_mechanism *m;
   km_state *s; /* of its own */
   const km_sweep_plan *plan;
+  km_sweep_room *room; /* NULL: none */
+  km_error *error;     /* may be NULL */
   const km_observer *observer;
   km_sweep *out;
-  km_sweep_room *room; /* NULL: none */
-  km_status status;    /* and the error, which may be NULL: how it ended; one that has a status already isn't begun */
-  km_error *error;
-} km_sweep_job;
+  km_status status; /* how it ended */
+};
 
 /* Moves the assembled states of up to KM_DRIVE_LANES jobs over their plans' ranges; see km_mobility_sweep_run. Those by a driver
- * go side by side, with the same bits. Free each `*out` in any case. */
+ * go side by side, with the same bits. Jobs that have a status already aren't begun. Closes the observers. Free what they have
+ * found in any case. */
 void km_sweeps_run(km_sweep_job *jobs, int count);
 
 /* For public functions: KM_USAGE unless the state is the mechanism's and the plan one for it. */

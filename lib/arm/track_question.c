@@ -84,9 +84,8 @@ static km_track_plan plan_of(const km_question *q, const own *o) {
   return plan;
 }
 
-static km_status answer(km_question *q, km_state *s, const km_sweep_plan *unused, km_error *error) {
+static km_status answer(km_question *q, km_state *s, km_error *error) {
   own *o = q->own;
-  (void)unused;
   km_status status = km_study_bind(q->m, s, &o->def, 1, NULL, &o->study, error);
   if (status)
     return status;

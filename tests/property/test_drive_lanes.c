@@ -3,7 +3,7 @@
 #include "support/support.h"
 
 #include "analysis/mobility.h"
-#include "analysis/mobility_sweep.h"
+#include "analysis/observers.h"
 #include "kinematics/lane_store.h"
 #include "kinematics/loops.h"
 #include "kmech/sweep_plan.h"
@@ -227,16 +227,16 @@ static void sweeps_as_alone(void **state) {
   for (size_t k = 0; k < sizeof models / sizeof *models; ++k) {
     design d[KM_DRIVE_LANES];
     km_mobility_sweep beside[KM_DRIVE_LANES];
-    km_mobility_job jobs[KM_DRIVE_LANES];
+    km_sweep_job jobs[KM_DRIVE_LANES];
     km_error errors[KM_DRIVE_LANES];
     km_sweep_plan plan;
     for (int i = 0; i < KM_DRIVE_LANES; ++i) {
       d[i] = open_design(models[k], 300 + (uint64_t)i, false);
       plan = km_sweep_plan_default(d[i].f.model);
-      jobs[i] = (km_mobility_job){
-          .m = d[i].f.mechanism, .s = d[i].f.state, .plan = &plan, .out = &beside[i], .error = &errors[i]};
+      jobs[i] = (km_sweep_job){.m = d[i].f.mechanism, .s = d[i].f.state, .plan = &plan, .error = &errors[i]};
+      km_mobility_sweep_open(&jobs[i], &beside[i]);
     }
-    km_mobility_sweeps_run(jobs, KM_DRIVE_LANES);
+    km_sweeps_run(jobs, KM_DRIVE_LANES);
     for (int i = 0; i < KM_DRIVE_LANES; ++i) {
       design again = open_design(models[k], 300 + (uint64_t)i, false);
       km_mobility_sweep alone;
