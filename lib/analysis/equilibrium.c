@@ -285,7 +285,7 @@ static bool mark(equilibrium *e, bool *mixed) {
     double largest = 0.0;
     for (int i = 0; i < 6 * e->joints; ++i)
       e->row[i] = km_uniform(&random);
-    if (!km_orthogonal_reject(e->q, e->row))
+    if (!km_orthogonal_reject(e->q, e->row, 1))
       return false;
     for (int i = 0; i < 6 * e->joints; ++i)
       largest = fmax(largest, fabs(e->row[i]) * (i % 6 < 3 ? 1.0 : to_size));

@@ -174,6 +174,23 @@ static void gather_loads(const km_mechanism *m, const km_state *s, const km_forc
   }
 }
 
+/* Of many freedoms without Z; false where it has to be made. */
+static bool least_norm_of_many(const km_mechanism *m, km_state *s, int index, km_statics *st) {
+  const km_substructure *sub = &m->substructures[index];
+  const int *coordinate = m->column_coordinate + sub->column_start;
+  const km_partition *p = &s->partition[index];
+  if (!p->sparse || km_partition_freedom(p) <= KM_MANY_VECTORS)
+    return false;
+  double *y = KM_NEW(double, (size_t)sub->columns + 1);
+  for (int j = 0; j < sub->columns && y; ++j)
+    y[j] = st->work->tau[coordinate[j]] / m->scale[coordinate[j]];
+  bool found = y && km_partition_along_null(p, km_state_jacobian(s, sub), m->column_weight + sub->column_start, y, 1);
+  for (int j = 0; j < sub->columns && found; ++j)
+    st->least_norm[coordinate[j]] = 0.0 - m->scale[coordinate[j]] * y[j];
+  km_free(y);
+  return found;
+}
+
 /* f̄ = −D Z Zᵀ D⁻¹ τ; outside loops and couplings Z is 1. */
 static void least_norm(const km_mechanism *m, km_state *s, km_statics *st) {
   const double *tau = st->work->tau;
@@ -182,6 +199,8 @@ static void least_norm(const km_mechanism *m, km_state *s, km_statics *st) {
   for (int i = 0; i < m->topology.substructure_count; ++i) {
     const km_substructure *sub = &m->substructures[i];
     const int *coordinate = m->column_coordinate + sub->column_start;
+    if (least_norm_of_many(m, s, i, st))
+      continue;
     const double *z = km_state_basis(s, i);
     for (int k = 0; k < km_partition_freedom(&s->partition[i]); ++k, z += sub->columns) {
       double g = 0.0;
@@ -193,9 +212,13 @@ static void least_norm(const km_mechanism *m, km_state *s, km_statics *st) {
   }
 }
 
-void km_statics_hold(const km_mechanism *m, const km_state *s, const km_forces *f, km_statics *st) {
+static void find_loads(const km_mechanism *m, const km_state *s, const km_forces *f, km_statics *st) {
   gather_loads(m, s, f, st->work);
   km_pushed_points_update(m, f, st);
+}
+
+void km_statics_hold(const km_mechanism *m, const km_state *s, const km_forces *f, km_statics *st) {
+  find_loads(m, s, f, st);
   km_actuators_hold(m, s, st);
 }
 
@@ -214,8 +237,9 @@ static void forget(const km_mechanism *m, km_statics *st) {
 
 km_status km_statics_balance(const km_mechanism *m, km_state *s, km_forces *f, km_statics *st) {
   km_statics_work *w = st->work;
-  km_statics_hold(m, s, f, st);
+  find_loads(m, s, f, st);
   least_norm(m, s, st);
+  km_actuators_hold(m, s, st);
   memcpy(w->force, st->least_norm, (size_t)m->coordinate_count * sizeof *w->force);
   if (st->held) {
     memset(w->force, 0, (size_t)m->coordinate_count * sizeof *w->force);

@@ -36,6 +36,8 @@ typedef struct km_holding {
   gsl_permutation *pivots;
 } km_holding;
 
+/* A motion whose largest actuator moves less than this share of it is out of the actuators' reach. */
+static const double km_out_of_reach = 1e-9;
 /* A component of a self-stress below this share of its largest is rounding. */
 static const double km_no_part = 1e-9;
 
@@ -100,6 +102,7 @@ struct km_statics_work {
   km_wrench *subtree;  /* [body] applied wrenches on it and all that hangs on it in the tree */
   double *tau;         /* [coordinate] generalised forces of what is applied, springs in joints included */
   double *force;       /* [coordinate] of the actuators, or f̄ */
+  bool compares;       /* km_statics_ratios is asked for: every block keeps its Z, U, S, V */
   double *least_load;  /* [coordinate] below this a generalised force is rounding */
   km_pose *frame;      /* [joint] in which its reaction is reported, about the forces' origin */
   km_wrench *carried;  /* [joint] its reaction along the inertial axes */
@@ -141,7 +144,16 @@ bool km_decompose_wide(gsl_matrix *U, gsl_matrix *V, gsl_vector *S, int rows);
 /* The same of rows of an orthonormal basis: where all its columns keep their length, the other rows are 0, and U is the matrix
  * itself. False where they don't. */
 bool km_decompose_straight(const gsl_matrix *U, gsl_matrix *V, gsl_vector *S);
-/* Actuator forces, directions out of their reach, and whether they hold, from work->tau. */
+/* A direction to be filled with rates of the coordinates, all 0 yet; NULL: it is counted only. Then its largest scaled rate
+ * becomes 1. */
+double *km_direction_begin(const km_mechanism *mechanism, bool falls, km_statics *statics);
+void km_direction_end(const km_mechanism *mechanism, const km_holding *holding, double *rates);
+/* A unit vector at right angles to the `count` rows of basis[count × size], from v: false if nothing is left of it. */
+bool km_straighten(const double *basis, int count, int size, double *v);
+/* Holds a block of many freedoms and few actuators, or all, from st->least_norm; false: its basis has to be made. */
+bool km_hold_many(const km_mechanism *mechanism, const km_state *state, int block, km_statics *statics);
+/* Actuator forces, directions out of their reach, and whether they hold, from work->tau and where they don't compare from
+ * st->least_norm. */
 void km_actuators_hold(const km_mechanism *mechanism, const km_state *state, km_statics *statics);
 /* km_statics_update for forces that are at hand, as those of a motion (km_dynamics_balance). */
 km_status km_statics_balance(const km_mechanism *mechanism, km_state *state, km_forces *forces, km_statics *statics);

@@ -5,9 +5,6 @@
 #include <gsl/gsl_linalg.h>
 #include <string.h>
 
-/* A motion whose largest actuator moves less than this share of it is out of the actuators' reach. */
-static const double out_of_reach = 1e-9;
-
 bool km_holding_reserve(km_statics *st) {
   km_statics_work *w = st->work;
   for (int i = 0; i < w->block_count && !w->arena.failed; ++i) {
@@ -33,31 +30,39 @@ static double *entry(const gsl_matrix *a, size_t row, size_t column) {
   return a->data + row * a->tda + column;
 }
 
-/* Adds the motion Z x as a direction. */
-static void add_direction(const km_mechanism *m, const km_holding *h, const double *x, bool falls, km_statics *st) {
+double *km_direction_begin(const km_mechanism *m, bool falls, km_statics *st) {
   if (st->direction_count++ >= KM_MOST_DIRECTIONS)
-    return;
+    return NULL;
   st->falls[st->direction_count - 1] = falls;
-  double *rates = st->directions + (size_t)(st->direction_count - 1) * (size_t)m->coordinate_count, largest = 0.0;
+  double *rates = st->directions + (size_t)(st->direction_count - 1) * (size_t)m->coordinate_count;
   memset(rates, 0, (size_t)m->coordinate_count * sizeof *rates);
-  for (int j = 0; j < h->columns; ++j) {
-    int c = h->coordinate[j];
-    for (int k = 0; k < h->freedom; ++k)
-      rates[c] += h->Z[(size_t)k * (size_t)h->columns + (size_t)j] * x[k] / m->scale[c];
-    largest = fmax(largest, fabs(rates[c] / m->unit[c]));
-  }
+  return rates;
+}
+
+void km_direction_end(const km_mechanism *m, const km_holding *h, double *rates) {
+  double largest = 0.0;
+  for (int j = 0; j < h->columns; ++j)
+    largest = fmax(largest, fabs(rates[h->coordinate[j]] / m->unit[h->coordinate[j]]));
   for (int j = 0; j < h->columns; ++j)
     rates[h->coordinate[j]] /= largest;
 }
 
+/* Adds the motion Z x as a direction. */
+static void add_direction(const km_mechanism *m, const km_holding *h, const double *x, bool falls, km_statics *st) {
+  double *rates = km_direction_begin(m, falls, st);
+  for (int j = 0; j < h->columns && rates; ++j)
+    for (int k = 0; k < h->freedom; ++k)
+      rates[h->coordinate[j]] +=
+          h->Z[(size_t)k * (size_t)h->columns + (size_t)j] * x[k] / m->scale[h->coordinate[j]];
+  if (rates)
+    km_direction_end(m, h, rates);
+}
+
 /* The same for a joint in no loop. */
 static void add_joint(const km_mechanism *m, int coordinate, double sense, bool falls, km_statics *st) {
-  if (st->direction_count++ >= KM_MOST_DIRECTIONS)
-    return;
-  st->falls[st->direction_count - 1] = falls;
-  double *rates = st->directions + (size_t)(st->direction_count - 1) * (size_t)m->coordinate_count;
-  memset(rates, 0, (size_t)m->coordinate_count * sizeof *rates);
-  rates[coordinate] = sense * m->unit[coordinate];
+  double *rates = km_direction_begin(m, falls, st);
+  if (rates)
+    rates[coordinate] = sense * m->unit[coordinate];
 }
 
 /* The loads g = Yᵀτ of the free motions into h->load; returns what rounding can make of them. */
@@ -98,8 +103,7 @@ static void fill(const km_mechanism *m, const km_statics *st, const km_holding *
           a < (size_t)h->count ? scaled_rate(m, st, h, h->actuator[a], h->Z + k * (size_t)h->columns) : 0.0;
 }
 
-/* A unit vector at right angles to the `count` rows of `basis`, from v: false if nothing is left of it. */
-static bool straighten(const double *basis, int count, int size, double *v) {
+bool km_straighten(const double *basis, int count, int size, double *v) {
   double left = 0.0;
   for (int i = 0; i < count; ++i) {
     double along = 0.0;
@@ -137,7 +141,7 @@ static bool unreached(const km_mechanism *m, const km_holding *h, km_statics *st
       for (int n = rank; n < freedom && i < rank; ++n)
         x[k] += *entry(h->V, (size_t)k, (size_t)n) * h->load->data[n] / size;
     }
-    if (straighten(basis, kept, freedom, x)) {
+    if (km_straighten(basis, kept, freedom, x)) {
       add_direction(m, h, x, i < rank, st);
       ++kept;
     }
@@ -205,6 +209,8 @@ static void decompose(const km_statics *st, const km_holding *h, gsl_matrix *U, 
 
 static void hold_block(const km_mechanism *m, const km_state *s, int index, km_statics *st) {
   km_holding *h = &st->work->holding[index];
+  if (km_hold_many(m, s, index, st))
+    return;
   if (!km_holding_fit(h, count_freedom(s, h), &st->work->arena)) {
     for (int a = 0; a < h->count; ++a)
       st->actuator_forces[h->actuator[a]] = nan("");
@@ -227,7 +233,7 @@ static void hold_block(const km_mechanism *m, const km_state *s, int index, km_s
     for (size_t k = 0; k < g.size; ++k)
       load.data[i] += *entry(&V, k, i) * g.data[k];
   }
-  while (rank < freedom && S.data[rank] > out_of_reach)
+  while (rank < freedom && S.data[rank] > km_out_of_reach)
     ++rank;
   h->rank = rank;
   h->noise = noise;
@@ -253,7 +259,7 @@ static double hold_alone(const km_mechanism *m, km_statics *st, int actuator) {
     return 0.0 - w->tau[c];
   double rate = w->row[actuator][c];
   bool loaded = fabs(w->tau[c]) > w->least_load[c];
-  if (fabs(rate) * km_actuator_scale(m, st, actuator) > out_of_reach * m->scale[c])
+  if (fabs(rate) * km_actuator_scale(m, st, actuator) > km_out_of_reach * m->scale[c])
     return 0.0 - w->tau[c] / rate;
   add_joint(m, c, loaded && w->tau[c] < 0.0 ? -1.0 : 1.0, loaded, st);
   st->held = st->held && !loaded;

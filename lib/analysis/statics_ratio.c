@@ -8,7 +8,6 @@
 #include <gsl/gsl_math.h>
 
 static const double rounding = 0.1; /* of what loads may be rounding at single poses: digits that a root has to spare */
-static const double out_of_reach = 1e-9; /* a singular value */
 
 /* The sign of det(turn), rank × rank. */
 static double sense_of(km_holding *h, int rank) {
@@ -110,7 +109,7 @@ static double product(const km_holding *h, int rank, int but) {
   for (int k = 0; k < rank; ++k)
     if (k != but) {
       double value = gsl_vector_get(h->S, (size_t)k);
-      result *= value > out_of_reach ? value : 0.0;
+      result *= value > km_out_of_reach ? value : 0.0;
     }
   return result;
 }

@@ -215,6 +215,7 @@ static km_status tell(void *self, const km_sweep_job *job) {
 
 static void close_watch(void *self) {
   watch *w = self;
+  w->statics->work->compares = false;
   km_scan_free(&w->scan);
   km_free(w->events.items);
   km_free(w);
@@ -268,6 +269,7 @@ static km_status open_watch(km_sweep_job *job, km_forces *forces, km_statics *st
     w->observer = observer_of(w);
     w->scan = scan_of(w);
     job->observer = &w->observer;
+    statics->work->compares = true;
   }
   if (!w || !take_actuators(w) || !km_scan_reserve(&w->scan, statics->actuator_count))
     return km_fail(job->error, KM_MEMORY, "out of memory for a sweep");

@@ -128,11 +128,11 @@ static cholmod_dense dense(double *x, SuiteSparse_long rows, int columns) {
                          .dtype = CHOLMOD_DOUBLE};
 }
 
-bool km_orthogonal_reject(km_orthogonal *q, double *v) {
-  cholmod_dense V = dense(v, q->rows, 1);
+bool km_orthogonal_reject(km_orthogonal *q, double *v, int count) {
+  cholmod_dense V = dense(v, q->rows, count);
   cholmod_dense *Y = q->spqr->SuiteSparseQR_C_qmult(SPQR_QTX, q->QR, &V, &q->common);
-  if (Y)
-    memset(Y->x, 0, (size_t)q->rank * sizeof(double));
+  for (int k = 0; k < count && Y; ++k)
+    memset((double *)Y->x + (size_t)k * Y->d, 0, (size_t)q->rank * sizeof(double));
   cholmod_dense *rest = Y ? q->spqr->SuiteSparseQR_C_qmult(SPQR_QX, q->QR, Y, &q->common) : NULL;
   bool done = rest != NULL;
   if (done)

@@ -26,8 +26,8 @@ km_columns km_orthogonal_columns(km_orthogonal *q);
 bool km_orthogonal_factor(km_orthogonal *q, double tolerance);
 int km_orthogonal_rank(const km_orthogonal *q);
 
-/* Takes out of v[rows] what the columns span of it. False when out of memory. */
-bool km_orthogonal_reject(km_orthogonal *q, double *v);
+/* Takes out of each of `count` vectors v[rows · count] what the columns span of it. False when out of memory. */
+bool km_orthogonal_reject(km_orthogonal *q, double *v, int count);
 /* |v|² of what the columns span of each of `count` vectors v[rows · count]. False when out of memory. */
 bool km_orthogonal_squares(km_orthogonal *q, double *v, int count, double *squares);
 /* The same of every unit vector: share[row], by R alone. False when out of memory, or where the columns depend on each

@@ -131,6 +131,11 @@ enum { KM_MANY_VECTORS = 48 };
 bool km_partition_reject_null(const km_partition *partition, const double *matrix, const double *weight, int count,
                               double *x, double *work);
 
+/* Of each of `count` vectors Y[columns · count] what it has of diag(weight) times the null space, in its place; by the matrix that
+ * the sparse engine factored last, and as km_partition_reject_null. */
+bool km_partition_along_null(const km_partition *partition, const double *matrix, const double *weight, double *Y,
+                             int count);
+
 /* The x of least |diag(weight) x| with the primary rows of J x = rhs[rows], in the same columns and on the same terms: 0 in the
  * others. No block of pivots is inverted, which may be a bad one where many columns are independent. */
 bool km_partition_least(const km_partition *partition, const double *matrix, const double *weight, int count,

@@ -1,10 +1,12 @@
 /* What many motions have of a step or of a coordinate: of a matrix with few entries by sparse Q R of its primary rows, to which
  * all motions are at right angles, or of the null vectors, whichever fills R less. */
 #include "partition/orthogonal.h"
+#include "partition/pair.h"
 #include "partition/sparse.h"
 
 #include <math.h>
 #include <stdlib.h>
+#include <string.h>
 
 /* Primary rows are independent: each has a pivot. */
 static const double spanned = 1e-14;
@@ -142,7 +144,7 @@ static bool reject(km_orthogonal *q, const km_partition *p, const double *weight
     work[c] = weight[c] * x[c];
   for (int k = p->rank + count; k < p->columns && by_rows; ++k)
     work[p->column[k]] = 0.0; /* moved by none of these motions: x keeps it */
-  bool done = q && km_orthogonal_factor(q, spanned) && km_orthogonal_reject(q, work);
+  bool done = q && km_orthogonal_factor(q, spanned) && km_orthogonal_reject(q, work, 1);
   for (int c = 0; c < p->columns && done; ++c)
     x[c] = by_rows ? x[c] - work[c] / weight[c] : work[c] / weight[c];
   return done;
@@ -152,6 +154,32 @@ bool km_partition_reject_null(const km_partition *p, const double *matrix, const
                               double *work) {
   km_orthogonal *null = null_of(p, weight, count), *q = null ? null : rows_of(p, matrix, weight, count);
   bool done = reject(q, p, weight, !null, count, x, work);
+  km_orthogonal_free(q);
+  return done;
+}
+
+/* What is left of y, or what was taken out of it. What is no more than rounding makes of 0 is 0. */
+static void keep_along(const km_partition *p, bool taken, const double *rest, double *y) {
+  static const double grain = 1e-14; /* of its length */
+  double least = grain * sqrt(km_sum_of_squares(y, p->columns));
+  for (int c = 0; c < p->columns; ++c) {
+    double along = taken ? y[c] - rest[c] : rest[c];
+    y[c] = fabs(along) <= least || km_sparse_is_locked(p, c) ? 0.0 : along;
+  }
+}
+
+bool km_partition_along_null(const km_partition *p, const double *matrix, const double *weight, double *Y, int count) {
+  int freedom = km_partition_freedom(p);
+  size_t n = (size_t)p->columns, size = n * (size_t)count;
+  km_orthogonal *null = null_of(p, weight, freedom), *q = null ? null : rows_of(p, matrix, weight, freedom);
+  double *rest = KM_NEW(double, size + 1);
+  bool done = q && rest && km_orthogonal_factor(q, spanned);
+  if (done)
+    memcpy(rest, Y, size * sizeof *rest);
+  done = done && km_orthogonal_reject(q, rest, count);
+  for (int k = 0; k < count && done; ++k)
+    keep_along(p, null, rest + (size_t)k * n, Y + (size_t)k * n);
+  km_free(rest);
   km_orthogonal_free(q);
   return done;
 }

@@ -282,12 +282,95 @@ static void wide_singular_values(void **state) {
   }
 }
 
+static void hold(const fixture *f, km_forces *forces, const int *actuators, int count, bool compares, km_statics *out) {
+  assert_int_equal(km_statics_create(f->mechanism, actuators, count, KM_AXES_JOINT, out, NULL), KM_OK);
+  out->work->compares = compares;
+  assert_int_equal(km_statics_balance(f->mechanism, f->state, forces, out), KM_OK);
+}
+
+/* They move no actuator, and keep the loops closed. */
+static void assert_unreached(const fixture *f, const km_statics *st, const int *actuators) {
+  const km_substructure *sub = &f->mechanism->substructures[0];
+  size_t rows = (size_t)sub->rows;
+  double *J = KM_NEW(double, rows *(size_t)sub->columns), *error = KM_NEW(double, rows);
+  km_state_jacobian_dense(f->state, sub, J);
+  for (int d = 0; d < st->direction_count && d < KM_MOST_DIRECTIONS; ++d) {
+    const double *rates = st->directions + (size_t)d * (size_t)f->mechanism->coordinate_count;
+    for (int i = 0; i < st->actuator_count; ++i)
+      assert_near(rates[actuators[i]], 0.0, 1e-9);
+    memset(error, 0, rows * sizeof *error);
+    for (int k = 0; k < sub->columns; ++k)
+      for (size_t r = 0; r < rows; ++r) {
+        int c = f->mechanism->column_coordinate[sub->column_start + k];
+        error[r] += J[(size_t)k * rows + r] * rates[c] / f->mechanism->unit[c];
+      }
+    for (size_t r = 0; r < rows; ++r)
+      assert_near(error[r], 0.0, 1e-9);
+  }
+  km_free(J);
+  km_free(error);
+}
+
+static void assert_same_forces(const fixture *f, const km_statics *a, const km_statics *b) {
+  assert_int_equal(a->held, b->held);
+  assert_int_equal(a->redundant, b->redundant);
+  assert_int_equal(a->direction_count, b->direction_count);
+  for (int i = 0; i < a->actuator_count; ++i)
+    if (!isnan(a->actuator_forces[i]) || !isnan(b->actuator_forces[i]))
+      assert_near(a->actuator_forces[i], b->actuator_forces[i], 1e-9);
+  for (int c = 0; c < f->mechanism->coordinate_count; ++c) {
+    assert_near(a->least_norm[c], b->least_norm[c], 1e-9);
+    if (a->direction_count > 0 && a->falls[0]) /* of the others only the span is theirs */
+      assert_near(a->directions[c], b->directions[c], 1e-9);
+  }
+  for (int d = 0; d < a->direction_count && d < KM_MOST_DIRECTIONS; ++d)
+    assert_int_equal(a->falls[d], b->falls[d]);
+}
+
+/* Few actuators, or all joints, under loads that they hold or don't: without a basis as with one. */
+static void forces_of_many_freedoms(void **state) {
+  (void)state;
+  enum { MOST = 7 };
+  randomness r = {11};
+  fixture f = five_bars(LOOPS);
+  int coordinates = f.mechanism->coordinate_count, *all = KM_NEW(int, (size_t)coordinates), held = 0;
+  km_mobility mobility;
+  km_forces *forces;
+  assert_int_equal(km_forces_create(f.mechanism, NULL, NULL, 0, &forces, NULL), KM_OK);
+  for (int c = 0; c < coordinates; ++c)
+    all[c] = c;
+  for (int n = 0; n < 40; ++n) {
+    int actuators[MOST], count = n % 8 == 7 ? coordinates : n % (MOST + 1);
+    km_statics many, whole;
+    km_mobility_update(f.mechanism, f.state, &mobility);
+    km_forces_update(f.mechanism, f.state, forces);
+    forces->couple_size = 1.0;
+    for (int c = 0; c < coordinates; ++c)
+      forces->joint[c] = n % 3 == 0 ? 0.0 : uniform(&r, -1.0, 1.0);
+    for (int i = 0; i < count && count < coordinates; ++i)
+      actuators[i] = i * (coordinates / MOST) + (int)uniform(&r, 0.0, 20.0);
+    hold(&f, forces, count < coordinates ? actuators : all, count, false, &many);
+    assert_true(n > 0 || f.state->basis[0].count == 0); /* later those of the whole basis are there */
+    hold(&f, forces, count < coordinates ? actuators : all, count, true, &whole);
+    assert_same_forces(&f, &many, &whole);
+    assert_unreached(&f, &many, count < coordinates ? actuators : all);
+    held += many.held;
+    km_statics_free(&many);
+    km_statics_free(&whole);
+  }
+  assert_true(held > 10 && held < 30);
+  km_forces_free(forces);
+  km_free(all);
+  fixture_close(&f);
+}
+
 int main(void) {
   const struct CMUnitTest tests[] = {
-      cmocka_unit_test(laws_of_many_freedoms), cmocka_unit_test(bases_wait),
-      cmocka_unit_test(many_real_freedoms),    cmocka_unit_test(a_folded_chain),
-      cmocka_unit_test(sparse_is_dense),       cmocka_unit_test(bars_of_a_platform),
-      cmocka_unit_test(wide_singular_values),  cmocka_unit_test(what_a_folded_chain_has_too_much),
+      cmocka_unit_test(laws_of_many_freedoms),   cmocka_unit_test(bases_wait),
+      cmocka_unit_test(many_real_freedoms),      cmocka_unit_test(a_folded_chain),
+      cmocka_unit_test(sparse_is_dense),         cmocka_unit_test(bars_of_a_platform),
+      cmocka_unit_test(wide_singular_values),    cmocka_unit_test(what_a_folded_chain_has_too_much),
+      cmocka_unit_test(forces_of_many_freedoms),
   };
   return cmocka_run_group_tests(tests, NULL, NULL);
 }
