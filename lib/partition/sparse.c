@@ -110,28 +110,31 @@ static unsigned flags_of(const km_partition *p) {
   return (p->held ? 1u : 0u) | (p->any_independent ? 2u : 0u) | (p->rows_only ? 4u : 0u);
 }
 
-/* Column c is forced, and it is locked. */
-static bool was_given(const km_partition *p, const bool *forced, int c) {
-  const bool *given = p->sparse->known_given + 2 * c;
-  return given[0] == (forced && forced[c]) && given[1] == km_sparse_is_locked(p, c);
+/* Flags of columns; NULL: none is set. */
+static void keep_flags(bool *kept, const bool *flags, size_t count) {
+  if (flags)
+    memcpy(kept, flags, count * sizeof *kept);
+  else
+    memset(kept, 0, count * sizeof *kept);
+}
+
+static bool are_kept(const bool *kept, const bool *flags, size_t count) {
+  return flags ? memcmp(kept, flags, count * sizeof *kept) == 0 : memchr(kept, true, count * sizeof *kept) == NULL;
 }
 
 bool km_sparse_knows(const km_partition *p, const double *matrix, const bool *forced, double tolerance) {
   const km_sparse *s = p->sparse;
-  bool same = s->is_known && !p->failed && s->known_tolerance == tolerance && s->known_flags == flags_of(p) &&
-              memcmp(s->known, matrix, (size_t)s->start[p->columns] * sizeof *matrix) == 0;
-  for (int c = 0; c < p->columns && same; ++c)
-    same = was_given(p, forced, c);
-  return same;
+  const size_t columns = (size_t)p->columns;
+  return s->is_known && !p->failed && s->known_tolerance == tolerance && s->known_flags == flags_of(p) &&
+         are_kept(s->known_forced, forced, columns) && are_kept(s->known_locked, p->locked, columns) &&
+         memcmp(s->known, matrix, (size_t)s->start[columns] * sizeof *matrix) == 0;
 }
 
 static void remember(km_partition *p, const double *matrix, const bool *forced, double tolerance) {
   km_sparse *s = p->sparse;
   memcpy(s->known, matrix, (size_t)s->start[p->columns] * sizeof *matrix);
-  for (int c = 0; c < p->columns; ++c) {
-    s->known_given[2 * c] = forced && forced[c];
-    s->known_given[2 * c + 1] = km_sparse_is_locked(p, c);
-  }
+  keep_flags(s->known_forced, forced, (size_t)p->columns);
+  keep_flags(s->known_locked, p->locked, (size_t)p->columns);
   s->known_tolerance = tolerance;
   s->known_flags = flags_of(p);
   s->is_known = !p->failed;
@@ -157,8 +160,8 @@ void km_sparse_factor(km_partition *p, const double *matrix, const bool *forced,
   p->locked_count = 0;
   s->waits = false;
   p->largest_b = 0.0;
-  for (int c = 0; c < p->columns; ++c)
-    p->locked_count += km_sparse_is_locked(p, c);
+  for (int c = 0; p->locked && c < p->columns; ++c)
+    p->locked_count += p->locked[c];
   memset(s->late, 0, (size_t)p->columns * sizeof *s->late);
   memset(s->spare, 0, (size_t)p->rows * sizeof *s->spare);
   s->by_rows = p->rows_only && !is_crowded(p);

@@ -25,6 +25,12 @@ typedef struct km_row_entry {
   int entry, column;
 } km_row_entry;
 
+/* The entries of a column other than 0 in rows without a pivot, while singles are sought: how many, -1: the column is one; and
+ * the exclusive or of their places in the matrix, which is the place itself where one is left. */
+typedef struct km_open {
+  int count, entries;
+} km_open;
+
 struct km_sparse {
   km_arena *arena;            /* what grows, grows there */
   const int *start, *row;     /* pattern: rows of column c are row[start[c] … start[c+1]-1] */
@@ -34,7 +40,7 @@ struct km_sparse {
   int *lead;                  /* [columns] the order of this factorisation */
   int singles;                /* so many of its first columns are single ones */
   int *zero, zero_count;      /* entries of their pattern that must be 0 for that */
-  int *open;    /* [columns] entries other than 0 in rows without a pivot, while singles are sought; -1: is one */
+  km_open *open;              /* [columns] */
   int *dropped; /* [columns] those that became independent, in that order; before, those that may become single */
   bool *late;   /* [columns] is to come last, since it should stay independent */
   bool waits;   /* columns that leave only a small pivot become late ones: small pivots that share a vanishing singular
@@ -49,10 +55,10 @@ struct km_sparse {
   int *list, *stack, *next;          /* [rows] rows that a column reaches; walking them */
   bool *seen;                        /* [rows] */
   bool *spare;                       /* [rows] is to be no primary one, since others make it dependent */
-  km_run *b;         /* [columns] of independent column k: its entries of B that aren't 0, by step, ascending */
-  km_store b_store;  /* index: the step */
-  double *known;     /* [entries] the matrix that was factored last, while the factor is that of it */
-  bool *known_given; /* [columns] the forced and locked columns then */
+  km_run *b;        /* [columns] of independent column k: its entries of B that aren't 0, by step, ascending */
+  km_store b_store; /* index: the step */
+  double *known;    /* [entries] the matrix that was factored last, while the factor is that of it */
+  bool *known_forced, *known_locked; /* [columns] then */
   double known_tolerance;
   unsigned known_flags;
   bool is_known;

@@ -142,15 +142,17 @@ static int group_of(const km_partition *p, const bool *forced, int c) {
  * Returns where the first of these begin. */
 static int arrange(km_partition *p, const bool *forced) {
   km_sparse *s = p->sparse;
-  int next[GROUPS] = {s->singles, 0, 0, 0};
-  for (int c = 0; c < p->columns; ++c)
-    if (s->open[c] >= 0 && group_of(p, forced, c) + 1 < GROUPS)
-      next[group_of(p, forced, c) + 1]++;
+  int next[GROUPS] = {s->singles, 0, 0, 0}, *const rest = s->dropped, count = 0;
+  for (int i = 0; i < p->columns; ++i)
+    if (s->open[s->order[i]].count >= 0)
+      rest[count++] = s->order[i];
+  for (int i = 0; i < count; ++i)
+    if (group_of(p, forced, rest[i]) + 1 < GROUPS)
+      next[group_of(p, forced, rest[i]) + 1]++;
   for (int group = 1; group < GROUPS; ++group)
     next[group] += next[group - 1];
-  for (int i = 0; i < p->columns; ++i)
-    if (s->open[s->order[i]] >= 0)
-      s->lead[next[group_of(p, forced, s->order[i])]++] = s->order[i];
+  for (int i = 0; i < count; ++i)
+    s->lead[next[group_of(p, forced, rest[i])]++] = rest[i];
   return next[0];
 }
 
@@ -174,8 +176,8 @@ static void put_off(km_sparse *s, int i, int end) {
  * found for them. */
 static void keep_primary(km_partition *p) {
   km_sparse *s = p->sparse;
-  int kept = 0;
-  for (int i = 0; i < p->columns; ++i) {
+  int kept = 0; /* of single columns, which have nothing in L */
+  for (int i = s->singles; i < p->columns; ++i) {
     km_run *run = &s->lower[s->lead[i]];
     int start = kept;
     for (int k = run->start; k < run->end; ++k)

@@ -50,7 +50,26 @@ static int list_reached(const km_partition *p, const km_run *own) {
   return count;
 }
 
-/* U⁻¹ times the column of U by the steps that it reaches, into the store from `end` on: the entries other than 0. */
+/* U⁻¹ times the column of U, into the store from `end` on: the entries other than 0. */
+static km_run solve_whole(const km_partition *p, const km_run *own, int end) {
+  const km_sparse *s = p->sparse;
+  double *const x = s->x, *const value = s->b_store.value;
+  int *const index = s->b_store.index;
+  km_run run = {end, end};
+  for (int i = own->start; i < own->end; ++i)
+    x[s->upper_store.index[i]] = s->upper_store.value[i];
+  km_sparse_solve_upper(p, x);
+  for (int k = 0; k < p->rank; ++k) {
+    if (x[k] == 0.0)
+      continue;
+    index[run.end] = k;
+    value[run.end++] = x[k];
+  }
+  memset(x, 0, (size_t)p->rank * sizeof *x);
+  return run;
+}
+
+/* The same by the steps that the column reaches. */
 static km_run solve_reached(const km_partition *p, const km_run *own, int end) {
   km_sparse *s = p->sparse;
   km_run run = {end, end};
@@ -75,6 +94,11 @@ static km_run solve_reached(const km_partition *p, const km_run *own, int end) {
   return run;
 }
 
+/* So few vectors take no more steps in all than the matrix has entries: which ones are reached needn't be asked. */
+static bool are_few(const km_partition *p) {
+  return (double)(p->columns - p->rank) * p->rank <= p->sparse->start[p->columns];
+}
+
 km_run km_sparse_b(const km_partition *p, int k) {
   const km_sparse *s = p->sparse;
   return s->keeps_b ? s->b[k] : solve_reached(p, &s->upper[p->column[p->rank + k]], 0);
@@ -82,7 +106,7 @@ km_run km_sparse_b(const km_partition *p, int k) {
 
 bool km_sparse_find_b(km_partition *p) {
   km_sparse *s = p->sparse;
-  bool negative = false, finite = true;
+  bool negative = false, finite = true, few = are_few(p);
   int end = 0;
   p->largest_b = 0.0;
   s->keeps_b = km_partition_freedom(p) <= KM_MANY_VECTORS;
@@ -92,7 +116,7 @@ bool km_sparse_find_b(km_partition *p) {
     p->failed = p->failed || !km_sparse_grow(s, &s->b_store, end + p->rank);
     if (p->failed)
       return false;
-    km_run run = solve_reached(p, &s->upper[p->column[k]], end);
+    km_run run = (few ? solve_whole : solve_reached)(p, &s->upper[p->column[k]], end);
     const double *b = s->b_store.value + end;
     double size = km_largest_size(b, run.end - end);
     p->largest_b = size > p->largest_b ? size : p->largest_b;
@@ -121,12 +145,28 @@ static bool are_zero(const km_sparse *s, const double *matrix) {
   return all;
 }
 
+/* A single column k: what it has in the rows of the steps before goes to U as it is, and nothing to L. */
+static void refactor_single(km_partition *p, const double *matrix, int k) {
+  const km_sparse *s = p->sparse;
+  const int c = p->column[k];
+  double *u = s->upper_store.value + s->upper[c].start;
+  for (int i = s->start[c]; i < s->start[c + 1]; ++i) {
+    int step = s->step_of[s->row[i]];
+    if (step == k)
+      p->inverse[k] = 1.0 / matrix[i];
+    else if (step >= 0 && step < k)
+      *u++ = matrix[i];
+  }
+}
+
 bool km_sparse_refactor(km_partition *p, const double *matrix) {
   km_sparse *s = p->sparse;
   s->is_known = false;
   if (p->failed || !km_all_finite(matrix, s->start[p->columns]) || !are_zero(s, matrix))
     return false;
-  for (int k = 0; k < p->columns; ++k) {
+  for (int k = 0; k < s->singles; ++k)
+    refactor_single(p, matrix, k);
+  for (int k = s->singles; k < p->columns; ++k) {
     int c = p->column[k];
     scatter_primary(p, matrix, c);
     for (int i = s->upper[c].start; i < s->upper[c].end; ++i) {
@@ -194,6 +234,7 @@ void km_sparse_copy(km_partition *to, const km_partition *from) {
   memcpy(t->lower, f->lower, (size_t)from->columns * sizeof *t->lower);
   memcpy(t->zero, f->zero, (size_t)f->zero_count * sizeof *t->zero);
   t->zero_count = f->zero_count;
+  t->singles = f->singles;
   t->is_known = false;
   t->by_rows = f->by_rows;
   memcpy(t->step_of, f->step_of, (size_t)from->rows * sizeof *t->step_of);

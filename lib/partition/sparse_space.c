@@ -45,7 +45,7 @@ static bool reserve(km_sparse *s, int rows, int columns, km_arena *arena) {
                    .order = s->order,
                    .lead = KM_ARENA_NEW(arena, int, c),
                    .zero = KM_ARENA_NEW(arena, int, (size_t)s->start[columns]),
-                   .open = KM_ARENA_NEW(arena, int, c),
+                   .open = KM_ARENA_NEW(arena, km_open, c),
                    .dropped = KM_ARENA_NEW(arena, int, c),
                    .b = KM_ARENA_NEW(arena, km_run, c),
                    .late = KM_ARENA_NEW(arena, bool, c),
@@ -58,7 +58,8 @@ static bool reserve(km_sparse *s, int rows, int columns, km_arena *arena) {
                    .next = KM_ARENA_NEW(arena, int, r),
                    .seen = KM_ARENA_NEW(arena, bool, r),
                    .known = KM_ARENA_NEW(arena, double, (size_t)s->start[columns]),
-                   .known_given = KM_ARENA_NEW(arena, bool, 2 * c),
+                   .known_forced = KM_ARENA_NEW(arena, bool, c),
+                   .known_locked = KM_ARENA_NEW(arena, bool, c),
                    .spare = KM_ARENA_NEW(arena, bool, r)};
   return !arena->failed;
 }

@@ -98,7 +98,7 @@ static void go_on(engines *e) {
   km_closure closure;
   km_mobility_update(e->mechanism, e->state, &mobility);
   const double *Z = km_state_basis(e->state, 0), *weight = e->mechanism->column_weight + sub->column_start;
-  for (int k = 0; k < mobility.mobility && move; ++k)
+  for (int k = 0; k < km_partition_freedom(&e->state->partition[0]) && move; ++k)
     for (int c = 0; c < sub->columns; ++c)
       move[c] += 2.0 * Z[(size_t)k * (size_t)sub->columns + (size_t)c] / weight[c];
   if (move)

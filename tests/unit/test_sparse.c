@@ -6,9 +6,10 @@
 #include <string.h>
 
 static randomness source = {5};
+static int start[MOST + 1], row[MOST * MOST];
 
 /* A band with some entries far off, of a rank that is less than full: as a substructure of many loops. */
-static void fill_band(int rows, int columns, int *start, int *row) {
+static void fill_band(int rows, int columns) {
   int entries = 0;
   f.rows = rows;
   f.columns = columns;
@@ -29,14 +30,67 @@ static void fill_band(int rows, int columns, int *start, int *row) {
   start[columns] = entries;
 }
 
+static void reserve_sparse(void) {
+  reserve();
+  assert_true(km_partition_reserve_sparse(&f.p, f.rows, f.columns, start, row, &f.arena));
+}
+
+/* 20 rows and up to `rows` more; `least` columns and up to `columns` more. */
+static void open_band(int rows, int least, int columns) {
+  int r = 20 + index_below(rows);
+  fill_band(r, least + index_below(columns));
+  reserve_sparse();
+}
+
+/* At values nearby a copy of the pivots serves as the pivots themselves do, to the last bit, whatever it held before: here single
+ * entries. */
+static void check_copy(void) {
+  static double single[MOST * MOST];
+  memset(single, 0, sizeof single);
+  for (int c = 0; c < f.columns; ++c)
+    single[start[c]] = 1.0;
+  assert_true(km_partition_reserve_like(&f.q, &f.p, f.rows, f.columns, &f.arena));
+  km_partition_factor(&f.q, single, f.rows, f.columns, NULL, 1e-9);
+  km_partition_copy_pivots(&f.q, &f.p);
+  for (int k = 0; k < f.rows * f.columns; ++k)
+    f.J[k] *= 1.0 + 1e-7 * any();
+  f.q.smallest_pivot = f.p.smallest_pivot;
+  f.q.pivoted_b = f.p.pivoted_b;
+  bool kept = km_partition_refactor(&f.p, stored(&f.p));
+  assert_int_equal(km_partition_refactor(&f.q, stored(&f.q)), kept);
+  for (int k = 0; k < km_partition_freedom(&f.p); ++k) {
+    const double *b = km_partition_b(&f.p, k), *other = km_partition_b(&f.q, k);
+    for (int n = 0; n < f.p.rank; ++n)
+      assert_true(b[n] == other[n]);
+  }
+}
+
+/* J x = rhs in rows list[0 … count-1]. */
+static void check_rows(const int *list, int count, const double *x, const double *rhs, double tolerance) {
+  for (int k = 0; k < count; ++k) {
+    double sum = 0.0;
+    for (int c = 0; c < f.columns; ++c)
+      sum += f.J[c * f.rows + list[k]] * x[c];
+    assert_near(sum, rhs[list[k]], tolerance);
+  }
+}
+
+/* Mobility numbers by the rows alone are those by Z, which is made. */
+static void check_numbers(double tolerance) {
+  double numbers[MOST], by_rows[MOST];
+  int freedom = km_partition_freedom(&f.p);
+  km_partition_null(&f.p, f.D, freedom, f.Z);
+  km_mobility_numbers(f.Z, f.columns, freedom, numbers);
+  assert_true(km_partition_numbers(&f.p, stored(&f.p), f.D, by_rows));
+  for (int c = 0; c < f.columns; ++c)
+    assert_near(by_rows[c], numbers[c], tolerance);
+}
+
 /* The sparse engine on patterns with holes, against LAPACK's and against the dense one. */
 static void against_the_dense_engine(void **state) {
   (void)state;
-  static int start[MOST + 1], row[MOST * MOST];
   for (int i = 0; i < 400; ++i) {
-    fill_band(20 + index_below(50), 20 + index_below(60), start, row);
-    reserve();
-    assert_true(km_partition_reserve_sparse(&f.p, f.rows, f.columns, start, row, &f.arena));
+    open_band(50, 20, 60);
     if (i % 2)
       f.forced[index_below(f.columns)] = true;
     run_svd();
@@ -48,19 +102,7 @@ static void against_the_dense_engine(void **state) {
       check_all(&f.p, 1e-9);
     if (!(i % 2)) /* as small as complete pivoting keeps it, or nearly */
       assert_true(f.p.largest_b <= 2.0 * fmax(f.q.largest_b, 1.0));
-    assert_true(km_partition_reserve_like(&f.q, &f.p, f.rows, f.columns, &f.arena));
-    km_partition_copy_pivots(&f.q, &f.p);
-    for (int k = 0; k < f.rows * f.columns; ++k)
-      f.J[k] *= 1.0 + 1e-7 * any();
-    f.q.smallest_pivot = f.p.smallest_pivot;
-    f.q.pivoted_b = f.p.pivoted_b;
-    bool kept = km_partition_refactor(&f.p, stored(&f.p));
-    assert_int_equal(km_partition_refactor(&f.q, stored(&f.q)), kept);
-    for (int k = 0; k < km_partition_freedom(&f.p); ++k) {
-      const double *b = km_partition_b(&f.p, k), *other = km_partition_b(&f.q, k);
-      for (int n = 0; n < f.p.rank; ++n)
-        assert_true(b[n] == other[n]);
-    }
+    check_copy();
   }
 }
 
@@ -91,12 +133,9 @@ static void check_primary_rows(const km_partition *p) {
 
 static void zeros_that_fill(void **state) {
   (void)state;
-  static int start[MOST + 1], row[MOST * MOST];
   int kept = 0, refused = 0, singles = 0;
   for (int i = 0; i < 400; ++i) {
-    fill_band(20 + index_below(50), 20 + index_below(60), start, row);
-    reserve();
-    assert_true(km_partition_reserve_sparse(&f.p, f.rows, f.columns, start, row, &f.arena));
+    open_band(50, 20, 60);
     fill_zeros(0.6, false);
     run_svd();
     factor(&f.p);
@@ -104,6 +143,7 @@ static void zeros_that_fill(void **state) {
     assert_near(f.p.rank, f.svd_rank, 0.0);
     if (f.p.largest_b < 1e3)
       check_all(&f.p, 1e-9);
+    check_copy();
     fill_zeros(0.01, true);
     if (!km_partition_refactor(&f.p, stored(&f.p))) {
       ++refused;
@@ -119,12 +159,10 @@ static void zeros_that_fill(void **state) {
 /* J n = 0 for every null vector that is given by its entries; they are as many as the singular values tell. */
 static void null_vectors_by_their_entries(void **state) {
   (void)state;
-  static int start[MOST + 1], row[MOST * MOST], column[MOST];
+  int column[MOST];
   double value[MOST];
   for (int i = 0; i < 200; ++i) {
-    fill_band(20 + index_below(50), 20 + index_below(60), start, row);
-    reserve();
-    assert_true(km_partition_reserve_sparse(&f.p, f.rows, f.columns, start, row, &f.arena));
+    open_band(50, 20, 60);
     fill_zeros(0.5, false);
     run_svd();
     f.p.any_independent = true;
@@ -149,12 +187,9 @@ static void null_vectors_by_their_entries(void **state) {
 /* What is left of a step is at right angles to the null space, as by Z. */
 static void steps_without_null_vectors(void **state) {
   (void)state;
-  static int start[MOST + 1], row[MOST * MOST];
   double x[MOST], left[MOST], work[MOST];
   for (int i = 0; i < 100; ++i) {
-    fill_band(20 + index_below(20), 30 + index_below(50), start, row);
-    reserve();
-    assert_true(km_partition_reserve_sparse(&f.p, f.rows, f.columns, start, row, &f.arena));
+    open_band(20, 30, 50);
     factor(&f.p);
     int freedom = km_partition_freedom(&f.p);
     if (freedom == 0 || f.p.largest_b > 1e3)
@@ -179,21 +214,14 @@ static void steps_without_null_vectors(void **state) {
 /* Mobility numbers and least solutions by the rows alone are those by Z. */
 static void by_rows_alone(void **state) {
   (void)state;
-  static int start[MOST + 1], row[MOST * MOST];
-  double rhs[MOST], x[MOST], least[MOST], work[MOST], numbers[MOST], by_rows[MOST];
+  double rhs[MOST], x[MOST], least[MOST], work[MOST];
   for (int i = 0; i < 100; ++i) {
-    fill_band(20 + index_below(20), 30 + index_below(50), start, row);
-    reserve();
-    assert_true(km_partition_reserve_sparse(&f.p, f.rows, f.columns, start, row, &f.arena));
+    open_band(20, 30, 50);
     factor(&f.p);
     int freedom = km_partition_freedom(&f.p), rank = f.p.rank;
     if (freedom == 0 || f.p.largest_b > 1e3)
       continue;
-    km_partition_null(&f.p, f.D, freedom, f.Z);
-    km_mobility_numbers(f.Z, f.columns, freedom, numbers);
-    assert_true(km_partition_numbers(&f.p, stored(&f.p), f.D, by_rows));
-    for (int c = 0; c < f.columns; ++c)
-      assert_near(by_rows[c], numbers[c], 1e-10);
+    check_numbers(1e-10);
     for (int r = 0; r < f.rows; ++r)
       rhs[r] = any();
     km_partition_solve(&f.p, rhs, x);
@@ -202,12 +230,7 @@ static void by_rows_alone(void **state) {
     factor(&f.p);
     assert_int_equal(f.p.rank, rank);
     assert_true(km_partition_least(&f.p, stored(&f.p), f.D, freedom, rhs, least));
-    for (int k = 0; k < rank; ++k) { /* the primary rows may be others: the solution of these */
-      double sum = 0.0;
-      for (int c = 0; c < f.columns; ++c)
-        sum += f.J[c * f.rows + f.p.row[k]] * least[c];
-      assert_near(sum, rhs[f.p.row[k]], 1e-9);
-    }
+    check_rows(f.p.row, rank, least, rhs, 1e-9); /* the primary rows may be others: the solution of these */
     for (int k = 0; k < freedom; ++k) {
       double along = 0.0;
       for (int c = 0; c < f.columns; ++c)
@@ -220,7 +243,7 @@ static void by_rows_alone(void **state) {
 /* Column c has 1 in row c and 2 in the next one: to 2^-rows the columns depend on each other, and no pivot tells. Some columns
  * more: with entries in first rows, which are most of what the dependent rows are made of, they end that for the rows, in last
  * ones not. */
-static void fill_chain(int rows, int more, int *start, int *row) {
+static void fill_chain(int rows, int more) {
   int entries = 0;
   f.rows = rows;
   f.columns = rows + more;
@@ -241,13 +264,11 @@ static void fill_chain(int rows, int more, int *start, int *row) {
 /* The rows alone have the rank that the singular values tell, and as many of them are primary ones. */
 static void rows_where_no_pivot_tells(void **state) {
   (void)state;
-  static int start[MOST + 1], row[MOST * MOST];
   double rhs[MOST], least[MOST];
   int hidden = 0;
   for (int i = 0; i < 60; ++i) {
-    fill_chain(40 + index_below(15), i % 4, start, row);
-    reserve();
-    assert_true(km_partition_reserve_sparse(&f.p, f.rows, f.columns, start, row, &f.arena));
+    fill_chain(40 + index_below(15), i % 4);
+    reserve_sparse();
     run_svd();
     f.p.rows_only = true;
     factor(&f.p);
@@ -258,12 +279,7 @@ static void rows_where_no_pivot_tells(void **state) {
     double longest = 1.0;
     for (int c = 0; c < f.columns; ++c)
       longest = fmax(longest, fabs(least[c]));
-    for (int k = 0; k < f.p.rank; ++k) {
-      double sum = 0.0;
-      for (int c = 0; c < f.columns; ++c)
-        sum += f.J[c * f.rows + f.p.row[k]] * least[c];
-      assert_near(sum, rhs[f.p.row[k]], 1e-13 * longest); /* rounding of what nearly dependent rows need */
-    }
+    check_rows(f.p.row, f.p.rank, least, rhs, 1e-13 * longest); /* rounding of what nearly dependent rows need */
     f.p.sparse->waits = false;
     memset(f.p.sparse->late, 0, (size_t)f.columns * sizeof *f.p.sparse->late);
     km_sparse_eliminate(&f.p, stored(&f.p), NULL, 1e-9 * f.p.scale);
@@ -277,8 +293,7 @@ static void rows_where_no_pivot_tells(void **state) {
  * they are found by. */
 static void crowded_rows(void **state) {
   (void)state;
-  static int start[MOST + 1], row[MOST * MOST];
-  double rhs[MOST], least[MOST], numbers[MOST], found[MOST], work[MOST], step[MOST];
+  double rhs[MOST], least[MOST], work[MOST], step[MOST];
   for (int i = 0; i < 40; ++i) {
     int entries = 0, shared = 3, pairs = 20 + index_below(15);
     f.rows = pairs;
@@ -295,26 +310,16 @@ static void crowded_rows(void **state) {
         }
     }
     start[f.columns] = entries;
-    reserve();
-    assert_true(km_partition_reserve_sparse(&f.p, f.rows, f.columns, start, row, &f.arena));
+    reserve_sparse();
     factor(&f.p);
     int freedom = km_partition_freedom(&f.p);
     assert_int_equal(freedom, f.columns - f.rows);
-    km_partition_null(&f.p, f.D, freedom, f.Z);
-    km_mobility_numbers(f.Z, f.columns, freedom, numbers);
-    assert_true(km_partition_numbers(&f.p, stored(&f.p), f.D, found));
-    for (int c = 0; c < f.columns; ++c)
-      assert_near(found[c], numbers[c], 1e-11);
+    check_numbers(1e-11);
     for (int r = 0; r < f.rows; ++r)
       rhs[r] = any();
     for (int count = freedom - 1; count <= freedom; ++count) {
       assert_true(km_partition_least(&f.p, stored(&f.p), f.D, count, rhs, least));
-      for (int r = 0; r < f.rows; ++r) {
-        double sum = -rhs[r];
-        for (int c = 0; c < f.columns; ++c)
-          sum += f.J[c * f.rows + r] * least[c];
-        assert_near(sum, 0.0, 1e-9);
-      }
+      check_rows(f.p.row, f.p.rank, least, rhs, 1e-9); /* all of them */
       memcpy(step, least, sizeof step);
       assert_true(km_partition_reject_null(&f.p, stored(&f.p), f.D, count, step, work));
       for (int c = 0; c < f.columns; ++c)
