@@ -27,18 +27,40 @@ static void reserve_place(km_drive_lanes *l) {
     l->moves[i] = next;
 }
 
+/* For the programs of both kinds. */
+static void reserve_loops(km_drive_lanes *l) {
+  const km_mechanism *m = l->m;
+  km_arena *arena = &l->arena;
+  size_t loops = (size_t)m->topology.loop_count, slots = (size_t)m->largest_slots;
+  bool planar = false, spatial = false;
+  for (int p = l->sub->program_start; p < l->sub->program_start + l->sub->program_count; ++p) {
+    planar = planar || m->programs[p].planar;
+    spatial = spatial || !m->programs[p].planar;
+  }
+  l->loops = KM_ARENA_NEW(arena, km_lane_loop, loops);
+  if (planar) {
+    l->steps = KM_ARENA_NEW(arena, km_lane_step, (size_t)m->planar_step_count);
+    l->planar_loops = KM_ARENA_NEW(arena, km_lane_planar_loop, loops);
+    l->slots = KM_ARENA_NEW(arena, km_lane_slot, slots);
+    l->h = KM_ARENA_NEW(arena, km_lane_column, (size_t)m->twist_count);
+  }
+  if (spatial) {
+    l->space_steps = KM_ARENA_NEW(arena, km_lane_space_step, (size_t)m->step_count);
+    l->space_loops = KM_ARENA_NEW(arena, km_lane_space_loop, loops);
+    l->poses = KM_ARENA_NEW(arena, km_lane_pose, slots);
+    l->twists = KM_ARENA_NEW(arena, km_lane_twist, (size_t)m->step_count);
+  }
+}
+
 static bool reserve(km_drive_lanes *l) {
   const km_mechanism *m = l->m;
   km_arena *arena = &l->arena;
   int columns = l->sub->columns, rows = l->sub->rows;
   l->is_length = KM_ARENA_NEW(arena, bool, (size_t)columns);
   l->is_limited = KM_ARENA_NEW(arena, bool, (size_t)columns);
-  l->steps = KM_ARENA_NEW(arena, km_lane_step, (size_t)m->planar_step_count);
-  l->loops = KM_ARENA_NEW(arena, km_lane_loop, (size_t)m->topology.loop_count);
+  reserve_loops(l);
   l->entries = KM_ARENA_NEW(arena, km_lane_entry, (size_t)m->entry_count + 1);
   l->couplings = KM_ARENA_NEW(arena, km_lane_coupling, (size_t)m->coupling_count + 1);
-  l->slots = KM_ARENA_NEW(arena, km_lane_slot, (size_t)m->largest_slots);
-  l->h = KM_ARENA_NEW(arena, km_lane_column, (size_t)m->twist_count);
   l->coefficients = numbers(arena, m->term_count);
   l->term_unit = numbers(arena, m->term_count);
   l->J = numbers(arena, rows * columns);

@@ -3,10 +3,7 @@
 
 #include <string.h>
 
-static bool same_steps(const km_mechanism *a, const km_mechanism *b, const km_program *p, const km_program *q) {
-  if (p->step_count != q->step_count || p->loop_count != q->loop_count || p->step_start != q->step_start ||
-      p->loop_start != q->loop_start || p->twist_start != q->twist_start)
-    return false;
+static bool same_planar_steps(const km_mechanism *a, const km_mechanism *b, const km_program *p) {
   for (int i = p->step_start; i < p->step_start + p->step_count; ++i) {
     const km_planar_step *x = &a->planar_steps[i], *y = &b->planar_steps[i];
     if (x->slides != y->slides || x->coordinate != y->coordinate || x->sign != y->sign || x->from != y->from ||
@@ -14,6 +11,24 @@ static bool same_steps(const km_mechanism *a, const km_mechanism *b, const km_pr
       return false;
   }
   return true;
+}
+
+static bool same_space_steps(const km_mechanism *a, const km_mechanism *b, const km_program *p) {
+  for (int i = p->step_start; i < p->step_start + p->step_count; ++i) {
+    const km_step *x = &a->steps[i], *y = &b->steps[i];
+    if (x->primitive != y->primitive || x->axis != y->axis || x->coordinate != y->coordinate || x->sign != y->sign ||
+        x->from != y->from || x->to != y->to || x->turned != y->turned)
+      return false;
+  }
+  return true;
+}
+
+static bool same_program(const km_mechanism *a, const km_mechanism *b, int index) {
+  const km_program *p = &a->programs[index], *q = &b->programs[index];
+  if (p->planar != q->planar || p->step_count != q->step_count || p->loop_count != q->loop_count ||
+      p->step_start != q->step_start || p->loop_start != q->loop_start || p->twist_start != q->twist_start)
+    return false;
+  return p->planar ? same_planar_steps(a, b, p) : same_space_steps(a, b, p);
 }
 
 static bool same_loop(const km_mechanism *a, const km_mechanism *b, int l) {
@@ -58,7 +73,7 @@ bool km_lanes_same_structure(const km_drive *d, const km_drive *e) {
       s->coupling_count != t->coupling_count || t->pattern.start)
     return false;
   for (int p = s->program_start; p < s->program_start + s->program_count; ++p)
-    if (!b->programs[p].planar || !same_steps(a, b, &a->programs[p], &b->programs[p]))
+    if (!same_program(a, b, p))
       return false;
   for (int i = s->loop_start; i < s->loop_start + s->loop_count; ++i)
     if (a->loop_order[i] != b->loop_order[i] || !same_loop(a, b, a->loop_order[i]))
@@ -80,39 +95,70 @@ bool km_lanes_fit(const km_drive *d) {
   return !sub->pattern.start && km_lanes_same_structure(d, d);
 }
 
-static void take_steps(km_drive_lanes *l, const km_mechanism *m, int i) {
-  for (int p = l->sub->program_start; p < l->sub->program_start + l->sub->program_count; ++p) {
-    const km_program *program = &m->programs[p];
-    for (int k = program->step_start; k < program->step_start + program->step_count; ++k) {
-      const km_planar_step *step = &m->planar_steps[k];
-      l->steps[k].x.of[i] = step->x;
-      l->steps[k].y.of[i] = step->y;
-      l->steps[k].ux.of[i] = step->ux;
-      l->steps[k].uy.of[i] = step->uy;
-    }
+static void take_vec3(km_lane_vec3 *to, km_vec3 a, int i) {
+  to->x.of[i] = a.x;
+  to->y.of[i] = a.y;
+  to->z.of[i] = a.z;
+}
+
+static void take_pose(km_lane_pose *to, const km_pose *X, int i) {
+  for (int k = 0; k < 3; ++k)
+    take_vec3(&to->axis[k], X->R.axis[k], i);
+  take_vec3(&to->p, X->p, i);
+}
+
+static void take_planar_step(km_lane_step *to, const km_planar_step *step, int i) {
+  to->x.of[i] = step->x;
+  to->y.of[i] = step->y;
+  to->ux.of[i] = step->ux;
+  to->uy.of[i] = step->uy;
+}
+
+static void take_space_step(km_lane_space_step *to, const km_step *step, int i) {
+  take_pose(&to->before, &step->before, i);
+  to->pitch.of[i] = step->pitch;
+}
+
+static void take_planar_loop(km_drive_lanes *l, int index, const km_loop *loop, int i) {
+  km_lane_planar_loop *to = &l->planar_loops[index];
+  km_lane_twist *misfit = &l->loops[index].misfit;
+  for (int a = 0; a < 2; ++a) {
+    to->close[0][a].of[i] = loop->planar_close[0][a];
+    to->close[1][a].of[i] = loop->planar_close[1][a];
+    to->apart[a].of[i] = loop->planar_apart[a];
+    to->point[a].of[i] = loop->planar_point[a];
+  }
+  to->turn.of[i] = loop->planar_turn;
+  misfit->v.z.of[i] = loop->fixed_misfit[2];
+  misfit->w.x.of[i] = loop->fixed_misfit[3];
+  misfit->w.y.of[i] = loop->fixed_misfit[4];
+}
+
+static void take_space_loop(km_lane_space_loop *to, const km_loop *loop, int i) {
+  for (int a = 0; a < 2; ++a)
+    take_pose(&to->close[a], &loop->close[a], i);
+  take_vec3(&to->apart, loop->apart, i);
+  take_vec3(&to->point, loop->point[0], i);
+}
+
+static void take_program(km_drive_lanes *l, const km_mechanism *m, const km_program *program, int i) {
+  for (int k = program->step_start; k < program->step_start + program->step_count; ++k)
+    if (program->planar)
+      take_planar_step(&l->steps[k], &m->planar_steps[k], i);
+    else
+      take_space_step(&l->space_steps[k], &m->steps[k], i);
+  for (int k = program->loop_start; k < program->loop_start + program->loop_count; ++k) {
+    int index = m->loop_order[k];
+    if (program->planar)
+      take_planar_loop(l, index, &m->loops[index], i);
+    else
+      take_space_loop(&l->space_loops[index], &m->loops[index], i);
   }
 }
 
-static void take_loops(km_drive_lanes *l, const km_mechanism *m, int i) {
-  for (int k = 0; k < l->sub->loop_count; ++k) {
-    int index = m->loop_order[l->sub->loop_start + k];
-    const km_loop *loop = &m->loops[index];
-    km_lane_loop *to = &l->loops[index];
-    for (int a = 0; a < 2; ++a) {
-      to->close[0][a].of[i] = loop->planar_close[0][a];
-      to->close[1][a].of[i] = loop->planar_close[1][a];
-      to->apart[a].of[i] = loop->planar_apart[a];
-      to->point[a].of[i] = loop->planar_point[a];
-    }
-    for (int a = 0; a < 3; ++a)
-      to->fixed[a].of[i] = loop->fixed_misfit[2 + a];
-    to->turn.of[i] = loop->planar_turn;
-  }
-}
-
-/* Places of the rows x, y, turn behind `start`, `stride` doubles apart; `none` for one that is no row of the loop. */
+/* Places of the rows behind `start`; `none` for one that is no row of the loop. */
 static void place_rows(const km_loop *loop, int start, int none, int *place) {
-  for (int a = 0; a < 3; ++a)
+  for (int a = 0; a < 6; ++a)
     place[a] = none * KM_DRIVE_LANES;
   for (int r = 0; r < loop->lambda; ++r)
     place[loop->rows[r]] = (start + r) * KM_DRIVE_LANES;
@@ -132,8 +178,9 @@ static void mark_still(km_drive_lanes *l, const km_program *program) {
 
 void km_lanes_take_structure(km_drive_lanes *l) {
   const km_mechanism *m = l->m;
-  if (l->sub->program_count == 1) /* several take the same slots in turn */
-    mark_still(l, &m->programs[l->sub->program_start]);
+  const km_program *program = &m->programs[l->sub->program_start];
+  if (l->sub->program_count == 1 && program->planar) /* several take the same slots in turn */
+    mark_still(l, program);
   for (int k = 0; k < l->sub->loop_count; ++k) {
     int index = m->loop_order[l->sub->loop_start + k];
     const km_loop *loop = &m->loops[index];
@@ -163,8 +210,8 @@ void km_lanes_take_numbers(km_drive_lanes *l, int i) {
   const km_drive *d = l->drives[i];
   const km_mechanism *m = d->c.mechanism;
   const km_substructure *sub = km_drive_driven(d);
-  take_steps(l, m, i);
-  take_loops(l, m, i);
+  for (int p = sub->program_start; p < sub->program_start + sub->program_count; ++p)
+    take_program(l, m, &m->programs[p], i);
   take_couplings(l, m, i);
   for (int k = 0; k < sub->columns; ++k) {
     int c = m->column_coordinate[sub->column_start + k];
@@ -175,6 +222,7 @@ void km_lanes_take_numbers(km_drive_lanes *l, int i) {
     l->is_length[k] = l->is_length[k] || m->unit[c] != 1.0;
     l->is_limited[k] = l->is_limited[k] || (!d->c.ignore_limits && (isfinite(m->low[c]) || isfinite(m->high[c])));
   }
+  l->size.of[i] = sub->size;
   l->inverse_size.of[i] = 1.0 / sub->size;
   l->factor.of[i] = km_drive_factor(d);
   l->closure_tolerance.of[i] = m->closure_tolerance;

@@ -10,22 +10,47 @@ typedef struct km_lanes_number {
   double of[KM_DRIVE_LANES];
 } km_lanes_number;
 
+/* Vectors, poses and twists of every lane. */
+typedef struct km_lane_vec3 {
+  km_lanes_number x, y, z;
+} km_lane_vec3;
+typedef struct km_lane_pose {
+  km_lane_vec3 axis[3], p; /* see km_rotation */
+} km_lane_pose;
+typedef struct km_lane_twist {
+  km_lane_vec3 v, w;
+} km_lane_twist;
+
 /* The numbers of a planar step and of a planar loop: see km_planar_step and km_loop. */
 typedef struct km_lane_step {
   km_lanes_number x, y, ux, uy;
   bool still; /* stays where it is while the loops are closed: only the driver carries it */
 } km_lane_step;
-typedef struct km_lane_loop {
-  km_lanes_number close[2][2], apart[2], point[2], turn, fixed[3]; /* fixed: v z, w x, w y */
-  km_lanes_number misfit[3];                                       /* as (x, y, turn) */
+typedef struct km_lane_planar_loop {
+  km_lanes_number close[2][2], apart[2], point[2], turn;
   km_lanes_number origin[2][2]; /* the point of its rows, in x and y, from each of the two origins */
-  int row[3];                   /* places of the rows x, y, turn in `error`; behind its end if they are none */
+} km_lane_planar_loop;
+/* The same in space: see km_step and km_loop. */
+typedef struct km_lane_space_step {
+  km_lane_pose before;
+  km_lanes_number pitch;
+} km_lane_space_step;
+typedef struct km_lane_space_loop {
+  km_lane_pose close[2];
+  km_lane_vec3 apart, point;
+  km_lane_vec3 origin[2]; /* the point of its rows from each of the two origins */
+} km_lane_space_loop;
+/* What every loop has. row: places of its rows in `error`, v x y z, w x y z, or in a plane x, y, turn; behind its end if they
+ * are none. */
+typedef struct km_lane_loop {
+  km_lane_twist misfit;
+  int row[6];
 } km_lane_loop;
-/* See km_entry. at: places of the rows x, y, turn in J; behind its end if they are none. */
+/* See km_entry. at: places of the rows in J, as above; behind its end if they are none. */
 typedef struct km_lane_entry {
   int step;
   double side;
-  int at[3];
+  int at[6];
 } km_lane_entry;
 typedef struct km_lane_coupling {
   km_lanes_number constant;
@@ -65,13 +90,16 @@ struct km_drive_lanes {
   bool *is_limited;       /* [columns] in some lane */
 
   /* Numbers of the mechanisms. */
-  km_lane_step *steps; /* [planar steps of the mechanism] */
-  km_lane_loop *loops; /* [loop] */
+  km_lane_step *steps;             /* [planar steps of the mechanism] */
+  km_lane_space_step *space_steps; /* [other steps] */
+  km_lane_loop *loops;             /* [loop], and so are the next two, for those of their kind: */
+  km_lane_planar_loop *planar_loops;
+  km_lane_space_loop *space_loops;
   km_lane_entry *entries;
   km_lane_coupling *couplings;
-  km_lanes_number *coefficients, *term_unit;                                /* [term] */
-  km_lanes_number *unit, *weight, *low, *high;                              /* [columns] */
-  km_lanes_number inverse_size, closure_tolerance, driver_low, driver_high; /* the driver's limits, scaled */
+  km_lanes_number *coefficients, *term_unit;                                      /* [term] */
+  km_lanes_number *unit, *weight, *low, *high;                                    /* [columns] */
+  km_lanes_number size, inverse_size, closure_tolerance, driver_low, driver_high; /* the driver's limits, scaled */
 
   /* Where the drives are. */
   km_lane_place here;
@@ -108,6 +136,8 @@ struct km_drive_lanes {
   km_lanes_number *J, *y, *inverse;          /* [rows × columns], [rows], [rank] */
   km_lane_slot *slots;
   km_lane_column *h;
+  km_lane_pose *poses;   /* of the slots of programs in space */
+  km_lane_twist *twists; /* [steps in space] */
 };
 
 /* Do the mechanisms of two drives differ in numbers only, in the substructure that moves? And are lanes for it at all? */

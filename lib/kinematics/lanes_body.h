@@ -8,8 +8,11 @@
 #include "kinematics/lane_store.h"
 #include "kinematics/loops.h"
 #include "spatial/sincos.h"
+#include "spatial/twist.h"
 
 #include "kinematics/lanes_arithmetic_body.h"
+#include "kinematics/lanes_space_body.h"
+
 #include "kinematics/lanes_loops_body.h"
 
 #include "kinematics/lanes_closure_body.h" /* on both */

@@ -1,4 +1,4 @@
-/* Loop errors and Jacobians of several drives in vectors: a part of lanes_body.h. */
+/* Loop errors and Jacobians of several drives in vectors, in a plane and as a whole: a part of lanes_body.h. */
 
 /* planar_steps of loops.c; `again`: only Newton has moved since the last time. Clears the lanes whose angles are too large for
  * the sines. */
@@ -62,7 +62,8 @@ static inline vector wrapped(vector angle) {
 /* planar_error of loops.c. Clears the lanes whose misfit is large. */
 static inline void find_misfit(km_drive_lanes *l, int index, mask *fit, int first, int count) {
   const km_loop *loop = &l->m->loops[index];
-  km_lane_loop *n = &l->loops[index];
+  km_lane_planar_loop *n = &l->planar_loops[index];
+  km_lane_loop *out = &l->loops[index];
   const km_lane_slot *a = &l->slots[loop->slot[0]], *b = &l->slots[loop->slot[1]];
   double *error = l->error->of;
   bool local = loop->local;
@@ -74,7 +75,7 @@ static inline void find_misfit(km_drive_lanes *l, int index, mask *fit, int firs
     vector apart_x = GET(n->apart[0]), apart_y = GET(n->apart[1]);
     vector dx = ax - bx - apart_x, dy = ay - by - apart_y;
     vector turn = wrapped(GET(a->angle) - GET(b->angle) + GET(n->turn));
-    fit[r] &= below(size_of(turn), all(KM_SMALL_MISFIT));
+    fit[r] &= below(size_of(turn), all(KM_SERIES_TURN));
     vector t2 = turn * turn, t4 = t2 * t2;
     vector cosine = 1.0 - 0.5 * t2 + t4 * (1.0 / 24.0);
     vector sine = turn * (1.0 - t2 * (1.0 / 6.0) + t4 * (1.0 / 120.0));
@@ -86,19 +87,19 @@ static inline void find_misfit(km_drive_lanes *l, int index, mask *fit, int firs
     PUT(n->origin[0][1], oy);
     PUT(n->origin[1][0], ox - apart_x);
     PUT(n->origin[1][1], oy - apart_y);
-    PUT(n->misfit[0], ex);
-    PUT(n->misfit[1], ey);
-    PUT(n->misfit[2], turn);
-    put(error + n->row[0] + AT(r), ex - turn * (oy - ay));
-    put(error + n->row[1] + AT(r), ey + turn * (ox - ax));
-    put(error + n->row[2] + AT(r), turn);
+    PUT(out->misfit.v.x, ex);
+    PUT(out->misfit.v.y, ey);
+    PUT(out->misfit.w.z, turn);
+    put(error + out->row[0] + AT(r), ex - turn * (oy - ay));
+    put(error + out->row[1] + AT(r), ey + turn * (ox - ax));
+    put(error + out->row[2] + AT(r), turn);
   }
 }
 
 /* The loop's entries of J; planar_loop of loops.c. */
 static inline void set_entries(km_drive_lanes *l, int index, const km_lane_column *h, int first, int count) {
   const km_loop *loop = &l->m->loops[index];
-  const km_lane_loop *n = &l->loops[index];
+  const km_lane_planar_loop *n = &l->planar_loops[index];
   double *J = l->J->of;
   for (int i = 0; i < loop->entry_count; ++i) {
     const km_lane_entry *entry = &l->entries[loop->entry_start + i];
@@ -116,9 +117,8 @@ static inline void set_entries(km_drive_lanes *l, int index, const km_lane_colum
 
 /* Six times the square of a loop's residual. */
 static inline vector loop_square(const km_lane_loop *n, int r, int first) {
-  vector ex = GET(n->misfit[0]), ey = GET(n->misfit[1]), turn = GET(n->misfit[2]);
-  vector vz = GET(n->fixed[0]), wx = GET(n->fixed[1]), wy = GET(n->fixed[2]);
-  return ex * ex + ey * ey + vz * vz + (wx * wx + wy * wy + turn * turn);
+  lanes_vec v = get_vec(&n->misfit.v, AT(r)), w = get_vec(&n->misfit.w, AT(r));
+  return lanes_dot(v, v) + lanes_dot(w, w);
 }
 
 /* The error of a coupling, and its entries of J. */
@@ -139,6 +139,16 @@ static inline void set_coupling(km_drive_lanes *l, int index, vector *square, ma
   }
 }
 
+static inline void update_planar(km_drive_lanes *l, const km_program *program, bool again, mask *fit, int first,
+                                 int count) {
+  steps(l, program, again, fit, first, count);
+  for (int i = 0; i < program->loop_count; ++i) {
+    int index = l->m->loop_order[program->loop_start + i];
+    find_misfit(l, index, fit, first, count);
+    set_entries(l, index, l->h + program->twist_start, first, count);
+  }
+}
+
 /* km_loops_update, and six times the square of km_loops_residual. Clears the lanes that the formulas aren't good for. */
 static inline void update(km_drive_lanes *l, bool again, vector *square, mask *fit, int first, int count) {
   const km_mechanism *m = l->m;
@@ -151,16 +161,17 @@ static inline void update(km_drive_lanes *l, bool again, vector *square, mask *f
   }
   for (int p = 0; p < l->sub->program_count; ++p) {
     const km_program *program = &m->programs[l->sub->program_start + p];
-    steps(l, program, again, fit, first, count);
-    for (int i = 0; i < program->loop_count; ++i) {
-      int index = m->loop_order[program->loop_start + i];
-      find_misfit(l, index, fit, first, count);
-      set_entries(l, index, l->h + program->twist_start, first, count);
-      EACH(r) {
-        vector sum = loop_square(&l->loops[index], r, first);
-        fit[r] &= is_finite(sum);
-        square[r] = larger(sum, square[r]);
-      }
+    if (program->planar)
+      update_planar(l, program, again, fit, first, count);
+    else
+      update_spatial(l, program, fit, first, count);
+  }
+  for (int i = 0; i < l->sub->loop_count; ++i) {
+    const km_lane_loop *loop = &l->loops[m->loop_order[l->sub->loop_start + i]];
+    EACH(r) {
+      vector sum = loop_square(loop, r, first);
+      fit[r] &= is_finite(sum);
+      square[r] = larger(sum, square[r]);
     }
   }
   for (int i = 0; i < l->sub->coupling_count; ++i)

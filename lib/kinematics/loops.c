@@ -50,7 +50,7 @@ static km_vec3 planar_error(const km_loop *loop, const km_planar_pose *slot, dou
   place[0] = ax;
   place[1] = ay;
   double cosine, sine, alpha;
-  if (fabs(turn) < KM_SMALL_MISFIT) { /* series good to 1e-16 */
+  if (fabs(turn) < KM_SERIES_TURN) {
     double t2 = turn * turn, t4 = t2 * t2;
     cosine = 1.0 - 0.5 * t2 + t4 * (1.0 / 24.0);
     sine = turn * (1.0 - t2 * (1.0 / 6.0) + t4 * (1.0 / 120.0));

@@ -4,9 +4,6 @@
 
 #include "kinematics/state.h"
 
-/* Turns below this have a series. */
-#define KM_SMALL_MISFIT 1e-3
-
 /* At the state's coordinates: error screws e = log(X_a X_b⁻¹) of every loop (misfit), their independent rows
  * and the couplings' (error), and J (jacobian) with ė = J q̇ near e = 0; (163). Rows in each loop's motion space
  * about a point of the loop, lengths over the substructure's size. No allocation; O(steps + entries of J). */

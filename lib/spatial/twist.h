@@ -32,13 +32,23 @@ static inline km_twist km_twist_bracket(km_twist a, km_twist b) {
   return (km_twist){km_vec3_add(km_vec3_cross(a.w, b.v), km_vec3_cross(a.v, b.w)), km_vec3_cross(a.w, b.w)};
 }
 
-/* log of a displacement: the constant twist that produces it in unit time. */
+/* Turns below this have series that are good to 1e-16. */
+#define KM_SERIES_TURN 1e-3
+
+/* log of a displacement: the constant twist that produces it in unit time. The loops that are being closed have small ones. */
 static inline km_twist km_twist_log(const km_pose *x) {
-  km_vec3 w = km_quaternion_log(km_rotation_quaternion(&x->R));
-  double angle2 = km_vec3_dot(w, w), angle = sqrt(angle2);
-  /* v = p − ½ ω×p + c ω×(ω×p), c = (1 − (θ/2) cot(θ/2)) / θ² */
-  double c =
-      angle < 1e-3 ? 1.0 / 12.0 + angle2 / 720.0 : (1.0 - 0.5 * angle * cos(0.5 * angle) / sin(0.5 * angle)) / angle2;
+  const km_vec3 *a = x->R.axis;
+  /* sin θ times the unit vector of the turn, from the part of R that changes its sign when R is transposed */
+  km_vec3 w = {0.5 * (a[1].z - a[2].y), 0.5 * (a[2].x - a[0].z), 0.5 * (a[0].y - a[1].x)};
+  double sine2 = km_vec3_dot(w, w), c; /* v = p − ½ ω×p + c ω×(ω×p), c = (1 − (θ/2) cot(θ/2)) / θ² */
+  if (sine2 < KM_SERIES_TURN * KM_SERIES_TURN && a[0].x + a[1].y + a[2].z > 2.0) {
+    w = km_vec3_scale(1.0 + sine2 * (1.0 / 6.0) + sine2 * sine2 * (3.0 / 40.0), w);
+    c = 1.0 / 12.0 + km_vec3_dot(w, w) * (1.0 / 720.0);
+  } else {
+    w = km_quaternion_log(km_rotation_quaternion(&x->R));
+    double angle2 = km_vec3_dot(w, w), angle = sqrt(angle2);
+    c = (1.0 - 0.5 * angle * cos(0.5 * angle) / sin(0.5 * angle)) / angle2;
+  }
   km_vec3 wp = km_vec3_cross(w, x->p);
   return (km_twist){km_vec3_axpy(c, km_vec3_cross(w, wp), km_vec3_axpy(-0.5, wp, x->p)), w};
 }

@@ -98,4 +98,5 @@ void bench_lanes(void) {
   measure("slider_crank", "A", 2.0 * M_PI);
   measure("excavator", "M", 0.55);
   measure("klann", "A", 2.0 * M_PI);
+  measure("bennett", "A", 2.0 * M_PI);
 }

@@ -1,6 +1,6 @@
 /* Drives side by side have the bits of drives that go alone: where they ride in vectors, where they leave for a limit, a
  * dead point or new pivots, and whatever goes beside them. */
-#include "support/support.h"
+#include "support/linkages.h"
 
 #include "analysis/mobility.h"
 #include "analysis/observers.h"
@@ -20,9 +20,37 @@ typedef struct design {
   double from, to;
 } design;
 
+/* One loop in space of hinges, slides and a screw, each seed with axes a little different. */
+static const char space_loop[] = "a loop in space";
+
+static fixture open_space_loop(uint64_t seed) {
+  enum { AXES = 7, SCREW = 5 };
+  randomness shape = {77}, own = {seed};
+  km_vec3 at[AXES], along[AXES];
+  for (int j = 0; j < AXES; ++j) {
+    km_vec3 direction = random_direction(&shape);
+    at[j] = km_vec3_axpy(0.01, random_point(&own), random_point(&shape));
+    along[j] = km_vec3_axpy(0.01, random_point(&own), direction);
+    along[j] = km_vec3_scale(1.0 / km_vec3_norm(along[j]), along[j]);
+  }
+  linkage l = hinged_loop(at, along, AXES);
+  l.joint[2].slides = l.joint[4].slides = true;
+  char *text = linkage_text(&l, (writing){.size = 1.0}, &own), *type = strstr(text, "\"J5\", \"type\": \"Rz\"");
+  assert_non_null(type);
+  km_text out = {0};
+  km_text_format(&out, "%.*s\"J%d\", \"type\": \"screw\", \"pitch\": %.17g%s", (int)(type - text), text, SCREW,
+                 uniform(&own, 0.1, 0.11), strchr(type, 'R') + 3);
+  fixture f = fixture_read(out.data);
+  km_text_free(&out);
+  km_free(text);
+  return f;
+}
+
 static design open_design(const char *name, uint64_t seed, bool ignore_limits) {
-  design d = {.f = fixture_open_variant(name, seed)};
+  design d = {.f = name == space_loop ? open_space_loop(seed) : fixture_open_variant(name, seed)};
   km_sweep_plan plan = km_sweep_plan_default(d.f.model);
+  if (name == space_loop)
+    plan = (km_sweep_plan){.coordinate = 0, .from = 0.0, .to = 0.3};
   d.from = plan.from;
   d.to = plan.to;
   assert_int_equal(km_drive_create(d.f.mechanism, d.f.state, plan.coordinate, ignore_limits, &d.drive, NULL), KM_OK);
@@ -164,6 +192,16 @@ static void any_number(void **state) {
   assert_true(compare("excavator", KM_DRIVE_LANES, 0, false, ROWS, false) > KM_DRIVE_LANES * ROWS / 2);
 }
 
+/* Loops in space ride too. */
+static void in_space(void **state) {
+  (void)state;
+  assert_true(compare(space_loop, KM_DRIVE_LANES, 1, false, ROWS, false) > KM_DRIVE_LANES * ROWS / 2);
+  assert_true(compare(space_loop, 5, 20, true, ROWS / 4, true) > 5 * ROWS / 8);
+  static const char *const names[] = {"bennett", "bricard", "sarrus3"};
+  for (size_t k = 0; k < sizeof names / sizeof *names; ++k)
+    assert_true(compare(names[k], KM_DRIVE_LANES, 0, false, ROWS, false) > KM_DRIVE_LANES * ROWS / 2);
+}
+
 /* Places near a row that lanes visit: the rates of a drive that goes there alone and comes back; and nothing has changed for
  * the rows that follow. */
 static void compare_visits(const char *name) {
@@ -294,7 +332,8 @@ static void too_far(void **state) {
 }
 
 int main(void) {
-  const struct CMUnitTest tests[] = {cmocka_unit_test(as_alone), cmocka_unit_test(any_number), cmocka_unit_test(visits),
+  const struct CMUnitTest tests[] = {cmocka_unit_test(as_alone),        cmocka_unit_test(any_number),
+                                     cmocka_unit_test(in_space),        cmocka_unit_test(visits),
                                      cmocka_unit_test(sweeps_as_alone), cmocka_unit_test(too_far)};
   return cmocka_run_group_tests(tests, NULL, NULL);
 }

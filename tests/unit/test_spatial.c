@@ -57,6 +57,29 @@ static void twist_logarithm_is_the_constant_twist(void **state) {
   }
 }
 
+/* Around the turn below which the logarithm is a series: exp by its own series, p = Σ ad(ω)ⁿ v / (n + 1)!, whose seventh term is
+ * 1e-22 of the first. */
+static void small_turns_have_the_same_logarithm(void **state) {
+  (void)state;
+  randomness r = {29};
+  static const double sizes[] = {1e-9, 1e-5, 0.5e-3, 0.999e-3, 1.001e-3, 2e-3};
+  for (size_t k = 0; k < sizeof sizes / sizeof *sizes; ++k)
+    for (int i = 0; i < 50; ++i) {
+      km_vec3 w = random_vector(&r, 1.0), v = random_vector(&r, 1.0), term = v;
+      w = km_vec3_scale(sizes[k] / km_vec3_norm(w), w);
+      km_pose x = {km_quaternion_rotation(km_quaternion_exp(w)), v};
+      double factorial = 1.0;
+      for (int n = 1; n < 7; ++n) {
+        term = km_vec3_cross(w, term);
+        factorial *= n + 1;
+        x.p = km_vec3_axpy(1.0 / factorial, term, x.p);
+      }
+      km_twist log = km_twist_log(&x);
+      assert_vectors(log.w, w, 4e-16); /* an entry of R has an error of 2⁻⁵³ */
+      assert_vectors(log.v, v, 4e-15); /* |v| is less than 2, and ω × p is of rounding's size */
+    }
+}
+
 static void adjoint_respects_composition_and_bracket(void **state) {
   (void)state;
   randomness r = {17};
@@ -78,6 +101,7 @@ static void adjoint_respects_composition_and_bracket(void **state) {
 int main(void) {
   const struct CMUnitTest tests[] = {
       cmocka_unit_test(quaternions_and_logarithms),
+      cmocka_unit_test(small_turns_have_the_same_logarithm),
       cmocka_unit_test(rotation_vectors_are_continuous),
       cmocka_unit_test(twist_logarithm_is_the_constant_twist),
       cmocka_unit_test(adjoint_respects_composition_and_bracket),
