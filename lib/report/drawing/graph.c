@@ -8,6 +8,10 @@
 
 static const char held_colour[] = "#808080";
 
+/* Joints beyond which graphviz is told to improve its layout less: its time grows with their number by itself, and with that of
+ * the improvements. */
+enum { MANY_JOINTS = 300 };
+
 /* Text inside a quoted string that graphviz shows as a label: it undoes backslashes and XML's entities there.
  * Control characters, which XML can't hold, become their pictures. */
 static void add_label(const char *text, km_text *out) {
@@ -141,6 +145,8 @@ void km_graph_write(const km_mechanism *mechanism, const char *title, km_text *o
                    "  graph [fontname=\"DejaVu Sans\" fontsize=11 nodesep=0.35 ranksep=0.6 labelloc=t];\n"
                    "  node [fontname=\"DejaVu Sans\" fontsize=11 shape=ellipse margin=\"0.08,0.04\"];\n"
                    "  edge [fontname=\"DejaVu Sans\" fontsize=10 penwidth=1.5];\n");
+  if (mechanism->topology.joint_count > MANY_JOINTS)
+    km_text_add(out, "  graph [nslimit=0.1 nslimit1=0.1 mclimit=0.2];\n");
   add_title(mechanism, title, out);
   add_bodies(mechanism, out);
   add_arcs(mechanism, out);

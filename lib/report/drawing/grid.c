@@ -47,7 +47,6 @@ bool km_grid_make(km_grid *g, km_rectangle place, double cell, const km_rectangl
   int cells = g->columns * g->rows;
   g->first = KM_ARENA_NEW(arena, int, (size_t)cells + 2);
   g->seen = KM_ARENA_NEW(arena, unsigned, count);
-  g->found = KM_ARENA_NEW(arena, int, count);
   if (arena->failed)
     return false;
   count_cells(g, frames, count);
@@ -60,16 +59,42 @@ bool km_grid_make(km_grid *g, km_rectangle place, double cell, const km_rectangl
   return true;
 }
 
-int km_grid_find(km_grid *g, km_rectangle frame) {
+static void enter_cell(km_grid *g) {
+  int cell = g->row * g->columns + g->column;
+  g->next = g->first[cell];
+  g->end = g->first[cell + 1];
+}
+
+void km_grid_ask(km_grid *g, km_rectangle frame) {
   span s = cells_of(g, &frame);
-  int count = 0;
+  g->left_cell = g->column = s.left;
+  g->right_cell = s.right;
+  g->bottom_cell = s.bottom;
+  g->row = s.top;
   g->question++;
-  for (int row = s.top; row <= s.bottom; ++row)
-    for (int column = s.left; column <= s.right; ++column)
-      for (int i = g->first[row * g->columns + column]; i < g->first[row * g->columns + column + 1]; ++i)
-        if (g->seen[g->item[i]] != g->question) {
-          g->seen[g->item[i]] = g->question;
-          g->found[count++] = g->item[i];
-        }
-  return count;
+  enter_cell(g);
+}
+
+/* False behind the last one. */
+static bool next_cell(km_grid *g) {
+  bool ends = g->column == g->right_cell;
+  g->column = ends ? g->left_cell : g->column + 1;
+  g->row += ends;
+  if (g->row > g->bottom_cell)
+    return false;
+  enter_cell(g);
+  return true;
+}
+
+int km_grid_next(km_grid *g) {
+  do {
+    while (g->next < g->end) {
+      int item = g->item[g->next++];
+      if (g->seen[item] != g->question) {
+        g->seen[item] = g->question;
+        return item;
+      }
+    }
+  } while (next_cell(g));
+  return -1;
 }

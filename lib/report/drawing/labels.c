@@ -13,6 +13,7 @@ typedef struct obstacle {
   km_spot a, b;
   double reach;
   bool symbol;
+  double length;
 } obstacle;
 
 /* A label that has a place: is there a leader to its spot, and where does it end? */
@@ -31,8 +32,10 @@ typedef struct board {
   placed_label *placed; /* [placed_count] */
   size_t placed_count;
   km_rectangle place;
-  double em;    /* size of the letters */
-  double worst; /* what a place may cost at most: a name that finds none is left out */
+  unsigned changes; /* of places, so far */
+  unsigned *looked; /* [count] the changes when a label last looked for a place */
+  double em;        /* size of the letters */
+  double worst;     /* what a place may cost at most: a name that finds none is left out */
 } board;
 
 /* Ground lies beside the spots of its item. */
@@ -41,7 +44,7 @@ static void add_ground(board *b, const km_item *item, double radius) {
   km_spot away = rail ? km_rail_side(item) : item->axis[0];
   double off = rail ? 2.0 * radius : 2.4 * radius;
   obstacle *o = &b->obstacles[b->obstacle_count++];
-  *o = (obstacle){item->spots[0], item->spots[item->count - 1], rail ? 1.6 * radius : 2.3 * radius, true};
+  *o = (obstacle){item->spots[0], item->spots[item->count - 1], rail ? 1.6 * radius : 2.3 * radius, true, 0.0};
   o->a.x += off * away.x;
   o->a.y += off * away.y;
   o->b.x += off * away.x;
@@ -53,7 +56,7 @@ static void add_edges(board *b, const km_item *item) {
   int edges = item->count > 2 ? item->count : 1;
   for (int i = 0; i < edges; ++i)
     b->obstacles[b->obstacle_count++] =
-        (obstacle){item->spots[i], item->spots[(i + 1) % item->count], item->reach, symbol};
+        (obstacle){item->spots[i], item->spots[(i + 1) % item->count], item->reach, symbol, 0.0};
 }
 
 enum { TRACE_STEPS = 48 };
@@ -62,13 +65,13 @@ static void add_trace(board *b, const km_projection *view, const km_drawing_trac
   for (size_t i = 0; i < TRACE_STEPS && trace->count; ++i) {
     size_t from = i * (trace->count - 1) / TRACE_STEPS, to = (i + 1) * (trace->count - 1) / TRACE_STEPS;
     b->obstacles[b->obstacle_count++] =
-        (obstacle){km_project(view, trace->points[from]), km_project(view, trace->points[to]), 0.5, false};
+        (obstacle){km_project(view, trace->points[from]), km_project(view, trace->points[to]), 0.5, false, 0.0};
   }
 }
 
 /* The arrow that begins at a label's spot, as wide as its head. */
 static void add_arrow(board *b, const km_label *label) {
-  b->obstacles[b->obstacle_count++] = (obstacle){label->at, label->tip, 0.4 * b->em, true};
+  b->obstacles[b->obstacle_count++] = (obstacle){label->at, label->tip, 0.4 * b->em, true, 0.0};
 }
 
 static bool gather(board *b, const km_scene *scene, const km_drawing_trace *traces, size_t trace_count) {
@@ -86,7 +89,10 @@ static bool gather(board *b, const km_scene *scene, const km_drawing_trace *trac
   for (size_t i = 0; b->obstacles && i < b->count; ++i)
     if (b->labels[i].arrow)
       add_arrow(b, &b->labels[i]);
+  for (size_t i = 0; b->obstacles && i < b->obstacle_count; ++i)
+    b->obstacles[i].length = km_spot_distance(b->obstacles[i].a, b->obstacles[i].b);
   b->placed = KM_ARENA_NEW(scene->arena, placed_label, b->count);
+  b->looked = KM_ARENA_NEW(scene->arena, unsigned, b->count);
   return !scene->arena->failed;
 }
 
@@ -120,7 +126,7 @@ static bool beside(double a, double b, double low, double high) {
   return (a < low && b < low) || (a > high && b > high);
 }
 
-/* Length of a segment within a rectangle that is `reach` larger all around; negative: none. */
+/* The part of a segment that lies within a rectangle that is `reach` larger all around; negative: none. */
 static double inside(const obstacle *o, km_canvas_point box, km_canvas_point size) {
   double left = box.x - o->reach, right = box.x + size.x + o->reach;
   double top = box.y - o->reach, bottom = box.y + size.y + o->reach;
@@ -129,18 +135,18 @@ static double inside(const obstacle *o, km_canvas_point box, km_canvas_point siz
   double low = 0.0, high = 1.0;
   narrow(o->a.x, o->b.x - o->a.x, left, right, &low, &high);
   narrow(o->a.y, o->b.y - o->a.y, top, bottom, &low, &high);
-  return high < low ? -1.0 : (high - low) * km_spot_distance(o->a, o->b);
+  return high < low ? -1.0 : high - low;
 }
 
 /* Counted until it reaches `bound`. */
 static double picture_cost(board *b, km_canvas_point box, km_canvas_point size, double bound) {
   double cost = 0.0;
-  int count = km_grid_find(&b->grid, (km_rectangle){box.x, box.y, size.x, size.y});
-  for (int i = 0; i < count && cost < bound; ++i) {
-    const obstacle *o = &b->obstacles[b->grid.found[i]];
-    double length = inside(o, box, size);
-    if (length >= 0.0)
-      cost += o->symbol ? cost_symbol : 4.0 + cost_edge * length;
+  km_grid_ask(&b->grid, (km_rectangle){box.x, box.y, size.x, size.y});
+  for (int i = km_grid_next(&b->grid); i >= 0 && cost < bound; i = km_grid_next(&b->grid)) {
+    const obstacle *o = &b->obstacles[i];
+    double share = inside(o, box, size);
+    if (share >= 0.0)
+      cost += o->symbol ? cost_symbol : 4.0 + cost_edge * (share * o->length);
   }
   return cost;
 }
@@ -178,12 +184,12 @@ static bool crosses(km_canvas_point a, km_canvas_point b, km_canvas_point c, km_
   return abc * abd < 0.0 && cda * cdb < 0.0;
 }
 
-/* A leader must not run through names, other symbols or other leaders. */
-static double leader_cost(board *b, const km_label *label, km_canvas_point box) {
+/* A leader must not run through names, other symbols or other leaders. Counted until it reaches `bound`. */
+static double leader_cost(board *b, const km_label *label, km_canvas_point box, double bound) {
   km_canvas_point end = leader_end(label, box), at = {label->at.x, label->at.y};
-  obstacle leader = {label->at, {end.x, end.y, 0.0}, 0.0, false};
+  obstacle leader = {.a = label->at, .b = {end.x, end.y, 0.0}};
   double cost = cost_leader;
-  for (size_t i = 0; i < b->placed_count; ++i) {
+  for (size_t i = 0; i < b->placed_count && cost < bound; ++i) {
     const placed_label *placed = &b->placed[i];
     const km_label *other = &b->labels[placed->index];
     km_canvas_point other_at = {other->at.x, other->at.y};
@@ -191,9 +197,9 @@ static double leader_cost(board *b, const km_label *label, km_canvas_point box) 
     if (placed->has_leader && crosses(at, end, other_at, placed->end))
       cost += 2.0 * cost_symbol;
   }
-  int count = km_grid_find(&b->grid, frame_of(&leader));
-  for (int i = 0; i < count; ++i) {
-    const obstacle *o = &b->obstacles[b->grid.found[i]];
+  km_grid_ask(&b->grid, frame_of(&leader));
+  for (int i = km_grid_next(&b->grid); i >= 0 && cost < bound; i = km_grid_next(&b->grid)) {
+    const obstacle *o = &b->obstacles[i];
     if (!o->symbol || km_spot_distance(o->a, label->at) < 0.5)
       continue;
     km_canvas_point corner = {o->a.x - o->reach, o->a.y - o->reach}, size = {2.0 * o->reach, 2.0 * o->reach};
@@ -202,16 +208,16 @@ static double leader_cost(board *b, const km_label *label, km_canvas_point box) 
   return cost;
 }
 
-/* Of a box against the other names and their leaders. */
-static double names_cost(const board *b, const km_label *label, km_canvas_point box) {
+/* Of a box against the other names and their leaders. Counted until it reaches `bound`. */
+static double names_cost(const board *b, const km_label *label, km_canvas_point box, double bound) {
   double cost = 0.0;
-  for (size_t i = 0; i < b->placed_count; ++i) {
+  for (size_t i = 0; i < b->placed_count && cost < bound; ++i) {
     const placed_label *placed = &b->placed[i];
     const km_label *other = &b->labels[placed->index];
     cost += overlap(box, label->size, other->box, other->size) ? clash : 0.0;
     if (!placed->has_leader)
       continue;
-    const obstacle leader = {other->at, {placed->end.x, placed->end.y, 0.0}, 0.0, false};
+    const obstacle leader = {.a = other->at, .b = {placed->end.x, placed->end.y, 0.0}};
     cost += inside(&leader, box, label->size) >= 0.0 ? 4.0 * cost_symbol : 0.0;
   }
   return cost;
@@ -223,9 +229,9 @@ static double cost_of(board *b, const km_label *label, km_canvas_point box, doub
   if (cost < bound)
     cost += picture_cost(b, box, label->size, bound - cost);
   if (cost < bound)
-    cost += names_cost(b, label, box);
+    cost += names_cost(b, label, box, bound - cost);
   if (cost < bound && has_leader(b->em, label, box))
-    cost += leader_cost(b, label, box);
+    cost += leader_cost(b, label, box, bound - cost);
   return cost;
 }
 
@@ -253,9 +259,12 @@ static void leave(board *b, size_t index) {
   b->placed[i] = b->placed[--b->placed_count];
 }
 
+/* Where no label has found another place since this one looked, it would find what it has. */
 static void place_label(board *b, size_t index) {
-  km_label *label = &b->labels[index];
+  km_label *label = &b->labels[index], before = *label;
   double least = b->worst;
+  if (b->looked[index] == b->changes)
+    return;
   leave(b, index);
   for (int ring = label->inside ? -1 : 0; ring < RINGS; ++ring)
     for (int d = 0; d < (ring < 0 ? 1 : DIRECTIONS); ++d) {
@@ -272,6 +281,9 @@ static void place_label(board *b, size_t index) {
   if (label->placed)
     b->placed[b->placed_count++] =
         (placed_label){index, has_leader(b->em, label, label->box), leader_end(label, label->box)};
+  bool stays = label->placed == before.placed && label->box.x == before.box.x && label->box.y == before.box.y;
+  b->changes += !stays;
+  b->looked[index] = b->changes;
 }
 
 void km_label_paint(km_canvas *canvas, const km_label *label, const km_font *font) {
@@ -294,6 +306,7 @@ void km_labels_place(km_canvas *canvas, const km_scene *scene, const km_drawing_
   board b = {.labels = labels, .count = count, .place = place, .em = font->size};
   double needed = 16.0 * b.em * b.em * (double)count;
   b.worst = needed > place.width * place.height ? 0.4 * cost_symbol : clash; /* no thicket of leaders */
+  b.changes = 1;
   if (!gather(&b, scene, traces, trace_count) || !make_grid(&b, scene->arena))
     return;
   for (size_t i = 0; i < count; ++i)

@@ -50,20 +50,29 @@ static void add_centres(const km_model *model, km_shape *shapes, double near) {
       add_point(&shapes[b], model->bodies[b].center_of_mass, near);
 }
 
+/* The bodies that joints connect a body to: neighbour[first[body] … first[body + 1]-1], where first[body + 1] is the next free
+ * place of a body while they are listed. */
+static void list_neighbours(const km_model *model, int *first, int *neighbour) {
+  for (int j = 0; j < model->joint_count; ++j)
+    for (int end = 0; end < 2; ++end)
+      first[km_joint_body(model, j, end) + 2]++;
+  for (int b = 0; b < model->body_count; ++b)
+    first[b + 2] += first[b + 1];
+  for (int j = 0; j < model->joint_count; ++j)
+    for (int end = 0; end < 2; ++end)
+      neighbour[first[km_joint_body(model, j, end) + 1]++] = km_joint_body(model, j, !end);
+}
+
 /* In turn, but never that of a body next to it: without black and the grey of the ground. */
-static void choose_colours(const km_model *model, km_shape *shapes) {
+static void choose_colours(const km_model *model, const int *first, const int *neighbour, km_shape *shapes) {
   static const int palette[] = {0, 5, 2, 4, 6, 1, 7};
   enum { COLOURS = sizeof palette / sizeof palette[0] };
   shapes[0].colour = -1;
   for (int b = 1, next = 0; b < model->body_count; ++b) {
     bool taken[COLOURS] = {false};
-    for (int j = 0; j < model->joint_count; ++j)
-      for (int end = 0; end < 2; ++end) {
-        int other = km_joint_body(model, j, !end);
-        for (int c = 0; c < COLOURS; ++c)
-          taken[c] = taken[c] ||
-                     (km_joint_body(model, j, end) == b && other && other < b && shapes[other].colour == palette[c]);
-      }
+    for (int i = first[b]; i < first[b + 1]; ++i)
+      for (int c = 0; c < COLOURS; ++c)
+        taken[c] = taken[c] || (neighbour[i] < b && shapes[neighbour[i]].colour == palette[c]);
     int choice = next;
     for (int c = 0; c < COLOURS && taken[choice]; ++c)
       choice = (choice + 1) % COLOURS;
@@ -75,6 +84,8 @@ static void choose_colours(const km_model *model, km_shape *shapes) {
 km_shape *km_shapes_make(const km_model *model, km_arena *arena) {
   km_shape *shapes = KM_ARENA_NEW(arena, km_shape, (size_t)model->body_count);
   int *room = KM_ARENA_NEW(arena, int, (size_t)model->body_count);
+  int *first = KM_ARENA_NEW(arena, int, (size_t)model->body_count + 2);
+  int *neighbour = KM_ARENA_NEW(arena, int, 2 * (size_t)model->joint_count);
   if (arena->failed)
     return NULL;
   for (int f = 0; f < model->frame_count; ++f)
@@ -87,7 +98,8 @@ km_shape *km_shapes_make(const km_model *model, km_arena *arena) {
   add_joints(model, shapes, near);
   add_frames(model, shapes, near);
   add_centres(model, shapes, near);
-  choose_colours(model, shapes);
+  list_neighbours(model, first, neighbour);
+  choose_colours(model, first, neighbour, shapes);
   return shapes;
 }
 
