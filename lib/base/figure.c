@@ -20,15 +20,18 @@ static double value_of(const series *f, size_t row) {
 
 size_t km_table_extreme_row(const km_table *table, size_t column, double sign) {
   size_t rows = km_table_rows(table), width = km_table_columns(table), best = rows;
-  const double *cell = rows > 0 ? km_table_row(table, 0) + column : NULL;
+  const double *first = rows > 0 ? km_table_row(table, 0) + column : NULL, *cell = first;
   double least = HUGE_VAL;
-  for (size_t r = 0; r < rows; ++r) {
-    double value = sign * cell[r * width];
-    if (!(value < least) && (best < rows || isnan(value)))
+  for (size_t r = 0; r < rows; ++r, cell += width) {
+    double value = sign * *cell;
+    if (!(value < least))
       continue;
     least = value;
     best = r;
   }
+  for (size_t r = 0; best == rows && r < rows; ++r) /* nothing is less than infinity */
+    if (!isnan(first[r * width]))
+      return r;
   return best;
 }
 
