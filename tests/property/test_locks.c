@@ -63,11 +63,7 @@ static void as_compiled_with_holds(void **unused) {
   int fewer = 0;
   for (uint64_t seed = 1; seed <= 150; ++seed) {
     randomness r = {seed};
-    char *text = random_mechanism(&r, true);
-    fixture f = fixture_read(text);
-    km_free(text);
-    if (f.mechanism->coordinate_count)
-      go_somewhere(&f, &r);
+    fixture f = open_random_mechanism(&r, true);
     km_mobility before, after;
     km_mobility_update(f.mechanism, f.state, &before);
     km_hold *holds = KM_NEW(km_hold, (size_t)f.model->coordinate_count + 1);

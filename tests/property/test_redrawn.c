@@ -199,11 +199,7 @@ static void random_mechanisms(void **state) {
   (void)state;
   for (uint64_t seed = 1; seed <= 150; ++seed) {
     randomness r = {seed};
-    char *text = random_mechanism(&r, true);
-    fixture a = fixture_read(text);
-    km_free(text);
-    if (a.mechanism->coordinate_count)
-      go_somewhere(&a, &r);
+    fixture a = open_random_mechanism(&r, true);
     fixture b = redrawn(&a);
     compare(&a, &b, 1e-11);
     fixture c = redrawn(&b);

@@ -39,7 +39,8 @@ static void send_and_read(const fixture *f, const char *name, km_model_format fo
   if (km_model_write_as(f->model, format, q, NULL, &bytes, &error))
     fail_msg("%s, format %d: %s", name, format, error.text);
   km_free(q);
-  if (km_model_read_as(bytes.data, bytes.size, &(km_read_def){.floating = format == KM_FORMAT_SDF}, NULL, &model, &error))
+  if (km_model_read_as(bytes.data, bytes.size, &(km_read_def){.floating = format == KM_FORMAT_SDF}, NULL, &model,
+                       &error))
     fail_msg("%s\n%.3000s", error.text, bytes.data);
   km_bytes_free(&bytes);
   *out = fixture_of(model);
@@ -185,11 +186,7 @@ static void random_ones(void **unused) {
   (void)unused;
   for (uint64_t seed = 1; seed <= 120; ++seed) {
     randomness r = {seed};
-    char *text = random_mechanism(&r, seed % 3 == 0);
-    fixture f = fixture_read(text);
-    km_free(text);
-    if (f.model->coordinate_count)
-      go_somewhere(&f, &r);
+    fixture f = open_random_mechanism(&r, seed % 3 == 0);
     all_formats(&f, "random");
     fixture_close(&f);
   }

@@ -136,3 +136,12 @@ char *random_mechanism(randomness *r, bool gears) {
   km_text_free(&m.joints);
   return out.data;
 }
+
+fixture open_random_mechanism(randomness *r, bool gears) {
+  char *text = random_mechanism(r, gears);
+  fixture f = fixture_read(text);
+  km_free(text);
+  if (f.mechanism->coordinate_count)
+    go_somewhere(&f, r);
+  return f;
+}

@@ -7,4 +7,7 @@
 /* The text of one; the caller frees it (km_free). */
 char *random_mechanism(randomness *r, bool gears);
 
+/* One at any pose that keeps its loops closed. */
+fixture open_random_mechanism(randomness *r, bool gears);
+
 #endif
