@@ -16,8 +16,9 @@ static bool same_planar_steps(const km_mechanism *a, const km_mechanism *b, cons
 static bool same_space_steps(const km_mechanism *a, const km_mechanism *b, const km_program *p) {
   for (int i = p->step_start; i < p->step_start + p->step_count; ++i) {
     const km_step *x = &a->steps[i], *y = &b->steps[i];
-    if (x->primitive != y->primitive || x->axis != y->axis || x->coordinate != y->coordinate || x->sign != y->sign ||
-        x->from != y->from || x->to != y->to || x->turned != y->turned)
+    if (x->primitive == KM_BALL || x->primitive != y->primitive || x->axis != y->axis ||
+        x->coordinate != y->coordinate || x->sign != y->sign || x->from != y->from || x->to != y->to ||
+        x->turned != y->turned)
       return false;
   }
   return true;
@@ -85,14 +86,7 @@ bool km_lanes_same_structure(const km_drive *d, const km_drive *e) {
 
 /* Are lanes for this drive at all? */
 bool km_lanes_fit(const km_drive *d) {
-  const km_mechanism *m = d->c.mechanism;
-  if (d->c.substructure < 0)
-    return false;
-  const km_substructure *sub = km_drive_driven(d);
-  for (int k = 0; k < sub->columns; ++k)
-    if (m->ball_of[m->column_coordinate[sub->column_start + k]] >= 0)
-      return false;
-  return !sub->pattern.start && km_lanes_same_structure(d, d);
+  return d->c.substructure >= 0 && km_lanes_same_structure(d, d);
 }
 
 static void take_vec3(km_lane_vec3 *to, km_vec3 a, int i) {

@@ -9,6 +9,7 @@
 #include "kmech/sweep_plan.h"
 
 #include <math.h>
+#include <stdio.h>
 #include <string.h>
 
 enum { ROWS = 120 };
@@ -21,47 +22,71 @@ typedef struct design {
 } design;
 
 /* Loops in space by their seed: seed / 100 is the shape, and those of one shape are a little different. The first shapes are
- * overconstrained, and differ in size; the others have seven axes, hinges, slides and a screw, each in a place of its own. */
+ * overconstrained, and differ in size; the others have seven axes, hinges, slides and a screw, each in a place of its own, and
+ * perhaps a ball joint that is held. */
 static const char space_loop[] = "a loop in space";
-enum { SHAPES = MOVING_KINDS + 12 };
+enum { SHAPES = MOVING_KINDS + 12, AXES = 7 };
 
-static linkage seven_axes(randomness *shape, randomness *own) {
-  enum { AXES = 7 };
-  km_vec3 at[AXES], along[AXES];
-  for (int j = 0; j < AXES; ++j) {
+static linkage random_axes(int count, randomness *shape, randomness *own) {
+  km_vec3 at[MOST_AXES], along[MOST_AXES];
+  for (int j = 0; j < count; ++j) {
     at[j] = km_vec3_axpy(0.01, random_point(own), random_point(shape));
     along[j] = km_vec3_axpy(0.01, random_point(own), random_direction(shape));
     along[j] = km_vec3_scale(1.0 / km_vec3_norm(along[j]), along[j]);
   }
-  linkage l = hinged_loop(at, along, AXES);
-  for (int j = 1; j < AXES; ++j)
+  linkage l = hinged_loop(at, along, count);
+  for (int j = 1; j < AXES - 1; ++j)
     l.joint[j].slides = below(shape, 4) == 0;
   return l;
 }
 
-/* The last hinge becomes a screw. */
-static fixture read_with_screw(const char *text, double pitch) {
-  const char *type = NULL;
-  for (const char *next = text; (next = strstr(next, "\"Rz\"")); ++next)
-    type = next;
-  assert_non_null(type);
+/* The first `old` behind `place` becomes `new`. */
+static char *replaced(char *text, const char *place, const char *old, const char *new) {
+  const char *at = strstr(text, place), *found = at ? strstr(at, old) : NULL;
+  assert_non_null(found);
   km_text out = {0};
-  km_text_format(&out, "%.*s\"screw\", \"pitch\": %.17g%s", (int)(type - text), text, pitch, type + strlen("\"Rz\""));
-  fixture f = fixture_read(out.data);
-  km_text_free(&out);
+  km_text_format(&out, "%.*s%s%s", (int)(found - text), text, new, found + strlen(old));
+  km_free(text);
+  return out.data;
+}
+
+static fixture open_overconstrained_loop(int kind, double size, randomness *shape) {
+  linkage l = moving_loop(kind, shape);
+  char *text = linkage_text(&l, (writing){.own_frames = true, .size = size}, shape);
+  fixture f = fixture_read(text);
+  km_free(text);
+  return f;
+}
+
+static fixture open_seven_axes(bool ball, randomness *shape, randomness *own) {
+  char screw[64];
+  linkage l = random_axes(ball ? AXES + 1 : AXES, shape, own);
+  char *text = linkage_text(&l, (writing){.size = 1.0}, own);
+  snprintf(screw, sizeof screw, "\"screw\", \"pitch\": %.17g", uniform(own, 0.1, 0.11));
+  text = replaced(text, "\"J6\"", "\"Rz\"", screw);
+  if (ball) {
+    text = replaced(text, "\"J7\"", "\"Rz\"", "\"spherical\"");
+    text = replaced(text, "\"J7\"", "displacement\": 0", "displacement\": [0, 0, 0]");
+  }
+  fixture f = fixture_read(text);
+  km_free(text);
+  if (!ball)
+    return f;
+  const km_hold holds[3] = {{AXES, 0.0}, {AXES + 1, 0.0}, {AXES + 2, 0.0}};
+  km_state_free(f.state);
+  km_mechanism_free(f.mechanism);
+  assert_int_equal(km_mechanism_compile(f.model, holds, 3, &f.mechanism, NULL), KM_OK);
+  assert_int_equal(km_state_create(f.mechanism, &f.state, NULL), KM_OK);
+  assert_int_equal(km_assemble(f.mechanism, f.state, NULL, NULL), KM_OK);
   return f;
 }
 
 static fixture open_space_loop(uint64_t seed) {
   int kind = (int)(seed / 100);
   randomness shape = {77 + seed / 100}, own = {seed};
-  bool moving = kind < MOVING_KINDS;
-  linkage l = moving ? moving_loop(kind, &shape) : seven_axes(&shape, &own);
-  writing how = {.own_frames = moving, .size = moving ? 1.0 + 0.01 * (double)(seed % 100) : 1.0};
-  char *text = linkage_text(&l, how, &shape);
-  fixture f = moving ? fixture_read(text) : read_with_screw(text, uniform(&own, 0.1, 0.11));
-  km_free(text);
-  return f;
+  if (kind < MOVING_KINDS)
+    return open_overconstrained_loop(kind, 1.0 + 0.01 * (double)(seed % 100), &shape);
+  return open_seven_axes(kind % 4 == 0, &shape, &own);
 }
 
 static design open_design(const char *name, uint64_t seed, bool ignore_limits) {
