@@ -207,6 +207,20 @@ static void add_motion(const km_mechanism *m, km_lever *l, const double *z, cons
     l->rates[coordinate[j]] += (alone ? 1.0 : a) * z[j] / m->scale[coordinate[j]];
 }
 
+/* The same of all free motions of a substructure. */
+static void add_motions(const km_mechanism *m, km_state *s, int index, km_lever *l, bool alone) {
+  const km_substructure *sub = &m->substructures[index];
+  const int *coordinate = m->column_coordinate + sub->column_start;
+  if (km_state_along_many(m, s, index, l->input.row, s->work)) {
+    for (int j = 0; j < sub->columns; ++j)
+      l->rates[coordinate[j]] += s->work[j] / m->scale[coordinate[j]];
+    return;
+  }
+  const double *Z = km_state_basis(s, index);
+  for (int k = 0; k < km_partition_freedom(&s->partition[index]); ++k)
+    add_motion(m, l, Z + (size_t)k * (size_t)sub->columns, coordinate, sub->columns, alone);
+}
+
 /* The motion that the advantage is about; returns the freedoms that it was chosen from. */
 static int choose_motion(const km_mechanism *m, km_state *s, km_lever *l) {
   static const double one = 1.0;
@@ -222,14 +236,11 @@ static int choose_motion(const km_mechanism *m, km_state *s, km_lever *l) {
         add_motion(m, l, &one, &c, 1, alone);
     }
     for (int i = 0; i < m->topology.substructure_count; ++i) {
-      const km_substructure *sub = &m->substructures[i];
-      const int *coordinate = m->column_coordinate + sub->column_start;
-      const double *Z = km_state_basis(s, i);
-      for (int k = 0; k < km_partition_freedom(&s->partition[i]) && l->moves[coordinate[0]]; ++k) {
-        freedom += pass == 0;
-        if (pass)
-          add_motion(m, l, Z + (size_t)k * (size_t)sub->columns, coordinate, sub->columns, alone);
-      }
+      if (!l->moves[m->column_coordinate[m->substructures[i].column_start]])
+        continue;
+      freedom += pass == 0 ? km_partition_freedom(&s->partition[i]) : 0;
+      if (pass)
+        add_motions(m, s, i, l, alone);
     }
   }
   return freedom;

@@ -174,23 +174,6 @@ static void gather_loads(const km_mechanism *m, const km_state *s, const km_forc
   }
 }
 
-/* Of many freedoms without Z; false where it has to be made. */
-static bool least_norm_of_many(const km_mechanism *m, km_state *s, int index, km_statics *st) {
-  const km_substructure *sub = &m->substructures[index];
-  const int *coordinate = m->column_coordinate + sub->column_start;
-  const km_partition *p = &s->partition[index];
-  if (!p->sparse || km_partition_freedom(p) <= KM_MANY_VECTORS)
-    return false;
-  double *y = KM_NEW(double, (size_t)sub->columns + 1);
-  for (int j = 0; j < sub->columns && y; ++j)
-    y[j] = st->work->tau[coordinate[j]] / m->scale[coordinate[j]];
-  bool found = y && km_partition_along_null(p, km_state_jacobian(s, sub), m->column_weight + sub->column_start, y, 1);
-  for (int j = 0; j < sub->columns && found; ++j)
-    st->least_norm[coordinate[j]] = 0.0 - m->scale[coordinate[j]] * y[j];
-  km_free(y);
-  return found;
-}
-
 /* f̄ = −D Z Zᵀ D⁻¹ τ; outside loops and couplings Z is 1. */
 static void least_norm(const km_mechanism *m, km_state *s, km_statics *st) {
   const double *tau = st->work->tau;
@@ -199,8 +182,11 @@ static void least_norm(const km_mechanism *m, km_state *s, km_statics *st) {
   for (int i = 0; i < m->topology.substructure_count; ++i) {
     const km_substructure *sub = &m->substructures[i];
     const int *coordinate = m->column_coordinate + sub->column_start;
-    if (least_norm_of_many(m, s, i, st))
+    if (km_state_along_many(m, s, i, tau, s->work)) {
+      for (int j = 0; j < sub->columns; ++j)
+        st->least_norm[coordinate[j]] = 0.0 - m->scale[coordinate[j]] * s->work[j];
       continue;
+    }
     const double *z = km_state_basis(s, i);
     for (int k = 0; k < km_partition_freedom(&s->partition[i]); ++k, z += sub->columns) {
       double g = 0.0;

@@ -164,6 +164,17 @@ const double *km_state_basis(const km_state *s, int index) {
   return km_state_null(s->mechanism, s, index, km_partition_freedom(&s->partition[index]));
 }
 
+bool km_state_along_many(const km_mechanism *m, km_state *s, int index, const double *row, double *y) {
+  const km_substructure *sub = &m->substructures[index];
+  const int *coordinate = m->column_coordinate + sub->column_start;
+  const km_partition *p = &s->partition[index];
+  if (!p->sparse || km_partition_freedom(p) <= KM_MANY_VECTORS)
+    return false;
+  for (int j = 0; j < sub->columns; ++j)
+    y[j] = row[coordinate[j]] / m->scale[coordinate[j]];
+  return km_partition_along_null(p, km_state_jacobian(s, sub), m->column_weight + sub->column_start, y, 1);
+}
+
 /* Without a basis; false where it has to be made. */
 static bool find_many_numbers(const km_mechanism *m, km_state *s, int index, double *numbers) {
   const km_substructure *sub = &m->substructures[index];

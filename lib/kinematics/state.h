@@ -77,6 +77,12 @@ km_status km_check_state(const km_mechanism *mechanism, const km_state *state, k
 /* Have pivots been searched and null spaces made for every substructure? Else nobody may read them. */
 bool km_state_knows_motion(const km_mechanism *mechanism, const km_state *state);
 
+/* Of the row of a rate, or of forces, row[coordinate] over the scales, what it has of a substructure's motions D · range(N): y[columns],
+ * without a basis of them, by the Jacobian at hand. False where there are few freedoms, whose basis serves, or as
+ * km_partition_along_null. */
+bool km_state_along_many(const km_mechanism *mechanism, km_state *state, int substructure, const double *row,
+                         double *y);
+
 /* J as a whole matrix: J[rows × columns], column-major. */
 void km_state_jacobian_dense(const km_state *state, const km_substructure *sub, double *J);
 /* km_partition_null of a substructure's partition with the weights D, into the state: Z[count × columns], those that are
