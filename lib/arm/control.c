@@ -17,12 +17,11 @@ static void subtract(double *a, double s, const double *b, int n) {
 }
 
 /* By the kernel of seven joints; false where the Jacobian is near a rank that drops, and pivoting must tell. */
-static bool factor_seven(km_arm_space *s) {
-  km_one_factor(s->seven);
+static bool factor_seven(km_arm_space *s, const double *xi) {
+  s->seven->rates = km_one_factor(s->seven, xi);
   if (!(s->seven->least > s->seven->largest * KM_SEVEN_REGULAR))
     return false;
-  memcpy(s->null, s->seven->null, sizeof s->seven->null);
-  s->null[SEVEN] = 0.0;
+  memcpy(s->null, &s->seven->null, sizeof s->seven->null); /* and 0 */
   s->null_count = 1;
   return true;
 }
@@ -31,7 +30,7 @@ void km_control_factor(const km_arm *a, km_arm_space *s, const double *xi, const
   double *path = s->jacobian + a->n * a->rows;
   for (int r = 0; r < a->rows; ++r)
     path[r] = -xi[r];
-  s->seven_factored = s->seven_stands && !held && factor_seven(s);
+  s->seven_factored = s->seven_stands && !held && factor_seven(s, xi);
   if (!s->seven_factored)
     km_control_pivot(a, s, xi, held);
 }
@@ -95,11 +94,7 @@ double km_control_columns(const km_arm *a, const km_arm_space *s, const double *
   const int n = a->n;
   follow_guide(a, s, guide, self);
   if (s->seven_factored) {
-    double xi[6], rates[SEVEN];
-    for (int r = 0; r < 6; ++r)
-      xi[r] = -s->jacobian[6 * SEVEN + r];
-    km_one_solve(s->seven, xi, 0.0, rates);
-    km_one_path_column(rates, path);
+    km_one_path_column(&s->seven->rates, path);
     return path[SEVEN];
   }
   if (s->partition.forced_dependent) { /* the path's direction is out of J's range */
@@ -118,7 +113,8 @@ void km_control_solve(const km_arm *a, km_arm_space *s, const double *rhs, const
                       double *x) {
   double all[KM_ARM_MOST + 1], row[KM_ARM_MOST];
   if (s->seven_factored) {
-    km_one_solve(s->seven, rhs, moved ? -km_one_along_null(s->seven, moved) : 0.0, x);
+    km_one_row found = km_one_solve(s->seven, rhs, moved ? -km_one_along_null(s->seven, moved) : 0.0);
+    memcpy(x, &found, SEVEN * sizeof *x);
     return;
   }
   km_partition_solve(&s->partition, rhs, all);

@@ -19,6 +19,44 @@
 #define LARGER(a, b)    pick(below((b), (a)), (a), (b))
 #define km_bits_of(x)   ((word)(x))
 #define km_number_of(x) ((vector)(x))
+
+/* Seven numbers of every lane. */
+typedef struct lanes_row {
+  T at[SEVEN];
+} lanes_row;
+
+static inline lanes_row lanes_row_of(const T *x, int step) {
+  lanes_row row;
+  UNROLLED
+  for (int i = 0; i < SEVEN; ++i)
+    row.at[i] = x[i * step];
+  return row;
+}
+static inline T lanes_at(const lanes_row *row, int i) {
+  return row->at[i];
+}
+static inline void lanes_set(lanes_row *row, int i, T x) {
+  row->at[i] = x;
+}
+static inline lanes_row lanes_from(const lanes_row *row, int c) {
+  lanes_row out = *row;
+  UNROLLED
+  for (int i = 0; i < c; ++i)
+    out.at[i] = ZERO;
+  return out;
+}
+static inline T lanes_product(const lanes_row *a, const lanes_row *b, int c) {
+  T sum[2] = {a->at[6] * b->at[6], ZERO};
+  UNROLLED
+  for (int i = 5; i >= c; --i)
+    sum[i & 1] += a->at[i] * b->at[i];
+  return sum[0] + sum[1];
+}
+static inline void lanes_subtract(lanes_row *x, T s, const lanes_row *v, int c) {
+  UNROLLED
+  for (int i = c; i < SEVEN; ++i)
+    x->at[i] -= s * v->at[i];
+}
 #include "arm/seven_body.h"
 
 /* What is left to the target: e[6]; lanes whose turn isn't small are taken out. Returns its length. */
@@ -41,11 +79,11 @@ static inline mask regular(const lanes_seven *k) {
 }
 
 /* Newton's steps of lanes first … first + WIDTH - 1, q[7] being where they begin. Returns the lanes that arrive; the
- * Jacobian there is factored. */
-static inline mask correct(const km_arm *a, const km_pose *target, km_lanes *io, int first, vector *q, lanes_seven *k) {
-  vector e[6], x[SEVEN], moved[SEVEN], most = get(io->most + first), far = ZERO;
+ * Jacobian there is factored, with the rates for a unit twist xi[6]. */
+static inline mask correct(const km_arm *a, const km_pose *target, const double *xi, km_lanes *io, int first, vector *q,
+                           lanes_seven *k) {
+  vector e[6], moved[SEVEN], most = get(io->most + first), far = ZERO, tries = ZERO;
   mask fit = mask_of((1u << WIDTH) - 1), active = fit;
-  unsigned used = io->used >> first & ((1u << WIDTH) - 1);
   for (int i = 0; i < SEVEN; ++i) {
     moved[i] = get(io->moved[i] + first);
     far += moved[i] * moved[i];
@@ -53,40 +91,41 @@ static inline mask correct(const km_arm *a, const km_pose *target, km_lanes *io,
   mask guessed = below(ZERO, far);
   for (int step = 0;; ++step) {
     lanes_forward(a, q, k);
-    io->evaluations += (unsigned)__builtin_popcount(bits_of(active) & used);
+    tries += pick(active, all(1.0), ZERO);
     vector rest = left(a, k, target, e, &fit);
     fit &= below(rest, all(KM_NEWTON_FAR));
     active = fit & (below(all(KM_NEWTON_DONE), rest) | guessed);
     guessed = mask_of(0); /* a guess is followed by a step at least, which takes its part along the null vector out */
     if (!ANY(active) || step == KM_NEWTON_MOST)
       break;
-    lanes_factor(k);
+    lanes_reduce(k);
+    lanes_find_null(k);
     fit &= regular(k);
-    lanes_solve(k, e, -lanes_along_null(k, moved), x);
+    lanes_row x = lanes_solve(k, e, -lanes_along_null(k, moved));
     vector sum = ZERO;
     for (int i = 0; i < SEVEN; ++i) {
-      moved[i] = pick(active, moved[i] + x[i], moved[i]);
-      q[i] = pick(active, q[i] + x[i], q[i]);
+      moved[i] = pick(active, moved[i] + x.at[i], moved[i]);
+      q[i] = pick(active, q[i] + x.at[i], q[i]);
       sum += moved[i] * moved[i];
     }
     fit &= at_most(root(sum), most) | ~active;
   }
   for (int i = 0; i < SEVEN; ++i)
     put(io->moved[i] + first, moved[i]);
-  lanes_factor(k);
+  put(io->tries + first, tries);
+  for (int r = 0; r < 6; ++r)
+    e[r] = all(xi[r]);
+  k->rates = lanes_factor(k, e);
   return fit & ~active & regular(k);
 }
 
-/* The columns for a unit twist xi[6] of lanes from `first` on. */
-static inline void put_columns(const double *xi, km_lanes *io, int first, const vector *q, const lanes_seven *k) {
-  vector e[6], x[SEVEN], path[SEVEN + 1], sigma[6];
-  for (int r = 0; r < 6; ++r)
-    e[r] = all(xi[r]);
-  lanes_solve(k, e, ZERO, x);
-  lanes_path_column(x, path);
+/* The columns of lanes from `first` on. */
+static inline void put_columns(km_lanes *io, int first, const vector *q, const lanes_seven *k) {
+  vector path[SEVEN + 1], sigma[6];
+  lanes_path_column(&k->rates, path);
   for (int i = 0; i < SEVEN; ++i) {
     put(io->q[i] + first, q[i]);
-    put(io->null[i] + first, k->null[i]);
+    put(io->null[i] + first, k->null.at[i]);
     put(io->path[i] + first, path[i]);
   }
   put(io->path[SEVEN] + first, path[SEVEN]);
@@ -107,8 +146,8 @@ unsigned NAME(const km_arm *a, const km_pose *target, const double *xi, km_lanes
       continue;
     for (int i = 0; i < SEVEN; ++i)
       q[i] = get(io->q[i] + first);
-    mask fit = correct(a, target, io, first, q, &k);
-    put_columns(xi, io, first, q, &k);
+    mask fit = correct(a, target, xi, io, first, q, &k);
+    put_columns(io, first, q, &k);
     arrived |= bits_of(fit) << first;
   }
   return arrived;

@@ -4,6 +4,7 @@
 #define KM_ARM_SEVEN_H
 
 #include "arm/arm.h"
+#include "partition/pair.h"
 #include "spatial/sincos.h"
 
 #include <stdint.h>
@@ -23,6 +24,52 @@ static inline bool km_seven_fits(const km_arm *arm) {
 /* Below this ratio of R's diagonal the Jacobian is left to pivoting. */
 #define KM_SEVEN_REGULAR 1e-6
 
+/* Loops of the kernel are short and wait for their sums: unrolled, they keep them in registers. */
+#define UNROLLED _Pragma("GCC unroll 8")
+
+/* Seven numbers two by two, and 0. */
+typedef struct km_one_row {
+  km_pair pair[4];
+} km_one_row;
+
+static inline km_one_row km_one_row_of(const double *x, int step) {
+  return (km_one_row){{{x[0], x[step]}, {x[2 * step], x[3 * step]}, {x[4 * step], x[5 * step]}, {x[6 * step], 0.0}}};
+}
+static inline double km_one_at(const km_one_row *row, int i) {
+  return row->pair[i / 2][i % 2];
+}
+static inline void km_one_set(km_one_row *row, int i, double x) {
+  km_pair old = row->pair[i / 2];
+  row->pair[i / 2] = i % 2 ? (km_pair){old[0], x} : (km_pair){x, old[1]};
+}
+/* As copysign, of sizes without a sign: that one goes through memory with gcc 12, and waits for it. */
+static inline double km_one_signed(double size, double x) {
+  const km_bits sign = {INT64_MIN, 0};
+  return km_pair_or((km_pair){size, 0.0}, km_pair_and((km_pair){x, 0.0}, (km_pair)sign))[0];
+}
+static inline km_one_row km_one_from(const km_one_row *row, int c) {
+  const km_bits second = {0, -1};
+  km_one_row out = *row;
+  UNROLLED
+  for (int i = 0; i < c / 2; ++i)
+    out.pair[i] = (km_pair){0.0, 0.0};
+  if (c % 2)
+    out.pair[c / 2] = km_pair_and(out.pair[c / 2], (km_pair)second);
+  return out;
+}
+static inline double km_one_product(const km_one_row *a, const km_one_row *b, int c) {
+  km_pair sum = a->pair[3] * b->pair[3];
+  UNROLLED
+  for (int i = 2; i >= c / 2; --i)
+    sum += a->pair[i] * b->pair[i];
+  return sum[0] + sum[1];
+}
+static inline void km_one_subtract(km_one_row *x, double s, const km_one_row *v, int c) {
+  UNROLLED
+  for (int i = c / 2; i < 4; ++i)
+    x->pair[i] -= (km_pair){s, s} * v->pair[i];
+}
+
 #define T                double
 #define BITS             uint64_t
 #define FN(name)         km_one_##name
@@ -30,7 +77,7 @@ static inline bool km_seven_fits(const km_arm *arm) {
 #define NONE             ((uint64_t)0)
 #define ROOT(x)          sqrt(x)
 #define SIZE(x)          fabs(x)
-#define SIGNED(size, x)  copysign((size), (x))
+#define SIGNED(size, x)  km_one_signed((size), (x))
 #define MASK             bool
 #define BELOW(a, b)      ((a) < (b))
 #define ANY(mask)        (mask)
@@ -65,8 +112,9 @@ typedef struct km_lanes {
   double most[KM_LANES];         /* how far it may be */
   double path[SEVEN + 1][KM_LANES], null[SEVEN][KM_LANES];
   bool want_sigma;
-  double sigma[6][KM_LANES];  /* singular values in no order, if they are wanted */
-  unsigned used, evaluations; /* lanes (bits) that count; Jacobians that these took */
+  double sigma[6][KM_LANES]; /* singular values in no order, if they are wanted */
+  double tries[KM_LANES];    /* Jacobians that each took */
+  unsigned used;             /* lanes (bits) that count */
 } km_lanes;
 
 /* Newton's steps to a pose, then the columns for a unit twist xi[6], of every lane. Returns the lanes (bits) that

@@ -4,7 +4,10 @@
  *
  * What the includer defines: T; BITS, an unsigned integer of the same size, and NONE, 0 of it; FN(name); km_bits_of(x),
  * km_number_of(bits); ROOT(x); SIZE(x), |x|; SIGNED(size, x), a size with the sign of x; MASK, lane by lane whether
- * something holds, BELOW(a, b), ANY(mask), PICK(mask, a, b).
+ * something holds, BELOW(a, b), ANY(mask), PICK(mask, a, b). And seven numbers as a FN(row), in registers as suits them:
+ * FN(row_of)(x, step), FN(at)(&row, i), FN(set)(&row, i, x); FN(from)(&row, c), with 0 before place c; and
+ * where a and v have 0 before place c: FN(product)(&a, &b, c), Σ a[i] b[i], being the sum of every second product from the
+ * last one down, and that of the others; FN(subtract)(&x, s, &v, c), x −= s v.
  *
  *   Jᵀ = Q [R; 0] by Householder's reflections (7 × 6). The last column of Q spans J's null space, and
  *   x = Q [R⁻ᵀ b; 0] is the least x with J x = b. */
@@ -16,11 +19,12 @@ typedef struct FN(vec) {
 typedef struct FN(seven) {
   T jacobian[SEVEN][6]; /* by columns */
   FN(vec) axis[SEVEN], point[SEVEN];
-  FN(vec) R[3], p;             /* of the effector */
-  T v[6][SEVEN], inverse[6];   /* reflections: I − inverse · v vᵀ */
+  FN(vec) R[3], p; /* of the effector */
+  FN(row) v[6];    /* reflections: I − inverse · v vᵀ, v from place c on */
+  T inverse[6];
   T r[6][6], pivot_inverse[6]; /* R by rows; 1 over its diagonal */
   T least, largest;            /* of |R's diagonal| */
-  T null[SEVEN];
+  FN(row) null, rates;         /* rates: the least ones along the path */
 } FN(seven);
 
 static inline T FN(dot)(FN(vec) a, FN(vec) b) {
@@ -100,85 +104,97 @@ static inline void FN(forward)(const km_arm *a, const T *q, FN(seven) * k) {
   }
 }
 
-/* Loops of the factor are short and wait for their sums: unrolled, they keep them in registers. */
-#define UNROLLED _Pragma("GCC unroll 8")
-
-/* Σ a[i] b[i] over i ≥ c, in two sums that don't wait for each other. */
-static inline T FN(product)(const T *a, const T *b, int c) {
-  T sum[2] = {a[6] * b[6], ZERO};
-  UNROLLED
-  for (int i = 5; i >= c; --i)
-    sum[i & 1] += a[i] * b[i];
-  return sum[0] + sum[1];
-}
-
-/* x = Q [y; last] of y[6]. */
-static inline void FN(apply)(const FN(seven) * k, T *x) {
-  UNROLLED
-  for (int c = 5; c >= 0; --c) {
-    T sum = FN(product)(k->v[c], x, c) * k->inverse[c];
-    UNROLLED
-    for (int i = c; i < SEVEN; ++i)
-      x[i] -= sum * k->v[c][i];
-  }
-}
-
 /* Reflection c of the Jacobian's rows A, and row c of R. */
-static inline void FN(reflect)(FN(seven) * k, T A[6][SEVEN], int c) {
-  T *v = k->v[c], rest = FN(product)(A[c], A[c], c + 1), head = A[c][c];
+static inline void FN(reflect)(FN(seven) * k, FN(row) * A, int c) {
+  const FN(row) tail = FN(from)(&A[c], c + 1);
+  T rest = FN(product)(&tail, &tail, c + 1), head = FN(at)(&A[c], c);
   T square = rest + head * head, norm = ROOT(square);
-  T diagonal = SIGNED(norm, head);
-  v[c] = head + diagonal;
-  UNROLLED
-  for (int i = c + 1; i < SEVEN; ++i)
-    v[i] = A[c][i];
-  k->inverse[c] = 1.0 / (square + head * diagonal);
-  k->r[c][c] = -diagonal;
-  k->pivot_inverse[c] = -k->inverse[c] * v[c]; /* square + head · diagonal = diagonal · v[c] */
+  T diagonal = SIGNED(norm, head), first = head + diagonal, inverse = 1.0 / (square + head * diagonal);
+  k->v[c] = tail;
+  FN(set)(&k->v[c], c, first);
+  k->inverse[c] = inverse;
+  k->pivot_inverse[c] = -inverse * first; /* square + head · diagonal = diagonal · first */
   k->least = c == 0 ? norm : SMALLER(norm, k->least);
   k->largest = c == 0 ? norm : LARGER(norm, k->largest);
   UNROLLED
   for (int j = c + 1; j < 6; ++j) {
-    T sum = (FN(product)(v, A[j], c + 1) + v[c] * A[j][c]) * k->inverse[c];
-    k->r[c][j] = A[j][c] - sum * v[c];
-    UNROLLED
-    for (int i = c + 1; i < SEVEN; ++i)
-      A[j][i] -= sum * v[i];
+    T at = FN(at)(&A[j], c), sum = (FN(product)(&tail, &A[j], c + 1) + first * at) * inverse;
+    k->r[c][j] = at - sum * first;
+    FN(subtract)(&A[j], sum, &tail, c + 1);
   }
 }
 
-/* Reflections and R of the Jacobian, and its null vector. */
-static inline void FN(factor)(FN(seven) * k) {
-  T A[6][SEVEN]; /* columns of Jᵀ: rows of J */
+/* Reflections and R of the Jacobian. */
+static inline void FN(reduce)(FN(seven) * k) {
+  FN(row) A[6]; /* columns of Jᵀ: rows of J */
+  UNROLLED
   for (int r = 0; r < 6; ++r)
-    for (int j = 0; j < SEVEN; ++j)
-      A[r][j] = k->jacobian[j][r];
+    A[r] = FN(row_of)(&k->jacobian[0][r], 6);
   UNROLLED
   for (int c = 0; c < 6; ++c)
     FN(reflect)(k, A, c);
-  for (int i = 0; i < 6; ++i)
-    k->null[i] = ZERO;
-  k->null[6] = ZERO + 1.0;
-  FN(apply)(k, k->null);
 }
 
-/* The x with J x = b that is `along` long along the null vector; the least one for 0. */
-static inline void FN(solve)(const FN(seven) * k, const T *b, T along, T *x) {
+/* [R⁻ᵀ b; last] of b[6]. */
+static inline FN(row) FN(substitute)(const FN(seven) * k, const T *b, T last) {
+  T y[SEVEN];
   UNROLLED
   for (int c = 0; c < 6; ++c) {
     T sum = b[c];
     UNROLLED
     for (int i = 0; i < c; ++i)
-      sum -= k->r[i][c] * x[i];
-    x[c] = sum * k->pivot_inverse[c];
+      sum -= k->r[i][c] * y[i];
+    y[c] = sum * k->pivot_inverse[c];
   }
-  x[6] = along;
-  FN(apply)(k, x);
+  y[6] = last;
+  return FN(row_of)(y, 1);
 }
 
-/* How far x goes along the null vector. */
+/* x with reflection c. */
+static inline void FN(turn_back)(const FN(seven) * k, int c, FN(row) * x) {
+  FN(subtract)(x, FN(product)(&k->v[c], x, c) * k->inverse[c], &k->v[c], c);
+}
+
+/* The x with J x = b that is `along` long along the null vector; the least one for 0. */
+static inline FN(row) FN(solve)(const FN(seven) * k, const T *b, T along) {
+  FN(row) x = FN(substitute)(k, b, along);
+  UNROLLED
+  for (int c = 5; c >= 0; --c)
+    FN(turn_back)(k, c, &x);
+  return x;
+}
+
+static inline FN(row) FN(last_unit)(void) {
+  const T x[SEVEN] = {ZERO, ZERO, ZERO, ZERO, ZERO, ZERO, ZERO + 1.0};
+  return FN(row_of)(x, 1);
+}
+
+/* The null vector, once the Jacobian is reduced. */
+static inline void FN(find_null)(FN(seven) * k) {
+  FN(row) null = FN(last_unit)();
+  UNROLLED
+  for (int c = 5; c >= 0; --c)
+    FN(turn_back)(k, c, &null);
+  k->null = null;
+}
+
+/* Reduces the Jacobian, and finds its null vector and the least x with J x = b: side by side, since each waits for its own sums. */
+static inline FN(row) FN(factor)(FN(seven) * k, const T *b) {
+  FN(reduce)(k);
+  FN(row) null = FN(last_unit)(), x = FN(substitute)(k, b, ZERO);
+  UNROLLED
+  for (int c = 5; c >= 0; --c) {
+    FN(turn_back)(k, c, &null);
+    FN(turn_back)(k, c, &x);
+  }
+  k->null = null;
+  return x;
+}
+
+/* How far x[7] goes along the null vector. */
 static inline T FN(along_null)(const FN(seven) * k, const T *x) {
-  return FN(product)(k->null, x, 0);
+  FN(row) row = FN(row_of)(x, 1);
+  return FN(product)(&k->null, &row, 0);
 }
 
 /* The turn from R to a target's, as a rotation vector in the inertial axes, for small ones: the skew part of the
@@ -199,11 +215,12 @@ static inline FN(vec) FN(turn_left)(const FN(vec) * R, const km_rotation *target
   return FN(scaled)(1.0 + x * (1.0 / 6.0 + x * (3.0 / 40.0 + x * (15.0 / 336.0))), s);
 }
 
-/* (q′, 1)/√(1 + |q′|²) of q′[7], into path[8]. */
-static inline void FN(path_column)(const T *rates, T *path) {
+/* (q′, 1)/√(1 + |q′|²) into path[8]. */
+static inline void FN(path_column)(const FN(row) * rates, T *path) {
   T scale = 1.0 / ROOT(1.0 + FN(product)(rates, rates, 0));
+  UNROLLED
   for (int i = 0; i < SEVEN; ++i)
-    path[i] = rates[i] * scale;
+    path[i] = FN(at)(rates, i) * scale;
   path[SEVEN] = scale;
 }
 
@@ -247,4 +264,3 @@ static inline void FN(singular_values)(const FN(seven) * k, T *sigma) {
     sigma[r] = ROOT(sum);
   }
 }
-#undef UNROLLED

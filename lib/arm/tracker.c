@@ -200,7 +200,8 @@ km_step_end km_tracker_step(const km_tracker *w, km_tracker_space *s, int sample
   return check(w, sample, &here, from, to);
 }
 
-/* Puts a lane's pose and its columns into a node. */
+/* Puts a lane's pose and its columns into a node. What lanes take that don't arrive doesn't count: they go on alone, and whether
+ * a node went side by side with others is not to be told from its numbers. */
 static void take_lane(const km_tracker *w, km_tracker_space *s, int sample, const km_lanes *lanes, int l,
                       const km_node *from, const km_step_choice *way, km_node *to) {
   const km_path_point *here = &w->path->points[sample], *point = here + 1;
@@ -216,6 +217,7 @@ static void take_lane(const km_tracker *w, km_tracker_space *s, int sample, cons
   for (int r = 0; r < 6 && lanes->want_sigma; ++r)
     s->arm.sigma[r] = lanes->sigma[r][l];
   s->arm.sigma_stands = lanes->want_sigma;
+  s->arm.evaluations += (unsigned long)lanes->tries[l];
   to->z = to->path[SEVEN] = lanes->path[SEVEN][l];
   km_node_remember(w->arm, from, way, point->s - here->s, moved, to);
   if (!w->objective)
@@ -264,10 +266,8 @@ void km_tracker_steps(const km_tracker *w, km_tracker_space *s, int sample, int 
     lanes.used = done;
     lanes.want_sigma = w->objective && (w->objective->weight[KM_SINGULAR_VALUE] != 0.0 ||
                                         w->objective->weight[KM_MANIPULABILITY] != 0.0);
-    lanes.evaluations = 0;
     if (done)
       done &= km_lanes_reach(w->arm, &point->pose, xi, &lanes);
-    s->arm.evaluations += lanes.evaluations;
   }
   for (int l = 0; l < count; ++l) {
     if (done & 1u << l) {

@@ -38,9 +38,16 @@ void km_parallel_for(int count, int jobs, void (*work)(void *context, int index)
     pthread_join(threads[i], NULL);
 }
 
+typedef struct member {
+  struct km_team *team;
+  int index;        /* that it takes first: what it worked on in the last round is in its processor's memory */
+  atomic_bool held; /* that index, by this member or by another one that had nothing else to do */
+  pthread_t thread;
+} member;
+
 /* A round has a number; who has seen it takes part once. Between rounds a thread watches for a moment, then sleeps. */
 struct km_team {
-  pthread_t threads[MOST_THREADS];
+  member members[MOST_THREADS + 1]; /* the first one is the caller */
   int started;
   pthread_mutex_t mutex;
   pthread_cond_t begins, ends;
@@ -70,13 +77,27 @@ static unsigned await_round(km_team *team, unsigned seen) {
   return atomic_load(&team->round);
 }
 
+static void take(km_team *team, int index) {
+  bool owned = index <= team->started;
+  if (index < team->work.count && !(owned && atomic_exchange(&team->members[index].held, true)))
+    team->work.work(team->work.context, index);
+}
+
+static void take_part(const member *m) {
+  queue *q = &m->team->work;
+  take(m->team, m->index);
+  for (int i = atomic_fetch_add(&q->next, 1); i < q->count; i = atomic_fetch_add(&q->next, 1))
+    take(m->team, i);
+}
+
 static void *stand_by(void *data) {
-  km_team *team = data;
+  member *own = data;
+  km_team *team = own->team;
   for (unsigned seen = 0;;) {
     seen = await_round(team, seen);
     if (team->over)
       return NULL;
-    run(&team->work);
+    take_part(own);
     if (atomic_fetch_sub(&team->busy, 1) != 1)
       continue;
     pthread_mutex_lock(&team->mutex);
@@ -92,9 +113,16 @@ km_team *km_team_create(int jobs) {
   pthread_mutex_init(&team->mutex, NULL);
   pthread_cond_init(&team->begins, NULL);
   pthread_cond_init(&team->ends, NULL);
-  while (team->started + 1 < jobs && team->started < MOST_THREADS &&
-         pthread_create(&team->threads[team->started], NULL, stand_by, team) == 0)
+  for (int i = 0; i <= MOST_THREADS; ++i) {
+    team->members[i].team = team;
+    team->members[i].index = i;
+  }
+  while (team->started + 1 < jobs && team->started < MOST_THREADS) {
+    member *m = &team->members[team->started + 1];
+    if (pthread_create(&m->thread, NULL, stand_by, m))
+      break;
     ++team->started;
+  }
   return team;
 }
 
@@ -111,7 +139,7 @@ void km_team_free(km_team *team) {
   team->over = true;
   begin_round(team);
   for (int i = 0; i < team->started; ++i)
-    pthread_join(team->threads[i], NULL);
+    pthread_join(team->members[i + 1].thread, NULL);
   pthread_cond_destroy(&team->begins);
   pthread_cond_destroy(&team->ends);
   pthread_mutex_destroy(&team->mutex);
@@ -137,10 +165,12 @@ void km_team_run(km_team *team, int count, void (*work)(void *context, int index
   team->work.count = count;
   team->work.work = work;
   team->work.context = context;
+  for (int i = 0; i <= team->started; ++i)
+    atomic_store(&team->members[i].held, false);
   atomic_store(&team->work.next, 0);
   atomic_store(&team->busy, team->started);
   begin_round(team);
-  run(&team->work);
+  take_part(&team->members[0]);
   await_end(team);
 }
 

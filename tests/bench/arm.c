@@ -67,9 +67,9 @@ static void run_own(void *context) {
   int i = p->pose = (p->pose + 1) % POSES;
   km_arm_update(p->arm, &p->space, p->q[i]);
   km_control_factor(p->arm, &p->space, p->xi[i], NULL);
-  double z = km_control_columns(p->arm, &p->space, p->self, p->path, p->self);
+  double scale = 1.0 / km_control_columns(p->arm, &p->space, p->self, p->path, p->self);
   for (int k = 0; k < N; ++k)
-    p->rates[k] = p->path[k] / z;
+    p->rates[k] = p->path[k] * scale;
 }
 
 /* q̇ = V Σ⁻¹ Uᵀ ξ. */
