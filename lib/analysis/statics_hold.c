@@ -30,30 +30,12 @@ static double *entry(const gsl_matrix *a, size_t row, size_t column) {
   return a->data + row * a->tda + column;
 }
 
-double *km_direction_begin(const km_mechanism *m, bool falls, km_statics *st) {
-  if (st->direction_count++ >= KM_MOST_DIRECTIONS)
-    return NULL;
-  st->falls[st->direction_count - 1] = falls;
-  double *rates = st->directions + (size_t)(st->direction_count - 1) * (size_t)m->coordinate_count;
-  memset(rates, 0, (size_t)m->coordinate_count * sizeof *rates);
-  return rates;
-}
-
-void km_direction_end(const km_mechanism *m, const km_holding *h, double *rates) {
-  double largest = 0.0;
-  for (int j = 0; j < h->columns; ++j)
-    largest = fmax(largest, fabs(rates[h->coordinate[j]] / m->unit[h->coordinate[j]]));
-  for (int j = 0; j < h->columns; ++j)
-    rates[h->coordinate[j]] /= largest;
-}
-
 /* Adds the motion Z x as a direction. */
 static void add_direction(const km_mechanism *m, const km_holding *h, const double *x, bool falls, km_statics *st) {
   double *rates = km_direction_begin(m, falls, st);
   for (int j = 0; j < h->columns && rates; ++j)
     for (int k = 0; k < h->freedom; ++k)
-      rates[h->coordinate[j]] +=
-          h->Z[(size_t)k * (size_t)h->columns + (size_t)j] * x[k] / m->scale[h->coordinate[j]];
+      rates[h->coordinate[j]] += h->Z[(size_t)k * (size_t)h->columns + (size_t)j] * x[k] / m->scale[h->coordinate[j]];
   if (rates)
     km_direction_end(m, h, rates);
 }
@@ -101,22 +83,6 @@ static void fill(const km_mechanism *m, const km_statics *st, const km_holding *
     for (size_t k = 0; k < U->size2; ++k)
       *entry(U, a, k) =
           a < (size_t)h->count ? scaled_rate(m, st, h, h->actuator[a], h->Z + k * (size_t)h->columns) : 0.0;
-}
-
-bool km_straighten(const double *basis, int count, int size, double *v) {
-  double left = 0.0;
-  for (int i = 0; i < count; ++i) {
-    double along = 0.0;
-    for (int k = 0; k < size; ++k)
-      along += basis[i * size + k] * v[k];
-    for (int k = 0; k < size; ++k)
-      v[k] -= along * basis[i * size + k];
-  }
-  for (int k = 0; k < size; ++k)
-    left += v[k] * v[k];
-  for (int k = 0; k < size; ++k)
-    v[k] /= sqrt(left);
-  return left > 1e-6; /* of unit vectors: one of them is spanned by the others, the rest are well apart */
 }
 
 /* Motions out of reach: if loads act on them, the one in which they fall, then others at right angles to it. Returns
