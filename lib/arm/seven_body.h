@@ -12,9 +12,8 @@
  *   Jᵀ = Q [R; 0] by Householder's reflections (7 × 6). The last column of Q spans J's null space, and
  *   x = Q [R⁻ᵀ b; 0] is the least x with J x = b. */
 
-typedef struct FN(vec) {
-  T x, y, z;
-} FN(vec);
+#include "spatial/sincos_body.h"
+#include "spatial/vec3_body.h"
 
 typedef struct FN(seven) {
   T jacobian[SEVEN][6]; /* by columns */
@@ -27,25 +26,11 @@ typedef struct FN(seven) {
   FN(row) null, rates;         /* rates: the least ones along the path */
 } FN(seven);
 
-static inline T FN(dot)(FN(vec) a, FN(vec) b) {
-  return a.x * b.x + a.y * b.y + a.z * b.z;
-}
-static inline FN(vec) FN(axpy)(T s, FN(vec) a, FN(vec) b) {
-  return (FN(vec)){s * a.x + b.x, s * a.y + b.y, s * a.z + b.z};
-}
-static inline FN(vec) FN(scaled)(T s, FN(vec) a) {
-  return (FN(vec)){s * a.x, s * a.y, s * a.z};
-}
-static inline FN(vec) FN(cross)(FN(vec) a, FN(vec) b) {
-  return (FN(vec)){a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x};
-}
 /* R a of a constant vector. */
 static inline FN(vec) FN(turn)(const FN(vec) * R, km_vec3 a) {
   return (FN(vec)){a.x * R[0].x + (a.y * R[1].x + a.z * R[2].x), a.x * R[0].y + (a.y * R[1].y + a.z * R[2].y),
                    a.x * R[0].z + (a.y * R[1].z + a.z * R[2].z)};
 }
-
-#include "spatial/sincos_body.h"
 
 /* Axes, places, pose and Jacobian. */
 static inline void FN(forward)(const km_arm *a, const T *q, FN(seven) * k) {
