@@ -1,0 +1,254 @@
+/* Growing the trees of look-ahead.
+ *
+ * A level is one batch of work: its nodes depend on the level above only, and each has a place of its own, so the
+ * result is the same for any number of threads. The first level is too small to be shared. So several threads grow the next
+ * tree's first level beside this tree's second one, from the root that is taken if the branch stays the same; where another
+ * branch is taken it is grown again. */
+#include "arm/methods/lookahead_tree.h"
+
+#include <math.h>
+
+/* Fewer steps abreast are done before a thread has begun. */
+enum { THREADS_PAY = 16 };
+
+/* tan φ towards each pose-control column. One freedom: kφ from −(n−1)/2 to (n−1)/2. Two: the middle and a circle of
+ * directions. More: the middle, then both ways along each column. */
+static void set_tilts(km_look_tree *t) {
+  const km_method *method = &t->run->plan->method;
+  const int freedom = t->run->arm->freedom, n = t->branches;
+  for (int b = 0; b < n && freedom > 0; ++b) {
+    double *tilt = t->tilts + b * freedom;
+    int k = b - (n - 1) / 2;
+    if (freedom == 1) {
+      tilt[0] = k == 0 ? 0.0 : tan(k * method->angle);
+    } else if (k != 0) {
+      int ring = b < (n - 1) / 2 ? b : b - 1; /* 0 … n − 2 */
+      double around = 2.0 * M_PI * ring / (n - 1), size = tan(method->angle);
+      if (freedom == 2) {
+        tilt[0] = size * cos(around);
+        tilt[1] = size * sin(around);
+      } else {
+        tilt[ring / 2 % freedom] = (ring % 2 ? -1.0 : 1.0) * size;
+      }
+    }
+  }
+}
+
+/* How many samples a tree reaches. */
+static int depth_of(const km_look_tree *t, const km_look_beginning *of) {
+  int left = t->run->plan->path->samples - 1 - of->sample;
+  return left < t->levels * t->stride ? left : t->levels * t->stride;
+}
+
+/* A node of a level, at its parent's end. */
+static km_look_node begin_node(const km_look_tree *t, const km_look_beginning *of, int level, int index,
+                               km_node *here) {
+  const km_look_node *parent = level > 0 ? km_look_node_at(t, of, level - 1, index / t->branches) : NULL;
+  km_look_node node = {.end = km_look_node_at(t, of, level, index)->end, .least = (double)INFINITY, .alive = true};
+  if (parent) {
+    node.least = parent->least;
+    node.sum = parent->sum;
+    node.samples = parent->samples;
+    node.alive = parent->alive;
+  }
+  if (node.alive)
+    km_node_copy(t->run->arm, here, parent ? &parent->end : &of->root);
+  return node;
+}
+
+/* A branch on its way over a level: what changes with every step is the worker's own until the level ends. */
+typedef struct traveller {
+  km_look_node node;
+  km_node *here, *there; /* where it is, and where its next step leads */
+} traveller;
+
+/* A step of sample k has led there, or has failed. */
+static void take_step(const km_look_tree *t, km_look_beginning *of, int index, int k, traveller *w, km_step_end step) {
+  km_look_node *node = &w->node;
+  km_node *end = w->there;
+  if (k == 0 && index == (t->branches - 1) / 2)
+    of->middle = step;
+  if (step.stop) {
+    node->alive = false;
+    return;
+  }
+  if (k == 0)
+    km_node_copy(t->run->arm, &of->first[index], end);
+  node->least = end->value < node->least ? end->value : node->least;
+  node->sum += end->value;
+  node->samples++;
+  w->there = w->here;
+  w->here = end;
+}
+
+/* The next step of those that go on, side by side. How many these are. */
+static int step_on(km_look_tree *t, km_look_beginning *of, int worker, int k, int first, int count, traveller *all) {
+  km_run *run = t->run;
+  km_tracker_space *space = &t->spaces[worker];
+  const km_node *from[KM_WALK_ABREAST];
+  km_node *to[KM_WALK_ABREAST];
+  km_step_choice ways[KM_WALK_ABREAST];
+  km_step_end ends[KM_WALK_ABREAST];
+  int lane[KM_WALK_ABREAST], abreast = 0, sample = of->sample + k;
+  for (int l = 0; l < count; ++l) {
+    if (!all[l].node.alive)
+      continue;
+    lane[abreast] = l;
+    from[abreast] = all[l].here;
+    to[abreast] = all[l].there;
+    ways[abreast++] = (km_step_choice){.tilt = t->tilts + (first + l) % t->branches * run->arm->freedom};
+  }
+  if (abreast > 0)
+    km_tracker_steps(&run->walk, space, sample, abreast, from, ways, to, ends);
+  for (int i = 0; i < abreast && t->eased; ++i)
+    ends[i] = km_tracker_ease(&run->walk, space, sample, from[i], &ways[i], ends[i], to[i]);
+  for (int i = 0; i < abreast; ++i)
+    take_step(t, of, first + lane[i], k, &all[lane[i]], ends[i]);
+  return abreast;
+}
+
+/* Follows up to KM_WALK_ABREAST branches over one level, side by side, each as far as it goes. */
+static void grow(km_look_tree *t, km_look_beginning *of, int level, int worker, int first, int count) {
+  traveller all[KM_WALK_ABREAST];
+  km_node *places = &t->places[worker * 2 * KM_WALK_ABREAST];
+  int done = level * t->stride, depth = depth_of(t, of), end = done + t->stride < depth ? done + t->stride : depth;
+  for (int l = 0; l < count; ++l) {
+    all[l] = (traveller){.here = &places[2 * l], .there = &places[2 * l + 1]};
+    all[l].node = begin_node(t, of, level, first + l, all[l].here);
+  }
+  for (int k = done; k < end && step_on(t, of, worker, k, first, count, all) > 0; ++k)
+    ;
+  for (int l = 0; l < count; ++l) {
+    km_look_node *node = km_look_node_at(t, of, level, first + l);
+    *node = all[l].node;
+    if (node->alive)
+      km_node_copy(t->run->arm, &node->end, all[l].here);
+  }
+}
+
+/* The next tree's first level. What it takes counts if that tree is grown. */
+static void grow_ahead(km_look_tree *t, int worker) {
+  unsigned long *evaluations = &t->spaces[worker].arm.evaluations, before = *evaluations;
+  for (int i = 0; i < t->branches; i += KM_WALK_ABREAST)
+    grow(t, t->next, 0, worker, i, t->branches - i < KM_WALK_ABREAST ? t->branches - i : KM_WALK_ABREAST);
+  t->guessed = *evaluations - before;
+  *evaluations = before;
+}
+
+static void grow_some(void *context, int worker) {
+  km_look_tree *t = context;
+  int end = (worker + 1) * t->share < t->level_count ? (worker + 1) * t->share : t->level_count;
+  for (int i = worker * t->share; i < end; i += t->group)
+    grow(t, t->now, t->level, worker, i, end - i < t->group ? end - i : t->group);
+  if (worker == t->ahead)
+    grow_ahead(t, worker);
+}
+
+/* Neighbours for each worker, since their parents and children are its own mostly; abreast in groups of one size. `more` nodes
+ * are the last worker's beside these. */
+static void share_level(km_look_tree *t, int more) {
+  t->level_count = km_look_count_at(t, t->level);
+  int all = t->level_count + more, groups = (all + KM_WALK_ABREAST - 1) / KM_WALK_ABREAST;
+  bool worth = groups * t->stride >= THREADS_PAY;
+  t->sharing = !worth ? 1 : groups < t->workers ? groups : t->workers;
+  t->share = (all + t->sharing - 1) / t->sharing;
+  groups = (t->share + KM_WALK_ABREAST - 1) / KM_WALK_ABREAST;
+  t->group = (t->share + groups - 1) / groups;
+}
+
+/* Beside the second level, which is a small one too, goes the next tree's first one, where several share it. */
+static void plan_level(km_look_tree *t) {
+  const km_look_beginning *now = t->now;
+  bool guess = t->workers > 1 && t->level == 1 && now->nodes[t->branch].samples > 0;
+  share_level(t, guess ? t->branches : 0);
+  t->ahead = guess && t->sharing > 1 ? t->sharing - 1 : -1;
+  if (t->ahead < 0)
+    return;
+  t->guess = t->branch;
+  t->next->sample = now->sample + 1;
+  km_node_copy(t->run->arm, &t->next->root, &now->first[t->guess]);
+}
+
+static km_look_beginning *create_beginning(km_look_tree *t) {
+  const km_arm *a = t->run->arm;
+  km_arena *arena = &t->run->arena;
+  km_look_beginning *b = KM_ARENA_NEW(arena, km_look_beginning, 1);
+  if (!b || !km_node_create(a, arena, &b->root))
+    return NULL;
+  b->nodes = KM_ARENA_NEW(arena, km_look_node, (size_t)t->branches);
+  b->first = KM_ARENA_NEW(arena, km_node, (size_t)t->branches);
+  for (int i = 0; i < t->branches && !arena->failed; ++i)
+    if (!km_node_create(a, arena, &b->nodes[i].end) || !km_node_create(a, arena, &b->first[i]))
+      return NULL;
+  return b;
+}
+
+bool km_look_tree_create(km_look_tree *t, km_run *run) {
+  const km_method *method = &run->plan->method;
+  const km_arm *a = run->arm;
+  *t = (km_look_tree){.run = run, .levels = method->levels, .workers = run->plan->jobs > 1 ? run->plan->jobs : 1};
+  t->branches = a->freedom > 0 ? method->branches : 1;
+  int samples = run->plan->path->samples;
+  t->stride = method->stride > 0 ? method->stride : samples / 12 > 1 ? samples / 12 : 1;
+  km_arena *arena = &run->arena;
+  t->level_start = KM_ARENA_NEW(arena, int, (size_t)t->levels + 1);
+  if (!t->level_start)
+    return false;
+  long long count = 0, level = t->branches;
+  for (int l = 1; l < t->levels; ++l) {
+    level *= t->branches;
+    count += level;
+    t->level_start[l + 1] = (int)count;
+  }
+  t->nodes = KM_ARENA_NEW(arena, km_look_node, (size_t)count);
+  t->branch = (t->branches - 1) / 2;
+  t->tilts = KM_ARENA_NEW(arena, double, (size_t)t->branches *(size_t)(a->freedom > 0 ? a->freedom : 1));
+  t->spaces = KM_ARENA_NEW(arena, km_tracker_space, (size_t)t->workers);
+  const int places = t->workers * KM_WALK_ABREAST * 2;
+  t->places = KM_ARENA_NEW(arena, km_node, (size_t)places);
+  t->now = create_beginning(t);
+  t->next = create_beginning(t);
+  bool whole = t->now && t->next && !arena->failed;
+  for (long long i = 0; i < count && whole; ++i)
+    whole = km_node_create(a, arena, &t->nodes[i].end);
+  for (int i = 0; i < t->workers && whole; ++i)
+    whole = km_tracker_space_create(a, &t->spaces[i]);
+  for (int i = 0; i < places && whole; ++i)
+    whole = km_node_create(a, arena, &t->places[i]);
+  if (whole)
+    set_tilts(t);
+  t->team = t->workers > 1 ? km_team_create(t->workers) : NULL;
+  return whole;
+}
+
+void km_look_tree_destroy(km_look_tree *t) {
+  km_team_free(t->team);
+  for (int i = 0; i < t->workers && t->spaces; ++i) {
+    t->run->evaluations += t->spaces[i].arm.evaluations;
+    km_tracker_space_free(&t->spaces[i]);
+  }
+}
+
+int km_look_tree_grow(km_look_tree *t) {
+  int levels = (depth_of(t, t->now) + t->stride - 1) / t->stride;
+  t->guess = -1;
+  for (t->level = t->grown ? 1 : 0; t->level < levels; ++t->level) {
+    plan_level(t);
+    km_team_run(t->team, t->sharing, grow_some, t);
+  }
+  return levels;
+}
+
+void km_look_tree_go_on(km_look_tree *t, int branch) {
+  t->branch = branch;
+  t->grown = t->guess == branch;
+  if (t->grown) {
+    km_look_beginning *before = t->now;
+    t->now = t->next;
+    t->next = before;
+    t->run->evaluations += t->guessed;
+    return;
+  }
+  km_node_copy(t->run->arm, &t->now->root, &t->now->first[branch]);
+  t->now->sample++;
+}
