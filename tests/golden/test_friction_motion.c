@@ -96,21 +96,15 @@ static void test_journal(void **data) {
   fixture_close(&f);
 }
 
+#define FRICTION "\"friction\": {\"coefficient\": 0.2, \"radius\": 0.05, \"stiction_velocity\": 0.01}, "
+static const char joint_b[] = "\"name\": \"B\"", joint_c[] = "\"name\": \"C\"";
+
 static char *with_friction(void) {
-  char *text = read_model_text("slider_crank"), *out = (char *)malloc(strlen(text) + 1000), *to = out;
-  static const char *const joints[] = {"\"name\": \"B\"", "\"name\": \"C\""};
-  const char *from = text;
-  assert_non_null(out);
-  for (int i = 0; i < 2; ++i) {
-    const char *place = strstr(from, joints[i]);
-    assert_non_null(place);
-    to += sprintf(to, "%.*s\"friction\": {\"coefficient\": 0.2, \"radius\": 0.05, \"stiction_velocity\": 0.01}, ",
-                  (int)(place - from), from);
-    from = place;
-  }
-  strcpy(to, from);
+  char *text = read_model_text("slider_crank"), *one = edited(text, NULL, joint_b, FRICTION "\"name\": \"B\"");
+  char *both = edited(one, joint_b, joint_c, FRICTION "\"name\": \"C\"");
+  km_free(one);
   km_free(text);
-  return out;
+  return both;
 }
 
 /* In a closed loop: what friction and the damper take between two rows is μ r N |v| + b v² at the reactions that are told,

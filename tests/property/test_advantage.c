@@ -300,12 +300,9 @@ static void transmission_of_a_four_bar(void **state) {
  */
 static void friction_of_a_slide(void **state) {
   (void)state;
-  char *text = read_model_text("slider_crank"), *place = strstr(text, "\"damping\": 1.0");
-  km_text edited = {0};
-  km_text_bytes(&edited, text, (size_t)(place - text));
-  km_text_add(&edited, "\"friction\": {\"coefficient\": 0.2}");
-  km_text_add(&edited, place + strlen("\"damping\": 1.0"));
-  fixture f = fixture_read(edited.data);
+  char *text = read_model_text("slider_crank");
+  char *rubbing = edited(text, NULL, "\"damping\": 1.0", "\"friction\": {\"coefficient\": 0.2}");
+  fixture f = fixture_read(rubbing);
   km_handle input = joint(f.model, 0), output = joint(f.model, 1);
   km_losses_work *work;
   km_drive *drive;
@@ -325,7 +322,7 @@ static void friction_of_a_slide(void **state) {
   km_drive_free(drive);
   km_losses_free(work);
   fixture_close(&f);
-  km_text_free(&edited);
+  km_free(rubbing);
   km_free(text);
 }
 

@@ -40,14 +40,11 @@ static linkage random_axes(int count, randomness *shape, randomness *own) {
   return l;
 }
 
-/* The first `old` behind `place` becomes `new`. */
-static char *replaced(char *text, const char *place, const char *old, const char *new) {
-  const char *at = strstr(text, place), *found = at ? strstr(at, old) : NULL;
-  assert_non_null(found);
-  km_text out = {0};
-  km_text_format(&out, "%.*s%s%s", (int)(found - text), text, new, found + strlen(old));
+/* In the place of the text itself. */
+static char *replaced(char *text, const char *place, const char *from, const char *to) {
+  char *out = edited(text, place, from, to);
   km_free(text);
-  return out.data;
+  return out;
 }
 
 static fixture open_overconstrained_loop(int kind, double size, randomness *shape) {

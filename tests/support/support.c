@@ -43,6 +43,16 @@ fixture fixture_of(km_model *model) {
   return f;
 }
 
+char *edited(const char *text, const char *place, const char *from, const char *to) {
+  const char *behind = place ? strstr(text, place) : text, *at = behind ? strstr(behind, from) : NULL;
+  assert_non_null(at);
+  km_text out = {0};
+  km_text_bytes(&out, text, (size_t)(at - text));
+  km_text_add(&out, to);
+  km_text_add(&out, at + strlen(from));
+  return out.data;
+}
+
 fixture fixture_read(const char *json) {
   km_model *model;
   km_error error;

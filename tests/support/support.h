@@ -38,6 +38,8 @@ fixture fixture_of(km_model *model);    /* takes the model */
 km_status fixture_try(const char *json, fixture *f, km_error *error);
 void fixture_close(fixture *f);
 char *read_model_text(const char *name); /* the caller frees it (km_free) */
+/* A copy of the text where the first `from` behind `place` (NULL: anywhere) is `to`; the caller frees it (km_free). */
+char *edited(const char *text, const char *place, const char *from, const char *to);
 
 /* A parallelogram with links 2 and 1 (joints A, B, C, D), its crank turned by `angle`; 0 and π are its change points.
  */

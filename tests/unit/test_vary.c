@@ -30,17 +30,6 @@ static const char linkage[] =
     "\"analysis\": {\"sweep\": {\"joint\": \"A\", \"range\": [60, 90], \"steps\": 12}, \"loads\": [{\"name\": \"w\", "
     "\"frame\": \"coupler/tip\", \"force\": [0, -5]}]}}";
 
-/* The text with one place edited; the caller frees it. */
-static char *edited(const char *text, const char *from, const char *to) {
-  const char *at = strstr(text, from);
-  assert_non_null(at);
-  km_text out = {0};
-  km_text_bytes(&out, text, (size_t)(at - text));
-  km_text_add(&out, to);
-  km_text_add(&out, at + strlen(from));
-  return out.data;
-}
-
 static void sweep_csv(km_model *model, km_text *csv) {
   fixture f = fixture_of(model);
   km_sweep_plan plan = km_sweep_plan_default(f.model);
@@ -96,7 +85,7 @@ static void a_variant_is_the_edited_file(void **state) {
   sweep_csv(read_varied(text, "reach", 95), &base);
   for (size_t i = 0; i < sizeof cases / sizeof *cases; ++i) {
     km_text varied = {0}, by_hand = {0};
-    char *other = edited(text, cases[i].from, cases[i].to);
+    char *other = edited(text, NULL, cases[i].from, cases[i].to);
     km_model *twin, *model = read_varied(text, cases[i].path, cases[i].value);
     assert_int_equal(km_model_read(other, strlen(other), NULL, &twin, NULL), KM_OK);
     for (int f = 0; f < model->frame_count; ++f)
@@ -182,9 +171,9 @@ static void drawings_and_struts_have_paths(void **state) {
                {"spring_foot.y", "[5, -320]", "[5, -310]", -310}};
   char *text = read_model_text("bonnet");
   for (size_t i = 0; i < sizeof edits / sizeof *edits; ++i) {
-    char *limited = edited(text, "\"planar\"", "\"limits\": [0, 900], \"planar\"");
+    char *limited = edited(text, NULL, "\"planar\"", "\"limits\": [0, 900], \"planar\"");
     bool limits = strstr(edits[i].path, "limits");
-    char *other = edited(text, edits[i].from, edits[i].to);
+    char *other = edited(text, NULL, edits[i].from, edits[i].to);
     km_model *twin, *model = read_varied(limits ? limited : text, edits[i].path, edits[i].value);
     km_text varied = {0}, by_hand = {0};
     assert_int_equal(km_model_read(other, strlen(other), NULL, &twin, NULL), KM_OK);
