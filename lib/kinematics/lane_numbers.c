@@ -170,8 +170,19 @@ static void mark_still(km_drive_lanes *l, const km_program *program) {
   }
 }
 
+/* Slot 0 of every program is its base, which stays; what isn't set is 0. */
+static void place_base(km_drive_lanes *l) {
+  for (int i = 0; i < KM_DRIVE_LANES; ++i) {
+    if (l->slots)
+      l->slots[0].cosine.of[i] = 1.0;
+    if (l->poses)
+      l->poses[0].axis[0].x.of[i] = l->poses[0].axis[1].y.of[i] = l->poses[0].axis[2].z.of[i] = 1.0;
+  }
+}
+
 void km_lanes_take_structure(km_drive_lanes *l) {
   const km_mechanism *m = l->m;
+  place_base(l);
   const km_program *program = &m->programs[l->sub->program_start];
   if (l->sub->program_count == 1 && program->planar) /* several take the same slots in turn */
     mark_still(l, program);

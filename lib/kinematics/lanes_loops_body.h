@@ -6,13 +6,6 @@ static inline void steps(km_drive_lanes *l, const km_program *program, bool agai
   const km_planar_step *fixed = l->m->planar_steps + program->step_start;
   const km_lane_step *numbers = l->steps + program->step_start;
   km_lane_slot *slots = l->slots;
-  EACH(r) {
-    PUT(slots[0].angle, all(0.0));
-    PUT(slots[0].cosine, all(1.0));
-    PUT(slots[0].sine, all(0.0));
-    PUT(slots[0].x, all(0.0));
-    PUT(slots[0].y, all(0.0));
-  }
   for (int i = 0; i < program->step_count; ++i) {
     const km_planar_step *step = &fixed[i];
     const km_lane_step *n = &numbers[i];

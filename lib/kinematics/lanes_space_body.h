@@ -84,10 +84,6 @@ static inline pose motion_step(const km_step *step, vector pitch, vector value, 
 
 /* spatial_steps of loops.c. */
 static inline void space_steps(km_drive_lanes *l, const km_program *program, mask *fit, int first, int count) {
-  const vector one = all(1.0), none = all(0.0);
-  const pose identity = {{{{one, none, none}, {none, one, none}, {none, none, one}}}, {none, none, none}};
-  EACH(r)
-  put_pose(&l->poses[0], AT(r), &identity);
   for (int i = program->step_start; i < program->step_start + program->step_count; ++i) {
     const km_step *step = &l->m->steps[i];
     const km_lane_space_step *n = &l->space_steps[i];
