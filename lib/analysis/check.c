@@ -2,11 +2,11 @@
 #include "kmech/diagnosis.h"
 
 #include "analysis/inertness.h"
+#include "analysis/mobility.h"
 #include "analysis/rank_evidence.h"
 #include "analysis/statements.h"
 #include "base/check.h"
 #include "kinematics/poses.h"
-#include "kmech/mobility.h"
 
 #include <math.h>
 #include <stdarg.h>
@@ -259,7 +259,7 @@ static void check_start(const km_mechanism *m, const km_state *s, km_findings *f
 static km_status examine(const km_mechanism *m, km_state *s, const km_messages *messages, const km_diagnosis *diagnosis,
                          km_findings *out, km_error *error) {
   km_mobility mobility;
-  km_mobility_update(m, s, &mobility);
+  km_ranks_update(m, s, &mobility);
   check_reader(messages, out);
   check_start(m, s, out);
   check_finite(&mobility, &diagnosis->finite, out);

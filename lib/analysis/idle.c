@@ -3,6 +3,7 @@
 #include "kmech/idle.h"
 
 #include "analysis/each_substructure.h"
+#include "analysis/mobility.h"
 #include "analysis/nearby.h"
 #include "analysis/whole_jacobian.h"
 #include "base/check.h"
@@ -309,7 +310,7 @@ km_status km_idle_freedoms_find(const km_mechanism *m, km_state *s, km_progress 
   search f = {m, s, out, 0};
   km_mobility mobility;
   km_poses_update(m, s);
-  km_mobility_update(m, s, &mobility);
+  km_ranks_update(m, s, &mobility);
   return km_each_substructure(m, look, &f, progress, context, "the idle freedoms", error);
 }
 

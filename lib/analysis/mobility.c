@@ -32,31 +32,40 @@ static void count_kutzbach(const km_mechanism *m, km_mobility *out) {
   out->kutzbach_extended = freedom - lambda - model->coupling_count;
 }
 
-void km_mobility_update(const km_mechanism *m, km_state *s, km_mobility *out) {
-  if (!out)
-    return;
-  *out = (km_mobility){.residual = nan("")};
-  if (!km_state_fits(m, s))
-    return;
+/* Does it move freely, outside loops and couplings? */
+static bool is_outside(const km_mechanism *m, const km_state *s, int coordinate) {
+  return m->substructure_of[coordinate] < 0 && !km_state_holds(s, coordinate);
+}
+
+void km_ranks_update(const km_mechanism *m, km_state *s, km_mobility *out) {
   *out = (km_mobility){0};
   count_kutzbach(m, out);
   out->redundant_constraints = 6 * m->topology.loop_count + m->model->coupling_count;
-  for (int c = 0; c < m->coordinate_count; ++c) {
-    bool outside = m->substructure_of[c] < 0 && !km_state_holds(s, c);
-    s->numbers[c] = outside ? 1.0 : 0.0;
-    out->mobility += outside;
-  }
+  for (int c = 0; c < m->coordinate_count; ++c)
+    out->mobility += is_outside(m, s, c);
   for (int i = 0; i < m->topology.substructure_count; ++i) {
     const km_substructure *sub = &m->substructures[i];
     int worst;
     km_loops_update(m, s, sub);
     double residual = km_loops_residual(m, s, sub, &worst);
     km_pivot(m, s, i, KM_NO_DRIVER, km_rank_tolerance(m, sub, residual));
-    set_numbers(m, s, i);
     out->residual = fmax(out->residual, residual);
     out->mobility += km_partition_freedom(&s->partition[i]);
     out->redundant_constraints -= s->partition[i].rank;
   }
+}
+
+void km_mobility_update(const km_mechanism *m, km_state *s, km_mobility *out) {
+  if (!out)
+    return;
+  *out = (km_mobility){.residual = nan("")};
+  if (!km_state_fits(m, s))
+    return;
+  km_ranks_update(m, s, out);
+  for (int c = 0; c < m->coordinate_count; ++c)
+    s->numbers[c] = is_outside(m, s, c) ? 1.0 : 0.0;
+  for (int i = 0; i < m->topology.substructure_count; ++i)
+    set_numbers(m, s, i);
 }
 
 int km_substructure_count(const km_mechanism *m) {

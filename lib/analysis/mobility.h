@@ -1,4 +1,4 @@
-/* Mobility numbers of one substructure at a time, for sweeps. */
+/* Mobility numbers of one substructure at a time, for sweeps; ranks alone. */
 #ifndef KM_ANALYSIS_MOBILITY_H
 #define KM_ANALYSIS_MOBILITY_H
 
@@ -8,5 +8,8 @@
 /* Mobility numbers of a substructure from the partition that its last closure left. Where a driver forced a
  * badly conditioned partition, pivots are searched again without it. */
 void km_numbers_update(const km_mechanism *mechanism, km_state *state, int substructure);
+
+/* km_mobility_update without the mobility numbers, which it leaves as they are. */
+void km_ranks_update(const km_mechanism *mechanism, km_state *state, km_mobility *out);
 
 #endif

@@ -1,6 +1,7 @@
 /* Redundant constraints by name: left null vectors of the loops, and the swaps of joints that end them. */
 #include "analysis/each_substructure.h"
 #include "analysis/lasting.h"
+#include "analysis/mobility.h"
 #include "analysis/nearby.h"
 #include "base/check.h"
 #include "kinematics/poses.h"
@@ -177,7 +178,6 @@ static km_status find_in(finder *f, km_arena *arena, km_error *error) {
   f->separated = KM_ARENA_NEW(arena, double, 6 * (size_t)f->null.local_count);
   f->lasting = KM_ARENA_NEW(arena, bool, (size_t)km_left_null_count(&f->null));
   bool found = look_nearby(f, arena) && !arena->failed;
-  km_poses_update(f->space.m, f->space.s);
   if (!found)
     return KM_MEMORY;
   separate_all(f);
@@ -210,7 +210,7 @@ km_status km_redundancies_find(const km_mechanism *m, km_state *s, km_progress p
   search all = {m, s, out, 0};
   km_mobility mobility;
   km_poses_update(m, s);
-  km_mobility_update(m, s, &mobility);
+  km_ranks_update(m, s, &mobility);
   return km_each_substructure(m, look, &all, progress, context, "the redundant constraints", error);
 }
 

@@ -157,7 +157,8 @@ bool km_orthogonal_squares(km_orthogonal *q, double *v, int count, double *squar
 }
 
 /* Adds |R⁻ᵀ b|² of every row b of the matrix to its share: y by rows of R, that is by columns of Rᵀ, from the first entry of
- * b on. `place` says which column of R a column of the matrix is. */
+ * b on. `place` says which column of R a column of the matrix is. Nested dissection keeps short what a row reaches: of a
+ * chain of n loops log n columns, where an order of least fill may make it n. */
 static void add_shares(const km_orthogonal *q, const cholmod_sparse *rows_of_r, const cholmod_sparse *by_row,
                        const long *place, double *y, double *share) {
   const long *start = rows_of_r->p, *column = rows_of_r->i, *row_start = by_row->p, *entry = by_row->i;
@@ -187,7 +188,7 @@ bool km_orthogonal_shares(km_orthogonal *q, double tolerance, double *share) {
   const library *f = q->spqr;
   cholmod_sparse A = matrix_of(q), *R = NULL;
   SuiteSparse_long *order = NULL;
-  long rank = f->SuiteSparseQR_C(SPQR_ORDERING_COLAMD, tolerance, q->columns, 0, &A, NULL, NULL, NULL, NULL, &R, &order,
+  long rank = f->SuiteSparseQR_C(SPQR_ORDERING_METIS, tolerance, q->columns, 0, &A, NULL, NULL, NULL, NULL, &R, &order,
                                  NULL, NULL, NULL, &q->common);
   cholmod_sparse *rows_of_r = rank == q->columns ? f->cholmod_l_transpose(R, 1, &q->common) : NULL;
   cholmod_sparse *by_row = rows_of_r ? f->cholmod_l_transpose(&A, 1, &q->common) : NULL;

@@ -36,23 +36,25 @@ static double largest_free_b(const km_partition *p, const bool *forced) {
   return largest;
 }
 
-/* A column that is dependent though no pivot tells; -1: none, or the rows alone count, and all of them are independent. */
-static int find_hidden(const km_partition *p, const double *matrix, const bool *forced, double threshold) {
+/* A column that is dependent though no pivot tells; -1: none, or the rank alone counts, and the primary rows are independent.
+ */
+static int find_hidden(const km_partition *p, const double *matrix, const bool *forced, double threshold,
+                       bool rank_counts) {
   if (p->failed || p->sparse->overfull)
     return -1;
-  bool rows_count = p->sparse->by_rows && p->rank == p->rows;
-  return rows_count && km_sparse_hidden_row(p, matrix, forced, threshold) < 0 ? -1
-                                                                              : km_sparse_hidden(p, forced, threshold);
+  return rank_counts && km_sparse_hidden_row(p, matrix, forced, threshold) < 0 ? -1
+                                                                               : km_sparse_hidden(p, forced, threshold);
 }
 
-/* Until no column is dependent that no pivot tells. */
-static void eliminate_all(km_partition *p, const double *matrix, const bool *forced, double threshold) {
+/* Until no column is dependent that no pivot tells, or that shows at least that the rank is right. */
+static void eliminate_all(km_partition *p, const double *matrix, const bool *forced, double threshold,
+                          bool rank_counts) {
   int hidden = -1;
   do {
     if (hidden >= 0)
       p->sparse->late[hidden] = p->sparse->waits = true;
     km_sparse_eliminate(p, matrix, forced, threshold);
-    hidden = find_hidden(p, matrix, forced, threshold);
+    hidden = find_hidden(p, matrix, forced, threshold, rank_counts);
   } while (hidden >= 0 && !p->sparse->late[hidden]);
 }
 
@@ -75,7 +77,7 @@ static void find_rows(km_partition *p, const double *matrix, const bool *forced,
   enum { MOST_FILL = 4 };
   km_sparse *s = p->sparse;
   s->most_entries = MOST_FILL * s->start[p->columns];
-  eliminate_all(p, matrix, forced, threshold);
+  eliminate_all(p, matrix, forced, threshold, true);
   s->most_entries = 0;
   if (!s->overfull)
     return;
@@ -143,13 +145,15 @@ static void remember(km_partition *p, const double *matrix, const bool *forced, 
 /* Passes of elimination until |B| is small enough. */
 static void find_good_columns(km_partition *p, const double *matrix, const bool *forced, double threshold) {
   for (int pass = 0; pass < MOST_PASSES; ++pass) {
-    eliminate_all(p, matrix, forced, threshold);
+    eliminate_all(p, matrix, forced, threshold, pass + 1 < MOST_PASSES && !p->any_independent);
     if (p->any_independent)
       break;
-    bool finite = km_sparse_find_b(p), many = km_partition_freedom(p) > KM_MANY_VECTORS;
-    if (finite && largest_free_b(p, forced) <= (many && pass > 0 ? good_b_of_many : good_b))
+    bool many = km_partition_freedom(p) > KM_MANY_VECTORS, others = many && pass == 0 && leave_shared(p);
+    double most = many && pass > 0 ? good_b_of_many : good_b;
+    bool finite = km_sparse_find_b(p, forced, others ? most : HUGE_VAL);
+    if (finite && largest_free_b(p, forced) <= most)
       break;
-    if (!(many && pass == 0 && leave_shared(p)) && !(finite && km_sparse_choose_late(p, forced)))
+    if (!others && !(finite && km_sparse_choose_late(p, forced)))
       break;
   }
 }

@@ -116,8 +116,9 @@ bool km_sparse_grow(km_sparse *sparse, km_store *store, int need);
 int km_sparse_take_singles(km_partition *partition, const double *matrix, const bool *forced, double least);
 /* One elimination in the order of `late` and `forced`. */
 void km_sparse_eliminate(km_partition *partition, const double *matrix, const bool *forced, double threshold);
-/* The columns of B, or their largest entry alone. False where a value is not finite. */
-bool km_sparse_find_b(km_partition *partition);
+/* The columns of B, or their largest entry alone. Ends at a column that isn't given with an entry beyond `most`: other ones are
+ * tried then. False where a value is not finite. */
+bool km_sparse_find_b(km_partition *partition, const bool *forced, double most);
 /* Σ over all columns of the squared number of entries in primary rows: about how many entries Q R of the rows comes to, at most.
  */
 double km_sparse_crowd(const km_partition *partition);

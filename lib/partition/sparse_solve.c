@@ -104,7 +104,7 @@ km_run km_sparse_b(const km_partition *p, int k) {
   return s->keeps_b ? s->b[k] : solve_reached(p, &s->upper[p->column[p->rank + k]], 0);
 }
 
-bool km_sparse_find_b(km_partition *p) {
+bool km_sparse_find_b(km_partition *p, const bool *forced, double most) {
   km_sparse *s = p->sparse;
   bool negative = false, finite = true, few = are_few(p);
   int end = 0;
@@ -123,6 +123,8 @@ bool km_sparse_find_b(km_partition *p) {
     finite = km_all_finite(b, run.end - end) && finite;
     s->b[k - p->rank] = run;
     end = s->keeps_b ? run.end : 0;
+    if (size > most && !km_sparse_is_given(p, forced, p->column[k]))
+      break;
   }
   p->sign = negative ? -1 : 1;
   return finite;
@@ -185,7 +187,7 @@ bool km_sparse_refactor(km_partition *p, const double *matrix) {
       s->x[s->lower_store.index[i]] = 0.0;
     }
   }
-  return p->any_independent || s->by_rows || km_sparse_find_b(p);
+  return p->any_independent || s->by_rows || km_sparse_find_b(p, NULL, HUGE_VAL);
 }
 
 void km_sparse_solve(const km_partition *p, const double *rhs, double *x) {

@@ -289,6 +289,25 @@ static void rows_where_no_pivot_tells(void **state) {
   assert_true(hidden >= 15);
 }
 
+/* The same by columns, of few freedoms and of many; independent columns are then others than those that came last, and B small. */
+static void columns_where_no_pivot_tells(void **state) {
+  (void)state;
+  int chosen = 0;
+  for (int i = 0; i < 60; ++i) {
+    bool many = i % 2 > 0;
+    fill_chain(many ? 30 : 40 + index_below(15), many ? KM_MANY_VECTORS + 1 : i % 8);
+    reserve_sparse();
+    run_svd();
+    factor(&f.p);
+    assert_int_equal(f.p.rank, f.svd_rank);
+    check_primary_rows(&f.p);
+    assert_true(f.p.largest_b <= km_largest_good_b);
+    for (int k = f.p.rank; k < f.columns && f.svd_rank == f.rows; ++k)
+      chosen += f.p.column[k] < f.rows;
+  }
+  assert_true(chosen >= 15);
+}
+
 /* Local null vectors of columns that many rows share: the numbers and the least solutions are those by Z, whichever of the two
  * they are found by. */
 static void crowded_rows(void **state) {
@@ -345,6 +364,7 @@ int main(void) {
       cmocka_unit_test(steps_without_null_vectors),
       cmocka_unit_test(by_rows_alone),
       cmocka_unit_test(rows_where_no_pivot_tells),
+      cmocka_unit_test(columns_where_no_pivot_tells),
       cmocka_unit_test(crowded_rows),
   };
   return cmocka_run_group_tests(tests, NULL, clean);
