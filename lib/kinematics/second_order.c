@@ -6,6 +6,9 @@
 
 #include <string.h>
 
+/* A condition that is a square meets 0 only slowly, but so far, over the size of Q, is well enough to be tried. */
+static const double nearly = 1e-5;
+
 static bool left_null(const km_substructure *sub, const double *J, double tolerance, km_arena *arena, double **W,
                       int *count) {
   size_t rows = (size_t)sub->rows, columns = (size_t)sub->columns;
@@ -81,6 +84,41 @@ bool km_second_order_basis(const km_mechanism *m, const km_state *s, int index, 
   return true;
 }
 
+/* Cholesky of A[k × k] in place, of its lower half; false where it isn't positive definite: then what it comes to means
+ * nothing there. */
+static bool factor(double *A, int k) {
+  bool positive = true;
+  for (int i = 0; i < k; ++i)
+    for (int j = 0; j <= i; ++j) {
+      double sum = A[i * k + j];
+      for (int o = 0; o < j; ++o)
+        sum -= A[i * k + o] * A[j * k + o];
+      positive = positive && (j < i || sum > 0.0);
+      A[i * k + j] = i == j ? sqrt(fmax(sum, 1e-300)) : sum / A[j * k + j];
+    }
+  return positive;
+}
+
+/* Is |aᵀQ a| more than what nearly meets the condition, for every unit vector a? Of positive Q (sign 1) or negative (−1). */
+static bool is_definite(const double *Q, double sign, double least, int k, double *A) {
+  for (int i = 0; i < k * k; ++i)
+    A[i] = sign * Q[i];
+  for (int i = 0; i < k; ++i)
+    A[i * k + i] -= least;
+  return factor(A, k);
+}
+
+static bool any_definite(const km_second_order *c, double *work) {
+  int k = c->freedom;
+  double least = 2.0 * nearly * c->size;
+  for (int i = 0; i < c->conditions; ++i) {
+    const double *Q = c->Q + (size_t)i * (size_t)(k * k);
+    if (is_definite(Q, 1.0, least, k, work) || is_definite(Q, -1.0, least, k, work))
+      return true;
+  }
+  return false;
+}
+
 bool km_second_order_build(const km_mechanism *m, km_state *s, int index, km_arena *arena, km_second_order *out) {
   const km_substructure *sub = &m->substructures[index];
   const double *weight = m->column_weight + sub->column_start;
@@ -90,7 +128,7 @@ bool km_second_order_build(const km_mechanism *m, km_state *s, int index, km_are
     return true;
   double *W, *x = KM_ARENA_NEW(arena, double, n *k), *J = KM_ARENA_NEW(arena, double, n *rows);
   double *rate = KM_ARENA_NEW(arena, double, (size_t)m->coordinate_count);
-  double *gamma = KM_ARENA_NEW(arena, double, (k + 1) * rows);
+  double *gamma = KM_ARENA_NEW(arena, double, (k + 1) * rows), *work = KM_ARENA_NEW(arena, double, k *k);
   if (arena->failed)
     return false;
   km_loops_update(m, s, sub);
@@ -105,6 +143,7 @@ bool km_second_order_build(const km_mechanism *m, km_state *s, int index, km_are
   fill_conditions(m, s, sub, W, x, rate, gamma, out);
   for (size_t i = 0; i < (size_t)out->conditions * k * k; ++i)
     out->size = fmax(out->size, fabs(out->Q[i]));
+  out->definite = any_definite(out, work);
   return true;
 }
 
@@ -122,18 +161,11 @@ static double condition(const km_second_order *c, int i, const double *a, double
   return value;
 }
 
-/* Solves the damped normal equations (A + μ) d = -b in place by Cholesky; k × k. */
+/* Solves the damped normal equations (A + μ) d = -b in place; k × k. */
 static void damped_step(double *A, const double *b, int k, double damping, double *d) {
   for (int i = 0; i < k; ++i)
     A[i * k + i] += damping;
-  for (int i = 0; i < k; ++i) {
-    for (int j = 0; j <= i; ++j) {
-      double sum = A[i * k + j];
-      for (int o = 0; o < j; ++o)
-        sum -= A[i * k + o] * A[j * k + o];
-      A[i * k + j] = i == j ? sqrt(fmax(sum, 1e-300)) : sum / A[j * k + j];
-    }
-  }
+  factor(A, k);
   for (int i = 0; i < k; ++i) {
     d[i] = -b[i];
     for (int o = 0; o < i; ++o)
@@ -152,6 +184,8 @@ bool km_second_order_solve(const km_second_order *c, double *a, double *work) {
   double *A = work, *b = A + k * k, *d = b + k, *slope = d + k;
   if (c->conditions == 0 || c->size < c->noise)
     return true;
+  if (c->definite)
+    return false;
   for (int pass = 0; pass < 60; ++pass) {
     double worst = 0.0, norm = 0.0;
     memset(A, 0, (size_t)(k * k) * sizeof *A);
@@ -175,9 +209,8 @@ bool km_second_order_solve(const km_second_order *c, double *a, double *work) {
     for (int r = 0; r < k; ++r)
       a[r] /= sqrt(norm);
   }
-  /* A condition that is a square meets 0 only slowly, but well enough to be tried. */
   double worst = 0.0;
   for (int i = 0; i < c->conditions; ++i)
     worst = fmax(worst, fabs(condition(c, i, a, slope)) / c->size);
-  return worst < 1e-5;
+  return worst < nearly;
 }

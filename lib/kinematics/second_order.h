@@ -11,10 +11,11 @@ typedef struct km_second_order {
   bool redundant; /* some constraint is: then conditions may stand between a tangent and a motion */
   bool built;     /* Q is */
   double tolerance;
-  double *Z;    /* [freedom × columns] D·range(N), orthonormal; NULL: not asked for */
-  double *Q;    /* [conditions × freedom × freedom] symmetric */
-  double size;  /* largest entry of Q: what a condition is compared with */
-  double noise; /* what the pose's misfit may have made of 0: Q below it says nothing */
+  double *Z;     /* [freedom × columns] D·range(N), orthonormal; NULL: not asked for */
+  double *Q;     /* [conditions × freedom × freedom] symmetric */
+  double size;   /* largest entry of Q: what a condition is compared with */
+  double noise;  /* what the pose's misfit may have made of 0: Q below it says nothing */
+  bool definite; /* some Q_i is: then no direction meets its condition */
 } km_second_order;
 
 /* How many tangents the state's (closed) pose has, which stays; no basis of them and no conditions yet. False when out of

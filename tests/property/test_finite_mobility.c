@@ -91,6 +91,29 @@ static void collinear_bars_shake(void **state) {
   expect(chain(4, (const double[]){1, 0.5, 0.7, 0.4}, (const double[]){0, 0, 0, 0, 0}, 2.6), 0, 3, KM_MOTION_SHAKY);
 }
 
+/* Any number of bars on a line: stretched they shake, since the middle ones can't leave it; with one turned back the chain moves
+ * with the freedoms that its hinges have beyond three. */
+static void bars_on_a_line(void **state) {
+  (void)state;
+  static const double lengths[] = {1.0, 0.7, 1.3, 0.9, 0.4, 1.1};
+  for (int links = 2; links <= 6; ++links) {
+    double distance = 0.0, angles[7] = {0};
+    for (int i = 0; i < links; ++i)
+      distance += lengths[i];
+    expect(chain(links, lengths, angles, distance), 0, links - 1, KM_MOTION_SHAKY);
+    if (links < 3)
+      continue;
+    angles[1] = M_PI;
+    angles[2] = -M_PI;
+    fixture f = chain(links, lengths, angles, distance - 2.0 * lengths[1]);
+    km_finite_mobility found = find(&f);
+    assert_int_equal(found.mobility, links - 2);
+    assert_false(found.undecided);
+    km_finite_mobility_free(&found);
+    fixture_close(&f);
+  }
+}
+
 static void a_truss_stands(void **state) {
   (void)state;
   expect(chain(2, (const double[]){1, 1}, (const double[]){M_PI / 3, -2 * M_PI / 3, M_PI / 3}, 1.0), 0, 0,
@@ -114,8 +137,9 @@ static void random_families(void **state) {
 }
 
 int main(void) {
-  const struct CMUnitTest tests[] = {cmocka_unit_test(regular_models),        cmocka_unit_test(bricard_in_its_plane),
-                                     cmocka_unit_test(collinear_bars_shake),  cmocka_unit_test(a_truss_stands),
-                                     cmocka_unit_test(change_point_branches), cmocka_unit_test(random_families)};
+  const struct CMUnitTest tests[] = {cmocka_unit_test(regular_models),       cmocka_unit_test(bricard_in_its_plane),
+                                     cmocka_unit_test(collinear_bars_shake), cmocka_unit_test(bars_on_a_line),
+                                     cmocka_unit_test(a_truss_stands),       cmocka_unit_test(change_point_branches),
+                                     cmocka_unit_test(random_families)};
   return cmocka_run_group_tests(tests, NULL, NULL);
 }
