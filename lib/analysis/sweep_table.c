@@ -1,6 +1,7 @@
 /* The table of a sweep: its columns and rows. */
 #include "analysis/mobility.h"
 #include "analysis/sweeper.h"
+#include "base/larger.h"
 #include "base/table.h"
 #include "base/text.h"
 #include "kinematics/loops.h"
@@ -153,14 +154,18 @@ km_status km_sweeper_row(km_sweeper *r, int step, double s, km_error *error) {
   return r->observer->seen ? r->observer->seen(r->observer->self, r, s, error) : KM_OK;
 }
 
-/* What a coordinate was at the rows, and its mobility number, into the cells of the first row; the others are `width` apart. */
-static void fill_coordinate(const km_ridden_row *rows, int count, size_t width, int column, double factor, double *q,
-                            double *number) {
-  const size_t at = (size_t)column * KM_DRIVE_LANES;
-  for (int i = 0; i < count; ++i)
-    q[(size_t)i * width] = km_in_unit(rows[i].q[at], factor);
-  for (int i = 0; i < count && number; ++i)
-    number[(size_t)i * width] = rows[i].numbers[at];
+/* Numbers that are `apart` from each other into cells that are `width` apart. */
+static void fill(double *cell, size_t width, int count, const double *from, size_t apart) {
+  for (int i = 0; i < count; ++i, cell += width, from += apart)
+    *cell = *from;
+}
+
+/* The same of a coordinate, in its unit. */
+static void fill_coordinate(double *cell, size_t width, int count, const double *from, size_t apart, double factor) {
+  fill(cell, width, count, from, apart);
+  if (factor != 1.0)
+    for (int i = 0; i < count; ++i, cell += width)
+      *cell = km_in_unit(*cell, factor);
 }
 
 km_status km_sweeper_passed_rows(km_sweeper *r, const km_drive *drive, int count, int step, const double *s,
@@ -169,25 +174,26 @@ km_status km_sweeper_passed_rows(km_sweeper *r, const km_drive *drive, int count
   const km_substructure *sub = &m->substructures[r->substructure];
   const int *coordinate = m->column_coordinate + sub->column_start;
   const size_t *number_cells = r->observer->number_cells;
+  const km_ridden_rows rows = km_drive_ridden_rows(drive);
   size_t width = km_table_columns(r->out->table), residual = width - 1,
          dof = residual - 1 - (size_t)m->topology.substructure_count;
   double *first = km_table_add_raw_rows(r->out->table, (size_t)count), *cells = first;
-  km_ridden_row rows[KM_DRIVE_ROWS];
   if (!first)
     return km_fail(error, KM_MEMORY, "out of memory for the table");
   for (int i = 0; i < count; ++i, cells += width) {
-    rows[i] = km_drive_ridden_row(drive, i);
     memcpy(cells, first - width, width * sizeof *cells); /* most cells stay */
     cells[0] = step + i;
     cells[1] = s[i * KM_DRIVE_LANES];
     cells[dof] = r->other_mobility + 1;
     cells[dof + 1 + (size_t)r->substructure] = 1.0;
-    cells[residual] = fmax(r->other_residual, rows[i].residual);
+    cells[residual] = km_larger(rows.residual[(size_t)i * rows.apart], r->other_residual);
   }
   for (int k = 0; k < sub->columns; ++k) {
     int c = coordinate[k];
-    fill_coordinate(rows, count, width, k, m->factor[c], first + 2 + c,
-                    number_cells[c] ? first + number_cells[c] : NULL);
+    size_t at = (size_t)k * KM_DRIVE_LANES;
+    fill_coordinate(first + 2 + c, width, count, rows.q + at, rows.apart, m->factor[c]);
+    if (number_cells[c])
+      fill(first + number_cells[c], width, count, rows.numbers + at, rows.apart);
   }
   return KM_OK;
 }

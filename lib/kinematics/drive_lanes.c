@@ -27,6 +27,14 @@ static void reserve_place(km_drive_lanes *l) {
     l->moves[i] = next;
 }
 
+static void reserve_rows(km_drive_lanes *l) {
+  size_t columns = (size_t)l->sub->columns;
+  l->row_size = 3 * columns + 1;
+  km_lanes_number *row = KM_ARENA_NEW(&l->arena, km_lanes_number, KM_DRIVE_ROWS * l->row_size);
+  for (int r = 0; row && r < KM_DRIVE_ROWS; ++r, row += l->row_size)
+    l->rows[r] = (km_lane_row){row, row + columns, row + 2 * columns, row + 3 * columns};
+}
+
 /* For the programs of both kinds. */
 static void reserve_loops(km_drive_lanes *l) {
   const km_mechanism *m = l->m;
@@ -72,11 +80,7 @@ static bool reserve(km_drive_lanes *l) {
   km_lanes_number **by_row[] = {&l->B, &l->error, &l->y, &l->inverse};
   for (size_t i = 0; i < sizeof by_row / sizeof *by_row; ++i)
     *by_row[i] = numbers(arena, rows);
-  for (int r = 0; r < KM_DRIVE_ROWS; ++r) {
-    l->rows[r].q = numbers(arena, 3 * columns);
-    l->rows[r].z = l->rows[r].q ? l->rows[r].q + columns : NULL;
-    l->rows[r].numbers = l->rows[r].q ? l->rows[r].z + columns : NULL;
-  }
+  reserve_rows(l);
   return km_replay_reserve(&l->replay, rows, columns, KM_DRIVE_LANES, arena);
 }
 
@@ -224,7 +228,7 @@ bool km_drive_rides(const km_drive *d) {
 }
 
 double km_drive_ridden_residual(const km_drive *d) {
-  return d->lanes->shown->residual.of[d->lane];
+  return d->lanes->shown->residual->of[d->lane];
 }
 
 void km_drive_ridden_direction(const km_drive *d, double *z) {
@@ -340,7 +344,7 @@ static void take_row(km_drive_lanes *l, int index) {
     row->q[k] = l->q[coordinate[k]];
   memcpy(row->z, l->z, (size_t)columns * sizeof *row->z);
   memcpy(row->numbers, l->numbers, (size_t)columns * sizeof *row->numbers);
-  row->residual = l->here.residual;
+  *row->residual = l->here.residual;
 }
 
 /* The row is the last one now. */
@@ -390,9 +394,11 @@ unsigned km_drive_lanes_try(km_drive_lanes *l, unsigned wanted, const double *ta
   return l->arrived;
 }
 
-km_ridden_row km_drive_ridden_row(const km_drive *d, int row) {
-  const km_lane_row *at = &d->lanes->rows[row];
-  return (km_ridden_row){&at->q->of[d->lane], &at->numbers->of[d->lane], at->residual.of[d->lane]};
+km_ridden_rows km_drive_ridden_rows(const km_drive *d) {
+  const km_drive_lanes *l = d->lanes;
+  const km_lane_row *first = &l->rows[0];
+  return (km_ridden_rows){&first->q->of[d->lane], &first->numbers->of[d->lane], &first->residual->of[d->lane],
+                          l->row_size * KM_DRIVE_LANES};
 }
 
 void km_drive_lanes_show(km_drive_lanes *l, int row) {

@@ -32,13 +32,14 @@ void km_drive_lanes_to(km_drive_lanes *lanes, unsigned wanted, const double *tar
 enum { KM_DRIVE_ROWS = 16 };
 int km_drive_lanes_pass(km_drive_lanes *lanes, unsigned wanted, const double *targets, int rows);
 void km_drive_lanes_arrive(km_drive_lanes *lanes, unsigned wanted, const double *targets, km_reach *reaches);
-/* Before that, of a quiet row, 0 is the first: what a drive found there; and the row is shown as if the drives were there:
- * coordinates and mobility numbers in the states, km_drive_ridden_residual and km_drive_ridden_direction. */
-typedef struct km_ridden_row {
-  const double *q, *numbers; /* [column × KM_DRIVE_LANES] coordinates, mobility numbers */
-  double residual;
-} km_ridden_row;
-km_ridden_row km_drive_ridden_row(const km_drive *drive, int row);
+/* Before that, what a drive found at the quiet rows, from the first one on; and a row, 0 is the first, is shown as if the drives
+ * were there: coordinates and mobility numbers in the states, km_drive_ridden_residual and km_drive_ridden_direction. */
+typedef struct km_ridden_rows {
+  const double *q, *numbers; /* [column × KM_DRIVE_LANES] coordinates and mobility numbers at the first row */
+  const double *residual;
+  size_t apart; /* those of the next row are so many doubles behind these */
+} km_ridden_rows;
+km_ridden_rows km_drive_ridden_rows(const km_drive *drive);
 void km_drive_lanes_show(km_drive_lanes *lanes, int row);
 
 /* km_drive_to(drives[i], targets[i]) for those drives of `wanted` that can go there in their lanes, with the same bits; their bits

@@ -67,7 +67,7 @@ typedef struct km_lane_column {
 /* What is shown of a row. */
 typedef struct km_lane_row {
   km_lanes_number *q, *z, *numbers; /* [columns] */
-  km_lanes_number residual;
+  km_lanes_number *residual;
 } km_lane_row;
 
 /* See km_course and km_drive_place. closed_at: the driver where the loops were closed; residual: of the worst loop. */
@@ -122,8 +122,9 @@ struct km_drive_lanes {
   km_lanes_number *kept;
   km_lane_place kept_here;
 
-  /* Rows that were passed, and behind them the one where the drives are; `shown` is one of them. */
+  /* Rows that were passed, and behind them the one where the drives are, `row_size` numbers apart; `shown` is one of them. */
   km_lane_row rows[KM_DRIVE_ROWS];
+  size_t row_size;
   const km_lane_row *shown;
   int passed;              /* quiet rows before the last one */
   km_lanes_number *before; /* [columns] z at the row before, */

@@ -134,6 +134,32 @@ static void tables_begin_again(void **state) {
   km_table_free(table);
 }
 
+/* The extreme row is the first one whose value no other row exceeds, whatever the values are. */
+static void extremes_are_the_first_of_their_kind(void **state) {
+  (void)state;
+  static const double values[] = {(double)NAN, -HUGE_VAL, HUGE_VAL, -0.0, 0.0, 1.0, -1.0};
+  enum { KINDS = sizeof values / sizeof *values, MOST = 9 };
+  randomness random = {5};
+  for (int trial = 0; trial < 2000; ++trial) {
+    km_table *table = km_table_create();
+    size_t rows = (size_t)trial % (MOST + 1);
+    km_table_add_column(table, "x", "");
+    km_table_add_column(table, "y", "");
+    for (size_t r = 0; r < rows; ++r)
+      km_table_add_row(table)[1] = values[below(&random, trial % 2 ? 2 : KINDS)];
+    for (double sign = -1.0; sign <= 1.0; sign += 2.0) {
+      size_t first = rows;
+      for (size_t r = rows; r-- > 0;) {
+        double value = sign * km_table_row(table, r)[1];
+        if (!isnan(value) && (first == rows || value <= sign * km_table_row(table, first)[1]))
+          first = r;
+      }
+      assert_int_equal(km_table_extreme_row(table, 1, sign), first);
+    }
+    km_table_free(table);
+  }
+}
+
 /* What was written there is 0 again, however large it was. */
 static void arenas_are_passed_on(void **state) {
   (void)state;
@@ -174,6 +200,7 @@ int main(void) {
       cmocka_unit_test(bad_json_has_a_place),
       cmocka_unit_test(csv_quotes_what_needs_it),
       cmocka_unit_test(tables_begin_again),
+      cmocka_unit_test(extremes_are_the_first_of_their_kind),
       cmocka_unit_test(arenas_are_passed_on),
       cmocka_unit_test(messages_stop_at_twenty_errors),
   };
