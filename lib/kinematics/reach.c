@@ -1,4 +1,5 @@
 /* Bringing a model to the pose that holds and set coordinates ask for. */
+#include "kinematics/reach.h"
 #include "base/check.h"
 #include "kinematics/branches.h"
 #include "kinematics/closure.h"
@@ -102,17 +103,47 @@ static km_status go(journey *j, const km_hold *goals, int count, km_error *error
   return KM_OK;
 }
 
+/* New numbers of the model, and new values of what is held, for a mechanism that holds the same coordinates. */
+static km_status renew(km_mechanism *held, const km_hold *holds, int hold_count, km_error *error) {
+  for (int h = 0; h < hold_count; ++h)
+    held->holds[h].value = holds[h].value;
+  return km_mechanism_renumber(held, error);
+}
+
+static km_status compile_held(const km_mechanism *free, const km_hold *holds, int hold_count, km_mechanism **held,
+                              km_state **at, km_error *error) {
+  km_compiling how = {
+      .holds = holds, .hold_count = hold_count, .length = free->length, .length_source = free->length_source};
+  km_status status = km_mechanism_compile_as(free->model, &how, held, error);
+  return status ? status : km_state_create(*held, at, error);
+}
+
 /* The mechanism that holds what is asked for, at the pose that was reached without holds: a held loop has a motion space
  * of its own. */
 static km_status take_over(const km_mechanism *free, const km_state *there, const km_hold *holds, int hold_count,
-                           km_mechanism **mechanism, km_state **state, km_error *error) {
-  km_compiling how = {
-      .holds = holds, .hold_count = hold_count, .length = free->length, .length_source = free->length_source};
-  km_status status = km_mechanism_compile_as(free->model, &how, mechanism, error);
+                           km_mechanism **held, km_state **at, km_error *error) {
+  km_status status =
+      *held ? renew(*held, holds, hold_count, error) : compile_held(free, holds, hold_count, held, at, error);
+  if (status)
+    return status;
+  km_state_restart(*at);
+  km_state_copy(*held, *at, there);
+  return KM_OK;
+}
+
+km_status km_reach_pose_again(const km_mechanism *free, km_state *there, const km_hold *holds, int hold_count,
+                              const km_hold *sets, int set_count, km_mechanism **held, km_state **at, km_error *error) {
+  journey j = {free->model, free, there};
+  km_state_restart(there);
+  km_status status = km_assemble(free, there, NULL, error);
   if (!status)
-    status = km_state_create(*mechanism, state, error);
+    status = go(&j, holds, hold_count, error);
   if (!status)
-    km_state_copy(*mechanism, *state, there);
+    status = go(&j, sets, set_count, error);
+  if (!status && hold_count > 0)
+    status = take_over(free, there, holds, hold_count, held, at, error);
+  if (!status && hold_count == 0)
+    km_state_unlock(there);
   return status;
 }
 
@@ -124,16 +155,8 @@ static km_status travel(const km_model *model, const km_hold *holds, int hold_co
   if (!status)
     status = km_state_create(free, &there, error);
   if (!status)
-    status = km_assemble(free, there, NULL, error);
-  journey j = {model, free, there};
-  if (!status)
-    status = go(&j, holds, hold_count, error);
-  if (!status)
-    status = go(&j, sets, set_count, error);
-  if (!status && hold_count > 0)
-    status = take_over(free, there, holds, hold_count, mechanism, state, error);
+    status = km_reach_pose_again(free, there, holds, hold_count, sets, set_count, mechanism, state, error);
   if (!status && hold_count == 0) {
-    km_state_unlock(there);
     *mechanism = free;
     *state = there;
     return KM_OK;

@@ -1,6 +1,7 @@
 /* The model of a design, read from the file with the design's numbers in it. */
 #include "model/model.h"
 #include "base/check.h"
+#include "kinematics/reach.h"
 #include "kmech/sweep.h"
 #include "study/study.h"
 
@@ -36,36 +37,53 @@ km_status km_design_read_model(const km_design_study *s, const double *values, k
   return status;
 }
 
-static km_hold *holds_of(const km_model *m, const km_design_question *q, int *count, km_error *error,
-                         km_status *status) {
-  km_hold *holds = KM_NEW(km_hold, (size_t)(m->coordinate_count + m->hold_count) + 1);
-  *count = 0;
-  for (int h = 0; holds && h < m->hold_count; ++h)
-    holds[(*count)++] = (km_hold){m->holds[h].coordinate, m->holds[h].value};
-  *status = holds ? km_design_settings(m, q->holds, q->hold_count, "hold", holds, count, error)
-                  : km_fail(error, KM_MEMORY, "out of memory while moving to a pose");
-  return holds;
+/* What a question asks to be held, beside the model's own holds, and set. */
+typedef struct goals {
+  km_hold *holds, *sets;
+  int hold_count, set_count;
+} goals;
+
+static void free_goals(goals *g) {
+  km_free(g->holds);
+  km_free(g->sets);
+}
+
+/* To be freed in any case. */
+static km_status find_goals(const km_model *m, const km_design_question *q, goals *g, km_error *error) {
+  *g = (goals){.holds = KM_NEW(km_hold, (size_t)(m->coordinate_count + m->hold_count) + 1),
+               .sets = KM_NEW(km_hold, (size_t)m->coordinate_count + 1)};
+  if (!g->holds || !g->sets)
+    return km_fail(error, KM_MEMORY, "out of memory while moving to a pose");
+  for (int h = 0; h < m->hold_count; ++h)
+    g->holds[g->hold_count++] = (km_hold){m->holds[h].coordinate, m->holds[h].value};
+  km_status status = km_design_settings(m, q->holds, q->hold_count, "hold", g->holds, &g->hold_count, error);
+  if (!status)
+    status = km_design_settings(m, q->sets, q->set_count, "set", g->sets, &g->set_count, error);
+  for (int i = 0; i < g->set_count && !status; ++i)
+    for (int k = 0; k < g->hold_count && !status; ++k)
+      if (g->sets[i].coordinate == g->holds[k].coordinate)
+        status = km_fail(error, KM_USAGE, "set: \"%s\" is held; expected a joint that is free to move",
+                         km_model_coordinate_label(m, g->sets[i].coordinate));
+  return status;
 }
 
 km_status km_design_bring(const km_model *m, const km_design_question *q, km_mechanism **mechanism, km_state **state,
                           km_error *error) {
-  int hold_count, set_count = 0;
-  km_status status;
-  km_hold *holds = holds_of(m, q, &hold_count, error, &status);
-  km_hold *sets = KM_NEW(km_hold, (size_t)m->coordinate_count + 1);
-  if (!status && !sets)
-    status = km_fail(error, KM_MEMORY, "out of memory while moving to a pose");
+  goals g;
+  km_status status = find_goals(m, q, &g, error);
   if (!status)
-    status = km_design_settings(m, q->sets, q->set_count, "set", sets, &set_count, error);
-  for (int i = 0; i < set_count && !status; ++i)
-    for (int k = 0; k < hold_count && !status; ++k)
-      if (sets[i].coordinate == holds[k].coordinate)
-        status = km_fail(error, KM_USAGE, "set: \"%s\" is held; expected a joint that is free to move",
-                         km_model_coordinate_label(m, sets[i].coordinate));
+    status = km_reach_pose(m, g.holds, g.hold_count, g.sets, g.set_count, mechanism, state, error);
+  free_goals(&g);
+  return status;
+}
+
+km_status km_design_bring_again(const km_mechanism *free, km_state *there, const km_design_question *q,
+                                km_mechanism **held, km_state **at, km_error *error) {
+  goals g;
+  km_status status = find_goals(free->model, q, &g, error);
   if (!status)
-    status = km_reach_pose(m, holds, hold_count, sets, set_count, mechanism, state, error);
-  km_free(holds);
-  km_free(sets);
+    status = km_reach_pose_again(free, there, g.holds, g.hold_count, g.sets, g.set_count, held, at, error);
+  free_goals(&g);
   return status;
 }
 

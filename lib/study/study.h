@@ -119,6 +119,11 @@ bool km_design_is_reference(const km_design_study *study, const double *values);
 km_status km_design_bring(const km_model *model, const km_design_question *question, km_mechanism **mechanism,
                           km_state **state, km_error *error);
 
+/* The same with a mechanism that holds nothing and has the design's numbers: see km_reach_pose_again. *held stays NULL where
+ * nothing is held. */
+km_status km_design_bring_again(const km_mechanism *free, km_state *there, const km_design_question *question,
+                                km_mechanism **held, km_state **at, km_error *error);
+
 /* statistics.c */
 void km_design_forget_statistics(km_design_study *study);
 /* The values of sorted[count] at the probabilities of km_design_quantile, by linear interpolation. */

@@ -8,6 +8,13 @@
 #include <stdio.h>
 #include <string.h>
 
+/* A question that was asked of a model. Where joints are held it is about a mechanism of its own, which holds them. */
+typedef struct visit {
+  km_mechanism *held; /* NULL: none */
+  km_state *at;
+  km_question *question;
+} visit;
+
 /* A model whose numbers are patched, and what is made of it. */
 typedef struct seat {
   km_model *model; /* NULL: not opened */
@@ -15,7 +22,7 @@ typedef struct seat {
   double *own; /* [numbers] of the file */
   km_mechanism *mechanism;
   km_state *state;
-  km_question *questions[KM_MOST_DESIGN_QUESTIONS]; /* about the mechanism, as far as they were asked */
+  visit visits[KM_MOST_DESIGN_QUESTIONS]; /* by question */
 } seat;
 
 struct km_design_worker {
@@ -27,9 +34,16 @@ static km_status no_memory(km_error *error) {
   return km_fail(error, KM_MEMORY, "out of memory for a study");
 }
 
+static void close_visit(visit *v) {
+  km_question_free(v->question);
+  km_state_free(v->at);
+  km_mechanism_free(v->held);
+  *v = (visit){0};
+}
+
 static void close_seat(seat *at) {
   for (int q = 0; q < KM_MOST_DESIGN_QUESTIONS; ++q)
-    km_question_free(at->questions[q]);
+    close_visit(&at->visits[q]);
   km_state_free(at->state);
   km_mechanism_free(at->mechanism);
   km_model_numbers_free(&at->numbers);
@@ -245,29 +259,36 @@ static void fail_assembly(const km_design_worker *w, int question, const design 
                 status == KM_DIVERGED ? KM_DESIGN_GAVE_OUT : KM_DESIGN_UNASSEMBLED, reason);
 }
 
-/* May the question be asked where the design's numbers are? */
-static bool goes_on_the_spot(const km_design_worker *w, const design *d, int question) {
-  const km_design_question *q = &w->study->def->questions[question];
-  return d->at && d->at->model->hold_count == 0 && q->hold_count == 0 && q->set_count == 0;
-}
-
-/* A mechanism of its own, at the pose that holds and sets ask for. */
-static void answer_brought(const km_design_worker *w, int question, const design *d) {
+/* A design that was read, with a mechanism of its own. */
+static void answer_read(const km_design_worker *w, int question, const design *d) {
   km_mechanism *m = NULL;
   km_state *state = NULL;
   km_question *asked = NULL;
   km_error found;
-  const km_model *model = d->at ? d->at->model : d->model;
-  km_status status = km_design_bring(model, &w->study->def->questions[question], &m, &state, &found);
+  km_status status = km_design_bring(d->model, &w->study->def->questions[question], &m, &state, &found);
   if (status) {
     fail_assembly(w, question, d, status, found.text);
   } else {
-    const asking a = {model, m, state, &asked, d->task};
+    const asking a = {d->model, m, state, &asked, d->task};
     ask(w, question, &a, 1);
   }
   km_question_free(asked);
   km_state_free(state);
   km_mechanism_free(m);
+}
+
+/* A design whose numbers are in its seat, at the pose that holds and sets ask for. */
+static km_status get_ready(const km_design_worker *w, int question, const design *d, asking *out, km_error *error) {
+  const km_design_question *q = &w->study->def->questions[question];
+  seat *at = d->at;
+  visit *v = &at->visits[question];
+  km_status status = km_design_bring_again(at->mechanism, at->state, q, &v->held, &v->at, error);
+  if (status == KM_PARTIAL) {
+    close_visit(v);
+    status = km_design_bring_again(at->mechanism, at->state, q, &v->held, &v->at, error);
+  }
+  *out = (asking){at->model, v->held ? v->held : at->mechanism, v->held ? v->at : at->state, &v->question, d->task};
+  return status;
 }
 
 /* Those whose numbers are in a seat together, the others one by one. */
@@ -283,16 +304,15 @@ static void answer_question(const km_design_worker *w, int question, const desig
       fail_answer(&d->task->answers[question], &w->study->def->questions[question], KM_DESIGN_FAULTY, d->found.text);
       continue;
     }
-    if (!goes_on_the_spot(w, d, question)) {
-      answer_brought(w, question, d);
+    if (!d->at) {
+      answer_read(w, question, d);
       continue;
     }
-    km_state_restart(d->at->state);
-    km_status status = km_assemble(d->at->mechanism, d->at->state, NULL, &found);
+    km_status status = get_ready(w, question, d, &together[ready], &found);
     if (status)
       fail_assembly(w, question, d, status, found.text);
     else
-      together[ready++] = (asking){d->at->model, d->at->mechanism, d->at->state, &d->at->questions[question], d->task};
+      ++ready;
   }
   ask(w, question, together, ready);
 }

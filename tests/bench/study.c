@@ -213,7 +213,12 @@ static void many(void) {
 }
 
 void bench_study(void) {
-  sampled few = make(FEW, 1), more = make(2 * FEW, 1), two = make(2 * FEW, 2);
+  static const km_design_setting pose = {"A", 0.5};
+  sampled few = make(FEW, 1), more = make(2 * FEW, 1), two = make(2 * FEW, 2), posed = make(2 * FEW, 1);
+  km_design_question from_pose = question;
+  from_pose.sets = &pose;
+  from_pose.set_count = 1;
+  posed.def.questions = &from_pose;
   sweeps alone = {.machine = bench_machine_load("slider_crank"), .count = FEW};
   km_option_value value = {.whole = POSES - 1};
   if (km_question_create(alone.machine.mechanism, "mobility", &alone.question, NULL) ||
@@ -222,13 +227,15 @@ void bench_study(void) {
   bench_contender c[] = {{.name = "200 designs", .run = run_study, .context = &few},
                          {.name = "400 designs", .run = run_study, .context = &more},
                          {.name = "400 designs on two threads", .run = run_study, .context = &two},
+                         {.name = "400 designs from a pose that is set", .run = run_study, .context = &posed},
                          {.name = "200 sweeps", .run = run_sweeps, .context = &alone},
                          {.name = "200 times new numbers", .run = renumber, .context = &alone.machine}};
   bench_time(c, 5);
   /* what opening costs is in both studies */
-  bench_figure("study", "overhead_per_sample", (c[1].median - c[0].median) / c[3].median - 1.0);
-  bench_figure("study", "new_numbers_microseconds", 1e-3 * c[4].median / FEW);
+  bench_figure("study", "overhead_per_sample", (c[1].median - c[0].median) / c[4].median - 1.0);
+  bench_figure("study", "new_numbers_microseconds", 1e-3 * c[5].median / FEW);
   bench_figure("study", "two_threads_over_one", bench_ratio(&c[1], &c[2]));
+  bench_figure("study", "pose_that_is_set_over_drawn_one", bench_ratio(&c[3], &c[1]));
   km_question_free(alone.question);
   bench_machine_free(&alone.machine);
   kinds();

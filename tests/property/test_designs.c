@@ -11,34 +11,77 @@
 #include <string.h>
 #include <unistd.h>
 
-/* Models with numbers that a patch takes over, and that need the whole reader (a rotation, a limit). */
+/* Models with numbers that a patch takes over, and that need the whole reader (a rotation, a limit). What is held and set is
+ * in radians or the model's length unit. */
 static const struct {
   const char *model, *kind, *column, *paths[2];
   double values[2][2];
   bool patched;
+  km_design_setting holds[2], set;
 } cases[] = {
     {"slider_crank",
      "mobility",
      "m.A",
      {"slider_crank.crank.end.y", "slider_crank.rod.end.z"},
      {{0.55, -1.5}, {0.6, -1.4}},
-     true},
+     true,
+     .holds = {{NULL}}},
     {"brake",
      "advantage",
      "ma.I/K",
      {"brake.bridge.left_arm_pivot.y", "brake.left_arm.cable.x"},
      {{33.0, -51.0}, {35.0, -55.0}},
-     true},
+     true,
+     .holds = {{NULL}}},
     {"brake",
      "forces",
      "f.I",
      {"loads.rim on left pad.force.0", "brake.left_arm.cable.x"},
      {{-80.0, -51.0}, {-100.0, -54.0}},
-     true},
-    {"excavator", "forces", "f.M", {"payload.force.2", "bucket.mass"}, {{-4000.0, 700.0}, {-5000.0, 500.0}}, true},
-    {"jansen", "mobility", "m.A", {"a", "m"}, {{37.5, 15.0}, {38.2, 14.8}}, false},
+     true,
+     .holds = {{NULL}}},
+    {"excavator",
+     "forces",
+     "f.M",
+     {"payload.force.2", "bucket.mass"},
+     {{-4000.0, 700.0}, {-5000.0, 500.0}},
+     true,
+     .holds = {{NULL}}},
+    {"jansen", "mobility", "m.A", {"a", "m"}, {{37.5, 15.0}, {38.2, 14.8}}, false, .holds = {{NULL}}},
+    {"slider_crank",
+     "mobility",
+     "m.A",
+     {"slider_crank.crank.end.y", "slider_crank.rod.end.z"},
+     {{0.55, -1.5}, {0.6, -1.4}},
+     true,
+     .set = {"A", 0.3}},
+    {"excavator",
+     "mobility",
+     "m.M",
+     {"excavator.stick.stick_cylinder.x", "excavator.boom.stick_cylinder.y"},
+     {{-0.9, 0.95}, {-0.88, 0.93}},
+     true,
+     .holds = {{"N", 2.5}, {"B", 0.4}},
+     .set = {"O", 2.0}},
+    {"delta",
+     "mobility",
+     "m.A1",
+     {"delta.arm_1.end.x", "delta.arm_2.end.x"},
+     {{0.25, 0.25}, {0.251, 0.249}},
+     true,
+     .holds = {{"A2", 0.1}, {"A3", 0.2}}},
 };
-enum { CASES = sizeof cases / sizeof *cases };
+enum { CASES = sizeof cases / sizeof *cases, VARIANTS = 7 };
+
+static int hold_count(int c) {
+  return !cases[c].holds[0].coordinate ? 0 : !cases[c].holds[1].coordinate ? 1 : 2;
+}
+
+static km_hold as_hold(const km_model *model, const km_design_setting *setting) {
+  km_hold hold = {.value = setting->value};
+  assert_int_equal(km_model_find_coordinate(model, setting->coordinate, &hold.coordinate, NULL), KM_OK);
+  return hold;
+}
 
 /* The figure of a model that is read with the values, and asked without any study. */
 static double by_hand(int c, const double *values, double length) {
@@ -56,10 +99,15 @@ static double by_hand(int c, const double *values, double length) {
     fail_msg("%s", error.text);
   if (length > 0.0)
     km_model_share_length(model, length);
-  km_hold holds[8];
+  km_hold holds[8], set;
+  int held = model->hold_count, sets = cases[c].set.coordinate != NULL;
   for (int h = 0; h < model->hold_count; ++h)
     holds[h] = (km_hold){model->holds[h].coordinate, model->holds[h].value};
-  if (km_reach_pose(model, holds, model->hold_count, NULL, 0, &m, &state, &error) ||
+  for (int h = 0; h < hold_count(c); ++h)
+    holds[held++] = as_hold(model, &cases[c].holds[h]);
+  if (sets)
+    set = as_hold(model, &cases[c].set);
+  if (km_reach_pose(model, holds, held, &set, sets, &m, &state, &error) ||
       km_question_create(m, cases[c].kind, &q, &error))
     fail_msg("%s", error.text);
   assert_int_equal(km_question_set(q, "steps", &steps, &error), KM_OK);
@@ -74,6 +122,7 @@ static double by_hand(int c, const double *values, double length) {
   return value;
 }
 
+/* The first design is read, the others are patched, some of them where an earlier one was. */
 static void as_by_hand(void **state) {
   (void)state;
   static const double steps = 20.0;
@@ -84,13 +133,24 @@ static void as_by_hand(void **state) {
     designs_add_parameter(&d, cases[c].paths[1]);
     designs_add_figure(&d, "mean", KM_DESIGN_MEAN, cases[c].column);
     designs_set_number(&d, "steps", &steps);
-    const km_design_variant variants[2] = {{"one", cases[c].values[0]}, {"two", cases[c].values[1]}};
+    d.questions[0].holds = cases[c].holds;
+    d.questions[0].hold_count = hold_count(c);
+    d.questions[0].sets = &cases[c].set;
+    d.questions[0].set_count = cases[c].set.coordinate != NULL;
+    static const char *const names[VARIANTS] = {"a", "b", "c", "d", "e", "f", "g"};
+    km_design_variant variants[VARIANTS];
+    double values[VARIANTS][2];
+    for (int i = 0; i < VARIANTS; ++i) {
+      for (int p = 0; p < 2; ++p)
+        values[i][p] = cases[c].values[0][p] + (cases[c].values[1][p] - cases[c].values[0][p]) * i / (VARIANTS - 1);
+      variants[i] = (km_design_variant){names[i], values[i]};
+    }
     d.def.variants = variants;
-    d.def.variant_count = 2;
+    d.def.variant_count = VARIANTS;
     km_design_study *s = designs_run(&d, NULL, 1);
     assert_int_equal(s->patch.works, cases[c].patched);
-    for (int i = 0; i < 2; ++i) {
-      double wanted = by_hand(c, cases[c].values[i], i ? s->length : 0.0);
+    for (int i = 0; i < VARIANTS; ++i) {
+      double wanted = by_hand(c, values[i], i ? s->length : 0.0);
       km_design_result r = designs_result(s, i);
       assert_true(isfinite(wanted));
       assert_memory_equal(&r.figures[0], &wanted, sizeof wanted);

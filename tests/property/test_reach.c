@@ -2,6 +2,8 @@
 #include "support/support.h"
 
 #include "base/memory.h"
+#include "kinematics/reach.h"
+#include "kmech/edit.h"
 
 #include <math.h>
 #include <string.h>
@@ -87,11 +89,53 @@ static void test_refusals_leave_the_state(void **unused) {
   fixture_close(&f);
 }
 
+static km_status reach_again(const fixture *f, double value, km_mechanism **held, km_state **at) {
+  km_mechanism *free;
+  km_state *there;
+  const km_hold hold = {coordinate(f, "D"), value};
+  assert_int_equal(km_mechanism_compile(f->model, NULL, 0, &free, NULL), KM_OK);
+  assert_int_equal(km_state_create(free, &there, NULL), KM_OK);
+  km_status status = km_reach_pose_again(free, there, &hold, 1, NULL, 0, held, at, NULL);
+  km_state_free(there);
+  km_mechanism_free(free);
+  return status;
+}
+
+/* What holds a joint takes new numbers, but not a hinge that is tilted and takes the loop out of its plane. */
+static void test_what_holds_is_kept(void **unused) {
+  (void)unused;
+  fixture f =
+      fixture_read("{\"assemblies\": [{\"name\": \"a\", \"drawn\": \"assembled\", \"bodies\": [{\"name\": \"a\"}, "
+                   "{\"name\": \"b\"}, {\"name\": \"c\"}], \"joints\": ["
+                   "{\"name\": \"A\", \"type\": \"Rz\", \"bodies\": [\"fixed\", \"a\"], \"at\": [0, 0, 0]}, "
+                   "{\"name\": \"B\", \"type\": \"Rz\", \"bodies\": [\"a\", \"b\"], \"at\": [0, 1, 0]}, "
+                   "{\"name\": \"C\", \"type\": \"Rz\", \"bodies\": [\"b\", \"c\"], \"at\": [2, 2, 0]}, "
+                   "{\"name\": \"D\", \"type\": \"Rz\", \"bodies\": [\"c\", \"fixed\"], \"at\": [3, 0, 0]}]}]}");
+  km_mechanism *held = NULL;
+  km_state *at = NULL;
+  assert_int_equal(reach_again(&f, 0.0, &held, &at), KM_OK);
+  const km_mechanism *first = held;
+  assert_int_equal(reach_again(&f, 0.1, &held, &at), KM_OK);
+  assert_ptr_equal(held, first);
+  assert_near(km_state_coordinate(at, coordinate(&f, "D")), 0.1, 0.0);
+  const double tilt[9] = {1, 0, 0, 0, cos(0.3), -sin(0.3), 0, sin(0.3), cos(0.3)};
+  for (int e = 0; e < 2; ++e) {
+    int frame = f.model->joints[1].frame[e];
+    const km_vec3 p = f.model->frames[frame].pose.p;
+    assert_int_equal(km_model_set_frame(f.model, frame, (const double[3]){p.x, p.y, p.z}, tilt, NULL), KM_OK);
+  }
+  assert_int_equal(reach_again(&f, 0.0, &held, &at), KM_PARTIAL);
+  km_state_free(at);
+  km_mechanism_free(held);
+  fixture_close(&f);
+}
+
 int main(void) {
   const struct CMUnitTest tests[] = {
       cmocka_unit_test(test_same_pose),
       cmocka_unit_test(test_balls_turn_together),
       cmocka_unit_test(test_refusals_leave_the_state),
+      cmocka_unit_test(test_what_holds_is_kept),
   };
   return cmocka_run_group_tests(tests, NULL, NULL);
 }
