@@ -119,10 +119,22 @@ static bool wants(const km_batch *b, int i) {
   return false;
 }
 
+/* Pieces that a batch has for each thread at least: of several threads none is to wait long for the others at its end. */
+static int pieces_each(int jobs) {
+  return jobs > 1 ? 2 : 1;
+}
+
 /* How many designs a thread takes at once: enough for the lanes, and not so many that others have nothing to do. */
 static int piece_of(const km_batch *b) {
-  int share = b->count / (2 * b->jobs);
+  int share = b->count / (pieces_each(b->jobs) * b->jobs);
   return share < 1 ? 1 : share > KM_DRIVE_LANES ? KM_DRIVE_LANES : share;
+}
+
+int km_batch_next_size(int size, double seconds, double target, int jobs, int most) {
+  const double longest = 2.0;
+  double each = fmax(seconds, 1e-6) / size, full = (double)KM_DRIVE_LANES * pieces_each(jobs) * jobs;
+  double wanted = fmax(target / each, fmin(full, longest / each));
+  return (int)fmax(fmax(1.0, jobs), fmin(most, fmin(4.0 * size, wanted)));
 }
 
 /* A turn: pieces take the next worker that is free, one a thread. */

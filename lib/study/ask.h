@@ -36,6 +36,10 @@ km_status km_batch_store(km_batch *batch, km_error *error);
 /* Both, so that the caller stores what is answered while the others go on. */
 km_status km_batch_run(km_batch *batch, km_error *error);
 void km_batch_clear(km_batch *batch);
+/* After a batch of `size` designs that took so many seconds: how many the next one takes, so that it takes about `target`
+ * seconds; and longer where that is too short to fill the lanes of all `jobs` threads, but not more than two seconds. Four
+ * times as many at most. */
+int km_batch_next_size(int size, double seconds, double target, int jobs, int most);
 /* The figures of all questions of design i of the batch, and its worst outcome. */
 void km_batch_result(const km_batch *batch, int index, km_design_result *out);
 /* The same of any answers [questions]. */

@@ -175,8 +175,7 @@ static km_status store_answers(km_crew *c, int from, reading *r, km_error *error
     }
     c->study->computed++;
   }
-  double wanted = m->size * fmin(4.0, piece_seconds / fmax(seconds, 1e-6));
-  m->size = (int)fmax(1.0, fmin(MOST_PIECE, wanted));
+  m->size = km_batch_next_size(m->size, seconds, piece_seconds, 1, MOST_PIECE);
   m->outstanding = 0;
   return status || r->good ? status : km_fail(error, KM_IO, "rank %d sent an answer that can't be read", from);
 }

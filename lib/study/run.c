@@ -10,7 +10,7 @@
 
 enum { LEAST_ROOM = 768, MOST_ROOM = 4096, MOST_JOBS = 1024, FIRST_CHECK = 64 };
 
-/* A batch is to take about so long: what a killed run loses, and how soon one stops. */
+/* A batch is to take about so long, see km_batch_next_size: what a killed run loses, and how soon one stops. */
 static const double batch_seconds = 0.1;
 
 /* Mean and variance so far, by Welford's recurrence. */
@@ -84,12 +84,6 @@ static km_status run_batch(run *r, int end, km_error *error) {
   return status;
 }
 
-/* Batches take as long as they may, whatever a design costs. */
-static void fit_size(run *r, double seconds) {
-  double wanted = r->size * fmin(4.0, batch_seconds / fmax(seconds, 1e-6));
-  r->size = (int)fmax(r->batch.jobs, fmin(r->batch.room, wanted));
-}
-
 /* Between batches: what is there is made safe, and the caller may stop. */
 static km_status breathe(run *r, km_error *error) {
   km_status status = KM_OK;
@@ -114,7 +108,7 @@ static km_status run_part(run *r, int end, km_error *error) {
       status = run_batch(r, end, error);
     if (!status && r->crew)
       status = km_crew_take(r->crew, false, error);
-    fit_size(r, now() - begin);
+    r->size = km_batch_next_size(r->size, now() - begin, batch_seconds, r->batch.jobs, r->batch.room);
     if (!status)
       status = breathe(r, error);
   }

@@ -2,6 +2,7 @@
 #include "support/designs.h"
 
 #include "kmech/sweep.h"
+#include "study/ask.h"
 #include "study/sampler.h"
 #include "study/study.h"
 
@@ -257,6 +258,21 @@ static void threads_change_nothing(void **state) {
   km_design_study_free(one);
 }
 
+/* The next batch takes the target's time, or up to two seconds where lanes would stay empty; it has no more than four times as
+ * many designs. */
+static void batches_fill_the_lanes(void **state) {
+  (void)state;
+  static const struct {
+    int size, jobs, next;
+    double seconds;
+  } batches[] = {{1, 1, 4, 1e-5},  {4, 1, 16, 1e-4},  {768, 1, 768, 1e-3}, {16, 1, 16, 0.8},
+                 {16, 1, 5, 6.4},  {16, 1, 40, 0.04}, {2, 2, 8, 1e-3},     {64, 2, 64, 1.0},
+                 {64, 2, 32, 4.0}, {4, 4, 4, 100.0},  {768, 0, 768, 0.0},  {1, 0, 1, 1000.0}};
+  for (size_t i = 0; i < sizeof batches / sizeof *batches; ++i)
+    assert_int_equal(km_batch_next_size(batches[i].size, batches[i].seconds, 0.1, batches[i].jobs, 768),
+                     batches[i].next);
+}
+
 /* The stroke of a slider-crank whose slide passes through the crank's pivot is twice the crank. */
 static void stroke_of_normal_cranks(void **state) {
   (void)state;
@@ -468,6 +484,7 @@ int main(void) {
   const struct CMUnitTest tests[] = {cmocka_unit_test(as_by_hand),
                                      cmocka_unit_test(tracks_as_by_hand),
                                      cmocka_unit_test(threads_change_nothing),
+                                     cmocka_unit_test(batches_fill_the_lanes),
                                      cmocka_unit_test(stroke_of_normal_cranks),
                                      cmocka_unit_test(samples_by_number),
                                      cmocka_unit_test(truncated_tails),
