@@ -1,5 +1,6 @@
 /* A mechanism's topology as a graph in the DOT language. */
 #include "kmech/drawing.h"
+#include "report/drawing/graph_places.h"
 #include "report/plot/palette.h"
 #include "topology/mechanism.h"
 
@@ -8,8 +9,7 @@
 
 static const char held_colour[] = "#808080";
 
-/* Joints beyond which graphviz is told to improve its layout less: its time grows with their number by itself, and with that of
- * the improvements. */
+/* Joints beyond which graphviz is given the places: its own layout takes times that grow faster than their number. */
 enum { MANY_JOINTS = 300 };
 
 /* Text inside a quoted string that graphviz shows as a label: it undoes backslashes and XML's entities there.
@@ -82,7 +82,7 @@ static void add_joint(const km_mechanism *m, int joint, km_text *out) {
   km_text_add(out, stiff ? "\" penwidth=3" : "\"");
 }
 
-static void add_bodies(const km_mechanism *m, km_text *out) {
+static void add_bodies(const km_mechanism *m, const km_graph_places *places, km_text *out) {
   const km_topology *t = &m->topology;
   for (int i = 0; i < t->body_count; ++i) {
     int body = t->order[i];
@@ -91,36 +91,50 @@ static void add_bodies(const km_mechanism *m, km_text *out) {
     km_text_add(out, opens ? "  {rank=same;\n" : "");
     km_text_format(out, "    b%d [label=\"", body);
     add_label(m->model->bodies[body].name, out);
-    km_text_add(out, body == 0 ? "\" shape=box style=\"filled,diagonals\" fillcolor=\"#d0d0d0\"];\n" : "\"];\n");
+    km_text_add(out, body == 0 ? "\" shape=box style=\"filled,diagonals\" fillcolor=\"#d0d0d0\"" : "\"");
+    if (places)
+      km_graph_place_node(places->body[body], t->level[body], out);
+    km_text_add(out, "];\n");
     km_text_add(out, closes ? "  }\n" : "");
   }
 }
 
 /* Written away from the inertial frame, so that the ranks follow the tree; dir=back turns an arrow round. */
-static void add_arcs(const km_mechanism *m, km_text *out) {
+static void add_arcs(const km_mechanism *m, const km_graph_places *places, km_text *out) {
   const km_topology *t = &m->topology;
   for (int i = 1; i < t->body_count; ++i) {
-    int body = t->order[i], joint = t->arc[body];
-    km_text_format(out, "  b%d -> b%d [", t->parent[body], body);
+    int body = t->order[i], parent = t->parent[body], joint = t->arc[body];
+    km_text_format(out, "  b%d -> b%d [", parent, body);
     add_joint(m, joint, out);
+    if (places)
+      km_graph_place_arc(places->body[parent], places->body[body], t->level[body],
+                         km_graph_width(m->model->joints[joint].label), t->against[joint], out);
     km_text_add(out, t->against[joint] ? " dir=back];\n" : "];\n");
   }
 }
 
-static void add_loop(const km_mechanism *m, int loop, km_text *out) {
+static void add_loop(const km_mechanism *m, int loop, const km_graph_places *places, km_text *out) {
   int joint = m->topology.chord[loop];
   const km_model_joint *def = &m->model->joints[joint];
   int tail = m->model->frames[def->frame[0]].body, head = m->model->frames[def->frame[1]].body;
   km_text_format(out, "  v%d [label=\"", loop);
   add_label(m->model->bodies[head].name, out);
-  km_text_format(out, "\xE2\x80\xB2\\nloop %d\" shape=box style=\"rounded,dotted\" fontsize=9 height=0.3];\n",
-                 loop + 1);
+  km_text_format(out, "\xE2\x80\xB2\\nloop %d\" shape=box style=\"rounded,dotted\" fontsize=9 height=0.3", loop + 1);
+  if (places)
+    km_graph_place_node(places->loop[loop], places->level[loop], out);
+  km_text_add(out, "];\n");
   km_text_format(out, "  b%d -> v%d [", tail, loop);
   add_joint(m, joint, out);
+  if (places)
+    km_graph_place_arc(places->body[tail], places->loop[loop], places->level[loop], km_graph_width(def->label), false,
+                       out);
   km_text_add(out, is_stiff(m, joint) ? " style=\"dashed,bold\"];\n" : " style=dashed];\n");
   km_text_format(out, "  v%d -> b%d [style=dotted dir=none constraint=false color=\"", loop, head);
   add_colour(m, joint, out);
-  km_text_add(out, "\"];\n");
+  km_text_add(out, "\"");
+  if (places)
+    km_graph_place_line(places->loop[loop], places->level[loop], places->body[head], m->topology.level[head], out);
+  km_text_add(out, "];\n");
 }
 
 static void add_count(int count, const char *one, const char *many, km_text *out) {
@@ -138,19 +152,33 @@ static void add_title(const km_mechanism *m, const char *title, km_text *out) {
   add_count(t->substructure_count, "substructure\"];\n", "substructures\"];\n", out);
 }
 
-void km_graph_write(const km_mechanism *mechanism, const char *title, km_text *out) {
-  if (!mechanism || !title || !out)
-    return;
+/* All of it; `places` NULL: graphviz finds them. */
+static void add_graph(const km_mechanism *m, const km_graph_places *places, const char *title, km_text *out) {
   km_text_add(out, "digraph mechanism {\n"
                    "  graph [fontname=\"DejaVu Sans\" fontsize=11 nodesep=0.35 ranksep=0.6 labelloc=t];\n"
                    "  node [fontname=\"DejaVu Sans\" fontsize=11 shape=ellipse margin=\"0.08,0.04\"];\n"
                    "  edge [fontname=\"DejaVu Sans\" fontsize=10 penwidth=1.5];\n");
-  if (mechanism->topology.joint_count > MANY_JOINTS)
-    km_text_add(out, "  graph [nslimit=0.1 nslimit1=0.1 mclimit=0.2];\n");
-  add_title(mechanism, title, out);
-  add_bodies(mechanism, out);
-  add_arcs(mechanism, out);
-  for (int l = 0; l < mechanism->topology.loop_count; ++l)
-    add_loop(mechanism, l, out);
+  if (places)
+    km_text_add(out, "  graph [layout=nop2];\n");
+  add_title(m, title, out);
+  add_bodies(m, places, out);
+  add_arcs(m, places, out);
+  for (int l = 0; l < m->topology.loop_count; ++l)
+    add_loop(m, l, places, out);
   km_text_add(out, "}\n");
+}
+
+void km_graph_write(const km_mechanism *mechanism, const char *title, km_text *out) {
+  if (!mechanism || !title || !out)
+    return;
+  if (mechanism->topology.joint_count <= MANY_JOINTS) {
+    add_graph(mechanism, NULL, title, out);
+    return;
+  }
+  km_graph_places places;
+  if (km_graph_places_find(mechanism, &places))
+    add_graph(mechanism, &places, title, out);
+  else
+    out->failed = true;
+  km_graph_places_free(&places);
 }
