@@ -8,10 +8,11 @@
 #include <stdio.h>
 #include <string.h>
 
-/* A question that was asked of a model. Where joints are held it is about a mechanism of its own, which holds them. */
+/* A question that was asked of a model, and a mechanism of its own that it is about: where joints are held, or the model was
+ * read. */
 typedef struct visit {
-  km_mechanism *held; /* NULL: none */
-  km_state *at;
+  km_mechanism *mechanism; /* NULL: that of the seat */
+  km_state *state;
   km_question *question;
 } visit;
 
@@ -36,8 +37,8 @@ static km_status no_memory(km_error *error) {
 
 static void close_visit(visit *v) {
   km_question_free(v->question);
-  km_state_free(v->at);
-  km_mechanism_free(v->held);
+  km_state_free(v->state);
+  km_mechanism_free(v->mechanism);
   *v = (visit){0};
 }
 
@@ -259,41 +260,36 @@ static void fail_assembly(const km_design_worker *w, int question, const design 
                 status == KM_DIVERGED ? KM_DESIGN_GAVE_OUT : KM_DESIGN_UNASSEMBLED, reason);
 }
 
-/* A design that was read, with a mechanism of its own. */
-static void answer_read(const km_design_worker *w, int question, const design *d) {
-  km_mechanism *m = NULL;
-  km_state *state = NULL;
-  km_question *asked = NULL;
-  km_error found;
-  km_status status = km_design_bring(d->model, &w->study->def->questions[question], &m, &state, &found);
-  if (status) {
-    fail_assembly(w, question, d, status, found.text);
-  } else {
-    const asking a = {d->model, m, state, &asked, d->task};
-    ask(w, question, &a, 1);
-  }
-  km_question_free(asked);
-  km_state_free(state);
-  km_mechanism_free(m);
+/* A design whose numbers are in its seat, at the pose that holds and sets ask for. */
+static km_status visit_seat(const km_design_question *q, seat *at, visit *v, km_error *error) {
+  km_status status = km_design_bring_again(at->mechanism, at->state, q, &v->mechanism, &v->state, error);
+  if (status != KM_PARTIAL)
+    return status;
+  close_visit(v);
+  return km_design_bring_again(at->mechanism, at->state, q, &v->mechanism, &v->state, error);
 }
 
-/* A design whose numbers are in its seat, at the pose that holds and sets ask for. */
-static km_status get_ready(const km_design_worker *w, int question, const design *d, asking *out, km_error *error) {
+/* A design where the question is to be asked. `own`: of one that was read. */
+static km_status get_ready(const km_design_worker *w, int question, const design *d, visit *own, asking *out,
+                           km_error *error) {
   const km_design_question *q = &w->study->def->questions[question];
   seat *at = d->at;
-  visit *v = &at->visits[question];
-  km_status status = km_design_bring_again(at->mechanism, at->state, q, &v->held, &v->at, error);
-  if (status == KM_PARTIAL) {
-    close_visit(v);
-    status = km_design_bring_again(at->mechanism, at->state, q, &v->held, &v->at, error);
-  }
-  *out = (asking){at->model, v->held ? v->held : at->mechanism, v->held ? v->at : at->state, &v->question, d->task};
-  return status;
+  visit *v = at ? &at->visits[question] : own;
+  km_status status = at ? visit_seat(q, at, v, error) : km_design_bring(d->model, q, &v->mechanism, &v->state, error);
+  if (status)
+    return status;
+  *out = (asking){.model = at ? at->model : d->model,
+                  .mechanism = v->mechanism ? v->mechanism : at->mechanism,
+                  .state = v->mechanism ? v->state : at->state,
+                  .question = &v->question,
+                  .task = d->task};
+  return KM_OK;
 }
 
-/* Those whose numbers are in a seat together, the others one by one. */
+/* Those that can be asked together. */
 static void answer_question(const km_design_worker *w, int question, const design *designs, int count) {
   asking together[KM_DRIVE_LANES];
+  visit own[KM_DRIVE_LANES] = {{0}};
   int ready = 0;
   for (int i = 0; i < count; ++i) {
     const design *d = &designs[i];
@@ -304,17 +300,15 @@ static void answer_question(const km_design_worker *w, int question, const desig
       fail_answer(&d->task->answers[question], &w->study->def->questions[question], KM_DESIGN_FAULTY, d->found.text);
       continue;
     }
-    if (!d->at) {
-      answer_read(w, question, d);
-      continue;
-    }
-    km_status status = get_ready(w, question, d, &together[ready], &found);
+    km_status status = get_ready(w, question, d, &own[i], &together[ready], &found);
     if (status)
       fail_assembly(w, question, d, status, found.text);
     else
       ++ready;
   }
   ask(w, question, together, ready);
+  for (int i = 0; i < count; ++i)
+    close_visit(&own[i]);
 }
 
 static km_status answer_function(const km_design_worker *w, const km_design_task *task) {
