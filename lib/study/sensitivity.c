@@ -5,6 +5,7 @@
 
 #include <math.h>
 #include <stdlib.h>
+#include <string.h>
 
 enum { MOST_BANDED = 10000 };
 static const double z = 1.959963984540054;
@@ -42,16 +43,93 @@ static double correlation_of(const double *a, const double *b, int count) {
   return aa > 0.0 && bb > 0.0 ? ab / sqrt(aa * bb) : nan("");
 }
 
+struct km_ranking {
+  km_arena arena;
+  int count;                                    /* designs */
+  double *values;                               /* [parameters × count] NaN: not known */
+  double *ranks;                                /* the same, among all designs */
+  double *correlations[KM_MOST_DESIGN_FIGURES]; /* [parameters] NULL: not asked for yet */
+  /* What ranking works on: */
+  ranked *work;
+  double *part, *part_ranks, *figures, *figure_ranks;
+  int *designs;
+};
+
+void km_design_forget_ranking(km_ranking *r) {
+  if (r)
+    km_arena_free(&r->arena);
+  km_free(r);
+}
+
+static km_status no_memory(km_error *error) {
+  return km_fail(error, KM_MEMORY, "out of memory for rank correlations");
+}
+
+static km_ranking *make_ranking(int parameters, int count) {
+  km_ranking *r = KM_NEW(km_ranking, 1);
+  size_t room = (size_t)count + 1, table = (size_t)parameters * room;
+  if (!r)
+    return NULL;
+  r->count = count;
+  r->values = KM_ARENA_NEW(&r->arena, double, table);
+  r->ranks = KM_ARENA_NEW(&r->arena, double, table);
+  r->work = KM_ARENA_NEW(&r->arena, ranked, room);
+  double **columns[] = {&r->part, &r->part_ranks, &r->figures, &r->figure_ranks};
+  for (size_t i = 0; i < sizeof columns / sizeof *columns; ++i)
+    *columns[i] = KM_ARENA_NEW(&r->arena, double, room);
+  r->designs = KM_ARENA_NEW(&r->arena, int, room);
+  if (!r->arena.failed)
+    return r;
+  km_design_forget_ranking(r);
+  return NULL;
+}
+
+/* Of the parameters of the first designs. */
+static void rank_parameters(const km_design_study *s, km_ranking *r) {
+  double values[KM_MOST_DESIGN_PARAMETERS];
+  int parameters = s->def->parameter_count;
+  size_t count = (size_t)r->count;
+  for (size_t i = 0; i < count; ++i) {
+    km_design_values(s, (int)i, values);
+    for (int p = 0; p < parameters; ++p)
+      r->values[(size_t)p * count + i] = isnan(values[p]) ? s->base[p] : values[p];
+  }
+  for (int p = 0; p < parameters; ++p)
+    rank(r->values + (size_t)p * count, r->count, r->work, r->ranks + (size_t)p * count);
+}
+
 /* The designs whose figure has a value. */
-static int gather(km_design_study *s, int figure, double *figures, int *designs, int count) {
+static int gather(km_design_study *s, int figure, km_ranking *r) {
   int used = 0;
-  km_design_study_column(s, figure, figures, count);
-  for (int i = 0; i < count; ++i)
-    if (isfinite(figures[i])) {
-      figures[used] = figures[i];
-      designs[used++] = i;
+  km_design_study_column(s, figure, r->figures, r->count);
+  for (int i = 0; i < r->count; ++i)
+    if (isfinite(r->figures[i])) {
+      r->figures[used] = r->figures[i];
+      r->designs[used++] = i;
     }
   return used;
+}
+
+/* The ranks of parameter p among the designs that were gathered; NULL where its value isn't known. */
+static const double *ranks_of(const km_ranking *r, int p, int used) {
+  const double *values = r->values + (size_t)p * (size_t)r->count;
+  if (used == 0 || isnan(values[r->designs[0]]))
+    return NULL;
+  if (used == r->count)
+    return r->ranks + (size_t)p * (size_t)r->count;
+  for (int i = 0; i < used; ++i)
+    r->part[i] = values[r->designs[i]];
+  rank(r->part, used, r->work, r->part_ranks);
+  return r->part_ranks;
+}
+
+static void correlate(km_design_study *s, int figure, km_ranking *r, double *correlations) {
+  int used = gather(s, figure, r);
+  rank(r->figures, used, r->work, r->figure_ranks);
+  for (int p = 0; p < s->def->parameter_count; ++p) {
+    const double *ranks = ranks_of(r, p, used);
+    correlations[p] = ranks ? correlation_of(r->figure_ranks, ranks, used) : nan("");
+  }
 }
 
 km_status km_design_study_ranks(km_design_study *s, int figure, double *correlation, km_error *error) {
@@ -61,33 +139,22 @@ km_status km_design_study_ranks(km_design_study *s, int figure, double *correlat
     status = km_design_study_statistics(s, figure, &unused, error);
   if (status)
     return status;
-  km_arena arena = {0};
-  int parameters = s->def->parameter_count, count = km_design_study_column(s, figure, NULL, 0);
-  size_t room = (size_t)count + 1;
-  double *figures = KM_ARENA_NEW(&arena, double, room), *values = KM_ARENA_NEW(&arena, double, room);
-  double *figure_ranks = KM_ARENA_NEW(&arena, double, room), *ranks = KM_ARENA_NEW(&arena, double, room);
-  double *table = KM_ARENA_NEW(&arena, double, room *(size_t)(parameters + 1));
-  int *designs = KM_ARENA_NEW(&arena, int, room);
-  ranked *work = KM_ARENA_NEW(&arena, ranked, room);
-  if (arena.failed) {
-    km_arena_free(&arena);
-    return km_fail(error, KM_MEMORY, "out of memory for rank correlations");
+  size_t parameters = (size_t)s->def->parameter_count;
+  km_ranking *r = s->ranking;
+  if (!r) {
+    r = s->ranking = make_ranking((int)parameters, km_design_study_column(s, figure, NULL, 0));
+    if (!r)
+      return no_memory(error);
+    rank_parameters(s, r);
   }
-  int used = gather(s, figure, figures, designs, count);
-  rank(figures, used, work, figure_ranks);
-  for (int i = 0; i < used; ++i)
-    km_design_values(s, designs[i], table + (size_t)i * (size_t)parameters);
-  for (int p = 0; p < parameters; ++p) {
-    for (int i = 0; i < used; ++i) {
-      double x = table[(size_t)i * (size_t)parameters + (size_t)p];
-      values[i] = isnan(x) ? s->base[p] : x;
-    }
-    bool known = used > 0 && !isnan(values[0]);
-    if (known)
-      rank(values, used, work, ranks);
-    correlation[p] = known ? correlation_of(figure_ranks, ranks, used) : nan("");
+  if (!r->correlations[figure]) {
+    double *found = KM_ARENA_NEW(&r->arena, double, parameters + 1);
+    if (!found)
+      return no_memory(error);
+    correlate(s, figure, r, found);
+    r->correlations[figure] = found;
   }
-  km_arena_free(&arena);
+  memcpy(correlation, r->correlations[figure], parameters * sizeof *correlation);
   return KM_OK;
 }
 

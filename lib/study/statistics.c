@@ -39,7 +39,9 @@ void km_design_forget_statistics(km_design_study *s) {
   if (s->collected)
     km_free(s->collected->kept);
   km_free(s->collected);
+  km_design_forget_ranking(s->ranking);
   s->collected = NULL;
+  s->ranking = NULL;
 }
 
 static bool within(const km_design_figure *f, double x) {

@@ -33,6 +33,7 @@ typedef struct km_trail {
 } km_trail;
 
 typedef struct km_collected km_collected; /* statistics.c */
+typedef struct km_ranking km_ranking;     /* sensitivity.c */
 
 struct km_design_study {
   const km_design_study_def *def;
@@ -52,6 +53,7 @@ struct km_design_study {
   km_sampler *sampler; /* of a sample; NULL: none */
   km_trail trail;
   km_collected *collected; /* what the results come to; NULL: not looked at since the last run */
+  km_ranking *ranking;     /* and the designs' ranks; NULL: not asked for since then */
   int computed, found;
   int stopped_at; /* designs of a sample whose accuracy was reached; 0: it wasn't */
 };
@@ -124,8 +126,9 @@ km_status km_design_bring(const km_model *model, const km_design_question *quest
 km_status km_design_bring_again(const km_mechanism *free, km_state *there, const km_design_question *question,
                                 km_mechanism **held, km_state **at, km_error *error);
 
-/* statistics.c */
+/* statistics.c: with the ranks. */
 void km_design_forget_statistics(km_design_study *study);
+void km_design_forget_ranking(km_ranking *ranking);
 /* The values of sorted[count] at the probabilities of km_design_quantile, by linear interpolation. */
 void km_quantiles_of(const double *sorted, int count, double out[KM_DESIGN_QUANTILES]);
 int km_compare_numbers(const void *a, const void *b);

@@ -75,6 +75,24 @@ static void ranks(void **state) {
   km_design_study_free(s);
 }
 
+/* Where every design has its figures too, however often and in whatever order it is asked. */
+static void ranks_of_all_designs(void **state) {
+  (void)state;
+  designs d;
+  double once[2], again[2];
+  designs_of_function(&d, ranks_function, 2, 2);
+  spread_evenly(&d, 4000, 0.0, 0.9);
+  km_design_study *s = designs_run(&d, NULL, 1);
+  assert_int_equal(km_design_study_ranks(s, 1, once, NULL), KM_OK);
+  assert_near(once[0], 0.0, 4.0 / sqrt(4000.0));
+  assert_near(once[1], -1.0, 1e-12);
+  assert_int_equal(km_design_study_ranks(s, 0, again, NULL), KM_OK);
+  assert_near(again[0], 1.0, 1e-12);
+  assert_int_equal(km_design_study_ranks(s, 1, again, NULL), KM_OK);
+  assert_memory_equal(once, again, sizeof once);
+  km_design_study_free(s);
+}
+
 /* Wilson's interval of 0 of 10 is 0 to z²/(n + z²). */
 static void no_good_design(void **state) {
   (void)state;
@@ -299,6 +317,7 @@ int main(void) {
           "Sobol's indices of Ishigami's function, first order and total (Ishigami and Homma, 1990)",
           "an error of 0.01 from 4096 low-discrepancy samples, well below a random sample's confidence interval"),
       cmocka_unit_test(ranks),
+      cmocka_unit_test(ranks_of_all_designs),
       cmocka_unit_test(no_good_design),
       cmocka_unit_test(known_quantiles),
       cmocka_unit_test(accurate_enough),
