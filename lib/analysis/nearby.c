@@ -1,6 +1,7 @@
 /* Going a short way along the motion and back. */
 #include "analysis/nearby.h"
 
+#include "kinematics/aside.h"
 #include "kinematics/closure.h"
 #include "kinematics/loops.h"
 #include "kinematics/many_tangents.h"
@@ -39,14 +40,15 @@ static void choose_of_many(const km_mechanism *m, km_state *s, int index, double
 
 bool km_nearby_go(const km_mechanism *m, km_state *s, int index, double *saved, double *move) {
   const km_substructure *sub = &m->substructures[index];
-  km_partition *p = &s->partition[index];
+  const km_partition *p = &s->partition[index];
   bool moves = km_partition_freedom(p) > 0, many = km_partition_freedom(p) > KM_MANY_VECTORS;
   km_closure evidence;
-  p->rows_only = p->sparse && many;
+  if (!many)
+    choose_move(m, s, index, move);
+  km_state_set_aside(s, index);
+  s->partition[index].rows_only = p->sparse && many;
   if (many)
     choose_of_many(m, s, index, move);
-  else
-    choose_move(m, s, index, move);
   km_state_save(s, sub, saved);
   km_state_move(m, s, sub, move);
   km_state_forget_pivots(s, index);
@@ -60,6 +62,7 @@ bool km_nearby_go(const km_mechanism *m, km_state *s, int index, double *saved, 
 void km_nearby_return(const km_mechanism *m, km_state *s, int index, const double *saved) {
   const km_substructure *sub = &m->substructures[index];
   s->partition[index].rows_only = false;
+  km_state_take_back(s, index);
   km_state_restore(s, sub, saved);
   km_loops_update(m, s, sub);
   km_state_forget_pivots(s, index);

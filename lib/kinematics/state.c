@@ -24,6 +24,7 @@ static bool allocate(const km_mechanism *m, km_state *s) {
   s->error = KM_ARENA_NEW(arena, double, (size_t)m->error_size);
   s->misfit = KM_ARENA_NEW(arena, km_twist, (size_t)t->loop_count);
   s->partition = KM_ARENA_NEW(arena, km_partition, (size_t)t->substructure_count);
+  s->aside = KM_ARENA_NEW(arena, km_aside, (size_t)t->substructure_count);
   s->pivoted = KM_ARENA_NEW(arena, int, (size_t)t->substructure_count);
   s->basis = KM_ARENA_NEW(arena, km_basis, (size_t)t->substructure_count);
   s->numbers = KM_ARENA_NEW(arena, double, coordinates);

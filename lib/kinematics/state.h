@@ -26,6 +26,12 @@ typedef struct km_basis {
   unsigned edition; /* of the partition that they were made from */
 } km_basis;
 
+/* A second partition: of the present pose, or of one to come back to. By km_state_set_aside */
+typedef struct km_aside {
+  km_partition other;
+  bool is_reserved, is_out; /* is_out: the other one is the pose's to come back to */
+} km_aside;
+
 struct km_state {
   km_arena arena;
   const km_mechanism *mechanism;
@@ -38,6 +44,7 @@ struct km_state {
   double *error;           /* [error_size] by substructure, the rows' errors. By km_loops_update */
   km_twist *misfit;        /* [loop] whole error screws, scaled. By km_loops_update */
   km_partition *partition; /* [substructure] of the Jacobian. By km_closure */
+  km_aside *aside;         /* [substructure] large ones' second partitions */
   int *pivoted;            /* [substructure] driver column that its pivots were searched for; KM_NEVER */
   km_basis *basis;         /* [substructure] Z: columns × freedom. By km_state_null */
   double *numbers;         /* [coordinate] mobility numbers. By km_mobility_update */

@@ -3,6 +3,7 @@
  * Analytic equations that meet to order n along a curve leave a misfit C tⁿ⁺¹; a motion leaves none, however far it is
  * followed, and data rounded by ε leave about ε. So a tangent is followed a long way, the misfit is compared with what
  * the file may leave, and its growth from half the way to the whole tells a power of t from rounding. */
+#include "kinematics/aside.h"
 #include "kinematics/closure.h"
 #include "kinematics/tangents.h"
 
@@ -137,6 +138,7 @@ km_followed km_tangents_follow(km_tangents *f, const double *direction, double s
   double size = fastest(direction, columns, &column);
   for (int c = 0; c < columns; ++c)
     f->move[c] = sign * h * direction[c] / size;
+  km_state_set_aside(f->s, f->index);
   km_state_restore(f->s, f->sub, f->pose);
   km_state_forget_pivots(f->s, f->index);
   /* Past that place it goes on, to see how they open. */
@@ -160,6 +162,7 @@ km_followed km_tangents_follow(km_tangents *f, const double *direction, double s
     look_ahead(f, driver, h);
   }
   f->s->partition[f->index].rows_only = false;
+  km_state_take_back(f->s, f->index);
   km_state_forget_pivots(f->s, f->index);
   result.reality = judge(f, &r, tolerance, way >= whole_way);
   return result;

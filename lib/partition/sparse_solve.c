@@ -168,7 +168,9 @@ bool km_sparse_refactor(km_partition *p, const double *matrix) {
     return false;
   for (int k = 0; k < s->singles; ++k)
     refactor_single(p, matrix, k);
-  for (int k = s->singles; k < p->columns; ++k) {
+  const int count =
+      s->by_rows ? p->rank : p->columns; /* by rows the independent columns have no entries of U to take theirs */
+  for (int k = s->singles; k < count; ++k) {
     int c = p->column[k];
     scatter_primary(p, matrix, c);
     for (int i = s->upper[c].start; i < s->upper[c].end; ++i) {
