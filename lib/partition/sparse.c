@@ -58,12 +58,14 @@ static void eliminate_all(km_partition *p, const double *matrix, const bool *for
   } while (hidden >= 0 && !p->sparse->late[hidden]);
 }
 
-/* The same of rows, whatever the columns are: first by Q R, which needs no order of columns that keeps their remainders short. */
+/* The same of rows, whatever the columns are. */
 static void eliminate_rows(km_partition *p, const double *matrix, const bool *forced, double threshold) {
   int hidden = -1;
-  km_sparse_spare_rows(p, matrix, forced, threshold);
+  bool looked = false;
   do {
-    if (hidden >= 0)
+    bool found = hidden >= 0 && !looked && km_sparse_spare_rows(p, matrix, forced, threshold);
+    looked = hidden >= 0;
+    if (hidden >= 0 && !found)
       p->sparse->spare[hidden] = true;
     km_sparse_eliminate(p, matrix, forced, threshold);
     hidden = p->failed ? -1 : km_sparse_hidden_row(p, matrix, forced, threshold);

@@ -45,7 +45,7 @@ struct km_sparse {
   bool *late;   /* [columns] is to come last, since it should stay independent */
   bool waits;   /* columns that leave only a small pivot become late ones: small pivots that share a vanishing singular
                   * value then come last, where they tell */
-  int most_entries; /* of U and L, beyond which the elimination ends as overfull; 0: any number */
+  int most_entries; /* of U and L, beyond which columns that wait end the elimination as overfull; 0: any number */
   bool overfull;
   km_run *upper;                     /* [columns] of each: its entries of U, by step in an order that replays it */
   km_run *lower;                     /* [columns] and of L, by row; independent columns have none */
