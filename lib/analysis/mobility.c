@@ -13,7 +13,9 @@ static void set_numbers(const km_mechanism *m, km_state *s, int index) {
 
 void km_numbers_update(const km_mechanism *m, km_state *s, int index) {
   const km_substructure *sub = &m->substructures[index];
-  if (s->pivoted[index] == KM_NEVER || !(s->partition[index].largest_b <= km_largest_good_b)) {
+  const km_partition *p = &s->partition[index];
+  bool many = p->sparse && km_partition_freedom(p) > KM_MANY_VECTORS; /* by the rows, whatever B is */
+  if (s->pivoted[index] == KM_NEVER || (!many && !(p->largest_b <= km_largest_good_b))) {
     int worst;
     km_pivot(m, s, index, KM_NO_DRIVER, km_rank_tolerance(m, sub, km_loops_residual(m, s, sub, &worst)));
   }

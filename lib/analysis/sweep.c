@@ -119,6 +119,7 @@ static void end_sweep(km_sweeper *r, km_sweep_job *job) {
   if (job->s->arena.failed && job->status != KM_MEMORY) /* what a pose has more of than those before */
     job->status = km_fail(job->error, KM_MEMORY, "out of memory for a pose of a sweep");
   km_free(r->rates);
+  km_free(r->branch_point);
   if (job->status == KM_OK || job->status == KM_PARTIAL)
     job->status = job->observer->tell(job->observer->self, job);
 }

@@ -67,8 +67,31 @@ km_status km_sweeper_find_branch(km_sweeper *r, km_error *error) {
   return status;
 }
 
-km_status km_sweeper_leave_branch(km_sweeper *r, int coordinate, km_error *error) {
-  int count = km_branch_leave(r->m, r->s, coordinate);
+/* From where the state is: to FROM, or from there to the first pose that is looked at. */
+static double first_way(const km_sweeper *r, bool *begins) {
+  const km_sweep_plan *plan = r->plan;
+  double here = km_state_coordinate(r->s, plan->coordinate), way = plan->from - here;
+  *begins = fabs(way) <= 1e-12 * (1.0 + fabs(here));
+  int poses = r->observer->passed && plan->steps < KM_LEAST_SAMPLES ? KM_LEAST_SAMPLES : plan->steps;
+  return *begins ? (plan->to - plan->from) / poses : way;
+}
+
+km_status km_sweeper_leave_branch(km_sweeper *r, km_error *error) {
+  int coordinate = r->plan->coordinate, index = r->m->substructure_of[coordinate];
+  if (index < 0)
+    return KM_OK;
+  bool begins, open;
+  double way = first_way(r, &begins);
+  double *pose = KM_NEW(double, KM_SAVED_PER_COLUMN *(size_t)r->m->substructures[index].columns);
+  int count = pose ? km_branch_leave(r->m, r->s, coordinate, way, pose, &open) : -1;
   r->out->start_branches = count;
-  return count < 0 ? km_fail(error, KM_MEMORY, "out of memory for a sweep") : KM_OK;
+  if (count < 0) {
+    km_free(pose);
+    return km_fail(error, KM_MEMORY, "out of memory for a sweep");
+  }
+  if (begins && open)
+    r->branch_point = pose;
+  else
+    km_free(pose);
+  return KM_OK;
 }

@@ -1,5 +1,6 @@
 /* Sweeps by one driven coordinate. */
 #include "analysis/sweep_walk.h"
+#include "kinematics/loops.h"
 
 #include <math.h>
 #include <string.h>
@@ -54,6 +55,31 @@ static void write_row(km_walk *w, km_reach reach) {
   else if (!again) /* the end may be where the last row stands already */
     status = km_sweeper_row(r, w->row++, reach.position, w->job->error);
   w->job->status = status;
+}
+
+static void put_back(const km_sweeper *r, const double *pose) {
+  const km_substructure *sub = &r->m->substructures[r->substructure];
+  km_state_restore(r->s, sub, pose);
+  km_loops_update(r->m, r->s, sub);
+  km_state_forget_pivots(r->s, r->substructure);
+}
+
+/* The first row at the branch point from which the drive has set out already, whose tangent it shows there. */
+static void write_branch_point(km_walk *w) {
+  km_sweeper *r = w->r;
+  size_t columns = (size_t)r->m->substructures[r->substructure].columns;
+  double *pose = KM_NEW(double, KM_SAVED_PER_COLUMN *columns);
+  if (!pose) {
+    w->job->status = km_fail(w->job->error, KM_MEMORY, "out of memory for a sweep");
+    return;
+  }
+  km_drive_expect_stiff(w->at.drive);
+  km_drive_tangent(w->at.drive, r->rates);
+  km_state_save(r->s, &r->m->substructures[r->substructure], pose);
+  put_back(r, r->branch_point);
+  write_row(w, (km_reach){KM_STOP_NONE, r->plan->from, -1, -1});
+  put_back(r, pose);
+  km_free(pose);
 }
 
 /* Shows the walks `going` what their observers want to see near the row, side by side as long as they ride. */
@@ -146,7 +172,7 @@ static km_status begin_walk(km_walk *w) {
   km_sweeper *r = w->r;
   km_error *error = w->job->error;
   r->substructure = r->out->substructure = r->m->substructure_of[r->plan->coordinate];
-  km_status status = km_sweeper_leave_branch(r, r->plan->coordinate, error);
+  km_status status = km_sweeper_leave_branch(r, error);
   if (!status)
     status = km_sweep_enter_limits(r->m, r->s, r->plan, error);
   if (!status)
@@ -163,8 +189,18 @@ static bool advance(km_walk *walks, int count, km_drive_lanes *lanes) {
   double targets[KM_DRIVE_LANES] = {0.0};
   km_reach reaches[KM_DRIVE_LANES];
   unsigned going = 0;
-  for (int i = 0; i < count; ++i)
-    going |= next(&walks[i], &targets[i]) ? 1u << i : 0;
+  unsigned setting_out = 0;
+  for (int i = 0; i < count; ++i) {
+    unsigned lane = next(&walks[i], &targets[i]) ? 1u << i : 0;
+    going |= lane;
+    setting_out |= walks[i].step == 0 && walks[i].r->branch_point ? lane : 0;
+  }
+  for (unsigned rest = setting_out; rest; rest &= rest - 1) {
+    km_walk *w = &walks[__builtin_ctz(rest)];
+    write_branch_point(w);
+    leave_row(w);
+  }
+  going &= ~setting_out;
   km_walks_move(walks, going, lanes, targets, reaches);
   for (int i = 0; i < count; ++i)
     if (going >> i & 1)
@@ -173,7 +209,7 @@ static bool advance(km_walk *walks, int count, km_drive_lanes *lanes) {
   for (int i = 0; i < count; ++i)
     if (going >> i & 1)
       leave_row(&walks[i]);
-  return going != 0;
+  return (going | setting_out) != 0;
 }
 
 /* Side by side, if there are several and lanes are for them. */

@@ -59,11 +59,12 @@ struct km_sweeper {
   const km_observer *observer;
   km_sweep *out;
   km_mover mover;
-  int substructure;      /* the one that moves, -1: none */
-  double *rates;         /* [coordinate] */
-  double *scratch;       /* [coordinate] */
-  bool rides;            /* the row was reached beside others, and the state has its mobility numbers already: */
-  double residual;       /* of the loops that move, then */
+  int substructure;     /* the one that moves, -1: none */
+  double *rates;        /* [coordinate] */
+  double *scratch;      /* [coordinate] */
+  double *branch_point; /* saved: the first row's pose, where several freedoms lead away from it; NULL: it is regular */
+  bool rides;           /* the row was reached beside others, and the state has its mobility numbers already: */
+  double residual;      /* of the loops that move, then */
   double other_residual; /* of the substructures that stand still */
   int other_mobility;
 };
@@ -147,9 +148,9 @@ bool km_sweeper_motion(km_sweeper *sweeper);
 km_status km_sweeper_add_branch(km_sweeper *sweeper, km_branch_point point, km_error *error);
 /* The drive has passed a singular pose on the way to the last row: finds where, and what meets there. */
 km_status km_sweeper_find_branch(km_sweeper *sweeper, km_error *error);
-/* At a branch point no direction is the mechanism's own: a short step leads onto the motion that moves the
- * coordinate most, from where the branch point can be passed smoothly. */
-km_status km_sweeper_leave_branch(km_sweeper *sweeper, int coordinate, km_error *error);
+/* At a branch point no direction is the mechanism's own: a short step leads onto the motion that moves the plan's coordinate
+ * most, from where the branch point can be passed smoothly, or (branch_point) which begins there. KM_MEMORY. */
+km_status km_sweeper_leave_branch(km_sweeper *sweeper, km_error *error);
 
 /* The rows of driven sweeps side by side, and of one by arc length. Of jobs[i] the sweeper is sweepers[i]; those with a
  * status are over already. */

@@ -1,6 +1,7 @@
 /* The motions that meet at a branch point, and leaving one. */
 #include "kinematics/branches.h"
 
+#include "kinematics/closest.h"
 #include "kinematics/closure.h"
 #include "kinematics/loops.h"
 #include "kinematics/many_tangents.h"
@@ -74,26 +75,141 @@ static int fastest(const double *directions, int count, int columns, int column)
   return best;
 }
 
-int km_branch_leave(const km_mechanism *m, km_state *s, int coordinate) {
-  static const double short_step = 5e-3;
+/* A step from a branch point. */
+typedef struct departure {
+  const km_mechanism *m;
+  km_state *s;
+  int index, column;
+  const km_substructure *sub;
+  km_arena arena;
+  double *from, *there, *best; /* saved poses: the branch point, the last one on the way, the best one so far */
+  double *step;                /* [columns] */
+} departure;
+
+/* The fastest coordinate goes so far. */
+static const double short_step = 5e-3;
+/* The driver goes so far at least where the shortest way is sought: the square is what loops on it open by. */
+static const double least_way = 1e-5;
+/* Of the rate of the first direction that is tried: others that move the driver less are no shorter way. */
+static const double least_rate = 0.1;
+
+static void go(const departure *d, const double *direction, double length) {
+  for (int k = 0; k < d->sub->columns; ++k)
+    d->step[k] = length * direction[k];
+  km_state_restore(d->s, d->sub, d->from);
+  km_state_move(d->m, d->s, d->sub, d->step);
+  km_state_forget_pivots(d->s, d->index);
+}
+
+/* Closes the loops with `driver` held. Few rows are far from depending on each other here: their null vectors, of which nothing
+ * is asked, would be long. */
+static bool close(const departure *d, int driver) {
+  km_partition *p = &d->s->partition[d->index];
+  km_closure evidence;
+  p->rows_only = p->sparse != NULL;
+  bool closed = km_close_held(d->m, d->s, d->index, driver, &evidence) == KM_CLOSED;
+  p->rows_only = false;
+  return closed;
+}
+
+/* On to the pose closest to the branch point: by poses closest to where a part of the way back leads, all of it at last. Where
+ * none is found nearby the state stays. */
+static void draw_near(departure *d) {
+  enum { MOST_PARTS = 40 };
+  static const double least_part = 1e-3;
+  km_closest closest;
+  if (d->m->ball_count > 0 || !km_closest_reserve(&closest, d->m, d->sub, &d->arena))
+    return;
+  double part = 0.5, *away = closest.away;
+  bool near = false;
+  for (int i = 0; i < MOST_PARTS && !near && part > least_part; ++i) {
+    km_state_save(d->s, d->sub, d->there);
+    km_state_difference(d->s, d->sub, d->from, away);
+    double length = km_step_length(d->m, d->sub, away);
+    for (int k = 0; k < d->sub->columns; ++k)
+      away[k] *= part;
+    bool found = km_closest_find(&closest, d->m, d->s, d->index, d->column, &d->s->partition[d->index], away);
+    km_state_difference(d->s, d->sub, d->from, away);
+    double shorter = km_step_length(d->m, d->sub, away);
+    found = found && shorter <= length && close(d, d->column);
+    near = found && part == 1.0;
+    part = !found ? 0.5 * part : shorter > 0.9 * length ? fmin(1.0, 2.0 * part) : part;
+    if (!found)
+      km_state_restore(d->s, d->sub, d->there);
+  }
+}
+
+/* Along a direction. False where one freedom is left there. */
+static bool set_out(departure *d, const double *direction, double way) {
+  double most = 0.0, rate = direction[d->column], side = way * rate < 0.0 ? -1.0 : 1.0;
+  for (int k = 0; k < d->sub->columns; ++k)
+    most = fmax(most, fabs(direction[k]));
+  double length = short_step / most;
+  go(d, direction, length);
+  close(d, KM_NO_DRIVER);
+  if (km_partition_freedom(&d->s->partition[d->index]) <= 1)
+    return false;
+  km_state_save(d->s, d->sub, d->there);
+  length = way != 0.0 ? fmin(length, fabs(way / rate)) : length;
+  go(d, direction, side * length);
+  if (!close(d, d->column))
+    km_state_restore(d->s, d->sub, d->there);
+  else if (length * fabs(rate) > least_way)
+    draw_near(d);
+  return true;
+}
+
+/* The way from the branch point to the state's pose over the coordinate's. */
+static double relative_length(const departure *d) {
+  km_state_difference(d->s, d->sub, d->from, d->step);
+  return km_step_length(d->m, d->sub, d->step) / fabs(d->step[d->column]);
+}
+
+/* Where several freedoms are left, the pose that any of the directions leads to with the shortest way. */
+static void take_shortest(departure *d, const double *directions, int count, int first, double way) {
+  double shortest = relative_length(d);
+  km_state_save(d->s, d->sub, d->best);
+  for (int i = 0; i < count; ++i) {
+    const double *direction = directions + (size_t)i * (size_t)d->sub->columns;
+    double rate = direction[d->column] / directions[(size_t)first * (size_t)d->sub->columns + (size_t)d->column];
+    if (i == first || fabs(rate) < least_rate || !set_out(d, direction, way) || !(relative_length(d) < shortest))
+      continue;
+    shortest = relative_length(d);
+    km_state_save(d->s, d->sub, d->best);
+  }
+  km_state_restore(d->s, d->sub, d->best);
+}
+
+int km_branch_leave(const km_mechanism *m, km_state *s, int coordinate, double way, double *branch_point, bool *open) {
   int index = m->substructure_of[coordinate];
+  bool several = false;
+  if (open)
+    *open = false;
   if (index < 0 || km_state_holds(s, coordinate)) /* a held one leads nowhere */
     return 0;
   const km_substructure *sub = &m->substructures[index];
-  double *directions = KM_NEW(double, (size_t)KM_MOST_BRANCHES *(size_t)sub->columns);
-  if (!directions)
-    return -1;
-  int count = km_branch_directions(m, s, index, directions);
-  int best = fastest(directions, count, sub->columns, m->column_of[coordinate]);
+  size_t n = (size_t)sub->columns;
+  departure d = {.m = m, .s = s, .index = index, .column = m->column_of[coordinate], .sub = sub};
+  double *directions = KM_ARENA_NEW(&d.arena, double, KM_MOST_BRANCHES *n);
+  d.from = KM_ARENA_NEW(&d.arena, double, KM_SAVED_PER_COLUMN *n);
+  d.there = KM_ARENA_NEW(&d.arena, double, KM_SAVED_PER_COLUMN *n);
+  d.best = KM_ARENA_NEW(&d.arena, double, KM_SAVED_PER_COLUMN *n);
+  d.step = KM_ARENA_NEW(&d.arena, double, n);
+  int count = d.arena.failed ? -1 : km_branch_directions(m, s, index, directions);
+  int best = fastest(directions, count, sub->columns, d.column);
   if (best >= 0) {
-    km_closure evidence;
-    double *step = directions + (size_t)best * (size_t)sub->columns;
-    for (int k = 0; k < sub->columns; ++k)
-      step[k] *= short_step;
-    km_state_move(m, s, sub, step);
+    km_state_save(s, sub, d.from);
+    way *= m->factor[coordinate] / m->unit[coordinate];
+    several = set_out(&d, directions + (size_t)best * n, way);
+    if (several)
+      take_shortest(&d, directions, count, best, way);
     km_state_forget_pivots(s, index);
-    km_loops_close(m, s, index, KM_NO_DRIVER, &evidence);
+    if (open)
+      *open = several;
+    if (branch_point)
+      memcpy(branch_point, d.from, KM_SAVED_PER_COLUMN * n * sizeof *d.from);
   }
-  km_free(directions);
+  count = d.arena.failed ? -1 : count;
+  km_arena_free(&d.arena);
   return count;
 }

@@ -13,7 +13,11 @@ int km_branch_directions(const km_mechanism *mechanism, km_state *state, int sub
 
 /* At a branch point no direction is the mechanism's own: a short step leads onto the motion that moves the coordinate
  * most, from where the branch point can be passed smoothly. Returns how many motions meet, 0 at a regular pose, where
- * the state stays; -1 when out of memory. */
-int km_branch_leave(const km_mechanism *mechanism, km_state *state, int coordinate);
+ * the state stays; -1 when out of memory. Where more freedoms than one are left on that motion, it is the shortest found:
+ * the step ends at the closed pose closest to the branch point that has the coordinate moved by `way` (of the model's unit) at
+ * most, to that side. The path of least motion leads away from the branch point there and on the way back would miss it:
+ * branch_point[KM_SAVED_PER_COLUMN · columns] is then the pose that was left, and *open is true. Both may be NULL. */
+int km_branch_leave(const km_mechanism *mechanism, km_state *state, int coordinate, double way, double *branch_point,
+                    bool *open);
 
 #endif

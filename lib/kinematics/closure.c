@@ -83,6 +83,27 @@ void km_least_step(const km_mechanism *m, km_state *s, int index, int driver, do
     x[j] = by_rows ? s->part[j] / weight[j] : x[j] - s->part[j] / weight[j];
 }
 
+/* The motions' part of the driver's unit vector, over its own entry. Of many freedoms the null vectors may be long and nearly
+ * cancel in the least one; this takes none of them alone. */
+static bool project_driver(const km_mechanism *m, km_state *s, int index, int driver, double *t) {
+  const km_substructure *sub = &m->substructures[index];
+  memset(t, 0, (size_t)sub->columns * sizeof *t);
+  t[driver] = 1.0;
+  km_least_step(m, s, index, KM_NO_DRIVER, t);
+  double share = 1.0 - t[driver];
+  for (int k = 0; k < sub->columns; ++k)
+    t[k] = k == driver ? 1.0 : -t[k] / share;
+  return share > 0.0;
+}
+
+void km_least_rates(const km_mechanism *m, km_state *s, int index, int driver, double *t) {
+  const km_partition *p = &s->partition[index];
+  if (p->sparse && km_partition_freedom(p) > KM_MANY_VECTORS && project_driver(m, s, index, driver, t))
+    return;
+  km_partition_direction(p, driver, t);
+  km_least_step(m, s, index, driver, t);
+}
+
 static double primary_rms(const km_partition *p, const double *error) {
   double sum = 0.0;
   for (int i = 0; i < p->rank; ++i)

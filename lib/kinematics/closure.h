@@ -52,6 +52,9 @@ void km_pivot(const km_mechanism *mechanism, km_state *state, int substructure, 
  * the same effect on the constraints and the driver. */
 void km_least_step(const km_mechanism *mechanism, km_state *state, int substructure, int driver, double *x);
 
+/* The rates t with J t = 0 and the driver's 1, least in |D t|, of a driver that is independent. */
+void km_least_rates(const km_mechanism *mechanism, km_state *state, int substructure, int driver, double *t);
+
 /* (D a)·(D b) of two scaled steps. */
 double km_step_dot(const km_mechanism *mechanism, const km_substructure *sub, const double *a, const double *b);
 /* |D x| of a scaled step. */

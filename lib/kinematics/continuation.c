@@ -96,8 +96,7 @@ bool km_continuation_tangent(km_continuation *c, const double *along, double *t)
     return project(c, along, t);
   if (p->forced_dependent)
     return false;
-  km_partition_direction(p, c->column, t);
-  km_least_step(c->mechanism, c->state, c->substructure, c->column, t);
+  km_least_rates(c->mechanism, c->state, c->substructure, c->column, t);
   return true;
 }
 

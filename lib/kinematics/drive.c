@@ -18,7 +18,8 @@ static const double between = 1e-12;     /* residual that shows the pose between
 
 typedef enum attempt { ACCEPTED, OPEN, BENT, LIMITED, EXHAUSTED } attempt;
 
-static const double easy = 0.05; /* strain: a step twice as long has 16 times the error over its length */
+/* Strain: a step twice as long has 16 times the error over its length, one that is drawn to the path 4 times. */
+static const double easy = 0.05, easily_drawn = 0.2;
 
 /* Steps towards one target. One that is further away than so many of the longest can't be reached: fewer are enough to look
  * for an end or a limit on the way to it. */
@@ -66,25 +67,72 @@ static bool is_alone(const km_drive *d) {
   return km_partition_freedom(&d->c.course.reference) <= 1;
 }
 
+/* So many refusals in a row show that the path may be stiff. */
+enum { MOST_BENT = 2 };
+
+/* False for ball joints, or out of memory. */
+static bool need_closest(km_drive *d) {
+  if (d->closest || d->c.mechanism->ball_count > 0)
+    return d->closest != NULL;
+  km_closest *closest = KM_ARENA_NEW(&d->arena, km_closest, 1);
+  if (closest && km_closest_reserve(closest, d->c.mechanism, km_drive_driven(d), &d->arena))
+    d->closest = closest;
+  return d->closest != NULL;
+}
+
+static bool draw(km_drive *d, double h) {
+  if (fabs(h) < creeping || !need_closest(d))
+    return false;
+  d->strain = km_least_path_draw(d->closest, d->c.mechanism, d->c.state, d->c.substructure, d->c.column, &d->c.course,
+                                 h, d->c.move);
+  km_state_restore(d->c.state, km_drive_driven(d), d->c.from);
+  km_partition_copy_pivots(&d->c.state->partition[d->c.substructure], &d->c.course.reference);
+  d->c.state->pivoted[d->c.substructure] = d->c.column;
+  return d->drawn = d->strain <= 1.0;
+}
+
+/* Along the path of least motion, by whichever way serves, those that cost least first. */
+static bool follow_path(km_drive *d, double h) {
+  const km_substructure *sub = km_drive_driven(d);
+  if (d->here.stiff && (draw(d, h) || d->bent == 0))
+    return d->drawn;
+  d->strain = km_least_path_continue(d->c.mechanism, sub, &d->c.course, h, d->c.move);
+  if (!(d->strain <= 1.0)) {
+    d->strain = km_least_path_predict(&d->path, d->c.mechanism, d->c.state, d->c.substructure, d->c.column,
+                                      &d->c.course.reference, d->c.from, d->c.course.t, h, d->c.move);
+    km_state_restore(d->c.state, sub, d->c.from);
+  }
+  return d->strain <= 1.0 || (!d->here.stiff && d->bent >= MOST_BENT && draw(d, h));
+}
+
 /* Where the driver has the only freedom Newton decides everything, and any start near enough serves. Where other freedoms
  * are left the prediction decides what they do: the path of least motion. False if h is too long for it. */
 static bool predict(km_drive *d, double h) {
   const km_substructure *sub = km_drive_driven(d);
+  bool reaches = true;
+  d->drawn = false;
   d->strain = 0.0;
-  if (is_alone(d)) {
+  if (is_alone(d))
     km_continuation_predict(&d->c, h, true);
-  } else {
-    d->strain = km_least_path_continue(d->c.mechanism, sub, &d->c.course, h, d->c.move);
-    if (!(d->strain <= 1.0)) {
-      d->strain = km_least_path_predict(&d->path, d->c.mechanism, d->c.state, d->c.substructure, d->c.column,
-                                        &d->c.course.reference, d->c.from, d->c.course.t, h, d->c.move);
-      km_state_restore(d->c.state, sub, d->c.from);
-    }
-  }
+  else
+    reaches = follow_path(d, h);
   for (int k = 0; k < sub->columns; ++k)
     if (!(fabs(d->c.move[k]) <= km_drive_furthest))
       return false;
-  return d->strain <= 1.0;
+  return reaches;
+}
+
+/* From a singular pose too few rows tell where the closest pose is: has the one that was reached more independent ones? */
+static bool keeps_rank(km_drive *d) {
+  const km_substructure *sub = km_drive_driven(d);
+  km_partition *p = &d->c.state->partition[d->c.substructure];
+  p->rows_only = p->sparse != NULL;
+  km_pivot(d->c.mechanism, d->c.state, d->c.substructure, d->c.column, km_rank_tolerance(d->c.mechanism, sub, 0.0));
+  int rank = p->rank;
+  p->rows_only = false;
+  km_partition_copy_pivots(p, &d->c.course.reference);
+  km_partition_refactor(p, km_state_jacobian(d->c.state, sub));
+  return rank == d->c.course.reference.rank;
 }
 
 /* One predictor and its correction to s + h; the state is left where it ended. */
@@ -99,6 +147,8 @@ static attempt try_step(km_drive *d, double h, double tightness) {
   km_step_fate fate = km_continuation_correct(&d->c, &terms);
   if (fate != KM_STEP_TAKEN)
     return fate == KM_STEP_OPEN ? OPEN : BENT;
+  if (d->drawn && d->c.course.last_h == 0.0 && !keeps_rank(d))
+    return BENT;
   bool changed = !d->passing && sign_changed(d);
   if (changed && fabs(h) > branch_width)
     return BENT;
@@ -116,9 +166,12 @@ static attempt advance(km_drive *d, double h, double tightness, int *limit) {
     result = LIMITED;
   }
   if (result != ACCEPTED) {
+    ++d->bent;
     km_continuation_refuse(&d->c);
     return result;
   }
+  d->bent = 0;
+  d->here.stiff = d->drawn;
   km_continuation_accept(&d->c, h);
   d->here.s += h;
   d->here.known = true;
@@ -165,7 +218,8 @@ static bool cross(km_drive *d, double target, int *limit) {
 static double lengthen(km_drive *d, double step, double h) {
   if (fabs(h) > km_drive_leaves)
     d->here.stopped = 0.0;
-  bool easily = d->strain == 0.0 || d->strain * pow(step / fabs(h), 4.0) < easy;
+  double share = step / fabs(h);
+  bool easily = d->here.stiff ? d->strain * share * share < easily_drawn : d->strain * pow(share, 4.0) < easy;
   return easily ? km_smaller(2.0 * step, km_drive_longest) : step;
 }
 
@@ -173,13 +227,16 @@ static double lengthen(km_drive *d, double step, double h) {
 static attempt walk(km_drive *d, double target, int *limit) {
   double step = d->here.largest;
   bool may_cross = true;
+  d->bent = 0;
   int most = fabs(target - d->here.s) > MOST_STEPS * km_drive_longest ? MOST_STEPS_ASTRAY : MOST_STEPS;
   for (int steps = 0, crept = 0; d->here.s != target; ++steps, ++crept) {
     if (steps == most || crept == MOST_CREEPING)
       return EXHAUSTED;
     double left = target - d->here.s;
     bool arrives = fabs(left) <= step;
-    double h = arrives ? left : copysign(step, left);
+    /* Of a short last step the next one would know little. */
+    bool halves = d->here.stiff && !arrives && fabs(left) < 2.0 * step;
+    double h = arrives ? left : halves ? 0.5 * left : copysign(step, left);
     attempt result = advance(d, h, km_drive_tightness, limit);
     if (result == ACCEPTED) {
       crept = fabs(h) < creeping ? crept : 0;
@@ -313,6 +370,10 @@ void km_drive_rates(const km_drive *d, const double *t, int stride, double *rate
     int c = m->column_coordinate[sub->column_start + k];
     rates[c] = t[k * stride] * m->unit[c] * inverse;
   }
+}
+
+void km_drive_expect_stiff(km_drive *d) {
+  d->here.stiff = d->c.substructure >= 0;
 }
 
 bool km_drive_tangent(km_drive *d, double *rates) {

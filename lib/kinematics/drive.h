@@ -21,6 +21,7 @@ typedef struct km_drive_place {
   double stopped; /* the direction that ended here, ±1, while the pose is close to that end; else 0 */
   int crossings;  /* singular poses passed so far */
   bool known;     /* the course's tangent belongs to the present pose */
+  bool stiff;     /* the last step was drawn to the path: see km_least_path_draw */
   int pivoted;    /* of a mark: the state's pivots were searched for this driver column; KM_NEVER */
 } km_drive_place;
 
@@ -34,6 +35,9 @@ struct km_drive {
   bool passing;                 /* this step goes over a singular pose on purpose */
   double *near, *far;           /* poses to come back to */
   km_least_path path;           /* where other freedoms are left */
+  km_closest *closest;          /* the same where the path is stiff; NULL: not yet */
+  int bent;                     /* steps refused one after the other */
+  bool drawn;                   /* the last prediction was */
   double strain;                /* of the last prediction by it: at 1 its error is all that is allowed */
   struct km_drive_lanes *lanes; /* where this drive goes beside others, and which of them it is; NULL: alone */
   int lane;
@@ -67,6 +71,8 @@ void km_drive_free_into(km_arena *memory, km_drive *drive);
 
 /* The rates of all coordinates per unit of the driver, by the tangent t[column · stride]. */
 void km_drive_rates(const km_drive *drive, const double *t, int stride, double *rates);
+/* The state has just left a singular pose, near which paths are stiff: see km_least_path_draw. */
+void km_drive_expect_stiff(km_drive *drive);
 /* The first of several steps towards the target, if it takes several and the first is accepted: km_drive_to goes on from
  * there with the same bits. */
 void km_drive_begin(km_drive *drive, double target);

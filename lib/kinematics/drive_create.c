@@ -42,8 +42,10 @@ km_status km_drive_create_in(km_arena *memory, const km_mechanism *m, km_state *
     return fits;
   km_arena arena = km_arena_take(memory);
   km_drive *d = KM_ARENA_NEW(&arena, km_drive, 1);
-  if (!d)
+  if (!d) {
+    km_arena_free(&arena); /* what was taken may be too small for a drive */
     return km_fail(error, KM_MEMORY, "out of memory for a sweep");
+  }
   *d = (km_drive){.arena = arena,
                   .c = {.mechanism = m,
                         .state = s,

@@ -97,6 +97,8 @@ km_status km_drive_lanes_create(km_arena *memory, km_drive *const *drives, int c
     *l = (km_drive_lanes){.arena = arena, .count = count, .m = first->c.mechanism, .sub = km_drive_driven(first)};
     l->coordinate = first->c.coordinate;
     l->column = first->c.column;
+  } else {
+    km_arena_free(&arena);
   }
   if (!l || !reserve(l)) {
     km_drive_lanes_free(memory, l);

@@ -10,6 +10,8 @@
  * may part by a thousandfold on the way. */
 static const double allowed = 1e-7;
 static const double grain = 1e-13; /* rounding of a step, scaled */
+/* The same near singular poses, where closed loops tell it to no more digits. It decays on a path that is stiff. */
+static const double coarse_grain = 1e-9;
 
 /* J. R. Cash and A. H. Karp, A variable order Runge-Kutta method, 1990. */
 static const double stage_shares[KM_PATH_STAGES][KM_PATH_STAGES - 1] = {
@@ -66,8 +68,7 @@ static bool rate_at(const km_mechanism *m, km_state *s, int index, int driver, c
   km_partition_copy_pivots(p, pivots);
   if (!km_partition_refactor(p, km_state_jacobian(s, sub)))
     return false;
-  km_partition_direction(p, driver, rate);
-  km_least_step(m, s, index, driver, rate);
+  km_least_rates(m, s, index, driver, rate);
   return true;
 }
 
@@ -185,4 +186,34 @@ double km_least_path_continue(const km_mechanism *m, const km_substructure *sub,
   }
   wind_balls(m, sub, &n, h, move);
   return error / (allowed * largest(move, sub->columns) + grain);
+}
+
+double km_least_path_draw(km_closest *closest, const km_mechanism *m, km_state *s, int index, int driver,
+                          const km_course *c, double h, double *move) {
+  const km_substructure *sub = &m->substructures[index];
+  int columns = sub->columns;
+  double ratio = c->last_h != 0.0 ? h / c->last_h : 0.0, error = 0.0;
+  bool second = ratio > 0.0 && ratio <= km_continuation_farther;
+  double back = second ? ratio * ratio / (1.0 + 2.0 * ratio) : 0.0;  /* of the last move, where the way counts from */
+  double share = second ? (1.0 + ratio) / (2.0 + 3.0 * ratio) : 0.5; /* of the difference, that is the step's error */
+  double *away = closest->away, *ahead = closest->ahead;
+  for (int k = 0; k < columns; ++k) {
+    double bend = second ? ratio * (c->last_h * c->t[k] - c->last_move[k]) * ratio : 0.0;
+    ahead[k] = h * c->t[k] + bend;
+    away[k] = ahead[k] - (second ? back * c->last_move[k] : 0.0);
+  }
+  km_state_move(m, s, sub, ahead);
+  if (!km_closest_find(closest, m, s, index, driver, &c->reference, away))
+    return HUGE_VAL;
+  for (int k = 0; k < columns; ++k) {
+    move[k] = away[k] + (second ? back * c->last_move[k] : 0.0);
+    ahead[k] = share * (move[k] - ahead[k]);
+  }
+  /* A deviation that decays shows in the difference more often than it is left in the step, by the square of how much it is
+   * drawn in. */
+  for (int i = 0; i < 2; ++i)
+    km_closest_follow(closest, m, sub, ahead);
+  for (int k = 0; k < columns; ++k)
+    error = fabs(ahead[k]) <= error ? error : fabs(ahead[k]);
+  return error / (allowed * largest(move, columns) + coarse_grain);
 }

@@ -2,6 +2,7 @@
 #ifndef KM_KINEMATICS_LEAST_PATH_H
 #define KM_KINEMATICS_LEAST_PATH_H
 
+#include "kinematics/closest.h"
 #include "kinematics/continuation.h"
 
 enum { KM_PATH_STAGES = 6 };
@@ -25,5 +26,12 @@ double km_least_path_predict(km_least_path *path, const km_mechanism *mechanism,
  * less than four. The state stays where it is. */
 double km_least_path_continue(const km_mechanism *mechanism, const km_substructure *sub, const km_course *course,
                               double h, double *move);
+/* The same where the field is stiff: poses beside the path come back to it within far less than h, and steps of the others would
+ * have to be as short as that. The closed pose closest to where the last two poses lead: C. Gear's second-order step backward
+ * for q̇ at right angles, in D, to all motions that leave the driver alone; of a first step the pose closest to the last one,
+ * Euler's. Returns what it differs by from the curve through these poses and the tangent, likewise; HUGE_VAL where Newton's
+ * method gives out. Leaves the state off the pose. Not for ball joints. */
+double km_least_path_draw(km_closest *closest, const km_mechanism *mechanism, km_state *state, int substructure,
+                          int driver, const km_course *course, double h, double *move);
 
 #endif

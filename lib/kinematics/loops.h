@@ -24,6 +24,16 @@ void km_loops_velocity_products(const km_mechanism *mechanism, km_state *state, 
 void km_loops_velocity_slopes(const km_mechanism *mechanism, km_state *state, const km_substructure *sub,
                               const double *rate, double *slopes);
 
+/* Pairs of columns by which a loop's rows bend: two joints on one side of it, the one before the other on the way out.
+ * columns[2 · pairs], NULL: none; returns how many. Of mechanisms without ball joints. */
+int km_loops_pairs(const km_mechanism *mechanism, const km_substructure *sub, int *columns);
+
+/* Σ multiplier_r ∂²e_r/∂x_i ∂x_j of closed loops, up to what vanishes along Jᵀ: ½ multiplier · ad(h_i) h_j
+ * into pair[pairs], and of the couplings, which are sums of functions of single coordinates, into
+ * own[columns]. Scaled as J, at the pose of the last km_loops_update. O(pairs). */
+void km_loops_bends(const km_mechanism *mechanism, const km_state *state, const km_substructure *sub,
+                    const double *multiplier, double *pair, double *own);
+
 /* √(eᵀe/6) of the substructure's worst loop (235), coupling errors alike, and which loop that is (-1: a coupling
  * or none). Scaled. */
 double km_loops_residual(const km_mechanism *mechanism, const km_state *state, const km_substructure *sub, int *worst);

@@ -40,7 +40,8 @@ static km_status unreachable(const journey *j, const km_hold *goal, double end, 
 static km_status drive_one(journey *j, const km_hold *goal, km_error *error) {
   if (is_there(j, goal))
     return KM_OK;
-  if (km_branch_leave(j->mechanism, j->state, goal->coordinate) < 0)
+  double way = goal->value - value_of(j, goal->coordinate);
+  if (km_branch_leave(j->mechanism, j->state, goal->coordinate, way, NULL, NULL) < 0)
     return km_fail(error, KM_MEMORY, "out of memory while moving to a pose");
   km_drive *drive;
   km_status status = km_drive_create(j->mechanism, j->state, goal->coordinate, true, &drive, error);

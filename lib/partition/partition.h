@@ -34,13 +34,14 @@ typedef struct km_partition {
   double scale;    /* largest entry of the matrix */
   double first_pivot, last_pivot, first_dropped; /* magnitudes; first_dropped 0: nothing was left */
   double smallest_pivot;                         /* magnitude at the last search */
-  double largest_b, pivoted_b;                   /* max |B_ij|, and its value when pivots were last searched */
-  int sign;              /* of the product of the pivots: flips where det of the pivot block does */
-  unsigned searches;     /* how often pivots were searched */
-  unsigned edition;      /* how often anything of this changed: what was made from it is good for its edition */
-  bool forced_dependent; /* a column that should be independent had to be a pivot */
-  bool failed;           /* out of memory while the sparse engine grew: the rank means nothing, no freedom is given */
-  bool held;             /* set by the caller: forced columns are no pivots, whatever rank that leaves */
+  double largest_b, pivoted_b; /* max |B_ij|, and its value when pivots were last searched; of long null vectors of the
+                                * sparse engine the length of B's longest row, about */
+  int sign;                    /* of the product of the pivots: flips where det of the pivot block does */
+  unsigned searches;           /* how often pivots were searched */
+  unsigned edition;            /* how often anything of this changed: what was made from it is good for its edition */
+  bool forced_dependent;       /* a column that should be independent had to be a pivot */
+  bool failed;          /* out of memory while the sparse engine grew: the rank means nothing, no freedom is given */
+  bool held;            /* set by the caller: forced columns are no pivots, whatever rank that leaves */
   bool any_independent; /* set by the caller: any null vectors will do, and km_partition_null_entries alone is asked for
                          * them; the sparse engine doesn't keep |B| small then, and makes no B */
   bool rows_only;     /* set by the caller: the rank and which rows are primary are enough, for km_partition_least; the

@@ -91,7 +91,8 @@ static km_orthogonal *null_of(const km_partition *p, const double *weight, int c
   km_error error;
   int entries;
   double *work = KM_NEW(double, (size_t)p->columns + 1), rows = km_sparse_crowd(p);
-  if (work && !p->sparse->by_rows && !p->any_independent && crowd_of_null(p, count, rows, &entries) < rows &&
+  bool good = !p->sparse->by_rows && !p->any_independent && p->largest_b <= km_largest_good_b;
+  if (work && good && crowd_of_null(p, count, rows, &entries) < rows &&
       !km_orthogonal_create(p->columns, count, entries, &q, &error))
     for (int k = 0; k < count; ++k)
       fill_null(p, weight, k, work, km_orthogonal_columns(q));

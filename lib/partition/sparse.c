@@ -23,17 +23,7 @@ static bool leave_shared(km_partition *p) {
 
 /* Of the independent columns that aren't forced. */
 static double largest_free_b(const km_partition *p, const bool *forced) {
-  double largest = 0.0;
-  if (!forced && !p->locked)
-    return p->largest_b;
-  for (int k = p->rank; k < p->columns; ++k) {
-    if (km_sparse_is_given(p, forced, p->column[k]))
-      continue;
-    km_run b = km_sparse_b(p, k - p->rank);
-    for (int i = b.start; i < b.end; ++i)
-      largest = fmax(largest, fabs(p->sparse->b_store.value[i]));
-  }
-  return largest;
+  return forced || p->locked ? km_sparse_largest_b(p, forced) : p->largest_b;
 }
 
 /* A column that is dependent though no pivot tells; -1: none, or the rank alone counts, and the primary rows are independent.

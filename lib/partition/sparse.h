@@ -66,6 +66,9 @@ struct km_sparse {
   bool keeps_b; /* else there is room for one column of B only: many are found when they are asked for */
 };
 
+/* Null vectors with so many times the entries of the matrix, all together, are long: they reach through the whole mechanism. */
+enum { KM_SPARSE_LONG = 20 };
+
 static inline bool km_sparse_is_locked(const km_partition *p, int c) {
   return p->locked && p->locked[c];
 }
@@ -116,7 +119,10 @@ bool km_sparse_grow(km_sparse *sparse, km_store *store, int need);
 int km_sparse_take_singles(km_partition *partition, const double *matrix, const bool *forced, double least);
 /* One elimination in the order of `late` and `forced`. */
 void km_sparse_eliminate(km_partition *partition, const double *matrix, const bool *forced, double threshold);
-/* The columns of B, or their largest entry alone. Ends at a column that isn't given with an entry beyond `most`: other ones are
+/* max |B_ij| over the independent columns that aren't given. Where these are long, about the length of the longest row instead:
+ * O(KM_SPARSE_LONG entries of the matrix) at most. */
+double km_sparse_largest_b(const km_partition *partition, const bool *forced);
+/* The columns of B, or max |B_ij| alone. Ends at a column that isn't given with an entry beyond `most`: other ones are
  * tried then. False where a value is not finite. */
 bool km_sparse_find_b(km_partition *partition, const bool *forced, double most);
 /* Σ over all columns of the squared number of entries in primary rows: about how many entries Q R of the rows comes to, at most.

@@ -31,7 +31,12 @@ typedef struct choice {
   int holder_count;
   size_t holder_capacity;
   int *place; /* [columns] of an entry in the vector at hand, over 0; 0: none */
+  bool full;  /* the vectors have become too long */
 } choice;
+
+/* Entries of all null vectors over those of the matrix. Longer ones take more time with every use than what a smaller B is
+ * worth. */
+enum { MOST_FILL = 50 };
 
 static bool may_be_chosen(const choice *h, int c) {
   return !h->p->sparse->late[c] && !km_sparse_is_given(h->p, h->forced, c);
@@ -56,7 +61,8 @@ static void find_largest(const choice *h, null_vector *v) {
 
 static bool append(choice *h, int vector, int column, double value) {
   null_vector *v = &h->vectors[vector];
-  if (!km_arena_grow(&h->arena, (void **)&v->column, &v->capacity, (size_t)v->count + 1, sizeof(int)) ||
+  h->full = h->holder_count >= MOST_FILL * h->p->sparse->start[h->p->columns];
+  if (h->full || !km_arena_grow(&h->arena, (void **)&v->column, &v->capacity, (size_t)v->count + 1, sizeof(int)) ||
       !km_arena_grow(&h->arena, (void **)&v->value, &v->value_capacity, (size_t)v->count + 1, sizeof(double)) ||
       !km_arena_grow(&h->arena, (void **)&h->holders, &h->holder_capacity, (size_t)h->holder_count + 1, sizeof(holder)))
     return false;
@@ -169,9 +175,10 @@ bool km_sparse_choose_late(km_partition *p, const bool *forced) {
   choice h = {.p = p, .forced = forced};
   bool changed = false;
   memset(p->sparse->late, 0, (size_t)p->columns * sizeof *p->sparse->late);
-  p->failed = !list_vectors(&h) || !choose(&h) || p->failed;
+  bool chosen = list_vectors(&h) && choose(&h);
+  p->failed = p->failed || (!chosen && !h.full);
   km_arena_free(&h.arena);
   for (int k = 0; k < p->rank; ++k)
     changed = changed || p->sparse->late[p->column[k]];
-  return changed && !p->failed;
+  return changed && chosen;
 }

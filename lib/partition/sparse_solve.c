@@ -3,6 +3,7 @@
 #include "partition/sparse.h"
 
 #include <math.h>
+#include <stdint.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -104,14 +105,67 @@ km_run km_sparse_b(const km_partition *p, int k) {
   return s->keeps_b ? s->b[k] : solve_reached(p, &s->upper[p->column[p->rank + k]], 0);
 }
 
-bool km_sparse_find_b(km_partition *p, const bool *forced, double most) {
+/* Between 1 and 2, of either sign, as if by chance. */
+static double weight_of(int column, int probe) {
+  uint32_t mixed = (uint32_t)column * 2654435769u + (uint32_t)probe * 2246822519u;
+  mixed = (mixed ^ mixed >> 15) * 2246822519u;
+  mixed = (mixed ^ mixed >> 13) * 3266489917u;
+  double size = 1.0 + (mixed & 0xffff) / 65536.0;
+  return mixed >> 31 ? size : -size;
+}
+
+/* About the length of the longest row of B, by its products with such weights. O(entries of U). */
+static double longest_row(const km_partition *p, const bool *forced) {
+  enum { PROBES = 3 };
+  const km_sparse *s = p->sparse;
+  double largest = 0.0, *const x = s->x;
+  for (int probe = 0; probe < PROBES; ++probe) {
+    for (int k = p->rank; k < p->columns; ++k) {
+      int c = p->column[k];
+      double weight = weight_of(c, probe);
+      for (int i = s->upper[c].start; i < s->upper[c].end && !km_sparse_is_given(p, forced, c); ++i)
+        x[s->upper_store.index[i]] += weight * s->upper_store.value[i];
+    }
+    km_sparse_solve_upper(p, x);
+    for (int k = 0; k < p->rank; ++k)
+      largest = fabs(x[k]) <= largest ? largest : fabs(x[k]);
+    memset(x, 0, (size_t)p->rank * sizeof *x);
+  }
+  return largest;
+}
+
+/* Of all independent columns, or of the free ones alone. Ends at a free column with an entry beyond `most`. NaN stays. */
+static double measure_b(const km_partition *p, bool free_only, const bool *forced, double most) {
+  const km_sparse *s = p->sparse;
+  double largest = 0.0;
+  int entries = 0;
+  for (int k = p->rank; k < p->columns; ++k) {
+    bool given = km_sparse_is_given(p, forced, p->column[k]);
+    if (given && free_only)
+      continue;
+    if (entries > KM_SPARSE_LONG * s->start[p->columns])
+      return fmax(largest, longest_row(p, free_only ? forced : NULL));
+    km_run run = km_sparse_b(p, k - p->rank);
+    double size = 0.0;
+    for (int i = run.start; i < run.end; ++i)
+      size = fabs(s->b_store.value[i]) <= size ? size : fabs(s->b_store.value[i]);
+    largest = size <= largest ? largest : size;
+    entries += run.end - run.start;
+    if (size > most && !given)
+      break;
+  }
+  return largest;
+}
+
+double km_sparse_largest_b(const km_partition *p, const bool *forced) {
+  return measure_b(p, true, forced, HUGE_VAL);
+}
+
+/* The columns of B, which are kept. False where a value is not finite. */
+static bool find_columns(km_partition *p, const bool *forced, double most) {
   km_sparse *s = p->sparse;
-  bool negative = false, finite = true, few = are_few(p);
+  bool finite = true, few = are_few(p);
   int end = 0;
-  p->largest_b = 0.0;
-  s->keeps_b = km_partition_freedom(p) <= KM_MANY_VECTORS;
-  for (int i = 0; i < p->rank; ++i)
-    negative = negative != (p->inverse[i] < 0.0);
   for (int k = p->rank; k < p->columns; ++k) {
     p->failed = p->failed || !km_sparse_grow(s, &s->b_store, end + p->rank);
     if (p->failed)
@@ -122,12 +176,28 @@ bool km_sparse_find_b(km_partition *p, const bool *forced, double most) {
     p->largest_b = size > p->largest_b ? size : p->largest_b;
     finite = km_all_finite(b, run.end - end) && finite;
     s->b[k - p->rank] = run;
-    end = s->keeps_b ? run.end : 0;
+    end = run.end;
     if (size > most && !km_sparse_is_given(p, forced, p->column[k]))
       break;
   }
-  p->sign = negative ? -1 : 1;
   return finite;
+}
+
+bool km_sparse_find_b(km_partition *p, const bool *forced, double most) {
+  km_sparse *s = p->sparse;
+  bool negative = false;
+  p->largest_b = 0.0;
+  s->keeps_b = km_partition_freedom(p) <= KM_MANY_VECTORS;
+  for (int i = 0; i < p->rank; ++i)
+    negative = negative != (p->inverse[i] < 0.0);
+  p->sign = negative ? -1 : 1;
+  if (s->keeps_b)
+    return find_columns(p, forced, most);
+  p->failed = p->failed || !km_sparse_grow(s, &s->b_store, p->rank);
+  if (p->failed)
+    return false;
+  p->largest_b = measure_b(p, false, forced, most);
+  return isfinite(p->largest_b);
 }
 
 const double *km_sparse_gather_b(const km_partition *p, int k) {

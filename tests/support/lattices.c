@@ -97,12 +97,14 @@ void write_drawn_chain(km_text *text, int n, double away) {
   finish(&d);
 }
 
-void write_five_bars(km_text *text, int n, double away) {
+/* Their pins above the ground by `height` times as much. */
+static void lay_five_bars(km_text *text, int n, double away, double height) {
   drawing d;
   begin(&d, text, away);
   add_base(&d, n);
   for (int i = 0; i <= n; ++i) {
-    km_vec3 left = {2.0 * i + 0.3, 1.0, 0}, top = {2.0 * i + 1.1, 1.7, 0}, right = {2.0 * i + 2.3, 1.0, 0};
+    km_vec3 left = {2.0 * i + 0.3, height, 0}, top = {2.0 * i + 1.1, 1.7 * height, 0},
+            right = {2.0 * i + 2.3, height, 0};
     add_crank(&d, "crank", i, n, left);
     if (i == n)
       break;
@@ -119,6 +121,14 @@ void write_five_bars(km_text *text, int n, double away) {
     add_joint(&d, "Rz", "R", i, 0, "e", i, 0, "crank", i + 1, 0);
   }
   finish(&d);
+}
+
+void write_five_bars(km_text *text, int n, double away) {
+  lay_five_bars(text, n, away, 1.0);
+}
+
+void write_flat_five_bars(km_text *text, int n) {
+  lay_five_bars(text, n, 0.0, 0.0);
 }
 
 void write_bars(km_text *text, int n, double away) {

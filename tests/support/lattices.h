@@ -11,6 +11,8 @@
 void write_drawn_chain(km_text *out, int n, double away);
 /* n five-bars between n + 1 cranks: mobility n + 1. */
 void write_five_bars(km_text *out, int n, double away);
+/* The same with all joints on one line, each five-bar stretched between its cranks: the cranks turn, and the first one least. */
+void write_flat_five_bars(km_text *out, int n);
 /* A platform on n bars between spherical joints: beyond six bars n − 6 are redundant, and every bar spins. */
 void write_bars(km_text *out, int n, double away);
 /* A garden trellis: rows + 1 bars and columns + 1 bars, hinged where they cross. rows · columns loops, mobility 1: all

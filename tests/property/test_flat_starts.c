@@ -1,0 +1,182 @@
+/* Leaving a pose where the loops stretch: the closest poses, and the path of least motion that begins there. */
+#include "support/chains.h"
+#include "support/lattices.h"
+#include "support/laws.h"
+#include "support/random_mechanism.h"
+
+#include "kinematics/closest.h"
+#include "kinematics/closure.h"
+#include "kinematics/loops.h"
+#include "kinematics/many_tangents.h"
+#include "model/model.h"
+#include "topology/mechanism.h"
+
+#include <stdio.h>
+#include <string.h>
+
+static fixture written(void (*write)(km_text *, int), int n) {
+  km_text text = {0};
+  write(&text, n);
+  fixture f = fixture_read(text.data);
+  km_text_free(&text);
+  return f;
+}
+
+static void write_bent(km_text *text, int n) {
+  write_five_bars(text, n, 0.0);
+}
+
+static void write_fold(km_text *text, int n) {
+  write_miura(text, n, n, 0.0);
+}
+
+/* With J x = 0 the rows' second derivatives along x are −γ(x): Σ λ_r xᵀ ∂²e_r x = −λᵀ γ(x), whatever λ. */
+static void bends_are_velocity_products(fixture *f, randomness *r) {
+  const km_mechanism *m = f->mechanism;
+  for (int s = 0; s < m->topology.substructure_count && m->ball_count == 0; ++s) {
+    const km_substructure *sub = &m->substructures[s];
+    size_t rows = (size_t)sub->rows, columns = (size_t)sub->columns;
+    int count = km_loops_pairs(m, sub, NULL), *pairs = KM_NEW(int, 2 * (size_t)count + 1);
+    double *x = KM_NEW(double, columns), *part = KM_NEW(double, columns), *own = KM_NEW(double, columns);
+    double *rate = KM_NEW(double, (size_t)m->coordinate_count), *pair = KM_NEW(double, (size_t)count + 1);
+    double *lambda = KM_NEW(double, rows), *gamma = KM_NEW(double, rows), sum = 0.0, product = 0.0, size = 0.0;
+    km_loops_update(m, f->state, sub);
+    km_pivot(m, f->state, s, KM_NO_DRIVER, km_rank_tolerance(m, sub, 0.0));
+    for (size_t k = 0; k < columns; ++k)
+      x[k] = uniform(r, -1.0, 1.0);
+    bool moves =
+        km_partition_freedom(&f->state->partition[s]) > 0 && km_tangent_project(m, f->state, s, x, part) > 1e-3;
+    for (size_t k = 0; k < columns; ++k) {
+      int c = m->column_coordinate[(size_t)sub->column_start + k];
+      rate[c] = m->unit[c] * x[k];
+    }
+    for (size_t i = 0; i < rows; ++i)
+      lambda[i] = uniform(r, -1.0, 1.0);
+    km_loops_velocity_products(m, f->state, sub, rate, gamma);
+    km_loops_pairs(m, sub, pairs);
+    km_loops_bends(m, f->state, sub, lambda, pair, own);
+    for (int i = 0; i < count; ++i) {
+      double term = 2.0 * pair[i] * x[pairs[2 * i]] * x[pairs[2 * i + 1]];
+      sum += term;
+      size += fabs(term);
+    }
+    for (size_t k = 0; k < columns; ++k)
+      sum += own[k] * x[k] * x[k];
+    for (size_t i = 0; i < rows; ++i)
+      product -= lambda[i] * gamma[i];
+    if (moves)
+      assert_near(sum, product, 1e-11 * (1.0 + size));
+    void *const all[] = {pairs, x, part, own, rate, pair, lambda, gamma};
+    for (size_t i = 0; i < sizeof all / sizeof *all; ++i)
+      km_free(all[i]);
+  }
+}
+
+static void loops_bend_as_they_accelerate(void **state) {
+  (void)state;
+  randomness r = {1};
+  for (const char *const *name = all_models; *name; ++name) {
+    fixture f = fixture_open(*name);
+    bends_are_velocity_products(&f, &r);
+    fixture_close(&f);
+  }
+  fixture others[] = {written(write_bent, 5), written(write_fold, 3), written(write_chain, 4)};
+  for (size_t i = 0; i < sizeof others / sizeof *others; ++i) {
+    bends_are_velocity_products(&others[i], &r);
+    fixture_close(&others[i]);
+  }
+}
+
+/* From the closed pose that is closest to y the way to y is at right angles, by D, to every motion that leaves the driver alone;
+ * and no pose that least steps find from y is closer. */
+static void judge_closest(fixture *f, double apart, randomness *r) {
+  const km_mechanism *m = f->mechanism;
+  const km_substructure *sub = &m->substructures[0];
+  size_t n = (size_t)sub->columns;
+  int driver = 0;
+  km_arena arena = {0};
+  km_closest closest;
+  km_closure evidence;
+  double *y = KM_NEW(double, 3 * n), *away = KM_NEW(double, n), *rest = KM_NEW(double, n);
+  assert_true(km_closest_reserve(&closest, m, sub, &arena));
+  for (size_t k = 0; k < n; ++k)
+    away[k] = (int)k == driver ? 0.0 : uniform(r, -apart, apart);
+  km_state_move(m, f->state, sub, away);
+  km_state_save(f->state, sub, y);
+  assert_int_equal(km_loops_close(m, f->state, 0, driver, &evidence), KM_CLOSED);
+  km_state_difference(f->state, sub, y, away);
+  double length = km_step_length(m, sub, away);
+  assert_true(km_closest_find(&closest, m, f->state, 0, driver, &f->state->partition[0], away));
+  km_state_difference(f->state, sub, y, rest);
+  for (size_t k = 0; k < n; ++k)
+    assert_near(rest[k], away[k], 1e-12);
+  assert_true(km_step_length(m, sub, away) <= length * (1.0 + 1e-12));
+  assert_int_equal(km_loops_close(m, f->state, 0, driver, &evidence), KM_CLOSED);
+  assert_at_most(evidence.correction, 1e-9);
+  km_least_step(m, f->state, 0, driver, rest);
+  for (size_t k = 0; k < n; ++k)
+    assert_near(rest[k], away[k], 1e-9);
+  km_free(y);
+  km_free(away);
+  km_free(rest);
+  km_arena_free(&arena);
+}
+
+static void closest_poses_lie_at_right_angles(void **state) {
+  (void)state;
+  randomness r = {2};
+  for (int n = 1; n <= 60; n += n < 8 ? 1 : 26) {
+    fixture f = written(write_bent, n);
+    judge_closest(&f, 0.05, &r);
+    fixture_close(&f);
+  }
+}
+
+static km_mobility_sweep sweep_flat(int n, int steps) {
+  fixture f = written(write_flat_five_bars, n);
+  assert_string_equal(f.model->coordinates[0].label, "P0_0");
+  const km_sweep_plan plan = {.coordinate = 0, .direction = -1, .from = 0.0, .to = 0.05, .steps = steps};
+  km_mobility_sweep sweep;
+  assert_int_equal(km_mobility_sweep_run(f.mechanism, f.state, &plan, &sweep, NULL), KM_OK);
+  fixture_close(&f);
+  return sweep;
+}
+
+/* A five-bar that is stretched between its cranks lets the next crank turn no less than the one before it, just as far in the
+ * same sense or 1.35 times as far in the other, and farther only where it bends, which takes longer. The motion begins at the
+ * file's pose and doesn't depend on how the range is cut. */
+static void stretched_five_bars_move_least(void **state) {
+  (void)state;
+  static const int sizes[] = {2, 10, 60};
+  for (size_t i = 0; i < sizeof sizes / sizeof *sizes; ++i) {
+    km_mobility_sweep coarse = sweep_flat(sizes[i], 5), fine = sweep_flat(sizes[i], 40);
+    const km_table *a = coarse.motion.table, *b = fine.motion.table;
+    int shown = 1 + 4 * sizes[i];
+    assert_true(coarse.motion.start_branches > 0);
+    assert_int_equal(km_table_rows(b), 41);
+    for (int c = 0; c < shown; ++c)
+      assert_at_most(km_table_row(a, 0)[2 + c], 1e-15);
+    for (size_t row = 0; row <= 5; ++row)
+      for (int c = 0; c < shown; ++c)
+        assert_near(km_table_row(a, row)[2 + c], km_table_row(b, 8 * row)[2 + c], 1e-6);
+    double last = 0.05;
+    for (int k = 0; k <= sizes[i]; ++k) {
+      char name[16];
+      snprintf(name, sizeof name, "q.P%d_0", k);
+      int column = km_table_find(a, name);
+      assert_true(column >= 0);
+      double turn = km_table_row(a, 5)[column];
+      assert_true(fabs(turn) >= last - 1e-12 && fabs(turn) <= 1.4 * last);
+      last = fabs(turn);
+    }
+    km_mobility_sweep_free(&coarse);
+    km_mobility_sweep_free(&fine);
+  }
+}
+
+int main(void) {
+  const struct CMUnitTest tests[] = {cmocka_unit_test(loops_bend_as_they_accelerate),
+                                     cmocka_unit_test(closest_poses_lie_at_right_angles),
+                                     cmocka_unit_test(stretched_five_bars_move_least)};
+  return cmocka_run_group_tests(tests, NULL, NULL);
+}
