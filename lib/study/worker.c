@@ -274,16 +274,16 @@ static km_status get_ready(const km_design_worker *w, int question, const design
                            km_error *error) {
   const km_design_question *q = &w->study->def->questions[question];
   seat *at = d->at;
-  visit *v = at ? &at->visits[question] : own;
-  km_status status = at ? visit_seat(q, at, v, error) : km_design_bring(d->model, q, &v->mechanism, &v->state, error);
-  if (status)
+  if (!at) {
+    km_status status = km_design_bring(d->model, q, &own->mechanism, &own->state, error);
+    *out = (asking){d->model, own->mechanism, own->state, &own->question, d->task};
     return status;
-  *out = (asking){.model = at ? at->model : d->model,
-                  .mechanism = v->mechanism ? v->mechanism : at->mechanism,
-                  .state = v->mechanism ? v->state : at->state,
-                  .question = &v->question,
-                  .task = d->task};
-  return KM_OK;
+  }
+  visit *v = &at->visits[question];
+  km_status status = visit_seat(q, at, v, error);
+  *out = (asking){at->model, v->mechanism ? v->mechanism : at->mechanism, v->mechanism ? v->state : at->state,
+                  &v->question, d->task};
+  return status;
 }
 
 /* Those that can be asked together. */
