@@ -30,8 +30,8 @@ static void write_passed_rows(km_walk *w, int count, const double *s) {
 void km_walk_get_ready(km_walk *w) {
   km_sweeper *r = w->r;
   if (r->observer->reads_jacobian)
-    km_drive_settle(w->at.drive);
-  r->rides = km_drive_rides(w->at.drive);
+    km_drive_look(w->at.drive);
+  r->rides = !r->observer->reads_jacobian && km_drive_rides(w->at.drive);
   if (r->rides)
     r->residual = km_drive_ridden_residual(w->at.drive);
 }

@@ -379,6 +379,10 @@ void km_drive_expect_stiff(km_drive *d) {
 bool km_drive_tangent(km_drive *d, double *rates) {
   if (!d || !rates)
     return false;
+  if (km_drive_rides(d)) {
+    km_drive_ridden_rates(d, rates);
+    return true;
+  }
   km_drive_settle(d);
   if (d->c.substructure >= 0 && !d->here.known && !start(d))
     return false;

@@ -186,6 +186,26 @@ static void show(const km_drive_lanes *l, int i) {
   }
 }
 
+/* What a state has beside its coordinates where a drive rides: Jacobian, partition and null space, as if it went alone. */
+static void refresh(const km_drive_lanes *l, km_drive *d) {
+  km_state *s = d->c.state;
+  const km_substructure *sub = km_drive_driven(d);
+  /* The loops were closed before the driver got its value to the last bit. */
+  double value = s->q[l->coordinate];
+  s->q[l->coordinate] = l->here.closed_at.of[d->lane];
+  km_loops_update(d->c.mechanism, s, sub);
+  km_partition_refactor(&s->partition[d->c.substructure], km_state_jacobian(s, sub));
+  s->q[l->coordinate] = value;
+  km_state_null(d->c.mechanism, s, d->c.substructure, 1);
+}
+
+void km_drive_look(km_drive *d) {
+  if (!km_drive_rides(d))
+    return;
+  refresh(d->lanes, d);
+  d->lanes->looked |= 1u << d->lane;
+}
+
 void km_drive_settle(km_drive *d) {
   km_drive_lanes *l = d->lanes;
   unsigned own = l ? 1u << d->lane : 0;
@@ -193,6 +213,7 @@ void km_drive_settle(km_drive *d) {
     return;
   l->aboard &= ~own;
   l->known &= ~own;
+  l->looked &= ~own;
   if (!(l->ahead & own))
     return;
   l->ahead &= ~own;
@@ -216,13 +237,7 @@ void km_drive_settle(km_drive *d) {
   d->here.s = l->here.s.of[i];
   d->here.largest = l->here.largest.of[i];
   d->here.stopped = l->here.stopped.of[i];
-  /* The loops were closed before the driver got its value to the last bit. */
-  double value = s->q[l->coordinate];
-  s->q[l->coordinate] = l->here.closed_at.of[i];
-  km_loops_update(d->c.mechanism, s, sub);
-  km_partition_refactor(&s->partition[d->c.substructure], km_state_jacobian(s, sub));
-  s->q[l->coordinate] = value;
-  km_state_null(d->c.mechanism, s, d->c.substructure, 1);
+  refresh(l, d);
 }
 
 bool km_drive_rides(const km_drive *d) {
@@ -240,6 +255,10 @@ void km_drive_ridden_direction(const km_drive *d, double *z) {
     z[coordinate[k]] = l->shown->z[k].of[d->lane];
 }
 
+void km_drive_ridden_rates(const km_drive *d, double *rates) {
+  km_drive_rates(d, &d->lanes->t->of[d->lane], KM_DRIVE_LANES, rates);
+}
+
 static unsigned take_step(km_drive_lanes *l, unsigned wanted) {
 #ifdef KM_LANES_AVX512
   if (__builtin_cpu_supports("avx512f") && __builtin_cpu_supports("avx512dq"))
@@ -250,6 +269,18 @@ static unsigned take_step(km_drive_lanes *l, unsigned wanted) {
     return km_lanes_step_avx2(l, wanted);
 #endif
   return km_lanes_step_plain(l, wanted);
+}
+
+/* Whoever looked at a drive's pose may have searched other pivots there: then it goes on by those, alone at first. */
+static void keep_pivots(km_drive_lanes *l) {
+  for (unsigned left = l->looked; left; left &= left - 1) {
+    km_drive *d = l->drives[__builtin_ctz(left)];
+    const km_state *s = d->c.state;
+    const km_partition *p = &s->partition[d->c.substructure];
+    if (s->pivoted[d->c.substructure] != d->c.column || p->searches != d->c.course.reference.searches)
+      km_drive_settle(d);
+  }
+  l->looked = 0;
 }
 
 /* A target so many of the longest steps away is left to the drive alone, which gives up at a number of steps. */
@@ -323,6 +354,7 @@ static void put_back(km_drive_lanes *l, int i) {
 }
 
 unsigned km_drive_lanes_visit(km_drive_lanes *l, unsigned wanted, const double *targets, double *const *rates) {
+  keep_pivots(l);
   set_targets(l, wanted & l->aboard, targets);
   unsigned ahead = l->ahead & l->aboard, there = 0;
   if (!(wanted & l->aboard))
@@ -357,6 +389,7 @@ static void remember_row(km_drive_lanes *l) {
 
 int km_drive_lanes_pass(km_drive_lanes *l, unsigned wanted, const double *targets, int rows) {
   int passed = 0;
+  keep_pivots(l);
   for (unsigned left = wanted & ~l->aboard; left; left &= left - 1) {
     int i = __builtin_ctz(left);
     call_aboard(l, i, targets[i]);
@@ -375,6 +408,7 @@ int km_drive_lanes_pass(km_drive_lanes *l, unsigned wanted, const double *target
 }
 
 unsigned km_drive_lanes_try(km_drive_lanes *l, unsigned wanted, const double *targets, km_reach *reaches) {
+  keep_pivots(l);
   for (unsigned left = wanted & ~l->aboard; left; left &= left - 1)
     board(l, __builtin_ctz(left));
   set_targets(l, wanted & l->aboard, targets);

@@ -11,8 +11,8 @@ enum { KM_DRIVE_LANES = 16 };
 typedef struct km_drive_lanes km_drive_lanes;
 
 /* For `count` drives of the same coordinate, each with a mechanism and a state of its own; they are borrowed and have to
- * outlive the lanes. *out is NULL where their mechanisms differ in more than numbers, or have what lanes aren't for (space,
- * balls, couplings by polynomials, large substructures): then drive them one by one. The memory of earlier lanes is taken from
+ * outlive the lanes. *out is NULL where their mechanisms differ in more than numbers, or have what lanes aren't for (balls,
+ * couplings by polynomials, large substructures): then drive them one by one. The memory of earlier lanes is taken from
  * `memory` and given back there; NULL: there is none. KM_MEMORY. */
 km_status km_drive_lanes_create(km_arena *memory, km_drive *const *drives, int count, km_drive_lanes **out,
                                 km_error *error);
@@ -23,7 +23,7 @@ static const double km_drive_quiet = 1e-9;
 
 /* km_drive_to(drives[i], targets[i]) for every drive whose bit i is set in `wanted`, with the same bits. Where
  * km_drive_rides says so, the state has its coordinates and mobility numbers; whatever else is read of it (Jacobian,
- * partition, null space, loop errors) is up to date only after km_drive_settle. */
+ * partition, null space, loop errors) is up to date only after km_drive_look. */
 void km_drive_lanes_to(km_drive_lanes *lanes, unsigned wanted, const double *targets, km_reach *reaches);
 
 /* The same in two parts, over several rows. Drives go through up to KM_DRIVE_ROWS rows of targets, targets[row ×
@@ -56,6 +56,11 @@ bool km_drive_rides(const km_drive *drive);
  * is positive, into z[coordinate] (the others stay). */
 double km_drive_ridden_residual(const km_drive *drive);
 void km_drive_ridden_direction(const km_drive *drive, double *z);
+/* Of a drive that rides, where its lane is: km_drive_tangent. */
+void km_drive_ridden_rates(const km_drive *drive, double *rates);
+/* Brings the state of a drive that rides up to date with all that it has. The drive stays in its lane, unless other pivots are
+ * searched in the state before it goes on. */
+void km_drive_look(km_drive *drive);
 /* Gives a drive back what its lane has found, so that it can go on alone. Part of whatever moves a drive. */
 void km_drive_settle(km_drive *drive);
 

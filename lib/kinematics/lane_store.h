@@ -84,6 +84,7 @@ struct km_drive_lanes {
   int coordinate, column; /* the driver */
   unsigned aboard;        /* bits: lanes that hold the course of their drive */
   unsigned there;         /* those that the last step led to their targets */
+  unsigned looked;        /* those whose states show the present pose with all that it has, see km_drive_look */
   unsigned ahead;         /* and those whose course is newer than that of the drive */
   km_replay replay;       /* by the pivots of the lanes aboard */
   bool *is_length;        /* [columns] its unit isn't 1 */

@@ -4,6 +4,7 @@
 
 #include "analysis/mobility.h"
 #include "analysis/observers.h"
+#include "kinematics/closure.h"
 #include "kinematics/lane_store.h"
 #include "kinematics/loops.h"
 #include "kmech/sweep_plan.h"
@@ -351,6 +352,63 @@ static void sweeps_as_alone(void **state) {
   }
 }
 
+/* Searches pivots of which the driver may be one, as whoever looks at a pose may do. */
+static void search_pivots(design *d) {
+  km_pivot(d->f.mechanism, d->f.state, d->drive->c.substructure, KM_NO_DRIVER, 1e-9);
+}
+
+/* A drive that is looked at stays in its lane, and its state shows what it shows alone. It leaves it where pivots were searched
+ * meanwhile. Returns how many looks found the drive in its lane. */
+static int compare_looks(const char *name) {
+  design beside[KM_DRIVE_LANES], alone[KM_DRIVE_LANES];
+  km_drive *drives[KM_DRIVE_LANES];
+  km_drive_lanes *lanes;
+  const unsigned all = (1u << KM_DRIVE_LANES) - 1;
+  int ridden = 0;
+  for (int i = 0; i < KM_DRIVE_LANES; ++i) {
+    beside[i] = open_design(name, 1 + (uint64_t)i, true);
+    alone[i] = open_design(name, 1 + (uint64_t)i, true);
+    drives[i] = beside[i].drive;
+  }
+  assert_int_equal(km_drive_lanes_create(NULL, drives, KM_DRIVE_LANES, &lanes, NULL), KM_OK);
+  assert_non_null(lanes);
+  for (int row = 0; row <= ROWS; ++row) {
+    double targets[KM_DRIVE_LANES];
+    km_reach reaches[KM_DRIVE_LANES];
+    for (int i = 0; i < KM_DRIVE_LANES; ++i)
+      targets[i] = target_at(&beside[i], i, row, ROWS, false);
+    km_drive_lanes_to(lanes, all, targets, reaches);
+    for (int i = 0; i < KM_DRIVE_LANES; ++i) {
+      bool rides = km_drive_rides(drives[i]);
+      km_drive_to(alone[i].drive, targets[i]);
+      km_drive_look(drives[i]);
+      assert_int_equal(km_drive_rides(drives[i]), rides);
+      same_bits(name, row, &beside[i], &alone[i]);
+      same_end(&beside[i], &alone[i]);
+      assert_int_equal(km_drive_rides(drives[i]), rides);
+      ridden += rides;
+      if (i % 3 == 0 && row % 7 == 3) {
+        search_pivots(&beside[i]);
+        search_pivots(&alone[i]);
+      }
+    }
+  }
+  km_drive_lanes_free(NULL, lanes);
+  for (int i = 0; i < KM_DRIVE_LANES; ++i) {
+    same_end(&beside[i], &alone[i]);
+    close_design(&beside[i]);
+    close_design(&alone[i]);
+  }
+  return ridden;
+}
+
+static void looks(void **state) {
+  (void)state;
+  static const char *const names[] = {"slider_crank", "excavator", "klann", "bennett"};
+  for (size_t k = 0; k < sizeof names / sizeof *names; ++k)
+    assert_true(compare_looks(names[k]) > KM_DRIVE_LANES * ROWS / 2);
+}
+
 /* A target that takes too many steps: given up at the same place. */
 static void too_far(void **state) {
   (void)state;
@@ -380,6 +438,7 @@ static void too_far(void **state) {
 int main(void) {
   const struct CMUnitTest tests[] = {cmocka_unit_test(as_alone),        cmocka_unit_test(any_number),
                                      cmocka_unit_test(in_space),        cmocka_unit_test(visits),
-                                     cmocka_unit_test(sweeps_as_alone), cmocka_unit_test(too_far)};
+                                     cmocka_unit_test(sweeps_as_alone), cmocka_unit_test(looks),
+                                     cmocka_unit_test(too_far)};
   return cmocka_run_group_tests(tests, NULL, NULL);
 }
