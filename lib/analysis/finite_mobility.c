@@ -211,9 +211,7 @@ static int find_in(const km_mechanism *m, km_state *s, int index, km_arena *aren
   if (!km_tangents_make(&f, m, s, index, arena))
     return 0;
   int mobility = km_tangents_are_many(&f) ? find_in_many(&f, out) : find_in_few(&f, arena, out);
-  km_state_restore(s, f.sub, f.pose);
-  km_loops_update(m, s, f.sub);
-  km_state_forget_pivots(s, index);
+  km_loops_return(m, s, index, f.pose);
   return mobility;
 }
 

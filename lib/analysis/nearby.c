@@ -60,11 +60,8 @@ bool km_nearby_go(const km_mechanism *m, km_state *s, int index, double *saved, 
 }
 
 void km_nearby_return(const km_mechanism *m, km_state *s, int index, const double *saved) {
-  const km_substructure *sub = &m->substructures[index];
   s->partition[index].rows_only = false;
   km_state_take_back(s, index);
-  km_state_restore(s, sub, saved);
-  km_loops_update(m, s, sub);
-  km_state_forget_pivots(s, index);
+  km_loops_return(m, s, index, saved);
   km_poses_update_in(m, s, index);
 }

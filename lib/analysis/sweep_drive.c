@@ -57,13 +57,6 @@ static void write_row(km_walk *w, km_reach reach) {
   w->job->status = status;
 }
 
-static void put_back(const km_sweeper *r, const double *pose) {
-  const km_substructure *sub = &r->m->substructures[r->substructure];
-  km_state_restore(r->s, sub, pose);
-  km_loops_update(r->m, r->s, sub);
-  km_state_forget_pivots(r->s, r->substructure);
-}
-
 /* The first row at the branch point from which the drive has set out already, whose tangent it shows there. */
 static void write_branch_point(km_walk *w) {
   km_sweeper *r = w->r;
@@ -76,9 +69,9 @@ static void write_branch_point(km_walk *w) {
   km_drive_expect_stiff(w->at.drive);
   km_drive_tangent(w->at.drive, r->rates);
   km_state_save(r->s, &r->m->substructures[r->substructure], pose);
-  put_back(r, r->branch_point);
+  km_loops_return(r->m, r->s, r->substructure, r->branch_point);
   write_row(w, (km_reach){KM_STOP_NONE, r->plan->from, -1, -1});
-  put_back(r, pose);
+  km_loops_return(r->m, r->s, r->substructure, pose);
   km_free(pose);
 }
 

@@ -31,8 +31,8 @@ int km_loops_pairs(const km_mechanism *m, const km_substructure *sub, int *colum
 
 /* Of (x, y, turn): the turn stays. */
 static double planar_bend(const km_twist *a, const km_twist *b, const double wrench[6]) {
-  km_vec3 g = a->v, h = b->v;
-  return wrench[0] * (g.y * h.z - g.z * h.y) + wrench[1] * (g.z * h.x - g.x * h.z);
+  km_vec3 c = km_planar_bracket(a->v, b->v);
+  return wrench[0] * c.x + wrench[1] * c.y;
 }
 
 static double spatial_bend(const km_twist *a, const km_twist *b, km_vec3 place, const double wrench[6]) {
@@ -64,14 +64,6 @@ static int bend_loop(const km_mechanism *m, const km_state *s, const km_program 
   return count;
 }
 
-/* Σ c_k k (k − 1) x^(k−2). */
-static double second_derivative(const double *c, int count, double x) {
-  double sum = 0.0;
-  for (int k = count - 1; k >= 2; --k)
-    sum = sum * x + c[k] * k * (k - 1);
-  return sum;
-}
-
 void km_loops_bends(const km_mechanism *m, const km_state *s, const km_substructure *sub, const double *multiplier,
                     double *pair, double *own) {
   memset(own, 0, (size_t)sub->columns * sizeof *own);
@@ -84,10 +76,8 @@ void km_loops_bends(const km_mechanism *m, const km_state *s, const km_substruct
     const km_coupling *coupling = &m->couplings[sub->coupling_start + i];
     for (int k = 0; k < coupling->term_count; ++k) {
       const km_term *term = &m->terms[coupling->term_start + k];
-      double x = s->q[term->coordinate] / m->unit[term->coordinate];
       if (term->column >= 0)
-        own[term->column] +=
-            multiplier[coupling->row] * second_derivative(m->curves + term->curve_start, term->curve_count, x);
+        own[term->column] += multiplier[coupling->row] * km_term_curvature(m, s, term);
     }
   }
 }

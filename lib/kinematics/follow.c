@@ -297,7 +297,5 @@ bool km_follow_visit(km_follow *f, double offset, double *rates) {
 void km_follow_return(km_follow *f) {
   if (!f)
     return;
-  km_state_restore(f->c.state, sub_of(f), f->c.from);
-  km_loops_update(f->c.mechanism, f->c.state, sub_of(f));
-  km_state_forget_pivots(f->c.state, f->c.substructure);
+  km_loops_return(f->c.mechanism, f->c.state, f->c.substructure, f->c.from);
 }

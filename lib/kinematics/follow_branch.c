@@ -116,9 +116,7 @@ void km_follow_at_branch(km_follow *f, double *tangent) {
 }
 
 void km_follow_go_on(km_follow *f) {
-  km_state_restore(f->c.state, sub_of(f), f->c.from);
-  km_loops_update(f->c.mechanism, f->c.state, sub_of(f));
-  km_state_forget_pivots(f->c.state, f->c.substructure);
+  km_loops_return(f->c.mechanism, f->c.state, f->c.substructure, f->c.from);
 }
 
 /* Continues from the saved pose, a branch point, along `direction`. */

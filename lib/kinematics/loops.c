@@ -163,6 +163,17 @@ double km_term_value(const km_mechanism *m, const km_state *s, const km_term *te
   return value;
 }
 
+double km_term_curvature(const km_mechanism *m, const km_state *s, const km_term *term) {
+  double x = s->q[term->coordinate] / m->unit[term->coordinate];
+  double value = 0.0, slope = 0.0, curvature = 0.0;
+  for (int k = term->curve_count - 1; k >= 0; --k) {
+    curvature = curvature * x + 2.0 * slope;
+    slope = slope * x + value;
+    value = value * x + m->curves[term->curve_start + k];
+  }
+  return curvature;
+}
+
 static void update_couplings(const km_mechanism *m, km_state *s, const km_substructure *sub) {
   double *error = km_state_error(s, sub), *J = km_state_jacobian(s, sub), slope;
   for (int i = 0; i < sub->coupling_count; ++i) {
@@ -189,6 +200,13 @@ void km_loops_update(const km_mechanism *m, km_state *s, const km_substructure *
   update_couplings(m, s, sub);
   if (s->partition[sub - m->substructures].locked)
     km_state_clear_locked(s, sub);
+}
+
+void km_loops_return(const km_mechanism *m, km_state *s, int index, const double *saved) {
+  const km_substructure *sub = &m->substructures[index];
+  km_state_restore(s, sub, saved);
+  km_loops_update(m, s, sub);
+  km_state_forget_pivots(s, index);
 }
 
 double km_loops_residual(const km_mechanism *m, const km_state *s, const km_substructure *sub, int *worst) {

@@ -8,9 +8,13 @@
  * and the couplings' (error), and J (jacobian) with ė = J q̇ near e = 0; (163). Rows in each loop's motion space
  * about a point of the loop, lengths over the substructure's size. No allocation; O(steps + entries of J). */
 void km_loops_update(const km_mechanism *mechanism, km_state *state, const km_substructure *sub);
+/* Back to the coordinates that km_state_save has saved, with their errors and J; pivots are searched anew. */
+void km_loops_return(const km_mechanism *mechanism, km_state *state, int substructure, const double *saved);
 
 /* What a term of a coupling adds to its row, and the derivative by the scaled coordinate. */
 double km_term_value(const km_mechanism *mechanism, const km_state *state, const km_term *term, double *slope);
+/* Its second derivative; 0 of a linear one. */
+double km_term_curvature(const km_mechanism *mechanism, const km_state *state, const km_term *term);
 
 /* γ = −J̇ q̇, the right side of J q̈ = γ, scaled as J, at the pose of the last km_loops_update of this substructure:
  * of every loop's independent rows, gamma[rows]. `rate`[coordinate]: rates that keep the loops closed, in radians and

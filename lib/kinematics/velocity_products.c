@@ -20,18 +20,14 @@ static void planar_motions(const km_program *program, const km_planar_step *step
   }
 }
 
-static km_vec3 planar_bracket(km_vec3 a, km_vec3 b) {
-  return (km_vec3){a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, 0.0};
-}
-
 static void planar_slopes(const km_mechanism *m, const km_program *program, const km_loop *loop, const km_twist *h,
                           const km_slot_motion *slot, double *slopes) {
   for (int i = 0; i < loop->entry_count; ++i) {
     const km_entry *entry = &m->entries[loop->entry_start + i];
     const km_planar_step *step = &m->planar_steps[program->step_start + entry->step];
     km_vec3 own = h[entry->step].v, end = slot[loop->slot[entry->side < 0.0]].twist.v;
-    km_vec3 c = km_vec3_add(planar_bracket(slot[step->from].twist.v, own),
-                            planar_bracket(own, km_vec3_sub(end, slot[step->to].twist.v)));
+    km_vec3 c = km_vec3_add(km_planar_bracket(slot[step->from].twist.v, own),
+                            km_planar_bracket(own, km_vec3_sub(end, slot[step->to].twist.v)));
     const double values[3] = {c.x, c.y, 0.0};
     for (int r = 0; r < loop->lambda; ++r)
       slopes[entry->at + (size_t)r] = -entry->side * values[loop->rows[r]];
@@ -96,13 +92,7 @@ static void spatial_slopes(const km_mechanism *m, const km_program *program, con
 /* p″(x) ẋ² of a term of a coupling, and its derivative by ẋ; 0 where it is linear. */
 static double bend(const km_mechanism *m, const km_state *s, const km_term *term, const double *rate,
                    double *slope_of) {
-  double unit = m->unit[term->coordinate], x = s->q[term->coordinate] / unit, v = rate[term->coordinate] / unit;
-  double value = 0.0, slope = 0.0, curvature = 0.0;
-  for (int k = term->curve_count - 1; k >= 0; --k) {
-    curvature = curvature * x + 2.0 * slope;
-    slope = slope * x + value;
-    value = value * x + m->curves[term->curve_start + k];
-  }
+  double v = rate[term->coordinate] / m->unit[term->coordinate], curvature = km_term_curvature(m, s, term);
   *slope_of = 2.0 * curvature * v;
   return curvature * v * v;
 }

@@ -32,6 +32,11 @@ static inline km_twist km_twist_bracket(km_twist a, km_twist b) {
   return (km_twist){km_vec3_add(km_vec3_cross(a.w, b.v), km_vec3_cross(a.v, b.w)), km_vec3_cross(a.w, b.w)};
 }
 
+/* The same in a plane, of (x, y, turn). */
+static inline km_vec3 km_planar_bracket(km_vec3 a, km_vec3 b) {
+  return (km_vec3){a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, 0.0};
+}
+
 /* Turns below this have series that are good to 1e-16. */
 #define KM_SERIES_TURN 1e-3
 
