@@ -39,6 +39,7 @@ void bench_partition(void);
 void bench_sweep(void);
 void bench_lanes(void);
 void bench_command(void);
+void bench_large(void);
 void bench_scale(void);
 void bench_forces(void);
 void bench_arm(void);

@@ -12,7 +12,7 @@ static const struct {
 } benches[] = {
     {"partition", bench_partition}, {"sweep", bench_sweep},       {"lanes", bench_lanes}, {"command", bench_command},
     {"scale", bench_scale},         {"forces", bench_forces},     {"arm", bench_arm},     {"study", bench_study},
-    {"load", bench_load},           {"dynamics", bench_dynamics},
+    {"load", bench_load},           {"dynamics", bench_dynamics}, {"large", bench_large},
 #ifdef BENCH_VIEW
     {"view", bench_view},
 #endif
@@ -42,7 +42,7 @@ int main(int argc, char **argv) {
     fprintf(
         stderr,
         "kmech_bench: no bench \"%s\"; there are partition, sweep, lanes, command, scale, forces, arm, study, load, "
-        "dynamics\n",
+        "dynamics, large\n",
         wanted);
   return found ? EXIT_SUCCESS : EXIT_FAILURE;
 }

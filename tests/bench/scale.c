@@ -8,6 +8,7 @@
 #include "kmech/mobility.h"
 #include "support/chains.h"
 #include "support/lattices.h"
+#include "support/sheets.h"
 
 #include <stdio.h>
 #include <SuiteSparseQR_C.h>

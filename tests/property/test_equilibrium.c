@@ -1,6 +1,6 @@
 /* Reactions by sparse matrices against those by dense ones: two formulations, one of the loops and one of the bodies. */
-#include "support/lattices.h"
 #include "support/random_mechanism.h"
+#include "support/sheets.h"
 #include "support/support.h"
 
 #include "analysis/statics.h"

@@ -3,6 +3,7 @@
 #include "support/lattices.h"
 #include "support/laws.h"
 #include "support/random_mechanism.h"
+#include "support/sheets.h"
 
 #include "kinematics/closest.h"
 #include "kinematics/closure.h"
@@ -134,7 +135,7 @@ static void closest_poses_lie_at_right_angles(void **state) {
 
 static km_mobility_sweep sweep_flat(int n, int steps) {
   fixture f = written(write_flat_five_bars, n);
-  assert_string_equal(f.model->coordinates[0].label, "P0_0");
+  assert_string_equal(f.model->coordinates[0].label, "j0");
   const km_sweep_plan plan = {.coordinate = 0, .direction = -1, .from = 0.0, .to = 0.05, .steps = steps};
   km_mobility_sweep sweep;
   assert_int_equal(km_mobility_sweep_run(f.mechanism, f.state, &plan, &sweep, NULL), KM_OK);
@@ -162,7 +163,7 @@ static void stretched_five_bars_move_least(void **state) {
     double last = 0.05;
     for (int k = 0; k <= sizes[i]; ++k) {
       char name[16];
-      snprintf(name, sizeof name, "q.P%d_0", k);
+      snprintf(name, sizeof name, "q.j%d", k);
       int column = km_table_find(a, name);
       assert_true(column >= 0);
       double turn = km_table_row(a, 5)[column];

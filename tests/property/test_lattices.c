@@ -2,6 +2,7 @@
 #include "support/chains.h"
 #include "support/lattices.h"
 #include "support/laws.h"
+#include "support/sheets.h"
 
 #include "kinematics/closure.h"
 #include "kinematics/loops.h"
@@ -111,6 +112,73 @@ static void laws_of_large_lattices(void **state) {
   }
 }
 
+typedef struct shape {
+  void (*write)(km_text *out, int rows, int columns);
+  int loops, mobility;
+} shape;
+
+static void folded(km_text *out, int rows, int columns) {
+  write_folded_chain(out, rows * columns);
+}
+
+static void five_bars(km_text *out, int rows, int columns) {
+  write_five_bars(out, rows * columns, 0.0);
+}
+
+static void flat_five_bars(km_text *out, int rows, int columns) {
+  write_flat_five_bars(out, rows * columns);
+}
+
+static void stretched_five_bars(km_text *out, int rows, int columns) {
+  write_stretched_five_bars(out, rows * columns);
+}
+
+static void ball_couplers(km_text *out, int rows, int columns) {
+  write_ball_couplers(out, rows * columns);
+}
+
+static void balls(km_text *out, int rows, int columns) {
+  write_balls(out, rows * columns);
+}
+
+static void bars(km_text *out, int rows, int columns) {
+  write_bars(out, rows * columns + 1, 0.0);
+}
+
+/* Links on one line, or panels in one plane, let every link or fold move at first. */
+static void shapes_move_as_is_said(void **state) {
+  (void)state;
+  enum { R = 8, C = 9, N = R * C };
+  static const shape shapes[] = {
+      {folded, N, N + 1},
+      {five_bars, N, N + 1},
+      {flat_five_bars, N, 2 * N + 1},
+      {stretched_five_bars, N, 2 * N + 1},
+      {ball_couplers, N, N + 1},
+      {balls, N, 3 * N + 3},
+      {bars, N, N + 1},
+      {write_grid, N, R + C - 1},
+      {write_bent_grid, N, R + C - 1},
+      {write_stiff_grid, 2 * N, 1},
+      {write_bent_trellis, N, 1},
+      {write_flat_miura, (R - 1) * (C - 1), R + C - 2},
+      {write_triangles, (R - 1) * (C - 1), 2 * (R + C) - 3},
+  };
+  for (size_t i = 0; i < sizeof shapes / sizeof *shapes; ++i) {
+    km_text text = {0};
+    shapes[i].write(&text, R, C);
+    fixture f = fixture_read(text.data);
+    km_mobility mobility;
+    km_mobility_update(f.mechanism, f.state, &mobility);
+    assert_int_equal(f.mechanism->topology.loop_count, shapes[i].loops);
+    assert_int_equal(km_substructure_count(f.mechanism), 1);
+    assert_int_equal(mobility.mobility, shapes[i].mobility);
+    assert_at_most(mobility.residual, 1e-9);
+    fixture_close(&f);
+    km_text_free(&text);
+  }
+}
+
 /* A chain whose links lie on one line has a motion of every link, and a step loses what it has of all of them. */
 static void many_motions(void **state) {
   (void)state;
@@ -157,6 +225,7 @@ int main(void) {
                  "none: whole numbers"),
       claim_test(miuras, "Ranks of folded sheets of up to 9900 loops are those of SuiteSparse's rank-revealing QR",
                  "none: whole numbers"),
+      cmocka_unit_test(shapes_move_as_is_said),
       cmocka_unit_test(laws_of_large_lattices),
       cmocka_unit_test(many_motions),
   };

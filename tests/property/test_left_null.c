@@ -1,8 +1,8 @@
 /* Left null vectors: as many as constraints are redundant, orthonormal or at least independent, and without work in any
  * motion of the joints. */
-#include "support/lattices.h"
 #include "support/linkages.h"
 #include "support/random_mechanism.h"
+#include "support/sheets.h"
 #include "support/support.h"
 
 #include "analysis/lasting.h"

@@ -3,7 +3,7 @@
 #include "support/arms.h"
 #include "support/designs.h"
 #include "support/failing.h"
-#include "support/lattices.h"
+#include "support/sheets.h"
 
 #include "analysis/inertness.h"
 #include "kinematics/loops.h"

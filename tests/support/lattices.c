@@ -1,214 +1,122 @@
-/* Lattices with many loops. */
+/* Rows of loops, and loops that are joined at random. */
 #include "support/lattices.h"
 
-#include "spatial/vec3.h"
+#include "base/random.h"
+#include "support/hinges.h"
 
-/* A drawing: bodies with frames at places of the whole, and joints between frames of the same place. */
-typedef struct drawing {
-  km_text *text;
-  km_vec3 away;
-  int bodies, joints;
-  km_text joint_text;
-} drawing;
-
-static void begin(drawing *d, km_text *text, double away) {
-  *d = (drawing){.text = text, .away = {away, away, away}};
-  km_text_add(text, "{\"assemblies\": [{\"name\": \"a\", \"bodies\": [");
-}
-
-static void finish(drawing *d) {
-  km_text_format(d->text, "], \"joints\": [%s]}]}", d->joint_text.data);
-  km_text_free(&d->joint_text);
-}
-
-static void begin_body(drawing *d, const char *name, int i, int k) {
-  km_text_format(d->text, "%s{\"name\": \"%s%d_%d\", \"frames\": [", d->bodies++ ? ", " : "", name, i, k);
-}
-
-static void end_body(drawing *d) {
-  km_text_add(d->text, "]}");
-}
-
-/* A frame whose z is the axis. */
-static void add_frame(drawing *d, bool first, const char *name, int i, int k, km_vec3 at, km_vec3 axis) {
-  km_vec3 p = km_vec3_add(at, d->away), z = km_vec3_scale(1.0 / km_vec3_norm(axis), axis);
-  km_vec3 x = km_vec3_perpendicular(z), y = km_vec3_cross(z, x);
-  km_text_format(d->text,
-                 "%s{\"name\": \"%s%d_%d\", \"T\": [%.17g, %.17g, %.17g], \"R\": [[%.17g, %.17g, %.17g], [%.17g, "
-                 "%.17g, %.17g], [%.17g, %.17g, %.17g]]}",
-                 first ? "" : ", ", name, i, k, p.x, p.y, p.z, x.x, y.x, z.x, x.y, y.y, z.y, x.z, y.z, z.z);
-}
-
-/* A joint between the frames of one name on two bodies. */
-static void add_joint(drawing *d, const char *type, const char *name, int i, int k, const char *body1, int i1, int k1,
-                      const char *body2, int i2, int k2) {
-  km_text_format(&d->joint_text,
-                 "%s{\"name\": \"%s%d_%d\", \"type\": \"%s\", \"body_frame_pairs\": [[\"%s%d_%d\", \"%s%d_%d\"], "
-                 "[\"%s%d_%d\", \"%s%d_%d\"]]}",
-                 d->joints++ ? ", " : "", name, i, k, type, body1, i1, k1, name, i, k, body2, i2, k2, name, i, k);
-}
-
-/* The body stands still. */
-static void add_ground(drawing *d, const char *body, int i, int k) {
-  km_text_format(&d->joint_text,
-                 "%s{\"name\": \"ground\", \"type\": \"rigid\", \"body_frame_pairs\": [\"fixed\", \"%s%d_%d\"]}",
-                 d->joints++ ? ", " : "", body, i, k);
-}
-
-static const km_vec3 up = {0.0, 0.0, 1.0};
-
-/* A base with a pin at every second unit of length, standing still. */
-static void add_base(drawing *d, int n) {
-  begin_body(d, "base", 0, 0);
+/* The tops of the rockers are above the ground by `height`, and the rockers 1 long. */
+static void lay_chain(km_text *out, int n, double away, double height) {
+  hinges h = {0};
+  double along = sqrt(1.0 - height * height);
   for (int i = 0; i <= n; ++i)
-    add_frame(d, i == 0, "P", i, 0, (km_vec3){2.0 * i, 0, 0}, up);
-  end_body(d);
-  add_ground(d, "base", 0, 0);
-}
-
-/* The crank on pin i of the base, whose end belongs to the loop before it and to the one behind it. */
-static void add_crank(drawing *d, const char *name, int i, int n, km_vec3 end) {
-  begin_body(d, name, i, 0);
-  add_frame(d, true, "P", i, 0, (km_vec3){2.0 * i, 0, 0}, up);
-  if (i < n)
-    add_frame(d, false, "Q", i, 0, end, up);
-  if (i > 0)
-    add_frame(d, false, "R", i - 1, 0, end, up);
-  end_body(d);
-  add_joint(d, "Rz", "P", i, 0, "base", 0, 0, name, i, 0);
-}
-
-void write_drawn_chain(km_text *text, int n, double away) {
-  drawing d;
-  begin(&d, text, away);
-  add_base(&d, n);
-  for (int i = 0; i <= n; ++i) {
-    km_vec3 top = {2.0 * i + 0.6, 0.8, 0}, next = {2.0 * i + 2.6, 0.8, 0};
-    add_crank(&d, "b", i, n, top);
-    if (i == n)
-      break;
-    begin_body(&d, "c", i, 0);
-    add_frame(&d, true, "Q", i, 0, top, up);
-    add_frame(&d, false, "R", i, 0, next, up);
-    end_body(&d);
-    add_joint(&d, "Rz", "Q", i, 0, "b", i, 0, "c", i, 0);
-    add_joint(&d, "Rz", "R", i, 0, "c", i, 0, "b", i + 1, 0);
+    hinges_pin(&h, 0, 1 + i, 2.0 * i, 0.0);
+  for (int i = 0; i < n; ++i) {
+    hinges_pin(&h, 1 + i, 2 + n + i, 2.0 * i + along, height);
+    hinges_pin(&h, 2 + n + i, 2 + i, 2.0 * i + 2.0 + along, height);
   }
-  finish(&d);
+  hinges_write(&h, out, away);
 }
 
-/* Their pins above the ground by `height` times as much. */
-static void lay_five_bars(km_text *text, int n, double away, double height) {
-  drawing d;
-  begin(&d, text, away);
-  add_base(&d, n);
-  for (int i = 0; i <= n; ++i) {
-    km_vec3 left = {2.0 * i + 0.3, height, 0}, top = {2.0 * i + 1.1, 1.7 * height, 0},
-            right = {2.0 * i + 2.3, height, 0};
-    add_crank(&d, "crank", i, n, left);
-    if (i == n)
-      break;
-    begin_body(&d, "c", i, 0);
-    add_frame(&d, true, "Q", i, 0, left, up);
-    add_frame(&d, false, "S", i, 0, top, up);
-    end_body(&d);
-    begin_body(&d, "e", i, 0);
-    add_frame(&d, true, "S", i, 0, top, up);
-    add_frame(&d, false, "R", i, 0, right, up);
-    end_body(&d);
-    add_joint(&d, "Rz", "Q", i, 0, "crank", i, 0, "c", i, 0);
-    add_joint(&d, "Rz", "S", i, 0, "c", i, 0, "e", i, 0);
-    add_joint(&d, "Rz", "R", i, 0, "e", i, 0, "crank", i + 1, 0);
+void write_drawn_chain(km_text *out, int n, double away) {
+  lay_chain(out, n, away, 0.8);
+}
+
+void write_folded_chain(km_text *out, int n) {
+  lay_chain(out, n, 0.0, 0.0);
+}
+
+/* Where the cranks are hinged to the ground. */
+static km_vec3 foot(int i, double bend) {
+  return (km_vec3){2.0 * i, bend * (i % 3 == 1), 0.0};
+}
+
+/* A place on the way from one foot to the next and above it. */
+static km_vec3 beside(int i, double bend, double along, double above) {
+  km_vec3 from = foot(i, bend), way = km_vec3_sub(foot(i + 1, bend), from);
+  return (km_vec3){from.x + along * way.x, from.y + along * way.y + above, 0.0};
+}
+
+/* Pins above the ways by `height` times as much, every third foot aside by `bend`. */
+static void lay_five_bars(km_text *out, int n, double away, double height, double bend) {
+  hinges h = {0};
+  for (int i = 0; i <= n; ++i)
+    hinges_pin(&h, 0, 1 + i, foot(i, bend).x, foot(i, bend).y);
+  for (int i = 0; i < n; ++i) {
+    km_vec3 left = beside(i, bend, 0.15, height), top = beside(i, bend, 0.55, 1.7 * height),
+            right = beside(i, bend, 1.15, height);
+    int link = 2 + n + 2 * i;
+    hinges_pin(&h, 1 + i, link, left.x, left.y);
+    hinges_pin(&h, link, link + 1, top.x, top.y);
+    hinges_pin(&h, link + 1, 2 + i, right.x, right.y);
   }
-  finish(&d);
+  hinges_write(&h, out, away);
 }
 
-void write_five_bars(km_text *text, int n, double away) {
-  lay_five_bars(text, n, away, 1.0);
+void write_five_bars(km_text *out, int n, double away) {
+  lay_five_bars(out, n, away, 1.0, 0.0);
 }
 
-void write_flat_five_bars(km_text *text, int n) {
-  lay_five_bars(text, n, 0.0, 0.0);
+void write_flat_five_bars(km_text *out, int n) {
+  lay_five_bars(out, n, 0.0, 0.0, 0.0);
 }
 
-void write_bars(km_text *text, int n, double away) {
-  drawing d;
-  begin(&d, text, away);
-  for (int side = 0; side < 2; ++side) {
-    begin_body(&d, side ? "top" : "base", 0, 0);
-    for (int i = 0; i < n; ++i) {
-      double w = 2.0 * M_PI * i / n;
-      km_vec3 foot = {3.0 * cos(w), 3.0 * sin(w), 0.0}, head = {cos(w + 0.5), sin(w + 0.5), 2.0 + 0.1 * sin(7.0 * w)};
-      add_frame(&d, i == 0, side ? "B" : "A", i, 0, side ? head : foot, up);
-    }
-    end_body(&d);
+void write_stretched_five_bars(km_text *out, int n) {
+  lay_five_bars(out, n, 0.0, 0.0, 0.5);
+}
+
+/* The cranks' joints with the ground are of the type that is given. */
+static void lay_ball_couplers(km_text *out, int n, const char *type) {
+  hinges h = {0};
+  for (int i = 0; i <= n; ++i)
+    hinges_add(&h, type, 0, 1 + i, (km_vec3){2.0 * i, 0.0, 0.0}, (km_vec3){0.3 * sin(i), 0.4 * cos(2.0 * i), 1.0});
+  for (int i = 0; i < n; ++i) {
+    km_vec3 from = {2.0 * i + 0.6, 0.8, 0.2 * sin(3.0 * i)}, to = {2.0 * i + 2.5, 0.9, 0.3 + 0.2 * cos(5.0 * i)};
+    hinges_add(&h, "spherical", 1 + i, 2 + n + i, from, (km_vec3){0.0, 0.0, 1.0});
+    hinges_add(&h, "spherical", 2 + n + i, 2 + i, to, (km_vec3){0.0, 0.0, 1.0});
   }
-  add_ground(&d, "base", 0, 0);
+  hinges_write(&h, out, 0.0);
+}
+
+void write_ball_couplers(km_text *out, int n) {
+  lay_ball_couplers(out, n, "Rz");
+}
+
+void write_balls(km_text *out, int n) {
+  lay_ball_couplers(out, n, "spherical");
+}
+
+void write_bars(km_text *out, int n, double away) {
+  const km_vec3 up = {0.0, 0.0, 1.0};
+  hinges h = {0};
   for (int i = 0; i < n; ++i) {
     double w = 2.0 * M_PI * i / n;
-    km_vec3 foot = {3.0 * cos(w), 3.0 * sin(w), 0.0}, head = {cos(w + 0.5), sin(w + 0.5), 2.0 + 0.1 * sin(7.0 * w)};
-    begin_body(&d, "bar", i, 0);
-    add_frame(&d, true, "A", i, 0, foot, up);
-    add_frame(&d, false, "B", i, 0, head, up);
-    end_body(&d);
-    add_joint(&d, "spherical", "A", i, 0, "base", 0, 0, "bar", i, 0);
-    add_joint(&d, "spherical", "B", i, 0, "bar", i, 0, "top", 0, 0);
+    hinges_add(&h, "spherical", 0, 2 + i, (km_vec3){3.0 * cos(w), 3.0 * sin(w), 0.0}, up);
+    hinges_add(&h, "spherical", 2 + i, 1, (km_vec3){cos(w + 0.5), sin(w + 0.5), 2.0 + 0.1 * sin(7.0 * w)}, up);
   }
-  finish(&d);
+  hinges_write(&h, out, away);
 }
 
-void write_trellis(km_text *text, int rows, int columns, double away) {
-  const km_vec3 along = {1.0, 0.0, 0.0}, across = {0.3, 1.1, 0.0};
-  drawing d;
-  begin(&d, text, away);
-  for (int side = 0; side < 2; ++side) {
-    int bars = side ? columns : rows, crossings = side ? rows : columns;
-    for (int i = 0; i <= bars; ++i) {
-      begin_body(&d, side ? "column" : "row", i, 0);
-      for (int k = 0; k <= crossings; ++k) {
-        int row = side ? k : i, column = side ? i : k;
-        km_vec3 at = km_vec3_add(km_vec3_scale(column, along), km_vec3_scale(row, across));
-        add_frame(&d, k == 0, "J", row, column, at, up);
-      }
-      end_body(&d);
-    }
+/* Evenly from 0 to 1. */
+static double part(uint64_t *seed) {
+  return 0.5 + 0.5 * km_uniform(seed);
+}
+
+/* Any of 0 … n − 1. */
+static int any(uint64_t *seed, int n) {
+  return (int)(n * part(seed));
+}
+
+/* Each body is hinged to one before it. What the tree ends in is in no loop before it has a second hinge. */
+void write_random_graph(km_text *out, int n) {
+  hinges h = {0};
+  uint64_t seed = 1;
+  double size = sqrt(n);
+  int bodies = n + n + n / 2;
+  for (int b = 1; b <= bodies; ++b)
+    hinges_pin(&h, any(&seed, b), b, size * part(&seed), size * part(&seed));
+  for (int i = 0; i < n; ++i) {
+    int first = 1 + any(&seed, bodies), second = 1 + (first + any(&seed, bodies - 1)) % bodies;
+    hinges_pin(&h, first, second, size * part(&seed), size * part(&seed));
   }
-  add_ground(&d, "row", 0, 0);
-  for (int i = 0; i <= rows; ++i)
-    for (int k = 0; k <= columns; ++k)
-      add_joint(&d, "Rz", "J", i, k, "row", i, 0, "column", k, 0);
-  finish(&d);
-}
-
-/* The corner of row i and column k: sides 1, angle 60 degrees, half folded. */
-static km_vec3 corner(int i, int k) {
-  const double angle = M_PI / 3.0, fold = 0.9;
-  double t = cos(fold) * tan(angle), root = sqrt(1.0 + t * t), s = sin(fold) * sin(angle);
-  return (km_vec3){k * t / root, i * sqrt(1.0 - s * s) + (k % 2) / root, (i % 2) * s};
-}
-
-static void add_crease(drawing *d, bool first, const char *name, int i, int k) {
-  km_vec3 from = corner(i, k), to = name[0] == 'E' ? corner(i, k + 1) : corner(i + 1, k);
-  add_frame(d, first, name, i, k, from, km_vec3_sub(to, from));
-}
-
-/* Crease E i,k is the side from corner i,k to i,k+1; crease S i,k that to i+1,k. */
-void write_miura(km_text *text, int rows, int columns, double away) {
-  drawing d;
-  begin(&d, text, away);
-  for (int i = 0; i < rows; ++i)
-    for (int k = 0; k < columns; ++k) {
-      begin_body(&d, "p", i, k);
-      add_crease(&d, true, "E", i, k);
-      add_crease(&d, false, "E", i + 1, k);
-      add_crease(&d, false, "S", i, k);
-      add_crease(&d, false, "S", i, k + 1);
-      end_body(&d);
-      if (i > 0)
-        add_joint(&d, "Rz", "E", i, k, "p", i - 1, k, "p", i, k);
-      if (k > 0)
-        add_joint(&d, "Rz", "S", i, k, "p", i, k - 1, "p", i, k);
-    }
-  add_ground(&d, "p", 0, 0);
-  finish(&d);
+  hinges_write(&h, out, 0.0);
 }

@@ -1,25 +1,29 @@
-/* Mechanisms of any number of loops in one substructure, as text: with frames as a CAD program gives them (every joint
- * in the coordinates of the whole drawing), and anywhere in space. */
+/* Mechanisms of any number of loops in one substructure, as text: with frames as a CAD program gives them (support/hinges.h).
+ * Where there is `away`, it is how far from the inertial origin the mechanism is, in each direction. */
 #ifndef KM_TESTS_LATTICES_H
 #define KM_TESTS_LATTICES_H
 
 #include "base/text.h"
 
-/* `away` is how far from the inertial origin the mechanism is, in each direction. */
-
 /* n parallelograms between n + 1 rockers: mobility 1. */
 void write_drawn_chain(km_text *out, int n, double away);
+/* The same with all joints on one line: each parallelogram goes on as such or crossed. */
+void write_folded_chain(km_text *out, int n);
 /* n five-bars between n + 1 cranks: mobility n + 1. */
 void write_five_bars(km_text *out, int n, double away);
 /* The same with all joints on one line, each five-bar stretched between its cranks: the cranks turn, and the first one least. */
 void write_flat_five_bars(km_text *out, int n);
+/* The same with each five-bar stretched on a line of its own. */
+void write_stretched_five_bars(km_text *out, int n);
+/* n four-bars in space between n + 1 cranks, whose hinges point anywhere; each coupler has a spherical joint at both ends and
+ * spins. Mobility n + 1. */
+void write_ball_couplers(km_text *out, int n);
+/* The same with spherical joints in place of the cranks' hinges. Mobility 3 n + 3. */
+void write_balls(km_text *out, int n);
 /* A platform on n bars between spherical joints: beyond six bars n − 6 are redundant, and every bar spins. */
 void write_bars(km_text *out, int n, double away);
-/* A garden trellis: rows + 1 bars and columns + 1 bars, hinged where they cross. rows · columns loops, mobility 1: all
- * hinges but the first two rows' and columns' are redundant. */
-void write_trellis(km_text *out, int rows, int columns, double away);
-/* A Miura-ori of rows · columns rigid parallelograms hinged at their creases (M. Schenk, S. Guest, 2013): a loop about
- * each inner corner, with axes that meet there. Mobility 1. */
-void write_miura(km_text *out, int rows, int columns, double away);
+/* A tree of bodies and n joints that close loops between any two of them, hinged at random places of a plane; 7 joints for 2
+ * loops. */
+void write_random_graph(km_text *out, int n);
 
 #endif
