@@ -91,7 +91,7 @@ static void list_new(const km_tangents *f, const double *x, int first, double le
     double along = 0.0;
     for (int c = 0; c < f->sub->columns; ++c)
       along += weight[c] * x[c] * out->motions[i].direction[coordinate[c]];
-    if (fabs(along) > 0.999)
+    if (km_is_same_tangent(along))
       return;
   }
   list_direction(f, x, KM_MOTION_BRANCH, length, out);
@@ -117,18 +117,7 @@ static void list_basis(km_tangents *f, km_motion_kind kind, km_finite_mobility *
 static int find_branches(km_tangents *f, km_arena *arena, km_finite_mobility *out) {
   int k = f->conditions.freedom, best = 0, found = 0;
   double *lines = KM_ARENA_NEW(arena, double, (size_t)(KM_MOST_MOTIONS * k));
-  for (int start = 0; lines && start < KM_STARTS_PER_FREEDOM * k && found < KM_MOST_MOTIONS; ++start) {
-    bool known = false;
-    if (!km_tangents_random(f))
-      continue;
-    for (int i = 0; i < found && !known; ++i) {
-      double dot = 0.0;
-      for (int r = 0; r < k; ++r)
-        dot += lines[i * k + r] * f->a[r];
-      known = fabs(dot) > 0.999;
-    }
-    if (known)
-      continue;
+  while (lines && found < KM_MOST_MOTIONS && km_tangents_next(f, lines, found)) {
     double *line = lines + (size_t)found++ * (size_t)k;
     memcpy(line, f->a, (size_t)k * sizeof *lines);
     double length = confirmed(f, line);

@@ -12,20 +12,20 @@
 static int count_new(const km_tangents *f, const double *directions, int found) {
   size_t n = (size_t)f->sub->columns;
   for (int i = 0; i < found; ++i)
-    if (fabs(km_step_dot(f->m, f->sub, directions + (size_t)found * n, directions + (size_t)i * n)) > 0.999)
+    if (km_is_same_tangent(km_step_dot(f->m, f->sub, directions + (size_t)found * n, directions + (size_t)i * n)))
       return found;
   return found + 1;
 }
 
 static int find_in_few(km_tangents *f, double *directions) {
   int found = 0;
+  size_t k = (size_t)f->conditions.freedom;
   if (!km_tangents_make_basis(f) || km_tangents_all_real(f))
     return 0;
-  for (int start = 0; start < KM_STARTS_PER_FREEDOM * f->conditions.freedom && found < KM_MOST_BRANCHES; ++start) {
-    if (!km_tangents_random(f))
-      continue;
-    km_tangents_direction(f, f->a, directions + (size_t)found * (size_t)f->sub->columns);
-    found = count_new(f, directions, found);
+  double *known = KM_ARENA_NEW(f->arena, double, KM_MOST_BRANCHES *k);
+  while (known && found < KM_MOST_BRANCHES && km_tangents_next(f, known, found)) {
+    memcpy(known + (size_t)found * k, f->a, k * sizeof *known);
+    km_tangents_direction(f, f->a, directions + (size_t)found++ * (size_t)f->sub->columns);
   }
   return found;
 }

@@ -166,7 +166,7 @@ static km_closure_outcome verdict(const km_mechanism *m, double residual, double
 
 km_closure_outcome km_loops_close(const km_mechanism *m, km_state *s, int index, int driver, km_closure *evidence) {
   const km_substructure *sub = &m->substructures[index];
-  double *x = s->work, first = 0.0, coarse = grain(m, s, sub);
+  double *x = s->work, first = 0.0, last = HUGE_VAL, coarse = grain(m, s, sub);
   *evidence = (km_closure){.worst = -1, .left = x};
   for (int i = 0; i < MOST_ITERATIONS; ++i) {
     km_loops_update(m, s, sub);
@@ -181,6 +181,9 @@ km_closure_outcome km_loops_close(const km_mechanism *m, km_state *s, int index,
     bool small = primary_rms(&s->partition[index], km_state_error(s, sub)) <= coarse * km_closed;
     if (small && step <= coarse * (i == 0 && driver >= 0 ? km_settled_at_once : km_settled))
       return verdict(m, evidence->residual, coarse);
+    if (s->partition[index].held && small && step >= last)
+      return verdict(m, evidence->residual, coarse);
+    last = small ? step : HUGE_VAL;
     if (!isfinite(step) || evidence->residual > residual_growth * (first + residual_floor))
       return KM_OPEN;
     if (step > km_longest_newton)

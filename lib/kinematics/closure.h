@@ -37,8 +37,9 @@ km_closure_outcome km_loops_close(const km_mechanism *mechanism, km_state *state
                                   km_closure *evidence);
 
 /* The same with the driver's coordinate held: where it can't be independent, so that the pose is rigid, the other
- * coordinates close what they can, and the rest is left in the residual. Pivots are kept for the next such call only.
- */
+ * coordinates close what they can, and the rest is left in the residual. Beside a branch point rows depend on each other so
+ * nearly that the rounding of closed loops alone moves Newton: the first step that isn't shorter than the one before it ends
+ * that. Pivots are kept for the next such call only. */
 km_closure_outcome km_close_held(const km_mechanism *mechanism, km_state *state, int substructure, int driver,
                                  km_closure *evidence);
 

@@ -6,9 +6,6 @@
 
 #include <string.h>
 
-/* A condition that is a square meets 0 only slowly, but so far, over the size of Q, is well enough to be tried. */
-static const double nearly = 1e-5;
-
 static bool left_null(const km_substructure *sub, const double *J, double tolerance, km_arena *arena, double **W,
                       int *count) {
   size_t rows = (size_t)sub->rows, columns = (size_t)sub->columns;
@@ -110,7 +107,7 @@ static bool is_definite(const double *Q, double sign, double least, int k, doubl
 
 static bool any_definite(const km_second_order *c, double *work) {
   int k = c->freedom;
-  double least = 2.0 * nearly * c->size;
+  double least = 2.0 * km_nearly_met * c->size;
   for (int i = 0; i < c->conditions; ++i) {
     const double *Q = c->Q + (size_t)i * (size_t)(k * k);
     if (is_definite(Q, 1.0, least, k, work) || is_definite(Q, -1.0, least, k, work))
@@ -212,5 +209,5 @@ bool km_second_order_solve(const km_second_order *c, double *a, double *work) {
   double worst = 0.0;
   for (int i = 0; i < c->conditions; ++i)
     worst = fmax(worst, fabs(condition(c, i, a, slope)) / c->size);
-  return worst < nearly;
+  return worst < km_nearly_met;
 }

@@ -4,6 +4,15 @@
 
 #include "kinematics/state.h"
 
+/* A condition that is a square meets 0 only slowly, but so far, over the size of its kind, is well enough to be tried. */
+static const double km_nearly_met = 1e-5;
+
+/* May unit vectors with this cosine be one tangent, in one sense or the other? What nearly meets a square is √km_nearly_met from
+ * where it is 0, so two of one tangent are twice that from each other: 1 − cos is half the square of it. */
+static inline bool km_is_same_tangent(double cosine) {
+  return 1.0 - fabs(cosine) <= 2.0 * km_nearly_met;
+}
+
 /* Quadratic conditions on the null space: for a unit vector a (freedom entries), direction D⁻¹Z a, condition i is
  * aᵀ Q_i a = 0, Q_i = Zᵀ w_iᵀ(∂J/∂q) Z, w_i the left null vectors of J. */
 typedef struct km_second_order {

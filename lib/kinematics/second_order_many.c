@@ -3,13 +3,13 @@
 
 #include "kinematics/closure.h"
 #include "kinematics/loops.h"
+#include "kinematics/second_order.h"
 
 #include <stdlib.h>
 #include <string.h>
 
 enum { MOST_PASSES = 60 };
 static const double met = 1e-9;      /* a condition over the size of its kind */
-static const double nearly = 1e-5;   /* the same, of one that is a square and meets 0 only slowly */
 static const double broken = 1e-3;   /* the same, of one that random directions break */
 static const double spanned = 1e-14; /* primary rows are independent, and the others are damped */
 
@@ -250,5 +250,5 @@ bool km_second_order_many_solve(km_second_order_many *c, double *x) {
       return false;
     evaluate(c, x);
   }
-  return worst_value(c) < nearly;
+  return worst_value(c) < km_nearly_met;
 }

@@ -94,12 +94,39 @@ static bool need_conditions(km_tangents *f) {
   return km_second_order_build(f->m, f->s, f->index, f->arena, &f->conditions);
 }
 
-bool km_tangents_random(km_tangents *f) {
+/* A random tangent that meets the second order. */
+static bool seek(km_tangents *f) {
   int k = f->conditions.freedom;
   if (k == 1 || !need_conditions(f)) /* the only tangent has been tried as it is */
     return false;
   for (int i = 0; i < k; ++i)
     f->a[i] = km_uniform(&f->random);
   km_tangents_normalise(f->a, k);
-  return km_second_order_solve(&f->conditions, f->a, f->work) && km_tangents_is_real(f, f->a);
+  return km_second_order_solve(&f->conditions, f->a, f->work);
+}
+
+bool km_tangents_random(km_tangents *f) {
+  return seek(f) && km_tangents_is_real(f, f->a);
+}
+
+static bool is_known(const km_tangents *f, const double *known, int count) {
+  int k = f->conditions.freedom;
+  for (int i = 0; i < count; ++i) {
+    double cosine = 0.0;
+    for (int r = 0; r < k; ++r)
+      cosine += known[i * k + r] * f->a[r];
+    if (km_is_same_tangent(cosine))
+      return true;
+  }
+  return false;
+}
+
+bool km_tangents_next(km_tangents *f, const double *known, int count) {
+  int most = KM_STARTS_PER_FREEDOM * (count > f->conditions.freedom ? count : f->conditions.freedom);
+  while (f->starts < most) {
+    f->starts++;
+    if (seek(f) && !is_known(f, known, count) && km_tangents_is_real(f, f->a))
+      return true;
+  }
+  return false;
 }

@@ -34,6 +34,7 @@ typedef struct km_tangents {
   double *direction; /* of the tangent that is tried */
   double *a;         /* [freedom] a tangent by its share of each column of Z */
   double *length;    /* [freedom] how far each column of Z was followed, ahead and back; -1: not yet */
+  int starts;      /* by km_tangents_next */
   uint64_t random;
 } km_tangents;
 
@@ -65,5 +66,8 @@ bool km_tangents_all_real(km_tangents *tangents);
 /* A random tangent that meets the second order and is real, into `a`; false if the start leads to none. To be asked for
  * after km_tangents_all_real: the tangent of a single freedom isn't tried again. */
 bool km_tangents_random(km_tangents *tangents);
+/* The next one that is none of the `count` known[count × freedom], into `a`; false: the starts that are left lead to none.
+ * There are as many for each that is known as for each freedom: who meets many branches has missed some. */
+bool km_tangents_next(km_tangents *tangents, const double *known, int count);
 
 #endif

@@ -1,5 +1,5 @@
 /* Substructures with many freedoms: what is found without a basis of them is what a basis gives. */
-#include "support/chains.h"
+#include "support/folded.h"
 #include "support/lattices.h"
 #include "support/laws.h"
 #include "support/linkages.h"
@@ -8,11 +8,9 @@
 #include "kinematics/closure.h"
 #include "kinematics/loops.h"
 #include "kinematics/many_tangents.h"
-#include "kmech/diagnosis.h"
 #include "kmech/finite_mobility.h"
 #include "kmech/idle.h"
 #include "kmech/motions.h"
-#include "kmech/redundancy.h"
 #include "topology/mechanism.h"
 
 #include <gsl/gsl_linalg.h>
@@ -26,18 +24,6 @@ static fixture five_bars(int n) {
   write_five_bars(&text, n, 0.0);
   fixture f = fixture_read(text.data);
   km_text_free(&text);
-  return f;
-}
-
-/* A chain of parallelograms with all links on one line. */
-static fixture folded_chain(int n) {
-  km_text text = {0};
-  write_chain(&text, n);
-  fixture f = fixture_read(text.data);
-  km_text_free(&text);
-  double *zero = KM_NEW(double, (size_t)f.mechanism->coordinate_count);
-  assert_int_equal(km_state_set_coordinates(f.mechanism, f.state, zero, NULL), KM_OK);
-  km_free(zero);
   return f;
 }
 
@@ -116,54 +102,6 @@ static void many_real_freedoms(void **state) {
   assert_true(found.truncated && found.motion_count == 1 && found.motions[0].kind == KM_MOTION_REGULAR);
   assert_true(found.motions[0].confirmed_length > 0.3);
   km_finite_mobility_free(&found);
-  fixture_close(&f);
-}
-
-/* Every loop of the folded chain goes on as a parallelogram or crossed, 2^60 branches: some are found, first one along which
- * most cranks turn alike. */
-static void a_folded_chain(void **state) {
-  (void)state;
-  fixture f = folded_chain(LOOPS);
-  const km_mechanism *m = f.mechanism;
-  km_finite_mobility found = find(&f);
-  assert_int_equal(found.mobility, 2); /* with the last coupler, in no loop */
-  assert_true(found.undecided && found.truncated && found.motion_count >= 1);
-  assert_int_equal(found.motions[0].kind, KM_MOTION_BRANCH);
-  int first, last;
-  assert_int_equal(km_model_find_coordinate(f.model, "P30", &first, NULL), KM_OK);
-  assert_int_equal(km_model_find_coordinate(f.model, "P60", &last, NULL), KM_OK);
-  assert_near(found.motions[0].direction[last], found.motions[0].direction[first], 1e-6);
-  for (int i = 0; i < found.motion_count; ++i) { /* each is one of second order */
-    double length = 0.0;
-    for (int c = 0; c < m->coordinate_count; ++c)
-      length += found.motions[i].direction[c] * found.motions[i].direction[c];
-    assert_near(length, 1.0, 1e-9);
-    assert_true(found.motions[i].confirmed_length > 0.3);
-  }
-  km_finite_mobility_free(&found);
-  km_findings findings;
-  bool told = false;
-  assert_int_equal(km_check(m, f.state, NULL, NULL, NULL, &findings, NULL), KM_OK);
-  for (size_t i = 0; i < findings.count; ++i)
-    told = told || (strcmp(findings.items[i].kind, "undecided") == 0 &&
-                    strstr(findings.items[i].statement, "only some of its directions were tried"));
-  assert_true(told);
-  km_findings_free(&findings);
-  fixture_close(&f);
-}
-
-/* A little further on no loop of it is flat any more: what each had too much along its links was the pose's. */
-static void what_a_folded_chain_has_too_much(void **state) {
-  (void)state;
-  fixture f = folded_chain(LOOPS);
-  km_redundancies found;
-  int lasting = 0;
-  assert_int_equal(km_redundancies_find(f.mechanism, f.state, NULL, NULL, &found, NULL), KM_OK);
-  for (int i = 0; i < found.count; ++i)
-    lasting += found.items[i].lasting;
-  assert_int_equal(found.count, 4 * LOOPS);
-  assert_int_equal(lasting, 3 * LOOPS);
-  km_redundancies_free(&found);
   fixture_close(&f);
 }
 
@@ -367,9 +305,8 @@ static void forces_of_many_freedoms(void **state) {
 int main(void) {
   const struct CMUnitTest tests[] = {
       cmocka_unit_test(laws_of_many_freedoms),   cmocka_unit_test(bases_wait),
-      cmocka_unit_test(many_real_freedoms),      cmocka_unit_test(a_folded_chain),
-      cmocka_unit_test(sparse_is_dense),         cmocka_unit_test(bars_of_a_platform),
-      cmocka_unit_test(wide_singular_values),    cmocka_unit_test(what_a_folded_chain_has_too_much),
+      cmocka_unit_test(many_real_freedoms),      cmocka_unit_test(sparse_is_dense),
+      cmocka_unit_test(bars_of_a_platform),      cmocka_unit_test(wide_singular_values),
       cmocka_unit_test(forces_of_many_freedoms),
   };
   return cmocka_run_group_tests(tests, NULL, NULL);
