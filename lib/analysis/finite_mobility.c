@@ -55,7 +55,7 @@ static int dimension_here(const km_mechanism *m, km_state *s, int index, km_aren
   if (!km_tangents_make(&f, m, s, index, arena) || !km_tangents_make_basis(&f))
     return 0;
   int k = f.conditions.freedom, dimension = k;
-  if (k > 1 && !km_tangents_all_real(&f)) {
+  if (k > 1 && !km_tangents_are_regular(&f) && !km_tangents_all_real(&f)) {
     double *basis = KM_ARENA_NEW(arena, double, (size_t)((k + 1) * k));
     dimension = basis ? common_span(&f, basis) : 0;
   }
@@ -117,15 +117,17 @@ static void list_basis(km_tangents *f, km_motion_kind kind, km_finite_mobility *
 static int find_branches(km_tangents *f, km_arena *arena, km_finite_mobility *out) {
   int k = f->conditions.freedom, best = 0, found = 0;
   double *lines = KM_ARENA_NEW(arena, double, (size_t)(KM_MOST_MOTIONS * k));
-  while (lines && found < KM_MOST_MOTIONS && km_tangents_next(f, lines, found)) {
-    double *line = lines + (size_t)found++ * (size_t)k;
-    memcpy(line, f->a, (size_t)k * sizeof *lines);
-    double length = confirmed(f, line);
-    km_arena scratch = {0};
-    int dimension = dimension_here(f->m, f->s, f->index, &scratch, &f->doubtful);
-    km_arena_free(&scratch);
-    best = dimension > best ? dimension : best;
-    list_motion(f, line, KM_MOTION_BRANCH, length, out);
+  double length;
+  while (lines && found < KM_MOST_MOTIONS && km_tangents_next(f, lines, found, &length)) {
+    memcpy(lines + (size_t)found++ * (size_t)k, f->a, (size_t)k * sizeof *lines);
+    if (km_second_order_dimension(&f->conditions, f->a) > best) {
+      km_arena scratch = {0};
+      km_state_restore(f->s, f->sub, f->ahead);
+      int dimension = dimension_here(f->m, f->s, f->index, &scratch, &f->doubtful);
+      km_arena_free(&scratch);
+      best = dimension > best ? dimension : best;
+    }
+    list_motion(f, f->a, KM_MOTION_BRANCH, length, out);
   }
   out->truncated = out->truncated || found == KM_MOST_MOTIONS;
   return best;

@@ -20,10 +20,11 @@ static int count_new(const km_tangents *f, const double *directions, int found) 
 static int find_in_few(km_tangents *f, double *directions) {
   int found = 0;
   size_t k = (size_t)f->conditions.freedom;
-  if (!km_tangents_make_basis(f) || km_tangents_all_real(f))
+  double length;
+  if (!km_tangents_make_basis(f) || km_tangents_are_regular(f) || km_tangents_all_real(f))
     return 0;
   double *known = KM_ARENA_NEW(f->arena, double, KM_MOST_BRANCHES *k);
-  while (known && found < KM_MOST_BRANCHES && km_tangents_next(f, known, found)) {
+  while (known && found < KM_MOST_BRANCHES && km_tangents_next(f, known, found, &length)) {
     memcpy(known + (size_t)found * k, f->a, k * sizeof *known);
     km_tangents_direction(f, f->a, directions + (size_t)found++ * (size_t)f->sub->columns);
   }

@@ -116,6 +116,77 @@ static bool any_definite(const km_second_order *c, double *work) {
   return false;
 }
 
+/* The column of M[rows × columns] with the largest square. */
+static double longest_column(const double *M, int rows, int columns, int *longest) {
+  double most = -1.0;
+  for (int c = 0; c < columns; ++c) {
+    double square = 0.0;
+    for (int r = 0; r < rows; ++r)
+      square += M[c * rows + r] * M[c * rows + r];
+    if (square > most) {
+      most = square;
+      *longest = c;
+    }
+  }
+  return most;
+}
+
+/* M = V R with orthonormal columns of V, by Gram and Schmidt from the longest column on, until what is left of all is shorter
+ * than `least`; M is used up. Returns how many rows of R[… × columns] that takes. */
+static int compress(double *M, int rows, int columns, double least, double *R) {
+  int count = 0, longest = 0;
+  for (; count < rows && count < columns; ++count) {
+    double length = sqrt(longest_column(M, rows, columns, &longest));
+    if (!(length > least))
+      break;
+    double *v = M + longest * rows;
+    for (int r = 0; r < rows; ++r)
+      v[r] /= length;
+    for (int c = 0; c < columns; ++c) {
+      double *x = M + c * rows, dot = 0.0;
+      for (int r = 0; r < rows; ++r)
+        dot += v[r] * x[r];
+      R[count * columns + c] = c == longest ? length : dot;
+      for (int r = 0; r < rows && c != longest; ++r)
+        x[r] -= dot * v[r];
+    }
+    memset(v, 0, (size_t)rows * sizeof *v);
+  }
+  return count;
+}
+
+static double largest_entry(const km_second_order *c) {
+  double largest = 0.0;
+  for (size_t i = 0; i < (size_t)(c->conditions * c->freedom * c->freedom); ++i)
+    largest = fmax(largest, fabs(c->Q[i]));
+  return largest;
+}
+
+/* More conditions than there are products of two freedoms depend on each other: as few take their place whose values have the
+ * same sum of squares along every direction, so that Gauss-Newton goes the same way. */
+static bool leave_independent(km_second_order *c) {
+  int k = c->freedom, products = k * (k + 1) / 2;
+  km_arena arena = {0};
+  if (c->conditions <= products)
+    return true;
+  double *M = KM_ARENA_NEW(&arena, double, (size_t)c->conditions *(size_t)products);
+  double *R = KM_ARENA_NEW(&arena, double, (size_t)products *(size_t)products);
+  bool made = !arena.failed;
+  for (int i = 0; i < c->conditions && made; ++i)
+    for (int a = 0, at = i; a < k; ++a)
+      for (int b = 0; b <= a; ++b, at += c->conditions)
+        M[at] = c->Q[i * k * k + a * k + b];
+  if (made)
+    c->conditions = compress(M, c->conditions, products, c->noise, R);
+  for (int i = 0; i < c->conditions && made; ++i)
+    for (int a = 0, at = i * products; a < k; ++a)
+      for (int b = 0; b <= a; ++b, ++at)
+        c->Q[i * k * k + a * k + b] = c->Q[i * k * k + b * k + a] = R[at];
+  c->size = largest_entry(c);
+  km_arena_free(&arena);
+  return made;
+}
+
 bool km_second_order_build(const km_mechanism *m, km_state *s, int index, km_arena *arena, km_second_order *out) {
   const km_substructure *sub = &m->substructures[index];
   const double *weight = m->column_weight + sub->column_start;
@@ -138,10 +209,9 @@ bool km_second_order_build(const km_mechanism *m, km_state *s, int index, km_are
   for (size_t i = 0; i < n * k; ++i)
     x[i] = out->Z[i] / weight[i % n];
   fill_conditions(m, s, sub, W, x, rate, gamma, out);
-  for (size_t i = 0; i < (size_t)out->conditions * k * k; ++i)
-    out->size = fmax(out->size, fabs(out->Q[i]));
+  out->size = largest_entry(out);
   out->definite = any_definite(out, work);
-  return true;
+  return leave_independent(out);
 }
 
 static double condition(const km_second_order *c, int i, const double *a, double *slope) {
@@ -158,7 +228,7 @@ static double condition(const km_second_order *c, int i, const double *a, double
   return value;
 }
 
-/* Solves the damped normal equations (A + μ) d = -b in place; k × k. */
+/* Solves the damped normal equations (A + μ) d = -b in place; k × k, of which the lower half is read. */
 static void damped_step(double *A, const double *b, int k, double damping, double *d) {
   for (int i = 0; i < k; ++i)
     A[i * k + i] += damping;
@@ -192,7 +262,7 @@ bool km_second_order_solve(const km_second_order *c, double *a, double *work) {
       worst = fmax(worst, fabs(value));
       for (int r = 0; r < k; ++r) {
         b[r] += value * slope[r] / c->size;
-        for (int o = 0; o < k; ++o)
+        for (int o = 0; o <= r; ++o)
           A[r * k + o] += slope[r] * slope[o] / (c->size * c->size);
       }
     }
@@ -210,4 +280,25 @@ bool km_second_order_solve(const km_second_order *c, double *a, double *work) {
   for (int i = 0; i < c->conditions; ++i)
     worst = fmax(worst, fabs(condition(c, i, a, slope)) / c->size);
   return worst < km_nearly_met;
+}
+
+int km_second_order_dimension(const km_second_order *c, const double *a) {
+  int k = c->freedom, rank = 0;
+  km_arena arena = {0};
+  km_partition p;
+  if (c->conditions == 0 || c->size < c->noise)
+    return k;
+  double *slopes = KM_ARENA_NEW(&arena, double, (size_t)(c->conditions * k));
+  if (slopes && km_partition_reserve(&p, k, c->conditions, &arena)) {
+    double largest = 0.0;
+    for (int i = 0; i < c->conditions; ++i)
+      condition(c, i, a, slopes + i * k);
+    for (int i = 0; i < c->conditions * k; ++i)
+      largest = fmax(largest, fabs(slopes[i]));
+    /* a is √km_nearly_met from where the conditions are met, and Q at most k times its largest entry. */
+    km_partition_factor(&p, slopes, k, c->conditions, NULL, 2.0 * k * sqrt(km_nearly_met) * c->size / largest);
+    rank = p.rank;
+  }
+  km_arena_free(&arena);
+  return k - rank;
 }

@@ -41,4 +41,8 @@ bool km_second_order_build(const km_mechanism *mechanism, km_state *state, int s
  * false if there is none. work[freedom² + 3 · freedom]. */
 bool km_second_order_solve(const km_second_order *conditions, double *a, double *work);
 
+/* The most dimensions that a motion along such an a can have. Its tangents at the pose are a cone of as many, in which a lies and
+ * all conditions are met: freedom less the rank of their derivatives at a, of which only what is plain counts. */
+int km_second_order_dimension(const km_second_order *conditions, const double *a);
+
 #endif

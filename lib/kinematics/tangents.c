@@ -11,6 +11,7 @@ bool km_tangents_make(km_tangents *f, const km_mechanism *m, km_state *s, int in
   arena->failed = !km_second_order_start(m, s, index, &f->conditions) || arena->failed;
   f->pose = KM_ARENA_NEW(arena, double, KM_SAVED_PER_COLUMN *n);
   f->last = KM_ARENA_NEW(arena, double, KM_SAVED_PER_COLUMN *n);
+  f->ahead = KM_ARENA_NEW(arena, double, KM_SAVED_PER_COLUMN *n);
   f->x = KM_ARENA_NEW(arena, double, n);
   f->move = KM_ARENA_NEW(arena, double, n);
   f->direction = KM_ARENA_NEW(arena, double, n);
@@ -52,6 +53,8 @@ km_followed km_tangents_try(km_tangents *f, const double *direction) {
     f->doubtful = f->doubtful || one.reality == KM_LOST || one.reality == KM_UNDECIDED;
     if (one.reality < f->enough)
       return (km_followed){0.0, one.reality};
+    if (sign > 0)
+      km_state_save(f->s, f->sub, f->ahead);
     both = (km_followed){fmin(both.length, one.length), one.reality < both.reality ? one.reality : both.reality};
   }
   return both;
@@ -71,8 +74,9 @@ void km_tangents_normalise(double *a, int k) {
 }
 
 bool km_tangents_all_real(km_tangents *f) {
-  int k = f->conditions.freedom, trials = k == 1 ? 1 : 2 * k; /* of one tangent there are no combinations */
-  for (int trial = 0; trial < trials; ++trial) {
+  int k = f->conditions.freedom, random = km_tangents_are_exact(f) ? 1 : k;
+  random = k > 1 ? random : 0; /* of one tangent there are no combinations */
+  for (int trial = 0; trial < k + random; ++trial) {
     for (int i = 0; i < k; ++i)
       f->a[i] = trial < k ? trial == i : km_uniform(&f->random);
     km_tangents_normalise(f->a, k);
@@ -84,6 +88,17 @@ bool km_tangents_all_real(km_tangents *f) {
       f->length[trial] = found.length;
   }
   return true;
+}
+
+bool km_tangents_are_regular(km_tangents *f) {
+  uint64_t random = 1;
+  if (!km_tangents_are_exact(f))
+    return false;
+  for (int i = 0; i < f->conditions.freedom; ++i)
+    f->a[i] = km_uniform(&random);
+  km_tangents_normalise(f->a, f->conditions.freedom);
+  km_tangents_direction(f, f->a, f->direction);
+  return km_tangents_follow(f, f->direction, 1.0).reality == KM_REAL;
 }
 
 /* The conditions of second order, found when they are first asked for; the state is then at the pose. */
@@ -121,11 +136,16 @@ static bool is_known(const km_tangents *f, const double *known, int count) {
   return false;
 }
 
-bool km_tangents_next(km_tangents *f, const double *known, int count) {
+bool km_tangents_next(km_tangents *f, const double *known, int count, double *length) {
   int most = KM_STARTS_PER_FREEDOM * (count > f->conditions.freedom ? count : f->conditions.freedom);
   while (f->starts < most) {
     f->starts++;
-    if (seek(f) && !is_known(f, known, count) && km_tangents_is_real(f, f->a))
+    if (!seek(f) || is_known(f, known, count))
+      continue;
+    km_tangents_direction(f, f->a, f->direction);
+    km_followed found = km_tangents_try(f, f->direction);
+    *length = found.length;
+    if (found.reality >= f->enough)
       return true;
   }
   return false;

@@ -28,6 +28,7 @@ typedef struct km_tangents {
   km_second_order conditions; /* Q is built when a random tangent is first asked for */
   double residual;            /* of the pose's worst loop */
   double *pose, *last;        /* saved coordinates */
+  double *ahead;              /* those at the end of the way ahead of the tangent tried last */
   bool doubtful;              /* some tangent was neither confirmed nor refuted */
   km_reality enough;          /* to count as real; KM_REAL */
   double *x, *move, *work;
@@ -56,18 +57,24 @@ typedef struct km_followed {
  * coordinate as the driver: what is left of the loops' errors is then theirs, and not moved away. The state is left at
  * the end. See trial.c. */
 km_followed km_tangents_follow(km_tangents *tangents, const double *direction, double sign);
+/* Do the loops fit at the pose to rounding, so that a misfit further on means something however small it is? */
+bool km_tangents_are_exact(const km_tangents *tangents);
 /* The shorter of the ways ahead and back; 0 where the first of the two shows that the direction isn't real. `doubtful`
  * remembers answers that are undecided. */
 km_followed km_tangents_try(km_tangents *tangents, const double *direction);
 /* Can it be followed ahead and back? */
 bool km_tangents_is_real(km_tangents *tangents, const double *a);
-/* Are the basis vectors and as many random combinations of them all real? */
+/* Are the basis vectors real, and a random combination of them, or, of data that aren't exact, as many combinations? */
 bool km_tangents_all_real(km_tangents *tangents);
+/* Are all tangents real, by a single one? True is certain, of exact data: the primary equations leave a manifold, on which the
+ * errors of the others are analytic. They are 0 along a random way on it only where they are 0 everywhere. */
+bool km_tangents_are_regular(km_tangents *tangents);
 /* A random tangent that meets the second order and is real, into `a`; false if the start leads to none. To be asked for
  * after km_tangents_all_real: the tangent of a single freedom isn't tried again. */
 bool km_tangents_random(km_tangents *tangents);
-/* The next one that is none of the `count` known[count × freedom], into `a`; false: the starts that are left lead to none.
- * There are as many for each that is known as for each freedom: who meets many branches has missed some. */
-bool km_tangents_next(km_tangents *tangents, const double *known, int count);
+/* The next one that is none of the `count` known[count × freedom], into `a`, and how far it was followed, ahead and back; false:
+ * the starts that are left lead to none. There are as many for each that is known as for each freedom: who meets many branches
+ * has missed some. */
+bool km_tangents_next(km_tangents *tangents, const double *known, int count, double *length);
 
 #endif

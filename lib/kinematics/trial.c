@@ -117,9 +117,13 @@ static void look_ahead(km_tangents *f, int driver, double h) {
   scale_move(f, h / fastest(f->move, n, &column));
 }
 
+bool km_tangents_are_exact(const km_tangents *f) {
+  return !f->m->closure_tolerance_given && f->residual < noise;
+}
+
 static km_reality judge(const km_tangents *f, const record *r, double tolerance, bool whole) {
   double way = r->count ? r->way[r->count - 1] : 0.0, misfit = r->count ? r->worst[r->count - 1] : 0.0;
-  bool exact = !f->m->closure_tolerance_given && f->residual < noise;
+  bool exact = km_tangents_are_exact(f);
   if (way < short_way)
     return exact ? KM_UNREAL : KM_LOST;
   double order = power(r, f->residual);

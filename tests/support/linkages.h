@@ -5,7 +5,7 @@
 
 #include "support/support.h"
 
-enum { MOST_AXES = 12 };
+enum { MOST_AXES = 24 };
 
 typedef struct axis_joint {
   int parent, child; /* bodies; 0: the inertial frame */
