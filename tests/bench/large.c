@@ -63,7 +63,7 @@ static const shape shapes[] = {
     {.name = "bent trellis", .weave = write_bent_trellis, .per_cell = 1, .output = "last"},
     {.name = "Miura-ori", .weave = write_miura_here, .per_cell = 1, .at_corners = true, .output = "last"},
     {.name = "flat Miura-ori", .weave = write_flat_miura, .per_cell = 1, .at_corners = true, .output = "last"},
-    {.name = "triangles", .weave = write_triangles, .per_cell = 1, .at_corners = true, .output = "j1"},
+    {.name = "triangles", .weave = write_triangles, .per_cell = 1, .at_corners = true, .output = "last"},
 };
 enum { SHAPES = sizeof shapes / sizeof *shapes };
 

@@ -64,13 +64,14 @@ void write_stretched_five_bars(km_text *out, int n) {
   lay_five_bars(out, n, 0.0, 0.0, 0.5);
 }
 
-/* The cranks' joints with the ground are of the type that is given. */
+/* The cranks' joints with the ground are of the type that is given. A crank turns the next one about as far as it turns itself,
+ * else the last one of many would hardly turn at all. */
 static void lay_ball_couplers(km_text *out, int n, const char *type) {
   hinges h = {0};
   for (int i = 0; i <= n; ++i)
     hinges_add(&h, type, 0, 1 + i, (km_vec3){2.0 * i, 0.0, 0.0}, (km_vec3){0.3 * sin(i), 0.4 * cos(2.0 * i), 1.0});
   for (int i = 0; i < n; ++i) {
-    km_vec3 from = {2.0 * i + 0.6, 0.8, 0.2 * sin(3.0 * i)}, to = {2.0 * i + 2.5, 0.9, 0.3 + 0.2 * cos(5.0 * i)};
+    km_vec3 from = {2.0 * i + 0.6, 0.8, 0.2 * sin(3.0 * i)}, to = {2.0 * i + 2.6, 0.8, 0.2 * cos(5.0 * i)};
     hinges_add(&h, "spherical", 1 + i, 2 + n + i, from, (km_vec3){0.0, 0.0, 1.0});
     hinges_add(&h, "spherical", 2 + n + i, 2 + i, to, (km_vec3){0.0, 0.0, 1.0});
   }

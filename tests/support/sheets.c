@@ -133,17 +133,17 @@ static km_vec3 wave(int i, int k) {
   return (km_vec3){k, i, 0.3 * sin(2.0 * i + 5.0 * k)};
 }
 
-/* Of each square the triangle at its corner i,k is even, the one at i+1,k+1 odd. */
+/* Of each square the triangle at its corner i,k+1 is even, the one at i+1,k odd. */
 void write_triangles(km_text *out, int rows, int columns) {
   hinges h = {0};
   for (int i = 0; i < rows; ++i)
     for (int k = 0; k < columns; ++k) {
       int panel = 2 * (i * columns + k);
-      crease(&h, panel, panel + 1, wave(i, k + 1), wave(i + 1, k));
+      crease(&h, panel, panel + 1, wave(i, k), wave(i + 1, k + 1));
       if (i > 0)
         crease(&h, panel - 2 * columns + 1, panel, wave(i, k), wave(i, k + 1));
       if (k > 0)
-        crease(&h, panel - 1, panel, wave(i, k), wave(i + 1, k));
+        crease(&h, panel - 2, panel + 1, wave(i, k), wave(i + 1, k));
     }
   hinges_write(&h, out, 0.0);
 }
