@@ -11,7 +11,7 @@ static void set_numbers(const km_mechanism *m, km_state *s, int index) {
     s->numbers[coordinate[k]] = s->work[k];
 }
 
-void km_numbers_update(const km_mechanism *m, km_state *s, int index) {
+void km_motions_update(const km_mechanism *m, km_state *s, int index) {
   const km_substructure *sub = &m->substructures[index];
   const km_partition *p = &s->partition[index];
   bool many = p->sparse && km_partition_freedom(p) > KM_MANY_VECTORS; /* by the rows, whatever B is */
@@ -19,6 +19,11 @@ void km_numbers_update(const km_mechanism *m, km_state *s, int index) {
     int worst;
     km_pivot(m, s, index, KM_NO_DRIVER, km_rank_tolerance(m, sub, km_loops_residual(m, s, sub, &worst)));
   }
+  km_state_know_motions(s, index);
+}
+
+void km_numbers_update(const km_mechanism *m, km_state *s, int index) {
+  km_motions_update(m, s, index);
   set_numbers(m, s, index);
 }
 

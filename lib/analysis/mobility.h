@@ -5,8 +5,11 @@
 #include "kinematics/state.h"
 #include "kmech/mobility.h"
 
-/* Mobility numbers of a substructure from the partition that its last closure left. Where a driver forced a
- * badly conditioned partition, pivots are searched again without it. */
+/* What moves in a substructure, by the partition that its last closure left. Where a driver forced a badly conditioned partition,
+ * pivots are searched again without it. */
+void km_motions_update(const km_mechanism *mechanism, km_state *state, int substructure);
+
+/* The same with its mobility numbers. */
 void km_numbers_update(const km_mechanism *mechanism, km_state *state, int substructure);
 
 /* km_mobility_update without the mobility numbers, which it leaves as they are. */

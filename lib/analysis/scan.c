@@ -67,7 +67,7 @@ void km_events_sort(km_events *events, const km_sweep_plan *plan) {
 
 static void evaluate(const km_scan *scan, km_sweeper *r, double *n, double *d) {
   if (r->substructure >= 0 && !r->rides)
-    km_numbers_update(r->m, r->s, r->substructure);
+    km_motions_update(r->m, r->s, r->substructure);
   for (int i = 0; i < scan->count; ++i)
     d[i] = 1.0;
   scan->values(scan->self, r, n, d);
@@ -300,7 +300,7 @@ km_status km_scan_sample(km_scan *scan, km_sweeper *r, double s, km_error *error
   if (moved) {
     r->mover.settle(r->mover.self);
     if (r->substructure >= 0)
-      km_numbers_update(r->m, r->s, r->substructure);
+      km_motions_update(r->m, r->s, r->substructure);
   }
   return status;
 }

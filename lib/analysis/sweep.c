@@ -92,7 +92,7 @@ static km_status open_sweeper(km_sweeper *r, const km_sweep_job *job) {
 bool km_sweeper_meets(km_sweeper *r) {
   if (r->substructure < 0)
     return false;
-  km_numbers_update(r->m, r->s, r->substructure);
+  km_motions_update(r->m, r->s, r->substructure);
   return km_partition_freedom(&r->s->partition[r->substructure]) > r->out->freedom;
 }
 

@@ -97,7 +97,7 @@ static double *write_points(const km_sweeper *r, double *cell) {
 bool km_sweeper_motion(km_sweeper *r) {
   bool moves = r->mover.rates(r->mover.self, r->rates);
   if (r->substructure >= 0)
-    km_numbers_update(r->m, r->s, r->substructure);
+    km_motions_update(r->m, r->s, r->substructure);
   return moves;
 }
 

@@ -24,6 +24,7 @@ static bool allocate(const km_mechanism *m, km_state *s) {
   s->error = KM_ARENA_NEW(arena, double, (size_t)m->error_size);
   s->misfit = KM_ARENA_NEW(arena, km_twist, (size_t)t->loop_count);
   s->partition = KM_ARENA_NEW(arena, km_partition, (size_t)t->substructure_count);
+  s->normal = KM_ARENA_NEW(arena, km_normal *, (size_t)t->substructure_count);
   s->aside = KM_ARENA_NEW(arena, km_aside, (size_t)t->substructure_count);
   s->pivoted = KM_ARENA_NEW(arena, int, (size_t)t->substructure_count);
   s->basis = KM_ARENA_NEW(arena, km_basis, (size_t)t->substructure_count);
@@ -40,7 +41,8 @@ static bool allocate(const km_mechanism *m, km_state *s) {
   s->locked = KM_ARENA_NEW(arena, bool, coordinates);
   s->locked_column = KM_ARENA_NEW(arena, bool, coordinates);
   for (int i = 0; i < t->substructure_count && !arena->failed; ++i)
-    reserve_partition(&m->substructures[i], &s->partition[i], arena);
+    if (reserve_partition(&m->substructures[i], &s->partition[i], arena))
+      km_partition_keep_normal(&s->partition[i], &s->normal[i]);
   /* Small ones never grow: kernels don't allocate. */
   for (int i = 0; i < t->substructure_count && !arena->failed; ++i)
     if (!m->substructures[i].pattern.start)
@@ -97,11 +99,12 @@ km_status km_state_create(const km_mechanism *m, km_state **out, km_error *error
   if (fits)
     return fits;
   km_state *s = KM_NEW(km_state, 1);
+  if (s)
+    s->mechanism = m;
   if (!s || !allocate(m, s)) {
     km_state_free(s);
     return km_fail(error, KM_MEMORY, "out of memory for a state of the mechanism");
   }
-  s->mechanism = m;
   km_state_restart(s);
   *out = s;
   return KM_OK;
@@ -121,6 +124,8 @@ void km_state_restart(km_state *s) {
 void km_state_free(km_state *s) {
   if (!s)
     return;
+  for (int i = 0; s->normal && i < s->mechanism->topology.substructure_count; ++i)
+    km_normal_free(s->normal[i]);
   km_arena_free(&s->arena);
   km_free(s);
 }
@@ -176,15 +181,27 @@ bool km_state_along_many(const km_mechanism *m, km_state *s, int index, const do
   return km_partition_along_null(p, km_state_jacobian(s, sub), m->column_weight + sub->column_start, y, 1);
 }
 
+/* Do so many motions need no basis before someone asks for it? */
+static bool basis_waits(const km_partition *p) {
+  int freedom = km_partition_freedom(p);
+  return freedom > KM_MANY_VECTORS && (p->sparse || p->rank < freedom);
+}
+
+void km_state_know_motions(km_state *s, int index) {
+  if (basis_waits(&s->partition[index]))
+    s->basis[index].known = s->basis[index].waits = true;
+  else
+    km_state_basis(s, index);
+}
+
 /* Without a basis; false where it has to be made. */
 static bool find_many_numbers(const km_mechanism *m, km_state *s, int index, double *numbers) {
   const km_substructure *sub = &m->substructures[index];
   const km_partition *p = &s->partition[index];
-  int freedom = km_partition_freedom(p);
-  if (freedom <= KM_MANY_VECTORS || (!p->sparse && p->rank >= freedom) ||
+  if (!basis_waits(p) ||
       !km_partition_numbers(p, km_state_jacobian(s, sub), m->column_weight + sub->column_start, numbers))
     return false;
-  s->basis[index].known = s->basis[index].waits = true;
+  km_state_know_motions(s, index);
   return true;
 }
 

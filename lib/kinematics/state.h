@@ -44,6 +44,7 @@ struct km_state {
   double *error;           /* [error_size] by substructure, the rows' errors. By km_loops_update */
   km_twist *misfit;        /* [loop] whole error screws, scaled. By km_loops_update */
   km_partition *partition; /* [substructure] of the Jacobian. By km_closure */
+  km_normal **normal;      /* [substructure] what their least steps keep. By km_state_free */
   km_aside *aside;         /* [substructure] large ones' second partitions */
   int *pivoted;            /* [substructure] driver column that its pivots were searched for; KM_NEVER */
   km_basis *basis;         /* [substructure] Z: columns × freedom. By km_state_null */
@@ -95,6 +96,8 @@ void km_state_jacobian_dense(const km_state *state, const km_substructure *sub, 
 /* km_partition_null of a substructure's partition with the weights D, into the state: Z[count × columns], those that are
  * there already not again. NULL when out of memory (then km_partition_freedom is 0 too). */
 double *km_state_null(const km_mechanism *mechanism, const km_state *state, int substructure, int count);
+/* What moves is known from the partition at hand: the basis is made, unless many motions let it wait. */
+void km_state_know_motions(km_state *state, int substructure);
 /* Mobility numbers by column. Those of many freedoms need no basis, which is made when someone asks for it. */
 void km_state_numbers(const km_mechanism *mechanism, km_state *state, int substructure, double *numbers);
 /* km_partition_rows in the same place: R[rank × columns]. NULL when out of memory. */

@@ -15,6 +15,7 @@
 #include <stdbool.h>
 
 typedef struct km_sparse km_sparse;
+typedef struct km_normal km_normal;
 
 /* The result of a factorisation, with its evidence. */
 typedef struct km_partition {
@@ -63,6 +64,11 @@ bool km_partition_reserve_sparse(km_partition *partition, int rows, int columns,
 /* Space for the matrices of `other`, by the same engine. */
 bool km_partition_reserve_like(km_partition *partition, const km_partition *other, int rows, int columns,
                                km_arena *arena);
+
+/* Where what least solutions by the sparse engine keep from one to the next is to be kept, NULL at first: for this partition and
+ * those that are reserved like it later. Borrowed; *place is for km_normal_free. Without a place they take longer. */
+void km_partition_keep_normal(km_partition *partition, km_normal **place);
+void km_normal_free(km_normal *normal);
 
 /* Complete pivoting. Pivots stop at |pivot| ≤ tolerance · (largest entry). Columns with forced[c] (may be
  * NULL) stay independent while the others can give full rank. Equal entries (up to 12 × 64: equal to 2^-42, so that
@@ -127,8 +133,8 @@ void km_partition_rows(const km_partition *partition, const double *weight, int 
 enum { KM_MANY_VECTORS = 48 };
 
 /* Takes out of x what it has of the null space of the first `count` independent columns, in the norm |diag(weight) x|, by the
- * matrix that the sparse engine factored last. work[columns]. False, and x kept, where SuiteSparse's SPQR isn't installed or
- * memory is out. O(entries of the Q R of the primary rows), where km_partition_null takes O(columns·count²). */
+ * matrix that the sparse engine factored last. work[columns]. False, and x kept, where SuiteSparse isn't installed or memory
+ * is out. O(entries of a factor of the primary rows), where km_partition_null takes O(columns·count²). */
 bool km_partition_reject_null(const km_partition *partition, const double *matrix, const double *weight, int count,
                               double *x, double *work);
 

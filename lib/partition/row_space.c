@@ -1,5 +1,6 @@
 /* What many motions have of a step or of a coordinate: of a matrix with few entries by sparse Q R of its primary rows, to which
  * all motions are at right angles, or of the null vectors, whichever fills R less. */
+#include "partition/normal.h"
 #include "partition/orthogonal.h"
 #include "partition/pair.h"
 #include "partition/sparse.h"
@@ -42,6 +43,24 @@ static km_orthogonal *rows_of(const km_partition *p, const double *matrix, const
   }
   km_free(left_out);
   return q;
+}
+
+/* The rows by their normal equations; NULL where these aren't kept, or would be full, or don't tell. */
+static km_normal *normal_of(const km_partition *p, const double *matrix, const double *weight, int count) {
+  const km_sparse *s = p->sparse;
+  if (!s->normal || km_sparse_is_crowded(p))
+    return NULL;
+  if (!*s->normal)
+    *s->normal = km_normal_create(p->rows, p->columns, s->start, s->row);
+  bool *rows = KM_NEW(bool, (size_t)p->rows + 1), *columns = KM_NEW(bool, (size_t)p->columns + 1);
+  for (int k = 0; k < p->rank && rows; ++k)
+    rows[p->row[k]] = true;
+  for (int k = 0; k < p->rank + count && columns; ++k)
+    columns[p->column[k]] = true;
+  bool good = *s->normal && rows && columns && km_normal_factor(*s->normal, matrix, weight, rows, columns);
+  km_free(rows);
+  km_free(columns);
+  return good ? *s->normal : NULL;
 }
 
 /* Σ over all rows of N, of the first `count` null vectors, of the squared number of entries; it ends beyond `most`. */
@@ -151,8 +170,24 @@ static bool reject(km_orthogonal *q, const km_partition *p, const double *weight
   return done;
 }
 
+/* The rest of D x is what the rows have of it. What is moved by none of the motions x keeps. */
+static bool reject_by_normal(const km_partition *p, const double *matrix, const double *weight, int count, double *x,
+                             double *work) {
+  km_normal *normal = normal_of(p, matrix, weight, count);
+  double *part = normal ? KM_NEW(double, (size_t)p->columns + 1) : NULL;
+  for (int c = 0; c < p->columns; ++c)
+    work[c] = weight[c] * x[c];
+  bool done = part && km_normal_part(normal, work, part);
+  for (int k = 0; k < p->rank + count && done; ++k)
+    x[p->column[k]] = part[p->column[k]] / weight[p->column[k]];
+  km_free(part);
+  return done;
+}
+
 bool km_partition_reject_null(const km_partition *p, const double *matrix, const double *weight, int count, double *x,
                               double *work) {
+  if (reject_by_normal(p, matrix, weight, count, x, work))
+    return true;
   km_orthogonal *null = null_of(p, weight, count), *q = null ? null : rows_of(p, matrix, weight, count);
   bool done = reject(q, p, weight, !null, count, x, work);
   km_orthogonal_free(q);
@@ -211,9 +246,19 @@ static bool least_by_rows(const km_partition *p, const double *matrix, const dou
   return done;
 }
 
+static bool least_by_normal(const km_partition *p, const double *matrix, const double *weight, int count,
+                            const double *rhs, double *x) {
+  km_normal *normal = normal_of(p, matrix, weight, count);
+  bool done = normal && km_normal_least(normal, rhs, x);
+  for (int c = 0; c < p->columns && done; ++c)
+    x[c] /= weight[c];
+  return done;
+}
+
 bool km_partition_least(const km_partition *p, const double *matrix, const double *weight, int count, const double *rhs,
                         double *x) {
-  return least_by_null(p, weight, count, rhs, x) || least_by_rows(p, matrix, weight, count, rhs, x);
+  return least_by_normal(p, matrix, weight, count, rhs, x) || least_by_null(p, weight, count, rhs, x) ||
+         least_by_rows(p, matrix, weight, count, rhs, x);
 }
 
 bool km_sparse_spare_rows(km_partition *p, const double *matrix, const bool *forced, double threshold) {

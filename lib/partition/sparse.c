@@ -88,8 +88,7 @@ double km_sparse_crowd(const km_partition *p) {
   return sum;
 }
 
-/* Do some columns have so many entries that Q R of the rows would be full? */
-static bool is_crowded(const km_partition *p) {
+bool km_sparse_is_crowded(const km_partition *p) {
   static const double most_crowd = 100.0; /* entries that share a column with one */
   const km_sparse *s = p->sparse;
   double sum = 0.0;
@@ -158,7 +157,7 @@ void km_sparse_factor(km_partition *p, const double *matrix, const bool *forced,
     p->locked_count += p->locked[c];
   memset(s->late, 0, (size_t)p->columns * sizeof *s->late);
   memset(s->spare, 0, (size_t)p->rows * sizeof *s->spare);
-  s->by_rows = p->rows_only && !is_crowded(p);
+  s->by_rows = p->rows_only && !km_sparse_is_crowded(p);
   (s->by_rows ? find_rows : find_good_columns)(p, matrix, forced, tolerance * p->scale);
   remember(p, matrix, forced, tolerance);
 }

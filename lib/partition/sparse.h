@@ -62,8 +62,9 @@ struct km_sparse {
   double known_tolerance;
   unsigned known_flags;
   bool is_known;
-  bool by_rows; /* only the rows were asked for: the independent columns have no entries of U, and no B */
-  bool keeps_b; /* else there is room for one column of B only: many are found when they are asked for */
+  km_normal **normal; /* borrowed, of all partitions of the pattern; NULL: none */
+  bool by_rows;       /* only the rows were asked for: the independent columns have no entries of U, and no B */
+  bool keeps_b;       /* else there is room for one column of B only: many are found when they are asked for */
 };
 
 /* Null vectors with so many times the entries of the matrix, all together, are long: they reach through the whole mechanism. */
@@ -128,6 +129,8 @@ bool km_sparse_find_b(km_partition *partition, const bool *forced, double most);
 /* Σ over all columns of the squared number of entries in primary rows: about how many entries Q R of the rows comes to, at most.
  */
 double km_sparse_crowd(const km_partition *partition);
+/* Do some columns have so many entries that Q R of the rows would be full? */
+bool km_sparse_is_crowded(const km_partition *partition);
 /* The entries of column k of B in the store, until another one is asked for. O(entries of U that it reaches). */
 km_run km_sparse_b(const km_partition *partition, int k);
 /* Column k of B with its zeros, in the workspace. */

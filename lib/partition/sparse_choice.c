@@ -30,20 +30,29 @@ typedef struct choice {
   holder *holders;
   int holder_count;
   size_t holder_capacity;
-  int *place; /* [columns] of an entry in the vector at hand, over 0; 0: none */
-  bool full;  /* the vectors have become too long */
+  int *place;   /* [columns] of an entry in the vector at hand, over 0; 0: none */
+  double looks; /* at entries of vectors, so far */
+  bool full;    /* the vectors have become too long */
 } choice;
 
-/* Entries of all null vectors over those of the matrix. Longer ones take more time with every use than what a smaller B is
- * worth. */
-enum { MOST_FILL = 50 };
+/* Entries of all null vectors over those of the matrix, and of many of them how often entries are looked at, over the same. What
+ * goes beyond takes more time than what a smaller B is worth; that of few vectors is worth any, since a basis is made of them. */
+enum { MOST_FILL = 50, MOST_LOOKS = 2500 };
+
+/* One more look at all entries of a vector. */
+static void count_looks(choice *h, const null_vector *v) {
+  double most = (double)MOST_LOOKS * h->p->sparse->start[h->p->columns];
+  h->looks += v->count;
+  h->full = h->full || (h->looks > most && km_partition_freedom(h->p) > KM_MANY_VECTORS);
+}
 
 static bool may_be_chosen(const choice *h, int c) {
   return !h->p->sparse->late[c] && !km_sparse_is_given(h->p, h->forced, c);
 }
 
 /* Of equal entries that of the first column; without any other than 0 the first column of all. */
-static void find_largest(const choice *h, null_vector *v) {
+static void find_largest(choice *h, null_vector *v) {
+  count_looks(h, v);
   v->largest = -1;
   v->size = 0.0;
   for (int i = 0; i < v->count; ++i) {
@@ -61,7 +70,7 @@ static void find_largest(const choice *h, null_vector *v) {
 
 static bool append(choice *h, int vector, int column, double value) {
   null_vector *v = &h->vectors[vector];
-  h->full = h->holder_count >= MOST_FILL * h->p->sparse->start[h->p->columns];
+  h->full = h->full || h->holder_count >= MOST_FILL * h->p->sparse->start[h->p->columns];
   if (h->full || !km_arena_grow(&h->arena, (void **)&v->column, &v->capacity, (size_t)v->count + 1, sizeof(int)) ||
       !km_arena_grow(&h->arena, (void **)&v->value, &v->value_capacity, (size_t)v->count + 1, sizeof(double)) ||
       !km_arena_grow(&h->arena, (void **)&h->holders, &h->holder_capacity, (size_t)h->holder_count + 1, sizeof(holder)))
@@ -102,6 +111,7 @@ static bool list_vectors(choice *h) {
 static bool subtract(choice *h, const null_vector *own, double share, int vector) {
   null_vector *v = &h->vectors[vector];
   bool done = true;
+  count_looks(h, v);
   for (int i = 0; i < v->count; ++i)
     h->place[v->column[i]] = i + 1;
   for (int i = 0, before = v->count; i < own->count && done; ++i) {
@@ -132,7 +142,8 @@ static bool eliminate(choice *h, int vector, const bool *done) {
     int other = h->holders[i].vector;
     null_vector *v = &h->vectors[other];
     double share = done[other] || value == 0.0 ? 0.0 : entry_of(v, pivot) / value;
-    if (share != 0.0 && !subtract(h, own, share, other))
+    count_looks(h, v);
+    if (h->full || (share != 0.0 && !subtract(h, own, share, other)))
       return false;
     if (share != 0.0 || v->largest == pivot)
       find_largest(h, v);

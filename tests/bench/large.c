@@ -4,6 +4,7 @@
 #include "process.h"
 
 #include "support/lattices.h"
+#include "support/random_graph.h"
 #include "support/sheets.h"
 
 #include <stdio.h>
@@ -41,6 +42,14 @@ static void write_miura_here(km_text *out, int rows, int columns) {
   write_miura(out, rows, columns, 0.0);
 }
 
+static void write_near_graph(km_text *out, int loops) {
+  write_random_graph(out, loops, 2);
+}
+
+static void write_wide_graph(km_text *out, int loops) {
+  write_random_graph(out, loops, loops);
+}
+
 static void write_ladder(km_text *out, int loops) {
   write_grid(out, 1, loops);
 }
@@ -54,7 +63,8 @@ static const shape shapes[] = {
     {.name = "ball couplers", .write = write_ball_couplers, .output = "j1"},
     {.name = "balls", .write = write_balls},
     {.name = "bars", .write = write_bars_here},
-    {.name = "random graph", .write = write_random_graph, .output = "last"},
+    {.name = "random graph", .write = write_near_graph, .output = "last"},
+    {.name = "wide random graph", .write = write_wide_graph, .output = "last"},
     {.name = "ladder", .write = write_ladder, .output = "last"},
     {.name = "grid", .weave = write_grid, .per_cell = 1, .output = "last"},
     {.name = "bent grid", .weave = write_bent_grid, .per_cell = 1, .output = "last"},

@@ -1,7 +1,6 @@
-/* Rows of loops, and loops that are joined at random. */
+/* Rows of loops. */
 #include "support/lattices.h"
 
-#include "base/random.h"
 #include "support/hinges.h"
 
 /* The tops of the rockers are above the ground by `height`, and the rockers 1 long. */
@@ -95,29 +94,4 @@ void write_bars(km_text *out, int n, double away) {
     hinges_add(&h, "spherical", 2 + i, 1, (km_vec3){cos(w + 0.5), sin(w + 0.5), 2.0 + 0.1 * sin(7.0 * w)}, up);
   }
   hinges_write(&h, out, away);
-}
-
-/* Evenly from 0 to 1. */
-static double part(uint64_t *seed) {
-  return 0.5 + 0.5 * km_uniform(seed);
-}
-
-/* Any of 0 … n − 1. */
-static int any(uint64_t *seed, int n) {
-  return (int)(n * part(seed));
-}
-
-/* Each body is hinged to one before it. What the tree ends in is in no loop before it has a second hinge. */
-void write_random_graph(km_text *out, int n) {
-  hinges h = {0};
-  uint64_t seed = 1;
-  double size = sqrt(n);
-  int bodies = n + n + n / 2;
-  for (int b = 1; b <= bodies; ++b)
-    hinges_pin(&h, any(&seed, b), b, size * part(&seed), size * part(&seed));
-  for (int i = 0; i < n; ++i) {
-    int first = 1 + any(&seed, bodies), second = 1 + (first + any(&seed, bodies - 1)) % bodies;
-    hinges_pin(&h, first, second, size * part(&seed), size * part(&seed));
-  }
-  hinges_write(&h, out, 0.0);
 }

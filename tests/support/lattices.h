@@ -22,8 +22,5 @@ void write_ball_couplers(km_text *out, int n);
 void write_balls(km_text *out, int n);
 /* A platform on n bars between spherical joints: beyond six bars n − 6 are redundant, and every bar spins. */
 void write_bars(km_text *out, int n, double away);
-/* A tree of bodies and n joints that close loops between any two of them, hinged at random places of a plane; 7 joints for 2
- * loops. */
-void write_random_graph(km_text *out, int n);
 
 #endif

@@ -184,6 +184,19 @@ static void null_vectors_by_their_entries(void **state) {
   }
 }
 
+/* Every second partition has a place for its normal equations, and is to make some. */
+static km_normal *kept;
+
+static void keep_normal(int i) {
+  km_partition_keep_normal(&f.p, i % 2 ? &kept : NULL);
+}
+
+static void free_normal(int i) {
+  assert_int_equal(kept != NULL, i % 2);
+  km_normal_free(kept);
+  kept = NULL;
+}
+
 /* What is left of a step is at right angles to the null space, as by Z. */
 static void steps_without_null_vectors(void **state) {
   (void)state;
@@ -198,7 +211,9 @@ static void steps_without_null_vectors(void **state) {
     for (int c = 0; c < f.columns; ++c)
       x[c] = any();
     memcpy(left, x, sizeof left);
+    keep_normal(i);
     assert_true(km_partition_reject_null(&f.p, stored(&f.p), f.D, freedom, left, work));
+    free_normal(i);
     for (int k = 0; k < freedom; ++k) {
       double along = 0.0;
       for (int c = 0; c < f.columns; ++c)
@@ -225,11 +240,13 @@ static void by_rows_alone(void **state) {
     for (int r = 0; r < f.rows; ++r)
       rhs[r] = any();
     km_partition_solve(&f.p, rhs, x);
+    keep_normal(i);
     assert_true(km_partition_reject_null(&f.p, stored(&f.p), f.D, freedom, x, work));
     f.p.rows_only = true;
     factor(&f.p);
     assert_int_equal(f.p.rank, rank);
     assert_true(km_partition_least(&f.p, stored(&f.p), f.D, freedom, rhs, least));
+    free_normal(i);
     check_rows(f.p.row, rank, least, rhs, 1e-9); /* the primary rows may be others: the solution of these */
     for (int k = 0; k < freedom; ++k) {
       double along = 0.0;
@@ -237,6 +254,53 @@ static void by_rows_alone(void **state) {
         along += f.Z[k * f.columns + c] * f.D[c] * least[c];
       assert_near(along, 0.0, 1e-9);
     }
+  }
+}
+
+/* Pairs of rows that differ by no more than `apart`, in a band. */
+static void fill_twins(int rows, double apart) {
+  enum { REACH = 10 };
+  int entries = 0;
+  f.rows = rows;
+  f.columns = rows + REACH;
+  memset(f.J, 0, sizeof f.J);
+  for (int c = 0; c < f.columns; ++c) {
+    f.D[c] = 0.3 + fabs(any());
+    f.forced[c] = false;
+    start[c] = entries;
+    for (int r = 0; r < rows; ++r) {
+      int first = r - r % 2;
+      if (c < first || c >= first + REACH)
+        continue;
+      f.J[c * rows + r] = r > first ? f.J[c * rows + first] + apart * any() : any();
+      row[entries++] = r;
+    }
+  }
+  start[f.columns] = entries;
+}
+
+/* Normal equations square what rows differ by: their solutions are those by Q R, to what their digits tell. */
+static void rows_that_hardly_differ(void **state) {
+  (void)state;
+  double rhs[MOST], by_qr[MOST], least[MOST];
+  for (int i = 0; i < 80; ++i) {
+    double apart = pow(10.0, -i % 8), longest = 0.0;
+    fill_twins(20 + 2 * index_below(10), apart);
+    reserve_sparse();
+    f.p.rows_only = true;
+    factor(&f.p);
+    int freedom = km_partition_freedom(&f.p);
+    assert_int_equal(f.p.rank, f.rows);
+    for (int r = 0; r < f.rows; ++r)
+      rhs[r] = any();
+    assert_true(km_partition_least(&f.p, stored(&f.p), f.D, freedom, rhs, by_qr));
+    keep_normal(1);
+    assert_true(km_partition_least(&f.p, stored(&f.p), f.D, freedom, rhs, least));
+    free_normal(1);
+    for (int c = 0; c < f.columns; ++c)
+      longest = fmax(longest, fabs(by_qr[c]));
+    for (int c = 0; c < f.columns; ++c)
+      assert_near(least[c], by_qr[c], 1e-13 / apart * longest);
   }
 }
 
@@ -275,7 +339,9 @@ static void rows_where_no_pivot_tells(void **state) {
     assert_near(f.p.rank, f.svd_rank, 0.0);
     for (int r = 0; r < f.rows; ++r)
       rhs[r] = any();
+    keep_normal(i);
     assert_true(km_partition_least(&f.p, stored(&f.p), f.D, km_partition_freedom(&f.p), rhs, least));
+    free_normal(i);
     double longest = 1.0;
     for (int c = 0; c < f.columns; ++c)
       longest = fmax(longest, fabs(least[c]));
@@ -366,6 +432,7 @@ static void crowded_rows(void **state) {
     check_numbers(1e-11);
     for (int r = 0; r < f.rows; ++r)
       rhs[r] = any();
+    keep_normal(i);
     for (int count = freedom - 1; count <= freedom; ++count) {
       assert_true(km_partition_least(&f.p, stored(&f.p), f.D, count, rhs, least));
       check_rows(f.p.row, f.p.rank, least, rhs, 1e-9); /* all of them */
@@ -375,6 +442,7 @@ static void crowded_rows(void **state) {
         assert_near(step[c], least[c], 1e-9);
       assert_true(count == freedom || least[f.p.column[f.p.rank + count]] == 0.0);
     }
+    free_normal(i);
   }
 }
 
@@ -393,6 +461,7 @@ int main(void) {
       cmocka_unit_test(null_vectors_by_their_entries),
       cmocka_unit_test(steps_without_null_vectors),
       cmocka_unit_test(by_rows_alone),
+      cmocka_unit_test(rows_that_hardly_differ),
       cmocka_unit_test(rows_where_no_pivot_tells),
       cmocka_unit_test(columns_where_no_pivot_tells),
       cmocka_unit_test(nothing_is_left_behind),

@@ -1,0 +1,199 @@
+/* Normal equations by CHOLMOD. */
+#include "partition/normal.h"
+
+#include "base/library.h"
+#include "base/memory.h"
+#include "partition/pair.h"
+
+#include <cholmod.h>
+#include <math.h>
+#include <string.h>
+
+#define CHOLMOD_FUNCTIONS(X)                                                                                           \
+  X(cholmod_l_start)                                                                                                   \
+  X(cholmod_l_finish)                                                                                                  \
+  X(cholmod_l_analyze)                                                                                                 \
+  X(cholmod_l_factorize)                                                                                               \
+  X(cholmod_l_solve2)                                                                                                  \
+  X(cholmod_l_free_dense)                                                                                              \
+  X(cholmod_l_free_factor)
+
+typedef struct library {
+#define X(name) __typeof__(name) *name; /* the function's own type */
+  CHOLMOD_FUNCTIONS(X)
+#undef X
+} library;
+
+/* A with a unit column behind its own for every row, with a 1 where the row isn't used: A Aᵀ is then regular, and its pattern is
+ * the same whatever is used. */
+struct km_normal {
+  const library *cholmod;
+  cholmod_common common;
+  cholmod_factor *L;
+  cholmod_dense *X, *Y, *E; /* of solutions */
+  long rows, columns, *start, *row;
+  double *value, *next; /* factored, and to be factored */
+  double *b, *step;     /* [rows], [columns] */
+  bool is_factored;
+};
+
+/* Multiplications for each entry of the factor from which on blocks of columns are worth their copies. */
+static const double crowded = 200.0;
+
+static const library *load(void) {
+#define X(name) #name,
+  static const char *const files[] = {KM_CHOLMOD, NULL}, *const names[] = {CHOLMOD_FUNCTIONS(X) NULL};
+#undef X
+  static library functions;
+  static km_library cholmod = {files, names, &functions, false};
+  return km_library_load(&cholmod) ? NULL : &functions;
+}
+
+static cholmod_sparse matrix_of(const km_normal *n) {
+  return (cholmod_sparse){.nrow = (size_t)n->rows,
+                          .ncol = (size_t)(n->columns + n->rows),
+                          .nzmax = (size_t)n->start[n->columns + n->rows],
+                          .p = n->start,
+                          .i = n->row,
+                          .x = n->value,
+                          .itype = CHOLMOD_LONG,
+                          .xtype = CHOLMOD_REAL,
+                          .dtype = CHOLMOD_DOUBLE,
+                          .packed = 1};
+}
+
+static bool reserve(km_normal *n, int rows, int columns, const int *start, const int *row) {
+  size_t all = (size_t)columns + (size_t)rows, entries = (size_t)start[columns] + (size_t)rows;
+  n->rows = rows;
+  n->columns = columns;
+  n->start = KM_NEW(long, all + 1);
+  n->row = KM_NEW(long, entries + 1);
+  n->value = KM_NEW(double, entries + 1);
+  n->next = KM_NEW(double, entries + 1);
+  n->b = KM_NEW(double, (size_t)rows + 1);
+  n->step = KM_NEW(double, (size_t)columns + 1);
+  if (!n->start || !n->row || !n->value || !n->next || !n->b || !n->step)
+    return false;
+  for (int c = 0; c <= columns; ++c)
+    n->start[c] = start[c];
+  for (int i = 0; i < start[columns]; ++i)
+    n->row[i] = row[i];
+  for (int r = 0; r < rows; ++r) {
+    n->row[start[columns] + r] = r;
+    n->start[columns + r + 1] = start[columns] + r + 1;
+  }
+  return true;
+}
+
+static bool analyse(km_normal *n) {
+  cholmod_common *c = &n->common;
+  n->cholmod->cholmod_l_start(c);
+  c->print = 0;
+  c->nmethods = 1;
+  c->method[0].ordering = CHOLMOD_COLAMD;
+  c->supernodal = CHOLMOD_AUTO;
+  c->supernodal_switch = crowded;
+  cholmod_sparse A = matrix_of(n);
+  n->L = n->cholmod->cholmod_l_analyze(&A, c);
+  return n->L != NULL;
+}
+
+km_normal *km_normal_create(int rows, int columns, const int *start, const int *row) {
+  const library *cholmod = load();
+  km_normal *n = cholmod ? KM_NEW(km_normal, 1) : NULL;
+  if (!n)
+    return NULL;
+  n->cholmod = cholmod;
+  if (reserve(n, rows, columns, start, row) && analyse(n))
+    return n;
+  km_normal_free(n);
+  return NULL;
+}
+
+void km_normal_free(km_normal *n) {
+  if (!n)
+    return;
+  n->cholmod->cholmod_l_free_dense(&n->X, &n->common);
+  n->cholmod->cholmod_l_free_dense(&n->Y, &n->common);
+  n->cholmod->cholmod_l_free_dense(&n->E, &n->common);
+  n->cholmod->cholmod_l_free_factor(&n->L, &n->common);
+  n->cholmod->cholmod_l_finish(&n->common);
+  void *const all[] = {n->start, n->row, n->value, n->next, n->b, n->step, n};
+  for (size_t i = 0; i < sizeof all / sizeof *all; ++i)
+    km_free(all[i]);
+}
+
+bool km_normal_factor(km_normal *n, const double *matrix, const double *weight, const bool *used_rows,
+                      const bool *used_columns) {
+  long entries = n->start[n->columns], all = entries + n->rows;
+  for (long c = 0; c < n->columns; ++c)
+    for (long i = n->start[c]; i < n->start[c + 1]; ++i)
+      n->next[i] = used_columns[c] && used_rows[n->row[i]] ? matrix[i] / weight[c] : 0.0;
+  for (long r = 0; r < n->rows; ++r)
+    n->next[entries + r] = used_rows[r] ? 0.0 : 1.0;
+  if (n->is_factored && memcmp(n->next, n->value, (size_t)all * sizeof *n->next) == 0)
+    return true;
+  memcpy(n->value, n->next, (size_t)all * sizeof *n->next);
+  cholmod_sparse A = matrix_of(n);
+  n->is_factored = n->cholmod->cholmod_l_factorize(&A, n->L, &n->common) && n->L->minor == n->L->n;
+  return n->is_factored;
+}
+
+/* b − A x in the rows that are used, 0 in the others. */
+static void subtract_rows(const km_normal *n, const double *x, double *b) {
+  for (long c = 0; c < n->columns; ++c)
+    for (long i = n->start[c]; i < n->start[c + 1]; ++i)
+      b[n->row[i]] -= n->value[i] * x[c];
+}
+
+/* step = Aᵀ(A Aᵀ)⁻¹ b; returns its length, NaN: no memory. */
+static double solve(km_normal *n) {
+  size_t rows = (size_t)n->rows;
+  cholmod_dense B = {
+      .nrow = rows, .ncol = 1, .nzmax = rows, .d = rows, .x = n->b, .xtype = CHOLMOD_REAL, .dtype = CHOLMOD_DOUBLE};
+  if (!n->cholmod->cholmod_l_solve2(CHOLMOD_A, n->L, &B, NULL, &n->X, NULL, &n->Y, &n->E, &n->common))
+    return nan("");
+  const double *z = n->X->x;
+  for (long c = 0; c < n->columns; ++c) {
+    double sum = 0.0;
+    for (long i = n->start[c]; i < n->start[c + 1]; ++i)
+      sum += n->value[i] * z[n->row[i]];
+    n->step[c] = sum;
+  }
+  return sqrt(km_sum_of_squares(n->step, (int)n->columns));
+}
+
+/* From n->b on, with what the rows that aren't used have in it 0. Every step is smaller than the one before it by about the same
+ * share, which tells what is left. */
+static bool correct(km_normal *n, double *x) {
+  enum { MOST_CORRECTIONS = 4 };
+  static const double most_share = 0.1, rounding = 1e-15;
+  double last = solve(n), length = last;
+  memcpy(x, n->step, (size_t)n->columns * sizeof *x);
+  for (int i = 0; i < MOST_CORRECTIONS && length > 0.0; ++i) {
+    subtract_rows(n, n->step, n->b);
+    double step = solve(n);
+    for (long c = 0; c < n->columns; ++c)
+      x[c] += n->step[c];
+    if (step * step <= rounding * last * length)
+      return true;
+    if (!(step <= most_share * last))
+      return false;
+    last = step;
+  }
+  return length == 0.0;
+}
+
+bool km_normal_least(km_normal *n, const double *b, double *x) {
+  for (long r = 0; r < n->rows; ++r)
+    n->b[r] = n->value[n->start[n->columns] + r] == 0.0 ? b[r] : 0.0;
+  return correct(n, x);
+}
+
+bool km_normal_part(km_normal *n, const double *y, double *x) {
+  memset(n->b, 0, (size_t)n->rows * sizeof *n->b);
+  subtract_rows(n, y, n->b);
+  for (long r = 0; r < n->rows; ++r)
+    n->b[r] = -n->b[r];
+  return correct(n, x);
+}
