@@ -298,7 +298,8 @@ static km_observer observer_of(watch *w) {
                        .corner = forget,
                        .ended = end_at,
                        .tell = tell,
-                       .close = close_watch};
+                       .close = close_watch,
+                       .reads_basis = true};
 }
 
 static km_scan scan_of(watch *w) {

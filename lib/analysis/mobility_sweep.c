@@ -110,7 +110,7 @@ static bool direction(const km_sweeper *r, double *z) {
   int freedom = r->substructure < 0 ? 0 : km_partition_freedom(&r->s->partition[r->substructure]);
   if (freedom - r->out->idle != 1)
     return false;
-  if (r->rides) {
+  if (r->rides && freedom == 1) {
     r->mover.direction(r->mover.self, z);
     return true;
   }

@@ -27,11 +27,20 @@ static void write_passed_rows(km_walk *w, int count, const double *s) {
   w->job->status = status ? status : km_sweeper_row(r, w->row - 1, w->last, w->job->error);
 }
 
+/* Does the observer look at more than the lane tells? */
+static bool needs_state(const km_sweeper *r) {
+  const km_observer *observer = r->observer;
+  return observer->reads_jacobian ||
+         (observer->reads_basis && km_partition_freedom(&r->s->partition[r->substructure]) > 1);
+}
+
 void km_walk_get_ready(km_walk *w) {
   km_sweeper *r = w->r;
-  if (r->observer->reads_jacobian)
+  r->rides = km_drive_rides(w->at.drive);
+  if (r->rides && needs_state(r)) {
     km_drive_look(w->at.drive);
-  r->rides = !r->observer->reads_jacobian && km_drive_rides(w->at.drive);
+    r->rides = false;
+  }
   if (r->rides)
     r->residual = km_drive_ridden_residual(w->at.drive);
 }

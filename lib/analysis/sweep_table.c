@@ -175,6 +175,7 @@ km_status km_sweeper_passed_rows(km_sweeper *r, const km_drive *drive, int count
   const int *coordinate = m->column_coordinate + sub->column_start;
   const size_t *number_cells = r->observer->number_cells;
   const km_ridden_rows rows = km_drive_ridden_rows(drive);
+  const int freedom = km_partition_freedom(&r->s->partition[r->substructure]);
   size_t width = km_table_columns(r->out->table), residual = width - 1,
          dof = residual - 1 - (size_t)m->topology.substructure_count;
   double *first = km_table_add_raw_rows(r->out->table, (size_t)count), *cells = first;
@@ -184,8 +185,8 @@ km_status km_sweeper_passed_rows(km_sweeper *r, const km_drive *drive, int count
     memcpy(cells, first - width, width * sizeof *cells); /* most cells stay */
     cells[0] = step + i;
     cells[1] = s[i * KM_DRIVE_LANES];
-    cells[dof] = r->other_mobility + 1;
-    cells[dof + 1 + (size_t)r->substructure] = 1.0;
+    cells[dof] = r->other_mobility + freedom;
+    cells[dof + 1 + (size_t)r->substructure] = freedom;
     cells[residual] = km_larger(rows.residual[(size_t)i * rows.apart], r->other_residual);
   }
   for (int k = 0; k < sub->columns; ++k) {

@@ -14,7 +14,7 @@ typedef struct km_mover {
   /* The same at another s near the row, where the state then stands; `settle` comes back to the row. */
   bool (*probe)(void *self, double s, double *rates);
   void (*settle)(void *self);
-  /* Where the sweeper rides: the unit direction of motion by coordinates. */
+  /* Where the sweeper rides and one freedom is left: the unit direction of motion by coordinates. */
   void (*direction)(void *self, double *z);
 } km_mover;
 
@@ -45,6 +45,7 @@ typedef struct km_observer {
   void (*close)(void *self); /* frees the observer */
   /* Looks at more than coordinates, mobility numbers, rates and residual: the state's Jacobian and partition. */
   bool reads_jacobian;
+  bool reads_basis; /* and at the null space, where several freedoms are left */
   /* Of an observer that looks for places where an entry of the direction of motion is 0, and for nothing else: the cell of each
    * coordinate's mobility number in a row, 0: none. Of rows between which no entry comes near 0 only the last one has to be
    * `seen`, and in the others only coordinates, mobility numbers and the residual are new. Else NULL. */
@@ -116,7 +117,7 @@ km_status km_sweeper_prepare(km_sweeper *sweeper, km_error *error);
 km_status km_sweeper_row(km_sweeper *sweeper, int step, double s, km_error *error);
 km_status km_sweeper_near_row(km_sweeper *sweeper, km_error *error);
 
-/* The first `count` of the quiet rows that the drive has passed, behind the last one of the table; just one freedom moves. See
+/* The first `count` of the quiet rows that the drive has passed, behind the last one of the table. See
  * km_observer.number_cells. `step` and s[row × KM_DRIVE_LANES] of the first of them. */
 km_status km_sweeper_passed_rows(km_sweeper *sweeper, const km_drive *drive, int count, int step, const double *s,
                                  km_error *error);

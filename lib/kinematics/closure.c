@@ -151,12 +151,14 @@ static double newton_step(const km_mechanism *m, km_state *s, int index, int dri
   return largest;
 }
 
-/* The factor of all thresholds, up to the 1e6 radians where rounding drowns the geometry. */
+/* The factor of all thresholds, up to the 1e6 radians where rounding drowns the geometry. A ball is a unit quaternion, however
+ * far it has turned. */
 static double grain(const km_mechanism *m, const km_state *s, const km_substructure *sub) {
   const int *coordinate = m->column_coordinate + sub->column_start;
   double largest = 0.0;
   for (int k = 0; k < sub->columns; ++k)
-    largest = km_larger(fabs(s->q[coordinate[k]] / m->unit[coordinate[k]]), largest);
+    if (m->ball_of[coordinate[k]] < 0)
+      largest = km_larger(fabs(s->q[coordinate[k]] / m->unit[coordinate[k]]), largest);
   return km_smaller(1.0 + km_grain_growth * largest, km_grain_most);
 }
 

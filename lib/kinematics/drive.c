@@ -18,8 +18,7 @@ static const double between = 1e-12;     /* residual that shows the pose between
 
 typedef enum attempt { ACCEPTED, OPEN, BENT, LIMITED, EXHAUSTED } attempt;
 
-/* Strain: a step twice as long has 16 times the error over its length, one that is drawn to the path 4 times. */
-static const double easy = 0.05, easily_drawn = 0.2;
+static const double easily_drawn = 0.2; /* see km_drive_easy */
 
 /* Steps towards one target. One that is further away than so many of the longest can't be reached: fewer are enough to look
  * for an end or a limit on the way to it. */
@@ -218,8 +217,8 @@ static bool cross(km_drive *d, double target, int *limit) {
 static double lengthen(km_drive *d, double step, double h) {
   if (fabs(h) > km_drive_leaves)
     d->here.stopped = 0.0;
-  double share = step / fabs(h);
-  bool easily = d->here.stiff ? d->strain * share * share < easily_drawn : d->strain * pow(share, 4.0) < easy;
+  double share = step / fabs(h), square = share * share;
+  bool easily = d->here.stiff ? d->strain * square < easily_drawn : d->strain * (square * square) < km_drive_easy;
   return easily ? km_smaller(2.0 * step, km_drive_longest) : step;
 }
 

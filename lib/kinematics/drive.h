@@ -11,6 +11,9 @@
 static const double km_drive_longest = 0.3, km_drive_least_first = 1e-3, km_drive_furthest = 0.6;
 /* How closely a step has to keep to the prediction, and the same where a singular pose is crossed. */
 static const double km_drive_tightness = 0.25, km_drive_crossing_tightness = 0.05;
+/* Strain below which a step may become longer: one twice as long has 16 times the error over its length, one that is drawn to
+ * the path of least motion 4 times. */
+static const double km_drive_easy = 0.05;
 /* A longer step leaves an end behind that was located before. */
 static const double km_drive_leaves = 1e-6;
 

@@ -14,17 +14,18 @@ static km_lanes_number *numbers(km_arena *arena, int count) {
 static void reserve_place(km_drive_lanes *l) {
   int columns = l->sub->columns, coordinates = l->m->coordinate_count;
   km_lanes_number **by_column[] = {&l->t, &l->last_t, &l->last_move, &l->rest, &l->z, &l->numbers};
-  const int count = sizeof by_column / sizeof *by_column;
-  l->place_count = (size_t)(coordinates + (count + KM_CURVE_MOVES) * columns);
+  const int count = sizeof by_column / sizeof *by_column, per_ball = sizeof *l->ball / sizeof *l->q;
+  l->place_count = (size_t)(coordinates + per_ball * l->m->ball_count + (count + KM_CURVE_MOVES) * columns);
   l->kept = KM_ARENA_NEW(&l->arena, km_lanes_number, l->place_count);
   l->q = KM_ARENA_NEW(&l->arena, km_lanes_number, l->place_count);
   if (!l->q)
     return;
-  km_lanes_number *next = l->q + coordinates;
+  l->ball = (km_lane_quaternion *)(l->q + coordinates);
+  km_lanes_number *next = l->q + coordinates + per_ball * l->m->ball_count;
   for (int i = 0; i < count; ++i, next += columns)
     *by_column[i] = next;
   for (int i = 0; i < KM_CURVE_MOVES; ++i, next += columns)
-    l->moves[i] = next;
+    l->past[i] = next;
 }
 
 static void reserve_rows(km_drive_lanes *l) {
@@ -56,7 +57,8 @@ static void reserve_loops(km_drive_lanes *l) {
     l->space_steps = KM_ARENA_NEW(arena, km_lane_space_step, (size_t)m->step_count);
     l->space_loops = KM_ARENA_NEW(arena, km_lane_space_loop, loops);
     l->poses = KM_ARENA_NEW(arena, km_lane_pose, slots);
-    l->twists = KM_ARENA_NEW(arena, km_lane_twist, (size_t)m->step_count);
+    l->twists = KM_ARENA_NEW(arena, km_lane_twist, 3 * (size_t)m->step_count);
+    l->from_ball = KM_ARENA_NEW(arena, km_lane_quaternion, (size_t)m->ball_count);
   }
 }
 
@@ -71,15 +73,20 @@ static bool reserve(km_drive_lanes *l) {
   l->couplings = KM_ARENA_NEW(arena, km_lane_coupling, (size_t)m->coupling_count + 1);
   l->coefficients = numbers(arena, m->term_count);
   l->term_unit = numbers(arena, m->term_count);
-  l->J = numbers(arena, rows * columns);
+  l->J = numbers(arena, rows * (columns + 2));
   reserve_place(l);
   km_lanes_number **by_column[] = {&l->unit, &l->weight, &l->low, &l->high,  &l->from,
                                    &l->move, &l->next_t, &l->x,   &l->before};
   for (size_t i = 0; i < sizeof by_column / sizeof *by_column; ++i)
     *by_column[i] = numbers(arena, columns);
-  km_lanes_number **by_row[] = {&l->B, &l->error, &l->y, &l->inverse};
+  int freedoms = columns < KM_LANES_FREEDOMS ? columns : KM_LANES_FREEDOMS;
+  l->B = numbers(arena, rows * freedoms);
+  l->Z = numbers(arena, columns * freedoms);
+  km_lanes_number **by_row[] = {&l->error, &l->y, &l->inverse};
   for (size_t i = 0; i < sizeof by_row / sizeof *by_row; ++i)
     *by_row[i] = numbers(arena, rows);
+  for (int i = 0; i < KM_PATH_STAGES; ++i)
+    l->stage[i] = numbers(arena, columns);
   reserve_rows(l);
   return km_replay_reserve(&l->replay, rows, columns, KM_DRIVE_LANES, arena);
 }
@@ -128,19 +135,68 @@ void km_drive_lanes_free(km_arena *memory, km_drive_lanes *l) {
   km_arena_give(&arena, memory);
 }
 
-/* May the drive take steps in its lane: one freedom, known pivots that belong to the last pose, and a regular pose? */
+/* Are as many freedoms left as lanes are for? */
+static bool has_freedoms_for_lanes(const km_drive *d, int freedom) {
+  bool few = freedom <= KM_LANES_FREEDOMS && freedom - 1 <= d->c.course.reference.rank;
+  return freedom == 1 || (freedom > 1 && few && !d->here.stiff);
+}
+
+/* May the drive take steps in its lane: known pivots that belong to the last pose, and a regular pose? */
 static bool may_ride(const km_drive *d) {
   const km_state *s = d->c.state;
   const km_partition *p = &s->partition[d->c.substructure], *reference = &d->c.course.reference;
   return d->here.known && d->c.course.last_h != 0.0 && s->pivoted[d->c.substructure] == d->c.column &&
-         !p->forced_dependent && !p->locked && km_partition_freedom(p) == 1 && reference->rank == p->rank &&
-         reference->searches == p->searches && p->last_pivot >= km_continuation_singular * p->scale;
+         !p->forced_dependent && !p->locked && has_freedoms_for_lanes(d, km_partition_freedom(p)) &&
+         reference->rank == p->rank && reference->searches == p->searches &&
+         p->last_pivot >= km_continuation_singular * p->scale;
 }
 
 /* The first one aboard decides by which pivots all go. */
 static void take_pivots(km_drive_lanes *l, const km_partition *p) {
   km_replay_make(&l->replay, p, l->sub->pattern.used);
+  l->beside = km_partition_freedom(p) - 1;
   memset(l->J, 0, l->sub->pattern.size * sizeof *l->J);
+}
+
+static void take_ball(km_lane_quaternion *to, const km_quaternion *q, int i) {
+  to->w.of[i] = q->w;
+  to->x.of[i] = q->x;
+  to->y.of[i] = q->y;
+  to->z.of[i] = q->z;
+}
+
+static km_quaternion ball_of(const km_lane_quaternion *ball, int i) {
+  return (km_quaternion){ball->w.of[i], ball->x.of[i], ball->y.of[i], ball->z.of[i]};
+}
+
+void km_lanes_end_balls(km_drive_lanes *l, unsigned ended) {
+  const km_mechanism *m = l->m;
+  for (int b = 0; b < m->ball_count; ++b) {
+    const int c = m->ball_coordinate[b], k = m->column_of[c];
+    if (k < 0 || m->substructure_of[c] != l->drives[0]->c.substructure)
+      continue;
+    km_lanes_number *q = l->q + c, *way = l->move + k;
+    for (unsigned left = ended; left; left &= left - 1) {
+      const int i = __builtin_ctz(left);
+      km_quaternion now = ball_of(&l->ball[b], i), from = ball_of(&l->from_ball[b], i);
+      km_vec3 turn = km_quaternion_log(km_quaternion_product(now, km_quaternion_conjugate(from)));
+      km_vec3 at = km_quaternion_log_near(now, (km_vec3){q[0].of[i], q[1].of[i], q[2].of[i]});
+      for (int a = 0; a < 3; ++a) {
+        way[a].of[i] = (const double[]){turn.x, turn.y, turn.z}[a];
+        q[a].of[i] = (const double[]){at.x, at.y, at.z}[a];
+      }
+    }
+  }
+}
+
+/* What a course remembers from before its last step: see km_drive_lanes. */
+typedef struct past {
+  int count;
+  double *const *of;
+} past;
+
+static past past_of(const km_drive_lanes *l, const km_course *course) {
+  return l->beside == 0 ? (past){KM_CURVE_MOVES, course->moves} : (past){KM_OLDER_STEPS, course->older_t};
 }
 
 /* The course of drive i into its lane, if it may ride. */
@@ -154,16 +210,22 @@ static void board(km_drive_lanes *l, int i) {
     take_pivots(l, p);
   else if (!km_replay_fits(&l->replay, p))
     return;
+  const past earlier = past_of(l, course);
   for (int c = 0; c < l->m->coordinate_count; ++c)
     l->q[c].of[i] = d->c.state->q[c];
+  for (int b = 0; b < l->m->ball_count; ++b)
+    take_ball(&l->ball[b], &d->c.state->ball[b], i);
   for (int k = 0; k < l->sub->columns; ++k) {
     l->t[k].of[i] = course->t[k];
     l->last_t[k].of[i] = course->last_t[k];
     l->last_move[k].of[i] = course->last_move[k];
     l->rest[k].of[i] = course->rest[k];
-    for (int j = 0; j < KM_CURVE_MOVES; ++j)
-      l->moves[j][k].of[i] = course->moves[j][k];
+    for (int j = 0; j < earlier.count; ++j)
+      l->past[j][k].of[i] = earlier.of[j][k];
   }
+  for (int j = 0; j < KM_OLDER_STEPS; ++j)
+    l->here.older_h[j].of[i] = course->older_h[j];
+  l->here.older_count.of[i] = course->older_count;
   l->here.last_h.of[i] = course->last_h;
   l->here.equal_count.of[i] = course->equal_count;
   l->sign.of[i] = course->reference.sign;
@@ -173,6 +235,12 @@ static void board(km_drive_lanes *l, int i) {
   l->pivoted_b.of[i] = p->pivoted_b;
   l->smallest_pivot.of[i] = p->rank > 0 ? p->smallest_pivot : 0.0;
   l->aboard |= 1u << i;
+}
+
+/* What is left of a pose: the state's balls are those of the lane. */
+static void show_balls(const km_drive_lanes *l, int i) {
+  for (int b = 0; b < l->m->ball_count; ++b)
+    l->drives[i]->c.state->ball[b] = ball_of(&l->ball[b], i);
 }
 
 /* What a look at the pose reads of a state: coordinates and mobility numbers. */
@@ -196,7 +264,7 @@ static void refresh(const km_drive_lanes *l, km_drive *d) {
   km_loops_update(d->c.mechanism, s, sub);
   km_partition_refactor(&s->partition[d->c.substructure], km_state_jacobian(s, sub));
   s->q[l->coordinate] = value;
-  km_state_null(d->c.mechanism, s, d->c.substructure, 1);
+  km_state_null(d->c.mechanism, s, d->c.substructure, km_partition_freedom(&s->partition[d->c.substructure]));
 }
 
 void km_drive_look(km_drive *d) {
@@ -221,16 +289,21 @@ void km_drive_settle(km_drive *d) {
   km_course *course = &d->c.course;
   km_state *s = d->c.state;
   const km_substructure *sub = km_drive_driven(d);
+  const past earlier = past_of(l, course);
   for (int k = 0; k < sub->columns; ++k) {
     course->t[k] = l->t[k].of[i];
     course->last_t[k] = l->last_t[k].of[i];
     course->last_move[k] = l->last_move[k].of[i];
     course->rest[k] = l->rest[k].of[i];
-    for (int j = 0; j < KM_CURVE_MOVES; ++j)
-      course->moves[j][k] = l->moves[j][k].of[i];
+    for (int j = 0; j < earlier.count; ++j)
+      earlier.of[j][k] = l->past[j][k].of[i];
     int c = l->m->column_coordinate[sub->column_start + k];
     s->q[c] = l->q[c].of[i];
   }
+  for (int j = 0; j < KM_OLDER_STEPS; ++j)
+    course->older_h[j] = l->here.older_h[j].of[i];
+  course->older_count = (int)l->here.older_count.of[i];
+  show_balls(l, i);
   course->last_h = l->here.last_h.of[i];
   course->equal_count = (int)l->here.equal_count.of[i];
   course->reference.sign = (int)l->sign.of[i];
@@ -315,8 +388,10 @@ static void set_targets(km_drive_lanes *l, unsigned wanted, const double *target
 static km_reach arrive(km_drive_lanes *l, int i, bool there, double target) {
   if (!there)
     return km_drive_to(l->drives[i], target);
-  if (l->ahead >> i & 1)
+  if (l->ahead >> i & 1) {
     show(l, i);
+    show_balls(l, i);
+  }
   if (!(l->here.largest_b.of[i] <= km_largest_good_b)) /* whoever looks at the pose searches other pivots */
     km_drive_settle(l->drives[i]);
   return (km_reach){KM_STOP_NONE, target, -1, -1};

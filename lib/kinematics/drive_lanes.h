@@ -11,8 +11,8 @@ enum { KM_DRIVE_LANES = 16 };
 typedef struct km_drive_lanes km_drive_lanes;
 
 /* For `count` drives of the same coordinate, each with a mechanism and a state of its own; they are borrowed and have to
- * outlive the lanes. *out is NULL where their mechanisms differ in more than numbers, or have what lanes aren't for (balls,
- * couplings by polynomials, large substructures): then drive them one by one. The memory of earlier lanes is taken from
+ * outlive the lanes. *out is NULL where their mechanisms differ in more than numbers, or have what lanes aren't for (limits
+ * of balls, couplings by polynomials, large substructures): then drive them one by one. The memory of earlier lanes is taken from
  * `memory` and given back there; NULL: there is none. KM_MEMORY. */
 km_status km_drive_lanes_create(km_arena *memory, km_drive *const *drives, int count, km_drive_lanes **out,
                                 km_error *error);

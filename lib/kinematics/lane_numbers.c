@@ -1,6 +1,8 @@
 /* Which mechanisms may go side by side, and their numbers in lanes. */
 #include "kinematics/lane_store.h"
 
+#include "model/joint_type.h"
+
 #include <string.h>
 
 static bool same_planar_steps(const km_mechanism *a, const km_mechanism *b, const km_program *p) {
@@ -16,9 +18,8 @@ static bool same_planar_steps(const km_mechanism *a, const km_mechanism *b, cons
 static bool same_space_steps(const km_mechanism *a, const km_mechanism *b, const km_program *p) {
   for (int i = p->step_start; i < p->step_start + p->step_count; ++i) {
     const km_step *x = &a->steps[i], *y = &b->steps[i];
-    if (x->primitive == KM_BALL || x->primitive != y->primitive || x->axis != y->axis ||
-        x->coordinate != y->coordinate || x->sign != y->sign || x->from != y->from || x->to != y->to ||
-        x->turned != y->turned)
+    if (x->primitive != y->primitive || x->ball != y->ball || x->axis != y->axis || x->coordinate != y->coordinate ||
+        x->sign != y->sign || x->from != y->from || x->to != y->to || x->turned != y->turned)
       return false;
   }
   return true;
@@ -61,11 +62,23 @@ static bool same_couplings(const km_mechanism *a, const km_mechanism *b, const k
   return true;
 }
 
+/* Limits of balls are left to drives that go alone. */
+static bool has_limited_ball(const km_drive *d) {
+  const km_mechanism *m = d->c.mechanism;
+  for (int b = 0; b < m->ball_count && !d->c.ignore_limits; ++b) {
+    const int c = m->ball_coordinate[b];
+    for (int k = c; k < c + 3; ++k)
+      if (isfinite(m->low[k]) || isfinite(m->high[k]) || isfinite(m->most_turn[k]))
+        return true;
+  }
+  return false;
+}
+
 /* Do the mechanisms of two drives differ in numbers only, in the substructure that moves? */
 bool km_lanes_same_structure(const km_drive *d, const km_drive *e) {
   const km_mechanism *a = d->c.mechanism, *b = e->c.mechanism;
-  if (a->coordinate_count != b->coordinate_count || d->c.substructure != e->c.substructure ||
-      d->c.coordinate != e->c.coordinate || d->c.column != e->c.column)
+  if (a->coordinate_count != b->coordinate_count || a->ball_count != b->ball_count || has_limited_ball(e) ||
+      d->c.substructure != e->c.substructure || d->c.coordinate != e->c.coordinate || d->c.column != e->c.column)
     return false;
   const km_substructure *s = km_drive_driven(d), *t = km_drive_driven(e);
   if (s->rows != t->rows || s->columns != t->columns || s->column_start != t->column_start ||
@@ -180,23 +193,31 @@ static void place_base(km_drive_lanes *l) {
   }
 }
 
+/* Where the numbers of a loop's rows and entries go. */
+static void place_loop(km_drive_lanes *l, const km_program *program, int index) {
+  const km_mechanism *m = l->m;
+  const km_loop *loop = &m->loops[index];
+  place_rows(loop, loop->row_start, l->sub->rows, l->loops[index].row);
+  for (int i = loop->entry_start; i < loop->entry_start + loop->entry_count; ++i) {
+    const km_entry *entry = &m->entries[i];
+    km_lane_entry *to = &l->entries[i];
+    to->step = entry->step;
+    to->side = entry->side;
+    to->columns = program->planar ? 1 : km_primitive_freedom(m->steps[program->step_start + entry->step].primitive);
+    to->next = (int)entry->next * KM_DRIVE_LANES;
+    place_rows(loop, (int)entry->at, l->sub->rows * l->sub->columns, to->at);
+  }
+}
+
 void km_lanes_take_structure(km_drive_lanes *l) {
   const km_mechanism *m = l->m;
   place_base(l);
-  const km_program *program = &m->programs[l->sub->program_start];
+  const km_program *program = &m->programs[l->sub->program_start], *end = program + l->sub->program_count;
   if (l->sub->program_count == 1 && program->planar) /* several take the same slots in turn */
     mark_still(l, program);
-  for (int k = 0; k < l->sub->loop_count; ++k) {
-    int index = m->loop_order[l->sub->loop_start + k];
-    const km_loop *loop = &m->loops[index];
-    place_rows(loop, loop->row_start, l->sub->rows, l->loops[index].row);
-    for (int i = loop->entry_start; i < loop->entry_start + loop->entry_count; ++i) {
-      const km_entry *entry = &m->entries[i];
-      l->entries[i].step = entry->step;
-      l->entries[i].side = entry->side;
-      place_rows(loop, (int)entry->at, l->sub->rows * l->sub->columns, l->entries[i].at);
-    }
-  }
+  for (; program < end; ++program)
+    for (int k = program->loop_start; k < program->loop_start + program->loop_count; ++k)
+      place_loop(l, program, m->loop_order[k]);
 }
 
 static void take_couplings(km_drive_lanes *l, const km_mechanism *m, int i) {

@@ -20,6 +20,9 @@ typedef struct km_lane_pose {
 typedef struct km_lane_twist {
   km_lane_vec3 v, w;
 } km_lane_twist;
+typedef struct km_lane_quaternion {
+  km_lanes_number w, x, y, z;
+} km_lane_quaternion;
 
 /* The numbers of a planar step and of a planar loop: see km_planar_step and km_loop. */
 typedef struct km_lane_step {
@@ -46,9 +49,10 @@ typedef struct km_lane_loop {
   km_lane_twist misfit;
   int row[6];
 } km_lane_loop;
-/* See km_entry. at: places of the rows in J, as above; behind its end if they are none. */
+/* See km_entry. at: places of the rows in J, as above; behind its end if they are none. A ball's next two columns follow at
+ * `next` each; what has no row lies two columns behind the end at most. */
 typedef struct km_lane_entry {
-  int step;
+  int step, columns, next;
   double side;
   int at[6];
 } km_lane_entry;
@@ -70,9 +74,13 @@ typedef struct km_lane_row {
   km_lanes_number *residual;
 } km_lane_row;
 
+/* More freedoms than these don't ride. */
+enum { KM_LANES_FREEDOMS = 12 };
+
 /* See km_course and km_drive_place. closed_at: the driver where the loops were closed; residual: of the worst loop. */
 typedef struct km_lane_place {
   km_lanes_number last_h, equal_count, s, largest, stopped, closed_at, residual, largest_b;
+  km_lanes_number older_count, older_h[KM_OLDER_STEPS];
 } km_lane_place;
 
 struct km_drive_lanes {
@@ -87,6 +95,7 @@ struct km_drive_lanes {
   unsigned looked;        /* those whose states show the present pose with all that it has, see km_drive_look */
   unsigned ahead;         /* and those whose course is newer than that of the drive */
   km_replay replay;       /* by the pivots of the lanes aboard */
+  int beside;             /* motions that leave the driver alone: freedoms but one */
   bool *is_length;        /* [columns] its unit isn't 1 */
   bool *is_limited;       /* [columns] in some lane */
 
@@ -105,15 +114,19 @@ struct km_drive_lanes {
   /* Where the drives are. */
   km_lane_place here;
   km_lanes_number *q;                      /* [coordinate] */
+  km_lane_quaternion *ball;                /* [ball] */
   km_lanes_number *t, *last_t, *last_move; /* [columns] as in km_course; so are these: */
-  km_lanes_number *rest, *moves[KM_CURVE_MOVES];
-  km_lanes_number sign, next_sign; /* of the pivots' product, ±1, and where the step ends */
+  km_lanes_number *rest;
+  km_lanes_number *past[KM_CURVE_MOVES]; /* of one freedom `moves`; of several the first are `older_t` */
+  km_lanes_number sign, next_sign;       /* of the pivots' product, ±1, and where the step ends */
   km_lanes_number pivoted_b, smallest_pivot;
   km_lanes_number target; /* of the step, scaled */
   km_lanes_number factor; /* a target in the model's unit times this is the scaled one */
 
   /* What a step leaves: */
-  km_lanes_number *B;       /* [rank] null vector of the driver: the dependent columns' in pivot order, negative */
+  km_lanes_number
+      *B; /* [freedom × rank] null vectors: the dependent columns' in pivot order, negative; the driver's is last */
+  km_lanes_number *Z;       /* [freedom × columns] of several freedoms: the null space, the driver's vector last */
   km_lanes_number *error;   /* [rows], and one more for what is no row; J alike */
   km_lanes_number *z;       /* [columns] unit direction of motion, lengths over the characteristic length */
   km_lanes_number *numbers; /* [columns] mobility numbers */
@@ -135,11 +148,13 @@ struct km_drive_lanes {
 
   /* What a step works on. */
   km_lanes_number *from, *move, *next_t, *x; /* [columns] */
+  km_lanes_number *stage[KM_PATH_STAGES];    /* [columns] km_least_path's rates */
   km_lanes_number *J, *y, *inverse;          /* [rows × columns], [rows], [rank] */
   km_lane_slot *slots;
   km_lane_column *h;
   km_lane_pose *poses;   /* of the slots of programs in space */
-  km_lane_twist *twists; /* [steps in space] */
+  km_lane_twist *twists; /* [steps in space × 3], as balls have them */
+  km_lane_quaternion *from_ball;
 };
 
 /* Do the mechanisms of two drives differ in numbers only, in the substructure that moves? And are lanes for it at all? */
@@ -149,6 +164,9 @@ bool km_lanes_fit(const km_drive *drive);
 void km_lanes_take_structure(km_drive_lanes *lanes);
 /* The numbers of the index-th drive's mechanism into its lane. */
 void km_lanes_take_numbers(km_drive_lanes *lanes, int index);
+
+/* Where a step ends in these lanes: the balls' coordinates, and into `move` the rotation vectors that led them there. */
+void km_lanes_end_balls(km_drive_lanes *lanes, unsigned ended);
 
 /* One step of the lanes `wanted` towards their targets. Returns those that took it; the others are where they were. By the
  * processor's registers. */

@@ -16,3 +16,7 @@ enum { TOGETHER = 2 };
 #define AT(r)              (first + WIDTH * (r))
 #define GET(number)        get((number).of + AT(r))
 #define PUT(number, value) put((number).of + AT(r), (value))
+
+/* Code that runs for most mechanisms stays in one piece; what only some of them need stays out of it. */
+#define WITHIN inline __attribute__((always_inline))
+#define APART  __attribute__((noinline))

@@ -11,11 +11,15 @@
 #include "spatial/twist.h"
 
 #include "kinematics/lanes_arithmetic_body.h"
-#include "kinematics/lanes_space_body.h"
+#include "kinematics/lanes_space_body.h" /* on balls */
 
 #include "kinematics/lanes_loops_body.h"
 
-#include "kinematics/lanes_closure_body.h" /* on both */
+#include "kinematics/lanes_freedoms_body.h" /* on arithmetic */
+
+#include "kinematics/lanes_closure_body.h" /* on all of them */
+
+#include "kinematics/lanes_path_body.h" /* on closure */
 
 /* Of continuation.c: is a step as long as the last one? */
 static inline mask as_long(const km_drive_lanes *l, vector h, int r, int first) {
@@ -37,8 +41,8 @@ static inline void look_farther(km_drive_lanes *l, const vector *h, const mask *
       vector even = h[r] * (km_curve_tangents[0] * GET(l->t[k]) + km_curve_tangents[1] * GET(l->last_t[k]));
       vector odd = GET(l->rest[k]);
       for (int i = 0; i < KM_CURVE_MOVES; i += 2) {
-        even += km_curve_moves[i] * GET(l->moves[i][k]);
-        odd += km_curve_moves[i + 1] * GET(l->moves[i + 1][k]);
+        even += km_curve_moves[i] * GET(l->past[i][k]);
+        odd += km_curve_moves[i + 1] * GET(l->past[i + 1][k]);
       }
       vector way = even + odd;
       apart[r] = larger(size_of(way - GET(l->move[k])), apart[r]);
@@ -51,8 +55,8 @@ static inline void look_farther(km_drive_lanes *l, const vector *h, const mask *
   PUT(l->move[k], pick(far[r], GET(l->x[k]), GET(l->move[k])));
 }
 
-/* km_continuation_predict. Clears the lanes where it leads too far. */
-static inline void predict(km_drive_lanes *l, const vector *h, mask *fit, int first, int count) {
+/* km_continuation_predict, of one freedom. */
+static inline void continue_curve(km_drive_lanes *l, const vector *h, const mask *fit, int first, int count) {
   vector last_h[TOGETHER], h00[TOGETHER], h10[TOGETHER], h11[TOGETHER];
   EACH(r) {
     last_h[r] = GET(l->here.last_h);
@@ -66,6 +70,16 @@ static inline void predict(km_drive_lanes *l, const vector *h, mask *fit, int fi
   PUT(l->move[k], -h00[r] * GET(l->last_move[k]) + last_h[r] * (h10[r] * GET(l->last_t[k]) + h11[r] * GET(l->t[k])));
   if (l->m->ball_count == 0)
     look_farther(l, h, fit, first, count);
+}
+
+/* predict of drive.c. Clears the lanes where it leads too far. `strain`: as in km_drive. */
+static inline void predict(km_drive_lanes *l, const vector *h, vector *strain, mask *fit, int first, int count) {
+  EACH(r)
+  strain[r] = all(0.0);
+  if (l->beside == 0)
+    continue_curve(l, h, fit, first, count);
+  else
+    follow_path(l, h, strain, fit, first, count);
   for (int k = 0; k < l->sub->columns; ++k)
     EACH(r)
   fit[r] &= at_most(size_of(GET(l->move[k])), all(km_drive_furthest));
@@ -106,18 +120,8 @@ static inline void clear_of_limits(const km_drive_lanes *l, const vector *h, mas
   }
 }
 
-static inline void set_next_tangent(km_drive_lanes *l, int first, int count) {
-  for (int i = 0; i < l->replay.rank; ++i) {
-    km_lanes_number *to = &l->next_t[l->replay.column[i]];
-    EACH(r)
-    PUT(*to, -GET(l->B[i]));
-  }
-  EACH(r)
-  PUT(l->next_t[l->column], all(1.0));
-}
-
-/* Clears the lanes that were too much corrected, turned too sharply, or are on another branch. By squares, as in
- * close_loops; `square`: of the way that was predicted. */
+/* Clears the lanes that were too much corrected, turned too sharply, or are on another branch, which one freedom shows. By
+ * squares, as in close_loops; `square`: of the way that was predicted. */
 static inline void keep_to_curve(const km_drive_lanes *l, const vector *square, const vector *correction, mask *fit,
                                  int first, int count) {
   const double cosine = km_drive_least_cosine(km_drive_tightness), part = km_drive_tightness;
@@ -129,46 +133,73 @@ static inline void keep_to_curve(const km_drive_lanes *l, const vector *square, 
   add_product(l, l->next_t, l->next_t, behind, first, count);
   EACH(r)
   fit[r] &= at_most(correction[r], SURE * part * part * square[r]) & below(all(0.0), along[r]) &
-            at_most(cosine * cosine * (before[r] * behind[r]), SURE * along[r] * along[r]) &
-            equal(GET(l->next_sign), GET(l->sign));
+            at_most(cosine * cosine * (before[r] * behind[r]), SURE * along[r] * along[r]);
+  for (int r = 0; r < count && l->beside == 0; ++r)
+    fit[r] &= equal(GET(l->next_sign), GET(l->sign));
 }
 
 /* grow_moves of continuation.c; `way`: the last move. */
 static inline void grow_moves(km_drive_lanes *l, int k, vector way, mask took, int r, int first) {
   vector x = GET(l->x[k]), rest = GET(l->rest[k]);
   for (int i = KM_CURVE_MOVES - 1; i > 0; --i)
-    PUT(l->moves[i][k], pick(took, GET(l->moves[i - 1][k]), GET(l->moves[i][k])));
-  PUT(l->moves[0][k], pick(took, way + (x - rest), GET(l->moves[0][k])));
+    PUT(l->past[i][k], pick(took, GET(l->past[i - 1][k]), GET(l->past[i][k])));
+  PUT(l->past[0][k], pick(took, way + (x - rest), GET(l->past[0][k])));
   PUT(l->rest[k], pick(took, x, rest));
 }
 
-/* km_continuation_accept where `took` is set, and what walk does after it; elsewhere back to where the step began. `x` is what
- * Newton has left undone. */
-static inline void accept(km_drive_lanes *l, const mask *took, const mask *arrives, const vector *h,
-                          const vector *largest_b, int first, int count) {
-  const int *coordinate = l->m->column_coordinate + l->sub->column_start;
+/* The same of its count of equal steps. */
+static inline void count_equal(km_drive_lanes *l, const vector *h, const mask *took, int first, int count) {
   EACH(r) {
     vector equals = GET(l->here.equal_count), most = all(KM_CURVE_MOVES);
     vector grown = pick(below(equals, most), equals + 1.0, most);
     PUT(l->here.equal_count, pick(took[r], pick(as_long(l, h[r], r, first), grown, all(1.0)), equals));
   }
+}
+
+/* lengthen of drive.c. */
+static inline vector lengthened(vector step, vector h, vector strain, bool alone) {
+  vector longer = 2.0 * step;
+  vector longest = pick(below(longer, all(km_drive_longest)), longer, all(km_drive_longest));
+  if (alone) /* there is no strain */
+    return longest;
+  vector share = step / size_of(h), square = share * share;
+  return pick(below(strain * (square * square), all(km_drive_easy)), longest, step);
+}
+
+/* km_continuation_accept where `took` is set, and what walk does after it; elsewhere back to where the step began. `x` is what
+ * Newton has left undone. */
+static inline void accept(km_drive_lanes *l, const mask *took, const mask *arrives, const vector *h,
+                          const vector *strain, const vector *largest_b, int first, int count) {
+  const int *coordinate = l->m->column_coordinate + l->sub->column_start;
+  const bool alone = l->beside == 0;
+  if (l->m->ball_count > 0)
+    end_balls(l, took, first, count);
+  if (alone)
+    count_equal(l, h, took, first, count);
+  else
+    grow_older(l, h, took, first, count);
   for (int k = 0; k < l->sub->columns; ++k) {
     km_lanes_number *to = &l->q[coordinate[k]];
-    bool is_length = l->is_length[k];
+    bool is_length = l->is_length[k], is_ball = l->m->ball_of[coordinate[k]] >= 0;
+    vector way[TOGETHER];
     EACH(r) {
-      vector q = GET(*to), from = GET(l->from[k]), way = q - from, t = GET(l->t[k]);
-      if (is_length)
-        way /= GET(l->unit[k]);
-      grow_moves(l, k, way, took[r], r, first);
-      PUT(*to, pick(took[r], q, from));
-      PUT(l->last_move[k], pick(took[r], way, GET(l->last_move[k])));
+      vector by = is_ball ? GET(l->move[k]) : GET(*to) - GET(l->from[k]);
+      way[r] = is_length ? by / GET(l->unit[k]) : by;
+    }
+    if (alone)
+      EACH(r)
+    grow_moves(l, k, way[r], took[r], r, first);
+    EACH(r) {
+      vector t = GET(l->t[k]);
+      PUT(*to, pick(took[r], GET(*to), GET(l->from[k])));
+      PUT(l->last_move[k], pick(took[r], way[r], GET(l->last_move[k])));
       PUT(l->last_t[k], pick(took[r], t, GET(l->last_t[k])));
       PUT(l->t[k], pick(took[r], GET(l->next_t[k]), t));
     }
   }
   EACH(r) {
-    vector s = GET(l->here.s), largest = GET(l->here.largest), longer = 2.0 * largest, q = GET(l->q[l->coordinate]);
-    vector longest = pick(below(longer, all(km_drive_longest)), longer, all(km_drive_longest));
+    vector s = GET(l->here.s), largest = GET(l->here.largest), q = GET(l->q[l->coordinate]);
+    vector longest = lengthened(largest, h[r], strain[r], alone);
     mask away = took[r] & below(all(km_drive_leaves), size_of(h[r]));
     PUT(l->here.largest_b, pick(took[r], largest_b[r], GET(l->here.largest_b)));
     PUT(l->here.last_h, pick(took[r], h[r], GET(l->here.last_h)));
@@ -176,28 +207,17 @@ static inline void accept(km_drive_lanes *l, const mask *took, const mask *arriv
     PUT(l->here.s, pick(took[r], pick(arrives[r], GET(l->target), s + h[r]), s));
     PUT(l->here.largest, pick(took[r], larger(longest, all(km_drive_least_first)), largest));
     PUT(l->here.stopped, pick(away, all(0.0), GET(l->here.stopped)));
+    if (!alone)
+      PUT(l->sign, pick(took[r], GET(l->next_sign), GET(l->sign)));
     PUT(l->q[l->coordinate], pick(took[r] & arrives[r], GET(l->target) * GET(l->unit[l->column]), q));
   }
 }
 
 /* km_partition_null and km_mobility_numbers, of one freedom, of the lanes that `took` the step. */
-static inline void set_numbers(km_drive_lanes *l, const mask *took, int first, int count) {
-  const km_replay *replay = &l->replay;
+static inline void set_numbers_of_one(km_drive_lanes *l, const mask *took, int first, int count) {
   km_lanes_number *z = l->x; /* Newton is through */
-  vector own[TOGETHER], sum[TOGETHER], factor[TOGETHER];
-  EACH(r) {
-    own[r] = GET(l->weight[l->column]);
-    sum[r] = own[r] * own[r];
-    PUT(z[l->column], own[r]);
-  }
-  for (int i = 0; i < replay->rank; ++i) {
-    int k = replay->column[i];
-    EACH(r) {
-      vector value = -GET(l->B[i]) * GET(l->weight[k]);
-      PUT(z[k], value);
-      sum[r] += value * value;
-    }
-  }
+  vector sum[TOGETHER], factor[TOGETHER];
+  set_null_vector(l, 0, z, sum, first, count);
   EACH(r)
   factor[r] = 1.0 / root(sum[r]);
   for (int k = 0; k < l->sub->columns; ++k)
@@ -244,7 +264,7 @@ static inline void set_residual(km_drive_lanes *l, const mask *took, int first, 
 /* One step of lanes first … first + count · WIDTH-1. */
 static inline unsigned step(km_drive_lanes *l, unsigned wanted, int first, int count) {
   const int *coordinate = l->m->column_coordinate + l->sub->column_start;
-  vector h[TOGETHER], square[TOGETHER], correction[TOGETHER], largest_b[TOGETHER];
+  vector h[TOGETHER], strain[TOGETHER], square[TOGETHER], correction[TOGETHER], largest_b[TOGETHER];
   mask arrives[TOGETHER], took[TOGETHER], quiet[TOGETHER];
   unsigned taken = 0;
   EACH(r) {
@@ -255,10 +275,12 @@ static inline unsigned step(km_drive_lanes *l, unsigned wanted, int first, int c
   may_step(l, h, took, first, count);
   if (!any(took, count))
     return 0;
-  predict(l, h, took, first, count);
   for (int k = 0; k < l->sub->columns; ++k)
     EACH(r)
   PUT(l->from[k], GET(l->q[coordinate[k]]));
+  if (l->m->ball_count > 0)
+    save_balls(l, first, count);
+  predict(l, h, strain, took, first, count);
   add_product(l, l->move, l->move, square, first, count);
   move(l, l->move, took, first, count);
   EACH(r) {
@@ -269,8 +291,11 @@ static inline unsigned step(km_drive_lanes *l, unsigned wanted, int first, int c
   set_next_tangent(l, first, count);
   keep_to_curve(l, square, correction, took, first, count);
   clear_of_limits(l, h, took, first, count);
-  accept(l, took, arrives, h, largest_b, first, count);
-  set_numbers(l, took, first, count);
+  accept(l, took, arrives, h, strain, largest_b, first, count);
+  if (l->beside == 0)
+    set_numbers_of_one(l, took, first, count);
+  else
+    set_numbers_of_several(l, took, first, count);
   set_residual(l, took, first, count);
   find_quiet(l, quiet, first, count);
   EACH(r) {

@@ -7,7 +7,7 @@
 enum { MOST_ITERATIONS = 8 };
 
 /* km_partition_refactor: the reduced matrix in J, B and its largest entry. Clears the lanes whose pivots don't serve any more. */
-static inline void factor(km_drive_lanes *l, vector *largest_b, mask *fit, int first, int count) {
+static WITHIN void factor(km_drive_lanes *l, vector *largest_b, mask *fit, int first, int count) {
   const km_replay *replay = &l->replay;
   const int *scale = replay->scales;
   const km_replay_update *update = replay->updates;
@@ -38,14 +38,17 @@ static inline void factor(km_drive_lanes *l, vector *largest_b, mask *fit, int f
       put(x + AT(r), get(x + AT(r)) - get(a + AT(r)) * get(u + AT(r)));
     }
   }
-  const km_lanes_number *last = l->J + replay->column[replay->rank] * replay->row_count;
-  for (int i = 0; i < replay->rank; ++i) {
-    const km_lanes_number *entry = &last[replay->row[i]];
-    EACH(r) {
-      vector b = GET(*entry) * GET(l->inverse[i]);
-      PUT(l->B[i], b);
-      largest_b[r] = larger(size_of(b), largest_b[r]);
-      sum[r] += b;
+  km_lanes_number *B = l->B;
+  for (int c = replay->rank; c < replay->column_count; ++c) {
+    const km_lanes_number *column = l->J + replay->column[c] * replay->row_count;
+    for (int i = 0; i < replay->rank; ++i, ++B) {
+      const km_lanes_number *entry = &column[replay->row[i]];
+      EACH(r) {
+        vector b = GET(*entry) * GET(l->inverse[i]);
+        PUT(*B, b);
+        largest_b[r] = larger(size_of(b), largest_b[r]);
+        sum[r] += b;
+      }
     }
   }
   EACH(r) {
@@ -56,8 +59,20 @@ static inline void factor(km_drive_lanes *l, vector *largest_b, mask *fit, int f
   }
 }
 
-/* newton_step of closure.c, of one freedom, which the driver has. `error`: the sum of the squares of the primary rows' errors,
- * `largest`: the step's largest entry. */
+/* Newton's step x is the least one. */
+static APART void make_least(km_drive_lanes *l, vector *largest, int first, int count) {
+  find_null_vectors(l, 0, l->beside, first, count);
+  least_step(l, l->x, l->next_t, first, count);
+  EACH(r) {
+    PUT(l->x[l->column], all(0.0));
+    largest[r] = all(0.0);
+  }
+  for (int k = 0; k < l->sub->columns; ++k)
+    EACH(r)
+  largest[r] = larger(size_of(GET(l->x[k])), largest[r]);
+}
+
+/* newton_step of closure.c. `error`: the sum of the squares of the primary rows' errors, `largest`: the step's largest entry. */
 static inline void newton(km_drive_lanes *l, vector *error, vector *largest, int first, int count) {
   const km_replay *replay = &l->replay;
   const double *J = l->J->of;
@@ -82,24 +97,23 @@ static inline void newton(km_drive_lanes *l, vector *error, vector *largest, int
       error[r] += e * e;
     }
   }
-  EACH(r)
-  PUT(l->x[l->column], all(0.0));
-}
-
-/* sum += (D a)·(D b) */
-static inline void add_product(const km_drive_lanes *l, const km_lanes_number *a, const km_lanes_number *b, vector *sum,
-                               int first, int count) {
-  for (int k = 0; k < l->sub->columns; ++k)
-    EACH(r) {
-      vector weight = GET(l->weight[k]);
-      sum[r] += weight * GET(a[k]) * weight * GET(b[k]);
-    }
+  for (int c = replay->rank; c < replay->column_count; ++c)
+    EACH(r)
+  PUT(l->x[replay->column[c]], all(0.0));
+  if (l->beside > 0)
+    make_least(l, largest, first, count);
 }
 
 /* Adds a scaled step where the mask is set. */
-static inline void move(km_drive_lanes *l, const km_lanes_number *step, const mask *where, int first, int count) {
+static WITHIN void move(km_drive_lanes *l, const km_lanes_number *step, const mask *where, int first, int count) {
   const int *coordinate = l->m->column_coordinate + l->sub->column_start;
   for (int k = 0; k < l->sub->columns; ++k) {
+    const int ball = l->m->ball_of[coordinate[k]];
+    if (ball >= 0) {
+      turn_ball(l, ball, step + k, where, first, count);
+      k += 2;
+      continue;
+    }
     km_lanes_number *to = &l->q[coordinate[k]];
     bool is_length = l->is_length[k];
     EACH(r) {
@@ -114,6 +128,8 @@ static inline void grain(const km_drive_lanes *l, vector *coarse, int first, int
   EACH(r)
   coarse[r] = all(0.0);
   for (int k = 0; k < l->sub->columns; ++k) {
+    if (l->m->ball_of[coordinate[k]] >= 0)
+      continue;
     const km_lanes_number *at = &l->q[coordinate[k]];
     bool is_length = l->is_length[k];
     EACH(r) {

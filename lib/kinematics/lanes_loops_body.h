@@ -2,7 +2,7 @@
 
 /* planar_steps of loops.c; `again`: only Newton has moved since the last time. Clears the lanes whose angles are too large for
  * the sines. */
-static inline void steps(km_drive_lanes *l, const km_program *program, bool again, mask *fit, int first, int count) {
+static WITHIN void steps(km_drive_lanes *l, const km_program *program, bool again, mask *fit, int first, int count) {
   const km_planar_step *fixed = l->m->planar_steps + program->step_start;
   const km_lane_step *numbers = l->steps + program->step_start;
   km_lane_slot *slots = l->slots;
@@ -53,7 +53,7 @@ static inline vector wrapped(vector angle) {
 }
 
 /* planar_error of loops.c. Clears the lanes whose misfit is large. */
-static inline void find_misfit(km_drive_lanes *l, int index, mask *fit, int first, int count) {
+static WITHIN void find_misfit(km_drive_lanes *l, int index, mask *fit, int first, int count) {
   const km_loop *loop = &l->m->loops[index];
   km_lane_planar_loop *n = &l->planar_loops[index];
   km_lane_loop *out = &l->loops[index];
@@ -90,7 +90,7 @@ static inline void find_misfit(km_drive_lanes *l, int index, mask *fit, int firs
 }
 
 /* The loop's entries of J; planar_loop of loops.c. */
-static inline void set_entries(km_drive_lanes *l, int index, const km_lane_column *h, int first, int count) {
+static WITHIN void set_entries(km_drive_lanes *l, int index, const km_lane_column *h, int first, int count) {
   const km_loop *loop = &l->m->loops[index];
   const km_lane_planar_loop *n = &l->planar_loops[index];
   double *J = l->J->of;
@@ -132,7 +132,7 @@ static inline void set_coupling(km_drive_lanes *l, int index, vector *square, ma
   }
 }
 
-static inline void update_planar(km_drive_lanes *l, const km_program *program, bool again, mask *fit, int first,
+static WITHIN void update_planar(km_drive_lanes *l, const km_program *program, bool again, mask *fit, int first,
                                  int count) {
   steps(l, program, again, fit, first, count);
   for (int i = 0; i < program->loop_count; ++i) {
@@ -143,7 +143,7 @@ static inline void update_planar(km_drive_lanes *l, const km_program *program, b
 }
 
 /* km_loops_update, and six times the square of km_loops_residual. Clears the lanes that the formulas aren't good for. */
-static inline void update(km_drive_lanes *l, bool again, vector *square, mask *fit, int first, int count) {
+static WITHIN void update(km_drive_lanes *l, bool again, vector *square, mask *fit, int first, int count) {
   const km_mechanism *m = l->m;
   EACH(r)
   square[r] = all(0.0);

@@ -1,5 +1,5 @@
 /* Loops in space of several drives in vectors: a part of lanes_body.h. What is computed for a lane is what loops.c,
- * motion_step.h and spatial/ compute for one drive, operation for operation; the names are theirs. Ball joints don't ride. */
+ * motion_step.h and spatial/ compute for one drive, operation for operation; the names are theirs. */
 
 #include "spatial/vec3_body.h"
 
@@ -59,7 +59,9 @@ static inline pose pose_product(const pose *a, const pose *b) {
   return (pose){rotation_product(&a->R, &b->R), pose_point(a, b->p)};
 }
 
-/* km_motion_step. Clears the lanes whose angles are too large for the sines. */
+#include "kinematics/lanes_balls_body.h"
+
+/* km_motion_step, of other joints than balls. Clears the lanes whose angles are too large for the sines. */
 static inline pose motion_step(const km_step *step, vector pitch, vector value, pose X, km_lane_twist *h, mask *fit,
                                int lane) {
   lanes_vec axis = X.R.axis[step->axis], w = lanes_scaled(all(step->sign), axis), v = w;
@@ -97,7 +99,12 @@ static inline void space_steps(km_drive_lanes *l, const km_program *program, mas
         rotation before = get_rotation(&n->before, AT(r));
         X.R = rotation_product(&X.R, &before);
       }
-      X = motion_step(step, GET(n->pitch), value, X, &l->twists[i], &fit[r], AT(r));
+      if (step->primitive == KM_BALL) {
+        quaternion ball = get_quaternion(&l->ball[step->ball], AT(r));
+        X = ball_step(step->sign, &ball, X, &l->twists[3 * i], AT(r));
+      } else {
+        X = motion_step(step, GET(n->pitch), value, X, &l->twists[3 * i], &fit[r], AT(r));
+      }
       put_pose(&l->poses[step->to], AT(r), &X);
     }
   }
@@ -146,14 +153,16 @@ static inline void set_space_entries(km_drive_lanes *l, int index, const km_lane
   const km_lane_space_loop *n = &l->space_loops[index];
   for (int i = 0; i < loop->entry_count; ++i) {
     const km_lane_entry *entry = &l->entries[loop->entry_start + i];
-    const km_lane_twist *of = &h[entry->step];
-    EACH(r) {
-      lanes_vec w = get_vec(&of->w, AT(r)), o = get_vec(&n->origin[entry->side < 0.0], AT(r));
-      lanes_vec v = lanes_sum(get_vec(&of->v, AT(r)), lanes_cross(w, o));
-      const vector column[6] = {v.x, v.y, v.z, w.x, w.y, w.z};
-      for (int k = 0; k < 6; ++k)
-        put(l->J->of + entry->at[k] + AT(r), entry->side * column[k]);
-    }
+    const km_lane_twist *of = &h[3 * entry->step];
+    double *J = l->J->of;
+    for (int k = 0; k < entry->columns; ++k, ++of, J += entry->next)
+      EACH(r) {
+        lanes_vec w = get_vec(&of->w, AT(r)), o = get_vec(&n->origin[entry->side < 0.0], AT(r));
+        lanes_vec v = lanes_sum(get_vec(&of->v, AT(r)), lanes_cross(w, o));
+        const vector column[6] = {v.x, v.y, v.z, w.x, w.y, w.z};
+        for (int a = 0; a < 6; ++a)
+          put(J + entry->at[a] + AT(r), entry->side * column[a]);
+      }
   }
 }
 
@@ -164,6 +173,6 @@ static inline void update_spatial(km_drive_lanes *l, const km_program *program, 
     int index = l->m->loop_order[program->loop_start + i];
     EACH(r)
     find_space_misfit(l, index, fit, r, first);
-    set_space_entries(l, index, l->twists + program->step_start, first, count);
+    set_space_entries(l, index, l->twists + 3 * (size_t)program->step_start, first, count);
   }
 }

@@ -6,24 +6,19 @@
 
 #include <string.h>
 
-/* Of the length of a step. The contract promises 1e-4 at the end of a sweep however it is cut: paths of least motion
- * may part by a thousandfold on the way. */
-static const double allowed = 1e-7;
-static const double grain = 1e-13; /* rounding of a step, scaled */
-/* The same near singular poses, where closed loops tell it to no more digits. It decays on a path that is stiff. */
+/* The rounding of a step near singular poses, where closed loops tell it to no more digits. It decays on a path that is stiff. */
 static const double coarse_grain = 1e-9;
 
-/* J. R. Cash and A. H. Karp, A variable order Runge-Kutta method, 1990. */
-static const double stage_shares[KM_PATH_STAGES][KM_PATH_STAGES - 1] = {
+const double km_path_stage_shares[KM_PATH_STAGES][KM_PATH_STAGES - 1] = {
     {0},
     {1.0 / 5},
     {3.0 / 40, 9.0 / 40},
     {3.0 / 10, -9.0 / 10, 6.0 / 5},
     {-11.0 / 54, 5.0 / 2, -70.0 / 27, 35.0 / 27},
     {1631.0 / 55296, 175.0 / 512, 575.0 / 13824, 44275.0 / 110592, 253.0 / 4096}};
-static const double fifth[KM_PATH_STAGES] = {37.0 / 378, 0, 250.0 / 621, 125.0 / 594, 0, 512.0 / 1771};
-static const double fourth[KM_PATH_STAGES] = {2825.0 / 27648, 0,      18575.0 / 48384, 13525.0 / 55296,
-                                              277.0 / 14336,  1.0 / 4};
+const double km_path_fifth[KM_PATH_STAGES] = {37.0 / 378, 0, 250.0 / 621, 125.0 / 594, 0, 512.0 / 1771};
+const double km_path_fourth[KM_PATH_STAGES] = {2825.0 / 27648, 0,      18575.0 / 48384, 13525.0 / 55296,
+                                               277.0 / 14336,  1.0 / 4};
 
 bool km_least_path_reserve(km_least_path *path, int columns, km_arena *arena) {
   for (int i = 0; i < KM_PATH_STAGES; ++i)
@@ -34,8 +29,9 @@ bool km_least_path_reserve(km_least_path *path, int columns, km_arena *arena) {
 /* The rate of the rotation vector u whose turn has the angular velocity w (fixed axes):
  * u̇ = w − ½ u × w + c u × (u × w), c = 1/θ² − (1 + cos θ)/(2 θ sin θ). */
 static km_vec3 vector_rate(km_vec3 u, km_vec3 w) {
-  double angle = km_vec3_norm(u), square = angle * angle;
-  double c = angle < 1e-2 ? 1.0 / 12 + square / 720 : 1.0 / square - (1.0 + cos(angle)) / (2.0 * angle * sin(angle));
+  double angle = km_vec3_norm(u), square = angle * angle, sine, cosine;
+  km_sincos(angle, &sine, &cosine);
+  double c = angle < KM_PATH_NEAR ? 1.0 / 12 + square / 720 : 1.0 / square - (1.0 + cosine) / (2.0 * angle * sine);
   km_vec3 once = km_vec3_cross(u, w), twice = km_vec3_cross(u, once);
   return km_vec3_axpy(c, twice, km_vec3_axpy(-0.5, once, w));
 }
@@ -87,7 +83,7 @@ double km_least_path_predict(km_least_path *path, const km_mechanism *m, km_stat
   memcpy(path->rate[0], t, (size_t)columns * sizeof *t);
   km_state_forget_pivots(s, index);
   for (int i = 1; i < KM_PATH_STAGES; ++i) {
-    combine(path, stage_shares[i], i, columns, h, move);
+    combine(path, km_path_stage_shares[i], i, columns, h, move);
     if (!(largest(move, columns) <= 1.0)) /* too far for the field to mean anything */
       return HUGE_VAL;
     km_state_restore(s, sub, saved);
@@ -97,16 +93,14 @@ double km_least_path_predict(km_least_path *path, const km_mechanism *m, km_stat
     unwind_balls(m, sub, move, path->rate[i]);
   }
   for (int i = 0; i < KM_PATH_STAGES; ++i)
-    difference[i] = fifth[i] - fourth[i];
+    difference[i] = km_path_fifth[i] - km_path_fourth[i];
   combine(path, difference, KM_PATH_STAGES, columns, h, move);
   double error = largest(move, columns);
-  combine(path, fifth, KM_PATH_STAGES, columns, h, move);
+  combine(path, km_path_fifth, KM_PATH_STAGES, columns, h, move);
   km_partition_copy_pivots(&s->partition[index], pivots);
   s->pivoted[index] = driver;
-  return error / (allowed * largest(move, columns) + grain);
+  return error / (km_path_allowed * largest(move, columns) + km_path_grain);
 }
-
-enum { MOST_NODES = KM_OLDER_STEPS + 2, LEAST_NODES = 4 };
 
 /* The weights w with Σ w_k x_k^j = moment_j, j = 0 … count-1, in place of the moments. Å. Björck and V. Pereyra, Solution of
  * Vandermonde systems of equations, 1970. */
@@ -125,8 +119,8 @@ static void weigh_nodes(const double *x, int count, double *moment) {
 /* Tangents at the nodes x, counted from the pose in units of h. */
 typedef struct nodes {
   int count;
-  double x[MOST_NODES];
-  const double *t[MOST_NODES];
+  double x[KM_PATH_NODES];
+  const double *t[KM_PATH_NODES];
 } nodes;
 
 static nodes gather_nodes(const km_course *c, double h) {
@@ -149,7 +143,7 @@ static km_vec3 weighted_turn(const nodes *n, const double *weight, int column) {
  * 1954, u = ∫ω − h³/12 ω × ω̇ − h⁴/24 ω × ω̈ + O(h⁵). */
 static void wind_balls(const km_mechanism *m, const km_substructure *sub, const nodes *n, double h, double *move) {
   const int *coordinate = m->column_coordinate + sub->column_start;
-  double slope[MOST_NODES] = {0.0, 1.0}, bend[MOST_NODES] = {0.0, 0.0, 2.0};
+  double slope[KM_PATH_NODES] = {0.0, 1.0}, bend[KM_PATH_NODES] = {0.0, 0.0, 2.0};
   weigh_nodes(n->x, n->count, slope);
   weigh_nodes(n->x, n->count, bend);
   for (int k = 0; k < sub->columns; ++k) {
@@ -166,10 +160,10 @@ static void wind_balls(const km_mechanism *m, const km_substructure *sub, const 
 
 double km_least_path_continue(const km_mechanism *m, const km_substructure *sub, const km_course *c, double h,
                               double *move) {
-  if (c->last_h == 0.0 || 2 + c->older_count < LEAST_NODES)
+  if (c->last_h == 0.0 || 2 + c->older_count < KM_PATH_LEAST_NODES)
     return HUGE_VAL;
   nodes n = gather_nodes(c, h);
-  double whole[MOST_NODES], less[MOST_NODES] = {0.0}, error = 0.0;
+  double whole[KM_PATH_NODES], less[KM_PATH_NODES] = {0.0}, error = 0.0;
   for (int i = 0; i < n.count; ++i) /* moments of [0, 1] */
     whole[i] = less[i] = 1.0 / (i + 1);
   less[n.count - 1] = 0.0;
@@ -185,7 +179,7 @@ double km_least_path_continue(const km_mechanism *m, const km_substructure *sub,
     error = fabs(h * apart) <= error ? error : fabs(h * apart); /* NaN stays */
   }
   wind_balls(m, sub, &n, h, move);
-  return error / (allowed * largest(move, sub->columns) + grain);
+  return error / (km_path_allowed * largest(move, sub->columns) + km_path_grain);
 }
 
 double km_least_path_draw(km_closest *closest, const km_mechanism *m, km_state *s, int index, int driver,
@@ -215,5 +209,5 @@ double km_least_path_draw(km_closest *closest, const km_mechanism *m, km_state *
     km_closest_follow(closest, m, sub, ahead);
   for (int k = 0; k < columns; ++k)
     error = fabs(ahead[k]) <= error ? error : fabs(ahead[k]);
-  return error / (allowed * largest(move, columns) + coarse_grain);
+  return error / (km_path_allowed * largest(move, columns) + coarse_grain);
 }

@@ -5,7 +5,16 @@
 #include "kinematics/closest.h"
 #include "kinematics/continuation.h"
 
-enum { KM_PATH_STAGES = 6 };
+enum { KM_PATH_STAGES = 6, KM_PATH_NODES = KM_OLDER_STEPS + 2, KM_PATH_LEAST_NODES = 4 };
+
+/* Error that is allowed, of the length of a step. The contract promises 1e-4 at the end of a sweep however it is cut: paths of
+ * least motion may part by a thousandfold on the way. And the rounding of a step, scaled. */
+static const double km_path_allowed = 1e-7, km_path_grain = 1e-13;
+/* Below this angle the rate of a rotation vector is found by a series. */
+#define KM_PATH_NEAR 1e-2
+/* J. R. Cash and A. H. Karp, A variable order Runge-Kutta method, 1990. */
+extern const double km_path_stage_shares[KM_PATH_STAGES][KM_PATH_STAGES - 1], km_path_fifth[KM_PATH_STAGES],
+    km_path_fourth[KM_PATH_STAGES];
 
 typedef struct km_least_path {
   double *rate[KM_PATH_STAGES]; /* [columns] t at the stages */

@@ -65,17 +65,18 @@ static double column_size(const km_partition *p, const double *x) {
   return best[0] > best[1] ? best[0] : best[1];
 }
 
-/* Largest open entry of the columns in slots from … to-1. */
-static pivot search(const km_partition *p, int from, int to) {
+/* The first of the largest open entries of the columns in slots from … to-1; entries are as large as each other to that factor. */
+static pivot search(const km_partition *p, int from, int to, double as_large) {
   pivot best = {0, from, 0.0};
   for (int k = from; k < to; ++k) {
     double size = column_size(p, reduced_column(p, p->column[k]));
-    if (size > best.size)
+    if (size > as_large * best.size)
       best = (pivot){0, k, size};
   }
   const double *x = reduced_column(p, p->column[best.slot]);
-  while (best.size > 0.0 && (p->work[best.row] == 0.0 || fabs(x[best.row]) != best.size))
+  while (best.size > 0.0 && (p->work[best.row] == 0.0 || !(as_large * fabs(x[best.row]) >= best.size)))
     ++best.row;
+  best.size = best.size > 0.0 ? fabs(x[best.row]) : 0.0;
   return best;
 }
 
@@ -104,7 +105,7 @@ static void load(km_partition *p, const double *matrix) {
 }
 
 /* km_small_factor for any size. */
-static void factor(km_partition *p, const double *matrix, int candidates, double tolerance) {
+static void factor(km_partition *p, const double *matrix, int candidates, double tolerance, double as_large) {
   load(p, matrix);
   p->scale = km_largest_size(matrix, p->rows * p->columns);
   const int64_t magnitude = KM_MAGNITUDE;
@@ -114,9 +115,9 @@ static void factor(km_partition *p, const double *matrix, int candidates, double
   double threshold = tolerance * p->scale;
   int step = 0;
   for (; step < p->rows && step < p->columns; ++step) {
-    pivot best = search(p, step, candidates);
+    pivot best = search(p, step, candidates, as_large);
     if (!(best.size > threshold) && candidates < p->columns && !p->held) {
-      best = search(p, candidates, p->columns);
+      best = search(p, candidates, p->columns, as_large);
       candidates = p->columns;
       p->forced_dependent = best.size > threshold;
     }
@@ -206,7 +207,7 @@ void km_partition_factor(km_partition *p, const double *matrix, int rows, int co
     if (is_small(p))
       km_small_factor(p, matrix, candidates, tolerance);
     else
-      factor(p, matrix, candidates, tolerance);
+      factor(p, matrix, candidates, tolerance, forced ? KM_AS_LARGE : 1.0);
     finish(p);
   }
   order_rows(p);

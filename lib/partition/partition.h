@@ -71,8 +71,9 @@ void km_partition_keep_normal(km_partition *partition, km_normal **place);
 void km_normal_free(km_normal *normal);
 
 /* Complete pivoting. Pivots stop at |pivot| ≤ tolerance · (largest entry). Columns with forced[c] (may be
- * NULL) stay independent while the others can give full rank. Equal entries (up to 12 × 64: equal to 2^-42, so that
- * rounding doesn't decide between symmetric joints) go by place; what was factored before has no influence.
+ * NULL) stay independent while the others can give full rank. Equal entries go by place, so that rounding doesn't decide between
+ * symmetric joints: up to 12 × 64 those equal to 2^-42, beyond it, where columns are forced, those as large as each other to
+ * KM_AS_LARGE. What was factored before has no influence.
  * `matrix` is kept. With entries that are not finite the rank means nothing, but stays in range.
  * O(rows·columns·rank). The sparse engine pivots by rows, and completely only among the independent columns: the pivots
  * are others, rank, null space and the size of B the same; last_pivot is then the smallest. O(entries of L and U). */
@@ -82,6 +83,9 @@ void km_partition_factor(km_partition *partition, const double *matrix, int rows
 /* The same pivots on new values, no search. False where max |B| passes twice its value at the last search, a pivot
  * vanishes or a value is not finite: then factor again. O(rows·rank·columns). */
 bool km_partition_refactor(km_partition *partition, const double *matrix);
+
+/* Drives of designs that differ by some percent have the same pivots by this, and can go side by side. */
+#define KM_AS_LARGE 1.1
 
 /* Pivots serve while max |B| has grown by the first at most, and the smallest pivot has shrunk by the second. */
 static const double km_most_growth_of_b = 2.0, km_most_shrinking = 10.0;

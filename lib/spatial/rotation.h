@@ -2,6 +2,7 @@
 #ifndef KM_SPATIAL_ROTATION_H
 #define KM_SPATIAL_ROTATION_H
 
+#include "spatial/sincos.h"
 #include "spatial/vec3.h"
 
 typedef struct km_rotation {
@@ -92,11 +93,15 @@ static inline km_quaternion km_quaternion_normalised(km_quaternion a) {
   return (km_quaternion){s * a.w, s * a.x, s * a.y, s * a.z};
 }
 
+/* Below this angle the sine over it is two terms of its series. */
+#define KM_EXP_SERIES 1e-4
+
 /* exp of a rotation vector. */
 static inline km_quaternion km_quaternion_exp(km_vec3 v) {
-  double angle = km_vec3_norm(v);
-  double s = angle < 1e-4 ? 0.5 - angle * angle / 48.0 : sin(0.5 * angle) / angle;
-  return (km_quaternion){cos(0.5 * angle), s * v.x, s * v.y, s * v.z};
+  double angle = km_vec3_norm(v), sine, cosine;
+  km_sincos(0.5 * angle, &sine, &cosine);
+  double s = angle < KM_EXP_SERIES ? 0.5 - angle * angle / 48.0 : sine / angle;
+  return (km_quaternion){cosine, s * v.x, s * v.y, s * v.z};
 }
 
 /* The rotation vector of angle at most π. */

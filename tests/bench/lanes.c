@@ -99,4 +99,7 @@ void bench_lanes(void) {
   measure("excavator", "M", 0.55);
   measure("klann", "A", 2.0 * M_PI);
   measure("bennett", "A", 2.0 * M_PI);
+  measure("rssr", "A", 2.0 * M_PI);
+  measure("delta", "A1", 0.3);
+  measure("stewart", "P1", 0.1);
 }

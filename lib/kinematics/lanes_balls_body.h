@@ -1,0 +1,97 @@
+/* Ball joints of several drives in vectors: a part of lanes_body.h. What is computed for a lane is what rotation.h, state.c and
+ * least_path.c compute for one drive. The rotation vectors of balls are found where a step ends, by km_lanes_end_balls. */
+
+typedef struct quaternion {
+  vector w, x, y, z;
+} quaternion;
+
+static inline quaternion get_quaternion(const km_lane_quaternion *n, int lane) {
+  return (quaternion){get(n->w.of + lane), get(n->x.of + lane), get(n->y.of + lane), get(n->z.of + lane)};
+}
+static inline void put_quaternion(km_lane_quaternion *n, int lane, const quaternion *a) {
+  put(n->w.of + lane, a->w);
+  put(n->x.of + lane, a->x);
+  put(n->y.of + lane, a->y);
+  put(n->z.of + lane, a->z);
+}
+static inline quaternion pick_quaternion(mask m, const quaternion *a, const quaternion *b) {
+  return (quaternion){pick(m, a->w, b->w), pick(m, a->x, b->x), pick(m, a->y, b->y), pick(m, a->z, b->z)};
+}
+
+static inline quaternion quaternion_product(const quaternion *a, const quaternion *b) {
+  return (quaternion){
+      a->w * b->w - a->x * b->x - a->y * b->y - a->z * b->z, a->w * b->x + a->x * b->w + a->y * b->z - a->z * b->y,
+      a->w * b->y - a->x * b->z + a->y * b->w + a->z * b->x, a->w * b->z + a->x * b->y - a->y * b->x + a->z * b->w};
+}
+static inline quaternion quaternion_conjugate(const quaternion *a) {
+  return (quaternion){a->w, -a->x, -a->y, -a->z};
+}
+static inline quaternion quaternion_normalised(const quaternion *a) {
+  vector s = 1.0 / root(a->w * a->w + a->x * a->x + a->y * a->y + a->z * a->z);
+  return (quaternion){s * a->w, s * a->x, s * a->y, s * a->z};
+}
+/* Of a vector no longer than KM_SINCOS_MOST. */
+static inline quaternion quaternion_exp(lanes_vec v) {
+  vector angle = root(lanes_dot(v, v)), sine, cosine;
+  lanes_sincos(0.5 * angle, &sine, &cosine);
+  vector s = pick(below(angle, all(KM_EXP_SERIES)), 0.5 - angle * angle / 48.0, sine / angle);
+  return (quaternion){cosine, s * v.x, s * v.y, s * v.z};
+}
+static inline rotation quaternion_rotation(const quaternion *q) {
+  vector xx = q->x * q->x, yy = q->y * q->y, zz = q->z * q->z;
+  vector xy = q->x * q->y, yz = q->y * q->z, zx = q->z * q->x;
+  vector wx = q->w * q->x, wy = q->w * q->y, wz = q->w * q->z;
+  return (rotation){{{1 - 2 * (yy + zz), 2 * (xy + wz), 2 * (zx - wy)},
+                     {2 * (xy - wz), 1 - 2 * (zz + xx), 2 * (yz + wx)},
+                     {2 * (zx + wy), 2 * (yz - wx), 1 - 2 * (xx + yy)}}};
+}
+
+/* The case of a ball in km_motion_step; h: three twists. */
+static APART pose ball_step(double sign, const quaternion *ball, pose X, km_lane_twist *h, int lane) {
+  quaternion back = quaternion_conjugate(ball);
+  rotation turn = quaternion_rotation(sign > 0.0 ? ball : &back), before = X.R;
+  X.R = rotation_product(&X.R, &turn);
+  const rotation *axes = sign > 0.0 ? &before : &X.R;
+  for (int k = 0; k < 3; ++k) {
+    lanes_vec w = lanes_scaled(all(sign), axes->axis[k]);
+    put_vec(&h[k].v, lane, lanes_cross(X.p, w));
+    put_vec(&h[k].w, lane, w);
+  }
+  return X;
+}
+
+/* km_state_turn_ball where the mask is set; the turn's columns begin at `turn`. */
+static APART void turn_ball(km_drive_lanes *l, int ball, const km_lanes_number *turn, const mask *where, int first,
+                            int count) {
+  km_lane_quaternion *at = &l->ball[ball];
+  EACH(r) {
+    quaternion old = get_quaternion(at, AT(r));
+    quaternion by = quaternion_exp((lanes_vec){GET(turn[0]), GET(turn[1]), GET(turn[2])});
+    quaternion turned = quaternion_product(&by, &old);
+    turned = quaternion_normalised(&turned);
+    turned = pick_quaternion(where[r], &turned, &old);
+    put_quaternion(at, AT(r), &turned);
+  }
+}
+
+static APART void save_balls(km_drive_lanes *l, int first, int count) {
+  for (int b = 0; b < l->m->ball_count; ++b)
+    EACH(r) {
+      quaternion q = get_quaternion(&l->ball[b], AT(r));
+      put_quaternion(&l->from_ball[b], AT(r), &q);
+    }
+}
+
+/* Balls end where the step has led them, or where `took` isn't set they go back to where it began. */
+static APART void end_balls(km_drive_lanes *l, const mask *took, int first, int count) {
+  unsigned ended = 0;
+  EACH(r)
+  ended |= bits_of(took[r]) << AT(r);
+  km_lanes_end_balls(l, ended);
+  for (int b = 0; b < l->m->ball_count; ++b)
+    EACH(r) {
+      quaternion q = get_quaternion(&l->ball[b], AT(r)), from = get_quaternion(&l->from_ball[b], AT(r));
+      q = pick_quaternion(took[r], &q, &from);
+      put_quaternion(&l->ball[b], AT(r), &q);
+    }
+}
