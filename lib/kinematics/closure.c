@@ -61,6 +61,11 @@ static int motions_beside(const km_partition *p, int driver) {
   return km_partition_freedom(p) - (driver >= 0 && !p->forced_dependent);
 }
 
+/* Are the vectors that least steps take so many that the rows' own equations find them sooner? */
+static bool takes_many(const km_partition *p, int count) {
+  return p->sparse && (p->rank < count ? p->rank : count) > KM_MANY_VECTORS;
+}
+
 /* D x loses what it has of the null space Z, or keeps what it has of the row space R: whichever has fewer vectors. */
 void km_least_step(const km_mechanism *m, km_state *s, int index, int driver, double *x) {
   const km_substructure *sub = &m->substructures[index];
@@ -70,8 +75,7 @@ void km_least_step(const km_mechanism *m, km_state *s, int index, int driver, do
   if (count <= 0)
     return;
   bool by_rows = p->rank < count;
-  if (p->sparse && (by_rows ? p->rank : count) > KM_MANY_VECTORS &&
-      km_partition_reject_null(p, km_state_jacobian(s, sub), weight, count, x, s->part)) {
+  if (takes_many(p, count) && km_partition_reject_null(p, km_state_jacobian(s, sub), weight, count, x, s->part)) {
     s->basis[index].count = 0;
     return;
   }
@@ -124,13 +128,15 @@ static void factor(const km_mechanism *m, km_state *s, int index, int driver, do
     km_state_forget_pivots(s, index);
 }
 
-/* The least x with J x = the loops' errors in the primary rows. */
+/* The least x with J x = the loops' errors in the primary rows. Among many motions any other solution may be a long one, of which
+ * taking the motions out leaves rounding alone. */
 static void solve_least(const km_mechanism *m, km_state *s, int index, int driver, double *x) {
   const km_substructure *sub = &m->substructures[index];
   const km_partition *p = &s->partition[index];
   int count = motions_beside(p, driver);
-  if (p->rows_only && km_partition_least(p, km_state_jacobian(s, sub), m->column_weight + sub->column_start, count,
-                                         km_state_error(s, sub), x))
+  if ((p->rows_only || takes_many(p, count)) &&
+      km_partition_least(p, km_state_jacobian(s, sub), m->column_weight + sub->column_start, count,
+                         km_state_error(s, sub), x))
     return;
   km_partition_solve(p, km_state_error(s, sub), x);
   if (!p->rows_only)

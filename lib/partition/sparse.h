@@ -68,7 +68,7 @@ struct km_sparse {
 };
 
 /* Null vectors with so many times the entries of the matrix, all together, are long: they reach through the whole mechanism. */
-enum { KM_SPARSE_LONG = 20 };
+enum { KM_SPARSE_LONG = 5 };
 
 static inline bool km_sparse_is_locked(const km_partition *p, int c) {
   return p->locked && p->locked[c];

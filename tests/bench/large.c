@@ -19,7 +19,7 @@ typedef struct shape {
   void (*weave)(km_text *out, int rows, int columns); /* in place of `write` */
   int per_cell;                                       /* loops of a cell of what is woven */
   bool at_corners;                                    /* a loop about each inner corner, in place of one in each cell */
-  const char *output;                                 /* of kma; NULL: no joint drives it */
+  const char *input, *output; /* joints of kma; no output: no joint drives it, no input: the first one does */
 } shape;
 
 static void write_chain_here(km_text *out, int loops) {
@@ -63,8 +63,8 @@ static const shape shapes[] = {
     {.name = "ball couplers", .write = write_ball_couplers, .output = "j1"},
     {.name = "balls", .write = write_balls},
     {.name = "bars", .write = write_bars_here},
-    {.name = "random graph", .write = write_near_graph, .output = "last"},
-    {.name = "wide random graph", .write = write_wide_graph, .output = "last"},
+    {.name = "random graph", .write = write_near_graph, .input = "last", .output = "j1"},
+    {.name = "wide random graph", .write = write_wide_graph, .input = "last", .output = "j1"},
     {.name = "ladder", .write = write_ladder, .output = "last"},
     {.name = "grid", .weave = write_grid, .per_cell = 1, .output = "last"},
     {.name = "bent grid", .weave = write_bent_grid, .per_cell = 1, .output = "last"},
@@ -81,21 +81,21 @@ enum { SHAPES = sizeof shapes / sizeof *shapes };
 
 typedef struct command {
   const char *figure;
-  bool drives; /* its words go on with the output, if it has one, and the model */
+  bool drives; /* behind `--joint`, `--input` and `--output` stand these joints */
   const char *words[WORDS];
 } command;
 
-#define SWEEP "--joint", "j0", "--range", "0:0.1", "--steps", "10", "--format", "csv"
+#define SWEEP "--range", "0:0.1", "--steps", "10", "--format", "csv"
 static const command commands[] = {
     {.figure = "info", .words = {BENCH_TOOLS "/kmob", "info", MODEL}},
     {.figure = "check", .words = {BENCH_TOOLS "/kmob", "check", MODEL}},
     {.figure = "draw", .words = {BENCH_TOOLS "/kmob", "draw", MODEL}},
     {.figure = "graph", .words = {BENCH_TOOLS "/kmob", "graph", MODEL}},
     {.figure = "kstatic at", .words = {BENCH_TOOLS "/kstatic", "at", MODEL}},
-    {.figure = "sweep", .drives = true, .words = {BENCH_TOOLS "/kmob", "sweep", SWEEP, MODEL}},
+    {.figure = "sweep", .drives = true, .words = {BENCH_TOOLS "/kmob", "sweep", SWEEP, MODEL, "--joint"}},
     {.figure = "kma sweep",
      .drives = true,
-     .words = {BENCH_TOOLS "/kma", "sweep", SWEEP, MODEL, "--input", "j0", "--output"}},
+     .words = {BENCH_TOOLS "/kma", "sweep", SWEEP, MODEL, "--joint", "", "--input", "", "--output"}},
 };
 enum { COMMANDS = sizeof commands / sizeof *commands };
 
@@ -125,9 +125,11 @@ static void write_model(const shape *s, int loops, const bench_directory *direct
 static double run(const command *c, const shape *s, const bench_directory *directory) {
   const char *words[WORDS];
   memcpy(words, c->words, sizeof words);
-  for (int i = 0; i < WORDS && c->drives; ++i)
+  for (int i = 0; i + 1 < WORDS && c->drives; ++i)
     if (words[i] && strcmp(words[i], "--output") == 0)
       words[i + 1] = s->output;
+    else if (words[i] && (strcmp(words[i], "--joint") == 0 || strcmp(words[i], "--input") == 0))
+      words[i + 1] = s->input ? s->input : "j0";
   bench_process end = bench_run("large", words, directory, LIMIT);
   if (end.status > 1) /* 1: an answer too, that something is found, or that a part of the range is out of reach */
     bench_fail("large", "%s of %s: exit status %d", c->figure, s->name, end.status);

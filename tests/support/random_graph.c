@@ -47,7 +47,7 @@ static int find_near(graph *g, int link, int count) {
 static void join(graph *g, int a, int b) {
   double x = 0.5 * (a % g->width + b % g->width), y = 0.5 * (double)(a / g->width + b / g->width);
   double aside = km_uniform(&g->seed);
-  hinges_pin(&g->h, a, b, x + 0.5 * aside, y + 0.5 * km_uniform(&g->seed));
+  hinges_pin(&g->h, 1 + a, 1 + b, x + 0.5 * aside, y + 0.5 * km_uniform(&g->seed));
   g->links[a].others[g->links[a].joints++] = b;
   g->links[b].others[g->links[b].joints++] = a;
 }
@@ -69,6 +69,7 @@ void write_random_graph(km_text *out, int n, int reach) {
              .seed = 1};
   if (!g.links)
     abort();
+  hinges_pin(&g.h, 0, 1, -0.3, -0.6);
   hinges_pin(&g.h, 0, 1, -0.3, -0.6);
   for (int link = 1; link < count; ++link)
     plant(&g, link);
