@@ -21,12 +21,14 @@ double km_rank_tolerance(const km_mechanism *m, const km_substructure *sub, doub
 
 void km_pivot(const km_mechanism *m, km_state *s, int index, int driver, double tolerance) {
   const km_substructure *sub = &m->substructures[index];
+  s->partition[index].nearly = driver >= 0;
   if (driver >= 0)
     s->forced[driver] = true;
   km_partition_factor(&s->partition[index], km_state_jacobian(s, sub), sub->rows, sub->columns,
                       driver >= 0 ? s->forced : NULL, tolerance);
   if (driver >= 0)
     s->forced[driver] = false;
+  s->partition[index].nearly = false;
   s->pivoted[index] = driver;
 }
 

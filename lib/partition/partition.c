@@ -65,8 +65,9 @@ static double column_size(const km_partition *p, const double *x) {
   return best[0] > best[1] ? best[0] : best[1];
 }
 
-/* The first of the largest open entries of the columns in slots from … to-1; entries are as large as each other to that factor. */
-static pivot search(const km_partition *p, int from, int to, double as_large) {
+/* The first of the largest open entries of the columns in slots from … to-1. */
+static pivot search(const km_partition *p, int from, int to) {
+  const double as_large = p->nearly ? KM_AS_LARGE : 1.0;
   pivot best = {0, from, 0.0};
   for (int k = from; k < to; ++k) {
     double size = column_size(p, reduced_column(p, p->column[k]));
@@ -105,7 +106,7 @@ static void load(km_partition *p, const double *matrix) {
 }
 
 /* km_small_factor for any size. */
-static void factor(km_partition *p, const double *matrix, int candidates, double tolerance, double as_large) {
+static void factor(km_partition *p, const double *matrix, int candidates, double tolerance) {
   load(p, matrix);
   p->scale = km_largest_size(matrix, p->rows * p->columns);
   const int64_t magnitude = KM_MAGNITUDE;
@@ -115,9 +116,9 @@ static void factor(km_partition *p, const double *matrix, int candidates, double
   double threshold = tolerance * p->scale;
   int step = 0;
   for (; step < p->rows && step < p->columns; ++step) {
-    pivot best = search(p, step, candidates, as_large);
+    pivot best = search(p, step, candidates);
     if (!(best.size > threshold) && candidates < p->columns && !p->held) {
-      best = search(p, candidates, p->columns, as_large);
+      best = search(p, candidates, p->columns);
       candidates = p->columns;
       p->forced_dependent = best.size > threshold;
     }
@@ -207,7 +208,7 @@ void km_partition_factor(km_partition *p, const double *matrix, int rows, int co
     if (is_small(p))
       km_small_factor(p, matrix, candidates, tolerance);
     else
-      factor(p, matrix, candidates, tolerance, forced ? KM_AS_LARGE : 1.0);
+      factor(p, matrix, candidates, tolerance);
     finish(p);
   }
   order_rows(p);

@@ -17,6 +17,11 @@
 typedef struct km_sparse km_sparse;
 typedef struct km_normal km_normal;
 
+/* Entries whose sizes differ by less than this factor are nearly as large as each other (up to 12 × 64: if no step between powers
+ * of 2, eight of them, lies between them). Designs that differ a little then mostly have the same pivots. The sparse engine
+ * doesn't need it. */
+#define KM_AS_LARGE 1.125
+
 /* The result of a factorisation, with its evidence. */
 typedef struct km_partition {
   int rows, columns; /* of the matrix */
@@ -41,8 +46,9 @@ typedef struct km_partition {
   unsigned searches;           /* how often pivots were searched */
   unsigned edition;            /* how often anything of this changed: what was made from it is good for its edition */
   bool forced_dependent;       /* a column that should be independent had to be a pivot */
-  bool failed;          /* out of memory while the sparse engine grew: the rank means nothing, no freedom is given */
-  bool held;            /* set by the caller: forced columns are no pivots, whatever rank that leaves */
+  bool failed; /* out of memory while the sparse engine grew: the rank means nothing, no freedom is given */
+  bool nearly; /* set by the caller: entries that are nearly as large as each other go by place too, see KM_AS_LARGE */
+  bool held;   /* set by the caller: forced columns are no pivots, whatever rank that leaves */
   bool any_independent; /* set by the caller: any null vectors will do, and km_partition_null_entries alone is asked for
                          * them; the sparse engine doesn't keep |B| small then, and makes no B */
   bool rows_only;     /* set by the caller: the rank and which rows are primary are enough, for km_partition_least; the
@@ -71,9 +77,8 @@ void km_partition_keep_normal(km_partition *partition, km_normal **place);
 void km_normal_free(km_normal *normal);
 
 /* Complete pivoting. Pivots stop at |pivot| ≤ tolerance · (largest entry). Columns with forced[c] (may be
- * NULL) stay independent while the others can give full rank. Equal entries go by place, so that rounding doesn't decide between
- * symmetric joints: up to 12 × 64 those equal to 2^-42, beyond it, where columns are forced, those as large as each other to
- * KM_AS_LARGE. What was factored before has no influence.
+ * NULL) stay independent while the others can give full rank. Equal entries (up to 12 × 64: equal to 2^-42, so that
+ * rounding doesn't decide between symmetric joints) go by place; what was factored before has no influence.
  * `matrix` is kept. With entries that are not finite the rank means nothing, but stays in range.
  * O(rows·columns·rank). The sparse engine pivots by rows, and completely only among the independent columns: the pivots
  * are others, rank, null space and the size of B the same; last_pivot is then the smallest. O(entries of L and U). */
@@ -83,9 +88,6 @@ void km_partition_factor(km_partition *partition, const double *matrix, int rows
 /* The same pivots on new values, no search. False where max |B| passes twice its value at the last search, a pivot
  * vanishes or a value is not finite: then factor again. O(rows·rank·columns). */
 bool km_partition_refactor(km_partition *partition, const double *matrix);
-
-/* Drives of designs that differ by some percent have the same pivots by this, and can go side by side. */
-#define KM_AS_LARGE 1.1
 
 /* Pivots serve while max |B| has grown by the first at most, and the smallest pivot has shrunk by the second. */
 static const double km_most_growth_of_b = 2.0, km_most_shrinking = 10.0;

@@ -4,7 +4,7 @@
  * that is dependent already `reduced` keeps these multiples, in an independent one what is left of the column, from
  * which B = J_pd⁻¹ J_pi follows by the pivots' reciprocals. A refactor replays the steps on new values.
  * The largest entry is found by integer keys: the bits of its magnitude above the number of its row and column, so
- * that entries equal to 2^-42 go by place. */
+ * that entries equal to 2^-42 go by place, or those that agree in the mantissa's first three bits. */
 #include "partition/small.h"
 #include "partition/pair.h"
 
@@ -54,9 +54,10 @@ INLINE km_pair read(const double *column, int rows, int i, const int stride) {
 
 INLINE int64_t load(const km_partition *p, const double *matrix, search *s, int candidates, double *largest,
                     const int stride) {
+  const int64_t key = p->nearly ? KM_NEAR_KEY : KM_KEY;
   const km_pair magnitude = (km_pair)(km_bits){KM_MAGNITUDE, KM_MAGNITUDE};
   km_pair scale[PAIRS];
-  EACH_PAIR(scale[i] = (km_pair){0.0, 0.0}; s->open[i] = (km_pair)(km_bits){KM_KEY, 2 * i + 1 < p->rows ? KM_KEY : 0};
+  EACH_PAIR(scale[i] = (km_pair){0.0, 0.0}; s->open[i] = (km_pair)(km_bits){key, 2 * i + 1 < p->rows ? key : 0};
             s->best[i] = (km_pair){0.0, 0.0};);
   const int rows = p->rows, columns = p->columns, *const column = p->column;
   double *const reduced = p->reduced;

@@ -189,6 +189,30 @@ static void ties(void **state) {
   }
 }
 
+/* Entries that are nearly as large as each other go by place where that is asked for, else by size. */
+static void near_ties(void **state) {
+  (void)state;
+  for (int n = 2; n <= SMALL; ++n) {
+    fill(n, n, 0);
+    for (int c = 0; c < n; ++c)
+      for (int r = 0; r < n; ++r)
+        f.J[c * n + r] = r == c ? 1.01 + 0.1 * c / n : 0.0;
+    reserve();
+    for (int nearly = 0; nearly < 2; ++nearly) {
+      f.p.nearly = nearly;
+      factor(&f.p);
+      assert_int_equal(f.p.rank, n);
+      for (int i = 0; i < n; ++i) {
+        int place = nearly ? i : n - 1 - i;
+        assert_int_equal(f.p.row[i], place);
+        assert_int_equal(f.p.column[i], place);
+      }
+      assert_true(f.p.first_pivot == f.J[nearly ? 0 : n * n - 1]);
+      assert_true(f.p.smallest_pivot == f.J[0]);
+    }
+  }
+}
+
 /* No rows: everything is free. No columns: nothing is. */
 static void empty(void **state) {
   (void)state;
@@ -273,7 +297,7 @@ int main(void) {
       cmocka_unit_test(empty),
       cmocka_unit_test(locked_columns),
   };
-  const struct CMUnitTest dense[] = {cmocka_unit_test(ties)};
+  const struct CMUnitTest dense[] = {cmocka_unit_test(ties), cmocka_unit_test(near_ties)};
   int failed = cmocka_run_group_tests(both, NULL, clean) + cmocka_run_group_tests(dense, NULL, clean);
   return failed + cmocka_run_group_tests(both, use_sparse, clean);
 }

@@ -12,7 +12,8 @@ typedef enum kind { KIND_TOGGLE, KIND_GAIN, KIND_MINIMUM } kind;
 typedef struct singularity {
   double s;
   kind kind;
-  size_t index; /* of the sweep's toggle, branch point or minimum */
+  size_t index;   /* of the sweep's toggle, branch point or minimum */
+  int coordinate; /* of a toggle */
 } singularity;
 
 static int by_place(const void *a, const void *b) {
@@ -28,31 +29,34 @@ static singularity *gather(const km_mobility_sweep *sweep, km_arena *arena, size
       KM_ARENA_NEW(arena, singularity, sweep->toggle_count + motion->branch_count + sweep->minimum_count);
   *count = 0;
   for (size_t i = 0; list && i < sweep->toggle_count; ++i)
-    list[(*count)++] = (singularity){sweep->toggles[i].s, KIND_TOGGLE, i};
+    list[(*count)++] = (singularity){sweep->toggles[i].s, KIND_TOGGLE, i, sweep->toggles[i].coordinate};
   for (size_t i = 0; list && i < motion->branch_count; ++i)
-    list[(*count)++] = (singularity){motion->branches[i].s, KIND_GAIN, i};
+    list[(*count)++] = (singularity){motion->branches[i].s, KIND_GAIN, i, -1};
   for (size_t i = 0; list && i < sweep->minimum_count; ++i)
-    list[(*count)++] = (singularity){sweep->minima[i].s, KIND_MINIMUM, i};
+    list[(*count)++] = (singularity){sweep->minima[i].s, KIND_MINIMUM, i, -1};
   if (list)
     qsort(list, *count, sizeof *list, by_place);
   return list;
 }
 
-static const char *label_of(const km_mechanism *m, const km_mobility_sweep *sweep, const singularity *x) {
-  return m->model->coordinates[sweep->toggles[x->index].coordinate].label;
+static int by_coordinate(const void *a, const void *b) {
+  return ((const singularity *)a)->coordinate - ((const singularity *)b)->coordinate;
 }
 
-/* Joints that are at a toggle together make one entry. Returns how many there are. */
-static size_t add_toggle(const km_mechanism *m, const km_mobility_sweep *sweep, const singularity *list, size_t count,
-                         km_value *item, km_arena *arena) {
+/* Joints that are at a toggle together make one entry, in the model's order. Returns how many there are. */
+static size_t add_toggle(const km_mechanism *m, singularity *list, size_t count, km_value *item, km_arena *arena) {
   size_t same = 0;
+  const double s = list->s;
   km_text meaning = {0};
   km_value *joints = km_value_add(arena, item, "joints", KM_LIST);
+  while (same < count && list[same].kind == KIND_TOGGLE && fabs(list[same].s - s) <= 1e-9 * (1.0 + fabs(s)))
+    ++same;
+  qsort(list, same, sizeof *list, by_coordinate);
   km_text_add(&meaning, "dead point: driving");
-  for (; same < count && list[same].kind == KIND_TOGGLE && fabs(list[same].s - list->s) <= 1e-9 * (1.0 + fabs(list->s));
-       ++same) {
-    km_value_string(arena, joints, NULL, label_of(m, sweep, &list[same]));
-    km_text_format(&meaning, "%s %s", same ? "," : "", label_of(m, sweep, &list[same]));
+  for (size_t i = 0; i < same; ++i) {
+    const char *label = m->model->coordinates[list[i].coordinate].label;
+    km_value_string(arena, joints, NULL, label);
+    km_text_format(&meaning, "%s %s", i ? "," : "", label);
   }
   km_text_add(&meaning, " moves nothing here");
   km_value_words(arena, item, "meaning", &meaning);
@@ -70,7 +74,7 @@ static void add_gain(const km_branch_point *point, km_value *item, km_arena *are
 void km_singularities_record(const km_mechanism *m, const km_mobility_sweep *sweep, km_value *record, km_arena *arena) {
   static const char *const kinds[] = {"toggle", "gain", "minimum"};
   size_t count, step;
-  const singularity *list = gather(sweep, arena, &count);
+  singularity *list = gather(sweep, arena, &count);
   km_value *out = km_value_add(arena, record, "singularities", KM_LIST);
   for (size_t i = 0; i < count && !arena->failed; i += step) {
     km_value *item = km_value_add(arena, out, NULL, KM_OBJECT);
@@ -78,7 +82,7 @@ void km_singularities_record(const km_mechanism *m, const km_mobility_sweep *swe
     km_value_string(arena, item, "kind", kinds[list[i].kind]);
     step = 1;
     if (list[i].kind == KIND_TOGGLE) {
-      step = add_toggle(m, sweep, list + i, count - i, item, arena);
+      step = add_toggle(m, list + i, count - i, item, arena);
     } else if (list[i].kind == KIND_GAIN) {
       add_gain(&sweep->motion.branches[list[i].index], item, arena);
     } else {
