@@ -21,39 +21,37 @@ typedef struct node_weights {
   vector slope[KM_PATH_NODES], bend[KM_PATH_NODES]; /* for the derivatives at the pose, with balls */
 } node_weights;
 
-/* The weights of all nodes where `all_known` is set, elsewhere those of all but the last one. `moment`: see weigh_nodes. */
-static inline void weigh_known(const vector *x, mask all_known, const double *moment, vector *weight) {
-  vector less[KM_PATH_NODES];
+/* The weights of the first nodes, 0 for the others. */
+static inline void weigh_first(const vector *x, int nodes, const double *moment, vector *weight) {
   for (int i = 0; i < KM_PATH_NODES; ++i)
-    weight[i] = less[i] = all(moment[i]);
-  less[KM_PATH_NODES - 1] = all(0.0);
-  weigh_nodes(x, KM_PATH_NODES, weight);
-  weigh_nodes(x, KM_PATH_NODES - 1, less);
+    weight[i] = all(i < nodes ? moment[i] : 0.0);
+  weigh_nodes(x, nodes, weight);
+}
+
+/* The weights of all nodes that a lane knows but the last `less`: all are known or, elsewhere, all but one. */
+static inline void weigh_known(const vector *x, mask all_known, int less, const double *moment, vector *weight) {
+  vector fewer[KM_PATH_NODES];
+  weigh_first(x, KM_PATH_NODES - less, moment, weight);
+  weigh_first(x, KM_PATH_NODES - less - 1, moment, fewer);
   for (int i = 0; i < KM_PATH_NODES; ++i)
-    weight[i] = pick(all_known, weight[i], less[i]);
+    weight[i] = pick(all_known, weight[i], fewer[i]);
 }
 
 static inline node_weights weigh_tangents(const km_drive_lanes *l, vector h, int r, int first) {
+  static const double integral[KM_PATH_NODES] = {1.0, 1.0 / 2, 1.0 / 3, 1.0 / 4, 1.0 / 5};
   static const double slope[KM_PATH_NODES] = {0.0, 1.0}, bend[KM_PATH_NODES] = {0.0, 0.0, 2.0};
-  node_weights w;
-  double whole[KM_PATH_NODES];
+  node_weights w = {.slope = {all(0.0)}, .bend = {all(0.0)}};
   mask all_known = equal(GET(l->here.older_count), all(KM_OLDER_STEPS));
-  vector x[KM_PATH_NODES] = {all(0.0), -GET(l->here.last_h) / h}, less[KM_PATH_NODES], least[KM_PATH_NODES];
+  vector x[KM_PATH_NODES] = {all(0.0), -GET(l->here.last_h) / h}, less[KM_PATH_NODES];
   for (int i = 0; i < KM_OLDER_STEPS; ++i)
     x[2 + i] = x[1 + i] - GET(l->here.older_h[i]) / h;
-  for (int i = 0; i < KM_PATH_NODES; ++i) {
-    whole[i] = 1.0 / (i + 1);
-    less[i] = least[i] = all(i + 1 < KM_PATH_NODES ? whole[i] : 0.0);
-  }
-  weigh_known(x, all_known, whole, w.whole);
-  least[KM_PATH_NODES - 2] = all(0.0);
-  weigh_nodes(x, KM_PATH_NODES - 1, less);
-  weigh_nodes(x, KM_PATH_NODES - 2, least);
+  weigh_known(x, all_known, 0, integral, w.whole);
+  weigh_known(x, all_known, 1, integral, less);
   for (int i = 0; i < KM_PATH_NODES; ++i)
-    w.change[i] = w.whole[i] - pick(all_known, less[i], least[i]);
+    w.change[i] = w.whole[i] - less[i];
   if (l->m->ball_count > 0) {
-    weigh_known(x, all_known, slope, w.slope);
-    weigh_known(x, all_known, bend, w.bend);
+    weigh_known(x, all_known, 0, slope, w.slope);
+    weigh_known(x, all_known, 0, bend, w.bend);
   }
   return w;
 }
@@ -65,11 +63,8 @@ static inline lanes_vec get_columns(const km_lanes_number *x, int lane) {
 /* weighted_turn of least_path.c. */
 static inline lanes_vec weighted_turn(const km_lanes_number *const *t, const vector *weight, int column, int lane) {
   lanes_vec sum = {all(0.0), all(0.0), all(0.0)};
-  for (int i = 0; i < KM_PATH_NODES; ++i) {
-    const km_lanes_number *turn = t[i] + column;
-    sum =
-        lanes_axpy(weight[i], (lanes_vec){get(turn[0].of + lane), get(turn[1].of + lane), get(turn[2].of + lane)}, sum);
-  }
+  for (int i = 0; i < KM_PATH_NODES; ++i)
+    sum = lanes_axpy(weight[i], get_columns(t[i] + column, lane), sum);
   return sum;
 }
 
