@@ -102,12 +102,11 @@ static double at(double s, void *context) {
   return q->lost ? (double)NAN : q->sign * f; /* NaN ends the search */
 }
 
-/* Between the last two samples the part of function i changes its sign: where. False if it can't be told. The state is
- * left at the root. */
-static bool find_root(km_scan *scan, km_sweeper *r, int i, part which, double *root) {
+/* Between two places the part of function i changes its sign: where. False if it can't be told. The state is left at the root. */
+static bool find_root(km_scan *scan, km_sweeper *r, int i, part which, double from, double to, double *root) {
   search q = {scan, r, i, which, 1.0, false};
   gsl_function f = {at, &q};
-  double low = fmin(scan->s[0], scan->s[1]), high = fmax(scan->s[0], scan->s[1]);
+  double low = fmin(from, to), high = fmax(from, to);
   *root = low;
   gsl_root_fsolver *solver = gsl_root_fsolver_alloc(gsl_root_fsolver_brent);
   if (!solver)
@@ -127,6 +126,18 @@ static bool find_root(km_scan *scan, km_sweeper *r, int i, part which, double *r
 /* Is so little of x left, where it was a and b beside? */
 static bool vanishes(double x, double a, double b) {
   return fabs(x) <= left_over * fmax(fabs(a), fabs(b));
+}
+
+/* Function i has an extreme at s beyond 0, where the three samples about it are on one side: its zeros between them. */
+static km_status find_zeros_about(km_scan *scan, km_sweeper *r, int i, double s, km_error *error) {
+  const km_run *run = &scan->runs[i];
+  km_status status = KM_OK;
+  for (int side = 0; side < 3 && !status; side += 2) {
+    double from = fabs(run->s[side] - s) > fabs(run->s[side] - run->s[1]) ? run->s[1] : run->s[side], root;
+    if (find_root(scan, r, i, NUMERATOR, from, s, &root))
+      status = km_events_add(scan->events, (km_event){KM_EVENT_ZERO, i, root, 0.0}, error);
+  }
+  return status;
 }
 
 /* The middle one of the last three samples of a run is the largest (sign -1: of -f, smallest) or smallest. */
@@ -158,7 +169,9 @@ static km_status find_extreme(km_scan *scan, km_sweeper *r, int i, double sign, 
   if (flat && !pole)
     return KM_OK; /* of two that vanish together the quotient is rounding */
   km_event_kind kind = pole ? KM_EVENT_POLE : sign > 0.0 ? KM_EVENT_MINIMUM : KM_EVENT_MAXIMUM;
-  return km_events_add(scan->events, (km_event){kind, i, s, pole ? HUGE_VAL : value}, error);
+  km_status status = km_events_add(scan->events, (km_event){kind, i, s, pole ? HUGE_VAL : value}, error);
+  bool beyond = !pole && scan->ratios && value * run->f[1] < 0.0;
+  return status || !beyond ? status : find_zeros_about(scan, r, i, s, error);
 }
 
 /* One more sample of a run. */
@@ -239,14 +252,15 @@ static km_status look_between(km_scan *scan, km_sweeper *r, int i, double *pole,
   km_status status = KM_OK;
   bool undefined = false;
   double root;
-  if (*d[0] * *d[1] < 0.0 && find_root(scan, r, i, DENOMINATOR, &root) && vanishes(scan->probe_d[i], *d[0], *d[1])) {
+  if (*d[0] * *d[1] < 0.0 && find_root(scan, r, i, DENOMINATOR, scan->s[0], scan->s[1], &root) &&
+      vanishes(scan->probe_d[i], *d[0], *d[1])) {
     undefined = vanishes(scan->probe_n[i], *n[0], *n[1]);
-    *pole = root;
+    *pole = undefined ? *pole : root; /* of two that vanish together the quotient goes on, and is rounding close by */
     status = km_events_add(
         scan->events, (km_event){undefined ? KM_EVENT_UNDEFINED : KM_EVENT_POLE, i, root, undefined ? 0.0 : HUGE_VAL},
         error);
   }
-  if (*n[0] * *n[1] < 0.0 && !status && !undefined && find_root(scan, r, i, NUMERATOR, &root) &&
+  if (*n[0] * *n[1] < 0.0 && !status && !undefined && find_root(scan, r, i, NUMERATOR, scan->s[0], scan->s[1], &root) &&
       vanishes(scan->probe_n[i], *n[0], *n[1]))
     status = km_events_add(scan->events, (km_event){KM_EVENT_ZERO, i, root, 0.0}, error);
   return status;
@@ -302,5 +316,7 @@ km_status km_scan_sample(km_scan *scan, km_sweeper *r, double s, km_error *error
     if (r->substructure >= 0)
       km_motions_update(r->m, r->s, r->substructure);
   }
+  if (!status && r->mover.pass && !r->mover.pass(r->mover.self))
+    status = km_fail(error, KM_MEMORY, "out of memory for a sweep");
   return status;
 }

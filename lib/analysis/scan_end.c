@@ -32,7 +32,7 @@ static double way_from(const km_ending *ending, int k) {
   return fabs(ending->s[k + 1] - ending->s[k]) / 3.0;
 }
 
-/* What a function comes to at the end, from its sizes at once, twice and four times the root of the way to it: by the parabola, or
+/* What a function comes to at the end, from its values at once, twice and four times the root of the way to it: by the parabola, or
  * by a power of the way (Aitken), whichever leaves less. A path of least motion can come to its end by another power than the
  * root. */
 static double left_at_end(double once, double twice, double four) {
@@ -43,20 +43,38 @@ static double left_at_end(double once, double twice, double four) {
   return fabs(power) < fabs(parabola) ? power : parabola;
 }
 
-/* Is what a function comes to no more than what comes of an end that isn't located exactly? */
-static bool comes_to_nothing(const double *x, int count, double way, double end) {
-  double once = fabs(x[0]), four = fabs(x[2 * count]);
-  double left = left_at_end(once, fabs(x[count]), four);
-  return four != 0.0 && left * left * way < once * once * located * (1.0 + fabs(end));
+/* Is what a function comes to no more than what comes of an end that isn't located exactly? From once to twice the root of the
+ * way it has changed by what the root alone makes of it. */
+static bool comes_to_nothing(const double x[3], double way, double end) {
+  double sign = copysign(1.0, x[0]), once = sign * x[0], twice = sign * x[1], four = sign * x[2];
+  double left = left_at_end(once, twice, four), change = twice - once;
+  return four != 0.0 && left * left * way < change * change * located * (1.0 + fabs(end));
 }
 
-/* The first of three samples that come to the end by quarters of the way, far enough from it. -1: none. */
+/* What function i = n/d does at the end, from the sample k on; false: nothing that is told. A zero and a pole show in the quotient
+ * too: where both vanish, or nearly do, it tells whether one of them does so faster. */
+static bool tell_end(const km_ending *ending, int count, int k, int i, double end, km_event_kind *kind) {
+  double n[3], d[3], quotient[3], inverse[3], way = way_from(ending, k);
+  for (int j = 0; j < 3; ++j) {
+    n[j] = ending->n[(k + j) * count + i];
+    d[j] = ending->d[(k + j) * count + i];
+    quotient[j] = n[j] / d[j];
+    inverse[j] = d[j] / n[j];
+  }
+  bool nil = comes_to_nothing(n, way, end), without = comes_to_nothing(d, way, end);
+  bool zero = nil && comes_to_nothing(quotient, way, end), pole = without && comes_to_nothing(inverse, way, end);
+  *kind = zero == pole ? KM_EVENT_UNDEFINED : pole ? KM_EVENT_POLE : KM_EVENT_ZERO;
+  return zero || pole || (nil && without);
+}
+
+/* The first of three samples that come to the end by quarters of the way, so far from it that an end which isn't located exactly
+ * changes the parabola by less than half of what it may. -1: none. */
 static int nearest(const km_ending *ending, double end) {
   const double *s = ending->s;
   for (int k = 1; k + 2 < ending->have; ++k) {
     double way = way_from(ending, k);
     bool quarters = fabs(fabs(s[k + 2] - s[k + 1]) - 12.0 * way) < 0.01 * way;
-    if (quarters && way > 20.0 * located * (1.0 + fabs(end)))
+    if (quarters && way > 4.0 * located * (1.0 + fabs(end)))
       return k;
   }
   return -1;
@@ -101,11 +119,8 @@ km_status km_scan_end(km_scan *scan, km_sweeper *r, double end, km_error *error)
   if (k < 0 && r->out->freedom == 1) /* of several freedoms another way may lead back */
     k = sample_anew(scan, r, ending, end, km_table_row(table, away ? rows - 1 : 0)[1]);
   for (int i = 0; i < count && k >= 0 && !status; ++i) {
-    double way = way_from(ending, k);
-    bool zero = comes_to_nothing(ending->n + k * count + i, count, way, end);
-    bool pole = comes_to_nothing(ending->d + k * count + i, count, way, end);
-    km_event_kind kind = zero && pole ? KM_EVENT_UNDEFINED : pole ? KM_EVENT_POLE : KM_EVENT_ZERO;
-    if (!zero && !pole)
+    km_event_kind kind;
+    if (!tell_end(ending, count, k, i, end, &kind))
       continue;
     forget_end(scan->events, i, end, fabs(ending->s[k] - end));
     status = km_events_add(scan->events, (km_event){kind, i, end, kind == KM_EVENT_POLE ? HUGE_VAL : 0.0}, error);

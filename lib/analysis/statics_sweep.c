@@ -191,7 +191,8 @@ static km_status take_events(watch *w, const km_sweep_plan *plan, km_error *erro
       continue;
     out->events[out->event_count++] = event;
     km_force_event *largest = &out->largest[event.actuator];
-    if (event.kind != KM_FORCE_BALANCED && fabs(event.value) > fabs(largest->value))
+    /* A row is told before a peak that is it but for rounding. */
+    if (event.kind != KM_FORCE_BALANCED && fabs(event.value) > (1.0 + rounding) * fabs(largest->value))
       *largest = event;
   }
   return KM_OK;

@@ -69,7 +69,7 @@ static void stay(void *self) {
 
 /* One row at the state's pose, where nothing moves. */
 static km_status stand(km_sweeper *r, km_error *error) {
-  r->mover = (km_mover){NULL, no_motion, no_pose, stay, NULL};
+  r->mover = (km_mover){NULL, no_motion, no_pose, stay, NULL, NULL};
   km_status status = km_sweeper_prepare(r, error);
   return status ? status : km_sweeper_row(r, 0, 0.0, error);
 }

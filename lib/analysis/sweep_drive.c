@@ -142,10 +142,10 @@ static bool rates(void *self, double *out) {
 
 static bool probe(void *self, double s, double *out) {
   km_seat *at = self;
-  if (at->away)
-    km_drive_return(at->drive);
-  else
+  if (!at->away)
     km_drive_mark(at->drive);
+  if (!km_drive_return_before(at->drive, s) && at->away)
+    km_drive_return(at->drive);
   at->away = true;
   return !km_drive_to(at->drive, s).stop && km_drive_tangent(at->drive, out);
 }
@@ -155,6 +155,10 @@ static void settle(void *self) {
   if (at->away)
     km_drive_return(at->drive);
   at->away = false;
+}
+
+static bool pass(void *self) {
+  return km_drive_pass(((const km_seat *)self)->drive);
 }
 
 static void direction(void *self, double *z) {
@@ -173,7 +177,7 @@ static km_status begin_walk(km_walk *w) {
                                 &w->at.drive, error);
   if (status)
     return status;
-  r->mover = (km_mover){&w->at, rates, probe, settle, direction};
+  r->mover = (km_mover){&w->at, rates, probe, settle, pass, direction};
   return km_sweeper_prepare(r, error);
 }
 

@@ -161,7 +161,7 @@ static bool stands(void *self, double *out) {
 
 /* Nothing moves: the starting pose is all there is. */
 static km_status only_row(km_sweeper *r, km_error *error) {
-  r->mover = (km_mover){NULL, stands, NULL, NULL, NULL};
+  r->mover = (km_mover){NULL, stands, NULL, NULL, NULL, NULL};
   r->out->end = (km_reach){KM_STOP_TOGGLE, 0.0, -1, -1};
   km_status status = km_sweeper_row(r, 0, 0.0, error);
   return status ? status : KM_PARTIAL;
@@ -174,7 +174,7 @@ km_status km_sweep_by_length(km_sweeper *r, km_error *error) {
     status = km_follow_create(r->m, r->s, r->plan->direction, r->plan->sign, r->plan->ignore_limits, &follow, error);
   if (status)
     return status == KM_NO_RESULT ? only_row(r, error) : status;
-  r->mover = (km_mover){follow, rates, probe, settle, NULL};
+  r->mover = (km_mover){follow, rates, probe, settle, NULL, NULL};
   r->substructure = r->out->substructure = km_follow_substructure(follow);
   r->out->start_branches = km_follow_start_branches(follow);
   status = km_sweeper_prepare(r, error);

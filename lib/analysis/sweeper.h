@@ -14,6 +14,9 @@ typedef struct km_mover {
   /* The same at another s near the row, where the state then stands; `settle` comes back to the row. */
   bool (*probe)(void *self, double s, double *rates);
   void (*settle)(void *self);
+  /* The row, or a pose on the way to it, is one from which `probe` sets out to places behind it, so that it finds those of the
+   * way that led on. False when out of memory; NULL: every way back is that way. */
+  bool (*pass)(void *self);
   /* Where the sweeper rides and one freedom is left: the unit direction of motion by coordinates. */
   void (*direction)(void *self, double *z);
 } km_mover;

@@ -85,8 +85,12 @@ void km_least_step(const km_mechanism *m, km_state *s, int index, int driver, do
   if (!Y)
     return;
   project(sub, weight, Y, by_rows ? p->rank : count, x, s->part);
+  bool keeps = driver >= 0 && !p->forced_dependent; /* none of these motions has a part in it, and R leaves it out */
+  double own = keeps ? x[driver] : 0.0;
   for (int j = 0; j < sub->columns; ++j)
     x[j] = by_rows ? s->part[j] / weight[j] : x[j] - s->part[j] / weight[j];
+  if (keeps)
+    x[driver] = own;
 }
 
 /* The motions' part of the driver's unit vector, over its own entry. Of many freedoms the null vectors may be long and nearly

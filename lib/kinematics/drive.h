@@ -28,13 +28,19 @@ typedef struct km_drive_place {
   int pivoted;    /* of a mark: the state's pivots were searched for this driver column; KM_NEVER */
 } km_drive_place;
 
+/* A place to come back to, with all that the next step from there depends on. */
+typedef struct km_drive_kept {
+  km_drive_place place;
+  km_course course;
+  double *pose; /* of the state, saved; NULL: no room yet */
+  bool is_one;
+} km_drive_kept;
+
 struct km_drive {
   km_arena arena;
   km_continuation c;
-  km_drive_place here, mark;
-  km_course mark_course;
-  double *mark_pose;            /* of the state at `mark` */
-  bool marked;                  /* `mark` is a place */
+  km_drive_place here;
+  km_drive_kept mark, passed[2]; /* the latest first */
   bool passing;                 /* this step goes over a singular pose on purpose */
   double *near, *far;           /* poses to come back to */
   km_least_path path;           /* where other freedoms are left */
@@ -76,6 +82,11 @@ void km_drive_free_into(km_arena *memory, km_drive *drive);
 void km_drive_rates(const km_drive *drive, const double *t, int stride, double *rates);
 /* The state has just left a singular pose, near which paths are stiff: see km_least_path_draw. */
 void km_drive_expect_stiff(km_drive *drive);
+/* Where other freedoms are left, a way back needn't be the one that led here. The present place is one from which
+ * km_drive_return_before sets out again; the last two are. False when out of memory. */
+bool km_drive_pass(km_drive *drive);
+/* Back to the last place that was passed before s, on the way to the mark; false, and nothing happens, if there is none. */
+bool km_drive_return_before(km_drive *drive, double s);
 /* The first of several steps towards the target, if it takes several and the first is accepted: km_drive_to goes on from
  * there with the same bits. */
 void km_drive_begin(km_drive *drive, double target);

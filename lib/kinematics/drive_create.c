@@ -6,13 +6,18 @@
 
 #include <string.h>
 
+static bool reserve(km_drive *d, km_drive_kept *kept) {
+  kept->pose = KM_ARENA_NEW(&d->arena, double, KM_SAVED_PER_COLUMN *(size_t)km_drive_driven(d)->columns);
+  return km_course_reserve(&kept->course, &d->c, &d->arena);
+}
+
 static bool allocate(km_drive *d) {
   size_t n = (size_t)km_drive_driven(d)->columns;
-  double **poses[] = {&d->near, &d->far, &d->mark_pose};
+  double **poses[] = {&d->near, &d->far};
   for (size_t i = 0; i < sizeof poses / sizeof *poses; ++i)
     *poses[i] = KM_ARENA_NEW(&d->arena, double, KM_SAVED_PER_COLUMN *n);
   return km_least_path_reserve(&d->path, (int)n, &d->arena) && km_continuation_reserve(&d->c, &d->arena) &&
-         km_course_reserve(&d->mark_course, &d->c, &d->arena);
+         reserve(d, &d->mark);
 }
 
 static km_status check(const km_mechanism *m, const km_state *s, int coordinate, km_error *error) {
@@ -78,22 +83,26 @@ void km_drive_free(km_drive *d) {
   km_drive_free_into(NULL, d);
 }
 
+static void keep(km_drive *d, km_drive_kept *kept) {
+  kept->is_one = true;
+  kept->place = d->here;
+  kept->place.pivoted = d->c.state->pivoted[d->c.substructure];
+  km_course_copy(&kept->course, &d->c.course, km_drive_driven(d)->columns);
+  km_state_save(d->c.state, km_drive_driven(d), kept->pose);
+}
+
 void km_drive_mark(km_drive *d) {
   if (!d)
     return;
   km_drive_settle(d);
-  d->marked = true;
-  if (d->c.substructure < 0) {
-    d->mark.s = d->c.state->q[d->c.coordinate];
-    return;
-  }
-  d->mark = d->here;
-  d->mark.pivoted = d->c.state->pivoted[d->c.substructure];
-  km_course_copy(&d->mark_course, &d->c.course, km_drive_driven(d)->columns);
-  km_state_save(d->c.state, km_drive_driven(d), d->mark_pose);
+  d->mark.is_one = true;
+  if (d->c.substructure < 0)
+    d->mark.place.s = d->c.state->q[d->c.coordinate];
+  else
+    keep(d, &d->mark);
 }
 
-/* The pivots of the mark serve again. False where they were another's, or don't fit. */
+/* The pivots of the place serve again. False where they were another's, or don't fit. */
 static bool take_pivots_back(km_drive *d) {
   km_state *s = d->c.state;
   int sub = d->c.substructure;
@@ -105,18 +114,46 @@ static bool take_pivots_back(km_drive *d) {
   return km_partition_refactor(p, km_state_jacobian(s, km_drive_driven(d)));
 }
 
-void km_drive_return(km_drive *d) {
-  if (!d || !d->marked)
-    return;
-  if (d->c.substructure < 0) {
-    d->c.state->q[d->c.coordinate] = d->mark.s;
-    return;
-  }
+static void go_back(km_drive *d, const km_drive_kept *kept) {
   km_drive_settle(d);
-  d->here = d->mark;
-  km_course_copy(&d->c.course, &d->mark_course, km_drive_driven(d)->columns);
-  km_state_restore(d->c.state, km_drive_driven(d), d->mark_pose);
+  d->here = kept->place;
+  km_course_copy(&d->c.course, &kept->course, km_drive_driven(d)->columns);
+  km_state_restore(d->c.state, km_drive_driven(d), kept->pose);
   km_loops_update(d->c.mechanism, d->c.state, km_drive_driven(d));
   if (!take_pivots_back(d))
     km_state_forget_pivots(d->c.state, d->c.substructure);
+}
+
+void km_drive_return(km_drive *d) {
+  if (!d || !d->mark.is_one)
+    return;
+  if (d->c.substructure < 0)
+    d->c.state->q[d->c.coordinate] = d->mark.place.s;
+  else
+    go_back(d, &d->mark);
+}
+
+bool km_drive_pass(km_drive *d) {
+  if (d->c.substructure < 0 || km_partition_freedom(&d->c.state->partition[d->c.substructure]) <= 1) {
+    d->passed[0].is_one = d->passed[1].is_one = false;
+    return true;
+  }
+  km_drive_kept oldest = d->passed[1];
+  d->passed[1] = d->passed[0];
+  d->passed[0] = oldest;
+  if (!oldest.pose && !reserve(d, &d->passed[0]))
+    return false;
+  km_drive_settle(d);
+  keep(d, &d->passed[0]);
+  return true;
+}
+
+bool km_drive_return_before(km_drive *d, double s) {
+  double goal = s * km_drive_factor(d);
+  for (int i = 0; i < 2; ++i)
+    if (d->passed[i].is_one && (goal - d->passed[i].place.s) * (d->mark.place.s - goal) > 0.0) {
+      go_back(d, &d->passed[i]);
+      return true;
+    }
+  return false;
 }

@@ -33,6 +33,20 @@ static void planar_forces(void **state) {
   assert_true(count.ends > 2);
 }
 
+/* Of two freedoms: two zeros about a peak between two poses, and events close to where the driver gives out, on the way that led
+ * there; a quotient of two that vanish together; ends where n and d vanish, and where they have turned just before. */
+static void two_freedoms(void **state) {
+  (void)state;
+  static const uint64_t seeds[] = {1795710006, 1795710074, 1795710185, 1795710264, 1795710295, 1795710332, 1795710388,
+                                   1795710424, 1795710522, 1795710523, 1795710544, 1795710629, 1795710638};
+  family_count count = all(family_two_freedoms, 30);
+  for (size_t i = 0; i < sizeof seeds / sizeof *seeds; ++i)
+    assert_true(family_two_freedoms(seeds[i], &count));
+  assert_true(count.zeros > 30);
+  assert_true(count.poles > 30);
+  assert_true(count.peaks > 20);
+}
+
 static void spatial_forces(void **state) {
   (void)state;
   family_count count = all(family_spatial_forces, 150);
@@ -51,8 +65,8 @@ static void leverage(void **state) {
 }
 
 int main(void) {
-  const struct CMUnitTest tests[] = {cmocka_unit_test(friction), cmocka_unit_test(wedges),
-                                     cmocka_unit_test(planar_forces), cmocka_unit_test(spatial_forces),
-                                     cmocka_unit_test(leverage)};
+  const struct CMUnitTest tests[] = {cmocka_unit_test(friction),       cmocka_unit_test(wedges),
+                                     cmocka_unit_test(planar_forces),  cmocka_unit_test(two_freedoms),
+                                     cmocka_unit_test(spatial_forces), cmocka_unit_test(leverage)};
   return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -35,6 +35,21 @@ static void numbers_belong_to_the_space(void **state) {
   (void)state;
   at_random_poses(law_forced);
 }
+/* A loop of few rows and many motions, where what a step has along the rows is less work than what it has along the motions. */
+static void more_motions_than_rows(void **state) {
+  (void)state;
+  fixture f = fixture_read(
+      "{\"assemblies\": [{\"name\": \"a\", \"bodies\": [{\"name\": \"a\"}, {\"name\": \"b\"}], \"joints\": ["
+      "{\"name\": \"A\", \"type\": \"float\", \"body_frame_pairs\": [\"fixed\", \"a\"]},"
+      "{\"name\": \"B\", \"type\": \"float\", \"body_frame_pairs\": [\"a\", \"b\"], "
+      "\"initial_displacement\": [0.3, 0.4, 0.5, 0.6, 0.7, 0.8]},"
+      "{\"name\": \"C\", \"type\": \"spherical\", \"body_frame_pairs\": [\"b\", \"fixed\"]}]}]}");
+  for (uint64_t seed = 1; seed <= 20; ++seed) {
+    randomness r = {seed};
+    law_forced(&f, &r);
+  }
+  fixture_close(&f);
+}
 static void twists_are_derivatives(void **state) {
   (void)state;
   at_random_poses(law_twists);
@@ -91,6 +106,7 @@ int main(void) {
       claim_test(
           twists_are_derivatives, "Twists of bodies are derivatives of their poses, at random poses of every model",
           "three times what a central difference errs by, told by its change as the step doubles, and rounding over the step"),
+      cmocka_unit_test(more_motions_than_rows),
       cmocka_unit_test(open_couplings_are_told_by_size),
       cmocka_unit_test(small_turns_of_frames_count),
   };

@@ -370,8 +370,11 @@ static void a_sweep_can_be_cancelled(void **state) {
 
 static void ends_do_not_depend_on_steps(void **state) {
   (void)state;
+  static const uint64_t wide[] = {1795710037, 1795710151, 1795710519}; /* more motions than rows */
   for (uint64_t seed = 1; seed <= 60; ++seed)
     assert_true(family_least_path(seed));
+  for (size_t i = 0; i < sizeof wide / sizeof *wide; ++i)
+    assert_true(family_least_path(wide[i]));
 }
 
 static void rows_are_within_limits(void **state) {

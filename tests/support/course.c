@@ -7,9 +7,18 @@
 
 enum { MOST_EVENTS = 200 };
 
-course course_make(int count) {
+course course_make(int count, const km_sweep_plan *plan, const km_sweep *motion) {
+  enum { POSES = 360 }; /* of the whole range */
+  static const double longest_arc = 0.02;
   double *data = KM_NEW(double, 3 * (size_t)count);
-  return (course){count, data, data + count, data + 2 * count};
+  bool by_length = plan->arclength > 0.0;
+  double range = by_length ? plan->arclength * plan->steps : fabs(plan->to - plan->from), piece = range / POSES;
+  return (course){.count = count,
+                  .s = data,
+                  .n = data + count,
+                  .d = data + 2 * count,
+                  .piece = by_length ? fmin(piece, longest_arc) : piece,
+                  .by_root = motion->end.stop == KM_STOP_TOGGLE && !by_length};
 }
 
 void course_free(course *c) {
@@ -57,22 +66,67 @@ bool course_walk(fixture *f, const km_sweep_plan *plan, const km_sweep *motion, 
   return there;
 }
 
-/* x goes with the root of the way to the end: on by the parabola through three differences, which stand one and a half, two and a
- * half and three and a half places before it. The last one has the digits to which the end was located. */
-static bool comes_to_nothing(const double *x, int count) {
-  x += count - 4;
-  double end = 4.375 * x[2] - 5.25 * x[1] + 1.875 * x[0];
-  return fabs(end) < 0.6 * fabs(x[2] - x[1]);
+/* An end is located to 1e-9. So far from it the root of the way is known to half a percent; what happens nearer is a matter of the
+ * end's own digits. */
+static double own_digits(const course *c) {
+  return 1e-7 * (1.0 + fabs(c->s[c->count - 1]));
 }
 
-bool course_gives_out(const course *c) {
-  return comes_to_nothing(c->d, c->count) && !comes_to_nothing(c->n, c->count);
+/* The quotient of a to b at place i, and the root of the way from there to the end. */
+static double quotient(const course *c, const double *a, const double *b, int i, double *root) {
+  *root = sqrt(fabs(c->s[c->count - 1] - c->s[i]));
+  return a[i] / b[i];
+}
+
+/* Does x change its sign so near to the end? */
+static bool turns_in_own_digits(const course *c, const double *x) {
+  int last = c->count - 1;
+  for (int i = last; i > 0 && fabs(c->s[last] - c->s[i]) < own_digits(c); --i)
+    if (x[i] * x[i - 1] < 0.0)
+      return true;
+  return false;
+}
+
+/* The parabola through three values x at these roots of the way, at the end. */
+static double by_parabola(const double root[3], const double x[3]) {
+  double end = 0.0;
+  for (int k = 0; k < 3; ++k) {
+    int i = (k + 1) % 3, j = (k + 2) % 3;
+    end += x[k] * root[i] * root[j] / ((root[k] - root[i]) * (root[k] - root[j]));
+  }
+  return end;
+}
+
+/* The same by x = c + b r^m, at places of which each is twice as far from the end as the one before; no better than the parabola
+ * where it doesn't grow like that. A path of least motion comes to its end by powers of its own. */
+static double by_power(const double x[3], double otherwise) {
+  double twice = x[1] / x[0], four = x[2] / x[1];
+  return twice > 1.2 && four > 1.2 ? (x[0] * x[2] - x[1] * x[1]) / (x[0] + x[2] - 2.0 * x[1]) : otherwise;
+}
+
+/* Does a/b come to nothing with the root of the way to the end? Less than a third of the distance of places is none. */
+static course_end comes_to_nothing(const course *c, const double *a, const double *b) {
+  double x[3], root[3];
+  int last = c->count - 1, stride = 1;
+  if (turns_in_own_digits(c, a) || turns_in_own_digits(c, b))
+    return COURSE_UNCLEAR;
+  while (fabs(c->s[last] - c->s[last - stride]) < own_digits(c) && 4 * (stride + 1) <= last)
+    ++stride;
+  for (int k = 0; k < 3; ++k)
+    x[k] = quotient(c, a, b, last - stride * (1 << k), &root[k]);
+  double end = by_parabola(root, x), power = by_power(x, end);
+  double places = fmin(fabs(end), fabs(power)) / fabs(x[1] - x[0]);
+  return places < 0.3 ? COURSE_UNBOUNDED : places < 3.0 ? COURSE_UNCLEAR : COURSE_BOUNDED;
+}
+
+course_end course_ends(const course *c) {
+  return c->by_root ? comes_to_nothing(c, c->d, c->n) : COURSE_BOUNDED;
 }
 
 typedef struct expected {
   km_force_event_kind kind;
   double low, high;
-  bool weak; /* may be told or not: too flat for 360 poses over the range, or beside another */
+  bool weak; /* may be told or not: too flat for 360 poses over the range, beside another, or by the end's own digits */
   bool found;
 } expected;
 
@@ -91,22 +145,45 @@ static bool peaks(const course *c, int i) {
   return !apart && force(c, i) > force(c, i - 1) && force(c, i) > force(c, i + 1);
 }
 
-/* Does |f| fall by less than 1e-4 of it on a side within two of the poses that a sweep looks at? */
+/* Within two of the poses that a sweep looks at on a side, does |f| fall by less than 1e-4 of it, or rise above the peak again? */
 static bool is_weak(const course *c, int i) {
-  int window = c->count / 180;
+  double peak = force(c, i);
   for (int side = -1; side <= 1; side += 2) {
-    double least = force(c, i);
-    for (int k = 1; k <= window && i + side * k >= 0 && i + side * k < c->count; ++k)
-      least = fmin(least, force(c, i + side * k));
-    if (least > (1.0 - 1e-4) * force(c, i))
+    bool falls = false, rises = false;
+    for (int k = i; k >= 0 && k < c->count && fabs(c->s[k] - c->s[i]) <= 2.0 * c->piece; k += side) {
+      falls = falls || force(c, k) < (1.0 - 1e-4) * peak;
+      rises = rises || force(c, k) > peak;
+    }
+    if (!falls || rises)
       return true;
   }
   return false;
 }
 
-static int list_of(const course *c, bool ends, expected *list) {
+/* Beside the end of a driver that has given out there. */
+static bool is_by_own_digits(const course *c, double s) {
+  return c->by_root && fabs(s - c->s[c->count - 1]) < own_digits(c);
+}
+
+/* Is so little of x left at places i−1 … i+1 that its sign is a matter of rounding? */
+static bool is_rounding(const double *x, double largest, int i) {
+  static const double rounding = 1e-12;
+  return fabs(x[i]) < rounding * largest || fabs(x[i + 1]) < rounding * largest ||
+         (i > 0 && fabs(x[i - 1]) < rounding * largest);
+}
+
+static double largest_of(const double *x, int count) {
+  double largest = 0.0;
+  for (int i = 0; i < count; ++i)
+    largest = fmax(largest, fabs(x[i]));
+  return largest;
+}
+
+static int list_of(const course *c, course_end end, expected *list) {
   int count = 0;
+  double n = largest_of(c->n, c->count), d = largest_of(c->d, c->count);
   for (int i = 0; i + 1 < c->count; ++i) {
+    int before = count;
     bool zero = c->n[i] * c->n[i + 1] < 0.0, pole = c->d[i] * c->d[i + 1] < 0.0;
     if (zero)
       expect(list, &count, KM_FORCE_BALANCED, c->s[i], c->s[i + 1]);
@@ -120,9 +197,15 @@ static int list_of(const course *c, bool ends, expected *list) {
       expect(list, &count, KM_FORCE_PEAK, c->s[i - 1], c->s[i + 1]);
       list[count - 1].weak = is_weak(c, i);
     }
+    for (int k = before; k < count; ++k)
+      list[k].weak = list[k].weak || is_rounding(c->n, n, i) || is_rounding(c->d, d, i);
   }
-  if (ends)
+  for (int i = 0; i < count; ++i)
+    list[i].weak = list[i].weak || is_by_own_digits(c, list[i].low) || is_by_own_digits(c, list[i].high);
+  if (end != COURSE_BOUNDED) {
     expect(list, &count, KM_FORCE_UNBOUNDED, c->s[c->count - 1], c->s[c->count - 1]);
+    list[count - 1].weak = end == COURSE_UNCLEAR;
+  }
   return count;
 }
 
@@ -130,26 +213,38 @@ static const char *word(km_force_event_kind kind) {
   return kind == KM_FORCE_BALANCED ? "zero" : kind == KM_FORCE_PEAK ? "peak" : "pole";
 }
 
-bool course_agrees(const course *c, const km_statics_sweep *sweep, int actuator, bool ends, double slack,
-                   family_count *count) {
+/* Marks the one that the event is, of those that have to be told if it can be one of them. */
+static bool find(expected *list, int count, const km_force_event *event, double slack) {
+  int best = -1;
+  for (int i = 0; i < count; ++i) {
+    bool here = event->s >= list[i].low - slack && event->s <= list[i].high + slack;
+    if (!list[i].found && event->kind == list[i].kind && here && (best < 0 || (list[best].weak && !list[i].weak)))
+      best = i;
+  }
+  if (best >= 0)
+    list[best].found = true;
+  return best >= 0;
+}
+
+/* Is it where the course can't tell? Differences begin half a place after the start; peaks begin a whole one later, and end a whole
+ * one before the end. */
+static bool is_out_of_sight(const course *c, const km_force_event *event) {
+  int last = c->count - 1;
+  double along = c->s[last] > c->s[0] ? 1.0 : -1.0, s = along * event->s;
+  return s < along * c->s[1] || s > along * c->s[last] || (event->kind == KM_FORCE_PEAK && s > along * c->s[last - 1]);
+}
+
+bool course_agrees(const course *c, const km_statics_sweep *sweep, int actuator, double slack, family_count *count) {
   expected list[MOST_EVENTS];
-  int expects = list_of(c, ends, list);
+  course_end end = course_ends(c);
+  int expects = list_of(c, end, list);
   bool right = true;
   slack *= 1.0 + fabs(c->s[c->count - 1] - c->s[0]);
   for (size_t e = 0; e < sweep->event_count; ++e) {
     const km_force_event *event = &sweep->events[e];
-    bool known = event->actuator != actuator;
-    for (int i = 0; i < expects && !known; ++i) {
-      bool here = event->s >= list[i].low - slack && event->s <= list[i].high + slack;
-      known = !list[i].found && event->kind == list[i].kind && here;
-      list[i].found = list[i].found || known;
-    }
-    /* Differences begin half a place after the start, peaks a whole one later. */
-    const double *s = c->s;
-    int last = c->count - 1;
-    known = known || (event->s - s[1]) * (s[last] - s[0]) < 0.0 || (event->s - s[last]) * (s[last] - s[0]) > 0.0;
-    known = known || (event->kind == KM_FORCE_BALANCED && fabs(event->s - s[last]) < slack &&
-                      comes_to_nothing(c->n, c->count) && !comes_to_nothing(c->d, c->count));
+    bool known = event->actuator != actuator || find(list, expects, event, slack) || is_out_of_sight(c, event);
+    known = known || (event->kind == KM_FORCE_BALANCED && fabs(event->s - c->s[c->count - 1]) < slack &&
+                      comes_to_nothing(c, c->n, c->d) != COURSE_BOUNDED);
     if (!known)
       print_error("  actuator %d: a %s is told at %.12g\n", actuator, word(event->kind), event->s);
     right = right && known;
@@ -163,6 +258,6 @@ bool course_agrees(const course *c, const km_statics_sweep *sweep, int actuator,
     count->poles += list[i].kind == KM_FORCE_UNBOUNDED;
     count->peaks += list[i].kind == KM_FORCE_PEAK;
   }
-  count->ends += ends;
+  count->ends += end == COURSE_UNBOUNDED;
   return right;
 }

@@ -8,9 +8,12 @@
 typedef struct course {
   int count;
   double *s, *n, *d; /* [count] */
+  double piece;      /* the longest way between two poses that the sweep looks at */
+  bool by_root;      /* the driver has given out at its end */
 } course;
 
-course course_make(int count);
+/* For that sweep. */
+course course_make(int count, const km_sweep_plan *plan, const km_sweep *motion);
 void course_free(course *c);
 
 /* Moves a fixture of its own along the way of a sweep, from its start to the end that it came to, and shows `count`
@@ -18,13 +21,16 @@ void course_free(course *c);
 typedef void (*course_look)(void *context, fixture *f, int i, double s);
 bool course_walk(fixture *f, const km_sweep_plan *plan, const km_sweep *motion, int count, course_look look,
                  void *context);
-/* Where the driver has given out at the end, and n, d are by such places: is the actuator's force without bound there?
- */
-bool course_gives_out(const course *c);
+/* What an actuator's force does at an end. */
+typedef enum course_end {
+  COURSE_BOUNDED,
+  COURSE_UNCLEAR, /* the places are too far apart to tell */
+  COURSE_UNBOUNDED
+} course_end;
+course_end course_ends(const course *c);
 
-/* Are the events of the sweep's actuator those of the course, one for one? An end at which the actuator has no bound
- * beside them: `ends`. `slack`: of a place, over the range. Says what isn't. */
-bool course_agrees(const course *c, const km_statics_sweep *sweep, int actuator, bool ends, double slack,
-                   family_count *count);
+/* Are the events of the sweep's actuator those of the course, one for one, with that at the end beside them? `slack`: of a place,
+ * over the range. Says what isn't. */
+bool course_agrees(const course *c, const km_statics_sweep *sweep, int actuator, double slack, family_count *count);
 
 #endif

@@ -132,6 +132,34 @@ void law_numbers(fixture *f, randomness *r) {
   }
 }
 
+/* Rates that the loops allow, of which the driver's is 1, at right angles to all motions that leave it alone. */
+static void assert_least_rates(fixture *f, int s, int driver) {
+  const km_mechanism *m = f->mechanism;
+  const km_substructure *sub = &m->substructures[s];
+  const double *weight = m->column_weight + sub->column_start;
+  size_t n = (size_t)sub->columns, rows = (size_t)sub->rows;
+  double *t = KM_NEW(double, n), *J = KM_NEW(double, n *rows);
+  km_least_rates(m, f->state, s, driver, t);
+  assert_near(t[driver], 1.0, 1e-12);
+  double length = km_step_length(m, sub, t);
+  km_state_jacobian_dense(f->state, sub, J);
+  for (size_t i = 0; i < rows; ++i) {
+    double sum = 0.0;
+    for (size_t k = 0; k < n; ++k)
+      sum += J[k * rows + i] * t[k];
+    assert_near(sum / length, 0.0, 1e-9);
+  }
+  const double *Z = km_state_null(m, f->state, s, km_partition_freedom(&f->state->partition[s]) - 1);
+  for (int i = 0; i < km_partition_freedom(&f->state->partition[s]) - 1; ++i) {
+    double dot = 0.0;
+    for (size_t k = 0; k < n; ++k)
+      dot += Z[(size_t)i * n + k] * weight[k] * t[k];
+    assert_near(dot / length, 0.0, 1e-9);
+  }
+  km_free(t);
+  km_free(J);
+}
+
 /* With a driver's column forced independent the numbers are the same: they belong to the space. */
 void law_forced(fixture *f, randomness *r) {
   const km_mechanism *m = f->mechanism;
@@ -144,6 +172,8 @@ void law_forced(fixture *f, randomness *r) {
     for (int k = 0; k < sub->columns; ++k)
       free_numbers[k] = f->state->numbers[m->column_coordinate[sub->column_start + k]];
     km_pivot(m, f->state, s, driver, km_rank_tolerance(m, sub, 0.0));
+    if (!f->state->partition[s].forced_dependent)
+      assert_least_rates(f, s, driver);
     km_numbers_update(m, f->state, s);
     for (int k = 0; k < sub->columns; ++k)
       assert_near(f->state->numbers[m->column_coordinate[sub->column_start + k]], free_numbers[k], 1e-11);

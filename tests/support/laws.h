@@ -10,7 +10,7 @@ void law_jacobian(fixture *f, randomness *r);   /* J is the derivative of the lo
 void law_slopes(fixture *f, randomness *r);     /* of the velocity products: their polar form */
 void law_null_space(fixture *f, randomness *r); /* J N = 0 for all six rows of every loop */
 void law_numbers(fixture *f, randomness *r);    /* numbers in [0, 1], their sum, and those of LAPACKE's SVD */
-void law_forced(fixture *f, randomness *r);     /* a forced driver doesn't change the numbers */
+void law_forced(fixture *f, randomness *r);     /* a forced driver doesn't change the numbers, and has least rates */
 void law_twists(fixture *f, randomness *r);     /* body twists are derivatives of the poses */
 /* The same; returns how many bodies moved. */
 int judge_twists(fixture *f, randomness *r);

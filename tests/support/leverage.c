@@ -12,7 +12,6 @@ typedef struct lever_case {
   km_sweep_plan plan;
   int input, output;
   course course; /* n, d: steps of input and output */
-  bool by_root;  /* the driver gives out */
   double last_s, last[2];
 } lever_case;
 
@@ -21,7 +20,7 @@ static void look(void *context, fixture *f, int i, double s) {
   course *c = &k->course;
   double q[2] = {f->state->q[k->input], f->state->q[k->output]};
   if (i > 0) {
-    c->s[i - 1] = i == SAMPLES && k->by_root ? s : 0.5 * (s + k->last_s);
+    c->s[i - 1] = i == SAMPLES && c->by_root ? s : 0.5 * (s + k->last_s);
     c->n[i - 1] = q[0] - k->last[0];
     c->d[i - 1] = q[1] - k->last[1];
   }
@@ -108,15 +107,14 @@ bool family_leverage(uint64_t seed, family_count *count) {
   km_advantage_sweep sweep = {0};
   km_status status = km_advantage_sweep_run(f.mechanism, f.state, &k.plan, &in, &out, false, &sweep, NULL);
   bool right = status == KM_OK || status == KM_PARTIAL;
-  k.course = course_make(SAMPLES);
-  k.by_root = sweep.motion.end.stop == KM_STOP_TOGGLE && k.plan.arclength <= 0.0;
+  k.course = course_make(SAMPLES, &k.plan, &sweep.motion);
   bool long_enough = right && fabs(sweep.motion.end.position) > 0.01 && !sweep.motion.start.stop;
   if (long_enough && course_walk(&g, &k.plan, &sweep.motion, SAMPLES + 1, look, &k))
     right = toggles_agree(&k, &sweep, count) && bounds_agree(&k, &sweep, count);
-  count->ends += k.by_root;
+  count->ends += k.course.by_root;
   if (!right) {
     print_error("leverage, seed %llu: %g at %g to %g at %g%s, toggles", (unsigned long long)seed, sweep.lowest.value,
-                sweep.lowest.s, sweep.highest.value, sweep.highest.s, k.by_root ? ", the driver gives out" : "");
+                sweep.lowest.s, sweep.highest.value, sweep.highest.s, k.course.by_root ? ", the driver gives out" : "");
     for (size_t i = 0; i < sweep.toggle_count; ++i)
       print_error(" %s %g", km_advantage_state_name(sweep.toggles[i].state), sweep.toggles[i].s);
     print_error("\n");

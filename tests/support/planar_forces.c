@@ -112,19 +112,16 @@ static bool family(uint64_t seed, int freedoms, family_count *count) {
   char *text = planar_text(&k.p);
   fixture f = fixture_read(text), g = fixture_read(text);
   course *c = k.course;
-  c[0] = course_make(SAMPLES);
-  c[1] = course_make(SAMPLES);
   km_statics_sweep sweep = {0};
   km_free(text);
   km_status status = sweep_of(&k, &f, &sweep);
+  c[0] = course_make(SAMPLES, &k.plan, &sweep.motion);
+  c[1] = course_make(SAMPLES, &k.plan, &sweep.motion);
   bool right = status == KM_OK || status == KM_PARTIAL;
   if (right && sweep.motion.start.stop == KM_STOP_NONE && course_walk(&g, &k.plan, &sweep.motion, SAMPLES, look, &k) &&
       drives(c)) {
-    bool by_root = sweep.motion.end.stop == KM_STOP_TOGGLE && k.plan.arclength <= 0.0;
-    for (int a = 0; a < k.p.freedoms; ++a) {
-      bool ends = by_root && course_gives_out(&c[a]);
-      right = course_agrees(&c[a], &sweep, a, ends, k.p.freedoms > 1 ? least_path : 1e-8, count) && right;
-    }
+    for (int a = 0; a < k.p.freedoms; ++a)
+      right = course_agrees(&c[a], &sweep, a, k.p.freedoms > 1 ? least_path : 1e-8, count) && right;
   }
   if (!right)
     print_error("planar forces, seed %llu: %d freedoms, %s\n", (unsigned long long)seed, k.p.freedoms,

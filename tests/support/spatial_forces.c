@@ -97,7 +97,6 @@ typedef struct spatial_case {
   km_vec3 gravity, force;
   int loaded; /* body */
   course course;
-  bool by_root; /* the driver gives out */
   double last_s, last_q, last_work;
 } spatial_case;
 
@@ -136,7 +135,7 @@ static void look(void *context, fixture *f, int i, double s) {
   course *c = &k->course;
   double q = f->state->q[k->actuator], W = work(k, f);
   if (i > 0) {
-    c->s[i - 1] = i == SAMPLES && k->by_root ? s : 0.5 * (s + k->last_s);
+    c->s[i - 1] = i == SAMPLES && c->by_root ? s : 0.5 * (s + k->last_s);
     c->n[i - 1] = k->last_work - W;
     c->d[i - 1] = q - k->last_q;
   }
@@ -169,16 +168,15 @@ bool family_spatial_forces(uint64_t seed, family_count *count) {
   /* The last hinge, which passes its dead points; of cylinders, any coordinate but the driver. */
   int last = f.model->coordinate_count - 1;
   k.actuator = strcmp(k.l.type[1], "cylindrical") == 0 ? 1 + below(&r, last) : below(&r, 4) ? last : 0;
-  k.course = course_make(SAMPLES);
   km_statics_sweep sweep = {0};
   km_status status = sweep_of(&k, &f, &sweep);
   bool right = status == KM_OK || status == KM_PARTIAL;
-  k.by_root = sweep.motion.end.stop == KM_STOP_TOGGLE && k.plan.arclength <= 0.0;
+  k.course = course_make(SAMPLES, &k.plan, &sweep.motion);
   bool long_enough = fabs(sweep.motion.end.position) > 0.01; /* else differences are rounding */
   if (right && long_enough && sweep.motion.start.stop == KM_STOP_NONE &&
       course_walk(&g, &k.plan, &sweep.motion, SAMPLES + 1, look, &k)) {
     /* Half-way between two poses the difference errs by the square of their distance. */
-    right = course_agrees(&k.course, &sweep, 0, k.by_root && course_gives_out(&k.course), 1e-6, count);
+    right = course_agrees(&k.course, &sweep, 0, 1e-6, count);
   }
   if (!right)
     print_error("spatial forces, seed %llu: %s-%s-%s-%s, %s\n", (unsigned long long)seed, k.l.type[0], k.l.type[1],
