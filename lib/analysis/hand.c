@@ -89,7 +89,7 @@ static km_status take(km_hand *h, int coordinate, km_error *error) {
   if (h->drive && h->driven == coordinate)
     return KM_OK;
   km_hand_release(h);
-  if (km_branch_leave(h->mechanism, h->state, coordinate, 0.0, NULL, NULL) < 0)
+  if (km_branch_leave(h->mechanism, h->state, coordinate, 0.0).motions < 0)
     return km_fail(error, KM_MEMORY, "out of memory for a hand");
   km_status status = km_drive_create(h->mechanism, h->state, coordinate, false, &h->drive, error);
   h->driven = status ? -1 : coordinate;

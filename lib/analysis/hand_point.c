@@ -339,7 +339,7 @@ static km_status begin(pull *p, km_error *error) {
       if (best < 0 || km_vec3_norm(h->column[c]) > km_vec3_norm(h->column[best]))
         best = c;
     }
-    int motions = best < 0 ? 0 : km_branch_leave(h->mechanism, h->state, best, 0.0, NULL, NULL);
+    int motions = best < 0 ? 0 : km_branch_leave(h->mechanism, h->state, best, 0.0).motions;
     if (motions < 0)
       return km_fail(error, KM_MEMORY, "out of memory for a hand");
     h->left[index] = true;

@@ -80,16 +80,21 @@ km_status km_sweeper_leave_branch(km_sweeper *r, km_error *error) {
   int coordinate = r->plan->coordinate, index = r->m->substructure_of[coordinate];
   if (index < 0)
     return KM_OK;
-  bool begins, open;
+  const km_substructure *sub = &r->m->substructures[index];
+  bool begins;
   double way = first_way(r, &begins);
-  double *pose = KM_NEW(double, KM_SAVED_PER_COLUMN *(size_t)r->m->substructures[index].columns);
-  int count = pose ? km_branch_leave(r->m, r->s, coordinate, way, pose, &open) : -1;
-  r->out->start_branches = count;
-  if (count < 0) {
+  double *pose = KM_NEW(double, KM_SAVED_PER_COLUMN *(size_t)sub->columns);
+  km_branch_exit left = {.motions = -1};
+  if (pose) {
+    km_state_save(r->s, sub, pose);
+    left = km_branch_leave(r->m, r->s, coordinate, way);
+  }
+  r->out->start_branches = left.motions;
+  if (left.motions < 0) {
     km_free(pose);
     return km_fail(error, KM_MEMORY, "out of memory for a sweep");
   }
-  if (begins && open)
+  if (begins && left.several)
     r->branch_point = pose;
   else
     km_free(pose);

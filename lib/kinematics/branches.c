@@ -181,13 +181,11 @@ static void take_shortest(departure *d, const double *directions, int count, int
   km_state_restore(d->s, d->sub, d->best);
 }
 
-int km_branch_leave(const km_mechanism *m, km_state *s, int coordinate, double way, double *branch_point, bool *open) {
+km_branch_exit km_branch_leave(const km_mechanism *m, km_state *s, int coordinate, double way) {
   int index = m->substructure_of[coordinate];
-  bool several = false;
-  if (open)
-    *open = false;
+  km_branch_exit out = {0};
   if (index < 0 || km_state_holds(s, coordinate)) /* a held one leads nowhere */
-    return 0;
+    return out;
   const km_substructure *sub = &m->substructures[index];
   size_t n = (size_t)sub->columns;
   departure d = {.m = m, .s = s, .index = index, .column = m->column_of[coordinate], .sub = sub};
@@ -196,21 +194,17 @@ int km_branch_leave(const km_mechanism *m, km_state *s, int coordinate, double w
   d.there = KM_ARENA_NEW(&d.arena, double, KM_SAVED_PER_COLUMN *n);
   d.best = KM_ARENA_NEW(&d.arena, double, KM_SAVED_PER_COLUMN *n);
   d.step = KM_ARENA_NEW(&d.arena, double, n);
-  int count = d.arena.failed ? -1 : km_branch_directions(m, s, index, directions);
-  int best = fastest(directions, count, sub->columns, d.column);
+  out.motions = d.arena.failed ? -1 : km_branch_directions(m, s, index, directions);
+  int best = fastest(directions, out.motions, sub->columns, d.column);
   if (best >= 0) {
     km_state_save(s, sub, d.from);
     way *= m->factor[coordinate] / m->unit[coordinate];
-    several = set_out(&d, directions + (size_t)best * n, way);
-    if (several)
-      take_shortest(&d, directions, count, best, way);
+    out.several = set_out(&d, directions + (size_t)best * n, way);
+    if (out.several)
+      take_shortest(&d, directions, out.motions, best, way);
     km_state_forget_pivots(s, index);
-    if (open)
-      *open = several;
-    if (branch_point)
-      memcpy(branch_point, d.from, KM_SAVED_PER_COLUMN * n * sizeof *d.from);
   }
-  count = d.arena.failed ? -1 : count;
+  out.motions = d.arena.failed ? -1 : out.motions;
   km_arena_free(&d.arena);
-  return count;
+  return out;
 }

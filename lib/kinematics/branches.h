@@ -11,13 +11,17 @@ enum { KM_MOST_BRANCHES = 16 };
  * memory; of many freedoms those that a few starts find; the state stays, with its pivots searched afresh. */
 int km_branch_directions(const km_mechanism *mechanism, km_state *state, int substructure, double *directions);
 
+/* How a branch point was left. */
+typedef struct km_branch_exit {
+  int motions; /* that meet there; 0 at a regular pose, where the state stays; -1 when out of memory */
+  bool
+      several; /* more freedoms than one are left on the motion that was taken: on the way back it would miss the branch point */
+} km_branch_exit;
+
 /* At a branch point no direction is the mechanism's own: a short step leads onto the motion that moves the coordinate
- * most, from where the branch point can be passed smoothly. Returns how many motions meet, 0 at a regular pose, where
- * the state stays; -1 when out of memory. Where more freedoms than one are left on that motion, it is the shortest found:
- * the step ends at the closed pose closest to the branch point that has the coordinate moved by `way` (of the model's unit) at
- * most, to that side. The path of least motion leads away from the branch point there and on the way back would miss it:
- * branch_point[KM_SAVED_PER_COLUMN · columns] is then the pose that was left, and *open is true. Both may be NULL. */
-int km_branch_leave(const km_mechanism *mechanism, km_state *state, int coordinate, double way, double *branch_point,
-                    bool *open);
+ * most, from where the branch point can be passed smoothly. Where more freedoms than one are left on that motion, it is the
+ * shortest found: the step ends at the closed pose closest to the branch point that has the coordinate moved by `way` (of the
+ * model's unit) at most, to that side. */
+km_branch_exit km_branch_leave(const km_mechanism *mechanism, km_state *state, int coordinate, double way);
 
 #endif

@@ -41,7 +41,7 @@ static km_status drive_one(journey *j, const km_hold *goal, km_error *error) {
   if (is_there(j, goal))
     return KM_OK;
   double way = goal->value - value_of(j, goal->coordinate);
-  if (km_branch_leave(j->mechanism, j->state, goal->coordinate, way, NULL, NULL) < 0)
+  if (km_branch_leave(j->mechanism, j->state, goal->coordinate, way).motions < 0)
     return km_fail(error, KM_MEMORY, "out of memory while moving to a pose");
   km_drive *drive;
   km_status status = km_drive_create(j->mechanism, j->state, goal->coordinate, true, &drive, error);
