@@ -42,7 +42,7 @@ static bool allocate(const km_mechanism *m, km_state *s) {
   s->locked_column = KM_ARENA_NEW(arena, bool, coordinates);
   for (int i = 0; i < t->substructure_count && !arena->failed; ++i)
     if (reserve_partition(&m->substructures[i], &s->partition[i], arena))
-      km_partition_keep_normal(&s->partition[i], &s->normal[i]);
+      km_partition_keep_normal(&s->partition[i], &s->normal[i], m->column_weight + m->substructures[i].column_start);
   /* Small ones never grow: kernels don't allocate. */
   for (int i = 0; i < t->substructure_count && !arena->failed; ++i)
     if (!m->substructures[i].pattern.start)

@@ -3,9 +3,11 @@
 
 #include "base/library.h"
 #include "base/memory.h"
+#include "base/random.h"
 #include "partition/pair.h"
 
 #include <cholmod.h>
+#include <float.h>
 #include <math.h>
 #include <string.h>
 
@@ -146,14 +148,40 @@ static void subtract_rows(const km_normal *n, const double *x, double *b) {
       b[n->row[i]] -= n->value[i] * x[c];
 }
 
-/* step = Aᵀ(A Aᵀ)⁻¹ b; returns its length, NaN: no memory. */
-static double solve(km_normal *n) {
+/* (A Aᵀ)⁻¹ b; NULL: no memory. */
+static const double *solve_normal(km_normal *n) {
   size_t rows = (size_t)n->rows;
   cholmod_dense B = {
       .nrow = rows, .ncol = 1, .nzmax = rows, .d = rows, .x = n->b, .xtype = CHOLMOD_REAL, .dtype = CHOLMOD_DOUBLE};
   if (!n->cholmod->cholmod_l_solve2(CHOLMOD_A, n->L, &B, NULL, &n->X, NULL, &n->Y, &n->E, &n->common))
+    return NULL;
+  return n->X->x;
+}
+
+double km_normal_smallest(km_normal *n) {
+  enum { PASSES = 3 };
+  double square = 0.0, largest = km_largest_size(n->value, (int)n->start[n->columns]);
+  uint64_t seed = 1;
+  for (long r = 0; r < n->rows; ++r)
+    n->b[r] = n->value[n->start[n->columns] + r] == 0.0 ? km_uniform(&seed) : 0.0;
+  for (int i = 0; i < PASSES; ++i) {
+    double before = sqrt(km_sum_of_squares(n->b, (int)n->rows));
+    const double *z = solve_normal(n);
+    double after = z ? sqrt(km_sum_of_squares(z, (int)n->rows)) : HUGE_VAL;
+    square = before / after;
+    for (long r = 0; r < n->rows && z; ++r)
+      n->b[r] = z[r] / after;
+  }
+  /* Its square is known to rounding of the squares of entries, which adds up over the rows. */
+  double least = 100.0 * DBL_EPSILON * (double)n->rows * largest * largest;
+  return square > least ? sqrt(square) / largest : 0.0;
+}
+
+/* step = Aᵀ(A Aᵀ)⁻¹ b; returns its length, NaN: no memory. */
+static double solve(km_normal *n) {
+  const double *z = solve_normal(n);
+  if (!z)
     return nan("");
-  const double *z = n->X->x;
   for (long c = 0; c < n->columns; ++c) {
     double sum = 0.0;
     for (long i = n->start[c]; i < n->start[c + 1]; ++i)

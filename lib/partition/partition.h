@@ -72,8 +72,9 @@ bool km_partition_reserve_like(km_partition *partition, const km_partition *othe
                                km_arena *arena);
 
 /* Where what least solutions by the sparse engine keep from one to the next is to be kept, NULL at first: for this partition and
- * those that are reserved like it later. Borrowed; *place is for km_normal_free. Without a place they take longer. */
-void km_partition_keep_normal(km_partition *partition, km_normal **place);
+ * those that are reserved like it later; and the weights that they will be taken with. Both are borrowed; *place is for km_normal_free.
+ * Without a place they take longer. */
+void km_partition_keep_normal(km_partition *partition, km_normal **place, const double *weight);
 void km_normal_free(km_normal *normal);
 
 /* Complete pivoting. Pivots stop at |pivot| ≤ tolerance · (largest entry). Columns with forced[c] (may be

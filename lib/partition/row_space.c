@@ -63,6 +63,42 @@ static km_normal *normal_of(const km_partition *p, const double *matrix, const d
   return good ? *s->normal : NULL;
 }
 
+/* Columns that may be pivots first, then the forced and the locked ones; returns how many may be. */
+static int arrange_columns(const km_partition *p, const bool *forced) {
+  int next = 0, most = 0;
+  for (int group = 0; group < 3; ++group) {
+    for (int c = 0; c < p->columns; ++c)
+      if ((km_sparse_is_locked(p, c) ? 2 : km_sparse_is_given(p, forced, c)) == group)
+        p->column[next++] = c;
+    most = group == 0 ? next : most;
+  }
+  return most;
+}
+
+bool km_sparse_rows_stand(km_partition *p, const double *matrix, const bool *forced, double tolerance) {
+  km_sparse *s = p->sparse;
+  int most = s->normal ? arrange_columns(p, forced) : 0;
+  if (most < p->rows)
+    return false;
+  p->rank = p->rows;
+  for (int r = 0; r < p->rows; ++r)
+    p->row[r] = s->step_of[r] = r;
+  km_normal *normal = normal_of(p, matrix, s->weight, most - p->rank);
+  double smallest = normal ? km_normal_smallest(normal) : 0.0;
+  if (!(smallest > tolerance))
+    return false;
+  p->first_pivot = p->scale;
+  p->last_pivot = p->smallest_pivot = smallest * p->scale;
+  p->first_dropped = 0.0;
+  p->forced_dependent = false;
+  for (int k = 0; k < p->rank; ++k)
+    p->inverse[k] = 1.0 / p->last_pivot;
+  s->singles = s->zero_count = 0;
+  memset(s->upper, 0, (size_t)p->columns * sizeof *s->upper);
+  memset(s->lower, 0, (size_t)p->columns * sizeof *s->lower);
+  return true;
+}
+
 /* Σ over all rows of N, of the first `count` null vectors, of the squared number of entries; it ends beyond `most`. */
 static double crowd_of_null(const km_partition *p, int count, double most, int *entries) {
   const km_sparse *s = p->sparse;

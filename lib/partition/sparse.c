@@ -158,6 +158,8 @@ void km_sparse_factor(km_partition *p, const double *matrix, const bool *forced,
   memset(s->late, 0, (size_t)p->columns * sizeof *s->late);
   memset(s->spare, 0, (size_t)p->rows * sizeof *s->spare);
   s->by_rows = p->rows_only && !km_sparse_is_crowded(p);
-  (s->by_rows ? find_rows : find_good_columns)(p, matrix, forced, tolerance * p->scale);
+  s->by_normal = s->by_rows && km_sparse_rows_stand(p, matrix, forced, tolerance);
+  if (!s->by_normal)
+    (s->by_rows ? find_rows : find_good_columns)(p, matrix, forced, tolerance * p->scale);
   remember(p, matrix, forced, tolerance);
 }

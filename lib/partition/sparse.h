@@ -62,9 +62,11 @@ struct km_sparse {
   double known_tolerance;
   unsigned known_flags;
   bool is_known;
-  km_normal **normal; /* borrowed, of all partitions of the pattern; NULL: none */
-  bool by_rows;       /* only the rows were asked for: the independent columns have no entries of U, and no B */
-  bool keeps_b;       /* else there is room for one column of B only: many are found when they are asked for */
+  km_normal **normal;   /* borrowed, of all partitions of the pattern; NULL: none */
+  const double *weight; /* the same: of the columns, for the normal equations */
+  bool by_rows;         /* only the rows were asked for: the independent columns have no entries of U, and no B */
+  bool by_normal;       /* they were, and are independent by their normal equations: there is no L and no U */
+  bool keeps_b;         /* else there is room for one column of B only: many are found when they are asked for */
 };
 
 /* Null vectors with so many times the entries of the matrix, all together, are long: they reach through the whole mechanism. */
@@ -112,6 +114,9 @@ int km_sparse_hidden_row(const km_partition *partition, const double *matrix, co
 /* Spares the rows that others make dependent to the threshold, by Q R over all columns that may be pivots. False where it finds
  * none, or SuiteSparse's SPQR isn't installed, or memory is out. */
 bool km_sparse_spare_rows(km_partition *partition, const double *matrix, const bool *forced, double threshold);
+/* Are all rows independent to the tolerance over all columns that may be pivots, by their normal equations? Then that is the
+ * partition's result. False also where these aren't kept. */
+bool km_sparse_rows_stand(km_partition *partition, const double *matrix, const bool *forced, double tolerance);
 /* Room for so many entries of U and of L in all. False when out of memory. */
 bool km_sparse_make_room(km_sparse *sparse, int upper, int lower);
 bool km_sparse_grow(km_sparse *sparse, km_store *store, int need);

@@ -234,8 +234,11 @@ static void refactor_single(km_partition *p, const double *matrix, int k) {
 bool km_sparse_refactor(km_partition *p, const double *matrix) {
   km_sparse *s = p->sparse;
   s->is_known = false;
-  if (p->failed || !km_all_finite(matrix, s->start[p->columns]) || !are_zero(s, matrix))
+  if (p->failed || !km_all_finite(matrix, s->start[p->columns]) || (s->by_normal && !p->rows_only) ||
+      !are_zero(s, matrix))
     return false;
+  if (s->by_normal) /* the rows' next least solution shows whether they still stand */
+    return true;
   for (int k = 0; k < s->singles; ++k)
     refactor_single(p, matrix, k);
   const int count =
@@ -265,6 +268,10 @@ bool km_sparse_refactor(km_partition *p, const double *matrix) {
 void km_sparse_solve(const km_partition *p, const double *rhs, double *x) {
   const km_sparse *s = p->sparse;
   double *y = p->work;
+  if (s->by_normal) { /* comes to this where memory is short */
+    memset(x, 0, (size_t)p->columns * sizeof *x);
+    return;
+  }
   memcpy(s->x, rhs, (size_t)p->rows * sizeof *s->x);
   for (int k = 0; k < p->rank; ++k) {
     y[k] = s->x[p->row[k]];
@@ -311,6 +318,7 @@ void km_sparse_copy(km_partition *to, const km_partition *from) {
   t->singles = f->singles;
   t->is_known = false;
   t->by_rows = f->by_rows;
+  t->by_normal = f->by_normal;
   memcpy(t->step_of, f->step_of, (size_t)from->rows * sizeof *t->step_of);
   to->failed = from->failed || !km_sparse_make_room(t, upper, lower);
   if (to->failed)

@@ -44,6 +44,7 @@ static bool reserve(km_sparse *s, int rows, int columns, km_arena *arena) {
                    .row_start = s->row_start,
                    .order = s->order,
                    .normal = s->normal,
+                   .weight = s->weight,
                    .lead = KM_ARENA_NEW(arena, int, c),
                    .zero = KM_ARENA_NEW(arena, int, (size_t)s->start[columns]),
                    .open = KM_ARENA_NEW(arena, km_open, c),
@@ -92,9 +93,11 @@ bool km_partition_reserve_sparse(km_partition *p, int rows, int columns, const i
   return reserve_partition(p, &pattern, rows, columns, arena);
 }
 
-void km_partition_keep_normal(km_partition *p, km_normal **place) {
-  if (p->sparse)
-    p->sparse->normal = place;
+void km_partition_keep_normal(km_partition *p, km_normal **place, const double *weight) {
+  if (!p->sparse)
+    return;
+  p->sparse->normal = place;
+  p->sparse->weight = weight;
 }
 
 bool km_partition_reserve_like(km_partition *p, const km_partition *other, int rows, int columns, km_arena *arena) {

@@ -188,7 +188,7 @@ static void null_vectors_by_their_entries(void **state) {
 static km_normal *kept;
 
 static void keep_normal(int i) {
-  km_partition_keep_normal(&f.p, i % 2 ? &kept : NULL);
+  km_partition_keep_normal(&f.p, i % 2 ? &kept : NULL, f.D);
 }
 
 static void free_normal(int i) {
@@ -301,6 +301,34 @@ static void rows_that_hardly_differ(void **state) {
       longest = fmax(longest, fabs(by_qr[c]));
     for (int c = 0; c < f.columns; ++c)
       assert_near(least[c], by_qr[c], 1e-13 / apart * longest);
+  }
+}
+
+/* Rows that are independent over the columns that aren't forced need no pivots; where one is a sum of two others they are sought. */
+static void rows_that_stand(void **state) {
+  (void)state;
+  for (int i = 0; i < 60; ++i) {
+    bool depends = i % 3 == 0;
+    fill_twins(20 + 2 * index_below(10), 1.0);
+    for (int c = 0; c < f.columns; ++c) {
+      f.forced[c] = c == i % f.columns;
+      if (depends) /* the third row and the fourth one have entries wherever the others do, but for two columns */
+        f.J[c * f.rows + 3] = c >= 2 && c < 12 ? f.J[c * f.rows + 2] : 0.0;
+    }
+    reserve_sparse();
+    keep_normal(1);
+    run_svd();
+    f.p.rows_only = f.p.held = true;
+    factor(&f.p);
+    assert_int_equal(f.p.sparse->by_normal, !depends);
+    assert_int_equal(f.p.rank, f.rows - depends);
+    assert_int_equal(f.svd_rank, f.p.rank);
+    assert_int_equal(f.p.column[f.columns - 1], i % f.columns);
+    assert_true(depends || (f.p.smallest_pivot > 0.0 && f.p.smallest_pivot <= f.p.scale));
+    assert_true(km_partition_refactor(&f.p, stored(&f.p)));
+    f.p.rows_only = false;
+    assert_int_equal(km_partition_refactor(&f.p, stored(&f.p)), depends); /* there are no pivots to replay */
+    free_normal(1);
   }
 }
 
@@ -462,6 +490,7 @@ int main(void) {
       cmocka_unit_test(steps_without_null_vectors),
       cmocka_unit_test(by_rows_alone),
       cmocka_unit_test(rows_that_hardly_differ),
+      cmocka_unit_test(rows_that_stand),
       cmocka_unit_test(rows_where_no_pivot_tells),
       cmocka_unit_test(columns_where_no_pivot_tells),
       cmocka_unit_test(nothing_is_left_behind),
