@@ -67,6 +67,7 @@ static bool reserve(km_drive_lanes *l) {
   km_arena *arena = &l->arena;
   int columns = l->sub->columns, rows = l->sub->rows;
   l->is_length = KM_ARENA_NEW(arena, bool, (size_t)columns);
+  l->is_ball = KM_ARENA_NEW(arena, bool, (size_t)columns);
   l->is_limited = KM_ARENA_NEW(arena, bool, (size_t)columns);
   reserve_loops(l);
   l->entries = KM_ARENA_NEW(arena, km_lane_entry, (size_t)m->entry_count + 1);
@@ -175,12 +176,13 @@ void km_lanes_end_balls(km_drive_lanes *l, unsigned ended) {
     const int c = m->ball_coordinate[b], k = m->column_of[c];
     if (k < 0 || m->substructure_of[c] != l->drives[0]->c.substructure)
       continue;
+    const km_lanes_number *last = l->from + k;
     km_lanes_number *q = l->q + c, *way = l->move + k;
     for (unsigned left = ended; left; left &= left - 1) {
       const int i = __builtin_ctz(left);
       km_quaternion now = ball_of(&l->ball[b], i), from = ball_of(&l->from_ball[b], i);
       km_vec3 turn = km_quaternion_log(km_quaternion_product(now, km_quaternion_conjugate(from)));
-      km_vec3 at = km_quaternion_log_near(now, (km_vec3){q[0].of[i], q[1].of[i], q[2].of[i]});
+      km_vec3 at = km_quaternion_log_near(now, (km_vec3){last[0].of[i], last[1].of[i], last[2].of[i]});
       for (int a = 0; a < 3; ++a) {
         way[a].of[i] = (const double[]){turn.x, turn.y, turn.z}[a];
         q[a].of[i] = (const double[]){at.x, at.y, at.z}[a];

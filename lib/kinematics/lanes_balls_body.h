@@ -1,5 +1,6 @@
 /* Ball joints of several drives in vectors: a part of lanes_body.h. What is computed for a lane is what rotation.h, state.c and
- * least_path.c compute for one drive. The rotation vectors of balls are found where a step ends, by km_lanes_end_balls. */
+ * least_path.c compute for one drive. The rotation vectors of balls are found where a step ends, by
+ * km_lanes_end_balls; what stands in their place on the way there means nothing. */
 
 typedef struct quaternion {
   vector w, x, y, z;
@@ -60,17 +61,23 @@ static APART pose ball_step(double sign, const quaternion *ball, pose X, km_lane
   return X;
 }
 
-/* km_state_turn_ball where the mask is set; the turn's columns begin at `turn`. */
-static APART void turn_ball(km_drive_lanes *l, int ball, const km_lanes_number *turn, const mask *where, int first,
-                            int count) {
-  km_lane_quaternion *at = &l->ball[ball];
-  EACH(r) {
-    quaternion old = get_quaternion(at, AT(r));
-    quaternion by = quaternion_exp((lanes_vec){GET(turn[0]), GET(turn[1]), GET(turn[2])});
-    quaternion turned = quaternion_product(&by, &old);
-    turned = quaternion_normalised(&turned);
-    turned = pick_quaternion(where[r], &turned, &old);
-    put_quaternion(at, AT(r), &turned);
+/* km_state_turn_ball where the mask is set, for all balls that a step turns. */
+static APART void turn_balls(km_drive_lanes *l, const km_lanes_number *step, const mask *where, int first, int count) {
+  const int *coordinate = l->m->column_coordinate + l->sub->column_start;
+  for (int k = 0; k < l->sub->columns; ++k) {
+    if (!l->is_ball[k])
+      continue;
+    const km_lanes_number *turn = step + k;
+    km_lane_quaternion *at = &l->ball[l->m->ball_of[coordinate[k]]];
+    EACH(r) {
+      quaternion old = get_quaternion(at, AT(r));
+      quaternion by = quaternion_exp((lanes_vec){GET(turn[0]), GET(turn[1]), GET(turn[2])});
+      quaternion turned = quaternion_product(&by, &old);
+      turned = quaternion_normalised(&turned);
+      turned = pick_quaternion(where[r], &turned, &old);
+      put_quaternion(at, AT(r), &turned);
+    }
+    k += 2;
   }
 }
 

@@ -27,7 +27,7 @@ static inline mask as_long(const km_drive_lanes *l, vector h, int r, int first) 
 }
 
 /* look_farther of continuation.c: the polynomial through nine poses in place of the cubic, where they agree. */
-static inline void look_farther(km_drive_lanes *l, const vector *h, const mask *fit, int first, int count) {
+static WITHIN void look_farther(km_drive_lanes *l, const vector *h, const mask *fit, int first, int count) {
   vector apart[TOGETHER];
   mask far[TOGETHER];
   EACH(r) {
@@ -56,7 +56,7 @@ static inline void look_farther(km_drive_lanes *l, const vector *h, const mask *
 }
 
 /* km_continuation_predict, of one freedom. */
-static inline void continue_curve(km_drive_lanes *l, const vector *h, const mask *fit, int first, int count) {
+static WITHIN void continue_curve(km_drive_lanes *l, const vector *h, const mask *fit, int first, int count) {
   vector last_h[TOGETHER], h00[TOGETHER], h10[TOGETHER], h11[TOGETHER];
   EACH(r) {
     last_h[r] = GET(l->here.last_h);
@@ -73,7 +73,7 @@ static inline void continue_curve(km_drive_lanes *l, const vector *h, const mask
 }
 
 /* predict of drive.c. Clears the lanes where it leads too far. `strain`: as in km_drive. */
-static inline void predict(km_drive_lanes *l, const vector *h, vector *strain, mask *fit, int first, int count) {
+static WITHIN void predict(km_drive_lanes *l, const vector *h, vector *strain, mask *fit, int first, int count) {
   EACH(r)
   strain[r] = all(0.0);
   if (l->beside == 0)
@@ -122,7 +122,7 @@ static inline void clear_of_limits(const km_drive_lanes *l, const vector *h, mas
 
 /* Clears the lanes that were too much corrected, turned too sharply, or are on another branch, which one freedom shows. By
  * squares, as in close_loops; `square`: of the way that was predicted. */
-static inline void keep_to_curve(const km_drive_lanes *l, const vector *square, const vector *correction, mask *fit,
+static WITHIN void keep_to_curve(const km_drive_lanes *l, const vector *square, const vector *correction, mask *fit,
                                  int first, int count) {
   const double cosine = km_drive_least_cosine(km_drive_tightness), part = km_drive_tightness;
   vector along[TOGETHER], before[TOGETHER], behind[TOGETHER];
@@ -138,11 +138,20 @@ static inline void keep_to_curve(const km_drive_lanes *l, const vector *square, 
     fit[r] &= equal(GET(l->next_sign), GET(l->sign));
 }
 
-/* grow_moves of continuation.c; `way`: the last move. */
-static inline void grow_moves(km_drive_lanes *l, int k, vector way, mask took, int r, int first) {
+/* grow_moves of continuation.c: the moves become older, */
+static WITHIN void shift_moves(km_drive_lanes *l, const mask *took, int first, int count) {
+  for (int i = KM_CURVE_MOVES - 1; i > 0; --i) {
+    km_lanes_number *to = l->past[i];
+    const km_lanes_number *from = l->past[i - 1];
+    for (int k = 0; k < l->sub->columns; ++k)
+      EACH(r)
+    PUT(to[k], pick(took[r], GET(from[k]), GET(to[k])));
+  }
+}
+
+/* and the last one, `way`, joins them. */
+static WITHIN void take_move(km_drive_lanes *l, int k, vector way, mask took, int r, int first) {
   vector x = GET(l->x[k]), rest = GET(l->rest[k]);
-  for (int i = KM_CURVE_MOVES - 1; i > 0; --i)
-    PUT(l->past[i][k], pick(took, GET(l->past[i - 1][k]), GET(l->past[i][k])));
   PUT(l->past[0][k], pick(took, way + (x - rest), GET(l->past[0][k])));
   PUT(l->rest[k], pick(took, x, rest));
 }
@@ -168,19 +177,21 @@ static inline vector lengthened(vector step, vector h, vector strain, bool alone
 
 /* km_continuation_accept where `took` is set, and what walk does after it; elsewhere back to where the step began. `x` is what
  * Newton has left undone. */
-static inline void accept(km_drive_lanes *l, const mask *took, const mask *arrives, const vector *h,
+static WITHIN void accept(km_drive_lanes *l, const mask *took, const mask *arrives, const vector *h,
                           const vector *strain, const vector *largest_b, int first, int count) {
   const int *coordinate = l->m->column_coordinate + l->sub->column_start;
   const bool alone = l->beside == 0;
   if (l->m->ball_count > 0)
     end_balls(l, took, first, count);
-  if (alone)
+  if (alone) {
     count_equal(l, h, took, first, count);
-  else
+    shift_moves(l, took, first, count);
+  } else {
     grow_older(l, h, took, first, count);
+  }
   for (int k = 0; k < l->sub->columns; ++k) {
     km_lanes_number *to = &l->q[coordinate[k]];
-    bool is_length = l->is_length[k], is_ball = l->m->ball_of[coordinate[k]] >= 0;
+    bool is_length = l->is_length[k], is_ball = l->is_ball[k];
     vector way[TOGETHER];
     EACH(r) {
       vector by = is_ball ? GET(l->move[k]) : GET(*to) - GET(l->from[k]);
@@ -188,7 +199,7 @@ static inline void accept(km_drive_lanes *l, const mask *took, const mask *arriv
     }
     if (alone)
       EACH(r)
-    grow_moves(l, k, way[r], took[r], r, first);
+    take_move(l, k, way[r], took[r], r, first);
     EACH(r) {
       vector t = GET(l->t[k]);
       PUT(*to, pick(took[r], GET(*to), GET(l->from[k])));
@@ -214,7 +225,7 @@ static inline void accept(km_drive_lanes *l, const mask *took, const mask *arriv
 }
 
 /* km_partition_null and km_mobility_numbers, of one freedom, of the lanes that `took` the step. */
-static inline void set_numbers_of_one(km_drive_lanes *l, const mask *took, int first, int count) {
+static WITHIN void set_numbers_of_one(km_drive_lanes *l, const mask *took, int first, int count) {
   km_lanes_number *z = l->x; /* Newton is through */
   vector sum[TOGETHER], factor[TOGETHER];
   set_null_vector(l, 0, z, sum, first, count);

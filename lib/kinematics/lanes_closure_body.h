@@ -73,7 +73,7 @@ static APART void make_least(km_drive_lanes *l, vector *largest, int first, int 
 }
 
 /* newton_step of closure.c. `error`: the sum of the squares of the primary rows' errors, `largest`: the step's largest entry. */
-static inline void newton(km_drive_lanes *l, vector *error, vector *largest, int first, int count) {
+static WITHIN void newton(km_drive_lanes *l, vector *error, vector *largest, int first, int count) {
   const km_replay *replay = &l->replay;
   const double *J = l->J->of;
   double *y = l->y->of;
@@ -107,13 +107,9 @@ static inline void newton(km_drive_lanes *l, vector *error, vector *largest, int
 /* Adds a scaled step where the mask is set. */
 static WITHIN void move(km_drive_lanes *l, const km_lanes_number *step, const mask *where, int first, int count) {
   const int *coordinate = l->m->column_coordinate + l->sub->column_start;
+  if (l->m->ball_count > 0)
+    turn_balls(l, step, where, first, count);
   for (int k = 0; k < l->sub->columns; ++k) {
-    const int ball = l->m->ball_of[coordinate[k]];
-    if (ball >= 0) {
-      turn_ball(l, ball, step + k, where, first, count);
-      k += 2;
-      continue;
-    }
     km_lanes_number *to = &l->q[coordinate[k]];
     bool is_length = l->is_length[k];
     EACH(r) {
@@ -128,7 +124,7 @@ static inline void grain(const km_drive_lanes *l, vector *coarse, int first, int
   EACH(r)
   coarse[r] = all(0.0);
   for (int k = 0; k < l->sub->columns; ++k) {
-    if (l->m->ball_of[coordinate[k]] >= 0)
+    if (l->is_ball[k])
       continue;
     const km_lanes_number *at = &l->q[coordinate[k]];
     bool is_length = l->is_length[k];
@@ -155,7 +151,7 @@ static inline bool any(const mask *m, int count) {
  *
  * Squares stand for lengths, so that roots and quotients aren't waited for. Where that could decide otherwise than the
  * lengths do, the lane leaves. */
-static inline void close_loops(km_drive_lanes *l, mask *trying, vector *correction, vector *largest_b, int first,
+static WITHIN void close_loops(km_drive_lanes *l, mask *trying, vector *correction, vector *largest_b, int first,
                                int count) {
   vector coarse[TOGETHER], primary[TOGETHER], most[TOGETHER], sum[TOGETHER];
   mask done[TOGETHER], going[TOGETHER];

@@ -71,9 +71,8 @@ static inline lanes_vec weighted_turn(const km_lanes_number *const *t, const vec
 /* wind_balls of least_path.c. */
 static inline void wind_balls(km_drive_lanes *l, const km_lanes_number *const *t, const node_weights *w,
                               const vector *h, int first, int count) {
-  const int *coordinate = l->m->column_coordinate + l->sub->column_start;
   for (int k = 0; k < l->sub->columns; ++k) {
-    if (l->m->ball_of[coordinate[k]] < 0)
+    if (!l->is_ball[k])
       continue;
     const km_lanes_number *now = t[0] + k;
     km_lanes_number *turn = l->move + k;
@@ -152,9 +151,8 @@ static inline lanes_vec vector_rate(lanes_vec u, lanes_vec w) {
 
 /* unwind_balls of least_path.c: the rates of a stage take the place of the move that led there. */
 static inline void set_stage(const km_drive_lanes *l, km_lanes_number *stage, int first, int count) {
-  const int *coordinate = l->m->column_coordinate + l->sub->column_start;
   for (int k = 0; k < l->sub->columns; ++k) {
-    bool is_ball = l->m->ball_of[coordinate[k]] >= 0;
+    bool is_ball = l->is_ball[k];
     EACH(r) {
       if (is_ball) {
         lanes_vec v = vector_rate(get_columns(stage + k, AT(r)), get_columns(l->next_t + k, AT(r)));
