@@ -25,6 +25,7 @@ static bool allocate(const km_mechanism *m, km_state *s) {
   s->misfit = KM_ARENA_NEW(arena, km_twist, (size_t)t->loop_count);
   s->partition = KM_ARENA_NEW(arena, km_partition, (size_t)t->substructure_count);
   s->normal = KM_ARENA_NEW(arena, km_normal *, (size_t)t->substructure_count);
+  s->normal_count = t->substructure_count;
   s->aside = KM_ARENA_NEW(arena, km_aside, (size_t)t->substructure_count);
   s->pivoted = KM_ARENA_NEW(arena, int, (size_t)t->substructure_count);
   s->basis = KM_ARENA_NEW(arena, km_basis, (size_t)t->substructure_count);
@@ -124,7 +125,7 @@ void km_state_restart(km_state *s) {
 void km_state_free(km_state *s) {
   if (!s)
     return;
-  for (int i = 0; s->normal && i < s->mechanism->topology.substructure_count; ++i)
+  for (int i = 0; s->normal && i < s->normal_count; ++i)
     km_normal_free(s->normal[i]);
   km_arena_free(&s->arena);
   km_free(s);

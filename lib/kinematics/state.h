@@ -45,6 +45,7 @@ struct km_state {
   km_twist *misfit;        /* [loop] whole error screws, scaled. By km_loops_update */
   km_partition *partition; /* [substructure] of the Jacobian. By km_closure */
   km_normal **normal;      /* [substructure] what their least steps keep. By km_state_free */
+  int normal_count;        /* the mechanism may be gone by then */
   km_aside *aside;         /* [substructure] large ones' second partitions */
   int *pivoted;            /* [substructure] driver column that its pivots were searched for; KM_NEVER */
   km_basis *basis;         /* [substructure] Z: columns × freedom. By km_state_null */
