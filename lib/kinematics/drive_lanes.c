@@ -58,7 +58,6 @@ static void reserve_loops(km_drive_lanes *l) {
     l->space_loops = KM_ARENA_NEW(arena, km_lane_space_loop, loops);
     l->poses = KM_ARENA_NEW(arena, km_lane_pose, slots);
     l->twists = KM_ARENA_NEW(arena, km_lane_twist, 3 * (size_t)m->step_count);
-    l->from_ball = KM_ARENA_NEW(arena, km_lane_quaternion, (size_t)m->ball_count);
   }
 }
 
@@ -69,6 +68,7 @@ static bool reserve(km_drive_lanes *l) {
   l->is_length = KM_ARENA_NEW(arena, bool, (size_t)columns);
   l->is_ball = KM_ARENA_NEW(arena, bool, (size_t)columns);
   l->is_limited = KM_ARENA_NEW(arena, bool, (size_t)columns);
+  l->from_ball = KM_ARENA_NEW(arena, km_lane_quaternion, (size_t)m->ball_count); /* also those outside the loops */
   reserve_loops(l);
   l->entries = KM_ARENA_NEW(arena, km_lane_entry, (size_t)m->entry_count + 1);
   l->couplings = KM_ARENA_NEW(arena, km_lane_coupling, (size_t)m->coupling_count + 1);

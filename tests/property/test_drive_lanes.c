@@ -94,10 +94,33 @@ static fixture open_space_loop(uint64_t seed) {
   return open_own_axes((ball)(kind % BALLS), &shape, &own);
 }
 
+/* A four-bar in a plane, and beside it a pendulum on a ball joint, in no loop. */
+static const char beside_pendulum[] = "a four-bar beside a pendulum";
+
+static fixture open_beside_pendulum(uint64_t seed) {
+  char text[1024];
+  snprintf(text, sizeof text,
+           "{\"assemblies\": [{\"name\": \"a\", \"drawn\": \"assembled\", \"bodies\": [{\"name\": \"crank\"}, "
+           "{\"name\": \"coupler\"}, {\"name\": \"rocker\"}, {\"name\": \"bob\"}], \"joints\": ["
+           "{\"name\": \"A\", \"type\": \"Rz\", \"bodies\": [\"fixed\", \"crank\"], \"at\": [0, 0, 0]}, "
+           "{\"name\": \"B\", \"type\": \"Rz\", \"bodies\": [\"crank\", \"coupler\"], \"at\": [0, %.17g, 0]}, "
+           "{\"name\": \"C\", \"type\": \"Rz\", \"bodies\": [\"coupler\", \"rocker\"], \"at\": [3, 2, 0]}, "
+           "{\"name\": \"D\", \"type\": \"Rz\", \"bodies\": [\"fixed\", \"rocker\"], \"at\": [3, 0, 0]}, "
+           "{\"name\": \"S\", \"type\": \"spherical\", \"bodies\": [\"fixed\", \"bob\"], \"at\": [5, 0, 0]}]}]}",
+           1.0 + 1e-3 * (double)seed);
+  return fixture_read(text);
+}
+
+static fixture open_fixture(const char *name, uint64_t seed) {
+  return name == space_loop        ? open_space_loop(seed)
+         : name == beside_pendulum ? open_beside_pendulum(seed)
+                                   : fixture_open_variant(name, seed);
+}
+
 static design open_design(const char *name, uint64_t seed, bool ignore_limits) {
-  design d = {.f = name == space_loop ? open_space_loop(seed) : fixture_open_variant(name, seed)};
+  design d = {.f = open_fixture(name, seed)};
   km_sweep_plan plan = km_sweep_plan_default(d.f.model);
-  if (name == space_loop)
+  if (name == space_loop || name == beside_pendulum)
     plan = (km_sweep_plan){.coordinate = 0, .from = 0.0, .to = 0.3};
   d.from = plan.from;
   d.to = plan.to;
@@ -255,6 +278,7 @@ static void in_space(void **state) {
   static const char *const names[] = {"bennett", "bricard", "sarrus3", "delta", "stewart"};
   for (size_t k = 0; k < sizeof names / sizeof *names; ++k)
     assert_true(compare(names[k], KM_DRIVE_LANES, 0, false, ROWS, false) > KM_DRIVE_LANES * ROWS / 2);
+  assert_true(compare(beside_pendulum, KM_DRIVE_LANES, 1, false, ROWS, false) > KM_DRIVE_LANES * ROWS / 2);
 }
 
 /* Places near a row that lanes visit: the rates of a drive that goes there alone and comes back; and nothing has changed for
