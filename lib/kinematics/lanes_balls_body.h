@@ -61,6 +61,11 @@ static APART pose ball_step(double sign, const quaternion *ball, pose X, km_lane
   return X;
 }
 
+/* The three columns of a ball. */
+static inline lanes_vec get_columns(const km_lanes_number *x, int lane) {
+  return (lanes_vec){get(x[0].of + lane), get(x[1].of + lane), get(x[2].of + lane)};
+}
+
 /* km_state_turn_ball where the mask is set, for all balls that a step turns. */
 static APART void turn_balls(km_drive_lanes *l, const km_lanes_number *step, const mask *where, int first, int count) {
   const int *coordinate = l->m->column_coordinate + l->sub->column_start;
@@ -71,7 +76,7 @@ static APART void turn_balls(km_drive_lanes *l, const km_lanes_number *step, con
     km_lane_quaternion *at = &l->ball[l->m->ball_of[coordinate[k]]];
     EACH(r) {
       quaternion old = get_quaternion(at, AT(r));
-      quaternion by = quaternion_exp((lanes_vec){GET(turn[0]), GET(turn[1]), GET(turn[2])});
+      quaternion by = quaternion_exp(get_columns(turn, AT(r)));
       quaternion turned = quaternion_product(&by, &old);
       turned = quaternion_normalised(&turned);
       turned = pick_quaternion(where[r], &turned, &old);

@@ -56,10 +56,6 @@ static inline node_weights weigh_tangents(const km_drive_lanes *l, vector h, int
   return w;
 }
 
-static inline lanes_vec get_columns(const km_lanes_number *x, int lane) {
-  return (lanes_vec){get(x[0].of + lane), get(x[1].of + lane), get(x[2].of + lane)};
-}
-
 /* weighted_turn of least_path.c. */
 static inline lanes_vec weighted_turn(const km_lanes_number *const *t, const vector *weight, int column, int lane) {
   lanes_vec sum = {all(0.0), all(0.0), all(0.0)};
