@@ -28,13 +28,6 @@ static linkage flat_sheet(randomness *r) {
   return l;
 }
 
-static fixture written(const linkage *l, randomness *r) {
-  char *json = linkage_text(l, (writing){.own_frames = below(r, 2)}, r);
-  fixture f = fixture_read(json);
-  km_free(json);
-  return f;
-}
-
 /* A four-bar on one line: its ends change where a = c and b = d, else it shakes. */
 static linkage flat_fourbar(randomness *r) {
   double crank = uniform(r, 0.2, 0.8), base = uniform(r, 1, 2), rocker = below(r, 2) ? crank : uniform(r, 0.2, 0.8);
@@ -47,7 +40,7 @@ enum { KINDS = 4 };
 
 static fixture any(int kind, randomness *r) {
   linkage l = kind == 0 ? flat_sheet(r) : kind == 1 ? flat_fourbar(r) : moving_loop(below(r, MOVING_KINDS), r);
-  return kind == 3 ? folded_chain(1 + below(r, 4)) : written(&l, r);
+  return kind == 3 ? folded_chain(1 + below(r, 4)) : linkage_open(&l, r);
 }
 
 /* The tangents at the pose, with their conditions. */

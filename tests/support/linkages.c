@@ -256,3 +256,10 @@ linkage nearly_singular_loop(int kind, int count, randomness *r) {
   }
   return best;
 }
+
+fixture linkage_open(const linkage *l, randomness *r) {
+  char *json = linkage_text(l, (writing){.own_frames = below(r, 2)}, r);
+  fixture f = fixture_read(json);
+  km_free(json);
+  return f;
+}

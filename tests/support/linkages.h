@@ -27,6 +27,8 @@ typedef struct writing {
 
 /* The caller frees it (km_free). */
 char *linkage_text(const linkage *l, writing how, randomness *r);
+/* The same read, perhaps with frames of the bodies' own. */
+fixture linkage_open(const linkage *l, randomness *r);
 
 km_vec3 random_direction(randomness *r);
 km_vec3 random_point(randomness *r);
