@@ -130,7 +130,7 @@ static km_status go(run *r, km_error *error) {
     }
     end = r->figure >= 0 && next_check(end) < r->total ? next_check(end) : r->total;
   }
-  km_status stored = km_store_commit(r->study->store, status ? NULL : error);
+  km_status stored = km_store_sort(r->study->store, status ? NULL : error);
   return status ? status : stored;
 }
 
@@ -146,6 +146,8 @@ static km_status run_designs(run *r, int jobs, km_error *error) {
   r->size = r->compute ? jobs : room;
   if (!status)
     status = km_store_is_empty(s->store, &r->batch.is_new, error);
+  if (r->compute && r->figure < 0) /* else the figures are looked up on the way */
+    km_store_append(s->store);
   if (!status)
     status = go(r, error);
   km_batch_close(&r->batch);

@@ -1,5 +1,9 @@
 /* The store of a study, by SQLite. A result's key is what it depends on: the question's hash and the design's numbers, so
- * that a study that grew finds what it has. One connection holds the file for itself while it is open. */
+ * that a study that grew finds what it has. One connection holds the file for itself while it is open.
+ *
+ * Keys of samples come in no order, so that a commit of many changes almost every page of a table that is sorted by them. A
+ * run of many designs therefore appends what it gets to a table of its own, and sorts that into the other one when it has
+ * grown by a share of what was sorted before. */
 #include "study/store.h"
 
 #include <math.h>
@@ -8,11 +12,17 @@
 #include <stdlib.h>
 #include <string.h>
 
+/* Bytes of what is appended before it is sorted for the first time. */
+static const double first_appended = 1 << 20;
+
 struct km_store {
   sqlite3 *db;
-  sqlite3_stmt *get, *put;
-  const char *path; /* for messages */
-  bool writing;     /* a transaction is open */
+  sqlite3_stmt *get, *put, *append;
+  const char *path;               /* for messages */
+  bool in_file;                   /* not in memory */
+  bool writing;                   /* a transaction is open */
+  bool appends;                   /* what is put is appended, and sorted later */
+  double appended, most_appended; /* bytes, about: that wait to be sorted, and that may */
   km_arena arena;
 };
 
@@ -21,6 +31,10 @@ static const char schema[] =
     "CREATE TABLE questions(id INTEGER PRIMARY KEY, key TEXT NOT NULL UNIQUE, name TEXT NOT NULL);"
     "CREATE TABLE results(question INTEGER NOT NULL, design BLOB NOT NULL, outcome INTEGER NOT NULL, reason TEXT,"
     " figures BLOB NOT NULL, bands BLOB, PRIMARY KEY(question, design)) WITHOUT ROWID;";
+/* Stores of earlier versions don't have it. */
+static const char appended_schema[] =
+    "CREATE TABLE IF NOT EXISTS appended(question INTEGER NOT NULL, design BLOB NOT NULL, outcome INTEGER NOT NULL,"
+    " reason TEXT, figures BLOB NOT NULL, bands BLOB);";
 
 static km_status fail(const km_store *s, km_error *error) {
   if (s->arena.failed)
@@ -87,7 +101,7 @@ static km_status take(km_store *s, const char *identity, const char *what, bool 
   }
   km_status status = run(s, "BEGIN IMMEDIATE", error);
   if (!status && ours)
-    status = run(s, "DROP TABLE results; DROP TABLE questions; DROP TABLE study", error);
+    status = run(s, "DROP TABLE IF EXISTS appended; DROP TABLE results; DROP TABLE questions; DROP TABLE study", error);
   if (!status)
     status = run(s, schema, error);
   if (!status)
@@ -100,9 +114,36 @@ static km_status take(km_store *s, const char *identity, const char *what, bool 
 static km_status prepare(km_store *s, km_error *error) {
   static const char get[] = "SELECT outcome, reason, figures, bands FROM results WHERE question = ? AND design = ?";
   static const char put[] = "INSERT OR REPLACE INTO results VALUES(?, ?, ?, ?, ?, ?)";
+  static const char append[] = "INSERT INTO appended VALUES(?, ?, ?, ?, ?, ?)";
   bool good = sqlite3_prepare_v3(s->db, get, -1, SQLITE_PREPARE_PERSISTENT, &s->get, NULL) == SQLITE_OK &&
-              sqlite3_prepare_v3(s->db, put, -1, SQLITE_PREPARE_PERSISTENT, &s->put, NULL) == SQLITE_OK;
+              sqlite3_prepare_v3(s->db, put, -1, SQLITE_PREPARE_PERSISTENT, &s->put, NULL) == SQLITE_OK &&
+              sqlite3_prepare_v3(s->db, append, -1, SQLITE_PREPARE_PERSISTENT, &s->append, NULL) == SQLITE_OK;
   return good ? KM_OK : fail(s, error);
+}
+
+/* Begins a transaction, where none is open. */
+static km_status begin(km_store *s, km_error *error) {
+  km_status status = s->writing ? KM_OK : run(s, "BEGIN IMMEDIATE", error);
+  s->writing = s->writing || !status;
+  return status;
+}
+
+/* Of two answers about one design the later one stays. */
+static km_status sort_appended(km_store *s, km_error *error) {
+  static const char sort[] = "INSERT OR REPLACE INTO results SELECT * FROM appended ORDER BY question, design, rowid;"
+                             "DELETE FROM appended";
+  km_status status = begin(s, error);
+  s->appended = 0.0;
+  return status ? status : run(s, sort, error);
+}
+
+/* What a run that was killed has left. */
+static km_status sort_what_is_left(km_store *s, km_error *error) {
+  const char *left = text_of(s, "SELECT 1 FROM appended LIMIT 1", NULL);
+  if (s->arena.failed)
+    return fail(s, error);
+  km_status status = left ? sort_appended(s, error) : KM_OK;
+  return status ? status : km_store_commit(s, error);
 }
 
 km_status km_store_open(const char *path, const char *identity, const char *what, bool replace, km_store **out,
@@ -111,6 +152,8 @@ km_status km_store_open(const char *path, const char *identity, const char *what
   if (!s)
     return km_fail(error, KM_MEMORY, "out of memory for a store");
   s->path = km_arena_string(&s->arena, path ? path : "in memory");
+  s->in_file = path != NULL;
+  s->most_appended = first_appended;
   if (!s->path)
     return km_fail(error, KM_MEMORY, "out of memory for a store");
   if (sqlite3_open(path ? path : ":memory:", &s->db) != SQLITE_OK)
@@ -123,6 +166,10 @@ km_status km_store_open(const char *path, const char *identity, const char *what
     status = run(s, "BEGIN IMMEDIATE; COMMIT", error); /* the file is ours from here */
   if (!status)
     status = take(s, identity, what, replace, error);
+  if (!status)
+    status = run(s, appended_schema, error);
+  if (!status)
+    status = sort_what_is_left(s, error);
   return status ? status : prepare(s, error);
 }
 
@@ -133,6 +180,7 @@ void km_store_free(km_store *s) {
     sqlite3_exec(s->db, "COMMIT", NULL, NULL, NULL);
   sqlite3_finalize(s->get);
   sqlite3_finalize(s->put);
+  sqlite3_finalize(s->append);
   sqlite3_close(s->db);
   km_arena_free(&s->arena);
   km_free(s);
@@ -203,31 +251,50 @@ km_status km_store_get(km_store *s, const km_store_shape *shape, const double *v
 km_status km_store_put(km_store *s, const km_store_shape *shape, const double *values, const km_design_answer *a,
                        km_error *error) {
   double key[KM_MOST_DESIGN_PARAMETERS];
-  km_status status = s->writing ? KM_OK : run(s, "BEGIN IMMEDIATE", error);
+  sqlite3_stmt *put = s->appends ? s->append : s->put;
+  km_status status = begin(s, error);
   if (status)
     return status;
-  s->writing = true;
   key_of(values, shape->parameters, key);
-  sqlite3_bind_int(s->put, 1, shape->question);
-  bind_numbers(s->put, 2, key, shape->parameters);
-  sqlite3_bind_int(s->put, 3, (int)a->outcome);
+  sqlite3_bind_int(put, 1, shape->question);
+  bind_numbers(put, 2, key, shape->parameters);
+  sqlite3_bind_int(put, 3, (int)a->outcome);
   if (a->reason[0])
-    sqlite3_bind_text(s->put, 4, a->reason, -1, SQLITE_STATIC);
+    sqlite3_bind_text(put, 4, a->reason, -1, SQLITE_STATIC);
   else
-    sqlite3_bind_null(s->put, 4);
-  bind_numbers(s->put, 5, a->figures, shape->figures);
-  if (shape->band_numbers && a->outcome <= KM_DESIGN_SHORT)
-    bind_numbers(s->put, 6, a->bands, shape->band_numbers);
+    sqlite3_bind_null(put, 4);
+  bind_numbers(put, 5, a->figures, shape->figures);
+  bool has_bands = shape->band_numbers && a->outcome <= KM_DESIGN_SHORT;
+  if (has_bands)
+    bind_numbers(put, 6, a->bands, shape->band_numbers);
   else
-    sqlite3_bind_null(s->put, 6);
-  int code = sqlite3_step(s->put);
-  sqlite3_reset(s->put);
+    sqlite3_bind_null(put, 6);
+  int code = sqlite3_step(put);
+  sqlite3_reset(put);
+  if (s->appends)
+    s->appended += (shape->parameters + shape->figures + (has_bands ? shape->band_numbers : 0)) * (double)sizeof *values;
   return code == SQLITE_DONE ? KM_OK : fail(s, error);
 }
 
+void km_store_append(km_store *s) {
+  s->appends = s->in_file;
+}
+
+km_status km_store_sort(km_store *s, km_error *error) {
+  km_status status = s->appends ? sort_appended(s, error) : KM_OK;
+  s->appends = false;
+  return status ? status : km_store_commit(s, error);
+}
+
 km_status km_store_commit(km_store *s, km_error *error) {
+  km_status status = KM_OK;
   if (!s->writing)
     return KM_OK;
+  if (s->appends && s->appended >= s->most_appended) {
+    status = sort_appended(s, error);
+    s->most_appended *= 1.5;
+  }
   s->writing = false;
-  return run(s, "COMMIT", error);
+  km_status committed = run(s, "COMMIT", status ? NULL : error); /* what can't be sorted is there still */
+  return status ? status : committed;
 }

@@ -1,4 +1,4 @@
-/* Studies of designs: the same bits as models run by hand, for any number of threads; samples; the store. */
+/* Studies of designs: the same bits as models run by hand, for any number of threads; samples. */
 #include "support/designs.h"
 
 #include "kmech/sweep.h"
@@ -7,10 +7,8 @@
 #include "study/study.h"
 
 #include <math.h>
-#include <sqlite3.h>
 #include <stdio.h>
 #include <string.h>
-#include <unistd.h>
 
 /* Models with numbers that a patch takes over, and that need the whole reader (a rotation, a limit). What is held and set is
  * in radians or the model's length unit. */
@@ -220,25 +218,11 @@ static void tracks_as_by_hand(void **state) {
   km_design_study_free(s);
 }
 
-static void sample_of_cranks(designs *d, int count) {
-  static const double steps = 30.0;
-  designs_of_model(d, "slider_crank", "mobility");
-  designs_add_parameter(d, "slider_crank.crank.end.y");
-  designs_add_parameter(d, "slider_crank.rod.end.z");
-  designs_add_figure(d, "stroke", KM_DESIGN_SPAN, "q.B");
-  designs_add_figure(d, "least", KM_DESIGN_MIN, "m.A");
-  designs_set_number(d, "steps", &steps);
-  d->spreads[0] = (km_design_spread){0, KM_NORMAL, .mean = 0.6, .deviation = 0.004};
-  d->spreads[1] = (km_design_spread){1, KM_UNIFORM, .low = -1.6, .high = -0.55};
-  d->sample = (km_design_sample){.count = count, .seed = 3, .spreads = d->spreads, .spread_count = 2};
-  d->def.sample = &d->sample;
-}
-
 /* Some of these cranks are longer than their rods: they stop short, and nothing else is different. */
 static void threads_change_nothing(void **state) {
   (void)state;
   designs d;
-  sample_of_cranks(&d, 300);
+  designs_of_cranks(&d, 300);
   km_design_study *one = designs_run(&d, NULL, 1);
   int short_ones = 0;
   for (int jobs = 2; jobs <= 4; jobs += 2) {
@@ -281,7 +265,7 @@ static void stroke_of_normal_cranks(void **state) {
   for (int method = KM_SAMPLING_SOBOL; method <= KM_SAMPLING_RANDOM; ++method) {
     designs d;
     km_design_statistics st;
-    sample_of_cranks(&d, COUNT);
+    designs_of_cranks(&d, COUNT);
     d.options[0].numbers = &steps;
     d.spreads[1] = (km_design_spread){1, KM_NORMAL, .mean = -1.5, .deviation = 0.01};
     static const double range[2] = {0.5 * M_PI, 2.5 * M_PI};
@@ -305,7 +289,7 @@ static void samples_by_number(void **state) {
   double up[COUNT][2], value[2];
   for (int method = KM_SAMPLING_SOBOL; method <= KM_SAMPLING_RANDOM; ++method) {
     bool slices[2][COUNT] = {{false}};
-    sample_of_cranks(&d, COUNT);
+    designs_of_cranks(&d, COUNT);
     d.sample.method = (km_sampling)method;
     d.spreads[0] = (km_design_spread){0, KM_UNIFORM, .low = 0.0, .high = 1.0};
     d.spreads[1] = (km_design_spread){1, KM_UNIFORM, .low = 0.0, .high = 1.0};
@@ -330,7 +314,7 @@ static void samples_by_number(void **state) {
 static void truncated_tails(void **state) {
   (void)state;
   designs d;
-  sample_of_cranks(&d, 2000);
+  designs_of_cranks(&d, 2000);
   d.sample.method = KM_SAMPLING_RANDOM;
   d.spreads[0] = (km_design_spread){0, KM_TRUNCATED_NORMAL, .mean = 0.0, .deviation = 1.0, .low = 6.0, .high = 7.0};
   d.sample.spread_count = 1;
@@ -344,86 +328,6 @@ static void truncated_tails(void **state) {
   /* mean of the tail beyond a = 6: φ(a)/Q(a) = 6.158260; what lies beyond 7 takes 0.0011 of it */
   assert_near(sum, 6.1573, 4.0 * 0.15 / sqrt(2000.0));
   km_sampler_free(s);
-}
-
-static const char *store_path(char out[64]) {
-  snprintf(out, 64, "test_designs.%d.sqlite", (int)getpid());
-  unlink(out);
-  return out;
-}
-
-static void a_store_is_asked_first(void **state) {
-  (void)state;
-  char path[64];
-  designs d;
-  store_path(path);
-  sample_of_cranks(&d, 40);
-  km_design_study *s = designs_run(&d, path, 1);
-  km_design_result first = designs_result(s, 17);
-  assert_int_equal(km_design_study_computed(s), 40);
-  km_design_study_free(s);
-  s = designs_run(&d, path, 1);
-  assert_int_equal(km_design_study_computed(s), 0);
-  assert_int_equal(km_design_study_found(s), 40);
-  km_design_study_free(s);
-  d.sample.count = 60; /* it grows */
-  s = designs_run(&d, path, 2);
-  assert_int_equal(km_design_study_computed(s), 20);
-  km_design_result again = designs_result(s, 17);
-  assert_memory_equal(&first, &again, sizeof first);
-  km_design_study_free(s);
-  d.figures[1].kind = KM_DESIGN_MAX; /* another question */
-  s = designs_run(&d, path, 1);
-  assert_int_equal(km_design_study_computed(s), 60);
-  km_design_study_free(s);
-  d.figures[1].low = 0.1; /* limits change no answer */
-  s = designs_run(&d, path, 1);
-  assert_int_equal(km_design_study_computed(s), 0);
-  km_design_study_free(s);
-  unlink(path);
-}
-
-static void a_store_has_one_study_and_one_user(void **state) {
-  (void)state;
-  char path[64];
-  designs d;
-  km_design_study *s, *second;
-  km_error error;
-  store_path(path);
-  sample_of_cranks(&d, 4);
-  s = designs_run(&d, path, 1);
-  assert_int_equal(km_design_study_open(&d.def, path, false, &second, &error), KM_IO);
-  assert_non_null(strstr(error.text, "another run is using this store"));
-  km_design_study_free(s);
-  d.parameters[1].path = "slider_crank.rod.end.y";
-  assert_int_equal(km_design_study_open(&d.def, path, false, &second, &error), KM_USAGE);
-  assert_non_null(strstr(error.text, "another study"));
-  assert_int_equal(km_design_study_open(&d.def, path, true, &second, &error), KM_OK);
-  km_design_study_free(second);
-  assert_int_equal(km_design_study_open(&d.def, "/no/such/folder/a.sqlite", false, &second, &error), KM_IO);
-  assert_int_equal(km_design_study_open(&d.def, "/dev/null", false, &second, &error), KM_IO);
-  unlink(path);
-}
-
-/* Whoever's database it is, it stays as it is. */
-static void a_database_of_others_is_no_store(void **state) {
-  (void)state;
-  char path[64];
-  designs d;
-  km_design_study *s;
-  km_error error;
-  sqlite3 *db;
-  store_path(path);
-  sample_of_cranks(&d, 4);
-  assert_int_equal(sqlite3_open(path, &db), SQLITE_OK);
-  assert_int_equal(sqlite3_exec(db, "CREATE TABLE recipes(name TEXT)", NULL, NULL, NULL), SQLITE_OK);
-  sqlite3_close(db);
-  assert_int_equal(km_design_study_open(&d.def, path, true, &s, &error), KM_IO);
-  assert_non_null(strstr(error.text, "this is a database, but no store of a study"));
-  assert_int_equal(sqlite3_open(path, &db), SQLITE_OK);
-  assert_int_equal(sqlite3_exec(db, "INSERT INTO recipes VALUES('bread')", NULL, NULL, NULL), SQLITE_OK);
-  sqlite3_close(db);
-  unlink(path);
 }
 
 /* A design that can't be patched goes through the reader, which tells what is wrong with it. */
@@ -464,7 +368,7 @@ static void cancelled_runs_go_on(void **state) {
   km_design_study *s, *whole;
   km_error error;
   int rounds = 2;
-  sample_of_cranks(&d, 500);
+  designs_of_cranks(&d, 500);
   assert_int_equal(km_design_study_open(&d.def, NULL, false, &s, &error), KM_OK);
   assert_int_equal(km_design_study_run(s, 1, stop_soon, &rounds, &error), KM_CANCELLED);
   int had = km_design_study_computed(s);
@@ -488,9 +392,6 @@ int main(void) {
                                      cmocka_unit_test(stroke_of_normal_cranks),
                                      cmocka_unit_test(samples_by_number),
                                      cmocka_unit_test(truncated_tails),
-                                     cmocka_unit_test(a_store_is_asked_first),
-                                     cmocka_unit_test(a_database_of_others_is_no_store),
-                                     cmocka_unit_test(a_store_has_one_study_and_one_user),
                                      cmocka_unit_test(faulty_designs_are_results),
                                      cmocka_unit_test(cancelled_runs_go_on)};
   return cmocka_run_group_tests(tests, NULL, NULL);

@@ -47,6 +47,20 @@ void designs_set_number(designs *d, const char *option, const double *value) {
   d->options[d->questions[0].option_count++] = (km_design_option){.name = option, .numbers = value, .number_count = 1};
 }
 
+void designs_of_cranks(designs *d, int count) {
+  static const double steps = 30.0;
+  designs_of_model(d, "slider_crank", "mobility");
+  designs_add_parameter(d, "slider_crank.crank.end.y");
+  designs_add_parameter(d, "slider_crank.rod.end.z");
+  designs_add_figure(d, "stroke", KM_DESIGN_SPAN, "q.B");
+  designs_add_figure(d, "least", KM_DESIGN_MIN, "m.A");
+  designs_set_number(d, "steps", &steps);
+  d->spreads[0] = (km_design_spread){0, KM_NORMAL, .mean = 0.6, .deviation = 0.004};
+  d->spreads[1] = (km_design_spread){1, KM_UNIFORM, .low = -1.6, .high = -0.55};
+  d->sample = (km_design_sample){.count = count, .seed = 3, .spreads = d->spreads, .spread_count = 2};
+  d->def.sample = &d->sample;
+}
+
 km_design_study *designs_run(const designs *d, const char *store, int jobs) {
   km_design_study *study;
   km_error error;

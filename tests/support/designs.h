@@ -28,6 +28,8 @@ void designs_of_function(designs *d, km_design_function function, int parameters
 void designs_of_model(designs *d, const char *model, const char *kind);
 void designs_add_parameter(designs *d, const char *path);
 void designs_add_figure(designs *d, const char *name, km_design_figure_kind kind, const char *column);
+/* A sample of slider-cranks, of which some are longer than their rods and stop short. */
+void designs_of_cranks(designs *d, int count);
 /* An option that is one number. */
 void designs_set_number(designs *d, const char *option, const double *value);
 

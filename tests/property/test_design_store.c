@@ -1,0 +1,212 @@
+/* The store of a study: what is there isn't asked again, whatever ended the run that put it there. */
+#include "support/designs.h"
+
+#include <sqlite3.h>
+#include <stdio.h>
+#include <string.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+static const char *store_path(char out[64]) {
+  snprintf(out, 64, "test_design_store.%d.sqlite", (int)getpid());
+  unlink(out);
+  return out;
+}
+
+static void a_store_is_asked_first(void **state) {
+  (void)state;
+  char path[64];
+  designs d;
+  store_path(path);
+  designs_of_cranks(&d, 40);
+  km_design_study *s = designs_run(&d, path, 1);
+  km_design_result first = designs_result(s, 17);
+  assert_int_equal(km_design_study_computed(s), 40);
+  km_design_study_free(s);
+  s = designs_run(&d, path, 1);
+  assert_int_equal(km_design_study_computed(s), 0);
+  assert_int_equal(km_design_study_found(s), 40);
+  km_design_study_free(s);
+  d.sample.count = 60; /* it grows */
+  s = designs_run(&d, path, 2);
+  assert_int_equal(km_design_study_computed(s), 20);
+  km_design_result again = designs_result(s, 17);
+  assert_memory_equal(&first, &again, sizeof first);
+  km_design_study_free(s);
+  d.figures[1].kind = KM_DESIGN_MAX; /* another question */
+  s = designs_run(&d, path, 1);
+  assert_int_equal(km_design_study_computed(s), 60);
+  km_design_study_free(s);
+  d.figures[1].low = 0.1; /* limits change no answer */
+  s = designs_run(&d, path, 1);
+  assert_int_equal(km_design_study_computed(s), 0);
+  km_design_study_free(s);
+  unlink(path);
+}
+
+static void a_store_has_one_study_and_one_user(void **state) {
+  (void)state;
+  char path[64];
+  designs d;
+  km_design_study *s, *second;
+  km_error error;
+  store_path(path);
+  designs_of_cranks(&d, 4);
+  s = designs_run(&d, path, 1);
+  assert_int_equal(km_design_study_open(&d.def, path, false, &second, &error), KM_IO);
+  assert_non_null(strstr(error.text, "another run is using this store"));
+  km_design_study_free(s);
+  d.parameters[1].path = "slider_crank.rod.end.y";
+  assert_int_equal(km_design_study_open(&d.def, path, false, &second, &error), KM_USAGE);
+  assert_non_null(strstr(error.text, "another study"));
+  assert_int_equal(km_design_study_open(&d.def, path, true, &second, &error), KM_OK);
+  km_design_study_free(second);
+  assert_int_equal(km_design_study_open(&d.def, "/no/such/folder/a.sqlite", false, &second, &error), KM_IO);
+  assert_int_equal(km_design_study_open(&d.def, "/dev/null", false, &second, &error), KM_IO);
+  unlink(path);
+}
+
+/* Whoever's database it is, it stays as it is. */
+static void a_database_of_others_is_no_store(void **state) {
+  (void)state;
+  char path[64];
+  designs d;
+  km_design_study *s;
+  km_error error;
+  sqlite3 *db;
+  store_path(path);
+  designs_of_cranks(&d, 4);
+  assert_int_equal(sqlite3_open(path, &db), SQLITE_OK);
+  assert_int_equal(sqlite3_exec(db, "CREATE TABLE recipes(name TEXT)", NULL, NULL, NULL), SQLITE_OK);
+  sqlite3_close(db);
+  assert_int_equal(km_design_study_open(&d.def, path, true, &s, &error), KM_IO);
+  assert_non_null(strstr(error.text, "this is a database, but no store of a study"));
+  assert_int_equal(sqlite3_open(path, &db), SQLITE_OK);
+  assert_int_equal(sqlite3_exec(db, "INSERT INTO recipes VALUES('bread')", NULL, NULL, NULL), SQLITE_OK);
+  sqlite3_close(db);
+  unlink(path);
+}
+
+static int ask_number(const char *path, const char *sql) {
+  sqlite3 *db;
+  sqlite3_stmt *statement;
+  assert_int_equal(sqlite3_open(path, &db), SQLITE_OK);
+  assert_int_equal(sqlite3_prepare_v2(db, sql, -1, &statement, NULL), SQLITE_OK);
+  assert_int_equal(sqlite3_step(statement), SQLITE_ROW);
+  int number = sqlite3_column_int(statement, 0);
+  sqlite3_finalize(statement);
+  sqlite3_close(db);
+  return number;
+}
+
+static void earlier_versions_had_fewer_tables(void **state) {
+  (void)state;
+  char path[64];
+  designs d;
+  sqlite3 *db;
+  store_path(path);
+  designs_of_cranks(&d, 40);
+  km_design_study_free(designs_run(&d, path, 1));
+  assert_int_equal(sqlite3_open(path, &db), SQLITE_OK);
+  assert_int_equal(sqlite3_exec(db, "DROP TABLE appended", NULL, NULL, NULL), SQLITE_OK);
+  sqlite3_close(db);
+  km_design_study *s = designs_run(&d, path, 1);
+  assert_int_equal(km_design_study_found(s), 40);
+  km_design_study_free(s);
+  unlink(path);
+}
+
+static km_status turned(void *context, const double *x, double *f, km_error *error) {
+  (void)context, (void)error;
+  for (int i = 0; i < 4; ++i)
+    f[i] = x[i] - 2.0 * x[(i + 1) % 4];
+  return KM_OK;
+}
+
+static void sample_of_turned(designs *d, int count) {
+  designs_of_function(d, turned, 4, 4);
+  for (int p = 0; p < 4; ++p)
+    d->spreads[p] = (km_design_spread){p, KM_UNIFORM, .low = -1.0, .high = 1.0};
+  d->sample = (km_design_sample){.count = count, .seed = 1, .spreads = d->spreads, .spread_count = 4};
+  d->def.sample = &d->sample;
+}
+
+static void assert_turned(const km_design_study *s, int count) {
+  for (int i = 0; i < count; ++i) {
+    double x[4], f[4];
+    km_design_result r = designs_result(s, i);
+    assert_int_equal(km_design_study_values(s, i, x, NULL), KM_OK);
+    turned(NULL, x, f, NULL);
+    assert_memory_equal(r.figures, f, sizeof f);
+  }
+}
+
+/* Of 64 bytes each: more than once what waits is sorted on the way. */
+static void many_designs_are_sorted(void **state) {
+  (void)state;
+  enum { COUNT = 60000 };
+  char path[64];
+  designs d;
+  store_path(path);
+  sample_of_turned(&d, COUNT);
+  km_design_study *s = designs_run(&d, path, 1);
+  assert_int_equal(km_design_study_computed(s), COUNT);
+  assert_turned(s, COUNT);
+  km_design_study_free(s);
+  assert_int_equal(ask_number(path, "SELECT count(*) FROM appended"), 0);
+  s = designs_run(&d, path, 1);
+  assert_int_equal(km_design_study_found(s), COUNT);
+  km_design_study_free(s);
+  unlink(path);
+}
+
+/* Long enough between batches for what was put to be made safe; then the process ends. */
+static bool end_at_fourth_batch(void *context, double share) {
+  int *batches = context;
+  (void)share;
+  usleep(150000);
+  if (++*batches == 4)
+    _exit(0);
+  return true;
+}
+
+static void killed_runs_are_sorted_when_they_go_on(void **state) {
+  (void)state;
+  enum { COUNT = 2000 };
+  char path[64];
+  designs d;
+  km_design_study *s;
+  int batches = 0;
+  store_path(path);
+  sample_of_turned(&d, COUNT);
+  pid_t run = fork();
+  assert_true(run >= 0);
+  if (run == 0) {
+    if (km_design_study_open(&d.def, path, false, &s, NULL) == KM_OK)
+      km_design_study_run(s, 1, end_at_fourth_batch, &batches, NULL);
+    _exit(1);
+  }
+  int ended;
+  assert_int_equal(waitpid(run, &ended, 0), run);
+  assert_true(WIFEXITED(ended) && WEXITSTATUS(ended) == 0);
+  int left = ask_number(path, "SELECT count(*) FROM appended");
+  assert_true(left > 0 && left < COUNT);
+  s = designs_run(&d, path, 1);
+  assert_int_equal(km_design_study_found(s), left);
+  assert_int_equal(km_design_study_computed(s), COUNT - left);
+  assert_turned(s, COUNT);
+  km_design_study_free(s);
+  unlink(path);
+}
+
+int main(void) {
+  const struct CMUnitTest tests[] = {
+      cmocka_unit_test(a_store_is_asked_first),
+      cmocka_unit_test(a_store_has_one_study_and_one_user),
+      cmocka_unit_test(a_database_of_others_is_no_store),
+      cmocka_unit_test(earlier_versions_had_fewer_tables),
+      cmocka_unit_test(many_designs_are_sorted),
+      cmocka_unit_test(killed_runs_are_sorted_when_they_go_on),
+  };
+  return cmocka_run_group_tests(tests, NULL, NULL);
+}
