@@ -152,7 +152,9 @@ km_model *kt_load_varied(const kt_common *common, const char *path, const km_ass
     kept += km_messages_severity(messages, i) == KM_ERROR;
   if (km_messages_errors(messages) > kept)
     kt_say(common, KM_ERROR, "%s: and %zu more errors", name, km_messages_errors(messages) - kept);
-  if (status && kept == 0)
+  if (status == KM_USAGE && count > 0 && kept == 0)
+    kt_say(common, KM_ERROR, "%s: --vary: %s", name, error.text);
+  else if (status && kept == 0)
     kt_say(common, KM_ERROR, "%s", error.text);
   km_messages_free(messages);
   if (model)

@@ -261,6 +261,16 @@ static bool names_differ(const kt_sweep_options *o) {
   return true;
 }
 
+/* What one variant after the other says in the same words is said once: a wrong option is wrong for all. */
+static void say_once(kt_sweep_job *jobs, int count) {
+  for (int i = count - 1; i > 0; --i) {
+    const km_text *last = &jobs[i - 1].log;
+    km_text *log = &jobs[i].log;
+    if (log->size == last->size && log->size > 0 && memcmp(log->data, last->data, log->size) == 0)
+      km_text_free(log);
+  }
+}
+
 static kt_exit run(const kt_sweep_options *o) {
   int count = job_count(o);
   kt_sweep_job *jobs = KM_NEW(kt_sweep_job, (size_t)count);
@@ -276,6 +286,7 @@ static kt_exit run(const kt_sweep_options *o) {
   }
   kt_sweep_job_open(&jobs[0], 0.0);
   km_parallel_for(count, o->common.jobs, start_job, jobs);
+  say_once(jobs, count);
   for (int i = 0; i < count; ++i) {
     kt_flush(&jobs[i].common);
     result = kt_worse(result, jobs[i].result);

@@ -49,12 +49,17 @@ static void evaluate_map(evaluation *e, km_value *map, const km_field *field, co
   }
 }
 
+/* A string in place of a whole list is none of its numbers: it is left to the check of the field. */
+static bool stands_for_a_list(const km_value *value, km_shape shape) {
+  return value->kind == KM_STRING && shape != KM_SHAPE_NUMBER && shape != KM_SHAPE_COORDINATES;
+}
+
 static void evaluate_object(evaluation *e, km_value *object, const km_object_format *format, const km_place *place) {
   for (km_value *v = object->kind == KM_OBJECT ? object->first : NULL; v && !e->status; v = v->next) {
     const km_field *field = km_format_field(format, v->key);
     km_place at = {place, v->key, 0};
     km_place item = {&at, NULL, 0};
-    if (!field)
+    if (!field || stands_for_a_list(v, field->shape))
       continue;
     if (km_shape_is_numeric(field->shape))
       evaluate_numbers(e, v, &at);
