@@ -60,8 +60,14 @@ static double leverage(const course *c, int i) {
   return c->n[i] / c->d[i];
 }
 
+/* The leverage at the end, half a place beyond the last difference: beside a pole it grows by more than in the place before. */
+static double at_end(const course *c) {
+  int last = c->count - 1;
+  return (3.0 * c->n[last] - c->n[last - 1]) / (3.0 * c->d[last] - c->d[last - 1]);
+}
+
 /* The bound is that of the course, within what the course changes from there to the next places; before the first place
- * it may be larger. */
+ * it may be larger, and after the last one by as much as there is to the end, and as much again for its curve. */
 static bool meets(const course *c, double told, double sense) {
   int best = 0;
   for (int i = 1; i < c->count; ++i)
@@ -72,6 +78,8 @@ static bool meets(const course *c, double told, double sense) {
     slack = fmax(slack, fabs(value - leverage(c, best - 1)));
   if (best + 1 < c->count)
     slack = fmax(slack, fabs(value - leverage(c, best + 1)));
+  else
+    slack = fmax(slack, 2.0 * fabs(value - at_end(c)));
   double first = leverage(c, 0);
   bool before = best == 0 || fabs(told - first) <= fabs(first - leverage(c, 1));
   return sense * (told - value) >= -slack && (before || sense * (told - value) <= slack);
