@@ -134,9 +134,22 @@ static double force(const course *c, int i) {
   return fabs(c->n[i] / c->d[i]);
 }
 
-static void expect(expected *list, int *count, km_force_event_kind kind, double a, double b) {
+void course_span(const course *c, int first, int last, double *low, double *high) {
+  int before = first > 0 ? first : 1;
+  double a = c->s[first], b = c->s[last];
+  if (c->differences && last > first) {
+    a -= 0.5 * (c->s[before] - c->s[before - 1]);
+    b += c->by_root && last == c->count - 1 ? 0.0 : 0.5 * (c->s[last] - c->s[last - 1]);
+  }
+  *low = fmin(a, b);
+  *high = fmax(a, b);
+}
+
+static void expect(expected *list, int *count, km_force_event_kind kind, const course *c, int first, int last) {
+  expected e = {.kind = kind};
+  course_span(c, first, last, &e.low, &e.high);
   if (*count < MOST_EVENTS)
-    list[(*count)++] = (expected){kind, fmin(a, b), fmax(a, b), false, false};
+    list[(*count)++] = e;
 }
 
 /* Peaks between samples i−1 and i+1 of one sign that no pole parts. */
@@ -186,15 +199,15 @@ static int list_of(const course *c, course_end end, expected *list) {
     int before = count;
     bool zero = c->n[i] * c->n[i + 1] < 0.0, pole = c->d[i] * c->d[i + 1] < 0.0;
     if (zero)
-      expect(list, &count, KM_FORCE_BALANCED, c->s[i], c->s[i + 1]);
+      expect(list, &count, KM_FORCE_BALANCED, c, i, i + 1);
     if (zero && count > 0) /* both in one place, and the force goes on as it was; or the one beside the other */
       list[count - 1].weak = pole;
     if (pole)
-      expect(list, &count, KM_FORCE_UNBOUNDED, c->s[i], c->s[i + 1]);
+      expect(list, &count, KM_FORCE_UNBOUNDED, c, i, i + 1);
     if (pole && count > 0)
       list[count - 1].weak = zero;
     if (i > 0 && peaks(c, i)) {
-      expect(list, &count, KM_FORCE_PEAK, c->s[i - 1], c->s[i + 1]);
+      expect(list, &count, KM_FORCE_PEAK, c, i - 1, i + 1);
       list[count - 1].weak = is_weak(c, i);
     }
     for (int k = before; k < count; ++k)
@@ -203,7 +216,7 @@ static int list_of(const course *c, course_end end, expected *list) {
   for (int i = 0; i < count; ++i)
     list[i].weak = list[i].weak || is_by_own_digits(c, list[i].low) || is_by_own_digits(c, list[i].high);
   if (end != COURSE_BOUNDED) {
-    expect(list, &count, KM_FORCE_UNBOUNDED, c->s[c->count - 1], c->s[c->count - 1]);
+    expect(list, &count, KM_FORCE_UNBOUNDED, c, c->count - 1, c->count - 1);
     list[count - 1].weak = end == COURSE_UNCLEAR;
   }
   return count;

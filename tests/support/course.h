@@ -10,7 +10,12 @@ typedef struct course {
   double *s, *n, *d; /* [count] */
   double piece;      /* the longest way between two poses that the sweep looks at */
   bool by_root;      /* the driver has given out at its end */
+  bool differences;  /* n and d are what changes along pieces of the way that have the places s in their middle */
 } course;
+
+/* Where what two of the places show has to be: between them, or of differences anywhere on their two pieces, as the mean value
+ * theorem has it. */
+void course_span(const course *c, int first, int last, double *low, double *high);
 
 /* For that sweep. */
 course course_make(int count, const km_sweep_plan *plan, const km_sweep *motion);

@@ -29,12 +29,14 @@ static void look(void *context, fixture *f, int i, double s) {
   k->last[1] = q[1];
 }
 
-/* Is a toggle of this state told between two places? */
-static bool is_told(const km_advantage_sweep *sweep, km_advantage_state state, double a, double b) {
+/* Is a toggle of this state told between a place and the next? */
+static bool is_told(const km_advantage_sweep *sweep, km_advantage_state state, const course *c, int place) {
+  double low, high;
+  course_span(c, place, place + 1, &low, &high);
   for (size_t i = 0; i < sweep->toggle_count; ++i) {
     const km_advantage_toggle *t = &sweep->toggles[i];
     bool kind = t->state == state || t->state == KM_ADVANTAGE_UNDEFINED;
-    if (kind && t->s >= fmin(a, b) - 1e-6 && t->s <= fmax(a, b) + 1e-6)
+    if (kind && t->s >= low - 1e-6 && t->s <= high + 1e-6)
       return true;
   }
   return false;
@@ -46,8 +48,8 @@ static bool toggles_agree(const lever_case *k, const km_advantage_sweep *sweep, 
   bool right = true;
   for (int i = 0; i + 1 < c->count; ++i) {
     bool zero = c->n[i] * c->n[i + 1] < 0.0, pole = c->d[i] * c->d[i + 1] < 0.0;
-    right = right && (!zero || is_told(sweep, KM_ADVANTAGE_ZERO, c->s[i], c->s[i + 1]));
-    right = right && (!pole || is_told(sweep, KM_ADVANTAGE_INFINITE, c->s[i], c->s[i + 1]));
+    right = right && (!zero || is_told(sweep, KM_ADVANTAGE_ZERO, c, i));
+    right = right && (!pole || is_told(sweep, KM_ADVANTAGE_INFINITE, c, i));
     crossings += zero || pole;
     count->zeros += zero;
     count->poles += pole;
@@ -116,6 +118,7 @@ bool family_leverage(uint64_t seed, family_count *count) {
   km_status status = km_advantage_sweep_run(f.mechanism, f.state, &k.plan, &in, &out, false, &sweep, NULL);
   bool right = status == KM_OK || status == KM_PARTIAL;
   k.course = course_make(SAMPLES, &k.plan, &sweep.motion);
+  k.course.differences = true;
   bool long_enough = right && fabs(sweep.motion.end.position) > 0.01 && !sweep.motion.start.stop;
   if (long_enough && course_walk(&g, &k.plan, &sweep.motion, SAMPLES + 1, look, &k))
     right = toggles_agree(&k, &sweep, count) && bounds_agree(&k, &sweep, count);

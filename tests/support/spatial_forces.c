@@ -172,6 +172,7 @@ bool family_spatial_forces(uint64_t seed, family_count *count) {
   km_status status = sweep_of(&k, &f, &sweep);
   bool right = status == KM_OK || status == KM_PARTIAL;
   k.course = course_make(SAMPLES, &k.plan, &sweep.motion);
+  k.course.differences = true;
   bool long_enough = fabs(sweep.motion.end.position) > 0.01; /* else differences are rounding */
   if (right && long_enough && sweep.motion.start.stop == KM_STOP_NONE &&
       course_walk(&g, &k.plan, &sweep.motion, SAMPLES + 1, look, &k)) {
