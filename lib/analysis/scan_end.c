@@ -44,25 +44,30 @@ static double left_at_end(double once, double twice, double four) {
 }
 
 /* Is what a function comes to no more than what comes of an end that isn't located exactly? From once to twice the root of the
- * way it has changed by what the root alone makes of it. */
-static bool comes_to_nothing(const double x[3], double way, double end) {
+ * way it has changed by what the root alone makes of it. `there`: its value at the end as it is located, where that counts. */
+static bool comes_to_nothing(const double x[3], double there, double way, double end) {
   double sign = copysign(1.0, x[0]), once = sign * x[0], twice = sign * x[1], four = sign * x[2];
-  double left = left_at_end(once, twice, four), change = twice - once;
+  double left = fmin(fabs(left_at_end(once, twice, four)), fabs(there)), change = twice - once;
   return four != 0.0 && left * left * way < change * change * located * (1.0 + fabs(end));
 }
 
 /* What function i = n/d does at the end, from the sample k on; false: nothing that is told. A zero and a pole show in the quotient
- * too: where both vanish, or nearly do, it tells whether one of them does so faster. */
-static bool tell_end(const km_ending *ending, int count, int k, int i, double end, km_event_kind *kind) {
+ * too: where both vanish, or nearly do, it tells whether one of them does so faster. Of several freedoms the pose at the end counts
+ * too: the path of least motion to it can change from one power of the way to another between the samples. */
+static bool tell_end(const km_ending *ending, int count, int k, int i, double end, bool several, km_event_kind *kind) {
   double n[3], d[3], quotient[3], inverse[3], way = way_from(ending, k);
+  bool counts = several && ending->s[0] == end;
+  double n_there = counts ? ending->n[i] : HUGE_VAL, d_there = counts ? ending->d[i] : HUGE_VAL;
+  double there = counts ? n_there / d_there : HUGE_VAL, inverse_there = counts ? d_there / n_there : HUGE_VAL;
   for (int j = 0; j < 3; ++j) {
     n[j] = ending->n[(k + j) * count + i];
     d[j] = ending->d[(k + j) * count + i];
     quotient[j] = n[j] / d[j];
     inverse[j] = d[j] / n[j];
   }
-  bool nil = comes_to_nothing(n, way, end), without = comes_to_nothing(d, way, end);
-  bool zero = nil && comes_to_nothing(quotient, way, end), pole = without && comes_to_nothing(inverse, way, end);
+  bool nil = comes_to_nothing(n, n_there, way, end), without = comes_to_nothing(d, d_there, way, end);
+  bool zero = nil && comes_to_nothing(quotient, there, way, end);
+  bool pole = without && comes_to_nothing(inverse, inverse_there, way, end);
   *kind = zero == pole ? KM_EVENT_UNDEFINED : pole ? KM_EVENT_POLE : KM_EVENT_ZERO;
   return zero || pole || (nil && without);
 }
@@ -120,7 +125,7 @@ km_status km_scan_end(km_scan *scan, km_sweeper *r, double end, km_error *error)
     k = sample_anew(scan, r, ending, end, km_table_row(table, away ? rows - 1 : 0)[1]);
   for (int i = 0; i < count && k >= 0 && !status; ++i) {
     km_event_kind kind;
-    if (!tell_end(ending, count, k, i, end, &kind))
+    if (!tell_end(ending, count, k, i, end, r->out->freedom > 1, &kind))
       continue;
     forget_end(scan->events, i, end, fabs(ending->s[k] - end));
     status = km_events_add(scan->events, (km_event){kind, i, end, kind == KM_EVENT_POLE ? HUGE_VAL : 0.0}, error);

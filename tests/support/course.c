@@ -152,10 +152,14 @@ static void expect(expected *list, int *count, km_force_event_kind kind, const c
     list[(*count)++] = e;
 }
 
-/* Peaks between samples i−1 and i+1 of one sign that no pole parts. */
+static bool turns(const double *x, int i) {
+  return x[i] * x[i + 1] < 0.0;
+}
+
+/* Peaks between samples i−1 and i+1 that no pole parts. Where n vanishes with d the force goes on as it was, and may peak there. */
 static bool peaks(const course *c, int i) {
-  bool apart = c->d[i - 1] * c->d[i] < 0.0 || c->d[i] * c->d[i + 1] < 0.0;
-  return !apart && force(c, i) > force(c, i - 1) && force(c, i) > force(c, i + 1);
+  bool pole = (turns(c->d, i - 1) && !turns(c->n, i - 1)) || (turns(c->d, i) && !turns(c->n, i));
+  return !pole && force(c, i) > force(c, i - 1) && force(c, i) > force(c, i + 1);
 }
 
 /* Within two of the poses that a sweep looks at on a side, does |f| fall by less than 1e-4 of it, or rise above the peak again? */
@@ -197,7 +201,7 @@ static int list_of(const course *c, course_end end, expected *list) {
   double n = largest_of(c->n, c->count), d = largest_of(c->d, c->count);
   for (int i = 0; i + 1 < c->count; ++i) {
     int before = count;
-    bool zero = c->n[i] * c->n[i + 1] < 0.0, pole = c->d[i] * c->d[i + 1] < 0.0;
+    bool zero = turns(c->n, i), pole = turns(c->d, i);
     if (zero)
       expect(list, &count, KM_FORCE_BALANCED, c, i, i + 1);
     if (zero && count > 0) /* both in one place, and the force goes on as it was; or the one beside the other */
@@ -208,7 +212,7 @@ static int list_of(const course *c, course_end end, expected *list) {
       list[count - 1].weak = zero;
     if (i > 0 && peaks(c, i)) {
       expect(list, &count, KM_FORCE_PEAK, c, i - 1, i + 1);
-      list[count - 1].weak = is_weak(c, i);
+      list[count - 1].weak = turns(c->d, i - 1) || turns(c->d, i) || is_weak(c, i);
     }
     for (int k = before; k < count; ++k)
       list[k].weak = list[k].weak || is_rounding(c->n, n, i) || is_rounding(c->d, d, i);
@@ -244,7 +248,7 @@ static bool find(expected *list, int count, const km_force_event *event, double 
 static bool is_out_of_sight(const course *c, const km_force_event *event) {
   int last = c->count - 1;
   double along = c->s[last] > c->s[0] ? 1.0 : -1.0, s = along * event->s;
-  return s < along * c->s[1] || s > along * c->s[last] || (event->kind == KM_FORCE_PEAK && s > along * c->s[last - 1]);
+  return is_by_own_digits(c, event->s) || s < along * c->s[1] || s > along * c->s[last] || (event->kind == KM_FORCE_PEAK && s > along * c->s[last - 1]);
 }
 
 bool course_agrees(const course *c, const km_statics_sweep *sweep, int actuator, double slack, family_count *count) {
