@@ -4,6 +4,7 @@
 #include "base/library.h"
 #include "base/memory.h"
 #include "base/random.h"
+#include "partition/one_thread.h"
 #include "partition/pair.h"
 
 #include <cholmod.h>
@@ -38,9 +39,6 @@ struct km_normal {
   double *b, *step;     /* [rows], [columns] */
   bool is_factored;
 };
-
-/* Multiplications for each entry of the factor from which on blocks of columns are worth their copies. */
-static const double crowded = 200.0;
 
 static const library *load(void) {
 #define X(name) #name,
@@ -94,7 +92,6 @@ static bool analyse(km_normal *n) {
   c->nmethods = 1;
   c->method[0].ordering = CHOLMOD_COLAMD;
   c->supernodal = CHOLMOD_AUTO;
-  c->supernodal_switch = crowded;
   cholmod_sparse A = matrix_of(n);
   n->L = n->cholmod->cholmod_l_analyze(&A, c);
   return n->L != NULL;
@@ -137,7 +134,9 @@ bool km_normal_factor(km_normal *n, const double *matrix, const double *weight, 
     return true;
   memcpy(n->value, n->next, (size_t)all * sizeof *n->next);
   cholmod_sparse A = matrix_of(n);
+  int levels = km_one_thread_begin();
   n->is_factored = n->cholmod->cholmod_l_factorize(&A, n->L, &n->common) && n->L->minor == n->L->n;
+  km_one_thread_end(levels);
   return n->is_factored;
 }
 
