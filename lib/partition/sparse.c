@@ -48,21 +48,19 @@ static void eliminate_all(km_partition *p, const double *matrix, const bool *for
   } while (hidden >= 0 && !p->sparse->late[hidden]);
 }
 
-/* The same of rows, whatever the columns are. */
+/* The same of rows, whatever the columns are, one after the other. */
 static void eliminate_rows(km_partition *p, const double *matrix, const bool *forced, double threshold) {
   int hidden = -1;
-  bool looked = false;
   do {
-    bool found = hidden >= 0 && !looked && km_sparse_spare_rows(p, matrix, forced, threshold);
-    looked = hidden >= 0;
-    if (hidden >= 0 && !found)
+    if (hidden >= 0)
       p->sparse->spare[hidden] = true;
     km_sparse_eliminate(p, matrix, forced, threshold);
     hidden = p->failed ? -1 : km_sparse_hidden_row(p, matrix, forced, threshold);
   } while (hidden >= 0);
 }
 
-/* By columns where that fills little, since their pivots tell more; else by rows. */
+/* By columns where that fills little, since their pivots tell more; else by rows: those that waited have shown one to be
+ * dependent. */
 static void find_rows(km_partition *p, const double *matrix, const bool *forced, double threshold) {
   enum { MOST_FILL = 4 };
   km_sparse *s = p->sparse;
@@ -73,6 +71,7 @@ static void find_rows(km_partition *p, const double *matrix, const bool *forced,
     return;
   s->waits = false;
   memset(s->late, 0, (size_t)p->columns * sizeof *s->late);
+  km_sparse_spare_rows(p, matrix, forced, threshold);
   eliminate_rows(p, matrix, forced, threshold);
 }
 
