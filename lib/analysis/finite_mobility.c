@@ -103,9 +103,12 @@ static double confirmed(km_tangents *f, const double *a) {
   return fmin(back, km_tangents_follow(f, f->direction, 1.0).length);
 }
 
+/* What finds no place in the list isn't followed. */
 static void list_basis(km_tangents *f, km_motion_kind kind, km_finite_mobility *out) {
   int k = f->conditions.freedom;
-  for (int i = 0; i < k; ++i) {
+  int room = KM_MOST_MOTIONS - out->motion_count;
+  out->truncated = out->truncated || k > room;
+  for (int i = 0; i < k && i < room; ++i) {
     for (int r = 0; r < k; ++r)
       f->a[r] = r == i;
     double length = kind == KM_MOTION_SHAKY ? 0.0 : f->length[i] >= 0.0 ? f->length[i] : confirmed(f, f->a);
