@@ -68,6 +68,13 @@ static bool takes_many(const km_partition *p, int count) {
   return p->sparse && (p->rank < count ? p->rank : count) > KM_MANY_VECTORS;
 }
 
+static bool reject_null(const km_mechanism *m, km_state *s, int index, int count, double *x) {
+  const km_substructure *sub = &m->substructures[index];
+  const km_partition *p = &s->partition[index];
+  return takes_many(p, count) && km_partition_reject_null(p, km_state_jacobian(s, sub),
+                                                          m->column_weight + sub->column_start, count, x, s->part);
+}
+
 /* D x loses what it has of the null space Z, or keeps what it has of the row space R: whichever has fewer vectors. */
 void km_least_step(const km_mechanism *m, km_state *s, int index, int driver, double *x) {
   const km_substructure *sub = &m->substructures[index];
@@ -76,8 +83,12 @@ void km_least_step(const km_mechanism *m, km_state *s, int index, int driver, do
   int count = motions_beside(p, driver);
   if (count <= 0)
     return;
-  bool by_rows = p->rank < count;
-  if (takes_many(p, count) && km_partition_reject_null(p, km_state_jacobian(s, sub), weight, count, x, s->part)) {
+  bool by_rows = p->rank < count, done = reject_null(m, s, index, count, x);
+  if (!done && p->waits) {
+    km_partition_refactor_whole(&s->partition[index], km_state_jacobian(s, sub));
+    done = reject_null(m, s, index, count, x);
+  }
+  if (done) {
     s->basis[index].count = 0;
     return;
   }
@@ -121,39 +132,75 @@ static double primary_rms(const km_partition *p, const double *error) {
   return p->rank ? sqrt(sum / p->rank) : 0.0;
 }
 
-/* The pivots of the last pose serve while the monitor agrees and Newton is near the solution. Those that were
- * searched with the loose tolerance of an open pose may leave out rows that count: they aren't kept. */
-static void factor(const km_mechanism *m, km_state *s, int index, int driver, double residual) {
+static bool takes_rows(const km_partition *p, int driver) {
+  return p->rows_only || takes_many(p, motions_beside(p, driver));
+}
+
+bool km_pivots_wait(km_state *s, int index, int driver) {
+  km_partition *p = &s->partition[index];
+  if (!takes_rows(p, driver) || !km_partition_may_wait(p))
+    return false;
+  km_partition_wait(p);
+  return true;
+}
+
+/* Do the pivots of the last pose serve? Of many motions nobody asks for B. */
+static bool refactor(const km_mechanism *m, km_state *s, int index, int driver) {
+  km_partition *p = &s->partition[index];
+  p->unwatched = takes_rows(p, driver);
+  bool serve = km_partition_refactor(p, km_state_jacobian(s, &m->substructures[index]));
+  p->unwatched = false;
+  return serve;
+}
+
+/* Those that were searched with the loose tolerance of an open pose may leave out rows that count: they aren't kept. */
+static void search(const km_mechanism *m, km_state *s, int index, int driver, double residual) {
   const km_substructure *sub = &m->substructures[index];
-  if (residual < km_near_closed && s->pivoted[index] == driver &&
-      km_partition_refactor(&s->partition[index], km_state_jacobian(s, sub)))
-    return;
   double tolerance = km_rank_tolerance(m, sub, residual);
   km_pivot(m, s, index, driver, tolerance);
   if (tolerance > km_rank_tolerance(m, sub, 0.0))
     km_state_forget_pivots(s, index);
 }
 
-/* The least x with J x = the loops' errors in the primary rows. Among many motions any other solution may be a long one, of which
- * taking the motions out leaves rounding alone. */
-static void solve_least(const km_mechanism *m, km_state *s, int index, int driver, double *x) {
+/* The pivots of the last pose serve while the monitor agrees and Newton is near the solution. Where rows are enough for a step
+ * the monitor waits for the pose that is found. */
+static void factor(const km_mechanism *m, km_state *s, int index, int driver, double residual) {
+  if (residual < km_near_closed && s->pivoted[index] == driver &&
+      (km_pivots_wait(s, index, driver) || refactor(m, s, index, driver)))
+    return;
+  search(m, s, index, driver, residual);
+}
+
+static bool take_rows(const km_mechanism *m, km_state *s, int index, int driver, double *x) {
   const km_substructure *sub = &m->substructures[index];
   const km_partition *p = &s->partition[index];
-  int count = motions_beside(p, driver);
-  if ((p->rows_only || takes_many(p, count)) &&
-      km_partition_least(p, km_state_jacobian(s, sub), m->column_weight + sub->column_start, count,
-                         km_state_error(s, sub), x))
+  return takes_rows(p, driver) &&
+         km_partition_least(p, km_state_jacobian(s, sub), m->column_weight + sub->column_start,
+                            motions_beside(p, driver), km_state_error(s, sub), x);
+}
+
+/* The least x with J x = the loops' errors in the primary rows. Among many motions any other solution may be a long one, of which
+ * taking the motions out leaves rounding alone. */
+static void solve_least(const km_mechanism *m, km_state *s, int index, int driver, double residual, double *x) {
+  const km_partition *p = &s->partition[index];
+  bool done = take_rows(m, s, index, driver, x);
+  if (!done && p->waits) {
+    if (!refactor(m, s, index, driver))
+      search(m, s, index, driver, residual);
+    done = take_rows(m, s, index, driver, x);
+  }
+  if (done)
     return;
-  km_partition_solve(p, km_state_error(s, sub), x);
+  km_partition_solve(p, km_state_error(s, &m->substructures[index]), x);
   if (!p->rows_only)
     km_least_step(m, s, index, driver, x);
 }
 
 /* The next step into x; returns its largest entry. */
-static double newton_step(const km_mechanism *m, km_state *s, int index, int driver, double *x) {
+static double newton_step(const km_mechanism *m, km_state *s, int index, int driver, double residual, double *x) {
   const km_substructure *sub = &m->substructures[index];
   double largest = 0.0;
-  solve_least(m, s, index, driver, x);
+  solve_least(m, s, index, driver, residual, x);
   for (int k = 0; k < sub->columns; ++k)
     x[k] = -x[k];
   if (driver >= 0) /* where it came out dependent, the step wants to move it */
@@ -178,9 +225,29 @@ static km_closure_outcome verdict(const km_mechanism *m, double residual, double
   return residual <= km_larger(m->closure_tolerance, coarse * km_closed) ? KM_CLOSED : KM_INCONSISTENT;
 }
 
-km_closure_outcome km_loops_close(const km_mechanism *m, km_state *s, int index, int driver, km_closure *evidence) {
+/* Newton's place. */
+typedef struct newton {
+  double step, last; /* the largest entries of this step and of the one before it, where that led from closed loops */
+  double closed, settled; /* what shows the pose to be found: its error, and the step from there */
+  bool small;
+} newton;
+
+static void take_step(const km_mechanism *m, km_state *s, int index, int driver, const km_closure *evidence,
+                      double *x, newton *n) {
+  n->step = newton_step(m, s, index, driver, evidence->residual, x);
+  n->small = primary_rms(&s->partition[index], km_state_error(s, &m->substructures[index])) <= n->closed;
+}
+
+static bool is_found(const km_partition *p, const newton *n) {
+  return n->small && (n->step <= n->settled || (p->held && n->step >= n->last));
+}
+
+static km_closure_outcome close_loops(const km_mechanism *m, km_state *s, int index, int driver,
+                                      km_closure *evidence) {
   const km_substructure *sub = &m->substructures[index];
-  double *x = s->work, first = 0.0, last = HUGE_VAL, coarse = grain(m, s, sub);
+  const km_partition *p = &s->partition[index];
+  double *x = s->work, first = 0.0, coarse = grain(m, s, sub);
+  newton n = {.last = HUGE_VAL, .closed = coarse * km_closed};
   *evidence = (km_closure){.worst = -1, .left = x};
   for (int i = 0; i < MOST_ITERATIONS; ++i) {
     km_loops_update(m, s, sub);
@@ -190,28 +257,37 @@ km_closure_outcome km_loops_close(const km_mechanism *m, km_state *s, int index,
       return KM_OPEN;
     if (i == 0)
       first = evidence->residual;
+    n.settled = coarse * (i == 0 && driver >= 0 ? km_settled_at_once : km_settled);
     factor(m, s, index, driver, evidence->residual);
-    double step = newton_step(m, s, index, driver, x);
-    bool small = primary_rms(&s->partition[index], km_state_error(s, sub)) <= coarse * km_closed;
-    if (small && step <= coarse * (i == 0 && driver >= 0 ? km_settled_at_once : km_settled))
+    take_step(m, s, index, driver, evidence, x, &n);
+    if (is_found(p, &n) && p->waits && !refactor(m, s, index, driver)) {
+      search(m, s, index, driver, evidence->residual);
+      take_step(m, s, index, driver, evidence, x, &n);
+    }
+    if (is_found(p, &n))
       return verdict(m, evidence->residual, coarse);
-    if (s->partition[index].held && small && step >= last)
-      return verdict(m, evidence->residual, coarse);
-    last = small ? step : HUGE_VAL;
-    if (!isfinite(step) || evidence->residual > residual_growth * (first + residual_floor))
+    n.last = n.small ? n.step : HUGE_VAL;
+    if (!isfinite(n.step) || evidence->residual > residual_growth * (first + residual_floor))
       return KM_OPEN;
-    if (step > km_longest_newton)
+    if (n.step > km_longest_newton)
       for (int k = 0; k < sub->columns; ++k)
-        x[k] *= km_longest_newton / step;
+        x[k] *= km_longest_newton / n.step;
     if (i + 1 == MOST_ITERATIONS)
       break;
     evidence->correction += km_step_length(m, sub, x);
     km_state_move(m, s, sub, x);
   }
   /* At a singular pose Newton only halves its distance: the error is as small as it can be shown to be. */
-  return driver < 0 && primary_rms(&s->partition[index], km_state_error(s, sub)) <= coarse * km_closed
+  return driver < 0 && primary_rms(p, km_state_error(s, sub)) <= n.closed
              ? verdict(m, evidence->residual, coarse)
              : KM_OPEN;
+}
+
+km_closure_outcome km_loops_close(const km_mechanism *m, km_state *s, int index, int driver, km_closure *evidence) {
+  km_closure_outcome outcome = close_loops(m, s, index, driver, evidence);
+  if (s->partition[index].waits)
+    refactor(m, s, index, driver);
+  return outcome;
 }
 
 km_closure_outcome km_close_held(const km_mechanism *m, km_state *s, int index, int driver, km_closure *evidence) {

@@ -56,7 +56,7 @@ static bool sign_changed(km_drive *d) {
   if (p->searches == d->c.course.reference.searches)
     return p->sign != d->c.course.reference.sign;
   int before = d->c.course.reference.sign;
-  km_partition_refactor(&d->c.course.reference, km_state_jacobian(d->c.state, km_drive_driven(d)));
+  km_partition_refactor_whole(&d->c.course.reference, km_state_jacobian(d->c.state, km_drive_driven(d)));
   int after = d->c.course.reference.sign;
   d->c.course.reference.sign = before;
   return before != after;
@@ -121,8 +121,28 @@ static bool predict(km_drive *d, double h) {
   return reaches;
 }
 
-/* From a singular pose too few rows tell where the closest pose is: has the one that was reached more independent ones? */
-static bool keeps_rank(km_drive *d) {
+/* Where other freedoms are left, too few rows of a singular pose tell what they do. */
+static bool may_be_singular(const km_drive *d) {
+  return !is_alone(d) && d->c.course.last_h == 0.0 && d->c.course.reference.rank < km_drive_driven(d)->rows;
+}
+
+/* Does the way that these follow open the loops by far more than it errs? */
+static bool opens(km_drive *d) {
+  static const double far_more = 100.0;
+  const km_substructure *sub = km_drive_driven(d);
+  double longest = 0.0;
+  int worst;
+  for (int k = 0; k < sub->columns; ++k)
+    longest = km_larger(fabs(d->c.move[k]), longest);
+  km_state_move(d->c.mechanism, d->c.state, sub, d->c.move);
+  km_loops_update(d->c.mechanism, d->c.state, sub);
+  double misfit = km_loops_residual(d->c.mechanism, d->c.state, sub, &worst);
+  km_state_restore(d->c.state, sub, d->c.from);
+  return misfit > far_more * (km_path_allowed * longest + km_path_grain) + d->c.mechanism->closure_tolerance;
+}
+
+/* Has the pose that was reached more independent rows? */
+static bool leaves_singular(km_drive *d) {
   const km_substructure *sub = km_drive_driven(d);
   km_partition *p = &d->c.state->partition[d->c.substructure];
   p->rows_only = p->sparse != NULL;
@@ -130,13 +150,15 @@ static bool keeps_rank(km_drive *d) {
   int rank = p->rank;
   p->rows_only = false;
   km_partition_copy_pivots(p, &d->c.course.reference);
-  km_partition_refactor(p, km_state_jacobian(d->c.state, sub));
-  return rank == d->c.course.reference.rank;
+  km_partition_refactor_whole(p, km_state_jacobian(d->c.state, sub));
+  return rank != d->c.course.reference.rank;
 }
 
 /* One predictor and its correction to s + h; the state is left where it ended. */
 static attempt try_step(km_drive *d, double h, double tightness) {
-  if (!predict(d, h))
+  if (d->bent > 0 && fabs(h) < creeping && may_be_singular(d)) /* too short to tell */
+    return BENT;
+  if (!predict(d, h) || (may_be_singular(d) && !d->drawn && opens(d)))
     return BENT;
   const km_step_terms terms = {.parameter = d->here.s + h,
                                .most_correction = km_drive_most_correction(
@@ -146,7 +168,7 @@ static attempt try_step(km_drive *d, double h, double tightness) {
   km_step_fate fate = km_continuation_correct(&d->c, &terms);
   if (fate != KM_STEP_TAKEN)
     return fate == KM_STEP_OPEN ? OPEN : BENT;
-  if (d->drawn && d->c.course.last_h == 0.0 && !keeps_rank(d))
+  if (may_be_singular(d) && leaves_singular(d))
     return BENT;
   bool changed = !d->passing && sign_changed(d);
   if (changed && fabs(h) > branch_width)

@@ -29,7 +29,7 @@ double km_follow_saved_g(km_follow *f) {
   if (p->searches == f->c.course.reference.searches)
     return km_follow_g(f, f->c.next_t);
   km_partition *r = &f->c.course.reference;
-  km_partition_refactor(r, km_state_jacobian(f->c.state, sub_of(f)));
+  km_partition_refactor_whole(r, km_state_jacobian(f->c.state, sub_of(f)));
   double g = 1.0 / f->c.next_t[r->column[r->rank]];
   for (int i = 0; i < r->rank; ++i)
     g /= r->inverse[i];

@@ -191,6 +191,7 @@ static double largest_inverse(const km_partition *p) {
 
 void km_partition_factor(km_partition *p, const double *matrix, int rows, int columns, const bool *forced,
                          double tolerance) {
+  p->waits = false;
   if (p->sparse && p->rows == rows && p->columns == columns && km_sparse_knows(p, matrix, forced, tolerance)) {
     p->pivoted_b = p->largest_b;
     return;
@@ -217,18 +218,32 @@ void km_partition_factor(km_partition *p, const double *matrix, int rows, int co
   p->pivoted_b = p->largest_b;
 }
 
-bool km_partition_refactor(km_partition *p, const double *matrix) {
+void km_partition_wait(km_partition *p) {
+  p->waits = true;
+  p->edition++;
+}
+
+static bool refactor_and_watch(km_partition *p, const double *matrix, bool whole) {
+  p->waits = false;
   p->stride = stride_of(p->rows);
   p->edition++;
   bool finite;
   if (p->sparse) {
-    finite = km_sparse_refactor(p, matrix);
+    finite = km_sparse_refactor(p, matrix, whole);
   } else {
     finite = is_small(p) ? km_small_refactor(p, matrix) : refactor(p, matrix);
     finite = finish(p) && finite;
   }
   double inverse = largest_inverse(p), smallest = p->rank == 0 ? 0.0 : p->smallest_pivot;
   return finite && km_pivots_serve(p->largest_b, p->pivoted_b, inverse, smallest);
+}
+
+bool km_partition_refactor(km_partition *p, const double *matrix) {
+  return refactor_and_watch(p, matrix, false);
+}
+
+bool km_partition_refactor_whole(km_partition *p, const double *matrix) {
+  return refactor_and_watch(p, matrix, true);
 }
 
 double km_partition_multiplications(const km_partition *p) {

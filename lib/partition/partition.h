@@ -53,6 +53,9 @@ typedef struct km_partition {
                          * them; the sparse engine doesn't keep |B| small then, and makes no B */
   bool rows_only;     /* set by the caller: the rank and which rows are primary are enough, for km_partition_least; the
                        * sparse engine makes no null vectors then */
+  bool unwatched;     /* set by the caller: the independent columns are asked for nothing but which ones they are; a refactor
+                       * doesn't measure B of many then */
+  bool waits;         /* by km_partition_wait */
   const bool *locked; /* [columns] set by the caller, borrowed; NULL: none. Columns of what doesn't move: their entries
                        * are 0, they come last and count as no freedom */
   int locked_count;   /* at the last search */
@@ -89,6 +92,15 @@ void km_partition_factor(km_partition *partition, const double *matrix, int rows
 /* The same pivots on new values, no search. False where max |B| passes twice its value at the last search, a pivot
  * vanishes or a value is not finite: then factor again. O(rows·rank·columns). */
 bool km_partition_refactor(km_partition *partition, const double *matrix);
+/* The same for who needs these pivots and no others. The sparse engine skips what is 0 at the search, and of a mechanism as it was
+ * drawn much is; a refactor is false where it isn't any longer, and this goes on without skipping it. As long as a search then. */
+bool km_partition_refactor_whole(km_partition *partition, const double *matrix);
+
+/* Do normal equations give least solutions, so that a sparse partition may wait? */
+bool km_partition_may_wait(const km_partition *partition);
+/* The pivots at hand on a new matrix, of which only their rows and columns are known until a refactor: for km_partition_least and
+ * km_partition_reject_null, which are false where that isn't enough. */
+void km_partition_wait(km_partition *partition);
 
 /* Pivots serve while max |B| has grown by the first at most, and the smallest pivot has shrunk by the second. */
 static const double km_most_growth_of_b = 2.0, km_most_shrinking = 10.0;

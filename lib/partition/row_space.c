@@ -45,10 +45,14 @@ static km_orthogonal *rows_of(const km_partition *p, const double *matrix, const
   return q;
 }
 
+bool km_partition_may_wait(const km_partition *p) {
+  return p->sparse && p->sparse->normal && !km_sparse_is_crowded(p);
+}
+
 /* The rows by their normal equations; NULL where these aren't kept, or would be full, or don't tell. */
 static km_normal *normal_of(const km_partition *p, const double *matrix, const double *weight, int count) {
   const km_sparse *s = p->sparse;
-  if (!s->normal || km_sparse_is_crowded(p))
+  if (!km_partition_may_wait(p))
     return NULL;
   if (!*s->normal)
     *s->normal = km_normal_create(p->rows, p->columns, s->start, s->row);
@@ -146,7 +150,7 @@ static km_orthogonal *null_of(const km_partition *p, const double *weight, int c
   km_error error;
   int entries;
   double *work = KM_NEW(double, (size_t)p->columns + 1), rows = km_sparse_crowd(p);
-  bool good = !p->sparse->by_rows && !p->any_independent && p->largest_b <= km_largest_good_b;
+  bool good = !p->sparse->by_rows && !p->any_independent && km_sparse_size_of_b(p) <= km_largest_good_b;
   if (work && good && crowd_of_null(p, count, rows, &entries) < rows &&
       !km_orthogonal_create(p->columns, count, entries, &q, &error))
     for (int k = 0; k < count; ++k)
@@ -224,6 +228,8 @@ bool km_partition_reject_null(const km_partition *p, const double *matrix, const
                               double *work) {
   if (reject_by_normal(p, matrix, weight, count, x, work))
     return true;
+  if (p->waits)
+    return false;
   km_orthogonal *null = null_of(p, weight, count), *q = null ? null : rows_of(p, matrix, weight, count);
   bool done = reject(q, p, weight, !null, count, x, work);
   km_orthogonal_free(q);
@@ -240,7 +246,23 @@ static void keep_along(const km_partition *p, bool taken, const double *rest, do
   }
 }
 
+/* What the rows have of each of Y, by their normal equations. */
+static bool along_by_normal(const km_partition *p, const double *matrix, const double *weight, double *Y, int count) {
+  size_t n = (size_t)p->columns;
+  km_normal *normal = normal_of(p, matrix, weight, km_partition_freedom(p));
+  double *part = normal ? KM_NEW(double, n * (size_t)count + 1) : NULL;
+  bool done = part != NULL;
+  for (int k = 0; k < count && done; ++k)
+    done = km_normal_part(normal, Y + (size_t)k * n, part + (size_t)k * n);
+  for (int k = 0; k < count && done; ++k)
+    keep_along(p, true, part + (size_t)k * n, Y + (size_t)k * n);
+  km_free(part);
+  return done;
+}
+
 bool km_partition_along_null(const km_partition *p, const double *matrix, const double *weight, double *Y, int count) {
+  if (along_by_normal(p, matrix, weight, Y, count))
+    return true;
   int freedom = km_partition_freedom(p);
   size_t n = (size_t)p->columns, size = n * (size_t)count;
   km_orthogonal *null = null_of(p, weight, freedom), *q = null ? null : rows_of(p, matrix, weight, freedom);
@@ -293,8 +315,10 @@ static bool least_by_normal(const km_partition *p, const double *matrix, const d
 
 bool km_partition_least(const km_partition *p, const double *matrix, const double *weight, int count, const double *rhs,
                         double *x) {
-  return least_by_normal(p, matrix, weight, count, rhs, x) || least_by_null(p, weight, count, rhs, x) ||
-         least_by_rows(p, matrix, weight, count, rhs, x);
+  if (least_by_normal(p, matrix, weight, count, rhs, x))
+    return true;
+  return !p->waits &&
+         (least_by_null(p, weight, count, rhs, x) || least_by_rows(p, matrix, weight, count, rhs, x));
 }
 
 bool km_sparse_spare_rows(km_partition *p, const double *matrix, const bool *forced, double threshold) {

@@ -66,6 +66,7 @@ struct km_sparse {
   const double *weight; /* the same: of the columns, for the normal equations */
   bool by_rows;         /* only the rows were asked for: the independent columns have no entries of U, and no B */
   bool by_normal;       /* they were, and are independent by their normal equations: there is no L and no U */
+  bool b_waits;         /* the size of B wasn't measured with these values */
   bool keeps_b;         /* else there is room for one column of B only: many are found when they are asked for */
 };
 
@@ -96,8 +97,10 @@ static inline void km_sparse_note(km_partition *p, double size) {
 void km_sparse_factor(km_partition *partition, const double *matrix, const bool *forced, double tolerance);
 /* Is the factor at hand what these arguments give? */
 bool km_sparse_knows(const km_partition *partition, const double *matrix, const bool *forced, double tolerance);
-/* False where a value is not finite, or when out of memory. */
-bool km_sparse_refactor(km_partition *partition, const double *matrix);
+/* False where a value is not finite, or one that the pivots take to be 0 isn't and `whole` isn't set, or when out of memory. */
+bool km_sparse_refactor(km_partition *partition, const double *matrix, bool whole);
+/* The pivots at hand in their order, whatever is 0. False where one of them is, or when out of memory. */
+bool km_sparse_eliminate_again(km_partition *partition, const double *matrix);
 /* The columns of the independent coordinates that serve best become late, by complete pivoting of the null vectors. Returns
  * whether they aren't those that are independent now. */
 bool km_sparse_choose_late(km_partition *partition, const bool *forced);
@@ -131,6 +134,8 @@ double km_sparse_largest_b(const km_partition *partition, const bool *forced);
 /* The columns of B, or max |B_ij| alone. Ends at a column that isn't given with an entry beyond `most`: other ones are
  * tried then. False where a value is not finite. */
 bool km_sparse_find_b(km_partition *partition, const bool *forced, double most);
+/* max |B_ij| of the values at hand, as km_sparse_find_b leaves it. */
+double km_sparse_size_of_b(const km_partition *partition);
 /* Σ over all columns of the squared number of entries in primary rows: about how many entries Q R of the rows comes to, at most.
  */
 double km_sparse_crowd(const km_partition *partition);

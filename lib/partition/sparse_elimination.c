@@ -198,11 +198,41 @@ static void clear_dropped(const km_partition *p, int count) {
 
 /* The independent columns once more, now by all steps: those that came later have next to nothing of them at these values,
  * but may have at the next ones by the same pivots. */
-static void reduce_dropped(km_partition *p, const double *matrix, int count, int upper_end, int lower_end) {
+static void reduce_dropped(km_partition *p, const double *matrix, const int *dropped, int count, int upper_end,
+                           int lower_end) {
   for (int i = 0; i < count; ++i) {
-    reduce(p, matrix, p->sparse->dropped[i], &upper_end, &lower_end);
-    drop(p, p->sparse->dropped[i]);
+    reduce(p, matrix, dropped[i], &upper_end, &lower_end);
+    drop(p, dropped[i]);
   }
+}
+
+bool km_sparse_eliminate_again(km_partition *p, const double *matrix) {
+  km_sparse *s = p->sparse;
+  const int rank = p->rank;
+  int upper_end = 0, lower_end = 0;
+  bool good = true;
+  s->singles = s->zero_count = 0;
+  p->rank = 0;
+  for (int r = 0; r < p->rows; ++r)
+    s->step_of[r] = -1;
+  memcpy(s->lead, p->column, (size_t)p->columns * sizeof *s->lead);
+  for (int k = 0; k < rank && good; ++k) {
+    int c = p->column[k], row = p->row[k];
+    reduce(p, matrix, c, &upper_end, &lower_end);
+    good = !p->failed && s->x[row] != 0.0;
+    if (good)
+      use(p, c, row);
+    else
+      drop(p, c);
+    lower_end = s->lower[c].end;
+  }
+  p->rank = rank;
+  if (!good)
+    return false;
+  if (!s->by_rows)
+    reduce_dropped(p, matrix, p->column + rank, p->columns - rank, upper_end, lower_end);
+  keep_primary(p);
+  return !p->failed;
 }
 
 void km_sparse_eliminate(km_partition *p, const double *matrix, const bool *forced, double threshold) {
@@ -250,7 +280,7 @@ void km_sparse_eliminate(km_partition *p, const double *matrix, const bool *forc
   }
   clear_dropped(p, dropped);
   if (!s->by_rows)
-    reduce_dropped(p, matrix, dropped, upper_end, lower_end);
+    reduce_dropped(p, matrix, s->dropped, dropped, upper_end, lower_end);
   memcpy(p->column + p->rank, s->dropped, (size_t)dropped * sizeof *p->column);
   p->last_pivot = p->rank ? p->smallest_pivot : 0.0;
   keep_primary(p);

@@ -183,14 +183,19 @@ static bool find_columns(km_partition *p, const bool *forced, double most) {
   return finite;
 }
 
-bool km_sparse_find_b(km_partition *p, const bool *forced, double most) {
-  km_sparse *s = p->sparse;
+static int sign_of(const km_partition *p) {
   bool negative = false;
-  p->largest_b = 0.0;
-  s->keeps_b = km_partition_freedom(p) <= KM_MANY_VECTORS;
   for (int i = 0; i < p->rank; ++i)
     negative = negative != (p->inverse[i] < 0.0);
-  p->sign = negative ? -1 : 1;
+  return negative ? -1 : 1;
+}
+
+bool km_sparse_find_b(km_partition *p, const bool *forced, double most) {
+  km_sparse *s = p->sparse;
+  p->largest_b = 0.0;
+  p->sign = sign_of(p);
+  s->b_waits = false;
+  s->keeps_b = km_partition_freedom(p) <= KM_MANY_VECTORS;
   if (s->keeps_b)
     return find_columns(p, forced, most);
   p->failed = p->failed || !km_sparse_grow(s, &s->b_store, p->rank);
@@ -198,6 +203,21 @@ bool km_sparse_find_b(km_partition *p, const bool *forced, double most) {
     return false;
   p->largest_b = measure_b(p, false, forced, most);
   return isfinite(p->largest_b);
+}
+
+double km_sparse_size_of_b(const km_partition *p) {
+  return p->sparse->b_waits ? measure_b(p, false, NULL, HUGE_VAL) : p->largest_b;
+}
+
+/* Of many vectors, with room for one. */
+static bool let_b_wait(km_partition *p) {
+  km_sparse *s = p->sparse;
+  p->largest_b = p->pivoted_b;
+  p->sign = sign_of(p);
+  s->b_waits = true;
+  s->keeps_b = false;
+  p->failed = p->failed || !km_sparse_grow(s, &s->b_store, p->rank);
+  return !p->failed && km_all_finite(p->inverse, p->rank);
 }
 
 const double *km_sparse_gather_b(const km_partition *p, int k) {
@@ -231,14 +251,23 @@ static void refactor_single(km_partition *p, const double *matrix, int k) {
   }
 }
 
-bool km_sparse_refactor(km_partition *p, const double *matrix) {
+/* B of new values. */
+static bool renew_b(km_partition *p) {
+  if (p->any_independent || p->sparse->by_rows)
+    return true;
+  bool waits = p->unwatched && km_partition_freedom(p) > KM_MANY_VECTORS;
+  return waits ? let_b_wait(p) : km_sparse_find_b(p, NULL, HUGE_VAL);
+}
+
+bool km_sparse_refactor(km_partition *p, const double *matrix, bool whole) {
   km_sparse *s = p->sparse;
   s->is_known = false;
-  if (p->failed || !km_all_finite(matrix, s->start[p->columns]) || (s->by_normal && !p->rows_only) ||
-      !are_zero(s, matrix))
+  if (p->failed || !km_all_finite(matrix, s->start[p->columns]) || (s->by_normal && !p->rows_only))
     return false;
   if (s->by_normal) /* the rows' next least solution shows whether they still stand */
     return true;
+  if (!are_zero(s, matrix))
+    return whole && km_sparse_eliminate_again(p, matrix) && renew_b(p);
   for (int k = 0; k < s->singles; ++k)
     refactor_single(p, matrix, k);
   const int count =
@@ -262,7 +291,7 @@ bool km_sparse_refactor(km_partition *p, const double *matrix) {
       s->x[s->lower_store.index[i]] = 0.0;
     }
   }
-  return p->any_independent || s->by_rows || km_sparse_find_b(p, NULL, HUGE_VAL);
+  return renew_b(p);
 }
 
 void km_sparse_solve(const km_partition *p, const double *rhs, double *x) {

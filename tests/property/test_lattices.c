@@ -217,6 +217,31 @@ static void many_motions(void **state) {
   km_text_free(&text);
 }
 
+/* A crank turns those behind it in the same way, whatever comes behind these. As they were drawn many entries of the rows are 0
+ * that aren't any longer once they move, and the couplers turn about themselves: one freedom of many, few or more. */
+static void cranks_turn_alike(void **state) {
+  (void)state;
+  enum { FIRST = 5 };
+  static const int loops[] = {FIRST, 2 * FIRST, 40, 60};
+  double turned[FIRST + 1];
+  for (int i = 0; i < 4; ++i) {
+    km_text text = {0};
+    write_ball_couplers(&text, loops[i]);
+    fixture f = fixture_read(text.data);
+    km_drive *drive;
+    assert_int_equal(km_drive_create(f.mechanism, f.state, 0, false, &drive, NULL), KM_OK);
+    assert_int_equal(km_drive_to(drive, 0.1).stop, KM_STOP_NONE);
+    for (int k = 0; k <= FIRST; ++k)
+      if (i == 0)
+        turned[k] = km_state_coordinate(f.state, k);
+      else
+        assert_near(km_state_coordinate(f.state, k), turned[k], 1e-12);
+    km_drive_free(drive);
+    fixture_close(&f);
+    km_text_free(&text);
+  }
+}
+
 int main(void) {
   const struct CMUnitTest tests[] = {
       claim_test(chains, "Ranks of chains of up to 9900 loops are those of SuiteSparse's rank-revealing QR",
@@ -228,6 +253,7 @@ int main(void) {
       cmocka_unit_test(shapes_move_as_is_said),
       cmocka_unit_test(laws_of_large_lattices),
       cmocka_unit_test(many_motions),
+      cmocka_unit_test(cranks_turn_alike),
   };
   return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -133,7 +133,7 @@ static void check_primary_rows(const km_partition *p) {
 
 static void zeros_that_fill(void **state) {
   (void)state;
-  int kept = 0, refused = 0, singles = 0;
+  int kept = 0, refused = 0, whole = 0, singles = 0;
   for (int i = 0; i < 400; ++i) {
     open_band(50, 20, 60);
     fill_zeros(0.6, false);
@@ -145,15 +145,17 @@ static void zeros_that_fill(void **state) {
       check_all(&f.p, 1e-9);
     check_copy();
     fill_zeros(0.01, true);
-    if (!km_partition_refactor(&f.p, stored(&f.p))) {
-      ++refused;
+    bool keeps = km_partition_refactor(&f.p, stored(&f.p));
+    kept += keeps;
+    refused += !keeps;
+    if (!keeps && km_partition_refactor_whole(&f.p, stored(&f.p)))
+      ++whole;
+    else if (!keeps)
       continue;
-    }
-    ++kept;
     if (f.p.largest_b < 1e3)
       check_primary_rows(&f.p);
   }
-  assert_true(kept > 20 && refused > 20 && singles > 2000);
+  assert_true(kept > 20 && refused > 20 && whole > 20 && singles > 2000);
 }
 
 /* J n = 0 for every null vector that is given by its entries; they are as many as the singular values tell. */
@@ -224,6 +226,39 @@ static void steps_without_null_vectors(void **state) {
     for (int c = 0; c < f.columns; ++c)
       assert_near(left[c], x[c], 1e-10);
   }
+}
+
+/* Pivots that wait give the least solutions that they give when they don't. */
+static void pivots_that_wait(void **state) {
+  (void)state;
+  int found = 0;
+  double rhs[MOST], least[MOST], waiting[MOST];
+  for (int i = 0; i < 60; ++i) {
+    open_band(20, 50, 30);
+    keep_normal(i);
+    factor(&f.p);
+    int freedom = km_partition_freedom(&f.p);
+    assert_int_equal(km_partition_may_wait(&f.p), i % 2);
+    for (int k = 0; k < f.rows * f.columns; ++k)
+      f.J[k] *= 1.0 + 1e-3 * any();
+    for (int r = 0; r < f.rows; ++r)
+      rhs[r] = any();
+    km_partition_wait(&f.p);
+    if (!km_partition_least(&f.p, stored(&f.p), f.D, freedom, rhs, waiting)) {
+      km_normal_free(kept);
+      kept = NULL;
+      continue;
+    }
+    ++found;
+    check_rows(f.p.row, f.p.rank, waiting, rhs, 1e-8);
+    free_normal(i);
+    keep_normal(0);
+    bool serves = km_partition_refactor(&f.p, stored(&f.p));
+    assert_true(!f.p.waits && km_partition_least(&f.p, stored(&f.p), f.D, freedom, rhs, least));
+    for (int c = 0; c < f.columns && serves; ++c)
+      assert_near(waiting[c], least[c], 1e-8);
+  }
+  assert_true(found > 20);
 }
 
 /* Mobility numbers and least solutions by the rows alone are those by Z. */
@@ -488,6 +523,7 @@ int main(void) {
       cmocka_unit_test(zeros_that_fill),
       cmocka_unit_test(null_vectors_by_their_entries),
       cmocka_unit_test(steps_without_null_vectors),
+      cmocka_unit_test(pivots_that_wait),
       cmocka_unit_test(by_rows_alone),
       cmocka_unit_test(rows_that_hardly_differ),
       cmocka_unit_test(rows_that_stand),
