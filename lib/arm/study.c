@@ -45,7 +45,7 @@ static bool find_effector(km_binder *b, int *frame) {
                           km_model_find_frame(model, names->items, (size_t)names->count, frame, &error), &error);
   return km_binder_fault(
       b, &names->place,
-      "is missing; expected the frame that follows the path, as [\"%s\", \"tool\"] (or --effector BODY/FRAME)",
+      "found none; expected the frame that follows the path, as [\"%s\", \"tool\"] (or --effector BODY/FRAME)",
       model->body_count > 1 ? model->bodies[model->body_count - 1].name : "flange");
 }
 

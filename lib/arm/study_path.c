@@ -72,7 +72,7 @@ bool km_bind_path(km_binder *b, const double *q) {
   km_pose start;
   km_error error;
   if (!path->plan.segments)
-    return b->def->path_optional || km_binder_fault(b, &path->place, "is missing; expected the path to follow");
+    return b->def->path_optional || km_binder_fault(b, &path->place, "found none; expected the path to follow");
   if (!km_binder_pass(b, &path->place, km_check_pose(&path->plan.start, &error), &error))
     return false;
   if (!find_first_pose(b, q, &start))

@@ -5,8 +5,10 @@
 #include "kmech/memory.h"
 #include "kmech/value.h"
 
+#include <errno.h>
 #include <stdio.h>
 #include <string.h>
+#include <unistd.h>
 
 void kredund_arm_options(kt_options *out, kredund_request *r) {
   const kt_option table[] = {
@@ -81,8 +83,12 @@ static kt_exit find_model(const kredund_request *r, kredund_open *out) {
     snprintf(out->model, sizeof out->model, "%s%s%s", written[0] == '/' || !folder[0] ? "" : folder,
              written[0] == '/' || !folder[0] ? "" : "/", written);
   else {
-    kt_say(&r->common, KM_ERROR, "%s: model: is missing; expected the arm's model file, or --model", out->name);
+    kt_say(&r->common, KM_ERROR, "%s: model: found none; expected the arm's model file, or --model", out->name);
     return KT_BAD_MODEL;
+  }
+  if (!r->model && access(out->model, R_OK) != 0) {
+    kt_say(&r->common, KM_ERROR, "%s: model: %s: can't be opened: %s", out->name, out->model, strerror(errno));
+    return KT_USAGE;
   }
   kt_base_name(out->model, out->model_name, sizeof out->model_name);
   kt_study_base(r->study, out->model, out->base, sizeof out->base);
