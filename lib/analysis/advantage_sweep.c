@@ -299,7 +299,8 @@ static km_observer observer_of(watch *w) {
                        .ended = end_at,
                        .tell = tell,
                        .close = close_watch,
-                       .reads_basis = true};
+                       .reads_basis = true,
+                       .asks_direction = true};
 }
 
 static km_scan scan_of(watch *w) {

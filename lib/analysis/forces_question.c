@@ -1,6 +1,7 @@
 /* The question about forces: what actuators hold, what joints carry. */
 #include "analysis/observers.h"
 #include "analysis/question.h"
+#include "analysis/statics.h"
 
 #include "kinematics/state.h"
 
@@ -95,7 +96,11 @@ static km_status prepare_balance(km_question *q, own *o, km_error *error) {
 static km_status prepare(km_question *q, km_error *error) {
   own *o = q->own;
   km_status status = gather_loads(q, km_question_own_value(q, LOAD), o, error);
-  return status ? status : prepare_balance(q, o, error);
+  if (!status)
+    status = prepare_balance(q, o, error);
+  if (!status && q->no_reactions)
+    km_statics_leave_reactions(q->m, &o->statics);
+  return status;
 }
 
 static void open_sweep(km_question *q, km_sweep_job *job) {

@@ -41,6 +41,7 @@ struct km_question {
   km_progress progress;
   void *context;
   bool prepared, answered;
+  bool no_reactions;  /* nobody reads their columns, which a question about forces leaves at NaN */
   km_sweep_room room; /* of the last answer, for the next one */
   void *own;
 };

@@ -208,6 +208,15 @@ void km_statics_hold(const km_mechanism *m, const km_state *s, const km_forces *
   km_actuators_hold(m, s, st);
 }
 
+static void forget_reactions(const km_mechanism *m, km_statics *st) {
+  const double no = nan("");
+  for (int j = 0; j < m->topology.joint_count; ++j)
+    st->reactions[j] = (km_reaction){{no, no, no}, {no, no, no}, {false}};
+  for (int i = 0; i < m->topology.substructure_count; ++i)
+    st->work->carrying[i].degree = 0;
+  st->degree = 0;
+}
+
 /* Nothing is known of a state whose mobility isn't. */
 static void forget(const km_mechanism *m, km_statics *st) {
   const double no = nan("");
@@ -215,10 +224,28 @@ static void forget(const km_mechanism *m, km_statics *st) {
     st->actuator_forces[i] = no;
   for (int c = 0; c < m->coordinate_count; ++c)
     st->least_norm[c] = no;
-  for (int j = 0; j < m->topology.joint_count; ++j)
-    st->reactions[j] = (km_reaction){{no, no, no}, {no, no, no}, {false}};
+  forget_reactions(m, st);
   st->held = st->redundant = false;
-  st->direction_count = st->degree = 0;
+  st->direction_count = 0;
+}
+
+void km_statics_leave_reactions(const km_mechanism *m, km_statics *st) {
+  forget_reactions(m, st);
+  st->work->no_reactions = true;
+}
+
+/* The forces of the actuators where they hold, else f̄. */
+static void apply_holding(const km_mechanism *m, const km_forces *f, km_statics *st) {
+  km_statics_work *w = st->work;
+  size_t bytes = (size_t)m->coordinate_count * sizeof *w->force;
+  memcpy(w->force, st->least_norm, bytes);
+  if (!st->held)
+    return;
+  memset(w->force, 0, bytes);
+  for (int i = 0; i < st->actuator_count; ++i)
+    if (st->actuators[i].kind == KM_HANDLE_JOINT)
+      w->force[st->actuators[i].coordinate] = st->actuator_forces[i];
+  km_pushed_points_apply(m, f, st);
 }
 
 km_status km_statics_balance(const km_mechanism *m, km_state *s, km_forces *f, km_statics *st) {
@@ -226,15 +253,10 @@ km_status km_statics_balance(const km_mechanism *m, km_state *s, km_forces *f, k
   find_loads(m, s, f, st);
   least_norm(m, s, st);
   km_actuators_hold(m, s, st);
-  memcpy(w->force, st->least_norm, (size_t)m->coordinate_count * sizeof *w->force);
-  if (st->held) {
-    memset(w->force, 0, (size_t)m->coordinate_count * sizeof *w->force);
-    for (int i = 0; i < st->actuator_count; ++i)
-      if (st->actuators[i].kind == KM_HANDLE_JOINT)
-        w->force[st->actuators[i].coordinate] = st->actuator_forces[i];
-    km_pushed_points_apply(m, f, st);
+  if (!w->no_reactions) {
+    apply_holding(m, f, st);
+    km_statics_carry(m, s, f, st);
   }
-  km_statics_carry(m, s, f, st);
   return w->arena.failed ? KM_MEMORY : KM_OK;
 }
 
@@ -244,7 +266,7 @@ void km_statics_bear(const km_mechanism *m, km_state *s, const km_forces *f, con
   km_statics_carry(m, s, f, st);
 }
 
-km_status km_statics_update(const km_mechanism *m, km_state *s, km_forces *f, km_statics *st) {
+km_status km_statics_find(const km_mechanism *m, km_state *s, km_forces *f, km_statics *st) {
   if (!st || !st->work || st->work->mechanism != m || !f || f->mechanism != m)
     return KM_USAGE;
   if (!km_state_knows_motion(m, s)) {
@@ -253,4 +275,11 @@ km_status km_statics_update(const km_mechanism *m, km_state *s, km_forces *f, km
   }
   km_forces_update(m, s, f);
   return km_statics_balance(m, s, f, st);
+}
+
+km_status km_statics_update(const km_mechanism *m, km_state *s, km_forces *f, km_statics *st) {
+  km_status status = km_statics_find(m, s, f, st);
+  if (!status)
+    km_statics_mark(m, st);
+  return status;
 }

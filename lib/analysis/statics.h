@@ -86,6 +86,7 @@ typedef struct km_carrying {
   double *gradient;        /* [rows] half the slope of Σ where μ is 0, */
   double *slope;           /* [rows] the same along each self-stress, */
   double *share;           /* [rows] and how much of each is added */
+  int degree;              /* self-stresses at the last pose */
   km_partition partition;  /* of T */
 } km_carrying;
 
@@ -102,6 +103,7 @@ struct km_statics_work {
   km_wrench *subtree;  /* [body] applied wrenches on it and all that hangs on it in the tree */
   double *tau;         /* [coordinate] generalised forces of what is applied, springs in joints included */
   double *force;       /* [coordinate] of the actuators, or f̄ */
+  bool no_reactions;   /* see km_statics_leave_reactions */
   bool compares;       /* km_statics_ratios is asked for: every block keeps its Z, U, S, V */
   double *least_load;  /* [coordinate] below this a generalised force is rounding */
   km_pose *frame;      /* [joint] in which its reaction is reported, about the forces' origin */
@@ -155,8 +157,13 @@ bool km_hold_many(const km_mechanism *mechanism, const km_state *state, int bloc
 /* Actuator forces, directions out of their reach, and whether they hold, from work->tau and where they don't compare from
  * st->least_norm. */
 void km_actuators_hold(const km_mechanism *mechanism, const km_state *state, km_statics *statics);
-/* km_statics_update for forces that are at hand, as those of a motion (km_dynamics_balance). */
+/* km_statics_update without the marks of components that are indeterminate, which km_statics_mark adds: few ask for them. */
+km_status km_statics_find(const km_mechanism *mechanism, km_state *state, km_forces *forces, km_statics *statics);
+void km_statics_mark(const km_mechanism *mechanism, km_statics *statics);
+/* The same for forces that are at hand, as those of a motion (km_dynamics_balance). */
 km_status km_statics_balance(const km_mechanism *mechanism, km_state *state, km_forces *forces, km_statics *statics);
+/* From now on these don't find reactions, which are NaN: nobody reads them. */
+void km_statics_leave_reactions(const km_mechanism *mechanism, km_statics *statics);
 /* Reactions alone, for forces that are at hand as those of a motion, with `driving` [coordinate] of what is prescribed. */
 void km_statics_bear(const km_mechanism *mechanism, km_state *state, const km_forces *forces, const double *driving,
                      km_statics *statics);
@@ -183,12 +190,11 @@ int km_equilibrium_solve(struct km_equilibrium *equilibrium, const km_statics_wo
                          double tolerance, double *carried, bool *mixed);
 
 /* From a μ that balances the loads, and what the joints carry by the tree alone in work->carried: what they carry of
- * least Σ |force|² + |torque / length|², into the same; and which components along the reactions' axes are statically
- * indeterminate, into the reactions. Returns the degree of indeterminacy. */
-int km_chords_make_least(km_carrying *carrying, km_statics_work *work, double length, km_reaction *reactions);
+ * least Σ |force|² + |torque / length|², into the same; and the degree of indeterminacy. */
+void km_chords_make_least(km_carrying *carrying, km_statics_work *work, double length);
 
-/* Marks the components in which some self-stress has a part, with `gram` factored. */
-void km_stresses_mark(km_carrying *carrying, const km_statics_work *work, int degree, km_reaction *reactions);
+/* Marks the components along the reactions' axes in which some self-stress has a part, after km_chords_make_least. */
+void km_stresses_mark(km_carrying *carrying, const km_statics_work *work, km_reaction *reactions);
 
 /* Reactions from work->force. */
 void km_statics_carry(const km_mechanism *mechanism, km_state *state, const km_forces *forces, km_statics *statics);

@@ -188,7 +188,8 @@ static void carry_small(const km_mechanism *m, const km_state *s, const km_force
   solve_chords(m, s, index, about, w);
   for (int j = 0; j < c->joints; ++j)
     c->arm[j] = km_vec3_sub(w->frame[c->joint[j]].p, about);
-  st->degree += km_chords_make_least(c, w, m->length, st->reactions);
+  km_chords_make_least(c, w, m->length);
+  st->degree += c->degree;
 }
 
 /* From what the tree alone makes them carry. Without memory nothing is known of its joints. */
@@ -236,6 +237,13 @@ void km_statics_carry(const km_mechanism *m, km_state *s, const km_forces *f, km
   for (int i = 0; i < m->topology.substructure_count; ++i)
     if (w->carrying[i].large)
       carry_large(m, s, i, st);
+}
+
+void km_statics_mark(const km_mechanism *m, km_statics *st) {
+  km_statics_work *w = st->work;
+  for (int i = 0; i < m->topology.substructure_count; ++i)
+    if (!w->carrying[i].large && w->carrying[i].degree > 0)
+      km_stresses_mark(&w->carrying[i], w, st->reactions);
 }
 
 km_vec3 km_normal_force(const km_mechanism *m, const km_statics *st, int c) {

@@ -188,16 +188,14 @@ static void correct_chords(km_carrying *c, int degree) {
   }
 }
 
-int km_chords_make_least(km_carrying *c, km_statics_work *w, double length, km_reaction *reactions) {
-  int degree = list_stresses(c);
-  if (degree > 0) {
+void km_chords_make_least(km_carrying *c, km_statics_work *w, double length) {
+  c->degree = list_stresses(c);
+  if (c->degree > 0) {
     fill_metric(c, length);
-    fill_gram(c, degree);
-    factor_gram(c, degree);
+    fill_gram(c, c->degree);
+    factor_gram(c, c->degree);
     fill_gradient(c, w->carried, length);
-    correct_chords(c, degree);
-    km_stresses_mark(c, w, degree, reactions);
+    correct_chords(c, c->degree);
   }
   add_chords(c, w->carried);
-  return degree;
 }

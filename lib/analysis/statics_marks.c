@@ -79,12 +79,12 @@ static void look_at_joint(const km_carrying *c, const km_rotation *R, int j, con
   turn_back(R, (pair3){t.x - moved.x, t.y - moved.y, t.z - moved.z}, parts + 3);
 }
 
-void km_stresses_mark(km_carrying *c, const km_statics_work *w, int degree, km_reaction *reactions) {
+void km_stresses_mark(km_carrying *c, const km_statics_work *w, km_reaction *reactions) {
   km_pair *share = c->looks, *chords = share + c->rows, *parts = chords + c->rows;
-  draw(degree, share);
-  weigh(c, degree, share);
+  draw(c->degree, share);
+  weigh(c, c->degree, share);
   memset(chords, 0, (size_t)c->rows * sizeof *chords);
-  for (int k = 0; k < degree; ++k)
+  for (int k = 0; k < c->degree; ++k)
     for (int i = c->stress_start[k]; i < c->stress_start[k + 1]; ++i)
       chords[c->stress[i].row] += c->stress[i].value * share[k];
   for (int j = 0; j < c->joints; ++j)

@@ -63,7 +63,7 @@ static unsigned edition_of(const km_sweeper *r) {
 static double *write_cells(void *self, km_sweeper *r, double *cell) {
   watch *w = self;
   const km_statics *st = w->statics;
-  km_statics_update(r->m, r->s, w->forces, w->statics);
+  km_statics_find(r->m, r->s, w->forces, w->statics);
   w->known = true;
   w->edition = edition_of(r);
   if (km_table_rows(w->out->motion.table) == 1)
@@ -123,7 +123,7 @@ static km_status look(watch *w, km_sweeper *r, double s, km_error *error) {
     return KM_OK;
   bool second = w->scan.have > 0;
   w->grown = false;
-  w->moves = km_sweeper_motion(r);
+  w->moves = r->rides ? r->mover.rates(r->mover.self, r->rates) : km_sweeper_motion(r);
   km_status status = km_scan_sample(&w->scan, r, s, error);
   if (w->grown && second && !status)
     status = start_at_pole(w, error);
@@ -210,6 +210,7 @@ static km_status check_job(const km_sweep_job *job, const km_forces *forces, con
 
 static km_status tell(void *self, const km_sweep_job *job) {
   watch *w = self;
+  km_statics_mark(job->m, w->statics); /* those of the last row */
   km_status taken = take_events(w, job->plan, job->error);
   return taken ? taken : w->out->unheld ? KM_PARTIAL : job->status;
 }
@@ -232,7 +233,8 @@ static km_observer observer_of(watch *w) {
                        .ended = end_at,
                        .tell = tell,
                        .close = close_watch,
-                       .reads_jacobian = true};
+                       .reads_jacobian = !w->statics->work->no_reactions,
+                       .reads_basis = true};
 }
 
 static km_scan scan_of(watch *w) {

@@ -43,6 +43,8 @@ void km_walk_get_ready(km_walk *w) {
   }
   if (r->rides)
     r->residual = km_drive_ridden_residual(w->at.drive);
+  if (r->rides && r->observer->reads_basis && !r->observer->asks_direction)
+    km_drive_show_basis(w->at.drive);
 }
 
 static bool is_shown_the_way(const km_walk *w) {

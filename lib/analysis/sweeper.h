@@ -48,7 +48,8 @@ typedef struct km_observer {
   void (*close)(void *self); /* frees the observer */
   /* Looks at more than coordinates, mobility numbers, rates and residual: the state's Jacobian and partition. */
   bool reads_jacobian;
-  bool reads_basis; /* and at the null space, where several freedoms are left */
+  bool reads_basis;    /* and at the null space alone, */
+  bool asks_direction; /* but asks km_mover.direction where one freedom is left */
   /* Of an observer that looks for places where an entry of the direction of motion is 0, and for nothing else: the cell of each
    * coordinate's mobility number in a row, 0: none. Of rows between which no entry comes near 0 only the last one has to be
    * `seen`, and in the others only coordinates, mobility numbers and the residual are new. Else NULL. */

@@ -200,6 +200,10 @@ void km_drive_ridden_direction(const km_drive *d, double *z) {
     z[coordinate[k]] = l->shown->z[k].of[d->lane];
 }
 
+void km_drive_show_basis(km_drive *d) {
+  km_state_take_basis(d->c.state, d->c.substructure, &d->lanes->shown->z->of[d->lane], KM_DRIVE_LANES);
+}
+
 void km_drive_ridden_rates(const km_drive *d, double *rates) {
   km_drive_rates(d, &d->lanes->t->of[d->lane], KM_DRIVE_LANES, rates);
 }

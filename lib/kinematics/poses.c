@@ -103,20 +103,27 @@ static void update_body(const km_mechanism *m, const km_state *s, const km_arc *
   out->p = km_pose_point(parent, km_pose_point(&X, after->p));
 }
 
-void km_poses_about(const km_mechanism *m, const km_state *s, km_vec3 origin, km_pose *pose) {
-  pose[0] = (km_pose){km_rotation_identity(), km_vec3_scale(-1.0, origin)};
-  for (int i = 0; i < m->topology.body_count - 1; ++i)
+/* Of the bodies from arc `first` on. */
+static void update_bodies(const km_mechanism *m, const km_state *s, int first, km_pose *pose) {
+  for (int i = first; i < m->topology.body_count - 1; ++i)
     update_body(m, s, &m->arcs[i], pose);
 }
 
+void km_poses_about(const km_mechanism *m, const km_state *s, km_vec3 origin, km_pose *pose) {
+  pose[0] = (km_pose){km_rotation_identity(), km_vec3_scale(-1.0, origin)};
+  update_bodies(m, s, 0, pose);
+}
+
 km_vec3 km_poses_nearby(const km_mechanism *m, const km_state *s, km_pose *pose) {
-  km_vec3 origin = {0, 0, 0};
-  if (m->topology.body_count > 1) {
-    pose[0] = km_pose_identity();
-    update_body(m, s, &m->arcs[0], pose);
-    origin = pose[m->arcs[0].body].p;
-  }
-  km_poses_about(m, s, origin, pose);
+  pose[0] = km_pose_identity();
+  if (m->topology.body_count < 2)
+    return pose[0].p;
+  km_pose *first = &pose[m->arcs[0].body];
+  update_body(m, s, &m->arcs[0], pose);
+  km_vec3 origin = first->p;
+  pose[0].p = km_vec3_scale(-1.0, origin);
+  first->p = km_vec3_sub(first->p, origin);
+  update_bodies(m, s, 1, pose);
   return origin;
 }
 

@@ -167,6 +167,19 @@ double *km_state_null(const km_mechanism *m, const km_state *s, int index, int c
   return Z;
 }
 
+void km_state_take_basis(km_state *s, int index, const double *z, size_t apart) {
+  const km_substructure *sub = &s->mechanism->substructures[index];
+  km_basis *basis = &s->basis[index];
+  double *Z = basis_room(basis, sub, 1);
+  for (int k = 0; Z && k < sub->columns; ++k)
+    Z[k] = z[(size_t)k * apart];
+  basis->known = Z != NULL;
+  basis->waits = false;
+  basis->count = Z ? 1 : 0;
+  basis->edition = s->partition[index].edition;
+  s->partition[index].failed = s->partition[index].failed || !Z;
+}
+
 const double *km_state_basis(const km_state *s, int index) {
   return km_state_null(s->mechanism, s, index, km_partition_freedom(&s->partition[index]));
 }

@@ -97,6 +97,9 @@ void km_state_jacobian_dense(const km_state *state, const km_substructure *sub, 
 /* km_partition_null of a substructure's partition with the weights D, into the state: Z[count × columns], those that are
  * there already not again. NULL when out of memory (then km_partition_freedom is 0 too). */
 double *km_state_null(const km_mechanism *mechanism, const km_state *state, int substructure, int count);
+/* Makes the only motion that is left the basis, found elsewhere than by the partition at hand: z[column], `apart` from each
+ * other. Until the partition is factored anew. */
+void km_state_take_basis(km_state *state, int substructure, const double *z, size_t apart);
 /* What moves is known from the partition at hand: the basis is made, unless many motions let it wait. */
 void km_state_know_motions(km_state *state, int substructure);
 /* Mobility numbers by column. Those of many freedoms need no basis, which is made when someone asks for it. */

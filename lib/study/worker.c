@@ -169,12 +169,23 @@ static void tell_end(const km_model *model, const km_question *q, km_design_answ
     snprintf(a->reason, sizeof a->reason, "a part of the answer is missing");
 }
 
+static bool reads_reactions(const km_design_question *q) {
+  bool reads = false;
+  for (int f = 0; f < q->figure_count; ++f)
+    reads = reads || (q->figures[f].column && strncmp(q->figures[f].column, "r.", 2) == 0);
+  for (int b = 0; b < q->band_count; ++b)
+    reads = reads || strncmp(q->bands[b], "r.", 2) == 0;
+  return reads;
+}
+
 static km_status make_question(const km_design_worker *w, int index, const km_mechanism *m, const km_model *model,
                                km_question **out, km_error *error) {
   const km_design_question *def = &w->study->def->questions[index];
   km_status status = km_question_create(m, def->kind, out, error);
   if (!status)
     status = km_design_set_options(w->study->def, def, model, *out, error);
+  if (!status)
+    (*out)->no_reactions = !reads_reactions(def);
   if (status) {
     km_question_free(*out);
     *out = NULL;
