@@ -3,7 +3,9 @@
 
 #include "base/library.h"
 #include "base/memory.h"
+#include "partition/pair.h"
 
+#include <stdlib.h>
 #include <string.h>
 #include <SuiteSparseQR_C.h>
 
@@ -156,31 +158,70 @@ bool km_orthogonal_squares(km_orthogonal *q, double *v, int count, double *squar
   return done;
 }
 
-/* Adds |R⁻ᵀ b|² of every row b of the matrix to its share: y by rows of R, that is by columns of Rᵀ, from the first entry of
- * b on. `place` says which column of R a column of the matrix is. Nested dissection keeps short what a row reaches: of a
- * chain of n loops log n columns, where an order of least fill may make it n. */
-static void add_shares(const km_orthogonal *q, const cholmod_sparse *rows_of_r, const cholmod_sparse *by_row,
-                       const long *place, double *y, double *share) {
-  const long *start = rows_of_r->p, *column = rows_of_r->i, *row_start = by_row->p, *entry = by_row->i;
-  const double *value = rows_of_r->x, *b = by_row->x;
+/* A row of the matrix, and the first column of R that it has an entry in. */
+typedef struct beginning {
+  long first, row;
+} beginning;
+
+static int compare_beginnings(const void *a, const void *b) {
+  const beginning *x = a, *y = b;
+  long order = x->first != y->first ? x->first - y->first : x->row - y->row;
+  return (order > 0) - (order < 0);
+}
+
+/* `place` says which column of R a column of the matrix is. */
+static void sort_rows(const km_orthogonal *q, const cholmod_sparse *by_row, const long *place, beginning *list) {
+  const long *start = by_row->p, *entry = by_row->i;
   for (long r = 0; r < q->rows; ++r) {
-    long first = q->columns;
-    for (long i = row_start[r]; i < row_start[r + 1]; ++i) {
-      long k = place[entry[i]];
-      y[k] = b[i];
-      first = k < first ? k : first;
+    list[r] = (beginning){q->columns, r};
+    for (long i = start[r]; i < start[r + 1]; ++i)
+      list[r].first = place[entry[i]] < list[r].first ? place[entry[i]] : list[r].first;
+  }
+  qsort(list, (size_t)q->rows, sizeof *list, compare_beginnings);
+}
+
+enum { LANES = 4 };
+
+/* |R⁻ᵀ b|² of vectors b side by side, which y[columns × LANES] holds from `first` on; 0 is left there. */
+static void take_squares(const cholmod_sparse *rows_of_r, long first, long columns, double *y, double sum[LANES]) {
+  const long *start = rows_of_r->p, *column = rows_of_r->i;
+  const double *value = rows_of_r->x;
+  for (long k = first; k < columns; ++k) {
+    double *at = y + LANES * k, own[LANES];
+    bool none = true;
+    for (int l = 0; l < LANES; ++l)
+      none = none && at[l] == 0.0;
+    if (none)
+      continue;
+    for (int l = 0; l < LANES; ++l) {
+      own[l] = at[l] / value[start[k]]; /* the diagonal is a row's first entry */
+      sum[l] += own[l] * own[l];
+      at[l] = 0.0;
     }
-    double sum = 0.0;
-    for (long k = first; k < q->columns; ++k) {
-      if (y[k] == 0.0)
-        continue;
-      double own = y[k] / value[start[k]]; /* the diagonal is a row's first entry */
-      for (long i = start[k] + 1; i < start[k + 1]; ++i)
-        y[column[i]] -= value[i] * own;
-      sum += own * own;
-      y[k] = 0.0;
+    for (long i = start[k] + 1; i < start[k + 1]; ++i) {
+      km_pair *to = (km_pair *)(y + LANES * column[i]), v = {value[i], value[i]};
+      for (int l = 0; l < LANES / 2; ++l)
+        to[l] -= v * *(const km_pair *)(own + 2 * l);
     }
-    share[r] = sum;
+  }
+}
+
+/* Adds |R⁻ᵀ b|² of every row b of the matrix to its share: y by rows of R, that is by columns of Rᵀ, from the first entry of
+ * b on. Nested dissection keeps short what a row reaches: of a chain of n loops log n columns, where an order of least fill may
+ * make it n. Rows that begin near each other reach much the same, and go side by side. */
+static void add_shares(const km_orthogonal *q, const cholmod_sparse *rows_of_r, const cholmod_sparse *by_row,
+                       const long *place, const beginning *list, double *y, double *share) {
+  const long *row_start = by_row->p, *entry = by_row->i;
+  const double *b = by_row->x;
+  for (long n = 0; n < q->rows; n += LANES) {
+    double sum[LANES] = {0.0};
+    int count = q->rows - n < LANES ? (int)(q->rows - n) : LANES;
+    for (int l = 0; l < count; ++l)
+      for (long i = row_start[list[n + l].row]; i < row_start[list[n + l].row + 1]; ++i)
+        y[LANES * place[entry[i]] + l] = b[i];
+    take_squares(rows_of_r, list[n].first, q->columns, y, sum);
+    for (int l = 0; l < count; ++l)
+      share[list[n + l].row] = sum[l];
   }
 }
 
@@ -193,13 +234,17 @@ bool km_orthogonal_shares(km_orthogonal *q, double tolerance, double *share) {
   cholmod_sparse *rows_of_r = rank == q->columns ? f->cholmod_l_transpose(R, 1, &q->common) : NULL;
   cholmod_sparse *by_row = rows_of_r ? f->cholmod_l_transpose(&A, 1, &q->common) : NULL;
   long *place = KM_NEW(long, (size_t)q->columns + 1);
-  double *y = KM_NEW(double, (size_t)q->columns + 1);
-  bool done = by_row && place && y;
+  beginning *list = KM_NEW(beginning, (size_t)q->rows + 1);
+  double *y = KM_NEW(double, LANES * ((size_t)q->columns + 1));
+  bool done = by_row && place && list && y;
   for (long k = 0; k < q->columns && done; ++k)
     place[order ? order[k] : k] = k;
-  if (done)
-    add_shares(q, rows_of_r, by_row, place, y, share);
+  if (done) {
+    sort_rows(q, by_row, place, list);
+    add_shares(q, rows_of_r, by_row, place, list, y, share);
+  }
   km_free(y);
+  km_free(list);
   km_free(place);
   f->cholmod_l_free_sparse(&by_row, &q->common);
   f->cholmod_l_free_sparse(&rows_of_r, &q->common);
