@@ -104,7 +104,9 @@ static void print_finite(const km_finite_mobility *finite, km_text *out) {
     km_text_format(out, "\nfinite mobility undecided, at least %d", finite->mobility);
   else
     km_text_format(out, "\nfinite mobility %d", finite->mobility);
-  if (isfinite(followed))
+  if (followed == 0.0)
+    km_text_add(out, ": no motion along the directions that first order allows is confirmed, and none is ruled out");
+  else if (isfinite(followed))
     km_text_format(out,
                    ": the loops stay within the closure tolerance for an arc of %.2g, and what opens them there tells "
                    "neither a motion nor a structure",
