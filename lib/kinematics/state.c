@@ -151,33 +151,35 @@ static double *basis_room(km_basis *basis, const km_substructure *sub, int count
              : NULL;
 }
 
+/* Z, NULL: there is no memory for it, is the basis of the pose at hand: so many motions of it. */
+static void set_basis(const km_state *s, int index, const double *Z, int count) {
+  km_basis *basis = &s->basis[index];
+  km_partition *p = &s->partition[index];
+  basis->known = Z != NULL;
+  basis->waits = false;
+  basis->count = Z ? count : 0;
+  basis->edition = p->edition;
+  p->failed = p->failed || !Z;
+}
+
 double *km_state_null(const km_mechanism *m, const km_state *s, int index, int count) {
   const km_substructure *sub = &m->substructures[index];
-  km_partition *p = &s->partition[index];
+  const km_partition *p = &s->partition[index];
   km_basis *basis = &s->basis[index];
   double *Z = basis_room(basis, sub, count);
   int there = Z && basis->edition == p->edition ? basis->count : 0;
   if (Z && there < count)
     km_partition_null_more(p, m->column_weight + sub->column_start, there, count, Z);
-  basis->known = Z != NULL;
-  basis->waits = false;
-  basis->count = !Z ? 0 : there < count ? count : there;
-  basis->edition = p->edition;
-  p->failed = p->failed || !Z;
+  set_basis(s, index, Z, there < count ? count : there);
   return Z;
 }
 
 void km_state_take_basis(km_state *s, int index, const double *z, size_t apart) {
   const km_substructure *sub = &s->mechanism->substructures[index];
-  km_basis *basis = &s->basis[index];
-  double *Z = basis_room(basis, sub, 1);
+  double *Z = basis_room(&s->basis[index], sub, 1);
   for (int k = 0; Z && k < sub->columns; ++k)
     Z[k] = z[(size_t)k * apart];
-  basis->known = Z != NULL;
-  basis->waits = false;
-  basis->count = Z ? 1 : 0;
-  basis->edition = s->partition[index].edition;
-  s->partition[index].failed = s->partition[index].failed || !Z;
+  set_basis(s, index, Z, 1);
 }
 
 const double *km_state_basis(const km_state *s, int index) {
