@@ -25,15 +25,16 @@ static int mobility_at(const mobilities *m, size_t row) {
 /* The first row of the least mobility, and how many rows have more. */
 static size_t plainest_row(const mobilities *m, size_t *above) {
   size_t best = 0;
+  double least = m->first[0];
   *above = 0;
   for (size_t r = 1; r < m->rows; ++r) {
-    int more = mobility_at(m, r) - mobility_at(m, best);
-    if (more < 0) {
+    double here = m->first[r * m->width];
+    if (here < least) {
+      least = here;
       best = r;
       *above = r; /* all before it */
-    } else if (more > 0) {
-      ++*above;
     }
+    *above += here > least;
   }
   return best;
 }

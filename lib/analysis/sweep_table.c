@@ -154,10 +154,27 @@ km_status km_sweeper_row(km_sweeper *r, int step, double s, km_error *error) {
   return r->observer->seen ? r->observer->seen(r->observer->self, r, s, error) : KM_OK;
 }
 
-/* Numbers that are `apart` from each other into cells that are `width` apart. */
+/* Numbers that are `apart` from each other into cells that are `width` apart. Long sweeps spend much of their time here, so two
+ * are copied at a time. */
 static void fill(double *cell, size_t width, int count, const double *from, size_t apart) {
-  for (int i = 0; i < count; ++i, cell += width, from += apart)
+  for (int i = 1; i < count; i += 2, cell += 2 * width, from += 2 * apart) {
+    cell[0] = from[0];
+    cell[width] = from[apart];
+  }
+  if (count % 2 == 1)
     *cell = *from;
+}
+
+/* The row before `first` into the rows from there on. */
+static void repeat_row(double *first, size_t width, size_t count) {
+  memcpy(first, first - width, width * sizeof *first);
+  for (size_t done = 1; done < count; done *= 2)
+    memcpy(first + done * width, first, (done < count - done ? done : count - done) * width * sizeof *first);
+}
+
+/* One number into all of them. */
+static void fill_with(double *cell, size_t width, int count, double number) {
+  fill(cell, width, count, &number, 0);
 }
 
 /* The same of a coordinate, in its unit. */
@@ -178,15 +195,16 @@ km_status km_sweeper_passed_rows(km_sweeper *r, const km_drive *drive, int count
   const int freedom = km_partition_freedom(&r->s->partition[r->substructure]);
   size_t width = km_table_columns(r->out->table), residual = width - 1,
          dof = residual - 1 - (size_t)m->topology.substructure_count;
-  double *first = km_table_add_raw_rows(r->out->table, (size_t)count), *cells = first;
+  double *first = km_table_add_raw_rows(r->out->table, (size_t)count);
   if (!first)
     return km_fail(error, KM_MEMORY, "out of memory for the table");
+  repeat_row(first, width, (size_t)count); /* most cells stay */
+  fill(first + 1, width, count, s, KM_DRIVE_LANES);
+  fill_with(first + dof, width, count, r->other_mobility + freedom);
+  fill_with(first + dof + 1 + (size_t)r->substructure, width, count, freedom);
+  double *cells = first;
   for (int i = 0; i < count; ++i, cells += width) {
-    memcpy(cells, first - width, width * sizeof *cells); /* most cells stay */
     cells[0] = step + i;
-    cells[1] = s[i * KM_DRIVE_LANES];
-    cells[dof] = r->other_mobility + freedom;
-    cells[dof + 1 + (size_t)r->substructure] = freedom;
     cells[residual] = km_larger(rows.residual[(size_t)i * rows.apart], r->other_residual);
   }
   for (int k = 0; k < sub->columns; ++k) {

@@ -19,25 +19,34 @@ static double value_of(const series *f, size_t row) {
   return f->first[row * f->width + f->column];
 }
 
-/* The smallest of sign × value, which skips what is no number; HUGE_VAL: none is smaller. Of two rows at a time, so that one
- * comparison doesn't wait for the other. */
+/* Rows that are compared at a time, so that one comparison doesn't wait for the other, and rows of a block, in which the
+ * extreme one is looked for again. */
+enum { ABREAST = 4, BLOCK_ROWS = 32 };
+
+/* The smallest of sign × value, which skips what is no number; HUGE_VAL: none is smaller. */
 static double least_of(const double *cell, size_t rows, size_t width, double sign) {
-  double even = HUGE_VAL, odd = HUGE_VAL;
-  for (size_t r = 0; r + 1 < rows; r += 2, cell += 2 * width) {
-    even = km_smaller(sign * cell[0], even);
-    odd = km_smaller(sign * cell[width], odd);
-  }
-  if (rows % 2 == 1)
-    even = km_smaller(sign * cell[0], even);
-  return km_smaller(even, odd);
+  double least[ABREAST] = {HUGE_VAL, HUGE_VAL, HUGE_VAL, HUGE_VAL};
+  size_t r = 0;
+  for (; r + ABREAST <= rows; r += ABREAST, cell += ABREAST * width)
+    for (size_t i = 0; i < ABREAST; ++i)
+      least[i] = km_smaller(sign * cell[i * width], least[i]);
+  for (; r < rows; ++r, cell += width)
+    least[0] = km_smaller(sign * cell[0], least[0]);
+  return km_smaller(km_smaller(least[0], least[1]), km_smaller(least[2], least[3]));
 }
 
 size_t km_table_extreme_row(const km_table *table, size_t column, double sign) {
-  size_t rows = km_table_rows(table), width = km_table_columns(table);
+  size_t rows = km_table_rows(table), width = km_table_columns(table), block = 0;
   const double *cell = rows > 0 ? km_table_row(table, 0) + column : NULL;
-  double extreme = sign * least_of(cell, rows, width, sign);
-  size_t r = 0;
-  while (r < rows && !(cell[r * width] == extreme))
+  double extreme = HUGE_VAL;
+  for (size_t first = 0; first < rows; first += BLOCK_ROWS) {
+    size_t count = rows - first < BLOCK_ROWS ? rows - first : BLOCK_ROWS;
+    double least = least_of(cell + first * width, count, width, sign);
+    block = least < extreme ? first : block;
+    extreme = km_smaller(least, extreme);
+  }
+  size_t r = block;
+  while (r < rows && !(cell[r * width] == sign * extreme))
     ++r;
   return r;
 }

@@ -230,7 +230,7 @@ void bench_study(void) {
                          {.name = "400 designs from a pose that is set", .run = run_study, .context = &posed},
                          {.name = "200 sweeps", .run = run_sweeps, .context = &alone},
                          {.name = "200 times new numbers", .run = renumber, .context = &alone.machine}};
-  bench_time(c, 5);
+  bench_time(c, sizeof c / sizeof *c);
   /* what opening costs is in both studies */
   bench_figure("study", "overhead_per_sample", (c[1].median - c[0].median) / c[4].median - 1.0);
   bench_figure("study", "new_numbers_microseconds", 1e-3 * c[5].median / FEW);
