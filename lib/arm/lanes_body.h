@@ -59,11 +59,20 @@ static inline void lanes_subtract(lanes_row *x, T s, const lanes_row *v, int c) 
 }
 #include "arm/seven_body.h"
 
+/* Where lanes are to go. */
+typedef struct lanes_target {
+  lanes_vec p, axes[3];
+} lanes_target;
+
+static inline lanes_vec vec_from(double (*components)[KM_LANES], int first) {
+  return (lanes_vec){get(components[0] + first), get(components[1] + first), get(components[2] + first)};
+}
+
 /* What is left to the target: e[6]; lanes whose turn isn't small are taken out. Returns its length. */
-static inline vector left(const km_arm *a, const lanes_seven *k, const km_pose *target, vector *e, mask *fit) {
+static inline vector left(const km_arm *a, const lanes_seven *k, const lanes_target *target, vector *e, mask *fit) {
   vector sine2, trace;
   lanes_vec v = {target->p.x - k->p.x, target->p.y - k->p.y, target->p.z - k->p.z};
-  lanes_vec w = lanes_turn_left(k->R, &target->R, &sine2, &trace);
+  lanes_vec w = lanes_turn_left(k->R, target->axes, &sine2, &trace);
   *fit &= below(sine2, all(KM_SMALL_TURN)) & below(all(1.0), trace);
   e[0] = v.x;
   e[1] = v.y;
@@ -79,9 +88,11 @@ static inline mask regular(const lanes_seven *k) {
 }
 
 /* Newton's steps of lanes first … first + WIDTH - 1, q[7] being where they begin. Returns the lanes that arrive; the
- * Jacobian there is factored, with the rates for a unit twist xi[6]. */
-static inline mask correct(const km_arm *a, const km_pose *target, const double *xi, km_lanes *io, int first, vector *q,
-                           lanes_seven *k) {
+ * Jacobian there is factored, with the rates for their unit twists. */
+static inline mask correct(const km_arm *a, km_lanes *io, int first, vector *q, lanes_seven *k) {
+  const lanes_target target = {
+      vec_from(io->place, first),
+      {vec_from(io->axes[0], first), vec_from(io->axes[1], first), vec_from(io->axes[2], first)}};
   vector e[6], moved[SEVEN], most = get(io->most + first), far = ZERO, tries = ZERO;
   mask fit = mask_of((1u << WIDTH) - 1), active = fit;
   for (int i = 0; i < SEVEN; ++i) {
@@ -92,7 +103,7 @@ static inline mask correct(const km_arm *a, const km_pose *target, const double 
   for (int step = 0;; ++step) {
     lanes_forward(a, q, k);
     tries += pick(active, all(1.0), ZERO);
-    vector rest = left(a, k, target, e, &fit);
+    vector rest = left(a, k, &target, e, &fit);
     fit &= below(rest, all(KM_NEWTON_FAR));
     active = fit & (below(all(KM_NEWTON_DONE), rest) | guessed);
     guessed = mask_of(0); /* a guess is followed by a step at least, which takes its part along the null vector out */
@@ -114,7 +125,7 @@ static inline mask correct(const km_arm *a, const km_pose *target, const double 
     put(io->moved[i] + first, moved[i]);
   put(io->tries + first, tries);
   for (int r = 0; r < 6; ++r)
-    e[r] = all(xi[r]);
+    e[r] = get(io->xi[r] + first);
   k->rates = lanes_factor(k, e);
   return fit & ~active & regular(k);
 }
@@ -136,9 +147,34 @@ static inline void put_columns(km_lanes *io, int first, const vector *q, const l
     put(io->sigma[r] + first, sigma[r]);
 }
 
-unsigned NAME(const km_arm *a, const km_pose *target, const double *xi, km_lanes *io);
-unsigned NAME(const km_arm *a, const km_pose *target, const double *xi, km_lanes *io) {
+/* Lanes where no joint is faster than it may: too_fast of tracker.c. */
+static inline mask slow(const km_arm *a, const vector *rates) {
+  mask kept = mask_of((1u << WIDTH) - 1);
+  for (int i = 0; i < SEVEN; ++i)
+    kept &= at_most(size_of(rates[i]), all(a->rate[i] * (1.0 + 1e-9)));
+  return kept;
+}
+
+/* check of tracker.c for lanes from `first` on, where the step doesn't begin at the path's start. */
+static inline mask keep(const km_arm *a, const km_lanes *io, int first, const vector *q, const lanes_seven *k) {
+  mask kept = mask_of((1u << WIDTH) - 1);
+  vector mean[SEVEN], rates[SEVEN], along = ZERO, entry = get(io->path[SEVEN] + first);
+  for (int i = 0; i < SEVEN; ++i) {
+    vector slack = 1e-12 * (1.0 + size_of(q[i]));
+    kept &= at_most(q[i], a->high[i] + slack) & at_most(a->low[i] - slack, q[i]);
+    mean[i] = (q[i] - get(io->from[i] + first)) * get(io->per_second + first);
+    along += k->null.at[i] * mean[i];
+  }
+  vector scale = pick(below(ZERO, entry), get(io->speed + first) / entry, ZERO);
+  for (int i = 0; i < SEVEN; ++i)
+    rates[i] = get(io->path[i] + first) * scale + along * k->null.at[i];
+  return kept & slow(a, mean) & slow(a, rates);
+}
+
+unsigned NAME(const km_arm *a, km_lanes *io);
+unsigned NAME(const km_arm *a, km_lanes *io) {
   unsigned arrived = 0;
+  io->keeps = 0;
   for (int first = 0; first < KM_LANES; first += WIDTH) {
     lanes_seven k;
     vector q[SEVEN];
@@ -146,9 +182,10 @@ unsigned NAME(const km_arm *a, const km_pose *target, const double *xi, km_lanes
       continue;
     for (int i = 0; i < SEVEN; ++i)
       q[i] = get(io->q[i] + first);
-    mask fit = correct(a, target, xi, io, first, q, &k);
+    mask fit = correct(a, io, first, q, &k);
     put_columns(io, first, q, &k);
     arrived |= bits_of(fit) << first;
+    io->keeps |= bits_of(keep(a, io, first, q, &k)) << first;
   }
   return arrived;
 }

@@ -107,6 +107,10 @@ static inline void km_one_subtract(km_one_row *x, double s, const km_one_row *v,
 /* Eight poses side by side, lane by lane in the last index. */
 enum { KM_LANES = 8 };
 typedef struct km_lanes {
+  double place[3][KM_LANES], axes[3][3][KM_LANES]; /* of the pose that is wanted: axis, component */
+  double xi[6][KM_LANES];                          /* the unit twist there */
+  double from[SEVEN][KM_LANES];                    /* where the step begins */
+  double per_second[KM_LANES], speed[KM_LANES];    /* 1 over the time it has, and dσ/dt where it ends */
   double q[SEVEN][KM_LANES];     /* in: where Newton begins; out: the poses */
   double moved[SEVEN][KM_LANES]; /* how far this is from the predictor, in and out */
   double most[KM_LANES];         /* how far it may be */
@@ -115,10 +119,13 @@ typedef struct km_lanes {
   double sigma[6][KM_LANES]; /* singular values in no order, if they are wanted */
   double tries[KM_LANES];    /* Jacobians that each took */
   unsigned used;             /* lanes (bits) that count */
+  unsigned keeps;            /* out: those that keep limits and rates, at the step's end and in its mean */
 } km_lanes;
 
-/* Newton's steps to a pose, then the columns for a unit twist xi[6], of every lane. Returns the lanes (bits) that
+/* What lanes from `first` on are to reach: a pose, and a unit twist xi[6] there. */
+void km_lanes_aim(km_lanes *lanes, int first, const km_pose *target, const double *xi);
+/* Newton's steps to the pose, then the columns for the unit twist, of every lane. Returns the lanes (bits) that
  * arrive at regular poses; the others are undefined. The same bits as one by one. */
-unsigned km_lanes_reach(const km_arm *arm, const km_pose *target, const double *xi, km_lanes *lanes);
+unsigned km_lanes_reach(const km_arm *arm, km_lanes *lanes);
 
 #endif

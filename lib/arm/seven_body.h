@@ -182,17 +182,16 @@ static inline T FN(along_null)(const FN(seven) * k, const T *x) {
   return FN(product)(&k->null, &row, 0);
 }
 
-/* The turn from R to a target's, as a rotation vector in the inertial axes, for small ones: the skew part of the
+/* The turn from R to a target's axes, as a rotation vector in the inertial axes, for small ones: the skew part of the
  * difference is sin θ, and θ/sin θ a series. *sine2 is sin²θ, *trace 1 + 2 cos θ: where they aren't those of a small
  * turn the result is none. */
-static inline FN(vec) FN(turn_left)(const FN(vec) * R, const km_rotation *target, T *sine2, T *trace) {
+static inline FN(vec) FN(turn_left)(const FN(vec) * R, const FN(vec) * target, T *sine2, T *trace) {
   FN(vec) s = {ZERO, ZERO, ZERO};
   *trace = ZERO;
   for (int i = 0; i < 3; ++i) {
-    FN(vec) t = {ZERO + target->axis[i].x, ZERO + target->axis[i].y, ZERO + target->axis[i].z};
-    FN(vec) c = FN(cross)(R[i], t);
+    FN(vec) c = FN(cross)(R[i], target[i]);
     s = (FN(vec)){s.x + c.x, s.y + c.y, s.z + c.z};
-    *trace += FN(dot)(R[i], t);
+    *trace += FN(dot)(R[i], target[i]);
   }
   s = FN(scaled)(ZERO + 0.5, s);
   T x = FN(dot)(s, s);

@@ -150,10 +150,12 @@ static int too_fast(const km_arm *a, const double *rates) {
   return -1;
 }
 
+static const km_step_end complete = {.stop = KM_TRACK_COMPLETE, .column = -1, .fraction = 1.0};
+
 static km_step_end check(const km_tracker *w, int sample, const km_path_point *point, const km_node *from,
                          const km_node *to) {
   const km_arm *a = w->arm;
-  km_step_end end = {KM_TRACK_COMPLETE, -1, 1.0};
+  km_step_end end = complete;
   end.column = km_arm_limit_passed(a, to->q);
   if (end.column >= 0) {
     end.stop = KM_TRACK_LIMIT;
@@ -184,7 +186,7 @@ km_step_end km_tracker_step(const km_tracker *w, km_tracker_space *s, int sample
   km_node_copy(w->arm, &s->here, from);
   for (int tries = 0; done < fraction; ++tries) {
     if (tries == (way->tries ? way->tries : MOST_TRIES) || h < least * fraction || s->here.z < KM_PATH_ENTRY_LEAST)
-      return (km_step_end){KM_TRACK_SINGULAR, -1, done};
+      return (km_step_end){.stop = KM_TRACK_SINGULAR, .column = -1, .fraction = done};
     double next = fraction - done <= h * (1.0 + 1e-9) ? fraction : done + h;
     km_path_point point = next < 1.0 ? km_path_at(w->path, sample, next) : w->path->points[sample + 1];
     if (!try_step(w, s, &here, &point, way, to)) {
@@ -227,22 +229,33 @@ static void take_lane(const km_tracker *w, km_tracker_space *s, int sample, cons
 }
 
 /* Lanes that can't take part are filled with what another one has. */
-static unsigned fill_lanes(const km_tracker *w, double ds, int count, const km_node *const *from,
+static unsigned fill_lanes(const km_tracker *w, const int *samples, int count, const km_node *const *from,
                            const km_step_choice *ways, km_lanes *lanes) {
+  double xi[6];
   unsigned used = 0;
+  int aimed = -1; /* the sample of xi */
   for (int l = 0; l < count; ++l) {
+    const km_path_point *here = &w->path->points[samples[l]], *point = here + 1;
     double step[SEVEN], moved[SEVEN], q[SEVEN];
     bool near = from[l]->z >= KM_PATH_ENTRY_LEAST;
-    double most = km_node_predict(w->arm, from[l], &ways[l], ds, step, moved);
+    double most = km_node_predict(w->arm, from[l], &ways[l], point->s - here->s, step, moved);
     for (int i = 0; i < SEVEN; ++i) {
       q[i] = from[l]->q[i] + step[i] + moved[i];
       near = near && fabs(q[i]) <= 0.5 * KM_SINCOS_MOST;
     }
     if (!near)
       continue;
+    if (samples[l] != aimed) {
+      km_arm_task_rows(w->arm, &point->pose.R, point->twist, xi);
+      km_lanes_aim(lanes, used ? l : 0, &point->pose, xi);
+    }
+    aimed = samples[l];
     for (int k = used ? l : 0; k < KM_LANES; ++k) { /* the first one stands in for all */
       lanes->most[k] = most;
+      lanes->per_second[k] = 1.0 / (point->t - here->t);
+      lanes->speed[k] = point->speed;
       for (int i = 0; i < SEVEN; ++i) {
+        lanes->from[i][k] = from[l]->q[i];
         lanes->q[i][k] = q[i];
         lanes->moved[i][k] = moved[i];
       }
@@ -254,28 +267,28 @@ static unsigned fill_lanes(const km_tracker *w, double ds, int count, const km_n
   return used;
 }
 
-void km_tracker_steps(const km_tracker *w, km_tracker_space *s, int sample, int count, const km_node *const *from,
-                      const km_step_choice *ways, km_node *const *to, km_step_end *ends) {
-  const km_path_point *here = &w->path->points[sample], *point = here + 1;
+void km_tracker_steps(const km_tracker *w, km_tracker_space *s, const int *samples, int count,
+                      const km_node *const *from, const km_step_choice *ways, km_node *const *to, km_step_end *ends) {
   km_lanes lanes; /* large: what isn't used isn't set */
   unsigned done = 0;
   if (count > 1 && s->arm.seven) {
-    double xi[6];
-    done = fill_lanes(w, point->s - here->s, count, from, ways, &lanes);
-    km_arm_task_rows(w->arm, &point->pose.R, point->twist, xi);
+    done = fill_lanes(w, samples, count, from, ways, &lanes);
     lanes.used = done;
     lanes.want_sigma = w->objective && (w->objective->weight[KM_SINGULAR_VALUE] != 0.0 ||
                                         w->objective->weight[KM_MANIPULABILITY] != 0.0);
     if (done)
-      done &= km_lanes_reach(w->arm, &point->pose, xi, &lanes);
+      done &= km_lanes_reach(w->arm, &lanes);
   }
   for (int l = 0; l < count; ++l) {
+    unsigned long before = s->arm.evaluations;
     if (done & 1u << l) {
-      take_lane(w, s, sample, &lanes, l, from[l], &ways[l], to[l]);
-      ends[l] = check(w, sample, point, from[l], to[l]);
+      take_lane(w, s, samples[l], &lanes, l, from[l], &ways[l], to[l]);
+      bool keeps = lanes.keeps & 1u << l && samples[l] > 0;
+      ends[l] = keeps ? complete : check(w, samples[l], &w->path->points[samples[l] + 1], from[l], to[l]);
     } else {
-      ends[l] = km_tracker_step(w, s, sample, 1.0, from[l], &ways[l], to[l]);
+      ends[l] = km_tracker_step(w, s, samples[l], 1.0, from[l], &ways[l], to[l]);
     }
+    ends[l].evaluations = s->arm.evaluations - before;
   }
 }
 
@@ -297,7 +310,7 @@ km_step_end km_tracker_find_end(const km_tracker *w, km_tracker_space *s, int sa
     km_step_end there = km_tracker_step(w, s, sample, x, from, way, to);
     int beyond = there.stop ? -1 : just_beyond(w->arm, to->q);
     if (beyond >= 0)
-      there = (km_step_end){KM_TRACK_LIMIT, beyond, 0.0};
+      there = (km_step_end){.stop = KM_TRACK_LIMIT, .column = beyond};
     if (there.stop) {
       outside = x;
       end = there;

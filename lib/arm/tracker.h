@@ -69,6 +69,7 @@ typedef struct km_step_end {
   km_track_stop stop;
   int column;
   double fraction; /* of the interval that was covered, limits and rates not counted */
+  unsigned long evaluations; /* Jacobians that it took; set by km_tracker_steps */
 } km_step_end;
 
 /* The node at q on a sample, q being there already. */
@@ -83,10 +84,10 @@ void km_tracker_begin(const km_tracker *walk, km_tracker_space *space, int sampl
 km_step_end km_tracker_step(const km_tracker *walk, km_tracker_space *space, int sample, double fraction,
                             const km_node *from, const km_step_choice *way, km_node *to);
 
-/* Up to eight whole steps from nodes at one sample, side by side where the arm is one of seven joints; ways with a tilt
+/* Up to eight whole steps from nodes at their samples, side by side where the arm is one of seven joints; ways with a tilt
  * only. The same bits as km_tracker_step one by one. */
 enum { KM_WALK_ABREAST = 8 };
-void km_tracker_steps(const km_tracker *walk, km_tracker_space *space, int sample, int count,
+void km_tracker_steps(const km_tracker *walk, km_tracker_space *space, const int *samples, int count,
                       const km_node *const *from, const km_step_choice *ways, km_node *const *to, km_step_end *ends);
 
 /* A whole step fails with `end`; if that is a rate, again with the nearest tilt that keeps the rates at the node, and a

@@ -204,12 +204,13 @@ static void run_abreast(void *context) {
   km_node *to[KM_WALK_ABREAST];
   km_step_choice ways[KM_WALK_ABREAST];
   km_step_end ends[KM_WALK_ABREAST];
+  static const int samples[KM_WALK_ABREAST] = {0};
   for (int i = 0; i < KM_WALK_ABREAST; ++i) {
     from[i] = &w->start;
     to[i] = &w->siblings[i];
     ways[i] = (km_step_choice){.tilt = &tilts[i]};
   }
-  km_tracker_steps(&w->walk, &w->space, 0, KM_WALK_ABREAST, from, ways, to, ends);
+  km_tracker_steps(&w->walk, &w->space, samples, KM_WALK_ABREAST, from, ways, to, ends);
 }
 
 static void run_one_by_one(void *context) {

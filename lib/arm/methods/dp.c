@@ -36,11 +36,12 @@ static void lead(km_dp_grid *g, int worker, int first, int count) {
     km_node *at[KM_WALK_ABREAST];
     km_step_choice ways[KM_WALK_ABREAST];
     km_step_end ends[KM_WALK_ABREAST];
-    int lane[KM_WALK_ABREAST], abreast = 0;
+    int lane[KM_WALK_ABREAST], samples[KM_WALK_ABREAST], abreast = 0;
     for (int l = 0; l < count; ++l) {
       if (!alive[l])
         continue;
       lane[abreast] = l;
+      samples[abreast] = now->first + k;
       from[abreast] = &here[l];
       at[abreast] = &g->arrivals[first + l].node;
       ways[abreast++] =
@@ -48,9 +49,9 @@ static void lead(km_dp_grid *g, int worker, int first, int count) {
     }
     if (abreast == 0)
       return;
-    km_tracker_steps(&run->walk, &g->spaces[worker], now->first + k, abreast, from, ways, at, ends);
+    km_tracker_steps(&run->walk, &g->spaces[worker], samples, abreast, from, ways, at, ends);
     for (int i = 0; i < abreast && g->eased; ++i)
-      ends[i] = km_tracker_ease(&run->walk, &g->spaces[worker], now->first + k, from[i], &ways[i], ends[i], at[i]);
+      ends[i] = km_tracker_ease(&run->walk, &g->spaces[worker], samples[i], from[i], &ways[i], ends[i], at[i]);
     for (int i = 0; i < abreast; ++i) {
       km_dp_state *to = &g->arrivals[first + lane[i]];
       alive[lane[i]] = !ends[i].stop;

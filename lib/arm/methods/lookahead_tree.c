@@ -1,9 +1,9 @@
 /* Growing the trees of look-ahead.
  *
  * A level is one batch of work: its nodes depend on the level above only, and each has a place of its own, so the
- * result is the same for any number of threads. The first level is too small to be shared. So several threads grow the next
- * tree's first level beside this tree's second one, from the root that is taken if the branch stays the same; where another
- * branch is taken it is grown again. */
+ * result is the same for any number of threads. The first level is too small to be shared, or to fill the lanes. So the next
+ * tree's first level is grown beside this tree's second one, from the root that is taken if the branch stays the same; where
+ * another branch is taken it is grown again. */
 #include "arm/methods/lookahead_tree.h"
 
 #include <math.h>
@@ -40,40 +40,59 @@ static int depth_of(const km_look_tree *t, const km_look_beginning *of) {
   return left < t->levels * t->stride ? left : t->levels * t->stride;
 }
 
-/* A node of a level, at its parent's end. */
-static km_look_node begin_node(const km_look_tree *t, const km_look_beginning *of, int level, int index,
-                               km_node *here) {
-  const km_look_node *parent = level > 0 ? km_look_node_at(t, of, level - 1, index / t->branches) : NULL;
-  km_look_node node = {.end = km_look_node_at(t, of, level, index)->end, .least = (double)INFINITY, .alive = true};
-  if (parent) {
-    node.least = parent->least;
-    node.sum = parent->sum;
-    node.samples = parent->samples;
-    node.alive = parent->alive;
-  }
-  if (node.alive)
-    km_node_copy(t->run->arm, here, parent ? &parent->end : &of->root);
-  return node;
-}
-
 /* A branch on its way over a level: what changes with every step is the worker's own until the level ends. */
 typedef struct traveller {
+  km_look_beginning *of; /* its tree: this one, or the next */
+  int level, index;
+  int begins, steps; /* samples from the root to where its level begins, and samples of the level */
   km_look_node node;
   km_node *here, *there; /* where it is, and where its next step leads */
 } traveller;
 
-/* A step of sample k has led there, or has failed. */
-static void take_step(const km_look_tree *t, km_look_beginning *of, int index, int k, traveller *w, km_step_end step) {
+/* At its parent's end. */
+static void begin_node(const km_look_tree *t, traveller *w) {
+  const km_look_node *parent = w->level > 0 ? km_look_node_at(t, w->of, w->level - 1, w->index / t->branches) : NULL;
+  w->node = (km_look_node){
+      .end = km_look_node_at(t, w->of, w->level, w->index)->end, .least = (double)INFINITY, .alive = true};
+  if (parent) {
+    w->node.least = parent->least;
+    w->node.sum = parent->sum;
+    w->node.samples = parent->samples;
+    w->node.alive = parent->alive;
+  }
+  if (w->node.alive)
+    km_node_copy(t->run->arm, w->here, parent ? &parent->end : &w->of->root);
+}
+
+/* A node of the level, or, behind its last one, of the next tree's first level. */
+static traveller set_out(const km_look_tree *t, int item, km_node *places) {
+  bool own = item < t->level_count;
+  traveller w = {.of = own ? t->now : t->next,
+                 .level = own ? t->level : 0,
+                 .index = own ? item : item - t->level_count,
+                 .here = &places[0],
+                 .there = &places[1]};
+  w.begins = w.level * t->stride;
+  int left = depth_of(t, w.of) - w.begins;
+  w.steps = left < t->stride ? left : t->stride;
+  begin_node(t, &w);
+  return w;
+}
+
+/* Its k-th step has led there, or has failed. */
+static void take_step(const km_look_tree *t, traveller *w, int k, km_step_end step) {
   km_look_node *node = &w->node;
   km_node *end = w->there;
-  if (k == 0 && index == (t->branches - 1) / 2)
-    of->middle = step;
+  bool first = w->begins + k == 0;
+  node->evaluations += step.evaluations;
+  if (first && w->index == (t->branches - 1) / 2)
+    w->of->middle = step;
   if (step.stop) {
     node->alive = false;
     return;
   }
-  if (k == 0)
-    km_node_copy(t->run->arm, &of->first[index], end);
+  if (first)
+    km_node_copy(t->run->arm, &w->of->first[w->index], end);
   node->least = end->value < node->least ? end->value : node->least;
   node->sum += end->value;
   node->samples++;
@@ -81,88 +100,92 @@ static void take_step(const km_look_tree *t, km_look_beginning *of, int index, i
   w->here = end;
 }
 
-/* The next step of those that go on, side by side. How many these are. */
-static int step_on(km_look_tree *t, km_look_beginning *of, int worker, int k, int first, int count, traveller *all) {
+/* The k-th step of those that go on, side by side. How many these are. */
+static int step_on(km_look_tree *t, int worker, int k, int count, traveller *all) {
   km_run *run = t->run;
   km_tracker_space *space = &t->spaces[worker];
   const km_node *from[KM_WALK_ABREAST];
   km_node *to[KM_WALK_ABREAST];
   km_step_choice ways[KM_WALK_ABREAST];
   km_step_end ends[KM_WALK_ABREAST];
-  int lane[KM_WALK_ABREAST], abreast = 0, sample = of->sample + k;
+  int lane[KM_WALK_ABREAST], samples[KM_WALK_ABREAST], abreast = 0;
   for (int l = 0; l < count; ++l) {
-    if (!all[l].node.alive)
+    const traveller *w = &all[l];
+    if (!w->node.alive || k >= w->steps)
       continue;
     lane[abreast] = l;
-    from[abreast] = all[l].here;
-    to[abreast] = all[l].there;
-    ways[abreast++] = (km_step_choice){.tilt = t->tilts + (first + l) % t->branches * run->arm->freedom};
+    samples[abreast] = w->of->sample + w->begins + k;
+    from[abreast] = w->here;
+    to[abreast] = w->there;
+    ways[abreast++] = (km_step_choice){.tilt = t->tilts + w->index % t->branches * run->arm->freedom};
   }
   if (abreast > 0)
-    km_tracker_steps(&run->walk, space, sample, abreast, from, ways, to, ends);
-  for (int i = 0; i < abreast && t->eased; ++i)
-    ends[i] = km_tracker_ease(&run->walk, space, sample, from[i], &ways[i], ends[i], to[i]);
+    km_tracker_steps(&run->walk, space, samples, abreast, from, ways, to, ends);
+  for (int i = 0; i < abreast && t->eased; ++i) {
+    unsigned long before = space->arm.evaluations, taken = ends[i].evaluations;
+    ends[i] = km_tracker_ease(&run->walk, space, samples[i], from[i], &ways[i], ends[i], to[i]);
+    ends[i].evaluations = taken + space->arm.evaluations - before;
+  }
   for (int i = 0; i < abreast; ++i)
-    take_step(t, of, first + lane[i], k, &all[lane[i]], ends[i]);
+    take_step(t, &all[lane[i]], k, ends[i]);
   return abreast;
 }
 
-/* Follows up to KM_WALK_ABREAST branches over one level, side by side, each as far as it goes. */
-static void grow(km_look_tree *t, km_look_beginning *of, int level, int worker, int first, int count) {
-  traveller all[KM_WALK_ABREAST];
-  km_node *places = &t->places[worker * 2 * KM_WALK_ABREAST];
-  int done = level * t->stride, depth = depth_of(t, of), end = done + t->stride < depth ? done + t->stride : depth;
-  for (int l = 0; l < count; ++l) {
-    all[l] = (traveller){.here = &places[2 * l], .there = &places[2 * l + 1]};
-    all[l].node = begin_node(t, of, level, first + l, all[l].here);
-  }
-  for (int k = done; k < end && step_on(t, of, worker, k, first, count, all) > 0; ++k)
-    ;
-  for (int l = 0; l < count; ++l) {
-    km_look_node *node = km_look_node_at(t, of, level, first + l);
-    *node = all[l].node;
-    if (node->alive)
-      km_node_copy(t->run->arm, &node->end, all[l].here);
-  }
+/* What the next tree's nodes take counts if that tree is grown. */
+static void arrive(const km_look_tree *t, int worker, const traveller *w) {
+  km_look_node *node = km_look_node_at(t, w->of, w->level, w->index);
+  *node = w->node;
+  if (node->alive)
+    km_node_copy(t->run->arm, &node->end, w->here);
+  if (w->of == t->next)
+    t->spaces[worker].arm.evaluations -= node->evaluations;
 }
 
-/* The next tree's first level. What it takes counts if that tree is grown. */
-static void grow_ahead(km_look_tree *t, int worker) {
-  unsigned long *evaluations = &t->spaces[worker].arm.evaluations, before = *evaluations;
-  for (int i = 0; i < t->branches; i += KM_WALK_ABREAST)
-    grow(t, t->next, 0, worker, i, t->branches - i < KM_WALK_ABREAST ? t->branches - i : KM_WALK_ABREAST);
-  t->guessed = *evaluations - before;
-  *evaluations = before;
+/* Follows up to KM_WALK_ABREAST branches over the level, side by side, each as far as it goes. */
+static void grow(km_look_tree *t, int worker, int first, int count) {
+  traveller all[KM_WALK_ABREAST];
+  km_node *places = &t->places[worker * 2 * KM_WALK_ABREAST];
+  for (int l = 0; l < count; ++l)
+    all[l] = set_out(t, first + l, &places[2 * l]);
+  for (int k = 0; k < t->stride && step_on(t, worker, k, count, all) > 0; ++k)
+    ;
+  for (int l = 0; l < count; ++l)
+    arrive(t, worker, &all[l]);
 }
 
 static void grow_some(void *context, int worker) {
   km_look_tree *t = context;
-  int end = (worker + 1) * t->share < t->level_count ? (worker + 1) * t->share : t->level_count;
+  int all = t->level_count + t->ahead, end = (worker + 1) * t->share < all ? (worker + 1) * t->share : all;
   for (int i = worker * t->share; i < end; i += t->group)
-    grow(t, t->now, t->level, worker, i, end - i < t->group ? end - i : t->group);
-  if (worker == t->ahead)
-    grow_ahead(t, worker);
+    grow(t, worker, i, end - i < t->group ? end - i : t->group);
 }
 
-/* Neighbours for each worker, since their parents and children are its own mostly; abreast in groups of one size. `more` nodes
- * are the last worker's beside these. */
-static void share_level(km_look_tree *t, int more) {
-  t->level_count = km_look_count_at(t, t->level);
-  int all = t->level_count + more, groups = (all + KM_WALK_ABREAST - 1) / KM_WALK_ABREAST;
+/* How many groups side by side so many nodes make. */
+static int groups_of(int nodes) {
+  return (nodes + KM_WALK_ABREAST - 1) / KM_WALK_ABREAST;
+}
+
+/* Neighbours for each worker, since their parents and children are its own mostly; abreast in groups of one size. */
+static void share_level(km_look_tree *t) {
+  int all = t->level_count + t->ahead, groups = groups_of(all);
   bool worth = groups * t->stride >= THREADS_PAY;
   t->sharing = !worth ? 1 : groups < t->workers ? groups : t->workers;
   t->share = (all + t->sharing - 1) / t->sharing;
-  groups = (t->share + KM_WALK_ABREAST - 1) / KM_WALK_ABREAST;
+  groups = groups_of(t->share);
   t->group = (t->share + groups - 1) / groups;
 }
 
-/* Beside the second level, which is a small one too, goes the next tree's first one, where several share it. */
+/* Beside the second level goes the next tree's first one, where lanes are free for it or several threads share the level. */
 static void plan_level(km_look_tree *t) {
   const km_look_beginning *now = t->now;
-  bool guess = t->workers > 1 && t->level == 1 && now->nodes[t->branch].samples > 0;
-  share_level(t, guess ? t->branches : 0);
-  t->ahead = guess && t->sharing > 1 ? t->sharing - 1 : -1;
-  if (t->ahead < 0)
+  t->level_count = km_look_count_at(t, t->level);
+  t->ahead = t->level == 1 && now->nodes[t->branch].samples > 0 ? t->branches : 0;
+  share_level(t);
+  if (t->sharing == 1 && groups_of(t->level_count + t->ahead) > groups_of(t->level_count)) {
+    t->ahead = 0;
+    share_level(t);
+  }
+  if (t->ahead == 0)
     return;
   t->guess = t->branch;
   t->next->sample = now->sample + 1;
@@ -246,7 +269,8 @@ void km_look_tree_go_on(km_look_tree *t, int branch) {
     km_look_beginning *before = t->now;
     t->now = t->next;
     t->next = before;
-    t->run->evaluations += t->guessed;
+    for (int i = 0; i < t->branches; ++i)
+      t->run->evaluations += t->now->nodes[i].evaluations;
     return;
   }
   km_node_copy(t->run->arm, &t->now->root, &t->now->first[branch]);

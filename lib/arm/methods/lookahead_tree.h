@@ -10,6 +10,7 @@ typedef struct km_look_node {
   double least, sum; /* of the objective, from the root (excluded) */
   int samples;       /* reached since the root */
   bool alive;
+  unsigned long evaluations; /* Jacobians that its level took */
 } km_look_node;
 
 /* The root of a tree, and what depends on nothing else. */
@@ -37,8 +38,7 @@ typedef struct km_look_tree {
   int branch;                /* executed last */
   int guess;                 /* `next` is grown from the end of this branch's first step; -1: it isn't grown */
   bool grown;                /* the first level of `now` was `next` */
-  int ahead;                 /* the worker that grows `next` beside this level; -1: none */
-  unsigned long guessed;     /* Jacobians that this took */
+  int ahead;                 /* nodes of `next` that are grown beside this level */
 } km_look_tree;
 
 /* Nodes of a level, from 0 on, of this tree or (level 0 alone) of the next one; and how many there are. */

@@ -87,7 +87,7 @@ void km_run_stop(km_run *run, const km_node *node, const km_step_choice *way, km
     km_node_copy(run->arm, &at, node);
   }
   if (end.stop == KM_TRACK_LIMIT && !at_limit(run->arm, at.q, end.column))
-    end = (km_step_end){KM_TRACK_SINGULAR, -1, end.fraction};
+    end = (km_step_end){.stop = KM_TRACK_SINGULAR, .column = -1, .fraction = end.fraction};
   run->stop = end.stop;
   run->column = end.column;
   memcpy(run->last, at.q, (size_t)run->arm->n * sizeof *at.q);
