@@ -22,9 +22,14 @@ unsigned km_lanes_reach(const km_arm *a, km_lanes *lanes) {
   return km_lanes_reach_plain(a, lanes);
 }
 
-static void fill(double *number, int first, double value) {
-  for (int l = first; l < KM_LANES; ++l)
-    number[l] = value;
+/* Mostly all lanes have one aim, which registers store. */
+static inline void fill(double *number, int first, double value) {
+  if (first == 0)
+    for (int l = 0; l < KM_LANES; ++l)
+      number[l] = value;
+  else
+    for (int l = first; l < KM_LANES; ++l)
+      number[l] = value;
 }
 
 void km_lanes_aim(km_lanes *lanes, int first, const km_pose *target, const double *xi) {

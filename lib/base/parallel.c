@@ -45,19 +45,24 @@ typedef struct member {
   pthread_t thread;
 } member;
 
-/* A round has a number; who has seen it takes part once. Between rounds a thread watches for a moment, then sleeps. */
+/* A round is over when all its passes are done, not when all threads have seen it: one that the system wakes late finds nothing
+ * left, or takes a pass of the next round. So a pass is taken first, and what belongs to it is read then: the round can't
+ * end before that pass is done. Between rounds a thread watches for a moment, then sleeps. */
 struct km_team {
   member members[MOST_THREADS + 1]; /* the first one is the caller */
   int started;
   pthread_mutex_t mutex;
   pthread_cond_t begins, ends;
-  atomic_uint round;
-  atomic_int busy; /* threads that haven't finished the round */
+  atomic_uint round; /* its number */
   bool over;
-  queue work;
+  int count;
+  void (*work)(void *context, int index);
+  void *context;
+  atomic_int left; /* passes that are no member's own and that nobody has taken */
+  atomic_int done;
 };
 
-enum { WATCH = 6000 }; /* for less than 0.1 ms: longer than a level of a small tree takes */
+enum { WATCH = 6000 }; /* for less than 0.3 ms: longer than a level of a small tree takes */
 
 static void breathe(void) {
 #if defined(__x86_64__) || defined(__i386__)
@@ -77,32 +82,53 @@ static unsigned await_round(km_team *team, unsigned seen) {
   return atomic_load(&team->round);
 }
 
-static void take(km_team *team, int index) {
-  bool owned = index <= team->started;
-  if (index < team->work.count && !(owned && atomic_exchange(&team->members[index].held, true)))
-    team->work.work(team->work.context, index);
+static bool all_done(km_team *team) {
+  return atomic_load(&team->done) == team->count;
 }
 
-static void take_part(const member *m) {
-  queue *q = &m->team->work;
-  take(m->team, m->index);
-  for (int i = atomic_fetch_add(&q->next, 1); i < q->count; i = atomic_fetch_add(&q->next, 1))
-    take(m->team, i);
+/* Works on a pass that was taken. Whoever ends the last one tells the caller. */
+static void work_on(km_team *team, int index) {
+  int count = team->count;
+  team->work(team->context, index);
+  if (atomic_fetch_add(&team->done, 1) + 1 < count)
+    return;
+  pthread_mutex_lock(&team->mutex);
+  pthread_cond_signal(&team->ends);
+  pthread_mutex_unlock(&team->mutex);
+}
+
+static void take_own(member *m) {
+  if (!atomic_load(&m->held) && !atomic_exchange(&m->held, true))
+    work_on(m->team, m->index);
+}
+
+/* One of those that are no member's own. */
+static bool take_another(km_team *team) {
+  int left = atomic_load(&team->left);
+  while (left > 0 && !atomic_compare_exchange_weak(&team->left, &left, left - 1))
+    ;
+  if (left > 0)
+    work_on(team, team->count - left);
+  return left > 0;
+}
+
+/* Its own pass first, those of members that haven't begun last. */
+static void take_part(member *m) {
+  km_team *team = m->team;
+  take_own(m);
+  while (take_another(team))
+    ;
+  for (int i = 0; i <= team->started; ++i)
+    take_own(&team->members[i]);
 }
 
 static void *stand_by(void *data) {
   member *own = data;
-  km_team *team = own->team;
   for (unsigned seen = 0;;) {
-    seen = await_round(team, seen);
-    if (team->over)
+    seen = await_round(own->team, seen);
+    if (own->team->over)
       return NULL;
     take_part(own);
-    if (atomic_fetch_sub(&team->busy, 1) != 1)
-      continue;
-    pthread_mutex_lock(&team->mutex);
-    pthread_cond_signal(&team->ends);
-    pthread_mutex_unlock(&team->mutex);
   }
 }
 
@@ -116,6 +142,7 @@ km_team *km_team_create(int jobs) {
   for (int i = 0; i <= MOST_THREADS; ++i) {
     team->members[i].team = team;
     team->members[i].index = i;
+    atomic_init(&team->members[i].held, true);
   }
   while (team->started + 1 < jobs && team->started < MOST_THREADS) {
     member *m = &team->members[team->started + 1];
@@ -148,10 +175,10 @@ void km_team_free(km_team *team) {
 
 static void await_end(km_team *team) {
   for (int i = 0; i < WATCH; ++i, breathe())
-    if (atomic_load(&team->busy) == 0)
+    if (all_done(team))
       return;
   pthread_mutex_lock(&team->mutex);
-  while (atomic_load(&team->busy) != 0)
+  while (!all_done(team))
     pthread_cond_wait(&team->ends, &team->mutex);
   pthread_mutex_unlock(&team->mutex);
 }
@@ -162,13 +189,13 @@ void km_team_run(km_team *team, int count, void (*work)(void *context, int index
       work(context, i);
     return;
   }
-  team->work.count = count;
-  team->work.work = work;
-  team->work.context = context;
-  for (int i = 0; i <= team->started; ++i)
+  team->count = count;
+  team->work = work;
+  team->context = context;
+  atomic_store(&team->done, 0);
+  for (int i = 0; i <= team->started && i < count; ++i)
     atomic_store(&team->members[i].held, false);
-  atomic_store(&team->work.next, 0);
-  atomic_store(&team->busy, team->started);
+  atomic_store(&team->left, count > team->started + 1 ? count - team->started - 1 : 0);
   begin_round(team);
   take_part(&team->members[0]);
   await_end(team);
