@@ -54,7 +54,7 @@ struct km_team {
   pthread_mutex_t mutex;
   pthread_cond_t begins, ends;
   atomic_uint round; /* its number */
-  bool over;
+  atomic_bool over;
   int count;
   void (*work)(void *context, int index);
   void *context;
@@ -126,7 +126,7 @@ static void *stand_by(void *data) {
   member *own = data;
   for (unsigned seen = 0;;) {
     seen = await_round(own->team, seen);
-    if (own->team->over)
+    if (atomic_load(&own->team->over))
       return NULL;
     take_part(own);
   }
@@ -163,7 +163,7 @@ static void begin_round(km_team *team) {
 void km_team_free(km_team *team) {
   if (!team)
     return;
-  team->over = true;
+  atomic_store(&team->over, true);
   begin_round(team);
   for (int i = 0; i < team->started; ++i)
     pthread_join(team->members[i + 1].thread, NULL);
