@@ -79,12 +79,7 @@ static km_status take_crossings(km_history_writer *w, km_status status, km_error
 
 km_status km_history_run(const km_mechanism *m, km_forces *forces, km_state *state, const km_history_def *def,
                          km_history *out, km_error *error) {
-  if (!out)
-    return km_check_given(false, "place for the result", error);
-  *out = (km_history){0};
-  km_status status = km_check_given(def != NULL && forces != NULL, "definition or forces", error);
-  if (!status)
-    status = km_check_state(m, state, error);
+  km_status status = km_history_check(m, forces, state, def, out, error);
   if (!status)
     status = check_def(m, def, error);
   if (status)

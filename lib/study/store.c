@@ -283,7 +283,8 @@ void km_store_append(km_store *s) {
 km_status km_store_sort(km_store *s, km_error *error) {
   km_status status = s->appends ? sort_appended(s, error) : KM_OK;
   s->appends = false;
-  return status ? status : km_store_commit(s, error);
+  km_status committed = km_store_commit(s, status ? NULL : error); /* what can't be sorted is there still */
+  return status ? status : committed;
 }
 
 km_status km_store_commit(km_store *s, km_error *error) {
