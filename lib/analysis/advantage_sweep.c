@@ -21,6 +21,7 @@ typedef struct watch {
   km_losses_work *losses;             /* NULL: no joint has friction */
   bool followed;                      /* r->rates is the motion at the pose that is looked at */
   bool between;                       /* that pose lies between rows */
+  bool table_only;                    /* see km_sweep_job */
   bool failed;                        /* the losses of the last row found no memory */
   double *reference;                  /* [coordinate] the motion at the last sample: a basis has no sense of its own */
   double sense;             /* of the lever's motion at the pose that was looked at last, beside the sweep's: ±1 */
@@ -158,13 +159,13 @@ static km_status note_dead_centre(watch *w, double s, km_error *error) {
 static km_status pass(void *self, km_sweeper *r, double s, km_error *error) {
   watch *w = self;
   w->followed = r->rides || km_sweeper_motion(r);
-  return km_scan_sample(&w->scan, r, s, error);
+  return w->table_only ? KM_OK : km_scan_sample(&w->scan, r, s, error);
 }
 
 static km_status see(void *self, km_sweeper *r, double s, km_error *error) {
   watch *w = self;
   km_status status = w->failed ? km_fail(error, KM_MEMORY, "out of memory for the losses") : pass(self, r, s, error);
-  return status ? status : note_dead_centre(w, s, error);
+  return status || w->table_only ? status : note_dead_centre(w, s, error);
 }
 
 static void forget(void *self) {
@@ -173,7 +174,7 @@ static void forget(void *self) {
 
 static km_status end_at(void *self, km_sweeper *r, double s, km_error *error) {
   watch *w = self;
-  return km_scan_end(&w->scan, r, s, error);
+  return w->table_only ? KM_OK : km_scan_end(&w->scan, r, s, error);
 }
 
 /* Zeros and poles as toggles: two in one place leave the advantage undefined there. */
@@ -272,6 +273,8 @@ static km_status open_instruments(watch *w, const km_sweep_job *job, bool transm
 
 static km_status tell(void *self, const km_sweep_job *job) {
   watch *w = self;
+  if (job->table_only)
+    return job->status;
   km_events_sort(&w->events, job->plan);
   km_status taken = take_toggles(w, job->error);
   take_extremes(w);
@@ -318,6 +321,7 @@ static km_status open_watch(km_sweep_job *job, bool transmission, km_advantage_s
   if (!w)
     return km_fail(job->error, KM_MEMORY, "out of memory for a sweep");
   w->out = out;
+  w->table_only = job->table_only;
   w->observer = observer_of(w);
   w->scan = scan_of(w);
   job->observer = &w->observer;

@@ -265,7 +265,8 @@ static km_status end_at(void *self, km_sweeper *r, double s, km_error *error) {
 }
 
 static km_status tell(void *self, const km_sweep_job *job) {
-  find_extremes(self, job->m->coordinate_count);
+  if (!job->table_only)
+    find_extremes(self, job->m->coordinate_count);
   return job->status;
 }
 
@@ -279,16 +280,17 @@ static void close_watch(void *self) {
   km_free(w);
 }
 
-static km_observer observer_of(watch *w, bool singularities) {
+static km_observer observer_of(watch *w, bool singularities, bool table_only) {
+  const bool looks = singularities || !table_only;
   return (km_observer){.self = w,
                        .columns = add_columns,
                        .cells = write_numbers,
-                       .seen = see,
-                       .wants = wants,
-                       .shown = shown,
+                       .seen = looks ? see : NULL,
+                       .wants = looks ? wants : NULL,
+                       .shown = looks ? shown : NULL,
                        .passed = singularities ? pass : NULL,
                        .corner = forget,
-                       .ended = end_at,
+                       .ended = looks ? end_at : NULL,
                        .tell = tell,
                        .close = close_watch,
                        .reads_jacobian = singularities,
@@ -321,7 +323,7 @@ static km_status open_watch(km_sweep_job *job, km_mobility_sweep *out) {
   if (ready) {
     w->out = out;
     ready = reserve(w, job->m) && (!singularities || km_singular_watch_make(&w->singular, job->m));
-    w->observer = observer_of(w, singularities);
+    w->observer = observer_of(w, singularities, job->table_only);
     job->observer = &w->observer;
   }
   return ready ? KM_OK : km_fail(job->error, KM_MEMORY, "out of memory for a sweep");

@@ -249,7 +249,8 @@ static void end_answer(km_question *q, km_status status) {
 }
 
 static km_sweep_job open_sweep(km_question *q, km_state *s, km_error *error) {
-  km_sweep_job job = {.m = q->m, .s = s, .plan = &q->plan, .room = &q->room, .error = error};
+  km_sweep_job job = {
+      .m = q->m, .s = s, .plan = &q->plan, .room = &q->room, .error = error, .table_only = q->table_only};
   begin_answer(q, error);
   q->kind->open(q, &job);
   return job;
@@ -257,7 +258,7 @@ static km_sweep_job open_sweep(km_question *q, km_state *s, km_error *error) {
 
 static km_status conclude(km_question *q, const km_sweep_job *job) {
   km_status status = job->status;
-  if (q->kind->conclude && (status == KM_OK || status == KM_PARTIAL)) {
+  if (q->kind->conclude && !q->table_only && (status == KM_OK || status == KM_PARTIAL)) {
     km_status found = q->kind->conclude(q, job->error);
     status = found ? found : status;
   }

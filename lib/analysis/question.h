@@ -42,6 +42,7 @@ struct km_question {
   void *context;
   bool prepared, answered;
   bool no_reactions;  /* nobody reads their columns, which a question about forces leaves at NaN */
+  bool table_only;    /* see km_sweep_job; nor is anything concluded from it */
   km_sweep_room room; /* of the last answer, for the next one */
   void *own;
 };

@@ -17,6 +17,7 @@ typedef struct watch {
   km_statics *statics;
   km_scan scan;
   km_events events;
+  bool table_only; /* see km_sweep_job */
   bool moves; /* r->rates is the motion */
   bool grown; /* the actuators reach more freedoms than before */
   bool known; /* the balance is that of the state's pose, by this edition of the partition that moves: */
@@ -124,6 +125,8 @@ static km_status look(watch *w, km_sweeper *r, double s, km_error *error) {
   bool second = w->scan.have > 0;
   w->grown = false;
   w->moves = r->rides ? r->mover.rates(r->mover.self, r->rates) : km_sweeper_motion(r);
+  if (w->table_only)
+    return KM_OK;
   km_status status = km_scan_sample(&w->scan, r, s, error);
   if (w->grown && second && !status)
     status = start_at_pole(w, error);
@@ -161,7 +164,8 @@ static bool between(void *self, km_sweeper *r, double s) {
 }
 
 static km_status end_at(void *self, km_sweeper *r, double s, km_error *error) {
-  return km_scan_end(&((watch *)self)->scan, r, s, error);
+  watch *w = self;
+  return w->table_only ? KM_OK : km_scan_end(&w->scan, r, s, error);
 }
 
 static void forget(void *self) {
@@ -268,7 +272,7 @@ static km_status open_watch(km_sweep_job *job, km_forces *forces, km_statics *st
     return status;
   watch *w = KM_NEW(watch, 1);
   if (w) {
-    *w = (watch){.out = out, .forces = forces, .statics = statics};
+    *w = (watch){.out = out, .forces = forces, .statics = statics, .table_only = job->table_only};
     w->observer = observer_of(w);
     w->scan = scan_of(w);
     job->observer = &w->observer;

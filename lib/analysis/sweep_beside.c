@@ -14,17 +14,18 @@ static int rows_ahead(const km_walk *w) {
   return left < KM_DRIVE_ROWS ? left : KM_DRIVE_ROWS;
 }
 
-/* The quiet rows that were passed, at s[row × KM_DRIVE_LANES]. The observer sees the last one, which the state shows. */
+/* The rows that were passed, at s[row × KM_DRIVE_LANES]. An observer that looks at rows sees the last one, which the state
+ * shows. */
 static void write_passed_rows(km_walk *w, int count, const double *s) {
   km_sweeper *r = w->r;
-  int last = count - 1;
-  km_status status = km_sweeper_passed_rows(r, w->at.drive, last, w->row, s, w->job->error);
+  const bool looks = r->observer->seen != NULL;
+  km_status status = km_sweeper_passed_rows(r, w->at.drive, count - looks, w->row, s, w->job->error);
   r->rides = true;
   r->residual = km_drive_ridden_residual(w->at.drive);
-  w->last = s[last * KM_DRIVE_LANES];
+  w->last = s[(count - 1) * KM_DRIVE_LANES];
   w->row += count;
   w->step += count;
-  w->job->status = status ? status : km_sweeper_row(r, w->row - 1, w->last, w->job->error);
+  w->job->status = status || !looks ? status : km_sweeper_row(r, w->row - 1, w->last, w->job->error);
 }
 
 /* Does the observer look at more than the lane tells? */
@@ -89,8 +90,15 @@ static void set_targets(const km_walk *walks, unsigned going, unsigned same, int
   }
 }
 
-/* Moves the walks `going` in lanes: through quiet rows, which are written, to the row behind them. targets[lane]: of the next
- * row, and then of the one where they arrive. */
+static bool any_looks(const km_walk *walks, unsigned going) {
+  bool found = false;
+  for (unsigned rest = going; rest; rest &= rest - 1)
+    found = found || walks[__builtin_ctz(rest)].r->observer->seen;
+  return found;
+}
+
+/* Moves the walks `going` in lanes: through rows that need no look, which are written, to the row behind them. targets[lane]: of
+ * the next row, and then of the one where they arrive. */
 static void move_beside(km_walk *walks, unsigned going, km_drive_lanes *lanes, double *targets, km_reach *reaches) {
   double rows[KM_DRIVE_ROWS * KM_DRIVE_LANES];
   int count = KM_DRIVE_ROWS;
@@ -102,7 +110,7 @@ static void move_beside(km_walk *walks, unsigned going, km_drive_lanes *lanes, d
   memcpy(rows, targets, KM_DRIVE_LANES * sizeof *rows);
   for (int k = 1; k < count; ++k)
     set_targets(walks, going, same, k, rows + k * KM_DRIVE_LANES);
-  int passed = km_drive_lanes_pass(lanes, going, rows, count);
+  int passed = km_drive_lanes_pass(lanes, going, rows, count, any_looks(walks, going));
   if (passed > 0) {
     km_drive_lanes_show(lanes, passed - 1);
     for (unsigned rest = going; rest; rest &= rest - 1)

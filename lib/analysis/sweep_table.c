@@ -195,6 +195,8 @@ km_status km_sweeper_passed_rows(km_sweeper *r, const km_drive *drive, int count
   const int freedom = km_partition_freedom(&r->s->partition[r->substructure]);
   size_t width = km_table_columns(r->out->table), residual = width - 1,
          dof = residual - 1 - (size_t)m->topology.substructure_count;
+  if (count == 0)
+    return KM_OK;
   double *first = km_table_add_raw_rows(r->out->table, (size_t)count);
   if (!first)
     return km_fail(error, KM_MEMORY, "out of memory for the table");

@@ -52,7 +52,8 @@ typedef struct km_observer {
   bool asks_direction; /* but asks km_mover.direction where one freedom is left */
   /* Of an observer that looks for places where an entry of the direction of motion is 0, and for nothing else: the cell of each
    * coordinate's mobility number in a row, 0: none. Of rows between which no entry comes near 0 only the last one has to be
-   * `seen`, and in the others only coordinates, mobility numbers and the residual are new. Else NULL. */
+   * `seen`, and in the others only coordinates, mobility numbers and the residual are new; where `seen` is NULL that holds of
+   * all rows. Else NULL. */
   const size_t *number_cells;
 } km_observer;
 
@@ -102,6 +103,7 @@ struct km_sweep_job {
   km_error *error;     /* may be NULL */
   const km_observer *observer;
   km_sweep *out;
+  bool table_only;  /* nobody reads more than the table and how the motion ended: what lies between rows isn't looked for */
   km_status status; /* how it ended */
 };
 

@@ -338,7 +338,7 @@ static void remember_row(km_drive_lanes *l) {
   l->known = l->arrived;
 }
 
-int km_drive_lanes_pass(km_drive_lanes *l, unsigned wanted, const double *targets, int rows) {
+int km_drive_lanes_pass(km_drive_lanes *l, unsigned wanted, const double *targets, int rows, bool looks) {
   int passed = 0;
   keep_pivots(l);
   for (unsigned left = wanted & ~l->aboard; left; left &= left - 1) {
@@ -349,7 +349,8 @@ int km_drive_lanes_pass(km_drive_lanes *l, unsigned wanted, const double *target
     set_targets(l, wanted & l->aboard, targets + (size_t)passed * KM_DRIVE_LANES);
     l->arrived = go(l, wanted & l->aboard);
     take_row(l, passed);
-    bool goes_on = passed + 1 < rows && l->arrived == wanted && !(wanted & ~(l->quiet & l->known));
+    unsigned plain = looks ? l->quiet & l->known : l->sound;
+    bool goes_on = passed + 1 < rows && l->arrived == wanted && !(wanted & ~plain);
     remember_row(l);
     if (!goes_on)
       break;
@@ -403,6 +404,6 @@ void km_drive_lanes_arrive(km_drive_lanes *l, unsigned wanted, const double *tar
 }
 
 void km_drive_lanes_to(km_drive_lanes *l, unsigned wanted, const double *targets, km_reach *reaches) {
-  km_drive_lanes_pass(l, wanted, targets, 1);
+  km_drive_lanes_pass(l, wanted, targets, 1, true);
   km_drive_lanes_arrive(l, wanted, targets, reaches);
 }

@@ -27,12 +27,13 @@ static const double km_drive_quiet = 1e-9;
 void km_drive_lanes_to(km_drive_lanes *lanes, unsigned wanted, const double *targets, km_reach *reaches);
 
 /* The same in two parts, over several rows. Drives go through up to KM_DRIVE_ROWS rows of targets, targets[row ×
- * KM_DRIVE_LANES + i], as long as all of them ride and the rows are quiet. Returns how many quiet rows they have passed. km_drive_lanes_arrive then ends
- * the row behind them: `targets` and `reaches` are of that row alone. */
+ * KM_DRIVE_LANES + i], as long as all of them ride and the rows are quiet or, where nobody `looks` at rows, the pivots serve
+ * there. Returns how many rows they have passed. km_drive_lanes_arrive then ends the row behind them: `targets` and `reaches`
+ * are of that row alone. */
 enum { KM_DRIVE_ROWS = 16 };
-int km_drive_lanes_pass(km_drive_lanes *lanes, unsigned wanted, const double *targets, int rows);
+int km_drive_lanes_pass(km_drive_lanes *lanes, unsigned wanted, const double *targets, int rows, bool looks);
 void km_drive_lanes_arrive(km_drive_lanes *lanes, unsigned wanted, const double *targets, km_reach *reaches);
-/* Before that, what a drive found at the quiet rows, from the first one on; and a row, 0 is the first, is shown as if the drives
+/* Before that, what a drive found at the rows that were passed, from the first one on; and a row, 0 is the first, is shown as if the drives
  * were there: coordinates and mobility numbers in the states, km_drive_ridden_residual and km_drive_ridden_direction. */
 typedef struct km_ridden_rows {
   const double *q, *numbers; /* [column × KM_DRIVE_LANES] coordinates and mobility numbers at the first row */

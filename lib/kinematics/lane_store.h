@@ -141,9 +141,10 @@ struct km_drive_lanes {
   km_lane_row rows[KM_DRIVE_ROWS];
   size_t row_size;
   const km_lane_row *shown;
-  int passed;              /* quiet rows before the last one */
+  int passed;              /* rows before the last one */
   km_lanes_number *before; /* [columns] z at the row before, */
   unsigned known;          /* in these lanes */
+  unsigned sound;          /* lanes whose pivots serve whoever looks at the pose */
   unsigned quiet;          /* lanes where no entry of z has changed its sign, or come near 0, since then */
   unsigned arrived;        /* lanes that the last row's steps led to their targets */
 

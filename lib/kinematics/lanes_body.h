@@ -239,11 +239,11 @@ static WITHIN void set_numbers_of_one(km_drive_lanes *l, const mask *took, int f
     }
 }
 
-/* Lanes where no entry of the direction of motion has changed its sign, or come near 0, since the row before, and whose pivots
- * serve whoever looks at the row. */
-static inline void find_quiet(const km_drive_lanes *l, mask *quiet, int first, int count) {
+/* Lanes whose pivots serve whoever looks at the row; and those of them where no entry of the direction of motion has changed its
+ * sign, or come near 0, since the row before. */
+static inline void find_quiet(const km_drive_lanes *l, mask *sound, mask *quiet, int first, int count) {
   EACH(r)
-  quiet[r] = at_most(GET(l->here.largest_b), all(km_largest_good_b));
+  quiet[r] = sound[r] = at_most(GET(l->here.largest_b), all(km_largest_good_b));
   for (int k = 0; k < l->sub->columns; ++k)
     EACH(r) {
       vector z = GET(l->z[k]), before = GET(l->before[k]);
@@ -276,7 +276,7 @@ static inline void set_residual(km_drive_lanes *l, const mask *took, int first, 
 static inline unsigned step(km_drive_lanes *l, unsigned wanted, int first, int count) {
   const int *coordinate = l->m->column_coordinate + l->sub->column_start;
   vector h[TOGETHER], strain[TOGETHER], square[TOGETHER], correction[TOGETHER], largest_b[TOGETHER];
-  mask arrives[TOGETHER], took[TOGETHER], quiet[TOGETHER];
+  mask arrives[TOGETHER], took[TOGETHER], sound[TOGETHER], quiet[TOGETHER];
   unsigned taken = 0;
   EACH(r) {
     took[r] = mask_of(wanted >> AT(r));
@@ -308,9 +308,10 @@ static inline unsigned step(km_drive_lanes *l, unsigned wanted, int first, int c
   else
     set_numbers_of_several(l, took, first, count);
   set_residual(l, took, first, count);
-  find_quiet(l, quiet, first, count);
+  find_quiet(l, sound, quiet, first, count);
   EACH(r) {
     taken |= bits_of(took[r]) << AT(r);
+    l->sound |= bits_of(sound[r]) << AT(r);
     l->quiet |= bits_of(quiet[r]) << AT(r);
     l->there |= bits_of(took[r] & arrives[r]) << AT(r);
   }
@@ -322,6 +323,7 @@ unsigned NAME(km_drive_lanes *lanes, unsigned wanted) {
   const unsigned own = (1u << WIDTH) - 1;
   unsigned took = 0;
   lanes->there = 0;
+  lanes->sound &= ~wanted;
   lanes->quiet &= ~wanted;
   for (int first = 0; first < KM_DRIVE_LANES; first += TOGETHER * WIDTH) {
     unsigned one = wanted >> first & own, other = wanted >> (first + WIDTH) & own;

@@ -178,14 +178,23 @@ static bool reads_reactions(const km_design_question *q) {
   return reads;
 }
 
+static bool reads_events(const km_design_question *q) {
+  bool reads = false;
+  for (int f = 0; f < q->figure_count; ++f)
+    reads = reads || q->figures[f].kind == KM_DESIGN_TOGGLES;
+  return reads;
+}
+
 static km_status make_question(const km_design_worker *w, int index, const km_mechanism *m, const km_model *model,
                                km_question **out, km_error *error) {
   const km_design_question *def = &w->study->def->questions[index];
   km_status status = km_question_create(m, def->kind, out, error);
   if (!status)
     status = km_design_set_options(w->study->def, def, model, *out, error);
-  if (!status)
+  if (!status) {
     (*out)->no_reactions = !reads_reactions(def);
+    (*out)->table_only = !reads_events(def);
+  }
   if (status) {
     km_question_free(*out);
     *out = NULL;
