@@ -18,9 +18,9 @@ typedef struct watch {
   km_scan scan;
   km_events events;
   bool table_only; /* see km_sweep_job */
-  bool moves; /* r->rates is the motion */
-  bool grown; /* the actuators reach more freedoms than before */
-  bool known; /* the balance is that of the state's pose, by this edition of the partition that moves: */
+  bool moves;      /* r->rates is the motion */
+  bool grown;      /* the actuators reach more freedoms than before */
+  bool known;      /* the balance is that of the state's pose, by this edition of the partition that moves: */
   unsigned edition;
 } watch;
 

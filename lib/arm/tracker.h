@@ -68,7 +68,7 @@ void km_node_remember(const km_arm *arm, const km_node *from, const km_step_choi
 typedef struct km_step_end {
   km_track_stop stop;
   int column;
-  double fraction; /* of the interval that was covered, limits and rates not counted */
+  double fraction;           /* of the interval that was covered, limits and rates not counted */
   unsigned long evaluations; /* Jacobians that it took; set by km_tracker_steps */
 } km_step_end;
 

@@ -14,6 +14,7 @@ typedef struct asked {
   bool point; /* the output of leverage is a point of the last body, else a joint */
   bool ignore_limits;
   bool short_of_range; /* the first three go over another range than the others */
+  bool table_only;     /* those side by side find no events, the others do */
 } asked;
 
 static void set(km_question *q, const char *option, km_option_value value) {
@@ -79,6 +80,11 @@ static void same_table(const char *what, int index, const km_table *x, const km_
 
 static void same_answer(const char *what, int index, const km_question *x, const km_question *y) {
   same_table(what, index, km_question_table(x), km_question_table(y));
+  const km_reach *end = &km_question_motion(x)->end, *alone = &km_question_motion(y)->end;
+  assert_int_equal(end->stop, alone->stop);
+  assert_true(same(end->position, alone->position));
+  if (x->table_only)
+    return;
   same_table(what, index, km_question_motion(x)->between, km_question_motion(y)->between);
   assert_int_equal(km_question_event_count(x), km_question_event_count(y));
   for (int i = 0; i < km_question_event_count(x); ++i) {
@@ -101,6 +107,7 @@ static int compare(const char *name, const asked *a, uint64_t seed) {
   for (int i = 0; i < KM_DRIVE_LANES; ++i) {
     beside[i] = fixture_open_variant(name, seed + (uint64_t)i);
     questions[i] = make(&beside[i], a, i);
+    questions[i]->table_only = a->table_only;
     states[i] = beside[i].state;
   }
   km_questions_ask(questions, states, KM_DRIVE_LANES, statuses, errors);
@@ -165,9 +172,27 @@ static void different_ranges(void **state) {
   over_models(&(asked){.kind = "advantage", .steps = 40, .short_of_range = true}, 8000);
 }
 
+/* Where nobody reads events, rows and how the motion ends are the same. */
+static void without_events(void **state) {
+  (void)state;
+  static const char *const several[] = {"delta", "stewart", "rssr", "bonnet"};
+  static const asked all[] = {{.kind = "mobility", .steps = 150, .table_only = true},
+                              {.kind = "mobility", .steps = 40, .flag = true, .table_only = true},
+                              {.kind = "advantage", .steps = 12, .table_only = true},
+                              {.kind = "advantage", .steps = 150, .point = true, .table_only = true},
+                              {.kind = "advantage", .steps = 30, .flag = true, .table_only = true},
+                              {.kind = "forces", .steps = 60, .table_only = true}};
+  for (size_t k = 0; k < sizeof all / sizeof *all; ++k) {
+    over_models(&all[k], 9000 + 100 * (uint64_t)k);
+    for (size_t i = 0; i < sizeof several / sizeof *several && k < 4; ++i)
+      compare(several[i], &all[k], 9000 + 100 * (uint64_t)k);
+  }
+}
+
 int main(void) {
   const struct CMUnitTest tests[] = {
-      cmocka_unit_test(leverage), cmocka_unit_test(leverage_at_points), cmocka_unit_test(leverage_with_metrics),
-      cmocka_unit_test(forces),   cmocka_unit_test(mobility),           cmocka_unit_test(different_ranges)};
+      cmocka_unit_test(leverage),      cmocka_unit_test(leverage_at_points), cmocka_unit_test(leverage_with_metrics),
+      cmocka_unit_test(forces),        cmocka_unit_test(mobility),           cmocka_unit_test(different_ranges),
+      cmocka_unit_test(without_events)};
   return cmocka_run_group_tests(tests, NULL, NULL);
 }
