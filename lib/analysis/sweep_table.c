@@ -154,68 +154,59 @@ km_status km_sweeper_row(km_sweeper *r, int step, double s, km_error *error) {
   return r->observer->seen ? r->observer->seen(r->observer->self, r, s, error) : KM_OK;
 }
 
-/* Numbers that are `apart` from each other into cells that are `width` apart. Long sweeps spend much of their time here, so two
- * are copied at a time. */
-static void fill(double *cell, size_t width, int count, const double *from, size_t apart) {
-  for (int i = 1; i < count; i += 2, cell += 2 * width, from += 2 * apart) {
-    cell[0] = from[0];
-    cell[width] = from[apart];
-  }
-  if (count % 2 == 1)
-    *cell = *from;
-}
-
-/* The row before `first` into the rows from there on. */
+/* The row at `first` into those behind it, `count` in all. */
 static void repeat_row(double *first, size_t width, size_t count) {
-  memcpy(first, first - width, width * sizeof *first);
   for (size_t done = 1; done < count; done *= 2)
     memcpy(first + done * width, first, (done < count - done ? done : count - done) * width * sizeof *first);
 }
 
-/* One number into all of them. */
-static void fill_with(double *cell, size_t width, int count, double number) {
-  fill(cell, width, count, &number, 0);
+/* Coordinates and mobility numbers of a row that was passed. A coordinate without a cell for its number has cell 0, which is
+ * the row's own: it is written behind them. */
+static void take_numbers(const km_sweeper *r, const double *q, const double *numbers, double *cells) {
+  const km_substructure *sub = &r->m->substructures[r->substructure];
+  const int *coordinate = r->m->column_coordinate + sub->column_start;
+  const size_t *number_cells = r->observer->number_cells;
+  for (int k = 0, columns = sub->columns; k < columns; ++k) {
+    int c = coordinate[k];
+    cells[2 + c] = q[k * KM_DRIVE_LANES];
+    cells[number_cells[c]] = numbers[k * KM_DRIVE_LANES];
+  }
 }
 
-/* The same of a coordinate, in its unit. */
-static void fill_coordinate(double *cell, size_t width, int count, const double *from, size_t apart, double factor) {
-  fill(cell, width, count, from, apart);
-  if (factor != 1.0)
-    for (int i = 0; i < count; ++i, cell += width)
+/* The coordinates of rows that were passed, in their units. */
+static void set_units(const km_sweeper *r, double *first, size_t width, int count) {
+  const km_substructure *sub = &r->m->substructures[r->substructure];
+  for (int k = 0; k < sub->columns; ++k) {
+    int c = r->m->column_coordinate[sub->column_start + k];
+    double factor = r->m->factor[c], *cell = first + 2 + c;
+    for (int i = 0; i < count && factor != 1.0; ++i, cell += width)
       *cell = km_in_unit(*cell, factor);
+  }
 }
 
 km_status km_sweeper_passed_rows(km_sweeper *r, const km_drive *drive, int count, int step, const double *s,
                                  km_error *error) {
-  const km_mechanism *m = r->m;
-  const km_substructure *sub = &m->substructures[r->substructure];
-  const int *coordinate = m->column_coordinate + sub->column_start;
-  const size_t *number_cells = r->observer->number_cells;
   const km_ridden_rows rows = km_drive_ridden_rows(drive);
   const int freedom = km_partition_freedom(&r->s->partition[r->substructure]);
   size_t width = km_table_columns(r->out->table), residual = width - 1,
-         dof = residual - 1 - (size_t)m->topology.substructure_count;
+         dof = residual - 1 - (size_t)r->m->topology.substructure_count;
   if (count == 0)
     return KM_OK;
-  double *first = km_table_add_raw_rows(r->out->table, (size_t)count);
+  double *first = km_table_add_raw_rows(r->out->table, (size_t)count), *cells = first;
   if (!first)
     return km_fail(error, KM_MEMORY, "out of memory for the table");
-  repeat_row(first, width, (size_t)count); /* most cells stay */
-  fill(first + 1, width, count, s, KM_DRIVE_LANES);
-  fill_with(first + dof, width, count, r->other_mobility + freedom);
-  fill_with(first + dof + 1 + (size_t)r->substructure, width, count, freedom);
-  double *cells = first;
+  memcpy(first, first - width, width * sizeof *first); /* what isn't told of below stays */
+  first[dof] = r->other_mobility + freedom;
+  first[dof + 1 + (size_t)r->substructure] = freedom;
+  repeat_row(first, width, (size_t)count);
   for (int i = 0; i < count; ++i, cells += width) {
+    size_t at = (size_t)i * rows.apart;
+    take_numbers(r, rows.q + at, rows.numbers + at, cells);
     cells[0] = step + i;
-    cells[residual] = km_larger(rows.residual[(size_t)i * rows.apart], r->other_residual);
+    cells[1] = s[i * KM_DRIVE_LANES];
+    cells[residual] = km_larger(rows.residual[at], r->other_residual);
   }
-  for (int k = 0; k < sub->columns; ++k) {
-    int c = coordinate[k];
-    size_t at = (size_t)k * KM_DRIVE_LANES;
-    fill_coordinate(first + 2 + c, width, count, rows.q + at, rows.apart, m->factor[c]);
-    if (number_cells[c])
-      fill(first + number_cells[c], width, count, rows.numbers + at, rows.apart);
-  }
+  set_units(r, first, width, count);
   return KM_OK;
 }
 
