@@ -125,6 +125,13 @@ void km_least_rates(const km_mechanism *m, km_state *s, int index, int driver, d
   km_least_step(m, s, index, driver, t);
 }
 
+void km_pivot_for_steps(const km_mechanism *m, km_state *s, int index, int driver, double tolerance) {
+  km_partition *p = &s->partition[index];
+  p->unwatched = true;
+  km_pivot(m, s, index, driver, tolerance);
+  p->unwatched = false;
+}
+
 static double primary_rms(const km_partition *p, const double *error) {
   double sum = 0.0;
   for (int i = 0; i < p->rank; ++i)
@@ -157,8 +164,8 @@ static bool refactor(const km_mechanism *m, km_state *s, int index, int driver) 
 static void search(const km_mechanism *m, km_state *s, int index, int driver, double residual) {
   const km_substructure *sub = &m->substructures[index];
   double tolerance = km_rank_tolerance(m, sub, residual);
-  km_pivot(m, s, index, driver, tolerance);
-  if (tolerance > km_rank_tolerance(m, sub, 0.0))
+  km_pivot_for_steps(m, s, index, driver, tolerance);
+  if (s->partition[index].rank < sub->rows && tolerance > km_rank_tolerance(m, sub, 0.0))
     km_state_forget_pivots(s, index);
 }
 

@@ -49,6 +49,10 @@ double km_rank_tolerance(const km_mechanism *mechanism, const km_substructure *s
 /* Searches pivots at the state's Jacobian: forced `driver` column or none. */
 void km_pivot(const km_mechanism *mechanism, km_state *state, int substructure, int driver, double tolerance);
 
+/* The same where what follows takes steps alone: of many motions the independent columns needn't be good ones, see `unwatched` of a
+ * partition. */
+void km_pivot_for_steps(const km_mechanism *mechanism, km_state *state, int substructure, int driver, double tolerance);
+
 /* The pivots at hand on the state's Jacobian as far as steps need them: see km_partition_wait. False, and nothing happens, where
  * steps need more of them. */
 bool km_pivots_wait(km_state *state, int substructure, int driver);

@@ -39,8 +39,8 @@ static bool start(km_drive *d) {
   int worst;
   km_loops_update(d->c.mechanism, d->c.state, sub);
   double residual = km_loops_residual(d->c.mechanism, d->c.state, sub, &worst);
-  km_pivot(d->c.mechanism, d->c.state, d->c.substructure, d->c.column,
-           km_rank_tolerance(d->c.mechanism, sub, residual));
+  km_pivot_for_steps(d->c.mechanism, d->c.state, d->c.substructure, d->c.column,
+                     km_rank_tolerance(d->c.mechanism, sub, residual));
   d->here.known = km_continuation_tangent(&d->c, NULL, d->c.course.t);
   remember_pivots(d);
   km_course_begin(&d->c.course, km_drive_driven(d)->columns);

@@ -49,6 +49,10 @@ static const library *load(void) {
   return km_library_load(&cholmod) ? NULL : &functions;
 }
 
+bool km_normal_is_installed(void) {
+  return load() != NULL;
+}
+
 static cholmod_sparse matrix_of(const km_normal *n) {
   return (cholmod_sparse){.nrow = (size_t)n->rows,
                           .ncol = (size_t)(n->columns + n->rows),

@@ -6,6 +6,9 @@
 
 #include "partition/partition.h"
 
+/* Is the library there? It is loaded. */
+bool km_normal_is_installed(void);
+
 /* For matrices in which column c can have entries in the rows row[start[c] … start[c+1]-1]. NULL where the library isn't
  * installed or memory is out. */
 km_normal *km_normal_create(int rows, int columns, const int *start, const int *row);

@@ -53,8 +53,8 @@ typedef struct km_partition {
                          * them; the sparse engine doesn't keep |B| small then, and makes no B */
   bool rows_only;     /* set by the caller: the rank and which rows are primary are enough, for km_partition_least; the
                        * sparse engine makes no null vectors then */
-  bool unwatched;     /* set by the caller: the independent columns are asked for nothing but which ones they are; a refactor
-                       * doesn't measure B of many then */
+  bool unwatched;     /* set by the caller: the independent columns are asked for nothing but which ones they are; of many the
+                       * sparse engine takes any then, and measures no B: largest_b and pivoted_b may be infinite */
   bool waits;         /* by km_partition_wait */
   const bool *locked; /* [columns] set by the caller, borrowed; NULL: none. Columns of what doesn't move: their entries
                        * are 0, they come last and count as no freedom */

@@ -46,7 +46,7 @@ static km_orthogonal *rows_of(const km_partition *p, const double *matrix, const
 }
 
 bool km_partition_may_wait(const km_partition *p) {
-  return p->sparse && p->sparse->normal && !km_sparse_is_crowded(p);
+  return p->sparse && p->sparse->normal && !km_sparse_is_crowded(p) && km_normal_is_installed();
 }
 
 /* The rows by their normal equations; NULL where these aren't kept, or would be full, or don't tell. */

@@ -2,6 +2,7 @@
 #include "partition/sparse.h"
 #include "partition/pair.h"
 
+#include <limits.h>
 #include <math.h>
 #include <string.h>
 
@@ -59,22 +60,6 @@ static void eliminate_rows(km_partition *p, const double *matrix, const bool *fo
   } while (hidden >= 0);
 }
 
-/* By columns where that fills little, since their pivots tell more; else by rows: those that waited have shown one to be
- * dependent. */
-static void find_rows(km_partition *p, const double *matrix, const bool *forced, double threshold) {
-  enum { MOST_FILL = 4 };
-  km_sparse *s = p->sparse;
-  s->most_entries = MOST_FILL * s->start[p->columns];
-  eliminate_all(p, matrix, forced, threshold, true);
-  s->most_entries = 0;
-  if (!s->overfull)
-    return;
-  s->waits = false;
-  memset(s->late, 0, (size_t)p->columns * sizeof *s->late);
-  km_sparse_spare_rows(p, matrix, forced, threshold);
-  eliminate_rows(p, matrix, forced, threshold);
-}
-
 double km_sparse_crowd(const km_partition *p) {
   const km_sparse *s = p->sparse;
   double sum = 0.0;
@@ -87,17 +72,47 @@ double km_sparse_crowd(const km_partition *p) {
   return sum;
 }
 
-bool km_sparse_is_crowded(const km_partition *p) {
-  static const double most_crowd = 100.0; /* entries that share a column with one */
+/* Of all rows. */
+static double whole_crowd(const km_partition *p) {
   const km_sparse *s = p->sparse;
   double sum = 0.0;
   for (int c = 0; c < p->columns; ++c)
     sum += (double)(s->start[c + 1] - s->start[c]) * (s->start[c + 1] - s->start[c]);
-  return sum > most_crowd * s->start[p->columns];
+  return sum;
 }
 
+bool km_sparse_is_crowded(const km_partition *p) {
+  static const double most_crowd = 100.0; /* entries that share a column with one */
+  return whole_crowd(p) > most_crowd * p->sparse->start[p->columns];
+}
+
+/* By columns first, since their pivots tell more. Where rows depend on each other that may fill much, and little without those that
+ * are superfluous: Q R finds these. It has no fewer entries than about the rows' products; where rows outnumber columns it has far
+ * more, and is left to those that have shown a column to be dependent. */
+static void find_rows(km_partition *p, const double *matrix, const bool *forced, double threshold) {
+  enum { MOST_FILL = 4 };
+  km_sparse *s = p->sparse;
+  s->most_entries = (int)fmin(fmax((double)MOST_FILL * s->start[p->columns], whole_crowd(p)), INT_MAX);
+  s->waits_to_fill = p->rows > p->columns;
+  eliminate_all(p, matrix, forced, threshold, true);
+  s->most_entries = 0;
+  if (!s->overfull)
+    return;
+  s->waits = false;
+  memset(s->late, 0, (size_t)p->columns * sizeof *s->late);
+  km_sparse_spare_rows(p, matrix, forced, threshold);
+  eliminate_rows(p, matrix, forced, threshold);
+}
+
+/* Are there so many motions that their least steps go by the rows, so that null vectors needn't be good ones? */
+static bool goes_by_rows(const km_partition *p) {
+  return p->rank > KM_MANY_VECTORS && km_partition_freedom(p) > KM_MANY_VECTORS;
+}
+
+/* Of the factor that is known: what was asked for changes it. */
 static unsigned flags_of(const km_partition *p) {
-  return (p->held ? 1u : 0u) | (p->any_independent ? 2u : 0u) | (p->rows_only ? 4u : 0u);
+  return (p->held ? 1u : 0u) | (p->any_independent ? 2u : 0u) | (p->rows_only ? 4u : 0u) |
+         (p->unwatched && goes_by_rows(p) ? 8u : 0u);
 }
 
 /* Flags of columns; NULL: none is set. */
@@ -136,6 +151,11 @@ static void find_good_columns(km_partition *p, const double *matrix, const bool 
     eliminate_all(p, matrix, forced, threshold, pass + 1 < MOST_PASSES && !p->any_independent);
     if (p->any_independent)
       break;
+    if (p->unwatched && goes_by_rows(p) && km_partition_may_wait(p)) {
+      km_sparse_let_b_wait(p);
+      p->largest_b = HUGE_VAL;
+      break;
+    }
     bool many = km_partition_freedom(p) > KM_MANY_VECTORS, others = many && pass == 0 && leave_shared(p);
     double most = many && pass > 0 ? good_b_of_many : good_b;
     bool finite = km_sparse_find_b(p, forced, others ? most : HUGE_VAL);

@@ -45,7 +45,8 @@ struct km_sparse {
   bool *late;   /* [columns] is to come last, since it should stay independent */
   bool waits;   /* columns that leave only a small pivot become late ones: small pivots that share a vanishing singular
                   * value then come last, where they tell */
-  int most_entries; /* of U and L, beyond which columns that wait end the elimination as overfull; 0: any number */
+  int most_entries;   /* of U and L, beyond which the elimination ends as overfull; 0: any number */
+  bool waits_to_fill; /* that only where columns wait */
   bool overfull;
   km_run *upper;                     /* [columns] of each: its entries of U, by step in an order that replays it */
   km_run *lower;                     /* [columns] and of L, by row; independent columns have none */
@@ -134,6 +135,8 @@ double km_sparse_largest_b(const km_partition *partition, const bool *forced);
 /* The columns of B, or max |B_ij| alone. Ends at a column that isn't given with an entry beyond `most`: other ones are
  * tried then. False where a value is not finite. */
 bool km_sparse_find_b(km_partition *partition, const bool *forced, double most);
+/* B stays unmeasured, of many vectors, with room for one column of it. False where a pivot is 0, or when out of memory. */
+bool km_sparse_let_b_wait(km_partition *partition);
 /* max |B_ij| of the values at hand, as km_sparse_find_b leaves it. */
 double km_sparse_size_of_b(const km_partition *partition);
 /* Σ over all columns of the squared number of entries in primary rows: about how many entries Q R of the rows comes to, at most.

@@ -249,7 +249,7 @@ void km_sparse_eliminate(km_partition *p, const double *matrix, const bool *forc
   s->overfull = false;
   for (int i = s->singles; i < p->columns; ++i) {
     int c = s->lead[i];
-    s->overfull = s->waits && s->most_entries > 0 && upper_end + lower_end > s->most_entries;
+    s->overfull = (s->waits || !s->waits_to_fill) && s->most_entries > 0 && upper_end + lower_end > s->most_entries;
     if (s->overfull)
       return;
     if (p->rank == p->rows) { /* nothing can be left of it */

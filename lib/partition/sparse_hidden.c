@@ -60,11 +60,11 @@ int km_sparse_hidden(const km_partition *p, const bool *forced, double threshold
   return is_singular(p, forced, threshold, &most) ? p->column[most] : -1;
 }
 
-/* Do columns outside the block of pivots keep its rows apart where the block's own don't? By the left vector y. */
+/* Does each row keep more than the threshold from what the others span? By the left vector y, of whose products with the columns
+ * those in the block of pivots have the sum of squares `square`: a row is |Jᵀy| over its entry of y away from the others, about. */
 static bool rows_stand_apart(const km_partition *p, const double *matrix, const bool *forced, double threshold,
-                             const double *y) {
+                             const double *y, double square) {
   const km_sparse *s = p->sparse;
-  double square = 0.0;
   for (int k = p->rank; k < p->columns; ++k) {
     int c = p->column[k];
     double sum = 0.0;
@@ -73,7 +73,7 @@ static bool rows_stand_apart(const km_partition *p, const double *matrix, const 
         sum += matrix[i] * y[s->step_of[s->row[i]]];
     square += sum * sum;
   }
-  return sqrt(square) > threshold * sqrt(km_sum_of_squares(y, p->rank));
+  return sqrt(square) > threshold * km_largest_size(y, p->rank);
 }
 
 int km_sparse_hidden_row(const km_partition *p, const double *matrix, const bool *forced, double threshold) {
@@ -81,8 +81,9 @@ int km_sparse_hidden_row(const km_partition *p, const double *matrix, const bool
   double *y = p->work;
   if (!is_singular(p, forced, threshold, &most))
     return -1;
+  double square = km_sum_of_squares(y, p->rank);
   solve_transposed(p, y);
-  if (rows_stand_apart(p, matrix, forced, threshold, y))
+  if (rows_stand_apart(p, matrix, forced, threshold, y, square))
     return -1;
   most = 0;
   for (int k = 1; k < p->rank; ++k)

@@ -40,6 +40,32 @@ static void laws_of_many_freedoms(void **state) {
   }
 }
 
+/* Where every row has a pivot at the coarse tolerance of an open pose, none can be missing at the fine one: the pivots stay, and
+ * one search is all that closing takes. */
+static void pivots_of_all_rows_stay(void **state) {
+  (void)state;
+  fixture f = five_bars(LOOPS);
+  const km_mechanism *m = f.mechanism;
+  const km_substructure *sub = &m->substructures[0];
+  km_partition *p = &f.state->partition[0];
+  randomness r = {7};
+  km_closure evidence;
+  double *move = KM_NEW(double, (size_t)sub->columns);
+  for (int trial = 0; trial < 5; ++trial) {
+    for (int k = 0; k < sub->columns; ++k)
+      move[k] = uniform(&r, -1e-3, 1e-3);
+    km_state_move(m, f.state, sub, move);
+    km_state_forget_pivots(f.state, 0);
+    unsigned before = p->searches;
+    assert_int_equal(km_loops_close(m, f.state, 0, KM_NO_DRIVER, &evidence), KM_CLOSED);
+    assert_true(evidence.iterations >= 2);
+    assert_int_equal(p->rank, p->rows);
+    assert_int_equal(p->searches, before + 1);
+  }
+  km_free(move);
+  fixture_close(&f);
+}
+
 /* The mobility is known before there is a basis, and whoever asks for one gets it. */
 static void bases_wait(void **state) {
   (void)state;
@@ -298,9 +324,9 @@ static void forces_of_many_freedoms(void **state) {
 int main(void) {
   const struct CMUnitTest tests[] = {
       cmocka_unit_test(laws_of_many_freedoms),   cmocka_unit_test(bases_wait),
-      cmocka_unit_test(many_real_freedoms),      cmocka_unit_test(sparse_is_dense),
-      cmocka_unit_test(bars_of_a_platform),      cmocka_unit_test(wide_singular_values),
-      cmocka_unit_test(forces_of_many_freedoms),
+      cmocka_unit_test(pivots_of_all_rows_stay), cmocka_unit_test(many_real_freedoms),
+      cmocka_unit_test(sparse_is_dense),         cmocka_unit_test(bars_of_a_platform),
+      cmocka_unit_test(wide_singular_values),    cmocka_unit_test(forces_of_many_freedoms),
   };
   return cmocka_run_group_tests(tests, NULL, NULL);
 }

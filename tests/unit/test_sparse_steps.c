@@ -1,0 +1,113 @@
+/* The sparse engine where steps alone are asked for, and which rows it takes to depend on each other. */
+#include "support/matrices.h"
+
+#include <math.h>
+#include <string.h>
+
+enum { ROWS = 60, COLUMNS = 130, REACH = 8 };
+
+static int start[COLUMNS + 1], row[COLUMNS * REACH];
+static double values[COLUMNS * REACH], weight[COLUMNS];
+
+/* A band of full rank: row r in columns 2 r … 2 r + REACH - 1. */
+static void fill_band(void) {
+  int entries = 0;
+  for (int c = 0; c < COLUMNS; ++c) {
+    weight[c] = 0.3 + fabs(any());
+    start[c] = entries;
+    for (int r = 0; r < ROWS; ++r)
+      if (c >= 2 * r && c < 2 * r + REACH) {
+        row[entries] = r;
+        values[entries++] = any() + (c == 2 * r ? 2.0 : 0.0);
+      }
+  }
+  start[COLUMNS] = entries;
+}
+
+static void factor_band(km_partition *p, bool unwatched) {
+  p->unwatched = unwatched;
+  km_partition_factor(p, values, ROWS, COLUMNS, NULL, 1e-9);
+  p->unwatched = false;
+}
+
+/* Where nobody asks for the independent columns the rank, the primary rows and the least steps are the same; whoever asks for them
+ * afterwards gets those that a new partition has. */
+static void columns_that_nobody_asks_for(void **state) {
+  (void)state;
+  double rhs[ROWS], least[COLUMNS], other[COLUMNS];
+  for (int i = 0; i < 20; ++i) {
+    km_arena arena = {0};
+    km_partition p, q;
+    km_normal *kept = NULL;
+    fill_band();
+    assert_true(km_partition_reserve_sparse(&p, ROWS, COLUMNS, start, row, &arena));
+    km_partition_keep_normal(&p, &kept, weight);
+    assert_true(km_partition_reserve_like(&q, &p, ROWS, COLUMNS, &arena));
+    factor_band(&p, true);
+    factor_band(&q, false);
+    int freedom = km_partition_freedom(&p);
+    assert_true(freedom > KM_MANY_VECTORS);
+    assert_int_equal(p.rank, q.rank);
+    assert_true(isinf(p.largest_b) && isfinite(q.largest_b)); /* not measured */
+    for (int r = 0; r < ROWS; ++r)
+      rhs[r] = any();
+    assert_true(km_partition_least(&p, values, weight, freedom, rhs, least));
+    assert_true(km_partition_least(&q, values, weight, freedom, rhs, other));
+    for (int c = 0; c < COLUMNS; ++c)
+      assert_near(least[c], other[c], 1e-12);
+    factor_band(&p, false);
+    assert_memory_equal(p.column, q.column, sizeof *p.column * COLUMNS);
+    assert_true(p.largest_b == q.largest_b);
+    km_normal_free(kept);
+    km_arena_free(&arena);
+  }
+}
+
+/* A row that is the sum of all others but for an entry of that size, which is its distance from them. */
+static void fill_sum(int rows, double distance) {
+  int entries = 0;
+  f.rows = f.columns = rows;
+  memset(f.J, 0, sizeof f.J);
+  for (int c = 0; c < rows; ++c) {
+    f.D[c] = 1.0;
+    f.forced[c] = false;
+    start[c] = entries;
+    if (c + 1 < rows) {
+      row[entries++] = c;
+      f.J[c * rows + c] = 1.0;
+    }
+    row[entries++] = rows - 1;
+    f.J[c * rows + rows - 1] = c + 1 < rows ? 1.0 : distance;
+  }
+  start[rows] = entries;
+}
+
+/* A row depends on others where it is no further than the tolerance from what they span, as by complete pivoting. The smallest
+ * singular value is that distance over the square root of how many they are. */
+static void rows_that_lean_on_many(void **state) {
+  (void)state;
+  for (int i = 0; i < 40; ++i) {
+    static const double distance[] = {3e-9, 0.5e-9, 1e-4, 1e-12};
+    int rows = 30 + index_below(30);
+    fill_sum(rows, distance[i % 4]);
+    reserve();
+    assert_true(km_partition_reserve_sparse(&f.p, rows, rows, start, row, &f.arena));
+    f.p.rows_only = i % 8 < 4;
+    factor(&f.p);
+    km_partition_factor(&f.q, f.J, rows, rows, NULL, 1e-9);
+    assert_int_equal(f.q.rank, rows - i % 2);
+    assert_int_equal(f.p.rank, f.q.rank);
+  }
+}
+
+static int clean(void **state) {
+  (void)state;
+  km_arena_free(&f.arena);
+  return 0;
+}
+
+int main(void) {
+  const struct CMUnitTest tests[] = {cmocka_unit_test(columns_that_nobody_asks_for),
+                                     cmocka_unit_test(rows_that_lean_on_many)};
+  return cmocka_run_group_tests(tests, NULL, clean);
+}
