@@ -165,7 +165,7 @@ static void search(const km_mechanism *m, km_state *s, int index, int driver, do
   const km_substructure *sub = &m->substructures[index];
   double tolerance = km_rank_tolerance(m, sub, residual);
   km_pivot_for_steps(m, s, index, driver, tolerance);
-  if (s->partition[index].rank < sub->rows && tolerance > km_rank_tolerance(m, sub, 0.0))
+  if (!km_pivots_are_whole(&s->partition[index]) && tolerance > km_rank_tolerance(m, sub, 0.0))
     km_state_forget_pivots(s, index);
 }
 

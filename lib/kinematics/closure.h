@@ -53,6 +53,11 @@ void km_pivot(const km_mechanism *mechanism, km_state *state, int substructure, 
  * partition. */
 void km_pivot_for_steps(const km_mechanism *mechanism, km_state *state, int substructure, int driver, double tolerance);
 
+/* Has every row a pivot, so that no search further on finds more of them? Only where a search takes long that matters. */
+static inline bool km_pivots_are_whole(const km_partition *p) {
+  return p->sparse && p->rank == p->rows;
+}
+
 /* The pivots at hand on the state's Jacobian as far as steps need them: see km_partition_wait. False, and nothing happens, where
  * steps need more of them. */
 bool km_pivots_wait(km_state *state, int substructure, int driver);

@@ -89,7 +89,7 @@ static bool go(km_tangents *f, int driver, double way, double *misfit) {
   bool closed = km_close_held(f->m, f->s, f->index, driver, &evidence) != KM_OPEN;
   if (closed && evidence.residual <= most && evidence.correction <= (way > 0.0 ? 0.3 : 0.05) * length + slack(f)) {
     *misfit = evidence.residual;
-    if (p->rank < p->rows && (km_partition_freedom(p) > 1 || p->rows_only))
+    if (!km_pivots_are_whole(p) && (km_partition_freedom(p) > 1 || p->rows_only))
       km_state_forget_pivots(f->s, f->index); /* further on there may be more */
     return true;
   }

@@ -6,6 +6,7 @@
 #include "base/random.h"
 #include "partition/one_thread.h"
 #include "partition/pair.h"
+#include "partition/products.h"
 
 #include <cholmod.h>
 #include <float.h>
@@ -27,16 +28,19 @@ typedef struct library {
 #undef X
 } library;
 
-/* A with a unit column behind its own for every row, with a 1 where the row isn't used: A Aᵀ is then regular, and its pattern is
- * the same whatever is used. */
+/* A, and its rows' products in the order in which they are eliminated; of a row that isn't used the product with itself alone counts,
+ * so that the pattern is the same whatever is used. */
 struct km_normal {
   const library *cholmod;
   cholmod_common common;
   cholmod_factor *L;
   cholmod_dense *X, *Y, *E; /* of solutions */
   long rows, columns, *start, *row;
+  long *place; /* [rows] of each in the order of elimination */
+  km_products products;
+  bool *used;           /* [rows] in what is factored */
   double *value, *next; /* factored, and to be factored */
-  double *b, *step;     /* [rows], [columns] */
+  double *b, *z, *step; /* [rows], [rows], [columns] */
   bool is_factored;
 };
 
@@ -55,8 +59,8 @@ bool km_normal_is_installed(void) {
 
 static cholmod_sparse matrix_of(const km_normal *n) {
   return (cholmod_sparse){.nrow = (size_t)n->rows,
-                          .ncol = (size_t)(n->columns + n->rows),
-                          .nzmax = (size_t)n->start[n->columns + n->rows],
+                          .ncol = (size_t)n->columns,
+                          .nzmax = (size_t)n->start[n->columns],
                           .p = n->start,
                           .i = n->row,
                           .x = n->value,
@@ -66,30 +70,47 @@ static cholmod_sparse matrix_of(const km_normal *n) {
                           .packed = 1};
 }
 
+/* Blocks are factored from the triangle below the diagonal, single columns from that above it: neither is transposed then. */
+static cholmod_sparse products_of(const km_normal *n, bool upper) {
+  const km_products *p = &n->products;
+  return (cholmod_sparse){.nrow = (size_t)n->rows,
+                          .ncol = (size_t)n->rows,
+                          .nzmax = (size_t)p->start[n->rows],
+                          .p = p->start,
+                          .i = p->row,
+                          .x = p->value,
+                          .stype = upper ? 1 : -1,
+                          .itype = CHOLMOD_LONG,
+                          .xtype = CHOLMOD_REAL,
+                          .dtype = CHOLMOD_DOUBLE,
+                          .sorted = 1,
+                          .packed = 1};
+}
+
 static bool reserve(km_normal *n, int rows, int columns, const int *start, const int *row) {
-  size_t all = (size_t)columns + (size_t)rows, entries = (size_t)start[columns] + (size_t)rows;
+  size_t entries = (size_t)start[columns];
   n->rows = rows;
   n->columns = columns;
-  n->start = KM_NEW(long, all + 1);
+  n->start = KM_NEW(long, (size_t)columns + 1);
   n->row = KM_NEW(long, entries + 1);
+  n->place = KM_NEW(long, (size_t)rows + 1);
+  n->used = KM_NEW(bool, (size_t)rows + 1);
   n->value = KM_NEW(double, entries + 1);
   n->next = KM_NEW(double, entries + 1);
   n->b = KM_NEW(double, (size_t)rows + 1);
+  n->z = KM_NEW(double, (size_t)rows + 1);
   n->step = KM_NEW(double, (size_t)columns + 1);
-  if (!n->start || !n->row || !n->value || !n->next || !n->b || !n->step)
+  if (!n->start || !n->row || !n->place || !n->used || !n->value || !n->next || !n->b || !n->z || !n->step)
     return false;
   for (int c = 0; c <= columns; ++c)
     n->start[c] = start[c];
   for (int i = 0; i < start[columns]; ++i)
     n->row[i] = row[i];
-  for (int r = 0; r < rows; ++r) {
-    n->row[start[columns] + r] = r;
-    n->start[columns + r + 1] = start[columns] + r + 1;
-  }
   return true;
 }
 
-static bool analyse(km_normal *n) {
+/* The order of elimination from A itself, which COLAMD needs, and then the factor of the products in that order. */
+static bool analyse(km_normal *n, const int *start, const int *row) {
   cholmod_common *c = &n->common;
   n->cholmod->cholmod_l_start(c);
   c->print = 0;
@@ -97,7 +118,20 @@ static bool analyse(km_normal *n) {
   c->method[0].ordering = CHOLMOD_COLAMD;
   c->supernodal = CHOLMOD_AUTO;
   cholmod_sparse A = matrix_of(n);
-  n->L = n->cholmod->cholmod_l_analyze(&A, c);
+  cholmod_factor *first = n->cholmod->cholmod_l_analyze(&A, c);
+  if (!first)
+    return false;
+  bool upper = !first->is_super;
+  for (long k = 0; k < n->rows; ++k)
+    n->place[((const long *)first->Perm)[k]] = k;
+  n->cholmod->cholmod_l_free_factor(&first, c);
+  if (!km_products_make((int)n->rows, (int)n->columns, start, row, n->place, upper, &n->products))
+    return false;
+  c->method[0].ordering = CHOLMOD_NATURAL;
+  c->postorder = 0;
+  c->supernodal = upper ? CHOLMOD_SIMPLICIAL : CHOLMOD_SUPERNODAL;
+  cholmod_sparse P = products_of(n, upper);
+  n->L = n->cholmod->cholmod_l_analyze(&P, c);
   return n->L != NULL;
 }
 
@@ -107,7 +141,7 @@ km_normal *km_normal_create(int rows, int columns, const int *start, const int *
   if (!n)
     return NULL;
   n->cholmod = cholmod;
-  if (reserve(n, rows, columns, start, row) && analyse(n))
+  if (reserve(n, rows, columns, start, row) && analyse(n, start, row))
     return n;
   km_normal_free(n);
   return NULL;
@@ -121,25 +155,27 @@ void km_normal_free(km_normal *n) {
   n->cholmod->cholmod_l_free_dense(&n->E, &n->common);
   n->cholmod->cholmod_l_free_factor(&n->L, &n->common);
   n->cholmod->cholmod_l_finish(&n->common);
-  void *const all[] = {n->start, n->row, n->value, n->next, n->b, n->step, n};
+  km_products_free(&n->products);
+  void *const all[] = {n->start, n->row, n->place, n->used, n->value, n->next, n->b, n->z, n->step, n};
   for (size_t i = 0; i < sizeof all / sizeof *all; ++i)
     km_free(all[i]);
 }
 
 bool km_normal_factor(km_normal *n, const double *matrix, const double *weight, const bool *used_rows,
                       const bool *used_columns) {
-  long entries = n->start[n->columns], all = entries + n->rows;
+  size_t entries = (size_t)n->start[n->columns], rows = (size_t)n->rows;
   for (long c = 0; c < n->columns; ++c)
     for (long i = n->start[c]; i < n->start[c + 1]; ++i)
       n->next[i] = used_columns[c] && used_rows[n->row[i]] ? matrix[i] / weight[c] : 0.0;
-  for (long r = 0; r < n->rows; ++r)
-    n->next[entries + r] = used_rows[r] ? 0.0 : 1.0;
-  if (n->is_factored && memcmp(n->next, n->value, (size_t)all * sizeof *n->next) == 0)
+  if (n->is_factored && memcmp(n->next, n->value, entries * sizeof *n->next) == 0 &&
+      memcmp(n->used, used_rows, rows * sizeof *n->used) == 0)
     return true;
-  memcpy(n->value, n->next, (size_t)all * sizeof *n->next);
-  cholmod_sparse A = matrix_of(n);
+  memcpy(n->value, n->next, entries * sizeof *n->next);
+  memcpy(n->used, used_rows, rows * sizeof *n->used);
+  km_products_find(&n->products, n->value, n->used);
+  cholmod_sparse P = products_of(n, !n->L->is_super);
   int levels = km_one_thread_begin();
-  n->is_factored = n->cholmod->cholmod_l_factorize(&A, n->L, &n->common) && n->L->minor == n->L->n;
+  n->is_factored = n->cholmod->cholmod_l_factorize(&P, n->L, &n->common) && n->L->minor == n->L->n;
   km_one_thread_end(levels);
   return n->is_factored;
 }
@@ -155,10 +191,14 @@ static void subtract_rows(const km_normal *n, const double *x, double *b) {
 static const double *solve_normal(km_normal *n) {
   size_t rows = (size_t)n->rows;
   cholmod_dense B = {
-      .nrow = rows, .ncol = 1, .nzmax = rows, .d = rows, .x = n->b, .xtype = CHOLMOD_REAL, .dtype = CHOLMOD_DOUBLE};
+      .nrow = rows, .ncol = 1, .nzmax = rows, .d = rows, .x = n->z, .xtype = CHOLMOD_REAL, .dtype = CHOLMOD_DOUBLE};
+  for (size_t r = 0; r < rows; ++r)
+    n->z[n->place[r]] = n->b[r];
   if (!n->cholmod->cholmod_l_solve2(CHOLMOD_A, n->L, &B, NULL, &n->X, NULL, &n->Y, &n->E, &n->common))
     return NULL;
-  return n->X->x;
+  for (size_t r = 0; r < rows; ++r)
+    n->z[r] = ((const double *)n->X->x)[n->place[r]];
+  return n->z;
 }
 
 double km_normal_smallest(km_normal *n) {
@@ -166,7 +206,7 @@ double km_normal_smallest(km_normal *n) {
   double square = 0.0, largest = km_largest_size(n->value, (int)n->start[n->columns]);
   uint64_t seed = 1;
   for (long r = 0; r < n->rows; ++r)
-    n->b[r] = n->value[n->start[n->columns] + r] == 0.0 ? km_uniform(&seed) : 0.0;
+    n->b[r] = n->used[r] ? km_uniform(&seed) : 0.0;
   for (int i = 0; i < PASSES; ++i) {
     double before = sqrt(km_sum_of_squares(n->b, (int)n->rows));
     const double *z = solve_normal(n);
@@ -217,7 +257,7 @@ static bool correct(km_normal *n, double *x) {
 
 bool km_normal_least(km_normal *n, const double *b, double *x) {
   for (long r = 0; r < n->rows; ++r)
-    n->b[r] = n->value[n->start[n->columns] + r] == 0.0 ? b[r] : 0.0;
+    n->b[r] = n->used[r] ? b[r] : 0.0;
   return correct(n, x);
 }
 
