@@ -64,7 +64,7 @@ typedef struct lanes_target {
   lanes_vec p, axes[3];
 } lanes_target;
 
-static inline lanes_vec vec_from(double (*components)[KM_LANES], int first) {
+static inline lanes_vec vec_from(km_lanes_number *components, int first) {
   return (lanes_vec){get(components[0] + first), get(components[1] + first), get(components[2] + first)};
 }
 
@@ -87,17 +87,38 @@ static inline mask regular(const lanes_seven *k) {
   return below(k->largest * KM_SEVEN_REGULAR, k->least);
 }
 
-/* Newton's steps of lanes first … first + WIDTH - 1, q[7] being where they begin. Returns the lanes that arrive; the
- * Jacobian there is factored, with the rates for their unit twists. */
-static inline mask correct(const km_arm *a, km_lanes *io, int first, vector *q, lanes_seven *k) {
+/* km_node_predict of lanes from `first` on: the predictors into q, the correctors to expect into moved. Returns how long these
+ * may be. */
+static inline vector predict(const km_lanes_start *from, int first, vector *q, vector *moved) {
+  vector inverse = 1.0 / get(from->z + first), tilt = get(from->tilt + first), ds = get(from->ds + first);
+  vector square = ZERO, far = ZERO;
+  for (int i = 0; i < SEVEN; ++i) {
+    vector step = (get(from->path[i] + first) + tilt * get(from->null[i] + first)) * inverse * ds;
+    square += step * step;
+    moved[i] = 2.0 * get(from->last[i] + first) - get(from->before[i] + first);
+    far += moved[i] * moved[i];
+    q[i] = get(from->q[i] + first) + step;
+  }
+  vector most = 0.5 * root(square) + 1e-12;
+  mask near = at_most(root(far), most);
+  for (int i = 0; i < SEVEN; ++i) {
+    moved[i] = pick(near, moved[i], ZERO);
+    q[i] += moved[i];
+  }
+  return most;
+}
+
+/* Steps of lanes first … first + WIDTH - 1, which end at q[7]. Returns the lanes that arrive; the Jacobian there is factored,
+ * with the rates for their unit twists. */
+static inline mask reach(const km_arm *a, km_lanes *io, int first, vector *q, lanes_seven *k) {
   const lanes_target target = {
       vec_from(io->place, first),
       {vec_from(io->axes[0], first), vec_from(io->axes[1], first), vec_from(io->axes[2], first)}};
-  vector e[6], moved[SEVEN], most = get(io->most + first), far = ZERO, tries = ZERO;
-  mask fit = mask_of((1u << WIDTH) - 1), active = fit;
+  vector e[6], moved[SEVEN], most = predict(&io->start, first, q, moved), far = ZERO, tries = ZERO;
+  mask fit = mask_of(io->used >> first & ((1u << WIDTH) - 1)), active = fit;
   for (int i = 0; i < SEVEN; ++i) {
-    moved[i] = get(io->moved[i] + first);
     far += moved[i] * moved[i];
+    fit &= at_most(size_of(q[i]), all(0.5 * KM_SINCOS_MOST));
   }
   mask guessed = below(ZERO, far);
   for (int step = 0;; ++step) {
@@ -162,10 +183,10 @@ static inline mask keep(const km_arm *a, const km_lanes *io, int first, const ve
   for (int i = 0; i < SEVEN; ++i) {
     vector slack = 1e-12 * (1.0 + size_of(q[i]));
     kept &= at_most(q[i], a->high[i] + slack) & at_most(a->low[i] - slack, q[i]);
-    mean[i] = (q[i] - get(io->from[i] + first)) * get(io->per_second + first);
+    mean[i] = (q[i] - get(io->start.q[i] + first)) * get(io->start.per_second + first);
     along += k->null.at[i] * mean[i];
   }
-  vector scale = pick(below(ZERO, entry), get(io->speed + first) / entry, ZERO);
+  vector scale = pick(below(ZERO, entry), get(io->start.speed + first) / entry, ZERO);
   for (int i = 0; i < SEVEN; ++i)
     rates[i] = get(io->path[i] + first) * scale + along * k->null.at[i];
   return kept & slow(a, mean) & slow(a, rates);
@@ -180,9 +201,7 @@ unsigned NAME(const km_arm *a, km_lanes *io) {
     vector q[SEVEN];
     if (!(io->used >> first & ((1u << WIDTH) - 1)))
       continue;
-    for (int i = 0; i < SEVEN; ++i)
-      q[i] = get(io->q[i] + first);
-    mask fit = correct(a, io, first, q, &k);
+    mask fit = reach(a, io, first, q, &k);
     put_columns(io, first, q, &k);
     arrived |= bits_of(fit) << first;
     io->keeps |= bits_of(keep(a, io, first, q, &k)) << first;

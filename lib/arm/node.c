@@ -62,25 +62,24 @@ static void predict(const km_arm *a, const km_node *here, const km_step_choice *
   }
 }
 
-/* Does a step go on as those that led to a node? */
-static bool goes_on(const km_arm *a, const km_node *here, const km_step_choice *way, double ds) {
+int km_node_known_bends(const km_arm *a, const km_node *here, const km_step_choice *way, double ds) {
   static const double same = 1e-6; /* of Δσ */
   bool on = here->bends > 0 && fabs(ds - here->along) <= same * ds;
   for (int j = 0; j < a->freedom && on; ++j)
     on = here->tilt[j] == (way->tilt ? way->tilt[j] : 0.0);
-  return on;
+  return on ? here->bends : 0;
 }
 
 /* The corrector to expect of a step: the last ones drawn on along a line, 0 where there are none. */
 static void expect(const km_arm *a, const km_node *here, const km_step_choice *way, double ds, double most,
                    double *moved) {
   const double *last = here->bend, *before = last + a->n;
-  bool on = goes_on(a, here, way, ds);
+  int known = km_node_known_bends(a, here, way, ds);
   for (int k = 0; k < a->n; ++k) {
-    bool moves = on && !(way->held && way->held[k]);
-    moved[k] = !moves ? 0.0 : here->bends > 1 ? 2.0 * last[k] - before[k] : last[k];
+    bool moves = known > 0 && !(way->held && way->held[k]);
+    moved[k] = !moves ? 0.0 : known > 1 ? 2.0 * last[k] - before[k] : last[k];
   }
-  if (on && !(km_joint_length(moved, a->n) <= most))
+  if (known > 0 && !(km_joint_length(moved, a->n) <= most))
     memset(moved, 0, (size_t)a->n * sizeof *moved);
 }
 
@@ -95,7 +94,7 @@ double km_node_predict(const km_arm *a, const km_node *here, const km_step_choic
 void km_node_remember(const km_arm *a, const km_node *from, const km_step_choice *way, double ds, const double *moved,
                       km_node *to) {
   const size_t n = (size_t)a->n;
-  bool on = goes_on(a, from, way, ds);
+  bool on = km_node_known_bends(a, from, way, ds) > 0;
   memcpy(to->bend + n, from->bend, n * sizeof *moved);
   memcpy(to->bend, moved, n * sizeof *moved);
   for (int j = 0; j < a->freedom; ++j)

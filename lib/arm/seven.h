@@ -104,28 +104,35 @@ static inline void km_one_subtract(km_one_row *x, double s, const km_one_row *v,
 #undef km_bits_of
 #undef km_number_of
 
-/* Eight poses side by side, lane by lane in the last index. */
+/* Eight steps side by side, lane by lane. */
 enum { KM_LANES = 8 };
+typedef double km_lanes_number[KM_LANES];
+
+/* Where each begins, and what km_node_predict reads of that node and of the way from it. */
+typedef struct km_lanes_start {
+  km_lanes_number q[SEVEN], path[SEVEN], z, null[SEVEN];
+  km_lanes_number last[SEVEN], before[SEVEN]; /* the expected corrector is 2 last − before */
+  km_lanes_number tilt, ds;
+  km_lanes_number per_second, speed; /* 1 over the time that the step has, and dσ/dt where it ends */
+} km_lanes_start;
+
 typedef struct km_lanes {
-  double place[3][KM_LANES], axes[3][3][KM_LANES]; /* of the pose that is wanted: axis, component */
-  double xi[6][KM_LANES];                          /* the unit twist there */
-  double from[SEVEN][KM_LANES];                    /* where the step begins */
-  double per_second[KM_LANES], speed[KM_LANES];    /* 1 over the time it has, and dσ/dt where it ends */
-  double q[SEVEN][KM_LANES];     /* in: where Newton begins; out: the poses */
-  double moved[SEVEN][KM_LANES]; /* how far this is from the predictor, in and out */
-  double most[KM_LANES];         /* how far it may be */
-  double path[SEVEN + 1][KM_LANES], null[SEVEN][KM_LANES];
+  km_lanes_start start;
+  /* What each is to reach: a pose, by its place and its axes' components, and the unit twist there. */
+  km_lanes_number place[3], axes[3][3], xi[6];
+  unsigned used; /* lanes (bits) that count; the others have numbers too */
   bool want_sigma;
-  double sigma[6][KM_LANES]; /* singular values in no order, if they are wanted */
-  double tries[KM_LANES];    /* Jacobians that each took */
-  unsigned used;             /* lanes (bits) that count */
-  unsigned keeps;            /* out: those that keep limits and rates, at the step's end and in its mean */
+  /* Out: the poses, how far they are from the predictor, and their columns. */
+  km_lanes_number q[SEVEN], moved[SEVEN], path[SEVEN + 1], null[SEVEN];
+  km_lanes_number sigma[6]; /* singular values in no order, if they are wanted */
+  km_lanes_number tries;    /* Jacobians that each took */
+  unsigned keeps;           /* lanes that keep limits and rates, at the step's end and in its mean */
 } km_lanes;
 
 /* What lanes from `first` on are to reach: a pose, and a unit twist xi[6] there. */
 void km_lanes_aim(km_lanes *lanes, int first, const km_pose *target, const double *xi);
-/* Newton's steps to the pose, then the columns for the unit twist, of every lane. Returns the lanes (bits) that
- * arrive at regular poses; the others are undefined. The same bits as one by one. */
+/* The predictor, Newton's steps to the pose, then the columns for the unit twist, of every lane. Returns the lanes (bits)
+ * that arrive at regular poses; the others are undefined. The same bits as one by one. */
 unsigned km_lanes_reach(const km_arm *arm, km_lanes *lanes);
 
 #endif

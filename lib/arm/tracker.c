@@ -228,42 +228,48 @@ static void take_lane(const km_tracker *w, km_tracker_space *s, int sample, cons
   to->value = km_objective_sum(w->objective, values);
 }
 
-/* Lanes that can't take part are filled with what another one has. */
+/* What km_node_predict reads of a node goes into lane l. */
+static void fill_lane(const km_tracker *w, int sample, int l, const km_node *from, const km_step_choice *way,
+                      km_lanes_start *start) {
+  const km_path_point *here = &w->path->points[sample], *point = here + 1;
+  const double ds = point->s - here->s, *last = from->bend, *before = from->bend + SEVEN;
+  const int known = km_node_known_bends(w->arm, from, way, ds);
+  for (int i = 0; i < SEVEN; ++i) {
+    start->q[i][l] = from->q[i];
+    start->path[i][l] = from->path[i];
+    start->null[i][l] = from->self[i];
+    start->last[i][l] = known > 0 ? last[i] : 0.0;
+    start->before[i][l] = known > 1 ? before[i] : start->last[i][l];
+  }
+  start->z[l] = from->z;
+  start->tilt[l] = way->tilt[0];
+  start->ds[l] = ds;
+  start->per_second[l] = 1.0 / (point->t - here->t);
+  start->speed[l] = point->speed;
+}
+
+/* Returns the lanes that take part; the others have the numbers of one that does. */
 static unsigned fill_lanes(const km_tracker *w, const int *samples, int count, const km_node *const *from,
                            const km_step_choice *ways, km_lanes *lanes) {
-  double xi[6];
   unsigned used = 0;
-  int aimed = -1; /* the sample of xi */
+  int aimed = -1; /* the sample that lanes are aimed behind */
   for (int l = 0; l < count; ++l) {
-    const km_path_point *here = &w->path->points[samples[l]], *point = here + 1;
-    double step[SEVEN], moved[SEVEN], q[SEVEN];
-    bool near = from[l]->z >= KM_PATH_ENTRY_LEAST;
-    double most = km_node_predict(w->arm, from[l], &ways[l], point->s - here->s, step, moved);
-    for (int i = 0; i < SEVEN; ++i) {
-      q[i] = from[l]->q[i] + step[i] + moved[i];
-      near = near && fabs(q[i]) <= 0.5 * KM_SINCOS_MOST;
-    }
-    if (!near)
+    double xi[6];
+    if (!(from[l]->z >= KM_PATH_ENTRY_LEAST))
       continue;
+    fill_lane(w, samples[l], l, from[l], &ways[l], &lanes->start);
     if (samples[l] != aimed) {
+      const km_path_point *point = &w->path->points[samples[l] + 1];
       km_arm_task_rows(w->arm, &point->pose.R, point->twist, xi);
       km_lanes_aim(lanes, used ? l : 0, &point->pose, xi);
-    }
-    aimed = samples[l];
-    for (int k = used ? l : 0; k < KM_LANES; ++k) { /* the first one stands in for all */
-      lanes->most[k] = most;
-      lanes->per_second[k] = 1.0 / (point->t - here->t);
-      lanes->speed[k] = point->speed;
-      for (int i = 0; i < SEVEN; ++i) {
-        lanes->from[i][k] = from[l]->q[i];
-        lanes->q[i][k] = q[i];
-        lanes->moved[i][k] = moved[i];
-      }
-      if (used)
-        break;
+      aimed = samples[l];
     }
     used |= 1u << l;
   }
+  km_lanes_number *numbers = (km_lanes_number *)&lanes->start;
+  for (unsigned rest = used ? (1u << KM_LANES) - 1 - used : 0; rest; rest &= rest - 1)
+    for (size_t i = 0; i < sizeof lanes->start / sizeof *numbers; ++i)
+      numbers[i][__builtin_ctz(rest)] = numbers[i][__builtin_ctz(used)];
   return used;
 }
 

@@ -57,6 +57,9 @@ void km_node_rates(const km_arm *arm, const double *path, const double *self, do
 double km_node_predict(const km_arm *arm, const km_node *here, const km_step_choice *way, double ds, double *step,
                        double *moved);
 
+/* How many of the node's bends a step by Δσ goes on from: those of steps that had the same Δσ and tilt. */
+int km_node_known_bends(const km_arm *arm, const km_node *here, const km_step_choice *way, double ds);
+
 /* √(Σ xᵢ²) of joint values. */
 double km_joint_length(const double *x, int n);
 

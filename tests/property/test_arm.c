@@ -269,6 +269,28 @@ static void sines(void **state) {
 
 unsigned km_lanes_reach_plain(const km_arm *arm, km_lanes *lanes);
 
+/* Lane l begins so that its predictor leads near q, and aims at the pose there. */
+static void start_near(const km_study *study, km_tracker_space *space, randomness *r, const double *q, km_lanes *lanes,
+                       int l) {
+  const km_path_point *point = &study->path->points[0];
+  double xi[6];
+  lanes->start.z[l] = 0.5;
+  lanes->start.ds[l] = 0.05;
+  lanes->start.per_second[l] = lanes->start.speed[l] = 1.0;
+  lanes->start.tilt[l] = uniform(r, -1.0, 1.0);
+  for (int k = 0; k < 7; ++k) {
+    lanes->start.path[k][l] = uniform(r, 0.2, 1.0);
+    lanes->start.null[k][l] = uniform(r, -0.1, 0.1);
+    lanes->start.last[k][l] = uniform(r, -1e-3, 1e-3);
+    lanes->start.before[k][l] = uniform(r, -1e-3, 1e-3);
+    double step = (lanes->start.path[k][l] + lanes->start.tilt[l] * lanes->start.null[k][l]) / 0.5 * 0.05;
+    lanes->start.q[k][l] = q[k] - step + uniform(r, -1e-3, 1e-3);
+  }
+  km_arm_update(study->arm, &space->arm, q);
+  km_arm_task_rows(study->arm, &space->arm.pose.R, point->twist, xi);
+  km_lanes_aim(lanes, l, &space->arm.pose, xi);
+}
+
 /* Siblings side by side have the bits of one by one, also where some of them fail, on every kind of register. */
 static void lanes_have_the_same_bits(void **state) {
   (void)state;
@@ -338,16 +360,8 @@ static void lanes_have_the_same_bits(void **state) {
       assert_true(space.arm.evaluations - before == 2 * abreast && told == abreast);
     }
     km_lanes a = {.used = trial % 3 ? (1u << count) - 1 : (1u << KM_LANES) - 1}, b;
-    double xi[6];
-    for (int l = 0; l < KM_LANES; ++l) {
-      a.most[l] = 1.0;
-      for (int k = 0; k < 7; ++k)
-        a.q[k][l] = q[k] + uniform(&r, -1e-3, 1e-3);
-    }
-    const km_path_point *point = &study->path->points[0];
-    km_arm_task_rows(study->arm, &point->pose.R, point->twist, xi);
     for (int l = 0; l < KM_LANES; ++l)
-      km_lanes_aim(&a, l, &point->pose, xi);
+      start_near(study, &space, &r, q, &a, l);
     b = a;
     unsigned done = km_lanes_reach(study->arm, &a);
     assert_int_equal(done & a.used, km_lanes_reach_plain(study->arm, &b) & b.used);
