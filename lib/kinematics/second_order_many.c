@@ -119,7 +119,7 @@ static bool reserve(km_second_order_many *c, km_arena *arena) {
   c->value = KM_ARENA_NEW(arena, double, count);
   c->g = KM_ARENA_NEW(arena, double, (size_t)c->g_start[c->conditions]);
   c->sum = KM_ARENA_NEW(arena, double, columns);
-  c->b = KM_ARENA_NEW(arena, double, (size_t)c->rank + count);
+  c->b = KM_ARENA_NEW(arena, double, (size_t)c->rank + count + 1);
   c->z = KM_ARENA_NEW(arena, double, columns + count);
   return !arena->failed;
 }
@@ -139,9 +139,9 @@ km_status km_second_order_many_make(const km_mechanism *m, km_state *s, int inde
   km_arena_free(&scratch);
   if (!made)
     return km_fail(error, KM_MEMORY, "out of memory for the conditions of second order");
-  return km_orthogonal_create(sub->columns + out->conditions, out->rank + out->conditions,
-                              out->row_start[sub->rows] + out->g_start[out->conditions] + out->conditions, &out->q,
-                              error);
+  return km_orthogonal_create(
+      sub->columns + out->conditions, out->rank + out->conditions + 1,
+      out->row_start[sub->rows] + out->g_start[out->conditions] + out->conditions + sub->columns, &out->q, error);
 }
 
 void km_second_order_many_free(km_second_order_many *c) {
@@ -188,8 +188,9 @@ static double worst_value(const km_second_order_many *c) {
 }
 
 /* J over the weights, then the conditions' derivatives with an unknown of their own each, `damping` times which is what may be
- * left of it: the least step is that of least |D δx|² + |left / damping|². */
-static void fill(const km_second_order_many *c, double damping) {
+ * left of it: the least step is that of least |D δx|² + |left / damping|². It is at right angles to x: where conditions are many,
+ * nothing would meet them all but a shorter x, and that is no other direction. */
+static void fill(const km_second_order_many *c, double damping, const double *x) {
   const double *weight = c->m->column_weight + c->sub->column_start;
   km_columns out = km_orthogonal_columns(c->q);
   long next = 0;
@@ -209,13 +210,19 @@ static void fill(const km_second_order_many *c, double damping) {
     out.value[next++] = damping;
     out.start[c->rank + k + 1] = next;
   }
+  for (int k = 0; k < c->sub->columns; ++k) {
+    out.row[next] = k;
+    out.value[next] = weight[k] * x[k];
+    next += out.value[next] != 0.0;
+  }
+  out.start[c->rank + c->conditions + 1] = next;
 }
 
 /* One step, and back to length 1. */
 static bool step(km_second_order_many *c, double damping, double *x) {
   const double *weight = c->m->column_weight + c->sub->column_start;
-  fill(c, damping);
-  memset(c->b, 0, (size_t)c->rank * sizeof *c->b);
+  fill(c, damping, x);
+  memset(c->b, 0, ((size_t)c->rank + (size_t)c->conditions + 1) * sizeof *c->b);
   for (int k = 0; k < c->conditions; ++k)
     c->b[c->rank + k] = -c->value[k] / c->size;
   if (!km_orthogonal_factor(c->q, spanned) || !km_orthogonal_least(c->q, c->b, c->z))

@@ -74,6 +74,17 @@ static double slack(const km_tangents *f) {
   return p->rank ? 3.0 * f->residual * p->scale / p->smallest_pivot : 0.0;
 }
 
+/* Of many motions the rows are enough to go on. */
+static bool rows_are_enough(const km_partition *p) {
+  return p->sparse && km_partition_freedom(p) > KM_MOST_BASIS_TRIED;
+}
+
+/* Do these pivots tell all that the next step asks for? Further on more rows may be independent, and fewer motions left. */
+static bool pivots_may_stay(const km_partition *p) {
+  return (km_partition_freedom(p) <= 1 && !p->rows_only) ||
+         (km_pivots_are_whole(p) && p->rows_only == rows_are_enough(p));
+}
+
 /* Goes by `move`, on from a misfit to the next one; false, and back again, if the loops' primary equations don't close
  * nearby. */
 static bool go(km_tangents *f, int driver, double way, double *misfit) {
@@ -82,15 +93,15 @@ static bool go(km_tangents *f, int driver, double way, double *misfit) {
   double moved = fastest(f->move, f->sub->columns, &column);
   double most = way > 0.0 ? 3.0 * fmax(*misfit, noise) * pow(1.0 + moved / way, highest_power) : HUGE_VAL;
   km_partition *p = &f->s->partition[f->index];
-  p->rows_only = p->sparse && km_partition_freedom(p) > KM_MOST_BASIS_TRIED;
+  p->rows_only = rows_are_enough(p);
   km_state_save(f->s, f->sub, f->last);
   km_state_move(f->m, f->s, f->sub, f->move);
   double length = km_step_length(f->m, f->sub, f->move);
   bool closed = km_close_held(f->m, f->s, f->index, driver, &evidence) != KM_OPEN;
   if (closed && evidence.residual <= most && evidence.correction <= (way > 0.0 ? 0.3 : 0.05) * length + slack(f)) {
     *misfit = evidence.residual;
-    if (!km_pivots_are_whole(p) && (km_partition_freedom(p) > 1 || p->rows_only))
-      km_state_forget_pivots(f->s, f->index); /* further on there may be more */
+    if (!pivots_may_stay(p))
+      km_state_forget_pivots(f->s, f->index);
     return true;
   }
   km_state_restore(f->s, f->sub, f->last);

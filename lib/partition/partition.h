@@ -54,7 +54,7 @@ typedef struct km_partition {
   bool rows_only;     /* set by the caller: the rank and which rows are primary are enough, for km_partition_least; the
                        * sparse engine makes no null vectors then */
   bool unwatched;     /* set by the caller: the independent columns are asked for nothing but which ones they are; of many the
-                       * sparse engine takes any then, and measures no B: largest_b and pivoted_b may be infinite */
+                       * sparse engine takes any then, and a refactor doesn't measure B */
   bool waits;         /* by km_partition_wait */
   const bool *locked; /* [columns] set by the caller, borrowed; NULL: none. Columns of what doesn't move: their entries
                        * are 0, they come last and count as no freedom */

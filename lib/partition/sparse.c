@@ -151,17 +151,13 @@ static void find_good_columns(km_partition *p, const double *matrix, const bool 
     eliminate_all(p, matrix, forced, threshold, pass + 1 < MOST_PASSES && !p->any_independent);
     if (p->any_independent)
       break;
-    if (p->unwatched && goes_by_rows(p) && km_partition_may_wait(p)) {
-      km_sparse_let_b_wait(p);
-      p->largest_b = HUGE_VAL;
-      break;
-    }
     bool many = km_partition_freedom(p) > KM_MANY_VECTORS, others = many && pass == 0 && leave_shared(p);
     double most = many && pass > 0 ? good_b_of_many : good_b;
     bool finite = km_sparse_find_b(p, forced, others ? most : HUGE_VAL);
     if (finite && largest_free_b(p, forced) <= most)
       break;
-    if (!others && !(finite && km_sparse_choose_late(p, forced)))
+    bool any_serve = p->unwatched && goes_by_rows(p) && km_partition_may_wait(p);
+    if (!others && (any_serve || !finite || !km_sparse_choose_late(p, forced)))
       break;
   }
 }

@@ -135,8 +135,6 @@ double km_sparse_largest_b(const km_partition *partition, const bool *forced);
 /* The columns of B, or max |B_ij| alone. Ends at a column that isn't given with an entry beyond `most`: other ones are
  * tried then. False where a value is not finite. */
 bool km_sparse_find_b(km_partition *partition, const bool *forced, double most);
-/* B stays unmeasured, of many vectors, with room for one column of it. False where a pivot is 0, or when out of memory. */
-bool km_sparse_let_b_wait(km_partition *partition);
 /* max |B_ij| of the values at hand, as km_sparse_find_b leaves it. */
 double km_sparse_size_of_b(const km_partition *partition);
 /* Σ over all columns of the squared number of entries in primary rows: about how many entries Q R of the rows comes to, at most.

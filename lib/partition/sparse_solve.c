@@ -209,7 +209,8 @@ double km_sparse_size_of_b(const km_partition *p) {
   return p->sparse->b_waits ? measure_b(p, false, NULL, HUGE_VAL) : p->largest_b;
 }
 
-bool km_sparse_let_b_wait(km_partition *p) {
+/* Of many vectors, with room for one. */
+static bool let_b_wait(km_partition *p) {
   km_sparse *s = p->sparse;
   p->largest_b = p->pivoted_b;
   p->sign = sign_of(p);
@@ -255,7 +256,7 @@ static bool renew_b(km_partition *p) {
   if (p->any_independent || p->sparse->by_rows)
     return true;
   bool waits = p->unwatched && km_partition_freedom(p) > KM_MANY_VECTORS;
-  return waits ? km_sparse_let_b_wait(p) : km_sparse_find_b(p, NULL, HUGE_VAL);
+  return waits ? let_b_wait(p) : km_sparse_find_b(p, NULL, HUGE_VAL);
 }
 
 bool km_sparse_refactor(km_partition *p, const double *matrix, bool whole) {

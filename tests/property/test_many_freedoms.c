@@ -1,8 +1,10 @@
 /* Substructures with many freedoms: what is found without a basis of them is what a basis gives. */
+#include "support/chains.h"
 #include "support/folded.h"
 #include "support/lattices.h"
 #include "support/laws.h"
 #include "support/linkages.h"
+#include "support/sheets.h"
 
 #include "analysis/statics.h"
 #include "kinematics/closure.h"
@@ -64,6 +66,43 @@ static void pivots_of_all_rows_stay(void **state) {
   }
   km_free(move);
   fixture_close(&f);
+}
+
+/* The least mobility that is told and how many motions are listed. */
+static int motions_listed(fixture *f, int *mobility) {
+  km_finite_mobility found;
+  assert_int_equal(km_finite_mobility_find(f->mechanism, f->state, NULL, NULL, &found, NULL), KM_OK);
+  int count = found.motion_count;
+  *mobility = found.mobility;
+  km_finite_mobility_free(&found);
+  fixture_close(f);
+  return count;
+}
+
+/* A folded chain has a motion in which all loops open alike. Many freedoms are left at its first pose and one behind it: what was
+ * enough for steps of many isn't for steps of one. */
+static void chains_open_evenly(void **state) {
+  (void)state;
+  int mobility;
+  km_text text = {0};
+  write_folded_chain(&text, 150);
+  fixture f = fixture_read(text.data);
+  km_text_free(&text);
+  assert_int_equal(motions_listed(&f, &mobility), 2);
+  assert_int_equal(mobility, 1);
+}
+
+/* A sheet that lies flat folds along its lines, whichever they are: directions that meet all conditions of second order are found,
+ * though there are more conditions than freedoms. */
+static void flat_sheets_fold(void **state) {
+  (void)state;
+  int mobility;
+  km_text text = {0};
+  write_flat_miura(&text, 11, 11);
+  fixture f = fixture_read(text.data);
+  km_text_free(&text);
+  assert_true(motions_listed(&f, &mobility) >= 2);
+  assert_int_equal(mobility, 10);
 }
 
 /* The mobility is known before there is a basis, and whoever asks for one gets it. */
@@ -324,7 +363,8 @@ static void forces_of_many_freedoms(void **state) {
 int main(void) {
   const struct CMUnitTest tests[] = {
       cmocka_unit_test(laws_of_many_freedoms),   cmocka_unit_test(bases_wait),
-      cmocka_unit_test(pivots_of_all_rows_stay), cmocka_unit_test(many_real_freedoms),
+      cmocka_unit_test(pivots_of_all_rows_stay), cmocka_unit_test(chains_open_evenly),
+      cmocka_unit_test(flat_sheets_fold),        cmocka_unit_test(many_real_freedoms),
       cmocka_unit_test(sparse_is_dense),         cmocka_unit_test(bars_of_a_platform),
       cmocka_unit_test(wide_singular_values),    cmocka_unit_test(forces_of_many_freedoms),
   };
