@@ -23,23 +23,41 @@ static bool configure(km_attempt *a, nlopt_opt o) {
          (limits == 0 || nlopt_add_inequality_mconstraint(o, limits, km_attempt_constrain, a, tolerances) > 0);
 }
 
-/* The algorithm itself, or inside what it needs around it. */
+/* Ends by the change of the variables, or after 200 points for each of them. */
+static nlopt_opt make_inner(const km_attempt *a, nlopt_algorithm algorithm) {
+  int n = a->o->def->variable_count;
+  nlopt_opt o = nlopt_create(algorithm, (unsigned)n);
+  if (o && nlopt_set_xtol_rel(o, 0.0) > 0 && nlopt_set_xtol_abs1(o, fmax(1e-9, a->o->def->tolerance)) > 0 &&
+      nlopt_set_maxeval(o, 200 * n) > 0)
+    return o;
+  nlopt_destroy(o);
+  return NULL;
+}
+
+/* NLopt keeps a copy of the inner one. */
+static bool put_inside(nlopt_opt outer, nlopt_opt inner) {
+  bool good = inner && nlopt_set_local_optimizer(outer, inner) > 0;
+  nlopt_destroy(inner);
+  return good;
+}
+
+/* The algorithm, with the local one that it starts anew if it needs one. */
+static nlopt_opt make_algorithm(const km_attempt *a, nlopt_opt o) {
+  if (!o || !a->o->algorithm->local || put_inside(o, make_inner(a, NLOPT_LN_BOBYQA)))
+    return o;
+  nlopt_destroy(o);
+  return NULL;
+}
+
+/* The algorithm itself, or inside an augmented Lagrangian where it takes no constraints. */
 static nlopt_opt make_optimiser(km_attempt *a) {
   const km_algorithm *algorithm = a->o->algorithm;
   unsigned n = (unsigned)a->o->def->variable_count;
   bool wrapped = !algorithm->constraints && km_optimise_limits(a->o->study) > 0;
-  nlopt_opt outer = nlopt_create(wrapped ? NLOPT_AUGLAG : algorithm->id, n);
-  nlopt_opt inner = wrapped || algorithm->local ? nlopt_create(wrapped ? algorithm->id : NLOPT_LN_BOBYQA, n) : NULL;
-  bool good = outer && configure(a, outer);
-  if (inner) {
-    good = good && nlopt_set_xtol_rel(inner, 0.0) > 0 &&
-           nlopt_set_xtol_abs1(inner, fmax(1e-9, a->o->def->tolerance)) > 0 &&
-           nlopt_set_maxeval(inner, 200 * (int)n) > 0 && nlopt_set_local_optimizer(outer, inner) > 0;
-    nlopt_destroy(inner);
-  }
-  if (good || !outer)
-    return outer;
-  nlopt_destroy(outer);
+  nlopt_opt o = wrapped ? nlopt_create(NLOPT_AUGLAG, n) : make_algorithm(a, nlopt_create(algorithm->id, n));
+  if (o && configure(a, o) && (!wrapped || put_inside(o, make_algorithm(a, make_inner(a, algorithm->id)))))
+    return o;
+  nlopt_destroy(o);
   return NULL;
 }
 
@@ -66,7 +84,8 @@ static void run_attempt(km_attempt *a) {
   }
   start_point(a, x);
   nlopt_srand(a->o->def->seed * 1000003u + (unsigned long)a->number + 1u);
-  nlopt_optimize(a->optimiser, x, &least);
+  if (nlopt_optimize(a->optimiser, x, &least) == NLOPT_OUT_OF_MEMORY && !a->status)
+    a->status = km_fail(&a->error, KM_MEMORY, "out of memory for an optimisation");
   nlopt_destroy(a->optimiser);
   a->optimiser = NULL;
 }

@@ -68,6 +68,33 @@ static void best_transmission_angle(void **state) {
   }
 }
 
+/* The same angle where crank and ground point the same way must not be nearer to 90 degrees than with a coupler of 68 mm:
+ * then that coupler is the best, whichever algorithm looks for it. Each has room for hundreds of designs. */
+static void every_algorithm_keeps_limits(void **state) {
+  (void)state;
+  static const km_design_option flag = {.name = "transmission", .flag = true};
+  double cosine = (68.0 * 68.0 + 50.0 * 50.0 - 60.0 * 60.0) / (2.0 * 68.0 * 50.0), limit = sqrt(1.0 - cosine * cosine),
+         found;
+  for (int i = 0; km_design_algorithm(i); ++i) {
+    designs d;
+    optimise(&d, "advantage", km_design_algorithm(i), 400);
+    add_variable(&d, "coupler", 55.0, 75.0, 72.0);
+    designs_add_figure(&d, "transmission", KM_DESIGN_MIN, "sutherland_roth");
+    designs_add_figure(&d, "shortest", KM_DESIGN_AT, "sutherland_roth");
+    d.figures[1].at = 0.0;
+    d.figures[1].high = limit;
+    d.options[d.questions[0].option_count++] = flag;
+    d.optimise.goals[0] = (km_design_goal){"transmission", true};
+    km_design_study *s = designs_run(&d, NULL, 1);
+    int best = km_design_study_best(s);
+    assert_true(best >= 0);
+    assert_int_equal(km_design_study_values(s, best, &found, NULL), KM_OK);
+    assert_near(found, 68.0, 1.0); /* of 20 mm; the start is 4 mm away */
+    assert_true(designs_result(s, best).figures[0] <= limit + 1e-9);
+    km_design_study_free(s);
+  }
+}
+
 /* Points of the curve that the file's own linkage traces. */
 static int trace(double points[][3], int room) {
   fixture f = fixture_read(fourbar);
@@ -120,6 +147,7 @@ static void coupler_curve_through_points(void **state) {
 
 int main(void) {
   const struct CMUnitTest tests[] = {cmocka_unit_test(best_transmission_angle),
+                                     cmocka_unit_test(every_algorithm_keeps_limits),
                                      cmocka_unit_test(coupler_curve_through_points)};
   return cmocka_run_group_tests(tests, NULL, NULL);
 }
