@@ -82,7 +82,7 @@ bool km_tangents_all_real(km_tangents *f) {
     km_tangents_normalise(f->a, k);
     km_tangents_direction(f, f->a, f->direction);
     km_followed found = km_tangents_try(f, f->direction);
-    if (found.reality < f->enough)
+    if (found.reality < f->enough || (trial >= k && km_tangents_are_fewer(f)))
       return false;
     if (trial < k)
       f->length[trial] = found.length;
@@ -98,7 +98,7 @@ bool km_tangents_are_regular(km_tangents *f) {
     f->a[i] = km_uniform(&random);
   km_tangents_normalise(f->a, f->conditions.freedom);
   km_tangents_direction(f, f->a, f->direction);
-  return km_tangents_follow(f, f->direction, 1.0).reality == KM_REAL;
+  return km_tangents_follow(f, f->direction, 1.0).reality == KM_REAL && !km_tangents_are_fewer(f);
 }
 
 /* The conditions of second order, found when they are first asked for; the state is then at the pose. */

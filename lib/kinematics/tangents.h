@@ -35,7 +35,7 @@ typedef struct km_tangents {
   double *direction; /* of the tangent that is tried */
   double *a;         /* [freedom] a tangent by its share of each column of Z */
   double *length;    /* [freedom] how far each column of Z was followed, ahead and back; -1: not yet */
-  int starts;      /* by km_tangents_next */
+  int starts;        /* by km_tangents_next */
   uint64_t random;
 } km_tangents;
 
@@ -59,6 +59,10 @@ typedef struct km_followed {
 km_followed km_tangents_follow(km_tangents *tangents, const double *direction, double sign);
 /* Do the loops fit at the pose to rounding, so that a misfit further on means something however small it is? */
 bool km_tangents_are_exact(const km_tangents *tangents);
+/* Has the state's place, to which a way has led, fewer tangents than the pose? Then the pose's aren't all real: those of a
+ * smooth family have its dimension everywhere. A direction near a motion's is led onto that motion by closing the loops, and
+ * only this shows it. The state stays there. O(one factorisation). */
+bool km_tangents_are_fewer(km_tangents *tangents);
 /* The shorter of the ways ahead and back; 0 where the first of the two shows that the direction isn't real. `doubtful`
  * remembers answers that are undecided. */
 km_followed km_tangents_try(km_tangents *tangents, const double *direction);

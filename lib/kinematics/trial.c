@@ -5,6 +5,7 @@
  * the file may leave, and its growth from half the way to the whole tells a power of t from rounding. */
 #include "kinematics/aside.h"
 #include "kinematics/closure.h"
+#include "kinematics/loops.h"
 #include "kinematics/tangents.h"
 
 static const double first_step = 1e-3;    /* scaled: radians or substructure sizes, of the fastest coordinate */
@@ -181,4 +182,16 @@ km_followed km_tangents_follow(km_tangents *f, const double *direction, double s
   km_state_forget_pivots(f->s, f->index);
   result.reality = judge(f, &r, tolerance, way >= whole_way);
   return result;
+}
+
+bool km_tangents_are_fewer(km_tangents *f) {
+  int worst;
+  km_state_set_aside(f->s, f->index);
+  km_loops_update(f->m, f->s, f->sub);
+  double residual = km_loops_residual(f->m, f->s, f->sub, &worst);
+  km_pivot(f->m, f->s, f->index, KM_NO_DRIVER, km_rank_tolerance(f->m, f->sub, residual));
+  bool fewer = km_partition_freedom(&f->s->partition[f->index]) < f->conditions.freedom;
+  km_state_take_back(f->s, f->index);
+  km_state_forget_pivots(f->s, f->index);
+  return fewer;
 }

@@ -126,6 +126,40 @@ static void change_point_branches(void **state) {
   expect(chain(3, (const double[]){1, 2, 1}, (const double[]){0, 0, M_PI, -M_PI}, 2.0), 1, 2, KM_MOTION_BRANCH);
 }
 
+/* A ring of eight links of length 1 whose ends' hinges are at right angles, laid flat by half turns. Hinges 1, 5 and 7 (from
+ * 1) have one axis, 2 and 4 another, 6 and 8 a third, and what stands between two hinges of one axis turns about it. What turns
+ * about 6 and 8 takes hinge 7 away from its axis. So either that turns, and what 1 and 5 hold, and what 2 and 4 hold, or 1, 5 and 7
+ * have two freedoms, and 2 and 4 one: two motions of three freedoms meet, where first order allows four. */
+static void flat_ring(void **state) {
+  (void)state;
+  static const int turned[8] = {0, 0, 1, 0, 0, 1, 1, 1};
+  km_text t = {0};
+  km_text_add(&t, "{\"assemblies\": [{\"name\": \"ring\", \"bodies\": [");
+  for (int i = 0; i < 8; ++i)
+    km_text_format(&t,
+                   "%s{\"name\": \"b%d\", \"frames\": [{\"name\": \"t\", \"T\": [1, 0, 0], \"R\": [[1, 0, 0], [0, 0, "
+                   "%d], [0, %d, 0]]}]}",
+                   i ? ", " : "", i, i % 2 ? 1 : -1, i % 2 ? -1 : 1);
+  km_text_add(&t,
+              "], \"joints\": [{\"name\": \"ground\", \"type\": \"rigid\", \"body_frame_pairs\": [\"fixed\", \"b7\"]}");
+  for (int i = 0; i < 8; ++i)
+    km_text_format(&t,
+                   ", {\"name\": \"J%d\", \"type\": \"Rz\", \"body_frame_pairs\": [[\"b%d\", \"t\"], \"b%d\"], "
+                   "\"initial_displacement\": %.17g}",
+                   i + 1, (i + 7) % 8, i, turned[i] * M_PI);
+  km_text_add(&t, "]}]}");
+  fixture f = fixture_read(t.data);
+  km_text_free(&t);
+  km_mobility first_order;
+  km_mobility_update(f.mechanism, f.state, &first_order);
+  assert_int_equal(first_order.mobility, 4);
+  km_finite_mobility found = find(&f);
+  assert_int_equal(found.mobility, 3);
+  assert_false(found.undecided);
+  km_finite_mobility_free(&found);
+  fixture_close(&f);
+}
+
 static void random_families(void **state) {
   (void)state;
   static bool (*const families[])(uint64_t) = {family_moving, family_contact, family_shaky, family_change_point};
@@ -137,9 +171,9 @@ static void random_families(void **state) {
 }
 
 int main(void) {
-  const struct CMUnitTest tests[] = {cmocka_unit_test(regular_models),       cmocka_unit_test(bricard_in_its_plane),
-                                     cmocka_unit_test(collinear_bars_shake), cmocka_unit_test(bars_on_a_line),
-                                     cmocka_unit_test(a_truss_stands),       cmocka_unit_test(change_point_branches),
-                                     cmocka_unit_test(random_families)};
+  const struct CMUnitTest tests[] = {
+      cmocka_unit_test(regular_models), cmocka_unit_test(bricard_in_its_plane), cmocka_unit_test(collinear_bars_shake),
+      cmocka_unit_test(bars_on_a_line), cmocka_unit_test(a_truss_stands),       cmocka_unit_test(change_point_branches),
+      cmocka_unit_test(flat_ring),      cmocka_unit_test(random_families)};
   return cmocka_run_group_tests(tests, NULL, NULL);
 }
