@@ -2,7 +2,12 @@
 #include "kinematics/tangents.h"
 
 #include "base/random.h"
+#include "kinematics/closure.h"
 #include "kinematics/loops.h"
+
+#include <string.h>
+
+enum { MOST_TURNS = 5 }; /* from a direction to that of a motion near it */
 
 bool km_tangents_make(km_tangents *f, const km_mechanism *m, km_state *s, int index, km_arena *arena) {
   const km_substructure *sub = &m->substructures[index];
@@ -15,6 +20,8 @@ bool km_tangents_make(km_tangents *f, const km_mechanism *m, km_state *s, int in
   f->x = KM_ARENA_NEW(arena, double, n);
   f->move = KM_ARENA_NEW(arena, double, n);
   f->direction = KM_ARENA_NEW(arena, double, n);
+  f->chord = KM_ARENA_NEW(arena, double, n);
+  f->secant = KM_ARENA_NEW(arena, double, n);
   if (arena->failed)
     return false;
   int worst;
@@ -26,6 +33,7 @@ bool km_tangents_make(km_tangents *f, const km_mechanism *m, km_state *s, int in
 bool km_tangents_make_basis(km_tangents *f) {
   size_t k = (size_t)f->conditions.freedom;
   f->a = KM_ARENA_NEW(f->arena, double, k);
+  f->tried = KM_ARENA_NEW(f->arena, double, k);
   f->length = KM_ARENA_NEW(f->arena, double, k);
   f->work = KM_ARENA_NEW(f->arena, double, 4 * k * k + 8 * k);
   if (f->arena->failed)
@@ -46,6 +54,13 @@ void km_tangents_direction(const km_tangents *f, const double *a, double *x) {
   }
 }
 
+/* What bends the motion turns the chords ahead and back apart, and their difference by less than the square of their length. */
+static void add_chord(km_tangents *f, int sign) {
+  double length = km_step_length(f->m, f->sub, f->chord);
+  for (int c = 0; c < f->sub->columns; ++c)
+    f->secant[c] = (sign > 0 ? 0.0 : f->secant[c]) + 0.5 * sign * f->chord[c] / length;
+}
+
 km_followed km_tangents_try(km_tangents *f, const double *direction) {
   km_followed both = {HUGE_VAL, KM_REAL};
   for (int sign = 1; sign >= -1; sign -= 2) {
@@ -53,6 +68,7 @@ km_followed km_tangents_try(km_tangents *f, const double *direction) {
     f->doubtful = f->doubtful || one.reality == KM_LOST || one.reality == KM_UNDECIDED;
     if (one.reality < f->enough)
       return (km_followed){0.0, one.reality};
+    add_chord(f, sign);
     if (sign > 0)
       km_state_save(f->s, f->sub, f->ahead);
     both = (km_followed){fmin(both.length, one.length), one.reality < both.reality ? one.reality : both.reality};
@@ -124,16 +140,50 @@ bool km_tangents_random(km_tangents *f) {
   return seek(f) && km_tangents_is_real(f, f->a);
 }
 
+static bool are_same(int k, const double *a, const double *b) {
+  double cosine = 0.0;
+  for (int r = 0; r < k; ++r)
+    cosine += a[r] * b[r];
+  return km_is_same_tangent(cosine);
+}
+
 static bool is_known(const km_tangents *f, const double *known, int count) {
   int k = f->conditions.freedom;
-  for (int i = 0; i < count; ++i) {
-    double cosine = 0.0;
-    for (int r = 0; r < k; ++r)
-      cosine += known[i * k + r] * f->a[r];
-    if (km_is_same_tangent(cosine))
+  for (int i = 0; i < count; ++i)
+    if (are_same(k, known + (size_t)i * (size_t)k, f->a))
       return true;
-  }
   return false;
+}
+
+/* The shares of what was followed. */
+static void take_secant(const km_tangents *f, double *a) {
+  const double *weight = f->m->column_weight + f->sub->column_start;
+  int n = f->sub->columns;
+  for (int k = 0; k < f->conditions.freedom; ++k) {
+    a[k] = 0.0;
+    for (int c = 0; c < n; ++c)
+      a[k] += f->conditions.Z[(size_t)k * (size_t)n + (size_t)c] * weight[c] * f->secant[c];
+  }
+  km_tangents_normalise(a, f->conditions.freedom);
+}
+
+/* Tries the direction in `a`. One that only conditions of higher order refute may be led onto a motion nearby: then that
+ * motion's own direction takes its place, and is tried. */
+static km_followed settle(km_tangents *f) {
+  int k = f->conditions.freedom;
+  km_followed found;
+  for (int i = 0; i < MOST_TURNS; ++i) {
+    km_tangents_direction(f, f->a, f->direction);
+    found = km_tangents_try(f, f->direction);
+    if (found.reality < f->enough)
+      return found;
+    memcpy(f->tried, f->a, (size_t)k * sizeof *f->a);
+    take_secant(f, f->a);
+    if (!km_second_order_solve(&f->conditions, f->a, f->work) || are_same(k, f->a, f->tried))
+      break;
+  }
+  memcpy(f->a, f->tried, (size_t)k * sizeof *f->a);
+  return found;
 }
 
 bool km_tangents_next(km_tangents *f, const double *known, int count, double *length) {
@@ -142,10 +192,9 @@ bool km_tangents_next(km_tangents *f, const double *known, int count, double *le
     f->starts++;
     if (!seek(f) || is_known(f, known, count))
       continue;
-    km_tangents_direction(f, f->a, f->direction);
-    km_followed found = km_tangents_try(f, f->direction);
+    km_followed found = settle(f);
     *length = found.length;
-    if (found.reality >= f->enough)
+    if (found.reality >= f->enough && !is_known(f, known, count))
       return true;
   }
   return false;

@@ -29,11 +29,14 @@ typedef struct km_tangents {
   double residual;            /* of the pose's worst loop */
   double *pose, *last;        /* saved coordinates */
   double *ahead;              /* those at the end of the way ahead of the tangent tried last */
-  bool doubtful;              /* some tangent was neither confirmed nor refuted */
-  km_reality enough;          /* to count as real; KM_REAL */
+  double *chord;     /* [columns] of the way that was followed last: the scaled step to a place near its begin */
+  double *secant;    /* [columns] of the tangent that was tried last: unit direction between such places */
+  bool doubtful;     /* some tangent was neither confirmed nor refuted */
+  km_reality enough; /* to count as real; KM_REAL */
   double *x, *move, *work;
   double *direction; /* of the tangent that is tried */
   double *a;         /* [freedom] a tangent by its share of each column of Z */
+  double *tried;     /* [freedom] by km_tangents_next, before what was followed took its place */
   double *length;    /* [freedom] how far each column of Z was followed, ahead and back; -1: not yet */
   int starts;        /* by km_tangents_next */
   uint64_t random;

@@ -13,6 +13,7 @@ static const double longest_step = 0.05;  /* the same */
 static const double shortest_step = 1e-6; /* the same */
 static const double short_way = 4e-3;     /* the same: what ends before this never was one */
 static const double whole_way = 0.3;      /* the same */
+static const double chord_way = 0.02;     /* the same: the way's chord up to there is kept */
 static const double noise = 1e-11;        /* a misfit that closing may leave */
 static const double rising = 1.5;         /* a power of the way, for a misfit far above what the file may leave */
 static const double far_above = 100.0;    /* times what the file may leave */
@@ -168,6 +169,8 @@ km_followed km_tangents_follow(km_tangents *f, const double *direction, double s
     }
     km_state_difference(f->s, f->sub, f->last, f->move);
     double moved = fastest(f->move, columns, &column);
+    if (way < chord_way)
+      km_state_difference(f->s, f->sub, f->pose, f->chord);
     way += moved;
     note(&r, way, misfit);
     if (misfit > tolerance)

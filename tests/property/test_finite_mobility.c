@@ -160,6 +160,38 @@ static void flat_ring(void **state) {
   fixture_close(&f);
 }
 
+/* A loop of seven hinges, by their axes and points. 1 and 4 (from 1) have one axis, 2 and 5 another: what stands between such a
+ * pair turns about it, and takes a hinge of the other pair away. Two motions of one freedom meet; that their tangents don't
+ * mix shows in no second order. */
+static void two_pairs_in_a_chain(void **state) {
+  (void)state;
+  static const struct {
+    char axis;
+    int x, y, z;
+  } hinges[7] = {{'z', -1, -1, -1}, {'x', -1, -1, -1}, {'y', 1, 0, -1}, {'z', -1, -1, 1},
+                 {'x', 1, -1, -1},  {'y', 0, 1, 1},    {'y', -1, -1, 0}};
+  km_text t = {0};
+  km_text_add(
+      &t,
+      "{\"model_parameters\": {\"version\": \"1.1\"}, \"assemblies\": [{\"name\": \"a\", \"drawn\": \"assembled\", \"bodies\": [");
+  for (int i = 0; i < 6; ++i)
+    km_text_format(&t, "%s{\"name\": \"b%d\"}", i ? ", " : "", i);
+  km_text_add(&t, "], \"joints\": [");
+  for (int i = 0; i < 7; ++i) {
+    char parent[16], child[16];
+    snprintf(parent, sizeof parent, i ? "b%d" : "fixed", i - 1);
+    snprintf(child, sizeof child, i < 6 ? "b%d" : "fixed", i);
+    km_text_format(&t,
+                   "%s{\"name\": \"J%d\", \"type\": \"revolute\", \"bodies\": [\"%s\", \"%s\"], \"at\": [%d, %d, %d], "
+                   "\"axis\": [%d, %d, %d]}",
+                   i ? ", " : "", i + 1, parent, child, hinges[i].x, hinges[i].y, hinges[i].z, hinges[i].axis == 'x',
+                   hinges[i].axis == 'y', hinges[i].axis == 'z');
+  }
+  km_text_add(&t, "]}]}");
+  expect(fixture_read(t.data), 1, 2, KM_MOTION_BRANCH);
+  km_text_free(&t);
+}
+
 static void random_families(void **state) {
   (void)state;
   static bool (*const families[])(uint64_t) = {family_moving, family_contact, family_shaky, family_change_point};
@@ -174,6 +206,6 @@ int main(void) {
   const struct CMUnitTest tests[] = {
       cmocka_unit_test(regular_models), cmocka_unit_test(bricard_in_its_plane), cmocka_unit_test(collinear_bars_shake),
       cmocka_unit_test(bars_on_a_line), cmocka_unit_test(a_truss_stands),       cmocka_unit_test(change_point_branches),
-      cmocka_unit_test(flat_ring),      cmocka_unit_test(random_families)};
+      cmocka_unit_test(flat_ring),      cmocka_unit_test(two_pairs_in_a_chain), cmocka_unit_test(random_families)};
   return cmocka_run_group_tests(tests, NULL, NULL);
 }
