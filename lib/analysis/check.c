@@ -231,6 +231,32 @@ static void check_frames(const km_model *model, km_findings *f) {
           model->bodies[model->frames[i].body].name);
 }
 
+static bool has_limits(const km_model *model, int joint) {
+  bool limited = model->joints[joint].most_turn > 0.0;
+  for (int c = model->joints[joint].first_coordinate; c < model->coordinate_count; ++c) {
+    const km_model_coordinate *at = &model->coordinates[c];
+    if (at->joint != joint)
+      break;
+    limited = limited || isfinite(at->low) || isfinite(at->high);
+  }
+  return limited;
+}
+
+/* A damper takes energy, and a stop acts past limits. */
+static void check_laws(const km_model *model, km_findings *f) {
+  for (int c = 0; c < model->coordinate_count; ++c)
+    if (model->coordinates[c].damping < 0.0)
+      add(f, KM_FINDING_WARNING, "damping", "write the damping as a positive number, or the drive as a force module",
+          "joint %s has a negative damping of %g, which gives it energy as it moves", model->coordinates[c].label,
+          model->coordinates[c].damping);
+  for (int j = 0; j < model->joint_count; ++j) {
+    const km_model_joint *joint = &model->joints[j];
+    if ((joint->stop.stiffness > 0.0 || joint->stop.damping > 0.0) && !has_limits(model, j))
+      add(f, KM_FINDING_REMARK, "stop", "give the joint limits, or remove the stop",
+          "joint %s has a stop but no limits, so the stop never acts", joint->label);
+  }
+}
+
 static void check_turn(const km_mechanism *m, const km_state *s, int c, km_findings *f) {
   const km_model_joint *joint = &m->model->joints[m->model->coordinates[c].joint];
   double over = km_state_over_turned(m, c, &s->q[c]), unit = m->model->units.angle->si;
@@ -268,6 +294,7 @@ static km_status examine(const km_mechanism *m, km_state *s, const km_messages *
   check_angles(m->model, out);
   if (!status)
     status = check_masses(m, s, out, error);
+  check_laws(m->model, out);
   check_frames(m->model, out);
   check_idle(m, &diagnosis->idle, out);
   check_planar(m, &diagnosis->redundancies, out);
