@@ -143,7 +143,8 @@ static km_status read_value(const km_option *what, const km_design_option *o, co
   case KM_OPTION_RANGE:
     return numbers_of(o, 2, "two numbers [from, to]", v->numbers, error);
   case KM_OPTION_VECTOR:
-    return numbers_of(o, 3, "three numbers [x, y, z]", v->numbers, error);
+    v->numbers[2] = 0.0; /* of two */
+    return numbers_of(o, o->number_count == 2 ? 2 : 3, "two or three numbers [x, y] or [x, y, z]", v->numbers, error);
   case KM_OPTION_WORD:
     v->whole = one_text ? word_place(what->words, o->texts[0]) : -1;
     return v->whole >= 0 ? KM_OK : expected(o, what->words, error);

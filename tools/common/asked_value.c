@@ -44,6 +44,16 @@ static kt_exit read_sense(const kt_common *common, const km_model *model, const 
   return result;
 }
 
+/* Of two numbers the third is 0, as in the file. */
+static kt_exit read_vector(const kt_common *common, const char *name, const char *text, double *out) {
+  bool given = kt_numbers(text, 3, out);
+  if (!given && kt_numbers(text, 2, out)) {
+    out[2] = 0.0;
+    given = true;
+  }
+  return given ? KT_DONE : kt_usage(common, name, text, "two or three numbers X,Y or X,Y,Z");
+}
+
 static kt_exit read_coordinates(const kt_common *common, const km_model *model, const char *name, const char *text,
                                 km_arena *arena, km_option_value *out) {
   int *list = KM_ARENA_NEW(arena, int, (size_t)km_model_coordinate_count(model) + 1);
@@ -92,7 +102,7 @@ kt_exit kt_asked_value(const kt_common *common, const km_model *model, const km_
   case KM_OPTION_RANGE:
     return read_range(common, name, text, out->numbers);
   case KM_OPTION_VECTOR:
-    return kt_numbers(text, 3, out->numbers) ? KT_DONE : kt_usage(common, name, text, "three numbers X,Y,Z");
+    return read_vector(common, name, text, out->numbers);
   case KM_OPTION_WORD:
     out->whole = kt_word_place(o->words, text);
     return out->whole >= 0 ? KT_DONE : kt_usage(common, name, text, o->words);

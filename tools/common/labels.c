@@ -34,10 +34,14 @@ char *kt_plain(const char *text) {
   return kt_split(&text, "").text;
 }
 
-bool kt_number(const char *text, double *out) {
+static bool is_number(const char *text, double *out) {
   char *end = NULL;
   *out = strtod(text, &end); /* the tools never leave the C locale */
-  return end != text && *end == '\0' && isfinite(*out) && fabs(*out) <= 1e60;
+  return end != text && *end == '\0' && !isnan(*out);
+}
+
+bool kt_number(const char *text, double *out) {
+  return is_number(text, out) && fabs(*out) <= 1e60;
 }
 
 bool kt_numbers(const char *text, int count, double *out) {
@@ -138,7 +142,8 @@ static kt_exit add_text(const kt_common *common, const km_model *model, const ch
     double value;
     last = item.separator;
     if (!kt_number(item.text, &value)) {
-      kt_say(common, KM_ERROR, "%s %s: \"%s\" is not a number", option, text, item.text);
+      kt_say(common, KM_ERROR, "%s %s: \"%s\" is not a number%s", option, text, item.text,
+             is_number(item.text, &value) ? " of magnitude up to 1e60" : "");
       result = KT_USAGE;
     } else if (given < count && !add(out, first + given, value)) {
       result = KT_NO_MEMORY;

@@ -41,6 +41,13 @@ static km_value *convert(km_arena *arena, km_value *parent, const char *key, con
   }
 }
 
+static bool is_blank(const char *bytes, size_t size) {
+  size_t i = 0;
+  while (i < size && bytes[i] && strchr(" \t\r\n", bytes[i]))
+    ++i;
+  return i == size;
+}
+
 km_status km_json_parse_open(const char *bytes, size_t size, km_arena *arena, km_value **root, km_error *error) {
   static const char mark[] = "\xEF\xBB\xBF";
   if (size >= 3 && memcmp(bytes, mark, 3) == 0) {
@@ -49,6 +56,8 @@ km_status km_json_parse_open(const char *bytes, size_t size, km_arena *arena, km
   }
   if (km_is_wide(bytes, size))
     return km_fail(error, KM_MODEL, "the text is in UTF-16; expected JSON text in UTF-8");
+  if (is_blank(bytes, size))
+    return km_fail(error, KM_MODEL, "the text is empty; expected JSON text");
   json_error_t problem;
   json_t *json = json_loadb(bytes, size, JSON_REJECT_DUPLICATES | JSON_DECODE_INT_AS_REAL | JSON_DECODE_ANY, &problem);
   if (!json)
