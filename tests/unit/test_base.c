@@ -77,14 +77,27 @@ static void json_comes_back(void **state) {
 
 static void bad_json_has_a_place(void **state) {
   (void)state;
-  static const char *const bad[] = {"",     "{",           "[1,",  "{\"a\": 1, \"a\": 2}", "[NaN]", "[1e999]",
-                                    "[01]", "\"\\u0000\"", "[1] x"};
+  static const char *const bad[] = {"{",       "[1,",  "{\"a\": 1, \"a\": 2}", "[NaN]",
+                                    "[1e999]", "[01]", "\"\\u0000\"",          "[1] x"};
   for (size_t i = 0; i < sizeof bad / sizeof *bad; ++i) {
     km_arena arena = {0};
     const km_value *root;
     km_error error;
     assert_int_equal(km_json_parse(bad[i], strlen(bad[i]), &arena, &root, &error), KM_MODEL);
     assert_non_null(strstr(error.text, "line 1, column"));
+    km_arena_free(&arena);
+  }
+}
+
+static void blank_json_is_told_as_empty(void **state) {
+  (void)state;
+  static const char *const blank[] = {"", " ", "\n\t\r\n"};
+  for (size_t i = 0; i < sizeof blank / sizeof *blank; ++i) {
+    km_arena arena = {0};
+    const km_value *root;
+    km_error error;
+    assert_int_equal(km_json_parse(blank[i], strlen(blank[i]), &arena, &root, &error), KM_MODEL);
+    assert_string_equal(error.text, "the text is empty; expected JSON text");
     km_arena_free(&arena);
   }
 }
@@ -198,6 +211,7 @@ int main(void) {
       cmocka_unit_test(names_keep_their_scopes),
       cmocka_unit_test(json_comes_back),
       cmocka_unit_test(bad_json_has_a_place),
+      cmocka_unit_test(blank_json_is_told_as_empty),
       cmocka_unit_test(csv_quotes_what_needs_it),
       cmocka_unit_test(tables_begin_again),
       cmocka_unit_test(extremes_are_the_first_of_their_kind),
