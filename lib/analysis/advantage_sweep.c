@@ -21,7 +21,6 @@ typedef struct watch {
   km_losses_work *losses;             /* NULL: no joint has friction */
   bool followed;                      /* r->rates is the motion at the pose that is looked at */
   bool between;                       /* that pose lies between rows */
-  bool table_only;                    /* see km_sweep_job */
   bool failed;                        /* the losses of the last row found no memory */
   double *reference;                  /* [coordinate] the motion at the last sample: a basis has no sense of its own */
   double sense;             /* of the lever's motion at the pose that was looked at last, beside the sweep's: ±1 */
@@ -159,13 +158,13 @@ static km_status note_dead_centre(watch *w, double s, km_error *error) {
 static km_status pass(void *self, km_sweeper *r, double s, km_error *error) {
   watch *w = self;
   w->followed = r->rides || km_sweeper_motion(r);
-  return w->table_only ? KM_OK : km_scan_sample(&w->scan, r, s, error);
+  return km_scan_sample(&w->scan, r, s, error);
 }
 
 static km_status see(void *self, km_sweeper *r, double s, km_error *error) {
   watch *w = self;
   km_status status = w->failed ? km_fail(error, KM_MEMORY, "out of memory for the losses") : pass(self, r, s, error);
-  return status || w->table_only ? status : note_dead_centre(w, s, error);
+  return status || !w->scan.events ? status : note_dead_centre(w, s, error);
 }
 
 static void forget(void *self) {
@@ -174,7 +173,7 @@ static void forget(void *self) {
 
 static km_status end_at(void *self, km_sweeper *r, double s, km_error *error) {
   watch *w = self;
-  return w->table_only ? KM_OK : km_scan_end(&w->scan, r, s, error);
+  return km_scan_end(&w->scan, r, s, error);
 }
 
 /* Zeros and poles as toggles: two in one place leave the advantage undefined there. */
@@ -306,14 +305,14 @@ static km_observer observer_of(watch *w) {
                        .asks_direction = true};
 }
 
-static km_scan scan_of(watch *w) {
+static km_scan scan_of(watch *w, bool table_only) {
   return (km_scan){.self = w,
                    .values = values,
                    .sampled = sampled,
                    .between = between,
                    .ratios = true,
                    .extremes = true,
-                   .events = &w->events};
+                   .events = table_only ? NULL : &w->events};
 }
 
 static km_status open_watch(km_sweep_job *job, bool transmission, km_advantage_sweep *out) {
@@ -321,9 +320,8 @@ static km_status open_watch(km_sweep_job *job, bool transmission, km_advantage_s
   if (!w)
     return km_fail(job->error, KM_MEMORY, "out of memory for a sweep");
   w->out = out;
-  w->table_only = job->table_only;
   w->observer = observer_of(w);
-  w->scan = scan_of(w);
+  w->scan = scan_of(w, job->table_only);
   job->observer = &w->observer;
   km_status status = open_instruments(w, job, transmission);
   if (status)

@@ -292,6 +292,8 @@ static km_status look(km_scan *scan, km_sweeper *r, int i, bool *moved, km_error
 }
 
 km_status km_scan_sample(km_scan *scan, km_sweeper *r, double s, km_error *error) {
+  if (!scan->events)
+    return KM_OK;
   if (scan->have > 1 && (s - scan->s[0]) * (scan->s[0] - scan->s[1]) <= 0.0)
     return KM_OK; /* the way to it has been seen */
   double *n = scan->n[1], *d = scan->d[1];

@@ -48,9 +48,9 @@ typedef struct km_scan {
   void (*sampled)(void *self, km_sweeper *sweeper);
   /* The state stands at s, near a pole where one more sample shows the function's course; NULL: nobody asks. */
   bool (*between)(void *self, km_sweeper *sweeper, double s);
-  bool ratios, extremes; /* what to look for: zeros and poles; extremes */
-  bool best_counts;      /* an extreme next to which poses can't be reached is the best one found */
-  km_events *events;
+  bool ratios, extremes;     /* what to look for: zeros and poles; extremes */
+  bool best_counts;          /* an extreme next to which poses can't be reached is the best one found */
+  km_events *events;         /* NULL: nobody reads any, and nothing is sampled or looked for */
   double s[2], *n[2], *d[2]; /* the last two samples, the newest first */
   int have;                  /* of them; 0 to forget them */
   double *probe_n, *probe_d; /* [count] */

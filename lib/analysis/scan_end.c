@@ -115,7 +115,7 @@ static void forget_end(km_events *events, int function, double s, double way) {
 km_status km_scan_end(km_scan *scan, km_sweeper *r, double end, km_error *error) {
   const km_table *table = r->out->table;
   size_t rows = km_table_rows(table);
-  if (rows < 2)
+  if (rows < 2 || !scan->events)
     return KM_OK;
   bool away = km_table_row(table, 0)[1] == end;
   km_ending *ending = away ? &scan->first : &scan->last;

@@ -17,10 +17,9 @@ typedef struct watch {
   km_statics *statics;
   km_scan scan;
   km_events events;
-  bool table_only; /* see km_sweep_job */
-  bool moves;      /* r->rates is the motion */
-  bool grown;      /* the actuators reach more freedoms than before */
-  bool known;      /* the balance is that of the state's pose, by this edition of the partition that moves: */
+  bool moves; /* r->rates is the motion */
+  bool grown; /* the actuators reach more freedoms than before */
+  bool known; /* the balance is that of the state's pose, by this edition of the partition that moves: */
   unsigned edition;
 } watch;
 
@@ -125,8 +124,6 @@ static km_status look(watch *w, km_sweeper *r, double s, km_error *error) {
   bool second = w->scan.have > 0;
   w->grown = false;
   w->moves = r->rides ? r->mover.rates(r->mover.self, r->rates) : km_sweeper_motion(r);
-  if (w->table_only)
-    return KM_OK;
   km_status status = km_scan_sample(&w->scan, r, s, error);
   if (w->grown && second && !status)
     status = start_at_pole(w, error);
@@ -164,8 +161,7 @@ static bool between(void *self, km_sweeper *r, double s) {
 }
 
 static km_status end_at(void *self, km_sweeper *r, double s, km_error *error) {
-  watch *w = self;
-  return w->table_only ? KM_OK : km_scan_end(&w->scan, r, s, error);
+  return km_scan_end(&((watch *)self)->scan, r, s, error);
 }
 
 static void forget(void *self) {
@@ -241,14 +237,14 @@ static km_observer observer_of(watch *w) {
                        .reads_basis = true};
 }
 
-static km_scan scan_of(watch *w) {
+static km_scan scan_of(watch *w, bool table_only) {
   return (km_scan){.self = w,
                    .values = values,
                    .sampled = sampled,
                    .between = between,
                    .ratios = true,
                    .extremes = true,
-                   .events = &w->events};
+                   .events = table_only ? NULL : &w->events};
 }
 
 /* The actuators, and what each of them has to give: nothing yet. */
@@ -272,9 +268,9 @@ static km_status open_watch(km_sweep_job *job, km_forces *forces, km_statics *st
     return status;
   watch *w = KM_NEW(watch, 1);
   if (w) {
-    *w = (watch){.out = out, .forces = forces, .statics = statics, .table_only = job->table_only};
+    *w = (watch){.out = out, .forces = forces, .statics = statics};
     w->observer = observer_of(w);
-    w->scan = scan_of(w);
+    w->scan = scan_of(w, job->table_only);
     job->observer = &w->observer;
     statics->work->compares = true;
   }
