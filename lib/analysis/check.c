@@ -233,12 +233,9 @@ static void check_frames(const km_model *model, km_findings *f) {
 
 static bool has_limits(const km_model *model, int joint) {
   bool limited = model->joints[joint].most_turn > 0.0;
-  for (int c = model->joints[joint].first_coordinate; c < model->coordinate_count; ++c) {
-    const km_model_coordinate *at = &model->coordinates[c];
-    if (at->joint != joint)
-      break;
-    limited = limited || isfinite(at->low) || isfinite(at->high);
-  }
+  double low, high;
+  for (int k = 0; k < km_model_freedom(model, joint); ++k)
+    limited = km_model_coordinate_limits(model, model->joints[joint].first_coordinate + k, &low, &high) || limited;
   return limited;
 }
 

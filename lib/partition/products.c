@@ -1,33 +1,11 @@
 /* Products of a matrix's rows. */
 #include "partition/products.h"
 
+#include "partition/by_row.h"
+
 #include <limits.h>
 #include <stdlib.h>
 #include <string.h>
-
-/* Of A by row: the entries and their columns. */
-typedef struct by_row {
-  int *start, *entry, *column;
-} by_row;
-
-static bool list_by_row(int rows, int columns, const int *start, const int *row, km_arena *arena, by_row *out) {
-  size_t entries = (size_t)start[columns];
-  *out = (by_row){KM_ARENA_NEW(arena, int, (size_t)rows + 2), KM_ARENA_NEW(arena, int, entries),
-                  KM_ARENA_NEW(arena, int, entries)};
-  if (arena->failed)
-    return false;
-  for (int i = 0; i < start[columns]; ++i)
-    out->start[row[i] + 2]++;
-  for (int r = 0; r < rows; ++r)
-    out->start[r + 2] += out->start[r + 1];
-  for (int c = 0; c < columns; ++c)
-    for (int i = start[c]; i < start[c + 1]; ++i) {
-      int at = out->start[row[i] + 1]++;
-      out->entry[at] = i;
-      out->column[at] = c;
-    }
-  return true;
-}
 
 static int ascending(const void *a, const void *b) {
   long x = *(const long *)a, y = *(const long *)b;
@@ -58,7 +36,8 @@ static bool reserve(km_products *out, int rows, int columns, const int *start) {
 /* What is needed to list a column of products. */
 typedef struct listing {
   const int *start, *row; /* of A */
-  by_row rows;
+  const int *row_start;   /* of A by row: see km_sort_by_row */
+  const km_row_entry *by_row;
   const long *place;
   long *at; /* [rows] by place: the entry of this column, -1: none */
   bool upper;
@@ -69,8 +48,8 @@ static void list_column(const listing *l, int r, km_products *out) {
   long k = l->place[r], first = out->start[k], end = first;
   out->row[end++] = k;
   l->at[k] = 0;
-  for (int n = l->rows.start[r]; n < l->rows.start[r + 1]; ++n)
-    for (int i = l->start[l->rows.column[n]]; i < l->start[l->rows.column[n] + 1]; ++i) {
+  for (int n = l->row_start[r]; n < l->row_start[r + 1]; ++n)
+    for (int i = l->start[l->by_row[n].column]; i < l->start[l->by_row[n].column + 1]; ++i) {
       long other = l->place[l->row[i]];
       if (!is_kept(other, k, l->upper) || l->at[other] >= 0)
         continue;
@@ -81,12 +60,12 @@ static void list_column(const listing *l, int r, km_products *out) {
   for (long i = first; i < end; ++i)
     l->at[out->row[i]] = i;
   out->diagonal[r] = l->at[k];
-  for (int n = l->rows.start[r]; n < l->rows.start[r + 1]; ++n)
-    for (int i = l->start[l->rows.column[n]]; i < l->start[l->rows.column[n] + 1]; ++i) {
+  for (int n = l->row_start[r]; n < l->row_start[r + 1]; ++n)
+    for (int i = l->start[l->by_row[n].column]; i < l->start[l->by_row[n].column + 1]; ++i) {
       long other = l->place[l->row[i]];
       if (!is_kept(other, k, l->upper))
         continue;
-      out->first[out->pair_count] = l->rows.entry[n];
+      out->first[out->pair_count] = l->by_row[n].entry;
       out->second[out->pair_count] = i;
       out->entry[out->pair_count++] = (int)l->at[other];
     }
@@ -99,9 +78,12 @@ bool km_products_make(int rows, int columns, const int *start, const int *row, c
                       km_products *out) {
   km_arena arena = {0};
   *out = (km_products){0};
-  listing l = {start, row, {0}, place, KM_ARENA_NEW(&arena, long, (size_t)rows), upper};
-  int *order = KM_ARENA_NEW(&arena, int, (size_t)rows);
-  bool made = list_by_row(rows, columns, start, row, &arena, &l.rows) && reserve(out, rows, columns, start);
+  int *order = KM_ARENA_NEW(&arena, int, (size_t)rows), *row_start = KM_ARENA_NEW(&arena, int, (size_t)rows + 2);
+  km_row_entry *by_row = KM_ARENA_NEW(&arena, km_row_entry, (size_t)start[columns]);
+  listing l = {start, row, row_start, by_row, place, KM_ARENA_NEW(&arena, long, (size_t)rows), upper};
+  bool made = !arena.failed && reserve(out, rows, columns, start);
+  if (made)
+    km_sort_by_row(rows, columns, start, row, row_start, by_row);
   for (int r = 0; r < rows && made; ++r) {
     l.at[r] = -1;
     order[place[r]] = r;

@@ -6,6 +6,7 @@
 #ifndef KM_PARTITION_SPARSE_H
 #define KM_PARTITION_SPARSE_H
 
+#include "partition/by_row.h"
 #include "partition/partition.h"
 
 /* A run of entries in the store. */
@@ -19,11 +20,6 @@ typedef struct km_store {
   double *value;
   size_t capacity;
 } km_store;
-
-/* An entry of a row: which one of the matrix, and in which column. */
-typedef struct km_row_entry {
-  int entry, column;
-} km_row_entry;
 
 /* The entries of a column other than 0 in rows without a pivot, while singles are sought: how many, -1: the column is one; and
  * the exclusive or of their places in the matrix, which is the place itself where one is left. */

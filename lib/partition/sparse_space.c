@@ -24,17 +24,6 @@ static bool order_columns(int rows, int columns, const int *start, const int *ro
   return done;
 }
 
-/* The entries of every row. row_start[rows + 2]: the next free place of row r is row_start[r + 1] while they are placed. */
-static void sort_by_row(int rows, int columns, const km_sparse *pattern, int *row_start, km_row_entry *by_row) {
-  for (int i = 0; i < pattern->start[columns]; ++i)
-    row_start[pattern->row[i] + 2]++;
-  for (int r = 0; r < rows; ++r)
-    row_start[r + 2] += row_start[r + 1];
-  for (int c = 0; c < columns; ++c)
-    for (int i = pattern->start[c]; i < pattern->start[c + 1]; ++i)
-      by_row[row_start[pattern->row[i] + 1]++] = (km_row_entry){i, c};
-}
-
 static bool reserve(km_sparse *s, int rows, int columns, km_arena *arena) {
   size_t r = (size_t)rows, c = (size_t)columns;
   *s = (km_sparse){.arena = arena,
@@ -85,7 +74,7 @@ bool km_partition_reserve_sparse(km_partition *p, int rows, int columns, const i
   km_row_entry *by_row = KM_ARENA_NEW(arena, km_row_entry, (size_t)start[columns]);
   km_sparse pattern = {.start = start, .row = row, .by_row = by_row, .row_start = row_start, .order = order};
   if (!arena->failed)
-    sort_by_row(rows, columns, &pattern, row_start, by_row);
+    km_sort_by_row(rows, columns, start, row, row_start, by_row);
   if (arena->failed || !order_columns(rows, columns, start, row, order)) {
     arena->failed = true;
     return false;
