@@ -33,8 +33,9 @@ void km_drive_lanes_to(km_drive_lanes *lanes, unsigned wanted, const double *tar
 enum { KM_DRIVE_ROWS = 16 };
 int km_drive_lanes_pass(km_drive_lanes *lanes, unsigned wanted, const double *targets, int rows, bool looks);
 void km_drive_lanes_arrive(km_drive_lanes *lanes, unsigned wanted, const double *targets, km_reach *reaches);
-/* Before that, what a drive found at the rows that were passed, from the first one on; and a row, 0 is the first, is shown as if the drives
- * were there: coordinates and mobility numbers in the states, km_drive_ridden_residual and km_drive_ridden_direction. */
+/* Before that, what a drive found at the rows that were passed, from the first one on; and a row, 0 is the first, is shown as
+ * if the drives were there: coordinates and mobility numbers in the states, km_drive_ridden_residual and
+ * km_drive_ridden_direction. */
 typedef struct km_ridden_rows {
   const double *q, *numbers; /* [column × KM_DRIVE_LANES] coordinates and mobility numbers at the first row */
   const double *residual;

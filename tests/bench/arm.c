@@ -295,7 +295,7 @@ static void bench_nodes(void) {
                          {.name = "look-ahead on two threads", .run = run_look_ahead, .context = &two}};
   int intervals = study->path->samples - 1;
   double nodes = tree_steps(study->path->samples, 3, 3);
-  bench_time(c, 5);
+  bench_time(c, sizeof c / sizeof *c);
   bench_figure(name, "greedy, steps on a path a second", intervals / c[0].median * 1e9);
   bench_figure(name, "siblings one by one / side by side", bench_ratio(&c[1], &c[2]));
   bench_figure(name, "look-ahead, nodes a second", nodes / c[3].median * 1e9);

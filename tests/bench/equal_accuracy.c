@@ -79,7 +79,7 @@ static void compare(ours *o, bench_simbody *simbody, int integrator, const doubl
   t.accuracy = match(&t, reference, error);
   run_theirs(&t);
   double theirs_error = apart(t.way, reference);
-  bench_time(all, 2);
+  bench_time(all, sizeof all / sizeof *all);
   snprintf(figure, sizeof figure, "fourbar %d s to 1e%.0f, error of Simbody's %s over ours", TIMES, log10(o->tolerance),
            all[1].name);
   bench_figure("dynamics", figure, theirs_error / error);

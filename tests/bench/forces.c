@@ -81,7 +81,7 @@ void bench_forces(void) {
   bench_contender c[] = {{.name = "balance", .run = run_ours, .context = &h},
                          {.name = "balance by dgelsd", .run = run_lapack, .context = &h},
                          {.name = "leverage", .run = run_lever, .context = &h}};
-  bench_time(c, 3);
+  bench_time(c, sizeof c / sizeof *c);
   bench_figure("forces/excavator", "lapack_over", bench_ratio(&c[1], &c[0]));
   bench_figure("forces/excavator", "balances_per_second", 1e9 / c[0].median);
   bench_figure("forces/excavator", "advantages_per_second", 1e9 / c[2].median);

@@ -86,7 +86,7 @@ static void measure(const char *model, const char *driver, double length) {
   bench_contender c[] = {{.name = "side by side", .run = run_beside, .context = &beside},
                          {.name = "one by one", .run = run_alone, .context = &alone}};
   char name[64];
-  bench_time(c, 2);
+  bench_time(c, sizeof c / sizeof *c);
   snprintf(name, sizeof name, "lanes/%s", model);
   bench_figure(name, "million_points_per_second", 1e3 * POINTS * KM_DRIVE_LANES / c[0].median);
   bench_figure(name, "over_one_by_one", bench_ratio(&c[1], &c[0]));

@@ -56,7 +56,7 @@ static void write_forest(km_text *out, int bodies) {
 static void compare(file *f, const char *figure, const char *ratio) {
   bench_contender both[2] = {{.name = "model", .run = read_model, .context = f},
                              {.name = "XML alone", .run = parse_alone, .context = f}};
-  bench_time(both, 2);
+  bench_time(both, sizeof both / sizeof *both);
   bench_figure("load", figure, 1e-6 * both[0].median);
   bench_figure("load", ratio, bench_ratio(&both[0], &both[1]));
   km_text_free(&f->text);

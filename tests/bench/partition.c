@@ -183,7 +183,7 @@ void bench_partition(void) {
                          {.name = "whole, dense", .run = run_dense, .context = &p},
                          {.name = "whole, dgesdd", .run = run_svd, .context = &p},
                          {.name = "whole, dgeqp3", .run = run_qr, .context = &p}};
-  bench_time(c, 5);
+  bench_time(c, sizeof c / sizeof *c);
   bench_figure(name, "over_dgesdd", bench_ratio(&c[3], &c[0]));
   bench_figure(name, "over_dgeqp3", bench_ratio(&c[4], &c[0]));
   bench_figure(name, "over_dense", bench_ratio(&c[2], &c[0]));

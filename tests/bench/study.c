@@ -150,7 +150,7 @@ static void kinds(void) {
     group g = open_group(names[k]);
     bench_contender c[] = {{.name = names[k], .run = ask_together, .context = &g},
                            {.name = "one by one", .run = ask_alone, .context = &g}};
-    bench_time(c, 2);
+    bench_time(c, sizeof c / sizeof *c);
     snprintf(name, sizeof name, "%s_microseconds_a_pose", names[k]);
     bench_figure("study", name, 1e-3 * c[0].median / (KM_DRIVE_LANES * POSES));
     snprintf(name, sizeof name, "%s_one_by_one_over_side_by_side", names[k]);

@@ -110,7 +110,7 @@ void bench_sweep(void) {
                          {.name = "stewart", .run = run_sweep, .context = &stewart},
                          {.name = "delta", .run = run_sweep, .context = &delta},
                          {.name = "slider_crank by hand", .run = run_hand, .context = &hand}};
-  bench_time(c, 6);
+  bench_time(c, sizeof c / sizeof *c);
   bench_figure("sweep/slider_crank", "over_hand", bench_ratio(&c[0], &c[5]));
   for (int i = 0; i < 5; ++i)
     report_speed(&c[i]);

@@ -50,7 +50,7 @@ static void compare(const char *name, hand *h, void (*run)(void *)) {
   bench_contender contenders[] = {{.name = name, .run = run, .context = h},
                                   {.name = "pose alone", .run = follow, .context = h}};
   char figure[64];
-  bench_time(contenders, 2);
+  bench_time(contenders, sizeof contenders / sizeof *contenders);
   snprintf(figure, sizeof figure, "%s_ms", name);
   bench_figure("view", figure, contenders[0].median * 1e-6);
   snprintf(figure, sizeof figure, "%s_over_pose", name);

@@ -43,25 +43,36 @@ static void add_variable(designs *d, const char *path, double low, double high, 
   designs_add_parameter(d, path);
 }
 
+/* The coupler, of 55 to 75 mm, whose least index of Sutherland and Roth is the greatest. */
+static void seek_coupler(designs *d, const char *algorithm, int evaluations) {
+  static const km_design_option flag = {.name = "transmission", .flag = true};
+  optimise(d, "advantage", algorithm, evaluations);
+  add_variable(d, "coupler", 55.0, 75.0, 72.0);
+  designs_add_figure(d, "transmission", KM_DESIGN_MIN, "sutherland_roth");
+  d->options[d->questions[0].option_count++] = flag;
+  d->optimise.goals[0] = (km_design_goal){"transmission", true};
+}
+
+/* The best design, and its coupler. */
+static int best_coupler(const km_design_study *s, double *coupler) {
+  int best = km_design_study_best(s);
+  assert_true(best >= 0);
+  assert_int_equal(km_design_study_values(s, best, coupler, NULL), KM_OK);
+  return best;
+}
+
 /* The transmission angle is furthest from its ideal where crank and ground are in line: cos μ = (b² + c² − (g ∓ a)²)/(2bc).
  * Both are as bad where b² + c² = g² + a²; then cos μ = ag/(bc) (Brodell and Soni 1970). Of a planar four-bar the
  * index of Sutherland and Roth is sin μ. */
 static void best_transmission_angle(void **state) {
   (void)state;
   static const char *const algorithms[] = {"cobyla", "bobyqa", "nelder-mead", "direct"};
-  static const km_design_option flag = {.name = "transmission", .flag = true};
   double coupler = sqrt(80.0 * 80.0 + 20.0 * 20.0 - 50.0 * 50.0), angle = acos(20.0 * 80.0 / (coupler * 50.0)), found;
   for (size_t i = 0; i < sizeof algorithms / sizeof *algorithms; ++i) {
     designs d;
-    optimise(&d, "advantage", algorithms[i], 200);
-    add_variable(&d, "coupler", 55.0, 75.0, 72.0);
-    designs_add_figure(&d, "transmission", KM_DESIGN_MIN, "sutherland_roth");
-    d.options[d.questions[0].option_count++] = flag;
-    d.optimise.goals[0] = (km_design_goal){"transmission", true};
+    seek_coupler(&d, algorithms[i], 200);
     km_design_study *s = designs_run(&d, NULL, 1);
-    int best = km_design_study_best(s);
-    assert_true(best >= 0);
-    assert_int_equal(km_design_study_values(s, best, &found, NULL), KM_OK);
+    int best = best_coupler(s, &found);
     assert_near(found, coupler, 0.01);
     assert_near(designs_result(s, best).figures[0], sin(angle), 1e-4);
     km_design_study_free(s);
@@ -72,23 +83,16 @@ static void best_transmission_angle(void **state) {
  * then that coupler is the best, whichever algorithm looks for it. Each has room for hundreds of designs. */
 static void every_algorithm_keeps_limits(void **state) {
   (void)state;
-  static const km_design_option flag = {.name = "transmission", .flag = true};
   double cosine = (68.0 * 68.0 + 50.0 * 50.0 - 60.0 * 60.0) / (2.0 * 68.0 * 50.0), limit = sqrt(1.0 - cosine * cosine),
          found;
   for (int i = 0; km_design_algorithm(i); ++i) {
     designs d;
-    optimise(&d, "advantage", km_design_algorithm(i), 400);
-    add_variable(&d, "coupler", 55.0, 75.0, 72.0);
-    designs_add_figure(&d, "transmission", KM_DESIGN_MIN, "sutherland_roth");
+    seek_coupler(&d, km_design_algorithm(i), 400);
     designs_add_figure(&d, "shortest", KM_DESIGN_AT, "sutherland_roth");
     d.figures[1].at = 0.0;
     d.figures[1].high = limit;
-    d.options[d.questions[0].option_count++] = flag;
-    d.optimise.goals[0] = (km_design_goal){"transmission", true};
     km_design_study *s = designs_run(&d, NULL, 1);
-    int best = km_design_study_best(s);
-    assert_true(best >= 0);
-    assert_int_equal(km_design_study_values(s, best, &found, NULL), KM_OK);
+    int best = best_coupler(s, &found);
     assert_near(found, 68.0, 1.0); /* of 20 mm; the start is 4 mm away */
     assert_true(designs_result(s, best).figures[0] <= limit + 1e-9);
     km_design_study_free(s);
