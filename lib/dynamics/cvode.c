@@ -45,6 +45,8 @@ static int weights(N_Vector y, N_Vector ewt, void *data) {
   double *out = NV_DATA_S(ewt);
   for (int i = 0; i < run->size; ++i)
     out[i] = 1.0 / (run->def.relative * fabs(value[i]) + tolerance[i]);
+  for (int i = run->work_start; i < run->work_start + KM_WORKS; ++i)
+    out[i] = 1.0 / km_simulation_work_tolerance(run, value[i]);
   return 0;
 }
 
@@ -180,6 +182,7 @@ static void accept_step(km_simulation *run, double t) {
   run->unseeing -= run->unseeing > 0;
   run->time = t;
   run->steps++;
+  km_simulation_watch_works(run);
   adapt(run);
 }
 

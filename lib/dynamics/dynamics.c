@@ -200,17 +200,16 @@ km_status km_dynamics_energy(km_dynamics *d, km_state *s, km_energy *out, km_err
   if (status)
     return status;
   const km_forces *f = d->forces;
-  *out = (km_energy){.dissipation = f->moving->dissipation, .motor_power = f->moving->motor_power};
+  *out = (km_energy){.kinetic = km_dynamics_kinetic(d, s),
+                     .dissipation = f->moving->dissipation,
+                     .motor_power = f->moving->motor_power};
   for (int n = 1; n < d->tree.node_count; ++n) {
     if (!d->tree.nodes[n].massive)
       continue;
     const km_node_motion *node = &d->node[n];
     km_vec3 mc = km_vec3_axpy(node->inertia.m, f->origin, node->inertia.mc);
-    out->kinetic += 0.5 * km_wrench_power(km_inertia_times(&node->inertia, node->V), node->V);
     out->potential -= km_vec3_dot(mc, f->stated_gravity);
   }
-  for (int c = 0; d->armature && c < d->mechanism->coordinate_count; ++c)
-    out->kinetic += 0.5 * d->armature[c] * s->rate[c] * s->rate[c];
   out->potential += km_springs_energy(d->mechanism, s, f) + km_stops_energy(d->mechanism, s, f);
   out->motor_power += km_dynamics_driving_power(d, s);
   return KM_OK;

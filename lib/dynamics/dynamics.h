@@ -91,6 +91,9 @@ km_wrench km_dynamics_inertia_forces(const km_dynamics *dynamics);
 /* km_dynamics_repartitions counts from here on. */
 void km_dynamics_forget_repartitions(km_dynamics *dynamics);
 
+/* The kinetic energy at the last evaluation. */
+double km_dynamics_kinetic(const km_dynamics *dynamics, const km_state *state);
+
 /* What prescribed motions give at the last evaluation. */
 double km_dynamics_driving_power(const km_dynamics *dynamics, const km_state *state);
 

@@ -51,7 +51,7 @@ static bool lay_out(km_simulation *run) {
   run->rate_start = next;
   run->memory_start = run->rate_start + m->coordinate_count;
   run->work_start = run->memory_start + run->dynamics->forces->moving->memory_count;
-  run->size = (run->work_start + 2 + KM_VECTOR_LANES - 1) / KM_VECTOR_LANES * KM_VECTOR_LANES;
+  run->size = (run->work_start + KM_WORKS + KM_VECTOR_LANES - 1) / KM_VECTOR_LANES * KM_VECTOR_LANES;
   size_t n = (size_t)run->size, crossings = (size_t)run->def.crossing_count;
   run->y = KM_ARENA_NEW(&run->arena, double, n);
   run->ydot = KM_ARENA_NEW(&run->arena, double, n);
@@ -71,7 +71,7 @@ static bool lay_out(km_simulation *run) {
   return km_choice_create(&run->choice, adams ? KM_ADAMS : KM_BDF, !adams, run->size, &run->arena);
 }
 
-/* Errors are compared in radians and characteristic lengths, rates per second; works don't steer the step. */
+/* Errors are compared in radians and characteristic lengths, rates per second; works by works.c. */
 static void set_tolerances(km_simulation *run) {
   const km_mechanism *m = run->dynamics->mechanism;
   double absolute = run->def.absolute, second = m->model->units.time->si;
@@ -114,6 +114,7 @@ static km_status begin(km_simulation *run, km_error *error) {
   for (int i = 0; i < def->crossing_count; ++i)
     run->side[i] = side_of(run, i, run->y);
   km_dynamics_forget_repartitions(d);
+  km_simulation_begin_works(run);
   return def->integrator == KM_INTEGRATOR_FIXED ? KM_OK : km_cvode_create(run, error);
 }
 

@@ -13,6 +13,8 @@ enum { KM_VECTOR_LANES = 4 };
 
 enum { KM_STAGES = 6 }; /* of collocation */
 
+enum { KM_WORKS = 2 }; /* dissipated; given by motors */
+
 typedef enum km_step_way { KM_STEP_CVODE, KM_STEP_RUNGE_KUTTA, KM_STEP_COLLOCATION } km_step_way;
 
 struct km_simulation {
@@ -28,14 +30,15 @@ struct km_simulation {
   double *y, *ydot;       /* [size] at `time` */
   double *shift;          /* [size] what the state has more than the vector, since pivots changed (vector.c) */
   double *seen, *closed;  /* [size] the vector with it, at the last evaluation; and the state that it became */
-  double *tolerance;      /* [size] absolute */
+  double *tolerance;      /* [size] absolute; of works infinity: works.c has theirs */
   double *stage;          /* [(KM_STAGES + 2) × size] of steps that aren't CVODE's */
   double *kept;           /* [KM_STAGES × size] those of collocation that the last step was made with */
   double *before, *slope; /* [size] the vector before the last fixed step, and its derivative */
   double *good;           /* [size] the vector before the last step */
   double last_time;       /* before the last step */
   double usual;           /* length of a step that counts as usual */
-  km_step_way way;        /* how the last step was made */
+  double usual_energy, largest_energy; /* what the works may err by goes by (works.c) */
+  km_step_way way;                     /* how the last step was made */
   double time;
   km_dynamics_outcome outcome; /* of the last evaluation that failed */
   long steps, evaluations, rejected;
@@ -60,6 +63,12 @@ bool km_simulation_derivative(km_simulation *run, double time, const double *y, 
 /* Closes the loops of an accepted pose tightly and renews partitions that ask for it; what the state then is goes back into
  * the vector where `keep`. */
 bool km_simulation_settle(km_simulation *run, double *y, double time, bool keep);
+
+/* Before the first step, at an evaluated state; and after every step. */
+void km_simulation_begin_works(km_simulation *run);
+void km_simulation_watch_works(km_simulation *run);
+/* What a work of this size may err by in a step. */
+double km_simulation_work_tolerance(const km_simulation *run, double work);
 
 /* One step, not past the definition's end. KM_DIVERGED, KM_MEMORY. */
 km_status km_cvode_create(km_simulation *run, km_error *error);

@@ -107,7 +107,7 @@ bool km_simulation_derivative(km_simulation *run, double time, const double *y, 
   memcpy(ydot + run->memory_start, moving->rate, (size_t)moving->memory_count * sizeof *ydot);
   ydot[run->work_start] = moving->dissipation;
   ydot[run->work_start + 1] = moving->motor_power + km_dynamics_driving_power(d, run->state);
-  for (int i = run->work_start + 2; i < run->size; ++i)
+  for (int i = run->work_start + KM_WORKS; i < run->size; ++i)
     ydot[i] = 0.0;
   return true;
 }

@@ -197,6 +197,30 @@ static void test_stop(void **data) {
   fixture_close(&f);
 }
 
+static const char damped_stop[] =
+    "{\"assemblies\": [{\"name\": \"a\", \"bodies\": [{\"name\": \"b\", \"mass\": 1}], \"joints\": [{\"name\": \"X\", "
+    "\"type\": \"Tx\", \"body_frame_pairs\": [\"fixed\", \"b\"], \"initial_velocity\": 1, \"limits\": [-10, 1], \"stop\": "
+    "{\"stiffness\": 10000, \"damping\": 20}}]}]}";
+
+/* The push k x + b v ends where v̇ of x = v₀/ω' e^(−ζωt) sin ω't is 0, at tan ω't = −2ζωω'/(ω'² − ζ²ω²). The body flies on
+ * freely at the speed v₁ that it has then: the stop has taken m (v₀² − v₁²)/2. */
+static void test_damped_stop(void **data) {
+  (void)data;
+  const double w = 100.0, decay = 10.0, turning = sqrt(w * w - decay * decay);
+  const double angle = M_PI - atan(2.0 * decay * turning / (turning * turning - decay * decay));
+  const double left = exp(-decay * angle / turning) * (cos(angle) - decay / turning * sin(angle));
+  const double taken = 0.5 * (1.0 - left * left);
+  for (double tolerance = 1e-4; tolerance > 1e-11; tolerance *= 1e-2) {
+    fixture f = fixture_read(damped_stop);
+    km_history h = run(&f, 3.0, 0.5, tolerance);
+    assert_near(at_end(&h, "v.X"), left, 10.0 * tolerance);
+    assert_near(at_end(&h, "energy_dissipated"), taken, 10.0 * tolerance);
+    assert_at_most(h.energy_error, 10.0 * tolerance * h.energy_scale);
+    km_history_free(&h);
+    fixture_close(&f);
+  }
+}
+
 /* A wheel of 20 kg at rest on its tyre (height 0.3 m less 20 · 9.81 / 200 000), with a speed and a spin. */
 static char *wheel_text(double speed, double spin) {
   char *text = (char *)malloc(2000);
@@ -449,6 +473,7 @@ int main(void) {
       claim_test(test_constant_friction, "Constant friction stops a block where m v²/2 = F s",
                  "the speed below which friction sticks, 1e-6"),
       cmocka_unit_test(test_stop),
+      cmocka_unit_test(test_damped_stop),
       claim_test(test_tire, "A wheel that spins rolls: m v r + I ω stays (thesis 6.3)",
                  "steps of 1e-9, over the tyre's stiffness"),
       claim_test(test_tire_sideways, "Fiala's side force, below and above the angle where it slides (thesis 6.3)",

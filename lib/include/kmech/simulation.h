@@ -34,7 +34,8 @@ typedef struct km_simulation_def {
   km_integrator integrator;       /* by which method */
   km_stabilisation stabilisation; /* how loops stay closed */
   /* The error to stay near; a step may have a twentieth of it. Of coordinates in radians and characteristic lengths, of
-   * rates in those per second. 1e-7 each. */
+   * rates in those per second; of works the relative one goes by the largest kinetic energy so far, and the absolute one by
+   * the energy that everything has at a radian and a characteristic length per second. 1e-7 each. */
   double relative, absolute;
   double max_step;              /* 0: none; of KM_INTEGRATOR_FIXED: the step */
   double end;                   /* no step goes past it; infinity: none */
