@@ -47,7 +47,7 @@ void km_design_gather(const km_design_study *s, const km_design_answer *answers,
     out->figures[f] = nan("");
   for (int q = 0; q < s->def->question_count; ++q) {
     const km_design_answer *a = &answers[q];
-    if (a->outcome > out->outcome) {
+    if (a->outcome > out->outcome || (a->outcome == out->outcome && !out->reason[0])) {
       out->outcome = a->outcome;
       memcpy(out->reason, a->reason, sizeof out->reason);
     }

@@ -86,6 +86,28 @@ void km_design_take_figures(const km_design_question *def, const km_question *q,
   }
 }
 
+/* A question that is answered in full may have no value of a figure. */
+void km_design_tell_missing(const km_design_question *def, const km_question *q, const double *figures,
+                            char reason[KM_DESIGN_REASON]) {
+  const km_table *t = km_question_table(q);
+  size_t rows = km_table_rows(t);
+  int s = km_table_find(t, "s");
+  for (int f = 0; f < def->figure_count && !reason[0]; ++f) {
+    const km_design_figure *figure = &def->figures[f];
+    if (!isnan(figures[f]))
+      continue;
+    double first = rows && s >= 0 ? km_table_row(t, 0)[s] : nan(""),
+           last = rows && s >= 0 ? km_table_row(t, rows - 1)[s] : nan("");
+    const char *unit = s >= 0 ? km_table_unit(t, (size_t)s) : "";
+    if (figure->kind == KM_DESIGN_AT && (figure->at < fmin(first, last) || figure->at > fmax(first, last)))
+      snprintf(reason, KM_DESIGN_REASON, "%.60s: %.9g %s lies beyond the range from %.9g to %.9g %s", figure->name,
+               figure->at, unit, first, last, unit);
+    else
+      snprintf(reason, KM_DESIGN_REASON, "%.60s: %.80s has no value there", figure->name,
+               figure->column ? figure->column : "the path");
+  }
+}
+
 /* Row r of a band is that of step r; the extra row at a located end is none. */
 void km_design_take_bands(const km_design_question *def, const km_question *q, int rows, double *bands) {
   const km_table *t = km_question_table(q);

@@ -173,9 +173,10 @@ static double mean_of(const sums *s) {
   return s->sum / s->count;
 }
 
+/* Of the mean, from two terms on. */
 static double half_width(const sums *s) {
   double mean = mean_of(s);
-  return z * sqrt(fmax(0.0, s->squares / s->count - mean * mean) / s->count);
+  return z * sqrt(fmax(0.0, s->squares / s->count - mean * mean) / (s->count - 1.0));
 }
 
 static km_status add_row(km_design_study *s, int figure, int row, double middle, sums *all, sums *first, sums *total,
@@ -215,11 +216,12 @@ km_status km_design_study_indices(km_design_study *s, int figure, double *first,
   if (status)
     return status;
   double variance = all.squares / all.count - mean_of(&all) * mean_of(&all);
+  bool tells = all.count > 2.0 && variance > 0.0; /* a row adds two */
   for (int j = 0; j < s->def->sample->spread_count; ++j) {
-    first[j] = mean_of(&one[j]) / variance;
-    first_half_width[j] = half_width(&one[j]) / variance;
-    total[j] = mean_of(&any[j]) / variance;
-    total_half_width[j] = half_width(&any[j]) / variance;
+    first[j] = tells ? mean_of(&one[j]) / variance : nan("");
+    first_half_width[j] = tells ? half_width(&one[j]) / variance : nan("");
+    total[j] = tells ? mean_of(&any[j]) / variance : nan("");
+    total_half_width[j] = tells ? half_width(&any[j]) / variance : nan("");
   }
   return KM_OK;
 }

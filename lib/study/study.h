@@ -91,6 +91,9 @@ km_status km_design_settings(const km_model *model, const km_design_setting *set
 
 /* figures.c: the figures of an answered question, and its bands. */
 void km_design_take_figures(const km_design_question *def, const km_question *question, double *figures);
+/* Why a figure that is NaN is; "" where none is. */
+void km_design_tell_missing(const km_design_question *def, const km_question *question, const double *figures,
+                            char reason[KM_DESIGN_REASON]);
 void km_design_take_bands(const km_design_question *def, const km_question *question, int rows, double *bands);
 /* Are the columns there? KM_USAGE with the nearest names; units[figures of the question]. */
 km_status km_design_check_figures(const km_design_question *def, const km_question *question, const char **units,

@@ -212,6 +212,8 @@ static void take_answer(const km_design_worker *w, int index, const km_model *mo
     km_design_take_bands(def, q, w->study->band_rows[index], a->bands);
   if (status == KM_PARTIAL)
     tell_end(model, q, a);
+  else
+    km_design_tell_missing(def, q, a->figures, a->reason);
 }
 
 /* A question about one design that is assembled. */

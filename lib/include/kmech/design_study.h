@@ -271,7 +271,7 @@ enum {
 /* What a design answered. */
 typedef struct km_design_result {
   km_design_outcome outcome;              /* the worst of its questions */
-  char reason[KM_DESIGN_REASON];          /* "" when done */
+  char reason[KM_DESIGN_REASON];          /* "" when done with a value of every figure */
   double figures[KM_MOST_DESIGN_FIGURES]; /* of all questions in their order; NaN: none */
 } km_design_result;
 /* From the store. KM_USAGE, KM_IO. */

@@ -37,6 +37,39 @@ static void print_cells(const km_designs_table *g, km_text *out) {
   }
 }
 
+static void print_reason(const km_design_study *s, const km_design_study_def *def, int design,
+                         const km_design_result *r, km_text *out) {
+  km_text name = {0};
+  km_design_label(s, def, design, &name);
+  km_text_format(out, "    %s: %s\n", name.data ? name.data : "", r->reason);
+  out->failed = out->failed || name.failed;
+  km_text_free(&name);
+}
+
+/* Designs that are done, and have no value of a figure. */
+static void print_valueless(const km_design_study *s, const km_design_study_def *def, km_text *out) {
+  km_design_result r;
+  int count = 0;
+  for (int i = 0; i < km_design_study_designs(s); ++i)
+    count += !km_design_study_result(s, i, &r, NULL) && r.outcome == KM_DESIGN_DONE && r.reason[0];
+  if (count)
+    km_text_format(out, "  done, but without a value: %d\n", count);
+  for (int i = 0, listed = 0; i < km_design_study_designs(s) && listed < MOST_LISTED && listed < count; ++i)
+    if (!km_design_study_result(s, i, &r, NULL) && r.outcome == KM_DESIGN_DONE && r.reason[0]) {
+      print_reason(s, def, i, &r, out);
+      ++listed;
+    }
+}
+
+/* Has every design that is done a value of every figure? */
+static bool all_valued(km_design_study *s, const km_design_yield *y) {
+  km_design_statistics st;
+  for (int f = 0; f < km_design_study_figures(s); ++f)
+    if (!km_design_study_statistics(s, f, &st, NULL) && st.count < y->outcomes[KM_DESIGN_DONE])
+      return false;
+  return true;
+}
+
 static void print_outcomes(const km_design_study *s, const km_design_study_def *def, const km_design_yield *y,
                            km_text *out) {
   km_design_result r;
@@ -48,11 +81,7 @@ static void print_outcomes(const km_design_study *s, const km_design_study_def *
     for (int i = 0; i < km_design_study_designs(s) && listed < MOST_LISTED && o != KM_DESIGN_MISSING; ++i) {
       if (km_design_study_result(s, i, &r, NULL) || (int)r.outcome != o)
         continue;
-      km_text name = {0};
-      km_design_label(s, def, i, &name);
-      km_text_format(out, "    %s: %s\n", name.data ? name.data : "", r.reason);
-      out->failed = out->failed || name.failed;
-      km_text_free(&name);
+      print_reason(s, def, i, &r, out);
       ++listed;
     }
   }
@@ -70,13 +99,43 @@ static void print_yield(const km_design_yield *y, km_text *out) {
                  100.0 * y->share, 100.0 * y->share_low, 100.0 * y->share_high);
 }
 
+/* Why nothing is told about what a figure depends on; NULL: something is. */
+static const char *why_none(const km_design_statistics *st) {
+  return st->count == 0              ? "no design has a value of it"
+         : st->count == 1            ? "only one design has a value of it"
+         : st->least == st->greatest ? "all designs have the same value of it"
+                                     : NULL;
+}
+
+static void print_correlation(double correlation, km_text *out) {
+  if (isnan(correlation))
+    km_text_add(out, " no rank correlation: its value doesn't change");
+  else
+    km_text_format(out, " rank correlation %6.3f", correlation);
+}
+
+static void print_indices(double first, double first_width, double total, double total_width, km_text *out) {
+  if (isnan(first))
+    km_text_add(out, "   no index: fewer than two rows of the sample have values");
+  else
+    km_text_format(out, "   first-order index %6.3f ± %.3f   total %6.3f ± %.3f", first, first_width, total,
+                   total_width);
+}
+
 /* One row a parameter, one or two columns a figure. */
 static km_status print_sensitivity(km_design_study *s, const km_design_study_def *def, km_text *out, km_error *error) {
   double first[KM_MOST_DESIGN_PARAMETERS], total[KM_MOST_DESIGN_PARAMETERS], widths[2][KM_MOST_DESIGN_PARAMETERS];
   double ranks[KM_MOST_DESIGN_PARAMETERS];
   const km_design_sample *sample = def->sample;
   for (int f = 0; f < km_design_study_figures(s); ++f) {
-    km_status status = km_design_study_ranks(s, f, ranks, error);
+    km_design_statistics st;
+    km_status status = km_design_study_statistics(s, f, &st, error);
+    if (!status && why_none(&st)) {
+      km_text_format(out, "  what %s depends on isn't told: %s\n", km_design_study_figure(s, f)->name, why_none(&st));
+      continue;
+    }
+    if (!status)
+      status = km_design_study_ranks(s, f, ranks, error);
     if (!status && sample->indices)
       status = km_design_study_indices(s, f, first, widths[0], total, widths[1], error);
     if (status)
@@ -90,10 +149,9 @@ static km_status print_sensitivity(km_design_study *s, const km_design_study_def
         continue;
       km_text_add(out, "    ");
       km_text_padded(def->parameters[p].name, 24, out);
-      km_text_format(out, " rank correlation %6.3f", ranks[p]);
+      print_correlation(ranks[p], out);
       if (sample->indices)
-        km_text_format(out, "   first-order index %6.3f ± %.3f   total %6.3f ± %.3f", first[spread], widths[0][spread],
-                       total[spread], widths[1][spread]);
+        print_indices(first[spread], widths[0][spread], total[spread], widths[1][spread], out);
       km_text_add(out, "\n");
     }
   }
@@ -143,5 +201,7 @@ km_status km_designs_print(km_design_study *s, const km_design_study_def *def, c
   if (has_limits(s) && !def->optimise)
     print_yield(&y, out);
   print_outcomes(s, def, &y, out);
+  if (!all_valued(s, &y))
+    print_valueless(s, def, out);
   return status || !out->failed ? status : km_fail(error, KM_MEMORY, "out of memory for a text");
 }
