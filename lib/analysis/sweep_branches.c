@@ -14,14 +14,22 @@ km_status km_sweeper_add_branch(km_sweeper *r, km_branch_point point, km_error *
   return KM_OK;
 }
 
+km_status km_sweeper_look_at_branch(const km_sweeper *r, km_state *state, double *directions, int *count,
+                                    km_error *error) {
+  int found = km_branch_directions(r->m, state, r->substructure, directions);
+  *count = found > 1 ? found : 0;
+  return found < 0 ? km_fail(error, KM_MEMORY, "out of memory for the branch points") : KM_OK;
+}
+
 static km_status add_branch(km_sweeper *r, km_state *state, double s, int mobility, km_error *error) {
   size_t columns = (size_t)r->m->substructures[r->substructure].columns;
   double *directions = KM_NEW(double, KM_MOST_BRANCHES *columns);
+  km_branch_point point = {s, mobility, 0};
   if (!directions)
     return km_fail(error, KM_MEMORY, "out of memory for the branch points");
-  int count = km_branch_directions(r->m, state, r->substructure, directions);
+  km_status status = km_sweeper_look_at_branch(r, state, directions, &point.branches, error);
   km_free(directions);
-  return km_sweeper_add_branch(r, (km_branch_point){s, mobility, count}, error);
+  return status ? status : km_sweeper_add_branch(r, point, error);
 }
 
 /* Follows the motion from a row of the table to the branch point that lies behind it, at most to driver value

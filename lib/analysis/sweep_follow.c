@@ -43,6 +43,14 @@ static const double *chosen(const km_sweeper *r, double *directions, int count, 
   return NULL;
 }
 
+static km_status no_such_branch(int branch, const km_branch_point *point, km_error *error) {
+  if (point->branches == 0)
+    return km_fail(error, KM_USAGE, "branch %d: the motions that meet at %.9g weren't found; expected 1", branch,
+                   point->s);
+  return km_fail(error, KM_USAGE, "branch %d: %d motions meet at %.9g; expected at most %d", branch, point->branches,
+                 point->s, 2 * point->branches - 1);
+}
+
 /* Looks at the branch point that was passed, and turns there if the plan says so. */
 static km_status meet_branch(km_sweeper *r, km_follow *follow, km_error *error) {
   km_branch_point point;
@@ -54,8 +62,9 @@ static km_status meet_branch(km_sweeper *r, km_follow *follow, km_error *error) 
     return km_fail(error, KM_MEMORY, "out of memory for the branch points");
   double *smooth = directions + KM_MOST_BRANCHES * columns;
   km_follow_at_branch(follow, smooth);
-  point.branches = km_branch_directions(r->m, r->s, r->substructure, directions);
-  km_status status = km_sweeper_add_branch(r, point, error);
+  km_status status = km_sweeper_look_at_branch(r, r->s, directions, &point.branches, error);
+  if (!status)
+    status = km_sweeper_add_branch(r, point, error);
   bool here = r->plan->branch > 1 && r->out->branch_count == 1;
   const double *turn = here ? chosen(r, directions, point.branches, smooth) : NULL;
   if (turn) {
@@ -66,11 +75,7 @@ static km_status meet_branch(km_sweeper *r, km_follow *follow, km_error *error) 
     km_follow_go_on(follow);
   }
   km_free(directions);
-  if (status)
-    return status;
-  return here && !turn ? km_fail(error, KM_USAGE, "branch %d: %d motions meet at %.9g; expected at most %d",
-                                 r->plan->branch, point.branches, point.s, 2 * point.branches - 1)
-                       : KM_OK;
+  return status || !here || turn ? status : no_such_branch(r->plan->branch, &point, error);
 }
 
 /* How far to go at once: all of it, or as far as the observer may miss and come back from in one step. */

@@ -153,6 +153,10 @@ bool km_sweeper_motion(km_sweeper *sweeper);
 
 /* Lists a branch point. KM_MEMORY. */
 km_status km_sweeper_add_branch(km_sweeper *sweeper, km_branch_point point, km_error *error);
+/* How many motions meet at the state's pose, and their directions [KM_MOST_BRANCHES × columns]; 0 where fewer than two are
+ * found, so that nothing is known of them. KM_MEMORY. */
+km_status km_sweeper_look_at_branch(const km_sweeper *sweeper, km_state *state, double *directions, int *count,
+                                    km_error *error);
 /* The drive has passed a singular pose on the way to the last row: finds where, and what meets there. */
 km_status km_sweeper_find_branch(km_sweeper *sweeper, km_error *error);
 /* At a branch point no direction is the mechanism's own: a short step leads onto the motion that moves the plan's coordinate

@@ -3,6 +3,8 @@
 
 #include "kmech/follow.h"
 #include "model/model.h"
+#include "report/record/record.h"
+#include "report/record/sweep_text.h"
 
 #include <string.h>
 
@@ -113,6 +115,30 @@ static void parallelogram_branches(void **state) {
   fixture_close(&f);
 }
 
+/* Where the directions of the motions aren't found, no number of them is told. */
+static void motions_not_found(void **state) {
+  (void)state;
+  fixture f = parallelogram(1.0);
+  km_sweep_plan plan = {.coordinate = -1, .steps = 60, .arclength = 0.1, .direction = -1, .sign = 1.0, .branch = 1};
+  km_mobility_sweep sweep = follow(&f, 0.1, 60, false);
+  km_text text = {0};
+  km_arena arena = {0};
+  km_value *record = km_value_add(&arena, NULL, NULL, KM_OBJECT);
+  assert_int_equal(sweep.motion.branch_count, 1);
+  sweep.motion.branches[0].branches = 0;
+  km_sweep_print(f.mechanism, &plan, &sweep.motion, "a parallelogram", &text);
+  assert_non_null(strstr(text.data,
+                         "branch point at 4.28318531: mobility 2 there, the motions that meet weren't found; "
+                         "the smooth one was followed\n"));
+  km_sweep_record(&sweep.motion, "", record, &arena);
+  const km_value *branch = km_value_get(record, "branch_points")->first;
+  assert_int_equal(km_value_get(branch, "branches")->kind, KM_NULL);
+  km_arena_free(&arena);
+  km_text_free(&text);
+  km_mobility_sweep_free(&sweep);
+  fixture_close(&f);
+}
+
 /* The other motion of the parallelogram: the rocker's tip is that of the parallel pose, reflected in the line from the crank's
  * tip to the rocker's pivot. Motion 2 goes it ahead, 3 back; 1 stays parallel, and a fourth isn't there. */
 static void parallelogram_turns_where_asked(void **state) {
@@ -204,6 +230,7 @@ int main(void) {
                                      cmocka_unit_test(a_held_platform_comes_back),
                                      cmocka_unit_test(length_is_a_property_of_the_motion),
                                      cmocka_unit_test(parallelogram_branches),
+                                     cmocka_unit_test(motions_not_found),
                                      cmocka_unit_test(parallelogram_turns_where_asked),
                                      cmocka_unit_test(toggles_are_passed),
                                      cmocka_unit_test(small_steps_with_two_freedoms)};

@@ -17,7 +17,7 @@ typedef struct km_follow km_follow;
 typedef struct km_branch_point {
   double s;     /* arc length from the start */
   int mobility; /* of the substructure at the pose */
-  int branches; /* motions that meet there, the followed one among them; 0: not looked for */
+  int branches; /* motions that meet there, the followed one among them; 0: not looked for, or not found */
 } km_branch_point;
 
 /* Prepares to follow the motion of one substructure of an assembled state, which must outlive it and is moved by

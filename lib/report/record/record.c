@@ -45,7 +45,12 @@ void km_sweep_record(const km_sweep *sweep, const char *stopped_by, km_value *re
     km_value *branch = km_value_add(arena, branches, NULL, KM_OBJECT);
     km_value_number(arena, branch, "s", sweep->branches[i].s);
     km_value_number(arena, branch, "mobility", sweep->branches[i].mobility);
-    km_value_number(arena, branch, "branches", sweep->branches[i].branches);
+    if (sweep->branches[i].branches > 0) {
+      km_value_number(arena, branch, "branches", sweep->branches[i].branches);
+    } else {
+      km_value_add(arena, branch, "branches", KM_NULL);
+      km_value_string(arena, branch, "reason", "the motions that meet weren't found");
+    }
   }
   if (sweep->cycle > 0.0)
     km_value_number(arena, record, "cycle", sweep->cycle);

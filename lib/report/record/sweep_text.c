@@ -117,15 +117,21 @@ void km_sweep_stop_text(const km_mechanism *m, const km_sweep_plan *plan, const 
   print_end(m, plan, sweep, out);
 }
 
+static void print_branch(const km_branch_point *point, const char *taken, km_text *out) {
+  km_text_format(out, "  branch point at %.9g: mobility %d there, ", point->s, point->mobility);
+  if (point->branches > 0)
+    km_text_format(out, "%d motions meet; %s\n", point->branches, taken);
+  else
+    km_text_format(out, "the motions that meet weren't found; %s\n", taken);
+}
+
 static void print_cycle(const km_sweep *sweep, const km_sweep_plan *plan, km_text *out) {
   if (sweep->cycle > 0.0)
     km_text_format(out, "  the cycle closes at %.9g\n", sweep->cycle);
   else if (plan->cycle)
     km_text_add(out, "  the cycle isn't closed\n");
   for (size_t i = 0; i < sweep->branch_count; ++i)
-    km_text_format(out, "  branch point at %.9g: mobility %d there, %d motions meet; %s\n", sweep->branches[i].s,
-                   sweep->branches[i].mobility, sweep->branches[i].branches,
-                   i == 0 && plan->branch > 1 ? "turned there" : "the smooth one was followed");
+    print_branch(&sweep->branches[i], i == 0 && plan->branch > 1 ? "turned there" : "the smooth one was followed", out);
 }
 
 void km_sweep_print(const km_mechanism *m, const km_sweep_plan *plan, const km_sweep *sweep, const char *name,
