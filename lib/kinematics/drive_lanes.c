@@ -278,30 +278,12 @@ static unsigned go(km_drive_lanes *l, unsigned wanted) {
   unsigned there = 0;
   for (unsigned going = wanted; going; going &= ~l->there) {
     going = take_step(l, going);
+    if (l->beside == 0)
+      km_lanes_grow_moves(l, going);
     l->ahead |= going;
     there |= l->there;
   }
   return there;
-}
-
-static void keep(km_drive_lanes *l) {
-  l->kept_here = l->here;
-  memcpy(l->kept, l->q, l->place_count * sizeof *l->q);
-}
-
-static void come_back(km_drive_lanes *l) {
-  l->here = l->kept_here;
-  memcpy(l->q, l->kept, l->place_count * sizeof *l->q);
-}
-
-/* The same for one lane. */
-static void put_back(km_drive_lanes *l, int i) {
-  km_lanes_number *here = (km_lanes_number *)&l->here;
-  const km_lanes_number *kept = (const km_lanes_number *)&l->kept_here;
-  for (size_t k = 0; k < sizeof l->here / sizeof *here; ++k)
-    here[k].of[i] = kept[k].of[i];
-  for (size_t k = 0; k < l->place_count; ++k)
-    l->q[k].of[i] = l->kept[k].of[i];
 }
 
 unsigned km_drive_lanes_visit(km_drive_lanes *l, unsigned wanted, const double *targets, double *const *rates) {
@@ -310,32 +292,33 @@ unsigned km_drive_lanes_visit(km_drive_lanes *l, unsigned wanted, const double *
   unsigned ahead = l->ahead & l->aboard, there = 0;
   if (!(wanted & l->aboard))
     return 0;
-  keep(l);
+  km_lanes_keep(l);
+  l->row = &l->rows[KM_DRIVE_ROWS];
   there = go(l, wanted & l->aboard);
   for (unsigned left = there; left; left &= left - 1) {
     int i = __builtin_ctz(left);
     km_drive_rates(l->drives[i], &l->t->of[i], KM_DRIVE_LANES, rates[i]);
   }
-  come_back(l);
+  km_lanes_come_back(l);
   l->ahead = ahead;
   return there;
 }
 
-static void take_row(km_drive_lanes *l, int index) {
-  km_lane_row *row = &l->rows[index];
+/* Steps of the lanes `wanted` towards their targets, into a row. */
+static void go_to_row(km_drive_lanes *l, unsigned wanted, int index) {
+  const km_lane_row *row = l->row = &l->rows[index];
   const int *coordinate = l->m->column_coordinate + l->sub->column_start;
-  int columns = l->sub->columns;
-  for (int k = 0; k < columns; ++k)
+  l->arrived = go(l, wanted);
+  for (int k = 0; k < l->sub->columns; ++k)
     row->q[k] = l->q[coordinate[k]];
-  memcpy(row->z, l->z, (size_t)columns * sizeof *row->z);
-  memcpy(row->numbers, l->numbers, (size_t)columns * sizeof *row->numbers);
   *row->residual = l->here.residual;
 }
 
-/* The row is the last one now. */
-static void remember_row(km_drive_lanes *l) {
-  memcpy(l->before, l->z, (size_t)l->sub->columns * sizeof *l->before);
-  l->known = l->arrived;
+/* Behind the rows there are others of the next pass: what is read of the last one is kept. */
+static void end_pass(km_drive_lanes *l, int passed) {
+  l->passed = passed;
+  memcpy(l->last_z, l->row->z, (size_t)l->sub->columns * sizeof *l->last_z);
+  l->before = l->last_z;
 }
 
 int km_drive_lanes_pass(km_drive_lanes *l, unsigned wanted, const double *targets, int rows, bool looks) {
@@ -347,15 +330,14 @@ int km_drive_lanes_pass(km_drive_lanes *l, unsigned wanted, const double *target
   }
   for (;; ++passed) {
     set_targets(l, wanted & l->aboard, targets + (size_t)passed * KM_DRIVE_LANES);
-    l->arrived = go(l, wanted & l->aboard);
-    take_row(l, passed);
+    go_to_row(l, wanted & l->aboard, passed);
     unsigned plain = looks ? l->quiet & l->known : l->sound;
-    bool goes_on = passed + 1 < rows && l->arrived == wanted && !(wanted & ~plain);
-    remember_row(l);
-    if (!goes_on)
+    l->known = l->arrived;
+    if (passed + 1 == rows || l->arrived != wanted || wanted & ~plain)
       break;
+    l->before = l->row->z;
   }
-  l->passed = passed;
+  end_pass(l, passed);
   return passed;
 }
 
@@ -367,17 +349,16 @@ unsigned km_drive_lanes_try(km_drive_lanes *l, unsigned wanted, const double *ta
   unsigned riding = wanted & l->aboard, ahead = l->ahead;
   if (!riding)
     return 0;
-  keep(l);
-  l->arrived = go(l, riding);
+  km_lanes_keep(l);
+  go_to_row(l, riding, 0);
+  l->known = l->arrived;
   for (unsigned left = riding & ~l->arrived; left; left &= left - 1) {
     int i = __builtin_ctz(left);
-    put_back(l, i);
+    km_lanes_put_back(l, i);
     l->ahead = (l->ahead & ~(1u << i)) | (ahead & 1u << i);
     km_drive_settle(l->drives[i]);
   }
-  take_row(l, 0);
-  remember_row(l);
-  l->passed = 0;
+  end_pass(l, 0);
   km_drive_lanes_arrive(l, l->arrived, targets, reaches);
   return l->arrived;
 }

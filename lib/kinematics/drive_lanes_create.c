@@ -8,7 +8,7 @@ static km_lanes_number *numbers(km_arena *arena, int count) {
 /* The numbers that make a place, one block of them. */
 static void reserve_place(km_drive_lanes *l) {
   int columns = l->sub->columns, coordinates = l->m->coordinate_count;
-  km_lanes_number **by_column[] = {&l->t, &l->last_t, &l->last_move, &l->rest, &l->z, &l->numbers};
+  km_lanes_number **by_column[] = {&l->t, &l->last_t, &l->last_move, &l->rest};
   const int count = sizeof by_column / sizeof *by_column, per_ball = sizeof *l->ball / sizeof *l->q;
   l->place_count = (size_t)(coordinates + per_ball * l->m->ball_count + (count + KM_CURVE_MOVES) * columns);
   l->kept = KM_ARENA_NEW(&l->arena, km_lanes_number, l->place_count);
@@ -26,8 +26,8 @@ static void reserve_place(km_drive_lanes *l) {
 static void reserve_rows(km_drive_lanes *l) {
   size_t columns = (size_t)l->sub->columns;
   l->row_size = 3 * columns + 1;
-  km_lanes_number *row = KM_ARENA_NEW(&l->arena, km_lanes_number, KM_DRIVE_ROWS * l->row_size);
-  for (int r = 0; row && r < KM_DRIVE_ROWS; ++r, row += l->row_size)
+  km_lanes_number *row = KM_ARENA_NEW(&l->arena, km_lanes_number, (KM_DRIVE_ROWS + 1) * l->row_size);
+  for (int r = 0; row && r <= KM_DRIVE_ROWS; ++r, row += l->row_size)
     l->rows[r] = (km_lane_row){row, row + columns, row + 2 * columns, row + 3 * columns};
 }
 
@@ -72,9 +72,10 @@ static bool reserve(km_drive_lanes *l) {
   l->J = numbers(arena, rows * (columns + 2));
   reserve_place(l);
   km_lanes_number **by_column[] = {&l->unit, &l->weight, &l->low, &l->high,  &l->from,
-                                   &l->move, &l->next_t, &l->x,   &l->before};
+                                   &l->move, &l->next_t, &l->x,   &l->last_z};
   for (size_t i = 0; i < sizeof by_column / sizeof *by_column; ++i)
     *by_column[i] = numbers(arena, columns);
+  l->before = l->last_z;
   int freedoms = columns < KM_LANES_FREEDOMS ? columns : KM_LANES_FREEDOMS;
   l->B = numbers(arena, rows * freedoms);
   l->Z = numbers(arena, columns * freedoms);

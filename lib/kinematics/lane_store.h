@@ -68,7 +68,8 @@ typedef struct km_lane_column {
   km_lanes_number x, y, turn;
 } km_lane_column;
 
-/* What is shown of a row. */
+/* What is shown of a row: coordinates, the unit direction of motion (lengths over the characteristic length), and mobility
+ * numbers. */
 typedef struct km_lane_row {
   km_lanes_number *q, *z, *numbers; /* [columns] */
   km_lanes_number *residual;
@@ -118,8 +119,10 @@ struct km_drive_lanes {
   km_lane_quaternion *ball;                /* [ball] */
   km_lanes_number *t, *last_t, *last_move; /* [columns] as in km_course; so are these: */
   km_lanes_number *rest;
-  km_lanes_number *past[KM_CURVE_MOVES]; /* of one freedom `moves`; of several the first are `older_t` */
-  km_lanes_number sign, next_sign;       /* of the pivots' product, ±1, and where the step ends */
+  /* [columns] of one freedom `moves`, and where a step has ended its move is in place of the oldest one, until
+   * km_lanes_grow_moves; of several the first are `older_t`. */
+  km_lanes_number *past[KM_CURVE_MOVES];
+  km_lanes_number sign, next_sign; /* of the pivots' product, ±1, and where the step ends */
   km_lanes_number pivoted_b, smallest_pivot;
   km_lanes_number target; /* of the step, scaled */
   km_lanes_number factor; /* a target in the model's unit times this is the scaled one */
@@ -127,26 +130,27 @@ struct km_drive_lanes {
   /* What a step leaves: */
   km_lanes_number
       *B; /* [freedom × rank] null vectors: the dependent columns' in pivot order, negative; the driver's is last */
-  km_lanes_number *Z;       /* [freedom × columns] of several freedoms: the null space, the driver's vector last */
-  km_lanes_number *error;   /* [rows], and one more for what is no row; J alike */
-  km_lanes_number *z;       /* [columns] unit direction of motion, lengths over the characteristic length */
-  km_lanes_number *numbers; /* [columns] mobility numbers */
+  km_lanes_number *Z;     /* [freedom × columns] of several freedoms: the null space, the driver's vector last */
+  km_lanes_number *error; /* [rows], and one more for what is no row; J alike */
 
   /* All that makes a place lies in one block, which q begins. A copy, to come back to. */
   size_t place_count;
   km_lanes_number *kept;
+  km_lanes_number *kept_past[KM_CURVE_MOVES]; /* as `past` was, whose arrays change their places */
   km_lane_place kept_here;
 
-  /* Rows that were passed, and behind them the one where the drives are, `row_size` numbers apart; `shown` is one of them. */
-  km_lane_row rows[KM_DRIVE_ROWS];
+  /* Rows that were passed, and behind them the one where the drives are, `row_size` numbers apart, and one more for steps that
+   * are no row's. `row` is the one that steps write, `shown` the one that is looked at. */
+  km_lane_row rows[KM_DRIVE_ROWS + 1];
   size_t row_size;
-  const km_lane_row *shown;
-  int passed;              /* rows before the last one */
-  km_lanes_number *before; /* [columns] z at the row before, */
-  unsigned known;          /* in these lanes */
-  unsigned sound;          /* lanes whose pivots serve whoever looks at the pose */
-  unsigned quiet;          /* lanes where no entry of z has changed its sign, or come near 0, since then */
-  unsigned arrived;        /* lanes that the last row's steps led to their targets */
+  const km_lane_row *row, *shown;
+  int passed;                    /* rows before the last one */
+  const km_lanes_number *before; /* [columns] z at the row before, */
+  unsigned known;                /* in these lanes */
+  km_lanes_number *last_z;       /* [columns] z where the last pass ended */
+  unsigned sound;                /* lanes whose pivots serve whoever looks at the pose */
+  unsigned quiet;                /* lanes where no entry of z has changed its sign, or come near 0, since then */
+  unsigned arrived;              /* lanes that the last row's steps led to their targets */
 
   /* What a step works on. */
   km_lanes_number *from, *move, *next_t, *x; /* [columns] */
@@ -169,6 +173,14 @@ void km_lanes_take_numbers(km_drive_lanes *lanes, int index);
 
 /* Where a step ends in these lanes: the balls' coordinates, and into `move` the rotation vectors that led them there. */
 void km_lanes_end_balls(km_drive_lanes *lanes, unsigned ended);
+
+/* Of one freedom: the moves of the lanes that `took` a step become older, and the step's one joins them. */
+void km_lanes_grow_moves(km_drive_lanes *lanes, unsigned took);
+
+/* Keeps the place of all lanes, and brings all, or one, back there. */
+void km_lanes_keep(km_drive_lanes *lanes);
+void km_lanes_come_back(km_drive_lanes *lanes);
+void km_lanes_put_back(km_drive_lanes *lanes, int index);
 
 /* One step of the lanes `wanted` towards their targets. Returns those that took it; the others are where they were. By the
  * processor's registers. */

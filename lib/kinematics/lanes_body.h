@@ -138,21 +138,11 @@ static WITHIN void keep_to_curve(const km_drive_lanes *l, const vector *square, 
     fit[r] &= equal(GET(l->next_sign), GET(l->sign));
 }
 
-/* grow_moves of continuation.c: the moves become older, */
-static WITHIN void shift_moves(km_drive_lanes *l, const mask *took, int first, int count) {
-  for (int i = KM_CURVE_MOVES - 1; i > 0; --i) {
-    km_lanes_number *to = l->past[i];
-    const km_lanes_number *from = l->past[i - 1];
-    for (int k = 0; k < l->sub->columns; ++k)
-      EACH(r)
-    PUT(to[k], pick(took[r], GET(from[k]), GET(to[k])));
-  }
-}
-
-/* and the last one, `way`, joins them. */
+/* grow_moves of continuation.c: the last move, `way`, takes the place of the oldest one; see km_lanes_grow_moves. */
 static WITHIN void take_move(km_drive_lanes *l, int k, vector way, mask took, int r, int first) {
+  km_lanes_number *to = &l->past[KM_CURVE_MOVES - 1][k];
   vector x = GET(l->x[k]), rest = GET(l->rest[k]);
-  PUT(l->past[0][k], pick(took, way + (x - rest), GET(l->past[0][k])));
+  PUT(*to, pick(took, way + (x - rest), GET(*to)));
   PUT(l->rest[k], pick(took, x, rest));
 }
 
@@ -183,12 +173,10 @@ static WITHIN void accept(km_drive_lanes *l, const mask *took, const mask *arriv
   const bool alone = l->beside == 0;
   if (l->m->ball_count > 0)
     end_balls(l, took, first, count);
-  if (alone) {
+  if (alone)
     count_equal(l, h, took, first, count);
-    shift_moves(l, took, first, count);
-  } else {
+  else
     grow_older(l, h, took, first, count);
-  }
   for (int k = 0; k < l->sub->columns; ++k) {
     km_lanes_number *to = &l->q[coordinate[k]];
     bool is_length = l->is_length[k], is_ball = l->is_ball[k];
@@ -227,15 +215,16 @@ static WITHIN void accept(km_drive_lanes *l, const mask *took, const mask *arriv
 /* km_partition_null and km_mobility_numbers, of one freedom, of the lanes that `took` the step. */
 static WITHIN void set_numbers_of_one(km_drive_lanes *l, const mask *took, int first, int count) {
   km_lanes_number *z = l->x; /* Newton is through */
+  const km_lane_row *row = l->row;
   vector sum[TOGETHER], factor[TOGETHER];
   set_null_vector(l, 0, z, sum, first, count);
   EACH(r)
   factor[r] = 1.0 / root(sum[r]);
   for (int k = 0; k < l->sub->columns; ++k)
     EACH(r) {
-      vector unit = pick(took[r], GET(z[k]) * factor[r], GET(l->z[k]));
-      PUT(l->z[k], unit);
-      PUT(l->numbers[k], unit * unit);
+      vector unit = pick(took[r], GET(z[k]) * factor[r], GET(row->z[k]));
+      PUT(row->z[k], unit);
+      PUT(row->numbers[k], unit * unit);
     }
 }
 
@@ -246,7 +235,7 @@ static inline void find_quiet(const km_drive_lanes *l, mask *sound, mask *quiet,
   quiet[r] = sound[r] = at_most(GET(l->here.largest_b), all(km_largest_good_b));
   for (int k = 0; k < l->sub->columns; ++k)
     EACH(r) {
-      vector z = GET(l->z[k]), before = GET(l->before[k]);
+      vector z = GET(l->row->z[k]), before = GET(l->before[k]);
       quiet[r] &= below(all(km_drive_quiet), z * before) | (equal(z, all(0.0)) & equal(before, all(0.0)));
     }
 }

@@ -120,6 +120,7 @@ static WITHIN void set_next_tangent(km_drive_lanes *l, int first, int count) {
 /* Mobility numbers where `took` is set, and the direction of the driver's motion. */
 static APART void set_numbers_of_several(km_drive_lanes *l, const mask *took, int first, int count) {
   const int columns = l->sub->columns;
+  const km_lane_row *row = l->row;
   vector sum[TOGETHER], factor[TOGETHER];
   find_null_vectors(l, l->beside, l->beside + 1, first, count);
   EACH(r)
@@ -134,7 +135,7 @@ static APART void set_numbers_of_several(km_drive_lanes *l, const mask *took, in
         vector z = GET(l->Z[(size_t)k * (size_t)columns + (size_t)j]);
         number += z * z;
       }
-      PUT(l->numbers[j], pick(took[r], number, GET(l->numbers[j])));
-      PUT(l->z[j], pick(took[r], GET(l->weight[j]) * GET(l->t[j]) * factor[r], GET(l->z[j])));
+      PUT(row->numbers[j], pick(took[r], number, GET(row->numbers[j])));
+      PUT(row->z[j], pick(took[r], GET(l->weight[j]) * GET(l->t[j]) * factor[r], GET(row->z[j])));
     }
 }
