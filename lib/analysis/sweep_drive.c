@@ -219,6 +219,9 @@ static km_status advance_all(km_walk *walks, int count) {
   km_status status = count > 1 ? km_drive_lanes_create(memory, drives, count, &lanes, NULL) : KM_OK;
   while (!status && advance(walks, count, lanes))
     continue;
+  for (int i = 0; i < count; ++i)
+    if (walks[i].job->table_only)
+      km_drive_leave(walks[i].at.drive);
   km_drive_lanes_free(memory, lanes);
   return status;
 }

@@ -160,36 +160,47 @@ static void repeat_row(double *first, size_t width, size_t count) {
     memcpy(first + done * width, first, (done < count - done ? done : count - done) * width * sizeof *first);
 }
 
-/* Coordinates and mobility numbers of a row that was passed. A coordinate without a cell for its number has cell 0, which is
- * the row's own: it is written behind them. */
-static void take_numbers(const km_sweeper *r, const double *q, const double *numbers, double *cells) {
+/* The cells of a column in several rows. */
+typedef struct column_cells {
+  double *first;
+  size_t width; /* of a row of the table */
+  int count;    /* rows */
+} column_cells;
+
+/* Numbers of a lane, which are `apart` doubles from row to row; lengths and angles over the factor of their unit. */
+static void put_column(column_cells to, const double *from, size_t apart, double factor) {
+  for (int i = 0; i < to.count; ++i)
+    to.first[(size_t)i * to.width] = km_in_unit(from[(size_t)i * apart], factor);
+}
+
+/* Coordinates and mobility numbers of rows that were passed. */
+static void put_numbers(const km_sweeper *r, const km_ridden_rows *rows, column_cells row) {
   const km_substructure *sub = &r->m->substructures[r->substructure];
   const int *coordinate = r->m->column_coordinate + sub->column_start;
-  const size_t *number_cells = r->observer->number_cells;
-  for (int k = 0, columns = sub->columns; k < columns; ++k) {
+  for (int k = 0; k < sub->columns; ++k) {
     int c = coordinate[k];
-    cells[2 + c] = q[k * KM_DRIVE_LANES];
-    cells[number_cells[c]] = numbers[k * KM_DRIVE_LANES];
+    size_t number = r->observer->number_cells[c], lane = (size_t)k * KM_DRIVE_LANES;
+    put_column((column_cells){row.first + 2 + c, row.width, row.count}, rows->q + lane, rows->apart, r->m->factor[c]);
+    if (number)
+      put_column((column_cells){row.first + number, row.width, row.count}, rows->numbers + lane, rows->apart, 1.0);
   }
 }
 
-/* The coordinates of rows that were passed, in their units. */
-static void set_units(const km_sweeper *r, double *first, size_t width, int count) {
+/* Does a row have more cells than the numbers of what moves, `count` mobilities, and those that every row has? */
+static bool has_more_cells(const km_sweeper *r, size_t width, size_t count) {
   const km_substructure *sub = &r->m->substructures[r->substructure];
-  for (int k = 0; k < sub->columns; ++k) {
-    int c = r->m->column_coordinate[sub->column_start + k];
-    double factor = r->m->factor[c], *cell = first + 2 + c;
-    for (int i = 0; i < count && factor != 1.0; ++i, cell += width)
-      *cell = km_in_unit(*cell, factor);
-  }
+  size_t moving = 0;
+  for (int k = 0; k < sub->columns; ++k)
+    moving += r->observer->number_cells[r->m->column_coordinate[sub->column_start + k]] ? 2 : 1;
+  return width > 2 + moving + count + 1;
 }
 
 km_status km_sweeper_passed_rows(km_sweeper *r, const km_drive *drive, int count, int step, const double *s,
                                  km_error *error) {
   const km_ridden_rows rows = km_drive_ridden_rows(drive);
   const int freedom = km_partition_freedom(&r->s->partition[r->substructure]);
-  size_t width = km_table_columns(r->out->table), residual = width - 1,
-         dof = residual - 1 - (size_t)r->m->topology.substructure_count;
+  const size_t mobilities = 1 + (size_t)r->m->topology.substructure_count;
+  size_t width = km_table_columns(r->out->table), residual = width - 1, dof = residual - mobilities;
   if (count == 0)
     return KM_OK;
   double *first = km_table_add_raw_rows(r->out->table, (size_t)count), *cells = first;
@@ -198,15 +209,16 @@ km_status km_sweeper_passed_rows(km_sweeper *r, const km_drive *drive, int count
   memcpy(first, first - width, width * sizeof *first); /* what isn't told of below stays */
   first[dof] = r->other_mobility + freedom;
   first[dof + 1 + (size_t)r->substructure] = freedom;
-  repeat_row(first, width, (size_t)count);
+  if (has_more_cells(r, width, mobilities))
+    repeat_row(first, width, (size_t)count);
   for (int i = 0; i < count; ++i, cells += width) {
-    size_t at = (size_t)i * rows.apart;
-    take_numbers(r, rows.q + at, rows.numbers + at, cells);
     cells[0] = step + i;
     cells[1] = s[i * KM_DRIVE_LANES];
-    cells[residual] = km_larger(rows.residual[at], r->other_residual);
+    for (size_t k = dof; k < residual; ++k)
+      cells[k] = first[k];
+    cells[residual] = km_larger(rows.residual[(size_t)i * rows.apart], r->other_residual);
   }
-  set_units(r, first, width, count);
+  put_numbers(r, &rows, (column_cells){first, width, count});
   return KM_OK;
 }
 

@@ -185,6 +185,18 @@ void km_drive_settle(km_drive *d) {
   refresh(l, d);
 }
 
+void km_drive_leave(km_drive *d) {
+  km_drive_lanes *l = d->lanes;
+  if (!l)
+    return;
+  unsigned others = ~(1u << d->lane);
+  l->aboard &= others;
+  l->ahead &= others;
+  l->drives[d->lane] = NULL;
+  d->lanes = NULL;
+  km_state_forget_pivots(d->c.state, d->c.substructure);
+}
+
 bool km_drive_rides(const km_drive *d) {
   return d->lanes && (d->lanes->ahead >> d->lane & 1);
 }

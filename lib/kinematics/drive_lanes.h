@@ -67,5 +67,8 @@ void km_drive_ridden_rates(const km_drive *drive, double *rates);
 void km_drive_look(km_drive *drive);
 /* Gives a drive back what its lane has found, so that it can go on alone. Part of whatever moves a drive. */
 void km_drive_settle(km_drive *drive);
+/* Takes a drive that goes no farther out of its lane, where nobody reads what its state has beside coordinates and mobility
+ * numbers. */
+void km_drive_leave(km_drive *drive);
 
 #endif

@@ -19,7 +19,6 @@ struct km_store {
   sqlite3 *db;
   sqlite3_stmt *get, *put, *append;
   const char *path;               /* for messages */
-  bool in_file;                   /* not in memory */
   bool writing;                   /* a transaction is open */
   bool appends;                   /* what is put is appended, and sorted later */
   double appended, most_appended; /* bytes, about: that wait to be sorted, and that may */
@@ -152,7 +151,6 @@ km_status km_store_open(const char *path, const char *identity, const char *what
   if (!s)
     return km_fail(error, KM_MEMORY, "out of memory for a store");
   s->path = km_arena_string(&s->arena, path ? path : "in memory");
-  s->in_file = path != NULL;
   s->most_appended = first_appended;
   if (!s->path)
     return km_fail(error, KM_MEMORY, "out of memory for a store");
@@ -272,12 +270,13 @@ km_status km_store_put(km_store *s, const km_store_shape *shape, const double *v
   int code = sqlite3_step(put);
   sqlite3_reset(put);
   if (s->appends)
-    s->appended += (shape->parameters + shape->figures + (has_bands ? shape->band_numbers : 0)) * (double)sizeof *values;
+    s->appended +=
+        (shape->parameters + shape->figures + (has_bands ? shape->band_numbers : 0)) * (double)sizeof *values;
   return code == SQLITE_DONE ? KM_OK : fail(s, error);
 }
 
 void km_store_append(km_store *s) {
-  s->appends = s->in_file;
+  s->appends = true;
 }
 
 km_status km_store_sort(km_store *s, km_error *error) {

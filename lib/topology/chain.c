@@ -4,10 +4,11 @@
 km_passage km_joint_passage(const km_model *model, int joint, bool against) {
   const km_model_joint *def = &model->joints[joint];
   const km_joint_kind *kind = km_joint_kind_of(def->type);
-  km_passage p = {.count = kind->motion_count,
-                  .sign = against ? -1.0 : 1.0,
-                  .entry = def->frame[against],
-                  .exit = def->frame[!against]};
+  km_passage p; /* what it has no motion for isn't set */
+  p.count = kind->motion_count;
+  p.sign = against ? -1.0 : 1.0;
+  p.entry = def->frame[against];
+  p.exit = def->frame[!against];
   int coordinate = def->first_coordinate;
   for (int i = 0; i < kind->motion_count; ++i) {
     int at = against ? kind->motion_count - 1 - i : i;

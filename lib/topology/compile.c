@@ -2,6 +2,7 @@
 #include "topology/compile.h"
 
 #include "base/check.h"
+#include "base/larger.h"
 
 #include <string.h>
 
@@ -138,54 +139,65 @@ static void set_coordinates(km_mechanism *m, const km_hold *holds, int hold_coun
 
 static void number_balls(km_mechanism *m) {
   for (int j = 0; j < m->model->joint_count; ++j) {
-    km_passage p = km_joint_passage(m->model, j, false);
-    for (int i = 0; i < p.count; ++i) {
-      if (p.motion[i].primitive != KM_BALL)
-        continue;
-      for (int k = 0; k < 3; ++k)
-        m->ball_of[p.coordinate[i] + k] = m->ball_count;
-      m->ball_coordinate[m->ball_count++] = p.coordinate[i];
+    const km_joint_kind *kind = km_joint_kind_of(m->model->joints[j].type);
+    int c = m->model->joints[j].first_coordinate;
+    for (int i = 0; i < kind->motion_count; ++i) {
+      const km_primitive primitive = kind->motions[i].primitive;
+      for (int k = 0; k < 3 && primitive == KM_BALL; ++k)
+        m->ball_of[c + k] = m->ball_count;
+      if (primitive == KM_BALL)
+        m->ball_coordinate[m->ball_count++] = c;
+      c += km_primitive_freedom(primitive);
     }
   }
+}
+
+/* The square of the greatest distance between places of two joints on one body; `largest` where there is none greater. */
+static double farthest(const km_model *model, const km_model_joint *a, const km_model_joint *b, double largest) {
+  for (int e = 0; e < 2; ++e) {
+    const km_model_frame *one = &model->frames[a->frame[e]];
+    for (int f = 0; f < 2; ++f) {
+      const km_model_frame *other = &model->frames[b->frame[f]];
+      if (one->body != other->body)
+        continue;
+      km_vec3 way = km_vec3_sub(one->pose.p, other->pose.p);
+      largest = km_larger(km_vec3_dot(way, way), largest);
+    }
+  }
+  return largest;
 }
 
 double km_substructure_size(const km_mechanism *m, int s, const double *q) {
   const km_topology *t = &m->topology;
   const km_model *model = m->model;
-  double size = 0.0;
+  double square = 0.0, pitch = 0.0;
   for (int i = t->loop_start[s]; i < t->loop_start[s + 1]; ++i) {
     int loop = t->loop[i], first = t->member_start[loop], end = t->member_start[loop + 1];
     for (int k = first; k < end; ++k) {
-      const km_model_joint *a = &model->joints[t->member[k].joint];
-      for (int e = 0; e < 2; ++e) {
-        for (int o = first; o < k; ++o) {
-          const km_model_joint *b = &model->joints[t->member[o].joint];
-          for (int f = 0; f < 2; ++f)
-            if (model->frames[a->frame[e]].body == model->frames[b->frame[f]].body)
-              size =
-                  fmax(size,
-                       km_vec3_norm(km_vec3_sub(model->frames[a->frame[e]].pose.p, model->frames[b->frame[f]].pose.p)));
-        }
-      }
-      size = fmax(size, fabs(a->pitch));
+      const km_model_joint *joint = &model->joints[t->member[k].joint];
+      for (int o = first; o < k; ++o)
+        square = farthest(model, joint, &model->joints[t->member[o].joint], square);
+      pitch = km_larger(fabs(joint->pitch), pitch);
     }
   }
+  double size = km_larger(sqrt(square), pitch);
   for (int i = t->joint_start[s]; i < t->joint_start[s + 1]; ++i) {
     const km_model_joint *joint = &model->joints[t->joint[i]];
     for (int k = 0; k < km_model_freedom(model, t->joint[i]); ++k)
       if (km_joint_is_length(joint->type, k))
-        size = fmax(size, fabs(q[joint->first_coordinate + k]));
+        size = km_larger(fabs(q[joint->first_coordinate + k]), size);
   }
   return size > 0.0 ? size : m->length;
 }
 
+/* Counts them where `next` is NULL. */
 static void add_columns(km_mechanism *m, int joint, int *next) {
   int s = m->topology.substructure_of_joint[joint];
   if (s < 0)
     return;
   int first = m->model->joints[joint].first_coordinate;
   for (int c = first; c < first + km_model_freedom(m->model, joint); ++c) {
-    if (km_joint_is_length(m->model->joints[joint].type, c - first))
+    if (next && km_joint_is_length(m->model->joints[joint].type, c - first))
       m->unit[c] = m->substructures[s].size;
     if (m->held[c])
       continue;

@@ -1,4 +1,5 @@
 /* Loops into programs of steps. */
+#include "base/larger.h"
 #include "topology/compile.h"
 #include "topology/motion_space.h"
 
@@ -139,25 +140,26 @@ static void zero_poses(const km_mechanism *m, const km_program *program, km_walk
  * motion space doesn't depend on where the loop is, nor on how long its chain of joints is. */
 static int list_twists(const km_mechanism *m, const km_program *program, const km_loop *loop, km_walks *w,
                        const km_rotation *plane) {
-  double radius = 1.0;
+  double square = 1.0;
   int count = 0;
   for (int i = 0; i < loop->entry_count; ++i) {
     const km_entry *entry = &m->entries[loop->entry_start + i];
     const km_step *step = &m->steps[program->step_start + entry->step];
-    km_motion motion = {step->primitive, step->axis};
-    km_pose X = w->zero[step->to];
-    X.p = km_vec3_sub(X.p, loop->point[entry->side < 0.0]);
-    radius = fmax(radius, km_vec3_norm(X.p));
+    const km_pose *frame = &w->zero[step->to];
+    const km_vec3 at = km_vec3_sub(frame->p, loop->point[entry->side < 0.0]);
+    square = km_larger(km_vec3_dot(at, at), square);
     for (int k = 0; k < km_primitive_freedom(step->primitive); ++k) {
-      km_twist twist = km_motion_twist(motion, step->pitch, &X, k);
+      const km_vec3 axis = frame->R.axis[step->primitive == KM_BALL ? k : step->axis];
+      km_twist twist = km_axis_twist(step->primitive, step->pitch, axis, at);
       km_vec3 v = km_rotate_back(plane, twist.v), turn = km_rotate_back(plane, twist.w);
       /* Axes that are parallel but for rounding are taken for parallel, here as in the steps: beside a short link their
        * rounding would count as a motion out of the plane. */
       w->twist[count++] = program->planar ? (km_twist){{v.x, v.y, 0.0}, {0.0, 0.0, turn.z}} : (km_twist){v, turn};
     }
   }
+  const double share = 1.0 / sqrt(square);
   for (int i = 0; i < count; ++i)
-    w->twist[i].v = km_vec3_scale(1.0 / radius, w->twist[i].v);
+    w->twist[i].v = km_vec3_scale(share, w->twist[i].v);
   return count;
 }
 

@@ -33,10 +33,11 @@ static bool all_in_plane(const km_mechanism *m, const km_program *program, const
   for (int i = 0; i < program->step_count; ++i) {
     const km_step *step = &m->steps[program->step_start + i];
     km_vec3 axis = axis_of(step, w);
-    if (step->primitive == KM_REVOLUTE ? km_vec3_norm(km_vec3_cross(axis, normal)) > exactly
-                                       : fabs(km_vec3_dot(axis, normal)) > exactly)
-      return false;
+    km_vec3 across = km_vec3_cross(axis, normal);
+    double along = km_vec3_dot(axis, normal);
     if (step->primitive != KM_REVOLUTE && step->primitive != KM_PRISMATIC)
+      return false;
+    if ((step->primitive == KM_REVOLUTE ? km_vec3_dot(across, across) : along * along) > exactly * exactly)
       return false;
   }
   return true;
@@ -95,8 +96,7 @@ static void planar_loop(km_loop *loop, const km_walks *w, const km_rotation *pla
   loop->planar_turn = atan2(x.y, x.x);
   /* Out of the plane nothing moves: the height between the frames, and the tilt z × z′ (its length kept
    * an angle, so that a frame upside down doesn't pass). */
-  double tilt = atan2(hypot(z.x, z.y), z.z), sine = hypot(z.x, z.y);
-  double s = sine > 0.0 ? tilt / sine : 0.0;
+  double sine = hypot(z.x, z.y), s = sine > 0.0 ? atan2(sine, z.z) / sine : 0.0;
   loop->fixed_misfit[2] = km_vec3_dot(plane->axis[2], km_vec3_sub(end[0].p, end[1].p));
   loop->fixed_misfit[3] = z.z < 0.0 && sine == 0.0 ? M_PI : -s * z.y;
   loop->fixed_misfit[4] = s * z.x;
