@@ -32,6 +32,23 @@ static inline FN(vec) FN(turn)(const FN(vec) * R, km_vec3 a) {
                    a.x * R[0].z + (a.y * R[1].z + a.z * R[2].z)};
 }
 
+/* Axes x and y, which the third one turns. */
+static inline void FN(turn_axes)(FN(vec) * x, FN(vec) * y, T sine, T cosine) {
+  FN(vec) turned = FN(axpy)(cosine, *x, FN(scaled)(sine, *y));
+  *y = FN(axpy)(cosine, *y, FN(scaled)(-sine, *x));
+  *x = turned;
+}
+
+/* By cases, so that the axes stay in registers. */
+static inline void FN(turn_about)(FN(vec) * R, int axis, T sine, T cosine) {
+  if (axis == 2)
+    FN(turn_axes)(&R[0], &R[1], sine, cosine);
+  else if (axis == 1)
+    FN(turn_axes)(&R[2], &R[0], sine, cosine);
+  else
+    FN(turn_axes)(&R[1], &R[2], sine, cosine);
+}
+
 /* Axes, places, pose and Jacobian. */
 static inline void FN(forward)(const km_arm *a, const T *q, FN(seven) * k) {
   FN(vec) R[3], p;
@@ -52,18 +69,16 @@ static inline void FN(forward)(const km_arm *a, const T *q, FN(seven) * k) {
       }
     }
     T value = m->sign * q[j];
-    k->axis[j] = FN(scaled)(ZERO + m->sign, R[m->axis]);
+    const FN(vec) along = m->axis == 2 ? R[2] : m->axis == 1 ? R[1] : R[0];
+    k->axis[j] = FN(scaled)(ZERO + m->sign, along);
     k->point[j] = p;
     if (m->primitive != KM_REVOLUTE)
-      p = FN(axpy)(m->primitive == KM_PRISMATIC ? value : m->pitch * value, R[m->axis], p);
+      p = FN(axpy)(m->primitive == KM_PRISMATIC ? value : m->pitch * value, along, p);
     if (m->primitive == KM_PRISMATIC)
       continue;
     T sine, cosine;
     FN(sincos)(value, &sine, &cosine);
-    int x = (m->axis + 1) % 3, y = (m->axis + 2) % 3;
-    FN(vec) turned = FN(axpy)(cosine, R[x], FN(scaled)(sine, R[y]));
-    R[y] = FN(axpy)(cosine, R[y], FN(scaled)(-sine, R[x]));
-    R[x] = turned;
+    FN(turn_about)(R, m->axis, sine, cosine);
   }
   FN(vec) tip = FN(turn)(R, a->tool.p);
   k->p = (FN(vec)){p.x + tip.x, p.y + tip.y, p.z + tip.z};
