@@ -64,7 +64,7 @@ static void look(const watch *w, const km_sweeper *r, km_advantage *out) {
     return;
   }
   const km_substructure *sub = r->substructure >= 0 ? &r->m->substructures[r->substructure] : NULL;
-  bool meeting = sub && r->out->freedom == 1 && km_partition_freedom(&r->s->partition[r->substructure]) > 1 &&
+  bool meeting = sub && km_partition_freedom(&r->s->partition[r->substructure]) > r->out->freedom &&
                  w->lever->moves[r->m->column_coordinate[sub->column_start]];
   if (meeting && w->followed)
     km_lever_along(r->m, r->s, w->lever, r->rates, out);

@@ -9,11 +9,12 @@ static bool show(km_sweeper *r, km_drive *d, double s, km_status *status, km_err
   return !*status;
 }
 
-/* From the first row to s: the poses close to the row, and s. */
+/* From the first row to s: the poses close to the row, and s. To a branch point from which several freedoms lead the way back
+ * isn't the motion that began there. */
 static km_status begin(km_sweeper *r, km_drive *d, double from, double s, km_error *error) {
   km_status status = KM_OK;
   bool goes_on = !km_sweeper_meets(r);
-  for (int k = KM_END_PLACES; k >= 0 && goes_on; --k)
+  for (int k = r->branch_point ? 0 : KM_END_PLACES; k >= 0 && goes_on; --k)
     goes_on = show(r, d, k ? km_sweeper_near_end(s, from, k) : s, &status, error);
   return status;
 }

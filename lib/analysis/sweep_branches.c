@@ -21,15 +21,15 @@ km_status km_sweeper_look_at_branch(const km_sweeper *r, km_state *state, double
   return found < 0 ? km_fail(error, KM_MEMORY, "out of memory for the branch points") : KM_OK;
 }
 
-static km_status add_branch(km_sweeper *r, km_state *state, double s, int mobility, km_error *error) {
+/* With `surely`, also where the motions that meet aren't found. */
+static km_status add_branch(km_sweeper *r, km_state *state, km_branch_point point, bool surely, km_error *error) {
   size_t columns = (size_t)r->m->substructures[r->substructure].columns;
   double *directions = KM_NEW(double, KM_MOST_BRANCHES *columns);
-  km_branch_point point = {s, mobility, 0};
   if (!directions)
     return km_fail(error, KM_MEMORY, "out of memory for the branch points");
   km_status status = km_sweeper_look_at_branch(r, state, directions, &point.branches, error);
   km_free(directions);
-  return status ? status : km_sweeper_add_branch(r, point, error);
+  return status || (!surely && point.branches == 0) ? status : km_sweeper_add_branch(r, point, error);
 }
 
 /* Follows the motion from a row of the table to the branch point that lies behind it, at most to driver value
@@ -53,7 +53,8 @@ static km_status follow_to_branch(km_sweeper *r, km_state *state, size_t row, do
   }
   if (found) {
     km_follow_at_branch(follow, r->scratch);
-    status = add_branch(r, state, km_state_coordinate(state, r->plan->coordinate), point.mobility, error);
+    point.s = km_state_coordinate(state, r->plan->coordinate);
+    status = add_branch(r, state, point, true, error);
   }
   km_follow_free(follow);
   return status;
@@ -64,8 +65,8 @@ km_status km_sweeper_find_branch(km_sweeper *r, km_error *error) {
   size_t rows = km_table_rows(r->out->table);
   const double *last = km_table_row(r->out->table, rows - 1);
   int mobility = km_partition_freedom(&r->s->partition[r->substructure]);
-  if (mobility > 1) /* it is the row's own pose */
-    return add_branch(r, r->s, last[1], mobility, error);
+  if (mobility > 1) /* it is the row's own pose; with the motion's own freedoms that was only hard to come by */
+    return add_branch(r, r->s, (km_branch_point){last[1], mobility, 0}, mobility > r->out->freedom, error);
   km_state *state;
   km_status status = rows > 1 ? km_state_create(r->m, &state, error) : KM_OK;
   if (status || rows < 2)

@@ -9,6 +9,7 @@
 #include "kinematics/closure.h"
 #include "kinematics/loops.h"
 #include "kinematics/many_tangents.h"
+#include "kmech/advantage_sweep.h"
 #include "model/model.h"
 #include "topology/mechanism.h"
 
@@ -175,9 +176,31 @@ static void stretched_five_bars_move_least(void **state) {
   }
 }
 
+/* So the last crank turns by at least as much as the first one at every moment, from the flat pose on, where for an instant
+ * there are more freedoms: at none of the poses the leverage is unbounded, and after the first one no motions meet. */
+static void flat_five_bars_have_leverage(void **state) {
+  (void)state;
+  static const int sizes[] = {2, 5, 10, 40};
+  for (size_t i = 0; i < sizeof sizes / sizeof *sizes; ++i) {
+    fixture f = written(write_flat_five_bars, sizes[i]);
+    const km_sweep_plan plan = {.coordinate = 0, .direction = -1, .from = 0.0, .to = 0.3, .steps = 20};
+    const km_handle in = {.kind = KM_HANDLE_JOINT, .coordinate = 0, .name = "in"},
+                    out = {.kind = KM_HANDLE_JOINT, .coordinate = sizes[i], .name = "out"};
+    km_advantage_sweep sweep;
+    assert_int_equal(km_advantage_sweep_run(f.mechanism, f.state, &plan, &in, &out, false, &sweep, NULL), KM_OK);
+    assert_true(sweep.motion.start_branches > 0);
+    assert_int_equal(sweep.motion.branch_count, 0);
+    assert_int_equal(sweep.toggle_count, 0);
+    for (size_t row = 0; row < km_table_rows(sweep.motion.table); ++row)
+      assert_at_most(fabs(km_table_row(sweep.motion.table, row)[sweep.column]), 1.0);
+    km_advantage_sweep_free(&sweep);
+    fixture_close(&f);
+  }
+}
+
 int main(void) {
-  const struct CMUnitTest tests[] = {cmocka_unit_test(loops_bend_as_they_accelerate),
-                                     cmocka_unit_test(closest_poses_lie_at_right_angles),
-                                     cmocka_unit_test(stretched_five_bars_move_least)};
+  const struct CMUnitTest tests[] = {
+      cmocka_unit_test(loops_bend_as_they_accelerate), cmocka_unit_test(closest_poses_lie_at_right_angles),
+      cmocka_unit_test(stretched_five_bars_move_least), cmocka_unit_test(flat_five_bars_have_leverage)};
   return cmocka_run_group_tests(tests, NULL, NULL);
 }
