@@ -160,12 +160,14 @@ static bool refactor(const km_mechanism *m, km_state *s, int index, int driver) 
   return serve;
 }
 
-/* Those that were searched with the loose tolerance of an open pose may leave out rows that count: they aren't kept. */
+/* Those that were searched with the loose tolerance of an open pose may leave out rows that count: they aren't kept then. */
 static void search(const km_mechanism *m, km_state *s, int index, int driver, double residual) {
   const km_substructure *sub = &m->substructures[index];
-  double tolerance = km_rank_tolerance(m, sub, residual);
+  const km_partition *p = &s->partition[index];
+  double tolerance = km_rank_tolerance(m, sub, residual), closed = km_rank_tolerance(m, sub, 0.0);
   km_pivot_for_steps(m, s, index, driver, tolerance);
-  if (!km_pivots_are_whole(&s->partition[index]) && tolerance > km_rank_tolerance(m, sub, 0.0))
+  bool leaves_none = p->kept_rows > 0.0 && p->first_dropped <= closed * p->scale;
+  if (!km_pivots_are_whole(p) && !leaves_none && tolerance > closed)
     km_state_forget_pivots(s, index);
 }
 
@@ -178,23 +180,26 @@ static void factor(const km_mechanism *m, km_state *s, int index, int driver, do
   search(m, s, index, driver, residual);
 }
 
-static bool take_rows(const km_mechanism *m, km_state *s, int index, int driver, double *x) {
+/* By the Jacobian of the last step where `again` is set and that is known. */
+static bool take_rows(const km_mechanism *m, km_state *s, int index, int driver, bool again, double *x) {
   const km_substructure *sub = &m->substructures[index];
   const km_partition *p = &s->partition[index];
-  return takes_rows(p, driver) &&
-         km_partition_least(p, km_state_jacobian(s, sub), m->column_weight + sub->column_start,
-                            motions_beside(p, driver), km_state_error(s, sub), x);
+  const double *weight = m->column_weight + sub->column_start, *error = km_state_error(s, sub);
+  int count = motions_beside(p, driver);
+  return takes_rows(p, driver) && ((again && km_partition_least_again(p, weight, count, error, x)) ||
+                                   km_partition_least(p, km_state_jacobian(s, sub), weight, count, error, x));
 }
 
 /* The least x with J x = the loops' errors in the primary rows. Among many motions any other solution may be a long one, of which
  * taking the motions out leaves rounding alone. */
-static void solve_least(const km_mechanism *m, km_state *s, int index, int driver, double residual, double *x) {
+static void solve_least(const km_mechanism *m, km_state *s, int index, int driver, double residual, bool again,
+                        double *x) {
   const km_partition *p = &s->partition[index];
-  bool done = take_rows(m, s, index, driver, x);
+  bool done = take_rows(m, s, index, driver, again && p->waits, x);
   if (!done && p->waits) {
     if (!refactor(m, s, index, driver))
       search(m, s, index, driver, residual);
-    done = take_rows(m, s, index, driver, x);
+    done = take_rows(m, s, index, driver, false, x);
   }
   if (done)
     return;
@@ -204,10 +209,11 @@ static void solve_least(const km_mechanism *m, km_state *s, int index, int drive
 }
 
 /* The next step into x; returns its largest entry. */
-static double newton_step(const km_mechanism *m, km_state *s, int index, int driver, double residual, double *x) {
+static double newton_step(const km_mechanism *m, km_state *s, int index, int driver, double residual, bool again,
+                          double *x) {
   const km_substructure *sub = &m->substructures[index];
   double largest = 0.0;
-  solve_least(m, s, index, driver, residual, x);
+  solve_least(m, s, index, driver, residual, again, x);
   for (int k = 0; k < sub->columns; ++k)
     x[k] = -x[k];
   if (driver >= 0) /* where it came out dependent, the step wants to move it */
@@ -237,11 +243,18 @@ typedef struct newton {
   double step, last; /* the largest entries of this step and of the one before it, where that led from closed loops */
   double closed, settled; /* what shows the pose to be found: its error, and the step from there */
   bool small;
+  bool converges; /* so soon that the next step may be taken by the same Jacobian */
 } newton;
+
+/* A step of this size, scaled, changes the Jacobian by so little that the next one by the same Jacobian is shorter by more than the
+ * share below, as long as no rows are nearly dependent: then it isn't. */
+static const double short_newton = 0.01, fast_share = 0.1;
 
 static void take_step(const km_mechanism *m, km_state *s, int index, int driver, const km_closure *evidence,
                       double *x, newton *n) {
-  n->step = newton_step(m, s, index, driver, evidence->residual, x);
+  double before = n->step;
+  n->step = newton_step(m, s, index, driver, evidence->residual, n->converges, x);
+  n->converges = n->step <= short_newton && n->step <= fast_share * before;
   n->small = primary_rms(&s->partition[index], km_state_error(s, &m->substructures[index])) <= n->closed;
 }
 
@@ -254,7 +267,7 @@ static km_closure_outcome close_loops(const km_mechanism *m, km_state *s, int in
   const km_substructure *sub = &m->substructures[index];
   const km_partition *p = &s->partition[index];
   double *x = s->work, first = 0.0, coarse = grain(m, s, sub);
-  newton n = {.last = HUGE_VAL, .closed = coarse * km_closed};
+  newton n = {.step = HUGE_VAL, .last = HUGE_VAL, .closed = coarse * km_closed};
   *evidence = (km_closure){.worst = -1, .left = x};
   for (int i = 0; i < MOST_ITERATIONS; ++i) {
     km_loops_update(m, s, sub);

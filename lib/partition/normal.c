@@ -39,6 +39,7 @@ struct km_normal {
   long *place; /* [rows] of each in the order of elimination */
   km_products products;
   bool *used;           /* [rows] in what is factored */
+  bool *used_columns;   /* [columns] */
   double *value, *next; /* factored, and to be factored */
   double *b, *z, *step; /* [rows], [rows], [columns] */
   bool is_factored;
@@ -95,12 +96,14 @@ static bool reserve(km_normal *n, int rows, int columns, const int *start, const
   n->row = KM_NEW(long, entries + 1);
   n->place = KM_NEW(long, (size_t)rows + 1);
   n->used = KM_NEW(bool, (size_t)rows + 1);
+  n->used_columns = KM_NEW(bool, (size_t)columns + 1);
   n->value = KM_NEW(double, entries + 1);
   n->next = KM_NEW(double, entries + 1);
   n->b = KM_NEW(double, (size_t)rows + 1);
   n->z = KM_NEW(double, (size_t)rows + 1);
   n->step = KM_NEW(double, (size_t)columns + 1);
-  if (!n->start || !n->row || !n->place || !n->used || !n->value || !n->next || !n->b || !n->z || !n->step)
+  if (!n->start || !n->row || !n->place || !n->used || !n->used_columns || !n->value || !n->next || !n->b || !n->z ||
+      !n->step)
     return false;
   for (int c = 0; c <= columns; ++c)
     n->start[c] = start[c];
@@ -156,22 +159,27 @@ void km_normal_free(km_normal *n) {
   n->cholmod->cholmod_l_free_factor(&n->L, &n->common);
   n->cholmod->cholmod_l_finish(&n->common);
   km_products_free(&n->products);
-  void *const all[] = {n->start, n->row, n->place, n->used, n->value, n->next, n->b, n->z, n->step, n};
+  void *const all[] = {n->start, n->row, n->place, n->used, n->used_columns, n->value, n->next, n->b, n->z, n->step, n};
   for (size_t i = 0; i < sizeof all / sizeof *all; ++i)
     km_free(all[i]);
 }
 
+bool km_normal_has(const km_normal *n, const bool *used_rows, const bool *used_columns) {
+  return n->is_factored && memcmp(n->used, used_rows, (size_t)n->rows * sizeof *n->used) == 0 &&
+         memcmp(n->used_columns, used_columns, (size_t)n->columns * sizeof *n->used_columns) == 0;
+}
+
 bool km_normal_factor(km_normal *n, const double *matrix, const double *weight, const bool *used_rows,
                       const bool *used_columns) {
-  size_t entries = (size_t)n->start[n->columns], rows = (size_t)n->rows;
+  size_t entries = (size_t)n->start[n->columns];
   for (long c = 0; c < n->columns; ++c)
     for (long i = n->start[c]; i < n->start[c + 1]; ++i)
       n->next[i] = used_columns[c] && used_rows[n->row[i]] ? matrix[i] / weight[c] : 0.0;
-  if (n->is_factored && memcmp(n->next, n->value, entries * sizeof *n->next) == 0 &&
-      memcmp(n->used, used_rows, rows * sizeof *n->used) == 0)
+  if (km_normal_has(n, used_rows, used_columns) && memcmp(n->next, n->value, entries * sizeof *n->next) == 0)
     return true;
   memcpy(n->value, n->next, entries * sizeof *n->next);
-  memcpy(n->used, used_rows, rows * sizeof *n->used);
+  memcpy(n->used, used_rows, (size_t)n->rows * sizeof *n->used);
+  memcpy(n->used_columns, used_columns, (size_t)n->columns * sizeof *n->used_columns);
   km_products_find(&n->products, n->value, n->used);
   cholmod_sparse P = products_of(n, !n->L->is_super);
   int levels = km_one_thread_begin();

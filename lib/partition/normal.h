@@ -17,6 +17,8 @@ km_normal *km_normal_create(int rows, int columns, const int *start, const int *
  * where the rows that are used depend on each other. What was factored last isn't factored again. O(entries of the factor). */
 bool km_normal_factor(km_normal *normal, const double *matrix, const double *weight, const bool *used_rows,
                       const bool *used_columns);
+/* Was what was factored last of these rows and columns? */
+bool km_normal_has(const km_normal *normal, const bool *used_rows, const bool *used_columns);
 /* About the smallest singular value of A in the rows that are used, over its largest entry; 0 where it can't be found. */
 double km_normal_smallest(km_normal *normal);
 /* The x[columns] of least |x| with A x = b[rows] in the rows that are used. Corrected until nothing but rounding is left to

@@ -53,6 +53,8 @@ typedef struct km_partition {
                          * them; the sparse engine doesn't keep |B| small then, and makes no B */
   bool rows_only;     /* set by the caller: the rank and which rows are primary are enough, for km_partition_least; the
                        * sparse engine makes no null vectors then */
+  double kept_rows;   /* set by the caller, beside `rows_only`: the primary rows at hand are tried before others, and stay where
+                       * they are independent to this tolerance and the others depend on them; 0: they aren't tried */
   bool unwatched;     /* set by the caller: the independent columns are asked for nothing but which ones they are; of many the
                        * sparse engine takes any then, and a refactor doesn't measure B */
   bool waits;         /* by km_partition_wait */
@@ -82,8 +84,8 @@ void km_normal_free(km_normal *normal);
 
 /* Complete pivoting. Pivots stop at |pivot| ≤ tolerance · (largest entry). Columns with forced[c] (may be
  * NULL) stay independent while the others can give full rank. Equal entries (up to 12 × 64: equal to 2^-42, so that
- * rounding doesn't decide between symmetric joints) go by place; what was factored before has no influence.
- * `matrix` is kept. With entries that are not finite the rank means nothing, but stays in range.
+ * rounding doesn't decide between symmetric joints) go by place; what was factored before has no influence
+ * unless `kept_rows` is set. `matrix` is kept. With entries that are not finite the rank means nothing, but stays in range.
  * O(rows·columns·rank). The sparse engine pivots by rows, and completely only among the independent columns: the pivots
  * are others, rank, null space and the size of B the same; last_pivot is then the smallest. O(entries of L and U). */
 void km_partition_factor(km_partition *partition, const double *matrix, int rows, int columns, const bool *forced,
@@ -166,6 +168,10 @@ bool km_partition_along_null(const km_partition *partition, const double *matrix
  * others. No block of pivots is inverted, which may be a bad one where many columns are independent. */
 bool km_partition_least(const km_partition *partition, const double *matrix, const double *weight, int count,
                         const double *rhs, double *x);
+
+/* The same by the matrix of the last one that normal equations have given, which is near the present one: half of what one takes is
+ * to factor them. False where it had other rows or columns, or there was none. */
+bool km_partition_least_again(const km_partition *partition, const double *weight, int count, const double *rhs, double *x);
 
 /* The null vector that moves independent column `column` by 1 and the other independent ones not at all. */
 void km_partition_direction(const km_partition *partition, int column, double *direction);

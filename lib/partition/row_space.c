@@ -49,7 +49,8 @@ bool km_partition_may_wait(const km_partition *p) {
   return p->sparse && p->sparse->normal && !km_sparse_is_crowded(p) && km_normal_is_installed();
 }
 
-/* The rows by their normal equations; NULL where these aren't kept, or would be full, or don't tell. */
+/* The rows by their normal equations, those of the matrix that was factored last where none is given; NULL where these aren't kept, or
+ * would be full, or don't tell. */
 static km_normal *normal_of(const km_partition *p, const double *matrix, const double *weight, int count) {
   const km_sparse *s = p->sparse;
   if (!km_partition_may_wait(p))
@@ -61,7 +62,9 @@ static km_normal *normal_of(const km_partition *p, const double *matrix, const d
     rows[p->row[k]] = true;
   for (int k = 0; k < p->rank + count && columns; ++k)
     columns[p->column[k]] = true;
-  bool good = *s->normal && rows && columns && km_normal_factor(*s->normal, matrix, weight, rows, columns);
+  bool good = *s->normal && rows && columns &&
+              (matrix ? km_normal_factor(*s->normal, matrix, weight, rows, columns)
+                      : km_normal_has(*s->normal, rows, columns));
   km_free(rows);
   km_free(columns);
   return good ? *s->normal : NULL;
@@ -79,21 +82,57 @@ static int arrange_columns(const km_partition *p, const bool *forced) {
   return most;
 }
 
+/* How far from the primary rows, which the normal equations have, those that aren't primary are, over the largest entry: about the
+ * length of what is left of a sum of them all, each with a factor as if by chance. */
+static double distance_of_others(const km_partition *p, km_normal *normal, const double *matrix, int used) {
+  const km_sparse *s = p->sparse;
+  size_t n = (size_t)p->columns;
+  double *sum = KM_NEW(double, n + 1), *part = KM_NEW(double, n + 1), largest = 0.0, square = 0.0;
+  for (int k = 0; k < used && sum; ++k) {
+    int c = p->column[k];
+    for (int i = s->start[c]; i < s->start[c + 1]; ++i) {
+      double entry = matrix[i] / s->weight[c];
+      largest = fmax(largest, fabs(entry));
+      sum[c] += s->step_of[s->row[i]] < 0 ? km_sparse_weight(s->row[i], 0) * entry : 0.0;
+    }
+  }
+  bool found = sum && part && km_normal_part(normal, sum, part);
+  for (size_t c = 0; c < n && found; ++c)
+    square += (sum[c] - part[c]) * (sum[c] - part[c]);
+  km_free(sum);
+  km_free(part);
+  return found ? sqrt(square) / largest : HUGE_VAL;
+}
+
+/* The rows that are tried as primary ones. */
+static void list_rows(km_partition *p, bool kept) {
+  const km_sparse *s = p->sparse;
+  for (int r = 0; r < p->rows; ++r) {
+    s->step_of[r] = -1;
+    p->row[r] = kept ? p->row[r] : r;
+  }
+  p->rank = kept ? p->rank : p->rows;
+  for (int k = 0; k < p->rank; ++k)
+    s->step_of[p->row[k]] = k;
+}
+
 bool km_sparse_rows_stand(km_partition *p, const double *matrix, const bool *forced, double tolerance) {
   km_sparse *s = p->sparse;
+  const bool kept = p->kept_rows > 0.0;
   int most = s->normal ? arrange_columns(p, forced) : 0;
-  if (most < p->rows)
+  if (most < (kept ? p->rank : p->rows))
     return false;
-  p->rank = p->rows;
-  for (int r = 0; r < p->rows; ++r)
-    p->row[r] = s->step_of[r] = r;
+  list_rows(p, kept);
   km_normal *normal = normal_of(p, matrix, s->weight, most - p->rank);
   double smallest = normal ? km_normal_smallest(normal) : 0.0;
   if (!(smallest > tolerance))
     return false;
+  double left = p->rank < p->rows ? distance_of_others(p, normal, matrix, most) : 0.0;
+  if (!(left <= tolerance))
+    return false;
   p->first_pivot = p->scale;
   p->last_pivot = p->smallest_pivot = smallest * p->scale;
-  p->first_dropped = 0.0;
+  p->first_dropped = left * p->scale;
   p->forced_dependent = false;
   for (int k = 0; k < p->rank; ++k)
     p->inverse[k] = 1.0 / p->last_pivot;
@@ -317,8 +356,11 @@ bool km_partition_least(const km_partition *p, const double *matrix, const doubl
                         double *x) {
   if (least_by_normal(p, matrix, weight, count, rhs, x))
     return true;
-  return !p->waits &&
-         (least_by_null(p, weight, count, rhs, x) || least_by_rows(p, matrix, weight, count, rhs, x));
+  return !p->waits && (least_by_null(p, weight, count, rhs, x) || least_by_rows(p, matrix, weight, count, rhs, x));
+}
+
+bool km_partition_least_again(const km_partition *p, const double *weight, int count, const double *rhs, double *x) {
+  return least_by_normal(p, NULL, weight, count, rhs, x);
 }
 
 bool km_sparse_spare_rows(km_partition *p, const double *matrix, const bool *forced, double threshold) {

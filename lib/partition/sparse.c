@@ -112,7 +112,7 @@ static bool goes_by_rows(const km_partition *p) {
 /* Of the factor that is known: what was asked for changes it. */
 static unsigned flags_of(const km_partition *p) {
   return (p->held ? 1u : 0u) | (p->any_independent ? 2u : 0u) | (p->rows_only ? 4u : 0u) |
-         (p->unwatched && goes_by_rows(p) ? 8u : 0u);
+         (p->unwatched && goes_by_rows(p) ? 8u : 0u) | (p->kept_rows > 0.0 ? 16u : 0u);
 }
 
 /* Flags of columns; NULL: none is set. */

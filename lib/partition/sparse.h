@@ -115,7 +115,8 @@ int km_sparse_hidden_row(const km_partition *partition, const double *matrix, co
  * none, or SuiteSparse's SPQR isn't installed, or memory is out. */
 bool km_sparse_spare_rows(km_partition *partition, const double *matrix, const bool *forced, double threshold);
 /* Are all rows independent to the tolerance over all columns that may be pivots, by their normal equations? Then that is the
- * partition's result. False also where these aren't kept. */
+ * partition's result. Where `kept_rows` is set: are the primary rows at hand, to that, and do the others depend on them? False also where
+ * these equations aren't kept. */
 bool km_sparse_rows_stand(km_partition *partition, const double *matrix, const bool *forced, double tolerance);
 /* Room for so many entries of U and of L in all. False when out of memory. */
 bool km_sparse_make_room(km_sparse *sparse, int upper, int lower);
@@ -138,6 +139,8 @@ double km_sparse_size_of_b(const km_partition *partition);
 double km_sparse_crowd(const km_partition *partition);
 /* Do some columns have so many entries that Q R of the rows would be full? */
 bool km_sparse_is_crowded(const km_partition *partition);
+/* Between 1 and 2, of either sign, as if by chance. */
+double km_sparse_weight(int index, int probe);
 /* The entries of column k of B in the store, until another one is asked for. O(entries of U that it reaches). */
 km_run km_sparse_b(const km_partition *partition, int k);
 /* Column k of B with its zeros, in the workspace. */

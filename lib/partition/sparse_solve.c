@@ -105,9 +105,8 @@ km_run km_sparse_b(const km_partition *p, int k) {
   return s->keeps_b ? s->b[k] : solve_reached(p, &s->upper[p->column[p->rank + k]], 0);
 }
 
-/* Between 1 and 2, of either sign, as if by chance. */
-static double weight_of(int column, int probe) {
-  uint32_t mixed = (uint32_t)column * 2654435769u + (uint32_t)probe * 2246822519u;
+double km_sparse_weight(int index, int probe) {
+  uint32_t mixed = (uint32_t)index * 2654435769u + (uint32_t)probe * 2246822519u;
   mixed = (mixed ^ mixed >> 15) * 2246822519u;
   mixed = (mixed ^ mixed >> 13) * 3266489917u;
   double size = 1.0 + (mixed & 0xffff) / 65536.0;
@@ -122,7 +121,7 @@ static double longest_row(const km_partition *p, const bool *forced) {
   for (int probe = 0; probe < PROBES; ++probe) {
     for (int k = p->rank; k < p->columns; ++k) {
       int c = p->column[k];
-      double weight = weight_of(c, probe);
+      double weight = km_sparse_weight(c, probe);
       for (int i = s->upper[c].start; i < s->upper[c].end && !km_sparse_is_given(p, forced, c); ++i)
         x[s->upper_store.index[i]] += weight * s->upper_store.value[i];
     }
