@@ -160,14 +160,12 @@ static bool refactor(const km_mechanism *m, km_state *s, int index, int driver) 
   return serve;
 }
 
-/* Those that were searched with the loose tolerance of an open pose may leave out rows that count: they aren't kept then. */
+/* Those that were searched with the loose tolerance of an open pose may leave out rows that count: they aren't kept. */
 static void search(const km_mechanism *m, km_state *s, int index, int driver, double residual) {
   const km_substructure *sub = &m->substructures[index];
-  const km_partition *p = &s->partition[index];
-  double tolerance = km_rank_tolerance(m, sub, residual), closed = km_rank_tolerance(m, sub, 0.0);
+  double tolerance = km_rank_tolerance(m, sub, residual);
   km_pivot_for_steps(m, s, index, driver, tolerance);
-  bool leaves_none = p->kept_rows > 0.0 && p->first_dropped <= closed * p->scale;
-  if (!km_pivots_are_whole(p) && !leaves_none && tolerance > closed)
+  if (!km_pivots_are_whole(&s->partition[index]) && tolerance > km_rank_tolerance(m, sub, 0.0))
     km_state_forget_pivots(s, index);
 }
 

@@ -105,6 +105,17 @@ static void flat_sheets_fold(void **state) {
   assert_int_equal(mobility, 10);
 }
 
+/* Rows that were primary a step before don't hide the branches that a search at the closed pose leads to. */
+static void long_chains_have_several_branches(void **state) {
+  (void)state;
+  int mobility;
+  km_text text = {0};
+  write_folded_chain(&text, 100);
+  fixture f = fixture_read(text.data);
+  km_text_free(&text);
+  assert_true(motions_listed(&f, &mobility) >= 2);
+}
+
 /* The mobility is known before there is a basis, and whoever asks for one gets it. */
 static void bases_wait(void **state) {
   (void)state;
@@ -362,11 +373,17 @@ static void forces_of_many_freedoms(void **state) {
 
 int main(void) {
   const struct CMUnitTest tests[] = {
-      cmocka_unit_test(laws_of_many_freedoms),   cmocka_unit_test(bases_wait),
-      cmocka_unit_test(pivots_of_all_rows_stay), cmocka_unit_test(chains_open_evenly),
-      cmocka_unit_test(flat_sheets_fold),        cmocka_unit_test(many_real_freedoms),
-      cmocka_unit_test(sparse_is_dense),         cmocka_unit_test(bars_of_a_platform),
-      cmocka_unit_test(wide_singular_values),    cmocka_unit_test(forces_of_many_freedoms),
+      cmocka_unit_test(laws_of_many_freedoms),
+      cmocka_unit_test(bases_wait),
+      cmocka_unit_test(pivots_of_all_rows_stay),
+      cmocka_unit_test(chains_open_evenly),
+      cmocka_unit_test(flat_sheets_fold),
+      cmocka_unit_test(many_real_freedoms),
+      cmocka_unit_test(long_chains_have_several_branches),
+      cmocka_unit_test(sparse_is_dense),
+      cmocka_unit_test(bars_of_a_platform),
+      cmocka_unit_test(wide_singular_values),
+      cmocka_unit_test(forces_of_many_freedoms),
   };
   return cmocka_run_group_tests(tests, NULL, NULL);
 }
