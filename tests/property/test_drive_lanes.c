@@ -226,7 +226,7 @@ static void move_beside(const manner *how, km_drive_lanes *lanes, unsigned wante
 /* Drives `count` designs side by side, and the same ones alone. Returns how many rows were reached in lanes. */
 static int compare(const char *name, int count, uint64_t seed, manner how) {
   design beside[KM_DRIVE_LANES], alone[KM_DRIVE_LANES];
-  km_drive *drives[KM_DRIVE_LANES];
+  km_drive *drives[KM_DRIVE_LANES] = {NULL};
   km_drive_lanes *lanes;
   int ridden = 0, rows[KM_DRIVE_LANES] = {0};
   for (int i = 0; i < count; ++i) {
