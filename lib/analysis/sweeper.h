@@ -103,9 +103,9 @@ struct km_sweep_job {
   km_error *error;     /* may be NULL */
   const km_observer *observer;
   km_sweep *out;
-  bool
-      table_only; /* nobody reads more than rows and how the motion ended: what lies between rows isn't looked for, and the state's
-                     * partition is left behind */
+  /* Nobody reads more than rows and how the motion ended: what lies between rows isn't looked for, and the state's
+   * partition is left behind. */
+  bool table_only;
   km_status status; /* how it ended */
 };
 

@@ -32,23 +32,6 @@ static inline FN(vec) FN(turn)(const FN(vec) * R, km_vec3 a) {
                    a.x * R[0].z + (a.y * R[1].z + a.z * R[2].z)};
 }
 
-/* Axes x and y, which the third one turns. */
-static inline void FN(turn_axes)(FN(vec) * x, FN(vec) * y, T sine, T cosine) {
-  FN(vec) turned = FN(axpy)(cosine, *x, FN(scaled)(sine, *y));
-  *y = FN(axpy)(cosine, *y, FN(scaled)(-sine, *x));
-  *x = turned;
-}
-
-/* By cases, so that the axes stay in registers. */
-static inline void FN(turn_about)(FN(vec) * R, int axis, T sine, T cosine) {
-  if (axis == 2)
-    FN(turn_axes)(&R[0], &R[1], sine, cosine);
-  else if (axis == 1)
-    FN(turn_axes)(&R[2], &R[0], sine, cosine);
-  else
-    FN(turn_axes)(&R[1], &R[2], sine, cosine);
-}
-
 /* Axes, places, pose and Jacobian. */
 static inline void FN(forward)(const km_arm *a, const T *q, FN(seven) * k) {
   FN(vec) R[3], p;
@@ -69,7 +52,7 @@ static inline void FN(forward)(const km_arm *a, const T *q, FN(seven) * k) {
       }
     }
     T value = m->sign * q[j];
-    const FN(vec) along = m->axis == 2 ? R[2] : m->axis == 1 ? R[1] : R[0];
+    const FN(vec) along = FN(axis)(R, m->axis);
     k->axis[j] = FN(scaled)(ZERO + m->sign, along);
     k->point[j] = p;
     if (m->primitive != KM_REVOLUTE)
@@ -78,7 +61,7 @@ static inline void FN(forward)(const km_arm *a, const T *q, FN(seven) * k) {
       continue;
     T sine, cosine;
     FN(sincos)(value, &sine, &cosine);
-    FN(turn_about)(R, m->axis, sine, cosine);
+    FN(turn_about)(R, m->axis, cosine, sine);
   }
   FN(vec) tip = FN(turn)(R, a->tool.p);
   k->p = (FN(vec)){p.x + tip.x, p.y + tip.y, p.z + tip.z};

@@ -193,6 +193,16 @@ km_status km_dynamics_accelerate(km_dynamics *d, km_state *s, km_error *error) {
   return outcome == KM_DYNAMICS_DONE ? KM_OK : km_dynamics_fail(d, outcome, error);
 }
 
+double km_dynamics_kinetic(const km_dynamics *d, const km_state *s) {
+  double sum = 0.0;
+  for (int n = 1; n < d->tree.node_count; ++n)
+    if (d->tree.nodes[n].massive)
+      sum += 0.5 * km_wrench_power(km_inertia_times(&d->node[n].inertia, d->node[n].V), d->node[n].V);
+  for (int c = 0; d->armature && c < d->mechanism->coordinate_count; ++c)
+    sum += 0.5 * d->armature[c] * s->rate[c] * s->rate[c];
+  return sum;
+}
+
 km_status km_dynamics_energy(km_dynamics *d, km_state *s, km_energy *out, km_error *error) {
   km_status status = km_check_given(d != NULL && out != NULL, "equations of motion or place for the result", error);
   if (!status)

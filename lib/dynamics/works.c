@@ -6,16 +6,6 @@
  * while the stop that it has left still gives out what it stored. */
 #include "dynamics/simulation.h"
 
-double km_dynamics_kinetic(const km_dynamics *d, const km_state *s) {
-  double sum = 0.0;
-  for (int n = 1; n < d->tree.node_count; ++n)
-    if (d->tree.nodes[n].massive)
-      sum += 0.5 * km_wrench_power(km_inertia_times(&d->node[n].inertia, d->node[n].V), d->node[n].V);
-  for (int c = 0; d->armature && c < d->mechanism->coordinate_count; ++c)
-    sum += 0.5 * d->armature[c] * s->rate[c] * s->rate[c];
-  return sum;
-}
-
 /* The energy of all bodies and drives at a radian and a characteristic length per second. */
 static double usual_energy(const km_dynamics *d) {
   const km_mechanism *m = d->mechanism;

@@ -44,24 +44,6 @@ static inline rotation rotation_inverse(const rotation *R) {
   const lanes_vec *a = R->axis;
   return (rotation){{{a[0].x, a[1].x, a[2].x}, {a[0].y, a[1].y, a[2].y}, {a[0].z, a[1].z, a[2].z}}};
 }
-static inline void axes_turn(lanes_vec *i, lanes_vec *j, vector cosine, vector sine) {
-  lanes_vec turned = lanes_axpy(cosine, *i, lanes_scaled(sine, *j));
-  *j = lanes_axpy(cosine, *j, lanes_scaled(-sine, *i));
-  *i = turned;
-}
-static inline rotation rotation_turn(const rotation *R, int k, vector cosine, vector sine) {
-  rotation out = *R;
-  if (k == 2)
-    axes_turn(&out.axis[0], &out.axis[1], cosine, sine);
-  else if (k == 1)
-    axes_turn(&out.axis[2], &out.axis[0], cosine, sine);
-  else
-    axes_turn(&out.axis[1], &out.axis[2], cosine, sine);
-  return out;
-}
-static inline lanes_vec rotation_axis(const rotation *R, int k) {
-  return k == 2 ? R->axis[2] : k == 1 ? R->axis[1] : R->axis[0];
-}
 static inline lanes_vec pose_point(const pose *a, lanes_vec x) {
   return lanes_sum(rotate(&a->R, x), a->p);
 }
@@ -74,7 +56,7 @@ static inline pose pose_product(const pose *a, const pose *b) {
 /* km_motion_step, of other joints than balls. Clears the lanes whose angles are too large for the sines. */
 static inline pose motion_step(const km_step *step, vector pitch, vector value, pose X, km_lane_twist *h, mask *fit,
                                int lane) {
-  lanes_vec axis = rotation_axis(&X.R, step->axis), w = lanes_scaled(all(step->sign), axis), v = w;
+  lanes_vec axis = lanes_axis(X.R.axis, step->axis), w = lanes_scaled(all(step->sign), axis), v = w;
   if (step->primitive == KM_PRISMATIC) {
     w = (lanes_vec){all(0.0), all(0.0), all(0.0)};
     X.p = lanes_axpy(value, axis, X.p);
@@ -87,7 +69,7 @@ static inline pose motion_step(const km_step *step, vector pitch, vector value, 
     }
     lanes_sincos(value, &sine, &cosine);
     *fit &= at_most(size_of(value), all(KM_SINCOS_MOST));
-    X.R = rotation_turn(&X.R, step->axis, cosine, sine);
+    lanes_turn_about(X.R.axis, step->axis, cosine, sine);
   }
   put_vec(&h->v, lane, v);
   put_vec(&h->w, lane, w);

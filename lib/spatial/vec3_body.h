@@ -23,3 +23,21 @@ static inline T FN(dot)(FN(vec) a, FN(vec) b) {
 static inline FN(vec) FN(cross)(FN(vec) a, FN(vec) b) {
   return (FN(vec)){a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x};
 }
+
+/* Of a frame's axes[3] the k-th, and the two others turned about it: by cases, so that they stay in registers. */
+static inline FN(vec) FN(axis)(const FN(vec) * axes, int k) {
+  return k == 2 ? axes[2] : k == 1 ? axes[1] : axes[0];
+}
+static inline void FN(turn_two)(FN(vec) * x, FN(vec) * y, T cosine, T sine) {
+  FN(vec) turned = FN(axpy)(cosine, *x, FN(scaled)(sine, *y));
+  *y = FN(axpy)(cosine, *y, FN(scaled)(-sine, *x));
+  *x = turned;
+}
+static inline void FN(turn_about)(FN(vec) * axes, int k, T cosine, T sine) {
+  if (k == 2)
+    FN(turn_two)(&axes[0], &axes[1], cosine, sine);
+  else if (k == 1)
+    FN(turn_two)(&axes[2], &axes[0], cosine, sine);
+  else
+    FN(turn_two)(&axes[1], &axes[2], cosine, sine);
+}

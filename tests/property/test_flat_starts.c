@@ -16,14 +16,6 @@
 #include <stdio.h>
 #include <string.h>
 
-static fixture written(void (*write)(km_text *, int), int n) {
-  km_text text = {0};
-  write(&text, n);
-  fixture f = fixture_read(text.data);
-  km_text_free(&text);
-  return f;
-}
-
 static void write_bent(km_text *text, int n) {
   write_five_bars(text, n, 0.0);
 }
@@ -82,7 +74,7 @@ static void loops_bend_as_they_accelerate(void **state) {
     bends_are_velocity_products(&f, &r);
     fixture_close(&f);
   }
-  fixture others[] = {written(write_bent, 5), written(write_fold, 3), written(write_chain, 4)};
+  fixture others[] = {fixture_written(write_bent, 5), fixture_written(write_fold, 3), fixture_written(write_chain, 4)};
   for (size_t i = 0; i < sizeof others / sizeof *others; ++i) {
     bends_are_velocity_products(&others[i], &r);
     fixture_close(&others[i]);
@@ -128,14 +120,14 @@ static void closest_poses_lie_at_right_angles(void **state) {
   (void)state;
   randomness r = {2};
   for (int n = 1; n <= 60; n += n < 8 ? 1 : 26) {
-    fixture f = written(write_bent, n);
+    fixture f = fixture_written(write_bent, n);
     judge_closest(&f, 0.05, &r);
     fixture_close(&f);
   }
 }
 
 static km_mobility_sweep sweep_flat(int n, int steps) {
-  fixture f = written(write_flat_five_bars, n);
+  fixture f = fixture_written(write_flat_five_bars, n);
   assert_string_equal(f.model->coordinates[0].label, "j0");
   const km_sweep_plan plan = {.coordinate = 0, .direction = -1, .from = 0.0, .to = 0.05, .steps = steps};
   km_mobility_sweep sweep;
@@ -182,7 +174,7 @@ static void flat_five_bars_have_leverage(void **state) {
   (void)state;
   static const int sizes[] = {2, 5, 10, 40};
   for (size_t i = 0; i < sizeof sizes / sizeof *sizes; ++i) {
-    fixture f = written(write_flat_five_bars, sizes[i]);
+    fixture f = fixture_written(write_flat_five_bars, sizes[i]);
     const km_sweep_plan plan = {.coordinate = 0, .direction = -1, .from = 0.0, .to = 0.3, .steps = 20};
     const km_handle in = {.kind = KM_HANDLE_JOINT, .coordinate = 0, .name = "in"},
                     out = {.kind = KM_HANDLE_JOINT, .coordinate = sizes[i], .name = "out"};

@@ -84,10 +84,7 @@ static int motions_listed(fixture *f, int *mobility) {
 static void chains_open_evenly(void **state) {
   (void)state;
   int mobility;
-  km_text text = {0};
-  write_folded_chain(&text, 150);
-  fixture f = fixture_read(text.data);
-  km_text_free(&text);
+  fixture f = fixture_written(write_folded_chain, 150);
   assert_int_equal(motions_listed(&f, &mobility), 2);
   assert_int_equal(mobility, 1);
 }
@@ -109,10 +106,7 @@ static void flat_sheets_fold(void **state) {
 static void long_chains_have_several_branches(void **state) {
   (void)state;
   int mobility;
-  km_text text = {0};
-  write_folded_chain(&text, 100);
-  fixture f = fixture_read(text.data);
-  km_text_free(&text);
+  fixture f = fixture_written(write_folded_chain, 100);
   assert_true(motions_listed(&f, &mobility) >= 2);
 }
 

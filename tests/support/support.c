@@ -61,6 +61,14 @@ fixture fixture_read(const char *json) {
   return fixture_of(model);
 }
 
+fixture fixture_written(void (*write)(km_text *out, int n), int n) {
+  km_text text = {0};
+  write(&text, n);
+  fixture f = fixture_read(text.data);
+  km_text_free(&text);
+  return f;
+}
+
 km_status fixture_try(const char *json, fixture *f, km_error *error) {
   *f = (fixture){0};
   km_status status = km_model_read(json, strlen(json), NULL, &f->model, error);

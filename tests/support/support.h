@@ -12,6 +12,7 @@
 
 #include "support/evidence.h"
 
+#include "base/text.h"
 #include "kinematics/state.h"
 #include "kmech/mobility_sweep.h"
 
@@ -34,6 +35,8 @@ fixture fixture_open(const char *name); /* models/NAME.json */
 fixture fixture_open_variant(const char *name, uint64_t seed);
 fixture fixture_read(const char *json); /* text */
 fixture fixture_of(km_model *model);    /* takes the model */
+/* What `write` writes of n loops: lattices.h, chains.h. */
+fixture fixture_written(void (*write)(km_text *out, int n), int n);
 /* Reads and assembles what may be refused; close the fixture in any case. */
 km_status fixture_try(const char *json, fixture *f, km_error *error);
 void fixture_close(fixture *f);

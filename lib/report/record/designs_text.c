@@ -46,19 +46,28 @@ static void print_reason(const km_design_study *s, const km_design_study_def *de
   km_text_free(&name);
 }
 
+/* The first designs of an outcome; of those that are done, with a reason. */
+static void print_reasons(const km_design_study *s, const km_design_study_def *def, km_design_outcome outcome,
+                          km_text *out) {
+  km_design_result r;
+  for (int i = 0, listed = 0; i < km_design_study_designs(s) && listed < MOST_LISTED; ++i) {
+    if (km_design_study_result(s, i, &r, NULL) || r.outcome != outcome || (outcome == KM_DESIGN_DONE && !r.reason[0]))
+      continue;
+    print_reason(s, def, i, &r, out);
+    ++listed;
+  }
+}
+
 /* Designs that are done, and have no value of a figure. */
 static void print_valueless(const km_design_study *s, const km_design_study_def *def, km_text *out) {
   km_design_result r;
   int count = 0;
   for (int i = 0; i < km_design_study_designs(s); ++i)
     count += !km_design_study_result(s, i, &r, NULL) && r.outcome == KM_DESIGN_DONE && r.reason[0];
-  if (count)
-    km_text_format(out, "  done, but without a value: %d\n", count);
-  for (int i = 0, listed = 0; i < km_design_study_designs(s) && listed < MOST_LISTED && listed < count; ++i)
-    if (!km_design_study_result(s, i, &r, NULL) && r.outcome == KM_DESIGN_DONE && r.reason[0]) {
-      print_reason(s, def, i, &r, out);
-      ++listed;
-    }
+  if (count == 0)
+    return;
+  km_text_format(out, "  done, but without a value: %d\n", count);
+  print_reasons(s, def, KM_DESIGN_DONE, out);
 }
 
 /* Has every design that is done a value of every figure? */
@@ -72,18 +81,12 @@ static bool all_valued(km_design_study *s, const km_design_yield *y) {
 
 static void print_outcomes(const km_design_study *s, const km_design_study_def *def, const km_design_yield *y,
                            km_text *out) {
-  km_design_result r;
   for (int o = KM_DESIGN_SHORT; o < KM_DESIGN_OUTCOMES; ++o) {
-    int listed = 0;
     if (!y->outcomes[o])
       continue;
     km_text_format(out, "  %s: %d\n", km_design_outcome_name((km_design_outcome)o), y->outcomes[o]);
-    for (int i = 0; i < km_design_study_designs(s) && listed < MOST_LISTED && o != KM_DESIGN_MISSING; ++i) {
-      if (km_design_study_result(s, i, &r, NULL) || (int)r.outcome != o)
-        continue;
-      print_reason(s, def, i, &r, out);
-      ++listed;
-    }
+    if (o != KM_DESIGN_MISSING)
+      print_reasons(s, def, (km_design_outcome)o, out);
   }
 }
 
