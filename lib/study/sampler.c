@@ -20,8 +20,12 @@ int km_sampler_dimensions(const km_design_sample *s) {
   return s->spread_count * (s->indices ? 2 : 1);
 }
 
+int km_sampler_width(const km_design_sample *s) {
+  return s->indices ? s->spread_count + 2 : 1;
+}
+
 int km_sampler_designs(const km_design_sample *s) {
-  return s->count * (s->indices ? s->spread_count + 2 : 1);
+  return s->count * km_sampler_width(s);
 }
 
 static uint64_t mix(uint64_t z) {
@@ -136,7 +140,7 @@ void km_sampler_values(km_sampler *s, int design, int parameter_count, double *v
       values[p] = sample->list[(size_t)design * (size_t)parameter_count + (size_t)p];
     return;
   }
-  int width = sample->indices ? spreads + 2 : 1, part = design % width;
+  int width = km_sampler_width(sample), part = design % width;
   take_row(s, design / width);
   for (int k = 0; k < spreads; ++k) /* parts: A, B, then A with the one column of B */
     values[sample->spreads[k].parameter] =

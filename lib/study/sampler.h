@@ -10,7 +10,8 @@ enum { KM_MOST_SOBOL = 40 };
 
 /* How many numbers between 0 and 1 a row of the sample takes: twice as many for Saltelli's two matrices. */
 int km_sampler_dimensions(const km_design_sample *sample);
-/* Designs in all. */
+/* Designs of a row, and in all. */
+int km_sampler_width(const km_design_sample *sample);
 int km_sampler_designs(const km_design_sample *sample);
 
 /* NULL when out of memory. */

@@ -158,29 +158,23 @@ km_status km_design_study_ranks(km_design_study *s, int figure, double *correlat
   return KM_OK;
 }
 
-/* Sums over terms, for their mean and its error. */
+/* Sums over rows, of the terms of an index and of the variance v in each. */
 typedef struct sums {
-  double count, sum, squares;
+  double term, terms, both; /* Σ t, Σ t², Σ t v */
 } sums;
 
-static void add(sums *s, double x) {
-  s->count += 1.0;
-  s->sum += x;
-  s->squares += x * x;
+typedef struct index_sums {
+  double rows, value, squares, variances; /* rows; of the 2 independent designs of each Σ x, Σ x²; Σ v² */
+  sums first[KM_MOST_DESIGN_PARAMETERS], total[KM_MOST_DESIGN_PARAMETERS];
+} index_sums;
+
+static void add(sums *s, double term, double variance) {
+  s->term += term;
+  s->terms += term * term;
+  s->both += term * variance;
 }
 
-static double mean_of(const sums *s) {
-  return s->sum / s->count;
-}
-
-/* Of the mean, from two terms on. */
-static double half_width(const sums *s) {
-  double mean = mean_of(s);
-  return z * sqrt(fmax(0.0, s->squares / s->count - mean * mean) / (s->count - 1.0));
-}
-
-static km_status add_row(km_design_study *s, int figure, int row, double middle, sums *all, sums *first, sums *total,
-                         km_error *error) {
+static km_status add_row(km_design_study *s, int figure, int row, double middle, index_sums *out, km_error *error) {
   int spreads = s->def->sample->spread_count, width = spreads + 2;
   double f[KM_MOST_DESIGN_PARAMETERS + 2];
   km_design_result r;
@@ -193,35 +187,45 @@ static km_status add_row(km_design_study *s, int figure, int row, double middle,
   for (int k = 0; k < width; ++k)
     if (!isfinite(f[k]))
       return KM_OK;
-  add(all, f[0]);
-  add(all, f[1]);
+  double squares = f[0] * f[0] + f[1] * f[1], variance = 0.5 * squares;
+  out->rows += 1.0;
+  out->value += f[0] + f[1];
+  out->squares += squares;
+  out->variances += variance * variance;
   for (int j = 0; j < spreads; ++j) {
-    add(&first[j], f[1] * (f[j + 2] - f[0]));
-    add(&total[j], 0.5 * (f[0] - f[j + 2]) * (f[0] - f[j + 2]));
+    add(&out->first[j], f[1] * (f[j + 2] - f[0]), variance);
+    add(&out->total[j], 0.5 * (f[0] - f[j + 2]) * (f[0] - f[j + 2]), variance);
   }
   return KM_OK;
+}
+
+/* A quotient of two means, of t and of v, errs as the mean of t − quotient · v over that of v (W. G. Cochran, Sampling
+ * Techniques, 1977, chapter 6). */
+static void set_index(const sums *s, const index_sums *all, double *index, double *half_width) {
+  double mean = all->value / (2.0 * all->rows), variance = all->squares / (2.0 * all->rows) - mean * mean;
+  bool tells = all->rows > 1.0 && variance > 0.0;
+  double i = s->term / all->rows / variance;
+  double squares = fmax(0.0, s->terms - 2.0 * i * s->both + i * i * all->variances);
+  *index = tells ? i : nan("");
+  *half_width = tells ? z * sqrt(squares / all->rows / (all->rows - 1.0)) / variance : nan("");
 }
 
 km_status km_design_study_indices(km_design_study *s, int figure, double *first, double *first_half_width,
                                   double *total, double *total_half_width, km_error *error) {
   km_design_statistics statistics = {0};
-  sums all = {0}, one[KM_MOST_DESIGN_PARAMETERS] = {{0}}, any[KM_MOST_DESIGN_PARAMETERS] = {{0}};
+  index_sums all = {0};
   km_status status = km_check_given(first && first_half_width && total && total_half_width, "place for indices", error);
   if (!status)
     status = km_design_study_statistics(s, figure, &statistics, error);
   if (!status && (!s->def->sample || !s->def->sample->indices))
     status = km_fail(error, KM_USAGE, "the study has no sample with indices; expected \"indices\": true");
   for (int row = 0; !status && row < s->def->sample->count; ++row) /* NOLINT(*NullDereference): asked above */
-    status = add_row(s, figure, row, statistics.mean, &all, one, any, error);
+    status = add_row(s, figure, row, statistics.mean, &all, error);
   if (status)
     return status;
-  double variance = all.squares / all.count - mean_of(&all) * mean_of(&all);
-  bool tells = all.count > 2.0 && variance > 0.0; /* a row adds two */
   for (int j = 0; j < s->def->sample->spread_count; ++j) {
-    first[j] = tells ? mean_of(&one[j]) / variance : nan("");
-    first_half_width[j] = tells ? half_width(&one[j]) / variance : nan("");
-    total[j] = tells ? mean_of(&any[j]) / variance : nan("");
-    total_half_width[j] = tells ? half_width(&any[j]) / variance : nan("");
+    set_index(&all.first[j], &all, &first[j], &first_half_width[j]);
+    set_index(&all.total[j], &all, &total[j], &total_half_width[j]);
   }
   return KM_OK;
 }

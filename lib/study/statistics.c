@@ -1,6 +1,8 @@
 /* What the results of a study come to: one pass over the store, kept until the next run. */
 #include "base/check.h"
 #include "study/ask.h"
+#include "study/rows.h"
+#include "study/sampler.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -13,6 +15,8 @@ struct km_collected {
   km_design_yield yield;
   km_design_statistics figures[KM_MOST_DESIGN_FIGURES];
   double squares[KM_MOST_DESIGN_FIGURES]; /* Σ (x − mean)² so far */
+  km_rows rows[KM_MOST_DESIGN_FIGURES];   /* of the figures' values */
+  km_rows good_rows;                      /* of 1 where a design is good, else 0 */
   double *kept;                           /* [figures × kept_count] of the first designs */
   int kept_count;
 };
@@ -55,6 +59,7 @@ static void add_value(km_collected *c, const km_design_study *s, int f, int desi
     return;
   double before = x - st->mean;
   ++st->count;
+  km_rows_add(&c->rows[f], x);
   st->mean += before / st->count;
   c->squares[f] += before * (x - st->mean);
   st->good += within(s->figures[f], x);
@@ -71,8 +76,10 @@ static void add_value(km_collected *c, const km_design_study *s, int f, int desi
 static void add_design(km_collected *c, const km_design_study *s, int design, const km_design_result *r) {
   c->yield.outcomes[r->outcome]++;
   if (r->outcome != KM_DESIGN_MISSING) {
+    bool good = km_design_study_accepts(s, r);
     c->yield.count++;
-    c->yield.good += km_design_study_accepts(s, r);
+    c->yield.good += good;
+    km_rows_add(&c->good_rows, good);
   }
   for (int f = 0; f < s->figure_count; ++f) {
     add_value(c, s, f, design, r->figures[f]);
@@ -81,9 +88,11 @@ static void add_design(km_collected *c, const km_design_study *s, int design, co
   }
 }
 
-/* E. B. Wilson (1927): an interval for a share that holds where few designs fail. */
-static void wilson(km_design_yield *y) {
+/* E. B. Wilson (1927): an interval for a share that holds where few designs fail. Two designs of each row are independent;
+ * where few fail, rows tell too little to count more of them. */
+static void wilson(km_design_yield *y, const km_rows *rows) {
   double n = y->count, p = n > 0.0 ? y->good / n : nan("");
+  n /= fmax(km_rows_effect(rows, n * p * (1.0 - p)), 0.5 * rows->width);
   double middle = (p + z * z / (2.0 * n)) / (1.0 + z * z / n);
   double half = z * sqrt(p * (1.0 - p) / n + z * z / (4.0 * n * n)) / (1.0 + z * z / n);
   y->share = p;
@@ -101,9 +110,22 @@ static void finish_figure(km_collected *c, int f, double *sorted) {
   qsort(sorted, (size_t)count, sizeof *sorted, km_compare_numbers);
   km_quantiles_of(sorted, count, st->quantiles);
   st->deviation = st->count > 1 ? sqrt(c->squares[f] / (st->count - 1)) : nan("");
-  st->mean_half_width = st->count > 1 ? z * st->deviation / sqrt(st->count) : nan("");
+  double effect = km_rows_effect(&c->rows[f], c->squares[f]);
+  st->mean_half_width = st->count > 1 ? z * st->deviation * sqrt(effect) / sqrt(st->count) : nan("");
   if (st->count == 0)
     st->mean = st->least = st->greatest = nan("");
+}
+
+static void set_rows(km_collected *c, const km_design_study *s) {
+  c->good_rows.width = s->def->sample ? km_sampler_width(s->def->sample) : 1;
+  for (int f = 0; f < s->figure_count; ++f)
+    c->rows[f].width = c->good_rows.width;
+}
+
+static void end_row(km_collected *c, const km_design_study *s) {
+  km_rows_next(&c->good_rows);
+  for (int f = 0; f < s->figure_count; ++f)
+    km_rows_next(&c->rows[f]);
 }
 
 static km_status collect(km_design_study *s, km_error *error) {
@@ -119,15 +141,18 @@ static km_status collect(km_design_study *s, km_error *error) {
   sorted = KM_NEW(double, (size_t)c->kept_count + 1);
   for (int f = 0; f < s->figure_count; ++f)
     c->figures[f].least_design = c->figures[f].greatest_design = -1;
+  set_rows(c, s);
   km_status status = c->kept && sorted ? KM_OK : km_fail(error, KM_MEMORY, "out of memory for statistics");
   for (int i = 0; i < designs && !status; ++i) {
     status = km_design_study_result(s, i, &r, error);
     if (!status)
       add_design(c, s, i, &r);
+    if ((i + 1) % (int)c->good_rows.width == 0)
+      end_row(c, s);
   }
   for (int f = 0; f < s->figure_count && !status; ++f)
     finish_figure(c, f, sorted);
-  wilson(&c->yield);
+  wilson(&c->yield, &c->good_rows);
   km_free(sorted);
   if (status)
     km_design_forget_statistics(s);

@@ -44,6 +44,71 @@ static void indices_of_ishigami(void **state) {
   km_design_study_free(s);
 }
 
+/* Ishigami's function, and its first variable alone, which most designs of a row have in common. */
+static km_status ishigami_beside(void *context, const double *x, double *f, km_error *error) {
+  f[1] = x[0];
+  return ishigami(context, x, f, error);
+}
+
+/* How often the intervals of `seeds` random samples hold the values of closed form: of the two means, the share above 0, and the
+ * total indices of Ishigami's function. */
+static void count_intervals(int seeds, int *held) {
+  const double v1 = 0.5 * pow(1.0 + 0.1 * pow(M_PI, 4.0) / 5.0, 2.0), v2 = 49.0 / 8.0;
+  const double v13 = 0.01 * pow(M_PI, 8.0) * 8.0 / 225.0, v = v1 + v2 + v13;
+  const double totals[3] = {(v1 + v13) / v, v2 / v, v13 / v};
+  for (int seed = 1; seed <= seeds; ++seed) {
+    designs d;
+    km_design_statistics st[2];
+    km_design_yield y;
+    double first[3], total[3], wide[2][3];
+    designs_of_function(&d, ishigami_beside, 3, 2);
+    d.figures[1].low = 0.0;
+    spread_evenly(&d, 200, -M_PI, M_PI);
+    d.sample.method = KM_SAMPLING_RANDOM;
+    d.sample.seed = (unsigned long)seed;
+    d.sample.indices = true;
+    km_design_study *s = designs_run(&d, NULL, 1);
+    for (int f = 0; f < 2; ++f)
+      assert_int_equal(km_design_study_statistics(s, f, &st[f], NULL), KM_OK);
+    assert_int_equal(km_design_study_yield(s, &y, NULL), KM_OK);
+    assert_int_equal(km_design_study_indices(s, 0, first, wide[0], total, wide[1], NULL), KM_OK);
+    held[0] += fabs(st[0].mean - 3.5) <= st[0].mean_half_width;
+    held[1] += fabs(st[1].mean) <= st[1].mean_half_width;
+    held[2] += y.share_low <= 0.5 && 0.5 <= y.share_high;
+    for (int p = 0; p < 3; ++p)
+      held[3 + p] += fabs(total[p] - totals[p]) <= wide[1][p];
+    km_design_study_free(s);
+  }
+}
+
+/* Designs of Saltelli's scheme share parameters with others of their row: intervals that take them for independent hold the
+ * mean in 65 to 80 % of all samples. */
+static void intervals_of_rows(void **state) {
+  (void)state;
+  enum { SEEDS = 300 };
+  int held[6] = {0};
+  count_intervals(SEEDS, held);
+  for (int i = 0; i < 6; ++i)
+    assert_true(held[i] >= SEEDS * 0.95 - 4.0 * sqrt(SEEDS * 0.95 * 0.05));
+}
+
+/* No design of 2 in each of 10 independent rows is good, or all are. */
+static void no_good_row(void **state) {
+  (void)state;
+  designs d;
+  km_design_yield y;
+  for (int good = 0; good < 2; ++good) {
+    designs_of_function(&d, ishigami, 3, 1);
+    d.figures[0].low = good ? -1e9 : 1e9;
+    spread_evenly(&d, 10, -M_PI, M_PI);
+    d.sample.indices = true;
+    km_design_study *s = designs_run(&d, NULL, 1);
+    assert_int_equal(km_design_study_yield(s, &y, NULL), KM_OK);
+    assert_near(y.share_high - y.share_low, 3.841458820694124 / 23.841458820694124, 1e-12);
+    km_design_study_free(s);
+  }
+}
+
 static km_status ranks_function(void *context, const double *x, double *f, km_error *error) {
   (void)context;
   f[0] = exp(3.0 * x[0]);
@@ -316,6 +381,8 @@ int main(void) {
           indices_of_ishigami,
           "Sobol's indices of Ishigami's function, first order and total (Ishigami and Homma, 1990)",
           "an error of 0.01 from 4096 low-discrepancy samples, well below a random sample's confidence interval"),
+      cmocka_unit_test(intervals_of_rows),
+      cmocka_unit_test(no_good_row),
       cmocka_unit_test(ranks),
       cmocka_unit_test(ranks_of_all_designs),
       cmocka_unit_test(no_good_design),

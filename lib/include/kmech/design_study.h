@@ -300,10 +300,10 @@ enum {
 KM_API double km_design_quantile(int k);
 
 /* What the designs say of a figure. Designs whose motion stops short count with what they have; those without a value
- * don't. Intervals are those of 95 % confidence. */
+ * don't. Intervals are those of 95 % confidence of random designs; of a low-discrepancy sample the errors are smaller. */
 typedef struct km_design_statistics {
   int count;                             /* designs with a value */
-  double mean, mean_half_width;          /* 1.96 s/√n; of a low-discrepancy sample the error is smaller */
+  double mean, mean_half_width;          /* 1.96 s/√n; n counts less where designs share parameters (`indices`) */
   double deviation;                      /* s, with n − 1 */
   double least, greatest;                /* extreme values */
   int least_design, greatest_design;     /* -1: none */
@@ -319,7 +319,8 @@ typedef struct km_design_yield {
   int count;                           /* designs that were asked */
   int outcomes[KM_DESIGN_OUTCOMES];    /* how many had each */
   int good;                            /* that km_design_study_accepts */
-  double share, share_low, share_high; /* good / count, with Wilson's interval */
+  double share, share_low, share_high; /* good / count, with Wilson's interval; with `indices` that of as many
+                                        * independent designs as tell the same, two in a row at most */
 } km_design_yield;
 KM_API km_status km_design_study_yield(km_design_study *study, km_design_yield *out, km_error *error);
 
@@ -332,9 +333,8 @@ KM_API int km_design_study_column(km_design_study *study, int figure, double *va
 KM_API km_status km_design_study_ranks(km_design_study *study, int figure, double *correlation, km_error *error);
 
 /* Sobol's indices of a sample with `indices`, of its spreads in their order: first-order (Saltelli et al. 2010) and total
- * (Jansen 1999), each [spread count], with half widths of their intervals (first_half_width,
- * total_half_width). Rows with a design that has no value don't
- * count. KM_USAGE: the sample isn't one with indices. */
+ * (Jansen 1999), each [spread count], with half widths of their intervals (first_half_width, total_half_width): those of
+ * quotients of two means. Rows with a design that has no value don't count. KM_USAGE: the sample isn't one with indices. */
 KM_API km_status km_design_study_indices(km_design_study *study, int figure, double *first, double *first_half_width,
                                          double *total, double *total_half_width, km_error *error);
 
