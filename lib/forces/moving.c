@@ -277,7 +277,7 @@ void km_forces_update_moving(const km_mechanism *m, const km_state *s, km_forces
   for (int i = 0; i < moving->touched_count; ++i)
     f->body[moving->touched[i]] = (km_wrench){{0, 0, 0}, {0, 0, 0}};
   memcpy(f->joint, f->extra, (size_t)m->coordinate_count * sizeof *f->joint);
-  km_springs_add(m, s, f);
+  moving->motor_power += km_springs_add(m, s, f);
   add_dampers(m, s, f);
   add_stops(m, s, f);
   add_friction(m, s, f);

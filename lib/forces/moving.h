@@ -15,7 +15,7 @@ typedef struct km_moving_forces {
   double *drive;      /* [coordinate] what motors and controllers gave in joints at the last update */
   double *pressed;    /* [coordinate] friction by what presses, which an analysis sets; NULL: none */
   double dissipation; /* power that dampers, friction and stops took at the last update: positive */
-  double motor_power; /* power that motors, controllers and loads gave */
+  double motor_power; /* power that motors, controllers, loads, and springs that act where they don't measure gave */
 } km_moving_forces;
 
 /* Makes room for what acts in a motion. KM_MEMORY. */

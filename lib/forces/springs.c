@@ -94,16 +94,29 @@ double km_module_push(const km_mechanism *m, const km_state *s, km_forces *f, co
   return l.rate;
 }
 
-void km_springs_add(const km_mechanism *m, const km_state *s, km_forces *f) {
-  double rate;
-  for (int i = 0; i < f->spring_count; ++i)
-    km_module_push(m, s, f, f->springs[i],
-                   km_law_force(&f->springs[i]->law, km_module_input(m, s, f, f->springs[i], &rate)));
+/* Does it act where it measures? */
+static bool stores(const km_model_module *module) {
+  const km_port *in = &module->input, *out = &module->output;
+  if (in->coordinate >= 0 || out->coordinate >= 0)
+    return in->coordinate == out->coordinate;
+  return in->frame[0] == out->frame[0] && in->frame[1] == out->frame[1];
+}
+
+double km_springs_add(const km_mechanism *m, const km_state *s, km_forces *f) {
+  double rate, given = 0.0;
+  for (int i = 0; i < f->spring_count; ++i) {
+    double force = km_law_force(&f->springs[i]->law, km_module_input(m, s, f, f->springs[i], &rate));
+    double power = force * km_module_push(m, s, f, f->springs[i], force);
+    if (!stores(f->springs[i]))
+      given += power;
+  }
+  return given;
 }
 
 double km_springs_energy(const km_mechanism *m, const km_state *s, const km_forces *f) {
   double rate, energy = 0.0;
   for (int i = 0; i < f->spring_count; ++i)
-    energy -= km_law_work(&f->springs[i]->law, km_module_input(m, s, f, f->springs[i], &rate));
+    if (stores(f->springs[i]))
+      energy -= km_law_work(&f->springs[i]->law, km_module_input(m, s, f, f->springs[i], &rate));
   return energy;
 }

@@ -197,6 +197,26 @@ static void test_stop(void **data) {
   fixture_close(&f);
 }
 
+static const char remote[] =
+    "{\"assemblies\": [{\"name\": \"a\", \"bodies\": [{\"name\": \"b\", \"mass\": 1}, {\"name\": \"c\", \"mass\": 0.5}], "
+    "\"joints\": [{\"name\": \"X\", \"type\": \"Tx\", \"body_frame_pairs\": [\"fixed\", \"b\"], \"initial_velocity\": 1}, {\"name\": "
+    "\"Y\", \"type\": \"Tx\", \"body_frame_pairs\": [\"fixed\", \"c\"]}], \"force_modules\": [{\"name\": \"s\", \"type\": "
+    "\"stiffness\", \"input\": {\"type\": \"joint\", \"joint\": \"X\"}, \"output\": {\"type\": \"joint\", \"joint\": \"Y\"}, "
+    "\"coefficients\": [[0, 3]]}]}]}";
+
+/* A law that measures x = t and pushes y elsewhere with 3x stores nothing: what it gives, m ẏ²/2 with ẏ = 3t²/(2m), is work. */
+static void test_remote_spring(void **data) {
+  (void)data;
+  fixture f = fixture_read(remote);
+  km_history h = run(&f, 2.0, 0.5, 1e-10);
+  assert_near(at_end(&h, "v.Y"), 12.0, 1e-7);
+  assert_near(at_end(&h, "energy_potential"), 0.0, 0.0);
+  assert_near(at_end(&h, "motor_work"), 36.0, 1e-6);
+  assert_at_most(h.energy_error, 1e-7 * h.energy_scale);
+  km_history_free(&h);
+  fixture_close(&f);
+}
+
 static const char damped_stop[] =
     "{\"assemblies\": [{\"name\": \"a\", \"bodies\": [{\"name\": \"b\", \"mass\": 1}], \"joints\": [{\"name\": \"X\", "
     "\"type\": \"Tx\", \"body_frame_pairs\": [\"fixed\", \"b\"], \"initial_velocity\": 1, \"limits\": [-10, 1], \"stop\": "
@@ -466,6 +486,7 @@ int main(void) {
       claim_test(test_a02, "IFToMM A02: two windows through ten folds, against their reduced equation",
                  "1e-6: steps of 1e-10 add up, and folds pass rounding on"),
       claim_test(test_oscillator, "A damped oscillator in closed form", "1e-9: steps of 1e-11 add up over the run"),
+      cmocka_unit_test(test_remote_spring),
       claim_test(test_free_body, "A free body keeps its energy", "1e-8 of it: steps of 1e-11 add up over the run"),
       claim_test(test_prescribed, "A prescribed crank moves by its law, and its work is all the energy that comes in",
                  "1e-7 of the energy: steps of 1e-10 add up over the run"),

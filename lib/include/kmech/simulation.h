@@ -69,7 +69,8 @@ typedef struct km_simulation_figures {
   long rejected;                 /* steps whose error was too large */
   int repartitions;              /* how often independent coordinates were chosen anew */
   double dissipated, motor_work; /* force × length, since the start: taken by dampers, friction, stops, tyres; given by
-                                  * motors, controllers, loads, prescribed motions */
+                                  * motors, controllers, loads, prescribed motions, springs that act
+                                  * elsewhere than where they measure */
   bool stiff;                    /* the last steps were BDF's */
 } km_simulation_figures;
 KM_API km_simulation_figures km_simulation_figures_of(const km_simulation *simulation);
