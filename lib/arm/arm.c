@@ -102,7 +102,8 @@ static km_status build(km_arm *a, const km_state *s, const km_arc **arcs, km_err
   int count = gather_arcs(a->mechanism, effector->body, arcs);
   km_pose X = km_pose_identity();
   for (int k = 0; k < count; ++k) {
-    km_passage p = km_joint_passage(model, arcs[k]->joint, arcs[k]->against);
+    km_passage p;
+    km_joint_passage(model, arcs[k]->joint, arcs[k]->against, &p);
     X = km_pose_product(&X, &arcs[k]->before);
     for (int i = 0; i < p.count; ++i) {
       km_status status = add_motion(a, s, arcs[k]->joint, &p, i, &X, error);

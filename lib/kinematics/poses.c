@@ -27,7 +27,8 @@ static inline __attribute__((always_inline)) void pass(const km_mechanism *m, co
 
 km_twist km_body_twist(const km_mechanism *m, const km_state *s, int body, const double *rates) {
   const km_arc *arc = &m->arcs[m->arc_of[body]];
-  km_passage p = km_joint_passage(m->model, arc->joint, arc->against);
+  km_passage p;
+  km_joint_passage(m->model, arc->joint, arc->against, &p);
   double pitch = km_pitch_per_radian(m->model, arc->joint, 1.0);
   km_pose X = km_pose_product(&s->pose[arc->parent], &arc->before);
   km_twist sum = {{0, 0, 0}, {0, 0, 0}};

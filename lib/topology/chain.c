@@ -1,22 +1,20 @@
 /* Passages of joints, and the poses between frames. */
 #include "topology/chain.h"
 
-km_passage km_joint_passage(const km_model *model, int joint, bool against) {
+void km_joint_passage(const km_model *model, int joint, bool against, km_passage *out) {
   const km_model_joint *def = &model->joints[joint];
   const km_joint_kind *kind = km_joint_kind_of(def->type);
-  km_passage p; /* what it has no motion for isn't set */
-  p.count = kind->motion_count;
-  p.sign = against ? -1.0 : 1.0;
-  p.entry = def->frame[against];
-  p.exit = def->frame[!against];
+  out->count = kind->motion_count;
+  out->sign = against ? -1.0 : 1.0;
+  out->entry = def->frame[against];
+  out->exit = def->frame[!against];
   int coordinate = def->first_coordinate;
   for (int i = 0; i < kind->motion_count; ++i) {
     int at = against ? kind->motion_count - 1 - i : i;
-    p.motion[at] = kind->motions[i];
-    p.coordinate[at] = coordinate;
+    out->motion[at] = kind->motions[i];
+    out->coordinate[at] = coordinate;
     coordinate += km_primitive_freedom(kind->motions[i].primitive);
   }
-  return p;
 }
 
 km_pose km_frame_to_frame(const km_model *model, int a, int b, double size) {

@@ -13,7 +13,7 @@ typedef struct km_stand {
   km_vec3 origin; /* where on the base body slot positions are counted from, in that body's frame, unscaled */
 } km_stand;
 
-/* The motions of a joint in the order in which a walk passes them. */
+/* The motions of a joint in the order in which a walk passes them: so many as it has, what is behind them isn't set. */
 typedef struct km_passage {
   int count;
   km_motion motion[KM_MAX_MOTIONS];
@@ -22,7 +22,7 @@ typedef struct km_passage {
   int entry, exit; /* frames */
 } km_passage;
 
-km_passage km_joint_passage(const km_model *model, int joint, bool against);
+void km_joint_passage(const km_model *model, int joint, bool against, km_passage *out);
 
 /* Travel per radian of a helical motion, over `size`. */
 static inline double km_pitch_per_radian(const km_model *model, int joint, double size) {

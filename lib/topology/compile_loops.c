@@ -52,7 +52,8 @@ static void go_to_frame(const km_mechanism *m, int base_frame, int frame, double
 
 /* Passes a joint: free motions become steps, held ones part of the constants. */
 static void pass(km_mechanism *m, km_program *program, int joint, bool against, double size, km_stand *at) {
-  km_passage p = km_joint_passage(m->model, joint, against);
+  km_passage p;
+  km_joint_passage(m->model, joint, against, &p);
   double pitch = km_pitch_per_radian(m->model, joint, size);
   go_to_frame(m, program->base_frame, p.entry, size, at);
   at->frame = p.exit;

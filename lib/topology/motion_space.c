@@ -11,12 +11,17 @@ static km_twist scaled(double s, km_twist a) {
   return (km_twist){km_vec3_scale(s, a.v), km_vec3_scale(s, a.w)};
 }
 
-/* Gram-Schmidt, twice: once leaves rounding of the size of what is subtracted. */
-static km_twist reduced(const km_motion_space *g, km_twist t) {
-  for (int pass = 0; pass < 2; ++pass)
-    for (int k = 0; k < g->dimension; ++k)
-      t = km_twist_axpy(-dot(g->basis[k], t), g->basis[k], t);
+/* One pass of Gram-Schmidt. */
+static km_twist without_basis(const km_motion_space *g, km_twist t) {
+  for (int k = 0; k < g->dimension; ++k)
+    t = km_twist_axpy(-dot(g->basis[k], t), g->basis[k], t);
   return t;
+}
+
+/* What of a twist lies outside the span. Where that is little, one pass leaves rounding of the size of what it took away. */
+static km_twist reduced(const km_motion_space *g, km_twist t) {
+  km_twist rest = without_basis(g, t);
+  return dot(rest, rest) < 0.5 * dot(t, t) ? without_basis(g, rest) : rest;
 }
 
 static void accept(km_motion_space *g, km_twist rest, double size) {
@@ -104,30 +109,28 @@ static void eliminate_rows(km_motion_space *g) {
   list_rows(g, used);
 }
 
-/* Where as many rows have entries as there are dimensions, as in a plane, they are all. */
-static void choose_rows(km_motion_space *g) {
+/* Where as many rows have entries as there are dimensions, they are these. Those of all twists that there can be are known. */
+static void choose_rows(km_motion_space *g, int most) {
+  const bool all[6] = {true, true, most == 6, most == 6, most == 6, true};
   bool found[6] = {false};
-  if (find_rows(g, found) == g->dimension)
+  if (g->dimension == most)
+    list_rows(g, all);
+  else if (find_rows(g, found) == g->dimension)
     list_rows(g, found);
   else
     eliminate_rows(g);
 }
 
 void km_motion_space_close(const km_twist *twists, int count, int most, double tolerance, km_motion_space *out) {
-  *out = (km_motion_space){0};
+  out->dimension = 0;
   for (int i = 0; i < count && out->dimension < most; ++i) {
-    double size = sqrt(dot(twists[i], twists[i]));
-    km_twist rest = reduced(out, scaled(1.0 / size, twists[i]));
-    double left = sqrt(dot(rest, rest));
-    if (left > tolerance)
-      accept(out, rest, left);
+    km_twist rest = reduced(out, twists[i]);
+    double square = dot(rest, rest);
+    if (square > tolerance * tolerance * dot(twists[i], twists[i]))
+      accept(out, rest, sqrt(square));
   }
   close_span(out, most, tolerance);
-  if (out->dimension == 5) { /* no subalgebra of rigid motions has dimension 5 (theory 5): rounding */
+  if (out->dimension == 5) /* no subalgebra of rigid motions has dimension 5 (theory 5): rounding */
     out->dimension = 6;
-    for (int r = 0; r < 6; ++r)
-      out->rows[r] = r;
-    return;
-  }
-  choose_rows(out);
+  choose_rows(out, most);
 }

@@ -12,7 +12,7 @@ typedef struct km_motion_space {
 
 /* Closes the span of `count` twists (scaled lengths, all in the loop's base frame) under the bracket.
  * A direction shorter than `tolerance` beside the rest (unit twists) is none. `most`: the dimension of all twists
- * that there can be, 6, or 3 in a plane. Constant in the base body, so any pose of the joints serves. */
+ * that there can be, 6, or 3 in a plane (v x, v y, w z). Constant in the base body, so any pose of the joints serves. */
 void km_motion_space_close(const km_twist *twists, int count, int most, double tolerance, km_motion_space *out);
 
 #endif

@@ -196,7 +196,8 @@ void go_somewhere(fixture *f, randomness *r) {
 km_twist column_in_space(const fixture *f, int coordinate) {
   const km_mechanism *m = f->mechanism;
   const km_model_coordinate *def = &f->model->coordinates[coordinate];
-  km_passage p = km_joint_passage(f->model, def->joint, false);
+  km_passage p;
+  km_joint_passage(f->model, def->joint, false, &p);
   const km_model_frame *entry = &f->model->frames[p.entry];
   km_pose X = km_pose_product(&f->state->pose[entry->body], &entry->pose);
   double pitch = f->model->joints[def->joint].pitch / (2.0 * M_PI);
