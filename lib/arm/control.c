@@ -18,7 +18,7 @@ static void subtract(double *a, double s, const double *b, int n) {
 
 /* By the kernel of seven joints; false where the Jacobian is near a rank that drops, and pivoting must tell. */
 static bool factor_seven(km_arm_space *s, const double *xi) {
-  s->seven->rates = km_one_factor(s->seven, xi);
+  km_one_factor(s->seven, xi);
   if (!(s->seven->least > s->seven->largest * KM_SEVEN_REGULAR))
     return false;
   memcpy(s->null, &s->seven->null, sizeof s->seven->null); /* and 0 */
@@ -27,9 +27,6 @@ static bool factor_seven(km_arm_space *s, const double *xi) {
 }
 
 void km_control_factor(const km_arm *a, km_arm_space *s, const double *xi, const bool *held) {
-  double *path = s->jacobian + a->n * a->rows;
-  for (int r = 0; r < a->rows; ++r)
-    path[r] = -xi[r];
   s->seven_factored = s->seven_stands && !held && factor_seven(s, xi);
   if (!s->seven_factored)
     km_control_pivot(a, s, xi, held);
@@ -78,7 +75,8 @@ static bool take_column(const km_arm *a, const km_arm_space *s, const double *fr
 static void follow_guide(const km_arm *a, const km_arm_space *s, const double *guide, double *self) {
   const int n = a->n;
   if (a->freedom == 1 && s->null_count == 1) {
-    double sign = guide && dot(guide, s->null, n) < 0.0 ? -1.0 : 1.0;
+    double along = !guide ? 0.0 : s->seven_factored ? km_one_along_null(s->seven, guide) : dot(guide, s->null, n);
+    double sign = along < 0.0 ? -1.0 : 1.0;
     for (int i = 0; i < n; ++i)
       self[i] = sign * s->null[i];
     return;
@@ -94,7 +92,7 @@ double km_control_columns(const km_arm *a, const km_arm_space *s, const double *
   const int n = a->n;
   follow_guide(a, s, guide, self);
   if (s->seven_factored) {
-    km_one_path_column(&s->seven->rates, path);
+    km_one_path_column(s->seven, path);
     return path[SEVEN];
   }
   if (s->partition.forced_dependent) { /* the path's direction is out of J's range */

@@ -48,8 +48,16 @@ static inline lanes_row lanes_from(const lanes_row *row, int c) {
 static inline T lanes_product(const lanes_row *a, const lanes_row *b, int c) {
   T sum[2] = {a->at[6] * b->at[6], ZERO};
   UNROLLED
-  for (int i = 5; i >= c; --i)
-    sum[i & 1] += a->at[i] * b->at[i];
+  for (int i = 0; i < 2; ++i) {
+    if (2 + i >= c)
+      sum[i] += a->at[2 + i] * b->at[2 + i];
+    if (4 + i < c)
+      continue;
+    T other = a->at[4 + i] * b->at[4 + i];
+    if (i >= c)
+      other += a->at[i] * b->at[i];
+    sum[i] += other;
+  }
   return sum[0] + sum[1];
 }
 static inline void lanes_subtract(lanes_row *x, T s, const lanes_row *v, int c) {
@@ -147,14 +155,14 @@ static inline mask reach(const km_arm *a, km_lanes *io, int first, vector *q, la
   put(io->tries + first, tries);
   for (int r = 0; r < 6; ++r)
     e[r] = get(io->xi[r] + first);
-  k->rates = lanes_factor(k, e);
+  lanes_factor(k, e);
   return fit & ~active & regular(k);
 }
 
 /* The columns of lanes from `first` on. */
 static inline void put_columns(km_lanes *io, int first, const vector *q, const lanes_seven *k) {
   vector path[SEVEN + 1], sigma[6];
-  lanes_path_column(&k->rates, path);
+  lanes_path_column(k, path);
   for (int i = 0; i < SEVEN; ++i) {
     put(io->q[i] + first, q[i]);
     put(io->null[i] + first, k->null.at[i]);

@@ -59,9 +59,14 @@ static inline km_one_row km_one_from(const km_one_row *row, int c) {
 }
 static inline double km_one_product(const km_one_row *a, const km_one_row *b, int c) {
   km_pair sum = a->pair[3] * b->pair[3];
-  UNROLLED
-  for (int i = 2; i >= c / 2; --i)
-    sum += a->pair[i] * b->pair[i];
+  if (c < 4)
+    sum += a->pair[1] * b->pair[1];
+  if (c < 6) {
+    km_pair other = a->pair[2] * b->pair[2];
+    if (c < 2)
+      other += a->pair[0] * b->pair[0];
+    sum += other;
+  }
   return sum[0] + sum[1];
 }
 static inline void km_one_subtract(km_one_row *x, double s, const km_one_row *v, int c) {

@@ -6,8 +6,8 @@
  * km_number_of(bits); ROOT(x); SIZE(x), |x|; SIGNED(size, x), a size with the sign of x; MASK, lane by lane whether
  * something holds, BELOW(a, b), ANY(mask), PICK(mask, a, b). And seven numbers as a FN(row), in registers as suits them:
  * FN(row_of)(x, step), FN(at)(&row, i), FN(set)(&row, i, x); FN(from)(&row, c), with 0 before place c; and
- * where a and v have 0 before place c: FN(product)(&a, &b, c), Σ a[i] b[i], being the sum of every second product from the
- * last one down, and that of the others; FN(subtract)(&x, s, &v, c), x −= s v.
+ * where a and v have 0 before place c: FN(product)(&a, &b, c), Σ a[i] b[i], being the sum of those of even places,
+ * (6 + 2) + (4 + 0), and that of the others, 3 + (5 + 1); FN(subtract)(&x, s, &v, c), x −= s v.
  *
  *   Jᵀ = Q [R; 0] by Householder's reflections (7 × 6). The last column of Q spans J's null space, and
  *   x = Q [R⁻ᵀ b; 0] is the least x with J x = b. */
@@ -21,9 +21,11 @@ typedef struct FN(seven) {
   FN(vec) R[3], p; /* of the effector */
   FN(row) v[6];    /* reflections: I − inverse · v vᵀ, v from place c on */
   T inverse[6];
+  T gram[6][6];                /* vᵢᵀ vⱼ of i < j */
   T r[6][6], pivot_inverse[6]; /* R by rows; 1 over its diagonal */
   T least, largest;            /* of |R's diagonal| */
   FN(row) null, rates;         /* rates: the least ones along the path */
+  T path;                      /* entry of the path in the path-control column: 1/√(1 + |rates|²) */
 } FN(seven);
 
 /* R a of a constant vector. */
@@ -89,14 +91,13 @@ static inline void FN(forward)(const km_arm *a, const T *q, FN(seven) * k) {
 
 /* Reflection c of the Jacobian's rows A, and row c of R. */
 static inline void FN(reflect)(FN(seven) * k, FN(row) * A, int c) {
-  const FN(row) tail = FN(from)(&A[c], c + 1);
-  T rest = FN(product)(&tail, &tail, c + 1), head = FN(at)(&A[c], c);
-  T square = rest + head * head, norm = ROOT(square);
-  T diagonal = SIGNED(norm, head), first = head + diagonal, inverse = 1.0 / (square + head * diagonal);
+  const FN(row) row = FN(from)(&A[c], c), tail = FN(from)(&A[c], c + 1);
+  T square = FN(product)(&row, &row, c), norm = ROOT(square), head = FN(at)(&A[c], c);
+  T inverse = 1.0 / (square + SIZE(head) * norm), first = head + SIGNED(norm, head);
   k->v[c] = tail;
   FN(set)(&k->v[c], c, first);
   k->inverse[c] = inverse;
-  k->pivot_inverse[c] = -inverse * first; /* square + head · diagonal = diagonal · first */
+  k->pivot_inverse[c] = -inverse * first; /* 1 over −norm with the sign of head */
   k->least = c == 0 ? norm : SMALLER(norm, k->least);
   k->largest = c == 0 ? norm : LARGER(norm, k->largest);
   UNROLLED
@@ -105,6 +106,13 @@ static inline void FN(reflect)(FN(seven) * k, FN(row) * A, int c) {
     k->r[c][j] = at - sum * first;
     FN(subtract)(&A[j], sum, &tail, c + 1);
   }
+}
+
+/* The products of reflection c with those before it. */
+static inline void FN(multiply)(FN(seven) * k, int c) {
+  UNROLLED
+  for (int i = 0; i < c; ++i)
+    k->gram[i][c] = FN(product)(&k->v[i], &k->v[c], c);
 }
 
 /* Reflections and R of the Jacobian. */
@@ -116,6 +124,9 @@ static inline void FN(reduce)(FN(seven) * k) {
   UNROLLED
   for (int c = 0; c < 6; ++c)
     FN(reflect)(k, A, c);
+  UNROLLED
+  for (int c = 1; c < 6; ++c)
+    FN(multiply)(k, c);
 }
 
 /* [R⁻ᵀ b; last] of b[6]. */
@@ -133,45 +144,53 @@ static inline FN(row) FN(substitute)(const FN(seven) * k, const T *b, T last) {
   return FN(row_of)(y, 1);
 }
 
-/* x with reflection c. */
-static inline void FN(turn_back)(const FN(seven) * k, int c, FN(row) * x) {
-  FN(subtract)(x, FN(product)(&k->v[c], x, c) * k->inverse[c], &k->v[c], c);
+/* Q x = x − V s, of products sum[c] = vᵀx. The products of the reflections among each other (Schreiber and Van Loan's compact
+ * form) say what each leaves of the others' sums, so that none waits for what the one before has made of x. */
+static inline FN(row) FN(turn_back)(const FN(seven) * k, T *sum, FN(row) x) {
+  UNROLLED
+  for (int c = 5; c >= 0; --c) {
+    sum[c] *= k->inverse[c];
+    UNROLLED
+    for (int i = 0; i < c; ++i)
+      sum[i] -= k->gram[i][c] * sum[c];
+  }
+  UNROLLED
+  for (int c = 5; c >= 0; --c)
+    FN(subtract)(&x, sum[c], &k->v[c], c);
+  return x;
+}
+
+/* Q x. */
+static inline FN(row) FN(turned_back)(const FN(seven) * k, FN(row) x) {
+  T sum[6];
+  UNROLLED
+  for (int c = 0; c < 6; ++c)
+    sum[c] = FN(product)(&k->v[c], &x, c);
+  return FN(turn_back)(k, sum, x);
 }
 
 /* The x with J x = b that is `along` long along the null vector; the least one for 0. */
 static inline FN(row) FN(solve)(const FN(seven) * k, const T *b, T along) {
-  FN(row) x = FN(substitute)(k, b, along);
-  UNROLLED
-  for (int c = 5; c >= 0; --c)
-    FN(turn_back)(k, c, &x);
-  return x;
-}
-
-static inline FN(row) FN(last_unit)(void) {
-  const T x[SEVEN] = {ZERO, ZERO, ZERO, ZERO, ZERO, ZERO, ZERO + 1.0};
-  return FN(row_of)(x, 1);
+  return FN(turned_back)(k, FN(substitute)(k, b, along));
 }
 
 /* The null vector, once the Jacobian is reduced. */
 static inline void FN(find_null)(FN(seven) * k) {
-  FN(row) null = FN(last_unit)();
+  const T last[SEVEN] = {ZERO, ZERO, ZERO, ZERO, ZERO, ZERO, ZERO + 1.0};
+  T sum[6];
   UNROLLED
-  for (int c = 5; c >= 0; --c)
-    FN(turn_back)(k, c, &null);
-  k->null = null;
+  for (int c = 0; c < 6; ++c)
+    sum[c] = FN(at)(&k->v[c], 6);
+  k->null = FN(turn_back)(k, sum, FN(row_of)(last, 1));
 }
 
-/* Reduces the Jacobian, and finds its null vector and the least x with J x = b: side by side, since each waits for its own sums. */
-static inline FN(row) FN(factor)(FN(seven) * k, const T *b) {
+/* Reduces the Jacobian, and finds its null vector, the least rates with J rates = b, and the path's entry. */
+static inline void FN(factor)(FN(seven) * k, const T *b) {
   FN(reduce)(k);
-  FN(row) null = FN(last_unit)(), x = FN(substitute)(k, b, ZERO);
-  UNROLLED
-  for (int c = 5; c >= 0; --c) {
-    FN(turn_back)(k, c, &null);
-    FN(turn_back)(k, c, &x);
-  }
-  k->null = null;
-  return x;
+  FN(find_null)(k);
+  FN(row) y = FN(substitute)(k, b, ZERO);
+  k->path = 1.0 / ROOT(1.0 + FN(product)(&y, &y, 0)); /* Q keeps lengths */
+  k->rates = FN(turned_back)(k, y);
 }
 
 /* How far x[7] goes along the null vector. */
@@ -197,13 +216,12 @@ static inline FN(vec) FN(turn_left)(const FN(vec) * R, const FN(vec) * target, T
   return FN(scaled)(1.0 + x * (1.0 / 6.0 + x * (3.0 / 40.0 + x * (15.0 / 336.0))), s);
 }
 
-/* (q′, 1)/√(1 + |q′|²) into path[8]. */
-static inline void FN(path_column)(const FN(row) * rates, T *path) {
-  T scale = 1.0 / ROOT(1.0 + FN(product)(rates, rates, 0));
+/* (rates, 1)/√(1 + |rates|²) into path[8]. */
+static inline void FN(path_column)(const FN(seven) * k, T *path) {
   UNROLLED
   for (int i = 0; i < SEVEN; ++i)
-    path[i] = FN(at)(rates, i) * scale;
-  path[SEVEN] = scale;
+    path[i] = FN(at)(&k->rates, i) * k->path;
+  path[SEVEN] = k->path;
 }
 
 /* Singular values of the Jacobian, in no order: one-sided Jacobi, which turns pairs of rows until all are at right
