@@ -37,16 +37,24 @@ static int find_hidden(const km_partition *p, const double *matrix, const bool *
                                                                                : km_sparse_hidden(p, forced, threshold);
 }
 
-/* Until no column is dependent that no pivot tells, or that shows at least that the rank is right. */
+/* Until no column is dependent that no pivot tells, or that shows at least that the rank is right. What a column that comes
+ * last already keeps grew by small pivots: a row among the primary ones depends on the others, unless a forced column tells them apart. */
 static void eliminate_all(km_partition *p, const double *matrix, const bool *forced, double threshold,
                           bool rank_counts) {
-  int hidden = -1;
+  km_sparse *s = p->sparse;
+  int hidden = -1, row = -1;
   do {
-    if (hidden >= 0)
-      p->sparse->late[hidden] = p->sparse->waits = true;
+    if (row >= 0)
+      s->spare[row] = true;
+    else if (hidden >= 0)
+      s->late[hidden] = s->waits = true;
     km_sparse_eliminate(p, matrix, forced, threshold);
     hidden = find_hidden(p, matrix, forced, threshold, rank_counts);
-  } while (hidden >= 0 && !p->sparse->late[hidden]);
+    bool last = hidden >= 0 && s->late[hidden];
+    row = last ? km_sparse_hidden_row(p, matrix, p->held ? forced : NULL, threshold) : -1;
+    if (last && row < 0)
+      hidden = -1;
+  } while (hidden >= 0);
 }
 
 /* The same of rows, whatever the columns are, one after the other. */
