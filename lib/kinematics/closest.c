@@ -108,7 +108,10 @@ bool km_closest_reserve(km_closest *c, const km_mechanism *m, const km_substruct
   c->ahead = KM_ARENA_NEW(arena, double, (size_t)sub->columns);
   c->b = KM_ARENA_NEW(arena, double, size);
   c->x = KM_ARENA_NEW(arena, double, size);
+  c->rest = KM_ARENA_NEW(arena, double, size);
+  c->change = KM_ARENA_NEW(arena, double, size);
   c->fixed = KM_ARENA_NEW(arena, bool, size);
+  c->fixed_next = KM_ARENA_NEW(arena, bool, size);
   if (!make_pattern(c, m, sub, arena) ||
       !km_partition_reserve_sparse(&c->factor, c->size, c->size, c->start, c->row, arena))
     return false;
@@ -117,10 +120,14 @@ bool km_closest_reserve(km_closest *c, const km_mechanism *m, const km_substruct
 }
 
 static void fix(km_closest *c, const km_substructure *sub, int driver, const bool *locked, const km_partition *pivots) {
+  bool *before = c->fixed, *now = c->fixed_next;
   for (int i = 0; i < c->size; ++i)
-    c->fixed[i] = i >= sub->columns || i == driver || (locked && locked[i]);
+    now[i] = i >= sub->columns || i == driver || (locked && locked[i]);
   for (int i = 0; i < pivots->rank; ++i)
-    c->fixed[sub->columns + pivots->row[i]] = false;
+    now[sub->columns + pivots->row[i]] = false;
+  c->is_factored = c->is_factored && memcmp(before, now, (size_t)c->size * sizeof *now) == 0;
+  c->fixed = now;
+  c->fixed_next = before;
 }
 
 /* Fixed rows say that their unknown is 0. */
@@ -147,14 +154,58 @@ static void fill(km_closest *c, const km_mechanism *m, km_state *s, const km_sub
       c->value[c->own_at[i]] += weight[i] * weight[i] - c->own[i];
 }
 
-static bool solve(km_closest *c) {
-  if (c->factor.rank < c->size || !km_partition_refactor(&c->factor, c->value)) {
-    km_partition_factor(&c->factor, c->value, c->size, c->size, NULL, 0.0);
-    if (c->factor.failed || c->factor.rank < c->size)
-      return false;
+/* NaN where one of them is no number. */
+static double largest_of(const double *x, int count) {
+  double largest = 0.0;
+  for (int i = 0; i < count && !isnan(largest); ++i)
+    largest = fabs(x[i]) <= largest ? largest : fabs(x[i]);
+  return largest;
+}
+
+/* Solves by the factor of a matrix before, from the x at hand: what the solution leaves of b is solved again until rounding is left.
+ * False where that takes long, since the matrix has changed too much. */
+static bool correct(km_closest *c) {
+  enum { MOST_CORRECTIONS = 6 };
+  static const double grain = 1e-14, coarse_grain = 1e-10, most_share = 0.05;
+  double last = HUGE_VAL;
+  for (int pass = 0; pass < MOST_CORRECTIONS; ++pass) {
+    memcpy(c->rest, c->b, (size_t)c->size * sizeof *c->rest);
+    for (int k = 0; k < c->size; ++k)
+      for (int i = c->start[k]; i < c->start[k + 1]; ++i)
+        c->rest[c->row[i]] -= c->value[i] * c->x[k];
+    km_partition_solve(&c->factor, c->rest, c->change);
+    for (int k = 0; k < c->size; ++k)
+      c->x[k] += c->change[k];
+    double size = largest_of(c->change, c->size), all = largest_of(c->x, c->size);
+    if (size <= grain * all)
+      return true;
+    if (!(size <= most_share * last)) /* among rounding alone nothing shrinks */
+      return size <= coarse_grain * all;
+    last = size;
   }
-  km_partition_solve(&c->factor, c->b, c->x);
-  return true;
+  return false;
+}
+
+static bool factor(km_closest *c) {
+  if (c->factor.rank == c->size && km_partition_refactor(&c->factor, c->value))
+    return true;
+  km_partition_factor(&c->factor, c->value, c->size, c->size, NULL, 0.0);
+  return !c->factor.failed && c->factor.rank == c->size;
+}
+
+/* Does a factor take as long as all corrections that may be tried? Little fills in where the loops make a chain. */
+static bool is_dear(const km_closest *c) {
+  static const double most = 100.0; /* multiplications of each entry of the matrix */
+  return km_partition_multiplications(&c->factor) > most * c->start[c->size];
+}
+
+static bool solve(km_closest *c) {
+  if (c->is_factored && is_dear(c) && correct(c))
+    return true;
+  c->is_factored = factor(c);
+  if (c->is_factored)
+    km_partition_solve(&c->factor, c->b, c->x);
+  return c->is_factored;
 }
 
 bool km_closest_find(km_closest *c, const km_mechanism *m, km_state *s, int index, int driver,
@@ -170,14 +221,13 @@ bool km_closest_find(km_closest *c, const km_mechanism *m, km_state *s, int inde
     fill(c, m, s, sub, lambda);
     for (int i = 0; i < c->size; ++i)
       c->b[i] = c->fixed[i] ? 0.0 : i < sub->columns ? -weight[i] * weight[i] * away[i] : -error[i - sub->columns];
+    memset(c->x, 0, (size_t)sub->columns * sizeof *c->x); /* the multipliers of the last pass are near these */
     if (!solve(c))
       return false;
     if (pass == 0) /* the first multipliers; without them the step knows nothing of the bend */
       continue;
     double last = largest;
-    largest = 0.0;
-    for (int k = 0; k < sub->columns; ++k)
-      largest = fabs(c->x[k]) <= largest ? largest : fabs(c->x[k]);
+    largest = largest_of(c->x, sub->columns);
     settled = largest <= nowhere || (largest <= rounding && largest > 0.25 * last);
     if (!isfinite(largest) || (!settled && largest > 2.0 * last))
       return false;
@@ -194,6 +244,7 @@ void km_closest_follow(km_closest *c, const km_mechanism *m, const km_substructu
   memset(c->b, 0, (size_t)c->size * sizeof *c->b);
   for (int k = 0; k < sub->columns; ++k)
     c->b[k] = c->fixed[k] ? 0.0 : weight[k] * weight[k] * step[k];
-  km_partition_solve(&c->factor, c->b, c->x);
-  memcpy(step, c->x, (size_t)sub->columns * sizeof *step);
+  memset(c->x, 0, (size_t)c->size * sizeof *c->x);
+  if (solve(c))
+    memcpy(step, c->x, (size_t)sub->columns * sizeof *step);
 }

@@ -17,9 +17,12 @@ typedef struct km_closest {
   int *own_at;           /* [size] and of the diagonal */
   double *pair, *own;    /* [pairs], [columns] of km_loops_bends */
   double *b, *x;         /* [size] right side; the step, and behind it λ */
+  double *rest, *change; /* [size] of a solution by the factor of a matrix before */
   double *away, *ahead;  /* [columns] for the caller */
-  bool *fixed;           /* [size] coordinates that don't move, rows that aren't primary */
-  km_partition factor;   /* of the matrix */
+  bool *fixed;           /* [size] coordinates that don't move, rows that aren't primary; */
+  bool *fixed_next;      /* [size] and room for those of the next pose */
+  km_partition factor;   /* of the matrix, or of one before it with the same coordinates and rows */
+  bool is_factored;      /* is there one? */
 } km_closest;
 
 /* For a substructure, whose mechanism has no ball joints: two turns about different axes have no difference. False when out of

@@ -3,7 +3,7 @@
 
 #include "base/library.h"
 #include "base/memory.h"
-#include "partition/pair.h"
+#include "partition/triangle.h"
 
 #include <stdlib.h>
 #include <string.h>
@@ -180,46 +180,20 @@ static void sort_rows(const km_orthogonal *q, const cholmod_sparse *by_row, cons
   qsort(list, (size_t)q->rows, sizeof *list, compare_beginnings);
 }
 
-enum { LANES = 4 };
-
-/* |R⁻ᵀ b|² of vectors b side by side, which y[columns × LANES] holds from `first` on; 0 is left there. */
-static void take_squares(const cholmod_sparse *rows_of_r, long first, long columns, double *y, double sum[LANES]) {
-  const long *start = rows_of_r->p, *column = rows_of_r->i;
-  const double *value = rows_of_r->x;
-  for (long k = first; k < columns; ++k) {
-    double *at = y + LANES * k, own[LANES];
-    bool none = true;
-    for (int l = 0; l < LANES; ++l)
-      none = none && at[l] == 0.0;
-    if (none)
-      continue;
-    for (int l = 0; l < LANES; ++l) {
-      own[l] = at[l] / value[start[k]]; /* the diagonal is a row's first entry */
-      sum[l] += own[l] * own[l];
-      at[l] = 0.0;
-    }
-    for (long i = start[k] + 1; i < start[k + 1]; ++i) {
-      km_pair *to = (km_pair *)(y + LANES * column[i]), v = {value[i], value[i]};
-      for (int l = 0; l < LANES / 2; ++l)
-        to[l] -= v * *(const km_pair *)(own + 2 * l);
-    }
-  }
-}
-
 /* Adds |R⁻ᵀ b|² of every row b of the matrix to its share: y by rows of R, that is by columns of Rᵀ, from the first entry of
  * b on. Nested dissection keeps short what a row reaches: of a chain of n loops log n columns, where an order of least fill may
  * make it n. Rows that begin near each other reach much the same, and go side by side. */
-static void add_shares(const km_orthogonal *q, const cholmod_sparse *rows_of_r, const cholmod_sparse *by_row,
-                       const long *place, const beginning *list, double *y, double *share) {
+static void add_shares(const km_orthogonal *q, const km_triangle *R, const cholmod_sparse *by_row, const long *place,
+                       const beginning *list, double *y, double *share) {
   const long *row_start = by_row->p, *entry = by_row->i;
   const double *b = by_row->x;
-  for (long n = 0; n < q->rows; n += LANES) {
-    double sum[LANES] = {0.0};
-    int count = q->rows - n < LANES ? (int)(q->rows - n) : LANES;
+  for (long n = 0; n < q->rows; n += KM_TRIANGLE_LANES) {
+    double sum[KM_TRIANGLE_LANES] = {0.0};
+    int count = q->rows - n < KM_TRIANGLE_LANES ? (int)(q->rows - n) : KM_TRIANGLE_LANES;
     for (int l = 0; l < count; ++l)
       for (long i = row_start[list[n + l].row]; i < row_start[list[n + l].row + 1]; ++i)
-        y[LANES * place[entry[i]] + l] = b[i];
-    take_squares(rows_of_r, list[n].first, q->columns, y, sum);
+        y[KM_TRIANGLE_LANES * place[entry[i]] + l] = b[i];
+    km_triangle_squares(R, list[n].first, y, sum);
     for (int l = 0; l < count; ++l)
       share[list[n + l].row] = sum[l];
   }
@@ -235,14 +209,18 @@ bool km_orthogonal_shares(km_orthogonal *q, double tolerance, double *share) {
   cholmod_sparse *by_row = rows_of_r ? f->cholmod_l_transpose(&A, 1, &q->common) : NULL;
   long *place = KM_NEW(long, (size_t)q->columns + 1);
   beginning *list = KM_NEW(beginning, (size_t)q->rows + 1);
-  double *y = KM_NEW(double, LANES * ((size_t)q->columns + 1));
-  bool done = by_row && place && list && y;
+  double *y = KM_NEW(double, KM_TRIANGLE_LANES *((size_t)q->columns + 1));
+  bool *rows_continue = KM_NEW(bool, (size_t)q->columns + 1), done = by_row && place && list && y && rows_continue;
   for (long k = 0; k < q->columns && done; ++k)
     place[order ? order[k] : k] = k;
   if (done) {
+    const km_triangle by_rows = {rows_of_r->p, rows_of_r->i, rows_of_r->x, rows_continue, q->columns};
+    for (long k = 0; k < q->columns; ++k)
+      rows_continue[k] = km_triangle_continues(&by_rows, k);
     sort_rows(q, by_row, place, list);
-    add_shares(q, rows_of_r, by_row, place, list, y, share);
+    add_shares(q, &by_rows, by_row, place, list, y, share);
   }
+  km_free(rows_continue);
   km_free(y);
   km_free(list);
   km_free(place);

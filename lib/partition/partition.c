@@ -189,33 +189,40 @@ static double largest_inverse(const km_partition *p) {
   return largest;
 }
 
-void km_partition_factor(km_partition *p, const double *matrix, int rows, int columns, const bool *forced,
-                         double tolerance) {
-  p->waits = false;
-  if (p->sparse && p->rows == rows && p->columns == columns && km_sparse_knows(p, matrix, forced, tolerance)) {
-    p->pivoted_b = p->largest_b;
-    return;
-  }
-  p->rows = rows;
-  p->columns = columns;
-  p->stride = stride_of(rows);
+static void search_pivots(km_partition *p, const double *matrix, const bool *forced, double tolerance) {
   p->first_pivot = p->last_pivot = p->first_dropped = 0.0;
   p->smallest_pivot = (double)INFINITY;
   p->forced_dependent = p->failed = false;
   if (p->sparse) {
     km_sparse_factor(p, matrix, forced, tolerance);
-  } else {
-    int candidates = order_columns(p, forced);
-    if (is_small(p))
-      km_small_factor(p, matrix, candidates, tolerance);
-    else
-      factor(p, matrix, candidates, tolerance);
-    finish(p);
+    return;
   }
+  int candidates = order_columns(p, forced);
+  if (is_small(p))
+    km_small_factor(p, matrix, candidates, tolerance);
+  else
+    factor(p, matrix, candidates, tolerance);
+  finish(p);
+}
+
+void km_partition_factor(km_partition *p, const double *matrix, int rows, int columns, const bool *forced,
+                         double tolerance) {
+  bool same_size = p->rows == rows && p->columns == columns, changes = true;
+  p->waits = false;
+  if (p->sparse && same_size && km_sparse_knows(p, matrix, forced, tolerance)) {
+    changes = km_sparse_go_on(p, matrix, forced, tolerance);
+  } else {
+    p->rows = rows;
+    p->columns = columns;
+    p->stride = stride_of(rows);
+    search_pivots(p, matrix, forced, tolerance);
+  }
+  p->pivoted_b = p->largest_b;
+  if (!changes)
+    return;
   order_rows(p);
   p->searches++;
   p->edition++;
-  p->pivoted_b = p->largest_b;
 }
 
 void km_partition_wait(km_partition *p) {

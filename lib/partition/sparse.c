@@ -117,10 +117,15 @@ static bool goes_by_rows(const km_partition *p) {
   return p->rank > KM_MANY_VECTORS && km_partition_freedom(p) > KM_MANY_VECTORS;
 }
 
+/* Does any choice of independent columns serve who asks? */
+static bool any_serve(const km_partition *p) {
+  return p->unwatched && goes_by_rows(p);
+}
+
 /* Of the factor that is known: what was asked for changes it. */
 static unsigned flags_of(const km_partition *p) {
   return (p->held ? 1u : 0u) | (p->any_independent ? 2u : 0u) | (p->rows_only ? 4u : 0u) |
-         (p->unwatched && goes_by_rows(p) ? 8u : 0u) | (p->kept_rows > 0.0 ? 16u : 0u);
+         (p->kept_rows > 0.0 ? 8u : 0u);
 }
 
 /* Flags of columns; NULL: none is set. */
@@ -153,9 +158,10 @@ static void remember(km_partition *p, const double *matrix, const bool *forced, 
   s->is_known = !p->failed;
 }
 
-/* Passes of elimination until |B| is small enough. */
-static void find_good_columns(km_partition *p, const double *matrix, const bool *forced, double threshold) {
-  for (int pass = 0; pass < MOST_PASSES; ++pass) {
+/* Passes of elimination until |B| is small enough, from `pass` on; it can go on later where it ends before that since any choice
+ * serves. */
+static void find_better_columns(km_partition *p, const double *matrix, const bool *forced, double threshold, int pass) {
+  for (; pass < MOST_PASSES; ++pass) {
     eliminate_all(p, matrix, forced, threshold, pass + 1 < MOST_PASSES && !p->any_independent);
     if (p->any_independent)
       break;
@@ -164,10 +170,15 @@ static void find_good_columns(km_partition *p, const double *matrix, const bool 
     bool finite = km_sparse_find_b(p, forced, others ? most : HUGE_VAL);
     if (finite && largest_free_b(p, forced) <= most)
       break;
-    bool any_serve = p->unwatched && goes_by_rows(p) && km_partition_may_wait(p);
-    if (!others && (any_serve || !finite || !km_sparse_choose_late(p, forced)))
+    bool ends = !others && any_serve(p) && km_partition_may_wait(p);
+    p->sparse->next_pass = ends && finite ? pass + 1 : 0;
+    if (ends || (!others && (!finite || !km_sparse_choose_late(p, forced))))
       break;
   }
+}
+
+static void find_good_columns(km_partition *p, const double *matrix, const bool *forced, double threshold) {
+  find_better_columns(p, matrix, forced, threshold, 0);
 }
 
 void km_sparse_factor(km_partition *p, const double *matrix, const bool *forced, double tolerance) {
@@ -175,6 +186,7 @@ void km_sparse_factor(km_partition *p, const double *matrix, const bool *forced,
   p->scale = km_largest_size(matrix, s->start[p->columns]);
   p->locked_count = 0;
   s->waits = false;
+  s->next_pass = 0;
   p->largest_b = 0.0;
   for (int c = 0; p->locked && c < p->columns; ++c)
     p->locked_count += p->locked[c];
@@ -185,4 +197,17 @@ void km_sparse_factor(km_partition *p, const double *matrix, const bool *forced,
   if (!s->by_normal)
     (s->by_rows ? find_rows : find_good_columns)(p, matrix, forced, tolerance * p->scale);
   remember(p, matrix, forced, tolerance);
+}
+
+bool km_sparse_go_on(km_partition *p, const double *matrix, const bool *forced, double tolerance) {
+  km_sparse *s = p->sparse;
+  const int pass = s->next_pass;
+  if (pass == 0 || any_serve(p))
+    return false;
+  s->next_pass = 0;
+  bool changes = km_sparse_choose_late(p, forced);
+  if (changes)
+    find_better_columns(p, matrix, forced, tolerance * p->scale, pass);
+  remember(p, matrix, forced, tolerance);
+  return changes;
 }

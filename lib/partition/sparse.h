@@ -59,6 +59,7 @@ struct km_sparse {
   double known_tolerance;
   unsigned known_flags;
   bool is_known;
+  int next_pass; /* of a search for good independent columns that ended since any serve: where it goes on; 0: it doesn't */
   km_normal **normal;   /* borrowed, of all partitions of the pattern; NULL: none */
   const double *weight; /* the same: of the columns, for the normal equations */
   bool by_rows;         /* only the rows were asked for: the independent columns have no entries of U, and no B */
@@ -94,6 +95,9 @@ static inline void km_sparse_note(km_partition *p, double size) {
 void km_sparse_factor(km_partition *partition, const double *matrix, const bool *forced, double tolerance);
 /* Is the factor at hand what these arguments give? */
 bool km_sparse_knows(const km_partition *partition, const double *matrix, const bool *forced, double tolerance);
+/* Where that is so, but any independent columns served who asked for it, and don't serve now: goes on to better ones. Returns whether
+ * the pivots have changed. */
+bool km_sparse_go_on(km_partition *partition, const double *matrix, const bool *forced, double tolerance);
 /* False where a value is not finite, or one that the pivots take to be 0 isn't and `whole` isn't set, or when out of memory. */
 bool km_sparse_refactor(km_partition *partition, const double *matrix, bool whole);
 /* The pivots at hand in their order, whatever is 0. False where one of them is, or when out of memory. */
