@@ -39,11 +39,22 @@ typedef struct choice {
  * goes beyond takes more time than what a smaller B is worth; that of few vectors is worth any, since a basis is made of them. */
 enum { MOST_FILL = 50, MOST_LOOKS = 2500 };
 
+/* Entries of the matrix times so many. */
+static double times_entries(const choice *h, int times) {
+  return (double)times * h->p->sparse->start[h->p->columns];
+}
+
+/* Do the first `done` of as many as there are freedoms tell that all of them will come to more than `most`? */
+static bool will_pass(const choice *h, double sum, int done, double most) {
+  enum { TELLING = 20 };
+  return done >= TELLING && km_partition_freedom(h->p) > KM_MANY_VECTORS &&
+         sum * km_partition_freedom(h->p) > most * done;
+}
+
 /* One more look at all entries of a vector. */
 static void count_looks(choice *h, const null_vector *v) {
-  double most = (double)MOST_LOOKS * h->p->sparse->start[h->p->columns];
   h->looks += v->count;
-  h->full = h->full || (h->looks > most && km_partition_freedom(h->p) > KM_MANY_VECTORS);
+  h->full = h->full || (h->looks > times_entries(h, MOST_LOOKS) && km_partition_freedom(h->p) > KM_MANY_VECTORS);
 }
 
 static bool may_be_chosen(const choice *h, int c) {
@@ -70,7 +81,7 @@ static void find_largest(choice *h, null_vector *v) {
 
 static bool append(choice *h, int vector, int column, double value) {
   null_vector *v = &h->vectors[vector];
-  h->full = h->full || h->holder_count >= MOST_FILL * h->p->sparse->start[h->p->columns];
+  h->full = h->full || h->holder_count >= times_entries(h, MOST_FILL);
   if (h->full || !km_arena_grow(&h->arena, (void **)&v->column, &v->capacity, (size_t)v->count + 1, sizeof(int)) ||
       !km_arena_grow(&h->arena, (void **)&v->value, &v->value_capacity, (size_t)v->count + 1, sizeof(double)) ||
       !km_arena_grow(&h->arena, (void **)&h->holders, &h->holder_capacity, (size_t)h->holder_count + 1, sizeof(holder)))
@@ -93,7 +104,7 @@ static bool list_vectors(choice *h) {
     return false;
   for (int c = 0; c < p->columns; ++c)
     h->first[c] = -1;
-  for (int k = p->rank; k < p->columns; ++k) {
+  for (int k = p->rank; k < p->columns && !h->full; ++k) {
     if (km_sparse_is_given(p, h->forced, p->column[k]))
       continue;
     bool listed = append(h, h->count, p->column[k], 1.0);
@@ -103,8 +114,9 @@ static bool list_vectors(choice *h) {
     if (!listed)
       return false;
     ++h->count;
+    h->full = h->full || will_pass(h, h->holder_count, h->count, times_entries(h, MOST_FILL));
   }
-  return true;
+  return !h->full;
 }
 
 /* Takes `share` times a vector out of another one. */
@@ -168,6 +180,7 @@ static bool choose(choice *h) {
     find_largest(h, &h->vectors[i]);
   }
   for (int step = 0; step < h->count && whole; ++step) {
+    h->full = h->full || will_pass(h, h->looks, step, 2.0 * times_entries(h, MOST_LOOKS)); /* later steps take fewer */
     int at = next_of(h, order, step), vector = order[at];
     null_vector *v = &h->vectors[vector];
     order[at] = order[step];
@@ -177,7 +190,7 @@ static bool choose(choice *h) {
     if (v->largest < 0)
       break;
     h->p->sparse->late[v->largest] = done[vector] = true;
-    whole = eliminate(h, vector, done);
+    whole = !h->full && eliminate(h, vector, done);
   }
   return whole;
 }
