@@ -108,8 +108,8 @@ static inline void FN(reflect)(FN(seven) * k, FN(row) * A, int c) {
   }
 }
 
-/* The products of reflection c with those before it. */
-static inline void FN(multiply)(FN(seven) * k, int c) {
+/* Column c of the products of the reflections. */
+static inline void FN(set_gram)(FN(seven) * k, int c) {
   UNROLLED
   for (int i = 0; i < c; ++i)
     k->gram[i][c] = FN(product)(&k->v[i], &k->v[c], c);
@@ -126,7 +126,7 @@ static inline void FN(reduce)(FN(seven) * k) {
     FN(reflect)(k, A, c);
   UNROLLED
   for (int c = 1; c < 6; ++c)
-    FN(multiply)(k, c);
+    FN(set_gram)(k, c);
 }
 
 /* [R⁻ᵀ b; last] of b[6]. */

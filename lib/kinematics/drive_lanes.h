@@ -30,7 +30,7 @@ void km_drive_lanes_to(km_drive_lanes *lanes, unsigned wanted, const double *tar
  * KM_DRIVE_LANES + i], as long as all of them ride and the rows are quiet or, where nobody `looks` at rows, the pivots serve
  * there. Returns how many rows they have passed. km_drive_lanes_arrive then ends the row behind them: `targets` and `reaches`
  * are of that row alone. */
-enum { KM_DRIVE_ROWS = 16 };
+enum { KM_DRIVE_ROWS = 32 };
 int km_drive_lanes_pass(km_drive_lanes *lanes, unsigned wanted, const double *targets, int rows, bool looks);
 void km_drive_lanes_arrive(km_drive_lanes *lanes, unsigned wanted, const double *targets, km_reach *reaches);
 /* Before that, what a drive found at the rows that were passed, from the first one on; and a row, 0 is the first, is shown as
