@@ -140,6 +140,7 @@ static void put(km_closest *c, int at, double value) {
 static void fill(km_closest *c, const km_mechanism *m, km_state *s, const km_substructure *sub, const double *lambda) {
   const double *weight = m->column_weight + sub->column_start, *J = km_state_jacobian(s, sub);
   km_loops_bends(m, s, sub, lambda, c->pair, c->own);
+  c->is_current = false;
   memset(c->value, 0, (size_t)c->start[c->size] * sizeof *c->value);
   for (int i = 0; i < 2 * c->pairs; ++i)
     put(c, c->pair_at[i], -c->pair[i / 2]);
@@ -186,26 +187,28 @@ static bool correct(km_closest *c) {
   return false;
 }
 
-static bool factor(km_closest *c) {
-  if (c->factor.rank == c->size && km_partition_refactor(&c->factor, c->value))
-    return true;
-  km_partition_factor(&c->factor, c->value, c->size, c->size, NULL, 0.0);
-  return !c->factor.failed && c->factor.rank == c->size;
-}
-
 /* Does a factor take as long as all corrections that may be tried? Little fills in where the loops make a chain. */
 static bool is_dear(const km_closest *c) {
   static const double most = 100.0; /* multiplications of each entry of the matrix */
   return km_partition_multiplications(&c->factor) > most * c->start[c->size];
 }
 
-static bool solve(km_closest *c) {
-  if (c->is_factored && is_dear(c) && correct(c))
+static bool factor(km_closest *c) {
+  if (c->factor.rank == c->size && km_partition_refactor(&c->factor, c->value))
     return true;
-  c->is_factored = factor(c);
-  if (c->is_factored)
+  km_partition_factor(&c->factor, c->value, c->size, c->size, NULL, 0.0);
+  c->is_dear = is_dear(c);
+  return !c->factor.failed && c->factor.rank == c->size;
+}
+
+static bool solve(km_closest *c) {
+  if (!c->is_current && c->is_factored && c->is_dear && correct(c))
+    return true;
+  if (!c->is_current)
+    c->is_current = c->is_factored = factor(c);
+  if (c->is_current)
     km_partition_solve(&c->factor, c->b, c->x);
-  return c->is_factored;
+  return c->is_current;
 }
 
 bool km_closest_find(km_closest *c, const km_mechanism *m, km_state *s, int index, int driver,

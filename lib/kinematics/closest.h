@@ -23,6 +23,8 @@ typedef struct km_closest {
   bool *fixed_next;      /* [size] and room for those of the next pose */
   km_partition factor;   /* of the matrix, or of one before it with the same coordinates and rows */
   bool is_factored;      /* is there one? */
+  bool is_current;       /* is it of the matrix as it is now? */
+  bool is_dear;          /* does it take longer than corrections of solutions by one before? */
 } km_closest;
 
 /* For a substructure, whose mechanism has no ball joints: two turns about different axes have no difference. False when out of
