@@ -277,6 +277,7 @@ km_simulation_figures km_simulation_figures_of(const km_simulation *run) {
                                  .repartitions = km_dynamics_repartitions(run->dynamics),
                                  .dissipated = run->at[run->work_start],
                                  .motor_work = run->at[run->work_start + 1],
+                                 .rest_energy = km_simulation_rest_energy(run),
                                  .stiff = run->choice.method == KM_BDF};
 }
 

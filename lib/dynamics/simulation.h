@@ -67,6 +67,8 @@ bool km_simulation_settle(km_simulation *run, double *y, double time, bool keep)
 /* Before the first step, at an evaluated state; and after every step. */
 void km_simulation_begin_works(km_simulation *run);
 void km_simulation_watch_works(km_simulation *run);
+/* The kinetic energy of rates as small as the absolute error allowed. */
+double km_simulation_rest_energy(const km_simulation *run);
 /* What a work of this size may err by in a step. */
 double km_simulation_work_tolerance(const km_simulation *run, double work);
 

@@ -29,6 +29,10 @@ void km_simulation_watch_works(km_simulation *run) {
   run->largest_energy = fmax(run->largest_energy, km_dynamics_kinetic(run->dynamics, run->state));
 }
 
+double km_simulation_rest_energy(const km_simulation *run) {
+  return run->def.absolute * run->def.absolute * run->usual_energy;
+}
+
 double km_simulation_work_tolerance(const km_simulation *run, double work) {
   double size = fmax(run->largest_energy, fabs(work));
   double out = run->def.relative * size + run->def.absolute * run->usual_energy;

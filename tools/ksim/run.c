@@ -110,8 +110,11 @@ static void print_summary(const ksim_work *w, km_text *out) {
   km_text_format(out, "%s: %.6g %s, %zu rows; %ld steps, %ld evaluations, %d new partition%s\n", w->options->model,
                  km_table_row(h->table, rows - 1)[0], unit, rows, h->figures.steps, h->figures.evaluations,
                  h->figures.repartitions, h->figures.repartitions == 1 ? "" : "s");
-  km_text_format(out, "  loops closed to %.1e of their size; energy kept to %.1e of the largest kinetic energy\n",
-                 h->worst_loop, h->energy_scale > 0.0 ? h->energy_error / h->energy_scale : 0.0);
+  km_text_format(out, "  loops closed to %.1e of their size; ", h->worst_loop);
+  if (h->energy_scale > h->figures.rest_energy)
+    km_text_format(out, "energy kept to %.1e of the largest kinetic energy\n", h->energy_error / h->energy_scale);
+  else
+    km_text_add(out, "nothing moves by more than the tolerances\n");
   for (int i = 0; i < h->crossing_count; ++i) {
     const km_crossing *crossing = &w->def.simulation.crossings[h->crossings[i].crossing];
     km_text_format(out, "  %s passes %.6g %s %s at %.9g %s\n", km_model_coordinate_label(model, crossing->coordinate),

@@ -71,6 +71,7 @@ typedef struct km_simulation_figures {
   double dissipated, motor_work; /* force × length, since the start: taken by dampers, friction, stops, tyres; given by
                                   * motors, controllers, loads, prescribed motions, springs that act
                                   * elsewhere than where they measure */
+  double rest_energy;            /* kinetic energy of rates as small as the absolute error allowed */
   bool stiff;                    /* the last steps were BDF's */
 } km_simulation_figures;
 KM_API km_simulation_figures km_simulation_figures_of(const km_simulation *simulation);
