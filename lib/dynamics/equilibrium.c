@@ -122,8 +122,7 @@ static km_status settle(km_dynamics *d, km_state *s, km_progress progress, void 
         s->q[c] += h * s->rate[c];
     for (int b = 0; b < m->ball_count; ++b) {
       const double *w = &s->rate[m->ball_coordinate[b]];
-      km_quaternion turn = km_quaternion_exp((km_vec3){h * w[0], h * w[1], h * w[2]});
-      s->ball[b] = km_quaternion_normalised(km_quaternion_product(turn, s->ball[b]));
+      km_state_turn_ball(m, s, b, (km_vec3){h * w[0], h * w[1], h * w[2]});
     }
     if (progress && i % 256 == 0 && !progress(context, (double)i / SETTLING_STEPS))
       return km_fail(error, KM_CANCELLED, "cancelled while settling");

@@ -239,8 +239,11 @@ double *km_state_rows(const km_mechanism *m, km_state *s, int index, int count) 
 }
 
 void km_state_turn_ball(const km_mechanism *m, km_state *s, int ball, km_vec3 turn) {
+  km_state_place_ball(m, s, ball, km_quaternion_product(km_quaternion_exp(turn), s->ball[ball]));
+}
+
+void km_state_place_ball(const km_mechanism *m, km_state *s, int ball, km_quaternion q) {
   int c = m->ball_coordinate[ball];
-  km_quaternion q = km_quaternion_product(km_quaternion_exp(turn), s->ball[ball]);
   s->ball[ball] = km_quaternion_normalised(q);
   km_vec3 v = km_quaternion_log_near(s->ball[ball], km_vec3_make(&s->q[c]));
   s->q[c] = v.x;

@@ -112,6 +112,8 @@ double *km_state_rows(const km_mechanism *mechanism, km_state *state, int substr
 void km_state_move(const km_mechanism *mechanism, km_state *state, const km_substructure *sub, const double *step);
 /* Turns a ball by a rotation vector along the parent frame's axes. */
 void km_state_turn_ball(const km_mechanism *mechanism, km_state *state, int ball, km_vec3 turn);
+/* Puts a ball at a quaternion of any length; its coordinates become the rotation vector nearest to theirs. */
+void km_state_place_ball(const km_mechanism *mechanism, km_state *state, int ball, km_quaternion place);
 /* Sets every coordinate (radians, model's length unit). */
 void km_state_set(const km_mechanism *mechanism, km_state *state, const double *q);
 /* Keeps a coordinate at its value until km_state_unlock: closing, driving, following, tangents and mobility numbers of

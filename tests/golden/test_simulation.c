@@ -197,6 +197,26 @@ static void test_stop(void **data) {
   fixture_close(&f);
 }
 
+static const char turned[] =
+    "{\"assemblies\": [{\"name\": \"a\", \"bodies\": [{\"name\": \"b\", \"mass\": 1, \"moment_of_inertia\": {\"Ixx\": 1, \"Iyy\": "
+    "1, \"Izz\": 1}}], \"joints\": [{\"name\": \"S\", \"type\": \"spherical\", \"body_frame_pairs\": [\"fixed\", \"b\"], "
+    "\"initial_velocity\": [0.6, 0, 0.8], \"limits\": [0, 0.5], \"stop\": {\"stiffness\": 400}}]}]}";
+
+/* A ball's stop throws the body back after half a period of √(I/k), whatever times rows are asked for. */
+static void test_ball_stop(void **data) {
+  (void)data;
+  for (int rows = 1; rows <= 8; rows *= 8) {
+    fixture f = fixture_read(turned);
+    km_history h = run(&f, 1.0, 1.0 / rows, 1e-10);
+    assert_near(at_end(&h, "v.S[0]"), -0.6, 1e-6);
+    assert_near(at_end(&h, "v.S[2]"), -0.8, 1e-6);
+    assert_near(at_end(&h, "q.S[2]"), 0.8 * (0.5 - (0.5 - M_PI / 20.0)), 1e-6);
+    assert_at_most(h.energy_error, 1e-7 * h.energy_scale);
+    km_history_free(&h);
+    fixture_close(&f);
+  }
+}
+
 static const char remote[] =
     "{\"assemblies\": [{\"name\": \"a\", \"bodies\": [{\"name\": \"b\", \"mass\": 1}, {\"name\": \"c\", \"mass\": 0.5}], "
     "\"joints\": [{\"name\": \"X\", \"type\": \"Tx\", \"body_frame_pairs\": [\"fixed\", \"b\"], \"initial_velocity\": 1}, {\"name\": "
@@ -486,6 +506,7 @@ int main(void) {
       claim_test(test_a02, "IFToMM A02: two windows through ten folds, against their reduced equation",
                  "1e-6: steps of 1e-10 add up, and folds pass rounding on"),
       claim_test(test_oscillator, "A damped oscillator in closed form", "1e-9: steps of 1e-11 add up over the run"),
+      cmocka_unit_test(test_ball_stop),
       cmocka_unit_test(test_remote_spring),
       claim_test(test_free_body, "A free body keeps its energy", "1e-8 of it: steps of 1e-11 add up over the run"),
       claim_test(test_prescribed, "A prescribed crank moves by its law, and its work is all the energy that comes in",
