@@ -51,8 +51,8 @@ double km_module_push(const km_mechanism *mechanism, const km_state *state, km_f
 
 /* Gathers the model's modules of type stiffness into forces->springs. */
 km_status km_springs_gather(const km_model *model, km_forces *forces, km_error *error);
-/* Adds their forces at the poses. Returns the power of those that act elsewhere than where they measure: they store nothing of
- * it. */
+/* Adds their forces at the poses. Returns the power of those that act elsewhere than where they measure, or on a ball's
+ * coordinate: they store nothing of it. */
 double km_springs_add(const km_mechanism *mechanism, const km_state *state, km_forces *forces);
 /* What the others store at the poses, from displacement 0 on. */
 double km_springs_energy(const km_mechanism *mechanism, const km_state *state, const km_forces *forces);

@@ -94,11 +94,11 @@ double km_module_push(const km_mechanism *m, const km_state *s, km_forces *f, co
   return l.rate;
 }
 
-/* Does it act where it measures? */
-static bool stores(const km_model_module *module) {
+/* Does it act where it measures? A ball's coordinate isn't what its torque turns by: work depends on the way then. */
+static bool stores(const km_mechanism *m, const km_model_module *module) {
   const km_port *in = &module->input, *out = &module->output;
   if (in->coordinate >= 0 || out->coordinate >= 0)
-    return in->coordinate == out->coordinate;
+    return in->coordinate == out->coordinate && m->ball_of[in->coordinate] < 0;
   return in->frame[0] == out->frame[0] && in->frame[1] == out->frame[1];
 }
 
@@ -107,7 +107,7 @@ double km_springs_add(const km_mechanism *m, const km_state *s, km_forces *f) {
   for (int i = 0; i < f->spring_count; ++i) {
     double force = km_law_force(&f->springs[i]->law, km_module_input(m, s, f, f->springs[i], &rate));
     double power = force * km_module_push(m, s, f, f->springs[i], force);
-    if (!stores(f->springs[i]))
+    if (!stores(m, f->springs[i]))
       given += power;
   }
   return given;
@@ -116,7 +116,7 @@ double km_springs_add(const km_mechanism *m, const km_state *s, km_forces *f) {
 double km_springs_energy(const km_mechanism *m, const km_state *s, const km_forces *f) {
   double rate, energy = 0.0;
   for (int i = 0; i < f->spring_count; ++i)
-    if (stores(f->springs[i]))
+    if (stores(m, f->springs[i]))
       energy -= km_law_work(&f->springs[i]->law, km_module_input(m, s, f, f->springs[i], &rate));
   return energy;
 }
