@@ -3,7 +3,7 @@
  *
  * Keys of samples come in no order, so that a commit of many changes almost every page of a table that is sorted by them. A
  * run of many designs therefore appends what it gets to a table of its own, and sorts that into the other one when it has
- * grown by a share of what was sorted before. */
+ * grown by a share of what was sorted before. In memory no page is written, and other threads would wait for the sort. */
 #include "study/store.h"
 
 #include <math.h>
@@ -19,6 +19,7 @@ struct km_store {
   sqlite3 *db;
   sqlite3_stmt *get, *put, *append;
   const char *path;               /* for messages */
+  bool in_memory;                 /* no file */
   bool writing;                   /* a transaction is open */
   bool appends;                   /* what is put is appended, and sorted later */
   double appended, most_appended; /* bytes, about: that wait to be sorted, and that may */
@@ -151,6 +152,7 @@ km_status km_store_open(const char *path, const char *identity, const char *what
   if (!s)
     return km_fail(error, KM_MEMORY, "out of memory for a store");
   s->path = km_arena_string(&s->arena, path ? path : "in memory");
+  s->in_memory = !path;
   s->most_appended = first_appended;
   if (!s->path)
     return km_fail(error, KM_MEMORY, "out of memory for a store");
@@ -276,7 +278,7 @@ km_status km_store_put(km_store *s, const km_store_shape *shape, const double *v
 }
 
 void km_store_append(km_store *s) {
-  s->appends = true;
+  s->appends = !s->in_memory;
 }
 
 km_status km_store_sort(km_store *s, km_error *error) {

@@ -26,8 +26,9 @@ km_status km_store_put(km_store *store, const km_store_shape *shape, const doubl
                        const km_design_answer *answer, km_error *error);
 /* What was put so far is safe when the process ends, however it ends. */
 km_status km_store_commit(km_store *store, km_error *error);
-/* From here on answers are put at the end of the store, which for many designs takes far less writing. They can't be looked up
- * before km_store_sort, which takes O(n log n); where a process ends before, the next one that opens the store sorts them. */
+/* From here on answers are put at the end of the store, which for many designs takes far less writing; in memory they are put in
+ * their places all the same. They can't be looked up before km_store_sort, which takes O(n log n); where a process ends before,
+ * the next one that opens the store sorts them. */
 void km_store_append(km_store *store);
 km_status km_store_sort(km_store *store, km_error *error);
 
