@@ -1,6 +1,7 @@
 /* Closed loops in the equations of motion: partitions, dependent coordinates, rates and velocity products. */
 #include "dynamics/dynamics.h"
 
+#include "base/larger.h"
 #include "kinematics/closure.h"
 #include "kinematics/loops.h"
 
@@ -16,10 +17,8 @@ static const double stale_gain = 20.0;
 
 static double largest_primary(const km_partition *p, const double *error) {
   double largest = 0.0;
-  for (int i = 0; i < p->rank; ++i) {
-    double size = fabs(error[p->row[i]]);
-    largest = size <= largest ? largest : size;
-  }
+  for (int i = 0; i < p->rank; ++i)
+    largest = km_larger_or_nan(fabs(error[p->row[i]]), largest);
   return largest;
 }
 

@@ -1,6 +1,7 @@
 /* Closest poses by Newton's method with the loops' bend. */
 #include "kinematics/closest.h"
 
+#include "base/larger.h"
 #include "kinematics/closure.h"
 #include "kinematics/loops.h"
 
@@ -158,8 +159,8 @@ static void fill(km_closest *c, const km_mechanism *m, km_state *s, const km_sub
 /* NaN where one of them is no number. */
 static double largest_of(const double *x, int count) {
   double largest = 0.0;
-  for (int i = 0; i < count && !isnan(largest); ++i)
-    largest = fabs(x[i]) <= largest ? largest : fabs(x[i]);
+  for (int i = 0; i < count; ++i)
+    largest = km_larger_or_nan(fabs(x[i]), largest);
   return largest;
 }
 
@@ -188,7 +189,7 @@ static bool correct(km_closest *c) {
 }
 
 /* Does a factor take as long as all corrections that may be tried? Little fills in where the loops make a chain. */
-static bool is_dear(const km_closest *c) {
+static bool is_costly(const km_closest *c) {
   static const double most = 100.0; /* multiplications of each entry of the matrix */
   return km_partition_multiplications(&c->factor) > most * c->start[c->size];
 }
@@ -197,12 +198,12 @@ static bool factor(km_closest *c) {
   if (c->factor.rank == c->size && km_partition_refactor(&c->factor, c->value))
     return true;
   km_partition_factor(&c->factor, c->value, c->size, c->size, NULL, 0.0);
-  c->is_dear = is_dear(c);
+  c->is_costly = is_costly(c);
   return !c->factor.failed && c->factor.rank == c->size;
 }
 
 static bool solve(km_closest *c) {
-  if (!c->is_current && c->is_factored && c->is_dear && correct(c))
+  if (!c->is_current && c->is_factored && c->is_costly && correct(c))
     return true;
   if (!c->is_current)
     c->is_current = c->is_factored = factor(c);

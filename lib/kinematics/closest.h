@@ -24,7 +24,7 @@ typedef struct km_closest {
   km_partition factor;   /* of the matrix, or of one before it with the same coordinates and rows */
   bool is_factored;      /* is there one? */
   bool is_current;       /* is it of the matrix as it is now? */
-  bool is_dear;          /* does it take longer than corrections of solutions by one before? */
+  bool is_costly;        /* does it take longer than corrections of solutions by one before? */
 } km_closest;
 
 /* For a substructure, whose mechanism has no ball joints: two turns about different axes have no difference. False when out of

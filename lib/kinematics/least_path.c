@@ -1,6 +1,7 @@
 /* Follows the direction field of least motion, dq/ds = t(q), to a higher order than the field's own rows ask. */
 #include "kinematics/least_path.h"
 
+#include "base/larger.h"
 #include "kinematics/closure.h"
 #include "kinematics/loops.h"
 
@@ -176,7 +177,7 @@ double km_least_path_continue(const km_mechanism *m, const km_substructure *sub,
       apart += (whole[i] - less[i]) * n.t[i][k];
     }
     move[k] = h * sum;
-    error = fabs(h * apart) <= error ? error : fabs(h * apart); /* NaN stays */
+    error = km_larger_or_nan(fabs(h * apart), error);
   }
   wind_balls(m, sub, &n, h, move);
   return error / (km_path_allowed * largest(move, sub->columns) + km_path_grain);

@@ -1,4 +1,5 @@
 /* What the sparse factor is used for: the same pivots on new values, B, solutions. */
+#include "base/larger.h"
 #include "partition/pair.h"
 #include "partition/sparse.h"
 
@@ -127,7 +128,7 @@ static double longest_row(const km_partition *p, const bool *forced) {
     }
     km_sparse_solve_upper(p, x);
     for (int k = 0; k < p->rank; ++k)
-      largest = fabs(x[k]) <= largest ? largest : fabs(x[k]);
+      largest = km_larger_or_nan(fabs(x[k]), largest);
     memset(x, 0, (size_t)p->rank * sizeof *x);
   }
   return largest;
@@ -147,8 +148,8 @@ static double measure_b(const km_partition *p, bool free_only, const bool *force
     km_run run = km_sparse_b(p, k - p->rank);
     double size = 0.0;
     for (int i = run.start; i < run.end; ++i)
-      size = fabs(s->b_store.value[i]) <= size ? size : fabs(s->b_store.value[i]);
-    largest = size <= largest ? largest : size;
+      size = km_larger_or_nan(fabs(s->b_store.value[i]), size);
+    largest = km_larger_or_nan(size, largest);
     entries += run.end - run.start;
     if (size > most && !given)
       break;
