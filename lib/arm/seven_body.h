@@ -146,7 +146,7 @@ static inline FN(row) FN(substitute)(const FN(seven) * k, const T *b, T last) {
 
 /* Q x = x − V s, of products sum[c] = vᵀx. The products of the reflections among each other (Schreiber and Van Loan's compact
  * form) say what each leaves of the others' sums, so that none waits for what the one before has made of x. */
-static inline FN(row) FN(turn_back)(const FN(seven) * k, T *sum, FN(row) x) {
+static inline FN(row) FN(back_by_products)(const FN(seven) * k, T *sum, FN(row) x) {
   UNROLLED
   for (int c = 5; c >= 0; --c) {
     sum[c] *= k->inverse[c];
@@ -166,7 +166,7 @@ static inline FN(row) FN(turned_back)(const FN(seven) * k, FN(row) x) {
   UNROLLED
   for (int c = 0; c < 6; ++c)
     sum[c] = FN(product)(&k->v[c], &x, c);
-  return FN(turn_back)(k, sum, x);
+  return FN(back_by_products)(k, sum, x);
 }
 
 /* The x with J x = b that is `along` long along the null vector; the least one for 0. */
@@ -181,7 +181,7 @@ static inline void FN(find_null)(FN(seven) * k) {
   UNROLLED
   for (int c = 0; c < 6; ++c)
     sum[c] = FN(at)(&k->v[c], 6);
-  k->null = FN(turn_back)(k, sum, FN(row_of)(last, 1));
+  k->null = FN(back_by_products)(k, sum, FN(row_of)(last, 1));
 }
 
 /* Reduces the Jacobian, and finds its null vector, the least rates with J rates = b, and the path's entry. */

@@ -81,10 +81,17 @@ static bool rows_are_enough(const km_partition *p) {
   return p->sparse && km_partition_freedom(p) > KM_MOST_BASIS_TRIED;
 }
 
-/* Are the primary rows at hand tried before others are searched? */
-static void keep_rows(const km_tangents *f, bool are_tried) {
+/* From here on pivots tell rows alone where these are enough. `kept`: the primary rows at hand are tried before others. */
+static void ask_for_rows(const km_tangents *f, bool kept) {
   km_partition *p = &f->s->partition[f->index];
-  p->kept_rows = are_tried && p->rows_only ? km_rank_tolerance(f->m, f->sub, 0.0) : 0.0;
+  p->rows_only = rows_are_enough(p);
+  p->kept_rows = kept && p->rows_only ? km_rank_tolerance(f->m, f->sub, 0.0) : 0.0;
+}
+
+static void ask_for_all(const km_tangents *f) {
+  km_partition *p = &f->s->partition[f->index];
+  p->rows_only = false;
+  p->kept_rows = 0.0;
 }
 
 /* Do these pivots tell all that the next step asks for? Further on more rows may be independent, and fewer motions left. */
@@ -101,8 +108,7 @@ static bool go(km_tangents *f, int driver, double way, double *misfit) {
   double moved = fastest(f->move, f->sub->columns, &column);
   double most = way > 0.0 ? 3.0 * fmax(*misfit, noise) * pow(1.0 + moved / way, highest_power) : HUGE_VAL;
   km_partition *p = &f->s->partition[f->index];
-  p->rows_only = rows_are_enough(p);
-  keep_rows(f, way > 0.0); /* those of this way, not of what was asked before */
+  ask_for_rows(f, way > 0.0); /* those of this way, not of what was asked before */
   km_state_save(f->s, f->sub, f->last);
   km_state_move(f->m, f->s, f->sub, f->move);
   double length = km_step_length(f->m, f->sub, f->move);
@@ -187,8 +193,7 @@ km_followed km_tangents_follow(km_tangents *f, const double *direction, double s
     h = fmin(1.5 * h, longest_step);
     look_ahead(f, driver, h);
   }
-  f->s->partition[f->index].rows_only = false;
-  keep_rows(f, false);
+  ask_for_all(f);
   km_state_take_back(f->s, f->index);
   km_state_forget_pivots(f->s, f->index);
   result.reality = judge(f, &r, tolerance, way >= whole_way);
@@ -198,15 +203,12 @@ km_followed km_tangents_follow(km_tangents *f, const double *direction, double s
 bool km_tangents_are_fewer(km_tangents *f) {
   int worst;
   km_state_set_aside(f->s, f->index);
-  km_partition *p = &f->s->partition[f->index];
   km_loops_update(f->m, f->s, f->sub);
   double residual = km_loops_residual(f->m, f->s, f->sub, &worst);
-  p->rows_only = rows_are_enough(p);
-  keep_rows(f, true);
+  ask_for_rows(f, true);
   km_pivot(f->m, f->s, f->index, KM_NO_DRIVER, km_rank_tolerance(f->m, f->sub, residual));
-  bool fewer = km_partition_freedom(p) < f->conditions.freedom;
-  p->rows_only = false;
-  keep_rows(f, false);
+  bool fewer = km_partition_freedom(&f->s->partition[f->index]) < f->conditions.freedom;
+  ask_for_all(f);
   km_state_take_back(f->s, f->index);
   km_state_forget_pivots(f->s, f->index);
   return fewer;

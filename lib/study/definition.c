@@ -120,7 +120,7 @@ static km_status check_spread(const km_design_study_def *def, const km_design_sp
 }
 
 static km_status check_sample(const km_design_study_def *def, const km_design_sample *s, km_error *error) {
-  double designs = s->count * (s->indices ? s->spread_count + 2.0 : 1.0);
+  double designs = (double)s->count * km_sampler_width(s);
   if (s->count < 1 || designs > MOST_DESIGNS)
     return km_fail(error, KM_USAGE, "sample.count: found %d; expected 1 to %d designs in all", s->count, MOST_DESIGNS);
   if ((unsigned)s->method > KM_SAMPLING_LIST)

@@ -175,7 +175,7 @@ static void add(sums *s, double term, double variance) {
 }
 
 static km_status add_row(km_design_study *s, int figure, int row, double middle, index_sums *out, km_error *error) {
-  int spreads = s->def->sample->spread_count, width = spreads + 2;
+  int spreads = s->def->sample->spread_count, width = km_sampler_width(s->def->sample);
   double f[KM_MOST_DESIGN_PARAMETERS + 2];
   km_design_result r;
   for (int k = 0; k < width; ++k) {
