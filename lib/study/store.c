@@ -3,8 +3,10 @@
  *
  * Keys of samples come in no order, so that a commit of many changes almost every page of a table that is sorted by them. A
  * run of many designs therefore appends what it gets to a table of its own, and sorts that into the other one when it has
- * grown by a share of what was sorted before. In memory no page is written, and other threads would wait for the sort. */
+ * grown by a share of what was sorted before. In memory there is nothing to write, and answers go into a hash table. */
 #include "study/store.h"
+
+#include "study/answer_map.h"
 
 #include <math.h>
 #include <sqlite3.h>
@@ -19,10 +21,11 @@ struct km_store {
   sqlite3 *db;
   sqlite3_stmt *get, *put, *append;
   const char *path;               /* for messages */
-  bool in_memory;                 /* no file */
+  bool in_memory;                 /* no file: answers are in `kept` */
   bool writing;                   /* a transaction is open */
   bool appends;                   /* what is put is appended, and sorted later */
   double appended, most_appended; /* bytes, about: that wait to be sorted, and that may */
+  km_answer_map kept;
   km_arena arena;
 };
 
@@ -152,11 +155,11 @@ km_status km_store_open(const char *path, const char *identity, const char *what
   if (!s)
     return km_fail(error, KM_MEMORY, "out of memory for a store");
   s->path = km_arena_string(&s->arena, path ? path : "in memory");
-  s->in_memory = !path;
+  s->in_memory = !path || strcmp(path, ":memory:") == 0;
   s->most_appended = first_appended;
   if (!s->path)
     return km_fail(error, KM_MEMORY, "out of memory for a store");
-  if (sqlite3_open(path ? path : ":memory:", &s->db) != SQLITE_OK)
+  if (sqlite3_open(s->in_memory ? ":memory:" : path, &s->db) != SQLITE_OK)
     return fail(s, error);
   sqlite3_extended_result_codes(s->db, 1);
   /* A write-ahead log: a commit costs no wait for the disk, and survives the end of the process at any moment. */
@@ -182,6 +185,7 @@ void km_store_free(km_store *s) {
   sqlite3_finalize(s->put);
   sqlite3_finalize(s->append);
   sqlite3_close(s->db);
+  km_answer_map_free(&s->kept);
   km_arena_free(&s->arena);
   km_free(s);
 }
@@ -200,6 +204,10 @@ km_status km_store_question(km_store *s, const char *key, const char *name, int 
 
 km_status km_store_is_empty(const km_store *s, bool *empty, km_error *error) {
   sqlite3_stmt *statement = NULL;
+  if (s->in_memory) {
+    *empty = s->kept.count == 0;
+    return KM_OK;
+  }
   int code = sqlite3_prepare_v2(s->db, "SELECT 1 FROM results LIMIT 1", -1, &statement, NULL);
   if (code == SQLITE_OK)
     code = sqlite3_step(statement);
@@ -232,6 +240,10 @@ km_status km_store_get(km_store *s, const km_store_shape *shape, const double *v
                        bool *found, km_error *error) {
   double key[KM_MOST_DESIGN_PARAMETERS];
   key_of(values, shape->parameters, key);
+  if (s->in_memory) {
+    *found = km_answer_map_get(&s->kept, shape, key, out);
+    return KM_OK;
+  }
   sqlite3_bind_int(s->get, 1, shape->question);
   bind_numbers(s->get, 2, key, shape->parameters);
   int code = sqlite3_step(s->get);
@@ -252,10 +264,14 @@ km_status km_store_put(km_store *s, const km_store_shape *shape, const double *v
                        km_error *error) {
   double key[KM_MOST_DESIGN_PARAMETERS];
   sqlite3_stmt *put = s->appends ? s->append : s->put;
+  key_of(values, shape->parameters, key);
+  if (s->in_memory)
+    return km_answer_map_put(&s->kept, shape, key, a)
+               ? KM_OK
+               : km_fail(error, KM_MEMORY, "out of memory for the store %s", s->path);
   km_status status = begin(s, error);
   if (status)
     return status;
-  key_of(values, shape->parameters, key);
   sqlite3_bind_int(put, 1, shape->question);
   bind_numbers(put, 2, key, shape->parameters);
   sqlite3_bind_int(put, 3, (int)a->outcome);

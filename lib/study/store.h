@@ -4,7 +4,7 @@
 
 #include "study/study.h"
 
-/* Opens the file, or makes it; path NULL: in memory. `identity` and `what` (in words) tell whose results these are.
+/* Opens the file, or makes it; path NULL or ":memory:": in memory. `identity` and `what` (in words) tell whose results these are.
  * KM_USAGE: another study's; KM_IO: unreadable, unwritable, or written by another run. The caller frees `*out`. */
 km_status km_store_open(const char *path, const char *identity, const char *what, bool replace, km_store **out,
                         km_error *error);
