@@ -139,7 +139,7 @@ void km_continuation_predict(km_continuation *c, double h, bool alone) {
   }
   double slope = known ? 0.5 * h / course->last_h : 0.0;
   for (int k = 0; k < columns; ++k)
-    c->move[k] = h * (course->t[k] + slope * (course->t[k] - course->last_t[k]));
+    c->move[k] = known ? h * (course->t[k] + slope * (course->t[k] - course->last_t[k])) : h * course->t[k];
 }
 
 void km_continuation_place(km_continuation *c, double parameter) {

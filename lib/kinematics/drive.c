@@ -339,6 +339,12 @@ static bool touches(km_drive *d, double goal) {
   return false;
 }
 
+void km_drive_get_ready(km_drive *d, double target) {
+  km_drive_settle(d);
+  if (!d->here.known && within_own_limit(d, target * km_drive_factor(d)) != d->here.s)
+    start(d);
+}
+
 void km_drive_begin(km_drive *d, double target) {
   km_drive_settle(d);
   double goal = within_own_limit(d, target * km_drive_factor(d)), left = goal - d->here.s, step = d->here.largest;

@@ -87,6 +87,8 @@ void km_drive_expect_stiff(km_drive *drive);
 bool km_drive_pass(km_drive *drive);
 /* Back to the last place that was passed before s, on the way to the mark; false, and nothing happens, if there is none. */
 bool km_drive_return_before(km_drive *drive, double s);
+/* Searches pivots and tangent of the present pose, if there is a way to go to the target, and they aren't known. */
+void km_drive_get_ready(km_drive *drive, double target);
 /* The first of several steps towards the target, if it takes several and the first is accepted: km_drive_to goes on from
  * there with the same bits. */
 void km_drive_begin(km_drive *drive, double target);

@@ -6,20 +6,19 @@
 
 #include <string.h>
 
-/* Are as many freedoms left as lanes are for? */
+/* Are as many freedoms left as lanes are for? With several the first step is taken alone. */
 static bool has_freedoms_for_lanes(const km_drive *d, int freedom) {
   bool few = freedom <= KM_LANES_FREEDOMS && freedom - 1 <= d->c.course.reference.rank;
-  return freedom == 1 || (freedom > 1 && few && !d->here.stiff);
+  return freedom == 1 || (freedom > 1 && few && !d->here.stiff && d->c.course.last_h != 0.0);
 }
 
 /* May the drive take steps in its lane: known pivots that belong to the last pose, and a regular pose? */
 static bool may_ride(const km_drive *d) {
   const km_state *s = d->c.state;
   const km_partition *p = &s->partition[d->c.substructure], *reference = &d->c.course.reference;
-  return d->here.known && d->c.course.last_h != 0.0 && s->pivoted[d->c.substructure] == d->c.column &&
-         !p->forced_dependent && !p->locked && has_freedoms_for_lanes(d, km_partition_freedom(p)) &&
-         reference->rank == p->rank && reference->searches == p->searches &&
-         p->last_pivot >= km_continuation_singular * p->scale;
+  return d->here.known && s->pivoted[d->c.substructure] == d->c.column && !p->forced_dependent && !p->locked &&
+         has_freedoms_for_lanes(d, km_partition_freedom(p)) && reference->rank == p->rank &&
+         reference->searches == p->searches && p->last_pivot >= km_continuation_singular * p->scale;
 }
 
 /* The first one aboard decides by which pivots all go. */
@@ -247,7 +246,7 @@ static void keep_pivots(km_drive_lanes *l) {
 /* A target so many of the longest steps away is left to the drive alone, which gives up at a number of steps. */
 static const double most_steps = 1e4;
 
-/* Aboard, if it may: where there is a way to go it takes the first step alone, after which it mostly may. */
+/* Aboard, if it may: where there is a way to go it gets ready for it, or takes the first step alone, after which it mostly may. */
 static void call_aboard(km_drive_lanes *l, int i, double target) {
   km_drive *d = l->drives[i];
   board(l, i);
@@ -255,6 +254,10 @@ static void call_aboard(km_drive_lanes *l, int i, double target) {
   if (far)
     km_drive_settle(d);
   if (far || l->aboard >> i & 1)
+    return;
+  km_drive_get_ready(d, target);
+  board(l, i);
+  if (l->aboard >> i & 1)
     return;
   km_drive_begin(d, target);
   board(l, i);

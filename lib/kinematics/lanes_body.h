@@ -55,6 +55,25 @@ static WITHIN void look_farther(km_drive_lanes *l, const vector *h, const mask *
   PUT(l->move[k], pick(far[r], GET(l->x[k]), GET(l->move[k])));
 }
 
+/* Is the last step long enough to tell of one of h? */
+static inline mask is_near(const km_drive_lanes *l, vector h, int r, int first) {
+  return at_most(size_of(h), km_continuation_farther * size_of(GET(l->here.last_h)));
+}
+
+/* Where the last step tells nothing, or there is none: along the tangent. */
+static WITHIN void set_out(km_drive_lanes *l, const vector *h, int first, int count) {
+  mask near[TOGETHER], far[TOGETHER];
+  EACH(r) {
+    near[r] = is_near(l, h[r], r, first);
+    far[r] = ~near[r];
+  }
+  if (!any(far, count))
+    return;
+  for (int k = 0; k < l->sub->columns; ++k)
+    EACH(r)
+  PUT(l->move[k], pick(near[r], GET(l->move[k]), h[r] * GET(l->t[k])));
+}
+
 /* km_continuation_predict, of one freedom. */
 static WITHIN void continue_curve(km_drive_lanes *l, const vector *h, const mask *fit, int first, int count) {
   vector last_h[TOGETHER], h00[TOGETHER], h10[TOGETHER], h11[TOGETHER];
@@ -68,6 +87,7 @@ static WITHIN void continue_curve(km_drive_lanes *l, const vector *h, const mask
   for (int k = 0; k < l->sub->columns; ++k)
     EACH(r)
   PUT(l->move[k], -h00[r] * GET(l->last_move[k]) + last_h[r] * (h10[r] * GET(l->last_t[k]) + h11[r] * GET(l->t[k])));
+  set_out(l, h, first, count);
   if (l->m->ball_count == 0)
     look_farther(l, h, fit, first, count);
 }
@@ -94,14 +114,15 @@ static inline void choose_step(const km_drive_lanes *l, vector *h, mask *arrives
   }
 }
 
-/* Clears the lanes whose target doesn't lie within the driver's limits, and whose step is too long for the cubic. */
+/* Clears the lanes whose target doesn't lie within the driver's limits, and, of several freedoms, whose last step tells nothing. */
 static inline void may_step(const km_drive_lanes *l, const vector *h, mask *fit, int first, int count) {
   EACH(r) {
     vector s = GET(l->here.s), goal = GET(l->target);
     vector slack = 1e-12 * (1.0 + size_of(goal));
     vector high = larger(s, GET(l->driver_high)), low = -larger(-s, -GET(l->driver_low));
-    fit[r] &= at_most(goal, high + slack) & at_most(low - slack, goal) & ~equal(h[r], all(0.0)) &
-              at_most(size_of(h[r]), km_continuation_farther * size_of(GET(l->here.last_h)));
+    fit[r] &= at_most(goal, high + slack) & at_most(low - slack, goal) & ~equal(h[r], all(0.0));
+    if (l->beside > 0)
+      fit[r] &= is_near(l, h[r], r, first);
   }
 }
 
