@@ -61,14 +61,7 @@ static inline mask is_near(const km_drive_lanes *l, vector h, int r, int first) 
 }
 
 /* Where the last step tells nothing, or there is none: along the tangent. */
-static WITHIN void set_out(km_drive_lanes *l, const vector *h, int first, int count) {
-  mask near[TOGETHER], far[TOGETHER];
-  EACH(r) {
-    near[r] = is_near(l, h[r], r, first);
-    far[r] = ~near[r];
-  }
-  if (!any(far, count))
-    return;
+static APART void set_out(km_drive_lanes *l, const vector *h, const mask *near, int first, int count) {
   for (int k = 0; k < l->sub->columns; ++k)
     EACH(r)
   PUT(l->move[k], pick(near[r], GET(l->move[k]), h[r] * GET(l->t[k])));
@@ -77,7 +70,10 @@ static WITHIN void set_out(km_drive_lanes *l, const vector *h, int first, int co
 /* km_continuation_predict, of one freedom. */
 static WITHIN void continue_curve(km_drive_lanes *l, const vector *h, const mask *fit, int first, int count) {
   vector last_h[TOGETHER], h00[TOGETHER], h10[TOGETHER], h11[TOGETHER];
+  mask near[TOGETHER], far[TOGETHER];
   EACH(r) {
+    near[r] = is_near(l, h[r], r, first);
+    far[r] = ~near[r];
     last_h[r] = GET(l->here.last_h);
     vector u = h[r] / last_h[r] + 1.0;
     h00[r] = 2.0 * u * u * u - 3.0 * u * u + 1.0;
@@ -87,7 +83,8 @@ static WITHIN void continue_curve(km_drive_lanes *l, const vector *h, const mask
   for (int k = 0; k < l->sub->columns; ++k)
     EACH(r)
   PUT(l->move[k], -h00[r] * GET(l->last_move[k]) + last_h[r] * (h10[r] * GET(l->last_t[k]) + h11[r] * GET(l->t[k])));
-  set_out(l, h, first, count);
+  if (any(far, count))
+    set_out(l, h, near, first, count);
   if (l->m->ball_count == 0)
     look_farther(l, h, fit, first, count);
 }
@@ -141,11 +138,25 @@ static inline void clear_of_limits(const km_drive_lanes *l, const vector *h, mas
   }
 }
 
-/* Clears the lanes that were too much corrected, turned too sharply, or are on another branch, which one freedom shows. By
- * squares, as in close_loops; `square`: of the way that was predicted. */
-static WITHIN void keep_to_curve(const km_drive_lanes *l, const vector *square, const vector *correction, mask *fit,
-                                 int first, int count) {
-  const double cosine = km_drive_least_cosine(km_drive_tightness), part = km_drive_tightness;
+/* Clears the lanes that were corrected too much for the way that was predicted. By squares, as in close_loops. */
+static inline void keep_to_prediction(const km_drive_lanes *l, const vector *correction, mask *fit, int first, int count) {
+  const double part = km_drive_tightness;
+  vector square[TOGETHER];
+  mask corrected[TOGETHER];
+  EACH(r) {
+    corrected[r] = ~equal(correction[r], all(0.0));
+    square[r] = all(0.0);
+  }
+  if (!any(corrected, count))
+    return;
+  add_product(l, l->move, l->move, square, first, count);
+  EACH(r)
+  fit[r] &= at_most(correction[r], SURE * part * part * square[r]);
+}
+
+/* Clears the lanes that turned too sharply, or are on another branch, which one freedom shows. By squares too. */
+static WITHIN void keep_to_curve(const km_drive_lanes *l, mask *fit, int first, int count) {
+  const double cosine = km_drive_least_cosine(km_drive_tightness);
   vector along[TOGETHER], before[TOGETHER], behind[TOGETHER];
   EACH(r)
   along[r] = before[r] = behind[r] = all(0.0);
@@ -153,8 +164,7 @@ static WITHIN void keep_to_curve(const km_drive_lanes *l, const vector *square, 
   add_product(l, l->t, l->t, before, first, count);
   add_product(l, l->next_t, l->next_t, behind, first, count);
   EACH(r)
-  fit[r] &= at_most(correction[r], SURE * part * part * square[r]) & below(all(0.0), along[r]) &
-            at_most(cosine * cosine * (before[r] * behind[r]), SURE * along[r] * along[r]);
+  fit[r] &= below(all(0.0), along[r]) & at_most(cosine * cosine * (before[r] * behind[r]), SURE * along[r] * along[r]);
   for (int r = 0; r < count && l->beside == 0; ++r)
     fit[r] &= equal(GET(l->next_sign), GET(l->sign));
 }
@@ -285,13 +295,11 @@ static inline void set_residual(km_drive_lanes *l, const mask *took, int first, 
 /* One step of lanes first … first + count · WIDTH-1. */
 static inline unsigned step(km_drive_lanes *l, unsigned wanted, int first, int count) {
   const int *coordinate = l->m->column_coordinate + l->sub->column_start;
-  vector h[TOGETHER], strain[TOGETHER], square[TOGETHER], correction[TOGETHER], largest_b[TOGETHER];
+  vector h[TOGETHER], strain[TOGETHER], correction[TOGETHER], largest_b[TOGETHER];
   mask arrives[TOGETHER], took[TOGETHER], sound[TOGETHER], quiet[TOGETHER];
   unsigned taken = 0;
-  EACH(r) {
-    took[r] = mask_of(wanted >> AT(r));
-    square[r] = all(0.0);
-  }
+  EACH(r)
+  took[r] = mask_of(wanted >> AT(r));
   choose_step(l, h, arrives, first, count);
   may_step(l, h, took, first, count);
   if (!any(took, count))
@@ -302,7 +310,6 @@ static inline unsigned step(km_drive_lanes *l, unsigned wanted, int first, int c
   if (l->m->ball_count > 0)
     save_balls(l, first, count);
   predict(l, h, strain, took, first, count);
-  add_product(l, l->move, l->move, square, first, count);
   move(l, l->move, took, first, count);
   EACH(r) {
     vector q = GET(l->q[l->coordinate]);
@@ -310,7 +317,8 @@ static inline unsigned step(km_drive_lanes *l, unsigned wanted, int first, int c
   }
   close_loops(l, took, correction, largest_b, first, count);
   set_next_tangent(l, first, count);
-  keep_to_curve(l, square, correction, took, first, count);
+  keep_to_prediction(l, correction, took, first, count);
+  keep_to_curve(l, took, first, count);
   clear_of_limits(l, h, took, first, count);
   accept(l, took, arrives, h, strain, largest_b, first, count);
   if (l->beside == 0)
