@@ -5,6 +5,8 @@
 #include "base/table.h"
 #include "kinematics/drive_lanes.h"
 
+#include <string.h>
+
 /* |z| below this is 0: z = Z_j of the one free direction, known to about 1e-12. */
 static const double zero = 1e-9;
 
@@ -30,9 +32,27 @@ typedef struct watch {
   int watched_count;
   int *shown; /* coordinate of each column of numbers, -1: of a joint that can't move */
   int shown_count;
-  size_t *cell; /* [coordinate] of its number in a row */
+  size_t *cell;             /* [coordinate] of its number in a row; 0: it has none */
+  const char *const *reads; /* see km_sweep_job */
   km_singular_watch singular;
 } watch;
+
+static bool is_read(const watch *w, const char *label) {
+  bool found = !w->reads;
+  for (const char *const *name = w->reads; !found && *name; ++name)
+    found = strncmp(*name, "m.", 2) == 0 && strcmp(*name + 2, label) == 0;
+  return found;
+}
+
+/* The column of coordinate c, -1: of a joint that can't move. */
+static bool add_column(watch *w, const char *label, int c, km_table *table) {
+  if (!is_read(w, label))
+    return true;
+  if (c >= 0)
+    w->cell[c] = km_table_columns(table);
+  w->shown[w->shown_count++] = c;
+  return km_table_join_column(table, "m.", label, "", NULL);
+}
 
 /* A column for each coordinate, and one for each joint that has none. */
 static bool add_columns(void *self, const km_sweeper *r, km_table *table) {
@@ -43,15 +63,10 @@ static bool add_columns(void *self, const km_sweeper *r, km_table *table) {
   for (int j = 0; j < model->joint_count; ++j) {
     const km_model_joint *joint = &model->joints[j];
     int freedom = km_model_freedom(model, j);
-    if (freedom == 0) {
-      added = km_table_join_column(table, "m.", joint->label, "", NULL) && added;
-      w->shown[w->shown_count++] = -1;
-    }
-    for (int c = joint->first_coordinate; c < joint->first_coordinate + freedom; ++c) {
-      w->cell[c] = km_table_columns(table);
-      added = km_table_join_column(table, "m.", model->coordinates[c].label, "", NULL) && added;
-      w->shown[w->shown_count++] = c;
-    }
+    if (freedom == 0)
+      added = add_column(w, joint->label, -1, table) && added;
+    for (int c = joint->first_coordinate; c < joint->first_coordinate + freedom; ++c)
+      added = add_column(w, model->coordinates[c].label, c, table) && added;
   }
   return (!r->plan->singularities || km_table_join_column(table, "", "singular_value", "", NULL)) && added;
 }
@@ -322,6 +337,7 @@ static km_status open_watch(km_sweep_job *job, km_mobility_sweep *out) {
   bool singularities = job->plan->singularities, ready = w != NULL;
   if (ready) {
     w->out = out;
+    w->reads = job->table_only ? job->reads : NULL;
     ready = reserve(w, job->m) && (!singularities || km_singular_watch_make(&w->singular, job->m));
     w->observer = observer_of(w, singularities, job->table_only);
     job->observer = &w->observer;

@@ -249,8 +249,13 @@ static void end_answer(km_question *q, km_status status) {
 }
 
 static km_sweep_job open_sweep(km_question *q, km_state *s, km_error *error) {
-  km_sweep_job job = {
-      .m = q->m, .s = s, .plan = &q->plan, .room = &q->room, .error = error, .table_only = q->table_only};
+  km_sweep_job job = {.m = q->m,
+                      .s = s,
+                      .plan = &q->plan,
+                      .room = &q->room,
+                      .error = error,
+                      .table_only = q->table_only,
+                      .reads = q->reads};
   begin_answer(q, error);
   q->kind->open(q, &job);
   return job;

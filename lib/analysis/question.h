@@ -43,6 +43,7 @@ struct km_question {
   bool prepared, answered;
   bool no_reactions;  /* nobody reads their columns, which a question about forces leaves at NaN */
   bool table_only;    /* see km_sweep_job; nor is anything concluded from it */
+  const char **reads; /* the same */
   km_sweep_room room; /* of the last answer, for the next one */
   void *own;
 };

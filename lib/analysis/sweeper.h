@@ -106,6 +106,8 @@ struct km_sweep_job {
   /* Nobody reads more than rows and how the motion ended: what lies between rows isn't looked for, and the state's
    * partition is left behind. */
   bool table_only;
+  const char *const
+      *reads; /* with table_only: names of columns, NULL behind them; others may be left out. NULL: all are read */
   km_status status; /* how it ended */
 };
 

@@ -185,6 +185,18 @@ static bool reads_events(const km_design_question *q) {
   return reads;
 }
 
+/* The columns that the figures and bands read; NULL: out of memory. */
+static const char **columns_read(const km_design_question *q, km_arena *arena) {
+  const char **reads = KM_ARENA_NEW(arena, const char *, (size_t)(q->figure_count + q->band_count) + 1);
+  int count = 0;
+  for (int f = 0; f < q->figure_count && reads; ++f)
+    if (q->figures[f].column)
+      reads[count++] = q->figures[f].column;
+  for (int b = 0; b < q->band_count && reads; ++b)
+    reads[count++] = q->bands[b];
+  return reads;
+}
+
 static km_status make_question(const km_design_worker *w, int index, const km_mechanism *m, const km_model *model,
                                km_question **out, km_error *error) {
   const km_design_question *def = &w->study->def->questions[index];
@@ -194,6 +206,8 @@ static km_status make_question(const km_design_worker *w, int index, const km_me
   if (!status) {
     (*out)->no_reactions = !reads_reactions(def);
     (*out)->table_only = !reads_events(def);
+    (*out)->reads = columns_read(def, &(*out)->arena);
+    status = (*out)->reads ? KM_OK : no_memory(error);
   }
   if (status) {
     km_question_free(*out);
