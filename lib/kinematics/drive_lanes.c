@@ -265,14 +265,13 @@ static void call_aboard(km_drive_lanes *l, int i, double target) {
 
 /* Sets the targets of those that are aboard, and lets those leave that have too far to go. */
 static void set_targets(km_drive_lanes *l, unsigned wanted, const double *targets) {
+  unsigned far = 0;
   for (int i = 0; i < l->count; ++i) {
-    if (!(wanted >> i & 1))
-      continue;
-    double target = targets[i] * l->factor.of[i];
-    l->target.of[i] = target;
-    if (!(fabs(target - l->here.s.of[i]) < most_steps * km_drive_longest))
-      km_drive_settle(l->drives[i]);
+    l->target.of[i] = targets[i] * l->factor.of[i];
+    far |= (unsigned)!(fabs(l->target.of[i] - l->here.s.of[i]) < most_steps * km_drive_longest) << i;
   }
+  for (far &= wanted; far; far &= far - 1)
+    km_drive_settle(l->drives[__builtin_ctz(far)]);
 }
 
 /* What a drive has reached: in its lane, or alone from where its lane has stopped. */

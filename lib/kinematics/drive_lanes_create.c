@@ -23,12 +23,15 @@ static void reserve_place(km_drive_lanes *l) {
     l->past[i] = next;
 }
 
+/* Directions of motion are read of a row and of the one before it alone: rows share two places for them, in turn. Steps that are no
+ * row's have their own. */
 static void reserve_rows(km_drive_lanes *l) {
   size_t columns = (size_t)l->sub->columns;
-  l->row_size = 3 * columns + 1;
+  l->row_size = 2 * columns + 1;
   km_lanes_number *row = KM_ARENA_NEW(&l->arena, km_lanes_number, (KM_DRIVE_ROWS + 1) * l->row_size);
-  for (int r = 0; row && r <= KM_DRIVE_ROWS; ++r, row += l->row_size)
-    l->rows[r] = (km_lane_row){row, row + columns, row + 2 * columns, row + 3 * columns};
+  km_lanes_number *z = KM_ARENA_NEW(&l->arena, km_lanes_number, 3 * columns);
+  for (size_t r = 0; row && z && r <= KM_DRIVE_ROWS; ++r, row += l->row_size)
+    l->rows[r] = (km_lane_row){row, z + (r < KM_DRIVE_ROWS ? r % 2 : 2) * columns, row + columns, row + 2 * columns};
 }
 
 /* For the programs of both kinds. */
