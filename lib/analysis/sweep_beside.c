@@ -132,7 +132,7 @@ static unsigned shown_their_way(const km_walk *walks, unsigned going) {
  * alone. Returns the others. */
 static unsigned pass_part(km_walk *walks, unsigned riding, int k, km_drive_lanes *lanes, const double *targets,
                           km_reach *reaches) {
-  double places[KM_DRIVE_LANES];
+  double places[KM_DRIVE_LANES] = {0}; /* registers also read those of lanes that don't ride */
   unsigned able = 0;
   int parts = km_sweeper_parts(walks[__builtin_ctz(riding)].r);
   for (unsigned rest = riding; rest; rest &= rest - 1) {
