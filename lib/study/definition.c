@@ -190,7 +190,7 @@ static km_status check_optimise(const km_design_study_def *def, const km_design_
 }
 
 static km_status check_figure(const km_design_question *q, const km_design_figure *f, km_error *error) {
-  if (!f->name)
+  if (!f->name || !*f->name)
     return km_fail(error, KM_USAGE, "ask.%.80s.figures: a figure has no name", q->name);
   if ((unsigned)f->kind >= KM_DESIGN_FIGURE_KINDS)
     return km_fail(error, KM_USAGE, "ask.%.80s.figures.%.80s: there is no such kind of figure", q->name, f->name);
@@ -213,7 +213,7 @@ static km_status check_questions(const km_design_study_def *def, km_error *error
                    KM_MOST_DESIGN_QUESTIONS);
   for (int q = 0; q < def->question_count; ++q) {
     const km_design_question *question = &def->questions[q];
-    if (!question->name || (!def->function && !question->kind))
+    if (!question->name || !*question->name || (!def->function && !question->kind))
       return km_fail(error, KM_USAGE, "ask[%d]: expected a name and a kind of question", q);
     for (int k = 0; k < q; ++k)
       if (strcmp(def->questions[k].name, question->name) == 0)

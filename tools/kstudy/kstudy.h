@@ -34,6 +34,11 @@ typedef struct kstudy_open {
 kt_exit kstudy_bring(const kstudy_request *request, bool must_exist, kstudy_open *out);
 void kstudy_close(kstudy_open *open);
 
+/* Room for a name as a part of a file's name, and for all of what follows BASE. */
+enum { KSTUDY_WORD = 200, KSTUDY_NAME = 400 };
+
+/* Would two pictures have the same file? That is an error. */
+kt_exit kstudy_check_names(const kstudy_request *request, kstudy_open *open);
 /* Pictures of what the study came to, in the formats of the list. */
 kt_exit kstudy_plot(const kstudy_request *request, kstudy_open *open, const kt_formats *formats);
 /* BASE.study-report.html. */

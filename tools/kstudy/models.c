@@ -57,7 +57,7 @@ static kt_exit write_worst(const kstudy_request *r, kstudy_open *o) {
   for (int f = 0; f < km_design_study_figures(o->study) && result == KT_DONE; ++f) {
     const km_design_figure *figure = km_design_study_figure(o->study, f);
     km_design_statistics st;
-    char word[128], name[112];
+    char word[KSTUDY_NAME], name[KSTUDY_WORD];
     if (!figure->better || km_design_study_statistics(o->study, f, &st, NULL) || st.count == 0)
       continue;
     kstudy_word(figure->name, name, sizeof name);

@@ -12,7 +12,7 @@
 void kstudy_options(kt_options *out, kstudy_request *r, unsigned uses) {
   const kt_option table[] = {
       {"store", 0, "FILE", "Where results are kept (default BASE.study.sqlite)", KT_TEXT, &r->store, KT_ABOUT_FILES},
-      KT_BASE(&r->base, "Begin of the files' names (default: the study's name, or its folder's for study.json)"),
+      KT_BASE(&r->base, "Beginning of the files' names (default: the study's name, or its folder's for study.json)"),
   };
   KT_OPTIONS_ADD(out, table);
   kt_common_options(out, &r->common, uses);
@@ -128,6 +128,8 @@ kt_exit kstudy_bring(const kstudy_request *r, bool must_exist, kstudy_open *out)
   else
     snprintf(out->store, sizeof out->store, "%.4090s.study.sqlite", out->base);
   result = read_rows(r, out);
+  if (result == KT_DONE)
+    result = kstudy_check_names(r, out);
   return result == KT_DONE ? open_store(r, must_exist, out) : result;
 }
 

@@ -13,15 +13,104 @@ static const char *name_of(const kstudy_open *o) {
   return slash ? slash + 1 : o->base;
 }
 
-/* A picture of the study itself; what has nothing to show is left out. */
+/* A picture, and what its file's name says: SUBJECT-WORD, or the one that there is. */
 typedef struct own_picture {
   km_designs_plot plot;
   int index, band;
-  const char *subject, *word; /* of the file's name */
+  const char *question; /* stands before the subject of a band that several questions keep; or "" */
+  const char *subject, *word;
 } own_picture;
 
+typedef struct own_pictures {
+  own_picture *items;
+  int count;
+} own_pictures;
+
+static void add(own_pictures *out, km_designs_plot plot, int index, const char *subject, const char *word) {
+  out->items[out->count++] = (own_picture){plot, index, 0, "", subject, word};
+}
+
+static bool is_kept_elsewhere(const km_design_study_def *def, int question, const char *column) {
+  for (int q = 0; q < def->question_count; ++q)
+    for (int b = 0; b < def->questions[q].band_count; ++b)
+      if (q != question && strcmp(def->questions[q].bands[b], column) == 0)
+        return true;
+  return false;
+}
+
+static void add_bands(const km_design_study_def *def, int q, own_pictures *out) {
+  const km_design_question *question = &def->questions[q];
+  for (int b = 0; b < question->band_count; ++b) {
+    add(out, KM_DESIGNS_BANDS, q, question->bands[b], "bands");
+    out->items[out->count - 1].band = b;
+    if (is_kept_elsewhere(def, q, question->bands[b]))
+      out->items[out->count - 1].question = question->name;
+  }
+}
+
+static void add_figures(const km_design_study_def *def, const char *word, km_designs_plot plot, own_pictures *out) {
+  int index = 0;
+  for (int q = 0; q < def->question_count; ++q)
+    for (int f = 0; f < def->questions[q].figure_count; ++f, ++index)
+      add(out, plot, index, def->questions[q].figures[f].name, word);
+}
+
+/* What may be drawn of the study, which depends on its definition alone; what has nothing to show is left out later. */
+static bool list_pictures(kstudy_open *o, own_pictures *out) {
+  const km_design_study_def *def = &o->def;
+  size_t most = 1;
+  for (int q = 0; q < def->question_count; ++q)
+    most += 2 + (size_t)def->questions[q].band_count + 3 * (size_t)def->questions[q].figure_count;
+  *out = (own_pictures){KM_ARENA_NEW(&o->arena, own_picture, most), 0};
+  if (!out->items)
+    return false;
+  for (int q = 0; q < def->question_count; ++q)
+    add_bands(def, q, out);
+  if (def->sample) {
+    add_figures(def, "histogram", KM_DESIGNS_HISTOGRAM, out);
+    add_figures(def, "scatter", KM_DESIGNS_SCATTER, out);
+    add_figures(def, "convergence", KM_DESIGNS_CONVERGENCE, out);
+  }
+  if (def->optimise) {
+    bool front = def->optimise->goal_count == 2;
+    add(out, front ? KM_DESIGNS_FRONT : KM_DESIGNS_PROGRESS, 0, "", front ? "front" : "progress");
+  }
+  for (int q = 0; q < def->question_count; ++q) { /* of all variants over each other, or of the start and the best */
+    add(out, KM_DESIGNS_ANSWERS, q, def->questions[q].name, "");
+    add(out, KM_DESIGNS_PATHS, q, def->questions[q].name, "paths");
+  }
+  return true;
+}
+
+static void name_picture(const own_picture *p, char *out, size_t size) {
+  char question[100], subject[KSTUDY_WORD];
+  kstudy_word(p->question, question, sizeof question);
+  kstudy_word(p->subject, subject, sizeof subject);
+  snprintf(out, size, "%s%s%s%s%s", question, question[0] ? "." : "", subject, subject[0] && p->word[0] ? "-" : "",
+           p->word);
+}
+
+kt_exit kstudy_check_names(const kstudy_request *r, kstudy_open *o) {
+  own_pictures all;
+  if (!list_pictures(o, &all))
+    return KT_NO_MEMORY;
+  for (int i = 0; i < all.count; ++i)
+    for (int k = 0; k < i; ++k) {
+      char name[KSTUDY_NAME], other[KSTUDY_NAME];
+      name_picture(&all.items[i], name, sizeof name);
+      name_picture(&all.items[k], other, sizeof other);
+      if (strcmp(name, other) != 0)
+        continue;
+      kt_say(&r->common, KM_ERROR,
+             "%s: the pictures of \"%.80s\" and \"%.80s\" would both be %s.%s; expected names that differ", o->name,
+             all.items[k].subject, all.items[i].subject, o->base, name);
+      return KT_BAD_MODEL;
+    }
+  return KT_DONE;
+}
+
 static kt_exit write_own(const kstudy_request *r, kstudy_open *o, const own_picture *p, kt_format format) {
-  char name[256];
+  char name[KSTUDY_NAME];
   km_text out = {0};
   km_error error;
   km_status status = km_designs_picture(o->study, &o->def, name_of(o), p->plot, p->index, p->band,
@@ -31,69 +120,20 @@ static kt_exit write_own(const kstudy_request *r, kstudy_open *o, const own_pict
     kt_say(&r->common, KM_ERROR, "%s: %s", o->name, error.text);
     result = kt_exit_of(status);
   } else if (!status) {
-    kstudy_word(p->subject, name, 200);
-    bool both = p->subject[0] && p->word[0];
-    snprintf(name + strlen(name), 50, "%s%s", both ? "-" : "", p->word);
+    name_picture(p, name, sizeof name);
     result = kt_write(&r->common, o->base, name, kt_format_word(format), &out);
   }
   km_text_free(&out);
   return result;
 }
 
-static kt_exit draw_figures(const kstudy_request *r, kstudy_open *o, kt_format format, const char *word,
-                            km_designs_plot plot) {
-  kt_exit result = KT_DONE;
-  for (int f = 0; f < km_design_study_figures(o->study); ++f) {
-    const own_picture picture = {plot, f, 0, km_design_study_figure(o->study, f)->name, word};
-    result = kt_worse(result, write_own(r, o, &picture, format));
-  }
-  return result;
-}
-
-static kt_exit draw_bands(const kstudy_request *r, kstudy_open *o, kt_format format) {
-  kt_exit result = KT_DONE;
-  for (int q = 0; q < o->def.question_count; ++q)
-    for (int b = 0; b < o->def.questions[q].band_count; ++b) {
-      const own_picture picture = {KM_DESIGNS_BANDS, q, b, o->def.questions[q].bands[b], "bands"};
-      result = kt_worse(result, write_own(r, o, &picture, format));
-    }
-  return result;
-}
-
-/* A picture a question of all variants over each other, or of the start and the best design. */
-static kt_exit draw_answers(const kstudy_request *r, kstudy_open *o, kt_format format) {
-  kt_exit result = KT_DONE;
-  for (int q = 0; q < o->def.question_count; ++q) {
-    const char *name = o->def.questions[q].name;
-    const own_picture answers = {KM_DESIGNS_ANSWERS, q, 0, name, ""}, paths = {KM_DESIGNS_PATHS, q, 0, name, "paths"};
-    result = kt_worse(result, write_own(r, o, &answers, format));
-    result = kt_worse(result, write_own(r, o, &paths, format));
-  }
-  return result;
-}
-
-static kt_exit draw_own(const kstudy_request *r, kstudy_open *o, kt_format format) {
-  kt_exit result = draw_bands(r, o, format);
-  if (o->def.sample) {
-    result = kt_worse(result, draw_figures(r, o, format, "histogram", KM_DESIGNS_HISTOGRAM));
-    result = kt_worse(result, draw_figures(r, o, format, "scatter", KM_DESIGNS_SCATTER));
-    result = kt_worse(result, draw_figures(r, o, format, "convergence", KM_DESIGNS_CONVERGENCE));
-  }
-  if (o->def.optimise) {
-    bool front = o->def.optimise->goal_count == 2;
-    const own_picture picture = {front ? KM_DESIGNS_FRONT : KM_DESIGNS_PROGRESS, 0, 0, "",
-                                 front ? "front" : "progress"};
-    result = kt_worse(result, write_own(r, o, &picture, format));
-  }
-  return result;
-}
-
 kt_exit kstudy_plot(const kstudy_request *r, kstudy_open *o, const kt_formats *formats) {
+  own_pictures all;
+  if (!list_pictures(o, &all))
+    return KT_NO_MEMORY;
   kt_exit result = KT_DONE;
   for (int f = KT_SVG; f <= KT_PNG; ++f)
-    if (formats->wanted[f]) {
-      result = kt_worse(result, draw_own(r, o, (kt_format)f));
-      result = kt_worse(result, draw_answers(r, o, (kt_format)f));
-    }
+    for (int i = 0; i < all.count && formats->wanted[f]; ++i)
+      result = kt_worse(result, write_own(r, o, &all.items[i], (kt_format)f));
   return result;
 }

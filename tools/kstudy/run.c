@@ -65,12 +65,13 @@ static kt_exit ask(const kstudy_request *r, const kstudy_open *o, const kstudy_r
   watch_end(&w);
   sigaction(SIGINT, &before[0], NULL);
   sigaction(SIGTERM, &before[1], NULL);
+  int computed = km_design_study_computed(o->study), found = km_design_study_found(o->study);
   if (status)
     kt_say(&r->common, KM_ERROR, "%s: %s%s", o->name, error.text,
            status == KM_CANCELLED ? " (kstudy resume goes on)" : "");
   else
-    kt_say(&r->common, KM_NOTE, "%s: %d designs computed in %.3g s, %d were in the store", o->name,
-           km_design_study_computed(o->study), now() - w.start, km_design_study_found(o->study));
+    kt_say(&r->common, KM_NOTE, "%s: %d design%s computed in %.3g s, %d %s in the store", o->name, computed,
+           computed == 1 ? "" : "s", now() - w.start, found, found == 1 ? "was" : "were");
   return status == KM_CANCELLED ? KT_PARTIAL : kt_exit_of(status);
 }
 

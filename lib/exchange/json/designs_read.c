@@ -6,6 +6,7 @@
 #include "exchange/json/json.h"
 
 #include <math.h>
+#include <stdio.h>
 #include <string.h>
 
 int km_designs_parameter(km_designs_reader *d, const char *name) {
@@ -33,7 +34,9 @@ int km_designs_whole(km_designs_reader *d, const km_value *object, const km_plac
     return otherwise;
   if (value->number == floor(value->number) && fabs(value->number) <= 2e9)
     return (int)value->number;
-  km_designs_error(d, &at, "expected a whole number");
+  char found[80];
+  snprintf(found, sizeof found, "found %g; expected a whole number of magnitude up to 2e9", value->number);
+  km_designs_error(d, &at, found);
   return otherwise;
 }
 
