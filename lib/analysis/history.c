@@ -28,6 +28,9 @@ static km_status check_def(const km_mechanism *m, const km_history_def *def, km_
   if ((def->until - def->start) / def->every > KM_MOST_SWEEP_STEPS)
     return km_fail(error, KM_USAGE, "%g between rows up to %g; expected at most %d rows", def->every, def->until,
                    KM_MOST_SWEEP_STEPS);
+  double longest = def->simulation.max_step;
+  if (longest > 0.0 && def->until + longest == def->until) /* time would stand still */
+    return km_fail(error, KM_USAGE, "longest step %g; expected one that a time of %g can grow by", longest, def->until);
   return km_history_check_frames(m, def->frames, def->frame_count, error);
 }
 

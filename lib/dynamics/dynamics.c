@@ -150,7 +150,7 @@ static km_dynamics_outcome solve(km_dynamics *d, km_state *s) {
   apply_forces(d, s);
   if (km_tree_solve(d, s))
     return KM_DYNAMICS_DONE;
-  return d->massless >= 0 ? KM_DYNAMICS_MASSLESS : KM_DYNAMICS_OPEN;
+  return d->massless >= 0 ? KM_DYNAMICS_MASSLESS : KM_DYNAMICS_INFINITE;
 }
 
 km_dynamics_outcome km_dynamics_evaluate(km_dynamics *d, km_state *s, bool search) {
@@ -180,6 +180,9 @@ km_status km_dynamics_fail(const km_dynamics *d, km_dynamics_outcome outcome, km
     return km_fail(error, KM_DIVERGED, "friction jams: none agrees with the forces that press the joints under it");
   if (d->arena.failed)
     return km_fail(error, KM_MEMORY, "out of memory for the equations of motion");
+  if (outcome == KM_DYNAMICS_INFINITE)
+    return km_fail(error, KM_DIVERGED,
+                   "rates or accelerations grow beyond all numbers; expected shorter steps, or weaker forces");
   return km_fail(error, KM_DIVERGED, "a loop can't be closed: the largest error is %g of its size", d->residual);
 }
 

@@ -18,7 +18,8 @@ typedef enum km_dynamics_outcome {
   KM_DYNAMICS_DONE,
   KM_DYNAMICS_OPEN,     /* a loop can't be closed, or memory is out */
   KM_DYNAMICS_MASSLESS, /* a free motion has no mass */
-  KM_DYNAMICS_JAMMED    /* no friction agrees with what presses under it */
+  KM_DYNAMICS_JAMMED,   /* no friction agrees with what presses under it */
+  KM_DYNAMICS_INFINITE  /* rates or accelerations aren't finite numbers */
 } km_dynamics_outcome;
 
 /* What an evaluation leaves of a node. Twists and wrenches about km_forces.origin, along the inertial axes. */

@@ -100,7 +100,7 @@ bool km_simulation_derivative(km_simulation *run, double time, const double *y, 
     return false;
   run->outcome = outcome;
   if (!differentiate(run, ydot)) {
-    run->outcome = KM_DYNAMICS_OPEN;
+    run->outcome = KM_DYNAMICS_INFINITE;
     return false;
   }
   const km_moving_forces *moving = d->forces->moving;

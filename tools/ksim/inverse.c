@@ -85,7 +85,7 @@ static kt_exit read_until(work *w) {
     bool turns = km_coordinate_turns(w->pose.mechanism, first->coordinate);
     w->def.until = turns ? 2.0 * M_PI / km_model_units(model).angle->si / fabs(first->rate) : 0.0;
   }
-  kt_exit result = ksim_read_number(&o->common, "--until", o->until, "a positive time", &w->def.until);
+  kt_exit result = ksim_read_number(&o->common, "--until", o->until, "a positive time of at most 1e60", &w->def.until);
   return result == KT_DONE && !(w->def.until > 0.0)
              ? kt_usage(&o->common, "--until", "is missing", "the end of the motion, in the model's time unit")
              : result;

@@ -13,15 +13,19 @@
 static kt_exit read_numbers(ksim_work *w) {
   const ksim_options *o = w->options;
   km_simulation_def *sim = &w->def.simulation;
-  kt_exit result = ksim_read_number(&o->common, "--until", o->until, "a positive time", &w->def.until);
+  kt_exit result = ksim_read_number(&o->common, "--until", o->until, "a positive time of at most 1e60", &w->def.until);
   double step;
   km_model_simulated(w->pose.model, NULL, &step);
   if (o->until && !o->every && step <= 0.0)
     w->def.every = w->def.until / 200.0;
-  result = kt_worse(result, ksim_read_number(&o->common, "--every", o->every, "a positive time", &w->def.every));
-  result = kt_worse(result, ksim_read_number(&o->common, "--rtol", o->rtol, "a positive number", &sim->relative));
-  result = kt_worse(result, ksim_read_number(&o->common, "--atol", o->atol, "a positive number", &sim->absolute));
-  result = kt_worse(result, ksim_read_number(&o->common, "--max-step", o->max_step, "a positive time", &sim->max_step));
+  result = kt_worse(
+      result, ksim_read_number(&o->common, "--every", o->every, "a positive time of at most 1e60", &w->def.every));
+  result = kt_worse(
+      result, ksim_read_number(&o->common, "--rtol", o->rtol, "a positive number of at most 1e60", &sim->relative));
+  result = kt_worse(
+      result, ksim_read_number(&o->common, "--atol", o->atol, "a positive number of at most 1e60", &sim->absolute));
+  result = kt_worse(result, ksim_read_number(&o->common, "--max-step", o->max_step, "a positive time of at most 1e60",
+                                             &sim->max_step));
   sim->integrator = (km_integrator)o->integrator;
   sim->stabilisation = (km_stabilisation)o->stabilise;
   if (sim->integrator == KM_INTEGRATOR_FIXED && !o->max_step && result == KT_DONE)
