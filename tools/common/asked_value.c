@@ -64,7 +64,7 @@ static kt_exit read_coordinates(const kt_common *common, const km_model *model, 
 static kt_exit read_points(const kt_common *common, const km_model *model, const char *name, const kt_texts *texts,
                            km_arena *arena, km_option_value *out) {
   km_sweep_point *points = KM_ARENA_NEW(arena, km_sweep_point, (size_t)texts->count);
-  kt_exit result = points ? KT_DONE : KT_NO_MEMORY;
+  kt_exit result = points ? kt_each_once(common, name, texts->items, texts->count) : KT_NO_MEMORY;
   out->points = points;
   out->count = texts->count;
   for (int i = 0; i < texts->count && result == KT_DONE; ++i) {
@@ -79,7 +79,7 @@ static kt_exit read_points(const kt_common *common, const km_model *model, const
 static kt_exit read_ends(const kt_common *common, const km_model *model, const char *name, const kt_texts *texts,
                          km_arena *arena, km_option_value *out) {
   km_handle *ends = KM_ARENA_NEW(arena, km_handle, (size_t)texts->count);
-  kt_exit result = ends ? KT_DONE : KT_NO_MEMORY;
+  kt_exit result = ends ? kt_each_once(common, name, texts->items, texts->count) : KT_NO_MEMORY;
   out->ends = ends;
   out->count = texts->count;
   for (int i = 0; i < texts->count && result == KT_DONE; ++i)

@@ -7,6 +7,7 @@
 #include "kmech/version.h"
 
 #include <argp.h>
+#include <errno.h>
 #include <stdio.h>
 #include <stdio_ext.h>
 #include <stdlib.h>
@@ -80,7 +81,7 @@ static void print_help(const char *tool, const char *about, const kt_command *co
 static void close_output(void) {
   if (fflush(stdout) == 0 && !ferror(stdout))
     return;
-  fputs("the standard output can't be written\n", stderr);
+  fprintf(stderr, "%s: standard output: can't be written\n", program_invocation_short_name);
   _exit(KT_USAGE);
 }
 

@@ -127,6 +127,8 @@ kt_exit kt_coordinate(const kt_common *common, const km_model *model, const char
                       int *coordinate);
 /* A frame by BODY/FRAME on the command line. */
 kt_exit kt_frame(const kt_common *common, const km_model *model, const char *option, const char *text, int *frame);
+/* Each text gets columns of its own name: is each there once? Else says which isn't. */
+kt_exit kt_each_once(const kt_common *common, const char *option, char *const *texts, int count);
 bool kt_number(const char *text, double *out);
 /* Just so many numbers with commas between them. */
 bool kt_numbers(const char *text, int count, double *out);

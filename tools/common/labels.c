@@ -88,6 +88,16 @@ kt_exit kt_frame(const kt_common *common, const km_model *model, const char *opt
   return kt_exit_of(status);
 }
 
+kt_exit kt_each_once(const kt_common *common, const char *option, char *const *texts, int count) {
+  for (int i = 0; i < count; ++i)
+    for (int k = 0; k < i; ++k)
+      if (strcmp(texts[i], texts[k]) == 0) {
+        kt_say(common, KM_ERROR, "%s %s: it is named twice; expected each once", option, texts[i]);
+        return KT_USAGE;
+      }
+  return KT_DONE;
+}
+
 static bool add(kt_settings *out, int coordinate, double value) {
   for (int i = 0; i < out->count; ++i) {
     if (out->items[i].coordinate != coordinate)

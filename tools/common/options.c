@@ -85,8 +85,8 @@ static void keep_seed(const kt_option *o, const char *text, struct argp_state *s
 static void keep_begin(const kt_option *o, const char *text, struct argp_state *state) {
   const char *slash = strrchr(text, '/'), *last = slash ? slash + 1 : text;
   if (strcmp(last, "") == 0 || strcmp(last, ".") == 0 || strcmp(last, "..") == 0)
-    refuse(state->name, "--%s %s: names a folder; expected the begin of the files' names, as %s%sresult", o->name, text,
-           text, *last ? "/" : "");
+    refuse(state->name, "--%s %s: names a folder; expected the beginning of the files' names, as %s%sresult", o->name,
+           text, text, *last ? "/" : "");
   *(const char **)o->target = text;
 }
 

@@ -15,8 +15,9 @@ bool kredund_tracks_read(kt_options *all, const char *about, int argc, char **ar
   const kt_option files[] = {
       KT_POSE(r->common),
       {"format", 0, "LIST", KT_FORMATS_HELP, KT_FORMATS_KIND, &r->formats, KT_ABOUT_FILES},
-      KT_BASE(&r->base, "Begin of the files' names (default: the study's name, or its folder's for study.json); - is "
-                        "the standard output"),
+      KT_BASE(&r->base,
+              "Beginning of the files' names (default: the study's name, or its folder's for study.json); - is "
+              "the standard output"),
   };
   kredund_arm_options(all, r);
   kredund_method_options(all, r);

@@ -19,7 +19,7 @@ kt_exit ksim_read_number(const kt_common *common, const char *option, const char
 kt_exit ksim_read_frames(const kt_common *common, const km_model *model, const kt_texts *texts,
                          const km_followed_frame **out, int *count) {
   km_followed_frame *frames = KM_NEW(km_followed_frame, (size_t)texts->count + 1);
-  kt_exit result = frames ? KT_DONE : KT_NO_MEMORY;
+  kt_exit result = frames ? kt_each_once(common, "--frame", texts->items, texts->count) : KT_NO_MEMORY;
   *out = frames;
   for (int i = 0; i < texts->count && result == KT_DONE; ++i) {
     frames[i].name = texts->items[i];

@@ -16,7 +16,7 @@
 typedef struct km_letter {
   uint32_t glyph; /* of the font's file */
   uint32_t byte;  /* of the text, where its characters begin */
-  int x, advance; /* font units, from the begin of its line */
+  int x, advance; /* font units, from the beginning of its line */
 } km_letter;
 
 typedef struct km_letters_line {
