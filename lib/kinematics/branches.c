@@ -187,6 +187,9 @@ km_branch_exit km_branch_leave(const km_mechanism *m, km_state *s, int coordinat
   if (index < 0 || km_state_holds(s, coordinate)) /* a held one leads nowhere */
     return out;
   const km_substructure *sub = &m->substructures[index];
+  km_second_order conditions;
+  if (km_second_order_start(m, s, index, &conditions) && !conditions.redundant) /* a regular pose */
+    return out;
   size_t n = (size_t)sub->columns;
   departure d = {.m = m, .s = s, .index = index, .column = m->column_of[coordinate], .sub = sub};
   double *directions = KM_ARENA_NEW(&d.arena, double, KM_MOST_BRANCHES *n);

@@ -19,8 +19,30 @@ double km_rank_tolerance(const km_mechanism *m, const km_substructure *sub, doub
   return fmin(fmax(tolerance, 10.0 * misfit), 0.05);
 }
 
+/* Were these pivots searched for last? The sparse engine asks for itself. */
+static bool are_searched(const km_state *s, int index, int driver, double tolerance) {
+  const km_partition *p = &s->partition[index];
+  const km_shown *shown = &s->shown[index];
+  return !p->sparse && shown->known && shown->searched == shown->count && shown->partition == p->edition &&
+         shown->driver == driver && shown->held == p->held && shown->tolerance == tolerance;
+}
+
+static void remember_search(km_state *s, int index, int driver, double tolerance) {
+  const km_partition *p = &s->partition[index];
+  km_shown *shown = &s->shown[index];
+  shown->searched = shown->count;
+  shown->partition = p->edition;
+  shown->driver = driver;
+  shown->held = p->held;
+  shown->tolerance = tolerance;
+}
+
 void km_pivot(const km_mechanism *m, km_state *s, int index, int driver, double tolerance) {
   const km_substructure *sub = &m->substructures[index];
+  if (are_searched(s, index, driver, tolerance)) {
+    s->pivoted[index] = driver;
+    return;
+  }
   s->partition[index].nearly = driver >= 0;
   if (driver >= 0)
     s->forced[driver] = true;
@@ -30,6 +52,7 @@ void km_pivot(const km_mechanism *m, km_state *s, int index, int driver, double 
     s->forced[driver] = false;
   s->partition[index].nearly = false;
   s->pivoted[index] = driver;
+  remember_search(s, index, driver, tolerance);
 }
 
 double km_step_dot(const km_mechanism *m, const km_substructure *sub, const double *a, const double *b) {
@@ -248,8 +271,8 @@ typedef struct newton {
  * share below, as long as no rows are nearly dependent: then it isn't. */
 static const double short_newton = 0.01, fast_share = 0.1;
 
-static void take_step(const km_mechanism *m, km_state *s, int index, int driver, const km_closure *evidence,
-                      double *x, newton *n) {
+static void take_step(const km_mechanism *m, km_state *s, int index, int driver, const km_closure *evidence, double *x,
+                      newton *n) {
   double before = n->step;
   n->step = newton_step(m, s, index, driver, evidence->residual, n->converges, x);
   n->converges = n->step <= short_newton && n->step <= fast_share * before;
@@ -260,8 +283,7 @@ static bool is_found(const km_partition *p, const newton *n) {
   return n->small && (n->step <= n->settled || (p->held && n->step >= n->last));
 }
 
-static km_closure_outcome close_loops(const km_mechanism *m, km_state *s, int index, int driver,
-                                      km_closure *evidence) {
+static km_closure_outcome close_loops(const km_mechanism *m, km_state *s, int index, int driver, km_closure *evidence) {
   const km_substructure *sub = &m->substructures[index];
   const km_partition *p = &s->partition[index];
   double *x = s->work, first = 0.0, coarse = grain(m, s, sub);
@@ -296,9 +318,8 @@ static km_closure_outcome close_loops(const km_mechanism *m, km_state *s, int in
     km_state_move(m, s, sub, x);
   }
   /* At a singular pose Newton only halves its distance: the error is as small as it can be shown to be. */
-  return driver < 0 && primary_rms(p, km_state_error(s, sub)) <= n.closed
-             ? verdict(m, evidence->residual, coarse)
-             : KM_OPEN;
+  return driver < 0 && primary_rms(p, km_state_error(s, sub)) <= n.closed ? verdict(m, evidence->residual, coarse)
+                                                                          : KM_OPEN;
 }
 
 km_closure_outcome km_loops_close(const km_mechanism *m, km_state *s, int index, int driver, km_closure *evidence) {

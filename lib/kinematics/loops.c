@@ -189,7 +189,16 @@ static void update_couplings(const km_mechanism *m, km_state *s, const km_substr
   }
 }
 
+/* Of couplings the coordinates that are held count too, which no pose has. */
+static bool are_shown(const km_mechanism *m, const km_state *s, const km_substructure *sub, const km_shown *shown) {
+  return shown->known && shown->numbers == m->edition && sub->coupling_count == 0 &&
+         km_state_is_at(s, sub, shown->pose);
+}
+
 void km_loops_update(const km_mechanism *m, km_state *s, const km_substructure *sub) {
+  km_shown *shown = &s->shown[sub - m->substructures];
+  if (are_shown(m, s, sub, shown))
+    return;
   for (int i = 0; i < sub->program_count; ++i) {
     const km_program *program = &m->programs[sub->program_start + i];
     if (program->planar)
@@ -200,6 +209,10 @@ void km_loops_update(const km_mechanism *m, km_state *s, const km_substructure *
   update_couplings(m, s, sub);
   if (s->partition[sub - m->substructures].locked)
     km_state_clear_locked(s, sub);
+  km_state_save(s, sub, shown->pose);
+  shown->known = true;
+  shown->numbers = m->edition;
+  shown->count++;
 }
 
 void km_loops_return(const km_mechanism *m, km_state *s, int index, const double *saved) {

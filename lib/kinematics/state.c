@@ -27,6 +27,7 @@ static bool allocate(const km_mechanism *m, km_state *s) {
   s->normal = KM_ARENA_NEW(arena, km_normal *, (size_t)t->substructure_count);
   s->normal_count = t->substructure_count;
   s->aside = KM_ARENA_NEW(arena, km_aside, (size_t)t->substructure_count);
+  s->shown = KM_ARENA_NEW(arena, km_shown, (size_t)t->substructure_count);
   s->pivoted = KM_ARENA_NEW(arena, int, (size_t)t->substructure_count);
   s->basis = KM_ARENA_NEW(arena, km_basis, (size_t)t->substructure_count);
   s->numbers = KM_ARENA_NEW(arena, double, coordinates);
@@ -50,6 +51,7 @@ static bool allocate(const km_mechanism *m, km_state *s) {
       km_arena_grow(arena, (void **)&s->basis[i].Z, &s->basis[i].capacity,
                     (size_t)m->substructures[i].columns * (size_t)m->substructures[i].columns, sizeof(double));
   for (int i = 0; i < t->substructure_count && !arena->failed; ++i) {
+    s->shown[i].pose = KM_ARENA_NEW(arena, double, KM_SAVED_PER_COLUMN *(size_t)m->substructures[i].columns);
     s->basis[i].arena = arena;
     km_state_forget_pivots(s, i);
   }
@@ -280,6 +282,7 @@ void km_state_lock(km_state *s, int coordinate) {
   bool *own = s->locked_column + m->substructures[i].column_start;
   own[column] = true;
   s->partition[i].locked = own;
+  s->shown[i].known = false;
   s->basis[i].known = false;
   km_state_forget_pivots(s, i);
 }
@@ -291,6 +294,7 @@ void km_state_unlock(km_state *s) {
   set_coupling_rows(m, s);
   for (int i = 0; i < m->topology.substructure_count; ++i) {
     s->partition[i].locked = NULL;
+    s->shown[i].known = false;
     s->basis[i].known = false;
     km_state_forget_pivots(s, i);
   }
@@ -334,6 +338,23 @@ void km_state_restore(km_state *s, const km_substructure *sub, const double *sav
     memcpy(&s->ball[m->ball_of[c]], ball, sizeof(km_quaternion));
     ball += 4;
   }
+}
+
+bool km_state_is_at(const km_state *s, const km_substructure *sub, const double *saved) {
+  const km_mechanism *m = s->mechanism;
+  const int *coordinate = m->column_coordinate + sub->column_start;
+  const double *ball = saved + sub->columns;
+  for (int k = 0; k < sub->columns; ++k) {
+    int c = coordinate[k], b = m->ball_of[c];
+    if (memcmp(&s->q[c], &saved[k], sizeof *saved) != 0)
+      return false;
+    if (b < 0 || m->ball_coordinate[b] != c)
+      continue;
+    if (memcmp(&s->ball[b], ball, sizeof s->ball[b]) != 0)
+      return false;
+    ball += 4;
+  }
+  return true;
 }
 
 void km_state_difference(const km_state *s, const km_substructure *sub, const double *saved, double *step) {

@@ -32,6 +32,19 @@ typedef struct km_aside {
   bool is_reserved, is_out; /* is_out: the other one is the pose's to come back to */
 } km_aside;
 
+/* The pose of a substructure's errors and Jacobian, and the search for pivots of that Jacobian. */
+typedef struct km_shown {
+  double *pose;       /* as km_state_save leaves it */
+  bool known;         /* there is one, */
+  unsigned numbers;   /* of this edition of the mechanism; */
+  unsigned count;     /* it is the count-th one */
+  unsigned searched;  /* the count at the last search, */
+  unsigned partition; /* which left this edition of the partition, */
+  int driver;         /* and was made for this driver */
+  bool held;          /* in this way */
+  double tolerance;   /* to this tolerance */
+} km_shown;
+
 struct km_state {
   km_arena arena;
   const km_mechanism *mechanism;
@@ -47,6 +60,7 @@ struct km_state {
   km_normal **normal;      /* [substructure] what their least steps keep. By km_state_free */
   int normal_count;        /* the mechanism may be gone by then */
   km_aside *aside;         /* [substructure] large ones' second partitions */
+  km_shown *shown;         /* [substructure] so that nothing is found twice. By km_loops_update, km_pivot */
   int *pivoted;            /* [substructure] driver column that its pivots were searched for; KM_NEVER */
   km_basis *basis;         /* [substructure] Z: columns × freedom. By km_state_null */
   double *numbers;         /* [coordinate] mobility numbers. By km_mobility_update */
@@ -140,6 +154,8 @@ void km_state_clear_locked(km_state *state, const km_substructure *sub);
 enum { KM_SAVED_PER_COLUMN = 3 };
 void km_state_save(const km_state *state, const km_substructure *sub, double *saved /* [3 · columns] */);
 void km_state_restore(km_state *state, const km_substructure *sub, const double *saved);
+/* Are the coordinates the saved ones, to the last bit? */
+bool km_state_is_at(const km_state *state, const km_substructure *sub, const double *saved);
 /* The scaled step that leads from the saved coordinates to the present ones. */
 void km_state_difference(const km_state *state, const km_substructure *sub, const double *saved, double *step);
 /* How far a ball whose first coordinate is c, with the rotation vector q[3], is past the limit of its angle; negative:

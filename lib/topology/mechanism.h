@@ -95,6 +95,7 @@ typedef struct km_pattern {
 typedef struct km_substructure {
   int rows, columns;
   double size;      /* length scale, in the model's unit */
+  double span;      /* of it what the pose doesn't change: see km_substructure_span */
   int column_start; /* into column_coordinate */
   int program_start, program_count;
   int loop_start, loop_count; /* into loop_order */
@@ -117,6 +118,7 @@ struct km_mechanism {
   struct km_walks *spare_walks;
   km_hold *holds;
   int hold_count;
+  unsigned edition; /* how often it was given new numbers */
   const km_model *model;
   km_topology topology;
   double length; /* the characteristic length, in the model's unit */

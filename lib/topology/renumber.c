@@ -73,6 +73,7 @@ static void exchange(km_mechanism *m, km_mechanism *spare) {
   m->spare_walks = spare->spare_walks = walks;
   m->holds = old.holds;
   m->hold_count = old.hold_count;
+  m->edition = old.edition + 1;
 }
 
 km_status km_mechanism_renumber(km_mechanism *m, km_error *error) {
