@@ -33,20 +33,22 @@ typedef struct watch {
   int *shown; /* coordinate of each column of numbers, -1: of a joint that can't move */
   int shown_count;
   size_t *cell;             /* [coordinate] of its number in a row; 0: it has none */
+  bool *unread;             /* [coordinate] see km_observer */
   const char *const *reads; /* see km_sweep_job */
   km_singular_watch singular;
 } watch;
 
-static bool is_read(const watch *w, const char *label) {
+/* The column of a number (m) or of a coordinate (q). */
+static bool is_read(const watch *w, char kind, const char *label) {
   bool found = !w->reads;
   for (const char *const *name = w->reads; !found && *name; ++name)
-    found = strncmp(*name, "m.", 2) == 0 && strcmp(*name + 2, label) == 0;
+    found = (*name)[0] == kind && (*name)[1] == '.' && strcmp(*name + 2, label) == 0;
   return found;
 }
 
 /* The column of coordinate c, -1: of a joint that can't move. */
 static bool add_column(watch *w, const char *label, int c, km_table *table) {
-  if (!is_read(w, label))
+  if (!is_read(w, 'm', label))
     return true;
   if (c >= 0)
     w->cell[c] = km_table_columns(table);
@@ -60,6 +62,8 @@ static bool add_columns(void *self, const km_sweeper *r, km_table *table) {
   const km_model *model = r->m->model;
   bool added = true;
   w->shown_count = 0;
+  for (int c = 0; c < model->coordinate_count; ++c)
+    w->unread[c] = !is_read(w, 'q', model->coordinates[c].label);
   for (int j = 0; j < model->joint_count; ++j) {
     const km_model_joint *joint = &model->joints[j];
     int freedom = km_model_freedom(model, j);
@@ -291,6 +295,7 @@ static void close_watch(void *self) {
   km_free(w->room);
   km_free(w->watched);
   km_free(w->cell);
+  km_free(w->unread);
   km_free(w->shown);
   km_free(w);
 }
@@ -309,7 +314,8 @@ static km_observer observer_of(watch *w, bool singularities, bool table_only) {
                        .tell = tell,
                        .close = close_watch,
                        .reads_jacobian = singularities,
-                       .number_cells = singularities ? NULL : w->cell};
+                       .number_cells = singularities ? NULL : w->cell,
+                       .unread = w->unread};
 }
 
 /* Space for a mechanism's numbers. */
@@ -319,8 +325,9 @@ static bool reserve(watch *w, const km_mechanism *m) {
   w->room = KM_NEW(double, 2 * count);
   w->watched = KM_NEW(int, count);
   w->cell = KM_NEW(size_t, count);
+  w->unread = KM_NEW(bool, count);
   w->shown = KM_NEW(int, count + (size_t)m->model->joint_count);
-  if (!w->room || !w->watched || !w->cell || !w->shown || !w->out->extremes)
+  if (!w->room || !w->watched || !w->cell || !w->unread || !w->shown || !w->out->extremes)
     return false;
   w->z = w->room;
   w->last_z = w->room + count;

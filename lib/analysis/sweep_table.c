@@ -167,9 +167,10 @@ typedef struct column_cells {
   int count;    /* rows */
 } column_cells;
 
-/* Numbers of a lane, which are `apart` doubles from row to row; lengths and angles over the factor of their unit. */
-static void put_column(column_cells to, const double *from, size_t apart, double factor) {
-  for (int i = 0; i < to.count; ++i)
+/* Numbers of a lane, which are `apart` doubles from row to row; lengths and angles over the factor of their unit. From row
+ * `begin` on. */
+static void put_column(column_cells to, int begin, const double *from, size_t apart, double factor) {
+  for (int i = begin; i < to.count; ++i)
     to.first[(size_t)i * to.width] = km_in_unit(from[(size_t)i * apart], factor);
 }
 
@@ -177,12 +178,14 @@ static void put_column(column_cells to, const double *from, size_t apart, double
 static void put_numbers(const km_sweeper *r, const km_ridden_rows *rows, column_cells row) {
   const km_substructure *sub = &r->m->substructures[r->substructure];
   const int *coordinate = r->m->column_coordinate + sub->column_start;
+  const bool *unread = r->observer->unread;
   for (int k = 0; k < sub->columns; ++k) {
-    int c = coordinate[k];
+    int c = coordinate[k], begin = unread && unread[c] ? row.count - 1 : 0;
     size_t number = r->observer->number_cells[c], lane = (size_t)k * KM_DRIVE_LANES;
-    put_column((column_cells){row.first + 2 + c, row.width, row.count}, rows->q + lane, rows->apart, r->m->factor[c]);
+    put_column((column_cells){row.first + 2 + c, row.width, row.count}, begin, rows->q + lane, rows->apart,
+               r->m->factor[c]);
     if (number)
-      put_column((column_cells){row.first + number, row.width, row.count}, rows->numbers + lane, rows->apart, 1.0);
+      put_column((column_cells){row.first + number, row.width, row.count}, 0, rows->numbers + lane, rows->apart, 1.0);
   }
 }
 

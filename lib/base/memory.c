@@ -54,11 +54,12 @@ static bool new_block(km_arena *arena, size_t size) {
 void *km_arena_alloc(km_arena *arena, size_t count, size_t size) {
   if (!arena)
     return NULL;
-  if (arena->failed || (size && count > (SIZE_MAX / 2 - ALIGNMENT) / size)) {
+  size_t bytes;
+  if (arena->failed || __builtin_mul_overflow(count, size, &bytes) || bytes > SIZE_MAX / 2 - ALIGNMENT) {
     arena->failed = true;
     return NULL;
   }
-  size_t bytes = (count * size + ALIGNMENT - 1) / ALIGNMENT * ALIGNMENT;
+  bytes = (bytes + ALIGNMENT - 1) / ALIGNMENT * ALIGNMENT;
   if (!arena->block || arena->block->size - arena->block->used < bytes) {
     if (!new_block(arena, bytes)) {
       arena->failed = true;

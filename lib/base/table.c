@@ -50,10 +50,17 @@ typedef struct title {
   const char *prefix, *name, *suffix;
 } title;
 
+/* Where the text goes on behind a part that it begins with; NULL: it begins otherwise, or is NULL. */
+static const char *behind(const char *text, const char *part) {
+  for (; text && *part; ++text, ++part)
+    if (*text != *part)
+      return NULL;
+  return text;
+}
+
 static bool is_called(const char *text, const title *t) {
-  size_t prefix = strlen(t->prefix), name = strlen(t->name);
-  return strncmp(text, t->prefix, prefix) == 0 && strncmp(text + prefix, t->name, name) == 0 &&
-         strcmp(text + prefix + name, t->suffix) == 0;
+  const char *end = behind(behind(behind(text, t->prefix), t->name), t->suffix);
+  return end && !*end;
 }
 
 static char *joined(km_arena *arena, const title *t) {

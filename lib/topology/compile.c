@@ -167,7 +167,7 @@ static double farthest(const km_model *model, const km_model_joint *a, const km_
   return largest;
 }
 
-double km_substructure_size(const km_mechanism *m, int s, const double *q) {
+double km_substructure_span(const km_mechanism *m, int s) {
   const km_topology *t = &m->topology;
   const km_model *model = m->model;
   double square = 0.0, pitch = 0.0;
@@ -180,7 +180,13 @@ double km_substructure_size(const km_mechanism *m, int s, const double *q) {
       pitch = km_larger(fabs(joint->pitch), pitch);
     }
   }
-  double size = km_larger(sqrt(square), pitch);
+  return km_larger(sqrt(square), pitch);
+}
+
+double km_substructure_size(const km_mechanism *m, int s, const double *q) {
+  const km_topology *t = &m->topology;
+  const km_model *model = m->model;
+  double size = m->substructures[s].span;
   for (int i = t->joint_start[s]; i < t->joint_start[s + 1]; ++i) {
     const km_model_joint *joint = &model->joints[t->joint[i]];
     for (int k = 0; k < km_model_freedom(model, t->joint[i]); ++k)
@@ -327,8 +333,10 @@ void km_compile_numbers(km_mechanism *m, const km_compiling *how, km_walks *walk
   set_length(m, how, walks);
   set_coordinates(m, how->holds, how->hold_count);
   number_balls(m);
-  for (int s = 0; s < m->topology.substructure_count; ++s)
+  for (int s = 0; s < m->topology.substructure_count; ++s) {
+    m->substructures[s].span = km_substructure_span(m, s);
     m->substructures[s].size = km_substructure_size(m, s, m->start);
+  }
   set_columns(m, walks->next);
   for (int s = 0; s < m->topology.substructure_count; ++s)
     compile_substructure(m, s, walks);
