@@ -2,6 +2,8 @@
 #include "arm/track.h"
 
 #include "arm/check.h"
+#include "base/parallel.h"
+#include "base/table.h"
 #include "base/text.h"
 
 #include <stdio.h>
@@ -101,9 +103,15 @@ static void rates_at(const km_track *t, km_arm_space *space, const double *xi, c
   km_node_rates(a, path, self, r->point.speed, mean, v);
 }
 
-static void count_row(km_track *t, const row *r, const row *last, const double *v, double value) {
+/* What the summary needs of a row. */
+typedef struct tally {
+  double rates[KM_ARM_MOST], value, position, rotation, limit_margin;
+} tally;
+
+static void count_row(km_track *t, const row *r, const row *last, const tally *of) {
   const km_arm *a = t->arm;
   km_track_summary *s = &t->summary;
+  const double *v = of->rates;
   bool violates = km_arm_limit_passed(a, r->q) >= 0;
   for (int k = 0; k < a->n; ++k) {
     if (last)
@@ -115,15 +123,19 @@ static void count_row(km_track *t, const row *r, const row *last, const double *
     violates = violates || fabs(v[k]) > a->rate[k] * (1.0 + 1e-9);
   }
   s->violations += violates;
-  s->limit_margin = fmin(s->limit_margin, km_arm_limit_distance(a, r->q));
-  s->objective_min = fmin(s->objective_min, value);
-  s->objective_mean += value;
+  s->limit_margin = fmin(s->limit_margin, of->limit_margin);
+  s->objective_min = fmin(s->objective_min, of->value);
+  s->objective_mean += of->value;
+  s->error_position = fmax(s->error_position, of->position);
+  s->error_rotation = fmax(s->error_rotation, of->rotation);
 }
 
-static bool add_row(km_track *t, km_arm_space *space, const row *r, const row *last, const row *next) {
+/* The cells of a row into `out`. */
+static void write_row(const km_track *t, km_arm_space *space, const row *r, const row *last, const row *next,
+                      double *out, tally *of) {
   const km_arm *a = t->arm;
-  double xi[KM_ARM_ROWS], path[KM_ARM_MOST + 1], self[KM_ARM_MOST * KM_ARM_MOST], values[KM_OBJECTIVES], v[KM_ARM_MOST];
-  double position, rotation;
+  double xi[KM_ARM_ROWS], path[KM_ARM_MOST + 1], self[KM_ARM_MOST * KM_ARM_MOST], values[KM_OBJECTIVES];
+  double position, rotation, *v = of->rates;
   km_arm_update(a, space, r->q);
   km_arm_task_rows(a, &space->pose.R, r->point.twist, xi);
   km_arm_error(a, space, &r->point.pose, NULL, &position, &rotation);
@@ -132,9 +144,10 @@ static bool add_row(km_track *t, km_arm_space *space, const row *r, const row *l
   km_objective_values(a, space, r->q, path, r->point.speed, NULL, values);
   rates_at(t, space, xi, r, last, next, v);
   values[KM_RATE_MARGIN] = km_objective_rate_margin(a, v);
-  double *out = km_table_add_row(t->table), value = km_objective_sum(&t->plan.objective, values);
-  if (!out)
-    return false;
+  of->value = km_objective_sum(&t->plan.objective, values);
+  of->position = position * a->length;
+  of->rotation = rotation / a->mechanism->model->units.angle->si;
+  of->limit_margin = km_arm_limit_distance(a, r->q);
   *out++ = (double)r->sample;
   *out++ = r->point.s * a->length;
   *out++ = r->point.t;
@@ -148,14 +161,10 @@ static bool add_row(km_track *t, km_arm_space *space, const row *r, const row *l
     if (reported(t, k))
       *out++ = values[k];
   if (km_objective_single(&t->plan.objective) < 0)
-    *out++ = value;
-  *out++ = position * a->length;
-  *out++ = rotation / a->mechanism->model->units.angle->si;
+    *out++ = of->value;
+  *out++ = of->position;
+  *out++ = of->rotation;
   *out++ = values[KM_LIMIT_DISTANCE];
-  t->summary.error_position = fmax(t->summary.error_position, position * a->length);
-  t->summary.error_rotation = fmax(t->summary.error_rotation, rotation / a->mechanism->model->units.angle->si);
-  count_row(t, r, last, v, value);
-  return true;
 }
 
 /* Of the samples that were reached, and of the end between two if there is one. */
@@ -166,26 +175,69 @@ static row row_of(const km_run *run, int index) {
   return (row){run->last, km_path_at(path, run->reached - 1, run->fraction), index};
 }
 
-static km_status fill(km_track *t, km_run *run, km_error *error) {
+/* Rows that are written in pieces, on several threads. */
+typedef struct writing {
+  const km_track *track;
+  const km_run *run;
+  km_arm_space *spaces; /* [pieces] */
+  double *cells;
+  size_t width; /* of a row */
+  tally *tallies;
+  int count, pieces;
+} writing;
+
+static void write_piece(void *context, int piece) {
+  const writing *w = context;
+  int first = w->count * piece / w->pieces, end = w->count * (piece + 1) / w->pieces;
+  for (int i = first; i < end; ++i) {
+    row last = row_of(w->run, i > 0 ? i - 1 : i), here = row_of(w->run, i),
+        next = row_of(w->run, i + 1 < w->count ? i + 1 : i);
+    write_row(w->track, &w->spaces[piece], &here, i > 0 ? &last : NULL, i + 1 < w->count ? &next : NULL,
+              w->cells + (size_t)i * w->width, &w->tallies[i]);
+  }
+}
+
+/* Fewer rows are written before a thread has begun. */
+enum { ROWS_PAY = 16 };
+
+/* False when out of memory. */
+static bool write_rows(km_track *t, const km_run *run, int count, km_arena *arena, tally **tallies) {
+  int most = count / ROWS_PAY < t->plan.jobs ? count / ROWS_PAY : t->plan.jobs;
+  writing w = {.track = t, .run = run, .count = count, .pieces = most > 1 ? most : 1};
+  w.cells = count > 0 ? km_table_add_raw_rows(t->table, (size_t)count) : NULL;
+  w.width = km_table_columns(t->table);
+  w.tallies = *tallies = KM_ARENA_NEW(arena, tally, (size_t)count + 1);
+  w.spaces = KM_ARENA_NEW(arena, km_arm_space, (size_t)w.pieces);
+  bool whole = !arena->failed && (w.cells || count == 0);
+  for (int i = 0; i < w.pieces && whole; ++i)
+    whole = km_arm_space_create(t->arm, &w.spaces[i]);
+  if (whole)
+    km_parallel_for(w.pieces, w.pieces, write_piece, &w);
+  for (int i = 0; i < w.pieces && w.spaces; ++i)
+    km_arm_space_free(&w.spaces[i]);
+  return whole;
+}
+
+static km_status fill(km_track *t, const km_run *run, km_error *error) {
   int count = run->reached + (run->stop && run->reached > 0 && run->fraction > 0.0);
+  km_arena arena = {0};
+  tally *tallies = NULL;
+  row last = {0}, here = {0};
   memcpy(t->held, run->held, sizeof t->held);
   t->table = make_table(t);
-  bool whole = t->table != NULL;
-  row last = {0}, here = {0}, next = {0};
+  bool whole = t->table && write_rows(t, run, count, &arena, &tallies);
   for (int i = 0; i < count && whole; ++i) {
     last = here;
-    here = i > 0 ? next : row_of(run, 0);
-    if (i + 1 < count)
-      next = row_of(run, i + 1);
-    whole = add_row(t, &run->space.arm, &here, i > 0 ? &last : NULL, i + 1 < count ? &next : NULL);
+    here = row_of(run, i);
+    count_row(t, &here, i > 0 ? &last : NULL, &tallies[i]);
   }
+  km_arena_free(&arena);
   t->end = (km_track_end){run->stop,        run->column,
                           run->reached - 1, here.point.s * t->arm->length,
                           here.point.t,     here.point.travel * t->arm->length,
                           here.point.turn};
-  size_t rows = whole ? km_table_rows(t->table) : 0;
-  if (rows)
-    t->summary.objective_mean /= (double)rows;
+  if (count > 0)
+    t->summary.objective_mean /= (double)count;
   return whole ? KM_OK : km_fail(error, KM_MEMORY, "out of memory for a track");
 }
 

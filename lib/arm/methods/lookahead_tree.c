@@ -2,8 +2,8 @@
  *
  * A level is one batch of work: its nodes depend on the level above only, and each has a place of its own, so the
  * result is the same for any number of threads. The first level is too small to be shared, or to fill the lanes. So the next
- * tree's first level is grown beside this tree's second one, from the root that is taken if the branch stays the same; where
- * another branch is taken it is grown again. */
+ * tree's first level is grown beside this tree's second one: from the root that is taken if the branch stays the same, and,
+ * where lanes are left, from that of the branch before it. Where another branch is taken it is grown again. */
 #include "arm/methods/lookahead_tree.h"
 
 #include <math.h>
@@ -64,12 +64,13 @@ static void begin_node(const km_look_tree *t, traveller *w) {
     km_node_copy(t->run->arm, w->here, parent ? &parent->end : &w->of->root);
 }
 
-/* A node of the level, or, behind its last one, of the next tree's first level. */
+/* A node of the level, or, behind its last one, of the next trees' first levels. */
 static traveller set_out(const km_look_tree *t, int item, km_node *places) {
-  bool own = item < t->level_count;
-  traveller w = {.of = own ? t->now : t->next,
+  int behind = item - t->level_count;
+  bool own = behind < 0;
+  traveller w = {.of = own ? t->now : t->next[behind / t->branches],
                  .level = own ? t->level : 0,
-                 .index = own ? item : item - t->level_count,
+                 .index = own ? item : behind % t->branches,
                  .here = &places[0],
                  .there = &places[1]};
   w.begins = w.level * t->stride;
@@ -137,8 +138,20 @@ static void arrive(const km_look_tree *t, int worker, const traveller *w) {
   *node = w->node;
   if (node->alive)
     km_node_copy(t->run->arm, &node->end, w->here);
-  if (w->of == t->next)
+  if (w->of != t->now)
     t->spaces[worker].arm.evaluations -= node->evaluations;
+}
+
+/* Of `count` items, dealt out in pieces of `each`: how many the worker has. */
+static int piece_of(int count, int each, int worker) {
+  int left = count - worker * each;
+  return left < 0 ? 0 : left < each ? left : each;
+}
+
+/* The k-th item of a worker: its nodes of the level first, then those of the next trees. */
+static int item_of(const km_look_tree *t, int worker, int k) {
+  int own = piece_of(t->level_count, t->nodes_each, worker);
+  return k < own ? worker * t->nodes_each + k : t->level_count + worker * t->ahead_each + k - own;
 }
 
 /* Follows up to KM_WALK_ABREAST branches over the level, side by side, each as far as it goes. */
@@ -146,7 +159,7 @@ static void grow(km_look_tree *t, int worker, int first, int count) {
   traveller all[KM_WALK_ABREAST];
   km_node *places = &t->places[worker * 2 * KM_WALK_ABREAST];
   for (int l = 0; l < count; ++l)
-    all[l] = set_out(t, first + l, &places[2 * l]);
+    all[l] = set_out(t, item_of(t, worker, first + l), &places[2 * l]);
   for (int k = 0; k < t->stride && step_on(t, worker, k, count, all) > 0; ++k)
     ;
   for (int l = 0; l < count; ++l)
@@ -155,41 +168,64 @@ static void grow(km_look_tree *t, int worker, int first, int count) {
 
 static void grow_some(void *context, int worker) {
   km_look_tree *t = context;
-  int all = t->level_count + t->ahead, end = (worker + 1) * t->share < all ? (worker + 1) * t->share : all;
-  for (int i = worker * t->share; i < end; i += t->group)
-    grow(t, worker, i, end - i < t->group ? end - i : t->group);
+  int count = piece_of(t->level_count, t->nodes_each, worker) + piece_of(t->ahead, t->ahead_each, worker);
+  for (int i = 0; i < count; i += t->group)
+    grow(t, worker, i, count - i < t->group ? count - i : t->group);
+}
+
+/* Rounded up. */
+static int divided(int count, int by) {
+  return (count + by - 1) / by;
 }
 
 /* How many groups side by side so many nodes make. */
 static int groups_of(int nodes) {
-  return (nodes + KM_WALK_ABREAST - 1) / KM_WALK_ABREAST;
+  return divided(nodes, KM_WALK_ABREAST);
 }
 
-/* Neighbours for each worker, since their parents and children are its own mostly; abreast in groups of one size. */
-static void share_level(km_look_tree *t) {
-  int all = t->level_count + t->ahead, groups = groups_of(all);
+/* Neighbours for each worker, since their parents and children are its own mostly; abreast in groups of one size. Returns how many
+ * groups a worker grows one after the other. */
+static int share_level(km_look_tree *t) {
+  int groups = groups_of(t->level_count + t->ahead);
   bool worth = groups * t->stride >= THREADS_PAY;
   t->sharing = !worth ? 1 : groups < t->workers ? groups : t->workers;
-  t->share = (all + t->sharing - 1) / t->sharing;
-  groups = groups_of(t->share);
-  t->group = (t->share + groups - 1) / groups;
+  t->nodes_each = divided(t->level_count, t->sharing);
+  t->ahead_each = divided(t->ahead, t->sharing);
+  int most = t->nodes_each + t->ahead_each;
+  t->group = divided(most, groups_of(most));
+  return groups_of(most);
 }
 
-/* Beside the second level goes the next tree's first one, where lanes are free for it or several threads share the level. */
-static void plan_level(km_look_tree *t) {
+/* The same with so many of the next trees' first levels. */
+static int share_with(km_look_tree *t, int guesses) {
+  t->ahead = guesses * t->branches;
+  return share_level(t);
+}
+
+/* The next tree begins with this branch, if that has a first step. Returns how many guesses there are now. */
+static int guess(km_look_tree *t, int count, int branch) {
   const km_look_beginning *now = t->now;
+  km_look_beginning *next = t->next[count];
+  if (now->nodes[branch].samples == 0)
+    return count;
+  next->guess = branch;
+  next->sample = now->sample + 1;
+  km_node_copy(t->run->arm, &next->root, &now->first[branch]);
+  return count + 1;
+}
+
+/* Beside the second level goes the next tree's first one, where lanes are free for it or several threads share the level; and a
+ * second one where that takes nobody longer. */
+static void plan_level(km_look_tree *t) {
   t->level_count = km_look_count_at(t, t->level);
-  t->ahead = t->level == 1 && now->nodes[t->branch].samples > 0 ? t->branches : 0;
-  share_level(t);
-  if (t->sharing == 1 && groups_of(t->level_count + t->ahead) > groups_of(t->level_count)) {
-    t->ahead = 0;
-    share_level(t);
-  }
-  if (t->ahead == 0)
+  const int alone = share_with(t, 0);
+  if (t->level != 1)
     return;
-  t->guess = t->branch;
-  t->next->sample = now->sample + 1;
-  km_node_copy(t->run->arm, &t->next->root, &now->first[t->guess]);
+  const int beside = share_with(t, 1);
+  int most = t->sharing == 1 && beside > alone ? 0 : t->branches > 1 && share_with(t, 2) == beside ? 2 : 1;
+  t->guesses = most > 0 ? guess(t, 0, t->branch) : 0;
+  t->guesses = most > t->guesses ? guess(t, t->guesses, t->other) : t->guesses;
+  share_with(t, t->guesses);
 }
 
 static km_look_beginning *create_beginning(km_look_tree *t) {
@@ -225,13 +261,15 @@ bool km_look_tree_create(km_look_tree *t, km_run *run) {
   }
   t->nodes = KM_ARENA_NEW(arena, km_look_node, (size_t)count);
   t->branch = (t->branches - 1) / 2;
+  t->other = t->branches - 1;
   t->tilts = KM_ARENA_NEW(arena, double, (size_t)t->branches *(size_t)(a->freedom > 0 ? a->freedom : 1));
   t->spaces = KM_ARENA_NEW(arena, km_tracker_space, (size_t)t->workers);
   const int places = t->workers * KM_WALK_ABREAST * 2;
   t->places = KM_ARENA_NEW(arena, km_node, (size_t)places);
   t->now = create_beginning(t);
-  t->next = create_beginning(t);
-  bool whole = t->now && t->next && !arena->failed;
+  bool whole = t->now != NULL;
+  for (int i = 0; i < KM_LOOK_GUESSES && whole; ++i)
+    whole = (t->next[i] = create_beginning(t)) != NULL;
   for (long long i = 0; i < count && whole; ++i)
     whole = km_node_create(a, arena, &t->nodes[i].end);
   for (int i = 0; i < t->workers && whole; ++i)
@@ -254,7 +292,7 @@ void km_look_tree_destroy(km_look_tree *t) {
 
 int km_look_tree_grow(km_look_tree *t) {
   int levels = (depth_of(t, t->now) + t->stride - 1) / t->stride;
-  t->guess = -1;
+  t->guesses = 0;
   for (t->level = t->grown ? 1 : 0; t->level < levels; ++t->level) {
     plan_level(t);
     km_team_run(t->team, t->sharing, grow_some, t);
@@ -262,17 +300,27 @@ int km_look_tree_grow(km_look_tree *t) {
   return levels;
 }
 
-void km_look_tree_go_on(km_look_tree *t, int branch) {
-  t->branch = branch;
-  t->grown = t->guess == branch;
-  if (t->grown) {
+/* The tree that was begun with this branch becomes this one. False where there is none. */
+static bool take_guess(km_look_tree *t, int branch) {
+  for (int g = 0; g < t->guesses; ++g) {
+    if (t->next[g]->guess != branch)
+      continue;
     km_look_beginning *before = t->now;
-    t->now = t->next;
-    t->next = before;
+    t->now = t->next[g];
+    t->next[g] = before;
     for (int i = 0; i < t->branches; ++i)
       t->run->evaluations += t->now->nodes[i].evaluations;
-    return;
+    return true;
   }
+  return false;
+}
+
+void km_look_tree_go_on(km_look_tree *t, int branch) {
+  t->other = branch == t->branch ? t->other : t->branch;
+  t->branch = branch;
+  t->grown = take_guess(t, branch);
+  if (t->grown)
+    return;
   km_node_copy(t->run->arm, &t->now->root, &t->now->first[branch]);
   t->now->sample++;
 }

@@ -13,6 +13,9 @@ typedef struct km_look_node {
   unsigned long evaluations; /* Jacobians that its level took */
 } km_look_node;
 
+/* How many branches the next tree may begin with. */
+enum { KM_LOOK_GUESSES = 2 };
+
 /* The root of a tree, and what depends on nothing else. */
 typedef struct km_look_beginning {
   km_node root;
@@ -20,6 +23,7 @@ typedef struct km_look_beginning {
   km_node *first;      /* [branches] one sample after the root */
   km_step_end middle;  /* how the untilted branch ended, if on its first step */
   int sample;          /* of the root */
+  int guess;           /* of a next tree: its root is the end of this branch's first step */
 } km_look_beginning;
 
 typedef struct km_look_tree {
@@ -29,16 +33,17 @@ typedef struct km_look_tree {
   int *level_start;    /* [levels + 1] from the second level on */
   double *tilts;       /* [branches × freedom] */
   km_team *team;
-  km_tracker_space *spaces;      /* [workers] */
-  km_node *places;               /* [workers × KM_WALK_ABREAST × 2] */
-  km_look_beginning *now, *next; /* of this tree, and of that after it */
+  km_tracker_space *spaces;                       /* [workers] */
+  km_node *places;                                /* [workers × KM_WALK_ABREAST × 2] */
+  km_look_beginning *now, *next[KM_LOOK_GUESSES]; /* of this tree, and of that after it, by what it may begin with */
   int level, level_count;
-  int sharing, share, group; /* of this level: workers, their nodes, and those that are grown abreast */
-  bool eased;                /* branches turn back as far as the rates ask */
-  int branch;                /* executed last */
-  int guess;                 /* `next` is grown from the end of this branch's first step; -1: it isn't grown */
-  bool grown;                /* the first level of `now` was `next` */
-  int ahead;                 /* nodes of `next` that are grown beside this level */
+  int sharing, group;         /* of this level: workers, and how many nodes each grows abreast */
+  int nodes_each, ahead_each; /* for each worker: of this level, and of `ahead`; the last one may have fewer */
+  bool eased;                 /* branches turn back as far as the rates ask */
+  int branch, other;          /* executed last, and the last one before it that was another one */
+  int guesses;                /* of `next` are grown */
+  bool grown;                 /* the first level of `now` was one of them */
+  int ahead;                  /* nodes of `next` that are grown beside this level */
 } km_look_tree;
 
 /* Nodes of a level, from 0 on, of this tree or (level 0 alone) of the next one; and how many there are. */
