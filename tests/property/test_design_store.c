@@ -44,6 +44,31 @@ static void a_store_is_asked_first(void **state) {
   unlink(path);
 }
 
+/* Answers in a hash table, of designs that are done and of those that stop short, with their reasons: as in a file. The table grows
+ * several times over so many. */
+static void in_memory_as_in_a_file(void **state) {
+  (void)state;
+  enum { COUNT = 500 };
+  char path[64];
+  designs d;
+  store_path(path);
+  designs_of_cranks(&d, COUNT);
+  km_design_study *memory = designs_run(&d, NULL, 2), *file = designs_run(&d, path, 1);
+  int done = 0;
+  assert_int_equal(km_design_study_computed(memory), COUNT);
+  for (int i = 0; i < COUNT; ++i) {
+    km_design_result a = designs_result(memory, i), b = designs_result(file, i);
+    assert_int_equal(a.outcome, b.outcome);
+    assert_string_equal(a.reason, b.reason);
+    assert_memory_equal(a.figures, b.figures, sizeof a.figures);
+    done += a.outcome == KM_DESIGN_DONE;
+  }
+  assert_true(done > 0 && done < COUNT);
+  km_design_study_free(memory);
+  km_design_study_free(file);
+  unlink(path);
+}
+
 static void a_store_has_one_study_and_one_user(void **state) {
   (void)state;
   char path[64];
@@ -202,6 +227,7 @@ static void killed_runs_are_sorted_when_they_go_on(void **state) {
 int main(void) {
   const struct CMUnitTest tests[] = {
       cmocka_unit_test(a_store_is_asked_first),
+      cmocka_unit_test(in_memory_as_in_a_file),
       cmocka_unit_test(a_store_has_one_study_and_one_user),
       cmocka_unit_test(a_database_of_others_is_no_store),
       cmocka_unit_test(earlier_versions_had_fewer_tables),
