@@ -170,8 +170,14 @@ typedef struct column_cells {
 /* Numbers of a lane, which are `apart` doubles from row to row; lengths and angles over the factor of their unit. From row
  * `begin` on. */
 static void put_column(column_cells to, int begin, const double *from, size_t apart, double factor) {
-  for (int i = begin; i < to.count; ++i)
-    to.first[(size_t)i * to.width] = km_in_unit(from[(size_t)i * apart], factor);
+  double *cell = to.first + (size_t)begin * to.width;
+  from += (size_t)begin * apart;
+  if (factor == 1.0)
+    for (int i = begin; i < to.count; ++i, cell += to.width, from += apart)
+      *cell = *from;
+  else
+    for (int i = begin; i < to.count; ++i, cell += to.width, from += apart)
+      *cell = km_in_other_unit(*from, factor);
 }
 
 /* Coordinates and mobility numbers of rows that were passed. */

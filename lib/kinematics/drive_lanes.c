@@ -263,15 +263,20 @@ static void call_aboard(km_drive_lanes *l, int i, double target) {
   board(l, i);
 }
 
+static bool is_far(const km_drive_lanes *l, int i) {
+  return !(fabs(l->target.of[i] - l->here.s.of[i]) < most_steps * km_drive_longest);
+}
+
 /* Sets the targets of those that are aboard, and lets those leave that have too far to go. */
 static void set_targets(km_drive_lanes *l, unsigned wanted, const double *targets) {
-  unsigned far = 0;
+  bool some = false;
   for (int i = 0; i < l->count; ++i) {
     l->target.of[i] = targets[i] * l->factor.of[i];
-    far |= (unsigned)!(fabs(l->target.of[i] - l->here.s.of[i]) < most_steps * km_drive_longest) << i;
+    some |= is_far(l, i);
   }
-  for (far &= wanted; far; far &= far - 1)
-    km_drive_settle(l->drives[__builtin_ctz(far)]);
+  for (unsigned left = some ? wanted : 0; left; left &= left - 1)
+    if (is_far(l, __builtin_ctz(left)))
+      km_drive_settle(l->drives[__builtin_ctz(left)]);
 }
 
 /* What a drive has reached: in its lane, or alone from where its lane has stopped. */
