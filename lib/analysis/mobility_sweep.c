@@ -315,7 +315,7 @@ static km_observer observer_of(watch *w, bool singularities, bool table_only) {
                        .close = close_watch,
                        .reads_jacobian = singularities,
                        .number_cells = singularities ? NULL : w->cell,
-                       .unread = w->unread};
+                       .unread = w->reads ? w->unread : NULL};
 }
 
 /* Space for a mechanism's numbers. */

@@ -60,16 +60,19 @@ static km_status follow_to_branch(km_sweeper *r, km_state *state, size_t row, do
   return status;
 }
 
-/* The drive has passed a singular pose on the way to the last row: finds where, and what meets there. */
+/* The drive has passed a singular pose on the way to the last row: finds where, and what meets there. Who leaves columns unread
+ * doesn't ask for branch points between rows. */
 km_status km_sweeper_find_branch(km_sweeper *r, km_error *error) {
   size_t rows = km_table_rows(r->out->table);
   const double *last = km_table_row(r->out->table, rows - 1);
   int mobility = km_partition_freedom(&r->s->partition[r->substructure]);
   if (mobility > 1) /* it is the row's own pose; with the motion's own freedoms that was only hard to come by */
     return add_branch(r, r->s, (km_branch_point){last[1], mobility, 0}, mobility > r->out->freedom, error);
+  if (rows < 2 || r->observer->unread)
+    return KM_OK;
   km_state *state;
-  km_status status = rows > 1 ? km_state_create(r->m, &state, error) : KM_OK;
-  if (status || rows < 2)
+  km_status status = km_state_create(r->m, &state, error);
+  if (status)
     return status;
   status = follow_to_branch(r, state, rows - 2, last[1], error);
   km_state_free(state);

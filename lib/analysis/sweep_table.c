@@ -167,16 +167,14 @@ typedef struct column_cells {
   int count;    /* rows */
 } column_cells;
 
-/* Numbers of a lane, which are `apart` doubles from row to row; lengths and angles over the factor of their unit. From row
- * `begin` on. */
-static void put_column(column_cells to, int begin, const double *from, size_t apart, double factor) {
-  double *cell = to.first + (size_t)begin * to.width;
-  from += (size_t)begin * apart;
+/* Numbers of a lane, which are `apart` doubles from row to row; lengths and angles over the factor of their unit. */
+static void put_column(column_cells to, const double *from, size_t apart, double factor) {
+  double *cell = to.first;
   if (factor == 1.0)
-    for (int i = begin; i < to.count; ++i, cell += to.width, from += apart)
+    for (int i = 0; i < to.count; ++i, cell += to.width, from += apart)
       *cell = *from;
   else
-    for (int i = begin; i < to.count; ++i, cell += to.width, from += apart)
+    for (int i = 0; i < to.count; ++i, cell += to.width, from += apart)
       *cell = km_in_other_unit(*from, factor);
 }
 
@@ -186,12 +184,12 @@ static void put_numbers(const km_sweeper *r, const km_ridden_rows *rows, column_
   const int *coordinate = r->m->column_coordinate + sub->column_start;
   const bool *unread = r->observer->unread;
   for (int k = 0; k < sub->columns; ++k) {
-    int c = coordinate[k], begin = unread && unread[c] ? row.count - 1 : 0;
+    int c = coordinate[k];
     size_t number = r->observer->number_cells[c], lane = (size_t)k * KM_DRIVE_LANES;
-    put_column((column_cells){row.first + 2 + c, row.width, row.count}, begin, rows->q + lane, rows->apart,
-               r->m->factor[c]);
+    if (!unread || !unread[c])
+      put_column((column_cells){row.first + 2 + c, row.width, row.count}, rows->q + lane, rows->apart, r->m->factor[c]);
     if (number)
-      put_column((column_cells){row.first + number, row.width, row.count}, 0, rows->numbers + lane, rows->apart, 1.0);
+      put_column((column_cells){row.first + number, row.width, row.count}, rows->numbers + lane, rows->apart, 1.0);
   }
 }
 

@@ -55,8 +55,8 @@ typedef struct km_observer {
    * `seen`, and in the others only coordinates, mobility numbers and the residual are new; where `seen` is NULL that holds of
    * all rows. Else NULL. */
   const size_t *number_cells;
-  /* Beside it, of each coordinate whether nobody reads its column; NULL: all are read. Of rows that are passed the last one alone
-   * has it then, from which a branch point is looked for. */
+  /* With number_cells: of each coordinate, whether nobody reads its column; NULL: all are read. In rows that are passed its cell
+   * holds anything then, and branch points between rows, which are looked for from a row, aren't looked for. */
   const bool *unread;
 } km_observer;
 

@@ -105,24 +105,22 @@ static void rates_at(const km_track *t, km_arm_space *space, const double *xi, c
 
 /* What the summary needs of a row. */
 typedef struct tally {
-  double rates[KM_ARM_MOST], value, position, rotation, limit_margin;
+  double rate; /* the largest, of column `rate_column` */
+  int rate_column;
+  bool violates;
+  double value, position, rotation, limit_margin;
 } tally;
 
 static void count_row(km_track *t, const row *r, const row *last, const tally *of) {
   const km_arm *a = t->arm;
   km_track_summary *s = &t->summary;
-  const double *v = of->rates;
-  bool violates = km_arm_limit_passed(a, r->q) >= 0;
-  for (int k = 0; k < a->n; ++k) {
-    if (last)
-      s->joint_travel += fabs(r->q[k] - last->q[k]);
-    if (fabs(v[k]) > s->rate) {
-      s->rate = fabs(v[k]);
-      s->rate_column = k;
-    }
-    violates = violates || fabs(v[k]) > a->rate[k] * (1.0 + 1e-9);
+  for (int k = 0; k < a->n && last; ++k)
+    s->joint_travel += fabs(r->q[k] - last->q[k]);
+  if (of->rate > s->rate) {
+    s->rate = of->rate;
+    s->rate_column = of->rate_column;
   }
-  s->violations += violates;
+  s->violations += of->violates;
   s->limit_margin = fmin(s->limit_margin, of->limit_margin);
   s->objective_min = fmin(s->objective_min, of->value);
   s->objective_mean += of->value;
@@ -130,12 +128,25 @@ static void count_row(km_track *t, const row *r, const row *last, const tally *o
   s->error_rotation = fmax(s->error_rotation, of->rotation);
 }
 
+/* Of the rates v, and of the limits. */
+static void look_at_limits(const km_arm *a, const double *q, const double *v, tally *of) {
+  of->violates = km_arm_limit_passed(a, q) >= 0;
+  of->limit_margin = km_arm_limit_distance(a, q);
+  for (int k = 0; k < a->n; ++k) {
+    if (fabs(v[k]) > of->rate) {
+      of->rate = fabs(v[k]);
+      of->rate_column = k;
+    }
+    of->violates = of->violates || fabs(v[k]) > a->rate[k] * (1.0 + 1e-9);
+  }
+}
+
 /* The cells of a row into `out`. */
 static void write_row(const km_track *t, km_arm_space *space, const row *r, const row *last, const row *next,
                       double *out, tally *of) {
   const km_arm *a = t->arm;
   double xi[KM_ARM_ROWS], path[KM_ARM_MOST + 1], self[KM_ARM_MOST * KM_ARM_MOST], values[KM_OBJECTIVES];
-  double position, rotation, *v = of->rates;
+  double position, rotation, v[KM_ARM_MOST];
   km_arm_update(a, space, r->q);
   km_arm_task_rows(a, &space->pose.R, r->point.twist, xi);
   km_arm_error(a, space, &r->point.pose, NULL, &position, &rotation);
@@ -147,7 +158,7 @@ static void write_row(const km_track *t, km_arm_space *space, const row *r, cons
   of->value = km_objective_sum(&t->plan.objective, values);
   of->position = position * a->length;
   of->rotation = rotation / a->mechanism->model->units.angle->si;
-  of->limit_margin = km_arm_limit_distance(a, r->q);
+  look_at_limits(a, r->q, v, of);
   *out++ = (double)r->sample;
   *out++ = r->point.s * a->length;
   *out++ = r->point.t;
@@ -175,6 +186,9 @@ static row row_of(const km_run *run, int index) {
   return (row){run->last, km_path_at(path, run->reached - 1, run->fraction), index};
 }
 
+/* Fewer rows than this are written sooner than a thread starts; and more pieces have no threads. */
+enum { ROWS_PAY = 16, MOST_PIECES = 64 };
+
 /* Rows that are written in pieces, on several threads. */
 typedef struct writing {
   const km_track *track;
@@ -188,7 +202,8 @@ typedef struct writing {
 
 static void write_piece(void *context, int piece) {
   const writing *w = context;
-  int first = w->count * piece / w->pieces, end = w->count * (piece + 1) / w->pieces;
+  const long long count = w->count;
+  int first = (int)(count * piece / w->pieces), end = (int)(count * (piece + 1) / w->pieces);
   for (int i = first; i < end; ++i) {
     row last = row_of(w->run, i > 0 ? i - 1 : i), here = row_of(w->run, i),
         next = row_of(w->run, i + 1 < w->count ? i + 1 : i);
@@ -197,12 +212,10 @@ static void write_piece(void *context, int piece) {
   }
 }
 
-/* Fewer rows are written before a thread has begun. */
-enum { ROWS_PAY = 16 };
-
 /* False when out of memory. */
 static bool write_rows(km_track *t, const km_run *run, int count, km_arena *arena, tally **tallies) {
-  int most = count / ROWS_PAY < t->plan.jobs ? count / ROWS_PAY : t->plan.jobs;
+  int most = t->plan.jobs < MOST_PIECES ? t->plan.jobs : MOST_PIECES;
+  most = count / ROWS_PAY < most ? count / ROWS_PAY : most;
   writing w = {.track = t, .run = run, .count = count, .pieces = most > 1 ? most : 1};
   w.cells = count > 0 ? km_table_add_raw_rows(t->table, (size_t)count) : NULL;
   w.width = km_table_columns(t->table);

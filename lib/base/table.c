@@ -50,7 +50,7 @@ typedef struct title {
   const char *prefix, *name, *suffix;
 } title;
 
-/* Where the text goes on behind a part that it begins with; NULL: it begins otherwise, or is NULL. */
+/* What follows `part` in a text that begins with it; NULL where it doesn't, or for NULL. */
 static const char *behind(const char *text, const char *part) {
   for (; text && *part; ++text, ++part)
     if (*text != *part)

@@ -19,7 +19,7 @@ double km_rank_tolerance(const km_mechanism *m, const km_substructure *sub, doub
   return fmin(fmax(tolerance, 10.0 * misfit), 0.05);
 }
 
-/* Were these pivots searched for last? The sparse engine asks for itself. */
+/* Are the pivots at hand what this search would find? The sparse engine knows that itself (km_sparse_knows). */
 static bool are_searched(const km_state *s, int index, int driver, double tolerance) {
   const km_partition *p = &s->partition[index];
   const km_shown *shown = &s->shown[index];

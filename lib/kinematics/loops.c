@@ -189,7 +189,7 @@ static void update_couplings(const km_mechanism *m, km_state *s, const km_substr
   }
 }
 
-/* Of couplings the coordinates that are held count too, which no pose has. */
+/* Couplings also count held coordinates, which a saved pose leaves out: they are always found anew. */
 static bool are_shown(const km_mechanism *m, const km_state *s, const km_substructure *sub, const km_shown *shown) {
   return shown->known && shown->numbers == m->edition && sub->coupling_count == 0 &&
          km_state_is_at(s, sub, shown->pose);

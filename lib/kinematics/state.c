@@ -312,69 +312,51 @@ void km_state_clear_locked(km_state *s, const km_substructure *sub) {
   }
 }
 
-/* The first of a ball's three columns in a substructure; -1: it isn't one of its balls. */
-static int column_of_ball(const km_mechanism *m, int index, int ball) {
-  int c = m->ball_coordinate[ball];
-  return m->substructure_of[c] == index ? m->column_of[c] : -1;
-}
-
 /* Behind the columns the quaternions of the substructure's balls. */
 void km_state_save(const km_state *s, const km_substructure *sub, double *saved) {
   const km_mechanism *m = s->mechanism;
-  const int *coordinate = m->column_coordinate + sub->column_start, index = (int)(sub - m->substructures);
+  const int *coordinate = m->column_coordinate + sub->column_start, *order = m->ball_order + sub->ball_start;
   double *ball = saved + sub->columns;
   for (int k = 0; k < sub->columns; ++k)
     saved[k] = s->q[coordinate[k]];
-  for (int b = 0; b < m->ball_count; ++b)
-    if (column_of_ball(m, index, b) >= 0) {
-      memcpy(ball, &s->ball[b], sizeof s->ball[b]);
-      ball += 4;
-    }
+  for (int i = 0; i < sub->ball_count; ++i, ball += 4)
+    memcpy(ball, &s->ball[order[i]], sizeof *s->ball);
 }
 
 void km_state_restore(km_state *s, const km_substructure *sub, const double *saved) {
   const km_mechanism *m = s->mechanism;
-  const int *coordinate = m->column_coordinate + sub->column_start, index = (int)(sub - m->substructures);
+  const int *coordinate = m->column_coordinate + sub->column_start, *order = m->ball_order + sub->ball_start;
   const double *ball = saved + sub->columns;
   for (int k = 0; k < sub->columns; ++k)
     s->q[coordinate[k]] = saved[k];
-  for (int b = 0; b < m->ball_count; ++b)
-    if (column_of_ball(m, index, b) >= 0) {
-      memcpy(&s->ball[b], ball, sizeof s->ball[b]);
-      ball += 4;
-    }
+  for (int i = 0; i < sub->ball_count; ++i, ball += 4)
+    memcpy(&s->ball[order[i]], ball, sizeof *s->ball);
 }
 
 bool km_state_is_at(const km_state *s, const km_substructure *sub, const double *saved) {
   const km_mechanism *m = s->mechanism;
-  const int *coordinate = m->column_coordinate + sub->column_start, index = (int)(sub - m->substructures);
+  const int *coordinate = m->column_coordinate + sub->column_start, *order = m->ball_order + sub->ball_start;
   const double *ball = saved + sub->columns;
   for (int k = 0; k < sub->columns; ++k)
     if (memcmp(&s->q[coordinate[k]], &saved[k], sizeof *saved) != 0)
       return false;
-  for (int b = 0; b < m->ball_count; ++b)
-    if (column_of_ball(m, index, b) >= 0) {
-      if (memcmp(&s->ball[b], ball, sizeof s->ball[b]) != 0)
-        return false;
-      ball += 4;
-    }
+  for (int i = 0; i < sub->ball_count; ++i, ball += 4)
+    if (memcmp(&s->ball[order[i]], ball, sizeof *s->ball) != 0)
+      return false;
   return true;
 }
 
 void km_state_difference(const km_state *s, const km_substructure *sub, const double *saved, double *step) {
   const km_mechanism *m = s->mechanism;
-  const int *coordinate = m->column_coordinate + sub->column_start, index = (int)(sub - m->substructures);
+  const int *coordinate = m->column_coordinate + sub->column_start, *order = m->ball_order + sub->ball_start;
   const double *ball = saved + sub->columns;
   for (int k = 0; k < sub->columns; ++k)
     step[k] = (s->q[coordinate[k]] - saved[k]) / m->unit[coordinate[k]];
-  for (int b = 0; b < m->ball_count; ++b) {
-    int k = column_of_ball(m, index, b);
-    if (k < 0)
-      continue;
+  for (int i = 0; i < sub->ball_count; ++i, ball += 4) {
+    int k = m->column_of[m->ball_coordinate[order[i]]];
     km_quaternion old;
     memcpy(&old, ball, sizeof old);
-    ball += 4;
-    km_vec3 v = km_quaternion_log(km_quaternion_product(s->ball[b], km_quaternion_conjugate(old)));
+    km_vec3 v = km_quaternion_log(km_quaternion_product(s->ball[order[i]], km_quaternion_conjugate(old)));
     step[k] = v.x;
     step[k + 1] = v.y;
     step[k + 2] = v.z;

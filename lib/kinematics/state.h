@@ -32,17 +32,17 @@ typedef struct km_aside {
   bool is_reserved, is_out; /* is_out: the other one is the pose's to come back to */
 } km_aside;
 
-/* The pose of a substructure's errors and Jacobian, and the search for pivots of that Jacobian. */
+/* The pose of a substructure's errors and Jacobian, and the last search for pivots. */
 typedef struct km_shown {
   double *pose;       /* as km_state_save leaves it */
-  bool known;         /* there is one, */
-  unsigned numbers;   /* of this edition of the mechanism; */
-  unsigned count;     /* it is the count-th one */
-  unsigned searched;  /* the count at the last search, */
-  unsigned partition; /* which left this edition of the partition, */
-  int driver;         /* and was made for this driver */
-  bool held;          /* in this way */
-  double tolerance;   /* to this tolerance */
+  bool known;         /* errors and Jacobian are of `pose` */
+  unsigned numbers;   /* the mechanism's edition then */
+  unsigned count;     /* how many poses were shown */
+  unsigned searched;  /* `count` at the last search */
+  unsigned partition; /* the partition's edition after it */
+  int driver;         /* what was asked for: of km_pivot, */
+  bool held;          /* and of the partition */
+  double tolerance;
 } km_shown;
 
 struct km_state {
@@ -60,7 +60,7 @@ struct km_state {
   km_normal **normal;      /* [substructure] what their least steps keep. By km_state_free */
   int normal_count;        /* the mechanism may be gone by then */
   km_aside *aside;         /* [substructure] large ones' second partitions */
-  km_shown *shown;         /* [substructure] so that nothing is found twice. By km_loops_update, km_pivot */
+  km_shown *shown;         /* [substructure] the pose and the search at hand. By km_loops_update, km_pivot */
   int *pivoted;            /* [substructure] driver column that its pivots were searched for; KM_NEVER */
   km_basis *basis;         /* [substructure] Z: columns × freedom. By km_state_null */
   double *numbers;         /* [coordinate] mobility numbers. By km_mobility_update */

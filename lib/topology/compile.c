@@ -59,6 +59,7 @@ bool km_compile_allocate(km_mechanism *m, km_walks *walks) {
   m->unit = KM_ARENA_NEW(arena, double, coordinates);
   m->ball_of = KM_ARENA_NEW(arena, int, coordinates);
   m->ball_coordinate = KM_ARENA_NEW(arena, int, coordinates);
+  m->ball_order = KM_ARENA_NEW(arena, int, coordinates);
   m->substructure_of = KM_ARENA_NEW(arena, int, coordinates);
   m->column_of = KM_ARENA_NEW(arena, int, coordinates);
   m->column_coordinate = KM_ARENA_NEW(arena, int, coordinates);
@@ -235,6 +236,21 @@ static void set_columns(km_mechanism *m, int *next) {
   each_column(m, next);
 }
 
+/* The balls of each substructure, behind set_columns. */
+static void order_balls(km_mechanism *m) {
+  int used = 0;
+  for (int s = 0; s < m->topology.substructure_count; ++s) {
+    km_substructure *sub = &m->substructures[s];
+    sub->ball_start = used;
+    for (int k = 0; k < sub->columns; ++k) {
+      int c = m->column_coordinate[sub->column_start + k], ball = m->ball_of[c];
+      if (ball >= 0 && m->ball_coordinate[ball] == c)
+        m->ball_order[used++] = ball;
+    }
+    sub->ball_count = used - sub->ball_start;
+  }
+}
+
 /* Σ ratio · q = constant. The constant is the file's, also where a coordinate is held elsewhere. */
 static void set_ratios(km_mechanism *m, const km_model_coupling *def, km_coupling *out) {
   double largest = 0.0, constant = 0.0;
@@ -338,6 +354,7 @@ void km_compile_numbers(km_mechanism *m, const km_compiling *how, km_walks *walk
     m->substructures[s].size = km_substructure_size(m, s, m->start);
   }
   set_columns(m, walks->next);
+  order_balls(m);
   for (int s = 0; s < m->topology.substructure_count; ++s)
     compile_substructure(m, s, walks);
   set_arcs(m);

@@ -95,10 +95,11 @@ typedef struct km_pattern {
 typedef struct km_substructure {
   int rows, columns;
   double size;      /* length scale, in the model's unit */
-  double span;      /* of it what the pose doesn't change: see km_substructure_span */
+  double span;      /* the part of `size` that no pose changes: see km_substructure_span */
   int column_start; /* into column_coordinate */
   int program_start, program_count;
   int loop_start, loop_count; /* into loop_order */
+  int ball_start, ball_count; /* into ball_order */
   int coupling_start, coupling_count;
   km_pattern pattern;
   size_t matrix_start; /* into the states' Jacobian store */
@@ -140,6 +141,7 @@ struct km_mechanism {
   double *unit;         /* [coordinate] 1, or the substructure's size for lengths: coordinate = unit · scaled */
   int *ball_of;         /* [coordinate] ball motion that it belongs to, -1 */
   int *ball_coordinate; /* [ball] its first coordinate */
+  int *ball_order;      /* [ball] by substructure; those that are in none, or held, aren't listed */
   int *substructure_of; /* [coordinate] -1: in none */
   int *column_of;       /* [coordinate] column in its substructure; -1: held or in none */
   km_substructure *substructures;

@@ -44,8 +44,8 @@ static void a_store_is_asked_first(void **state) {
   unlink(path);
 }
 
-/* Answers in a hash table, of designs that are done and of those that stop short, with their reasons: as in a file. The table grows
- * several times over so many. */
+/* A study in memory gives what one in a file gives: figures, outcomes and reasons. Its hash table grows several times over so many
+ * designs. */
 static void in_memory_as_in_a_file(void **state) {
   (void)state;
   enum { COUNT = 500 };

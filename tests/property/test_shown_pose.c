@@ -7,6 +7,7 @@
 #include "kmech/edit.h"
 #include "model/model.h"
 
+#include <math.h>
 #include <string.h>
 
 /* The errors and Jacobians at the state's coordinates, of a state that has shown no pose yet. */
@@ -78,6 +79,29 @@ static void found_anew(void **state) {
   }
 }
 
+static const char gears[] =
+    "{\"assemblies\": [{\"name\": \"gears\", \"bodies\": [{\"name\": \"a\"}, {\"name\": \"b\"}], \"joints\": ["
+    "{\"name\": \"A\", \"type\": \"Rz\", \"body_frame_pairs\": [[\"fixed\"], [\"a\"]]}, "
+    "{\"name\": \"B\", \"type\": \"Rz\", \"body_frame_pairs\": [[\"fixed\"], [\"b\"]]}], "
+    "\"couplings\": [{\"name\": \"gear\", \"joints\": [\"A\", \"B\"], \"ratios\": [1, 2]}]}]}";
+
+/* A coordinate that is held has no column, and is in the coupling all the same. */
+static void held_coordinates_count(void **state) {
+  (void)state;
+  fixture f = fixture_read(gears);
+  const km_hold hold = {0, 0.0};
+  double q[2] = {0.25, 0.0};
+  km_state_free(f.state);
+  km_mechanism_free(f.mechanism);
+  assert_int_equal(km_mechanism_compile(f.model, &hold, 1, &f.mechanism, NULL), KM_OK);
+  assert_int_equal(km_state_create(f.mechanism, &f.state, NULL), KM_OK);
+  compare_with_fresh(&f);
+  km_state_set(f.mechanism, f.state, q);
+  compare_with_fresh(&f);
+  assert_true(fabs(f.state->error[0]) > 0.1);
+  fixture_close(&f);
+}
+
 /* Pivots of the small engine: searched once for what is asked, and again for anything else. */
 static void searched_once(void **state) {
   (void)state;
@@ -108,6 +132,7 @@ static void searched_once(void **state) {
 }
 
 int main(void) {
-  const struct CMUnitTest tests[] = {cmocka_unit_test(found_anew), cmocka_unit_test(searched_once)};
+  const struct CMUnitTest tests[] = {cmocka_unit_test(found_anew), cmocka_unit_test(held_coordinates_count),
+                                     cmocka_unit_test(searched_once)};
   return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -2,8 +2,8 @@
  *
  * A level is one batch of work: its nodes depend on the level above only, and each has a place of its own, so the
  * result is the same for any number of threads. The first level is too small to be shared, or to fill the lanes. So the next
- * tree's first level is grown beside this tree's second one: from the root that is taken if the branch stays the same, and,
- * where lanes are left, from that of the branch before it. Where another branch is taken it is grown again. */
+ * tree's first level is grown beside this tree's second one: once for the case that the same branch is taken again and, where
+ * lanes are left, once for the last different one. If a third one is taken, the level is grown anew. */
 #include "arm/methods/lookahead_tree.h"
 
 #include <math.h>
@@ -215,7 +215,7 @@ static int guess(km_look_tree *t, int count, int branch) {
 }
 
 /* Beside the second level goes the next tree's first one, where lanes are free for it or several threads share the level; and a
- * second one where that takes nobody longer. */
+ * second guess where no worker has more groups to grow then. */
 static void plan_level(km_look_tree *t) {
   t->level_count = km_look_count_at(t, t->level);
   const int alone = share_with(t, 0);

@@ -35,14 +35,15 @@ typedef struct km_look_tree {
   km_team *team;
   km_tracker_space *spaces;                       /* [workers] */
   km_node *places;                                /* [workers × KM_WALK_ABREAST × 2] */
-  km_look_beginning *now, *next[KM_LOOK_GUESSES]; /* of this tree, and of that after it, by what it may begin with */
+  km_look_beginning *now, *next[KM_LOOK_GUESSES]; /* this tree's beginning, and the guesses at the next one's */
   int level, level_count;
   int sharing, group;         /* of this level: workers, and how many nodes each grows abreast */
   int nodes_each, ahead_each; /* for each worker: of this level, and of `ahead`; the last one may have fewer */
   bool eased;                 /* branches turn back as far as the rates ask */
-  int branch, other;          /* executed last, and the last one before it that was another one */
-  int guesses;                /* of `next` are grown */
-  bool grown;                 /* the first level of `now` was one of them */
+  int branch;                 /* executed last */
+  int other;                  /* the last different one */
+  int guesses;                /* how many of `next` are grown */
+  bool grown;                 /* the first level of `now` was grown as a guess */
   int ahead;                  /* nodes of `next` that are grown beside this level */
 } km_look_tree;
 
