@@ -248,8 +248,8 @@ typedef struct newton {
  * share below, as long as no rows are nearly dependent: then it isn't. */
 static const double short_newton = 0.01, fast_share = 0.1;
 
-static void take_step(const km_mechanism *m, km_state *s, int index, int driver, const km_closure *evidence,
-                      double *x, newton *n) {
+static void take_step(const km_mechanism *m, km_state *s, int index, int driver, const km_closure *evidence, double *x,
+                      newton *n) {
   double before = n->step;
   n->step = newton_step(m, s, index, driver, evidence->residual, n->converges, x);
   n->converges = n->step <= short_newton && n->step <= fast_share * before;
@@ -260,8 +260,13 @@ static bool is_found(const km_partition *p, const newton *n) {
   return n->small && (n->step <= n->settled || (p->held && n->step >= n->last));
 }
 
-static km_closure_outcome close_loops(const km_mechanism *m, km_state *s, int index, int driver,
-                                      km_closure *evidence) {
+/* Are the pivots that waited for the pose that is found good ones there? Rows that are kept beside others must be looked at again. */
+static bool still_serve(const km_mechanism *m, km_state *s, int index, int driver) {
+  const km_partition *p = &s->partition[index];
+  return !p->waits || ((p->kept_rows == 0.0 || km_pivots_are_whole(p)) && refactor(m, s, index, driver));
+}
+
+static km_closure_outcome close_loops(const km_mechanism *m, km_state *s, int index, int driver, km_closure *evidence) {
   const km_substructure *sub = &m->substructures[index];
   const km_partition *p = &s->partition[index];
   double *x = s->work, first = 0.0, coarse = grain(m, s, sub);
@@ -278,7 +283,7 @@ static km_closure_outcome close_loops(const km_mechanism *m, km_state *s, int in
     n.settled = coarse * (i == 0 && driver >= 0 ? km_settled_at_once : km_settled);
     factor(m, s, index, driver, evidence->residual);
     take_step(m, s, index, driver, evidence, x, &n);
-    if (is_found(p, &n) && p->waits && !refactor(m, s, index, driver)) {
+    if (is_found(p, &n) && !still_serve(m, s, index, driver)) {
       search(m, s, index, driver, evidence->residual);
       take_step(m, s, index, driver, evidence, x, &n);
     }
@@ -296,9 +301,8 @@ static km_closure_outcome close_loops(const km_mechanism *m, km_state *s, int in
     km_state_move(m, s, sub, x);
   }
   /* At a singular pose Newton only halves its distance: the error is as small as it can be shown to be. */
-  return driver < 0 && primary_rms(p, km_state_error(s, sub)) <= n.closed
-             ? verdict(m, evidence->residual, coarse)
-             : KM_OPEN;
+  return driver < 0 && primary_rms(p, km_state_error(s, sub)) <= n.closed ? verdict(m, evidence->residual, coarse)
+                                                                          : KM_OPEN;
 }
 
 km_closure_outcome km_loops_close(const km_mechanism *m, km_state *s, int index, int driver, km_closure *evidence) {
