@@ -16,11 +16,14 @@ bool km_triangle_continues(const km_triangle *R, long k) {
          memcmp(column + start[k] + 1, column + start[k + 1], (size_t)count * sizeof *column) == 0;
 }
 
-static bool are_zero(const double *at) {
-  bool all = true;
-  for (int l = 0; l < LANES; ++l)
-    all = all && at[l] == 0.0;
-  return all;
+bool km_triangle_leads(const km_triangle *R, long k) {
+  const long *start = R->start, *column = R->column;
+  long i = start[k] + 1, end = start[k + 1];
+  if (i >= end || km_triangle_continues(R, k))
+    return true;
+  for (long n = start[column[i]]; i < end && n < start[column[start[k] + 1] + 1]; ++n)
+    i += column[n] == column[i];
+  return i == end;
 }
 
 /* Row k takes its own entry of every vector, which is left 0, and subtracts it by its first `count` entries. */
@@ -73,16 +76,26 @@ static bool go_together(const km_triangle *R, long k) {
   return all;
 }
 
-void km_triangle_squares(const km_triangle *R, long first, double *y, double sum[LANES]) {
+/* `count` rows from row k on are done: what they have changed are the columns of the last one. */
+static void pass_marks(const km_triangle *R, long k, long count, uint64_t *marked) {
+  const long last = k + count - 1, next = R->start[last] + 1;
+  const long end = R->leads[last] && next < R->start[k + count] ? next + 1 : R->start[k + count];
+  for (long r = k; r <= last; ++r)
+    marked[r / KM_TRIANGLE_WORD] &= ~((uint64_t)1 << r % KM_TRIANGLE_WORD);
+  for (long i = next; i < end; ++i)
+    km_triangle_mark(marked, R->column[i]);
+}
+
+void km_triangle_squares(const km_triangle *R, long first, double *y, uint64_t *marked, double sum[LANES]) {
   km_pair own[LANES / 2];
-  for (long k = first; k < R->columns; ++k) {
-    if (are_zero(y + LANES * k))
-      continue;
-    if (go_together(R, k)) {
-      take_rows(R, k, y, sum);
-      k += TOGETHER - 1;
-    } else {
-      take_row(R, k, R->start[k + 1] - R->start[k], y, sum, own);
+  for (long word = first / KM_TRIANGLE_WORD; word * KM_TRIANGLE_WORD < R->columns; ++word)
+    while (marked[word] != 0) {
+      long k = word * KM_TRIANGLE_WORD + __builtin_ctzll(marked[word]);
+      bool together = go_together(R, k);
+      if (together)
+        take_rows(R, k, y, sum);
+      else
+        take_row(R, k, R->start[k + 1] - R->start[k], y, sum, own);
+      pass_marks(R, k, together ? TOGETHER : 1, marked);
     }
-  }
 }
