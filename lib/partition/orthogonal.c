@@ -201,12 +201,13 @@ static void add_shares(const km_orthogonal *q, const km_triangle *R, const cholm
   }
 }
 
-bool km_orthogonal_shares(km_orthogonal *q, double tolerance, double *share) {
+bool km_orthogonal_shares(km_orthogonal *q, double tolerance, bool as_they_stand, double *share) {
   const library *f = q->spqr;
   cholmod_sparse A = matrix_of(q), *R = NULL;
   SuiteSparse_long *order = NULL;
-  long rank = f->SuiteSparseQR_C(SPQR_ORDERING_METIS, tolerance, q->columns, 0, &A, NULL, NULL, NULL, NULL, &R, &order,
-                                 NULL, NULL, NULL, &q->common);
+  const int ordering = as_they_stand ? SPQR_ORDERING_FIXED : SPQR_ORDERING_METIS;
+  long rank = f->SuiteSparseQR_C(ordering, tolerance, q->columns, 0, &A, NULL, NULL, NULL, NULL, &R, &order, NULL, NULL,
+                                 NULL, &q->common);
   cholmod_sparse *rows_of_r = rank == q->columns ? f->cholmod_l_transpose(R, 1, &q->common) : NULL;
   cholmod_sparse *by_row = rows_of_r ? f->cholmod_l_transpose(&A, 1, &q->common) : NULL;
   long *place = KM_NEW(long, (size_t)q->columns + 1);
