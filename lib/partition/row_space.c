@@ -130,13 +130,14 @@ static void list_rows(km_partition *p, bool kept) {
 bool km_sparse_rows_stand(km_partition *p, const double *matrix, const bool *forced, double tolerance) {
   km_sparse *s = p->sparse;
   const bool kept = p->kept_rows > 0.0;
+  const double least = kept ? p->kept_rows : tolerance;
   int most = s->normal ? arrange_columns(p, forced) : 0;
   if (most < (kept ? p->rank : p->rows))
     return false;
   list_rows(p, kept);
   km_normal *normal = normal_of(p, matrix, s->weight, most - p->rank);
   double smallest = normal ? km_normal_smallest(normal) : 0.0;
-  if (!(smallest > tolerance))
+  if (!(smallest > least))
     return false;
   double left = p->rank < p->rows ? distance_of_others(p, normal, matrix, most) : 0.0;
   if (!(left <= tolerance))
