@@ -15,7 +15,7 @@ typedef struct km_triangle {
 } km_triangle;
 
 /* So many vectors go side by side. */
-enum { KM_TRIANGLE_LANES = 4 };
+enum { KM_TRIANGLE_LANES = 8 };
 
 /* Has the row behind row k the same columns, without row k's diagonal? */
 bool km_triangle_continues(const km_triangle *triangle, long k);
@@ -33,5 +33,11 @@ static inline void km_triangle_mark(uint64_t *marked, long k) {
  * column of them. 0 is left in y, and no mark. O(entries of the rows that they reach). */
 void km_triangle_squares(const km_triangle *triangle, long first, double *y, uint64_t *marked,
                          double sum[KM_TRIANGLE_LANES]);
+
+/* The same for one instruction set. */
+void km_triangle_squares_plain(const km_triangle *triangle, long first, double *y, uint64_t *marked,
+                               double sum[KM_TRIANGLE_LANES]);
+void km_triangle_squares_avx2(const km_triangle *triangle, long first, double *y, uint64_t *marked,
+                              double sum[KM_TRIANGLE_LANES]);
 
 #endif
