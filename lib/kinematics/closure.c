@@ -285,7 +285,8 @@ static km_closure_outcome close_loops(const km_mechanism *m, km_state *s, int in
     take_step(m, s, index, driver, evidence, x, &n);
     if (is_found(p, &n) && !still_serve(m, s, index, driver)) {
       search(m, s, index, driver, evidence->residual);
-      take_step(m, s, index, driver, evidence, x, &n);
+      if (!p->rows_stayed) /* else the step is the same */
+        take_step(m, s, index, driver, evidence, x, &n);
     }
     if (is_found(p, &n))
       return verdict(m, evidence->residual, coarse);

@@ -51,16 +51,15 @@ typedef struct km_partition {
   bool held;   /* set by the caller: forced columns are no pivots, whatever rank that leaves */
   bool any_independent; /* set by the caller: any null vectors will do, and km_partition_null_entries alone is asked for
                          * them; the sparse engine doesn't keep |B| small then, and makes no B */
-  bool rows_only; /* set by the caller: the rank and which rows are primary are enough, for km_partition_least; the
+  bool rows_only;     /* set by the caller: the rank and which rows are primary are enough, for km_partition_least; the
                        * sparse engine makes no null vectors then */
-  double
-      kept_rows; /* set by the caller, beside `rows_only`: the primary rows at hand are tried before others, and stay where
+  double kept_rows;   /* set by the caller, beside `rows_only`: the primary rows at hand are tried before others, and stay where
                        * they are independent to this tolerance, however loose the search's own is, by which the others depend on
                        * them; 0: they aren't tried */
-  bool
-      unwatched; /* set by the caller: the independent columns are asked for nothing but which ones they are; of many the
+  bool rows_stayed;   /* the last search of the sparse engine found the rows of `kept_rows` to be good ones */
+  bool unwatched;     /* set by the caller: the independent columns are asked for nothing but which ones they are; of many the
                        * sparse engine takes any then, and a refactor doesn't measure B */
-  bool waits;    /* by km_partition_wait */
+  bool waits;         /* by km_partition_wait */
   const bool *locked; /* [columns] set by the caller, borrowed; NULL: none. Columns of what doesn't move: their entries
                        * are 0, they come last and count as no freedom */
   int locked_count;   /* at the last search */

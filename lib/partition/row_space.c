@@ -146,6 +146,7 @@ bool km_sparse_rows_stand(km_partition *p, const double *matrix, const bool *for
   p->last_pivot = p->smallest_pivot = smallest * p->scale;
   p->first_dropped = left * p->scale;
   p->forced_dependent = false;
+  p->rows_stayed = kept;
   for (int k = 0; k < p->rank; ++k)
     p->inverse[k] = 1.0 / p->last_pivot;
   s->singles = s->zero_count = 0;
