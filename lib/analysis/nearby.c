@@ -49,6 +49,7 @@ bool km_nearby_go(const km_mechanism *m, km_state *s, int index, double *saved, 
   s->partition[index].rows_only = p->sparse && many;
   if (many)
     choose_of_many(m, s, index, move);
+  s->partition[index].kept_rows = s->partition[index].rows_only ? km_rank_tolerance(m, sub, 0.0) : 0.0;
   km_state_save(s, sub, saved);
   km_state_move(m, s, sub, move);
   km_state_forget_pivots(s, index);
@@ -61,6 +62,7 @@ bool km_nearby_go(const km_mechanism *m, km_state *s, int index, double *saved, 
 
 void km_nearby_return(const km_mechanism *m, km_state *s, int index, const double *saved) {
   s->partition[index].rows_only = false;
+  s->partition[index].kept_rows = 0.0;
   km_state_take_back(s, index);
   km_loops_return(m, s, index, saved);
   km_poses_update_in(m, s, index);

@@ -283,6 +283,12 @@ static bool is_found(const km_partition *p, const newton *n) {
   return n->small && (n->step <= n->settled || (p->held && n->step >= n->last));
 }
 
+/* Are the pivots that waited for the pose that is found good ones there? Rows that are kept beside others must be looked at again. */
+static bool still_serve(const km_mechanism *m, km_state *s, int index, int driver) {
+  const km_partition *p = &s->partition[index];
+  return !p->waits || ((p->kept_rows == 0.0 || km_pivots_are_whole(p)) && refactor(m, s, index, driver));
+}
+
 static km_closure_outcome close_loops(const km_mechanism *m, km_state *s, int index, int driver, km_closure *evidence) {
   const km_substructure *sub = &m->substructures[index];
   const km_partition *p = &s->partition[index];
@@ -300,9 +306,10 @@ static km_closure_outcome close_loops(const km_mechanism *m, km_state *s, int in
     n.settled = coarse * (i == 0 && driver >= 0 ? km_settled_at_once : km_settled);
     factor(m, s, index, driver, evidence->residual);
     take_step(m, s, index, driver, evidence, x, &n);
-    if (is_found(p, &n) && p->waits && !refactor(m, s, index, driver)) {
+    if (is_found(p, &n) && !still_serve(m, s, index, driver)) {
       search(m, s, index, driver, evidence->residual);
-      take_step(m, s, index, driver, evidence, x, &n);
+      if (!p->rows_stayed) /* else the step is the same */
+        take_step(m, s, index, driver, evidence, x, &n);
     }
     if (is_found(p, &n))
       return verdict(m, evidence->residual, coarse);

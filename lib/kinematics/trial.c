@@ -94,10 +94,11 @@ static void ask_for_all(const km_tangents *f) {
   p->kept_rows = 0.0;
 }
 
-/* Do these pivots tell all that the next step asks for? Further on more rows may be independent, and fewer motions left. */
+/* Do these pivots tell all that the next step asks for? Further on more rows may be independent, and fewer motions left: of rows that
+ * are kept, closing asks that where it has found the pose. */
 static bool pivots_may_stay(const km_partition *p) {
   return (km_partition_freedom(p) <= 1 && !p->rows_only) ||
-         (km_pivots_are_whole(p) && p->rows_only == rows_are_enough(p));
+         ((km_pivots_are_whole(p) || p->rows_only) && p->rows_only == rows_are_enough(p));
 }
 
 /* Goes by `move`, on from a misfit to the next one; false, and back again, if the loops' primary equations don't close

@@ -17,6 +17,7 @@
   X(cholmod_l_start)                                                                                                   \
   X(cholmod_l_finish)                                                                                                  \
   X(cholmod_l_analyze)                                                                                                 \
+  X(cholmod_l_metis)                                                                                                   \
   X(cholmod_l_factorize)                                                                                               \
   X(cholmod_l_solve2)                                                                                                  \
   X(cholmod_l_free_dense)                                                                                              \
@@ -36,7 +37,8 @@ struct km_normal {
   cholmod_factor *L;
   cholmod_dense *X, *Y, *E; /* of solutions */
   long rows, columns, *start, *row;
-  long *place; /* [rows] of each in the order of elimination */
+  long *place;      /* [rows] of each in the order of elimination */
+  long *dissection; /* [rows] see km_normal_dissection; NULL: not asked for yet */
   km_products products;
   bool *used;           /* [rows] in what is factored */
   bool *used_columns;   /* [columns] */
@@ -159,9 +161,22 @@ void km_normal_free(km_normal *n) {
   n->cholmod->cholmod_l_free_factor(&n->L, &n->common);
   n->cholmod->cholmod_l_finish(&n->common);
   km_products_free(&n->products);
-  void *const all[] = {n->start, n->row, n->place, n->used, n->used_columns, n->value, n->next, n->b, n->z, n->step, n};
+  void *const all[] = {n->start, n->row,  n->place, n->dissection, n->used, n->used_columns,
+                       n->value, n->next, n->b,     n->z,          n->step, n};
   for (size_t i = 0; i < sizeof all / sizeof *all; ++i)
     km_free(all[i]);
+}
+
+const long *km_normal_dissection(km_normal *n) {
+  if (n->dissection)
+    return n->dissection;
+  n->dissection = KM_NEW(long, (size_t)n->rows + 1);
+  cholmod_sparse A = matrix_of(n);
+  if (n->dissection && !n->cholmod->cholmod_l_metis(&A, NULL, 0, true, n->dissection, &n->common)) {
+    km_free(n->dissection);
+    n->dissection = NULL;
+  }
+  return n->dissection;
 }
 
 bool km_normal_has(const km_normal *n, const bool *used_rows, const bool *used_columns) {

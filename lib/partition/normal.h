@@ -13,6 +13,9 @@ bool km_normal_is_installed(void);
  * installed or memory is out. */
 km_normal *km_normal_create(int rows, int columns, const int *start, const int *row);
 
+/* All rows in the order that nested dissection of their products finds (METIS), whatever is used: found once. NULL: no memory. */
+const long *km_normal_dissection(km_normal *normal);
+
 /* A is the matrix, given by its entries, over the columns' weights. What isn't `used` counts as 0: rows and columns. False
  * where the rows that are used depend on each other. What was factored last isn't factored again. O(entries of the factor). */
 bool km_normal_factor(km_normal *normal, const double *matrix, const double *weight, const bool *used_rows,

@@ -184,43 +184,52 @@ static void sort_rows(const km_orthogonal *q, const cholmod_sparse *by_row, cons
  * b on. Nested dissection keeps short what a row reaches: of a chain of n loops log n columns, where an order of least fill may
  * make it n. Rows that begin near each other reach much the same, and go side by side. */
 static void add_shares(const km_orthogonal *q, const km_triangle *R, const cholmod_sparse *by_row, const long *place,
-                       const beginning *list, double *y, double *share) {
+                       const beginning *list, double *y, uint64_t *marked, double *share) {
   const long *row_start = by_row->p, *entry = by_row->i;
   const double *b = by_row->x;
   for (long n = 0; n < q->rows; n += KM_TRIANGLE_LANES) {
     double sum[KM_TRIANGLE_LANES] = {0.0};
     int count = q->rows - n < KM_TRIANGLE_LANES ? (int)(q->rows - n) : KM_TRIANGLE_LANES;
     for (int l = 0; l < count; ++l)
-      for (long i = row_start[list[n + l].row]; i < row_start[list[n + l].row + 1]; ++i)
+      for (long i = row_start[list[n + l].row]; i < row_start[list[n + l].row + 1]; ++i) {
         y[KM_TRIANGLE_LANES * place[entry[i]] + l] = b[i];
-    km_triangle_squares(R, list[n].first, y, sum);
+        km_triangle_mark(marked, place[entry[i]]);
+      }
+    km_triangle_squares(R, list[n].first, y, marked, sum);
     for (int l = 0; l < count; ++l)
       share[list[n + l].row] = sum[l];
   }
 }
 
-bool km_orthogonal_shares(km_orthogonal *q, double tolerance, double *share) {
+bool km_orthogonal_shares(km_orthogonal *q, double tolerance, bool as_they_stand, double *share) {
   const library *f = q->spqr;
   cholmod_sparse A = matrix_of(q), *R = NULL;
   SuiteSparse_long *order = NULL;
-  long rank = f->SuiteSparseQR_C(SPQR_ORDERING_METIS, tolerance, q->columns, 0, &A, NULL, NULL, NULL, NULL, &R, &order,
-                                 NULL, NULL, NULL, &q->common);
+  const int ordering = as_they_stand ? SPQR_ORDERING_FIXED : SPQR_ORDERING_METIS;
+  long rank = f->SuiteSparseQR_C(ordering, tolerance, q->columns, 0, &A, NULL, NULL, NULL, NULL, &R, &order, NULL, NULL,
+                                 NULL, &q->common);
   cholmod_sparse *rows_of_r = rank == q->columns ? f->cholmod_l_transpose(R, 1, &q->common) : NULL;
   cholmod_sparse *by_row = rows_of_r ? f->cholmod_l_transpose(&A, 1, &q->common) : NULL;
   long *place = KM_NEW(long, (size_t)q->columns + 1);
   beginning *list = KM_NEW(beginning, (size_t)q->rows + 1);
   double *y = KM_NEW(double, KM_TRIANGLE_LANES *((size_t)q->columns + 1));
-  bool *rows_continue = KM_NEW(bool, (size_t)q->columns + 1), done = by_row && place && list && y && rows_continue;
+  uint64_t *marked = KM_NEW(uint64_t, (size_t)q->columns / KM_TRIANGLE_WORD + 1);
+  bool *rows_continue = KM_NEW(bool, (size_t)q->columns + 1), *rows_lead = KM_NEW(bool, (size_t)q->columns + 1);
+  bool done = by_row && place && list && y && marked && rows_continue && rows_lead;
   for (long k = 0; k < q->columns && done; ++k)
     place[order ? order[k] : k] = k;
   if (done) {
-    const km_triangle by_rows = {rows_of_r->p, rows_of_r->i, rows_of_r->x, rows_continue, q->columns};
-    for (long k = 0; k < q->columns; ++k)
+    const km_triangle by_rows = {rows_of_r->p, rows_of_r->i, rows_of_r->x, rows_continue, rows_lead, q->columns};
+    for (long k = 0; k < q->columns; ++k) {
       rows_continue[k] = km_triangle_continues(&by_rows, k);
+      rows_lead[k] = km_triangle_leads(&by_rows, k);
+    }
     sort_rows(q, by_row, place, list);
-    add_shares(q, &by_rows, by_row, place, list, y, share);
+    add_shares(q, &by_rows, by_row, place, list, y, marked, share);
   }
+  km_free(rows_lead);
   km_free(rows_continue);
+  km_free(marked);
   km_free(y);
   km_free(list);
   km_free(place);

@@ -31,8 +31,9 @@ bool km_orthogonal_reject(km_orthogonal *q, double *v, int count);
 /* |v|² of what the columns span of each of `count` vectors v[rows · count]. False when out of memory. */
 bool km_orthogonal_squares(km_orthogonal *q, double *v, int count, double *squares);
 /* The same of every unit vector: share[row], by R alone. False when out of memory, or where the columns depend on each
- * other to the tolerance. Factors by itself. O(entries of R that the rows of the matrix reach). */
-bool km_orthogonal_shares(km_orthogonal *q, double tolerance, double *share);
+ * other to the tolerance. Factors by itself, the columns as they stand or in an order of nested dissection. O(entries of R that the
+ * rows of the matrix reach). */
+bool km_orthogonal_shares(km_orthogonal *q, double tolerance, bool as_they_stand, double *share);
 /* The columns of which more than `tolerance` is left over those before them, in COLAMD's order: list[rank], no order. Returns
  * the rank, -1: out of memory. Factors by itself. */
 int km_orthogonal_independent(km_orthogonal *q, double tolerance, int *list);

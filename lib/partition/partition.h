@@ -54,7 +54,9 @@ typedef struct km_partition {
   bool rows_only;     /* set by the caller: the rank and which rows are primary are enough, for km_partition_least; the
                        * sparse engine makes no null vectors then */
   double kept_rows;   /* set by the caller, beside `rows_only`: the primary rows at hand are tried before others, and stay where
-                       * they are independent to this tolerance and the others depend on them; 0: they aren't tried */
+                       * they are independent to this tolerance, however loose the search's own is, by which the others depend on
+                       * them; 0: they aren't tried */
+  bool rows_stayed;   /* the last search of the sparse engine found the rows of `kept_rows` to be good ones */
   bool unwatched;     /* set by the caller: the independent columns are asked for nothing but which ones they are; of many the
                        * sparse engine takes any then, and a refactor doesn't measure B */
   bool waits;         /* by km_partition_wait */
@@ -171,7 +173,8 @@ bool km_partition_least(const km_partition *partition, const double *matrix, con
 
 /* The same by the matrix of the last one that normal equations have given, which is near the present one: half of what one takes is
  * to factor them. False where it had other rows or columns, or there was none. */
-bool km_partition_least_again(const km_partition *partition, const double *weight, int count, const double *rhs, double *x);
+bool km_partition_least_again(const km_partition *partition, const double *weight, int count, const double *rhs,
+                              double *x);
 
 /* The null vector that moves independent column `column` by 1 and the other independent ones not at all. */
 void km_partition_direction(const km_partition *partition, int column, double *direction);

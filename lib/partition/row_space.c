@@ -29,17 +29,21 @@ static void fill_row(const km_sparse *s, const double *matrix, const double *wei
   out.start[k + 1] = next;
 }
 
-/* The rows, to be factored; the independent columns behind the first `count` are left out. NULL where SPQR isn't installed or
- * memory is out. */
-static km_orthogonal *rows_of(const km_partition *p, const double *matrix, const double *weight, int count) {
+/* The rows, to be factored, in the order of all rows that is given; NULL: in that of their pivots. The independent columns behind the
+ * first `count` are left out. NULL where SPQR isn't installed or memory is out. */
+static km_orthogonal *rows_of(const km_partition *p, const double *matrix, const double *weight, int count,
+                              const long *order) {
   km_orthogonal *q = NULL;
   km_error error;
   bool *left_out = KM_NEW(bool, (size_t)p->columns + 1);
   if (left_out && !km_orthogonal_create(p->columns, p->rank, p->sparse->start[p->columns], &q, &error)) {
     for (int k = p->rank + count; k < p->columns; ++k)
       left_out[p->column[k]] = true;
-    for (int k = 0; k < p->rank; ++k)
-      fill_row(p->sparse, matrix, weight, left_out, p->row[k], k, km_orthogonal_columns(q));
+    for (int i = 0, k = 0; i < p->rows && k < p->rank; ++i) {
+      int row = order ? (int)order[i] : p->row[i];
+      if (p->sparse->step_of[row] >= 0)
+        fill_row(p->sparse, matrix, weight, left_out, row, k++, km_orthogonal_columns(q));
+    }
   }
   km_free(left_out);
   return q;
@@ -49,25 +53,32 @@ bool km_partition_may_wait(const km_partition *p) {
   return p->sparse && p->sparse->normal && !km_sparse_is_crowded(p) && km_normal_is_installed();
 }
 
-/* The rows by their normal equations, those of the matrix that was factored last where none is given; NULL where these aren't kept, or
- * would be full, or don't tell. */
-static km_normal *normal_of(const km_partition *p, const double *matrix, const double *weight, int count) {
+/* NULL where normal equations aren't kept, or would be full. */
+static km_normal *need_normal(const km_partition *p) {
   const km_sparse *s = p->sparse;
   if (!km_partition_may_wait(p))
     return NULL;
   if (!*s->normal)
     *s->normal = km_normal_create(p->rows, p->columns, s->start, s->row);
+  return *s->normal;
+}
+
+/* The rows by their normal equations, those of the matrix that was factored last where none is given; NULL where these aren't kept, or
+ * would be full, or don't tell. */
+static km_normal *normal_of(const km_partition *p, const double *matrix, const double *weight, int count) {
+  km_normal *normal = need_normal(p);
+  if (!normal)
+    return NULL;
   bool *rows = KM_NEW(bool, (size_t)p->rows + 1), *columns = KM_NEW(bool, (size_t)p->columns + 1);
   for (int k = 0; k < p->rank && rows; ++k)
     rows[p->row[k]] = true;
   for (int k = 0; k < p->rank + count && columns; ++k)
     columns[p->column[k]] = true;
-  bool good = *s->normal && rows && columns &&
-              (matrix ? km_normal_factor(*s->normal, matrix, weight, rows, columns)
-                      : km_normal_has(*s->normal, rows, columns));
+  bool good = rows && columns &&
+              (matrix ? km_normal_factor(normal, matrix, weight, rows, columns) : km_normal_has(normal, rows, columns));
   km_free(rows);
   km_free(columns);
-  return good ? *s->normal : NULL;
+  return good ? normal : NULL;
 }
 
 /* Columns that may be pivots first, then the forced and the locked ones; returns how many may be. */
@@ -119,13 +130,14 @@ static void list_rows(km_partition *p, bool kept) {
 bool km_sparse_rows_stand(km_partition *p, const double *matrix, const bool *forced, double tolerance) {
   km_sparse *s = p->sparse;
   const bool kept = p->kept_rows > 0.0;
+  const double least = kept ? p->kept_rows : tolerance;
   int most = s->normal ? arrange_columns(p, forced) : 0;
   if (most < (kept ? p->rank : p->rows))
     return false;
   list_rows(p, kept);
   km_normal *normal = normal_of(p, matrix, s->weight, most - p->rank);
   double smallest = normal ? km_normal_smallest(normal) : 0.0;
-  if (!(smallest > tolerance))
+  if (!(smallest > least))
     return false;
   double left = p->rank < p->rows ? distance_of_others(p, normal, matrix, most) : 0.0;
   if (!(left <= tolerance))
@@ -134,6 +146,7 @@ bool km_sparse_rows_stand(km_partition *p, const double *matrix, const bool *for
   p->last_pivot = p->smallest_pivot = smallest * p->scale;
   p->first_dropped = left * p->scale;
   p->forced_dependent = false;
+  p->rows_stayed = kept;
   for (int k = 0; k < p->rank; ++k)
     p->inverse[k] = 1.0 / p->last_pivot;
   s->singles = s->zero_count = 0;
@@ -189,8 +202,8 @@ static km_orthogonal *null_of(const km_partition *p, const double *weight, int c
   km_error error;
   int entries;
   double *work = KM_NEW(double, (size_t)p->columns + 1), rows = km_sparse_crowd(p);
-  bool good = !p->sparse->by_rows && !p->any_independent && km_sparse_size_of_b(p) <= km_largest_good_b;
-  if (work && good && crowd_of_null(p, count, rows, &entries) < rows &&
+  bool known = !p->sparse->by_rows && !p->any_independent;
+  if (work && known && crowd_of_null(p, count, rows, &entries) < rows && km_sparse_size_of_b(p) <= km_largest_good_b &&
       !km_orthogonal_create(p->columns, count, entries, &q, &error))
     for (int k = 0; k < count; ++k)
       fill_null(p, weight, k, work, km_orthogonal_columns(q));
@@ -211,8 +224,10 @@ static bool dense_shares(const km_partition *p, const double *weight, double *sh
 }
 
 static bool sparse_shares(const km_partition *p, const double *matrix, const double *weight, double *shares) {
-  km_orthogonal *q = rows_of(p, matrix, weight, km_partition_freedom(p));
-  bool found = q && km_orthogonal_shares(q, spanned, shares);
+  km_normal *normal = need_normal(p);
+  const long *order = normal ? km_normal_dissection(normal) : NULL;
+  km_orthogonal *q = rows_of(p, matrix, weight, km_partition_freedom(p), order);
+  bool found = q && km_orthogonal_shares(q, spanned, order != NULL, shares);
   km_orthogonal_free(q);
   return found;
 }
@@ -220,7 +235,7 @@ static bool sparse_shares(const km_partition *p, const double *matrix, const dou
 /* Of the null vectors themselves. */
 static bool null_shares(const km_partition *p, const double *weight, double *numbers) {
   km_orthogonal *q = p->sparse ? null_of(p, weight, km_partition_freedom(p)) : NULL;
-  bool found = q && km_orthogonal_shares(q, spanned, numbers);
+  bool found = q && km_orthogonal_shares(q, spanned, false, numbers);
   km_orthogonal_free(q);
   return found;
 }
@@ -269,7 +284,7 @@ bool km_partition_reject_null(const km_partition *p, const double *matrix, const
     return true;
   if (p->waits)
     return false;
-  km_orthogonal *null = null_of(p, weight, count), *q = null ? null : rows_of(p, matrix, weight, count);
+  km_orthogonal *null = null_of(p, weight, count), *q = null ? null : rows_of(p, matrix, weight, count, NULL);
   bool done = reject(q, p, weight, !null, count, x, work);
   km_orthogonal_free(q);
   return done;
@@ -289,7 +304,7 @@ static void keep_along(const km_partition *p, bool taken, const double *rest, do
 static bool along_by_normal(const km_partition *p, const double *matrix, const double *weight, double *Y, int count) {
   size_t n = (size_t)p->columns;
   km_normal *normal = normal_of(p, matrix, weight, km_partition_freedom(p));
-  double *part = normal ? KM_NEW(double, n * (size_t)count + 1) : NULL;
+  double *part = normal ? KM_NEW(double, n *(size_t)count + 1) : NULL;
   bool done = part != NULL;
   for (int k = 0; k < count && done; ++k)
     done = km_normal_part(normal, Y + (size_t)k * n, part + (size_t)k * n);
@@ -304,7 +319,7 @@ bool km_partition_along_null(const km_partition *p, const double *matrix, const 
     return true;
   int freedom = km_partition_freedom(p);
   size_t n = (size_t)p->columns, size = n * (size_t)count;
-  km_orthogonal *null = null_of(p, weight, freedom), *q = null ? null : rows_of(p, matrix, weight, freedom);
+  km_orthogonal *null = null_of(p, weight, freedom), *q = null ? null : rows_of(p, matrix, weight, freedom, NULL);
   double *rest = KM_NEW(double, size + 1);
   bool done = q && rest && km_orthogonal_factor(q, spanned);
   if (done)
@@ -331,7 +346,7 @@ static bool least_by_null(const km_partition *p, const double *weight, int count
 
 static bool least_by_rows(const km_partition *p, const double *matrix, const double *weight, int count,
                           const double *rhs, double *x) {
-  km_orthogonal *q = rows_of(p, matrix, weight, count);
+  km_orthogonal *q = rows_of(p, matrix, weight, count, NULL);
   double *b = KM_NEW(double, (size_t)p->rank + 1);
   for (int k = 0; k < p->rank && b; ++k)
     b[k] = rhs[p->row[k]];

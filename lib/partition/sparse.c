@@ -185,6 +185,7 @@ void km_sparse_factor(km_partition *p, const double *matrix, const bool *forced,
   km_sparse *s = p->sparse;
   p->scale = km_largest_size(matrix, s->start[p->columns]);
   p->locked_count = 0;
+  p->rows_stayed = false;
   s->waits = false;
   s->next_pass = 0;
   p->largest_b = 0.0;

@@ -47,14 +47,19 @@ struct km_sparse {
   km_run *upper;                     /* [columns] of each: its entries of U, by step in an order that replays it */
   km_run *lower;                     /* [columns] and of L, by row; independent columns have none */
   km_store upper_store, lower_store; /* index: the step, the row */
-  int *step_of;                      /* [rows] that used the row, -1: none yet */
-  double *x;                         /* [rows] accumulators, 0 between columns */
-  int *list, *stack, *next;          /* [rows] rows that a column reaches; walking them */
-  bool *seen;                        /* [rows] */
-  bool *spare;                       /* [rows] is to be no primary one, since others make it dependent */
-  km_run *b;        /* [columns] of independent column k: its entries of B that aren't 0, by step, ascending */
-  km_store b_store; /* index: the step */
-  double *known;    /* [entries] the matrix that was factored last, while the factor is that of it */
+  bool *nests;                       /* [rows] by step, while columns are eliminated: see sparse_nests.c */
+  km_run *shared; /* [rows] by step: its entries of L once more, in the order of the step behind it where it nests */
+  km_store shared_store; /* index: the row */
+  int shared_end;
+  int *step_of;             /* [rows] that used the row, -1: none yet */
+  double *x;                /* [rows] accumulators, 0 between columns */
+  int *list, *stack, *next; /* [rows] rows that a column reaches; walking them */
+  bool *seen;               /* [rows] */
+  bool *spare;              /* [rows] is to be no primary one, since others make it dependent */
+  km_run *b;                /* [columns] of independent column k: its entries of B that aren't 0, by step, ascending */
+  km_store b_store;         /* index: the step */
+  bool reaches_far;         /* the column of B that was asked for last has many entries */
+  double *known;            /* [entries] the matrix that was factored last, while the factor is that of it */
   bool *known_forced, *known_locked; /* [columns] then */
   double known_tolerance;
   unsigned known_flags;
@@ -122,6 +127,16 @@ bool km_sparse_spare_rows(km_partition *partition, const double *matrix, const b
  * partition's result. Where `kept_rows` is set: are the primary rows at hand, to that, and do the others depend on them? False also where
  * these equations aren't kept. */
 bool km_sparse_rows_stand(km_partition *partition, const double *matrix, const bool *forced, double tolerance);
+/* So many steps are subtracted together. */
+enum { KM_SPARSE_TOGETHER = 8 };
+/* Before the first step. */
+void km_sparse_forget_nests(km_partition *partition);
+/* The last step, whose entries of L are there, takes the order of the one before it where its rows are that one's. */
+void km_sparse_nest(km_partition *partition, int step);
+/* Do the `count` rows of a column's list begin with those of KM_SPARSE_TOGETHER steps that nest? */
+bool km_sparse_go_together(const km_partition *partition, const int *list, int count);
+/* Subtracts these from the accumulators, from `step` on; what they have of the column goes to u. */
+void km_sparse_subtract_together(const km_partition *partition, int step, double u[KM_SPARSE_TOGETHER]);
 /* Room for so many entries of U and of L in all. False when out of memory. */
 bool km_sparse_make_room(km_sparse *sparse, int upper, int lower);
 bool km_sparse_grow(km_sparse *sparse, km_store *store, int need);

@@ -34,6 +34,8 @@ static int reach(km_partition *p, int c) {
         s->seen[row] = true;
         s->next[depth] = below ? below->start : 0;
       }
+      if (below && s->nests[step] && s->seen[p->row[step + 1]]) /* then its other rows are too */
+        s->next[depth] = below->end;
       while (below && s->next[depth] < below->end && s->seen[s->lower_store.index[s->next[depth]]])
         s->next[depth]++;
       if (below && s->next[depth] < below->end) {
@@ -73,6 +75,25 @@ static int choose_row(const km_sparse *s, const km_run *rows, double largest) {
   return best;
 }
 
+/* Takes a step out of the column, whose entry there goes to U. */
+static void take_step(km_partition *p, int step, int *upper_end) {
+  km_sparse *s = p->sparse;
+  double value = s->x[p->row[step]];
+  s->upper_store.index[*upper_end] = step;
+  s->upper_store.value[(*upper_end)++] = value;
+  km_sparse_subtract(s, &s->lower[p->column[step]], value);
+  s->x[p->row[step]] = 0.0;
+}
+
+/* The same of steps that go together. */
+static void take_steps(km_partition *p, int step, int *upper_end) {
+  km_sparse *s = p->sparse;
+  for (int n = 0; n < KM_SPARSE_TOGETHER; ++n)
+    s->upper_store.index[*upper_end + n] = step + n;
+  km_sparse_subtract_together(p, step, s->upper_store.value + *upper_end);
+  *upper_end += KM_SPARSE_TOGETHER;
+}
+
 /* Reduces column c by the steps so far: its part in U is stored, the rest stays in x. Returns the row of the pivot, -1
  * if nothing is left. */
 static int reduce(km_partition *p, const double *matrix, int c, int *upper_end, int *lower_end) {
@@ -88,14 +109,15 @@ static int reduce(km_partition *p, const double *matrix, int c, int *upper_end, 
     return -1;
   }
   scatter(p, matrix, c);
+  for (int i = top; i < p->rows; ++i)
+    s->seen[s->list[i]] = false;
   for (int i = top; i < p->rows; ++i) {
     int row = s->list[i], step = s->step_of[row];
-    s->seen[row] = false;
-    if (step >= 0) {
-      s->upper_store.index[*upper_end] = step;
-      s->upper_store.value[(*upper_end)++] = s->x[row];
-      km_sparse_subtract(s, &s->lower[p->column[step]], s->x[row]);
-      s->x[row] = 0.0;
+    if (km_sparse_go_together(p, s->list + i, p->rows - i)) {
+      take_steps(p, step, upper_end);
+      i += KM_SPARSE_TOGETHER - 1;
+    } else if (step >= 0) {
+      take_step(p, step, upper_end);
     } else {
       s->lower_store.index[(*lower_end)++] = row;
       largest = fabs(s->x[row]) > largest && !s->spare[row] ? fabs(s->x[row]) : largest;
@@ -124,6 +146,7 @@ static void use(km_partition *p, int c, int row) {
   }
   s->x[row] = 0.0;
   s->lower[c].end = kept;
+  km_sparse_nest(p, step);
 }
 
 static void drop(km_partition *p, int c) {
@@ -213,6 +236,7 @@ bool km_sparse_eliminate_again(km_partition *p, const double *matrix) {
   bool good = true;
   s->singles = s->zero_count = 0;
   p->rank = 0;
+  km_sparse_forget_nests(p);
   for (int r = 0; r < p->rows; ++r)
     s->step_of[r] = -1;
   memcpy(s->lead, p->column, (size_t)p->columns * sizeof *s->lead);
@@ -242,6 +266,7 @@ void km_sparse_eliminate(km_partition *p, const double *matrix, const bool *forc
   p->first_pivot = p->first_dropped = 0.0;
   p->smallest_pivot = HUGE_VAL;
   p->forced_dependent = false;
+  km_sparse_forget_nests(p);
   for (int r = 0; r < p->rows; ++r)
     s->step_of[r] = -1;
   int upper_end = km_sparse_take_singles(p, matrix, forced, fmax(threshold, single_share * p->scale));

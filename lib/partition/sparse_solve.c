@@ -96,6 +96,16 @@ static km_run solve_reached(const km_partition *p, const km_run *own, int end) {
   return run;
 }
 
+/* Whichever takes less, as the last one tells: to ask which steps are reached takes as long as to go through them. The entries are the
+ * same. */
+static km_run solve_column(const km_partition *p, const km_run *own, int end) {
+  enum { FEW = 16 };
+  km_sparse *s = p->sparse;
+  km_run run = (s->reaches_far ? solve_whole : solve_reached)(p, own, end);
+  s->reaches_far = run.end - run.start > p->rank / FEW;
+  return run;
+}
+
 /* So few vectors take no more steps in all than the matrix has entries: which ones are reached needn't be asked. */
 static bool are_few(const km_partition *p) {
   return (double)(p->columns - p->rank) * p->rank <= p->sparse->start[p->columns];
@@ -103,7 +113,7 @@ static bool are_few(const km_partition *p) {
 
 km_run km_sparse_b(const km_partition *p, int k) {
   const km_sparse *s = p->sparse;
-  return s->keeps_b ? s->b[k] : solve_reached(p, &s->upper[p->column[p->rank + k]], 0);
+  return s->keeps_b ? s->b[k] : solve_column(p, &s->upper[p->column[p->rank + k]], 0);
 }
 
 double km_sparse_weight(int index, int probe) {
@@ -170,7 +180,7 @@ static bool find_columns(km_partition *p, const bool *forced, double most) {
     p->failed = p->failed || !km_sparse_grow(s, &s->b_store, end + p->rank);
     if (p->failed)
       return false;
-    km_run run = (few ? solve_whole : solve_reached)(p, &s->upper[p->column[k]], end);
+    km_run run = (few ? solve_whole : solve_column)(p, &s->upper[p->column[k]], end);
     const double *b = s->b_store.value + end;
     double size = km_largest_size(b, run.end - end);
     p->largest_b = size > p->largest_b ? size : p->largest_b;

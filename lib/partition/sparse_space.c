@@ -42,6 +42,8 @@ static bool reserve(km_sparse *s, int rows, int columns, km_arena *arena) {
                    .late = KM_ARENA_NEW(arena, bool, c),
                    .upper = KM_ARENA_NEW(arena, km_run, c),
                    .lower = KM_ARENA_NEW(arena, km_run, c),
+                   .nests = KM_ARENA_NEW(arena, bool, r),
+                   .shared = KM_ARENA_NEW(arena, km_run, r),
                    .step_of = KM_ARENA_NEW(arena, int, r),
                    .x = KM_ARENA_NEW(arena, double, r),
                    .list = KM_ARENA_NEW(arena, int, r),

@@ -1,11 +1,7 @@
-/* Solutions by the rows of a triangle, several vectors and several rows at a time. */
+/* How the rows of a triangle follow each other, and solutions by them in the widest registers that there are. */
 #include "partition/triangle.h"
 
-#include "partition/pair.h"
-
 #include <string.h>
-
-enum { LANES = KM_TRIANGLE_LANES, TOGETHER = 4 };
 
 bool km_triangle_continues(const km_triangle *R, long k) {
   const long *start = R->start, *column = R->column;
@@ -16,73 +12,22 @@ bool km_triangle_continues(const km_triangle *R, long k) {
          memcmp(column + start[k] + 1, column + start[k + 1], (size_t)count * sizeof *column) == 0;
 }
 
-static bool are_zero(const double *at) {
-  bool all = true;
-  for (int l = 0; l < LANES; ++l)
-    all = all && at[l] == 0.0;
-  return all;
+bool km_triangle_leads(const km_triangle *R, long k) {
+  const long *start = R->start, *column = R->column;
+  long i = start[k] + 1, end = start[k + 1];
+  if (i >= end || km_triangle_continues(R, k))
+    return true;
+  for (long n = start[column[i]]; i < end && n < start[column[start[k] + 1] + 1]; ++n)
+    i += column[n] == column[i];
+  return i == end;
 }
 
-/* Row k takes its own entry of every vector, which is left 0, and subtracts it by its first `count` entries. */
-static void take_row(const km_triangle *R, long k, long count, double *y, double sum[LANES], km_pair own[LANES / 2]) {
-  const long first = R->start[k];
-  double *at = y + LANES * k;
-  for (int l = 0; l < LANES; ++l) {
-    double value = at[l] / R->value[first];
-    own[l / 2][l % 2] = value;
-    sum[l] += value * value;
-    at[l] = 0.0;
+void km_triangle_squares(const km_triangle *R, long first, double *y, uint64_t *marked, double sum[KM_TRIANGLE_LANES]) {
+#ifdef KM_LANES_AVX2
+  if (__builtin_cpu_supports("avx2")) {
+    km_triangle_squares_avx2(R, first, y, marked, sum);
+    return;
   }
-  for (long i = first + 1; i < first + count; ++i) {
-    km_pair *to = (km_pair *)(y + LANES * R->column[i]), v = {R->value[i], R->value[i]};
-    for (int l = 0; l < LANES / 2; ++l)
-      to[l] -= v * own[l];
-  }
-}
-
-/* Subtracts `count` entries of the rows, which stand in the same columns, from all vectors. */
-static void subtract_rows(const long *column, const double *const value[TOGETHER], long count,
-                          km_pair own[TOGETHER][LANES / 2], double *y) {
-  const double *const a = value[0], *const b = value[1], *const c = value[2], *const d = value[3];
-  const km_pair a0 = own[0][0], a1 = own[0][1], b0 = own[1][0], b1 = own[1][1];
-  const km_pair c0 = own[2][0], c1 = own[2][1], d0 = own[3][0], d1 = own[3][1];
-  for (long i = 0; i < count; ++i) {
-    km_pair *to = (km_pair *)(y + LANES * column[i]);
-    km_pair ai = {a[i], a[i]}, bi = {b[i], b[i]}, ci = {c[i], c[i]}, di = {d[i], d[i]};
-    to[0] = to[0] - ai * a0 - bi * b0 - ci * c0 - di * d0;
-    to[1] = to[1] - ai * a1 - bi * b1 - ci * c1 - di * d1;
-  }
-}
-
-/* The same of several rows that continue each other, whose common columns are loaded and stored once. */
-static void take_rows(const km_triangle *R, long k, double *y, double sum[LANES]) {
-  km_pair own[TOGETHER][LANES / 2];
-  const double *value[TOGETHER];
-  for (int r = 0; r < TOGETHER; ++r) {
-    take_row(R, k + r, TOGETHER - r, y, sum, own[r]);
-    value[r] = R->value + R->start[k + r] + TOGETHER - r;
-  }
-  long first = R->start[k] + TOGETHER;
-  subtract_rows(R->column + first, value, R->start[k + 1] - first, own, y);
-}
-
-static bool go_together(const km_triangle *R, long k) {
-  bool all = k + TOGETHER <= R->columns;
-  for (int r = 0; r + 1 < TOGETHER && all; ++r)
-    all = R->continues[k + r];
-  return all;
-}
-
-void km_triangle_squares(const km_triangle *R, long first, double *y, double sum[LANES]) {
-  km_pair own[LANES / 2];
-  for (long k = first; k < R->columns; ++k) {
-    if (are_zero(y + LANES * k))
-      continue;
-    if (go_together(R, k)) {
-      take_rows(R, k, y, sum);
-      k += TOGETHER - 1;
-    } else {
-      take_row(R, k, R->start[k + 1] - R->start[k], y, sum, own);
-    }
-  }
+#endif
+  km_triangle_squares_plain(R, first, y, marked, sum);
 }

@@ -106,6 +106,39 @@ static void against_the_dense_engine(void **state) {
   }
 }
 
+/* Where nearly all fills in, steps go together: rank, null space and solutions are the dense engine's. */
+static void much_fill(void **state) {
+  (void)state;
+  enum { ROWS = 65 };
+  int checked = 0;
+  for (int i = 0; i < 30; ++i) {
+    int entries = 0;
+    f.rows = ROWS;
+    f.columns = ROWS + index_below(15);
+    memset(f.J, 0, sizeof f.J);
+    for (int c = 0; c < f.columns; ++c) {
+      f.D[c] = 0.3 + fabs(any());
+      f.forced[c] = false;
+      start[c] = entries;
+      for (int r = 0; r < f.rows; ++r)
+        if (index_below(4) == 0) {
+          f.J[c * f.rows + r] = any();
+          row[entries++] = r;
+        }
+    }
+    start[f.columns] = entries;
+    reserve_sparse();
+    run_svd();
+    factor(&f.p);
+    assert_int_equal(f.p.rank, f.svd_rank);
+    if (f.p.largest_b > 1e3)
+      continue;
+    check_all(&f.p, 1e-9);
+    ++checked;
+  }
+  assert_true(checked > 15);
+}
+
 /* Some entries of the pattern are 0 at this pose, and others at the next one. */
 static void fill_zeros(double share, bool only_zeros) {
   const km_sparse *s = f.p.sparse;
@@ -531,6 +564,7 @@ int main(void) {
       cmocka_unit_test(columns_where_no_pivot_tells),
       cmocka_unit_test(nothing_is_left_behind),
       cmocka_unit_test(crowded_rows),
+      cmocka_unit_test(much_fill),
   };
   return cmocka_run_group_tests(tests, NULL, clean);
 }
