@@ -128,7 +128,6 @@ static void take_space_step(km_lane_space_step *to, const km_step *step, int i) 
 
 static void take_planar_loop(km_drive_lanes *l, int index, const km_loop *loop, int i) {
   km_lane_planar_loop *to = &l->planar_loops[index];
-  km_lane_twist *misfit = &l->loops[index].misfit;
   for (int a = 0; a < 2; ++a) {
     to->close[0][a].of[i] = loop->planar_close[0][a];
     to->close[1][a].of[i] = loop->planar_close[1][a];
@@ -136,9 +135,8 @@ static void take_planar_loop(km_drive_lanes *l, int index, const km_loop *loop, 
     to->point[a].of[i] = loop->planar_point[a];
   }
   to->turn.of[i] = loop->planar_turn;
-  misfit->v.z.of[i] = loop->fixed_misfit[2];
-  misfit->w.x.of[i] = loop->fixed_misfit[3];
-  misfit->w.y.of[i] = loop->fixed_misfit[4];
+  for (int k = 0; k < 3; ++k)
+    l->loops[index].fixed[k].of[i] = loop->fixed_misfit[2 + k];
 }
 
 static void take_space_loop(km_lane_space_loop *to, const km_loop *loop, int i) {
@@ -183,6 +181,21 @@ static void mark_still(km_drive_lanes *l, const km_program *program) {
   }
 }
 
+/* The steps whose places are read from their slots: where a loop ends, or a step goes on that isn't the next one. */
+static void mark_kept(km_drive_lanes *l, const km_program *program) {
+  const km_planar_step *steps = l->m->planar_steps + program->step_start;
+  for (int i = 0; i < program->step_count; ++i) {
+    km_lane_step *mark = &l->steps[program->step_start + i];
+    mark->kept = mark->still;
+    for (int k = i + 2; k < program->step_count; ++k)
+      mark->kept = mark->kept || steps[k].from == steps[i].to;
+    for (int k = program->loop_start; k < program->loop_start + program->loop_count; ++k) {
+      const km_loop *loop = &l->m->loops[l->m->loop_order[k]];
+      mark->kept = mark->kept || loop->slot[0] == steps[i].to || loop->slot[1] == steps[i].to;
+    }
+  }
+}
+
 /* Slot 0 of every program is its base, which stays; what isn't set is 0. */
 static void place_base(km_drive_lanes *l) {
   for (int i = 0; i < KM_DRIVE_LANES; ++i) {
@@ -203,7 +216,9 @@ static void place_loop(km_drive_lanes *l, const km_program *program, int index) 
     km_lane_entry *to = &l->entries[i];
     to->step = entry->step;
     to->side = entry->side;
-    to->columns = program->planar ? 1 : km_primitive_freedom(m->steps[program->step_start + entry->step].primitive);
+    const int step = program->step_start + entry->step;
+    to->columns = program->planar ? 1 : km_primitive_freedom(m->steps[step].primitive);
+    to->turn = program->planar && !m->planar_steps[step].slides ? m->planar_steps[step].sign : 0.0;
     to->next = (int)entry->next * KM_DRIVE_LANES;
     place_rows(loop, (int)entry->at, l->sub->rows * l->sub->columns, to->at);
   }
@@ -215,9 +230,12 @@ void km_lanes_take_structure(km_drive_lanes *l) {
   const km_program *program = &m->programs[l->sub->program_start], *end = program + l->sub->program_count;
   if (l->sub->program_count == 1 && program->planar) /* several take the same slots in turn */
     mark_still(l, program);
-  for (; program < end; ++program)
+  for (; program < end; ++program) {
+    if (program->planar)
+      mark_kept(l, program);
     for (int k = program->loop_start; k < program->loop_start + program->loop_count; ++k)
       place_loop(l, program, m->loop_order[k]);
+  }
 }
 
 static void take_couplings(km_drive_lanes *l, const km_mechanism *m, int i) {

@@ -28,6 +28,7 @@ typedef struct km_lane_quaternion {
 typedef struct km_lane_step {
   km_lanes_number x, y, ux, uy;
   bool still; /* stays where it is while the loops are closed: only the driver carries it */
+  bool kept;  /* its place is read later than by the next step */
 } km_lane_step;
 typedef struct km_lane_planar_loop {
   km_lanes_number close[2][2], apart[2], point[2], turn;
@@ -44,16 +45,16 @@ typedef struct km_lane_space_loop {
   km_lane_vec3 origin[2]; /* the point of its rows from each of the two origins */
 } km_lane_space_loop;
 /* What every loop has. row: places of its rows in `error`, v x y z, w x y z, or in a plane x, y, turn; behind its end if they
- * are none. */
+ * are none. square: six times that of its residual. fixed: in a plane the parts of its misfit that stay, v z, w x, w y. */
 typedef struct km_lane_loop {
-  km_lane_twist misfit;
+  km_lanes_number square, fixed[3];
   int row[6];
 } km_lane_loop;
 /* See km_entry. at: places of the rows in J, as above; behind its end if they are none. A ball's next two columns follow at
- * `next` each; what has no row lies two columns behind the end at most. */
+ * `next` each; what has no row lies two columns behind the end at most. turn: of a planar step's column, which stays. */
 typedef struct km_lane_entry {
   int step, columns, next;
-  double side;
+  double side, turn;
   int at[6];
 } km_lane_entry;
 typedef struct km_lane_coupling {
@@ -63,9 +64,9 @@ typedef struct km_lane_coupling {
 typedef struct km_lane_slot {
   km_lanes_number angle, cosine, sine, x, y;
 } km_lane_slot;
-/* A column of a planar step: v x, v y, turn. */
+/* A column of a planar step but for its turn: v x, v y. */
 typedef struct km_lane_column {
-  km_lanes_number x, y, turn;
+  km_lanes_number x, y;
 } km_lane_column;
 
 /* What is shown of a row: coordinates, the unit direction of motion (lengths over the characteristic length), and mobility

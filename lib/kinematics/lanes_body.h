@@ -26,35 +26,6 @@ static inline mask as_long(const km_drive_lanes *l, vector h, int r, int first) 
   return at_most(size_of(h - GET(l->here.last_h)), km_continuation_same * size_of(h));
 }
 
-/* look_farther of continuation.c: the polynomial through nine poses in place of the cubic, where they agree. */
-static WITHIN void look_farther(km_drive_lanes *l, const vector *h, const mask *fit, int first, int count) {
-  vector apart[TOGETHER];
-  mask far[TOGETHER];
-  EACH(r) {
-    far[r] = fit[r] & as_long(l, h[r], r, first) & equal(GET(l->here.equal_count), all(KM_CURVE_MOVES));
-    apart[r] = all(0.0);
-  }
-  if (!any(far, count))
-    return;
-  for (int k = 0; k < l->sub->columns; ++k)
-    EACH(r) {
-      vector even = h[r] * (km_curve_tangents[0] * GET(l->t[k]) + km_curve_tangents[1] * GET(l->last_t[k]));
-      vector odd = GET(l->rest[k]);
-      for (int i = 0; i < KM_CURVE_MOVES; i += 2) {
-        even += km_curve_moves[i] * GET(l->past[i][k]);
-        odd += km_curve_moves[i + 1] * GET(l->past[i + 1][k]);
-      }
-      vector way = even + odd;
-      apart[r] = larger(size_of(way - GET(l->move[k])), apart[r]);
-      PUT(l->x[k], way);
-    }
-  EACH(r)
-  far[r] &= at_most(apart[r], km_continuation_agreement * size_of(h[r]));
-  for (int k = 0; k < l->sub->columns; ++k)
-    EACH(r)
-  PUT(l->move[k], pick(far[r], GET(l->x[k]), GET(l->move[k])));
-}
-
 /* Is the last step long enough to tell of one of h? */
 static inline mask is_near(const km_drive_lanes *l, vector h, int r, int first) {
   return at_most(size_of(h), km_continuation_farther * size_of(GET(l->here.last_h)));
@@ -67,26 +38,79 @@ static APART void set_out(km_drive_lanes *l, const vector *h, const mask *near, 
   PUT(l->move[k], pick(near[r], GET(l->move[k]), h[r] * GET(l->t[k])));
 }
 
-/* km_continuation_predict, of one freedom. */
-static WITHIN void continue_curve(km_drive_lanes *l, const vector *h, const mask *fit, int first, int count) {
-  vector last_h[TOGETHER], h00[TOGETHER], h10[TOGETHER], h11[TOGETHER];
-  mask near[TOGETHER], far[TOGETHER];
-  EACH(r) {
-    near[r] = is_near(l, h[r], r, first);
-    far[r] = ~near[r];
-    last_h[r] = GET(l->here.last_h);
-    vector u = h[r] / last_h[r] + 1.0;
-    h00[r] = 2.0 * u * u * u - 3.0 * u * u + 1.0;
-    h10[r] = u * u * u - 2.0 * u * u + u;
-    h11[r] = u * u * u - u * u;
+/* The cubic through the last two poses and their tangents, as its weights in a step of h. */
+typedef struct cubic {
+  vector last_h, h00, h10, h11;
+} cubic;
+
+static inline cubic cubic_of(vector h, vector last_h) {
+  const vector u = h / last_h + 1.0;
+  return (cubic){last_h, 2.0 * u * u * u - 3.0 * u * u + 1.0, u * u * u - 2.0 * u * u + u, u * u * u - u * u};
+}
+
+static inline vector along_cubic(const cubic *c, vector last_move, vector last_t, vector t) {
+  return -c->h00 * last_move + c->last_h * (c->h10 * last_t + c->h11 * t);
+}
+
+static WITHIN void follow_cubic(km_drive_lanes *l, const cubic *c, int first, int count) {
+  for (int k = 0; k < l->sub->columns; ++k)
+    EACH(r)
+  PUT(l->move[k], along_cubic(&c[r], GET(l->last_move[k]), GET(l->last_t[k]), GET(l->t[k])));
+}
+
+/* look_farther of continuation.c: the polynomial through nine poses in place of the cubic, where `far` is set and they agree. */
+static WITHIN void look_farther(km_drive_lanes *l, const cubic *c, const vector *h, mask *far, const mask *fit,
+                                int first, int count) {
+  vector apart[TOGETHER];
+  mask others[TOGETHER];
+  EACH(r)
+  apart[r] = all(0.0);
+  for (int k = 0; k < l->sub->columns; ++k)
+    EACH(r) {
+      const vector t = GET(l->t[k]), last_t = GET(l->last_t[k]);
+      const vector near = along_cubic(&c[r], GET(l->last_move[k]), last_t, t);
+      vector even = h[r] * (km_curve_tangents[0] * t + km_curve_tangents[1] * last_t), odd = GET(l->rest[k]);
+      for (int i = 0; i < KM_CURVE_MOVES; i += 2) {
+        even += km_curve_moves[i] * GET(l->past[i][k]);
+        odd += km_curve_moves[i + 1] * GET(l->past[i + 1][k]);
+      }
+      const vector way = even + odd;
+      apart[r] = larger(size_of(way - near), apart[r]);
+      PUT(l->x[k], way);
+      PUT(l->move[k], near);
+    }
+  EACH(r)
+  far[r] &= at_most(apart[r], km_continuation_agreement * size_of(h[r]));
+  EACH(r)
+  others[r] = fit[r] & ~far[r];
+  if (!any(others, count)) { /* the two change places: both are this step's alone */
+    km_lanes_number *ways = l->x;
+    l->x = l->move;
+    l->move = ways;
+    return;
   }
   for (int k = 0; k < l->sub->columns; ++k)
     EACH(r)
-  PUT(l->move[k], -h00[r] * GET(l->last_move[k]) + last_h[r] * (h10[r] * GET(l->last_t[k]) + h11[r] * GET(l->t[k])));
-  if (any(far, count))
+  PUT(l->move[k], pick(far[r], GET(l->x[k]), GET(l->move[k])));
+}
+
+/* km_continuation_predict, of one freedom. A step as long as the last one is near. */
+static WITHIN void continue_curve(km_drive_lanes *l, const vector *h, const mask *fit, int first, int count) {
+  cubic c[TOGETHER];
+  mask near[TOGETHER], lost[TOGETHER], far[TOGETHER];
+  const bool has_balls = l->m->ball_count > 0;
+  EACH(r) {
+    near[r] = is_near(l, h[r], r, first);
+    lost[r] = ~near[r];
+    c[r] = cubic_of(h[r], GET(l->here.last_h));
+    far[r] = fit[r] & as_long(l, h[r], r, first) & equal(GET(l->here.equal_count), all(KM_CURVE_MOVES));
+  }
+  if (!has_balls && any(far, count))
+    look_farther(l, c, h, far, fit, first, count);
+  else
+    follow_cubic(l, c, first, count);
+  if (any(lost, count))
     set_out(l, h, near, first, count);
-  if (l->m->ball_count == 0)
-    look_farther(l, h, fit, first, count);
 }
 
 /* predict of drive.c. Clears the lanes where it leads too far. `strain`: as in km_drive. */
@@ -139,7 +163,8 @@ static inline void clear_of_limits(const km_drive_lanes *l, const vector *h, mas
 }
 
 /* Clears the lanes that were corrected too much for the way that was predicted. By squares, as in close_loops. */
-static inline void keep_to_prediction(const km_drive_lanes *l, const vector *correction, mask *fit, int first, int count) {
+static inline void keep_to_prediction(const km_drive_lanes *l, const vector *correction, mask *fit, int first,
+                                      int count) {
   const double part = km_drive_tightness;
   vector square[TOGETHER];
   mask corrected[TOGETHER];
@@ -160,9 +185,14 @@ static WITHIN void keep_to_curve(const km_drive_lanes *l, mask *fit, int first, 
   vector along[TOGETHER], before[TOGETHER], behind[TOGETHER];
   EACH(r)
   along[r] = before[r] = behind[r] = all(0.0);
-  add_product(l, l->t, l->next_t, along, first, count);
-  add_product(l, l->t, l->t, before, first, count);
-  add_product(l, l->next_t, l->next_t, behind, first, count);
+  for (int k = 0; k < l->sub->columns; ++k) /* three times km_step_dot */
+    EACH(r) {
+      const vector weight = GET(l->weight[k]), t = GET(l->t[k]), next = GET(l->next_t[k]);
+      const vector weighed = weight * t * weight;
+      along[r] += weighed * next;
+      before[r] += weighed * t;
+      behind[r] += weight * next * weight * next;
+    }
   EACH(r)
   fit[r] &= below(all(0.0), along[r]) & at_most(cosine * cosine * (before[r] * behind[r]), SURE * along[r] * along[r]);
   for (int r = 0; r < count && l->beside == 0; ++r)
@@ -279,7 +309,7 @@ static inline void set_residual(km_drive_lanes *l, const mask *took, int first, 
   for (int i = 0; i < l->sub->loop_count; ++i) {
     const km_lane_loop *loop = &l->loops[l->m->loop_order[l->sub->loop_start + i]];
     EACH(r)
-    largest[r] = larger(loop_square(loop, r, first), largest[r]);
+    largest[r] = larger(GET(loop->square), largest[r]);
   }
   EACH(r)
   largest[r] = root(largest[r] / all(6.0));

@@ -1,49 +1,82 @@
 /* Loop errors and Jacobians of several drives in vectors, in a plane and as a whole: a part of lanes_body.h. */
 
+/* A frame in a plane: see km_lane_slot. */
+typedef struct planar_place {
+  vector angle, cosine, sine, x, y;
+} planar_place;
+
+static inline planar_place get_place(const km_lane_slot *slot, int lane) {
+  return (planar_place){get(slot->angle.of + lane), get(slot->cosine.of + lane), get(slot->sine.of + lane),
+                        get(slot->x.of + lane), get(slot->y.of + lane)};
+}
+static inline void put_place(km_lane_slot *slot, int lane, const planar_place *at) {
+  put(slot->angle.of + lane, at->angle);
+  put(slot->cosine.of + lane, at->cosine);
+  put(slot->sine.of + lane, at->sine);
+  put(slot->x.of + lane, at->x);
+  put(slot->y.of + lane, at->y);
+}
+
+/* The place behind a slide, or a hinge, by `value`. */
+static inline void slide(const km_drive_lanes *l, const km_lane_step *n, vector value, double sign, km_lane_column *h,
+                         planar_place *at, int r, int first) {
+  const vector c = at->cosine, s = at->sine, ux = GET(n->ux), uy = GET(n->uy);
+  const vector along_x = c * ux - s * uy, along_y = s * ux + c * uy;
+  value *= GET(l->inverse_size);
+  PUT(h->x, sign * along_x);
+  PUT(h->y, sign * along_y);
+  at->x += value * along_x;
+  at->y += value * along_y;
+}
+static inline void turn_hinge(vector value, double sign, km_lane_column *h, planar_place *at, int r, int first) {
+  at->angle += value;
+  lanes_sincos(at->angle, &at->sine, &at->cosine);
+  PUT(h->x, sign * at->y);
+  PUT(h->y, -sign * at->x);
+}
+
 /* planar_steps of loops.c; `again`: only Newton has moved since the last time. Clears the lanes whose angles are too large for
- * the sines. */
+ * the sines. A step that follows the one before it finds its place in registers. */
 static WITHIN void steps(km_drive_lanes *l, const km_program *program, bool again, mask *fit, int first, int count) {
   const km_planar_step *fixed = l->m->planar_steps + program->step_start;
   const km_lane_step *numbers = l->steps + program->step_start;
   km_lane_slot *slots = l->slots;
+  planar_place at[TOGETHER];
+  int slot = 0;             /* whose place that is */
+  vector largest[TOGETHER]; /* angle; one that is no number shows in the loops' squares */
+  EACH(r) {
+    at[r] = get_place(&slots[slot], AT(r));
+    largest[r] = all(0.0);
+  }
   for (int i = 0; i < program->step_count; ++i) {
     const km_planar_step *step = &fixed[i];
     const km_lane_step *n = &numbers[i];
     if (again && n->still)
       continue;
-    const km_lane_slot *from = &slots[step->from];
-    km_lane_slot *to = &slots[step->to];
+    if (step->from != slot)
+      EACH(r)
+    at[r] = get_place(&slots[step->from], AT(r));
     km_lane_column *h = &l->h[program->twist_start + i];
     const km_lanes_number *q = &l->q[step->coordinate];
     double sign = step->sign;
     bool slides = step->slides;
     EACH(r) {
-      vector c = GET(from->cosine), s = GET(from->sine), value = sign * GET(*q), angle = GET(from->angle);
-      vector nx = GET(n->x), ny = GET(n->y);
-      vector x = GET(from->x) + c * nx - s * ny, y = GET(from->y) + s * nx + c * ny;
-      if (slides) {
-        vector ux = c * GET(n->ux) - s * GET(n->uy), uy = s * GET(n->ux) + c * GET(n->uy);
-        value *= GET(l->inverse_size);
-        PUT(h->x, sign * ux);
-        PUT(h->y, sign * uy);
-        PUT(h->turn, all(0.0));
-        x += value * ux;
-        y += value * uy;
-      } else {
-        angle += value;
-        lanes_sincos(angle, &s, &c);
-        fit[r] &= at_most(size_of(angle), all(KM_SINCOS_MOST));
-        PUT(h->x, sign * y);
-        PUT(h->y, -sign * x);
-        PUT(h->turn, all(sign));
-      }
-      PUT(to->angle, angle);
-      PUT(to->cosine, c);
-      PUT(to->sine, s);
-      PUT(to->x, x);
-      PUT(to->y, y);
+      const vector c = at[r].cosine, s = at[r].sine, nx = GET(n->x), ny = GET(n->y);
+      at[r].x = at[r].x + c * nx - s * ny;
+      at[r].y = at[r].y + s * nx + c * ny;
+      if (slides)
+        slide(l, n, sign * GET(*q), sign, h, &at[r], r, first);
+      else
+        turn_hinge(sign * GET(*q), sign, h, &at[r], r, first);
+      largest[r] = larger(size_of(at[r].angle), largest[r]);
     }
+    slot = step->to;
+    if (n->kept)
+      EACH(r)
+    put_place(&slots[slot], AT(r), &at[r]);
   }
+  EACH(r)
+  fit[r] &= at_most(largest[r], all(KM_SINCOS_MOST));
 }
 
 /* wrapped of loops.c, for the angles of lanes that fit (KM_SINCOS_MOST). */
@@ -80,9 +113,8 @@ static WITHIN void find_misfit(km_drive_lanes *l, int index, mask *fit, int firs
     PUT(n->origin[0][1], oy);
     PUT(n->origin[1][0], ox - apart_x);
     PUT(n->origin[1][1], oy - apart_y);
-    PUT(out->misfit.v.x, ex);
-    PUT(out->misfit.v.y, ey);
-    PUT(out->misfit.w.z, turn);
+    const vector vz = GET(out->fixed[0]), wx = GET(out->fixed[1]), wy = GET(out->fixed[2]);
+    PUT(out->square, ex * ex + ey * ey + vz * vz + (wx * wx + wy * wy + turn * turn));
     put(error + out->row[0] + AT(r), ex - turn * (oy - ay));
     put(error + out->row[1] + AT(r), ey + turn * (ox - ax));
     put(error + out->row[2] + AT(r), turn);
@@ -98,20 +130,13 @@ static WITHIN void set_entries(km_drive_lanes *l, int index, const km_lane_colum
     const km_lane_entry *entry = &l->entries[loop->entry_start + i];
     const km_lane_column *column = &h[entry->step];
     const km_lanes_number *origin = n->origin[entry->side < 0.0];
-    double side = entry->side;
+    const double side = entry->side, w = entry->turn;
     EACH(r) {
-      vector w = GET(column->turn);
       put(J + entry->at[0] + AT(r), side * (GET(column->x) - w * GET(origin[1])));
       put(J + entry->at[1] + AT(r), side * (GET(column->y) + w * GET(origin[0])));
-      put(J + entry->at[2] + AT(r), side * w);
+      put(J + entry->at[2] + AT(r), all(side * w));
     }
   }
-}
-
-/* Six times the square of a loop's residual. */
-static inline vector loop_square(const km_lane_loop *n, int r, int first) {
-  lanes_vec v = get_vec(&n->misfit.v, AT(r)), w = get_vec(&n->misfit.w, AT(r));
-  return lanes_dot(v, v) + lanes_dot(w, w);
 }
 
 /* The error of a coupling, and its entries of J. */
@@ -162,7 +187,7 @@ static WITHIN void update(km_drive_lanes *l, bool again, vector *square, mask *f
   for (int i = 0; i < l->sub->loop_count; ++i) {
     const km_lane_loop *loop = &l->loops[m->loop_order[l->sub->loop_start + i]];
     EACH(r) {
-      vector sum = loop_square(loop, r, first);
+      vector sum = GET(loop->square);
       fit[r] &= is_finite(sum);
       square[r] = larger(sum, square[r]);
     }

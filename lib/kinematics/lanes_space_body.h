@@ -131,8 +131,7 @@ static inline void find_space_misfit(km_drive_lanes *l, int index, mask *fit, in
   rotation back = rotation_inverse(&b.R);
   pose E = {rotation_product(&a.R, &back), rotate(&a.R, lanes_scaled(all(-1.0), rotate(&back, b.p)))};
   twist misfit = twist_log(&E, &fit[r]);
-  put_vec(&out->misfit.v, AT(r), misfit.v);
-  put_vec(&out->misfit.w, AT(r), misfit.w);
+  PUT(out->square, lanes_dot(misfit.v, misfit.v) + lanes_dot(misfit.w, misfit.w));
   lanes_vec v = lanes_sum(misfit.v, lanes_cross(misfit.w, lanes_difference(point, a.p)));
   const vector values[6] = {v.x, v.y, v.z, misfit.w.x, misfit.w.y, misfit.w.z};
   for (int k = 0; k < 6; ++k)

@@ -71,14 +71,33 @@ static inline mask mask_of(unsigned bits) {
 }
 #else
 typedef int64_t mask __attribute__((vector_size(8 * WIDTH)));
+/* The processor's own comparisons: gcc 12 fails on some code where it joins its operators for vectors. */
 static inline mask at_most(vector a, vector b) {
+#if WIDTH == 4
+  return (mask)_mm256_cmp_pd((__m256d)a, (__m256d)b, _CMP_LE_OQ);
+#elif defined __SSE2__
+  return (mask)_mm_cmple_pd((__m128d)a, (__m128d)b);
+#else
   return a <= b;
+#endif
 }
 static inline mask below(vector a, vector b) {
+#if WIDTH == 4
+  return (mask)_mm256_cmp_pd((__m256d)a, (__m256d)b, _CMP_LT_OQ);
+#elif defined __SSE2__
+  return (mask)_mm_cmplt_pd((__m128d)a, (__m128d)b);
+#else
   return a < b;
+#endif
 }
 static inline mask equal(vector a, vector b) {
+#if WIDTH == 4
+  return (mask)_mm256_cmp_pd((__m256d)a, (__m256d)b, _CMP_EQ_OQ);
+#elif defined __SSE2__
+  return (mask)_mm_cmpeq_pd((__m128d)a, (__m128d)b);
+#else
   return a == b;
+#endif
 }
 static inline vector pick(mask m, vector a, vector b) {
 #if WIDTH == 4
