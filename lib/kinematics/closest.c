@@ -221,7 +221,7 @@ bool km_closest_find(km_closest *c, const km_mechanism *m, km_state *s, int inde
   fix(c, sub, driver, s->partition[index].locked, pivots);
   memset(c->x, 0, (size_t)c->size * sizeof *c->x);
   for (int pass = 0; pass <= MOST_ITERATIONS && !settled; ++pass) {
-    km_loops_update(m, s, sub);
+    km_loops_update_anew(m, s, sub);
     fill(c, m, s, sub, lambda);
     for (int i = 0; i < c->size; ++i)
       c->b[i] = c->fixed[i] ? 0.0 : i < sub->columns ? -weight[i] * weight[i] * away[i] : -error[i - sub->columns];

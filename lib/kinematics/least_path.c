@@ -61,7 +61,7 @@ static bool rate_at(const km_mechanism *m, km_state *s, int index, int driver, c
                     double *rate) {
   const km_substructure *sub = &m->substructures[index];
   km_partition *p = &s->partition[index];
-  km_loops_update(m, s, sub);
+  km_loops_update_anew(m, s, sub);
   km_partition_copy_pivots(p, pivots);
   if (!km_pivots_wait(s, index, driver) && !km_partition_refactor_whole(p, km_state_jacobian(s, sub)))
     return false;

@@ -195,10 +195,8 @@ static bool are_shown(const km_mechanism *m, const km_state *s, const km_substru
          km_state_is_at(s, sub, shown->pose);
 }
 
-void km_loops_update(const km_mechanism *m, km_state *s, const km_substructure *sub) {
+void km_loops_update_anew(const km_mechanism *m, km_state *s, const km_substructure *sub) {
   km_shown *shown = &s->shown[sub - m->substructures];
-  if (are_shown(m, s, sub, shown))
-    return;
   for (int i = 0; i < sub->program_count; ++i) {
     const km_program *program = &m->programs[sub->program_start + i];
     if (program->planar)
@@ -209,10 +207,18 @@ void km_loops_update(const km_mechanism *m, km_state *s, const km_substructure *
   update_couplings(m, s, sub);
   if (s->partition[sub - m->substructures].locked)
     km_state_clear_locked(s, sub);
+  shown->known = false;
+  shown->count++;
+}
+
+void km_loops_update(const km_mechanism *m, km_state *s, const km_substructure *sub) {
+  km_shown *shown = &s->shown[sub - m->substructures];
+  if (are_shown(m, s, sub, shown))
+    return;
+  km_loops_update_anew(m, s, sub);
   km_state_save(s, sub, shown->pose);
   shown->known = true;
   shown->numbers = m->edition;
-  shown->count++;
 }
 
 void km_loops_return(const km_mechanism *m, km_state *s, int index, const double *saved) {

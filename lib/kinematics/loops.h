@@ -6,8 +6,11 @@
 
 /* At the state's coordinates: error screws e = log(X_a X_b⁻¹) of every loop (misfit), their independent rows
  * and the couplings' (error), and J (jacobian) with ė = J q̇ near e = 0; (163). Rows in each loop's motion space
- * about a point of the loop, lengths over the substructure's size. No allocation; O(steps + entries of J). */
+ * about a point of the loop, lengths over the substructure's size. The state remembers the pose, and finds nothing again that it has
+ * (km_shown). No allocation; O(steps + entries of J). */
 void km_loops_update(const km_mechanism *mechanism, km_state *state, const km_substructure *sub);
+/* The same without asking or remembering: for steps on the way to a pose, each of which is another one. */
+void km_loops_update_anew(const km_mechanism *mechanism, km_state *state, const km_substructure *sub);
 /* Back to the coordinates that km_state_save has saved, with their errors and J; pivots are searched anew. */
 void km_loops_return(const km_mechanism *mechanism, km_state *state, int substructure, const double *saved);
 

@@ -23,7 +23,7 @@ static void go(const problem *p, const gsl_vector *x) {
   for (int k = 0; k < p->sub->columns; ++k)
     p->step[k] = gsl_vector_get(x, (size_t)k);
   km_state_move(p->mechanism, p->state, p->sub, p->step);
-  km_loops_update(p->mechanism, p->state, p->sub);
+  km_loops_update_anew(p->mechanism, p->state, p->sub);
 }
 
 static int residuals(const gsl_vector *x, void *data, gsl_vector *f) {
