@@ -191,7 +191,7 @@ int km_table_find(const km_table *table, const char *name) {
   if (!table || !name)
     return -1;
   for (size_t c = 0; c < table->column_count; ++c)
-    if (strcmp(table->columns[c].name, name) == 0)
+    if (*table->columns[c].name == *name && strcmp(table->columns[c].name, name) == 0)
       return (int)c;
   return -1;
 }

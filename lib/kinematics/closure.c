@@ -296,7 +296,7 @@ static km_closure_outcome close_loops(const km_mechanism *m, km_state *s, int in
   newton n = {.step = HUGE_VAL, .last = HUGE_VAL, .closed = coarse * km_closed};
   *evidence = (km_closure){.worst = -1, .left = x};
   for (int i = 0; i < MOST_ITERATIONS; ++i) {
-    km_loops_update_anew(m, s, sub);
+    (i == 0 && driver < 0 ? km_loops_update : km_loops_update_anew)(m, s, sub);
     evidence->iterations = i;
     evidence->residual = km_loops_residual(m, s, sub, &evidence->worst);
     if (!isfinite(evidence->residual))
@@ -331,6 +331,8 @@ static km_closure_outcome close_loops(const km_mechanism *m, km_state *s, int in
 
 km_closure_outcome km_loops_close(const km_mechanism *m, km_state *s, int index, int driver, km_closure *evidence) {
   km_closure_outcome outcome = close_loops(m, s, index, driver, evidence);
+  if (driver < 0) /* poses of a driver are left at once */
+    km_loops_remember(m, s, &m->substructures[index]);
   if (s->partition[index].waits)
     refactor(m, s, index, driver);
   return outcome;

@@ -211,14 +211,18 @@ void km_loops_update_anew(const km_mechanism *m, km_state *s, const km_substruct
   shown->count++;
 }
 
-void km_loops_update(const km_mechanism *m, km_state *s, const km_substructure *sub) {
+void km_loops_remember(const km_mechanism *m, km_state *s, const km_substructure *sub) {
   km_shown *shown = &s->shown[sub - m->substructures];
-  if (are_shown(m, s, sub, shown))
-    return;
-  km_loops_update_anew(m, s, sub);
   km_state_save(s, sub, shown->pose);
   shown->known = true;
   shown->numbers = m->edition;
+}
+
+void km_loops_update(const km_mechanism *m, km_state *s, const km_substructure *sub) {
+  if (are_shown(m, s, sub, &s->shown[sub - m->substructures]))
+    return;
+  km_loops_update_anew(m, s, sub);
+  km_loops_remember(m, s, sub);
 }
 
 void km_loops_return(const km_mechanism *m, km_state *s, int index, const double *saved) {

@@ -11,6 +11,8 @@
 void km_loops_update(const km_mechanism *mechanism, km_state *state, const km_substructure *sub);
 /* The same without asking or remembering: for steps on the way to a pose, each of which is another one. */
 void km_loops_update_anew(const km_mechanism *mechanism, km_state *state, const km_substructure *sub);
+/* Behind the last of these steps: the state remembers its pose, which they have led to. */
+void km_loops_remember(const km_mechanism *mechanism, km_state *state, const km_substructure *sub);
 /* Back to the coordinates that km_state_save has saved, with their errors and J; pivots are searched anew. */
 void km_loops_return(const km_mechanism *mechanism, km_state *state, int substructure, const double *saved);
 
