@@ -296,7 +296,10 @@ static km_closure_outcome close_loops(const km_mechanism *m, km_state *s, int in
   newton n = {.step = HUGE_VAL, .last = HUGE_VAL, .closed = coarse * km_closed};
   *evidence = (km_closure){.worst = -1, .left = x};
   for (int i = 0; i < MOST_ITERATIONS; ++i) {
-    (i == 0 && driver < 0 ? km_loops_update : km_loops_update_anew)(m, s, sub);
+    if (i == 0 && driver < 0)
+      km_loops_update(m, s, sub);
+    else
+      km_loops_update_anew(m, s, sub);
     evidence->iterations = i;
     evidence->residual = km_loops_residual(m, s, sub, &evidence->worst);
     if (!isfinite(evidence->residual))
