@@ -186,8 +186,8 @@ static row row_of(const km_run *run, int index) {
   return (row){run->last, km_path_at(path, run->reached - 1, run->fraction), index};
 }
 
-/* Fewer rows than this are written sooner than a thread starts; and more pieces have no threads. */
-enum { ROWS_PAY = 16, MOST_PIECES = 64 };
+/* Fewer rows than this are written sooner than a thread starts. */
+enum { ROWS_PAY = 16 };
 
 /* Rows that are written in pieces, on several threads. */
 typedef struct writing {
@@ -214,7 +214,7 @@ static void write_piece(void *context, int piece) {
 
 /* False when out of memory. */
 static bool write_rows(km_track *t, const km_run *run, int count, km_arena *arena, tally **tallies) {
-  int most = t->plan.jobs < MOST_PIECES ? t->plan.jobs : MOST_PIECES;
+  int most = t->plan.jobs < KM_MOST_THREADS ? t->plan.jobs : KM_MOST_THREADS;
   most = count / ROWS_PAY < most ? count / ROWS_PAY : most;
   writing w = {.track = t, .run = run, .count = count, .pieces = most > 1 ? most : 1};
   w.cells = count > 0 ? km_table_add_raw_rows(t->table, (size_t)count) : NULL;

@@ -44,17 +44,25 @@ static int find_in_many(km_tangents *f, double *directions) {
   return found;
 }
 
+/* Are all rows independent, so that no motions meet at the pose? Its pivots are searched then. */
+static bool is_regular(const km_mechanism *m, km_state *s, int index) {
+  km_second_order conditions;
+  return km_second_order_start(m, s, index, &conditions) && !conditions.redundant;
+}
+
 int km_branch_directions(const km_mechanism *m, km_state *s, int index, double *directions) {
+  if (is_regular(m, s, index))
+    return 0;
   km_arena arena = {0};
   km_tangents f;
   int found = 0;
   bool made = km_tangents_make(&f, m, s, index, &arena);
   f.enough = KM_UNDECIDED; /* rounded data have branches too */
-  if (made && f.conditions.redundant)
+  if (made)
     found = (km_tangents_are_many(&f) ? find_in_many : find_in_few)(&f, directions);
   if (arena.failed) {
     found = -1;
-  } else if (f.conditions.redundant) { /* a regular pose has its pivots already */
+  } else {
     km_state_restore(s, f.sub, f.pose);
     km_loops_update(m, s, f.sub);
     km_pivot(m, s, index, KM_NO_DRIVER, km_rank_tolerance(m, f.sub, 0.0));
@@ -184,12 +192,9 @@ static void take_shortest(departure *d, const double *directions, int count, int
 km_branch_exit km_branch_leave(const km_mechanism *m, km_state *s, int coordinate, double way) {
   int index = m->substructure_of[coordinate];
   km_branch_exit out = {0};
-  if (index < 0 || km_state_holds(s, coordinate)) /* a held one leads nowhere */
+  if (index < 0 || km_state_holds(s, coordinate) || is_regular(m, s, index)) /* a held one leads nowhere */
     return out;
   const km_substructure *sub = &m->substructures[index];
-  km_second_order conditions;
-  if (km_second_order_start(m, s, index, &conditions) && !conditions.redundant) /* a regular pose */
-    return out;
   size_t n = (size_t)sub->columns;
   departure d = {.m = m, .s = s, .index = index, .column = m->column_of[coordinate], .sub = sub};
   double *directions = KM_ARENA_NEW(&d.arena, double, KM_MOST_BRANCHES *n);

@@ -168,7 +168,8 @@ static double farthest(const km_model *model, const km_model_joint *a, const km_
   return largest;
 }
 
-double km_substructure_span(const km_mechanism *m, int s) {
+/* The larger of the greatest distance between places of two joints on one body of a loop, and the largest pitch of a screw. */
+static double span_of(const km_mechanism *m, int s) {
   const km_topology *t = &m->topology;
   const km_model *model = m->model;
   double square = 0.0, pitch = 0.0;
@@ -350,7 +351,7 @@ void km_compile_numbers(km_mechanism *m, const km_compiling *how, km_walks *walk
   set_coordinates(m, how->holds, how->hold_count);
   number_balls(m);
   for (int s = 0; s < m->topology.substructure_count; ++s) {
-    m->substructures[s].span = km_substructure_span(m, s);
+    m->substructures[s].span = span_of(m, s);
     m->substructures[s].size = km_substructure_size(m, s, m->start);
   }
   set_columns(m, walks->next);

@@ -19,11 +19,8 @@ bool km_walks_create(const km_mechanism *mechanism, size_t steps, km_arena *aren
 /* Reads every loop's steps, motion space and closing frames of one substructure into the mechanism, whose
  * arrays are large enough. */
 void km_compile_loops(km_mechanism *mechanism, int substructure, km_walks *walks);
-/* The substructure's span: the larger of the greatest distance between places of two joints on one body of a loop, and the largest
- * pitch of a screw. */
-double km_substructure_span(const km_mechanism *mechanism, int substructure);
-/* The larger of the span and the longest slide at q[coordinate]. At the start it is the substructure's size: a length that every pose shares,
- * and that scales with the units. */
+/* The larger of the substructure's span and the longest slide at q[coordinate]. At the start it is the substructure's size: a length
+ * that every pose shares, and that scales with the units. */
 double km_substructure_size(const km_mechanism *mechanism, int substructure, const double *q);
 /* Chooses how the substructure's Jacobian is stored, and tells its entries and couplings where. False when out of
  * memory. */

@@ -95,7 +95,7 @@ typedef struct km_pattern {
 typedef struct km_substructure {
   int rows, columns;
   double size;      /* length scale, in the model's unit */
-  double span;      /* the part of `size` that no pose changes: see km_substructure_span */
+  double span;      /* the part of `size` that no pose changes: distances between joints, and pitches */
   int column_start; /* into column_coordinate */
   int program_start, program_count;
   int loop_start, loop_count; /* into loop_order */

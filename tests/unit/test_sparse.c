@@ -35,6 +35,26 @@ static void reserve_sparse(void) {
   assert_true(km_partition_reserve_sparse(&f.p, f.rows, f.columns, start, row, &f.arena));
 }
 
+/* Any entries where `has` says so. */
+static void open_where(int rows, int columns, bool (*has)(int column, int row)) {
+  int entries = 0;
+  f.rows = rows;
+  f.columns = columns;
+  memset(f.J, 0, sizeof f.J);
+  for (int c = 0; c < columns; ++c) {
+    f.D[c] = 0.3 + fabs(any());
+    f.forced[c] = false;
+    start[c] = entries;
+    for (int r = 0; r < rows; ++r)
+      if (has(c, r)) {
+        f.J[c * rows + r] = any();
+        row[entries++] = r;
+      }
+  }
+  start[columns] = entries;
+  reserve_sparse();
+}
+
 /* 20 rows and up to `rows` more; `least` columns and up to `columns` more. */
 static void open_band(int rows, int least, int columns) {
   int r = 20 + index_below(rows);
@@ -106,28 +126,20 @@ static void against_the_dense_engine(void **state) {
   }
 }
 
+/* One of four. */
+static bool is_chosen(int column, int r) {
+  (void)column;
+  (void)r;
+  return index_below(4) == 0;
+}
+
 /* Where nearly all fills in, steps go together: rank, null space and solutions are the dense engine's. */
 static void much_fill(void **state) {
   (void)state;
   enum { ROWS = 65 };
   int checked = 0;
   for (int i = 0; i < 30; ++i) {
-    int entries = 0;
-    f.rows = ROWS;
-    f.columns = ROWS + index_below(15);
-    memset(f.J, 0, sizeof f.J);
-    for (int c = 0; c < f.columns; ++c) {
-      f.D[c] = 0.3 + fabs(any());
-      f.forced[c] = false;
-      start[c] = entries;
-      for (int r = 0; r < f.rows; ++r)
-        if (index_below(4) == 0) {
-          f.J[c * f.rows + r] = any();
-          row[entries++] = r;
-        }
-    }
-    start[f.columns] = entries;
-    reserve_sparse();
+    open_where(ROWS, ROWS + index_below(15), is_chosen);
     run_svd();
     factor(&f.p);
     assert_int_equal(f.p.rank, f.svd_rank);
@@ -500,28 +512,21 @@ static void columns_where_no_pivot_tells(void **state) {
   assert_true(chosen >= 15);
 }
 
+enum { SHARED = 3 };
+
+/* Columns that all rows share, and two for each row alone. */
+static bool is_shared_or_own(int column, int r) {
+  return column < SHARED || (column - SHARED) / 2 == r;
+}
+
 /* Local null vectors of columns that many rows share: the numbers and the least solutions are those by Z, whichever of the two
  * they are found by. */
 static void crowded_rows(void **state) {
   (void)state;
   double rhs[MOST], least[MOST], work[MOST], step[MOST];
   for (int i = 0; i < 40; ++i) {
-    int entries = 0, shared = 3, pairs = 20 + index_below(15);
-    f.rows = pairs;
-    f.columns = shared + 2 * pairs;
-    memset(f.J, 0, sizeof f.J);
-    for (int c = 0; c < f.columns; ++c) {
-      f.D[c] = 0.3 + fabs(any());
-      f.forced[c] = false;
-      start[c] = entries;
-      for (int r = 0; r < f.rows; ++r)
-        if (c < shared || (c - shared) / 2 == r) {
-          f.J[c * f.rows + r] = any();
-          row[entries++] = r;
-        }
-    }
-    start[f.columns] = entries;
-    reserve_sparse();
+    int pairs = 20 + index_below(15);
+    open_where(pairs, SHARED + 2 * pairs, is_shared_or_own);
     factor(&f.p);
     int freedom = km_partition_freedom(&f.p);
     assert_int_equal(freedom, f.columns - f.rows);
