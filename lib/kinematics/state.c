@@ -168,6 +168,8 @@ double *km_state_null(const km_mechanism *m, const km_state *s, int index, int c
   const km_substructure *sub = &m->substructures[index];
   const km_partition *p = &s->partition[index];
   km_basis *basis = &s->basis[index];
+  if (basis->known && !basis->waits && basis->edition == p->edition && basis->count >= count)
+    return basis->Z;
   double *Z = basis_room(basis, sub, count);
   int there = Z && basis->edition == p->edition ? basis->count : 0;
   if (Z && there < count)
@@ -390,8 +392,9 @@ bool km_state_is_outside(const km_state *s, int coordinate) {
 }
 
 int km_state_outside(const km_state *s, const km_substructure *sub) {
-  for (int k = 0; k < sub->columns; ++k) {
-    int c = s->mechanism->column_coordinate[sub->column_start + k];
+  const int *limited = s->mechanism->limited_column + sub->column_start;
+  for (int i = 0; i < sub->limited_count; ++i) {
+    int c = s->mechanism->column_coordinate[sub->column_start + limited[i]];
     if (excess(s->mechanism, c, &s->q[c]) != 0.0)
       return c;
   }
@@ -399,8 +402,9 @@ int km_state_outside(const km_state *s, const km_substructure *sub) {
 }
 
 int km_state_limit_passed(const km_state *s, const km_substructure *sub, const double *saved) {
-  for (int k = 0; k < sub->columns; ++k) {
-    int c = s->mechanism->column_coordinate[sub->column_start + k];
+  const int *limited = s->mechanism->limited_column + sub->column_start;
+  for (int i = 0; i < sub->limited_count; ++i) {
+    int k = limited[i], c = s->mechanism->column_coordinate[sub->column_start + k];
     double out = excess(s->mechanism, c, &s->q[c]), went = s->q[c] - saved[k];
     if (out != 0.0 && s->mechanism->most_turn[c] < HUGE_VAL) /* a ball's three coordinates are neighbours */
       went = km_state_over_turned(s->mechanism, c, &s->q[c]) - km_state_over_turned(s->mechanism, c, &saved[k]);
@@ -425,10 +429,11 @@ static int turns(double m, double t0, double t1, double h, double at[2]) {
 int km_state_limit_touched(const km_state *s, const km_substructure *sub, const double *saved, const double *t0,
                            const double *t1, double h) {
   const km_mechanism *m = s->mechanism;
-  for (int k = 0; k < sub->columns; ++k) {
-    int c = m->column_coordinate[sub->column_start + k];
+  const int *limited = m->limited_column + sub->column_start;
+  for (int l = 0; l < sub->limited_count; ++l) {
+    int k = limited[l], c = m->column_coordinate[sub->column_start + k];
     double move = (s->q[c] - saved[k]) / m->unit[c], at[2];
-    if (m->ball_of[c] >= 0 || (!isfinite(m->low[c]) && !isfinite(m->high[c])))
+    if (m->ball_of[c] >= 0)
       continue;
     for (int i = turns(move, t0[k], t1[k], h, at) - 1; i >= 0; --i) {
       double u = at[i], bend = h * u * (1.0 - u) * (t0[k] * (1.0 - u) - t1[k] * u);

@@ -64,6 +64,7 @@ bool km_compile_allocate(km_mechanism *m, km_walks *walks) {
   m->column_of = KM_ARENA_NEW(arena, int, coordinates);
   m->column_coordinate = KM_ARENA_NEW(arena, int, coordinates);
   m->column_weight = KM_ARENA_NEW(arena, double, coordinates);
+  m->limited_column = KM_ARENA_NEW(arena, int, coordinates);
   m->substructures = KM_ARENA_NEW(arena, km_substructure, substructures);
   m->programs = KM_ARENA_NEW(arena, km_program, loops);
   m->loops = KM_ARENA_NEW(arena, km_loop, loops);
@@ -252,6 +253,19 @@ static void order_balls(km_mechanism *m) {
   }
 }
 
+static void list_limited(km_mechanism *m) {
+  for (int s = 0; s < m->topology.substructure_count; ++s) {
+    km_substructure *sub = &m->substructures[s];
+    const int *coordinate = m->column_coordinate + sub->column_start;
+    sub->limited_count = 0;
+    for (int k = 0; k < sub->columns; ++k) {
+      int c = coordinate[k];
+      if (isfinite(m->low[c]) || isfinite(m->high[c]) || isfinite(m->most_turn[c]))
+        m->limited_column[sub->column_start + sub->limited_count++] = k;
+    }
+  }
+}
+
 /* Σ ratio · q = constant. The constant is the file's, also where a coordinate is held elsewhere. */
 static void set_ratios(km_mechanism *m, const km_model_coupling *def, km_coupling *out) {
   double largest = 0.0, constant = 0.0;
@@ -356,6 +370,7 @@ void km_compile_numbers(km_mechanism *m, const km_compiling *how, km_walks *walk
   }
   set_columns(m, walks->next);
   order_balls(m);
+  list_limited(m);
   for (int s = 0; s < m->topology.substructure_count; ++s)
     compile_substructure(m, s, walks);
   set_arcs(m);

@@ -100,6 +100,7 @@ typedef struct km_substructure {
   int program_start, program_count;
   int loop_start, loop_count; /* into loop_order */
   int ball_start, ball_count; /* into ball_order */
+  int limited_count;          /* of its columns that have limits: limited_column[column_start …] */
   int coupling_start, coupling_count;
   km_pattern pattern;
   size_t matrix_start; /* into the states' Jacobian store */
@@ -146,6 +147,7 @@ struct km_mechanism {
   int *column_of;       /* [coordinate] column in its substructure; -1: held or in none */
   km_substructure *substructures;
   int *column_coordinate; /* coordinates of the substructures' columns */
+  int *limited_column;    /* of each substructure from its column_start on: the columns whose coordinates have limits */
   double *column_weight;  /* D of a column's scaled coordinate: scale · unit */
   km_program *programs;
   km_step *steps;

@@ -2,6 +2,7 @@
 #include "support/motion_families.h"
 #include "support/support.h"
 
+#include "kmech/edit.h"
 #include "model/model.h"
 
 #include <stdio.h>
@@ -68,13 +69,13 @@ bool family_limits(uint64_t seed) {
   assert_int_equal(km_drive_create(f.mechanism, f.state, plan.coordinate, true, &drive, NULL), KM_OK);
   km_drive_to(drive, start);
   km_drive_free(drive);
-  f.mechanism->low[watched] = low;
-  f.mechanism->high[watched] = high;
+  double factor = km_model_coordinate_factor(f.model, watched);
+  assert_int_equal(km_model_set_limits(f.model, watched, low / factor, high / factor, NULL), KM_OK);
+  assert_int_equal(km_mechanism_renumber(f.mechanism, NULL), KM_OK);
   km_mobility_sweep sweep;
   km_status status = km_mobility_sweep_run(f.mechanism, f.state, &plan, &sweep, NULL);
   size_t rows = km_table_rows(sweep.motion.table);
   bool agrees = narrow || (status == (all ? KM_OK : some ? KM_PARTIAL : KM_NO_RESULT) && (rows > 0) == some);
-  double factor = km_model_coordinate_factor(f.model, watched);
   for (size_t i = 0; i < rows && agrees; ++i) {
     double q = km_table_row(sweep.motion.table, i)[2 + watched] * factor, slack = 1e-9 * (1.0 + fabs(q));
     agrees = narrow || (q >= low - slack && q <= high + slack);
