@@ -56,13 +56,15 @@ static void combine(const km_least_path *path, const double *share, int stages, 
       move[k] += h * share[i] * path->rate[i][k];
 }
 
-/* The field off the closed poses is that of the primary rows: they keep what the loops have opened. */
-static bool rate_at(const km_mechanism *m, km_state *s, int index, int driver, const km_partition *pivots,
+/* The field off the closed poses is that of the primary rows: they keep what the loops have opened. `again`: the last rate was
+ * found by these pivots, which are at hand still if they have only waited. */
+static bool rate_at(const km_mechanism *m, km_state *s, int index, int driver, const km_partition *pivots, bool again,
                     double *rate) {
   const km_substructure *sub = &m->substructures[index];
   km_partition *p = &s->partition[index];
   km_loops_update_anew(m, s, sub);
-  km_partition_copy_pivots(p, pivots);
+  if (!again || !p->waits)
+    km_partition_copy_pivots(p, pivots);
   if (!km_pivots_wait(s, index, driver) && !km_partition_refactor_whole(p, km_state_jacobian(s, sub)))
     return false;
   km_least_rates(m, s, index, driver, rate);
@@ -88,8 +90,8 @@ double km_least_path_predict(km_least_path *path, const km_mechanism *m, km_stat
     if (!(largest(move, columns) <= 1.0)) /* too far for the field to mean anything */
       return HUGE_VAL;
     km_state_restore(s, sub, saved);
-    km_state_move(m, s, sub, move);
-    if (!rate_at(m, s, index, driver, pivots, path->rate[i]))
+    km_state_move_aside(m, s, sub, move);
+    if (!rate_at(m, s, index, driver, pivots, i > 1, path->rate[i]))
       return HUGE_VAL;
     unwind_balls(m, sub, move, path->rate[i]);
   }

@@ -242,31 +242,53 @@ double *km_state_rows(const km_mechanism *m, km_state *s, int index, int count) 
   return R;
 }
 
-void km_state_turn_ball(const km_mechanism *m, km_state *s, int ball, km_vec3 turn) {
-  km_state_place_ball(m, s, ball, km_quaternion_product(km_quaternion_exp(turn), s->ball[ball]));
+static km_quaternion turned(const km_state *s, int ball, km_vec3 turn) {
+  return km_quaternion_normalised(km_quaternion_product(km_quaternion_exp(turn), s->ball[ball]));
 }
 
-void km_state_place_ball(const km_mechanism *m, km_state *s, int ball, km_quaternion q) {
+/* Its coordinates follow its quaternion. */
+static void show_ball(const km_mechanism *m, km_state *s, int ball) {
   int c = m->ball_coordinate[ball];
-  s->ball[ball] = km_quaternion_normalised(q);
   km_vec3 v = km_quaternion_log_near(s->ball[ball], km_vec3_make(&s->q[c]));
   s->q[c] = v.x;
   s->q[c + 1] = v.y;
   s->q[c + 2] = v.z;
 }
 
-void km_state_move(const km_mechanism *m, km_state *s, const km_substructure *sub, const double *step) {
+void km_state_turn_ball(const km_mechanism *m, km_state *s, int ball, km_vec3 turn) {
+  s->ball[ball] = turned(s, ball, turn);
+  show_ball(m, s, ball);
+}
+
+void km_state_place_ball(const km_mechanism *m, km_state *s, int ball, km_quaternion q) {
+  s->ball[ball] = km_quaternion_normalised(q);
+  show_ball(m, s, ball);
+}
+
+static inline void move(const km_mechanism *m, km_state *s, const km_substructure *sub, const double *step,
+                        bool shown) {
   const int *coordinate = m->column_coordinate + sub->column_start;
   for (int k = 0; k < sub->columns; ++k) {
-    int c = coordinate[k];
-    if (m->ball_of[c] < 0) {
+    const int c = coordinate[k], ball = m->ball_of[c];
+    if (ball < 0) {
       s->q[c] += m->unit[c] * step[k];
-    } else {
-      if (!s->locked[c]) /* no turn at all would still round */
-        km_state_turn_ball(m, s, m->ball_of[c], km_vec3_make(step + k));
-      k += 2;
+      continue;
     }
+    if (!s->locked[c]) { /* no turn at all would still round */
+      s->ball[ball] = turned(s, ball, km_vec3_make(step + k));
+      if (shown)
+        show_ball(m, s, ball);
+    }
+    k += 2;
   }
+}
+
+void km_state_move(const km_mechanism *m, km_state *s, const km_substructure *sub, const double *step) {
+  move(m, s, sub, step, true);
+}
+
+void km_state_move_aside(const km_mechanism *m, km_state *s, const km_substructure *sub, const double *step) {
+  move(m, s, sub, step, false);
 }
 
 void km_state_set(const km_mechanism *m, km_state *s, const double *q) {

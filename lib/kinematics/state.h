@@ -124,6 +124,10 @@ double *km_state_rows(const km_mechanism *mechanism, km_state *state, int substr
 /* Adds a step to the coordinates of a substructure: step[column] scaled; a ball turns about the axes of the
  * joint's parent frame. */
 void km_state_move(const km_mechanism *mechanism, km_state *state, const km_substructure *sub, const double *step);
+/* The same for a pose that is left again by km_state_restore: of a ball the quaternion moves alone, not its coordinates, which take
+ * longer to find. */
+void km_state_move_aside(const km_mechanism *mechanism, km_state *state, const km_substructure *sub,
+                         const double *step);
 /* Turns a ball by a rotation vector along the parent frame's axes. */
 void km_state_turn_ball(const km_mechanism *mechanism, km_state *state, int ball, km_vec3 turn);
 /* Puts a ball at a quaternion of any length; its coordinates become the rotation vector nearest to theirs. */

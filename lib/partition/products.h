@@ -7,14 +7,19 @@
 
 #include <stdbool.h>
 
+/* Two entries of A. */
+typedef struct km_factors {
+  int first, second;
+} km_factors;
+
 /* The products that are kept: place[r] is where row r stands in the order, and of two rows the product is an entry of the row that
  * stands later in the column of the one that stands earlier, or the other way round. */
 typedef struct km_products {
   long rows, *start, *row; /* of A Aᵀ by column, ascending: row[start[k] … start[k+1]-1] */
   double *value;
-  long *diagonal; /* [rows] of each row of A: the entry of its own square */
-  long pair_count;
-  int *first, *second, *entry; /* [pair_count] entries of A, and that of A Aᵀ to which their product goes */
+  long *diagonal;   /* [rows] of each row of A: the entry of its own square */
+  long *pair_start; /* [entries + 1] each entry sums the products pair[pair_start[i]] … pair[pair_start[i+1]-1] */
+  km_factors *pair;
 } km_products;
 
 /* For matrices in which column c can have entries in the rows row[start[c] … start[c+1]-1]. `upper`: the triangle above the diagonal in
