@@ -65,6 +65,20 @@ static inline void lanes_subtract(lanes_row *x, T s, const lanes_row *v, int c) 
   for (int i = c; i < SEVEN; ++i)
     x->at[i] -= s * v->at[i];
 }
+
+#include "spatial/sincos_body.h"
+
+/* Found when they are asked for: all of them at once would leave the registers. */
+typedef struct lanes_turns {
+  const T *x;
+} lanes_turns;
+
+static inline lanes_turns lanes_turns_of(const T *x) {
+  return (lanes_turns){x};
+}
+static inline void lanes_turn_of(const lanes_turns *turns, int j, T *sine, T *cosine) {
+  lanes_sincos(turns->x[j], sine, cosine);
+}
 #include "arm/seven_body.h"
 
 /* Where lanes are to go. */

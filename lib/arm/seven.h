@@ -75,6 +75,24 @@ static inline void km_one_subtract(km_one_row *x, double s, const km_one_row *v,
     x->pair[i] -= (km_pair){s, s} * v->pair[i];
 }
 
+/* Two by two. */
+typedef struct km_one_turns {
+  km_two_numbers sine[4], cosine[4];
+} km_one_turns;
+
+static inline km_one_turns km_one_turns_of(const double *x) {
+  const km_one_row row = km_one_row_of(x, 1);
+  km_one_turns turns;
+  UNROLLED
+  for (int i = 0; i < 4; ++i)
+    km_two_sincos(row.pair[i], &turns.sine[i], &turns.cosine[i]);
+  return turns;
+}
+static inline void km_one_turn_of(const km_one_turns *turns, int j, double *sine, double *cosine) {
+  *sine = turns->sine[j / 2][j % 2];
+  *cosine = turns->cosine[j / 2][j % 2];
+}
+
 #define T                double
 #define BITS             uint64_t
 #define FN(name)         km_one_##name

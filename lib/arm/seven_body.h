@@ -7,12 +7,12 @@
  * something holds, BELOW(a, b), ANY(mask), PICK(mask, a, b). And seven numbers as a FN(row), in registers as suits them:
  * FN(row_of)(x, step), FN(at)(&row, i), FN(set)(&row, i, x); FN(from)(&row, c), with 0 before place c; and
  * where a and v have 0 before place c: FN(product)(&a, &b, c), Σ a[i] b[i], being the sum of those of even places,
- * (6 + 2) + (4 + 0), and that of the others, 3 + (5 + 1); FN(subtract)(&x, s, &v, c), x −= s v.
+ * (6 + 2) + (4 + 0), and that of the others, 3 + (5 + 1); FN(subtract)(&x, s, &v, c), x −= s v. And the sines and cosines
+ * of seven turns: FN(turns), FN(turns_of)(x[SEVEN]), FN(turn_of)(&turns, j, &sine, &cosine).
  *
  *   Jᵀ = Q [R; 0] by Householder's reflections (7 × 6). The last column of Q spans J's null space, and
  *   x = Q [R⁻ᵀ b; 0] is the least x with J x = b. */
 
-#include "spatial/sincos_body.h"
 #include "spatial/vec3_body.h"
 
 typedef struct FN(seven) {
@@ -37,6 +37,10 @@ static inline FN(vec) FN(turn)(const FN(vec) * R, km_vec3 a) {
 /* Axes, places, pose and Jacobian. */
 static inline void FN(forward)(const km_arm *a, const T *q, FN(seven) * k) {
   FN(vec) R[3], p;
+  T value[SEVEN];
+  for (int j = 0; j < SEVEN; ++j)
+    value[j] = a->motions[j].sign * q[j];
+  const FN(turns) turns = FN(turns_of)(value);
   const km_pose *first = &a->motions[0].before;
   for (int i = 0; i < 3; ++i)
     R[i] = (FN(vec)){ZERO + first->R.axis[i].x, ZERO + first->R.axis[i].y, ZERO + first->R.axis[i].z};
@@ -53,16 +57,15 @@ static inline void FN(forward)(const km_arm *a, const T *q, FN(seven) * k) {
         R[1] = y;
       }
     }
-    T value = m->sign * q[j];
     const FN(vec) along = FN(axis)(R, m->axis);
     k->axis[j] = FN(scaled)(ZERO + m->sign, along);
     k->point[j] = p;
     if (m->primitive != KM_REVOLUTE)
-      p = FN(axpy)(m->primitive == KM_PRISMATIC ? value : m->pitch * value, along, p);
+      p = FN(axpy)(m->primitive == KM_PRISMATIC ? value[j] : m->pitch * value[j], along, p);
     if (m->primitive == KM_PRISMATIC)
       continue;
     T sine, cosine;
-    FN(sincos)(value, &sine, &cosine);
+    FN(turn_of)(&turns, j, &sine, &cosine);
     FN(turn_about)(R, m->axis, cosine, sine);
   }
   FN(vec) tip = FN(turn)(R, a->tool.p);

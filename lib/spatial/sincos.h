@@ -1,4 +1,4 @@
-/* Sine and cosine of a double, with the bits that lanes side by side have too. */
+/* Sine and cosine of a double, or of two at once, with the bits that lanes side by side have too. */
 #ifndef KM_SPATIAL_SINCOS_H
 #define KM_SPATIAL_SINCOS_H
 
@@ -37,6 +37,22 @@ static inline double km_bits_double(uint64_t bits) {
 #undef km_bits_of
 #undef km_number_of
 
+typedef double km_two_numbers __attribute__((vector_size(16)));
+typedef uint64_t km_two_words __attribute__((vector_size(16)));
+#define T               km_two_numbers
+#define BITS            km_two_words
+#define NONE            ((km_two_words){0, 0})
+#define FN(name)        km_two_##name
+#define km_bits_of(x)   ((km_two_words)(x))
+#define km_number_of(x) ((km_two_numbers)(x))
+#include "spatial/sincos_body.h"
+#undef T
+#undef BITS
+#undef NONE
+#undef FN
+#undef km_bits_of
+#undef km_number_of
+
 /* To an ulp or so, of any angle. */
 static inline void km_sincos(double x, double *sine, double *cosine) {
   if (fabs(x) <= KM_SINCOS_MOST) {
@@ -44,6 +60,19 @@ static inline void km_sincos(double x, double *sine, double *cosine) {
   } else {
     *sine = sin(x);
     *cosine = cos(x);
+  }
+}
+
+/* The same of x[2]. */
+static inline void km_sincos_of_two(const double x[2], double sine[2], double cosine[2]) {
+  if (fabs(x[0]) <= KM_SINCOS_MOST && fabs(x[1]) <= KM_SINCOS_MOST) {
+    km_two_numbers s, c;
+    km_two_sincos((km_two_numbers){x[0], x[1]}, &s, &c);
+    memcpy(sine, &s, sizeof s);
+    memcpy(cosine, &c, sizeof c);
+  } else {
+    km_sincos(x[0], &sine[0], &cosine[0]);
+    km_sincos(x[1], &sine[1], &cosine[1]);
   }
 }
 
