@@ -23,7 +23,7 @@ typedef struct listing {
   const long *place;
   long *at;        /* [rows] by place: the entry of this column, -1: none */
   km_factors *met; /* the column's pairs as they are met */
-  long *entry;     /* of each of these: the entry that sums its product */
+  long *entry;     /* of each of these: the other row's place, then the entry that sums its product */
   bool upper;
 } listing;
 
@@ -76,8 +76,8 @@ static void list_column(const listing *l, int r, km_products *out) {
   for (long i = first; i < end; ++i)
     l->at[out->row[i]] = i;
   out->diagonal[r] = l->at[k];
-  long *const next =
-      out->pair_start + 1; /* of each entry: where its next pair goes, in the end where those of the one behind begin */
+  /* Of each entry where its next pair goes: in the end that is where those of the one behind it begin. */
+  long *const next = out->pair_start + 1;
   for (long i = 0; i < count; ++i) {
     l->entry[i] = l->at[l->entry[i]];
     if (l->entry[i] + 1 < end)

@@ -1,0 +1,77 @@
+/* Limits of coordinates: which are passed, and which are touched on the way. */
+#include "kinematics/state.h"
+
+#include <math.h>
+
+double km_state_over_turned(const km_mechanism *m, int c, const double *q) {
+  return m->most_turn[c] < HUGE_VAL ? km_vec3_norm(km_vec3_make(q)) - m->most_turn[c] : -HUGE_VAL;
+}
+
+/* How far coordinate c, whose value is at q, is above (> 0) or below (< 0) its limits; 0 within them, rounding
+ * included. The limit of a ball's angle counts as one of its first coordinate. */
+static double excess(const km_mechanism *m, int c, const double *q) {
+  double slack = 1e-12 * (m->unit[c] + fabs(*q)), turned = km_state_over_turned(m, c, q);
+  return turned > slack            ? turned
+         : *q > m->high[c] + slack ? *q - m->high[c]
+         : *q < m->low[c] - slack  ? *q - m->low[c]
+                                   : 0.0;
+}
+
+bool km_state_is_outside(const km_state *s, int coordinate) {
+  return excess(s->mechanism, coordinate, &s->q[coordinate]) != 0.0;
+}
+
+int km_state_outside(const km_state *s, const km_substructure *sub) {
+  const int *limited = s->mechanism->limited_column + sub->column_start;
+  for (int i = 0; i < sub->limited_count; ++i) {
+    int c = s->mechanism->column_coordinate[sub->column_start + limited[i]];
+    if (excess(s->mechanism, c, &s->q[c]) != 0.0)
+      return c;
+  }
+  return -1;
+}
+
+int km_state_limit_passed(const km_state *s, const km_substructure *sub, const double *saved) {
+  const int *limited = s->mechanism->limited_column + sub->column_start;
+  for (int i = 0; i < sub->limited_count; ++i) {
+    int k = limited[i], c = s->mechanism->column_coordinate[sub->column_start + k];
+    double out = excess(s->mechanism, c, &s->q[c]), went = s->q[c] - saved[k];
+    if (out != 0.0 && s->mechanism->most_turn[c] < HUGE_VAL) /* a ball's three coordinates are neighbours */
+      went = km_state_over_turned(s->mechanism, c, &s->q[c]) - km_state_over_turned(s->mechanism, c, &saved[k]);
+    if (out * went > 0.0)
+      return c;
+  }
+  return -1;
+}
+
+/* Where the cubic from 0 to m with end slopes t0, t1 over h turns on the way, as parts of it. Returns how often. */
+static int turns(double m, double t0, double t1, double h, double at[2]) {
+  double a = 3.0 * h * (t0 + t1) - 6.0 * m, b = 6.0 * m - 2.0 * h * (2.0 * t0 + t1), c = h * t0;
+  double root = b * b - 4.0 * a * c;
+  if (!(root > 0.0))
+    return 0;
+  double half = -0.5 * (b + copysign(sqrt(root), b)); /* both roots without cancelling */
+  at[0] = a != 0.0 ? half / a : -1.0;
+  at[1] = c / half;
+  return 2;
+}
+
+int km_state_limit_touched(const km_state *s, const km_substructure *sub, const double *saved, const double *t0,
+                           const double *t1, double h) {
+  const km_mechanism *m = s->mechanism;
+  const int *limited = m->limited_column + sub->column_start;
+  for (int l = 0; l < sub->limited_count; ++l) {
+    int k = limited[l], c = m->column_coordinate[sub->column_start + k];
+    double move = (s->q[c] - saved[k]) / m->unit[c], at[2];
+    if (m->ball_of[c] >= 0)
+      continue;
+    for (int i = turns(move, t0[k], t1[k], h, at) - 1; i >= 0; --i) {
+      double u = at[i], bend = h * u * (1.0 - u) * (t0[k] * (1.0 - u) - t1[k] * u);
+      double way = m->unit[c] * (move * u * u * (3.0 - 2.0 * u) + bend);
+      double q = saved[k] + way;
+      if (u > 0.0 && u < 1.0 && excess(m, c, &q) * way > 0.0)
+        return c;
+    }
+  }
+  return -1;
+}
