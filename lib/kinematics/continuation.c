@@ -166,7 +166,7 @@ km_step_fate km_continuation_correct(km_continuation *c, const km_step_terms *te
 
 int km_continuation_limit(const km_continuation *c, double h) {
   const km_substructure *sub = km_continuation_sub(c);
-  if (c->ignore_limits)
+  if (c->ignore_limits || sub->limited_count == 0)
     return -1;
   int passed = km_state_limit_passed(c->state, sub, c->from);
   return passed >= 0 ? passed : km_state_limit_touched(c->state, sub, c->from, c->course.t, c->next_t, h);
