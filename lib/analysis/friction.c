@@ -1,16 +1,20 @@
 /* Solves the equations of Coulomb friction in a motion that is known. */
 #include "analysis/friction.h"
 
-#include <math.h>
+#include "base/larger.h"
+
 #include <string.h>
 
 enum { MOST_NEWTON = 30, MOST_STEPS = 4000, STARTS = 8 };
 
 static const double converged = 1e-13; /* of the terms that a normal force is made of */
+static const double nothing = 1e-14;   /* of the largest normal force */
 static const double shortest = 1e-10;  /* step in t */
+static const double straight = 1e-8;   /* over such a step the load is a straight line */
 static const double most_changed =
-    0.25;                             /* of the largest normal force: a step that corrects more may change branches */
-static const double boundless = 1e12; /* normal forces over those without friction */
+    0.25; /* of the largest normal force: a step that corrects more may change branches */
+static const double most_changed_at_turns = 1e-6; /* the same over a short step where det J changes its sign */
+static const double boundless = 1e12;             /* normal forces over those without friction */
 
 static gsl_vector vector(km_arena *arena, int size) {
   return (gsl_vector){
@@ -36,10 +40,11 @@ bool km_friction_reserve(km_friction *f, int most, km_arena *arena) {
   return !arena->failed;
 }
 
+/* Not a number where one isn't. */
 static double largest(const double *x, int count) {
   double size = 0.0;
   for (int i = 0; i < count; ++i)
-    size = fmax(size, fabs(x[i]));
+    size = km_larger_or_nan(fabs(x[i]), size);
   return size;
 }
 
@@ -73,20 +78,33 @@ static double linearise(km_friction *f, double t, const double *N) {
     }
     f->slope[c] = part * (v[0] * along[0] + v[1] * along[1] + v[2] * along[2]);
     f->rhs.data[c] = size - N[c];
-    worst = fmax(worst, fabs(f->rhs.data[c]));
+    worst = km_larger_or_nan(fabs(f->rhs.data[c]), worst);
   }
   return worst / terms;
 }
 
-/* J step = rhs; false where J is singular. */
-static bool solve(km_friction *f) {
+/* The sign of det J, whose factors take J's place. */
+static int factor(km_friction *f) {
   int sign;
   gsl_linalg_LU_decomp(&f->J, f->pivots, &sign);
-  for (int i = 0; i < f->count; ++i)
-    if (gsl_matrix_get(&f->J, (size_t)i, (size_t)i) == 0.0)
-      return false;
+  return gsl_linalg_LU_sgndet(&f->J, sign);
+}
+
+/* J step = rhs; false where J is singular. */
+static bool solve(km_friction *f) {
+  if (factor(f) == 0)
+    return false;
   gsl_linalg_LU_solve(&f->J, f->pivots, &f->rhs, &f->step);
   return isfinite(largest(f->step.data, f->count));
+}
+
+/* N + step. What only rounding leaves has no direction: where nothing presses it stays 0. */
+static void take_step(const km_friction *f, double *N) {
+  for (int k = 0; k < f->count; ++k)
+    N[k] += f->step.data[k];
+  double least = nothing * largest(N, f->count);
+  for (int k = 0; k < f->count; ++k)
+    N[k] = fabs(N[k]) <= least ? 0.0 : N[k];
 }
 
 /* Newton's method at t from the normal forces `N`, which it improves. */
@@ -97,13 +115,19 @@ static bool newton(km_friction *f, double t, double *N) {
       return true;
     if (!isfinite(residual) || !solve(f))
       return false;
-    for (int k = 0; k < f->count; ++k)
-      N[k] += f->step.data[k];
+    take_step(f, N);
   }
   return false;
 }
 
-/* From the solution N at t to one on the same branch at t + h, into `tried`. */
+/* The sign of det J at a solution. */
+static int sign_at(km_friction *f, double t, const double *N) {
+  linearise(f, t, N);
+  return factor(f);
+}
+
+/* From the solution N at t to one on the same branch at t + h, into `tried`. Along a branch det J changes its sign only where it turns
+ * back, or where another one leaves it: over a long step a change is a jump to another branch. */
 static bool advance(km_friction *f, double t, double h) {
   size_t bytes = (size_t)f->count * sizeof *f->N;
   linearise(f, t, f->N);
@@ -117,18 +141,9 @@ static bool advance(km_friction *f, double t, double h) {
   double changed = 0.0;
   for (int k = 0; k < f->count; ++k)
     changed = fmax(changed, fabs(f->tried[k] - f->predicted[k]));
-  return changed <= most_changed * largest(f->N, f->count);
-}
-
-/* Between t, where load is left, and t + h, where none is: the share at which it passes through 0, by halving. */
-static double crossing(km_friction *f, double t, double h) {
-  double low = 0.0, high = h;
-  for (int i = 0; i < 60 && high - low > 1e-15; ++i) {
-    double middle = 0.5 * (low + high);
-    bool left = advance(f, t, middle) && load_of(f, t + middle, f->tried) > 0.0;
-    *(left ? &low : &high) = middle;
-  }
-  return t + high;
+  bool turns = sign_at(f, t, f->N) != sign_at(f, t + h, f->tried);
+  return changed <= (turns ? most_changed_at_turns : most_changed) * largest(f->N, f->count) &&
+         !(turns && h > straight);
 }
 
 /* Follows the solution from t = 0 as far towards 1 as it goes; returns how far. */
@@ -144,8 +159,11 @@ static double follow(km_friction *f) {
     }
     double load = load_of(f, t + h, f->tried);
     if (f->load > 0.0 && load <= 0.0) {
-      f->locks_from = crossing(f, t, h);
-      advance(f, t, h);
+      if (h > straight) {
+        h *= 0.5;
+        continue;
+      }
+      f->locks_from = t + h * f->load / (f->load - load);
     }
     memcpy(f->N, f->tried, (size_t)f->count * sizeof *f->N);
     f->load = load;

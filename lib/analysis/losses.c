@@ -8,6 +8,9 @@
 
 #include <string.h>
 
+/* A force smaller than this share of the largest one is what rounding leaves where nothing presses. */
+static const double rounded = 1e-12;
+
 struct km_losses_work {
   km_arena arena;
   km_lever *lever;
@@ -118,25 +121,40 @@ static double balance(const km_mechanism *m, km_state *s, km_losses_work *w, int
   return w->statics.held ? w->statics.actuator_forces[0] : nan("");
 }
 
+/* The largest force that any joint carries, of torques the force at the arm of the characteristic length. */
+static double largest_reaction(const km_mechanism *m, const km_statics *st) {
+  double size = 0.0;
+  for (int j = 0; j < m->topology.joint_count; ++j) {
+    km_vec3 force = km_vec3_make(st->reactions[j].force), torque = km_vec3_make(st->reactions[j].torque);
+    size = fmax(size, fmax(km_vec3_norm(force), km_vec3_norm(torque) / m->length));
+  }
+  return size;
+}
+
+/* Forces up to `least` are 0. */
+static void put(km_vec3 a, double least, double *to) {
+  if (km_vec3_norm(a) <= least)
+    a = (km_vec3){0.0, 0.0, 0.0};
+  memcpy(to, (double[3]){a.x, a.y, a.z}, 3 * sizeof *to);
+}
+
 /* Everything is linear in the load and the normal forces N: under the input force that holds a load of 1 without
  * friction there remains a load of 1 − Σ w N, and what presses on each place is a + Σ B N. False if the input alone
  * can't hold the output. */
 static bool make_equations(const km_mechanism *m, km_state *s, km_losses_work *w) {
   km_friction *f = &w->friction;
-  double ideal = balance(m, s, w, -1);
-  for (int c = 0; c < f->count; ++c) {
-    km_vec3 a = km_normal_force(m, &w->statics, w->rubbing[c]);
-    memcpy(f->a + 3 * c, (double[3]){a.x, a.y, a.z}, 3 * sizeof *f->a);
-  }
+  double ideal = balance(m, s, w, -1), alone = largest_reaction(m, &w->statics);
+  for (int c = 0; c < f->count; ++c)
+    put(km_normal_force(m, &w->statics, w->rubbing[c]), rounded * alone, f->a + 3 * c);
   for (int k = 0; k < f->count && isfinite(ideal); ++k) {
     double force = balance(m, s, w, k);
     if (isnan(force))
       return false;
     f->w[k] = (force - ideal) / ideal;
+    double least = rounded * (largest_reaction(m, &w->statics) + fabs(1.0 + f->w[k]) * alone);
     for (int c = 0; c < f->count; ++c) {
       km_vec3 both = km_normal_force(m, &w->statics, w->rubbing[c]), a = km_vec3_make(f->a + 3 * c);
-      km_vec3 b = km_vec3_axpy(-1.0 - f->w[k], a, both);
-      memcpy(f->B + 3 * (c * f->count + k), (double[3]){b.x, b.y, b.z}, 3 * sizeof *f->B);
+      put(km_vec3_axpy(-1.0 - f->w[k], a, both), least, f->B + 3 * (c * f->count + k));
     }
   }
   return isfinite(ideal);

@@ -11,9 +11,20 @@ static family_count all(bool (*family)(uint64_t, family_count *), int seeds) {
   return count;
 }
 
+/* More seeds of a family; all must be right. */
+static void also(bool (*family)(uint64_t, family_count *), const uint64_t *seeds, size_t seed_count,
+                 family_count *count) {
+  for (size_t i = 0; i < seed_count; ++i)
+    assert_true(family(seeds[i], count));
+}
+
+/* Nothing presses where it rubs (912902); two solutions lie near each other (953210); joints that carry nothing could lock themselves,
+ * so that another solution leaves this one (916188, 931551, 1538714); the load is gone before the forces grow without bound. */
 static void friction(void **state) {
   (void)state;
+  static const uint64_t seeds[] = {912902, 953210, 916188, 931551, 1538714, 985268};
   family_count count = all(family_friction, 400);
+  also(family_friction, seeds, sizeof seeds / sizeof *seeds, &count);
   assert_true(count.moves > 200);
   assert_true(count.locks > 5);
 }
@@ -31,13 +42,6 @@ static void planar_forces(void **state) {
   assert_true(count.poles > 15);
   assert_true(count.peaks > 20);
   assert_true(count.ends > 2);
-}
-
-/* More seeds of a family; all must be right. */
-static void also(bool (*family)(uint64_t, family_count *), const uint64_t *seeds, size_t seed_count,
-                 family_count *count) {
-  for (size_t i = 0; i < seed_count; ++i)
-    assert_true(family(seeds[i], count));
 }
 
 /* Of two freedoms: two zeros about a peak between two poses, and events close to where the driver gives out, on the way that led

@@ -111,7 +111,8 @@ static bool compare(const system_of *s, const km_losses *told, family_count *cou
   count->open += told->why != NULL;
   if (all >= 1.0 && efficiency > 1e-9) /* by 1e-12 of the equations, whose condition may be 1e4 */
     return moves && near(told->efficiency, efficiency, 1e-7);
-  if (efficiency < -1e-9) /* the load's zero by a straight line over 1e-8; forces that pass through 0 bend it there */
+  bool lost = efficiency < -1e-9 || (all < 1.0 && efficiency <= 0.0);
+  if (lost) /* the load's zero by a straight line over 1e-8; forces that pass through 0 bend it there */
     return told->locks && near(told->locks_from, lock, 1e-7);
   return all >= 1.0 || !told->locks; /* on the edge; or this way leads nowhere: a lock isn't proved */
 }
