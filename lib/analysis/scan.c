@@ -174,9 +174,11 @@ static km_status find_extreme(km_scan *scan, km_sweeper *r, int i, double sign, 
   return status || !beyond ? status : find_zeros_about(scan, r, i, s, error);
 }
 
-/* One more sample of a run. */
+/* One more sample of a run. Of those that are alike, as two beside an extreme may be, the first one counts. */
 static km_status take(km_scan *scan, km_sweeper *r, int i, double s, double f, bool *moved, km_error *error) {
   km_run *run = &scan->runs[i];
+  if (run->have > 0 && fabs(f - run->f[0]) <= least_swing * (fabs(f) + fabs(run->f[0])))
+    return KM_OK;
   memmove(run->s + 1, run->s, 2 * sizeof *run->s);
   memmove(run->f + 1, run->f, 2 * sizeof *run->f);
   run->s[0] = s;
@@ -184,9 +186,7 @@ static km_status take(km_scan *scan, km_sweeper *r, int i, double s, double f, b
   run->have = run->have < 3 ? run->have + 1 : 3;
   if (run->have < 3 || !scan->extremes)
     return KM_OK;
-  double grain = least_swing * (fabs(run->f[0]) + fabs(run->f[1]));
-  bool up = run->f[1] - run->f[2] > grain, down = run->f[2] - run->f[1] > grain;
-  bool peak = up && run->f[1] - run->f[0] > grain, valley = down && run->f[0] - run->f[1] > grain;
+  bool peak = run->f[1] > run->f[2] && run->f[1] > run->f[0], valley = run->f[1] < run->f[2] && run->f[1] < run->f[0];
   *moved = *moved || peak || valley;
   return peak || valley ? find_extreme(scan, r, i, peak ? -1.0 : 1.0, error) : KM_OK;
 }
