@@ -254,7 +254,7 @@ static attempt walk(km_drive *d, double target, int *limit) {
     if (steps == most || crept == MOST_CREEPING)
       return EXHAUSTED;
     double left = target - d->here.s;
-    bool arrives = fabs(left) <= step;
+    bool arrives = fabs(left) <= step * km_drive_reach;
     /* Of a short last step the next one would know little. */
     bool halves = d->here.stiff && !arrives && fabs(left) < 2.0 * step;
     double h = arrives ? left : halves ? 0.5 * left : copysign(step, left);
@@ -349,7 +349,7 @@ void km_drive_begin(km_drive *d, double target) {
   km_drive_settle(d);
   double goal = within_own_limit(d, target * km_drive_factor(d)), left = goal - d->here.s, step = d->here.largest;
   int limit;
-  if (fabs(left) <= step || !(d->here.known || start(d)))
+  if (fabs(left) <= step * km_drive_reach || !(d->here.known || start(d)))
     return;
   double h = copysign(step, left);
   if (advance(d, h, km_drive_tightness, &limit) == ACCEPTED)

@@ -9,6 +9,9 @@
 /* In radians or substructure sizes: the longest step of a driver, the step that a drive to the next target is begun with
  * at least, and how far any coordinate may go in a step. */
 static const double km_drive_longest = 0.3, km_drive_least_first = 1e-3, km_drive_furthest = 0.6;
+/* A step reaches a target that is further away by so little, which may be rounding alone: the short step that would be left tells next to
+ * nothing, and spoils what the next ones take from the tangents behind them. */
+static const double km_drive_reach = 1.0 + 1e-6;
 /* How closely a step has to keep to the prediction, and the same where a singular pose is crossed. */
 static const double km_drive_tightness = 0.25, km_drive_crossing_tightness = 0.05;
 /* Strain below which a step may become longer: one twice as long has 16 times the error over its length, one that is drawn to
@@ -41,14 +44,14 @@ struct km_drive {
   km_continuation c;
   km_drive_place here;
   km_drive_kept mark, passed[2]; /* the latest first */
-  bool passing;                 /* this step goes over a singular pose on purpose */
-  double *near, *far;           /* poses to come back to */
-  km_least_path path;           /* where other freedoms are left */
-  km_closest *closest;          /* the same where the path is stiff; NULL: not yet */
-  int bent;                     /* steps refused one after the other */
-  bool drawn;                   /* the last prediction was */
-  double strain;                /* of the last prediction by it: at 1 its error is all that is allowed */
-  struct km_drive_lanes *lanes; /* where this drive goes beside others, and which of them it is; NULL: alone */
+  bool passing;                  /* this step goes over a singular pose on purpose */
+  double *near, *far;            /* poses to come back to */
+  km_least_path path;            /* where other freedoms are left */
+  km_closest *closest;           /* the same where the path is stiff; NULL: not yet */
+  int bent;                      /* steps refused one after the other */
+  bool drawn;                    /* the last prediction was */
+  double strain;                 /* of the last prediction by it: at 1 its error is all that is allowed */
+  struct km_drive_lanes *lanes;  /* where this drive goes beside others, and which of them it is; NULL: alone */
   int lane;
 };
 

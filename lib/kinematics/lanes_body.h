@@ -130,7 +130,7 @@ static WITHIN void predict(km_drive_lanes *l, const vector *h, vector *strain, m
 static inline void choose_step(const km_drive_lanes *l, vector *h, mask *arrives, int first, int count) {
   EACH(r) {
     vector left = GET(l->target) - GET(l->here.s), largest = GET(l->here.largest);
-    arrives[r] = at_most(size_of(left), largest);
+    arrives[r] = at_most(size_of(left), largest * km_drive_reach);
     h[r] = pick(arrives[r], left, (vector)((word)largest | ((word)left & SIGN_BIT)));
   }
 }
