@@ -52,13 +52,15 @@ bool family_limits(uint64_t seed) {
   static double way[GRID + 1], range[GRID + 1];
   trace(name, plan.coordinate, watched, start, start, plan.from, way);
   trace(name, plan.coordinate, watched, start, plan.from, plan.to, range);
-  double least = HUGE_VAL, most = -HUGE_VAL;
+  double least = HUGE_VAL, most = -HUGE_VAL, widest = 0.0; /* the last one: between two places of the grid */
   for (int i = 0; i <= GRID; ++i) {
     least = fmin(least, fmin(way[i], range[i]));
     most = fmax(most, fmax(way[i], range[i]));
+    if (i > 0)
+      widest = fmax(widest, fmax(fabs(way[i] - way[i - 1]), fabs(range[i] - range[i - 1])));
   }
   double low = uniform(&r, least, most), high = uniform(&r, low, most + 0.3 * (most - least));
-  bool narrow = most - least < 1e-3;
+  bool narrow = most - least < 1e-3 || high - low < 2.0 * widest; /* the grid may miss it */
   /* Once inside, the way to FROM must not lead out again. */
   bool out_on_the_way = passages(way, low, high, -1, &narrow) > 0;
   bool all = range[0] >= low && range[0] <= high && passages(range, low, high, -1, &narrow) == 0 && !out_on_the_way;
