@@ -90,12 +90,13 @@ static int factor(km_friction *f) {
   return gsl_linalg_LU_sgndet(&f->J, sign);
 }
 
-/* J step = rhs; false where J is singular. */
-static bool solve(km_friction *f) {
-  if (factor(f) == 0)
-    return false;
+/* J step = rhs. Returns the sign of det J, 0: there is no such step. */
+static int solve(km_friction *f) {
+  int sign = factor(f);
+  if (sign == 0)
+    return 0;
   gsl_linalg_LU_solve(&f->J, f->pivots, &f->rhs, &f->step);
-  return isfinite(largest(f->step.data, f->count));
+  return isfinite(largest(f->step.data, f->count)) ? sign : 0;
 }
 
 /* N + step. What only rounding leaves has no direction: where nothing presses it stays 0. */
@@ -120,28 +121,23 @@ static bool newton(km_friction *f, double t, double *N) {
   return false;
 }
 
-/* The sign of det J at a solution. */
-static int sign_at(km_friction *f, double t, const double *N) {
-  linearise(f, t, N);
-  return factor(f);
-}
-
 /* From the solution N at t to one on the same branch at t + h, into `tried`. Along a branch det J changes its sign only where it turns
  * back, or where another one leaves it: over a long step a change is a jump to another branch. */
 static bool advance(km_friction *f, double t, double h) {
   size_t bytes = (size_t)f->count * sizeof *f->N;
   linearise(f, t, f->N);
   memcpy(f->rhs.data, f->slope, bytes);
-  bool sloped = solve(f);
+  int before = solve(f);
   for (int k = 0; k < f->count; ++k)
-    f->predicted[k] = f->N[k] + (sloped ? h * f->step.data[k] : 0.0);
+    f->predicted[k] = f->N[k] + (before != 0 ? h * f->step.data[k] : 0.0);
   memcpy(f->tried, f->predicted, bytes);
   if (!newton(f, t + h, f->tried))
     return false;
   double changed = 0.0;
   for (int k = 0; k < f->count; ++k)
     changed = fmax(changed, fabs(f->tried[k] - f->predicted[k]));
-  bool turns = sign_at(f, t, f->N) != sign_at(f, t + h, f->tried);
+  linearise(f, t + h, f->tried);
+  bool turns = factor(f) != before;
   return changed <= (turns ? most_changed_at_turns : most_changed) * largest(f->N, f->count) &&
          !(turns && h > straight);
 }
