@@ -26,8 +26,7 @@ static void list_bodies(const km_model *model, const km_forces *f, bool *seen) {
 
 static bool has_stop(const km_mechanism *m, int c) {
   const km_joint_stop *stop = &m->model->joints[m->model->coordinates[c].joint].stop;
-  bool limited = isfinite(m->low[c]) || isfinite(m->high[c]) || isfinite(m->most_turn[c]);
-  return (stop->stiffness > 0.0 || stop->damping > 0.0) && limited;
+  return (stop->stiffness > 0.0 || stop->damping > 0.0) && km_is_limited(m, c);
 }
 
 static void list_coordinates(const km_mechanism *m, km_moving_forces *out) {

@@ -68,7 +68,7 @@ static bool has_limited_ball(const km_drive *d) {
   for (int b = 0; b < m->ball_count && !d->c.ignore_limits; ++b) {
     const int c = m->ball_coordinate[b];
     for (int k = c; k < c + 3; ++k)
-      if (isfinite(m->low[k]) || isfinite(m->high[k]) || isfinite(m->most_turn[k]))
+      if (km_is_limited(m, k))
         return true;
   }
   return false;

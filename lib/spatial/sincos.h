@@ -63,17 +63,4 @@ static inline void km_sincos(double x, double *sine, double *cosine) {
   }
 }
 
-/* The same of x[2]. */
-static inline void km_sincos_of_two(const double x[2], double sine[2], double cosine[2]) {
-  if (fabs(x[0]) <= KM_SINCOS_MOST && fabs(x[1]) <= KM_SINCOS_MOST) {
-    km_two_numbers s, c;
-    km_two_sincos((km_two_numbers){x[0], x[1]}, &s, &c);
-    memcpy(sine, &s, sizeof s);
-    memcpy(cosine, &c, sizeof c);
-  } else {
-    km_sincos(x[0], &sine[0], &cosine[0]);
-    km_sincos(x[1], &sine[1], &cosine[1]);
-  }
-}
-
 #endif

@@ -260,7 +260,7 @@ static void list_limited(km_mechanism *m) {
     sub->limited_count = 0;
     for (int k = 0; k < sub->columns; ++k) {
       int c = coordinate[k];
-      if (isfinite(m->low[c]) || isfinite(m->high[c]) || isfinite(m->most_turn[c]))
+      if (km_is_limited(m, c))
         m->limited_column[sub->column_start + sub->limited_count++] = k;
     }
   }

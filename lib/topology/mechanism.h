@@ -167,6 +167,11 @@ struct km_mechanism {
   int error_size;
 };
 
+/* Has the coordinate limits? That of a ball's angle counts as one of its first coordinate. */
+static inline bool km_is_limited(const km_mechanism *m, int c) {
+  return isfinite(m->low[c]) || isfinite(m->high[c]) || isfinite(m->most_turn[c]);
+}
+
 /* How to compile a model. What is 0 follows the model. */
 typedef struct km_compiling {
   const km_hold *holds;

@@ -8,16 +8,24 @@
 static randomness source = {5};
 static int start[MOST + 1], row[MOST * MOST];
 
-/* A band with some entries far off, of a rank that is less than full: as a substructure of many loops. */
-static void fill_band(int rows, int columns) {
-  int entries = 0;
+static void begin_pattern(int rows, int columns) {
   f.rows = rows;
   f.columns = columns;
   memset(f.J, 0, sizeof f.J);
+}
+
+static void begin_column(int c, int entries) {
+  f.D[c] = 0.3 + fabs(any());
+  f.forced[c] = false;
+  start[c] = entries;
+}
+
+/* A band with some entries far off, of a rank that is less than full: as a substructure of many loops. */
+static void fill_band(int rows, int columns) {
+  int entries = 0;
+  begin_pattern(rows, columns);
   for (int c = 0; c < columns; ++c) {
-    f.D[c] = 0.3 + fabs(any());
-    f.forced[c] = false;
-    start[c] = entries;
+    begin_column(c, entries);
     for (int r = 0; r < rows; ++r) {
       bool near = abs(r * columns - c * rows) <= 2 * columns, far = index_below(40) == 0;
       bool twin = c % 10 == 9 && f.J[(c - 1) * rows + r] != 0.0; /* a multiple of the column before */
@@ -38,13 +46,9 @@ static void reserve_sparse(void) {
 /* Any entries where `has` says so. */
 static void open_where(int rows, int columns, bool (*has)(int column, int row)) {
   int entries = 0;
-  f.rows = rows;
-  f.columns = columns;
-  memset(f.J, 0, sizeof f.J);
+  begin_pattern(rows, columns);
   for (int c = 0; c < columns; ++c) {
-    f.D[c] = 0.3 + fabs(any());
-    f.forced[c] = false;
-    start[c] = entries;
+    begin_column(c, entries);
     for (int r = 0; r < rows; ++r)
       if (has(c, r)) {
         f.J[c * rows + r] = any();
