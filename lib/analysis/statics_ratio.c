@@ -75,12 +75,14 @@ static void keep(km_holding *h, double sense) {
   }
 }
 
-/* Of a singular value of 0 there may be no vector in U: it is at right angles to the others. */
+/* The last vector of U, U x / σ, has no more digits than σ, and may be missing where σ is 0. Of as many actuators as motions
+ * it is at right angles to the others, which tells it with all digits; it keeps its sense. */
 static void complete(km_holding *h, int rank) {
   gsl_vector_view last = gsl_matrix_subcolumn(h->U, (size_t)rank - 1, 0, (size_t)h->count);
-  double best = 0.0;
+  bool missing = gsl_blas_dnrm2(&last.vector) < 0.5;
+  double best = 0.0, sense = 1.0;
   int place = -1;
-  for (int i = 0; i < h->count && gsl_blas_dnrm2(&last.vector) < 0.5; ++i) {
+  for (int i = 0; i < h->count && (missing || h->count == rank); ++i) {
     double left = 1.0;
     for (int k = 0; k + 1 < rank; ++k)
       left -= gsl_pow_2(gsl_matrix_get(h->U, (size_t)i, (size_t)k));
@@ -91,12 +93,14 @@ static void complete(km_holding *h, int rank) {
   }
   if (place < 0)
     return;
+  if (!missing)
+    sense = copysign(1.0, gsl_vector_get(&last.vector, (size_t)place));
   gsl_vector_set_basis(&last.vector, (size_t)place);
   for (int k = 0; k + 1 < rank; ++k) {
     gsl_vector_view other = gsl_matrix_subcolumn(h->U, (size_t)k, 0, (size_t)h->count);
     gsl_blas_daxpy(-gsl_matrix_get(h->U, (size_t)place, (size_t)k), &other.vector, &last.vector);
   }
-  gsl_blas_dscal(1.0 / gsl_blas_dnrm2(&last.vector), &last.vector);
+  gsl_blas_dscal(sense / gsl_blas_dnrm2(&last.vector), &last.vector);
 }
 
 static double clear(double x, double grain) {
@@ -107,10 +111,8 @@ static double clear(double x, double grain) {
 static double product(const km_holding *h, int rank, int but) {
   double result = 1.0;
   for (int k = 0; k < rank; ++k)
-    if (k != but) {
-      double value = gsl_vector_get(h->S, (size_t)k);
-      result *= value > km_out_of_reach ? value : 0.0;
-    }
+    if (k != but)
+      result *= gsl_vector_get(h->S, (size_t)k);
   return result;
 }
 

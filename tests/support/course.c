@@ -104,19 +104,28 @@ static double by_power(const double x[3], double otherwise) {
   return twice > 1.2 && four > 1.2 ? (x[0] * x[2] - x[1] * x[1]) / (x[0] + x[2] - 2.0 * x[1]) : otherwise;
 }
 
-/* Does a/b come to nothing with the root of the way to the end? Less than a third of the distance of places is none. */
-static course_end comes_to_nothing(const course *c, const double *a, const double *b) {
+/* What is left of a/b at the end, in distances between the two nearest of three samples, of which the first is `stride` places from
+ * the end. */
+static double places_left(const course *c, const double *a, const double *b, int stride) {
   double x[3], root[3];
+  for (int k = 0; k < 3; ++k)
+    x[k] = quotient(c, a, b, c->count - 1 - stride * (1 << k), &root[k]);
+  double end = by_parabola(root, x), power = by_power(x, end);
+  return fmin(fabs(end), fabs(power)) / fabs(x[1] - x[0]);
+}
+
+/* Does a/b come to nothing with the root of the way to the end? Less than a third of the distance of places is none, unless the samples
+ * that are within the end's own digits show that something is left. */
+static course_end comes_to_nothing(const course *c, const double *a, const double *b) {
   int last = c->count - 1, stride = 1;
   if (turns_in_own_digits(c, a) || turns_in_own_digits(c, b))
     return COURSE_UNCLEAR;
   while (fabs(c->s[last] - c->s[last - stride]) < own_digits(c) && 4 * (stride + 1) <= last)
     ++stride;
-  for (int k = 0; k < 3; ++k)
-    x[k] = quotient(c, a, b, last - stride * (1 << k), &root[k]);
-  double end = by_parabola(root, x), power = by_power(x, end);
-  double places = fmin(fabs(end), fabs(power)) / fabs(x[1] - x[0]);
-  return places < 0.3 ? COURSE_UNBOUNDED : places < 3.0 ? COURSE_UNCLEAR : COURSE_BOUNDED;
+  double left = places_left(c, a, b, stride);
+  if (left >= 3.0)
+    return COURSE_BOUNDED;
+  return left < 0.3 && places_left(c, a, b, 1) < 3.0 ? COURSE_UNBOUNDED : COURSE_UNCLEAR;
 }
 
 course_end course_ends(const course *c) {
@@ -145,8 +154,10 @@ void course_span(const course *c, int first, int last, double *low, double *high
   *high = fmax(a, b);
 }
 
-static void expect(expected *list, int *count, km_force_event_kind kind, const course *c, int first, int last) {
-  expected e = {.kind = kind};
+/* What more than MOST_EVENTS would be is a matter of rounding, and can't be asked for. */
+static void expect(expected *list, int *count, km_force_event_kind kind, const course *c, int first, int last,
+                   bool weak) {
+  expected e = {.kind = kind, .weak = weak};
   course_span(c, first, last, &e.low, &e.high);
   if (*count < MOST_EVENTS)
     list[(*count)++] = e;
@@ -184,7 +195,7 @@ static bool is_by_own_digits(const course *c, double s) {
 
 /* Is so little of x left at places i−1 … i+1 that its sign is a matter of rounding? */
 static bool is_rounding(const double *x, double largest, int i) {
-  static const double rounding = 1e-12;
+  static const double rounding = 1e-10;
   return fabs(x[i]) < rounding * largest || fabs(x[i + 1]) < rounding * largest ||
          (i > 0 && fabs(x[i - 1]) < rounding * largest);
 }
@@ -200,29 +211,19 @@ static int list_of(const course *c, course_end end, expected *list) {
   int count = 0;
   double n = largest_of(c->n, c->count), d = largest_of(c->d, c->count);
   for (int i = 0; i + 1 < c->count; ++i) {
-    int before = count;
-    bool zero = turns(c->n, i), pole = turns(c->d, i);
+    bool zero = turns(c->n, i), pole = turns(c->d, i), rounding = is_rounding(c->n, n, i) || is_rounding(c->d, d, i);
+    /* Both in one place, and the force goes on as it was; or the one beside the other. */
     if (zero)
-      expect(list, &count, KM_FORCE_BALANCED, c, i, i + 1);
-    if (zero && count > 0) /* both in one place, and the force goes on as it was; or the one beside the other */
-      list[count - 1].weak = pole;
+      expect(list, &count, KM_FORCE_BALANCED, c, i, i + 1, rounding || pole);
     if (pole)
-      expect(list, &count, KM_FORCE_UNBOUNDED, c, i, i + 1);
-    if (pole && count > 0)
-      list[count - 1].weak = zero;
-    if (i > 0 && peaks(c, i)) {
-      expect(list, &count, KM_FORCE_PEAK, c, i - 1, i + 1);
-      list[count - 1].weak = turns(c->d, i - 1) || turns(c->d, i) || is_weak(c, i);
-    }
-    for (int k = before; k < count; ++k)
-      list[k].weak = list[k].weak || is_rounding(c->n, n, i) || is_rounding(c->d, d, i);
+      expect(list, &count, KM_FORCE_UNBOUNDED, c, i, i + 1, rounding || zero);
+    if (i > 0 && peaks(c, i))
+      expect(list, &count, KM_FORCE_PEAK, c, i - 1, i + 1, rounding || turns(c->d, i - 1) || pole || is_weak(c, i));
   }
   for (int i = 0; i < count; ++i)
     list[i].weak = list[i].weak || is_by_own_digits(c, list[i].low) || is_by_own_digits(c, list[i].high);
-  if (end != COURSE_BOUNDED) {
-    expect(list, &count, KM_FORCE_UNBOUNDED, c, c->count - 1, c->count - 1);
-    list[count - 1].weak = end == COURSE_UNCLEAR;
-  }
+  if (end != COURSE_BOUNDED)
+    expect(list, &count, KM_FORCE_UNBOUNDED, c, c->count - 1, c->count - 1, end == COURSE_UNCLEAR);
   return count;
 }
 
@@ -243,12 +244,22 @@ static bool find(expected *list, int count, const km_force_event *event, double 
   return best >= 0;
 }
 
+/* Is d rounding in the sample before or after s? Whether it has a sign there, and so a pole, can't be told. */
+static bool is_in_rounding(const course *c, double s) {
+  double largest = largest_of(c->d, c->count);
+  for (int i = 0; i + 1 < c->count; ++i)
+    if ((c->s[i] - s) * (c->s[i + 1] - s) <= 0.0)
+      return is_rounding(c->d, largest, i);
+  return false;
+}
+
 /* Is it where the course can't tell? Differences begin half a place after the start; peaks begin a whole one later, and end a whole
  * one before the end. */
 static bool is_out_of_sight(const course *c, const km_force_event *event) {
   int last = c->count - 1;
   double along = c->s[last] > c->s[0] ? 1.0 : -1.0, s = along * event->s;
-  return is_by_own_digits(c, event->s) || s < along * c->s[1] || s > along * c->s[last] || (event->kind == KM_FORCE_PEAK && s > along * c->s[last - 1]);
+  return is_by_own_digits(c, event->s) || is_in_rounding(c, event->s) || s < along * c->s[1] ||
+         s > along * c->s[last] || (event->kind == KM_FORCE_PEAK && s > along * c->s[last - 1]);
 }
 
 bool course_agrees(const course *c, const km_statics_sweep *sweep, int actuator, double slack, family_count *count) {

@@ -68,23 +68,32 @@ static double at_end(const course *c) {
   return (3.0 * c->n[last] - c->n[last - 1]) / (3.0 * c->d[last] - c->d[last - 1]);
 }
 
-/* The bound is that of the course, within what the course changes from there to the next places; before the first place
- * it may be larger, and after the last one by as much as there is to the end, and as much again for its curve. */
+/* What the leverage there may be wrong by: poses are closed to `closed`, and the smaller the steps are, the more that counts. */
+static double grain(const course *c, int i) {
+  static const double closed = 1e-12;
+  return fabs(leverage(c, i)) * (1e-6 + closed / fabs(c->n[i]) + closed / fabs(c->d[i]));
+}
+
+/* The bound is that of the course, within what the course changes from there to the next places, and its grain; before the first place
+ * it may be larger, and after the last one by as much as there is to the end, and as much again for its curve. Where it changes by a
+ * tenth of itself over the last place, as beside a pole past the end, the course doesn't tell how large it may be. */
 static bool meets(const course *c, double told, double sense) {
   int best = 0;
   for (int i = 1; i < c->count; ++i)
     if (sense * leverage(c, i) > sense * leverage(c, best))
       best = i;
-  double value = leverage(c, best), slack = 1e-6 * fabs(value);
+  double value = leverage(c, best), change = 0.0;
   if (best > 0)
-    slack = fmax(slack, fabs(value - leverage(c, best - 1)));
+    change = fabs(value - leverage(c, best - 1));
   if (best + 1 < c->count)
-    slack = fmax(slack, fabs(value - leverage(c, best + 1)));
+    change = fmax(change, fabs(value - leverage(c, best + 1)));
   else
-    slack = fmax(slack, 2.0 * fabs(value - at_end(c)));
+    change = fmax(change, 2.0 * fabs(value - at_end(c)));
+  double slack = change + grain(c, best);
   double first = leverage(c, 0);
   bool before = best == 0 || fabs(told - first) <= fabs(first - leverage(c, 1));
-  return sense * (told - value) >= -slack && (before || sense * (told - value) <= slack);
+  bool after = best + 1 == c->count && change > 0.1 * fabs(value);
+  return sense * (told - value) >= -slack && (before || after || sense * (told - value) <= slack);
 }
 
 /* The bounds of a leverage that stays finite. */
