@@ -2,7 +2,6 @@
 #include "arm/track.h"
 
 #include "arm/check.h"
-#include "base/parallel.h"
 #include "base/table.h"
 #include "base/text.h"
 
@@ -213,7 +212,7 @@ static void write_piece(void *context, int piece) {
 }
 
 /* False when out of memory. */
-static bool write_rows(km_track *t, const km_run *run, int count, km_arena *arena, tally **tallies) {
+static bool write_rows(km_track *t, km_run *run, int count, km_arena *arena, tally **tallies) {
   int most = t->plan.jobs < KM_MOST_THREADS ? t->plan.jobs : KM_MOST_THREADS;
   most = count / ROWS_PAY < most ? count / ROWS_PAY : most;
   writing w = {.track = t, .run = run, .count = count, .pieces = most > 1 ? most : 1};
@@ -225,13 +224,13 @@ static bool write_rows(km_track *t, const km_run *run, int count, km_arena *aren
   for (int i = 0; i < w.pieces && whole; ++i)
     whole = km_arm_space_create(t->arm, &w.spaces[i]);
   if (whole)
-    km_parallel_for(w.pieces, w.pieces, write_piece, &w);
+    km_team_run(w.pieces > 1 ? km_run_team(run) : NULL, w.pieces, write_piece, &w);
   for (int i = 0; i < w.pieces && w.spaces; ++i)
     km_arm_space_free(&w.spaces[i]);
   return whole;
 }
 
-static km_status fill(km_track *t, const km_run *run, km_error *error) {
+static km_status fill(km_track *t, km_run *run, km_error *error) {
   int count = run->reached + (run->stop && run->reached > 0 && run->fraction > 0.0);
   km_arena arena = {0};
   tally *tallies = NULL;

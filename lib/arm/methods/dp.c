@@ -119,7 +119,7 @@ static bool fill_stage(km_dp_grid *g) {
   }
   if (g->arena.failed)
     return false;
-  km_team_run(g->team, g->workers, lead_some, g);
+  km_team_run(km_run_team(g->run), g->workers, lead_some, g);
   return km_dp_keep_best(g, (int)count);
 }
 
@@ -245,10 +245,8 @@ static km_status solve_at(km_run *run, double spacing, int length, pass p, km_er
                   .eased = p.eased,
                   .pass = p.index,
                   .passes = p.count};
-  g.team = run->plan->jobs > 1 ? km_team_create(run->plan->jobs) : NULL;
   km_status status = solve(&g, error);
   run->bounded = g.bounded;
-  km_team_free(g.team);
   for (int i = 0; i < g.workers && g.spaces; ++i) {
     run->evaluations += g.spaces[i].arm.evaluations;
     km_tracker_space_free(&g.spaces[i]);

@@ -3,7 +3,6 @@
 #define KM_ARM_METHODS_DP_H
 
 #include "arm/methods/method.h"
-#include "base/parallel.h"
 
 typedef struct km_dp_state {
   double least, sum;
@@ -31,7 +30,6 @@ typedef struct km_dp_grid {
   double *tilts;         /* [actions × freedom] */
   km_dp_state *arrivals; /* [states · actions] */
   size_t arrival_capacity;
-  km_team *team;
   km_tracker_space *spaces;
   km_node *here;
 } km_dp_grid;

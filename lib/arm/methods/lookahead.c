@@ -101,13 +101,26 @@ static km_status look_eased(km_run *run, km_error *error) {
   return look(run, true, error);
 }
 
+/* Two tracks of one plan, and what they are worth. */
+typedef struct comparison {
+  km_run *run[2];
+  km_run_value value[2];
+} comparison;
+
+static void evaluate(void *context, int index) {
+  comparison *c = context;
+  c->value[index] = km_run_evaluate(c->run[index]);
+}
+
 /* Of two tracks the one that goes further wins, whatever the objective; where they are as good, look-ahead's. */
-static bool beats(const km_run *other, km_run_value theirs, const km_run *own, km_run_value ours) {
+static bool beats(km_run *other, km_run *own) {
+  comparison c = {.run = {own, other}};
+  km_team_run(km_run_team(own), 2, evaluate, &c);
   if (other->reached != own->reached)
     return other->reached > own->reached;
   if (fabs(other->fraction - own->fraction) > 1e-6)
     return other->fraction > own->fraction;
-  return compare(km_run_score(own, theirs), km_run_score(own, ours)) > 0;
+  return compare(km_run_score(own, c.value[1]), km_run_score(own, c.value[0])) > 0;
 }
 
 /* Another method's track where it is better; `taken` tells. */
@@ -118,7 +131,7 @@ static km_status prefer(km_run *run, km_status status, km_method_run method, boo
     return km_fail(error, KM_MEMORY, "out of memory for a track");
   km_status ended = method(&other, error);
   bool tracked = ended == KM_OK || ended == KM_PARTIAL;
-  if (tracked && beats(&other, km_run_evaluate(&other), run, km_run_evaluate(run))) {
+  if (tracked && beats(&other, run)) {
     km_run_take(run, &other);
     *taken = true;
   }

@@ -1,7 +1,8 @@
 /* Growing the trees of look-ahead.
  *
- * A level is one batch of work: its nodes depend on the level above only, and each has a place of its own, so the
- * result is the same for any number of threads. The first level is too small to be shared, or to fill the lanes. So the next
+ * Nodes depend on the level above only, and each has a place of its own, so the result is the same for any number of threads. Workers
+ * wait for each other before a level, unless each of them can go on with the children of its own nodes in the same time.
+ * The first level is too small to be shared, or to fill the lanes. So the next
  * tree's first level is grown beside this tree's second one: once for the case that the same branch is taken again and, where
  * lanes are left, once for the last different one. If a third one is taken, the level is grown anew. */
 #include "arm/methods/lookahead_tree.h"
@@ -65,11 +66,11 @@ static void begin_node(const km_look_tree *t, traveller *w) {
 }
 
 /* A node of the level, or, behind its last one, of the next trees' first levels. */
-static traveller set_out(const km_look_tree *t, int item, km_node *places) {
-  int behind = item - t->level_count;
+static traveller set_out(const km_look_tree *t, int level, int item, km_node *places) {
+  int behind = item - t->shares[level].count;
   bool own = behind < 0;
   traveller w = {.of = own ? t->now : t->next[behind / t->branches],
-                 .level = own ? t->level : 0,
+                 .level = own ? level : 0,
                  .index = own ? item : behind % t->branches,
                  .here = &places[0],
                  .there = &places[1]};
@@ -149,17 +150,17 @@ static int piece_of(int count, int each, int worker) {
 }
 
 /* The k-th item of a worker: its nodes of the level first, then those of the next trees. */
-static int item_of(const km_look_tree *t, int worker, int k) {
-  int own = piece_of(t->level_count, t->nodes_each, worker);
-  return k < own ? worker * t->nodes_each + k : t->level_count + worker * t->ahead_each + k - own;
+static int item_of(const km_look_share *s, int worker, int k) {
+  int own = piece_of(s->count, s->nodes_each, worker);
+  return k < own ? worker * s->nodes_each + k : s->count + worker * s->ahead_each + k - own;
 }
 
-/* Follows up to KM_WALK_ABREAST branches over the level, side by side, each as far as it goes. */
-static void grow(km_look_tree *t, int worker, int first, int count) {
+/* Follows up to KM_WALK_ABREAST branches over a level, side by side, each as far as it goes. */
+static void grow(km_look_tree *t, int level, int worker, int first, int count) {
   traveller all[KM_WALK_ABREAST];
   km_node *places = &t->places[worker * 2 * KM_WALK_ABREAST];
   for (int l = 0; l < count; ++l)
-    all[l] = set_out(t, item_of(t, worker, first + l), &places[2 * l]);
+    all[l] = set_out(t, level, item_of(&t->shares[level], worker, first + l), &places[2 * l]);
   for (int k = 0; k < t->stride && step_on(t, worker, k, count, all) > 0; ++k)
     ;
   for (int l = 0; l < count; ++l)
@@ -168,9 +169,12 @@ static void grow(km_look_tree *t, int worker, int first, int count) {
 
 static void grow_some(void *context, int worker) {
   km_look_tree *t = context;
-  int count = piece_of(t->level_count, t->nodes_each, worker) + piece_of(t->ahead, t->ahead_each, worker);
-  for (int i = 0; i < count; i += t->group)
-    grow(t, worker, i, count - i < t->group ? count - i : t->group);
+  for (int level = t->first; level < t->end; ++level) {
+    const km_look_share *s = &t->shares[level];
+    int count = piece_of(s->count, s->nodes_each, worker) + piece_of(s->ahead, s->ahead_each, worker);
+    for (int i = 0; i < count; i += s->group)
+      grow(t, level, worker, i, count - i < s->group ? count - i : s->group);
+  }
 }
 
 /* Rounded up. */
@@ -183,23 +187,32 @@ static int groups_of(int nodes) {
   return divided(nodes, KM_WALK_ABREAST);
 }
 
-/* Neighbours for each worker, since their parents and children are its own mostly; abreast in groups of one size. Returns how many
- * groups a worker grows one after the other. */
-static int share_level(km_look_tree *t) {
-  int groups = groups_of(t->level_count + t->ahead);
-  bool worth = groups * t->stride >= THREADS_PAY;
-  t->sharing = !worth ? 1 : groups < t->workers ? groups : t->workers;
-  t->nodes_each = divided(t->level_count, t->sharing);
-  t->ahead_each = divided(t->ahead, t->sharing);
-  int most = t->nodes_each + t->ahead_each;
-  t->group = divided(most, groups_of(most));
+/* Of a level, so many nodes for each worker. How many groups a worker grows one after the other. */
+static int deal(km_look_share *s, int nodes_each) {
+  s->nodes_each = nodes_each;
+  s->ahead_each = divided(s->ahead, s->sharing);
+  int most = s->nodes_each + s->ahead_each;
+  s->group = divided(most, groups_of(most));
   return groups_of(most);
 }
 
-/* The same with so many of the next trees' first levels. */
-static int share_with(km_look_tree *t, int guesses) {
-  t->ahead = guesses * t->branches;
-  return share_level(t);
+/* Neighbours for each worker, since their parents and children are its own mostly; abreast in groups of one size; and so many of the
+ * next trees' first levels beside them. Returns how many groups a worker grows one after the other. */
+static int share_level(km_look_tree *t, int level, int guesses) {
+  km_look_share *s = &t->shares[level];
+  *s = (km_look_share){.count = km_look_count_at(t, level), .ahead = guesses * t->branches};
+  int groups = groups_of(s->count + s->ahead);
+  bool worth = groups * t->stride >= THREADS_PAY;
+  s->sharing = !worth ? 1 : groups < t->workers ? groups : t->workers;
+  return deal(s, divided(s->count, s->sharing));
+}
+
+/* Can workers go on from the level before with the children of their own nodes, in as many groups as if they waited for the others? */
+static bool share_children(km_look_tree *t, int level) {
+  const km_look_share *parents = &t->shares[level - 1];
+  int groups = share_level(t, level, 0);
+  return parents->sharing == t->shares[level].sharing &&
+         deal(&t->shares[level], parents->nodes_each * t->branches) == groups;
 }
 
 /* The next tree begins with this branch, if that has a first step. Returns how many guesses there are now. */
@@ -216,16 +229,25 @@ static int guess(km_look_tree *t, int count, int branch) {
 
 /* Beside the second level goes the next tree's first one, where lanes are free for it or several threads share the level; and a
  * second guess where no worker has more groups to grow then. */
-static void plan_level(km_look_tree *t) {
-  t->level_count = km_look_count_at(t, t->level);
-  const int alone = share_with(t, 0);
-  if (t->level != 1)
-    return;
-  const int beside = share_with(t, 1);
-  int most = t->sharing == 1 && beside > alone ? 0 : t->branches > 1 && share_with(t, 2) == beside ? 2 : 1;
+static void plan_second(km_look_tree *t) {
+  const int alone = share_level(t, 1, 0), beside = share_level(t, 1, 1);
+  int most = t->shares[1].sharing == 1 && beside > alone         ? 0
+             : t->branches > 1 && share_level(t, 1, 2) == beside ? 2
+                                                                 : 1;
   t->guesses = most > 0 ? guess(t, 0, t->branch) : 0;
   t->guesses = most > t->guesses ? guess(t, t->guesses, t->other) : t->guesses;
-  share_with(t, t->guesses);
+  share_level(t, 1, t->guesses);
+}
+
+/* The levels from t->first on that are grown without waiting: the guesses need the whole first one. */
+static void plan_round(km_look_tree *t, int levels) {
+  if (t->first == 1)
+    plan_second(t);
+  else
+    share_level(t, t->first, 0);
+  t->end = t->first + 1;
+  while (t->end > 1 && t->end < levels && share_children(t, t->end))
+    t->end++;
 }
 
 static km_look_beginning *create_beginning(km_look_tree *t) {
@@ -260,6 +282,7 @@ bool km_look_tree_create(km_look_tree *t, km_run *run) {
     t->level_start[l + 1] = (int)count;
   }
   t->nodes = KM_ARENA_NEW(arena, km_look_node, (size_t)count);
+  t->shares = KM_ARENA_NEW(arena, km_look_share, (size_t)t->levels);
   t->branch = (t->branches - 1) / 2;
   t->other = t->branches - 1;
   t->tilts = KM_ARENA_NEW(arena, double, (size_t)t->branches *(size_t)(a->freedom > 0 ? a->freedom : 1));
@@ -267,7 +290,7 @@ bool km_look_tree_create(km_look_tree *t, km_run *run) {
   const int places = t->workers * KM_WALK_ABREAST * 2;
   t->places = KM_ARENA_NEW(arena, km_node, (size_t)places);
   t->now = create_beginning(t);
-  bool whole = t->now != NULL;
+  bool whole = t->now && t->shares;
   for (int i = 0; i < KM_LOOK_GUESSES && whole; ++i)
     whole = (t->next[i] = create_beginning(t)) != NULL;
   for (long long i = 0; i < count && whole; ++i)
@@ -278,12 +301,10 @@ bool km_look_tree_create(km_look_tree *t, km_run *run) {
     whole = km_node_create(a, arena, &t->places[i]);
   if (whole)
     set_tilts(t);
-  t->team = t->workers > 1 ? km_team_create(t->workers) : NULL;
   return whole;
 }
 
 void km_look_tree_destroy(km_look_tree *t) {
-  km_team_free(t->team);
   for (int i = 0; i < t->workers && t->spaces; ++i) {
     t->run->evaluations += t->spaces[i].arm.evaluations;
     km_tracker_space_free(&t->spaces[i]);
@@ -293,9 +314,9 @@ void km_look_tree_destroy(km_look_tree *t) {
 int km_look_tree_grow(km_look_tree *t) {
   int levels = (depth_of(t, t->now) + t->stride - 1) / t->stride;
   t->guesses = 0;
-  for (t->level = t->grown ? 1 : 0; t->level < levels; ++t->level) {
-    plan_level(t);
-    km_team_run(t->team, t->sharing, grow_some, t);
+  for (t->first = t->grown ? 1 : 0; t->first < levels; t->first = t->end) {
+    plan_round(t, levels);
+    km_team_run(km_run_team(t->run), t->shares[t->first].sharing, grow_some, t);
   }
   return levels;
 }

@@ -3,7 +3,6 @@
 #define KM_ARM_METHODS_LOOKAHEAD_TREE_H
 
 #include "arm/methods/method.h"
-#include "base/parallel.h"
 
 typedef struct km_look_node {
   km_node end;       /* where its level ends */
@@ -26,25 +25,29 @@ typedef struct km_look_beginning {
   int guess;           /* of a next tree: its root is the end of this branch's first step */
 } km_look_beginning;
 
+/* How a level is shared: by so many workers, each of which grows so many of its nodes, and of those of `next` that are grown beside
+ * it, in groups of so many abreast. The last worker may have fewer. */
+typedef struct km_look_share {
+  int count, ahead; /* nodes of the level, and of `next` */
+  int sharing, nodes_each, ahead_each, group;
+} km_look_share;
+
 typedef struct km_look_tree {
   km_run *run;
   int branches, levels, stride, workers;
   km_look_node *nodes; /* by level, behind the first one; the children of node i of a level are i · branches … */
   int *level_start;    /* [levels + 1] from the second level on */
   double *tilts;       /* [branches × freedom] */
-  km_team *team;
   km_tracker_space *spaces;                       /* [workers] */
   km_node *places;                                /* [workers × KM_WALK_ABREAST × 2] */
   km_look_beginning *now, *next[KM_LOOK_GUESSES]; /* this tree's beginning, and the guesses at the next one's */
-  int level, level_count;
-  int sharing, group;         /* of this level: workers, and how many nodes each grows abreast */
-  int nodes_each, ahead_each; /* for each worker: of this level, and of `ahead`; the last one may have fewer */
-  bool eased;                 /* branches turn back as far as the rates ask */
-  int branch;                 /* executed last */
-  int other;                  /* the last different one */
-  int guesses;                /* how many of `next` are grown */
-  bool grown;                 /* the first level of `now` was grown as a guess */
-  int ahead;                  /* nodes of `next` that are grown beside this level */
+  km_look_share *shares;                          /* [levels] */
+  int first, end;                                 /* levels that are grown in this round */
+  bool eased;                                     /* branches turn back as far as the rates ask */
+  int branch;                                     /* executed last */
+  int other;                                      /* the last different one */
+  int guesses;                                    /* how many of `next` are grown */
+  bool grown;                                     /* the first level of `now` was grown as a guess */
 } km_look_tree;
 
 /* Nodes of a level, from 0 on, of this tree or (level 0 alone) of the next one; and how many there are. */

@@ -3,6 +3,7 @@
 #define KM_ARM_METHODS_METHOD_H
 
 #include "arm/tracker.h"
+#include "base/parallel.h"
 
 typedef struct km_run {
   const km_arm *arm;
@@ -23,10 +24,13 @@ typedef struct km_run {
   double converged;
   bool bounded;              /* dp: its states were fewer than it asked for */
   unsigned long evaluations; /* of other workspaces than `space` */
+  km_team *team;             /* km_run_team */
 } km_run;
 
 bool km_run_create(const km_arm *arm, const km_track_plan *plan, km_run *run);
 void km_run_free(km_run *run);
+/* The threads that share the run's work, from the first time on that it is asked for; NULL: there is one thread. */
+km_team *km_run_team(km_run *run);
 /* Takes the track of another run of the same plan over. */
 void km_run_take(km_run *run, const km_run *other);
 

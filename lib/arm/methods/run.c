@@ -22,8 +22,15 @@ bool km_run_create(const km_arm *a, const km_track_plan *plan, km_run *run) {
 }
 
 void km_run_free(km_run *run) {
+  km_team_free(run->team);
   km_tracker_space_free(&run->space);
   km_arena_free(&run->arena);
+}
+
+km_team *km_run_team(km_run *run) {
+  if (!run->team && run->plan->jobs > 1)
+    run->team = km_team_create(run->plan->jobs);
+  return run->team;
 }
 
 void km_run_take(km_run *run, const km_run *other) {
