@@ -190,9 +190,29 @@ static void flat_five_bars_have_leverage(void **state) {
   }
 }
 
+/* The loops that are far from the driver bend by much less than those near it: short steps from the flat pose close them too. */
+static void short_steps_close_all_loops(void **state) {
+  (void)state;
+  for (int loops = 1; loops <= 3; ++loops) {
+    fixture f = fixture_written(write_flat_five_bars, loops);
+    const int last = f.model->coordinate_count - 1;
+    const km_sweep_plan plan = {.coordinate = last, .direction = -1, .from = 0.0, .to = 1e-3, .steps = 10};
+    km_mobility_sweep sweep;
+    assert_string_equal(f.model->coordinates[last].label, "last");
+    assert_int_equal(km_mobility_sweep_run(f.mechanism, f.state, &plan, &sweep, NULL), KM_OK);
+    const km_table *table = sweep.motion.table;
+    assert_int_equal(km_table_rows(table), 11);
+    for (size_t row = 0; row < km_table_rows(table); ++row)
+      assert_at_most(km_table_row(table, row)[km_table_columns(table) - 1], 1e-12); /* the residual */
+    km_mobility_sweep_free(&sweep);
+    fixture_close(&f);
+  }
+}
+
 int main(void) {
   const struct CMUnitTest tests[] = {
       cmocka_unit_test(loops_bend_as_they_accelerate), cmocka_unit_test(closest_poses_lie_at_right_angles),
-      cmocka_unit_test(stretched_five_bars_move_least), cmocka_unit_test(flat_five_bars_have_leverage)};
+      cmocka_unit_test(stretched_five_bars_move_least), cmocka_unit_test(flat_five_bars_have_leverage),
+      cmocka_unit_test(short_steps_close_all_loops)};
   return cmocka_run_group_tests(tests, NULL, NULL);
 }
