@@ -79,13 +79,13 @@ static km_status meet_branch(km_sweeper *r, km_follow *follow, km_error *error) 
 }
 
 /* How far to go at once: all of it, or as far as the observer may miss and come back from in one step. */
-static double stretch(const km_sweeper *r, double left) {
-  double longest = fmin(KM_LONGEST_ARC, r->plan->arclength * r->plan->steps / KM_LEAST_SAMPLES);
+static double stretch(const km_sweeper *r, km_follow *follow, double left) {
+  double reached, longest = fmin(KM_LONGEST_ARC, r->plan->arclength * r->plan->steps / KM_LEAST_SAMPLES);
   double step = r->observer->passed && left > 1.5 * longest ? longest : left;
-  while (r->observer->passed && step > 1e-3 * longest && !km_follow_visit(r->mover.self, step, r->rates))
+  while (r->observer->passed && step > 1e-3 * longest && !km_follow_step(follow, step, &reached))
     step *= 0.5;
   if (r->observer->passed)
-    km_follow_return(r->mover.self);
+    km_follow_return(follow);
   return step;
 }
 
@@ -110,10 +110,10 @@ static km_status advance_to(km_sweeper *r, km_follow *follow, double length, boo
   km_status status = KM_OK;
   *moved = KM_OK;
   if (km_follow_length(follow) == 0.0)
-    status = show_end(r, stretch(r, length), 0.0, true, error);
+    status = show_end(r, stretch(r, follow, length), 0.0, true, error);
   double near = fmax(1e-9 * r->plan->arclength, KM_FINEST_ARC);
   while (!status && !*moved && !km_follow_closed(follow) && length - km_follow_length(follow) > near) {
-    double left = length - km_follow_length(follow), step = stretch(r, left), seen = km_follow_length(follow);
+    double left = length - km_follow_length(follow), step = stretch(r, follow, left), seen = km_follow_length(follow);
     *moved = km_follow_advance(follow, step);
     status = meet_branch(r, follow, error);
     if (!status && !*moved && step < left && !km_follow_closed(follow))

@@ -267,35 +267,3 @@ int km_follow_limit(const km_follow *f) {
     return -1;
   return f->limit;
 }
-
-static void write_rates(const km_follow *f, const double *t, double *rates) {
-  const km_mechanism *m = f->c.mechanism;
-  memset(rates, 0, (size_t)m->coordinate_count * sizeof *rates);
-  for (int k = 0; k < sub_of(f)->columns; ++k) {
-    int c = m->column_coordinate[sub_of(f)->column_start + k];
-    rates[c] = t[k] * m->unit[c];
-  }
-}
-
-void km_follow_tangent(const km_follow *f, double *rates) {
-  if (!f || !rates)
-    return;
-  write_rates(f, f->c.course.t, rates);
-}
-
-bool km_follow_visit(km_follow *f, double offset, double *rates) {
-  if (!f || !rates || !isfinite(offset))
-    return false;
-  double reached;
-  bool there = km_follow_step(f, offset, &reached);
-  if (there)
-    write_rates(f, f->c.next_t, rates);
-  km_state_forget_pivots(f->c.state, f->c.substructure);
-  return there;
-}
-
-void km_follow_return(km_follow *f) {
-  if (!f)
-    return;
-  km_loops_return(f->c.mechanism, f->c.state, f->c.substructure, f->c.from);
-}

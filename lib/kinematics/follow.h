@@ -22,6 +22,8 @@ struct km_follow {
   double g;                                  /* see follow.c; at this pose with the course's pivots */
   km_branch_point branch;                    /* passed during the last advance, if `branched` */
   bool branched;
+  km_course aside; /* the course and the saved pose while a visit takes several steps */
+  double *aside_pose;
 };
 
 /* From the saved pose by an arc of exactly `length` (either sign), without accepting it: on success the state

@@ -35,9 +35,12 @@ static void wedges(void **state) {
   assert_true(count.locks > 100);
 }
 
+/* Also a peak of a motion that bends so sharply that no single step leads back to the pose before it (55504473). */
 static void planar_forces(void **state) {
   (void)state;
+  static const uint64_t seeds[] = {55504473};
   family_count count = all(family_planar_forces, 80);
+  also(family_planar_forces, seeds, sizeof seeds / sizeof *seeds, &count);
   assert_true(count.zeros > 20);
   assert_true(count.poles > 15);
   assert_true(count.peaks > 20);

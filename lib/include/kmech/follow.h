@@ -48,7 +48,7 @@ KM_API int km_follow_limit(const km_follow *follow); /* the coordinate whose lim
 /* The branch point that the last advance passed, on the smooth motion; false if there was none. */
 KM_API bool km_follow_branch(const km_follow *follow, km_branch_point *out);
 /* Goes a short way (up to 0.05) along from here, or back if offset < 0, until km_follow_return; rates: the direction of
- * motion there. The state stands there, its mobility numbers are stale. False if no single step leads there. */
+ * motion there. The state stands there, its mobility numbers are stale. False where up to 16 steps don't lead there. */
 KM_API bool km_follow_visit(km_follow *follow, double offset, double *rates);
 KM_API void km_follow_return(km_follow *follow);
 /* The unit direction of motion: rates of all coordinates per arc length, engine's units. */
