@@ -157,7 +157,7 @@ km_step_fate km_continuation_correct(km_continuation *c, const km_step_terms *te
     return KM_STEP_OPEN;
   memcpy(c->next_rest, evidence.left, (size_t)km_continuation_sub(c)->columns * sizeof *c->next_rest);
   const km_partition *p = &c->state->partition[c->substructure];
-  if (p->rank < terms->least_rank || p->last_pivot < km_continuation_singular * p->scale)
+  if (p->rank < terms->least_rank || (km_continuation_is_singular(p) && !terms->leaves_end))
     return KM_STEP_OPEN; /* a singular pose has no tangent of its own */
   double along = km_continuation_dot(c, t, next);
   double cosine = along / sqrt(km_continuation_dot(c, t, t) * km_continuation_dot(c, next, next));

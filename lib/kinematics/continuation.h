@@ -6,8 +6,12 @@
 #include "kinematics/curve.h"
 #include "kinematics/state.h"
 
-/* The last pivot, relative: closer to a singular pose the tangent is noise. */
-static const double km_continuation_singular = 1e-7;
+/* So close to a singular pose, by its last pivot, that the tangent is noise. */
+static inline bool km_continuation_is_singular(const km_partition *p) {
+  static const double singular = 1e-7;
+  return p->last_pivot < singular * p->scale;
+}
+
 /* Farther than this many last steps, the last step says nothing. */
 static const double km_continuation_farther = 4.0;
 
@@ -53,6 +57,8 @@ typedef struct km_step_terms {
   double most_correction; /* scaled length of all that closing the loops may move */
   double least_cosine;    /* between the tangents */
   int least_rank;         /* less is a singular pose */
+  bool
+      leaves_end; /* it leads back from an end that was located: pivots found anew may show the pose there to be singular */
 } km_step_terms;
 
 typedef enum km_step_fate {

@@ -16,7 +16,7 @@ static const double branch_width = 1e-5; /* a change of sign that stays below th
 static const double crossing = 1e-3;     /* distance from a singular pose at which it is crossed */
 static const double between = 1e-12;     /* residual that shows the pose between two regular ones to be on the branch */
 
-typedef enum attempt { ACCEPTED, OPEN, BENT, LIMITED, EXHAUSTED } attempt;
+typedef enum attempt { ACCEPTED, OPEN, BENT, LIMITED, AWAY, EXHAUSTED } attempt;
 
 static const double easily_drawn = 0.2; /* see km_drive_easy */
 
@@ -104,6 +104,30 @@ static bool follow_path(km_drive *d, double h) {
   return d->strain <= 1.0 || (!d->here.stiff && d->bent >= MOST_BENT && draw(d, h));
 }
 
+/* Where a slide is, in substructure sizes; 0 of an angle. */
+static double slid(const km_drive *d, int column) {
+  const km_mechanism *m = d->c.mechanism;
+  int c = m->column_coordinate[km_drive_driven(d)->column_start + column];
+  const km_model_coordinate *of = &m->model->coordinates[c];
+  return km_joint_is_length(m->model->joints[of->joint].type, of->index) ? d->c.state->q[c] / m->unit[c] : 0.0;
+}
+
+/* How far a column may go in one step. A slide that leaves takes as many steps to each tenfold of its distance. */
+static double furthest(const km_drive *d, int column) {
+  static const double share = 0.25;
+  return km_larger(share * fabs(slid(d, column)), km_drive_furthest);
+}
+
+/* The coordinate of a slide that the step just tried leads so far away, so fast, that it leaves without bound; -1: none. */
+static int leaves(const km_drive *d, double h) {
+  const km_substructure *sub = km_drive_driven(d);
+  for (int k = 0; k < sub->columns; ++k)
+    if (fabs(d->c.next_t[k]) > km_drive_away && d->c.next_t[k] * h * slid(d, k) > 0.0 &&
+        fabs(slid(d, k)) > km_drive_away)
+      return d->c.mechanism->column_coordinate[sub->column_start + k];
+  return -1;
+}
+
 /* Where the driver has the only freedom Newton decides everything, and any start near enough serves. Where other freedoms
  * are left the prediction decides what they do: the path of least motion. False if h is too long for it. */
 static bool predict(km_drive *d, double h) {
@@ -116,7 +140,7 @@ static bool predict(km_drive *d, double h) {
   else
     reaches = follow_path(d, h);
   for (int k = 0; k < sub->columns; ++k)
-    if (!(fabs(d->c.move[k]) <= km_drive_furthest))
+    if (!(fabs(d->c.move[k]) <= km_drive_furthest) && !(fabs(d->c.move[k]) <= furthest(d, k)))
       return false;
   return reaches;
 }
@@ -164,7 +188,8 @@ static attempt try_step(km_drive *d, double h, double tightness) {
                                .most_correction = km_drive_most_correction(
                                    tightness, km_step_length(d->c.mechanism, km_drive_driven(d), d->c.move)),
                                .least_cosine = km_drive_least_cosine(tightness),
-                               .least_rank = d->c.course.reference.rank};
+                               .least_rank = d->c.course.reference.rank,
+                               .leaves_end = d->here.stopped * h < 0.0};
   km_step_fate fate = km_continuation_correct(&d->c, &terms);
   if (fate != KM_STEP_TAKEN)
     return fate == KM_STEP_OPEN ? OPEN : BENT;
@@ -177,15 +202,18 @@ static attempt try_step(km_drive *d, double h, double tightness) {
   return ACCEPTED;
 }
 
+/* May the step just tried be taken? Else `limit` is the coordinate that forbids it. */
+static attempt judge(const km_drive *d, double h, int *limit) {
+  int passed = km_continuation_limit(&d->c, h), gone = passed < 0 ? leaves(d, h) : -1;
+  *limit = passed >= 0 ? passed : gone >= 0 ? gone : *limit;
+  return passed >= 0 ? LIMITED : gone >= 0 ? AWAY : ACCEPTED;
+}
+
 /* Tries to advance by h. Restores the pose if refused. */
 static attempt advance(km_drive *d, double h, double tightness, int *limit) {
   km_state_save(d->c.state, km_drive_driven(d), d->c.from);
   attempt result = try_step(d, h, tightness);
-  int passed = result == ACCEPTED ? km_continuation_limit(&d->c, h) : -1;
-  if (passed >= 0) {
-    *limit = passed;
-    result = LIMITED;
-  }
+  result = result == ACCEPTED ? judge(d, h, limit) : result;
   if (result != ACCEPTED) {
     ++d->bent;
     km_continuation_refuse(&d->c);
@@ -237,7 +265,7 @@ static bool cross(km_drive *d, double target, int *limit) {
 
 /* After a step of h that was accepted: how long the next one may be. */
 static double lengthen(km_drive *d, double step, double h) {
-  if (fabs(h) > km_drive_leaves)
+  if (fabs(h) > km_drive_leaves && !km_continuation_is_singular(&d->c.state->partition[d->c.substructure]))
     d->here.stopped = 0.0;
   double share = step / fabs(h), square = share * share;
   bool easily = d->here.stiff ? d->strain * square < easily_drawn : d->strain * (square * square) < km_drive_easy;
@@ -339,6 +367,17 @@ static bool touches(km_drive *d, double goal) {
   return false;
 }
 
+/* The slide that has come so far where the motion ends that it is what ends it; -1: none. */
+static int far_slide(const km_drive *d) {
+  static const double far =
+      100.0; /* substructure sizes: there the slide and its rate have used up the digits of the pivots */
+  const km_substructure *sub = km_drive_driven(d);
+  for (int k = 0; k < sub->columns; ++k)
+    if (fabs(slid(d, k)) > far)
+      return d->c.mechanism->column_coordinate[sub->column_start + k];
+  return -1;
+}
+
 void km_drive_get_ready(km_drive *d, double target) {
   km_drive_settle(d);
   if (!d->here.known && within_own_limit(d, target * km_drive_factor(d)) != d->here.s)
@@ -382,7 +421,8 @@ km_reach km_drive_to(km_drive *d, double target) {
     return (km_reach){KM_STOP_GAVE_OUT, d->here.s / factor, d->c.substructure, -1};
   if (result == LIMITED)
     return (km_reach){KM_STOP_LIMIT, d->here.s / factor, -1, limit};
-  return (km_reach){KM_STOP_TOGGLE, d->here.s / factor, d->c.substructure, -1};
+  int slide = result == AWAY ? limit : far_slide(d);
+  return (km_reach){slide >= 0 ? KM_STOP_AWAY : KM_STOP_TOGGLE, d->here.s / factor, d->c.substructure, slide};
 }
 
 void km_drive_rates(const km_drive *d, const double *t, int stride, double *rates) {

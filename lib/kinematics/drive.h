@@ -9,6 +9,8 @@
 /* In radians or substructure sizes: the longest step of a driver, the step that a drive to the next target is begun with
  * at least, and how far any coordinate may go in a step. */
 static const double km_drive_longest = 0.3, km_drive_least_first = 1e-3, km_drive_furthest = 0.6;
+/* In substructure sizes, and in sizes per radian or size of the driver: a slide that is farther away, and faster, has left. */
+static const double km_drive_away = 1e3;
 /* A step reaches a target that is further away by so little, which may be rounding alone: the short step that would be left tells next to
  * nothing, and spoils what the next ones take from the tangents behind them. */
 static const double km_drive_reach = 1.0 + 1e-6;

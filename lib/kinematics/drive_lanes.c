@@ -18,7 +18,7 @@ static bool may_ride(const km_drive *d) {
   const km_partition *p = &s->partition[d->c.substructure], *reference = &d->c.course.reference;
   return d->here.known && s->pivoted[d->c.substructure] == d->c.column && !p->forced_dependent && !p->locked &&
          has_freedoms_for_lanes(d, km_partition_freedom(p)) && reference->rank == p->rank &&
-         reference->searches == p->searches && p->last_pivot >= km_continuation_singular * p->scale;
+         reference->searches == p->searches && !km_continuation_is_singular(p);
 }
 
 /* The first one aboard decides by which pivots all go. */

@@ -113,7 +113,7 @@ static WITHIN void continue_curve(km_drive_lanes *l, const vector *h, const mask
     set_out(l, h, near, first, count);
 }
 
-/* predict of drive.c. Clears the lanes where it leads too far. `strain`: as in km_drive. */
+/* predict of drive.c. Clears the lanes where it leads too far, or where a slide may leave. `strain`: as in km_drive. */
 static WITHIN void predict(km_drive_lanes *l, const vector *h, vector *strain, mask *fit, int first, int count) {
   EACH(r)
   strain[r] = all(0.0);
@@ -121,9 +121,13 @@ static WITHIN void predict(km_drive_lanes *l, const vector *h, vector *strain, m
     continue_curve(l, h, fit, first, count);
   else
     follow_path(l, h, strain, fit, first, count);
-  for (int k = 0; k < l->sub->columns; ++k)
+  for (int k = 0; k < l->sub->columns; ++k) {
     EACH(r)
-  fit[r] &= at_most(size_of(GET(l->move[k])), all(km_drive_furthest));
+    fit[r] &= at_most(size_of(GET(l->move[k])), all(km_drive_furthest));
+    if (l->is_length[k])
+      EACH(r)
+    fit[r] &= at_most(size_of(GET(l->from[k])), (km_drive_away - 1.0) * GET(l->unit[k]));
+  }
 }
 
 /* The step that the step control allows towards the target; `arrives`: it leads there. */

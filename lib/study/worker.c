@@ -159,6 +159,9 @@ static void tell_end(const km_model *model, const km_question *q, km_design_answ
   if (reach->stop == KM_STOP_LIMIT)
     snprintf(a->reason, sizeof a->reason, "ends at %.9g %s, the limit of %.80s", reach->position, unit,
              km_model_coordinate_label(model, reach->coordinate));
+  else if (reach->stop == KM_STOP_AWAY)
+    snprintf(a->reason, sizeof a->reason, "ends at %.9g %s: %.80s slides away without bound", reach->position, unit,
+             km_model_coordinate_label(model, reach->coordinate));
   else if (reach->stop != KM_STOP_NONE)
     snprintf(a->reason, sizeof a->reason, "ends at %.9g %s%s", reach->position, unit,
              reach->stop == KM_STOP_GAVE_OUT ? ": too many steps" : "");

@@ -111,9 +111,28 @@ static fixture open_beside_pendulum(uint64_t seed) {
   return fixture_read(text);
 }
 
+/* A lever whose block shifts a slide at some height by its tangent: beyond all bounds at a right angle. */
+static const char tangent[] = "a lever that shifts a slide away";
+
+static fixture open_tangent(uint64_t seed) {
+  char text[1024];
+  const double height = 1.0 + 1e-3 * (double)seed;
+  snprintf(
+      text, sizeof text,
+      "{\"assemblies\": [{\"name\": \"a\", \"drawn\": \"assembled\", \"bodies\": [{\"name\": \"lever\"}, "
+      "{\"name\": \"block\"}, {\"name\": \"slide\"}], \"joints\": ["
+      "{\"name\": \"A\", \"type\": \"revolute\", \"bodies\": [\"fixed\", \"lever\"], \"at\": [0, 0]}, "
+      "{\"name\": \"B\", \"type\": \"prismatic\", \"bodies\": [\"lever\", \"block\"], \"at\": [0, %.17g], \"axis\": [0, 1]}, "
+      "{\"name\": \"C\", \"type\": \"revolute\", \"bodies\": [\"block\", \"slide\"], \"at\": [0, %.17g]}, "
+      "{\"name\": \"D\", \"type\": \"prismatic\", \"bodies\": [\"fixed\", \"slide\"], \"at\": [0, %.17g], \"axis\": [1, 0]}]}]}",
+      height, height, height);
+  return fixture_read(text);
+}
+
 static fixture open_fixture(const char *name, uint64_t seed) {
   return name == space_loop        ? open_space_loop(seed)
          : name == beside_pendulum ? open_beside_pendulum(seed)
+         : name == tangent         ? open_tangent(seed)
                                    : fixture_open_variant(name, seed);
 }
 
@@ -122,6 +141,8 @@ static design open_design(const char *name, uint64_t seed, bool ignore_limits) {
   km_sweep_plan plan = km_sweep_plan_default(d.f.model);
   if (name == space_loop || name == beside_pendulum)
     plan = (km_sweep_plan){.coordinate = 0, .from = 0.0, .to = 0.3};
+  if (name == tangent)
+    plan = (km_sweep_plan){.coordinate = 0, .from = -1.5, .to = 2.0};
   d.from = plan.from;
   d.to = plan.to;
   assert_int_equal(km_drive_create(d.f.mechanism, d.f.state, plan.coordinate, ignore_limits, &d.drive, NULL), KM_OK);
@@ -511,10 +532,32 @@ static void too_far(void **state) {
   }
 }
 
+/* A slide that leaves ends the drive where it is 1000 sizes away, ahead and back, whatever the rows. */
+static void slides_leave(void **state) {
+  (void)state;
+  for (uint64_t seed = 0; seed < 3; ++seed) {
+    design d = open_design(tangent, seed, false);
+    const km_mechanism *m = d.f.mechanism;
+    const double height = 1.0 + 1e-3 * (double)seed, end = atan(km_drive_away * m->unit[3] / height);
+    assert_string_equal(d.f.model->coordinates[3].label, "D");
+    for (double to = 2.0, part = 0.1; to >= -2.0; to -= 4.0, part = 1.0) {
+      km_reach reach = km_drive_to(d.drive, part * to);
+      reach = reach.stop ? reach : km_drive_to(d.drive, to);
+      assert_int_equal(reach.stop, KM_STOP_AWAY);
+      assert_int_equal(reach.coordinate, 3);
+      assert_near(reach.position, copysign(end, to), 1e-9);
+      assert_near(d.f.state->q[3], -height * tan(reach.position), 1e-9 * km_drive_away * km_drive_away);
+    }
+    close_design(&d);
+  }
+  assert_true(compare(tangent, KM_DRIVE_LANES, 1, plain) > 0);
+  assert_true(compare(tangent, KM_DRIVE_LANES, 9, (manner){.rows = 20 * ROWS}) > ROWS);
+}
+
 int main(void) {
-  const struct CMUnitTest tests[] = {cmocka_unit_test(as_alone), cmocka_unit_test(any_number),
-                                     cmocka_unit_test(in_turns), cmocka_unit_test(in_space),
-                                     cmocka_unit_test(visits),   cmocka_unit_test(sweeps_as_alone),
-                                     cmocka_unit_test(looks),    cmocka_unit_test(too_far)};
+  const struct CMUnitTest tests[] = {
+      cmocka_unit_test(as_alone), cmocka_unit_test(any_number), cmocka_unit_test(in_turns),
+      cmocka_unit_test(in_space), cmocka_unit_test(visits),     cmocka_unit_test(sweeps_as_alone),
+      cmocka_unit_test(looks),    cmocka_unit_test(too_far),    cmocka_unit_test(slides_leave)};
   return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -12,18 +12,19 @@ extern "C" {
 
 /* What ends a motion. */
 typedef enum km_stop {
-  KM_STOP_NONE,    /* the whole range was reached */
-  KM_STOP_TOGGLE,  /* the driver can't move its substructure any further */
-  KM_STOP_LIMIT,   /* a joint is at its limit */
-  KM_STOP_GAVE_OUT /* too many steps: a target millions of steps away, or angles whose rounding drowns the motion */
+  KM_STOP_NONE,     /* the whole range was reached */
+  KM_STOP_TOGGLE,   /* the driver can't move its substructure any further */
+  KM_STOP_LIMIT,    /* a joint is at its limit */
+  KM_STOP_GAVE_OUT, /* too many steps: a target millions of steps away, or angles whose rounding drowns the motion */
+  KM_STOP_AWAY      /* a slide leaves without bound: the mechanism reaches the end only at infinity */
 } km_stop;
 
 /* How far a motion came. */
 typedef struct km_reach {
   km_stop stop;     /* why it came no further */
   double position;  /* of the driver, model's unit: the target, or the located end (to 1e-9 or better) */
-  int substructure; /* KM_STOP_TOGGLE: that which stops; -1 none */
-  int coordinate;   /* KM_STOP_LIMIT: the coordinate at its limit; -1 none */
+  int substructure; /* KM_STOP_TOGGLE, KM_STOP_AWAY: that which stops; -1 none */
+  int coordinate;   /* KM_STOP_LIMIT: the coordinate at its limit; KM_STOP_AWAY: the slide; -1 none */
 } km_reach;
 
 /* A motion of one driver from an assembled pose, along one branch. */

@@ -61,6 +61,8 @@ static void stop_reason(const km_mechanism *m, const km_sweep_plan *plan, const 
                         km_text *out) {
   if (reach->stop == KM_STOP_LIMIT) {
     km_text_format(out, "joint %s is at its limit", m->model->coordinates[reach->coordinate].label);
+  } else if (reach->stop == KM_STOP_AWAY) {
+    km_text_format(out, "%s slides away without bound", m->model->coordinates[reach->coordinate].label);
   } else if (sweep->freedom == 0) {
     km_text_add(out, "nothing can move, joints");
     km_joints_print(m, reach->substructure, out);
@@ -98,7 +100,8 @@ static void print_end(const km_mechanism *m, const km_sweep_plan *plan, const km
 static bool fits(const km_mechanism *m, const km_sweep_plan *plan, const km_reach *reach) {
   bool follows = plan->arclength > 0.0;
   bool driven = follows || (plan->coordinate >= 0 && plan->coordinate < m->coordinate_count);
-  bool limit = reach->stop != KM_STOP_LIMIT || (reach->coordinate >= 0 && reach->coordinate < m->coordinate_count);
+  bool names = reach->stop == KM_STOP_LIMIT || reach->stop == KM_STOP_AWAY;
+  bool limit = !names || (reach->coordinate >= 0 && reach->coordinate < m->coordinate_count);
   bool toggle = reach->stop != KM_STOP_TOGGLE || follows || reach->substructure < m->topology.substructure_count;
   return driven && limit && toggle;
 }
