@@ -14,6 +14,9 @@
 /* Rates below this fraction of the largest one count as zero. Where that end drives, its own digits don't tell such a pose
  * from its dead centre: they differ by the square. */
 static const double zero_rate_tolerance = 3e-8;
+/* Of two speeds that cancel, as those of a point on its own hinge, rounding is left. So much of them counts as speed that this is less
+ * than the smallest part of a speed that anybody takes for a rate, 1e-12. */
+static const double left_of_two = 1e-2;
 
 /* The coordinates that an end's rate is made of: its own, or those on the way to the point's body. */
 static void mark_direct(const km_mechanism *m, const km_handle *h, bool *marks) {
@@ -181,9 +184,9 @@ static void point_row(const km_mechanism *m, const km_state *s, const km_lever *
     int joint = t->arc[body], first = m->model->joints[joint].first_coordinate;
     for (int c = first; c < first + km_model_freedom(m->model, joint); ++c) {
       km_twist h = km_coordinate_twist_about(m, s, l->pose, c);
-      km_vec3 v = km_vec3_add(h.v, km_vec3_cross(h.w, p));
+      km_vec3 turned = km_vec3_cross(h.w, p), v = km_vec3_add(h.v, turned);
       end->row[c] = (t->against[joint] ? -1.0 : 1.0) * km_vec3_dot(along, v);
-      end->speed[c] = km_vec3_norm(v);
+      end->speed[c] = km_vec3_norm(v) + left_of_two * (km_vec3_norm(h.v) + km_vec3_norm(turned));
     }
   }
 }

@@ -77,12 +77,15 @@ static double scaled_rate(const km_mechanism *m, const km_statics *st, const km_
   return sum * km_actuator_scale(m, st, actuator);
 }
 
-/* Z_A, a row an actuator, scaled: f_A = D F makes Z_Aᵀ F = −g. */
+/* Z_A, a row an actuator, scaled: f_A = D F makes Z_Aᵀ F = −g. Of an actuator that stands rounding is left, which near a pole of
+ * the others would pass for a motion. */
 static void fill(const km_mechanism *m, const km_statics *st, const km_holding *h, gsl_matrix *U) {
+  static const double stands = 1e-14;
   for (size_t a = 0; a < U->size1; ++a)
-    for (size_t k = 0; k < U->size2; ++k)
-      *entry(U, a, k) =
-          a < (size_t)h->count ? scaled_rate(m, st, h, h->actuator[a], h->Z + k * (size_t)h->columns) : 0.0;
+    for (size_t k = 0; k < U->size2; ++k) {
+      double rate = a < (size_t)h->count ? scaled_rate(m, st, h, h->actuator[a], h->Z + k * (size_t)h->columns) : 0.0;
+      *entry(U, a, k) = fabs(rate) > stands ? rate : 0.0;
+    }
 }
 
 /* Motions out of reach: if loads act on them, the one in which they fall, then others at right angles to it. Returns

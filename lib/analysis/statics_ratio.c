@@ -75,32 +75,51 @@ static void keep(km_holding *h, double sense) {
   }
 }
 
-/* The last vector of U, U x / σ, has no more digits than σ, and may be missing where σ is 0. Of as many actuators as motions
- * it is at right angles to the others, which tells it with all digits; it keeps its sense. */
-static void complete(km_holding *h, int rank) {
-  gsl_vector_view last = gsl_matrix_subcolumn(h->U, (size_t)rank - 1, 0, (size_t)h->count);
-  bool missing = gsl_blas_dnrm2(&last.vector) < 0.5;
-  double best = 0.0, sense = 1.0;
-  int place = -1;
-  for (int i = 0; i < h->count && (missing || h->count == rank); ++i) {
+/* At right angles to the vectors before it, and of unit length. */
+static void straighten(const km_holding *h, int rank, gsl_vector *last) {
+  for (int k = 0; k + 1 < rank; ++k) {
+    gsl_vector_view other = gsl_matrix_subcolumn(h->U, (size_t)k, 0, (size_t)h->count);
+    double along;
+    gsl_blas_ddot(&other.vector, last, &along);
+    gsl_blas_daxpy(-along, &other.vector, last);
+  }
+  gsl_blas_dscal(1.0 / gsl_blas_dnrm2(last), last);
+}
+
+/* The unit vector that has most at right angles to the vectors before the last one. */
+static size_t farthest(const km_holding *h, int rank) {
+  double best = 0.0;
+  size_t place = 0;
+  for (int i = 0; i < h->count; ++i) {
     double left = 1.0;
     for (int k = 0; k + 1 < rank; ++k)
       left -= gsl_pow_2(gsl_matrix_get(h->U, (size_t)i, (size_t)k));
     if (left > best) {
       best = left;
-      place = i;
+      place = (size_t)i;
     }
   }
-  if (place < 0)
+  return place;
+}
+
+/* The last vector of U, U x / σ, has no more digits than σ, and may be missing where σ is 0. Of as many actuators as motions
+ * it is at right angles to the others, which tells it with all digits; it keeps its sense. Of more actuators a missing one is that
+ * of the last sample. */
+static void complete(km_holding *h, int rank) {
+  gsl_vector_view last = gsl_matrix_subcolumn(h->U, (size_t)rank - 1, 0, (size_t)h->count);
+  gsl_vector_view before = gsl_matrix_subcolumn(h->fixed, (size_t)rank - 1, 0, (size_t)h->count);
+  bool missing = gsl_blas_dnrm2(&last.vector)<0.5, more = h->count> rank;
+  if (more && !missing)
     return;
-  if (!missing)
-    sense = copysign(1.0, gsl_vector_get(&last.vector, (size_t)place));
-  gsl_vector_set_basis(&last.vector, (size_t)place);
-  for (int k = 0; k + 1 < rank; ++k) {
-    gsl_vector_view other = gsl_matrix_subcolumn(h->U, (size_t)k, 0, (size_t)h->count);
-    gsl_blas_daxpy(-gsl_matrix_get(h->U, (size_t)place, (size_t)k), &other.vector, &last.vector);
+  if (more && gsl_blas_dnrm2(&before.vector) > 0.5) {
+    gsl_blas_dcopy(&before.vector, &last.vector);
+  } else {
+    size_t place = farthest(h, rank);
+    double sense = missing ? 1.0 : copysign(1.0, gsl_vector_get(&last.vector, place));
+    gsl_vector_set_basis(&last.vector, place);
+    gsl_blas_dscal(sense, &last.vector);
   }
-  gsl_blas_dscal(sense / gsl_blas_dnrm2(&last.vector), &last.vector);
+  straighten(h, rank, &last.vector);
 }
 
 static double clear(double x, double grain) {

@@ -167,6 +167,60 @@ static void forces_without_bound(void **state) {
   fixture_close(&f);
 }
 
+/* A four-bar whose rocker could slide along its hinge, if the loop let it. */
+static fixture sliding_rocker(void) {
+  return fixture_read(
+      "{\"assemblies\": [{\"name\": \"a\", \"drawn\": \"assembled\", \"bodies\": [{\"name\": \"crank\", \"mass\": 1}, "
+      "{\"name\": \"coupler\", \"mass\": 2}, {\"name\": \"rocker\", \"mass\": 1}], \"joints\": ["
+      "{\"name\": \"A\", \"type\": \"revolute\", \"bodies\": [\"fixed\", \"crank\"], \"at\": [0.73, -0.64]}, "
+      "{\"name\": \"B\", \"type\": \"revolute\", \"bodies\": [\"crank\", \"coupler\"], \"at\": [0.73, -0.49]}, "
+      "{\"name\": \"C\", \"type\": \"revolute\", \"bodies\": [\"coupler\", \"rocker\"], \"at\": [1.2, -0.2]}, "
+      "{\"name\": \"D\", \"type\": \"cylindrical\", \"bodies\": [\"fixed\", \"rocker\"], \"at\": [1.13, -0.64], \"axis\": [0, 0, 1]}]}]}");
+}
+
+/* The slide stands: it holds nothing, also where no torque of the hinge is enough. */
+static void what_stands_holds_nothing(void **state) {
+  (void)state;
+  fixture f = sliding_rocker();
+  const km_sweep_plan plan = {.coordinate = 0, .from = 0.0, .to = 6.5, .steps = 50};
+  const int rocker[2] = {3, 4};
+  km_forces *forces;
+  km_statics statics;
+  km_statics_sweep sweep;
+  assert_string_equal(f.model->coordinates[3].label, "D[0]");
+  assert_int_equal(km_forces_create(f.mechanism, (double[3]){2.0, -9.81, 5.0}, NULL, 0, &forces, NULL), KM_OK);
+  assert_int_equal(km_statics_create(f.mechanism, rocker, 2, KM_AXES_JOINT, &statics, NULL), KM_OK);
+  assert_int_equal(km_statics_sweep_run(f.mechanism, f.state, &plan, forces, &statics, &sweep, NULL), KM_OK);
+  assert_true(count(&sweep, KM_FORCE_UNBOUNDED) >= 2);
+  for (size_t e = 0; e < sweep.event_count; ++e)
+    assert_int_equal(sweep.events[e].actuator, 1);
+  assert_true(sweep.largest[0].value == 0.0);
+  km_statics_sweep_free(&sweep);
+  km_statics_free(&statics);
+  km_forces_free(forces);
+  fixture_close(&f);
+}
+
+/* The point of a link on its own hinge stands, though rounding moves it: at no pose is there a leverage over it. */
+static void no_leverage_over_a_pivot(void **state) {
+  (void)state;
+  fixture f = sliding_rocker();
+  const km_sweep_plan plan = {.coordinate = 0, .from = 0.0, .to = 6.5, .steps = 50};
+  const km_handle in = {.kind = KM_HANDLE_JOINT, .coordinate = 0, .name = "in"},
+                  out = {.kind = KM_HANDLE_POINT,
+                         .frame = f.model->joints[0].frame[1],
+                         .direction = {1, 0, 0},
+                         .name = "out"};
+  km_advantage_sweep sweep;
+  assert_int_equal(km_advantage_sweep_run(f.mechanism, f.state, &plan, &in, &out, false, &sweep, NULL), KM_OK);
+  assert_int_equal(sweep.toggle_count, 1); /* from the first row on */
+  assert_int_equal(sweep.toggles[0].state, KM_ADVANTAGE_INFINITE);
+  for (size_t r = 0; r < km_table_rows(sweep.motion.table); ++r)
+    assert_true(isinf(km_table_row(sweep.motion.table, r)[sweep.column]));
+  km_advantage_sweep_free(&sweep);
+  fixture_close(&f);
+}
+
 /* The twin cylinders of the boom share the load evenly; without the stick's cylinder the stick falls. */
 static void excavator_under_gravity(void **state) {
   (void)state;
@@ -213,6 +267,8 @@ int main(void) {
                                      cmocka_unit_test(through_change_points),
                                      cmocka_unit_test(balances_and_peaks),
                                      cmocka_unit_test(forces_without_bound),
+                                     cmocka_unit_test(what_stands_holds_nothing),
+                                     cmocka_unit_test(no_leverage_over_a_pivot),
                                      cmocka_unit_test(excavator_under_gravity)};
   return cmocka_run_group_tests(tests, NULL, NULL);
 }
