@@ -18,6 +18,7 @@ typedef struct search {
   double *way;           /* [columns] */
   size_t capacity;
   int count;
+  bool moves; /* something still moves in one of them */
   uint64_t random;
   km_progress progress;
   void *context;
@@ -69,6 +70,7 @@ static bool keep(search *f) {
   if (!km_reserve(&found, &f->capacity, (size_t)(f->count + 1) * each, sizeof *f->found))
     return false;
   f->found = found;
+  f->moves = f->moves || km_partition_freedom(&f->s->partition[f->substructure]) > 0;
   km_state_save(f->s, sub_of(f), f->found + (size_t)f->count++ * each);
   return true;
 }
@@ -121,8 +123,8 @@ static km_status search_modes(search *f, const km_state *original, int starts, k
   f->way = KM_NEW(double, columns);
   km_state_copy(f->m, f->s, original);
   bool done = f->saved && f->way && km_assemble_one(f->m, f->s, f->substructure, f->saved);
-  out->isolated = done && km_partition_freedom(&f->s->partition[f->substructure]) == 0;
   done = done && collect(f, starts) && write_out(f, original, out);
+  out->isolated = done && !f->moves;
   km_free(f->saved);
   km_free(f->way);
   km_free(f->found);

@@ -33,7 +33,25 @@ static void known_counts(void **state) {
   expect("klann", "A", 1.0, 4);        /* two dyads */
 }
 
+/* The file's pose of Peaucellier's linkage stands alone, but where two of its joints come together a pair of its bars swings about
+ * them, and there are as many poses as are tried. */
+static void where_bars_swing_freely(void **state) {
+  (void)state;
+  fixture f = fixture_open("peaucellier");
+  km_modes modes;
+  const km_sweep_plan plan = km_sweep_plan_default(f.model);
+  assert_int_equal(km_modes_find(f.mechanism, f.state, plan.coordinate, 0, 1, NULL, NULL, &modes, NULL), KM_OK);
+  assert_int_equal(modes.count, 1);
+  assert_true(modes.isolated);
+  km_modes_free(&modes);
+  assert_int_equal(km_modes_find(f.mechanism, f.state, plan.coordinate, 200, 1, NULL, NULL, &modes, NULL), KM_OK);
+  assert_true(modes.count > 50);
+  assert_false(modes.isolated);
+  km_modes_free(&modes);
+  fixture_close(&f);
+}
+
 int main(void) {
-  const struct CMUnitTest tests[] = {cmocka_unit_test(known_counts)};
+  const struct CMUnitTest tests[] = {cmocka_unit_test(known_counts), cmocka_unit_test(where_bars_swing_freely)};
   return cmocka_run_group_tests(tests, NULL, NULL);
 }

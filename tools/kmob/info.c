@@ -7,7 +7,7 @@
 static void print_modes(const km_model *model, const km_modes *modes, int driver, km_text *out) {
   km_text_format(out, "\n%s assembly mode%s with %s where it is%s\n", modes->count == 1 ? "one" : "different",
                  modes->count == 1 ? "" : "s", km_model_coordinate_label(model, driver),
-                 modes->isolated ? "" : " (something still moves: these are samples)");
+                 modes->isolated ? "" : " (in some of them something still moves: those are samples)");
   for (int i = 0; i < modes->count; ++i) {
     km_text_format(out, "  %d:", i + 1);
     for (int c = 0; c < km_model_coordinate_count(model); ++c)
