@@ -108,7 +108,8 @@ static size_t farthest(const km_holding *h, int rank) {
 static void complete(km_holding *h, int rank) {
   gsl_vector_view last = gsl_matrix_subcolumn(h->U, (size_t)rank - 1, 0, (size_t)h->count);
   gsl_vector_view before = gsl_matrix_subcolumn(h->fixed, (size_t)rank - 1, 0, (size_t)h->count);
-  bool missing = gsl_blas_dnrm2(&last.vector)<0.5, more = h->count> rank;
+  bool missing = gsl_blas_dnrm2(&last.vector) < 0.5;
+  bool more = h->count > rank;
   if (more && !missing)
     return;
   if (more && gsl_blas_dnrm2(&before.vector) > 0.5) {

@@ -57,8 +57,7 @@ typedef struct km_step_terms {
   double most_correction; /* scaled length of all that closing the loops may move */
   double least_cosine;    /* between the tangents */
   int least_rank;         /* less is a singular pose */
-  bool
-      leaves_end; /* it leads back from an end that was located: pivots found anew may show the pose there to be singular */
+  bool leaves_end;        /* it leads back from a located end, where pivots found anew may show a singular pose */
 } km_step_terms;
 
 typedef enum km_step_fate {

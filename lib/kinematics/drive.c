@@ -121,7 +121,10 @@ static double furthest(const km_drive *d, int column) {
 /* The coordinate of a slide that the step just tried leads so far away, so fast, that it leaves without bound; -1: none. */
 static int leaves(const km_drive *d, double h) {
   const km_substructure *sub = km_drive_driven(d);
+  double fastest = 0.0;
   for (int k = 0; k < sub->columns; ++k)
+    fastest = km_larger(fabs(d->c.next_t[k]), fastest);
+  for (int k = 0; k < sub->columns && fastest > km_drive_away; ++k)
     if (fabs(d->c.next_t[k]) > km_drive_away && d->c.next_t[k] * h * slid(d, k) > 0.0 &&
         fabs(slid(d, k)) > km_drive_away)
       return d->c.mechanism->column_coordinate[sub->column_start + k];
@@ -367,10 +370,10 @@ static bool touches(km_drive *d, double goal) {
   return false;
 }
 
-/* The slide that has come so far where the motion ends that it is what ends it; -1: none. */
+/* The slide that has come so far where the motion ends that it is what ends it: its distance and its rate have used up the digits
+ * of the pivots. -1: there is none. */
 static int far_slide(const km_drive *d) {
-  static const double far =
-      100.0; /* substructure sizes: there the slide and its rate have used up the digits of the pivots */
+  static const double far = 100.0; /* substructure sizes */
   const km_substructure *sub = km_drive_driven(d);
   for (int k = 0; k < sub->columns; ++k)
     if (fabs(slid(d, k)) > far)

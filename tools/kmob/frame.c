@@ -74,6 +74,13 @@ static void print_matrix(const double *M, int columns, km_text *out) {
   }
 }
 
+/* What is left of 1/mass where a frame stands while it turns: its speed is rounding of the angular one times its place. */
+static double left_of(const told *t) {
+  static const double rounding = 1e-13;
+  const double *p = t->pose.p, turning = t->inverse[21] + t->inverse[28] + t->inverse[35];
+  return rounding * rounding * turning * (p[0] * p[0] + p[1] * p[1] + p[2] * p[2]);
+}
+
 /* What a push along an axis of the inertial frame feels, a force or a torque. */
 static void print_masses(const km_model *model, const told *t, km_text *out) {
   km_units units = km_model_units(model);
@@ -82,7 +89,7 @@ static void print_masses(const km_model *model, const told *t, km_text *out) {
                  length);
   for (int r = 0; r < 6; ++r) {
     const double *block = t->inverse + (r < 3 ? 0 : 21), easy = t->inverse[7 * r];
-    if (easy > 1e-12 * (block[0] + block[7] + block[14]))
+    if (easy > 1e-12 * (block[0] + block[7] + block[14]) + (r < 3 ? left_of(t) : 0.0))
       km_text_format(out, "  %s %12.6g\n", pushes[r], 1.0 / easy);
     else
       km_text_format(out, "  %s    it can't move\n", pushes[r]);

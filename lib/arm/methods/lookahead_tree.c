@@ -1,10 +1,10 @@
 /* Growing the trees of look-ahead.
  *
- * Nodes depend on the level above only, and each has a place of its own, so the result is the same for any number of threads. Workers
- * wait for each other before a level, unless each of them can go on with the children of its own nodes in the same time.
- * The first level is too small to be shared, or to fill the lanes. So the next
- * tree's first level is grown beside this tree's second one: once for the case that the same branch is taken again and, where
- * lanes are left, once for the last different one. If a third one is taken, the level is grown anew. */
+ * Nodes depend on the level above only, and each has a place of its own, so the result is the same for any number of threads.
+ * Workers wait for each other before a level, unless each of them can go on with the children of its own nodes in the same
+ * time. The first level is too small to be shared, or to fill the lanes. So the next tree's first level is grown beside this
+ * tree's second one: once for the case that the same branch is taken again and, where lanes are left, once for the last
+ * different one. If a third one is taken, the level is grown anew. */
 #include "arm/methods/lookahead_tree.h"
 
 #include <math.h>

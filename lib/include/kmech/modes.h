@@ -15,8 +15,7 @@ extern "C" {
 typedef struct km_modes {
   int count;           /* different configurations; the first is the state's own */
   double *coordinates; /* [count × coordinate count] model's units */
-  bool
-      isolated; /* each stands alone; false: with the driver fixed something still moves in some of them, which are samples */
+  bool isolated;       /* each stands alone; else something still moves in some of them, which are samples */
 } km_modes;
 
 enum {
