@@ -343,6 +343,7 @@ static void end_pass(km_drive_lanes *l, int passed) {
 int km_drive_lanes_pass(km_drive_lanes *l, unsigned wanted, const double *targets, int rows, bool looks) {
   int passed = 0;
   keep_pivots(l);
+  l->looks = looks;
   for (unsigned left = wanted & ~l->aboard; left; left &= left - 1) {
     int i = __builtin_ctz(left);
     call_aboard(l, i, targets[i]);

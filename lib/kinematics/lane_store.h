@@ -150,8 +150,9 @@ struct km_drive_lanes {
   unsigned known;                /* in these lanes */
   km_lanes_number *last_z;       /* [columns] z where the last pass ended */
   unsigned sound;                /* lanes whose pivots serve whoever looks at the pose */
-  unsigned quiet;                /* lanes where no entry of z has changed its sign, or come near 0, since then */
-  unsigned arrived;              /* lanes that the last row's steps led to their targets */
+  bool looks;                    /* somebody looks at rows that aren't quiet */
+  unsigned quiet;   /* then: lanes where no entry of z has changed its sign, or come near 0, since the row before */
+  unsigned arrived; /* lanes that the last row's steps led to their targets */
 
   /* What a step works on. */
   km_lanes_number *from, *move, *next_t, *x; /* [columns] */

@@ -293,12 +293,12 @@ static WITHIN void set_numbers_of_one(km_drive_lanes *l, const mask *took, int f
     }
 }
 
-/* Lanes whose pivots serve whoever looks at the row; and those of them where no entry of the direction of motion has changed its
- * sign, or come near 0, since the row before. */
+/* Lanes whose pivots serve whoever looks at the row; and those of them, where it counts, in which no entry of the direction of
+ * motion has changed its sign, or come near 0, since the row before. */
 static inline void find_quiet(const km_drive_lanes *l, mask *sound, mask *quiet, int first, int count) {
   EACH(r)
   quiet[r] = sound[r] = at_most(GET(l->here.largest_b), all(km_largest_good_b));
-  for (int k = 0; k < l->sub->columns; ++k)
+  for (int k = 0; k < l->sub->columns && l->looks; ++k)
     EACH(r) {
       vector z = GET(l->row->z[k]), before = GET(l->before[k]);
       quiet[r] &= below(all(km_drive_quiet), z * before) | (equal(z, all(0.0)) & equal(before, all(0.0)));
