@@ -50,12 +50,13 @@ static void planar_forces(void **state) {
 /* Of two freedoms: two zeros about a peak between two poses, and events close to where the driver gives out, on the way that led
  * there; a quotient of two that vanish together, and peaks there; ends where n and d vanish, and where they have turned just before;
  * ends to which the way comes by one power of it from afar and by another from near by (1795711359, 8188); an actuator that stands
- * still for an instant, so that the other one's n and d vanish in one place (7777307); paths along which d comes to rounding. */
+ * still for an instant, so that the other one's n and d vanish in one place (7777307); paths along which d comes to rounding; a
+ * peak right beside a zero (66601908). */
 static void two_freedoms(void **state) {
   (void)state;
   static const uint64_t seeds[] = {1795710006, 1795710074, 1795710185, 1795710264, 1795710295, 1795710332, 1795710388,
                                    1795710424, 1795710522, 1795710523, 1795710544, 1795710629, 1795710638, 1795711359,
-                                   1795711661, 8188,       7777307,    4101113,    4100819};
+                                   1795711661, 8188,       7777307,    4101113,    4100819,    66601908};
   family_count count = all(family_two_freedoms, 30);
   also(family_two_freedoms, seeds, sizeof seeds / sizeof *seeds, &count);
   assert_true(count.zeros > 30);

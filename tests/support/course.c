@@ -173,6 +173,12 @@ static bool peaks(const course *c, int i) {
   return !pole && force(c, i) > force(c, i - 1) && force(c, i) > force(c, i + 1);
 }
 
+/* The same so close to a zero that the sample behind that is larger than the peak. */
+static bool peaks_beside_zero(const course *c, int i) {
+  bool before = turns(c->n, i - 1), behind = turns(c->n, i), pole = turns(c->d, i - 1) || turns(c->d, i);
+  return !pole && ((before && force(c, i) > force(c, i + 1)) || (behind && force(c, i) > force(c, i - 1)));
+}
+
 /* Within two of the poses that a sweep looks at on a side, does |f| fall by less than 1e-4 of it, or rise above the peak again? */
 static bool is_weak(const course *c, int i) {
   double peak = force(c, i);
@@ -219,6 +225,8 @@ static int list_of(const course *c, course_end end, expected *list) {
       expect(list, &count, KM_FORCE_UNBOUNDED, c, i, i + 1, rounding || zero);
     if (i > 0 && peaks(c, i))
       expect(list, &count, KM_FORCE_PEAK, c, i - 1, i + 1, rounding || turns(c->d, i - 1) || pole || is_weak(c, i));
+    else if (i > 0 && peaks_beside_zero(c, i))
+      expect(list, &count, KM_FORCE_PEAK, c, i - 1, i + 1, true);
   }
   for (int i = 0; i < count; ++i)
     list[i].weak = list[i].weak || is_by_own_digits(c, list[i].low) || is_by_own_digits(c, list[i].high);
