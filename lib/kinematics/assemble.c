@@ -11,28 +11,8 @@
 /* From this misfit on (scaled rms), what is left is open geometry and not rounding. */
 static const double rounding = 5e-3;
 
-/* Searches pivots at the closed pose, with the tolerance that its misfit asks for. */
-static void pivot_here(const km_mechanism *m, km_state *s, int index, double residual) {
-  const km_substructure *sub = &m->substructures[index];
-  km_loops_update(m, s, sub);
-  km_pivot(m, s, index, KM_NO_DRIVER, km_rank_tolerance(m, sub, residual));
-}
-
-/* Closes with the rank that the closed pose has: on the way there pivots of an open pose may have left out a row. */
 static km_closure_outcome close_fully(const km_mechanism *m, km_state *s, int index, km_closure *evidence) {
-  enum { MOST_RANKS = 4 };
-  km_state_forget_pivots(s, index);
-  km_closure_outcome outcome = km_loops_close(m, s, index, KM_NO_DRIVER, evidence);
-  for (int i = 0; i < MOST_RANKS && outcome == KM_CLOSED; ++i) {
-    int rank = s->partition[index].rank;
-    pivot_here(m, s, index, evidence->residual);
-    if (s->partition[index].rank <= rank)
-      break;
-    int iterations = evidence->iterations;
-    outcome = km_loops_close(m, s, index, KM_NO_DRIVER, evidence);
-    evidence->iterations += iterations;
-  }
-  return outcome;
+  return km_close_fully(km_loops_close, m, s, index, KM_NO_DRIVER, evidence);
 }
 
 /* Newton from where the state is, else damped least squares from there and Newton again. Equations that
@@ -80,7 +60,7 @@ static trial try_tolerance(const km_mechanism *m, int index, double tolerance) {
     km_status status = KM_OK;
     result.closes = assemble_one(other, s, index, saved, &evidence, &status, NULL) == KM_CLOSED;
     result.misfit = evidence.residual;
-    pivot_here(other, s, index, evidence.residual); /* those of the closure may be of another pose */
+    km_pivot_here(other, s, index, KM_NO_DRIVER, evidence.residual); /* those of the closure may be of another pose */
     result.rank = s->partition[index].rank;
     result.freedom = km_partition_freedom(&s->partition[index]);
   }

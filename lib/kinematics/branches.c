@@ -110,20 +110,13 @@ static void go(const departure *d, const double *direction, double length) {
   km_state_forget_pivots(d->s, d->index);
 }
 
-/* Closes the loops with `driver` held, by all the rows that the closed pose has: beside a branch point pivots of an open pose leave
- * some of them out. Few rows are far from depending on each other here: their null vectors, of which nothing is asked, would be
+/* Closes the loops with `driver` held. Few rows are far from depending on each other here: their null vectors, of which nothing is asked, would be
  * long. */
 static bool close(const departure *d, int driver) {
-  enum { MOST_RANKS = 4 };
   km_partition *p = &d->s->partition[d->index];
   km_closure evidence;
   p->rows_only = p->sparse != NULL;
-  bool closed = km_close_held(d->m, d->s, d->index, driver, &evidence) == KM_CLOSED;
-  for (int i = 0, rank = -1; i < MOST_RANKS && closed && p->rank > rank; ++i) {
-    rank = p->rank;
-    km_pivot(d->m, d->s, d->index, driver, km_rank_tolerance(d->m, d->sub, evidence.residual));
-    closed = p->rank <= rank || km_close_held(d->m, d->s, d->index, driver, &evidence) == KM_CLOSED;
-  }
+  bool closed = km_close_fully(km_close_held, d->m, d->s, d->index, driver, &evidence) == KM_CLOSED;
   p->rows_only = false;
   return closed;
 }

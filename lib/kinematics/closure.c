@@ -55,6 +55,12 @@ void km_pivot(const km_mechanism *m, km_state *s, int index, int driver, double 
   remember_search(s, index, driver, tolerance);
 }
 
+void km_pivot_here(const km_mechanism *m, km_state *s, int index, int driver, double misfit) {
+  const km_substructure *sub = &m->substructures[index];
+  km_loops_update(m, s, sub);
+  km_pivot(m, s, index, driver, km_rank_tolerance(m, sub, misfit));
+}
+
 double km_step_dot(const km_mechanism *m, const km_substructure *sub, const double *a, const double *b) {
   const double *weight = m->column_weight + sub->column_start;
   double sum = 0.0;
@@ -345,5 +351,22 @@ km_closure_outcome km_close_held(const km_mechanism *m, km_state *s, int index, 
   s->partition[index].held = true;
   km_closure_outcome outcome = km_loops_close(m, s, index, driver, evidence);
   s->partition[index].held = false;
+  return outcome;
+}
+
+km_closure_outcome km_close_fully(km_closing close, const km_mechanism *m, km_state *s, int index, int driver,
+                                  km_closure *evidence) {
+  enum { MOST_RANKS = 4 };
+  km_state_forget_pivots(s, index);
+  km_closure_outcome outcome = close(m, s, index, driver, evidence);
+  for (int i = 0; i < MOST_RANKS && outcome == KM_CLOSED; ++i) {
+    int rank = s->partition[index].rank;
+    km_pivot_here(m, s, index, driver, evidence->residual);
+    if (s->partition[index].rank <= rank)
+      break;
+    int iterations = evidence->iterations;
+    outcome = close(m, s, index, driver, evidence);
+    evidence->iterations += iterations;
+  }
   return outcome;
 }

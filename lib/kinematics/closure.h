@@ -43,11 +43,21 @@ km_closure_outcome km_loops_close(const km_mechanism *mechanism, km_state *state
 km_closure_outcome km_close_held(const km_mechanism *mechanism, km_state *state, int substructure, int driver,
                                  km_closure *evidence);
 
+/* By km_loops_close or km_close_held, with the rank that the closed pose has: on the way there pivots of an open pose may have left
+ * out a row. Leaves pivots of the closed pose, searched anew. */
+typedef km_closure_outcome (*km_closing)(const km_mechanism *mechanism, km_state *state, int substructure, int driver,
+                                         km_closure *evidence);
+km_closure_outcome km_close_fully(km_closing close, const km_mechanism *mechanism, km_state *state, int substructure,
+                                  int driver, km_closure *evidence);
+
 /* The relative size below which a pivot counts as 0, with the secondary rows keeping `misfit` (scaled). */
 double km_rank_tolerance(const km_mechanism *mechanism, const km_substructure *sub, double misfit);
 
 /* Searches pivots at the state's Jacobian: forced `driver` column or none. */
 void km_pivot(const km_mechanism *mechanism, km_state *state, int substructure, int driver, double tolerance);
+
+/* The same at the pose that the state's coordinates have, with the tolerance that its misfit asks for. */
+void km_pivot_here(const km_mechanism *mechanism, km_state *state, int substructure, int driver, double misfit);
 
 /* The same where what follows takes steps alone: of many motions the independent columns needn't be good ones, see `unwatched` of a
  * partition. */

@@ -108,8 +108,7 @@ static bool follow_path(km_drive *d, double h) {
 static double slid(const km_drive *d, int column) {
   const km_mechanism *m = d->c.mechanism;
   int c = m->column_coordinate[km_drive_driven(d)->column_start + column];
-  const km_model_coordinate *of = &m->model->coordinates[c];
-  return km_joint_is_length(m->model->joints[of->joint].type, of->index) ? d->c.state->q[c] / m->unit[c] : 0.0;
+  return km_model_coordinate_is_length(m->model, c) ? d->c.state->q[c] / m->unit[c] : 0.0;
 }
 
 /* How far a column may go in one step. A slide that leaves takes as many steps to each tenfold of its distance. */

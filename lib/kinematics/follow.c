@@ -20,14 +20,10 @@ static const double furthest_bend = 0.98; /* least cosine between the tangents o
 static const double furthest = 1000.0;    /* of one advance */
 static const double narrow = 4e-3;        /* width to which a branch point is bracketed before it is interpolated */
 
-static const km_substructure *sub_of(const km_follow *f) {
-  return km_continuation_sub(&f->c);
-}
-
 /* From the saved pose by a step whose length is about h. On success the state stands there, next_t is its tangent, `move`
  * the way and *length its arc; else the state is back. */
 static bool step(km_follow *f, double h, double *length) {
-  const km_substructure *sub = sub_of(f);
+  const km_substructure *sub = km_follow_sub(f);
   const km_step_terms terms = {.most_correction = 0.2 * fabs(h) + 1e-9, .least_cosine = furthest_bend};
   km_continuation_predict(&f->c, h, f->freedom == 1);
   km_state_restore(f->c.state, sub, f->c.from);
@@ -56,7 +52,7 @@ bool km_follow_step(km_follow *f, double length, double *reached) {
 
 /* What is known of the pose that the state is at. */
 static void remember(km_follow *f) {
-  km_state_save(f->c.state, sub_of(f), f->c.from);
+  km_state_save(f->c.state, km_follow_sub(f), f->c.from);
   f->g = f->freedom == 1 ? km_follow_g(f, f->c.course.t) : 0.0;
 }
 
@@ -82,7 +78,7 @@ static void stop_at_limit(km_follow *f, int c, double length) {
   if (inside > 0.0 && km_follow_step(f, inside, &reached))
     km_follow_accept(f, reached);
   else
-    km_state_restore(f->c.state, sub_of(f), f->c.from);
+    km_state_restore(f->c.state, km_follow_sub(f), f->c.from);
 }
 
 /* One controlled step of at most `most`; false if the motion can't go on. */
@@ -132,7 +128,7 @@ km_status km_follow_advance(km_follow *f, double length) {
 }
 
 static bool allocate(km_follow *f) {
-  size_t n = (size_t)sub_of(f)->columns;
+  size_t n = (size_t)km_follow_sub(f)->columns;
   double **vectors[] = {&f->near_t, &f->far_t, &f->origin_t, &f->branch_t};
   double **poses[] = {&f->near, &f->far, &f->origin, &f->branch_pose};
   for (size_t i = 0; i < sizeof vectors / sizeof *vectors; ++i) {
@@ -144,7 +140,7 @@ static bool allocate(km_follow *f) {
 
 /* The direction in which column k moves with `sign` and the others move least. */
 static bool first_tangent(km_follow *f, int column, double sign) {
-  memset(f->c.move, 0, (size_t)sub_of(f)->columns * sizeof *f->c.move);
+  memset(f->c.move, 0, (size_t)km_follow_sub(f)->columns * sizeof *f->c.move);
   f->c.move[column] = sign;
   return km_continuation_tangent(&f->c, f->c.move, f->c.course.t);
 }
@@ -154,7 +150,7 @@ static int liveliest(const km_follow *f) {
   km_state *s = f->c.state;
   int best = 0;
   km_state_numbers(f->c.mechanism, s, f->c.substructure, s->work);
-  for (int k = 1; k < sub_of(f)->columns; ++k)
+  for (int k = 1; k < km_follow_sub(f)->columns; ++k)
     if (s->work[k] > 1.000001 * s->work[best])
       best = k;
   return best;
@@ -173,7 +169,7 @@ static int first_moving(const km_mechanism *m, km_state *s) {
 
 static km_status start(km_follow *f, int coordinate, double sign, km_error *error) {
   const km_mechanism *m = f->c.mechanism;
-  const km_substructure *sub = sub_of(f);
+  const km_substructure *sub = km_follow_sub(f);
   if (!allocate(f))
     return km_fail(error, KM_MEMORY, "out of memory for following a motion");
   km_loops_update(m, f->c.state, sub);
@@ -192,7 +188,7 @@ static km_status start(km_follow *f, int coordinate, double sign, km_error *erro
 
 /* At a branch point the null space mixes the motions that meet there. */
 static km_status leave_branch(km_follow *f, km_error *error) {
-  double *directions = KM_NEW(double, KM_MOST_BRANCHES *(size_t)sub_of(f)->columns);
+  double *directions = KM_NEW(double, KM_MOST_BRANCHES *(size_t)km_follow_sub(f)->columns);
   if (!directions)
     return km_fail(error, KM_MEMORY, "out of memory for the branch points");
   f->start_branches = km_branch_directions(f->c.mechanism, f->c.state, f->c.substructure, directions);

@@ -26,6 +26,10 @@ struct km_follow {
   double *aside_pose;
 };
 
+static inline const km_substructure *km_follow_sub(const km_follow *follow) {
+  return km_continuation_sub(&follow->c);
+}
+
 /* From the saved pose by an arc of exactly `length` (either sign), without accepting it: on success the state
  * stands there, next_t is its tangent, move the way; else the state is back. */
 bool km_follow_step(km_follow *follow, double length, double *reached);

@@ -10,10 +10,6 @@ static const double aside = 1e-3; /* distance of the poses that a branch point i
 static const double short_step = 5e-3;
 static const double first_step = 1e-3; /* away from a branch point */
 
-static const km_substructure *sub_of(const km_follow *f) {
-  return km_continuation_sub(&f->c);
-}
-
 double km_follow_g(const km_follow *f, const double *t) {
   const km_partition *p = &f->c.state->partition[f->c.substructure];
   double g = 1.0 / t[p->column[p->rank]];
@@ -29,7 +25,7 @@ double km_follow_saved_g(km_follow *f) {
   if (p->searches == f->c.course.reference.searches)
     return km_follow_g(f, f->c.next_t);
   km_partition *r = &f->c.course.reference;
-  km_partition_refactor_whole(r, km_state_jacobian(f->c.state, sub_of(f)));
+  km_partition_refactor_whole(r, km_state_jacobian(f->c.state, km_follow_sub(f)));
   double g = 1.0 / f->c.next_t[r->column[r->rank]];
   for (int i = 0; i < r->rank; ++i)
     g /= r->inverse[i];
@@ -63,7 +59,7 @@ static double cubic_root(const double g[4], double x, double spacing, double mid
 }
 
 bool km_follow_locate_branch(km_follow *f, double length, double g_end) {
-  const km_substructure *sub = sub_of(f);
+  const km_substructure *sub = km_follow_sub(f);
   double guess = length * f->g / (f->g - g_end), g[4], reached;
   for (int k = 0; k < 4; ++k) {
     if (!km_follow_step(f, guess + (2.0 * k - 3.0) * aside, &reached))
@@ -110,8 +106,8 @@ bool km_follow_branch(const km_follow *f, km_branch_point *out) {
 }
 
 void km_follow_at_branch(km_follow *f, double *tangent) {
-  km_state_restore(f->c.state, sub_of(f), f->branch_pose);
-  memcpy(tangent, f->branch_t, (size_t)sub_of(f)->columns * sizeof *tangent);
+  km_state_restore(f->c.state, km_follow_sub(f), f->branch_pose);
+  memcpy(tangent, f->branch_t, (size_t)km_follow_sub(f)->columns * sizeof *tangent);
   km_state_forget_pivots(f->c.state, f->c.substructure);
 }
 
@@ -121,17 +117,17 @@ void km_follow_go_on(km_follow *f) {
 
 /* Continues from the saved pose, a branch point, along `direction`. */
 static void set_out(km_follow *f, const double *direction, double sense) {
-  double size = sense * km_step_length(f->c.mechanism, sub_of(f), direction);
-  for (int k = 0; k < sub_of(f)->columns; ++k)
+  double size = sense * km_step_length(f->c.mechanism, km_follow_sub(f), direction);
+  for (int k = 0; k < km_follow_sub(f)->columns; ++k)
     f->c.course.t[k] = direction[k] / size;
   km_state_forget_pivots(f->c.state, f->c.substructure);
-  km_course_begin(&f->c.course, sub_of(f)->columns); /* the step before was on another branch */
+  km_course_begin(&f->c.course, km_follow_sub(f)->columns); /* the step before was on another branch */
   f->g = 0.0;
 }
 
 void km_follow_turn(km_follow *f, const double *direction) {
-  km_state_restore(f->c.state, sub_of(f), f->branch_pose);
-  km_state_save(f->c.state, sub_of(f), f->c.from);
+  km_state_restore(f->c.state, km_follow_sub(f), f->branch_pose);
+  km_state_save(f->c.state, km_follow_sub(f), f->c.from);
   set_out(f, direction, 1.0);
   f->s = f->branch.s;
   f->closed = false;
@@ -139,7 +135,7 @@ void km_follow_turn(km_follow *f, const double *direction) {
 
 /* Freedom of the motion along t, which at its branch point drowns among the others. */
 static int freedom_ahead(km_follow *f) {
-  const km_substructure *sub = sub_of(f);
+  const km_substructure *sub = km_follow_sub(f);
   km_closure evidence;
   for (int k = 0; k < sub->columns; ++k)
     f->c.move[k] = short_step * f->c.course.t[k];
@@ -156,8 +152,8 @@ void km_follow_set_out(km_follow *f, const double *directions, int count) {
   const double *best = directions;
   double nearest = 0.0;
   for (int i = 0; i < count; ++i) {
-    const double *x = directions + (size_t)i * (size_t)sub_of(f)->columns;
-    double along = km_step_dot(f->c.mechanism, sub_of(f), x, f->c.course.t);
+    const double *x = directions + (size_t)i * (size_t)km_follow_sub(f)->columns;
+    double along = km_step_dot(f->c.mechanism, km_follow_sub(f), x, f->c.course.t);
     if (fabs(along) > 1.000001 * fabs(nearest)) {
       nearest = along;
       best = x;

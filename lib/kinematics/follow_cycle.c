@@ -6,12 +6,8 @@
 static const double closing = 1e-9;       /* distance at which a cycle counts as closed */
 static const double shortest_cycle = 0.1; /* arc length of the shortest cycle that is looked for */
 
-static const km_substructure *sub_of(const km_follow *f) {
-  return km_continuation_sub(&f->c);
-}
-
 void km_follow_set_origin(km_follow *f) {
-  size_t columns = (size_t)sub_of(f)->columns;
+  size_t columns = (size_t)km_follow_sub(f)->columns;
   memcpy(f->origin_t, f->c.course.t, columns * sizeof *f->origin_t);
   memcpy(f->origin, f->c.from, KM_SAVED_PER_COLUMN * columns * sizeof *f->origin);
   f->origin_s = f->s;
@@ -21,9 +17,9 @@ void km_follow_set_origin(km_follow *f) {
 /* The way from the origin to this pose, full turns of hinges left out. */
 static void from_origin(km_follow *f, double *way) {
   const km_mechanism *m = f->c.mechanism;
-  km_state_difference(f->c.state, sub_of(f), f->origin, way);
-  for (int k = 0; k < sub_of(f)->columns; ++k)
-    if (km_coordinate_turns(m, m->column_coordinate[sub_of(f)->column_start + k]))
+  km_state_difference(f->c.state, km_follow_sub(f), f->origin, way);
+  for (int k = 0; k < km_follow_sub(f)->columns; ++k)
+    if (km_coordinate_turns(m, m->column_coordinate[km_follow_sub(f)->column_start + k]))
       way[k] -= 2.0 * M_PI * round(way[k] / (2.0 * M_PI));
 }
 

@@ -6,15 +6,11 @@
 
 enum { MOST_PARTS = 16 }; /* of the way to a pose that no single step leads to */
 
-static const km_substructure *sub_of(const km_follow *f) {
-  return km_continuation_sub(&f->c);
-}
-
 static void write_rates(const km_follow *f, const double *t, double *rates) {
   const km_mechanism *m = f->c.mechanism;
   memset(rates, 0, (size_t)m->coordinate_count * sizeof *rates);
-  for (int k = 0; k < sub_of(f)->columns; ++k) {
-    int c = m->column_coordinate[sub_of(f)->column_start + k];
+  for (int k = 0; k < km_follow_sub(f)->columns; ++k) {
+    int c = m->column_coordinate[km_follow_sub(f)->column_start + k];
     rates[c] = t[k] * m->unit[c];
   }
 }
@@ -29,7 +25,7 @@ void km_follow_tangent(const km_follow *f, double *rates) {
 static bool need_aside(km_follow *f) {
   if (f->aside_pose)
     return true;
-  double *pose = KM_ARENA_NEW(&f->arena, double, KM_SAVED_PER_COLUMN *(size_t)sub_of(f)->columns);
+  double *pose = KM_ARENA_NEW(&f->arena, double, KM_SAVED_PER_COLUMN *(size_t)km_follow_sub(f)->columns);
   if (!pose || !km_course_reserve(&f->aside, &f->c, &f->arena))
     return false;
   f->aside_pose = pose;
@@ -45,14 +41,14 @@ static bool go_in_parts(km_follow *f, double offset, int parts) {
     if (part + 1 == parts)
       break;
     km_continuation_accept(&f->c, reached);
-    km_state_save(f->c.state, sub_of(f), f->c.from);
+    km_state_save(f->c.state, km_follow_sub(f), f->c.from);
   }
   return true;
 }
 
 /* The same with as many steps as it takes. The motion stays where it has come to; so does the state where nothing leads there. */
 static bool visit_by_steps(km_follow *f, double offset) {
-  const km_substructure *sub = sub_of(f);
+  const km_substructure *sub = km_follow_sub(f);
   bool there = false;
   if (!need_aside(f))
     return false;

@@ -263,7 +263,7 @@ void km_lanes_take_numbers(km_drive_lanes *l, int i) {
     l->weight[k].of[i] = m->column_weight[sub->column_start + k];
     l->low[k].of[i] = m->low[c];
     l->high[k].of[i] = m->high[c];
-    l->is_length[k] = l->is_length[k] || m->unit[c] != 1.0;
+    l->is_length[k] = km_model_coordinate_is_length(m->model, c);
     l->is_ball[k] = m->ball_of[c] >= 0;
     l->is_limited[k] = l->is_limited[k] || (!d->c.ignore_limits && (isfinite(m->low[c]) || isfinite(m->high[c])));
   }

@@ -98,7 +98,7 @@ struct km_drive_lanes {
   unsigned ahead;         /* and those whose course is newer than that of the drive */
   km_replay replay;       /* by the pivots of the lanes aboard */
   int beside;             /* motions that leave the driver alone: freedoms but one */
-  bool *is_length;        /* [columns] its unit isn't 1 */
+  bool *is_length;        /* [columns] its unit may be another one than 1 */
   bool *is_ball;          /* [columns] it belongs to a ball, as the next or last two do too */
   bool *is_limited;       /* [columns] in some lane */
 

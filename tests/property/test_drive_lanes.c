@@ -112,7 +112,7 @@ static fixture open_beside_pendulum(uint64_t seed) {
 }
 
 /* A lever whose block shifts a slide at some height by its tangent: beyond all bounds at a right angle. */
-static const char tangent[] = "a lever that shifts a slide away";
+static const char tangent[] = "a lever that shifts a slide away", tangent_end[] = "its last poses, close to each other";
 
 static fixture open_tangent(uint64_t seed) {
   char text[1024];
@@ -130,10 +130,10 @@ static fixture open_tangent(uint64_t seed) {
 }
 
 static fixture open_fixture(const char *name, uint64_t seed) {
-  return name == space_loop        ? open_space_loop(seed)
-         : name == beside_pendulum ? open_beside_pendulum(seed)
-         : name == tangent         ? open_tangent(seed)
-                                   : fixture_open_variant(name, seed);
+  return name == space_loop                       ? open_space_loop(seed)
+         : name == beside_pendulum                ? open_beside_pendulum(seed)
+         : name == tangent || name == tangent_end ? open_tangent(seed)
+                                                  : fixture_open_variant(name, seed);
 }
 
 static design open_design(const char *name, uint64_t seed, bool ignore_limits) {
@@ -143,6 +143,8 @@ static design open_design(const char *name, uint64_t seed, bool ignore_limits) {
     plan = (km_sweep_plan){.coordinate = 0, .from = 0.0, .to = 0.3};
   if (name == tangent)
     plan = (km_sweep_plan){.coordinate = 0, .from = -1.5, .to = 2.0};
+  if (name == tangent_end)
+    plan = (km_sweep_plan){.coordinate = 0, .from = 1.5697, .to = 1.5699};
   d.from = plan.from;
   d.to = plan.to;
   assert_int_equal(km_drive_create(d.f.mechanism, d.f.state, plan.coordinate, ignore_limits, &d.drive, NULL), KM_OK);
@@ -551,6 +553,7 @@ static void slides_leave(void **state) {
     close_design(&d);
   }
   assert_true(compare(tangent, KM_DRIVE_LANES, 1, plain) > 0);
+  compare(tangent_end, KM_DRIVE_LANES, 0, (manner){.rows = 400}); /* whether lanes go there or not */
   assert_true(compare(tangent, KM_DRIVE_LANES, 9, (manner){.rows = 20 * ROWS}) > ROWS);
 }
 
