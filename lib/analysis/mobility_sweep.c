@@ -1,33 +1,25 @@
 /* Mobility numbers over a sweep, and where a joint loses its grip: roots of its entry in the direction of motion. */
+#include "analysis/dead_points.h"
 #include "analysis/observers.h"
 #include "analysis/singular.h"
 #include "base/check.h"
 #include "base/table.h"
-#include "kinematics/drive_lanes.h"
 
 #include <string.h>
 
-/* |z| below this is 0: z = Z_j of the one free direction, known to about 1e-12. */
-static const double zero = 1e-9;
-
-/* For a root between a and b, with the values fa and fb: the place that is looked at next. */
-typedef struct search {
-  double a, b, fa, fb, root, width;
-  int round;
-  bool open; /* the value at `root` is wanted */
-} search;
+/* Toggles of joints that stand together lie as near to each other. */
+static const double same_place = 1e-9;
 
 /* What a mobility sweep remembers from row to row. */
 typedef struct watch {
   km_mobility_sweep *out;
   km_observer observer;
-  double *room;       /* of the next two, which change places from row to row */
-  double *z, *last_z; /* [coordinate] unit direction of motion at the row and at the row before */
-  double s, last_s;
-  bool have_last;
-  search at;
+  km_directions directions;
+  size_t rows; /* of the table, when a row was seen last */
+  km_root_search at;
   bool searching; /* for a toggle of the coordinate watched[next] */
   int next;
+  bool *listed; /* [coordinate] its toggles since the last row are */
   int *watched; /* coordinates that may lose their grip */
   int watched_count;
   int *shown; /* coordinate of each column of numbers, -1: of a joint that can't move */
@@ -86,24 +78,23 @@ static double *write_numbers(void *self, km_sweeper *r, double *cell) {
   return cell;
 }
 
-static bool add_toggle(km_mobility_sweep *out, int coordinate, double s) {
+/* In which s goes along the sweep. */
+static double sense_of(const km_sweep_plan *plan) {
+  return km_plan_is_driven(plan) && plan->to < plan->from ? -1.0 : 1.0;
+}
+
+/* Behind those that the sweep has passed before it, or at the same place but for rounding. */
+static bool add_toggle(km_mobility_sweep *out, const km_sweep_plan *plan, int coordinate, double s) {
+  const double sense = sense_of(plan);
   void *toggles = out->toggles;
   if (!km_reserve(&toggles, &out->toggle_capacity, out->toggle_count + 1, sizeof *out->toggles))
     return false;
   out->toggles = toggles;
-  out->toggles[out->toggle_count++] = (km_toggle){coordinate, s};
+  size_t place = out->toggle_count++;
+  for (; place > 0 && sense * (out->toggles[place - 1].s - s) > same_place * (1.0 + fabs(s)); --place)
+    out->toggles[place] = out->toggles[place - 1];
+  out->toggles[place] = (km_toggle){coordinate, s};
   return true;
-}
-
-static void normalise(const km_mechanism *m, const double *rates, double *z) {
-  double sum = 0.0;
-  for (int c = 0; c < m->coordinate_count; ++c) {
-    z[c] = m->scale[c] * rates[c];
-    sum += z[c] * z[c];
-  }
-  double inverse = 1.0 / sqrt(sum);
-  for (int c = 0; c < m->coordinate_count; ++c)
-    z[c] *= inverse;
 }
 
 static bool is_idle(const km_sweep *sweep, int coordinate) {
@@ -138,43 +129,8 @@ static bool direction(const km_sweeper *r, double *z) {
   if (freedom == 1)
     take_null_vector(r, z);
   else
-    normalise(r->m, r->rates, z);
+    km_unit_direction(r->m, r->rates, z);
   return true;
-}
-
-/* A root is found where the next place would be nearer than this part of the interval: the places before it were that near
- * already, and the errors of regula falsi multiply. */
-static const double found = 1e-9;
-
-/* The next place of the search, or none where the root is found: by regula falsi (Illinois) on the closed pose. */
-static void choose_place(search *at) {
-  double last = at->root;
-  at->open = at->round < 60 && fabs(at->b - at->a) > 1e-13 * (fabs(at->a) + fabs(at->b));
-  if (!at->open)
-    return;
-  at->root = (at->a * at->fb - at->b * at->fa) / (at->fb - at->fa);
-  at->open = at->round <= 1 || fabs(at->root - last) >= found * at->width;
-}
-
-/* The sign of z_c changes between last_s and s: where exactly? */
-static void begin_search(watch *w, int c) {
-  double a = w->last_s, b = w->s;
-  w->at = (search){.a = a, .b = b, .fa = w->last_z[c], .fb = w->z[c], .root = b, .width = fabs(b - a)};
-  choose_place(&w->at);
-}
-
-/* f: z_c at the place that was chosen. */
-static void narrow(search *at, double f) {
-  if (f * at->fb < 0.0) {
-    at->a = at->b;
-    at->fa = at->fb;
-  } else {
-    at->fa *= 0.5;
-  }
-  at->b = at->root;
-  at->fb = f;
-  at->round++;
-  choose_place(at);
 }
 
 /* The smallest mobility numbers of the table's rows. */
@@ -193,59 +149,149 @@ static void choose_watched(watch *w, const km_sweeper *r) {
       w->watched[w->watched_count++] = c;
 }
 
+/* The coordinate's entry at the row, and at the one before. */
+static double entry_here(const watch *w, int c) {
+  return km_directions_entry(&w->directions, w->directions.row, c);
+}
+
+static double entry_before(const watch *w, int c) {
+  return km_directions_entry(&w->directions, w->directions.last, c);
+}
+
+static bool has_last(const watch *w) {
+  return w->directions.last >= 0;
+}
+
 /* The next of the watched coordinates, from w->next on, whose entry may be 0 at this row or have been since the last. */
 static int next_candidate(const watch *w) {
-  const int *watched = w->watched;
-  const double *z = w->z, *last = w->last_z;
-  int i = w->next, count = w->watched_count;
-  while (w->have_last && i < count && z[watched[i]] * last[watched[i]] > km_drive_quiet)
+  int i = w->next;
+  while (has_last(w) && i < w->watched_count &&
+         entry_here(w, w->watched[i]) * entry_before(w, w->watched[i]) > km_drive_quiet)
     ++i;
   return i;
 }
 
-/* Lists the toggles since the last row as far as no more has to be seen for them; then this row is the last one. */
-static bool list_toggles(watch *w) {
+/* Lists the toggles at this row, and those since the last one that both rows show, as far as no more has to be seen for them. */
+static bool list_toggles(watch *w, const km_sweeper *r) {
+  const km_directions *d = &w->directions;
   for (; (w->next = next_candidate(w)) < w->watched_count; ++w->next) {
     int c = w->watched[w->next];
-    bool here = fabs(w->z[c]) < zero, before = w->have_last && fabs(w->last_z[c]) < zero;
-    bool between = w->have_last && !here && !before && w->z[c] * w->last_z[c] < 0.0;
-    if (here && !before && !add_toggle(w->out, c, w->s))
+    double z = entry_here(w, c), last = has_last(w) ? entry_before(w, c) : z;
+    bool here = fabs(z) < km_dead, before = has_last(w) && fabs(last) < km_dead;
+    bool between = !here && !before && z * last < 0.0 && !w->listed[c];
+    if (here && !before && !add_toggle(w->out, r->plan, c, d->s[d->row]))
       return false;
     if (between && !w->searching)
-      begin_search(w, c);
+      km_root_search_begin(&w->at, d->s[d->last], d->s[d->row], last, z);
     w->searching = between && w->at.open;
     if (w->searching)
       return true;
-    if (between && !add_toggle(w->out, c, w->at.root))
+    if (between && !add_toggle(w->out, r->plan, c, w->at.root))
       return false;
   }
-  double *swap = w->last_z;
-  w->last_z = w->z;
-  w->z = swap;
-  w->last_s = w->s;
-  w->have_last = true;
   return true;
 }
 
-static km_status go_on(watch *w, km_error *error) {
-  return list_toggles(w) ? KM_OK : km_fail(error, KM_MEMORY, "out of memory for the dead points");
+static km_status no_memory(km_error *error) {
+  return km_fail(error, KM_MEMORY, "out of memory for the dead points");
+}
+
+static km_status go_on(watch *w, const km_sweeper *r, km_error *error) {
+  return list_toggles(w, r) ? KM_OK : no_memory(error);
+}
+
+/* Does the entry change its sign between the places i and i + 1? */
+static bool changes(const km_directions *d, int i, int c) {
+  double z = km_directions_entry(d, i, c), next = km_directions_entry(d, i + 1, c);
+  return z * next < 0.0 && fabs(z) >= km_dead && fabs(next) >= km_dead;
+}
+
+/* Lists the coordinate's toggles since the last row where the steps show more of them than both rows. */
+static bool list_changes(watch *w, km_sweeper *r, int c, bool *moved) {
+  const km_directions *d = &w->directions;
+  int count = 0;
+  bool added = true;
+  for (int i = d->last; i < d->row; ++i)
+    count += changes(d, i, c);
+  w->listed[c] = count > 1;
+  *moved = *moved || count > 1;
+  for (int i = d->last; i < d->row && count > 1 && added; ++i)
+    added = !changes(d, i, c) || add_toggle(w->out, r->plan, c, km_dead_point_between(r, d, i, c));
+  return added;
+}
+
+/* Is a toggle of the coordinate known there already? */
+static bool is_known(const km_mobility_sweep *out, int c, const km_dip *dip) {
+  bool known = false;
+  for (size_t i = out->toggle_count; i > 0 && !known; --i) {
+    const km_toggle *toggle = &out->toggles[i - 1];
+    known = toggle->coordinate == c && (toggle->s - dip->s[0]) * (toggle->s - dip->s[2]) <= 0.0;
+  }
+  return known;
+}
+
+/* Lists the coordinate's toggles since the last row, and since the place before it, that no change of sign shows. */
+static bool list_dips(watch *w, km_sweeper *r, int c, bool *moved) {
+  const km_directions *d = &w->directions;
+  bool added = true;
+  for (int i = d->last > 0 ? d->last - 1 : 0; i + 2 <= d->row && added; ++i) {
+    km_dip dip = {.s = {d->s[i], d->s[i + 1], d->s[i + 2]}};
+    double lowest, roots[2];
+    for (int k = 0; k < 3; ++k)
+      dip.f[k] = km_directions_entry(d, i + k, c);
+    if (!km_dip_shows(&dip, &lowest) || is_known(w->out, c, &dip))
+      continue;
+    *moved = true;
+    for (int k = km_dip_search(r, c, &dip, lowest, roots); k > 0 && added; --k)
+      added = add_toggle(w->out, r->plan, c, roots[k - 1]);
+  }
+  return added;
+}
+
+/* Lists the toggles since the last row that both rows don't show. Beside rows that are passed there are none. */
+static bool list_hidden(watch *w, km_sweeper *r) {
+  const bool looks = has_last(w) && !r->passed;
+  bool added = true, moved = false;
+  for (int i = 0; i < w->watched_count && looks && added; ++i)
+    added = list_changes(w, r, w->watched[i], &moved) && list_dips(w, r, w->watched[i], &moved);
+  if (moved)
+    r->mover.settle(r->mover.self);
+  return added;
+}
+
+/* The direction of motion at the row, if it has one. False when out of memory. */
+static bool take_direction(watch *w, const km_sweeper *r, double s, bool *has_one) {
+  const size_t rows = km_table_rows(r->out->table);
+  if (rows > w->rows + 1) /* those between were quiet ones */
+    km_directions_skip(&w->directions);
+  w->rows = rows;
+  double *z = km_directions_row(&w->directions, s);
+  *has_one = z && direction(r, z);
+  if (!*has_one)
+    km_directions_forget(&w->directions);
+  return z && !w->directions.failed;
 }
 
 /* Looks for toggles since the last row. */
 static km_status see(void *self, km_sweeper *r, double s, km_error *error) {
   watch *w = self;
+  bool moves;
   km_status status = km_singular_see(&w->singular, r, s, w->out, error);
   if (status)
     return status;
-  if (!direction(r, w->z)) {
-    w->have_last = false;
+  if (!take_direction(w, r, s, &moves))
+    return no_memory(error);
+  if (!moves)
     return KM_OK;
-  }
   if (w->watched_count == 0)
     choose_watched(w, r);
-  w->s = s;
   w->next = 0;
-  return go_on(w, error);
+  return list_hidden(w, r) ? go_on(w, r, error) : no_memory(error);
+}
+
+static void step(void *self, const km_sweeper *r, double s, const double *rates) {
+  watch *w = self;
+  km_directions_step(&w->directions, r->m, s, rates);
 }
 
 static bool wants(void *self, double *s) {
@@ -258,12 +304,10 @@ static km_status shown(void *self, km_sweeper *r, const double *rates, km_error 
   watch *w = self;
   w->at.open = false;
   if (rates) {
-    normalise(r->m, rates, r->scratch);
-    double f = r->scratch[w->watched[w->next]];
-    if (!(fabs(f) < 1e-14))
-      narrow(&w->at, f);
+    km_unit_direction(r->m, rates, r->scratch);
+    km_root_search_narrow(&w->at, r->scratch[w->watched[w->next]]);
   }
-  return go_on(w, error);
+  return go_on(w, r, error);
 }
 
 static km_status pass(void *self, km_sweeper *r, double s, km_error *error) {
@@ -273,14 +317,15 @@ static km_status pass(void *self, km_sweeper *r, double s, km_error *error) {
 
 static void forget(void *self) {
   watch *w = self;
-  w->have_last = false;
+  km_directions_forget(&w->directions);
   w->singular.scan.have = 0;
 }
 
 static km_status end_at(void *self, km_sweeper *r, double s, km_error *error) {
   const watch *w = self;
-  return add_toggle(w->out, r->plan->coordinate, s) ? KM_OK
-                                                    : km_fail(error, KM_MEMORY, "out of memory for the dead points");
+  return add_toggle(w->out, r->plan, r->plan->coordinate, s)
+             ? KM_OK
+             : km_fail(error, KM_MEMORY, "out of memory for the dead points");
 }
 
 static km_status tell(void *self, const km_sweep_job *job) {
@@ -292,7 +337,8 @@ static km_status tell(void *self, const km_sweep_job *job) {
 static void close_watch(void *self) {
   watch *w = self;
   km_singular_watch_free(&w->singular);
-  km_free(w->room);
+  km_directions_free(&w->directions);
+  km_free(w->listed);
   km_free(w->watched);
   km_free(w->cell);
   km_free(w->unread);
@@ -306,6 +352,7 @@ static km_observer observer_of(watch *w, bool singularities, bool table_only) {
                        .columns = add_columns,
                        .cells = write_numbers,
                        .seen = looks ? see : NULL,
+                       .stepped = looks ? step : NULL,
                        .wants = looks ? wants : NULL,
                        .shown = looks ? shown : NULL,
                        .passed = singularities ? pass : NULL,
@@ -319,18 +366,17 @@ static km_observer observer_of(watch *w, bool singularities, bool table_only) {
 }
 
 /* Space for a mechanism's numbers. */
-static bool reserve(watch *w, const km_mechanism *m) {
+static bool reserve(watch *w, const km_mechanism *m, const km_sweep_plan *plan) {
   size_t count = (size_t)m->coordinate_count;
   w->out->extremes = KM_NEW(km_extreme, count);
-  w->room = KM_NEW(double, 2 * count);
+  w->directions = (km_directions){.coordinates = count, .sense = sense_of(plan), .last = -1, .row = -1};
+  w->listed = KM_NEW(bool, count);
   w->watched = KM_NEW(int, count);
   w->cell = KM_NEW(size_t, count);
   w->unread = KM_NEW(bool, count);
   w->shown = KM_NEW(int, count + (size_t)m->model->joint_count);
-  if (!w->room || !w->watched || !w->cell || !w->unread || !w->shown || !w->out->extremes)
+  if (!w->listed || !w->watched || !w->cell || !w->unread || !w->shown || !w->out->extremes)
     return false;
-  w->z = w->room;
-  w->last_z = w->room + count;
   for (size_t c = 0; c < count; ++c)
     w->out->extremes[c] = (km_extreme){HUGE_VAL, nan("")};
   return true;
@@ -345,7 +391,7 @@ static km_status open_watch(km_sweep_job *job, km_mobility_sweep *out) {
   if (ready) {
     w->out = out;
     w->reads = job->table_only ? job->reads : NULL;
-    ready = reserve(w, job->m) && (!singularities || km_singular_watch_make(&w->singular, job->m));
+    ready = reserve(w, job->m, job->plan) && (!singularities || km_singular_watch_make(&w->singular, job->m));
     w->observer = observer_of(w, singularities, job->table_only);
     job->observer = &w->observer;
   }

@@ -89,6 +89,15 @@ static km_status open_sweeper(km_sweeper *r, const km_sweep_job *job) {
   return km_sweeper_columns(r, job->error);
 }
 
+static void tell_step(void *self, double s, const double *rates) {
+  const km_sweeper *r = self;
+  r->observer->stepped(r->observer->self, r, s, rates);
+}
+
+km_step_watch km_sweeper_step_watch(km_sweeper *r) {
+  return (km_step_watch){r->observer->stepped ? tell_step : NULL, r, r->scratch};
+}
+
 bool km_sweeper_meets(km_sweeper *r) {
   if (r->substructure < 0)
     return false;

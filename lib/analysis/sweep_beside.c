@@ -14,18 +14,47 @@ static int rows_ahead(const km_walk *w) {
   return left < KM_DRIVE_ROWS ? left : KM_DRIVE_ROWS;
 }
 
-/* The rows that were passed, at s[row × KM_DRIVE_LANES]. An observer that looks at rows sees the last one, which the state
- * shows. */
-static void write_passed_rows(km_walk *w, int count, const double *s) {
-  km_sweeper *r = w->r;
-  const bool looks = r->observer->seen != NULL;
-  km_status status = km_sweeper_passed_rows(r, w->at.drive, count - looks, w->row, s, w->job->error);
-  r->rides = true;
-  r->residual = km_drive_ridden_residual(w->at.drive);
-  w->last = s[(count - 1) * KM_DRIVE_LANES];
+/* An observer that looks at rows sees so many of those that were passed, the last ones. */
+enum { KM_ROWS_SEEN = 2 };
+
+/* Behind `count` rows that are written, of which the last one is at s. */
+static void leave_rows(km_walk *w, int count, double s) {
+  w->last = s;
   w->row += count;
   w->step += count;
-  w->job->status = status || !looks ? status : km_sweeper_row(r, w->row - 1, w->last, w->job->error);
+}
+
+/* The rows that were passed and that the observer doesn't see, at s[row × KM_DRIVE_LANES], of `count` in all. */
+static void write_unseen_rows(km_walk *w, int count, const double *s) {
+  const int seen = !w->r->observer->seen ? 0 : count < KM_ROWS_SEEN ? count : KM_ROWS_SEEN, unseen = count - seen;
+  w->job->status = km_sweeper_passed_rows(w->r, w->at.drive, unseen, w->row, s, w->job->error);
+  if (unseen > 0)
+    leave_rows(w, unseen, s[(unseen - 1) * KM_DRIVE_LANES]);
+}
+
+/* A row that was passed, which the state shows. */
+static void write_seen_row(km_walk *w, double s) {
+  km_sweeper *r = w->r;
+  r->rides = r->passed = true;
+  r->residual = km_drive_ridden_residual(w->at.drive);
+  if (!w->job->status)
+    w->job->status = km_sweeper_row(r, w->row, s, w->job->error);
+  r->passed = false;
+  leave_rows(w, 1, s);
+}
+
+/* The rows that the walks `going` have passed. */
+static void write_passed_rows(km_walk *walks, unsigned going, km_drive_lanes *lanes, int count, const double *rows) {
+  for (unsigned rest = going; rest; rest &= rest - 1)
+    write_unseen_rows(&walks[__builtin_ctz(rest)], count, rows + __builtin_ctz(rest));
+  for (int k = count > KM_ROWS_SEEN ? count - KM_ROWS_SEEN : 0; k < count; ++k) {
+    km_drive_lanes_show(lanes, k);
+    for (unsigned rest = going; rest; rest &= rest - 1) {
+      int i = __builtin_ctz(rest);
+      if (walks[i].r->observer->seen)
+        write_seen_row(&walks[i], rows[k * KM_DRIVE_LANES + i]);
+    }
+  }
 }
 
 /* Does the observer look at more than the lane tells? */
@@ -111,11 +140,7 @@ static void move_beside(km_walk *walks, unsigned going, km_drive_lanes *lanes, d
   for (int k = 1; k < count; ++k)
     set_targets(walks, going, same, k, rows + k * KM_DRIVE_LANES);
   int passed = km_drive_lanes_pass(lanes, going, rows, count, any_looks(walks, going));
-  if (passed > 0) {
-    km_drive_lanes_show(lanes, passed - 1);
-    for (unsigned rest = going; rest; rest &= rest - 1)
-      write_passed_rows(&walks[__builtin_ctz(rest)], passed, rows + __builtin_ctz(rest));
-  }
+  write_passed_rows(walks, going, lanes, passed, rows);
   memcpy(targets, rows + passed * KM_DRIVE_LANES, KM_DRIVE_LANES * sizeof *targets);
   km_drive_lanes_arrive(lanes, going, targets, reaches);
 }

@@ -177,6 +177,7 @@ static km_status begin_walk(km_walk *w) {
                                 &w->at.drive, error);
   if (status)
     return status;
+  km_drive_watch(w->at.drive, km_sweeper_step_watch(r));
   r->mover = (km_mover){&w->at, rates, probe, settle, pass, direction};
   return km_sweeper_prepare(r, error);
 }

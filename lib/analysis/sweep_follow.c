@@ -179,6 +179,7 @@ km_status km_sweep_by_length(km_sweeper *r, km_error *error) {
     status = km_follow_create(r->m, r->s, r->plan->direction, r->plan->sign, r->plan->ignore_limits, &follow, error);
   if (status)
     return status == KM_NO_RESULT ? only_row(r, error) : status;
+  km_follow_watch(follow, km_sweeper_step_watch(r));
   r->mover = (km_mover){follow, rates, probe, settle, NULL, NULL};
   r->substructure = r->out->substructure = km_follow_substructure(follow);
   r->out->start_branches = km_follow_start_branches(follow);

@@ -33,6 +33,9 @@ typedef struct km_observer {
   double *(*cells)(void *self, km_sweeper *sweeper, double *cell);
   /* After each row, or just after some: see number_cells. What lies between it and the last one. Leaves the state at the row. */
   km_status (*seen)(void *self, km_sweeper *sweeper, double s, km_error *error);
+  /* The motion has made a step between rows, on its own, to s, where it has these rates; the state needn't stand there when this
+   * is told, and some steps are told that were only tried. */
+  void (*stepped)(void *self, const km_sweeper *sweeper, double s, const double *rates);
   /* Behind `seen`: a place near the row at which the observer wants to know the rates, false: at none; and those rates, NULL
    * where the motion doesn't get there. `shown` comes after each place that is wanted. */
   bool (*wants)(void *self, double *s);
@@ -51,7 +54,7 @@ typedef struct km_observer {
   bool reads_basis;    /* and at the null space alone, */
   bool asks_direction; /* but asks km_mover.direction where one freedom is left */
   /* Of an observer that looks for places where an entry of the direction of motion is 0, and for nothing else: the cell of each
-   * coordinate's mobility number in a row, 0: none. Of rows between which no entry comes near 0 only the last one has to be
+   * coordinate's mobility number in a row, 0: none. Of rows (km_sweeper.passed) between which no entry comes near 0 only the last two have to be
    * `seen`, and in the others only coordinates, mobility numbers and the residual are new; where `seen` is NULL that holds of
    * all rows. Else NULL. */
   const size_t *number_cells;
@@ -73,6 +76,7 @@ struct km_sweeper {
   double *scratch;      /* [coordinate] */
   double *branch_point; /* saved: the first row's pose, where several freedoms lead away from it; NULL: it is regular */
   bool rides;           /* the row was reached beside others, and the state has its mobility numbers already: */
+  bool passed;          /* and the drive stands behind it already, so that no place near it can be visited */
   double residual;      /* of the loops that move, then */
   double other_residual; /* of the substructures that stand still */
   int other_mobility;
@@ -126,6 +130,8 @@ km_status km_check_sweep(const km_mechanism *mechanism, const km_state *state, c
 km_status km_sweeper_columns(const km_sweeper *sweeper, km_error *error);
 /* The numbers of what stands still, once, and which freedoms are idle. KM_MEMORY. */
 km_status km_sweeper_prepare(km_sweeper *sweeper, km_error *error);
+/* Who is to be told of the motion's steps: its observer, if it asks for them. `sweeper` has to stay. */
+km_step_watch km_sweeper_step_watch(km_sweeper *sweeper);
 /* A row at the state's pose, shown to the observer; and the places near it that the observer wants. */
 km_status km_sweeper_row(km_sweeper *sweeper, int step, double s, km_error *error);
 km_status km_sweeper_near_row(km_sweeper *sweeper, km_error *error);

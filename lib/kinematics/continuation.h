@@ -105,4 +105,12 @@ void km_continuation_place(km_continuation *continuation, double parameter);
  * reproduces itself; negative where the move runs against the tangents. Five-point Gauss-Legendre. */
 double km_continuation_arc(const km_continuation *continuation, const double *move, const double *t0, const double *t1);
 
+/* Who is told of the steps that a motion makes on the way to where it is to go, except the one that arrives there: of the
+ * driver or of the arc length, and of the rates of all coordinates there. */
+typedef struct km_step_watch {
+  void (*stepped)(void *self, double s, const double *rates); /* NULL: nobody */
+  void *self;
+  double *rates; /* [coordinate] workspace */
+} km_step_watch;
+
 #endif

@@ -295,6 +295,8 @@ static attempt walk(km_drive *d, double target, int *limit) {
       if (arrives) { /* s + (target - s) may be the next number */
         d->here.s = target;
         km_continuation_place(&d->c, target);
+      } else {
+        km_drive_tell(d, d->here.s, d->c.course.t, 1);
       }
       continue;
     }
@@ -393,8 +395,10 @@ void km_drive_begin(km_drive *d, double target) {
   if (fabs(left) <= step * km_drive_reach || !(d->here.known || start(d)))
     return;
   double h = copysign(step, left);
-  if (advance(d, h, km_drive_tightness, &limit) == ACCEPTED)
-    d->here.largest = fmax(lengthen(d, step, h), km_drive_least_first);
+  if (advance(d, h, km_drive_tightness, &limit) != ACCEPTED)
+    return;
+  d->here.largest = fmax(lengthen(d, step, h), km_drive_least_first);
+  km_drive_tell(d, d->here.s, d->c.course.t, 1);
 }
 
 km_reach km_drive_to(km_drive *d, double target) {
@@ -439,6 +443,13 @@ void km_drive_rates(const km_drive *d, const double *t, int stride, double *rate
     int c = m->column_coordinate[sub->column_start + k];
     rates[c] = t[k * stride] * m->unit[c] * inverse;
   }
+}
+
+void km_drive_tell(const km_drive *d, double s, const double *t, int stride) {
+  if (!d->watch.stepped)
+    return;
+  km_drive_rates(d, t, stride, d->watch.rates);
+  d->watch.stepped(d->watch.self, s / km_drive_factor(d), d->watch.rates);
 }
 
 void km_drive_expect_stiff(km_drive *d) {

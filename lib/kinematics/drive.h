@@ -53,7 +53,8 @@ struct km_drive {
   int bent;                      /* steps refused one after the other */
   bool drawn;                    /* the last prediction was */
   double strain;                 /* of the last prediction by it: at 1 its error is all that is allowed */
-  struct km_drive_lanes *lanes;  /* where this drive goes beside others, and which of them it is; NULL: alone */
+  km_step_watch watch;
+  struct km_drive_lanes *lanes; /* where this drive goes beside others, and which of them it is; NULL: alone */
   int lane;
 };
 
@@ -85,6 +86,12 @@ void km_drive_free_into(km_arena *memory, km_drive *drive);
 
 /* The rates of all coordinates per unit of the driver, by the tangent t[column · stride]. */
 void km_drive_rates(const km_drive *drive, const double *t, int stride, double *rates);
+/* Who is told of the drive's steps. */
+static inline void km_drive_watch(km_drive *d, km_step_watch watch) {
+  d->watch = watch;
+}
+/* Tells of a step to s, scaled, with the tangent t[column · stride]. */
+void km_drive_tell(const km_drive *drive, double s, const double *t, int stride);
 /* The state has just left a singular pose, near which paths are stiff: see km_least_path_draw. */
 void km_drive_expect_stiff(km_drive *drive);
 /* Where other freedoms are left, a way back needn't be the one that led here. The present place is one from which

@@ -151,7 +151,7 @@ void km_drive_settle(km_drive *d) {
   if (!l || !(l->aboard & own))
     return;
   l->aboard &= ~own;
-  l->known &= ~own;
+  l->known[0] &= ~own;
   l->looked &= ~own;
   if (!(l->ahead & own))
     return;
@@ -292,6 +292,15 @@ static km_reach arrive(km_drive_lanes *l, int i, bool there, double target) {
   return (km_reach){KM_STOP_NONE, target, -1, -1};
 }
 
+/* These lanes have made a step that leads on. */
+static void tell_steps(km_drive_lanes *l, unsigned lanes) {
+  l->several |= lanes;
+  for (unsigned left = lanes; left; left &= left - 1) {
+    int i = __builtin_ctz(left);
+    km_drive_tell(l->drives[i], l->here.s.of[i], &l->t->of[i], KM_DRIVE_LANES);
+  }
+}
+
 /* Steps of the lanes `wanted` towards their targets. Returns those that got there. */
 static unsigned go(km_drive_lanes *l, unsigned wanted) {
   unsigned there = 0;
@@ -301,6 +310,7 @@ static unsigned go(km_drive_lanes *l, unsigned wanted) {
       km_lanes_grow_moves(l, going);
     l->ahead |= going;
     there |= l->there;
+    tell_steps(l, going & ~l->there);
   }
   return there;
 }
@@ -327,17 +337,29 @@ unsigned km_drive_lanes_visit(km_drive_lanes *l, unsigned wanted, const double *
 static void go_to_row(km_drive_lanes *l, unsigned wanted, int index) {
   const km_lane_row *row = l->row = &l->rows[index];
   const int *coordinate = l->m->column_coordinate + l->sub->column_start;
+  l->several = 0;
   l->arrived = go(l, wanted);
   for (int k = 0; k < l->sub->columns; ++k)
     row->q[k] = l->q[coordinate[k]];
   *row->residual = l->here.residual;
 }
 
-/* Behind the rows there are others of the next pass: what is read of the last one is kept. */
+/* What lanes know of the row where they are becomes what they know of the row before. */
+static void leave_row(km_drive_lanes *l) {
+  l->before[1] = l->before[0];
+  l->before[0] = l->row->z;
+  l->known[1] = l->known[0] & ~l->several;
+  l->known[0] = l->arrived;
+}
+
+/* Behind the rows there are others of the next pass: what is read of the last two is kept. */
 static void end_pass(km_drive_lanes *l, int passed) {
   l->passed = passed;
-  memcpy(l->last_z, l->row->z, (size_t)l->sub->columns * sizeof *l->last_z);
-  l->before = l->last_z;
+  leave_row(l);
+  for (int i = 1; i >= 0; --i) { /* the row before may be the last one of the pass before */
+    memmove(l->last_z[i], l->before[i], (size_t)l->sub->columns * sizeof *l->last_z[i]);
+    l->before[i] = l->last_z[i];
+  }
 }
 
 int km_drive_lanes_pass(km_drive_lanes *l, unsigned wanted, const double *targets, int rows, bool looks) {
@@ -351,11 +373,10 @@ int km_drive_lanes_pass(km_drive_lanes *l, unsigned wanted, const double *target
   for (;; ++passed) {
     set_targets(l, wanted & l->aboard, targets + (size_t)passed * KM_DRIVE_LANES);
     go_to_row(l, wanted & l->aboard, passed);
-    unsigned plain = looks ? l->quiet & l->known : l->sound;
-    l->known = l->arrived;
+    unsigned plain = looks ? l->quiet & l->known[0] & l->known[1] & ~l->several : l->sound;
     if (passed + 1 == rows || l->arrived != wanted || wanted & ~plain)
       break;
-    l->before = l->row->z;
+    leave_row(l);
   }
   end_pass(l, passed);
   return passed;
@@ -371,7 +392,6 @@ unsigned km_drive_lanes_try(km_drive_lanes *l, unsigned wanted, const double *ta
     return 0;
   km_lanes_keep(l);
   go_to_row(l, riding, 0);
-  l->known = l->arrived;
   for (unsigned left = riding & ~l->arrived; left; left &= left - 1) {
     int i = __builtin_ctz(left);
     km_lanes_put_back(l, i);

@@ -18,8 +18,11 @@ km_status km_drive_lanes_create(km_arena *memory, km_drive *const *drives, int c
                                 km_error *error);
 void km_drive_lanes_free(km_arena *memory, km_drive_lanes *lanes);
 
-/* A row is quiet as long as no entry of a unit direction of motion, times what it was at the row before, is below this. */
+/* A row is quiet as long as no entry of a unit direction of motion, times what it was at the row before, is below this, */
 static const double km_drive_quiet = 1e-9;
+/* and the parabola through its sizes at the row and at the two before it stays above this part of the least of them. Then it has
+ * hardly passed 0 twice between two of these rows. */
+static const double km_drive_dip = 0.5;
 
 /* km_drive_to(drives[i], targets[i]) for every drive whose bit i is set in `wanted`, with the same bits. Where
  * km_drive_rides says so, the state has its coordinates and mobility numbers; whatever else is read of it (Jacobian,

@@ -23,15 +23,15 @@ static void reserve_place(km_drive_lanes *l) {
     l->past[i] = next;
 }
 
-/* Directions of motion are read of a row and of the one before it alone: rows share two places for them, in turn. Steps that are no
- * row's have their own. */
+/* Directions of motion are read of a row and of the two before it alone: rows share three places for them, in turn. Steps that are
+ * no row's have their own. */
 static void reserve_rows(km_drive_lanes *l) {
   size_t columns = (size_t)l->sub->columns;
   l->row_size = 2 * columns + 1;
   km_lanes_number *row = KM_ARENA_NEW(&l->arena, km_lanes_number, (KM_DRIVE_ROWS + 1) * l->row_size);
-  km_lanes_number *z = KM_ARENA_NEW(&l->arena, km_lanes_number, 3 * columns);
+  km_lanes_number *z = KM_ARENA_NEW(&l->arena, km_lanes_number, 4 * columns);
   for (size_t r = 0; row && z && r <= KM_DRIVE_ROWS; ++r, row += l->row_size)
-    l->rows[r] = (km_lane_row){row, z + (r < KM_DRIVE_ROWS ? r % 2 : 2) * columns, row + columns, row + 2 * columns};
+    l->rows[r] = (km_lane_row){row, z + (r < KM_DRIVE_ROWS ? r % 3 : 3) * columns, row + columns, row + 2 * columns};
 }
 
 /* For the programs of both kinds. */
@@ -74,11 +74,12 @@ static bool reserve(km_drive_lanes *l) {
   l->term_unit = numbers(arena, m->term_count);
   l->J = numbers(arena, rows * (columns + 2));
   reserve_place(l);
-  km_lanes_number **by_column[] = {&l->unit, &l->weight, &l->low, &l->high,  &l->from,
-                                   &l->move, &l->next_t, &l->x,   &l->last_z};
+  km_lanes_number **by_column[] = {&l->unit, &l->weight, &l->low, &l->high,      &l->from,
+                                   &l->move, &l->next_t, &l->x,   &l->last_z[0], &l->last_z[1]};
   for (size_t i = 0; i < sizeof by_column / sizeof *by_column; ++i)
     *by_column[i] = numbers(arena, columns);
-  l->before = l->last_z;
+  for (int i = 0; i < 2; ++i)
+    l->before[i] = l->last_z[i];
   int freedoms = columns < KM_LANES_FREEDOMS ? columns : KM_LANES_FREEDOMS;
   l->B = numbers(arena, rows * freedoms);
   l->Z = numbers(arena, columns * freedoms);

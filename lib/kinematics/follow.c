@@ -116,14 +116,25 @@ static bool one_step(km_follow *f, double most) {
   return false;
 }
 
+static void tell(const km_follow *f) {
+  if (!f->watch.stepped)
+    return;
+  km_follow_tangent(f, f->watch.rates);
+  f->watch.stepped(f->watch.self, f->s, f->watch.rates);
+}
+
 km_status km_follow_advance(km_follow *f, double length) {
   if (!f || !(length > 0.0 && length <= furthest))
     return KM_USAGE;
   double target = f->s + length;
   f->branched = false;
-  while (!f->closed && !f->branched && target - f->s > fmax(1e-10 * length, KM_FINEST_ARC))
+  const double near = fmax(1e-10 * length, KM_FINEST_ARC);
+  while (!f->closed && !f->branched && target - f->s > near) {
     if (!one_step(f, target - f->s))
       return KM_PARTIAL;
+    if (target - f->s > near)
+      tell(f);
+  }
   return KM_OK;
 }
 

@@ -22,12 +22,18 @@ struct km_follow {
   double g;                                  /* see follow.c; at this pose with the course's pivots */
   km_branch_point branch;                    /* passed during the last advance, if `branched` */
   bool branched;
+  km_step_watch watch;
   km_course aside; /* the course and the saved pose while a visit takes several steps */
   double *aside_pose;
 };
 
 static inline const km_substructure *km_follow_sub(const km_follow *follow) {
   return km_continuation_sub(&follow->c);
+}
+
+/* Who is told of the motion's steps. */
+static inline void km_follow_watch(km_follow *f, km_step_watch watch) {
+  f->watch = watch;
 }
 
 /* From the saved pose by an arc of exactly `length` (either sign), without accepting it: on success the state

@@ -145,12 +145,13 @@ struct km_drive_lanes {
   km_lane_row rows[KM_DRIVE_ROWS + 1];
   size_t row_size;
   const km_lane_row *row, *shown;
-  int passed;                    /* rows before the last one */
-  const km_lanes_number *before; /* [columns] z at the row before, */
-  unsigned known;                /* in these lanes */
-  km_lanes_number *last_z;       /* [columns] z where the last pass ended */
-  unsigned sound;                /* lanes whose pivots serve whoever looks at the pose */
-  bool looks;                    /* somebody looks at rows that aren't quiet */
+  int passed;                       /* rows before the last one */
+  const km_lanes_number *before[2]; /* [columns] z at the row before, and at the one before that, */
+  unsigned known[2];                /* in these lanes */
+  km_lanes_number *last_z[2];       /* [columns] the same where the last pass ended */
+  unsigned sound;                   /* lanes whose pivots serve whoever looks at the pose */
+  bool looks;                       /* somebody looks at rows that aren't quiet */
+  unsigned several;                 /* lanes that the last row took several steps */
   unsigned quiet;   /* then: lanes where no entry of z has changed its sign, or come near 0, since the row before */
   unsigned arrived; /* lanes that the last row's steps led to their targets */
 

@@ -293,6 +293,14 @@ static WITHIN void set_numbers_of_one(km_drive_lanes *l, const mask *took, int f
     }
 }
 
+/* km_dip_shows of analysis/dead_points.c at rows that are equally far from each other, and where that is so but for rounding. */
+static inline mask may_dip(vector a, vector b, vector c) {
+  const double slack = 1.01;
+  vector bend = a - b - (b - c), slope = size_of(c - a), least = -larger(-a, larger(-b, -c));
+  return below(all(0.0), bend) & at_most(slope, 2.0 * slack * bend) &
+         below(8.0 * bend * (b - slack * km_drive_dip * least), slope * slope);
+}
+
 /* Lanes whose pivots serve whoever looks at the row; and those of them, where it counts, in which no entry of the direction of
  * motion has changed its sign, or come near 0, since the row before. */
 static inline void find_quiet(const km_drive_lanes *l, mask *sound, mask *quiet, int first, int count) {
@@ -300,8 +308,9 @@ static inline void find_quiet(const km_drive_lanes *l, mask *sound, mask *quiet,
   quiet[r] = sound[r] = at_most(GET(l->here.largest_b), all(km_largest_good_b));
   for (int k = 0; k < l->sub->columns && l->looks; ++k)
     EACH(r) {
-      vector z = GET(l->row->z[k]), before = GET(l->before[k]);
+      vector z = GET(l->row->z[k]), before = GET(l->before[0][k]), earlier = GET(l->before[1][k]);
       quiet[r] &= below(all(km_drive_quiet), z * before) | (equal(z, all(0.0)) & equal(before, all(0.0)));
+      quiet[r] &= ~may_dip(size_of(earlier), size_of(before), size_of(z));
     }
 }
 

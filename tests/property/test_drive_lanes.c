@@ -1,6 +1,7 @@
 /* Drives side by side have the bits of drives that go alone: where they ride in vectors, where they leave for a limit, a
  * dead point or new pivots, and whatever goes beside them. */
 #include "support/linkages.h"
+#include "support/planar.h"
 
 #include "analysis/mobility.h"
 #include "analysis/observers.h"
@@ -129,22 +130,45 @@ static fixture open_tangent(uint64_t seed) {
   return fixture_read(text);
 }
 
+/* A linkage of ten hinges of which one stands twice between two of the few rows. */
+static const char twice[] = "a joint that stands twice between two rows";
+
+static fixture open_twice(uint64_t seed) {
+  randomness shape = {3480}, own = {seed};
+  planar p = planar_random(&shape, 1, 1 + below(&shape, 3), false);
+  for (int j = 0; j < p.joints; ++j)
+    p.joint[j].place[0] += 1e-4 * uniform(&own, -1.0, 1.0);
+  char *text = planar_text(&p);
+  fixture f = fixture_read(text);
+  km_free(text);
+  return f;
+}
+
 static fixture open_fixture(const char *name, uint64_t seed) {
   return name == space_loop                       ? open_space_loop(seed)
+         : name == twice                          ? open_twice(seed)
          : name == beside_pendulum                ? open_beside_pendulum(seed)
          : name == tangent || name == tangent_end ? open_tangent(seed)
                                                   : fixture_open_variant(name, seed);
 }
 
-static design open_design(const char *name, uint64_t seed, bool ignore_limits) {
-  design d = {.f = open_fixture(name, seed)};
-  km_sweep_plan plan = km_sweep_plan_default(d.f.model);
+static km_sweep_plan plan_of(const char *name, const km_model *model) {
+  km_sweep_plan plan = km_sweep_plan_default(model);
   if (name == space_loop || name == beside_pendulum)
     plan = (km_sweep_plan){.coordinate = 0, .from = 0.0, .to = 0.3};
   if (name == tangent)
     plan = (km_sweep_plan){.coordinate = 0, .from = -1.5, .to = 2.0};
   if (name == tangent_end)
     plan = (km_sweep_plan){.coordinate = 0, .from = 1.5697, .to = 1.5699};
+  if (name == twice)
+    plan = (km_sweep_plan){.coordinate = 1, .from = -0.148, .to = 0.437, .steps = 9};
+  plan.direction = -1;
+  return plan;
+}
+
+static design open_design(const char *name, uint64_t seed, bool ignore_limits) {
+  design d = {.f = open_fixture(name, seed)};
+  km_sweep_plan plan = plan_of(name, d.f.model);
   d.from = plan.from;
   d.to = plan.to;
   assert_int_equal(km_drive_create(d.f.mechanism, d.f.state, plan.coordinate, ignore_limits, &d.drive, NULL), KM_OK);
@@ -403,11 +427,25 @@ static void visits(void **state) {
   compare_visits("rssr");
 }
 
+/* The ninth joint, between two rows, so that its number shows nothing. */
+static void stands_twice(const km_mobility_sweep *sweep) {
+  double s[2];
+  int count = 0;
+  for (size_t t = 0; t < sweep->toggle_count; ++t)
+    if (sweep->toggles[t].coordinate == 8 && count < 2)
+      s[count++] = sweep->toggles[t].s;
+  assert_int_equal(count, 2);
+  for (size_t row = 0; row < km_table_rows(sweep->motion.table); ++row) {
+    double at = km_table_row(sweep->motion.table, row)[1];
+    assert_false(at >= s[0] && at <= s[1]);
+  }
+}
+
 /* Sweeps beside each other, over many rows at once where they are quiet, have the tables and toggles of sweeps alone. */
 static void sweeps_as_alone(void **state) {
   (void)state;
-  static const char *const models[] = {"slider_crank", "fourbar", "excavator", "klann",
-                                       "brake",        "rssr",    "delta",     "stewart"};
+  static const char *const models[] = {"slider_crank", "fourbar", "excavator", "klann", "brake",
+                                       "rssr",         "delta",   "stewart",   twice};
   for (size_t k = 0; k < sizeof models / sizeof *models; ++k) {
     design d[KM_DRIVE_LANES];
     km_mobility_sweep beside[KM_DRIVE_LANES];
@@ -416,7 +454,7 @@ static void sweeps_as_alone(void **state) {
     km_sweep_plan plan;
     for (int i = 0; i < KM_DRIVE_LANES; ++i) {
       d[i] = open_design(models[k], 300 + (uint64_t)i, false);
-      plan = km_sweep_plan_default(d[i].f.model);
+      plan = plan_of(models[k], d[i].f.model);
       jobs[i] = (km_sweep_job){.m = d[i].f.mechanism, .s = d[i].f.state, .plan = &plan, .error = &errors[i]};
       km_mobility_sweep_open(&jobs[i], &beside[i]);
     }
@@ -439,6 +477,8 @@ static void sweeps_as_alone(void **state) {
         assert_int_equal(beside[i].toggles[t].coordinate, alone.toggles[t].coordinate);
         assert_true(beside[i].toggles[t].s == alone.toggles[t].s);
       }
+      if (models[k] == twice)
+        stands_twice(&alone);
       for (int c = 0; c < again.f.mechanism->coordinate_count; ++c)
         assert_true(beside[i].extremes[c].number == alone.extremes[c].number);
       km_mobility_sweep_free(&alone);

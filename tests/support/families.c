@@ -37,6 +37,7 @@ EXPLAINING(turns)
 
 const family all_families[] = {{"inertia", family_inertia},
                                {"limits", family_limits},
+                               {"dead points", family_dead_points},
                                {"least path", family_least_path},
                                {"moving", family_moving},
                                {"contact", family_contact},
