@@ -5,10 +5,6 @@
 
 #include <string.h>
 
-static int rows_of(km_task task) {
-  return task == KM_TASK_POSE ? 6 : task == KM_TASK_AXIS ? 5 : 3;
-}
-
 static void set_length(km_arm *a) {
   a->length = a->mechanism->length;
 }
@@ -116,7 +112,14 @@ static km_status build(km_arm *a, const km_state *s, const km_arc **arcs, km_err
   X.p = km_vec3_scale(1.0 / a->length, X.p);
   a->tool = X;
   set_sizes(a);
+  if (!km_arm_find_rows(a))
+    return km_fail(error, KM_MEMORY, "out of memory for an arm");
   a->freedom = a->n - a->rows;
+  if (a->rows == 0)
+    return km_fail(
+        error, KM_USAGE,
+        "no joint on the way to frame \"%s\" of body \"%s\" moves it as the task counts; expected one at least",
+        effector->name, model->bodies[effector->body].name);
   if (a->freedom < 0)
     return km_fail(error, KM_USAGE,
                    "the way to frame \"%s\" of body \"%s\" has %d free coordinates; expected at least %d",
@@ -144,7 +147,7 @@ km_status km_arm_create(const km_mechanism *m, const km_state *s, int effector, 
   a->mechanism = m;
   a->frame = effector;
   a->task = task;
-  a->rows = rows_of(task);
+  a->task_rows = km_task_rows(task);
   set_length(a);
   a->motions = KM_ARENA_NEW(&a->arena, km_arm_motion, KM_ARM_MOST);
   a->coordinate = KM_ARENA_NEW(&a->arena, int, KM_ARM_MOST);
@@ -184,7 +187,7 @@ int km_arm_coordinate(const km_arm *a, int column) {
 }
 
 int km_arm_rows(const km_arm *a) {
-  return a ? a->rows : 0;
+  return a ? a->task_rows : 0;
 }
 
 int km_arm_freedom(const km_arm *a) {

@@ -26,12 +26,15 @@ struct km_arm {
   const km_mechanism *mechanism;
   int frame; /* the effector's, of the model */
   km_task task;
-  int n, rows;
-  int freedom;       /* n − rows: dimension of the self-motion at regular poses */
-  double length;     /* L, in the model's unit */
-  double slide_most; /* slides further than this are of no use: several times the arm's size */
-  double shrink;     /* of position errors, squared: 1 but for arms of more than 100 L, whose rounding is as large */
-  km_vec3 origin;    /* of everything here, in the inertial frame and the model's unit */
+  int n;
+  int rows; /* of the Jacobian: those of the task that motions can change; all of them but for planar arms and the like */
+  int freedom; /* n − rows: dimension of the self-motion at regular poses */
+  int task_rows;
+  double basis[KM_ARM_ROWS][KM_ARM_ROWS]; /* [rows × task_rows] orthonormal: what they are of the task's rows */
+  double length;                          /* L, in the model's unit */
+  double slide_most;                      /* slides further than this are of no use: several times the arm's size */
+  double shrink;  /* of position errors, squared: 1 but for arms of more than 100 L, whose rounding is as large */
+  km_vec3 origin; /* of everything here, in the inertial frame and the model's unit */
   km_arm_motion *motions; /* [n] */
   km_pose tool;           /* from the last motion to the effector */
   int *coordinate;        /* [n] of the mechanism */
@@ -67,11 +70,19 @@ void km_arm_space_free(km_arm_space *space);
  * position v alone; of an axis v, then ω across the effector's z axis, along its x and y. */
 void km_arm_update(const km_arm *arm, km_arm_space *space, const double *q);
 
+/* The columns by all rows of the task: columns[task_rows × n]. The space keeps its Jacobian. */
+void km_arm_all_columns(const km_arm *arm, km_arm_space *space, const double *q, double *columns);
+
 /* What is left from the pose to a target: error[rows], and its length and angle. Returns √(shrink·length² + angle²). */
 double km_arm_error(const km_arm *arm, const km_arm_space *space, const km_pose *target, double *error,
                     double *position, double *rotation);
 
-/* The part of a twist at the effector's origin that the task counts. */
+/* Of a pose 6, of an axis 5, of a position 3. */
+int km_task_rows(km_task task);
+/* Which of the task's rows the motions can change, by random poses. False when out of memory. */
+bool km_arm_find_rows(km_arm *arm);
+/* The part of a twist at the effector's origin that the task counts: all of it, and what motions can change of it. */
+void km_arm_all_task_rows(const km_arm *arm, const km_rotation *effector, km_twist twist, double *rows);
 void km_arm_task_rows(const km_arm *arm, const km_rotation *effector, km_twist twist, double *rows);
 
 /* Singular values of the scaled Jacobian, largest first: sigma[rows]. */

@@ -56,20 +56,15 @@ static void go_out(const km_arm *a, km_arm_space *s, const double *q) {
   s->pose = km_pose_product(&X, &a->tool);
 }
 
-void km_arm_task_rows(const km_arm *a, const km_rotation *effector, km_twist twist, double *rows) {
-  rows[0] = twist.v.x;
-  rows[1] = twist.v.y;
-  rows[2] = twist.v.z;
-  if (a->task == KM_TASK_POSITION)
-    return;
-  if (a->task == KM_TASK_AXIS) {
-    rows[3] = km_vec3_dot(effector->axis[0], twist.w);
-    rows[4] = km_vec3_dot(effector->axis[1], twist.w);
-    return;
-  }
-  rows[3] = twist.w.x;
-  rows[4] = twist.w.y;
-  rows[5] = twist.w.z;
+/* Of the effector's origin, per unit of a motion. By go_out. */
+static km_twist column_twist(const km_arm *a, const km_arm_space *s, int k) {
+  const km_arm_motion *m = &a->motions[k];
+  km_twist t = {s->axis[k], {0, 0, 0}};
+  if (m->primitive != KM_PRISMATIC)
+    t = (km_twist){km_vec3_cross(s->axis[k], km_vec3_sub(s->pose.p, s->point[k])), s->axis[k]};
+  if (m->primitive == KM_HELICAL)
+    t.v = km_vec3_axpy(m->pitch, s->axis[k], t.v);
+  return t;
 }
 
 /* The same by the kernel of seven joints; false if an angle is too large for its sines. */
@@ -92,15 +87,14 @@ void km_arm_update(const km_arm *a, km_arm_space *s, const double *q) {
   if (s->seven_stands)
     return;
   go_out(a, s, q);
-  for (int k = 0; k < a->n; ++k) {
-    const km_arm_motion *m = &a->motions[k];
-    km_twist t = {s->axis[k], {0, 0, 0}};
-    if (m->primitive != KM_PRISMATIC)
-      t = (km_twist){km_vec3_cross(s->axis[k], km_vec3_sub(s->pose.p, s->point[k])), s->axis[k]};
-    if (m->primitive == KM_HELICAL)
-      t.v = km_vec3_axpy(m->pitch, s->axis[k], t.v);
-    km_arm_task_rows(a, &s->pose.R, t, s->jacobian + k * a->rows);
-  }
+  for (int k = 0; k < a->n; ++k)
+    km_arm_task_rows(a, &s->pose.R, column_twist(a, s, k), s->jacobian + k * a->rows);
+}
+
+void km_arm_all_columns(const km_arm *a, km_arm_space *s, const double *q, double *columns) {
+  go_out(a, s, q);
+  for (int k = 0; k < a->n; ++k)
+    km_arm_all_task_rows(a, &s->pose.R, column_twist(a, s, k), columns + k * a->task_rows);
 }
 
 /* The turn that is left, in the inertial axes; of an axis, the turn that brings z to its place. */

@@ -7,9 +7,8 @@ static km_status check(const km_arm *a, const double *q, const void *out, km_err
   return status ? status : km_check_arm_values(a, q, error);
 }
 
-/* The space at q, in the model's units. */
-static km_status stand(const km_arm *a, const double *q, km_arm_space *space, km_error *error) {
-  double own[KM_ARM_MOST];
+/* The space at q, in the model's units; own[n]: the same in the arm's. */
+static km_status stand(const km_arm *a, const double *q, km_arm_space *space, double *own, km_error *error) {
   if (!km_arm_space_create(a, space))
     return km_fail(error, KM_MEMORY, "out of memory for an arm");
   for (int k = 0; k < a->n; ++k)
@@ -20,9 +19,10 @@ static km_status stand(const km_arm *a, const double *q, km_arm_space *space, km
 
 km_status km_arm_place(const km_arm *a, const double *q, km_frame_pose *out, km_error *error) {
   km_arm_space space;
+  double own[KM_ARM_MOST];
   km_status status = check(a, q, out, error);
   if (!status)
-    status = stand(a, q, &space, error);
+    status = stand(a, q, &space, own, error);
   if (status)
     return status;
   km_pose pose = km_arm_to_model(a, &space.pose);
@@ -33,14 +33,16 @@ km_status km_arm_place(const km_arm *a, const double *q, km_frame_pose *out, km_
 
 km_status km_arm_jacobian(const km_arm *a, const double *q, double *J, km_error *error) {
   km_arm_space space;
+  double own[KM_ARM_MOST];
   km_status status = check(a, q, J, error);
   if (!status)
-    status = stand(a, q, &space, error);
+    status = stand(a, q, &space, own, error);
   if (status)
     return status;
+  km_arm_all_columns(a, &space, own, J);
   for (int k = 0; k < a->n; ++k)
-    for (int r = 0; r < a->rows; ++r)
-      J[k * a->rows + r] = space.jacobian[k * a->rows + r] * (r < 3 ? a->length : 1.0) / a->unit[k];
+    for (int r = 0; r < a->task_rows; ++r)
+      J[k * a->task_rows + r] *= (r < 3 ? a->length : 1.0) / a->unit[k];
   km_arm_space_free(&space);
   return KM_OK;
 }

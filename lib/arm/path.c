@@ -11,10 +11,10 @@ typedef struct stretch {
 /* What the task counts of a rate. */
 static stretch counted(const km_arm *arm, const km_pose *pose, km_twist rate) {
   double rows[KM_ARM_ROWS], travel = 0.0, turn = 0.0;
-  km_arm_task_rows(arm, &pose->R, rate, rows);
+  km_arm_all_task_rows(arm, &pose->R, rate, rows);
   for (int r = 0; r < 3; ++r)
     travel += rows[r] * rows[r];
-  for (int r = 3; r < arm->rows; ++r)
+  for (int r = 3; r < arm->task_rows; ++r)
     turn += rows[r] * rows[r];
   return (stretch){sqrt(travel + turn), sqrt(travel), sqrt(turn)};
 }

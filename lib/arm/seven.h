@@ -19,7 +19,7 @@ enum { SEVEN = 7, KM_NEWTON_MOST = 16 };
 
 /* Are these the arms that the kernel is for? */
 static inline bool km_seven_fits(const km_arm *arm) {
-  return arm->n == SEVEN && arm->task == KM_TASK_POSE;
+  return arm->n == SEVEN && arm->rows == KM_ARM_ROWS;
 }
 /* Below this ratio of R's diagonal the Jacobian is left to pivoting. */
 #define KM_SEVEN_REGULAR 1e-6

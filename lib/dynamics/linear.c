@@ -8,7 +8,10 @@
 #include <string.h>
 
 static const double step = 1e-5;
-static const double still = 1e-6; /* of the largest eigenvalue: what is below this counts as 0 */
+static const double difference_error = 1e-9; /* of the accelerations, in their differences */
+static const double alike = 1e-6;            /* sizes of eigenvalues that only rounding tells apart */
+static const double rounding = 1e-5; /* of the largest eigenvalue: what the differences leave of an eigenvalue 0 */
+static const double rest = 1e-6;     /* the largest acceleration of a pose at rest, scaled, over s² */
 
 bool km_poise_take(const km_dynamics *d, const km_state *s, km_poise *out) {
   const km_mechanism *m = d->mechanism;
@@ -189,7 +192,7 @@ static eigenvector vector_of(const eigensystem *e, size_t size, size_t k) {
 /* By size; of those that only rounding tells apart, what grows first. */
 static bool precedes(const eigensystem *e, int a, int b) {
   double size[] = {hypot(e->real[a], e->imaginary[a]), hypot(e->real[b], e->imaginary[b])};
-  double close = still * fmax(size[0], size[1]);
+  double close = alike * fmax(size[0], size[1]);
   return fabs(size[0] - size[1]) > close ? size[0] < size[1] : e->real[a] > e->real[b] + close;
 }
 
@@ -236,7 +239,7 @@ km_status km_linearise(km_dynamics *d, km_state *s, km_linear *out, km_error *er
   if (!out)
     return km_check_given(false, "place for the result", error);
   *out = (km_linear){0};
-  km_status status = km_check_given(d != NULL, "equations of motion", error);
+  km_status status = km_dynamics_project_rates(d, s, NULL, error);
   if (!status)
     status = km_dynamics_accelerate(d, s, error);
   if (status)
@@ -252,6 +255,7 @@ km_status km_linearise(km_dynamics *d, km_state *s, km_linear *out, km_error *er
       int c = poise.independent[k];
       out->residual = fmax(out->residual, fabs(s->acceleration[c]) * d->mechanism->scale[c] / (second * second));
     }
+    out->noise = second * sqrt(difference_error * out->residual);
     take_N(d, &poise, out);
     good = fill(d, s, &poise, work, out);
   }
@@ -282,22 +286,34 @@ void km_linear_free(km_linear *l) {
 }
 
 const char *km_stability_name(km_stability stability) {
-  static const char *const names[] = {"stable", "unstable", "indifferent"};
+  static const char *const names[] = {"stable", "unstable", "indifferent", "not at rest"};
   return (size_t)stability < sizeof names / sizeof *names ? names[stability] : "";
 }
 
+static double largest_of(const km_linear *l) {
+  double largest = 0.0;
+  for (int k = 0; k < 2 * l->freedom; ++k)
+    largest = fmax(largest, hypot(l->real[k], l->imaginary[k]));
+  return largest;
+}
+
+double km_linear_zero(const km_linear *l) {
+  return fmax(rounding * largest_of(l), l->noise);
+}
+
 km_stability km_linear_stability(const km_linear *l) {
-  double largest = 0.0, real = -HUGE_VAL, least = HUGE_VAL;
+  double real = -HUGE_VAL, least = HUGE_VAL;
   if (!l)
     return KM_INDIFFERENT;
+  if (!(l->residual <= rest))
+    return KM_NOT_AT_REST;
   for (int k = 0; k < 2 * l->freedom; ++k) {
-    double size = hypot(l->real[k], l->imaginary[k]);
-    largest = fmax(largest, size);
-    least = fmin(least, size);
+    least = fmin(least, hypot(l->real[k], l->imaginary[k]));
     real = fmax(real, l->real[k]);
   }
   /* A double eigenvalue 0 comes out of differences as ± the root of their error. */
-  if (real > 1e-3 * largest)
+  double zero = fmax(1e-3 * largest_of(l), l->noise);
+  if (real > zero)
     return KM_UNSTABLE;
-  return l->freedom == 0 || least > sqrt(still) * largest ? KM_STABLE : KM_INDIFFERENT;
+  return l->freedom == 0 || least > zero ? KM_STABLE : KM_INDIFFERENT;
 }

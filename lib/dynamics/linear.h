@@ -3,6 +3,7 @@
 #define KM_DYNAMICS_LINEAR_H
 
 #include "dynamics/dynamics.h"
+#include "kmech/linear.h"
 
 /* A state to come back to, with its independent coordinates. */
 typedef struct km_poise {
@@ -26,5 +27,8 @@ void km_nudge(const km_mechanism *mechanism, km_state *state, int coordinate, do
  * work[2 freedom], K[freedom²] column-major. False where an evaluation fails. */
 bool km_stiffness_of_accelerations(km_dynamics *dynamics, km_state *state, const km_poise *poise, double *work,
                                    double *K);
+
+/* An eigenvalue up to this size is 0 but for the differences. */
+double km_linear_zero(const km_linear *linear);
 
 #endif

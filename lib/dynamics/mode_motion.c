@@ -6,7 +6,6 @@
 
 #include <string.h>
 
-static const double rounding = 1e-5; /* of the largest eigenvalue: what the differences leave of an eigenvalue 0 */
 static const double amplitude_first = 0.25; /* radians or characteristic lengths: seen at a glance */
 static const double amplitude_least = 1e-3;
 static const double bend = 0.5;      /* of the amplitude: how far loops may lead away from the mode's straight motion */
@@ -25,10 +24,7 @@ typedef struct shaking {
 km_linear_kind km_linear_kind_of(const km_linear *l, int k) {
   if (!l || k < 0 || k >= 2 * l->freedom)
     return KM_LINEAR_STILL;
-  double largest = 0.0;
-  for (int i = 0; i < 2 * l->freedom; ++i)
-    largest = fmax(largest, hypot(l->real[i], l->imaginary[i]));
-  if (hypot(l->real[k], l->imaginary[k]) <= rounding * largest)
+  if (hypot(l->real[k], l->imaginary[k]) <= km_linear_zero(l))
     return KM_LINEAR_STILL;
   if (l->imaginary[k] != 0.0)
     return KM_LINEAR_SWINGS;

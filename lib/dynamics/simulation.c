@@ -133,7 +133,7 @@ km_status km_simulation_create(km_dynamics *d, km_state *s, const km_simulation_
   km_simulation *run = KM_NEW(km_simulation, 1);
   if (!run)
     return km_fail(error, KM_MEMORY, "out of memory for the run");
-  *run = (km_simulation){.dynamics = d, .state = s, .def = *def};
+  *run = (km_simulation){.dynamics = d, .state = s, .def = *def, .stop = HUGE_VAL};
   run->def.relative *= share;
   run->def.absolute *= share;
   status = lay_out(run) ? KM_OK : km_fail(error, KM_MEMORY, "out of memory for the run");
@@ -192,8 +192,8 @@ static double locate(km_simulation *run, int crossing) {
   return b;
 }
 
-/* The crossings of the last step, in order of time. False when out of memory. `stop`: the first that ends the run. */
-static bool find_crossings(km_simulation *run, double *stop) {
+/* The crossings of the last step, in order of time, up to the first that ends the run. False when out of memory. */
+static bool find_crossings(km_simulation *run) {
   size_t first = run->met_count;
   for (int i = 0; i < run->def.crossing_count; ++i) {
     double now = side_of(run, i, run->y);
@@ -207,15 +207,15 @@ static bool find_crossings(km_simulation *run, double *stop) {
       run->met[at] = run->met[at - 1];
     run->met[at] = (km_crossing_met){i, time, now > 0.0 ? 1 : -1};
     if (run->crossings[i].stops)
-      *stop = fmin(*stop, time);
+      run->stop = fmin(run->stop, time);
     run->side[i] = now;
   }
-  while (run->met_count > first && run->met[run->met_count - 1].time > *stop)
+  while (run->met_count > first && run->met[run->met_count - 1].time > run->stop)
     run->met_count--;
   return true;
 }
 
-static km_status step(km_simulation *run, double *stop, km_error *error) {
+static km_status step(km_simulation *run, km_error *error) {
   run->last_time = run->time;
   memcpy(run->good, run->y, (size_t)run->size * sizeof *run->y);
   km_status status = run->cvode ? km_cvode_step(run, error) : km_fixed_step(run, error);
@@ -223,7 +223,7 @@ static km_status step(km_simulation *run, double *stop, km_error *error) {
     return status;
   if (run->cvode && run->dynamics->stale && !km_simulation_settle(run, run->y, run->time, false))
     return km_dynamics_fail(run->dynamics, run->outcome, error);
-  return find_crossings(run, stop) ? KM_OK : km_fail(error, KM_MEMORY, "out of memory for the crossings");
+  return find_crossings(run) ? KM_OK : km_fail(error, KM_MEMORY, "out of memory for the crossings");
 }
 
 /* The state at a time within the last step. */
@@ -251,9 +251,9 @@ km_status km_simulation_advance(km_simulation *run, double time, km_progress pro
     return status;
   if (!isfinite(time) || !(time >= run->last_time) || !(time <= run->def.end))
     return km_fail(error, KM_USAGE, "time %g; expected one from %g to %g", time, run->last_time, run->def.end);
-  double from = run->time, stop = HUGE_VAL;
-  while (run->time < time && run->time < stop && !status) {
-    status = step(run, &stop, error);
+  double from = run->time;
+  while (run->time < time && run->time < run->stop && !status) {
+    status = step(run, error);
     if (!status && progress && !progress(context, (run->time - from) / (time - from)))
       return km_fail(error, KM_CANCELLED, "cancelled at time %g", run->time);
   }
@@ -263,8 +263,11 @@ km_status km_simulation_advance(km_simulation *run, double time, km_progress pro
     memcpy(run->at, run->y, (size_t)run->size * sizeof *run->y);
     return status;
   }
-  status = show(run, fmin(time, stop), error);
-  return !status && stop <= time ? KM_PARTIAL : status;
+  bool stops = run->stop <= time; /* else it may be met later in the last step */
+  status = show(run, stops ? run->stop : time, error);
+  if (stops)
+    run->stop = HUGE_VAL;
+  return !status && stops ? KM_PARTIAL : status;
 }
 
 km_simulation_figures km_simulation_figures_of(const km_simulation *run) {

@@ -48,8 +48,10 @@ struct km_simulation {
   bool blind;        /* CVODE has stopped before a pose where accelerations are rounding */
   km_crossing_met *met;
   size_t met_count, met_room;
-  double *at;      /* [size] the vector between steps */
-  double *side;    /* [crossing] coordinate less value at the last step */
+  double *at;   /* [size] the vector between steps */
+  double *side; /* [crossing] coordinate less value at the last step */
+  double
+      stop; /* when the first crossing of the last step that ends the run was met, until the run has come there; else infinite */
   km_cvode *cvode; /* NULL: fixed steps */
 };
 

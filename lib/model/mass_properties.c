@@ -137,8 +137,8 @@ km_status km_mesh_weigh(const km_mesh *mesh, const char *name, km_mass *out, km_
   return KM_OK;
 }
 
-/* Turns the symmetric A about the axis that is neither p nor q so that A_pq becomes 0. */
-static void annihilate(double A[3][3], int p, int q) {
+/* Turns the symmetric A about the axis that is neither p nor q so that A_pq becomes 0, and the axes with it. */
+static void annihilate(double A[3][3], km_vec3 axes[3], int p, int q) {
   if (A[p][q] == 0.0)
     return;
   double theta = (A[q][q] - A[p][p]) / (2.0 * A[p][q]);
@@ -151,9 +151,12 @@ static void annihilate(double A[3][3], int p, int q) {
   A[p][q] = A[q][p] = 0.0;
   A[p][r] = A[r][p] = c * pr - s * qr;
   A[q][r] = A[r][q] = s * pr + c * qr;
+  km_vec3 first = axes[p], second = axes[q];
+  axes[p] = km_vec3_axpy(-s, second, km_vec3_scale(c, first));
+  axes[q] = km_vec3_axpy(s, first, km_vec3_scale(c, second));
 }
 
-void km_principal_moments(const double I[6], double moments[3]) {
+void km_principal_axes(const double I[6], double moments[3], km_vec3 axes[3]) {
   enum { SWEEPS = 12 }; /* convergence is quadratic: six do */
   double scale = 0.0;
   for (int k = 0; k < 6; ++k)
@@ -161,13 +164,33 @@ void km_principal_moments(const double I[6], double moments[3]) {
   double one = scale > 0.0 ? scale : 1.0;
   double A[3][3] = {
       {I[0] / one, I[3] / one, I[5] / one}, {I[3] / one, I[1] / one, I[4] / one}, {I[5] / one, I[4] / one, I[2] / one}};
+  for (int k = 0; k < 3; ++k)
+    axes[k] = (km_vec3){k == 0, k == 1, k == 2};
   for (int sweep = 0; sweep < SWEEPS; ++sweep) {
-    annihilate(A, 0, 1);
-    annihilate(A, 1, 2);
-    annihilate(A, 0, 2);
+    annihilate(A, axes, 0, 1);
+    annihilate(A, axes, 1, 2);
+    annihilate(A, axes, 0, 2);
   }
-  double low = fmin(fmin(A[0][0], A[1][1]), A[2][2]), high = fmax(fmax(A[0][0], A[1][1]), A[2][2]);
-  moments[0] = scale * low;
-  moments[1] = scale * (A[0][0] + A[1][1] + A[2][2] - low - high);
-  moments[2] = scale * high;
+  for (int k = 0; k < 3; ++k)
+    moments[k] = scale * A[k][k];
+}
+
+void km_inertia_about(const double moments[3], const km_vec3 axes[3], double I[6]) {
+  static const int row[6] = {0, 1, 2, 0, 1, 2}, column[6] = {0, 1, 2, 1, 2, 0};
+  for (int k = 0; k < 6; ++k) {
+    I[k] = 0.0;
+    for (int a = 0; a < 3; ++a) {
+      const double u[3] = {axes[a].x, axes[a].y, axes[a].z};
+      I[k] += moments[a] * u[row[k]] * u[column[k]];
+    }
+  }
+}
+
+void km_principal_moments(const double I[6], double moments[3]) {
+  double found[3];
+  km_vec3 axes[3];
+  km_principal_axes(I, found, axes);
+  moments[0] = fmin(fmin(found[0], found[1]), found[2]);
+  moments[2] = fmax(fmax(found[0], found[1]), found[2]);
+  moments[1] = found[0] + found[1] + found[2] - moments[0] - moments[2];
 }

@@ -31,6 +31,11 @@ km_status km_mass_properties_of(const km_mesh *mesh, km_mass_properties *out, km
  * faces look opposite ways, or it encloses no volume; KM_MEMORY. */
 km_status km_mesh_weigh(const km_mesh *mesh, const char *name, km_mass *out, km_error *error);
 
+/* The principal moments of an inertia (Ixx Iyy Izz Ixy Iyz Izx) and their unit axes, in no order; each moment to 1e-15 of the
+ * largest. Jacobi's method. */
+void km_principal_axes(const double inertia[6], double moments[3], km_vec3 axes[3]);
+/* The inertia with these. */
+void km_inertia_about(const double moments[3], const km_vec3 axes[3], double inertia[6]);
 /* The principal moments of an inertia (Ixx Iyy Izz Ixy Iyz Izx), rising; each to 1e-15 of the largest. Jacobi's method.
  */
 void km_principal_moments(const double inertia[6], double moments[3]);

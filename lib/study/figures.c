@@ -25,10 +25,18 @@ static double reached(const km_table *t) {
   return fabs(km_table_row(t, rows - 1)[s] - km_table_row(t, 0)[s]);
 }
 
+/* Dead points: of any joint; of an advantage's input and output; of the actuators whose forces grow without bound there. */
 static double toggles(const km_question *q) {
+  static const char *const names[] = {"toggle", "pole", "undefined"};
+  const bool zeros_count = km_question_advantage(q) != NULL; /* a force of 0 is no dead point */
   int count = 0;
-  for (int i = 0; i < km_question_event_count(q); ++i)
-    count += strcmp(km_question_event_at(q, i).name, "toggle") == 0;
+  for (int i = 0; i < km_question_event_count(q); ++i) {
+    const char *name = km_question_event_at(q, i).name;
+    bool counts = zeros_count && strcmp(name, "zero") == 0;
+    for (size_t k = 0; k < sizeof names / sizeof *names; ++k)
+      counts = counts || strcmp(name, names[k]) == 0;
+    count += counts;
+  }
   return count;
 }
 

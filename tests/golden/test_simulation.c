@@ -360,30 +360,40 @@ static void test_tire_sideways(void **data) {
   }
 }
 
-/* A crossing is located to the integrator's accuracy, and one that stops ends the run there. */
-static void test_crossings(void **data) {
-  (void)data;
+/* A crossing is located to the integrator's accuracy, and one that stops ends the run there, with any rows. Returns when. */
+static double check_crossings(double every) {
   fixture f = fixture_read(oscillator);
   km_forces *forces;
   km_history h;
   km_error error = {0};
-  const km_crossing crossings[] = {{0, 0.0, false}, {0, -0.3, true}};
+  const km_crossing crossings[] = {{0, 0.0, false}, {0, -0.4, true}, {0, -0.3, true}};
   km_history_def def = km_history_default(f.model);
   def.until = 4.0;
-  def.every = 0.5;
+  def.every = every;
   def.simulation.relative = def.simulation.absolute = 1e-11;
   def.simulation.crossings = crossings;
-  def.simulation.crossing_count = 2;
+  def.simulation.crossing_count = 3;
   assert_int_equal(km_forces_create(f.mechanism, NULL, NULL, 0, &forces, NULL), KM_OK);
   assert_int_equal(km_history_run(f.mechanism, forces, f.state, &def, &h, &error), KM_PARTIAL);
   double w = sqrt(9.0 - 0.04);
   assert_int_equal(h.crossing_count, 2);
+  assert_int_equal(h.crossings[1].crossing, 2);
   assert_near(h.crossings[0].time, (M_PI - atan(w / 0.2)) / w, 1e-8);
   assert_int_equal(h.crossings[0].sense, -1);
   assert_near(at_end(&h, "q.X"), -0.3, 1e-9);
+  double end = km_table_row(h.table, km_table_rows(h.table) - 1)[0];
+  assert_near(end, h.crossings[1].time, 1e-12);
   km_history_free(&h);
   km_forces_free(forces);
   fixture_close(&f);
+  return end;
+}
+
+static void test_crossings(void **data) {
+  (void)data;
+  const double end = check_crossings(0.5);
+  for (double every = 0.3; every > 1e-3; every *= 0.4)
+    assert_near(check_crossings(every), end, 1e-8);
 }
 
 /* 2 ẍ + 0.8 ẋ + 18 x = 0 has the eigenvalues −0.2 ± i ω, ω² = 9 − 0.04. */
@@ -416,6 +426,59 @@ static void test_linearised_oscillator(void **data) {
   km_table_free(motion);
   km_linear_free(&l);
   moving_close(&m);
+}
+
+/* Of a pose that isn't at rest nothing is said of its stability; a body that moves on by itself, and one that falls alike in every
+ * place, have eigenvalues of 0, which the differences of large accelerations don't hide. Rates are made to keep the loops. */
+static void test_what_is_not_at_rest(void **data) {
+  (void)data;
+  fixture f = fixture_open("bennett");
+  moving m = moving_of(f);
+  km_linear l;
+  assert_int_equal(km_linearise(m.dynamics, f.state, &l, NULL), KM_OK);
+  assert_true(l.residual > 1.0);
+  assert_int_equal(km_linear_stability(&l), KM_NOT_AT_REST);
+  km_linear_free(&l);
+  moving_close(&m);
+  static const char thrown[] =
+      "{\"model_parameters\": {\"gravity\": [0, 0, %g]}, \"assemblies\": [{\"name\": \"a\", \"bodies\": [{\"name\": \"b\", "
+      "\"mass\": 2, \"moment_of_inertia\": {\"Ixx\": 1, \"Iyy\": 1, \"Izz\": 1}}], \"joints\": [{\"name\": \"F\", \"type\": "
+      "\"float\", \"body_frame_pairs\": [\"fixed\", \"b\"], \"initial_velocity\": [1, 2, 3, 0, 0, 1]}]}]}";
+  for (double gravity = 0.0; gravity >= -1000.0; gravity = gravity < 0.0 ? gravity * 10.0 : -10.0) {
+    char text[sizeof thrown + 32];
+    snprintf(text, sizeof text, thrown, gravity);
+    f = fixture_read(text);
+    m = moving_of(f);
+    assert_int_equal(km_linearise(m.dynamics, f.state, &l, NULL), KM_OK);
+    assert_int_equal(km_linear_stability(&l), gravity < 0.0 ? KM_NOT_AT_REST : KM_INDIFFERENT);
+    for (int k = 0; k < 2 * l.freedom; ++k)
+      assert_int_equal(km_linear_kind_of(&l, k), KM_LINEAR_STILL);
+    km_linear_free(&l);
+    moving_close(&m);
+  }
+}
+
+/* The rate of one joint alone leads to the same equations as all rates that the loops make of it. */
+static void test_rates_keep_the_loops(void **data) {
+  (void)data;
+  km_linear l[2];
+  double projected[16];
+  for (int i = 0; i < 2; ++i) {
+    fixture f = fixture_open("fourbar");
+    moving m = moving_of(f);
+    const int count = f.mechanism->coordinate_count;
+    for (int c = 0; c < count; ++c)
+      f.state->rate[c] = i ? projected[c] : c == 0;
+    assert_int_equal(km_linearise(m.dynamics, f.state, &l[i], NULL), KM_OK);
+    memcpy(projected, f.state->rate, (size_t)count * sizeof *projected);
+    moving_close(&m);
+  }
+  assert_int_equal(l[0].freedom, 1);
+  assert_true(fabs(l[0].A[3]) > 1e-3); /* the motion bends */
+  for (int k = 0; k < 4; ++k)
+    assert_near(l[0].A[k], l[1].A[k], 1e-8 * fabs(l[1].A[k]) + 1e-9);
+  km_linear_free(&l[0]);
+  km_linear_free(&l[1]);
 }
 
 /* Every row of a mode's motion closes the loops, and the independent coordinate grows or dies by its factor over four time
@@ -538,6 +601,8 @@ int main(void) {
                  "steps of 1e-9, over the tyre's stiffness"),
       claim_test(test_tire_sideways, "Fiala's side force, below and above the angle where it slides (thesis 6.3)",
                  "1e-4 of the force: what the relaxation has left after 2 s"),
+      cmocka_unit_test(test_what_is_not_at_rest),
+      cmocka_unit_test(test_rates_keep_the_loops),
       claim_test(test_linearised_oscillator, "Eigenvalues of a damped oscillator", "differences of forces err by 1e-8"),
       claim_test(test_linearised_a02, "IFToMM A02 upright grows with √(3.5 g/3)", "differences of forces err by 1e-8"),
       claim_test(test_inverse,

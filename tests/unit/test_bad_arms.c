@@ -41,7 +41,7 @@ static void values(void **state) {
   fixture_close(&f);
 }
 
-/* Six joints have none to spare for a pose. */
+/* What a planar joint can change of a pose it changes by its three coordinates. */
 static void nothing_to_spare(void **state) {
   (void)state;
   fixture f = fixture_read(
@@ -50,7 +50,11 @@ static void nothing_to_spare(void **state) {
   fixture g = fixture_read(
       "{\"assemblies\": [{\"name\": \"a\", \"bodies\": [{\"name\": \"b\", \"frames\": [{\"name\": \"tip\"}]}], \"joints\": [{\"name\": "
       "\"S\", \"type\": \"spherical\", \"body_frame_pairs\": [\"fixed\", \"b\"]}]}]}");
-  km_arm *arm = arm_of(&f, "b", "tip", KM_TASK_POSITION), *none = NULL;
+  fixture h =
+      fixture_read(/* about its own hinge */
+                   "{\"assemblies\": [{\"name\": \"a\", \"bodies\": [{\"name\": \"b\", \"frames\": [{\"name\": \"tip\"}]}], \"joints\": [{\"name\": "
+                   "\"H\", \"type\": \"Rz\", \"body_frame_pairs\": [\"fixed\", \"b\"]}]}]}");
+  km_arm *arm = arm_of(&f, "b", "tip", KM_TASK_POSE), *none = NULL;
   km_selfmotion motion;
   km_error e = {.text = ""};
   double q[3] = {0};
@@ -58,12 +62,16 @@ static void nothing_to_spare(void **state) {
   int frame;
   expect(km_selfmotion_follow(arm, q, NULL, NULL, &motion, &e), KM_USAGE, &e,
          "spare freedoms for its task; expected 1 or 2");
+  assert_int_equal(km_model_find_frame(h.model, tip, 2, &frame, NULL), KM_OK);
+  expect(km_arm_create(h.mechanism, h.state, frame, KM_TASK_POSITION, &none, &e), KM_USAGE, &e,
+         "no joint on the way to frame \"tip\" of body \"b\" moves it as the task counts");
   assert_int_equal(km_model_find_frame(g.model, tip, 2, &frame, NULL), KM_OK);
   expect(km_arm_create(g.mechanism, g.state, frame, KM_TASK_POSITION, &none, &e), KM_USAGE, &e,
          "joint \"S\" is a ball (spherical); expected joints with axes of their own");
   km_arm_free(arm);
   fixture_close(&f);
   fixture_close(&g);
+  fixture_close(&h);
 }
 
 /* Three links of 1 m whose first hinge may hardly turn: the pose behind it is reached, but never within the limits. */

@@ -62,6 +62,8 @@ typedef struct ksim_work {
   kt_pose pose;
   char name[256]; /* of the model */
   km_history_def def;
+  km_crossing *crossings; /* the definition's */
+  size_t crossing_capacity;
   km_history history;
   km_forces *forces;
   int *shown; /* coordinates of --joints, else those that move most */

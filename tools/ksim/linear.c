@@ -129,13 +129,15 @@ static kt_exit run_linearise(work *w) {
   if (result != KT_DONE)
     return result;
   km_text lines = {0};
-  km_text_format(&lines, "%s: %d freedom%s about this pose, %s\n", w->o->model, w->linear.freedom,
-                 w->linear.freedom == 1 ? "" : "s", km_stability_name(km_linear_stability(&w->linear)));
-  if (w->linear.residual > 1e-6)
+  km_stability stability = km_linear_stability(&w->linear);
+  km_text_format(&lines, "%s: %d freedom%s about this pose, %s%s\n", w->o->model, w->linear.freedom,
+                 w->linear.freedom == 1 ? "" : "s", stability == KM_NOT_AT_REST ? "which is " : "",
+                 km_stability_name(stability));
+  if (stability == KM_NOT_AT_REST)
     kt_say(
         &w->o->common, KM_NOTE,
-        "%s: the pose isn't at rest: its joints accelerate by up to %.3g (radians or characteristic lengths over s²); "
-        "ksim equilibrium finds one that is",
+        "%s: the pose isn't at rest, so that nothing is said of its stability: its joints accelerate by up to %.3g (radians or "
+        "characteristic lengths over s²); ksim equilibrium finds one that is",
         w->o->model, w->linear.residual);
   result = answer(w, "ksim linearise", "linear", &lines);
   km_text_free(&lines);

@@ -33,24 +33,31 @@ static kt_exit read_numbers(ksim_work *w) {
   return result;
 }
 
-/* JOINT=VALUE of --event and --stop. */
+/* JOINT=VALUE as crossings of its coordinates, behind those at hand. */
+static kt_exit add_crossing(ksim_work *w, const char *option, char *text, bool stops) {
+  km_simulation_def *def = &w->def.simulation;
+  kt_settings one = {0}; /* of several values of a joint settings keep the last one */
+  void *crossings = w->crossings;
+  kt_exit result = kt_settings_add(&w->options->common, w->pose.model, option, &text, 1, &one);
+  size_t count = (size_t)def->crossing_count;
+  if (!km_reserve(&crossings, &w->crossing_capacity, count + (size_t)one.count, sizeof *w->crossings))
+    result = KT_NO_MEMORY;
+  def->crossings = w->crossings = crossings;
+  for (int k = 0; k < one.count && result == KT_DONE; ++k)
+    w->crossings[def->crossing_count++] = (km_crossing){one.items[k].coordinate, one.items[k].value, stops};
+  kt_settings_free(&one);
+  return result;
+}
+
+/* Those of --event and --stop. */
 static kt_exit read_crossings(ksim_work *w) {
-  ksim_options *o = w->options;
-  kt_settings events = {0}, stops = {0};
-  kt_exit result = kt_settings_add(&o->common, w->pose.model, "--event", o->events.items, o->events.count, &events);
-  if (result == KT_DONE)
-    result = kt_settings_add(&o->common, w->pose.model, "--stop", o->stops.items, o->stops.count, &stops);
-  int count = events.count + stops.count;
-  km_crossing *crossings = KM_NEW(km_crossing, (size_t)count + 1);
-  for (int i = 0; i < count && crossings; ++i) {
-    const kt_setting *from = i < events.count ? &events.items[i] : &stops.items[i - events.count];
-    crossings[i] = (km_crossing){from->coordinate, from->value, i >= events.count};
-  }
-  kt_settings_free(&events);
-  kt_settings_free(&stops);
-  w->def.simulation.crossings = crossings;
-  w->def.simulation.crossing_count = crossings ? count : 0;
-  return crossings ? result : KT_NO_MEMORY;
+  const ksim_options *o = w->options;
+  kt_exit result = KT_DONE;
+  for (int i = 0; i < (int)o->events.count && result == KT_DONE; ++i)
+    result = add_crossing(w, "--event", o->events.items[i], false);
+  for (int i = 0; i < (int)o->stops.count && result == KT_DONE; ++i)
+    result = add_crossing(w, "--stop", o->stops.items[i], true);
+  return result;
 }
 
 static kt_exit read_shown(ksim_work *w) {
@@ -190,7 +197,7 @@ static kt_exit run(ksim_options *o) {
     result = simulate(&w);
   km_history_free(&w.history);
   km_forces_free(w.forces);
-  km_free((km_crossing *)w.def.simulation.crossings);
+  km_free(w.crossings);
   km_free((km_followed_frame *)w.def.frames);
   km_free(w.shown);
   kt_close(&w.pose);

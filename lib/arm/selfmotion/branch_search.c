@@ -198,7 +198,7 @@ bool km_finder_is_singular(km_finder *f, int branch) {
 static bool is_balanced(km_finder *f) {
   const km_arm *a = f->arm;
   int sum = 0;
-  if (a->freedom != 0 || a->task != KM_TASK_POSE || !all_hinges(a) || f->families)
+  if (a->freedom != 0 || a->rows != KM_ARM_ROWS || !all_hinges(a) || f->families)
     return true;
   for (int i = 0; i < f->count; ++i)
     sum += km_finder_is_singular(f, i) ? 0 : sense_of(f, f->curves[i].q); /* two that are one cancel */

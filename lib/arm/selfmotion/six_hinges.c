@@ -223,7 +223,7 @@ static bool is_parallel(km_six_hinges *six) {
 
 bool km_six_hinges_find(const km_arm *a, km_arm_space *s, const double *q, int held, km_six_hinges *out) {
   *out = (km_six_hinges){.group = KM_GROUP_NONE};
-  if (a->task != KM_TASK_POSE || a->n != KM_SIX + (held >= 0))
+  if (a->rows != KM_ARM_ROWS || a->n != KM_SIX + (held >= 0))
     return false;
   km_arm_update(a, s, q);
   out->hand = s->pose;

@@ -119,7 +119,7 @@ void km_mjcf_attach(km_mjcf *m, const km_xml *attach, const km_mjcf_place *place
   child.depth++;
   child.prefix = km_robot_text(robot, "%s%s", m->prefix, prefix ? prefix : "");
   child.suffix = place->suffix;
-  child.class_names = child.driven_names = child.mesh_names = (km_names){0};
+  child.class_names = child.missing_classes = child.driven_names = child.mesh_names = (km_names){0};
   child.classes = NULL;
   child.mesh_masses = NULL;
   child.most_forces = NULL;
@@ -140,6 +140,7 @@ void km_mjcf_attach(km_mjcf *m, const km_xml *attach, const km_mjcf_place *place
   }
   hand_back(&child, m);
   km_names_free(&child.class_names);
+  km_names_free(&child.missing_classes);
   km_names_free(&child.driven_names);
   km_names_free(&child.mesh_names);
 }

@@ -1,5 +1,6 @@
 /* The tree of bodies: poses, masses, sites, and what ties each body to its parent. */
 #include "exchange/mjcf/mjcf.h"
+#include "model/mass_properties.h"
 
 #include <stdlib.h>
 #include <string.h>
@@ -37,9 +38,8 @@ void km_mjcf_walk(km_mjcf *m, const km_xml *element, const km_mjcf_place *place,
     } else if (strcmp(e->name, "frame") == 0) {
       km_mjcf_place inside = *place;
       km_pose own = km_mjcf_pose(m, e, place);
-      const char *class = km_xml_attribute_of(e, "childclass");
       inside.pose = km_pose_product(&place->pose, &own);
-      inside.class = class ? class : place->class;
+      inside.class = km_mjcf_class_inside(m, e, place->class);
       km_mjcf_walk(m, e, &inside, visit, context);
     } else {
       visit(m, e, place, context);
@@ -79,7 +79,9 @@ static void read_site(km_mjcf *m, const km_xml *e, const km_mjcf_place *place, i
   const char *name = km_xml_attribute_of(e, "name");
   if (!name || !name[0])
     return;
-  km_pose own = km_mjcf_pose(m, e, place), pose = km_pose_product(&place->pose, &own);
+  km_mjcf_line line;
+  km_pose own = km_mjcf_find_line(m, e, place, &line) ? line.pose : km_mjcf_pose(m, e, place);
+  km_pose pose = km_pose_product(&place->pose, &own);
   name = km_robot_text(robot, "%s%s%s", m->prefix, name, place->suffix);
   if (!km_arena_grow(&robot->arena, (void **)&m->sites, &m->site_room, (size_t)m->site_count + 1, sizeof *m->sites))
     return;
@@ -151,18 +153,32 @@ static void tie(km_mjcf *m, const km_xml *e, const content *c, int parent, km_bo
   }
 }
 
-static km_mass bounded(const km_mjcf *m, km_mass mass) {
+/* What the compiler's settings make of a mass: bounds of it and of the principal moments; these alike where no body has them. */
+static km_mass adjusted(const km_mjcf *m, km_mass mass) {
+  double moments[3], sum = 0.0, largest = 0.0;
+  km_vec3 axes[3];
+  bool changes = false;
   mass.mass = fmax(mass.mass, m->compiler.least_mass);
-  for (int k = 0; k < 3; ++k)
-    mass.inertia[k] = fmax(mass.inertia[k], m->compiler.least_inertia);
+  km_principal_axes(mass.inertia, moments, axes);
+  for (int k = 0; k < 3; ++k) {
+    changes = changes || moments[k] < m->compiler.least_inertia;
+    moments[k] = fmax(moments[k], m->compiler.least_inertia);
+    sum += moments[k];
+    largest = fmax(largest, moments[k]);
+  }
+  bool impossible = largest > (sum - largest) * (1.0 + 1e-12);
+  for (int k = 0; k < 3 && impossible && m->compiler.balances; ++k)
+    moments[k] = sum / 3.0;
+  if (changes || (impossible && m->compiler.balances))
+    km_inertia_about(moments, axes, mass.inertia);
   return mass;
 }
 
 void km_mjcf_read_body(km_mjcf *m, const km_xml *e, const km_mjcf_place *place, int parent) {
   km_robot *robot = m->robot;
-  const char *own = km_xml_attribute_of(e, "name"), *class = km_xml_attribute_of(e, "childclass");
+  const char *own = km_xml_attribute_of(e, "name");
   km_pose local = km_mjcf_pose(m, e, place), pose = km_pose_product(&place->pose, &local);
-  km_mjcf_place inside = {km_pose_identity(), class ? class : place->class, place->suffix};
+  km_mjcf_place inside = {km_pose_identity(), km_mjcf_class_inside(m, e, place->class), place->suffix};
   const char *name = own && own[0] ? km_robot_text(robot, "%s%s%s", m->prefix, own, place->suffix)
                                    : km_robot_free_name(robot, &robot->bodies, m->assembly.value,
                                                         km_robot_text(robot, "body%d", m->body_count), "body");
@@ -175,8 +191,8 @@ void km_mjcf_read_body(km_mjcf *m, const km_xml *e, const km_mjcf_place *place, 
   }
   c->is_stated = km_xml_child(e, "inertial") != NULL; /* wherever it stands among the geoms */
   km_mjcf_walk(m, e, &inside, gather, c);
-  bool stated = c->is_stated && m->compiler.from_geoms != KM_MJCF_YES;
-  km_mass mass = bounded(m, stated ? c->stated : c->weighed);
+  bool stated = c->is_stated && (m->compiler.from_geoms != KM_MJCF_YES || c->weighed.mass == 0.0);
+  km_mass mass = adjusted(m, stated ? c->stated : c->weighed);
   km_body_id id = km_robot_body(robot, e, m->assembly, name, &mass, NULL);
   km_pose world = km_pose_product(&m->bodies[parent].world, &pose);
   int index = id.value ? add_body(m, name, id, &world) : -1;
@@ -202,12 +218,11 @@ static void reserve_names(km_mjcf *m, const km_xml *element) {
 
 void km_mjcf_read_members(km_mjcf *m, const km_xml *e, const km_mjcf_place *place, int body, bool frame) {
   km_mjcf_place inside = *place;
-  const char *class = km_xml_attribute_of(e, "childclass");
   if (frame) {
     km_pose own = km_mjcf_pose(m, e, place);
     inside.pose = km_pose_product(&place->pose, &own);
   }
-  inside.class = class ? class : place->class;
+  inside.class = km_mjcf_class_inside(m, e, place->class);
   km_mjcf_walk(m, e, &inside, read_member, &body);
 }
 
@@ -218,8 +233,7 @@ void km_mjcf_read_bodies(km_mjcf *m) {
   for (const km_xml *e = km_xml_child(m->root, "worldbody"); e; e = km_xml_next(e))
     reserve_names(m, e);
   for (const km_xml *e = km_xml_child(m->root, "worldbody"); e && index == 0; e = km_xml_next(e)) {
-    const char *class = km_xml_attribute_of(e, "childclass");
-    place.class = class;
+    place.class = km_mjcf_class_inside(m, e, NULL);
     km_mjcf_walk(m, e, &place, read_member, &index);
   }
 }

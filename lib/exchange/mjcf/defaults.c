@@ -35,11 +35,17 @@ static void read_settings(km_mjcf *m, const km_xml *e) {
   km_robot_numbers(m->robot, e, "inertiagrouprange", c->groups, 2);
   c->least_mass = km_robot_number(m->robot, e, "boundmass", c->least_mass);
   c->least_inertia = km_robot_number(m->robot, e, "boundinertia", c->least_inertia);
+  if (km_xml_attribute_of(e, "balanceinertia"))
+    c->balances = is_true(km_xml_attribute_of(e, "balanceinertia"));
   m->robot->total_mass = km_robot_number(m->robot, e, "settotalmass", m->robot->total_mass);
 }
 
 void km_mjcf_read_compiler(km_mjcf *m) {
-  m->compiler = (km_mjcf_compiler){M_PI / 180.0, {'x', 'y', 'z'}, true, KM_MJCF_AUTO, {0, 5}, 0, 0, false, NULL};
+  m->compiler = (km_mjcf_compiler){.angle = M_PI / 180.0,
+                                   .order = {'x', 'y', 'z'},
+                                   .autolimits = true,
+                                   .from_geoms = KM_MJCF_AUTO,
+                                   .groups = {0, 5}};
   for (const km_xml *e = km_xml_child(m->root, "compiler"); e; e = km_xml_next(e))
     read_settings(m, e);
 }
@@ -82,18 +88,30 @@ static const char *class_says(const km_mjcf *m, int index, const char *element, 
   return found;
 }
 
+/* Of a class that isn't there the first element tells. */
+static int find_class(km_mjcf *m, const km_xml *element, const char *class) {
+  int index = km_names_get(&m->class_names, 0, class ? class : "main");
+  if (index >= 0 || !class || km_names_get(&m->missing_classes, 0, class) >= 0)
+    return index;
+  km_robot_error(m->robot, element, "the class \"%.80s\" isn't there; expected one of the defaults", class);
+  if (!km_names_set(&m->missing_classes, 0, class, 0))
+    m->robot->arena.failed = true;
+  return index;
+}
+
+const char *km_mjcf_class_inside(km_mjcf *m, const km_xml *element, const char *around) {
+  const char *class = km_xml_attribute_of(element, "childclass");
+  if (!class)
+    return around;
+  find_class(m, element, class);
+  return class;
+}
+
 const char *km_mjcf_get(km_mjcf *m, const km_xml *element, const km_mjcf_place *place, const char *key) {
   const char *own = km_xml_attribute_of(element, key), *class = km_xml_attribute_of(element, "class");
-  if (own || m->class_count == 0)
+  if (own)
     return own;
-  class = class ? class : place->class;
-  int index = km_names_get(&m->class_names, 0, class ? class : "main");
-  if (index < 0) {
-    if (class)
-      km_robot_error(m->robot, element, "the class \"%.80s\" isn't there; expected one of the defaults", class);
-    return NULL;
-  }
-  for (; index >= 0; index = m->classes[index].parent) {
+  for (int index = find_class(m, element, class ? class : place->class); index >= 0; index = m->classes[index].parent) {
     own = class_says(m, index, element->name, key);
     if (own)
       return own;

@@ -8,20 +8,28 @@ typedef struct shape {
   double size[3];
 } shape;
 
+bool km_mjcf_find_line(km_mjcf *m, const km_xml *e, const km_mjcf_place *place, km_mjcf_line *out) {
+  double ends[6];
+  if (km_mjcf_numbers(m, e, place, "fromto", ends, 6) != 6)
+    return false;
+  km_vec3 from = km_vec3_make(ends), to = km_vec3_make(ends + 3), along = km_vec3_sub(from, to);
+  const double u[3] = {along.x, along.y, along.z};
+  *out = (km_mjcf_line){
+      {km_rotation_onto(2, km_mjcf_unit(m->robot, e, "fromto", u)), km_vec3_scale(0.5, km_vec3_add(from, to))},
+      0.5 * km_vec3_norm(along)};
+  return true;
+}
+
 /* Shapes that are told by the ends of their axis: sets the length among the sizes, and the pose. */
 static bool has_line(km_mjcf *m, const km_xml *geom, const km_mjcf_place *place, shape *s, km_pose *pose) {
-  double ends[6];
-  if (km_mjcf_numbers(m, geom, place, "fromto", ends, 6) != 6)
+  km_mjcf_line line;
+  if (!km_mjcf_find_line(m, geom, place, &line))
     return false;
-  km_vec3 from = km_vec3_make(ends), to = km_vec3_make(ends + 3), along = km_vec3_sub(to, from);
-  double half = 0.5 * km_vec3_norm(along);
-  const double u[3] = {along.x, along.y, along.z};
   bool across = strcmp(s->type, "box") == 0 || strcmp(s->type, "ellipsoid") == 0;
-  s->size[across ? 2 : 1] = half;
+  s->size[across ? 2 : 1] = line.half;
   if (across)
     s->size[1] = s->size[0];
-  *pose = (km_pose){km_rotation_onto(2, km_mjcf_unit(m->robot, geom, "fromto", u)),
-                    km_vec3_scale(0.5, km_vec3_add(from, to))};
+  *pose = line.pose;
   return true;
 }
 

@@ -53,25 +53,23 @@ static void read_limits(km_mjcf *m, const km_xml *e, const km_mjcf_place *place,
     km_robot_limit(m->robot, joint, 0, given ? bound(range[0]) * unit : 0.0, given ? bound(range[1]) * unit : 0.0);
 }
 
-/* A spring of stiffness k that is at rest at `rest`: -k q + k rest. */
-static void add_spring(km_mjcf *m, const km_xml *e, const km_mjcf_place *place, const char *name, km_joint_id id,
-                       double unit) {
-  double k = km_mjcf_number(m, e, place, "stiffness", 0.0);
-  if (k == 0.0)
+/* Springs and dampers that are to be found from the inertia and a time constant. */
+static bool is_timed(km_mjcf *m, const km_xml *e, const km_mjcf_place *place) {
+  double timed[2] = {0};
+  return km_mjcf_numbers(m, e, place, "springdamper", timed, 2) == 2 && timed[0] > 0.0 && timed[1] > 0.0;
+}
+
+/* The springs of a joint's coordinates; those of a ball are at rest in the file's pose. */
+static void add_springs(km_mjcf *m, const km_xml *e, const km_mjcf_place *place, const km_robot_joint *joint,
+                        km_joint_id id, double unit) {
+  double k = km_mjcf_number(m, e, place, "stiffness", 0.0), rest = km_mjcf_number(m, e, place, "springref", 0.0);
+  if (is_timed(m, e, place)) {
+    km_robot_omit(m->robot, "springs and dampers by time constants left out", joint->name);
     return;
-  int size = 2;
-  const double piece[2] = {k * unit * km_mjcf_number(m, e, place, "springref", 0.0), -k};
-  km_force_def def = km_force_default();
-  km_error error;
-  def.name = name;
-  def.coordinate = (km_coordinate_ref){id, 0};
-  def.piece_sizes = &size;
-  def.coefficients = piece;
-  km_status status = km_model_add_force(m->robot->builder, &def, &error);
-  if (status == KM_MEMORY)
-    m->robot->arena.failed = true;
-  else if (status)
-    km_robot_error(m->robot, e, "%s", error.text);
+  }
+  for (int c = 0; c < km_joint_kind_of(joint->type)->freedom; ++c)
+    km_robot_spring(m->robot, e, joint->name, (km_coordinate_ref){id, c}, k,
+                    joint->type == KM_SPHERICAL ? 0.0 : unit * rest);
 }
 
 /* The largest force of actuators together that the joint lets through; infinite: any. */
@@ -86,7 +84,7 @@ static double let_through(km_mjcf *m, const km_xml *e, const km_mjcf_place *plac
 
 /* Damping, friction, rotor and drive: the same for each coordinate. */
 static void read_dynamics(km_mjcf *m, const km_xml *e, const km_mjcf_place *place, km_robot_joint *joint) {
-  double damping = km_mjcf_number(m, e, place, "damping", 0.0);
+  double damping = is_timed(m, e, place) ? 0.0 : km_mjcf_number(m, e, place, "damping", 0.0);
   double armature = km_mjcf_number(m, e, place, "armature", 0.0);
   double friction = km_mjcf_number(m, e, place, "frictionloss", 0.0);
   double force = fmin(let_through(m, e, place), km_mjcf_most_force(m, joint->name));
@@ -95,6 +93,18 @@ static void read_dynamics(km_mjcf *m, const km_xml *e, const km_mjcf_place *plac
     km_robot_rotor(m->robot, joint, k, armature, friction);
     km_robot_drive(m->robot, joint, k, force, HUGE_VAL);
   }
+}
+
+/* Damping of a free body's velocity and angular velocity. */
+static void read_free_dynamics(km_mjcf *m, const km_xml *e, const km_mjcf_place *place, km_robot_joint *joint) {
+  static const char *const others[] = {"stiffness", "armature", "frictionloss"};
+  bool more = false;
+  for (size_t i = 0; i < sizeof others / sizeof *others; ++i)
+    more = more || km_mjcf_number(m, e, place, others[i], 0.0) != 0.0;
+  if (more)
+    km_robot_omit(m->robot, "springs, rotors and friction of free joints left out", joint->name);
+  for (int k = 0; k < km_joint_kind_of(joint->type)->freedom; ++k)
+    joint->damping[k] = km_mjcf_number(m, e, place, "damping", 0.0);
 }
 
 /* The free pose of a body: its coordinates are its pose in the world. */
@@ -139,11 +149,11 @@ void km_mjcf_add_joint(km_mjcf *m, const km_xml *e, const km_mjcf_place *place, 
     km_robot_error(m->robot, e,
                    "joint \"%.80s\": a free joint inside of a body; expected it only in the world's bodies",
                    joint.name);
-  if (joint.type == KM_FLOAT)
+  if (joint.type == KM_FLOAT) {
     set_free(&joint, &link->pose);
-  else
+    read_free_dynamics(m, e, place, &joint);
+  } else {
     set_single(m, e, place, link, &joint, single ? unit : 0.0);
-  if (joint.type != KM_FLOAT) {
     read_limits(m, e, place, &joint, unit);
     read_dynamics(m, e, place, &joint);
   }
@@ -153,6 +163,6 @@ void km_mjcf_add_joint(km_mjcf *m, const km_xml *e, const km_mjcf_place *place, 
   if (!id.value)
     return;
   remember(m, joint.name, id, joint.type, single ? unit * km_mjcf_number(m, e, place, "ref", 0.0) : 0.0);
-  if (single)
-    add_spring(m, e, place, joint.name, id, unit);
+  if (joint.type != KM_FLOAT)
+    add_springs(m, e, place, &joint, id, unit);
 }

@@ -43,6 +43,7 @@ void km_mjcf_read(km_robot *robot, km_xml *root) {
     count_others(&m);
   }
   km_names_free(&m.class_names);
+  km_names_free(&m.missing_classes);
   km_names_free(&m.body_names);
   km_names_free(&m.joint_names);
   km_names_free(&m.site_names);

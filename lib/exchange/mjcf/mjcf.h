@@ -41,6 +41,7 @@ typedef struct km_mjcf_compiler {
   km_mjcf_answer from_geoms; /* masses are those of the geoms; auto: where a body states none */
   double groups[2];          /* of the geoms that weigh */
   double least_mass, least_inertia;
+  bool balances;      /* principal moments that no body has are made alike */
   bool exact_meshes;  /* volumes of meshes are signed */
   const char *meshes; /* folder of the meshes; NULL: that of the file */
 } km_mjcf_compiler;
@@ -52,7 +53,7 @@ typedef struct km_mjcf {
   int depth;                   /* of attached models: 0, the main one */
   km_assembly_id assembly;
   km_mjcf_compiler compiler;
-  km_names class_names, body_names, joint_names, site_names, driven_names, mesh_names;
+  km_names class_names, missing_classes, body_names, joint_names, site_names, driven_names, mesh_names;
   km_mjcf_class *classes;
   km_mjcf_body *bodies; /* [0] is the world */
   km_mjcf_joint *joints;
@@ -78,6 +79,8 @@ void km_mjcf_include(km_robot *robot, km_xml *root);
 /* Settings of the compiler, classes of defaults. */
 void km_mjcf_read_compiler(km_mjcf *m);
 void km_mjcf_read_classes(km_mjcf *m);
+/* The class of the defaults inside of an element, where around it `class` is. */
+const char *km_mjcf_class_inside(km_mjcf *m, const km_xml *element, const char *class);
 /* An element's own attribute, or that of its class; NULL: none. */
 const char *km_mjcf_get(km_mjcf *m, const km_xml *element, const km_mjcf_place *place, const char *key);
 /* Numbers of such an attribute; what there is, at least one, up to `most`. How many were set. */
@@ -86,6 +89,13 @@ int km_mjcf_numbers(km_mjcf *m, const km_xml *element, const km_mjcf_place *plac
 double km_mjcf_number(km_mjcf *m, const km_xml *element, const km_mjcf_place *place, const char *key, double otherwise);
 /* The pose of an element in the frame around it: pos, and quat, axisangle, xyaxes, zaxis or euler. */
 km_pose km_mjcf_pose(km_mjcf *m, const km_xml *element, const km_mjcf_place *place);
+/* The ends of an element's axis: half its length, and a pose in the middle whose third axis points from the second
+ * end to the first one, as MuJoCo has it. False: it has none. */
+typedef struct km_mjcf_line {
+  km_pose pose;
+  double half;
+} km_mjcf_line;
+bool km_mjcf_find_line(km_mjcf *m, const km_xml *element, const km_mjcf_place *place, km_mjcf_line *out);
 km_vec3 km_mjcf_unit(km_robot *robot, const km_xml *at, const char *what, const double u[3]);
 
 /* A mesh of the assets: x = pose · scale · v. */

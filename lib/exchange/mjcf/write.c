@@ -61,6 +61,8 @@ static void set_dynamics(km_written *w, const km_written_motion *motion) {
     km_written_omit(w, "largest rates not written", motion->name);
   if (motion->primitive == KM_BALL) {
     add_turn_limit(w, motion);
+    if (km_written_ball_spring(w, motion->coordinate, &stiffness))
+      km_xml_set_numbers(&w->xml, "stiffness", &stiffness, 1, false);
     return;
   }
   if (isfinite(c->max_force)) {

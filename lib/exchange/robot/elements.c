@@ -92,11 +92,13 @@ static bool is_identity(const km_pose *pose) {
   return same;
 }
 
+km_frame_id km_robot_place(km_robot *robot, const km_xml *at, km_body_id body, const char *name, const km_pose *pose) {
+  return is_identity(pose) ? km_builder_origin(robot->builder, body) : km_robot_frame(robot, at, body, name, pose);
+}
+
 km_frame_id km_robot_frame(km_robot *robot, const km_xml *at, km_body_id body, const char *name, const km_pose *pose) {
   km_frame_id id = {0};
   km_error error;
-  if (is_identity(pose))
-    return km_builder_origin(robot->builder, body);
   km_frame_def def = km_frame_default();
   def.name = km_robot_free_name(robot, &robot->frames, body.value, name, "joint");
   memcpy(def.T, &pose->p, sizeof def.T);

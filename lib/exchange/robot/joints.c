@@ -47,8 +47,8 @@ km_joint_id km_robot_add_joint(km_robot *robot, const km_robot_joint *joint) {
   km_pose parent = km_pose_product(&joint->in_parent, &about), child = km_pose_product(&joint->in_child, &about);
   def.name = joint->name;
   def.assembly = joint->assembly;
-  def.parent = km_robot_frame(robot, joint->at, joint->parent, joint->name, &parent);
-  def.child = km_robot_frame(robot, joint->at, joint->child, joint->name, &child);
+  def.parent = km_robot_place(robot, joint->at, joint->parent, joint->name, &parent);
+  def.child = km_robot_place(robot, joint->at, joint->child, joint->name, &child);
   def.pitch = joint->pitch;
   def.most_turn = joint->most_turn;
   memcpy(def.position, joint->position, sizeof def.position);
@@ -66,6 +66,25 @@ km_joint_id km_robot_add_joint(km_robot *robot, const km_robot_joint *joint) {
   else
     km_robot_take_name(robot, &robot->joints, joint->assembly.value, km_robot_text(robot, "%s", joint->name), id.value);
   return id;
+}
+
+void km_robot_spring(km_robot *robot, const km_xml *at, const char *name, km_coordinate_ref coordinate,
+                     double stiffness, double rest) {
+  if (stiffness == 0.0 || !coordinate.joint.value)
+    return;
+  int size = 2;
+  const double piece[2] = {stiffness * rest, -stiffness};
+  km_force_def def = km_force_default();
+  km_error error;
+  def.name = coordinate.index == 0 ? name : km_robot_text(robot, "%s:%d", name, coordinate.index + 1);
+  def.coordinate = coordinate;
+  def.piece_sizes = &size;
+  def.coefficients = piece;
+  km_status status = km_model_add_force(robot->builder, &def, &error);
+  if (status == KM_MEMORY)
+    robot->arena.failed = true;
+  else if (status)
+    km_robot_error(robot, at, "%s", error.text);
 }
 
 void km_robot_couple(km_robot *robot, const km_xml *at, const char *name, km_assembly_id assembly,

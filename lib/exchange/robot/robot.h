@@ -78,8 +78,10 @@ km_body_id km_robot_body(km_robot *robot, const km_xml *at, km_assembly_id assem
                          const km_mass *mass, const char *mesh);
 /* A shape of a body: its kind, sizes or file, place, colour. One that has no size is dropped, and counted. */
 void km_robot_shape(km_robot *robot, const km_xml *at, km_body_id body, km_shape_def *def, const km_pose *pose);
-/* A frame of a body, under a free name like the given one; the body's own where the pose is the identity. */
+/* A frame of a body, under a free name like the given one. */
 km_frame_id km_robot_frame(km_robot *robot, const km_xml *at, km_body_id body, const char *name, const km_pose *pose);
+/* The same for a joint, whose name nobody looks for there: the body's own frame where the pose is the identity. */
+km_frame_id km_robot_place(km_robot *robot, const km_xml *at, km_body_id body, const char *name, const km_pose *pose);
 
 /* A joint: of the type KM_RZ or KM_TZ it is about or along `axis`. */
 typedef struct km_robot_joint {
@@ -97,6 +99,9 @@ typedef struct km_robot_joint {
 km_robot_joint km_robot_joint_default(void);
 /* A name that is taken is an error. {0} if it could not be added. */
 km_joint_id km_robot_add_joint(km_robot *robot, const km_robot_joint *joint);
+/* A spring in a coordinate of the joint of this name: -stiffness (q - rest). None where the stiffness is 0. */
+void km_robot_spring(km_robot *robot, const km_xml *at, const char *name, km_coordinate_ref coordinate,
+                     double stiffness, double rest);
 /* q1 = c0 + c1 q2 + …, of `count` coefficients, at least two. Without a second coordinate q1 = c0. */
 void km_robot_couple(km_robot *robot, const km_xml *at, const char *name, km_assembly_id assembly,
                      km_coordinate_ref one, km_coordinate_ref two, const double *c, int count);

@@ -366,6 +366,19 @@ bool km_written_spring(const km_written *w, int c, double *stiffness, double *re
   return false;
 }
 
+bool km_written_ball_spring(km_written *w, int first, double *stiffness) {
+  bool any = false, alike = true;
+  for (int k = 0; k < 3; ++k) {
+    double own, rest;
+    any = km_written_spring(w, first + k, &own, &rest) || any;
+    *stiffness = k == 0 ? own : *stiffness;
+    alike = alike && own == *stiffness && rest == 0.0 && w->q[first + k] == 0.0;
+  }
+  if (any && !alike)
+    km_written_omit(w, "springs not written", w->model->coordinates[first].label);
+  return any && alike;
+}
+
 void km_written_omit_forces(km_written *w) {
   const km_model *m = w->model;
   for (int i = 0; i < m->module_count; ++i)

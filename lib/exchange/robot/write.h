@@ -77,6 +77,9 @@ double km_written_limit(const km_written *w, int coordinate, double value); /* â
 bool km_written_is_limited(const km_model *model, int coordinate);
 /* A linear spring in a coordinate: true with its stiffness and where it is at rest, in SI. Others count as left out. */
 bool km_written_spring(const km_written *w, int coordinate, double *stiffness, double *rest);
+/* The same of a ball's three coordinates from the first one on, if they have one stiffness and are at rest in the file's pose; else
+ * their springs count as left out. */
+bool km_written_ball_spring(km_written *w, int first, double *stiffness);
 void km_written_omit_forces(km_written *w);
 /* Mass, centre and inertia in SI. */
 double km_written_mass(const km_written *w, int body, double center[3], double inertia[6]);

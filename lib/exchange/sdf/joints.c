@@ -47,23 +47,11 @@ km_vec3 km_sdf_axis(km_sdf *sdf, int joint, const km_xml *axis) {
   return km_vec3_scale(1.0 / km_vec3_norm(turned), turned);
 }
 
-static void add_spring(km_sdf *sdf, const km_sdf_entity *e, const km_xml *dynamics, km_coordinate_ref coordinate) {
-  double k = km_sdf_number(sdf->robot, dynamics, "spring_stiffness", 0.0);
-  if (k == 0.0 || !coordinate.joint.value)
-    return;
-  int size = 2;
-  const double piece[2] = {k * km_sdf_number(sdf->robot, dynamics, "spring_reference", 0.0), -k};
-  km_force_def def = km_force_default();
-  km_error error;
-  def.name = e->name;
-  def.coordinate = coordinate;
-  def.piece_sizes = &size;
-  def.coefficients = piece;
-  km_status status = km_model_add_force(sdf->robot->builder, &def, &error);
-  if (status == KM_MEMORY)
-    sdf->robot->arena.failed = true;
-  else if (status)
-    km_robot_error(sdf->robot, e->at, "%s", error.text);
+static void add_spring(km_sdf *sdf, const km_sdf_entity *e, const km_xml *axis, const char *name,
+                       km_coordinate_ref coordinate) {
+  const km_xml *dynamics = km_xml_child(axis, "dynamics");
+  km_robot_spring(sdf->robot, e->at, name, coordinate, km_sdf_number(sdf->robot, dynamics, "spring_stiffness", 0.0),
+                  km_sdf_number(sdf->robot, dynamics, "spring_reference", 0.0));
 }
 
 static double bound(km_robot *robot, const km_xml *limit, const char *key, double otherwise) {
@@ -114,7 +102,9 @@ static void add_two_hinges(km_sdf *sdf, int index, km_robot_joint *joint) {
     joint->in_child = km_pose_product(&joint->in_child, &turn);
     read_axis(sdf, e, first, 0, joint);
     read_axis(sdf, e, second, 1, joint);
-    km_robot_add_joint(robot, joint);
+    km_joint_id id = km_robot_add_joint(robot, joint);
+    add_spring(sdf, e, first, joint->name, (km_coordinate_ref){id, 0});
+    add_spring(sdf, e, second, joint->name, (km_coordinate_ref){id, 1});
     return;
   }
   const char *between = km_robot_free_name(robot, &robot->bodies, joint->assembly.value, e->name, "between");
@@ -128,8 +118,8 @@ static void add_two_hinges(km_sdf *sdf, int index, km_robot_joint *joint) {
       km_robot_free_name(robot, &robot->joints, joint->assembly.value, km_robot_text(robot, "%s:2", e->name), "axis");
   read_axis(sdf, e, first, 0, joint);
   read_axis(sdf, e, second, 0, &other);
-  km_robot_add_joint(robot, joint);
-  km_robot_add_joint(robot, &other);
+  add_spring(sdf, e, first, joint->name, (km_coordinate_ref){km_robot_add_joint(robot, joint), 0});
+  add_spring(sdf, e, second, other.name, (km_coordinate_ref){km_robot_add_joint(robot, &other), 0});
 }
 
 static int leader(const km_sdf *sdf, int entity) {
@@ -200,7 +190,7 @@ static void add_joint(km_sdf *sdf, int index) {
   km_joint_id id = robot->failed ? (km_joint_id){0} : km_robot_add_joint(robot, &joint);
   if (single && id.value) {
     sdf->joint_ids[index] = id;
-    add_spring(sdf, e, km_xml_child(axis, "dynamics"), (km_coordinate_ref){id, 0});
+    add_spring(sdf, e, axis, e->name, (km_coordinate_ref){id, 0});
   }
 }
 

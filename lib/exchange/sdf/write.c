@@ -153,6 +153,14 @@ static void begin_joint(km_written *w, const char *name, const char *type, const
   km_xml_text(&w->xml, "child", to);
 }
 
+/* The format gives a ball none. */
+static void omit_ball_springs(km_written *w, int first) {
+  double stiffness, rest;
+  for (int k = 0; k < 3; ++k)
+    if (km_written_spring(w, first + k, &stiffness, &rest))
+      km_written_omit(w, "springs not written", w->model->coordinates[first + k].label);
+}
+
 static void add_motion(km_written *w, const km_written_motion *motion, const char *from, const char *to,
                        const km_pose *child, const km_pose *at) {
   static const char *const types[] = {
@@ -160,7 +168,9 @@ static void add_motion(km_written *w, const km_written_motion *motion, const cha
   begin_joint(w, motion->name, types[motion->primitive], from, to, child, at);
   if (motion->primitive == KM_HELICAL)
     add_number(w, "screw_thread_pitch", motion->pitch * 2.0 * M_PI);
-  if (motion->primitive != KM_BALL)
+  if (motion->primitive == KM_BALL)
+    omit_ball_springs(w, motion->coordinate);
+  else
     add_axis(w, "axis", motion->axis, motion->coordinate);
   km_xml_end(&w->xml, "joint");
 }

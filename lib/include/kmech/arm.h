@@ -22,7 +22,7 @@ typedef enum km_task {
 /* The chain to `effector` (a frame of the model), joints passed in either sense, held and rigid joints rigid at the
  * state's values; other branches of the model don't matter. Lengths are scaled by L, the model's characteristic length
  * if its file gives one, else one metre. KM_USAGE: a joint on the way lies in a loop or a coupling, is a ball,
- * or there are fewer coordinates than the task has rows. The mechanism must outlive it. The caller frees `*out`. */
+ * or there are fewer coordinates than rows of the task that motions can change. The mechanism must outlive it. The caller frees `*out`. */
 KM_API km_status km_arm_create(const km_mechanism *mechanism, const km_state *state, int effector, km_task task,
                                km_arm **out, km_error *error);
 KM_API void km_arm_free(km_arm *arm);
@@ -32,8 +32,10 @@ KM_API int km_arm_coordinates(const km_arm *arm);
 KM_API int km_arm_coordinate(const km_arm *arm, int column); /* the mechanism's coordinate of a column, base first */
 KM_API double km_arm_length(const km_arm *arm);              /* L, in the model's length unit */
 
-KM_API int km_arm_rows(const km_arm *arm);    /* of the task: 6, 5 or 3 */
-KM_API int km_arm_freedom(const km_arm *arm); /* to spare for it: coordinates − rows, 0 without an arm */
+KM_API int km_arm_rows(const km_arm *arm); /* of the task: 6, 5 or 3 */
+/* To spare for it: coordinates − rows that its motions can change, which are fewer than the task's of an arm that moves in a
+ * plane, for instance; 0 without an arm. */
+KM_API int km_arm_freedom(const km_arm *arm);
 
 /* Effector kinematics at q[n] (model's units, base first). The pose in the inertial frame; J[rows × n], column-major:
  * v of the effector's origin along the inertial axes, then of a pose ω along them, of an axis ω along the effector's x

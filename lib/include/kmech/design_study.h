@@ -120,8 +120,8 @@ typedef enum km_design_figure_kind {
   KM_DESIGN_WHERE_MIN, /* the driver's value at the least value */
   KM_DESIGN_WHERE_MAX, /* that at the greatest value */
   KM_DESIGN_REACHED,   /* how much of the driver's range is reached: |last s − first s| */
-  KM_DESIGN_TOGGLES,   /* how many toggles lie in it */
-  KM_DESIGN_DISTANCE,  /* root mean square of the distances of given points from the path of `column`, a point that the
+  KM_DESIGN_TOGGLES, /* how many dead points lie in it: of any joint; of an advantage's input and output; of forces' actuators */
+  KM_DESIGN_DISTANCE, /* root mean square of the distances of given points from the path of `column`, a point that the
                        * question traces: path synthesis */
   KM_DESIGN_FIGURE_KINDS /* how many there are */
 } km_design_figure_kind;

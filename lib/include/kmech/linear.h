@@ -10,7 +10,7 @@
 extern "C" {
 #endif
 
-/* ẋ = A x + B f at the state's pose, with its rates: x the deviations of `freedom` independent coordinates, then those
+/* ẋ = A x + B f at the state's pose, with its rates, which are made to keep the loops as a run's are: x the deviations of `freedom` independent coordinates, then those
  * of their rates; f the forces in all coordinates, along +q. In radians and the model's length, force and time units.
  * Arrays are column-major. */
 typedef struct km_linear {
@@ -24,11 +24,13 @@ typedef struct km_linear {
   double *real, *imaginary;
   double *modes;   /* [coordinates × 2 freedom × 2] the coordinates' parts of the eigenvectors: real, imaginary; the
                         * largest scaled entry has length 1 */
-  double residual; /* largest acceleration of an independent coordinate at the pose, scaled: 0 at rest */
+  double residual; /* largest acceleration of an independent coordinate at the pose, scaled, over s²: 0 at rest */
+  double noise;    /* per time unit: what the errors of differences of such accelerations make of an eigenvalue 0 */
 } km_linear;
 
 /* Differences of ±1e-5 (radians, characteristic lengths, and these per second) of the accelerations, which err by about
- * 1e-9 of their size; eigenvalues by LAPACK's dgeev. The state's pose and rates stay. Prescribed coordinates follow
+ * 1e-9 of their size; eigenvalues by LAPACK's dgeev. The state's pose stays, and so do its rates but for
+ * km_dynamics_project_rates. Prescribed coordinates follow
  * their laws at the state's time. KM_MODEL, KM_DIVERGED: as km_dynamics_accelerate; KM_IO: LAPACKE isn't installed;
  * KM_MEMORY. Free `*out` in any case. O(freedom · evaluation + freedom³). */
 KM_API km_status km_linearise(km_dynamics *dynamics, km_state *state, km_linear *out, km_error *error);
@@ -56,12 +58,13 @@ KM_API km_status km_linear_motion(km_dynamics *dynamics, km_state *state, const 
 
 /* How a rest pose answers a small push. */
 typedef enum km_stability {
-  KM_STABLE,     /* it swings about the pose, or comes back */
-  KM_UNSTABLE,   /* it leaves the pose */
-  KM_INDIFFERENT /* a motion changes nothing to first order */
+  KM_STABLE,      /* it swings about the pose, or comes back */
+  KM_UNSTABLE,    /* it leaves the pose */
+  KM_INDIFFERENT, /* a motion changes nothing to first order */
+  KM_NOT_AT_REST /* the pose is none of rest or steady motion: what a push does to what happens there anyway isn't asked */
 } km_stability;
 KM_API const char *km_stability_name(km_stability stability); /* "stable" … */
-/* Of a pose at rest, by the largest real part among the eigenvalues. */
+/* By the largest real part among the eigenvalues, where nothing accelerates by more than 1e-6 (km_linear.residual). */
 KM_API km_stability km_linear_stability(const km_linear *linear);
 
 /* Moves the state to a pose where nothing accelerates: Newton's method on the accelerations of the independent
