@@ -110,19 +110,20 @@ static void go(const departure *d, const double *direction, double length) {
   km_state_forget_pivots(d->s, d->index);
 }
 
-/* Closes the loops with `driver` held. Few rows are far from depending on each other here: their null vectors, of which nothing is asked, would be
- * long. */
-static bool close(const departure *d, int driver) {
+/* Closes the loops with `driver` held: by all rows that the closed pose has, or by those at hand, where they are of a pose near by.
+ * Few rows are far from depending on each other here: their null vectors, of which nothing is asked, would be long. */
+static bool close(const departure *d, int driver, bool by_all) {
   km_partition *p = &d->s->partition[d->index];
   km_closure evidence;
   p->rows_only = p->sparse != NULL;
-  bool closed = km_close_fully(km_close_held, d->m, d->s, d->index, driver, &evidence) == KM_CLOSED;
+  km_closure_outcome outcome = by_all ? km_close_fully(km_close_held, d->m, d->s, d->index, driver, &evidence)
+                                      : km_close_held(d->m, d->s, d->index, driver, &evidence);
   p->rows_only = false;
-  return closed;
+  return outcome == KM_CLOSED;
 }
 
-/* On to the pose closest to the branch point: by poses closest to where a part of the way back leads, all of it at last. Where
- * none is found nearby the state stays. */
+/* On to the pose closest to the branch point: by poses closest to where a part of the way back leads, all of it at last, which is
+ * closed by all rows. Where none is found nearby the state stays. */
 static void draw_near(departure *d) {
   enum { MOST_PARTS = 40 };
   static const double least_part = 1e-3;
@@ -140,8 +141,9 @@ static void draw_near(departure *d) {
     bool found = km_closest_find(&closest, d->m, d->s, d->index, d->column, &d->s->partition[d->index], away);
     km_state_difference(d->s, d->sub, d->from, away);
     double shorter = km_step_length(d->m, d->sub, away);
-    found = found && shorter <= length && close(d, d->column);
-    near = found && part == 1.0;
+    const bool last = part == 1.0;
+    found = found && shorter <= length && close(d, d->column, last);
+    near = found && last;
     part = !found ? 0.5 * part : shorter > 0.9 * length ? fmin(1.0, 2.0 * part) : part;
     if (!found)
       km_state_restore(d->s, d->sub, d->there);
@@ -155,13 +157,13 @@ static bool set_out(departure *d, const double *direction, double way) {
     most = fmax(most, fabs(direction[k]));
   double length = short_step / most;
   go(d, direction, length);
-  close(d, KM_NO_DRIVER);
+  close(d, KM_NO_DRIVER, true);
   if (km_partition_freedom(&d->s->partition[d->index]) <= 1)
     return false;
   km_state_save(d->s, d->sub, d->there);
   length = way != 0.0 ? fmin(length, fabs(way / rate)) : length;
   go(d, direction, side * length);
-  if (!close(d, d->column))
+  if (!close(d, d->column, true))
     km_state_restore(d->s, d->sub, d->there);
   else if (length * fabs(rate) > least_way)
     draw_near(d);

@@ -209,10 +209,27 @@ static void short_steps_close_all_loops(void **state) {
   }
 }
 
+/* So many loops that the far ones hardly bend at first: all rows are there, whichever end drives. */
+static void long_rows_of_five_bars_move(void **state) {
+  (void)state;
+  fixture f = fixture_written(write_flat_five_bars, 1200);
+  const int ends[2] = {0, f.model->coordinate_count - 1};
+  for (int i = 0; i < 2; ++i) {
+    fixture g = fixture_written(write_flat_five_bars, 1200);
+    const km_sweep_plan plan = {.coordinate = ends[i], .direction = -1, .from = 0.0, .to = 0.1, .steps = 10};
+    km_mobility_sweep sweep;
+    assert_int_equal(km_mobility_sweep_run(g.mechanism, g.state, &plan, &sweep, NULL), KM_OK);
+    assert_int_equal(km_table_rows(sweep.motion.table), 11);
+    km_mobility_sweep_free(&sweep);
+    fixture_close(&g);
+  }
+  fixture_close(&f);
+}
+
 int main(void) {
   const struct CMUnitTest tests[] = {
-      cmocka_unit_test(loops_bend_as_they_accelerate), cmocka_unit_test(closest_poses_lie_at_right_angles),
+      cmocka_unit_test(loops_bend_as_they_accelerate),  cmocka_unit_test(closest_poses_lie_at_right_angles),
       cmocka_unit_test(stretched_five_bars_move_least), cmocka_unit_test(flat_five_bars_have_leverage),
-      cmocka_unit_test(short_steps_close_all_loops)};
+      cmocka_unit_test(short_steps_close_all_loops),    cmocka_unit_test(long_rows_of_five_bars_move)};
   return cmocka_run_group_tests(tests, NULL, NULL);
 }
