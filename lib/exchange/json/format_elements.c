@@ -98,7 +98,10 @@ static const km_field sine_fields[] = {
 static const km_object_format sine_format = {"sine", sine_fields};
 
 static const km_field prescribed_fields[] = {
-    {"table", "Rows [time, value] with increasing times, joined by a cubic spline.", SHAPE(ROWS), BY(TABLE)},
+    {"table",
+     "Rows [time, value] with increasing times, joined by a cubic spline; before and behind them the motion goes on with the "
+     "slope that it has there.",
+     SHAPE(ROWS), BY(TABLE)},
     {"polynomial", "Coefficients of a polynomial in time, the constant one first.", SHAPE(NUMBERS), BY(POLYNOMIAL)},
     {"sine", "offset + amplitude sin(2 pi frequency t + phase).", OBJECT(sine_format)},
     {0}};

@@ -41,7 +41,8 @@ static const km_field module_fields[] = {
      "One polynomial in the variable more than there are knots, the constant coefficient first. The value is the force "
      "along the joint or the way, positive where it pushes it to grow; angles inside are in radians.",
      SHAPE(ROWS), BY(PIECES)},
-    {"table", "A motor's force as rows [time, force].", SHAPE(ROWS), BY(LAW_TABLE)},
+    {"table", "A motor's force as rows [time, force], joined by lines; before and behind them it stays.", SHAPE(ROWS),
+     BY(LAW_TABLE)},
     {"polynomial", "A motor's force as a polynomial in time, the constant coefficient first.", SHAPE(NUMBERS),
      BY(LAW_POLYNOMIAL)},
     {"reference", "Value that a pid holds the variable at.", NUMBER, BY(REFERENCE), UNSTATED("0")},
@@ -50,7 +51,9 @@ static const km_field module_fields[] = {
     {"ki", "Force of a pid for each unit of the error's integral over time.", NUMBER, BY(GAIN), UNIT(.time = -1),
      UNSTATED("0")},
     {"kd", "Force of a pid for each unit of the error's rate.", NUMBER, BY(GAIN), UNIT(.time = 1), UNSTATED("0")},
-    {"tire", "Numbers of a fiala_tire, whose parent frame is the road (its z axis the normal) and whose child frame is the wheel's (its y axis the axle).", OBJECT(tire_format)},
+    {"tire",
+     "Numbers of a fiala_tire, whose parent frame is the road (its z axis the normal) and whose child frame is the wheel's (its y axis the axle).",
+     OBJECT(tire_format)},
     ACTIVE,
     {0}};
 const km_object_format km_format_module = {"force_module", module_fields};
@@ -80,8 +83,7 @@ static const km_field strut_fields[] = {
      OBJECT(gas_spring_format)},
     {"cylinder", "Whether it is an actuator.", BOOLEAN, UNSTATED("false")},
     {"limits", "Least and greatest length.", SHAPE(RANGE), UNIT(.length = 1), UNSTATED("none")},
-    {"damping", "Viscous damping in a simulation.", NUMBER, UNIT(.force = 1, .time = 1, .length = -1),
-     UNSTATED("0")},
+    {"damping", "Viscous damping in a simulation.", NUMBER, UNIT(.force = 1, .time = 1, .length = -1), UNSTATED("0")},
     ACTIVE,
     {0}};
 const km_object_format km_format_strut = {"strut", strut_fields};
