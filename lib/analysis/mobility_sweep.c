@@ -323,9 +323,7 @@ static void forget(void *self) {
 
 static km_status end_at(void *self, km_sweeper *r, double s, km_error *error) {
   const watch *w = self;
-  return add_toggle(w->out, r->plan, r->plan->coordinate, s)
-             ? KM_OK
-             : km_fail(error, KM_MEMORY, "out of memory for the dead points");
+  return add_toggle(w->out, r->plan, r->plan->coordinate, s) ? KM_OK : no_memory(error);
 }
 
 static km_status tell(void *self, const km_sweep_job *job) {
