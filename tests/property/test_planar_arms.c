@@ -1,9 +1,10 @@
-/* Arms whose motions change fewer rows of a task than it has: those that move in a plane. */
+/* Arms whose motions change fewer rows of a task than it has: those that move in a plane, and SCARA arms. */
 #include "support/arms.h"
 
 #include "base/text.h"
 #include "kmech/selfmotion.h"
 
+#include <math.h>
 #include <stdio.h>
 #include <string.h>
 
@@ -104,8 +105,38 @@ static void a_planar_arm_moves_about_its_tip(void **state) {
   fixture_close(&f);
 }
 
+/* Three hinges about parallel axes and a slide along them: four of a pose's six rows, and two elbows for every pose. */
+static void a_scara_has_two_elbows(void **state) {
+  (void)state;
+  fixture f = fixture_read(
+      "{\"assemblies\": [{\"name\": \"a\", \"bodies\": [{\"name\": \"l0\", \"frames\": [{\"name\": \"e\", \"T\": [0.4, 0, 0]}]}, "
+      "{\"name\": \"l1\", \"frames\": [{\"name\": \"e\", \"T\": [0.3, 0, 0]}]}, {\"name\": \"l2\"}, {\"name\": \"l3\", \"frames\": "
+      "[{\"name\": \"e\", \"T\": [0, 0, -0.1]}]}], \"joints\": [{\"name\": \"A\", \"type\": \"Rz\", \"body_frame_pairs\": "
+      "[\"fixed\", \"l0\"]}, {\"name\": \"B\", \"type\": \"Rz\", \"body_frame_pairs\": [[\"l0\", \"e\"], [\"l1\"]]}, {\"name\": \"C\", "
+      "\"type\": \"Tz\", \"body_frame_pairs\": [[\"l1\", \"e\"], [\"l2\"]]}, {\"name\": \"D\", \"type\": \"Rz\", "
+      "\"body_frame_pairs\": [\"l2\", \"l3\"]}]}]}");
+  km_arm *arm = arm_of(&f, "l3", "e", KM_TASK_POSE);
+  const double q[4] = {0.3, 0.7, 0.1, 0.2}, turned = 2.0 * atan2(0.3 * sin(0.7), 0.4 + 0.3 * cos(0.7));
+  const double other[4] = {0.3 + turned, -0.7, 0.1, 1.2 - (0.3 + turned) + 0.7};
+  km_frame_pose pose;
+  km_ik_solutions solutions;
+  assert_int_equal(km_arm_freedom(arm), 0);
+  assert_int_equal(km_arm_place(arm, q, &pose, NULL), KM_OK);
+  assert_int_equal(km_ik_solutions_find(arm, &pose, 1, NULL, NULL, &solutions, NULL), KM_OK);
+  assert_int_equal(solutions.count, 2);
+  int first = fabs(solutions.pose[1] - q[1]) < 1e-6 ? 0 : 1;
+  for (int k = 0; k < 4; ++k) {
+    assert_near(solutions.pose[4 * first + k], q[k], 1e-10);
+    assert_near(solutions.pose[4 * (1 - first) + k], other[k], 1e-10);
+  }
+  km_ik_solutions_free(&solutions);
+  km_arm_free(arm);
+  fixture_close(&f);
+}
+
 int main(void) {
   const struct CMUnitTest tests[] = {cmocka_unit_test(planar_arms_have_rows_of_their_plane),
-                                     cmocka_unit_test(a_planar_arm_moves_about_its_tip)};
+                                     cmocka_unit_test(a_planar_arm_moves_about_its_tip),
+                                     cmocka_unit_test(a_scara_has_two_elbows)};
   return cmocka_run_group_tests(tests, NULL, NULL);
 }
