@@ -274,6 +274,12 @@ static double lengthen(km_drive *d, double step, double h) {
   return easily ? km_smaller(2.0 * step, km_drive_longest) : step;
 }
 
+/* Was a step refused that leads back from close to an end, since pivots found anew show a singular pose there? */
+static bool turns_back(const km_drive *d, double left) {
+  return d->here.stopped == 0.0 && left * d->c.course.last_h < 0.0 &&
+         km_continuation_is_singular(&d->c.state->partition[d->c.substructure]);
+}
+
 /* Advances to `target` by controlled steps; the step that arrives sets the driver exactly. */
 static attempt walk(km_drive *d, double target, int *limit) {
   double step = d->here.largest;
@@ -298,6 +304,10 @@ static attempt walk(km_drive *d, double target, int *limit) {
       } else {
         km_drive_tell(d, d->here.s, d->c.course.t, 1);
       }
+      continue;
+    }
+    if (result == OPEN && turns_back(d, left)) {
+      d->here.stopped = -copysign(1.0, left);
       continue;
     }
     if (result == OPEN && arrives && may_cross && cross(d, target, limit))

@@ -34,14 +34,14 @@ static double span_of(const km_loop_curve *c, int i) {
   return i == c->count - 1 ? c->length - c->u[i] : c->u[i + 1] - c->u[i];
 }
 
-static double beyond(const crossings *all, int column, double q) {
+static double beyond(const crossings *all, int round, int column, double q) {
   const km_loop_curve *c = all->curve;
-  return km_arm_beyond(c->arm, column, q + all->round * km_loop_curve_turn(c, column));
+  return km_arm_beyond(c->arm, column, q + round * km_loop_curve_turn(c, column));
 }
 
 static double beyond_at(const crossings *all, int i, double x, int column) {
   double q[KM_ARM_MOST];
-  return km_loop_curve_between(all->curve, i, x, q, NULL) ? beyond(all, column, q[column]) : 0.0;
+  return km_loop_curve_between(all->curve, i, x, q, NULL) ? beyond(all, all->round, column, q[column]) : 0.0;
 }
 
 static void add(crossings *all, int i, double x, int column, int change) {
@@ -133,9 +133,9 @@ static void look(crossings *all, int i, int column) {
   const int n = c->arm->n;
   int next = i == c->count - 1 ? 0 : i + 1;
   double x[3] = {0.0, 0.5, 1.0}, f[3], s[3];
-  double from = c->q[i * n + column], to = c->q[next * n + column] + (next ? 0.0 : km_loop_curve_turn(c, column));
-  f[0] = beyond(all, column, from);
-  f[2] = beyond(all, column, to);
+  f[0] = beyond(all, all->round, column, c->q[i * n + column]);
+  /* The end of a round is the start of the next one, to the bit: at a limit rounding must not tell them apart. */
+  f[2] = beyond(all, next ? all->round : all->round + 1, column, c->q[next * n + column]);
   /* A coordinate changes by no more than the arc. */
   if (fabs(f[0]) > 1.01 * span_of(c, i) && (f[0] > 0.0) == (f[2] > 0.0))
     return;
@@ -240,7 +240,7 @@ km_arc_span *km_loop_curve_arcs(const km_loop_curve *c, int *count) {
     if (!is_limited(c->arm, k))
       continue;
     all.round = r.first;
-    out += beyond(&all, k, c->q[k]) > 0.0;
+    out += beyond(&all, r.first, k, c->q[k]) > 0.0;
     for (; all.round < r.end; ++all.round)
       for (int i = 0; i < (c->closed ? c->count : c->count - 1) && !all.failed; ++i)
         look(&all, i, k);
