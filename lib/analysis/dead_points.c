@@ -56,7 +56,7 @@ bool km_dip_shows(const km_dip *dip, double *lowest) {
   return bend > 0.0 && (*lowest - s[0]) * (*lowest - s[2]) < 0.0 && least < km_drive_dip * fmin(a, fmin(b, c));
 }
 
-/* The entry as GSL sees it, by its sign at the rows. */
+/* The entry as GSL sees it, by its sign at the places that show the dip. */
 typedef struct entry {
   km_sweeper *r;
   int coordinate;
@@ -70,7 +70,7 @@ static double entry_at(double s, void *context) {
   r->rides = false; /* from here on the drive goes alone */
   e->lost = e->lost || !r->mover.probe(r->mover.self, s, r->rates);
   if (e->lost)
-    return NAN; /* ends the search */
+    return (double)NAN; /* ends the search */
   km_unit_direction(r->m, r->rates, r->scratch);
   return e->sign * r->scratch[e->coordinate];
 }
@@ -142,7 +142,7 @@ int km_dip_search(km_sweeper *r, int coordinate, const km_dip *dip, double lowes
   if (!find_trough(&e, dip, lowest, &t) || !go_down(&e, &t))
     return 0;
   roots[0] = t.at;
-  if (t.f >= 0.0 || t.f > -km_dead)
+  if (t.f > -km_dead) /* it touches 0, or stays away from it */
     return t.f < km_dead;
   roots[0] = find_root(&e, t.low, t.f_low, t.at, t.f);
   roots[1] = find_root(&e, t.high, t.f_high, t.at, t.f);
