@@ -316,6 +316,18 @@ km_status km_check(const km_mechanism *m, km_state *s, const km_messages *messag
   return status;
 }
 
+void km_findings_leave_out(km_findings *f, const char *kind) {
+  size_t kept = 0;
+  for (size_t i = 0; f && kind && i < f->count; ++i) {
+    bool stays = strcmp(f->items[i].kind, kind) != 0;
+    f->counts[f->items[i].severity] -= !stays;
+    f->items[kept] = f->items[i];
+    kept += stays;
+  }
+  if (f && kind)
+    f->count = kept;
+}
+
 void km_findings_free(km_findings *f) {
   if (!f)
     return;

@@ -97,13 +97,10 @@ static void find_rubbing(const km_mechanism *m, km_losses_work *w, const double 
     const km_joint_friction *friction = &m->model->joints[def->joint].friction;
     if (m->held[c] || friction->coefficient == 0.0 || fabs(rates[c]) <= 1e-12 * m->unit[c])
       continue;
-    double arm = km_joint_is_length(m->model->joints[def->joint].type, def->index) ? 1.0 : friction->radius;
-    double part = 1.0; /* of a ball's turn about this axis */
-    if (m->ball_of[c] >= 0)
-      part = fabs(rates[c]) / km_vec3_norm(km_vec3_make(rates + m->ball_coordinate[m->ball_of[c]]));
+    double arm = km_slip_arm(m, c);
     if (arm == 0.0)
       continue;
-    w->resists[w->friction.count] = -copysign(friction->coefficient * arm * part, rates[c]);
+    w->resists[w->friction.count] = -friction->coefficient * arm * (arm * rates[c] / km_slip_speed(m, rates, c));
     w->rubbing[w->friction.count++] = c;
   }
 }

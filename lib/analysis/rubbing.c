@@ -24,19 +24,17 @@ static double arm_of(const km_mechanism *m, int c) {
   const km_model_joint *joint = &m->model->joints[def->joint];
   if (m->held[c] || !(joint->friction.coefficient > 0.0))
     return 0.0;
-  return km_joint_is_length(joint->type, def->index) ? 1.0 : joint->friction.radius;
+  return km_slip_arm(m, c);
 }
 
-/* The friction along a coordinate for a normal force of 1; of a ball its part about this axis. */
+/* The friction along a coordinate for a normal force of 1: its part of what acts against the way in which the surfaces slide. */
 static double resistance(const km_mechanism *m, const km_state *s, int c) {
   const km_joint_friction *friction = &m->model->joints[m->model->coordinates[c].joint].friction;
-  double stiction = friction->stiction_velocity > 0.0 ? friction->stiction_velocity : 1e-3 * m->length;
-  double arm = arm_of(m, c), rate = s->rate[c], speed = fabs(rate);
-  if (m->ball_of[c] >= 0)
-    speed = km_vec3_norm(km_vec3_make(s->rate + m->ball_coordinate[m->ball_of[c]]));
+  double arm = arm_of(m, c), speed = km_slip_speed(m, s->rate, c);
   if (!(speed > 0.0))
     return 0.0;
-  return -friction->coefficient * arm * km_slip_share(arm * speed, stiction) * rate / speed;
+  double share = km_slip_share(speed, km_stiction_speed(m, friction));
+  return -friction->coefficient * arm * share * arm * s->rate[c] / speed;
 }
 
 /* What every joint carries at the present accelerations. */

@@ -84,11 +84,22 @@ static km_status check_tires(const km_model *model, km_error *error) {
   return KM_OK;
 }
 
+/* A ball's component isn't what a torque about its axis turns: a stop of it would give or take energy by the way. */
+static km_status check_stops(const km_mechanism *m, km_error *error) {
+  for (int c = 0; c < m->coordinate_count; ++c)
+    if (m->ball_of[c] >= 0 && !m->held[c] && has_stop(m, c) && (isfinite(m->low[c]) || isfinite(m->high[c])))
+      return km_fail(error, KM_MODEL, "joint %s: a stop of one component of a ball; expected one range of its angle",
+                     m->model->coordinates[c].label);
+  return KM_OK;
+}
+
 km_status km_forces_follow_motion(km_forces *f, km_error *error) {
   if (f->moving)
     return KM_OK;
   const km_mechanism *m = f->mechanism;
   km_status status = check_tires(m->model, error);
+  if (!status)
+    status = check_stops(m, error);
   if (status)
     return status;
   km_arena *arena = &f->arena, scratch = {0};
@@ -173,21 +184,32 @@ double km_stops_energy(const km_mechanism *m, const km_state *s, const km_forces
   return energy;
 }
 
+double km_stiction_speed(const km_mechanism *m, const km_joint_friction *friction) {
+  return friction && friction->stiction_velocity > 0.0 ? friction->stiction_velocity
+                                                       : 1e-3 * m->length * m->model->units.time->si;
+}
+
 double km_slip_share(double speed, double stiction) {
   double x = fabs(speed) / stiction;
   return copysign(x < 1.0 ? x * (2.0 - x) : 1.0, speed);
 }
 
-/* Constant friction. A hinge's surfaces slide at its friction's radius, or at the characteristic length. */
+/* Below which rate a coordinate counts as sticking; -1: of a distance between frames. A hinge's surfaces slide at its friction's
+ * radius, or at the characteristic length. */
+static double sticking_rate(const km_mechanism *m, int c) {
+  if (c < 0)
+    return km_stiction_speed(m, NULL);
+  const km_model_coordinate *def = &m->model->coordinates[c];
+  const km_joint_friction *friction = &m->model->joints[def->joint].friction;
+  double radius = friction->radius > 0.0 ? friction->radius : m->length;
+  return km_stiction_speed(m, friction) / (km_model_coordinate_is_length(m->model, c) ? 1.0 : radius);
+}
+
+/* Constant friction. */
 static void add_friction(const km_mechanism *m, const km_state *s, km_forces *f) {
   for (int i = 0; i < f->moving->rubbing_count; ++i) {
     int c = f->moving->rubbing[i];
-    const km_model_coordinate *def = &m->model->coordinates[c];
-    const km_model_joint *joint = &m->model->joints[def->joint];
-    double radius = joint->friction.radius > 0.0 ? joint->friction.radius : m->length;
-    double reach = km_joint_is_length(joint->type, def->index) ? 1.0 : radius;
-    double stiction = joint->friction.stiction_velocity > 0.0 ? joint->friction.stiction_velocity : 1e-3 * m->length;
-    double force = -def->friction * km_slip_share(reach * s->rate[c], stiction);
+    double force = -m->model->coordinates[c].friction * km_slip_share(s->rate[c], sticking_rate(m, c));
     f->joint[c] += force;
     f->moving->dissipation -= force * s->rate[c];
   }
@@ -232,7 +254,7 @@ static void add_module(const km_mechanism *m, const km_state *s, km_forces *f, i
   case KM_MODULE_DAMPING:
   case KM_MODULE_FRICTION: {
     km_module_input(m, s, f, module, &rate);
-    double force = km_law_force(&module->law, rate);
+    double force = km_law_resistance(&module->law, rate, sticking_rate(m, module->input.coordinate));
     moving->dissipation -= force * km_module_push(m, s, f, module, force);
     break;
   }

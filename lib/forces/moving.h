@@ -30,6 +30,8 @@ double km_stops_energy(const km_mechanism *mechanism, const km_state *state, con
 
 /* The share of friction that acts at a speed: all of it from the stiction speed on, below it a parabola through 0. */
 double km_slip_share(double speed, double stiction);
+/* That speed, in the model's units: a joint's own (NULL: none), else a thousandth of the characteristic length per second. */
+double km_stiction_speed(const km_mechanism *mechanism, const km_joint_friction *friction);
 
 /* Value of a motor's law at a time. */
 double km_motor_force(const km_model_module *module, double time);

@@ -1,14 +1,31 @@
 /* Force modules of type stiffness: a force from a displacement, between frames or in a joint. */
 #include "forces/forces.h"
+#include "forces/moving.h"
+
+static double piece_force(const km_law *law, int piece, double x) {
+  double force = 0.0;
+  for (int k = law->start[piece + 1] - 1; k >= law->start[piece]; --k)
+    force = force * x + law->coefficients[k];
+  return force;
+}
 
 double km_law_force(const km_law *law, double x) {
   int piece = 0;
   while (piece < law->knot_count && x >= law->knots[piece])
     ++piece;
-  double force = 0.0;
-  for (int k = law->start[piece + 1] - 1; k >= law->start[piece]; --k)
-    force = force * x + law->coefficients[k];
-  return force;
+  return piece_force(law, piece, x);
+}
+
+double km_law_resistance(const km_law *law, double rate, double width) {
+  int nearest = -1;
+  for (int k = 0; k < law->knot_count; ++k)
+    if (fabs(rate - law->knots[k]) < width &&
+        (nearest < 0 || fabs(rate - law->knots[k]) < fabs(rate - law->knots[nearest])))
+      nearest = k;
+  if (nearest < 0)
+    return km_law_force(law, rate);
+  double below = piece_force(law, nearest, rate), above = piece_force(law, nearest + 1, rate);
+  return 0.5 * (below + above + (above - below) * km_slip_share(rate - law->knots[nearest], width));
 }
 
 double km_law_work(const km_law *law, double x) {

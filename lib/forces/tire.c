@@ -68,7 +68,7 @@ void km_tire_push(const km_mechanism *m, km_forces *f, int index) {
     fy = -limit * (1.0 - H * H * H) * sign_of(tangent);
     mz = limit * tire->width * (1.0 - H) * H * H * H * sign_of(tangent);
   }
-  double my = -tire->rolling_resistance * load * sign_of(c.spin);
+  double my = -tire->rolling_resistance * load * km_slip_share(tire->radius * c.spin, km_stiction_speed(m, NULL));
   km_vec3 force = km_vec3_axpy(fx, c.x, km_vec3_axpy(fy, c.y, km_vec3_scale(load, c.z)));
   km_vec3 couple = km_vec3_axpy(my, c.y, km_vec3_scale(mz, c.z));
   int wheel = m->model->frames[module->output.frame[1]].body, road = m->model->frames[module->output.frame[0]].body;

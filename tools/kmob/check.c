@@ -23,12 +23,19 @@ static kt_exit write_findings(const kmob_request *o, const kt_pose *pose, const 
   return result;
 }
 
+/* Does the user ask for another pose than the file's own? */
+static bool is_moved(const kmob_request *o) {
+  return o->pose.sets.count > 0 || o->pose.common.mode > 0 || o->pose.common.pose;
+}
+
 static kt_exit check(const kmob_request *o, const kt_pose *pose, const km_messages *messages) {
   km_findings findings;
   km_error error;
   kt_progress progress = kt_progress_start(&o->pose.common);
   km_status status = km_check(pose->mechanism, pose->state, messages, kt_progress_show, &progress, &findings, &error);
   kt_progress_end(&progress);
+  if (!status && is_moved(o))
+    km_findings_leave_out(&findings, "start");
   kt_exit result = kt_exit_of(status);
   if (status)
     kt_say(&o->pose.common, KM_ERROR, "%s: %s", o->pose.model, error.text);

@@ -5,8 +5,11 @@
 #include "kmech/memory.h"
 #include "kmech/parts.h"
 #include "kmech/records.h"
+#include "kmech/units.h"
 
 #include <math.h>
+#include <stdio.h>
+#include <string.h>
 
 static kt_exit read_table(const ksim_options *o, km_table **out) {
   km_text text = {0};
@@ -20,21 +23,37 @@ static kt_exit read_table(const ksim_options *o, km_table **out) {
   return kt_exit_of(status);
 }
 
-/* The last row's value of PREFIX and the coordinate's label. */
-static kt_exit read_value(const ksim_work *w, const km_table *table, const char *prefix, int coordinate, double *out) {
+/* The column is in the model's unit, or in none. */
+static bool has_unit(const ksim_work *w, const km_table *table, int column, const char *unit) {
+  const char *own = km_table_unit(table, (size_t)column);
+  if (!*own || strcmp(own, unit) == 0)
+    return true;
+  kt_say(&w->options->common, KM_ERROR, "--from %s: column %s is in %s; expected %s, the model's unit",
+         w->options->from, km_table_name(table, (size_t)column), own, unit);
+  return false;
+}
+
+/* The last row's value of PREFIX and the coordinate's label; `per`: what stands behind the coordinate's unit. */
+static kt_exit read_value(const ksim_work *w, const km_table *table, const char *prefix, const char *per,
+                          int coordinate, double *out) {
   const ksim_options *o = w->options;
-  km_text name = {0};
+  km_text name = {0}, unit = {0};
   km_text_format(&name, "%s%s", prefix, km_model_coordinate_label(w->pose.model, coordinate));
-  int column = name.failed ? -1 : km_csv_find(table, name.data);
+  km_text_format(&unit, "%s%s", km_model_coordinate_unit(w->pose.model, coordinate), per);
+  bool failed = name.failed || unit.failed;
+  int column = failed ? -1 : km_csv_find(table, name.data);
   if (column >= 0)
     *out = km_table_row(table, km_table_rows(table) - 1)[column];
-  kt_exit result = name.failed ? KT_INTERNAL : KT_DONE;
-  if (!name.failed && (column < 0 || !isfinite(*out))) {
+  kt_exit result = failed ? KT_INTERNAL : KT_DONE;
+  if (!failed && (column < 0 || !isfinite(*out))) {
     kt_say(&o->common, KM_ERROR, "--from %s: its last row has no %s; expected the table of a run of this model",
            o->from, name.data);
     result = KT_USAGE;
+  } else if (!failed && !has_unit(w, table, column, unit.data)) {
+    result = KT_USAGE;
   }
   km_text_free(&name);
+  km_text_free(&unit);
   return result;
 }
 
@@ -49,13 +68,18 @@ static kt_exit take_row(ksim_work *w, const km_table *table) {
            w->options->from);
     return KT_USAGE;
   }
+  const char *second = km_model_units(w->pose.model).time->suffix;
+  char per[16];
+  snprintf(per, sizeof per, "/%s", second);
+  if (!has_unit(w, table, time, second))
+    return KT_USAGE;
   w->def.start = km_table_row(table, km_table_rows(table) - 1)[time];
   double *q = KM_NEW(double, (size_t)count + 1);
   for (int c = 0; c < count && q && result == KT_DONE; ++c) {
     double rate = 0.0;
-    result = read_value(w, table, "q.", c, &q[c]);
+    result = read_value(w, table, "q.", "", c, &q[c]);
     if (result == KT_DONE)
-      result = read_value(w, table, "v.", c, &rate);
+      result = read_value(w, table, "v.", per, c, &rate);
     if (result == KT_DONE && !km_coordinate_is_held(m, c))
       result = kt_exit_of(km_state_set_rate(m, w->pose.state, c, rate, NULL));
   }
@@ -77,6 +101,8 @@ kt_exit ksim_go_on(ksim_work *w) {
   km_table *table = NULL;
   if (!w->options->from)
     return KT_DONE;
+  if (w->options->sets.count > 0)
+    return kt_usage(&w->options->common, "--from", "a table beside --set", "one of them: both give the pose");
   kt_exit result = read_table(w->options, &table);
   if (result == KT_DONE)
     result = take_row(w, table);

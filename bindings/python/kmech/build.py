@@ -14,6 +14,7 @@ TYPES = {"Rx": lib.KM_RX, "Ry": lib.KM_RY, "Rz": lib.KM_RZ, "Tx": lib.KM_TX, "Ty
          "revolute": lib.KM_RZ, "prismatic": lib.KM_TX, "rigid": lib.KM_RIGID, "spherical": lib.KM_SPHERICAL,
          "float": lib.KM_FLOAT, "cylindrical": lib.KM_CYLINDRICAL, "universal": lib.KM_UNIVERSAL,
          "planar": lib.KM_PLANAR, "screw": lib.KM_SCREW}
+_SEVERAL = {"rigid": 0, "spherical": 3, "float": 6, "cylindrical": 2, "universal": 2, "planar": 3}  # others have one
 _PER_COORDINATE = ("position", "velocity", "damping", "low", "high", "max_rate", "max_force", "armature",
                    "constant_friction")
 _SINGLE = ("pitch", "friction", "friction_radius", "stiction_velocity", "stop_stiffness", "stop_damping")
@@ -38,6 +39,7 @@ class Builder:
         self._bodies = {"fixed": lib.km_builder_fixed(self._c)}
         self._frames: dict[tuple[str, str], Any] = {}
         self._joints: dict[str, Any] = {}
+        self._freedoms: dict[str, int] = {}
         words = [ffi.new("char[]", bytes_of(w, "unit")) for w in (angle, length, mass, time, force)]
         settings = ffi.new("km_settings_def *", lib.km_settings_default())
         settings.angle, settings.length, settings.mass, settings.time, settings.force = words
@@ -100,28 +102,35 @@ class Builder:
             raise UsageError(f"type: found {type!r}; expected one of {', '.join(TYPES)}")
         kept, out = ffi.new("char[]", bytes_of(name, "name")), ffi.new("km_joint_id *")
         d = ffi.new("km_joint_def *", lib.km_joint_default())
+        freedom = _SEVERAL.get(type, 1)
         d.name, d.type, d.parent, d.child = kept, TYPES[type], self._frame(parent), self._frame(child)
         for key, value in values.items():
             if key in _SINGLE:
                 setattr(d, key, number(value, key))
             elif key in _PER_COORDINATE:
                 given = [number(value, key)] if not hasattr(value, "__iter__") else [number(v, key) for v in value]
-                if len(given) > 6:
-                    raise UsageError(f"{key}: found {len(given)} numbers; expected at most 6")
+                if len(given) != freedom:
+                    raise UsageError(f"{key}: found {len(given)} number{'s' * (len(given) != 1)}; "
+                                     f"expected {freedom}, one a coordinate")
                 for k, x in enumerate(given):
                     getattr(d, key)[k] = x
             else:
                 raise TypeError(f"joint: there is no value {key!r}; expected {', '.join(_PER_COORDINATE + _SINGLE)}")
         check(lib.km_model_add_joint(self._c, d, out, self._error), self._error)
-        self._joints[name] = out[0]
+        self._joints[name], self._freedoms[name] = out[0], freedom
         return self
 
     def _ref(self, joint: Any) -> dict[str, Any]:
         label, _, rest = joint.partition("[") if isinstance(joint, str) and joint not in self._joints else (joint, "", "")
         if label not in self._joints:
             raise UsageError(f"{joint!r} names no joint; expected one of {list(self._joints)}")
-        index = rest.rstrip("]")
-        return {"joint": self._joints[label], "index": int(index) if index.isdigit() else 0}
+        freedom, index = self._freedoms[label], rest[:-1]
+        if not rest and freedom == 1:
+            return {"joint": self._joints[label], "index": 0}
+        if not (rest.endswith("]") and index.isdigit() and int(index) < freedom):
+            expected = f"{label}[0] to {label}[{freedom - 1}]" if freedom else "a joint that moves"
+            raise UsageError(f"{joint!r}: joint {label!r} has {freedom} coordinate{'s' * (freedom != 1)}; expected {expected}")
+        return {"joint": self._joints[label], "index": int(index)}
 
     def couple(self, name: str, ratios: Optional[Mapping[str, float]] = None, *, constant: Optional[float] = None,
                follower: Optional[str] = None, leader: Optional[str] = None,
@@ -130,6 +139,8 @@ class Builder:
         self._alive()
         kept = ffi.new("char[]", bytes_of(name, "name"))
         d = ffi.new("km_coupling_def *", {"name": kept})
+        if (ratios is None) == (polynomial is None) or (polynomial is not None and constant is not None):
+            raise UsageError("a coupling: expected ratios, perhaps with a constant, or follower, leader and polynomial")
         if ratios is not None:
             refs = ffi.new("km_coordinate_ref[]", [self._ref(j) for j in ratios])
             values = ffi.new("double[]", [number(r, "ratio") for r in ratios.values()])
@@ -137,8 +148,8 @@ class Builder:
             if constant is not None:
                 d.constant_given, d.constant = True, number(constant, "constant")
         else:
-            if follower is None or leader is None or polynomial is None:
-                raise UsageError("a coupling: expected ratios, or follower, leader and polynomial")
+            if follower is None or leader is None:
+                raise UsageError("a polynomial coupling: expected follower and leader")
             refs = ffi.new("km_coordinate_ref[]", [self._ref(follower), self._ref(leader)])
             values = ffi.new("double[]", [number(c, "polynomial") for c in polynomial])
             d.count, d.coordinates, d.polynomial, d.polynomial_count = 2, refs, values, len(values)

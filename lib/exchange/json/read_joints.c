@@ -150,6 +150,9 @@ static void read_options(km_reader *reader, const km_value *joint, const km_plac
   const km_value *p = km_value_get(joint, "prescribed");
   if (!p)
     return;
+  if (km_joint_kind_of(out->type)->freedom != 1)
+    km_reader_error(reader, &prescribed, "a joint of %d coordinates; expected one with a single coordinate",
+                    km_joint_kind_of(out->type)->freedom);
   const km_value *table = km_value_get(p, "table");
   int laws = (table != NULL) + (km_value_get(p, "polynomial") != NULL) + (km_value_get(p, "sine") != NULL);
   if (laws != 1)

@@ -52,6 +52,8 @@ typedef struct km_findings {
  * case. KM_CANCELLED, KM_MEMORY. */
 KM_API km_status km_check(const km_mechanism *mechanism, km_state *state, const km_messages *messages,
                           km_progress progress, void *context, km_findings *out, km_error *error);
+/* Leaves out those of a kind: who has moved the mechanism himself, for instance, isn't told that it starts elsewhere ("start"). */
+KM_API void km_findings_leave_out(km_findings *findings, const char *kind);
 KM_API void km_findings_free(km_findings *findings);
 
 #ifdef __cplusplus
