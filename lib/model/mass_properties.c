@@ -134,6 +134,13 @@ km_status km_mesh_weigh(const km_mesh *mesh, const char *name, km_mass *out, km_
   *out = (km_mass){.mass = found.volume, .center = found.center};
   for (int k = 0; k < 6; ++k)
     out->inertia[k] = found.inertia[k];
+  double moments[3];
+  km_principal_moments(out->inertia, moments);
+  if (moments[0] < -1e-9 * moments[2])
+    return km_fail(
+        error, KM_MODEL,
+        "%s: a part of it is inside out, so that it counts as a hole beside the rest; expected all faces to look outwards",
+        name);
   return KM_OK;
 }
 

@@ -3,6 +3,7 @@
 #include "support/support.h"
 
 #include <math.h>
+#include <string.h>
 
 static km_vec3 on_sphere(km_vec3 v) {
   return km_vec3_scale(1.0 / km_vec3_norm(v), v);
@@ -138,6 +139,41 @@ static void inside_out(void **state) {
   km_mesh_free(m);
 }
 
+/* A box of 4 and, `away` from its middle, one of 2 that is inside out. */
+static km_mesh *box_and_hole(double away) {
+  km_mesh *parts[2] = {solid_box(4, 4, 4), solid_box(2, 2, 2)};
+  km_mesh *out = km_mesh_create(2 * parts[0]->vertex_count, 2 * parts[0]->triangle_count);
+  km_rotation none = km_rotation_identity();
+  int vertices = 0, triangles = 0;
+  solid_move(parts[1], &none, (km_vec3){away, 0, 0});
+  for (int i = 0; i < 2; ++i) {
+    for (int t = 0; t < parts[i]->triangle_count; ++t, ++triangles) {
+      if (i == 1)
+        turn_round(&parts[i]->triangles[t]);
+      for (int k = 0; k < 3; ++k)
+        out->triangles[triangles].corner[k] = vertices + parts[i]->triangles[t].corner[k];
+    }
+    for (int v = 0; v < parts[i]->vertex_count; ++v)
+      out->vertices[vertices++] = parts[i]->vertices[v];
+    km_mesh_free(parts[i]);
+  }
+  return out;
+}
+
+/* Within the box it is a hollow; so far beside it a body would have a negative moment of inertia. */
+static void holes(void **state) {
+  (void)state;
+  km_mass mass;
+  km_error error;
+  km_mesh *hollow = box_and_hole(0.5), *beside = box_and_hole(20.0);
+  assert_int_equal(km_mesh_weigh(hollow, "m", &mass, &error), KM_OK);
+  assert_near(mass.mass, 56.0, 1e-12);
+  assert_int_equal(km_mesh_weigh(beside, "m", &mass, &error), KM_MODEL);
+  assert_non_null(strstr(error.text, "m: a part of it is inside out"));
+  km_mesh_free(hollow);
+  km_mesh_free(beside);
+}
+
 static void faults(void **state) {
   (void)state;
   km_mesh_faults found;
@@ -175,7 +211,7 @@ int main(void) {
   const struct CMUnitTest tests[] = {
       cmocka_unit_test(a_box),     cmocka_unit_test(a_cylinder), cmocka_unit_test(a_sphere),
       cmocka_unit_test(far_away),  cmocka_unit_test(inside_out), cmocka_unit_test(faults),
-      cmocka_unit_test(no_volume),
+      cmocka_unit_test(no_volume), cmocka_unit_test(holes),
   };
   return cmocka_run_group_tests_name("mass_properties", tests, NULL, NULL);
 }
