@@ -46,6 +46,9 @@ static km_status check_joint(const km_joint_def *def, const char *name, int free
   if ((law && (!def->law_values || def->law_count < (def->law == KM_MOTION_TABLE ? 2 : 1))) ||
       (!law && def->law != KM_MOTION_FREE))
     return km_fail(error, KM_MODEL, "joint \"%.80s\": the prescribed motion is not complete", name);
+  if (law && freedom != 1)
+    return km_fail(error, KM_MODEL, "joint \"%.80s\": a prescribed motion of %d coordinates; expected a joint with one",
+                   name, freedom);
   for (int i = 1; def->law == KM_MOTION_TABLE && i < def->law_count; ++i)
     if (!(def->law_values[2 * i] > def->law_values[2 * i - 2]))
       return km_fail(error, KM_MODEL, "joint \"%.80s\": time %g doesn't come after the last one", name,

@@ -143,6 +143,8 @@ static void wrong_joints(void **state) {
   joint.law_count = 2;
   joint.law_values = back;
   refuse(km_model_add_joint(s.b, &joint, NULL, &e), &e, "doesn't come after");
+  joint.type = KM_UNIVERSAL;
+  refuse(km_model_add_joint(s.b, &joint, NULL, &e), &e, "a prescribed motion of 2 coordinates");
   joint.law = KM_MOTION_FREE;
   joint.type = KM_JOINT_TYPES;
   refuse(km_model_add_joint(s.b, &joint, NULL, &e), &e, "type");

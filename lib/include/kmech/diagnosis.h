@@ -36,7 +36,7 @@ KM_API const char *km_finding_severity_name(km_finding_severity severity); /* "f
 typedef struct km_finding {
   km_finding_severity severity; /* how much it matters */
   const char *kind; /* "redundant", "shaky", "undecided", "branch", "doubtful-rank", "units", "angles", "massless-loop",
-                     * "unused-frame", "idle", "limits", "start", "reader" */
+                     * "unused-frame", "idle", "limits", "start", "damping", "stop", "friction", "reader" */
   const char *statement, *advice; /* what was found; what to do */
 } km_finding;
 
