@@ -274,7 +274,8 @@ static double lengthen(km_drive *d, double step, double h) {
   return easily ? km_smaller(2.0 * step, km_drive_longest) : step;
 }
 
-/* Was a step refused that leads back from close to an end, since pivots found anew show a singular pose there? */
+/* Are even the shortest steps refused that lead back where the drive came from, since it has come so close to an end that pivots found
+ * anew show a singular pose? */
 static bool turns_back(const km_drive *d, double left) {
   return d->here.stopped == 0.0 && left * d->c.course.last_h < 0.0 &&
          km_continuation_is_singular(&d->c.state->partition[d->c.substructure]);
@@ -306,19 +307,19 @@ static attempt walk(km_drive *d, double target, int *limit) {
       }
       continue;
     }
-    if (result == OPEN && turns_back(d, left)) {
-      d->here.stopped = -copysign(1.0, left);
-      continue;
-    }
     if (result == OPEN && arrives && may_cross && cross(d, target, limit))
       continue;
     may_cross = may_cross && !arrives;
     step = 0.5 * fabs(h);
     double least = d->here.stopped * left < 0.0 ? leaving : shortest;
-    if (step < least * fmax(1.0, fabs(d->here.s))) {
+    if (step >= least * fmax(1.0, fabs(d->here.s)))
+      continue;
+    if (result != OPEN || !turns_back(d, left)) {
       d->here.stopped = copysign(1.0, left);
       return result;
     }
+    d->here.stopped = -copysign(1.0, left); /* the end lies the other way */
+    step = d->here.largest;
   }
   d->here.largest = km_larger(step, km_drive_least_first);
   return ACCEPTED;
