@@ -32,8 +32,8 @@ void km_force_unit(const km_model *model, int coordinate, km_text *out);
 void km_torque_unit(const km_model *model, km_text *out);
 
 double km_law_force(const km_law *law, double displacement);
-/* The same of a law in a rate: jumps at its knots are spread over rates of up to `width` to either side, as friction is near rest,
- * so that what it brings to rest stays there. */
+/* The same of a law in a rate: jumps at its knots are spread over rates of up to `width` to either side (of knots that lie nearer
+ * to each other, up to half the way), as friction is near rest, so that what it brings to rest stays there. */
 double km_law_resistance(const km_law *law, double rate, double width);
 /* The integral of the force from 0. */
 double km_law_work(const km_law *law, double displacement);

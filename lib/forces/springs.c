@@ -16,16 +16,25 @@ double km_law_force(const km_law *law, double x) {
   return piece_force(law, piece, x);
 }
 
+/* How far the jump at a knot is spread: up to half the way to the next knot, so that no two of them overlap. */
+static double spread_at(const km_law *law, int knot, double width) {
+  if (knot > 0)
+    width = fmin(width, 0.5 * (law->knots[knot] - law->knots[knot - 1]));
+  if (knot + 1 < law->knot_count)
+    width = fmin(width, 0.5 * (law->knots[knot + 1] - law->knots[knot]));
+  return width;
+}
+
 double km_law_resistance(const km_law *law, double rate, double width) {
-  int nearest = -1;
-  for (int k = 0; k < law->knot_count; ++k)
-    if (fabs(rate - law->knots[k]) < width &&
-        (nearest < 0 || fabs(rate - law->knots[k]) < fabs(rate - law->knots[nearest])))
-      nearest = k;
-  if (nearest < 0)
-    return km_law_force(law, rate);
-  double below = piece_force(law, nearest, rate), above = piece_force(law, nearest + 1, rate);
-  return 0.5 * (below + above + (above - below) * km_slip_share(rate - law->knots[nearest], width));
+  double force = km_law_force(law, rate);
+  for (int k = 0; k < law->knot_count; ++k) {
+    double beyond = rate - law->knots[k], spread = spread_at(law, k, width);
+    if (fabs(beyond) >= spread)
+      continue;
+    double jump = piece_force(law, k + 1, law->knots[k]) - piece_force(law, k, law->knots[k]);
+    return force + 0.5 * jump * (km_slip_share(beyond, spread) - (beyond < 0.0 ? -1.0 : 1.0));
+  }
+  return force;
 }
 
 double km_law_work(const km_law *law, double x) {

@@ -122,6 +122,26 @@ static void test_brake(void **state) {
   km_history_free(&h);
 }
 
+/* Friction whose law is steep at rest, without a jump: a block at rest stays there, and one at 1 m/s is braked by 5 N and stops
+ * after 0.1 m; its last 1e-4 m/s, where the force goes down with the rate, add 1e-9 m. */
+static void test_steep_law(void **state) {
+  (void)state;
+  static const char model[] =
+      "{\"model_parameters\": {\"gravity\": [0, 0, 0]}, \"assemblies\": [{\"name\": \"m\", \"bodies\": [{\"name\": \"b\", "
+      "\"mass\": 1}], \"joints\": [{\"name\": \"X\", \"type\": \"Tx\", \"body_frame_pairs\": [\"fixed\", \"b\"], "
+      "\"initial_velocity\": %g}], \"force_modules\": [{\"name\": \"f\", \"type\": \"friction\", \"input\": {\"type\": "
+      "\"joint\", \"joint\": \"X\"}, \"knot_points\": [-1e-4, 1e-4], \"coefficients\": [[5], [0, -5e4], [-5]]}]}]}";
+  for (int i = 0; i < 2; ++i) {
+    char text[700];
+    snprintf(text, sizeof text, model, (double)i);
+    km_history h = run(text, 1.0, 1e-8);
+    assert_near(at_end(&h, "v.X"), 0.0, 1e-8);
+    assert_near(at_end(&h, "q.X"), i * 0.1, 1e-7);
+    assert_at_most((double)h.figures.evaluations, 5000.0);
+    km_history_free(&h);
+  }
+}
+
 /* A block that sticks on a slope creeps as slowly in milliseconds as in seconds. */
 static void test_stiction_in_units(void **state) {
   (void)state;
@@ -165,7 +185,7 @@ int main(void) {
   const struct CMUnitTest tests[] = {cmocka_unit_test(test_plane),
                                      cmocka_unit_test(test_sleeve),
                                      cmocka_unit_test(test_wedge),
-                                     cmocka_unit_test(test_brake),
+                                     cmocka_unit_test(test_brake), cmocka_unit_test(test_steep_law),
                                      cmocka_unit_test(test_stiction_in_units),
                                      cmocka_unit_test(test_stop_of_a_component)};
   return cmocka_run_group_tests(tests, NULL, NULL);

@@ -19,6 +19,27 @@ static void pieces_of_a_law(void **state) {
   assert_near(km_law_force(&plain, 0.5), -2.0, 1e-15);
 }
 
+/* Only jumps are spread: a law that is whole at its knots stays as it is, however near to each other they lie. A jump of −2 at
+ * 0.3 is spread over 0.1 to either side, or over half the way to the next knot. */
+static void jumps_of_a_law_are_spread(void **state) {
+  (void)state;
+  const double near[2] = {-1e-4, 1e-4}, friction[4] = {5.0, 0.0, -5e4, -5.0};
+  const km_law whole = {2, near, (const int[]){0, 1, 3, 4}, friction};
+  for (double rate = -3e-4; rate < 3e-4; rate += 1e-5)
+    assert_near(km_law_resistance(&whole, rate, 1e-3), km_law_force(&whole, rate), 1e-14);
+  const double knot = 0.3, steps[2] = {1.0, -1.0};
+  const km_law one = {1, &knot, (const int[]){0, 1, 2}, steps};
+  assert_near(km_law_resistance(&one, 0.3, 0.1), 0.0, 1e-15);
+  assert_near(km_law_resistance(&one, 0.35, 0.1), -0.75, 1e-15);
+  assert_near(km_law_resistance(&one, 0.25, 0.1), 0.75, 1e-15);
+  assert_near(km_law_resistance(&one, 0.2, 0.1), 1.0, 0.0);
+  const double pair[2] = {0.3, 0.4}, stairs[3] = {1.0, -1.0, -2.0};
+  const km_law two = {2, pair, (const int[]){0, 1, 2, 3}, stairs};
+  assert_near(km_law_resistance(&two, 0.325, 0.1), -0.75, 1e-14);
+  assert_near(km_law_resistance(&two, 0.35, 0.1), -1.0, 1e-14);
+  assert_near(km_law_resistance(&two, 0.4, 0.1), -1.5, 1e-14);
+}
+
 /* An arm of three joints in space with one spring: %s are its input, the rest of its module. */
 static const char arm[] =
     "{\"fixed\": {\"frames\": [{\"name\": \"wall\", \"T\": [0.3, -0.4, 0.2], \"R\": [[0, -1, 0], [1, 0, 0], [0, 0, "
@@ -135,7 +156,7 @@ static void loads_act_at_their_frames(void **state) {
 }
 
 int main(void) {
-  const struct CMUnitTest tests[] = {cmocka_unit_test(pieces_of_a_law),
+  const struct CMUnitTest tests[] = {cmocka_unit_test(pieces_of_a_law), cmocka_unit_test(jumps_of_a_law_are_spread),
                                      cmocka_unit_test(springs_push_along_their_displacement),
                                      cmocka_unit_test(loads_act_at_their_frames)};
   return cmocka_run_group_tests(tests, NULL, NULL);
