@@ -90,7 +90,7 @@ static void read_site(km_mjcf *m, const km_xml *e, const km_mjcf_place *place, i
   else if (!km_names_set(&m->site_names, 0, name, m->site_count))
     robot->arena.failed = true;
   m->sites[m->site_count++] = (km_mjcf_site){body, pose};
-  km_robot_frame(robot, e, m->bodies[body].id, name, &pose);
+  km_robot_frame(robot, e, m->bodies[body].id, km_robot_name_within(m->bodies[body].name, name), &pose);
 }
 
 /* Sites and bodies inside of a body. */

@@ -50,16 +50,31 @@ static void add_turn_limit(km_written *w, const km_written_motion *motion) {
   km_xml_set_numbers(&w->xml, "range", range, 2, false);
 }
 
+/* A ball has one number for its three coordinates: these must be alike. */
+static unsigned held_of_ball(const km_written *w, int first) {
+  const km_model_coordinate *c = &w->model->coordinates[first];
+  unsigned held = KM_HELD_DAMPING | KM_HELD_FRICTION | KM_HELD_ARMATURE | KM_HELD_TURN;
+  for (int k = 1; k < 3; ++k)
+    held &= ~((c[k].damping != c->damping ? KM_HELD_DAMPING : 0u) |
+              (c[k].friction != c->friction ? KM_HELD_FRICTION : 0u) |
+              (c[k].armature != c->armature ? KM_HELD_ARMATURE : 0u));
+  return held;
+}
+
 /* What the joint's drive, friction and limits are. */
 static void set_dynamics(km_written *w, const km_written_motion *motion) {
   const km_model_coordinate *c = &w->model->coordinates[motion->coordinate];
   double stiffness, rest;
-  set_number(w, "damping", c->damping * km_written_damping(w, motion->coordinate));
-  set_number(w, "armature", c->armature * km_written_inertia(w, motion->coordinate));
-  set_number(w, "frictionloss", c->friction * km_written_force(w, motion->coordinate));
-  if (isfinite(c->max_rate))
-    km_written_omit(w, "largest rates not written", motion->name);
-  if (motion->primitive == KM_BALL) {
+  bool ball = motion->primitive == KM_BALL;
+  unsigned held = ball ? held_of_ball(w, motion->coordinate) : ~(unsigned)KM_HELD_RATE;
+  if (held & KM_HELD_DAMPING)
+    set_number(w, "damping", c->damping * km_written_damping(w, motion->coordinate));
+  if (held & KM_HELD_ARMATURE)
+    set_number(w, "armature", c->armature * km_written_inertia(w, motion->coordinate));
+  if (held & KM_HELD_FRICTION)
+    set_number(w, "frictionloss", c->friction * km_written_force(w, motion->coordinate));
+  km_written_hold(w, motion->coordinate, ball ? 3 : 1, held);
+  if (ball) {
     add_turn_limit(w, motion);
     if (km_written_ball_spring(w, motion->coordinate, &stiffness))
       km_xml_set_numbers(&w->xml, "stiffness", &stiffness, 1, false);
@@ -128,6 +143,7 @@ static void add_joints(km_written *w, km_mjcf_order *order, const km_written_joi
     km_xml_begin(&w->xml, "freejoint");
     km_xml_set(&w->xml, "name", w->joints[way->joint]);
     km_xml_end(&w->xml, "freejoint");
+    km_written_hold_none(w, way->joint);
     return;
   }
   for (int i = 0; i < way->count; ++i) {
@@ -139,19 +155,14 @@ static void add_joints(km_written *w, km_mjcf_order *order, const km_written_joi
   }
 }
 
-/* Frames that no joint has, as sites. */
+/* Frames that no joint is held by, as sites. */
 static void add_sites(km_written *w, int body) {
-  const km_model *m = w->model;
-  for (int f = 0; f < m->frame_count; ++f) {
-    bool used = m->frames[f].body != body || strcmp(m->frames[f].name, "origin") == 0;
-    for (int j = 0; j < m->joint_count && !used; ++j)
-      used = m->joints[j].frame[0] == f || m->joints[j].frame[1] == f;
-    if (used)
+  for (int f = 0; f < w->model->frame_count; ++f) {
+    if (!w->frames[f] || w->model->frames[f].body != body)
       continue;
-    km_pose X = m->frames[f].pose;
-    X.p = km_vec3_scale(w->length, X.p);
+    km_pose X = km_written_frame(w, f);
     km_xml_begin(&w->xml, "site");
-    km_xml_set(&w->xml, "name", km_written_text(w, "%s/%s", w->bodies[body], m->frames[f].name));
+    km_xml_set(&w->xml, "name", w->frames[f]);
     km_mjcf_set_pose(w, &X);
     km_xml_end(&w->xml, "site");
   }
@@ -247,6 +258,8 @@ static void close_loop(km_written *w, int joint) {
   int from = m->frames[def->frame[0]].body;
   km_written_joint way = km_written_pass(w, joint, from);
   bool welded = is_welded(w, joint);
+  if (!welded)
+    km_written_hold_none(w, joint);
   if (welded || way.count == 0) {
     km_xml_begin(&w->xml, "weld");
     km_xml_set(&w->xml, "name", welded ? twin_of(w, joint) : w->joints[joint]);

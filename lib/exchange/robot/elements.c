@@ -112,6 +112,11 @@ km_frame_id km_robot_frame(km_robot *robot, const km_xml *at, km_body_id body, c
   return id;
 }
 
+const char *km_robot_name_within(const char *body, const char *name) {
+  size_t length = strlen(body);
+  return strncmp(name, body, length) == 0 && name[length] == '/' && name[length + 1] ? name + length + 1 : name;
+}
+
 void km_robot_shape(km_robot *robot, const km_xml *at, km_body_id body, km_shape_def *def, const km_pose *pose) {
   km_error error;
   bool sound = def->kind != KM_SHAPE_OF_MESH || def->scale[0] * def->scale[1] * def->scale[2] != 0.0;

@@ -80,7 +80,9 @@ km_body_id km_robot_body(km_robot *robot, const km_xml *at, km_assembly_id assem
 void km_robot_shape(km_robot *robot, const km_xml *at, km_body_id body, km_shape_def *def, const km_pose *pose);
 /* A frame of a body, under a free name like the given one. */
 km_frame_id km_robot_frame(km_robot *robot, const km_xml *at, km_body_id body, const char *name, const km_pose *pose);
-/* The same for a joint, whose name nobody looks for there: the body's own frame where the pose is the identity. */
+/* The name of a frame without that of its body before it, as the writers put "body/frame" where the frame's own name is taken. */
+const char *km_robot_name_within(const char *body, const char *name);
+/* A frame for a joint, whose name nobody looks for there: the body's own frame where the pose is the identity. */
 km_frame_id km_robot_place(km_robot *robot, const km_xml *at, km_body_id body, const char *name, const km_pose *pose);
 
 /* A joint: of the type KM_RZ or KM_TZ it is about or along `axis`. */

@@ -8,7 +8,7 @@
 #include <stdio.h>
 #include <string.h>
 
-static const double no_limit = 1e30, open = 1e-6; /* of the largest distance from a frame around it */
+static const double largest_gap = 1e-6; /* that a closed loop may have, over the model's largest distance from an origin */
 
 const char *km_written_text(km_written *w, const char *format, ...) {
   va_list arguments;
@@ -18,12 +18,8 @@ const char *km_written_text(km_written *w, const char *format, ...) {
   return text ? text : "";
 }
 
-static bool is_length(const km_written *w, int c) {
-  return km_joint_is_length(w->model->joints[w->model->coordinates[c].joint].type, w->model->coordinates[c].index);
-}
-
 double km_written_unit(const km_written *w, int c) {
-  return is_length(w, c) ? w->length : 1.0;
+  return km_model_coordinate_is_length(w->model, c) ? w->length : 1.0;
 }
 
 bool km_written_mimic(const km_written *w, int c, int *leader, double *ratio, double *constant) {
@@ -48,6 +44,23 @@ void km_written_tell(const km_written *w) {
   km_omissions_tell(&w->omissions, w->messages);
 }
 
+/* Frames by which no joint is held, such as a tool's: a name of their own, with the body's where others have it too. */
+static void name_frames(km_written *w, km_names *taken) {
+  const km_model *m = w->model;
+  bool *used = KM_ARENA_NEW(&w->arena, bool, (size_t)m->frame_count);
+  for (int j = 0; j < m->joint_count && used; ++j)
+    used[m->joints[j].frame[0]] = used[m->joints[j].frame[1]] = true;
+  for (int f = 0; f < m->frame_count && used; ++f) {
+    const km_model_frame *frame = &m->frames[f];
+    if (used[f] || strcmp(frame->name, "origin") == 0)
+      continue;
+    bool alone = km_names_get(taken, 0, frame->name) < 0;
+    w->frames[f] = alone ? frame->name : km_written_text(w, "%s/%s", w->bodies[frame->body], frame->name);
+    if (alone && !km_names_set(taken, 0, frame->name, f))
+      w->arena.failed = true;
+  }
+}
+
 /* Names that are unique in the file: with their assemblies where they aren't alone. */
 static void name_all(km_written *w) {
   const km_model *m = w->model;
@@ -62,8 +75,12 @@ static void name_all(km_written *w) {
     if (!km_names_set(&taken, 0, name, b))
       w->arena.failed = true;
   }
-  for (int j = 0; j < m->joint_count; ++j)
+  for (int j = 0; j < m->joint_count; ++j) {
     w->joints[j] = m->joints[j].label;
+    if (!km_names_set(&taken, 0, w->joints[j], j))
+      w->arena.failed = true;
+  }
+  name_frames(w, &taken);
   km_names_free(&taken);
 }
 
@@ -261,7 +278,7 @@ bool km_written_refer(km_written *w, bool zero_where_free) {
 /* Loops must be closed where they are written. */
 static km_status check_loops(km_written *w, km_error *error) {
   const km_model *m = w->model;
-  double size = 0.0, most = fmax(open, 10.0 * m->closure_tolerance);
+  double size = 0.0, most = fmax(largest_gap, 10.0 * m->closure_tolerance);
   for (int b = 0; b < m->body_count; ++b)
     size = fmax(size, km_vec3_norm(w->world[b].p));
   for (int k = 0; k < m->frame_count; ++k)
@@ -295,6 +312,7 @@ km_status km_written_make(const km_model *m, const double *q, km_messages *messa
   w->world = KM_ARENA_NEW(&w->arena, km_pose, bodies);
   w->bodies = KM_ARENA_NEW(&w->arena, const char *, bodies);
   w->joints = KM_ARENA_NEW(&w->arena, const char *, joints);
+  w->frames = KM_ARENA_NEW(&w->arena, const char *, (size_t)m->frame_count);
   w->arc = KM_ARENA_NEW(&w->arena, int, bodies);
   w->in_tree = KM_ARENA_NEW(&w->arena, bool, joints);
   w->order = KM_ARENA_NEW(&w->arena, int, bodies);
@@ -303,9 +321,8 @@ km_status km_written_make(const km_model *m, const double *q, km_messages *messa
   if (w->arena.failed)
     return km_fail(error, KM_MEMORY, "out of memory while writing the model");
   for (int c = 0; c < m->coordinate_count; ++c) {
-    bool length = km_joint_is_length(m->joints[m->coordinates[c].joint].type, m->coordinates[c].index);
     double value = q ? q[c] : m->coordinates[c].position;
-    w->q[c] = value * km_model_coordinate_factor(m, c) * (length ? w->length : 1.0);
+    w->q[c] = value * km_model_coordinate_factor(m, c) * km_written_unit(w, c);
   }
   name_all(w);
   choose_tree(w, leader);
@@ -318,77 +335,8 @@ void km_written_free(km_written *w) {
   km_arena_free(&w->arena);
 }
 
-double km_written_force(const km_written *w, int c) {
-  return w->force * (is_length(w, c) ? 1.0 : w->length);
-}
-
-double km_written_rate(const km_written *w, int c) {
-  return (is_length(w, c) ? w->length : w->model->units.angle->si) / w->time;
-}
-
-double km_written_damping(const km_written *w, int c) {
-  return w->force * w->time * (is_length(w, c) ? 1.0 / w->length : w->length);
-}
-
-double km_written_inertia(const km_written *w, int c) {
-  return w->mass * (is_length(w, c) ? 1.0 : w->length * w->length);
-}
-
-bool km_written_is_limited(const km_model *m, int c) {
-  return isfinite(m->coordinates[c].low) || isfinite(m->coordinates[c].high);
-}
-
-double km_written_limit(const km_written *w, int c, double value) {
-  double si = value * (is_length(w, c) ? w->length : w->model->units.angle->si);
-  return fmax(-no_limit, fmin(no_limit, si));
-}
-
-/* A law k (rest - x), one piece of two coefficients, in a joint's coordinate. */
-static bool is_spring(const km_model_module *module) {
-  const km_law *law = &module->law;
-  return module->type == KM_MODULE_STIFFNESS && module->input.coordinate >= 0 &&
-         module->output.coordinate == module->input.coordinate && law->knot_count == 0 &&
-         law->start[1] - law->start[0] == 2 && law->coefficients[law->start[0] + 1] != 0.0;
-}
-
-bool km_written_spring(const km_written *w, int c, double *stiffness, double *rest) {
-  *stiffness = *rest = 0.0;
-  for (int i = 0; i < w->model->module_count; ++i) {
-    const km_model_module *module = &w->model->modules[i];
-    if (!is_spring(module) || module->input.coordinate != c)
-      continue;
-    const double *a = module->law.coefficients + module->law.start[0];
-    double size = km_written_unit(w, c);
-    *stiffness = -a[1] * km_written_force(w, c) / size;
-    *rest = -a[0] / a[1] * size;
-    return true;
-  }
-  return false;
-}
-
-bool km_written_ball_spring(km_written *w, int first, double *stiffness) {
-  bool any = false, alike = true;
-  for (int k = 0; k < 3; ++k) {
-    double own, rest;
-    any = km_written_spring(w, first + k, &own, &rest) || any;
-    *stiffness = k == 0 ? own : *stiffness;
-    alike = alike && own == *stiffness && rest == 0.0 && w->q[first + k] == 0.0;
-  }
-  if (any && !alike)
-    km_written_omit(w, "springs not written", w->model->coordinates[first].label);
-  return any && alike;
-}
-
-void km_written_omit_forces(km_written *w) {
-  const km_model *m = w->model;
-  for (int i = 0; i < m->module_count; ++i)
-    if (!is_spring(&m->modules[i]))
-      km_written_omit(w, "force modules not written, as the format has none of their kind", m->modules[i].name);
-  for (int i = 0; i < m->load_count; ++i)
-    km_written_omit(w, "loads not written", m->loads[i].name);
-  for (int j = 0; j < m->joint_count; ++j)
-    if (m->joints[j].friction.coefficient > 0.0 || m->joints[j].prescribed.law != KM_MOTION_FREE)
-      km_written_omit(w, "friction coefficients and prescribed motions not written", w->joints[j]);
+km_pose km_written_frame(const km_written *w, int frame) {
+  return metres(w, &w->model->frames[frame].pose);
 }
 
 double km_written_mass(const km_written *w, int body, double center[3], double inertia[6]) {

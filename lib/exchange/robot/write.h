@@ -36,6 +36,7 @@ typedef struct km_written {
   double *reference;             /* [coordinate] that the file's own pose stands for */
   km_pose *world;                /* [body] at `reference` */
   const char **bodies, **joints; /* names, unique in the file */
+  const char **frames;           /* [frame] names of those that no joint is held by, such as a tool's; NULL: of others */
   int *arc;                      /* [body] joint to its parent in the tree, -1: the inertial frame */
   bool *in_tree;                 /* [joint] */
   int *order;                    /* bodies, parents first; without the inertial frame */
@@ -75,12 +76,28 @@ double km_written_damping(const km_written *w, int coordinate);
 double km_written_inertia(const km_written *w, int coordinate);
 double km_written_limit(const km_written *w, int coordinate, double value); /* ∓1e30 where there is none */
 bool km_written_is_limited(const km_model *model, int coordinate);
-/* A linear spring in a coordinate: true with its stiffness and where it is at rest, in SI. Others count as left out. */
+/* The linear springs in a coordinate as one: true with its stiffness and where it is at rest, in SI. Others count as left out. */
 bool km_written_spring(const km_written *w, int coordinate, double *stiffness, double *rest);
 /* The same of a ball's three coordinates from the first one on, if they have one stiffness and are at rest in the file's pose; else
  * their springs count as left out. */
 bool km_written_ball_spring(km_written *w, int first, double *stiffness);
+/* What no format holds of forces and of motions. */
 void km_written_omit_forces(km_written *w);
+/* What a joint's element can hold of a coordinate. */
+enum {
+  KM_HELD_LIMITS = 1,
+  KM_HELD_FORCE = 2, /* the largest one */
+  KM_HELD_RATE = 4,
+  KM_HELD_DAMPING = 8,
+  KM_HELD_FRICTION = 16,
+  KM_HELD_ARMATURE = 32,
+  KM_HELD_TURN = 64 /* the largest angle of a ball */
+};
+/* Counts as left out what coordinates from `first` on, or all of a joint's, state beyond what is held. */
+void km_written_hold(km_written *w, int first, int count, unsigned held);
+void km_written_hold_none(km_written *w, int joint);
+/* Where one of `frames` is in its body, in metres. */
+km_pose km_written_frame(const km_written *w, int frame);
 /* Mass, centre and inertia in SI. */
 double km_written_mass(const km_written *w, int body, double center[3], double inertia[6]);
 /* What a body looks like, lengths in metres: the mesh that it is defined by first. NULL: nothing, or out of memory. */

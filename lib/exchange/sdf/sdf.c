@@ -180,7 +180,8 @@ static void add_frames(km_sdf *sdf) {
     if (link < 0 || !sdf->entities[link].body.value)
       continue;
     km_pose back = km_pose_inverse(&sdf->entities[link].world), pose = km_pose_product(&back, &frame->world);
-    km_robot_frame(sdf->robot, frame->at, sdf->entities[link].body, frame->name, &pose);
+    km_robot_frame(sdf->robot, frame->at, sdf->entities[link].body,
+                   km_robot_name_within(sdf->entities[link].name, frame->name), &pose);
   }
 }
 

@@ -137,8 +137,7 @@ static void add_axis(km_written *w, const char *element, km_vec3 u, int c) {
   km_xml_end(&w->xml, "dynamics");
   add_mimic(w, c);
   km_xml_end(&w->xml, element);
-  if (def->armature != 0.0)
-    km_written_omit(w, "inertias of rotors not written", def->label);
+  km_written_hold(w, c, 1, KM_HELD_LIMITS | KM_HELD_FORCE | KM_HELD_RATE | KM_HELD_DAMPING | KM_HELD_FRICTION);
 }
 
 /* `at`: the joint's frame in the world. */
@@ -153,12 +152,13 @@ static void begin_joint(km_written *w, const char *name, const char *type, const
   km_xml_text(&w->xml, "child", to);
 }
 
-/* The format gives a ball none. */
-static void omit_ball_springs(km_written *w, int first) {
+/* What has no axis in the format has no place for anything else. */
+static void omit_axes(km_written *w, int first, int count) {
   double stiffness, rest;
-  for (int k = 0; k < 3; ++k)
-    if (km_written_spring(w, first + k, &stiffness, &rest))
-      km_written_omit(w, "springs not written", w->model->coordinates[first + k].label);
+  for (int c = first; c < first + count; ++c)
+    if (km_written_spring(w, c, &stiffness, &rest))
+      km_written_omit(w, "springs not written", w->model->coordinates[c].label);
+  km_written_hold(w, first, count, 0);
 }
 
 static void add_motion(km_written *w, const km_written_motion *motion, const char *from, const char *to,
@@ -169,7 +169,7 @@ static void add_motion(km_written *w, const km_written_motion *motion, const cha
   if (motion->primitive == KM_HELICAL)
     add_number(w, "screw_thread_pitch", motion->pitch * 2.0 * M_PI);
   if (motion->primitive == KM_BALL)
-    omit_ball_springs(w, motion->coordinate);
+    omit_axes(w, motion->coordinate, 3);
   else
     add_axis(w, "axis", motion->axis, motion->coordinate);
   km_xml_end(&w->xml, "joint");
@@ -200,6 +200,7 @@ static void add_joint(km_written *w, int joint) {
   }
   if (def->type == KM_FLOAT && way.from == 0) {
     km_written_omit(w, "free bodies, which --float reads as such", w->bodies[way.to]);
+    omit_axes(w, def->first_coordinate, km_model_freedom(w->model, joint));
     return;
   }
   if (def->type == KM_UNIVERSAL && stands_straight(w, &way)) {
@@ -216,6 +217,20 @@ static void add_joint(km_written *w, int joint) {
     add_motion(w, &way.motion[i], from, to, last ? &w->world[way.to] : &after, &after);
     at = after;
     from = to;
+  }
+}
+
+/* Frames that no joint is held by. */
+static void add_frames(km_written *w) {
+  for (int f = 0; f < w->model->frame_count; ++f) {
+    if (!w->frames[f])
+      continue;
+    km_pose X = km_written_frame(w, f);
+    km_xml_begin(&w->xml, "frame");
+    km_xml_set(&w->xml, "name", w->frames[f]);
+    km_xml_set(&w->xml, "attached_to", w->bodies[w->model->frames[f].body]);
+    add_pose(w, &X, NULL);
+    km_xml_end(&w->xml, "frame");
   }
 }
 
@@ -249,6 +264,7 @@ km_status km_sdf_write(km_written *w, km_error *error) {
     add_link(w, w->order[i]);
   for (int j = 0; j < m->joint_count; ++j)
     add_joint(w, j);
+  add_frames(w);
   km_xml_end(&w->xml, "model");
   km_xml_end(&w->xml, "world");
   km_xml_end(&w->xml, "sdf");

@@ -132,8 +132,7 @@ static void add_dynamics(km_written *w, int c, bool limited) {
     km_xml_set_numbers(&w->xml, "friction", &friction, 1, false);
     km_xml_end(&w->xml, "dynamics");
   }
-  if (def->armature != 0.0)
-    km_written_omit(w, "inertias of rotors not written", def->label);
+  km_written_hold(w, c, 1, KM_HELD_LIMITS | KM_HELD_FORCE | KM_HELD_RATE | KM_HELD_DAMPING | KM_HELD_FRICTION);
 }
 
 static void set_mimic(km_written *w, const char *leader, double multiplier, double offset) {
@@ -212,6 +211,7 @@ static void add_whole(km_written *w, const km_written_joint *way, const char *ty
   km_xml_end(&w->xml, "joint");
   if (!direct)
     add_fixed(w, next, &way->after, next, to);
+  km_written_hold_none(w, way->joint);
   if (strcmp(type, "spherical") == 0)
     km_written_omit(w, "ball joints, whose type \"spherical\" not every reader of URDF knows", w->joints[way->joint]);
 }
@@ -242,6 +242,7 @@ static void add_joint(km_written *w, int body) {
     if (motion->primitive == KM_BALL) {
       begin_joint(w, motion->name, "spherical", &motion->before, from, next);
       km_xml_end(&w->xml, "joint");
+      km_written_hold(w, motion->coordinate, 3, 0);
       km_written_omit(w, "ball joints, whose type \"spherical\" not every reader of URDF knows", motion->name);
     } else if (motion->primitive == KM_HELICAL) {
       add_screw(w, motion, from, next);
@@ -252,6 +253,17 @@ static void add_joint(km_written *w, int body) {
   }
   if (!folded)
     add_fixed(w, from, &way.after, from, to);
+}
+
+/* A tool's frame is a link of its own, without mass. */
+static void add_frames(km_written *w) {
+  for (int f = 0; f < w->model->frame_count; ++f) {
+    if (!w->frames[f])
+      continue;
+    km_pose X = km_written_frame(w, f);
+    add_massless(w, w->frames[f]);
+    add_fixed(w, km_written_text(w, "%s:frame", w->frames[f]), &X, w->bodies[w->model->frames[f].body], w->frames[f]);
+  }
 }
 
 static void tell_rest(km_written *w) {
@@ -286,6 +298,7 @@ km_status km_urdf_write(km_written *w, km_error *error) {
     add_link(w, w->order[i]);
   for (int i = 0; i < w->ordered; ++i)
     add_joint(w, w->order[i]);
+  add_frames(w);
   km_xml_end(&w->xml, "robot");
   km_written_omit_forces(w);
   tell_rest(w);
