@@ -66,6 +66,19 @@ void km_text_bytes(km_text *text, const void *bytes, size_t size) {
   text->data[text->size] = '\0';
 }
 
+void km_text_base64(km_text *text, const void *bytes, size_t size) {
+  static const char digits[] = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
+  const unsigned char *from = bytes;
+  for (size_t i = 0; from && i < size; i += 3) {
+    size_t left = size - i;
+    unsigned all =
+        (unsigned)from[i] << 16 | (left > 1 ? (unsigned)from[i + 1] : 0u) << 8 | (left > 2 ? from[i + 2] : 0u);
+    const char four[4] = {digits[all >> 18], digits[all >> 12 & 63], left > 1 ? digits[all >> 6 & 63] : '=',
+                          left > 2 ? digits[all & 63] : '='};
+    km_text_bytes(text, four, sizeof four);
+  }
+}
+
 void km_text_add(km_text *text, const char *string) {
   if (string)
     km_text_bytes(text, string, strlen(string));

@@ -27,7 +27,7 @@ static void tell(kv_session *s, const char *text) {
   kv_answer_message(s, text, strlen(text), &answer);
   if (!answer.binary && strncmp(answer.bytes.data, "{\"kind\":\"error\"", 15) == 0)
     bench_fail("view", "%s: %.200s", text, answer.bytes.data);
-  kv_buffer_free(&answer.bytes);
+  km_text_free(&answer.bytes);
 }
 
 static void drag(void *context) {

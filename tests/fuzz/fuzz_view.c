@@ -117,7 +117,7 @@ int main(int argc, char **argv) {
     kv_answer answer;
     kv_answer_message(&session, message, size, &answer);
     check(&session, &answer, message, size);
-    kv_buffer_free(&answer.bytes);
+    km_text_free(&answer.bytes);
   }
   kv_session_close(&session);
   printf("%ld messages\n", count);

@@ -16,18 +16,20 @@ static km_bytes written(const km_model *model, km_model_format format, km_messag
   return bytes;
 }
 
-#define SLIDE(JOINT, MODULES)                                                                                          \
-  "{\"assemblies\": [{\"name\": \"m\", \"bodies\": [{\"name\": \"b\", \"mass\": 2, \"frames\": [{\"name\": \"tool\", \"T\": "           \
-  "[0.1, 0.2, 0.3]}, {\"name\": \"S\", \"T\": [0, 0, 1]}]}], \"joints\": [{\"name\": \"S\", \"body_frame_pairs\": [\"fixed\", "          \
+#define SLIDE(JOINT, MODULES)                                                                                                   \
+  "{\"assemblies\": [{\"name\": \"m\", \"bodies\": [{\"name\": \"b\", \"mass\": 2, \"frames\": [{\"name\": \"tool\", \"T\": "   \
+  "[0.1, 0.2, 0.3]}, {\"name\": \"S\", \"T\": [0, 0, 1]}]}], \"joints\": [{\"name\": \"S\", \"body_frame_pairs\": [\"fixed\", " \
   "\"b\"], " JOINT "}], \"force_modules\": [" MODULES "]}]}"
 #define SPRING(NAME, LAW)                                                                                              \
-  "{\"name\": \"" NAME "\", \"type\": \"stiffness\", \"input\": {\"type\": \"joint\", \"joint\": \"S\"}, \"knot_points\": [], "           \
+  "{\"name\": \"" NAME                                                                                                 \
+  "\", \"type\": \"stiffness\", \"input\": {\"type\": \"joint\", \"joint\": \"S\"}, \"knot_points\": [], "             \
   "\"coefficients\": [" LAW "]}"
 
 /* Springs side by side are written as one: 100 and 20 N/m, the second one at rest at 0.25 m. */
 static void springs_side_by_side_add_up(void **unused) {
   (void)unused;
-  km_model *model = read_as(SLIDE("\"type\": \"Tx\"", SPRING("a", "[0, -100]") ", " SPRING("b", "[5, -20]")), false, NULL);
+  km_model *model =
+      read_as(SLIDE("\"type\": \"Tx\"", SPRING("a", "[0, -100]") ", " SPRING("b", "[5, -20]")), false, NULL);
   for (int i = 1; i < 3; ++i) {
     km_bytes bytes = written(model, formats[i], NULL);
     km_model *back = read_as(bytes.data, false, NULL);
@@ -90,13 +92,16 @@ static void assert_left_out(const char *text, const char *kind, unsigned expecte
 static void losses_are_told(void **unused) {
   (void)unused;
   enum { URDF = 1, MJCF = 2, SDF = 4, ALL = 7 };
-  static const char slide[] = SLIDE("\"type\": \"Tx\", \"limits\": [-1, 1], \"stop\": {\"stiffness\": 1000, \"damping\": 10}, "
-                                    "\"initial_velocity\": 3, \"damping\": 2, \"max_rate\": 1, \"max_force\": 5, \"friction\": "
-                                    "{\"constant\": 1}, \"armature\": 0.1",
-                                    SPRING("a", "[2, -10]") ", " SPRING("b", "[1, 10]"));
-  static const char ball[] = SLIDE("\"type\": \"spherical\", \"damping\": [1, 2, 3], \"armature\": [0.1, 0.1, 0.1]", "");
+  static const char slide[] =
+      SLIDE("\"type\": \"Tx\", \"limits\": [-1, 1], \"stop\": {\"stiffness\": 1000, \"damping\": 10}, "
+            "\"initial_velocity\": 3, \"damping\": 2, \"max_rate\": 1, \"max_force\": 5, \"friction\": "
+            "{\"constant\": 1}, \"armature\": 0.1",
+            SPRING("a", "[2, -10]") ", " SPRING("b", "[1, 10]"));
+  static const char ball[] =
+      SLIDE("\"type\": \"spherical\", \"damping\": [1, 2, 3], \"armature\": [0.1, 0.1, 0.1]", "");
   static const char alike[] = SLIDE("\"type\": \"spherical\", \"damping\": [2, 2, 2]", "");
-  static const char planar[] = SLIDE("\"type\": \"planar\", \"limits\": [[-1, 1], [-1, 1], [-1, 1]], \"damping\": [1, 1, 1]", "");
+  static const char planar[] =
+      SLIDE("\"type\": \"planar\", \"limits\": [[-1, 1], [-1, 1], [-1, 1]], \"damping\": [1, 1, 1]", "");
   static const char floating[] = SLIDE("\"type\": \"float\", \"damping\": [1, 1, 1, 1, 1, 1]", "");
   assert_left_out(slide, "stiffness and damping of stops not written", ALL);
   assert_left_out(slide, "initial velocities not written", ALL);

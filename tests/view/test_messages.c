@@ -58,7 +58,7 @@ static void expect(kv_session *s, const char *text, const char *kind) {
     if (strncmp(answer.bytes.data, begin, strlen(begin)) != 0)
       fail_msg("%s: expected %s, found %.300s", text, kind, answer.bytes.data);
   }
-  kv_buffer_free(&answer.bytes);
+  km_text_free(&answer.bytes);
 }
 
 static void every_model_answers(void **unused) {
@@ -224,7 +224,7 @@ static void a_selfmotion_holds_the_effector(void **unused) {
     ++rows;
   }
   assert_true(rows > 20);
-  kv_buffer_free(&answer.bytes);
+  km_text_free(&answer.bytes);
   kv_session_close(&s);
 }
 
@@ -326,7 +326,7 @@ static void a_design_is_saved(void **unused) {
     if (moved) {
       kv_answer answer = tell(&s, "3 write");
       reads_back(&s, answer.bytes.data);
-      kv_buffer_free(&answer.bytes);
+      km_text_free(&answer.bytes);
     }
     kv_session_close(&s);
   }
@@ -368,7 +368,7 @@ static void columns_move_the_effector(void **unused) {
         assert_true(k == 0 && r == direction ? twist[r] > 1e-3 : fabs(twist[r]) < 1e-12);
     }
     km_arm_free(arm);
-    kv_buffer_free(&answer.bytes);
+    km_text_free(&answer.bytes);
   }
   expect(&s, "1 columns 0 0", "error");
   expect(&s, "1 columns 999 0", "error");
@@ -417,7 +417,7 @@ static void parameters_and_poses_have_names(void **unused) {
   kv_answer answer = tell(&s, "7 write");
   assert_non_null(strstr(answer.bytes.data, "[11, 0, 0]"));
   assert_non_null(strstr(answer.bytes.data, "value\\\": 6"));
-  kv_buffer_free(&answer.bytes);
+  km_text_free(&answer.bytes);
   expect(&s, "8 undo -1", "pose");
   assert_true(reach_of(&s) == 10.0 && s.parameters.items[0].value == 5.0);
   expect(&s, "9 undo -1", "pose");
@@ -473,10 +473,10 @@ static void what_is_wrong_is_refused(void **unused) {
   memset(large, '1', KV_MOST_MESSAGE + 1);
   kv_answer_message(&s, large, KV_MOST_MESSAGE + 1, &answer);
   assert_non_null(strstr(answer.bytes.data, "65536"));
-  kv_buffer_free(&answer.bytes);
+  km_text_free(&answer.bytes);
   kv_answer_message(&s, "1 pose\0more", 11, &answer);
   assert_non_null(strstr(answer.bytes.data, "NUL"));
-  kv_buffer_free(&answer.bytes);
+  km_text_free(&answer.bytes);
   free(large);
   kv_session_close(&s);
   expect(&s, "1 pose", "error"); /* no model */

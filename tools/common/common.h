@@ -83,6 +83,8 @@ km_model *kt_load(const kt_common *common, const char *path, kt_exit *exit);
 /* The same with other values for some of its numbers. */
 km_model *kt_load_varied(const kt_common *common, const char *path, const km_assignment *assignments, int count,
                          kt_exit *exit);
+/* Does -o ask for the standard output? NULL: it wasn't given. */
+bool kt_is_piped(const char *base);
 /* "models/brake.json" → "brake"; "-" → "model". Into the caller's buffer of `size`. */
 void kt_base_name(const char *path, char *out, size_t size);
 /* How a study's files are named: after its file without ending, or its folder where the file is called study.json; without

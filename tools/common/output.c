@@ -64,9 +64,13 @@ int kt_formats_count(const kt_formats *formats) {
   return count;
 }
 
+bool kt_is_piped(const char *base) {
+  return base && strcmp(base, "-") == 0;
+}
+
 kt_exit kt_write(const kt_common *common, const char *base, const char *result, const char *format,
                  const km_text *bytes) {
-  if (strcmp(base, "-") == 0)
+  if (kt_is_piped(base))
     return kt_print(common, bytes);
   km_text path = {0};
   km_error error;

@@ -70,7 +70,7 @@ kt_exit kt_report(kt_sweep_options *o) {
     return kt_usage(&o->common, "--format", o->format, "pdf or html, as -o says");
   if (o->models.count > 1)
     return kt_usage(&o->common, "MODEL", o->models.items[1], "one model for a report");
-  if (o->base && strcmp(o->base, "-") == 0)
+  if (kt_is_piped(o->base))
     return kt_usage(&o->common, "-o", "-", "a file");
   kt_asked_set(&o->asked, "transmission");
   o->variants.count = 1;
@@ -78,6 +78,7 @@ kt_exit kt_report(kt_sweep_options *o) {
   if (!j)
     return KT_NO_MEMORY;
   *j = (kt_sweep_job){.options = o, .path = o->models.items[0], .common = o->common};
+  kt_sweep_job_name(j);
   kt_sweep_job_open(j, 0.0);
   kt_sweep_job_run(j);
   kt_exit result = j->result;

@@ -71,18 +71,21 @@ static void file_name(const char *label, char out[KT_JOB_NAME]) {
   *out = '\0';
 }
 
-void kt_sweep_job_open(kt_sweep_job *j, double metres) {
+void kt_sweep_job_name(kt_sweep_job *j) {
   const kt_sweep_options *o = j->options;
-  km_assignment values[KT_MOST_VARIED];
   char model[256];
   bool varied = o->variants.number_count > 0, several = o->models.count > 1;
-  kt_variant(&o->variants, j->variant, values, j->variant_name);
+  kt_variant(&o->variants, j->variant, j->values, j->variant_name);
   kt_base_name(j->path, model, sizeof model);
   snprintf(j->name, sizeof j->name, varied ? "%s (%s)" : "%s", j->path, j->variant_name);
   snprintf(j->label, sizeof j->label, "%s%s%s", several || !varied ? model : "", several && varied ? ": " : "",
            j->variant_name);
   file_name(j->label, j->base);
-  j->pose.model = kt_load_varied(&j->common, j->path, values, o->variants.number_count, &j->result);
+}
+
+void kt_sweep_job_open(kt_sweep_job *j, double metres) {
+  const kt_sweep_options *o = j->options;
+  j->pose.model = kt_load_varied(&j->common, j->path, j->values, o->variants.number_count, &j->result);
   if (!j->pose.model)
     return;
   if (metres > 0.0)
@@ -135,13 +138,10 @@ static const char *word_of(const kt_sweep_options *o) {
 
 /* `variant` {path: value}, where there is one. */
 static void add_variant(const kt_sweep_job *j, km_value *record, km_arena *arena) {
-  km_assignment values[KT_MOST_VARIED];
-  char name[KT_VARIANT_NAME];
   int count = j->options->variants.number_count;
-  kt_variant(&j->options->variants, j->variant, values, name);
   km_value *variant = count ? km_value_add(arena, record, "variant", KM_OBJECT) : NULL;
   for (int i = 0; i < count && !arena->failed; ++i)
-    km_value_number(arena, variant, values[i].path, values[i].value);
+    km_value_number(arena, variant, j->values[i].path, j->values[i].value);
 }
 
 static kt_exit write_table(const kt_sweep_job *j, const char *base, kt_format format) {
@@ -224,7 +224,7 @@ static kt_exit deliver(const kt_sweep_options *o, const kt_sweep_job *jobs) {
       continue;
     some = true;
     km_text summary = {0};
-    if (!o->common.quiet && !(o->base && strcmp(o->base, "-") == 0)) {
+    if (!o->common.quiet && !kt_is_piped(o->base)) {
       km_question_print(j->question, j->pose.mechanism, j->name, &summary);
       result = kt_worse(result, kt_print(&o->common, &summary));
     }
@@ -240,25 +240,26 @@ static kt_exit deliver(const kt_sweep_options *o, const kt_sweep_job *jobs) {
   return result;
 }
 
-/* Tables are named after their models: two of one name would overwrite each other. */
-static bool names_differ(const kt_sweep_options *o) {
-  char a[256], b[256];
-  for (int i = 0; i < o->models.count; ++i) {
-    kt_base_name(o->models.items[i], a, sizeof a);
-    for (int k = 0; k < i; ++k) {
-      kt_base_name(o->models.items[k], b, sizeof b);
-      if (strcmp(o->models.items[i], "-") == 0 && strcmp(o->models.items[k], "-") == 0) {
-        kt_say(&o->common, KM_ERROR, "the standard input (-) is given twice; it can be read only once");
+/* Tables are named after their models and variants: two of one name would overwrite each other. */
+static bool names_differ(const kt_sweep_options *o, const kt_sweep_job *jobs) {
+  for (int i = 0; i < job_count(o); ++i)
+    for (int k = 0; k < i; ++k)
+      if (strcmp(jobs[i].base, jobs[k].base) == 0) {
+        kt_say(&o->common, KM_ERROR, "%s and %s would write the same files; expected %s", jobs[k].name, jobs[i].name,
+               strcmp(jobs[i].path, jobs[k].path) == 0 && jobs[i].variant_name[0] ? "variants that differ"
+                                                                                  : "models of different names");
         return false;
       }
-      if (strcmp(a, b) == 0) {
-        kt_say(&o->common, KM_ERROR, "%s and %s would write the same files; expected models of different names",
-               o->models.items[k], o->models.items[i]);
-        return false;
-      }
-    }
-  }
   return true;
+}
+
+static bool one_standard_input(const kt_sweep_options *o) {
+  int count = 0;
+  for (int i = 0; i < o->models.count; ++i)
+    count += strcmp(o->models.items[i], "-") == 0;
+  if (count > 1)
+    kt_say(&o->common, KM_ERROR, "the standard input (-) is given twice; it can be read only once");
+  return count < 2;
 }
 
 /* What one variant after the other says in the same words is said once: a wrong option is wrong for all. */
@@ -271,19 +272,9 @@ static void say_once(kt_sweep_job *jobs, int count) {
   }
 }
 
-static kt_exit run(const kt_sweep_options *o) {
+static kt_exit run(const kt_sweep_options *o, kt_sweep_job *jobs) {
   int count = job_count(o);
-  kt_sweep_job *jobs = KM_NEW(kt_sweep_job, (size_t)count);
   kt_exit result = KT_DONE;
-  if (!jobs)
-    return KT_NO_MEMORY;
-  for (int i = 0; i < count; ++i) {
-    jobs[i].options = o;
-    jobs[i].path = o->models.items[i / o->variants.count];
-    jobs[i].variant = i % o->variants.count;
-    jobs[i].common = o->common;
-    jobs[i].common.log = count > 1 ? &jobs[i].log : NULL;
-  }
   kt_sweep_job_open(&jobs[0], 0.0);
   km_parallel_for(count, o->common.jobs, start_job, jobs);
   say_once(jobs, count);
@@ -294,23 +285,40 @@ static kt_exit run(const kt_sweep_options *o) {
   result = kt_worse(result, deliver(o, jobs));
   for (int i = 0; i < count; ++i)
     kt_sweep_job_close(&jobs[i]);
+  return result;
+}
+
+static kt_exit name_and_run(const kt_sweep_options *o) {
+  int count = job_count(o);
+  kt_sweep_job *jobs = KM_NEW(kt_sweep_job, (size_t)count);
+  if (!jobs)
+    return KT_NO_MEMORY;
+  for (int i = 0; i < count; ++i) {
+    jobs[i].options = o;
+    jobs[i].path = o->models.items[i / o->variants.count];
+    jobs[i].variant = i % o->variants.count;
+    jobs[i].common = o->common;
+    jobs[i].common.log = count > 1 ? &jobs[i].log : NULL;
+    kt_sweep_job_name(&jobs[i]);
+  }
+  kt_exit result = names_differ(o, jobs) ? run(o, jobs) : KT_USAGE;
   km_free(jobs);
   return result;
 }
 
 static kt_exit check(const kt_sweep_options *o) {
-  bool piped = o->base && strcmp(o->base, "-") == 0;
+  bool piped = kt_is_piped(o->base);
   bool tables_only = !o->formats.wanted[KT_SVG] && !o->formats.wanted[KT_PDF] && !o->formats.wanted[KT_PNG];
   if (piped && (job_count(o) > 1 || kt_formats_count(&o->formats) != 1 || !tables_only))
     return kt_usage(&o->common, "-o", "-", "one model and --format csv or json");
   for (int i = 0; i < o->models.count && o->variants.count > 1; ++i)
     if (strcmp(o->models.items[i], "-") == 0)
       return kt_usage(&o->common, "--vary", "with -", "a file: the standard input can be read only once");
-  return names_differ(o) ? KT_DONE : KT_USAGE;
+  return one_standard_input(o) ? KT_DONE : KT_USAGE;
 }
 
 kt_exit kt_sweep(kt_sweep_options *o) {
-  bool piped = o->base && strcmp(o->base, "-") == 0;
+  bool piped = kt_is_piped(o->base);
   if (!kt_formats_parse(&o->common, o->format ? o->format : piped ? "csv" : "csv,svg", &o->formats))
     return KT_USAGE;
   if (o->formats.wanted[KT_JSON])
@@ -321,7 +329,7 @@ kt_exit kt_sweep(kt_sweep_options *o) {
   if (result == KT_DONE)
     result = check(o);
   if (result == KT_DONE)
-    result = run(o);
+    result = name_and_run(o);
   kt_variants_free(&o->variants);
   return result;
 }

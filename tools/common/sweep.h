@@ -32,7 +32,8 @@ typedef struct kt_sweep_job {
   kt_common common; /* with a log of its own */
   km_text log;
   const char *path;
-  int variant;                        /* of options->variants */
+  int variant; /* of options->variants */
+  km_assignment values[KT_MOST_VARIED];
   char variant_name[KT_VARIANT_NAME]; /* "rise=40"; "" */
   char name[KT_JOB_NAME];             /* in messages and summaries: the path, and the variant behind it */
   char label[KT_JOB_NAME];            /* at curves: the model's name, or the variant's */
@@ -49,7 +50,9 @@ typedef struct kt_sweep_job {
 /* Asks every model, and every variant of it, the question, --jobs at once, and writes what was asked for. */
 kt_exit kt_sweep(kt_sweep_options *options);
 
-/* Reads the job's model and brings it to its pose; job->result says how it went. `metres`: another model's
+/* Takes the values of its variant, and names it after these and its model: name, label, base. */
+void kt_sweep_job_name(kt_sweep_job *job);
+/* Reads the model of a job that has its names and brings it to its pose; job->result says how it went. `metres`: another model's
  * characteristic length, 0: its own. */
 void kt_sweep_job_open(kt_sweep_job *job, double metres);
 /* Asks a job whose model is open its question; job->result says how it went. */

@@ -52,6 +52,18 @@ static kt_exit read_list(const char *text, kt_varied *out) {
   return result;
 }
 
+static bool read_alike(const kt_varied *v, int digits) {
+  char text[2][32];
+  for (int i = 0; i < v->count; ++i)
+    for (int k = 0; k < i; ++k) {
+      snprintf(text[0], sizeof text[0], "%.*g", digits, v->values[i]);
+      snprintf(text[1], sizeof text[1], "%.*g", digits, v->values[k]);
+      if (strcmp(text[0], text[1]) == 0)
+        return true;
+    }
+  return false;
+}
+
 /* The path keeps its backslashes, which the library reads. */
 static kt_exit read_one(const kt_common *common, const char *text, kt_varied *out) {
   const char *equals = text;
@@ -65,6 +77,8 @@ static kt_exit read_one(const kt_common *common, const char *text, kt_varied *ou
   kt_exit result = !*equals || size == 0 ? KT_USAGE
                    : strchr(equals, ':') ? read_range(equals + 1, out)
                                          : read_list(equals + 1, out);
+  for (out->digits = 6; out->digits < 17 && read_alike(out, out->digits);)
+    out->digits++;
   return result == KT_USAGE ? kt_usage(common, "--vary", text, "PATH=FROM:TO:N, or PATH=A,B,C") : result;
 }
 
@@ -104,7 +118,8 @@ void kt_variant(const kt_variants *v, int index, km_assignment *out, char name[K
     index /= number->count;
   }
   for (int i = 0; i < v->number_count && used < KT_VARIANT_NAME - 1; ++i) {
-    int length = snprintf(name + used, KT_VARIANT_NAME - used, "%s%s=%g", i ? ", " : "", out[i].path, out[i].value);
+    int length = snprintf(name + used, KT_VARIANT_NAME - used, "%s%s=%.*g", i ? ", " : "", out[i].path,
+                          v->numbers[i].digits, out[i].value);
     used += length > 0 ? (size_t)length : 0;
   }
 }

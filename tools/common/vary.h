@@ -19,6 +19,7 @@ typedef struct kt_varied {
   char *path;
   double *values;
   int count;
+  int digits; /* by which its values are told apart in names: 6, or more */
 } kt_varied;
 
 /* What --vary asks for. Variant k of `count` has one value of each number, the last one changing fastest. */

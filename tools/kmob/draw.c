@@ -63,7 +63,7 @@ static kt_exit read_options(kmob_draw_options *o, int *poses) {
     return kt_usage(&o->common, "--animate", o->poses ? "--poses" : "--at", "one of them: a motion has all its poses");
   if (o->animate && o->meshes && o->formats.wanted[KT_HTML])
     return kt_usage(&o->common, "--animate", "--meshes", "--format apng with it: a page draws links");
-  if (o->base && strcmp(o->base, "-") == 0)
+  if (kt_is_piped(o->base))
     return kt_usage(&o->common, "-o", "-", "a file's name: pictures don't go to the standard output");
   if (o->view && !km_view_find(o->view, &o->look.view))
     return kt_usage(&o->common, "--view", o->view, "xy, xz, yz, iso or auto");

@@ -135,7 +135,7 @@ static kt_exit run(const options *o) {
   kt_base_name(o->model, name, sizeof name);
   if (!base)
     base = o->dot && o->svg ? name : "-";
-  if (strcmp(base, "-") == 0 && o->dot && o->svg) {
+  if (kt_is_piped(base) && o->dot && o->svg) {
     kt_say(&o->common, KM_ERROR, "-o -: found two formats; expected one for the standard output");
     return KT_USAGE;
   }

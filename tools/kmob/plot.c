@@ -52,7 +52,7 @@ static kt_exit read_options(options *o) {
     return kt_usage(&o->common, "TABLE", "…", "at most 64 tables");
   if (o->y.count == 0)
     return kt_usage(&o->common, "--y", "is missing", "at least one column: --y COLUMN");
-  if (o->base && strcmp(o->base, "-") == 0)
+  if (kt_is_piped(o->base))
     return kt_usage(&o->common, "-o", "-", "a file's name: pictures don't go to the standard output");
   if (!kt_formats_parse_among(&o->common, o->format ? o->format : "svg", "svg,pdf,png", &o->formats))
     return KT_USAGE;

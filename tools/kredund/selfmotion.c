@@ -70,7 +70,7 @@ static kt_exit deliver(const kredund_request *r, const kt_formats *formats, cons
   kt_exit result = kt_exit_of(status);
   if (status)
     kt_say(&r->common, KM_ERROR, "%s: %s", open->name, error.text);
-  if (!status && !r->common.quiet && strcmp(base, "-") != 0) {
+  if (!status && !r->common.quiet && !kt_is_piped(base)) {
     km_text text = {0};
     km_selfmotion_print(arm, &motion, open->name, &text);
     result = kt_print(&r->common, &text);

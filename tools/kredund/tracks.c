@@ -24,7 +24,7 @@ bool kredund_tracks_read(kt_options *all, const char *about, int argc, char **ar
   KT_OPTIONS_ADD(all, files);
   kt_common_options(all, &r->common, KT_USES_JOBS | KT_USES_SEED);
   kt_options_read(all, about, argc, argv);
-  bool piped = r->base && strcmp(r->base, "-") == 0;
+  bool piped = kt_is_piped(r->base);
   if (!kt_formats_parse(&r->common, r->formats ? r->formats : piped ? "csv" : "csv,svg", formats))
     return false;
   bool tables_only = !formats->wanted[KT_SVG] && !formats->wanted[KT_PDF] && !formats->wanted[KT_PNG];
@@ -170,7 +170,7 @@ kt_exit kredund_tracks_deliver(kredund_tracks *t, const char *base) {
   const kt_common *common = &t->request->common;
   kt_exit result = KT_DONE;
   bool map = t->map && km_arm_freedom(km_study_arm(t->open->study)) == 1;
-  bool piped = strcmp(base, "-") == 0;
+  bool piped = kt_is_piped(base);
   if (piped && t->formats.wanted[KT_CSV] && t->count > 1)
     return kt_usage(common, "-o", "-", "one method with --format csv");
   if (!common->quiet && !piped) {

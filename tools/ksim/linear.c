@@ -222,6 +222,8 @@ kt_exit ksim_linearise(int argc, char **argv) {
     kt_say(&o.common, KM_ERROR, "--only %d: expected --animate with it", o.only);
     return KT_USAGE;
   }
+  if (kt_is_piped(o.base) && (o.matrices || o.animate))
+    return kt_usage(&o.common, "-o", "-", "a name, as --matrices and --animate write several files");
   work w = {.o = &o};
   kt_exit result = run_linearise(&w);
   close_work(&w);

@@ -63,7 +63,7 @@ void ksim_tell_drives(const kt_common *common, const char *path, const kt_pose *
 
 kt_exit ksim_read_formats(const kt_common *common, const char *format, const char *base, bool beside,
                           const char *expected, kt_formats *out) {
-  bool piped = base && strcmp(base, "-") == 0;
+  bool piped = kt_is_piped(base);
   if (!kt_formats_parse(common, format ? format : piped ? "csv" : "csv,svg", out))
     return KT_USAGE;
   bool tables_only = !out->wanted[KT_SVG] && !out->wanted[KT_PDF] && !out->wanted[KT_PNG];
@@ -108,7 +108,7 @@ static kt_exit write_plot(const ksim_delivery *d, kt_format format) {
 
 kt_exit ksim_deliver(const ksim_delivery *d) {
   kt_exit result = KT_DONE;
-  if (!d->common->quiet && strcmp(d->base, "-") != 0)
+  if (!d->common->quiet && !kt_is_piped(d->base))
     result = kt_print(d->common, d->summary);
   kt_note_size(d->common, (double)km_table_rows(d->table) * (double)km_table_columns(d->table) *
                               (d->formats->wanted[KT_CSV] + d->formats->wanted[KT_JSON]));

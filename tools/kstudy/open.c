@@ -110,6 +110,8 @@ static kt_exit open_store(const kstudy_request *r, bool must_exist, kstudy_open 
 
 kt_exit kstudy_bring(const kstudy_request *r, bool must_exist, kstudy_open *out) {
   *out = (kstudy_open){.def = km_design_study_default()};
+  if (kt_is_piped(r->base))
+    return kt_usage(&r->common, "-o", "-", "a name, as this command keeps several files");
   out->name = strcmp(r->study, "-") == 0 ? "standard input" : r->study;
   kt_exit result = read_study(r, out);
   if (result != KT_DONE)

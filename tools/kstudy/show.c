@@ -102,7 +102,7 @@ kt_exit kstudy_export(int argc, char **argv) {
                   argc, argv);
   if (!kt_formats_parse_among(&r.common, r.format ? r.format : "csv", "csv,json", &formats))
     return KT_USAGE;
-  bool piped = r.base && strcmp(r.base, "-") == 0;
+  bool piped = kt_is_piped(r.base);
   if (piped && kt_formats_count(&formats) != 1)
     return kt_usage(&r.common, "-o", "-", "one format");
   kstudy_request named = r;

@@ -87,44 +87,44 @@ static km_status run(kv_session *s, km_question *question, km_error *error) {
   return status == KM_PARTIAL ? KM_OK : status;
 }
 
-static void add_events(const km_question *question, kv_buffer *out) {
-  kv_add(out, ",\"events\":[");
+static void add_events(const km_question *question, km_text *out) {
+  km_text_add(out, ",\"events\":[");
   for (int i = 0; i < km_question_event_count(question); ++i) {
     km_question_event e = km_question_event_at(question, i);
     kv_add_comma(out);
-    kv_add(out, "{\"name\":");
+    km_text_add(out, "{\"name\":");
     kv_add_string(out, e.name);
-    kv_add(out, ",\"subject\":");
+    km_text_add(out, ",\"subject\":");
     kv_add_string(out, e.subject);
-    kv_add(out, ",\"s\":");
+    km_text_add(out, ",\"s\":");
     kv_add_number(out, e.s);
-    kv_add(out, ",\"value\":");
+    km_text_add(out, ",\"value\":");
     kv_add_number(out, e.value);
-    kv_add(out, "}");
+    km_text_add(out, "}");
   }
-  kv_add(out, "]");
+  km_text_add(out, "]");
 }
 
-static void add_columns(const km_table *table, kv_buffer *out) {
-  kv_add(out, ",\"columns\":[");
+static void add_columns(const km_table *table, km_text *out) {
+  km_text_add(out, ",\"columns\":[");
   for (size_t c = 0; c < km_table_columns(table); ++c) {
     kv_add_comma(out);
-    kv_add(out, "{\"name\":");
+    km_text_add(out, "{\"name\":");
     kv_add_string(out, km_table_name(table, c));
-    kv_add(out, ",\"unit\":");
+    km_text_add(out, ",\"unit\":");
     kv_add_string(out, km_table_unit(table, c));
-    kv_add(out, "}");
+    km_text_add(out, "}");
   }
-  kv_add(out, "]");
+  km_text_add(out, "]");
 }
 
-static void add_notes(const km_messages *notes, kv_buffer *out) {
-  kv_add(out, ",\"notes\":[");
+static void add_notes(const km_messages *notes, km_text *out) {
+  km_text_add(out, ",\"notes\":[");
   for (size_t i = 0; i < km_messages_count(notes); ++i) {
     kv_add_comma(out);
     kv_add_string(out, km_messages_text(notes, i));
   }
-  kv_add(out, "]}");
+  km_text_add(out, "]}");
 }
 
 /* How many motions meet at the first branch point of a sweep by arc length; 0: there is none. */
@@ -140,29 +140,29 @@ static int count_branches(const km_question *question) {
 static km_status add_table(const kv_call *call, const kv_asked *a, const km_question *question, km_error *error) {
   const km_table *table = km_question_table(question);
   size_t rows = km_table_rows(table), columns = km_table_columns(table);
-  kv_buffer header = {0}, *out = &call->answer->bytes;
+  km_text header = {0}, *out = &call->answer->bytes;
   if (rows * columns > MOST_NUMBERS)
     return km_fail(error, KM_USAGE, "a table of %zu rows and %zu columns is more than a page shows", rows, columns);
-  kv_add(&header, "{\"question\":");
+  km_text_add(&header, "{\"question\":");
   kv_add_string(&header, km_question_kind_name(a->kind));
-  kv_add(&header, ",\"driver\":%d,\"branches\":%d", a->driver, count_branches(question));
+  km_text_format(&header, ",\"driver\":%d,\"branches\":%d", a->driver, count_branches(question));
   add_columns(table, &header);
   add_events(question, &header);
   add_notes(km_question_notes(question), &header);
   while (!header.failed && header.size % 8 != 4)
-    kv_add(&header, " ");
+    km_text_add(&header, " ");
   call->answer->binary = true;
   kv_add_u32(out, KV_TABLE);
   kv_add_u32(out, call->request);
   kv_add_u32(out, (uint32_t)header.size);
   kv_add_u32(out, (uint32_t)rows);
   kv_add_u32(out, (uint32_t)columns);
-  kv_add_bytes(out, header.data ? header.data : "", header.size);
+  km_text_bytes(out, header.data ? header.data : "", header.size);
   for (size_t r = 0; r < rows; ++r)
     for (size_t c = 0; c < columns; ++c)
       kv_add_f64(out, km_table_row(table, r)[c]);
   out->failed = out->failed || header.failed;
-  kv_buffer_free(&header);
+  km_text_free(&header);
   return KM_OK;
 }
 
@@ -211,7 +211,7 @@ km_status kv_again(const kv_call *call, km_error *error) {
 /* One way of a slider: how far it goes towards `to`, and the toggles of other joints on the way. */
 static km_status go(const kv_call *call, int coordinate, double to, bool *first, km_error *error) {
   kv_session *s = call->session;
-  kv_buffer *out = &call->answer->bytes;
+  km_text *out = &call->answer->bytes;
   const kv_asked way = {.kind = kv_question_kind(s, 0),
                         .driver = coordinate,
                         .from = km_state_coordinate(s->state, coordinate),
@@ -229,26 +229,26 @@ static km_status go(const kv_call *call, int coordinate, double to, bool *first,
     if (strcmp(e.name, "minimum") == 0 || strcmp(e.name, "maximum") == 0)
       continue;
     if (!*first)
-      kv_add(out, ",");
+      km_text_add(out, ",");
     *first = false;
-    kv_add(out, "{\"name\":");
+    km_text_add(out, "{\"name\":");
     kv_add_string(out, e.name);
-    kv_add(out, ",\"subject\":");
+    km_text_add(out, ",\"subject\":");
     kv_add_string(out, e.subject);
-    kv_add(out, ",\"own\":%s,\"s\":", own ? "true" : "false");
+    km_text_format(out, ",\"own\":%s,\"s\":", own ? "true" : "false");
     kv_add_number(out, e.s);
-    kv_add(out, "}");
+    km_text_add(out, "}");
   }
   const km_sweep *motion = question ? km_question_motion(question) : NULL;
   if (motion && motion->end.stop) {
     if (!*first)
-      kv_add(out, ",");
+      km_text_add(out, ",");
     *first = false;
-    kv_add(out, "{\"name\":\"%s\",\"subject\":", motion->end.stop == KM_STOP_LIMIT ? "limit" : "end");
+    km_text_format(out, "{\"name\":\"%s\",\"subject\":", motion->end.stop == KM_STOP_LIMIT ? "limit" : "end");
     kv_add_string(out, motion->end.coordinate >= 0 ? km_model_coordinate_label(s->model, motion->end.coordinate) : "");
-    kv_add(out, ",\"own\":true,\"s\":");
+    km_text_add(out, ",\"own\":true,\"s\":");
     kv_add_number(out, motion->end.position);
-    kv_add(out, "}");
+    km_text_add(out, "}");
   }
   km_question_free(question);
   return status;
@@ -269,15 +269,15 @@ km_status kv_track(const kv_call *call, km_error *error) {
   low = fmax(low, at - turn);
   high = fmin(high, at + turn);
   bool first = true;
-  kv_add(&call->answer->bytes, "{\"kind\":\"track\",\"request\":%u,\"coordinate\":%d,\"low\":", call->request,
-         coordinate);
+  km_text_format(&call->answer->bytes, "{\"kind\":\"track\",\"request\":%u,\"coordinate\":%d,\"low\":", call->request,
+                 coordinate);
   kv_add_number(&call->answer->bytes, low);
-  kv_add(&call->answer->bytes, ",\"high\":");
+  km_text_add(&call->answer->bytes, ",\"high\":");
   kv_add_number(&call->answer->bytes, high);
-  kv_add(&call->answer->bytes, ",\"events\":[");
+  km_text_add(&call->answer->bytes, ",\"events\":[");
   km_status status = low < at ? go(call, coordinate, low, &first, error) : KM_OK;
   if (!status && high > at)
     status = go(call, coordinate, high, &first, error);
-  kv_add(&call->answer->bytes, "]}");
+  km_text_add(&call->answer->bytes, "]}");
   return status;
 }

@@ -20,21 +20,21 @@ static void scale_matrix(const kv_session *s, const km_arm *arm, int direction, 
 }
 
 static void add_columns(const kv_call *call, const km_arm *arm, const km_control *found, const double *Z) {
-  kv_buffer *out = &call->answer->bytes;
+  km_text *out = &call->answer->bytes;
   int n = km_arm_coordinates(arm);
-  kv_add(out, "{\"kind\":\"columns\",\"request\":%u,\"entry\":", call->request);
+  km_text_format(out, "{\"kind\":\"columns\",\"request\":%u,\"entry\":", call->request);
   kv_add_number(out, found->path_entry);
-  kv_add(out, ",\"coordinates\":[");
+  km_text_add(out, ",\"coordinates\":[");
   for (int c = 0; c < n; ++c) {
     kv_add_comma(out);
-    kv_add(out, "%d", km_arm_coordinate(arm, c));
+    km_text_format(out, "%d", km_arm_coordinate(arm, c));
   }
-  kv_add(out, "],\"columns\":[");
+  km_text_add(out, "],\"columns\":[");
   for (int k = 0; k < found->freedom; ++k) {
     kv_add_comma(out);
     kv_add_numbers(out, Z + (size_t)k * (size_t)(n + 1), n);
   }
-  kv_add(out, "]}");
+  km_text_add(out, "]}");
 }
 
 /* columns FRAME DIRECTION: of a step of the frame along x, y, z (0 to 2) or about them (3 to 5), in the inertial frame: first

@@ -11,69 +11,70 @@
 #include <math.h>
 #include <string.h>
 
-static void add_assemblies(const km_model *m, kv_buffer *out) {
-  kv_add(out, ",\"assemblies\":[");
+static void add_assemblies(const km_model *m, km_text *out) {
+  km_text_add(out, ",\"assemblies\":[");
   for (int a = 0; a < km_model_assembly_count(m); ++a) {
     kv_add_comma(out);
-    kv_add(out, "{\"name\":");
+    km_text_add(out, "{\"name\":");
     kv_add_string(out, km_model_assembly_name(m, a));
-    kv_add(out, ",\"parent\":%d}", km_model_assembly_parent(m, a));
+    km_text_format(out, ",\"parent\":%d}", km_model_assembly_parent(m, a));
   }
-  kv_add(out, "]");
+  km_text_add(out, "]");
 }
 
-static void add_bodies(const km_model *m, kv_buffer *out) {
-  kv_add(out, ",\"bodies\":[");
+static void add_bodies(const km_model *m, km_text *out) {
+  km_text_add(out, ",\"bodies\":[");
   for (int b = 0; b <= km_model_body_count(m); ++b) {
     double center[3], mass = km_model_body_mass(m, b, center);
     kv_add_comma(out);
-    kv_add(out, "{\"name\":");
+    km_text_add(out, "{\"name\":");
     kv_add_string(out, km_model_body_name(m, b));
-    kv_add(out, ",\"assembly\":%d,\"patches\":%d,\"mass\":", km_model_body_assembly(m, b), km_body_patch_count(m, b));
+    km_text_format(out, ",\"assembly\":%d,\"patches\":%d,\"mass\":", km_model_body_assembly(m, b),
+                   km_body_patch_count(m, b));
     kv_add_number(out, mass);
-    kv_add(out, ",\"center\":");
+    km_text_add(out, ",\"center\":");
     kv_add_numbers(out, center, 3);
-    kv_add(out, "}");
+    km_text_add(out, "}");
   }
-  kv_add(out, "]");
+  km_text_add(out, "]");
 }
 
-static void add_frames(const km_model *m, kv_buffer *out) {
-  kv_add(out, ",\"frames\":[");
+static void add_frames(const km_model *m, km_text *out) {
+  km_text_add(out, ",\"frames\":[");
   for (int f = 0; f < km_model_frame_count(m); ++f) {
     double R[9], T[3];
     km_error error;
     if (km_model_frame_pose(m, f, R, T, &error))
       continue;
     kv_add_comma(out);
-    kv_add(out, "{\"name\":");
+    km_text_add(out, "{\"name\":");
     kv_add_string(out, km_model_frame_name(m, f));
-    kv_add(out, ",\"body\":%d,\"R\":", km_model_frame_body(m, f));
+    km_text_format(out, ",\"body\":%d,\"R\":", km_model_frame_body(m, f));
     kv_add_numbers(out, R, 9);
-    kv_add(out, ",\"T\":");
+    km_text_add(out, ",\"T\":");
     kv_add_numbers(out, T, 3);
-    kv_add(out, "}");
+    km_text_add(out, "}");
   }
-  kv_add(out, "]");
+  km_text_add(out, "]");
 }
 
-static void add_joints(const km_model *m, kv_buffer *out) {
-  kv_add(out, ",\"joints\":[");
+static void add_joints(const km_model *m, km_text *out) {
+  km_text_add(out, ",\"joints\":[");
   for (int j = 0; j < km_model_joint_count(m); ++j) {
     int first = 0, freedom = km_model_joint_freedom(m, j, &first);
     kv_add_comma(out);
-    kv_add(out, "{\"label\":");
+    km_text_add(out, "{\"label\":");
     kv_add_string(out, km_model_joint_label(m, j));
-    kv_add(out, ",\"type\":");
+    km_text_add(out, ",\"type\":");
     kv_add_string(out, km_joint_type_word((km_joint_type)km_model_joint_type(m, j)));
-    kv_add(out, ",\"frames\":[%d,%d],\"first\":%d,\"count\":%d}", km_model_joint_frame(m, j, false),
-           km_model_joint_frame(m, j, true), first, freedom);
+    km_text_format(out, ",\"frames\":[%d,%d],\"first\":%d,\"count\":%d}", km_model_joint_frame(m, j, false),
+                   km_model_joint_frame(m, j, true), first, freedom);
   }
-  kv_add(out, "]");
+  km_text_add(out, "]");
 }
 
 /* The unit of a force or torque in a coordinate. */
-static void add_push_unit(const km_model *m, int coordinate, kv_buffer *out) {
+static void add_push_unit(const km_model *m, int coordinate, km_text *out) {
   const km_handle end = {.kind = KM_HANDLE_JOINT, .coordinate = coordinate};
   km_text unit = {0};
   km_push_unit(m, &end, &unit);
@@ -82,111 +83,112 @@ static void add_push_unit(const km_model *m, int coordinate, kv_buffer *out) {
   km_text_free(&unit);
 }
 
-static void add_coordinates(const kv_session *s, kv_buffer *out) {
+static void add_coordinates(const kv_session *s, km_text *out) {
   const km_model *m = s->model;
-  kv_add(out, ",\"coordinates\":[");
+  km_text_add(out, ",\"coordinates\":[");
   for (int c = 0; c < km_model_coordinate_count(m); ++c) {
     double low, high;
     km_model_coordinate_limits(m, c, &low, &high);
     kv_add_comma(out);
-    kv_add(out, "{\"label\":");
+    km_text_add(out, "{\"label\":");
     kv_add_string(out, km_model_coordinate_label(m, c));
-    kv_add(out, ",\"unit\":");
+    km_text_add(out, ",\"unit\":");
     kv_add_string(out, km_model_coordinate_unit(m, c));
-    kv_add(out, ",\"push\":");
+    km_text_add(out, ",\"push\":");
     add_push_unit(m, c, out);
-    kv_add(out, ",\"joint\":%d,\"substructure\":%d,\"held\":%s,\"low\":", km_model_coordinate_joint(m, c),
-           km_coordinate_substructure(s->mechanism, c), km_coordinate_is_held(s->mechanism, c) ? "true" : "false");
+    km_text_format(out, ",\"joint\":%d,\"substructure\":%d,\"held\":%s,\"low\":", km_model_coordinate_joint(m, c),
+                   km_coordinate_substructure(s->mechanism, c),
+                   km_coordinate_is_held(s->mechanism, c) ? "true" : "false");
     kv_add_number(out, low);
-    kv_add(out, ",\"high\":");
+    km_text_add(out, ",\"high\":");
     kv_add_number(out, high);
-    kv_add(out, "}");
+    km_text_add(out, "}");
   }
-  kv_add(out, "]");
+  km_text_add(out, "]");
 }
 
-static void add_substructures(const kv_session *s, kv_buffer *out) {
-  kv_add(out, ",\"substructures\":[");
+static void add_substructures(const kv_session *s, km_text *out) {
+  km_text_add(out, ",\"substructures\":[");
   for (int i = 0; i < km_substructure_count(s->mechanism); ++i) {
     km_substructure_mobility e;
     km_substructure_evidence(s->mechanism, s->state, i, &e);
     kv_add_comma(out);
-    kv_add(out, "{\"loops\":%d,\"rank\":%d,\"mobility\":%d,\"coordinates\":%d}", e.loops, e.rank, e.mobility,
-           e.coordinates);
+    km_text_format(out, "{\"loops\":%d,\"rank\":%d,\"mobility\":%d,\"coordinates\":%d}", e.loops, e.rank, e.mobility,
+                   e.coordinates);
   }
-  kv_add(out, "]");
+  km_text_add(out, "]");
 }
 
-static void add_end(const km_model *m, bool output, kv_buffer *out) {
+static void add_end(const km_model *m, bool output, km_text *out) {
   km_handle end;
   bool joint = km_handle_default(m, output, &end) && end.kind == KM_HANDLE_JOINT;
-  kv_add(out, "%d", joint ? end.coordinate : -1);
+  km_text_format(out, "%d", joint ? end.coordinate : -1);
 }
 
 /* What the file proposes to ask. */
-static void add_defaults(const km_model *m, kv_buffer *out) {
+static void add_defaults(const km_model *m, km_text *out) {
   km_sweep_plan plan = km_sweep_plan_default(m);
-  kv_add(out, ",\"sweep\":{\"driver\":%d,\"from\":", plan.coordinate);
+  km_text_format(out, ",\"sweep\":{\"driver\":%d,\"from\":", plan.coordinate);
   kv_add_number(out, plan.from);
-  kv_add(out, ",\"to\":");
+  km_text_add(out, ",\"to\":");
   kv_add_number(out, plan.to);
-  kv_add(out, ",\"steps\":%d,\"arclength\":", plan.steps);
+  km_text_format(out, ",\"steps\":%d,\"arclength\":", plan.steps);
   kv_add_number(out, plan.arclength);
-  kv_add(out, "},\"input\":");
+  km_text_add(out, "},\"input\":");
   add_end(m, false, out);
-  kv_add(out, ",\"output\":");
+  km_text_add(out, ",\"output\":");
   add_end(m, true, out);
-  kv_add(out, ",\"loads\":%d,\"actuators\":[", km_model_load_count(m));
+  km_text_format(out, ",\"loads\":%d,\"actuators\":[", km_model_load_count(m));
   for (int i = 0; i < km_model_actuator_count(m); ++i) {
     kv_add_comma(out);
-    kv_add(out, "%d", km_model_actuator(m, i));
+    km_text_format(out, "%d", km_model_actuator(m, i));
   }
-  kv_add(out, "],\"poses\":[");
+  km_text_add(out, "],\"poses\":[");
   for (int i = 0; i < km_model_pose_count(m); ++i) {
     kv_add_comma(out);
     kv_add_string(out, km_model_pose_name(m, i));
   }
-  kv_add(out, "]");
+  km_text_add(out, "]");
 }
 
-static void add_questions(const kv_session *s, kv_buffer *out) {
-  kv_add(out, ",\"questions\":[");
+static void add_questions(const kv_session *s, km_text *out) {
+  km_text_add(out, ",\"questions\":[");
   for (int k = 0; kv_question_kind(s, k) >= 0; ++k) {
     kv_add_comma(out);
     kv_add_string(out, km_question_kind_name(kv_question_kind(s, k)));
   }
-  kv_add(out, "]");
+  km_text_add(out, "]");
 }
 
-static void add_parameters(const kv_session *s, kv_buffer *out) {
-  kv_add(out, ",\"parameters\":[");
+static void add_parameters(const kv_session *s, km_text *out) {
+  km_text_add(out, ",\"parameters\":[");
   for (int i = 0; i < s->parameters.count; ++i) {
     const kv_parameter *p = &s->parameters.items[i];
     kv_add_comma(out);
-    kv_add(out, "{\"name\":");
+    km_text_add(out, "{\"name\":");
     kv_add_string(out, p->name);
-    kv_add(out, ",\"note\":");
+    km_text_add(out, ",\"note\":");
     kv_add_string(out, p->note);
-    kv_add(out, ",\"value\":");
+    km_text_add(out, ",\"value\":");
     kv_add_number(out, p->value);
-    kv_add(out, ",\"file\":");
+    km_text_add(out, ",\"file\":");
     kv_add_number(out, p->file);
-    kv_add(out, ",\"low\":");
+    km_text_add(out, ",\"low\":");
     kv_add_number(out, p->low);
-    kv_add(out, ",\"high\":");
+    km_text_add(out, ",\"high\":");
     kv_add_number(out, p->high);
-    kv_add(out, "}");
+    km_text_add(out, "}");
   }
-  kv_add(out, "]");
+  km_text_add(out, "]");
 }
 
-static void add_notes(const kv_session *s, kv_buffer *out) {
-  kv_add(out, ",\"notes\":[");
+static void add_notes(const kv_session *s, km_text *out) {
+  km_text_add(out, ",\"notes\":[");
   for (size_t i = 0; i < km_messages_count(s->messages); ++i) {
     kv_add_comma(out);
     kv_add_string(out, km_messages_text(s->messages, i));
   }
-  kv_add(out, "]");
+  km_text_add(out, "]");
 }
 
 static const char *name_of(const char *path) {
@@ -194,25 +196,25 @@ static const char *name_of(const char *path) {
   return slash ? slash + 1 : path;
 }
 
-void kv_describe(const kv_session *s, unsigned request, kv_buffer *out) {
+void kv_describe(const kv_session *s, unsigned request, km_text *out) {
   const km_mobility *mobility = &s->mobility;
   km_length_source source;
   double normal[3], length = km_mechanism_characteristic_length(s->mechanism, &source);
-  kv_add(out, "{\"kind\":\"model\",\"request\":%u,\"protocol\":%d,\"version\":", request, KV_PROTOCOL);
+  km_text_format(out, "{\"kind\":\"model\",\"request\":%u,\"protocol\":%d,\"version\":", request, KV_PROTOCOL);
   kv_add_string(out, KM_VERSION);
-  kv_add(out, ",\"name\":");
+  km_text_add(out, ",\"name\":");
   kv_add_string(out, name_of(s->opening.path));
-  kv_add(out, ",\"meters\":");
+  km_text_add(out, ",\"meters\":");
   kv_add_number(out, km_model_length_unit(s->model));
-  kv_add(out, ",\"force\":");
+  km_text_add(out, ",\"force\":");
   kv_add_string(out, km_model_units(s->model).force->suffix);
-  kv_add(out, ",\"length\":");
+  km_text_add(out, ",\"length\":");
   kv_add_number(out, length);
-  kv_add(out, ",\"kutzbach\":%d,\"kutzbachPlanar\":%d,\"kutzbachExtended\":%d,\"redundant\":%d,\"edited\":%s",
-         mobility->kutzbach, mobility->kutzbach_planar, mobility->kutzbach_extended, mobility->redundant_constraints,
-         s->edited ? "true" : "false");
+  km_text_format(out, ",\"kutzbach\":%d,\"kutzbachPlanar\":%d,\"kutzbachExtended\":%d,\"redundant\":%d,\"edited\":%s",
+                 mobility->kutzbach, mobility->kutzbach_planar, mobility->kutzbach_extended,
+                 mobility->redundant_constraints, s->edited ? "true" : "false");
   if (km_mechanism_plane(s->mechanism, s->state, normal)) {
-    kv_add(out, ",\"normal\":");
+    km_text_add(out, ",\"normal\":");
     kv_add_numbers(out, normal, 3);
   }
   add_assemblies(s->model, out);
@@ -225,5 +227,5 @@ void kv_describe(const kv_session *s, unsigned request, kv_buffer *out) {
   add_questions(s, out);
   add_parameters(s, out);
   add_notes(s, out);
-  kv_add(out, "}");
+  km_text_add(out, "}");
 }

@@ -3,34 +3,20 @@
 #include "kview/messages.h"
 #include "kview/page.h"
 
+#include "kmech/files.h"
+
 #include <stdio.h>
-#include <stdlib.h>
 #include <string.h>
-#include <unistd.h>
 
 enum { STEPS = 200 };
 
 typedef struct options {
   kt_common common;
-  const char *model, *output;
+  const char *model, *file;
 } options;
 
-static void add_base64(kv_buffer *out, const kv_buffer *bytes) {
-  static const char letters[] = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
-  out->failed = out->failed || bytes->failed;
-  for (size_t i = 0; i < bytes->size; i += 3) {
-    unsigned value = 0;
-    for (size_t k = 0; k < 3; ++k)
-      value = value << 8 | (i + k < bytes->size ? (unsigned char)bytes->data[i + k] : 0u);
-    char four[4];
-    for (int k = 0; k < 4; ++k)
-      four[k] = i + (size_t)k > bytes->size ? '=' : letters[value >> (18 - 6 * k) & 63u];
-    kv_add_bytes(out, four, sizeof four);
-  }
-}
-
 /* One answer of the session as a string in base64. */
-static km_status add_answer(kv_session *s, const char *message, kv_buffer *out, km_error *error) {
+static km_status add_answer(kv_session *s, const char *message, km_text *out, km_error *error) {
   kv_answer answer;
   kv_answer_message(s, message, strlen(message), &answer);
   km_status status = answer.fault.status;
@@ -38,30 +24,32 @@ static km_status add_answer(kv_session *s, const char *message, kv_buffer *out, 
     *error = answer.fault;
   if (!status) {
     kv_add_comma(out);
-    kv_add(out, "\"");
-    add_base64(out, &answer.bytes);
-    kv_add(out, "\"");
+    km_text_add(out, "\"");
+    km_text_base64(out, answer.bytes.data, answer.bytes.size);
+    out->failed = out->failed || answer.bytes.failed;
+    km_text_add(out, "\"");
   }
-  kv_buffer_free(&answer.bytes);
+  km_text_free(&answer.bytes);
   return status;
 }
 
 /* The poses of the question's rows, one after another. */
-static km_status add_poses(kv_session *s, kv_buffer *out, km_error *error) {
+static km_status add_poses(kv_session *s, km_text *out, km_error *error) {
   const km_table *table = km_question_table(s->question);
   int n = km_model_coordinate_count(s->model);
   km_span span = km_table_span(table, "q.");
-  kv_buffer poses = {0};
+  km_text poses = {0};
   km_status status = span.count == (size_t)n ? KM_OK : km_fail(error, KM_INTERNAL, "a sweep without all coordinates");
   for (size_t r = 0; r < km_table_rows(table) && !status; ++r) {
     status = kv_session_place(s, km_table_row(table, r) + span.first, error);
     if (!status)
       kv_add_pose(s, 0, &poses);
   }
-  kv_add(out, ",\"poses\":\"");
-  add_base64(out, &poses);
-  kv_add(out, "\"");
-  kv_buffer_free(&poses);
+  km_text_add(out, ",\"poses\":\"");
+  km_text_base64(out, poses.data, poses.size);
+  out->failed = out->failed || poses.failed;
+  km_text_add(out, "\"");
+  km_text_free(&poses);
   return status;
 }
 
@@ -91,12 +79,12 @@ static bool has_forces(const km_model *model) {
   return some;
 }
 
-static km_status add_tables(kv_session *s, kv_buffer *out, km_error *error) {
+static km_status add_tables(kv_session *s, km_text *out, km_error *error) {
   char text[256];
   km_handle end;
   bool lever = km_handle_default(s->model, false, &end) && end.kind == KM_HANDLE_JOINT;
   km_status status = KM_OK;
-  kv_add(out, ",\"tables\":[");
+  km_text_add(out, ",\"tables\":[");
   int count = 0;
   while (kv_question_kind(s, count) >= 0)
     ++count;
@@ -108,88 +96,74 @@ static km_status add_tables(kv_session *s, kv_buffer *out, km_error *error) {
     ask_text(s, count, text, sizeof text);
     status = add_answer(s, text, out, error);
   }
-  kv_add(out, "]");
+  km_text_add(out, "]");
   return status;
 }
 
-static km_status add_patches(kv_session *s, kv_buffer *out, km_error *error) {
+static km_status add_patches(kv_session *s, km_text *out, km_error *error) {
   km_status status = KM_OK;
-  kv_add(out, ",\"patches\":[");
+  km_text_add(out, ",\"patches\":[");
   for (int b = 0; b <= km_model_body_count(s->model) && !status; ++b)
     for (int part = 0; part < km_body_patch_count(s->model, b) && !status; ++part) {
       char text[64];
       snprintf(text, sizeof text, "1 patch %d %d", b, part);
       status = add_answer(s, text, out, error);
     }
-  kv_add(out, "]");
+  km_text_add(out, "]");
   return status;
 }
 
-static km_status record(kv_session *s, kv_buffer *out, km_error *error) {
+static km_status record(kv_session *s, km_text *out, km_error *error) {
   km_status status = kv_session_load(s, error);
   if (status)
     return status;
-  kv_add(out, "{\"model\":");
+  km_text_add(out, "{\"model\":");
   kv_describe(s, 0, out);
   status = add_tables(s, out, error);
   if (!status)
     status = add_patches(s, out, error);
   if (!status)
     status = add_poses(s, out, error);
-  kv_add(out, "}");
+  km_text_add(out, "}");
   return status;
 }
 
 /* The page with the recording where its template leaves a place for it. */
-static bool compose(const kv_buffer *recording, kv_buffer *out) {
+static bool compose(const km_text *recording, km_text *out) {
   static const char mark[] = "<!--recorded-->";
   const char *page = (const char *)kv_page, *place = NULL;
   for (size_t i = 0; i + sizeof mark < kv_page_size && !place; ++i)
     place = memcmp(page + i, mark, sizeof mark - 1) == 0 ? page + i : NULL;
   if (!place || recording->failed)
     return false;
-  kv_add_bytes(out, page, (size_t)(place - page));
-  kv_add(out, "<script id=\"recording\" type=\"application/json\">");
-  kv_add_bytes(out, recording->data, recording->size);
-  kv_add(out, "</script>");
+  km_text_bytes(out, page, (size_t)(place - page));
+  km_text_add(out, "<script id=\"recording\" type=\"application/json\">");
+  km_text_bytes(out, recording->data, recording->size);
+  km_text_add(out, "</script>");
   place += sizeof mark - 1;
-  kv_add_bytes(out, place, kv_page_size - (size_t)(place - page));
+  km_text_bytes(out, place, kv_page_size - (size_t)(place - page));
   return !out->failed;
 }
 
-/* Whole or not at all: beside it, then renamed. */
-static kt_exit write_file(const kt_common *common, const char *path, const kv_buffer *bytes) {
-  kv_buffer beside = {0};
-  kv_add(&beside, "%s.%ld.part", path, (long)getpid());
-  if (beside.failed)
-    return KT_NO_MEMORY;
-  FILE *file = fopen(beside.data, "wb");
-  bool good = file && fwrite(bytes->data, 1, bytes->size, file) == bytes->size;
-  good = file && fclose(file) == 0 && good;
-  good = good && rename(beside.data, path) == 0;
-  if (file && !good)
-    remove(beside.data);
-  kv_buffer_free(&beside);
-  if (!good)
-    kt_say(common, KM_ERROR, "%s: can't be written", path);
-  return good ? KT_DONE : KT_USAGE;
-}
-
-static kt_exit write_page(const options *o, const kv_buffer *recording) {
-  kv_buffer page = {0};
-  kt_exit result = compose(recording, &page) ? write_file(&o->common, o->output, &page) : KT_NO_MEMORY;
-  if (result == KT_DONE)
-    kt_say(&o->common, KM_NOTE, "wrote %s", o->output);
-  kv_buffer_free(&page);
-  return result;
+static kt_exit write_page(const options *o, const km_text *recording) {
+  km_text page = {0};
+  km_error error;
+  km_status status = compose(recording, &page) ? km_file_write(o->file, &page, &error)
+                                               : km_fail(&error, KM_MEMORY, "out of memory for the page");
+  if (status)
+    kt_say(&o->common, KM_ERROR, "%s", error.text);
+  else if (!kt_is_piped(o->file))
+    kt_say(&o->common, KM_NOTE, "wrote %s", o->file);
+  km_text_free(&page);
+  return kt_exit_of(status);
 }
 
 kt_exit kview_export(int argc, char **argv) {
   options o = {.common = KT_COMMON("kview")};
   kt_options all = {0};
   const kt_option table[] = {
-      {"output", 'o', "FILE", "Write this page (default: the model's name with .html)", KT_TEXT, &o.output,
-       KT_ABOUT_FILES},
+      {"base", 'o', "FILE", "Write this page (default: the model's name with .html); - is the standard output", KT_TEXT,
+       &o.file, KT_ABOUT_FILES},
       {"pose", 0, "NAME", "Start from this one of the poses that the model names", KT_TEXT, &o.common.pose,
        KT_ABOUT_MODEL},
   };
@@ -199,19 +173,19 @@ kt_exit kview_export(int argc, char **argv) {
   kt_options_read(&all, "Write the motion of analysis.sweep as one page: poses, curves, slider. It needs no server.",
                   argc, argv);
   char name[256 + 8];
-  if (!o.output) {
+  if (!o.file) {
     kt_base_name(o.model, name, 256);
     strcat(name, ".html");
-    o.output = name;
+    o.file = name;
   }
   kv_session session = {.opening = {.path = o.model, .floating = o.common.floating, .pose = o.common.pose}};
-  kv_buffer recording = {0};
+  km_text recording = {0};
   km_error error;
   km_status status = record(&session, &recording, &error);
   if (status)
     kview_say(&o.common, o.model, status, &error);
   kt_exit result = status ? kt_exit_of(status) : write_page(&o, &recording);
-  kv_buffer_free(&recording);
+  km_text_free(&recording);
   kv_session_close(&session);
   return result;
 }

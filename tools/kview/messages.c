@@ -14,10 +14,10 @@ int kv_index(const kv_call *call, int argument) {
   return value >= 0.0 && value < 1e9 && value == floor(value) ? (int)value : -1;
 }
 
-void kv_add_error(unsigned request, const km_error *error, kv_buffer *out) {
-  kv_add(out, "{\"kind\":\"error\",\"request\":%u,\"text\":", request);
+void kv_add_error(unsigned request, const km_error *error, km_text *out) {
+  km_text_format(out, "{\"kind\":\"error\",\"request\":%u,\"text\":", request);
   kv_add_string(out, error->text);
-  kv_add(out, "}");
+  km_text_add(out, "}");
 }
 
 static km_status give_pose(const kv_call *c) {
@@ -231,7 +231,7 @@ void kv_answer_message(kv_session *s, const char *message, size_t size, kv_answe
     out->fault = (km_error){0};
     return;
   }
-  kv_buffer_free(&out->bytes);
+  km_text_free(&out->bytes);
   out->binary = false;
   if (!status)
     km_fail(&out->fault, KM_MEMORY, "out of memory");

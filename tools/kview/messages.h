@@ -14,7 +14,7 @@ enum {
 typedef enum kv_answer_kind { KV_POSE = 1, KV_PATCH = 2, KV_TABLE = 3 } kv_answer_kind;
 
 typedef struct kv_answer {
-  kv_buffer bytes;
+  km_text bytes;
   bool binary;    /* else JSON text */
   km_error fault; /* what the text tells where it is an error; its status is KM_OK elsewhere */
 } kv_answer;
@@ -24,9 +24,9 @@ typedef struct kv_answer {
 void kv_answer_message(kv_session *session, const char *message, size_t size, kv_answer *out);
 
 /* The parts of answers. */
-void kv_describe(const kv_session *session, unsigned request, kv_buffer *out);
-void kv_add_pose(const kv_session *session, unsigned request, kv_buffer *out);
-void kv_add_error(unsigned request, const km_error *error, kv_buffer *out);
+void kv_describe(const kv_session *session, unsigned request, km_text *out);
+void kv_add_pose(const kv_session *session, unsigned request, km_text *out);
+void kv_add_error(unsigned request, const km_error *error, km_text *out);
 
 /* What the verbs of one file are called with. */
 typedef struct kv_call {

@@ -24,8 +24,8 @@ km_status kv_modes(const kv_call *c, km_error *error) {
     s->mode_count = s->modes ? count : 0;
     if (s->modes)
       memcpy(s->modes, modes.coordinates, size);
-    kv_add(&c->answer->bytes, "{\"kind\":\"modes\",\"request\":%u,\"count\":%d,\"isolated\":%s}", c->request,
-           s->mode_count, modes.isolated ? "true" : "false");
+    km_text_format(&c->answer->bytes, "{\"kind\":\"modes\",\"request\":%u,\"count\":%d,\"isolated\":%s}", c->request,
+                   s->mode_count, modes.isolated ? "true" : "false");
   }
   km_modes_free(&modes);
   return status;

@@ -1,7 +1,6 @@
 /* Parameters of the file by their names: their values, and the model with other ones. */
 #include "kview/messages.h"
 
-#include "kmech/files.h"
 #include "kmech/value.h"
 
 #include <math.h>
@@ -40,21 +39,17 @@ static void list(const km_value *members, kv_parameters *out) {
     }
 }
 
-km_status kv_parameters_read(const char *path, kv_parameters *out, km_error *error) {
-  km_text bytes = {0};
+km_status kv_parameters_read(const km_text *file, kv_parameters *out, km_error *error) {
   const km_value *root = NULL;
   km_error ignored;
   *out = (kv_parameters){0};
-  km_status status = km_file_read(path, &bytes, error);
   /* Another format than JSON has none. */
-  if (!status && !km_json_parse(bytes.data ? bytes.data : "", bytes.size, &out->memory, &root, &ignored) && root)
+  if (!km_json_parse(file->data ? file->data : "", file->size, &out->memory, &root, &ignored) && root)
     list(km_value_get(root, "parameters"), out);
-  km_text_free(&bytes);
-  if (!status && out->memory.failed)
-    status = km_fail(error, KM_MEMORY, "out of memory");
-  if (status)
-    kv_parameters_free(out);
-  return status;
+  if (!out->memory.failed)
+    return KM_OK;
+  kv_parameters_free(out);
+  return km_fail(error, KM_MEMORY, "out of memory");
 }
 
 bool kv_parameters_differ(const kv_parameters *p) {

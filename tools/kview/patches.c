@@ -4,7 +4,7 @@
 /* patch BODY PART */
 km_status kv_patch(const kv_call *c, km_error *error) {
   km_surface_patch patch;
-  kv_buffer *out = &c->answer->bytes;
+  km_text *out = &c->answer->bytes;
   km_status status = km_body_patch(c->session->model, kv_index(c, 0), kv_index(c, 1), &patch, error);
   if (!status) {
     c->answer->binary = true;

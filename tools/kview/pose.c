@@ -6,7 +6,7 @@
 enum { THERE = 1, EDITED = 2, CAN_UNDO = 4, CAN_REDO = 8 };
 
 /* The body's own frame in the inertial frame: its origin's pose less where that lies in the body. */
-static void add_body(const kv_session *s, int body, kv_buffer *out) {
+static void add_body(const kv_session *s, int body, km_text *out) {
   km_frame_pose X;
   double R[9], T[3];
   km_error error;
@@ -27,7 +27,7 @@ static void add_body(const kv_session *s, int body, kv_buffer *out) {
     kv_add_f32(out, p[k]);
 }
 
-void kv_add_pose(const kv_session *s, unsigned request, kv_buffer *out) {
+void kv_add_pose(const kv_session *s, unsigned request, km_text *out) {
   int n = km_model_coordinate_count(s->model), bodies = km_model_body_count(s->model) + 1;
   bool undo = s->undo_at > 0 || s->undo_count == 0, redo = s->undo_at + 1 < s->undo_count;
   uint32_t flags =

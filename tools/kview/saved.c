@@ -12,9 +12,9 @@ km_status kv_write(const kv_call *c, km_error *error) {
   km_bytes text = {0};
   km_status status = q ? km_model_write(s->model, q, &text, error) : km_fail(error, KM_MEMORY, "out of memory");
   if (!status) {
-    kv_add(&c->answer->bytes, "{\"kind\":\"file\",\"request\":%u,\"text\":", c->request);
+    km_text_format(&c->answer->bytes, "{\"kind\":\"file\",\"request\":%u,\"text\":", c->request);
     kv_add_string(&c->answer->bytes, text.data);
-    kv_add(&c->answer->bytes, "}");
+    km_text_add(&c->answer->bytes, "}");
   }
   km_bytes_free(&text);
   free(q);

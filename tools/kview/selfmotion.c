@@ -7,27 +7,27 @@
 #include <stdlib.h>
 
 static void add_rows(const kv_call *call, const km_arm *arm, const km_selfmotion *motion) {
-  kv_buffer *out = &call->answer->bytes;
+  km_text *out = &call->answer->bytes;
   int columns = km_arm_coordinates(arm);
-  kv_add(out, "{\"kind\":\"selfmotion\",\"request\":%u,\"whole\":%s,\"coordinates\":[", call->request,
-         motion->whole ? "true" : "false");
+  km_text_format(out, "{\"kind\":\"selfmotion\",\"request\":%u,\"whole\":%s,\"coordinates\":[", call->request,
+                 motion->whole ? "true" : "false");
   for (int c = 0; c < columns; ++c) {
     kv_add_comma(out);
-    kv_add(out, "%d", km_arm_coordinate(arm, c));
+    km_text_format(out, "%d", km_arm_coordinate(arm, c));
   }
-  kv_add(out, "],\"u\":");
+  km_text_add(out, "],\"u\":");
   kv_add_numbers(out, motion->row_u, motion->row_count);
-  kv_add(out, ",\"arc\":[");
+  km_text_add(out, ",\"arc\":[");
   for (int r = 0; r < motion->row_count; ++r) {
     kv_add_comma(out);
-    kv_add(out, "%d", motion->row_arc[r]);
+    km_text_format(out, "%d", motion->row_arc[r]);
   }
-  kv_add(out, "],\"q\":[");
+  km_text_add(out, "],\"q\":[");
   for (int r = 0; r < motion->row_count; ++r) {
     kv_add_comma(out);
     kv_add_numbers(out, motion->row_q + (size_t)r * (size_t)columns, columns);
   }
-  kv_add(out, "]}");
+  km_text_add(out, "]}");
 }
 
 /* selfmotion FRAME: the poses that hold this frame where it is, within the limits. */

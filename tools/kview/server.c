@@ -21,8 +21,8 @@ static volatile sig_atomic_t interrupted;
 
 typedef struct page {
   kv_session *session;
-  kv_buffer in;     /* of a message in several pieces */
-  kv_buffer answer; /* LWS_PRE bytes, then the answer; empty: none waits */
+  km_text in;     /* of a message in several pieces */
+  km_text answer; /* LWS_PRE bytes, then the answer; empty: none waits */
   bool binary, stale, counted;
 } page;
 
@@ -100,10 +100,10 @@ static bool is_welcome(const server *s, struct lws *wsi) {
 /* Puts an answer in line, and reads no further message until it is gone. */
 static void answer(struct lws *wsi, page *p, kv_answer *a) {
   static const unsigned char before[LWS_PRE] = {0};
-  kv_add_bytes(&p->answer, before, sizeof before);
-  kv_add_bytes(&p->answer, a->bytes.data ? a->bytes.data : "", a->bytes.size);
+  km_text_bytes(&p->answer, before, sizeof before);
+  km_text_bytes(&p->answer, a->bytes.data ? a->bytes.data : "", a->bytes.size);
   p->binary = a->binary;
-  kv_buffer_free(&a->bytes);
+  km_text_free(&a->bytes);
   lws_rx_flow_control(wsi, 0);
   lws_set_timeout(wsi, PENDING_TIMEOUT_USER_REASON_BASE, PATIENCE);
   lws_callback_on_writable(wsi);
@@ -131,8 +131,8 @@ static void close_page(server *s, page *p) {
     return;
   --s->pages;
   s->idle = 0;
-  kv_buffer_free(&p->in);
-  kv_buffer_free(&p->answer);
+  km_text_free(&p->in);
+  km_text_free(&p->answer);
   kv_session_close(p->session);
   free(p->session);
   *p = (page){0};
@@ -147,7 +147,7 @@ static int too_large(struct lws *wsi) {
 static int receive(struct lws *wsi, page *p, const void *bytes, size_t size) {
   if (p->in.size + size > KV_MOST_MESSAGE || p->answer.size)
     return too_large(wsi);
-  kv_add_bytes(&p->in, bytes, size);
+  km_text_bytes(&p->in, bytes, size);
   if (p->in.failed)
     return -1;
   if (!lws_is_final_fragment(wsi) || lws_remaining_packet_payload(wsi))
@@ -183,7 +183,7 @@ static int write_answer(struct lws *wsi, page *p) {
                                           p->binary ? LWS_WRITE_BINARY : LWS_WRITE_TEXT);
   p->answer.size = 0;
   if (p->answer.capacity > 4 * KV_MOST_MESSAGE)
-    kv_buffer_free(&p->answer);
+    km_text_free(&p->answer);
   if (sent < (int)size)
     return -1;
   lws_set_timeout(wsi, NO_PENDING_TIMEOUT, 0);

@@ -1,6 +1,7 @@
 /* What one page works on: reading, compiling, placing. */
 #include "kview/session.h"
 
+#include "kmech/files.h"
 #include "kmech/sweep.h"
 
 #include <stdlib.h>
@@ -91,15 +92,30 @@ bool kv_session_is_stale(const kv_session *s) {
   return now.tv_sec != 0 && (now.tv_sec != s->changed.tv_sec || now.tv_nsec != s->changed.tv_nsec);
 }
 
-static km_status read_model(kv_session *s, km_messages *messages, km_model **out, km_error *error) {
-  km_read_def def = {.floating = s->opening.floating};
-  km_status status = km_model_load_as(s->opening.path, &def, messages, out, error);
+/* The model of the file's bytes, in the pose that was asked for. */
+static km_status make_model(kv_session *s, const km_text *file, km_messages *messages, km_model **out,
+                            km_error *error) {
+  km_read_def def = {.file = s->opening.path, .floating = s->opening.floating};
+  km_status status = km_model_read_as(file->data ? file->data : "", file->size, &def, messages, out, error);
   int pose;
   if (!status && s->opening.pose) {
     status = km_model_find_pose(*out, s->opening.pose, &pose, error);
     if (!status)
       status = km_model_take_pose(*out, pose, error);
   }
+  return status;
+}
+
+/* The model and its parameters, of one reading: the standard input has no second one. */
+static km_status read_file(kv_session *s, km_messages *messages, km_model **out, kv_parameters *parameters,
+                           km_error *error) {
+  km_text file = {0};
+  km_status status = km_file_read(s->opening.path, &file, error);
+  if (!status)
+    status = make_model(s, &file, messages, out, error);
+  if (!status)
+    status = kv_parameters_read(&file, parameters, error);
+  km_text_free(&file);
   return status;
 }
 
@@ -137,12 +153,13 @@ km_status kv_session_load(kv_session *s, km_error *error) {
   km_model *model = NULL;
   km_messages *messages = km_messages_create();
   s->changed = written(s->opening.path);
-  km_status status = messages ? read_model(s, messages, &model, error) : km_fail(error, KM_MEMORY, "out of memory");
+  kv_parameters parameters = {0};
+  km_status status =
+      messages ? read_file(s, messages, &model, &parameters, error) : km_fail(error, KM_MEMORY, "out of memory");
   size_t room = status ? 0 : (size_t)km_model_coordinate_count(model) + 1;
   km_hold *holds = status ? NULL : calloc(room, sizeof *holds);
   int *origin = status ? NULL : find_origins(model);
   double *places = status ? NULL : kv_frame_places(model), *own = status ? NULL : kv_frame_places(model);
-  kv_parameters parameters = {0};
   int count = 0;
   if (!status && (!holds || !origin || !places || !own))
     status = km_fail(error, KM_MEMORY, "out of memory");
@@ -150,12 +167,8 @@ km_status kv_session_load(kv_session *s, km_error *error) {
     count = first_holds(s, model, holds);
     status = compile(model, holds, count, NULL, &made, &mobility, error);
   }
-  if (!status) {
-    status = kv_parameters_read(s->opening.path, &parameters, error);
-    if (status)
-      drop(&made);
-  }
   if (status) {
+    kv_parameters_free(&parameters);
     free(holds);
     free(origin);
     free(places);

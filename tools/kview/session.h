@@ -2,7 +2,7 @@
 #ifndef KVIEW_SESSION_H
 #define KVIEW_SESSION_H
 
-#include "kview/buffer.h"
+#include "kview/encode.h"
 
 #include "kmech/edit.h"
 #include "kmech/frames.h"
@@ -115,8 +115,8 @@ double *kv_frame_places(const km_model *model);
  * present one. */
 km_status kv_session_take_design(kv_session *session, const double *T, const double *q, km_error *error);
 
-/* parameters.c: those of a file; none where its format has none. KM_IO, KM_MEMORY. Free in any case. */
-km_status kv_parameters_read(const char *path, kv_parameters *out, km_error *error);
+/* parameters.c: those of a file's bytes; none where its format has none. KM_MEMORY. Free in any case. */
+km_status kv_parameters_read(const km_text *file, kv_parameters *out, km_error *error);
 void kv_parameters_free(kv_parameters *parameters);
 bool kv_parameters_differ(const kv_parameters *parameters);
 /* Reads the file with other values of the parameters, at the pose next to the present one. On failure everything stays. */

@@ -12,20 +12,20 @@
 enum { MOST_MOTIONS = 12, MOST_BASIS = 2000 };
 
 /* One motion: rates of the coordinates, and the twist of every body at its own frame. */
-static void add_motion(const kv_session *s, const double *rates, kv_buffer *out) {
+static void add_motion(const kv_session *s, const double *rates, km_text *out) {
   int bodies = km_model_body_count(s->model) + 1;
   km_error error;
   kv_add_comma(out);
-  kv_add(out, "{\"rates\":");
+  km_text_add(out, "{\"rates\":");
   kv_add_numbers(out, rates, km_model_coordinate_count(s->model));
-  kv_add(out, ",\"twists\":[");
+  km_text_add(out, ",\"twists\":[");
   for (int b = 0; b < bodies; ++b) {
     double twist[6] = {0};
     km_frame_twist(s->mechanism, s->state, s->origin[b], rates, twist, &error);
     kv_add_comma(out);
     kv_add_numbers(out, twist, 6);
   }
-  kv_add(out, "]}");
+  km_text_add(out, "]}");
 }
 
 /* motions: a basis of the instantaneous motions. */
@@ -38,40 +38,40 @@ km_status kv_motions(const kv_call *call, km_error *error) {
   km_status status =
       N ? km_motions_basis(s->mechanism, s->state, N, &freedom, error) : km_fail(error, KM_MEMORY, "out of memory");
   if (!status) {
-    kv_add(&call->answer->bytes, "{\"kind\":\"motions\",\"request\":%u,\"freedom\":%d,\"motions\":[", call->request,
-           freedom);
+    km_text_format(&call->answer->bytes, "{\"kind\":\"motions\",\"request\":%u,\"freedom\":%d,\"motions\":[",
+                   call->request, freedom);
     for (int k = 0; k < freedom && k < MOST_MOTIONS; ++k)
       add_motion(s, N + (size_t)k * (size_t)n, &call->answer->bytes);
-    kv_add(&call->answer->bytes, "]}");
+    km_text_add(&call->answer->bytes, "]}");
   }
   free(N);
   return status;
 }
 
-static void add_redundancy(const kv_session *s, const km_redundancy *r, kv_buffer *out) {
+static void add_redundancy(const kv_session *s, const km_redundancy *r, km_text *out) {
   kv_add_comma(out);
-  kv_add(out, "{\"rotation\":%s,\"loop\":%d,\"loops\":%d,\"outOfPlane\":%s,\"lasting\":%s,\"direction\":",
-         r->rotation ? "true" : "false", r->loop, r->loops, r->out_of_plane ? "true" : "false",
-         r->lasting ? "true" : "false");
+  km_text_format(out, "{\"rotation\":%s,\"loop\":%d,\"loops\":%d,\"outOfPlane\":%s,\"lasting\":%s,\"direction\":",
+                 r->rotation ? "true" : "false", r->loop, r->loops, r->out_of_plane ? "true" : "false",
+                 r->lasting ? "true" : "false");
   kv_add_numbers(out, r->direction, 3);
-  kv_add(out, ",\"point\":");
+  km_text_add(out, ",\"point\":");
   kv_add_numbers(out, r->point, 3);
-  kv_add(out, ",\"remedies\":[");
+  km_text_add(out, ",\"remedies\":[");
   for (int i = 0; i < r->remedy_count; ++i) {
     kv_add_comma(out);
-    kv_add(out, "{\"joint\":");
+    km_text_add(out, "{\"joint\":");
     kv_add_string(out, km_model_joint_label(s->model, r->remedies[i].joint));
-    kv_add(out, ",\"index\":%d,\"to\":", r->remedies[i].joint);
+    km_text_format(out, ",\"index\":%d,\"to\":", r->remedies[i].joint);
     kv_add_string(out, r->remedies[i].to);
-    kv_add(out, "}");
+    km_text_add(out, "}");
   }
-  kv_add(out, "]}");
+  km_text_add(out, "]}");
 }
 
 /* diagnose: redundant constraints with their remedies, and the finite mobility. */
 km_status kv_diagnose(const kv_call *call, km_error *error) {
   kv_session *s = call->session;
-  kv_buffer *out = &call->answer->bytes;
+  km_text *out = &call->answer->bytes;
   km_redundancies redundancies = {0};
   km_finite_mobility finite = {0};
   km_status status = kv_session_probe(s, error);
@@ -84,19 +84,19 @@ km_status kv_diagnose(const kv_call *call, km_error *error) {
   if (!status)
     status = km_finite_mobility_find(s->mechanism, s->probe, NULL, NULL, &finite, error);
   if (!status) {
-    kv_add(out, "{\"kind\":\"diagnosis\",\"request\":%u,\"finite\":%d,\"undecided\":%s,\"redundancies\":[",
-           call->request, finite.mobility, finite.undecided ? "true" : "false");
+    km_text_format(out, "{\"kind\":\"diagnosis\",\"request\":%u,\"finite\":%d,\"undecided\":%s,\"redundancies\":[",
+                   call->request, finite.mobility, finite.undecided ? "true" : "false");
     for (int i = 0; i < redundancies.count; ++i)
       add_redundancy(s, &redundancies.items[i], out);
-    kv_add(out, "]}");
+    km_text_add(out, "]}");
   }
   km_redundancies_free(&redundancies);
   km_finite_mobility_free(&finite);
   return status;
 }
 
-static void add_loads(const kv_session *s, kv_buffer *out) {
-  kv_add(out, ",\"loads\":[");
+static void add_loads(const kv_session *s, km_text *out) {
+  km_text_add(out, ",\"loads\":[");
   for (int i = 0; i < km_model_load_count(s->model); ++i) {
     km_load load = km_model_load_at(s->model, i);
     km_frame_pose X;
@@ -109,41 +109,41 @@ static void add_loads(const kv_session *s, kv_buffer *out) {
                      ? load.force[k]
                      : X.R[3 * k] * load.force[0] + X.R[3 * k + 1] * load.force[1] + X.R[3 * k + 2] * load.force[2];
     kv_add_comma(out);
-    kv_add(out, "{\"name\":");
+    km_text_add(out, "{\"name\":");
     kv_add_string(out, km_model_load_name(s->model, i));
-    kv_add(out, ",\"point\":");
+    km_text_add(out, ",\"point\":");
     kv_add_numbers(out, X.p, 3);
-    kv_add(out, ",\"force\":");
+    km_text_add(out, ",\"force\":");
     kv_add_numbers(out, force, 3);
-    kv_add(out, "}");
+    km_text_add(out, "}");
   }
-  kv_add(out, "]");
+  km_text_add(out, "]");
 }
 
-static void add_balance(const kv_session *s, const km_statics *statics, kv_buffer *out) {
-  kv_add(out, ",\"held\":%s,\"degree\":%d,\"actuators\":[", statics->held ? "true" : "false", statics->degree);
+static void add_balance(const kv_session *s, const km_statics *statics, km_text *out) {
+  km_text_format(out, ",\"held\":%s,\"degree\":%d,\"actuators\":[", statics->held ? "true" : "false", statics->degree);
   for (int i = 0; i < statics->actuator_count; ++i) {
     kv_add_comma(out);
-    kv_add(out, "{\"coordinate\":%d,\"force\":", statics->actuators[i].coordinate);
+    km_text_format(out, "{\"coordinate\":%d,\"force\":", statics->actuators[i].coordinate);
     kv_add_number(out, statics->actuator_forces[i]);
-    kv_add(out, "}");
+    km_text_add(out, "}");
   }
-  kv_add(out, "],\"leastNorm\":");
+  km_text_add(out, "],\"leastNorm\":");
   kv_add_numbers(out, statics->least_norm, km_model_coordinate_count(s->model));
-  kv_add(out, ",\"reactions\":[");
+  km_text_add(out, ",\"reactions\":[");
   for (int j = 0; j < km_model_joint_count(s->model); ++j) {
     double point[3];
     km_frame_position(s->mechanism, s->state, km_model_joint_frame(s->model, j, true), point);
     kv_add_comma(out);
-    kv_add(out, "{\"point\":");
+    km_text_add(out, "{\"point\":");
     kv_add_numbers(out, point, 3);
-    kv_add(out, ",\"force\":");
+    km_text_add(out, ",\"force\":");
     kv_add_numbers(out, statics->reactions[j].force, 3);
-    kv_add(out, ",\"torque\":");
+    km_text_add(out, ",\"torque\":");
     kv_add_numbers(out, statics->reactions[j].torque, 3);
-    kv_add(out, "}");
+    km_text_add(out, "}");
   }
-  kv_add(out, "]}");
+  km_text_add(out, "]}");
 }
 
 /* The model's actuators; NULL with *count 0: it names none. */
@@ -173,7 +173,7 @@ km_status kv_forces(const kv_call *call, km_error *error) {
   if (!status && km_statics_update(s->mechanism, s->state, forces, &statics) == KM_MEMORY)
     status = km_fail(error, KM_MEMORY, "out of memory");
   if (!status) {
-    kv_add(&call->answer->bytes, "{\"kind\":\"forces\",\"request\":%u", call->request);
+    km_text_format(&call->answer->bytes, "{\"kind\":\"forces\",\"request\":%u", call->request);
     add_loads(s, &call->answer->bytes);
     add_balance(s, &statics, &call->answer->bytes);
   }
@@ -198,12 +198,12 @@ km_status kv_lever(const kv_call *call, km_error *error) {
   km_status status = km_lever_create(s->mechanism, &ends[0], &ends[1], &lever, error);
   if (!status) {
     km_lever_update(s->mechanism, s->state, lever, &advantage);
-    kv_add(&call->answer->bytes, "{\"kind\":\"lever\",\"request\":%u,\"state\":\"%s\",\"unit\":", call->request,
-           km_advantage_state_name(advantage.state));
+    km_text_format(&call->answer->bytes, "{\"kind\":\"lever\",\"request\":%u,\"state\":\"%s\",\"unit\":", call->request,
+                   km_advantage_state_name(advantage.state));
     kv_add_string(&call->answer->bytes, km_advantage_unit(s->model, &ends[0], &ends[1]));
-    kv_add(&call->answer->bytes, ",\"value\":");
+    km_text_add(&call->answer->bytes, ",\"value\":");
     kv_add_number(&call->answer->bytes, advantage.value);
-    kv_add(&call->answer->bytes, "}");
+    km_text_add(&call->answer->bytes, "}");
   }
   km_lever_free(lever);
   return status;

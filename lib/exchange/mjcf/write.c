@@ -55,9 +55,9 @@ static unsigned held_of_ball(const km_written *w, int first) {
   const km_model_coordinate *c = &w->model->coordinates[first];
   unsigned held = KM_HELD_DAMPING | KM_HELD_FRICTION | KM_HELD_ARMATURE | KM_HELD_TURN;
   for (int k = 1; k < 3; ++k)
-    held &= ~((c[k].damping != c->damping ? KM_HELD_DAMPING : 0u) |
-              (c[k].friction != c->friction ? KM_HELD_FRICTION : 0u) |
-              (c[k].armature != c->armature ? KM_HELD_ARMATURE : 0u));
+    held &=
+        ~((c[k].damping != c->damping ? KM_HELD_DAMPING : 0u) | (c[k].friction != c->friction ? KM_HELD_FRICTION : 0u) |
+          (c[k].armature != c->armature ? KM_HELD_ARMATURE : 0u));
   return held;
 }
 

@@ -8,7 +8,8 @@
 #include <stdio.h>
 #include <string.h>
 
-static const double largest_gap = 1e-6; /* that a closed loop may have, over the model's largest distance from an origin */
+static const double largest_gap =
+    1e-6; /* that a closed loop may have, over the model's largest distance from an origin */
 
 const char *km_written_text(km_written *w, const char *format, ...) {
   va_list arguments;

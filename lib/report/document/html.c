@@ -24,18 +24,6 @@ static const char style[] =
     "@media print{:root{--ink:#1a1a1a;--paper:#fff;--soft:#5f5f5f;--line:#ccc;--shade:#f2f2f2}body{margin:0}"
     "h2{break-after:avoid}img{break-inside:avoid}}";
 
-static void base64(const km_text *bytes, km_text *out) {
-  static const char digits[] = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
-  for (size_t i = 0; i < bytes->size; i += 3) {
-    size_t left = bytes->size - i;
-    unsigned a = (unsigned char)bytes->data[i], b = left > 1 ? (unsigned char)bytes->data[i + 1] : 0,
-             c = left > 2 ? (unsigned char)bytes->data[i + 2] : 0, all = a << 16 | b << 8 | c;
-    const char four[4] = {digits[all >> 18], digits[all >> 12 & 63], left > 1 ? digits[all >> 6 & 63] : '=',
-                          left > 2 ? digits[all & 63] : '='};
-    km_text_bytes(out, four, 4);
-  }
-}
-
 static void add_facts(const km_block *block, km_text *out) {
   km_text_add(out, "<dl>\n");
   for (size_t r = 0; r < block->rows; ++r) {
@@ -74,7 +62,7 @@ static km_status add_address(const km_block *block, double width, km_text *out, 
     km_canvas_free(canvas);
   }
   km_text_add(out, "data:image/svg+xml;base64,");
-  base64(&svg, out);
+  km_text_base64(out, svg.data, svg.size);
   km_text_free(&svg);
   return status;
 }

@@ -22,7 +22,7 @@ static void tell(kv_session *s, const char *message, size_t size) {
     fuzz_fail("a broken answer");
   if (!s->model || !(s->mobility.residual <= 1e-6))
     fuzz_fail("the loops are open");
-  kv_buffer_free(&answer.bytes);
+  km_text_free(&answer.bytes);
 }
 
 int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size) {
