@@ -32,6 +32,10 @@ static double objective(const km_attempt *a, const km_design_result *r) {
   return fmax(a->weight * f, (1.0 - a->weight) * g) + 1e-3 * (f + g);
 }
 
+bool km_attempt_knows(const km_attempt *a) {
+  return a->worst > -DBL_MAX;
+}
+
 static void unscale(const km_attempt *a, const double *x, double *values) {
   const km_design_optimise *o = a->o->def;
   km_design_clear(a->o->study, values);
@@ -96,9 +100,13 @@ static void tell_progress(km_attempt *a) {
     a->status = km_fail(&a->error, KM_CANCELLED, "stopped after %d designs; what was answered is stored", done);
 }
 
-/* Asks for points[count × variables]. False: the attempt ends. */
+/* Asks for points[count × variables]. False: the attempt ends, also where they would be more than a start may have. */
 static bool ask(km_attempt *a, const double *points, int count) {
   deposit d = {a, points, count};
+  if (a->count + count > a->o->def->evaluations) {
+    nlopt_force_stop(a->optimiser);
+    return false;
+  }
   km_serially(look_up, &d);
   if (!a->status && !a->o->compute && is_missing(a)) {
     a->count -= count; /* they weren't answered yet */
@@ -137,13 +145,19 @@ static double value_of(km_attempt *a, int i, double *slacks) {
   if (isfinite(value))
     a->worst = fmax(a->worst, value);
   else
-    value = a->worst > -DBL_MAX ? a->worst + 1.0 + fabs(a->worst) : 1e6;
+    value = km_attempt_knows(a) ? a->worst + 1.0 + fabs(a->worst) : 1e6;
   return value;
+}
+
+static bool is_last(const km_attempt *a, unsigned n, const double *x) {
+  return a->has_last && memcmp(a->last, x, n * sizeof *x) == 0;
 }
 
 /* The point and, where a gradient is wanted, those beside it, all at once. */
 double km_attempt_evaluate(unsigned n, const double *x, double *gradient, void *context) {
   km_attempt *a = context;
+  if (!gradient && is_last(a, n, x))
+    return a->last_value;
   enum { MOST = 2 * KM_MOST_DESIGN_PARAMETERS + 1 };
   double points[MOST * KM_MOST_DESIGN_PARAMETERS], slacks[2 * KM_MOST_DESIGN_FIGURES];
   int count = gradient ? 2 * (int)n + 1 : 1;
@@ -154,7 +168,7 @@ double km_attempt_evaluate(unsigned n, const double *x, double *gradient, void *
     points[(2 * v + 2) * n + v] = fmin(1.0, x[v] + difference);
   }
   if (!ask(a, points, count))
-    return a->worst > -DBL_MAX ? a->worst : 0.0;
+    return km_attempt_knows(a) ? a->worst : 0.0;
   double value = value_of(a, 0, a->slack);
   for (unsigned v = 0; gradient && v < n; ++v) {
     double low = value_of(a, 2 * (int)v + 1, slacks), high = value_of(a, 2 * (int)v + 2, slacks);
@@ -167,10 +181,6 @@ double km_attempt_evaluate(unsigned n, const double *x, double *gradient, void *
 }
 
 /* NLopt asks for the constraints where it has just asked for the objective, or has not yet. */
-static bool is_last(const km_attempt *a, unsigned n, const double *x) {
-  return a->has_last && memcmp(a->last, x, n * sizeof *x) == 0;
-}
-
 void km_attempt_constrain(unsigned m, double *result, unsigned n, const double *x, double *gradient, void *context) {
   km_attempt *a = context;
   double low[2 * KM_MOST_DESIGN_FIGURES], high[2 * KM_MOST_DESIGN_FIGURES], points[3 * KM_MOST_DESIGN_PARAMETERS];

@@ -44,6 +44,8 @@ typedef struct km_attempt {
 
 /* How many limits the figures have, which are constraints. */
 int km_optimise_limits(const km_design_study *study);
+/* Has some point had an answer? */
+bool km_attempt_knows(const km_attempt *attempt);
 /* NLopt's functions, with an attempt as their context: the objective and the limits of the point x, scaled to 0 … 1 by the
  * variables' bounds, and where they are asked for the gradients by central differences. */
 double km_attempt_evaluate(unsigned count, const double *x, double *gradient, void *attempt);

@@ -183,6 +183,10 @@ static km_status check_optimise(const km_design_study_def *def, const km_design_
   if (!status && (o->evaluations < 1 || o->starts < 1))
     status = km_fail(error, KM_USAGE, "optimise: found %d evaluations and %d starts; expected at least one of each",
                      o->evaluations, o->starts);
+  if (!status && (double)o->evaluations * (o->starts + 2.0) > MOST_DESIGNS)
+    status = km_fail(error, KM_USAGE,
+                     "optimise: found %d evaluations of each of %d starts; expected at most %d designs in all",
+                     o->evaluations, o->starts, MOST_DESIGNS);
   if (!status && !(o->tolerance >= 0.0 && o->tolerance < 1.0))
     status =
         km_fail(error, KM_USAGE, "optimise.tolerance: found %g; expected at least 0 and less than 1", o->tolerance);

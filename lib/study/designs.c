@@ -26,6 +26,19 @@ int km_design_study_designs(const km_design_study *s) {
   return s->stopped_at ? s->stopped_at : km_designs_planned(s);
 }
 
+int km_design_drawn(const km_design_study *s, int k, int count) {
+  const int total = km_design_study_designs(s);
+  bool ordered = !s->def->sample || s->def->sample->method == KM_SAMPLING_LIST;
+  if (count >= total || !ordered)
+    return k;
+  int64_t begin = (int64_t)k * total / count, end = (int64_t)(k + 1) * total / count;
+  return (int)(begin + (int64_t)(km_random_at(0, (uint64_t)k, 0) * (double)(end - begin)));
+}
+
+int km_design_study_drawn(const km_design_study *s, int k, int count) {
+  return k >= 0 && k < count && k < km_design_study_designs(s) ? km_design_drawn(s, k, count) : -1;
+}
+
 double km_design_study_base(const km_design_study *s, int parameter) {
   return s && parameter >= 0 && parameter < s->def->parameter_count ? s->base[parameter] : nan("");
 }

@@ -74,6 +74,22 @@ static void start_point(const km_attempt *a, double *x) {
   }
 }
 
+/* Where the first point has no answer, the first of other points that has one: what fails is said to be worse than what is
+ * known, so that some value must be known first. Gives up after half of the start's designs. */
+static void find_start(km_attempt *a, double *x) {
+  const km_design_optimise *o = a->o->def;
+  const int n = o->variable_count, most = o->evaluations / 2;
+  start_point(a, x);
+  km_attempt_evaluate((unsigned)n, x, NULL, a);
+  for (int k = 1; k < most && !km_attempt_knows(a) && !a->status; ++k) {
+    for (int v = 0; v < n; ++v)
+      x[v] = km_random_at(o->seed, (uint64_t)a->number, (uint64_t)(v + k * n));
+    km_attempt_evaluate((unsigned)n, x, NULL, a);
+  }
+  if (!km_attempt_knows(a))
+    start_point(a, x);
+}
+
 static void run_attempt(km_attempt *a) {
   double x[KM_MOST_DESIGN_PARAMETERS], least;
   a->worst = -DBL_MAX;
@@ -82,9 +98,9 @@ static void run_attempt(km_attempt *a) {
     a->status = km_fail(&a->error, KM_MEMORY, "out of memory for an optimisation");
     return;
   }
-  start_point(a, x);
+  find_start(a, x);
   nlopt_srand(a->o->def->seed * 1000003u + (unsigned long)a->number + 1u);
-  if (nlopt_optimize(a->optimiser, x, &least) == NLOPT_OUT_OF_MEMORY && !a->status)
+  if (!a->status && nlopt_optimize(a->optimiser, x, &least) == NLOPT_OUT_OF_MEMORY && !a->status)
     a->status = km_fail(&a->error, KM_MEMORY, "out of memory for an optimisation");
   nlopt_destroy(a->optimiser);
   a->optimiser = NULL;

@@ -20,8 +20,9 @@ static km_status expected(const km_design_option *o, const char *what, km_error 
   return km_fail(error, KM_USAGE, "%s: expected %s", o->name, what);
 }
 
+/* These numbers, and no text beside them. */
 static km_status numbers_of(const km_design_option *o, int count, const char *what, double *out, km_error *error) {
-  if (o->number_count != count)
+  if (o->number_count != count || o->text_count > 0)
     return expected(o, what, error);
   memcpy(out, o->numbers, (size_t)count * sizeof *out);
   return KM_OK;
@@ -76,8 +77,8 @@ static km_status read_lists(const km_option *what, const km_design_option *o, co
   km_sweep_point *points = KM_ARENA_NEW(arena, km_sweep_point, (size_t)o->text_count + 1);
   km_handle *ends = KM_ARENA_NEW(arena, km_handle, (size_t)o->text_count + 1);
   km_status status = ends ? KM_OK : km_fail(error, KM_MEMORY, "out of memory for options");
-  if (!status && o->text_count == 0)
-    status = expected(o, "at least one name", error);
+  if (!status && (o->text_count == 0 || o->number_count > 0))
+    status = expected(o, "at least one name, and names alone", error);
   for (int i = 0; i < o->text_count && !status; ++i)
     if (what->type == KM_OPTION_COORDINATES) {
       status = km_model_find_coordinate(model, o->texts[i], &coordinates[i], error);
@@ -127,11 +128,11 @@ static km_status read_value(const km_option *what, const km_design_option *o, co
                             km_arena *arena, km_option_value *v, km_error *error) {
   double number = nan("");
   km_status status = KM_OK;
-  bool one_text = o->text_count == 1;
+  bool one_text = o->text_count == 1 && o->number_count == 0;
   switch (what->type) {
   case KM_OPTION_FLAG:
     v->flag = o->flag;
-    return KM_OK;
+    return o->text_count + o->number_count == 0 ? KM_OK : expected(o, "true or false", error);
   case KM_OPTION_WHOLE:
     status = numbers_of(o, 1, "a whole number", &number, error);
     if (!status && !(number == floor(number) && fabs(number) < 2e9))
@@ -149,11 +150,10 @@ static km_status read_value(const km_option *what, const km_design_option *o, co
     v->whole = one_text ? word_place(what->words, o->texts[0]) : -1;
     return v->whole >= 0 ? KM_OK : expected(o, what->words, error);
   case KM_OPTION_SENSE:
-    status = numbers_of(o, 1, "a joint and +1 or -1", v->numbers, error);
-    if (status)
-      return status;
-    return one_text ? km_model_find_coordinate(model, o->texts[0], &v->coordinate, error)
-                    : expected(o, "a joint and +1 or -1", error);
+    if (o->text_count != 1 || o->number_count != 1)
+      return expected(o, "a joint and +1 or -1", error);
+    v->numbers[0] = o->numbers[0];
+    return km_model_find_coordinate(model, o->texts[0], &v->coordinate, error);
   case KM_OPTION_COORDINATE:
     return one_text ? km_model_find_coordinate(model, o->texts[0], &v->coordinate, error)
                     : expected(o, "a joint's label", error);

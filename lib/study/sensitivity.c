@@ -84,13 +84,13 @@ static km_ranking *make_ranking(int parameters, int count) {
   return NULL;
 }
 
-/* Of the parameters of the first designs. */
+/* Of the parameters of the designs that stand for all. */
 static void rank_parameters(const km_design_study *s, km_ranking *r) {
   double values[KM_MOST_DESIGN_PARAMETERS];
   int parameters = s->def->parameter_count;
   size_t count = (size_t)r->count;
   for (size_t i = 0; i < count; ++i) {
-    km_design_values(s, (int)i, values);
+    km_design_values(s, km_design_drawn(s, (int)i, r->count), values);
     for (int p = 0; p < parameters; ++p)
       r->values[(size_t)p * count + i] = isnan(values[p]) ? s->base[p] : values[p];
   }
@@ -251,7 +251,7 @@ static km_status read_bands(km_design_study *s, int question, int band, int desi
   km_status status = answers ? KM_OK : km_fail(error, KM_MEMORY, "out of memory for bands");
   for (int i = 0; i < designs && !status; ++i) {
     bool found;
-    km_design_values(s, i, values);
+    km_design_values(s, km_design_drawn(s, i, designs), values);
     status = km_design_look_up(s, question, values, &answers[question], &found, error);
     bool there = !status && found && answers[question].outcome <= KM_DESIGN_SHORT; /* NOLINT(*NullDereference): made */
     for (int r = 0; r < rows; ++r)

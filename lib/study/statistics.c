@@ -17,8 +17,8 @@ struct km_collected {
   double squares[KM_MOST_DESIGN_FIGURES]; /* Σ (x − mean)² so far */
   km_rows rows[KM_MOST_DESIGN_FIGURES];   /* of the figures' values */
   km_rows good_rows;                      /* of 1 where a design is good, else 0 */
-  double *kept;                           /* [figures × kept_count] of the first designs */
-  int kept_count;
+  double *kept;                           /* [figures × kept_count] of the designs that stand for all */
+  int kept_count, kept_so_far;
 };
 
 double km_design_quantile(int k) {
@@ -81,11 +81,13 @@ static void add_design(km_collected *c, const km_design_study *s, int design, co
     c->yield.good += good;
     km_rows_add(&c->good_rows, good);
   }
+  bool keeps = c->kept_so_far < c->kept_count && design == km_design_drawn(s, c->kept_so_far, c->kept_count);
   for (int f = 0; f < s->figure_count; ++f) {
     add_value(c, s, f, design, r->figures[f]);
-    if (design < c->kept_count)
-      c->kept[(size_t)f * (size_t)c->kept_count + (size_t)design] = r->figures[f];
+    if (keeps)
+      c->kept[(size_t)f * (size_t)c->kept_count + (size_t)c->kept_so_far] = r->figures[f];
   }
+  c->kept_so_far += keeps;
 }
 
 /* E. B. Wilson (1927): an interval for a share that holds where few designs fail. Two designs of each row are independent;

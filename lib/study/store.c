@@ -250,9 +250,11 @@ km_status km_store_get(km_store *s, const km_store_shape *shape, const double *v
   *found = code == SQLITE_ROW;
   if (*found) {
     const unsigned char *reason = sqlite3_column_text(s->get, 1);
-    out->outcome = (km_design_outcome)sqlite3_column_int(s->get, 0);
+    int outcome = sqlite3_column_int(s->get, 0);
+    bool known = outcome >= 0 && outcome < KM_DESIGN_MISSING; /* what else a damaged store has is asked again */
+    out->outcome = known ? (km_design_outcome)outcome : KM_DESIGN_MISSING;
     snprintf(out->reason, sizeof out->reason, "%s", reason ? (const char *)reason : "");
-    *found = copy_numbers(s->get, 2, out->figures, shape->figures);
+    *found = known && copy_numbers(s->get, 2, out->figures, shape->figures);
     if (*found && out->bands && shape->band_numbers && out->outcome <= KM_DESIGN_SHORT)
       *found = copy_numbers(s->get, 3, out->bands, shape->band_numbers);
   }

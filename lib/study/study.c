@@ -4,6 +4,7 @@
 #include "base/check.h"
 #include "kmech/version.h"
 #include "model/model.h"
+#include "study/inputs.h"
 #include "study/sampler.h"
 #include "study/store.h"
 
@@ -104,6 +105,12 @@ static km_status read_length(km_design_study *s, const km_model *model, km_error
   return status;
 }
 
+static void keep_meshes(km_design_study *s, const km_model *model) {
+  km_text text = {0};
+  km_design_add_meshes(model, &text);
+  s->meshes = km_text_keep(&text, &s->arena);
+}
+
 static km_status bind_model(km_design_study *s, km_error *error) {
   km_model *model = NULL;
   km_status status = read_text(s, error);
@@ -117,6 +124,8 @@ static km_status bind_model(km_design_study *s, km_error *error) {
     status = read_length(s, model, error);
   if (!status)
     status = try_questions(s, model, error);
+  if (!status)
+    keep_meshes(s, model);
   km_model_free(model);
   return status;
 }
@@ -177,37 +186,19 @@ static void add_question(km_text *out, const km_design_question *q) {
     add_name(out, q->bands[b]);
 }
 
-/* What stands in the files that a question names. */
-static km_status add_files(const km_design_study *s, const km_design_question *q, km_text *out, km_error *error) {
-  km_status status = KM_OK;
-  for (int i = 0; i < q->option_count && !status; ++i) {
-    km_arena arena = {0};
-    km_text bytes = {0};
-    char key[KM_SHA256_TEXT];
-    const char *file = km_design_file(s->def, q, &q->options[i], &arena);
-    status = arena.failed ? no_memory(error) : file ? km_file_read(file, &bytes, error) : KM_OK;
-    if (file && !status) {
-      km_sha256(bytes.data, bytes.size, key);
-      add_name(out, key);
-    }
-    km_text_free(&bytes);
-    km_arena_free(&arena);
-  }
-  return status;
-}
-
 /* All that a question's answers depend on, beside the model and the design. */
 static km_status register_question(km_design_study *s, int index, km_error *error) {
   km_text text = {0};
   char key[KM_SHA256_TEXT];
   add_name(&text, km_version());
   add_question(&text, &s->def->questions[index]);
-  km_status status = add_files(s, &s->def->questions[index], &text, error);
+  km_status status = km_design_add_files(s, &s->def->questions[index], &text, error);
   if (status) {
     km_text_free(&text);
     return status;
   }
   add_numbers(&text, &s->length, 1);
+  km_text_add(&text, s->meshes);
   bool failed = text.failed;
   if (!failed)
     km_sha256(text.data, text.size, key);
@@ -271,6 +262,7 @@ km_status km_design_study_open(const km_design_study_def *def, const char *store
   if (!s)
     return no_memory(error);
   s->def = def;
+  s->meshes = "";
   status = open_study(s, store, replace, error);
   if (status) {
     km_design_study_free(s);

@@ -40,9 +40,10 @@ struct km_design_study {
   km_arena arena;
   const char *bytes; /* the model's text */
   size_t size;
-  double *base;      /* [parameter] the file's own values */
-  double *reference; /* [parameter] the design whose characteristic length serves all */
-  double length;     /* that length, in the model's unit */
+  double *base;       /* [parameter] the file's own values */
+  double *reference;  /* [parameter] the design whose characteristic length serves all */
+  double length;      /* that length, in the model's unit */
+  const char *meshes; /* what they weigh in it, as text; "" */
   km_patch patch;
   int figure_count, first_figure[KM_MOST_DESIGN_QUESTIONS + 1];
   const km_design_figure *figures[KM_MOST_DESIGN_FIGURES];
@@ -74,6 +75,10 @@ int km_design_find_figure(const km_design_study_def *def, const char *name);
 /* designs.c: how many there are without those of an optimisation, and the values of one. */
 int km_designs_planned(const km_design_study *study);
 void km_design_values(const km_design_study *study, int design, double *values);
+
+/* The k-th of so many designs that stand for all: the first ones of a sample that is drawn, which is as good a sample; of others,
+ * which may have an order, one of each of so many pieces. */
+int km_design_drawn(const km_design_study *study, int k, int count);
 
 /* patch.c: finds where the parameters go, by reading the model with other values of each and comparing, and tries the
  * answer on several designs at once. KM_MEMORY, KM_MODEL. */

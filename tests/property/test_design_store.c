@@ -1,6 +1,7 @@
 /* The store of a study: what is there isn't asked again, whatever ended the run that put it there. */
 #include "support/designs.h"
 
+#include <math.h>
 #include <sqlite3.h>
 #include <stdio.h>
 #include <string.h>
@@ -141,6 +142,140 @@ static void earlier_versions_had_fewer_tables(void **state) {
   unlink(path);
 }
 
+static void write_text(const char *name, const char *text) {
+  FILE *file = fopen(name, "w");
+  assert_non_null(file);
+  fputs(text, file);
+  assert_int_equal(fclose(file), 0);
+}
+
+/* A tetrahedron whose edges along the axes are so long. */
+static void write_solid(const char *name, double a) {
+  static const int faces[4][3] = {{0, 2, 1}, {0, 1, 3}, {0, 3, 2}, {1, 2, 3}};
+  FILE *file = fopen(name, "w");
+  assert_non_null(file);
+  fputs("solid s\n", file);
+  for (int f = 0; f < 4; ++f) {
+    fputs("facet normal 0 0 0\nouter loop\n", file);
+    for (int k = 0; k < 3; ++k)
+      fprintf(file, "vertex %g %g %g\n", faces[f][k] == 1 ? a : 0.0, faces[f][k] == 2 ? a : 0.0,
+              faces[f][k] == 3 ? a : 0.0);
+    fputs("endloop\nendfacet\n", file);
+  }
+  fputs("endsolid s\n", file);
+  assert_int_equal(fclose(file), 0);
+}
+
+/* The torque that holds a pendulum which a mesh weighs. */
+static double holding_torque(const char *model, const char *store, int computed) {
+  static const double steps = 4.0;
+  designs d;
+  designs_of_model(&d, "fourbar", "forces");
+  d.def.model = model;
+  static const char *const actuator[] = {"A"};
+  designs_set_number(&d, "steps", &steps);
+  d.options[d.questions[0].option_count++] =
+      (km_design_option){.name = "actuators", .texts = actuator, .text_count = 1};
+  designs_add_figure(&d, "most", KM_DESIGN_MAX, "f.A");
+  static const double none[1];
+  static const km_design_variant variant = {.name = "as it is", .values = none};
+  d.def.variants = &variant;
+  d.def.variant_count = 1;
+  km_design_study *s = designs_run(&d, store, 1);
+  assert_int_equal(km_design_study_computed(s), computed);
+  double most = designs_result(s, 0).figures[0];
+  km_design_study_free(s);
+  return most;
+}
+
+/* A mesh that has changed changes the answers: eight times the volume twice as far from the axis. */
+static void a_mesh_belongs_to_the_answer(void **state) {
+  (void)state;
+  char path[64];
+  store_path(path);
+  write_text(
+      "test_design_store.json",
+      "{\"model_parameters\": {\"gravity\": [0, -9.81, 0]}, \"assemblies\": [{\"name\": \"a\", \"bodies\": "
+      "[{\"name\": \"b\", \"definition\": [\"test_design_store.stl\"], \"density\": 1000}], \"joints\": [{\"name\": "
+      "\"A\", \"type\": \"Rz\", \"body_frame_pairs\": [\"fixed\", \"b\"]}]}], \"analysis\": {\"sweep\": "
+      "{\"joint\": \"A\", \"range\": [0, 6]}}}");
+  write_solid("test_design_store.stl", 0.1);
+  double before = holding_torque("test_design_store.json", path, 1);
+  assert_near(holding_torque("test_design_store.json", path, 0), before, 0.0);
+  write_solid("test_design_store.stl", 0.2);
+  assert_near(holding_torque("test_design_store.json", path, 1), 16.0 * before, 1e-12 * before);
+  unlink("test_design_store.stl");
+  unlink("test_design_store.json");
+  unlink(path);
+}
+
+static void write_path(const char *name, double high) {
+  FILE *file = fopen(name, "w");
+  assert_non_null(file);
+  fputs("x,y,z,qw,qx,qy,qz\n", file);
+  for (int i = 0; i < 9; ++i)
+    fprintf(file, "0.35,%.17g,%.17g,0,1,0,0\n", 0.01 * i, high);
+  assert_int_equal(fclose(file), 0);
+}
+
+static double tracked_margin(const char *store, int computed) {
+  static const char *const study[] = {"test_design_store.json"}, *const method[] = {"greedy"};
+  designs d;
+  designs_of_model(&d, "panda", "track");
+  d.options[d.questions[0].option_count++] = (km_design_option){.name = "study", .texts = study, .text_count = 1};
+  d.options[d.questions[0].option_count++] = (km_design_option){.name = "method", .texts = method, .text_count = 1};
+  designs_add_figure(&d, "margin", KM_DESIGN_MIN, "limit_margin");
+  static const double none[1];
+  static const km_design_variant variant = {.name = "as it is", .values = none};
+  d.def.variants = &variant;
+  d.def.variant_count = 1;
+  km_design_study *s = designs_run(&d, store, 1);
+  assert_int_equal(km_design_study_computed(s), computed);
+  double margin = designs_result(s, 0).figures[0];
+  km_design_study_free(s);
+  return margin;
+}
+
+/* So does the table of poses that a path study names. */
+static void a_table_of_poses_belongs_to_the_answer(void **state) {
+  (void)state;
+  char path[64];
+  store_path(path);
+  write_text("test_design_store.json",
+             "{\"model\": \"" MODELS_DIR "/panda.json\", \"effector\": [\"flange\", \"tool\"], \"path\": {\"csv\": "
+             "\"test_design_store.csv\"}}");
+  write_path("test_design_store.csv", 0.45);
+  double before = tracked_margin(path, 1);
+  tracked_margin(path, 0);
+  write_path("test_design_store.csv", 0.4);
+  assert_true(fabs(tracked_margin(path, 1) - before) > 1e-3);
+  unlink("test_design_store.csv");
+  unlink("test_design_store.json");
+  unlink(path);
+}
+
+/* What a damaged store says of a design's outcome counts only where there is such a one. */
+static void unknown_outcomes_are_asked_again(void **state) {
+  (void)state;
+  static const int damage[] = {-5, 99, 1000000, (int)KM_DESIGN_MISSING};
+  for (size_t i = 0; i < sizeof damage / sizeof *damage; ++i) {
+    char path[64], sql[80];
+    designs d;
+    sqlite3 *db;
+    store_path(path);
+    designs_of_cranks(&d, 8);
+    km_design_study_free(designs_run(&d, path, 1));
+    snprintf(sql, sizeof sql, "UPDATE results SET outcome = %d", damage[i]);
+    assert_int_equal(sqlite3_open(path, &db), SQLITE_OK);
+    assert_int_equal(sqlite3_exec(db, sql, NULL, NULL, NULL), SQLITE_OK);
+    sqlite3_close(db);
+    km_design_study *s = designs_run(&d, path, 1);
+    assert_int_equal(km_design_study_computed(s), 8);
+    km_design_study_free(s);
+    unlink(path);
+  }
+}
+
 static km_status turned(void *context, const double *x, double *f, km_error *error) {
   (void)context, (void)error;
   for (int i = 0; i < 4; ++i)
@@ -231,6 +366,9 @@ int main(void) {
       cmocka_unit_test(a_store_has_one_study_and_one_user),
       cmocka_unit_test(a_database_of_others_is_no_store),
       cmocka_unit_test(earlier_versions_had_fewer_tables),
+      cmocka_unit_test(a_mesh_belongs_to_the_answer),
+      cmocka_unit_test(a_table_of_poses_belongs_to_the_answer),
+      cmocka_unit_test(unknown_outcomes_are_asked_again),
       cmocka_unit_test(many_designs_are_sorted),
       cmocka_unit_test(killed_runs_are_sorted_when_they_go_on),
   };

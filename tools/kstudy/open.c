@@ -44,6 +44,14 @@ static void beside_study(const char *study, const char *file, char *out, size_t 
   snprintf(out, size, "%s%s%s", alone ? "" : folder, alone ? "" : "/", file);
 }
 
+/* As the file has it: the numbers of parameters count in the model's units, so that what looks like a unit is a part of the name. */
+static const char *header_of(const km_table *table, size_t column, km_arena *arena) {
+  const char *unit = km_table_unit(table, column);
+  km_text name = {0};
+  km_text_format(&name, "%s%s%s", km_table_name(table, column), unit[0] ? "_" : "", unit);
+  return km_text_keep(&name, arena);
+}
+
 /* The columns of the sample's file are parameters by name; others are faults. */
 static kt_exit take_rows(const kstudy_request *r, kstudy_open *out, const km_table *table, const char *file) {
   int parameters = (int)km_table_columns(table);
@@ -58,7 +66,7 @@ static kt_exit take_rows(const kstudy_request *r, kstudy_open *out, const km_tab
   if (!values || !list)
     return KT_NO_MEMORY;
   for (int p = 0; p < parameters; ++p) {
-    const char *name = km_arena_string(&out->arena, km_table_name(table, (size_t)p));
+    const char *name = header_of(table, (size_t)p, &out->arena);
     list[p] = (km_design_parameter){name, name};
     for (int k = 0; k < out->def.parameter_count; ++k)
       if (name && strcmp(out->def.parameters[k].name, name) == 0)

@@ -125,6 +125,17 @@ static void check_poses(km_messages *m, const km_place *place, const km_value *v
   }
 }
 
+static void check_number_map(km_messages *m, const km_place *place, const km_value *value) {
+  if (value->kind != KM_OBJECT) {
+    expected(m, place, value, "an object {name: number}");
+    return;
+  }
+  for (const km_value *v = value->first; v; v = v->next) {
+    km_place item = {place, v->key, 0};
+    check_number(m, &item, v);
+  }
+}
+
 static void check_parameters(km_messages *m, const km_place *place, const km_value *value,
                              const km_object_format *format) {
   if (value->kind != KM_OBJECT) {
@@ -145,7 +156,11 @@ static void check_member(km_messages *m, const km_place *place, const km_value *
   if (field->shape == KM_SHAPE_TEXT_MAP)
     expected(m, place, value, "a string");
   else if (field->shape == KM_SHAPE_VALUE_MAPS)
-    check_map(m, place, value);
+    check_number_map(m, place, value);
+  else if (value->kind != KM_OBJECT && field->shape == KM_SHAPE_LIST_MAP)
+    expected(m, place, value, "a list of numbers, or an object {\"from\": …}");
+  else if (value->kind != KM_OBJECT && field->shape == KM_SHAPE_WORD_MAP)
+    expected(m, place, value, "a text such as \"min q.A\", or an object {\"figure\": …}");
   else
     check_object(m, place, value, field->object);
 }

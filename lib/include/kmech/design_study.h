@@ -294,7 +294,7 @@ KM_API const char *km_design_algorithm_about(int index);
 
 enum {
   KM_DESIGN_QUANTILES = 7,        /* how many quantiles are told */
-  KM_MOST_RANKED_DESIGNS = 200000 /* from how many of the first designs quantiles and ranks are */
+  KM_MOST_RANKED_DESIGNS = 200000 /* from how many designs, which stand for all, quantiles and ranks are */
 };
 /* 1, 5, 25, 50, 75, 95, 99 %: the probability of quantile k. */
 KM_API double km_design_quantile(int k);
@@ -307,7 +307,7 @@ typedef struct km_design_statistics {
   double deviation;                      /* s, with n − 1 */
   double least, greatest;                /* extreme values */
   int least_design, greatest_design;     /* -1: none */
-  double quantiles[KM_DESIGN_QUANTILES]; /* of the first KM_MOST_RANKED_DESIGNS designs */
+  double quantiles[KM_DESIGN_QUANTILES]; /* of up to KM_MOST_RANKED_DESIGNS designs */
   int good;                              /* designs within the figure's limits */
 } km_design_statistics;
 /* KM_USAGE, KM_IO, KM_MEMORY. The first call after a run reads all results: O(designs); the others O(1). */
@@ -324,8 +324,11 @@ typedef struct km_design_yield {
 } km_design_yield;
 KM_API km_status km_design_study_yield(km_design_study *study, km_design_yield *out, km_error *error);
 
-/* Values of a figure of the first designs, at most KM_MOST_RANKED_DESIGNS, NaN where there is none: values[room], or NULL.
- * Returns how many there are. */
+/* The k-th of `count` designs that stand for all of the study: the first ones of a sample that is drawn, which are as good a sample; of
+ * other designs, which may have an order, one of each of `count` pieces of about one size. -1: there is none. O(1). */
+KM_API int km_design_study_drawn(const km_design_study *study, int k, int count);
+/* Values of a figure of the designs that stand for all, at most KM_MOST_RANKED_DESIGNS, NaN where there is none: values[room], or
+ * NULL. Returns how many there are. */
 KM_API int km_design_study_column(km_design_study *study, int figure, double *values, int room);
 
 /* Spearman's rank correlation of a figure with each parameter, correlation[parameter_count]; ties have their mean rank;

@@ -131,29 +131,36 @@ static int by_value(const void *a, const void *b) {
   return p->value != q->value ? (p->value > q->value) - (p->value < q->value) : p->index - q->index;
 }
 
-/* A dot is a run of one point: a gap follows each. */
+/* A dot is a run of one point: a gap follows each. Many designs are shown by some that stand for all. */
 static bool make_dots(const km_designs_shown *p, int figure, int parameter, km_arena *arena, km_plot_series *out) {
-  int count = km_design_study_column(p->study, figure, NULL, 0), used = 0;
+  int designs = km_design_study_designs(p->study), count = designs < MOST_DOTS ? designs : MOST_DOTS, used = 0;
   double parameters[KM_MOST_DESIGN_PARAMETERS];
-  count = count < MOST_DOTS ? count : MOST_DOTS;
-  double *figures = KM_ARENA_NEW(arena, double, (size_t)count + 1);
   double *x = KM_ARENA_NEW(arena, double, 2 * (size_t)count + 1),
          *y = KM_ARENA_NEW(arena, double, 2 * (size_t)count + 1);
   placed *order = KM_ARENA_NEW(arena, placed, (size_t)count + 1);
   if (!order)
     return false;
-  km_design_study_column(p->study, figure, figures, count);
-  for (int i = 0; i < count; ++i)
-    if (isfinite(figures[i]) && !km_design_study_values(p->study, i, parameters, NULL))
-      order[used++] = (placed){parameters[parameter], i};
+  for (int k = 0; k < count; ++k) {
+    int design = km_design_study_drawn(p->study, k, count);
+    km_design_result r;
+    if (!km_design_study_result(p->study, design, &r, NULL) && isfinite(r.figures[figure]) &&
+        !km_design_study_values(p->study, design, parameters, NULL)) {
+      y[2 * used] = r.figures[figure];
+      order[used] = (placed){parameters[parameter], used};
+      used++;
+    }
+  }
   qsort(order, (size_t)used, sizeof *order, by_value);
-  for (int i = 0; i < used; ++i) {
+  double *figures = KM_ARENA_NEW(arena, double, (size_t)used + 1);
+  for (int i = 0; i < used && figures; ++i)
+    figures[i] = y[2 * i];
+  for (int i = 0; i < used && figures; ++i) {
     x[2 * i] = 100.0 * (i + 0.5) / used;
     y[2 * i] = figures[order[i].index];
     x[2 * i + 1] = y[2 * i + 1] = nan("");
   }
   *out = (km_plot_series){.x = x, .y = y, .count = 2 * (size_t)used};
-  return used > 1;
+  return figures && used > 1;
 }
 
 km_status km_designs_scatter(const km_designs_shown *p, int figure, km_text *out, km_error *error) {
