@@ -102,7 +102,7 @@ static km_status refuse(const km_mechanism *m, const km_lever *l, km_error *erro
   else
     status = km_fail(error, KM_USAGE,
                      "the output, %s, doesn't move with the input: they are in different substructures; expected an "
-                     "output that moves with it: %s",
+                     "output in the input's: %s",
                      names.data, known);
   km_text_free(&names);
   km_text_free(&choice);

@@ -218,16 +218,38 @@ static bool is_used_in_place(const km_model *model, const bool *used, int frame)
   return false;
 }
 
+static void use_port(const km_port *port, bool *used) {
+  if (port->coordinate == KM_PORT_FRAMES)
+    used[port->frame[0]] = used[port->frame[1]] = true;
+}
+
+static void use_handle(const km_model_handle *handle, bool *used) {
+  if (handle->frame >= 0)
+    used[handle->frame] = true;
+}
+
+/* Frames that the model itself names. */
+static void find_used(const km_model *model, bool *used) {
+  for (int j = 0; j < model->joint_count; ++j)
+    used[model->joints[j].frame[0]] = used[model->joints[j].frame[1]] = true;
+  for (int i = 0; i < model->load_count; ++i)
+    used[model->loads[i].frame] = true;
+  for (int i = 0; i < model->module_count; ++i) {
+    use_port(&model->modules[i].input, used);
+    use_port(&model->modules[i].output, used);
+  }
+  use_handle(&model->advantage_input, used);
+  use_handle(&model->advantage_output, used);
+}
+
 static void check_frames(const km_model *model, km_findings *f) {
   bool *used = KM_ARENA_NEW(&f->store->arena, bool, (size_t)model->frame_count);
-  for (int j = 0; used && j < model->joint_count; ++j)
-    used[model->joints[j].frame[0]] = used[model->joints[j].frame[1]] = true;
-  for (int i = 0; used && i < model->load_count; ++i)
-    used[model->loads[i].frame] = true;
+  if (used)
+    find_used(model, used);
   for (int i = 0; used && i < model->frame_count; ++i)
     if (!used[i] && strcmp(model->frames[i].name, "origin") != 0 && !is_used_in_place(model, used, i))
       add(f, KM_FINDING_REMARK, "unused-frame", "keep it for --point or views, or remove it",
-          "frame %s of body %s is used by no joint and no load", model->frames[i].name,
+          "frame %s of body %s is used by no joint, no load and no force module", model->frames[i].name,
           model->bodies[model->frames[i].body].name);
 }
 

@@ -20,6 +20,7 @@ typedef struct watch {
   bool searching; /* for a toggle of the coordinate watched[next] */
   int next;
   bool *listed; /* [coordinate] its toggles since the last row are */
+  bool *moved;  /* [coordinate] somewhere in the sweep: what stands all the way has no toggles */
   int *watched; /* coordinates that may lose their grip */
   int watched_count;
   int *shown; /* coordinate of each column of numbers, -1: of a joint that can't move */
@@ -272,6 +273,15 @@ static bool take_direction(watch *w, const km_sweeper *r, double s, bool *has_on
   return z && !w->directions.failed;
 }
 
+static void note_motion(watch *w) {
+  const km_directions *d = &w->directions;
+  for (int i = 0; i < w->watched_count; ++i) {
+    const int c = w->watched[i];
+    for (int place = has_last(w) ? d->last : d->row; place <= d->row && !w->moved[c]; ++place)
+      w->moved[c] = fabs(km_directions_entry(d, place, c)) >= km_dead;
+  }
+}
+
 /* Looks for toggles since the last row. */
 static km_status see(void *self, km_sweeper *r, double s, km_error *error) {
   watch *w = self;
@@ -285,6 +295,7 @@ static km_status see(void *self, km_sweeper *r, double s, km_error *error) {
     return KM_OK;
   if (w->watched_count == 0)
     choose_watched(w, r);
+  note_motion(w);
   w->next = 0;
   return list_hidden(w, r) ? go_on(w, r, error) : no_memory(error);
 }
@@ -321,12 +332,39 @@ static void forget(void *self) {
   w->singular.scan.have = 0;
 }
 
+/* Does the coordinate stop where the driver does? There the driver's number, the square of its rate in the one motion, is 0 but for
+ * how well the place is known. */
+static bool stops_with(const km_sweeper *r, int c) {
+  static const double ratio = 100.0; /* of rates that both keep beside the place */
+  const double *numbers = r->s->numbers;
+  return numbers[c] <= ratio * ratio * fmax(numbers[r->plan->coordinate], 1e-30);
+}
+
+/* The sweep ends at a dead point of its driver, and of what stops with it. */
 static km_status end_at(void *self, km_sweeper *r, double s, km_error *error) {
-  const watch *w = self;
-  return add_toggle(w->out, r->plan, r->plan->coordinate, s) ? KM_OK : no_memory(error);
+  watch *w = self;
+  const int driver = r->plan->coordinate;
+  const bool one = r->substructure >= 0 && km_partition_freedom(&r->s->partition[r->substructure]) == 1;
+  bool added = add_toggle(w->out, r->plan, driver, s);
+  w->moved[driver] = true;
+  for (int i = 0; i < w->watched_count && one && added; ++i)
+    if (w->watched[i] != driver && stops_with(r, w->watched[i]))
+      added = add_toggle(w->out, r->plan, w->watched[i], s);
+  return added ? KM_OK : no_memory(error);
+}
+
+/* Joints that stand all the way lose no grip that they had. */
+static void drop_standing(const watch *w) {
+  km_mobility_sweep *out = w->out;
+  size_t kept = 0;
+  for (size_t i = 0; i < out->toggle_count; ++i)
+    if (w->moved[out->toggles[i].coordinate])
+      out->toggles[kept++] = out->toggles[i];
+  out->toggle_count = kept;
 }
 
 static km_status tell(void *self, const km_sweep_job *job) {
+  drop_standing(self);
   if (!job->table_only)
     find_extremes(self, job->m->coordinate_count);
   return job->status;
@@ -337,6 +375,7 @@ static void close_watch(void *self) {
   km_singular_watch_free(&w->singular);
   km_directions_free(&w->directions);
   km_free(w->listed);
+  km_free(w->moved);
   km_free(w->watched);
   km_free(w->cell);
   km_free(w->unread);
@@ -369,11 +408,12 @@ static bool reserve(watch *w, const km_mechanism *m, const km_sweep_plan *plan) 
   w->out->extremes = KM_NEW(km_extreme, count);
   w->directions = (km_directions){.coordinates = count, .sense = sense_of(plan), .last = -1, .row = -1};
   w->listed = KM_NEW(bool, count);
+  w->moved = KM_NEW(bool, count);
   w->watched = KM_NEW(int, count);
   w->cell = KM_NEW(size_t, count);
   w->unread = KM_NEW(bool, count);
   w->shown = KM_NEW(int, count + (size_t)m->model->joint_count);
-  if (!w->listed || !w->watched || !w->cell || !w->unread || !w->shown || !w->out->extremes)
+  if (!w->listed || !w->moved || !w->watched || !w->cell || !w->unread || !w->shown || !w->out->extremes)
     return false;
   for (size_t c = 0; c < count; ++c)
     w->out->extremes[c] = (km_extreme){HUGE_VAL, nan("")};

@@ -2,6 +2,9 @@
 #include "forces/forces.h"
 #include "forces/moving.h"
 
+/* Of places, over the lengths that they are found by. */
+static const double rounding = 1e-11;
+
 static double piece_force(const km_law *law, int piece, double x) {
   double force = 0.0;
   for (int k = law->start[piece + 1] - 1; k >= law->start[piece]; --k)
@@ -81,8 +84,9 @@ km_line km_line_of(const km_mechanism *m, const km_forces *f, const km_port *por
   km_vec3 rate =
       km_vec3_sub(km_vec3_add(vb.v, km_vec3_cross(vb.w, l.to)), km_vec3_add(va.v, km_vec3_cross(va.w, l.to)));
   if (distance == KM_DISTANCE_EUCLID) {
+    const double nothing = rounding * (m->length + km_vec3_norm(l.from));
     l.displacement = km_vec3_norm(way);
-    l.along = l.displacement > 0.0 ? km_vec3_scale(1.0 / l.displacement, way) : (km_vec3){0, 0, 0};
+    l.along = l.displacement > nothing ? km_vec3_scale(1.0 / l.displacement, way) : (km_vec3){0, 0, 0};
   } else {
     l.along = A.R.axis[distance - KM_DISTANCE_X];
     l.displacement = km_vec3_dot(l.along, way);

@@ -155,9 +155,40 @@ static void loads_act_at_their_frames(void **state) {
   fixture_close(&f);
 }
 
+/* Points that a mechanism brings together have no line between them, whatever rounding leaves of their distance. */
+static void points_in_one_place_have_no_direction(void **state) {
+  (void)state;
+  for (int i = 0; i < 20; ++i) {
+    char text[1200];
+    snprintf(
+        text, sizeof text,
+        "{\"fixed\": {\"frames\": [{\"name\": \"p\", \"T\": [0.3, 0.7, 0]}]}, \"assemblies\": [{\"name\": \"a\", "
+        "\"bodies\": [{\"name\": \"one\", \"frames\": [{\"name\": \"c\", \"T\": [0.1, 0.2, 0]}, {\"name\": \"t\", \"T\": "
+        "[1.1, 0.2, 0]}]}, {\"name\": \"two\", \"frames\": [{\"name\": \"t\", \"T\": [1, 0, 0]}]}], \"joints\": "
+        "[{\"name\": \"A\", \"type\": \"Rz\", \"body_frame_pairs\": [[\"fixed\", \"p\"], [\"one\", \"c\"]], "
+        "\"initial_displacement\": %.2f}, {\"name\": \"B\", \"type\": \"Rz\", \"body_frame_pairs\": [[\"one\", \"t\"], "
+        "\"two\"], \"initial_displacement\": 3.141592653589793}], \"force_modules\": [{\"name\": \"s\", \"type\": "
+        "\"stiffness\", \"input\": {\"type\": \"frame\", \"body_frame_pair\": [[\"fixed\", \"p\"], [\"two\", \"t\"]]}, "
+        "\"coefficients\": [[100]]}]}]}",
+        0.1 * i);
+    fixture f = fixture_read(text);
+    km_forces *forces;
+    double wrench[6];
+    assert_int_equal(km_forces_create(f.mechanism, NULL, NULL, 0, &forces, NULL), KM_OK);
+    km_poses_update(f.mechanism, f.state);
+    km_forces_update(f.mechanism, f.state, forces);
+    km_forces_on_body(forces, 2, wrench);
+    for (int k = 0; k < 6; ++k)
+      assert_near(wrench[k], 0.0, 0.0);
+    km_forces_free(forces);
+    fixture_close(&f);
+  }
+}
+
 int main(void) {
   const struct CMUnitTest tests[] = {cmocka_unit_test(pieces_of_a_law), cmocka_unit_test(jumps_of_a_law_are_spread),
                                      cmocka_unit_test(springs_push_along_their_displacement),
+                                     cmocka_unit_test(points_in_one_place_have_no_direction),
                                      cmocka_unit_test(loads_act_at_their_frames)};
   return cmocka_run_group_tests(tests, NULL, NULL);
 }

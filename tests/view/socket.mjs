@@ -42,9 +42,9 @@ function send(bytes, time = 10000) {
 const get = (path, host = `127.0.0.1:${port}`) => send(`GET ${path} HTTP/1.1\r\nHost: ${host}\r\n\r\n`);
 
 /** A WebSocket by hand: what it got, and how to send a text. */
-function open({ path = `${pathname}ws`, origin = own, host = `127.0.0.1:${port}`, read = true } = {}) {
+function open({ path = `${pathname}ws`, origin = own, host = `127.0.0.1:${port}`, protocol = "kview", read = true } = {}) {
   return new Promise((done) => {
-    const head = [`GET ${path} HTTP/1.1`, `Host: ${host}`, "Upgrade: websocket", "Connection: Upgrade", `Sec-WebSocket-Key: ${randomBytes(16).toString("base64")}`, "Sec-WebSocket-Version: 13", "Sec-WebSocket-Protocol: kview", ...(origin ? [`Origin: ${origin}`] : [])];
+    const head = [`GET ${path} HTTP/1.1`, `Host: ${host}`, "Upgrade: websocket", "Connection: Upgrade", `Sec-WebSocket-Key: ${randomBytes(16).toString("base64")}`, "Sec-WebSocket-Version: 13", ...(protocol ? [`Sec-WebSocket-Protocol: ${protocol}`] : []), ...(origin ? [`Origin: ${origin}`] : [])];
     const client = { got: Buffer.alloc(0), open: false, over: false };
     const socket = connect(Number(port), hostname, () => socket.write(head.join("\r\n") + "\r\n\r\n"));
     const settle = () => done(client);
@@ -87,7 +87,7 @@ check(first.startsWith("HTTP/1.1 200") && /content-security-policy: default-src 
 for (const path of ["/", "/index.html", `${pathname}../../etc/passwd`, `${pathname}%2e%2e/etc/passwd`, `/${"0".repeat(32)}/`, `${pathname.slice(0, -2)}x/`, `${pathname}page.js`])
   check(/^HTTP\/1\.1 (404|403|400)/.test(await get(path)), `${path} is refused`);
 check((await get(pathname, "evil.example")).startsWith("HTTP/1.1 403"), "a foreign name that leads here is refused");
-for (const wrong of [{ origin: "http://evil.example" }, { origin: null }, { origin: "null" }, { path: `/${"0".repeat(32)}/ws` }, { path: "/ws" }, { host: "evil.example" }]) {
+for (const wrong of [{ origin: "http://evil.example" }, { origin: null }, { origin: "null" }, { path: `/${"0".repeat(32)}/ws` }, { path: "/ws" }, { host: "evil.example" }, { protocol: null }, { protocol: "http" }, { protocol: "other" }]) {
   const client = await open(wrong);
   check(!client.open, `a WebSocket with ${JSON.stringify(wrong)} is refused`);
   client.end();

@@ -249,6 +249,27 @@ static void undo_comes_back(void **unused) {
   kv_session_close(&s);
 }
 
+/* A joint that was held in the meantime is held where it was then. */
+static void undo_comes_back_to_what_is_held(void **unused) {
+  (void)unused;
+  kv_session s = open_session("fourbar");
+  expect(&s, "1 joint 0 1.2 1", "pose");
+  expect(&s, "2 mark", "pose");
+  double first[2] = {km_state_coordinate(s.state, 0), km_state_coordinate(s.state, 3)};
+  expect(&s, "3 joint 0 1.6 1", "pose");
+  expect(&s, "4 mark", "pose");
+  double held = km_state_coordinate(s.state, 3);
+  expect(&s, "5 hold 3 1", "model");
+  expect(&s, "6 undo -1", "pose");
+  assert_true(fabs(km_state_coordinate(s.state, 0) - first[0]) <= 1e-9);
+  assert_true(fabs(km_state_coordinate(s.state, 3) - first[1]) <= 1e-9);
+  assert_true(fabs(held - first[1]) > 0.05);
+  assert_int_equal(s.hold_count, 1);
+  expect(&s, "7 undo 1", "pose");
+  assert_true(fabs(km_state_coordinate(s.state, 3) - held) <= 1e-9);
+  kv_session_close(&s);
+}
+
 /* Reads what was saved as a model of its own, at its pose. */
 static void reads_back(const kv_session *s, const char *json) {
   const char *from = strstr(json, "\"text\":\"");
@@ -510,6 +531,7 @@ int main(void) {
       cmocka_unit_test(the_bucket_keeps_its_branch),
       cmocka_unit_test(bricard_goes_round),
       cmocka_unit_test(undo_comes_back),
+      cmocka_unit_test(undo_comes_back_to_what_is_held),
       cmocka_unit_test(a_selfmotion_holds_the_effector),
       cmocka_unit_test(a_design_is_saved),
       cmocka_unit_test(columns_move_the_effector),

@@ -68,9 +68,12 @@ static void print_version(FILE *stream, struct argp_state *state) {
 }
 
 static void print_help(const char *tool, const char *about, const kt_command *commands) {
+  size_t width = 9;
+  for (const kt_command *c = commands; c->name; ++c)
+    width = strlen(c->name) > width ? strlen(c->name) : width;
   printf("Usage: %s COMMAND [OPTION...] FILE...\n%s\n\n", tool, about);
   for (const kt_command *c = commands; c->name; ++c)
-    printf("  %-9s %s\n", c->name, c->summary);
+    printf("  %-*s %s\n", (int)width, c->name, c->summary);
   printf("\n`%s COMMAND --help` tells a command's options. A model of - is the standard input.\n"
          "Exit status: 0 done, 1 done but the answer is no or partial, 2 usage or files, 3 the model is bad,\n"
          "4 an iteration gave out, 5 internal.\n",

@@ -8,14 +8,15 @@
 enum { MOST_LENGTHS = 100 };
 
 /* The mechanism takes over the model's numbers, at the pose next to q[coordinate] where its loops close; it is compiled
- * anew where a loop's motion space has changed. */
+ * anew where a loop's motion space has changed, or something is held, perhaps at another value than before. */
 static km_status take_over(kv_session *s, const double *q, km_error *error) {
   int n = km_model_coordinate_count(s->model);
   km_status status = KM_OK;
   for (int c = 0; c < n && !status; ++c)
     status = km_model_set_position(s->model, c, q[c], error);
-  if (!status)
-    status = km_mechanism_renumber(s->mechanism, error);
+  if (status)
+    return status;
+  status = s->hold_count > 0 ? KM_PARTIAL : km_mechanism_renumber(s->mechanism, error);
   if (status == KM_PARTIAL)
     return kv_session_compile(s, q, error);
   if (status)

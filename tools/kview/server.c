@@ -76,6 +76,10 @@ static int refuse(struct lws *wsi, unsigned status) {
 static int on_http(struct lws *wsi, enum lws_callback_reasons reason, void *user, void *in, size_t size) {
   const server *s = lws_context_user(lws_get_context(wsi));
   char host[HEADER];
+  if (reason == LWS_CALLBACK_FILTER_PROTOCOL_CONNECTION) { /* a socket that doesn't name our protocol */
+    lws_return_http_status(wsi, HTTP_STATUS_FORBIDDEN, NULL);
+    return -1;
+  }
   if (reason != LWS_CALLBACK_HTTP)
     return lws_callback_http_dummy(wsi, reason, user, in, size);
   header_of(wsi, WSI_TOKEN_HOST, host);

@@ -95,7 +95,7 @@ static void evaluate_parameter(evaluation *e, km_value *parameter, const km_plac
   }
   if (number && number->kind == KM_STRING)
     sound = evaluate_number(e, number, number == parameter ? place : &inner);
-  for (km_value *v = parameter->first; v && !e->status; v = v->next) {
+  for (km_value *v = parameter->kind == KM_OBJECT ? parameter->first : NULL; v && !e->status; v = v->next) {
     km_place at = {place, v->key, 0};
     if (v->kind == KM_STRING && strcmp(v->key, "note") != 0)
       evaluate_number(e, v, &at);

@@ -23,18 +23,30 @@ double km_written_unit(const km_written *w, int c) {
   return km_model_coordinate_is_length(w->model, c) ? w->length : 1.0;
 }
 
-bool km_written_mimic(const km_written *w, int c, int *leader, double *ratio, double *constant) {
+/* The first coupling that lets the coordinate follow another one along a line; -1: none. */
+static int line_of(const km_written *w, int c) {
   for (int i = 0; i < w->model->coupling_count; ++i) {
     const km_model_coupling *coupling = &w->model->couplings[i];
-    if (coupling->coordinates[0] != c || coupling->count != 2 || !coupling->ratios || coupling->ratios[0] == 0.0)
-      continue;
-    *leader = coupling->coordinates[1];
-    *ratio = -coupling->ratios[1] / coupling->ratios[0] * km_written_unit(w, c) / km_written_unit(w, *leader);
-    *constant = coupling->constant_given ? coupling->constant / coupling->ratios[0] * km_written_unit(w, c)
-                                         : w->q[c] - *ratio * w->q[*leader];
-    return true;
+    if (coupling->coordinates[0] == c && coupling->count == 2 && coupling->ratios && coupling->ratios[0] != 0.0)
+      return i;
   }
-  return false;
+  return -1;
+}
+
+bool km_written_is_mimic(const km_written *w, int i) {
+  return line_of(w, w->model->couplings[i].coordinates[0]) == i;
+}
+
+bool km_written_mimic(const km_written *w, int c, int *leader, double *ratio, double *constant) {
+  int i = line_of(w, c);
+  if (i < 0)
+    return false;
+  const km_model_coupling *coupling = &w->model->couplings[i];
+  *leader = coupling->coordinates[1];
+  *ratio = -coupling->ratios[1] / coupling->ratios[0] * km_written_unit(w, c) / km_written_unit(w, *leader);
+  *constant = coupling->constant_given ? coupling->constant / coupling->ratios[0] * km_written_unit(w, c)
+                                       : w->q[c] - *ratio * w->q[*leader];
+  return true;
 }
 
 void km_written_omit(km_written *w, const char *kind, const char *name) {

@@ -58,6 +58,8 @@ void km_written_omit(km_written *w, const char *kind, const char *name);
 void km_written_tell(const km_written *w);
 /* SI per unit of a coordinate inside a coupling: the length unit in metres, or 1 (radians). */
 double km_written_unit(const km_written *w, int coordinate);
+/* Is the coupling what km_written_mimic tells of its first coordinate? */
+bool km_written_is_mimic(const km_written *w, int coupling);
 /* q_c = ratio · q_leader + constant, radians and metres, of the coupling that lets coordinate c follow another one; the
  * constant is that of the pose where the coupling states none. False if no line does it. */
 bool km_written_mimic(const km_written *w, int coordinate, int *leader, double *ratio, double *constant);

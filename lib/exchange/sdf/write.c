@@ -237,7 +237,7 @@ static void add_frames(km_written *w) {
 static void tell_rest(km_written *w) {
   const km_model *m = w->model;
   for (int i = 0; i < m->coupling_count; ++i)
-    if (m->couplings[i].count != 2 || !m->couplings[i].ratios)
+    if (!km_written_is_mimic(w, i))
       km_written_omit(w, "couplings not written, as SDF has lines between two joints only", m->couplings[i].name);
   for (int c = 0; c < m->coordinate_count; ++c)
     if (w->reference[c] != 0.0)

@@ -143,11 +143,18 @@ static void set_mimic(km_written *w, const char *leader, double multiplier, doub
   km_xml_end(&w->xml, "mimic");
 }
 
-/* The coupling by which a coordinate follows another one, if a line does it. */
+/* Is the coordinate one of a joint of its own in the file? */
+static bool has_joint(const km_written *w, int c) {
+  int joint = w->model->coordinates[c].joint;
+  km_joint_type type = w->model->joints[joint].type;
+  return w->in_tree[joint] && type != KM_FLOAT && type != KM_PLANAR && type != KM_SPHERICAL;
+}
+
+/* The coupling by which a coordinate follows another one, if a line does it and the other one is written. */
 static void add_mimic(km_written *w, int c) {
   int leader;
   double ratio, constant;
-  if (km_written_mimic(w, c, &leader, &ratio, &constant))
+  if (km_written_mimic(w, c, &leader, &ratio, &constant) && has_joint(w, leader))
     set_mimic(w, w->model->coordinates[leader].label, ratio, constant);
 }
 
@@ -273,8 +280,10 @@ static void tell_rest(km_written *w) {
     if (!w->in_tree[j])
       km_written_omit(w, "joints that close loops not written, as URDF describes trees", w->joints[j]);
   for (int i = 0; i < m->coupling_count; ++i)
-    if (m->couplings[i].count != 2 || !m->couplings[i].ratios)
+    if (!km_written_is_mimic(w, i))
       km_written_omit(w, "couplings not written, as URDF has lines between two joints only", m->couplings[i].name);
+    else if (!has_joint(w, m->couplings[i].coordinates[0]) || !has_joint(w, m->couplings[i].coordinates[1]))
+      km_written_omit(w, "couplings not written, as the file doesn't have all of their joints", m->couplings[i].name);
   for (int c = 0; c < m->coordinate_count; ++c) {
     if (km_written_spring(w, c, &stiffness, &rest))
       km_written_omit(w, "springs not written", m->coordinates[c].label);

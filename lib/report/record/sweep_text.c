@@ -57,10 +57,16 @@ const char *km_sweep_unit(const km_mechanism *m, const km_sweep_plan *plan) {
   return "";
 }
 
+/* What has the limit: of a ball that is the joint's angle, not one of its coordinates. */
+static const char *limited(const km_model *model, int c) {
+  const km_model_joint *joint = &model->joints[model->coordinates[c].joint];
+  return joint->most_turn > 0.0 ? joint->label : model->coordinates[c].label;
+}
+
 static void stop_reason(const km_mechanism *m, const km_sweep_plan *plan, const km_sweep *sweep, const km_reach *reach,
                         km_text *out) {
   if (reach->stop == KM_STOP_LIMIT) {
-    km_text_format(out, "joint %s is at its limit", m->model->coordinates[reach->coordinate].label);
+    km_text_format(out, "joint %s is at its limit", limited(m->model, reach->coordinate));
   } else if (reach->stop == KM_STOP_AWAY) {
     km_text_format(out, "%s slides away without bound", m->model->coordinates[reach->coordinate].label);
   } else if (sweep->freedom == 0) {
