@@ -192,7 +192,17 @@ static double locate(km_simulation *run, int crossing) {
   return b;
 }
 
-/* The crossings of the last step, in order of time, up to the first that ends the run. False when out of memory. */
+/* Tells the crossings that wait to be told, up to the first that ends the run. */
+static void tell_crossings(km_simulation *run) {
+  run->stop = HUGE_VAL;
+  while (run->told < run->met_count && run->met[run->told].time <= run->stop) {
+    const km_crossing_met *met = &run->met[run->told++];
+    if (run->crossings[met->crossing].stops)
+      run->stop = met->time;
+  }
+}
+
+/* The crossings of the last step, in order of time. False when out of memory. */
 static bool find_crossings(km_simulation *run) {
   size_t first = run->met_count;
   for (int i = 0; i < run->def.crossing_count; ++i) {
@@ -206,12 +216,9 @@ static bool find_crossings(km_simulation *run) {
     for (; at > first && run->met[at - 1].time > time; --at)
       run->met[at] = run->met[at - 1];
     run->met[at] = (km_crossing_met){i, time, now > 0.0 ? 1 : -1};
-    if (run->crossings[i].stops)
-      run->stop = fmin(run->stop, time);
     run->side[i] = now;
   }
-  while (run->met_count > first && run->met[run->met_count - 1].time > run->stop)
-    run->met_count--;
+  tell_crossings(run);
   return true;
 }
 
@@ -252,6 +259,9 @@ km_status km_simulation_advance(km_simulation *run, double time, km_progress pro
   if (!isfinite(time) || !(time >= run->last_time) || !(time <= run->def.end))
     return km_fail(error, KM_USAGE, "time %g; expected one from %g to %g", time, run->last_time, run->def.end);
   double from = run->time;
+  if (run->halted) /* the last step goes on behind the crossing that ended the run */
+    tell_crossings(run);
+  run->halted = false;
   while (run->time < time && run->time < run->stop && !status) {
     status = step(run, error);
     if (!status && progress && !progress(context, (run->time - from) / (time - from)))
@@ -265,8 +275,7 @@ km_status km_simulation_advance(km_simulation *run, double time, km_progress pro
   }
   bool stops = run->stop <= time; /* else it may be met later in the last step */
   status = show(run, stops ? run->stop : time, error);
-  if (stops)
-    run->stop = HUGE_VAL;
+  run->halted = stops;
   return !status && stops ? KM_PARTIAL : status;
 }
 
@@ -285,11 +294,11 @@ km_simulation_figures km_simulation_figures_of(const km_simulation *run) {
 }
 
 int km_simulation_crossing_count(const km_simulation *run) {
-  return run ? (int)run->met_count : 0;
+  return run ? (int)run->told : 0;
 }
 
 km_crossing_met km_simulation_crossing(const km_simulation *run, int index) {
-  if (!run || index < 0 || (size_t)index >= run->met_count)
+  if (!run || index < 0 || (size_t)index >= run->told)
     return (km_crossing_met){.crossing = -1, .time = nan("")};
   return run->met[index];
 }

@@ -48,10 +48,11 @@ struct km_simulation {
   bool blind;        /* CVODE has stopped before a pose where accelerations are rounding */
   km_crossing_met *met;
   size_t met_count, met_room;
-  double *at;   /* [size] the vector between steps */
-  double *side; /* [crossing] coordinate less value at the last step */
-  double
-      stop; /* when the first crossing of the last step that ends the run was met, until the run has come there; else infinite */
+  size_t told;     /* of these, up to the first that ends the run; those behind it wait until the run goes on */
+  double *at;      /* [size] the vector between steps */
+  double *side;    /* [crossing] coordinate less value at the last step */
+  double stop;     /* when the last crossing that is told was met, if it ends the run; else infinite */
+  bool halted;     /* the run has come there */
   km_cvode *cvode; /* NULL: fixed steps */
 };
 

@@ -27,14 +27,18 @@ bool km_design_has_answer(const km_design_study *s, const km_design_result *r) {
   return r->outcome == KM_DESIGN_DONE || (r->outcome == KM_DESIGN_SHORT && may_stop_short(s));
 }
 
+bool km_design_is_within(const km_design_figure *figure, double x) {
+  double size = fmax(fabs(figure->low), fabs(figure->high));
+  double slack = 1e-9 * (isfinite(size) ? size : fabs(x));
+  return x >= figure->low - slack && x <= figure->high + slack;
+}
+
 bool km_design_study_accepts(const km_design_study *s, const km_design_result *r) {
   if (!s || !r || !km_design_has_answer(s, r))
     return false;
   for (int f = 0; f < s->figure_count; ++f) {
-    double size = fmax(fabs(s->figures[f]->low), fabs(s->figures[f]->high));
-    double slack = 1e-9 * (isfinite(size) ? size : fabs(r->figures[f]));
     bool unlimited = isinf(s->figures[f]->low) && isinf(s->figures[f]->high);
-    if (!unlimited && !(r->figures[f] >= s->figures[f]->low - slack && r->figures[f] <= s->figures[f]->high + slack))
+    if (!unlimited && !km_design_is_within(s->figures[f], r->figures[f]))
       return false;
   }
   return true;

@@ -47,10 +47,13 @@ static km_status find_frame(const km_model *model, const char *text, size_t leng
 }
 
 static bool read_direction(const char *text, double out[3]) {
-  char end;
-  /* NOLINTNEXTLINE(cert-err34-c): what is out of range is infinite, and refused below */
-  if (sscanf(text, "%lf,%lf,%lf%c", &out[0], &out[1], &out[2], &end) != 3)
-    return false;
+  for (int k = 0; k < 3; ++k) {
+    char *end;
+    out[k] = km_number_read(text, &end);
+    if (end == text || *end != (k < 2 ? ',' : '\0'))
+      return false;
+    text = end + 1;
+  }
   double size = sqrt(out[0] * out[0] + out[1] * out[1] + out[2] * out[2]);
   for (int k = 0; k < 3 && size > 0.0; ++k)
     out[k] /= size;

@@ -1,6 +1,7 @@
 /* What the results of a study come to: one pass over the store, kept until the next run. */
 #include "base/check.h"
 #include "study/ask.h"
+#include "study/goals.h"
 #include "study/rows.h"
 #include "study/sampler.h"
 
@@ -48,10 +49,6 @@ void km_design_forget_statistics(km_design_study *s) {
   s->ranking = NULL;
 }
 
-static bool within(const km_design_figure *f, double x) {
-  return x >= f->low && x <= f->high;
-}
-
 /* Welford's recurrence. */
 static void add_value(km_collected *c, const km_design_study *s, int f, int design, double x) {
   km_design_statistics *st = &c->figures[f];
@@ -62,7 +59,7 @@ static void add_value(km_collected *c, const km_design_study *s, int f, int desi
   km_rows_add(&c->rows[f], x);
   st->mean += before / st->count;
   c->squares[f] += before * (x - st->mean);
-  st->good += within(s->figures[f], x);
+  st->good += km_design_is_within(s->figures[f], x);
   if (st->count == 1 || x < st->least) {
     st->least = x;
     st->least_design = design;

@@ -389,6 +389,42 @@ static double check_crossings(double every) {
   return end;
 }
 
+/* A body that falls passes several values within one step; each one that stops ends the run there, and what comes behind it is met when
+ * the run goes on. */
+static void test_stops_in_one_step(void **data) {
+  (void)data;
+  fixture f = fixture_read(
+      "{\"model_parameters\": {\"gravity\": [0, 0, -10]}, \"assemblies\": [{\"name\": \"m\", \"bodies\": [{\"name\": \"b\", "
+      "\"mass\": 1}], \"joints\": [{\"name\": \"J\", \"type\": \"Tz\", \"body_frame_pairs\": [\"fixed\", \"b\"]}]}]}");
+  const km_crossing crossings[] = {{0, -5.5, false}, {0, -5.3, true}, {0, -5.6, true}, {0, -5.8, false}};
+  km_forces *forces;
+  km_dynamics *dynamics;
+  km_simulation *run;
+  km_simulation_def def = km_simulation_default();
+  def.crossings = crossings;
+  def.crossing_count = 4;
+  assert_int_equal(km_forces_create(f.mechanism, NULL, NULL, 0, &forces, NULL), KM_OK);
+  assert_int_equal(km_dynamics_create(f.mechanism, forces, &dynamics, NULL), KM_OK);
+  assert_int_equal(km_simulation_create(dynamics, f.state, &def, &run, NULL), KM_OK);
+  static const km_status ends[] = {KM_PARTIAL, KM_PARTIAL, KM_OK};
+  static const int met[] = {1, 3, 4}, order[] = {1, 0, 2, 3};
+  static const double heights[] = {-5.3, -5.6, -11.25};
+  for (int i = 0; i < 3; ++i) {
+    assert_int_equal(km_simulation_advance(run, 1.5, NULL, NULL, NULL), ends[i]);
+    assert_int_equal(km_simulation_crossing_count(run), met[i]);
+    assert_near(km_state_coordinate(f.state, 0), heights[i], 1e-6);
+  }
+  for (int i = 0; i < 4; ++i) {
+    km_crossing_met one = km_simulation_crossing(run, i);
+    assert_int_equal(one.crossing, order[i]);
+    assert_near(one.time, sqrt(-crossings[order[i]].value / 5.0), 1e-7);
+  }
+  km_simulation_free(run);
+  km_dynamics_free(dynamics);
+  km_forces_free(forces);
+  fixture_close(&f);
+}
+
 static void test_crossings(void **data) {
   (void)data;
   const double end = check_crossings(0.5);
@@ -593,6 +629,7 @@ int main(void) {
       claim_test(test_prescribed, "A prescribed crank moves by its law, and its work is all the energy that comes in",
                  "1e-7 of the energy: steps of 1e-10 add up over the run"),
       cmocka_unit_test(test_crossings),
+      cmocka_unit_test(test_stops_in_one_step),
       claim_test(test_constant_friction, "Constant friction stops a block where m v²/2 = F s",
                  "the speed below which friction sticks, 1e-6"),
       cmocka_unit_test(test_stop),

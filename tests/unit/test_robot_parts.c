@@ -49,6 +49,19 @@ static void long_keyframes_are_read(void **unused) {
   km_model_free(model);
 }
 
+/* A quaternion of zeros is no turn, as in MuJoCo. */
+static void no_quaternion_is_no_turn(void **unused) {
+  (void)unused;
+  km_model *model =
+      read_as("<mujoco><worldbody><body><freejoint/><geom size='0.1'/></body></worldbody><keyframe><key name='k' "
+              "qpos='1 2 3 0 0 0 0'/></keyframe></mujoco>",
+              false, NULL);
+  assert_int_equal(km_model_pose_count(model), 1);
+  for (int k = 0; k < 6; ++k)
+    assert_near(model->poses[0].values[k], k < 3 ? k + 1.0 : 0.0, 0.0);
+  km_model_free(model);
+}
+
 /* Of links that hang together without the world, the one that is child of no joint is fixed, wherever it stands. */
 static void the_root_is_no_child(void **unused) {
   (void)unused;
@@ -221,6 +234,7 @@ static void limits_of_balls_are_kept(void **unused) {
 int main(void) {
   const struct CMUnitTest tests[] = {cmocka_unit_test(loose_xml_is_read),
                                      cmocka_unit_test(long_keyframes_are_read),
+                                     cmocka_unit_test(no_quaternion_is_no_turn),
                                      cmocka_unit_test(the_root_is_no_child),
                                      cmocka_unit_test(tendons_couple_several_joints),
                                      cmocka_unit_test(looks_are_written),

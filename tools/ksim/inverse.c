@@ -101,7 +101,7 @@ static kt_exit prepare(work *w) {
     result = ksim_read_number(&o->common, "--steps", o->steps, "a number of steps", &steps);
   if (result == KT_DONE && (steps != floor(steps) || steps > 1e7))
     result = kt_usage(&o->common, "--steps", o->steps, "a whole number up to 10 000 000");
-  w->def.steps = (int)steps;
+  w->def.steps = result == KT_DONE ? (int)steps : 0;
   w->def.reactions = o->reactions;
   w->def.axes = (km_axes)o->axes;
   if (result == KT_DONE)

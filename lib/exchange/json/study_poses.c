@@ -49,7 +49,7 @@ static int cut(char *line, char **fields) {
 
 static bool is_number(const char *text, double *out) {
   char *end;
-  *out = strtod(text, &end);
+  *out = km_number_read(text, &end);
   return end != text && *end == '\0';
 }
 

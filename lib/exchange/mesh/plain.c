@@ -2,6 +2,7 @@
 #include "exchange/mesh/plain.h"
 
 #include "base/memory.h"
+#include "base/text.h"
 #include "kmech/files.h"
 
 #include <limits.h>
@@ -49,7 +50,7 @@ static bool read_number(km_scan *scan, double *out) {
   km_scan_skip_blanks(scan);
   if (!strchr("+-.0123456789", *scan->at) || is_end(*scan->at))
     return false;
-  *out = strtod_l(scan->at, &end, scan->locale);
+  *out = km_number_read(scan->at, &end);
   bool sound = end > scan->at && is_end(*end) && isfinite(*out) && !memchr(scan->at, 'x', (size_t)(end - scan->at));
   scan->at = end;
   return sound;
@@ -85,12 +86,8 @@ static bool is_plain_text(const km_text *bytes) {
 static bool scan_text(const km_text *bytes, bool (*read)(km_scan *, km_soup *), km_soup *soup) {
   if (!is_plain_text(bytes))
     return false;
-  km_scan scan = {bytes->data, newlocale(LC_ALL_MASK, "C", (locale_t)0)};
-  soup->failed = !scan.locale;
-  bool plain = scan.locale && read(&scan, soup) && soup->count > 0;
-  if (scan.locale)
-    freelocale(scan.locale);
-  return plain;
+  km_scan scan = {bytes->data};
+  return read(&scan, soup) && soup->count > 0;
 }
 
 static km_mesh *mesh_of(const km_soup *soup) {

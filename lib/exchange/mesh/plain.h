@@ -7,7 +7,6 @@
 #include "kmech/text.h"
 #include "model/mesh.h"
 
-#include <locale.h>
 #include <stdbool.h>
 
 /* Triangles in the making: three corners each. Start from {0}. */
@@ -22,7 +21,6 @@ void km_soup_add(km_soup *soup, km_vec3 a, km_vec3 b, km_vec3 c);
 /* What a text is read by. */
 typedef struct km_scan {
   const char *at;
-  locale_t locale; /* C */
 } km_scan;
 
 /* Each reads what comes next on the line; false: something else comes, or nothing. */

@@ -168,7 +168,7 @@ static bool given(km_mjcf *m, const km_xml *e, const km_mjcf_place *place, const
   if (!text || !km_robot_parse(m->robot, e, key, text, v, count))
     return false;
   if (rounding)
-    km_robot_judge_digits(m->robot, text, period, rounding);
+    km_robot_judge_digits(text, period, rounding);
   return true;
 }
 

@@ -18,7 +18,9 @@ static int take(km_joint_type type, const double *q, double out[KM_MAX_FREEDOM])
     memcpy(out, q, 3 * sizeof *q);
     q += count = 3;
   }
-  km_vec3 turn = km_quaternion_log(km_quaternion_normalised((km_quaternion){q[0], q[1], q[2], q[3]}));
+  bool none = q[0] == 0.0 && q[1] == 0.0 && q[2] == 0.0 && q[3] == 0.0; /* which MuJoCo takes for no turn */
+  km_quaternion turned = {none ? 1.0 : q[0], q[1], q[2], q[3]};
+  km_vec3 turn = km_quaternion_log(km_quaternion_normalised(turned));
   memcpy(out + count, &turn, sizeof turn);
   return count + 3;
 }

@@ -7,10 +7,10 @@
 
 static const char blanks[] = " \t\r\n,";
 
-static bool read_one(km_robot *robot, const char **text, double *out) {
+static bool read_one(const char **text, double *out) {
   char *end;
   *text += strspn(*text, blanks);
-  *out = strtod_l(*text, &end, robot->locale);
+  *out = km_number_read(*text, &end);
   bool ended = *end == '\0' || strchr(blanks, *end);
   if (end == *text || !ended)
     return false;
@@ -37,7 +37,7 @@ int km_robot_parse_some(km_robot *robot, const km_xml *at, const char *what, con
   for (const char *rest = text; !is_empty(rest); ++count) {
     double value;
     const char *here = rest;
-    if (count == most || !read_one(robot, &rest, &value) || !(fabs(value) <= 1e60)) {
+    if (count == most || !read_one(&rest, &value) || !(fabs(value) <= 1e60)) {
       km_robot_error(robot, at, "%s: found \"%.60s\"%s; expected %s%d finite number%s", what, here,
                      strstr(text, "${") ? " (an expression of xacro, which has to be expanded first)" : "",
                      least < most ? "up to " : "", most, most == 1 ? "" : "s");
@@ -73,7 +73,7 @@ double km_robot_bound(km_robot *robot, const km_xml *at, const char *what, const
   const char *rest = text;
   if (is_empty(text))
     return otherwise;
-  if (read_one(robot, &rest, &value) && is_empty(rest) && !isnan(value))
+  if (read_one(&rest, &value) && is_empty(rest) && !isnan(value))
     return fabs(value) < 1e15 ? value : copysign(HUGE_VAL, value);
   km_robot_error(robot, at, "%s: found \"%.60s\"; expected a number", what, text);
   return otherwise;
@@ -92,16 +92,16 @@ static double half_unit(const char *number, size_t length) {
       decimals += point;
     }
   }
-  double power = c < number + length ? strtod(c + 1, NULL) : 0.0;
+  double power = c < number + length ? km_number_read(c + 1, NULL) : 0.0;
   return digits >= 5 && point ? 0.5 * pow(10.0, power - decimals) : 0.0;
 }
 
-void km_robot_judge_digits(km_robot *robot, const char *text, double period, double *worst) {
+void km_robot_judge_digits(const char *text, double period, double *worst) {
   for (const char *rest = text; !is_empty(rest);) {
     double value;
     rest += strspn(rest, blanks);
     const char *start = rest;
-    if (!read_one(robot, &rest, &value))
+    if (!read_one(&rest, &value))
       return;
     double rounding = half_unit(start, (size_t)(rest - start));
     double off = period > 0.0 ? fabs(value - period * round(value / period)) : (double)INFINITY;

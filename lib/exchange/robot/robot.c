@@ -97,9 +97,7 @@ static km_status finish(km_robot *robot, km_model **out, km_error *error) {
 km_status km_robot_build(km_robot_read read, km_xml *root, const km_robot_request *request, km_model **out,
                          km_error *error) {
   km_robot robot = {.request = request, .settings = km_settings_default()};
-  robot.locale = newlocale(LC_ALL_MASK, "C", (locale_t)0);
-  km_status status = robot.locale ? km_builder_create(&robot.builder, error)
-                                  : km_fail(error, KM_MEMORY, "out of memory while reading the model");
+  km_status status = km_builder_create(&robot.builder, error);
   if (!status) {
     read(&robot, root);
     status = finish(&robot, out, error);
@@ -109,7 +107,5 @@ km_status km_robot_build(km_robot_read read, km_xml *root, const km_robot_reques
   km_names_free(&robot.bodies);
   km_names_free(&robot.frames);
   km_arena_free(&robot.arena);
-  if (robot.locale)
-    freelocale(robot.locale);
   return status;
 }

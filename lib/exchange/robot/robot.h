@@ -8,8 +8,6 @@
 #include "model/finish.h"
 #include "model/solids.h"
 
-#include <locale.h>
-
 /* What is asked of a reader, and where it puts what it finds. */
 typedef struct km_robot_request {
   const char *file; /* where the text is from; NULL: nowhere */
@@ -29,8 +27,7 @@ typedef struct km_robot {
   double angle_rounding, length_rounding; /* how far axes and points of loops may be off, as the file rounds them */
   double reach;                           /* the largest distance of a frame from its body's origin */
   double total_mass;                      /* > 0: what the whole is to weigh */
-  locale_t locale;
-  bool failed; /* an error was reported */
+  bool failed;                            /* an error was reported */
 } km_robot;
 
 /* A model from a tree: what each of the formats does. False only where nothing further can be done; faults are
@@ -66,7 +63,7 @@ double km_robot_number(km_robot *robot, const km_xml *element, const char *attri
 double km_robot_bound(km_robot *robot, const km_xml *at, const char *what, const char *text, double otherwise);
 /* Remembers how coarsely the numbers of a pose are rounded. `period`: a multiple of it is meant where it is within
  * the rounding; 0: none. */
-void km_robot_judge_digits(km_robot *robot, const char *text, double period, double *worst);
+void km_robot_judge_digits(const char *text, double period, double *worst);
 
 /* R = Rz(yaw) Ry(pitch) Rx(roll). */
 km_rotation km_rotation_rpy(const double rpy[3]);

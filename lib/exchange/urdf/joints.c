@@ -140,10 +140,13 @@ static void read_mimic(km_urdf *urdf, km_urdf_joint *joint) {
   }
   joint->ratio = km_robot_number(robot, mimic, "multiplier", 1.0);
   joint->offset = km_robot_number(robot, mimic, "offset", 0.0);
-  if (is_single(joint->type))
-    joint->mimics = index;
-  else
+  km_joint_type leader = urdf->list[index].type;
+  if (!is_single(joint->type))
     km_robot_omit(robot, "followers that can't move left out", joint->name);
+  else if (!is_single(leader) && leader != KM_RIGID) /* which of its coordinates is followed? */
+    km_robot_omit(robot, "what follows joints with several coordinates moves by itself", joint->name);
+  else
+    joint->mimics = index;
 }
 
 /* The value in the file's pose: 0, or that which the joint that it follows gives. */

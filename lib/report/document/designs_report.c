@@ -43,6 +43,8 @@ static const char *lead_of(km_document_maker *m, const km_design_study *s, const
     return km_document_format(m, "The best of %d designs has %s %.6g %s.", y->count, o->goals[0].figure,
                               r.figures[figure], km_design_study_figure_unit(s, figure));
   }
+  if (!km_designs_have_limits(s))
+    return km_document_format(m, "%d of %d designs have a full answer.", y->outcomes[KM_DESIGN_DONE], y->count);
   if (!def->sample)
     return km_document_format(m, "%d of %d designs are good enough.", y->good, y->count);
   return km_document_format(m, "%d of %d designs are good enough, %.4g %% (95 %% confidence: %.4g to %.4g %%).",
@@ -62,7 +64,15 @@ static void add_table(km_document_maker *m, const km_designs_table *t) {
 static void add_outcomes(km_document_maker *m, const km_design_yield *y, facts *f) {
   for (int o = 0; o < KM_DESIGN_OUTCOMES; ++o)
     if (y->outcomes[o])
-      add(f, km_design_outcome_name((km_design_outcome)o), km_document_format(m, "%d designs", y->outcomes[o]));
+      add(f, km_design_outcome_name((km_design_outcome)o),
+          km_document_format(m, "%d design%s", y->outcomes[o], y->outcomes[o] == 1 ? "" : "s"));
+}
+
+static const char *limits_of(km_document_maker *m, const km_design_figure *figure, const char *unit) {
+  if (isinf(figure->low))
+    return km_document_format(m, "at most %g %s", figure->high, unit);
+  return isinf(figure->high) ? km_document_format(m, "at least %g %s", figure->low, unit)
+                             : km_document_format(m, "%g to %g %s", figure->low, figure->high, unit);
 }
 
 static void add_limits(km_document_maker *m, const km_design_study *s, facts *f) {
@@ -70,7 +80,7 @@ static void add_limits(km_document_maker *m, const km_design_study *s, facts *f)
     const km_design_figure *figure = km_design_study_figure(s, i);
     if (isfinite(figure->low) || isfinite(figure->high))
       add(f, km_document_format(m, "limits of %s", figure->name),
-          km_document_format(m, "%g to %g %s", figure->low, figure->high, km_design_study_figure_unit(s, i)));
+          limits_of(m, figure, km_design_study_figure_unit(s, i)));
   }
 }
 

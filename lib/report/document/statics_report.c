@@ -62,10 +62,14 @@ static void add_facts(km_document_maker *k, const km_plotted_statics *p, const c
 }
 
 static const char *where(km_document_maker *k, const km_plotted_statics *p, int actuator, km_force_event_kind kind) {
+  enum { MOST_PLACES = 12 };
   km_text text = {0};
+  int count = 0;
   for (size_t i = 0; i < p->sweep->event_count; ++i)
-    if (p->sweep->events[i].actuator == actuator && p->sweep->events[i].kind == kind && text.size < 100)
+    if (p->sweep->events[i].actuator == actuator && p->sweep->events[i].kind == kind && count++ < MOST_PLACES)
       km_text_format(&text, "%s%.6g", text.size ? ", " : "", p->sweep->events[i].s);
+  if (count > MOST_PLACES)
+    km_text_format(&text, "; and %d more", count - MOST_PLACES);
   return km_document_words(k, &text, "–");
 }
 
@@ -110,6 +114,8 @@ static void add_rows(km_document_maker *k, const km_plotted_statics *p) {
         km_force_column(p->sweep, i),
         km_document_format(k, "%.60s (%s)", label_of(p, i), unit_of(k, model, &p->sweep->actuators[i]))};
   km_document_heading(k, "At chosen poses");
+  if (count == MOST && p->sweep->actuator_count > MOST - 1)
+    km_document_text(k, km_document_format(k, "The first %d of %d actuators.", MOST - 1, p->sweep->actuator_count));
   size_t places = p->sweep->event_count + (size_t)p->sweep->actuator_count;
   double *special = KM_ARENA_NEW(&k->arena, double, places);
   if (!special)
@@ -121,20 +127,22 @@ static void add_rows(km_document_maker *k, const km_plotted_statics *p) {
   km_report_rows(k, &p->swept, columns, count, special, places);
 }
 
-/* The row at which some actuator holds most. */
+/* The row at which the actuators hold most, each over the most that it holds: forces and torques have no common unit. */
 static size_t worst_row(const km_plotted_statics *p) {
   const km_table *table = p->swept.motion->table;
   size_t worst = 0;
   double largest = -1.0;
-  for (size_t r = 0; r < km_table_rows(table); ++r)
+  for (size_t r = 0; r < km_table_rows(table); ++r) {
+    double sum = 0.0;
     for (int i = 0; i < p->sweep->actuator_count; ++i) {
-      double f = fabs(km_table_row(table, r)[km_force_column(p->sweep, i)]);
-      double most = fabs(p->sweep->largest[i].value);
-      if (isfinite(f) && f > largest && most > 0.0) {
-        largest = f;
-        worst = r;
-      }
+      double f = fabs(km_table_row(table, r)[km_force_column(p->sweep, i)]), most = fabs(p->sweep->largest[i].value);
+      sum += isfinite(f) && most > 0.0 && isfinite(most) ? f / most : 0.0;
     }
+    if (sum > largest) {
+      largest = sum;
+      worst = r;
+    }
+  }
   return worst;
 }
 

@@ -3,6 +3,7 @@
 
 #include "base/check.h"
 #include "base/memory.h"
+#include "base/text.h"
 #include "model/units.h"
 
 #include <math.h>
@@ -115,7 +116,7 @@ static bool read_number(const char *text, double *out) {
     *out = nan("");
     return true;
   }
-  *out = strtod(text, &end); /* the tools never leave the C locale */
+  *out = km_number_read(text, &end);
   return end != text && end[strspn(end, " \t")] == '\0';
 }
 

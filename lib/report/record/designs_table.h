@@ -19,4 +19,7 @@ typedef struct km_designs_table {
 km_status km_designs_table_make(km_design_study *study, const km_design_study_def *def, km_designs_table *out,
                                 km_error *error);
 
+/* Has any figure a limit, so that designs are good enough or not? */
+bool km_designs_have_limits(const km_design_study *study);
+
 #endif

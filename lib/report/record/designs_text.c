@@ -90,13 +90,6 @@ static void print_outcomes(const km_design_study *s, const km_design_study_def *
   }
 }
 
-static bool has_limits(const km_design_study *s) {
-  for (int f = 0; f < km_design_study_figures(s); ++f)
-    if (isfinite(km_design_study_figure(s, f)->low) || isfinite(km_design_study_figure(s, f)->high))
-      return true;
-  return false;
-}
-
 static void print_yield(const km_design_yield *y, km_text *out) {
   km_text_format(out, "  good enough: %d of %d, %.4g %% (95 %% confidence: %.4g to %.4g %%)\n", y->good, y->count,
                  100.0 * y->share, 100.0 * y->share_low, 100.0 * y->share_high);
@@ -201,7 +194,7 @@ km_status km_designs_print(km_design_study *s, const km_design_study_def *def, c
   status = print_main(s, def, out, error);
   if (!status && def->sample)
     status = print_sensitivity(s, def, out, error);
-  if (has_limits(s) && !def->optimise)
+  if (km_designs_have_limits(s) && !def->optimise)
     print_yield(&y, out);
   print_outcomes(s, def, &y, out);
   if (!all_valued(s, &y))
