@@ -2,6 +2,7 @@
 #include "study/study.h"
 
 #include "base/check.h"
+#include "kmech/value.h"
 #include "kmech/version.h"
 #include "model/model.h"
 #include "study/inputs.h"
@@ -15,6 +16,16 @@ static km_status no_memory(km_error *error) {
   return km_fail(error, KM_MEMORY, "out of memory for a study");
 }
 
+/* The model is a file of its own, which its faults are told of. */
+static km_status check_syntax(const km_design_study *s, const km_text *text, km_error *error) {
+  km_arena arena = {0};
+  const km_value *root;
+  km_error found;
+  km_status status = km_json_parse(text->data ? text->data : "", text->size, &arena, &root, &found);
+  km_arena_free(&arena);
+  return status ? km_fail(error, status, "%s: %s", s->def->model, found.text) : KM_OK;
+}
+
 static km_status read_text(km_design_study *s, km_error *error) {
   km_text text = {0};
   if (s->def->bytes) {
@@ -24,6 +35,8 @@ static km_status read_text(km_design_study *s, km_error *error) {
   }
   km_status status = km_file_read(s->def->model, &text, error);
   s->size = text.size;
+  if (!status)
+    status = check_syntax(s, &text, error);
   if (!status)
     s->bytes = km_text_keep(&text, &s->arena);
   km_text_free(&text);
@@ -36,15 +49,6 @@ static void choose_reference(km_design_study *s) {
   km_design_clear(s, s->reference);
   if (s->def->variant_count || s->def->axis_count)
     km_design_values(s, 0, s->reference);
-}
-
-/* The reference design's model; where that is none, the file's. */
-static km_status read_reference(km_design_study *s, km_model **out, km_error *error) {
-  km_status status = km_design_read_model(s, s->reference, out, error);
-  if (!status || status == KM_MEMORY)
-    return status;
-  km_design_clear(s, s->reference);
-  return km_design_read_model(s, s->reference, out, error);
 }
 
 /* The rows of a motion of so many steps are asked in full only when the study runs: two are enough to see the columns. */
@@ -111,15 +115,11 @@ static void keep_meshes(km_design_study *s, const km_model *model) {
   s->meshes = km_text_keep(&text, &s->arena);
 }
 
-static km_status bind_model(km_design_study *s, km_error *error) {
+/* Takes what the reference design says of all. */
+static km_status try_reference(km_design_study *s, km_error *error) {
   km_model *model = NULL;
-  km_status status = read_text(s, error);
-  if (!status)
-    status = km_patch_find(s, error);
-  if (!status) {
-    choose_reference(s);
-    status = read_reference(s, &model, error);
-  }
+  s->length = 0.0;
+  km_status status = km_design_read_model(s, s->reference, &model, error);
   if (!status)
     status = read_length(s, model, error);
   if (!status)
@@ -128,6 +128,22 @@ static km_status bind_model(km_design_study *s, km_error *error) {
     keep_meshes(s, model);
   km_model_free(model);
   return status;
+}
+
+/* A first design that is no model, or can't be asked, is a result like any other: then the file's own numbers serve. */
+static km_status bind_model(km_design_study *s, km_error *error) {
+  km_error second;
+  km_status status = read_text(s, error);
+  if (!status)
+    status = km_patch_find(s, error);
+  if (status)
+    return status;
+  choose_reference(s);
+  status = try_reference(s, error);
+  if (!status || status == KM_MEMORY)
+    return status;
+  km_design_clear(s, s->reference);
+  return try_reference(s, &second) ? status : KM_OK;
 }
 
 static void list_figures(km_design_study *s) {

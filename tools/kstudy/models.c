@@ -18,7 +18,7 @@ static kt_exit write_text(const kstudy_request *r, const kstudy_open *o, const c
     kt_say(&r->common, KM_ERROR, "%s: %s", o->name, error.text);
     result = kt_exit_of(error.status);
   } else if (text.data && km_model_write_varied(bytes, size, values, count, text.data, length + 1, &error)) {
-    result = kt_write(&r->common, o->base, word, "json", &text);
+    result = kstudy_write(r, o, o->base, word, "json", &text);
   }
   km_text_free(&text);
   return result;

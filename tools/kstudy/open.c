@@ -102,6 +102,13 @@ static kt_exit read_rows(const kstudy_request *r, kstudy_open *out) {
   return result;
 }
 
+/* What can be done about a study that can't be opened. */
+static const char *advice(const km_error *error, bool must_exist) {
+  if (!strstr(error->text, "of another study"))
+    return "";
+  return must_exist ? " (kstudy run --force replaces them)" : " (--force replaces them)";
+}
+
 static kt_exit open_store(const kstudy_request *r, bool must_exist, kstudy_open *out) {
   struct stat there;
   km_error error;
@@ -111,8 +118,7 @@ static kt_exit open_store(const kstudy_request *r, bool must_exist, kstudy_open 
   }
   km_status status = km_design_study_open(&out->def, out->store, r->common.force, &out->study, &error);
   if (status)
-    kt_say(&r->common, KM_ERROR, "%s: %s%s", out->name, error.text,
-           strstr(error.text, "of another study") ? " (--force replaces them)" : "");
+    kt_say(&r->common, KM_ERROR, "%s: %s%s", out->name, error.text, advice(&error, must_exist));
   return status == KM_USAGE && !strstr(error.text, "of another study") ? KT_BAD_MODEL : kt_exit_of(status);
 }
 
@@ -141,6 +147,23 @@ kt_exit kstudy_bring(const kstudy_request *r, bool must_exist, kstudy_open *out)
   if (result == KT_DONE)
     result = kstudy_check_names(r, out);
   return result == KT_DONE ? open_store(r, must_exist, out) : result;
+}
+
+static bool same_file(const char *a, const char *b) {
+  struct stat there, here;
+  return stat(a, &there) == 0 && stat(b, &here) == 0 && there.st_dev == here.st_dev && there.st_ino == here.st_ino;
+}
+
+kt_exit kstudy_write(const kstudy_request *r, const kstudy_open *o, const char *base, const char *word,
+                     const char *format, const km_text *bytes) {
+  km_text path = {0};
+  km_text_format(&path, "%s.%s.%s", base, word, format);
+  bool own = !kt_is_piped(base) && !path.failed && (same_file(path.data, r->study) || same_file(path.data, o->model));
+  if (own)
+    kt_say(&r->common, KM_ERROR, "%s would be replaced, which the study is made from; expected another --base",
+           path.data);
+  km_text_free(&path);
+  return own ? KT_USAGE : kt_write(&r->common, base, word, format, bytes);
 }
 
 void kstudy_close(kstudy_open *open) {

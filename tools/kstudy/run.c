@@ -84,14 +84,15 @@ static kt_exit deliver(const kstudy_request *r, kstudy_open *o, const kt_formats
   return kt_worse(result, kstudy_write_models(r, o));
 }
 
-/* 1: some design has no full answer, or none is good enough. */
+/* 1: some variant has no full answer, none of a sample has any, or none is good enough. */
 static kt_exit judge(kstudy_open *o) {
   km_design_yield y;
   if (km_design_study_yield(o->study, &y, NULL))
     return KT_DONE;
   if (o->def.optimise)
     return km_design_study_best(o->study) < 0 ? KT_PARTIAL : KT_DONE;
-  return o->def.sample || y.outcomes[KM_DESIGN_DONE] == y.count ? KT_DONE : KT_PARTIAL;
+  int answered = y.outcomes[KM_DESIGN_DONE] + (o->def.sample ? y.outcomes[KM_DESIGN_SHORT] : 0);
+  return answered == y.count || (o->def.sample && answered > 0) ? KT_DONE : KT_PARTIAL;
 }
 
 /* The first rank has the store and the files; it tells the others when there is nothing left to do. */

@@ -15,7 +15,7 @@ typedef struct sheet {
   const char *file;
   int column[MEANINGS]; /* of each meaning, −1: absent */
   int columns;
-  int count; /* poses so far; */
+  int count; /* of poses so far */
   km_frame_pose *poses;
   double *times, *turns;
   int *lines;

@@ -88,7 +88,7 @@ static const char *class_says(const km_mjcf *m, int index, const char *element, 
   return found;
 }
 
-/* Of a class that isn't there the first element tells. */
+/* A class that isn't there is told once, at the first element that names it. */
 static int find_class(km_mjcf *m, const km_xml *element, const char *class) {
   int index = km_names_get(&m->class_names, 0, class ? class : "main");
   if (index >= 0 || !class || km_names_get(&m->missing_classes, 0, class) >= 0)

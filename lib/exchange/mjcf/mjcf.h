@@ -130,7 +130,7 @@ void km_mjcf_attach(km_mjcf *m, const km_xml *attach, const km_mjcf_place *place
 const char *km_mjcf_full(const km_mjcf *m, const char *name);
 /* Of an attached model: has everything been attached that an element names? */
 bool km_mjcf_is_here(const km_mjcf *m, const km_xml *element);
-/* A joint between a body (or what lies between) and its parent. `index`: of how many joints of the body; */
+/* A joint between a body (or what lies between) and its parent. */
 typedef struct km_mjcf_link {
   km_body_id parent, child;
   km_pose pose; /* of the child in the parent where the joint has its reference value */

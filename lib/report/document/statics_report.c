@@ -127,20 +127,22 @@ static void add_rows(km_document_maker *k, const km_plotted_statics *p) {
   km_report_rows(k, &p->swept, columns, count, special, places);
 }
 
-/* The row at which the actuators hold most, each over the most that it holds: forces and torques have no common unit. */
-static size_t worst_row(const km_plotted_statics *p) {
+/* The row at which some actuator holds most, of those that have the first one's unit: forces and torques don't compare. */
+static size_t worst_row(km_document_maker *k, const km_plotted_statics *p) {
   const km_table *table = p->swept.motion->table;
+  const km_model *model = p->swept.mechanism->model;
   size_t worst = 0;
   double largest = -1.0;
-  for (size_t r = 0; r < km_table_rows(table); ++r) {
-    double sum = 0.0;
-    for (int i = 0; i < p->sweep->actuator_count; ++i) {
-      double f = fabs(km_table_row(table, r)[km_force_column(p->sweep, i)]), most = fabs(p->sweep->largest[i].value);
-      sum += isfinite(f) && most > 0.0 && isfinite(most) ? f / most : 0.0;
-    }
-    if (sum > largest) {
-      largest = sum;
-      worst = r;
+  for (int i = 0; i < p->sweep->actuator_count; ++i) {
+    if (fabs(p->sweep->largest[i].value) == 0.0 ||
+        strcmp(unit_of(k, model, &p->sweep->actuators[i]), unit_of(k, model, &p->sweep->actuators[0])) != 0)
+      continue;
+    for (size_t r = 0; r < km_table_rows(table); ++r) {
+      double f = fabs(km_table_row(table, r)[km_force_column(p->sweep, i)]);
+      if (isfinite(f) && f > largest) {
+        largest = f;
+        worst = r;
+      }
     }
   }
   return worst;
@@ -152,7 +154,7 @@ static void add_reactions(km_document_maker *k, const km_plotted_statics *p, con
   static const char *const heads[COLUMNS] = {"joint", "fx", "fy", "fz", "tx", "ty", "tz"};
   const km_model *model = p->swept.mechanism->model;
   size_t joints = (size_t)model->joint_count;
-  const double *row = km_table_row(p->swept.motion->table, worst_row(p));
+  const double *row = km_table_row(p->swept.motion->table, worst_row(k, p));
   size_t first = km_table_span(p->swept.motion->table, "r.").first;
   const char **cells = KM_ARENA_NEW(&k->arena, const char *, (joints + 1) * COLUMNS);
   double forces = 0.0;
