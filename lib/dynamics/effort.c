@@ -1,8 +1,6 @@
 /* How many multiplications a solution of the equations of motion takes, by clusters and as one dense system. */
 #include "dynamics/dynamics.h"
 
-#include "base/check.h"
-
 /* A wrench of a body, of an articulated one; the product of a wrench and a twist, a twist's multiple. */
 enum { OF_BODY = 24, OF_ARTICULATED = 36, OF_SCREW = 6, OF_SQUARE = 21 };
 

@@ -5,7 +5,6 @@
 #include "base/parallel.h"
 
 #include <math.h>
-#include <stdio.h>
 #include <string.h>
 
 static km_store_shape shape_of(const km_design_study *s, int q) {

@@ -5,7 +5,6 @@
 #include "base/check.h"
 #include "study/ask.h"
 
-#include <math.h>
 #include <string.h>
 #include <time.h>
 

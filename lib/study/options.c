@@ -1,9 +1,7 @@
 /* The options of a study's question, as values of their types: labels and paths become indices of the model. */
-#include "base/check.h"
 #include "study/study.h"
 
 #include <math.h>
-#include <stdio.h>
 #include <string.h>
 
 enum { MOST_NAMES = 16 };

@@ -9,7 +9,6 @@
 #include "study/sampler.h"
 #include "study/store.h"
 
-#include <math.h>
 #include <string.h>
 
 static km_status no_memory(km_error *error) {

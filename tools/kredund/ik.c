@@ -7,8 +7,6 @@
 #include "kmech/units.h"
 #include "kmech/value.h"
 
-#include <string.h>
-
 static kt_exit read_pose(const kredund_request *r, const kredund_open *open, km_frame_pose *out) {
   double value[6];
   if (!kt_numbers(r->pose, 6, value))

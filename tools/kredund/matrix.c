@@ -7,7 +7,6 @@
 #include "kmech/value.h"
 #include "kmech/version.h"
 
-#include <stdlib.h>
 #include <string.h>
 
 enum { MOST_SIDE = 2000 };

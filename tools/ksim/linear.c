@@ -7,7 +7,6 @@
 #include "kmech/records.h"
 #include "kmech/value.h"
 
-#include <stdio.h>
 #include <string.h>
 
 typedef struct options {

@@ -6,9 +6,7 @@
 #include "kmech/records.h"
 #include "kmech/units.h"
 
-#include <math.h>
 #include <stdio.h>
-#include <string.h>
 
 static kt_exit read_numbers(ksim_work *w) {
   const ksim_options *o = w->options;

@@ -4,7 +4,6 @@
 #include "kmech/text.h"
 
 #include <math.h>
-#include <stdio.h>
 #include <sys/resource.h>
 #include <time.h>
 

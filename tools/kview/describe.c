@@ -8,7 +8,6 @@
 #include "kmech/units.h"
 #include "kmech/version.h"
 
-#include <math.h>
 #include <string.h>
 
 static void add_assemblies(const km_model *m, km_text *out) {

@@ -6,7 +6,6 @@
 #include "kmech/motions.h"
 #include "kmech/statics.h"
 
-#include <math.h>
 #include <stdlib.h>
 
 enum { MOST_MOTIONS = 12, MOST_BASIS = 2000 };

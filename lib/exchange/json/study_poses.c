@@ -4,7 +4,6 @@
 #include "base/file.h"
 
 #include <stdio.h>
-#include <stdlib.h>
 #include <string.h>
 
 enum { MOST_COLUMNS = 16, X = 0, W = 3, QX = 4, RX = 7, TIME = 10, NOTHING = 11, MEANINGS = 12 };

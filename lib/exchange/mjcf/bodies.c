@@ -2,7 +2,6 @@
 #include "exchange/mjcf/mjcf.h"
 #include "model/mass_properties.h"
 
-#include <stdlib.h>
 #include <string.h>
 
 enum { MOST_COPIES = 100000, MOST_JOINTS = 32 };

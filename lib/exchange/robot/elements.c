@@ -3,7 +3,6 @@
 
 #include "model/mass_properties.h"
 
-#include <stdio.h>
 #include <string.h>
 
 void km_robot_builder_failed(km_robot *robot, const km_xml *at, km_status status, const km_error *error) {

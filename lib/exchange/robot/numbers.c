@@ -1,8 +1,6 @@
 /* Numbers in attributes and texts, and how coarsely they are rounded. */
 #include "exchange/robot/robot.h"
 
-#include <float.h>
-#include <stdlib.h>
 #include <string.h>
 
 static const char blanks[] = " \t\r\n,";

@@ -1,8 +1,6 @@
 /* What bodies look like, in SI units, for the writers of robot descriptions. */
 #include "exchange/robot/write.h"
 
-#include <string.h>
-
 static km_model_shape in_metres(const km_written *w, const km_model_shape *shape) {
   km_model_shape out = *shape;
   out.pose.p = km_vec3_scale(w->length, shape->pose.p);

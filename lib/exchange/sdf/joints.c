@@ -1,7 +1,6 @@
 /* Joints of all models, and what ties the rest to the world. */
 #include "exchange/sdf/sdf.h"
 
-#include <stdlib.h>
 #include <string.h>
 
 static const struct {

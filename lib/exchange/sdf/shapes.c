@@ -3,8 +3,6 @@
 
 #include "model/mass_properties.h"
 
-#include <string.h>
-
 /* A pose that no joint depends on: how it is rounded doesn't count. */
 static km_pose loose_pose(km_robot *robot, const km_xml *element) {
   double rounding = robot->angle_rounding;

@@ -1,8 +1,6 @@
 /* The links of a robot, and what ties them. */
 #include "exchange/urdf/urdf.h"
 
-#include "base/nearest.h"
-
 #include <string.h>
 
 km_pose km_urdf_origin(km_robot *robot, const km_xml *element) {

@@ -2,7 +2,6 @@
 #include "exchange/xml/write.h"
 
 #include <math.h>
-#include <stdio.h>
 #include <string.h>
 
 static void add_escaped(km_text *out, const char *text) {

@@ -1,7 +1,6 @@
 /* Writes outlines in AutoCAD's exchange format, release 12: pairs of lines, a group's number and its value. */
 #include "report/drawing/outlines.h"
 
-#include "base/memory.h"
 #include "model/units.h"
 
 #include <ctype.h>

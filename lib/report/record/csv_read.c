@@ -7,7 +7,6 @@
 #include "model/units.h"
 
 #include <math.h>
-#include <stdlib.h>
 #include <string.h>
 
 typedef enum ending { FIELD_ENDS, ROW_ENDS, TEXT_ENDS, QUOTE_OPEN } ending;
