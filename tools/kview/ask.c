@@ -1,25 +1,11 @@
 /* Sweeps: the session's question over its motion, and how far a slider goes. */
+#include "kview/limit.h"
 #include "kview/messages.h"
 
 #include <math.h>
 #include <string.h>
 
 enum { MOST_NUMBERS = 4000000, MOST_STEPS = 5000, TRACK_STEPS = 48 };
-static const double most_seconds = 4.0; /* a page waits no longer for a sweep */
-
-/* Ends work that takes too long: other pages wait too. */
-typedef struct clock_limit {
-  struct timespec start;
-} clock_limit;
-
-static bool goes_on(void *context, double done) {
-  const clock_limit *limit = context;
-  struct timespec now;
-  (void)done;
-  clock_gettime(CLOCK_MONOTONIC, &now);
-  double passed = (double)(now.tv_sec - limit->start.tv_sec) + 1e-9 * (double)(now.tv_nsec - limit->start.tv_nsec);
-  return passed < most_seconds;
-}
 
 /* Options that the kind of question doesn't have are left out. */
 static bool has_option(int kind, const char *name) {
@@ -75,15 +61,14 @@ static km_status make(const kv_session *s, const kv_asked *a, km_question **out,
 }
 
 static km_status run(kv_session *s, km_question *question, km_error *error) {
-  clock_limit limit;
-  clock_gettime(CLOCK_MONOTONIC, &limit.start);
-  km_question_watch(question, goes_on, &limit);
+  kv_limit limit = kv_limit_begin();
+  km_question_watch(question, kv_limit_goes_on, &limit);
   km_status status = kv_session_probe(s, error);
   if (!status)
     status = km_question_ask(question, s->probe, error);
   km_question_watch(question, NULL, NULL);
   if (status == KM_CANCELLED)
-    km_fail(error, KM_CANCELLED, "the sweep took more than %g s; ask for fewer steps", most_seconds);
+    km_fail(error, KM_CANCELLED, "the sweep took more than %g s; ask for fewer steps", kv_most_seconds);
   return status == KM_PARTIAL ? KM_OK : status;
 }
 

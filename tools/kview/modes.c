@@ -1,4 +1,5 @@
 /* Poses to choose from: assembly modes, in which the loops close where one joint stands, and those that the model names. */
+#include "kview/limit.h"
 #include "kview/messages.h"
 
 #include "kmech/modes.h"
@@ -15,7 +16,10 @@ km_status kv_modes(const kv_call *c, km_error *error) {
   kv_session *s = c->session;
   km_modes modes;
   int n = km_model_coordinate_count(s->model);
-  km_status status = km_modes_find(s->mechanism, s->state, kv_index(c, 0), STARTS, 1, NULL, NULL, &modes, error);
+  kv_limit limit = kv_limit_begin();
+  km_status status =
+      km_modes_find(s->mechanism, s->state, kv_index(c, 0), STARTS, 1, kv_limit_goes_on, &limit, &modes, error);
+  status = kv_limit_tell(status, "the search for assembly modes", error);
   if (!status) {
     int count = modes.count < MOST_MODES ? modes.count : MOST_MODES;
     size_t size = (size_t)count * (size_t)n * sizeof(double);

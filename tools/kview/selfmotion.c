@@ -1,4 +1,5 @@
 /* Self-motions: how an arm with joints to spare moves while its effector stays. */
+#include "kview/limit.h"
 #include "kview/messages.h"
 
 #include "kmech/arm.h"
@@ -35,6 +36,7 @@ km_status kv_selfmotion(const kv_call *call, km_error *error) {
   kv_session *s = call->session;
   km_arm *arm = NULL;
   km_selfmotion motion = {0};
+  kv_limit limit = kv_limit_begin();
   km_status status = km_arm_create(s->mechanism, s->state, kv_index(call, 0), KM_TASK_POSE, &arm, error);
   double *q = status ? NULL : calloc((size_t)km_arm_coordinates(arm) + 1, sizeof *q);
   if (!status && !q)
@@ -42,7 +44,8 @@ km_status kv_selfmotion(const kv_call *call, km_error *error) {
   for (int c = 0; !status && c < km_arm_coordinates(arm); ++c)
     q[c] = km_state_coordinate(s->state, km_arm_coordinate(arm, c));
   if (!status)
-    status = km_selfmotion_follow(arm, q, NULL, NULL, &motion, error);
+    status =
+        kv_limit_tell(km_selfmotion_follow(arm, q, kv_limit_goes_on, &limit, &motion, error), "the self-motion", error);
   if (!status)
     add_rows(call, arm, &motion);
   km_selfmotion_free(&motion);

@@ -1,4 +1,5 @@
 /* Why a mechanism moves as it does: its free motions, redundant constraints, forces, leverage. */
+#include "kview/limit.h"
 #include "kview/messages.h"
 
 #include "kmech/diagnosis.h"
@@ -73,15 +74,17 @@ km_status kv_diagnose(const kv_call *call, km_error *error) {
   km_text *out = &call->answer->bytes;
   km_redundancies redundancies = {0};
   km_finite_mobility finite = {0};
+  kv_limit limit = kv_limit_begin();
   km_status status = kv_session_probe(s, error);
   km_mobility mobility;
   if (!status) {
     km_poses_update(s->mechanism, s->probe);
     km_mobility_update(s->mechanism, s->probe, &mobility);
-    status = km_redundancies_find(s->mechanism, s->probe, NULL, NULL, &redundancies, error);
+    status = km_redundancies_find(s->mechanism, s->probe, kv_limit_goes_on, &limit, &redundancies, error);
   }
   if (!status)
-    status = km_finite_mobility_find(s->mechanism, s->probe, NULL, NULL, &finite, error);
+    status = km_finite_mobility_find(s->mechanism, s->probe, kv_limit_goes_on, &limit, &finite, error);
+  status = kv_limit_tell(status, "the diagnosis", error);
   if (!status) {
     km_text_format(out, "{\"kind\":\"diagnosis\",\"request\":%u,\"finite\":%d,\"undecided\":%s,\"redundancies\":[",
                    call->request, finite.mobility, finite.undecided ? "true" : "false");
