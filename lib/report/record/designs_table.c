@@ -6,8 +6,20 @@
 
 #include <math.h>
 #include <stdio.h>
+#include <string.h>
 
 enum { MOST_ROWS = KM_DESIGNS_ROWS, MOST_COLUMNS = KM_DESIGNS_COLUMNS, CELL = KM_DESIGNS_CELL };
+
+/* As much of a text as has room, without a part of a letter; what isn't printed, such as the end of a line, becomes a blank. */
+static void set_text(char cell[CELL], const char *text) {
+  size_t size = strlen(text);
+  if (size > CELL - 1)
+    for (size = CELL - 1; size > 0 && ((unsigned char)text[size] & 0xC0) == 0x80;)
+      --size;
+  for (size_t i = 0; i < size; ++i)
+    cell[i] = (unsigned char)text[i] < 0x20 ? ' ' : text[i];
+  cell[size] = '\0';
+}
 
 static void set_number(char cell[CELL], double x) {
   if (isnan(x))
@@ -18,8 +30,8 @@ static void set_number(char cell[CELL], double x) {
 
 /* Names above their units. */
 static void set_head(km_designs_table *g, int column, const char *name, const char *unit) {
-  snprintf(g->cells[0][column], CELL, "%.*s", CELL - 1, name);
-  snprintf(g->cells[1][column], CELL, "%.*s", CELL - 1, unit);
+  set_text(g->cells[0][column], name);
+  set_text(g->cells[1][column], unit);
 }
 
 /* Which design has the best value of a figure; -1: none is better than another. */
@@ -50,7 +62,7 @@ static void fill_row(km_designs_table *g, const km_design_study *s, const km_des
     return;
   }
   km_design_label(s, def, design, &name);
-  snprintf(g->cells[row][column++], CELL, "%.*s", CELL - 1, name.data ? name.data : "");
+  set_text(g->cells[row][column++], name.data ? name.data : "");
   g->failed = g->failed || name.failed;
   km_text_free(&name);
   for (int p = 0; p < def->parameter_count && column < MOST_COLUMNS; ++p)
@@ -139,8 +151,8 @@ static km_status fill_statistics(km_designs_table *g, km_design_study *s, km_err
     if (status)
       break;
     char(*row)[CELL] = g->cells[g->rows++];
-    snprintf(row[0], CELL, "%.*s", CELL - 1, km_design_study_figure(s, f)->name);
-    snprintf(row[1], CELL, "%.*s", CELL - 1, km_design_study_figure_unit(s, f));
+    set_text(row[0], km_design_study_figure(s, f)->name);
+    set_text(row[1], km_design_study_figure_unit(s, f));
     const double numbers[] = {st.mean,         st.mean_half_width, st.deviation,    st.least,
                               st.quantiles[1], st.quantiles[3],    st.quantiles[5], st.greatest};
     for (int k = 0; k < 8; ++k)
