@@ -51,7 +51,7 @@ static double replace(const km_simulation *run, double *stage, const double *eva
   return largest;
 }
 
-bool km_collocation_try(km_simulation *run, double h, double *blindness, double *after) {
+bool km_collocation_try(km_simulation *run, double h, double *noise, double *after) {
   size_t n = (size_t)run->size;
   double weight[KM_STAGES][KM_STAGES], *at = run->stage + KM_STAGES * n, *slope = at + n;
   for (int i = 0; i < KM_STAGES; ++i)
@@ -61,23 +61,23 @@ bool km_collocation_try(km_simulation *run, double h, double *blindness, double 
   for (int i = 0; i < KM_STAGES; ++i)
     memcpy(run->stage + (size_t)i * n, slope, n * sizeof *slope);
   double change = HUGE_VAL, last = HUGE_VAL;
-  *blindness = *after = 0.0;
+  *noise = *after = 0.0;
   for (int round = 0; change > settled && !(round > 6 && change > 0.3 * last); ++round) {
     last = change;
     change = 0.0;
     if (round == MOST_ROUNDS)
       return false;
-    *blindness = 0.0;
+    *noise = 0.0;
     for (int i = 0; i < KM_STAGES; ++i) {
       combine(run->stage, n, run->y, h, weight[i], at);
       if (!km_simulation_derivative(run, run->time + node[i] * h, at, slope))
         return false;
-      *after = km_simulation_blindness(run, run->usual);
-      *blindness = fmax(*blindness, *after);
+      *after = km_simulation_noise(run, run->usual);
+      *noise = fmax(*noise, *after);
       change = fmax(change, replace(run, run->stage + (size_t)i * n, slope, h));
     }
   }
-  *blindness = fmax(*blindness, change - settled);
+  *noise = fmax(*noise, change - settled);
   return true;
 }
 

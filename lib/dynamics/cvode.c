@@ -18,11 +18,11 @@ struct km_cvode {
 };
 
 /* What rounding may make of a step, over the error allowed. */
-static const double most_blindness = 0.1, hopeless = 1e6;
+static const double most_noise = 0.1, useless_noise = 1e6;
 /* The longest step over a singular pose: radians or characteristic lengths. */
 static const double most_motion = 0.5;
 /* Steps that are made as they come where there was no such step. */
-enum { UNSEEING = 50 };
+enum { UNCHECKED_STEPS = 50 };
 /* What an evaluation tells CVODE: to go on, or to try a shorter step. */
 enum { GO_ON = 0, RETRY = 1 };
 
@@ -32,9 +32,9 @@ static int derivative(double t, N_Vector y, N_Vector ydot, void *data) {
   if (!km_simulation_derivative(run, t, NV_DATA_S(y), NV_DATA_S(ydot)))
     return RETRY;
   km_choice_see(&run->choice, t, NV_DATA_S(y), NV_DATA_S(ydot), run->tolerance);
-  if (run->unseeing || !(km_simulation_blindness(run, run->usual) > most_blindness))
+  if (run->unchecked || !(km_simulation_noise(run, run->usual) > most_noise))
     return GO_ON;
-  run->blind = true;
+  run->noisy = true;
   return RETRY;
 }
 
@@ -156,20 +156,20 @@ static km_status why(const km_simulation *run, int flag, double h, km_error *err
 static bool pass_over(km_simulation *run) {
   double chosen = 0.0, least = HUGE_VAL, longest = most_motion / km_simulation_speed(run);
   bool over = false; /* `chosen` ends behind the pose */
-  for (double h = run->usual; h < 20.0 * run->usual && h < longest && least > most_blindness; h *= 1.07) {
-    double step = fmin(h, run->def.end - run->time), blindness, after;
-    if (!(step > 0.0) || !km_collocation_try(run, step, &blindness, &after) || blindness > hopeless)
+  for (double h = run->usual; h < 20.0 * run->usual && h < longest && least > most_noise; h *= 1.07) {
+    double step = fmin(h, run->def.end - run->time), noise, after;
+    if (!(step > 0.0) || !km_collocation_try(run, step, &noise, &after) || noise > useless_noise)
       continue;
-    bool ends = after <= most_blindness || run->time + step >= run->def.end;
-    if ((over && !ends) || (over == ends && !(blindness < least)))
+    bool ends = after <= most_noise || run->time + step >= run->def.end;
+    if ((over && !ends) || (over == ends && !(noise < least)))
       continue;
     chosen = step;
-    least = ends ? blindness : fmax(blindness, 2.0 * most_blindness);
+    least = ends ? noise : fmax(noise, 2.0 * most_noise);
     over = ends;
     km_collocation_keep(run);
   }
   run->outcome = KM_DYNAMICS_DONE;
-  run->blind = run->blind && !(chosen > 0.0);
+  run->noisy = run->noisy && !(chosen > 0.0);
   return chosen > 0.0 && km_collocation_step(run, chosen) &&
          CVodeReInit(run->cvode->memory, run->time, run->cvode->y) == CV_SUCCESS;
 }
@@ -179,17 +179,17 @@ static void accept_step(km_simulation *run, double t) {
   CVodeGetNumErrTestFails(run->cvode->memory, &run->rejected);
   CVodeGetLastStep(run->cvode->memory, &h);
   run->usual = fmax(h, 0.998 * run->usual);
-  run->unseeing -= run->unseeing > 0;
+  run->unchecked -= run->unchecked > 0;
   run->time = t;
   run->steps++;
   km_simulation_watch_works(run);
   adapt(run);
 }
 
-/* Some steps as they come, blind as they may be. */
-static bool go_on_unseeing(km_simulation *run) {
-  run->unseeing = UNSEEING;
-  run->blind = false;
+/* Some steps as they come, however much of them is rounding. */
+static bool go_on_unchecked(km_simulation *run) {
+  run->unchecked = UNCHECKED_STEPS;
+  run->noisy = false;
   return CVodeReInit(run->cvode->memory, run->time, run->cvode->y) == CV_SUCCESS;
 }
 
@@ -198,7 +198,7 @@ static int try_step(km_simulation *run) {
   double t = run->time;
   run->outcome = KM_DYNAMICS_DONE;
   run->way = KM_STEP_CVODE;
-  run->blind = false;
+  run->noisy = false;
   int flag = CVode(run->cvode->memory, run->time + 1.0, run->cvode->y, &t, CV_ONE_STEP);
   if (flag < 0)
     memcpy(run->y, run->good, (size_t)run->size * sizeof *run->y);
@@ -211,9 +211,9 @@ km_status km_cvode_step(km_simulation *run, km_error *error) {
   km_cvode *c = run->cvode;
   if (c->due && !change_method(run)) /* not before: between steps the past of this method is asked for */
     return km_fail(error, KM_MEMORY, "out of memory for the integrator");
-  if (run->blind && pass_over(run)) /* CVODE has come near, by steps that became shorter */
+  if (run->noisy && pass_over(run)) /* CVODE has come near, by steps that became shorter */
     return KM_OK;
-  if (run->blind && !go_on_unseeing(run))
+  if (run->noisy && !go_on_unchecked(run))
     return km_fail(error, KM_MEMORY, "out of memory for the integrator");
   int flag = try_step(run);
   if (flag >= 0)
@@ -221,7 +221,7 @@ km_status km_cvode_step(km_simulation *run, km_error *error) {
   km_dynamics_outcome outcome = run->outcome;
   if (run->usual > 0.0 && pass_over(run))
     return KM_OK;
-  if (run->blind && go_on_unseeing(run))
+  if (run->noisy && go_on_unchecked(run))
     return km_cvode_step(run, error);
   c->due = km_choice_fail(&run->choice);
   if (c->due)

@@ -243,8 +243,7 @@ static km_status show(km_simulation *run, double time, km_error *error) {
   bool good = km_simulation_derivative(run, time, run->at, run->ydot);
   run->dynamics->closing = closing;
   run->evaluations--;
-  if (good &&
-      km_simulation_blindness(run, run->usual) > 1.0) { /* the vector's rates are better than those that follow */
+  if (good && km_simulation_noise(run, run->usual) > 1.0) { /* the vector's rates are better than those that follow */
     memcpy(run->state->rate, run->seen + run->rate_start,
            (size_t)run->dynamics->mechanism->coordinate_count * sizeof(double));
     km_tree_move(run->dynamics, run->state);

@@ -44,8 +44,8 @@ struct km_simulation {
   long steps, evaluations, rejected;
   km_choice choice;  /* between CVODE's methods */
   double operations; /* beside evaluations, so far */
-  int unseeing;      /* steps to come that don't look for it */
-  bool blind;        /* CVODE has stopped before a pose where accelerations are rounding */
+  int unchecked;     /* steps to come that don't look for it */
+  bool noisy;        /* CVODE has stopped before a pose where accelerations are rounding */
   km_crossing_met *met;
   size_t met_count, met_room;
   size_t told;     /* of these, up to the first that ends the run; those behind it wait until the run goes on */
@@ -85,12 +85,12 @@ void km_vector_use_lanes(void *vector);
 km_status km_fixed_step(km_simulation *run, km_error *error);
 /* The largest rate at the last evaluation, in radians or characteristic lengths per time. */
 double km_simulation_speed(const km_simulation *run);
-/* Where constraints lose their grip for a moment, with a smallest pivot δ, poses are known to ε/δ and accelerations to
+/* Where constraints hardly determine the motion for a moment, with a smallest pivot δ, poses are known to ε/δ and accelerations to
  * ε v²/δ³. What that leaves in a step of length h at the last evaluation, over the error allowed. */
-double km_simulation_blindness(const km_simulation *run, double h);
-/* The stages of a step of length h, the largest blindness at one of them and that at the last one, both for a usual step;
+double km_simulation_noise(const km_simulation *run, double h);
+/* The stages of a step of length h, the largest noise at one of them and that at the last one, both for a usual step;
  * false where there are none. */
-bool km_collocation_try(km_simulation *run, double h, double *blindness, double *after);
+bool km_collocation_try(km_simulation *run, double h, double *noise, double *after);
 /* The step with the stages that were kept; false, with the vector as it was, where it fails. */
 void km_collocation_keep(km_simulation *run);
 bool km_collocation_step(km_simulation *run, double h);

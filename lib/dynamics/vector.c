@@ -128,7 +128,7 @@ double km_simulation_speed(const km_simulation *run) {
   return speed;
 }
 
-double km_simulation_blindness(const km_simulation *run, double h) {
+double km_simulation_noise(const km_simulation *run, double h) {
   static const double rounding = 3e-15, loose = 10.0;
   const km_mechanism *m = run->dynamics->mechanism;
   double push = 0.0, w = run->dynamics->weakness;
