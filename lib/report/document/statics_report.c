@@ -127,24 +127,29 @@ static void add_rows(km_document_maker *k, const km_plotted_statics *p) {
   km_report_rows(k, &p->swept, columns, count, special, places);
 }
 
-/* The row at which some actuator holds most, of those that have the first one's unit: forces and torques don't compare. */
+/* Does the actuator's force compare with the first one's? Forces and torques don't. */
+static bool compares(km_document_maker *k, const km_plotted_statics *p, int actuator) {
+  const km_model *model = p->swept.mechanism->model;
+  return fabs(p->sweep->largest[actuator].value) > 0.0 &&
+         strcmp(unit_of(k, model, &p->sweep->actuators[actuator]), unit_of(k, model, &p->sweep->actuators[0])) == 0;
+}
+
+/* The row at which some actuator holds most, of those that compare. */
 static size_t worst_row(km_document_maker *k, const km_plotted_statics *p) {
   const km_table *table = p->swept.motion->table;
-  const km_model *model = p->swept.mechanism->model;
+  bool *counts = KM_ARENA_NEW(&k->arena, bool, (size_t)p->sweep->actuator_count + 1);
   size_t worst = 0;
   double largest = -1.0;
-  for (int i = 0; i < p->sweep->actuator_count; ++i) {
-    if (fabs(p->sweep->largest[i].value) == 0.0 ||
-        strcmp(unit_of(k, model, &p->sweep->actuators[i]), unit_of(k, model, &p->sweep->actuators[0])) != 0)
-      continue;
-    for (size_t r = 0; r < km_table_rows(table); ++r) {
+  for (int i = 0; i < p->sweep->actuator_count && counts; ++i)
+    counts[i] = compares(k, p, i);
+  for (size_t r = 0; r < km_table_rows(table); ++r)
+    for (int i = 0; i < p->sweep->actuator_count && counts; ++i) {
       double f = fabs(km_table_row(table, r)[km_force_column(p->sweep, i)]);
-      if (isfinite(f) && f > largest) {
+      if (isfinite(f) && f > largest && counts[i]) {
         largest = f;
         worst = r;
       }
     }
-  }
   return worst;
 }
 
