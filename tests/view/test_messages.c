@@ -468,6 +468,7 @@ static void what_is_wrong_is_refused(void **unused) {
                                       "1 joint 0.5 1",
                                       "1 hello 2",
                                       "1 place 1 2",
+                                      "1 place 0 0 1e60 0",
                                       "1 hold 99 1",
                                       "1 point 99 0 0 0 0 0 0 0 0 0",
                                       "1 point 1 0 0",

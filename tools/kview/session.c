@@ -4,6 +4,7 @@
 #include "kmech/files.h"
 #include "kmech/sweep.h"
 
+#include <math.h>
 #include <stdlib.h>
 #include <string.h>
 #include <sys/stat.h>
@@ -295,8 +296,25 @@ km_status kv_session_probe(kv_session *s, km_error *error) {
   return status ? status : km_assemble(s->mechanism, s->probe, &evidence, error);
 }
 
+/* Past a million radians or characteristic lengths the rounding of a coordinate is larger than what loops are closed to. */
+static km_status check_size(const kv_session *s, const double *q, km_error *error) {
+  static const double most = 1e6;
+  for (int c = 0; c < km_model_coordinate_count(s->model); ++c) {
+    bool length = km_model_coordinate_is_length(s->model, c);
+    bool degrees = !length && strcmp(km_model_coordinate_unit(s->model, c), "deg") == 0;
+    double size = length ? s->file_length : degrees ? 180.0 / M_PI : 1.0;
+    if (!(fabs(q[c]) <= most * size))
+      return km_fail(error, KM_USAGE, "found %g for %s; expected at most a million %s", q[c],
+                     km_model_coordinate_label(s->model, c), length ? "characteristic lengths" : "radians");
+  }
+  return KM_OK;
+}
+
 km_status kv_session_place(kv_session *s, const double *q, km_error *error) {
   km_assembly evidence;
+  km_status size = check_size(s, q, error);
+  if (size)
+    return size;
   double *before = kv_session_coordinates(s);
   km_error ignored;
   if (!before)
