@@ -39,6 +39,10 @@ int km_design_study_drawn(const km_design_study *s, int k, int count) {
   return k >= 0 && k < count && k < km_design_study_designs(s) ? km_design_drawn(s, k, count) : -1;
 }
 
+double km_design_study_length(const km_design_study *s) {
+  return s ? s->length : 0.0;
+}
+
 double km_design_study_base(const km_design_study *s, int parameter) {
   return s && parameter >= 0 && parameter < s->def->parameter_count ? s->base[parameter] : nan("");
 }

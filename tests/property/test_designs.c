@@ -1,7 +1,9 @@
 /* Studies of designs: the same bits as models run by hand, for any number of threads; samples. */
 #include "support/designs.h"
 
+#include "kmech/design_results.h"
 #include "kmech/sweep.h"
+#include "kmech/value.h"
 #include "study/ask.h"
 #include "study/sampler.h"
 #include "study/study.h"
@@ -391,6 +393,24 @@ static void cancelled_runs_go_on(void **state) {
   km_design_study_free(s);
 }
 
+/* A record begins as those of all tools: with the model's hash, its units and the length that serves all designs. */
+static void records_name_the_model(void **state) {
+  (void)state;
+  designs d;
+  km_arena arena = {0};
+  km_value *record;
+  designs_of_cranks(&d, 8);
+  km_design_study *s = designs_run(&d, NULL, 1);
+  fixture f = fixture_open("slider_crank");
+  assert_int_equal(km_designs_record(s, &d.def, "study", &arena, &record, NULL), KM_OK);
+  assert_string_equal(km_value_get(record, "model_sha256")->string, f.model->sha256);
+  assert_string_equal(km_value_get(km_value_get(record, "units"), "length")->string, "meters");
+  assert_near(km_value_get(record, "characteristic_length")->number, f.mechanism->length, 1e-14 * f.mechanism->length);
+  fixture_close(&f);
+  km_arena_free(&arena);
+  km_design_study_free(s);
+}
+
 int main(void) {
   const struct CMUnitTest tests[] = {cmocka_unit_test(as_by_hand),
                                      cmocka_unit_test(tracks_as_by_hand),
@@ -400,6 +420,7 @@ int main(void) {
                                      cmocka_unit_test(samples_by_number),
                                      cmocka_unit_test(truncated_tails),
                                      cmocka_unit_test(faulty_designs_are_results),
-                                     cmocka_unit_test(cancelled_runs_go_on)};
+                                     cmocka_unit_test(cancelled_runs_go_on),
+                                     cmocka_unit_test(records_name_the_model)};
   return cmocka_run_group_tests(tests, NULL, NULL);
 }

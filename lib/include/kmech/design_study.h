@@ -220,6 +220,8 @@ KM_API int km_design_study_designs(const km_design_study *study);
 KM_API km_status km_design_study_values(const km_design_study *study, int design, double *values, km_error *error);
 /* The model's own value of a parameter; NaN where the file doesn't state it. */
 KM_API double km_design_study_base(const km_design_study *study, int parameter);
+/* The characteristic length that serves all designs, in the model's unit; 0: the study is about a function. */
+KM_API double km_design_study_length(const km_design_study *study);
 
 /* Asks what the store doesn't hold yet on up to `jobs` threads. KM_CANCELLED: stopped by `progress`, all that was
  * answered is stored. KM_IO, KM_MEMORY. */

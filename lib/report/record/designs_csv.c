@@ -2,6 +2,8 @@
 #include "base/check.h"
 #include "kmech/design_results.h"
 #include "kmech/version.h"
+#include "model/model.h"
+#include "report/record/record.h"
 
 #include <math.h>
 #include <string.h>
@@ -157,6 +159,25 @@ static km_status add_statistics(km_design_study *s, km_arena *arena, km_value *r
   return status;
 }
 
+/* The model as its file has it, else as the first design has it; a study about a function has none. */
+static km_status add_model(const km_design_study *s, const km_design_study_def *def, km_arena *arena, km_value *record,
+                           km_error *error) {
+  km_model *model = NULL;
+  km_error ignored;
+  if (def->function)
+    return KM_OK;
+  km_status status = def->bytes ? km_model_read(def->bytes, def->size, NULL, &model, &ignored)
+                                : km_model_load(def->model, NULL, &model, &ignored);
+  if (status && km_design_study_designs(s) > 0)
+    status = km_design_study_model(s, 0, &model, &ignored);
+  if (!status) {
+    km_record_model(model, record, arena);
+    km_value_number(arena, record, "characteristic_length", km_design_study_length(s));
+  }
+  km_model_free(model);
+  return status == KM_MEMORY ? km_fail(error, KM_MEMORY, "out of memory for a record") : KM_OK;
+}
+
 km_status km_designs_record(km_design_study *s, const km_design_study_def *def, const char *name, km_arena *arena,
                             km_value **out, km_error *error) {
   km_design_yield yield;
@@ -171,6 +192,7 @@ km_status km_designs_record(km_design_study *s, const km_design_study_def *def, 
   km_value_string(arena, record, "study", name);
   if (def->model)
     km_value_string(arena, record, "model", def->model);
+  status = add_model(s, def, arena, record, error);
   km_value_number(arena, record, "asked", yield.count);
   km_value_number(arena, record, "good", yield.good);
   add_number(arena, record, "share", yield.share);
@@ -182,7 +204,7 @@ km_status km_designs_record(km_design_study *s, const km_design_study_def *def, 
   int best = km_design_study_best(s);
   if (best >= 0)
     km_value_number(arena, record, "best", best);
-  if (!arena->failed)
+  if (!status && !arena->failed)
     status = add_statistics(s, arena, record, error);
   if (!status && !arena->failed)
     status = add_designs(s, def, arena, record, error);

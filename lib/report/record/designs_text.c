@@ -90,9 +90,12 @@ static void print_outcomes(const km_design_study *s, const km_design_study_def *
   }
 }
 
-static void print_yield(const km_design_yield *y, km_text *out) {
-  km_text_format(out, "  good enough: %d of %d, %.4g %% (95 %% confidence: %.4g to %.4g %%)\n", y->good, y->count,
-                 100.0 * y->share, 100.0 * y->share_low, 100.0 * y->share_high);
+/* Where nothing was drawn by chance there is no confidence to tell. */
+static void print_yield(const km_design_yield *y, bool drawn, km_text *out) {
+  km_text_format(out, "  good enough: %d of %d, %.4g %%", y->good, y->count, 100.0 * y->share);
+  if (drawn)
+    km_text_format(out, " (95 %% confidence: %.4g to %.4g %%)", 100.0 * y->share_low, 100.0 * y->share_high);
+  km_text_add(out, "\n");
 }
 
 /* Why nothing is told about what a figure depends on; NULL: something is. */
@@ -195,7 +198,7 @@ km_status km_designs_print(km_design_study *s, const km_design_study_def *def, c
   if (!status && def->sample)
     status = print_sensitivity(s, def, out, error);
   if (km_designs_have_limits(s) && !def->optimise)
-    print_yield(&y, out);
+    print_yield(&y, def->sample && def->sample->method != KM_SAMPLING_LIST, out);
   print_outcomes(s, def, &y, out);
   if (!all_valued(s, &y))
     print_valueless(s, def, out);

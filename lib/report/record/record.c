@@ -4,20 +4,23 @@
 #include "kmech/version.h"
 #include "topology/mechanism.h"
 
-km_value *km_record_head(const km_mechanism *m, const char *tool, const char *name, km_arena *arena) {
-  if (!m || !tool || !name || !arena)
-    return NULL;
-  const km_model *model = m->model;
-  km_value *record = km_value_add(arena, NULL, NULL, KM_OBJECT);
-  km_value_string(arena, record, "kmech", KM_VERSION);
-  km_value_string(arena, record, "tool", tool);
-  km_value_string(arena, record, "model", name);
+void km_record_model(const km_model *model, km_value *record, km_arena *arena) {
   km_value_string(arena, record, "model_sha256", model->sha256);
   km_value *units = km_value_add(arena, record, "units", KM_OBJECT);
   const km_unit *const given[KM_QUANTITIES] = {model->units.angle, model->units.length, model->units.mass,
                                                model->units.time, model->units.force};
   for (int q = 0; q < KM_QUANTITIES; ++q)
     km_value_string(arena, units, km_quantity_name((km_quantity)q), given[q]->word);
+}
+
+km_value *km_record_head(const km_mechanism *m, const char *tool, const char *name, km_arena *arena) {
+  if (!m || !tool || !name || !arena)
+    return NULL;
+  km_value *record = km_value_add(arena, NULL, NULL, KM_OBJECT);
+  km_value_string(arena, record, "kmech", KM_VERSION);
+  km_value_string(arena, record, "tool", tool);
+  km_value_string(arena, record, "model", name);
+  km_record_model(m->model, record, arena);
   km_value_number(arena, record, "characteristic_length", m->length);
   km_value_string(arena, record, "characteristic_length_source", km_length_source_name(m->length_source));
   return record;

@@ -6,6 +6,8 @@
 #include "kmech/records.h"
 #include "kmech/sweep_plan.h"
 
+/* `model_sha256` and `units`. */
+void km_record_model(const km_model *model, km_value *record, km_arena *arena);
 /* `columns` and `rows`. */
 void km_table_record(const km_table *table, km_value *record, km_arena *arena);
 /* How the mechanism moved: branch_points, cycle, complete, stopped_by. */
