@@ -36,9 +36,13 @@ typedef enum km_designs_plot {
   KM_DESIGNS_PATHS /* the same of the path of the first point that the question traces */
 } km_designs_plot;
 
+enum {
+  KM_MOST_OVERLAID_DESIGNS = 64 /* of so many the answers and paths are drawn, the first ones */
+};
+
 /* `index`: of the figure, or of the question; `band`: which of its bands. KM_NO_RESULT: there is nothing to draw;
- * KM_INTERNAL: the graphics library's own failure. O(designs); answers and paths of a question are asked for again, of 64
- * designs at most. */
+ * KM_INTERNAL: the graphics library's own failure. O(designs); answers and paths of a question are asked for again, of
+ * KM_MOST_OVERLAID_DESIGNS at most. */
 KM_API km_status km_designs_picture(km_design_study *study, const km_design_study_def *def, const char *name,
                                     km_designs_plot plot, int index, int band, km_picture_format format, km_text *out,
                                     km_error *error);

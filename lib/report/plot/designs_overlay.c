@@ -5,12 +5,10 @@
 
 #include <string.h>
 
-enum { MOST_OVERLAID = 64 };
-
 /* The designs that are compared. */
 typedef struct overlay {
-  km_asked_design asked[MOST_OVERLAID];
-  km_answered answers[MOST_OVERLAID];
+  km_asked_design asked[KM_MOST_OVERLAID_DESIGNS];
+  km_answered answers[KM_MOST_OVERLAID_DESIGNS];
   km_arena arena;
   int count;
 } overlay;
@@ -43,8 +41,8 @@ static bool gather(overlay *v, const km_designs_shown *p, int question) {
     return (designs < 1 || add(v, p, 0, question, "start")) &&
            (best < 1 || (p->only_try && v->count > 0) || add(v, p, best, question, "best"));
   bool good = true;
-  int enough = p->only_try ? 1 : MOST_OVERLAID; /* one answer shows that there is something to draw */
-  for (int i = 0; i < designs && i < MOST_OVERLAID && v->count < enough && good; ++i) {
+  int enough = p->only_try ? 1 : KM_MOST_OVERLAID_DESIGNS; /* one answer shows that there is something to draw */
+  for (int i = 0; i < designs && i < KM_MOST_OVERLAID_DESIGNS && v->count < enough && good; ++i) {
     km_text name = {0};
     km_design_label(p->study, p->def, i, &name);
     good = !name.failed && add(v, p, i, question, name.data ? name.data : "");
@@ -81,7 +79,7 @@ static km_status made_or_no_memory(bool made, km_error *error) {
 /* What figures are taken from along the path. */
 static km_status make_tracks(const overlay *v, const km_designs_shown *p, int question, km_arena *arena, km_plot *out,
                              km_error *error) {
-  km_plotted_table *tables = KM_ARENA_NEW(arena, km_plotted_table, MOST_OVERLAID);
+  km_plotted_table *tables = KM_ARENA_NEW(arena, km_plotted_table, KM_MOST_OVERLAID_DESIGNS);
   size_t *columns = KM_ARENA_NEW(arena, size_t, KM_MOST_DESIGN_FIGURES);
   if (arena->failed)
     return made_or_no_memory(false, error);
@@ -108,8 +106,8 @@ static km_status make_paths(const overlay *v, const km_designs_shown *p, int que
                             km_error *error) {
   (void)p;
   (void)question;
-  km_plotted_table *tables = KM_ARENA_NEW(arena, km_plotted_table, MOST_OVERLAID);
-  size_t *y = KM_ARENA_NEW(arena, size_t, MOST_OVERLAID);
+  km_plotted_table *tables = KM_ARENA_NEW(arena, km_plotted_table, KM_MOST_OVERLAID_DESIGNS);
+  size_t *y = KM_ARENA_NEW(arena, size_t, KM_MOST_OVERLAID_DESIGNS);
   for (int i = 0; i < v->count && !arena->failed; ++i) {
     const km_table *table = km_question_table(v->asked[i].question);
     km_span points = km_table_span(table, "point.");
