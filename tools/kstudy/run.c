@@ -95,12 +95,25 @@ static kt_exit judge(kstudy_open *o) {
   return answered == y.count || (o->def.sample && answered > 0) ? KT_DONE : KT_PARTIAL;
 }
 
+/* What the reader remarks on the model as its file has it; where that is none, the designs tell. */
+static void tell_remarks(const kstudy_request *r, const kstudy_open *o) {
+  km_messages *messages = km_messages_create();
+  km_model *model = NULL;
+  km_error ignored;
+  if (messages && !km_model_load(o->def.model, messages, &model, &ignored))
+    kt_tell_messages(&r->common, o->def.model, messages, KM_OK, "");
+  km_model_free(model);
+  km_messages_free(messages);
+}
+
 /* The first rank has the store and the files; it tells the others when there is nothing left to do. */
 static kt_exit lead(const kstudy_request *r, bool resume, const kt_formats *formats, const kstudy_ranks *ranks) {
   kstudy_open o;
   kt_exit result = kstudy_bring(r, resume, &o);
-  if (result == KT_DONE)
+  if (result == KT_DONE) {
+    tell_remarks(r, &o);
     result = ask(r, &o, ranks);
+  }
   if (result == KT_DONE)
     result = kt_worse(deliver(r, &o, formats), judge(&o));
   kstudy_close(&o);
