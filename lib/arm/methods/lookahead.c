@@ -68,13 +68,32 @@ static int look_ahead(km_look_tree *t) {
   return best.level < 0 ? -1 : branch_of(t, best.level, best.index, 0);
 }
 
-static km_status follow(km_look_tree *t, km_error *error) {
-  static const km_step_choice plain = {0};
+/* A track by another method, which look-ahead's is compared with. */
+typedef struct alternative {
+  km_track_plan plan;
+  km_run run;
+  km_status ended; /* as the method does; KM_MEMORY also: there is no run */
+  km_error error;
+  bool made, holds; /* holds: a run that is to be freed */
+} alternative;
+
+static void make_alternative(alternative *r, const km_run *own, km_method_run method) {
+  r->made = true;
+  r->holds = km_run_create(own->arm, &r->plan, &r->run);
+  r->ended = r->holds ? method(&r->run, &r->error) : km_fail(&r->error, KM_MEMORY, "out of memory for a track");
+}
+
+static void free_alternative(alternative *r) {
+  if (r->holds)
+    km_run_free(&r->run);
+}
+
+/* Goes on up to a sample. */
+static km_status go_on(km_look_tree *t, int until, bool tells, km_error *error) {
   km_run *run = t->run;
   const size_t n = (size_t)run->arm->n;
-  km_tracker_begin(&run->walk, &run->space, 0, run->start, &plain, &t->now->root);
-  memcpy(run->q, t->now->root.q, n * sizeof *run->q);
-  for (run->reached = 1; run->reached < run->plan->path->samples; ++run->reached) {
+  static const km_step_choice plain = {0};
+  for (; run->reached < until; ++run->reached) {
     int branch = look_ahead(t);
     if (branch < 0) {
       km_run_stop(run, &t->now->root, &plain, t->now->middle);
@@ -82,23 +101,58 @@ static km_status follow(km_look_tree *t, km_error *error) {
     }
     km_look_tree_go_on(t, branch);
     memcpy(run->q + (size_t)run->reached * n, t->now->root.q, n * sizeof *run->q);
-    if (!km_run_goes_on(run, run->reached))
+    if (tells && !km_run_goes_on(run, run->reached))
       return km_fail(error, KM_CANCELLED, "cancelled");
   }
   return KM_OK;
 }
 
-static km_status look(km_run *run, bool eased, km_error *error) {
+/* The end of the way, where a tree has one level, too small to be shared; and greedy's track on a thread that is free. */
+typedef struct ending {
+  km_look_tree *tree;
+  alternative *greedy;
+  const void *caller; /* km_thread_mark: who called the library is told of the progress, and nobody else */
+  km_status status;
+  km_error *error;
+} ending;
+
+static void end_beside_greedy(void *context, int index) {
+  ending *e = context;
+  if (index == 1)
+    make_alternative(e->greedy, e->tree->run, km_method_greedy);
+  else
+    e->status = go_on(e->tree, e->tree->run->plan->path->samples, km_thread_mark() == e->caller, e->error);
+}
+
+/* From the start to the end, or as far as it goes; `greedy` is made beside, unless it is NULL. */
+static km_status follow(km_look_tree *t, alternative *greedy, km_error *error) {
+  static const km_step_choice plain = {0};
+  km_run *run = t->run;
+  const int samples = run->plan->path->samples, last = samples - t->stride;
+  const bool beside = greedy && t->branches <= KM_WALK_ABREAST && last > 1;
+  km_tracker_begin(&run->walk, &run->space, 0, run->start, &plain, &t->now->root);
+  memcpy(run->q, t->now->root.q, (size_t)run->arm->n * sizeof *run->q);
+  run->reached = 1;
+  km_status status = go_on(t, beside ? last : samples, true, error);
+  if (status || !beside)
+    return status;
+  ending e = {t, greedy, km_thread_mark(), KM_OK, error};
+  km_team_run(km_run_team(run), 2, end_beside_greedy, &e);
+  return e.status;
+}
+
+static km_status look(km_run *run, bool eased, alternative *greedy, km_error *error) {
   km_look_tree t;
   bool whole = km_look_tree_create(&t, run);
   t.eased = eased;
-  km_status status = whole ? follow(&t, error) : km_fail(error, KM_MEMORY, "out of memory for a look-ahead tree");
+  km_status status =
+      whole ? follow(&t, greedy, error) : km_fail(error, KM_MEMORY, "out of memory for a look-ahead tree");
   km_look_tree_destroy(&t);
   return status;
 }
 
 static km_status look_eased(km_run *run, km_error *error) {
-  return look(run, true, error);
+  return look(run, true, NULL, error);
 }
 
 /* Two tracks of one plan, and what they are worth. */
@@ -123,21 +177,26 @@ static bool beats(km_run *other, km_run *own) {
   return compare(km_run_score(own, c.value[1]), km_run_score(own, c.value[0])) > 0;
 }
 
-/* Another method's track where it is better; `taken` tells. */
-static km_status prefer(km_run *run, km_status status, km_method_run method, bool *taken, km_error *error) {
-  km_run other;
-  *taken = false;
-  if (!km_run_create(run->arm, run->plan, &other))
-    return km_fail(error, KM_MEMORY, "out of memory for a track");
-  km_status ended = method(&other, error);
-  bool tracked = ended == KM_OK || ended == KM_PARTIAL;
-  if (tracked && beats(&other, run)) {
-    km_run_take(run, &other);
-    *taken = true;
-  }
-  run->evaluations += other.evaluations + other.space.arm.evaluations;
-  km_run_free(&other);
-  return !tracked || *taken ? ended : status;
+/* The other track where it is better; `taken` tells. */
+static km_status prefer(km_run *run, km_status status, alternative *other, bool *taken, km_error *error) {
+  bool tracked = other->ended == KM_OK || other->ended == KM_PARTIAL;
+  *taken = tracked && beats(&other->run, run);
+  if (*taken)
+    km_run_take(run, &other->run);
+  if (!tracked)
+    return km_fail(error, other->ended, "%s", other->error.text);
+  run->evaluations += other->run.evaluations + other->run.space.arm.evaluations;
+  return *taken ? other->ended : status;
+}
+
+/* Tried again with branches that turn back as far as the rates ask. */
+static km_status prefer_eased(km_run *run, km_status status, km_error *error) {
+  alternative eased = {.plan = *run->plan};
+  bool taken;
+  make_alternative(&eased, run, look_eased);
+  status = prefer(run, status, &eased, &taken, error);
+  free_alternative(&eased);
+  return status;
 }
 
 km_status km_method_lookahead(km_run *run, km_error *error) {
@@ -148,11 +207,17 @@ km_status km_method_lookahead(km_run *run, km_error *error) {
   if (nodes > MOST_NODES)
     return km_fail(error, KM_USAGE, "%d branches over %d levels make %.3g nodes; expected at most %d", method->branches,
                    method->levels, nodes, MOST_NODES);
-  km_status status = look(run, false, error);
-  bool branches = run->arm->freedom > 0 && method->branches > 1, eased;
+  const bool branches = run->arm->freedom > 0 && method->branches > 1;
+  alternative greedy = {.plan = *run->plan};
+  greedy.plan.progress = NULL;
+  km_status status = look(run, false, branches ? &greedy : NULL, error);
   if (status == KM_PARTIAL && branches && km_tracker_rated(run->arm))
-    status = prefer(run, status, look_eased, &eased, error);
-  if ((status == KM_OK || status == KM_PARTIAL) && branches)
-    status = prefer(run, status, km_method_greedy, &run->greedy_instead, error);
+    status = prefer_eased(run, status, error);
+  if ((status == KM_OK || status == KM_PARTIAL) && branches) {
+    if (!greedy.made)
+      make_alternative(&greedy, run, km_method_greedy);
+    status = prefer(run, status, &greedy, &run->greedy_instead, error);
+  }
+  free_alternative(&greedy);
   return status;
 }
