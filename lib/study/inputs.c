@@ -6,8 +6,15 @@
 
 #include <string.h>
 
-static void add(km_text *out, const char *text) {
-  km_text_format(out, "%zu:%s;", strlen(text), text);
+void km_design_add_name(km_text *out, const char *name) {
+  km_text_format(out, "%zu:%s;", name ? strlen(name) : 0, name ? name : "");
+}
+
+void km_design_add_numbers(km_text *out, const double *numbers, int count) {
+  for (int i = 0; i < count; ++i) {
+    km_text_number(out, numbers[i]);
+    km_text_add(out, ";");
+  }
 }
 
 void km_design_add_meshes(const km_model *model, km_text *out) {
@@ -16,10 +23,8 @@ void km_design_add_meshes(const km_model *model, km_text *out) {
     const double numbers[10] = {
         body->mass,       body->center_of_mass.x, body->center_of_mass.y, body->center_of_mass.z, body->inertia[0],
         body->inertia[1], body->inertia[2],       body->inertia[3],       body->inertia[4],       body->inertia[5]};
-    for (int k = 0; k < 10 && body->mesh; ++k) {
-      km_text_number(out, numbers[k]);
-      km_text_add(out, ";");
-    }
+    if (body->mesh)
+      km_design_add_numbers(out, numbers, 10);
   }
 }
 
@@ -45,7 +50,7 @@ static km_status add_file(const char *file, bool is_study, km_arena *arena, km_t
   const char *table = status || !is_study ? NULL : table_of(file, &bytes, arena);
   if (!status) {
     km_sha256(bytes.data, bytes.size, key);
-    add(out, key);
+    km_design_add_name(out, key);
   }
   km_text_free(&bytes);
   return status || !table ? status : add_file(table, false, arena, out, error);

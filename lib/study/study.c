@@ -157,34 +157,23 @@ static void list_figures(km_design_study *s) {
   s->first_figure[s->def->question_count] = s->figure_count;
 }
 
-static void add_name(km_text *out, const char *name) {
-  km_text_format(out, "%zu:%s;", name ? strlen(name) : 0, name ? name : "");
-}
-
-static void add_numbers(km_text *out, const double *numbers, int count) {
-  for (int i = 0; i < count; ++i) {
-    km_text_number(out, numbers[i]);
-    km_text_add(out, ";");
-  }
-}
-
 static void add_settings(km_text *out, const km_design_setting *settings, int count) {
   for (int i = 0; i < count; ++i) {
-    add_name(out, settings[i].coordinate);
-    add_numbers(out, &settings[i].value, 1);
+    km_design_add_name(out, settings[i].coordinate);
+    km_design_add_numbers(out, &settings[i].value, 1);
   }
   km_text_add(out, "|");
 }
 
 static void add_question(km_text *out, const km_design_question *q) {
-  add_name(out, q->kind ? q->kind : "function");
+  km_design_add_name(out, q->kind ? q->kind : "function");
   for (int i = 0; i < q->option_count; ++i) {
     const km_design_option *o = &q->options[i];
-    add_name(out, o->name);
+    km_design_add_name(out, o->name);
     km_text_add(out, o->flag ? "set" : "");
-    add_numbers(out, o->numbers, o->number_count);
+    km_design_add_numbers(out, o->numbers, o->number_count);
     for (int k = 0; k < o->text_count; ++k)
-      add_name(out, o->texts[k]);
+      km_design_add_name(out, o->texts[k]);
   }
   km_text_add(out, "|");
   add_settings(out, q->holds, q->hold_count);
@@ -192,27 +181,27 @@ static void add_question(km_text *out, const km_design_question *q) {
   for (int f = 0; f < q->figure_count; ++f) { /* what is good enough changes no answer */
     const km_design_figure *figure = &q->figures[f];
     km_text_format(out, "%d;", (int)figure->kind);
-    add_name(out, q->kind ? figure->column : figure->name);
-    add_numbers(out, &figure->at, 1);
-    add_numbers(out, figure->points, 3 * figure->point_count);
+    km_design_add_name(out, q->kind ? figure->column : figure->name);
+    km_design_add_numbers(out, &figure->at, 1);
+    km_design_add_numbers(out, figure->points, 3 * figure->point_count);
   }
   km_text_add(out, "|");
   for (int b = 0; b < q->band_count; ++b)
-    add_name(out, q->bands[b]);
+    km_design_add_name(out, q->bands[b]);
 }
 
 /* All that a question's answers depend on, beside the model and the design. */
 static km_status register_question(km_design_study *s, int index, km_error *error) {
   km_text text = {0};
   char key[KM_SHA256_TEXT];
-  add_name(&text, km_version());
+  km_design_add_name(&text, km_version());
   add_question(&text, &s->def->questions[index]);
   km_status status = km_design_add_files(s, &s->def->questions[index], &text, error);
   if (status) {
     km_text_free(&text);
     return status;
   }
-  add_numbers(&text, &s->length, 1);
+  km_design_add_numbers(&text, &s->length, 1);
   km_text_add(&text, s->meshes);
   bool failed = text.failed;
   if (!failed)
@@ -227,10 +216,10 @@ static km_status open_store(km_design_study *s, const char *path, bool replace, 
   char identity[KM_SHA256_TEXT], model[KM_SHA256_TEXT] = "";
   if (s->bytes)
     km_sha256(s->bytes, s->size, model);
-  add_name(&text, model);
+  km_design_add_name(&text, model);
   km_text_format(&what, "%s %.12s with", s->def->model ? s->def->model : s->bytes ? "the model" : "a function", model);
   for (int p = 0; p < s->def->parameter_count; ++p) {
-    add_name(&text, s->def->parameters[p].path);
+    km_design_add_name(&text, s->def->parameters[p].path);
     km_text_format(&what, "%s %s", p ? "," : "", s->def->parameters[p].path);
   }
   if (!s->def->parameter_count)

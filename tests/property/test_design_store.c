@@ -166,6 +166,19 @@ static void write_solid(const char *name, double a) {
   assert_int_equal(fclose(file), 0);
 }
 
+/* The only figure of the model as it is; so many designs are computed for it. */
+static double only_figure(designs *d, const char *store, int computed) {
+  static const double none[1];
+  static const km_design_variant variant = {.name = "as it is", .values = none};
+  d->def.variants = &variant;
+  d->def.variant_count = 1;
+  km_design_study *s = designs_run(d, store, 1);
+  assert_int_equal(km_design_study_computed(s), computed);
+  double figure = designs_result(s, 0).figures[0];
+  km_design_study_free(s);
+  return figure;
+}
+
 /* The torque that holds a pendulum which a mesh weighs. */
 static double holding_torque(const char *model, const char *store, int computed) {
   static const double steps = 4.0;
@@ -177,15 +190,7 @@ static double holding_torque(const char *model, const char *store, int computed)
   d.options[d.questions[0].option_count++] =
       (km_design_option){.name = "actuators", .texts = actuator, .text_count = 1};
   designs_add_figure(&d, "most", KM_DESIGN_MAX, "f.A");
-  static const double none[1];
-  static const km_design_variant variant = {.name = "as it is", .values = none};
-  d.def.variants = &variant;
-  d.def.variant_count = 1;
-  km_design_study *s = designs_run(&d, store, 1);
-  assert_int_equal(km_design_study_computed(s), computed);
-  double most = designs_result(s, 0).figures[0];
-  km_design_study_free(s);
-  return most;
+  return only_figure(&d, store, computed);
 }
 
 /* A mesh that has changed changes the answers: eight times the volume twice as far from the axis. */
@@ -225,15 +230,7 @@ static double tracked_margin(const char *store, int computed) {
   d.options[d.questions[0].option_count++] = (km_design_option){.name = "study", .texts = study, .text_count = 1};
   d.options[d.questions[0].option_count++] = (km_design_option){.name = "method", .texts = method, .text_count = 1};
   designs_add_figure(&d, "margin", KM_DESIGN_MIN, "limit_margin");
-  static const double none[1];
-  static const km_design_variant variant = {.name = "as it is", .values = none};
-  d.def.variants = &variant;
-  d.def.variant_count = 1;
-  km_design_study *s = designs_run(&d, store, 1);
-  assert_int_equal(km_design_study_computed(s), computed);
-  double margin = designs_result(s, 0).figures[0];
-  km_design_study_free(s);
-  return margin;
+  return only_figure(&d, store, computed);
 }
 
 /* So does the table of poses that a path study names. */

@@ -64,6 +64,11 @@ static bool read_alike(const kt_varied *v, int digits) {
   return false;
 }
 
+static void choose_digits(kt_varied *v) {
+  for (v->digits = 6; v->digits < 17 && read_alike(v, v->digits);)
+    v->digits++;
+}
+
 /* The path keeps its backslashes, which the library reads. */
 static kt_exit read_one(const kt_common *common, const char *text, kt_varied *out) {
   const char *equals = text;
@@ -77,8 +82,6 @@ static kt_exit read_one(const kt_common *common, const char *text, kt_varied *ou
   kt_exit result = !*equals || size == 0 ? KT_USAGE
                    : strchr(equals, ':') ? read_range(equals + 1, out)
                                          : read_list(equals + 1, out);
-  for (out->digits = 6; out->digits < 17 && read_alike(out, out->digits);)
-    out->digits++;
   return result == KT_USAGE ? kt_usage(common, "--vary", text, "PATH=FROM:TO:N, or PATH=A,B,C") : result;
 }
 
@@ -98,6 +101,8 @@ kt_exit kt_variants_read(const kt_common *common, const kt_texts *texts, int mos
   if (count > most)
     return kt_usage(common, "--vary", texts->items[texts->count - 1], expected);
   out->count = (int)count;
+  for (int i = 0; i < out->number_count; ++i)
+    choose_digits(&out->numbers[i]);
   return KT_DONE;
 }
 

@@ -81,7 +81,7 @@ km_status kv_session_take_design(kv_session *s, const double *T, const double *q
   if (memcmp(before, T, size))
     status = change(s, before, T, q, error);
   else if (q)
-    status = kv_session_place(s, q, error);
+    status = s->hold_count > 0 ? kv_session_compile(s, q, error) : kv_session_place(s, q, error);
   free(before);
   return status;
 }

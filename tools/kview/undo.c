@@ -50,8 +50,8 @@ km_status kv_session_mark(kv_session *s, km_error *error) {
   return KM_OK;
 }
 
-/* What is held stays held, where it was in those days: kept at another value it would keep the pose from being reached. Swaps the
- * values with `other`, [hold_count] at first those of the pose. */
+/* What is held stays held, at the value that the pose has: at another one the pose couldn't be reached. Swaps the values with
+ * `other`, [hold_count] at first those of the pose. */
 static void swap_held(kv_session *s, double *other) {
   for (int h = 0; h < s->hold_count; ++h) {
     double value = s->holds[h].value;
@@ -62,22 +62,16 @@ static void swap_held(kv_session *s, double *other) {
 
 /* Takes places and pose with the holds at the pose's values; on failure these are as before. */
 static km_status take_moment(kv_session *s, const double *places, const double *q, km_error *error) {
-  double *held = malloc(((size_t)s->hold_count + 1) * sizeof *held), *present = kv_frame_places(s->model);
-  if (!held || !present) {
-    free(held);
-    free(present);
+  double *held = malloc(((size_t)s->hold_count + 1) * sizeof *held);
+  if (!held)
     return km_fail(error, KM_MEMORY, "out of memory");
-  }
   for (int h = 0; h < s->hold_count; ++h)
     held[h] = q[s->holds[h].coordinate];
   swap_held(s, held);
-  bool same = memcmp(present, places, 3 * (size_t)km_model_frame_count(s->model) * sizeof *present) == 0;
-  km_status status =
-      same && s->hold_count > 0 ? kv_session_compile(s, q, error) : kv_session_take_design(s, places, q, error);
+  km_status status = kv_session_take_design(s, places, q, error);
   if (status)
     swap_held(s, held);
   free(held);
-  free(present);
   return status;
 }
 

@@ -23,16 +23,11 @@ static void expected(km_messages *m, const km_place *place, const km_value *foun
     km_messages_add(m, KM_ERROR, "%s: found %s; expected %s", where, km_kind_name(found->kind), what);
 }
 
-static int check_number(km_messages *m, const km_place *place, const km_value *value) {
-  if (value->kind != KM_NUMBER) {
+static void check_number(km_messages *m, const km_place *place, const km_value *value) {
+  if (value->kind != KM_NUMBER)
     expected(m, place, value, "a number");
-    return 0;
-  }
-  if (!(fabs(value->number) <= largest_number)) {
+  else if (!(fabs(value->number) <= largest_number))
     expected(m, place, value, "a number of magnitude up to 1e60");
-    return 0;
-  }
-  return 1;
 }
 
 /* `count` 0: any number of items. */
@@ -103,37 +98,31 @@ static void check_objects(km_messages *m, const km_place *place, const km_value 
     check_object(m, &item, v, format);
 }
 
-static void check_map(km_messages *m, const km_place *place, const km_value *value) {
+typedef void checker(km_messages *m, const km_place *place, const km_value *value);
+
+/* An object whose members are all of one kind. */
+static void check_members(km_messages *m, const km_place *place, const km_value *value, const char *what,
+                          checker *check) {
   if (value->kind != KM_OBJECT) {
-    expected(m, place, value, "an object {name: value}");
+    expected(m, place, value, what);
     return;
   }
   for (const km_value *v = value->first; v; v = v->next) {
     km_place item = {place, v->key, 0};
-    check_coordinates(m, &item, v);
+    check(m, &item, v);
   }
 }
 
-static void check_poses(km_messages *m, const km_place *place, const km_value *value) {
-  if (value->kind != KM_OBJECT) {
-    expected(m, place, value, "an object {name: {joint: value}}");
-    return;
-  }
-  for (const km_value *v = value->first; v; v = v->next) {
-    km_place item = {place, v->key, 0};
-    check_map(m, &item, v);
-  }
+static void check_map(km_messages *m, const km_place *place, const km_value *value) {
+  check_members(m, place, value, "an object {name: value}", check_coordinates);
 }
 
 static void check_number_map(km_messages *m, const km_place *place, const km_value *value) {
-  if (value->kind != KM_OBJECT) {
-    expected(m, place, value, "an object {name: number}");
-    return;
-  }
-  for (const km_value *v = value->first; v; v = v->next) {
-    km_place item = {place, v->key, 0};
-    check_number(m, &item, v);
-  }
+  check_members(m, place, value, "an object {name: number}", check_number);
+}
+
+static void check_poses(km_messages *m, const km_place *place, const km_value *value) {
+  check_members(m, place, value, "an object {name: {joint: value}}", check_map);
 }
 
 static void check_parameters(km_messages *m, const km_place *place, const km_value *value,

@@ -93,7 +93,9 @@ enum {
   KM_HELD_DAMPING = 8,
   KM_HELD_FRICTION = 16,
   KM_HELD_ARMATURE = 32,
-  KM_HELD_TURN = 64 /* the largest angle of a ball */
+  KM_HELD_TURN = 64, /* the largest angle of a ball */
+  /* By an axis of URDF or SDF. */
+  KM_HELD_BY_AXIS = KM_HELD_LIMITS | KM_HELD_FORCE | KM_HELD_RATE | KM_HELD_DAMPING | KM_HELD_FRICTION
 };
 /* Counts as left out what coordinates from `first` on, or all of a joint's, state beyond what is held. */
 void km_written_hold(km_written *w, int first, int count, unsigned held);

@@ -137,7 +137,7 @@ static void add_axis(km_written *w, const char *element, km_vec3 u, int c) {
   km_xml_end(&w->xml, "dynamics");
   add_mimic(w, c);
   km_xml_end(&w->xml, element);
-  km_written_hold(w, c, 1, KM_HELD_LIMITS | KM_HELD_FORCE | KM_HELD_RATE | KM_HELD_DAMPING | KM_HELD_FRICTION);
+  km_written_hold(w, c, 1, KM_HELD_BY_AXIS);
 }
 
 /* `at`: the joint's frame in the world. */

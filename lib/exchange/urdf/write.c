@@ -132,7 +132,7 @@ static void add_dynamics(km_written *w, int c, bool limited) {
     km_xml_set_numbers(&w->xml, "friction", &friction, 1, false);
     km_xml_end(&w->xml, "dynamics");
   }
-  km_written_hold(w, c, 1, KM_HELD_LIMITS | KM_HELD_FORCE | KM_HELD_RATE | KM_HELD_DAMPING | KM_HELD_FRICTION);
+  km_written_hold(w, c, 1, KM_HELD_BY_AXIS);
 }
 
 static void set_mimic(km_written *w, const char *leader, double multiplier, double offset) {

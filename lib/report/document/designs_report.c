@@ -45,7 +45,7 @@ static const char *lead_of(km_document_maker *m, const km_design_study *s, const
   }
   if (!km_designs_have_limits(s))
     return km_document_format(m, "%d of %d designs have a full answer.", y->outcomes[KM_DESIGN_DONE], y->count);
-  if (!def->sample)
+  if (!km_designs_are_drawn(def))
     return km_document_format(m, "%d of %d designs are good enough.", y->good, y->count);
   return km_document_format(m, "%d of %d designs are good enough, %.4g %% (95 %% confidence: %.4g to %.4g %%).",
                             y->good, y->count, 100.0 * y->share, 100.0 * y->share_low, 100.0 * y->share_high);

@@ -137,6 +137,7 @@ static bool make_dots(const km_designs_shown *p, int figure, int parameter, km_a
   double parameters[KM_MOST_DESIGN_PARAMETERS];
   double *x = KM_ARENA_NEW(arena, double, 2 * (size_t)count + 1),
          *y = KM_ARENA_NEW(arena, double, 2 * (size_t)count + 1);
+  double *figures = KM_ARENA_NEW(arena, double, (size_t)count + 1);
   placed *order = KM_ARENA_NEW(arena, placed, (size_t)count + 1);
   if (!order)
     return false;
@@ -145,22 +146,19 @@ static bool make_dots(const km_designs_shown *p, int figure, int parameter, km_a
     km_design_result r;
     if (!km_design_study_result(p->study, design, &r, NULL) && isfinite(r.figures[figure]) &&
         !km_design_study_values(p->study, design, parameters, NULL)) {
-      y[2 * used] = r.figures[figure];
+      figures[used] = r.figures[figure];
       order[used] = (placed){parameters[parameter], used};
       used++;
     }
   }
   qsort(order, (size_t)used, sizeof *order, by_value);
-  double *figures = KM_ARENA_NEW(arena, double, (size_t)used + 1);
-  for (int i = 0; i < used && figures; ++i)
-    figures[i] = y[2 * i];
-  for (int i = 0; i < used && figures; ++i) {
+  for (int i = 0; i < used; ++i) {
     x[2 * i] = 100.0 * (i + 0.5) / used;
     y[2 * i] = figures[order[i].index];
     x[2 * i + 1] = y[2 * i + 1] = nan("");
   }
   *out = (km_plot_series){.x = x, .y = y, .count = 2 * (size_t)used};
-  return figures && used > 1;
+  return used > 1;
 }
 
 km_status km_designs_scatter(const km_designs_shown *p, int figure, km_text *out, km_error *error) {

@@ -172,6 +172,10 @@ km_status km_designs_table_make(km_design_study *s, const km_design_study_def *d
   return out->failed ? km_fail(error, KM_MEMORY, "out of memory for a table") : KM_OK;
 }
 
+bool km_designs_are_drawn(const km_design_study_def *def) {
+  return def->sample && def->sample->method != KM_SAMPLING_LIST;
+}
+
 bool km_designs_have_limits(const km_design_study *s) {
   for (int f = 0; f < km_design_study_figures(s); ++f)
     if (isfinite(km_design_study_figure(s, f)->low) || isfinite(km_design_study_figure(s, f)->high))

@@ -19,6 +19,8 @@ typedef struct km_designs_table {
 km_status km_designs_table_make(km_design_study *study, const km_design_study_def *def, km_designs_table *out,
                                 km_error *error);
 
+/* Were the designs drawn by chance, so that shares have a confidence interval? */
+bool km_designs_are_drawn(const km_design_study_def *def);
 /* Has any figure a limit, so that designs are good enough or not? */
 bool km_designs_have_limits(const km_design_study *study);
 

@@ -198,7 +198,7 @@ km_status km_designs_print(km_design_study *s, const km_design_study_def *def, c
   if (!status && def->sample)
     status = print_sensitivity(s, def, out, error);
   if (km_designs_have_limits(s) && !def->optimise)
-    print_yield(&y, def->sample && def->sample->method != KM_SAMPLING_LIST, out);
+    print_yield(&y, km_designs_are_drawn(def), out);
   print_outcomes(s, def, &y, out);
   if (!all_valued(s, &y))
     print_valueless(s, def, out);
