@@ -312,7 +312,7 @@ static void find_gamma(km_dynamics *d, km_state *s, int index) {
   }
 }
 
-bool km_constraints_update(km_dynamics *d, km_state *s, bool search) {
+static bool update(km_dynamics *d, km_state *s, bool search) {
   const km_topology *t = &d->mechanism->topology;
   d->residual = 0.0;
   d->weakness = 1.0;
@@ -329,4 +329,11 @@ bool km_constraints_update(km_dynamics *d, km_state *s, bool search) {
     find_gamma(d, s, i);
   }
   return true;
+}
+
+bool km_constraints_update(km_dynamics *d, km_state *s, bool search) {
+  bool closed = update(d, s, search);
+  if (!closed)
+    d->open = d->residual;
+  return closed;
 }

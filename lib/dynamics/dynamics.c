@@ -57,7 +57,6 @@ km_status km_dynamics_create(const km_mechanism *m, km_forces *forces, km_dynami
   if (d) {
     d->mechanism = m;
     d->forces = forces;
-    d->massless = -1;
     d->closing = 1e-13;
   }
   if (!d || !allocate(d))
@@ -148,9 +147,7 @@ static void apply_forces(km_dynamics *d, const km_state *s) {
 /* After km_tree_move. */
 static km_dynamics_outcome solve(km_dynamics *d, km_state *s) {
   apply_forces(d, s);
-  if (km_tree_solve(d, s))
-    return KM_DYNAMICS_DONE;
-  return d->massless >= 0 ? KM_DYNAMICS_MASSLESS : KM_DYNAMICS_INFINITE;
+  return km_tree_solve(d, s);
 }
 
 km_dynamics_outcome km_dynamics_evaluate(km_dynamics *d, km_state *s, bool search) {
@@ -183,7 +180,7 @@ km_status km_dynamics_fail(const km_dynamics *d, km_dynamics_outcome outcome, km
   if (outcome == KM_DYNAMICS_INFINITE)
     return km_fail(error, KM_DIVERGED,
                    "rates or accelerations grow beyond all numbers; expected shorter steps, or weaker forces");
-  return km_fail(error, KM_DIVERGED, "a loop can't be closed: the largest error is %g of its size", d->residual);
+  return km_fail(error, KM_DIVERGED, "a loop can't be closed: the largest error is %g of its size", d->open);
 }
 
 km_status km_dynamics_accelerate(km_dynamics *d, km_state *s, km_error *error) {

@@ -70,7 +70,8 @@ struct km_dynamics {
   /* Forces by the accelerations: called once these are known; goes on by km_dynamics_resolve. NULL: none. */
   km_dynamics_outcome (*press)(void *context, km_state *state);
   void *press_context;
-  int massless; /* coordinate on which nothing with mass moves; -1: none */
+  int massless; /* coordinate of the last evaluation that ended as KM_DYNAMICS_MASSLESS: nothing with mass moves on it */
+  double open;  /* residual of the last one that ended as KM_DYNAMICS_OPEN */
 };
 
 /* Accelerations at the state's time, coordinates and rates. `search`: the pose is one that the motion goes through, where
@@ -109,8 +110,7 @@ void km_tree_move(km_dynamics *dynamics, const km_state *state);
 /* The force that an acceleration of the node asks for, of what it carries and of what has been eliminated from it. */
 km_wrench km_node_force(const km_dynamics *dynamics, int node, km_twist acceleration);
 
-/* Inward and outward over the clusters: from forces and velocity products to accelerations. False where a free motion
- * has no mass; `massless` is then its coordinate. */
-bool km_tree_solve(km_dynamics *dynamics, km_state *state);
+/* Inward and outward over the clusters: from forces and velocity products to accelerations. */
+km_dynamics_outcome km_tree_solve(km_dynamics *dynamics, km_state *state);
 
 #endif

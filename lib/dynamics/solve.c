@@ -156,7 +156,7 @@ static void accelerate(const km_cluster_motion *c, const km_twist *base, double 
       x[k] -= c->D[l * count + k] * x[l];
 }
 
-static bool inward(km_dynamics *d, int index) {
+static km_dynamics_outcome inward(km_dynamics *d, int index) {
   const km_cluster *cluster = &d->tree.clusters[index];
   km_cluster_motion *c = &d->cluster[index];
   partial_velocities(d, cluster, c);
@@ -166,14 +166,14 @@ static bool inward(km_dynamics *d, int index) {
   int vanished = factor(c->D, c->freedom);
   if (vanished != NONE && isfinite(c->D[vanished * c->freedom + vanished])) {
     d->massless = d->tree.coordinate_order[cluster->coordinate_start + c->independent[vanished]];
-    return false;
+    return KM_DYNAMICS_MASSLESS;
   }
   if (vanished != NONE)
-    return false;
+    return KM_DYNAMICS_INFINITE;
   substitute(c->D, c->freedom, c->b);
   if (cluster->base > 0)
     load_base(d, cluster, c, sum);
-  return true;
+  return KM_DYNAMICS_DONE;
 }
 
 static void outward(km_dynamics *d, km_state *s, int index) {
@@ -198,16 +198,15 @@ static void outward(km_dynamics *d, km_state *s, int index) {
   }
 }
 
-bool km_tree_solve(km_dynamics *d, km_state *s) {
-  d->massless = -1;
+km_dynamics_outcome km_tree_solve(km_dynamics *d, km_state *s) {
+  km_dynamics_outcome outcome = KM_DYNAMICS_DONE;
   d->node[0].A = (km_twist){km_vec3_scale(-1.0, d->forces->stated_gravity), {0, 0, 0}};
   for (int n = 1; n < d->tree.node_count; ++n)
     if (d->tree.nodes[n].bears)
       d->articulated[n] = (km_articulated){0};
-  for (int i = d->tree.cluster_count - 1; i >= 0; --i)
-    if (!inward(d, i))
-      return false;
-  for (int i = 0; i < d->tree.cluster_count; ++i)
+  for (int i = d->tree.cluster_count - 1; i >= 0 && outcome == KM_DYNAMICS_DONE; --i)
+    outcome = inward(d, i);
+  for (int i = 0; i < d->tree.cluster_count && outcome == KM_DYNAMICS_DONE; ++i)
     outward(d, s, i);
-  return true;
+  return outcome;
 }

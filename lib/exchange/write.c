@@ -4,6 +4,7 @@
 #include "base/check.h"
 #include "exchange/json/convert.h"
 #include "exchange/json/json.h"
+#include "exchange/json/json_meshes.h"
 #include "exchange/robot/write.h"
 
 #include <math.h>
@@ -26,21 +27,29 @@ km_model_format km_model_format_of(const char *file) {
   return KM_FORMAT_JSON;
 }
 
-static km_status write_json(const km_model *model, const double *q, km_text *text, km_error *error) {
+km_status km_model_rename_meshes(const km_model *model, const km_value *tree, const char *file, km_arena *arena,
+                                 km_error *error) {
+  km_status status = km_check_given(model && tree && arena, !model ? "model" : tree ? "arena" : "tree", error);
+  return status ? status : km_rename_meshes((km_value *)tree, &model->folders, file, arena, error);
+}
+
+static km_status write_json(const km_model *model, const double *q, const char *file, km_text *text, km_error *error) {
   km_arena arena = {0};
   const km_value *value = NULL;
   km_status status = km_model_convert(model, &model->units, q, false, &arena, &value, error);
+  if (!status)
+    status = km_model_rename_meshes(model, value, file, &arena, error);
   if (!status)
     km_json_write(value, text);
   km_arena_free(&arena);
   return status;
 }
 
-static km_status write_robot(const km_model *model, km_robot_write write, const double *q, km_messages *messages,
-                             km_text *text, km_error *error) {
+static km_status write_robot(const km_model *model, km_robot_write write, const double *q, const char *file,
+                             km_messages *messages, km_text *text, km_error *error) {
   km_written w;
   km_text_add(text, "<?xml version=\"1.0\"?>\n");
-  km_status status = km_written_make(model, q, messages, text, &w, error);
+  km_status status = km_written_make(model, q, file, messages, text, &w, error);
   if (!status)
     status = write(&w, error);
   if (!status && w.arena.failed)
@@ -51,8 +60,8 @@ static km_status write_robot(const km_model *model, km_robot_write write, const 
   return status;
 }
 
-km_status km_model_write_as(const km_model *model, km_model_format format, const double *q, km_messages *messages,
-                            km_bytes *out, km_error *error) {
+km_status km_model_write_as(const km_model *model, km_model_format format, const double *q, const char *file,
+                            km_messages *messages, km_bytes *out, km_error *error) {
   km_text text = {0};
   if (!out)
     return km_check_given(false, "place for the result", error);
@@ -65,8 +74,8 @@ km_status km_model_write_as(const km_model *model, km_model_format format, const
       status = km_fail(error, KM_USAGE, "found a displacement that is not finite");
   if (status)
     return status;
-  status = formats[format].write ? write_robot(model, formats[format].write, q, messages, &text, error)
-                                 : write_json(model, q, &text, error);
+  status = formats[format].write ? write_robot(model, formats[format].write, q, file, messages, &text, error)
+                                 : write_json(model, q, file, &text, error);
   if (!status)
     return km_text_give(&text, out, error);
   km_text_free(&text);
@@ -74,5 +83,5 @@ km_status km_model_write_as(const km_model *model, km_model_format format, const
 }
 
 km_status km_model_write(const km_model *model, const double *q, km_bytes *out, km_error *error) {
-  return km_model_write_as(model, KM_FORMAT_JSON, q, NULL, out, error);
+  return km_model_write_as(model, KM_FORMAT_JSON, q, NULL, NULL, out, error);
 }

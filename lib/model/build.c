@@ -91,7 +91,7 @@ static bool begin(km_builder *b) {
   if (!b->model)
     return false;
   km_model *m = b->model;
-  m->folder = ".";
+  m->folders.folder = ".";
   m->units = km_units_default();
   m->closure_tolerance = 1e-9;
   m->sweep = (km_model_sweep){.coordinate = -1, .direction = -1, .sign = 1.0, .steps = 100};

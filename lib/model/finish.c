@@ -6,18 +6,6 @@
 #include <float.h>
 #include <string.h>
 
-bool km_model_stands_in(km_model *model, const char *file) {
-  const char *slash = file ? strrchr(file, '/') : NULL;
-  model->folder = ".";
-  if (!slash)
-    return true;
-  char *folder = km_arena_string(&model->arena, file);
-  if (folder)
-    folder[slash == file ? 1 : slash - file] = '\0';
-  model->folder = folder;
-  return folder != NULL;
-}
-
 static int root_of(int *parent, int body) {
   while (parent[body] != body)
     body = parent[body] = parent[parent[body]];

@@ -11,9 +11,6 @@ enum { KM_LABEL_JOINT, KM_LABEL_COORDINATE, KM_LABEL_COUNT, KM_LABEL_FAULTY, KM_
 /* A joint's label is its name where no other joint has that name or label, else its full path; coordinate k of several
  * is `label[k]`. Enters all of them in the table. Reports two joints of one label. */
 void km_model_assign_labels(km_model *model, km_names *labels, km_messages *messages);
-/* The folder in which the files that the model names are looked for is that of `file`; NULL: the current one. False when
- * out of memory. */
-bool km_model_stands_in(km_model *model, const char *file);
 /* Reports every body that no chain of joints ties to the inertial frame. */
 void km_model_check_ties(km_model *model, km_messages *messages);
 /* Reports negative principal moments, and notes moments that no body has. After every body and frame is there: their size tells what rounding is. */

@@ -178,6 +178,13 @@ typedef struct km_simulation_settings {
   double span, step, relative, absolute;
 } km_simulation_settings;
 
+/* Where the meshes of a model are. */
+typedef struct km_folders {
+  const char *folder;        /* of the file, where include_dirs start */
+  const char **include_dirs; /* where meshes are looked for */
+  int include_dir_count;
+} km_folders;
+
 /* The numbers that calls can change, as they were before the first change. */
 typedef struct km_unedited {
   km_model_body *bodies;
@@ -192,9 +199,7 @@ struct km_model {
       *origin; /* what the room of exchange/ that read it needs to write it again; NULL: built by calls */
   char sha256[KM_SHA256_TEXT];
   const char *source;        /* where the model is from, in words; NULL: not told */
-  const char *folder;        /* of the file, where include_dirs start */
-  const char **include_dirs; /* where meshes are looked for */
-  int include_dir_count;
+  km_folders folders;
   km_units units;
   km_vec3 gravity;
   km_simulation_settings simulation;

@@ -382,7 +382,7 @@ static km_status write_all(const char *json) {
   km_error error;
   km_status status = km_model_read(json, strlen(json), NULL, &model, &error);
   for (int format = KM_FORMAT_JSON; format <= KM_FORMAT_SDF && !status; ++format) {
-    status = km_model_write_as(model, (km_model_format)format, NULL, NULL, &bytes, &error);
+    status = km_model_write_as(model, (km_model_format)format, NULL, NULL, NULL, &bytes, &error);
     km_bytes_free(&bytes);
   }
   km_model_free(model);

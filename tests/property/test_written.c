@@ -36,7 +36,7 @@ static void send_and_read(const fixture *f, const char *name, km_model_format fo
   double *q = KM_NEW(double, (size_t)f->model->coordinate_count);
   for (int c = 0; c < f->model->coordinate_count; ++c)
     q[c] = km_state_coordinate(f->state, c);
-  if (km_model_write_as(f->model, format, q, NULL, &bytes, &error))
+  if (km_model_write_as(f->model, format, q, NULL, NULL, &bytes, &error))
     fail_msg("%s, format %d: %s", name, format, error.text);
   km_free(q);
   if (km_model_read_as(bytes.data, bytes.size, &(km_read_def){.floating = format == KM_FORMAT_SDF}, NULL, &model,

@@ -172,9 +172,9 @@ static void writing(void **state) {
   expect(km_model_convert(f.model, &f.model->units, q, false, &arena, &tree, &e), KM_USAGE, &e,
          "found a displacement that is not finite");
   assert_null(tree);
-  expect(km_model_write_as(f.model, KM_FORMAT_URDF, q, NULL, &bytes, &e), KM_USAGE, &e,
+  expect(km_model_write_as(f.model, KM_FORMAT_URDF, q, NULL, NULL, &bytes, &e), KM_USAGE, &e,
          "found a displacement that is not finite");
-  expect(km_model_write_as(f.model, KM_FORMAT_MJCF, open, NULL, &bytes, &e), KM_MODEL, &e,
+  expect(km_model_write_as(f.model, KM_FORMAT_MJCF, open, NULL, NULL, &bytes, &e), KM_MODEL, &e,
          "is open at this pose; expected the pose of a closed one");
   fixture_close(&f);
 }

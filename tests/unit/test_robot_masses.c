@@ -129,7 +129,7 @@ static void springs_are_written(void **unused) {
   for (size_t i = 0; i < sizeof written / sizeof *written; ++i) {
     km_messages *messages = km_messages_create();
     km_bytes bytes;
-    assert_int_equal(km_model_write_as(model, written[i].format, NULL, messages, &bytes, NULL), KM_OK);
+    assert_int_equal(km_model_write_as(model, written[i].format, NULL, NULL, messages, &bytes, NULL), KM_OK);
     km_model *back = read_as(bytes.data, false, NULL);
     char told[64];
     bool found = false;

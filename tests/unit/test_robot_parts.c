@@ -101,7 +101,7 @@ static void assert_tied(fixture *f) {
 static fixture sent(const km_model *model, km_model_format format) {
   km_bytes bytes;
   km_error error;
-  if (km_model_write_as(model, format, NULL, NULL, &bytes, &error))
+  if (km_model_write_as(model, format, NULL, NULL, NULL, &bytes, &error))
     fail_msg("%s", error.text);
   fixture f = fixture_of(read_as(bytes.data, false, NULL));
   km_bytes_free(&bytes);

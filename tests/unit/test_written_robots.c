@@ -12,7 +12,7 @@ static const km_model_format formats[3] = {KM_FORMAT_URDF, KM_FORMAT_MJCF, KM_FO
 
 static km_bytes written(const km_model *model, km_model_format format, km_messages *messages) {
   km_bytes bytes;
-  assert_int_equal(km_model_write_as(model, format, NULL, messages, &bytes, NULL), KM_OK);
+  assert_int_equal(km_model_write_as(model, format, NULL, NULL, messages, &bytes, NULL), KM_OK);
   return bytes;
 }
 

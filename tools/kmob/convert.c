@@ -45,7 +45,7 @@ static kt_exit write_robot(const options *o, const kt_pose *pose, km_model_forma
   km_bytes bytes = {0};
   km_error error;
   km_messages *notes = km_messages_create();
-  km_status status = km_model_write_as(pose->model, format, q, notes, &bytes, &error);
+  km_status status = km_model_write_as(pose->model, format, q, o->file, notes, &bytes, &error);
   for (size_t i = 0; i < km_messages_count(notes); ++i)
     kt_say(&o->common, km_messages_severity(notes, i), "%s: %s", o->model, km_messages_text(notes, i));
   if (status)
@@ -78,6 +78,8 @@ static kt_exit convert_pose(const options *o, const kt_pose *pose) {
   km_status status = !q         ? km_fail(&error, KM_MEMORY, "out of memory")
                      : o->drawn ? draw(o, pose, &units, q, &arena, &value, &error)
                                 : km_model_convert(pose->model, &units, q, o->frames, &arena, &value, &error);
+  if (!status)
+    status = km_model_rename_meshes(pose->model, value, o->file, &arena, &error);
   if (status)
     kt_say(&o->common, KM_ERROR, "%s: %s", o->model, error.text);
   else {

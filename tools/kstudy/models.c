@@ -8,16 +8,18 @@
 #include <stdio.h>
 #include <string.h>
 
-static kt_exit write_text(const kstudy_request *r, const kstudy_open *o, const char *word, const char *bytes,
-                          size_t size, const km_assignment *values, int count) {
+static kt_exit write_text(const kstudy_request *r, const kstudy_open *o, const char *word, const km_text *bytes,
+                          const km_assignment *values, int count) {
   km_error error;
-  size_t length = km_model_write_varied(bytes, size, values, count, NULL, 0, &error);
+  const char *to = kt_is_piped(o->base) ? NULL : o->base;
+  size_t length = km_model_write_varied(bytes->data, bytes->size, values, count, o->def.model, to, NULL, 0, &error);
   km_text text = {.data = length ? KM_NEW(char, length + 1) : NULL, .size = length, .capacity = length + 1};
   kt_exit result = KT_NO_MEMORY;
   if (!length) {
     kt_say(&r->common, KM_ERROR, "%s: %s", o->name, error.text);
     result = kt_exit_of(error.status);
-  } else if (text.data && km_model_write_varied(bytes, size, values, count, text.data, length + 1, &error)) {
+  } else if (text.data && km_model_write_varied(bytes->data, bytes->size, values, count, o->def.model, to, text.data,
+                                                length + 1, &error)) {
     result = kstudy_write(r, o, o->base, word, "json", &text);
   }
   km_text_free(&text);
@@ -38,8 +40,7 @@ static kt_exit write_design(const kstudy_request *r, const kstudy_open *o, int d
       assignments[count++] = (km_assignment){o->def.parameters[p].path, values[p]};
   if (status)
     kt_say(&r->common, KM_ERROR, "%s: %s", o->name, error.text);
-  kt_exit result = status ? kt_exit_of(status)
-                          : write_text(r, o, word, bytes.data ? bytes.data : "", bytes.size, assignments, count);
+  kt_exit result = status ? kt_exit_of(status) : write_text(r, o, word, &bytes, assignments, count);
   km_text_free(&bytes);
   return result;
 }

@@ -207,13 +207,14 @@ class Model:
 
     def save(self, path: Union[str, Path], pose: Optional[Any] = None) -> list[Message]:
         """Writes a file: .urdf, .xml (MJCF) or .sdf at a closed pose (by default that of a new mechanism), or else the
-        model's own format. Returns notes on what the format can't hold."""
+        model's own format. Meshes are named as from its folder. Returns notes on what the format can't hold."""
         path = Path(path)
-        data, notes = self._written(lib.km_model_format_of(bytes_of(str(path), "path")), pose)
+        name = bytes_of(str(path), "path")
+        data, notes = self._written(lib.km_model_format_of(name), pose, name)
         path.write_bytes(data)
         return notes
 
-    def _written(self, format: int, pose: Optional[Any]) -> tuple[bytes, list[Message]]:
+    def _written(self, format: int, pose: Optional[Any], file: Any = ffi.NULL) -> tuple[bytes, list[Message]]:
         if pose is None and format != lib.KM_FORMAT_JSON:
             pose = self.mechanism().state
         q = ffi.NULL
@@ -224,7 +225,7 @@ class Model:
         messages = ffi.gc(lib.km_messages_create(), lib.km_messages_free)
         out, error = ffi.new("km_bytes *"), new_error()
         with self._reading():
-            check(lib.km_model_write_as(self._c, format, q, messages, out, error), error)
+            check(lib.km_model_write_as(self._c, format, q, file, messages, out, error), error)
         return taken(out), messages_of(messages)
 
     def mechanism(self, *, set: Optional[Mapping[str, float]] = None,

@@ -142,6 +142,18 @@ def test_models_go_out_and_come_back(ending, iiwa, tmp_path):
         assert two.state.frame(f"{body}/origin").p == pytest.approx(one.state.frame(f"{body}/origin").p, abs=1e-12)
 
 
+def test_a_model_in_another_folder_finds_its_meshes(tmp_path):
+    (tmp_path / "in").mkdir()
+    (tmp_path / "out").mkdir()
+    (tmp_path / "in" / "t.obj").write_text("v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nf 1 3 2\nf 1 2 4\nf 1 4 3\nf 2 3 4\n")
+    (tmp_path / "in" / "m.json").write_text(
+        '{"assemblies": [{"name": "a", "bodies": [{"name": "b", "definition": ["t.obj"], "density": 6}],'
+        ' "joints": [{"name": "J", "type": "Rx", "body_frame_pairs": ["fixed", "b"]}]}]}')
+    kmech.load(tmp_path / "in" / "m.json").save(tmp_path / "out" / "m.json")
+    again = kmech.load(tmp_path / "out" / "m.json")
+    assert "../in/t.obj" in again.to_json() and not again.messages
+
+
 def test_arms(iiwa):
     arm = iiwa.mechanism().arm("flange/tool")
     q = [0.1, 0.5, -0.2, -1.2, 0.3, 0.7, 0.0]

@@ -220,7 +220,7 @@ static km_status read_twin(const km_model *model, const km_units *units, const d
   km_status status = messages ? km_model_convert(model, units, q, true, own, &tree, error) : KM_MEMORY;
   if (!status) {
     km_json_write(tree, &text);
-    km_text_format(&file, "%s/model", model->folder ? model->folder : ".");
+    km_text_format(&file, "%s/model", model->folders.folder ? model->folders.folder : ".");
     status = text.failed || file.failed
                  ? KM_MEMORY
                  : km_json_model(text.data, text.size, &(km_read_def){.file = file.data}, messages, twin, error);

@@ -2,7 +2,9 @@
 #include "base/check.h"
 #include "exchange/json/evaluate.h"
 #include "exchange/json/json.h"
+#include "exchange/json/json_meshes.h"
 #include "exchange/json/vary.h"
+#include "exchange/mesh/folders.h"
 
 #include <ctype.h>
 #include <string.h>
@@ -63,31 +65,42 @@ km_status km_model_read_numbers(const char *bytes, size_t size, const char *cons
   return status;
 }
 
+/* The meshes of the text as the file `to` sees them. */
+static km_status rename_meshes(km_value *root, const char *from, const char *to, km_arena *arena, km_error *error) {
+  km_folders folders = {0};
+  if (!km_folders_begin(&folders, from, arena))
+    return km_fail(error, KM_MEMORY, "out of memory for the folder of a model");
+  km_read_folders(km_value_get(km_value_get(root, "model_parameters"), "include_dir"), arena, &folders);
+  return km_rename_meshes(root, &folders, to, arena, error);
+}
+
 /* The whole text; its failure is memory's. */
-static km_status write_varied(const char *bytes, size_t size, const km_assignment *assignments, int count, km_text *out,
-                              km_error *error) {
+static km_status write_varied(const char *bytes, size_t size, const km_assignment *assignments, int count,
+                              const char *from, const char *to, km_text *out, km_error *error) {
   km_arena arena = {0};
   km_value *root;
   km_status status = km_json_parse_open(bytes, size, &arena, &root, error);
   if (!status)
     status = km_model_vary(root, assignments, count, &arena, error);
+  if (!status && to)
+    status = rename_meshes(root, from, to, &arena, error);
   if (!status)
     km_json_write(root, out);
-  if (!status && out->failed)
+  if (!status && (out->failed || arena.failed))
     status = km_fail(error, KM_MEMORY, "out of memory for a model's text");
   km_arena_free(&arena);
   return status;
 }
 
-size_t km_model_write_varied(const char *bytes, size_t size, const km_assignment *assignments, int count, char *text,
-                             size_t room, km_error *error) {
+size_t km_model_write_varied(const char *bytes, size_t size, const km_assignment *assignments, int count,
+                             const char *from, const char *to, char *text, size_t room, km_error *error) {
   km_status given = km_check_given(bytes != NULL, "text of a model", error);
   if (!given)
     given = km_check_list(assignments, count, "assignments", error);
   if (given)
     return 0;
   km_text out = {0};
-  km_status status = write_varied(bytes, size, assignments, count, &out, error);
+  km_status status = write_varied(bytes, size, assignments, count, from, to, &out, error);
   size_t written = status ? 0 : out.size;
   if (!status && text && room > 0) {
     size_t fits = written < room - 1 ? written : room - 1;

@@ -2,9 +2,11 @@
 #include "exchange/json/evaluate.h"
 #include "exchange/json/format.h"
 #include "exchange/json/json.h"
+#include "exchange/json/json_meshes.h"
 #include "exchange/json/json_model.h"
 #include "exchange/json/reader.h"
 #include "exchange/json/vary.h"
+#include "exchange/mesh/folders.h"
 #include "exchange/mesh/model_meshes.h"
 
 #include <string.h>
@@ -98,17 +100,6 @@ static void read_units(km_reader *reader, const km_value *parameters, const km_p
   }
 }
 
-static void read_folders(km_reader *reader, const km_value *dirs) {
-  km_model *model = reader->model;
-  model->include_dirs = KM_ARENA_NEW(&model->arena, const char *, dirs ? dirs->count + 1 : 0);
-  if (model->arena.failed || !dirs)
-    return;
-  if (dirs->kind == KM_STRING)
-    model->include_dirs[model->include_dir_count++] = dirs->string;
-  for (const km_value *d = dirs->kind == KM_LIST ? dirs->first : NULL; d; d = d->next)
-    model->include_dirs[model->include_dir_count++] = d->string;
-}
-
 static void read_parameters(km_reader *reader, const km_value *root) {
   km_model *model = reader->model;
   const km_value *parameters = km_value_get(root, "model_parameters");
@@ -121,7 +112,7 @@ static void read_parameters(km_reader *reader, const km_value *root) {
       (version && strcmp(version, "1.1") == 0) || km_value_get(root, "parameters") || km_value_get(root, "poses");
   reader->origin->version = newer || reader->strut_room ? "1.1" : "1.0";
   read_units(reader, parameters, &place);
-  read_folders(reader, km_value_get(parameters, "include_dir"));
+  km_read_folders(km_value_get(parameters, "include_dir"), &reader->model->arena, &reader->model->folders);
   model->gravity = km_reader_vector(parameters, "gravity");
   const km_value *simulation = km_value_get(parameters, "simulation");
   model->simulation = (km_simulation_settings){
@@ -273,7 +264,7 @@ km_status km_json_model(const char *bytes, size_t size, const km_read_def *def, 
                         km_error *error) {
   km_model *model = KM_NEW(km_model, 1);
   km_status status = KM_MEMORY;
-  if (model && km_model_stands_in(model, def->file))
+  if (model && km_folders_begin(&model->folders, def->file, &model->arena))
     status = read_model(model, bytes, size, def, messages, error);
   else
     km_fail(error, KM_MEMORY, "out of memory while reading the model");

@@ -9,21 +9,21 @@
 #include <string.h>
 #include <unistd.h>
 
-static bool try_folder(const km_model *model, const char *folder, const char *name, km_text *path) {
+static bool try_folder(const km_folders *folders, const char *folder, const char *name, km_text *path) {
   path->size = 0;
   if (name[0] != '/')
-    km_text_format(path, "%s/", folder[0] == '/' ? folder : model->folder);
+    km_text_format(path, "%s/", folder[0] == '/' ? folder : folders->folder);
   if (name[0] != '/' && folder[0] != '/' && folder[0])
     km_text_format(path, "%s/", folder);
   km_text_add(path, name);
   return !path->failed && access(path->data, R_OK) == 0;
 }
 
-bool km_model_find_mesh(const km_model *model, const char *name, km_text *path) {
-  if (try_folder(model, "", name, path))
+bool km_find_mesh(const km_folders *folders, const char *name, km_text *path) {
+  if (try_folder(folders, "", name, path))
     return true;
-  for (int i = 0; i < model->include_dir_count; ++i)
-    if (try_folder(model, model->include_dirs[i], name, path))
+  for (int i = 0; i < folders->include_dir_count; ++i)
+    if (try_folder(folders, folders->include_dirs[i], name, path))
       return true;
   return false;
 }
@@ -32,7 +32,7 @@ km_status km_model_read_mesh(const km_model *model, const char *where, const cha
                              km_mesh **out, km_error *error) {
   km_text path = {0};
   km_status status = KM_OK;
-  if (!km_model_find_mesh(model, name, &path))
+  if (!km_find_mesh(&model->folders, name, &path))
     status = path.failed
                  ? km_fail(error, KM_MEMORY, "out of memory for meshes")
                  : km_fail(error, KM_IO, "%s%s: mesh \"%.200s\" is found neither beside the file nor in include_dir",

@@ -5,7 +5,7 @@
 static const char not_found[] = "is found neither beside the file nor in include_dir";
 
 static km_status find_needed(const km_model *model, const char *mesh, km_text *path, km_error *error) {
-  if (km_model_find_mesh(model, mesh, path))
+  if (km_find_mesh(&model->folders, mesh, path))
     return KM_OK;
   if (path->failed)
     return km_fail(error, KM_MEMORY, "out of memory for meshes");
@@ -115,7 +115,7 @@ bool km_model_miss_meshes(const km_model *model, km_messages *messages) {
     bool body = k < model->body_count;
     const km_model_shape *shape = body ? NULL : &model->shapes[k - model->body_count];
     const char *mesh = body ? model->bodies[k].mesh : shape->mesh;
-    if (!mesh || km_model_find_mesh(model, mesh, &path))
+    if (!mesh || km_find_mesh(&model->folders, mesh, &path))
       continue;
     if (path.failed)
       break;

@@ -2,6 +2,7 @@
 #include "exchange/robot/write.h"
 
 #include "base/names.h"
+#include "exchange/mesh/folders.h"
 
 #include <math.h>
 #include <stdarg.h>
@@ -309,8 +310,8 @@ static km_status check_loops(km_written *w, km_error *error) {
   return KM_OK;
 }
 
-km_status km_written_make(const km_model *m, const double *q, km_messages *messages, km_text *out, km_written *w,
-                          km_error *error) {
+km_status km_written_make(const km_model *m, const double *q, const char *file, km_messages *messages, km_text *out,
+                          km_written *w, km_error *error) {
   size_t bodies = (size_t)m->body_count, coordinates = (size_t)m->coordinate_count, joints = (size_t)m->joint_count;
   *w = (km_written){.model = m,
                     .messages = messages,
@@ -340,6 +341,9 @@ km_status km_written_make(const km_model *m, const double *q, km_messages *messa
   choose_tree(w, leader);
   orient(w, reached);
   place(w, w->q);
+  km_status status = km_find_destination(&m->folders, file, &w->arena, &w->destination, error);
+  if (status)
+    return status;
   return w->arena.failed ? km_fail(error, KM_MEMORY, "out of memory while writing the model") : check_loops(w, error);
 }
 

@@ -29,6 +29,7 @@ typedef struct km_written_joint {
 
 typedef struct km_written {
   const km_model *model;
+  const char *destination; /* the folder that it is written to, as km_find_destination has it */
   km_arena arena;
   km_messages *messages;
   km_xml_writer xml;
@@ -45,9 +46,9 @@ typedef struct km_written {
   double length, mass, force, time; /* SI per unit of the model */
 } km_written;
 
-/* At a pose (q [coordinate] in the model's units). KM_MODEL: loops are open there; KM_MEMORY. To be freed in any case. */
-km_status km_written_make(const km_model *model, const double *q, km_messages *messages, km_text *out, km_written *w,
-                          km_error *error);
+/* At a pose (q [coordinate] in the model's units), for a `file` (NULL: beside the model). KM_MODEL: loops are open there; KM_MEMORY. To be freed in any case. */
+km_status km_written_make(const km_model *model, const double *q, const char *file, km_messages *messages, km_text *out,
+                          km_written *w, km_error *error);
 void km_written_free(km_written *w);
 /* Makes `reference` and `world` those of the pose `q`, or of zero for the joints that no loop and no coupling binds. */
 bool km_written_refer(km_written *w, bool zero_where_free);

@@ -1,8 +1,12 @@
 /* What bodies look like, in SI units, for the writers of robot descriptions. */
 #include "exchange/robot/write.h"
 
-static km_model_shape in_metres(const km_written *w, const km_model_shape *shape) {
+#include "exchange/mesh/folders.h"
+
+static km_model_shape in_metres(km_written *w, const km_model_shape *shape) {
   km_model_shape out = *shape;
+  if (out.mesh)
+    out.mesh = km_written_mesh(&w->model->folders, w->destination, out.mesh, &w->arena);
   out.pose.p = km_vec3_scale(w->length, shape->pose.p);
   for (int k = 0; k < 3; ++k) {
     out.size[k] *= w->length;
@@ -12,7 +16,7 @@ static km_model_shape in_metres(const km_written *w, const km_model_shape *shape
 }
 
 /* The mesh that a body is defined by, in the body's own frame. */
-static km_model_shape definition(const km_written *w, int body) {
+static km_model_shape definition(km_written *w, int body) {
   km_model_shape shape = {.body = body,
                           .kind = KM_SHAPE_OF_MESH,
                           .mesh = w->model->bodies[body].mesh,

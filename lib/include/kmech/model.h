@@ -53,11 +53,12 @@ KM_API km_status km_model_load_varied(const char *path, const km_assignment *ass
  * KM_USAGE as above, KM_MODEL. */
 KM_API km_status km_model_read_numbers(const char *bytes, size_t size, const char *const *paths, int count,
                                        double *values, bool *plain, km_error *error);
-/* The text of such a file with other values in it, as an editor would write it: values[count] of paths[count]. As text:
+/* The text of such a file with other values in it, as an editor would write it: values[count] of paths[count]. Meshes
+ * that the file `from` names (NULL: in the current folder) are called as from the file `to`; NULL: as they are. As text:
  * returns how many bytes there are without the closing NUL, and writes as many as fit into text[room] with one (text
  * NULL: none); 0 with `error` filled when that fails. */
 KM_API size_t km_model_write_varied(const char *bytes, size_t size, const km_assignment *assignments, int count,
-                                    char *text, size_t room, km_error *error);
+                                    const char *from, const char *to, char *text, size_t room, km_error *error);
 /* How a model is read. Start from {0}. */
 typedef struct km_read_def {
   const char *file; /* where the bytes are from, for meshes and other files that they name; NULL: nowhere */

@@ -31,8 +31,9 @@ KM_API km_model_format km_model_format_of(const char *file);
  * units. What a format can't hold is a note in `messages`, one for each kind, with the number. What is read back is the
  * same mechanism: mobility, poses at the same coordinates, masses, gravity. In SDF the joints of loops count from the pose
  * that is written; in MJCF ball joints do. The caller frees `*out`. KM_MODEL: the loops are open; KM_USAGE, KM_MEMORY. Cost:
- * bodies · joints. */
-KM_API km_status km_model_write_as(const km_model *model, km_model_format format, const double *q,
+ * bodies · joints. `file`: where the text will stand; meshes are named as from its folder (km_model_rename_meshes); NULL: they
+ * keep their names. */
+KM_API km_status km_model_write_as(const km_model *model, km_model_format format, const double *q, const char *file,
                                    km_messages *messages, km_bytes *out, km_error *error);
 
 /* The model as a tree in other units, version 1.0 or newer as the file, with the given initial displacements (q as above).
@@ -51,6 +52,12 @@ KM_API km_status km_model_convert(const km_model *model, const km_units *units, 
  * KM_NO_RESULT: no assembly can be drawn; KM_USAGE, KM_MEMORY. Cost: linear in the file. */
 KM_API km_status km_model_draw(const km_model *model, const km_units *units, const double *q, km_messages *notes,
                                km_arena *arena, const km_value **out, km_error *error);
+/* Names the meshes of a `tree` that such a call has made as from the folder of `file`, where the tree will stand, if that
+ * isn't the model's own: relative to it, or by their whole path where both have nothing but the root in common. Meshes that
+ * aren't found keep their names; so do all where `file` is NULL, or "-". The names live in `arena`. KM_USAGE, KM_MEMORY.
+ * O(tree). */
+KM_API km_status km_model_rename_meshes(const km_model *model, const km_value *tree, const char *file, km_arena *arena,
+                                        km_error *error);
 /* Does the model's file name numbers by parameters? */
 KM_API bool km_model_has_parameters(const km_model *model);
 
